@@ -105,7 +105,7 @@ define packages
 $(1)_CFLAGS = $$(eval $(1)_CFLAGS := $$(call pkg_cflags,$$($(1)_PACKAGES)))$$($(1)_CFLAGS)
 $(1)_LIBRARIES = $$(eval $(1)_LIBRARIES := $$(call pkg_libs,$$($(1)_PACKAGES)))$$($(1)_LIBRARIES)
 endef
-$(foreach folder,hal drivers config app bake calibrate tests,$(eval $(call packages,$(folder))))
+$(foreach folder,hal drivers config app bake calibrate tests cmocka,$(eval $(call packages,$(folder))))
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
 	$(CALIBRATE_SOURCES) $(BAKE_MAIN) $(APP_MAIN) $(CALIBRATE_MAIN)
@@ -163,17 +163,34 @@ $(BUILD)/inlay-calibrate: $(call objects,$(CALIBRATE_MAIN)) $(CALIBRATE_LIBS)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
 
-# Unit tests, one program a file: tests/unit/test_x.c -> $(BUILD)/tests/unit/test_x
+# Unit tests, one program a file: tests/unit/hal/optics/test_x.c -> $(BUILD)/tests/unit/hal/optics/test_x.
+# Each is linked with the archives of its room only; what else one needs is named in tests/module.mk.
 UNIT_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(UNIT_TESTS)))
+$(eval $(call archive,tests/support,$(SUPPORT_SOURCES)))
+HAL_LINK = $(hal_LIBRARIES) $(hal_LIBS) -lm
 EVERY_LIB := $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
 EVERY_LINK = -Wl,--as-needed $(APP_LINK) $(CALIBRATE_LINK)
-$(UNIT_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(EVERY_LIB)
-	$(say) LINK $@
-	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $< $(EVERY_LIB) $(tests_LIBRARIES) $(EVERY_LINK)
+UNIT_CALIBRATE := $(filter $(BUILD)/tests/unit/bake/calibrate/%,$(UNIT_PROGRAMS))
+# unit PROGRAMS, ARCHIVES, LIBRARIES
+define unit
+$(1): $(BUILD)/%: $(BUILD)/%.o $(SUPPORT_LIB) $(addprefix $(BUILD)/,$(2))
+	$$(say) LINK $$@
+	$$(Q)$$(CXX) $$(SHARED_LINK) -Wl,--as-needed $$(LDFLAGS) -o $$@ $$(filter %.o,$$^) \
+		-Wl,--start-group $$(filter %.a,$$^) -Wl,--end-group $$(cmocka_LIBRARIES) $(3)
+endef
+unit_in = $(filter $(BUILD)/tests/$(1)/%,$(UNIT_PROGRAMS))
+$(eval $(call unit,$(call unit_in,unit/hal),hal.a,$$(HAL_LINK)))
+$(eval $(call unit,$(call unit_in,unit/drivers),drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
+$(eval $(call unit,$(call unit_in,unit/config),config.a drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
+$(eval $(call unit,$(call unit_in,unit/app),app.a drivers.a config.a hal.a,$$(APP_LINK)))
+$(eval $(call unit,$(filter-out $(UNIT_CALIBRATE),$(call unit_in,unit/bake)),bake.a hal.a,$$(BAKE_LINK)))
+$(eval $(call unit,$(UNIT_CALIBRATE),calibrate.a bake.a drivers.a config.a hal.a,$$(CALIBRATE_LINK)))
+$(eval $(call unit,$(call unit_in,accuracy),$(notdir $(EVERY_LIB)),$$(EVERY_LINK)))
 
 # Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
 FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))
-FUZZ_LIB := $(call objects,$(FUZZ_PARTS)) $(addprefix $(BUILD)/,drivers.a config.a hal.a)
+FUZZ_LIB := $(call objects,$(FUZZ_PARTS) tests/fuzz/as_file.c) $(SUPPORT_LIB) \
+	$(addprefix $(BUILD)/,drivers.a config.a hal.a)
 ifeq ($(FUZZER),1)
 # What no target is linked with is compiled for its warnings alone: sanitizers and optimiser take two
 # thirds of the time that it takes.
@@ -192,12 +209,13 @@ $(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(FUZZ_LIB)
 	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) \
 		-Wl,--start-group $(FUZZ_LIB) -Wl,--end-group $(EVERY_LINK)
 
--include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c))
+TEST_SOURCES := $(SUPPORT_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/as_file.c tests/fuzz/replay.c
+-include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(TEST_SOURCES)))
 
 .PHONY: programs-unit programs-fuzz objects
 programs-unit: $(UNIT_PROGRAMS)
 programs-fuzz: $(FUZZ_PROGRAMS)
-objects: $(call objects,$(ALL_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c)
+objects: $(call objects,$(ALL_SOURCES) $(TEST_SOURCES))
 
 # ---- what a person calls ----
 # deps.sh may install what the WITH_ choices above looked for, so the work is done by a second make.
@@ -272,9 +290,10 @@ release-check:
 test-lint:
 	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh
 ## test-unit: unit tests alone (TEST=dome: those whose name contains dome)
-test-unit: all $(TEST_PROGRAMS) $(foreach t,$(UNIT_PROGRAMS),$(if $(findstring $(TEST),$(notdir $t)),$t))
-	$(Q)$(RUN_TESTS) unit $(or $(foreach t,$(UNIT_PROGRAMS),$(if $(findstring $(TEST),$(notdir $t)),$t)),\
-		$(error no unit test has "$(TEST)" in its name))
+UNIT_CHOSEN = $(strip $(if $(TEST),$(foreach t,$(UNIT_PROGRAMS),$(if $(findstring $(TEST),$(notdir $t)),$t)),\
+	$(UNIT_PROGRAMS)))
+test-unit: $(UNIT_CHOSEN)
+	$(Q)$(RUN_TESTS) unit $(or $(UNIT_CHOSEN),$(error no unit test has "$(TEST)" in its name))
 ## test-thorough: the unit tests that draw statistics, with their whole samples
 test-thorough: $(addprefix $(BUILD)/,$(basename $(THOROUGH_TESTS)))
 	$(Q)INLAY_THOROUGH=1 $(RUN_TESTS) thorough $^
@@ -310,7 +329,7 @@ same-output: all
 .PHONY: test-seeds
 ## test-seeds: unit and kernel tests, each from TIMES=20 new seeds (an hour); make test keeps to one
 TIMES = 20
-test-seeds: all programs-unit $(BUILD)/tests/kernels/test_kernels
+test-seeds: programs-unit $(BUILD)/tests/kernels/test_kernels
 	$(Q)tests/seeds.sh $(TIMES) $(UNIT_PROGRAMS) $(BUILD)/tests/kernels/test_kernels
 
 .PHONY: lint

@@ -1,5 +1,33 @@
 # SPDX-License-Identifier: MIT
+# Support and tests are compiled with all of these, and linked with cmocka and their room's libraries.
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
+cmocka_PACKAGES := cmocka
+SUPPORT_SOURCES := \
+	tests/support/baked_rows.c \
+	tests/support/captured_log.c \
+	tests/support/chance.c \
+	tests/support/copied_basis.c \
+	tests/support/drawn_board.c \
+	tests/support/drawn_lamps.c \
+	tests/support/encode_promises.c \
+	tests/support/encode_rig.c \
+	tests/support/expect.c \
+	tests/support/fisheye_photographs.c \
+	tests/support/fisheye_views.c \
+	tests/support/guarded_screen.c \
+	tests/support/hand_block.c \
+	tests/support/known_camera.c \
+	tests/support/own_folder.c \
+	tests/support/patch_chart.c \
+	tests/support/plain_pipeline.c \
+	tests/support/played_v4l2.c \
+	tests/support/random_frame.c \
+	tests/support/reseal_shard.c \
+	tests/support/small_scene.c \
+	tests/support/synthetic_basis.c \
+	tests/support/synthetic_block.c \
+	tests/support/thorough.c
+SUPPORT_LIB := $(BUILD)/tests/support.a
 UNIT_TESTS := \
 	tests/accuracy/test_compositor_accuracy.c \
 	tests/accuracy/test_light_ground.c \
@@ -105,18 +133,23 @@ UNIT_TESTS := \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
 	tests/unit/hal/optics/test_tsai.c
-# Those that try more when INLAY_THOROUGH is set, and one that takes long however little it tries.
+# Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
+# Sets each driver's keys, and the array of drivers is the app's.
+$(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 	tests/unit/drivers/test_kms_card.c)
-# Its graphics card is played: see there.
+# Their V4L2 device is played: see support/played_v4l2.h.
+$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_settings): \
+	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
+# The test plays the graphics card.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_libcamera.cpp \
 	tests/unit/drivers/test_libcamera_parts.c)
-# Its libudev is played: see there.
+# The test plays libudev.
 $(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
@@ -140,8 +173,8 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_state.c \
 	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_video.c
-# What they reach of app/ and bake/, beside the whole of hal/, drivers/ and config/: a part that is not
-# named does not link.
+# Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
+# missing does not link.
 FUZZ_PARTS := \
 	app/driver_list.c \
 	app/kiosk/control.c \
@@ -173,34 +206,34 @@ FUZZ_PARTS := \
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh bombs.sh)
-# By themselves: they hold times against each other.
+# These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
 TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
-# What takes a minute or needs packages that building and using inlay does not: parts of install.sh and
-# calibrate.sh, which do without them in the quick tests.
+# These take a minute, or need packages that inlay itself does not need. install.sh and calibrate.sh leave
+# such parts out in the quick tests.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
 include tests/vm/vm.mk
 
-# How far two pictures are apart, for the accuracy table.
+# Measures how far two pictures are apart, for the accuracy table.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/accuracy/compare.d
 
-# How right the light is that a camera of several exposures measures: exposures.sh.
+# Measures the error of light from one and several exposures: exposures.sh.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/exposures
 $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 		$(BUILD)/tests/accuracy/exposures_random.o $(BUILD)/tests/accuracy/exposures_truth.o \
-		$(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
+		$(SUPPORT_LIB) $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(EVERY_LINK)
 -include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
 	$(BUILD)/tests/accuracy/exposures_truth.d
 
-# How long a camera's calibration takes; run by hand.
+# Measures the time of a camera's calibration; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
-$(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
+$(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
@@ -208,7 +241,7 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o \
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
 TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(BUILD)/hal.a
+$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/basis_seeds.d
@@ -220,9 +253,9 @@ $(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-# Draws what is photographed for the calibration of a fisheye.
+# Draws the photographs for the calibration of a fisheye.
 TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
-$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o \
+$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
@@ -232,7 +265,7 @@ $(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o \
 # and run by an emulator.
 KERNELS_TEST := $(addprefix $(BUILD)/,tests/kernels/test_kernels.o tests/kernels/compare.o \
 	tests/kernels/compare_sums.o tests/kernels/compare_pixels.o \
-	tests/kernels/faults.o tests/kernels/guarded.o hal/base/fault.o hal/base/processor.o hal/colour/transfer.o) \
+	tests/kernels/faults.o tests/kernels/guarded.o tests/support/chance.o hal/base/fault.o hal/base/processor.o hal/colour/transfer.o) \
 	$(addsuffix .o,$(addprefix $(BUILD)/,$(basename $(filter hal/compositor/kernels/kernel%,$(HAL_SOURCES)))))
 $(BUILD)/tests/kernels/test_kernels: $(KERNELS_TEST)
 	$(say) LINK $@

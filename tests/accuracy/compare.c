@@ -2,10 +2,10 @@
 /*
  * compare A B [--difference OUT.png] [--mirror]
  *
- * How far two pictures are apart, in 8-bit sRGB levels: prints "PSNR_dB RMS MAX". 8-bit pictures
- * are compared as they are; float ones hold linear light and are clipped to 0..1 and encoded, but
- * not rounded. The difference picture is mid-grey where they agree, four levels for each level of A
- * - B. --mirror swaps left and right in A first: what a test must notice.
+ * Measures how far two pictures are apart, in 8-bit sRGB levels: prints "PSNR_dB RMS MAX". 8-bit
+ * pictures are compared as they are; float ones hold linear light and are clipped to 0..1 and
+ * encoded, but not rounded. The difference picture is mid-grey where they agree, plus four levels
+ * for each level of A - B. --mirror first swaps left and right in A, which a test must notice.
  */
 #include <math.h>
 #include <stdbool.h>

@@ -36,7 +36,7 @@
 #define DELAYS 7 /* 0..6 frames */
 #define WAIT_MS 10000
 
-static const struct place places[] = {
+static const struct exposures_place places[] = {
 	{"museum", "st_fagans_interior_1k.hdr", 0.585, 32},
 	{"sunset", "venice_sunset_1k.hdr", 0.856, 64},
 	{"lamps", "studio_small_03_1k.hdr", 0.136, 32},
@@ -48,8 +48,8 @@ enum way { ONE, ONE_RECOVERED, THREE, THREE_RECOVERED, UNCLIPPED, WAYS };
 static const char *const way_names[] = {"one exposure", "one, recovered", "three exposures",
 					"three, recovered", "a camera without limits"};
 
-/* The camera at that place and what is made of its pictures. */
-struct rig {
+/* The camera at a place, and what the program makes of its pictures. */
+struct exposures_rig {
 	struct config *config;
 	struct pipeline *pipeline;
 	struct source source;
@@ -72,8 +72,8 @@ __attribute__((format(printf, 2, 3))) static void set(struct config *config, con
 	must(config_set(config, text, &report), &report.first);
 }
 
-static void configure(struct rig *rig, const struct table *t, const struct place *place,
-		      enum way way, int delay)
+static void configure(struct exposures_rig *rig, const struct table *t,
+		      const struct exposures_place *place, enum way way, int delay)
 {
 	struct config *config;
 	struct fault fault = {.text = "not enough memory"};
@@ -109,7 +109,7 @@ static void configure(struct rig *rig, const struct table *t, const struct place
 	}
 }
 
-static void start(struct rig *rig, const struct table *t)
+static void exposures_start(struct exposures_rig *rig, const struct table *t)
 {
 	const struct pipeline_settings settings = pipeline_settings_of(rig->config);
 	struct config_camera *camera = config_camera_named(rig->config, "fisheye");
@@ -132,15 +132,15 @@ static void start(struct rig *rig, const struct table *t)
 	source_open(&rig->source);
 }
 
-static void stop(struct rig *rig)
+static void exposures_stop(struct exposures_rig *rig)
 {
 	source_destroy(&rig->source);
 	pipeline_destroy(rig->pipeline);
 	config_destroy(rig->config);
 }
 
-/* Waits for the next picture, and measures it. */
-static void look(struct rig *rig)
+/* Waits for the next picture and measures its light. */
+static void exposures_look(struct exposures_rig *rig)
 {
 	struct source *source = &rig->source;
 	struct fault fault = {.text = ""};
@@ -172,8 +172,8 @@ static void look(struct rig *rig)
 
 /* ---- the table ---- */
 
-struct figures {
-	double worst[3]; /* error of the irradiance by channel, the worst of the delays, signed */
+struct exposures_figures {
+	double worst[3]; /* largest error of the irradiance over the delays, by channel, signed */
 	double clipped;
 	struct composite_error composite, traced;
 	int unfit;
@@ -185,8 +185,8 @@ static double worst_of(const double v[3])
 	return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
 }
 
-static void judge(const struct table *t, struct rig *rig, const struct truth *truth,
-		  struct figures *f)
+static void judge(const struct table *t, struct exposures_rig *rig,
+		  const struct exposures_truth *truth, struct exposures_figures *f)
 {
 	const struct picture card = whole(&truth->card);
 	const struct backdrop backdrop = backdrop_of(&card);
@@ -214,22 +214,23 @@ static void judge(const struct table *t, struct rig *rig, const struct truth *tr
 	canvas_free(&out);
 }
 
-static void run_way(const struct table *t, const struct place *place, enum way way, int delay,
-		    const struct truth *truth, struct figures *f)
+static void run_way(const struct table *t, const struct exposures_place *place, enum way way,
+		    int delay, const struct exposures_truth *truth, struct exposures_figures *f)
 {
-	struct rig rig = {.config = NULL};
+	struct exposures_rig rig = {.config = NULL};
 
 	configure(&rig, t, place, way, delay);
-	start(&rig, t);
+	exposures_start(&rig, t);
 	for (int k = 0; k < PICTURES; k++)
-		look(&rig);
+		exposures_look(&rig);
 	f->wrong_delay |= rig.exposing.count > 1 && rig.exposing.schedule.delay != delay;
 	look_at_card(rig.pipeline, truth);
 	judge(t, &rig, truth, f);
-	stop(&rig);
+	exposures_stop(&rig);
 }
 
-static void print_row(const struct place *place, enum way way, const struct figures *f, bool traced)
+static void print_row(const struct exposures_place *place, enum way way,
+		      const struct exposures_figures *f, bool traced)
 {
 	printf("| %s | %s | %+.1f %+.1f %+.1f | %.2f | %.2f | %.1f | ", place->name, way_names[way],
 	       100 * f->worst[0], 100 * f->worst[1], 100 * f->worst[2], 100 * f->clipped,
@@ -242,15 +243,16 @@ static void print_row(const struct place *place, enum way way, const struct figu
 	fflush(stdout);
 }
 
-static void print_place(const struct table *t, const struct place *place)
+static void print_place(const struct table *t, const struct exposures_place *place)
 {
-	struct truth truth;
+	struct exposures_truth truth;
 
 	find_truth(t, place, &truth);
 	for (enum way way = ONE; way < WAYS; way++) {
 		const bool alternates = way == THREE || way == THREE_RECOVERED;
-		struct figures f = {.composite = {.psnr_db = INFINITY, .frame_psnr_db = INFINITY},
-				    .traced = {.psnr_db = INFINITY, .frame_psnr_db = INFINITY}};
+		struct exposures_figures f = {
+			.composite = {.psnr_db = INFINITY, .frame_psnr_db = INFINITY},
+			.traced = {.psnr_db = INFINITY, .frame_psnr_db = INFINITY}};
 
 		for (int delay = 0; delay < (alternates ? DELAYS : 1); delay += t->quick ? 3 : 1)
 			run_way(t, place, way, delay, &truth, &f);

@@ -18,14 +18,14 @@
 #define SIDE 480
 #define PIXELS ((size_t)SIDE * SIDE)
 #define THINGS_MAX 13
-#define ALLOWED 0.05 /* of the places */
-#define SAME 0.05    /* levels: no rise */
+#define ALLOWED 0.05 /* largest share of places that may become worse */
+#define SAME 0.05    /* levels; a smaller rise counts as no change */
 
 enum kind { LAMP, WINDOW, WALL, KINDS };
 
 struct thing {
 	enum kind kind;
-	double direction[3], radius_rad; /* of lamps and walls */
+	double direction[3], radius_rad; /* lamps and walls */
 	double azimuth_rad, half_rad, low_rad, high_rad;
 	double rgb[3], glow;
 };
@@ -34,8 +34,8 @@ struct random_place {
 	struct thing thing[THINGS_MAX];
 	int count, lamps;
 	double zenith, horizon, warmth;
-	double lamps_share; /* of the light */
-	double ground;	    /* radiance of a white one */
+	double lamps_share; /* share of the light that the lamps give */
+	double ground;	    /* radiance of a white ground */
 };
 
 /* ---- drawing one ---- */
@@ -120,7 +120,8 @@ static double seen(const struct thing *thing, const double direction[3])
 	       height_rad < thing->high_rad;
 }
 
-/* All but the lamps, or the lamps alone. Returns the radiance of a white ground under it. */
+/* Paints everything but the lamps, or the lamps alone. Returns the radiance of a white ground under
+ * it. */
 static double paint(const struct random_place *place, const struct fisheye *lens, bool lamps,
 		    float (*rgb)[3])
 {
@@ -163,18 +164,18 @@ static void paint_place(const struct random_place *place, const struct fisheye *
 
 /* ---- what is made of it ---- */
 
-struct bench {
+struct random_bench {
 	const struct table *table;
 	struct pipeline *pipeline;
 	struct fisheye lens;
-	struct truth truth;
+	struct exposures_truth truth;
 	struct sensor *sensor;
 	float (*sky)[3], (*lamps)[3];
-	uint8_t *camera; /* BGRX */
+	uint8_t *camera; /* [height][width], BGRX */
 	struct canvas out;
 };
 
-static void prepare(struct bench *b, const struct table *t)
+static void exposures_random_prepare(struct random_bench *b, const struct table *t)
 {
 	const struct fisheye_settings ideal = {.field_deg = 90};
 	struct fault fault = {.text = ""};
@@ -186,7 +187,7 @@ static void prepare(struct bench *b, const struct table *t)
 		.patch = CARD_PATCH,
 	};
 
-	*b = (struct bench){.table = t};
+	*b = (struct random_bench){.table = t};
 	must(pipeline_create(&b->pipeline, &t->basis, &settings, &fault), &fault);
 	must(fisheye_prepare(&b->lens, &ideal, SIDE, SIDE, &fault), &fault);
 	truth_create(&b->truth, t, pipeline_dome(b->pipeline)->count);
@@ -202,7 +203,7 @@ static void prepare(struct bench *b, const struct table *t)
 	b->camera = room_for(PIXELS, 4);
 }
 
-static void end(struct bench *b)
+static void exposures_random_end(struct random_bench *b)
 {
 	pipeline_destroy(b->pipeline);
 	free_truth(&b->truth);
@@ -213,7 +214,7 @@ static void end(struct bench *b)
 	free(b->camera);
 }
 
-static void find_true_lights(struct bench *b)
+static void find_true_lights(struct random_bench *b)
 {
 	const struct image sky = {.width = SIDE, .height = SIDE, .f32 = &b->sky[0][0]};
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
@@ -229,7 +230,7 @@ static void find_true_lights(struct bench *b)
 	light_exposures_begin(b->pipeline->exposures);
 }
 
-static double rms_of(struct bench *b)
+static double rms_of(struct random_bench *b)
 {
 	const struct picture card = whole(&b->truth.card);
 	const struct backdrop backdrop = backdrop_of(&card);
@@ -242,8 +243,8 @@ static double rms_of(struct bench *b)
 		.rms;
 }
 
-/* With one exposure, and with what the ground tells of it. */
-static void judge_place(struct bench *b, int frame, double rms[2])
+/* Judges one exposure, and one exposure with what the ground tells. */
+static void judge_place(struct random_bench *b, int frame, double rms[2])
 {
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
 	const struct picture camera = view_picture(&view, b->camera, (size_t)SIDE * 4);
@@ -259,12 +260,12 @@ static void judge_place(struct bench *b, int frame, double rms[2])
 
 /* ---- the table ---- */
 
-struct figures {
+struct random_figures {
 	int places, rises;
 	double sum[2], rise;
 };
 
-static void count_in(struct figures *f, const double rms[2])
+static void count_in(struct random_figures *f, const double rms[2])
 {
 	f->places++;
 	f->rises += rms[1] > rms[0] + SAME;
@@ -273,7 +274,7 @@ static void count_in(struct figures *f, const double rms[2])
 		f->sum[k] += rms[k];
 }
 
-static void print_row(const char *name, const struct figures *f)
+static void print_row(const char *name, const struct random_figures *f)
 {
 	const int n = f->places ? f->places : 1;
 
@@ -285,10 +286,10 @@ bool random_places(const struct table *t)
 {
 	static const char *const names[] = {"no lamp", "one lamp", "2 to 6 lamps", "all"};
 	struct chance chance = {SEED * 2 + 1};
-	struct figures f[4] = {{.places = 0}};
-	struct bench b;
+	struct random_figures f[4] = {{.places = 0}};
+	struct random_bench b;
 
-	prepare(&b, t);
+	exposures_random_prepare(&b, t);
 	for (int k = 0; k < (t->quick ? PLACES_QUICK : PLACES); k++) {
 		struct random_place place;
 		double rms[2];
@@ -299,7 +300,7 @@ bool random_places(const struct table *t)
 		count_in(&f[place.lamps < 2 ? place.lamps : 2], rms);
 		count_in(&f[3], rms);
 	}
-	end(&b);
+	exposures_random_end(&b);
 	puts("\n| random places | how many | mean RMS: one exposure | one, recovered | worse for "
 	     "it, "
 	     "% | by at most |\n|---|---|---|---|---|---|");

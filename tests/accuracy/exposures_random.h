@@ -15,7 +15,8 @@
 
 #include "tests/accuracy/exposures_truth.h"
 
-/* Prints a table of them, the same ones each time. Whether at least 95 % are not worse. */
+/* Prints a table of random places, the same ones in each run. Returns whether at least 95 % of them
+ * are not worse. */
 bool random_places(const struct table *table);
 
 #endif

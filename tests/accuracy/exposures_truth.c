@@ -11,8 +11,8 @@
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/studio.h"
 
-#define TRUE_SIDE 1024	 /* pixels of the fisheye that sees the true lights */
-#define TRUE_SAMPLES 256 /* a pixel */
+#define TRUE_SIDE 1024	 /* pixels a side of the fisheye that sees the true lights */
+#define TRUE_SAMPLES 256 /* samples a pixel */
 
 void die(const char *format, ...)
 {
@@ -41,13 +41,14 @@ void *room_for(size_t count, size_t bytes)
 	return room;
 }
 
-static struct panorama panorama_of(const struct place *place, const struct truth *truth)
+static struct panorama panorama_of(const struct exposures_place *place,
+				   const struct exposures_truth *truth)
 {
 	return (struct panorama){.image = &truth->panorama, .scale = place->exposure};
 }
 
-static void true_lights_of_panorama(const struct place *place, struct truth *truth,
-				    const struct dome *dome)
+static void true_lights_of_panorama(const struct exposures_place *place,
+				    struct exposures_truth *truth, const struct dome *dome)
 {
 	const struct light_sampler_settings settings = {.gain = 1};
 	const struct fisheye_settings ideal = {.field_deg = 90};
@@ -80,7 +81,7 @@ void irradiance_of(const struct dome *dome, const float (*radiance)[3], double r
 	}
 }
 
-static void true_lights_of_room(const struct place *place, struct truth *truth,
+static void true_lights_of_room(const struct exposures_place *place, struct exposures_truth *truth,
 				const struct dome *dome)
 {
 	static const double origin[3] = {0, 0, 0};
@@ -95,12 +96,12 @@ static void true_lights_of_room(const struct place *place, struct truth *truth,
 	irradiance_of(dome, (const float(*)[3])truth->lights, truth->irradiance);
 }
 
-static double card_radiance(const struct truth *truth, int c)
+static double card_radiance(const struct exposures_truth *truth, int c)
 {
 	return CARD / M_PI * truth->irradiance[c];
 }
 
-static void fill_card(struct truth *truth)
+static void fill_card(struct exposures_truth *truth)
 {
 	for (int y = 0; y < truth->card.height; y++) {
 		uint8_t *row = truth->card.pixels + (size_t)y * truth->card.stride;
@@ -120,8 +121,9 @@ struct picture whole(const struct canvas *canvas)
 	return view_picture(&view, canvas->pixels, canvas->stride);
 }
 
-/* The object on the card, path traced. */
-static void trace(const struct table *t, const struct place *place, struct truth *truth)
+/* Traces paths for the object on the card. */
+static void trace(const struct table *t, const struct exposures_place *place,
+		  struct exposures_truth *truth)
 {
 	const struct truth_settings settings = {.samples = TRUE_SAMPLES,
 						.bounces = t->scene->file->render.bounces,
@@ -156,9 +158,9 @@ void choose(struct pipeline *p)
 	must(pipeline_choose(p, &choice, &fault), &fault);
 }
 
-void truth_create(struct truth *truth, const struct table *t, int lights)
+void truth_create(struct exposures_truth *truth, const struct table *t, int lights)
 {
-	*truth = (struct truth){.traced = NULL};
+	*truth = (struct exposures_truth){.traced = NULL};
 	truth->lights = room_for((size_t)lights, sizeof(*truth->lights));
 	truth->composite = room_for((size_t)t->scope.width * (size_t)t->scope.height,
 				    3 * sizeof(double));
@@ -166,7 +168,7 @@ void truth_create(struct truth *truth, const struct table *t, int lights)
 		die("not enough memory");
 }
 
-void truth_show(struct truth *truth, struct pipeline *p)
+void truth_show(struct exposures_truth *truth, struct pipeline *p)
 {
 	struct fault fault = {.text = ""};
 	struct picture card;
@@ -178,7 +180,7 @@ void truth_show(struct truth *truth, struct pipeline *p)
 	must(pipeline_reference(p, &card, truth->composite, &fault), &fault);
 }
 
-void look_at_card(struct pipeline *pipeline, const struct truth *truth)
+void look_at_card(struct pipeline *pipeline, const struct exposures_truth *truth)
 {
 	const size_t pixels = (size_t)truth->card.width * (size_t)truth->card.height;
 	float *linear = room_for(3 * pixels, sizeof(*linear));
@@ -205,7 +207,8 @@ void look_at_card(struct pipeline *pipeline, const struct truth *truth)
 	free(linear);
 }
 
-void find_truth(const struct table *t, const struct place *place, struct truth *truth)
+void find_truth(const struct table *t, const struct exposures_place *place,
+		struct exposures_truth *truth)
 {
 	const struct pipeline_settings settings = {.sampler = {.gain = 1},
 						   .lens = {.field_deg = 90},
@@ -230,7 +233,7 @@ void find_truth(const struct table *t, const struct place *place, struct truth *
 	pipeline_destroy(p);
 }
 
-void free_truth(struct truth *truth)
+void free_truth(struct exposures_truth *truth)
 {
 	free(truth->lights);
 	free(truth->composite);

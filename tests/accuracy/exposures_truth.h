@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Private to exposures*.c: a place as it is, without a camera, and what the object looks like
- * there. */
+/* Private to exposures*.c: the truth of a place (its light, without a camera) and what the object
+ * looks like there. */
 #ifndef INLAY_TESTS_ACCURACY_EXPOSURES_TRUTH_H
 #define INLAY_TESTS_ACCURACY_EXPOSURES_TRUTH_H
 
@@ -11,19 +11,19 @@
 #include "bake/truth/truth.h"
 #include "hal/measure/error.h"
 
-#define PICTURES 72 /* the delay takes up to 48 to measure; then some turns */
+#define PICTURES 72 /* up to 48 to measure the delay, then some rounds of exposures */
 #define RATE_HZ 25.0
 #define CARD 0.5 /* its reflectance */
-/* Of the card, what the program is told of. */
+/* The part of the picture that the program is told is the card. */
 #define CARD_PATCH                                                                                 \
 	{                                                                                          \
 		.x = 4, .y = 4, .width = 40, .height = 30, .reflectance = { CARD, CARD, CARD }     \
 	}
 
-struct place {
-	const char *name, *file; /* no file: the project's room */
-	double exposure;	 /* at which a white ground has a radiance of 0.6 */
-	double step;		 /* from an exposure to the next; the last just does not clip */
+struct exposures_place {
+	const char *name, *file; /* HDR file; NULL: the room of the project */
+	double exposure;	 /* exposure at which a white ground has a radiance of 0.6 */
+	double step; /* ratio of an exposure to the next; the shortest just does not clip */
 };
 
 struct table {
@@ -34,36 +34,38 @@ struct table {
 	struct scope scope;
 };
 
-/* A place as it is, without a camera. */
-struct truth {
+/* The light of a place and pictures of the object under it. */
+struct exposures_truth {
 	float (*lights)[3];
 	double irradiance[3];
-	double *composite, *traced; /* [height][width][3], code values; traced: NULL, not known */
+	double *composite,
+		*traced; /* [height][width][3], code values; traced is NULL where it is not known */
 	struct canvas card;
 	struct image panorama;
 };
 
-/* Ends the program. */
+/* Prints a message and ends the program. */
 __attribute__((format(printf, 1, 2), noreturn)) void die(const char *format, ...);
 void must(int err, const struct fault *fault);
 void *room_for(size_t count, size_t bytes);
 
 void irradiance_of(const struct dome *dome, const float (*radiance)[3], double rgb[3]);
 struct picture whole(const struct canvas *canvas);
-void choose(struct pipeline *pipeline); /* all lights */
+void choose(struct pipeline *pipeline); /* Uses all lights, without a threshold. */
 
-/* Room for one; free_truth() frees it. */
-void truth_create(struct truth *truth, const struct table *table, int lights);
+/* Allocates the pictures; free_truth() frees them. */
+void truth_create(struct exposures_truth *truth, const struct table *table, int lights);
 
-/* Fills card and composite: lights and irradiance are known. The pipeline has those lights then. */
-void truth_show(struct truth *truth, struct pipeline *pipeline);
+/* Fills card and composite under known lights and irradiance. Leaves the lights in the pipeline. */
+void truth_show(struct exposures_truth *truth, struct pipeline *pipeline);
 
-/* The lights when the last picture is taken, and what the object looks like under them. */
-void find_truth(const struct table *table, const struct place *place, struct truth *truth);
+/* Finds the lights when the last picture is taken, and what the object looks like under them. */
+void find_truth(const struct table *table, const struct exposures_place *place,
+		struct exposures_truth *truth);
 
-/* What is clipped is looked for on the card, as the background's camera of 8 bits sees it. */
-void look_at_card(struct pipeline *pipeline, const struct truth *truth);
+/* Estimates the clipped light from the card, as the 8-bit background camera sees it. */
+void look_at_card(struct pipeline *pipeline, const struct exposures_truth *truth);
 
-void free_truth(struct truth *truth);
+void free_truth(struct exposures_truth *truth);
 
 #endif

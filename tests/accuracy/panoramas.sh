@@ -4,6 +4,7 @@
 #     BUILD=build/x tests/accuracy/panoramas.sh           the table, in Markdown (make accuracy)
 #     LIGHTS=tents BUILD=build/x tests/accuracy/panoramas.sh     the same of tents
 #     BUILD=build/x tests/accuracy/panoramas.sh --quick   a few of its cells as a test, in TAP
+#     BUILD=build/x tests/accuracy/panoramas.sh --record  the same, and its figures written to figures.txt
 # Pictures and table are left in build/accuracy/. README.md says how to read them.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -92,6 +93,37 @@ check() {
 	fi
 }
 
+# figure NAME IS: not worse than figures.txt says by more than its noise. With --record IS becomes the figure.
+figures=tests/accuracy/figures.txt
+figure() {
+	local told
+
+	count=$((count + 1))
+	if [ "${record:-}" ]; then
+		awk -v name="$1" -v is="$2" '
+			$1 == name { printf "%-14s %8s %6s  %s\n", name, is, $3, $4; next } { print }' \
+			"$figures" >"$work/figures.txt" && cp "$work/figures.txt" "$figures"
+	fi
+	if told=$(awk -v name="$1" -v is="$2" '
+		$1 == name && is != "" {
+			met = 1
+			better = $4 == "more" ? is - $2 : $2 - is
+			printf "%s is %s, in figures.txt %s: ", name, is, $2
+			if (better > 0) printf "better by %.2f", better
+			else if (better < 0) printf "worse by %.2f, noise is %s", -better, $3
+			else printf "the same"
+			worse = -better > $3 + 1e-9
+		}
+		END {
+			if (!met) printf "%s is \"%s\", and not in figures.txt", name, is
+			exit !met || worse
+		}' "$figures"); then
+		echo "ok $count - $told"
+	else
+		echo "not ok $count - $told"
+	fi
+}
+
 # The bounds lie 4 to 10 dB below what comes out, much of which is noise of few samples. Light from
 # a wrong side has to fail them, or they would prove nothing: the last two see to that.
 quick() {
@@ -134,6 +166,13 @@ quick() {
 	check "integers against double precision" "$double <= 1"
 	check "what is shown against every light in double precision" \
 		"$shown >= 50 && $shown_most <= 2.5"
+	figure cell2_psnr "$cell2"
+	figure cell9_psnr "$cell9"
+	figure node9_psnr "$node9"
+	figure live9_psnr "$live9"
+	figure double_max "$double"
+	figure shown_psnr "$shown"
+	figure shown_max "$shown_most"
 	check "mirrored light is noticed" "$mirrored < 36"
 	check "light from behind is noticed" "$turned < 36"
 	echo "1..$count"
@@ -144,14 +183,15 @@ case ${1:-} in
 	prepare
 	table
 	;;
---quick)
+--quick | --record)
 	quick=yes
+	[ "$1" = --quick ] || record=yes
 	work=build/accuracy/quick
 	prepare
 	quick
 	;;
 *)
-	echo "usage: panoramas.sh [--quick]" >&2
+	echo "usage: panoramas.sh [--quick | --record]" >&2
 	exit 2
 	;;
 esac

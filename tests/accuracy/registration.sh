@@ -52,7 +52,7 @@ calibrated() { # OUT REPORT DIRECTION OPTION...
 		--distortion "$direction" --object 0.1,-0.0625,0,0.15 --report "$work/$report" \
 		-o "$work/$out" "$@"
 }
-# For a kiosk whose camera shows each view twice, half a second apart.
+# Writes a kiosk whose camera shows each view twice, half a second apart.
 held() {
 	for view in 1 2 3 4; do
 		for frame in 0 1; do
@@ -75,7 +75,7 @@ moved() {
 	echo "# corners in the second picture: $rms px RMS, $most px at most" >&3
 	below "$most" $most_moved
 }
-# What a lens without distortion would be off by has to be more than the bound: the test can fail.
+# A lens without distortion must exceed the bound, or the test could not fail.
 would_fail() {
 	sed 's/^kappa1 = .*/kappa1 = 0/' "$work/true1.ini" >"$work/straight.ini"
 	geometry apart "$work/true1.ini" "$work/straight.ini" >"$work/apart" || return 1

@@ -12,25 +12,31 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "hal/compositor/compositor.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0
-/* Where light thrown on the ground is a hundred times what is there: parts of a hundred times the
- * result take each other back, for which hal/compositor/README.md promises nothing. Of 12 synthetic
- * files two came to 1.1 and 1.7 levels and one to 2.5. */
+/* The bound where light thrown on the ground is a hundred times the light that is there. Terms a
+ * hundred times as large as the result cancel, for which hal/compositor/README.md promises nothing.
+ * Of 12 synthetic files two differed by 1.1 and 1.7 levels and one by 2.5. */
 #define LEVELS_BEYOND 5.0
-/* How near to the border of two codes a level has to lie that rounding may put on either side. */
+/* Distance of a level from a rounding border within which either code is right. */
 #define BORDER 0.03
 
-struct difference {
+struct accuracy_difference {
 	double max, square_sum;
 	size_t count;
-	int x, y, channel; /* where max is */
+	int x, y, channel; /* where max occurs */
 };
 
-struct bench {
+struct accuracy_bench {
 	struct synthetic file;
 	const char *kernel;
 	struct light_selection lights;
@@ -41,11 +47,11 @@ struct bench {
 	struct compositor_settings settings;
 	double threshold;
 	enum threshold_mode mode;
-	double most; /* levels that measure() accepts */
-	struct difference all;
+	double most; /* largest difference that measure() accepts, in levels */
+	struct accuracy_difference all;
 };
 
-static void bench_open(struct bench *b, const struct synthetic_options *options,
+static void bench_open(struct accuracy_bench *b, const struct synthetic_options *options,
 		       struct chance *chance)
 {
 	const size_t pixels = (size_t)options->width * (size_t)options->height;
@@ -61,7 +67,8 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	b->out = malloc(pixels * 4);
 	b->exact = malloc(pixels * 3 * sizeof(*b->exact));
 	assert_true(b->radiance && b->background && b->out && b->exact);
-	for (size_t i = 0; i < pixels * 4; i++) /* dark codes are where a level is small */
+	for (size_t i = 0; i < pixels * 4;
+	     i++) /* mostly dark codes, where a level is a small step of light */
 		b->background[i] = (uint8_t)chance_int(chance, 0, i % 3 ? 255 : 12);
 	b->settings = (struct compositor_settings){.background = {.named = TRANSFER_SRGB},
 						   .output = {.named = TRANSFER_SRGB},
@@ -70,7 +77,7 @@ static void bench_open(struct bench *b, const struct synthetic_options *options,
 	b->mode = THRESHOLD_DROP;
 }
 
-static void bench_close(struct bench *b)
+static void bench_close(struct accuracy_bench *b)
 {
 	light_selection_free(&b->lights);
 	free(b->radiance);
@@ -80,14 +87,14 @@ static void bench_close(struct bench *b)
 	synthetic_close(&b->file);
 }
 
-static void compare(const struct bench *b, struct difference *d)
+static void compare(const struct accuracy_bench *b, struct accuracy_difference *d)
 {
 	for (int i = 0; i < b->width * b->height * 3; i++) {
 		const double off = fabs(b->out[i / 3 * 4 + 2 - i % 3] - b->exact[i]);
 
 		d->square_sum += off * off;
 		d->count++;
-		if (!(off <= d->max)) { /* and a NaN counts */
+		if (!(off <= d->max)) { /* true for NaN, too */
 			d->max = off;
 			d->x = i / 3 % b->width;
 			d->y = i / 3 / b->width;
@@ -97,12 +104,13 @@ static void compare(const struct bench *b, struct difference *d)
 }
 
 /* `integer` is what compositor_run() reads; the reference always reads the file itself. */
-static struct difference measure_with(struct bench *b, const struct basis *integer)
+static struct accuracy_difference measure_with(struct accuracy_bench *b,
+					       const struct basis *integer)
 {
 	const struct picture picture = {b->background, 4, b->width * 4, b->width, b->height};
 	const struct backdrop backdrop = backdrop_of(&picture);
 	const struct compositor_options options = {.kernel = b->kernel};
-	struct difference d = {.max = 0};
+	struct accuracy_difference d = {.max = 0};
 	struct compositor *compositor;
 
 	light_selection_choose(&b->lights, &b->file.basis, 0, (const float(*)[3])b->radiance,
@@ -120,9 +128,9 @@ static struct difference measure_with(struct bench *b, const struct basis *integ
 	return d;
 }
 
-static void measure(struct bench *b, const char *name)
+static void accuracy_measure(struct accuracy_bench *b, const char *name)
 {
-	const struct difference d = measure_with(b, &b->file.basis);
+	const struct accuracy_difference d = measure_with(b, &b->file.basis);
 
 	if (!(d.max <= b->most))
 		fail_msg("%s: %.3f levels at pixel %d, %d, channel %d (integer %d, exact %.3f)",
@@ -134,7 +142,7 @@ static void measure(struct bench *b, const char *name)
 	b->all.count += d.count;
 }
 
-static void report(const struct bench *b, const char *name)
+static void report(const struct accuracy_bench *b, const char *name)
 {
 	printf("# %-40s max %.4f, RMS %.4f levels\n", name, b->all.max,
 	       sqrt(b->all.square_sum / (double)b->all.count));
@@ -147,19 +155,19 @@ enum light_pattern {
 	LIGHTS_RANDOM,
 	LIGHTS_ONE,
 	LIGHTS_HUGE,
-	LIGHTS_LAMP,	   /* one a million times the others */
-	LIGHTS_FAINT_LAMP, /* the same, and the others at the first code of a camera */
-	LIGHTS_NEAR_E,	   /* as much as e: where the ratio turns to 1 */
-	LIGHTS_WIDE,	   /* over twelve decades */
-	LIGHTS_SATURATED,  /* every cell at the camera's limit: all alike, and the object white */
-	LIGHTS_DENORMAL,   /* below the smallest normal float: whoever flushes those is dark */
+	LIGHTS_LAMP,	   /* one light a million times as bright as the others */
+	LIGHTS_FAINT_LAMP, /* the same, the others at the first code of a camera */
+	LIGHTS_NEAR_E,	   /* as much light as e, where the ratio turns to 1 */
+	LIGHTS_WIDE,	   /* spread over twelve decades */
+	LIGHTS_SATURATED, /* every cell at the limit of the camera: all alike, and the object white */
+	LIGHTS_DENORMAL, /* below the smallest normal float: dark where a processor flushes these */
 	LIGHTS_PATTERNS
 };
 
 static const char *const pattern_names[] = {"dark",  "random", "one",  "huge",	    "lamp",
 					    "faint", "near e", "wide", "saturated", "denormal"};
 
-static void fill_lights(struct bench *b, enum light_pattern pattern, struct chance *chance)
+static void fill_lights(struct accuracy_bench *b, enum light_pattern pattern, struct chance *chance)
 {
 	const int n = b->lights.count, chosen = chance_int(chance, 0, n - 1);
 
@@ -184,7 +192,7 @@ static void fill_lights(struct bench *b, enum light_pattern pattern, struct chan
 	}
 }
 
-static void all_patterns(struct bench *b, const char *name, struct chance *chance)
+static void all_patterns(struct accuracy_bench *b, const char *name, struct chance *chance)
 {
 	char label[80];
 
@@ -201,7 +209,7 @@ static void all_patterns(struct bench *b, const char *name, struct chance *chanc
 			snprintf(label, sizeof(label), "%s, %s lights, %s %g, %s", name,
 				 pattern_names[p], threshold_mode_names[b->mode], b->threshold,
 				 compositor_mode_names[b->settings.mode]);
-			measure(b, label);
+			accuracy_measure(b, label);
 		}
 	}
 }
@@ -231,7 +239,7 @@ static const struct synthetic_options usual = {
 static void over_lights_and_thresholds(void **state)
 {
 	struct chance chance = chance_begin("lights and thresholds");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	bench_open(&b, &usual, &chance);
@@ -244,7 +252,7 @@ static void over_numbers_of_lights(void **state)
 {
 	static const int counts[] = {1, 6, 26, 33, 6500, 20000};
 	struct chance chance = chance_begin("numbers of lights");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(counts) / sizeof(counts[0]); k++) {
@@ -272,7 +280,7 @@ static void over_transfers_and_gains(void **state)
 	static const double gains[] = {0, 1e-3, 0.7, 5, COMPOSITOR_GAIN_MAX};
 	struct chance chance = chance_begin("transfers and gains");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.lights = 46;
@@ -292,7 +300,7 @@ static void over_transfers_and_gains(void **state)
 					fill_lights(&b, LIGHTS_RANDOM, &chance);
 					for (int i = 0; i < o.lights * 3; i++)
 						b.radiance[i / 3][i % 3] *= (float)pow(0.05, scale);
-					measure(&b, name);
+					accuracy_measure(&b, name);
 				}
 			}
 		}
@@ -301,7 +309,7 @@ static void over_transfers_and_gains(void **state)
 	bench_close(&b);
 }
 
-/* Ratios up to their limit: v far beyond -1. */
+/* Ratios up to their limit, with v far below -1. */
 static void over_added_light(void **state)
 {
 	static const double bounces[] = {1, 5, 15, 16, 100};
@@ -310,7 +318,7 @@ static void over_added_light(void **state)
 	(void)state;
 	for (int k = 0; k < 5; k++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 		char name[40];
 
 		o.lights = 86;
@@ -328,12 +336,12 @@ static void over_added_light(void **state)
 static void over_sizes(void **state)
 {
 	struct chance chance = chance_begin("sizes");
-	struct difference all = {.max = 0};
+	struct accuracy_difference all = {.max = 0};
 
 	(void)state;
 	for (int width = 1; width <= 65; width++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 
 		o.lights = o.columns = 6;
 		o.coarse = 0;
@@ -342,24 +350,24 @@ static void over_sizes(void **state)
 		o.seed = (uint64_t)width;
 		bench_open(&b, &o, &chance);
 		fill_lights(&b, LIGHTS_RANDOM, &chance);
-		measure(&b, "odd size");
+		accuracy_measure(&b, "odd size");
 		all.max = fmax(all.max, b.all.max);
 		bench_close(&b);
 	}
 	printf("# widths 1 to 65: max %.4f levels\n", all.max);
 }
 
-/* Objects and shadows of a pixel here and there, on both sides of tiles' borders and in tiles that
- * the picture's edge cuts: lists of one, where every kernel works on what is mostly padding. */
+/* Objects and shadows in single pixels, on both sides of the borders of tiles and in tiles that the
+ * edge of the picture cuts. Lists have length one, so that kernels work mostly on padding. */
 static void single_pixels(void **state)
 {
 	struct chance chance = chance_begin("single pixels");
-	struct difference all = {.max = 0};
+	struct accuracy_difference all = {.max = 0};
 
 	(void)state;
 	for (int k = 0; k < 12; k++) {
 		struct synthetic_options o = usual;
-		struct bench b;
+		struct accuracy_bench b;
 
 		o.lights = 46;
 		o.coarse = 20;
@@ -374,16 +382,16 @@ static void single_pixels(void **state)
 		bench_close(&b);
 	}
 	printf("# single pixels: max %.4f levels\n", all.max);
-	assert_true(all.max > 0.3); /* or there were none */
+	assert_true(all.max > 0.3); /* the test saw differences at all */
 }
 
-/* As all light goes out by small steps, neither result may jump. */
+/* While all light goes out in small steps, neither result may jump. */
 static void darkness_comes_without_a_jump(void **state)
 {
 	struct chance chance = chance_begin("darkness");
 	struct synthetic_options o = usual;
 	double *before, jump = 0;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *bytes_before;
 	int byte_jump = 0;
 	size_t values;
@@ -391,7 +399,7 @@ static void darkness_comes_without_a_jump(void **state)
 	(void)state;
 	o.lights = 46;
 	o.coarse = 20;
-	o.object_share = 0; /* the ratio alone */
+	o.object_share = 0; /* only the ratio is left */
 	bench_open(&b, &o, &chance);
 	values = (size_t)b.width * (size_t)b.height * 3;
 	before = malloc(values * sizeof(*before));
@@ -402,7 +410,7 @@ static void darkness_comes_without_a_jump(void **state)
 
 		for (int i = 0; i < o.lights * 3; i++)
 			b.radiance[i / 3][i % 3] = (float)(light * (1 + i % 7));
-		measure(&b, "darkness");
+		accuracy_measure(&b, "darkness");
 		for (size_t i = 0; i < values; i++) {
 			const uint8_t byte = b.out[i / 3 * 4 + 2 - i % 3];
 
@@ -416,8 +424,8 @@ static void darkness_comes_without_a_jump(void **state)
 			bytes_before[i] = byte;
 		}
 	}
-	for (size_t i = 0; i < values; i++) /* at last the background itself */
-		assert_int_equal(bytes_before[i], b.background[i / 3 * 4 + 2 - i % 3]);
+	for (size_t i = 0; i < values; i++) /* in the end, the background itself */
+		expect_equal(bytes_before[i], b.background[i / 3 * 4 + 2 - i % 3], "i=%zu", i);
 	printf("# light falling by 6 %% a step: largest change %.2f levels, integer %d\n", jump,
 	       byte_jump);
 	assert_true(jump < 5 && byte_jump <= jump + 1);
@@ -426,13 +434,13 @@ static void darkness_comes_without_a_jump(void **state)
 	bench_close(&b);
 }
 
-/* The same picture in light a million times dimmer: ratios only, so nothing may change but what e
- * takes; and the integers must follow the exact values there as well. */
+/* The same picture in light a million times dimmer. Only ratios count, so nothing may change except
+ * by e, and the integers must follow the exact values there as well. */
 static void dimness_loses_no_precision(void **state)
 {
 	struct chance chance = chance_begin("dimness");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.object_share = 0;
@@ -444,20 +452,20 @@ static void dimness_loses_no_precision(void **state)
 			fill_lights(&b, LIGHTS_RANDOM, &chance);
 			for (int i = 0; i < o.lights * 3; i++)
 				b.radiance[i / 3][i % 3] *= (float)pow(10, power);
-			measure(&b, "dim light");
+			accuracy_measure(&b, "dim light");
 		}
 	}
 	report(&b, "light of 1e-44 to 1e30, ratios");
 	bench_close(&b);
 }
 
-/* v near 1 everywhere: what is left is the small difference of large sums; and brightly lit
- * backgrounds make it seen. */
+/* v near 1 everywhere: the result is a small difference of large sums. A bright background makes
+ * its errors visible. */
 static void deficits_may_nearly_cancel(void **state)
 {
 	struct chance chance = chance_begin("cancellation");
 	struct synthetic_options o = usual;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.bounce = -0.995; /* v in 0.995..1 */
@@ -469,7 +477,7 @@ static void deficits_may_nearly_cancel(void **state)
 	bench_close(&b);
 }
 
-/* All coefficients of all patterns, in all channels. */
+/* Makes all coefficients of all patterns equal, in all channels. */
 static void make_constant(const struct basis_block *b, int16_t *lines)
 {
 	const int panels = basis_panels16(b->pixels);
@@ -482,15 +490,15 @@ static void make_constant(const struct basis_block *b, int16_t *lines)
 				      (size_t)(p % BASIS_LINE16)] = 32767;
 }
 
-/* Patterns that are copies of each other, lines that are the same for all pixels, scales of 0 and
- * below the smallest normal float: each is a valid file. */
+/* Patterns that are copies of each other, lines that are equal for all pixels, scales of 0 and
+ * below the smallest normal float: each of these is a valid file. */
 static void duplicate_and_constant_lines(void **state)
 {
 	struct chance chance = chance_begin("degenerate lines");
 	struct synthetic_options o = usual;
 	struct fault fault;
 	struct basis odd;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *copy;
 
 	(void)state;
@@ -517,14 +525,14 @@ static void duplicate_and_constant_lines(void **state)
 	}
 	for (int p = 0; p < LIGHTS_PATTERNS; p++) {
 		const struct basis whole = b.file.basis;
-		struct difference d;
+		struct accuracy_difference d;
 
 		fill_lights(&b, (enum light_pattern)p, &chance);
 		b.file.basis = odd;
 		d = measure_with(&b, &odd);
 		b.file.basis = whole;
 		b.all.max = fmax(b.all.max, d.max);
-		assert_true(d.max <= LEVELS_MOST);
+		expect_at_most(d.max, LEVELS_MOST, "p=%d", p);
 	}
 	printf("# degenerate lines: max %.4f levels\n", b.all.max);
 	basis_close(&odd);
@@ -532,14 +540,14 @@ static void duplicate_and_constant_lines(void **state)
 	bench_close(&b);
 }
 
-/* What passing over dim columns may change, one light at a time: no more than the cut for each
- * block that holds a column of it. */
+/* Leaving out dim columns may change a pixel by no more than the cut for each block that holds a
+ * column of the light. Tried one light at a time. */
 static void left_out_columns_change_no_more_than_declared(void **state)
 {
 	struct chance chance = chance_begin("left out");
 	struct synthetic_options o = usual;
 	const double cut = 0.004;
-	struct bench b;
+	struct accuracy_bench b;
 	double most = 0;
 
 	(void)state;
@@ -551,7 +559,7 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 	bench_open(&b, &o, &chance);
 	b.settings.output.named = TRANSFER_LINEAR;
 	for (int k = 0; k < 60; k++) {
-		struct difference d;
+		struct accuracy_difference d;
 
 		fill_lights(&b, k % 2 ? LIGHTS_ONE : LIGHTS_RANDOM, &chance);
 		if (k % 2) {
@@ -563,18 +571,18 @@ static void left_out_columns_change_no_more_than_declared(void **state)
 				b.radiance[i / 3][i % 3] *= 0.2F;
 		}
 		d = measure_with(&b, &b.file.basis);
-		/* Every one of the columns of T and V might be left out, to the same side. */
-		assert_true(d.max <= LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120));
+		/* Every column of T and V may be left out, all with errors of the same sign. */
+		expect_at_most(d.max, LEVELS_MOST + 255 * cut * (k % 2 ? 2 : 2 * 120), "k=%d", k);
 		if (k % 2)
 			most = fmax(most, d.max);
 	}
 	printf("# one light, columns below %g left out: max %.3f levels, linear\n", cut, most);
-	assert_true(most > 0.55); /* or the test sees nothing */
+	assert_true(most > 0.55); /* else no column was left out */
 	bench_close(&b);
 }
 
-/* The change of the picture when the lights change: the most of any code. */
-static int change(struct bench *b, uint8_t *before)
+/* Largest change of any code when the lights change. */
+static int change(struct accuracy_bench *b, uint8_t *before)
 {
 	const size_t bytes = (size_t)b->width * (size_t)b->height * 4;
 	int most = 0;
@@ -586,13 +594,13 @@ static int change(struct bench *b, uint8_t *before)
 	return most;
 }
 
-/* A camera's noise: one cell of the sky is one level brighter, and is not. */
+/* Camera noise: one cell of the sky flickers by one level. */
 static void a_flicker_does_not_crawl(void **state)
 {
 	struct chance chance = chance_begin("flicker");
 	struct synthetic_options o = usual;
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.column_cut = 0.002;
@@ -611,27 +619,27 @@ static void a_flicker_does_not_crawl(void **state)
 		for (int c = 0; c < 3; c++)
 			b.radiance[light][c] = (float)transfer_decode(TRANSFER_SRGB,
 								      (level + 1) / 255.0);
-		assert_true(change(&b, before) <= 1);
+		expect_at_most(change(&b, before), 1, "k=%d", k);
 	}
 	free(before);
 	bench_close(&b);
 }
 
-/* Light that fades by half a per cent a frame: the object darkens by one level at a time and never
- * comes back, and shadows stay. */
-/* Which channel of which pixel b.out[i] shows: what it should be, in levels; BGRX. */
-static double exact_of(const struct bench *b, size_t i)
+/* Light fades by half a per cent a frame. The object must darken by one level at a time and never
+ * brighten, and shadows must stay. */
+/* Exact level, in double precision, of the byte out[i] of a BGRX picture. */
+static double exact_of(const struct accuracy_bench *b, size_t i)
 {
 	return i % 4 == 3 ? 0 : b->exact[i / 4 * 3 + 2 - i % 4];
 }
 
-/* A level that stays where it is, as the ground's does, may lie on a border of two codes. */
+/* A level that does not change, as the ground's, may lie on a border of two codes. */
 static void slow_fades_show_no_steps(void **state)
 {
 	struct chance chance = {77};
 	struct synthetic_options o = usual;
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 	size_t bytes;
 
 	(void)state;
@@ -647,19 +655,19 @@ static void slow_fades_show_no_steps(void **state)
 	for (int k = 0; k < 300; k++) {
 		for (int i = 0; i < o.lights * 3; i++)
 			b.radiance[i / 3][i % 3] *= 0.995F;
-		assert_true(change(&b, before) <= 1);
+		expect_at_most(change(&b, before), 1, "k=%d", k);
 		for (size_t i = 0; i < bytes; i++)
-			assert_true(b.out[i] <= before[i] ||
-				    fabs(exact_of(&b, i) - before[i] - 0.5) < BORDER);
+			expect_that(b.out[i] <= before[i] ||
+					    fabs(exact_of(&b, i) - before[i] - 0.5) < BORDER,
+				    "k=%d, i=%zu", k, i);
 	}
 	free(before);
 	bench_close(&b);
 }
 
-/* One light at its threshold, a level above and a level below: what a whole cell gives is taken
- * away and given back with every frame, which shows as a flicker of the whole object, unless the
- * light that is in use stays in use (light_selection's band). Held against what the level alone
- * changes. */
+/* One light at its threshold, a level above and below in turn. Without a band of hysteresis the
+ * whole cell would come and go with each frame, and the object would flicker (light_selection has
+ * the band). The bound is the change of the level itself. */
 static void the_threshold_crosses_its_own_light(void **state)
 {
 	enum { GREY = 200, FRAMES = 40 };
@@ -669,7 +677,7 @@ static void the_threshold_crosses_its_own_light(void **state)
 	struct synthetic_options o = usual;
 	int most[2] = {0};
 	uint8_t *before;
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	o.lights = 26;
@@ -690,8 +698,8 @@ static void the_threshold_crosses_its_own_light(void **state)
 			b.radiance[9][c] = (float)(k % 2 ? below : at * 1.0001);
 		off = change(&b, before);
 		most[banded] = k > 0 && off > most[banded] ? off : most[banded];
-		assert_int_equal(b.lights.used[9], k % 2 == 0 || banded);
-		measure(&b, "threshold");
+		expect_equal(b.lights.used[9], k % 2 == 0 || banded, "n=%d", n);
+		accuracy_measure(&b, "threshold");
 	}
 	printf("# a light that crosses its threshold by a level: change %d with a band, %d "
 	       "without\n",
@@ -701,12 +709,12 @@ static void the_threshold_crosses_its_own_light(void **state)
 	bench_close(&b);
 }
 
-/* Partial coverage where a wrong share of the background shows most; and a dark background under
- * so much light that the object saturates. */
+/* Partial coverage where a wrong share of the background shows most, and a dark background under so
+ * much light that the object saturates. */
 static void edges_over_black_and_white(void **state)
 {
 	struct chance chance = chance_begin("edges");
-	struct bench b;
+	struct accuracy_bench b;
 
 	(void)state;
 	bench_open(&b, &usual, &chance);
@@ -718,15 +726,15 @@ static void edges_over_black_and_white(void **state)
 	bench_close(&b);
 }
 
-/* The measure must see a compositor that is wrong by a little: here one that reads a file in which
- * the first block of a kind is 5 % too strong. */
+/* A compositor that is wrong by a little must fail. Here it reads a file in which the first block
+ * of a kind is 5 % too strong. */
 static void a_wrong_compositor_is_noticed(void **state)
 {
 	struct chance chance = chance_begin("wrong compositor");
 	struct synthetic_options o = usual;
 	struct basis wrong;
 	struct fault fault;
-	struct bench b;
+	struct accuracy_bench b;
 	uint8_t *copy;
 
 	(void)state;
@@ -734,7 +742,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 	bench_open(&b, &o, &chance);
 	fill_lights(&b, LIGHTS_RANDOM, &chance);
 	for (int i = 0; i < b.lights.count * 3; i++)
-		b.radiance[i / 3][i % 3] *= 0.5F; /* dark enough not to be clipped */
+		b.radiance[i / 3][i % 3] *= 0.5F; /* dark enough that nothing clips */
 	copy = aligned_alloc(BASIS_PAGE, (b.file.basis.map_bytes / BASIS_PAGE + 1) * BASIS_PAGE);
 	assert_non_null(copy);
 	memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
@@ -751,7 +759,7 @@ static void a_wrong_compositor_is_noticed(void **state)
 		scale = (float *)(copy + ((const uint8_t *)block->pattern_scale - copy));
 		for (int j = 0; j < block->patterns; j++)
 			scale[j] *= 1.05F;
-		assert_true(measure_with(&b, &wrong).max > LEVELS_MOST);
+		expect_above(measure_with(&b, &wrong).max, LEVELS_MOST, "kind=%d", kind);
 		memcpy(copy, b.file.basis.map, b.file.basis.map_bytes);
 	}
 	basis_close(&wrong);

@@ -204,7 +204,7 @@ modes() {
 		>>"$work/sizes.txt"
 }
 
-# Of 8 samples a pixel, the noise of which costs columns; 64 would take half an hour.
+# 8 samples a pixel, whose noise costs columns; 64 would take half an hour.
 quarter() {
 	bake_modes quarter 9 1920x1080 8
 	modes quarter 9 1920x1080 15 --thesis no --cells 4 --kernel auto

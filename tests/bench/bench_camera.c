@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How long a camera's calibration takes: a thousand points, and with photographs as arguments
- * (first the board) finding the board in each and solving it alone.
- *     bench_camera [9x6:25mm left01.jpg ...]
+ * Measures the time of a camera's calibration: with a thousand points; with photographs as
+ * arguments (first the board), of finding the board in each and of solving each alone.
+ *
+ *	bench_camera [9x6:25mm left01.jpg ...]
  */
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
-#include "tests/support/camera_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/known_camera.h"
 
 #define REPEATS 10
 
-/* Of the processor: what others do on the machine is not counted. */
+/* Time of the processor, so that other programs on the machine do not count. */
 static double now_ms(void)
 {
 	struct timespec t;
@@ -48,18 +52,18 @@ static void thousand_points(void)
 	struct chance chance = {1};
 
 	for (int distortion = 0; distortion < 2; distortion++) {
-		const struct tsai_camera truth = scene_camera(eye, target, -0.05, distortion);
+		const struct tsai_camera truth = known_camera(eye, target, -0.05, distortion);
 
 		printf("%s:\n", tsai_distortion_names[distortion]);
 		for (int k = 0; k < 4; k++) {
-			struct camera_task task = scene_task(&truth);
+			struct camera_task task = known_camera_task(&truth);
 			struct observations seen = {0};
 
 			task.robust = k & 1;
 			if (k < 2)
-				scene_board(&seen, &truth, 40, 25, 0.2, &chance);
+				known_camera_see_board(&seen, &truth, 40, 25, 0.2, &chance);
 			else
-				scene_cloud(&seen, &truth, 1000, 0.2, &chance);
+				known_camera_see_cloud(&seen, &truth, 1000, 0.2, &chance);
 			time_points(&seen, &task, what[k]);
 			observations_free(&seen);
 		}

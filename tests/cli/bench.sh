@@ -41,7 +41,7 @@ for what in "fast" "whole frame"; do
 done
 
 if command -v python3 >/dev/null; then
-	# What a list of all that is wrong says; nothing is fine.
+	# Prints all that is wrong; an empty list is right.
 	judged() {
 		python3 - "$work/bench.json" "$work/bench.csv" "$work/info.json" <<'END'
 import csv, json, math, sys

@@ -177,13 +177,13 @@ holds "is written over" empty/scene.json '"reach": 4'
 exits "a folder that cannot be made" 1 "cannot be made" bent.scene --radiance none/there
 
 # ---- rendered for real ----
-# What came back is held against our own bake of the same camera: how far it is shifted, and how bright it is.
+# Compares the imported bake with an own bake of the same camera: shift and brightness.
 "$bake" render bent.scene --samples 4000 --exact --quiet -o own.inlay || exit 1
 ffmpeg -y -loglevel error -f lavfi -i "color=c=0x999999:s=30x20" -frames:v 1 grey.png </dev/null
 awk 'BEGIN { for (i = 0; i < 6; i++) print 0.7, 0.7, 0.7 }' >even.txt
 awk 'BEGIN { for (i = 0; i < 6; i++) print 0.2 + i % 3 / 2, 0.3 + i % 2, 1 - i / 8 }' >mixed.txt
 awk 'BEGIN { for (i = 0; i < 6; i++) print (i == 2) * 2 + 0.1, (i == 2) * 2 + 0.1, 0.3 }' >lamp.txt
-# Of pictures the ground is seen through glass, and of our own the background: here both are as bright.
+# Pictures show the ground through glass, the own bake shows the background: here both are equally bright.
 awk 'BEGIN { for (i = 0; i < 6; i++) print 0.637, 0.637, 0.637 }' >alike.txt
 still() { # BASIS LIGHTS
 	"$INLAY" still --basis "$1.inlay" --background grey.png --lights "$2.txt" --mode exact -o "$1.png" &&

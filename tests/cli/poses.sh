@@ -59,7 +59,7 @@ for pose in 0 2 4; do
 	check "pose $pose of many is shown" "${still[@]}" --basis "$turn" --pose $pose -o "$work/pose.png"
 	same "as alone" "$work/alone.png" "$work/pose.png"
 done
-# What nobody needs of a value is not in it, so that it packs.
+# Values keep no more digits than their errors allow, so that poses pack.
 bytes=$(stat -c %s "$turn")
 check "5 poses take at most half of what 5 files do: $bytes, 3 files $alone" \
 	test $((bytes * 3 * 2)) -le $((alone * 5))

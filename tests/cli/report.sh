@@ -15,7 +15,7 @@ check "--version" "$INLAY_BAKE" report --version
 
 # ---- of a scene ----
 out=$work/report
-# What an interrupted run has left goes, what another that lives is writing does not.
+# Files of an interrupted run are removed, files of a running one are not.
 mkdir "$out.part-gone00" "$out.part-alive0"
 : >"$out.part-gone00/cut.csv"
 exec 7<"$out.part-alive0"
@@ -154,7 +154,7 @@ if command -v python3 >/dev/null; then
 	sed -i '0,/<\/table>/s///' "$work/broken/report.html"
 	differ "a table without end is noticed" <(judged "$work/broken" 2>&1) <(echo)
 
-	# What the thesis gives, and what has to hold whatever the machine.
+	# The figures of the thesis, and what must hold on any machine.
 	equal "the thesis's lights, data, threads and times stand in its table" \
 		"6,0.61,1,90 25,4.9,3,200 88,37,8,330 191,77,7,550 406,200,9,1300" \
 		"$(tail -n +2 "$out/thesis-table.csv" | cut -d, -f1-4 | paste -sd' ')"

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# What was chosen with the buttons is there after the power has gone, at whatever moment that was.
+# Choices made with the buttons survive a power cut at any moment.
 set -u
 # shellcheck source=tests/cli/scene.sh
 . "$(dirname "$0")/scene.sh"

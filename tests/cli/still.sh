@@ -19,7 +19,7 @@ still() { # NAME, options
 	"$INLAY" still --config "$work/studio.conf" -o "$work/$out" "$@"
 }
 
-# What the cameras saw in the frame that run showed last.
+# The camera pictures of the last frame that run showed.
 run background.png --set screen.show=before
 sky=(--set background.camera=fisheye --set screen.width=96 --set screen.height=96)
 run fisheye.png --set screen.show=before "${sky[@]}"

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
- * its chunks that fuzz_basis.c unpacks. The same at every run.
- */
+/* Writes the seeds of fuzz_basis into a folder: small files of random content, each as the list of
+ * chunks that fuzz_basis.c unpacks. Each run writes the same. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include "tests/support/synthetic_basis.h"
 
 static const struct {
@@ -86,8 +89,8 @@ static const struct {
 	{"nothing", {.width = 3, .height = 2, .lights = 2, .seed = 4}},
 };
 
-/* As fuzz_basis.c reads it. */
-struct packed {
+/* Head of a chunk, as fuzz_basis.c reads it. */
+struct packed_chunk {
 	uint32_t type, pose, bytes;
 };
 
@@ -100,7 +103,7 @@ static void must_write(FILE *out, const void *data, size_t bytes)
 static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_t pose,
 		       const void *data)
 {
-	const struct packed head = {chunk->type, pose, (uint32_t)chunk->bytes};
+	const struct packed_chunk head = {chunk->type, pose, (uint32_t)chunk->bytes};
 
 	must_write(out, &head, sizeof(head));
 	must_write(out, data, chunk->bytes);
@@ -112,7 +115,7 @@ static bool is_of_pose(uint32_t type)
 	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA || type == BASIS_CHUNK_GLASS;
 }
 
-/* poses: 0: as the file has them. */
+/* poses: number to be declared; 0: as the file has it. */
 static void pack(const struct basis *basis, const char *path, int poses)
 {
 	const uint8_t *file = basis->map;
@@ -149,7 +152,7 @@ static const void *data_of(const struct basis *basis, uint32_t type)
 	return (const uint8_t *)basis->map + chunk->offset;
 }
 
-/* The same file's blocks as two poses, which the writer packs; one has none of the first tile. */
+/* Writes the same blocks as two poses, which the writer packs; one has none of the first tile. */
 static void pack_poses(const struct synthetic *s, const char *path)
 {
 	static const struct basis_pose_name names[2] = {{"one"}, {""}};

@@ -10,7 +10,7 @@
 #include "bake/base/angles.h"
 #include "tests/fuzz/as_file.h"
 
-static void check(const struct dome *dome, const int *light)
+static void fuzz_angles_check(const struct dome *dome, const int *light)
 {
 	char *taken = calloc((size_t)dome->count, 1);
 
@@ -31,7 +31,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	int *light;
 
 	if (angles_read(as_file(data, bytes), &dome, &light, &fault) == 0)
-		check(&dome, light);
+		fuzz_angles_check(&dome, light);
 	else if (!fault.text[0] || light)
 		abort();
 	free(light);

@@ -23,15 +23,15 @@
 #include "tests/support/synthetic_basis.h"
 
 #define CHUNKS_MOST 32
-#define WORK_MOST 2000000 /* pixels times lights */
+#define WORK_MOST 2000000 /* largest number of pixels times lights that is composited */
 
-struct packed {
+struct packed_chunk {
 	uint32_t type, pose, bytes;
 };
 
 static void *aligned_copy(const void *data, size_t bytes)
 {
-	/* At its end, so that a sanitizer sees one byte too many where the size allows it. */
+	/* at the end of its memory, so that a sanitizer sees a read beyond where the size allows it */
 	void *copy = aligned_alloc(BASIS_ALIGN,
 				   bytes ? (bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN
 					 : BASIS_ALIGN);
@@ -43,7 +43,7 @@ static void *aligned_copy(const void *data, size_t bytes)
 	return copy;
 }
 
-struct scene {
+struct fuzzed_scene {
 	const struct basis *basis;
 	struct picture picture;
 	struct backdrop backdrop;
@@ -55,7 +55,7 @@ struct scene {
 	size_t pixels;
 };
 
-static void choose(struct scene *s, int pose, uint32_t step)
+static void fuzz_basis_choose(struct fuzzed_scene *s, int pose, uint32_t step)
 {
 	for (uint32_t i = 0; i < s->basis->info.lights; i++)
 		for (uint32_t c = 0; c < 3; c++)
@@ -64,8 +64,8 @@ static void choose(struct scene *s, int pose, uint32_t step)
 			       THRESHOLD_AMBIENT, 2);
 }
 
-static void run(struct scene *s, int pose, enum compositor_mode mode, enum compositor_reuse reuse,
-		uint8_t *out)
+static void fuzz_basis_run(struct fuzzed_scene *s, int pose, enum compositor_mode mode,
+			   enum compositor_reuse reuse, uint8_t *out)
 {
 	const struct compositor_settings settings = {.mode = mode,
 						     .reuse = reuse,
@@ -80,14 +80,14 @@ static void run(struct scene *s, int pose, enum compositor_mode mode, enum compo
 		abort();
 }
 
-/* A frame, then one that keeps its sums, which must be what it is without them. */
-static void composite_pose(struct scene *s, int pose, enum compositor_mode mode)
+/* A frame, and then one that starts from its sums; both must be the same. */
+static void composite_pose(struct fuzzed_scene *s, int pose, enum compositor_mode mode)
 {
-	choose(s, pose, 0);
-	run(s, pose, mode, REUSE_AUTO, s->out);
-	choose(s, pose, 1);
-	run(s, pose, mode, REUSE_ALWAYS, s->out);
-	run(s, pose, mode, REUSE_NEVER, s->again);
+	fuzz_basis_choose(s, pose, 0);
+	fuzz_basis_run(s, pose, mode, REUSE_AUTO, s->out);
+	fuzz_basis_choose(s, pose, 1);
+	fuzz_basis_run(s, pose, mode, REUSE_ALWAYS, s->out);
+	fuzz_basis_run(s, pose, mode, REUSE_NEVER, s->again);
 	if (memcmp(s->out, s->again, s->pixels * 4) != 0)
 		abort();
 }
@@ -96,7 +96,7 @@ static void composite(const struct basis *basis)
 {
 	const size_t pixels = (size_t)basis->info.width * basis->info.height;
 	const struct compositor_options options = {NULL, NULL};
-	struct scene s = {
+	struct fuzzed_scene s = {
 		.basis = basis,
 		.picture = {calloc(pixels, 4), 4, (ptrdiff_t)basis->info.width * 4,
 			    (int)basis->info.width, (int)basis->info.height},
@@ -156,8 +156,8 @@ static void open_file(const void *data, size_t bytes)
 	basis_close(&basis);
 }
 
-/* A kiosk's way: from a file, poses unpacked ahead by a thread. Whatever memory gave this has to
- * give. */
+/* A kiosk's way: from a file, with a thread that unpacks poses ahead. The result must be the same
+ * as from memory. */
 static void open_ahead(const void *data, size_t bytes)
 {
 	static const int order[] = {3, 0, 1, 2, 0};
@@ -198,9 +198,9 @@ static uint8_t *unpack(const uint8_t *data, size_t bytes, size_t *file_bytes)
 	size_t end = BASIS_PAGE;
 	uint8_t *file;
 
-	while (bytes >= sizeof(struct packed) && header.chunk_count < CHUNKS_MOST) {
+	while (bytes >= sizeof(struct packed_chunk) && header.chunk_count < CHUNKS_MOST) {
 		struct basis_chunk_entry *c = &chunk[header.chunk_count];
-		struct packed head;
+		struct packed_chunk head;
 
 		memcpy(&head, data, sizeof(head));
 		data += sizeof(head);

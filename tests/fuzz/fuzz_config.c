@@ -13,7 +13,7 @@
 #include "config/config.h"
 #include "tests/fuzz/as_file.h"
 
-/* A file says what memory says, but for its name. */
+/* Read from a file, it must say the same, but for the name. */
 static void read_file(const uint8_t *data, size_t bytes, int expected)
 {
 	struct config *config;

@@ -30,9 +30,9 @@ static uint8_t *exactly(const uint8_t *data, size_t bytes)
 	return copy;
 }
 
-/* Shares the bytes out: each plane gets what it needs, or what is left. */
-static void fill(struct frame_plane *plane, const struct frame *frame, int height, int more,
-		 const uint8_t **data, size_t *bytes)
+/* Divides the bytes: each plane gets what it needs, or the rest. */
+static void fuzz_frame_fill(struct frame_plane *plane, const struct frame *frame, int height,
+			    int more, const uint8_t **data, size_t *bytes)
 {
 	for (int k = 0; k < PLANES; k++) {
 		size_t most;
@@ -73,7 +73,7 @@ static void decode(const struct frame *frame, enum deinterlace deinterlace)
 	frame_decoder_destroy(decoder);
 }
 
-/* The view, and a part of it, as a compositor asks for them. */
+/* Reads the view and a part of it, as a compositor does. */
 static void read_view(const struct frame *frame, struct view view)
 {
 	struct fault fault = {""};
@@ -119,8 +119,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 			     head[4] >> 3 & 1,
 			     head[4] >> 4 & 1,
 			     1};
-	fill(frame.planes, &frame, frame.height, head[5] % 9, &data, &bytes);
-	fill(frame.bottom_planes, &frame, frame.height / 2, head[5] % 9, &data, &bytes);
+	fuzz_frame_fill(frame.planes, &frame, frame.height, head[5] % 9, &data, &bytes);
+	fuzz_frame_fill(frame.bottom_planes, &frame, frame.height / 2, head[5] % 9, &data, &bytes);
 	decode(&frame, head[6] % DEINTERLACE_COUNT);
 	if (frame_is_raw(&frame))
 		read_view(&frame, view);

@@ -4,6 +4,8 @@
  * reaches: mesh_gltf.c:check_glb mesh_gltf.c:check_chunks mesh_gltf.c:check_depth
  * plain_file.c:plain_file_map
  */
+#include <stdlib.h>
+
 #include "bake/mesh/mesh_gltf.h"
 #include "tests/fuzz/as_file.h"
 

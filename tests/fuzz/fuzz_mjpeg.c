@@ -28,7 +28,7 @@ static void decode(struct frame_decoder *decoder, const struct frame *frame, str
 				abort();
 }
 
-/* The first byte says how long the first field is, for fields in memory of their own. */
+/* The first byte tells the length of the first field, for fields in separate memory. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
 	static struct frame_decoder *decoder;

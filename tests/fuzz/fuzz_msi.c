@@ -11,7 +11,7 @@
 #include "bake/exchange/msi.h"
 #include "tests/fuzz/as_file.h"
 
-#define LIGHTS 6 /* of the dome of frequency 1 */
+#define LIGHTS 6 /* the dome of frequency 1 */
 
 static void check_tile(const struct msi_source *source)
 {
@@ -32,7 +32,7 @@ static void check_tile(const struct msi_source *source)
 			abort();
 }
 
-static void check(const struct msi *msi)
+static void fuzz_msi_check(const struct msi *msi)
 {
 	static const int place[LIGHTS] = {0, 1, 2, 3, 4, 5};
 	static struct dome dome;
@@ -58,7 +58,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	struct msi msi;
 
 	if (msi_open(&msi, as_file(data, bytes), &fault) == 0)
-		check(&msi);
+		fuzz_msi_check(&msi);
 	else if (!fault.text[0] || msi.data || msi.start)
 		abort();
 	msi_close(&msi);

@@ -5,7 +5,10 @@
  * reaches: mesh_mtl.c:check_used mesh_mtl.c:read_library mesh_mtl.c:add_name
  * mesh_mtl.c:miss_library
  */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bake/mesh/mesh_mtl.h"
 #include "tests/fuzz/as_file.h"
@@ -20,8 +23,8 @@ static void clean_up(void)
 	rmdir(folder);
 }
 
-/* Whatever an mtllib names that is not there, fuzz.mtl is taken instead. */
-static void begin(void)
+/* In place of any library that does not exist, fuzz.mtl is read. */
+static void fuzz_mtl_begin(void)
 {
 	if (!mkdtemp(folder))
 		abort();
@@ -30,7 +33,7 @@ static void begin(void)
 	atexit(clean_up);
 }
 
-static void put(const char *path, const uint8_t *data, size_t bytes)
+static void fuzz_mtl_put(const char *path, const uint8_t *data, size_t bytes)
 {
 	FILE *file = fopen(path, "wb");
 
@@ -45,14 +48,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	struct fault fault = {.text = ""};
 
 	if (!obj[0])
-		begin();
-	/* names that lead out of the folder would make it depend on this machine */
+		fuzz_mtl_begin();
+	/* names that lead out of the folder would make the result depend on this machine */
 	if (bytes && (memchr(data, '/', bytes) || memmem(data, bytes, "..", 2)))
 		return 0;
-	put(obj, data, first);
+	fuzz_mtl_put(obj, data, first);
 	unlink(mtl);
 	if (end)
-		put(mtl, end + 1, bytes - first - 1);
+		fuzz_mtl_put(mtl, end + 1, bytes - first - 1);
 	if (mesh_mtl_check(obj, &fault) && !fault.text[0])
 		abort();
 	return 0;

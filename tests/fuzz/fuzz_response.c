@@ -5,6 +5,7 @@
  * reaches: response.c:response_read response.c:response_curve
  */
 #include <math.h>
+#include <stdlib.h>
 
 #include "hal/colour/response.h"
 #include "tests/fuzz/as_file.h"

@@ -18,7 +18,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	struct fault fault = {.text = ""};
 	const int err = scene_file_read_memory(&file, (const char *)data, bytes, "scene", &fault);
 
-	/* a refusal says why; what is accepted can be used */
+	/* a refusal gives a reason; an accepted scene can be used */
 	if (err ? !fault.text[0] : file.mesh_count < 1)
 		abort();
 	for (int k = 0; !err && k < file.mesh_count; k++)

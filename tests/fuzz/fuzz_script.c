@@ -4,6 +4,7 @@
  *
  * reaches: buttons_script.c:parse_line buttons_script.c:script_append buttons_script.c:script_arm
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "drivers/drivers.h"
@@ -14,7 +15,7 @@ static void play(struct buttons *buttons)
 	struct fault fault = {.text = ""};
 	struct button_press press;
 
-	/* what is due at once; nobody waits for the others */
+	/* only presses that are due at once: the fuzzer does not wait */
 	while (buttons_read(buttons, &press, &fault) == 0)
 		if (press.action <= ACTION_NONE || press.action >= ACTION_COUNT)
 			abort();
@@ -23,7 +24,7 @@ static void play(struct buttons *buttons)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
 	struct fault fault = {.text = ""};
-	char path[INI_PATH_MAX] = ""; /* all options that it has */
+	char path[INI_PATH_MAX] = ""; /* the driver's only option */
 	struct buttons buttons;
 
 	strcpy(path, as_file(data, bytes));

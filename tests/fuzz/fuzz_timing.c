@@ -34,7 +34,7 @@ static void check_timing(const char *text)
 }
 #endif
 
-/* Text, a NUL, then what struct display_settings has, then modes. */
+/* The input: text, a NUL, the fields of struct display_settings, modes. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
 #if WITH_KMS

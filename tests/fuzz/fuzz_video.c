@@ -17,7 +17,7 @@ static void play(struct y4m *video)
 	struct canvas canvas;
 	int err;
 
-	/* A header may promise a picture far larger than what follows: that must cost no time. */
+	/* a header that promises a picture far larger than the file must cost no time */
 	while ((err = y4m_next(video, &fault)) == 0) {
 		if (canvas_create(&canvas, video->width, video->height))
 			abort();

@@ -18,7 +18,7 @@ static int replay(const char *path)
 		goto out;
 	if (fseek(stream, 0, SEEK_END) || (bytes = ftell(stream)) < 0 || fseek(stream, 0, SEEK_SET))
 		goto out;
-	/* Exactly as long as the input, so that a sanitizer sees one byte too many. */
+	/* memory of exactly that length, so that a sanitizer sees a read beyond */
 	data = malloc(bytes ? (size_t)bytes : 1);
 	if (!data || fread(data, 1, (size_t)bytes, stream) != (size_t)bytes)
 		goto out;

@@ -56,7 +56,7 @@ fuzzed() {
 	rm -rf "$grown"
 	return $code
 }
-# As many at a time as there are processors; told in order at the end.
+# As many at a time as there are processors; results are printed in order at the end.
 declare -A process
 for target in "${targets[@]}"; do
 	while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do sleep 0.2; done

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Two tables of kernels over the same random and worst inputs.
- */
+/* Compares two tables of kernels on the same inputs, random and worst ones. */
 #ifndef INLAY_TESTS_KERNELS_COMPARE_H
 #define INLAY_TESTS_KERNELS_COMPARE_H
 
@@ -31,8 +29,8 @@ struct comparison;
 struct comparison *comparison_create(uint64_t seed);
 void comparison_free(struct comparison *c);
 
-/* False where they differ, or where `other` writes beyond what it may; then why says in which case.
- */
+/* False where the tables differ, or where `other` writes outside its output; `why` then names the
+ * case. */
 bool comparison_run(struct comparison *c, enum kernel_function function, int rounds,
 		    const struct kernels *truth, const struct kernels *other, char why[256]);
 

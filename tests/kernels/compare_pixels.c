@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is done with pixels: sums made their levels, put in their places, mixed with the background.
- */
+/* Comparisons of the kernels for pixels: fold and tint sums, place them, mix them with the
+ * background. */
 #include "tests/kernels/compare_parts.h"
 
 #include <inttypes.h>
@@ -9,18 +9,18 @@
 
 /* ---- fold ---- */
 
-/* A sum, often where its rounding or its clamping turns. */
+/* A sum, often near a value at which rounding or clamping changes. */
 static int64_t fold_sum(struct comparison *c, int shift)
 {
 	const int64_t limit = INT64_C(1) << 62;
-	const int64_t unit = INT64_C(1) << (shift - 1); /* half of what is rounded to */
+	const int64_t unit = INT64_C(1) << (shift - 1); /* half of the rounding step */
 	int64_t x = compare_spread(c, 62);
 
 	switch (compare_below(c, 6)) {
-	case 0: /* ties, and beside them */
+	case 0: /* ties and their neighbours */
 		x = x / unit * unit + compare_between(c, -1, 1);
 		break;
-	case 1: /* where it is clamped; where int32 ends */
+	case 1: /* near the clamping limit, and near the end of int32 */
 		if (shift < 31)
 			x = (compare_below(c, 2) ? KERNEL_LIMIT : INT64_C(0x7fffffff)) * unit * 2 +
 			    compare_between(c, -2, 2) * unit;
@@ -180,7 +180,7 @@ static uint16_t mix_coverage(struct comparison *c)
 	return compare_below(c, 2) ? (uint16_t)compare_next(c) : ends[compare_below(c, 4)];
 }
 
-/* Numbers of `rows` rows, so many from one to the next. */
+/* Number of values from the first of a row to the last of the last row; rows are `step` apart. */
 static size_t span(const struct kernel_row *row, ptrdiff_t step)
 {
 	return (size_t)(row->rows - 1) * (size_t)step + (size_t)row->count;
@@ -229,8 +229,8 @@ static struct kernel_row make_row(struct comparison *c, int count)
 bool compare_mix(struct comparison *c, const struct kernels *tables[2], char *why)
 {
 	const int count = c->round < 132 ? c->round / 2 : compare_between(c, 1, WIDTH);
-	const int beyond =
-		compare_below(c, 20); /* pixels after the row, to be left alone; else a wall */
+	const int beyond = compare_below(
+		c, 20); /* pixels after the row, which must stay unchanged; else the guard page */
 	struct kernel_row row = make_row(c, count);
 	const size_t size = 4 * (span(&row, row.out_step / 4) + (size_t)beyond);
 	uint8_t *out[2];

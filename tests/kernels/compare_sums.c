@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* What is done with lines: sums over them, weights split into digits, projections. */
+/* Comparisons of the kernels for lines: sums of lines, splits of weights into digits, projections.
+ */
 #include "tests/kernels/compare_parts.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
 
-#define LINES 40 /* weights name them again and again */
+#define LINES 40 /* few, so that weights name each of them several times */
 #define STEP_MAX 12
-#define FULL_ROUND 40 /* in which sums are as large as they may become */
+#define FULL_ROUND 40 /* the round in which sums are as large as they can become */
 
 /* ---- sums16, sums8 ---- */
 
@@ -16,7 +17,7 @@ static int weights_count(struct comparison *c)
 {
 	if (c->round == 0)
 		return WEIGHTS_LONG;
-	if (c->round < FULL_ROUND) /* every short one: the ends of runs */
+	if (c->round < FULL_ROUND) /* every small number: the ends of runs */
 		return 2 * c->round - 2;
 	if (c->round == FULL_ROUND)
 		return 96;
@@ -24,17 +25,18 @@ static int weights_count(struct comparison *c)
 }
 
 /*
- * Of line k, for values of -32767. The sum of the first 32 products is one less than a multiple of
- * 65536, and as large as any sum of 32 may be are the next: whoever sets aside all but the lowest
- * 16 bits of the first ones, and adds the next to these, comes to 2^31 - 1.
+ * Digit of line k, for lines of value -32767. The sum of the first 32 products is one less than a
+ * multiple of 65536; the later sums are as large as a sum of 32 products can be. A kernel that
+ * carries all but the lowest 16 bits of the first sum elsewhere, and adds the next sum to those 16
+ * bits, comes to 2^31 - 1.
  */
 static int16_t full_digit(int k)
 {
 	return (int16_t)(k < 16 || k >= 32 ? -2048 : k == 16 ? -1 : 0);
 }
 
-/* Lines of one, two or three channels that lie one after the other, with gaps or without; full:
- * their digits make the largest sums that there are. */
+/* Weights of lines of one, two or three channels, one after the other, with gaps or without.
+ * `full`: the digits make the largest possible sums. */
 static struct kernel_weights make_weights(struct comparison *c, int count, bool full)
 {
 	const bool ordered = compare_below(c, 2);
@@ -55,7 +57,7 @@ static struct kernel_weights make_weights(struct comparison *c, int count, bool 
 	for (int k = 0; k < w.count; k++)
 		line[k] = (uint32_t)(ordered ? k % LINES : compare_below(c, LINES));
 	compare_fill16(c, digit, values, -2048, 2047);
-	for (int i = 0; i < values && c->round == 0; i++) /* what overflows first */
+	for (int i = 0; i < values && c->round == 0; i++) /* the values that overflow first */
 		digit[i] = i / 2 % 2 ? 2047 : -2048;
 	for (int i = 0; i < values && c->round == FULL_ROUND; i++)
 		digit[i] = full_digit(i / (2 * 3 * w.digits) * 2 + i % 2);
@@ -66,7 +68,7 @@ static struct kernel_weights make_weights(struct comparison *c, int count, bool 
 	return w;
 }
 
-/* The lines that weights may name. */
+/* Makes the lines that the weights name. */
 static void *make_lines(struct comparison *c, const struct kernel_weights *w, bool bytes,
 			enum filling filling)
 {
@@ -84,7 +86,7 @@ static void *make_lines(struct comparison *c, const struct kernel_weights *w, bo
 	return lines;
 }
 
-/* What the tables made of it, by what both began with. */
+/* Whether both tables made the same sums from the same start. */
 static bool same_sums(struct comparison *c, const struct kernel_weights *w, int64_t *sum[2][3],
 		      int count, char *why)
 {
@@ -110,8 +112,8 @@ static bool same_sums(struct comparison *c, const struct kernel_weights *w, int6
 bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables[2], char *why)
 {
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16;
-	const int beyond =
-		compare_below(c, 8); /* numbers after the sums, so that these lie anywhere */
+	const int beyond = compare_below(
+		c, 8); /* values after the sums, so that the alignment of the sums varies */
 	const struct kernel_weights w = make_weights(c, weights_count(c), false);
 	const enum filling filling = c->round == 0 ? HIGHEST
 				     : c->round == FULL_ROUND
@@ -138,7 +140,7 @@ bool compare_sums(struct comparison *c, bool bytes, const struct kernels *tables
 
 /* ---- values16, values8 ---- */
 
-/* As large as a run may become, on either side. */
+/* Rounds in which the values of a run are the highest and the lowest possible. */
 #define VALUES_HIGHEST 20
 #define VALUES_LOWEST 21
 
@@ -200,7 +202,7 @@ bool compare_split(struct comparison *c, const struct kernels *tables[2], char *
 			weight[i][k] = compare_below(c, 8)
 					       ? compare_spread(c, bits)
 					       : (INT64_C(1) << bits) - compare_below(c, 2);
-		/* what nobody reads */
+		/* the fourth weight, which no kernel may read */
 		weight[i][3] = compare_below(c, 2) ? INT64_MIN : INT64_MAX;
 	}
 	for (int i = 0; i < 2; i++) {
@@ -239,7 +241,7 @@ bool compare_project(struct comparison *c, const struct kernels *tables[2], char
 		for (int d = 0; d < KERNEL_DIGITS; d++) {
 			void *plane = guarded_take(&c->digit[k][d], (size_t)stride * 2);
 
-			/* What is beyond its digits must not count. */
+			/* Values beyond the digits must not count. */
 			compare_fill16(c, plane, stride, -2048, 2047);
 			vector[k].digit[d] = d < vector[k].digits ? plane : NULL;
 		}

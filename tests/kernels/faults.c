@@ -79,12 +79,12 @@ static void stepped_close8(const int8_t *lines, const struct kernel_weights *w, 
 	kernels_c.sums8(lines, &close, sum);
 }
 
-static void add(int64_t *sum, int64_t more, int shift)
+static void faults_add(int64_t *sum, int64_t more, int shift)
 {
 	*sum = (int64_t)((uint64_t)*sum + ((uint64_t)more << shift));
 }
 
-/* Adds up lines in int32 for longer than their products fit. */
+/* Adds up lines in int32 for longer than the products fit. */
 static void widened_late16(const int16_t *lines, const struct kernel_weights *w, sums_of sum)
 {
 	struct kernel_weights none = *w;
@@ -102,12 +102,13 @@ static void widened_late16(const int16_t *lines, const struct kernel_weights *w,
 			for (int k = run; k < w->count && k < run + 34; k++)
 				part += (uint32_t)(from[w->line[k] * w->step / 2] *
 						   *kernel_digit(w, k, c, d));
-			add(&sum[c][p], (int32_t)part, d * KERNEL_DIGIT_BITS + w->shift);
+			faults_add(&sum[c][p], (int32_t)part, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }
 
-/* The low byte of each digit by the instruction that adds two products of bytes in 16 bits. */
+/* Takes the low byte of each digit with the instruction that adds two products of bytes in 16 bits
+ * and saturates. */
 static void saturated8(const int8_t *lines, const struct kernel_weights *w, sums_of sum)
 {
 	struct kernel_weights none = *w;
@@ -130,7 +131,7 @@ static void saturated8(const int8_t *lines, const struct kernel_weights *w, sums
 				rest += x * (digit - low) - 128 * low;
 			}
 			pair = pair > 32767 ? 32767 : pair < -32768 ? -32768 : pair;
-			add(&sum[c][p], pair + rest, d * KERNEL_DIGIT_BITS + w->shift);
+			faults_add(&sum[c][p], pair + rest, d * KERNEL_DIGIT_BITS + w->shift);
 		}
 	}
 }
@@ -156,7 +157,7 @@ static int digit_of_half(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *d
 {
 	const int digits = kernels_c.split(weight, count, digit);
 
-	for (int i = 0; i < count * 3 * digits; i++) { /* 2048 and not -2048 with a carry */
+	for (int i = 0; i < count * 3 * digits; i++) { /* 2048, where -2048 with a carry is right */
 		if (digit[i] == -2048)
 			digit[i] = 2048;
 	}
@@ -260,7 +261,7 @@ static void digit_dropped_values16(const int16_t *lines, const struct kernel_wei
 	kernels_c.values16(lines, &less, value);
 }
 
-/* Cut, not rounded. */
+/* Truncates where it should round. */
 static void cut16(const int16_t *lines, const struct kernel_weights *w, values_of value)
 {
 	int64_t sum[3][KERNEL_LINE16];
@@ -285,7 +286,7 @@ static void always_fresh8(const int8_t *lines, const struct kernel_weights *w, v
 	kernels_c.values8(lines, &fresh, value);
 }
 
-/* The digit that is shifted away whole comes back at the other end, as x86 shifts numbers. */
+/* A digit that is shifted out completely comes back, as x86 takes the count modulo the width. */
 static void shift_wrapped8(const int8_t *lines, const struct kernel_weights *w, values_of value)
 {
 	kernels_c.values8(lines, w, value);
@@ -336,7 +337,8 @@ static void wrapped(const int32_t *value, const uint16_t row[16], int32_t *to)
 static void one_too_many(const struct kernel_row *row)
 {
 	kernels_c.mix(row);
-	/* After the first row of several, never the last: a wall may stand behind that one. */
+	/* Writes after the first row of several, never after the last: a guard page may be behind
+	 * that one. */
 	if (row->count % 4 == 3 && row->rows > 1)
 		memset(row->out + (ptrdiff_t)row->count * 4, 255, 4);
 }

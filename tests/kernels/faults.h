@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Tables that are wrong in one small thing each: what the comparison must find.
- */
+/* Tables that are wrong in one small thing each, and that the comparison must find. */
 #ifndef INLAY_TESTS_KERNELS_FAULTS_H
 #define INLAY_TESTS_KERNELS_FAULTS_H
 
@@ -14,6 +12,6 @@ struct faulty {
 };
 
 extern const int faulty_count;
-struct faulty faulty_table(int i); /* the specification with that one function replaced */
+struct faulty faulty_table(int i); /* the C table with that one function replaced */
 
 #endif

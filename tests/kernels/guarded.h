@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Memory whose end lies on a page that may not be touched, so that whoever reads or writes beyond
- * it is killed, and that has known bytes before it.
- */
+/* Memory that ends at a page that may not be touched, so that a kernel that reads or writes beyond
+ * its end is killed. The bytes before it have known values, which guarded_intact() checks. */
 #ifndef INLAY_TESTS_KERNELS_GUARDED_H
 #define INLAY_TESTS_KERNELS_GUARDED_H
 
@@ -16,12 +14,15 @@ struct guarded {
 	uint8_t *end;
 };
 
-void guarded_create(struct guarded *g, size_t capacity); /* ends the program where it cannot */
+void guarded_create(struct guarded *g,
+		    size_t capacity); /* ends the program where memory is short */
 
-/* The last bytes of it; what is before them is filled with known ones. As aligned as its size. */
+/* The last `bytes` bytes; the bytes before them are set to known values. Aligned as far as the size
+ * is. */
 void *guarded_take(struct guarded *g, size_t bytes);
 
-bool guarded_intact(const struct guarded *g, size_t bytes); /* what is before the last bytes */
+bool guarded_intact(const struct guarded *g,
+		    size_t bytes); /* whether the bytes before the last ones are unchanged */
 
 void guarded_free(struct guarded *g);
 

@@ -21,7 +21,7 @@
 
 #define NEEDED_MAX 8
 
-struct run {
+struct kernels_run {
 	uint64_t seed;
 	int rounds;
 	const char *needed[NEEDED_MAX];
@@ -30,7 +30,7 @@ struct run {
 	int tests, failed;
 };
 
-static void result(struct run *run, bool passed, const char *name, const char *what,
+static void result(struct kernels_run *run, bool passed, const char *name, const char *what,
 		   const char *why)
 {
 	run->tests++;
@@ -41,7 +41,7 @@ static void result(struct run *run, bool passed, const char *name, const char *w
 	fflush(stdout);
 }
 
-static void test_table(struct run *run, const struct kernels *table)
+static void test_table(struct kernels_run *run, const struct kernels *table)
 {
 	for (int f = 0; f < FUNCTIONS; f++) {
 		struct comparison *c = comparison_create(run->seed);
@@ -54,7 +54,7 @@ static void test_table(struct run *run, const struct kernels *table)
 	}
 }
 
-static void test_faults(struct run *run)
+static void test_faults(struct kernels_run *run)
 {
 	for (int i = 0; i < faulty_count; i++) {
 		const struct faulty f = faulty_table(i);
@@ -75,8 +75,8 @@ static int random_between(int low, int high)
 	return low + (int)(random() % (high - low + 1));
 }
 
-/* Against the weights put together again, in 128 bits. */
-static void test_sums(struct run *run)
+/* Against the weights put together again, in 128-bit integers. */
+static void test_sums(struct kernels_run *run)
 {
 	enum { LINES = 96, STEP = 3 * KERNEL_LINE16 };
 	static int16_t lines[LINES * STEP] __attribute__((aligned(64)));
@@ -119,12 +119,12 @@ static void test_sums(struct run *run)
 	result(run, same, "c", "sums16 is what 128 bits give", "it is not");
 }
 
-/* Against double precision: linear light, and encoded without a table. */
-static void test_mix(struct run *run, const struct transfer_curve *from,
+/* Against double precision: linear light, encoded without a table. */
+static void test_mix(struct kernels_run *run, const struct transfer_curve *from,
 		     const struct transfer_curve *to, const char *what, double dark, double bright)
 {
 	static struct kernel_curves curves;
-	double worst[2] = {0}, off; /* below 1 / 1020 of white, above */
+	double worst[2] = {0}, off; /* below 1 / 1020 of white, and above */
 	bool unchanged = true;
 	char why[128];
 
@@ -168,7 +168,7 @@ static void test_mix(struct run *run, const struct transfer_curve *from,
 	result(run, unchanged && worst[0] <= dark && worst[1] <= bright, "c", what, why);
 }
 
-static void test_named_curves(struct run *run)
+static void test_named_curves(struct kernels_run *run)
 {
 	struct transfer_curve curves[TRANSFER_COUNT];
 	char what[64];
@@ -184,7 +184,7 @@ static void test_named_curves(struct run *run)
 	}
 }
 
-/* What a camera with a toe and a shoulder makes of light, inverted. */
+/* Linear light of a code of a camera with a toe and a shoulder. */
 static double film_decode(double code)
 {
 	double low = 0, high = 1;
@@ -213,7 +213,7 @@ static double srgb_decode(double code)
 /* A measured curve has no formula. The first parabola holds what is below 1 / 1020 of white, and is
  * a poor one for a curve that is as steep as a power there: it costs a level, and an unchanged
  * pixel may become one level brighter or darker. */
-static void test_measured_curves(struct run *run)
+static void test_measured_curves(struct kernels_run *run)
 {
 	static const struct {
 		const char *what;
@@ -236,7 +236,7 @@ static void test_measured_curves(struct run *run)
 
 /* ---- which there are ---- */
 
-static void test_needed(struct run *run)
+static void test_needed(struct kernels_run *run)
 {
 	for (int i = 0; i < run->needed_count; i++) {
 		const struct kernels *k = kernels_choose(run->needed[i]);
@@ -246,7 +246,7 @@ static void test_needed(struct run *run)
 	}
 }
 
-static void test_choice(struct run *run)
+static void test_choice(struct kernels_run *run)
 {
 	const struct kernels *k;
 
@@ -274,7 +274,7 @@ static int usage(void)
 	return 2;
 }
 
-static int options(struct run *run, int argc, char **argv)
+static int options(struct kernels_run *run, int argc, char **argv)
 {
 	static const struct option known[] = {{"rounds", required_argument, NULL, 'r'},
 					      {"need", required_argument, NULL, 'n'},
@@ -304,7 +304,7 @@ static int options(struct run *run, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-	struct run run = {.rounds = 2000};
+	struct kernels_run run = {.rounds = 2000};
 	struct chance chance;
 
 	if (options(&run, argc, argv) != 0)

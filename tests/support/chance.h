@@ -1,58 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* Random numbers for tests. Each run draws the same, so that what fails goes by what changed;
- * INLAY_SEED=n draws others, and ../seeds.sh goes through many. */
+/*
+ * Seeded random numbers. Every run draws the same numbers, so that a new failure comes from a
+ * change of the code. INLAY_SEED=n in the environment draws others; tests/seeds.sh tries many.
+ */
 #ifndef INLAY_TESTS_SUPPORT_CHANCE_H
 #define INLAY_TESTS_SUPPORT_CHANCE_H
 
 #include <math.h>
 #include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 struct chance {
 	uint64_t state;
 };
 
-static inline struct chance chance_begin(const char *test)
-{
-	const char *given = getenv("INLAY_SEED");
-	const uint64_t seed = given ? strtoull(given, NULL, 0) : 20261120;
+/* The seed of this run: INLAY_SEED, or the default. */
+uint64_t chance_seed(void);
 
-	printf("# %s: INLAY_SEED=%llu\n", test, (unsigned long long)seed);
-	return (struct chance){seed * 2 + 1};
-}
+/* A generator that starts from chance_seed(). Prints the seed and the test's name in TAP. */
+struct chance chance_begin(const char *test);
 
-/* splitmix64 */
-static inline uint64_t chance_bits(struct chance *c)
-{
-	uint64_t z = c->state += 0x9e3779b97f4a7c15;
-
-	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-	z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-	return z ^ (z >> 31);
-}
+/* 64 random bits (splitmix64). */
+uint64_t chance_bits(struct chance *c);
 
 /* Uniform in from..to. */
-static inline double chance_real(struct chance *c, double from, double to)
-{
-	return from + (to - from) * ldexp((double)(chance_bits(c) >> 11), -53);
-}
+double chance_real(struct chance *c, double from, double to);
 
 /* Uniform in from..to, both included. */
-static inline int chance_int(struct chance *c, int from, int to)
-{
-	return from + (int)(chance_bits(c) % (uint64_t)(to - from + 1));
-}
+int chance_int(struct chance *c, int from, int to);
 
-/* Uniform on the sphere above height z = lowest. */
-static inline void chance_direction(struct chance *c, double lowest, double dir[3])
-{
-	const double z = chance_real(c, lowest, 1), phi = chance_real(c, 0, 2 * M_PI);
-	const double r = sqrt(fmax(0, 1 - z * z));
+/* Normal distribution with mean 0 and standard deviation 1 (Box and Muller). */
+double chance_normal(struct chance *c);
 
-	dir[0] = r * cos(phi);
-	dir[1] = r * sin(phi);
-	dir[2] = z;
-}
+/* Uniform on the part of the unit sphere with z >= lowest. */
+void chance_direction(struct chance *c, double lowest, double dir[3]);
 
 #endif

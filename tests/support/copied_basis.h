@@ -1,122 +1,34 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Basis files in memory, to be changed: what the tests of the basis file share.
- *
- * Header only, because each test is one program of one file.
- */
+/* Basis files copied to memory, so that a test can damage the copy and open it. */
 #ifndef INLAY_TESTS_SUPPORT_COPIED_BASIS_H
 #define INLAY_TESTS_SUPPORT_COPIED_BASIS_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-
 #include "tests/support/synthetic_basis.h"
 
-/* Has blocks of every kind, several over the same pixels, and both layers. */
-static const struct synthetic_options copied_small = {
-	.width = 37,
-	.height = 21,
-	.lights = 50,
-	.grounds = 2,
-	.coarse = 20,
-	.patterns = 3,
-	.columns = 5,
-	.bits = 8,
-	.layers = 2,
-	.exact = true,
-	.object_share = 0.3,
-	.ground_share = 0.3,
-	.stand_in_share = 0.3,
-	.glass_share = 0.2,
-	.peak = 1,
-	.bounce = 0.3,
-	.seed = 7,
-};
+/* A small file with blocks of every kind, several over the same pixels, and both layers. */
+extern const struct synthetic_options copied_small;
 
-/* A whole file in memory that may be changed: pages of their own. */
+/* A whole file in memory of its own, which may be written to. */
 struct copied {
 	uint8_t *data;
 	size_t bytes;
 };
 
-static inline struct copied copied_file(const char *path)
-{
-	struct copied copy = {0};
-	FILE *stream = fopen(path, "rb");
-	struct stat s;
+/* Free the copy with copied_free(). */
+struct copied copied_file(const char *path);
+void copied_free(struct copied *copy);
 
-	assert_non_null(stream);
-	assert_int_equal(fstat(fileno(stream), &s), 0);
-	copy.bytes = (size_t)s.st_size;
-	copy.data = mmap(NULL, copy.bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1,
-			 0);
-	assert_ptr_not_equal(copy.data, MAP_FAILED);
-	assert_int_equal(fread(copy.data, 1, copy.bytes, stream), copy.bytes);
-	fclose(stream);
-	return copy;
-}
+/* What basis_open_memory() returns for the copy; the opened basis is closed again. `fault` is
+ * emptied first. copied_open() opens all parts. */
+int copied_open_part(const struct copied *copy, enum basis_part part, struct fault *fault);
+int copied_open(const struct copied *copy, struct fault *fault);
 
-static inline void copied_free(struct copied *copy)
-{
-	munmap(copy->data, copy->bytes);
-}
+/* Table entry and data of the first chunk of a type; both point into the copy. */
+struct basis_chunk_entry *copied_chunk(const struct copied *copy, uint32_t type);
+void *copied_data(const struct copied *copy, uint32_t type);
 
-static inline int copied_open_part(const struct copied *copy, enum basis_part part,
-				   struct fault *fault)
-{
-	struct basis basis;
-	int ret;
-
-	fault->text[0] = '\0';
-	ret = basis_open_memory(&basis, copy->data, copy->bytes, "mem.inlay", part, fault);
-	basis_close(&basis);
-	return ret;
-}
-
-static inline int copied_open(const struct copied *copy, struct fault *fault)
-{
-	return copied_open_part(copy, BASIS_ALL, fault);
-}
-
-static inline struct basis_chunk_entry *copied_chunk(const struct copied *copy, uint32_t type)
-{
-	struct basis_file_header *header = (struct basis_file_header *)copy->data;
-	struct basis_chunk_entry *chunk = (struct basis_chunk_entry *)(header + 1);
-
-	for (uint32_t i = 0; i < header->chunk_count; i++) {
-		if (chunk[i].type == type)
-			return &chunk[i];
-	}
-	fail_msg("chunk %08x is missing", type);
-	return NULL;
-}
-
-static inline void *copied_data(const struct copied *copy, uint32_t type)
-{
-	return copy->data + copied_chunk(copy, type)->offset;
-}
-
-static inline int copied_setup(void **state)
-{
-	struct synthetic *s = calloc(1, sizeof(*s));
-
-	assert_non_null(s);
-	synthetic_open(s, &copied_small);
-	*state = s;
-	return 0;
-}
-
-static inline int copied_teardown(void **state)
-{
-	synthetic_close(*state);
-	free(*state);
-	return 0;
-}
+/* Setup and teardown of a group: *state is a struct synthetic of `copied_small`, open. */
+int copied_setup(void **state);
+int copied_teardown(void **state);
 
 #endif

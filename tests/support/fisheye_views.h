@@ -1,129 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* Boards and lamps as a fisheye sees them, for the tests of its calibration. */
+/* Points of boards and lamps as a known fisheye sees them, for the tests of its calibration. */
 #ifndef INLAY_TESTS_SUPPORT_FISHEYE_VIEWS_H
 #define INLAY_TESTS_SUPPORT_FISHEYE_VIEWS_H
 
-#include <string.h>
-
 #include "bake/calibrate/observe/observations.h"
 #include "hal/optics/fisheye.h"
-#include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 
-/* A lens of each model, squashed, off the middle, tilted. */
-static const struct fisheye_settings fisheye_truths[FISHEYE_MODEL_COUNT] = {
-	{.focal_px = {148, 139},
-	 .centre_px = {322.4, 236.7},
-	 .rotation_deg = {3, -4, 31},
-	 .field_deg = 90,
-	 .model = FISHEYE_EQUIDISTANT},
-	{.focal_px = {163, 151},
-	 .centre_px = {316.1, 243.2},
-	 .rotation_deg = {-2, 5, -110},
-	 .field_deg = 90,
-	 .model = FISHEYE_EQUISOLID},
-	{.focal_px = {117, 112},
-	 .centre_px = {325.3, 238.9},
-	 .rotation_deg = {1, 2, 3},
-	 .field_deg = 90,
-	 .model = FISHEYE_STEREOGRAPHIC},
-	{.focal_px = {226, 219},
-	 .centre_px = {318.8, 241.5},
-	 .rotation_deg = {-6, 1, 75},
-	 .field_deg = 88,
-	 .model = FISHEYE_ORTHOGRAPHIC},
-	{.focal_px = {150, 143},
-	 .centre_px = {321.7, 239.2},
-	 .rotation_deg = {2, 2, 160},
-	 .field_deg = 90,
-	 .model = FISHEYE_POLYNOMIAL,
-	 .polynomial = {-0.04, 0.012, -0.006, 0.0008}},
-};
+/* A lens of each model, for 640 x 480: pixels not square, centre off the middle, tilted. */
+extern const struct fisheye_settings fisheye_views_lenses[FISHEYE_MODEL_COUNT];
 
-static inline double chance_normal(struct chance *c)
-{
-	const double u = 1 - chance_real(c, 0, 1), v = chance_real(c, 0, 2 * M_PI);
+/* No view yet, 640 x 480. The caller frees with observations_free(). */
+void fisheye_views_begin(struct observations *all);
 
-	return sqrt(-2 * log(u)) * cos(v);
-}
+/* Adds a view of lamps all over the field, up to most_deg from the axis. Places have noise of
+ * standard deviation sigma, in px. The directions have length 2.5, because length must not matter. */
+void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int count,
+		       double most_deg, double sigma, struct chance *c);
 
-static inline void blur(struct chance *c, double sigma, double px[2])
-{
-	px[0] += sigma * chance_normal(c);
-	px[1] += sigma * chance_normal(c);
-}
+/*
+ * Adds a view of a board of 6 x 5 corners, 50 mm apart. Its middle lies 0.2 to 0.3 m from the camera
+ * in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at random.
+ */
+void fisheye_see_board(struct observations *all, const struct fisheye *lens, double theta,
+		       double phi, double sigma, struct chance *c);
 
-static inline void begin_views(struct observations *all)
-{
-	*all = (struct observations){.width = 640, .height = 480};
-}
-
-/* Lamps all over the field up to most_deg from the axis, as one view. Directions are of a length
- * that must not matter. */
-static inline void see_lamps(struct observations *all, const struct fisheye *lens, int count,
-			     double most_deg, double sigma, struct chance *c)
-{
-	observations_begin_view(all, "lamps");
-	for (int n = 0; n < count; n++) {
-		/* evenly over the area of the picture, about */
-		const double theta = most_deg * (M_PI / 180) * sqrt((n + 0.5) / count);
-		const double phi = n * 2.39996 + chance_real(c, 0, 0.3);
-		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
-		double dir[3], px[2];
-
-		mat_apply_transposed(lens->rotation, ray, dir);
-		if (!fisheye_project(lens, dir, px))
-			continue;
-		blur(c, sigma, px);
-		for (int i = 0; i < 3; i++)
-			dir[i] *= 2.5;
-		observations_add(all, dir, px, "lamp %d", n + 1);
-	}
-}
-
-/* A board of 6x5 corners, 50 mm apart, that lies with its middle at a direction of the camera, some
- * 0.3 m away, facing it, tilted by chance. */
-static inline void see_board(struct observations *all, const struct fisheye *lens, double theta,
-			     double phi, double sigma, struct chance *c)
-{
-	const double distance = chance_real(c, 0.2, 0.3), step = 0.05;
-	double z[3] = {-sin(theta) * cos(phi), -sin(theta) * sin(phi), -cos(theta)};
-	double x[3], y[3], middle[3], spin = chance_real(c, 0, 6.28);
-	char name[32];
-
-	for (int i = 0; i < 3; i++) {
-		middle[i] = -distance * z[i];
-		z[i] += chance_real(c, -0.5, 0.5);
-	}
-	vec_normalize(z);
-	vec_cross(z, (double[]){cos(spin), sin(spin), 0.3}, x);
-	vec_normalize(x);
-	vec_cross(z, x, y);
-	snprintf(name, sizeof(name), "board %d", all->views + 1);
-	observations_begin_view(all, name);
-	for (int n = 0; n < 30; n++) {
-		const double world[3] = {step * (n % 6), -step * (n / 6), 0};
-		double c3[3], dir[3], px[2];
-
-		for (int i = 0; i < 3; i++)
-			c3[i] = middle[i] + x[i] * (world[0] - 2.5 * step) +
-				y[i] * (world[1] + 2 * step);
-		mat_apply_transposed(lens->rotation, c3, dir);
-		if (!fisheye_project(lens, dir, px))
-			continue;
-		blur(c, sigma, px);
-		observations_add(all, world, px, "%s corner %d,%d", name, n % 6, n / 6);
-	}
-}
-
-/* One towards the axis and others all around, out to the rim. */
-static inline void see_boards(struct observations *all, const struct fisheye *lens, int count,
-			      double theta, double sigma, struct chance *c)
-{
-	see_board(all, lens, 0.1, 0.4, sigma, c);
-	for (int k = 1; k < count; k++)
-		see_board(all, lens, theta * (k % 2 ? 1 : 0.6), 2 * M_PI * k / (count - 1), sigma,
-			  c);
-}
+/* Adds `count` boards: the first near the axis, the others all around it, up to theta. */
+void fisheye_see_boards(struct observations *all, const struct fisheye *lens, int count,
+			double theta, double sigma, struct chance *c);
 
 #endif

@@ -1,67 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-/* A screen for tests: its rows are longer than they need be, what follows each is watched, and the
- * pages before and behind it cannot be touched. */
+/*
+ * A screen buffer that catches writes outside of it. Each row is longer than the screen is wide, and
+ * its excess bytes are checked; the buffer ends at a page that may not be touched, and before the
+ * page with its first byte lies another.
+ */
 #ifndef INLAY_TESTS_SUPPORT_GUARDED_SCREEN_H
 #define INLAY_TESTS_SUPPORT_GUARDED_SCREEN_H
 
+#include <stddef.h>
 #include <stdint.h>
-#include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "hal/device/display.h"
 
-#define GUARD_PADDING 12
-#define GUARD_CANARY 0xa5
+#define GUARD_PADDING 12  /* bytes behind the pixels of each row */
+#define GUARD_CANARY 0xa5 /* their value */
 
 struct guarded_screen {
 	struct display_buffer buffer;
-	uint8_t *map;
+	uint8_t *map; /* private */
 	size_t bytes; /* of the map */
 };
 
-/* Its last byte is the last before the guard page. Every pixel is filled with one byte. */
-static inline struct guarded_screen guarded_create(int width, int height, int fill)
-{
-	const size_t page = (size_t)sysconf(_SC_PAGESIZE);
-	size_t stride = (size_t)width * 4 + GUARD_PADDING, used = stride * (size_t)height;
-	size_t inner = (used + page - 1) / page * page;
-	struct guarded_screen s = {.bytes = inner + 2 * page};
+/* Every byte of every pixel is `fill`. */
+struct guarded_screen guarded_screen_create(int width, int height, int fill);
 
-	s.map = mmap(NULL, s.bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-	assert_true(s.map != MAP_FAILED);
-	assert_int_equal(mprotect(s.map, page, PROT_NONE), 0);
-	assert_int_equal(mprotect(s.map + page + inner, page, PROT_NONE), 0);
-	s.buffer = (struct display_buffer){
-		.pixels = s.map + page + inner - used,
-		.stride = stride,
-		.width = width,
-		.height = height,
-	};
-	memset(s.map + page, GUARD_CANARY, inner);
-	for (int y = 0; y < height; y++)
-		memset(s.buffer.pixels + (size_t)y * stride, fill, (size_t)width * 4);
-	return s;
-}
+/* Pixel (x, y): four bytes. */
+const uint8_t *guarded_screen_pixel(const struct guarded_screen *s, int x, int y);
 
-static inline const uint8_t *guarded_pixel(const struct guarded_screen *s, int x, int y)
-{
-	return s->buffer.pixels + (size_t)y * s->buffer.stride + (size_t)x * 4;
-}
-
-static inline void guarded_free(struct guarded_screen *s)
-{
-	const size_t page = (size_t)sysconf(_SC_PAGESIZE);
-
-	for (uint8_t *p = s->map + page; p < s->buffer.pixels; p++)
-		assert_int_equal(*p, GUARD_CANARY);
-	for (int y = 0; y < s->buffer.height; y++) {
-		const uint8_t *end = guarded_pixel(s, s->buffer.width, y);
-
-		for (int i = 0; i < GUARD_PADDING; i++)
-			assert_int_equal(end[i], GUARD_CANARY);
-	}
-	munmap(s->map, s->bytes);
-}
+/* Fails the test where bytes outside the pixels have changed. */
+void guarded_screen_free(struct guarded_screen *s);
 
 #endif

@@ -1,35 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* A folder of the test's own, for a group's setup and teardown. It must be empty again at the end:
- * a test removes what it wrote. */
+/*
+ * A temporary folder for one group of tests: own_folder_make() is the group's setup,
+ * own_folder_remove() its teardown. The teardown fails where a test has left a file behind.
+ */
 #ifndef INLAY_TESTS_SUPPORT_OWN_FOLDER_H
 #define INLAY_TESTS_SUPPORT_OWN_FOLDER_H
 
-#include <limits.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-static char own_folder[] = "/tmp/inlay-test-XXXXXX";
+int own_folder_make(void **state);
+int own_folder_remove(void **state);
 
-static inline int own_folder_make(void **state)
-{
-	(void)state;
-	return mkdtemp(own_folder) ? 0 : -1;
+/* The folder's path. */
+const char *own_folder(void);
+
+/* Path of a file in the folder. The text is valid until the next call. */
+const char *own_folder_path(const char *name);
+
+#ifdef __cplusplus
 }
-
-static inline int own_folder_remove(void **state)
-{
-	(void)state;
-	return rmdir(own_folder);
-}
-
-/* Until the next call. */
-static inline const char *own_path(const char *name)
-{
-	static char path[PATH_MAX];
-
-	snprintf(path, sizeof(path), "%s/%s", own_folder, name);
-	return path;
-}
+#endif
 
 #endif

@@ -37,7 +37,7 @@ one() {
 	mv "$job/results.tap" "$job/done.tap"
 }
 
-# What has ended since the last call, numbered on.
+# Prints the results that have arrived since the last call, numbered on.
 count=0
 failed=0
 report() {

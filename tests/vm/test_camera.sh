@@ -5,7 +5,7 @@
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh
 
-# What the last capture said about NAME.
+# The value of NAME in the output of the last capture.
 said() {
 	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"
 }

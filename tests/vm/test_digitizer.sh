@@ -6,12 +6,12 @@
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh
 
-# What the last capture said about NAME.
+# The value of NAME in the output of the last capture.
 said() {
 	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"
 }
 
-# What the last frame of capture becomes; "-": nothing.
+# File for the last frame of capture; "-": none.
 picture=-
 
 # capture FRAMES name=value...

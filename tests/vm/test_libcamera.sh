@@ -8,7 +8,7 @@
 config=tests/vm/scenes/libcamera.conf
 # shellcheck disable=SC2154 # tools and basis are set there
 
-# What the last capture said about NAME.
+# The value of NAME in the output of the last capture.
 said() {
 	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"
 }

@@ -7,12 +7,13 @@ VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/tools/,capture keys picture presses
 	$(if $(filter 1,$(WITH_KMS)),$(BUILD)/tests/vm/tools/scanout)
 
 $(addprefix $(BUILD)/tests/vm/tools/,capture keys presses show): $(BUILD)/drivers.a
+$(addprefix $(BUILD)/tests/vm/tools/,capture presses show): $(BUILD)/tests/vm/tools/driver_option.o
 $(VM_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(BUILD)/hal.a
 	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $< \
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $(filter %.o,$^) \
 		$(filter %/drivers.a,$^) $(BUILD)/hal.a $(APP_LINK)
 
--include $(addsuffix .d,$(VM_PROGRAMS))
+-include $(addsuffix .d,$(VM_PROGRAMS)) $(BUILD)/tests/vm/tools/driver_option.d
 
 # Has libcamera treat vimc as a webcam.
 VM_LIBRARIES := $(if $(filter 1,$(WITH_LIBCAMERA)),$(BUILD)/tests/vm/tools/webcam.so)

@@ -18,7 +18,7 @@
 #define SETTLING_NS INT64_C(1000000000)
 #define SETTLING_TURNS 60
 
-/* glibc's own, under its other names: dlsym() itself allocates. */
+/* glibc's own functions, under their other names, because dlsym() itself allocates. */
 void *__libc_malloc(size_t bytes);
 void *__libc_calloc(size_t count, size_t bytes);
 void *__libc_realloc(void *old, size_t bytes);
@@ -79,7 +79,7 @@ int posix_memalign(void **out, size_t alignment, size_t bytes)
 {
 	note();
 	*out = __libc_memalign(alignment, bytes);
-	return *out ? 0 : 12; /* ENOMEM, which is returned, not set */
+	return *out ? 0 : 12; /* ENOMEM, which is returned and not set in errno */
 }
 
 int epoll_wait(int epoll, struct epoll_event *events, int room, int timeout)

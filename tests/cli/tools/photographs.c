@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What a person would photograph for inlay-calibrate fisheye, drawn through an equidistant lens of
- * 220 x 211 px/rad around (483.2, 357.4), and lamps through that of the first of fisheye_truths:
+ * 220 x 211 px/rad around (483.2, 357.4), and lamps through that of the first of fisheye_views_lenses:
  *     photographs FOLDER    writes eye1.png ... eye9.png, a board 9x6:20mm; lamps.png, lamps.txt
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/support/chance.h"
 #include "tests/support/drawn_lamps.h"
 #include "tests/support/fisheye_photographs.h"
+#include "tests/support/fisheye_views.h"
 
 static int keep(const char *folder, const char *name, struct image *image)
 {
@@ -36,13 +38,14 @@ static int photograph(const char *folder, struct chance *chance)
 	int err = board_parse(&board, "9x6:20mm", NULL);
 
 	if (!err)
-		err = fisheye_prepare(&lens, &settings, PHOTOGRAPH_WIDTH, PHOTOGRAPH_HEIGHT, NULL);
-	for (int k = 0; k < PHOTOGRAPHS && !err; k++) {
+		err = fisheye_prepare(&lens, &settings, FISHEYE_PHOTOGRAPH_WIDTH,
+				      FISHEYE_PHOTOGRAPH_HEIGHT, NULL);
+	for (int k = 0; k < FISHEYE_PHOTOGRAPHS && !err; k++) {
 		struct image image;
 		char name[16];
 
 		snprintf(name, sizeof(name), "eye%d.png", k + 1);
-		err = photograph_board(&image, &board, &lens, k, chance);
+		err = fisheye_photograph_board(&image, &board, &lens, k, chance);
 		if (!err)
 			err = keep(folder, name, &image);
 	}
@@ -52,7 +55,7 @@ static int photograph(const char *folder, struct chance *chance)
 static int light_lamps(const char *folder, struct chance *chance)
 {
 	struct drawn_lamps lamps = {
-		.lens = &fisheye_truths[0], .walls = 0.05, .lamp_light = 2, .noise = 1};
+		.lens = &fisheye_views_lenses[0], .walls = 0.05, .lamp_light = 2, .noise = 1};
 	struct image image;
 	char path[4096];
 	FILE *file;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The configuration: defaults, drivers' own keys, what no key can tell alone, printing. */
+/* The configuration: defaults, drivers' own keys, checks that concern several keys, printing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -264,7 +264,7 @@ static void write_file(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-/* What a calibration found goes over what the configuration says of the lens. */
+/* The results of a calibration replace what the configuration says of the lens. */
 static void a_lens_of_its_own_file(void **state)
 {
 	char path[] = "/tmp/inlay-lens-XXXXXX", text[256];
@@ -302,7 +302,7 @@ static void a_lens_of_its_own_file(void **state)
 	config_destroy(c);
 }
 
-/* The whole sample: every key is in it, at its default, with help and range as the tables say. */
+/* Every key is in the sample, at its default, with help and range as the tables say. */
 static void sample_file_is_what_the_tables_say(void **state)
 {
 	struct config *c = fresh(driver_list());
@@ -350,7 +350,7 @@ static void sample_equals_the_defaults(void **state)
 	char *text = printed(bare, config_write_sample), *bare_text, *sample_text;
 
 	(void)state;
-	/* The sample defines two cameras; so does the other, with nothing in them. */
+	/* the sample defines two cameras; the other file defines them empty */
 	assert_int_equal(config_read_memory(bare, "[camera fisheye]\n[camera background]\n", 36,
 					    "b", &report),
 			 0);

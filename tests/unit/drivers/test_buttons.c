@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Buttons: the wrappers, scripts in time, the words for every mistake in one, what is a press of a
- * line, and GPIO's refusals (lines themselves are pressed in the simulated machine). */
+/* Buttons: the wrappers, timed scripts, the message for every mistake in a script, what counts as a
+ * press of a line, and what the GPIO driver refuses. The simulated machine presses real lines. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,7 +23,7 @@
 static char folder[] = "/tmp/inlay-buttons-XXXXXX";
 static char script[64];
 
-/* The script driver's only option. */
+/* the script driver's only option */
 static char option[INI_PATH_MAX];
 
 static int open_script(struct buttons *buttons, const char *text, struct fault *fault)
@@ -75,13 +75,13 @@ static void script_in_time(void **state)
 		late_ns = clock_now_ns() - start_ns - expected[i].at_ms * NS_PER_MS;
 		assert_int_equal(press.action, expected[i].action);
 		assert_true(press.value == expected[i].value);
-		/* Never early; late only by what a busy machine takes. */
+		/* never early, and late only by what a busy machine needs */
 		assert_true(late_ns >= 0 && late_ns < NS_PER_S);
 		if (i + 1 < sizeof(expected) / sizeof(expected[0]) &&
 		    expected[i + 1].at_ms > clock_now_ns() / NS_PER_MS - start_ns / NS_PER_MS + 5)
 			assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
 	}
-	/* Quiet for ever. */
+	/* no more events */
 	assert_int_equal(poll(&ready, 1, 20), 0);
 	assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
 	assert_int_equal(press.action, ACTION_NONE);
@@ -170,7 +170,7 @@ static void wrappers(void **state)
 	assert_string_equal(action_names[ACTION_QUIT], "quit");
 }
 
-/* Every action's name is a press; those that step repeat. */
+/* Each action's name is a press; actions that step repeat. */
 static void every_action(void **state)
 {
 	struct button_press press;
@@ -222,8 +222,8 @@ static void poses(void **state)
 
 /* ---- a rotary encoder ---- */
 
-/* Edges of one line at a time, "a" or "b" each; the sum of steps. */
-static int turn(struct quadrature *q, const char *edges)
+/* Edges of one line at a time, "a" or "b" each. Returns the sum of steps. */
+static int test_buttons_turn(struct quadrature *q, const char *edges)
 {
 	int sum = 0;
 
@@ -233,8 +233,8 @@ static int turn(struct quadrature *q, const char *edges)
 	return sum;
 }
 
-/* Takes edges until none counts; appends "a" or "b" for each to text. Returns when the next will.
- */
+/* Takes edges until none is due and appends "a" or "b" for each to text. Returns when the next is
+ * due. */
 static int64_t take_all(struct edge_order *order, int64_t now_ns, char *text)
 {
 	struct gpio_edge edge;
@@ -247,7 +247,7 @@ static int64_t take_all(struct edge_order *order, int64_t now_ns, char *text)
 	return until_ns;
 }
 
-/* However the kernel hands them over, edges come in the order of their times. */
+/* In whatever order the kernel delivers edges, they come out in the order of their times. */
 static void edges_in_order(void **state)
 {
 	static const int64_t ms = 1000000;
@@ -256,7 +256,7 @@ static void edges_in_order(void **state)
 
 	(void)state;
 	assert_int_equal(take_all(&order, 5 * ms, text), INT64_MAX);
-	/* The second line's is handed over first, and what was before it in time only later. */
+	/* The second line's edge arrives first, and an earlier edge of the first line only later. */
 	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 11 * ms});
 	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 13 * ms});
 	assert_int_equal(take_all(&order, 14 * ms, text), 11 * ms + EDGE_ORDER_NS);
@@ -265,10 +265,10 @@ static void edges_in_order(void **state)
 	edge_order_add(&order, 0, (struct gpio_edge){.at_ns = 12 * ms});
 	assert_int_equal(take_all(&order, 15 * ms, text), 13 * ms + EDGE_ORDER_NS);
 	assert_string_equal(text, "aba");
-	/* The last one waits for nobody after its time. */
+	/* The last edge waits only until its own time. */
 	assert_int_equal(take_all(&order, 13 * ms + EDGE_ORDER_NS, text), INT64_MAX);
 	assert_string_equal(text, "abab");
-	/* Another clock's time is not waited for, nor does a full line wait. */
+	/* A time of another clock is not waited for, and a full queue does not wait. */
 	edge_order_add(&order, 0, (struct gpio_edge){.at_ns = 1000 * ms});
 	take_all(&order, 30 * ms, text);
 	assert_string_equal(text, "ababa");
@@ -285,32 +285,34 @@ static void encoder(void **state)
 
 	(void)state;
 	quadrature_start(&q, 4, false, false);
-	assert_int_equal(turn(&q, "aba"), 0); /* not there yet */
-	assert_int_equal(turn(&q, "b"), 1);
-	assert_int_equal(turn(&q, "abababab"), 2);
-	assert_int_equal(turn(&q, "babababa"), -2);
-	assert_int_equal(turn(&q, "babab"), -1); /* half of the next, and back: nothing */
-	assert_int_equal(turn(&q, "b"), 0);
-	/* Each contact bounces on its way. */
-	assert_int_equal(turn(&q, "aaabbbaaabbb"), 1);
-	assert_int_equal(turn(&q, "bbbbbaaaaabbbbbaaaaa"), -1);
-	assert_int_equal(turn(&q, "aaaaaaaa"), 0);
-	/* It may rest with both contacts closed, and at each period's half. */
+	assert_int_equal(test_buttons_turn(&q, "aba"), 0); /* not there yet */
+	assert_int_equal(test_buttons_turn(&q, "b"), 1);
+	assert_int_equal(test_buttons_turn(&q, "abababab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "babababa"), -2);
+	assert_int_equal(test_buttons_turn(&q, "babab"),
+			 -1); /* half of the next step, and back: nothing */
+	assert_int_equal(test_buttons_turn(&q, "b"), 0);
+	/* each contact bounces on its way */
+	assert_int_equal(test_buttons_turn(&q, "aaabbbaaabbb"), 1);
+	assert_int_equal(test_buttons_turn(&q, "bbbbbaaaaabbbbbaaaaa"), -1);
+	assert_int_equal(test_buttons_turn(&q, "aaaaaaaa"), 0);
+	/* the knob may rest with both contacts closed, and at each half period */
 	quadrature_start(&q, 4, true, true);
-	assert_int_equal(turn(&q, "abab"), 1);
+	assert_int_equal(test_buttons_turn(&q, "abab"), 1);
 	quadrature_start(&q, 2, false, false);
-	assert_int_equal(turn(&q, "abab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "abab"), 2);
 	quadrature_start(&q, 1, true, false);
-	assert_int_equal(turn(&q, "bab"), 3);
-	/* Both at once: one edge was lost. What comes then counts again. */
+	assert_int_equal(test_buttons_turn(&q, "bab"), 3);
+	/* Both contacts change at once, so one edge was lost. Later edges count again. */
 	quadrature_start(&q, 1, false, false);
 	assert_int_equal(quadrature_edge(&q, true, true), 0);
-	assert_int_equal(turn(&q, "ab"), 2);
+	assert_int_equal(test_buttons_turn(&q, "ab"), 2);
 	quadrature_start(&q, 4, false, false);
-	assert_int_equal(turn(&q, "a"), 0);
+	assert_int_equal(test_buttons_turn(&q, "a"), 0);
 	assert_int_equal(quadrature_edge(&q, false, true), 0);
-	assert_int_equal(turn(&q, "b"), 0);
-	assert_int_equal(turn(&q, "abab"), 1); /* at rest, not on the way there */
+	assert_int_equal(test_buttons_turn(&q, "b"), 0);
+	assert_int_equal(test_buttons_turn(&q, "abab"),
+			 1); /* a step counts at rest, not on the way there */
 }
 
 /* ---- lines: levels at times, in milliseconds ---- */
@@ -331,7 +333,7 @@ static bool settled(struct button *button, int at_ms)
 	return button_settle(button, &timing, at_ms * NS_PER_MS);
 }
 
-/* How often the button is pressed from one time to another, its timer kept to the millisecond. */
+/* Number of presses between two times; the button's timer is kept to the millisecond. */
 static int presses_between(struct button *button, int from_ms, int to_ms)
 {
 	int count = 0;
@@ -358,7 +360,7 @@ static void line_bounces(void **state)
 	assert_true(button_deadline_ns(&button, &timing) == 1030 * NS_PER_MS);
 	assert_true(settled(&button, 1030));
 	assert_int_equal(presses_between(&button, 1031, 5000), 0); /* it does not repeat */
-	/* Let go, with as many bounces: no press. */
+	/* released, with as many bounces: no press */
 	for (int ms = 5000; ms < 5010; ms += 2) {
 		assert_false(edge(&button, ms, false));
 		assert_false(edge(&button, ms + 1, true));
@@ -366,13 +368,13 @@ static void line_bounces(void **state)
 	assert_false(edge(&button, 5010, false));
 	assert_int_equal(presses_between(&button, 5010, 6000), 0);
 	assert_true(button_deadline_ns(&button, &timing) == BUTTON_NEVER);
-	/* A spike is none either. */
+	/* a spike is no press either */
 	assert_false(edge(&button, 7000, true));
 	assert_false(edge(&button, 7005, false));
 	assert_int_equal(presses_between(&button, 7000, 8000), 0);
 }
 
-/* The program looks late: presses are told by the edges' own times. */
+/* The program looks late: edges count by their own times. */
 static void line_seen_late(void **state)
 {
 	struct button button;
@@ -384,7 +386,7 @@ static void line_seen_late(void **state)
 	assert_false(edge(&button, 1200, true));
 	assert_true(edge(&button, 1300, false));
 	assert_false(settled(&button, 9000));
-	/* And a button that is held meanwhile does not catch up. */
+	/* a button that was held in the meantime does not catch up */
 	assert_false(edge(&button, 10000, true));
 	assert_true(settled(&button, 10020));
 	assert_true(settled(&button, 15000));
@@ -404,7 +406,7 @@ static void line_repeats(void **state)
 	assert_int_equal(presses_between(&button, 1520, 2020), 5);
 	assert_false(edge(&button, 2020, false));
 	assert_int_equal(presses_between(&button, 2020, 9000), 0);
-	/* Stuck: after ten seconds it is quiet, until it was let go. */
+	/* stuck: quiet after ten seconds, until it is released */
 	assert_false(edge(&button, 10000, true));
 	assert_in_range(presses_between(&button, 10000, 21000), 90, 100);
 	assert_int_equal(presses_between(&button, 21000, 90000), 0);
@@ -426,7 +428,7 @@ static void line_pressed_at_the_start(void **state)
 	(void)state;
 	button_start(&button, true, true);
 	assert_int_equal(presses_between(&button, 0, 30000), 0);
-	assert_false(edge(&button, 30000, true)); /* an edge was lost before it */
+	assert_false(edge(&button, 30000, true)); /* an edge was lost before this one */
 	assert_int_equal(presses_between(&button, 30000, 31000), 0);
 	assert_false(edge(&button, 31000, false));
 	assert_false(settled(&button, 31020));
@@ -437,7 +439,7 @@ static void line_pressed_at_the_start(void **state)
 #if WITH_GPIO
 static void gpio_missing(void **state)
 {
-	/* Through the key table, as the program does: the driver's struct is its own. */
+	/* through the key table, as the program does, because the driver's struct is private */
 	void *options = calloc(1, buttons_gpio.options_size);
 	struct buttons buttons;
 	struct fault fault;

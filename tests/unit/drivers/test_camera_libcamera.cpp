@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What the libcamera driver decides by itself: values of controls, what becomes of refusals, choice
- * of format, colours. Its parts in C have test_libcamera_parts.c; everything that needs a camera is
- * tests/vm/test_libcamera.sh's.
- */
+/* What the libcamera driver decides by itself: values of controls, refusals, choice of format,
+ * colours. test_libcamera_parts.c tests its parts in C; tests/vm/test_libcamera.sh what needs a
+ * camera. */
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -22,7 +20,7 @@
 #include "drivers/libcamera/log_stream.hpp"
 
 extern "C" {
-#include <cmocka.h> /* after C++'s own: it defines a macro fail */
+#include <cmocka.h> /* after C++ headers, because it defines a macro named fail */
 }
 
 using namespace libcamera_driver;
@@ -30,7 +28,7 @@ using namespace libcamera_driver;
 namespace
 {
 
-/* What was logged since it was made. */
+/* Collects what is logged while it exists. */
 class Said
 {
       public:
@@ -70,7 +68,7 @@ bool holds(const std::string &text, const char *part)
 	return text.find(part) != text.npos;
 }
 
-/* A camera's controls as a Raspberry Pi's would be. */
+/* The controls of a camera on a Raspberry Pi. */
 lc::ControlInfoMap some_controls()
 {
 	lc::ControlInfoMap::Map map;
@@ -86,7 +84,7 @@ lc::ControlInfoMap some_controls()
 	return lc::ControlInfoMap(std::move(map), lc::controls::controls);
 }
 
-/* What goes with a request once a control was set to a text, as a text. */
+/* Value that goes with a request after a control was set, both as text. */
 std::string sent(const lc::ControlId &id, const char *text)
 {
 	for (const libcamera_control &control : controls_of(some_controls())) {
@@ -191,7 +189,8 @@ void test_arrays(void **)
 	assert_true(limits && (*limits)[0] == 33333 && (*limits)[1] == 33333);
 }
 
-/* A camera that refuses one of several refuses the request: each goes alone, and one has a name. */
+/* A camera that refuses one control refuses the whole request, so each is tried alone, and one is
+ * named. */
 void test_refusals_are_told_apart(void **)
 {
 	lc::ControlList all(lc::controls::controls);
@@ -216,8 +215,7 @@ void test_refusals_are_told_apart(void **)
 	assert_true(holds(said.text(), "control AeEnable: the camera refused no"));
 }
 
-/* What is changed on the way goes with the next request, and what was written behind it once more.
- */
+/* A change goes with the next request, and once more after what had already been queued. */
 void test_changes(void **)
 {
 	const Said said;
@@ -261,7 +259,7 @@ void test_reading_back(void **)
 	const Said said;
 	Asked asked("ExposureTime=10000, AnalogueGain=2, AeEnable=no");
 
-	/* At first it is still what it was; then the sensor's nearest steps; one never is. */
+	/* first still the old value, then the sensor's nearest steps; one is never reached */
 	metadata.set(lc::controls::ExposureTime.id(), lc::ControlValue(33000));
 	metadata.set(lc::controls::AnalogueGain.id(), lc::ControlValue(1.0f));
 	for (int i = 0; i < 5; i++)
@@ -297,7 +295,7 @@ void test_choice_of_format(void **)
 	assert_int_equal(any.size(), 3);
 	assert_true(any[0].theirs == lc::formats::YUYV && any[1].theirs == lc::formats::NV12 &&
 		    any[2].theirs == lc::formats::MJPEG);
-	/* One that has the size goes before a cheaper one that has not. */
+	/* a format that has the size goes before a cheaper one that has not */
 	const auto big = candidates(formats, PIXEL_NONE, large);
 
 	assert_true(big[0].theirs == lc::formats::NV12 && big[1].theirs == lc::formats::MJPEG &&
@@ -306,7 +304,7 @@ void test_choice_of_format(void **)
 	assert_int_equal(candidates(formats, PIXEL_GREY, small).size(), 0);
 }
 
-/* Of a camera that does not tell its formats, all of ours are tried. */
+/* A camera that does not list its formats is tried with all that inlay reads. */
 void test_untold_formats(void **)
 {
 	const auto all = candidates(lc::StreamFormats(), PIXEL_NONE, lc::Size(640, 480));
@@ -344,7 +342,7 @@ void test_colours(void **)
 	stream.colorSpace->range = lc::ColorSpace::Range::Full;
 	assert_int_equal(matrix(), MATRIX_BT709);
 	assert_int_equal(range(), RANGE_FULL);
-	/* Settings overrule it. */
+	/* settings go first */
 	settings.matrix = MATRIX_BT601 + 1;
 	settings.range = RANGE_LIMITED + 1;
 	assert_int_equal(matrix(), MATRIX_BT601);
@@ -355,7 +353,7 @@ void test_colours(void **)
 	assert_int_equal(range(), RANGE_FULL);
 }
 
-/* What a stream is like is what all its frames are like. */
+/* All frames of a stream have its properties. */
 void test_blank_frame(void **)
 {
 	lc::StreamConfiguration stream;
@@ -370,7 +368,7 @@ void test_blank_frame(void **)
 	assert_null(blank.planes[0].data);
 }
 
-/* libcamera's stream writes a message in one piece. */
+/* libcamera writes a message in one piece. */
 void test_messages(void **)
 {
 	const Said said;

@@ -42,7 +42,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-struct rig {
+struct sim_rig {
 	struct camera camera;
 	struct camera_settings settings;
 	void *options;
@@ -50,7 +50,7 @@ struct rig {
 };
 
 /* Options as "key=value", NULL at the end. */
-static void prepare(struct rig *rig, ...)
+static void test_sim_prepare(struct sim_rig *rig, ...)
 {
 	const struct ini_table tables[] = {
 		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
@@ -73,25 +73,25 @@ static void prepare(struct rig *rig, ...)
 	va_end(arguments);
 }
 
-static int start(struct rig *rig)
+static int test_sim_start(struct sim_rig *rig)
 {
 	return camera_open(&rig->camera, &camera_sim, &rig->settings, rig->options, &rig->fault);
 }
 
-static void must_start(struct rig *rig)
+static void must_start(struct sim_rig *rig)
 {
-	if (start(rig))
+	if (test_sim_start(rig))
 		fail_msg("%s", rig->fault.text);
 }
 
-static void finish(struct rig *rig)
+static void finish(struct sim_rig *rig)
 {
 	camera_close(&rig->camera);
 	camera_close(&rig->camera);
 	free(rig->options);
 }
 
-static void grab(struct rig *rig, struct frame *frame)
+static void test_sim_grab(struct sim_rig *rig, struct frame *frame)
 {
 	struct pollfd p = {.fd = camera_descriptor(&rig->camera), .events = POLLIN};
 
@@ -112,17 +112,17 @@ static uint64_t checksum(const struct frame *frame)
 static void defaults_are_sound(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.width = rig.settings.height = 0;
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 640);
 	assert_int_equal(rig.camera.height, 480);
 	assert_int_equal(rig.camera.format, PIXEL_BGRX);
 	assert_true(rig.camera.rate_hz == 25);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	assert_int_equal(frame.width, 640);
 	assert_int_equal(frame.planes[0].bytes, 640 * 480 * 4);
 	assert_int_equal(rig.camera.frames, 1);
@@ -139,13 +139,13 @@ static void same_frames_every_time(void **state)
 	(void)state;
 	for (int run = 0; run < 2; run++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
-		prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
+		test_sim_prepare(&rig, "clock=frames", "read_noise=4", "shot_noise=4", NULL);
 		rig.settings.rate_hz = 50;
 		must_start(&rig);
 		for (int i = 0; i < 4; i++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			sums[run][i] = checksum(&frame);
 			assert_int_equal(frame.sequence, i);
 			if (i > 0)
@@ -166,19 +166,19 @@ static void the_real_clock_keeps_time(void **state)
 {
 	const struct timespec nap = {0, 130 * 1000 * 1000};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	int64_t first_ns;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.rate_hz = 50;
 	must_start(&rig);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	first_ns = frame.timestamp_ns;
 	camera_release(&rig.camera, &frame);
 	nanosleep(&nap, NULL);
-	grab(&rig, &frame);
-	/* 6 periods went by at least: the newest counts, the rest is lost. */
+	test_sim_grab(&rig, &frame);
+	/* at least 6 periods have passed: the newest frame counts, the others are lost */
 	assert_true(frame.sequence >= 6);
 	assert_int_equal(rig.camera.lost, frame.sequence - 1);
 	assert_int_equal(frame.timestamp_ns - first_ns, frame.sequence * (NS_PER_S / 50));
@@ -196,13 +196,13 @@ static void a_camera_stalls_and_vanishes(void **state)
 	for (int i = 0; i < 2; i++) {
 		struct frame frame;
 		struct pollfd p = {.events = POLLIN};
-		struct rig rig;
+		struct sim_rig rig;
 
-		prepare(&rig, clocks[i], "stall_after=2", NULL);
+		test_sim_prepare(&rig, clocks[i], "stall_after=2", NULL);
 		rig.settings.rate_hz = 200;
 		must_start(&rig);
 		for (int k = 0; k < 2; k++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			camera_release(&rig.camera, &frame);
 		}
 		assert_int_equal(camera_grab(&rig.camera, &frame, NULL), -EAGAIN);
@@ -210,12 +210,12 @@ static void a_camera_stalls_and_vanishes(void **state)
 		assert_int_equal(poll(&p, 1, 50), 0);
 		finish(&rig);
 
-		prepare(&rig, clocks[i], "vanish_after=2", NULL);
+		test_sim_prepare(&rig, clocks[i], "vanish_after=2", NULL);
 		rig.settings.rate_hz = 200;
 		for (int again = 0; again < 2; again++) {
 			must_start(&rig);
 			for (int k = 0; k < 2; k++) {
-				grab(&rig, &frame);
+				test_sim_grab(&rig, &frame);
 				camera_release(&rig.camera, &frame);
 			}
 			assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
@@ -229,13 +229,13 @@ static void a_camera_stalls_and_vanishes(void **state)
 static void corrupt_frames_are_skipped(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
+	test_sim_prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
 	must_start(&rig);
 	for (uint32_t i = 0; i < 6; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.sequence, i + i / 2);
 		camera_release(&rig.camera, &frame);
 	}
@@ -244,7 +244,7 @@ static void corrupt_frames_are_skipped(void **state)
 	finish(&rig);
 }
 
-/* A grey panorama of one radiance: what comes out is the sensor alone. */
+/* A grey panorama of one radiance: only the sensor decides what comes out. */
 static const char *flat_panorama(float radiance)
 {
 	const char *path = in_folder("flat.pfm");
@@ -288,12 +288,12 @@ static void the_sensor_encodes(void **state)
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
-		prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
-			cases[i].exposure, cases[i].black, NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=panorama", file, cases[i].transfer,
+				 cases[i].exposure, cases[i].black, NULL);
 		must_start(&rig);
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(middle_code(&frame), cases[i].code);
 		finish(&rig);
 	}
@@ -309,13 +309,13 @@ static void the_exposure_changes_after_its_delay(void **state)
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(delays) / sizeof(delays[0]); i++) {
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 
 		snprintf(delay, sizeof(delay), "control_delay=%d", delays[i]);
-		prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file, delay,
-			NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+				 delay, NULL);
 		must_start(&rig);
-		/* 2 is asked for before frame 3, twice; 0 before frame 4. */
+		/* 2 is asked for before frame 3, twice; 0 before frame 4 */
 		for (int n = 0; n < 40; n++) {
 			const int code = n < 3 + delays[i] ? 64 : n == 3 + delays[i] ? 128 : 0;
 
@@ -331,7 +331,7 @@ static void the_exposure_changes_after_its_delay(void **state)
 				assert_int_equal(camera_set_control(&rig.camera, "exposure", "0",
 								    NULL, &rig.fault),
 						 0);
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			assert_int_equal(frame.sequence, n);
 			assert_int_equal(middle_code(&frame), code);
 			camera_release(&rig.camera, &frame);
@@ -340,24 +340,24 @@ static void the_exposure_changes_after_its_delay(void **state)
 	}
 }
 
-/* More changes than frames, for as long as one likes. */
+/* Many more changes of exposure than frames. */
 static void the_last_of_many_exposures_counts(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
 	option(file, "file", flat_panorama(0.25f));
-	prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
-		"control_delay=30", NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+			 "control_delay=30", NULL);
 	must_start(&rig);
 	for (int n = 0; n < 100; n++) {
 		for (int i = 0; i < 50; i++)
 			assert_int_equal(camera_set_control(&rig.camera, "exposure",
 							    i % 2 ? "2" : "1", NULL, &rig.fault),
 					 0);
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(middle_code(&frame), n < 30 ? 64 : 128);
 		camera_release(&rig.camera, &frame);
 	}
@@ -382,10 +382,10 @@ static void wrong_controls_are_named(void **state)
 		{"exposure", "1e7", -ERANGE, "expected 0 to 1e+06"},
 	};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, "clock=frames", NULL);
+	test_sim_prepare(&rig, "clock=frames", NULL);
 	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
 			 -EBADF);
 	must_start(&rig);
@@ -395,7 +395,7 @@ static void wrong_controls_are_named(void **state)
 				 cases[i].err);
 		assert_non_null(strstr(rig.fault.text, cases[i].says));
 	}
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	camera_release(&rig.camera, &frame);
 	finish(&rig);
 }
@@ -403,11 +403,11 @@ static void wrong_controls_are_named(void **state)
 static void a_driver_without_controls_says_so(void **state)
 {
 	struct camera_ops without = camera_sim;
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
 	without.control = NULL;
-	prepare(&rig, "clock=frames", NULL);
+	test_sim_prepare(&rig, "clock=frames", NULL);
 	must_start(&rig);
 	rig.camera.ops = &without;
 	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
@@ -421,17 +421,17 @@ static void noise_is_as_strong_as_said(void **state)
 {
 	double sum = 0, squares = 0;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 	const int count = 200 * 200 * 3;
 
 	(void)state;
 	option(file, "file", flat_panorama(0.25f));
-	prepare(&rig, "clock=frames", "source=panorama", "view=perspective", "transfer=linear",
-		"read_noise=6", "shot_noise=16", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "view=perspective",
+			 "transfer=linear", "read_noise=6", "shot_noise=16", file, NULL);
 	rig.settings.width = rig.settings.height = 200;
 	must_start(&rig);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	for (int i = 0; i < 200 * 200; i++)
 		for (int c = 0; c < 3; c++) {
 			const double v = frame.planes[0].data[4 * i + c];
@@ -473,14 +473,14 @@ static void panoramas_show_what_is_there(void **state)
 	struct fisheye lens;
 	struct image image;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
 	option(file, "file", coloured_panorama(&image));
 	panorama.image = &image;
 	assert_int_equal(fisheye_prepare(&lens, &settings, 128, 128, NULL), 0);
-	prepare(&rig, "clock=frames", "source=panorama", "turn_rate=90", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "turn_rate=90", file, NULL);
 	rig.settings.width = rig.settings.height = 128;
 	rig.settings.rate_hz = 1;
 	rig.settings.format = PIXEL_RGBF;
@@ -488,7 +488,7 @@ static void panoramas_show_what_is_there(void **state)
 	for (int turn = 0; turn < 5; turn++) {
 		const float *rgb;
 
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.format, PIXEL_RGBF);
 		panorama.turn_rad = turn * M_PI / 2;
 		rgb = (const float *)(const void *)frame.planes[0].data;
@@ -497,7 +497,7 @@ static void panoramas_show_what_is_there(void **state)
 				const double px[2] = {x + 0.5, y + 0.5};
 				double dir[3], want[3];
 
-				/* At the zenith all azimuths meet in a pixel. */
+				/* at the zenith all azimuths meet in one pixel */
 				if (hypot(px[0] - 64, px[1] - 64) < 6 ||
 				    hypot(px[0] - 64, px[1] - 64) > 62 ||
 				    !fisheye_ray(&lens, px, dir))
@@ -523,19 +523,19 @@ static void yuyv_holds_the_same_picture(void **state)
 			struct frame_decoder *decoder;
 			struct canvas canvas, plain;
 			struct frame frame;
-			struct rig rig;
+			struct sim_rig rig;
 			double sum = 0;
 
 			assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
 			assert_int_equal(canvas_create(&canvas, 64, 48), 0);
 			assert_int_equal(canvas_create(&plain, 64, 48), 0);
 			for (int format = 0; format < 2; format++) {
-				prepare(&rig, "clock=frames", "view=perspective", NULL);
+				test_sim_prepare(&rig, "clock=frames", "view=perspective", NULL);
 				rig.settings.format = format ? PIXEL_YUYV : PIXEL_BGRX;
 				rig.settings.matrix = matrix + 1;
 				rig.settings.range = range + 1;
 				must_start(&rig);
-				grab(&rig, &frame);
+				test_sim_grab(&rig, &frame);
 				assert_int_equal(frame.matrix, matrix);
 				assert_int_equal(frame.range, format ? range : RANGE_FULL);
 				assert_int_equal(frame_decode(decoder, &frame,
@@ -547,7 +547,7 @@ static void yuyv_holds_the_same_picture(void **state)
 				for (int x = 0; x < 64 * 4; x++)
 					sum += abs(canvas.pixels[(size_t)y * canvas.stride + x] -
 						   plain.pixels[(size_t)y * plain.stride + x]);
-			/* Only colour edges within a pair differ. */
+			/* only edges of colour within a pair differ */
 			assert_true(sum / (64 * 48 * 3) < 2);
 			canvas_free(&canvas);
 			canvas_free(&plain);
@@ -573,7 +573,7 @@ static void pictures_play_in_order(void **state)
 {
 	static const int looped[] = {10, 20, 30, 10, 20};
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -581,33 +581,33 @@ static void pictures_play_in_order(void **state)
 	write_picture("p002.png", 20, 10, 20);
 	write_picture("p003.png", 20, 10, 30);
 	option(file, "file", in_folder("p%03d.png"));
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 20);
 	for (int i = 0; i < 5; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[2], looped[i]);
 		assert_int_equal(frame.planes[0].data[0], looped[i] + 2);
 		camera_release(&rig.camera, &frame);
 	}
 	finish(&rig);
 
-	prepare(&rig, "clock=frames", "source=files", "loop=no", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", "loop=no", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		camera_release(&rig.camera, &frame);
 	}
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
 	finish(&rig);
 
-	/* A picture of another size ends it with a reason. */
+	/* a picture of another size ends the camera with a reason */
 	write_picture("p004.png", 22, 10, 30);
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		camera_release(&rig.camera, &frame);
 	}
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EINVAL);
@@ -618,16 +618,16 @@ static void pictures_play_in_order(void **state)
 static void a_picture_stays(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
 	write_picture("one.png", 8, 8, 99);
 	option(file, "file", in_folder("one.png"));
-	prepare(&rig, "clock=frames", "source=files", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 3; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[2], 99);
 		camera_release(&rig.camera, &frame);
 	}
@@ -667,19 +667,19 @@ static void video_plays(void **state)
 	for (size_t k = 0; k < 4; k++) {
 		FILE *f = fopen(in_folder("clip.y4m"), "w");
 		struct frame frame;
-		struct rig rig;
+		struct sim_rig rig;
 		char file[300];
 
 		write_video(f, kinds[k].name, kinds[k].chroma_bytes, 3);
 		fclose(f);
 		option(file, "file", in_folder("clip.y4m"));
-		prepare(&rig, "clock=frames", "source=files", file, NULL);
+		test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
 		must_start(&rig);
 		assert_int_equal(rig.camera.width, 16);
 		assert_int_equal(rig.camera.height, 8);
 		assert_true(fabs(rig.camera.rate_hz - 29.97) < 0.01);
 		for (int i = 0; i < 7; i++) {
-			grab(&rig, &frame);
+			test_sim_grab(&rig, &frame);
 			for (int c = 0; c < 3; c++)
 				assert_int_equal(frame.planes[0].data[c], luma_code(50 + i % 3));
 			camera_release(&rig.camera, &frame);
@@ -691,7 +691,7 @@ static void video_plays(void **state)
 static void a_pipe_plays_as_it_comes(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 	int hold;
 	FILE *f;
@@ -699,17 +699,17 @@ static void a_pipe_plays_as_it_comes(void **state)
 	(void)state;
 	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
 	option(file, "file", in_folder("pipe"));
-	/* Both ends open, so that neither side waits for the other. */
+	/* both ends are open, so that neither side waits for the other */
 	hold = open(in_folder("pipe"), O_RDWR);
 	assert_true(hold >= 0);
 	f = fdopen(hold, "w");
 	write_video(f, "420", 64, 2);
 	fprintf(f, "FRAME\nnot yet");
 	fflush(f);
-	prepare(&rig, "source=files", file, NULL);
+	test_sim_prepare(&rig, "source=files", file, NULL);
 	must_start(&rig);
 	for (int i = 0; i < 2; i++) {
-		grab(&rig, &frame);
+		test_sim_grab(&rig, &frame);
 		assert_int_equal(frame.planes[0].data[0], luma_code(50 + i));
 		camera_release(&rig.camera, &frame);
 	}
@@ -748,15 +748,15 @@ static void bad_files_are_named(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct rig rig;
+		struct sim_rig rig;
 		char file[300];
 		int err;
 
 		if (cases[i].text)
 			write_text(cases[i].name, cases[i].text);
 		option(file, "file", in_folder(cases[i].name));
-		prepare(&rig, cases[i].source, file, NULL);
-		err = start(&rig);
+		test_sim_prepare(&rig, cases[i].source, file, NULL);
+		err = test_sim_start(&rig);
 		assert_true(err < 0);
 		if (strcmp(cases[i].name, "empty.png") != 0)
 			assert_int_equal(err, cases[i].err);
@@ -770,7 +770,7 @@ static void bad_files_are_named(void **state)
 static void a_square_panorama_is_refused(void **state)
 {
 	struct image image;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
@@ -778,8 +778,8 @@ static void a_square_panorama_is_refused(void **state)
 	assert_int_equal(image_write(in_folder("square.pfm"), &image, NULL), 0);
 	image_free(&image);
 	option(file, "file", in_folder("square.pfm"));
-	prepare(&rig, "source=panorama", file, NULL);
-	assert_int_equal(start(&rig), -EINVAL);
+	test_sim_prepare(&rig, "source=panorama", file, NULL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "square.pfm"));
 	finish(&rig);
 }
@@ -793,49 +793,49 @@ static void a_camera_file_sets_the_view(void **state)
 {
 	const uint8_t *middle;
 	struct frame frame;
-	struct rig rig;
+	struct sim_rig rig;
 	char file[300];
 
 	(void)state;
 	write_text("camera.ini", camera_text);
 	option(file, "camera", in_folder("camera.ini"));
-	prepare(&rig, "clock=frames", "view=perspective", file, NULL);
+	test_sim_prepare(&rig, "clock=frames", "view=perspective", file, NULL);
 	rig.settings.width = rig.settings.height = 0;
 	must_start(&rig);
 	assert_int_equal(rig.camera.width, 64);
 	assert_int_equal(rig.camera.height, 48);
-	grab(&rig, &frame);
+	test_sim_grab(&rig, &frame);
 	middle = frame.planes[0].data + (size_t)24 * frame.planes[0].stride + 32 * 4;
-	/* From (0, -2, 1), level, towards +Y: the sage wall is in the middle, green above all. */
+	/* from (0, -2, 1), level, towards +Y: the sage wall in the middle, green most of all */
 	assert_true(middle[0] < middle[1] && middle[2] < middle[1]);
 	camera_release(&rig.camera, &frame);
 	camera_close(&rig.camera);
 	rig.settings.width = 320;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "camera.ini"));
 	finish(&rig);
 
 	write_text("camera.ini", "[lens]\n");
-	prepare(&rig, "view=perspective", file, NULL);
-	assert_int_equal(start(&rig), -EINVAL);
+	test_sim_prepare(&rig, "view=perspective", file, NULL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "camera.ini"));
 	finish(&rig);
 }
 
 static void other_formats_are_refused(void **state)
 {
-	struct rig rig;
+	struct sim_rig rig;
 
 	(void)state;
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.format = PIXEL_MJPEG;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
 	finish(&rig);
-	prepare(&rig, NULL);
+	test_sim_prepare(&rig, NULL);
 	rig.settings.format = PIXEL_YUYV;
 	rig.settings.width = 63;
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	finish(&rig);
 }
 

@@ -1,15 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The V4L2 driver against a played device: formats, frames, faults. Digitizers are in
- * test_v4l2_digitizer.c, controls and what is given up in test_v4l2_settings.c.
- */
+/* The V4L2 driver against a played device: formats, frames, faults. test_v4l2_digitizer.c has
+ * digitizers; test_v4l2_settings.c has controls, and what is given up when the bus is full. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
+#include "drivers/v4l2/formats.h"
+#include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 #include "tests/support/played_v4l2.h"
 
@@ -18,143 +23,144 @@ enum { BUFFERS = 4 };
 static void formats_are_chosen(void **state)
 {
 	static const uint32_t only_yuyv[] = {V4L2_PIX_FMT_YUYV, 0};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats); /* the cheapest of those that we read */
-	must_start(&rig);
+	played_prepare(&rig, played_formats); /* the cheapest format that inlay reads */
+	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_YUYV);
 	assert_int_equal(rig.camera.width, 64);
 	assert_true(rig.camera.rate_hz == 5);
-	finish(&rig);
+	played_finish(&rig);
 
-	prepare(&rig, usual_formats); /* only MJPEG is fast enough */
-	device.sizes_known = true;
+	played_prepare(&rig, played_formats); /* only MJPEG is fast enough */
+	played.sizes_known = true;
 	rig.settings.width = 64;
 	rig.settings.height = 48;
 	rig.settings.rate_hz = 30;
-	must_start(&rig);
+	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_MJPEG);
-	assert_true(rig.camera.rate_hz == 15); /* what it really does */
-	finish(&rig);
+	assert_true(rig.camera.rate_hz == 15); /* the real rate of the device */
+	played_finish(&rig);
 
-	prepare(&rig, usual_formats);
+	played_prepare(&rig, played_formats);
 	rig.settings.format = PIXEL_NV12;
-	must_start(&rig);
+	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_NV12);
-	finish(&rig);
+	played_finish(&rig);
 
-	prepare(&rig, only_yuyv);
+	played_prepare(&rig, only_yuyv);
 	rig.settings.format = PIXEL_NV12;
-	assert_int_equal(start(&rig), -ENOTSUP);
+	assert_int_equal(played_start(&rig), -ENOTSUP);
 	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
 	assert_non_null(strstr(rig.fault.text, "NV12"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void frames_come_and_go_back(void **state)
 {
 	const int64_t shot_ns = clock_now_ns() - 5000000;
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats);
-	device.stride_extra = 32;
-	device.interrupts = 3; /* signals do no harm */
-	must_start(&rig);
-	assert_int_equal(queued(), BUFFERS);
+	played_prepare(&rig, played_formats);
+	played.stride_extra = 32;
+	played.interrupts = 3; /* signals do not matter */
+	played_must_start(&rig);
+	assert_int_equal(played_queued(), BUFFERS);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
-	deliver(2, 7, (64 * 2 + 32) * 48, 0)->time_ns = shot_ns;
+	played_deliver(2, 7, (64 * 2 + 32) * 48, 0)->time_ns = shot_ns;
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.format, PIXEL_YUYV);
 	assert_int_equal(frame.planes[0].stride, 64 * 2 + 32);
 	assert_int_equal(frame.planes[0].bytes, (64 * 2 + 32) * 48);
-	assert_int_equal(frame.planes[0].data[0], 2 * 2 + 1); /* of buffer 2 */
+	assert_int_equal(frame.planes[0].data[0], 2 * 2 + 1); /* buffer 2 */
 	assert_int_equal(frame.sequence, 7);
 	assert_int_equal(frame.timestamp_ns, shot_ns / 1000 * 1000);
-	assert_int_equal(queued(), BUFFERS - 1);
+	assert_int_equal(played_queued(), BUFFERS - 1);
 	camera_release(&rig.camera, &frame);
-	assert_int_equal(queued(), BUFFERS);
-	device.timestamp_flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
-	deliver(0, 8, (64 * 2 + 32) * 48, 0);
+	assert_int_equal(played_queued(), BUFFERS);
+	played.timestamp_flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
+	played_deliver(0, 8, (64 * 2 + 32) * 48, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_true(llabs(clock_now_ns() - frame.timestamp_ns) < NS_PER_S);
 	camera_release(&rig.camera, &frame);
 	assert_int_equal(rig.camera.lost, 0);
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* A clock that wrapped around, or another one, would make latency nonsense. */
+/* A clock that has wrapped around, or another clock, would make latency meaningless. */
 static void times_that_cannot_be_are_replaced(void **state)
 {
 	const int64_t now_ns = clock_now_ns();
 	const int64_t times_ns[] = {now_ns + 3600 * NS_PER_S, INT64_MAX, 1, -5 * NS_PER_S,
 				    now_ns - 3600 * NS_PER_S};
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats);
-	must_start(&rig);
+	played_prepare(&rig, played_formats);
+	played_must_start(&rig);
 	for (uint32_t i = 0; i < sizeof(times_ns) / sizeof(times_ns[0]); i++) {
-		deliver(0, i, YUYV_BYTES, 0)->time_ns = times_ns[i];
+		played_deliver(0, i, PLAYED_YUYV_BYTES, 0)->time_ns = times_ns[i];
 		assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 		assert_true(llabs(clock_now_ns() - frame.timestamp_ns) < NS_PER_S);
 		camera_release(&rig.camera, &frame);
 	}
-	deliver(0, 9, YUYV_BYTES, 0)->time_ns = now_ns - 10 * NS_PER_S; /* we were stopped */
+	played_deliver(0, 9, PLAYED_YUYV_BYTES, 0)->time_ns =
+		now_ns - 10 * NS_PER_S; /* the program was stopped */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.timestamp_ns, (now_ns - 10 * NS_PER_S) / 1000 * 1000);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void the_newest_wins(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats);
-	must_start(&rig);
-	deliver(0, UINT32_MAX - 1, YUYV_BYTES, 0);
-	deliver(1, UINT32_MAX, YUYV_BYTES, 0);
-	deliver(2, 2, YUYV_BYTES, 0); /* the count wrapped; 0 and 1 are missing */
+	played_prepare(&rig, played_formats);
+	played_must_start(&rig);
+	played_deliver(0, UINT32_MAX - 1, PLAYED_YUYV_BYTES, 0);
+	played_deliver(1, UINT32_MAX, PLAYED_YUYV_BYTES, 0);
+	played_deliver(2, 2, PLAYED_YUYV_BYTES, 0); /* the count wrapped; 0 and 1 are missing */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.sequence, 2);
-	assert_int_equal(rig.camera.lost, 4); /* two overtaken, two never seen */
-	assert_int_equal(queued(), BUFFERS - 1);
+	assert_int_equal(rig.camera.lost, 4); /* two overtaken, two never delivered */
+	assert_int_equal(played_queued(), BUFFERS - 1);
 	camera_release(&rig.camera, &frame);
-	deliver(3, 0, YUYV_BYTES, 0); /* the driver counts anew: nothing is lost */
+	played_deliver(3, 0, PLAYED_YUYV_BYTES, 0); /* the driver counts anew: no frame is lost */
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(rig.camera.lost, 4);
 	assert_int_equal(rig.camera.frames, 2);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void unfit_frames_are_skipped(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats);
-	must_start(&rig);
-	deliver(0, 0, YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
-	deliver(1, 1, YUYV_BYTES - 1, 0);
-	deliver(2, 2, 0, 0);
+	played_prepare(&rig, played_formats);
+	played_must_start(&rig);
+	played_deliver(0, 0, PLAYED_YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
+	played_deliver(1, 1, PLAYED_YUYV_BYTES - 1, 0);
+	played_deliver(2, 2, 0, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
 	assert_int_equal(rig.camera.broken, 3);
-	assert_int_equal(queued(), BUFFERS);
-	deliver(0, 3, YUYV_BYTES, 0);
-	deliver(1, 4, YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
+	assert_int_equal(played_queued(), BUFFERS);
+	played_deliver(0, 3, PLAYED_YUYV_BYTES, 0);
+	played_deliver(1, 4, PLAYED_YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.sequence, 3);
 	assert_int_equal(rig.camera.broken, 4);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 /* A driver that claims more bytes than its buffer has. */
@@ -162,29 +168,29 @@ static void no_byte_beyond_the_buffer(void **state)
 {
 	static const uint32_t raw[] = {V4L2_PIX_FMT_YUYV, 0};
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, raw);
-	must_start(&rig);
-	deliver(0, 0, UINT32_MAX, 0);
+	played_prepare(&rig, raw);
+	played_must_start(&rig);
+	played_deliver(0, 0, UINT32_MAX, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
-	assert_int_equal(frame.planes[0].bytes, BUFFER_BYTES);
+	assert_int_equal(frame.planes[0].bytes, PLAYED_BUFFER_BYTES);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* Writes into buffer 0, puts what was there back afterwards. */
-static int grab_jpeg(struct rig *rig, const void *bytes, size_t count, struct frame *frame)
+/* Writes into buffer 0, grabs, and restores the buffer. */
+static int grab_jpeg(struct played_rig *rig, const void *bytes, size_t count, struct frame *frame)
 {
 	uint8_t was[256];
 	int err;
 
-	assert_int_equal(pread(file, was, sizeof(was), 0), sizeof(was));
-	assert_int_equal(pwrite(file, bytes, count, 0), count);
-	deliver(0, 0, (uint32_t)count, 0);
+	assert_int_equal(pread(played_file, was, sizeof(was), 0), sizeof(was));
+	assert_int_equal(pwrite(played_file, bytes, count, 0), count);
+	played_deliver(0, 0, (uint32_t)count, 0);
 	err = camera_grab(&rig->camera, frame, &rig->fault);
-	assert_int_equal(pwrite(file, was, sizeof(was), 0), sizeof(was));
+	assert_int_equal(pwrite(played_file, was, sizeof(was), 0), sizeof(was));
 	return err;
 }
 
@@ -192,14 +198,14 @@ static void jpeg_begins_and_ends_as_it_should(void **state)
 {
 	static const struct {
 		const char *bytes;
-		size_t count, kept; /* kept 0: broken */
+		size_t count, kept; /* kept 0: a broken frame */
 	} cases[] = {
 		{"\xff\xd8zzzz\xff\xd9", 8, 8},
 		{"\xff\xd8zzzz\xff\xd9\0\0\0", 11, 8},
 		{"\xff\xd8zzzz\xff\xd9stray", 13, 8},
 		{"\xff\xd8\xff\xd9", 4, 4},
 		{"\xff\xd8zzzz\xff\xd8", 8, 0}, /* cut off */
-		{"zzzzzz\xff\xd9", 8, 0},	/* its beginning was lost */
+		{"zzzzzz\xff\xd9", 8, 0},	/* its start was lost */
 		{"\xff\xd8\xff", 3, 0},
 		{"\0\0\0\0\0\0", 6, 0},
 		{"", 0, 0},
@@ -207,11 +213,11 @@ static void jpeg_begins_and_ends_as_it_should(void **state)
 	static const uint32_t jpeg[] = {V4L2_PIX_FMT_MJPEG, 0};
 	uint64_t broken = 0;
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, jpeg);
-	must_start(&rig);
+	played_prepare(&rig, jpeg);
+	played_must_start(&rig);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		const int err = grab_jpeg(&rig, cases[i].bytes, cases[i].count, &frame);
 
@@ -221,23 +227,23 @@ static void jpeg_begins_and_ends_as_it_should(void **state)
 		if (!err)
 			assert_int_equal(frame.planes[0].bytes, cases[i].kept);
 		camera_release(&rig.camera, &frame);
-		assert_int_equal(queued(), BUFFERS);
+		assert_int_equal(played_queued(), BUFFERS);
 	}
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void planes_of_their_own(void **state)
 {
 	static const uint32_t two[] = {V4L2_PIX_FMT_NV12M, 0}, one[] = {V4L2_PIX_FMT_NV12, 0};
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, two);
-	device.multiplanar = true;
-	must_start(&rig);
-	deliver(1, 0, 66 * 48 + 128, 0);
-	device.ready[0].data_offset = 128;
+	played_prepare(&rig, two);
+	played.multiplanar = true;
+	played_must_start(&rig);
+	played_deliver(1, 0, 66 * 48 + 128, 0);
+	played.ready[0].data_offset = 128;
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.format, PIXEL_NV12);
 	assert_int_equal(frame.planes[0].data[0], 1 * 2 + 1);
@@ -245,19 +251,19 @@ static void planes_of_their_own(void **state)
 	assert_int_equal(frame.planes[1].stride, 66);
 	assert_int_equal(frame.planes[0].bytes, 66 * 48);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 
-	prepare(&rig, one); /* both in one buffer, chroma after luma */
-	must_start(&rig);
-	deliver(1, 0, 64 * 72, 0);
+	played_prepare(&rig, one); /* both in one buffer, chroma after luma */
+	played_must_start(&rig);
+	played_deliver(1, 0, 64 * 72, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_ptr_equal(frame.planes[1].data, frame.planes[0].data + 64 * 48);
 	assert_int_equal(frame.planes[1].bytes, 64 * 24);
 	camera_release(&rig.camera, &frame);
-	deliver(1, 1, 64 * 72 - 1, 0);
+	played_deliver(1, 1, 64 * 72 - 1, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
 	assert_int_equal(rig.camera.broken, 1);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void errors_are_situations(void **state)
@@ -267,52 +273,52 @@ static void errors_are_situations(void **state)
 	} cases[] = {{EBUSY, CAMERA_BUSY}, {ENOSPC, CAMERA_NO_BANDWIDTH}, {EIO, CAMERA_BROKEN}};
 	static const int signals[] = {ENOLINK, ENOLCK, ERANGE};
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		prepare(&rig, usual_formats);
-		device.streamon_error = cases[i].err;
-		assert_int_equal(start(&rig), -cases[i].err);
+		played_prepare(&rig, played_formats);
+		played.streamon_error = cases[i].err;
+		assert_int_equal(played_start(&rig), -cases[i].err);
 		assert_int_equal(rig.camera.situation, cases[i].situation);
-		assert_non_null(strstr(rig.fault.text, path));
+		assert_non_null(strstr(rig.fault.text, played_path));
 		assert_null(rig.camera.state);
-		finish(&rig);
+		played_finish(&rig);
 	}
-	prepare(&rig, usual_formats);
-	must_start(&rig);
-	device.dequeue_error = ENODEV;
+	played_prepare(&rig, played_formats);
+	played_must_start(&rig);
+	played.dequeue_error = ENODEV;
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ENODEV);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_DEVICE);
-	finish(&rig);
+	played_finish(&rig);
 
 	for (size_t i = 0; i < sizeof(signals) / sizeof(signals[0]); i++) {
-		prepare(&rig, usual_formats);
-		device.dv_timings = true;
-		device.signal_error = signals[i];
-		assert_int_equal(start(&rig), -signals[i]);
+		played_prepare(&rig, played_formats);
+		played.dv_timings = true;
+		played.signal_error = signals[i];
+		assert_int_equal(played_start(&rig), -signals[i]);
 		assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
-		finish(&rig);
+		played_finish(&rig);
 	}
-	prepare(&rig, usual_formats);
-	device.dv_timings = true;
-	device.timings_error = EINVAL;
-	assert_int_equal(start(&rig), -ERANGE);
+	played_prepare(&rig, played_formats);
+	played.dv_timings = true;
+	played.timings_error = EINVAL;
+	assert_int_equal(played_start(&rig), -ERANGE);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
 	assert_non_null(strstr(rig.fault.text, "timings are not taken"));
-	finish(&rig);
+	played_finish(&rig);
 
-	prepare(&rig, usual_formats);
+	played_prepare(&rig, played_formats);
 	strcpy(rig.options.input, "3");
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(played_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "v4l2.input"));
-	finish(&rig);
+	played_finish(&rig);
 
-	prepare(&rig, usual_formats);
-	device.no_capture = true;
-	assert_int_equal(start(&rig), -ENODEV);
+	played_prepare(&rig, played_formats);
+	played.no_capture = true;
+	assert_int_equal(played_start(&rig), -ENODEV);
 	assert_non_null(strstr(rig.fault.text, "does not capture"));
-	finish(&rig);
+	played_finish(&rig);
 
 	assert_int_equal(camera_situation_of(-EACCES), CAMERA_NO_PERMISSION);
 	assert_int_equal(camera_situation_of(-EPERM), CAMERA_NO_PERMISSION);
@@ -329,14 +335,14 @@ static void what_is_no_camera_is_refused(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct rig rig;
+		struct played_rig rig;
 
-		prepare(&rig, usual_formats);
+		played_prepare(&rig, played_formats);
 		snprintf(rig.settings.device, sizeof(rig.settings.device), "%s", cases[i].device);
-		assert_int_equal(start(&rig), cases[i].err);
+		assert_int_equal(played_start(&rig), cases[i].err);
 		assert_int_equal(rig.camera.situation, cases[i].situation);
 		assert_non_null(strstr(rig.fault.text, cases[i].device));
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
@@ -380,20 +386,20 @@ static void colours_follow_the_kernel(void **state)
 static void settings_overrule_the_driver(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
-	prepare(&rig, usual_formats);
-	device.colorspace = V4L2_COLORSPACE_REC709;
+	played_prepare(&rig, played_formats);
+	played.colorspace = V4L2_COLORSPACE_REC709;
 	rig.settings.matrix = MATRIX_BT601 + 1;
 	rig.settings.range = RANGE_FULL + 1;
-	must_start(&rig);
-	deliver(0, 0, YUYV_BYTES, 0);
+	played_must_start(&rig);
+	played_deliver(0, 0, PLAYED_YUYV_BYTES, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.matrix, MATRIX_BT601);
 	assert_int_equal(frame.range, RANGE_FULL);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void a_stride_too_small_is_refused(void **state)
@@ -429,5 +435,6 @@ int main(void)
 		cmocka_unit_test(a_stride_too_small_is_refused),
 	};
 
-	return cmocka_run_group_tests_name("camera_v4l2", tests, make_file, remove_file);
+	return cmocka_run_group_tests_name("camera_v4l2", tests, played_make_file,
+					   played_remove_file);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Screens: the wrappers' rules on a screen that records, the clock of the null screen, what the
- * file screen leaves behind, the window on SDL's dummy desktop, and the choice of a KMS mode. */
+/* Screens: the wrappers' rules on a screen that records calls, the clock of the null screen, the
+ * files of the file screen, the window on SDL's dummy desktop, and the choice of a KMS mode. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +34,7 @@
 
 /* ---- the wrappers ---- */
 
-struct record {
+struct display_record {
 	int open_result, acquire_result, close_result;
 	int closed, submitted;
 	enum display_event_kind next;
@@ -42,7 +42,7 @@ struct record {
 
 static int record_open(struct display *display, struct fault *fault)
 {
-	struct record *record = display->options;
+	struct display_record *record = display->options;
 
 	display->state = record;
 	display->width = display->height = 4;
@@ -60,7 +60,7 @@ static int record_acquire(struct display *display, struct display_buffer *buffer
 	static uint8_t pixels[64];
 
 	*buffer = (struct display_buffer){pixels, 16, 4, 4, 3};
-	return ((struct record *)display->state)->acquire_result;
+	return ((struct display_record *)display->state)->acquire_result;
 }
 
 static int record_submit(struct display *display, struct display_buffer *buffer, int64_t token,
@@ -69,14 +69,14 @@ static int record_submit(struct display *display, struct display_buffer *buffer,
 	(void)fault;
 	assert_int_equal(buffer->index, 3);
 	assert_int_equal(token, 42);
-	((struct record *)display->state)->submitted++;
+	((struct display_record *)display->state)->submitted++;
 	return 0;
 }
 
 static int record_dispatch(struct display *display, struct display_event *event,
 			   struct fault *fault)
 {
-	struct record *record = display->state;
+	struct display_record *record = display->state;
 
 	(void)fault;
 	event->kind = record->next;
@@ -86,7 +86,7 @@ static int record_dispatch(struct display *display, struct display_event *event,
 
 static int record_close(struct display *display, struct fault *fault)
 {
-	struct record *record = display->state;
+	struct display_record *record = display->state;
 
 	record->closed++;
 	return record->close_result ? fault_say(fault, record->close_result, "torn") : 0;
@@ -94,7 +94,7 @@ static int record_close(struct display *display, struct fault *fault)
 
 static const struct display_ops recorder = {
 	.name = "recorder",
-	.options_size = sizeof(struct record),
+	.options_size = sizeof(struct display_record),
 	.open = record_open,
 	.descriptor = record_descriptor,
 	.acquire = record_acquire,
@@ -106,7 +106,7 @@ static const struct display_ops recorder = {
 static void wrappers_refuse(void **state)
 {
 	const struct display_settings settings = {.width = 4};
-	struct record record = {.open_result = -ENODEV};
+	struct display_record record = {.open_result = -ENODEV};
 	struct display display;
 	struct display_buffer buffer;
 	struct display_event event;
@@ -116,7 +116,7 @@ static void wrappers_refuse(void **state)
 	assert_int_equal(display_open(&display, NULL, &settings, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, NULL, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, &settings, NULL, &fault), -EINVAL);
-	/* A failed open is closed, once, and leaves nothing to misuse. */
+	/* a failed open is closed once, and leaves nothing to misuse */
 	assert_int_equal(display_open(&display, &recorder, &settings, &record, &fault), -ENODEV);
 	assert_int_equal(record.closed, 1);
 	assert_string_equal(fault.text, "no");
@@ -131,7 +131,7 @@ static void wrappers_refuse(void **state)
 static void wrappers_lend(void **state)
 {
 	const struct display_settings settings = {.width = 4};
-	struct record record = {.close_result = -ENOSPC};
+	struct display_record record = {.close_result = -ENOSPC};
 	struct display display;
 	struct display_buffer buffer, copy;
 	struct display_event event;
@@ -152,7 +152,7 @@ static void wrappers_lend(void **state)
 	copy = buffer;
 	assert_int_equal(display_submit(&display, &buffer, 42, &fault), 0);
 	assert_null(buffer.pixels);
-	/* Given back is given back. */
+	/* a buffer that was given back cannot be submitted */
 	assert_int_equal(display_submit(&display, &copy, 42, &fault), -EINVAL);
 	assert_int_equal(record.submitted, 1);
 	record.next = DISPLAY_ACTION;
@@ -169,7 +169,7 @@ static void wrappers_lend(void **state)
 	assert_int_equal(record.closed, 1);
 }
 
-/* A driver that says nothing but an error is still understood. */
+/* A driver that returns only an error gets its situation from the wrapper. */
 static void wrappers_name_situations(void **state)
 {
 	static const struct {
@@ -190,7 +190,7 @@ static void wrappers_name_situations(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct record record = {.open_result = cases[i].err};
+		struct display_record record = {.open_result = cases[i].err};
 		struct display display;
 
 		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL),
@@ -198,13 +198,13 @@ static void wrappers_name_situations(void **state)
 		assert_int_equal(display.situation, cases[i].situation);
 		assert_int_equal(display_may_return(display.situation), cases[i].may_return);
 		assert_int_equal(display_fit(&display, 4, 4, 1), -EBADF);
-		/* Kept when closed, until it is opened again. */
+		/* kept after close, until the display is opened again */
 		display_close(&display, NULL);
 		assert_int_equal(display.situation, cases[i].situation);
 		record.open_result = 0;
 		assert_int_equal(display_open(&display, &recorder, &settings, &record, NULL), 0);
 		assert_int_equal(display.situation, DISPLAY_FINE);
-		/* Most drivers leave scaling to the program. */
+		/* most drivers leave scaling to the program */
 		assert_int_equal(display_fit(&display, 4, 4, 1), -ENOTSUP);
 		display.hidden = true;
 		display_close(&display, NULL);
@@ -231,7 +231,7 @@ static void close_fine(struct display *display)
 		fail_msg("%s", fault.text);
 }
 
-/* Waits, on the descriptor alone, for the frame that was submitted. */
+/* Waits, on the descriptor alone, for the submitted frame. */
 static struct display_event wait_shown(struct display *display)
 {
 	struct pollfd ready = {.fd = display_descriptor(display), .events = POLLIN};
@@ -247,7 +247,7 @@ static struct display_event wait_shown(struct display *display)
 }
 
 /* A chart without symmetry: red grows to the right, green downwards. */
-static void draw(const struct display_buffer *buffer, int number)
+static void test_display_draw(const struct display_buffer *buffer, int number)
 {
 	for (int y = 0; y < buffer->height; y++)
 		for (int x = 0; x < buffer->width; x++) {
@@ -260,13 +260,13 @@ static void draw(const struct display_buffer *buffer, int number)
 		}
 }
 
-static void show(struct display *display, int number)
+static void test_display_show(struct display *display, int number)
 {
 	struct display_buffer buffer;
 	struct fault fault;
 
 	assert_int_equal(display_acquire(display, &buffer), 0);
-	draw(&buffer, number);
+	test_display_draw(&buffer, number);
 	if (display_submit(display, &buffer, number, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(wait_shown(display).token, number);
@@ -299,17 +299,17 @@ static void null_flips_on_time(void **state)
 		struct pollfd quiet = {.fd = display_descriptor(&display), .events = POLLIN};
 		int64_t before_ns;
 
-		/* Idle, it wakes nobody. */
+		/* idle, the display wakes nobody */
 		assert_int_equal(poll(&quiet, 1, 0), 0);
 		assert_int_equal(display_acquire(&display, &buffer), 0);
 		assert_int_equal(display_acquire(&display, &again), 0);
 		assert_ptr_equal(again.pixels, buffer.pixels);
 		assert_int_not_equal(buffer.index, last_index);
 		last_index = buffer.index;
-		draw(&buffer, i);
+		test_display_draw(&buffer, i);
 		before_ns = clock_now_ns();
 		assert_int_equal(display_submit(&display, &buffer, 1000 + i, &fault), 0);
-		/* One is on the screen, the other queued. */
+		/* one buffer is on the screen, the other queued */
 		assert_int_equal(display_acquire(&display, &again), -EAGAIN);
 		event = wait_shown(&display);
 		assert_int_equal(event.token, 1000 + i);
@@ -338,7 +338,7 @@ static void null_without_rate(void **state)
 	open_fine(&display, &display_null, &settings, &choice);
 	start_ns = clock_now_ns();
 	for (int i = 0; i < 200; i++)
-		show(&display, i);
+		test_display_show(&display, i);
 	/* 200 refreshes at 60 Hz would be 3.3 s. */
 	assert_true(clock_now_ns() - start_ns < NS_PER_S);
 	assert_true(display.rate_hz == 0);
@@ -358,7 +358,7 @@ static void null_without_size(void **state)
 	assert_non_null(strstr(fault.text, "size"));
 }
 
-/* As often as it is opened: so many frames, then the trouble, and not before its time. */
+/* Each time that it is opened it shows so many frames, then the fault, and not before. */
 static void null_fails_when_told(void **state)
 {
 	static const struct {
@@ -384,7 +384,7 @@ static void null_fails_when_told(void **state)
 
 		open_fine(&display, &display_null, &settings, &choice);
 		for (int n = 0; n < 3; n++)
-			show(&display, n);
+			test_display_show(&display, n);
 		assert_int_equal(display_acquire(&display, &buffer), 0);
 		assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
 		start_ns = clock_now_ns();
@@ -398,7 +398,7 @@ static void null_fails_when_told(void **state)
 	}
 }
 
-/* The console is switched away under a frame, and back. */
+/* The console is switched away during a frame, and back. */
 static void null_hides_when_told(void **state)
 {
 	const struct display_settings settings = {.width = 8, .height = 8};
@@ -412,7 +412,7 @@ static void null_hides_when_told(void **state)
 	(void)state;
 	open_fine(&display, &display_null, &settings, &choice);
 	for (int n = 0; n < 3; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	assert_int_equal(display_acquire(&display, &buffer), 0);
 	assert_int_equal(display_submit(&display, &buffer, 3, &fault), 0);
 	ready.fd = display_descriptor(&display);
@@ -427,7 +427,7 @@ static void null_hides_when_told(void **state)
 	assert_false(display.hidden);
 	assert_int_equal(display.shown, 3);
 	for (int n = 4; n < 7; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	assert_int_equal(display.shown, 6);
 	close_fine(&display);
 }
@@ -437,7 +437,7 @@ static void null_hides_when_told(void **state)
 static void file_settings(struct display_settings *settings, const char *name)
 {
 	*settings = (struct display_settings){.picture_width = 33, .picture_height = 17};
-	snprintf(settings->device, sizeof(settings->device), "%s/%s", own_folder, name);
+	snprintf(settings->device, sizeof(settings->device), "%s/%s", own_folder(), name);
 }
 
 static size_t files_in_folder(void)
@@ -446,7 +446,7 @@ static size_t files_in_folder(void)
 	glob_t found = {0};
 	size_t count;
 
-	snprintf(pattern, sizeof(pattern), "%s/*", own_folder);
+	snprintf(pattern, sizeof(pattern), "%s/*", own_folder());
 	glob(pattern, 0, NULL, &found);
 	count = found.gl_pathc;
 	globfree(&found);
@@ -476,8 +476,8 @@ static void file_video(void **state)
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 25;
 	open_fine(&display, &display_file, &settings, NULL);
-	show(&display, 0);
-	show(&display, 1);
+	test_display_show(&display, 0);
+	test_display_show(&display, 1);
 	assert_int_equal(access(settings.device, F_OK), -1);
 	close_fine(&display);
 	stream = fopen(settings.device, "rb");
@@ -514,7 +514,7 @@ static void file_video_fraction(void **state)
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 30000.0 / 1001;
 	open_fine(&display, &display_file, &settings, NULL);
-	show(&display, 0);
+	test_display_show(&display, 0);
 	close_fine(&display);
 	stream = fopen(settings.device, "rb");
 	assert_non_null(stream);
@@ -522,7 +522,7 @@ static void file_video_fraction(void **state)
 	fclose(stream);
 	assert_non_null(strstr(line, " F29970:1000 "));
 	unlink(settings.device);
-	/* Nothing shown, nothing left. */
+	/* a frame that was not shown leaves no file */
 	open_fine(&display, &display_file, &settings, NULL);
 	close_fine(&display);
 	assert_int_equal(files_in_folder(), 0);
@@ -559,7 +559,7 @@ static void file_pictures(void **state)
 		for (int n = 0; n < 3; n++) {
 			char name[32], path[64];
 
-			show(&display, n);
+			test_display_show(&display, n);
 			switch (k) {
 			case 0:
 				snprintf(name, sizeof(name), "out%03d.png", n);
@@ -570,7 +570,7 @@ static void file_pictures(void **state)
 			default:
 				strcpy(name, "now.png");
 			}
-			snprintf(path, sizeof(path), "%s/%s", own_folder, name);
+			snprintf(path, sizeof(path), "%s/%s", own_folder(), name);
 			check_picture(path, n);
 			if (k < 2)
 				unlink(path);
@@ -611,7 +611,7 @@ static void file_bad_names(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-/* A disk that is full: no file may grow beyond 64 kB. */
+/* A full disk: no file may grow beyond 64 kB. */
 static void file_disk_full(void **state)
 {
 	struct rlimit old, small;
@@ -633,7 +633,7 @@ static void file_disk_full(void **state)
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
 	for (int i = 0; i < 10 && !err; i++) {
 		assert_int_equal(display_acquire(&display, &buffer), 0);
-		draw(&buffer, i);
+		test_display_draw(&buffer, i);
 		err = display_submit(&display, &buffer, i, &fault);
 		if (!err)
 			assert_int_equal(display_dispatch(&display, &event, &fault), 0);
@@ -659,7 +659,7 @@ static void window_shows(void **state)
 	setenv("SDL_VIDEODRIVER", "dummy", 1);
 	open_fine(&display, &display_window, &settings, NULL);
 	for (int n = 0; n < 3; n++)
-		show(&display, n);
+		test_display_show(&display, n);
 	for (Uint32 id = 0; id < 16 && !renderer; id++)
 		renderer = SDL_GetWindowFromID(id) ? SDL_GetRenderer(SDL_GetWindowFromID(id))
 						   : NULL;
@@ -732,14 +732,14 @@ static void window_keys(void **state)
 /* ---- kms ---- */
 
 #if WITH_KMS
-/* Refresh of CTA-861's modes: clock / (htotal vtotal). */
+/* Refresh rate of CTA-861's modes: clock / (htotal * vtotal). */
 static const drmModeModeInfo modes[] = {
 	{.clock = 74250,
 	 .hdisplay = 1920,
 	 .vdisplay = 1080,
 	 .htotal = 2200,
 	 .vtotal = 1125,
-	 .flags = DRM_MODE_FLAG_INTERLACE}, /* 60 fields */
+	 .flags = DRM_MODE_FLAG_INTERLACE}, /* 60 fields a second */
 	{.clock = 148500, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2640, .vtotal = 1125},
 	{.clock = 148500, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2200, .vtotal = 1125},
 	{.clock = 148352, .hdisplay = 1920, .vdisplay = 1080, .htotal = 2200, .vtotal = 1125},
@@ -771,7 +771,7 @@ static void kms_modes(void **state)
 		int expected;
 	} cases[] = {
 		{0, 0, 0, 4},				 /* the preferred one */
-		{0, 0, 50, 5},				 /* of its size, the nearest rate */
+		{0, 0, 50, 5},				 /* of that size, the nearest rate */
 		{0, 0, 1000, 4},     {1920, 1080, 0, 1}, /* not the interlaced one */
 		{1920, 1080, 60, 2}, {1920, 1080, 59.94, 3}, {1920, 1080, 49, 1},
 		{1920, 0, 60, 2},    {0, 720, 50, 5},	     {640, 480, 75, 6},
@@ -783,7 +783,7 @@ static void kms_modes(void **state)
 		assert_int_equal(kms_mode_choose(modes, 7, cases[i].width, cases[i].height,
 						 cases[i].rate_hz),
 				 cases[i].expected);
-	/* Without a preferred mode the first progressive one; without any, none. */
+	/* without a preferred mode the first progressive one; without any mode, none */
 	assert_int_equal(kms_mode_choose(modes, 4, 0, 0, 0), 1);
 	assert_int_equal(kms_mode_choose(modes, 1, 0, 0, 0), -1);
 	assert_int_equal(kms_mode_choose(modes, 0, 0, 0, 0), -1);

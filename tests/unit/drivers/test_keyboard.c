@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Keyboards: names of keys, and what the kernel's events mean. Devices are plugged into the
- * simulated machine (tests/vm/test_keyboard.sh). */
+/* Keyboards: names of keys, and what the kernel's events mean. tests/vm/test_keyboard.sh plugs
+ * devices into the simulated machine. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +36,7 @@ static void names(void **state)
 					"expected one that is free");
 }
 
-/* The names are the kernel's: a wrong one in the table would be another key. */
+/* The names are the kernel's: a wrong code in the table would be another key. */
 static void codes(void **state)
 {
 	static const struct {
@@ -65,8 +65,8 @@ static void codes(void **state)
 	assert_int_equal(keymap_code(""), -1);
 }
 
-/* Every default names keys, and no key twice. Every action but threshold-set and pose has some, and
- * but quit: what is typed at a kiosk must not end it. */
+/* Each default names keys, and no key twice. Every action has one except threshold-set, pose and
+ * quit: keys typed at a kiosk must not end it. */
 static void defaults(void **state)
 {
 	unsigned char *options = calloc(1, buttons_keyboard.options_size);
@@ -87,7 +87,7 @@ static void defaults(void **state)
 			fail_msg("%s", fault.text);
 		assert_int_equal(!options[key->offset], !strcmp(key->name, "quit"));
 	}
-	/* None, and the two that need a value, are no key's. */
+	/* ACTION_NONE and the two actions that need a value have no key */
 	assert_int_equal(actions, ACTION_COUNT - 3);
 	free(options);
 }
@@ -102,7 +102,7 @@ static int make_map(void **state)
 	       keymap_add(&steps, ACTION_VIEW_NEXT, "v", "x", NULL);
 }
 
-static enum action take(struct keys *keys, unsigned type, unsigned code, int value)
+static enum action keyboard_take(struct keys *keys, unsigned type, unsigned code, int value)
 {
 	const struct input_event event = {
 		.type = (unsigned short)type,
@@ -118,17 +118,18 @@ static void presses(void **state)
 	struct keys keys = {0};
 
 	(void)state;
-	assert_int_equal(take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 2), ACTION_NONE); /* a toggle does not repeat */
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_A, 1), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 2),
+			 ACTION_NONE); /* a toggle does not repeat */
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_A, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
 	assert_false(keys.ask);
 }
 
@@ -143,37 +144,38 @@ static void down_at_the_start(void **state)
 	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
 	keys_start(&keys, now);
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_NONE);
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* still the same press */
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 0), ACTION_NONE);
 	assert_false(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 0), ACTION_NONE);
 	assert_true(keys_are_idle(&keys));
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 1), ACTION_THRESHOLD_UP);
 	assert_false(keys_are_idle(&keys));
 }
 
-/* While V is held, its release and a press of the arrow are among what the kernel dropped. */
+/* While V is held, the kernel drops events, among them its release and a press of the arrow. */
 static void dropped(void **state)
 {
 	unsigned char now[KEYS_BITS_BYTES] = {0};
 	struct keys keys = {0};
 
 	(void)state;
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_NONE); /* not to be believed */
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
+	/* An event that is not to be trusted. */
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_NONE);
 	assert_false(keys.ask);
-	assert_int_equal(take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
+	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
 	assert_true(keys.ask);
 	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_THRESHOLD_UP);
 	assert_false(keys.ask);
-	assert_int_equal(take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
-	assert_int_equal(take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
-	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* nothing new */
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_UP, 2), ACTION_THRESHOLD_UP);
+	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
+	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* no new event */
 }
 
 int main(void)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The KMS display against a graphics card that is played by this program: a FIFO is opened as the
- * card, ioctl() and mmap() are answered here instead of by a kernel. What a real kernel answers is
- * tests/vm's business; this is about cards that the simulated machine does not have: one that
- * scales, one that is busy, one whose flips never come, one whose screen changes its modes, one
- * whose link to it fails, one on which somebody left a cursor.
+ * The KMS display against a graphics card that this program plays: a FIFO is opened as the card, and
+ * ioctl() and mmap() are answered here instead of by a kernel. tests/vm is about what a real kernel
+ * answers; this is about cards that the simulated machine does not have: one that scales, one that
+ * is busy, one whose flips never come, one whose screen changes its modes, one whose link fails, one
+ * on which an earlier program left a cursor.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -53,32 +53,33 @@ enum { PROPERTIES = sizeof(properties) / sizeof(properties[0]), LINK = PROPERTIE
 
 static struct {
 	ino_t node;
-	int memory; /* what the buffers lie in */
+	int memory; /* file behind the buffers */
 	unsigned connection;
 	drmModeModeInfo modes[2];
 	int mode_count;
 	bool held, no_atomic, scales, silent, has_link;
-	bool cursor_is_gone; /* once it is off: nobody else holds its picture */
-	int busy;	     /* so many flips are refused */
-	atomic_int commits;  /* that block */
-	atomic_bool blocks;  /* until it no longer does */
-	int trials, flips;   /* TEST_ONLY; accepted */
-	int probes;	     /* of the connector */
-	atomic_int buffers;  /* that exist */
-	atomic_int master;   /* the descriptor that is; 0: none */
+	/* Once it is off, the cursor's picture is freed: nobody else holds it. */
+	bool cursor_is_gone;
+	int busy;	    /* number of flips still to be refused */
+	atomic_int commits; /* blocking commits so far */
+	atomic_bool blocks; /* commits block while this is true */
+	int trials, flips;  /* TEST_ONLY commits; accepted flips */
+	int probes;	    /* probes of the connector */
+	atomic_int buffers; /* existing buffers */
+	atomic_int master;  /* descriptor of the master; 0: none */
 	int created;
-	int blobs;			      /* that exist */
-	uint64_t values[OBJECTS][PROPERTIES]; /* of the objects' properties, as set last */
-	int64_t flip_ns;		      /* its time, as the event says */
+	int blobs;			      /* existing property blobs */
+	uint64_t values[OBJECTS][PROPERTIES]; /* the properties of all objects, as last set */
+	int64_t flip_ns;		      /* time in the flip event */
 } card;
 
-static int refuse(int err)
+static int test_kms_card_refuse(int err)
 {
 	errno = err;
 	return -1;
 }
 
-/* Fills an array that the caller has room for, and says how long it is. */
+/* Fills an array if the caller gave room for it, and tells its length. */
 static void answer(uint64_t to, uint32_t *count, const uint32_t *ids, uint32_t length)
 {
 	if (to && *count >= length)
@@ -100,7 +101,7 @@ static uint64_t *value_of(uint32_t object, const char *name)
 	return property(card.values, object, name);
 }
 
-/* Every object has all of them: whose is whose does not matter here. */
+/* Every object reports all properties, which does not matter here. */
 static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, uint32_t *count)
 {
 	if (ids && *count >= PROPERTIES)
@@ -114,7 +115,7 @@ static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, ui
 static int get_connector(struct drm_mode_get_connector *c)
 {
 	if (c->connector_id != CONNECTOR)
-		return refuse(ENOENT);
+		return test_kms_card_refuse(ENOENT);
 	card.probes += !c->count_modes;
 	if (c->modes_ptr && c->count_modes >= (uint32_t)card.mode_count)
 		memcpy((void *)(uintptr_t)c->modes_ptr, card.modes,
@@ -162,7 +163,7 @@ static int get_property(struct drm_mode_get_property *p)
 	return 0;
 }
 
-/* Reported as the kernel does, but for who waits for it. */
+/* Reports a flip as the kernel does, whoever waits for it. */
 static void report_flip(int fd, uint64_t user)
 {
 	const struct drm_event_vblank event = {
@@ -192,10 +193,10 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	if (!card.scales &&
 	    (*property(wanted, PLANE, "SRC_W") >> 16 != *property(wanted, PLANE, "CRTC_W") ||
 	     *property(wanted, PLANE, "SRC_H") >> 16 != *property(wanted, PLANE, "CRTC_H")))
-		return refuse(ERANGE);
+		return test_kms_card_refuse(ERANGE);
 	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
 	    !*value_of(CURSOR, "FB_ID"))
-		return refuse(ENOENT);
+		return test_kms_card_refuse(ENOENT);
 	if (trial) {
 		card.trials++;
 		return 0;
@@ -206,7 +207,7 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 			poll(NULL, 0, 10);
 	} else if (card.busy) {
 		card.busy--;
-		return refuse(EBUSY);
+		return test_kms_card_refuse(EBUSY);
 	}
 	memcpy(card.values, wanted, sizeof(wanted));
 	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
@@ -227,7 +228,7 @@ static int create_dumb(struct drm_mode_create_dumb *d)
 	return 0;
 }
 
-/* Of several descriptors of a card one is master, until it lets go: the first that asks, here. */
+/* One descriptor of the card is master until it lets go: here the first that asks. */
 static bool is_master(int fd)
 {
 	int none = 0;
@@ -243,11 +244,11 @@ static int play(int fd, unsigned long request, void *argument)
 		((struct drm_get_cap *)argument)->value = 1;
 		return 0;
 	case DRM_IOCTL_SET_CLIENT_CAP:
-		return card.no_atomic ? refuse(EOPNOTSUPP) : 0;
-	case DRM_IOCTL_AUTH_MAGIC: /* how libdrm asks whether it is master */
-		return refuse(is_master(fd) ? EINVAL : EACCES);
+		return card.no_atomic ? test_kms_card_refuse(EOPNOTSUPP) : 0;
+	case DRM_IOCTL_AUTH_MAGIC: /* libdrm's way to ask whether it is master */
+		return test_kms_card_refuse(is_master(fd) ? EINVAL : EACCES);
 	case DRM_IOCTL_SET_MASTER:
-		return is_master(fd) ? 0 : refuse(EACCES);
+		return is_master(fd) ? 0 : test_kms_card_refuse(EACCES);
 	case DRM_IOCTL_DROP_MASTER:
 		card.master = 0;
 		return 0;
@@ -295,7 +296,7 @@ static int play(int fd, unsigned long request, void *argument)
 		return 0;
 	case DRM_IOCTL_MODE_ATOMIC:
 		return commit(fd, argument);
-	default: /* of which nothing is expected */
+	default: /* calls that need no answer */
 		return 0;
 	}
 }
@@ -319,8 +320,8 @@ int ioctl(int fd, unsigned long request, ...)
 			   : (int)syscall(SYS_ioctl, fd, request, argument);
 }
 
-/* The linker puts this in mmap()'s place, here and in the drivers alone (tests/module.mk): in a
- * whole program's place it would come before a sanitizer's own. */
+/* The linker puts this in place of mmap() in this program (tests/module.mk). A function named
+ * mmap() would also replace the one that a sanitizer uses. */
 void *__real_mmap(void *address, size_t length, int protection, int flags, int fd, off_t offset);
 void *__wrap_mmap(void *address, size_t length, int protection, int flags, int fd, off_t offset);
 
@@ -342,7 +343,7 @@ static int plug_in(void **state)
 
 	(void)state;
 	memset(&card, 0, sizeof(card));
-	if (mkfifo(own_path("card"), 0600) || stat(own_path("card"), &of))
+	if (mkfifo(own_folder_path("card"), 0600) || stat(own_folder_path("card"), &of))
 		return -1;
 	card.node = of.st_ino;
 	card.memory = memfd_create("buffers", MFD_CLOEXEC);
@@ -361,11 +362,11 @@ static int open_it(void)
 {
 	struct display_settings settings = {0};
 
-	strcpy(settings.device, own_path("card"));
+	strcpy(settings.device, own_folder_path("card"));
 	return display_open(&display, &display_kms, &settings, &options, &fault);
 }
 
-/* One that stalled is given back in its own time, and nothing opens before. */
+/* A display that stalled is freed later by itself, and cannot be opened before. */
 static int open_after_a_stall(void)
 {
 	const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
@@ -385,7 +386,7 @@ static int take_out(void **state)
 	display_close(&display, NULL);
 	close(card.memory);
 	card.node = 0;
-	return unlink(own_path("card"));
+	return unlink(own_folder_path("card"));
 }
 
 static void open_fine(void)
@@ -394,7 +395,7 @@ static void open_fine(void)
 		fail_msg("%s", fault.text);
 }
 
-/* What dispatch() says first, within a time; 0: nothing. */
+/* First event of dispatch() within a time; 0: none. */
 static int wait_for(struct display_event *event, int64_t within_ns)
 {
 	const int64_t until_ns = clock_now_ns() + within_ns;
@@ -469,7 +470,7 @@ static void busy_flips_are_tried_again(void **state)
 	card.busy = 5;
 	submit(1, 1280, 720);
 	assert_int_equal(card.flips, 0);
-	/* It is the next to be shown: nothing may overtake it. */
+	/* it is the next to be shown: nothing may overtake it */
 	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
 	assert_shown(1);
 	assert_int_equal(card.busy, 0);
@@ -491,7 +492,7 @@ static void busy_for_ever_is_a_stall(void **state)
 	assert_true(clock_now_ns() - start_ns >= NS_PER_S);
 }
 
-/* The kernel lets nobody go while it waits for a flip: the program is not to wait with it. */
+/* The kernel lets nobody go while it waits for a flip; the program must not wait with it. */
 static void lost_flips_are_a_stall(void **state)
 {
 	struct display_event event;
@@ -507,13 +508,13 @@ static void lost_flips_are_a_stall(void **state)
 	assert_true(display_may_return(display.situation));
 	card.blocks = true;
 	assert_int_equal(display_close(&display, &fault), 0);
-	/* Until then it stays a stall, however often it is tried: nobody else holds the screen. */
+	/* until then it stays a stall, however often it is tried: nobody else holds the screen */
 	for (int i = 0; i < 3; i++) {
 		assert_int_equal(open_it(), -ETIMEDOUT);
 		assert_int_equal(display.situation, DISPLAY_STALLED);
 		assert_non_null(strstr(fault.text, "still waits"));
 	}
-	/* It is given back all the same, in its own time. */
+	/* it is freed all the same, later */
 	card.blocks = false;
 	card.silent = false;
 	assert_int_equal(open_after_a_stall(), 0);
@@ -535,12 +536,12 @@ static void a_card_that_scales_scales(void **state)
 	trials = card.trials;
 	assert_int_equal(display_fit(&display, 640, 480, 1), 0);
 	assert_int_equal(card.trials, trials + 1);
-	/* The trial has changed nothing. */
+	/* the trial has changed nothing */
 	assert_plane(1280, 720, (struct kms_box){0, 0, 1280, 720});
 	submit(2, 640, 480);
 	assert_shown(2);
 	assert_plane(640, 480, (struct kms_box){160, 0, 960, 720});
-	/* Pixels that are not square, and back; a verdict is asked for once. */
+	/* pixels that are not square, and back; the card is asked once */
 	for (int i = 0; i < 3; i++) {
 		assert_int_equal(display_fit(&display, 720, 486, 540.0 / 486), 0);
 		submit(3, 720, 486);
@@ -549,7 +550,7 @@ static void a_card_that_scales_scales(void **state)
 		assert_int_equal(display_fit(&display, 640, 480, 1), 0);
 	}
 	assert_int_equal(card.trials, trials + 2);
-	/* A picture of the screen's own size needs no scaling; one that is larger has no room. */
+	/* A picture of the screen's own size needs no scaling; a larger one has no room. */
 	assert_int_equal(display_fit(&display, 1280, 720, 1), 0);
 	submit(4, 1280, 720);
 	assert_shown(4);
@@ -588,7 +589,7 @@ static void a_changed_screen_is_noticed(void **state)
 
 	(void)state;
 	open_fine();
-	/* Another name and one mode more: nothing that would be chosen now. */
+	/* another name and one mode more: the choice stays the same */
 	card.probes = 0;
 	strcpy(card.modes[0].name, "other");
 	card.mode_count = 1;
@@ -609,14 +610,15 @@ static void a_changed_screen_is_noticed(void **state)
 	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
 }
 
-/* A screen whose link failed stays black until its mode is set with the link asked for again. */
+/* A screen whose link failed stays black until its mode is set and the link is requested again. */
 static void a_failed_link_is_set_up_again(void **state)
 {
 	struct display_event event;
 
 	(void)state;
 	card.has_link = true;
-	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD; /* by whoever was before */
+	*value_of(CONNECTOR,
+		  "link-status") = DRM_MODE_LINK_STATUS_BAD; /* left by an earlier program */
 	open_fine();
 	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
 	submit(1, 1280, 720);
@@ -628,7 +630,7 @@ static void a_failed_link_is_set_up_again(void **state)
 	assert_true(display_may_return(display.situation));
 	display_close(&display, NULL);
 	assert_int_equal(*value_of(CONNECTOR, "link-status"),
-			 DRM_MODE_LINK_STATUS_GOOD); /* for whoever comes after */
+			 DRM_MODE_LINK_STATUS_GOOD); /* left for the next program */
 	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
 	open_fine();
 	assert_int_equal(*value_of(CONNECTOR, "link-status"), DRM_MODE_LINK_STATUS_GOOD);
@@ -636,7 +638,7 @@ static void a_failed_link_is_set_up_again(void **state)
 	assert_shown(2);
 }
 
-/* Whoever had the screen before may have left more on it than a picture. */
+/* An earlier program may have left more on the screen than a picture. */
 static void what_was_left_is_put_away_and_back(void **state)
 {
 	static const char *const colours[] = {"CTM", "DEGAMMA_LUT", "GAMMA_LUT"};
@@ -662,7 +664,7 @@ static void what_was_left_is_put_away_and_back(void **state)
 		assert_int_equal(*value_of(CURSOR, "FB_ID"), gone ? 0 : 501);
 		assert_int_equal(*value_of(CURSOR, "CRTC_ID"), gone ? 0 : CRTC);
 		assert_int_equal(*value_of(CURSOR, "CRTC_X"), 320);
-		/* A copy: the one that was there may be gone by then. */
+		/* a copy, because the original may be gone by then */
 		for (int i = 0; i < 3; i++) {
 			assert_int_not_equal(*value_of(CRTC, colours[i]), 0);
 			assert_int_not_equal(*value_of(CRTC, colours[i]), 502);
@@ -693,10 +695,10 @@ static void what_cannot_be_opened(void **state)
 	assert_non_null(strstr(fault.text, "HDMI-A-7"));
 	options.connector[0] = 0;
 	card.connection = DRM_MODE_UNKNOWNCONNECTION;
-	open_fine(); /* perhaps there is a screen */
+	open_fine(); /* there may be a screen */
 	display_close(&display, NULL);
 	card.mode_count = 0;
-	/* Asking a screen takes time: once is enough, however little will do. */
+	/* probing a screen takes time: once is enough, even without a result */
 	card.probes = 0;
 	assert_int_equal(open_it(), -ENOLINK);
 	assert_int_equal(card.probes, 1);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the KMS display decides without a card: timings against published ones, which mode of which
- * connector, where a picture stands, and which of the kernel's messages are about screens. */
+/* What the KMS display decides without a card: timings against published ones, the mode of a
+ * connector, the place of a picture, and which kernel messages are about screens. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,8 +35,8 @@ static void assert_timing(const drmModeModeInfo *mode, uint32_t clock, const int
 	assert_int_equal(mode->flags, flags);
 }
 
-/* The first three as VESA's DMT and CTA-861 print them, the rest as VESA's generator for reduced
- * blanking does (the last two are DMT's own 44h and 57h as well). */
+/* The first three are printed in VESA's DMT and CTA-861; the others come from VESA's generator for
+ * reduced blanking (the last two are also DMT's 44h and 57h). */
 static void timings_are_the_standards(void **state)
 {
 	static const struct {
@@ -64,7 +64,7 @@ static void timings_are_the_standards(void **state)
 	}
 }
 
-/* Whatever is asked for, blanking lies around the picture and the rate is what was meant. */
+/* Whatever is asked for, blanking surrounds the picture and the rate is the one that was meant. */
 static void timings_are_whole(void **state)
 {
 	drmModeModeInfo mode;
@@ -81,7 +81,7 @@ static void timings_are_whole(void **state)
 			assert_true(mode.vsync_start > height &&
 				    mode.vsync_end > mode.vsync_start &&
 				    mode.vtotal > mode.vsync_end);
-			/* The clock goes in steps of 250 kHz. */
+			/* the clock has steps of 250 kHz */
 			assert_true(kms_mode_rate(&mode) <= rate_hz + 1e-9);
 			assert_true(kms_mode_rate(&mode) >
 				    rate_hz - 250e3 / (mode.htotal * mode.vtotal) - 1e-9);
@@ -144,7 +144,7 @@ static void connectors_are_ranked(void **state)
 	(void)state;
 	assert_int_equal(kms_mode_rank(DRM_MODE_CONNECTED, 5, &plain), KMS_RANK_BEST);
 	assert_int_equal(kms_mode_rank(DRM_MODE_CONNECTED, 0, &plain), KMS_RANK_BEST);
-	/* Of an analogue one it is often not known whether it has a screen. */
+	/* an analogue connector often does not know whether it has a screen */
 	assert_int_equal(kms_mode_rank(DRM_MODE_UNKNOWNCONNECTION, 5, &plain), 2);
 	assert_int_equal(kms_mode_rank(DRM_MODE_UNKNOWNCONNECTION, 0, &plain), 0);
 	assert_int_equal(kms_mode_rank(DRM_MODE_UNKNOWNCONNECTION, 0, &told), 2);
@@ -154,7 +154,7 @@ static void connectors_are_ranked(void **state)
 	assert_int_equal(kms_mode_rank(DRM_MODE_DISCONNECTED, 0, &forced), 1);
 }
 
-/* A screen of two modes, the preferred of which is not quite the standard's. */
+/* A screen of two modes, of which the preferred one differs a little from the standard. */
 static const drmModeModeInfo own[] = {
 	{.clock = 148352,
 	 .hdisplay = 1920,
@@ -180,7 +180,7 @@ static void modes_are_picked(void **state)
 		{"", false, 800, 600, DRM_MODE_CONNECTED, 2, -EINVAL, 0, false},
 		{"", false, 0, 0, DRM_MODE_DISCONNECTED, 2, -ENOLINK, 0, false},
 		{"", false, 0, 0, DRM_MODE_CONNECTED, 0, -EINVAL, 0, false},
-		/* Its own timing of the size and rate that is told; else ours. */
+		/* the screen's own timing for that size and rate, if it has one, else the standard */
 		{"1920x1080@60", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 1920, false},
 		{"1920x1080@50", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 1920, true},
 		{"800x600", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 800, true},
@@ -238,7 +238,7 @@ static void pictures_are_fitted(void **state)
 		{640, 360, 1, 1920, 1080, {0, 0, 1920, 1080}},
 		{640, 480, 1, 768, 1024, {0, 224, 768, 576}},
 		{1024, 768, 1, 1024, 768, {0, 0, 1024, 768}},
-		/* The digitizer's 720 x 486 is a picture of 4:3. */
+		/* the digitizer's 720 x 486 is a picture of 4:3 */
 		{720, 486, 540.0 / 486, 1024, 768, {0, 0, 1024, 768}},
 		{720, 576, 0.75, 1920, 1080, {60, 0, 1800, 1080}},
 		{3, 2, 1, 64, 64, {0, 10, 64, 43}},

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The libcamera driver's parts in C: choice by name, events between threads, pictures in buffers,
+/* The C parts of the libcamera driver: choice by name, events between threads, pictures in buffers,
  * elements of values, what udev says, messages. */
 #include <dlfcn.h>
 #include <errno.h>
@@ -23,6 +23,7 @@
 #include "drivers/libcamera/messages.h"
 #include "drivers/libcamera/picture.h"
 #include "hal/base/clock.h"
+#include "tests/support/captured_log.h"
 
 /* ---- names ---- */
 
@@ -216,7 +217,8 @@ static bool none(const void *context, dev_t number)
 	return false;
 }
 
-/* The kernel tells of names in /dev; a file there plays a node where the test may make one. */
+/* The kernel reports names in /dev; a file there stands for a node, where the test may create one.
+ */
 static void a_node_that_goes_is_noticed(void **state)
 {
 	static const char mine[] = "/dev/video253", other[] = "/dev/video254";
@@ -229,7 +231,8 @@ static void a_node_that_goes_is_noticed(void **state)
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	assert_int_equal(libcamera_events_watch(&events, none, NULL, NULL), 0);
 	events.nodes[253] = true;
-	for (int i = 0; i < 3; i++) { /* another, its own, which is for good, another */
+	/* Another node; its own, which then is gone for good; another. */
+	for (int i = 0; i < 3; i++) {
 		const char *const name = i == 1 ? mine : other;
 
 		file = fopen(name, "w");
@@ -265,7 +268,7 @@ static struct libcamera_picture picture_of(enum pixel_format format)
 static int map_into(size_t bytes, size_t stride, struct libcamera_picture *picture,
 		    struct libcamera_span *spans, int count)
 {
-	static int memory = -1; /* lives until the next */
+	static int memory = -1; /* open until the next call */
 
 	if (memory >= 0)
 		close(memory);
@@ -289,7 +292,7 @@ static void planes_lie_where_they_are_said_to(void **state)
 	assert_ptr_equal(p.planes[1].data, p.planes[0].data + LUMA);
 	assert_int_equal(p.planes[1].stride, STRIDE);
 	assert_int_equal(p.planes[1].bytes, CHROMA);
-	libcamera_picture_reading(&p, true); /* no DMABUF, and no error */
+	libcamera_picture_reading(&p, true); /* not a DMABUF: no error */
 	libcamera_picture_reading(&p, false);
 	libcamera_picture_unmap(&p);
 	libcamera_picture_unmap(&p);
@@ -312,7 +315,7 @@ static void memory_that_is_too_small_is_refused(void **state)
 		{PIXEL_GREY, LUMA, STRIDE, 0, LUMA - STRIDE + WIDTH, 0}, /* no padding at the end */
 		{PIXEL_GREY, LUMA, STRIDE, 0, LUMA - STRIDE + WIDTH - 1, -EINVAL},
 		{PIXEL_GREY, LUMA - STRIDE, STRIDE, 0, LUMA,
-		 -EINVAL}, /* it says more than it has */
+		 -EINVAL}, /* claims more bytes than it has */
 		{PIXEL_GREY, LUMA, STRIDE, LUMA, LUMA, -EINVAL},
 		{PIXEL_GREY, LUMA, WIDTH - 1, 0, LUMA, -EINVAL},
 		{PIXEL_NV12, LUMA, STRIDE, 0, LUMA, -EINVAL},
@@ -384,22 +387,18 @@ static void messages_lose_their_head_and_are_said_once(void **state)
 		"\n",
 		"FATAL without a head",
 	};
-	FILE *log = tmpfile();
-	const int stderr_was = dup(STDERR_FILENO);
+	const struct captured_log log = captured_log_begin();
+	FILE *stream;
 	char said[1024];
 	size_t length;
 
 	(void)state;
-	assert_non_null(log);
-	dup2(fileno(log), STDERR_FILENO);
 	for (size_t i = 0; i < sizeof(lines) / sizeof(lines[0]); i++)
 		libcamera_message(lines[i], strlen(lines[i]));
-	dup2(stderr_was, STDERR_FILENO);
-	close(stderr_was);
-	rewind(log);
-	length = fread(said, 1, sizeof(said) - 1, log);
+	stream = captured_log_end(&log);
+	length = fread(said, 1, sizeof(said) - 1, stream);
 	said[length] = '\0';
-	fclose(log);
+	fclose(stream);
 	assert_string_equal(said, "inlay: libcamera: ERROR V4L2 v4l2.cpp:1 /dev/video0: Failed\n"
 				  "inlay: libcamera: FATAL without a head\n");
 }
@@ -461,7 +460,7 @@ static void what_is_new_is_kept(void **state)
 	assert_int_equal(libcamera_hotplug_kept(), kept + 1);
 }
 
-/* As when udev has said more than the socket holds. */
+/* udev returns NULL when it has said more than the socket holds. */
 static void no_device_is_no_string_of_null(void **state)
 {
 	struct udev_device nameless = {NULL, NULL};

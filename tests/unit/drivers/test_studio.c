@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The studio: its closed forms, its picture, its truth, and what the light sampler makes of it. */
+/* The studio: its closed forms, its picture, its true light, and what the light sampler measures.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +19,7 @@
 
 static const double origin[3] = {0, 0, 0};
 
-/* Irradiance on the floor by what shines at rays' ends, by brute force over the hemisphere. */
+/* Irradiance on the floor, by brute force over the hemisphere. */
 static void brute_irradiance(const double point[3], double rgb[3])
 {
 	const int rings = 900, sectors = 1800;
@@ -56,7 +57,7 @@ static void rectangles_irradiate_as_they_shine(void **state)
 			const double want = brute[i][c] - brute[0][c];
 			const double got = closed[i][c] - closed[0][c];
 
-			/* The window's bars are spread evenly over it in the closed form. */
+			/* the closed form spreads the window's bars evenly over the window */
 			assert_true(fabs(got - want) < 0.004);
 			assert_true(fabs(want) > 0.01);
 		}
@@ -112,7 +113,7 @@ static void lanterns_keep_their_distance(void **state)
 	}
 }
 
-/* A moment when the warm lantern stands at +X or +Y of the middle, as seen from above. */
+/* A time when the warm lantern stands at +X or +Y of the middle, as seen from above. */
 static double moment(int axis)
 {
 	double best = 0, best_cosine = -1;
@@ -163,7 +164,8 @@ static float *render(const struct sim_eye *eye, double time_s)
 	return rgb;
 }
 
-/* Middle of the pixels as bright as the warm lantern, from the picture's middle. */
+/* Place of the warm lantern in the picture: the mean of the pixels as bright as it, relative to the
+ * middle. */
 static void warm_place(const struct sim_eye *eye, double time_s, double place[2])
 {
 	float *rgb = render(eye, time_s);
@@ -201,12 +203,12 @@ static void nothing_is_mirrored(void **state)
 	assert_true(place[0] > 20 && fabs(place[1]) < 0.15 * place[0]);
 	warm_place(&eye, moment(1), place); /* +Y: below */
 	assert_true(place[1] > 20 && fabs(place[0]) < 0.15 * place[1]);
-	prepare_camera(&eye, 200, 150, from, to, 80); /* from -Y towards +Y: +X is to the right */
+	prepare_camera(&eye, 200, 150, from, to, 80); /* from -Y towards +Y, +X is on the right */
 	warm_place(&eye, moment(0), place);
 	assert_true(place[0] > 20);
 }
 
-/* The perspective view is upright: floor below, ceiling above, and the window is to the left. */
+/* The perspective view is upright: floor below, ceiling above, the window on the left. */
 static void nothing_is_upside_down(void **state)
 {
 	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
@@ -224,7 +226,7 @@ static void nothing_is_upside_down(void **state)
 	assert_true(studio_hit(start, dir, &hit) && hit.surface == STUDIO_WALL_WEST);
 }
 
-/* Mean of 10 x 10 rays through the pixel, each traced for itself; dark where none goes. */
+/* Mean of 10 x 10 traced rays through the pixel; dark where there is no ray. */
 static void traced_pixel(const struct sim_eye *eye, int x, int y, double time_s, double rgb[3])
 {
 	const int side = 10;
@@ -266,7 +268,7 @@ static void check_view(const struct sim_eye *eye, const char *name)
 	sum = sqrt(sum / (3.0 * eye->width * eye->height));
 	print_message("# %s against traced rays: RMS %.4f, largest %.3f of 5.2\n", name, sum,
 		      worst);
-	/* Edges are sampled less densely than here; the window's bars are as fine as a pixel. */
+	/* the driver samples edges less densely; the window's bars are as fine as a pixel */
 	assert_true(sum < 0.02);
 	assert_true(worst < 0.8);
 }
@@ -305,7 +307,7 @@ static double random_unit(uint64_t *state)
 	return (double)(*state >> 11) / 9007199254740992.0;
 }
 
-/* Independent of the tiles: random directions in each light. */
+/* Random directions in each light, independent of the driver's tiles. */
 static void check_random_sampling(enum dome_shape shape)
 {
 	const int side = 220;
@@ -352,7 +354,7 @@ static void lights_match_random_sampling(void **state)
 }
 
 struct sampled {
-	double rms, worst, energy; /* of the largest light; relative */
+	double rms, worst, energy; /* relative to the largest light */
 };
 
 static struct sampled sample(int frequency, int side, enum light_estimator estimator, double t)
@@ -398,7 +400,7 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 	return s;
 }
 
-/* The light sampler on the studio's fisheye, against what is true. */
+/* The light sampler on the studio's fisheye picture, against the true light. */
 static void the_light_sampler_finds_the_true_lights(void **state)
 {
 	static const struct {

@@ -6,28 +6,33 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
+#include <string.h>
 
+#include "drivers/v4l2/fields.h"
+#include "drivers/v4l2/formats.h"
+#include "hal/base/clock.h"
 #include "tests/support/played_v4l2.h"
 
-enum { FIELD_BYTES = YUYV_BYTES / 2 };
+enum { FIELD_BYTES = PLAYED_YUYV_BYTES / 2 };
 
 static const uint32_t yuyv[] = {V4L2_PIX_FMT_YUYV, 0};
 
-static void prepare_television(struct rig *rig, v4l2_std_id detected)
+static void prepare_television(struct played_rig *rig, v4l2_std_id detected)
 {
-	prepare(rig, yuyv);
-	device.television = true;
-	device.detected = detected;
-	device.standard = V4L2_STD_NTSC_M;
+	played_prepare(rig, yuyv);
+	played.television = true;
+	played.detected = detected;
+	played.standard = V4L2_STD_NTSC_M;
 }
 
-static void grab(struct rig *rig, struct frame *frame)
+static void digitizer_grab(struct played_rig *rig, struct frame *frame)
 {
 	if (camera_grab(&rig->camera, frame, &rig->fault))
 		fail_msg("no frame: %s", rig->fault.text);
 }
 
-static void nothing_comes(struct rig *rig)
+static void nothing_comes(struct played_rig *rig)
 {
 	struct frame frame;
 
@@ -43,24 +48,24 @@ static void inputs_by_number_and_name(void **state)
 		int input; /* -1: refused */
 	} cases[] = {{"", 1},	     {"-1", 1},	    {"0", 0},	  {"1", 1},  {"Composite 0", 0},
 		     {"s-video", 1}, {"SVIDEO", 1}, {"HDMI", -1}, {"2", -1}, {"1x", -1}};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		int err;
 
-		prepare(&rig, yuyv);
-		device.input = 1;
+		played_prepare(&rig, yuyv);
+		played.input = 1;
 		strcpy(rig.options.input, cases[i].text);
-		err = start(&rig);
+		err = played_start(&rig);
 		assert_int_equal(err, cases[i].input < 0 ? -EINVAL : 0);
 		if (err) {
 			assert_non_null(strstr(rig.fault.text, "v4l2.input"));
 			assert_non_null(strstr(rig.fault.text, "S-Video"));
 		} else {
-			assert_int_equal(device.input, cases[i].input);
+			assert_int_equal(played.input, cases[i].input);
 		}
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
@@ -68,19 +73,21 @@ static void standards_by_name(void **state)
 {
 	static const struct {
 		const char *text;
-		v4l2_std_id detected, set; /* set 0: refused */
+		v4l2_std_id detected, set; /* set 0: the call is refused */
 	} cases[] = {
 		{"", V4L2_STD_PAL_BG, V4L2_STD_PAL_BG},
-		{"", V4L2_STD_ALL, V4L2_STD_NTSC_M}, /* no signal: what was set stays */
+		{"", V4L2_STD_ALL,
+		 V4L2_STD_NTSC_M}, /* no signal: the standard that was set stays */
 		{"", 0, V4L2_STD_NTSC_M},
-		{"PAL", V4L2_STD_NTSC_M, V4L2_STD_PAL_BG}, /* of PAL what the input knows */
+		{"PAL", V4L2_STD_NTSC_M,
+		 V4L2_STD_PAL_BG}, /* the variants of PAL that the input knows */
 		{"ntsc", V4L2_STD_PAL_BG, V4L2_STD_NTSC_M},
 		{"PAL-BG", 0, V4L2_STD_PAL_BG},
 		{"pal bg", 0, V4L2_STD_PAL_BG},
 		{"SECAM", 0, 0},
 		{"PAL-Z", 0, 0},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
@@ -88,21 +95,21 @@ static void standards_by_name(void **state)
 
 		prepare_television(&rig, cases[i].detected);
 		strcpy(rig.options.standard, cases[i].text);
-		err = start(&rig);
+		err = played_start(&rig);
 		assert_int_equal(err, cases[i].set ? 0 : -EINVAL);
 		if (err) {
 			assert_non_null(strstr(rig.fault.text, "v4l2.standard"));
 			assert_non_null(strstr(rig.fault.text, "NTSC-M"));
 		} else {
-			assert_true(device.standard == cases[i].set);
+			assert_true(played.standard == cases[i].set);
 		}
-		finish(&rig);
+		played_finish(&rig);
 	}
-	prepare(&rig, yuyv);
+	played_prepare(&rig, yuyv);
 	strcpy(rig.options.standard, "PAL");
-	assert_int_equal(start(&rig), -EINVAL);
+	assert_int_equal(played_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "not a television"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
 /* ---- fields ---- */
@@ -150,7 +157,7 @@ static void fields_are_asked_for(void **state)
 		enum v4l2_field_wish wish;
 		v4l2_std_id detected;
 		enum frame_fields fields;
-		unsigned rows; /* of a buffer */
+		unsigned rows; /* rows of a buffer */
 	} cases[] = {
 		{V4L2_WISH_DRIVER, V4L2_STD_PAL_BG, FIELDS_INTERLACED, 48},
 		{V4L2_WISH_NONE, V4L2_STD_PAL_BG, FIELDS_NONE, 48},
@@ -162,7 +169,7 @@ static void fields_are_asked_for(void **state)
 		{V4L2_WISH_BOTTOM, V4L2_STD_PAL_BG, FIELDS_BOTTOM, 24},
 	};
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]) * 2; i++) {
@@ -170,61 +177,63 @@ static void fields_are_asked_for(void **state)
 
 		prepare_television(&rig, cases[c].detected);
 		rig.options.field = cases[c].wish;
-		rig.settings.height = i % 2 ? 48 : 0; /* of the whole picture, or as it is */
-		must_start(&rig);
+		/* Height of the whole picture, or as the device has it. */
+		rig.settings.height = i % 2 ? 48 : 0;
+		played_must_start(&rig);
 		assert_int_equal(rig.camera.height, 48);
-		assert_int_equal(device.height, cases[c].rows);
+		assert_int_equal(played.height, cases[c].rows);
 		if (cases[c].fields != FIELDS_PAIR) {
-			deliver(0, 0, 64 * 2 * cases[c].rows, 0);
-			grab(&rig, &frame);
+			played_deliver(0, 0, 64 * 2 * cases[c].rows, 0);
+			digitizer_grab(&rig, &frame);
 			assert_int_equal(frame.fields, cases[c].fields);
 			assert_int_equal(frame.height, 48);
 			camera_release(&rig.camera, &frame);
-			deliver(0, 1, 64 * 2 * cases[c].rows - 1, 0); /* short */
+			played_deliver(0, 1, 64 * 2 * cases[c].rows - 1, 0); /* short */
 			nothing_comes(&rig);
 		}
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
 static void a_buffer_may_say_more(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
-	must_start(&rig);
-	deliver(0, 0, YUYV_BYTES, 0)->field = V4L2_FIELD_INTERLACED_BT;
-	grab(&rig, &frame);
+	played_must_start(&rig);
+	played_deliver(0, 0, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_INTERLACED_BT;
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_true(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
-	deliver(0, 1, YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format */
-	grab(&rig, &frame);
+	played_deliver(0, 1, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_ANY; /* as the format says */
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_INTERLACED);
 	assert_false(frame.bottom_first);
 	camera_release(&rig.camera, &frame);
-	deliver(0, 2, YUYV_BYTES, 0)->field = V4L2_FIELD_NONE; /* a film, say */
-	grab(&rig, &frame);
+	/* Progressive, from a film. */
+	played_deliver(0, 2, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_NONE;
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.fields, FIELDS_NONE);
 	camera_release(&rig.camera, &frame);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void heights_without_halves_are_refused(void **state)
 {
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
-	device.height = 47;
-	assert_int_equal(start(&rig), -EINVAL);
+	played.height = 47;
+	assert_int_equal(played_start(&rig), -EINVAL);
 	assert_non_null(strstr(rig.fault.text, "47"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* A squeezed picture made of one field is as high as it was asked to be. */
+/* A squeezed picture of one field has the height that was asked for. */
 static void a_field_of_the_wanted_height_is_a_picture(void **state)
 {
 	struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
@@ -247,76 +256,76 @@ static void a_field_of_the_wanted_height_is_a_picture(void **state)
 
 /* ---- pairs ---- */
 
-static void start_pairs(struct rig *rig, v4l2_std_id standard)
+static void start_pairs(struct played_rig *rig, v4l2_std_id standard)
 {
 	prepare_television(rig, standard);
 	rig->options.field = V4L2_WISH_ALTERNATE;
-	must_start(rig);
-	assert_int_equal(queued(), 8); /* four pictures */
+	played_must_start(rig);
+	assert_int_equal(played_queued(), 8); /* four pictures */
 }
 
 static void field_comes(int buffer, uint32_t sequence, bool bottom, uint32_t flags)
 {
-	deliver(buffer, sequence, FIELD_BYTES, flags)->field = bottom ? V4L2_FIELD_BOTTOM
-								      : V4L2_FIELD_TOP;
+	played_deliver(buffer, sequence, FIELD_BYTES, flags)->field = bottom ? V4L2_FIELD_BOTTOM
+									     : V4L2_FIELD_TOP;
 }
 
 static void two_fields_are_a_picture(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (int bottom_first = 0; bottom_first < 2; bottom_first++) {
 		start_pairs(&rig, bottom_first ? V4L2_STD_NTSC_M : V4L2_STD_PAL_BG);
 		field_comes(2, 7, bottom_first, 0);
 		nothing_comes(&rig);
-		assert_int_equal(queued(), 7);
+		assert_int_equal(played_queued(), 7);
 		field_comes(5, 7, !bottom_first, 0);
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(frame.fields, FIELDS_PAIR);
 		assert_int_equal(frame.bottom_first, bottom_first);
 		assert_int_equal(frame.height, 48);
 		assert_int_equal(frame.planes[0].data[0], (bottom_first ? 5 : 2) * 2 + 1);
 		assert_int_equal(frame.bottom_planes[0].data[0], (bottom_first ? 2 : 5) * 2 + 1);
 		assert_int_equal(frame.bottom_planes[0].bytes, FIELD_BYTES);
-		assert_int_equal(queued(), 6);
+		assert_int_equal(played_queued(), 6);
 		camera_release(&rig.camera, &frame);
-		assert_int_equal(queued(), 8);
+		assert_int_equal(played_queued(), 8);
 		assert_int_equal(rig.camera.broken, 0);
 		assert_int_equal(rig.camera.lost, 0);
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
 static void the_newest_pair_wins(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
 	for (int i = 0; i < 7; i++) /* three pairs and a half */
 		field_comes(i, (uint32_t)i / 2, i % 2, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 2);
 	assert_int_equal(rig.camera.lost, 2);
-	assert_int_equal(queued(), 5); /* a pair is out, a field waits */
+	assert_int_equal(played_queued(), 5); /* a pair is held, a field waits */
 	camera_release(&rig.camera, &frame);
 	field_comes(7, 3, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 3);
 	assert_int_equal(frame.planes[0].data[0], 6 * 2 + 1);
 	assert_int_equal(rig.camera.lost, 2);
 	camera_release(&rig.camera, &frame);
-	assert_int_equal(queued(), 8);
-	finish(&rig);
+	assert_int_equal(played_queued(), 8);
+	played_finish(&rig);
 }
 
 static void an_orphan_is_broken(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
@@ -324,30 +333,30 @@ static void an_orphan_is_broken(void **state)
 	field_comes(1, 1, false, 0);
 	nothing_comes(&rig);
 	assert_int_equal(rig.camera.broken, 1);
-	assert_int_equal(queued(), 7);
+	assert_int_equal(played_queued(), 7);
 	field_comes(2, 1, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 1);
 	camera_release(&rig.camera, &frame);
-	field_comes(0, 2, false, 0); /* bottom of 2 and top of 3 are lost */
+	field_comes(0, 2, false, 0); /* the bottom field of 2 and the top field of 3 are lost */
 	field_comes(1, 3, true, 0);
 	nothing_comes(&rig);
 	assert_int_equal(rig.camera.broken, 2);
 	field_comes(2, 4, false, 0);
 	field_comes(3, 4, true, 0);
-	grab(&rig, &frame);
+	digitizer_grab(&rig, &frame);
 	assert_int_equal(frame.sequence, 4);
 	assert_int_equal(rig.camera.broken, 3);
 	assert_int_equal(rig.camera.lost, 0);
 	camera_release(&rig.camera, &frame);
-	assert_int_equal(queued(), 8);
-	finish(&rig);
+	assert_int_equal(played_queued(), 8);
+	played_finish(&rig);
 }
 
 static void a_picture_with_an_unfit_field_is_broken_once(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (int unfit = 0; unfit < 2; unfit++) {
@@ -356,26 +365,26 @@ static void a_picture_with_an_unfit_field_is_broken_once(void **state)
 		field_comes(1, 0, true, unfit == 1 ? V4L2_BUF_FLAG_ERROR : 0);
 		nothing_comes(&rig);
 		assert_int_equal(rig.camera.broken, 1);
-		assert_int_equal(queued(), 8);
+		assert_int_equal(played_queued(), 8);
 		field_comes(2, 1, false, 0);
 		field_comes(3, 1, true, 0);
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(rig.camera.broken, 1);
 		camera_release(&rig.camera, &frame);
-		finish(&rig);
+		played_finish(&rig);
 	}
-	start_pairs(&rig, V4L2_STD_PAL_BG); /* one that does not say which field it is */
-	deliver(0, 0, FIELD_BYTES, 0)->field = V4L2_FIELD_NONE;
+	start_pairs(&rig, V4L2_STD_PAL_BG); /* a buffer that does not say which field it holds */
+	played_deliver(0, 0, FIELD_BYTES, 0)->field = V4L2_FIELD_NONE;
 	nothing_comes(&rig);
 	assert_int_equal(rig.camera.broken, 1);
-	assert_int_equal(queued(), 8);
-	finish(&rig);
+	assert_int_equal(played_queued(), 8);
+	played_finish(&rig);
 }
 
 static void sequence_numbers_of_pairs_wrap(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
@@ -385,20 +394,20 @@ static void sequence_numbers_of_pairs_wrap(void **state)
 		field_comes((int)i, sequence, i % 2, 0);
 		if (i % 2 == 0)
 			continue;
-		grab(&rig, &frame);
+		digitizer_grab(&rig, &frame);
 		assert_int_equal(frame.sequence, sequence);
 		camera_release(&rig.camera, &frame);
 	}
 	assert_int_equal(rig.camera.lost, 0);
 	assert_int_equal(rig.camera.broken, 0);
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* Such drivers exist; V4L2 says that both fields of a frame have its number. */
+/* Some drivers number fields; V4L2 says that both fields of a frame have the same number. */
 static void a_driver_that_counts_fields_is_understood(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 	uint32_t pictures = 0;
 
 	(void)state;
@@ -412,8 +421,8 @@ static void a_driver_that_counts_fields_is_understood(void **state)
 		pictures++;
 	}
 	assert_in_range(pictures, 6, 8);
-	assert_in_range(rig.camera.broken, 1, 5); /* until it was understood */
-	finish(&rig);
+	assert_in_range(rig.camera.broken, 1, 5); /* until the driver has understood it */
+	played_finish(&rig);
 }
 
 /* ---- signal and changes ---- */
@@ -426,63 +435,63 @@ static void no_signal_is_a_situation(void **state)
 	} cases[] = {{V4L2_IN_ST_NO_SIGNAL, -ENOLINK},
 		     {V4L2_IN_ST_NO_SYNC, -ENOLCK},
 		     {V4L2_IN_ST_NO_H_LOCK, -ENOLCK}};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_television(&rig, 0);
-		device.status = cases[i].status;
-		assert_int_equal(start(&rig), cases[i].err);
+		played.status = cases[i].status;
+		assert_int_equal(played_start(&rig), cases[i].err);
 		assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
 		assert_non_null(strstr(rig.fault.text, "Composite 0"));
-		finish(&rig);
+		played_finish(&rig);
 	}
-	prepare(&rig, yuyv);
-	device.dv_timings = true;
-	device.signal_error = ENOLCK;
-	assert_int_equal(start(&rig), -ENOLCK);
+	played_prepare(&rig, yuyv);
+	played.dv_timings = true;
+	played.signal_error = ENOLCK;
+	assert_int_equal(played_start(&rig), -ENOLCK);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* A device that tells of changes is believed; any other is asked each second. */
+/* A device that sends events is trusted; any other is asked each second. */
 static void a_signal_that_is_lost_is_noticed(void **state)
 {
 	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 	int err;
 
 	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
-	must_start(&rig);
-	device.status = V4L2_IN_ST_NO_SIGNAL;
+	played_must_start(&rig);
+	played.status = V4L2_IN_ST_NO_SIGNAL;
 	do
 		err = camera_grab(&rig.camera, &frame, &rig.fault);
 	while (err == -EAGAIN && clock_now_ns() < limit_ns);
 	assert_int_equal(err, -ENOLINK);
 	assert_int_equal(rig.camera.situation, CAMERA_NO_SIGNAL);
 	assert_non_null(strstr(rig.fault.text, "no signal"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void a_changed_source_is_stale(void **state)
 {
 	struct frame frame;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
-	device.tells = true;
-	must_start(&rig);
+	played.tells = true;
+	played_must_start(&rig);
 	assert_true(camera_descriptor(&rig.camera) >= 0);
 	nothing_comes(&rig);
-	device.events = 3;
-	deliver(0, 0, YUYV_BYTES, 0);
+	played.events = 3;
+	played_deliver(0, 0, PLAYED_YUYV_BYTES, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -ESTALE);
-	assert_int_equal(device.events, 0);
+	assert_int_equal(played.events, 0);
 	assert_int_equal(rig.camera.situation, CAMERA_FINE);
-	finish(&rig);
+	played_finish(&rig);
 }
 
 int main(void)
@@ -506,5 +515,6 @@ int main(void)
 		cmocka_unit_test(a_changed_source_is_stale),
 	};
 
-	return cmocka_run_group_tests_name("v4l2_digitizer", tests, make_file, remove_file);
+	return cmocka_run_group_tests_name("v4l2_digitizer", tests, played_make_file,
+					   played_remove_file);
 }

@@ -1,44 +1,40 @@
 /* SPDX-License-Identifier: MIT */
-/* The V4L2 driver against a played device: controls, and what is given up for want of room. */
+/* The V4L2 driver against a played device: controls, and what is given up when the bus is full. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "drivers/v4l2/controls.h"
 #include "drivers/v4l2/find.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 
 /* ---- controls; what is logged goes to a file ---- */
 
 static char said[8192];
 
-static int listen_to(int (*act)(struct rig *rig), struct rig *rig)
+static int listen_to(int (*act)(struct played_rig *rig), struct played_rig *rig)
 {
-	FILE *log = tmpfile();
-	const int stderr_was = dup(STDERR_FILENO);
-	size_t length;
-	int err;
+	const struct captured_log log = captured_log_begin();
+	const int err = act(rig);
+	FILE *stream = captured_log_end(&log);
+	const size_t length = fread(said, 1, sizeof(said) - 1, stream);
 
-	assert_non_null(log);
-	fflush(stderr);
-	dup2(fileno(log), STDERR_FILENO);
-	err = act(rig);
-	fflush(stderr);
-	dup2(stderr_was, STDERR_FILENO);
-	close(stderr_was);
-	rewind(log);
-	length = fread(said, 1, sizeof(said) - 1, log);
 	said[length] = '\0';
-	fclose(log);
+	fclose(stream);
 	return err;
 }
 
-static int start_and_listen(struct rig *rig)
+static int start_and_listen(struct played_rig *rig)
 {
-	return listen_to(start, rig);
+	return listen_to(played_start, rig);
 }
 
 static void is_said(const char *text)
@@ -49,9 +45,9 @@ static void is_said(const char *text)
 
 enum { GAIN, AUTOMATIC, LINE, BALANCE };
 
-static void prepare_controls(struct rig *rig, const char *controls)
+static void prepare_controls(struct played_rig *rig, const char *controls)
 {
-	static const struct played_control played[] = {
+	static const struct played_control usual[] = {
 		{.name = "Gain", .type = V4L2_CTRL_TYPE_INTEGER, .minimum = -8, .maximum = 255},
 		{.name = "White Balance, Automatic",
 		 .type = V4L2_CTRL_TYPE_BOOLEAN,
@@ -65,8 +61,8 @@ static void prepare_controls(struct rig *rig, const char *controls)
 		 .value = 4000},
 	};
 
-	prepare(rig, usual_formats);
-	memcpy(device.controls, played, sizeof(played));
+	played_prepare(rig, played_formats);
+	memcpy(played.controls, usual, sizeof(usual));
 	strcpy(rig->settings.controls, controls);
 }
 
@@ -86,16 +82,16 @@ static void controls_are_set_by_name(void **state)
 		{"power_line_frequency=2", LINE, 2},
 		{"white_balance_automatic=0, white_balance_temperature=5000", BALANCE, 5000},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_controls(&rig, cases[i].text);
 		assert_int_equal(start_and_listen(&rig), 0);
-		assert_int_equal(device.controls[cases[i].which].value, cases[i].value);
-		assert_int_equal(device.controls[cases[i].which].sets, 1);
+		assert_int_equal(played.controls[cases[i].which].value, cases[i].value);
+		assert_int_equal(played.controls[cases[i].which].sets, 1);
 		assert_null(strstr(said, "controls"));
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
@@ -111,53 +107,53 @@ static void what_is_refused_is_named(void **state)
 		{"power_line_frequency=70_hz", "has no entry \"70_hz\""},
 		{"white_balance_temperature=5000", "automatic is on"},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_controls(&rig, cases[i].text);
-		device.controls[BALANCE].refuse = EACCES;
+		played.controls[BALANCE].refuse = EACCES;
 		assert_int_equal(start_and_listen(&rig), 0); /* the camera opens all the same */
 		is_said("controls");
 		is_said(cases[i].expected);
-		finish(&rig);
+		played_finish(&rig);
 	}
 	prepare_controls(&rig, "gain=200");
-	device.controls[GAIN].most = 100;
+	played.controls[GAIN].most = 100;
 	assert_int_equal(start_and_listen(&rig), 0);
 	is_said("gain=200 was set, but the camera says 100");
-	finish(&rig);
+	played_finish(&rig);
 	prepare_controls(&rig, "gain=2");
-	device.controls[GAIN].flags = V4L2_CTRL_FLAG_READ_ONLY;
-	device.controls[GAIN].refuse = EACCES;
+	played.controls[GAIN].flags = V4L2_CTRL_FLAG_READ_ONLY;
+	played.controls[GAIN].refuse = EACCES;
 	assert_int_equal(start_and_listen(&rig), 0);
 	is_said("only be read");
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* Some webcams begin anew when they start to stream. */
+/* Some webcams reset a control when they start to stream. */
 static void what_starting_undoes_is_set_again(void **state)
 {
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "gain=99, power_line_frequency=1");
-	device.resets = true;
+	played.resets = true;
 	assert_int_equal(start_and_listen(&rig), 0);
-	assert_int_equal(device.controls[GAIN].value, 99);
-	assert_int_equal(device.controls[GAIN].sets, 2);
-	assert_int_equal(device.controls[LINE].sets, 1);
+	assert_int_equal(played.controls[GAIN].value, 99);
+	assert_int_equal(played.controls[GAIN].sets, 2);
+	assert_int_equal(played.controls[LINE].sets, 1);
 	assert_null(strstr(said, "controls"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* Tried each second, as long as the other one likes. */
-static int wait_for_it(struct rig *rig)
+/* Tries each second, until the other program has let go. */
+static int wait_for_it(struct played_rig *rig)
 {
 	int err = -EIO;
 
 	for (int n = 0; n < 5; n++) {
-		err = start(rig);
+		err = played_start(rig);
 		camera_close(&rig->camera);
 	}
 	return err;
@@ -165,47 +161,47 @@ static int wait_for_it(struct rig *rig)
 
 static void what_another_program_uses_is_left_as_it_is(void **state)
 {
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "gain=99, power_line_frequency=1, nonsense=1");
-	device.television = device.held = true;
-	device.input = 1;
+	played.television = played.held = true;
+	played.input = 1;
 	strcpy(rig.options.input, "0");
 	strcpy(rig.options.standard, "PAL");
 	assert_int_equal(listen_to(wait_for_it, &rig), -EBUSY);
 	assert_int_equal(rig.camera.situation, CAMERA_BUSY);
 	assert_non_null(strstr(rig.fault.text, "another program"));
-	assert_int_equal(device.changes, 0);
-	assert_int_equal(device.controls[GAIN].sets, 0);
-	assert_int_equal(device.controls[LINE].sets, 0);
+	assert_int_equal(played.changes, 0);
+	assert_int_equal(played.controls[GAIN].sets, 0);
+	assert_int_equal(played.controls[LINE].sets, 0);
 	assert_string_equal(said, "");
-	device.held = false;
+	played.held = false;
 	assert_int_equal(listen_to(wait_for_it, &rig), 0);
-	assert_int_equal(device.changes, 2); /* once each */
-	assert_int_equal(device.controls[GAIN].value, 99);
-	finish(&rig);
+	assert_int_equal(played.changes, 2); /* once each */
+	assert_int_equal(played.controls[GAIN].value, 99);
+	played_finish(&rig);
 }
 
 static void what_is_refused_is_said_once(void **state)
 {
 	const char *first;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "gainn=99");
-	device.streamon_error = EPROTO;
+	played.streamon_error = EPROTO;
 	assert_int_equal(listen_to(wait_for_it, &rig), -EPROTO);
 	is_said("no control \"gainn\"");
 	first = strstr(said, "no control");
 	assert_null(strstr(first + 1, "no control"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void controls_that_cannot_be_read_are_errors(void **state)
 {
 	static const char *const cases[] = {"gain", "gain=", "=3", "gain 3, brightness=2"};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
@@ -213,7 +209,7 @@ static void controls_that_cannot_be_read_are_errors(void **state)
 		assert_int_equal(start_and_listen(&rig), -EINVAL);
 		assert_non_null(strstr(rig.fault.text, "controls"));
 		assert_non_null(strstr(rig.fault.text, "name=value"));
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
@@ -250,7 +246,7 @@ static void controls_change_while_it_streams(void **state)
 		{"power_line_frequency", "50_hz", LINE, 1},
 		{"power_line_frequency", "2", LINE, 2},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "");
@@ -260,15 +256,15 @@ static void controls_change_while_it_streams(void **state)
 		if (camera_set_control(&rig.camera, cases[i].name, cases[i].value, NULL,
 				       &rig.fault))
 			fail_msg("%s", rig.fault.text);
-		assert_int_equal(device.controls[cases[i].which].value, cases[i].taken);
-		assert_true(device.streaming);
+		assert_int_equal(played.controls[cases[i].which].value, cases[i].taken);
+		assert_true(played.streaming);
 	}
-	finish(&rig);
+	played_finish(&rig);
 	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
 }
 
-/* Exposures in turn, for as long as one likes. */
-static int change_many_times(struct rig *rig)
+/* Exposures in turn, many times. */
+static int change_many_times(struct played_rig *rig)
 {
 	for (int n = 0; n < 100; n++) {
 		double taken = n % 2 ? 30 : 7;
@@ -284,27 +280,27 @@ static int change_many_times(struct rig *rig)
 static void what_is_rounded_is_told_and_said_once(void **state)
 {
 	const char *first;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "");
-	device.controls[GAIN].step = 5;
-	must_start(&rig);
+	played.controls[GAIN].step = 5;
+	played_must_start(&rig);
 	assert_int_equal(listen_to(change_many_times, &rig), 0);
 	is_said("gain=7 was set, but the camera says 5");
 	first = strstr(said, "was set");
 	assert_null(strstr(first + 1, "was set"));
 	assert_int_equal(camera_set_control(&rig.camera, "gain", "8", NULL, &rig.fault), 0);
-	finish(&rig);
+	played_finish(&rig);
 }
 
-/* What an automatic makes of it is nothing that was taken. */
-static int change_in_vain(struct rig *rig)
+/* A value that an automatic has set was not taken. */
+static int change_in_vain(struct played_rig *rig)
 {
 	for (int n = 0; n < 10; n++) {
 		double taken = 200;
 
-		device.controls[GAIN].most = 20 + n;
+		played.controls[GAIN].most = 20 + n;
 		if (camera_set_control(&rig->camera, "gain", "200", &taken, &rig->fault))
 			return -EIO;
 		assert_true(taken == 200);
@@ -315,17 +311,17 @@ static int change_in_vain(struct rig *rig)
 static void what_has_no_effect_is_said_once(void **state)
 {
 	const char *first;
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	prepare_controls(&rig, "");
-	device.controls[GAIN].flags = V4L2_CTRL_FLAG_INACTIVE;
-	must_start(&rig);
+	played.controls[GAIN].flags = V4L2_CTRL_FLAG_INACTIVE;
+	played_must_start(&rig);
 	assert_int_equal(listen_to(change_in_vain, &rig), 0);
 	is_said("gain=200 was set, but it has no effect now: is its automatic on?");
 	first = strstr(said, "was set");
 	assert_null(strstr(first + 1, "was set"));
-	finish(&rig);
+	played_finish(&rig);
 }
 
 static void what_cannot_be_changed_is_named(void **state)
@@ -348,12 +344,12 @@ static void what_cannot_be_changed_is_named(void **state)
 		{"white_balance_automatic", "2", -EINVAL, "expected yes or no"},
 		{"white_balance_temperature", "5000", -EACCES, "automatic is on"},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	memset(endless, '1', sizeof(endless) - 1);
 	prepare_controls(&rig, "");
-	device.controls[BALANCE].refuse = EACCES;
+	played.controls[BALANCE].refuse = EACCES;
 	assert_int_equal(start_and_listen(&rig), 0);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		assert_int_equal(camera_set_control(&rig.camera, cases[i].name, cases[i].value,
@@ -361,10 +357,10 @@ static void what_cannot_be_changed_is_named(void **state)
 				 cases[i].err);
 		if (!strstr(rig.fault.text, cases[i].expected))
 			fail_msg("\"%s\" is not in: %s", cases[i].expected, rig.fault.text);
-		assert_true(device.streaming);
-		assert_int_equal(device.controls[GAIN].sets, 0);
+		assert_true(played.streaming);
+		assert_int_equal(played.controls[GAIN].sets, 0);
 	}
-	finish(&rig);
+	played_finish(&rig);
 }
 
 /* ---- what is given up; the played bus has `room` bits a second ---- */
@@ -377,11 +373,11 @@ enum {
 	SMALL_YUYV_5 = YUYV_5 / 4,
 };
 
-static void prepare_room(struct rig *rig, double room, const char *give_up)
+static void prepare_room(struct played_rig *rig, double room, const char *give_up)
 {
-	prepare(rig, usual_formats);
-	device.sizes_known = true;
-	device.room = room;
+	played_prepare(rig, played_formats);
+	played.sizes_known = true;
+	played.room = room;
 	strcpy(rig->settings.give_up, give_up);
 }
 
@@ -391,7 +387,7 @@ static void what_goes_goes_in_order(void **state)
 		int format, rate; /* wanted */
 		double room;
 		const char *give_up;
-		int taken_format, width, taken_rate; /* 0: no room */
+		int taken_format, width, taken_rate; /* 0: no room for any */
 	} cases[] = {
 		{PIXEL_YUYV, 5, YUYV_5, "format size rate", PIXEL_YUYV, 64, 5},
 		{PIXEL_YUYV, 5, YUYV_5 - 1, "format", PIXEL_MJPEG, 64, 5},
@@ -404,7 +400,7 @@ static void what_goes_goes_in_order(void **state)
 		{PIXEL_YUYV, 5, YUYV_5 - 1, "", 0, 0, 0},
 		{PIXEL_YUYV, 5, SMALL_YUYV_5 - 1, "size format", PIXEL_MJPEG, 32, 5},
 	};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < 2 * sizeof(cases) / sizeof(cases[0]); i++) {
@@ -412,13 +408,13 @@ static void what_goes_goes_in_order(void **state)
 		int err;
 
 		prepare_room(&rig, cases[c].room, cases[c].give_up);
-		device.room_at_format = i % 2;
-		device.rate = (unsigned)cases[c].rate;
+		played.room_at_format = i % 2;
+		played.rate = (unsigned)cases[c].rate;
 		rig.settings.format = cases[c].format;
 		rig.settings.rate_hz = cases[c].rate;
 		rig.settings.width = 64;
 		rig.settings.height = 48;
-		if (device.room_at_format && cases[c].rate != 5)
+		if (played.room_at_format && cases[c].rate != 5)
 			continue; /* the rate is set after the format */
 		err = start_and_listen(&rig);
 		if (cases[c].width == 0) {
@@ -426,7 +422,7 @@ static void what_goes_goes_in_order(void **state)
 			assert_int_equal(rig.camera.situation, CAMERA_NO_BANDWIDTH);
 			assert_non_null(strstr(rig.fault.text, "share its bandwidth"));
 			assert_non_null(strstr(rig.fault.text, "give_up"));
-			finish(&rig);
+			played_finish(&rig);
 			continue;
 		}
 		if (err)
@@ -439,21 +435,21 @@ static void what_goes_goes_in_order(void **state)
 			is_said("Taken instead");
 			is_said(cases[c].give_up);
 		}
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
 static void unknown_words_are_errors(void **state)
 {
 	static const char *const cases[] = {"colour", "format, frames", "rate rate"};
-	struct rig rig;
+	struct played_rig rig;
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_room(&rig, 0, cases[i]);
-		assert_int_equal(start(&rig), -EINVAL);
+		assert_int_equal(played_start(&rig), -EINVAL);
 		assert_non_null(strstr(rig.fault.text, "give_up"));
-		finish(&rig);
+		played_finish(&rig);
 	}
 }
 
@@ -491,5 +487,6 @@ int main(void)
 		cmocka_unit_test(usb_ports),
 	};
 
-	return cmocka_run_group_tests_name("v4l2_settings", tests, make_file, remove_file);
+	return cmocka_run_group_tests_name("v4l2_settings", tests, played_make_file,
+					   played_remove_file);
 }

@@ -40,7 +40,7 @@ situation() {
 	tail -n 1 "$VM_OUT/$1.jsonl" | grep -q "\"name\":\"$2\",\"situation\":\"$3\""
 }
 
-# What both commands must make of two pictures of 640x480.
+# The picture that both commands must make of two pictures of 640x480.
 #     expect FISHEYE.png BACKGROUND.png OUT.png [option...]
 expect() {
 	local fisheye=$1 background=$2 out=$3
@@ -49,7 +49,7 @@ expect() {
 		--background "$background" "$@" -o "$out"
 }
 
-# What the screen shows becomes equal to the expected picture, in its middle.
+# Whether the middle of the screen equals the expected picture.
 #     shown_on vkms|virtio EXPECTED.png within=LEVELS
 shown_on() {
 	local screen=1024x768 picture=$VM_OUT/vkms.png

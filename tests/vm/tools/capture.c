@@ -28,11 +28,11 @@
 #include "hal/image/image.h"
 #include "tests/vm/tools/driver_option.h"
 
-struct request {
+struct capture_request {
 	struct camera_settings settings;
 	int frames, hold_ms;
 	enum deinterlace deinterlace;
-	struct camera_control change; /* its name empty: none */
+	struct camera_control change; /* an empty name: none */
 	const char *out;
 };
 
@@ -65,18 +65,19 @@ static struct camera_control read_control(const char *text)
 	exit(2);
 }
 
-/* The value when text is "name=value", else NULL. */
+/* The value if text is "name=value", else NULL. */
 static const char *value_of(const char *text, const char *name)
 {
 	const size_t length = strlen(name);
 	return strncmp(text, name, length) || text[length] != '=' ? NULL : text + length + 1;
 }
 
-static struct request parse(int argc, char **argv, const struct camera_ops *driver, void *options)
+static struct capture_request parse(int argc, char **argv, const struct camera_ops *driver,
+				    void *options)
 {
 	static const char *const matrices[] = {"auto", "bt601", "bt709", NULL};
 	static const char *const ranges[] = {"auto", "limited", "full", NULL};
-	struct request r = {.settings.buffers = 4, .frames = atoi(argv[2]), .out = argv[3]};
+	struct capture_request r = {.settings.buffers = 4, .frames = atoi(argv[2]), .out = argv[3]};
 	const char *value;
 
 	for (int i = 4; i < argc; i++) {
@@ -131,7 +132,7 @@ static int write_canvas(const char *path, const struct canvas *canvas, struct fa
 	return err;
 }
 
-/* What is watched over the frames of one run. */
+/* What is counted over the frames of a run. */
 struct watch {
 	int taken, backwards, sequence_gaps;
 	int64_t first_ns, last_ns;
@@ -151,7 +152,7 @@ static void watch_frame(struct watch *w, const struct frame *frame)
 	w->taken++;
 }
 
-/* One frame, waited for at most 5 s. */
+/* Waits for the next frame, 5 s at most. */
 static int next_frame(struct camera *camera, struct frame *frame, struct fault *fault)
 {
 	const int64_t limit_ns = clock_now_ns() + 5 * NS_PER_S;
@@ -193,8 +194,8 @@ static void say_lines(const struct canvas *canvas, int parity)
 	printf("%s %d %d\n", parity ? "odd" : "even", lowest, highest);
 }
 
-static int take(struct camera *camera, const struct request *request, struct watch *watch,
-		struct fault *fault)
+static int capture_take(struct camera *camera, const struct capture_request *request,
+			struct watch *watch, struct fault *fault)
 {
 	struct canvas canvas = {0};
 	struct frame_decoder *decoder = NULL;
@@ -246,13 +247,13 @@ int main(int argc, char **argv)
 	void *options = calloc(1, driver->options_size + 1);
 	if (driver->keys)
 		ini_defaults(driver->keys, options);
-	const struct request request = parse(argc, argv, driver, options);
+	const struct capture_request request = parse(argc, argv, driver, options);
 	int err = camera_open(&camera, driver, &request.settings, options, &fault);
 	if (!err) {
 		printf("name %s\nformat %s\nsize %dx%d\nrate %g\n", camera.name,
 		       pixel_format_names[camera.format], camera.width, camera.height,
 		       camera.rate_hz);
-		err = take(&camera, &request, &watch, &fault);
+		err = capture_take(&camera, &request, &watch, &fault);
 		printf("taken %d\nframes %llu\nlost %llu\nbroken %llu\nbackwards %d\ngaps %d\n",
 		       watch.taken, (unsigned long long)camera.frames,
 		       (unsigned long long)camera.lost, (unsigned long long)camera.broken,

@@ -1,34 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* A driver's own option, "name=value", read as its key table says; for the tools of this folder. */
+/* Drivers' options on the command lines of the tools of this folder. */
 #ifndef INLAY_TESTS_VM_TOOLS_DRIVER_OPTION_H
 #define INLAY_TESTS_VM_TOOLS_DRIVER_OPTION_H
 
-#include <stdio.h>
-
 #include "hal/ini/ini.h"
 
-static void *driver_option_place(void *root, const char *instance)
-{
-	(void)instance;
-	return root;
-}
-
-/* 0, or -errno with a message on stderr. */
-static int driver_option_set(const char *driver, const struct ini_key *keys, void *options,
-			     const char *option)
-{
-	static const struct ini_key none[] = {INI_KEYS_END};
-	const struct ini_table tables[] = {
-		{.section = driver, .keys = keys ? keys : none, .place = driver_option_place},
-		INI_TABLES_END};
-	struct ini_report report = {0};
-	char assignment[INI_PATH_MAX + INI_TEXT_MAX];
-
-	snprintf(assignment, sizeof(assignment), "%s.%s", driver, option);
-	const int err = ini_set(assignment, tables, options, &report);
-	if (err)
-		fprintf(stderr, "%s\n", report.first.text);
-	return err;
-}
+/* Sets "name=value" in a driver's options, as the driver's key table says. keys may be NULL: no
+ * options. 0, or a negative errno with a message on stderr. */
+int driver_option_set(const char *driver, const struct ini_key *keys, void *options,
+		      const char *option);
 
 #endif

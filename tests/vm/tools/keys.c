@@ -39,7 +39,7 @@ static void emit(int type, int code, int value)
 		die("uinput");
 }
 
-static void turn(int code, int value)
+static void keys_turn(int code, int value)
 {
 	emit(EV_KEY, code, value);
 	emit(EV_SYN, SYN_REPORT, 0);
@@ -73,7 +73,7 @@ static void plug_in(const char *name)
 		die("device");
 }
 
-/* Its node, by the name that the kernel gave it. */
+/* Prints the device node, found by the name that the kernel gave. */
 static void say_node(void)
 {
 	char name[64] = "", path[128];
@@ -106,21 +106,21 @@ int main(int argc, char **argv)
 	say_node();
 	while (fgets(line, sizeof(line), stdin) && strcmp(line, "unplug\n")) {
 		if (sscanf(line, "down %63s", key) == 1) {
-			turn(code_of(key), 1);
+			keys_turn(code_of(key), 1);
 		} else if (sscanf(line, "up %63s", key) == 1) {
-			turn(code_of(key), 0);
+			keys_turn(code_of(key), 0);
 		} else if (sscanf(line, "press %63s", key) == 1) {
-			turn(code_of(key), 1);
-			turn(code_of(key), 0);
+			keys_turn(code_of(key), 1);
+			keys_turn(code_of(key), 0);
 		} else if (sscanf(line, "flood %d %63s", &count, key) == 2) {
 			for (; count > 0; count--) {
-				turn(code_of(key), 1);
-				turn(code_of(key), 0);
+				keys_turn(code_of(key), 1);
+				keys_turn(code_of(key), 0);
 			}
 		} else {
 			fprintf(stderr, "keys: what is %s", line);
 			return 2;
 		}
 	}
-	return 0; /* the kernel takes it away */
+	return 0; /* the kernel removes the device when the program ends */
 }

@@ -160,7 +160,7 @@ static void to_ycbcr(const uint8_t *rgb, uint8_t ycc[3])
 	ycc[2] = clamp_u8(128 + 224 * (r - luma) / 1.402);
 }
 
-/* The bytes of pixel pair (x, x + 1) of a packed format; returns how many. */
+/* Writes pixels x and x + 1 in a packed format; returns the number of bytes. */
 static int pack_pair(const char *format, const uint8_t *rgb, uint8_t *out)
 {
 	uint8_t a[3], b[3];

@@ -48,7 +48,8 @@ static int open_card(int card)
 	char path[64];
 	snprintf(path, sizeof(path), "/dev/dri/card%d", card);
 	int fd = open(path, O_RDWR | O_CLOEXEC);
-	/* The first to open a card becomes its master; this program must never keep anybody out. */
+	/* The first program that opens a card becomes its master; this one must not keep another
+	 * out. */
 	if (fd >= 0 && drmIsMaster(fd))
 		drmDropMaster(fd);
 	return fd;
@@ -187,7 +188,7 @@ static uint32_t device_checksum(const struct scanout *s)
 	if (fd < 0)
 		die(path);
 	unsigned frame, crc;
-	/* The first one may still be of the frame that was being composed. */
+	/* the first checksum may be of the frame that was being composed */
 	for (int i = 0; i < 2; i++)
 		if (read(fd, line, sizeof(line) - 1) <= 0)
 			die("no checksum came");
@@ -198,7 +199,7 @@ static uint32_t device_checksum(const struct scanout *s)
 	return crc;
 }
 
-/* Shown to the kernel as a framebuffer, every byte of it the same. */
+/* Creates a framebuffer whose bytes are all the same. */
 static uint32_t make_framebuffer(int fd, uint32_t width, uint32_t height, uint32_t format, int fill)
 {
 	struct drm_mode_create_dumb create = {.width = width, .height = height, .bpp = 32};
@@ -220,7 +221,7 @@ static uint32_t make_framebuffer(int fd, uint32_t width, uint32_t height, uint32
 	return framebuffer;
 }
 
-/* The last plane, which is the cursor's where there is one: 64 pixels square. */
+/* Uses the last plane, which is the cursor's where there is one: 64 pixels square. */
 static void put_cursor(int fd, uint32_t crtc)
 {
 	const uint32_t framebuffer = make_framebuffer(fd, 64, 64, DRM_FORMAT_ARGB8888, 255);

@@ -30,13 +30,13 @@ struct flips {
 
 static volatile sig_atomic_t asked_to_stop;
 
-static void stop(int signal_number)
+static void show_stop(int signal_number)
 {
 	(void)signal_number;
 	asked_to_stop = 1;
 }
 
-static void draw(const struct display_buffer *buffer, const struct image *image)
+static void test_show_draw(const struct display_buffer *buffer, const struct image *image)
 {
 	const int left = (buffer->width - image->width) / 2;
 	const int top = (buffer->height - image->height) / 2;
@@ -69,28 +69,28 @@ static void note(struct flips *flips, const struct display_event *event)
 	flips->shown++;
 }
 
-/* What a kiosk does too: draws what it has, takes in what happened. */
-struct show {
+/* As in a kiosk: draws, and takes in events. */
+struct show_state {
 	struct display display;
 	const struct image *image;
-	int frames; /* to show before "ready" */
+	int frames; /* frames to show before "ready" */
 	int64_t token;
 	struct flips flips;
 	bool hidden, ready;
 };
 
-static int draw_one(struct show *show, struct fault *fault)
+static int draw_one(struct show_state *show, struct fault *fault)
 {
 	struct display_buffer buffer;
 	int err = display_acquire(&show->display, &buffer);
 
 	if (err)
 		return err == -EAGAIN ? 0 : fault_say(fault, err, "acquire: %s", strerror(-err));
-	draw(&buffer, show->image);
+	test_show_draw(&buffer, show->image);
 	return display_submit(&show->display, &buffer, ++show->token, fault);
 }
 
-static int take_events(struct show *show, struct fault *fault)
+static int take_events(struct show_state *show, struct fault *fault)
 {
 	struct display_event event;
 	int err;
@@ -109,7 +109,7 @@ static int take_events(struct show *show, struct fault *fault)
 	return err;
 }
 
-static void say_ready(struct show *show)
+static void say_ready(struct show_state *show)
 {
 	const struct flips *flips = &show->flips;
 
@@ -122,8 +122,8 @@ static void say_ready(struct show *show)
 	show->ready = true;
 }
 
-/* Until a signal: 0; or until the screen fails. Signals are let in only while waiting. */
-static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
+/* Shows until a signal (0) or until the screen fails. Signals arrive only while waiting. */
+static int show_run(struct show_state *show, const sigset_t *waiting, struct fault *fault)
 {
 	const struct timespec patience = {.tv_sec = 5};
 	int err = 0;
@@ -148,8 +148,8 @@ static int run(struct show *show, const sigset_t *waiting, struct fault *fault)
 	return err;
 }
 
-/* Opens it, and with patient again and again while that may help. */
-static int open_patiently(struct show *show, const struct display_ops *driver,
+/* Opens the display; with patient, again and again as long as that may help. */
+static int open_patiently(struct show_state *show, const struct display_ops *driver,
 			  const struct display_settings *settings, void *options, bool patient,
 			  const sigset_t *waiting, struct fault *fault)
 {
@@ -210,7 +210,7 @@ int main(int argc, char **argv)
 {
 	struct display_settings settings = {0};
 	struct image image = {0};
-	struct show show = {.image = &image};
+	struct show_state show = {.image = &image};
 	struct fault fault = {""};
 	sigset_t stopping, waiting;
 	bool patient = false;
@@ -228,13 +228,13 @@ int main(int argc, char **argv)
 	if (parse(argc, argv, &settings, driver, options, &patient))
 		return 2;
 
-	/* Blocked but while waiting, so that no signal is missed. */
+	/* blocked except while waiting, so that no signal is missed */
 	sigemptyset(&stopping);
 	sigaddset(&stopping, SIGTERM);
 	sigaddset(&stopping, SIGINT);
 	sigprocmask(SIG_BLOCK, &stopping, &waiting);
-	signal(SIGTERM, stop);
-	signal(SIGINT, stop);
+	signal(SIGTERM, show_stop);
+	signal(SIGINT, show_stop);
 
 	int err = image_read(argv[2], &image, &fault);
 	show.frames = atoi(argv[3]);
@@ -244,7 +244,7 @@ int main(int argc, char **argv)
 		err = open_patiently(&show, driver, &settings, options, patient, &waiting, &fault);
 		if (err)
 			break;
-		err = run(&show, &waiting, &fault);
+		err = show_run(&show, &waiting, &fault);
 		if (err && patient && display_may_return(show.display.situation)) {
 			printf("lost %s: %s\n", display_situation_names[show.display.situation],
 			       fault.text);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What inlay bench holds frames against: transport light by light, the thesis's algorithm, errors,
- * lightings. */
+/* What `inlay bench` compares frames with: transport light by light, the thesis's algorithm,
+ * errors, lightings. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,6 +19,7 @@
 #include "hal/measure/lightings.h"
 #include "hal/measure/thesis.h"
 #include "hal/measure/unpacked.h"
+#include "tests/support/chance.h"
 #include "tests/support/synthetic_basis.h"
 
 static struct synthetic_options every_encoding(struct chance *chance)
@@ -60,7 +61,7 @@ static double transport_at(const struct unpacked *t, enum basis_kind kind, int p
 					       : t->taken[row][p]);
 }
 
-/* Takes what the tile's blocks say away from the transport: nothing is left of it. */
+/* Subtracts a tile's blocks from the transport, which must leave nothing. */
 static void check_tile(const struct basis *basis, const struct basis_tile *tile, struct unpacked *t)
 {
 	const int n = (int)basis->info.lights;
@@ -120,13 +121,14 @@ static void transport_is_what_blocks_say(void **state)
 
 /* ---- the thesis ---- */
 
-struct scene {
+struct bench_scene {
 	struct basis *basis;
 	struct light_selection lights;
 	struct canvas background, out;
 };
 
-static void scene_open(struct scene *f, struct basis *basis, struct chance *chance, double dark)
+static void bench_scene_open(struct bench_scene *f, struct basis *basis, struct chance *chance,
+			     double dark)
 {
 	float(*radiance)[3] = calloc(basis->info.lights, sizeof(*radiance));
 
@@ -146,7 +148,7 @@ static void scene_open(struct scene *f, struct basis *basis, struct chance *chan
 	free(radiance);
 }
 
-static void scene_close(struct scene *f)
+static void bench_scene_close(struct bench_scene *f)
 {
 	light_selection_free(&f->lights);
 	canvas_free(&f->background);
@@ -158,9 +160,9 @@ static double code_value(const struct canvas *canvas, int x, int y, int c)
 	return canvas->pixels[(size_t)y * canvas->stride + (size_t)x * 4 + 2 - (size_t)c];
 }
 
-/* What one pixel ought to be, in double precision: bytes stay within half a step, so sums within
+/* A pixel in double precision: each stored byte is right to half a step, so that a sum is right to
  * half a step of all light. */
-static void check_pixel(const struct scene *f, const struct unpacked *t, int x, int y, int p,
+static void check_pixel(const struct bench_scene *f, const struct unpacked *t, int x, int y, int p,
 			double step)
 {
 	const uint16_t a = f->basis->poses[0].coverage[y * (int)f->basis->info.width + x];
@@ -190,7 +192,7 @@ static void check_pixel(const struct scene *f, const struct unpacked *t, int x, 
 		} else if (t->is_receiver[p] && unlit > 0) {
 			const double half = 0.5 * most / 255 * light;
 
-			/* what is beyond a byte and below none is cut */
+			/* clipped to 0..255 */
 			want = behind * fmax(unlit - taken, 0) / unlit;
 			slack = 1.01 + behind * half * (1 + fabs(unlit - taken) / unlit) /
 					       fmax(unlit - half, 1e-9);
@@ -202,7 +204,7 @@ static void check_pixel(const struct scene *f, const struct unpacked *t, int x, 
 	}
 }
 
-static void check_frame(const struct scene *f, double step)
+static void check_frame(const struct bench_scene *f, double step)
 {
 	const struct basis *basis = f->basis;
 	struct unpacked t;
@@ -240,9 +242,9 @@ static void thesis_composites(void **state)
 		struct synthetic s;
 		struct thesis *thesis;
 		struct pool *pool;
-		struct scene f;
+		struct bench_scene f;
 
-		/* plain bytes: no light is taken twice, and none comes from nowhere */
+		/* plain bytes: no light counts twice, and none appears from nowhere */
 		options.vary = options.tinted = false;
 		options.layers = 1;
 		options.patterns = 0;
@@ -252,12 +254,12 @@ static void thesis_composites(void **state)
 		assert_int_equal(
 			thesis_create(&thesis, &s.basis, &s.basis.poses[0].shown, pool, &fault), 0);
 		assert_int_equal(thesis_share(thesis, pool), 0);
-		scene_open(&f, &s.basis, &chance, threads == 2 ? 0.4 : 0);
+		bench_scene_open(&f, &s.basis, &chance, threads == 2 ? 0.4 : 0);
 		thesis_light(thesis, &f.lights);
 		thesis_run(thesis, &f.background, &f.out);
 		check_frame(&f, brightest(&s.basis));
 		assert_true(thesis_bytes(thesis, 10) == 10 * thesis_bytes(thesis, 1));
-		scene_close(&f);
+		bench_scene_close(&f);
 		thesis_destroy(thesis);
 		pool_destroy(pool);
 		synthetic_close(&s);
@@ -273,7 +275,7 @@ static void errors_are_those_that_were_made(void **state)
 	struct synthetic s;
 	struct scope scope;
 	struct composite_error e, worse = {.psnr_db = 90};
-	struct scene f;
+	struct bench_scene f;
 	struct picture background;
 	double *truth;
 	const struct view whole = {.width = 37, .height = 21, .squash = 1};
@@ -282,7 +284,7 @@ static void errors_are_those_that_were_made(void **state)
 	options.object_share = options.ground_share = 0.2;
 	options.stand_in_share = 0;
 	synthetic_open(&s, &options);
-	scene_open(&f, &s.basis, &chance, 0);
+	bench_scene_open(&f, &s.basis, &chance, 0);
 	background = view_picture(&whole, f.background.pixels, f.background.stride);
 	assert_int_equal(scope_create(&scope, &s.basis, &s.basis.poses[0].shown), 0);
 	assert_true(scope.objects > 0 && scope.shadows > 0);
@@ -290,7 +292,7 @@ static void errors_are_those_that_were_made(void **state)
 	assert_non_null(truth);
 	memset(f.background.pixels, 128, f.background.stride * 21);
 	memset(f.out.pixels, 100, f.out.stride * 21);
-	for (int at = 0; at < 37 * 21; at++) /* shadows by 2.5, all others in scope by 0, else 50 */
+	for (int at = 0; at < 37 * 21; at++) /* 2.5 in shadows, 0 elsewhere in scope, 50 outside */
 		for (int c = 0; c < 3; c++)
 			truth[3 * at + c] = scope.pixel[at] == SCOPE_SHADOW   ? 102.5
 					    : scope.pixel[at] == SCOPE_OBJECT ? 100
@@ -306,7 +308,7 @@ static void errors_are_those_that_were_made(void **state)
 	assert_true(worse.psnr_db == e.psnr_db && worse.max == e.max && worse.rms == e.rms);
 	free(truth);
 	scope_free(&scope);
-	scene_close(&f);
+	bench_scene_close(&f);
 	synthetic_close(&s);
 }
 
@@ -345,10 +347,10 @@ static void lightings_are_exposed(void **state)
 							  : fabs(most - 1) < 1e-6);
 		}
 	}
-	/* never more members than lights */
+	/* never more parts than lights */
 	assert_int_equal(l.item[3].members, 45);
 	lightings_free(&l);
-	/* their lights are no dome's */
+	/* the lights are no dome */
 	assert_int_equal(lightings_add_panorama(&l, &s.basis, "none.hdr", &fault), -ENOENT);
 	assert_int_equal(lightings_add_file(&l, &s.basis, "none.txt", &fault), -ENOENT);
 	lightings_free(&l);

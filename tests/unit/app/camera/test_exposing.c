@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Exposures in turn, of a camera that makes of a number what it can. */
+/* Exposures in turn, with a camera that rounds the numbers it is given. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #include "app/camera/exposing.h"
 
 static struct {
-	double step; /* 0: it takes any number */
+	double step; /* it rounds to multiples of this; 0: it takes any number */
 	int asked;
 	double last;
 } fake;
@@ -40,7 +40,7 @@ static struct config_fisheye config;
 static struct source source;
 static struct exposing exposing;
 
-static void begin(double step, double first, double second, double third)
+static void test_exposing_begin(double step, double first, double second, double third)
 {
 	memset(&fake, 0, sizeof(fake));
 	fake.step = step;
@@ -52,7 +52,7 @@ static void begin(double step, double first, double second, double third)
 	exposing_start(&exposing, &config);
 }
 
-/* The exposure that the n-th picture has. */
+/* Exposure of picture n. */
 static int picture(uint32_t n)
 {
 	source.sequence = n;
@@ -68,7 +68,7 @@ static void is_about(double value, double expected)
 static void what_is_taken_as_it_is_keeps_its_ratio(void **state)
 {
 	(void)state;
-	begin(0, 16, 5, 2);
+	test_exposing_begin(0, 16, 5, 2);
 	for (uint32_t n = 0; n < 9; n++)
 		(void)picture(n);
 	assert_int_equal(fake.asked, 9);
@@ -77,14 +77,14 @@ static void what_is_taken_as_it_is_keeps_its_ratio(void **state)
 	is_about(exposing.ratio[2], 2 / 16.);
 }
 
-/* 17, 7 and 2 become 18, 6 and 3. No picture is measured by a ratio that is not its own. */
+/* 17, 7 and 2 become 18, 6 and 3. No picture is measured with the ratio of another one. */
 static void what_is_rounded_has_another_ratio(void **state)
 {
 	static const double taken[] = {18, 6, 3};
 	int seen = 0;
 
 	(void)state;
-	begin(3, 17, 7, 2);
+	test_exposing_begin(3, 17, 7, 2);
 	for (uint32_t n = 0; n < 12; n++) {
 		const int exposure = picture(n);
 
@@ -103,11 +103,11 @@ static void two_that_become_one_are_given_up(void **state)
 {
 	(void)state;
 	for (int which = 0; which < 2; which++) {
-		begin(10, which ? 40 : 11, which ? 11 : 7, which ? 4 : 1);
+		test_exposing_begin(10, which ? 40 : 11, which ? 11 : 7, which ? 4 : 1);
 		for (uint32_t n = 0; n < 9; n++)
 			(void)picture(n);
 		assert_true(exposing.single);
-		is_about(fake.last, which ? 40 : 10); /* the longest stays */
+		is_about(fake.last, which ? 40 : 10); /* the longest exposure stays */
 		assert_non_null(strstr(exposing.said.text, "it makes 10 of an exposure of 11"));
 		for (int k = 1; k < 3; k++)
 			assert_true(exposing.ratio[k] < exposing.ratio[k - 1]);

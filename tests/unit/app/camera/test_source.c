@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera as the program uses it, driven by a camera that does what the test says. */
+/* A camera as the program uses it, driven by a fake camera that the test controls. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +19,7 @@
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 
-/* What the camera will do next, and what was done to it. */
+/* What the fake camera does next, and what was done to it. */
 static struct {
 	int open_err, grab_err;
 	enum camera_situation situation;
@@ -27,16 +27,17 @@ static struct {
 	double rate_hz;
 	enum pixel_format format;
 	int width, height;
-	size_t bytes; /* readable; 0: all that are needed */
-	int gate;     /* opening waits until it is written; 0: it does not wait */
+	size_t bytes; /* readable bytes; 0: the whole frame */
+	/* An eventfd: opening waits until the test writes to it; 0: opening does not wait. */
+	int gate;
 	const char *name;
 	uint8_t level;
 	float linear[3];
-	int opened, closed, out; /* out: frames that were not given back */
+	int opened, closed, out; /* out: frames not given back yet */
 	uint32_t sequence;
 } fake;
 
-/* Frames take turns, as buffers do. */
+/* Frames alternate between these, like buffers of a driver. */
 static uint8_t buffers[2][64 * 64 * 12];
 
 static int fake_open(struct camera *camera, struct fault *fault)
@@ -123,7 +124,7 @@ static const struct camera_ops fake_ops = {
 
 static struct source source;
 
-static int begin(void **state)
+static int test_source_begin(void **state)
 {
 	struct source_settings settings = {
 		.name = "front", .ops = &fake_ops, .curve = {.named = TRANSFER_SRGB}};
@@ -137,7 +138,7 @@ static int begin(void **state)
 	return source_create(&source, &settings);
 }
 
-static int end(void **state)
+static int test_source_end(void **state)
 {
 	(void)state;
 	source_destroy(&source);
@@ -147,7 +148,7 @@ static int end(void **state)
 
 static struct fault told;
 
-/* What opening said. */
+/* What opening the source returned. */
 static int opened(void)
 {
 	struct pollfd end;
@@ -165,18 +166,18 @@ static void must_open(void)
 	assert_true(source_is_open(&source));
 }
 
-static void take(int64_t now_ns)
+static void test_source_take(int64_t now_ns)
 {
 	assert_int_equal(source_take(&source, now_ns, &told), 0);
 }
 
-/* The camera is gone. */
+/* The camera has gone: the source closes it. */
 static void must_close(void)
 {
 	int before = fake.grab_err;
 
 	fake.grab_err = -ENODEV;
-	take(1);
+	test_source_take(1);
 	assert_false(source_is_open(&source));
 	fake.grab_err = before;
 }
@@ -187,10 +188,10 @@ static void newest_frame_is_held(void **state)
 	must_open();
 	assert_false(source_has_news(&source));
 	assert_false(source_has_picture(&source));
-	take(5);
-	take(6);
+	test_source_take(5);
+	test_source_take(6);
 	fake.level = 33;
-	take(7);
+	test_source_take(7);
 	assert_true(source_has_news(&source));
 	assert_int_equal(source_counts(&source).frames, 3);
 	assert_int_equal(source_counts(&source).lost, 2);
@@ -199,8 +200,8 @@ static void newest_frame_is_held(void **state)
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.width, 16);
 	assert_int_equal(source.canvas.pixels[0], 33);
-	assert_int_equal(source.picture_ns, 1002); /* its own time stamp */
-	source_drop(&source);			   /* nothing is held: harmless */
+	assert_int_equal(source.picture_ns, 1002); /* the time stamp of the frame itself */
+	source_drop(&source);			   /* without a held frame: harmless */
 }
 
 static void no_frame_is_no_trouble(void **state)
@@ -208,7 +209,7 @@ static void no_frame_is_no_trouble(void **state)
 	(void)state;
 	must_open();
 	fake.grab_err = -EAGAIN;
-	take(5);
+	test_source_take(5);
 	assert_true(source_is_open(&source));
 	assert_false(source_has_news(&source));
 	assert_int_equal(source_descriptor(&source), 42);
@@ -221,11 +222,11 @@ static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **stat
 	assert_int_equal(source_descriptor(&source), -1);
 	must_open();
 	assert_int_equal(source_descriptor(&source), 42);
-	take(777);
+	test_source_take(777);
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source_descriptor(&source), 42);
-	assert_int_equal(source.picture_ns, 777); /* when it was made */
+	assert_int_equal(source.picture_ns, 777); /* the time when it was made */
 	assert_int_equal(source_counts(&source).lost, 0);
 }
 
@@ -233,11 +234,11 @@ static void a_lost_camera_leaves_its_picture(void **state)
 {
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.grab_err = -ENODEV;
 	fake.situation = CAMERA_NO_DEVICE;
-	take(2);
+	test_source_take(2);
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
@@ -246,13 +247,14 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	fake.grab_err = 0;
 	must_open();
 	fake.level = 7;
-	take(3);
+	test_source_take(3);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(source.canvas.pixels[0], 7);
-	assert_int_equal(source_counts(&source).frames, 2); /* of both openings */
+	assert_int_equal(source_counts(&source).frames, 2); /* frames of both openings */
 }
 
-/* A camera whose driver names no situation is broken, and its error tells for how long. */
+/* A camera whose driver reports no situation is broken; its error says whether waiting can mend it.
+ */
 static void which_failures_waiting_can_mend(void **state)
 {
 	static const struct {
@@ -305,9 +307,10 @@ static void silence_is_named_and_ended(void **state)
 	source_watch(&source, start + 3 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
 	assert_true(source_is_open(&source));
-	take(start + 4 * NS_PER_S); /* it speaks again */
+	test_source_take(start + 4 * NS_PER_S); /* the camera is back */
 	assert_int_equal(source.situation, CAMERA_FINE);
-	source_watch(&source, start + 9 * NS_PER_S); /* we hold its frame: it is not silent */
+	/* The program holds its frame, so it is not silent. */
+	source_watch(&source, start + 9 * NS_PER_S);
 	assert_true(source_is_open(&source));
 	assert_true(source_decode(&source, 99));
 	source_watch(&source, start + 11 * NS_PER_S);
@@ -315,13 +318,13 @@ static void silence_is_named_and_ended(void **state)
 	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
-/* An exposure of seconds at night is no silence. */
+/* An exposure of some seconds at night is not silence. */
 static void a_slow_camera_is_waited_for(void **state)
 {
 	(void)state;
 	fake.rate_hz = 0.2;
 	must_open();
-	take(NS_PER_S);
+	test_source_take(NS_PER_S);
 	assert_true(source_decode(&source, NS_PER_S));
 	source_watch(&source, 15 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_FINE);
@@ -334,7 +337,7 @@ static void a_slow_camera_is_waited_for(void **state)
 
 	fake.rate_hz = 1e-300;
 	must_open();
-	take(100 * NS_PER_S);
+	test_source_take(100 * NS_PER_S);
 	assert_true(source_decode(&source, 100 * NS_PER_S));
 	source_watch(&source, 160 * NS_PER_S);
 	assert_int_equal(source.situation, CAMERA_STALLED);
@@ -344,11 +347,11 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 {
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.bytes = 10;
 	fake.level = 5;
-	take(2);
+	test_source_take(2);
 	assert_false(source_decode(&source, 99));
 	assert_int_equal(fake.out, 0);
 	assert_int_equal(source.canvas.pixels[0], 100);
@@ -358,12 +361,12 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 
 static const struct view all = {.width = 16, .height = 8, .squash = 1};
 
-/* With buffers to spare, what a raw frame shows is read where the camera left it. */
+/* With spare buffers, a raw frame is read where the camera left it. */
 static void show_raw(int level)
 {
 	source.settings.camera.buffers = 4;
 	fake.level = (uint8_t)level;
-	take(level);
+	test_source_take(level);
 	assert_true(source_decode(&source, 99));
 	assert_false(source_has_news(&source));
 	assert_true(source_has_picture(&source));
@@ -384,11 +387,12 @@ static void a_raw_frame_stays_until_the_next(void **state)
 	assert_true(eye_read(&eye, &reader));
 	frame_reader_make(&reader, 15, 7, 1, 1, (uint8_t *)&pixel, 4);
 	assert_int_equal(pixel, 0xff212121);
-	assert_int_equal(eye_picture(&eye).origin[0], 33); /* somebody wants it whole */
+	/* A caller that wants the whole picture. */
+	assert_int_equal(eye_picture(&eye).origin[0], 33);
 	assert_false(eye_read(&eye, &reader));
-	show_raw(34); /* and so it would have stayed */
+	show_raw(34); /* raw again: nobody wants it whole */
 	fake.level = 35;
-	take(7);
+	test_source_take(7);
 	assert_int_equal(fake.out, 1);
 	assert_true(source_has_news(&source));
 	assert_false(source_has_picture(&source));
@@ -405,16 +409,16 @@ static void a_lost_camera_leaves_its_raw_frame(void **state)
 	(void)state;
 	must_open();
 	show_raw(60);
-	fake.grab_err = -EAGAIN; /* it was nothing */
-	take(2);
+	fake.grab_err = -EAGAIN; /* a wake-up without a frame */
+	test_source_take(2);
 	assert_int_equal(fake.out, 0);
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 60);
 	fake.grab_err = 0;
 	show_raw(61);
-	take(3); /* news that nobody took a picture of yet */
+	test_source_take(3); /* a frame whose picture nobody has taken yet */
 	fake.grab_err = -ENODEV;
-	take(4);
+	test_source_take(4);
 	assert_false(source_is_open(&source));
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 61);
@@ -434,7 +438,7 @@ static void a_raw_frame_that_is_short_is_passed_over(void **state)
 	show_raw(70);
 	fake.bytes = 10;
 	fake.level = 5;
-	take(2);
+	test_source_take(2);
 	assert_true(source_has_picture(&source));
 	assert_false(source_decode(&source, 99));
 	assert_int_equal(fake.out, 0);
@@ -442,7 +446,7 @@ static void a_raw_frame_that_is_short_is_passed_over(void **state)
 	assert_int_equal(source_counts(&source).broken, 1);
 }
 
-/* A frozen picture, and that of a camera which waits for others. */
+/* The picture of a frozen camera, and of a camera that others wait for. */
 static void a_kept_picture_outlives_its_frame(void **state)
 {
 	(void)state;
@@ -452,7 +456,7 @@ static void a_kept_picture_outlives_its_frame(void **state)
 		source.kept = way == 0;
 		source.camera.on_demand = way == 1;
 		fake.level = 5;
-		take(2);
+		test_source_take(2);
 		assert_true(source_has_news(&source));
 		assert_true(source_has_picture(&source));
 		assert_int_equal(source.canvas.pixels[0], 80 + way);
@@ -463,7 +467,7 @@ static void a_kept_picture_outlives_its_frame(void **state)
 	}
 }
 
-/* IEC 61966-2-1 by hand: 0.214041 is code 127.5. */
+/* By IEC 61966-2-1: 0.214041 is code 127.5. */
 static void linear_light_is_kept_and_encoded(void **state)
 {
 	const uint8_t *p = NULL;
@@ -474,7 +478,7 @@ static void linear_light_is_kept_and_encoded(void **state)
 	fake.linear[1] = 0.2158605f; /* code 128 */
 	fake.linear[2] = NAN;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	assert_true(source.is_linear);
 	assert_true(source.linear.f32[0] == 3.5f);
@@ -484,7 +488,7 @@ static void linear_light_is_kept_and_encoded(void **state)
 	assert_int_equal(p[0], 0);
 	assert_int_equal(p[3], 255);
 	fake.bytes = 100;
-	take(2);
+	test_source_take(2);
 	assert_false(source_decode(&source, 99));
 }
 
@@ -496,26 +500,26 @@ static void the_picture_follows_the_cameras_size(void **state)
 	(void)state;
 	assert_int_equal(eye_fit(&eye, &fault), 0); /* no picture yet */
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 16);
 	fake.width = 32;
 	fake.height = 24;
-	take(2);
+	test_source_take(2);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), 0);
 	assert_int_equal(eye.view.width, 32);
 	assert_int_equal(eye_picture(&eye).height, 24);
 	eye.wanted.x = 20;
 	fake.width = 16;
-	take(3);
+	test_source_take(3);
 	assert_true(source_decode(&source, 99));
 	assert_int_equal(eye_fit(&eye, &fault), -EINVAL);
 	assert_memory_equal(fault.text, "[fisheye] ", 10);
 }
 
-/* A device that takes its time does not hold up whoever waits for it. */
+/* A device that opens slowly delays nothing except the end of the program. */
 static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 {
 	struct pollfd end;
@@ -524,16 +528,16 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	fake.gate = eventfd(0, EFD_CLOEXEC);
 	assert_true(fake.gate >= 0);
 	source_open(&source);
-	source_open(&source); /* once is enough */
+	source_open(&source); /* a second call changes nothing */
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 0), 0);
-	take(1); /* nothing yet: harmless */
+	test_source_take(1); /* nothing yet: harmless */
 	assert_false(source_is_open(&source));
 	assert_false(source.tried);
 	assert_int_equal(source_counts(&source).frames, 0);
 	source_watch(&source, 99 * NS_PER_S);
 	assert_int_equal(eventfd_write(fake.gate, 1), 0);
-	source_destroy(&source); /* waits, and closes what was opened */
+	source_destroy(&source); /* waits, and closes the device that was opened */
 	assert_int_equal(fake.opened, 1);
 	assert_int_equal(fake.closed, 1);
 	close(fake.gate);
@@ -545,25 +549,27 @@ static void another_standard_is_opened_at_once(void **state)
 
 	(void)state;
 	must_open();
-	take(1);
+	test_source_take(1);
 	assert_true(source_decode(&source, 99));
 	fake.grab_err = -ESTALE;
 	fake.situation = CAMERA_NO_SIGNAL;
-	take(2);
+	test_source_take(2);
 	assert_true(source.opening);
 	fake.grab_err = 0;
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 20000), 1);
-	take(3);
+	test_source_take(3);
 	assert_true(source_is_open(&source));
-	assert_int_equal(source.situation, CAMERA_NO_SIGNAL); /* until a frame proves it fine */
-	take(4);
+	/* Until a frame shows that the camera works. */
+	assert_int_equal(source.situation, CAMERA_NO_SIGNAL);
+	test_source_take(4);
 	assert_int_equal(source.situation, CAMERA_FINE);
-	/* One that says so before it gave a frame would have us do nothing else. */
+	/* if a camera asks for it before its first frame, the program would only open it again and
+	 * again */
 	must_close();
 	must_open();
 	fake.grab_err = -ESTALE;
-	take(5);
+	test_source_take(5);
 	assert_false(source.opening);
 	assert_false(source_is_open(&source));
 }
@@ -598,7 +604,7 @@ static void a_camera_keeps_its_name_while_it_is_away(void **state)
 
 int main(void)
 {
-#define CASE(name) cmocka_unit_test_setup_teardown(name, begin, end)
+#define CASE(name) cmocka_unit_test_setup_teardown(name, test_source_begin, test_source_end)
 	const struct CMUnitTest tests[] = {
 		CASE(newest_frame_is_held),
 		CASE(no_frame_is_no_trouble),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The control socket: what a line means, and that no client can harm the kiosk or the others. Other
- * users come in the simulated machine (tests/vm/test_control.sh). */
+/* The control socket: the commands, and that no client can harm the kiosk or other clients.
+ * tests/vm/test_control.sh adds other users. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +34,7 @@ static void lines(void **state)
 		enum control_request_kind kind;
 		enum action action;
 		double value;
-		const char *words; /* of the fault */
+		const char *words; /* words of the fault */
 	} cases[] = {
 		{"status", CONTROL_STATUS, ACTION_NONE, 0, NULL},
 		{"view-next", CONTROL_ACTION, ACTION_VIEW_NEXT, 0, NULL},
@@ -105,7 +105,8 @@ static bool is_waiting(const struct control *control)
 	return poll(&p, 1, 0) == 1;
 }
 
-/* Answers all that waits as the kiosk does, status with the given line. The count of requests. */
+/* Answers all waiting requests as the kiosk does; a status request gets the given line. Returns the
+ * number of requests. */
 static int serve(struct control *control, const char *status)
 {
 	struct control_request request;
@@ -122,13 +123,13 @@ static int serve(struct control *control, const char *status)
 							? status
 							: action_names[request.press.action]);
 		}
-		assert_true(turn <= 16); /* a flood leaves time for other work */
+		assert_true(turn <= 16); /* a flood of requests leaves time for other work */
 		count += turn;
 	}
 	return count;
 }
 
-/* What has come so far, with "EOF" at the end when the other side hung up. */
+/* All replies so far, with "EOF" at the end when the other side has closed. */
 static const char *replies(int fd)
 {
 	static char text[8192];
@@ -164,7 +165,7 @@ static void one_after_the_other(void **state)
 	send_text(one, "next\n");
 	assert_int_equal(serve(control, ""), 1);
 	assert_string_equal(replies(one), "pose-next\n");
-	/* Half a line of somebody who is gone is no command. */
+	/* Half a line of a client that has gone is no command. */
 	send_text(other, "quit");
 	close(other);
 	assert_int_equal(serve(control, ""), 0);
@@ -189,7 +190,7 @@ static void gone_before_the_answer(void **state)
 	assert_int_equal(request.press.action, ACTION_FREEZE);
 	close(one);
 	control_answer(control, "ok");
-	control_answer(control, "ok"); /* nobody asked */
+	control_answer(control, "ok"); /* without a request */
 	assert_int_equal(serve(control, ""), 0);
 	control_close(control);
 	control_close(NULL);
@@ -278,7 +279,7 @@ static void one_client_more(void **state)
 		clients[i] = connect_client();
 		serve(control, "");
 	}
-	send_text(clients[0], "object\n"); /* so the next one has been silent longest */
+	send_text(clients[0], "object\n"); /* so that the next client has been silent longest */
 	serve(control, "");
 	clients[CONTROL_CLIENTS_MAX] = connect_client();
 	send_text(clients[CONTROL_CLIENTS_MAX], "freeze\n");
@@ -305,9 +306,9 @@ static void out_of_descriptors(void **state)
 	close(free_one);
 	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
 	none = limit;
-	none.rlim_cur = (rlim_t)free_one; /* all below are taken */
+	none.rlim_cur = (rlim_t)free_one; /* all lower descriptors are in use */
 	assert_int_equal(setrlimit(RLIMIT_NOFILE, &none), 0);
-	serve(control, ""); /* ends: nobody waits for ever */
+	serve(control, ""); /* ends: no client waits for ever */
 	assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
 	assert_string_equal(replies(one), "EOF");
 	assert_string_equal(replies(other), "EOF");
@@ -348,8 +349,9 @@ static void place(void **state)
 	assert_int_equal(stat(path, &file), 0);
 	assert_int_equal(file.st_mode & 07777, 0600);
 	assert_int_equal(refusal(path, "", "another kiosk listens"), -EADDRINUSE);
-	assert_int_equal(serve(control, ""), 0); /* the other one has only knocked */
-	/* Not ours any more: it stays. */
+	/* The other kiosk has only connected. */
+	assert_int_equal(serve(control, ""), 0);
+	/* Another file of that name is not the kiosk's, and stays. */
 	assert_int_equal(unlink(path), 0);
 	plain = open(path, O_CREAT | O_WRONLY, 0600);
 	assert_true(plain >= 0);
@@ -378,7 +380,7 @@ static void place(void **state)
 	assert_int_equal(refusal("/nowhere/at/all", "", "folder of"), -ENOENT);
 }
 
-/* Whoever may read the folder can lock it, and may not keep a kiosk from starting by that. */
+/* Whoever can read the folder can lock it. That must not keep a kiosk from starting. */
 static void locks(void **state)
 {
 	const int reader = open(folder, O_RDONLY | O_DIRECTORY);
@@ -392,13 +394,13 @@ static void locks(void **state)
 	control = open_control("");
 	control_close(control);
 	close(reader);
-	/* Another kiosk that is at it does. */
+	/* The lock of a running kiosk does. */
 	snprintf(lock, sizeof(lock), "%s.lock", path);
 	other = open(lock, O_RDWR | O_CREAT, 0644);
 	assert_int_equal(flock(other, LOCK_EX | LOCK_NB), 0);
 	assert_int_equal(refusal(path, "", "another kiosk is opening"), -EADDRINUSE);
-	assert_int_equal(stat(lock, &file), 0); /* it is the other's */
-	/* What is left of one that ended meanwhile is in nobody's way. */
+	assert_int_equal(stat(lock, &file), 0); /* the socket belongs to the other kiosk */
+	/* Files of a kiosk that has ended in the meantime are no obstacle. */
 	close(other);
 	control = open_control("");
 	control_close(control);
@@ -416,7 +418,7 @@ static int make_folder(void **state)
 static int remove_folder(void **state)
 {
 	(void)state;
-	return rmdir(folder); /* so nothing was left in it */
+	return rmdir(folder); /* works, because the folder is empty */
 }
 
 int main(void)

@@ -8,7 +8,9 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -25,7 +27,7 @@
 
 /* ---- options ---- */
 
-struct taken {
+struct taken_actions {
 	char words[8][32];
 	int count;
 	long number;
@@ -33,7 +35,7 @@ struct taken {
 
 static int take_word(void *context, const char *argument, const char **expected)
 {
-	struct taken *taken = context;
+	struct taken_actions *taken = context;
 
 	(void)expected;
 	snprintf(taken->words[taken->count++], 32, "%s", argument ? argument : "(none)");
@@ -43,7 +45,7 @@ static int take_word(void *context, const char *argument, const char **expected)
 static int take_number(void *context, const char *argument, const char **expected)
 {
 	*expected = "1..9";
-	return option_integer(argument, 1, 9, &((struct taken *)context)->number);
+	return option_integer(argument, 1, 9, &((struct taken_actions *)context)->number);
 }
 
 static const struct option_row rows[] = {
@@ -54,13 +56,13 @@ static const struct option_row rows[] = {
 
 static const struct command command = {.name = "try", .usage = "", .purpose = "", .options = rows};
 
-static int read_words(struct taken *taken, const char *first, ...)
+static int read_words(struct taken_actions *taken, const char *first, ...)
 {
 	char *argv[12] = {(char *)"try"};
 	va_list args;
 	int argc = 1;
 
-	*taken = (struct taken){.count = 0};
+	*taken = (struct taken_actions){.count = 0};
 	va_start(args, first);
 	for (const char *word = first; word; word = va_arg(args, const char *))
 		argv[argc++] = (char *)word;
@@ -70,7 +72,7 @@ static int read_words(struct taken *taken, const char *first, ...)
 
 static void options_are_read(void **state)
 {
-	struct taken taken;
+	struct taken_actions taken;
 
 	(void)state;
 	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
@@ -89,7 +91,7 @@ static void options_are_read(void **state)
 
 static void wrong_options_are_wrong_usage(void **state)
 {
-	struct taken taken;
+	struct taken_actions taken;
 
 	(void)state;
 	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);
@@ -139,7 +141,7 @@ static void slots_are_polled(void **state)
 	assert_int_equal(loop_wait(&loop, &fault), 0);
 	assert_true(loop_ready(&loop, 0));
 	assert_false(loop_ready(&loop, 3));
-	/* Closed, and the same number again: out of its slot first. */
+	/* A descriptor is closed and its number used again: the loop must have removed it first. */
 	close(a);
 	assert_int_equal(loop_watch(&loop, 0, -1, &fault), 0);
 	assert_int_equal(dup2(b, a), a);
@@ -160,7 +162,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	int64_t start;
 
 	(void)state;
-	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves it ignored */
+	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves the signal ignored */
 	assert_int_equal(loop_open(&loop, &fault), 0);
 	start = clock_now_ns();
 	loop_start(&loop);
@@ -170,7 +172,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	assert_false(loop.stop);
 	assert_int_equal(raise(SIGHUP), 0);
 	assert_int_equal(loop_wait(&loop, &fault), 0);
-	assert_true(loop.reload); /* nobody took our terminal away */
+	assert_true(loop.reload); /* the terminal is still there */
 	assert_false(loop.stop);
 	assert_int_equal(raise(SIGTERM), 0);
 	assert_int_equal(loop_wait(&loop, &fault), 0);
@@ -178,7 +180,7 @@ static void signals_end_it_and_seconds_tick(void **state)
 	loop_close(&loop);
 }
 
-/* In a session of its own, with a terminal of its own. */
+/* Runs in a session of its own, with a terminal of its own. */
 static int hang_up(void)
 {
 	const struct rlimit none = {0, 0};
@@ -200,7 +202,7 @@ static int hang_up(void)
 	return 0;
 }
 
-/* A reload when no descriptor is left is no hang-up. */
+/* A reload while no descriptor is free is not a hang-up. */
 static void only_a_terminal_that_goes_ends_it(void **state)
 {
 	const pid_t child = fork();
@@ -245,7 +247,7 @@ static void lines_say_what_was_counted(void **state)
 	}
 	stats_made(&stats, 0,
 		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
-	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* of no new frame: it has no latency */
+	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
 	source.situation = CAMERA_STALLED;
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
@@ -291,7 +293,7 @@ static int open_stats(struct stats *stats, const char *path)
 {
 	struct fault fault;
 
-	alarm(20); /* it never waits */
+	alarm(20); /* it must not wait */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGXFSZ, SIG_IGN);
 	return stats_open(stats, path, &fault);
@@ -312,7 +314,7 @@ static void a_full_disk_takes_lines_only(void **state)
 	stats_close(&stats);
 }
 
-/* How many lines are there, each whole, the first saying that so many were lost before it? */
+/* Number of whole lines; the first must say that `lost` lines were lost before it. */
 static int count_lines(int file, int lost)
 {
 	static char text[1 << 17];
@@ -334,7 +336,7 @@ static int count_lines(int file, int lost)
 
 static void a_pipe_is_not_waited_for(void **state)
 {
-	const char *path = own_path("pipe");
+	const char *path = own_folder_path("pipe");
 	struct stats stats;
 	int reader, lines;
 
@@ -346,7 +348,7 @@ static void a_pipe_is_not_waited_for(void **state)
 	reader = open(path, O_RDONLY | O_NONBLOCK);
 	line(&stats, 2);
 	assert_int_equal(count_lines(reader, 1), 1);
-	for (int k = 0; k < 1000; k++) /* more than it holds: 64 KiB */
+	for (int k = 0; k < 1000; k++) /* more than the pipe holds: 64 KiB */
 		line(&stats, 3);
 	assert_true(stats.lines_lost > 100 && stats.lines_lost < 999);
 	lines = count_lines(reader, 1);
@@ -371,8 +373,8 @@ static void files_are_cut_short_and_moved_away(void **state)
 	int reader;
 
 	(void)state;
-	snprintf(path, sizeof(path), "%s", own_path("stats"));
-	snprintf(old, sizeof(old), "%s", own_path("stats.1"));
+	snprintf(path, sizeof(path), "%s", own_folder_path("stats"));
+	snprintf(old, sizeof(old), "%s", own_folder_path("stats.1"));
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
 	line(&stats, 1);
@@ -382,7 +384,7 @@ static void files_are_cut_short_and_moved_away(void **state)
 	line(&stats, 3);
 	stats_reopen(&stats);
 	line(&stats, 4);
-	stats_reopen(&stats); /* which keeps what is there */
+	stats_reopen(&stats); /* reopening keeps the contents */
 	line(&stats, 5);
 	stats_close(&stats);
 	for (int k = 0; k < 2; k++) {
@@ -395,7 +397,7 @@ static void files_are_cut_short_and_moved_away(void **state)
 
 static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 {
-	const char *path = own_path("stats");
+	const char *path = own_folder_path("stats");
 	const struct rlimit small = {1000, RLIM_INFINITY};
 	struct rlimit before;
 	struct stats stats;
@@ -403,7 +405,7 @@ static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 
 	(void)state;
 	assert_int_equal(mknod(path, S_IFREG | 0600, 0), 0);
-	assert_int_equal(truncate(path, 100), 0); /* of another run */
+	assert_int_equal(truncate(path, 100), 0); /* a file of another run */
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
 	getrlimit(RLIMIT_FSIZE, &before);

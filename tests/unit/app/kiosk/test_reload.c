@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a configuration that is read again changes, key by key. */
+/* What reading the configuration again changes, key by key. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,13 +23,13 @@ static struct config *config_of(const char *text)
 	return config;
 }
 
-static void begin(const char *before, const char *after)
+static void test_reload_begin(const char *before, const char *after)
 {
 	running = config_of(before);
 	fresh = config_of(after);
 }
 
-static void end(void)
+static void test_reload_end(void)
 {
 	config_destroy(running);
 	config_destroy(fresh);
@@ -40,9 +40,9 @@ static void the_same_changes_nothing(void **state)
 	static const char text[] = "[camera a]\ndriver = sim\nsim.eye = 1 2 3\n[basis]\nfile = b\n";
 
 	(void)state;
-	begin(text, text);
+	test_reload_begin(text, text);
 	assert_int_equal(reload_compare(running, fresh), 0);
-	end();
+	test_reload_end();
 }
 
 static void each_key_has_its_effect(void **state)
@@ -80,18 +80,19 @@ static void each_key_has_its_effect(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		begin("", cases[i].text);
+		test_reload_begin("", cases[i].text);
 		assert_int_equal(reload_compare(running, fresh), cases[i].effects);
-		end();
+		test_reload_end();
 	}
 }
 
 static void what_can_change_is_taken_over_and_nothing_else(void **state)
 {
 	(void)state;
-	begin("[camera a]\ndevice = one\n[screen]\nwidth = 100\n[basis]\nfile = old\n",
-	      "[camera a]\ndevice = two\n[camera b]\n[screen]\nwidth = 200\nshow = split\n"
-	      "[basis]\nfile = new\npose = 4\n[fisheye]\nfocal = 7 8\n[state]\nfile = there\n");
+	test_reload_begin(
+		"[camera a]\ndevice = one\n[screen]\nwidth = 100\n[basis]\nfile = old\n",
+		"[camera a]\ndevice = two\n[camera b]\n[screen]\nwidth = 200\nshow = split\n"
+		"[basis]\nfile = new\npose = 4\n[fisheye]\nfocal = 7 8\n[state]\nfile = there\n");
 	reload_adopt(running, fresh);
 	assert_string_equal(running->cameras[0]->settings.device, "one");
 	assert_int_equal(running->camera_count, 1);
@@ -101,9 +102,9 @@ static void what_can_change_is_taken_over_and_nothing_else(void **state)
 	assert_int_equal(running->basis.pose, 4);
 	assert_true(running->fisheye.lens.focal_px[1] == 8);
 	assert_string_equal(running->state.file, "there");
-	/* What is left is what waits for the next start: nothing of it has an effect. */
+	/* The remaining keys wait for the next start, and have no effect now. */
 	assert_int_equal(reload_compare(running, fresh), 0);
-	end();
+	test_reload_end();
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the service manager hears; the test plays it. */
+/* What the service manager is told; the test plays the manager. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,12 +21,12 @@
 
 static int manager = -1;
 
-static int begin(void **state)
+static int test_service_begin(void **state)
 {
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
 
 	(void)state;
-	snprintf(address.sun_path, sizeof(address.sun_path), "%.100s", own_path("notify"));
+	snprintf(address.sun_path, sizeof(address.sun_path), "%.100s", own_folder_path("notify"));
 	manager = socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
 	if (manager < 0 || bind(manager, (struct sockaddr *)&address, sizeof(address)))
 		return -1;
@@ -36,13 +36,13 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int test_service_end(void **state)
 {
 	(void)state;
 	unsetenv("NOTIFY_SOCKET");
 	unsetenv("WATCHDOG_USEC");
 	close(manager);
-	return unlink(own_path("notify"));
+	return unlink(own_folder_path("notify"));
 }
 
 /* The next message; empty: there is none. */
@@ -65,7 +65,7 @@ static void each_thing_is_told_once(void **state)
 #endif
 	service_start(&service);
 	assert_string_equal(heard(), "");
-	service_reloading(&service, 5); /* before it is ready: not told */
+	service_reloading(&service, 5); /* before it is ready nothing is sent */
 	service_reloaded(&service);
 	assert_string_equal(heard(), "");
 	service_ready(&service);
@@ -116,7 +116,7 @@ static void without_a_watchdog_nothing_is_fed(void **state)
 	assert_string_equal(heard(), "");
 }
 
-/* The journal learns a level, everybody else the program's name. */
+/* The journal gets a level, everybody else the program's name. */
 static void messages_carry_a_level_for_the_journal(void **state)
 {
 	char text[512] = "", name[64];
@@ -134,7 +134,7 @@ static void messages_carry_a_level_for_the_journal(void **state)
 	log_error("a");
 	log_warning("b");
 	log_info("c");
-	setenv("JOURNAL_STREAM", "1:1", 1); /* somebody else's */
+	setenv("JOURNAL_STREAM", "1:1", 1); /* stderr is not the journal */
 	log_setup("inlay", LOG_LEVEL_INFO);
 	log_info("d");
 	unsetenv("JOURNAL_STREAM");
@@ -151,10 +151,12 @@ static void messages_carry_a_level_for_the_journal(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(each_thing_is_told_once, begin, end),
-		cmocka_unit_test_setup_teardown(the_watchdog_is_fed_four_times_an_interval, begin,
-						end),
-		cmocka_unit_test_setup_teardown(without_a_watchdog_nothing_is_fed, begin, end),
+		cmocka_unit_test_setup_teardown(each_thing_is_told_once, test_service_begin,
+						test_service_end),
+		cmocka_unit_test_setup_teardown(the_watchdog_is_fed_four_times_an_interval,
+						test_service_begin, test_service_end),
+		cmocka_unit_test_setup_teardown(without_a_watchdog_nothing_is_fed,
+						test_service_begin, test_service_end),
 		cmocka_unit_test(messages_carry_a_level_for_the_journal),
 	};
 

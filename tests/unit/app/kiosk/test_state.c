@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What was chosen, kept in a file. */
+/* The operator's choices, kept in a file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,18 +26,18 @@ static struct config_state settings_for(const char *name, double interval_s)
 {
 	struct config_state settings = {.interval_s = interval_s};
 
-	snprintf(settings.file, sizeof(settings.file), "%.1000s", own_path(name));
+	snprintf(settings.file, sizeof(settings.file), "%.1000s", own_folder_path(name));
 	return settings;
 }
 
-/* Waits for an event: the file holds that threshold. */
+/* Waits until the file holds that threshold. */
 static bool comes_to_hold(const char *name, double threshold)
 {
 	int64_t end = clock_now_ns() + 20 * NS_PER_S;
 	struct state_values values = start;
 
 	while (clock_now_ns() < end) {
-		if (state_read(own_path(name), &values, NULL) == 0 &&
+		if (state_read(own_folder_path(name), &values, NULL) == 0 &&
 		    values.threshold.value == threshold)
 			return true;
 		usleep(2000);
@@ -77,15 +78,15 @@ static void nothing_chosen_writes_nothing(void **state)
 	state_destroy(keeper);
 	assert_int_equal(access(settings.file, F_OK), -1);
 	assert_int_equal(state_create(&keeper, &none, &start), 0);
-	state_keep(keeper, &(struct state_values){{1, false}, 1, 1}); /* nowhere */
+	state_keep(keeper, &(struct state_values){{1, false}, 1, 1}); /* no file is set */
 	state_destroy(keeper);
 	state_destroy(NULL);
 	state_keep(NULL, &start);
 	state_move(NULL, &settings);
 }
 
-/* The first choice is written at once, the next after an interval that never passes here, and the
- * last at the end. */
+/* The first choice is written at once, the next after an interval that never passes in this test,
+ * and the last at the end. */
 static void the_interval_is_kept_and_the_end_writes_the_last(void **state)
 {
 	const struct config_state settings = settings_for("state", 86400);
@@ -128,7 +129,7 @@ static void a_missing_folder_is_tried_again(void **state)
 	rmdir(folder);
 }
 
-/* A file that must not grow stands for a full disk. */
+/* A limit on the size of files stands for a full disk. */
 static void what_cannot_be_written_leaves_the_old_file(void **state)
 {
 	const struct config_state settings = settings_for("state", 0);
@@ -165,7 +166,7 @@ static void another_file_gets_all_of_it(void **state)
 	state_keep(keeper, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
 	assert_true(comes_to_hold("state", 9));
 	state_move(keeper, &second);
-	assert_true(comes_to_hold("other", 9)); /* though nothing was chosen since */
+	assert_true(comes_to_hold("other", 9)); /* although nothing has been chosen since */
 	state_destroy(keeper);
 	unlink(first.file);
 	unlink(second.file);

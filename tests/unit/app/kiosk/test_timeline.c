@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Poses by the clock. */
+/* Which pose is shown at which time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +20,8 @@ static struct timeline begun(enum config_timeline kind, double rate, int count, 
 	return t;
 }
 
-static void check(const struct timeline *t, double after_s, int pose, int next, double share)
+static void test_timeline_check(const struct timeline *t, double after_s, int pose, int next,
+				double share)
 {
 	const struct timeline_place at =
 		timeline_at(t, 1000 * NS_PER_S + (int64_t)llround(after_s * NS_PER_S));
@@ -36,13 +37,13 @@ static void loops(void **state)
 	const struct timeline from = begun(TIMELINE_LOOP, 2, 3, 2);
 
 	(void)state;
-	check(&t, 0, 0, 1, 0);
-	check(&t, 1 / 24.0, 0, 1, 0.5);
-	check(&t, 1, 12, 13, 0);
-	check(&t, 2.95, 35, 0, 0.4);
-	check(&t, 3, 0, 1, 0);
-	check(&from, 0.25, 2, 0, 0.5);
-	check(&from, 0.5, 0, 1, 0);
+	test_timeline_check(&t, 0, 0, 1, 0);
+	test_timeline_check(&t, 1 / 24.0, 0, 1, 0.5);
+	test_timeline_check(&t, 1, 12, 13, 0);
+	test_timeline_check(&t, 2.95, 35, 0, 0.4);
+	test_timeline_check(&t, 3, 0, 1, 0);
+	test_timeline_check(&from, 0.25, 2, 0, 0.5);
+	test_timeline_check(&from, 0.5, 0, 1, 0);
 }
 
 static void swings(void **state)
@@ -53,9 +54,9 @@ static void swings(void **state)
 
 	(void)state;
 	for (int k = 0; k < 7; k++)
-		check(&t, k + 0.25, poses[k], poses[k + 1], 0.25);
-	check(&two, 0.05, 1, 0, 0.5);
-	check(&two, 0.15, 0, 1, 0.5);
+		test_timeline_check(&t, k + 0.25, poses[k], poses[k + 1], 0.25);
+	test_timeline_check(&two, 0.05, 1, 0, 0.5);
+	test_timeline_check(&two, 0.15, 0, 1, 0.5);
 }
 
 static void one_pose_stays(void **state)
@@ -64,8 +65,8 @@ static void one_pose_stays(void **state)
 	for (int kind = TIMELINE_NONE; kind < TIMELINE_COUNT; kind++) {
 		const struct timeline t = begun((enum config_timeline)kind, 12, 1, 0);
 
-		check(&t, 0.5, 0, 0, 0);
-		check(&t, 1e6, 0, 0, 0);
+		test_timeline_check(&t, 0.5, 0, 0, 0);
+		test_timeline_check(&t, 1e6, 0, 0, 0);
 	}
 }
 
@@ -74,10 +75,10 @@ static void none_stays(void **state)
 	const struct timeline t = begun(TIMELINE_NONE, 12, 36, 7);
 
 	(void)state;
-	check(&t, 100, 7, 7, 0);
+	test_timeline_check(&t, 100, 7, 7, 0);
 }
 
-/* Frames that come late leave poses out; nothing adds up, in years neither. */
+/* Late frames skip poses, and no error adds up, even over years. */
 static void keeps_time(void **state)
 {
 	const double year = 365.25 * 24 * 3600;
@@ -85,9 +86,10 @@ static void keeps_time(void **state)
 	const struct timeline slow = begun(TIMELINE_SWING, 0.001, 5, 0);
 
 	(void)state;
-	check(&t, 10 * year, 0, 1, 0); /* whole seconds, of which three are a round */
-	check(&t, 10 * year + 1.125, 13, 14, 0.5);
-	check(&slow, 8e3 * 1e4 + 1500, 1, 2, 0.5);
+	test_timeline_check(&t, 10 * year, 0, 1,
+			    0); /* whole seconds; a round of poses takes three */
+	test_timeline_check(&t, 10 * year + 1.125, 13, 14, 0.5);
+	test_timeline_check(&slow, 8e3 * 1e4 + 1500, 1, 2, 0.5);
 }
 
 static void time_that_goes_back_waits(void **state)
@@ -95,8 +97,8 @@ static void time_that_goes_back_waits(void **state)
 	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 5);
 
 	(void)state;
-	check(&t, -100, 5, 6, 0);
-	check(&t, 0.25, 8, 9, 0);
+	test_timeline_check(&t, -100, 5, 6, 0);
+	test_timeline_check(&t, 0.25, 8, 9, 0);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Files of measured light in the kiosk's configuration: read, counted, and seen to change. */
+/* Files of measured light that the configuration names: read, counted, and watched for changes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,7 +95,7 @@ static void faults_name_the_file(void **state)
 	assert_int_equal(report.count, 1);
 }
 
-/* The file says something else under its old name: a reload takes it. */
+/* The file changes under its name: a reload reads it again. */
 static void a_reload_sees_another_file(void **state)
 {
 	struct ini_report report = {.count = 0};

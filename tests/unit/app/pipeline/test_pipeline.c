@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * The pipeline on a basis made by hand: six lights, one pixel of object that sees the zenith's
- * light alone, one that sees another's; the rest is background.
- */
+/* The pipeline on a basis made by hand: six lights; one object pixel sees only the zenith's light
+ * and one only another light; the rest is background. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,6 +9,7 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -18,23 +17,19 @@
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/expect.h"
+#include "tests/support/hand_block.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
-#define SHARE 0.5 /* t of the object's pixels: half of their light's radiance */
+#define SHARE 0.5 /* t of the object's pixels: half of the radiance of its light */
 
 static char folder[] = "/tmp/test_app_pipeline_XXXXXX";
 static char path[80];
 static struct basis basis;
 
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
-
-/* Pixel (3, 2) and (4, 2) of the first tile, covered whole. */
+/* Object pixels (3, 2) and (4, 2) of the first tile, wholly covered. */
 static void write_basis(const char *to, bool swapped)
 {
 	struct basis_info_chunk info = {.width = WIDTH,
@@ -48,36 +43,23 @@ static void write_basis(const char *to, bool swapped)
 	static uint16_t coverage[WIDTH * HEIGHT];
 	static float peak[LIGHTS + 1][3], value[2][3][LIGHTS];
 	const uint16_t pixel[2] = {2 * BASIS_TILE + 3, 2 * BASIS_TILE + 4};
-	struct fault fault = {.text = ""};
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
-	assert_int_equal(dome.count, LIGHTS);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
+	hand_block_lights(1, LIGHTS, lights);
 	if (swapped) {
 		const struct basis_light first = lights[1];
 
 		lights[1] = lights[2];
 		lights[2] = first;
 	}
-	dome_free(&dome);
 	for (int c = 0; c < 3; c++) {
 		value[0][c][0] = SHARE;
 		value[1][c][3] = SHARE;
 		peak[0][c] = peak[3][c] = peak[LIGHTS][c] = SHARE;
 	}
 	coverage[2 * WIDTH + 3] = coverage[2 * WIDTH + 4] = 65535;
-	block = hand_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
-	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	block = hand_block_of_object(0, 2, pixel, LIGHTS, lights, &value[0][0][0]);
+	hand_block_file(to, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
 static int open_basis(void **state)
@@ -89,7 +71,7 @@ static int open_basis(void **state)
 		return -1;
 	snprintf(path, sizeof(path), "%s/hand.inlay", folder);
 	write_basis(path, false);
-	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -101,30 +83,16 @@ static int close_basis(void **state)
 	return rmdir(folder);
 }
 
-static struct pipeline_settings plain(void)
-{
-	return (struct pipeline_settings){
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 1,
-	};
-}
-
 static struct pipeline *made(const struct pipeline_settings *settings)
 {
 	struct pipeline *pipeline;
 	struct fault fault = {.text = ""};
 
-	must(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
+	expect_success(pipeline_create(&pipeline, &basis, settings, &fault), &fault);
 	return pipeline;
 }
 
-static void choose(struct pipeline *pipeline, double threshold)
+static void test_pipeline_choose(struct pipeline *pipeline, double threshold)
 {
 	struct pipeline_choice choice = {.threshold = {.value = threshold}, .object = true};
 
@@ -147,7 +115,7 @@ static struct picture whole(const struct canvas *canvas)
 	return view_picture(&view, canvas->pixels, canvas->stride);
 }
 
-/* The composite over a flat background of code 90. */
+/* Composites over a flat background of code 90. */
 static void composite(struct pipeline *pipeline, uint8_t out[HEIGHT][WIDTH][4])
 {
 	struct canvas background = flat(WIDTH, HEIGHT, 90);
@@ -164,13 +132,14 @@ static void is_light(const uint8_t bgr[4], double red, double green, double blue
 	const double rgb[3] = {red, green, blue};
 
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(bgr[2 - c] - 255 * transfer_encode(TRANSFER_SRGB, rgb[c])) <= 1);
+		expect_at_most(fabs(bgr[2 - c] - 255 * transfer_encode(TRANSFER_SRGB, rgb[c])), 1,
+			       "c=%d", c);
 }
 
-/* An even sky of code 150: each light has its radiance, and the object half of that. */
+/* An even sky of code 150: each light has its radiance, and the object half of it. */
 static void an_even_sky(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	struct canvas sky = flat(SKY, SKY, 150);
 	struct picture picture = whole(&sky);
@@ -182,14 +151,14 @@ static void an_even_sky(void **state)
 	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
 	assert_true(pipeline->lit);
 	for (int i = 0; i < LIGHTS; i++)
-		assert_true(fabs(pipeline->radiance[i][1] - radiance) < 1e-3);
-	choose(pipeline, 0);
+		expect_below(fabs(pipeline->radiance[i][1] - radiance), 1e-3, "i=%d", i);
+	test_pipeline_choose(pipeline, 0);
 	composite(pipeline, out);
 	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	is_light(out[2][4], SHARE * radiance, SHARE * radiance, SHARE * radiance);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		if (i != 2 * WIDTH + 3 && i != 2 * WIDTH + 4)
-			assert_int_equal(out[i / WIDTH][i % WIDTH][0], 90);
+			expect_equal(out[i / WIDTH][i % WIDTH][0], 90, "i=%d", i);
 	}
 	canvas_free(&sky);
 	pipeline_destroy(pipeline);
@@ -198,7 +167,7 @@ static void an_even_sky(void **state)
 
 static void given_lights_reach_their_pixels(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}, [5] = {9, 9, 9}};
 	static uint8_t out[HEIGHT][WIDTH][4];
@@ -208,20 +177,21 @@ static void given_lights_reach_their_pixels(void **state)
 
 	(void)state;
 	pipeline_light_given(pipeline, radiance);
-	choose(pipeline, 0);
+	test_pipeline_choose(pipeline, 0);
 	composite(pipeline, out);
 	is_light(out[2][3], 0.1, 0.2, 0.3);
 	is_light(out[2][4], 0, 0, 0);
 	assert_int_equal(pipeline_reference(pipeline, &picture, &exact[0][0][0], NULL), 0);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(exact[2][3][c] -
-				 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))) < 0.1);
+		expect_below(
+			fabs(exact[2][3][c] - 255 * transfer_encode(TRANSFER_SRGB, 0.1 * (c + 1))),
+			0.1, "c=%d", c);
 	canvas_free(&background);
 	pipeline_destroy(pipeline);
 }
 
-/* A light that reaches the level is used; the level is one of the camera's picture, whatever its
- * black level and gain. */
+/* A light that reaches the threshold is used. The threshold is a level of the camera's picture,
+ * whatever its black level and gain. */
 static void threshold_is_a_level_of_the_picture(void **state)
 {
 	static const struct {
@@ -231,7 +201,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		struct pipeline_settings settings = plain();
+		struct pipeline_settings settings = plain_pipeline(1);
 		struct canvas sky = flat(SKY, SKY, 100);
 		struct picture picture = whole(&sky);
 		struct pipeline *pipeline;
@@ -240,22 +210,22 @@ static void threshold_is_a_level_of_the_picture(void **state)
 		settings.sampler.gain = cases[i].gain;
 		pipeline = made(&settings);
 		assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
-		choose(pipeline, 99);
-		assert_int_equal(pipeline->selection.used_count, LIGHTS);
-		choose(pipeline, 101);
-		assert_int_equal(pipeline->selection.used_count, 0);
-		choose(pipeline, 0);
-		assert_int_equal(pipeline->selection.used_count, LIGHTS);
+		test_pipeline_choose(pipeline, 99);
+		expect_equal(pipeline->selection.used_count, LIGHTS, "i=%zu", i);
+		test_pipeline_choose(pipeline, 101);
+		expect_equal(pipeline->selection.used_count, 0, "i=%zu", i);
+		test_pipeline_choose(pipeline, 0);
+		expect_equal(pipeline->selection.used_count, LIGHTS, "i=%zu", i);
 		canvas_free(&sky);
 		pipeline_destroy(pipeline);
 	}
 }
 
 /* A view inside a camera's picture of linear light, turned by 180 degrees. Upright, its left half
- * is lit; around it is light that must not be read. */
+ * is lit; the light around the view must not be read. */
 static void linear_light_is_read_through_its_view(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct view view = {.x = 10,
 			    .y = 6,
 			    .width = SKY,
@@ -282,11 +252,11 @@ static void linear_light_is_read_through_its_view(void **state)
 		}
 	}
 	assert_int_equal(pipeline_light_linear(pipeline, &camera, &view, NULL), 0);
-	for (int i = 1; i < LIGHTS; i++) { /* light 0 is the zenith, on the border */
+	for (int i = 1; i < LIGHTS; i++) { /* light 0, the zenith, is on the border */
 		double x = pipeline->dome.direction[i][0];
 
-		assert_true(fabs(x) > 0.2);
-		assert_true(fabs(pipeline->radiance[i][0] - (x < 0 ? 2 : 0)) < 1e-3);
+		expect_above(fabs(x), 0.2, "i=%d", i);
+		expect_below(fabs(pipeline->radiance[i][0] - (x < 0 ? 2 : 0)), 1e-3, "i=%d", i);
 	}
 	image_free(&camera);
 	pipeline_destroy(pipeline);
@@ -294,7 +264,7 @@ static void linear_light_is_read_through_its_view(void **state)
 
 static void without_the_object_it_is_the_background(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	struct pipeline_choice choice = {.object = false};
 	static uint8_t out[HEIGHT][WIDTH][4];
@@ -304,14 +274,14 @@ static void without_the_object_it_is_the_background(void **state)
 	composite(pipeline, out);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
 		for (int c = 0; c < 3; c++)
-			assert_int_equal(out[i / WIDTH][i % WIDTH][c], 90);
+			expect_equal(out[i / WIDTH][i % WIDTH][c], 90, "i=%d, c=%d", i, c);
 	}
 	pipeline_destroy(pipeline);
 }
 
 static void what_does_not_fit_is_said(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	struct pipeline_choice choice = {.pose = 1};
 	struct canvas narrow = flat(WIDTH - 1, HEIGHT, 0);
@@ -339,7 +309,7 @@ static void what_does_not_fit_is_said(void **state)
 
 	snprintf(swapped, sizeof(swapped), "%s/swapped.inlay", folder);
 	write_basis(swapped, true);
-	must(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&other, swapped, BASIS_SHOWN, &fault), &fault);
 	assert_int_equal(pipeline_create(&pipeline, &other, &settings, &fault), -EINVAL);
 	assert_string_equal(fault.text,
 			    "light 1 of the basis is not where the dome of frequency 1 has it");
@@ -350,7 +320,7 @@ static void what_does_not_fit_is_said(void **state)
 /* A camera may come back with another size; the light stays right. */
 static void another_size_of_sky(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 
 	(void)state;
@@ -360,15 +330,16 @@ static void another_size_of_sky(void **state)
 		double radiance = transfer_decode(TRANSFER_SRGB, (side + 100) / 255.0);
 
 		assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
-		assert_int_equal(pipeline->lens_width, side);
+		expect_equal(pipeline->lens_width, side, "side=%d", side);
 		for (int i = 0; i < LIGHTS; i++)
-			assert_true(fabs(pipeline->radiance[i][2] - radiance) < 1e-3);
+			expect_below(fabs(pipeline->radiance[i][2] - radiance), 1e-3,
+				     "side=%d, i=%d", side, i);
 		canvas_free(&sky);
 	}
 	pipeline_destroy(pipeline);
 }
 
-static double measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
+static double test_pipeline_measure(struct pipeline *pipeline, int side, int code, int64_t at_ms)
 {
 	struct canvas sky = flat(side, side, code);
 	struct picture picture = whole(&sky);
@@ -379,10 +350,11 @@ static double measure(struct pipeline *pipeline, int side, int code, int64_t at_
 	return (double)pipeline->radiance[0][1];
 }
 
-/* Light follows the camera's; the first of a size, and of other settings, is what was measured. */
+/* Light is filtered over time; the first picture of a size or of other settings is taken as
+ * measured. */
 static void light_is_followed(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
 	const double dark = transfer_decode(TRANSFER_SRGB, 50 / 255.0);
 	struct pipeline *pipeline;
@@ -391,22 +363,23 @@ static void light_is_followed(void **state)
 	(void)state;
 	settings.follow_ns = 100000000;
 	pipeline = made(&settings);
-	first = measure(pipeline, SKY, 200, 1000);
+	first = test_pipeline_measure(pipeline, SKY, 200, 1000);
 	assert_true(fabs(first - bright) < 1e-3);
-	assert_true(measure(pipeline, SKY, 200, 1033) == first);
-	assert_true(measure(pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
-	assert_true(fabs(measure(pipeline, SKY, 50, 1133) - dark) < 0.11 * (bright - dark));
-	assert_true(fabs(measure(pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
+	assert_true(test_pipeline_measure(pipeline, SKY, 200, 1033) == first);
+	assert_true(test_pipeline_measure(pipeline, SKY, 50, 1066) - dark > 0.4 * (bright - dark));
+	assert_true(fabs(test_pipeline_measure(pipeline, SKY, 50, 1133) - dark) <
+		    0.11 * (bright - dark));
+	assert_true(fabs(test_pipeline_measure(pipeline, SKY + 8, 200, 1166) - bright) < 1e-3);
 	settings.follow_ns = 0;
 	assert_int_equal(pipeline_change(pipeline, &settings, NULL), 0);
-	assert_true(fabs(measure(pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
+	assert_true(fabs(test_pipeline_measure(pipeline, SKY + 8, 50, 1200) - dark) < 1e-3);
 	pipeline_destroy(pipeline);
 }
 
-/* Threads, kernel and patch of ground: all of the new ones or none. */
+/* Threads, kernel and ground patch change together or not at all. */
 static void a_change_that_fails_changes_nothing(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	const struct compositor *const compositor = pipeline->compositor;
 	const struct pool *const pool = pipeline->pool;
@@ -420,7 +393,7 @@ static void a_change_that_fails_changes_nothing(void **state)
 	assert_non_null(strstr(fault.text, "ground_patch: reaches to 4008, 8"));
 	assert_ptr_equal(pipeline->compositor, compositor);
 	assert_ptr_equal(pipeline->pool, pool);
-	assert_true(pipeline->settings.gain == plain().gain);
+	assert_true(pipeline->settings.gain == plain_pipeline(1).gain);
 	settings.patch.width = 0;
 	assert_int_equal(pipeline_change(pipeline, &settings, &fault), 0);
 	assert_int_equal(pool_threads(pipeline->pool), 3);
@@ -428,10 +401,11 @@ static void a_change_that_fails_changes_nothing(void **state)
 	pipeline_destroy(pipeline);
 }
 
-/* Of two pixels of half a light each: what may go is what changes neither by more. */
+/* Two pixels, each lit by half of one light: lights are left out as long as neither pixel changes
+ * by more than the budget. */
 static void a_percentage_of_white_may_change(void **state)
 {
-	struct pipeline_settings settings = plain();
+	struct pipeline_settings settings = plain_pipeline(1);
 	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
 	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
 	struct pipeline *pipeline = made(&settings);
@@ -439,16 +413,17 @@ static void a_percentage_of_white_may_change(void **state)
 	(void)state;
 	pipeline_light_given(pipeline, radiance);
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline->selection.used_count, LIGHTS); /* 0 %: all */
+	assert_int_equal(pipeline->selection.used_count, LIGHTS); /* 0 %: all lights are used */
 	choice.threshold.value = 0.7;
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
-	assert_int_equal(pipeline->selection.used_count, 2); /* dark ones are no loss */
+	/* Leaving out dark lights costs nothing. */
+	assert_int_equal(pipeline->selection.used_count, 2);
 	choice.threshold.value = 0.9;
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
 	assert_int_equal(pipeline->selection.used_count, 1);
 	assert_true(pipeline->selection.used[3]);
 	assert_true(fabs(pipeline->selection.dropped_error[0] - 0.008) < 1e-6);
-	choose(pipeline, 0); /* and a grey level again */
+	test_pipeline_choose(pipeline, 0); /* a threshold in grey levels again */
 	assert_int_equal(pipeline->selection.used_count, LIGHTS);
 	pipeline_destroy(pipeline);
 }

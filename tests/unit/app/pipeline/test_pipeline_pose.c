@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which pose is shown while others are unpacked: a basis made by hand of which each pose is a plane
- * of one grey. Nothing here depends on how long unpacking takes.
- */
+/* Which pose is shown while others are being unpacked. The basis is made by hand: each pose is a
+ * plane of one grey. No result depends on how long unpacking takes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,23 +17,19 @@
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/expect.h"
+#include "tests/support/hand_block.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
 
-/* Unpacking a pose takes milliseconds. */
+/* Far more than unpacking a pose takes, which is milliseconds. */
 #define LONGEST_NS (60 * NS_PER_S)
 
-static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis */
+static char path[] = "/tmp/test_pipeline_pose_XXXXXX"; /* of the basis file */
 static struct basis basis;
 static struct pipeline *pipeline;
 static uint8_t out[HEIGHT][WIDTH][4];
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 static double grey_of(int pose)
 {
@@ -57,13 +51,14 @@ static void write_pose(struct basis_writer *writer, const struct basis_light *li
 	}
 	for (int c = 0; c < 3; c++)
 		peak[0][c] = peak[LIGHTS][c] = 1;
-	block = hand_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
+	block = hand_block_of_object(0, 256, pixel, LIGHTS, lights, &value[0][0][0]);
 	for (uint32_t t = 0; t < TILES; t++) {
 		block.entry.tile = t;
-		must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
+		expect_success(basis_writer_blocks(writer, &block, 1, &fault), &fault);
 	}
 	free((void *)block.payload);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
+	expect_success(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault),
+		       &fault);
 }
 
 static void write_basis(void)
@@ -78,18 +73,13 @@ static void write_basis(void)
 	struct basis_light lights[LIGHTS];
 	struct fault fault = {.text = ""};
 	struct basis_writer *writer;
-	struct dome dome;
 
-	must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
-	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
+	hand_block_lights(1, LIGHTS, lights);
+	expect_success(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
+		       &fault);
 	for (int pose = 0; pose < POSES; pose++)
 		write_pose(writer, lights, pose);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
+	expect_success(basis_writer_finish(writer, &info, "", &fault), &fault);
 }
 
 static int open_basis(void **state)
@@ -102,7 +92,7 @@ static int open_basis(void **state)
 		return -1;
 	close(file);
 	write_basis();
-	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -113,28 +103,19 @@ static int close_basis(void **state)
 	return unlink(path);
 }
 
-static int begin(void **state)
+static int test_pose_begin(void **state)
 {
-	const struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 2,
-	};
+	const struct pipeline_settings settings = plain_pipeline(2);
 	static const float light[LIGHTS][3] = {{1, 1, 1}};
 	struct fault fault = {.text = ""};
 
 	(void)state;
-	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	expect_success(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
 	pipeline_light_given(pipeline, light);
 	return 0;
 }
 
-static int end(void **state)
+static int test_pose_end(void **state)
 {
 	(void)state;
 	pipeline_destroy(pipeline);
@@ -147,14 +128,14 @@ static void shows(double grey)
 		const uint8_t *pixel = out[at / WIDTH][at % WIDTH];
 
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(pixel[c] - 255 * transfer_encode(TRANSFER_SRGB, grey)) <=
-				    1);
+			expect_at_most(fabs(pixel[c] - 255 * transfer_encode(TRANSFER_SRGB, grey)),
+				       1, "at=%d, c=%d", at, c);
 	}
 }
 
-/* One frame, which is of the poses that it says it is of. Where it holds, all that it is made of
- * is in memory before it is composited. */
-static void frame(struct pipeline_choice choice)
+/* Composites one frame and checks that it shows the poses that it reports. A held frame has all of
+ * its data in memory before. */
+static void test_pose_frame(struct pipeline_choice choice)
 {
 	static const uint8_t row[WIDTH * 4];
 	const struct picture black = {.origin = row, .x_step = 4, .width = WIDTH, .height = HEIGHT};
@@ -163,30 +144,32 @@ static void frame(struct pipeline_choice choice)
 	struct fault fault = {.text = ""};
 
 	choice.object = true;
-	must(pipeline_choose(pipeline, &choice, &fault), &fault);
+	expect_success(pipeline_choose(pipeline, &choice, &fault), &fault);
 	if (choice.hold) {
 		assert_true(basis_pose_ready(&basis, shown->pose));
 		assert_true(shown->share == 0 || basis_pose_ready(&basis, shown->next));
 	}
-	must(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault), &fault);
+	expect_success(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, &fault),
+		       &fault);
 	shows((1 - shown->share) * grey_of(shown->pose) + shown->share * grey_of(shown->next));
 }
 
-/* Held frames until these poses are shown; the first, at a jump, is of what was shown before. */
+/* Held frames until these poses are shown. After a jump, the first frame shows the poses of before.
+ */
 static void jump(struct pipeline_choice choice)
 {
 	const struct pipeline_choice before = pipeline->choice;
 	const int64_t start = clock_now_ns();
 
 	choice.hold = true;
-	frame(choice);
+	test_pose_frame(choice);
 	assert_int_equal(pipeline->choice.pose, before.pose);
 	assert_int_equal(pipeline->choice.next, before.next);
 	while (pipeline->choice.pose != choice.pose || pipeline->choice.share != choice.share) {
 		assert_int_equal(pipeline->choice.pose, before.pose);
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame(choice);
+		test_pose_frame(choice);
 	}
 	assert_true(choice.share == 0 || pipeline->choice.next == choice.next);
 }
@@ -196,10 +179,10 @@ static void no_frame_waits_for_a_jump(void **state)
 	static const int order[] = {4, 8, 2, 6, 0, 5};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++)
 		jump((struct pipeline_choice){.pose = order[k]});
-	/* To two, that are faded. */
+	/* to a mix of two poses */
 	jump((struct pipeline_choice){.pose = 8, .next = 2, .share = 0.25});
 	jump((struct pipeline_choice){.pose = 5});
 }
@@ -214,59 +197,60 @@ static void wait_for(int pose)
 	}
 }
 
-/* Round in steps either way, each with the time to unpack the next: each is there at once. */
+/* All poses in order, either way round, each with time to unpack the next: each is ready at once.
+ */
 static void a_neighbour_is_there_at_once(void **state)
 {
 	int pose = 3;
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = pose});
+	test_pose_frame((struct pipeline_choice){.pose = pose});
 	for (int k = 0; k < 3 * POSES; k++) {
 		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
 		wait_for(pose);
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
-		assert_int_equal(pipeline->choice.pose, pose);
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
+		expect_equal(pipeline->choice.pose, pose, "k=%d", k);
 	}
 }
 
-/* What holds without a pose to show, and what does not hold, waits. */
+/* A held choice waits when there is no pose to show; a choice that does not hold waits always. */
 static void others_wait(void **state)
 {
 	(void)state;
-	frame((struct pipeline_choice){.pose = 7});
+	test_pose_frame((struct pipeline_choice){.pose = 7});
 	assert_int_equal(pipeline->choice.pose, 7);
-	frame((struct pipeline_choice){.pose = 3});
+	test_pose_frame((struct pipeline_choice){.pose = 3});
 	assert_int_equal(pipeline->choice.pose, 3);
-	end(NULL);
-	begin(NULL);
-	frame((struct pipeline_choice){.pose = 9});
+	test_pose_end(NULL);
+	test_pose_begin(NULL);
+	test_pose_frame((struct pipeline_choice){.pose = 9});
 	assert_int_equal(pipeline->choice.pose, 9);
 }
 
-/* A choice that is another one before it can be shown: some are seen all the same. */
+/* The choice changes before it can be shown: some of the choices are shown all the same. */
 static void a_restless_choice_is_followed(void **state)
 {
 	const int64_t start = clock_now_ns();
 	int seen = 0, last = 0;
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (int k = 1; seen < 10; k++) {
-		assert_true(clock_now_ns() - start < LONGEST_NS);
-		frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
+		expect_below(clock_now_ns() - start, LONGEST_NS, "k=%d", k);
+		test_pose_frame((struct pipeline_choice){.pose = 3 * k % POSES, .hold = true});
 		seen += pipeline->choice.pose != last;
 		last = pipeline->choice.pose;
 	}
-	/* The choice of before is not gone back to. */
+	/* an earlier choice is not shown again */
 	while (pipeline->choice.pose != 5) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
-		frame((struct pipeline_choice){.pose = 5, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = 5, .hold = true});
 	}
-	frame((struct pipeline_choice){.pose = 5, .hold = true});
+	test_pose_frame((struct pipeline_choice){.pose = 5, .hold = true});
 	assert_int_equal(pipeline->choice.pose, 5);
 }
 
-/* A view that composites nothing: poses are chosen, and no picture is made of them. */
+/* A view without composite: poses are chosen, but no picture is made. */
 static void choose_unseen(int pose)
 {
 	const struct pipeline_choice choice = {.pose = pose, .object = true, .hold = true};
@@ -276,20 +260,20 @@ static void choose_unseen(int pose)
 	do {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		must(pipeline_choose(pipeline, &choice, &fault), &fault);
+		expect_success(pipeline_choose(pipeline, &choice, &fault), &fault);
 	} while (pipeline->choice.pose != pose);
 }
 
-/* The pose of the last picture has left memory and come back since, to somewhere else. */
+/* The pose of the last picture has left memory and come back to another address. */
 static void a_pose_comes_back_unseen(void **state)
 {
 	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
 		choose_unseen(unseen[k]);
-	frame((struct pipeline_choice){.pose = 0, .hold = true});
+	test_pose_frame((struct pipeline_choice){.pose = 0, .hold = true});
 	assert_int_equal(pipeline->choice.pose, 0);
 }
 
@@ -297,14 +281,14 @@ static void a_pose_comes_back_unseen(void **state)
 
 static void stays(struct pipeline_choice choice, int shown, int missing)
 {
-	frame(choice);
+	test_pose_frame(choice);
 	assert_int_equal(pipeline->choice.pose, shown);
 	assert_true(pipeline->choice.share == 0);
 	assert_int_equal(pipeline->missing, missing);
 	assert_non_null(strstr(pipeline->trouble.text, "cut short"));
 }
 
-/* Held frames, until the pose has been tried. */
+/* Held frames until loading the pose has failed. */
 static void try_in_vain(int pose, int shown)
 {
 	const int64_t start = clock_now_ns();
@@ -312,7 +296,7 @@ static void try_in_vain(int pose, int shown)
 	do {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 		assert_int_equal(pipeline->choice.pose, shown);
 	} while (pipeline->missing < 0);
 	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
@@ -326,18 +310,18 @@ static void come(int pose)
 	while (pipeline->choice.pose != pose) {
 		assert_true(clock_now_ns() - start < LONGEST_NS);
 		sched_yield();
-		frame((struct pipeline_choice){.pose = pose, .hold = true});
+		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 	}
 	assert_int_equal(pipeline->missing, -1);
 }
 
-/* The file is cut short, and is whole again at the end. */
+/* The file is cut short, and whole again at the end. */
 static void what_is_shown_stays(void **state)
 {
 	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
 
 	(void)state;
-	frame((struct pipeline_choice){.pose = 0});
+	test_pose_frame((struct pipeline_choice){.pose = 0});
 	assert_int_equal(pipeline->missing, -1);
 	assert_int_equal(truncate(path, 0), 0);
 	try_in_vain(5, 0);
@@ -346,17 +330,17 @@ static void what_is_shown_stays(void **state)
 	pipeline_try_again(pipeline);
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	try_in_vain(5, 0);
-	frame((struct pipeline_choice){.pose = 0, .hold = true});
-	assert_int_equal(pipeline->missing, -1); /* nothing that is wanted */
+	test_pose_frame((struct pipeline_choice){.pose = 0, .hold = true});
+	assert_int_equal(pipeline->missing, -1); /* no pose that is wanted is missing */
 	try_in_vain(5, 0);
 	write_basis();
 	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);
 	come(5);
-	frame(fade);
+	test_pose_frame(fade);
 	assert_true(pipeline->choice.share > 0);
 }
 
-/* Where nothing has been shown yet it is an error, and the next choice begins anew. */
+/* Before anything has been shown a missing pose is an error, and the next choice starts anew. */
 static void without_a_picture_it_is_an_error(void **state)
 {
 	struct fault fault = {.text = ""};
@@ -369,19 +353,25 @@ static void without_a_picture_it_is_an_error(void **state)
 	assert_non_null(strstr(fault.text, "cut short"));
 	write_basis();
 	basis_poses_expect(&basis, NULL, 0);
-	frame(choice);
+	test_pose_frame(choice);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, begin, end),
-		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, begin, end),
-		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, begin, end),
-		cmocka_unit_test_setup_teardown(others_wait, begin, end),
-		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, begin, end),
-		cmocka_unit_test_setup_teardown(what_is_shown_stays, begin, end),
-		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, begin, end),
+		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(others_wait, test_pose_begin, test_pose_end),
+		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(what_is_shown_stays, test_pose_begin,
+						test_pose_end),
+		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, test_pose_begin,
+						test_pose_end),
 	};
 
 	return cmocka_run_group_tests(tests, open_basis, close_basis);

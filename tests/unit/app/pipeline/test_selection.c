@@ -1,19 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Which lights a frame uses, from frame to frame: a light at the threshold must not come and go
- * with a camera's noise, one that falls must go, and a picture without a frame before it is chosen
- * by the threshold alone.
- */
+/* Which lights a frame uses, from frame to frame. A light at the threshold must not come and go
+ * with the noise of a camera, a light that falls must go, and a picture without a frame before it
+ * is chosen by the threshold alone. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "app/pipeline/pipeline.h"
-#include "tests/support/compositing.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/hand_block.h"
+#include "tests/support/random_frame.h"
 
 enum { COUNT = 1500, FRAMES = 1000 };
 
@@ -43,20 +48,20 @@ static float level(double grey)
 
 struct choice {
 	struct synthetic file;
-	struct frame_of f;
+	struct random_frame f;
 	float radiance[COUNT][3];
 	double threshold;
 	enum threshold_mode mode;
 };
 
-/* A sky of grey level 120 under a threshold of 40, with one grey level of band. */
+/* A sky of grey level 120, a threshold at grey level 40, and a band of one grey level. */
 static void choice_begin(struct choice *c, double band)
 {
-	struct chance chance = {5}; /* always the same picture */
+	struct chance chance = {5}; /* always the same background */
 
 	*c = (struct choice){.threshold = (double)level(40), .mode = THRESHOLD_DROP};
 	synthetic_open(&c->file, &options);
-	frame_begin(&c->f, &c->file.basis, NULL, &chance);
+	random_frame_begin(&c->f, &c->file.basis, NULL, &chance);
 	c->f.lights.band = band;
 	for (int i = 0; i < COUNT; i++)
 		for (int k = 0; k < 3; k++)
@@ -65,17 +70,17 @@ static void choice_begin(struct choice *c, double band)
 
 static void choice_end(struct choice *c)
 {
-	frame_end(&c->f);
+	random_frame_end(&c->f);
 	synthetic_close(&c->file);
 }
 
-static void choose(struct choice *c)
+static void test_selection_choose(struct choice *c)
 {
 	light_selection_choose(&c->f.lights, &c->file.basis, 0, (const float(*)[3])c->radiance,
 			       c->threshold, c->mode, 1);
 }
 
-static void set(struct choice *c, int light, double grey)
+static void test_selection_set(struct choice *c, int light, double grey)
 {
 	for (int k = 0; k < 3; k++)
 		c->radiance[light][k] = level(grey);
@@ -83,23 +88,24 @@ static void set(struct choice *c, int light, double grey)
 
 static bool uses(struct choice *c, int light, double grey)
 {
-	set(c, light, grey);
-	choose(c);
+	test_selection_set(c, light, grey);
+	test_selection_choose(c);
 	return c->f.lights.used[light];
 }
 
 static double one_level(void)
 {
-	return (double)(level(40) - level(39)) + 1e-6; /* floats are rounded */
+	/* Tolerance: radiance is in single precision. */
+	return (double)(level(40) - level(39)) + 1e-6;
 }
 
 struct crossing {
-	int switches; /* of the light: used, or not used any more */
-	int changes;  /* of the picture */
-	int largest;  /* of a code value */
+	int switches; /* lights that became used or unused */
+	int changes;  /* frames whose picture changed */
+	int largest;  /* largest change of a code value */
 };
 
-/* `lights` of them flicker between 39 and 40. */
+/* Some lights flicker between grey 39 and 40. */
 static struct crossing flicker(struct choice *c, int lights)
 {
 	uint8_t *before = malloc(c->f.bytes);
@@ -111,11 +117,9 @@ static struct crossing flicker(struct choice *c, int lights)
 		bool changed = false;
 
 		for (int i = 0; i < lights; i++)
-			set(c, 7 + i, 39 + k % 2);
-		choose(c);
-		assert_int_equal(compositor_run(c->f.compositor, 0, &c->f.lights, &c->f.backdrop,
-						c->f.out, c->f.stride),
-				 0);
+			test_selection_set(c, 7 + i, 39 + k % 2);
+		test_selection_choose(c);
+		random_frame_run(&c->f, 0);
 		found.switches += c->f.lights.used[7] != used;
 		used = c->f.lights.used[7];
 		for (size_t b = 0; k > 1 && b < c->f.bytes; b++) {
@@ -142,23 +146,25 @@ static void a_light_at_the_threshold_does_not_flicker(void **state)
 		choice_begin(&c, one_level());
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, 1);
-		assert_int_equal(found.switches, 1);
-		assert_int_equal(found.changes, 0);
+		expect_equal(found.switches, 1, "mode=%d", mode);
+		expect_equal(found.changes, 0, "mode=%d", mode);
 		choice_end(&c);
 
-		choice_begin(&c, one_level()); /* most of the sky: one level of light, no more */
+		/* Most of the sky: the picture changes by no more than one level of light. */
+		choice_begin(&c, one_level());
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
-		assert_int_equal(found.switches, 1);
-		assert_true(found.largest <= 2);
+		expect_equal(found.switches, 1, "mode=%d", mode);
+		expect_at_most(found.largest, 2, "mode=%d", mode);
 		choice_end(&c);
 
-		choice_begin(&c, 0); /* and without a band this test would have seen it */
+		choice_begin(&c, 0); /* without a band, this test sees the flicker */
 		c.mode = (enum threshold_mode)mode;
 		found = flicker(&c, COUNT - 10);
-		assert_int_equal(found.switches, FRAMES - 1);
-		assert_true(mode != THRESHOLD_DROP ? found.changes > FRAMES / 2
-						   : found.largest > 10);
+		expect_equal(found.switches, FRAMES - 1, "mode=%d", mode);
+		expect_that(mode != THRESHOLD_DROP ? found.changes > FRAMES / 2
+						   : found.largest > 10,
+			    "mode=%d", mode);
 		choice_end(&c);
 	}
 }
@@ -169,27 +175,27 @@ static void a_light_that_falls_goes_out(void **state)
 
 	(void)state;
 	choice_begin(&c, one_level());
-	assert_false(uses(&c, 7, 39.5)); /* not used before: the threshold counts */
+	assert_false(uses(&c, 7, 39.5)); /* not used before, so the threshold decides */
 	assert_true(uses(&c, 7, 40));
 	assert_true(uses(&c, 7, 39));
 	assert_false(uses(&c, 7, 38.9));
-	assert_false(uses(&c, 7, 39.9)); /* and is back at the threshold, no sooner */
+	assert_false(uses(&c, 7, 39.9)); /* used again at the threshold, not before */
 	assert_true(uses(&c, 7, 40.1));
 	assert_true(uses(&c, 7, 39.5));
-	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade goes out once */
-		assert_int_equal(uses(&c, 7, grey), grey > 38.995);
+	for (double grey = 39.5; grey > 38; grey -= 0.01) /* a slow fade switches off once */
+		expect_equal(uses(&c, 7, grey), grey > 38.995, "grey=%g", grey);
 	assert_false(uses(&c, 7, 0));
-	set(&c, 7, 0);
-	c.radiance[7][1] = level(40); /* any channel */
-	choose(&c);
+	test_selection_set(&c, 7, 0);
+	c.radiance[7][1] = level(40); /* in any channel */
+	test_selection_choose(&c);
 	assert_true(c.f.lights.used[7]);
 	c.radiance[7][1] = NAN;
-	choose(&c);
+	test_selection_choose(&c);
 	assert_false(c.f.lights.used[7]);
 	choice_end(&c);
 }
 
-/* Another threshold or mode begins anew; a threshold of 0 takes all. */
+/* Another threshold or mode starts anew; threshold 0 uses all lights. */
 static void another_threshold_begins_anew(void **state)
 {
 	struct choice c;
@@ -212,7 +218,7 @@ static void another_threshold_begins_anew(void **state)
 	choice_end(&c);
 }
 
-/* A picture that is shown before any light was measured chooses nothing for those after it. */
+/* A picture before any light was measured does not influence later choices. */
 static void darkness_is_no_state(void **state)
 {
 	bool fresh[COUNT];
@@ -225,11 +231,11 @@ static void darkness_is_no_state(void **state)
 		c.threshold = 0;
 		if (dark) {
 			memset(c.radiance, 0, sizeof(c.radiance));
-			choose(&c);
+			test_selection_choose(&c);
 		}
 		for (int i = 0; i < COUNT; i++)
-			set(&c, i, 20 + i);
-		choose(&c);
+			test_selection_set(&c, i, 20 + i);
+		test_selection_choose(&c);
 		assert_in_range(c.f.lights.used_count, 1, COUNT - 1);
 		if (dark)
 			assert_memory_equal(fresh, c.f.lights.used, sizeof(fresh));
@@ -238,7 +244,7 @@ static void darkness_is_no_state(void **state)
 	}
 }
 
-/* What is said of the dropped light is said of those that were dropped. */
+/* What the selection reports of dropped light agrees with the lights that were dropped. */
 static void what_is_said_is_of_what_was_chosen(void **state)
 {
 	struct choice c;
@@ -251,16 +257,17 @@ static void what_is_said_is_of_what_was_chosen(void **state)
 		const double grey = k ? 38.5 : 39.5, w = c.file.basis.lights[7].solid_angle_sr;
 		const double l = k ? (double)level(grey) : 0;
 
-		assert_int_equal(uses(&c, 7, grey), !k);
-		assert_int_equal(c.f.lights.used_count, COUNT - k);
-		assert_true(c.f.lights.radiance[7][0] == (k ? 0 : (double)level(grey)));
-		assert_true(fabs(c.f.lights.ambient[0] - w * l / (2 * M_PI)) < 1e-12);
+		expect_equal(uses(&c, 7, grey), !k, "k=%d", k);
+		expect_equal(c.f.lights.used_count, COUNT - k, "k=%d", k);
+		expect_equal(c.f.lights.radiance[7][0], (k ? 0 : (double)level(grey)), "k=%d", k);
+		expect_below(fabs(c.f.lights.ambient[0] - w * l / (2 * M_PI)), 1e-12, "k=%d", k);
 		for (int n = 0; n < 3; n++) {
 			const float(*peak)[3] = c.file.basis.poses[0].peak;
 			const double lost = fmax(l * (double)peak[7][n],
 						 c.f.lights.ambient[n] * (double)peak[COUNT][n]);
 
-			assert_true(fabs(c.f.lights.dropped_error[n] - lost) <= 1e-12);
+			expect_at_most(fabs(c.f.lights.dropped_error[n] - lost), 1e-12,
+				       "k=%d, n=%d", k, n);
 		}
 	}
 	choice_end(&c);
@@ -283,26 +290,13 @@ static void write_dome(const char *path)
 	static const uint16_t coverage = 65535, pixel = 0;
 	struct basis_light lights[LIGHTS];
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct fault fault = {""};
-	struct dome dome;
 
-	synthetic_must(dome_create(&dome, 1, DOME_ANGLES, &fault), &fault);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
-	block = hand_object(0, 1, &pixel, LIGHTS, lights, value);
-	synthetic_must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault),
-		       &fault);
-	synthetic_must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	synthetic_must(basis_writer_pose_end(writer, &coverage, peak, &fault), &fault);
-	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	hand_block_lights(1, LIGHTS, lights);
+	block = hand_block_of_object(0, 1, &pixel, LIGHTS, lights, value);
+	hand_block_file(path, &info, lights, &block, &coverage, peak);
 }
 
-/* How many lights are used under an even sky of this code. */
+/* Number of lights used under an even sky of this code. */
 static int used_under(struct pipeline *p, int code, double threshold)
 {
 	static uint8_t pixels[SIDE * SIDE * 4];
@@ -319,17 +313,18 @@ static int used_under(struct pipeline *p, int code, double threshold)
 static void check_levels(struct pipeline *p, int black)
 {
 	for (int t = black + 4; t < 255; t += t < 40 ? 1 : 9) {
-		assert_int_equal(used_under(p, t - 1, t), 0); /* the first: the threshold alone */
-		assert_int_equal(used_under(p, t + 1, t), LIGHTS);
+		/* The first picture: the threshold alone. */
+		assert_int_equal(used_under(p, t - 1, t), 0);
+		expect_equal(used_under(p, t + 1, t), LIGHTS, "t=%d", t);
 		for (int k = 0; k < 4; k++)
-			assert_int_equal(used_under(p, t - k % 2, t), LIGHTS);
-		assert_int_equal(used_under(p, t - 1, t), LIGHTS);
+			expect_equal(used_under(p, t - k % 2, t), LIGHTS, "t=%d, k=%d", t, k);
+		expect_equal(used_under(p, t - 1, t), LIGHTS, "t=%d", t);
 		assert_int_equal(used_under(p, t - 2, t), 0);
 		assert_int_equal(used_under(p, t - 1, t), 0);
 	}
 }
 
-/* Whatever the camera's curve, black level and gain: one level of its picture, measured. */
+/* Whatever the curve, black level and gain of the camera, the band is one level of its picture. */
 static void the_band_is_a_level_of_the_picture(void **state)
 {
 	static const double gains[] = {0.02, 1, 9};

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Where pictures and marks go: every pixel of a cell is written, none outside it. */
+/* Where pictures and marks are placed: every pixel of a cell is written, and none outside. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <string.h>
 
 #include "app/view/layout.h"
 #include "app/view/marks.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define UNTOUCHED 77
 
@@ -27,12 +29,12 @@ static void quarters_tile_the_screen(void **state)
 			struct layout_box box = layout_quarter(&screen, q);
 
 			area += box.width * box.height;
-			assert_int_equal(box.x, q % 2 ? screen.width / 2 : 0);
-			assert_int_equal(box.y, q / 2 ? screen.height / 2 : 0);
-			assert_true(box.x + box.width <= screen.width);
-			assert_true(box.y + box.height <= screen.height);
+			expect_equal(box.x, q % 2 ? screen.width / 2 : 0, "s=%zu, q=%d", s, q);
+			expect_equal(box.y, q / 2 ? screen.height / 2 : 0, "s=%zu, q=%d", s, q);
+			expect_at_most(box.x + box.width, screen.width, "s=%zu, q=%d", s, q);
+			expect_at_most(box.y + box.height, screen.height, "s=%zu, q=%d", s, q);
 		}
-		assert_int_equal(area, screen.width * screen.height);
+		expect_equal(area, screen.width * screen.height, "s=%zu", s);
 	}
 }
 
@@ -55,13 +57,15 @@ static void boxes_keep_the_shape(void **state)
 	assert_int_equal(box.width, 800);
 	assert_int_equal(box.height, 200);
 	assert_int_equal(box.y, 250);
-	box = layout_box(&cell, 360, 243, 2, SCALE_NONE); /* every other line was lost */
+	/* Lines were doubled, as every other one is missing. */
+	box = layout_box(&cell, 360, 243, 2, SCALE_NONE);
 	assert_int_equal(box.width, 360);
 	assert_int_equal(box.height, 486);
 	box = layout_box(&cell, 720, 486, 2, SCALE_NONE); /* too tall: fitted, not cut */
 	assert_int_equal(box.height, 600);
 	assert_int_equal(box.width, 444);
-	box = layout_box(&cell, 1000, 700, 1, SCALE_NONE); /* larger: cut on both sides */
+	/* Larger than the screen: cut on both sides. */
+	box = layout_box(&cell, 1000, 700, 1, SCALE_NONE);
 	assert_int_equal(box.x, 0);
 	assert_int_equal(box.y, 0);
 	assert_int_equal(box.width, 1000);
@@ -119,11 +123,17 @@ static void each_pixel_of_a_cell_is_written(void **state)
 				bool in_box = in_cell && x >= box.x && x < box.x + box.width &&
 					      y >= box.y && y < box.y + box.height;
 
-				assert_int_equal(p[2], !in_cell ? UNTOUCHED : in_box ? 1 : 0);
+				expect_equal(p[2],
+					     !in_cell ? UNTOUCHED
+					     : in_box ? 1
+						      : 0,
+					     "run=%d, y=%d, x=%d", run, y, x);
 				if (in_box && box.width == canvas.width &&
 				    box.height == canvas.height) {
-					assert_int_equal(p[0], x - box.x);
-					assert_int_equal(p[1], y - box.y);
+					expect_equal(p[0], x - box.x, "run=%d, y=%d, x=%d", run, y,
+						     x);
+					expect_equal(p[1], y - box.y, "run=%d, y=%d, x=%d", run, y,
+						     x);
 				}
 			}
 		}
@@ -151,17 +161,17 @@ static void a_line_is_always_seen(void **state)
 		int left = box.x > cell.x ? box.x : cell.x;
 		int width = box.width < cell.width ? box.width : cell.width;
 
-		assert_true(line.from >= left);
-		assert_true(line.to <= left + width);
-		assert_true(line.to - line.from >= (width < 3 ? width : 3));
+		expect_at_least(line.from, left, "run=%d", run);
+		expect_at_most(line.to, left + width, "run=%d", run);
+		expect_at_least(line.to - line.from, (width < 3 ? width : 3), "run=%d", run);
 		if (split == 0)
-			assert_int_equal(line.from, left);
+			expect_equal(line.from, left, "run=%d", run);
 		if (split == 1)
-			assert_int_equal(line.to, left + width);
+			expect_equal(line.to, left + width, "run=%d", run);
 	}
 }
 
-/* Two fillings and the line between them write what one filling writes, but for the line. */
+/* Two halves and the line between them write what the whole would write, except for the line. */
 static void two_halves_are_the_whole(void **state)
 {
 	struct chance chance = chance_begin("two_halves_are_the_whole");
@@ -203,11 +213,13 @@ static void two_halves_are_the_whole(void **state)
 				       y < box.y + box.height;
 
 			for (int x = line.from; in_rows && x < line.to; x++) {
-				assert_int_equal(halves[y][x][2], UNTOUCHED);
+				expect_equal(halves[y][x][2], UNTOUCHED, "run=%d, y=%d, x=%d", run,
+					     y, x);
 				memcpy(halves[y][x], all[y][x], 4);
 			}
 		}
-		assert_memory_equal(halves, all, sizeof(all));
+		expect_same_picture(&halves[0][0][0], &all[0][0][0], sizeof(all[0]), sizeof(all),
+				    "run %d", run);
 		layout_draw_line(&two, &cell, &box, &line);
 		for (int y = 0; y < HEIGHT; y++) {
 			for (int x = 0; x < WIDTH; x++) {
@@ -216,7 +228,9 @@ static void two_halves_are_the_whole(void **state)
 					       y < box.y + box.height;
 
 				if (!in_line)
-					assert_memory_equal(halves[y][x], all[y][x], 4);
+					expect_same_picture(halves[y][x], all[y][x], 4, 4,
+							    "of the pixel at (%d, %d), run %d", x,
+							    y, run);
 			}
 		}
 		scaler_free(&scaler);
@@ -240,7 +254,7 @@ static bool is_colour(const struct canvas *canvas, int x, int y, const uint8_t b
 	return !memcmp(canvas->pixels + (size_t)y * canvas->stride + 4 * (size_t)x, bgr, 3);
 }
 
-/* r = f theta, worked out here once more: a dot lies on each light. */
+/* By r = f theta, computed here independently: a dot lies on each light. */
 static void marks_lie_on_the_lights(void **state)
 {
 	static const uint8_t used_bgr[3] = MARK_USED_BGR, unused_bgr[3] = MARK_UNUSED_BGR;
@@ -265,9 +279,10 @@ static void marks_lie_on_the_lights(void **state)
 		double x = SIDE / 2.0 + focal * theta * cos(phi);
 		double y = SIDE / 2.0 + focal * theta * sin(phi);
 
-		if (theta > 1.5) /* on the horizon half a mark lies outside */
+		if (theta > 1.5) /* on the horizon half of a mark is outside */
 			continue;
-		assert_true(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr));
+		expect_that(is_colour(&canvas, (int)x, (int)y, used[i] ? used_bgr : unused_bgr),
+			    "i=%d", i);
 	}
 	canvas_free(&canvas);
 	dome_free(&dome);
@@ -281,7 +296,7 @@ static void marks_are_squares_of_their_size(void **state)
 	(void)state;
 	assert_int_equal(mark_side_px(243, 1000), 2);
 	assert_int_equal(mark_side_px(480, 480), 4);
-	assert_int_equal(mark_side_px(480, 120), 12); /* 3 of the screen's pixels */
+	assert_int_equal(mark_side_px(480, 120), 12); /* 3 pixels of the screen */
 	assert_int_equal(mark_side_px(120, 120), 3);
 	for (size_t s = 0; s < sizeof(sides) / sizeof(*sides); s++) {
 		struct fisheye lens = lens_of(sides[s], sides[s]);
@@ -291,8 +306,8 @@ static void marks_are_squares_of_their_size(void **state)
 		int coloured = 0, side = mark_side_px(sides[s], sides[s]);
 
 		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-		assert_int_equal(dome.count, 6);
-		dome.count = 1; /* the zenith alone: in the middle */
+		expect_equal(dome.count, 6, "s=%zu", s);
+		dome.count = 1; /* only the zenith: in the middle */
 		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);
 		memset(canvas.pixels, UNTOUCHED, canvas.stride * (size_t)sides[s]);
 		marks_draw(&canvas, &dome, &lens, used, side);
@@ -300,7 +315,7 @@ static void marks_are_squares_of_their_size(void **state)
 			for (int x = 0; x < canvas.width; x++)
 				coloured += is_colour(&canvas, x, y, used_bgr);
 		}
-		assert_int_equal(coloured, side * side);
+		expect_equal(coloured, side * side, "s=%zu", s);
 		canvas_free(&canvas);
 		dome.count = 6;
 		dome_free(&dome);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Text over the picture: where it is drawn, when, and that it can be read. */
+/* Text over the picture: where it is drawn, when it is drawn anew, and that it can be read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,16 +15,17 @@
 #include "app/view/utf8.h"
 #include "app/view/words.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
 
 #if WITH_CAIRO
 
 static int lines_drawn;
-static int line_letters[64]; /* of the first lines */
+static int line_letters[64]; /* letters of the first lines */
 
 void cairo_show_glyphs(void *cairo, const void *glyphs, int count);
 
-/* In the place of cairo's own: counts, and calls it. */
+/* In place of cairo's own function: counts the glyphs and calls it. */
 void cairo_show_glyphs(void *cairo, const void *glyphs, int count)
 {
 	void (*real)(void *, const void *, int);
@@ -49,15 +50,16 @@ static void give_troubles(struct overlay *overlay, int count)
 	overlay_troubles(overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, count);
 }
 
-/* Draws over two screens that hold different things. What differs afterwards is untouched; the rest
- * is text, and does not depend on what was there. */
+/* Text drawn over two screens with different contents. Pixels that differ afterwards are untouched;
+ * the others are text and do not depend on the contents. */
 struct drawn {
 	struct guarded_screen one, other;
 };
 
-static struct drawn draw(struct overlay *overlay, int width, int height)
+static struct drawn test_overlay_draw(struct overlay *overlay, int width, int height)
 {
-	struct drawn d = {guarded_create(width, height, 0x11), guarded_create(width, height, 0xee)};
+	struct drawn d = {guarded_screen_create(width, height, 0x11),
+			  guarded_screen_create(width, height, 0xee)};
 
 	assert_int_equal(overlay_draw(overlay, &d.one.buffer), 0);
 	assert_int_equal(overlay_draw(overlay, &d.other.buffer), 0);
@@ -67,7 +69,8 @@ static struct drawn draw(struct overlay *overlay, int width, int height)
 static bool is_text(const struct drawn *d, int x, int y)
 {
 	static const uint8_t one[4] = {0x11, 0x11, 0x11, 0x11}, other[4] = {0xee, 0xee, 0xee, 0xee};
-	const uint8_t *a = guarded_pixel(&d->one, x, y), *b = guarded_pixel(&d->other, x, y);
+	const uint8_t *a = guarded_screen_pixel(&d->one, x, y),
+		      *b = guarded_screen_pixel(&d->other, x, y);
 
 	if (!memcmp(a, one, 4) && !memcmp(b, other, 4))
 		return false;
@@ -89,14 +92,14 @@ static int text_pixels(const struct drawn *d, int from_y, int to_y)
 
 static void done(struct drawn *d)
 {
-	guarded_free(&d->one);
-	guarded_free(&d->other);
+	guarded_screen_free(&d->one);
+	guarded_screen_free(&d->other);
 }
 
 static void nothing_to_say_draws_nothing(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct drawn d = draw(&overlay, 320, 240);
+	struct drawn d = test_overlay_draw(&overlay, 320, 240);
 
 	(void)state;
 	assert_int_equal(text_pixels(&d, 0, 240), 0);
@@ -108,7 +111,8 @@ static void nothing_to_say_draws_nothing(void **state)
 	overlay_free(&overlay);
 }
 
-/* Boxes of whole rows: what is wrong above, figures below, the middle third free, at every size. */
+/* Boxes of whole rows: problems at the top, figures at the bottom, the middle third free, at every
+ * size. */
 static void keeps_to_its_edges(void **state)
 {
 	struct chance chance = chance_begin("keeps_to_its_edges");
@@ -126,15 +130,17 @@ static void keeps_to_its_edges(void **state)
 
 		overlay_information(&overlay, figures);
 		give_troubles(&overlay, run < listed ? 6 : chance_int(&chance, 0, 6));
-		d = draw(&overlay, width, height);
+		d = test_overlay_draw(&overlay, width, height);
 		assert_int_equal(text_pixels(&d, height / 3, height - height / 3), 0);
 		for (int y = height - height / 3; y < height; y++) {
 			for (int x = 1; x < width; x++)
-				assert_int_equal(is_text(&d, x, y), is_text(&d, 0, y));
+				expect_equal(is_text(&d, x, y), is_text(&d, 0, y),
+					     "run=%d, y=%d, x=%d", run, y, x);
 		}
 		if (width >= 160 && height >= 120) {
-			assert_true(is_text(&d, 0, height - 1));
-			assert_int_equal(is_text(&d, width / 2, 0), overlay.trouble_count > 0);
+			expect_that(is_text(&d, 0, height - 1), "run=%d", run);
+			expect_equal(is_text(&d, width / 2, 0), overlay.trouble_count > 0, "run=%d",
+				     run);
 		}
 		done(&d);
 		overlay_free(&overlay);
@@ -144,8 +150,8 @@ static void keeps_to_its_edges(void **state)
 static void is_drawn_only_when_it_changes(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(640, 480, 0);
-	struct guarded_screen larger = guarded_create(1280, 720, 0);
+	struct guarded_screen screen = guarded_screen_create(640, 480, 0);
+	struct guarded_screen larger = guarded_screen_create(1280, 720, 0);
 	int before;
 
 	(void)state;
@@ -161,7 +167,7 @@ static void is_drawn_only_when_it_changes(void **state)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	}
 	assert_int_equal(lines_drawn, before);
-	overlay_information(&overlay, "lights 1 of 2"); /* the other panel stands */
+	overlay_information(&overlay, "lights 1 of 2"); /* the other panel stays */
 	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	assert_int_equal(lines_drawn, before + 1);
 	give_troubles(&overlay, 1);
@@ -169,8 +175,8 @@ static void is_drawn_only_when_it_changes(void **state)
 	assert_int_equal(lines_drawn, before + 2);
 	assert_int_equal(overlay_draw(&overlay, &larger.buffer), 0);
 	assert_int_equal(lines_drawn, before + 4);
-	guarded_free(&screen);
-	guarded_free(&larger);
+	guarded_screen_free(&screen);
+	guarded_screen_free(&larger);
 	overlay_free(&overlay);
 }
 
@@ -182,23 +188,23 @@ static void goes_when_it_is_taken_back(void **state)
 	(void)state;
 	overlay_information(&overlay, figures);
 	give_troubles(&overlay, 2);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_true(text_pixels(&d, 0, 160) > 0);
 	assert_true(text_pixels(&d, 320, 480) > 0);
 	done(&d);
 	give_troubles(&overlay, 0);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_int_equal(text_pixels(&d, 0, 160), 0);
 	assert_true(text_pixels(&d, 320, 480) > 0);
 	done(&d);
 	overlay_information(&overlay, NULL);
-	d = draw(&overlay, 640, 480);
+	d = test_overlay_draw(&overlay, 640, 480);
 	assert_int_equal(text_pixels(&d, 0, 480), 0);
 	done(&d);
 	overlay_free(&overlay);
 }
 
-/* The strip's upper edge and how many lines it has stay while figures get longer and shorter. */
+/* The upper edge of the strip and its number of lines stay while figures get longer and shorter. */
 static void figures_do_not_make_it_jump(void **state)
 {
 	static const int sizes[][2] = {{320, 240}, {640, 480}, {1024, 600}, {1920, 1080}};
@@ -210,7 +216,7 @@ static void figures_do_not_make_it_jump(void **state)
 		char text[OVERLAY_TEXT_MAX];
 
 		for (int i = 0; i < 40; i++) {
-			/* The longest comes first. */
+			/* the longest figures first */
 			const struct words_figures f = {
 				.lights_used = i ? i * 10 : 406,
 				.lights = 406,
@@ -226,14 +232,14 @@ static void figures_do_not_make_it_jump(void **state)
 
 			words_information(text, sizeof(text), &f);
 			overlay_information(&overlay, text);
-			d = draw(&overlay, width, height);
+			d = test_overlay_draw(&overlay, width, height);
 			while (y < height && !is_text(&d, 0, y))
 				y++;
-			assert_true(y < height);
+			expect_below(y, height, "s=%d, i=%d", s, i);
 			if (i == 0)
 				top = y;
-			assert_true(y >= top);
-			assert_true(i < 2 || y == top);
+			expect_at_least(y, top, "s=%d, i=%d", s, i);
+			expect_that(i < 2 || y == top, "s=%d, i=%d", s, i);
 			top = y;
 			done(&d);
 		}
@@ -248,8 +254,8 @@ static const char *behind(const char *text, int letters)
 	return text;
 }
 
-/* Figures are parted only where " · " stands, which then goes; sentences between words; what has
- * neither, anywhere. */
+/* Figures break only at " · ", which is then left out; sentences break between words; other texts
+ * break anywhere. */
 static void lines_end_where_they_may(void **state)
 {
 	static const struct {
@@ -264,13 +270,13 @@ static void lines_end_where_they_may(void **state)
 	(void)state;
 	for (int i = 0; i < 3; i++) {
 		struct overlay overlay = {.trouble_count = 0};
-		struct guarded_screen screen = guarded_create(320, 240, 0);
+		struct guarded_screen screen = guarded_screen_create(320, 240, 0);
 		const char *at = cases[i].text;
 
 		overlay_information(&overlay, at);
 		lines_drawn = 0;
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
-		assert_true(lines_drawn > 1);
+		expect_above(lines_drawn, 1, "i=%d", i);
 		for (int line = 0; line < lines_drawn; line++) {
 			at = behind(at, line_letters[line]);
 			if (line == lines_drawn - 1)
@@ -279,29 +285,29 @@ static void lines_end_where_they_may(void **state)
 			at += strlen(cases[i].end);
 		}
 		assert_string_equal(at, "");
-		guarded_free(&screen);
+		guarded_screen_free(&screen);
 		overlay_free(&overlay);
 	}
 }
 
-/* What is not shown is counted: so many sentences, and a line that says how many more. */
+/* Sentences for which there is no room are counted, and a last line says how many there are. */
 static void what_is_left_out_is_counted(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(240, 180, 0);
+	struct guarded_screen screen = guarded_screen_create(240, 180, 0);
 	static char texts[6][OVERLAY_TEXT_MAX];
 
 	(void)state;
 	for (int i = 0; i < 6; i++)
-		memcpy(texts[i], "a camera is gone", 17); /* each on a line */
+		memcpy(texts[i], "a camera is gone", 17); /* each on a line of its own */
 	overlay_troubles(&overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, 6);
 	lines_drawn = 0;
 	assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	assert_true(lines_drawn > 2 && lines_drawn < 6);
 	for (int line = 0; line < lines_drawn - 1; line++)
-		assert_int_equal(line_letters[line], 16);
+		expect_equal(line_letters[line], 16, "line=%d", line);
 	assert_int_equal(line_letters[lines_drawn - 1], strlen("and 2 more"));
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 
@@ -317,8 +323,8 @@ static double luminance(const uint8_t bgr[4])
 	return 0.0722 * linear[0] + 0.7152 * linear[1] + 0.2126 * linear[2];
 }
 
-/* Contrast as the Web Content Accessibility Guidelines define it: 7 is their strictest. Letters are
- * as high as promised: rows with bright pixels. */
+/* Contrast by the Web Content Accessibility Guidelines, whose strictest limit is 7. Letters are as
+ * high as promised, counted in rows with bright pixels. */
 static void can_be_read(void **state)
 {
 	static const int sizes[][2] = {{160, 120}, {640, 480}, {1920, 1080}, {3840, 2160}};
@@ -331,12 +337,12 @@ static void can_be_read(void **state)
 		struct drawn d;
 
 		overlay_information(&overlay, "HHHH");
-		d = draw(&overlay, width, height);
+		d = test_overlay_draw(&overlay, width, height);
 		for (int y = height * 2 / 3; y < height; y++) {
 			bool seen = false;
 
 			for (int x = 2; x < width && is_text(&d, x, y); x++) {
-				double l = luminance(guarded_pixel(&d.one, x, y));
+				double l = luminance(guarded_screen_pixel(&d.one, x, y));
 
 				dark = fmin(dark, l);
 				bright = fmax(bright, l);
@@ -345,16 +351,16 @@ static void can_be_read(void **state)
 			}
 			rows += seen;
 		}
-		assert_true((bright + 0.05) / (dark + 0.05) >= 7);
-		/* A capital is 0.73 of the size: of a thirtieth of the height, or of 14 pixels. */
-		assert_true(rows >= fmax(height / 30.0, 14) * 0.73 - 1.5);
-		assert_true(bright_pixels > rows * 4);
+		expect_at_least((bright + 0.05) / (dark + 0.05), 7, "s=%d", s);
+		/* a capital is 0.73 of the size, which is a thirtieth of the height, or 14 pixels */
+		expect_at_least(rows, fmax(height / 30.0, 14) * 0.73 - 1.5, "s=%d", s);
+		expect_above(bright_pixels, rows * 4, "s=%d", s);
 		done(&d);
 		overlay_free(&overlay);
 	}
 }
 
-/* Whatever devices call themselves: it is cut, made valid, and drawn. */
+/* Names of devices may be any bytes: they are cut, made valid and drawn. */
 static void any_bytes(void **state)
 {
 	struct chance chance = chance_begin("any_bytes");
@@ -378,8 +384,8 @@ static void any_bytes(void **state)
 				 chance_int(&chance, 0, 9) % (OVERLAY_TROUBLES_MAX + 1));
 		overlay_information(&overlay, texts[0]);
 		for (const char *at = overlay.information; *at; at += utf8_bytes(at))
-			assert_true(utf8_bytes(at) > 0);
-		d = draw(&overlay, sizes[run % 3][0], sizes[run % 3][1]);
+			expect_above(utf8_bytes(at), 0, "run=%d", run);
+		d = test_overlay_draw(&overlay, sizes[run % 3][0], sizes[run % 3][1]);
 		assert_int_equal(text_pixels(&d, sizes[run % 3][1] / 3,
 					     sizes[run % 3][1] - sizes[run % 3][1] / 3),
 				 0);
@@ -388,10 +394,10 @@ static void any_bytes(void **state)
 	}
 }
 
-/* The font has few of them; none may keep the others from being drawn. */
+/* The font has few of these characters; none may keep the others from being drawn. */
 static void every_character(void **state)
 {
-	struct guarded_screen screen = guarded_create(320, 240, 0);
+	struct guarded_screen screen = guarded_screen_create(320, 240, 0);
 	struct overlay overlay = {.trouble_count = 0};
 
 	(void)state;
@@ -410,13 +416,13 @@ static void every_character(void **state)
 			text[length++] = (char)(0x80 | (c & 0x3f));
 		}
 		text[length] = '\0';
-		/* All planes have the same rules: a sample of each will do. */
+		/* all planes have the same rules, so a sample of each is enough */
 		if (code > 0x11000 && (code & 0xffff) > 0x400 && (code & 0xffff) < 0xff00)
 			continue;
 		overlay_information(&overlay, text);
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 
@@ -431,7 +437,7 @@ static void longer_than_there_is_room_for(void **state)
 		memcpy(text + i, "ä", 3);
 	overlay_information(&overlay, text); /* without a blank */
 	assert_int_equal(strlen(overlay.information), OVERLAY_TEXT_MAX - 2);
-	d = draw(&overlay, 320, 240);
+	d = test_overlay_draw(&overlay, 320, 240);
 	assert_true(is_text(&d, 0, 239));
 	done(&d);
 	overlay_free(&overlay);
@@ -439,11 +445,11 @@ static void longer_than_there_is_room_for(void **state)
 
 #else
 
-/* Nothing is drawn, and nothing fails. */
+/* Without cairo nothing is drawn, and nothing fails. */
 static void without_cairo(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
-	struct guarded_screen screen = guarded_create(64, 48, 0x11);
+	struct guarded_screen screen = guarded_screen_create(64, 48, 0x11);
 
 	(void)state;
 	overlay_information(&overlay, "lights 1 of 2");
@@ -451,9 +457,10 @@ static void without_cairo(void **state)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
 	for (int y = 0; y < 48; y++) {
 		for (int x = 0; x < 64; x++)
-			assert_int_equal(*guarded_pixel(&screen, x, y), 0x11);
+			expect_equal(*guarded_screen_pixel(&screen, x, y), 0x11, "y=%d, x=%d", y,
+				     x);
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_free(&overlay);
 }
 

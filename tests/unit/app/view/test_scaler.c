@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* Scaling pictures: against the filter in double precision, and what any scaler must keep. */
+/* Scaling pictures: against the filter in double precision, and properties of any scaler. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <string.h>
 
 #include "app/view/scaler.h"
 #include "hal/frame/frame.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static struct canvas noise(struct chance *chance, int width, int height)
 {
@@ -41,7 +43,7 @@ static double value(const struct picture *p, int x, int y, int c)
 	return p->origin[x * p->x_step + y * p->y_step + c];
 }
 
-/* One weight of the tent filter at destination i and source s, not normalised. */
+/* Weight of the tent filter at destination i and source s, not normalised. */
 static double tent(int from, int to, int i, int s)
 {
 	double scale = (double)from / to, reach = fmax(1, scale);
@@ -77,7 +79,7 @@ static void scale(const struct picture *from, struct canvas *to, struct pool *po
 	scaler_free(&scaler);
 }
 
-/* Two roundings to 8 bits and of the weights to 14: within 1.5 levels of the exact filter. */
+/* Two roundings to 8 bits and weights of 14 bits: within 1.5 levels of the exact filter. */
 static void is_the_filter_it_says(void **state)
 {
 	struct chance chance = chance_begin("is_the_filter_it_says");
@@ -99,7 +101,8 @@ static void is_the_filter_it_says(void **state)
 					int is = to.pixels[(size_t)y * to.stride + 4 * (size_t)x +
 							   (size_t)c];
 
-					assert_true(fabs(is - exact) < 1.5);
+					expect_below(fabs(is - exact), 1.5,
+						     "run=%d, y=%d, x=%d, c=%d", run, y, x, c);
 				}
 			}
 		}
@@ -120,10 +123,10 @@ static void equal_sizes_are_a_copy(void **state)
 		scale(&picture, &to, NULL);
 		for (int y = 0; y < 11; y++) {
 			for (int x = 0; x < 37; x++)
-				assert_memory_equal(
+				expect_same_picture(
 					to.pixels + (size_t)y * to.stride + 4 * (size_t)x,
-					picture.origin + x * picture.x_step + y * picture.y_step,
-					4);
+					picture.origin + x * picture.x_step + y * picture.y_step, 4,
+					4, "of the pixel at (%d, %d), flips %d", x, y, flips);
 		}
 	}
 	canvas_free(&from);
@@ -148,8 +151,8 @@ static void flat_stays_flat(void **state)
 			scale(&picture, &to, NULL);
 			for (int y = 0; y < to.height; y++) {
 				for (int x = 0; x < 4 * to.width; x++)
-					assert_int_equal(
-						to.pixels[(size_t)y * to.stride + (size_t)x], 201);
+					expect_equal(to.pixels[(size_t)y * to.stride + (size_t)x],
+						     201, "a=%zu, b=%zu, y=%d, x=%d", a, b, y, x);
 			}
 			canvas_free(&from);
 			canvas_free(&to);
@@ -170,15 +173,16 @@ static void threads_change_nothing(void **state)
 	scale(&picture, &one, NULL);
 	scale(&picture, &many, pool);
 	for (int y = 0; y < one.height; y++)
-		assert_memory_equal(one.pixels + (size_t)y * one.stride,
-				    many.pixels + (size_t)y * many.stride, 4 * (size_t)one.width);
+		expect_same_picture(many.pixels + (size_t)y * many.stride,
+				    one.pixels + (size_t)y * one.stride, many.stride,
+				    4 * (size_t)one.width, "row %d", y);
 	pool_destroy(pool);
 	canvas_free(&from);
 	canvas_free(&one);
 	canvas_free(&many);
 }
 
-/* Columns made alone are those of the whole, and nothing beside them is touched. */
+/* Columns made alone are the same as in the whole picture, and nothing beside them is written. */
 static void columns_are_those_of_the_whole(void **state)
 {
 	struct chance chance = chance_begin("columns_are_those_of_the_whole");
@@ -205,9 +209,12 @@ static void columns_are_those_of_the_whole(void **state)
 			const uint8_t *row = all.pixels + (size_t)y * all.stride;
 			int end = 1 + right - left;
 
-			assert_memory_equal(out[y][1], row + 4 * left, 4 * (size_t)(right - left));
-			assert_int_equal(out[y][0][3], 77);
-			assert_int_equal(out[y][end][0], 77);
+			expect_same_picture(out[y][1], row + 4 * left, sizeof(out[0]),
+					    4 * (size_t)(right - left),
+					    "row %d, columns %d to %d, run %d", y, left, right,
+					    run);
+			expect_equal(out[y][0][3], 77, "run=%d, y=%d", run, y);
+			expect_equal(out[y][end][0], 77, "run=%d, y=%d", run, y);
 		}
 		scaler_free(&scaler);
 		canvas_free(&from);
@@ -215,7 +222,7 @@ static void columns_are_those_of_the_whole(void **state)
 	}
 }
 
-/* Nothing outside the rectangle is touched. */
+/* Nothing outside the rectangle is written. */
 static void writes_no_further(void **state)
 {
 	struct chance chance = chance_begin("writes_no_further");
@@ -231,14 +238,15 @@ static void writes_no_further(void **state)
 	for (int y = 0; y < 40; y++) {
 		for (int x = 0; x < 200; x++) {
 			if (y < 5 || y >= 35 || x < 8 || x >= 8 + 120)
-				assert_int_equal(out[y * 200 + x], 77);
+				expect_equal(out[y * 200 + x], 77, "y=%d, x=%d", y, x);
 		}
 	}
 	scaler_free(&scaler);
 	canvas_free(&from);
 }
 
-/* A pool with more threads than the one it was made ready for: each has its own scratch. */
+/* A pool with more threads than the one the scaler was prepared for: each thread has its own
+ * scratch memory. */
 static void has_room_for_more_threads(void **state)
 {
 	struct chance chance = chance_begin("has_room_for_more_threads");

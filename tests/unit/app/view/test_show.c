@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * What is on the screen, for each way of showing: a basis made by hand, pictures that were never in
- * a camera, screens with guard pages.
- */
+/* What each way of showing puts on the screen: a basis made by hand, pictures without cameras,
+ * screens with guard pages. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,6 +8,7 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -18,9 +17,11 @@
 #include "app/view/show.h"
 #include "hal/basis/basis_writer.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/hand_block.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
 
@@ -30,12 +31,6 @@ static struct source sources[3]; /* fisheye, background, scene */
 static struct eyes eyes;
 
 /* ---- what there is to see ---- */
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 /* The first tile is object, which reflects a quarter of the zenith's light. */
 static void write_basis(const char *path)
@@ -51,34 +46,21 @@ static void write_basis(const char *path)
 	static struct basis_light lights[LIGHTS];
 	static uint16_t coverage[WIDTH * HEIGHT], pixel[PIXELS];
 	static float peak[LIGHTS + 1][3], value[PIXELS][3][LIGHTS];
-	struct fault fault = {.text = ""};
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct dome dome;
 
-	must(dome_create(&dome, 3, DOME_ANGLES, &fault), &fault);
-	assert_int_equal(dome.count, LIGHTS);
-	for (int i = 0; i < LIGHTS; i++) {
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
-	}
-	dome_free(&dome);
+	hand_block_lights(3, LIGHTS, lights);
 	for (int p = 0; p < PIXELS; p++) {
 		pixel[p] = (uint16_t)p;
 		coverage[p / BASIS_TILE * WIDTH + p % BASIS_TILE] = 65535;
 		for (int c = 0; c < 3; c++)
 			value[p][c][0] = peak[0][c] = peak[LIGHTS][c] = 0.25f;
 	}
-	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
-	must(basis_writer_open(&writer, path, &info, lights, NULL, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	block = hand_block_of_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0][0]);
+	hand_block_file(path, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
-/* No two cameras alike, and no pixel of what lay in the screens' memory. */
-static void fill(struct canvas *canvas, int width, int height, int red)
+/* The cameras differ from each other and from the former contents of the screens. */
+static void test_show_fill(struct canvas *canvas, int width, int height, int red)
 {
 	assert_int_equal(canvas_create(canvas, width, height), 0);
 	for (int y = 0; y < height; y++) {
@@ -92,36 +74,28 @@ static void fill(struct canvas *canvas, int width, int height, int red)
 	}
 }
 
-static void look(struct eye *eye, struct source *source)
+static void test_show_look(struct eye *eye, struct source *source)
 {
 	struct fault fault = {.text = ""};
 
 	*eye = (struct eye){.section = "test", .source = source, .wanted = {.squash = 1}};
-	must(eye_fit(eye, &fault), &fault);
+	expect_success(eye_fit(eye, &fault), &fault);
 }
 
 static int set_up(void **state)
 {
-	const struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
-		.lens = {.field_deg = 90},
-		.threshold_mode = THRESHOLD_DROP,
-		.background = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.threads = 2,
-	};
+	const struct pipeline_settings settings = plain_pipeline(2);
 	struct fault fault = {.text = ""};
 
 	if (own_folder_make(state))
 		return -1;
-	write_basis(own_path("show.inlay"));
-	must(basis_open(&basis, own_path("show.inlay"), BASIS_SHOWN, &fault), &fault);
-	must(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
-	fill(&sources[0].canvas, SKY, SKY, 60);
-	fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
-	fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
+	write_basis(own_folder_path("show.inlay"));
+	expect_success(basis_open(&basis, own_folder_path("show.inlay"), BASIS_SHOWN, &fault),
+		       &fault);
+	expect_success(pipeline_create(&pipeline, &basis, &settings, &fault), &fault);
+	test_show_fill(&sources[0].canvas, SKY, SKY, 60);
+	test_show_fill(&sources[1].canvas, WIDTH, HEIGHT, 100);
+	test_show_fill(&sources[2].canvas, SCENE_WIDTH, SCENE_HEIGHT, 140);
 	for (int i = 0; i < 3; i++)
 		sources[i].whole = true;
 	return 0;
@@ -133,24 +107,24 @@ static int tear_down(void **state)
 	basis_close(&basis);
 	for (int i = 0; i < 3; i++)
 		canvas_free(&sources[i].canvas);
-	unlink(own_path("show.inlay"));
+	unlink(own_folder_path("show.inlay"));
 	return own_folder_remove(state);
 }
 
-/* All cameras as they are; light measured; half of the lights in use. */
-static int begin(void **state)
+/* All cameras work, light is measured, and half of the lights are used. */
+static int test_show_begin(void **state)
 {
 	const struct pipeline_choice choice = {.threshold = {.value = 120}, .object = true};
 	struct fault fault = {.text = ""};
 	struct picture sky;
 
 	(void)state;
-	look(&eyes.fisheye, &sources[0]);
-	look(&eyes.background, &sources[1]);
-	look(&eyes.scene, &sources[2]);
+	test_show_look(&eyes.fisheye, &sources[0]);
+	test_show_look(&eyes.background, &sources[1]);
+	test_show_look(&eyes.scene, &sources[2]);
 	sky = eye_picture(&eyes.fisheye);
-	must(pipeline_light_picture(pipeline, &sky, &fault), &fault);
-	must(pipeline_choose(pipeline, &choice, &fault), &fault);
+	expect_success(pipeline_light_picture(pipeline, &sky, &fault), &fault);
+	expect_success(pipeline_choose(pipeline, &choice, &fault), &fault);
 	assert_true(pipeline_report(pipeline).lights_used > 5);
 	assert_true(pipeline_report(pipeline).lights_used < LIGHTS - 5);
 	return 0;
@@ -171,7 +145,7 @@ static struct show_picture picture_of(const struct eye *eye)
 static struct guarded_screen shown_by(struct show *show, const struct show_request *request,
 				      int width, int height, int fill)
 {
-	struct guarded_screen screen = guarded_create(width, height, fill);
+	struct guarded_screen screen = guarded_screen_create(width, height, fill);
 	struct fault fault = {.text = ""};
 
 	struct show_request whole = *request;
@@ -188,12 +162,13 @@ static struct guarded_screen shown_by(struct show *show, const struct show_reque
 						     .height = pictures.background.picture.height,
 						     .squash = pictures.background.squash};
 	whole.pool = pipeline_pool(pipeline);
-	must(show_room(show, &whole, &pictures.composite, &screen.buffer, &fault), &fault);
+	expect_success(show_room(show, &whole, &pictures.composite, &screen.buffer, &fault),
+		       &fault);
 	if (pictures.composite.pixels)
-		must(pipeline_composite(pipeline, &backdrop, pictures.composite.pixels,
-					pictures.composite.stride, &fault),
-		     &fault);
-	must(show_draw(show, &whole, &pictures, &screen.buffer, &fault), &fault);
+		expect_success(pipeline_composite(pipeline, &backdrop, pictures.composite.pixels,
+						  pictures.composite.stride, &fault),
+			       &fault);
+	expect_success(show_draw(show, &whole, &pictures, &screen.buffer, &fault), &fault);
 	return screen;
 }
 
@@ -210,20 +185,20 @@ static struct guarded_screen shown(const struct show_request *request, int width
 static bool same_pixel(const struct guarded_screen *a, int ax, int ay,
 		       const struct guarded_screen *b, int bx, int by)
 {
-	return !memcmp(guarded_pixel(a, ax, ay), guarded_pixel(b, bx, by), 3);
+	return !memcmp(guarded_screen_pixel(a, ax, ay), guarded_screen_pixel(b, bx, by), 3);
 }
 
 static bool is_code(const struct guarded_screen *s, int x, int y, int blue, int green, int red)
 {
-	const uint8_t *p = guarded_pixel(s, x, y);
+	const uint8_t *p = guarded_screen_pixel(s, x, y);
 
 	return p[0] == blue && p[1] == green && p[2] == red;
 }
 
 /* ---- tests ---- */
 
-/* Whatever lay in the memory before, the picture is the same: each pixel is written; and the guards
- * stand: none besides. Squashed, cut, fitted, on screens down to one pixel. */
+/* Whatever the memory held before, the picture is the same, so each pixel is written; the guards
+ * prove that no other byte is. Squashed, cut, fitted, on screens down to one pixel. */
 static void every_pixel_and_no_other(void **state)
 {
 	struct chance chance = chance_begin("every_pixel_and_no_other");
@@ -250,16 +225,17 @@ static void every_pixel_and_no_other(void **state)
 		other = shown_by(&show, &request, size[0], size[1], 0xee);
 		for (int y = 0; y < size[1]; y++) {
 			for (int x = 0; x < size[0]; x++)
-				assert_true(same_pixel(&one, x, y, &other, x, y));
+				expect_that(same_pixel(&one, x, y, &other, x, y),
+					    "run=%d, y=%d, x=%d", run, y, x);
 		}
-		guarded_free(&one);
-		guarded_free(&other);
+		guarded_screen_free(&one);
+		guarded_screen_free(&other);
 		show_free(&show);
 		overlay_free(&overlay);
 	}
 }
 
-/* Pixel by pixel it is what the pipeline makes, to the last bit. */
+/* The picture is the pipeline's, pixel by pixel, to the last bit. */
 static void composite_is_the_composite(void **state)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
@@ -277,19 +253,22 @@ static void composite_is_the_composite(void **state)
 			 0);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++) {
-			assert_memory_equal(guarded_pixel(&exact, x, y), made[y][x], 3);
-			assert_memory_equal(guarded_pixel(&framed, x + 15, y + 3), made[y][x], 3);
+			expect_same_picture(guarded_screen_pixel(&exact, x, y), made[y][x], 4, 3,
+					    "of the pixel at (%d, %d)", x, y);
+			expect_same_picture(guarded_screen_pixel(&framed, x + 15, y + 3),
+					    made[y][x], 4, 3, "of the pixel at (%d, %d), framed", x,
+					    y);
 			changed += made[y][x][2] != 100;
 		}
 	}
-	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* there is an object */
+	assert_int_equal(changed, BASIS_TILE * BASIS_TILE); /* the object is there */
 	for (int x = 0; x < WIDTH + 31; x++)
-		assert_true(is_code(&framed, x, 0, 0, 0, 0));
-	guarded_free(&exact);
-	guarded_free(&framed);
+		expect_that(is_code(&framed, x, 0, 0, 0, 0), "x=%d", x);
+	guarded_screen_free(&exact);
+	guarded_screen_free(&framed);
 }
 
-/* Left of the line it is the view before, right of it the view after, at any scale. */
+/* Left of the line is the view before, right of it the view after, at any scale. */
 static void split_is_before_and_after(void **state)
 {
 	struct chance chance = chance_begin("split_is_before_and_after");
@@ -319,14 +298,16 @@ static void split_is_before_and_after(void **state)
 
 			for (int x = 0; x < size[0]; x++) {
 				if (!in_box || x < line.from)
-					assert_true(same_pixel(&split, x, y, &before, x, y));
+					expect_that(same_pixel(&split, x, y, &before, x, y),
+						    "run=%d, y=%d, x=%d", run, y, x);
 				else if (x >= line.to)
-					assert_true(same_pixel(&split, x, y, &after, x, y));
+					expect_that(same_pixel(&split, x, y, &after, x, y),
+						    "run=%d, y=%d, x=%d", run, y, x);
 			}
 		}
-		guarded_free(&before);
-		guarded_free(&after);
-		guarded_free(&split);
+		guarded_screen_free(&before);
+		guarded_screen_free(&after);
+		guarded_screen_free(&split);
 	}
 }
 
@@ -338,15 +319,15 @@ static void a_line_parts_them(void **state)
 
 	(void)state;
 	request.split = 0.25;
-	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture stands from 50 to 99 */
+	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture covers columns 50 to 99 */
 	for (int y = 0; y < HEIGHT; y++) {
-		assert_true(is_code(&screen, 61, y, 0, 0, 0));
-		assert_true(is_code(&screen, 62, y, 255, 255, 255));
-		assert_true(is_code(&screen, 63, y, 0, 0, 0));
+		expect_that(is_code(&screen, 61, y, 0, 0, 0), "y=%d", y);
+		expect_that(is_code(&screen, 62, y, 255, 255, 255), "y=%d", y);
+		expect_that(is_code(&screen, 63, y, 0, 0, 0), "y=%d", y);
 		assert_false(is_code(&screen, 64, y, 0, 0, 0));
 		assert_false(is_code(&screen, 60, y, 0, 0, 0));
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 }
 
 /* A screen without pictures still says what is wrong. */
@@ -354,15 +335,15 @@ static void off_keeps_the_text(void **state)
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_OFF);
-	struct guarded_screen screen, black = guarded_create(320, 240, 0);
+	struct guarded_screen screen, black = guarded_screen_create(320, 240, 0);
 
 	(void)state;
 	screen = shown(&request, 320, 240);
 	for (int y = 0; y < 240; y++) {
 		for (int x = 0; x < 320; x++)
-			assert_true(is_code(&screen, x, y, 0, 0, 0));
+			expect_that(is_code(&screen, x, y, 0, 0, 0), "y=%d, x=%d", y, x);
 	}
-	guarded_free(&screen);
+	guarded_screen_free(&screen);
 	overlay_information(&overlay, "lights 1 of 2");
 	request.overlay = &overlay;
 	screen = shown(&request, 320, 240);
@@ -371,8 +352,8 @@ static void off_keeps_the_text(void **state)
 		for (int x = 0; x < 320; x++)
 			assert_true(same_pixel(&screen, x, y, &black, x, y));
 	}
-	guarded_free(&screen);
-	guarded_free(&black);
+	guarded_screen_free(&screen);
+	guarded_screen_free(&black);
 	overlay_free(&overlay);
 }
 
@@ -382,7 +363,7 @@ static void text_lies_over_the_picture(void **state)
 	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen without = shown(&request, 320, 240), with;
-	struct guarded_screen ink = guarded_create(320, 240, 0x11);
+	struct guarded_screen ink = guarded_screen_create(320, 240, 0x11);
 	int covered = 0;
 
 	(void)state;
@@ -395,17 +376,18 @@ static void text_lies_over_the_picture(void **state)
 			bool text = !is_code(&ink, x, y, 0x11, 0x11, 0x11);
 
 			covered += text;
-			assert_true(same_pixel(&with, x, y, text ? &ink : &without, x, y));
+			expect_that(same_pixel(&with, x, y, text ? &ink : &without, x, y),
+				    "y=%d, x=%d", y, x);
 		}
 	}
 	assert_int_equal(covered > 0, WITH_CAIRO);
-	guarded_free(&with);
-	guarded_free(&without);
-	guarded_free(&ink);
+	guarded_screen_free(&with);
+	guarded_screen_free(&without);
+	guarded_screen_free(&ink);
 	overlay_free(&overlay);
 }
 
-/* Each quarter is what that view shows on a screen of the quarter's size. */
+/* Each quarter shows what its view shows on a screen of that size. */
 static void quad_is_its_four_views(void **state)
 {
 	static const enum config_show views[4] = {SHOW_SCENE, SHOW_FISHEYE, SHOW_BEFORE,
@@ -425,17 +407,18 @@ static void quad_is_its_four_views(void **state)
 			one = shown(&request, box.width, box.height);
 			for (int y = 0; y < box.height; y++) {
 				for (int x = 0; x < box.width; x++)
-					assert_true(same_pixel(&quad, box.x + x, box.y + y, &one, x,
-							       y));
+					expect_that(
+						same_pixel(&quad, box.x + x, box.y + y, &one, x, y),
+						"s=%d, q=%d, y=%d, x=%d", s, q, y, x);
 			}
-			guarded_free(&one);
+			guarded_screen_free(&one);
 		}
-		guarded_free(&quad);
+		guarded_screen_free(&quad);
 	}
 }
 
-/* Used lights are red and the others blue where r = f theta says that they are, on a small quarter
- * of the screen too. */
+/* Used lights are red and the others blue where r = f theta puts them, on a small quarter of the
+ * screen, too. */
 static void lights_are_marked(void **state)
 {
 	static const int sides[] = {120, 240, 480, 960};
@@ -453,22 +436,24 @@ static void lights_are_marked(void **state)
 			double r = radius * acos(d[2]) / (M_PI / 2), phi = atan2(d[1], d[0]);
 			const uint8_t *p;
 
-			if (acos(d[2]) > 1.4) /* at the edge it may be cut */
+			if (acos(d[2]) > 1.4) /* at the edge a mark may be cut */
 				continue;
-			p = guarded_pixel(&quad, (int)(middle[0] + r * cos(phi)),
-					  (int)(middle[1] + r * sin(phi)));
+			p = guarded_screen_pixel(&quad, (int)(middle[0] + r * cos(phi)),
+						 (int)(middle[1] + r * sin(phi)));
 			if (pipeline_used(pipeline)[i])
-				assert_true(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60);
+				expect_that(p[2] > 150 && p[2] > p[0] + 60 && p[2] > p[1] + 60,
+					    "s=%d, i=%d", s, i);
 			else
-				assert_true(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40);
+				expect_that(p[0] > 150 && p[0] > p[2] + 60 && p[0] > p[1] + 40,
+					    "s=%d, i=%d", s, i);
 			seen[pipeline_used(pipeline)[i]]++;
 		}
-		assert_true(seen[0] > 3 && seen[1] > 3);
-		guarded_free(&quad);
+		expect_that(seen[0] > 3 && seen[1] > 3, "s=%d", s);
+		guarded_screen_free(&quad);
 	}
 }
 
-/* Where the screen's hardware scales, nothing else does: pixels go there one by one. */
+/* Where the screen's hardware scales, nothing else does: pixels are copied one by one. */
 static void hardware_that_scales_gets_the_plain_pixels(void **state)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
@@ -486,9 +471,9 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	fitted = shown(&request, fit.width, fit.height);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++)
-			assert_true(same_pixel(&fitted, x, y, &straight, x, y));
+			expect_that(same_pixel(&fitted, x, y, &straight, x, y), "y=%d, x=%d", y, x);
 	}
-	guarded_free(&fitted);
+	guarded_screen_free(&fitted);
 	fit = show_fit(SHOW_QUAD, &eyes, &basis);
 	assert_int_equal(fit.width, 2 * WIDTH);
 	assert_int_equal(fit.height, 2 * HEIGHT);
@@ -496,10 +481,11 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	fitted = shown(&request, fit.width, fit.height);
 	for (int y = 0; y < HEIGHT; y++) {
 		for (int x = 0; x < WIDTH; x++)
-			assert_true(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y));
+			expect_that(same_pixel(&fitted, after.x + x, after.y + y, &straight, x, y),
+				    "y=%d, x=%d", y, x);
 	}
-	guarded_free(&fitted);
-	guarded_free(&straight);
+	guarded_screen_free(&fitted);
+	guarded_screen_free(&straight);
 }
 
 static void sizes_are_those_of_what_is_shown(void **state)
@@ -516,7 +502,7 @@ static void sizes_are_those_of_what_is_shown(void **state)
 	assert_int_equal(height, 4 * HEIGHT);
 }
 
-/* Cameras that have given nothing are black, and nothing fails. */
+/* Cameras without a picture are black, and nothing fails. */
 static void no_pictures(void **state)
 {
 	struct source none = {.canvas = {.width = 0}};
@@ -530,13 +516,14 @@ static void no_pictures(void **state)
 
 		for (int y = 0; y < 43; y++) {
 			for (int x = 0; x < 61; x++)
-				assert_true(is_code(&screen, x, y, 0, 0, 0));
+				expect_that(is_code(&screen, x, y, 0, 0, 0), "what=%d, y=%d, x=%d",
+					    what, y, x);
 		}
-		guarded_free(&screen);
+		guarded_screen_free(&screen);
 	}
 }
 
-#define SHOW_TEST(test) cmocka_unit_test_setup(test, begin)
+#define SHOW_TEST(test) cmocka_unit_test_setup(test, test_show_begin)
 
 int main(void)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is UTF-8 and what is not: against an encoder for every code point. */
+/* Which bytes are UTF-8: against an encoder for every code point. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,9 +11,10 @@
 
 #include "app/view/utf8.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
-/* The bytes of a code point, by RFC 3629's table. */
-static int encode(uint32_t code, char out[5])
+/* Encodes a code point by the table of RFC 3629. */
+static int test_utf8_encode(uint32_t code, char out[5])
 {
 	uint8_t *byte = (uint8_t *)out;
 	int bytes = code < 0x80 ? 1 : code < 0x800 ? 2 : code < 0x10000 ? 3 : 4;
@@ -32,9 +33,10 @@ static void every_code_point(void **state)
 	for (uint32_t code = 1; code < 0x120000; code++) {
 		bool surrogate = code >= 0xd800 && code < 0xe000;
 		char text[5];
-		int bytes = encode(code, text);
+		int bytes = test_utf8_encode(code, text);
 
-		assert_int_equal(utf8_bytes(text), surrogate || code > 0x10ffff ? 0 : bytes);
+		expect_equal(utf8_bytes(text), surrogate || code > 0x10ffff ? 0 : bytes, "code=%u",
+			     code);
 		if (bytes > 1) {
 			text[bytes - 1] = '\0';
 			assert_int_equal(utf8_bytes(text), 0); /* cut short */
@@ -80,7 +82,7 @@ static void copies_are_clean(void **state)
 	assert_string_equal(to, "a?b?c?");
 }
 
-/* Cut at any length: whole characters, the beginning of the text, nothing behind. */
+/* Cut at any length: whole characters from the start of the text, and nothing after them. */
 static void cut_between_characters(void **state)
 {
 	const char *text = "aä€😀bç";
@@ -93,15 +95,16 @@ static void cut_between_characters(void **state)
 		memset(to, '#', sizeof(to));
 		length = utf8_copy(to, room, text);
 		for (size_t i = room; i < sizeof(to); i++)
-			assert_int_equal(to[i], '#');
+			expect_equal(to[i], '#', "room=%zu, i=%zu", room, i);
 		if (room == 0)
 			continue;
-		assert_int_equal(length, strlen(to));
-		assert_true(length < room);
-		assert_true(room > strlen(text) ? length == strlen(text) : room - length <= 4);
+		expect_equal(length, strlen(to), "room=%zu", room);
+		expect_below(length, room, "room=%zu", room);
+		expect_that(room > strlen(text) ? length == strlen(text) : room - length <= 4,
+			    "room=%zu", room);
 		assert_memory_equal(to, text, length);
 		for (const char *at = to; *at; at += utf8_bytes(at))
-			assert_true(utf8_bytes(at) > 0);
+			expect_above(utf8_bytes(at), 0, "room=%zu", room);
 	}
 }
 
@@ -118,10 +121,10 @@ static void bytes_at_random(void **state)
 			from[i] = (char)chance_int(&chance, 1, 255);
 		from[length] = '\0';
 		length = (int)utf8_copy(to, (size_t)room, from);
-		assert_int_equal(length, strlen(to));
+		expect_equal(length, strlen(to), "run=%d", run);
 		for (const char *at = to; *at; at += utf8_bytes(at)) {
-			assert_true(utf8_bytes(at) > 0);
-			assert_true((uint8_t)*at >= 0x20 && *at != 0x7f);
+			expect_above(utf8_bytes(at), 0, "run=%d", run);
+			expect_that((uint8_t)*at >= 0x20 && *at != 0x7f, "run=%d", run);
 		}
 	}
 }

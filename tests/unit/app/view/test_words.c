@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the program says on the screen. */
+/* Texts that the program shows on the screen. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,9 +7,11 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "app/view/words.h"
+#include "tests/support/expect.h"
 
 #define NAME "C920"
 
@@ -25,14 +27,14 @@ static void each_situation_has_a_sentence(void **state)
 			int length = words_camera(text[s], sizeof(text[s]), roles[r], NAME,
 						  (enum camera_situation)s);
 
-			assert_int_equal(length, strlen(text[s]));
+			expect_equal(length, strlen(text[s]), "r=%d, s=%d", r, s);
 			snprintf(start, sizeof(start), "%s camera '" NAME "' ", roles[r]);
 			assert_memory_equal(text[s], start, strlen(start));
-			assert_true(strlen(text[s]) > strlen(start) + 10);
+			expect_above(strlen(text[s]), strlen(start) + 10, "r=%d, s=%d", r, s);
 			assert_null(strstr(text[s], "(null)"));
 			for (int other = CAMERA_FINE + 1; other < s; other++)
 				assert_string_not_equal(text[s], text[other]);
-			/* A name that is not known leaves no quotes. */
+			/* an unknown name leaves no empty quotes */
 			words_camera(text[s], sizeof(text[s]), roles[r], "",
 				     (enum camera_situation)s);
 			assert_null(strchr(text[s], '\''));
@@ -93,7 +95,7 @@ static void nothing_to_say(void **state)
 			 0);
 }
 
-/* What is wrong is not pushed out by a name, and no room is overrun. */
+/* A long name does not push out what is wrong, and no buffer overflows. */
 static void long_names_and_little_room(void **state)
 {
 	static const char *const names[] = {
@@ -109,21 +111,22 @@ static void long_names_and_little_room(void **state)
 		int length = words_camera(whole, sizeof(whole), "Fisheye and background", names[n],
 					  CAMERA_NO_DEVICE);
 
-		assert_true(length < 130);
+		expect_below(length, 130, "n=%zu", n);
 		assert_non_null(strstr(whole, "' is not connected: waiting"));
 		assert_null(strchr(whole, '\n'));
 		assert_null(strchr(whole, '\x1b'));
 		for (size_t room = 0; room <= (size_t)length + 1; room++) {
 			memset(cut, '#', sizeof(cut));
-			assert_int_equal(words_camera(cut, room, "Fisheye and background", names[n],
-						      CAMERA_NO_DEVICE),
-					 length);
-			assert_int_equal(cut[room], '#');
+			expect_equal(words_camera(cut, room, "Fisheye and background", names[n],
+						  CAMERA_NO_DEVICE),
+				     length, "n=%zu, room=%zu", n, room);
+			expect_equal(cut[room], '#', "n=%zu, room=%zu", n, room);
 			if (room == 0)
 				continue;
 			assert_memory_equal(cut, whole, strlen(cut));
-			assert_true(strlen(cut) < room && room - strlen(cut) <= 4);
-			/* What follows begins a character. */
+			expect_that(strlen(cut) < room && room - strlen(cut) <= 4,
+				    "n=%zu, room=%zu", n, room);
+			/* a character starts where the text was cut */
 			assert_int_not_equal(whole[strlen(cut)] & 0xc0, 0x80);
 		}
 	}
@@ -151,7 +154,7 @@ static void figures(void **state)
 	assert_non_null(strstr(text, "threshold 0.25 % ·"));
 	assert_non_null(strstr(text, "error ≤ 0.0 % of white"));
 	assert_non_null(strstr(text, "clipped 0.0 %"));
-	f.clipped = 0.0001; /* a little is not nothing */
+	f.clipped = 0.0001; /* a small share is not shown as none */
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "clipped < 0.1 %"));
 	f.recovered = true;
@@ -162,7 +165,7 @@ static void figures(void **state)
 	assert_string_equal(strstr(text, "clipped"), "clipped < 0.1 %, recovered in part");
 }
 
-/* "at most" stays true when it is rounded. */
+/* "at most" stays true when the number is rounded. */
 static void a_bound_is_rounded_up(void **state)
 {
 	char text[256], expected[64];
@@ -195,9 +198,9 @@ static void figures_out_of_all_bounds(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof(wild) / sizeof(*wild); i++) {
 		memset(text, '#', sizeof(text));
-		assert_true(words_information(text, 60, &wild[i]) > 0);
-		assert_true(strlen(text) < 60);
-		assert_int_equal(text[60], '#');
+		expect_above(words_information(text, 60, &wild[i]), 0, "i=%zu", i);
+		expect_below(strlen(text), 60, "i=%zu", i);
+		expect_equal(text[60], '#', "i=%zu", i);
 	}
 }
 

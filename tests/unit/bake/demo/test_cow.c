@@ -14,6 +14,7 @@
 #include "bake/demo/cow_coat.h"
 #include "bake/demo/cow_shape.h"
 #include "hal/optics/vec.h"
+#include "tests/support/expect.h"
 
 #define SEED 20240607u
 
@@ -98,14 +99,16 @@ static void gradients_match_differences(void **state)
 				up[i] += h;
 				down[i] -= h;
 				slope = (shapes[s](up).value - shapes[s](down).value) / (2 * h);
-				/* The pseudo-distances bend sharply near their centres. */
-				assert_true(fabs(slope - f.gradient[i]) < 2e-3);
+				/* The pseudo-distances bend sharply near their centres, hence the
+				 * tolerance. */
+				expect_below(fabs(slope - f.gradient[i]), 2e-3, "s=%zu, k=%d, i=%d",
+					     s, k, i);
 			}
 		}
 	}
 }
 
-/* The ball that touches the point gives the distance: sought by brute force along the axis. */
+/* Distance to a cone: the smallest distance to any of the balls along its axis, by brute force. */
 static void cone_is_the_distance(void **state)
 {
 	uint32_t seed = SEED;
@@ -123,7 +126,7 @@ static void cone_is_the_distance(void **state)
 
 			least = fmin(least, vec_length(away) - (0.2 - 0.15 * t));
 		}
-		assert_true(fabs(some_cone(p).value - least) < 1e-6);
+		expect_below(fabs(some_cone(p).value - least), 1e-6, "k=%d", k);
 	}
 }
 
@@ -157,10 +160,11 @@ static void ball_is_a_ball(void **state)
 	(void)state;
 	assert_int_equal(polygonise(&mesh, &solid, 0.05), 0);
 	for (int v = 0; v < mesh.vertex_count; v++) {
-		assert_true(fabs(vec_length(mesh.position[v]) - 0.5) < 1e-8);
-		assert_true(fabs(vec_dot(mesh.position[v], mesh.normal[v]) - 0.5) < 1e-8);
+		expect_below(fabs(vec_length(mesh.position[v]) - 0.5), 1e-8, "v=%d", v);
+		expect_below(fabs(vec_dot(mesh.position[v], mesh.normal[v]) - 0.5), 1e-8, "v=%d",
+			     v);
 	}
-	/* Euler's formula of a sphere, and a volume a little below the ball's. */
+	/* Euler's formula for a sphere, and a volume a little below the ball's. */
 	assert_int_equal(2 * (mesh.vertex_count - 2), mesh.triangle_count);
 	assert_true(volume(&mesh) < M_PI / 6);
 	assert_true(volume(&mesh) > 0.99 * M_PI / 6);
@@ -170,39 +174,39 @@ static void ball_is_a_ball(void **state)
 
 /* ---- the meshes ---- */
 
-struct edge {
+struct cow_edge {
 	int from, to;
 };
 
 static int edge_compare(const void *a, const void *b)
 {
-	return memcmp(a, b, sizeof(struct edge));
+	return memcmp(a, b, sizeof(struct cow_edge));
 }
 
-/* Each directed edge exactly once, and its opposite too. */
+/* Each directed edge occurs exactly once, and so does its opposite. */
 static void meshes_are_closed(void **state)
 {
 	(void)state;
 	for (int k = 0; k < COW_PARTS; k++) {
 		const int count = 3 * parts[k].triangle_count;
-		struct edge *edge = malloc(count * sizeof(*edge));
+		struct cow_edge *edge = malloc(count * sizeof(*edge));
 
 		assert_non_null(edge);
 		for (int e = 0; e < count; e++)
-			edge[e] = (struct edge){parts[k].triangle[e / 3][e % 3],
-						parts[k].triangle[e / 3][(e + 1) % 3]};
+			edge[e] = (struct cow_edge){parts[k].triangle[e / 3][e % 3],
+						    parts[k].triangle[e / 3][(e + 1) % 3]};
 		qsort(edge, count, sizeof(*edge), edge_compare);
 		for (int e = 0; e < count; e++) {
-			const struct edge back = {edge[e].to, edge[e].from};
+			const struct cow_edge back = {edge[e].to, edge[e].from};
 
 			if (e)
 				assert_int_not_equal(edge_compare(&edge[e - 1], &edge[e]), 0);
 			assert_non_null(bsearch(&back, edge, count, sizeof(*edge), edge_compare));
 		}
 		free(edge);
-		/* One solid without handles: the collar alone is a ring. */
-		assert_int_equal(parts[k].vertex_count - parts[k].triangle_count / 2,
-				 strcmp(cow_parts[k].name, "collar") ? 2 : 0);
+		/* Solids without handles; only the collar is a ring. */
+		expect_equal(parts[k].vertex_count - parts[k].triangle_count / 2,
+			     strcmp(cow_parts[k].name, "collar") ? 2 : 0, "k=%d", k);
 	}
 }
 
@@ -212,7 +216,7 @@ static void triangles_are_sound_and_outward(void **state)
 	for (int k = 0; k < COW_PARTS; k++) {
 		const double step = cow_parts[k].step;
 
-		assert_true(volume(&parts[k]) > 0);
+		expect_above(volume(&parts[k]), 0, "k=%d", k);
 		for (int t = 0; t < parts[k].triangle_count; t++) {
 			const int *corner = parts[k].triangle[t];
 			double a[3], b[3], normal[3], longest = 0, area;
@@ -226,14 +230,17 @@ static void triangles_are_sound_and_outward(void **state)
 			vec_cross(a, b, normal);
 			area = vec_normalize(normal) / 2;
 			longest = fmax(vec_length(a), vec_length(b));
-			/* Neither specks nor slivers: a height of a tenth of the longest side. */
-			assert_true(area > 0.01 * step * step);
-			assert_true(2 * area / longest > 0.05 * longest);
+			/* Neither specks nor slivers: heights are a tenth of the longest side or
+			 * more. */
+			expect_above(area, 0.01 * step * step, "k=%d, t=%d", k, t);
+			expect_above(2 * area / longest, 0.05 * longest, "k=%d, t=%d", k, t);
 			for (int i = 0; i < 3; i++)
-				assert_true(vec_dot(normal, parts[k].normal[corner[i]]) > 0.2);
+				expect_above(vec_dot(normal, parts[k].normal[corner[i]]), 0.2,
+					     "k=%d, t=%d, i=%d", k, t, i);
 		}
 		for (int v = 0; v < parts[k].vertex_count; v++)
-			assert_true(fabs(vec_length(parts[k].normal[v]) - 1) < 1e-9);
+			expect_below(fabs(vec_length(parts[k].normal[v]) - 1), 1e-9, "k=%d, v=%d",
+				     k, v);
 	}
 }
 
@@ -246,16 +253,18 @@ static void vertices_lie_on_the_surface(void **state)
 		for (int v = 0; v < parts[k].vertex_count; v++) {
 			const struct implicit f = solid->at(solid->context, parts[k].position[v]);
 
-			assert_true(fabs(f.value) < 1e-6);
+			expect_below(fabs(f.value), 1e-6, "k=%d, v=%d", k, v);
 			for (int i = 0; i < 3; i++) {
-				assert_true(parts[k].position[v][i] > solid->low[i] - 1e-3);
-				assert_true(parts[k].position[v][i] < solid->high[i] + 1e-3);
+				expect_above(parts[k].position[v][i], solid->low[i] - 1e-3,
+					     "k=%d, v=%d, i=%d", k, v, i);
+				expect_below(parts[k].position[v][i], solid->high[i] + 1e-3,
+					     "k=%d, v=%d, i=%d", k, v, i);
 			}
 		}
 	}
 }
 
-/* Nothing below the floor, and a flat sole on it under each corner of the body. */
+/* Nothing is below the floor, and under each corner of the body a flat sole stands on it. */
 static void four_hooves_stand_on_the_floor(void **state)
 {
 	int touching[4] = {0, 0, 0, 0};
@@ -265,13 +274,13 @@ static void four_hooves_stand_on_the_floor(void **state)
 		for (int v = 0; v < parts[k].vertex_count; v++) {
 			const double *p = parts[k].position[v];
 
-			assert_true(p[1] > -1e-6);
+			expect_above(p[1], -1e-6, "k=%d, v=%d", k, v);
 			if (p[1] < 1e-5)
 				touching[(p[0] > 0) + 2 * (p[2] > 0)]++;
 		}
 	}
 	for (int i = 0; i < 4; i++)
-		assert_true(touching[i] > 30);
+		expect_above(touching[i], 30, "i=%d", i);
 }
 
 static void budget_and_size(void **state)
@@ -329,8 +338,8 @@ static void look_up(const struct image *picture, const double uv[2], double rgb[
 	}
 }
 
-/* Points all over the coat, borders of the pieces included, find their own colour in the texture;
- * only where one colour turns into the next within a texel may it be off. */
+/* Points all over the coat, at borders of its pieces too, find their colour in the texture. Only
+ * where colours change within a texel may it differ. */
 static void texture_is_the_coat(void **state)
 {
 	const int points = 100000;

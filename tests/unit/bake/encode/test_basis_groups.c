@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Groups of lights: who is in one, and what is taken to be common to its lights. */
+/* Groups of lights: which lights are in a group, and what counts as common to them. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +13,7 @@
 #include "bake/tiles/coarse.h"
 #include "hal/basis/basis_groups.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define FINE 8
 #define COARSE 3
@@ -25,7 +26,7 @@ struct domes {
 	double (*x)[4];
 };
 
-static int begin(void **state)
+static int groups_begin(void **state)
 {
 	struct domes *d = calloc(1, sizeof(*d));
 	struct fault fault;
@@ -48,7 +49,7 @@ static int begin(void **state)
 	return 0;
 }
 
-static int end(void **state)
+static int groups_end(void **state)
 {
 	struct domes *d = *state;
 
@@ -63,7 +64,7 @@ static int end(void **state)
 	return 0;
 }
 
-/* Each light is in the group of the coarse light that it gives most to, once. */
+/* Each light is in exactly one group: that of the coarse light with its largest weight. */
 static void all_lights_are_in_groups(void **state)
 {
 	const struct domes *d = *state;
@@ -84,13 +85,14 @@ static void all_lights_are_in_groups(void **state)
 				most = to->weight[j] > most ? to->weight[j] : most;
 				of_k = to->weight[j] && to->index[j] == k ? to->weight[j] : of_k;
 			}
-			assert_int_equal(of_k, most);
-			assert_int_equal(g->of[g->light[n]], k);
-			assert_true(n == g->first[k] || g->light[n] > g->light[n - 1]);
+			expect_equal(of_k, most, "k=%d, n=%u", k, n);
+			expect_equal(g->of[g->light[n]], k, "k=%d, n=%u", k, n);
+			expect_that(n == g->first[k] || g->light[n] > g->light[n - 1], "k=%d, n=%u",
+				    k, n);
 			sum += d->share[g->light[n]];
 		}
 		if (g->first[k] < g->first[k + 1])
-			assert_true(fabs(sum - 1) < 1e-12);
+			expect_below(fabs(sum - 1), 1e-12, "k=%d", k);
 	}
 	assert_int_equal(met, d->fine.count);
 }
@@ -113,8 +115,8 @@ static int size_of(const struct domes *d, int k)
 	return (int)(d->groups.first[k + 1] - d->groups.first[k]);
 }
 
-/* An even sky is common to all lights; a lamp, or two among three lights and more, changes
- * nothing; neither does one light alone have anything in common with dark ones. */
+/* An even sky is common to all lights. A lamp or two among three or more lights change nothing, and
+ * one light has nothing in common with dark ones. */
 static void a_lamp_is_not_common(void **state)
 {
 	struct domes *d = *state;
@@ -132,18 +134,18 @@ static void a_lamp_is_not_common(void **state)
 			basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any,
 					 even);
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(even[c] - (c + 1)) < 1e-9);
+				expect_below(fabs(even[c] - (c + 1)), 1e-9, "k=%d, lamps=%d, c=%d",
+					     k, lamps, c);
 		}
 		for (int n = 0; n < size; n++)
 			for (int c = 0; c < 3; c++)
 				d->x[light[n]][c] = n ? 0 : 1;
 		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, any, even);
-		assert_true(even[0] == (size > 1 ? 0 : 1));
+		expect_equal(even[0], (size > 1 ? 0 : 1), "k=%d", k);
 	}
 }
 
-/* Whatever light: S is not negative, no more than all that the group sends, and within its limit.
- */
+/* In any light, S is not negative, at most what the whole group sends, and within its limit. */
 static void even_light_is_bounded(void **state)
 {
 	struct chance chance = chance_begin("groups");
@@ -164,11 +166,12 @@ static void even_light_is_bounded(void **state)
 			}
 		basis_group_even(&d->groups, k, d->share, (const double(*)[4])d->x, most, even);
 		for (int c = 0; c < 3; c++)
-			assert_true(even[c] >= 0 && even[c] <= all[c] && even[c] <= most[c]);
+			expect_that(even[c] >= 0 && even[c] <= all[c] && even[c] <= most[c],
+				    "run=%d, c=%d", run, c);
 	}
 }
 
-/* Where no light of a group can arrive, none has a share, and nothing is divided by it. */
+/* Where no light of a group can arrive, no light has a share, and nothing is divided by zero. */
 static void groups_without_weight(void **state)
 {
 	struct domes *d = *state;
@@ -177,14 +180,14 @@ static void groups_without_weight(void **state)
 	memset(d->weight, 0, (size_t)d->fine.count * sizeof(*d->weight));
 	basis_groups_share(&d->groups, d->weight, d->share);
 	for (int i = 0; i < d->fine.count; i++) {
-		assert_true(d->share[i] == 0);
+		expect_equal(d->share[i], 0, "i=%d", i);
 		d->x[i][0] = d->x[i][1] = d->x[i][2] = 0;
 	}
 	basis_group_even(&d->groups, 0, d->share, (const double(*)[4])d->x, any, even);
 	assert_true(even[0] == 0 && even[1] == 0 && even[2] == 0);
 }
 
-/* As of K lights; a cut that is asked to be larger is everybody's. */
+/* cut_group = max(cut, min(cut * sqrt(N / K), BASIS_GROUP_CUT)) */
 static void cuts_of_groups(void **state)
 {
 	const struct basis_groups many = {.lights = 6400, .count = 400}, none = {.lights = 400};
@@ -200,11 +203,11 @@ static void cuts_of_groups(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, begin, end),
+		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, groups_begin, groups_end),
 		cmocka_unit_test(own_lights_have_no_groups),
-		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, begin, end),
-		cmocka_unit_test_setup_teardown(even_light_is_bounded, begin, end),
-		cmocka_unit_test_setup_teardown(groups_without_weight, begin, end),
+		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, groups_begin, groups_end),
+		cmocka_unit_test_setup_teardown(even_light_is_bounded, groups_begin, groups_end),
+		cmocka_unit_test_setup_teardown(groups_without_weight, groups_begin, groups_end),
 		cmocka_unit_test(cuts_of_groups),
 	};
 

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* The lights of a dome gathered over those of a coarser one. */
+/* The lights of a dome gathered in those of a coarser dome. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
-#include "tests/support/encoding.h"
+#include "tests/support/encode_rig.h"
+#include "tests/support/expect.h"
 
 static void over_coarse(void **state)
 {
@@ -16,36 +18,41 @@ static void over_coarse(void **state)
 	(void)state;
 	for (size_t a = 0; a < 6; a++)
 		for (size_t b = 0; b < 5; b++) {
-			struct encoding e, few;
+			struct encode_rig e, few;
 
 			if (coarse[b] >= fine[a])
 				continue;
-			e = encoding_dome(fine[a], coarse[b]);
-			few = encoding_dome(coarse[b], coarse[b]);
+			e = encode_rig_dome(fine[a], coarse[b]);
+			few = encode_rig_dome(coarse[b], coarse[b]);
 			for (int i = 0; i < e.settings.lights; i++) {
 				const struct basis_coarse *g = &e.gather[i];
 				double mean[3] = {0, 0, 0};
 				int sum = 0;
 
 				for (int k = 0; k < 3; k++) {
-					assert_true(g->index[k] < e.settings.coarse);
-					assert_true(!k || !g->weight[k] ||
-						    (g->weight[k - 1] &&
-						     g->index[k] > g->index[k - 1]));
-					assert_true(g->weight[k] || !g->index[k]);
+					expect_below(g->index[k], e.settings.coarse,
+						     "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
+					expect_that(!k || !g->weight[k] ||
+							    (g->weight[k - 1] &&
+							     g->index[k] > g->index[k - 1]),
+						    "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
+					expect_that(g->weight[k] || !g->index[k],
+						    "a=%zu, b=%zu, i=%d, k=%d", a, b, i, k);
 					sum += g->weight[k];
 					for (int x = 0; x < 3; x++)
 						mean[x] += g->weight[k] *
 							   few.light[g->index[k]].direction[x];
 				}
-				assert_int_equal(sum, BASIS_COARSE_ONE);
-				/* Inside the triangles: the mean lies in the light's direction. */
+				expect_equal(sum, BASIS_COARSE_ONE, "a=%zu, b=%zu, i=%d", a, b, i);
+				/* inside the triangles, the weighted mean lies in the light's
+				 * direction */
 				if (e.light[i].direction[2] > 1.0 / coarse[b])
-					assert_true(encoding_dot(mean, e.light[i].direction) >
-						    (1 - 1e-7) * sqrt(encoding_dot(mean, mean)));
+					expect_above(encode_rig_dot(mean, e.light[i].direction),
+						     (1 - 1e-7) * sqrt(encode_rig_dot(mean, mean)),
+						     "a=%zu, b=%zu, i=%d", a, b, i);
 			}
-			encoding_end(&e);
-			encoding_end(&few);
+			encode_rig_end(&e);
+			encode_rig_end(&few);
 		}
 }
 

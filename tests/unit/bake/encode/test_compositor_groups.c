@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A bake under many lights, whose columns come in groups, composited: in fast mode it stays as near
- * to double precision as the file declares. */
+/* A bake under many lights, with columns of groups, composited in fast mode: as near to double
+ * precision as the file declares. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,30 +9,33 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdlib.h>
 
-#include "tests/support/baking.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/random_frame.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define COLUMN_CUT 0.0004
-/* The most that compositing adds to what a file declares: hal/compositor/README.md. */
+/* Largest error that compositing adds: hal/compositor/README.md. */
 #define COMPOSITING 0.78
 
 static void write_ball(void)
 {
-	baking_write_sphere("ball.obj", 0.5, 16);
-	baking_write("ball.ini",
-		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
-		     "width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
-		     "[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
-		     "[object ball]\nfile = ball.obj\nstand = yes\n",
-		     WATCHED ? 28 : 48, WATCHED ? 24 : 40, WATCHED ? 7 : 8, COLUMN_CUT);
+	small_scene_write_sphere("ball.obj", 0.5, 16);
+	small_scene_write(
+		"ball.ini",
+		"[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		"width = %d\nheight = %d\n[dome]\nfrequency = %d\n"
+		"[render]\nsamples = 4\nbounces = 2\ncoarse = 3\ncolumn_cut = %g\n[ground]\n"
+		"[object ball]\nfile = ball.obj\nstand = yes\n",
+		SANITIZED ? 28 : 48, SANITIZED ? 24 : 40, SANITIZED ? 7 : 8, COLUMN_CUT);
 }
 
 struct column_counts {
 	int groups; /* columns of groups */
-	int beside; /* of lights, in a block that has any of these */
-	int across; /* of lights, where those of their groups lie in another block */
+	int beside; /* columns of lights in blocks that have columns of groups */
+	int across; /* columns of lights whose group has its column in another block */
 };
 
 static bool has_groups(const struct basis *basis, const struct basis_block *b)
@@ -68,7 +71,7 @@ static struct column_counts count_columns(const struct basis *basis)
 	return counts;
 }
 
-/* Light from a direction of chance, soft or a lamp, over a sky of some hue. */
+/* Light from a random direction, soft or a lamp, over a sky of some hue. */
 static void light_up(const struct basis *basis, struct chance *chance, float (*radiance)[3])
 {
 	const double power = ldexp(1, chance_int(chance, 0, 9));
@@ -89,7 +92,8 @@ static void light_up(const struct basis *basis, struct chance *chance, float (*r
 			radiance[i][c] /= (float)level;
 }
 
-/* One light alone: white ground or the object's brightest spot is 1, or darker by some amount. */
+/* One light alone, so bright that white ground or the brightest pixel of the object is 1, or
+ * dimmer. */
 static void light_up_one(const struct basis *basis, struct chance *chance, float (*radiance)[3])
 {
 	const uint32_t cell = (uint32_t)chance_int(chance, 0, (int)basis->info.lights - 1);
@@ -104,8 +108,8 @@ static void light_up_one(const struct basis *basis, struct chance *chance, float
 		radiance[cell][c] = (float)ldexp(1 / brightest, -chance_int(chance, 0, 3));
 }
 
-/* The largest difference in 8-bit levels. */
-static double farthest(const struct frame_of *f, const double *truth, int width, int height)
+/* Largest difference in 8-bit levels. */
+static double farthest(const struct random_frame *f, const double *truth, int width, int height)
 {
 	double most = 0;
 
@@ -130,22 +134,22 @@ static void fast_is_near_exact(void **state)
 					       .gain = 1,
 					       .object = true};
 	struct basis basis;
-	struct frame_of f;
+	struct random_frame f;
 	float(*radiance)[3];
-	double *truth, worst[2] = {0}; /* of skies, of lights alone */
+	double *truth, worst[2] = {0}; /* worst error of skies, and of lights alone */
 	struct column_counts counts;
 	int most_columns = 0;
 
 	(void)state;
 	write_ball();
-	basis = baking_bake("ball.ini");
+	basis = small_scene_bake("ball.ini");
 	counts = count_columns(&basis);
 	assert_true(counts.groups > 50 && counts.beside >= 2 * counts.groups);
 	assert_true(counts.across > 50);
 	radiance = calloc(basis.info.lights, sizeof(*radiance));
 	truth = calloc((size_t)basis.info.width * basis.info.height * 3, sizeof(*truth));
 	assert_true(radiance && truth);
-	frame_begin(&f, &basis, NULL, &chance);
+	random_frame_begin(&f, &basis, NULL, &chance);
 	for (int run = 0; run < 48; run++) {
 		const bool alone = run >= 24;
 		double off;
@@ -162,9 +166,7 @@ static void fast_is_near_exact(void **state)
 			0);
 		settings.mode = COMPOSITOR_FAST;
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		off = farthest(&f, truth, (int)basis.info.width, (int)basis.info.height);
 		worst[alone] = fmax(worst[alone], off);
 		most_columns = compositor_last(f.compositor).columns > most_columns
@@ -175,32 +177,34 @@ static void fast_is_near_exact(void **state)
 		      "off, %.2f by one light\n",
 		      counts.groups, counts.beside, counts.across, most_columns, worst[0],
 		      worst[1]);
-	/* What it declares of skies, the picture's own rounding, and that these are others. */
+	/* The declared error of skies, half as much again because these skies are others, and
+	 * rounding. */
 	if (worst[0] > 1.5 * basis.info.sky_max + COMPOSITING)
 		fail_msg("%.2f levels off, declared %.2f", worst[0], basis.info.sky_max);
 	if (worst[1] > basis.info.cell_max + COMPOSITING)
 		fail_msg("%.2f levels off by one light, declared %.2f", worst[1],
 			 basis.info.cell_max);
 	assert_true(most_columns > 0);
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&basis);
 	free(radiance);
 	free(truth);
 }
 
-/* Without a cut nothing may be left out, and nothing is grouped. */
+/* Without a cut no column may be left out, so there are no groups. */
 static void without_a_cut(void **state)
 {
 	struct basis basis;
 
 	(void)state;
 	write_ball();
-	baking_write("whole.ini",
-		     "[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
-		     "width = 16\nheight = 16\n[dome]\nfrequency = 6\n"
-		     "[render]\nsamples = 2\nbounces = 2\ncoarse = 3\ncolumn_cut = 0\n[ground]\n"
-		     "[object ball]\nfile = ball.obj\nstand = yes\n");
-	basis = baking_bake("whole.ini");
+	small_scene_write(
+		"whole.ini",
+		"[camera]\nposition = 2 -3 1.6\nlook_at = 0 0 0.4\nfield_deg = 40\n"
+		"width = 16\nheight = 16\n[dome]\nfrequency = 6\n"
+		"[render]\nsamples = 2\nbounces = 2\ncoarse = 3\ncolumn_cut = 0\n[ground]\n"
+		"[object ball]\nfile = ball.obj\nstand = yes\n");
+	basis = small_scene_bake("whole.ini");
 	assert_int_equal(count_columns(&basis).groups, 0);
 	basis_close(&basis);
 }
@@ -208,8 +212,9 @@ static void without_a_cut(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(fast_is_near_exact, baking_begin, baking_end),
-		cmocka_unit_test_setup_teardown(without_a_cut, baking_begin, baking_end),
+		cmocka_unit_test_setup_teardown(fast_is_near_exact, small_scene_begin,
+						small_scene_end),
+		cmocka_unit_test_setup_teardown(without_a_cut, small_scene_begin, small_scene_end),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The encoder: values that no pattern fits, sizes that fill no line, what it refuses. */
+/* Hard cases of the encoder: values that no pattern fits, sizes that fill no line, and what it
+ * refuses. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,112 +8,114 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 
-#include "tests/support/holding.h"
+#include "tests/support/chance.h"
+#include "tests/support/encode_promises.h"
+#include "tests/support/expect.h"
 
-/* Full rank: no pattern does. */
+/* Noise has full rank, so that no pattern helps. */
 static void over_noise(void **state)
 {
 	struct chance chance = chance_begin("noise");
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct encoding e = encoding_dome(4, 4);
-		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
-							       100, k ? 3 : 1, false);
+		struct encode_rig e = encode_rig_dome(4, 4);
+		struct encode_rig_part *part = encode_rig_part_new(
+			&e, k ? BASIS_KIND_T : BASIS_KIND_V, 100, k ? 3 : 1, false);
 		const int n = e.settings.lights;
 		struct encode_result result;
 
-		encoding_start(&e);
+		encode_rig_start(&e);
 		for (int r = 0; r < 100 * part->samples.channels; r++)
 			for (int i = 0; i < n; i++)
 				part->direct[r * n + i] =
 					(float)(chance_real(&chance, 0, 0.3) *
 						(k ? e.light[i].solid_angle_sr : 1));
-		result = holding_all(&e, part, NULL);
-		assert_true(result.shown_count > 0);
-		encoding_part_free(part);
-		encoding_end(&e);
+		result = encode_promises_hold(&e, part, NULL);
+		expect_above(result.shown_count, 0, "k=%d", k);
+		encode_rig_part_free(part);
+		encode_rig_end(&e);
 	}
 }
 
-/* Of many lights nearly every column is too dim to be used alone, and what all of them come to is
- * no longer little. */
+/* Of many lights nearly each column is too dim to be used alone, but together they matter. */
 static void over_many_lights(void **state)
 {
 	struct chance chance = chance_begin("many lights");
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct encoding e = encoding_dome(12, 3);
-		struct encoding_part *part = encoding_part_new(&e, k ? BASIS_KIND_T : BASIS_KIND_V,
-							       64, k ? 3 : 1, false);
+		struct encode_rig e = encode_rig_dome(12, 3);
+		struct encode_rig_part *part = encode_rig_part_new(
+			&e, k ? BASIS_KIND_T : BASIS_KIND_V, 64, k ? 3 : 1, false);
 		const int n = e.settings.lights;
 
-		encoding_start(&e);
+		encode_rig_start(&e);
 		for (int r = 0; r < 64 * part->samples.channels; r++)
 			for (int i = 0; i < n; i++)
 				part->direct[r * n + i] =
 					chance_real(&chance, 0, 1) < 0.3
 						? (float)(k ? 0.3 * e.light[i].solid_angle_sr : 1)
 						: 0;
-		holding_all(&e, part, NULL);
-		encoding_part_free(part);
-		encoding_end(&e);
+		encode_promises_hold(&e, part, NULL);
+		encode_rig_part_free(part);
+		encode_rig_end(&e);
 	}
 }
 
-/* Lights that shine along the ground: an object that faces them sends there many times what they
- * do, and beside that lies a shadow as dark as any. */
+/* Lights near the horizon: an object that faces them throws many times their light on the ground,
+ * beside a dark shadow. */
 static void over_low_lights(void **state)
 {
 	struct chance chance = chance_begin("low lights");
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct encoding e = encoding_dome(12, 3);
-		struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
-							       false);
+		struct encode_rig e = encode_rig_dome(12, 3);
+		struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
+								   false);
 		const int channels = part->samples.channels, n = e.settings.lights;
 
-		encoding_start(&e);
+		encode_rig_start(&e);
 		for (int r = 0; r < 100 * channels; r++)
 			for (int i = 0; i < n; i++)
 				part->direct[r * n + i] =
 					i % 50		    ? (float)chance_real(&chance, 0, 0.1)
 					: r / channels < 50 ? (float)chance_real(&chance, -57, -10)
 							    : (float)chance_real(&chance, 0.98, 1);
-		holding_all(&e, part, NULL);
-		encoding_part_free(part);
-		encoding_end(&e);
+		encode_promises_hold(&e, part, NULL);
+		encode_rig_part_free(part);
+		encode_rig_end(&e);
 	}
 }
 
-/* What mirrors nearly: each pixel sees a few lights, many times as bright as what is diffuse, and
- * of all others next to nothing. Groups of lights have columns that reach as far. */
+/* Near mirrors: each pixel sees a few lights many times brighter than diffuse ones, and nearly
+ * nothing of the others. Columns of groups reach as far. */
 static void over_mirrors(void **state)
 {
-	struct encoding e = encoding_dome(12, 6);
-	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 256, 3, false);
+	struct encode_rig e = encode_rig_dome(12, 6);
+	struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_T, 256, 3, false);
 	const int n = e.settings.lights;
 
 	(void)state;
-	encoding_start(&e);
+	encode_rig_start(&e);
 	for (int p = 0; p < 256; p++) {
 		const double x = (p % 16 - 7.5) / 16, y = (p / 16 - 7.5) / 16;
 		const double to[3] = {x, y, sqrt(1 - x * x - y * y)};
 
 		for (int k = 0; k < 3 * n; k++) {
 			const struct basis_light *light = &e.light[k % n];
-			const double near = fmax(encoding_dot(light->direction, to), 0);
+			const double near = fmax(encode_rig_dot(light->direction, to), 0);
 
 			part->direct[(p * 3 + k / n) * n + k % n] =
 				(float)((1e-5 + 60 * pow(near, 400)) * light->solid_angle_sr);
 		}
 	}
-	holding_all(&e, part, NULL);
-	encoding_part_free(part);
-	encoding_end(&e);
+	encode_promises_hold(&e, part, NULL);
+	encode_rig_part_free(part);
+	encode_rig_end(&e);
 }
 
 static void over_sizes(void **state)
@@ -123,30 +126,31 @@ static void over_sizes(void **state)
 	for (int lights = 0; lights < 2; lights++)
 		for (size_t k = 0; k < sizeof(pixels) / sizeof(*pixels); k++)
 			for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
-				struct encoding e = lights ? encoding_dome(1, 1) : encoding_lamp();
-				struct encoding_part *part = encoding_part_new(
+				struct encode_rig e = lights ? encode_rig_dome(1, 1)
+							     : encode_rig_lamp();
+				struct encode_rig_part *part = encode_rig_part_new(
 					&e, (enum basis_kind)kind, pixels[k], 3, k % 2);
 
-				encoding_start(&e);
-				encoding_fill(&e, part);
-				holding_all(&e, part, NULL);
-				encoding_part_free(part);
-				encoding_end(&e);
+				encode_rig_start(&e);
+				encode_rig_fill(&e, part);
+				encode_promises_hold(&e, part, NULL);
+				encode_rig_part_free(part);
+				encode_rig_end(&e);
 			}
 }
 
-/* Nothing, all alike, one light a million times the rest, values that hardly are. */
+/* All zeros, all equal, one light a million times the others, and denormal values. */
 static void over_values(void **state)
 {
 	(void)state;
 	for (int k = 0; k < 6; k++) {
-		struct encoding e = encoding_dome(4, 4);
-		struct encoding_part *part =
-			encoding_part_new(&e, k == 1 ? BASIS_KIND_V : BASIS_KIND_T, 70, 3, false);
+		struct encode_rig e = encode_rig_dome(4, 4);
+		struct encode_rig_part *part =
+			encode_rig_part_new(&e, k == 1 ? BASIS_KIND_V : BASIS_KIND_T, 70, 3, false);
 		const int n = e.settings.lights;
 		struct encode_result result;
 
-		encoding_start(&e);
+		encode_rig_start(&e);
 		for (int r = 0; r < 210; r++)
 			for (int i = 0; i < n; i++) {
 				const double w = e.light[i].solid_angle_sr;
@@ -159,18 +163,18 @@ static void over_values(void **state)
 						: k == 4 ? 1e-44 * (r % 5)
 							 : 1e-30 * (i % 5) * (r % 3));
 			}
-		result = holding_all(&e, part, NULL);
-		assert_true(k != 0 || !result.shown_count);
-		/* 6,000 is the largest value of the fourth. Alone in its light it is white, of
-		 * which the two levels that are asked for are 1.8 %. */
-		assert_true(result.object_error < (k == 3 ? 6000 * 0.018 : 1e-2));
-		assert_true(result.ratio_error < 1e-2);
-		encoding_part_free(part);
-		encoding_end(&e);
+		result = encode_promises_hold(&e, part, NULL);
+		expect_that(k != 0 || !result.shown_count, "k=%d", k);
+		/* 6,000 is the largest value of the fourth case. Alone in its light the pixel is
+		 * white, and two levels of white are 1.8 %. */
+		expect_below(result.object_error, (k == 3 ? 6000 * 0.018 : 1e-2), "k=%d", k);
+		expect_below(result.ratio_error, 1e-2, "k=%d", k);
+		encode_rig_part_free(part);
+		encode_rig_end(&e);
 	}
 }
 
-static int encode_one(struct encoding *e, struct encoding_part *part, float value)
+static int encode_one(struct encode_rig *e, struct encode_rig_part *part, float value)
 {
 	struct encode_result result;
 
@@ -180,15 +184,15 @@ static int encode_one(struct encoding *e, struct encoding_part *part, float valu
 
 static void refuses(void **state)
 {
-	struct encoding e = encoding_dome(2, 2);
-	struct encoding_part *part = encoding_part_new(&e, BASIS_KIND_T, 5, 3, true);
-	struct encoding_part *pair[2];
+	struct encode_rig e = encode_rig_dome(2, 2);
+	struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_T, 5, 3, true);
+	struct encode_rig_part *pair[2];
 	struct encode_samples samples[2];
 	struct encode_result result;
 
 	(void)state;
-	encoding_start(&e);
-	encoding_fill(&e, part);
+	encode_rig_start(&e);
+	encode_rig_fill(&e, part);
 	assert_int_equal(encode_one(&e, part, NAN), -EDOM);
 	assert_int_equal(encode_one(&e, part, INFINITY), -EDOM);
 	assert_int_equal(encode_one(&e, part, -1e31F), -EDOM);
@@ -197,8 +201,8 @@ static void refuses(void **state)
 	part->bounce[1] = NAN;
 	assert_int_equal(encode_one(&e, part, 0), -EDOM);
 	for (int k = 0; k < 2; k++) {
-		pair[k] = encoding_part_new(&e, k ? BASIS_KIND_U : BASIS_KIND_D, 5, 3, false);
-		encoding_fill(&e, pair[k]);
+		pair[k] = encode_rig_part_new(&e, k ? BASIS_KIND_U : BASIS_KIND_D, 5, 3, false);
+		encode_rig_fill(&e, pair[k]);
 		samples[k] = pair[k]->samples;
 	}
 	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 1, &result), -EINVAL);
@@ -210,10 +214,10 @@ static void refuses(void **state)
 	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, samples, 2, &result), -EDOM);
 	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, NULL, 0, &result), 0);
 	assert_int_equal(result.shown_count, 0);
-	encoding_part_free(part);
+	encode_rig_part_free(part);
 	for (int k = 0; k < 2; k++)
-		encoding_part_free(pair[k]);
-	encoding_end(&e);
+		encode_rig_part_free(pair[k]);
+	encode_rig_end(&e);
 }
 
 int main(void)

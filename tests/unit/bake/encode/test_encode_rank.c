@@ -1,35 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Patterns of as many dimensions as there are: the weighted least squares over the coarse lights,
- * in which lights that have lost weight count by the mean of their group. */
+/* Patterns of full rank solve weighted least squares over the coarse lights; lights that have lost
+ * weight count by the mean of their group. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "bake/encode/encode_rank.h"
-#include "tests/support/encoding.h"
+#include "tests/support/chance.h"
+#include "tests/support/encode_rig.h"
 
-#define PIXELS 40 /* more than there are coarse lights: nothing is cut off */
+#define PIXELS 40 /* more than coarse lights, so that nothing is cut off */
 
-struct fit {
-	struct encoding e;
+struct rank_fit {
+	struct encode_rig e;
 	struct basis_groups groups;
-	struct part part; /* only what a metric asks for */
+	struct part part; /* only the fields that a metric reads */
 	struct rank_metric metric;
 	struct rank_patterns patterns;
 	struct rank_scratch scratch;
 	float *weight, *value; /* [lights], [lights][PIXELS] */
-	double *left;	       /* [lights][PIXELS]: of value */
+	double *left;	       /* [lights][PIXELS]: residual of value */
 };
 
-static void fit_begin(struct fit *f, struct chance *chance)
+static void fit_begin(struct rank_fit *f, struct chance *chance)
 {
 	struct encode_settings *s;
 	size_t n;
 
-	*f = (struct fit){.e = encoding_dome(6, 2)};
+	*f = (struct rank_fit){.e = encode_rig_dome(6, 2)};
 	s = &f->e.settings;
 	n = (size_t)s->lights;
 	assert_int_equal(basis_groups_create(&f->groups, s->gather, s->lights, s->coarse), 0);
@@ -56,7 +59,7 @@ static void fit_begin(struct fit *f, struct chance *chance)
 	assert_int_equal(rank_scratch_create(&f->scratch, s), 0);
 }
 
-static void fit_end(struct fit *f)
+static void fit_end(struct rank_fit *f)
 {
 	rank_metric_free(&f->metric);
 	rank_patterns_free(&f->patterns);
@@ -67,10 +70,10 @@ static void fit_end(struct fit *f)
 	free(f->weight);
 	free(f->value);
 	free(f->left);
-	encoding_end(&f->e);
+	encode_rig_end(&f->e);
 }
 
-static void find(struct fit *f)
+static void encode_rank_find(struct rank_fit *f)
 {
 	const int n = f->e.settings.lights;
 
@@ -89,8 +92,8 @@ static void find(struct fit *f)
 		}
 }
 
-/* RMS over groups and pixels of the mean of what is left of a group's lights. */
-static double left_of_means(const struct fit *f)
+/* RMS, over groups and pixels, of the mean residual of a group's lights. */
+static double left_of_means(const struct rank_fit *f)
 {
 	double square = 0;
 
@@ -106,8 +109,8 @@ static double left_of_means(const struct fit *f)
 	return sqrt(square / (f->groups.count * PIXELS));
 }
 
-/* Where the sum of weighted squares is least its slope is 0, along every coarse light. */
-static void is_least(const struct fit *f, double mean_weight)
+/* At the minimum of the weighted squares their slope is 0, along every coarse light. */
+static void is_least(const struct rank_fit *f, double mean_weight)
 {
 	const struct encode_settings *s = &f->e.settings;
 
@@ -154,25 +157,25 @@ static void is_least(const struct fit *f, double mean_weight)
 static void lost_weight_goes_to_means(void **state)
 {
 	struct chance chance = chance_begin("ranks");
-	struct fit f;
+	struct rank_fit f;
 	double with, without;
 
 	(void)state;
 	fit_begin(&f, &chance);
 	for (int i = 0; i < f.e.settings.lights; i++)
 		f.weight[i] = f.part.weight[i];
-	find(&f);
+	encode_rank_find(&f);
 	is_least(&f, 0);
 
 	for (int i = 0; i < f.e.settings.lights; i++)
 		f.weight[i] *= i % 3 ? 0.001F : 1.5F;
 	f.part.share = NULL; /* a part without groups */
-	find(&f);
+	encode_rank_find(&f);
 	f.part.share = f.part.own_share;
 	without = left_of_means(&f);
 	is_least(&f, 0);
 
-	find(&f);
+	encode_rank_find(&f);
 	with = left_of_means(&f);
 	is_least(&f, RANK_MEAN_WEIGHT);
 	assert_true(with < 0.7 * without);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Jobs for other renderers: the meshes read back, the rays that are the camera's, and who covers
- * what. */
+/* Jobs for other renderers: meshes read back, rays of the camera, and coverage. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,11 +7,18 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "bake/base/angles.h"
 #include "bake/exchange/export_blender.h"
 #include "bake/exchange/export_radiance.h"
-#include "tests/support/baking.h"
+#include "bake/scene/scene.h"
+#include "tests/support/expect.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -21,7 +27,7 @@
 
 static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
 				  "height = 18\n";
-/* Barrel, off its centre. */
+/* Barrel distortion, off centre. */
 static const char *const lens =
 	"[tsai]\nwidth = 24\nheight = 18\n"
 	"rotation = 1 0 0 0 -0.397607437634 -0.917555625310 0 0.917555625310 -0.397607437634\n"
@@ -33,15 +39,15 @@ static struct scene *open_scene(const char *view)
 	struct fault fault = {.text = ""};
 	struct scene *scene;
 
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 1\nv -2 1 1\nf 1 2 3 4\n");
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 1\nv -2 1 1\nf 1 2 3 4\n");
+	small_scene_write(
 		"job.scene",
 		"%s[dome]\nfrequency = 1\n[ground]\nextent = 6\n[object ball]\nfile = ball.obj\n"
 		"up = z\nstand = yes\nmaterial = m\n[standin wall]\nfile = wall.obj\nup = z\n"
 		"[material m]\ncolour = 0.8 0.5 0.3\n",
 		view);
-	if (scene_open(&scene, baking_path("job.scene"), 0, 0, &fault))
+	if (scene_open(&scene, small_scene_path("job.scene"), 0, 0, &fault))
 		fail_msg("%s", fault.text);
 	return scene;
 }
@@ -53,7 +59,7 @@ static void export_to(const struct scene *scene, const char *folder)
 	struct dome dome;
 
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	if (export_radiance(scene, &dome, baking_path(folder), &settings, &fault))
+	if (export_radiance(scene, &dome, small_scene_path(folder), &settings, &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 }
@@ -61,7 +67,7 @@ static void export_to(const struct scene *scene, const char *folder)
 static float *read_rays(const char *name)
 {
 	const size_t count = (size_t)FLOATS * RAYS * RAYS * WIDTH * HEIGHT;
-	FILE *stream = fopen(baking_path(name), "rb");
+	FILE *stream = fopen(small_scene_path(name), "rb");
 	float *rays = malloc(count * sizeof(*rays));
 
 	assert_non_null(stream);
@@ -72,8 +78,8 @@ static float *read_rays(const char *name)
 	return rays;
 }
 
-/* Every ray is the camera's, through its lens, or nothing; no ray meets two things, and each that
- * looks below the horizon meets one. */
+/* Each ray is the camera's, through its lens, or empty. No ray meets two things, and each ray below
+ * the horizon meets one. */
 static void test_rays(void **state)
 {
 	struct scene *scene = open_scene(lens);
@@ -116,7 +122,7 @@ static void test_rays(void **state)
 	scene_close(scene);
 }
 
-/* Coverage is the share of the rays that meet an object, pixel by pixel. */
+/* Coverage of a pixel is the share of its rays that meet an object. */
 static void test_coverage(void **state)
 {
 	struct scene *scene = open_scene(camera);
@@ -127,7 +133,7 @@ static void test_coverage(void **state)
 	(void)state;
 	export_to(scene, "cover");
 	object = read_rays("cover/object.rays");
-	if (image_read(baking_path("cover/coverage.hdr"), &coverage, &fault))
+	if (image_read(small_scene_path("cover/coverage.hdr"), &coverage, &fault))
 		fail_msg("%s", fault.text);
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
@@ -145,7 +151,7 @@ static void test_coverage(void **state)
 	scene_close(scene);
 }
 
-/* The meshes that go out are the ones of the scene, where they stand. */
+/* The exported meshes are the scene's, in their places. */
 static void test_meshes(void **state)
 {
 	const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 180};
@@ -159,11 +165,11 @@ static void test_meshes(void **state)
 		const struct mesh_part *own = &scene->meshes[k].parts[0];
 		float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 
-		if (mesh_read(&mesh, baking_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
+		if (mesh_read(&mesh, small_scene_path(k ? "mesh/standins.obj" : "mesh/objects.obj"),
 			      &as_it_is, &fault))
 			fail_msg("%s", fault.text);
-		assert_int_equal(mesh.part_count, 1);
-		assert_int_equal(mesh.parts[0].triangles, own->triangles);
+		expect_equal(mesh.part_count, 1, "k=%d", k);
+		expect_equal(mesh.parts[0].triangles, own->triangles, "k=%d", k);
 		for (int v = 0; v < own->vertices; v++) {
 			low[0] = fminf(low[0], own->position[v][2]);
 			high[0] = fmaxf(high[0], own->position[v][0]);
@@ -179,7 +185,7 @@ static void test_meshes(void **state)
 	scene_close(scene);
 }
 
-/* The angles are read back as the dome that they are. */
+/* The exported angles read back as the same dome. */
 static void test_angles(void **state)
 {
 	struct scene *scene = open_scene(camera);
@@ -189,17 +195,17 @@ static void test_angles(void **state)
 
 	(void)state;
 	export_to(scene, "angles");
-	if (angles_read(baking_path("angles/angles.txt"), &dome, &light, &fault))
+	if (angles_read(small_scene_path("angles/angles.txt"), &dome, &light, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(dome.count, 6);
 	for (int k = 0; k < dome.count; k++)
-		assert_int_equal(light[k], k);
+		expect_equal(light[k], k, "k=%d", k);
 	free(light);
 	dome_free(&dome);
 	scene_close(scene);
 }
 
-/* The solid angle of all suns of a light's file. */
+/* Solid angle of all suns in a light's file. */
 static double suns_sr(const char *path)
 {
 	FILE *stream = fopen(path, "r");
@@ -215,7 +221,7 @@ static double suns_sr(const char *path)
 	return sum;
 }
 
-/* Tents are told by their file of angles, and by as many suns as dense as they are bright. */
+/* A tent is exported as its file of angles, and as suns whose density is its brightness. */
 static void test_tents(void **state)
 {
 	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
@@ -226,32 +232,34 @@ static void test_tents(void **state)
 
 	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
-	assert_int_equal(export_radiance(scene, &dome, baking_path("tents"), &settings, &fault), 0);
+	assert_int_equal(
+		export_radiance(scene, &dome, small_scene_path("tents"), &settings, &fault), 0);
 	for (int i = 0; i < dome.count; i++) {
 		char name[64];
 
 		snprintf(name, sizeof(name), "tents/light%03d.rad", i);
-		assert_true(fabs(suns_sr(baking_path(name)) / dome.solid_angle_sr[i] - 1) < 0.02);
+		expect_below(fabs(suns_sr(small_scene_path(name)) / dome.solid_angle_sr[i] - 1),
+			     0.02, "i=%d", i);
 	}
-	if (angles_read(baking_path("tents/angles.txt"), &found, &light, &fault))
+	if (angles_read(small_scene_path("tents/angles.txt"), &found, &light, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(found.count, dome.count);
 	assert_int_equal((int)found.shape, (int)DOME_TENTS);
 	free(light);
 	dome_free(&found);
-	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -ENOTSUP);
+	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -ENOTSUP);
 	assert_non_null(strstr(fault.text, "expected cells"));
 	dome_free(&dome);
 	scene_close(scene);
 }
 
-/* A lens that is straight, one that bends by a known amount, and one that Blender has not. */
+/* A lens without distortion, one with a known distortion, and one that Blender does not have. */
 static void test_shift(void **state)
 {
 	struct scene *scene = open_scene(lens);
 	struct tsai_camera straight = scene->camera;
 	struct fault fault = {.text = ""};
-	/* the upper left pixel is the furthest: 12.5 by 9.5 px of 0.25 units */
+	/* the upper left pixel is the farthest: 12.5 by 9.5 px of 0.25 units */
 	const double radius = 0.25 * hypot(12.5, 9.5);
 	double undistorted, expected;
 	struct dome dome;
@@ -264,9 +272,9 @@ static void test_shift(void **state)
 	assert_float_equal(export_camera_shift(&scene->camera), expected, 1e-6);
 	assert_true(expected > EXPORT_BLENDER_SHIFT_PX);
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	assert_int_equal(export_blender(scene, &dome, baking_path("no"), &fault), -EINVAL);
+	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "moves pixels by up to"));
-	assert_int_equal(access(baking_path("no"), F_OK), -1);
+	assert_int_equal(access(small_scene_path("no"), F_OK), -1);
 	dome_free(&dome);
 	scene_close(scene);
 }
@@ -279,5 +287,5 @@ int main(void)
 		cmocka_unit_test(test_shift),  cmocka_unit_test(test_tents),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The thesis's own files: written, read back in every variant, damaged; its own loop on both sides.
- */
+/* Files of the thesis's program: written, read back in every variant, damaged; and the thesis's own
+ * loop over both. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,17 +8,21 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "bake/base/random.h"
 #include "bake/exchange/msi.h"
-#include "tests/support/baking.h"
+#include "tests/support/expect.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30
 
 static const struct msi_variant variants[] = {{false, 8}, {false, 4}, {true, 4}, {true, 8}};
 
-/* A bake, and what the thesis's program holds of it. */
+/* A bake, and the same as the thesis's program would hold it. */
 static struct world_of_thesis {
 	struct basis basis;
 	struct dome dome;
@@ -37,38 +41,39 @@ static struct thesis *thesis_of(const struct basis *basis, struct pool *pool)
 	return thesis;
 }
 
-static int begin(void **state)
+static int test_msi_begin(void **state)
 {
-	if (baking_begin(state))
+	if (small_scene_begin(state))
 		return -1;
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("ball.ini",
-		     "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
-		     "[dome]\nfrequency = 2\n[render]\nsamples = 16\n[ground]\n[object ball]\n"
-		     "file = ball.obj\nup = z\nstand = yes\nmaterial = m\n[material m]\n"
-		     "colour = 0.8 0.5 0.3\n",
-		     WIDTH, HEIGHT);
-	own.basis = baking_bake("ball.ini");
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write(
+		"ball.ini",
+		"[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
+		"[dome]\nfrequency = 2\n[render]\nsamples = 16\n[ground]\n[object ball]\n"
+		"file = ball.obj\nup = z\nstand = yes\nmaterial = m\n[material m]\n"
+		"colour = 0.8 0.5 0.3\n",
+		WIDTH, HEIGHT);
+	own.basis = small_scene_bake("ball.ini");
 	assert_int_equal(dome_create(&own.dome, 2, DOME_ANGLES, NULL), 0);
 	assert_int_equal(pool_create(&own.pool, 2), 0);
 	own.thesis = thesis_of(&own.basis, own.pool);
 	return 0;
 }
 
-static int end(void **state)
+static int test_msi_end(void **state)
 {
 	thesis_destroy(own.thesis);
 	pool_destroy(own.pool);
 	dome_free(&own.dome);
 	basis_close(&own.basis);
-	return baking_end(state);
+	return small_scene_end(state);
 }
 
 static void write_msi(const char *name, const struct msi_variant *variant)
 {
 	struct fault fault = {.text = ""};
 
-	if (msi_write(baking_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
+	if (msi_write(small_scene_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
 		      &fault))
 		fail_msg("%s", fault.text);
 }
@@ -79,7 +84,7 @@ static void check_same(const struct msi *msi)
 		const uint8_t *row, *read = msi->data + msi->start[p];
 		const enum thesis_role role = thesis_pixel(own.thesis, p % WIDTH, p / WIDTH, &row);
 
-		assert_int_equal(*read, role);
+		expect_equal(*read, role, "p=%d", p);
 		if (role)
 			assert_memory_equal(read + 1, row,
 					    3 * (size_t)role * (size_t)own.dome.count);
@@ -94,12 +99,12 @@ static void test_variants(void **state)
 	(void)state;
 	for (size_t k = 0; k < 4; k++) {
 		write_msi("a.msi", &variants[k]);
-		assert_int_equal(msi_open(&msi, baking_path("a.msi"), &fault), 0);
-		assert_int_equal(msi.variant.big_endian, variants[k].big_endian);
-		assert_int_equal(msi.variant.long_bytes, variants[k].long_bytes);
-		assert_int_equal(msi.width, WIDTH);
-		assert_int_equal(msi.height, HEIGHT);
-		assert_int_equal(msi.lights, own.dome.count);
+		assert_int_equal(msi_open(&msi, small_scene_path("a.msi"), &fault), 0);
+		expect_equal(msi.variant.big_endian, variants[k].big_endian, "k=%zu", k);
+		expect_equal(msi.variant.long_bytes, variants[k].long_bytes, "k=%zu", k);
+		expect_equal(msi.width, WIDTH, "k=%zu", k);
+		expect_equal(msi.height, HEIGHT, "k=%zu", k);
+		expect_equal(msi.lights, own.dome.count, "k=%zu", k);
 		check_same(&msi);
 		msi_close(&msi);
 		msi_close(&msi);
@@ -123,10 +128,10 @@ static struct basis import(const char *name)
 	assert_non_null(place);
 	for (int i = 0; i < own.dome.count; i++)
 		place[i] = i;
-	assert_int_equal(msi_open(&msi, baking_path(name), &fault), 0);
+	assert_int_equal(msi_open(&msi, small_scene_path(name), &fault), 0);
 	assert_int_equal(msi_source_create(&from, &msi, &own.dome, place, thesis_rate(own.thesis)),
 			 0);
-	assert_non_null(from.ground); /* it is flat, and shows it */
+	assert_non_null(from.ground); /* the ground is flat and visible */
 	{
 		const struct import_source source = {
 			.width = msi.width,
@@ -138,13 +143,13 @@ static struct basis import(const char *name)
 			.context = &from,
 		};
 
-		if (import_run(&source, &settings, baking_path("in.inlay"), &fault))
+		if (import_run(&source, &settings, small_scene_path("in.inlay"), &fault))
 			fail_msg("%s", fault.text);
 	}
 	msi_source_free(&from);
 	msi_close(&msi);
 	free(place);
-	if (basis_open(&basis, baking_path("in.inlay"), BASIS_WITH_EXACT, &fault) < 0)
+	if (basis_open(&basis, small_scene_path("in.inlay"), BASIS_WITH_EXACT, &fault) < 0)
 		fail_msg("%s", fault.text);
 	return basis;
 }
@@ -162,7 +167,7 @@ static void light_up(struct light_selection *lights, const struct basis *basis, 
 	light_selection_choose(lights, basis, 0, (const float(*)[3])radiance, 0, THRESHOLD_DROP, 1);
 }
 
-/* Most levels that the thesis's pictures of both differ by. */
+/* Largest difference in levels of pictures that the thesis's loop makes of both. */
 static int loop_difference(struct thesis *other, const struct basis *basis, int kind)
 {
 	struct canvas background, a, b;
@@ -207,7 +212,7 @@ static void test_loop(void **state)
 		const int most = loop_difference(other, &basis, kind);
 
 		print_message("light %d: at most %d levels\n", kind, most);
-		assert_true(most <= 1);
+		expect_at_most(most, 1, "kind=%d", kind);
 	}
 	thesis_destroy(other);
 	basis_close(&basis);
@@ -219,12 +224,12 @@ static void refused(const uint8_t *data, size_t bytes, const char *words)
 {
 	struct fault fault = {.text = ""};
 	struct msi msi;
-	FILE *file = fopen(baking_path("bad.msi"), "wb");
+	FILE *file = fopen(small_scene_path("bad.msi"), "wb");
 
 	assert_non_null(file);
 	assert_int_equal(fwrite(data, 1, bytes, file), bytes);
 	assert_int_equal(fclose(file), 0);
-	assert_int_equal(msi_open(&msi, baking_path("bad.msi"), &fault), -EBADMSG);
+	assert_int_equal(msi_open(&msi, small_scene_path("bad.msi"), &fault), -EBADMSG);
 	if (!strstr(fault.text, words))
 		fail_msg("expected \"%s\": %s", words, fault.text);
 	assert_null(msi.data);
@@ -243,7 +248,7 @@ static void test_damage(void **state)
 		const bool big = variants[k].big_endian;
 
 		write_msi("a.msi", &variants[k]);
-		file = fopen(baking_path("a.msi"), "rb");
+		file = fopen(small_scene_path("a.msi"), "rb");
 		assert_non_null(file);
 		bytes = fread(data, 1, 4 << 20, file);
 		fclose(file);
@@ -257,14 +262,14 @@ static void test_damage(void **state)
 		data[first] = 3;
 		refused(data, bytes, "expected 0, 1 or 2");
 		data[first] = 0;
-		data[big ? 3 : 0]++; /* a column more */
+		data[big ? 3 : 0]++; /* one column more */
 		refused(data, bytes, "no .msi, or damaged");
 		memset(data, 0, 12);
 		refused(data, bytes, "no size and count of lights");
 		memset(data, 255, 12);
 		refused(data, bytes, "no size and count of lights");
 	}
-	/* says 24 bytes, has 20 */
+	/* the header says 24 bytes, and there are 20 */
 	refused(tiny, sizeof(tiny), "expected 24");
 	free(data);
 }
@@ -277,5 +282,5 @@ int main(void)
 		cmocka_unit_test(test_damage),
 	};
 
-	return cmocka_run_group_tests(tests, begin, end);
+	return cmocka_run_group_tests(tests, test_msi_begin, test_msi_end);
 }

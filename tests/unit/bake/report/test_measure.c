@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What bench and report measure with, and how a report writes what it found: turns, medians, cells
- * of tables. */
+/* What bench and report measure with, and how a report prints it: runs in turn, medians, cells of
+ * tables. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -16,6 +16,7 @@
 #include "hal/base/clock.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
+#include "tests/support/expect.h"
 
 /* ---- turns ---- */
 
@@ -26,10 +27,10 @@ struct log {
 	int prepared[WAYS], ran[WAYS];
 	int last_turn, last_way;
 	bool disordered;
-	int fails_at; /* way; -1: none */
+	int fails_at; /* number of the way that fails; -1: none */
 };
 
-static int prepare(void *context, int way, int turn)
+static int test_measure_prepare(void *context, int way, int turn)
 {
 	struct log *log = context;
 
@@ -40,8 +41,8 @@ static int prepare(void *context, int way, int turn)
 	return 0;
 }
 
-/* The third way sleeps, which takes the clock's time and not the processor's. */
-static int run(void *context, int way)
+/* The third way sleeps, which takes time of the clock and not of the processor. */
+static int test_measure_run(void *context, int way)
 {
 	struct log *log = context;
 
@@ -63,8 +64,8 @@ static struct turns turns_of(struct log *log)
 	return (struct turns){.context = log,
 			      .ways = WAYS,
 			      .repeat = REPEAT,
-			      .prepare = prepare,
-			      .run = run,
+			      .prepare = test_measure_prepare,
+			      .run = test_measure_run,
 			      .is_alone = is_alone};
 }
 
@@ -80,12 +81,12 @@ static void ways_take_turns(void **state)
 	assert_int_equal(turns_time(&turns, ms), 0);
 	assert_false(log.disordered);
 	for (int k = 0; k < WAYS; k++) {
-		assert_true(log.ran[k] >= 2 * REPEAT); /* some of them untimed */
-		assert_int_equal(log.prepared[k], log.ran[k]);
+		expect_at_least(log.ran[k], 2 * REPEAT, "k=%d", k); /* some of them untimed */
+		expect_equal(log.prepared[k], log.ran[k], "k=%d", k);
 	}
 	for (int k = 0; k < WAYS * REPEAT; k++)
-		assert_true(ms[k] >= 0);
-	/* alone, and asleep: the clock goes on, the processor does other things */
+		expect_at_least(ms[k], 0, "k=%d", k);
+	/* a sleeping way: the clock goes on, the processor does other work */
 	assert_true(turns.timed_ns >= REPEAT * 2 * NS_PER_MS);
 	assert_true(turns.ran_ns < turns.timed_ns);
 	assert_true(turns_median(ms + (ptrdiff_t)2 * REPEAT, REPEAT) < 2);
@@ -135,7 +136,7 @@ static void as_many_lights_change_as_asked(void **state)
 			lighting_change(radiance, lights, asked[a], 12345);
 			for (int i = 0; i < lights; i++)
 				changed += radiance[i][0] > (i % 2 ? 0.5F : 0);
-			assert_int_equal(changed, asked[a]);
+			expect_equal(changed, asked[a], "n=%zu, a=%zu", n, a);
 		}
 		free(radiance);
 	}
@@ -164,7 +165,7 @@ static void numbers_are_rounded_for_readers(void **state)
 	}
 }
 
-static void fill(struct report_table *table)
+static void test_measure_fill(struct report_table *table)
 {
 	report_table_begin(table, "table");
 	report_table_column(table, "name", "name", NULL);
@@ -188,7 +189,7 @@ static void tables_keep_what_they_are_given(void **state)
 	FILE *file;
 
 	(void)state;
-	fill(&table);
+	test_measure_fill(&table);
 	assert_int_equal(report_table_rows(&table), 2);
 	assert_int_equal(table.marked, 1);
 	assert_true(report_table_value(&table, 1, "hidden") == 6);
@@ -219,7 +220,7 @@ static void tables_are_safe_in_html(void **state)
 
 	(void)state;
 	assert_non_null(file);
-	fill(&table);
+	test_measure_fill(&table);
 	report_table_write_html(&table, file);
 	fclose(file);
 	assert_non_null(strstr(text, "<td>a, &quot;b&quot; &amp; &lt;c&gt;</td>"));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* [poses] and [keyframe NAME]: what a scene file says of its poses. */
+/* [poses] and [keyframe NAME] of a scene file. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,14 +19,14 @@
 
 static struct scene_file *file;
 
-static int begin(void **state)
+static int test_keyframes_begin(void **state)
 {
 	(void)state;
 	file = malloc(sizeof(*file));
 	return file ? 0 : -1;
 }
 
-static int end(void **state)
+static int test_keyframes_end(void **state)
 {
 	(void)state;
 	free(file);
@@ -41,7 +41,7 @@ static void read_scene(const char *text)
 		fail_msg("%s", fault.text);
 }
 
-static void refuse(const char *text, const char *words)
+static void test_keyframes_refuse(const char *text, const char *words)
 {
 	struct fault fault = {.text = ""};
 
@@ -51,7 +51,7 @@ static void refuse(const char *text, const char *words)
 		fail_msg("\"%s\", expected \"s.scene... %s\"", fault.text, words);
 }
 
-static void check(int pose, double scale, double rotate, double x, const char *mesh)
+static void test_keyframes_check(int pose, double scale, double rotate, double x, const char *mesh)
 {
 	const struct scene_mesh_values v = keyframe_mesh(file, 0, pose);
 
@@ -66,7 +66,7 @@ static void one_pose_without_keyframes(void **state)
 	(void)state;
 	read_scene(SCENE);
 	assert_int_equal(file->poses.count, 1);
-	check(0, 2, 9, 0, "a.obj");
+	test_keyframes_check(0, 2, 9, 0, "a.obj");
 	assert_string_equal(keyframe_pose_name(file, 0), "");
 }
 
@@ -76,14 +76,14 @@ static void a_turn(void **state)
 	read_scene(SCENE "[poses]\ncount = 36\n[keyframe end]\nobject = cow\npose = 36\n"
 			 "rotate = 0 0 348\n[keyframe front]\nobject = cow\nrotate = 0 0 -12\n");
 	for (int p = 0; p < 36; p++)
-		check(p, 2, -12 + 10.0 * p, 0, "a.obj");
+		test_keyframes_check(p, 2, -12 + 10.0 * p, 0, "a.obj");
 	assert_string_equal(keyframe_pose_name(file, 0), "front");
 	assert_string_equal(keyframe_pose_name(file, 35), "");
-	/* the other mesh stands still */
+	/* the other mesh does not move */
 	assert_true(keyframe_mesh(file, 1, 20).rotate_deg[2] == 0);
 }
 
-/* Each attribute has keyframes of its own; the file stays until the next one. */
+/* Each attribute has keyframes of its own; a file stays until the next keyframe that names one. */
 static void each_attribute_by_itself(void **state)
 {
 	(void)state;
@@ -92,13 +92,13 @@ static void each_attribute_by_itself(void **state)
 		   "[keyframe b]\nobject = cow\npose = 3\nfile = b.obj\nscale = 4\n"
 		   "[keyframe c]\nobject = cow\npose = 5\nposition = 3 0 0\nrotate = 0 0 90\n"
 		   "[keyframe d]\nobject = cow\npose = 5.5\nscale = 1\nfile = c.obj\n");
-	check(0, 4, 90, 1, "a.obj");
-	check(1, 4, 90, 1, "a.obj");
-	check(3, 4, 90, 2, "b.obj");
-	check(4, 4 - 3 / 2.5, 90, 2.5, "b.obj");
-	check(5, 4 - 6 / 2.5, 90, 3, "b.obj");
-	check(6, 1, 90, 3, "c.obj");
-	check(7, 1, 90, 3, "c.obj");
+	test_keyframes_check(0, 4, 90, 1, "a.obj");
+	test_keyframes_check(1, 4, 90, 1, "a.obj");
+	test_keyframes_check(3, 4, 90, 2, "b.obj");
+	test_keyframes_check(4, 4 - 3 / 2.5, 90, 2.5, "b.obj");
+	test_keyframes_check(5, 4 - 6 / 2.5, 90, 3, "b.obj");
+	test_keyframes_check(6, 1, 90, 3, "c.obj");
+	test_keyframes_check(7, 1, 90, 3, "c.obj");
 }
 
 static void poses_are_found(void **state)
@@ -119,18 +119,19 @@ static void poses_are_found(void **state)
 static void faults_are_named(void **state)
 {
 	(void)state;
-	refuse(SCENE "[poses]\ncount = 0\n", "s.scene:10: [poses] count");
-	refuse(SCENE "[poses]\ncount = 4097\n", "count");
-	refuse(SCENE "[keyframe a]\npose = 0\n", "s.scene:9: [keyframe a] object");
-	refuse(SCENE "[keyframe a]\nobject = cow\nrotate = 1 2\n",
-	       "s.scene:11: [keyframe a] rotate");
-	refuse(SCENE "[keyframe a]\nobject = caw\n", "perhaps cow");
-	refuse(SCENE "[poses]\ncount = 4\n[keyframe a]\nobject = cow\npose = 4.5\n",
-	       "[keyframe a] pose: 4.5, expected at most 4");
-	refuse(SCENE "[keyframe a]\nobject = cow\n[keyframe b]\nobject = cow\n",
-	       "[keyframe b] pose: 0, as [keyframe a]");
-	refuse(SCENE "[keyframe 12]\nobject = cow\n", "[keyframe 12]: a number");
-	refuse(SCENE "[keyframe a23456789012345678901234567890123]\nobject = cow\n", "keyframe");
+	test_keyframes_refuse(SCENE "[poses]\ncount = 0\n", "s.scene:10: [poses] count");
+	test_keyframes_refuse(SCENE "[poses]\ncount = 4097\n", "count");
+	test_keyframes_refuse(SCENE "[keyframe a]\npose = 0\n", "s.scene:9: [keyframe a] object");
+	test_keyframes_refuse(SCENE "[keyframe a]\nobject = cow\nrotate = 1 2\n",
+			      "s.scene:11: [keyframe a] rotate");
+	test_keyframes_refuse(SCENE "[keyframe a]\nobject = caw\n", "perhaps cow");
+	test_keyframes_refuse(SCENE "[poses]\ncount = 4\n[keyframe a]\nobject = cow\npose = 4.5\n",
+			      "[keyframe a] pose: 4.5, expected at most 4");
+	test_keyframes_refuse(SCENE "[keyframe a]\nobject = cow\n[keyframe b]\nobject = cow\n",
+			      "[keyframe b] pose: 0, as [keyframe a]");
+	test_keyframes_refuse(SCENE "[keyframe 12]\nobject = cow\n", "[keyframe 12]: a number");
+	test_keyframes_refuse(SCENE "[keyframe a23456789012345678901234567890123]\nobject = cow\n",
+			      "keyframe");
 }
 
 int main(void)
@@ -141,5 +142,5 @@ int main(void)
 		cmocka_unit_test(faults_are_named),
 	};
 
-	return cmocka_run_group_tests(tests, begin, end);
+	return cmocka_run_group_tests(tests, test_keyframes_begin, test_keyframes_end);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Scene files: what they mean, and the words for what is wrong. Meshes of three formats. */
+/* Scene files: their meaning, and the messages about what is wrong. Meshes of three formats. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,26 +8,32 @@
 #include <cmocka.h>
 #include <endian.h>
 #include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
 
-#include "tests/support/baking.h"
+#include "bake/scene/scene.h"
+#include "tests/support/baked_rows.h"
+#include "tests/support/expect.h"
+#include "tests/support/small_scene.h"
 
 #define VIEW "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0\nwidth = 16\nheight = 16\n"
 
 static void write_triangle(void)
 {
-	baking_write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+	small_scene_write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
 }
 
 /* ---- faults ---- */
 
-static void refuse(const char *text, const char *words)
+static void test_scene_refuse(const char *text, const char *words)
 {
 	struct fault fault = {.text = ""};
 	struct scene *scene = NULL;
 	int err;
 
-	baking_write("bad.ini", "%s", text);
-	err = scene_open(&scene, baking_path("bad.ini"), 0, 0, &fault);
+	small_scene_write("bad.ini", "%s", text);
+	err = scene_open(&scene, small_scene_path("bad.ini"), 0, 0, &fault);
 	if (!err) {
 		scene_close(scene);
 		fail_msg("accepted: %s", text);
@@ -40,101 +46,109 @@ static void test_refused_values(void **state)
 {
 	(void)state;
 	write_triangle();
-	refuse(VIEW, "no section [object NAME]");
-	refuse(VIEW "[object a]\n", "file");
-	refuse(VIEW "[object a]\nfile = tri.obj\nscale = 0\n", "bad.ini:8: [object a] scale");
-	refuse(VIEW "[object a]\nfile = tri.obj\nscle = 1\n", "scale");
-	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = woood\n[material wood]\n",
-	       "[material woood], expected perhaps wood");
-	refuse(VIEW "[dome]\nfrequency = 65\n[object a]\nfile = tri.obj\n", "bad.ini:7");
-	refuse("[camera]\nwidth = 4\n[object a]\nfile = tri.obj\n", "look_at");
-	refuse("[camera]\nfile = none.ini\n[object a]\nfile = tri.obj\n", "none.ini");
-	refuse("[camera]\nposition = 0 -5 -1\n[ground]\n[object a]\nfile = tri.obj\n",
-	       "below the ground");
-	refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
-		    "kind = glass\n",
-	       "expected a diffuse material");
-	refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
-		    "colour = 0 1 1\n",
-	       "at least 0.001");
+	test_scene_refuse(VIEW, "no section [object NAME]");
+	test_scene_refuse(VIEW "[object a]\n", "file");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nscale = 0\n",
+			  "bad.ini:8: [object a] scale");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nscle = 1\n", "scale");
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = woood\n[material wood]\n",
+			  "[material woood], expected perhaps wood");
+	test_scene_refuse(VIEW "[dome]\nfrequency = 65\n[object a]\nfile = tri.obj\n", "bad.ini:7");
+	test_scene_refuse("[camera]\nwidth = 4\n[object a]\nfile = tri.obj\n", "look_at");
+	test_scene_refuse("[camera]\nfile = none.ini\n[object a]\nfile = tri.obj\n", "none.ini");
+	test_scene_refuse("[camera]\nposition = 0 -5 -1\n[ground]\n[object a]\nfile = tri.obj\n",
+			  "below the ground");
+	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
+			       "kind = glass\n",
+			  "expected a diffuse material");
+	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
+			       "colour = 0 1 1\n",
+			  "at least 0.001");
 }
 
 static void test_refused_files(void **state)
 {
 	(void)state;
-	refuse(VIEW "[object a]\nfile = none.obj\n", "none.obj");
-	baking_write("empty.obj", "v 0 0 0\nv 1 0 0\n");
-	refuse(VIEW "[object a]\nfile = empty.obj\n", "empty.obj");
-	baking_write("noise.obj", "\x01\x02hello");
-	refuse(VIEW "[object a]\nfile = noise.obj\n", "noise.obj");
-	baking_write("nan.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-				"property float y\nproperty float z\nelement face 1\n"
-				"property list uchar int vertex_indices\nend_header\n"
-				"0 0 0\nnan 0 0\n0 0 1\n3 0 1 2\n");
-	refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
-	/* what comes after the file is read would take it for the vertex beside it */
-	baking_write("nan.obj", "v 0 0 0\nv nan 1 0\nv 1 0 0\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
-	baking_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\n");
-	refuse(VIEW "[object a]\nfile = points.obj\n", "points.obj: no faces");
-	baking_write("far.obj", "v 400000 0 0\nv 400001 0 0\nv 400000 0 1\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = far.obj\n", "far.obj: it is 1 across");
+	test_scene_refuse(VIEW "[object a]\nfile = none.obj\n", "none.obj");
+	small_scene_write("empty.obj", "v 0 0 0\nv 1 0 0\n");
+	test_scene_refuse(VIEW "[object a]\nfile = empty.obj\n", "empty.obj");
+	small_scene_write("noise.obj", "\x01\x02hello");
+	test_scene_refuse(VIEW "[object a]\nfile = noise.obj\n", "noise.obj");
+	small_scene_write("nan.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+				     "property float y\nproperty float z\nelement face 1\n"
+				     "property list uchar int vertex_indices\nend_header\n"
+				     "0 0 0\nnan 0 0\n0 0 1\n3 0 1 2\n");
+	test_scene_refuse(VIEW "[object a]\nfile = nan.ply\n", "not finite");
+	/* without a refusal, later stages would take the NaN for the vertex beside it */
+	small_scene_write("nan.obj", "v 0 0 0\nv nan 1 0\nv 1 0 0\nf 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = nan.obj\n", "not finite");
+	small_scene_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nl 1 2\n");
+	test_scene_refuse(VIEW "[object a]\nfile = points.obj\n", "points.obj: no faces");
+	small_scene_write("far.obj", "v 400000 0 0\nv 400001 0 0\nv 400000 0 1\nf 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = far.obj\n", "far.obj: it is 1 across");
 	write_triangle();
-	refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
-	       "no.png");
-	/* the section that names the file, not the one whose mesh it replaces */
-	refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
-		    "object = a\nfile = none.obj\n",
-	       "[keyframe first] file: cannot open");
-	refuse(VIEW "[object a]\nfile = none.obj\n[poses]\ncount = 3\n[keyframe next]\n"
-		    "object = a\npose = 1\nfile = tri.obj\n",
-	       "[object a] file: cannot open");
+	test_scene_refuse(
+		VIEW "[object a]\nfile = tri.obj\nmaterial = m\n[material m]\ntexture = no.png\n",
+		"no.png");
+	/* the message names the section with the file, not the one whose mesh it replaces */
+	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\n[poses]\ncount = 3\n[keyframe first]\n"
+			       "object = a\nfile = none.obj\n",
+			  "[keyframe first] file: cannot open");
+	test_scene_refuse(VIEW "[object a]\nfile = none.obj\n[poses]\ncount = 3\n[keyframe next]\n"
+			       "object = a\npose = 1\nfile = tri.obj\n",
+			  "[object a] file: cannot open");
 }
 
-/* A triangle of glTF, whose node is scaled. */
+/* Writes a glTF file: a triangle, whose node is scaled. */
 static void write_scaled(const char *name, const char *scale)
 {
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
-	FILE *stream = fopen(baking_path("scaled.bin"), "wb");
+	FILE *stream = fopen(small_scene_path("scaled.bin"), "wb");
 
 	assert_non_null(stream);
 	fwrite(corners, sizeof(corners), 1, stream);
 	fclose(stream);
-	baking_write(name,
-		     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-		     "\"nodes\":[{\"mesh\":0,\"scale\":[%s,%s,%s]}],\"meshes\":[{\"primitives\":"
-		     "[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"uri\":\"scaled.bin\","
-		     "\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-		     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
-		     "\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}]}",
-		     scale, scale, scale);
+	small_scene_write(
+		name,
+		"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+		"\"nodes\":[{\"mesh\":0,\"scale\":[%s,%s,%s]}],\"meshes\":[{\"primitives\":"
+		"[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"uri\":\"scaled.bin\","
+		"\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
+		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}]}",
+		scale, scale, scale);
 }
 
-/* What no camera can see, and what is no place. */
+/* Meshes without area, and places too far away. */
 static void test_refused_shapes(void **state)
 {
 	(void)state;
-	baking_write("line.obj",
-		     "v 0 0 0\nv 0.1 0.1 0.1\nv 0.3 0.3 0.3\nv 1 1 1\nf 1 2 3\nf 2 3 4\n"
-		     "f 1 1 4\n");
-	refuse(VIEW "[object a]\nfile = line.obj\n", "line.obj: its faces all have no area");
+	small_scene_write("line.obj",
+			  "v 0 0 0\nv 0.1 0.1 0.1\nv 0.3 0.3 0.3\nv 1 1 1\nf 1 2 3\nf 2 3 4\n"
+			  "f 1 1 4\n");
+	test_scene_refuse(VIEW "[object a]\nfile = line.obj\n",
+			  "line.obj: its faces all have no area");
 	write_scaled("point.gltf", "0");
-	refuse(VIEW "[object a]\nfile = point.gltf\n", "point.gltf: its faces all have no area");
+	test_scene_refuse(VIEW "[object a]\nfile = point.gltf\n",
+			  "point.gltf: its faces all have no area");
 	write_scaled("vast.gltf", "1e38");
-	refuse(VIEW "[object a]\nfile = vast.gltf\n", "vast.gltf: it reaches 1e+38 world units");
-	baking_write("away.obj", "v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = away.obj\n", "away.obj: it reaches 1e+30 world units");
-	/* one face that has an area is enough, and so is a scale that brings it back */
-	baking_write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\nf 1 2 3\n");
-	baking_write("part.ini", VIEW "[object a]\nfile = part.obj\n");
-	scene_close(baking_scene("part.ini"));
-	baking_write("wide.obj", "v 0 0 0\nv 1e10 0 0\nv 0 0 1e10\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = wide.obj\n", "wide.obj: it reaches 1e+10 world units");
-	baking_write("wide.ini", VIEW "[object a]\nfile = wide.obj\nscale = 1e-3\n");
-	scene_close(baking_scene("wide.ini"));
+	test_scene_refuse(VIEW "[object a]\nfile = vast.gltf\n",
+			  "vast.gltf: it reaches 1e+38 world units");
+	small_scene_write("away.obj", "v 1e30 0 0\nv 0 1e30 0\nv 0 0 1e30\nf 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = away.obj\n",
+			  "away.obj: it reaches 1e+30 world units");
+	/* one face with an area is enough, and so is a scale that brings the mesh back */
+	small_scene_write("part.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\nf 1 2 3\n");
+	small_scene_write("part.ini", VIEW "[object a]\nfile = part.obj\n");
+	scene_close(small_scene_open("part.ini"));
+	small_scene_write("wide.obj", "v 0 0 0\nv 1e10 0 0\nv 0 0 1e10\nf 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = wide.obj\n",
+			  "wide.obj: it reaches 1e+10 world units");
+	small_scene_write("wide.ini", VIEW "[object a]\nfile = wide.obj\nscale = 1e-3\n");
+	scene_close(small_scene_open("wide.ini"));
 }
 
-/* Assimp reads beyond its arrays where nobody looks at indices first. */
+/* Assimp reads beyond its arrays where nobody has checked indices. */
 static void test_refused_indices(void **state)
 {
 	static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
@@ -146,20 +160,21 @@ static void test_refused_indices(void **state)
 				   3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0};
 
 	(void)state;
-	baking_write("strange.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-				    "property float y\nproperty float z\nelement face 1\n"
-				    "property list uchar int vertex_indices\nend_header\n"
-				    "0 0 0\n1 0 0\n0 0 1\n3 0 1 70000\n");
-	refuse(VIEW "[object a]\nfile = strange.ply\n", "face 1 names vertex 70000");
+	small_scene_write("strange.ply",
+			  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+			  "property float y\nproperty float z\nelement face 1\n"
+			  "property list uchar int vertex_indices\nend_header\n"
+			  "0 0 0\n1 0 0\n0 0 1\n3 0 1 70000\n");
+	test_scene_refuse(VIEW "[object a]\nfile = strange.ply\n", "face 1 names vertex 70000");
 	for (size_t bytes = 14; bytes < sizeof(faces); bytes++) {
-		FILE *stream = fopen(baking_path("cut.ply"), "wb");
+		FILE *stream = fopen(small_scene_path("cut.ply"), "wb");
 
 		assert_non_null(stream);
 		fputs(head, stream);
 		fwrite(corners, sizeof(corners), 1, stream);
 		fwrite(faces, bytes, 1, stream);
 		fclose(stream);
-		refuse(VIEW "[object a]\nfile = cut.ply\n", "cut.ply");
+		test_scene_refuse(VIEW "[object a]\nfile = cut.ply\n", "cut.ply");
 	}
 }
 
@@ -170,11 +185,11 @@ static void test_refused_indices(void **state)
 
 static void refuse_ply(const char *text, const char *words)
 {
-	baking_write("bad.ply", "%s", text);
-	refuse(VIEW "[object a]\nfile = bad.ply\n", words);
+	small_scene_write("bad.ply", "%s", text);
+	test_scene_refuse(VIEW "[object a]\nfile = bad.ply\n", words);
 }
 
-/* Assimp aborts over a face of nothing, and makes up what a line does not have. */
+/* Assimp aborts on an empty face, and invents values that are missing in a line. */
 static void test_refused_ply_faces(void **state)
 {
 	static const struct {
@@ -207,7 +222,7 @@ static void test_refused_ply_faces(void **state)
 	refuse_ply(PLY(1) "0 0 0\n1 zero 0\n0 0 1\n3 0 1 2\n", "vertex 2 has \"zero\"");
 }
 
-/* It reads a header without end for ever, and takes memory for whatever is announced. */
+/* Assimp reads an endless header for ever, and allocates whatever a header announces. */
 static void test_refused_ply_headers(void **state)
 {
 	static const char whole[] = PLY(1) PLY_CORNERS "3 0 1 2\n";
@@ -239,35 +254,38 @@ static void test_refused_ply_headers(void **state)
 		   "element face 1\nproperty list float int vertex_indices\nend_header\n",
 		   "bad.ply:8: a list counted in float");
 	/* bytes of 0, as a power cut leaves them */
-	baking_write("zeros.ply", "%s%c%c", whole, 0, 0);
-	refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
+	small_scene_write("zeros.ply", "%s%c%c", whole, 0, 0);
+	test_scene_refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
 }
 
 static void test_refused_mtl(void **state)
 {
 	(void)state;
-	baking_write("dyes.mtl", "newmtl red\nKd 1 0 0\nnewmtl light blue \r\nKd 0 0 1\n");
-	baking_write("lost.obj",
-		     "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = lost.obj\n", "lost.obj:1: mtllib gone.mtl: cannot");
-	baking_write("rad.obj", "# a\nmtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl rad\n"
-				"f 1 2 3\n");
-	refuse(VIEW "[object a]\nfile = rad.obj\n", "rad.obj:6: usemtl rad: its libraries");
-	/* what is replaced need not be there */
-	baking_write("own.ini", VIEW "[object a]\nfile = lost.obj\nmaterial = m\n[material m]\n");
-	scene_close(baking_scene("own.ini"));
-	baking_write("blue.obj", "mtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\n"
-				 "usemtl light blue\nf 1 2 3\n");
-	baking_write("blue.ini", VIEW "[object a]\nfile = blue.obj\n");
-	scene_close(baking_scene("blue.ini"));
-	/* nor what nothing is made of */
-	baking_write("bare.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
-	baking_write("bare.ini", VIEW "[object a]\nfile = bare.obj\n");
-	scene_close(baking_scene("bare.ini"));
-	/* a mesh that speaks of no library has none */
-	baking_write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
-	baking_write("none.ini", VIEW "[object a]\nfile = none.obj\n");
-	scene_close(baking_scene("none.ini"));
+	small_scene_write("dyes.mtl", "newmtl red\nKd 1 0 0\nnewmtl light blue \r\nKd 0 0 1\n");
+	small_scene_write("lost.obj",
+			  "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = lost.obj\n",
+			  "lost.obj:1: mtllib gone.mtl: cannot");
+	small_scene_write("rad.obj", "# a\nmtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl rad\n"
+				     "f 1 2 3\n");
+	test_scene_refuse(VIEW "[object a]\nfile = rad.obj\n",
+			  "rad.obj:6: usemtl rad: its libraries");
+	/* a library that is replaced need not exist */
+	small_scene_write("own.ini",
+			  VIEW "[object a]\nfile = lost.obj\nmaterial = m\n[material m]\n");
+	scene_close(small_scene_open("own.ini"));
+	small_scene_write("blue.obj", "mtllib dyes.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\n"
+				      "usemtl light blue\nf 1 2 3\n");
+	small_scene_write("blue.ini", VIEW "[object a]\nfile = blue.obj\n");
+	scene_close(small_scene_open("blue.ini"));
+	/* nor one for meshes without faces */
+	small_scene_write("bare.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n");
+	small_scene_write("bare.ini", VIEW "[object a]\nfile = bare.obj\n");
+	scene_close(small_scene_open("bare.ini"));
+	/* a mesh that names no library has none */
+	small_scene_write("none.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
+	small_scene_write("none.ini", VIEW "[object a]\nfile = none.obj\n");
+	scene_close(small_scene_open("none.ini"));
 }
 
 /* ---- meshes ---- */
@@ -279,7 +297,7 @@ static void expect_triangle(const char *file)
 	struct fault fault = {.text = ""};
 	struct mesh mesh;
 
-	if (mesh_read(&mesh, baking_path(file), &placement, &fault) < 0)
+	if (mesh_read(&mesh, small_scene_path(file), &placement, &fault) < 0)
 		fail_msg("%s", fault.text);
 	assert_int_equal(mesh.part_count, 1);
 	assert_int_equal(mesh.parts[0].triangles, 1);
@@ -287,7 +305,8 @@ static void expect_triangle(const char *file)
 		const float *p = mesh.parts[0].position[mesh.parts[0].index[0][k]];
 
 		for (int axis = 0; axis < 3; axis++)
-			assert_true(fabsf(p[axis] - corner[k][axis]) < 1e-6f);
+			expect_below(fabsf(p[axis] - corner[k][axis]), 1e-6f, "k=%d, axis=%d", k,
+				     axis);
 	}
 	mesh_free(&mesh);
 }
@@ -301,30 +320,31 @@ static void test_formats(void **state)
 	(void)state;
 	write_triangle();
 	expect_triangle("tri.obj");
-	baking_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-				"property float y\nproperty float z\nelement face 1\n"
-				"property list uchar int vertex_indices\nend_header\n"
-				"0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n");
+	small_scene_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+				     "property float y\nproperty float z\nelement face 1\n"
+				     "property list uchar int vertex_indices\nend_header\n"
+				     "0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n");
 	expect_triangle("tri.ply");
-	stream = fopen(baking_path("tri.bin"), "wb");
+	stream = fopen(small_scene_path("tri.bin"), "wb");
 	assert_non_null(stream);
 	fwrite(corners, sizeof(corners), 1, stream);
 	fwrite(index, sizeof(index), 1, stream);
 	fclose(stream);
-	baking_write("tri.gltf",
-		     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
-		     "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-		     "{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{\"uri\":\"tri.bin\","
-		     "\"byteLength\":44}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,"
-		     "\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}],"
-		     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
-		     "\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,"
-		     "\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
+	small_scene_write(
+		"tri.gltf",
+		"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+		"\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+		"{\"POSITION\":0},\"indices\":1}]}],\"buffers\":[{\"uri\":\"tri.bin\","
+		"\"byteLength\":44}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,"
+		"\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}],"
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
+		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,"
+		"\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
 	expect_triangle("tri.gltf");
 }
 
-/* Numbers as other programs write them: no digit before the point, blanks and ends of lines of all
- * kinds, comments. What is no vertex keeps its points. */
+/* OBJ files of other programs: no digit before the point, all kinds of blanks and line ends,
+ * comments, and points that are no vertices. */
 static void test_obj_variants(void **state)
 {
 	static const char *const texts[] = {
@@ -338,12 +358,12 @@ static void test_obj_variants(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
-		baking_write("variant.obj", "%s", texts[k]);
+		small_scene_write("variant.obj", "%s", texts[k]);
 		expect_triangle("variant.obj");
 	}
 }
 
-/* What PLYs have besides: other types, other elements, other ends of lines, other bytes' order. */
+/* PLY files of other programs: other types, elements, line ends and byte orders. */
 static void test_ply_variants(void **state)
 {
 	static const char *const texts[] = {
@@ -364,11 +384,11 @@ static void test_ply_variants(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
-		baking_write("other.ply", "%s", texts[k]);
+		small_scene_write("other.ply", "%s", texts[k]);
 		expect_triangle("other.ply");
 	}
 	for (int big = 0; big < 2; big++) {
-		FILE *stream = fopen(baking_path("other.ply"), "wb");
+		FILE *stream = fopen(small_scene_path("other.ply"), "wb");
 
 		assert_non_null(stream);
 		fprintf(stream,
@@ -397,7 +417,7 @@ static void test_ply_variants(void **state)
 	}
 }
 
-/* Two squares that meet at an angle, of vertices that they share or that each has for itself. */
+/* Two squares that meet at an angle, with shared vertices or with vertices of their own. */
 static void expect_fold(const char *file, double crease_deg, bool smooth)
 {
 	const struct mesh_placement placement = {.scale = 1, .crease_deg = crease_deg};
@@ -406,7 +426,7 @@ static void expect_fold(const char *file, double crease_deg, bool smooth)
 	struct mesh mesh;
 	int met = 0;
 
-	if (mesh_read(&mesh, baking_path(file), &placement, &fault) < 0)
+	if (mesh_read(&mesh, small_scene_path(file), &placement, &fault) < 0)
 		fail_msg("%s", fault.text);
 	for (int t = 0; t < mesh.parts[0].triangles; t++)
 		for (int k = 0; k < 3; k++) {
@@ -418,25 +438,26 @@ static void expect_fold(const char *file, double crease_deg, bool smooth)
 			const float y = fold && smooth ? half : lying ? 0 : 1;
 			const float z = fold && smooth ? half : lying ? 1 : 0;
 
-			assert_true(fabsf(n.x) < 1e-5f && fabsf(n.y - y) < 1e-5f &&
-				    fabsf(n.z - z) < 1e-5f);
+			expect_that(fabsf(n.x) < 1e-5f && fabsf(n.y - y) < 1e-5f &&
+					    fabsf(n.z - z) < 1e-5f,
+				    "t=%d, k=%d", t, k);
 			met += fold;
 		}
 	assert_int_equal(met, 6);
 	mesh_free(&mesh);
 }
 
-/* Where a file has no normals: crease_deg means the same in every format. */
+/* Without normals in the file, crease_deg means the same in every format. */
 static void test_creases(void **state)
 {
 	(void)state;
-	baking_write("fold.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n"
-				 "f 1 2 3\nf 1 3 4\nf 1 5 2\nf 2 5 6\n");
-	baking_write("fold.ply", "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
-				 "property float y\nproperty float z\nelement face 4\n"
-				 "property list uchar int vertex_indices\nend_header\n"
-				 "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n"
-				 "3 0 1 2\n3 0 2 3\n3 0 4 1\n3 1 4 5\n");
+	small_scene_write("fold.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n"
+				      "f 1 2 3\nf 1 3 4\nf 1 5 2\nf 2 5 6\n");
+	small_scene_write("fold.ply", "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
+				      "property float y\nproperty float z\nelement face 4\n"
+				      "property list uchar int vertex_indices\nend_header\n"
+				      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n"
+				      "3 0 1 2\n3 0 2 3\n3 0 4 1\n3 1 4 5\n");
 	expect_fold("fold.obj", 60, false);
 	expect_fold("fold.ply", 60, false);
 	expect_fold("fold.ply", 89.9, false);
@@ -445,7 +466,8 @@ static void test_creases(void **state)
 	expect_fold("fold.ply", 120, true);
 }
 
-/* Of a smooth ball without normals, each is the ball's own, whether vertices are shared or not. */
+/* The normals of a smooth ball without normals are the ball's, whether vertices are shared or not.
+ */
 static void test_smooth_ball(void **state)
 {
 	const struct mesh_placement placement = {.scale = 1e-4, .crease_deg = 60};
@@ -455,7 +477,7 @@ static void test_smooth_ball(void **state)
 	FILE *stream;
 
 	(void)state;
-	stream = fopen(baking_path("ball.ply"), "w");
+	stream = fopen(small_scene_path("ball.ply"), "w");
 	assert_non_null(stream);
 	fprintf(stream,
 		"ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\nproperty float y\n"
@@ -476,7 +498,7 @@ static void test_smooth_ball(void **state)
 			fprintf(stream, "4 %d %d %d %d\n", a, a + 2 * rings, b + 2 * rings, b);
 		}
 	fclose(stream);
-	if (mesh_read(&mesh, baking_path("ball.ply"), &placement, &fault) < 0)
+	if (mesh_read(&mesh, small_scene_path("ball.ply"), &placement, &fault) < 0)
 		fail_msg("%s", fault.text);
 	for (int t = 0; t < mesh.parts[0].triangles; t++)
 		for (int k = 0; k < 3; k++) {
@@ -484,14 +506,15 @@ static void test_smooth_ball(void **state)
 			const float *p = mesh.parts[0].position[v];
 			const struct v3 n = mesh.parts[0].normal[v];
 
-			/* those without area, at the poles, have none */
-			assert_true(v3_dot(n, n) == 0 ||
-				    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f);
+			/* faces without area, at the poles, have none */
+			expect_that(v3_dot(n, n) == 0 ||
+					    v3_dot(n, v3_unit(v3_make(p[0], p[1], p[2]))) > 0.999f,
+				    "t=%d, k=%d", t, k);
 		}
 	mesh_free(&mesh);
 }
 
-/* Where a file has no materials, every format is of the same grey. */
+/* Without materials in the file, every format has the same grey. */
 static void test_plain_grey(void **state)
 {
 	static const char *const files[] = {"tri.obj", "tri.ply", "tri.stl"};
@@ -500,27 +523,28 @@ static void test_plain_grey(void **state)
 
 	(void)state;
 	write_triangle();
-	baking_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
-				"property float y\nproperty float z\nelement face 1\n"
-				"property list uchar int vertex_indices\nend_header\n"
-				"0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n");
-	baking_write("tri.stl", "solid a\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\n"
-				"vertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid a\n");
+	small_scene_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+				     "property float y\nproperty float z\nelement face 1\n"
+				     "property list uchar int vertex_indices\nend_header\n"
+				     "0 0 0\n1 0 0\n0 0 1\n3 0 1 2\n");
+	small_scene_write("tri.stl", "solid a\nfacet normal 0 -1 0\nouter loop\nvertex 0 0 0\n"
+				     "vertex 1 0 0\nvertex 0 0 1\nendloop\nendfacet\nendsolid a\n");
 	for (size_t k = 0; k < sizeof(files) / sizeof(*files); k++) {
 		struct fault fault = {.text = ""};
 		struct mesh mesh;
 		const struct material *m;
 
-		assert_int_equal(mesh_read(&mesh, baking_path(files[k]), &placement, &fault), 0);
+		assert_int_equal(mesh_read(&mesh, small_scene_path(files[k]), &placement, &fault),
+				 0);
 		m = &mesh.materials[mesh.parts[0].material];
-		assert_int_equal(m->kind, MATERIAL_DIFFUSE);
+		expect_equal(m->kind, MATERIAL_DIFFUSE, "k=%zu", k);
 		for (int c = 0; c < 3; c++)
-			assert_true(fabsf(m->colour.c[c] - 0.8f) < 1e-6f);
+			expect_below(fabsf(m->colour.c[c] - 0.8f), 1e-6f, "k=%zu, c=%d", k, c);
 		mesh_free(&mesh);
 	}
 }
 
-/* y up to z up, turned, moved, stood on the ground: one vertex followed by hand. */
+/* One vertex followed by hand: y up to z up, turned, scaled, moved, stood on the ground. */
 static void test_placement(void **state)
 {
 	const struct mesh_placement placement = {
@@ -536,8 +560,8 @@ static void test_placement(void **state)
 	const float *p;
 
 	(void)state;
-	baking_write("p.obj", "v 1 5 3\nv 1 6 3\nv 2 5 3\nf 1 2 3\n");
-	assert_int_equal(mesh_read(&mesh, baking_path("p.obj"), &placement, &fault), 0);
+	small_scene_write("p.obj", "v 1 5 3\nv 1 6 3\nv 2 5 3\nf 1 2 3\n");
+	assert_int_equal(mesh_read(&mesh, small_scene_path("p.obj"), &placement, &fault), 0);
 	p = mesh.parts[0].position[mesh.parts[0].index[0][1]];
 	/* (1, 6, 3) y up is (1, -3, 6) z up; a quarter turn makes (3, 1, 6); twice as large and
 	 * moved (16, 22, 42); the lowest, from y = 5, was at 40 and comes to 0 */
@@ -549,18 +573,19 @@ static void test_placement(void **state)
 
 static void write_checker(const char *name)
 {
-	/* red green over blue white */
+	/* red, green above blue, white */
 	static const uint8_t texels[12] = {255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255};
 	struct fault fault = {.text = ""};
 	struct image image;
 
 	assert_int_equal(image_create_u8(&image, 2, 2), 0);
 	memcpy(image.u8, texels, sizeof(texels));
-	assert_int_equal(image_write(baking_path(name), &image, &fault), 0);
+	assert_int_equal(image_write(small_scene_path(name), &image, &fault), 0);
 	image_free(&image);
 }
 
-/* A square seen from the front, v upwards as OBJ has it: red is at the upper left. From MTL. */
+/* A square seen from the front, with v upwards as in OBJ: red is at the upper left. Material from
+ * MTL. */
 static void test_texture_upright(void **state)
 {
 	static const int expect[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
@@ -568,27 +593,28 @@ static void test_texture_upright(void **state)
 
 	(void)state;
 	write_checker("checker.png");
-	baking_write("sign.mtl", "newmtl sign\nKd 1 1 1\nmap_Kd checker.png\n");
-	baking_write("sign.obj", "mtllib sign.mtl\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
-				 "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl sign\n"
-				 "f 1/1 2/2 3/3 4/4\n");
-	baking_write("sign.ini",
-		     "[camera]\nposition = 0 -10 0\nlook_at = 0 0 0\nfield_deg = 11.42\n"
-		     "width = 32\nheight = 32\n[dome]\nfrequency = 1\n[render]\n"
-		     "samples = 16\n[object sign]\nfile = sign.obj\nup = z\n");
-	basis = baking_bake("sign.ini");
+	small_scene_write("sign.mtl", "newmtl sign\nKd 1 1 1\nmap_Kd checker.png\n");
+	small_scene_write("sign.obj", "mtllib sign.mtl\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
+				      "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl sign\n"
+				      "f 1/1 2/2 3/3 4/4\n");
+	small_scene_write("sign.ini",
+			  "[camera]\nposition = 0 -10 0\nlook_at = 0 0 0\nfield_deg = 11.42\n"
+			  "width = 32\nheight = 32\n[dome]\nfrequency = 1\n[render]\n"
+			  "samples = 16\n[object sign]\nfile = sign.obj\nup = z\n");
+	basis = small_scene_bake("sign.ini");
 	for (int k = 0; k < 4; k++)
 		for (int c = 0; c < 3; c++) {
-			const double value = baking_object(&basis, k % 2 ? 24 : 8, k / 2 ? 24 : 8,
-							   c, NULL);
+			const double value = baked_object(&basis, k % 2 ? 24 : 8, k / 2 ? 24 : 8, c,
+							  NULL);
 
-			/* upright in half a sky: one half */
-			assert_true(fabs(value - 0.5 * expect[k][c]) < 0.06);
+			/* upright under half a sky: half the light */
+			expect_below(fabs(value - 0.5 * expect[k][c]), 0.06, "k=%d, c=%d", k, c);
 		}
 	basis_close(&basis);
 }
 
-/* A metal's texture is its reflectance; metal and roughness are what their own texture says. */
+/* The texture of a metal is its reflectance; metalness and roughness come from their own texture.
+ */
 static void test_gltf_materials(void **state)
 {
 	static const char gltf[] =
@@ -603,7 +629,7 @@ static void test_gltf_materials(void **state)
 	const struct mesh_placement placement = {
 		.scale = 1, .crease_deg = 60, .own_materials = true};
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
-	FILE *stream = fopen(baking_path("corners.bin"), "wb");
+	FILE *stream = fopen(small_scene_path("corners.bin"), "wb");
 
 	(void)state;
 	assert_non_null(stream);
@@ -615,16 +641,18 @@ static void test_gltf_materials(void **state)
 		struct mesh mesh;
 		struct bsdf red;
 
-		baking_write("metal.gltf", gltf,
-			     means ? ",\"metallicRoughnessTexture\":{\"index\":0}" : "");
-		if (mesh_read(&mesh, baking_path("metal.gltf"), &placement, &fault) < 0)
+		small_scene_write("metal.gltf", gltf,
+				  means ? ",\"metallicRoughnessTexture\":{\"index\":0}" : "");
+		if (mesh_read(&mesh, small_scene_path("metal.gltf"), &placement, &fault) < 0)
 			fail_msg("%s", fault.text);
 		red = material_at(&mesh.materials[mesh.parts[0].material], 0.25f, 0.75f);
-		/* half of the checker's green and blue are 1 */
-		assert_true(fabsf(red.alpha - (means ? 0.25f : 1)) < 1e-5f);
-		assert_true(fabsf(red.colour.c[0] - (means ? 0.5f : 0)) < 1e-5f);
-		assert_true(fabsf(red.specular.c[0] - (means ? 0.52f : 1)) < 1e-5f);
-		assert_true(fabsf(red.specular.c[1] - (means ? 0.02f : 0)) < 1e-5f);
+		/* of the checker's green and blue, half are 1 */
+		expect_below(fabsf(red.alpha - (means ? 0.25f : 1)), 1e-5f, "means=%d", means);
+		expect_below(fabsf(red.colour.c[0] - (means ? 0.5f : 0)), 1e-5f, "means=%d", means);
+		expect_below(fabsf(red.specular.c[0] - (means ? 0.52f : 1)), 1e-5f, "means=%d",
+			     means);
+		expect_below(fabsf(red.specular.c[1] - (means ? 0.02f : 0)), 1e-5f, "means=%d",
+			     means);
 		mesh_free(&mesh);
 	}
 }
@@ -638,11 +666,11 @@ static void test_mtl_materials(void **state)
 	int matt = 0, shiny = 0;
 
 	(void)state;
-	baking_write("m.mtl", "newmtl matt\nKd 0.1 0.2 0.3\nnewmtl shiny\nKd 0.5 0.4 0.3\n"
-			      "Ks 0.2 0.2 0.2\nNs 100\nillum 2\n");
-	baking_write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nusemtl matt\n"
-			      "f 1 2 3\nusemtl shiny\nf 2 4 3\n");
-	assert_int_equal(mesh_read(&mesh, baking_path("m.obj"), &placement, &fault), 0);
+	small_scene_write("m.mtl", "newmtl matt\nKd 0.1 0.2 0.3\nnewmtl shiny\nKd 0.5 0.4 0.3\n"
+				   "Ks 0.2 0.2 0.2\nNs 100\nillum 2\n");
+	small_scene_write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nusemtl matt\n"
+				   "f 1 2 3\nusemtl shiny\nf 2 4 3\n");
+	assert_int_equal(mesh_read(&mesh, small_scene_path("m.obj"), &placement, &fault), 0);
 	for (int k = 0; k < mesh.part_count; k++) {
 		const struct material *m = &mesh.materials[mesh.parts[k].material];
 
@@ -660,13 +688,13 @@ static void test_mtl_materials(void **state)
 
 /* ---- what the scene says ---- */
 
-/* Making a rotation exact may move its last digit. */
+/* Orthonormalising a rotation may change its last digit. */
 static void expect_camera(const struct tsai_camera *a, const struct tsai_camera *b)
 {
 	assert_int_equal(a->width, b->width);
 	assert_int_equal(a->height, b->height);
 	for (int k = 0; k < 9; k++)
-		assert_true(fabs(a->rotation[k] - b->rotation[k]) < 1e-15);
+		expect_below(fabs(a->rotation[k] - b->rotation[k]), 1e-15, "k=%d", k);
 	assert_memory_equal(a->translation, b->translation,
 			    sizeof(*a) - offsetof(struct tsai_camera, translation));
 }
@@ -678,15 +706,16 @@ static void test_camera_kinds(void **state)
 
 	(void)state;
 	write_triangle();
-	baking_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
-	look = baking_scene("look.ini");
+	small_scene_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
+	look = small_scene_open("look.ini");
 	assert_int_equal(scene_camera_text(look, text, sizeof(text)), 0);
-	/* what goes into the basis file reads back as the same camera, by either way */
-	baking_write("cam.ini", "%s", text);
-	baking_write("file.ini", "[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n");
-	baking_write("tsai.ini", "[tsai]\n%s[object a]\nfile = tri.obj\n", strchr(text, '\n') + 1);
-	file = baking_scene("file.ini");
-	tsai = baking_scene("tsai.ini");
+	/* the text in the basis file reads back as the same camera, both ways */
+	small_scene_write("cam.ini", "%s", text);
+	small_scene_write("file.ini", "[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n");
+	small_scene_write("tsai.ini", "[tsai]\n%s[object a]\nfile = tri.obj\n",
+			  strchr(text, '\n') + 1);
+	file = small_scene_open("file.ini");
+	tsai = small_scene_open("tsai.ini");
 	expect_camera(&look->camera, &file->camera);
 	expect_camera(&look->camera, &tsai->camera);
 	assert_true(fabsf(look->eye.y + 5) < 1e-5f && fabsf(look->eye.z - 2) < 1e-5f);
@@ -695,19 +724,19 @@ static void test_camera_kinds(void **state)
 	scene_close(tsai);
 }
 
-/* The hash follows what is in the scene, not where it lies. */
+/* The hash depends on what the scene contains, not on where its files lie. */
 static void test_hash(void **state)
 {
 	struct scene *a, *b, *c;
 
 	(void)state;
 	write_triangle();
-	baking_write("a.ini", VIEW "[object a]\nfile = tri.obj\n");
-	baking_write("b.ini", "; a comment\n" VIEW "[object a]\nfile = ./tri.obj\n");
-	a = baking_scene("a.ini");
-	b = baking_scene("b.ini");
-	baking_write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1.25\nf 1 2 3\n");
-	c = baking_scene("a.ini");
+	small_scene_write("a.ini", VIEW "[object a]\nfile = tri.obj\n");
+	small_scene_write("b.ini", "; a comment\n" VIEW "[object a]\nfile = ./tri.obj\n");
+	a = small_scene_open("a.ini");
+	b = small_scene_open("b.ini");
+	small_scene_write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1.25\nf 1 2 3\n");
+	c = small_scene_open("a.ini");
 	assert_true(a->hash == b->hash);
 	assert_true(a->hash != c->hash);
 	scene_close(a);
@@ -739,5 +768,5 @@ int main(void)
 		cmocka_unit_test(test_hash),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -1,13 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* The same scene and seed give the same file, byte by byte, whatever the number of threads. */
+/* The same scene and seed give the same file, byte by byte, with any number of threads. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "tests/support/baking.h"
+#include "bake/scene/scene.h"
+#include "tests/support/baked_rows.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH (thorough() ? 70 : 40)
@@ -15,7 +21,7 @@
 
 static char *read_all(const char *name, size_t *bytes)
 {
-	FILE *stream = fopen(baking_path(name), "rb");
+	FILE *stream = fopen(small_scene_path(name), "rb");
 	char *data = malloc(8 << 20);
 
 	assert_non_null(stream);
@@ -39,22 +45,23 @@ static bool same(const char *a, const char *b)
 
 static void write_scene(const char *name, const char *how, int seed)
 {
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 2\nv -2 1 2\nf 1 2 3 4\n");
-	baking_write(name,
-		     "[camera]\nposition = 1 -4 2\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
-		     "[dome]\nfrequency = 3\n[render]\n%s\nseed = %d\n[ground]\n[standin wall]\n"
-		     "file = wall.obj\nup = z\n[object a]\nfile = ball.obj\nup = z\nmaterial = g\n"
-		     "stand = yes\n[object b]\nfile = ball.obj\nposition = 1 0 0.5\nmaterial = c\n"
-		     "scale = 0.6\n[material g]\nkind = glossy\n[material c]\nkind = glass\n",
-		     WIDTH, HEIGHT, how, seed);
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write("wall.obj", "v -2 1 0\nv 2 1 0\nv 2 1 2\nv -2 1 2\nf 1 2 3 4\n");
+	small_scene_write(
+		name,
+		"[camera]\nposition = 1 -4 2\nlook_at = 0 0 0.4\nwidth = %d\nheight = %d\n"
+		"[dome]\nfrequency = 3\n[render]\n%s\nseed = %d\n[ground]\n[standin wall]\n"
+		"file = wall.obj\nup = z\n[object a]\nfile = ball.obj\nup = z\nmaterial = g\n"
+		"stand = yes\n[object b]\nfile = ball.obj\nposition = 1 0 0.5\nmaterial = c\n"
+		"scale = 0.6\n[material g]\nkind = glossy\n[material c]\nkind = glass\n",
+		WIDTH, HEIGHT, how, seed);
 }
 
 static void bake(const char *scene_name, const char *out, int threads)
 {
-	struct scene *scene = baking_scene(scene_name);
+	struct scene *scene = small_scene_open(scene_name);
 
-	baking_render(scene, out, threads);
+	small_scene_render(scene, out, threads);
 	scene_close(scene);
 }
 
@@ -88,7 +95,7 @@ static void test_seed(void **state)
 	assert_false(same("a.inlay", "b.inlay"));
 }
 
-/* The noise that is declared is the noise that is there: two seeds differ by sqrt(2) of it. */
+/* The declared noise is the real noise: two seeds differ by sqrt(2) of it. */
 static void test_noise_is_true(void **state)
 {
 	struct basis basis[2];
@@ -101,7 +108,8 @@ static void test_noise_is_true(void **state)
 
 		write_scene("n.ini", thorough() ? "noise = 2" : "noise = 4", 11 + k);
 		bake("n.ini", k ? "k1.inlay" : "k0.inlay", 2);
-		assert_int_equal(basis_open(&basis[k], baking_path(k ? "k1.inlay" : "k0.inlay"),
+		assert_int_equal(basis_open(&basis[k],
+					    small_scene_path(k ? "k1.inlay" : "k0.inlay"),
 					    BASIS_WITH_EXACT, &fault),
 				 0);
 		declared += basis[k].info.noise_levels / 2;
@@ -112,9 +120,9 @@ static void test_noise_is_true(void **state)
 			bool changed = false;
 
 			for (int k = 0; k < 2; k++) {
-				const double a = baking_coverage(&basis[k], x, y);
-				const double ratio = baking_ratio(&basis[k], x, y, 1, NULL);
-				const double v = baking_object(&basis[k], x, y, 1, NULL) +
+				const double a = baked_coverage(&basis[k], x, y);
+				const double ratio = baked_ratio(&basis[k], x, y, 1, NULL);
+				const double v = baked_object(&basis[k], x, y, 1, NULL) +
 						 (1 - a) * ratio * 0.5;
 
 				changed |= a > 0 || ratio != 1;
@@ -142,10 +150,10 @@ static void test_failure_leaves_nothing(void **state)
 
 	(void)state;
 	write_scene("a.ini", "samples = 1", 1);
-	scene = baking_scene("a.ini");
+	scene = small_scene_open("a.ini");
 	settings = render_settings_of(scene);
 	settings.quiet = true;
-	assert_true(render_run(scene, &settings, baking_path("no/such/folder.inlay"), &report,
+	assert_true(render_run(scene, &settings, small_scene_path("no/such/folder.inlay"), &report,
 			       &fault) < 0);
 	assert_non_null(strstr(fault.text, "folder.inlay"));
 	scene_close(scene);
@@ -161,5 +169,5 @@ int main(void)
 		cmocka_unit_test(test_failure_leaves_nothing),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

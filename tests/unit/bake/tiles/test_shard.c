@@ -1,20 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-/* A shard comes back as it was written; one with any wrong number in it, whose checksums are right,
- * is refused before that number is used. */
+/* A shard is read as it was written. One with a wrong number in it, but right checksums, is refused
+ * before that number is used. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include <errno.h>
 
 #include "tests/support/copied_basis.h"
 
 #include "bake/tiles/shard.h"
+#include "bake/tiles/shard_format.h"
+#include "tests/support/chance.h"
 #include "tests/support/reseal_shard.h"
 
-struct sample {
+struct shard_sample {
 	char folder[64], path[80];
-	struct copied whole, c; /* c is changed, and put back */
+	struct copied whole, c; /* a test changes c and restores it */
 	struct shard_header *header;
-	struct shard_record *record; /* of the first tile */
+	struct shard_record *record; /* record of the first tile */
 	struct tile_account *account;
-	struct basis_block_entry *entry; /* its first */
+	struct basis_block_entry *entry; /* its first entry */
 };
 
 /* ---- a shard of a synthetic file's blocks ---- */
@@ -46,7 +59,7 @@ static void add_tile(struct shard_writer *writer, const struct copied *file, int
 	synthetic_must(shard_writer_add(writer, &tile, &fault), &fault);
 }
 
-static void write_sample(const struct sample *sample)
+static void write_sample(const struct shard_sample *sample)
 {
 	const struct shard_place place = {0, 1};
 	struct synthetic s;
@@ -72,7 +85,7 @@ static void write_sample(const struct sample *sample)
 
 static int setup(void **state)
 {
-	static struct sample sample;
+	static struct shard_sample sample;
 	uint8_t *at;
 	size_t n;
 
@@ -97,7 +110,7 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-	struct sample *sample = *state;
+	struct shard_sample *sample = *state;
 
 	copied_free(&sample->whole);
 	copied_free(&sample->c);
@@ -107,8 +120,8 @@ static int teardown(void **state)
 
 /* ---- reading ---- */
 
-/* All of the changed shard, after its checksums were made right. 0, or why not. */
-static int read_changed(const struct sample *sample, struct fault *fault)
+/* Repairs the checksums of the changed shard and reads all of it. 0, or the error of the reader. */
+static int read_changed(const struct shard_sample *sample, struct fault *fault)
 {
 	FILE *out = fopen(sample->path, "wb");
 	struct finished_tile tile;
@@ -132,7 +145,7 @@ static int read_changed(const struct sample *sample, struct fault *fault)
 
 static void comes_back(void **state)
 {
-	const struct sample *sample = *state;
+	const struct shard_sample *sample = *state;
 	struct fault fault = {""};
 	struct finished_tile tile;
 	struct shard shard;
@@ -161,7 +174,7 @@ static void comes_back(void **state)
 
 static void refuses_wrong_numbers(void **state)
 {
-	struct sample *s = *state;
+	struct shard_sample *s = *state;
 	struct basis_block_entry *last = s->entry + s->record->shown + s->record->exact - 1;
 	struct fault fault;
 
@@ -199,10 +212,10 @@ static void refuses_wrong_numbers(void **state)
 	REFUSED(last->pixels += 32);
 }
 
-/* Whatever single bit is wrong: refused in a sentence, or tiles that keep to the rules. */
+/* Any single wrong bit: refused with a message, or the tiles are valid. */
 static void survives_any_bit(void **state)
 {
-	struct sample *s = *state;
+	struct shard_sample *s = *state;
 	struct chance chance = chance_begin("shard");
 	struct fault fault;
 

@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT */
-/* The filter of bounced light: it takes noise away, never light. */
+/* The filter of bounced light takes noise away, and never light. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "bake/base/random.h"
+#include "bake/scene/scene.h"
 #include "bake/tiles/tile.h"
-#include "tests/support/baking.h"
+#include "tests/support/expect.h"
+#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define SEED 20
 #define SAMPLES 16
 #define REFERENCE (16 * SAMPLES)
 
-/* Pixels row by row, as many as there are. */
+/* Pixels row by row. */
 static uint16_t every_pixel[TILE_PIXELS];
 
 /* ---- made matrices ---- */
@@ -27,7 +31,7 @@ struct made {
 	double share[2];
 };
 
-/* Near enough to a normal deviate. */
+/* About normal, with standard deviation 1. */
 static double deviate(struct random *random)
 {
 	double sum = -6;
@@ -37,8 +41,9 @@ static double deviate(struct random *random)
 	return sum;
 }
 
-/* Light of some rank, its parts falling off by fall each, with a noise in either half. */
-static struct made make(int rows, int lights, int rank, double fall, double noise, double share)
+/* Light of a rank, each part `fall` times the one before, with noise in each half. */
+static struct made bake_bounce_make(int rows, int lights, int rank, double fall, double noise,
+				    double share)
 {
 	struct random random = {SEED};
 	const size_t count = (size_t)rows * (size_t)lights;
@@ -113,7 +118,7 @@ static double distance(const float *a, const float *b, size_t count)
 	return sqrt(square / (double)count);
 }
 
-/* The filtered error as a share of the unfiltered one. */
+/* Filtered error as a share of the unfiltered error. */
 static double error_of(const struct made *m)
 {
 	const size_t count = (size_t)m->rows * (size_t)m->lights;
@@ -121,7 +126,7 @@ static double error_of(const struct made *m)
 	return distance(m->half[0], m->light, count) / distance(m->mean, m->light, count);
 }
 
-/* What the filter leaves alone: each row's sum, each channel's mean of every column. */
+/* The filter keeps each row's sum and, of every column, each channel's mean. */
 static void check_sums(const struct made *m)
 {
 	for (int row = 0; row < m->rows; row++) {
@@ -133,7 +138,7 @@ static void check_sums(const struct made *m)
 			change += (double)m->half[0][at] - (double)m->mean[at];
 			size += fabs((double)m->mean[at]);
 		}
-		assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+		expect_at_most(fabs(change), 2e-5 * size + 1e-30, "row=%d", row);
 	}
 	for (int i = 0; i < m->lights; i++)
 		for (int c = 0; c < 3; c++) {
@@ -145,12 +150,12 @@ static void check_sums(const struct made *m)
 				change += (double)m->half[0][at] - (double)m->mean[at];
 				size += fabs((double)m->mean[at]);
 			}
-			assert_true(fabs(change) <= 2e-5 * size + 1e-30);
+			expect_at_most(fabs(change), 2e-5 * size + 1e-30, "i=%d, c=%d", i, c);
 		}
 }
 
-/* Few lights and many, low rank and more of it, little noise and much, halves of one size and not.
- */
+/* Few and many lights, low and higher rank, little and much noise, halves of equal and of different
+ * size. */
 static void test_made(void **state)
 {
 	static const struct {
@@ -167,37 +172,37 @@ static void test_made(void **state)
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
-		struct made m = make(cases[k].rows, cases[k].lights, cases[k].rank, cases[k].fall,
-				     cases[k].noise, cases[k].share);
+		struct made m = bake_bounce_make(cases[k].rows, cases[k].lights, cases[k].rank,
+						 cases[k].fall, cases[k].noise, cases[k].share);
 		const int kept = filter(&m);
 		const double error = error_of(&m);
 
 		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's\n",
 			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error);
-		assert_true(error <= cases[k].most);
+		expect_at_most(error, cases[k].most, "k=%zu", k);
 		check_sums(&m);
 		unmake(&m);
 	}
 }
 
-/* What has no noise, or is light of full rank, stays bit by bit but for rounding. */
+/* Light without noise, or of full rank, stays the same but for rounding. */
 static void test_nothing_to_gain(void **state)
 {
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct made m = make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
+		struct made m = bake_bounce_make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
 		const size_t count = (size_t)m.rows * (size_t)m.lights;
 
-		assert_int_equal(filter(&m), -1);
-		assert_true(distance(m.half[0], m.mean, count) < 1e-4);
+		expect_equal(filter(&m), -1, "k=%d", k);
+		expect_below(distance(m.half[0], m.mean, count), 1e-4, "k=%d", k);
 		unmake(&m);
 	}
 }
 
-/* Differences have both signs: rows whose sums are nothing but noise must not be blown up. */
+/* Differences have both signs: rows whose sums are only noise must not grow. */
 static void test_sums_that_cancel(void **state)
 {
-	struct made m = make(300, 200, 3, 0.7, 1, 0.5);
+	struct made m = bake_bounce_make(300, 200, 3, 0.7, 1, 0.5);
 
 	(void)state;
 	for (int row = 0; row < m.rows; row++) {
@@ -226,17 +231,17 @@ static void test_odd_values(void **state)
 	struct made m;
 
 	(void)state;
-	m = make(30, 20, 0, 1, 0, 0.5);
+	m = bake_bounce_make(30, 20, 0, 1, 0, 0.5);
 	assert_int_equal(filter(&m), -1);
 	for (int k = 0; k < 600; k++)
-		assert_true(m.half[0][k] == 0);
+		expect_equal(m.half[0][k], 0, "k=%d", k);
 	unmake(&m);
 	for (size_t k = 0; k < sizeof(odd) / sizeof(odd[0]); k++) {
-		m = make(30, 20, 1, 1, 1, 0.5);
+		m = bake_bounce_make(30, 20, 1, 1, 1, 0.5);
 		m.half[0][77] = odd[k];
 		filter(&m);
-		/* what the encoder refuses must reach it */
-		assert_true(isfinite(odd[k]) == isfinite(m.half[0][77]));
+		/* NaN and infinity must reach the encoder, which refuses them */
+		expect_equal(isfinite(odd[k]), isfinite(m.half[0][77]), "k=%zu", k);
 		unmake(&m);
 	}
 }
@@ -246,7 +251,8 @@ static void test_odd_values(void **state)
 #define WIDE (2 * BASIS_TILE) /* two tiles side by side */
 #define SEAM_LIGHTS 200
 
-/* Light that is smooth over both tiles: every light has a mean, a slope and a bend of its own. */
+/* Light that is smooth over both tiles: each light has a mean, a slope and a curvature of its own.
+ */
 static double smooth(const double *of_light, int x, int y)
 {
 	const double u = x / (double)WIDE - 0.5, v = y / (double)WIDE - 0.25;
@@ -255,8 +261,8 @@ static double smooth(const double *of_light, int x, int y)
 	       0.1 * of_light[3] * u * u;
 }
 
-/* How far apart the columns of pixels on both sides of x are, beyond what they rise or fall by
- * there; of all lights, the mean over the edge's length, RMS. */
+/* Step between the columns of pixels on both sides of x, beyond the slope there: for each light the
+ * mean over the length of the edge, then RMS over lights. */
 static double step_at(const float *const tile[2], int x)
 {
 	static const double part[] = {0.25, 0, -1.25, 1.25, 0, -0.25};
@@ -277,8 +283,8 @@ static double step_at(const float *const tile[2], int x)
 	return sqrt(square / (3 * SEAM_LIGHTS));
 }
 
-/* Tiles are filtered apart. Their common edge shows no more than what noise leaves of means and
- * slopes; where it is loudest, a filter that keeps means alone exceeds that. */
+/* Tiles are filtered independently. Their common edge shows no more than the noise of means and
+ * slopes; where noise is loudest, a filter that keeps means alone exceeds that. */
 static void test_seam(void **state)
 {
 	static const double noises[] = {0.02, 0.3, 0.5};
@@ -292,7 +298,7 @@ static void test_seam(void **state)
 		for (int i = 0; i < SEAM_LIGHTS * 4; i++)
 			of_light[i / 4][i % 4] = deviate(&random);
 		for (int t = 0; t < 2; t++) {
-			m[t] = make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
+			m[t] = bake_bounce_make(BOUNCE_ROWS_MAX, SEAM_LIGHTS, 0, 1, noises[k], 0.5);
 			for (int at = 0; at < BOUNCE_ROWS_MAX * SEAM_LIGHTS; at++) {
 				const int i = at % SEAM_LIGHTS, p = at / SEAM_LIGHTS / 3;
 				const float is = (float)smooth(of_light[i],
@@ -317,9 +323,10 @@ static void test_seam(void **state)
 		print_message("# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the "
 			      "edge, %.4f inside, %.4f unfiltered\n",
 			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
-		/* a plane's noise at the edge is that of (1 + 3) / 256 of a pixel's square */
-		assert_true(edge < inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002);
-		assert_true(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2);
+		/* the variance of a plane at the edge is (1 + 3) / 256 of a pixel's */
+		expect_below(edge, inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002, "k=%zu",
+			     k);
+		expect_that(error_of(&m[0]) < 0.2 && error_of(&m[1]) < 0.2, "k=%zu", k);
 		for (int t = 0; t < 2; t++) {
 			check_sums(&m[t]);
 			unmake(&m[t]);
@@ -329,14 +336,14 @@ static void test_seam(void **state)
 
 /* ---- real tiles ---- */
 
-/* Tiles of one sample a pixel are not filtered: sums of them are what no filter has touched. */
-struct sums {
+/* Unfiltered tiles of one sample a pixel, summed up. */
+struct tile_sums {
 	float *value[BASIS_KIND_COUNT]; /* [TILE_PIXELS][3][lights] */
 	bool seen[BASIS_KIND_COUNT];
 };
 
 static void add_tiles(const struct scene *scene, const struct cells *cells, int index, int seed,
-		      int samples, struct sums *sums)
+		      int samples, struct tile_sums *sums)
 {
 	const size_t row = 3 * (size_t)cells->count;
 	struct tile *tile = malloc(sizeof(*tile));
@@ -363,14 +370,14 @@ static void add_tiles(const struct scene *scene, const struct cells *cells, int 
 	free(tile);
 }
 
-static void free_sums(struct sums *sums)
+static void free_sums(struct tile_sums *sums)
 {
 	for (int kind = 0; kind < BASIS_KIND_COUNT; kind++)
 		free(sums->value[kind]);
 }
 
-/* What a sun at one cell and a sky of a tenth of its light come to: the error of the tile's mean is
- * what would show as a step to its neighbours. */
+/* Error of a tile's mean under a sun in one cell and a sky of a tenth of its light: the size of the
+ * step to neighbouring tiles. */
 static double step_of(const float *value, const float *reference, int lights, const float *weight)
 {
 	double worst = 0;
@@ -397,7 +404,7 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 {
 	static const char *const names[] = {"T", "V", "D", "U"};
 	const size_t row = 3 * (size_t)cells->count, count = TILE_PIXELS * row;
-	struct sums half[2] = {0}, reference = {0};
+	struct tile_sums half[2] = {0}, reference = {0};
 	struct bounce bounce;
 	float *sky = malloc(row * sizeof(float)), *scale = malloc(row * sizeof(float));
 	float *mean = malloc(count * sizeof(float));
@@ -435,9 +442,9 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 			      "of it, before %.4f\n",
 			      what, cells->count, names[kind], kept, after / before,
 			      step_of(in.half[0], reference.value[kind], cells->count, sky), step);
-		assert_true(step_of(in.half[0], reference.value[kind], cells->count, sky) <
-			    step + 1e-4);
-		assert_true(after <= before * 1.005);
+		expect_below(step_of(in.half[0], reference.value[kind], cells->count, sky),
+			     step + 1e-4, "kind=%d", kind);
+		expect_at_most(after, before * 1.005, "kind=%d", kind);
 		*log_sum += log(after / before);
 		++*log_count;
 	}
@@ -457,15 +464,16 @@ static void check_scene(const char *what, const char *material, const char *stan
 	double log_sum = 0;
 	int log_count = 0;
 
-	baking_write_sphere("ball.obj", 0.8, 24);
-	baking_write("plane.obj", "v -9 1 0\nv 9 1 0\nv 9 1 9\nv -9 1 9\nf 1 2 3 4\n");
-	baking_write("s.ini",
-		     "[camera]\nposition = 0 -6 4\nlook_at = 0 0 0.4\nfield_deg = 40\nwidth = 64\n"
-		     "height = 64\n[render]\n[ground]\nmaterial = m\n%s[object ball]\n"
-		     "file = ball.obj\nup = z\nmaterial = b\nstand = yes\n[material m]\n"
-		     "colour = 0.6 0.5 0.4\n[material b]\n%s",
-		     standin, material);
-	scene = baking_scene("s.ini");
+	small_scene_write_sphere("ball.obj", 0.8, 24);
+	small_scene_write("plane.obj", "v -9 1 0\nv 9 1 0\nv 9 1 9\nv -9 1 9\nf 1 2 3 4\n");
+	small_scene_write(
+		"s.ini",
+		"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0.4\nfield_deg = 40\nwidth = 64\n"
+		"height = 64\n[render]\n[ground]\nmaterial = m\n%s[object ball]\n"
+		"file = ball.obj\nup = z\nmaterial = b\nstand = yes\n[material m]\n"
+		"colour = 0.6 0.5 0.4\n[material b]\n%s",
+		standin, material);
+	scene = small_scene_open("s.ini");
 	for (size_t k = 0; k < (thorough() ? 3 : 2); k++) {
 		struct fault fault;
 		struct cells cells;
@@ -473,7 +481,7 @@ static void check_scene(const char *what, const char *material, const char *stan
 
 		assert_int_equal(dome_create(&dome, frequencies[k], DOME_ANGLES, &fault), 0);
 		assert_int_equal(cells_create(&cells, &dome), 0);
-		/* the ball's middle, its edge with the ground below */
+		/* the middle of the ball, its edge above the ground */
 		check_tile(scene, &cells, what, 5, &log_sum, &log_count);
 		check_tile(scene, &cells, what, 10, &log_sum, &log_count);
 		cells_free(&cells);
@@ -522,5 +530,5 @@ int main(void)
 	for (int p = 0; p < TILE_PIXELS; p++)
 		every_pixel[p] = (uint16_t)p;
 	print_message("# seed %d\n", SEED);
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -1,34 +1,39 @@
 /* SPDX-License-Identifier: MIT */
-/* Glass of the object and stand-ins for real things: what is baked, composited, against path-traced
- * truth, on a background that shows where light comes from. */
+/* Glass objects and stand-ins for real things: baked, composited and compared with path tracing,
+ * over a background whose pattern shows where light comes from. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
 
+#include "bake/scene/scene.h"
 #include "bake/tiles/sight.h"
 #include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
-#include "tests/support/baking.h"
+#include "tests/support/baked_rows.h"
+#include "tests/support/expect.h"
+#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30
 #define PIXELS (WIDTH * HEIGHT)
-#define SQUARE 5 /* of the background's board */
+#define SQUARE 5 /* side of the background's squares, px */
 
 /* The picture is the same wherever the camera stands. */
 #define SCENE(camera)                                                                              \
 	"[camera]\n" camera "field_deg = 36\nwidth = 40\nheight = 30\n[dome]\nfrequency = 1\n"     \
 	"[render]\nsamples = 64\n[ground]\n"
 
-struct comparison {
+struct glass_comparison {
 	struct basis basis;
-	struct image truth;	 /* linear */
+	struct image truth;	 /* linear light */
 	uint8_t out[PIXELS * 4]; /* BGRX */
 	double rms, most, psnr;
-	int x, y; /* of most */
+	int x, y; /* place of the largest difference */
 };
 
 static int board_code(int x, int y, int c)
@@ -36,7 +41,8 @@ static int board_code(int x, int y, int c)
 	return (x / SQUARE + y / SQUARE) % 2 ? 225 - 12 * c : 50 + 25 * ((x / SQUARE + c) % 3);
 }
 
-/* Even over each cell, so that cells approximate nothing; a strong lamp in one of them. */
+/* Light that is constant over each cell, so that cells approximate nothing; one holds a strong
+ * lamp. */
 static double light_of(int cell, int c)
 {
 	return 0.3 + (cell == 3 ? 2 + 0.3 * c : 0);
@@ -55,7 +61,7 @@ static void make_panorama(struct image *image)
 		for (int x = 0; x < width; x++) {
 			double d[3];
 
-			/* the row below the horizon is as the one above */
+			/* the row below the horizon is like the one above */
 			panorama_direction(&panorama, x + 0.5, fmin(y, height / 2 - 1) + 0.5, d);
 			for (int c = 0; c < 3; c++)
 				image->f32[3 * (y * width + x) + c] =
@@ -64,7 +70,7 @@ static void make_panorama(struct image *image)
 	dome_free(&dome);
 }
 
-static void composite(struct comparison *to)
+static void composite(struct glass_comparison *to)
 {
 	static uint8_t board[PIXELS * 4];
 	const struct picture picture = {board, 4, WIDTH * 4, WIDTH, HEIGHT};
@@ -97,25 +103,25 @@ static void composite(struct comparison *to)
 	free(radiance);
 }
 
-static double true_level(const struct comparison *c, int x, int y, int channel)
+static double true_level(const struct glass_comparison *c, int x, int y, int channel)
 {
 	return 255 *
 	       transfer_encode(TRANSFER_SRGB, (double)c->truth.f32[3 * (y * WIDTH + x) + channel]);
 }
 
-static int level(const struct comparison *c, int x, int y, int channel)
+static int level(const struct glass_comparison *c, int x, int y, int channel)
 {
 	return c->out[(y * WIDTH + x) * 4 + 2 - channel];
 }
 
-/* Bakes NAME, composites it, and traces the same. */
-static void compare(struct comparison *to, const char *name)
+/* Bakes NAME, composites it, and traces the same scene. */
+static void compare(struct glass_comparison *to, const char *name)
 {
 	const struct truth_settings settings = {
 		.samples = 384, .bounces = 8, .seed = 3, .threads = 2, .quiet = true};
 	struct image image, board;
 	const struct panorama panorama = {.image = &image, .scale = 1};
-	struct scene *scene = baking_scene(name);
+	struct scene *scene = small_scene_open(name);
 	struct fault fault = {.text = ""};
 	struct truth_report report;
 	double square = 0;
@@ -129,7 +135,7 @@ static void compare(struct comparison *to, const char *name)
 				TRANSFER_SRGB, board_code(i % WIDTH, i / WIDTH, c) / 255.0);
 	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
 	assert_int_equal(truth_run(scene, &sky, &board, &settings, &to->truth, &report, &fault), 0);
-	to->basis = baking_bake(name);
+	to->basis = small_scene_bake(name);
 	composite(to);
 	to->most = 0;
 	for (int y = 0; y < HEIGHT; y++)
@@ -154,7 +160,7 @@ static void compare(struct comparison *to, const char *name)
 	scene_close(scene);
 }
 
-static void compared(struct comparison *c)
+static void compared(struct glass_comparison *c)
 {
 	basis_close(&c->basis);
 	image_free(&c->truth);
@@ -162,25 +168,26 @@ static void compared(struct comparison *c)
 
 static void write_box(const char *name, double x, double y, double z)
 {
-	baking_write(name,
-		     "v %1$g %2$g 0\nv %4$g %2$g 0\nv %4$g %5$g 0\nv %1$g %5$g 0\n"
-		     "v %1$g %2$g %3$g\nv %4$g %2$g %3$g\nv %4$g %5$g %3$g\nv %1$g %5$g %3$g\n"
-		     "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
-		     -x, -y, z, x, y);
+	small_scene_write(name,
+			  "v %1$g %2$g 0\nv %4$g %2$g 0\nv %4$g %5$g 0\nv %1$g %5$g 0\n"
+			  "v %1$g %2$g %3$g\nv %4$g %2$g %3$g\nv %4$g %5$g %3$g\nv %1$g %5$g %3$g\n"
+			  "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n",
+			  -x, -y, z, x, y);
 }
 
 /* ---- glass ---- */
 
-/* Straight glass shows each pixel its own background, times colour for each of two surfaces. */
+/* Flat glass shows each pixel its own background, times the colour once for each of two surfaces.
+ */
 static void a_tinted_pane_lets_its_own_background_through(void **state)
 {
 	const double tint[3] = {0.95, 0.7, 0.4};
-	struct comparison c;
+	struct glass_comparison c;
 	int whole = 0, foot = 0;
 
 	(void)state;
 	write_box("pane.obj", 0.55, 0.04, 1.1);
-	baking_write(
+	small_scene_write(
 		"pane.ini",
 		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object pane]\nfile = "
 								       "pane.obj\nup = z\nmaterial "
@@ -193,31 +200,32 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 		const struct basis_glass *g = &c.basis.poses[0].glass[k];
 		double off = 0;
 
-		assert_int_equal(g->dx, 0);
-		assert_int_equal(g->dy, 0);
-		if (baking_coverage(&c.basis, g->x, g->y) < 1)
+		expect_equal(g->dx, 0, "k=%zu", k);
+		expect_equal(g->dy, 0, "k=%zu", k);
+		if (baked_coverage(&c.basis, g->x, g->y) < 1)
 			continue;
 		for (int channel = 0; channel < 3; channel++)
 			off = fmax(off, fabs(g->transmission[channel] / 65535.0 -
 					     tint[channel] * tint[channel]));
 		(off < 1e-4 ? &whole : &foot)[0]++;
 	}
-	/* at its foot rays meet the ground before they leave */
+	/* near its foot, rays meet the ground before they leave the pane */
 	assert_true(foot < 30);
 	assert_true(whole > 100);
 	assert_true(c.rms < 1.5);
 	compared(&c);
 }
 
-/* One surface for a whole pane: it mirrors 2 F / (1 + F), and its mesh is open. */
+/* A pane of one surface, an open mesh: it reflects 2 F / (1 + F). */
 static void a_thin_pane_mirrors_on_both_sides(void **state)
 {
 	const double once = 0.04, both = 2 * once / (1 + once);
-	struct comparison c;
+	struct glass_comparison c;
 
 	(void)state;
-	baking_write("sheet.obj", "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
-	baking_write(
+	small_scene_write("sheet.obj",
+			  "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
+	small_scene_write(
 		"thin.ini",
 		SCENE("position = 0 -3.5 0.5\nlook_at = 0 0 0.5\n") "[object pane]\nfile = "
 								    "sheet.obj\nup = z\nmaterial = "
@@ -226,21 +234,22 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 								    "yes\ncolour = 0.9 0.9 0.9\n");
 	compare(&c, "thin.ini");
 	for (int channel = 0; channel < 3; channel++)
-		assert_true(fabs(baking_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
-				 0.9 * (1 - both)) < 2e-3);
+		expect_below(fabs(baked_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
+				  0.9 * (1 - both)),
+			     2e-3, "channel=%d", channel);
 	assert_true(c.rms < 1.5);
 	compared(&c);
 }
 
-/* A ball of glass stands the background on its head. */
+/* A glass ball shows the background upside down. */
 static void a_ball_bends_the_background(void **state)
 {
-	struct comparison c;
+	struct glass_comparison c;
 	int below = 0;
 
 	(void)state;
-	baking_write_sphere("ball.obj", 0.5, 32);
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.5, 32);
+	small_scene_write(
 		"ball.ini",
 		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object ball]\nfile = "
 								       "ball.obj\nup = z\nposition "
@@ -259,18 +268,18 @@ static void a_ball_bends_the_background(void **state)
 
 /* ---- real things ---- */
 
-/* A real box before the object hides it, where nothing of the picture changes then; a real step
- * receives its shadow. */
+/* A real box in front of the object hides it, and there the picture does not change; a real step
+ * receives the object's shadow. */
 static void real_things_hide_and_receive(void **state)
 {
-	struct comparison c;
+	struct glass_comparison c;
 	int hidden = 0, shown = 0, dark = 0, wrong = 0;
 
 	(void)state;
 	write_box("box.obj", 0.3, 0.2, 0.45);
 	write_box("step.obj", 1.2, 0.5, 0.25);
-	baking_write_sphere("ball.obj", 0.45, 24);
-	baking_write(
+	small_scene_write_sphere("ball.obj", 0.45, 24);
+	small_scene_write(
 		"real.ini",
 		SCENE("position = 0.6 -3.6 1.6\nlook_at = 0 0 0.4\n") "[object ball]\nfile = "
 								      "ball.obj\nup = z\nposition "
@@ -290,8 +299,8 @@ static void real_things_hide_and_receive(void **state)
 	compare(&c, "real.ini");
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
-			const double ratio = baking_ratio(&c.basis, x, y, 1, NULL);
-			const double a = baking_coverage(&c.basis, x, y);
+			const double ratio = baked_ratio(&c.basis, x, y, 1, NULL);
+			const double a = baked_coverage(&c.basis, x, y);
 
 			shown += a == 1;
 			dark += a == 0 && ratio < 0.85;
@@ -313,5 +322,5 @@ int main(void)
 		cmocka_unit_test(real_things_hide_and_receive),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Output files: whole or not at all, and messages: whole lines. */
+/* Output files appear complete or not at all, and each message is a whole line. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,11 +21,13 @@
 
 #include "hal/base/log.h"
 #include "hal/base/output.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static int files_in_folder(void)
 {
-	DIR *dir = opendir(own_folder);
+	DIR *dir = opendir(own_folder());
 	int count = 0;
 
 	assert_non_null(dir);
@@ -48,7 +50,7 @@ static void check_content(const char *path, const char *want)
 
 static void appears_by_rename(void **state)
 {
-	const char *path = own_path("a");
+	const char *path = own_folder_path("a");
 	struct output out;
 	struct stat s;
 	mode_t before;
@@ -84,7 +86,7 @@ static void abandoned_without_trace(void **state)
 
 	(void)state;
 	output_abandon(&zeroed);
-	assert_int_equal(output_open(&out, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&out, own_folder_path("a"), NULL), 0);
 	fputs("one", out.stream);
 	output_abandon(&out);
 	output_abandon(&out);
@@ -96,22 +98,22 @@ static void two_at_once(void **state)
 	struct output a, b;
 
 	(void)state;
-	assert_int_equal(output_open(&a, own_path("a"), NULL), 0);
-	assert_int_equal(output_open(&b, own_path("a"), NULL), 0);
+	assert_int_equal(output_open(&a, own_folder_path("a"), NULL), 0);
+	assert_int_equal(output_open(&b, own_folder_path("a"), NULL), 0);
 	fputs("first", a.stream);
 	fputs("second", b.stream);
 	assert_int_equal(output_commit(&b, NULL), 0);
 	assert_int_equal(output_commit(&a, NULL), 0);
-	check_content(own_path("a"), "first");
+	check_content(own_folder_path("a"), "first");
 	assert_int_equal(files_in_folder(), 1);
-	unlink(own_path("a"));
+	unlink(own_folder_path("a"));
 }
 
-/* A full disk, played by a limit on the size of files. */
+/* A full disk, simulated by a limit on the size of files. */
 static void full_disk_leaves_the_old_file(void **state)
 {
 	static char block[65536];
-	const char *path = own_path("a");
+	const char *path = own_folder_path("a");
 	struct fault fault = {""};
 	struct rlimit before, tight;
 	struct output out;
@@ -145,8 +147,8 @@ static void links_are_followed(void **state)
 	struct stat s;
 
 	(void)state;
-	strcpy(target, own_path("target"));
-	strcpy(name, own_path("link"));
+	strcpy(target, own_folder_path("target"));
+	strcpy(name, own_folder_path("link"));
 	assert_int_equal(symlink("target", name), 0);
 	fclose(fopen(target, "wb"));
 	assert_int_equal(output_open(&out, name, NULL), 0);
@@ -166,9 +168,9 @@ static void refused(void **state)
 	struct output out;
 
 	(void)state;
-	assert_int_equal(output_open(&out, own_path("no/such"), &fault), -ENOENT);
+	assert_int_equal(output_open(&out, own_folder_path("no/such"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "no/such"));
-	assert_int_equal(output_open(&out, own_folder, &fault), -EISDIR);
+	assert_int_equal(output_open(&out, own_folder(), &fault), -EISDIR);
 	assert_int_equal(output_open(&out, "/dev/null", &fault), -EINVAL); /* not replaced */
 	assert_int_equal(output_open(&out, "", &fault), -EINVAL);
 	memset(path, 'x', sizeof(path));
@@ -190,20 +192,13 @@ static void *say_many(void *argument)
 	return NULL;
 }
 
-/* What reached stderr during work(). */
+/* What work() wrote to stderr; the caller closes the stream. */
 static FILE *captured(void (*work)(void))
 {
-	FILE *stream = tmpfile();
-	const int before = dup(STDERR_FILENO);
+	const struct captured_log log = captured_log_begin();
 
-	assert_non_null(stream);
-	assert_true(before >= 0);
-	assert_true(dup2(fileno(stream), STDERR_FILENO) >= 0);
 	work();
-	assert_true(dup2(before, STDERR_FILENO) >= 0);
-	close(before);
-	rewind(stream);
-	return stream;
+	return captured_log_end(&log);
 }
 
 static void two_threads_say(void)
@@ -227,7 +222,7 @@ static void lines_stay_whole(void **state)
 	stream = captured(two_threads_say);
 	for (; fgets(line, sizeof(line), stream); count++) {
 		assert_int_equal(sscanf(line, "inlay-test: thread %c says %d", &name, &number), 2);
-		/* the padding is as long as the number says */
+		/* the message holds the length of its padding */
 		snprintf(want, sizeof(want), "inlay-test: thread %c says %d %*s\n", name, number,
 			 number, "");
 		assert_string_equal(line, want);
@@ -261,7 +256,7 @@ static void levels_and_long_lines(void **state)
 	assert_non_null(fgets(line, sizeof(line), stream));
 	assert_non_null(fgets(line, sizeof(line), stream));
 	assert_string_equal(line, "p: info\n");
-	assert_non_null(fgets(line, sizeof(line), stream)); /* cut, but a line */
+	assert_non_null(fgets(line, sizeof(line), stream)); /* cut off, but still a line */
 	assert_true(strlen(line) > 1000 && line[strlen(line) - 1] == '\n');
 	assert_null(fgets(line, sizeof(line), stream));
 	fclose(stream);
@@ -274,7 +269,8 @@ static void speak_in_controls(void)
 	log_error("%s", "");
 }
 
-/* One message is one line, and tells the terminal nothing. UTF-8 stays as it is. */
+/* One message is one line, and control characters cannot reach the terminal. UTF-8 stays as it is.
+ */
 static void controls_are_replaced(void **state)
 {
 	FILE *stream;
@@ -291,7 +287,7 @@ static void controls_are_replaced(void **state)
 	fclose(stream);
 }
 
-/* Whatever ends the program, it leaves nothing. */
+/* However the program ends, it leaves no temporary file. */
 static void killed_without_trace(void **state)
 {
 	const pid_t child = fork();
@@ -302,7 +298,7 @@ static void killed_without_trace(void **state)
 	if (child == 0) {
 		struct output out;
 
-		if (output_open(&out, own_path("killed"), NULL) == 0) {
+		if (output_open(&out, own_folder_path("killed"), NULL) == 0) {
 			fputs("half of it", out.stream);
 			fflush(out.stream);
 		}
@@ -313,7 +309,7 @@ static void killed_without_trace(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-/* Before anything is done: no output takes an input's place, nor another output's. */
+/* Checked before any work: no output may replace an input or another output. */
 static void checked_before(void **state)
 {
 	char input[PATH_MAX], hard[PATH_MAX], soft[PATH_MAX], fresh[PATH_MAX], again[PATH_MAX];
@@ -322,11 +318,11 @@ static void checked_before(void **state)
 	FILE *stream;
 
 	(void)state;
-	strcpy(input, own_path("in"));
-	strcpy(hard, own_path("hard"));
-	strcpy(soft, own_path("soft"));
-	strcpy(fresh, own_path("out"));
-	strcpy(again, own_path("./out"));
+	strcpy(input, own_folder_path("in"));
+	strcpy(hard, own_folder_path("hard"));
+	strcpy(soft, own_folder_path("soft"));
+	strcpy(fresh, own_folder_path("out"));
+	strcpy(again, own_folder_path("./out"));
 	stream = fopen(input, "w");
 	assert_non_null(stream);
 	assert_int_equal(fclose(stream), 0);
@@ -336,13 +332,14 @@ static void checked_before(void **state)
 	for (int k = 0; k < 3; k++) {
 		const char *const out[] = {fresh, k == 0 ? input : k == 1 ? hard : soft};
 
-		assert_int_equal(output_check(out, 2, read, 2, &fault), -EINVAL);
+		expect_equal(output_check(out, 2, read, 2, &fault), -EINVAL, "k=%d", k);
 		assert_non_null(strstr(fault.text, "is read, expected another name"));
 	}
 	assert_int_equal(output_check((const char *[]){fresh, again}, 2, read, 2, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "written twice"));
-	assert_int_equal(output_check((const char *[]){own_path("no/out")}, 1, read, 2, &fault),
-			 -ENOENT);
+	assert_int_equal(
+		output_check((const char *[]){own_folder_path("no/out")}, 1, read, 2, &fault),
+		-ENOENT);
 	assert_int_equal(files_in_folder(), 3);
 	unlink(input);
 	unlink(hard);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The pool: every item once, no two at a time share a worker, nothing is lost between jobs. */
+/* The pool runs every item once, one item at a time on each worker, and loses nothing between jobs.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,20 +16,22 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/pool.h"
+#include "tests/support/expect.h"
 
 #define ITEMS 5000
 
-struct record {
+struct pool_record {
 	atomic_int calls[ITEMS];
 	atomic_int busy[64];
 	atomic_int clashes, strangers;
 	int threads;
-	int scratch[64]; /* plain: the thread sanitizer sees two callers in one worker */
+	/* Not atomic, so that the thread sanitizer sees two callers on one worker. */
+	int scratch[64];
 };
 
 static void note(void *context, int item, int worker)
 {
-	struct record *r = context;
+	struct pool_record *r = context;
 
 	if (worker < 0 || worker >= r->threads) {
 		r->strangers++;
@@ -44,14 +47,14 @@ static void note(void *context, int item, int worker)
 static void every_item_once(void **state)
 {
 	static const int counts[] = {0, 1, 2, 3, 7, 64, ITEMS};
-	static struct record r;
+	static struct pool_record r;
 
 	(void)state;
 	for (int threads = 1; threads <= 8; threads++) {
 		struct pool *pool;
 
 		assert_int_equal(pool_create(&pool, threads), 0);
-		assert_int_equal(pool_threads(pool), threads);
+		expect_equal(pool_threads(pool), threads, "threads=%d", threads);
 		for (unsigned k = 0; k < sizeof(counts) / sizeof(*counts); k++) {
 			int sum = 0;
 
@@ -59,12 +62,14 @@ static void every_item_once(void **state)
 			r.threads = threads;
 			pool_run(pool, counts[k], note, &r);
 			for (int i = 0; i < ITEMS; i++)
-				assert_int_equal(r.calls[i], i < counts[k]);
+				expect_equal(r.calls[i], i < counts[k], "threads=%d, k=%u, i=%d",
+					     threads, k, i);
 			for (int w = 0; w < threads; w++)
 				sum += r.scratch[w];
-			assert_int_equal(sum, counts[k] * (counts[k] - 1) / 2);
-			assert_int_equal(r.clashes, 0);
-			assert_int_equal(r.strangers, 0);
+			expect_equal(sum, counts[k] * (counts[k] - 1) / 2, "threads=%d, k=%u",
+				     threads, k);
+			expect_equal(r.clashes, 0, "threads=%d, k=%u", threads, k);
+			expect_equal(r.strangers, 0, "threads=%d, k=%u", threads, k);
 		}
 		pool_destroy(pool);
 	}
@@ -72,7 +77,7 @@ static void every_item_once(void **state)
 
 static void many_short_jobs(void **state)
 {
-	static struct record r;
+	static struct pool_record r;
 	struct pool *pool;
 
 	(void)state;
@@ -88,7 +93,7 @@ static void many_short_jobs(void **state)
 	assert_int_equal(r.clashes, 0);
 }
 
-/* Ends some time after it was claimed. */
+/* An item that ends some time after a worker has claimed it. */
 static void finish_late(void *context, int item, int worker)
 {
 	const struct timespec nap = {0, NS_PER_MS / 2};
@@ -96,7 +101,7 @@ static void finish_late(void *context, int item, int worker)
 
 	(void)worker;
 	nanosleep(&nap, NULL);
-	finished[item] = 1; /* plain: only the end of the job may make it visible */
+	finished[item] = 1; /* not atomic: only the end of the job may make it visible */
 }
 
 static void returns_when_all_are_done(void **state)
@@ -110,21 +115,21 @@ static void returns_when_all_are_done(void **state)
 
 		pool_run(pool, 7, finish_late, finished);
 		for (int i = 0; i < 7; i++)
-			assert_int_equal(finished[i], 1);
+			expect_equal(finished[i], 1, "round=%d, i=%d", round, i);
 	}
 	pool_destroy(pool);
 }
 
-struct meeting {
+struct pool_meeting {
 	pthread_mutex_t lock;
 	pthread_cond_t changed;
 	int present, most;
 };
 
-/* Waits, bounded, until all are here at once: only true concurrency can do that. */
+/* Waits up to ten seconds until three workers are here at once, which needs real concurrency. */
 static void meet(void *context, int item, int worker)
 {
-	struct meeting *m = context;
+	struct pool_meeting *m = context;
 	struct timespec until;
 
 	(void)item;
@@ -144,7 +149,7 @@ static void meet(void *context, int item, int worker)
 
 static void works_side_by_side(void **state)
 {
-	struct meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
+	struct pool_meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
 	struct pool *pool;
 
 	(void)state;

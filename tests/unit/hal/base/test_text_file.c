@@ -7,19 +7,23 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "hal/base/number.h"
 #include "hal/base/text_file.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_text(const char *text, size_t bytes)
 {
-	FILE *stream = fopen(own_path("text"), "wb");
+	FILE *stream = fopen(own_folder_path("text"), "wb");
 
 	assert_non_null(stream);
 	assert_int_equal(fwrite(text, 1, bytes, stream), bytes);
@@ -34,12 +38,12 @@ static void lines_without_their_breaks(void **state)
 
 	(void)state;
 	write_text(text, sizeof(text) - 1);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(file.number, 0);
 	for (int k = 0; k < 4; k++) {
-		assert_int_equal(text_file_next(&file, NULL), 1);
+		expect_equal(text_file_next(&file, NULL), 1, "k=%d", k);
 		assert_string_equal(file.line, want[k]);
-		assert_int_equal(file.number, k + 1);
+		expect_equal(file.number, k + 1, "k=%d", k);
 	}
 	assert_int_equal(text_file_next(&file, NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 0);
@@ -47,21 +51,21 @@ static void lines_without_their_breaks(void **state)
 	text_file_close(&file);
 	text_file_close(&file);
 	write_text("", 0);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 0);
 	text_file_close(&file);
-	unlink(own_path("text"));
+	unlink(own_folder_path("text"));
 }
 
-/* The line that is refused is the last of so many. */
-static void expect(const char *path, int lines, int err, const char *says)
+/* Expects that line number `lines`, the last one, is refused. */
+static void test_text_file_expect(const char *path, int lines, int err, const char *says)
 {
 	struct fault fault = {""};
 	struct text_file file;
 
 	assert_int_equal(text_file_open(&file, path, &fault), 0);
 	for (int k = 1; k < lines; k++)
-		assert_int_equal(text_file_next(&file, &fault), 1);
+		expect_equal(text_file_next(&file, &fault), 1, "k=%d", k);
 	assert_int_equal(text_file_next(&file, &fault), err);
 	assert_memory_equal(fault.text, path, strlen(path));
 	assert_string_equal(fault.text + strlen(path), says);
@@ -76,23 +80,24 @@ static void no_text(void **state)
 
 	(void)state;
 	write_text("one\nt\0o\n", 8);
-	expect(own_path("text"), 2, -EINVAL, ":2: holds a zero byte, expected a text file");
+	test_text_file_expect(own_folder_path("text"), 2, -EINVAL,
+			      ":2: holds a zero byte, expected a text file");
 	memset(wide, 'x', sizeof(wide));
 	write_text(wide, TEXT_LINE_BYTES_MAX);
-	assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(text_file_next(&file, NULL), 1);
 	assert_int_equal(strlen(file.line), TEXT_LINE_BYTES_MAX);
 	text_file_close(&file);
 	write_text(wide, TEXT_LINE_BYTES_MAX + 1);
-	expect(own_path("text"), 1, -EINVAL,
-	       ":1: the line is too long, expected at most 65536 bytes");
-	unlink(own_path("text"));
-	assert_int_equal(text_file_open(&file, own_path("none"), &fault), -ENOENT);
+	test_text_file_expect(own_folder_path("text"), 1, -EINVAL,
+			      ":1: the line is too long, expected at most 65536 bytes");
+	unlink(own_folder_path("text"));
+	assert_int_equal(text_file_open(&file, own_folder_path("none"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "/none: No such file or directory"));
 	text_file_close(&file);
 }
 
-static void refuse(const char *path, int err, const char *what)
+static void test_text_file_refuse(const char *path, int err, const char *what)
 {
 	struct fault fault = {""};
 	struct text_file file;
@@ -104,7 +109,7 @@ static void refuse(const char *path, int err, const char *what)
 	assert_string_equal(fault.text, says);
 }
 
-/* What would be waited for, or read, for ever. */
+/* Files that a reader would wait for, or read, for ever. */
 static void no_files(void **state)
 {
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -112,21 +117,21 @@ static void no_files(void **state)
 
 	(void)state;
 	alarm(20);
-	refuse(own_folder, -EISDIR, "folder");
-	refuse("/dev/zero", -EINVAL, "device");
-	assert_int_equal(mkfifo(own_path("pipe"), 0600), 0);
-	refuse(own_path("pipe"), -EINVAL, "named pipe");
-	unlink(own_path("pipe"));
-	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s", own_path("socket")) >
-		    0);
+	test_text_file_refuse(own_folder(), -EISDIR, "folder");
+	test_text_file_refuse("/dev/zero", -EINVAL, "device");
+	assert_int_equal(mkfifo(own_folder_path("pipe"), 0600), 0);
+	test_text_file_refuse(own_folder_path("pipe"), -EINVAL, "named pipe");
+	unlink(own_folder_path("pipe"));
+	assert_true(snprintf(address.sun_path, sizeof(address.sun_path), "%s",
+			     own_folder_path("socket")) > 0);
 	assert_int_equal(bind(listener, (struct sockaddr *)&address, sizeof(address)), 0);
-	refuse(own_path("socket"), -EINVAL, "socket");
+	test_text_file_refuse(own_folder_path("socket"), -EINVAL, "socket");
 	close(listener);
-	unlink(own_path("socket"));
+	unlink(own_folder_path("socket"));
 	alarm(0);
 }
 
-/* As a shell's <(command) gives it, whose command may take its time. */
+/* A pipe as a shell's <(command) gives it; the command may be slow. */
 static void the_pipe_of_a_command(void **state)
 {
 	char path[40];
@@ -153,12 +158,12 @@ static void the_pipe_of_a_command(void **state)
 	assert_int_equal(waitpid(command, NULL, 0), command);
 }
 
-/* Blank lines without end: what no line's bound stops. */
+/* Endless blank lines, which no limit on a line stops. */
 static void large_files(void **state)
 {
 	struct fault fault = {""};
 	struct text_file file;
-	FILE *stream = fopen(own_path("text"), "wb");
+	FILE *stream = fopen(own_folder_path("text"), "wb");
 	int ret, lines = 0;
 
 	(void)state;
@@ -167,18 +172,18 @@ static void large_files(void **state)
 		putc_unlocked('\n', stream);
 	fflush(stream);
 	for (int more = 0; more < 2; more++) {
-		assert_int_equal(text_file_open(&file, own_path("text"), NULL), 0);
+		assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 		for (lines = 0; (ret = text_file_next(&file, &fault)) > 0;)
 			lines++;
 		text_file_close(&file);
-		assert_int_equal(ret, more ? -EFBIG : 0);
-		assert_int_equal(lines, TEXT_FILE_BYTES_MAX);
+		expect_equal(ret, more ? -EFBIG : 0, "more=%d", more);
+		expect_equal(lines, TEXT_FILE_BYTES_MAX, "more=%d", more);
 		fputs("\n", stream);
 		fflush(stream);
 	}
 	assert_non_null(strstr(fault.text, "/text: is larger than 16 MiB, expected a text file"));
 	fclose(stream);
-	unlink(own_path("text"));
+	unlink(own_folder_path("text"));
 }
 
 static void numbers(void **state)
@@ -200,18 +205,18 @@ static void numbers(void **state)
 	for (size_t k = 0; k < sizeof(right) / sizeof(*right); k++) {
 		at = right[k].text;
 		assert_int_equal(number_read(&at, &value), 0);
-		assert_true(value == right[k].value);
+		expect_equal(value, right[k].value, "k=%zu", k);
 		assert_string_equal(at, right[k].rest);
 		value = 42;
-		assert_int_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0);
-		assert_true(value == (*at ? 42 : right[k].value));
+		expect_equal(number_of(right[k].text, &value), *at ? -EINVAL : 0, "k=%zu", k);
+		expect_equal(value, (*at ? 42 : right[k].value), "k=%zu", k);
 	}
 	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
 		at = wrong[k];
 		value = 42;
-		assert_int_equal(number_read(&at, &value), -EINVAL);
-		assert_int_equal(number_of(at, &value), -EINVAL);
-		assert_true(at == wrong[k] && value == 42);
+		expect_equal(number_read(&at, &value), -EINVAL, "k=%zu", k);
+		expect_equal(number_of(at, &value), -EINVAL, "k=%zu", k);
+		expect_that(at == wrong[k] && value == 42, "k=%zu", k);
 	}
 }
 

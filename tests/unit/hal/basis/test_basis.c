@@ -1,11 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* The basis file: what is written is read back, and a writer that fails leaves nothing. */
+/* The basis file: the reader returns what the writer wrote, and a writer that fails leaves no file.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <errno.h>
 #include <signal.h>
 #include <sys/resource.h>
 
 #include "hal/basis/basis_lines.h"
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };
 
@@ -72,7 +88,7 @@ static struct basis_block_payload exact_block(uint8_t *payload, uint32_t tile)
 	return block;
 }
 
-/* Two poses: one of a shown block and two exact ones, one of nothing. */
+/* Writes two poses: one of a shown block and two exact blocks, one of nothing. */
 static struct basis_info_chunk write_two_poses(const char *path, const uint16_t *coverage,
 					       const float (*peak)[3])
 {
@@ -108,7 +124,7 @@ static struct basis_info_chunk write_two_poses(const char *path, const uint16_t 
 	info.sky_max = 3;
 	info.cell_rms = 4;
 	info.cell_max = 5;
-	assert_int_equal(access(path, F_OK), -1); /* not before it is whole */
+	assert_int_equal(access(path, F_OK), -1); /* the file appears only when it is complete */
 	assert_int_equal(basis_writer_finish(writer, &info, "seed = 1\n", &fault), 0);
 	return info;
 }
@@ -149,12 +165,12 @@ static void check_exact(const struct basis_layer *layer)
 	for (int t = 0; t < 2; t++) {
 		const struct basis_block *b = layer->tiles[t].blocks;
 
-		assert_int_equal(layer->tiles[t].block_count, 1);
-		assert_true(b->columns == LIGHTS && b->patterns == 0 && b->bits == 16);
+		expect_equal(layer->tiles[t].block_count, 1, "t=%d", t);
+		expect_that(b->columns == LIGHTS && b->patterns == 0 && b->bits == 16, "t=%d", t);
 		assert_null(b->tint);
 		assert_null(b->record);
-		assert_true(b->column_scale[2] == 0.125F);
-		assert_int_equal(b->column16[32], -32767 + t);
+		expect_equal(b->column_scale[2], 0.125F, "t=%d", t);
+		expect_equal(b->column16[32], -32767 + t, "t=%d", t);
 	}
 }
 
@@ -174,8 +190,8 @@ static void writes_and_reads_back(void **state)
 	info = write_two_poses(path, coverage, peak);
 	for (int part = BASIS_SHOWN; part <= BASIS_ALL; part++) {
 		if (part == BASIS_WITH_EXACT) { /* which the second pose does not have */
-			assert_int_equal(basis_open(&basis, path, BASIS_WITH_EXACT, &fault),
-					 -ENODATA);
+			expect_equal(basis_open(&basis, path, BASIS_WITH_EXACT, &fault), -ENODATA,
+				     "part=%d", part);
 			assert_non_null(strstr(fault.text, "pose 1 has no exact layer"));
 			basis_close(&basis);
 			continue;
@@ -189,8 +205,8 @@ static void writes_and_reads_back(void **state)
 		assert_memory_equal(basis.coarse, two_coarse, sizeof(two_coarse));
 		assert_string_equal(basis.camera, "[camera]\nf = 1\n");
 		assert_string_equal(basis.provenance, "seed = 1\n");
-		assert_int_equal(basis.tiles_across, 2);
-		assert_int_equal(basis.tiles_down, 1);
+		expect_equal(basis.tiles_across, 2, "part=%d", part);
+		expect_equal(basis.tiles_down, 1, "part=%d", part);
 		for (int p = 0; p < POSES; p++) {
 			assert_int_equal(basis_pose_load(&basis, p, &fault), 0);
 			assert_memory_equal(basis.poses[p].coverage, coverage, sizeof(coverage));
@@ -208,7 +224,7 @@ static void writes_and_reads_back(void **state)
 	unlink(path);
 }
 
-/* What waits beside the file for the end of a pose begins anew with each. */
+/* The file in which the writer collects the exact layer starts anew with each pose. */
 static void each_pose_has_its_own_exact_layer(void **state)
 {
 	static const int tiles[3][2] = {{0, 1}, {-1, -1}, {1, -1}};
@@ -247,7 +263,7 @@ static void each_pose_has_its_own_exact_layer(void **state)
 	unlink(path);
 }
 
-/* A kiosk in mode exact shows what it has checked, whatever becomes of its file. */
+/* A kiosk in mode exact shows what it has checked, even when the file changes afterwards. */
 static void the_exact_layer_outlives_its_file(void **state)
 {
 	const struct synthetic *s = *state;
@@ -275,7 +291,7 @@ static void the_exact_layer_outlives_its_file(void **state)
 	unlink(path);
 }
 
-/* Files of every shape that may be are accepted, and both layers say the same. */
+/* The reader accepts files of every valid shape, and both layers say the same. */
 static void accepts_what_may_be(void **state)
 {
 	static const int lights[] = {1, 2, 6, 33, 50, 129};
@@ -299,10 +315,10 @@ static void accepts_what_may_be(void **state)
 		o.vary = n % 3 > 0;
 		o.grey = n % 5 == 0;
 		o.tinted = n % 10 == 0;
-		o.object_share = 1; /* a layer is there when it holds something */
+		o.object_share = 1; /* a layer exists when it holds at least one block */
 		o.seed = chance_bits(&chance);
 		synthetic_open(&s, &o);
-		assert_int_equal(s.basis.coarse == NULL, o.coarse == o.lights);
+		expect_equal(s.basis.coarse == NULL, o.coarse == o.lights, "n=%d", n);
 		assert_int_equal(basis_open(&with, s.path, BASIS_WITH_EXACT, &fault), 0);
 		assert_non_null(with.poses[0].exact.tiles);
 		basis_close(&with);
@@ -310,7 +326,7 @@ static void accepts_what_may_be(void **state)
 	}
 }
 
-/* All that a layer says of one tile and kind: [TILE_PIXELS][3][lights]. */
+/* All values of a layer for one tile and kind: [TILE_PIXELS][3][lights]. */
 static double *tile_values(const struct basis *basis, const struct basis_tile *tile,
 			   enum basis_kind kind)
 {
@@ -348,8 +364,9 @@ static void both_layers_say_the_same(void **state)
 				most = fmax(most, fabs(exact[k]));
 				error = fmax(error, fabs(exact[k] - shown[k]));
 			}
-			assert_true(most > 0.02 && error <= bounds[kind] * 1.000001);
-			assert_true(bounds[kind] < 1e-4);
+			expect_that(most > 0.02 && error <= bounds[kind] * 1.000001,
+				    "t=%d, kind=%d", t, kind);
+			expect_below(bounds[kind], 1e-4, "t=%d, kind=%d", t, kind);
 			free(shown);
 			free(exact);
 		}
@@ -358,7 +375,8 @@ static void both_layers_say_the_same(void **state)
 
 static void is_empty_but_for(const struct synthetic *s)
 {
-	assert_int_equal(rmdir(s->folder), -1); /* holds that file, and nothing else: */
+	/* Fails, because the folder still holds that file; after it there is nothing: */
+	assert_int_equal(rmdir(s->folder), -1);
 	assert_int_equal(unlink(s->path), 0);
 	assert_int_equal(rmdir(s->folder), 0);
 	assert_int_equal(mkdir(s->folder, 0700), 0);
@@ -431,7 +449,7 @@ static void the_writer_refuses_what_cannot_be(void **state)
 	block.entry.tile = 0;
 	assert_int_equal(basis_writer_exact_blocks(writer, &block, 1, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "order of tiles"));
-	block.entry.kind = BASIS_KIND_U; /* the other layer has an order of its own */
+	block.entry.kind = BASIS_KIND_U; /* the exact layer has an order of its own */
 	assert_int_equal(basis_writer_blocks(writer, &block, 1, &fault), 0);
 	block.entry.kind = BASIS_KIND_D;
 	assert_int_equal(basis_writer_blocks(writer, &block, 1, &fault), -EINVAL);
@@ -440,7 +458,7 @@ static void the_writer_refuses_what_cannot_be(void **state)
 	is_empty_but_for(s);
 }
 
-/* No room: in the file itself, and in the one beside it. */
+/* The disk is full when the file itself is written, or the temporary file beside it. */
 static void a_full_disk_leaves_nothing(void **state)
 {
 	const struct rlimit little = {1 << 17, RLIM_INFINITY};
@@ -463,11 +481,11 @@ static void a_full_disk_leaves_nothing(void **state)
 		int ret = basis_writer_open(&writer, path, &info, three_lights, NULL, NULL, "",
 					    &fault);
 
-		assert_int_equal(ret, 0);
+		expect_equal(ret, 0, "exact=%d", exact);
 		for (int n = 0; n < 1000 && ret == 0; n++)
 			ret = exact ? basis_writer_exact_blocks(writer, &block, 1, &fault)
 				    : basis_writer_blocks(writer, &block, 1, &fault);
-		assert_int_equal(ret, -EFBIG);
+		expect_equal(ret, -EFBIG, "exact=%d", exact);
 		assert_non_null(strstr(fault.text, "none.inlay: cannot be written: "));
 		basis_writer_abandon(writer);
 	}
@@ -519,7 +537,7 @@ static void names_what_is_not_a_basis(void **state)
 	write_file(path, BASIS_MAGIC "\1\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -ENOTSUP);
 	assert_non_null(strstr(fault.text, "version 1, expected version 9"));
-	basis_close(&basis); /* after a failure there is nothing to close, and no harm in it */
+	basis_close(&basis); /* after a failure, closing does no harm */
 	unlink(path);
 }
 
@@ -552,7 +570,7 @@ static void unknown_chunks_are_passed_over(void **state)
 	copied_free(&copy);
 }
 
-/* Lines of every code come back, and take the bytes that the format says. */
+/* Packed lines of every code unpack to the same values, and take the bytes that the format says. */
 static void lines_come_back(void **state)
 {
 	struct chance chance = chance_begin("lines");
@@ -572,8 +590,8 @@ static void lines_come_back(void **state)
 							  : chance_int(&chance, -top, top)));
 		memset(packed, 0xa5, sizeof(packed));
 		bytes = basis_line_pack((uint8_t)code, value, packed);
-		assert_int_equal(bytes, whole ? 64 : code ? 32 : 0);
-		assert_int_equal(packed[bytes], 0xa5);
+		expect_equal(bytes, whole ? 64 : code ? 32 : 0, "code=%d", code);
+		expect_equal(packed[bytes], 0xa5, "code=%d", code);
 		basis_line_unpack((uint8_t)code, packed, back);
 		assert_memory_equal(back, value, sizeof(value));
 	}

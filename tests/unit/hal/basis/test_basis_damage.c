@@ -1,8 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* The basis file: whatever is damaged is refused, in a sentence that says what and where. */
+/* The basis file: any damage is refused, with a message that says what is wrong and where. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+
 #include <errno.h>
 
+#include "hal/basis/basis_lines.h"
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
+#include "tests/support/expect.h"
 
 static void refuses_every_truncation(void **state)
 {
@@ -12,18 +27,19 @@ static void refuses_every_truncation(void **state)
 
 	assert_int_equal(copied_open(&whole, &fault), 0);
 	for (size_t bytes = 0; bytes < whole.bytes; bytes += bytes < 16384 ? 64 : 1024) {
-		/* Exactly as long as what is left, so that a sanitizer sees any read beyond. */
+		/* Memory of exactly the remaining length, so that a sanitizer sees any read beyond. */
 		struct copied cut = {aligned_alloc(BASIS_ALIGN, bytes + BASIS_ALIGN), bytes};
 
 		assert_non_null(cut.data);
 		memcpy(cut.data, whole.data, bytes);
-		assert_int_equal(copied_open(&cut, &fault), -EBADMSG);
+		expect_equal(copied_open(&cut, &fault), -EBADMSG, "bytes=%zu", bytes);
 		assert_memory_equal(fault.text, "mem.inlay: ", 11);
-		if (bytes >= BASIS_PAGE) { /* and as if it had been made so short */
+		if (bytes >= BASIS_PAGE) { /* the same, with a header that declares that length */
 			((struct basis_file_header *)cut.data)->file_bytes = bytes;
 			synthetic_reseal(cut.data, bytes);
-			assert_int_equal(copied_open(&cut, &fault), -EBADMSG);
-			assert_int_equal(copied_open_part(&cut, BASIS_SHOWN, &fault), -EBADMSG);
+			expect_equal(copied_open(&cut, &fault), -EBADMSG, "bytes=%zu", bytes);
+			expect_equal(copied_open_part(&cut, BASIS_SHOWN, &fault), -EBADMSG,
+				     "bytes=%zu", bytes);
 		}
 		free(cut.data);
 	}
@@ -67,7 +83,7 @@ static void refuses_every_flipped_bit(void **state)
 	copied_free(&copy);
 }
 
-/* Where nobody asks for the exact layer, no byte of it is touched. */
+/* Where the exact layer is not asked for, none of its bytes are read. */
 static void leaves_the_exact_layer_alone(void **state)
 {
 	struct synthetic *s = *state;
@@ -75,7 +91,7 @@ static void leaves_the_exact_layer_alone(void **state)
 	const struct basis_chunk_entry data = *copied_chunk(&copy, BASIS_CHUNK_EXACT_DATA);
 	struct fault fault;
 
-	/* But what follows its end, on its last page. */
+	/* The end of its last page may hold other data. */
 	assert_true(data.bytes > 4 * BASIS_PAGE);
 	assert_int_equal(
 		mprotect(copy.data + data.offset, data.bytes / BASIS_PAGE * BASIS_PAGE, PROT_NONE),
@@ -84,7 +100,7 @@ static void leaves_the_exact_layer_alone(void **state)
 	copied_free(&copy);
 }
 
-/* A block of a kind, to be changed. */
+/* One block of a kind, to be changed. */
 struct parts {
 	struct basis_block_entry *entry;
 	struct basis_layout at;
@@ -96,7 +112,7 @@ struct parts {
 	uint8_t *record;
 };
 
-/* The nth block of a kind in a layer. */
+/* Block number n of a kind in a layer. */
 static struct parts find_block(const struct copied *c, bool exact, enum basis_kind kind, int nth)
 {
 	const uint32_t blocks = exact ? BASIS_CHUNK_EXACT_BLOCKS : BASIS_CHUNK_BLOCKS;
@@ -127,8 +143,8 @@ static struct parts find_block(const struct copied *c, bool exact, enum basis_ki
 	return b;
 }
 
-/* A file whose checksums are right must be refused, in words that hold `text`; then it is whole
- * again. */
+/* Checks that a file with right checksums is refused with a message that contains `text`, and
+ * restores it. */
 static void refused(struct copied *broken, const struct copied *whole, int line, const char *text)
 {
 	struct fault fault;
@@ -161,7 +177,7 @@ static void refuses_broken_numbers(void **state)
 			    &info->cell_max,   &info->noise_levels};
 	struct fault fault;
 
-	synthetic_reseal(c.data, c.bytes); /* which alone breaks nothing */
+	synthetic_reseal(c.data, c.bytes); /* this change alone breaks nothing */
 	assert_int_equal(copied_open(&c, &fault), 0);
 
 	REFUSED("pixels, expected", info->width = 0);
@@ -340,8 +356,8 @@ static void remove_last_block(const struct copied *c)
 	memset(c->data + chunk->offset + chunk->bytes, 0, sizeof(struct basis_block_entry));
 }
 
-/* What blocks of a tile may not say of the same pixel. The first tile of `copied_small` has T T V V
- * V' V' D D U, of which each second lies over the first. */
+/* Blocks of one tile that contradict each other. The first tile of `copied_small` has T T V V V' V'
+ * D D U; each second block lies over the first. */
 static void refuses_what_does_not_add_up(void **state)
 {
 	struct synthetic *s = *state;
@@ -369,8 +385,8 @@ static void refuses_what_does_not_add_up(void **state)
 	copied_free(&c);
 }
 
-/* The first line of a column of 8 bits, or the first of the last panel, that is stored whole or by
- * halves. */
+/* The first line of a column of 8 bits, or the first of its last panel, that is stored whole or as
+ * nibbles. */
 static uint8_t *find_line(const struct parts *b, bool whole, bool last)
 {
 	const int lines = b->at.panels8 * b->entry->channels;
@@ -416,7 +432,8 @@ static void refuses_broken_records(void **state)
 	copied_free(&c);
 }
 
-/* Columns of groups are there where columns may be left out: in what is shown, of T and V. */
+/* Columns of groups are valid only where columns may be left out: in the shown layer, of T and V.
+ */
 static void refuses_groups_elsewhere(void **state)
 {
 	struct synthetic *s = *state;
@@ -492,7 +509,7 @@ static void refuses_broken_tints(void **state)
 	whole = copied_file(s.path);
 	c = copied_file(s.path);
 	t = find_block(&c, false, BASIS_KIND_T, 0);
-	memset(t.tint, 0xff, 3 * t.entry->pixels * sizeof(uint16_t)); /* any is right */
+	memset(t.tint, 0xff, 3 * t.entry->pixels * sizeof(uint16_t)); /* any value is valid */
 	synthetic_reseal(c.data, c.bytes);
 	assert_int_equal(copied_open(&c, &fault), 0);
 	memcpy(c.data, whole.data, whole.bytes);
@@ -503,7 +520,7 @@ static void refuses_broken_tints(void **state)
 	synthetic_close(&s);
 }
 
-/* Scales up to the last that keeps values in bounds, and not one further. */
+/* Scales up to the largest that keeps values in bounds are valid, the next float is not. */
 static void bounds_values(void **state)
 {
 	struct synthetic *s = *state;

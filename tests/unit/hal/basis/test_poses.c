@@ -1,15 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* A file of several poses: each is what it is in a file of its own, whichever is in memory. */
+/* A file of several poses: each pose is the same as in a file of its own, whichever poses are in
+ * memory. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
 #include <errno.h>
 #include <sched.h>
 
+#include "tests/support/chance.h"
 #include "tests/support/copied_basis.h"
+#include "tests/support/expect.h"
 
-#include "tests/support/compositing.h"
+#include "tests/support/random_frame.h"
 
 enum { POSES = 7 };
 
-/* Poses first.. of a turn: the synthetic file's blocks, each without some of its tiles. */
+/* Writes poses first, first + 1, ...: the blocks of the synthetic file, each pose without some of
+ * its tiles. */
 static void write_poses(const struct synthetic *s, const char *path, int first, int count,
 			const struct basis_pose_name *names)
 {
@@ -66,8 +81,10 @@ static void same_pose(const struct basis *basis, int pose, const struct basis *a
 
 	assert_int_equal(a->block_count, b->block_count);
 	for (int n = 0; n < a->block_count; n++) {
-		assert_int_equal(a->blocks[n].bytes, b->blocks[n].bytes);
-		assert_memory_equal(a->blocks[n].pixel, b->blocks[n].pixel, a->blocks[n].bytes);
+		expect_equal(a->blocks[n].bytes, b->blocks[n].bytes, "block %d of pose %d", n,
+			     pose);
+		expect_that(memcmp(a->blocks[n].pixel, b->blocks[n].pixel, a->blocks[n].bytes) == 0,
+			    "block %d of pose %d", n, pose);
 	}
 	assert_memory_equal(basis->poses[pose].coverage, alone->poses[0].coverage,
 			    (size_t)basis->info.width * basis->info.height * 2);
@@ -75,8 +92,8 @@ static void same_pose(const struct basis *basis, int pose, const struct basis *a
 			    ((size_t)basis->info.lights + 1) * 12);
 }
 
-/* Any order of steps and jumps, with and without neighbours that are expected: the picture is that
- * of the pose's own file, bit for bit. */
+/* Steps and jumps in any order, with and without announced neighbours: the picture is that of the
+ * pose's own file, bit for bit. */
 static void each_is_as_alone(void **state)
 {
 	static const int order[] = {0, 1, 2, 1, 0, 6, 5, 3, 3, 6, 0, 4};
@@ -84,7 +101,7 @@ static void each_is_as_alone(void **state)
 	const struct synthetic *s = *state;
 	struct basis joint, alone[POSES];
 	struct fault fault = {""};
-	struct frame_of f, one[POSES];
+	struct random_frame f, one[POSES];
 
 	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
 	open_basis(&joint, path_of(s, "joint.inlay"));
@@ -92,29 +109,28 @@ static void each_is_as_alone(void **state)
 		write_poses(s, path_of(s, "alone.inlay"), p, 1, NULL);
 		open_basis(&alone[p], path_of(s, "alone.inlay"));
 	}
-	frame_begin(&f, &joint, NULL, &chance);
+	random_frame_begin(&f, &joint, NULL, &chance);
 	for (int p = 0; p < POSES; p++)
-		frame_begin(&one[p], &alone[p], NULL, &chance);
+		random_frame_begin(&one[p], &alone[p], NULL, &chance);
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++) {
 		const int pose = order[k], next = (pose + 1) % POSES;
 
 		if (k % 3)
 			basis_poses_expect(&joint, (int[]){pose, next}, 2);
-		assert_int_equal(
-			compositor_run(f.compositor, pose, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, pose);
 		assert_int_equal(compositor_run(one[pose].compositor, 0, &f.lights, &f.backdrop,
 						one[pose].out, f.stride),
 				 0);
-		assert_memory_equal(f.out, one[pose].out, f.bytes);
+		expect_same_picture(f.out, one[pose].out, f.stride, f.bytes, "pose %d, step %zu",
+				    pose, k);
 		same_pose(&joint, pose, &alone[pose]);
 	}
 	assert_int_equal(basis_pose_load(&joint, 2, &fault), 0);
 	for (int p = 0; p < POSES; p++) {
-		frame_end(&one[p]);
+		random_frame_end(&one[p]);
 		basis_close(&alone[p]);
 	}
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&joint);
 	unlink(path_of(s, "joint.inlay"));
 	unlink(path_of(s, "alone.inlay"));
@@ -142,16 +158,16 @@ static void only_those_in_use_are_there(void **state)
 	assert_non_null(basis.poses[0].shown.tiles);
 	turn = basis.poses[0].turn;
 	assert_int_equal(basis_pose_load(&basis, 0, &fault), 0);
-	assert_int_equal(basis.poses[0].turn, turn); /* where it was */
+	assert_int_equal(basis.poses[0].turn, turn); /* still at the same place */
 	for (int p = 0; p < 4 * POSES; p++) {
 		const int pose = p % POSES, next = (p + 1) % POSES;
 
 		assert_int_equal(basis_pose_load(&basis, pose, &fault), 0);
 		basis_poses_expect(&basis, (int[]){pose, next, next}, 3);
-		assert_true(in_memory(&basis) <= 2);
+		expect_at_most(in_memory(&basis), 2, "p=%d", p);
 		assert_non_null(basis.poses[pose].coverage);
 	}
-	/* Whoever remembers where a pose lay can tell that it has gone. */
+	/* The turn of a pose tells a caller that the pose has left memory since. */
 	turn = basis.poses[POSES - 1].turn;
 	basis_poses_expect(&basis, NULL, 0);
 	assert_int_equal(in_memory(&basis), 0);
@@ -163,8 +179,8 @@ static void only_those_in_use_are_there(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
-/* cp over a file that is shown, a stick that is pulled out: what is in memory stays what it was,
- * and what is not is refused. */
+/* The file of a running kiosk is overwritten, or its medium is pulled out: poses in memory stay as
+ * they are, others are refused. */
 static void outlives_its_file(void **state)
 {
 	const struct synthetic *s = *state;
@@ -207,7 +223,7 @@ static void cannot_be_loaded(const struct basis *basis, int pose, const char *wo
 {
 	struct fault fault = {""};
 
-	basis_poses_expect(basis, NULL, 0); /* what has failed before is tried again */
+	basis_poses_expect(basis, NULL, 0); /* so that a pose that failed before is tried again */
 	assert_int_equal(basis_pose_load(basis, pose, &fault), -EBADMSG);
 	if (!strstr(fault.text, words))
 		fail_msg("\"%s\", expected \"%s\"", fault.text, words);
@@ -222,8 +238,8 @@ static void can_be_loaded(const struct basis *basis, int pose)
 		fail_msg("%s", fault.text);
 }
 
-/* A pose whose bytes are not those that were checked is refused, and loaded when they are there
- * again, whichever way the file has come back. */
+/* A pose whose bytes are not those that were checked is refused. It loads again when they are back,
+ * in whichever way the file was restored. */
 static void is_loaded_when_its_file_is_back(void **state)
 {
 	const struct synthetic *s = *state;
@@ -243,7 +259,7 @@ static void is_loaded_when_its_file_is_back(void **state)
 	write_file(path, &whole, 100);
 	cannot_be_loaded(&basis, 0, "cut short");
 	write_file(path, &whole, whole.bytes);
-	assert_int_equal(basis_pose_load(&basis, 0, &fault), -EBADMSG); /* not tried */
+	assert_int_equal(basis_pose_load(&basis, 0, &fault), -EBADMSG); /* not tried again */
 	assert_true(basis_pose_ready(&basis, 0));
 	can_be_loaded(&basis, 0);
 
@@ -251,7 +267,7 @@ static void is_loaded_when_its_file_is_back(void **state)
 	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
 	can_be_loaded(&basis, 1);
 
-	/* Another file of that name. */
+	/* Another file of the same name. */
 	unlink(path);
 	cannot_be_loaded(&basis, 0, "pose 0 does not have its checksum");
 	write_file(path, &other, 100);
@@ -267,7 +283,7 @@ static void is_loaded_when_its_file_is_back(void **state)
 	copied_free(&other);
 }
 
-/* The thread that looks ahead says why, too. */
+/* The thread that loads ahead reports the reason of a failure, too. */
 static void tells_why_it_was_not_there_ahead(void **state)
 {
 	const struct synthetic *s = *state;
@@ -319,7 +335,7 @@ static void names(void **state)
 	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
 		memcpy(at, bad[k], sizeof(bad[k]));
 		synthetic_reseal(copy.data, copy.bytes);
-		assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
+		expect_equal(copied_open(&copy, &fault), -EBADMSG, "k=%zu", k);
 		assert_non_null(strstr(fault.text, "names of poses"));
 	}
 	memset(at, 0, sizeof(good));
@@ -340,7 +356,7 @@ struct damaged {
 	struct basis_block_entry *entry;
 };
 
-static void refuse(struct damaged *d, const char *words)
+static void poses_refuse(struct damaged *d, const char *words)
 {
 	struct fault fault;
 
@@ -354,7 +370,7 @@ static void refuse(struct damaged *d, const char *words)
 #define REFUSED(words, change)                                                                     \
 	do {                                                                                       \
 		change;                                                                            \
-		refuse(&d, words);                                                                 \
+		poses_refuse(&d, words);                                                           \
 	} while (0)
 
 static void refuses_a_broken_pack(void **state)
@@ -391,7 +407,7 @@ static void refuses_a_broken_pack(void **state)
 	REFUSED("no BLCK and DATA", copied_chunk(&d.c, BASIS_CHUNK_PACK)->type = 77);
 	memset((uint8_t *)d.pack + 8, 0, bytes - 8);
 	REFUSED("expected 16 and more", copied_chunk(&d.c, BASIS_CHUNK_PACK)->bytes = 8);
-	/* Whatever is in the streams: refused, or something that keeps to the rules. */
+	/* Random damage in the packed streams: refused, or still valid data. */
 	for (int n = 0; n < 3000; n++) {
 		const uint64_t at = (uint64_t)chance_int(&chance, 16, (int)bytes - 1);
 
@@ -406,7 +422,7 @@ static void refuses_a_broken_pack(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
-/* What is checked of a packed pose knows how many columns there may be. */
+/* The checks of packed poses know the largest number of columns. */
 static void may_have_groups(void **state)
 {
 	const struct synthetic_options options = {.width = 9,
@@ -438,7 +454,7 @@ static void may_have_groups(void **state)
 
 /* ---- small files that ask for much memory ---- */
 
-/* Poses of nothing but `blocks` blocks of zeros each, in either layer. */
+/* Poses that hold only `blocks` blocks of zeros each, in either layer. */
 struct bomb {
 	uint32_t width, height, lights, poses;
 	int blocks;
@@ -464,7 +480,8 @@ static void write_bomb(const struct synthetic *s, const struct bomb *b)
 
 	block.entry.bytes = basis_layout(&block.entry, (int)b->lights).bytes;
 	payload = synthetic_zeros(block.entry.bytes, 1);
-	for (size_t k = 0; k < block.entry.bytes; k += 512) /* unlike zeros, 1/64 to 1/4096 */
+	/* Not only zeros, so that it packs to 1/64 to 1/4096. */
+	for (size_t k = 0; k < block.entry.bytes; k += 512)
 		payload[k] = (uint8_t)chance_int(&chance, 0, 255);
 	block.payload = payload;
 	synthetic_lights(light, (int)b->lights, &chance);
@@ -487,7 +504,7 @@ static void write_bomb(const struct synthetic *s, const struct bomb *b)
 	free(coverage);
 }
 
-/* words NULL: it opens. */
+/* words NULL: the file must open. */
 static void open_bomb(const struct synthetic *s, enum basis_part part, const char *words)
 {
 	struct fault fault = {""};
@@ -503,12 +520,12 @@ static void refuses_bombs(void **state)
 {
 	const struct synthetic *s = *state;
 
-	/* poses without an object, of the largest screens */
+	/* poses without an object, for the largest screens */
 	write_bomb(s, &(struct bomb){3840, 2160, .lights = 1, .poses = 2});
 	open_bomb(s, BASIS_ALL, NULL);
 	write_bomb(s, &(struct bomb){4096, 4096, .lights = 1, .poses = 2});
 	open_bomb(s, BASIS_SHOWN, "2 poses of 4096x4096 pixels take 3");
-	/* lists of tiles, which the exact layer of each pose has for itself */
+	/* lists of tiles, which each pose's exact layer has of its own */
 	write_bomb(s, &(struct bomb){3000, 2800, 1, .poses = 24, .blocks = 1, .exact = true});
 	open_bomb(s, BASIS_SHOWN, NULL);
 	open_bomb(s, BASIS_ALL, "24 poses of 3000x2800 pixels take");

@@ -12,8 +12,9 @@
 
 #include "hal/colour/transfer.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
-/* As printed in IEC 61966-2-1 and BT.709-6, knees rounded. */
+/* As printed in IEC 61966-2-1 and BT.709-6, with rounded constants at the knee. */
 static double printed_decode(enum transfer t, double e)
 {
 	switch (t) {
@@ -38,7 +39,7 @@ static double printed_encode(enum transfer t, double l)
 	}
 }
 
-static const double printed_step[] = {1e-7, 3e-4, 0}; /* of the rounded knees */
+static const double printed_step[] = {1e-7, 3e-4, 0}; /* jump at the rounded knee */
 
 static void agrees_with_the_standards(void **state)
 {
@@ -47,10 +48,10 @@ static void agrees_with_the_standards(void **state)
 		for (int i = 0; i <= 100000; i++) {
 			const double x = i / 1e5;
 
-			assert_true(fabs(transfer_decode(t, x) - printed_decode(t, x)) <=
-				    printed_step[t] + 1e-15);
-			assert_true(fabs(transfer_encode(t, x) - printed_encode(t, x)) <=
-				    printed_step[t] + 1e-15);
+			expect_at_most(fabs(transfer_decode(t, x) - printed_decode(t, x)),
+				       printed_step[t] + 1e-15, "t=%d, i=%d", t, i);
+			expect_at_most(fabs(transfer_encode(t, x) - printed_encode(t, x)),
+				       printed_step[t] + 1e-15, "t=%d, i=%d", t, i);
 		}
 }
 
@@ -83,14 +84,17 @@ static void clamped_and_monotonic(void **state)
 	for (int t = 0; t < TRANSFER_COUNT; t++) {
 		double decoded = -1, encoded = -1;
 
-		assert_true(transfer_decode(t, 0) == 0 && transfer_encode(t, 0) == 0);
-		assert_true(transfer_decode(t, 1) == 1 && transfer_encode(t, 1) == 1);
-		assert_true(transfer_decode(t, -3) == 0 && transfer_encode(t, -INFINITY) == 0);
-		assert_true(transfer_decode(t, 7) == 1 && transfer_encode(t, INFINITY) == 1);
-		assert_true(transfer_decode(t, NAN) == 0 && transfer_encode(t, NAN) == 0);
+		expect_that(transfer_decode(t, 0) == 0 && transfer_encode(t, 0) == 0, "t=%d", t);
+		expect_that(transfer_decode(t, 1) == 1 && transfer_encode(t, 1) == 1, "t=%d", t);
+		expect_that(transfer_decode(t, -3) == 0 && transfer_encode(t, -INFINITY) == 0,
+			    "t=%d", t);
+		expect_that(transfer_decode(t, 7) == 1 && transfer_encode(t, INFINITY) == 1, "t=%d",
+			    t);
+		expect_that(transfer_decode(t, NAN) == 0 && transfer_encode(t, NAN) == 0, "t=%d",
+			    t);
 		for (int i = 0; i <= 1000000; i++) {
-			assert_true(transfer_decode(t, i / 1e6) > decoded);
-			assert_true(transfer_encode(t, i / 1e6) > encoded);
+			expect_above(transfer_decode(t, i / 1e6), decoded, "t=%d, i=%d", t, i);
+			expect_above(transfer_encode(t, i / 1e6), encoded, "t=%d, i=%d", t, i);
 			decoded = transfer_decode(t, i / 1e6);
 			encoded = transfer_encode(t, i / 1e6);
 		}
@@ -106,17 +110,20 @@ static void tables(void **state)
 		const struct transfer_curve curve = {.named = (enum transfer)t};
 
 		transfer_tables_fill(&tables, &curve);
-		assert_int_equal(tables.decode[0], 0);
-		assert_int_equal(tables.decode[255], 65535);
+		expect_equal(tables.decode[0], 0, "t=%d", t);
+		expect_equal(tables.decode[255], 65535, "t=%d", t);
 		for (int c = 0; c < 256; c++) {
-			assert_int_equal(tables.encode[tables.decode[c]], c);
-			assert_true(fabs(tables.decode[c] - 65535 * printed_decode(t, c / 255.0)) <=
-				    0.5 + 65535 * printed_step[t]);
+			expect_equal(tables.encode[tables.decode[c]], c, "t=%d, c=%d", t, c);
+			expect_at_most(
+				fabs(tables.decode[c] - 65535 * printed_decode(t, c / 255.0)),
+				0.5 + 65535 * printed_step[t], "t=%d, c=%d", t, c);
 		}
 		for (int v = 0; v < 65536; v++) {
-			assert_true(fabs(tables.encode[v] - 255 * printed_encode(t, v / 65535.0)) <=
-				    0.5 + 255 * printed_step[t] + 1e-9);
-			assert_true(v == 0 || tables.encode[v] >= tables.encode[v - 1]);
+			expect_at_most(
+				fabs(tables.encode[v] - 255 * printed_encode(t, v / 65535.0)),
+				0.5 + 255 * printed_step[t] + 1e-9, "t=%d, v=%d", t, v);
+			expect_that(v == 0 || tables.encode[v] >= tables.encode[v - 1],
+				    "t=%d, v=%d", t, v);
 		}
 	}
 }
@@ -147,7 +154,7 @@ static struct transfer_curve measured_of(double (*decode)(double), double black)
 	return curve;
 }
 
-/* Between its knots a smooth curve is kept to a thousandth, and its inverse is one. */
+/* Between its knots a smooth curve is right to a thousandth, and decoding inverts encoding. */
 static void measured_curves_keep_their_shape(void **state)
 {
 	double (*const shapes[])(double) = {power, srgb, linear};
@@ -161,19 +168,21 @@ static void measured_curves_keep_their_shape(void **state)
 		for (int i = 0; i <= 20000; i++) {
 			const double x = i / 20000.0, y = transfer_curve_decode(&curve, x);
 
-			assert_true(y > before);
-			assert_true(x < 0.1 || fabs(y / shapes[k](x) - 1) < 1.5e-3);
-			assert_true(fabs(transfer_curve_encode(&curve, y) - x) < 1e-9);
+			expect_above(y, before, "k=%d, i=%d", k, i);
+			expect_that(x < 0.1 || fabs(y / shapes[k](x) - 1) < 1.5e-3, "k=%d, i=%d", k,
+				    i);
+			expect_below(fabs(transfer_curve_encode(&curve, y) - x), 1e-9, "k=%d, i=%d",
+				     k, i);
 			before = y;
 		}
-		assert_true(transfer_curve_decode(&curve, 1) == 1);
-		assert_true(transfer_curve_encode(&curve, 1) == 1);
-		assert_true(transfer_curve_decode(&curve, NAN) == 0);
-		assert_true(transfer_curve_encode(&curve, -1) == 0);
+		expect_equal(transfer_curve_decode(&curve, 1), 1, "k=%d", k);
+		expect_equal(transfer_curve_encode(&curve, 1), 1, "k=%d", k);
+		expect_equal(transfer_curve_decode(&curve, NAN), 0, "k=%d", k);
+		expect_equal(transfer_curve_encode(&curve, -1), 0, "k=%d", k);
 	}
 }
 
-/* Any ascending knots, with jumps of every size between them. */
+/* Any ascending knots, with steps of every size. */
 static void measured_curves_ascend(void **state)
 {
 	struct chance chance = chance_begin("transfer");
@@ -191,10 +200,12 @@ static void measured_curves_ascend(void **state)
 		for (int i = 0; i <= 3200; i++) {
 			const double y = transfer_curve_decode(&curve, i / 3200.0);
 
-			assert_true(y > before || (y == before && y > 1 - 1e-9));
-			assert_true(fabs(transfer_curve_decode(&curve,
-							       transfer_curve_encode(&curve, y)) -
-					 y) < 1e-9);
+			expect_that(y > before || (y == before && y > 1 - 1e-9), "run=%d, i=%d",
+				    run, i);
+			expect_below(fabs(transfer_curve_decode(&curve,
+								transfer_curve_encode(&curve, y)) -
+					  y),
+				     1e-9, "run=%d, i=%d", run, i);
 			before = y;
 		}
 	}
@@ -216,16 +227,16 @@ static void tables_go_round(void **state)
 		int off = 0;
 
 		transfer_tables_fill(&t, &curves[k]);
-		assert_int_equal(t.decode[0], 0);
-		assert_int_equal(t.decode[255], 65535);
+		expect_equal(t.decode[0], 0, "k=%zu", k);
+		expect_equal(t.decode[255], 65535, "k=%zu", k);
 		for (int c = black; c < 256; c++) {
 			const bool worth = c == black || t.decode[c] > t.decode[c - 1] + 1;
 
-			assert_true(!worth || t.encode[t.decode[c]] == c);
+			expect_that(!worth || t.encode[t.decode[c]] == c, "k=%zu, c=%d", k, c);
 			off += t.encode[t.decode[c]] != c;
 		}
 		print_message("# curve %zu: %d codes do not come back\n", k, off);
-		assert_true(off <= (k == 3 ? 6 : 0));
+		expect_at_most(off, (k == 3 ? 6 : 0), "k=%zu", k);
 	}
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The compositor: its formula against closed forms, and that nothing but the light decides a
- * picture: no thread, no kernel, no way of reading the background. */
+/* The compositor: its formula against closed forms, and proof that only the light decides a
+ * picture, not threads, kernels or the way in which the background is read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,9 +8,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/random_frame.h"
 
 static struct light_selection selection_of(int count)
 {
@@ -53,17 +58,17 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 	for (int i = 0; i < 26; i++)
 		radiance[i][i % 3] = (float)i;
 	radiance[25][0] = NAN;
-	radiance[25][1] = -1; /* and [1] was 25 */
+	radiance[25][1] = -1; /* [1] was 25 before */
 	radiance[24][0] = INFINITY;
 	assert_int_equal(light_selection_create(&sel, &s->basis), 0);
 	light_selection_choose(&sel, &s->basis, 0, (const float(*)[3])radiance, 10,
 			       THRESHOLD_AMBIENT, 2);
-	assert_int_equal(sel.used_count, 14); /* 10 to 23 */
+	assert_int_equal(sel.used_count, 14); /* lights 10 to 23 */
 	for (int i = 0; i < 26; i++) {
-		assert_int_equal(sel.used[i], i >= 10 && i < 24);
+		expect_equal(sel.used[i], i >= 10 && i < 24, "light %d", i);
 		for (int c = 0; c < 3; c++)
-			assert_true(sel.radiance[i][c] ==
-				    (sel.used[i] && i % 3 == c ? (double)i : 0));
+			expect_equal(sel.radiance[i][c], sel.used[i] && i % 3 == c ? i : 0,
+				     "light %d, channel %d", i, c);
 	}
 	for (int i = 0; i < 10; i += 3)
 		power += i * s->basis.lights[i].solid_angle_sr;
@@ -76,7 +81,7 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 	light_selection_free(&sel);
 }
 
-/* The promise about dropped light, held against every value of the object in a file. */
+/* Checks the bound for dropped light against every value of the object in a file. */
 static void dropped_light_errs_no_more_than_said(void **state)
 {
 	struct chance chance = chance_begin("dropped light");
@@ -115,13 +120,15 @@ static void dropped_light_errs_no_more_than_said(void **state)
 					       (sel.radiance[i][c] + sel.ambient[c] -
 						(double)radiance[i][c]);
 				off = fabs(off) * gain;
-				assert_true(off <= sel.dropped_error[c] * (1 + 1e-6) + 1e-12);
+				expect_at_most(off, sel.dropped_error[c] * (1 + 1e-6) + 1e-12,
+					       "lighting %d, pixel %d of tile %d, channel %d", k,
+					       r / 3, t, c);
 				closest = fmax(closest, off / (sel.dropped_error[c] + 1e-30));
 			}
 			free(value);
 		}
 	}
-	assert_true(closest > 0.2); /* and is not said much too large */
+	assert_true(closest > 0.2); /* the bound is not much too large either */
 	light_selection_free(&sel);
 }
 
@@ -172,7 +179,8 @@ static void one_begin(struct one *o)
 				  .poses = &o->pose};
 }
 
-/* A block of one pixel, one channel for all, and two values, per unit of L (of V: of u L). */
+/* Adds a block of one pixel, one channel for all three, and two values per unit of L (kind V: of u
+ * L). */
 static void one_add(struct one *o, enum basis_kind kind, double first, double second)
 {
 	const double unit = kind == BASIS_KIND_V ? 1 : 1 / M_PI;
@@ -204,7 +212,7 @@ static void one_add(struct one *o, enum basis_kind kind, double first, double se
 	b->columns = o->patterns ? 0 : 2;
 }
 
-/* Both compositors on one pixel of background 128: linear out, in 0..1. */
+/* Checks compositor and reference on one pixel of background 128. Linear light, 0..1. */
 static void one_expect(struct one *o, double first, double second, double ambient, double gain,
 		       double expected)
 {
@@ -231,8 +239,11 @@ static void one_expect(struct one *o, double first, double second, double ambien
 	assert_int_equal(compositor_run(compositor, 0, &sel, &backdrop, out, 4), 0);
 	assert_int_equal(compositor_reference(&o->basis, 0, &settings, &sel, &picture, exact), 0);
 	for (int c = 0; c < 3; c++) {
-		assert_true(fabs(exact[c] / 255 - expected) < 2e-4);
-		assert_true(fabs(out[c] / 255.0 - expected) < 0.6 / 255);
+		expect_below(fabs(exact[c] / 255 - expected), 2e-4,
+			     "reference, channel %d, light %g and %g, rest %g", c, first, second,
+			     ambient);
+		expect_below(fabs(out[c] / 255.0 - expected), 0.6 / 255,
+			     "channel %d, light %g and %g, rest %g", c, first, second, ambient);
 	}
 	assert_int_equal(out[3], 255);
 	compositor_destroy(compositor);
@@ -242,7 +253,7 @@ static void one_expect(struct one *o, double first, double second, double ambien
 static void closed_forms(struct one *one)
 {
 	const double b = 128 / 255.0;
-	one_begin(one); /* nothing there: the background */
+	one_begin(one); /* nothing there: the background is shown */
 	one_expect(one, 1, 1, 0, 1, b);
 
 	one_begin(one); /* an opaque object: 0.25 * 1 + 0.5 * 0.5, twice */
@@ -250,13 +261,13 @@ static void closed_forms(struct one *one)
 	one_add(one, BASIS_KIND_T, 0.25, 0.5);
 	one_expect(one, 1, 0.5, 0, 1, 0.5);
 	one_expect(one, 0.5, 0.25, 0, 2, 0.5);
-	one_expect(one, 0, 0, 0.4, 1, 0.3); /* ambient over both */
+	one_expect(one, 0, 0, 0.4, 1, 0.3); /* ambient light over both */
 	one_expect(one, 0.5, 0, 0.4, 1, 0.425);
 	one_expect(one, 0, 0, 0, 1, 0);
 	one_expect(one, 9, 9, 0, 1, 1); /* clipped */
-	one_expect(one, 1, 1, 0, 0, 0); /* no gain, no object */
+	one_expect(one, 1, 1, 0, 0, 0); /* gain 0; then no object */
 
-	one_begin(one); /* half covered by an object that gives off nothing */
+	one_begin(one); /* half covered by an object that gives off no light */
 	one->coverage = 32768;
 	one_expect(one, 1, 1, 0, 1, b / 2);
 
@@ -273,12 +284,12 @@ static void closed_forms(struct one *one)
 	one_expect(one, 0, 1, 0, 1, 0);
 	one_expect(one, 3, 1, 0, 1, 0.5 * b);
 	one_expect(one, 0, 0, 0.5, 1, 0.25 * b);
-	one_expect(one, 2, 0, 1, 1, 0.5 * b); /* (3 * 1) / (1 * 3 + 3 * 1) is taken */
+	one_expect(one, 2, 0, 1, 1, 0.5 * b); /* the shadow takes (3 * 1) / (1 * 3 + 3 * 1) */
 	one_expect(one, 1e6, 1e6, 0, 1, 0.25 * b);
 	one_expect(one, 0, 0, 0, 1, b);			    /* 0/0 */
-	one_expect(one, 0, 0x1p-20 * 4 / 3, 0, 1, 0.5 * b); /* as much as e */
+	one_expect(one, 0, 0x1p-20 * 4 / 3, 0, 1, 0.5 * b); /* as much light as e */
 
-	one_begin(one); /* light 1 is shadowed, the other adds half: u = 1 and 3 */
+	one_begin(one); /* light 1 is shadowed, the other one adds half: u = 1 and 3 */
 	one_add(one, BASIS_KIND_V, -0.5, 1);
 	one_expect(one, 1, 1, 0, 1, (1 - 0.75 + 0.125) * b);
 	one_expect(one, 1, 0, 0, 1, 1.5 * b);
@@ -287,13 +298,13 @@ static void closed_forms(struct one *one)
 	one_expect(one, 0, 0, 0.5, 1, 0.375 * b);
 	one_expect(one, 0, 0, 0, 1, b);
 
-	one_begin(one); /* the same from two blocks: a shadow, and light that is thrown */
+	one_begin(one); /* the same from two blocks: one of shadow, one of added light */
 	one_add(one, BASIS_KIND_V, 0, 1);
 	one_add(one, BASIS_KIND_V, -0.5, 0);
 	one_expect(one, 1, 1, 0, 1, (1 - 0.75 + 0.125) * b);
 	one_expect(one, 3, 1, 0, 1, 0.75 * b);
 
-	one_begin(one); /* parts of an object that take each other back, far beyond white */
+	one_begin(one); /* parts of an object, far beyond white, that cancel each other */
 	one->coverage = 65535;
 	one_add(one, BASIS_KIND_T, 100, 100);
 	one_add(one, BASIS_KIND_T, -99.5, -99.5);
@@ -304,11 +315,11 @@ static void closed_forms(struct one *one)
 	one_add(one, BASIS_KIND_V, -0.5, -0.5);
 	one_expect(one, 1, 1, 0, 1, 1.5 * b);
 
-	one_begin(one); /* no more than 16 times: 1 code becomes 16 */
+	one_begin(one); /* the ratio is at most 16: code 1 becomes 16 */
 	one_add(one, BASIS_KIND_V, -500, -500);
 	one_expect(one, 1, 1, 0, 1, 1);
 
-	one_begin(one); /* a receiver of its own: u = 1, 3 and d = 0, 3 */
+	one_begin(one); /* a receiver with ground terms of its own: u = 1, 3 and d = 0, 3 */
 	one_add(one, BASIS_KIND_D, 0, 3);
 	one_add(one, BASIS_KIND_U, 1, 3);
 	one_expect(one, 1, 1, 0, 1, 0.25 * b);
@@ -336,7 +347,7 @@ static void formula_gives_the_closed_forms(void **state)
 	}
 }
 
-/* k times the light: k times the object, and the same shadow. */
+/* k times the light gives k times the object, and the same shadow. */
 static void brighter_light_scales_the_object_alone(void **state)
 {
 	const double b = 128 / 255.0;
@@ -351,7 +362,7 @@ static void brighter_light_scales_the_object_alone(void **state)
 	for (double k = 1.0 / 4096; k <= 2; k *= 1.37) {
 		one_expect(&object, k, k / 2, 0, 1, k / 2);
 		one_expect(&object, k / 2, k / 4, k / 3, 1, k / 2);
-		if (k > 0.05) /* the residue e shows in less light */
+		if (k > 0.05) /* in less light e has an effect */
 			one_expect(&shadow, k, k, 0, 1, 0.25 * b);
 		one_expect(&shadow, 1e5 * k, 3e5 * k, 0, 1, 0.1 * b);
 	}
@@ -363,9 +374,9 @@ static void background_alone_is_copied(void **state)
 {
 	struct chance chance = chance_begin("background");
 	struct synthetic *s = *state;
-	struct frame_of f;
+	struct random_frame f;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	for (int pair = 0; pair < TRANSFER_COUNT * TRANSFER_COUNT; pair++) {
 		const struct compositor_settings settings = {
 			.background = {.named = (enum transfer)(pair / TRANSFER_COUNT)},
@@ -374,28 +385,33 @@ static void background_alone_is_copied(void **state)
 		};
 
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		for (size_t i = 0; i < f.bytes; i++) {
 			const uint8_t in = f.background[i];
 
 			if (i % f.stride >= f.stride - 4)
-				assert_int_equal(f.out[i], 0x5a);
+				expect_equal(f.out[i], 0x5a, "behind row %zu, curves %d",
+					     i / f.stride, pair);
 			else if (i % f.stride % 4 == 3)
-				assert_int_equal(f.out[i], 255);
+				expect_equal(f.out[i], 255,
+					     "fourth byte of pixel (%zu, %zu), curves %d",
+					     i % f.stride / 4, i / f.stride, pair);
 			else if (transfer_curve_same(&settings.background, &settings.output))
-				assert_int_equal(f.out[i], in);
+				expect_equal(f.out[i], in,
+					     "pixel (%zu, %zu), channel %zu, curves %d",
+					     i % f.stride / 4, i / f.stride, i % 4, pair);
 			else
-				assert_true(
+				expect_below(
 					fabs(f.out[i] - 255 * transfer_curve_encode(
 								      &settings.output,
 								      transfer_curve_decode(
 									      &settings.background,
-									      in / 255.0))) < 0.53);
+									      in / 255.0))),
+					0.53, "pixel (%zu, %zu), channel %zu, curves %d",
+					i % f.stride / 4, i / f.stride, i % 4, pair);
 		}
 	}
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 static void untouched_pixels_are_copied(void **state)
@@ -404,7 +420,7 @@ static void untouched_pixels_are_copied(void **state)
 	struct synthetic *s = *state;
 	const struct basis_pose *pose = &s->basis.poses[0];
 	bool touched[23][40] = {{false}};
-	struct frame_of f;
+	struct random_frame f;
 	int copies = 0;
 
 	for (int y = 0; y < 23; y++)
@@ -418,31 +434,31 @@ static void untouched_pixels_are_copied(void **state)
 				touched[tile->y + tile->blocks[n].pixel[p] / BASIS_TILE]
 				       [tile->x + tile->blocks[n].pixel[p] % BASIS_TILE] = true;
 	}
-	frame_begin(&f, &s->basis, NULL, &chance);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_run(&f, 0);
 	for (size_t y = 0; y < 23; y++) {
 		for (size_t x = 0; x < 40; x++) {
 			if (touched[y][x])
 				continue;
-			assert_memory_equal(f.out + y * f.stride + x * 4,
-					    f.background + y * f.stride + x * 4, 3);
+			expect_same_picture(f.out + y * f.stride + x * 4,
+					    f.background + y * f.stride + x * 4, 4, 3,
+					    "of the pixel at (%zu, %zu)", x, y);
 			copies++;
 		}
-		assert_int_equal(f.out[y * f.stride + 160], 0x5a);
+		expect_equal(f.out[y * f.stride + 160], 0x5a, "behind row %zu", y);
 	}
 	assert_true(copies > 50 && copies < 800);
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 static void flips_are_only_reading_order(void **state)
 {
 	struct chance chance = chance_begin("flips");
 	struct synthetic *s = *state;
-	struct frame_of f;
+	struct random_frame f;
 	uint8_t *flipped, *expected;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	flipped = malloc(f.bytes);
 	expected = malloc(f.bytes);
 	assert_true(flipped && expected);
@@ -473,11 +489,12 @@ static void flips_are_only_reading_order(void **state)
 			0);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &turned, f.out, f.stride), 0);
-		assert_memory_equal(f.out, expected, f.bytes);
+		expect_same_picture(f.out, expected, f.stride, f.bytes,
+				    "flips: horizontal %d, vertical %d", h, v);
 	}
 	free(flipped);
 	free(expected);
-	frame_end(&f);
+	random_frame_end(&f);
 }
 
 /* A file without D blocks needs no weights for them. */
@@ -486,28 +503,28 @@ static void a_file_without_receivers_is_composited(void **state)
 	struct synthetic_options o = plain;
 	struct chance chance = {5};
 	struct synthetic s;
-	struct frame_of f;
+	struct random_frame f;
 	double *exact;
 
 	(void)state;
 	o.stand_in_share = 0;
 	synthetic_open(&s, &o);
-	frame_begin(&f, &s.basis, NULL, &chance);
+	random_frame_begin(&f, &s.basis, NULL, &chance);
 	exact = malloc(sizeof(*exact) * 3 * 40 * 23);
 	assert_non_null(exact);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	assert_int_equal(
 		compositor_reference(&s.basis, 0,
 				     &(struct compositor_settings){.gain = 1, .object = true},
 				     &f.lights, &f.picture, exact),
 		0);
 	for (int i = 0; i < 40 * 23 * 3; i++)
-		assert_true(fabs(f.out[(size_t)(i / 120) * f.stride + (size_t)(i / 3 % 40) * 4 + 2 -
-				       (size_t)(i % 3)] -
-				 exact[i]) < 1);
+		expect_below(fabs(f.out[(size_t)(i / 120) * f.stride + (size_t)(i / 3 % 40) * 4 +
+					2 - (size_t)(i % 3)] -
+				  exact[i]),
+			     1, "pixel (%d, %d), channel %d", i / 3 % 40, i / 120, i % 3);
 	free(exact);
-	frame_end(&f);
+	random_frame_end(&f);
 	synthetic_close(&s);
 }
 
@@ -519,23 +536,21 @@ static void threads_do_not_change_a_byte(void **state)
 	for (int threads = 0; threads <= 4; threads++) {
 		struct chance chance = {5};
 		struct pool *pool = NULL;
-		struct frame_of f;
+		struct random_frame f;
 
 		if (threads)
 			assert_int_equal(pool_create(&pool, threads), 0);
-		frame_begin(&f, &s->basis, pool, &chance);
-		/* so many that they are divided anew, twice */
+		random_frame_begin(&f, &s->basis, pool, &chance);
+		/* many frames, so that the work is divided anew twice */
 		for (int frame = 0; frame < 70; frame++)
-			assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop,
-							f.out, f.stride),
-					 0);
+			random_frame_run(&f, 0);
 		if (!alone) {
 			alone = malloc(f.bytes);
 			assert_non_null(alone);
 			memcpy(alone, f.out, f.bytes);
 		}
-		assert_memory_equal(f.out, alone, f.bytes);
-		frame_end(&f);
+		expect_same_picture(f.out, alone, f.stride, f.bytes, "%d threads", threads);
+		random_frame_end(&f);
 		pool_destroy(pool);
 	}
 	free(alone);
@@ -550,12 +565,12 @@ static void kernels_do_not_change_a_byte(void **state)
 		const struct compositor_options options = {.kernel = kernels_all[k]->name};
 		struct chance chance = {5};
 		struct compositor *other;
-		struct frame_of f;
+		struct random_frame f;
 		uint8_t *out;
 
 		if (!kernels_all[k]->supported())
 			continue;
-		frame_begin(&f, &s->basis, NULL, &chance);
+		random_frame_begin(&f, &s->basis, NULL, &chance);
 		out = malloc(f.bytes);
 		assert_non_null(out);
 		memset(out, 0x5a, f.bytes);
@@ -572,17 +587,16 @@ static void kernels_do_not_change_a_byte(void **state)
 
 			compositor_set(f.compositor, &settings);
 			compositor_set(other, &settings);
-			assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop,
-							f.out, f.stride),
-					 0);
+			random_frame_run(&f, 0);
 			assert_int_equal(
 				compositor_run(other, 0, &f.lights, &f.backdrop, out, f.stride), 0);
-			assert_memory_equal(out, f.out, f.bytes);
+			expect_same_picture(out, f.out, f.stride, f.bytes, "kernel %s, mode %d",
+					    kernels_all[k]->name, mode);
 		}
 		others++;
 		compositor_destroy(other);
 		free(out);
-		frame_end(&f);
+		random_frame_end(&f);
 	}
 	assert_true(others > 0);
 }
@@ -590,8 +604,8 @@ static void kernels_do_not_change_a_byte(void **state)
 /* ---- a background that is made ---- */
 
 struct maker {
-	const struct frame_of *frame;
-	_Atomic int *made; /* [height][width]: how often */
+	const struct random_frame *frame;
+	_Atomic int *made; /* [height][width]: how often each pixel was made */
 };
 
 static void make_part(const void *context, int x, int y, int width, int height, uint8_t *out,
@@ -619,11 +633,11 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 	struct synthetic *s = *state;
 	struct chance chance = {5};
 	struct pool *pool;
-	struct frame_of f;
+	struct random_frame f;
 	uint8_t *out;
 
 	assert_int_equal(pool_create(&pool, 3), 0);
-	frame_begin(&f, &s->basis, pool, &chance);
+	random_frame_begin(&f, &s->basis, pool, &chance);
 	out = malloc(f.bytes);
 	assert_non_null(out);
 	memset(out, 0x5a, f.bytes);
@@ -639,17 +653,15 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 
 		memset((void *)made, 0, sizeof(made));
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
+		random_frame_run(&f, 0);
 		assert_int_equal(
 			compositor_run(f.compositor, 0, &f.lights, &backdrop, out, f.stride), 0);
-		assert_memory_equal(out, f.out, f.bytes);
+		expect_same_picture(out, f.out, f.stride, f.bytes, "settings %d", k);
 		for (int i = 0; i < 23 * 40; i++)
-			assert_int_equal(made[i], 1);
+			expect_equal(made[i], 1, "pixel (%d, %d), settings %d", i % 40, i / 40, k);
 	}
 	free(out);
-	frame_end(&f);
+	random_frame_end(&f);
 	pool_destroy(pool);
 }
 
@@ -663,10 +675,10 @@ static void wrong_sizes_are_refused(void **state)
 	struct backdrop wrong_backdrop;
 	struct fault fault = {.text = ""};
 	struct compositor *none;
-	struct frame_of f;
+	struct random_frame f;
 	double exact;
 
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	wrong = f.picture;
 	wrong.width--;
 	wrong_backdrop = backdrop_of(&wrong);
@@ -697,7 +709,7 @@ static void wrong_sizes_are_refused(void **state)
 	assert_int_equal(compositor_reference(&shown, 0, &settings, &f.lights, &f.picture, &exact),
 			 -ENODATA);
 	assert_int_equal(f.out[0], 0x5a);
-	frame_end(&f);
+	random_frame_end(&f);
 	basis_close(&shown);
 	assert_int_equal(compositor_create(&none, &s->basis,
 					   &(struct compositor_options){.kernel = "abacus"},
@@ -709,7 +721,7 @@ static void wrong_sizes_are_refused(void **state)
 	compositor_destroy(NULL);
 }
 
-/* A block may have a column of every light and every group, and a frame use all of them. */
+/* A block may have a column for every light and every group, and a frame may use all of them. */
 static void every_column_may_be_used(void **state)
 {
 	(void)state;
@@ -717,7 +729,7 @@ static void every_column_may_be_used(void **state)
 		struct synthetic_options o = plain;
 		struct chance chance = {6};
 		struct synthetic s;
-		struct frame_of f;
+		struct random_frame f;
 
 		o.vary = o.exact = false;
 		o.stand_in_share = 0;
@@ -726,14 +738,12 @@ static void every_column_may_be_used(void **state)
 		o.columns = o.lights + o.groups;
 		o.column_cut = 1e-12;
 		synthetic_open(&s, &o);
-		frame_begin(&f, &s.basis, NULL, &chance);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
-		/* A group that is one light has no more to send beside it. */
-		assert_true(compositor_last(f.compositor).columns >
-			    s.basis.poses[0].shown.block_count * o.lights);
-		frame_end(&f);
+		random_frame_begin(&f, &s.basis, NULL, &chance);
+		random_frame_run(&f, 0);
+		/* A group of one light sends nothing besides that light. */
+		expect_above(compositor_last(f.compositor).columns,
+			     s.basis.poses[0].shown.block_count * o.lights, "bits=%d", bits);
+		random_frame_end(&f);
 		synthetic_close(&s);
 	}
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The background seen through the object: against double precision at every offset and
- * transmission, against closed forms, and that neither threads nor a background that is made piece
- * by piece change a byte. */
+ * transmission, against closed forms, and proof that neither threads nor a background that is made
+ * piece by piece change a byte. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,8 +9,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/random_frame.h"
 
 static struct synthetic_options see_through(int width, int height, uint64_t seed)
 {
@@ -44,13 +50,12 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 	double *exact = calloc((size_t)width * (size_t)height * 3, sizeof(*exact));
 	struct chance chance = {seed};
 	double most = 0;
-	struct frame_of f;
+	struct random_frame f;
 
 	assert_non_null(exact);
-	frame_begin(&f, &s->basis, NULL, &chance);
+	random_frame_begin(&f, &s->basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	assert_int_equal(compositor_reference(&s->basis, 0, &plain, &f.lights, &f.picture, exact),
 			 0);
 	for (int y = 0; y < height; y++)
@@ -59,12 +64,13 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 				most = fmax(most, fabs(f.out[(size_t)y * f.stride + (size_t)x * 4 +
 							     2 - (size_t)c] -
 						       exact[3 * (y * width + x) + c]));
-	frame_end(&f);
+	random_frame_end(&f);
 	free(exact);
 	return most;
 }
 
-/* All widths, so that tiles are cut everywhere and offsets leave the picture on every side. */
+/* All widths, so that tiles are cut everywhere and offsets lead out of the picture on every side.
+ */
 static void agrees_with_double_precision(void **state)
 {
 	double most = 0;
@@ -87,7 +93,7 @@ static void agrees_with_double_precision(void **state)
 
 #define SIDE 20
 
-/* A covered picture that gives off no light, with these pixels seen through. */
+/* Writes a file whose object covers all and gives off no light, and is glass at these pixels. */
 static void open_glass(struct synthetic *s, const struct basis_glass *glass, size_t count)
 {
 	const struct basis_info_chunk info = {
@@ -122,19 +128,18 @@ static void shows_the_place_it_says(void **state)
 		{3, 1, {65535, 65535, 65535}, 16 * 5, 16 * 9, {0, 0}}, /* whole pixels */
 		{4, 1, {65535, 65535, 65535}, -32768, 32767, {0, 0}},  /* beyond the edge */
 		{5, 1, {0, 65535, 0}, 0, 0, {0, 0}},
-		{6, 1, {65535, 65535, 65535}, 8, 0, {0, 0}}, /* between two */
+		{6, 1, {65535, 65535, 65535}, 8, 0, {0, 0}}, /* between two pixels */
 	};
 	struct chance chance = {3};
 	struct synthetic s;
-	struct frame_of f;
+	struct random_frame f;
 	const uint8_t *row, *in;
 
 	(void)state;
 	open_glass(&s, glass, sizeof(glass) / sizeof(*glass));
-	frame_begin(&f, &s.basis, NULL, &chance);
+	random_frame_begin(&f, &s.basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
-	assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			 0);
+	random_frame_run(&f, 0);
 	row = f.out + f.stride;
 	in = f.background;
 	assert_memory_equal(row + 4 * 2, in + f.stride + 4 * 2, 3);
@@ -149,10 +154,11 @@ static void shows_the_place_it_says(void **state)
 				     transfer_decode(TRANSFER_SRGB, pair[4] / 255.0)) /
 				    2;
 
-		assert_true(fabs(row[4 * 6 + c] - 255 * transfer_encode(TRANSFER_SRGB, mean)) < 1);
+		expect_below(fabs(row[4 * 6 + c] - 255 * transfer_encode(TRANSFER_SRGB, mean)), 1,
+			     "channel %d", c);
 	}
 	assert_int_equal(row[4 * 7] + row[4 * 7 + 1] + row[4 * 7 + 2], 0);
-	frame_end(&f);
+	random_frame_end(&f);
 	synthetic_close(&s);
 }
 
@@ -161,7 +167,7 @@ static void shows_the_place_it_says(void **state)
 static void make_part(const void *context, int x, int y, int width, int height, uint8_t *out,
 		      size_t out_stride)
 {
-	const struct frame_of *f = context;
+	const struct random_frame *f = context;
 
 	assert_int_equal(x % BASIS_TILE, 0);
 	assert_int_equal(y % BASIS_TILE, 0);
@@ -176,16 +182,16 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 	const struct synthetic_options options = see_through(300, 70, 4);
 	struct chance chance = {8};
 	struct backdrop made = {.width = 300, .height = 70, .make = make_part};
-	struct frame_of one, f;
+	struct random_frame one, f;
 	struct synthetic s;
 	struct pool *pool;
 
 	(void)state;
 	synthetic_open(&s, &options);
 	assert_int_equal(pool_create(&pool, 3), 0);
-	frame_begin(&one, &s.basis, NULL, &chance);
+	random_frame_begin(&one, &s.basis, NULL, &chance);
 	chance.state = 8;
-	frame_begin(&f, &s.basis, pool, &chance);
+	random_frame_begin(&f, &s.basis, pool, &chance);
 	assert_memory_equal(one.background, f.background, f.bytes);
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 		struct compositor_settings settings = plain;
@@ -193,25 +199,23 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 		settings.mode = (enum compositor_mode)mode;
 		compositor_set(one.compositor, &settings);
 		compositor_set(f.compositor, &settings);
-		assert_int_equal(compositor_run(one.compositor, 0, &one.lights, &one.backdrop,
-						one.out, one.stride),
-				 0);
-		assert_int_equal(
-			compositor_run(f.compositor, 0, &f.lights, &f.backdrop, f.out, f.stride),
-			0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		random_frame_run(&one, 0);
+		random_frame_run(&f, 0);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes, "threads, mode %d", mode);
 		made.context = &f;
 		memset(f.out, 0x5a, f.bytes);
 		assert_int_equal(compositor_run(f.compositor, 0, &f.lights, &made, f.out, f.stride),
 				 0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes,
+				    "made background, threads, mode %d", mode);
 		memset(f.out, 0x5a, f.bytes);
 		assert_int_equal(
 			compositor_run(one.compositor, 0, &f.lights, &made, f.out, f.stride), 0);
-		assert_memory_equal(one.out, f.out, f.bytes);
+		expect_same_picture(f.out, one.out, f.stride, f.bytes, "made background, mode %d",
+				    mode);
 	}
-	frame_end(&one);
-	frame_end(&f);
+	random_frame_end(&one);
+	random_frame_end(&f);
 	pool_destroy(pool);
 	synthetic_close(&s);
 }

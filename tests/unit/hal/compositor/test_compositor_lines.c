@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * A tile whose lights all send alike, so that every weight ends in the same digits: as many lines
- * as count come to as large a sum of them as there may be, below and above the number that becomes
- * Q24 at once.
- */
+/* A tile under lights that all send the same, so that every weight ends in the same digits. The
+ * sums are as large as they can be with that many lights, below and above the number of columns
+ * from which the compositor converts them to Q24 at once. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,19 +18,14 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/optics/dome.h"
-#include "tests/support/hand_basis.h"
+#include "tests/support/expect.h"
+#include "tests/support/hand_block.h"
 
 enum { LIGHTS = 46, FREQUENCY = 3, PIXELS = BASIS_TILE * BASIS_TILE };
 
 static char folder[] = "/tmp/test_compositor_lines_XXXXXX";
 static char path[80];
 static struct basis basis;
-
-static void must(int err, const struct fault *fault)
-{
-	if (err)
-		fail_msg("%s", fault->text);
-}
 
 /* Each light alone makes every pixel as bright as its solid angle times its radiance. */
 static void write_basis(const char *to)
@@ -48,18 +41,12 @@ static void write_basis(const char *to)
 	static struct basis_light lights[LIGHTS];
 	static uint16_t coverage[PIXELS], pixel[PIXELS];
 	static float peak[LIGHTS + 1][3], value[PIXELS * 3][LIGHTS];
-	struct fault fault = {.text = ""};
 	struct basis_block_payload block;
-	struct basis_writer *writer;
-	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, FREQUENCY, DOME_ANGLES, &fault), 0);
-	assert_int_equal(dome.count, LIGHTS);
+	hand_block_lights(FREQUENCY, LIGHTS, lights);
 	for (int i = 0; i < LIGHTS; i++) {
-		const float share = (float)dome.solid_angle_sr[i];
+		const float share = (float)lights[i].solid_angle_sr;
 
-		memcpy(lights[i].direction, dome.direction[i], sizeof(lights[i].direction));
-		lights[i].solid_angle_sr = dome.solid_angle_sr[i];
 		for (int k = 0; k < PIXELS * 3; k++)
 			value[k][i] = share;
 		for (int c = 0; c < 3; c++) {
@@ -67,17 +54,12 @@ static void write_basis(const char *to)
 			peak[LIGHTS][c] += share;
 		}
 	}
-	dome_free(&dome);
 	for (int p = 0; p < PIXELS; p++) {
 		pixel[p] = (uint16_t)p;
 		coverage[p] = 65535;
 	}
-	block = hand_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0]);
-	must(basis_writer_open(&writer, to, &info, lights, NULL, NULL, "", &fault), &fault);
-	must(basis_writer_blocks(writer, &block, 1, &fault), &fault);
-	must(basis_writer_pose_end(writer, coverage, (const float(*)[3])peak, &fault), &fault);
-	must(basis_writer_finish(writer, &info, "", &fault), &fault);
-	free((void *)block.payload);
+	block = hand_block_of_object(0, PIXELS, pixel, LIGHTS, lights, &value[0][0]);
+	hand_block_file(to, &info, lights, &block, coverage, (const float(*)[3])peak);
 }
 
 static int setup(void **state)
@@ -89,7 +71,7 @@ static int setup(void **state)
 		return -1;
 	snprintf(path, sizeof(path), "%s/lines.inlay", folder);
 	write_basis(path);
-	must(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
+	expect_success(basis_open(&basis, path, BASIS_SHOWN, &fault), &fault);
 	return 0;
 }
 
@@ -101,9 +83,9 @@ static int teardown(void **state)
 	return rmdir(folder);
 }
 
-/* As many lights, which come to a radiance of `bright` together. */
-static void check(struct compositor *compositor, struct light_selection *selection, int lit,
-		  double bright)
+/* Composites with `lit` equal lights whose radiance adds up to `bright`. */
+static void test_lines_check(struct compositor *compositor, struct light_selection *selection,
+			     int lit, double bright)
 {
 	static uint8_t background[PIXELS * 4], out[PIXELS * 4];
 	const struct picture picture = {background, 4, BASIS_TILE * 4, BASIS_TILE, BASIS_TILE};
@@ -142,12 +124,12 @@ static void lines_add_up_however_many_count(void **state)
 
 		if (!kernels_all[k]->supported())
 			continue;
-		must(compositor_create(&compositor, &basis, &options, &fault), &fault);
+		expect_success(compositor_create(&compositor, &basis, &options, &fault), &fault);
 		compositor_set(compositor, &settings);
 		assert_int_equal(light_selection_create(&selection, &basis), 0);
 		for (int lit = 1; lit <= LIGHTS; lit++)
 			for (double bright = 0.02; bright < 1; bright *= 1.3)
-				check(compositor, &selection, lit, bright);
+				test_lines_check(compositor, &selection, lit, bright);
 		light_selection_free(&selection);
 		compositor_destroy(compositor);
 	}

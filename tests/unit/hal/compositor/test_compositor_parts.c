@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the compositor is made of: its arithmetic and the light as integers, against exact numbers.
- */
+/* The parts of the compositor (integer arithmetic, light as integers, choice of columns, division
+ * of work) against exact numbers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 #include <float.h>
+#include <math.h>
+#include <stdlib.h>
 
 #include "hal/compositor/column_choice.h"
 #include "hal/compositor/division.h"
@@ -15,6 +17,8 @@
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/light/light_vector.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/synthetic_basis.h"
 
 typedef __int128 wide;
@@ -38,7 +42,8 @@ static void tints_round_like_exact_products(void **state)
 					: edge[chance_int(&chance, 0, 6)];
 		const uint16_t m = k % 5 ? (uint16_t)chance_bits(&chance) : UINT16_MAX;
 
-		assert_true(mul_q15(x, m) == exact_round_shift((wide)x * m, 15));
+		expect_that(mul_q15(x, m) == exact_round_shift((wide)x * m, 15), "x %lld, m %d",
+			    (long long)x, m);
 	}
 }
 
@@ -56,7 +61,8 @@ static void quotients_are_near_exact_ones(void **state)
 		const long double clamped = exact > limit ? limit : exact < -limit ? -limit : exact;
 		const int32_t got = quotient_q24(n, d, exponent, KERNEL_LIMIT);
 
-		assert_true(fabsl(got - clamped) <= 0.5L + fabsl(clamped) * 0x1p-29L);
+		expect_at_most(fabsl(got - clamped), 0.5L + fabsl(clamped) * 0x1p-29L,
+			       "%lld / %lld * 2^%d", (long long)n, (long long)d, exponent);
 	}
 	assert_int_equal(quotient_q24(0, 5, 600, KERNEL_LIMIT), 0);
 	assert_int_equal(quotient_q24(INT64_MIN + 1, 1, 0, KERNEL_LIMIT), -KERNEL_LIMIT);
@@ -79,10 +85,10 @@ static void digits_hold_what_was_split(void **state)
 		for (int d = KERNEL_DIGITS - 1; d >= 0; d--) {
 			digits_split(&x, 1, d, &digit);
 			assert_in_range(digit + 2048, 0, 4095);
-			assert_true(d < digits || digit == 0);
+			expect_that(d < digits || digit == 0, "digit %d of %lld", d, (long long)x);
 			back = back * 4096 + digit;
 		}
-		assert_true(back == x);
+		expect_that(back == x, "%lld became %lld", (long long)x, (long long)back);
 	}
 	assert_int_equal(digits_of(0), 0);
 	assert_int_equal(digits_of(2047), 1);
@@ -95,8 +101,8 @@ static void exponents_are_the_least(void **state)
 {
 	(void)state;
 	for (int e = -140; e < 140; e++) {
-		assert_int_equal(exponent_above(ldexp(1, e)), e);
-		assert_int_equal(exponent_above(ldexp(1.0001, e)), e + 1);
+		expect_equal(exponent_above(ldexp(1, e)), e, "2^%d", e);
+		expect_equal(exponent_above(ldexp(1.0001, e)), e + 1, "1.0001 * 2^%d", e);
 	}
 	assert_int_equal(gain_bits(0), 0);
 	assert_int_equal(gain_bits(1), 0);
@@ -115,8 +121,8 @@ static int64_t y_of(const struct light_vector *v, int c, int k)
 	return sum;
 }
 
-/* X is the light rounded, Y what the coarse lights gather of it, and both keep to their ranges,
- * whatever the light. */
+/* X is the rounded light, Y what the coarse lights gather of X. Both keep to their ranges in any
+ * light. */
 static void light_is_rounded_once(void **state)
 {
 	static const struct synthetic_options o = {.width = 1,
@@ -168,16 +174,19 @@ static void light_is_rounded_once(void **state)
 							      c)[i];
 				const double x = v.sent[i].amount[c] / v.unit[c];
 
-				assert_true(x == floor(x));
-				assert_true(x >= 0);
+				expect_equal(x, floor(x), "light %d, channel %d, lighting %d", i, c,
+					     k);
+				expect_at_least(x, 0, "light %d, channel %d, lighting %d", i, c, k);
 				sum += x;
 				there += u * (l + 0x1p-20);
 				if (kind == 0)
-					assert_true(fabs(v.sent[i].amount[c] -
-							 l * file.basis.lights[i].solid_angle_sr) <=
-						    0.5 * v.unit[c]);
+					expect_at_most(
+						fabs(v.sent[i].amount[c] -
+						     l * file.basis.lights[i].solid_angle_sr),
+						0.5 * v.unit[c],
+						"light %d, channel %d, lighting %d", i, c, k);
 			}
-			assert_true(sum < 0x1p46);
+			expect_below(sum, 0x1p46, "channel %d, lighting %d", c, k);
 			for (int n = 0; n < o.coarse; n++) {
 				double exact = 0;
 
@@ -187,24 +196,32 @@ static void light_is_rounded_once(void **state)
 							exact += v.sent[i].amount[c] / v.unit[c] *
 								 file.basis.coarse[i].weight[j] /
 								 BASIS_COARSE_ONE;
-				assert_true(fabs((double)y_of(&v, c, n) - exact) <=
-					    0.5 + exact * 1e-12);
+				expect_at_most(fabs((double)y_of(&v, c, n) - exact),
+					       0.5 + exact * 1e-12,
+					       "coarse light %d, channel %d, lighting %d", n, c, k);
 				gathered += (double)y_of(&v, c, n);
 			}
-			assert_true(gathered * v.unit[c] < ldexp(1, v.reach));
-			assert_true(sum * v.unit[c] < ldexp(1, v.reach));
+			expect_below(gathered * v.unit[c], ldexp(1, v.reach),
+				     "channel %d, lighting %d", c, k);
+			expect_below(sum * v.unit[c], ldexp(1, v.reach), "channel %d, lighting %d",
+				     c, k);
 			if (kind != 1) {
 				const double per_x = kind == 0 ? (k % 3 ? 1 : 64)
 							       : ldexp(v.factor[c], -30);
 
-				assert_true(fmax(sum, gathered) * v.unit[c] * per_x <= v.strongest);
-				assert_true(kind == 0 || v.strongest < 1.0001);
+				expect_at_most(fmax(sum, gathered) * v.unit[c] * per_x, v.strongest,
+					       "channel %d, lighting %d", c, k);
+				expect_that(kind == 0 || v.strongest < 1.0001,
+					    "strongest is %g, lighting %d", v.strongest, k);
 			}
 			for (int n = o.coarse; n < v.stride; n++)
-				assert_int_equal(y_of(&v, c, n), 0);
-			/* All shares of the ground's light, however little, and e are 1. */
+				expect_equal(y_of(&v, c, n), 0,
+					     "padding %d, channel %d, lighting %d", n, c, k);
+			/* Shares of the ground's light and e add up to 1, however dim the light. */
 			if (kind > 1 && there > 1e-30)
-				assert_true(v.factor[c] > 1 << 29 && v.factor[c] <= 1 << 30);
+				expect_that(v.factor[c] > 1 << 29 && v.factor[c] <= 1 << 30,
+					    "factor %d, channel %d, lighting %d", v.factor[c], c,
+					    k);
 		}
 	}
 	light_vector_free(&v);
@@ -219,7 +236,7 @@ static void light_is_rounded_once(void **state)
 #define CHOICE_LIGHTS 130
 #define CHOICE_BLOCKS 40
 
-/* Blocks of two grounds and of none, with some of the lights' columns each. */
+/* Blocks of two grounds and without ground, with columns for some of the lights. */
 struct choosing {
 	struct basis_block block[CHOICE_BLOCKS];
 	struct block_plan plan[CHOICE_BLOCKS];
@@ -228,7 +245,7 @@ struct choosing {
 	struct light_sent sent[CHOICE_LIGHTS];
 };
 
-/* Zeros of both signs, powers of two, and numbers that lie close together. */
+/* A random number: zero of either sign, a power of two, or a value close to another one. */
 static double any_size(struct chance *chance, int least, int most)
 {
 	const double power = ldexp(1, chance_int(chance, least, most));
@@ -253,7 +270,8 @@ static void fill_choosing(struct choosing *c, struct chance *chance)
 			if (chance_int(chance, 1, 3) > share)
 				continue;
 			c->light[k][b->columns] = (uint16_t)i;
-			/* every fourth reaches next to nothing, some less than a normal float */
+			/* every fourth column has a tiny scale, some below the smallest normal
+			 * float */
 			c->scale[k][b->columns++] = (float)(i % 4 ? any_size(chance, -20, -10)
 								  : any_size(chance, -149, -120));
 		}
@@ -271,7 +289,7 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 
 		if (plan->block->kind != kind || plan->block->ground != ground ||
 		    !plan->block->columns) {
-			assert_true(plan->choice != choice);
+			expect_that(plan->choice != choice, "k=%d", k);
 			continue;
 		}
 		assert_ptr_equal(plan->choice, choice);
@@ -283,17 +301,19 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 			counted[0]++;
 			if (c->sent[i].strength * (double)reach < 1)
 				continue;
-			assert_true(met < count);
-			assert_int_equal(chosen[met].place, n);
-			assert_int_equal(chosen[met].light, i);
-			assert_true(chosen[met++].scale == plan->block->column_scale[n]);
+			expect_below(met, count, "column %d of block %d", n, k);
+			expect_equal(chosen[met].place, n, "column %d of block %d", n, k);
+			expect_equal(chosen[met].light, i, "column %d of block %d", n, k);
+			expect_equal(chosen[met].scale, plan->block->column_scale[n],
+				     "column %d of block %d", n, k);
+			met++;
 			counted[1]++;
 		}
-		assert_int_equal(met, count);
+		expect_equal(met, count, "columns of block %d", k);
 	}
 }
 
-/* A block gets the columns that count by the definition, each of them, and in their order. */
+/* A block gets exactly the columns that count by the definition, in their order. */
 static void columns_that_count_are_chosen(void **state)
 {
 	struct chance chance = chance_begin("columns");
@@ -314,7 +334,9 @@ static void columns_that_count_are_chosen(void **state)
 		for (int frame = 0; frame < 60; frame++) {
 			for (int i = 0; i < CHOICE_LIGHTS; i++)
 				c->sent[i].strength =
-					frame % 10 == 9 && i % 4 == 0 /* none may be left out */
+					frame % 10 == 9 &&
+							i % 4 ==
+								0 /* in some frames no column may be left out */
 						? 0x1p900
 						: fabs(any_size(&chance, 0, 20));
 			for (int k = 0; k < 3; k++) {
@@ -337,10 +359,10 @@ static void check_division(const struct division *d)
 	assert_int_equal(d->first[0], 0);
 	assert_int_equal(d->first[d->runs], d->tiles);
 	for (int r = 0; r < d->runs; r++)
-		assert_true(d->first[r] < d->first[r + 1]);
+		expect_below(d->first[r], d->first[r + 1], "run %d of %d", r, d->runs);
 }
 
-/* A quarter of the tiles takes ten times as long, which nobody knew. */
+/* A quarter of the tiles takes ten times as long, and the division must adapt. */
 static void runs_are_divided_by_what_they_took(void **state)
 {
 	enum { TILES = 100, RUNS = 8 };

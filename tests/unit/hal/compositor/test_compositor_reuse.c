@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* Frames that start from the sums of the one before: the same, bit for bit, as frames that do not.
- */
+/* Frames that start from the sums of the frame before are the same, bit for bit, as frames that
+ * start anew. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/random_frame.h"
 
-/* Two compositors over the same lights, one of which never reuses anything. */
+/* Two compositors over the same lights; `fresh` never reuses sums. */
 struct pair {
-	struct frame_of f;
+	struct random_frame f;
 	struct compositor *fresh;
 	uint8_t *out;
 	float (*radiance)[3];
@@ -25,7 +30,7 @@ static void pair_begin(struct pair *p, const struct basis *basis, struct pool *p
 	const struct compositor_options options = {.kernel = NULL};
 
 	*p = (struct pair){.reused = 0};
-	frame_begin(&p->f, basis, pool, chance);
+	random_frame_begin(&p->f, basis, pool, chance);
 	p->out = malloc(p->f.bytes);
 	p->radiance = calloc(basis->info.lights, sizeof(*p->radiance));
 	assert_true(p->out && p->radiance);
@@ -38,7 +43,7 @@ static void pair_end(struct pair *p)
 	compositor_destroy(p->fresh);
 	free(p->out);
 	free(p->radiance);
-	frame_end(&p->f);
+	random_frame_end(&p->f);
 }
 
 static void pair_set(struct pair *p, struct compositor_settings settings)
@@ -53,9 +58,7 @@ static void pair_reuse(struct pair *p, const struct basis *basis, int pose, doub
 {
 	light_selection_choose(&p->f.lights, basis, pose, (const float(*)[3])p->radiance, threshold,
 			       mode, 1);
-	assert_int_equal(compositor_run(p->f.compositor, pose, &p->f.lights, &p->f.backdrop,
-					p->f.out, p->f.stride),
-			 0);
+	random_frame_run(&p->f, pose);
 	p->reused += compositor_last(p->f.compositor).reused;
 }
 
@@ -65,7 +68,8 @@ static void pair_compare(struct pair *p, int pose)
 		compositor_run(p->fresh, pose, &p->f.lights, &p->f.backdrop, p->out, p->f.stride),
 		0);
 	assert_false(compositor_last(p->fresh).reused);
-	assert_memory_equal(p->out, p->f.out, p->f.bytes);
+	expect_same_picture(p->f.out, p->out, p->f.stride, p->f.bytes,
+			    "pose %d, after %d frames from sums", pose, p->reused);
 }
 
 static const struct synthetic_options many_lines = {
@@ -89,13 +93,13 @@ static const struct synthetic_options many_lines = {
 
 /* ---- whether sums are kept ---- */
 
-/* What compositor.h says of it, followed from frame to frame. */
+/* Predicts from the text of compositor.h which frames reuse sums. */
 struct keeping {
-	double (*before)[3]; /* [lights]: of the last frame that could keep sums */
-	bool kept;	     /* the frame before did */
+	double (*before)[3]; /* [lights]: amounts in the last frame that could keep sums */
+	bool kept;	     /* the frame before kept its sums */
 };
 
-/* As the compositor counts them: what is selected, shadows of dropped lights included. */
+/* Counts changed lights as the compositor does: selected lights, and shadows of dropped lights. */
 static int count_changed(struct keeping *k, const struct light_selection *lights)
 {
 	int changed = 0;
@@ -113,16 +117,15 @@ static int count_changed(struct keeping *k, const struct light_selection *lights
 
 enum expected { REUSED_NOT, REUSED_MAYBE, REUSED };
 
-/* Of the frame that comes: what `auto` does with sums that are kept is a matter of cost, for each
- * block by itself. */
-static enum expected expect(struct keeping *k, const struct compositor_settings *settings,
-			    const struct light_selection *lights)
+/* Predicts the next frame. With `auto`, reuse of kept sums is decided by the cost of each block. */
+static enum expected reuse_expect(struct keeping *k, const struct compositor_settings *settings,
+				  const struct light_selection *lights)
 {
 	const bool had = k->kept;
 	bool few;
 
 	if (!settings->object)
-		return REUSED_NOT; /* and what is kept stays */
+		return REUSED_NOT; /* the kept sums stay */
 	k->kept = false;
 	if (settings->mode != COMPOSITOR_EXACT || settings->reuse == REUSE_NEVER)
 		return REUSED_NOT;
@@ -172,9 +175,8 @@ static void change_lights(float (*radiance)[3], struct chance *chance, int what)
 		radiance[light][0] = 1e30F;
 }
 
-/* Lights change, appear and vanish, the threshold moves, and so do gain, mode and how much is
- * reused: whatever came before, the frame is the one that its own light makes, and it starts from
- * kept sums where it should. */
+/* Lights change, appear and vanish; threshold, gain, mode and reuse change too. Each frame must be
+ * the one of its own light, and must start from kept sums where it should. */
 static void reused_sums_give_the_same_frames(void **state)
 {
 	struct chance chance = chance_begin("reuse");
@@ -197,7 +199,7 @@ static void reused_sums_give_the_same_frames(void **state)
 	assert_int_equal(pool_create(&pool, 2), 0);
 	pair_begin(&p, &s.basis, pool, &chance);
 	for (int k = 0; k < 1500; k++) {
-		/* At first nothing but lights, so that sums are reused whatever comes later. */
+		/* At first only lights change, so that some frames do reuse sums. */
 		const int what = chance_int(&chance, k < 20 ? 9 : 0, 60), before = p.reused;
 		enum expected expected;
 
@@ -205,22 +207,22 @@ static void reused_sums_give_the_same_frames(void **state)
 		change_lights(p.radiance, &chance, what);
 		pair_set(&p, now.settings);
 		pair_reuse(&p, &s.basis, 0, now.threshold, now.mode);
-		expected = expect(&keeping, &now.settings, &p.f.lights);
+		expected = reuse_expect(&keeping, &now.settings, &p.f.lights);
 		if (expected != REUSED_MAYBE)
-			assert_int_equal(p.reused - before, expected == REUSED);
+			expect_equal(p.reused - before, expected == REUSED, "k=%d", k);
 		frames[expected]++;
 		pair_compare(&p, 0);
 	}
 	printf("# %d of 1500 frames reused sums: all of %d that had to, and of %d that might\n",
 	       p.reused, frames[REUSED], frames[REUSED_MAYBE]);
-	assert_true(frames[REUSED] >= 19); /* of the first 20 all but the first */
+	assert_true(frames[REUSED] >= 19); /* all of the first 20 but the first */
 	pair_end(&p);
 	pool_destroy(pool);
 	synthetic_close(&s);
 	free(keeping.before);
 }
 
-/* A drift of one bit in a million would show. */
+/* A drift of one bit in a million updates would show. */
 static void a_million_updates_leave_no_trace(void **state)
 {
 	struct synthetic_options o = many_lines;
@@ -240,7 +242,7 @@ static void a_million_updates_leave_no_trace(void **state)
 	pair_begin(&p, &s.basis, NULL, &chance);
 	pair_set(&p, settings);
 	for (int k = 0; k < 1000000; k++) {
-		/* A frame after every change would take minutes: some change together. */
+		/* A frame after every change would take minutes, so some changes share one. */
 		const int light = chance_int(&chance, 0, 69), c = chance_int(&chance, 0, 2);
 
 		p.radiance[light][c] = k % 11 ? (float)chance_real(&chance, 0, 1) : 0;
@@ -256,7 +258,7 @@ static void a_million_updates_leave_no_trace(void **state)
 	synthetic_close(&s);
 }
 
-/* With all lights as they were, nothing of the lines is read; what is counted is what is read. */
+/* When no light has changed, no line is read; basis_bytes counts what is read. */
 static void less_is_read_where_less_has_changed(void **state)
 {
 	struct chance chance = chance_begin("less is read");
@@ -276,17 +278,17 @@ static void less_is_read_where_less_has_changed(void **state)
 	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
 	all = compositor_last(p.f.compositor).basis_bytes;
 	assert_int_equal(p.reused, 0);
-	/* From now on light is steady, so that sums are kept ... */
+	/* From here on light is steady: the first such frame keeps sums ... */
 	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
 	assert_int_equal(compositor_last(p.f.compositor).basis_bytes, all);
 	assert_int_equal(p.reused, 0);
-	/* ... and used. */
+	/* ... and the next one uses them. */
 	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
 	assert_int_equal(compositor_last(p.f.compositor).basis_bytes, 0);
 	p.radiance[7][1] *= 1.01F;
 	pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
 	one = compositor_last(p.f.compositor).basis_bytes;
-	assert_true(one > 0 && one < all / 70); /* one line of 150, with one beside it */
+	assert_true(one > 0 && one < all / 70); /* one line of 150, and its neighbour */
 	pair_compare(&p, 0);
 	for (int i = 0; i < 150; i++)
 		p.radiance[i][2] *= 1.01F;
@@ -297,8 +299,8 @@ static void less_is_read_where_less_has_changed(void **state)
 	synthetic_close(&s);
 }
 
-/* A fast frame would gain nothing by it, so nothing is looked for or kept: all is read each time,
- * whatever the setting. */
+/* In a fast frame reuse would not pay, so nothing is compared or kept: everything is read each
+ * time, whatever the setting. */
 static void fast_frames_keep_nothing(void **state)
 {
 	struct chance chance = chance_begin("fast frames");
@@ -318,8 +320,8 @@ static void fast_frames_keep_nothing(void **state)
 		pair_set(&p, settings);
 		pair_reuse(&p, &s.basis, 0, 0, THRESHOLD_DROP);
 		all = k ? all : compositor_last(p.f.compositor).basis_bytes;
-		assert_true(all > 0);
-		assert_int_equal(compositor_last(p.f.compositor).basis_bytes, all);
+		expect_above(all, 0, "k=%d", k);
+		expect_equal(compositor_last(p.f.compositor).basis_bytes, all, "k=%d", k);
 	}
 	assert_int_equal(p.reused, 0);
 	pair_end(&p);

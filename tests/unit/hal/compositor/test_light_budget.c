@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Lights left out by a budget: no pixel changes by more, in double precision, whatever the light;
- * as many are left out as the bound allows; and the set does not flicker.
- */
+/* Lights left out by a budget: no pixel changes by more than the budget, in double precision, in
+ * any light; as many lights are left out as the bound allows; and the set does not flicker. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,6 +9,7 @@
 #include <cmocka.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,11 +17,12 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/light/light_budget.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };
 
-/* What a file would say of an object over two grounds, pixel by pixel. */
-struct scene {
+/* An object over two grounds, pixel by pixel, and what a file declares of it. */
+struct budget_scene {
 	struct basis basis;
 	struct basis_pose pose;
 	struct basis_light light[LIGHTS];
@@ -36,8 +36,8 @@ struct scene {
 	double gain;
 };
 
-/* Sparse or even, as objects are: mirrors and matt ones, hard shadows and soft ones. */
-static void fill_pixel(struct chance *chance, struct scene *s, int p)
+/* Fills a pixel sparsely or evenly: mirrors and matt surfaces, hard and soft shadows. */
+static void fill_pixel(struct chance *chance, struct budget_scene *s, int p)
 {
 	const double sparse = chance_real(chance, 0, 1);
 
@@ -59,9 +59,9 @@ static void fill_pixel(struct chance *chance, struct scene *s, int p)
 	}
 }
 
-static struct scene *scene_begin(struct chance *chance)
+static struct budget_scene *scene_begin(struct chance *chance)
 {
-	struct scene *s = calloc(1, sizeof(*s));
+	struct budget_scene *s = calloc(1, sizeof(*s));
 
 	assert_non_null(s);
 	s->gain = 1;
@@ -83,22 +83,22 @@ static struct scene *scene_begin(struct chance *chance)
 	return s;
 }
 
-static void scene_end(struct scene *s)
+static void scene_end(struct budget_scene *s)
 {
 	light_selection_free(&s->selection);
 	free(s);
 }
 
-static void choose(struct scene *s, double budget, enum threshold_mode mode)
+static void budget_choose(struct budget_scene *s, double budget, enum threshold_mode mode)
 {
 	s->selection.budget = budget;
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance, 0, mode,
 			       s->gain);
 }
 
-/* A pixel over white, in linear light that is not yet clipped at 1. */
-static double pixel(const struct scene *s, int p, int c, const double (*light)[3],
-		    const double ambient[3])
+/* A pixel over a white background, in linear light that is not clipped. */
+static double budget_pixel(const struct budget_scene *s, int p, int c, const double (*light)[3],
+			   const double ambient[3])
 {
 	const double *u = s->ground[p % GROUNDS][c];
 	double object = 0, less = 0, ground = 0;
@@ -113,7 +113,7 @@ static double pixel(const struct scene *s, int p, int c, const double (*light)[3
 	return s->gain * object + (1 - s->coverage[p]) * fmax(1 - less / ground, 0);
 }
 
-static double largest_change(const struct scene *s)
+static double largest_change(const struct budget_scene *s)
 {
 	static const double none[3];
 	double all[LIGHTS][3], most = 0;
@@ -123,10 +123,10 @@ static double largest_change(const struct scene *s)
 			all[i][c] = (double)s->radiance[i][c];
 	for (int p = 0; p < PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
-			const double before = pixel(s, p, c, (const double(*)[3])all, none);
-			const double after = pixel(s, p, c,
-						   (const double(*)[3])s->selection.radiance,
-						   s->selection.ambient);
+			const double before = budget_pixel(s, p, c, (const double(*)[3])all, none);
+			const double after = budget_pixel(s, p, c,
+							  (const double(*)[3])s->selection.radiance,
+							  s->selection.ambient);
 
 			most = fmax(most, fabs(after - before));
 		}
@@ -141,8 +141,8 @@ static int ascending(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* How many fit, one by one. */
-static int most_possible(const struct scene *s, double budget)
+/* Largest number of lights that fit into a budget, counted one by one. */
+static int most_possible(const struct budget_scene *s, double budget)
 {
 	uint64_t sorted[LIGHTS], sum = 0;
 	int count = 0;
@@ -157,7 +157,7 @@ static int most_possible(const struct scene *s, double budget)
 
 enum lighting { RANDOM, ONE_LARGE, EQUAL, DARK, STEEP, COLOURED, LIGHTINGS };
 
-static void light(struct chance *chance, struct scene *s, enum lighting lighting)
+static void budget_light(struct chance *chance, struct budget_scene *s, enum lighting lighting)
 {
 	for (int i = 0; i < LIGHTS; i++) {
 		for (int c = 0; c < 3; c++) {
@@ -181,35 +181,38 @@ static void no_pixel_changes_by_more(void **state)
 
 	(void)state;
 	for (int n = 0; n < 4 * LIGHTINGS * THRESHOLD_MODE_COUNT; n++) {
-		struct scene *s = scene_begin(&chance);
+		struct budget_scene *s = scene_begin(&chance);
 		const enum threshold_mode mode =
 			(enum threshold_mode)(n / LIGHTINGS % THRESHOLD_MODE_COUNT);
 
 		s->gain = n % 5 ? 1 : 8;
-		light(&chance, s, (enum lighting)(n % LIGHTINGS));
+		budget_light(&chance, s, (enum lighting)(n % LIGHTINGS));
 		for (size_t k = 0; k < sizeof(budgets) / sizeof(*budgets); k++) {
-			const double change = (choose(s, budgets[k], mode), largest_change(s));
+			const double change = (budget_choose(s, budgets[k], mode),
+					       largest_change(s));
 
-			assert_true(change <= budgets[k] + 1e-12);
-			assert_int_equal(LIGHTS - s->selection.used_count,
-					 most_possible(s, budgets[k]));
+			expect_at_most(change, budgets[k] + 1e-12, "lighting %d, mode %d, round %d",
+				       n % LIGHTINGS, mode, n);
+			expect_equal(LIGHTS - s->selection.used_count, most_possible(s, budgets[k]),
+				     "lighting %d, mode %d, round %d, budget %g", n % LIGHTINGS,
+				     mode, n, budgets[k]);
 			closest = fmax(closest, change / budgets[k]);
 		}
 		scene_end(s);
 	}
 	printf("# the largest change is %.2f of its budget\n", closest);
-	assert_true(closest > 0.05); /* a bound, and not just any number */
+	assert_true(closest > 0.05); /* the bound is near the truth */
 }
 
-/* Each light's bound, worked out anew. */
+/* Each light's bound, computed from the formula of the header. */
 static void the_bound_is_what_the_header_says(void **state)
 {
 	struct chance chance = chance_begin("bound");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
-	light(&chance, s, RANDOM);
-	choose(s, 0.01, THRESHOLD_DROP);
+	budget_light(&chance, s, RANDOM);
+	budget_choose(s, 0.01, THRESHOLD_DROP);
 	for (int i = 0; i < LIGHTS; i++) {
 		double most = 0;
 
@@ -227,8 +230,9 @@ static void the_bound_is_what_the_header_says(void **state)
 			most = fmax(most,
 				    (double)s->radiance[i][c] * ((double)s->peak[i][c] + share));
 		}
-		assert_true(fabs((double)s->selection.bound[i] / (double)LIGHT_BUDGET_WHITE -
-				 most) < 1e-11);
+		expect_below(
+			fabs((double)s->selection.bound[i] / (double)LIGHT_BUDGET_WHITE - most),
+			1e-11, "light %d", i);
 	}
 	scene_end(s);
 }
@@ -236,24 +240,24 @@ static void the_bound_is_what_the_header_says(void **state)
 static void ends_of_the_range(void **state)
 {
 	struct chance chance = chance_begin("ends");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 
 	(void)state;
-	light(&chance, s, EQUAL);
-	choose(s, 0, THRESHOLD_DROP); /* by the threshold, 0: all */
+	budget_light(&chance, s, EQUAL);
+	budget_choose(s, 0, THRESHOLD_DROP); /* by threshold 0: all lights are used */
 	assert_int_equal(s->selection.used_count, LIGHTS);
-	choose(s, 1e-13, THRESHOLD_DROP); /* what sends something stays */
+	budget_choose(s, 1e-13, THRESHOLD_DROP); /* every light that sends something stays */
 	assert_int_equal(s->selection.used_count, LIGHTS);
 	s->radiance[3][0] = s->radiance[3][1] = s->radiance[3][2] = 0;
 	s->radiance[4][0] = NAN;
 	s->radiance[5][1] = FLT_MAX;
-	choose(s, 1e-13, THRESHOLD_AMBIENT);
+	budget_choose(s, 1e-13, THRESHOLD_AMBIENT);
 	assert_false(s->selection.used[3]);
 	assert_true(s->selection.used[5]);
-	choose(s, 1, THRESHOLD_DROP);
+	budget_choose(s, 1, THRESHOLD_DROP);
 	assert_true(s->selection.used[5]);
-	light(&chance, s, DARK);
-	choose(s, 1e-9, THRESHOLD_DROP);
+	budget_light(&chance, s, DARK);
+	budget_choose(s, 1e-9, THRESHOLD_DROP);
 	assert_int_equal(s->selection.used_count, 0);
 	scene_end(s);
 }
@@ -276,37 +280,37 @@ static void the_cut_is_that_of_sorting(void **state)
 		while (most < count && (sum += sorted[most]) <= room)
 			most++;
 		cut = light_budget_cut(bound, count, room);
-		assert_int_equal(cut.count, most);
+		expect_equal(cut.count, most, "%d lights, round %d", count, n);
 		for (int i = 0; i < count; i++)
 			below += bound[i] < cut.bound;
-		assert_int_equal(below + cut.equal, most);
+		expect_equal(below + cut.equal, most, "%d lights, round %d", count, n);
 	}
 }
 
-/* A camera's noise of two per cent in all lights. */
+/* Noise of two per cent in all lights. */
 static void the_set_does_not_flicker(void **state)
 {
 	struct chance chance = chance_begin("flicker");
-	struct scene *s = scene_begin(&chance);
+	struct budget_scene *s = scene_begin(&chance);
 	float still[LIGHTS][3];
 	bool used[LIGHTS];
 	int changes = 0;
 
 	(void)state;
-	light(&chance, s, STEEP);
+	budget_light(&chance, s, STEEP);
 	memcpy(still, s->radiance, sizeof(still));
 	for (int k = 0; k < 1000; k++) {
 		for (int i = 0; i < LIGHTS; i++)
 			for (int c = 0; c < 3; c++)
 				s->radiance[i][c] = still[i][c] *
 						    (float)chance_real(&chance, 0.98, 1.02);
-		choose(s, 0.02, THRESHOLD_DROP);
-		assert_true(largest_change(s) <= 0.02);
+		budget_choose(s, 0.02, THRESHOLD_DROP);
+		expect_at_most(largest_change(s), 0.02, "frame %d", k);
 		changes += k && memcmp(used, s->selection.used, sizeof(used)) != 0;
 		memcpy(used, s->selection.used, sizeof(used));
 	}
 	assert_true(changes <= 1);
-	choose(s, 0.03, THRESHOLD_DROP); /* another begins anew */
+	budget_choose(s, 0.03, THRESHOLD_DROP); /* another threshold chooses anew */
 	assert_int_equal(LIGHTS - s->selection.used_count, most_possible(s, 0.03));
 	scene_end(s);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What is dropped comes back as nine terms: against normal equations solved as they are. */
+/* Dropped light that comes back as nine spherical harmonics, against normal equations solved by
+ * elimination. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,11 +13,12 @@
 #include "hal/compositor/compositor.h"
 #include "hal/optics/dome.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS_MAX = 512, NINE = 9, PIXELS = 40 };
 
-/* A sky, and pixels of an object under it. */
-struct scene {
+/* A sky and pixels of an object under it. */
+struct return_scene {
 	struct dome dome;
 	struct basis_light light[LIGHTS_MAX];
 	float object[PIXELS][LIGHTS_MAX][3], peak[LIGHTS_MAX + 1][3];
@@ -26,7 +28,7 @@ struct scene {
 	struct light_selection selection;
 };
 
-static void fill_pixels(struct scene *s, struct chance *chance)
+static void fill_pixels(struct return_scene *s, struct chance *chance)
 {
 	for (int p = 0; p < PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
@@ -45,7 +47,7 @@ static void fill_pixels(struct scene *s, struct chance *chance)
 	}
 }
 
-static void scene_begin(struct scene *s, int frequency, struct chance *chance)
+static void scene_begin(struct return_scene *s, int frequency, struct chance *chance)
 {
 	memset(s, 0, sizeof(*s));
 	assert_int_equal(dome_create(&s->dome, frequency, DOME_ANGLES, NULL), 0);
@@ -62,14 +64,14 @@ static void scene_begin(struct scene *s, int frequency, struct chance *chance)
 	assert_int_equal(light_selection_create(&s->selection, &s->basis), 0);
 }
 
-static void scene_end(struct scene *s)
+static void scene_end(struct return_scene *s)
 {
 	light_selection_free(&s->selection);
 	dome_free(&s->dome);
 }
 
 /* Dim light that leans to one side, and a few lamps. */
-static void light(struct scene *s, struct chance *chance)
+static void return_light(struct return_scene *s, struct chance *chance)
 {
 	double towards[3];
 
@@ -86,7 +88,7 @@ static void light(struct scene *s, struct chance *chance)
 	}
 }
 
-static void choose(struct scene *s, double threshold, enum threshold_mode mode)
+static void return_choose(struct return_scene *s, double threshold, enum threshold_mode mode)
 {
 	light_selection_choose(&s->selection, &s->basis, 0, (const float(*)[3])s->radiance,
 			       threshold, mode, 2);
@@ -107,8 +109,8 @@ static void nine_of(const double d[3], double y[NINE])
 	memcpy(y, plain, sizeof(plain));
 }
 
-/* Gauss's elimination with pivots. */
-static void solve(double a[NINE][NINE + 1])
+/* Gaussian elimination with pivots. */
+static void return_solve(double a[NINE][NINE + 1])
 {
 	for (int k = 0; k < NINE; k++) {
 		int best = k;
@@ -130,8 +132,8 @@ static void solve(double a[NINE][NINE + 1])
 	}
 }
 
-/* The fit to what this choice drops, at every light. */
-static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
+/* Least-squares fit to the dropped lights, evaluated at every light. */
+static void fit_plainly(const struct return_scene *s, int c, double fit[LIGHTS_MAX])
 {
 	double a[NINE][NINE + 1] = {{0}};
 
@@ -147,7 +149,7 @@ static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
 			a[r][NINE] += w * y[r] * f;
 		}
 	}
-	solve(a);
+	return_solve(a);
 	for (int i = 0; i < s->dome.count; i++) {
 		double y[NINE];
 
@@ -158,15 +160,15 @@ static void fit_plainly(const struct scene *s, int c, double fit[LIGHTS_MAX])
 	}
 }
 
-static double returned(const struct scene *s, int i, int c)
+static double returned(const struct return_scene *s, int i, int c)
 {
 	const double kept = s->selection.used[i] ? (double)s->radiance[i][c] : 0;
 
 	return s->selection.radiance[i][c] - kept + s->selection.ambient[c];
 }
 
-/* RMS over the sky of what comes back less what was dropped. */
-static double miss(const struct scene *s, int c)
+/* RMS over the sky of returned minus dropped light. */
+static double miss(const struct return_scene *s, int c)
 {
 	double sum = 0;
 
@@ -178,7 +180,7 @@ static double miss(const struct scene *s, int c)
 	return sqrt(sum / (2 * M_PI));
 }
 
-static void check_fit(const struct scene *s, int c)
+static void check_fit(const struct return_scene *s, int c)
 {
 	double fit[LIGHTS_MAX], mean = 0, back = 0, lowest = 0, share;
 
@@ -194,24 +196,26 @@ static void check_fit(const struct scene *s, int c)
 	share = lowest < -mean ? mean / -lowest : 1;
 	assert_true(fabs(back - mean) < 1e-12 * mean);
 	for (int i = 0; i < s->dome.count; i++) {
-		assert_true(s->selection.radiance[i][c] >= 0);
-		assert_true(fabs(returned(s, i, c) - (mean + share * (fit[i] - mean))) <
-			    1e-10 * mean);
+		expect_at_least(s->selection.radiance[i][c], 0, "light %d of %d, channel %d", i,
+				s->dome.count, c);
+		expect_below(fabs(returned(s, i, c) - (mean + share * (fit[i] - mean))),
+			     1e-10 * mean, "light %d of %d, channel %d", i, s->dome.count, c);
 	}
 }
 
 static void is_the_least_squares_fit(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;
 	for (int f = 2; f <= 9; f++) {
 		scene_begin(&s, f, &chance);
 		for (int n = 0; n < 10; n++) {
-			light(&s, &chance);
-			choose(&s, n % 2 ? 1 : 0.2, THRESHOLD_HARMONICS);
-			assert_true(s.selection.used_count < s.dome.count);
+			return_light(&s, &chance);
+			return_choose(&s, n % 2 ? 1 : 0.2, THRESHOLD_HARMONICS);
+			expect_below(s.selection.used_count, s.dome.count,
+				     "frequency %d, lighting %d", f, n);
 			for (int c = 0; c < 3; c++)
 				check_fit(&s, c);
 		}
@@ -219,10 +223,10 @@ static void is_the_least_squares_fit(void **state)
 	}
 }
 
-/* Never farther from what was dropped than the one term, and mostly much nearer. */
+/* The fit is never farther from the dropped light than the mean alone, and mostly much nearer. */
 static void nine_are_nearer_than_one(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 	double of_one = 0, of_nine = 0;
 
@@ -231,13 +235,14 @@ static void nine_are_nearer_than_one(void **state)
 	for (int n = 0; n < 50; n++) {
 		double one[3];
 
-		light(&s, &chance);
-		choose(&s, 1, THRESHOLD_AMBIENT);
+		return_light(&s, &chance);
+		return_choose(&s, 1, THRESHOLD_AMBIENT);
 		for (int c = 0; c < 3; c++)
 			one[c] = miss(&s, c);
-		choose(&s, 1, THRESHOLD_HARMONICS);
+		return_choose(&s, 1, THRESHOLD_HARMONICS);
 		for (int c = 0; c < 3; c++) {
-			assert_true(miss(&s, c) <= one[c] * (1 + 1e-12));
+			expect_at_most(miss(&s, c), one[c] * (1 + 1e-12), "lighting %d, channel %d",
+				       n, c);
 			of_one += one[c];
 			of_nine += miss(&s, c);
 		}
@@ -249,15 +254,15 @@ static void nine_are_nearer_than_one(void **state)
 
 static void no_pixel_is_off_by_more(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 	double closest = 0;
 
 	(void)state;
 	scene_begin(&s, 4, &chance);
 	for (int n = 0; n < 30; n++) {
-		light(&s, &chance);
-		choose(&s, 0.1 * (n % 4 + 1), THRESHOLD_HARMONICS);
+		return_light(&s, &chance);
+		return_choose(&s, 0.1 * (n % 4 + 1), THRESHOLD_HARMONICS);
 		for (int p = 0; p < PIXELS; p++)
 			for (int c = 0; c < 3; c++) {
 				double off = 0;
@@ -266,7 +271,8 @@ static void no_pixel_is_off_by_more(void **state)
 					off += 2 * (double)s.object[p][i][c] *
 					       (s.selection.radiance[i][c] -
 						(double)s.radiance[i][c]);
-				assert_true(fabs(off) <= s.selection.dropped_error[c] * (1 + 1e-6));
+				expect_at_most(fabs(off), s.selection.dropped_error[c] * (1 + 1e-6),
+					       "lighting %d, pixel %d, channel %d", n, p, c);
 				if (s.selection.dropped_error[c] > 0)
 					closest = fmax(closest,
 						       fabs(off) / s.selection.dropped_error[c]);
@@ -280,35 +286,37 @@ static void no_pixel_is_off_by_more(void **state)
 /* Six lights cannot tell nine terms apart: each light comes back as it was. */
 static void few_lights(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;
 	scene_begin(&s, 1, &chance);
-	light(&s, &chance);
-	choose(&s, 1000, THRESHOLD_HARMONICS);
+	return_light(&s, &chance);
+	return_choose(&s, 1000, THRESHOLD_HARMONICS);
 	assert_int_equal(s.selection.used_count, 0);
 	for (int c = 0; c < 3; c++)
-		assert_true(miss(&s, c) < 1e-9);
+		expect_below(miss(&s, c), 1e-9, "channel %d", c);
 	scene_end(&s);
 }
 
 static void nothing_dropped_and_nothing_there(void **state)
 {
-	static struct scene s;
+	static struct return_scene s;
 	struct chance chance = chance_begin("return");
 
 	(void)state;
 	scene_begin(&s, 3, &chance);
-	light(&s, &chance);
-	choose(&s, 0, THRESHOLD_HARMONICS);
+	return_light(&s, &chance);
+	return_choose(&s, 0, THRESHOLD_HARMONICS);
 	for (int i = 0; i < s.dome.count; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(s.selection.radiance[i][c] == (double)s.radiance[i][c]);
+			expect_equal(s.selection.radiance[i][c], s.radiance[i][c],
+				     "light %d, channel %d", i, c);
 	memset(s.radiance, 0, sizeof(s.radiance));
-	choose(&s, 1, THRESHOLD_HARMONICS);
+	return_choose(&s, 1, THRESHOLD_HARMONICS);
 	for (int c = 0; c < 3; c++)
-		assert_true(s.selection.radiance[5][c] == 0 && s.selection.dropped_error[c] == 0);
+		expect_that(s.selection.radiance[5][c] == 0 && s.selection.dropped_error[c] == 0,
+			    "channel %d", c);
 	scene_end(&s);
 }
 

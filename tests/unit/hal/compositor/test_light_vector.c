@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Light vectors of many lights: what the coarse lights gather is exact however it is summed, the
- * order of sums is the one that is written down, and threads that share the work change nothing.
- */
+/* Light vectors of many lights: Y, what coarse lights gather, is exact in any order of sums; other
+ * sums run in the order that is written down; and threads that share the work change nothing. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,10 +8,14 @@
 
 #include <cmocka.h>
 #include <float.h>
+#include <math.h>
+#include <string.h>
 
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/light/light_vector.h"
-#include "tests/support/compositing.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/random_frame.h"
 
 static const struct synthetic_options many = {
 	.width = 20,
@@ -33,7 +35,7 @@ static const struct synthetic_options many = {
 	.seed = 4,
 };
 
-static void fill(struct light_selection *s, struct chance *chance, double top)
+static void test_vector_fill(struct light_selection *s, struct chance *chance, double top)
 {
 	for (int i = 0; i < s->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -41,7 +43,7 @@ static void fill(struct light_selection *s, struct chance *chance, double top)
 					    (chance_int(chance, 0, 9) ? 1 : 0);
 }
 
-/* X as the integer that it stands for. */
+/* X as an integer. */
 static int64_t x_of(const struct light_vector *v, int i, int c)
 {
 	const double x = v->sent[i].amount[c] / v->unit[c];
@@ -73,12 +75,13 @@ static void check_gathered(const struct light_vector *v, const struct basis *bas
 				sum[g->index[j]] += (__int128)x_of(v, i, c) * g->weight[j];
 		}
 		for (int k = 0; k < v->coarse; k++)
-			assert_true(y_of(v, c, k) == (int64_t)((sum[k] + 16384) >> 15));
+			expect_that(y_of(v, c, k) == (int64_t)((sum[k] + 16384) >> 15),
+				    "coarse light %d of %d, channel %d", k, v->coarse, c);
 	}
 }
 
-/* From light that is all rounded off to more than doubles hold as whole numbers, of which few
- * would come out another: so many rounds. */
+/* From light that is rounded to nothing up to integers that double cannot hold. Few of them would
+ * show a wrong result, so there are many rounds. */
 static void what_is_gathered_is_exact(void **state)
 {
 	struct chance chance = chance_begin("gathering");
@@ -106,8 +109,9 @@ static void what_is_gathered_is_exact(void **state)
 								  .gain = power % 2 ? 1 : 40,
 								  .patterns = true};
 
-				fill(&s, &chance, ldexp(1, power));
-				for (int c = 0; c < kind; c++) /* a few lamps: long sums */
+				test_vector_fill(&s, &chance, ldexp(1, power));
+				/* Few lamps among dark lights: long sums. */
+				for (int c = 0; c < kind; c++)
 					s.radiance[chance_int(&chance, 0, o.lights - 1)][c] =
 						ldexp(chance_real(&chance, 1, 900), power);
 				light_vector_make(&v, &order, &s);
@@ -121,7 +125,7 @@ static void what_is_gathered_is_exact(void **state)
 	}
 }
 
-/* README.md, Roundings: four parts, and part 0 takes the rest. */
+/* The order of README.md, Roundings: four parts, and part 0 takes the rest. */
 static double sum_as_written(const double *term, int count)
 {
 	double part[4] = {0};
@@ -131,7 +135,8 @@ static double sum_as_written(const double *term, int count)
 	return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/* The sum of u to the last bit; that of light as far as anything depends on it. */
+/* The sum of u is the same to the last bit, and so is the light's as far as any result depends on
+ * it. */
 static void sums_run_in_the_order_that_is_written_down(void **state)
 {
 	struct chance chance = chance_begin("order of sums");
@@ -148,7 +153,7 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 	assert_int_equal(light_terms_create(&terms, &file.basis), 0);
 	assert_int_equal(light_vector_create(&v, &terms), 0);
 	for (int k = 0; k < 50; k++) {
-		fill(&s, &chance, 1);
+		test_vector_fill(&s, &chance, 1);
 		light_vector_make(&v, &order, &s);
 		for (int c = 0; c < 3; c++) {
 			const double *u = basis_ground(&file.basis, 2, c);
@@ -160,12 +165,16 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 			}
 			there = sum_as_written(term, many.lights) +
 				0x1p-20 * sum_as_written(all, many.lights);
-			assert_true(terms.ground_sum[2][c] == sum_as_written(all, many.lights));
+			expect_equal(terms.ground_sum[2][c], sum_as_written(all, many.lights),
+				     "channel %d", c);
 			scaled = there / power_of_two(ilogb(there));
-			assert_int_equal(v.factor[c], llrint(0x1p30 * (1 / scaled)));
+			expect_equal(v.factor[c], llrint(0x1p30 * (1 / scaled)),
+				     "channel %d, lighting %d", c, k);
 			for (int i = 0; i < many.lights; i++) /* X: rounded once */
-				assert_true(x_of(&v, i, c) ==
-					    llrint(term[i] / power_of_two(ilogb(there)) * 0x1p27));
+				expect_that(x_of(&v, i, c) ==
+						    llrint(term[i] / power_of_two(ilogb(there)) *
+							   0x1p27),
+					    "light %d, channel %d, lighting %d", i, c, k);
 		}
 	}
 	light_vector_free(&v);
@@ -174,44 +183,44 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 	synthetic_close(&file);
 }
 
-/* All kinds and three grounds, so that there is something to share. */
+/* All kinds and three grounds, so that there is work to share. */
 static void threads_share_vectors_and_change_nothing(void **state)
 {
 	static const int threads[] = {2, 3, 5, 16};
 	struct chance chance = chance_begin("threads");
 	struct synthetic file;
-	struct frame_of alone;
+	struct random_frame alone;
 
 	(void)state;
 	synthetic_open(&file, &many);
-	frame_begin(&alone, &file.basis, NULL, &chance);
+	random_frame_begin(&alone, &file.basis, NULL, &chance);
 	for (int t = 0; t < 4; t++) {
 		const struct compositor_settings settings = {
 			.gain = 1, .object = true, .reuse = REUSE_ALWAYS};
 		struct chance same = {1};
-		struct frame_of shared;
+		struct random_frame shared;
 		struct pool *pool;
 
 		assert_int_equal(pool_create(&pool, threads[t]), 0);
-		frame_begin(&shared, &file.basis, pool, &same);
+		random_frame_begin(&shared, &file.basis, pool, &same);
 		memcpy(shared.background, alone.background, alone.bytes);
 		compositor_set(alone.compositor, &settings);
 		compositor_set(shared.compositor, &settings);
 		for (int k = 0; k < 60; k++) {
-			fill(&alone.lights, &chance, pow(10, chance_real(&chance, -6, 4)));
-			assert_int_equal(compositor_run(alone.compositor, 0, &alone.lights,
-							&alone.backdrop, alone.out, alone.stride),
-					 0);
+			test_vector_fill(&alone.lights, &chance,
+					 pow(10, chance_real(&chance, -6, 4)));
+			random_frame_run(&alone, 0);
 			assert_int_equal(compositor_run(shared.compositor, 0, &alone.lights,
 							&shared.backdrop, shared.out,
 							shared.stride),
 					 0);
-			assert_memory_equal(alone.out, shared.out, alone.bytes);
+			expect_same_picture(shared.out, alone.out, alone.stride, alone.bytes,
+					    "frame %d, %d threads", k, threads[t]);
 		}
-		frame_end(&shared);
+		random_frame_end(&shared);
 		pool_destroy(pool);
 	}
-	frame_end(&alone);
+	random_frame_end(&alone);
 	synthetic_close(&file);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is wanted of a camera, whichever driver it has: controls and formats. */
+/* What settings ask of a camera, whichever driver it has: controls and formats. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,6 +12,7 @@
 
 #include "hal/device/camera_choice.h"
 #include "hal/device/camera_controls.h"
+#include "tests/support/expect.h"
 
 static void assignments_are_taken_one_by_one(void **state)
 {
@@ -23,7 +24,7 @@ static void assignments_are_taken_one_by_one(void **state)
 
 	(void)state;
 	for (int i = 0; i < 4; i++) {
-		assert_int_equal(camera_controls_next(&text, &got, &fault), 1);
+		expect_equal(camera_controls_next(&text, &got, &fault), 1, "i=%d", i);
 		assert_string_equal(got.name, expected[i].name);
 		assert_string_equal(got.value, expected[i].value);
 	}
@@ -46,16 +47,17 @@ static void what_is_no_assignment_is_quoted(void **state)
 
 		snprintf(both, sizeof(both), "%s,focus=1", wrong[i]);
 		text = both;
-		assert_int_equal(camera_controls_next(&text, &got, &fault), -EINVAL);
+		expect_equal(camera_controls_next(&text, &got, &fault), -EINVAL, "i=%zu", i);
 		assert_non_null(strstr(fault.text, "expected name=value"));
-		assert_int_equal(camera_controls_next(&text, &got, &fault), 1);
+		expect_equal(camera_controls_next(&text, &got, &fault), 1, "i=%zu", i);
 		assert_string_equal(got.name, "focus");
 	}
 	memset(name, 'n', sizeof(name));
-	for (int spare = -1; spare <= 0; spare++) { /* the longest name, and one more */
+	for (int spare = -1; spare <= 0; spare++) { /* the longest name, and one character more */
 		strcpy(name + CAMERA_CONTROL_NAME_MAX + spare, "=1");
 		text = name;
-		assert_int_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL);
+		expect_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL,
+			     "spare=%d", spare);
 		name[CAMERA_CONTROL_NAME_MAX + spare] = 'n';
 	}
 	memset(value, 'v', sizeof(value));
@@ -63,7 +65,8 @@ static void what_is_no_assignment_is_quoted(void **state)
 	for (int spare = -1; spare <= 0; spare++) {
 		value[2 + INI_TEXT_MAX + spare] = '\0';
 		text = value;
-		assert_int_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL);
+		expect_equal(camera_controls_next(&text, &got, &fault), spare ? 1 : -EINVAL,
+			     "spare=%d", spare);
 		value[2 + INI_TEXT_MAX + spare] = 'v';
 	}
 }
@@ -76,10 +79,12 @@ static void rate_goes_before_size_and_size_before_cost(void **state)
 	(void)state;
 	for (int i = 1; i < 8; i++)
 		for (int has = 0; has < 3; has++)
-			assert_true(camera_format_merit(order[i], has > 0, has > 1) <
-				    camera_format_merit(order[i - 1], has > 0, has > 1));
+			expect_below(camera_format_merit(order[i], has > 0, has > 1),
+				     camera_format_merit(order[i - 1], has > 0, has > 1),
+				     "i=%d, has=%d", i, has);
 	assert_true(camera_format_merit(PIXEL_GREY, true, false) >
-		    camera_format_merit(PIXEL_BGRX, false, true)); /* a rate at another size */
+		    /* This rate exists at another size only. */
+		    camera_format_merit(PIXEL_BGRX, false, true));
 	assert_true(camera_format_merit(PIXEL_GREY, true, true) >
 		    camera_format_merit(PIXEL_BGRX, true, false));
 	assert_true(camera_format_merit(PIXEL_GREY, false, false) > 0);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Interlaced frames into BGRX: every order of fields, every format and every way, against a woven
- * picture that is taken apart here and put together in double precision.
- */
+/* Interlaced frames into BGRX: every order of fields, every format and every method, against a
+ * woven picture that the test takes apart and puts together again in double precision. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,11 +15,12 @@
 
 #include "hal/frame/frame_decode.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 
-/* A picture and the same one taken apart; room between the rows differs from plane to plane. */
-struct rig {
+/* A picture and the same one as fields. The padding of rows differs from plane to plane. */
+struct field_rig {
 	struct frame woven, frame;
 	uint8_t whole[2][ROOM], split[2][2][ROOM * 2];
 	struct canvas canvas, expected[2]; /* the fields by themselves, in whole-height canvases */
@@ -48,8 +47,8 @@ static struct frame_plane copy_rows(uint8_t *to, const struct frame_plane *from,
 	return (struct frame_plane){to, stride, stride * (size_t)(rows - 1) + row};
 }
 
-/* Lays the woven picture's rows out as the order of fields says. */
-static void lay_out(struct rig *r, enum frame_fields fields, bool bottom_first)
+/* Sets the frame's planes so that they describe the woven picture in that order of fields. */
+static void lay_out(struct field_rig *r, enum frame_fields fields, bool bottom_first)
 {
 	r->frame = r->woven;
 	r->frame.fields = fields;
@@ -82,9 +81,9 @@ static uint8_t *pixel_of(const struct canvas *canvas, int x, int y)
 	return canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
 }
 
-/* Each field as a progressive picture of half the height: what decoding those gives is
- * test_frame.c's business. */
-static void decode_fields_apart(struct rig *r)
+/* Decodes each field as a progressive picture of half the height; test_frame.c checks that
+ * decoding. */
+static void decode_fields_apart(struct field_rig *r)
 {
 	struct frame_decoder *decoder;
 
@@ -105,7 +104,7 @@ static void decode_fields_apart(struct rig *r)
 	frame_decoder_destroy(decoder);
 }
 
-static void make(struct rig *r, enum pixel_format format, int width, int height)
+static void deinterlace_make(struct field_rig *r, enum pixel_format format, int width, int height)
 {
 	memset(r, 0, sizeof(*r));
 	r->woven = (struct frame){
@@ -122,21 +121,21 @@ static void make(struct rig *r, enum pixel_format format, int width, int height)
 	decode_fields_apart(r);
 }
 
-static void drop(struct rig *r)
+static void deinterlace_drop(struct field_rig *r)
 {
 	canvas_free(&r->canvas);
 	canvas_free(&r->expected[0]);
 	canvas_free(&r->expected[1]);
 }
 
-static double woven_at(const struct rig *r, int x, int y, int c)
+static double woven_at(const struct field_rig *r, int x, int y, int c)
 {
 	return pixel_of(&r->expected[y % 2], x, y / 2)[c];
 }
 
-/* Lines of one field stand at every other half of the picture's lines; between two of them lies
- * their mean, beyond the last one the last one. */
-static double field_at(const struct rig *r, bool bottom, int x, double y, int c)
+/* Value of a field at line y of the picture. Lines of the field lie at every other line; between
+ * two of them the value is their mean, beyond the last it is the last. */
+static double field_at(const struct field_rig *r, bool bottom, int x, double y, int c)
 {
 	const int last = r->canvas.height / 2 - 1;
 	const double line = (y - (bottom ? 1 : 0)) / 2;
@@ -148,7 +147,7 @@ static double field_at(const struct rig *r, bool bottom, int x, double y, int c)
 	       2.0;
 }
 
-static double blended_at(const struct rig *r, int x, int y, int c)
+static double blended_at(const struct field_rig *r, int x, int y, int c)
 {
 	const int last = r->canvas.height - 1;
 	const int above = y > 0 ? y - 1 : 1, below = y < last ? y + 1 : last - 1;
@@ -157,7 +156,7 @@ static double blended_at(const struct rig *r, int x, int y, int c)
 	       woven_at(r, x, below, c) / 4;
 }
 
-static double expected_at(const struct rig *r, enum deinterlace way, int x, int y, int c)
+static double expected_at(const struct field_rig *r, enum deinterlace way, int x, int y, int c)
 {
 	const enum frame_fields fields = r->frame.fields;
 
@@ -173,7 +172,7 @@ static double expected_at(const struct rig *r, enum deinterlace way, int x, int 
 	}
 }
 
-static void decodes_as_expected(struct rig *r, enum deinterlace way)
+static void decodes_as_expected(struct field_rig *r, enum deinterlace way)
 {
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
@@ -185,7 +184,7 @@ static void decodes_as_expected(struct rig *r, enum deinterlace way)
 		for (int x = 0; x < r->canvas.width; x++) {
 			const uint8_t *got = pixel_of(&r->canvas, x, y);
 
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "fourth byte of pixel (%d, %d)", x, y);
 			for (int c = 0; c < 3; c++) {
 				const double exact = expected_at(r, way, x, y, c);
 
@@ -202,31 +201,31 @@ static void decodes_as_expected(struct rig *r, enum deinterlace way)
 
 static void every_order_and_way(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 
 	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int height = format == PIXEL_NV12 ? 4 : 2; height <= 36;
 		     height += format == PIXEL_NV12 ? 16 : 2) {
-			make(&rig, (enum pixel_format)format, 5 + height, height);
+			deinterlace_make(&rig, (enum pixel_format)format, 5 + height, height);
 			for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++)
 				for (int way = 0; way < DEINTERLACE_COUNT * 2; way++) {
 					lay_out(&rig, (enum frame_fields)fields, way % 2);
 					decodes_as_expected(&rig, (enum deinterlace)(way / 2));
 				}
-			drop(&rig);
+			deinterlace_drop(&rig);
 		}
 }
 
-/* The check above, shown something wrong. */
+/* The check above must fail on a wrong picture. */
 static void a_field_in_the_wrong_place_is_noticed(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	int differing = 0;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 16, 16);
+	deinterlace_make(&rig, PIXEL_BGRX, 16, 16);
 	lay_out(&rig, FIELDS_TOP_BOTTOM, false);
 	rig.frame.fields = FIELDS_BOTTOM_TOP;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
@@ -235,16 +234,16 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 		differing += pixel_of(&rig.canvas, 3, y)[0] != (int)woven_at(&rig, 3, y, 0);
 	assert_true(differing > 8);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
-/* A slope down the picture stays where it is, whichever field and way: nothing bobs. */
+/* A vertical gradient stays in place, in any field and method: no bobbing by half a line. */
 static void nothing_moves_by_half_a_line(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 
 	(void)state;
-	make(&rig, PIXEL_GREY, 8, 48);
+	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, 4 * y, 8);
 	for (int way = 0; way < DEINTERLACE_COUNT * 2; way++) {
@@ -254,59 +253,61 @@ static void nothing_moves_by_half_a_line(void **state)
 		assert_int_equal(frame_decoder_create(&decoder, (enum deinterlace)(way / 2)), 0);
 		assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 		for (int y = 1; y < 47; y++)
-			assert_int_equal(pixel_of(&rig.canvas, 4, y)[1], 4 * y);
+			expect_equal(pixel_of(&rig.canvas, 4, y)[1], 4 * y, "line %d, way %d", y,
+				     way);
 		frame_decoder_destroy(decoder);
 	}
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
-/* White in one field, black in the other, as a thing that moved leaves them. */
+/* White in one field and black in the other, as a moving object leaves them. */
 static void blending_leaves_no_comb(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
 	(void)state;
-	make(&rig, PIXEL_GREY, 8, 48);
+	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, y % 2 ? 0 : 255, 8);
 	lay_out(&rig, FIELDS_INTERLACED, false);
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_BLEND), 0);
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 	for (int y = 0; y < 48; y++)
-		assert_int_equal(pixel_of(&rig.canvas, 4, y)[1], 128);
+		expect_equal(pixel_of(&rig.canvas, 4, y)[1], 128, "line %d", y);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 static void odd_heights_are_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 
 	(void)state;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
 	for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++) {
-		make(&rig, PIXEL_YUYV, 16, 16);
+		deinterlace_make(&rig, PIXEL_YUYV, 16, 16);
 		lay_out(&rig, (enum frame_fields)fields, false);
 		rig.frame.height = rig.canvas.height = 15;
-		assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL);
+		expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL,
+			     "fields=%d", fields);
 		assert_non_null(strstr(fault.text, "15"));
-		drop(&rig);
+		deinterlace_drop(&rig);
 	}
-	make(&rig, PIXEL_NV12, 16, 16);
+	deinterlace_make(&rig, PIXEL_NV12, 16, 16);
 	lay_out(&rig, FIELDS_INTERLACED, false);
 	rig.frame.height = rig.canvas.height = 14;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "multiple of 4"));
-	drop(&rig);
+	deinterlace_drop(&rig);
 	frame_decoder_destroy(decoder);
 }
 
 static void short_fields_are_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
 	(void)state;
@@ -316,26 +317,27 @@ static void short_fields_are_refused(void **state)
 			for (int p = 0; p < planes_of((enum pixel_format)format); p++) {
 				struct frame_plane *last;
 
-				make(&rig, (enum pixel_format)format, 16, 16);
+				deinterlace_make(&rig, (enum pixel_format)format, 16, 16);
 				lay_out(&rig, (enum frame_fields)fields, false);
 				last = fields == FIELDS_PAIR ? &rig.frame.bottom_planes[p]
 							     : &rig.frame.planes[p];
 				last->bytes--;
-				assert_int_equal(
-					frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
-					-EINVAL);
+				expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
+					     -EINVAL, "format=%d, fields=%d, p=%d", format, fields,
+					     p);
 				last->bytes = 3;
-				assert_int_equal(
-					frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
-					-EINVAL);
-				drop(&rig);
+				expect_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL),
+					     -EINVAL, "format=%d, fields=%d, p=%d", format, fields,
+					     p);
+				deinterlace_drop(&rig);
 			}
 	frame_decoder_destroy(decoder);
 }
 
 /* ---- JPEG ---- */
 
-/* Lines of even number are of one grey, the others of another: JPEG keeps a flat field exactly. */
+/* Compresses a picture whose even lines have one grey and whose odd lines another. JPEG keeps a
+ * flat field exactly. */
 static size_t compress(int width, int height, int even, int odd, uint8_t *to)
 {
 	static uint8_t grey[SIDE_MAX * SIDE_MAX];
@@ -362,7 +364,7 @@ static void holds_greys(const struct canvas *canvas, int top, int bottom)
 	}
 }
 
-static void jpeg_holds(struct rig *r, enum deinterlace way, int top, int bottom)
+static void jpeg_holds(struct field_rig *r, enum deinterlace way, int top, int bottom)
 {
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
@@ -376,15 +378,15 @@ static void jpeg_holds(struct rig *r, enum deinterlace way, int top, int bottom)
 
 static void jpeg_in_fields(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	static uint8_t pair[ROOM * 2];
 	size_t bytes, second;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 32, 32);
+	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG, .width = 32, .height = 32};
 
-	/* woven into one picture */
+	/* both fields woven into one picture */
 	bytes = compress(32, 32, 60, 180, pair);
 	rig.frame.planes[0] = (struct frame_plane){pair, 0, bytes};
 	rig.frame.fields = FIELDS_INTERLACED;
@@ -392,7 +394,8 @@ static void jpeg_in_fields(void **state)
 	jpeg_holds(&rig, DEINTERLACE_BOB, 180, 180);
 	jpeg_holds(&rig, DEINTERLACE_BLEND, 120, 120);
 
-	/* two pictures of half the height, stray bytes between them; a thumbnail in the first */
+	/* two pictures of half the height, with stray bytes between them and a thumbnail in the
+	 * first */
 	bytes = compress(32, 16, 60, 60, pair);
 	memmove(pair + 10, pair + 2, bytes - 2);
 	memcpy(pair + 2, "\xff\xe1\x00\x06\xff\xd9\xff\xd8", 8);
@@ -410,29 +413,29 @@ static void jpeg_in_fields(void **state)
 	rig.frame.fields = FIELDS_INTERLACED;
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 180, 60);
 
-	/* in memory of their own */
+	/* the second field in memory of its own */
 	rig.frame.fields = FIELDS_PAIR;
 	rig.frame.bottom_first = false;
 	rig.frame.planes[0].bytes = second;
 	rig.frame.bottom_planes[0] = (struct frame_plane){pair + second, 0, bytes - second};
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 60, 180);
 
-	/* one alone */
+	/* one field alone */
 	rig.frame.fields = FIELDS_BOTTOM;
 	jpeg_holds(&rig, DEINTERLACE_WEAVE, 60, 60);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 static void jpeg_without_its_second_field_is_refused(void **state)
 {
-	static struct rig rig;
+	static struct field_rig rig;
 	static uint8_t one[ROOM * 2];
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 	size_t bytes;
 
 	(void)state;
-	make(&rig, PIXEL_BGRX, 32, 32);
+	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	bytes = compress(32, 16, 60, 60, one);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG,
 				   .width = 32,
@@ -445,12 +448,12 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	rig.frame.planes[0].bytes = bytes;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "32x8"));
-	bytes = compress(32, 32, 60, 60, one); /* a whole picture is no field alone */
+	bytes = compress(32, 32, 60, 60, one); /* a whole picture is not one field */
 	rig.frame.planes[0].bytes = bytes;
 	rig.frame.fields = FIELDS_TOP;
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);
 	frame_decoder_destroy(decoder);
-	drop(&rig);
+	deinterlace_drop(&rig);
 }
 
 int main(void)

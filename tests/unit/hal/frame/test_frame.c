@@ -14,6 +14,7 @@
 #include <turbojpeg.h>
 
 #include "hal/frame/frame_decode.h"
+#include "tests/support/expect.h"
 
 static uint32_t random_state = 20261120;
 
@@ -31,7 +32,7 @@ static void fill_random(uint8_t *data, size_t bytes)
 		data[i] = (uint8_t)(random_bits() >> 11);
 }
 
-/* ITU-R BT.601-7 and BT.709-6, solved for R'G'B'; 0..255, clipped, not rounded. */
+/* RGB by ITU-R BT.601-7 and BT.709-6; 0..255, clipped, not rounded. */
 static void exact_rgb(enum colour_matrix matrix, enum colour_range range, int y, int cb, int cr,
 		      double rgb[3])
 {
@@ -55,8 +56,9 @@ struct fixture {
 	uint8_t *memory[2];
 };
 
-/* A random picture; rows have `extra` bytes to spare, and the last row has none. */
-static void make(struct fixture *f, enum pixel_format format, int width, int height, size_t extra)
+/* Makes a random picture; rows have `extra` bytes of padding, but the last row has none. */
+static void test_frame_make(struct fixture *f, enum pixel_format format, int width, int height,
+			    size_t extra)
 {
 	memset(f, 0, sizeof(*f));
 	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE), 0);
@@ -74,7 +76,7 @@ static void make(struct fixture *f, enum pixel_format format, int width, int hei
 	}
 }
 
-static void drop(struct fixture *f)
+static void test_frame_drop(struct fixture *f)
 {
 	frame_decoder_destroy(f->decoder);
 	canvas_free(&f->canvas);
@@ -132,13 +134,13 @@ static double worst_error(const struct fixture *f, double *rms)
 				worst = fmax(worst, fabs(rgb[c] - got[2 - c]));
 				sum += (rgb[c] - got[2 - c]) * (rgb[c] - got[2 - c]);
 			}
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "y=%d, x=%d", y, x);
 		}
 	*rms = sqrt(sum / (3.0 * f->frame.width * f->frame.height));
 	return worst;
 }
 
-/* Rounding, and a little for single precision. */
+/* Half a level for rounding, and a little for single precision. */
 static const double error_max = 0.501;
 
 static void video_formats_match_double_precision(void **state)
@@ -152,7 +154,7 @@ static void video_formats_match_double_precision(void **state)
 				struct fixture f;
 				double worst, rms;
 
-				make(&f, formats[i], 642, 358, 24);
+				test_frame_make(&f, formats[i], 642, 358, 24);
 				f.frame.matrix = (enum colour_matrix)matrix;
 				f.frame.range = (enum colour_range)range;
 				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
@@ -162,12 +164,13 @@ static void video_formats_match_double_precision(void **state)
 					      pixel_format_names[formats[i]],
 					      matrix ? "BT.709" : "BT.601",
 					      range ? "full" : "limited", worst, rms);
-				assert_true(worst <= error_max);
-				drop(&f);
+				expect_at_most(worst, error_max, "%s, matrix %d, range %d",
+					       pixel_format_names[formats[i]], matrix, range);
+				test_frame_drop(&f);
 			}
 }
 
-/* Grey axis: no colour may creep in, black and white are exact. */
+/* Grey stays grey; black and white are exact. */
 static void grey_stays_grey(void **state)
 {
 	(void)state;
@@ -175,7 +178,7 @@ static void grey_stays_grey(void **state)
 		for (int range = 0; range < RANGE_COUNT; range++) {
 			struct fixture f;
 
-			make(&f, PIXEL_YUYV, 256, 1, 0);
+			test_frame_make(&f, PIXEL_YUYV, 256, 1, 0);
 			f.frame.matrix = (enum colour_matrix)matrix;
 			f.frame.range = (enum colour_range)range;
 			for (int x = 0; x < 256; x++) {
@@ -186,12 +189,16 @@ static void grey_stays_grey(void **state)
 			for (int x = 0; x < 256; x++) {
 				const uint8_t *p = f.canvas.pixels + (size_t)x * 4;
 
-				assert_int_equal(p[0], p[1]);
-				assert_int_equal(p[1], p[2]);
+				expect_equal(p[0], p[1], "luma %d, matrix %d, range %d", x, matrix,
+					     range);
+				expect_equal(p[1], p[2], "luma %d, matrix %d, range %d", x, matrix,
+					     range);
 			}
-			assert_int_equal(f.canvas.pixels[(range ? 0 : 16) * 4], 0);
-			assert_int_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255);
-			drop(&f);
+			expect_equal(f.canvas.pixels[(range ? 0 : 16) * 4], 0,
+				     "matrix=%d, range=%d", matrix, range);
+			expect_equal(f.canvas.pixels[(range ? 255 : 235) * 4], 255,
+				     "matrix=%d, range=%d", matrix, range);
+			test_frame_drop(&f);
 		}
 }
 
@@ -207,7 +214,7 @@ static void rgb_formats_are_exact(void **state)
 		for (int width = 1; width <= 65; width++) {
 			struct fixture f;
 
-			make(&f, cases[i].format, width, 5, 7);
+			test_frame_make(&f, cases[i].format, width, 5, 7);
 			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 			for (int y = 0; y < 5; y++)
 				for (int x = 0; x < width; x++) {
@@ -217,16 +224,24 @@ static void rgb_formats_are_exact(void **state)
 							    (size_t)y * f.canvas.stride +
 							    (size_t)x * 4;
 
-					assert_int_equal(to[0], from[cases[i].blue]);
-					assert_int_equal(to[1], from[1]);
-					assert_int_equal(to[2], from[cases[i].red]);
-					assert_int_equal(to[3], 255);
+					expect_equal(to[0], from[cases[i].blue],
+						     "blue of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[1], from[1],
+						     "green of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[2], from[cases[i].red],
+						     "red of (%d, %d), %d wide, format %d", x, y,
+						     width, cases[i].format);
+					expect_equal(to[3], 255,
+						     "fourth byte of (%d, %d), %d wide, format %d",
+						     x, y, width, cases[i].format);
 				}
-			drop(&f);
+			test_frame_drop(&f);
 		}
 }
 
-/* 16 is black and 235 white; what lies beyond is clipped. */
+/* 16 is black and 235 white; values beyond are clipped. */
 static void limited_rgb_is_expanded(void **state)
 {
 	static const enum pixel_format formats[] = {PIXEL_RGB24, PIXEL_BGR24, PIXEL_BGRX};
@@ -236,7 +251,7 @@ static void limited_rgb_is_expanded(void **state)
 		const int bytes = formats[i] == PIXEL_BGRX ? 4 : 3;
 		struct fixture f;
 
-		make(&f, formats[i], 256, 3, 5);
+		test_frame_make(&f, formats[i], 256, 3, 5);
 		f.frame.range = RANGE_LIMITED;
 		for (int x = 0; x < 256; x++)
 			memset(f.memory[0] + x * bytes, x, (size_t)bytes);
@@ -246,14 +261,16 @@ static void limited_rgb_is_expanded(void **state)
 			const uint8_t *got = f.canvas.pixels + (size_t)x * 4;
 
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(got[c] - exact) <= error_max);
-			assert_int_equal(got[3], 255);
+				expect_at_most(fabs(got[c] - exact), error_max,
+					       "value %d, channel %d, format %d", x, c, formats[i]);
+			expect_equal(got[3], 255, "i=%d, x=%d", i, x);
 		}
-		drop(&f);
+		test_frame_drop(&f);
 	}
 }
 
-/* Odd sizes, where chroma is shared with a pixel that is not there; memory ends where it must. */
+/* Odd sizes: the last chroma sample belongs to a pixel that does not exist, and memory ends right
+ * behind the picture. */
 static void odd_sizes_decode(void **state)
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12};
@@ -265,11 +282,12 @@ static void odd_sizes_decode(void **state)
 				struct fixture f;
 				double rms;
 
-				make(&f, formats[i], width, height, (size_t)(width % 3));
+				test_frame_make(&f, formats[i], width, height, (size_t)(width % 3));
 				assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
 						 0);
-				assert_true(worst_error(&f, &rms) <= error_max);
-				drop(&f);
+				expect_at_most(worst_error(&f, &rms), error_max, "%dx%d, format %d",
+					       width, height, formats[i]);
+				test_frame_drop(&f);
 			}
 }
 
@@ -300,26 +318,26 @@ static void short_planes_are_refused(void **state)
 			struct fault fault = {""};
 			struct fixture f;
 
-			make(&f, (enum pixel_format)format, 33, 9, 4);
+			test_frame_make(&f, (enum pixel_format)format, 33, 9, 4);
 			whole = f.frame.planes[p];
 			f.frame.planes[p].bytes--;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			assert_non_null(strstr(fault.text, pixel_format_names[format]));
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].stride =
 				frame_plane_stride((enum pixel_format)format, p, 33) - 1;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].stride = (size_t)1 << 40;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
 			f.frame.planes[p] = whole;
 			f.frame.planes[p].data = NULL;
-			assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL),
-					 -EINVAL);
-			drop(&f);
+			expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL,
+				     "format=%d, p=%d", format, p);
+			test_frame_drop(&f);
 		}
 }
 
@@ -328,7 +346,7 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	struct fixture f;
 
 	(void)state;
-	make(&f, PIXEL_BGRX, 16, 16, 0);
+	test_frame_make(&f, PIXEL_BGRX, 16, 16, 0);
 	f.frame.width = 15;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL);
 	f.frame.width = 16;
@@ -339,10 +357,10 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
 	f.frame.format = PIXEL_NONE;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -ENOTSUP);
-	drop(&f);
+	test_frame_drop(&f);
 }
 
-/* A picture with soft colours, as JPEG. */
+/* Compresses a picture with soft colours as JPEG. */
 static size_t make_jpeg(int width, int height, int subsampling, uint8_t *rgb, uint8_t **jpeg)
 {
 	tjhandle handle = tjInitCompress();
@@ -368,7 +386,7 @@ static void make_jpeg_frame(struct fixture *f, int subsampling, uint8_t *rgb, ui
 {
 	const size_t bytes = make_jpeg(64, 48, subsampling, rgb, jpeg);
 
-	make(f, PIXEL_BGRX, 64, 48, 0);
+	test_frame_make(f, PIXEL_BGRX, 64, 48, 0);
 	f->frame.format = PIXEL_MJPEG;
 	f->frame.planes[0] = (struct frame_plane){*jpeg, 0, bytes};
 }
@@ -394,11 +412,11 @@ static void jpeg_decodes(void **state)
 				worst = abs(got[2 - c] - rgb[3 * p + c]) > worst
 						? abs(got[2 - c] - rgb[3 * p + c])
 						: worst;
-			assert_int_equal(got[3], 255);
+			expect_equal(got[3], 255, "i=%d, p=%d", i, p);
 		}
 		print_message("# JPEG of quality 95: largest error %d levels\n", worst);
-		assert_true(worst <= 6);
-		drop(&f);
+		expect_at_most(worst, 6, "subsampling %d", subsamplings[i]);
+		test_frame_drop(&f);
 		tjFree(jpeg);
 	}
 }
@@ -420,7 +438,7 @@ static void jpeg_without_huffman_tables_decodes(void **state)
 	for (size_t i = 2; i < bytes;) {
 		const size_t length = 2 + (size_t)(jpeg[i + 2] << 8 | jpeg[i + 3]);
 
-		if (jpeg[i + 1] == 0xda) { /* the scan: all the rest */
+		if (jpeg[i + 1] == 0xda) { /* the scan: everything from here on */
 			memmove(jpeg + kept, jpeg + i, bytes - i);
 			kept += bytes - i;
 			break;
@@ -435,10 +453,11 @@ static void jpeg_without_huffman_tables_decodes(void **state)
 	f.frame.planes[0].bytes = kept;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 	for (int y = 0; y < 48; y++)
-		assert_memory_equal(f.canvas.pixels + (size_t)y * f.canvas.stride,
-				    whole.pixels + (size_t)y * whole.stride, 64 * 4);
+		expect_same_picture(f.canvas.pixels + (size_t)y * f.canvas.stride,
+				    whole.pixels + (size_t)y * whole.stride, f.canvas.stride,
+				    (size_t)64 * 4, "row %d", y);
 	canvas_free(&whole);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
@@ -456,26 +475,28 @@ static void damaged_jpeg_is_refused(void **state)
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
 	for (size_t cut = 1; cut < bytes - 2; cut += 13) {
 		f.frame.planes[0].bytes = cut;
-		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
-		assert_true(strlen(fault.text) > 10);
+		expect_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG,
+			     "cut=%zu", cut);
+		expect_above(strlen(fault.text), 10, "JPEG cut to %zu bytes", cut);
 	}
-	/* Any flipped bit: a picture or a refusal, never a crash; the decoder goes on. */
+	/* Any flipped bit gives a picture or a refusal, and the decoder still works afterwards. */
 	f.frame.planes[0].bytes = bytes;
 	for (size_t i = 0; i < bytes; i++) {
 		int err;
 
 		jpeg[i] ^= 0x40;
 		err = frame_decode(f.decoder, &f.frame, &f.canvas, NULL);
-		assert_true(err == 0 || err == -EBADMSG);
+		expect_that(err == 0 || err == -EBADMSG, "byte %zu of the JPEG damaged: %d", i,
+			    err);
 		jpeg[i] ^= 0x40;
 	}
 	if (frame_decode(f.decoder, &f.frame, &f.canvas, &fault))
 		fail_msg("after damaged pictures a good one fails: %s", fault.text);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
-/* What some webcams send in every picture; nothing of it is missing. */
+/* Some webcams send stray bytes in every picture; the picture is complete all the same. */
 static void stray_bytes_before_the_end_are_forgiven(void **state)
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg, *longer;
@@ -491,7 +512,7 @@ static void stray_bytes_before_the_end_are_forgiven(void **state)
 	f.frame.planes[0] = (struct frame_plane){longer, 0, bytes + 6};
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 	free(longer);
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 
@@ -508,7 +529,7 @@ static void jpeg_of_another_size_is_refused(void **state)
 	f.frame.width = 32;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "64x48"));
-	drop(&f);
+	test_frame_drop(&f);
 	tjFree(jpeg);
 }
 

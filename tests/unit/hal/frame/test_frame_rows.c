@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows of video in each instruction set against the specification, and parts of frames against the
- * whole. */
+/* Row conversions of each instruction set against the C ones, and parts of frames against whole
+ * frames. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,10 +14,11 @@
 #include "hal/base/processor.h"
 #include "hal/frame/frame_reader.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { WIDTH_MAX = 131, GUARD = 16 };
 
-/* The i-th table; NULL: this processor does not have it. */
+/* Table number i; NULL: this processor does not support it. */
 static const struct frame_rows *table(int i)
 {
 	const struct frame_rows *rows = frame_rows_all[i];
@@ -46,7 +47,7 @@ static void convert(const struct frame_rows *rows, enum pixel_format format, con
 
 static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_GREY};
 
-/* What the exact number of bytes holds, so that a sanitizer sees one too many read. */
+/* Memory of exactly that many random bytes, so that a sanitizer sees a read beyond. */
 static uint8_t *random_bytes(struct chance *chance, size_t bytes)
 {
 	uint8_t *data = malloc(bytes ? bytes : 1);
@@ -70,10 +71,13 @@ static void check_row(struct chance *chance, const struct frame_rows *rows,
 	memset(got, 0x5a, sizeof(got));
 	convert(frame_rows_all[0], format, k, y + offset, cbcr + offset, count, want);
 	convert(rows, format, k, y + offset, cbcr + offset, count, got + GUARD);
-	assert_memory_equal(got + GUARD, want, 4 * (size_t)count);
+	expect_same_picture((const uint8_t *)(got + GUARD), (const uint8_t *)want,
+			    4 * (size_t)count, 4 * (size_t)count,
+			    "%s, format %d, %d pixels, offset %d", rows->name, format, count,
+			    offset);
 	for (int i = 0; i < GUARD; i++) {
-		assert_int_equal(got[i], 0x5a5a5a5a);
-		assert_int_equal(got[GUARD + count + i], 0x5a5a5a5a);
+		expect_equal(got[i], 0x5a5a5a5a, "i=%d", i);
+		expect_equal(got[GUARD + count + i], 0x5a5a5a5a, "i=%d", i);
 	}
 	free(y);
 	free(cbcr);
@@ -101,7 +105,7 @@ static void every_table_gives_the_same_bits(void **state)
 	}
 }
 
-/* All 2^24 of them, matrix and range by matrix and range. */
+/* All 2^24 colours, for one matrix and range. */
 static void every_colour(const struct frame_rows *rows, const struct ycbcr *k)
 {
 	enum { COUNT = 256 * 256 };
@@ -120,7 +124,8 @@ static void every_colour(const struct frame_rows *rows, const struct ycbcr *k)
 			}
 		convert(frame_rows_all[0], PIXEL_YUYV, k, packed, NULL, COUNT, want);
 		convert(rows, PIXEL_YUYV, k, packed, NULL, COUNT, got);
-		assert_memory_equal(got, want, sizeof(want));
+		expect_same_picture((const uint8_t *)got, (const uint8_t *)want, sizeof(want),
+				    sizeof(want), "%s, chroma", rows->name);
 	}
 }
 
@@ -148,11 +153,12 @@ static void rows_are_reversed(void **state)
 				row[x] = (uint32_t)x;
 			table(i)->reverse(row + 1, count);
 			for (int x = 0; x < WIDTH_MAX + 2; x++)
-				assert_int_equal(row[x], x >= 1 && x <= count ? count + 1 - x : x);
+				expect_equal(row[x], x >= 1 && x <= count ? count + 1 - x : x,
+					     "%s, %d pixels, place %d", table(i)->name, count, x);
 		}
 }
 
-/* One bit of one pixel: a test that cannot fail would let it pass. */
+/* Wrong in one bit of one pixel, which the comparison must find. */
 static void wrong_yuyv(const struct ycbcr *k, const uint8_t *from, int count, uint32_t *bgrx)
 {
 	ycbcr_row_yuyv(k, from, count, bgrx);
@@ -255,8 +261,10 @@ static void check_part(struct chance *chance, const struct frame_reader *reader,
 		for (int i = 0; i < width; i++) {
 			const uint32_t pixel = pixel_of(want, x + i, y + j);
 
-			assert_int_equal(out[(size_t)j * stride / 4 + (size_t)i], pixel);
-			assert_int_equal(row[i] & 0xffffff, pixel & 0xffffff);
+			expect_equal(out[(size_t)j * stride / 4 + (size_t)i], pixel,
+				     "pixel (%d, %d)", x + i, y + j);
+			expect_equal(row[i] & 0xffffff, pixel & 0xffffff, "pixel (%d, %d), by rows",
+				     x + i, y + j);
 		}
 	}
 	free(out);
@@ -285,7 +293,7 @@ static void check_views(struct chance *chance, const struct picture_fixture *f)
 	}
 }
 
-/* Odd corners, flips, strides that nothing divides: what a part shows is what the whole shows. */
+/* Odd corners, flips and odd strides: a part shows the same as the whole picture. */
 static void parts_are_those_of_the_whole(void **state)
 {
 	struct chance chance = chance_begin("frame_reader");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Views: where the pixels of an upright picture are read from. */
+/* Views: from which place each pixel of an upright picture is read. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,13 +13,14 @@
 
 #include "hal/frame/view.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define WIDTH 37
 #define HEIGHT 23
 #define STRIDE (WIDTH * 4 + 12)
 
-/* Each pixel holds its own place. */
-static void fill(uint8_t pixels[HEIGHT * STRIDE])
+/* The value of each pixel is its own place. */
+static void test_view_fill(uint8_t pixels[HEIGHT * STRIDE])
 {
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++) {
@@ -42,12 +43,14 @@ static void check_view(const struct view *view, const uint8_t *pixels)
 			const double upright[2] = {x + 0.5, y + 0.5};
 			double camera[2], back[2];
 
-			assert_int_equal(pixel[0], view->x + left);
-			assert_int_equal(pixel[1], view->y + top);
+			expect_equal(pixel[0], view->x + left, "y=%d, x=%d", y, x);
+			expect_equal(pixel[1], view->y + top, "y=%d, x=%d", y, x);
 			view_to_camera(view, upright, camera);
-			assert_true(camera[0] == pixel[0] + 0.5 && camera[1] == pixel[1] + 0.5);
+			expect_that(camera[0] == pixel[0] + 0.5 && camera[1] == pixel[1] + 0.5,
+				    "y=%d, x=%d", y, x);
 			view_from_camera(view, camera, back);
-			assert_true(back[0] == upright[0] && back[1] == upright[1]);
+			expect_that(back[0] == upright[0] && back[1] == upright[1], "y=%d, x=%d", y,
+				    x);
 		}
 }
 
@@ -57,7 +60,7 @@ static void pixels_and_coordinates_agree(void **state)
 	struct chance chance = chance_begin("view");
 
 	(void)state;
-	fill(pixels);
+	test_view_fill(pixels);
 	for (int k = 0; k < 400; k++) {
 		struct view view = {.squash = 1, .hflip = k & 1, .vflip = k & 2};
 
@@ -103,9 +106,9 @@ static void refused(void **state)
 		struct view view = bad[i];
 		struct fault fault = {""};
 
-		assert_int_equal(view_resolve(&view, 640, 240, &fault), -EINVAL);
-		assert_true(strlen(fault.text) > 0);
-		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* untouched */
+		expect_equal(view_resolve(&view, 640, 240, &fault), -EINVAL, "i=%u", i);
+		expect_above(strlen(fault.text), 0, "i=%u", i);
+		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* unchanged */
 	}
 	assert_int_equal(view_resolve(&(struct view){.squash = 1}, 0, 240, NULL), -EINVAL);
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Pictures in files, against bytes assembled by hand, files that other programs wrote, and closed
- * forms; and every refusal.
- */
+/* Picture files, against bytes assembled by hand, files that other programs wrote, and closed
+ * forms; and every refusal. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,6 +19,7 @@
 
 #include "hal/image/image.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define SAMPLES "tests/fuzz/corpus/image/"
 
@@ -43,7 +42,7 @@ static void read_fine(const void *data, size_t bytes, struct image *image)
 		fail_msg("%d: %s", err, fault.text);
 }
 
-/* What goes wrong, and a word that its sentence must hold. */
+/* Expects an error and a word in its message. */
 static void read_refused(const void *data, size_t bytes, int expected, const char *word)
 {
 	struct fault fault = {0};
@@ -71,7 +70,7 @@ static void assert_pixel(const struct image *image, int x, int y, double r, doub
 
 static void hdr_flat(void **state)
 {
-	/* 128 2^(129-136) = 1; 255 2^(136-136) = 255; exponent 0 is black. */
+	/* 128 * 2^(129-136) = 1; 255 * 2^(136-136) = 255; exponent 0 is black. */
 	static const char file[] = HDR_HEADER "-Y 2 +X 2\n"
 					      "\x80\x40\x20\x81"
 					      "\xff\x01\x00\x88"
@@ -104,7 +103,7 @@ static void hdr_exposure(void **state)
 	image_free(&image);
 }
 
-/* Blanks around a value, and primaries near enough to be Radiance's own. */
+/* Blanks around a value, and primaries that are nearly Radiance's own. */
 static void hdr_header_words(void **state)
 {
 	static const char file[] =
@@ -137,7 +136,7 @@ static void hdr_header_words(void **state)
 			     refused[i].word);
 }
 
-/* A 2 x 3 picture, numbered in reading order, scanned in each of the eight ways. */
+/* A 2 x 3 picture, numbered in reading order, stored in each of the eight orientations. */
 static void hdr_orientations(void **state)
 {
 	static const struct {
@@ -160,8 +159,8 @@ static void hdr_orientations(void **state)
 			length += 4;
 		}
 		read_fine(file, (size_t)length, &image);
-		assert_int_equal(image.width, 2);
-		assert_int_equal(image.height, 3);
+		expect_equal(image.width, 2, "i=%zu", i);
+		expect_equal(image.height, 3, "i=%zu", i);
 		for (int k = 0; k < 6; k++)
 			assert_pixel(&image, k % 2, k / 2, 16 * (k + 1), 16 * (k + 1),
 				     16 * (k + 1));
@@ -189,7 +188,7 @@ static void hdr_new_coding(void **state)
 
 static void hdr_old_coding(void **state)
 {
-	/* One pixel, 43 copies, 1 << 8 more: 300. */
+	/* One pixel, 43 copies, then 1 << 8 copies: 300 in all. */
 	static const char file[] = HDR_HEADER "-Y 1 +X 300\n"
 					      "\x0a\x14\x1e\x88"
 					      "\x01\x01\x01\x2b"
@@ -236,8 +235,7 @@ static void hdr_refusals(void **state)
 		read_refused(cases[i].text, cases[i].bytes, cases[i].err, cases[i].word);
 }
 
-/* Written and read again: half a step of a mantissa that is at least 127.75 before it
- * is rounded. */
+/* Written and read again: the error is at most half a step of a mantissa of 127.75 or more. */
 static void hdr_round_trip(void **state)
 {
 	static const int widths[] = {1, 7, 8, 127, 128, 129, 300};
@@ -260,29 +258,30 @@ static void hdr_round_trip(void **state)
 		out.f32[2] = 2e38f;
 		assert_int_equal(image_write(in_folder("x.hdr"), &out, &fault), 0);
 		assert_int_equal(image_read(in_folder("x.hdr"), &in, &fault), 0);
-		assert_int_equal(in.width, widths[i]);
-		assert_int_equal(in.height, 5);
-		/* The largest RGBE is 255 2^119. */
-		assert_true(fabsf(in.f32[0] - 255 * 0x1p119f) < 1e30f);
+		expect_equal(in.width, widths[i], "i=%zu", i);
+		expect_equal(in.height, 5, "i=%zu", i);
+		/* The largest RGBE value is 255 * 2^119. */
+		expect_below(fabsf(in.f32[0] - 255 * 0x1p119f), 1e30f, "i=%zu", i);
 		for (int p = 1; p < count; p++) {
 			const float *a = out.f32 + 3 * p, *b = in.f32 + 3 * p;
 			const float peak = fmaxf(a[0], fmaxf(a[1], a[2]));
 
 			for (int c = 0; c < 3; c++)
-				assert_true(fabsf(a[c] - b[c]) <= peak / 255.5f);
+				expect_at_most(fabsf(a[c] - b[c]), peak / 255.5f,
+					       "i=%zu, p=%d, c=%d", i, p, c);
 		}
 		image_free(&out);
 		image_free(&in);
 	}
 }
 
-/* Means and a pixel as an independent decoder has them (RGBE bytes times 2^(e-136)). */
+/* Means and one pixel as an independent decoder reads them (RGBE bytes times 2^(e-136)). */
 static void hdr_real(void **state)
 {
 	static const struct {
 		const char *name;
 		double mean[3], upper[3];
-		float pixel[3]; /* at (700, 100) */
+		float pixel[3]; /* pixel (700, 100) */
 	} truth[] = {
 		{"st_fagans_interior_1k.hdr",
 		 {0.9116973353084177, 0.7051612892537378, 0.43892477761255577},
@@ -313,16 +312,18 @@ static void hdr_real(void **state)
 			print_message("%s is missing\n", path);
 			skip();
 		}
-		assert_int_equal(err, 0);
-		assert_int_equal(image.width, 1024);
-		assert_int_equal(image.height, 512);
+		expect_equal(err, 0, "i=%d", i);
+		expect_equal(image.width, 1024, "i=%d", i);
+		expect_equal(image.height, 512, "i=%d", i);
 		for (int c = 0; c < 3; c++) {
 			double upper = 0, lower = 0;
 
 			for (int p = 0; p < 1024 * 512; p++)
 				*(p < 1024 * 256 ? &upper : &lower) += (double)image.f32[3 * p + c];
-			assert_true(fabs((upper + lower) / (1024 * 512) - truth[i].mean[c]) < 1e-9);
-			assert_true(fabs(upper / (1024 * 256) - truth[i].upper[c]) < 1e-9);
+			expect_below(fabs((upper + lower) / (1024 * 512) - truth[i].mean[c]), 1e-9,
+				     "i=%d, c=%d", i, c);
+			expect_below(fabs(upper / (1024 * 256) - truth[i].upper[c]), 1e-9,
+				     "i=%d, c=%d", i, c);
 		}
 		assert_memory_equal(image.f32 + (100 * 1024 + 700) * 3, truth[i].pixel, 12);
 		image_free(&image);
@@ -333,7 +334,7 @@ static void hdr_real(void **state)
 
 static void pfm_by_hand(void **state)
 {
-	/* Rows from the bottom up; 1 is 3f800000, 2 is 40000000, 0.5 is 3f000000. */
+	/* Rows are stored from the bottom up. 1 is 3f800000, 2 is 40000000, 0.5 is 3f000000. */
 	static const char little[] = "PF\n1 2\n-1.0\n"
 				     "\0\0\x80\x3f\0\0\0\x40\0\0\0\x3f"
 				     "\0\0\0\0\0\0\0\x3f\0\0\x80\x3f";
@@ -380,7 +381,7 @@ static void pfm_round_trip(void **state)
 	assert_int_equal(image_write(in_folder("x.pfm"), &out, &fault), 0);
 	assert_int_equal(image_read(in_folder("x.pfm"), &in, &fault), 0);
 	assert_memory_equal(in.f32, samples, sizeof(samples));
-	/* The file itself: header, lower row, upper row. */
+	/* The file: header, lower row, upper row. */
 	stream = fopen(in_folder("x.pfm"), "rb");
 	assert_non_null(stream);
 	assert_int_equal(fread(file, 1, sizeof(file), stream), sizeof(start) - 1 + 72);
@@ -420,7 +421,7 @@ static void negative_light_is_none(void **state)
 	(void)state;
 	read_fine("Pf\n2 1\n-1\n\0\0\x80\xbf\0\0\0\x80", 18, &image);
 	for (int i = 0; i < 6; i++)
-		assert_true(image.f32[i] == 0 && !signbit(image.f32[i]));
+		expect_that(image.f32[i] == 0 && !signbit(image.f32[i]), "i=%d", i);
 	image_free(&image);
 }
 
@@ -433,7 +434,7 @@ static void exr_samples(void **state)
 
 	(void)state;
 	for (int i = 0; i < 3; i++) {
-		/* DWAA loses a little. */
+		/* DWAA is lossy. */
 		const double tolerance = i == 2 ? 0.02 : 0;
 		struct image image;
 		struct fault fault;
@@ -442,21 +443,24 @@ static void exr_samples(void **state)
 		snprintf(path, sizeof(path), SAMPLES "%s", names[i]);
 		if (image_read(path, &image, &fault))
 			fail_msg("%s", fault.text);
-		assert_int_equal(image.width, 13);
-		assert_int_equal(image.height, 9);
+		expect_equal(image.width, 13, "i=%d", i);
+		expect_equal(image.height, 9, "i=%d", i);
 		for (int y = 0; y < 9; y++)
 			for (int x = 0; x < 13; x++) {
 				const float *p = image.f32 + (y * 13 + x) * 3;
 
-				assert_true(fabs((double)p[0] - x / 8.0) <= tolerance);
-				assert_true(fabs((double)p[1] - y / 8.0) <= tolerance);
-				assert_true(fabs((double)p[2] - (x + y) / 16.0) <= tolerance);
+				expect_at_most(fabs((double)p[0] - x / 8.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
+				expect_at_most(fabs((double)p[1] - y / 8.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
+				expect_at_most(fabs((double)p[2] - (x + y) / 16.0), tolerance,
+					       "i=%d, y=%d, x=%d", i, y, x);
 			}
 		image_free(&image);
 	}
 }
 
-/* Its pixels are those from (-3, 5) on of a picture of 20 x 20. */
+/* The data window: pixels from (-3, 5) on, of a picture of 20 x 20. */
 static void exr_window(void **state)
 {
 	struct image image;
@@ -477,7 +481,7 @@ static void exr_window(void **state)
 	image_free(&image);
 }
 
-/* A pixel with the chromaticities of ACES, put together by hand. */
+/* One pixel with the primaries of ACES, computed by hand. */
 static void exr_primaries(void **state)
 {
 	static const char file[] =
@@ -504,7 +508,7 @@ static void exr_primaries(void **state)
 	assert_non_null(strstr(fault.text, "other primaries: red 0.7349"));
 }
 
-/* Large enough to be compressed; within what DWA gives up. */
+/* Large enough to be compressed; DWAB is lossy. */
 static void exr_dwab(void **state)
 {
 	struct image image;
@@ -519,9 +523,10 @@ static void exr_dwab(void **state)
 		for (int x = 0; x < 128; x++) {
 			const float *p = image.f32 + (y * 128 + x) * 3;
 
-			assert_true(fabs((double)p[0] - x / 64.0) <= 0.02);
-			assert_true(fabs((double)p[1] - y / 64.0) <= 0.02);
-			assert_true(fabs((double)p[2] - (x + y) / 128.0) <= 0.02);
+			expect_at_most(fabs((double)p[0] - x / 64.0), 0.02, "y=%d, x=%d", y, x);
+			expect_at_most(fabs((double)p[1] - y / 64.0), 0.02, "y=%d, x=%d", y, x);
+			expect_at_most(fabs((double)p[2] - (x + y) / 128.0), 0.02, "y=%d, x=%d", y,
+				       x);
 		}
 	image_free(&image);
 }
@@ -538,7 +543,7 @@ static void exr_grey(void **state)
 	image_free(&image);
 }
 
-/* Noise that does not compress is stored as it is. Halfs of all exponents up to 2. */
+/* Noise does not compress and is stored as it is. Half floats of all exponents, up to 2. */
 static void exr_noise(void **state)
 {
 	struct image image;
@@ -557,7 +562,7 @@ static void exr_noise(void **state)
 		h &= 0x3fff;
 		value = h >> 10 ? ldexp(1 + (h & 1023) / 1024.0, (int)(h >> 10) - 15)
 				: ldexp((h & 1023) / 1024.0, -14);
-		assert_true((double)image.f32[i] == value);
+		expect_equal((double)image.f32[i], value, "i=%u", i);
 	}
 	image_free(&image);
 }
@@ -575,7 +580,7 @@ static void exr_refusals(void **state)
 
 /* ---- PNG and JPEG ---- */
 
-/* Rows of any kind through libpng itself. */
+/* Writes rows of any kind through libpng itself. */
 static size_t make_png(uint8_t *out, size_t room, int width, int height, int depth, int kind,
 		       bool interlaced, const uint8_t *rows, size_t stride)
 {
@@ -598,7 +603,7 @@ static size_t make_png(uint8_t *out, size_t room, int width, int height, int dep
 		png_set_PLTE(png, info, palette, 3);
 		png_set_tRNS(png, info, alphas, 2, NULL);
 	}
-	/* Must not change the code values that are read. */
+	/* A gamma chunk must not change the code values. */
 	png_set_gAMA(png, info, 1.0);
 	for (int y = 0; y < height; y++)
 		row[y] = (png_bytep)rows + (size_t)y * stride;
@@ -644,8 +649,8 @@ static void png_kinds(void **state)
 					      cases[i].kind, false, cases[i].row, 0);
 
 		read_fine(file, bytes, &image);
-		assert_int_equal(image.width, 2);
-		assert_int_equal(image.height, 1);
+		expect_equal(image.width, 2, "i=%zu", i);
+		expect_equal(image.height, 1, "i=%zu", i);
 		assert_null(image.f32);
 		assert_memory_equal(image.u8, cases[i].expected, 6);
 		image_free(&image);
@@ -744,12 +749,12 @@ static void jpeg_reads(void **state)
 	assert_int_equal(image.width, 64);
 	assert_int_equal(image.height, 48);
 	for (int i = 0; i < 64 * 48; i++) {
-		assert_true(abs(image.u8[3 * i] - i % 64 * 255 / 63) <= 3);
-		assert_true(abs(image.u8[3 * i + 1] - i / 64 * 255 / 47) <= 3);
-		assert_true(abs(image.u8[3 * i + 2] - 64) <= 3);
+		expect_at_most(abs(image.u8[3 * i] - i % 64 * 255 / 63), 3, "i=%d", i);
+		expect_at_most(abs(image.u8[3 * i + 1] - i / 64 * 255 / 47), 3, "i=%d", i);
+		expect_at_most(abs(image.u8[3 * i + 2] - 64), 3, "i=%d", i);
 	}
 	image_free(&image);
-	/* Every prefix is refused, never taken for a grey picture. */
+	/* Every prefix is refused, and never read as a grey picture. */
 	for (size_t cut = 3; cut + 2 < bytes; cut += 7)
 		read_refused(file, cut, -EBADMSG, "JPEG");
 	tjFree(file);
@@ -784,10 +789,10 @@ static uint8_t *slurp(const char *path, size_t *bytes)
 	return data;
 }
 
-/* Cut anywhere: refused, with words, and nothing leaks (seen by the address sanitizer). */
+/* Cut anywhere: refused with a message, and nothing leaks (the address sanitizer checks). */
 static void cut_short(void **state)
 {
-	/* What follows the full-size level of a tiled picture is not missed. */
+	/* A tiled picture without its lower levels is complete. */
 	static const size_t levels_at = 1000;
 	static const char *const names[] = {
 		"rgb.png",
@@ -820,7 +825,7 @@ static void cut_short(void **state)
 		if (!strcmp(names[i], "tiles_zip.exr"))
 			bytes = levels_at;
 		for (size_t cut = 0; cut < bytes; cut++) {
-			/* Exactly as long, so that a sanitizer sees one byte too many. */
+			/* Memory of exactly that length, so that a sanitizer sees a read beyond. */
 			uint8_t *part = malloc(cut ? cut : 1);
 			struct fault fault = {0};
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* INI files by table: what is accepted, and the exact words for what is not. */
+/* INI files read by tables of keys: what is accepted, and the exact message for what is not. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,10 +17,11 @@
 
 #include "hal/ini/ini.h"
 #include "hal/ini/ini_value.h"
+#include "tests/support/expect.h"
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
-struct lamp {
+struct ini_lamp {
 	bool on;
 	int count;
 	double power;
@@ -42,7 +44,7 @@ struct camera_part {
 };
 
 struct root {
-	struct lamp lamp;
+	struct ini_lamp lamp;
 	struct extra extra;
 	struct camera_part cameras[2];
 	int camera_count;
@@ -52,16 +54,16 @@ struct root {
 };
 
 static const struct ini_key lamp_keys[] = {
-	{"on", INI_BOOL, offsetof(struct lamp, on), .fallback = "yes", .help = "Lit or not."},
-	{"count", INI_INT, offsetof(struct lamp, count), .min = 0, .max = 255, .fallback = "7",
+	{"on", INI_BOOL, offsetof(struct ini_lamp, on), .fallback = "yes", .help = "Lit or not."},
+	{"count", INI_INT, offsetof(struct ini_lamp, count), .min = 0, .max = 255, .fallback = "7",
 	 .unit = "lamps", .help = "How many."},
-	{"power", INI_REAL, offsetof(struct lamp, power), .min = -1, .max = 1e3, .fallback = "0.1",
-	 .unit = "W", .help = "How strong."},
-	{"place", INI_REALS, offsetof(struct lamp, place), .count = 3, .fallback = "1 2 3",
+	{"power", INI_REAL, offsetof(struct ini_lamp, power), .min = -1, .max = 1e3,
+	 .fallback = "0.1", .unit = "W", .help = "How strong."},
+	{"place", INI_REALS, offsetof(struct ini_lamp, place), .count = 3, .fallback = "1 2 3",
 	 .help = "Where."},
-	{"label", INI_TEXT, offsetof(struct lamp, label), .fallback = "", .help = "Name."},
-	{"file", INI_PATH, offsetof(struct lamp, file), .fallback = "", .help = "Of the lamp."},
-	{"colour", INI_CHOICE, offsetof(struct lamp, colour), .choices = colours,
+	{"label", INI_TEXT, offsetof(struct ini_lamp, label), .fallback = "", .help = "Name."},
+	{"file", INI_PATH, offsetof(struct ini_lamp, file), .fallback = "", .help = "Of the lamp."},
+	{"colour", INI_CHOICE, offsetof(struct ini_lamp, colour), .choices = colours,
 	 .fallback = "green", .help = "Tint."},
 	INI_KEYS_END};
 
@@ -205,7 +207,7 @@ static void every_type_is_read(void **state)
 		"file = a b/c.txt\ncolour=blue\nspin.speed = 9\n"
 		"[camera  one]\nsim.noise=0.5\n[camera two]\nwidth=10\n[camera one]\n"
 		"width=4096\n");
-	const struct lamp *lamp = &o->root.lamp;
+	const struct ini_lamp *lamp = &o->root.lamp;
 
 	(void)state;
 	assert_int_equal(o->said_count, 0);
@@ -228,7 +230,7 @@ static void every_type_is_read(void **state)
 static void defaults_fill_every_field(void **state)
 {
 	struct outcome *o = outcome_fresh();
-	const struct lamp *lamp = &o->root.lamp;
+	const struct ini_lamp *lamp = &o->root.lamp;
 
 	(void)state;
 	assert_true(lamp->on);
@@ -327,7 +329,7 @@ static void values_are_checked(void **state)
 		NULL);
 }
 
-/* A list of at most so many numbers, on keys of its own. */
+/* Lists with a limited number of numbers. */
 static void lists_end_where_they_end(void **state)
 {
 	struct shutter {
@@ -355,14 +357,15 @@ static void lists_end_where_they_end(void **state)
 	for (size_t k = 0; k < sizeof(good) / sizeof(*good); k++) {
 		assert_int_equal(ini_value_read(&keys[0], good[k].text, NULL, &shutter, why), 0);
 		for (int n = 0; n < 3; n++)
-			assert_true(shutter.times[n] == good[k].times[n]);
+			expect_equal(shutter.times[n], good[k].times[n], "k=%zu, n=%d", k, n);
 		ini_value_text(&keys[0], &shutter, text, sizeof(text));
 		assert_string_equal(text, good[k].again);
 	}
 	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
-		assert_int_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL);
+		expect_equal(ini_value_read(&keys[0], bad[k], NULL, &shutter, why), -EINVAL,
+			     "k=%zu", k);
 		assert_non_null(strstr(why, "expected at most 3 numbers 0.5..100"));
-		assert_true(shutter.times[2] == 0.5); /* as it was */
+		expect_equal(shutter.times[2], 0.5, "k=%zu", k); /* unchanged */
 	}
 }
 
@@ -526,9 +529,9 @@ static void assignments_are_read(void **state)
 	assert_int_equal(o->root.cameras[1].width, 1);
 	for (size_t i = 0; i < sizeof(wrong) / sizeof(*wrong); i++) {
 		o->said_count = 0;
-		assert_int_equal(ini_set(wrong[i].assignment, tables, &o->root, &o->report),
-				 -EINVAL);
-		assert_int_equal(o->said_count, 1);
+		expect_equal(ini_set(wrong[i].assignment, tables, &o->root, &o->report), -EINVAL,
+			     "i=%zu", i);
+		expect_equal(o->said_count, 1, "i=%zu", i);
 		assert_string_equal(o->said[0], wrong[i].fault);
 	}
 	free(o);
@@ -587,7 +590,7 @@ static void sample_equals_the_defaults(void **state)
 	ini_write_sample(stream, tables);
 	fclose(stream);
 	o = parse_bytes(text, bytes);
-	/* A key without a default cannot be in the sample: that alone is missing. */
+	/* A key without a default cannot be in the sample: it is the only one missing. */
 	assert_int_equal(o->said_count, 1);
 	assert_non_null(strstr(o->said[0], "[strict] must: is missing"));
 	assert_memory_equal(&o->root.lamp, &fresh->root.lamp, sizeof(fresh->root.lamp));
@@ -597,7 +600,7 @@ static void sample_equals_the_defaults(void **state)
 	assert_int_equal(o->root.cameras[0].width, 640);
 	assert_string_equal(o->root.cameras[1].name, "right");
 	assert_int_equal(o->root.cameras[1].width, 640);
-	/* The full stop has moved behind the range. */
+	/* The full stop comes after the range. */
 	assert_non_null(strstr(text, "; How many (a whole number 0..255 lamps).\ncount = 7\n"));
 	assert_non_null(strstr(text, "; Tint (one of red, green, blue).\ncolour = green\n"));
 	assert_non_null(strstr(text, "; Of the lamp.\nfile =\n"));

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which exposure a frame has, of a camera that is played: it obeys some frames later, loses some.
- */
+/* Which exposure a frame has, for a played camera that obeys some frames later and loses some. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,29 +11,30 @@
 
 #include "hal/lights/exposure_schedule.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { COUNT = 3, FRAMES = 400 };
 
-/* A camera: what each of its frames has. */
-struct camera {
+/* A camera, and the exposure of each of its frames. */
+struct scheduled_camera {
 	int delay;
-	bool beyond;  /* slower than anybody expects: what is said of its frames may be wrong */
-	int64_t next; /* frame to be captured */
-	int shown[FRAMES + 64]; /* by frame; 0 at first */
+	bool beyond;  /* slower than the schedule allows for, so that its answers may be wrong */
+	int64_t next; /* number of the next frame */
+	int shown[FRAMES + 64]; /* exposure of each frame; 0 at first */
 };
 
 static const double light[COUNT] = {0.6, 0.1, 0.0125};
 
-static void obey(struct camera *camera, int exposure)
+static void obey(struct scheduled_camera *camera, int exposure)
 {
 	for (int64_t k = camera->next + camera->delay; k < FRAMES + 64; k++)
 		camera->shown[k] = exposure;
 }
 
-/* One frame, after `lost` that nobody sees and with `late` more captured before the answer. What it
- * has is said, unless that is not known. */
-static int step(struct exposure_schedule *s, struct camera *camera, int lost, int late,
-		uint32_t offset)
+/* Captures one frame, after `lost` that are lost and with `late` more before the answer. Checks the
+ * exposure that the schedule says, unless it says that it does not know. */
+static int schedule_step(struct exposure_schedule *s, struct scheduled_camera *camera, int lost,
+			 int late, uint32_t offset)
 {
 	const int64_t frame = camera->next + lost;
 	int exposure, next;
@@ -56,18 +56,18 @@ static void every_delay_is_kept_track_of(void **state)
 {
 	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
 		int count[COUNT] = {0};
 
 		exposure_schedule_begin(&s, COUNT, delay);
 		while (camera.next < 100) {
-			const int exposure = step(&s, &camera, 0, 0, UINT32_MAX - 20);
+			const int exposure = schedule_step(&s, &camera, 0, 0, UINT32_MAX - 20);
 
 			if (exposure >= 0)
 				count[exposure]++;
 			else
-				assert_true(camera.next <= delay + 1);
+				expect_at_most(camera.next, delay + 1, "delay=%d", delay);
 		}
 		for (int k = 0; k < COUNT; k++)
 			assert_in_range(count[k], 28, 34);
@@ -80,19 +80,19 @@ static void lost_and_late_frames_shift_nothing(void **state)
 
 	(void)state;
 	for (int delay = 0; delay <= 6; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
 		int known = 0;
 
 		exposure_schedule_begin(&s, COUNT, delay);
 		while (camera.next < FRAMES - 10)
-			known += step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
-				      chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
-		assert_true(known > 150);
+			known += schedule_step(&s, &camera, chance_int(&chance, 0, 9) ? 0 : 3,
+					       chance_int(&chance, 0, 5) ? 0 : 2, 7) >= 0;
+		expect_above(known, 150, "delay=%d", delay);
 	}
 }
 
-/* A source that does not count: frames follow each other. */
+/* A source that does not number its frames: they follow each other. */
 static void numbers_that_stand_still(void **state)
 {
 	struct exposure_schedule s;
@@ -102,13 +102,14 @@ static void numbers_that_stand_still(void **state)
 	for (int k = 0; k < 20; k++) {
 		const int exposure = exposure_schedule_take(&s, 0);
 
-		assert_int_equal(exposure, k < 2 ? -1 : k % 2);
+		expect_equal(exposure, k < 2 ? -1 : k % 2, "k=%d", k);
 		exposure_schedule_asked(&s, exposure_schedule_next(&s), 0);
 	}
 }
 
-/* As the kiosk does it: asked with the frame, told its brightness after that. */
-static int measure(struct camera *camera, struct chance *chance, bool loses, bool shows)
+/* Measures the delay as the kiosk does: asks with the frame, then tells its brightness. */
+static int schedule_measure(struct scheduled_camera *camera, struct chance *chance, bool loses,
+			    bool shows)
 {
 	struct exposure_schedule s;
 	int err = 0;
@@ -117,7 +118,7 @@ static int measure(struct camera *camera, struct chance *chance, bool loses, boo
 	while (s.delay < 0 && !err && camera->next < FRAMES - 10) {
 		const int lost = loses && !chance_int(chance, 0, 15);
 
-		step(&s, camera, lost, 0, 0);
+		schedule_step(&s, camera, lost, 0, 0);
 		err = exposure_schedule_measure(&s, shows ? light[camera->shown[camera->next - 1]] *
 								    chance_real(chance, 0.97, 1.03)
 							  : 0.5);
@@ -131,14 +132,16 @@ static void a_delay_is_measured(void **state)
 
 	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
-		struct camera camera = {.delay = delay};
+		struct scheduled_camera camera = {.delay = delay};
 
-		assert_int_equal(measure(&camera, &chance, false, true), delay);
-		assert_true(camera.next <= 4 * (EXPOSURE_HOLD + 1) + 2);
+		expect_equal(schedule_measure(&camera, &chance, false, true), delay, "delay=%d",
+			     delay);
+		expect_at_most(camera.next, 4 * (EXPOSURE_HOLD + 1) + 2, "delay=%d", delay);
 	}
 }
 
-/* Whatever it loses, what it says is right, or it says that it cannot. */
+/* Whatever frames are lost, the measured delay is right, or the schedule says that it cannot tell.
+ */
 static void lost_frames_do_not_spoil_the_measurement(void **state)
 {
 	struct chance chance = chance_begin("measured with losses");
@@ -146,11 +149,11 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 
 	(void)state;
 	for (int n = 0; n < 50; n++) {
-		struct camera camera = {.delay = n % 7};
-		const int found = measure(&camera, &chance, true, true);
+		struct scheduled_camera camera = {.delay = n % 7};
+		const int found = schedule_measure(&camera, &chance, true, true);
 
 		right += found == n % 7;
-		assert_true(found == n % 7 || found == n % 7 + 1 || found == -ENODATA);
+		expect_that(found == n % 7 || found == n % 7 + 1 || found == -ENODATA, "n=%d", n);
 	}
 	assert_true(right >= 40);
 }
@@ -158,12 +161,12 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 static void what_is_not_seen_is_said(void **state)
 {
 	struct chance chance = chance_begin("not seen");
-	struct camera camera = {.delay = 2},
-		      slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
+	struct scheduled_camera camera = {.delay = 2},
+				slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
 
 	(void)state;
-	assert_int_equal(measure(&camera, &chance, false, false), -ENODATA);
-	assert_int_equal(measure(&slow, &chance, false, true), -ENODATA);
+	assert_int_equal(schedule_measure(&camera, &chance, false, false), -ENODATA);
+	assert_int_equal(schedule_measure(&slow, &chance, false, true), -ENODATA);
 }
 
 int main(void)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Several exposures of one sky made one light: the sampler's part, the merge, whose frame it is. */
+/* Several exposures of one sky merged into one light: the sampler's part, the merge, and which
+ * exposure a frame has. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,18 +15,19 @@
 #include "hal/lights/pixel_noise.h"
 #include "hal/lights/sampler.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 40, COUNT = 3, PIXELS = 64 };
 
 static const double ratio[COUNT] = {1, 1 / 16.0, 1 / 256.0};
 static const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 
-/* What the sampler would say of the lights in one exposure. */
-struct taken {
+/* What the sampler returns for the lights in one exposure. */
+struct taken_lights {
 	float sampled[LIGHTS][3], excess[LIGHTS][3], clipped[LIGHTS];
 };
 
-/* A cell: part of it is a lamp. */
+/* A cell, part of which is a lamp. */
 struct cell {
 	double dim[3], lamp[3], share;
 };
@@ -46,8 +48,9 @@ static struct light_exposures *create(double gain)
 	return e;
 }
 
-/* Without noise; a channel is cut off at white. */
-static void expose(const struct light_exposures *e, int k, const struct cell *cell, struct taken *f)
+/* Exposes cells without noise; a channel clips at white. */
+static void expose(const struct light_exposures *e, int k, const struct cell *cell,
+		   struct taken_lights *f)
 {
 	const double above = light_exposures_above(e, k);
 
@@ -69,23 +72,25 @@ static void expose(const struct light_exposures *e, int k, const struct cell *ce
 	}
 }
 
-static void take(struct light_exposures *e, int k, const struct taken *f, struct merged *m)
+static void exposures_take(struct light_exposures *e, int k, const struct taken_lights *f,
+			   struct merged *m)
 {
 	light_exposures_take(e, k, (const float(*)[3])f->sampled, (const float(*)[3])f->excess,
 			     f->clipped, m->radiance, m->left);
 }
 
-static bool fits(const struct light_exposures *e, int k, const struct taken *f)
+static bool fits(const struct light_exposures *e, int k, const struct taken_lights *f)
 {
 	return light_exposures_fit(e, k, (const float(*)[3])f->sampled, f->clipped);
 }
 
-static void show(struct light_exposures *e, int k, const struct cell *cell, struct merged *m)
+static void exposures_show(struct light_exposures *e, int k, const struct cell *cell,
+			   struct merged *m)
 {
-	struct taken f;
+	struct taken_lights f;
 
 	expose(e, k, cell, &f);
-	take(e, k, &f, m);
+	exposures_take(e, k, &f, m);
 }
 
 static double truth(const struct cell *cell, int c)
@@ -93,7 +98,7 @@ static double truth(const struct cell *cell, int c)
 	return cell->dim[c] + cell->share * (cell->lamp[c] - cell->dim[c]);
 }
 
-static void fill(struct cell *cell, double dim, double lamp, double share)
+static void exposures_fill(struct cell *cell, double dim, double lamp, double share)
 {
 	for (int i = 0; i < LIGHTS; i++)
 		cell[i] = (struct cell){{dim, dim / 2, dim / 4}, {lamp, lamp / 2, lamp / 4}, share};
@@ -101,7 +106,7 @@ static void fill(struct cell *cell, double dim, double lamp, double share)
 
 /* ---- the merge ---- */
 
-/* Powers of two, so that exposures do not round: then the merge must not. */
+/* Exposure times are powers of two, so that nothing rounds: the merge must not either. */
 static void a_constant_sky_is_exact(void **state)
 {
 	static const double levels[] = {0, 0.0009765625, 0.125, 0.75, 2, 24, 200};
@@ -112,17 +117,20 @@ static void a_constant_sky_is_exact(void **state)
 	for (size_t n = 0; n < sizeof(levels) / sizeof(*levels); n++) {
 		struct light_exposures *e = create(1);
 
-		fill(cell, levels[n], 0, 0);
+		exposures_fill(cell, levels[n], 0, 0);
 		for (int turn = 0; turn < 2; turn++) {
 			for (int k = 0; k < COUNT; k++) {
-				show(e, k, cell, &m);
+				exposures_show(e, k, cell, &m);
 				if (!turn && k + 1 < COUNT)
 					continue;
 				for (int i = 0; i < LIGHTS; i++) {
-					assert_true(m.left[i] == 0);
+					expect_equal(m.left[i], 0, "n=%zu, turn=%d, k=%d, i=%d", n,
+						     turn, k, i);
 					for (int c = 0; c < 3; c++)
-						assert_true(m.radiance[i][c] ==
-							    (float)cell[i].dim[c]);
+						expect_equal(m.radiance[i][c],
+							     (float)cell[i].dim[c],
+							     "n=%zu, turn=%d, k=%d, i=%d, c=%d", n,
+							     turn, k, i, c);
 				}
 			}
 		}
@@ -130,7 +138,8 @@ static void a_constant_sky_is_exact(void **state)
 	}
 }
 
-/* A camera that makes other exposures of what it was asked for says so with its first pictures. */
+/* A camera whose exposures differ from those it was asked for reports them with its first pictures.
+ */
 static void other_ratios_count_from_the_next_frame(void **state)
 {
 	static const double wanted[COUNT] = {1, 0.3, 0.03};
@@ -139,24 +148,24 @@ static void other_ratios_count_from_the_next_frame(void **state)
 	struct merged m;
 
 	(void)state;
-	fill(cell, 2, 0, 0); /* the first is clipped */
+	exposures_fill(cell, 2, 0, 0); /* the first exposure clips */
 	light_exposures_ratios(e, wanted);
-	show(e, 1, cell, &m);
+	exposures_show(e, 1, cell, &m);
 	assert_true(m.radiance[0][0] != 2);
 	light_exposures_ratios(e, ratio);
-	show(e, 1, cell, &m);
+	exposures_show(e, 1, cell, &m);
 	assert_true(m.radiance[0][0] == 2);
 	light_exposures_destroy(e);
 }
 
-/* One exposure is passed on as it is, bit by bit. */
+/* One exposure passes unchanged, bit by bit. */
 static void one_exposure_is_untouched(void **state)
 {
 	static const double one[] = {1};
 	struct light_exposures *e;
 	float pixels[LIGHTS];
 	struct chance chance = chance_begin("one exposure");
-	struct taken f;
+	struct taken_lights f;
 	struct merged m;
 
 	(void)state;
@@ -169,15 +178,15 @@ static void one_exposure_is_untouched(void **state)
 	}
 	light_exposures_measured(e, one, 1, &curve, 3, pixels);
 	for (int turn = 0; turn < 2; turn++) {
-		take(e, 0, &f, &m);
+		exposures_take(e, 0, &f, &m);
 		assert_memory_equal(m.radiance, f.sampled, sizeof(f.sampled));
 		assert_memory_equal(m.left, f.clipped, sizeof(f.clipped));
-		assert_true(fits(e, 0, &f));
+		expect_that(fits(e, 0, &f), "turn=%d", turn);
 	}
 	light_exposures_destroy(e);
 }
 
-/* A small lamp in a dim cell, from one that no exposure clips to one that all do. */
+/* A small lamp in a dim cell, from brightnesses that no exposure clips to those that all clip. */
 static void a_lamp_is_found_in_the_shortest(void **state)
 {
 	struct cell cell[LIGHTS];
@@ -185,33 +194,33 @@ static void a_lamp_is_found_in_the_shortest(void **state)
 	struct light_exposures *e = create(1);
 
 	(void)state;
-	fill(cell, 0.1, 0.1, 0);
+	exposures_fill(cell, 0.1, 0.1, 0);
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++) {
 			cell[i].lamp[c] = 0.2 * pow(1.25, i) / (c + 1);
 			cell[i].share = 0.05;
 		}
 	for (int k = 0; k < COUNT; k++)
-		show(e, k, cell, &m);
+		exposures_show(e, k, cell, &m);
 	for (int i = 0; i < LIGHTS; i++) {
 		const bool lost = cell[i].lamp[0] >= 256;
 
-		assert_true((m.left[i] > 0) == lost);
-		assert_true(!lost || fabs((double)m.left[i] - 0.05) < 1e-6);
+		expect_equal((m.left[i] > 0), lost, "i=%d", i);
+		expect_that(!lost || fabs((double)m.left[i] - 0.05) < 1e-6, "i=%d", i);
 		for (int c = 0; c < 3; c++) {
 			const double is = (double)m.radiance[i][c], want = truth(&cell[i], c);
 
 			if (cell[i].lamp[c] < 256)
-				assert_true(fabs(is - want) < 1e-5 * want);
+				expect_below(fabs(is - want), 1e-5 * want, "i=%d, c=%d", i, c);
 			else
-				assert_true(is < want && is > 0.05 * 255);
+				expect_that(is < want && is > 0.05 * 255, "i=%d, c=%d", i, c);
 		}
 	}
 	assert_true(light_exposures_white(e) == 256);
 	light_exposures_destroy(e);
 }
 
-/* Pixels of the light with noise as the model has it; the sampler's mean of them. */
+/* The mean of pixels with noise as the model has it. */
 static double noisy(struct chance *chance, double light, int k)
 {
 	const struct pixel_noise noise = pixel_noise_of(&curve);
@@ -223,7 +232,7 @@ static double noisy(struct chance *chance, double light, int k)
 	       sum / 2 * sqrt((noise.floor + noise.slope * light * ratio[k]) / PIXELS);
 }
 
-/* No worse than the best exposure alone, and without bias. */
+/* The merge is no worse than the best exposure alone, and has no bias. */
 static void weights_follow_the_noise(void **state)
 {
 	enum { TURNS = 200 };
@@ -235,7 +244,7 @@ static void weights_follow_the_noise(void **state)
 	(void)state;
 	for (int turn = 0; turn < TURNS; turn++) {
 		struct light_exposures *e = create(1);
-		struct taken f = {.clipped = {0}};
+		struct taken_lights f = {.clipped = {0}};
 		struct merged m;
 
 		for (int k = 0; k < COUNT; k++) {
@@ -245,7 +254,7 @@ static void weights_follow_the_noise(void **state)
 			if (k == 0)
 				for (int i = 0; i < LIGHTS; i++)
 					alone += pow((double)f.sampled[i][0] - light, 2);
-			take(e, k, &f, &m);
+			exposures_take(e, k, &f, &m);
 		}
 		for (int i = 0; i < LIGHTS; i++, count++) {
 			squares += pow((double)m.radiance[i][0] - light, 2);
@@ -263,39 +272,41 @@ static void must_be(const struct merged *m, const struct cell *cell)
 {
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs((double)m->radiance[i][c] - truth(&cell[i], c)) <=
-				    1e-4 * truth(&cell[i], c) + 1e-5);
+			expect_at_most(fabs((double)m->radiance[i][c] - truth(&cell[i], c)),
+				       1e-4 * truth(&cell[i], c) + 1e-5, "i=%d, c=%d", i, c);
 }
 
-/* At once, where the frame shows it whole; in any case within a turn. */
+/* A switched lamp is followed at once where the frame shows it unclipped, else within one round of
+ * exposures. */
 static void a_switched_lamp_is_followed(void **state)
 {
 	struct cell off[LIGHTS], on[LIGHTS];
 	struct merged m;
 
 	(void)state;
-	fill(off, 0.3, 0.3, 0);
-	fill(on, 0.3, 40, 0.1);
+	exposures_fill(off, 0.3, 0.3, 0);
+	exposures_fill(on, 0.3, 40, 0.1);
 	for (int first = 0; first < COUNT; first++) {
 		struct light_exposures *e = create(1);
 
 		for (int k = 0; k < COUNT; k++)
-			show(e, k, off, &m);
+			exposures_show(e, k, off, &m);
 		must_be(&m, off);
 		for (int k = 0; k < COUNT; k++) {
-			show(e, (first + k) % COUNT, on, &m);
+			exposures_show(e, (first + k) % COUNT, on, &m);
 			for (int i = 0; i < LIGHTS; i++) /* brighter from the first frame on */
-				assert_true(m.radiance[i][0] > 0.3f);
+				expect_above(m.radiance[i][0], 0.3f, "first=%d, k=%d, i=%d", first,
+					     k, i);
 		}
 		must_be(&m, on);
 		for (int k = 0; k < COUNT; k++)
-			show(e, (first + k) % COUNT, off, &m);
+			exposures_show(e, (first + k) % COUNT, off, &m);
 		must_be(&m, off);
 		light_exposures_destroy(e);
 	}
 }
 
-/* Exposures that are 5 % off what they are said to be give light that stands still. */
+/* Exposure times that are 5 % wrong still give steady light. */
 static void exposures_that_are_off_do_not_flicker(void **state)
 {
 	struct light_exposures *e = create(1);
@@ -312,7 +323,7 @@ static void exposures_that_are_off_do_not_flicker(void **state)
 				for (int c = 0; c < 3; c++)
 					seen[i].dim[c] = seen[i].lamp[c] = cell[i].dim[c] *
 									   (1 + 0.05 * k);
-			show(e, k, seen, &m);
+			exposures_show(e, k, seen, &m);
 			if (turn > 1)
 				assert_memory_equal(&before, &m, sizeof(m));
 			before = m;
@@ -333,20 +344,22 @@ static void wrong_exposures_are_noticed(void **state)
 			struct light_exposures *e = create(1);
 			struct cell cell[LIGHTS];
 			struct merged m;
-			struct taken f;
+			struct taken_lights f;
 
-			fill(cell, dims[n], dims[n], 0);
+			exposures_fill(cell, dims[n], dims[n], 0);
 			for (int i = 0; lamp && i < 4; i++)
 				cell[i] = (struct cell){
 					{dims[n], dims[n], dims[n]}, {90, 80, 70}, 0.02};
 			expose(e, 1, cell, &f);
-			assert_true(fits(e, 0, &f)); /* nothing is known */
+			expect_that(fits(e, 0, &f), "n=%zu, lamp=%d", n,
+				    lamp); /* nothing is known yet */
 			for (int k = 0; k < COUNT; k++)
-				show(e, k, cell, &m);
+				exposures_show(e, k, cell, &m);
 			for (int is = 0; is < COUNT; is++) {
 				expose(e, is, cell, &f);
 				for (int said = 0; said < COUNT; said++) {
-					/* What is dark in both does not tell them apart. */
+					/* Cells that are dark in both exposures do not tell them
+					 * apart. */
 					const bool dark = dims[n] < 0.1 && !lamp && is && said;
 
 					if (dark || (is && said && dims[n] < 0.5))
@@ -355,15 +368,15 @@ static void wrong_exposures_are_noticed(void **state)
 						fail_msg("light %g, lamp %d: %d for %d", dims[n],
 							 lamp, is, said);
 				}
-				assert_true(fits(e, is, &f));
+				expect_that(fits(e, is, &f), "n=%zu, lamp=%d, is=%d", n, lamp, is);
 			}
 			light_exposures_destroy(e);
 		}
 	}
 }
 
-/* As long as only the longest has been seen, which clips a lamp, nobody knows how bright a shorter
- * one will show it: all of them fit that show what is whole as it is. */
+/* Until a shorter exposure has been seen, a lamp that clips in the longest may have any brightness
+ * in it. Every exposure fits that shows the unclipped cells as they are. */
 static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 {
 	static const double lamps[] = {2, 20, 300};
@@ -376,25 +389,25 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 			struct light_exposures *e = create(1);
 			struct cell cell[LIGHTS];
 			struct merged m;
-			struct taken f;
+			struct taken_lights f;
 
-			fill(cell, 0.5, 0.5, 0);
+			exposures_fill(cell, 0.5, 0.5, 0);
 			for (int i = 0; i < 6; i++)
 				cell[i] = (struct cell){{0.5, 0.5, 0.5}, {l, l, l}, 0.4};
-			show(e, 0, cell, &m);
+			exposures_show(e, 0, cell, &m);
 			expose(e, k, cell, &f);
-			assert_true(fits(e, k, &f));
+			expect_that(fits(e, k, &f), "n=%zu, k=%d", n, k);
 			assert_false(fits(e, 0, &f));
 			expose(e, 0, cell, &f);
-			assert_true(fits(e, 0, &f));
+			expect_that(fits(e, 0, &f), "n=%zu, k=%d", n, k);
 			assert_false(fits(e, k, &f));
 			light_exposures_destroy(e);
 		}
 	}
 }
 
-/* A room that is lit four times as brightly, or a quarter, is taken in by its own exposures within
- * two turns, none of them mistaken for another. */
+/* The room gets four times brighter or darker. The exposures follow within two rounds, and none is
+ * mistaken for another. */
 static void a_change_of_the_whole_room_is_taken(void **state)
 {
 	(void)state;
@@ -402,21 +415,21 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 		struct light_exposures *e = create(1);
 		struct cell cell[LIGHTS];
 		struct merged m;
-		struct taken f;
+		struct taken_lights f;
 		int taken = 0;
 
-		fill(cell, 0.2, 0.2, 0);
+		exposures_fill(cell, 0.2, 0.2, 0);
 		for (int k = 0; k < COUNT; k++)
-			show(e, k, cell, &m);
-		fill(cell, up ? 0.8 : 0.05, 0, 0);
+			exposures_show(e, k, cell, &m);
+		exposures_fill(cell, up ? 0.8 : 0.05, 0, 0);
 		for (int frame = 0; frame < 2 * COUNT; frame++) {
 			expose(e, frame % COUNT, cell, &f);
 			if (!fits(e, frame % COUNT, &f))
 				continue;
-			take(e, frame % COUNT, &f, &m);
+			exposures_take(e, frame % COUNT, &f, &m);
 			taken++;
 		}
-		assert_true(taken >= COUNT);
+		expect_at_least(taken, COUNT, "up=%d", up);
 		must_be(&m, cell);
 		light_exposures_destroy(e);
 	}
@@ -424,7 +437,7 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 
 /* ---- the sampler's part ---- */
 
-/* What is above a level, and what is clipped, against sums of the pixels' own values. */
+/* Light above a level, and clipped light, against sums over the pixels. */
 static void the_sampler_tells_what_is_above(void **state)
 {
 	enum { SIDE = 96 };
@@ -450,7 +463,7 @@ static void the_sampler_tells_what_is_above(void **state)
 	for (int y = 0; y < SIDE; y++)
 		for (int x = 0; x < SIDE; x++)
 			for (int c = 0; c < 3; c++) {
-				/* No pixel of the right half is clipped. */
+				/* no pixel of the right half clips */
 				const int code = chance_int(&chance, 0, x < SIDE / 2 ? 255 : 254);
 				const double v = transfer_curve_decode(&curve, code / 255.0);
 
@@ -472,16 +485,17 @@ static void the_sampler_tells_what_is_above(void **state)
 			const float q = light_sampler_clipped(sampler)[i];
 
 			share += (double)q * dome.solid_angle_sr[i] / (2 * M_PI);
-			assert_true(q >= 0 && q < 0.2f);
+			expect_that(q >= 0 && q < 0.2f, "i=%d", i);
 			if (dome.direction[i][0] > 0.5)
-				assert_true(q == 0);
+				expect_equal(q, 0, "i=%d", i);
 		}
 		assert_true(share > 0 && fabs(share - clipped) < 1e-9);
 		memcpy(again, light_sampler_excess(sampler), (size_t)dome.count * sizeof(*again));
 		assert_int_equal(light_sampler_read_linear(sampler, &image, want), 0);
 		for (int i = 0; i < dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs((double)again[i][c] - (double)want[i][c]) < 2e-4);
+				expect_below(fabs((double)again[i][c] - (double)want[i][c]), 2e-4,
+					     "i=%d, c=%d", i, c);
 		free(plain);
 		free(again);
 		free(want);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Light over time: what is constant comes out as it went in, what is switched is there within the
- * set time and no further, noise does not crawl, and nothing sticks.
- */
+/* Light over time: constant light passes unchanged, switched light arrives within the set time and
+ * does not overshoot, noise does not crawl, and nothing sticks. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,6 +16,7 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/pixel_noise.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 100, MANY = 6486 };
 
@@ -36,15 +35,15 @@ static double code_of(double light)
 	return 255 * transfer_curve_encode(&srgb, light);
 }
 
-struct lamp {
+struct filtered_lamp {
 	struct light_filter *filter;
 	int count;
-	float (*x)[3]; /* in, then out */
+	float (*x)[3]; /* first the input, then the output */
 };
 
-static struct lamp lamp_begin(int count, float pixels)
+static struct filtered_lamp lamp_begin(int count, float pixels)
 {
-	struct lamp l = {.count = count};
+	struct filtered_lamp l = {.count = count};
 	float *seen = malloc(sizeof(*seen) * (size_t)count);
 
 	l.x = calloc((size_t)count, sizeof(*l.x));
@@ -57,23 +56,23 @@ static struct lamp lamp_begin(int count, float pixels)
 	return l;
 }
 
-static void lamp_end(struct lamp *l)
+static void lamp_end(struct filtered_lamp *l)
 {
 	light_filter_destroy(l->filter);
 	free(l->x);
 }
 
-static void fill(struct lamp *l, double light)
+static void filter_fill(struct filtered_lamp *l, double light)
 {
 	for (int i = 0; i < l->count; i++)
 		for (int c = 0; c < 3; c++)
 			l->x[i][c] = (float)light;
 }
 
-/* A frame of one light for all. */
-static double frame(struct lamp *l, int64_t at_ns, double light)
+/* Filters a frame in which all lights are equal. */
+static double filter_frame(struct filtered_lamp *l, int64_t at_ns, double light)
 {
-	fill(l, light);
+	filter_fill(l, light);
 	light_filter_run(l->filter, at_ns, FOLLOW, l->x);
 	return (double)l->x[l->count / 2][1];
 }
@@ -81,7 +80,7 @@ static double frame(struct lamp *l, int64_t at_ns, double light)
 static void constant_light_comes_out_as_it_went_in(void **state)
 {
 	struct chance chance = chance_begin("constant light");
-	struct lamp l = lamp_begin(LIGHTS, 20);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 20);
 	float given[LIGHTS][3];
 
 	(void)state;
@@ -96,7 +95,7 @@ static void constant_light_comes_out_as_it_went_in(void **state)
 	lamp_end(&l);
 }
 
-/* One light of them, from dark or half-light, up or down, at several rates. */
+/* One light switches, from dark or half, up or down, at several rates. */
 static void a_switched_lamp_is_there_in_time(void **state)
 {
 	static const double from[] = {0, 0.2, 1, 1, 0.5}, to[] = {1, 0.25, 0, 0.9, 400};
@@ -105,36 +104,39 @@ static void a_switched_lamp_is_there_in_time(void **state)
 	(void)state;
 	for (int n = 0; n < 25; n++) {
 		const double a = from[n % 5], b = to[n % 5];
-		struct lamp l = lamp_begin(LIGHTS, 50);
+		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		double before = a;
 		int64_t at = 0;
 
 		for (; at < 10 * dt[n / 5]; at += dt[n / 5])
-			frame(&l, at, a);
+			filter_frame(&l, at, a);
 		for (int64_t since = 0; since < 1000 * MS; since += dt[n / 5]) {
 			double now, off;
 
-			fill(&l, a);
+			filter_fill(&l, a);
 			for (int c = 0; c < 3; c++)
 				l.x[7][c] = (float)b;
 			light_filter_run(l.filter, at + since, FOLLOW, l.x);
 			now = (double)l.x[7][1];
 			off = fabs(now - (double)(float)b);
 			if (since + dt[n / 5] > FOLLOW)
-				assert_true(off <= 0.1001 * fabs(b - a));
+				expect_at_most(off, 0.1001 * fabs(b - a), "n=%d, since=%lld", n,
+					       (long long)since);
 			if (since + dt[n / 5] < FOLLOW)
-				assert_true(off >= 0.0999 * fabs(b - a));
-			/* towards it, never past it */
-			assert_true(b > a ? now >= before && now <= (double)(float)b
-					  : now <= before && now >= (double)(float)b);
-			assert_true(l.x[8][1] == (float)a);
+				expect_at_least(off, 0.0999 * fabs(b - a), "n=%d, since=%lld", n,
+						(long long)since);
+			/* towards the new value, never beyond it */
+			expect_that(b > a ? now >= before && now <= (double)(float)b
+					  : now <= before && now >= (double)(float)b,
+				    "n=%d, since=%lld", n, (long long)since);
+			expect_equal(l.x[8][1], (float)a, "n=%d, since=%lld", n, (long long)since);
 			before = now;
 		}
 		lamp_end(&l);
 	}
 }
 
-/* What is shown at a time does not depend on how many frames there were before it. */
+/* The output at a time does not depend on the number of frames before it. */
 static void time_counts_and_not_frames(void **state)
 {
 	struct chance chance = chance_begin("time");
@@ -142,16 +144,16 @@ static void time_counts_and_not_frames(void **state)
 
 	(void)state;
 	for (int n = 0; n < 20; n++) {
-		struct lamp l = lamp_begin(LIGHTS, 50);
+		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		int64_t at = 1;
 
-		frame(&l, 0, 0.1);
+		filter_frame(&l, 0, 0.1);
 		while (at < 50 * MS) {
-			frame(&l, at, 0.8);
+			filter_frame(&l, at, 0.8);
 			at += n ? chance_int(&chance, 1, 30) * MS : 50 * MS;
 		}
-		at_50[n] = frame(&l, 50 * MS, 0.8);
-		assert_true(fabs(at_50[n] - at_50[0]) < 2e-5);
+		at_50[n] = filter_frame(&l, 50 * MS, 0.8);
+		expect_below(fabs(at_50[n] - at_50[0]), 2e-5, "n=%d", n);
 		lamp_end(&l);
 	}
 }
@@ -167,7 +169,7 @@ static double normal(struct chance *chance)
 	return sum;
 }
 
-/* The mean of that many pixels of an 8-bit camera. */
+/* Mean of that many pixels of an 8-bit camera. */
 static double seen(struct chance *chance, double code, double noise, int pixels)
 {
 	double sum = 0;
@@ -178,8 +180,9 @@ static double seen(struct chance *chance, double code, double noise, int pixels)
 }
 
 struct crawl {
-	int mirror, diffuse; /* the largest change of a pixel that sees one light, and all */
-	double mean;	     /* of all that came out */
+	/* Largest change of a pixel that sees one light, and of one that sees all. */
+	int mirror, diffuse;
+	double mean; /* mean of all outputs */
 	double given;
 };
 
@@ -187,7 +190,7 @@ static struct crawl crawl_of(struct chance *chance, int64_t follow_ns, int pixel
 {
 	enum { FRAMES = 300 };
 	static int before[LIGHTS], shone;
-	struct lamp l = lamp_begin(LIGHTS, (float)pixels);
+	struct filtered_lamp l = lamp_begin(LIGHTS, (float)pixels);
 	struct crawl found = {0};
 
 	for (int k = 0; k < FRAMES; k++) {
@@ -230,27 +233,27 @@ static void noise_moves_no_pixel_by_more_than_a_level(void **state)
 		       "(unfiltered %d), white by %d; mean %+.1e of what was given\n",
 		       pixels, found.mirror, without.mirror, found.diffuse,
 		       found.mean / found.given - 1);
-		assert_true(found.mirror <= 1 && found.diffuse <= 1);
-		assert_true(pixels > 8 || without.mirror > 1);
-		assert_true(fabs(found.mean / found.given - 1) < 1e-3);
+		expect_that(found.mirror <= 1 && found.diffuse <= 1, "pixels=%d", pixels);
+		expect_that(pixels > 8 || without.mirror > 1, "pixels=%d", pixels);
+		expect_below(fabs(found.mean / found.given - 1), 1e-3, "pixels=%d", pixels);
 	}
 }
 
-/* What goes in comes out, later: the sum over time of a flash, and of many. */
+/* The sum over time of a flash, or of several, is kept. */
 static void energy_is_kept(void **state)
 {
-	struct lamp l = lamp_begin(LIGHTS, 50);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	double in = 0, out = 0;
 	int64_t at = 0;
 
 	(void)state;
-	frame(&l, 0, 0);
+	filter_frame(&l, 0, 0);
 	for (int k = 0; k < 4000; k++) {
 		const double light = k < 300 && k % 60 < 30 ? 1 : 0;
 
 		at += 33 * MS;
 		in += light;
-		out += frame(&l, at, light);
+		out += filter_frame(&l, at, light);
 	}
 	assert_true(fabs(out / in - 1) < 0.01);
 	lamp_end(&l);
@@ -258,40 +261,43 @@ static void energy_is_kept(void **state)
 
 /* ---- what noise hides ---- */
 
-/* A light that grows by a code in ten seconds, in steps far below a camera's noise. */
+/* A light that grows by one code in ten seconds, in steps far below the camera's noise. */
 static void a_slow_lamp_does_not_stick(void **state)
 {
-	struct lamp l = lamp_begin(1, 4);
+	struct filtered_lamp l = lamp_begin(1, 4);
 	double light = level(120), now = 0;
 	int64_t at = 0;
 
 	(void)state;
-	for (int speed = 0; speed < 3; speed++) { /* codes a second: 0.1, 1, 10 */
-		double before = frame(&l, at, light);
+	for (int speed = 0; speed < 3; speed++) { /* 0.1, 1 and 10 codes a second */
+		double before = filter_frame(&l, at, light);
 
 		for (int k = 0; k < 300; k++) {
 			at += 33 * MS;
 			light += (level(121) - level(120)) * 0.033 * 0.1 * pow(10, speed);
-			now = frame(&l, at, light);
-			assert_true(now >= before && now <= (double)(float)light);
+			now = filter_frame(&l, at, light);
+			expect_that(now >= before && now <= (double)(float)light, "speed=%d, k=%d",
+				    speed, k);
 			/* The line above the slope's square is up to 1.4 above its root. */
-			assert_true(light - now <= 1.4 * 4 * PIXEL_NOISE_CODES *
-							   (level(code_of(light) + 1) - light));
-			assert_true(k < 90 || now > before);
+			expect_at_most(light - now,
+				       1.4 * 4 * PIXEL_NOISE_CODES *
+					       (level(code_of(light) + 1) - light),
+				       "speed=%d, k=%d", speed, k);
+			expect_that(k < 90 || now > before, "speed=%d, k=%d", speed, k);
 			before = now;
 		}
 		for (int k = 0; k < 200; k++)
-			now = frame(&l, at += 33 * MS, light);
-		assert_true(now == (double)(float)light);
+			now = filter_frame(&l, at += 33 * MS, light);
+		expect_equal(now, (double)(float)light, "speed=%d", speed);
 	}
 	lamp_end(&l);
 }
 
-/* Five per cent of the whole room, which no light shows by itself. */
+/* The whole room changes by five per cent, which no single light shows. */
 static void what_all_lights_say_together_is_heard(void **state)
 {
 	struct chance chance = chance_begin("together");
-	struct lamp l = lamp_begin(LIGHTS, 2);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 2);
 	double sum = 0;
 
 	(void)state;
@@ -314,35 +320,36 @@ static void what_all_lights_say_together_is_heard(void **state)
 
 static void it_begins_anew(void **state)
 {
-	struct lamp l = lamp_begin(LIGHTS, 50);
+	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	float pixels[LIGHTS];
 	const double half = (double)0.5f;
 
 	(void)state;
-	assert_true(frame(&l, 5000 * MS, 1) == 1);
-	assert_true(frame(&l, 5033 * MS, half) > half);
-	assert_true(frame(&l, 5000 * MS, half) == half); /* older */
-	assert_true(frame(&l, 5300 * MS, 1) < 1);	 /* a slow camera is followed */
-	assert_true(frame(&l, 6401 * MS, half) == half); /* away */
-	assert_true(frame(&l, 6401 * MS, 1) == half);	 /* of the same moment */
-	assert_true(frame(&l, 6434 * MS, 1) < 1);
+	assert_true(filter_frame(&l, 5000 * MS, 1) == 1);
+	assert_true(filter_frame(&l, 5033 * MS, half) > half);
+	assert_true(filter_frame(&l, 5000 * MS, half) == half); /* an older frame */
+	assert_true(filter_frame(&l, 5300 * MS, 1) < 1);	/* a slow camera is followed */
+	assert_true(filter_frame(&l, 6401 * MS, half) ==
+		    half);				     /* more than a second without frames */
+	assert_true(filter_frame(&l, 6401 * MS, 1) == half); /* the same time again */
+	assert_true(filter_frame(&l, 6434 * MS, 1) < 1);
 	light_filter_begin(l.filter);
-	assert_true(frame(&l, 6467 * MS, half) == half);
+	assert_true(filter_frame(&l, 6467 * MS, half) == half);
 	for (int i = 0; i < LIGHTS; i++)
 		pixels[i] = 1;
 	light_filter_measured(l.filter, &srgb, 2, pixels);
-	assert_true(frame(&l, 6500 * MS, 1) == 1);
-	fill(&l, 0.5);
-	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* off */
+	assert_true(filter_frame(&l, 6500 * MS, 1) == 1);
+	filter_fill(&l, 0.5);
+	light_filter_run(l.filter, 6533 * MS, 0, l.x); /* filter off */
 	assert_true(l.x[3][2] == 0.5f);
-	assert_true(frame(&l, 6566 * MS, 1) < 1); /* and on again, from there */
+	assert_true(filter_frame(&l, 6566 * MS, 1) < 1); /* on again, from the last light */
 	lamp_end(&l);
 }
 
 static void it_takes_little_time(void **state)
 {
 	struct chance chance = chance_begin("time it takes");
-	struct lamp l = lamp_begin(MANY, 4);
+	struct filtered_lamp l = lamp_begin(MANY, 4);
 	int64_t least = INT64_MAX;
 
 	(void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights files: to the bit and back, and what is wrong with a bad one. */
+/* Lights files: values come back to the bit, and messages name what is wrong. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,7 @@
 
 #include "hal/lights/lights_file.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_text(const char *path, const char *text, size_t bytes)
@@ -31,7 +33,7 @@ static void to_the_bit_and_back(void **state)
 {
 	static float lights[1000][3], back[1000][3];
 	struct chance chance = chance_begin("lights_file");
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 
 	(void)state;
 	for (int i = 0; i < 1000; i++)
@@ -50,7 +52,7 @@ static void comments_and_blanks(void **state)
 {
 	static const char text[] =
 		"\xef\xbb\xbf# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 	const float want[3][3] = {{1, 2, 3}, {0.5f, 0.25f, 1e-3f}, {7, 8, 9}};
 	float lights[3][3];
 
@@ -58,12 +60,12 @@ static void comments_and_blanks(void **state)
 	write_text(path, text, strlen(text));
 	assert_int_equal(lights_file_read(path, lights, 3, NULL), 0);
 	assert_memory_equal(lights, want, sizeof(want));
-	/* more than there is is never read */
+	/* the reader stops behind the last light, even of an endless file */
 	assert_int_equal(lights_file_read("/dev/zero", lights, 3, NULL), -EINVAL);
 	unlink(path);
 }
 
-/* The fault names the line. */
+/* The message names the line. */
 static void refused(void **state)
 {
 	static const struct {
@@ -85,7 +87,7 @@ static void refused(void **state)
 		{"1 1 0x1p3\n", ":1: ", "not a colour"},
 		{"1 1 1\n2 2 2\n3 3 3\n", ":3: ", "more than the 2 lights"},
 	};
-	const char *path = own_path("lights.txt");
+	const char *path = own_folder_path("lights.txt");
 	float lights[2][3];
 
 	(void)state;
@@ -93,7 +95,7 @@ static void refused(void **state)
 		struct fault fault = {""};
 
 		write_text(path, bad[i].text, strlen(bad[i].text));
-		assert_int_equal(lights_file_read(path, lights, 2, &fault), -EINVAL);
+		expect_equal(lights_file_read(path, lights, 2, &fault), -EINVAL, "i=%u", i);
 		assert_memory_equal(fault.text, path, strlen(path));
 		assert_memory_equal(fault.text + strlen(path), bad[i].place, strlen(bad[i].place));
 		assert_non_null(strstr(fault.text, bad[i].what));
@@ -110,10 +112,12 @@ static void files_that_cannot_be(void **state)
 	float back[1][3];
 
 	(void)state;
-	assert_int_equal(lights_file_read(own_path("missing.txt"), back, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_folder_path("missing.txt"), back, 1, &fault),
+			 -ENOENT);
 	assert_non_null(strstr(fault.text, "missing.txt"));
-	assert_int_equal(lights_file_read(own_folder, back, 1, &fault), -EISDIR);
-	assert_int_equal(lights_file_write(own_path("no/such.txt"), lights, 1, &fault), -ENOENT);
+	assert_int_equal(lights_file_read(own_folder(), back, 1, &fault), -EISDIR);
+	assert_int_equal(lights_file_write(own_folder_path("no/such.txt"), lights, 1, &fault),
+			 -ENOENT);
 	assert_non_null(strstr(fault.text, "such.txt"));
 }
 

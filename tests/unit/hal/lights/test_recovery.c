@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What clips in the sky, found again on the ground. */
+/* Light that clips in the sky is recovered from the light on the ground. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,23 +10,24 @@
 #include <string.h>
 
 #include "hal/lights/recovery.h"
+#include "tests/support/expect.h"
 
 enum { LIGHTS = 20 };
 
-/* Lights of which some are clipped at white = 1, and the ground under them as they are. */
-struct sky {
+/* Lights, some clipped at white = 1, and the true light on the ground. */
+struct recovery_sky {
 	float radiance[LIGHTS][3], clipped[LIGHTS];
-	double lost[3]; /* above white, by clipped pixel of the light that is right overhead */
+	double lost[3]; /* radiance above white of a clipped pixel in the zenith */
 	double u[3][LIGHTS], solid_sr[LIGHTS], piece_sr[LIGHTS];
 	struct light_ground ground;
 };
 
-/* What is clipped is one piece, and brighter the higher it is: as light_recover() expects. */
-static void fill(struct sky *sky, int clipped, double lost)
+/* One piece clips; its light is brighter the higher it is, as light_recover() assumes. */
+static void recovery_fill(struct recovery_sky *sky, int clipped, double lost)
 {
 	double piece_sr = 0;
 
-	*sky = (struct sky){.lost = {lost, 0.9 * lost, 0.5 * lost}};
+	*sky = (struct recovery_sky){.lost = {lost, 0.9 * lost, 0.5 * lost}};
 	for (int i = 0; i < LIGHTS; i++) {
 		sky->clipped[i] = i < clipped ? 0.25f * (float)(i + 1) / (float)clipped : 0;
 		sky->solid_sr[i] = 2 * M_PI / LIGHTS * (i % 2 ? 1.2 : 0.8);
@@ -46,7 +47,7 @@ static void fill(struct sky *sky, int clipped, double lost)
 	}
 }
 
-static struct light_recovery recover(struct sky *sky, double white)
+static struct light_recovery recover(struct recovery_sky *sky, double white)
 {
 	const struct light_clipping clipping = {
 		.lights = LIGHTS,
@@ -60,7 +61,7 @@ static struct light_recovery recover(struct sky *sky, double white)
 	return light_recover(&sky->ground, &clipping, sky->radiance);
 }
 
-static double ground_of(const struct sky *sky, int c)
+static double ground_of(const struct recovery_sky *sky, int c)
 {
 	double sum = 0;
 
@@ -72,47 +73,50 @@ static double ground_of(const struct sky *sky, int c)
 static void what_is_lost_is_found(void **state)
 {
 	static const double lost[] = {3, 10, 1000, 100000};
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
 	for (size_t n = 0; n < sizeof(lost) / sizeof(*lost); n++) {
 		struct light_recovery r;
 
-		fill(&sky, 3, lost[n]);
+		recovery_fill(&sky, 3, lost[n]);
 		before = sky;
 		r = recover(&sky, 1);
-		assert_true(r.recovered && !r.at_bound);
+		expect_that(r.recovered && !r.at_bound, "n=%zu", n);
 		for (int c = 0; c < 3; c++) {
 			const double share = 1 - ground_of(&before, c) / sky.ground.radiance[c];
 			const double unsure = LIGHT_RECOVERY_UNSURE * LIGHT_RECOVERY_UNSURE;
 			const double found = share * share / (share * share + unsure);
 
-			assert_true(fabs((r.factor[c] - 1) / (sky.lost[c] * 3 / LIGHTS) - found) <
-				    1e-4);
-			assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) <
-				    share * (1 - found) + 1e-5);
+			expect_below(fabs((r.factor[c] - 1) / (sky.lost[c] * 3 / LIGHTS) - found),
+				     1e-4, "n=%zu, c=%d", n, c);
+			expect_below(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1),
+				     share * (1 - found) + 1e-5, "n=%zu, c=%d", n, c);
 			for (int i = 0; i < LIGHTS; i++) {
 				const double more = (double)sky.radiance[i][c] -
 						    (double)before.radiance[i][c];
 				const double is = found * (double)sky.clipped[i] * sky.lost[c] *
 						  (i + 1) / LIGHTS;
 
-				assert_true(i < 3 ? more > 0 : more == 0);
-				assert_true(fabs(more - is) <= 1e-4 * is + 1e-6);
+				expect_that(i < 3 ? more > 0 : more == 0, "n=%zu, c=%d, i=%d", n, c,
+					    i);
+				expect_at_most(fabs(more - is), 1e-4 * is + 1e-6,
+					       "n=%zu, c=%d, i=%d", n, c, i);
 			}
 		}
 	}
 }
 
-/* Two of very different size give the ground as much each. */
+/* Two pieces of very different size give the ground the same light. */
 static void pieces_have_like_powers(void **state)
 {
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 	double small, large;
 
 	(void)state;
-	fill(&sky, 0, 0);
-	for (int i = 0; i < LIGHTS; i++) { /* lights 9 alone, and 10 to 19, all of one height */
+	recovery_fill(&sky, 0, 0);
+	/* Light 9 alone, and lights 10 to 19, all at one height. */
+	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = i < 9 ? 0 : 1;
 		sky.piece_sr[i] = i < 9 ? 0 : i == 9 ? 0.3 : 3;
 		sky.solid_sr[i] = 0.3;
@@ -128,11 +132,11 @@ static void pieces_have_like_powers(void **state)
 	small = (double)sky.radiance[9][0] - 1;
 	large = 0;
 	for (int i = 10; i < LIGHTS; i++) {
-		assert_true(sky.radiance[i][0] == sky.radiance[10][0]);
+		expect_equal(sky.radiance[i][0], sky.radiance[10][0], "i=%d", i);
 		large += (double)sky.radiance[i][0] - 1;
 	}
 	assert_true(fabs(small / large - 1) < 0.01);
-	/* But not a piece of a few pixels, which noise clips. */
+	/* A piece of a few pixels, clipped by noise, gets nothing. */
 	sky = before;
 	sky.clipped[9] = 1e-4f;
 	sky.piece_sr[9] = 3e-5;
@@ -143,13 +147,13 @@ static void pieces_have_like_powers(void **state)
 	assert_true(small > 0 && small < 0.04 * large);
 }
 
-/* What lies lower gets less for each clipped pixel, on the horizon nothing. */
+/* A clipped pixel near the horizon gets less, on the horizon nothing. */
 static void what_lies_low_gets_less(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < 3; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
@@ -164,7 +168,8 @@ static void what_lies_low_gets_less(void **state)
 	assert_true(sky.radiance[0][1] == 1);
 	assert_true(fabs((double)(sky.radiance[2][1] - 1) / (double)(sky.radiance[1][1] - 1) - 2) <
 		    1e-5);
-	/* Nothing else clips: the ground sees none of it, and what is missing stays missing. */
+	/* Only the light on the horizon clips. The ground does not see it, so its missing light
+	 * stays missing. */
 	sky.clipped[1] = sky.clipped[2] = 0;
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] = 10 * ground_of(&sky, c);
@@ -172,13 +177,13 @@ static void what_lies_low_gets_less(void **state)
 	assert_true(sky.radiance[0][1] == 1);
 }
 
-/* A blue sky clips in blue: red goes to the lamp. */
+/* A blue sky clips in blue only; the missing red goes to the lamp. */
 static void colours_clip_by_themselves(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 18; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = sky.solid_sr[i] = 0.3;
@@ -197,10 +202,10 @@ static void colours_clip_by_themselves(void **state)
 static void all_may_be_clipped(void **state)
 {
 	struct light_recovery r;
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
 		sky.piece_sr[i] = 2 * M_PI;
@@ -212,28 +217,29 @@ static void all_may_be_clipped(void **state)
 	r = recover(&sky, 1);
 	assert_true(r.recovered && !r.at_bound);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1) < 1e-3);
+		expect_below(fabs(ground_of(&sky, c) / sky.ground.radiance[c] - 1), 1e-3, "c=%d",
+			     c);
 }
 
-/* A patch that is no number, or lights that are not, change nothing. */
+/* A patch or lights that are NaN change nothing. */
 static void no_number_adds_nothing(void **state)
 {
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] = c == 0 ? (double)NAN : c == 1 ? -1 : 0;
 	before = sky;
 	assert_false(recover(&sky, 1).recovered);
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	sky.radiance[5][0] = NAN;
 	before = sky;
 	assert_true(recover(&sky, 1).factor[0] == 1);
 	for (int i = 0; i < LIGHTS; i++)
 		assert_memory_equal(&sky.radiance[i][0], &before.radiance[i][0], sizeof(float));
-	fill(&sky, 3, 10);
+	recovery_fill(&sky, 3, 10);
 	sky.clipped[2] = NAN;
 	before = sky;
 	assert_true(recover(&sky, 1).recovered);
@@ -241,31 +247,32 @@ static void no_number_adds_nothing(void **state)
 	assert_true(isfinite(sky.radiance[1][0]));
 }
 
-/* One light and its equation: it is that which is missing. */
+/* One light, one equation: it gets exactly the missing light. */
 static void one_light_is_exact(void **state)
 {
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
 	for (int which = 0; which < LIGHTS; which++) {
-		fill(&sky, 0, 0);
+		recovery_fill(&sky, 0, 0);
 		sky.clipped[which] = 0.3f;
 		sky.piece_sr[which] = 0.3 * sky.solid_sr[which];
 		for (int c = 0; c < 3; c++)
 			sky.ground.radiance[c] = ground_of(&sky, c) + 100 * sky.u[c][which];
 		recover(&sky, 1);
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs((double)sky.radiance[which][c] / 100 - 1) < 0.01);
+			expect_below(fabs((double)sky.radiance[which][c] / 100 - 1), 0.01,
+				     "which=%d, c=%d", which, c);
 	}
 }
 
 static void where_nothing_clips_nothing_is_done(void **state)
 {
 	struct light_recovery r;
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 0, 0);
+	recovery_fill(&sky, 0, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 5;
 	before = sky;
@@ -274,14 +281,14 @@ static void where_nothing_clips_nothing_is_done(void **state)
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
 }
 
-/* Nothing is missing, or less than nothing: nothing is taken away. */
+/* If nothing is missing, or less than nothing, no light is taken away. */
 static void light_is_not_taken_away(void **state)
 {
 	struct light_recovery r;
-	struct sky sky, before;
+	struct recovery_sky sky, before;
 
 	(void)state;
-	fill(&sky, 3, 0);
+	recovery_fill(&sky, 3, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 0.7;
 	before = sky;
@@ -291,7 +298,8 @@ static void light_is_not_taken_away(void **state)
 	assert_memory_equal(sky.radiance, before.radiance, sizeof(sky.radiance));
 }
 
-/* A calibration that is a percent off makes no lamp of a pixel that clips, and there is no step. */
+/* A calibration that is wrong by a per cent makes no lamp of a clipped pixel, and the correction
+ * has no step. */
 static void small_differences_stay_small(void **state)
 {
 	double last = 0;
@@ -300,19 +308,19 @@ static void small_differences_stay_small(void **state)
 	for (int n = 0; n <= 300; n++) {
 		const double off = n / 1000.0;
 		double more;
-		struct sky sky;
+		struct recovery_sky sky;
 
-		fill(&sky, 1, 0);
+		recovery_fill(&sky, 1, 0);
 		for (int c = 0; c < 3; c++)
 			sky.ground.radiance[c] = ground_of(&sky, c) * (1 + off);
 		recover(&sky, 1);
 		more = ground_of(&sky, 0) * (1 + off) / sky.ground.radiance[0] - 1;
-		assert_true(more >= last - 1e-9 && more - last < 0.0025);
-		assert_true(more <= off + 1e-6);
+		expect_that(more >= last - 1e-9 && more - last < 0.0025, "n=%d", n);
+		expect_at_most(more, off + 1e-6, "n=%d", n);
 		if (off <= 0.01)
-			assert_true(more < 0.21 * off + 1e-6);
+			expect_below(more, 0.21 * off + 1e-6, "n=%d", n);
 		if (off >= 0.2)
-			assert_true(more > 0.98 * off);
+			expect_above(more, 0.98 * off, "n=%d", n);
 		last = more;
 	}
 }
@@ -320,18 +328,18 @@ static void small_differences_stay_small(void **state)
 static void bounds_are_said(void **state)
 {
 	struct light_recovery r;
-	struct sky sky;
+	struct recovery_sky sky;
 
 	(void)state;
-	fill(&sky, 2, 100);
+	recovery_fill(&sky, 2, 100);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 1e7;
 	r = recover(&sky, 0.5);
 	assert_true(r.recovered && r.at_bound);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1) < 1e-9);
-	fill(&sky, 2, 100);
-	sky.ground.clipped = 0.1; /* there is more than the patch shows */
+		expect_below(fabs(r.factor[c] / LIGHT_RECOVERY_MAX - 1), 1e-9, "c=%d", c);
+	recovery_fill(&sky, 2, 100);
+	sky.ground.clipped = 0.1; /* the patch itself clips, so it shows less than there is */
 	r = recover(&sky, 1);
 	assert_true(r.recovered && r.at_bound);
 }

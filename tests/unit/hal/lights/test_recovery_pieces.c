@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which clipped lights are of one piece. */
+/* Which clipped lights belong to one piece. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "hal/lights/recovery_pieces.h"
+#include "tests/support/expect.h"
 
 static int at(const struct dome *dome, double height_deg, double azimuth_deg)
 {
@@ -51,13 +52,13 @@ static void what_touches_is_one_piece(void **state)
 		assert_non_null(clipped);
 		size = clipped_pieces_find(pieces, clipped);
 		for (int i = 0; i < dome.count; i++)
-			assert_true(size[i] == 0);
+			expect_equal(size[i], 0, "n=%zu, i=%d", n, i);
 		for (int i = 0; i < dome.count; i++)
 			clipped[i] = 1;
 		size = clipped_pieces_find(pieces, clipped);
 		for (int i = 0; i < dome.count; i++)
-			assert_true(fabs(size[i] / (2 * M_PI) - 1) < 1e-12);
-		/* All cells on the horizon are a ring, which the zenith is far from. */
+			expect_below(fabs(size[i] / (2 * M_PI) - 1), 1e-12, "n=%zu, i=%d", n, i);
+		/* The cells on the horizon form a ring, far from the zenith. */
 		top = at(&dome, 90, 0);
 		for (int i = 0; i < dome.count; i++) {
 			clipped[i] = i != top && is_on_horizon(&dome, i) ? 0.5f : 0;
@@ -70,7 +71,7 @@ static void what_touches_is_one_piece(void **state)
 					  : clipped[i] > 0 ? ring
 							   : 0;
 
-			assert_true(fabs(size[i] - is) <= 1e-12);
+			expect_at_most(fabs(size[i] - is), 1e-12, "n=%zu, i=%d", n, i);
 		}
 		free(clipped);
 		clipped_pieces_destroy(pieces);
@@ -98,7 +99,7 @@ static void two_lamps_are_two_pieces(void **state)
 	size = clipped_pieces_find(pieces, clipped);
 	assert_true(fabs(size[a] - dome.solid_angle_sr[a] - dome.solid_angle_sr[b]) < 1e-12);
 	assert_true(size[b] == size[a] && size[c] == dome.solid_angle_sr[c]);
-	for (int azimuth = 9; azimuth < 30; azimuth++) /* a bridge */
+	for (int azimuth = 9; azimuth < 30; azimuth++) /* a bridge between two pieces */
 		clipped[at(&dome, 40, azimuth)] = 1;
 	size = clipped_pieces_find(pieces, clipped);
 	assert_true(size[c] == size[a] && size[a] > 4 * dome.solid_angle_sr[a]);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The light sampler: energy, lamps, rims, flips, and pictures too small for their dome. */
+/* The light sampler: energy, lamps, rims, flips, and pictures too small for the dome. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,9 +18,10 @@
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 /* A dome, a lens and a picture of the sky. */
-struct sky {
+struct sampled_sky {
 	struct dome dome;
 	struct fisheye lens;
 	int width, height;
@@ -34,16 +36,16 @@ static const struct light_sampler_settings by_node = {
 	.estimator = ESTIMATOR_NODE, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
 static const struct fisheye_settings upright = {.field_deg = 90};
 
-/* A code value is decoded to 1/65535, rounded; and a little for single precision. */
+/* Codes are decoded to 1/65535, rounded; plus a little for single precision. */
 static const double code_error = 0.5001 / 65535;
 
-/* What the tests are about that hold of any shape: they run once for each. */
+/* The shape of lights: tests that hold for any shape run once with each. */
 static enum dome_shape lights_are = DOME_CELLS;
 
-static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
-			 const struct light_sampler_settings *settings)
+static struct sampled_sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
+				 const struct light_sampler_settings *settings)
 {
-	struct sky s = {.width = width, .height = height};
+	struct sampled_sky s = {.width = width, .height = height};
 
 	assert_int_equal(dome_create_shaped(&s.dome, f, DOME_ANGLES, lights_are, NULL), 0);
 	assert_int_equal(fisheye_prepare(&s.lens, lens, width, height, NULL), 0);
@@ -57,7 +59,7 @@ static struct sky sky_of(int f, const struct fisheye_settings *lens, int width, 
 	return s;
 }
 
-static void sky_free(struct sky *s)
+static void sky_free(struct sampled_sky *s)
 {
 	light_sampler_destroy(s->sampler);
 	dome_free(&s->dome);
@@ -65,12 +67,12 @@ static void sky_free(struct sky *s)
 	free(s->radiance);
 }
 
-static struct picture picture_of(const struct sky *s)
+static struct picture picture_of(const struct sampled_sky *s)
 {
 	return (struct picture){s->pixels, 4, 4 * (ptrdiff_t)s->width, s->width, s->height};
 }
 
-static double read_sky(struct sky *s)
+static double read_sky(struct sampled_sky *s)
 {
 	const struct picture picture = picture_of(s);
 	double clipped = -1;
@@ -79,8 +81,8 @@ static double read_sky(struct sky *s)
 	return clipped;
 }
 
-/* Whether a pixel's centre shows sky; how much, and where. */
-static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *sr)
+/* Whether the centre of a pixel shows sky; its solid angle and direction. */
+static bool shows_sky(const struct sampled_sky *s, int x, int y, double dir[3], double *sr)
 {
 	const double px[2] = {x + 0.5, y + 0.5};
 
@@ -88,8 +90,8 @@ static bool shows_sky(const struct sky *s, int x, int y, double dir[3], double *
 	return fisheye_ray(&s->lens, px, dir) && dir[2] >= 0;
 }
 
-/* Black outside the image circle, as real pictures are. */
-static void paint(struct sky *s, const uint8_t bgr[3])
+/* Paints the image circle; outside of it the picture is black, as real ones are. */
+static void paint(struct sampled_sky *s, const uint8_t bgr[3])
 {
 	for (int y = 0; y < s->height; y++)
 		for (int x = 0; x < s->width; x++) {
@@ -112,19 +114,26 @@ static void constant_sky_is_exact(void **state)
 	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
 		for (int e = 0; e < ESTIMATOR_COUNT; e++) {
 			const uint8_t bgr[3] = {200, 100, 7};
-			struct sky s = sky_of(cases[k].f, &upright, cases[k].width, cases[k].height,
-					      e == ESTIMATOR_CELL ? &by_cell : &by_node);
+			struct sampled_sky s = sky_of(cases[k].f, &upright, cases[k].width,
+						      cases[k].height,
+						      e == ESTIMATOR_CELL ? &by_cell : &by_node);
 
 			paint(&s, bgr);
-			assert_true(read_sky(&s) == 0);
+			expect_equal(read_sky(&s), 0, "k=%u, e=%d", k, e);
 			assert_int_equal(light_sampler_unseen(s.sampler), 0);
 			for (int i = 0; i < s.dome.count; i++)
 				for (int c = 0; c < 3; c++) {
 					const double want = transfer_decode(TRANSFER_SRGB,
 									    bgr[2 - c] / 255.0);
 
-					assert_true(fabs(s.radiance[i][c] - want) < code_error);
-					assert_true(s.radiance[i][c] == s.radiance[0][c]);
+					expect_below(fabs(s.radiance[i][c] - want), code_error,
+						     "light %d of %d, channel %d, case %zu, "
+						     "estimator %d",
+						     i, s.dome.count, c, (size_t)k, e);
+					expect_equal(s.radiance[i][c], s.radiance[0][c],
+						     "light %d of %d, channel %d, case %zu, "
+						     "estimator %d",
+						     i, s.dome.count, c, (size_t)k, e);
 				}
 			sky_free(&s);
 		}
@@ -137,7 +146,7 @@ static void black_level_and_gain(void **state)
 		.curve = {.named = TRANSFER_BT709, .black = 19},
 		.gain = 2.5};
 	const uint8_t codes[][3] = {{19, 18, 0}, {255, 137, 20}};
-	struct sky s = sky_of(4, &upright, 120, 120, &settings);
+	struct sampled_sky s = sky_of(4, &upright, 120, 120, &settings);
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
@@ -147,13 +156,14 @@ static void black_level_and_gain(void **state)
 			const double code = fmax(0, (codes[k][2 - c] - 19) / 236.0);
 			const double want = 2.5 * transfer_decode(TRANSFER_BT709, code);
 
-			assert_true(fabs(s.radiance[7][c] - want) <= 2.5 * code_error);
+			expect_at_most(fabs(s.radiance[7][c] - want), 2.5 * code_error,
+				       "channel %d, codes %zu", c, (size_t)k);
 		}
 	}
 	sky_free(&s);
 }
 
-/* A matrix of each light's colour; what comes out below 0 is 0. A measured curve decodes. */
+/* A colour matrix for each light, whose negative results become 0, and a measured curve. */
 static void colours_and_a_measured_curve(void **state)
 {
 	struct light_sampler_settings settings = {
@@ -163,7 +173,7 @@ static void colours_and_a_measured_curve(void **state)
 	};
 	const uint8_t bgr[3] = {60, 120, 200};
 	double linear[3];
-	struct sky s;
+	struct sampled_sky s;
 
 	(void)state;
 	for (int k = 0; k < TRANSFER_KNOTS; k++)
@@ -178,19 +188,19 @@ static void colours_and_a_measured_curve(void **state)
 
 		for (int c = 0; c < 3; c++)
 			want += 1.5 * settings.colours[3 * r + c] * linear[c];
-		assert_true(fabs(s.radiance[7][r] - fmax(want, 0)) < 2e-3);
+		expect_below(fabs(s.radiance[7][r] - fmax(want, 0)), 2e-3, "channel %d", r);
 	}
 	assert_true(s.radiance[7][2] == 0);
 	sky_free(&s);
 }
 
-static void fill_noise(struct sky *s, struct chance *chance)
+static void fill_noise(struct sampled_sky *s, struct chance *chance)
 {
 	for (int k = 0; k < 4 * s->width * s->height; k++)
 		s->pixels[k] = (uint8_t)chance_int(chance, 0, 254);
 }
 
-/* Light times solid angle over the lights is light times solid angle over the pixels. */
+/* sum over lights of light * solid angle = sum over pixels of light * solid angle */
 static void conserves_energy(void **state)
 {
 	static const int frequency[] = {2, 4, 9, 18};
@@ -200,8 +210,8 @@ static void conserves_energy(void **state)
 
 	(void)state;
 	for (int k = 0; k < 8; k++) {
-		struct sky s = sky_of(frequency[k / 2], k % 2 ? &squashed : &upright, 480,
-				      k % 2 ? 240 : 480, &by_cell);
+		struct sampled_sky s = sky_of(frequency[k / 2], k % 2 ? &squashed : &upright, 480,
+					      k % 2 ? 240 : 480, &by_cell);
 		double lights = 0, pixels = 0;
 
 		fill_noise(&s, &chance);
@@ -218,14 +228,15 @@ static void conserves_energy(void **state)
 							       s.pixels[4 * (y * s.width + x) + 1] /
 								       255.0);
 			}
-		/* A pixel at the rim is sky or not as a whole, here as there, but its cell is not:
-		 * over 54 seeds that is -1.6e-4 at most in the mean, and 7e-5 in the deviation. */
-		assert_true(fabs(lights / pixels - 1) < 5e-4);
+		/* A pixel at the rim counts as sky or not as a whole, in both sums, but its cell
+		 * does not. Over 54 seeds the mean is off by -1.6e-4 at most, and deviates by 7e-5.
+		 */
+		expect_below(fabs(lights / pixels - 1), 5e-4, "lens %d", (int)k);
 		sky_free(&s);
 	}
 }
 
-/* A lens of each model that fills the picture with a hemisphere. */
+/* A lens of each model whose hemisphere fills the picture. */
 static struct fisheye_settings lens_of_model(int model)
 {
 	return (struct fisheye_settings){
@@ -240,18 +251,20 @@ static void every_model_is_exact(void **state)
 	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
 		const struct fisheye_settings lens = lens_of_model(k / 2);
 		const uint8_t bgr[3] = {200, 100, 7};
-		struct sky s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
+		struct sampled_sky s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
 		double lights = 0, pixels = 0;
 
 		paint(&s, bgr);
-		assert_true(read_sky(&s) == 0);
+		expect_equal(read_sky(&s), 0, "k=%d", k);
 		assert_int_equal(light_sampler_unseen(s.sampler), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(s.radiance[i][c] == s.radiance[0][c] &&
-					    fabs(s.radiance[i][c] -
-						 transfer_decode(TRANSFER_SRGB,
-								 bgr[2 - c] / 255.0)) < code_error);
+				expect_that(s.radiance[i][c] == s.radiance[0][c] &&
+						    fabs(s.radiance[i][c] -
+							 transfer_decode(TRANSFER_SRGB,
+									 bgr[2 - c] / 255.0)) <
+							    code_error,
+					    "k=%d, i=%d, c=%d", k, i, c);
 		fill_noise(&s, &chance);
 		read_sky(&s);
 		for (int i = 0; i < s.dome.count; i++)
@@ -263,21 +276,22 @@ static void every_model_is_exact(void **state)
 				pixels += sr * transfer_decode(TRANSFER_SRGB,
 							       s.pixels[4 * p + 1] / 255.0);
 		}
-		/* Half-covered pixels are left out: many degrees of an orthographic rim. */
-		assert_true(k % 2 == 0 || fabs(lights / pixels - 1) <
-						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3));
+		/* Half-covered pixels are left out; at an orthographic rim they hold many degrees. */
+		expect_that(k % 2 == 0 || fabs(lights / pixels - 1) <
+						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3),
+			    "k=%d", k);
 		sky_free(&s);
 	}
 }
 
-/* What a lens loses towards its rim is made up for: a sky of one colour is of one colour. */
+/* Vignetting is compensated: an even sky stays even. */
 static void falloff_is_made_up_for(void **state)
 {
 	(void)state;
 	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
 		struct fisheye_settings lens = lens_of_model(k / 2);
 		struct image image;
-		struct sky s;
+		struct sampled_sky s;
 
 		memcpy(lens.falloff, (double[]){-0.35, 0.08, -0.012}, sizeof(lens.falloff));
 		s = sky_of(9, &lens, 320, 320, k % 2 ? &by_cell : &by_node);
@@ -294,17 +308,18 @@ static void falloff_is_made_up_for(void **state)
 		assert_int_equal(light_sampler_read_linear(s.sampler, &image, s.radiance), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(s.radiance[i][c] / (c + 1) - 1) < 1e-4);
+				expect_below(fabs(s.radiance[i][c] / (c + 1) - 1), 1e-4,
+					     "light %d, channel %d", i, c);
 		image_free(&image);
 		sky_free(&s);
 	}
 }
 
-/* One bright pixel anywhere in the sky: its energy arrives, whole, in the cells it lies in. */
+/* One bright pixel anywhere in the sky: all of its energy arrives in the cells that it lies in. */
 static void never_misses_a_lamp(void **state)
 {
-	struct sky cell = sky_of(9, &upright, 240, 240, &by_cell);
-	struct sky node = sky_of(9, &upright, 240, 240, &by_node);
+	struct sampled_sky cell = sky_of(9, &upright, 240, 240, &by_cell);
+	struct sampled_sky node = sky_of(9, &upright, 240, 240, &by_node);
 	int lamps = 0, missed = 0;
 
 	(void)state;
@@ -324,26 +339,28 @@ static void never_misses_a_lamp(void **state)
 				energy += cell.radiance[i][0] * cell.dome.solid_angle_sr[i];
 				seen += node.radiance[i][0];
 			}
-			/* cells at the rim lack the pixels that show more than sky */
-			assert_true(fabs(energy / sr - 1) < (dir[2] > 0.15 ? 0.01 : 0.05));
+			/* cells at the rim miss the pixels that lie partly outside the sky */
+			expect_below(fabs(energy / sr - 1), dir[2] > 0.15 ? 0.01 : 0.05,
+				     "lamp at (%g, %g, %g)", dir[0], dir[1], dir[2]);
 			missed += seen == 0;
 			pixel[0] = pixel[1] = pixel[2] = 0;
 			memcpy(node.pixels + 4 * (y * 240 + x), pixel, 4);
 		}
 	print_message("# of %d lamps of one pixel the nodes miss %d\n", lamps, missed);
-	assert_true(missed > lamps / 2); /* so the check can fail */
+	/* The node estimator misses lamps, so the check can fail. */
+	assert_true(missed > lamps / 2);
 	sky_free(&cell);
 	sky_free(&node);
 }
 
-/* A sky that varies; brightest to one side, so that mirrored lights would be wrong. */
+/* A smooth sky that is brightest on one side, so that mirrored lights would be wrong. */
 static double sky_radiance(const double dir[3], int channel)
 {
 	return 0.5 + 0.2 * dir[0] - 0.15 * dir[1] + 0.1 * channel * dir[2] +
 	       0.1 * sin(5 * dir[0] + 2 * dir[1]);
 }
 
-/* The mean over each cell, by counting random directions with the nearest node. */
+/* Mean of the sky over each cell, by random directions and their nearest nodes. */
 static void true_means(const struct dome *dome, struct chance *chance, double (*mean)[3])
 {
 	double *hits = calloc((size_t)dome->count, sizeof(*hits));
@@ -373,7 +390,7 @@ static void true_means(const struct dome *dome, struct chance *chance, double (*
 	free(hits);
 }
 
-static void render(const struct sky *s, struct image *image)
+static void render(const struct sampled_sky *s, struct image *image)
 {
 	image->width = s->width;
 	image->height = s->height;
@@ -401,7 +418,7 @@ static void means_of_a_known_sky(void **state)
 
 	(void)state;
 	for (int k = 0; k < 2; k++) {
-		struct sky s = sky_of(4, k ? &tilted : &upright, 640, 480, &by_cell);
+		struct sampled_sky s = sky_of(4, k ? &tilted : &upright, 640, 480, &by_cell);
 		struct image image;
 
 		if (k == 0)
@@ -411,17 +428,18 @@ static void means_of_a_known_sky(void **state)
 		assert_int_equal(light_sampler_unseen(s.sampler), 0);
 		for (int i = 0; i < s.dome.count; i++)
 			for (int c = 0; c < 3; c++)
-				assert_true(fabs(s.radiance[i][c] - mean[i][c]) < 3e-3);
+				expect_below(fabs(s.radiance[i][c] - mean[i][c]), 3e-3,
+					     "light %d, channel %d, lens %d", i, c, (int)k);
 		free(image.f32);
 		sky_free(&s);
 	}
 }
 
-/* The node estimator on the same sky: bilinear is off by the sky's curvature in a pixel, and at the
- * rim by at most its slope. */
+/* The node estimator on the same sky. Bilinear interpolation is off by the sky's curvature within a
+ * pixel, and at the rim by at most its slope. */
 static void nodes_of_a_known_sky(void **state)
 {
-	struct sky s = sky_of(9, &upright, 640, 480, &by_node);
+	struct sampled_sky s = sky_of(9, &upright, 640, 480, &by_node);
 	struct image image;
 
 	(void)state;
@@ -431,8 +449,8 @@ static void nodes_of_a_known_sky(void **state)
 		const double *d = s.dome.direction[i];
 
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(s.radiance[i][c] - sky_radiance(d, c)) <
-				    (d[2] > 0.02 ? 2e-4 : 1e-2));
+			expect_below(fabs(s.radiance[i][c] - sky_radiance(d, c)),
+				     (d[2] > 0.02 ? 2e-4 : 1e-2), "i=%d, c=%d", i, c);
 	}
 	free(image.f32);
 	sky_free(&s);
@@ -443,7 +461,7 @@ static void linear_and_8_bit_agree(void **state)
 	const struct light_sampler_settings settings = {
 		.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_LINEAR}, .gain = 1.7};
 	struct chance chance = chance_begin("sampler");
-	struct sky s = sky_of(9, &upright, 200, 160, &settings);
+	struct sampled_sky s = sky_of(9, &upright, 200, 160, &settings);
 	struct image image = {200, 160, NULL, calloc(200 * 160, 3 * sizeof(float))};
 	float(*linear)[3] = calloc((size_t)s.dome.count, sizeof(*linear));
 
@@ -458,7 +476,8 @@ static void linear_and_8_bit_agree(void **state)
 	assert_int_equal(light_sampler_read_linear(s.sampler, &image, linear), 0);
 	for (int i = 0; i < s.dome.count; i++)
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs(linear[i][c] - s.radiance[i][c]) < 1e-6);
+			expect_below(fabs(linear[i][c] - s.radiance[i][c]), 1e-6,
+				     "light %d, channel %d", i, c);
 	image.width = 199;
 	assert_int_equal(light_sampler_read_linear(s.sampler, &image, linear), -EINVAL);
 	free(image.f32);
@@ -469,7 +488,7 @@ static void linear_and_8_bit_agree(void **state)
 static void flips_are_free(void **state)
 {
 	struct chance chance = chance_begin("sampler");
-	struct sky s = sky_of(6, &upright, 99, 80, &by_cell);
+	struct sampled_sky s = sky_of(6, &upright, 99, 80, &by_cell);
 	float(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
 	uint8_t *stored = calloc(99 * 80, 4);
 	const size_t bytes = (size_t)s.dome.count * sizeof(*want);
@@ -484,7 +503,8 @@ static void flips_are_free(void **state)
 		const struct view view = {0, 0, 99, 80, flips & 1, flips & 2, 1};
 		struct picture picture;
 
-		for (int y = 0; y < 80; y++) /* as a camera that is mounted that way stores it */
+		/* As a camera that is mounted that way stores the picture. */
+		for (int y = 0; y < 80; y++)
 			for (int x = 0; x < 99; x++)
 				memcpy(stored + 4 * ((flips & 2 ? 79 - y : y) * 99 +
 						     (flips & 1 ? 98 - x : x)),
@@ -499,14 +519,14 @@ static void flips_are_free(void **state)
 	sky_free(&s);
 }
 
-/* A lens of 60 degrees sees neither the horizon nor the cells there. */
+/* A lens of 60 degrees does not see the cells near the horizon. */
 static void outside_the_field_is_dark(void **state)
 {
 	const struct fisheye_settings narrow = {.field_deg = 60};
 
 	(void)state;
 	for (int e = 0; e < ESTIMATOR_COUNT; e++) {
-		struct sky s = sky_of(9, &narrow, 300, 300, e ? &by_node : &by_cell);
+		struct sampled_sky s = sky_of(9, &narrow, 300, 300, e ? &by_node : &by_cell);
 		int unseen = 0;
 
 		memset(s.pixels, 200, 4 * 300 * 300);
@@ -523,22 +543,22 @@ static void outside_the_field_is_dark(void **state)
 			unseen += s.radiance[i][0] == 0;
 			/* a pixel is 0.4 degrees */
 			if (nearest > 60.01 * M_PI / 180)
-				assert_true(s.radiance[i][0] == 0);
+				expect_equal(s.radiance[i][0], 0, "e=%d, i=%d", e, i);
 			if (nearest < 59 * M_PI / 180)
-				assert_true(s.radiance[i][0] > 0);
+				expect_above(s.radiance[i][0], 0, "e=%d, i=%d", e, i);
 		}
-		assert_true(unseen > 100);
-		assert_int_equal(light_sampler_unseen(s.sampler), unseen);
+		expect_above(unseen, 100, "e=%d", e);
+		expect_equal(light_sampler_unseen(s.sampler), unseen, "e=%d", e);
 		sky_free(&s);
 	}
 }
 
-/* An image circle that the picture cuts off: what lies outside is not seen either. */
+/* An image circle that the picture cuts off: the sky outside is not seen. */
 static void cropped_circle(void **state)
 {
 	const struct fisheye_settings wide = {
 		.focal_px = {100, 100}, .centre_px = {160, 60}, .field_deg = 90};
-	struct sky s = sky_of(9, &wide, 320, 120, &by_cell);
+	struct sampled_sky s = sky_of(9, &wide, 320, 120, &by_cell);
 
 	(void)state;
 	memset(s.pixels, 200, 4 * 320 * 120);
@@ -547,18 +567,18 @@ static void cropped_circle(void **state)
 	for (int i = 0; i < s.dome.count; i++) {
 		double px[2];
 
-		assert_true(fisheye_project(&s.lens, s.dome.direction[i], px));
+		expect_that(fisheye_project(&s.lens, s.dome.direction[i], px), "i=%d", i);
 		if (px[1] > 1 && px[1] < 119)
-			assert_true(s.radiance[i][0] > 0);
+			expect_above(s.radiance[i][0], 0, "i=%d", i);
 		if (px[1] < -20 || px[1] > 140)
-			assert_true(s.radiance[i][0] == 0);
+			expect_equal(s.radiance[i][0], 0, "i=%d", i);
 	}
 	sky_free(&s);
 }
 
 static void clipped_share(void **state)
 {
-	struct sky s = sky_of(9, &upright, 480, 480, &by_cell);
+	struct sampled_sky s = sky_of(9, &upright, 480, 480, &by_cell);
 	double want = 0;
 
 	(void)state;
@@ -568,12 +588,12 @@ static void clipped_share(void **state)
 		for (int x = 150; x < 350; x++) {
 			double dir[3], sr;
 
-			s.pixels[4 * (y * 480 + x) + x % 3] = 255; /* any one channel */
+			s.pixels[4 * (y * 480 + x) + x % 3] = 255; /* any one of the channels */
 			if (shows_sky(&s, x, y, dir, &sr))
 				want += sr / (2 * M_PI);
 		}
 	assert_true(fabs(read_sky(&s) / want - 1) < 2e-3);
-	for (int k = 0; k < 480 * 480; k++) /* the fourth byte is nobody's */
+	for (int k = 0; k < 480 * 480; k++) /* the fourth byte has no meaning */
 		memcpy(s.pixels + 4 * k, (uint8_t[]){128, 127, 0, 255}, 4);
 	assert_true(read_sky(&s) == 0);
 	memset(s.pixels, 255, 4 * 480 * 480);
@@ -583,8 +603,8 @@ static void clipped_share(void **state)
 
 /* ---- real skies ---- */
 
-/* The colours of the lights by direct integration over the panorama, each pixel in 4 x 4 parts: no
- * lens, no sampler. */
+/* Light of each cell by direct integration over the panorama, each pixel in 4 x 4 parts, without
+ * lens and sampler. */
 static void integrate_panorama(const struct panorama *p, const struct dome *dome, double (*mean)[3])
 {
 	const int parts = 4;
@@ -616,8 +636,8 @@ static void integrate_panorama(const struct panorama *p, const struct dome *dome
 	free(sum_sr);
 }
 
-/* What the lens sees of it, each pixel the mean of 4 x 4 points. */
-static void photograph(const struct sky *s, const struct panorama *p, struct image *image)
+/* The fisheye picture of the panorama; each pixel is the mean of 4 x 4 points. */
+static void photograph(const struct sampled_sky *s, const struct panorama *p, struct image *image)
 {
 	const int parts = 4;
 
@@ -640,7 +660,7 @@ static void photograph(const struct sky *s, const struct panorama *p, struct ima
 static void check_real_sky(const char *folder, const char *name)
 {
 	const struct fisheye_settings turned = {.rotation_deg = {0, 0, 70}, .field_deg = 100};
-	struct sky s = sky_of(9, &turned, 640, 640, &by_cell);
+	struct sampled_sky s = sky_of(9, &turned, 640, 640, &by_cell);
 	double(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
 	struct image image, photo = {640, 640, NULL, calloc(640 * 640, 3 * sizeof(float))};
 	const struct panorama p = {&image, 0.8, 1};
@@ -711,7 +731,7 @@ static void refused(void **state)
 		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = NAN},
 		{.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_SRGB}, .gain = INFINITY},
 	};
-	struct sky s = sky_of(2, &upright, 64, 48, &by_cell);
+	struct sampled_sky s = sky_of(2, &upright, 64, 48, &by_cell);
 	struct picture picture = picture_of(&s);
 	struct light_sampler *sampler;
 
@@ -719,10 +739,10 @@ static void refused(void **state)
 	for (unsigned k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
 		struct fault fault = {""};
 
-		assert_int_equal(
+		expect_equal(
 			light_sampler_create(&sampler, &s.dome, &s.lens, 64, 48, &bad[k], &fault),
-			-EINVAL);
-		assert_true(strlen(fault.text) > 0);
+			-EINVAL, "k=%u", k);
+		expect_above(strlen(fault.text), 0, "k=%u", k);
 		assert_null(sampler);
 	}
 	assert_int_equal(light_sampler_create(&sampler, &s.dome, &s.lens, 64, 0, &by_cell, NULL),

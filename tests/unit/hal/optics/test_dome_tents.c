@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Lights that fall off linearly: what they cover, that they are continuous, and what is drawn. */
+/* Tents (lights that fall off linearly): their cover, their continuity, and their samples. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,6 +15,7 @@
 #include "hal/optics/dome.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static struct dome tents_of(int frequency, enum dome_division division)
 {
@@ -52,7 +53,7 @@ static void weights_sum_to_the_hemisphere(void **state)
 	}
 }
 
-/* Of a direction: how many lights, none negative, together 1. */
+/* The weights of a direction: at most three lights, none negative, sum 1. */
 static void weigh(const struct dome *dome, const double dir[3], double *all)
 {
 	int light[3];
@@ -62,15 +63,16 @@ static void weigh(const struct dome *dome, const double dir[3], double *all)
 	memset(all, 0, (size_t)dome->count * sizeof(*all));
 	assert_in_range(count, 1, 3);
 	for (int k = 0; k < count; k++) {
-		assert_true(weight[k] > 0 && all[light[k]] == 0);
+		expect_that(weight[k] > 0 && all[light[k]] == 0, "k=%d", k);
 		all[light[k]] = weight[k];
 		sum += weight[k];
-		assert_true(dome_weight(dome, light[k], dir) == weight[k]);
+		expect_equal(dome_weight(dome, light[k], dir), weight[k], "k=%d", k);
 	}
 	assert_true(fabs(sum - 1) < 1e-15);
 }
 
-/* A lamp that moves by so much changes no light by more than its share of the way to the next. */
+/* When a lamp moves, no light changes by more than the step's share of the distance to the next
+ * node. */
 static void check_step(const struct dome *dome, struct chance *chance, double *here, double *there)
 {
 	const double step = 1e-6;
@@ -87,9 +89,10 @@ static void check_step(const struct dome *dome, struct chance *chance, double *h
 	weigh(dome, from, here);
 	weigh(dome, to, there);
 	for (int i = 0; i < dome->count; i++)
-		/* the nearest two nodes to any are some way apart; where the horizon is near to
-		 * the rim a triangle may be flat, so that its height is no measure */
-		assert_true(fabs(here[i] - there[i]) < 4 * sqrt(3) * step / (0.5 * spacing));
+		/* The two nearest nodes to any node are some distance apart. Where the horizon is
+		 * near the rim a triangle may be flat, so that its height gives no bound. */
+		expect_below(fabs(here[i] - there[i]), 4 * sqrt(3) * step / (0.5 * spacing), "i=%d",
+			     i);
 }
 
 static void continuous_everywhere(void **state)
@@ -112,7 +115,7 @@ static void continuous_everywhere(void **state)
 	}
 }
 
-/* In the flat triangle of its lights' nodes, the direction's ray meets their weighted mean. */
+/* In the flat triangle of its lights' nodes, the ray of a direction meets their weighted mean. */
 static void linear_between_nodes(void **state)
 {
 	struct chance chance = chance_begin("tents");
@@ -133,12 +136,13 @@ static void linear_between_nodes(void **state)
 				for (int x = 0; x < 3; x++)
 					mean[x] += weight[n] * dome.direction[light[n]][x];
 			vec_cross(mean, dir, across);
-			if (dir[2] > 1.2 * atan(2) / f) { /* above any foot */
-				assert_true(vec_length(across) < 1e-14);
+			/* Above all triangles with a foot on the horizon. */
+			if (dir[2] > 1.2 * atan(2) / f) {
+				expect_below(vec_length(across), 1e-14, "f=%d, k=%d", f, k);
 				inside++;
 			}
 		}
-		assert_true(inside > 1500);
+		expect_above(inside, 1500, "f=%d", f);
 		dome_free(&dome);
 	}
 }
@@ -150,7 +154,8 @@ static void whole_at_the_nodes(void **state)
 		struct dome dome = tents_of(f, f % 2 ? DOME_ANGLES : DOME_CHORDS);
 
 		for (int i = 0; i < dome.count; i++)
-			assert_true(fabs(dome_weight(&dome, i, dome.direction[i]) - 1) < 1e-9);
+			expect_below(fabs(dome_weight(&dome, i, dome.direction[i]) - 1), 1e-9,
+				     "f=%d, i=%d", f, i);
 		dome_free(&dome);
 	}
 }
@@ -170,8 +175,8 @@ static void no_direction(void **state)
 	dome_free(&dome);
 }
 
-/* The mean of weight over density is the solid angle, that of what it is times a height the
- * projected one; and what is drawn is within reach. */
+/* The mean of weight / density is the solid angle, that of weight * height / density the projected
+ * one; and each sample is within reach. */
 static void check_samples(const struct dome *dome, int light, double tolerance)
 {
 	const int side = 64;
@@ -183,8 +188,8 @@ static void check_samples(const struct dome *dome, int light, double tolerance)
 
 		dome_light_sample(dome, light, (k % side + 0.5) / side, (k / side + 0.5) / side,
 				  dir);
-		assert_true(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0);
-		assert_true(vec_dot(dir, dome->direction[light]) >= least);
+		expect_that(fabs(vec_length(dir) - 1) < 1e-14 && dir[2] >= 0, "k=%d", k);
+		expect_at_least(vec_dot(dir, dome->direction[light]), least, "k=%d", k);
 		each = dome_weight(dome, light, dir) / dome_light_density(dome, light, dir);
 		sum += each / (side * side);
 		projected += each * dir[2] / (side * side);
@@ -207,7 +212,8 @@ static void samples_keep_their_order(void **state)
 		}
 }
 
-/* Even directions of the hemisphere, against what each light is said to hold. */
+/* Evenly spaced directions of the hemisphere, against the solid angles and densities that each
+ * light declares. */
 static void weights_and_densities_against_counting(void **state)
 {
 	static const int frequency[] = {1, 2, 5};
@@ -235,8 +241,9 @@ static void weights_and_densities_against_counting(void **state)
 			}
 		}
 		for (int i = 0; i < dome.count; i++) {
-			assert_true(fabs(sum[2 * i] / dome.solid_angle_sr[i] - 1) < 2e-3);
-			assert_true(fabs(sum[2 * i + 1] - 1) < 2e-3);
+			expect_below(fabs(sum[2 * i] / dome.solid_angle_sr[i] - 1), 2e-3,
+				     "n=%d, i=%d", n, i);
+			expect_below(fabs(sum[2 * i + 1] - 1), 2e-3, "n=%d, i=%d", n, i);
 		}
 		free(sum);
 		dome_free(&dome);
@@ -254,17 +261,18 @@ static void samples_at_the_limits(void **state)
 			double dir[3];
 
 			dome_light_sample(&dome, i, limits[k % 5], limits[k / 5], dir);
-			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
-			assert_true(vec_dot(dir, dome.direction[i]) > 0.97);
-			assert_true(fabs(dome_weight(&dome, i, dir) /
-						 dome_light_density(&dome, i, dir) /
-						 dome.solid_angle_sr[i] -
-					 1) < 0.1);
+			expect_below(fabs(vec_length(dir) - 1), 1e-14, "i=%d, k=%d", i, k);
+			expect_above(vec_dot(dir, dome.direction[i]), 0.97, "i=%d, k=%d", i, k);
+			expect_below(fabs(dome_weight(&dome, i, dir) /
+						  dome_light_density(&dome, i, dir) /
+						  dome.solid_angle_sr[i] -
+					  1),
+				     0.1, "i=%d, k=%d", i, k);
 		}
 	dome_free(&dome);
 }
 
-/* What holds of any shape holds of cells. */
+/* What the tests above check of tents holds of cells. */
 static void cells_are_the_other_shape(void **state)
 {
 	struct chance chance = chance_begin("tents");
@@ -278,16 +286,16 @@ static void cells_are_the_other_shape(void **state)
 		int light[3];
 
 		chance_direction(&chance, 0, dir);
-		assert_int_equal(dome_weights(&dome, dir, light, weight), 1);
-		assert_int_equal(light[0], dome_cell_of(&dome, dir));
-		assert_true(weight[0] == 1);
-		assert_true(dome_light_density(&dome, light[0], dir) ==
-			    1 / dome.solid_angle_sr[light[0]]);
+		expect_equal(dome_weights(&dome, dir, light, weight), 1, "k=%d", k);
+		expect_equal(light[0], dome_cell_of(&dome, dir), "k=%d", k);
+		expect_equal(weight[0], 1, "k=%d", k);
+		expect_equal(dome_light_density(&dome, light[0], dir),
+			     1 / dome.solid_angle_sr[light[0]], "k=%d", k);
 		dome_light_sample(&dome, light[0], u, v, drawn);
 		dome_cell_sample(&dome, light[0], u, v, dir);
 		assert_memory_equal(drawn, dir, sizeof(dir));
-		assert_true(vec_dot(dir, dome.direction[light[0]]) >=
-			    cos(dome_light_reach_rad(&dome, light[0]) + 1e-9));
+		expect_at_least(vec_dot(dir, dome.direction[light[0]]),
+				cos(dome_light_reach_rad(&dome, light[0]) + 1e-9), "k=%d", k);
 	}
 	dome_free(&dome);
 }

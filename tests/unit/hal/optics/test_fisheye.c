@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The fisheye lens: there and back, and solid angles against triangles on the sphere. */
+/* The fisheye lens: projection and its inverse, and solid angles against triangles on the sphere.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,6 +14,7 @@
 #include "hal/optics/fisheye.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static struct fisheye lens_of(const struct fisheye_settings *settings, int width, int height)
 {
@@ -58,8 +60,8 @@ static void separate_focal_lengths(void **state)
 	assert_true(fabs(px[1] - (60 + 75 * theta * sin(phi))) < 1e-12);
 }
 
-/* v turned about axis 0, 1 or 2, counter-clockwise seen from its end. */
-static void turn(double v[3], int axis, double deg)
+/* Turns v about axis 0, 1 or 2, counter-clockwise as seen from the tip of the axis. */
+static void test_fisheye_turn(double v[3], int axis, double deg)
 {
 	const double c = cos(deg * M_PI / 180), s = sin(deg * M_PI / 180);
 	const int a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -84,10 +86,10 @@ static void rotates_about_x_then_y_then_z(void **state)
 		chance_direction(&chance, -0.999, dir);
 		memcpy(turned, dir, sizeof(dir));
 		for (int axis = 0; axis < 3; axis++)
-			turn(turned, axis, settings.rotation_deg[axis]);
-		assert_true(fisheye_project(&lens, dir, px));
-		assert_true(fisheye_project(&plain, turned, want));
-		assert_true(hypot(px[0] - want[0], px[1] - want[1]) < 1e-9);
+			test_fisheye_turn(turned, axis, settings.rotation_deg[axis]);
+		expect_that(fisheye_project(&lens, dir, px), "k=%d", k);
+		expect_that(fisheye_project(&plain, turned, want), "k=%d", k);
+		expect_below(hypot(px[0] - want[0], px[1] - want[1]), 1e-9, "k=%d", k);
 	}
 }
 
@@ -116,17 +118,18 @@ static void round_trip(void **state)
 				settings.centre_px[1] + settings.focal_px[1] * theta * sin(phi)};
 			double dir[3], back[2];
 
-			assert_true(fisheye_ray(&lens, px, dir));
-			assert_true(fabs(vec_length(dir) - 1) < 1e-15);
-			/* the angle from the axis is that of the picture */
-			assert_true(fabs(atan2(hypot(vec_dot(lens.rotation, dir),
-						     vec_dot(lens.rotation + 3, dir)),
-					       vec_dot(lens.rotation + 6, dir)) -
-					 theta) < 1e-12);
-			assert_true(fisheye_project(&lens, dir, back));
+			expect_that(fisheye_ray(&lens, px, dir), "k=%d, n=%d", k, n);
+			expect_below(fabs(vec_length(dir) - 1), 1e-15, "k=%d, n=%d", k, n);
+			/* the angle from the axis is the picture's */
+			expect_below(fabs(atan2(hypot(vec_dot(lens.rotation, dir),
+						      vec_dot(lens.rotation + 3, dir)),
+						vec_dot(lens.rotation + 6, dir)) -
+					  theta),
+				     1e-12, "k=%d, n=%d", k, n);
+			expect_that(fisheye_project(&lens, dir, back), "k=%d, n=%d", k, n);
 			/* near straight behind, sin(theta) has few digits */
-			assert_true(hypot(back[0] - px[0], back[1] - px[1]) <
-				    1e-9 / fmax(1e-3, fmin(1, M_PI - theta)));
+			expect_below(hypot(back[0] - px[0], back[1] - px[1]),
+				     1e-9 / fmax(1e-3, fmin(1, M_PI - theta)), "k=%d, n=%d", k, n);
 		}
 	}
 }
@@ -146,10 +149,10 @@ static void nothing_outside_the_field(void **state)
 		const double at_61[3] = {sin(61 * M_PI / 180) * c, sin(61 * M_PI / 180) * s,
 					 cos(61 * M_PI / 180)};
 
-		assert_true(fisheye_ray(&lens, inside, dir));
-		assert_true(fisheye_pixel_sr(&lens, inside) > 0);
+		expect_that(fisheye_ray(&lens, inside, dir), "k=%d", k);
+		expect_above(fisheye_pixel_sr(&lens, inside), 0, "k=%d", k);
 		assert_false(fisheye_ray(&lens, outside, dir));
-		assert_true(fisheye_pixel_sr(&lens, outside) == 0);
+		expect_equal(fisheye_pixel_sr(&lens, outside), 0, "k=%d", k);
 		assert_false(fisheye_project(&lens, at_61, px));
 	}
 }
@@ -169,12 +172,12 @@ static void the_horizon_is_in_the_field(void **state)
 			const double dir[3] = {cos(k * M_PI / 1800), sin(k * M_PI / 1800), 0};
 			double px[2];
 
-			assert_true(fisheye_project(&lens, dir, px));
+			expect_that(fisheye_project(&lens, dir, px), "turned=%d, k=%d", turned, k);
 		}
 	}
 }
 
-/* Solid angle of a triangle by l'Huilier's theorem: nothing in common with the code. */
+/* Solid angle of a triangle by L'Huilier's theorem, which the code does not use. */
 static double triangle_sr(const double a[3], const double b[3], const double c[3])
 {
 	const double *v[3] = {a, b, c};
@@ -206,12 +209,14 @@ static void pixel_solid_angle(void **state)
 		double corner[4][3], sr;
 
 		for (int k = 0; k < 4; k++)
-			assert_true(fisheye_ray(
-				&lens, (double[]){px[0] + (k & 1) - 0.5, px[1] + (k >> 1) - 0.5},
-				corner[k]));
+			expect_that(fisheye_ray(&lens,
+						(double[]){px[0] + (k & 1) - 0.5,
+							   px[1] + (k >> 1) - 0.5},
+						corner[k]),
+				    "n=%d, k=%d", n, k);
 		sr = triangle_sr(corner[0], corner[1], corner[3]) +
 		     triangle_sr(corner[0], corner[3], corner[2]);
-		assert_true(fabs(fisheye_pixel_sr(&lens, px) / sr - 1) < 1e-3);
+		expect_below(fabs(fisheye_pixel_sr(&lens, px) / sr - 1), 1e-3, "n=%d", n);
 	}
 	/* the limit on the axis */
 	assert_true(fabs(fisheye_pixel_sr(&lens, lens.centre_px) - 1 / (200.0 * 130)) < 1e-18);
@@ -232,7 +237,7 @@ static void a_hemisphere_is_two_pi(void **state)
 	assert_true(fabs(sum / (parts * parts) - 2 * M_PI) < 1e-4 * 2 * M_PI);
 }
 
-/* A lens of each model, with the widest field that it has. */
+/* A lens of each model, with its widest possible field. */
 static const struct fisheye_settings of_models[] = {
 	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUIDISTANT},
 	{.focal_px = {210, 140}, .field_deg = 175, .model = FISHEYE_EQUISOLID},
@@ -245,7 +250,7 @@ static const struct fisheye_settings of_models[] = {
 };
 #define MODELS (sizeof(of_models) / sizeof(*of_models))
 
-/* As the header prints them. */
+/* Radius in the picture, by the formulas of the header. */
 static double printed_radius(const struct fisheye_settings *s, double t)
 {
 	const double *k = s->polynomial;
@@ -281,16 +286,18 @@ static void every_model_there_and_back(void **state)
 			const double r = printed_radius(s, t);
 			double px[2], back[3];
 
-			assert_true(fisheye_project(&lens, dir, px));
-			assert_true(hypot(px[0] - (700 + s->focal_px[0] * r * cos(phi)),
-					  px[1] - (500 + s->focal_px[1] * r * sin(phi))) < 1e-9);
-			assert_true(fisheye_ray(&lens, px, back));
+			expect_that(fisheye_project(&lens, dir, px), "m=%u, n=%d", m, n);
+			expect_below(hypot(px[0] - (700 + s->focal_px[0] * r * cos(phi)),
+					   px[1] - (500 + s->focal_px[1] * r * sin(phi))),
+				     1e-9, "m=%u, n=%d", m, n);
+			expect_that(fisheye_ray(&lens, px, back), "m=%u, n=%d", m, n);
 			for (int i = 0; i < 3; i++)
 				back[i] -= dir[i];
 			/* near its rim sin(t) tells little about t */
-			assert_true(vec_length(back) < (s->model == FISHEYE_ORTHOGRAPHIC
-								? 1e-13 / fmax(cos(t), 1e-6)
-								: 1e-12));
+			expect_below(vec_length(back),
+				     (s->model == FISHEYE_ORTHOGRAPHIC ? 1e-13 / fmax(cos(t), 1e-6)
+								       : 1e-12),
+				     "m=%u, n=%d", m, n);
 		}
 	}
 }
@@ -300,10 +307,11 @@ static double quad_sr(const struct fisheye *lens, const double px[2], double sid
 	double corner[4][3];
 
 	for (int k = 0; k < 4; k++)
-		assert_true(fisheye_ray(
-			lens,
-			(double[]){px[0] + side * ((k & 1) - 0.5), px[1] + side * ((k >> 1) - 0.5)},
-			corner[k]));
+		expect_that(fisheye_ray(lens,
+					(double[]){px[0] + side * ((k & 1) - 0.5),
+						   px[1] + side * ((k >> 1) - 0.5)},
+					corner[k]),
+			    "k=%d", k);
 	return (triangle_sr(corner[0], corner[1], corner[3]) +
 		triangle_sr(corner[0], corner[3], corner[2])) /
 	       (side * side);
@@ -323,12 +331,14 @@ static void every_model_has_its_solid_angles(void **state)
 			const double phi = chance_real(&chance, 0, 2 * M_PI);
 			const double px[2] = {1200 + r * cos(phi), 900 + r * sin(phi)};
 
-			assert_true(fabs(fisheye_pixel_sr(&lens, px) / quad_sr(&lens, px, 0.5) -
-					 1) < 2e-3);
+			expect_below(
+				fabs(fisheye_pixel_sr(&lens, px) / quad_sr(&lens, px, 0.5) - 1),
+				2e-3, "m=%u, n=%d", m, n);
 		}
-		assert_true(fabs(fisheye_pixel_sr(&lens, lens.centre_px) * lens.focal_px[0] *
-					 lens.focal_px[1] -
-				 1) < 1e-12);
+		expect_below(fabs(fisheye_pixel_sr(&lens, lens.centre_px) * lens.focal_px[0] *
+					  lens.focal_px[1] -
+				  1),
+			     1e-12, "m=%u", m);
 	}
 }
 
@@ -342,16 +352,17 @@ static void every_model_sees_a_hemisphere(void **state)
 		const int parts = 4;
 		double sum = 0;
 
-		/* the field fills the picture */
-		assert_true(fabs(lens.focal_px[0] * lens.rim - 240) < 1e-9);
+		/* the image circle fits the picture */
+		expect_below(fabs(lens.focal_px[0] * lens.rim - 240), 1e-9, "model=%d", model);
 		for (int y = 0; y < 480 * parts; y++)
 			for (int x = 0; x < 480 * parts; x++)
 				sum += fisheye_pixel_sr(
 					&lens, (double[]){(x + 0.5) / parts, (y + 0.5) / parts});
-		/* The orthographic rim has a whole degree and more in its last half pixel. */
-		assert_true(fabs(sum / (parts * parts) / (2 * M_PI) - 1) <
-			    (model == FISHEYE_ORTHOGRAPHIC ? 0.04 : 1e-4));
-		assert_true(isfinite(fisheye_pixel_sr(&lens, (double[]){480, 240})));
+		/* The last half pixel before an orthographic rim holds more than a degree. */
+		expect_below(fabs(sum / (parts * parts) / (2 * M_PI) - 1),
+			     (model == FISHEYE_ORTHOGRAPHIC ? 0.04 : 1e-4), "model=%d", model);
+		expect_that(isfinite(fisheye_pixel_sr(&lens, (double[]){480, 240})), "model=%d",
+			    model);
 	}
 }
 
@@ -363,7 +374,7 @@ static void folds_are_named(void **state)
 	struct fisheye_settings before = fold;
 	const struct fisheye_settings ortho = {.field_deg = 90.1, .model = FISHEYE_ORTHOGRAPHIC};
 	const struct fisheye_settings stereo = {.field_deg = 180, .model = FISHEYE_STEREOGRAPHIC};
-	/* rises at 90 degrees again, but not between */
+	/* r(theta) rises at 90 degrees again, but not in between */
 	const struct fisheye_settings between = {
 		.field_deg = 90, .model = FISHEYE_POLYNOMIAL, .polynomial = {-0.45, 0.08, 0, 0}};
 	const struct fisheye_settings dark = {.field_deg = 90, .falloff = {-1, 0, 0}};
@@ -423,8 +434,8 @@ static void refused(void **state)
 	for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
 		struct fault fault = {""};
 
-		assert_int_equal(fisheye_prepare(&lens, &bad[i], 480, 480, &fault), -EINVAL);
-		assert_true(strlen(fault.text) > 0);
+		expect_equal(fisheye_prepare(&lens, &bad[i], 480, 480, &fault), -EINVAL, "i=%u", i);
+		expect_above(strlen(fault.text), 0, "i=%u", i);
 	}
 	assert_int_equal(
 		fisheye_prepare(&lens, &(struct fisheye_settings){.field_deg = 90}, 0, 480, NULL),

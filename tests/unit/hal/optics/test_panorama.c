@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The panorama: which way round it is, and how much sky a row holds. */
+/* The panorama: its orientation, and the solid angle of a row. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,6 +16,7 @@
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define WIDTH 64
@@ -53,7 +54,8 @@ static void seen_from_inside(void **state)
 	check_direction(&p, 0, HEIGHT / 2, -1, 0, 0);
 	check_direction(&p, 17, 0, 0, 0, 1);
 	check_direction(&p, 17, HEIGHT, 0, 0, -1);
-	p.turn_rad = M_PI / 2; /* counter-clockwise from above: what was at +X is at +Y */
+	/* Counter-clockwise as seen from above: what was at +X is now at +Y. */
+	p.turn_rad = M_PI / 2;
 	check_direction(&p, WIDTH / 2, HEIGHT / 2, 0, 1, 0);
 }
 
@@ -75,7 +77,8 @@ static void pixel_centres_are_exact(void **state)
 					dir[k] *= 7;
 				panorama_radiance(&p, dir, rgb);
 				for (int c = 0; c < 3; c++)
-					assert_true(fabs(rgb[c] - 2.5 * pixels[y][x][c]) < 1e-9);
+					expect_below(fabs(rgb[c] - 2.5 * pixels[y][x][c]), 1e-9,
+						     "n=%d, y=%d, x=%d, c=%d", n, y, x, c);
 			}
 	}
 }
@@ -89,7 +92,7 @@ static void bilinear_across_the_seam(void **state)
 	fill_random(&chance);
 	for (int n = 0; n < 5000; n++) {
 		const double x = chance_real(&chance, -0.5,
-					     0.5); /* between the last and the first */
+					     0.5); /* between the last column and the first */
 		const double y = chance_real(&chance, 0.5, HEIGHT - 0.5001);
 		const int row = (int)(y - 0.5);
 		const double s = x + 0.5, t = y - 0.5 - row;
@@ -103,7 +106,8 @@ static void bilinear_across_the_seam(void **state)
 			const double below = (1 - s) * pixels[row + 1][WIDTH - 1][c] +
 					     s * pixels[row + 1][0][c];
 
-			assert_true(fabs(rgb[c] - ((1 - t) * above + t * below)) < 1e-9);
+			expect_below(fabs(rgb[c] - ((1 - t) * above + t * below)), 1e-9,
+				     "n=%d, c=%d", n, c);
 		}
 	}
 }
@@ -135,7 +139,7 @@ static void rows_sum_to_the_sphere(void **state)
 		const double want = 2 * M_PI *
 				    (cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1) / HEIGHT));
 
-		assert_true(fabs(panorama_row_sr(&p, y) - want) < 1e-14);
+		expect_below(fabs(panorama_row_sr(&p, y) - want), 1e-14, "y=%d", y);
 		sum += panorama_row_sr(&p, y);
 		if (y < HEIGHT / 2)
 			upper += panorama_row_sr(&p, y);
@@ -156,34 +160,34 @@ static void no_direction_is_dark(void **state)
 	assert_true(rgb[0] == 0);
 }
 
-/* What is no panorama is named. */
+/* The message names what makes a picture no panorama. */
 static void read_from_files(void **state)
 {
 	static const struct {
 		int width, height;
 		bool linear;
-		const char *expected; /* NULL: fine */
+		const char *expected; /* part of the message; NULL: accepted */
 	} cases[] = {
 		{64, 32, true, NULL},
-		{65, 32, true, NULL}, /* scaled by hand */
+		{65, 32, true, NULL}, /* a size that somebody scaled by hand */
 		{16, 16, true, "16 x 16 pixels, expected twice as wide as high"},
 		{64, 32, false, "expected linear light"},
 	};
 
 	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
-		const char *path = own_path(cases[k].linear ? "p.pfm" : "p.png");
+		const char *path = own_folder_path(cases[k].linear ? "p.pfm" : "p.png");
 		struct fault fault = {.text = ""};
 		struct image picture;
 		int err = cases[k].linear
 				  ? image_create_f32(&picture, cases[k].width, cases[k].height)
 				  : image_create_u8(&picture, cases[k].width, cases[k].height);
 
-		assert_int_equal(err, 0);
+		expect_equal(err, 0, "k=%zu", k);
 		assert_int_equal(image_write(path, &picture, &fault), 0);
 		image_free(&picture);
 		err = panorama_read(&picture, path, &fault);
-		assert_int_equal(err, cases[k].expected ? -EINVAL : 0);
+		expect_equal(err, cases[k].expected ? -EINVAL : 0, "k=%zu", k);
 		assert_non_null(strstr(fault.text, cases[k].expected ? cases[k].expected : ""));
 		image_free(&picture);
 		assert_int_equal(unlink(path), 0);

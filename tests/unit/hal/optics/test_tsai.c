@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tsai's camera: the thesis's equations, their inverse, and arguments nobody means. */
+/* Tsai's camera: the equations of the thesis, their inverse, and invalid arguments. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,6 +15,7 @@
 #include "hal/optics/tsai.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 static const double eye[3] = {3, -4, 2}, target[3] = {0.2, 0.1, 0.5};
 
@@ -58,7 +59,7 @@ static void projects_as_printed(void **state)
 			w[i] = chance_real(&chance, -1, 1);
 		assert_int_equal(tsai_project(&c, w, px), 0);
 		printed_equations(&c, w, want);
-		assert_true(hypot(px[0] - want[0], px[1] - want[1]) < 1e-10);
+		expect_below(hypot(px[0] - want[0], px[1] - want[1]), 1e-10, "k=%d", k);
 	}
 }
 
@@ -74,13 +75,13 @@ static void looks_at_its_target(void **state)
 	assert_true(hypot(px[0] - 320, px[1] - 240) < 1e-9);
 	assert_int_equal(tsai_project(&c, above, px), 0);
 	assert_true(fabs(px[0] - 320) < 1e-9 && px[1] < 230);
-	assert_int_equal(tsai_project(&c, right, px), 0); /* seen from -Y, +X is to the right */
+	assert_int_equal(tsai_project(&c, right, px), 0); /* seen from -Y, +X is on the right */
 	assert_true(px[0] > 330);
-	/* the left and right edges are the field of view apart */
+	/* between the left and right edges lies the field of view */
 	assert_int_equal(tsai_ray(&c, (double[]){0, 240}, origin, dir), 0);
 	assert_true(fabs(acos(vec_dot(dir, c.rotation + 6)) - 20 * M_PI / 180) < 1e-9);
 	for (int i = 0; i < 3; i++)
-		assert_true(fabs(origin[i] - eye[i]) < 1e-12);
+		expect_below(fabs(origin[i] - eye[i]), 1e-12, "i=%d", i);
 }
 
 static void round_trip(void **state)
@@ -100,14 +101,15 @@ static void round_trip(void **state)
 			double origin[3], dir[3], point[3], back[2];
 
 			assert_int_equal(tsai_ray(&c, px, origin, dir), 0);
-			assert_true(fabs(vec_length(dir) - 1) < 1e-14);
+			expect_below(fabs(vec_length(dir) - 1), 1e-14, "k=%u, n=%d", k, n);
 			for (int i = 0; i < 3; i++)
 				point[i] = origin[i] + far * dir[i];
 			assert_int_equal(tsai_project(&c, point, back), 0);
-			/* beside a camera 5 away from the origin, a point at 1e-2 keeps 13 digits,
-			 * and fewer where the ray leaves nearly across the view */
-			assert_true(hypot(back[0] - px[0], back[1] - px[1]) <
-				    1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6));
+			/* At a camera 5 away from the origin, a point at distance 1e-2 keeps 13
+			 * digits, fewer where the ray is nearly perpendicular to the axis. */
+			expect_below(hypot(back[0] - px[0], back[1] - px[1]),
+				     1e-9 / fmin(far, 1) / vec_dot(dir, c.rotation + 6),
+				     "k=%u, n=%d", k, n);
 		}
 	}
 }
@@ -127,7 +129,7 @@ static void has_no_image(void **state)
 	assert_int_equal(tsai_project(&c, w, px), -ERANGE);
 	assert_true(px[0] == -1 && px[1] == -1);
 
-	/* A fold at radius 10: what lies beyond it would be seen twice, and is not seen. */
+	/* A fold at radius 10: points beyond it would appear twice, and have no image. */
 	c.kappa1 = -1 / (3 * 10.0 * 10.0);
 	for (int k = 0; k < 200; k++) {
 		const double radius = k * 0.1;
@@ -137,23 +139,23 @@ static void has_no_image(void **state)
 			camera[i] -= c.translation[i];
 		mat_apply_transposed(c.rotation, camera, w);
 		if (fabs(radius - 10) > 1e-9)
-			assert_int_equal(tsai_project(&c, w, px), radius < 10 ? 0 : -ERANGE);
+			expect_equal(tsai_project(&c, w, px), radius < 10 ? 0 : -ERANGE, "k=%d", k);
 	}
-	/* distorted radius at most 2/3 of the fold's */
+	/* the distorted radius is at most 2/3 of the fold's */
 	for (int k = 0; k < 200; k++) {
 		const double radius = k * 0.05;
 
 		px[0] = c.centre_px[0];
 		px[1] = c.height - c.centre_px[1] + radius / c.pixel[1];
 		if (fabs(radius - 20.0 / 3) > 1e-9)
-			assert_int_equal(tsai_ray(&c, px, origin, dir),
-					 radius < 20.0 / 3 ? 0 : -ERANGE);
+			expect_equal(tsai_ray(&c, px, origin, dir), radius < 20.0 / 3 ? 0 : -ERANGE,
+				     "k=%d", k);
 	}
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
 }
 
-/* Tsai's own direction: the undistorted point is printed from the distorted one. */
+/* Tsai's own direction: the equation gives the undistorted point from the distorted one. */
 static void projects_as_tsai_printed(void **state)
 {
 	static const double kappas[] = {0, 2e-4, 0.1, -2e-4};
@@ -175,13 +177,15 @@ static void projects_as_tsai_printed(void **state)
 			mat_apply(c.rotation, w, seen);
 			for (int i = 0; i < 3; i++)
 				seen[i] += c.translation[i];
-			assert_true(fabs(x * back - c.focal * seen[0] / seen[2]) < 1e-12);
-			assert_true(fabs(y * back - c.focal * seen[1] / seen[2]) < 1e-12);
+			expect_below(fabs(x * back - c.focal * seen[0] / seen[2]), 1e-12,
+				     "k=%d, n=%d", k, n);
+			expect_below(fabs(y * back - c.focal * seen[1] / seen[2]), 1e-12,
+				     "k=%d, n=%d", k, n);
 		}
 }
 
-/* A fold at radius 10 of the distorted picture: nothing is seen beyond it, and nothing that would
- * have to be drawn beyond it has an image. */
+/* A fold at radius 10 of the distorted picture: no ray beyond it, and points whose image would lie
+ * beyond it have none. */
 static void has_no_image_as_tsai_printed(void **state)
 {
 	struct tsai_camera c = example(-1 / (3 * 10.0 * 10.0));
@@ -196,12 +200,14 @@ static void has_no_image_as_tsai_printed(void **state)
 		px[0] = c.centre_px[0];
 		px[1] = c.height - c.centre_px[1] + radius / c.pixel[1];
 		if (fabs(radius - 10) > 1e-9)
-			assert_int_equal(tsai_ray(&c, px, origin, dir), radius < 10 ? 0 : -ERANGE);
+			expect_equal(tsai_ray(&c, px, origin, dir), radius < 10 ? 0 : -ERANGE,
+				     "k=%d", k);
 		for (int i = 0; i < 3; i++)
 			camera[i] -= c.translation[i];
 		mat_apply_transposed(c.rotation, camera, w);
 		if (fabs(radius - 20.0 / 3) > 1e-9)
-			assert_int_equal(tsai_project(&c, w, px), radius < 20.0 / 3 ? 0 : -ERANGE);
+			expect_equal(tsai_project(&c, w, px), radius < 20.0 / 3 ? 0 : -ERANGE,
+				     "k=%d", k);
 	}
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 	assert_int_equal(tsai_ray(&c, (double[]){0, INFINITY}, origin, dir), -ERANGE);
@@ -210,7 +216,7 @@ static void has_no_image_as_tsai_printed(void **state)
 	assert_int_equal(tsai_ray(&c, (double[]){NAN, 0}, origin, dir), -ERANGE);
 }
 
-/* The smallest root by bisection in long double, on the rising branch. */
+/* Smallest root by bisection in long double, on the rising branch. */
 static long double bisected(double kappa1, double distorted)
 {
 	long double low = 0, high = distorted;
@@ -244,8 +250,8 @@ static void undistorts_as_bisection_does(void **state)
 		double r;
 
 		assert_int_equal(tsai_straight_radius(kappa1, distorted, &r), 0);
-		assert_true(fabsl(r - bisected(kappa1, distorted)) <=
-			    1e-12L * bisected(kappa1, distorted));
+		expect_at_most(fabsl(r - bisected(kappa1, distorted)),
+			       1e-12L * bisected(kappa1, distorted), "n=%d", n);
 	}
 }
 
@@ -264,17 +270,18 @@ static void undistorts_extremes(void **state)
 			const int ret = tsai_straight_radius(kappa1, distorted, &r);
 
 			if (!isfinite(kappa1) || !isfinite(distorted) || distorted < 0) {
-				assert_int_equal(ret, -ERANGE);
+				expect_equal(ret, -ERANGE, "i=%d, j=%d", i, j);
 			} else if (ret == 0) {
 				const long double k = kappa1, x = r;
 
-				assert_true(isfinite(r) && r >= 0);
-				assert_true(fabsl(x + k * x * x * x - distorted) <=
-					    1e-14L * distorted);
+				expect_that(isfinite(r) && r >= 0, "i=%d, j=%d", i, j);
+				expect_at_most(fabsl(x + k * x * x * x - distorted),
+					       1e-14L * distorted, "i=%d, j=%d", i, j);
 			} else {
-				assert_int_equal(ret, -ERANGE);
-				assert_true(kappa1 < 0); /* a rising cubic always has a root */
-				assert_true(distorted * sqrt(-kappa1) > 0.3848);
+				expect_equal(ret, -ERANGE, "i=%d, j=%d", i, j);
+				expect_below(kappa1, 0, "i=%d, j=%d", i,
+					     j); /* a rising cubic always has a root */
+				expect_above(distorted * sqrt(-kappa1), 0.3848, "i=%d, j=%d", i, j);
 			}
 		}
 }
@@ -287,8 +294,8 @@ static void at_the_fold(void **state)
 		double r;
 
 		assert_int_equal(tsai_straight_radius(kappa1, fold * 2 / 3, &r), 0);
-		assert_true(fabs(r / fold - 1) < 1e-7 && r <= fold * (1 + 1e-15));
-		assert_int_equal(tsai_straight_radius(kappa1, fold * 0.66667, &r), -ERANGE);
+		expect_that(fabs(r / fold - 1) < 1e-7 && r <= fold * (1 + 1e-15), "e=%d", e);
+		expect_equal(tsai_straight_radius(kappa1, fold * 0.66667, &r), -ERANGE, "e=%d", e);
 	}
 }
 
@@ -325,16 +332,17 @@ static void checks_its_fields(void **state)
 	for (int i = 0; i < 3; i++)
 		c.rotation[i] = -c.rotation[i];
 	assert_int_equal(tsai_check(&c, NULL), -EINVAL);
-	c = good; /* printed with seven digits: made exact */
+	c = good; /* rounded to seven digits, it is made orthonormal again */
 	for (int i = 0; i < 9; i++)
 		c.rotation[i] = rint(c.rotation[i] * 1e7) / 1e7;
 	assert_int_equal(tsai_check(&c, NULL), 0);
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			assert_true(fabs(vec_dot(c.rotation + 3 * i, c.rotation + 3 * j) -
-					 (i == j)) < 1e-15);
+			expect_below(
+				fabs(vec_dot(c.rotation + 3 * i, c.rotation + 3 * j) - (i == j)),
+				1e-15, "i=%d, j=%d", i, j);
 	for (int i = 0; i < 9; i++)
-		assert_true(fabs(c.rotation[i] - good.rotation[i]) < 1e-7);
+		expect_below(fabs(c.rotation[i] - good.rotation[i]), 1e-7, "i=%d", i);
 }
 
 static void look_at_refuses(void **state)
@@ -357,7 +365,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-/* What the keys of a file say arrives in the field they name. */
+/* Each key of a file sets the field that it names. */
 static void keys_fill_every_field(void **state)
 {
 	static const char text[] = "[camera]\n"
@@ -384,7 +392,7 @@ static void keys_fill_every_field(void **state)
 	(void)state;
 	memset(&c, 0, sizeof(c));
 	ini_defaults(tsai_keys, &c);
-	/* an older file says no distortion, and means the thesis's */
+	/* older files give no direction of distortion, and mean the thesis's */
 	assert_true(c.aspect == 1 && c.kappa1 == 0 && c.distortion == TSAI_DISTORTS);
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "camera.ini", ".", tables, &c, &report), 0);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Photographs of a board, those of Debian's opencv-doc: ours fits at least as well as OpenCV's own
- * calibration with the same distortion (its k1 is our kappa1 f^2), found from the same corners.
- */
+/* Photographs of a board, from Debian's opencv-doc: the calibration fits at least as well as
+ * OpenCV's own with the same distortion (its k1 is kappa1 f^2), from the same corners. */
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -14,7 +12,7 @@
 #include <opencv2/calib3d.hpp>
 #include <sys/stat.h>
 
-/* Its macros are words that C++'s own headers use. */
+/* cmocka's macros are words that C++ headers use. */
 extern "C" {
 #include <cmocka.h>
 
@@ -26,7 +24,7 @@ extern "C" {
 #define FOLDER "/usr/share/doc/opencv-doc/examples/data"
 
 /* Finds the board in all photographs of one camera; there is no tenth. */
-static void look(const char *side, struct observations *seen)
+static void photographs_look(const char *side, struct observations *seen)
 {
 	struct fault fault = {""};
 	struct board board;
@@ -83,7 +81,7 @@ static void no_worse_than_opencv(const char *side)
 	cv::Mat matrix, distortion;
 	double theirs, fx, fy;
 
-	look(side, &seen);
+	photographs_look(side, &seen);
 	task.width = seen.width;
 	task.height = seen.height;
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), 0);
@@ -92,7 +90,7 @@ static void no_worse_than_opencv(const char *side)
 	print_message("%s: rms %.9f px, OpenCV's %.9f px\n", side, solution.finding.rms_px, theirs);
 	assert_true(solution.finding.rms_px <= theirs * (1 + 1e-6));
 	assert_true(solution.finding.rms_px > 0.9 * theirs);
-	/* the same minimum, then: OpenCV rounds points to float */
+	/* the same minimum: OpenCV rounds points to float */
 	fx = solution.camera.focal * solution.camera.aspect;
 	fy = solution.camera.focal;
 	assert_true(std::fabs(fx / matrix.at<double>(0, 0) - 1) < 1e-3);
@@ -114,13 +112,13 @@ static void right(void **)
 	no_worse_than_opencv("right");
 }
 
-/* Tsai's own direction is another model of the same lens: it fits about as well. */
+/* Tsai's own direction of the distortion models the same lens, and fits about as well. */
 static void in_both_directions(void **)
 {
 	struct observations seen = {};
 	double rms[2];
 
-	look("left", &seen);
+	photographs_look("left", &seen);
 	for (int way = 0; way < 2; way++) {
 		struct camera_task task = camera_task_default();
 		struct camera_solution solution;
@@ -139,14 +137,14 @@ static void in_both_directions(void **)
 	observations_free(&seen);
 }
 
-/* With the lens from all photographs, one of them alone says where its board is. */
+/* With the lens from all photographs, one photograph alone tells where its board is. */
 static void where_is_the_board_now(void **)
 {
 	struct observations seen = {}, one = {};
 	struct camera_task task = camera_task_default();
 	struct camera_solution all, pose;
 
-	look("left", &seen);
+	photographs_look("left", &seen);
 	task.width = seen.width;
 	task.height = seen.height;
 	task.reference = 4;

@@ -1,18 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* Calibration of Tsai's camera: what is known comes back, and the deviations are true. */
+/* Calibration of Tsai's camera: known cameras come back, and the reported deviations are true. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "bake/calibrate/camera/camera_model.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
-#include "tests/support/camera_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/known_camera.h"
 #include "tests/support/thorough.h"
 
 static const double eyes[5][3] = {{0.12, -0.38, 0.42},
@@ -44,23 +49,26 @@ static void slopes_are_differences(void **state)
 			place[k] = chance_real(&chance, -0.7, 0.7);
 		}
 		model_turn(&view, x + MODEL_SHARED);
-		assert_true(model_see(&model, x, &view, place, px, gradient));
+		expect_that(model_see(&model, x, &view, place, px, gradient), "n=%d", n);
 		for (int k = 0; k < MODEL_GRADIENT; k++) {
 			const double was = x[k], step = 1e-6 * fmax(fabs(x[k]), 1e-2);
 			double ahead[2], behind[2];
 
 			x[k] = was + step;
 			model_turn(&view, x + MODEL_SHARED);
-			assert_true(model_see(&model, x, &view, place, ahead, NULL));
+			expect_that(model_see(&model, x, &view, place, ahead, NULL), "n=%d, k=%d",
+				    n, k);
 			x[k] = was - step;
 			model_turn(&view, x + MODEL_SHARED);
-			assert_true(model_see(&model, x, &view, place, behind, NULL));
+			expect_that(model_see(&model, x, &view, place, behind, NULL), "n=%d, k=%d",
+				    n, k);
 			x[k] = was;
 			for (int i = 0; i < 2; i++) {
 				const double slope = (ahead[i] - behind[i]) / (2 * step);
 
-				assert_true(fabs(slope - gradient[i][k]) <
-					    1e-5 * (fabs(slope) + 1) + 1e-9 / step);
+				expect_below(fabs(slope - gradient[i][k]),
+					     1e-5 * (fabs(slope) + 1) + 1e-9 / step,
+					     "n=%d, k=%d, i=%d", n, k, i);
 			}
 		}
 	}
@@ -82,13 +90,14 @@ static void vectors_of_rotations(void **state)
 		rotation_from_vector(vector, rotation, slope);
 		for (int i = 0; i < 3; i++)
 			for (int j = 0; j < 3; j++)
-				assert_true(fabs(vec_dot(rotation + 3 * i, rotation + 3 * j) -
-						 (i == j)) < 1e-14);
+				expect_below(fabs(vec_dot(rotation + 3 * i, rotation + 3 * j) -
+						  (i == j)),
+					     1e-14, "n=%d, i=%d, j=%d", n, i, j);
 		rotation_to_vector(rotation, back);
-		assert_true(vec_length(back) < M_PI + 1e-9);
+		expect_below(vec_length(back), M_PI + 1e-9, "n=%d", n);
 		rotation_from_vector(back, again, slope);
 		for (int k = 0; k < 9; k++)
-			assert_true(fabs(again[k] - rotation[k]) < 1e-14);
+			expect_below(fabs(again[k] - rotation[k]), 1e-14, "n=%d, k=%d", n, k);
 	}
 }
 
@@ -104,16 +113,16 @@ static void assert_camera(const struct tsai_camera *found, const struct tsai_cam
 		    accuracy * fmax(fabs(truth->kappa1), 1e-5));
 	assert_true(fabs(found->aspect / truth->aspect - 1) < accuracy);
 	for (int k = 0; k < 2; k++)
-		assert_true(fabs(found->centre_px[k] - truth->centre_px[k]) <
-			    accuracy * SCENE_WIDTH);
+		expect_below(fabs(found->centre_px[k] - truth->centre_px[k]),
+			     accuracy * KNOWN_CAMERA_WIDTH, "k=%d", k);
 	for (int k = 0; k < 9; k++)
-		assert_true(fabs(found->rotation[k] - truth->rotation[k]) < accuracy);
+		expect_below(fabs(found->rotation[k] - truth->rotation[k]), accuracy, "k=%d", k);
 	for (int k = 0; k < 3; k++)
-		assert_true(fabs(found->translation[k] - truth->translation[k]) <
-			    accuracy * distance);
+		expect_below(fabs(found->translation[k] - truth->translation[k]),
+			     accuracy * distance, "k=%d", k);
 }
 
-/* What is seen without noise is the true camera, and is trusted. */
+/* Points without noise give the true camera, which is trusted. */
 static void assert_solved(struct observations *seen, const struct camera_task *task,
 			  const struct tsai_camera *truth)
 {
@@ -122,37 +131,62 @@ static void assert_solved(struct observations *seen, const struct camera_task *t
 	assert_int_equal(camera_calibrate(seen, task, &solution, NULL), 0);
 	assert_true(solution.solved);
 	assert_camera(&solution.camera, truth, 1e-6);
-	assert_true(scene_trusted(&solution));
+	assert_true(known_camera_trusted(&solution));
 	camera_solution_free(&solution);
 	observations_free(seen);
 }
 
-/* Bend at the picture's corner; in the thesis's direction the fold is at -1/3. */
+/* Distortion at the corner of the picture; in the thesis's direction the fold is at -1/3. */
 static const double bends[] = {0, 0.02, -0.02, 0.15, -0.12, 0.6, -0.2};
+
+/* Calls solve for each direction of the distortion, each bend and each of five places. */
+static void over_cameras(void (*solve)(struct tsai_camera *truth, struct chance *chance),
+			 struct chance *chance)
+{
+	for (int distortion = 0; distortion < 2; distortion++)
+		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
+			for (int e = 0; e < 5; e++) {
+				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
+									distortion);
+
+				solve(&truth, chance);
+			}
+}
+
+static void solve_one_plane(struct tsai_camera *truth, struct chance *chance)
+{
+	const bool straight = truth->kappa1 == 0; /* then no picture tells the axis */
+	struct observations seen = {0};
+	struct camera_task task;
+
+	truth->centre_px[0] += straight ? 0 : 9;
+	truth->centre_px[1] -= straight ? 0 : 6;
+	task = known_camera_task(truth);
+	if (straight)
+		task.centre_deviation_px = 0;
+	known_camera_see_board(&seen, truth, 12, 9, 0, chance);
+	assert_solved(&seen, &task, truth);
+}
 
 static void one_plane(void **state)
 {
 	struct chance chance = chance_begin("camera plane");
 
 	(void)state;
-	for (int distortion = 0; distortion < 2; distortion++)
-		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
-				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
-									distortion);
-				struct observations seen = {0};
-				struct camera_task task;
+	over_cameras(solve_one_plane, &chance);
+}
 
-				if (bends[b] != 0) { /* else no picture tells the axis */
-					truth.centre_px[0] += 9;
-					truth.centre_px[1] -= 6;
-				}
-				task = scene_task(&truth);
-				if (bends[b] == 0)
-					task.centre_deviation_px = 0;
-				scene_board(&seen, &truth, 12, 9, 0, &chance);
-				assert_solved(&seen, &task, &truth);
-			}
+static void solve_points_in_space(struct tsai_camera *truth, struct chance *chance)
+{
+	struct observations seen = {0};
+	struct camera_task task;
+
+	truth->aspect = 1.04;
+	truth->centre_px[0] += 9;
+	truth->centre_px[1] -= 6;
+	task = known_camera_task(truth);
+	known_camera_see_cloud(&seen, truth, 60, 0, chance);
+	assert_solved(&seen, &task, truth);
 }
 
 static void points_in_space(void **state)
@@ -160,21 +194,7 @@ static void points_in_space(void **state)
 	struct chance chance = chance_begin("camera space");
 
 	(void)state;
-	for (int distortion = 0; distortion < 2; distortion++)
-		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
-				struct tsai_camera truth = scene_camera(eyes[e], middle, bends[b],
-									distortion);
-				struct observations seen = {0};
-				struct camera_task task;
-
-				truth.aspect = 1.04;
-				truth.centre_px[0] += 9;
-				truth.centre_px[1] -= 6;
-				task = scene_task(&truth);
-				scene_cloud(&seen, &truth, 60, 0, &chance);
-				assert_solved(&seen, &task, &truth);
-			}
+	over_cameras(solve_points_in_space, &chance);
 }
 
 static void several_boards(void **state)
@@ -190,65 +210,65 @@ static void several_boards(void **state)
 			struct camera_task task;
 
 			for (int e = 0; e < 5; e++) {
-				/* no plane's horizon along the picture's rows in all of them: s
-				 * would not show without distortion */
-				truth[e] = scene_roll(
-					scene_camera(eyes[e], middle, bends[b], distortion),
+				/* No horizon of a plane may lie along the rows in every view:
+				 * without distortion, s would not show. */
+				truth[e] = known_camera_roll(
+					known_camera(eyes[e], middle, bends[b], distortion),
 					0.6 * e);
 				truth[e].aspect = 0.97;
 				truth[e].centre_px[0] += 9;
 				truth[e].centre_px[1] -= 6;
-				scene_board(&seen, &truth[e], 9, 6, 0, &chance);
+				known_camera_see_board(&seen, &truth[e], 9, 6, 0, &chance);
 			}
-			task = scene_task(&truth[0]);
+			task = known_camera_task(&truth[0]);
 			task.reference = 3;
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			for (int e = 0; e < 5; e++)
 				assert_camera(&solution.view[e], &truth[e], 1e-6);
 			assert_camera(&solution.camera, &truth[3], 1e-6);
-			assert_true(scene_trusted(&solution));
+			expect_that(known_camera_trusted(&solution), "distortion=%d, b=%u",
+				    distortion, b);
 			camera_solution_free(&solution);
 			observations_free(&seen);
 		}
 }
 
-/* With the lens known, one board says where it is; the smallest, too. */
+static void solve_pose(struct tsai_camera *truth, struct chance *chance)
+{
+	struct tsai_camera lens = *truth;
+	struct observations seen = {0};
+	struct camera_task task = camera_task_default();
+
+	lens.translation[2] = 1; /* the pose of the intrinsics is not used */
+	task.intrinsics = &lens;
+	known_camera_see_board(&seen, truth, 5, 4, 0, chance);
+	assert_solved(&seen, &task, truth);
+}
+
+/* With the lens known, one board says where the camera is; the smallest board, too. */
 static void pose_alone(void **state)
 {
 	struct chance chance = chance_begin("camera pose");
 
 	(void)state;
-	for (int distortion = 0; distortion < 2; distortion++)
-		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
-				const struct tsai_camera truth = scene_camera(eyes[e], middle,
-									      bends[b], distortion);
-				struct tsai_camera lens = truth;
-				struct observations seen = {0};
-				struct camera_task task = camera_task_default();
-
-				lens.translation[2] = 1; /* of no account */
-				task.intrinsics = &lens;
-				scene_board(&seen, &truth, 5, 4, 0, &chance);
-				assert_solved(&seen, &task, &truth);
-			}
+	over_cameras(solve_pose, &chance);
 }
 
 /* ---- the world's units and axes ---- */
 
-/* The same picture from a world that is scaled and moved. */
+/* The same picture from a world that is scaled and shifted. */
 static void units_and_places_do_not_matter(void **state)
 {
 	static const double scales[] = {1e-9, 1e-3, 1, 1000, 1e6};
 	const double offset[3] = {1e6, -2e6, 5e5};
 	struct chance chance = chance_begin("camera units");
-	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
 	struct observations seen = {0};
 	struct camera_solution first;
-	struct camera_task task = scene_task(&truth);
+	struct camera_task task = known_camera_task(&truth);
 
 	(void)state;
-	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	assert_int_equal(camera_calibrate(&seen, &task, &first, NULL), 0);
 	for (unsigned s = 0; s < 5; s++)
 		for (int moved = 0; moved < 2; moved++) {
@@ -267,15 +287,16 @@ static void units_and_places_do_not_matter(void **state)
 					observations_add(&other, world, seen.point[i].px, "p"), 0);
 			}
 			assert_int_equal(camera_calibrate(&other, &task, &solution, NULL), 0);
-			assert_true(scene_trusted(&solution));
-			/* 1e6 m keep 1e-10 m: of a board seen from 0.5 m 1e-9 */
-			assert_true(fabs(solution.camera.focal / first.camera.focal - 1) <
-				    (moved ? 1e-5 : 1e-7));
+			expect_that(known_camera_trusted(&solution), "s=%u, moved=%d", s, moved);
+			/* at 1e6 m, double resolves 1e-10 m; the board is seen from 0.5 m */
+			expect_below(fabs(solution.camera.focal / first.camera.focal - 1),
+				     (moved ? 1e-5 : 1e-7), "s=%u, moved=%d", s, moved);
 			for (int i = 0; i < seen.count; i++) {
 				px_now = solution.finding.expected[i];
-				assert_true(hypot(px_now[0] - first.finding.expected[i][0],
-						  px_now[1] - first.finding.expected[i][1]) <
-					    (moved ? 1e-4 : 1e-6));
+				expect_below(hypot(px_now[0] - first.finding.expected[i][0],
+						   px_now[1] - first.finding.expected[i][1]),
+					     (moved ? 1e-4 : 1e-6), "s=%u, moved=%d, i=%d", s,
+					     moved, i);
 			}
 			camera_solution_free(&solution);
 			observations_free(&other);
@@ -284,21 +305,20 @@ static void units_and_places_do_not_matter(void **state)
 	observations_free(&seen);
 }
 
-/* A file whose y counts upwards and whose pixel centres are at whole numbers is the same picture.
- */
+/* A file with y upwards and pixel centres at whole numbers describes the same picture. */
 static void y_up_is_the_same_picture(void **state)
 {
 	static const struct points_convention down = {.pixel_centre = 0.5};
 	static const struct points_convention up = {
-		.height = SCENE_HEIGHT, .y_up = 1, .pixel_centre = 0};
+		.height = KNOWN_CAMERA_HEIGHT, .y_up = 1, .pixel_centre = 0};
 	struct chance chance = chance_begin("camera y up");
-	const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eyes[0], middle, -0.05, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 	struct camera_solution solution[2];
 
 	(void)state;
-	scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	for (int way = 0; way < 2; way++) {
 		char path[] = "/tmp/inlay-points-XXXXXX";
 		FILE *file = fdopen(mkstemp(path), "w");
@@ -310,13 +330,13 @@ static void y_up_is_the_same_picture(void **state)
 
 			fprintf(file, "%.17g %.17g %.17g %.17g %.17g\n", w[0], w[1], w[2],
 				way ? px[0] - 0.5 : px[0],
-				way ? SCENE_HEIGHT - px[1] - 0.5 : px[1]);
+				way ? KNOWN_CAMERA_HEIGHT - px[1] - 0.5 : px[1]);
 		}
 		assert_int_equal(fclose(file), 0);
 		assert_int_equal(observations_read(&read, path, way ? &up : &down, NULL), 0);
 		assert_int_equal(unlink(path), 0);
 		assert_int_equal(camera_calibrate(&read, &task, &solution[way], NULL), 0);
-		assert_true(scene_trusted(&solution[way]));
+		expect_that(known_camera_trusted(&solution[way]), "way=%d", way);
 		observations_free(&read);
 	}
 	assert_camera(&solution[1].camera, &solution[0].camera, 1e-6);
@@ -325,27 +345,27 @@ static void y_up_is_the_same_picture(void **state)
 	observations_free(&seen);
 }
 
-/* Any plane in space, the origin anywhere: on the axis, where Ty is 0, far away. */
+/* Any plane in space, with the origin anywhere: on the axis, where Ty is 0, and far away. */
 static void any_plane_any_origin(void **state)
 {
 	struct chance chance = chance_begin("camera planes");
 
 	(void)state;
 	for (int n = 0; n < 200; n++) {
-		struct tsai_camera truth = scene_camera(
+		struct tsai_camera truth = known_camera(
 			eyes[n % 5], n % 4 ? middle : (double[]){0, 0, 0}, -0.06, n & 1);
 		struct observations seen = {0}, other = {0};
 		struct camera_solution solution;
 		struct camera_task task;
 		double vector[3], turn[9], slope[3][9], shift[3], moved[3];
 
-		if (n % 4 == 0) { /* the world's origin is seen on the axis: Tx = Ty = 0 */
-			assert_true(fabs(truth.translation[1]) < 1e-12);
+		if (n % 4 == 0) { /* the world's origin lies on the axis: Tx = Ty = 0 */
+			expect_below(fabs(truth.translation[1]), 1e-12, "n=%d", n);
 		} else {
 			truth.centre_px[0] += 4;
 		}
-		task = scene_task(&truth);
-		scene_board(&seen, &truth, 12, 9, 0, &chance);
+		task = known_camera_task(&truth);
+		known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 		chance_direction(&chance, -1, vector);
 		for (int k = 0; k < 3; k++) {
 			vector[k] *= n % 3 ? chance_real(&chance, 0, 3) : 0;
@@ -381,12 +401,12 @@ static void any_plane_any_origin(void **state)
 
 /* ---- noise ---- */
 
-struct tally {
+struct deviation_tally {
 	int runs, one, two, three;
 };
 
-static void count_parameter(struct tally *tally, const struct estimate *estimate, const char *name,
-			    double truth)
+static void count_parameter(struct deviation_tally *tally, const struct estimate *estimate,
+			    const char *name, double truth)
 {
 	const int k = estimate_find(estimate, name);
 	double off;
@@ -401,12 +421,14 @@ static void count_parameter(struct tally *tally, const struct estimate *estimate
 	tally->three += off < 3;
 }
 
-/* Of so many runs as many are within one and two deviations as there should be, within five
- * binomial deviations; and 99 of 100 within three, or as near to it as chance lets few runs be.
- * Each of 11 numbers is asked about at each of four noises: one of them is beyond four deviations
- * in up to 3 % of all seeds, beyond five in 0.2 %.
- * slack: share of the runs by which what answers to second order may be off. */
-static void assert_nearly_honest(const struct tally *tally, double slack)
+/*
+ * Checks that the right shares of runs lie within one and two deviations, to five binomial
+ * deviations, and that 99 of 100 lie within three, or as many as chance allows in few runs. Each of
+ * 11 numbers is checked at each of four noises: one of them is beyond four deviations in up to 3 %
+ * of all seeds, beyond five in 0.2 %.
+ * `slack` is the share of runs by which second-order errors may move the counts.
+ */
+static void assert_nearly_honest(const struct deviation_tally *tally, double slack)
 {
 	const double n = tally->runs;
 
@@ -416,14 +438,14 @@ static void assert_nearly_honest(const struct tally *tally, double slack)
 	assert_true(tally->three >= 0.99 * n - (n < 1000 ? 4 * sqrt(n * 0.99 * 0.01) : 0));
 }
 
-static void assert_honest(const struct tally *tally)
+static void assert_honest(const struct deviation_tally *tally)
 {
 	assert_nearly_honest(tally, 0);
 }
 
 enum { OF_FOCAL, OF_KAPPA, OF_CENTRE_X, OF_CENTRE_Y, OF_ASPECT, OF_POSE, TALLIES = OF_POSE + 6 };
 
-static void count_all(struct tally tally[TALLIES], const struct camera_solution *solution,
+static void count_all(struct deviation_tally tally[TALLIES], const struct camera_solution *solution,
 		      const struct tsai_camera *truth, const char *view)
 {
 	static const char *const pose[] = {"rotation x",    "rotation y",    "rotation z",
@@ -447,7 +469,7 @@ static void count_all(struct tally tally[TALLIES], const struct camera_solution 
 	}
 }
 
-/* INLAY_RUNS=1000 draws as many for each noise. The bounds widen with fewer. */
+/* Runs for each noise: INLAY_RUNS, or a small number. Bounds widen with fewer runs. */
 static int runs_of_test(void)
 {
 	const char *text = getenv("INLAY_RUNS");
@@ -463,7 +485,7 @@ static void deviations_are_honest(void **state)
 
 	(void)state;
 	for (int n = 0; n < 4; n++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
 			struct tsai_camera truth[3];
@@ -472,13 +494,13 @@ static void deviations_are_honest(void **state)
 			struct camera_task task;
 
 			for (int e = 0; e < 3; e++) {
-				truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, run & 1),
-						      0.6 * e);
+				truth[e] = known_camera_roll(
+					known_camera(eyes[e], middle, -0.08, run & 1), 0.6 * e);
 				truth[e].centre_px[0] += 7;
-				scene_board(&seen, &truth[e], 12, 9, noises[n], &chance);
+				known_camera_see_board(&seen, &truth[e], 12, 9, noises[n], &chance);
 			}
-			task = scene_task(&truth[0]);
-			task.aspect_deviation = 0.05; /* nothing that holds it */
+			task = known_camera_task(&truth[0]);
+			task.aspect_deviation = 0.05; /* nothing else fixes the aspect */
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			assert_true(solution.solved);
 			count_all(tally, &solution, &truth[0], "view 1 ");
@@ -494,7 +516,7 @@ static void deviations_are_honest(void **state)
 	}
 }
 
-/* The same of points in space, and of a pose alone. */
+/* The same for points in space, and for a pose alone. */
 static void deviations_of_space_and_pose(void **state)
 {
 	struct chance chance = chance_begin("camera noise");
@@ -502,24 +524,25 @@ static void deviations_of_space_and_pose(void **state)
 
 	(void)state;
 	for (int known = 0; known < 2; known++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[run % 5], middle, -0.08,
+			struct tsai_camera truth = known_camera(eyes[run % 5], middle, -0.08,
 								run & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
 			struct camera_task task;
 
 			truth.aspect = 1.04;
-			task = known ? camera_task_default() : scene_task(&truth);
+			task = known ? camera_task_default() : known_camera_task(&truth);
 			task.intrinsics = known ? &truth : NULL;
 			if (known)
-				scene_board(&seen, &truth, 9, 6, 0.3, &chance);
+				known_camera_see_board(&seen, &truth, 9, 6, 0.3, &chance);
 			else
-				scene_cloud(&seen, &truth, 150, 0.3, &chance);
+				known_camera_see_cloud(&seen, &truth, 150, 0.3, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-			assert_true(scene_trusted(&solution));
+			expect_that(known_camera_trusted(&solution), "known=%d, run=%d", known,
+				    run);
 			count_all(tally, &solution, &truth, "");
 			camera_solution_free(&solution);
 			observations_free(&seen);
@@ -529,15 +552,15 @@ static void deviations_of_space_and_pose(void **state)
 	}
 }
 
-/* From afar, with outliers: what is found fits as well as the truth does, in spite of wrong minima
- * on the way. */
+/* From afar, with outliers: the result fits as well as the truth, in spite of wrong minima on the
+ * way. */
 static void no_wrong_minimum(void **state)
 {
 	struct chance chance = chance_begin("camera minima");
 
 	(void)state;
 	for (int run = 0; run < 12; run++) {
-		struct tsai_camera truth = scene_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
+		struct tsai_camera truth = known_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
 							0, TSAI_UNDISTORTS);
 		struct observations seen = {0};
 		struct camera_solution solution;
@@ -545,24 +568,25 @@ static void no_wrong_minimum(void **state)
 		double half;
 
 		truth.focal *= 25;
-		half = hypot(SCENE_WIDTH, SCENE_HEIGHT) / 2 * truth.pixel[0];
+		half = hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT) / 2 * truth.pixel[0];
 		truth.kappa1 = -0.015 / (half * half);
-		task = scene_task(&truth);
+		task = known_camera_task(&truth);
 		task.robust = true;
-		scene_cloud(&seen, &truth, 1000, 0.05, &chance);
+		known_camera_see_cloud(&seen, &truth, 1000, 0.05, &chance);
 		for (int i = 0; i < seen.count; i += 20)
 			for (int k = 0; k < 2; k++)
 				seen.point[i].px[k] += chance_real(&chance, -60, 60);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(solution.finding.rms_px < 1.1 * M_SQRT2 * 0.05);
-		assert_true(scene_trusted(&solution));
+		expect_below(solution.finding.rms_px, 1.1 * M_SQRT2 * 0.05, "run=%d", run);
+		expect_that(known_camera_trusted(&solution), "run=%d", run);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
 }
 
-/* One plane of a lens without distortion does not tell its axis, which is as far off as it is said
- * to be: by default, by an option, and where pixels are not square. All of the pose has to know. */
+/* One plane and a lens without distortion do not tell the axis. Its error must be as large as
+ * assumed: by default, by an option, and with pixels that are not square. The whole pose must
+ * include that uncertainty. */
 static void deviations_of_a_held_centre(void **state)
 {
 	static const char *const name[] = {"focal",	    "centre x",	     "centre y",
@@ -573,10 +597,10 @@ static void deviations_of_a_held_centre(void **state)
 
 	(void)state;
 	for (int way = 0; way < 4; way++) {
-		struct tally tally[9] = {{0}};
+		struct deviation_tally tally[9] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[0], middle, 0, way & 1);
+			struct tsai_camera truth = known_camera(eyes[0], middle, 0, way & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
 			const struct estimate *estimate = &solution.finding.estimate;
@@ -585,14 +609,15 @@ static void deviations_of_a_held_centre(void **state)
 
 			if (way == 3)
 				truth.pixel[1] *= 2;
-			task = scene_task(&truth);
+			task = known_camera_task(&truth);
 			task.method = way == 2 ? CAMERA_THREE : CAMERA_FULL;
-			off = 0.025 * hypot(SCENE_WIDTH, SCENE_HEIGHT * (way == 3 ? 2 : 1));
+			off = 0.025 *
+			      hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT * (way == 3 ? 2 : 1));
 			if (way == 1)
 				task.centre_deviation_px = off = 8;
 			truth.centre_px[0] += off * chance_normal(&chance);
 			truth.centre_px[1] += off / (way == 3 ? 2 : 1) * chance_normal(&chance);
-			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 			rotation_to_vector(truth.rotation, vector);
 			want[0] = truth.focal;
@@ -621,7 +646,8 @@ static void deviations_of_a_held_centre(void **state)
 	}
 }
 
-/* One plane does not tell s, which is as far off as it is said to be: by default, by an option. */
+/* One plane does not tell s. Its error must be as large as assumed: by default, and by an option.
+ */
 static void deviations_of_a_held_aspect(void **state)
 {
 	struct chance chance = chance_begin("camera held aspect");
@@ -629,23 +655,23 @@ static void deviations_of_a_held_aspect(void **state)
 
 	(void)state;
 	for (int way = 0; way < 2; way++) {
-		struct tally tally[TALLIES] = {{0}};
+		struct deviation_tally tally[TALLIES] = {{0}};
 
 		for (int run = 0; run < runs; run++) {
-			struct tsai_camera truth = scene_camera(eyes[1], middle, 0, run & 1);
+			struct tsai_camera truth = known_camera(eyes[1], middle, 0, run & 1);
 			struct observations seen = {0};
 			struct camera_solution solution;
-			struct camera_task task = scene_task(&truth);
+			struct camera_task task = known_camera_task(&truth);
 
 			task.centre_deviation_px = 0;
 			if (way)
 				task.aspect_deviation = 0.01;
 			truth.aspect += (way ? 0.01 : CAMERA_ASPECT_DEVIATION) *
 					chance_normal(&chance);
-			scene_board(&seen, &truth, 12, 9, 0.2, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 			assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-			assert_true(solution.camera.aspect == 1);
-			/* held, it is uncertain all the same */
+			expect_equal(solution.camera.aspect, 1, "way=%d, run=%d", way, run);
+			/* a fixed aspect is uncertain all the same */
 			solution.finding.estimate.parameter[MODEL_ASPECT].fixed = false;
 			count_all(tally, &solution, &truth, "");
 			camera_solution_free(&solution);
@@ -661,7 +687,7 @@ static void deviations_of_a_held_aspect(void **state)
 	}
 }
 
-/* What is known is not looked for, neither in space nor from many boards. */
+/* What is given is not estimated, neither from points in space nor from many boards. */
 static void known_aspect(void **state)
 {
 	struct chance chance = chance_begin("camera known aspect");
@@ -674,28 +700,29 @@ static void known_aspect(void **state)
 		struct camera_task task;
 
 		for (int e = 0; e < 5; e++) {
-			truth[e] = scene_roll(scene_camera(eyes[e], middle, -0.08, way & 1),
-					      0.6 * e);
+			truth[e] = known_camera_roll(known_camera(eyes[e], middle, -0.08, way & 1),
+						     0.6 * e);
 			truth[e].aspect = 1.07;
 			if (way / 2)
-				scene_board(&seen, &truth[e], 9, 6, 0.2, &chance);
+				known_camera_see_board(&seen, &truth[e], 9, 6, 0.2, &chance);
 		}
 		if (way / 2 == 0)
-			scene_cloud(&seen, &truth[0], 60, 0.2, &chance);
-		task = scene_task(&truth[0]);
+			known_camera_see_cloud(&seen, &truth[0], 60, 0.2, &chance);
+		task = known_camera_task(&truth[0]);
 		task.aspect_given = true;
 		task.aspect = 1.07;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(solution.camera.aspect == 1.07);
+		expect_equal(solution.camera.aspect, 1.07, "way=%d", way);
 		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
-		assert_true(fabs(solution.camera.focal / truth[0].focal - 1) < 0.02);
-		assert_true(scene_trusted(&solution));
+		expect_below(fabs(solution.camera.focal / truth[0].focal - 1), 0.02, "way=%d", way);
+		expect_that(known_camera_trusted(&solution), "way=%d", way);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
 }
 
-/* How far an object is drawn from where it is seen, at most, over what is said of that. */
+/* Distance between drawn and true place of the object, at most, as a multiple of the reported
+ * uncertainty. */
 static double off_by(const struct camera_solution *solution, const struct camera_task *task,
 		     const struct tsai_camera *truth)
 {
@@ -716,8 +743,8 @@ static double off_by(const struct camera_solution *solution, const struct camera
 	return most / solution->finding.figure[0].value;
 }
 
-/* Few boards, seen by cameras whose pixels may or may not be square: what is trusted is right, and
- * enough is, once that is known. */
+/* Few boards, seen by cameras whose pixels may not be square: a trusted result is right, and where
+ * squareness is known enough results are trusted. */
 static void few_boards_of_squashed_pixels(void **state)
 {
 	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
@@ -738,12 +765,14 @@ static void few_boards_of_squashed_pixels(void **state)
 				chance_direction(&chance, 0.4, at);
 				for (int k = 0; k < 3; k++)
 					at[k] *= 0.6;
-				truth[v] = scene_roll(scene_camera(at, middle, -0.1, run & 1),
-						      chance_real(&chance, -3, 3));
+				truth[v] =
+					known_camera_roll(known_camera(at, middle, -0.1, run & 1),
+							  chance_real(&chance, -3, 3));
 				truth[v].aspect = aspects[run % 5];
-				scene_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2, &chance);
+				known_camera_see_board(&seen, &truth[v], 9, 6, run % 2 ? 0.05 : 0.2,
+						       &chance);
 			}
-			task = scene_task(&truth[0]);
+			task = known_camera_task(&truth[0]);
 			task.object_given = true;
 			task.object_radius = task.object[2] = 0.06;
 			for (int known = 0; known < 2; known++) {
@@ -756,7 +785,9 @@ static void few_boards_of_squashed_pixels(void **state)
 						 0);
 				if (solution.finding.verdict.trusted) {
 					trusted[known][views]++;
-					assert_true(off_by(&solution, &task, &truth[0]) < 5);
+					expect_below(off_by(&solution, &task, &truth[0]), 5,
+						     "run=%d, views=%d, known=%d", run, views,
+						     known);
 				}
 				camera_solution_free(&solution);
 			}
@@ -769,7 +800,7 @@ static void few_boards_of_squashed_pixels(void **state)
 	assert_true(trusted[1][3] > runs / 2);
 }
 
-/* Each point's error, and the uncertainty that is reported for its place. */
+/* The error of each point against the uncertainty that is reported for its place. */
 static void uncertainty_is_honest(void **state)
 {
 	const double px[2] = {250, 300}, place[3] = {0.03, -0.02, 0.04};
@@ -779,16 +810,16 @@ static void uncertainty_is_honest(void **state)
 
 	(void)state;
 	for (int run = 0; run < runs; run++) {
-		const struct tsai_camera truth = scene_camera(eyes[0], middle, -0.08, run & 1);
+		const struct tsai_camera truth = known_camera(eyes[0], middle, -0.08, run & 1);
 		struct observations seen = {0};
 		struct camera_solution solution;
-		struct camera_task task = scene_task_of_plane(&truth);
+		struct camera_task task = known_camera_task_of_plane(&truth);
 		double want[2], got[2];
 		int figure = 0;
 
 		memcpy(task.object, place, sizeof(place));
 		task.object_given = true;
-		scene_board(&seen, &truth, 12, 9, 0.3, &chance);
+		known_camera_see_board(&seen, &truth, 12, 9, 0.3, &chance);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_int_equal(tsai_project(&truth, place, want), 0);
 		assert_int_equal(tsai_project(&solution.camera, place, got), 0);
@@ -802,9 +833,9 @@ static void uncertainty_is_honest(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-	/* the longest axis alone is expected: both have between it and sqrt 2 of it */
+	/* only the longest axis is expected: two axes together have between it and sqrt 2 of it */
 	assert_true(squares > 0.85 * expected && squares < 2.2 * expected);
-	/* each half is known sqrt 2 worse, and two of them differ by sqrt 2 of that */
+	/* each half is worse by sqrt 2, and the difference of two halves by sqrt 2 again */
 	assert_true(halves > at_px && halves < 4 * at_px);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Where a camera's calibration fails, and that it says so: each hard case with its verdict. */
+/* Cases in which a camera's calibration fails: each must get its verdict. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,17 +7,22 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-#include "tests/support/camera_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/known_camera.h"
 
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};
 
-/* Solves and frees; says whether the verdict is trust (expected "") or holds this text. */
-static void expect(struct observations *seen, const struct camera_task *task, const char *expected)
+/* Solves, and expects the verdict to trust (expected "") or to contain this text. */
+static void test_verdict_expect(struct observations *seen, const struct camera_task *task,
+				const char *expected)
 {
 	struct camera_solution solution;
 	struct fault fault = {""};
@@ -28,7 +33,7 @@ static void expect(struct observations *seen, const struct camera_task *task, co
 	if (*expected ? !strstr(sentence, expected) : !solution.finding.verdict.trusted)
 		fail_msg("expected \"%s\", got \"%s\"", expected, sentence);
 	assert_true(solution.finding.verdict.trusted == !*expected);
-	/* what to do about it stands there, too */
+	/* a verdict that does not trust gives advice */
 	assert_true(solution.finding.verdict.trusted || solution.finding.verdict.remedy[0]);
 	camera_solution_free(&solution);
 	observations_free(seen);
@@ -39,8 +44,8 @@ static void expect(struct observations *seen, const struct camera_task *task, co
 static void fewest_points(void **state)
 {
 	struct chance chance = chance_begin("fewest");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	const double wide[6][2] = {{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}, {0, 0.02}};
 
 	(void)state;
@@ -51,46 +56,49 @@ static void fewest_points(void **state)
 
 		assert_int_equal(observations_begin_view(&seen, "few"), 0);
 		for (int i = 0; i < count; i++)
-			scene_see(&seen, &truth, (double[]){wide[i][0], wide[i][1], 0}, 0, NULL);
-		expect(&seen, &task, count < 5 ? "4 points are too few: points of one plane" : "");
+			known_camera_see(&seen, &truth, (double[]){wide[i][0], wide[i][1], 0}, 0,
+					 NULL);
+		test_verdict_expect(&seen, &task,
+				    count < 5 ? "4 points are too few: points of one plane" : "");
 	}
 	for (int count = 6; count <= 7; count++) {
 		struct observations seen = {0};
 
-		scene_cloud(&seen, &truth, count, 0, &chance);
-		expect(&seen, &task, count < 7 ? "6 points are too few: points in space" : "");
+		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
+		test_verdict_expect(&seen, &task,
+				    count < 7 ? "6 points are too few: points in space" : "");
 	}
 	task.method = CAMERA_FULL;
 	for (int count = 10; count <= 11; count++) {
 		struct observations seen = {0};
 
-		scene_cloud(&seen, &truth, count, 0, &chance);
-		expect(&seen, &task, count < 11 ? "too few for the full" : "");
+		known_camera_see_cloud(&seen, &truth, count, 0, &chance);
+		test_verdict_expect(&seen, &task, count < 11 ? "too few for the full" : "");
 	}
 }
 
 static void no_points(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "none"), 0);
-	expect(&seen, &task, "no points");
+	test_verdict_expect(&seen, &task, "no points");
 }
 
 static void no_such_reference(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct camera_solution solution;
 	struct observations seen = {0};
 	struct fault fault = {""};
 
 	(void)state;
 	task.reference = 1;
-	scene_board(&seen, &truth, 9, 6, 0, NULL);
+	known_camera_see_board(&seen, &truth, 9, 6, 0, NULL);
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "view 2"));
 	camera_solution_free(&solution);
@@ -99,7 +107,7 @@ static void no_such_reference(void **state)
 
 /* ---- how they lie ---- */
 
-/* With noise or without. Nearly parallel is as bad as noise makes it. */
+/* With and without noise. A nearly parallel board is as bad as its noise makes it. */
 static void board_parallel_to_the_picture(void **state)
 {
 	static const double noises[] = {0, 0.4, 1};
@@ -109,15 +117,15 @@ static void board_parallel_to_the_picture(void **state)
 	for (int n = 0; n < 9; n++)
 		for (int tilt = 0; tilt < 2; tilt++) {
 			const double from[3] = {tilt ? 0.01 : 0, tilt ? -0.01 : -1e-9, 0.6};
-			const struct tsai_camera truth = scene_camera(
+			const struct tsai_camera truth = known_camera(
 				from, (double[]){0, 0, 0}, n / 3 ? -0.05 : 0, n / 3 == 2);
-			const struct camera_task task = scene_task(&truth);
+			const struct camera_task task = known_camera_task(&truth);
 			struct observations seen = {0};
 
 			if (tilt && !(noises[n % 3] > 0))
 				continue;
-			scene_board(&seen, &truth, 12, 9, noises[n % 3], &chance);
-			expect(&seen, &task, "parallel to the image plane");
+			known_camera_see_board(&seen, &truth, 12, 9, noises[n % 3], &chance);
+			test_verdict_expect(&seen, &task, "parallel to the image plane");
 		}
 }
 
@@ -128,39 +136,41 @@ static void nearly_orthographic(void **state)
 	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 3; n++) {
-			struct tsai_camera truth = scene_camera((double[]){100, -300, 350}, middle,
+			struct tsai_camera truth = known_camera((double[]){100, -300, 350}, middle,
 								0, TSAI_DISTORTS);
 			struct observations seen = {0};
 			struct camera_task task;
 
 			truth.focal *= 1000;
-			task = scene_task(&truth);
+			task = known_camera_task(&truth);
 			if (space)
-				scene_cloud(&seen, &truth, 80, 0.3 + 0.3 * n, &chance);
+				known_camera_see_cloud(&seen, &truth, 80, 0.3 + 0.3 * n, &chance);
 			else
-				scene_board(&seen, &truth, 12, 9, 0.3 + 0.3 * n, &chance);
-			expect(&seen, &task, "nearly orthographic");
+				known_camera_see_board(&seen, &truth, 12, 9, 0.3 + 0.3 * n,
+						       &chance);
+			test_verdict_expect(&seen, &task, "nearly orthographic");
 		}
 }
 
 static void points_on_a_line(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "line"), 0);
 	for (int i = 0; i < 20; i++)
-		scene_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0, NULL);
-	expect(&seen, &task, "on a line");
+		known_camera_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0,
+				 NULL);
+	test_verdict_expect(&seen, &task, "on a line");
 }
 
 static void points_in_a_corner(void **state)
 {
 	struct chance chance = chance_begin("corner");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0.05, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0.05, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 
 	(void)state;
 	for (int n = 0; n < 2; n++) {
@@ -168,41 +178,41 @@ static void points_in_a_corner(void **state)
 
 		assert_int_equal(observations_begin_view(&seen, "corner"), 0);
 		for (int i = 0; i < 36; i++)
-			scene_see(&seen, &truth,
-				  (double[]){0.1 + 0.008 * (i % 6), 0.1 + 0.008 * (i / 6),
-					     n ? 0.01 * ((i * 7) % 5) : 0},
-				  0, &chance);
-		expect(&seen, &task, "in one corner");
+			known_camera_see(&seen, &truth,
+					 (double[]){0.1 + 0.008 * (i % 6), 0.1 + 0.008 * (i / 6),
+						    n ? 0.01 * ((i * 7) % 5) : 0},
+					 0, &chance);
+		test_verdict_expect(&seen, &task, "in one corner");
 	}
 }
 
-/* s is held at 1: what lies on the board is drawn right all the same, what stands up from it is not
- * unless the pixels are known to be square. */
+/* s is held at 1: what lies on the board is drawn right all the same, but what stands up from it
+ * only where pixels are known to be square. */
 static void aspect_does_not_show_in_a_plane(void **state)
 {
 	struct chance chance = chance_begin("aspect");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	task.aspect_deviation = 0.05;
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
-	expect(&seen, &task, "do not tell whether the pixels are square");
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
+	test_verdict_expect(&seen, &task, "do not tell whether the pixels are square");
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	task.object_given = true;
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 	task.object_given = false;
 	for (int way = 0; way < 2; way++) {
 		struct camera_solution solution;
 
-		scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+		known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 		task.aspect_given = way;
 		task.aspect_deviation = -1;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_true(solution.finding.estimate.parameter[4].fixed);
-		assert_true(solution.camera.aspect == 1);
-		assert_true(scene_trusted(&solution));
+		expect_equal(solution.camera.aspect, 1, "way=%d", way);
+		expect_that(known_camera_trusted(&solution), "way=%d", way);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
@@ -215,23 +225,23 @@ static struct observations board_seen(const struct tsai_camera *truth, double no
 {
 	struct observations seen = {0};
 
-	scene_board(&seen, truth, 12, 9, noise, chance);
+	known_camera_see_board(&seen, truth, 12, 9, noise, chance);
 	return seen;
 }
 
 static void outliers(void **state)
 {
 	struct chance chance = chance_begin("outliers");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen;
 
 	(void)state;
-	/* one: named, and it says how to go on */
+	/* one outlier: named, with advice how to go on */
 	seen = board_seen(&truth, 0.1, &chance);
 	seen.point[17].px[0] += 30;
-	expect(&seen, &task, "point 18 is");
-	/* a few, robustly: trusted, and they are named */
+	test_verdict_expect(&seen, &task, "point 18 is");
+	/* a few outliers, robustly: trusted, and they are named */
 	task.robust = true;
 	for (int count = 1; count <= 20; count += 6) {
 		struct camera_solution solution;
@@ -242,26 +252,27 @@ static void outliers(void **state)
 			seen.point[5 * k].px[1] += k % 3 ? 20 : 5;
 		}
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(scene_trusted(&solution));
+		expect_that(known_camera_trusted(&solution), "count=%d", count);
 		for (int i = 0; i < seen.count; i++)
-			assert_true((solution.finding.weight[i] < 0.1) ==
-				    (i % 5 == 0 && i < 5 * count));
-		assert_true(fabs(solution.camera.focal / truth.focal - 1) < 0.02);
+			expect_equal((solution.finding.weight[i] < 0.1),
+				     (i % 5 == 0 && i < 5 * count), "count=%d, i=%d", count, i);
+		expect_below(fabs(solution.camera.focal / truth.focal - 1), 0.02, "count=%d",
+			     count);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-	/* too many */
+	/* too many outliers */
 	seen = board_seen(&truth, 0.1, &chance);
 	for (int i = 0; i < seen.count; i += 3)
 		seen.point[i].px[0] += 20 + i % 7;
-	expect(&seen, &task, "do not fit the others");
+	test_verdict_expect(&seen, &task, "do not fit the others");
 }
 
 static void points_in_another_order(void **state)
 {
 	struct chance chance = chance_begin("order");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
 	(void)state;
@@ -273,10 +284,10 @@ static void points_in_another_order(void **state)
 		memcpy(seen.point[i].px, seen.point[j].px, sizeof(swap));
 		memcpy(seen.point[j].px, swap, sizeof(swap));
 	}
-	expect(&seen, &task, ";");
+	test_verdict_expect(&seen, &task, ";");
 }
 
-/* A mirrored board is one seen from behind; mirrored points in space fit nothing. */
+/* A mirrored board is one seen from behind; mirrored points in space fit no camera. */
 static void mirrored(void **state)
 {
 	struct chance chance = chance_begin("mirrored");
@@ -284,23 +295,23 @@ static void mirrored(void **state)
 	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 4; n++) {
-			const struct tsai_camera truth = scene_camera(eye, middle,
+			const struct tsai_camera truth = known_camera(eye, middle,
 								      n % 2 ? -0.05 : 0, n / 2);
-			struct camera_task task = scene_task(&truth);
+			struct camera_task task = known_camera_task(&truth);
 			struct observations seen = {0};
 
 			if (space)
-				scene_cloud(&seen, &truth, 60, 0.1, &chance);
+				known_camera_see_cloud(&seen, &truth, 60, 0.1, &chance);
 			else
-				scene_board(&seen, &truth, 12, 9, 0.1, &chance);
+				known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 			for (int i = 0; i < seen.count; i++)
-				seen.point[i].px[1] = SCENE_HEIGHT - seen.point[i].px[1];
-			expect(&seen, &task, "mirrored");
+				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
+			test_verdict_expect(&seen, &task, "mirrored");
 		}
 }
 
-/* From afar the mirrored picture fits a lens that is known, near and far exchanged: it is the
- * mirror image, which fits better or as well, that says not to trust it. */
+/* From afar a mirrored picture fits a known lens, with near and far exchanged. The mirror image
+ * fits as well or better, and that is why the verdict does not trust. */
 static void mirrored_from_afar(void **state)
 {
 	struct chance chance = chance_begin("afar");
@@ -309,73 +320,73 @@ static void mirrored_from_afar(void **state)
 	for (int far = 10; far <= 1000; far *= 10)
 		for (int n = 0; n < 3; n++) {
 			struct tsai_camera truth =
-				scene_camera((double[]){far * eye[0], far * eye[1], far * eye[2]},
+				known_camera((double[]){far * eye[0], far * eye[1], far * eye[2]},
 					     middle, 0, TSAI_DISTORTS);
 			struct camera_task task = camera_task_default();
 			struct observations seen = {0};
 
 			truth.focal *= far;
 			task.intrinsics = &truth;
-			scene_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
+			known_camera_see_cloud(&seen, &truth, 40, 0.1 + 0.4 * n, &chance);
 			for (int i = 0; i < seen.count; i++)
-				seen.point[i].px[1] = SCENE_HEIGHT - seen.point[i].px[1];
-			expect(&seen, &task, "mirror");
+				seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
+			test_verdict_expect(&seen, &task, "mirror");
 		}
 }
 
 static void listed_twice(void **state)
 {
 	struct chance chance = chance_begin("twice");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 	const struct observation first = seen.point[3];
 
 	(void)state;
 	assert_int_equal(observations_add(&seen, first.world, first.px, "again"), 0);
-	expect(&seen, &task, "point 4 and again are one point listed twice");
+	test_verdict_expect(&seen, &task, "point 4 and again are one point listed twice");
 }
 
-/* Of a view that shows something else there is no pose, however well the others fit. */
+/* A view of something else has no pose, however well the other views fit. */
 static void view_of_outliers(void **state)
 {
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.1, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
 	const double other[5][3] = {{0.3, -0.2, 0.4},
 				    {-0.3, -0.25, 0.4},
 				    {0.1, 0.4, 0.4},
 				    {0, 0.2, 0.5},
 				    {0.2, 0, 0.5}};
 	struct chance chance = chance_begin("view");
-	struct camera_task task = scene_task(&truth);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
-	scene_board(&seen, &truth, 5, 5, 0.1, &chance);
+	known_camera_see_board(&seen, &truth, 5, 5, 0.1, &chance);
 	for (int i = 0; i < seen.count; i++)
 		for (int k = 0; k < 2 && i % 5 < 3; k++)
 			seen.point[i].px[k] += chance_real(&chance, 20, 60);
 	for (int v = 0; v < 5; v++) {
-		const struct tsai_camera from = scene_camera(other[v], middle, -0.1, TSAI_DISTORTS);
+		const struct tsai_camera from = known_camera(other[v], middle, -0.1, TSAI_DISTORTS);
 
-		scene_board(&seen, &from, 5, 5, 0.1, &chance);
+		known_camera_see_board(&seen, &from, 5, 5, 0.1, &chance);
 	}
 	task.robust = true;
-	expect(&seen, &task, "points of board do not fit the other views");
+	test_verdict_expect(&seen, &task, "points of board do not fit the other views");
 }
 
-/* From a dozen points with much noise a mirror image is not made up. */
+/* A dozen points with much noise are not taken for a mirror image. */
 static void noise_is_no_mirror(void **state)
 {
 	struct chance chance = chance_begin("noise");
 
 	(void)state;
 	for (int n = 0; n < 30; n++) {
-		struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-		const struct camera_task task = scene_task(&truth);
+		struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+		const struct camera_task task = known_camera_task(&truth);
 		struct observations seen = {0};
 		struct camera_solution solution;
 
-		scene_cloud(&seen, &truth, 12, 8, &chance);
+		known_camera_see_cloud(&seen, &truth, 12, 8, &chance);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		assert_false(solution.finding.verdict.trusted);
 		assert_null(strstr(solution.finding.verdict.reason, "mirror"));
@@ -384,25 +395,25 @@ static void noise_is_no_mirror(void **state)
 	}
 }
 
-/* A plane alone does not tell the axis: what stands up from it may be off. */
+/* A plane alone does not tell the axis: what stands up from it may be wrong. */
 static void axis_does_not_show(void **state)
 {
 	struct chance chance = chance_begin("axis");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task_of_plane(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
 	(void)state;
 	task.object_given = true;
 	task.object_radius = 0.1;
 	task.tolerance_px = 0.3;
-	expect(&seen, &task, "do not tell where the lens's axis is");
+	test_verdict_expect(&seen, &task, "do not tell where the lens's axis is");
 	seen = board_seen(&truth, 0.1, &chance);
 	task.centre_deviation_px = 1;
-	expect(&seen, &task, "");
+	test_verdict_expect(&seen, &task, "");
 }
 
-/* The reader refuses what is not a number. */
+/* The reader refuses points that are NaN. */
 static void not_a_number(void **state)
 {
 	static const char *const lines[] = {"0 0 0 nan 4\n", "0 0 inf 3 4\n", "0 0 0 3\n"};
@@ -418,7 +429,8 @@ static void not_a_number(void **state)
 		assert_non_null(file);
 		fprintf(file, "1 2 3 4 5\n%s", lines[k]);
 		assert_int_equal(fclose(file), 0);
-		assert_int_equal(observations_read(&seen, path, &convention, &fault), -EINVAL);
+		expect_equal(observations_read(&seen, path, &convention, &fault), -EINVAL, "k=%d",
+			     k);
 		assert_non_null(strstr(fault.text, ":2: expected five finite numbers"));
 		assert_int_equal(unlink(path), 0);
 		observations_free(&seen);
@@ -427,38 +439,39 @@ static void not_a_number(void **state)
 
 /* ---- distortion ---- */
 
-/* Up to just before the fold all is well; points that no kappa explains are no such picture. */
+/* Up to just before the fold all is well; points that no kappa1 explains are refused. */
 static void folds_over(void **state)
 {
 	struct chance chance = chance_begin("fold");
 
 	(void)state;
 	for (int distortion = 0; distortion < 2; distortion++) {
-		/* the board's outermost point is at this part of the fold's radius */
+		/* radius of the board's outermost point, as a share of the fold's radius */
 		static const double parts[] = {0.5, 0.8, 0.9};
 
 		for (int p = 0; p < 3; p++) {
-			struct tsai_camera truth = scene_camera(eye, middle, 0, distortion);
+			struct tsai_camera truth = known_camera(eye, middle, 0, distortion);
 			struct observations seen = {0};
 			struct camera_task task;
 			double farthest = 0;
 
-			scene_board(&seen, &truth, 12, 9, 0, &chance);
+			known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
 			for (int i = 0; i < seen.count; i++)
-				farthest = fmax(farthest,
-						hypot(seen.point[i].px[0] - SCENE_WIDTH / 2.0,
-						      seen.point[i].px[1] - SCENE_HEIGHT / 2.0) *
-							truth.pixel[0]);
-			/* undistorted radius over its largest: the fold, or 2/3 of it */
+				farthest = fmax(
+					farthest,
+					hypot(seen.point[i].px[0] - KNOWN_CAMERA_WIDTH / 2.0,
+					      seen.point[i].px[1] - KNOWN_CAMERA_HEIGHT / 2.0) *
+						truth.pixel[0]);
+			/* undistorted radius over its largest value: the fold, or 2/3 of it */
 			truth.kappa1 = -pow(parts[p] / farthest, 2) / 3;
 			if (distortion)
 				truth.kappa1 *= 4.0 / 9;
 			observations_free(&seen);
-			scene_board(&seen, &truth, 12, 9, 0, &chance);
-			assert_int_equal(seen.count, 108);
-			task = scene_task(&truth);
+			known_camera_see_board(&seen, &truth, 12, 9, 0, &chance);
+			expect_equal(seen.count, 108, "distortion=%d, p=%d", distortion, p);
+			task = known_camera_task(&truth);
 			task.object_given = true;
-			expect(&seen, &task, "");
+			test_verdict_expect(&seen, &task, "");
 		}
 	}
 }
@@ -466,8 +479,8 @@ static void folds_over(void **state)
 static void lens_beyond_its_model(void **state)
 {
 	struct chance chance = chance_begin("beyond");
-	const struct tsai_camera truth = scene_camera(eye, middle, 0, TSAI_DISTORTS);
-	const struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
+	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.05, &chance);
 
 	(void)state;
@@ -480,7 +493,7 @@ static void lens_beyond_its_model(void **state)
 		px[0] = 320 + x * bent / r;
 		px[1] = 240 + y * bent / r;
 	}
-	expect(&seen, &task, ";");
+	test_verdict_expect(&seen, &task, ";");
 }
 
 /* ---- the object ---- */
@@ -488,30 +501,30 @@ static void lens_beyond_its_model(void **state)
 static void object_beyond_the_points(void **state)
 {
 	struct chance chance = chance_begin("object");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.05, TSAI_DISTORTS);
-	struct camera_task task = scene_task(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
 	(void)state;
 	task.object_given = true;
 	/* on the board, then far beside it, then behind the camera */
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "");
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
+	test_verdict_expect(&seen, &task, "");
 	task.object[0] = 0.28;
 	task.tolerance_px = 100;
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "outside of what the points cover");
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
+	test_verdict_expect(&seen, &task, "outside of what the points cover");
 	task.object[1] = -5;
 	task.object[2] = 3;
-	scene_board(&seen, &truth, 9, 6, 0.02, &chance);
-	expect(&seen, &task, "no image of the object's place");
+	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
+	test_verdict_expect(&seen, &task, "no image of the object's place");
 }
 
 static void object_too_uncertain(void **state)
 {
 	struct chance chance = chance_begin("uncertain");
-	const struct tsai_camera truth = scene_camera(eye, middle, -0.05, TSAI_DISTORTS);
-	struct camera_task task = scene_task_of_plane(&truth);
+	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
+	struct camera_task task = known_camera_task_of_plane(&truth);
 	struct camera_solution solution;
 	struct observations seen = {0};
 	char sentence[600];
@@ -519,7 +532,7 @@ static void object_too_uncertain(void **state)
 	(void)state;
 	task.centre_deviation_px = 0;
 	task.tolerance_px = 0.01;
-	scene_board(&seen, &truth, 9, 6, 0.5, &chance);
+	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
 	/* the first of the figures, by its name and number */
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 	assert_string_equal(solution.finding.figure[0].key, "object_error_px");
@@ -527,25 +540,25 @@ static void object_too_uncertain(void **state)
 		 "the %s is %.6g px, more than the 0.01 px of --tolerance",
 		 solution.finding.figure[0].label, solution.finding.figure[0].value);
 	camera_solution_free(&solution);
-	expect(&seen, &task, sentence);
+	test_verdict_expect(&seen, &task, sentence);
 	task.tolerance_px = 100;
-	scene_board(&seen, &truth, 9, 6, 0.5, &chance);
-	expect(&seen, &task, "");
+	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
+	test_verdict_expect(&seen, &task, "");
 }
 
-/* With the lens known a board parallel to the picture is as good as any: only its tilt is less
- * sure. */
+/* With a known lens, a board parallel to the picture is as good as any; only its tilt is less
+ * certain. */
 static void parallel_is_no_matter_for_a_known_lens(void **state)
 {
 	struct chance chance = chance_begin("known");
-	const struct tsai_camera truth = scene_camera(above, (double[]){0, 0, 0}, 0, TSAI_DISTORTS);
+	const struct tsai_camera truth = known_camera(above, (double[]){0, 0, 0}, 0, TSAI_DISTORTS);
 	struct camera_task task = camera_task_default();
 	struct observations seen = {0};
 
 	(void)state;
 	task.intrinsics = &truth;
-	scene_board(&seen, &truth, 12, 9, 0.1, &chance);
-	expect(&seen, &task, "");
+	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
+	test_verdict_expect(&seen, &task, "");
 }
 
 int main(void)

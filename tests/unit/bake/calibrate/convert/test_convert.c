@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Lenses to and from the files of OpenCV and ROS: exact where they can be, and otherwise how far
- * off they are; whole files, and damaged ones. What OpenCV itself makes of them:
- * test_convert_opencv. */
+/* Lenses to and from the files of OpenCV and ROS: exact where possible, otherwise with the error
+ * that is reported; whole files and damaged ones. test_convert_opencv checks what OpenCV makes of
+ * them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,11 +9,14 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "bake/calibrate/convert/convert.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define TOLERANCE_PX 0.1
@@ -33,7 +36,8 @@ static struct tsai_camera some_camera(double kappa1, enum tsai_distortion distor
 				    .aspect = 1.07};
 }
 
-/* Largest distance between what two cameras at the same place see of the first one's picture. */
+/* Largest distance between the images that two cameras at the same place have of a point of the
+ * first one's picture. */
 static double farthest(const struct tsai_camera *a, const struct tsai_camera *b)
 {
 	double worst = 0;
@@ -52,19 +56,19 @@ static double farthest(const struct tsai_camera *a, const struct tsai_camera *b)
 
 static void write_file(const char *name, const char *text)
 {
-	FILE *file = fopen(own_path(name), "w");
+	FILE *file = fopen(own_folder_path(name), "w");
 
 	assert_non_null(file);
 	fputs(text, file);
 	assert_int_equal(fclose(file), 0);
 }
 
-/* Through a file of either kind. */
+/* Writes a lens to a file of either kind and reads it back. */
 static struct lens again(const struct lens *lens, bool ros, double error_px)
 {
 	struct fault fault = {.text = ""};
 	struct lens read = {.width = 0};
-	FILE *file = fopen(own_path("lens.yaml"), "w");
+	FILE *file = fopen(own_folder_path("lens.yaml"), "w");
 
 	assert_non_null(file);
 	if (ros)
@@ -72,9 +76,9 @@ static struct lens again(const struct lens *lens, bool ros, double error_px)
 	else
 		lens_write_opencv(file, lens, error_px);
 	assert_int_equal(fclose(file), 0);
-	if (lens_read_yaml(&read, own_path("lens.yaml"), &fault))
+	if (lens_read_yaml(&read, own_folder_path("lens.yaml"), &fault))
 		fail_msg("%s", fault.text);
-	assert_int_equal(remove(own_path("lens.yaml")), 0);
+	assert_int_equal(remove(own_folder_path("lens.yaml")), 0);
 	return read;
 }
 
@@ -90,12 +94,12 @@ static void test_distorts(void **state)
 		double error_px = -1, turn_deg;
 
 		assert_int_equal(lens_of_tsai(&lens, &camera, 0, &error_px, NULL), 0);
-		assert_true(error_px == 0);
+		expect_equal(error_px, 0, "k=%d", k);
 		read = again(&lens, k >= 3, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
 		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, &turn_deg, NULL), 0);
-		assert_true(error_px == 0);
-		assert_true(farthest(&camera, &back) < 1e-9);
+		expect_equal(error_px, 0, "k=%d", k);
+		expect_below(farthest(&camera, &back), 1e-9, "k=%d", k);
 	}
 }
 
@@ -118,21 +122,21 @@ static void test_undistorts(void **state)
 				 0);
 		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", kappa1[k],
 			      out_px, in_px);
-		assert_int_equal(back.distortion, TSAI_UNDISTORTS);
-		/* what is said is what it is */
-		assert_true(farthest(&camera, &back) < out_px + in_px + 1e-9);
-		assert_int_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault),
-				 -ERANGE);
+		expect_equal(back.distortion, TSAI_UNDISTORTS, "k=%d", k);
+		/* the reported errors hold */
+		expect_below(farthest(&camera, &back), out_px + in_px + 1e-9, "k=%d", k);
+		expect_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault), -ERANGE,
+			     "k=%d", k);
 		assert_non_null(strstr(fault.text, "expected at most"));
 	}
 }
 
-/* Terms that Tsai's camera lacks: the error is that of the camera that comes out. */
+/* Terms that Tsai's camera lacks: the error is that of the resulting camera. */
 static void test_terms(void **state)
 {
 	static const struct {
 		double term[LENS_TERMS];
-		double least, most; /* px */
+		double least, most; /* expected error, px */
 	} cases[] = {
 		{{-0.2, 0, 0, 0, 0, 0, 0, 0}, 0, 0},
 		{{-0.2, 0.001, 0, 0, 0, 0, 0, 0}, 1e-2, 0.3},
@@ -153,11 +157,11 @@ static void test_terms(void **state)
 		memcpy(lens.term, cases[k].term, sizeof(lens.term));
 		assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, NULL), 0);
 		print_message("case %zu: %.3g px, %.3g degrees\n", k, error_px, turn_deg);
-		assert_true(error_px >= cases[k].least && error_px <= cases[k].most);
+		expect_that(error_px >= cases[k].least && error_px <= cases[k].most, "k=%zu", k);
 		if (error_px > 0)
-			assert_int_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
-						      &turn_deg, NULL),
-					 -ERANGE);
+			expect_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
+						  &turn_deg, NULL),
+				     -ERANGE, "k=%zu", k);
 	}
 }
 
@@ -182,7 +186,7 @@ static void test_fisheyes(void **state)
 
 		assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, 0.5, &error_px, NULL),
 				 0);
-		assert_true(exact == (error_px == 0));
+		expect_equal(exact, (error_px == 0), "model=%d", model);
 		read = again(&lens, model % 2, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
 		assert_int_equal(lens_to_fisheye(&read, &back, NULL), 0);
@@ -198,11 +202,11 @@ static void test_fisheyes(void **state)
 			worst = fmax(worst, hypot(a[0] - b[0], a[1] - b[1]));
 		}
 		print_message("%s: %.2g px\n", fisheye_model_names[model], error_px);
-		assert_true(worst <= error_px + 1e-9);
+		expect_at_most(worst, error_px + 1e-9, "model=%d", model);
 		if (!exact)
-			assert_int_equal(lens_of_fisheye(&lens, &settings, 720, 576, error_px / 2,
-							 &error_px, NULL),
-					 -ERANGE);
+			expect_equal(lens_of_fisheye(&lens, &settings, 720, 576, error_px / 2,
+						     &error_px, NULL),
+				     -ERANGE, "model=%d", model);
 	}
 }
 
@@ -218,7 +222,7 @@ static void test_fields(void **state)
 	double error_px, turn_deg;
 
 	(void)state;
-	/* the picture's corner at 400 / 600 rad */
+	/* the corner of the picture is at 400 / 600 rad */
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
 	assert_true(fabs(settings.field_deg - 400 / 600.0 * 180 / M_PI) < 1e-9);
 	assert_int_equal(settings.model, FISHEYE_EQUIDISTANT);
@@ -248,7 +252,7 @@ static void test_fields(void **state)
 
 static void test_files(void **state)
 {
-	/* as OpenCV's calibration program leaves it, and as ROS's does */
+	/* as the calibration programs of OpenCV and of ROS write it */
 	static const char opencv[] = OPENCV_HEAD
 		"calibration_time: \"Fri 20 Nov 2026 18:00:00\"\n" SIZE
 		"board_width: 9\nflags: 0\n# flags: none\n" OPENCV_CAMERA OPENCV_DISTORTION
@@ -272,21 +276,21 @@ static void test_files(void **state)
 	(void)state;
 	write_file("opencv.yml", opencv);
 	write_file("ros.yaml", ros);
-	if (lens_read_yaml(&a, own_path("opencv.yml"), &fault) ||
-	    lens_read_yaml(&b, own_path("ros.yaml"), &fault))
+	if (lens_read_yaml(&a, own_folder_path("opencv.yml"), &fault) ||
+	    lens_read_yaml(&b, own_folder_path("ros.yaml"), &fault))
 		fail_msg("%s", fault.text);
 	assert_memory_equal(&a, &b, sizeof(a));
 	assert_true(a.focal_px[0] == 536.07 && a.focal_px[1] == 536.02);
 	assert_true(a.centre_px[0] == 342.37 + 0.5 && a.centre_px[1] == 235.54 + 0.5);
 	assert_true(a.term[LENS_K3] == 2.3839153080878486e-01 && a.term[LENS_K4] == 0);
-	assert_int_equal(remove(own_path("opencv.yml")), 0);
-	assert_int_equal(remove(own_path("ros.yaml")), 0);
+	assert_int_equal(remove(own_folder_path("opencv.yml")), 0);
+	assert_int_equal(remove(own_folder_path("ros.yaml")), 0);
 }
 
 static void test_damaged(void **state)
 {
 	static const struct {
-		const char *text, *fault; /* what follows the file's name */
+		const char *text, *fault; /* fault: the message behind the file's name */
 	} cases[] = {
 		{"", ": has no image_width and image_height, expected them here or by --size"},
 		{SIZE, ": has no camera_matrix"},
@@ -339,16 +343,20 @@ static void test_damaged(void **state)
 		struct lens lens = {.width = 0};
 
 		write_file("bad.yml", cases[k].text);
-		snprintf(expected, sizeof(expected), "%s%s", own_path("bad.yml"), cases[k].fault);
-		assert_int_equal(lens_read_yaml(&lens, own_path("bad.yml"), &fault), -EINVAL);
+		snprintf(expected, sizeof(expected), "%s%s", own_folder_path("bad.yml"),
+			 cases[k].fault);
+		expect_equal(lens_read_yaml(&lens, own_folder_path("bad.yml"), &fault), -EINVAL,
+			     "k=%zu", k);
 		assert_string_equal(fault.text, expected);
 	}
-	assert_int_equal(remove(own_path("bad.yml")), 0);
-	assert_int_equal(lens_read_yaml(&(struct lens){.width = 0}, own_path("bad.yml"), &fault),
-			 -ENOENT);
+	assert_int_equal(remove(own_folder_path("bad.yml")), 0);
+	assert_int_equal(
+		lens_read_yaml(&(struct lens){.width = 0}, own_folder_path("bad.yml"), &fault),
+		-ENOENT);
 }
 
-/* Cut anywhere, a file is refused or, behind its last number, read. */
+/* A file that is cut anywhere is refused or, when only the end behind its last number is missing,
+ * read. */
 static void test_truncated(void **state)
 {
 	static const char whole[] = OPENCV_HEAD SIZE OPENCV_CAMERA OPENCV_DISTORTION;
@@ -361,9 +369,10 @@ static void test_truncated(void **state)
 		memcpy(part, whole, bytes);
 		part[bytes] = '\0';
 		write_file("cut.yml", part);
-		assert_int_equal(lens_read_yaml(&lens, own_path("cut.yml"), NULL), -EINVAL);
+		expect_equal(lens_read_yaml(&lens, own_folder_path("cut.yml"), NULL), -EINVAL,
+			     "bytes=%zu", bytes);
 	}
-	assert_int_equal(remove(own_path("cut.yml")), 0);
+	assert_int_equal(remove(own_folder_path("cut.yml")), 0);
 }
 
 static void test_ini(void **state)
@@ -372,20 +381,20 @@ static void test_ini(void **state)
 			       .camera = some_camera(-0.004, TSAI_UNDISTORTS)};
 	struct lens_ini read;
 	struct fault fault = {.text = ""};
-	FILE *file = fopen(own_path("camera.ini"), "w");
+	FILE *file = fopen(own_folder_path("camera.ini"), "w");
 
 	(void)state;
 	assert_non_null(file);
 	lens_write_ini(file, &ini, "a test", 0.01, 0.2);
 	assert_int_equal(fclose(file), 0);
-	if (lens_read_ini(&read, own_path("camera.ini"), &fault))
+	if (lens_read_ini(&read, own_folder_path("camera.ini"), &fault))
 		fail_msg("%s", fault.text);
 	assert_memory_equal(&read.camera, &ini.camera, sizeof(ini.camera));
 	write_file("camera.ini", "[fisheye]\n[camera]\nwidth = 1\n");
-	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
+	assert_int_equal(lens_read_ini(&read, own_folder_path("camera.ini"), &fault), -EINVAL);
 	write_file("camera.ini", "");
-	assert_int_equal(lens_read_ini(&read, own_path("camera.ini"), &fault), -EINVAL);
-	assert_int_equal(remove(own_path("camera.ini")), 0);
+	assert_int_equal(lens_read_ini(&read, own_folder_path("camera.ini"), &fault), -EINVAL);
+	assert_int_equal(remove(own_folder_path("camera.ini")), 0);
 }
 
 int main(void)

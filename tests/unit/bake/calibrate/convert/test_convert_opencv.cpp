@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What OpenCV makes of our lenses, and we of those that OpenCV writes: its own reader, writer and
- * projection. */
+/* Lenses through OpenCV's own reader, writer and projection, in both directions. */
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -24,7 +23,7 @@ extern "C" {
 namespace
 {
 
-/* What is seen of points at depth 1 is compared, to this. */
+/* Largest difference of images of points at depth 1. */
 constexpr double SAME_PX = 1e-9;
 
 std::vector<cv::Point3d> points()
@@ -55,7 +54,7 @@ tsai_camera some_camera()
 	return camera;
 }
 
-/* What our file says, read by OpenCV. */
+/* Reads our file with OpenCV. */
 void read_back(const char *path, cv::Mat &matrix, cv::Mat &distortion)
 {
 	cv::FileStorage file(path, cv::FileStorage::READ);
@@ -71,7 +70,7 @@ void read_back(const char *path, cv::Mat &matrix, cv::Mat &distortion)
 
 void write_ours(const lens &ours)
 {
-	FILE *file = std::fopen(own_path("ours.yml"), "w");
+	FILE *file = std::fopen(own_folder_path("ours.yml"), "w");
 
 	assert_non_null(file);
 	lens_write_opencv(file, &ours, 0.25);
@@ -89,7 +88,7 @@ void test_camera_read(void **)
 
 	assert_int_equal(lens_of_tsai(&ours, &camera, 0, &error_px, nullptr), 0);
 	write_ours(ours);
-	read_back(own_path("ours.yml"), matrix, distortion);
+	read_back(own_folder_path("ours.yml"), matrix, distortion);
 	cv::projectPoints(world, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix, distortion, seen);
 	for (size_t k = 0; k < world.size(); k++) {
 		const double place[3] = {world[k].x, world[k].y, world[k].z};
@@ -99,7 +98,7 @@ void test_camera_read(void **)
 		/* OpenCV's pixel centres are at whole numbers */
 		assert_true(std::hypot(px[0] - 0.5 - seen[k].x, px[1] - 0.5 - seen[k].y) < SAME_PX);
 	}
-	assert_int_equal(std::remove(own_path("ours.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
 void test_fisheye_read(void **)
@@ -124,7 +123,7 @@ void test_fisheye_read(void **)
 	assert_int_equal(lens_of_fisheye(&ours, &settings, 720, 576, 0, &error_px, nullptr), 0);
 	assert_int_equal(fisheye_prepare(&prepared, &settings, 720, 576, nullptr), 0);
 	write_ours(ours);
-	read_back(own_path("ours.yml"), matrix, distortion);
+	read_back(own_folder_path("ours.yml"), matrix, distortion);
 	cv::fisheye::projectPoints(world, seen, cv::Vec3d(0, 0, 0), cv::Vec3d(0, 0, 0), matrix,
 				   distortion);
 	for (size_t k = 0; k < world.size(); k++) {
@@ -134,11 +133,11 @@ void test_fisheye_read(void **)
 		assert_true(fisheye_project(&prepared, place, px));
 		assert_true(std::hypot(px[0] - 0.5 - seen[k].x, px[1] - 0.5 - seen[k].y) < SAME_PX);
 	}
-	assert_int_equal(std::remove(own_path("ours.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
-/* As its calibration program does, with much that is of no use here, in single and double
- * precision. */
+/* Writes as OpenCV's calibration program does, with many fields that inlay does not use, in single
+ * and double precision. */
 void write_theirs(const char *path, const cv::Mat &matrix, const cv::Mat &distortion)
 {
 	cv::FileStorage file(path, cv::FileStorage::WRITE);
@@ -178,8 +177,8 @@ void test_written_by_opencv(void **)
 					distortion = distortion.t();
 				matrix.convertTo(matrix, type);
 				distortion.convertTo(distortion, type);
-				write_theirs(own_path("theirs.yml"), matrix, distortion);
-				if (lens_read_yaml(&read, own_path("theirs.yml"), &wrong))
+				write_theirs(own_folder_path("theirs.yml"), matrix, distortion);
+				if (lens_read_yaml(&read, own_folder_path("theirs.yml"), &wrong))
 					fail_msg("%s", wrong.text);
 				assert_int_equal(read.width, 720);
 				assert_int_equal(read.fisheye, 0);
@@ -188,7 +187,7 @@ void test_written_by_opencv(void **)
 				assert_true(read.term[LENS_K1] == -0.25);
 				assert_true(std::fabs(read.term[LENS_P2] - 1e-5) < 1e-10);
 			}
-	assert_int_equal(std::remove(own_path("theirs.yml")), 0);
+	assert_int_equal(std::remove(own_folder_path("theirs.yml")), 0);
 }
 
 } // namespace

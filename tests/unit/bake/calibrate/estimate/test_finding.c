@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Estimates, verdicts and findings: what every calibration gives its reports. */
+/* Estimates, verdicts and findings, which all calibrations hand to their reports. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +12,7 @@
 
 #include "bake/calibrate/estimate/finding.h"
 
-/* f and Tz, 0.9 alike; a held one; one that cannot be told. */
+/* f and Tz with correlation 0.9; a held parameter; one that cannot be told. */
 static struct estimate some_estimate(void)
 {
 	static const char *const name[] = {"focal", "translation z", "aspect", "kappa1"};
@@ -44,11 +44,11 @@ static void test_estimate(void **state)
 	assert_true(estimate_correlation(&e, 1, 0) == estimate_correlation(&e, 0, 1));
 	assert_true(estimate_correlation(&e, 0, 2) == 0);
 	assert_true(isnan(estimate_correlation(&e, 0, 3)));
-	/* 4 + 9 - 2 * 5.4: they go together, so that their difference is better known */
+	/* 4 + 9 - 2 * 5.4: with a positive correlation the difference is better known */
 	assert_true(fabs(estimate_variance(&e, difference) - 2.2) < 1e-14);
 	assert_true(estimate_variance(&e, held) == 0);
 	assert_false(isfinite(estimate_variance(&e, unknown)));
-	/* below 0 by rounding alone */
+	/* the variance is below 0 by rounding alone */
 	e.covariance[1] = e.covariance[4] = 6.5 + 1e-15;
 	assert_true(estimate_variance(&e, difference) >= 0);
 	estimate_free(&e);
@@ -91,7 +91,7 @@ static void test_finding(void **state)
 	struct finding f;
 
 	(void)state;
-	assert_int_equal(finding_create(&f, "camera", &seen), 0); /* of no points */
+	assert_int_equal(finding_create(&f, "camera", &seen), 0); /* without points */
 	finding_free(&f);
 	assert_int_equal(observations_begin_view(&seen, "here"), 0);
 	assert_int_equal(observations_add(&seen, world, px, "point %d", 7), 0);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Least squares: problems whose answer and whose uncertainty are known. */
+/* Least squares: problems with known solution and known uncertainty. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,6 +12,7 @@
 
 #include "bake/calibrate/estimate/least_squares.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 
 #define POINTS_MAX 400
 
@@ -21,7 +22,7 @@ static double gauss(struct chance *chance)
 	       cos(2 * M_PI * chance_real(chance, 0, 1));
 }
 
-/* y = a exp(b t) + c, seen at t = 0..1; for pairs the second number is y + t. */
+/* y = a exp(b t) + c at t = 0..1; in pairs, the second number is y + t. */
 struct decay {
 	int count;
 	double seen[POINTS_MAX];
@@ -100,17 +101,17 @@ static void without_noise(void **state)
 			problem.loss_scale = 2.4;
 		assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 		for (int k = 0; k < 3; k++)
-			assert_true(fabs(x[k] - truth[k]) < 1e-11);
-		assert_true(fit.sigma < 1e-12);
+			expect_below(fabs(x[k] - truth[k]), 1e-11, "way=%d, k=%d", way, k);
+		expect_below(fit.sigma, 1e-12, "way=%d", way);
 		if (way <
-		    2) /* what is left is rounding, of which a robust loss may leave out some */
-			assert_int_equal(fit.freedom, 47);
+		    2) /* the residuals are rounding errors, of which a robust loss may leave out some */
+			expect_equal(fit.freedom, 47, "way=%d", way);
 		least_squares_free(&fit);
 		least_squares_free(&fit);
 	}
 }
 
-/* Far from 0 and in tiny units: what is found must not know it. */
+/* Far from 0 and in tiny units the result must be the same. */
 static void whatever_the_units(void **state)
 {
 	static const double small[] = {1e-9, 1, 1e-9};
@@ -131,7 +132,7 @@ static void whatever_the_units(void **state)
 	least_squares_free(&fit);
 }
 
-/* The line: covariance has a closed form. */
+/* A straight line, whose covariance has a closed form. */
 static void covariance_of_a_line(void **state)
 {
 	static const bool fixed[] = {false, true, false};
@@ -144,7 +145,7 @@ static void covariance_of_a_line(void **state)
 	(void)state;
 	observe(&d, 40, 0.1, &chance);
 	problem = decay_problem(&d);
-	problem.fixed = fixed; /* b is known: a and c are linear */
+	problem.fixed = fixed; /* b is held: a and c are linear */
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 	for (int i = 0; i < d.count; i++) {
 		const double e = exp(-2.0 * i / d.count);
@@ -161,11 +162,12 @@ static void covariance_of_a_line(void **state)
 	assert_true(fabs(fit.covariance[2] / (fit.sigma * fit.sigma * -se / (s * see - se * se)) -
 			 1) < 1e-9);
 	for (int k = 0; k < 3; k++)
-		assert_true(fit.covariance[3 + k] == 0 && fit.covariance[3 * k + 1] == 0);
+		expect_that(fit.covariance[3 + k] == 0 && fit.covariance[3 * k + 1] == 0, "k=%d",
+			    k);
 	least_squares_free(&fit);
 }
 
-/* Of 1,000 runs, as many are within one and two deviations as there should be. */
+/* Of 1,000 runs, the right shares lie within one and two deviations. */
 static void deviations_are_honest(void **state)
 {
 	struct chance chance = chance_begin("least squares");
@@ -190,9 +192,11 @@ static void deviations_are_honest(void **state)
 			two += z < 1.96;
 			least_squares_free(&fit);
 		}
-		/* binomial, five deviations */
-		assert_true(fabs(one - 0.683 * runs) < 5 * sqrt(runs * 0.683 * 0.317));
-		assert_true(fabs(two - 0.95 * runs) < 5 * sqrt(runs * 0.95 * 0.05));
+		/* five deviations of the binomial distribution */
+		expect_below(fabs(one - 0.683 * runs), 5 * sqrt(runs * 0.683 * 0.317), "robust=%d",
+			     robust);
+		expect_below(fabs(two - 0.95 * runs), 5 * sqrt(runs * 0.95 * 0.05), "robust=%d",
+			     robust);
 	}
 }
 
@@ -212,9 +216,9 @@ static void names_outliers(void **state)
 	problem.loss_scale = 2.4;
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 	for (int k = 0; k < 3; k++)
-		assert_true(fabs(x[k] - truth[k]) < 6 * sqrt(fit.covariance[4 * k]));
+		expect_below(fabs(x[k] - truth[k]), 6 * sqrt(fit.covariance[4 * k]), "k=%d", k);
 	for (int i = 0; i < 100; i++)
-		assert_true((fit.weight[i] < 0.1) == (i % 7 == 0));
+		expect_equal((fit.weight[i] < 0.1), (i % 7 == 0), "i=%d", i);
 	assert_true(fit.sigma > 0.006 && fit.sigma < 0.015);
 	least_squares_free(&fit);
 }
@@ -258,7 +262,7 @@ static void says_what_cannot_be_told_apart(void **state)
 	observe(&d, 50, 0.1, &chance);
 	problem = decay_problem(&d);
 	problem.name = names;
-	problem.fixed = fixed; /* rate 0: height and ground are the same */
+	problem.fixed = fixed; /* rate 0: height and ground are the same parameter */
 	assert_int_equal(least_squares_solve(&problem, x, &fit, &fault), -ERANGE);
 	assert_non_null(strstr(fault.text, "height"));
 	assert_non_null(strstr(fault.text, "ground"));
@@ -266,7 +270,7 @@ static void says_what_cannot_be_told_apart(void **state)
 	least_squares_free(&fit);
 
 	observe(&d, 50, 0.1, &chance);
-	d.blind = 0; /* the ground does nothing */
+	d.blind = 0; /* the ground has no effect */
 	problem = decay_problem(&d);
 	problem.name = names;
 	x[1] = -1;
@@ -289,7 +293,8 @@ static void refuses(void **state)
 	problem = decay_problem(&d);
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), -EINVAL);
 	least_squares_free(&fit);
-	observe(&d, 3, 0, &chance); /* just enough: solved, and nothing is known of its error */
+	/* As many points as parameters: solved, but without any knowledge of the error. */
+	observe(&d, 3, 0, &chance);
 	problem = decay_problem(&d);
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), 0);
 	assert_true(fit.freedom == 0 && fit.sigma == 0 && fabs(x[0] - 3) < 1e-9);

@@ -13,9 +13,11 @@
 
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "bake/calibrate/observe/boards.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_photographs.h"
 
-/* The farthest from the axis that a corner was seen, rad. */
+/* Largest angle from the axis at which a corner was seen, rad. */
 static double seen_to(const struct observations *seen, const struct fisheye *lens)
 {
 	double most = 0;
@@ -23,7 +25,7 @@ static double seen_to(const struct observations *seen, const struct fisheye *len
 	for (int n = 0; n < seen->count; n++) {
 		double ray[3];
 
-		assert_true(fisheye_ray(lens, seen->point[n].px, ray));
+		expect_that(fisheye_ray(lens, seen->point[n].px, ray), "n=%d", n);
 		most = fmax(most, acos(ray[2]));
 	}
 	return most;
@@ -35,14 +37,16 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 	struct fisheye lens;
 	double worst = 0;
 
-	assert_int_equal(fisheye_prepare(&lens, found, PHOTOGRAPH_WIDTH, PHOTOGRAPH_HEIGHT, NULL),
+	assert_int_equal(fisheye_prepare(&lens, found, FISHEYE_PHOTOGRAPH_WIDTH,
+					 FISHEYE_PHOTOGRAPH_HEIGHT, NULL),
 			 0);
 	for (int k = 0; k < 2000; k++) {
 		const double theta = most_rad * sqrt((k + 0.5) / 2000), phi = k * 2.39996;
 		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
 		double is[2], should[2];
 
-		assert_true(fisheye_project(&lens, ray, is) && fisheye_project(truth, ray, should));
+		expect_that(fisheye_project(&lens, ray, is) && fisheye_project(truth, ray, should),
+			    "k=%d", k);
 		worst = fmax(worst, hypot(is[0] - should[0], is[1] - should[1]));
 	}
 	return worst;
@@ -66,13 +70,14 @@ static void photographs(enum fisheye_model model, double focal_px)
 	char said[600];
 
 	assert_int_equal(board_parse(&board, "9x6:20mm", NULL), 0);
-	assert_int_equal(
-		fisheye_prepare(&truth, &settings, PHOTOGRAPH_WIDTH, PHOTOGRAPH_HEIGHT, NULL), 0);
+	assert_int_equal(fisheye_prepare(&truth, &settings, FISHEYE_PHOTOGRAPH_WIDTH,
+					 FISHEYE_PHOTOGRAPH_HEIGHT, NULL),
+			 0);
 	for (int k = 0; k < 9; k++) {
 		struct fault fault = {""};
 		struct image image;
 
-		assert_int_equal(photograph_board(&image, &board, &truth, k, &chance), 0);
+		assert_int_equal(fisheye_photograph_board(&image, &board, &truth, k, &chance), 0);
 		if (board_find(&board, &image, "board", &seen, &fault))
 			print_message("# board %d: %s\n", k + 1, fault.text);
 		else

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The image circle of a fisheye in one picture: right to parts of a pixel, and doubted where it is
- * not to be seen. */
+/* The image circle of a fisheye in one picture: right to a part of a pixel, and doubted where the
+ * circle cannot be seen. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,29 +8,34 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/sim/studio.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"
+#include "tests/support/chance.h"
 #include "tests/support/fisheye_views.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */
-struct scene {
+struct circle_scene {
 	struct fisheye_settings lens;
-	double exposure, noise;		   /* levels */
-	double blur_px;			   /* standard deviation, of lens and focus */
-	double dark_from_deg, dark_to_deg; /* about the axis: there the scene is dark */
-	bool lamp;			   /* a bright one, cut by the rim */
-	bool open;			   /* no dark surroundings */
+	double exposure, noise; /* levels */
+	double blur_px;		/* standard deviation of the blur of lens and focus */
+	/* The scene is dark between these angles around the axis. */
+	double dark_from_deg, dark_to_deg;
+	bool lamp; /* a bright lamp that the rim cuts */
+	bool open; /* no dark surroundings */
 	bool studio;
 	const struct panorama *panorama;
 };
 
-/* The simulated cameras' own rooms. */
-static double light_of_room(const struct scene *scene, const double dir[3])
+/* Radiance of the rooms of the simulated cameras. */
+static double light_of_room(const struct circle_scene *scene, const double dir[3])
 {
 	static const double origin[3] = {0, 0, 0.01};
 	double rgb[3];
@@ -42,7 +47,8 @@ static double light_of_room(const struct scene *scene, const double dir[3])
 	return scene->exposure * (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-static double light_of(const struct scene *scene, const struct fisheye *lens, const double px[2])
+static double light_of(const struct circle_scene *scene, const struct fisheye *lens,
+		       const double px[2])
 {
 	double dir[3], phi, light;
 
@@ -59,7 +65,7 @@ static double light_of(const struct scene *scene, const struct fisheye *lens, co
 	return scene->exposure * light;
 }
 
-/* Means of pixels, by a Gaussian across and then down. */
+/* Blurs by a Gaussian, first along rows, then along columns. */
 static void soften(double light[480][640], double deviation_px)
 {
 	enum { FAR = 8 };
@@ -87,7 +93,8 @@ static void soften(double light[480][640], double deviation_px)
 	}
 }
 
-static struct image take(const struct scene *scene, struct fisheye *lens, struct chance *chance)
+static struct image circle_take(const struct circle_scene *scene, struct fisheye *lens,
+				struct chance *chance)
 {
 	enum { PARTS = 4 };
 	static double light[480][640];
@@ -117,7 +124,7 @@ static struct image take(const struct scene *scene, struct fisheye *lens, struct
 	return image;
 }
 
-/* The largest distance anywhere in the image circle and in the picture. */
+/* Largest distance of two lenses' images, over the whole image circle in the picture. */
 static double error_of(const struct fisheye *truth, const struct fisheye_settings *found)
 {
 	struct fisheye lens;
@@ -136,9 +143,9 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 	return worst;
 }
 
-/* Expects this of the verdict ("" trusted), and of the lens, if it is. */
-static void check(const char *name, const struct scene *scene, const char *expected,
-		  double error_px)
+/* Expects this verdict ("": trusted) and, where it trusts, the right lens. */
+static void circle_check(const char *name, const struct circle_scene *scene, const char *expected,
+			 double error_px)
 {
 	struct chance chance = chance_begin(name);
 	const struct fisheye_wanted wanted = {.model = scene->lens.model,
@@ -148,7 +155,7 @@ static void check(const char *name, const struct scene *scene, const char *expec
 	struct fisheye_result result;
 	struct observations seen;
 	struct fisheye truth;
-	struct image image = take(scene, &truth, &chance);
+	struct image image = circle_take(scene, &truth, &chance);
 	char said[600];
 
 	assert_int_equal(
@@ -176,65 +183,65 @@ static void every_model(void **state)
 {
 	(void)state;
 	for (int model = 0; model < FISHEYE_POLYNOMIAL; model++) {
-		struct scene scene = {.lens = whole, .exposure = 1, .noise = 1};
+		struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
 
 		scene.lens.model = model;
 		if (model == FISHEYE_STEREOGRAPHIC)
 			scene.lens.focal_px[0] = scene.lens.focal_px[1] = 110;
 		if (model == FISHEYE_ORTHOGRAPHIC)
 			scene.lens.focal_px[0] = scene.lens.focal_px[1] = 215;
-		check(fisheye_model_names[model], &scene, "", 0.2);
+		circle_check(fisheye_model_names[model], &scene, "", 0.2);
 	}
 }
 
 static void hard_pictures(void **state)
 {
-	struct scene scene = {.lens = whole, .exposure = 1, .noise = 1};
+	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
 
 	(void)state;
 	scene.lamp = true;
-	check("lamp at the rim", &scene, "", 0.2);
+	circle_check("lamp at the rim", &scene, "", 0.2);
 	scene.lamp = false;
 	scene.noise = 6;
-	check("noise", &scene, "", 0.2);
+	circle_check("noise", &scene, "", 0.2);
 	scene.noise = 5; /* which black cuts off */
 	scene.exposure = 0.05;
-	check("low light", &scene, "", 0.2);
+	circle_check("low light", &scene, "", 0.2);
 	scene.noise = scene.exposure = 1;
-	scene.blur_px = 0.7; /* of any lens, and of demosaicing */
-	check("a little blur", &scene, "", 0.1);
+	scene.blur_px = 0.7; /* the blur of any lens and of demosaicing */
+	circle_check("a little blur", &scene, "", 0.1);
 	scene.blur_px = 1.8; /* out of focus */
-	check("blur", &scene, "", 0.2);
+	circle_check("blur", &scene, "", 0.2);
 	scene.blur_px = 0;
 	scene.dark_from_deg = 100;
 	scene.dark_to_deg = 190;
-	check("a quarter dark", &scene, "", 0.2);
+	circle_check("a quarter dark", &scene, "", 0.2);
 	scene.dark_to_deg = 340;
-	check("mostly dark", &scene, "the rim is dark", 0);
+	circle_check("mostly dark", &scene, "the rim is dark", 0);
 	scene.dark_from_deg = scene.dark_to_deg = 0;
 	scene.exposure = 6;
-	check("over-exposed", &scene, "over-exposed at the rim", 0);
+	circle_check("over-exposed", &scene, "over-exposed at the rim", 0);
 	scene.exposure = 1;
 	scene.lens.focal_px[0] = scene.lens.focal_px[1] = 190;
-	check("cut at top and bottom", &scene, "", 0.2);
+	circle_check("cut at top and bottom", &scene, "", 0.2);
 	scene.lens.focal_px[0] = scene.lens.focal_px[1] = 240;
-	check("cut nearly everywhere", &scene, "no image circle was found", 0);
+	circle_check("cut nearly everywhere", &scene, "no image circle was found", 0);
 	scene.lens.focal_px[0] = 150;
 	scene.lens.focal_px[1] = 75;
-	check("squashed", &scene, "", 0.2);
+	circle_check("squashed", &scene, "", 0.2);
 }
 
 static void no_circle(void **state)
 {
-	struct scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
+	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
 
 	(void)state;
-	check("no circle", &scene, "no image circle was found", 0);
-	scene = (struct scene){.lens = whole, .exposure = 0, .noise = 2};
-	check("lens cap", &scene, "no image circle was found", 0);
+	circle_check("no circle", &scene, "no image circle was found", 0);
+	scene = (struct circle_scene){.lens = whole, .exposure = 0, .noise = 2};
+	circle_check("lens cap", &scene, "no image circle was found", 0);
 }
 
-/* Rooms as they are: walls, windows and furniture at the rim. */
+/* Real rooms: walls, windows and furniture at the rim. */
 static void studio_and_panoramas(void **state)
 {
 	static const char *const names[] = {"studio_small_03_1k", "venice_sunset_1k",
@@ -242,10 +249,10 @@ static void studio_and_panoramas(void **state)
 	static const double exposures[] = {1.5, 0.4, 0.6};
 
 	const char *folder = getenv("INLAY_SHARED_DATA");
-	struct scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
+	struct circle_scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
 
 	(void)state;
-	check("studio", &scene, "", 0.2);
+	circle_check("studio", &scene, "", 0.2);
 	scene.studio = false;
 	for (int k = 0; k < 3; k++) {
 		struct image image = {.width = 0};
@@ -260,7 +267,7 @@ static void studio_and_panoramas(void **state)
 		}
 		scene.panorama = &panorama;
 		scene.exposure = exposures[k];
-		check(names[k], &scene, "", 0.2);
+		circle_check(names[k], &scene, "", 0.2);
 		image_free(&image);
 	}
 }

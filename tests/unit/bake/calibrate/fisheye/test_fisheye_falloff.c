@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a lens loses towards its rim, from a uniform view. */
+/* Vignetting (falloff of light towards the rim) from a picture of something uniform. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,17 +7,21 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/fisheye_falloff.h"
 #include "hal/colour/transfer.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_views.h"
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};
 
-static struct image take(const struct fisheye_settings *settings, double level, double slope,
-			 bool thing, struct chance *chance)
+static struct image fisheye_falloff_take(const struct fisheye_settings *settings, double level,
+					 double slope, bool thing, struct chance *chance)
 {
 	struct fisheye lens;
 	struct image image;
@@ -43,18 +47,18 @@ static struct image take(const struct fisheye_settings *settings, double level, 
 	return image;
 }
 
-static void check(double level, double slope, bool thing, const char *expected)
+static void fisheye_falloff_check(double level, double slope, bool thing, const char *expected)
 {
 	struct chance chance = chance_begin("fisheye_falloff");
 
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
-		struct fisheye_settings settings = fisheye_truths[model];
+		struct fisheye_settings settings = fisheye_views_lenses[model];
 		struct falloff falloff;
 		struct image image;
 		char said[600];
 
 		memcpy(settings.falloff, truth, sizeof(truth));
-		image = take(&settings, level, slope, thing, &chance);
+		image = fisheye_falloff_take(&settings, level, slope, thing, &chance);
 		memset(settings.falloff, 0, sizeof(settings.falloff));
 		assert_int_equal(falloff_find(&falloff, &image, &settings, NULL), 0);
 		verdict_sentence(&falloff.verdict, said, sizeof(said));
@@ -69,7 +73,7 @@ static void check(double level, double slope, bool thing, const char *expected)
 			const double found = 1 + u * (v[0] + u * (v[1] + u * v[2]));
 			const double right = 1 + u * (truth[0] + u * (truth[1] + u * truth[2]));
 
-			assert_true(fabs(found / right - 1) < 0.01);
+			expect_below(fabs(found / right - 1), 0.01, "model=%d, t=%g", model, t);
 		}
 		image_free(&image);
 	}
@@ -78,16 +82,16 @@ static void check(double level, double slope, bool thing, const char *expected)
 static void uniform_views(void **state)
 {
 	(void)state;
-	check(0.6, 0, false, "");
-	check(0.6, 0, true, ""); /* something dark in a corner */
+	fisheye_falloff_check(0.6, 0, false, "");
+	fisheye_falloff_check(0.6, 0, true, ""); /* something dark in a corner */
 }
 
 static void doubted(void **state)
 {
 	(void)state;
-	check(0.5, 0.4, false, "not equally bright");
-	check(3, 0, false, "over-exposed");
-	check(0, 0, false, "no uniform view");
+	fisheye_falloff_check(0.5, 0.4, false, "not equally bright");
+	fisheye_falloff_check(3, 0, false, "over-exposed");
+	fisheye_falloff_check(0, 0, false, "no uniform view");
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Fisheye lenses from boards and from lamps: right without noise, honest with it, and doubted where
- * they should be. */
+/* Fisheye lenses from boards and from lamps: right without noise, with honest uncertainty under
+ * noise, and doubted where they should be. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,11 +8,15 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "hal/base/clock.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/fisheye_views.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
@@ -37,14 +41,14 @@ static void see(struct observations *seen, const struct fisheye_settings *truth,
 {
 	const struct fisheye lens = lens_of(truth);
 
-	begin_views(seen);
+	fisheye_views_begin(seen);
 	if (lamps)
-		see_lamps(seen, &lens, 60, 86, sigma, chance);
+		fisheye_see_lamps(seen, &lens, 60, 86, sigma, chance);
 	else
-		see_boards(seen, &lens, 5, 1.15, sigma, chance);
+		fisheye_see_boards(seen, &lens, 5, 1.15, sigma, chance);
 }
 
-/* The parameters in the order of an estimate. */
+/* Parameters of the lens in the order of an estimate. */
 static int truths(const struct fisheye_settings *s, bool lamps, double number[11])
 {
 	for (int i = 0; i < 2; i++) {
@@ -72,16 +76,17 @@ static void right_without_noise(void **state)
 		double truth[11];
 		char said[600];
 
-		see(&seen, &fisheye_truths[model], lamps, 0, &chance);
+		see(&seen, &fisheye_views_lenses[model], lamps, 0, &chance);
 		assert_int_equal(fisheye_find(&result, &seen, &wanted, &fault), 0);
 		verdict_sentence(&result.finding.verdict, said, sizeof(said));
 		print_message("# %s %s: %s, rms %.2g\n", lamps ? "lamps" : "boards",
 			      fisheye_model_names[model], said, result.finding.rms_px);
 		assert_true(result.finding.verdict.trusted);
-		assert_int_equal(result.lens.model, model);
-		for (int n = truths(&fisheye_truths[model], lamps, truth) - 1; n >= 0; n--)
-			assert_true(fabs(result.finding.estimate.parameter[n].value - truth[n]) <
-				    1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2));
+		expect_equal(result.lens.model, model, "k=%d", k);
+		for (int n = truths(&fisheye_views_lenses[model], lamps, truth) - 1; n >= 0; n--)
+			expect_below(fabs(result.finding.estimate.parameter[n].value - truth[n]),
+				     1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2), "k=%d, n=%d", k,
+				     n);
 		fisheye_result_free(&result);
 		observations_free(&seen);
 	}
@@ -92,7 +97,7 @@ struct coverage {
 	int runs, within[3];
 };
 
-static void count(struct coverage *c, double deviations)
+static void test_find_count(struct coverage *c, double deviations)
 {
 	c->runs++;
 	c->within[0] += deviations < 1;
@@ -100,19 +105,19 @@ static void count(struct coverage *c, double deviations)
 	c->within[2] += deviations < 3;
 }
 
-/* As often as chance wants it; numbers of one run depend on each other, so that runs count. */
+/* Checks these shares. The numbers of one run depend on each other, so that the bound counts runs.
+ */
 static void check_coverage(const struct coverage *all, int runs)
 {
 	static const double want[2] = {0.682689, 0.95};
 
 	for (int k = 0; k < 2; k++)
-		assert_true(fabs((double)all->within[k] / all->runs - want[k]) <
-			    4 * sqrt(want[k] * (1 - want[k]) / runs));
+		expect_below(fabs((double)all->within[k] / all->runs - want[k]),
+			     4 * sqrt(want[k] * (1 - want[k]) / runs), "k=%d", k);
 	assert_true(all->within[2] >= 0.99 * all->runs);
 }
 
-/* INLAY_RUNS=1000 makes it so many of each; what tests do every time is less, and its bounds wider.
- */
+/* Number of runs: INLAY_RUNS, else few, with wider bounds. */
 static int runs_of(int usual)
 {
 	const char *text = getenv("INLAY_RUNS");
@@ -136,8 +141,8 @@ static void honest_with_noise(void **state)
 		struct fisheye_wanted wanted = wanted_of(lamps, model);
 		struct coverage all = {.runs = 0};
 		double truth[11];
-		const int numbers = truths(&fisheye_truths[model], lamps, truth);
-		/* Boards at the rim are hardest for it. */
+		const int numbers = truths(&fisheye_views_lenses[model], lamps, truth);
+		/* boards at the rim are hardest for the fisheye */
 		const int own = runs_of(lamps				? LAMP_RUNS
 					: model == FISHEYE_ORTHOGRAPHIC ? ORTHOGRAPHIC_RUNS
 									: BOARD_RUNS);
@@ -148,22 +153,24 @@ static void honest_with_noise(void **state)
 			struct observations seen;
 			const struct estimate *e;
 
-			see(&seen, &fisheye_truths[model], lamps, sigma, &chance);
+			see(&seen, &fisheye_views_lenses[model], lamps, sigma, &chance);
 			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
 			e = &result.finding.estimate;
-			assert_true(e->count > 0);
-			/* It was not stuck on its way. */
-			assert_true(result.finding.rms_px < 1.25 * M_SQRT2 * sigma);
+			expect_above(e->count, 0, "k=%d, run=%d", k, run);
+			/* the solver did not end in a wrong minimum */
+			expect_below(result.finding.rms_px, 1.25 * M_SQRT2 * sigma, "k=%d, run=%d",
+				     k, run);
 			for (int n = 0; n < numbers; n++) {
 				if (e->parameter[n].fixed)
 					continue;
-				count(&all, fabs(e->parameter[n].value - truth[n]) /
-						    estimate_deviation(e, n));
+				test_find_count(&all, fabs(e->parameter[n].value - truth[n]) /
+							      estimate_deviation(e, n));
 			}
 			fisheye_result_free(&result);
 			observations_free(&seen);
 		}
-		assert_true(all.within[2] >= (0.99 - 4 * sqrt(0.0099 / own)) * all.runs);
+		expect_at_least(all.within[2], (0.99 - 4 * sqrt(0.0099 / own)) * all.runs, "k=%d",
+				k);
 		total.runs += all.runs;
 		for (int i = 0; i < 3; i++)
 			total.within[i] += all.within[i];
@@ -180,8 +187,8 @@ static void honest_with_noise(void **state)
 	print_message("# %.1f s\n", (double)(clock_now_ns() - start) / 1e9);
 }
 
-static void expect(struct observations *seen, const struct fisheye_wanted *wanted,
-		   const char *expected)
+static void test_find_expect(struct observations *seen, const struct fisheye_wanted *wanted,
+			     const char *expected)
 {
 	struct fisheye_result result;
 	struct fault fault = {""};
@@ -199,7 +206,7 @@ static void expect(struct observations *seen, const struct fisheye_wanted *wante
 static void doubted(void **state)
 {
 	struct chance chance = chance_begin("fisheye_find");
-	const struct fisheye lens = lens_of(&fisheye_truths[FISHEYE_EQUIDISTANT]);
+	const struct fisheye lens = lens_of(&fisheye_views_lenses[FISHEYE_EQUIDISTANT]);
 	const struct fisheye_wanted lamps = wanted_of(true, FISHEYE_MODEL_AUTO);
 	const struct fisheye_wanted boards = wanted_of(false, FISHEYE_MODEL_AUTO);
 	const struct fisheye_wanted wrong = wanted_of(true, FISHEYE_STEREOGRAPHIC);
@@ -208,55 +215,56 @@ static void doubted(void **state)
 	struct fault fault = {""};
 
 	(void)state;
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
-	expect(&seen, &lamps, "there are 4 points, fewer than");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
-	expect(&seen, &lamps, "cannot be told apart");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
-	expect(&seen, &lamps, "nothing was seen beyond");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
-	expect(&seen, &wrong, "not where a lens of the stereographic model");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 6, &chance);
-	expect(&seen, &lamps, "the lens is known to");
-	begin_views(&seen);
-	see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
-	expect(&seen, &boards, "one place only");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
+	test_find_expect(&seen, &lamps, "there are 4 points, fewer than");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
+	test_find_expect(&seen, &lamps, "cannot be told apart");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
+	test_find_expect(&seen, &lamps, "nothing was seen beyond");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
+	test_find_expect(&seen, &wrong, "not where a lens of the stereographic model");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 6, &chance);
+	test_find_expect(&seen, &lamps, "the lens is known to");
+	fisheye_views_begin(&seen);
+	fisheye_see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
+	test_find_expect(&seen, &boards, "one place only");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++)
 		seen.point[n].px[0] = 640 - seen.point[n].px[0];
-	expect(&seen, &lamps, "mirrored");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &lamps, "mirrored");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++) {
 		struct observation *point = &seen.point[n];
 		const double t = (n - 30) * 0.045;
 
 		memcpy(point->world, (double[]){sin(t), 0, cos(t)}, sizeof(point->world));
-		assert_true(fisheye_project(&lens, point->world, point->px));
+		expect_that(fisheye_project(&lens, point->world, point->px), "n=%d", n);
 	}
-	expect(&seen, &lamps, "lie in one plane");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &lamps, "lie in one plane");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 60; n++) {
-		const struct observation point = seen.point[n]; /* adding moves them */
+		/* Adding points may move the array. */
+		const struct observation point = seen.point[n];
 
 		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
 				 0);
 	}
-	expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	for (int n = 0; n < 5; n++)
-		seen.point[7 * n].px[1] += 40; /* outliers do not matter */
-	expect(&seen, &lamps, "trusted");
-	begin_views(&seen);
-	see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+		seen.point[7 * n].px[1] += 40; /* outliers must not matter */
+	test_find_expect(&seen, &lamps, "trusted");
+	fisheye_views_begin(&seen);
+	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
 	seen.point[3].px[0] = NAN;
 	assert_int_equal(fisheye_find(&result, &seen, &lamps, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "lamp 4: is not finite"));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lamps at known directions, found in pictures drawn through known lenses: right to parts of a
- * pixel, with everything in the picture that is no lamp, and doubted where they should be. */
+/* Lamps at known directions, found in pictures drawn through known lenses: right to a part of a
+ * pixel among everything that is no lamp, and doubted where they should be. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,21 +8,29 @@
 
 #include <cmocka.h>
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 #include "bake/calibrate/fisheye/lamps/lamps_spots.h"
+#include "hal/optics/vec.h"
+#include "tests/support/chance.h"
 #include "tests/support/drawn_lamps.h"
+#include "tests/support/expect.h"
+#include "tests/support/fisheye_views.h"
 
 static double error_of(const struct fisheye_settings *truth, const struct fisheye_settings *found)
 {
 	struct fisheye is, should;
 	double worst = 0;
 
-	assert_int_equal(fisheye_prepare(&is, found, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
-	assert_int_equal(fisheye_prepare(&should, truth, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
+	assert_int_equal(fisheye_prepare(&is, found, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL),
+			 0);
+	assert_int_equal(
+		fisheye_prepare(&should, truth, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL), 0);
 	for (int k = 0; k < 2000; k++) {
 		const double theta = 1.5 * sqrt((k + 0.5) / 2000), phi = k * 2.39996;
 		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
@@ -35,11 +43,12 @@ static double error_of(const struct fisheye_settings *truth, const struct fishey
 	return worst;
 }
 
-/* Draws, finds, and expects the verdict to say so; of a lens that is trusted, too, that it is right
- * over the whole circle: to so much, or, where lamps leave more open than that to a model that is
- * not known, to three of the deviations that are reported of it. */
-static void look(const char *name, const struct drawn_lamps *d, int model, const char *expected,
-		 double error_px, struct lamps_told *told, struct chance *chance)
+/* Draws, finds, and expects this verdict. A trusted lens must be right over the whole circle: to
+ * error_px, or to three reported deviations where the lamps leave an unknown model more room than
+ * that. */
+static void test_lamps_look(const char *name, const struct drawn_lamps *d, int model,
+			    const char *expected, double error_px, struct lamps_told *told,
+			    struct chance *chance)
 {
 	const struct fisheye_wanted wanted = {
 		.model = model, .field_deg = 88, .tolerance_px = 0.5, .world_view = -1};
@@ -70,27 +79,33 @@ static void look(const char *name, const struct drawn_lamps *d, int model, const
 	image_free(&image);
 }
 
+/* Clear lamps before dark walls. */
+static struct drawn_lamps dark_room(int model)
+{
+	return (struct drawn_lamps){
+		.lens = &fisheye_views_lenses[model], .walls = 0.02, .lamp_light = 3, .noise = 1};
+}
+
 static void every_model(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
 
 	(void)state;
 	for (int m = 0; m < FISHEYE_MODEL_COUNT; m++) {
-		struct drawn_lamps d = {
-			.lens = &fisheye_truths[m], .walls = 0.02, .lamp_light = 3, .noise = 1};
+		struct drawn_lamps d = dark_room(m);
 		struct lamps_told told;
 
 		drawn_lamps_place(&d, 24, 84, &chance);
-		look(fisheye_model_names[m], &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told,
-		     &chance);
-		assert_int_equal(told.found, 24);
+		test_lamps_look(fisheye_model_names[m], &d, FISHEYE_MODEL_AUTO, "trusted", 0.2,
+				&told, &chance);
+		expect_equal(told.found, 24, "m=%d", m);
 	}
 }
 
 static void much_else(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUISOLID],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUISOLID],
 				.walls = 0.1,
 				.lamp_light = 1.5,
 				.noise = 2,
@@ -101,29 +116,26 @@ static void much_else(void **state)
 
 	(void)state;
 	drawn_lamps_place(&d, 30, 84, &chance);
-	look("reflections, a window, hidden lamps", &d, FISHEYE_MODEL_AUTO, "trusted", 0.25, &told,
-	     &chance);
+	test_lamps_look("reflections, a window, hidden lamps", &d, FISHEYE_MODEL_AUTO, "trusted",
+			0.25, &told, &chance);
 	assert_non_null(strstr(told.missing, "1 at ("));
 	assert_true(*told.strange);
 	d.reflections = d.hidden = 0;
 	d.window = false;
 	d.walls = 0.02;
-	d.lamp_light = 400; /* with halos wide enough to be clipped far around */
-	look("clipped", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	d.lamp_light = 400; /* with halos that clip far around */
+	test_lamps_look("clipped", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	d.lamp_light = 0.4;
-	look("dim", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("dim", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	drawn_lamps_place(&d, 6, 80, &chance);
-	look("few, of a model that is known", &d, FISHEYE_EQUISOLID, "trusted", 0.5, &told,
-	     &chance);
+	test_lamps_look("few, of a model that is known", &d, FISHEYE_EQUISOLID, "trusted", 0.5,
+			&told, &chance);
 }
 
 static void merged(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
-				.walls = 0.02,
-				.lamp_light = 3,
-				.noise = 1};
+	struct drawn_lamps d = dark_room(FISHEYE_EQUIDISTANT);
 	struct lamps_told told;
 
 	(void)state;
@@ -133,7 +145,7 @@ static void merged(void **state)
 	for (int i = 0; i < 3; i++)
 		d.lamp[5].dir[i] += i == 2 ? 0.016 : 0.004;
 	vec_normalize(d.lamp[5].dir);
-	look("two in one spot", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("two in one spot", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
 	assert_string_equal(told.merged, "5, 6");
 	assert_int_equal(told.found, 18);
 }
@@ -141,27 +153,25 @@ static void merged(void **state)
 static void doubted(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
-				.walls = 0.02,
-				.lamp_light = 3,
-				.noise = 1};
+	struct drawn_lamps d = dark_room(FISHEYE_EQUIDISTANT);
 	struct lamps_told told;
 
 	(void)state;
 	drawn_lamps_place(&d, 20, 84, &chance);
 	d.mirrored = true;
-	look("mirrored", &d, FISHEYE_MODEL_AUTO, "the picture is mirrored", 0, &told, &chance);
+	test_lamps_look("mirrored", &d, FISHEYE_MODEL_AUTO, "the picture is mirrored", 0, &told,
+			&chance);
 	d.mirrored = false;
 	d.hidden = 13;
-	look("most are hidden", &d, FISHEYE_EQUIDISTANT,
-	     "only 7 of the 20 lamps of lamps.txt were found", 0, &told, &chance);
+	test_lamps_look("most are hidden", &d, FISHEYE_EQUIDISTANT,
+			"only 7 of the 20 lamps of lamps.txt were found", 0, &told, &chance);
 	d.hidden = 18;
-	look("two are seen", &d, FISHEYE_MODEL_AUTO, "shows 2 bright spots, fewer than 4", 0, &told,
-	     &chance);
+	test_lamps_look("two are seen", &d, FISHEYE_MODEL_AUTO,
+			"shows 2 bright spots, fewer than 4", 0, &told, &chance);
 	d.hidden = 0;
 	drawn_lamps_place(&d, 5, 84, &chance);
-	look("five, of any model", &d, FISHEYE_MODEL_AUTO, "fewer than the 6 that tell a lens", 0,
-	     &told, &chance);
+	test_lamps_look("five, of any model", &d, FISHEYE_MODEL_AUTO,
+			"fewer than the 6 that tell a lens", 0, &told, &chance);
 	drawn_lamps_place(&d, 12, 84, &chance);
 	for (int n = 0; n < 12; n++)
 		chance_direction(&chance, 0, d.lamp[n].dir);
@@ -173,16 +183,17 @@ static void doubted(void **state)
 		for (int n = 0; n < 12; n++)
 			chance_direction(&chance, 0, other[n].dir);
 		e.lamps.lamp = other;
-		look("other lamps", &e, FISHEYE_MODEL_AUTO, "not where any fisheye shows the lamps",
-		     0, &told, &chance);
+		test_lamps_look("other lamps", &e, FISHEYE_MODEL_AUTO,
+				"not where any fisheye shows the lamps", 0, &told, &chance);
 	}
 }
 
-/* A ring looks alike after each of its steps, unless it is told about where one is. */
+/* A ring of lamps looks the same after each step of its turn, unless one direction is known about.
+ */
 static void ring(void **state)
 {
 	struct chance chance = chance_begin("fisheye_lamps");
-	struct drawn_lamps d = {.lens = &fisheye_truths[FISHEYE_EQUIDISTANT],
+	struct drawn_lamps d = {.lens = &fisheye_views_lenses[FISHEYE_EQUIDISTANT],
 				.walls = 0.02,
 				.lamp_light = 3,
 				.noise = 1,
@@ -191,7 +202,8 @@ static void ring(void **state)
 	struct fisheye lens;
 
 	(void)state;
-	assert_int_equal(fisheye_prepare(&lens, d.lens, LAMPS_WIDTH, LAMPS_HEIGHT, NULL), 0);
+	assert_int_equal(
+		fisheye_prepare(&lens, d.lens, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT, NULL), 0);
 	for (int n = 0; n < 17; n++) {
 		const double theta = n < 8 ? 1.35 : n < 16 ? 0.7 : 0, phi = M_PI / 4 * (n % 8);
 
@@ -199,13 +211,15 @@ static void ring(void **state)
 			.line = n + 1,
 			.dir = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)}};
 	}
-	look("a ring", &d, FISHEYE_MODEL_AUTO, "which is which cannot be told", 0, &told, &chance);
+	test_lamps_look("a ring", &d, FISHEYE_MODEL_AUTO, "which is which cannot be told", 0, &told,
+			&chance);
 	for (int n = 0; n < 2; n++) {
-		assert_true(fisheye_project(&lens, d.lamp[n].dir, d.lamp[n].near_px));
+		expect_that(fisheye_project(&lens, d.lamp[n].dir, d.lamp[n].near_px), "n=%d", n);
 		d.lamp[n].hinted = true;
 		d.lamp[n].near_px[0] += 15;
 	}
-	look("a ring with a hint", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told, &chance);
+	test_lamps_look("a ring with a hint", &d, FISHEYE_MODEL_AUTO, "trusted", 0.2, &told,
+			&chance);
 }
 
 static void expect_fault(const char *text, const char *words)
@@ -242,17 +256,18 @@ static void files(void **state)
 	expect_fault("0 45\n0 1 0\n1 0 1\n", ":3: is in the direction of line 1");
 }
 
-/* Two soft spots, a hot pixel's worth of light beside them, and something large. */
+/* Two soft spots, a hot pixel's light beside them, and something large. */
 static void spots(void **state)
 {
 	struct image image;
 	struct spots found;
 
 	(void)state;
-	assert_int_equal(image_create_f32(&image, LAMPS_WIDTH, LAMPS_HEIGHT), 0);
-	for (int p = 0; p < LAMPS_WIDTH * LAMPS_HEIGHT; p++)
+	assert_int_equal(image_create_f32(&image, DRAWN_LAMPS_WIDTH, DRAWN_LAMPS_HEIGHT), 0);
+	for (int p = 0; p < DRAWN_LAMPS_WIDTH * DRAWN_LAMPS_HEIGHT; p++)
 		for (int c = 0; c < 3; c++) {
-			const double x = p % LAMPS_WIDTH + 0.5, y = p / LAMPS_WIDTH + 0.5;
+			const double x = p % DRAWN_LAMPS_WIDTH + 0.5,
+				     y = p / DRAWN_LAMPS_WIDTH + 0.5;
 			const double a = hypot(x - 100.3, y - 50.8), b = hypot(x - 111.3, y - 50.8);
 
 			image.f32[3 * p + c] =
@@ -265,7 +280,7 @@ static void spots(void **state)
 	assert_true(hypot(found.spot[0].px[0] - 100.3, found.spot[0].px[1] - 50.8) < 0.02);
 	assert_true(hypot(found.spot[1].px[0] - 111.3, found.spot[1].px[1] - 50.8) < 0.05);
 	spots_free(&found);
-	memset(image.f32, 0, sizeof(float) * 3 * LAMPS_WIDTH * LAMPS_HEIGHT);
+	memset(image.f32, 0, sizeof(float) * 3 * DRAWN_LAMPS_WIDTH * DRAWN_LAMPS_HEIGHT);
 	assert_int_equal(spots_find(&found, &image), 0);
 	assert_int_equal(found.count, 0);
 	spots_free(&found);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The image circle as the simulated camera shows it: drawn by the driver, with noise, in 8 bits. */
+/* The image circle as the simulated camera draws it, with noise, in 8 bits. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,6 +15,7 @@
 
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/drivers.h"
+#include "tests/support/expect.h"
 
 static void *place(void *root, const char *instance)
 {
@@ -22,7 +23,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-static void set(void *options, const char *option)
+static void test_sim_set(void *options, const char *option)
 {
 	const struct ini_table tables[] = {
 		{.section = "sim", .keys = camera_sim.keys, .place = place}, INI_TABLES_END};
@@ -34,8 +35,8 @@ static void set(void *options, const char *option)
 		fail_msg("%s", report.first.text);
 }
 
-/* Options as "key=value", NULL at the end. */
-static struct image take(const char *const *options)
+/* Takes a picture; options are "key=value", NULL at the end. */
+static struct image test_sim_take(const char *const *options)
 {
 	struct camera_settings settings = {
 		.width = 640, .height = 480, .buffers = 2, .format = PIXEL_BGRX};
@@ -48,7 +49,7 @@ static struct image take(const char *const *options)
 
 	ini_defaults(camera_sim.keys, sim);
 	while (*options)
-		set(sim, *options++);
+		test_sim_set(sim, *options++);
 	if (camera_open(&camera, &camera_sim, &settings, sim, &fault))
 		fail_msg("%s", fault.text);
 	waiting.fd = camera_descriptor(&camera);
@@ -64,7 +65,7 @@ static struct image take(const char *const *options)
 	return image;
 }
 
-/* The largest distance anywhere in the image circle. */
+/* Largest distance of two lenses' images in the image circle. */
 static double error_of(const struct fisheye *truth, const struct fisheye_settings *found)
 {
 	struct fisheye lens;
@@ -79,13 +80,13 @@ static double error_of(const struct fisheye *truth, const struct fisheye_setting
 
 			if (!fisheye_ray(truth, px, dir))
 				continue;
-			assert_true(fisheye_project(&lens, dir, there));
+			expect_that(fisheye_project(&lens, dir, there), "y=%d, x=%d", y, x);
 			worst = fmax(worst, hypot(there[0] - px[0], there[1] - px[1]));
 		}
 	return worst;
 }
 
-static void check(const char *name, const char *source, const char *exposure)
+static void test_sim_check(const char *name, const char *source, const char *exposure)
 {
 	const char *const options[] = {"clock=frames",
 				       "focal=140 134",
@@ -103,7 +104,7 @@ static void check(const char *name, const char *source, const char *exposure)
 					      .field_deg = 90,
 					      .tolerance_px = 0.5,
 					      .world_view = -1};
-	struct image image = take(options);
+	struct image image = test_sim_take(options);
 	struct fisheye_result result;
 	struct observations seen;
 	struct fisheye truth;
@@ -126,8 +127,8 @@ static void check(const char *name, const char *source, const char *exposure)
 static void studio(void **state)
 {
 	(void)state;
-	check("studio", NULL, "exposure=0.8");
-	check("studio", NULL, "exposure=0.2");
+	test_sim_check("studio", NULL, "exposure=0.8");
+	test_sim_check("studio", NULL, "exposure=0.2");
 }
 
 static void panoramas(void **state)
@@ -149,7 +150,7 @@ static void panoramas(void **state)
 			if (access(option + strlen("file="), R_OK))
 				print_message("# %s is not there: not looked at\n", option);
 			else
-				check(names[k], option, exposures[k][e]);
+				test_sim_check(names[k], option, exposures[k][e]);
 		}
 }
 

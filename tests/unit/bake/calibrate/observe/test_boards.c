@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Boards: drawn through known cameras and found again; Debian's own photographs. */
+/* Boards: drawn through known cameras and found again; photographs from Debian. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,8 +9,13 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include "tests/support/drawn_board.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #define PHOTOGRAPHS "/usr/share/doc/opencv-doc/examples/data/"
@@ -73,7 +78,7 @@ static void test_parse(void **state)
 		struct board board;
 
 		fault.text[0] = 0;
-		assert_int_equal(board_parse(&board, wrong[i], &fault), -EINVAL);
+		expect_equal(board_parse(&board, wrong[i], &fault), -EINVAL, "i=%zu", i);
 		assert_non_null(strstr(fault.text, "expected"));
 	}
 }
@@ -120,10 +125,11 @@ struct trial {
 	const char *board;
 	int width, height;
 	double blur_px, noise;
-	double kappa;			 /* kappa1 f^2 */
-	double tilt_deg, turn_deg, away; /* of the eye; in half diagonals of the board */
-	double rms_px, worst_px;	 /* allowed */
-	int least;			 /* points; 0: all of them */
+	double kappa; /* kappa1 f^2 */
+	/* Place of the eye; `away` in half diagonals of the board. */
+	double tilt_deg, turn_deg, away;
+	double rms_px, worst_px; /* largest errors allowed */
+	int least;		 /* number of points at least; 0: all */
 };
 
 static struct tsai_camera camera_of(const struct trial *trial, const struct board *board)
@@ -147,7 +153,7 @@ static struct tsai_camera camera_of(const struct trial *trial, const struct boar
 	return camera;
 }
 
-/* Every point found is the one that it is said to be, and where the camera sees it. */
+/* Each point found has the right name, and is where the camera sees it. */
 static void find_drawn(const struct trial *trial)
 {
 	const struct board board = parsed(trial->board);
@@ -206,7 +212,7 @@ static void test_drawn_chess(void **state)
 	find_drawn(&(struct trial){"6x9:25mm", 640, 480, 0, 0, 0, 30, 300, 5, 0.05, 0.2, 0});
 }
 
-/* The same upside down: seen from where it is upright, and a quarter turn to either side. */
+/* Boards that look the same upside down, seen upright and turned to either side. */
 static void test_drawn_ambiguous(void **state)
 {
 	(void)state;
@@ -220,7 +226,7 @@ static void test_drawn_ambiguous(void **state)
 	find_drawn(&(struct trial){"6x6:25mm", 640, 480, 0, 0, 0, 30, 250, 5, 0.05, 0.2, 0});
 }
 
-/* What is left of the error is perspective's (boards.h), in one direction. */
+/* The remaining error comes from perspective (boards.h), and has one direction. */
 static void test_drawn_circles(void **state)
 {
 	(void)state;
@@ -229,7 +235,7 @@ static void test_drawn_circles(void **state)
 					   0.08, 0.3, 0});
 	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 1, 2, -0.2, 20, 240, 5, 0.08, 0.3,
 				   0});
-	/* a soft picture with noise */
+	/* a blurred picture with noise */
 	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 2, 6, -0.1, 25, 30, 4, 0.08, 0.2,
 				   0});
 }
@@ -244,7 +250,7 @@ static void test_drawn_charuco(void **state)
 	find_drawn(&(struct trial){board, 640, 480, 1, 2, -0.3, 30, 250, 4.5, 0.05, 0.2, 0});
 	find_drawn(&(struct trial){"charuco:7x5:30mm:20mm", 640, 480, 0, 0, 0, 30, 200, 5, 0.05,
 				   0.2, 0});
-	/* So near that only a part is in the picture. */
+	/* so near that only a part is in the picture */
 	find_drawn(&(struct trial){board, 640, 480, 0.7, 1, 0, 20, 270, 1.6, 0.05, 0.2, 6});
 }
 
@@ -265,7 +271,7 @@ static void assert_none(const char *spec, const struct image *picture, const cha
 	observations_free(&all);
 }
 
-static void draw(const struct trial *trial, struct image *picture)
+static void boards_draw(const struct trial *trial, struct image *picture)
 {
 	const struct board board = parsed(trial->board);
 	const struct tsai_camera camera = camera_of(trial, &board);
@@ -282,9 +288,9 @@ static void test_other_size(void **state)
 	struct image picture;
 
 	(void)state;
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 5},
-	     &picture);
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 5},
+		    &picture);
 	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); i++)
 		assert_none(wanted[i], &picture, "holds a chessboard of 9x6 inner corners");
 	assert_none("circles:4x11:20mm", &picture, "no such grid of circles");
@@ -305,7 +311,7 @@ static void test_no_board(void **state)
 		assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
 	}
 	image_free(&picture);
-	/* Pictures too small for anything. */
+	/* pictures too small for any board */
 	for (int side = 1; side < 20; side += 6) {
 		assert_int_equal(image_create_u8(&picture, side, side), 0);
 		memset(picture.u8, 99, (size_t)side * (size_t)side * 3);
@@ -314,20 +320,20 @@ static void test_no_board(void **state)
 		assert_none("charuco:8x6:30mm:22mm", &picture, "expected");
 		image_free(&picture);
 	}
-	/* Blurred beyond recognition, and tiny. */
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 25, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 5},
-	     &picture);
+	/* blurred beyond recognition; and tiny */
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 25, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 5},
+		    &picture);
 	assert_none("chess:9x6:25mm", &picture, "expected");
 	image_free(&picture);
-	draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20, .turn_deg = 260,
-			     .away = 120},
-	     &picture);
+	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20,
+				    .turn_deg = 260, .away = 120},
+		    &picture);
 	assert_none("chess:9x6:25mm", &picture, "expected");
 	image_free(&picture);
 }
 
-/* A picture of another size is no picture of the same camera. */
+/* A picture of another size cannot be of the same camera. */
 static void test_other_picture(void **state)
 {
 	const struct board board = parsed("9x6:25mm");
@@ -347,13 +353,13 @@ static void test_other_picture(void **state)
 
 #define DPI 300
 
-/* What a board's own axes are in px of the page: px = origin + mm * scale, by least squares. */
+/* Least squares for the board's axes on the page: px = origin + mm * scale. */
 static double scale_of(const struct board *board, const struct observations *all, int axis)
 {
 	double n = 0, mm1 = 0, mm2 = 0, px1 = 0, cross = 0;
 
 	for (int k = 0; k < all->count; k++) {
-		/* The board lies on the ground: y of its own is -Y of the world. */
+		/* the board lies on the ground: its y is -Y of the world */
 		const double mm = (axis ? -1 : 1) * all->point[k].world[axis] / board->unit;
 
 		n++;
@@ -365,7 +371,8 @@ static double scale_of(const struct board *board, const struct observations *all
 	return (n * cross - mm1 * px1) / (n * mm2 - mm1 * mm1);
 }
 
-/* A page of the right size, and on it the board with its points in place, not mirrored. */
+/* The printed page has the right size, and the board on it has its points in place, not mirrored.
+ */
 static void print_and_find(const char *spec, const char *page, double width_mm, double height_mm)
 {
 	const struct board board = parsed(spec);
@@ -374,8 +381,8 @@ static void print_and_find(const char *spec, const char *page, double width_mm, 
 	struct image picture;
 	char command[2 * PATH_MAX + 64], pdf[PATH_MAX], png[PATH_MAX];
 
-	snprintf(pdf, sizeof(pdf), "%s", own_path("board.pdf"));
-	snprintf(png, sizeof(png), "%s", own_path("board.png"));
+	snprintf(pdf, sizeof(pdf), "%s", own_folder_path("board.pdf"));
+	snprintf(png, sizeof(png), "%s", own_folder_path("board.png"));
 	if (board_print(&board, page, pdf, &fault))
 		fail_msg("%s", fault.text);
 	snprintf(command, sizeof(command), "pdftoppm -singlefile -r %d -png '%s' '%.*s'", DPI, pdf,
@@ -415,13 +422,13 @@ static void test_not_printed(void **state)
 	struct fault fault;
 
 	(void)state;
-	assert_int_equal(board_print(&board, "a4", own_path("b.pdf"), &fault), -E2BIG);
+	assert_int_equal(board_print(&board, "a4", own_folder_path("b.pdf"), &fault), -E2BIG);
 	assert_string_equal(fault.text, "chess:9x6:30mm does not fit on a4: expected a step of at "
 					"most 25.7 mm");
 	print_and_find("9x6:25.7mm", "a4", 297, 210);
-	assert_int_equal(board_print(&board, "a5", own_path("b.pdf"), &fault), -EINVAL);
+	assert_int_equal(board_print(&board, "a5", own_folder_path("b.pdf"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "expected a4, a3 or letter"));
-	assert_int_equal(board_print(&board, "a3", own_path("none/b.pdf"), &fault), -ENOENT);
+	assert_int_equal(board_print(&board, "a3", own_folder_path("none/b.pdf"), &fault), -ENOENT);
 }
 
 /* ---- photographs ---- */
@@ -444,7 +451,7 @@ static void test_photographs(void **state)
 
 		snprintf(path, sizeof(path), PHOTOGRAPHS "%s%02d.jpg", sides[i / 14], i % 14 + 1);
 		if (access(path, R_OK)) {
-			assert_int_equal(i % 14 + 1, 10); /* there is no tenth */
+			expect_equal(i % 14 + 1, 10, "i=%d", i); /* there is no tenth */
 			continue;
 		}
 		assert_int_equal(image_read(path, &picture, &fault), 0);

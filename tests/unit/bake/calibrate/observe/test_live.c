@@ -8,21 +8,24 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/live.h"
 #include "hal/base/clock.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static void write_config(const char *text)
 {
-	FILE *file = fopen(own_path("kiosk.conf"), "w");
+	FILE *file = fopen(own_folder_path("kiosk.conf"), "w");
 
 	assert_non_null(file);
 	assert_true(fputs(text, file) >= 0);
 	assert_int_equal(fclose(file), 0);
 }
 
-/* 8x6, each pixel of its own colour. */
+/* 8x6, each pixel with its own colour. */
 static void write_picture(void)
 {
 	struct fault fault = {{0}};
@@ -34,14 +37,14 @@ static void write_picture(void)
 		picture.u8[3 * i + 1] = (uint8_t)(20 * (i / 8));
 		picture.u8[3 * i + 2] = 200;
 	}
-	assert_int_equal(image_write(own_path("p.png"), &picture, &fault), 0);
+	assert_int_equal(image_write(own_folder_path("p.png"), &picture, &fault), 0);
 	image_free(&picture);
 }
 
 static void clean(void)
 {
-	unlink(own_path("kiosk.conf"));
-	unlink(own_path("p.png"));
+	unlink(own_folder_path("kiosk.conf"));
+	unlink(own_folder_path("p.png"));
 }
 
 static struct live *opened(enum live_view view)
@@ -49,7 +52,7 @@ static struct live *opened(enum live_view view)
 	struct fault fault = {{0}};
 	struct live *live;
 
-	if (live_open(&live, own_path("kiosk.conf"), view, &fault))
+	if (live_open(&live, own_folder_path("kiosk.conf"), view, &fault))
 		fail_msg("%s", fault.text);
 	return live;
 }
@@ -64,7 +67,7 @@ static int next(struct live *live, struct image *picture, int64_t *captured_ns)
 	return err;
 }
 
-/* A rectangle of a picture, turned upright. */
+/* A rectangle of the picture, turned upright. */
 static void test_upright(void **state)
 {
 	struct image picture = {0};
@@ -83,9 +86,11 @@ static void test_upright(void **state)
 	assert_int_equal(next(live, &picture, &ns[0]), 0);
 	for (int y = 0; y < 3; y++)
 		for (int x = 0; x < 4; x++) {
-			assert_int_equal(picture.u8[3 * (4 * y + x)], 10 * (2 + 3 - x));
-			assert_int_equal(picture.u8[3 * (4 * y + x) + 1], 20 * (1 + y));
-			assert_int_equal(picture.u8[3 * (4 * y + x) + 2], 200);
+			expect_equal(picture.u8[3 * (4 * y + x)], 10 * (2 + 3 - x), "y=%d, x=%d", y,
+				     x);
+			expect_equal(picture.u8[3 * (4 * y + x) + 1], 20 * (1 + y), "y=%d, x=%d", y,
+				     x);
+			expect_equal(picture.u8[3 * (4 * y + x) + 2], 200, "y=%d, x=%d", y, x);
 		}
 	assert_int_equal(live_flush(live, NULL), 0);
 	assert_int_equal(next(live, &picture, &ns[1]), 0);
@@ -102,7 +107,7 @@ static void test_upright(void **state)
 	clean();
 }
 
-/* Light that comes unencoded is shown as the view's curve has it. */
+/* Linear light is shown with the curve of the view. */
 static void test_light(void **state)
 {
 	struct image light, picture = {0};
@@ -116,7 +121,7 @@ static void test_light(void **state)
 		light.f32[i] = 0.5F;
 		light.f32[3 + i] = 7;
 	}
-	assert_int_equal(image_write(own_path("l.pfm"), &light, &fault), 0);
+	assert_int_equal(image_write(own_folder_path("l.pfm"), &light, &fault), 0);
 	image_free(&light);
 	write_config("[camera one]\ndriver=sim\nformat=RGBF\nsim.source=files\nsim.file=l.pfm\n"
 		     "sim.clock=frames\n[background]\ncamera=one\ntransfer=linear\n");
@@ -126,11 +131,11 @@ static void test_light(void **state)
 	assert_int_equal(picture.u8[3], 255);
 	live_close(live);
 	image_free(&picture);
-	unlink(own_path("l.pfm"));
+	unlink(own_folder_path("l.pfm"));
 	clean();
 }
 
-/* Under a clock, what was taken before a flush does not come after it. */
+/* With a clock, a picture taken before a flush does not arrive after it. */
 static void test_flush(void **state)
 {
 	const struct timespec wait = {0, 100 * NS_PER_MS};
@@ -148,7 +153,7 @@ static void test_flush(void **state)
 		now_ns = clock_now_ns();
 		assert_int_equal(live_flush(live, NULL), 0);
 		assert_int_equal(next(live, &picture, &ns), 0);
-		assert_true(ns > now_ns);
+		expect_above(ns, now_ns, "i=%d", i);
 	}
 	live_close(live);
 	image_free(&picture);
@@ -224,16 +229,18 @@ static void test_trouble(void **state)
 	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		write_config(cases[i].text);
-		assert_int_equal(live_open(&live, own_path("kiosk.conf"), LIVE_BACKGROUND, &fault),
-				 cases[i].err);
+		expect_equal(
+			live_open(&live, own_folder_path("kiosk.conf"), LIVE_BACKGROUND, &fault),
+			cases[i].err, "i=%zu", i);
 		assert_null(live);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);
 	}
 	clean();
-	assert_int_equal(live_open(&live, own_path("none.conf"), LIVE_BACKGROUND, &fault), -ENOENT);
+	assert_int_equal(live_open(&live, own_folder_path("none.conf"), LIVE_BACKGROUND, &fault),
+			 -ENOENT);
 	live_close(NULL);
-	/* One that falls silent, one that goes. */
+	/* a camera that falls silent, and one that goes away */
 	write_config("[camera one]\ndriver=sim\nwidth=64\nheight=48\nsim.stall_after=1\n"
 		     "[background]\ncamera=one\n");
 	live = opened(LIVE_BACKGROUND);

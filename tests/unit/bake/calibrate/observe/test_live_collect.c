@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of a board that is drawn in several places, shown by the simulated camera. */
+/* Pictures of a board that is drawn in several places and shown by the simulated camera. */
 #include <errno.h>
 #include <math.h>
 #include <setjmp.h>
@@ -9,14 +9,17 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/live_collect.h"
 #include "tests/support/drawn_board.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
-#define HELD                                                                                       \
-	6 /* pictures of each place, 10 a second: half a second is between the first and the last  \
-	   */
+#define HELD 6 /* pictures of each place, 10 a second: 0.5 s from the first to the last */
 #define PLACES 6
 
 static char config[PATH_MAX];
@@ -26,10 +29,11 @@ static const char *numbered(int i)
 	char name[16];
 
 	snprintf(name, sizeof(name), "b%03d.png", i);
-	return own_path(name);
+	return own_folder_path(name);
 }
 
-/* The board seen from an eye, and its middle in the picture's unless target is elsewhere. */
+/* Draws the board as seen from an eye, in the middle of the picture unless `target` is elsewhere.
+ */
 static void draw_from(const struct board *board, const double eye[3], const double target[3],
 		      struct image *picture)
 {
@@ -43,7 +47,7 @@ static void draw_from(const struct board *board, const double eye[3], const doub
 
 static void draw_place(const struct board *board, int place, struct image *picture)
 {
-	/* Of the eye above the board, and what it looks at besides its middle: m. */
+	/* Eyes above the board, and what each looks at instead of the middle, in m. */
 	static const double eyes[PLACES][2] = {{0, -0.3},   {0.3, -0.2}, {-0.3, -0.1},
 					       {0.1, -0.4}, {-0.2, 0},	 {0.25, -0.35}};
 	static const double shifts[PLACES][2] = {{0, 0},	{0.12, 0.08},	{-0.12, 0.08},
@@ -55,7 +59,7 @@ static void draw_place(const struct board *board, int place, struct image *pictu
 	draw_from(board, eye, target, picture);
 }
 
-/* An empty picture, then each place for HELD pictures. Returns how many. */
+/* Draws an empty picture, then each place HELD times. Returns the number of pictures. */
 static int draw_all(const struct board *board)
 {
 	struct fault fault = {{0}};
@@ -79,7 +83,7 @@ static void write_config(const char *screen)
 {
 	FILE *file;
 
-	snprintf(config, sizeof(config), "%s", own_path("kiosk.conf"));
+	snprintf(config, sizeof(config), "%s", own_folder_path("kiosk.conf"));
 	file = fopen(config, "w");
 	assert_non_null(file);
 	fprintf(file,
@@ -103,12 +107,13 @@ static int collected(const struct board *board, int views, struct observations *
 	return err;
 }
 
-/* Whether a circle around each of the last view's corners is as green as what was just taken. */
+/* Checks that the circles around the corners of the last view are green, the colour of a view that
+ * was just taken. */
 static void check_marks(const struct image *shown, const struct observations *all)
 {
 	const struct observed_view *view = &all->view[all->views - 1];
 
-	for (int i = 1; i < view->count; i++) { /* the first has a larger one */
+	for (int i = 1; i < view->count; i++) { /* the first corner has a larger circle */
 		const double *px = all->point[view->first + i].px;
 		int green = 0;
 
@@ -119,7 +124,7 @@ static void check_marks(const struct image *shown, const struct observations *al
 
 				green += rgb[1] > rgb[0] + 60 && rgb[1] > rgb[2] + 60;
 			}
-		assert_true(green >= 8);
+		expect_at_least(green, 8, "i=%d", i);
 	}
 }
 
@@ -141,24 +146,25 @@ static void test_collect(void **state)
 	assert_int_equal(all.views, 3);
 	assert_int_equal(all.count, 3 * 54);
 	assert_string_equal(all.view[2].name, "place 3");
-	/* Each picture holds the board where its view says. */
+	/* each picture holds the board where its view says */
 	for (int i = 0; i < count; i++) {
 		struct observations again = {0};
 
 		assert_int_equal(board_find(&board, &pictures[i], "again", &again, &fault), 0);
 		for (int k = 0; k < 54; k++)
-			assert_true(again.point[k].px[0] == all.point[54 * i + k].px[0]);
+			expect_equal(again.point[k].px[0], all.point[54 * i + k].px[0],
+				     "i=%d, k=%d", i, k);
 		observations_free(&again);
 		image_free(&pictures[i]);
 	}
 	free(pictures);
-	assert_int_equal(image_read(own_path("now.png"), &shown, &fault), 0);
+	assert_int_equal(image_read(own_folder_path("now.png"), &shown, &fault), 0);
 	assert_int_equal(shown.width, 320);
 	assert_int_equal(shown.height, 240);
 	check_marks(&shown, &all);
 	image_free(&shown);
 	observations_free(&all);
-	/* The camera ends before there are as many; the screen has ended before that. */
+	/* The camera ends before there are enough pictures; the screen has failed before. */
 	write_config("driver=file\ndevice=nowhere/now.png\n");
 	assert_int_equal(collected(&board, 50, &all, &pictures, &count, &fault), -ENODEV);
 	assert_null(pictures);
@@ -170,15 +176,15 @@ static void test_collect(void **state)
 	assert_non_null(strstr(fault.text, "there is no driver \"nothing\""));
 	for (int i = 0; i < drawn; i++)
 		unlink(numbered(i));
-	unlink(own_path("now.png"));
+	unlink(own_folder_path("now.png"));
 	unlink(config);
 }
 
-/* A board that turns about its middle is in a new place each time; one that only rolls back is not.
- * Its screen does not open, which is no reason not to. */
+/* A board that turns about its middle is in a new place each time, but not when it turns back. Its
+ * screen does not open, which does not stop the collection. */
 static void test_tilts(void **state)
 {
-	/* degrees: the eye's way around the board's middle, 0 is above */
+	/* angle of the eye around the board's middle, in degrees; 0 is above */
 	static const double tilts[] = {0, 30, 2, -30, 28, 0};
 	const double middle[3] = {0.1, -0.0625, 0};
 	struct observations all = {0};

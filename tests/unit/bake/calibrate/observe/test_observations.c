@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a calibration sees: views and points, and files of points. */
+/* What a calibration sees: views with their points, and files of points. */
 #include <errno.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,15 +8,18 @@
 #include <string.h>
 
 #include <cmocka.h>
+#include <stdio.h>
+#include <unistd.h>
 
 #include "bake/calibrate/observe/observations.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 static const struct points_convention ours = {.pixel_centre = 0.5};
 
 static void write_points(const char *text, size_t bytes)
 {
-	FILE *file = fopen(own_path("points.dat"), "w");
+	FILE *file = fopen(own_folder_path("points.dat"), "w");
 
 	assert_non_null(file);
 	assert_int_equal(fwrite(text, 1, bytes, file), bytes);
@@ -29,12 +32,12 @@ static int read_points(struct observations *all, const char *text,
 	int err;
 
 	write_points(text, strlen(text));
-	err = observations_read(all, own_path("points.dat"), convention, fault);
-	unlink(own_path("points.dat"));
+	err = observations_read(all, own_folder_path("points.dat"), convention, fault);
+	unlink(own_folder_path("points.dat"));
 	return err;
 }
 
-/* Points of a view follow each other, however many there are. */
+/* The points of a view follow each other, however many there are. */
 static void test_views(void **state)
 {
 	struct observations all = {0};
@@ -53,12 +56,12 @@ static void test_views(void **state)
 	assert_int_equal(all.views, 100);
 	assert_int_equal(all.count, 4950);
 	for (int v = 0; v < 100; v++) {
-		assert_int_equal(all.view[v].count, v);
+		expect_equal(all.view[v].count, v, "v=%d", v);
 		for (int i = 0; i < v; i++) {
 			const struct observation *point = &all.point[all.view[v].first + i];
 
-			assert_int_equal(point->view, v);
-			assert_true(point->world[0] == v && point->px[0] == i);
+			expect_equal(point->view, v, "v=%d, i=%d", v, i);
+			expect_that(point->world[0] == v && point->px[0] == i, "v=%d, i=%d", v, i);
 		}
 	}
 	assert_string_equal(all.point[4949].name, "view 99, 98");
@@ -109,7 +112,8 @@ static void test_files(void **state)
 	observations_free(&all);
 }
 
-/* The middle of the upper left pixel of a picture of 480 lines, as different programs have it. */
+/* The middle of the upper left pixel in a picture of 480 lines, in the conventions of different
+ * programs. */
 static void test_conventions(void **state)
 {
 	static const struct {
@@ -128,7 +132,7 @@ static void test_conventions(void **state)
 		struct fault fault = {{0}};
 
 		assert_int_equal(read_points(&all, cases[i].text, &cases[i].convention, &fault), 0);
-		assert_true(all.point[0].px[0] == 0.5 && all.point[0].px[1] == 0.5);
+		expect_that(all.point[0].px[0] == 0.5 && all.point[0].px[1] == 0.5, "i=%zu", i);
 		observations_free(&all);
 	}
 }
@@ -156,7 +160,7 @@ static void test_wrong_files(void **state)
 
 	(void)state;
 	assert_int_equal(read_points(&all, "1 2 3 4 5", &ours, &fault), 0);
-	/* as some editors save it, which is nothing wrong */
+	/* a byte order mark, which some editors write */
 	assert_int_equal(read_points(&all,
 				     "\xef\xbb\xbf"
 				     "1 2 3 4 5\r\n",
@@ -164,18 +168,20 @@ static void test_wrong_files(void **state)
 			 0);
 	assert_int_equal(all.count, 2);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		assert_int_equal(read_points(&all, cases[i].text, &ours, &fault), -EINVAL);
+		expect_equal(read_points(&all, cases[i].text, &ours, &fault), -EINVAL, "i=%zu", i);
 		if (!strstr(fault.text, cases[i].says))
 			fail_msg("\"%s\" does not say \"%s\"", fault.text, cases[i].says);
-		/* Of a file that is refused nothing is kept. */
-		assert_int_equal(all.views, 2);
-		assert_int_equal(all.count, 2);
+		/* nothing is kept of a refused file */
+		expect_equal(all.views, 2, "i=%zu", i);
+		expect_equal(all.count, 2, "i=%zu", i);
 	}
 	write_points("1 2 3 4 5\0 6\n", 13);
-	assert_int_equal(observations_read(&all, own_path("points.dat"), &ours, &fault), -EINVAL);
-	unlink(own_path("points.dat"));
-	assert_int_equal(observations_read(&all, own_path("none.dat"), &ours, &fault), -ENOENT);
-	assert_int_equal(observations_read(&all, own_folder, &ours, &fault), -EISDIR);
+	assert_int_equal(observations_read(&all, own_folder_path("points.dat"), &ours, &fault),
+			 -EINVAL);
+	unlink(own_folder_path("points.dat"));
+	assert_int_equal(observations_read(&all, own_folder_path("none.dat"), &ours, &fault),
+			 -ENOENT);
+	assert_int_equal(observations_read(&all, own_folder(), &ours, &fault), -EISDIR);
 	observations_free(&all);
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of calibrations: of five points, of many views, of what is not known, and what is
- * refused. */
+/* Reports of calibrations: few points, many views, unknown values, and what is refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,10 +9,13 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "bake/calibrate/estimate/json.h"
 #include "bake/calibrate/report/report.h"
@@ -145,7 +147,7 @@ static void write_report(const char *folder, const struct finding *f,
 {
 	struct fault fault = {.text = ""};
 
-	if (calibration_report_write(own_path(folder), f, pictures, &fault))
+	if (calibration_report_write(own_folder_path(folder), f, pictures, &fault))
 		fail_msg("%s", fault.text);
 }
 
@@ -156,7 +158,7 @@ static char *contents(const char *folder, const char *name)
 	size_t bytes = 0;
 	FILE *file;
 
-	snprintf(path, sizeof(path), "%s/%s", own_path(folder), name);
+	snprintf(path, sizeof(path), "%s/%s", own_folder_path(folder), name);
 	file = fopen(path, "r");
 	if (!file)
 		fail_msg("%s is not there", path);
@@ -176,7 +178,7 @@ static void assert_holds(const char *folder, const char *name, const char *words
 
 static int files(const char *folder, const char *begin)
 {
-	DIR *dir = opendir(own_path(folder));
+	DIR *dir = opendir(own_folder_path(folder));
 	const struct dirent *entry;
 	int count = 0;
 
@@ -193,13 +195,13 @@ static struct image shown(const char *folder, const char *name)
 	char path[2 * PATH_MAX];
 	struct image image;
 
-	snprintf(path, sizeof(path), "%s/%s", own_path(folder), name);
+	snprintf(path, sizeof(path), "%s/%s", own_folder_path(folder), name);
 	if (image_read(path, &image, &fault))
 		fail_msg("%s", fault.text);
 	return image;
 }
 
-/* Pixels in the colour of outliers, above the legend's line. */
+/* Number of pixels in the colour of outliers, above the line of the legend. */
 static int outlier_pixels(const char *folder, const char *name)
 {
 	struct image image = shown(folder, name);
@@ -222,7 +224,7 @@ static int brightness(const struct image *image, int x, int y)
 
 static void take_away(const char *folder)
 {
-	DIR *dir = opendir(own_path(folder));
+	DIR *dir = opendir(own_folder_path(folder));
 	const struct dirent *entry;
 
 	assert_non_null(dir);
@@ -230,7 +232,7 @@ static void take_away(const char *folder)
 		if (entry->d_name[0] != '.')
 			assert_int_equal(unlinkat(dirfd(dir), entry->d_name, 0), 0);
 	closedir(dir);
-	assert_int_equal(rmdir(own_path(folder)), 0);
+	assert_int_equal(rmdir(own_folder_path(folder)), 0);
 }
 
 /* ---- the tests ---- */
@@ -293,18 +295,18 @@ static void test_photographs(void **state)
 	assert_true(outlier_pixels("photographs", "view-002.png") > 20);
 	assert_int_equal(outlier_pixels("photographs", "view-003.png"), 0);
 	image = shown("photographs", "view-001.png");
-	/* the photograph is there, paled: its squares, away from all marks */
+	/* the photograph is there, paled: its squares show away from all marks */
 	assert_true(brightness(&image, 20, 20) != brightness(&image, 20, 20 + 29));
 	image_free(&image);
 	image = shown("photographs", "view-002.png");
 	assert_int_equal(brightness(&image, 20, 20), brightness(&image, 20, 20 + 29));
 	image_free(&image);
-	/* from dark to light as it grows, whichever the colours */
+	/* brightness grows with the value, whatever the colours */
 	image = shown("photographs", "uncertainty.png");
 	assert_true(brightness(&image, 482, 361) < brightness(&image, 700, 361));
 	assert_true(brightness(&image, 700, 361) < brightness(&image, 925, 361));
 	image_free(&image);
-	/* an earlier report is replaced; no photograph is asked for where there is none */
+	/* an earlier report is replaced; photographs are optional */
 	write_report("photographs", &f, NULL);
 	assert_int_equal(files("photographs", "view-"), 3);
 	take_away("photographs");
@@ -355,7 +357,7 @@ static void test_fisheye(void **state)
 	observations_free(&seen);
 }
 
-/* Nothing could be solved: what was seen is shown all the same. */
+/* Nothing could be solved: the points are shown all the same. */
 static void test_without_model(void **state)
 {
 	struct observations seen = {.count = 0};
@@ -391,15 +393,17 @@ static void test_refused(void **state)
 	make_finding(&f, &seen, 0.1);
 	assert_int_equal(image_create_u8(&picture, 64, 48), 0);
 	pictures[0] = &picture;
-	assert_int_equal(calibration_report_write(own_path("none"), &f, pictures, &fault), -EINVAL);
+	assert_int_equal(calibration_report_write(own_folder_path("none"), &f, pictures, &fault),
+			 -EINVAL);
 	assert_string_equal(fault.text, "board<0>&.png: a picture of 64 x 48, expected 8 bits and "
 					"640 x 480");
-	assert_int_equal(access(own_path("none"), F_OK), -1);
-	assert_int_equal(mkdir(own_path("full"), 0755), 0);
-	file = fopen(own_path("full/letter.txt"), "w");
+	assert_int_equal(access(own_folder_path("none"), F_OK), -1);
+	assert_int_equal(mkdir(own_folder_path("full"), 0755), 0);
+	file = fopen(own_folder_path("full/letter.txt"), "w");
 	assert_non_null(file);
 	fclose(file);
-	assert_int_equal(calibration_report_write(own_path("full"), &f, NULL, &fault), -EEXIST);
+	assert_int_equal(calibration_report_write(own_folder_path("full"), &f, NULL, &fault),
+			 -EEXIST);
 	take_away("full");
 	image_free(&picture);
 	finding_free(&f);

@@ -6,6 +6,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
 #include <errno.h>
 #include <stdio.h>
@@ -17,7 +18,9 @@
 #include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_gain.h"
-#include "tests/support/light_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/patch_chart.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
 {
@@ -41,7 +44,7 @@ static struct image dark(double level, double noise, struct chance *chance)
 
 	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
 	for (int k = 0; k < 160 * 128 * 3; k++)
-		picture.u8[k] = (uint8_t)fmax(lrint(level + noise * light_noise(chance)), 0);
+		picture.u8[k] = (uint8_t)fmax(lrint(level + noise * chart_noise(chance)), 0);
 	return picture;
 }
 
@@ -59,19 +62,20 @@ static void black_is_found_with_its_deviation(void **state)
 
 		assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
 		trusted(&black.verdict);
-		assert_true(fabs(black.level - level) < 0.05);
+		expect_below(fabs(black.level - level), 0.05, "k=%d", k);
 		within[0] += fabs(black.level - level) <= black.deviation;
 		within[1] += fabs(black.level - level) <= 2 * black.deviation;
 		image_free(&picture);
 	}
 	print_message("# black level: %d and %d of %d within 1 and 2 deviations\n", within[0],
 		      within[1], runs);
-	/* 68 % and 95 %, within four deviations of the binomial: beyond three is 1 seed in 200. */
+	/* 68 % and 95 %, within four deviations of the binomial distribution: 1 seed in 200 is
+	 * beyond three. */
 	assert_true(fabs(within[0] - 0.683 * runs) < 4 * sqrt(0.683 * 0.317 * runs));
 	assert_true(within[1] > 0.954 * runs - 4 * sqrt(0.954 * 0.046 * runs));
 }
 
-/* Noise that the camera cuts off at the level lifts the mean, and not the level. */
+/* Noise that the camera clips at black raises the mean, but not the black level found. */
 static void cut_off_noise_is_seen(void **state)
 {
 	struct chance chance = chance_begin("light");
@@ -112,7 +116,7 @@ static void black_is_doubted(void **state)
 	image_free(&small);
 }
 
-/* Dark on the left, and light that grows to the right with the time. */
+/* Dark on the left; light grows to the right and with time. */
 static struct image ramp(double level, double time, struct chance *chance)
 {
 	struct image picture = dark(level, 1, chance);
@@ -126,7 +130,8 @@ static struct image ramp(double level, double time, struct chance *chance)
 	return picture;
 }
 
-/* Each block lighter than the one before, the longer exposure lighter where it is not darkest. */
+/* Each block is lighter than the one before, and the longer exposure is lighter unless both are
+ * black. */
 static struct image steps(double more)
 {
 	struct image picture;
@@ -205,7 +210,7 @@ static void areas_are_parsed(void **state)
 	assert_int_equal(light_area_parse(&area, "1,2 3,4 5,6", NULL), 0);
 	assert_int_equal(area.corners, 3);
 	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++)
-		assert_int_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL);
+		expect_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL, "k=%zu", k);
 }
 
 static void patches_are_measured(void **state)
@@ -226,8 +231,9 @@ static void patches_are_measured(void **state)
 	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
 	assert_int_equal(patch.pixels, 32 * 32);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(patch.mean[c] -
-				 transfer_decode(TRANSFER_BT709, (84 + 20 * c) / 239.0)) < 1e-12);
+		expect_below(fabs(patch.mean[c] -
+				  transfer_decode(TRANSFER_BT709, (84 + 20 * c) / 239.0)),
+			     1e-12, "c=%d", c);
 	assert_true(patch.uneven < 1e-9 && patch.clipped == 0);
 	light_area_parse(&area, "24,8 40,8 40,40 24,40", NULL);
 	assert_int_equal(light_patch_measure(&patch, &picture, &area, &curve, NULL), 0);
@@ -268,14 +274,14 @@ static void gain_is_found_with_its_deviation(void **state)
 		struct light_gain found;
 
 		for (int i = 0; i < pairs; i++)
-			pair[i] = pair_of(1.7, 0.03 * light_noise(&chance), &chance);
+			pair[i] = pair_of(1.7, 0.03 * chart_noise(&chance), &chance);
 		assert_int_equal(light_gain_find(&found, pair, pairs, NULL), 0);
 		within[0] += fabs(found.gain - 1.7) <= found.deviation;
 		within[1] += fabs(found.gain - 1.7) <= 2.365 * found.deviation; /* Student's, 7 */
 	}
 	print_message("# gain: %d and %d of %d within 1 and 2.365 deviations\n", within[0],
 		      within[1], runs);
-	/* Student's t of 7 degrees of freedom: 65 % and 95 %. */
+	/* Student's t with 7 degrees of freedom: 65 % and 95 %. */
 	assert_true(fabs(within[0] - 0.649 * runs) < 4 * sqrt(0.649 * 0.351 * runs));
 	assert_true(fabs(within[1] - 0.95 * runs) < 5 * sqrt(0.95 * 0.05 * runs));
 }
@@ -288,7 +294,7 @@ static void gain_is_doubted(void **state)
 
 	(void)state;
 	for (int i = 0; i < 6; i++)
-		pair[i] = pair_of(0.8, 0.002 * light_noise(&chance), &chance);
+		pair[i] = pair_of(0.8, 0.002 * chart_noise(&chance), &chance);
 	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
 	trusted(&found.verdict);
 	assert_true(fabs(found.gain - 0.8) < 0.01);
@@ -318,7 +324,7 @@ static void gain_is_doubted(void **state)
 	assert_int_equal(light_gain_find(&found, pair, 0, NULL), -EINVAL);
 }
 
-/* A level patch under an even sky gives off its reflectance of it. */
+/* A level patch under an even sky gives off its reflectance times the sky. */
 static void an_even_sky_is_predicted(void **state)
 {
 	static const double reflectance[3] = {0.5, 0.25, 1};
@@ -333,7 +339,7 @@ static void an_even_sky_is_predicted(void **state)
 			radiance[i][c] = 0.5F;
 	light_gain_predict(&dome, (const float(*)[3])radiance, reflectance, predicted);
 	for (int c = 0; c < 3; c++)
-		assert_true(fabs(predicted[c] - 0.5 * reflectance[c]) < 1e-9);
+		expect_below(fabs(predicted[c] - 0.5 * reflectance[c]), 1e-9, "c=%d", c);
 	dome_free(&dome);
 }
 
@@ -361,7 +367,7 @@ static void fill_patches(struct light_colour_pair *pairs, int count, double satu
 		}
 		for (int r = 0; r < 3; r++)
 			pairs[k].background[r] = fmax(
-				pairs[k].background[r] + mean * noise * light_noise(chance), 0);
+				pairs[k].background[r] + mean * noise * chart_noise(chance), 0);
 	}
 }
 
@@ -378,7 +384,7 @@ static void colours_are_found_with_deviations(void **state)
 		fill_patches(pairs, 24, 1, 0.01, &chance);
 		assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
 		trusted(&found.verdict);
-		assert_true(found.after < found.before / 3 && found.after < 0.03);
+		expect_that(found.after < found.before / 3 && found.after < 0.03, "run=%d", run);
 		for (int e = 0; e < 9; e++) {
 			const double off = fabs(found.matrix[e] * found.scale / 2.5 - truth[e]);
 			const double d = estimate_deviation(&found.estimate, e);
@@ -433,8 +439,9 @@ static void white_may_be_kept(void **state)
 	fill_patches(pairs, 12, 1, 0.001, &chance);
 	assert_int_equal(light_colours_find(&found, pairs, 12, true, NULL), 0);
 	for (int r = 0; r < 3; r++)
-		assert_true(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
-				 found.matrix[3 * r + 2] - 1) < 1e-9);
+		expect_below(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
+				  found.matrix[3 * r + 2] - 1),
+			     1e-9, "r=%d", r);
 	light_colours_free(&found);
 }
 
@@ -456,7 +463,7 @@ static struct light_record record_of(int delay, int changes, double ramp, double
 		for (int c = 0; c < changes; c++)
 			past += t >= record.change_ms[c] + delay * period;
 		level += (past % 2 ? 140 - level : 60 - level) * ramp;
-		light_record_frame(&record, t, level + noise * light_noise(chance));
+		light_record_frame(&record, t, level + noise * chart_noise(chance));
 	}
 	return record;
 }
@@ -472,12 +479,14 @@ static void delay_is_found(void **state)
 
 		assert_int_equal(light_delay_find(&found, &record, NULL), 0);
 		trusted(&found.verdict);
-		assert_int_equal(found.frames, delay);
-		assert_int_equal(found.seen, 8);
-		assert_true(found.time_ms >= delay * 1000 / 30.0 &&
-			    found.time_ms <= (delay + 1) * 1000 / 30.0);
-		assert_true(found.shortest_ms <= found.time_ms &&
-			    found.longest_ms >= found.time_ms && found.deviation_ms < 20);
+		expect_equal(found.frames, delay, "delay=%d", delay);
+		expect_equal(found.seen, 8, "delay=%d", delay);
+		expect_that(found.time_ms >= delay * 1000 / 30.0 &&
+				    found.time_ms <= (delay + 1) * 1000 / 30.0,
+			    "delay=%d", delay);
+		expect_that(found.shortest_ms <= found.time_ms &&
+				    found.longest_ms >= found.time_ms && found.deviation_ms < 20,
+			    "delay=%d", delay);
 		light_record_free(&record);
 	}
 }
@@ -499,7 +508,7 @@ static void delay_is_doubted(void **state)
 	record = record_of(2, 1, 1, 1, &chance);
 	assert_int_equal(light_delay_find(&found, &record, NULL), -EINVAL);
 	light_record_free(&record);
-	/* A black picture. */
+	/* a black picture */
 	record = record_of(2, 5, 0, 0, &chance);
 	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
 	doubted(&found.verdict, "no change is seen");
@@ -547,7 +556,7 @@ static void files_keep_other_keys(void **state)
 	unlink(path);
 }
 
-/* What somebody wrote at the end stays there, whatever is measured again. */
+/* Text that somebody wrote at the end of the file stays when it is measured again. */
 static void files_keep_their_end(void **state)
 {
 	static const char expected[] =
@@ -589,10 +598,10 @@ static void damaged_files_are_refused(void **state)
 		struct fault fault = {.text = ""};
 
 		write_text(cases[k].text);
-		assert_int_equal(light_file_read(path, &response, &fault), -EINVAL);
+		expect_equal(light_file_read(path, &response, &fault), -EINVAL, "k=%zu", k);
 		if (!strstr(fault.text, path) || !strstr(fault.text, cases[k].words))
 			fail_msg("expected \"%s\" in: %s", cases[k].words, fault.text);
-		assert_int_equal(light_file_set(path, "gain", "1", NULL, &fault), -EINVAL);
+		expect_equal(light_file_set(path, "gain", "1", NULL, &fault), -EINVAL, "k=%zu", k);
 	}
 	unlink(path);
 	assert_int_equal(light_file_read(path, &response, NULL), 0);

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera's response, found from simulated exposures. */
+/* A camera's response curve, found from simulated exposures. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 
 #include <errno.h>
 #include <string.h>
 
 #include "bake/calibrate/response/light_response.h"
-#include "tests/support/light_scene.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/patch_chart.h"
 #include "tests/support/thorough.h"
 
 #define EXPOSURES 5
@@ -24,12 +27,12 @@ struct series {
 	struct light_response found;
 };
 
-static void series_take(struct series *s, const struct light_camera *camera, int width, int height,
+static void series_take(struct series *s, const struct chart_camera *camera, int width, int height,
 			struct chance *chance)
 {
 	for (int j = 0; j < EXPOSURES; j++) {
 		assert_int_equal(image_create_u8(&s->picture[j], width, height), 0);
-		light_scene_take(camera, 4 * times[j], 2e-3, chance, &s->picture[j]);
+		chart_photograph(camera, 4 * times[j], 2e-3, chance, &s->picture[j]);
 	}
 }
 
@@ -62,10 +65,10 @@ static struct light_response_settings exact_times(void)
 	return settings;
 }
 
-static const struct light_camera cameras[SHAPE_COUNT] = {
-	{SHAPE_SRGB, 0, 0.001, 0.012},	  {SHAPE_BT709, 16, 0.001, 0.012},
-	{SHAPE_POWER, 16, 0.001, 0.012},  {SHAPE_FILM, 8, 0.001, 0.012},
-	{SHAPE_LINEAR, 12, 0.001, 0.012},
+static const struct chart_camera cameras[CHART_COUNT] = {
+	{CHART_SRGB, 0, 0.001, 0.012},	  {CHART_BT709, 16, 0.001, 0.012},
+	{CHART_POWER, 16, 0.001, 0.012},  {CHART_FILM, 8, 0.001, 0.012},
+	{CHART_LINEAR, 12, 0.001, 0.012},
 };
 
 /* Within 1 % over 80 % of the code values, from 5 exposures with noise and clipping. */
@@ -75,7 +78,7 @@ static void every_shape_is_found(void **state)
 	struct chance chance = chance_begin("light");
 
 	(void)state;
-	for (int k = 0; k < SHAPE_COUNT; k++) {
+	for (int k = 0; k < CHART_COUNT; k++) {
 		struct series s = {.found = {.samples = 0}};
 		double worst = 0, wide = 0;
 
@@ -83,7 +86,7 @@ static void every_shape_is_found(void **state)
 		series_find(&s, cameras[k].black, &settings);
 		for (int code = 1; code < 255; code++) {
 			const double u = (code - cameras[k].black) / (255 - cameras[k].black);
-			const double truth = light_shape_decode(cameras[k].shape, u);
+			const double truth = chart_curve_decode(cameras[k].curve, u);
 			const double off = fabs(
 				transfer_curve_decode(&s.found.curve, code / 255.0) / truth - 1);
 
@@ -95,21 +98,21 @@ static void every_shape_is_found(void **state)
 		print_message(
 			"# %s: %d samples, %d pieces, held out %.2f, sigma %.2f, seen %.3f to "
 			"%.3f; off by %.2f %% (from 5 %% on %.2f %%); %s\n",
-			light_shape_names[k], s.found.samples, s.found.spline.pieces,
+			chart_curve_names[k], s.found.samples, s.found.spline.pieces,
 			s.found.held_out, s.found.sigma, s.found.from, s.found.to, 100 * worst,
 			100 * wide, s.found.verdict.trusted ? "trusted" : s.found.verdict.reason);
 		assert_true(s.found.verdict.trusted);
-		assert_true(worst < 0.01);
+		expect_below(worst, 0.01, "k=%d", k);
 		series_free(&s);
 	}
 }
 
 /* ---- how sure it is ---- */
 
-/* Knots between 10 % and 90 %, of small scenes: how often the truth lies within the deviations. */
+/* Knots between 10 % and 90 %, from small pictures: the shares of truths within the deviations. */
 static void deviations_are_right(void **state)
 {
-	const struct light_camera camera = {SHAPE_SRGB, 0, 0.0005, 0.008};
+	const struct chart_camera camera = {CHART_SRGB, 0, 0.0005, 0.008};
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 	const int runs = thorough() ? 40 : 10;
@@ -123,7 +126,7 @@ static void deviations_are_right(void **state)
 		series_take(&s, &camera, 160, 128, &chance);
 		series_find(&s, camera.black, &settings);
 		for (int k = 4; k <= 28; k += 4) {
-			const double truth = light_shape_decode(camera.shape, k / 32.0);
+			const double truth = chart_curve_decode(camera.curve, k / 32.0);
 			const double off = fabs(s.found.curve.knot[k] - truth);
 
 			within[0] += off <= s.found.deviation[k];
@@ -135,12 +138,13 @@ static void deviations_are_right(void **state)
 	}
 	print_message("# knots: %.3f and %.3f within 1 and 2 deviations, the worst %.1f\n",
 		      (double)within[0] / all, (double)within[1] / all, worst);
-	/* Knots of one run go together: the binomial of as many runs as there are, 3 deviations. */
+	/* knots of one run depend on each other: the binomial distribution of the number of runs, 3
+	 * deviations */
 	assert_true(fabs((double)within[0] / all - 0.683) < 3 * sqrt(0.683 * 0.317 / runs));
 	assert_true((double)within[1] / all > 0.954 - 3 * sqrt(0.954 * 0.046 / runs));
 }
 
-/* Times off by up to 3 % are found again. */
+/* Exposure times that are wrong by up to 3 % are corrected. */
 static void times_are_refined(void **state)
 {
 	struct light_response_settings settings = exact_times();
@@ -148,19 +152,19 @@ static void times_are_refined(void **state)
 	struct series s = {.found = {.samples = 0}};
 
 	(void)state;
-	series_take(&s, &cameras[SHAPE_LINEAR], 320, 240, &chance);
+	series_take(&s, &cameras[CHART_LINEAR], 320, 240, &chance);
 	settings.time[1] *= 1.03;
 	settings.time[3] *= 0.98;
 	settings.time_deviation = 0.03;
-	series_find(&s, cameras[SHAPE_LINEAR].black, &settings);
+	series_find(&s, cameras[CHART_LINEAR].black, &settings);
 	assert_true(s.found.verdict.trusted);
 	for (int j = 1; j < EXPOSURES; j++) {
 		const double ratio = s.found.time[j] / s.found.time[j - 1] / 0.5;
 
 		print_message("# time %d: ratio off by %.3f %%, deviation %.3f %%\n", j + 1,
 			      100 * (ratio - 1), 100 * s.found.time_deviation[j]);
-		assert_true(fabs(s.found.time[j] / times[j] / s.found.time[0] - 1) <
-			    3 * s.found.time_deviation[j] + 1e-3);
+		expect_below(fabs(s.found.time[j] / times[j] / s.found.time[0] - 1),
+			     3 * s.found.time_deviation[j] + 1e-3, "j=%d", j);
 	}
 	series_free(&s);
 }
@@ -175,14 +179,14 @@ static void doubted(const struct series *s, const char *words)
 	assert_true(strlen(s->found.verdict.remedy) > 0);
 }
 
-/* Every exposure at `factor` times the light, of a scene down to `range`. */
+/* All exposures with `factor` times the light, of a chart whose patches go down to `range`. */
 static struct series series_of(double factor, double range, struct chance *chance)
 {
 	struct series s = {.found = {.samples = 0}};
 
 	for (int j = 0; j < EXPOSURES; j++) {
 		assert_int_equal(image_create_u8(&s.picture[j], 160, 128), 0);
-		light_scene_take(&cameras[SHAPE_BT709], factor * times[j], range, chance,
+		chart_photograph(&cameras[CHART_BT709], factor * times[j], range, chance,
 				 &s.picture[j]);
 	}
 	return s;
@@ -221,7 +225,7 @@ static void a_moved_scene_is_doubted(void **state)
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
-	/* Picture 3 is shifted by half a patch. */
+	/* picture 3 is shifted by half a patch */
 	memmove(s.picture[2].u8, s.picture[2].u8 + 24, 160 * 128 * 3 - 24);
 	for (int j = 3; j < EXPOSURES; j++)
 		memmove(s.picture[j].u8, s.picture[j].u8 + 48, 160 * 128 * 3 - 48);
@@ -250,7 +254,7 @@ static void channels_of_their_own_are_doubted(void **state)
 	struct series s = series_of(4, 2e-3, &chance);
 
 	(void)state;
-	/* Blue through a contrast of its own, the same in every exposure. */
+	/* blue has a curve of its own, the same in every exposure */
 	for (int j = 0; j < EXPOSURES; j++)
 		for (int k = 2; k < 160 * 128 * 3; k += 3) {
 			const double u = fmax(s.picture[j].u8[k] - 16, 0) / 239.0;

@@ -1,42 +1,22 @@
 /* SPDX-License-Identifier: MIT */
-/* For tests of the encoder: transport of simple scenes, blocks decoded from nothing but
- * basis_format.h, and levels, all in double precision. */
-#ifndef INLAY_TESTS_SUPPORT_ENCODING_H
-#define INLAY_TESTS_SUPPORT_ENCODING_H
+#include "tests/support/encode_rig.h"
+#include "tests/support/expect.h"
 
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode.h"
 #include "bake/tiles/coarse.h"
-#include "tests/support/chance.h"
 
-#define PIXELS_MOST (BASIS_TILE * BASIS_TILE)
 #define ALBEDO 0.5
 
-/* The lights and what the encoder is told; targets may be changed before encoding_start(). */
-struct encoding {
-	struct basis_light *light;
-	double *ground; /* [3][lights] */
-	struct basis_coarse *gather;
-	struct ensemble ensemble;
-	struct encode_settings settings;
-	struct encoder *encoder;
-	uint16_t coverage[PIXELS_MOST];
-};
-
-/* Samples with room of their own, and what blocks say of them, per unit of L. */
-struct encoding_part {
-	struct encode_samples samples;
-	uint16_t pixel[PIXELS_MOST];
-	float *direct, *bounce;
-	double *is;	 /* [pixels][3][lights]: direct + bounce */
-	double *decoded; /* the same */
-};
-
-static inline void encoding_set(struct encoding *e)
+static void encode_rig_set(struct encode_rig *e)
 {
 	e->ground = calloc(3 * (size_t)e->settings.lights, sizeof(*e->ground));
 	assert_non_null(e->ground);
@@ -54,10 +34,9 @@ static inline void encoding_set(struct encoding *e)
 	e->settings.column_cut = 1e-3;
 }
 
-/* The cells of a dome, gathered in those of another where coarse is less. */
-static inline struct encoding encoding_dome(int frequency, int coarse)
+struct encode_rig encode_rig_dome(int frequency, int coarse)
 {
-	struct encoding e = {.encoder = NULL};
+	struct encode_rig e = {.encoder = NULL};
 	struct fault fault;
 	struct dome fine, few;
 
@@ -79,32 +58,30 @@ static inline struct encoding encoding_dome(int frequency, int coarse)
 		dome_free(&few);
 	}
 	dome_free(&fine);
-	encoding_set(&e);
+	encode_rig_set(&e);
 	e.settings.ground = e.ground;
 	return e;
 }
 
-/* One light, straight above. */
-static inline struct encoding encoding_lamp(void)
+struct encode_rig encode_rig_lamp(void)
 {
-	struct encoding e = {.settings = {.lights = 1, .coarse = 1}};
+	struct encode_rig e = {.settings = {.lights = 1, .coarse = 1}};
 
 	e.light = calloc(1, sizeof(*e.light));
 	assert_non_null(e.light);
 	e.light->direction[2] = 1;
 	e.light->solid_angle_sr = 2 * M_PI;
-	encoding_set(&e);
+	encode_rig_set(&e);
 	return e;
 }
 
-/* The structure may have moved since. */
-static inline void encoding_start(struct encoding *e)
+void encode_rig_start(struct encode_rig *e)
 {
 	e->settings.ensemble = &e->ensemble;
 	assert_int_equal(encoder_create(&e->encoder, &e->settings), 0);
 }
 
-static inline void encoding_end(struct encoding *e)
+void encode_rig_end(struct encode_rig *e)
 {
 	encoder_destroy(e->encoder);
 	ensemble_free(&e->ensemble);
@@ -115,11 +92,10 @@ static inline void encoding_end(struct encoding *e)
 
 /* ---- samples ---- */
 
-static inline struct encoding_part *encoding_part_new(const struct encoding *e,
-						      enum basis_kind kind, int pixels,
-						      int channels, bool bounce)
+struct encode_rig_part *encode_rig_part_new(const struct encode_rig *e, enum basis_kind kind,
+					    int pixels, int channels, bool bounce)
 {
-	struct encoding_part *part = calloc(1, sizeof(*part));
+	struct encode_rig_part *part = calloc(1, sizeof(*part));
 	const size_t all = (size_t)pixels * 3 * (size_t)e->settings.lights;
 
 	assert_non_null(part);
@@ -129,7 +105,7 @@ static inline struct encoding_part *encoding_part_new(const struct encoding *e,
 	part->decoded = calloc(all, sizeof(*part->decoded));
 	assert_true(part->direct && part->is && part->decoded && (part->bounce || !bounce));
 	for (int p = 0; p < pixels; p++)
-		part->pixel[p] = (uint16_t)(p * (PIXELS_MOST / pixels));
+		part->pixel[p] = (uint16_t)(p * (ENCODE_RIG_PIXELS_MAX / pixels));
 	part->samples = (struct encode_samples){.kind = kind,
 						.pixels = pixels,
 						.pixel = part->pixel,
@@ -139,7 +115,7 @@ static inline struct encoding_part *encoding_part_new(const struct encoding *e,
 	return part;
 }
 
-static inline void encoding_part_free(struct encoding_part *part)
+void encode_rig_part_free(struct encode_rig_part *part)
 {
 	free(part->direct);
 	free(part->bounce);
@@ -148,29 +124,27 @@ static inline void encoding_part_free(struct encoding_part *part)
 	free(part);
 }
 
-static inline double encoding_dot(const double a[3], const double b[3])
+double encode_rig_dot(const double a[3], const double b[3])
 {
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* How much of a cell of this light a ball above a pixel hides: 0..1, an edge as wide as a cell. */
-static inline double encoding_hidden(const struct encoding *e, int pixel, int light)
+/* Share of a light's cell that the ball hides from a pixel, 0..1, with an edge as wide as a cell. */
+static double encode_rig_hidden(const struct encode_rig *e, int pixel, int light)
 {
 	const double w = e->light[light].solid_angle_sr, width = sqrt(w / M_PI);
 	double to[3] = {0.9 - 0.07 * (pixel % BASIS_TILE), 0.2 - 0.07 * (pixel / BASIS_TILE), 1};
-	const double far = sqrt(encoding_dot(to, to));
+	const double far = sqrt(encode_rig_dot(to, to));
 	double angle, in;
 
 	for (int k = 0; k < 3; k++)
 		to[k] /= far;
-	angle = acos(fmin(encoding_dot(to, e->light[light].direction), 1));
+	angle = acos(fmin(encode_rig_dot(to, e->light[light].direction), 1));
 	in = (asin(0.5 / far) - angle) / width;
 	return in > 1 ? 1 : in < -1 ? 0 : 0.5 + 0.5 * sin(M_PI / 2 * in);
 }
 
-/* The ball's shadow on the ground, or, of kinds T and U, a wall that curves, in its shadow; D is
- * what the shadow takes of U. */
-static inline void encoding_fill(const struct encoding *e, struct encoding_part *part)
+void encode_rig_fill(const struct encode_rig *e, struct encode_rig_part *part)
 {
 	static const double colour[3] = {0.7, 0.5, 0.2}, thrown[3] = {0.04, 0.02, 0.01};
 	const int n = e->settings.lights, channels = part->samples.channels;
@@ -182,8 +156,8 @@ static inline void encoding_fill(const struct encoding *e, struct encoding_part 
 
 		for (int i = 0; i < n; i++) {
 			const double *d = e->light[i].direction, w = e->light[i].solid_angle_sr;
-			const double hidden = encoding_hidden(e, at, i);
-			const double facing = fmax(encoding_dot(normal, d), 0) * w / M_PI;
+			const double hidden = encode_rig_hidden(e, at, i);
+			const double facing = fmax(encode_rig_dot(normal, d), 0) * w / M_PI;
 			const double smooth = (1 + 0.5 * d[0]) * (1 + 0.02 * (at / BASIS_TILE));
 			const bool shadow = part->samples.kind == BASIS_KIND_V;
 			const double unit = shadow				 ? 1
@@ -205,57 +179,43 @@ static inline void encoding_fill(const struct encoding *e, struct encoding_part 
 
 /* ---- blocks ---- */
 
-static inline size_t encoding_align(size_t bytes)
+static size_t encode_rig_align(size_t bytes)
 {
 	return (bytes + 63) / 64 * 64;
 }
 
-/* The arrays of a payload, in the order that basis_format.h lists them. */
-struct encoding_arrays {
-	const uint16_t *pixel, *tint, *light;
-	const float *pattern_scale, *column_scale;
-	const int16_t *pattern, *coefficient, *column16;
-	const uint32_t *record_at;
-	const uint8_t *record;
-	int stride;
-	size_t bytes;
-};
-
-static inline struct encoding_arrays encoding_arrays_of(const struct basis_block_payload *block,
-							int coarse)
+struct encode_rig_arrays encode_rig_arrays_of(const struct basis_block_payload *block, int coarse)
 {
 	const struct basis_block_entry *e = &block->entry;
 	const uint8_t *at = block->payload;
 	const size_t panels16 = (e->pixels + 31U) / 32;
-	struct encoding_arrays a = {.stride = (coarse + 31) / 32 * 32};
+	struct encode_rig_arrays a = {.stride = (coarse + 31) / 32 * 32};
 
 	a.pixel = (const uint16_t *)at;
-	at += encoding_align(e->pixels * 2U);
+	at += encode_rig_align(e->pixels * 2U);
 	a.tint = e->tinted ? (const uint16_t *)at : NULL;
-	at += e->tinted ? encoding_align(e->pixels * 6U) : 0;
+	at += e->tinted ? encode_rig_align(e->pixels * 6U) : 0;
 	a.pattern_scale = (const float *)at;
-	at += encoding_align(e->patterns * 4U);
+	at += encode_rig_align(e->patterns * 4U);
 	a.pattern = (const int16_t *)at;
 	at += (size_t)e->patterns * (size_t)a.stride * 2;
 	a.coefficient = (const int16_t *)at;
 	at += panels16 * e->channels * e->patterns * 64;
 	a.light = (const uint16_t *)at;
-	at += encoding_align(e->columns * 2U);
+	at += encode_rig_align(e->columns * 2U);
 	a.column_scale = (const float *)at;
-	at += encoding_align(e->columns * 4U);
+	at += encode_rig_align(e->columns * 4U);
 	a.column16 = (const int16_t *)at;
 	a.record_at = (const uint32_t *)at;
-	a.record = at + encoding_align(e->columns * 4U);
+	a.record = at + encode_rig_align(e->columns * 4U);
 	at += e->bits == 16 ? panels16 * e->channels * e->columns * 64
-			    : encoding_align(e->columns * 4U) + encoding_align(e->record_bytes);
+			    : encode_rig_align(e->columns * 4U) + encode_rig_align(e->record_bytes);
 	a.bytes = (size_t)(at - (const uint8_t *)block->payload);
 	return a;
 }
 
-/* One value of a column of 8 bits: its lines stand behind their codes, which are filled up to a
- * multiple of 4. */
-static inline int encoding_byte(const struct basis_block_entry *e, const struct encoding_arrays *a,
-				size_t place, size_t channel, uint32_t n)
+int encode_rig_byte(const struct basis_block_entry *e, const struct encode_rig_arrays *a,
+		    size_t place, size_t channel, uint32_t n)
 {
 	const size_t lines = (e->pixels + 63U) / 64 * e->channels;
 	const size_t line = place / 64 * e->channels + channel;
@@ -270,18 +230,18 @@ static inline int encoding_byte(const struct basis_block_entry *e, const struct 
 	return (half - 7) * code[line];
 }
 
-static inline double encoding_column(const struct basis_block_entry *e,
-				     const struct encoding_arrays *a, int p, int c, uint32_t n)
+double encode_rig_column(const struct basis_block_entry *e, const struct encode_rig_arrays *a,
+			 int p, int c, uint32_t n)
 {
 	const size_t place = (size_t)p, channel = (size_t)c, panels = (e->pixels + 31U) / 32;
 
 	return (double)a->column_scale[n] *
-	       (e->bits == 8 ? encoding_byte(e, a, place, channel, n)
+	       (e->bits == 8 ? encode_rig_byte(e, a, place, channel, n)
 			     : a->column16[((channel * panels + place / 32) * e->columns + n) * 32 +
 					   place % 32]);
 }
 
-static inline double encoding_pattern(const struct encoding *e, const int16_t *pattern, int light)
+static double encode_rig_pattern(const struct encode_rig *e, const int16_t *pattern, int light)
 {
 	double y = 0;
 
@@ -293,18 +253,17 @@ static inline double encoding_pattern(const struct encoding *e, const int16_t *p
 	return y;
 }
 
-/* X's factor of a light: values times it are per unit of L, or of the ground's light. */
-static inline double encoding_unit(const struct encoding *e, enum basis_kind kind, int light)
+double encode_rig_unit(const struct encode_rig *e, enum basis_kind kind, int light)
 {
 	return kind == BASIS_KIND_V ? 1 : e->light[light].solid_angle_sr;
 }
 
-/* part->decoded += what a block says; columns that `used` is false of left out (NULL: none). */
-static inline void encoding_decode(const struct encoding *e, struct encoding_part *part,
-				   const struct basis_block_payload *block)
+/* part->decoded += what a block says. */
+static void encode_rig_decode(const struct encode_rig *e, struct encode_rig_part *part,
+			      const struct basis_block_payload *block)
 {
 	const struct basis_block_entry *b = &block->entry;
-	const struct encoding_arrays a = encoding_arrays_of(block, e->settings.coarse);
+	const struct encode_rig_arrays a = encode_rig_arrays_of(block, e->settings.coarse);
 	const size_t n = (size_t)e->settings.lights;
 
 	assert_int_equal(b->bytes, a.bytes);
@@ -313,7 +272,7 @@ static inline void encoding_decode(const struct encoding *e, struct encoding_par
 
 		while (part->pixel[own] != a.pixel[q])
 			own++;
-		assert_true(own < part->samples.pixels);
+		expect_below(own, part->samples.pixels, "q=%d", q);
 		for (int c = 0; c < 3; c++) {
 			const int row = b->channels == 3 ? c : 0;
 			const double tint =
@@ -330,21 +289,20 @@ static inline void encoding_decode(const struct encoding *e, struct encoding_par
 
 				for (size_t i = 0; i < n; i++)
 					to[i] += tint * k *
-						 encoding_pattern(e, a.pattern + j * a.stride,
-								  (int)i) *
-						 encoding_unit(e, b->kind, (int)i);
+						 encode_rig_pattern(e, a.pattern + j * a.stride,
+								    (int)i) *
+						 encode_rig_unit(e, b->kind, (int)i);
 			}
-			/* What groups have in common is there a second time. */
+			/* Columns of groups repeat what the lights' own columns say, and are left out. */
 			for (uint32_t k = 0; k < b->columns && a.light[k] < n; k++)
-				to[a.light[k]] += tint * encoding_column(b, &a, q, row, k) *
-						  encoding_unit(e, b->kind, a.light[k]);
+				to[a.light[k]] += tint * encode_rig_column(b, &a, q, row, k) *
+						  encode_rig_unit(e, b->kind, a.light[k]);
 		}
 	}
 }
 
-/* Encodes some parts and decodes what comes of it; exact: the exact layer. */
-static inline struct encode_result encoding_run(struct encoding *e, struct encoding_part **part,
-						int count, bool exact)
+struct encode_result encode_rig_run(struct encode_rig *e, struct encode_rig_part **part, int count,
+				    bool exact)
 {
 	struct encode_samples samples[4] = {{.pixels = 0}};
 	struct encode_result result;
@@ -371,17 +329,15 @@ static inline struct encode_result encoding_run(struct encoding *e, struct encod
 			}
 		for (int b = 0; b < blocks; b++)
 			if (block[b].entry.kind == part[k]->samples.kind)
-				encoding_decode(e, part[k], &block[b]);
+				encode_rig_decode(e, part[k], &block[b]);
 	}
 	return result;
 }
 
 /* ---- levels ---- */
 
-static inline double encoding_level(double x)
+double encode_rig_level(double x)
 {
 	x = fmin(fmax(x, 0), 1);
 	return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055);
 }
-
-#endif

@@ -1,28 +1,23 @@
 /* SPDX-License-Identifier: MIT */
-/* A frame over a random background in random light, for the compositor's tests. */
-#ifndef INLAY_TESTS_SUPPORT_COMPOSITING_H
-#define INLAY_TESTS_SUPPORT_COMPOSITING_H
+#include "tests/support/random_frame.h"
 
-#include "hal/compositor/compositor.h"
-#include "tests/support/synthetic_basis.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
 
-struct frame_of {
-	struct light_selection lights;
-	struct compositor *compositor;
-	struct picture picture;
-	struct backdrop backdrop;
-	uint8_t *background, *out;
-	size_t stride, bytes;
-};
+#include <cmocka.h>
+#include <stdlib.h>
+#include <string.h>
 
-static inline void frame_begin(struct frame_of *f, const struct basis *basis, struct pool *pool,
-			       struct chance *chance)
+void random_frame_begin(struct random_frame *f, const struct basis *basis, struct pool *pool,
+			struct chance *chance)
 {
 	const struct compositor_options options = {.pool = pool};
 	const int w = (int)basis->info.width, h = (int)basis->info.height;
 	float(*radiance)[3] = calloc(basis->info.lights, sizeof(*radiance));
 
-	f->stride = (size_t)w * 4 + 4; /* one pixel more, which must stay as it is */
+	f->stride = (size_t)w * 4 + 4; /* one pixel more, which the compositor must not write */
 	f->bytes = f->stride * (size_t)h;
 	f->background = malloc(f->bytes);
 	f->out = malloc(f->bytes);
@@ -42,7 +37,7 @@ static inline void frame_begin(struct frame_of *f, const struct basis *basis, st
 	free(radiance);
 }
 
-static inline void frame_end(struct frame_of *f)
+void random_frame_end(struct random_frame *f)
 {
 	compositor_destroy(f->compositor);
 	light_selection_free(&f->lights);
@@ -50,4 +45,9 @@ static inline void frame_end(struct frame_of *f)
 	free(f->out);
 }
 
-#endif
+void random_frame_run(struct random_frame *f, int pose)
+{
+	assert_int_equal(
+		compositor_run(f->compositor, pose, &f->lights, &f->backdrop, f->out, f->stride),
+		0);
+}
