@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which pose is shown at which time. */
+/* The pose that is shown at a time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

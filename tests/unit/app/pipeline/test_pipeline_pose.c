@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which pose is shown while others are being unpacked. The basis is made by hand: each pose is a
+/* The pose that is shown while others are being unpacked. The basis is made by hand: each pose is a
  * plane of one grey. No result depends on how long unpacking takes. */
 #include <setjmp.h>
 #include <stdarg.h>

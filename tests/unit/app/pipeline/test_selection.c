@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which lights a frame uses, from frame to frame. A light at the threshold must not come and go
+/* The lights that a frame uses, from frame to frame. A light at the threshold must not come and go
  * with the noise of a camera, a light that falls must go, and a picture without a frame before it
  * is chosen by the threshold alone. */
 #include <setjmp.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which bytes are UTF-8: against an encoder for every code point. */
+/* Tells which bytes are UTF-8, held against an encoder for every code point. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -40,7 +40,7 @@ static void over_noise(void **state)
 	}
 }
 
-/* Of many lights nearly each column is too dim to be used alone, but together they matter. */
+/* With many lights nearly each column is too dim to be used alone, but together they matter. */
 static void over_many_lights(void **state)
 {
 	struct chance chance = chance_begin("many lights");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which exposure a frame has, for a played camera that obeys some frames later and loses some. */
+/* The exposure that a frame has, for a played camera that obeys some frames later and loses some. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

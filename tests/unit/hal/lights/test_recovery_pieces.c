@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which clipped lights belong to one piece. */
+/* The clipped lights that belong to one piece. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>

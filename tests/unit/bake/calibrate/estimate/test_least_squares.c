@@ -167,7 +167,7 @@ static void covariance_of_a_line(void **state)
 	least_squares_free(&fit);
 }
 
-/* Of 1,000 runs, the right shares lie within one and two deviations. */
+/* The right shares of 1,000 runs lie within one and two deviations. */
 static void deviations_are_honest(void **state)
 {
 	struct chance chance = chance_begin("least squares");
