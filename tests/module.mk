@@ -3,30 +3,30 @@
 tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
 cmocka_PACKAGES := cmocka
 SUPPORT_SOURCES := \
-	tests/support/baked_rows.c \
 	tests/support/captured_log.c \
 	tests/support/chance.c \
-	tests/support/copied_basis.c \
-	tests/support/drawn_board.c \
-	tests/support/drawn_lamps.c \
-	tests/support/encode_promises.c \
-	tests/support/encode_rig.c \
 	tests/support/expect.c \
-	tests/support/fisheye_photographs.c \
-	tests/support/fisheye_views.c \
 	tests/support/guarded_screen.c \
-	tests/support/hand_block.c \
-	tests/support/known_camera.c \
 	tests/support/own_folder.c \
-	tests/support/patch_chart.c \
 	tests/support/plain_pipeline.c \
 	tests/support/played_v4l2.c \
-	tests/support/random_frame.c \
-	tests/support/reseal_shard.c \
-	tests/support/small_scene.c \
-	tests/support/synthetic_basis.c \
-	tests/support/synthetic_block.c \
-	tests/support/thorough.c
+	tests/support/thorough.c \
+	tests/support/bake/baked_rows.c \
+	tests/support/bake/encode_promises.c \
+	tests/support/bake/encode_rig.c \
+	tests/support/bake/reseal_shard.c \
+	tests/support/bake/small_scene.c \
+	tests/support/basis/copied_basis.c \
+	tests/support/basis/hand_block.c \
+	tests/support/basis/random_frame.c \
+	tests/support/basis/synthetic_basis.c \
+	tests/support/basis/synthetic_block.c \
+	tests/support/calibrate/drawn_board.c \
+	tests/support/calibrate/drawn_lamps.c \
+	tests/support/calibrate/fisheye_photographs.c \
+	tests/support/calibrate/fisheye_views.c \
+	tests/support/calibrate/known_camera.c \
+	tests/support/calibrate/patch_chart.c
 SUPPORT_LIB := $(BUILD)/tests/support.a
 UNIT_TESTS := \
 	tests/accuracy/test_compositor_accuracy.c \

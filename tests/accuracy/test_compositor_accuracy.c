@@ -18,9 +18,9 @@
 #include <string.h>
 
 #include "hal/compositor/compositor.h"
+#include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/synthetic_basis.h"
 
 #define LEVELS_MOST 1.0
 /* The bound where light thrown on the ground is a hundred times the light that is there. Terms a

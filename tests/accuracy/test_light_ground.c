@@ -15,10 +15,10 @@
 #include "app/pipeline/pipeline.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "bake/calibrate/response/light_response.h"
+#include "tests/support/bake/small_scene.h"
+#include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/patch_chart.h"
-#include "tests/support/small_scene.h"
 
 #define EYE 240 /* side of the fisheye picture, px */
 #define EXPOSURES 5

@@ -21,8 +21,8 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 /* Under a sanitizer there is less of everything: it sees every step all the same, and the figures

@@ -13,8 +13,8 @@
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
+#include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
-#include "tests/support/known_camera.h"
 
 #define REPEATS 10
 

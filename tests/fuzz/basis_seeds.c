@@ -6,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "tests/support/synthetic_basis.h"
+#include "tests/support/basis/synthetic_basis.h"
 
 static const struct {
 	const char *name;

@@ -20,7 +20,7 @@
 
 #include "hal/compositor/compositor.h"
 #include "tests/fuzz/as_file.h"
-#include "tests/support/synthetic_basis.h"
+#include "tests/support/basis/synthetic_basis.h"
 
 #define CHUNKS_MOST 32
 #define WORK_MOST 2000000 /* largest number of pixels times lights that is composited */

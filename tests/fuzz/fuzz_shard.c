@@ -12,7 +12,7 @@
 
 #include "bake/tiles/shard.h"
 #include "tests/fuzz/as_file.h"
-#include "tests/support/reseal_shard.h"
+#include "tests/support/bake/reseal_shard.h"
 
 static void read_tiles(struct shard *shard)
 {

@@ -8,10 +8,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/support/calibrate/drawn_lamps.h"
+#include "tests/support/calibrate/fisheye_photographs.h"
+#include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
-#include "tests/support/drawn_lamps.h"
-#include "tests/support/fisheye_photographs.h"
-#include "tests/support/fisheye_views.h"
 
 static int keep(const char *folder, const char *name, struct image *image)
 {

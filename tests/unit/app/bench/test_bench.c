@@ -19,8 +19,8 @@
 #include "hal/measure/lightings.h"
 #include "hal/measure/thesis.h"
 #include "hal/measure/unpacked.h"
+#include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
-#include "tests/support/synthetic_basis.h"
 
 static struct synthetic_options every_encoding(struct chance *chance)
 {

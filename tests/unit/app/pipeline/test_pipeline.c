@@ -17,8 +17,8 @@
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/basis/basis_writer.h"
 #include "hal/frame/frame.h"
+#include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
-#include "tests/support/hand_block.h"
 #include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };

@@ -17,8 +17,8 @@
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
 #include "hal/basis/basis_writer.h"
+#include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
-#include "tests/support/hand_block.h"
 #include "tests/support/plain_pipeline.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };

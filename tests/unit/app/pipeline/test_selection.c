@@ -15,10 +15,10 @@
 #include <unistd.h>
 
 #include "app/pipeline/pipeline.h"
+#include "tests/support/basis/hand_block.h"
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/hand_block.h"
-#include "tests/support/random_frame.h"
 
 enum { COUNT = 1500, FRAMES = 1000 };
 

@@ -16,10 +16,10 @@
 #include "app/view/layout.h"
 #include "app/view/show.h"
 #include "hal/basis/basis_writer.h"
+#include "tests/support/basis/hand_block.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
-#include "tests/support/hand_block.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/plain_pipeline.h"
 

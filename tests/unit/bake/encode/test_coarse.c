@@ -8,7 +8,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "tests/support/encode_rig.h"
+#include "tests/support/bake/encode_rig.h"
 #include "tests/support/expect.h"
 
 static void over_coarse(void **state)

@@ -11,9 +11,9 @@
 #include <cmocka.h>
 #include <stdlib.h>
 
+#include "tests/support/bake/small_scene.h"
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
-#include "tests/support/random_frame.h"
-#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define COLUMN_CUT 0.0004

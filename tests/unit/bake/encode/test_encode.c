@@ -8,8 +8,8 @@
 #include <cmocka.h>
 #include <math.h>
 
+#include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
-#include "tests/support/encode_promises.h"
 #include "tests/support/expect.h"
 
 static void over_scenes(void **state)

@@ -10,8 +10,8 @@
 #include <errno.h>
 #include <math.h>
 
+#include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
-#include "tests/support/encode_promises.h"
 #include "tests/support/expect.h"
 
 /* Noise has full rank, so that no pattern helps. */

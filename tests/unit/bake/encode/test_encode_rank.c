@@ -11,8 +11,8 @@
 #include <stdlib.h>
 
 #include "bake/encode/encode_rank.h"
+#include "tests/support/bake/encode_rig.h"
 #include "tests/support/chance.h"
-#include "tests/support/encode_rig.h"
 
 #define PIXELS 40 /* more than coarse lights, so that nothing is cut off */
 

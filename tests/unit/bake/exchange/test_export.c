@@ -17,8 +17,8 @@
 #include "bake/exchange/export_blender.h"
 #include "bake/exchange/export_radiance.h"
 #include "bake/scene/scene.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 
 #define WIDTH 24
 #define HEIGHT 18

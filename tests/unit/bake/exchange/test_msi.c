@@ -14,8 +14,8 @@
 
 #include "bake/base/random.h"
 #include "bake/exchange/msi.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30

@@ -13,9 +13,9 @@
 #include <string.h>
 
 #include "bake/scene/scene.h"
-#include "tests/support/baked_rows.h"
+#include "tests/support/bake/baked_rows.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 
 #define VIEW "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0\nwidth = 16\nheight = 16\n"
 

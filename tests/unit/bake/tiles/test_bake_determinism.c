@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "bake/scene/scene.h"
-#include "tests/support/baked_rows.h"
-#include "tests/support/small_scene.h"
+#include "tests/support/bake/baked_rows.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH (thorough() ? 70 : 40)

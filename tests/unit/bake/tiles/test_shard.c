@@ -14,12 +14,12 @@
 
 #include <errno.h>
 
-#include "tests/support/copied_basis.h"
+#include "tests/support/basis/copied_basis.h"
 
 #include "bake/tiles/shard.h"
 #include "bake/tiles/shard_format.h"
+#include "tests/support/bake/reseal_shard.h"
 #include "tests/support/chance.h"
-#include "tests/support/reseal_shard.h"
 
 struct shard_sample {
 	char folder[64], path[80];

@@ -12,8 +12,8 @@
 #include "bake/base/random.h"
 #include "bake/scene/scene.h"
 #include "bake/tiles/tile.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 #include "tests/support/thorough.h"
 
 #define SEED 20

@@ -14,9 +14,9 @@
 #include "bake/truth/truth_views.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
-#include "tests/support/baked_rows.h"
+#include "tests/support/bake/baked_rows.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 
 #define VIEW                                                                                       \
 	"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\nwidth = 48\nheight = "    \

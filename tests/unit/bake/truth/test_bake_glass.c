@@ -14,9 +14,9 @@
 #include "bake/tiles/sight.h"
 #include "bake/truth/truth.h"
 #include "hal/compositor/compositor.h"
-#include "tests/support/baked_rows.h"
+#include "tests/support/bake/baked_rows.h"
+#include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
-#include "tests/support/small_scene.h"
 
 #define WIDTH 40
 #define HEIGHT 30

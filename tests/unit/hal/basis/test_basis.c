@@ -19,8 +19,8 @@
 #include <sys/resource.h>
 
 #include "hal/basis/basis_lines.h"
+#include "tests/support/basis/copied_basis.h"
 #include "tests/support/chance.h"
-#include "tests/support/copied_basis.h"
 #include "tests/support/expect.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };

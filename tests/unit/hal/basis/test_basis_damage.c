@@ -15,8 +15,8 @@
 #include <errno.h>
 
 #include "hal/basis/basis_lines.h"
+#include "tests/support/basis/copied_basis.h"
 #include "tests/support/chance.h"
-#include "tests/support/copied_basis.h"
 #include "tests/support/expect.h"
 
 static void refuses_every_truncation(void **state)

@@ -15,11 +15,11 @@
 #include <errno.h>
 #include <sched.h>
 
+#include "tests/support/basis/copied_basis.h"
 #include "tests/support/chance.h"
-#include "tests/support/copied_basis.h"
 #include "tests/support/expect.h"
 
-#include "tests/support/random_frame.h"
+#include "tests/support/basis/random_frame.h"
 
 enum { POSES = 7 };
 

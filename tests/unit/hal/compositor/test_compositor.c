@@ -13,9 +13,9 @@
 #include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/random_frame.h"
 
 static struct light_selection selection_of(int count)
 {

@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/random_frame.h"
 
 static struct synthetic_options see_through(int width, int height, uint64_t seed)
 {

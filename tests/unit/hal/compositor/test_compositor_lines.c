@@ -18,8 +18,8 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/optics/dome.h"
+#include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
-#include "tests/support/hand_block.h"
 
 enum { LIGHTS = 46, FREQUENCY = 3, PIXELS = BASIS_TILE * BASIS_TILE };
 

@@ -17,9 +17,9 @@
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/light/light_vector.h"
+#include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/synthetic_basis.h"
 
 typedef __int128 wide;
 

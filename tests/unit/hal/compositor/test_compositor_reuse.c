@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/random_frame.h"
 
 /* Two compositors over the same lights; `fresh` never reuses sums. */
 struct pair {

@@ -13,9 +13,9 @@
 
 #include "hal/compositor/kernels/fixed.h"
 #include "hal/compositor/light/light_vector.h"
+#include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/random_frame.h"
 
 static const struct synthetic_options many = {
 	.width = 20,

@@ -15,9 +15,9 @@
 #include "bake/calibrate/camera/camera_model.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
+#include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/known_camera.h"
 #include "tests/support/thorough.h"
 
 static const double eyes[5][3] = {{0.12, -0.38, 0.42},

@@ -13,9 +13,9 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/known_camera.h"
 
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};

@@ -13,9 +13,9 @@
 
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "bake/calibrate/observe/boards.h"
+#include "tests/support/calibrate/fisheye_photographs.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/fisheye_photographs.h"
 
 /* Largest angle from the axis at which a corner was seen, rad. */
 static double seen_to(const struct observations *seen, const struct fisheye *lens)

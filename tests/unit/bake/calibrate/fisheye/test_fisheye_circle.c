@@ -18,8 +18,8 @@
 #include "drivers/sim/studio.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"
+#include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
-#include "tests/support/fisheye_views.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */
 struct circle_scene {

@@ -14,9 +14,9 @@
 
 #include "bake/calibrate/fisheye/fisheye_falloff.h"
 #include "hal/colour/transfer.h"
+#include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/fisheye_views.h"
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};
 

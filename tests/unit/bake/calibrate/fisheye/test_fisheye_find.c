@@ -15,9 +15,9 @@
 
 #include "bake/calibrate/fisheye/fisheye_find.h"
 #include "hal/base/clock.h"
+#include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/fisheye_views.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
 {

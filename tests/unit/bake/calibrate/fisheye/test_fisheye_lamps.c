@@ -17,10 +17,10 @@
 #include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 #include "bake/calibrate/fisheye/lamps/lamps_spots.h"
 #include "hal/optics/vec.h"
+#include "tests/support/calibrate/drawn_lamps.h"
+#include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
-#include "tests/support/drawn_lamps.h"
 #include "tests/support/expect.h"
-#include "tests/support/fisheye_views.h"
 
 static double error_of(const struct fisheye_settings *truth, const struct fisheye_settings *found)
 {

@@ -14,7 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "tests/support/drawn_board.h"
+#include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 

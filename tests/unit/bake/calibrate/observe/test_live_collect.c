@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "bake/calibrate/observe/live_collect.h"
-#include "tests/support/drawn_board.h"
+#include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 

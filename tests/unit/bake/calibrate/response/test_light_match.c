@@ -18,9 +18,9 @@
 #include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_gain.h"
+#include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/patch_chart.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
 {

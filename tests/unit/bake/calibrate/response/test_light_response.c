@@ -12,9 +12,9 @@
 #include <string.h>
 
 #include "bake/calibrate/response/light_response.h"
+#include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
-#include "tests/support/patch_chart.h"
 #include "tests/support/thorough.h"
 
 #define EXPOSURES 5
