@@ -124,7 +124,14 @@ stop() {
 	return $code
 }
 descriptors() {
-	find "/proc/$inlay/fd" -mindepth 1 | wc -l
+	local before now tries=0
+	now=$(find "/proc/$inlay/fd" -mindepth 1 | wc -l)
+	until [ "$now" = "${before:-}" ] || [ $((tries++)) -ge 20 ]; do # files that are read just now come and go
+		before=$now
+		sleep 0.3
+		now=$(find "/proc/$inlay/fd" -mindepth 1 | wc -l)
+	done
+	echo "$now"
 }
 # has KEY VALUE: the last line of statistics says so.
 has() {

@@ -23,7 +23,7 @@ as_member() { # the group is the first of the process
 
 cat >$place/kiosk.conf <<END
 [basis]
-file = $tools/live/live.inlay
+file = $BUILD/tests/vm/live/live.inlay
 [camera fisheye]
 driver = sim
 width = 96

@@ -83,7 +83,7 @@ check "virtio-gpu: it shows what was drawn, pixel by pixel" \
 hide
 : >"$VM_OUT/said"
 # By name and path, because LD_PRELOAD ends at a blank.
-env "ALLOCATIONS=$VM_OUT/allocations" "LD_LIBRARY_PATH=$tools/../cli" LD_PRELOAD=allocations.so \
+env "ALLOCATIONS=$VM_OUT/allocations" "LD_LIBRARY_PATH=$BUILD/tests/cli/tools" LD_PRELOAD=allocations.so \
 	"$tools/show" kms "$VM_OUT/chart.png" 300 "device=/dev/dri/card$virtio" >"$VM_OUT/said" 2>&1 &
 showing=$!
 within_seconds 60 grep -q '^ready' "$VM_OUT/said"

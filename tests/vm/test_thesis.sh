@@ -8,7 +8,7 @@
 . tests/vm/guest/devices.sh
 . tests/vm/guest/runs.sh
 
-config=config/thesis.conf basis=$tools/thesis/thesis.inlay
+config=config/thesis.conf basis=$BUILD/tests/vm/thesis/thesis.inlay
 width=360 height=243
 load vivid n_devs=1 num_inputs=1 input_types=3 num_outputs=1 output_types=1
 load vkms

@@ -3,7 +3,7 @@
 # Sourced after devices.sh by the tests that run the whole program: two vivids are its cameras.
 # shellcheck disable=SC2154 # tools is set there
 
-basis=$tools/live/live.inlay
+basis=$BUILD/tests/vm/live/live.inlay
 config=tests/vm/scenes/live.conf
 width=160 height=120 # of the basis
 
