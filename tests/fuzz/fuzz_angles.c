@@ -2,7 +2,7 @@
 /* Any bytes as a file of light angles: refused in a sentence with nothing kept, or all the lights
  * of a dome, each once.
  *
- * reaches: angles.c:find_dome angles.c:match
+ * reaches: angles.c:find_dome angles.c:match_lines
  */
 #include <stdint.h>
 #include <stdlib.h>

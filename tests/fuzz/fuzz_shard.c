@@ -2,8 +2,8 @@
 /* Any bytes as a share of a bake, as they are and with the name of this program and right
  * checksums: refused in a sentence, or tiles that belong to it up to the last.
  *
- * reaches: shard.c:create_plan shard.c:take_peaks shard.c:take_tile shard.c:list_blocks
- * shard.c:check_tile basis_blocks.c:check_block basis_blocks.c:check_patterns
+ * reaches: shard.c:create_plan shard.c:shard_take_peaks shard.c:shard_take_tile shard.c:list_blocks
+ * shard.c:shard_check_tile basis_blocks.c:check_block basis_blocks.c:check_patterns
  * basis_blocks.c:check_record basis_blocks.c:check_pairs finished_tile.c:finished_tile_keep
  */
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a state file: refused in a sentence that leaves everything alone, or in range.
  *
- * reaches: state.c:adopt state.c:place
+ * reaches: state.c:take_values state.c:put_value
  */
 #include <stdint.h>
 #include <stdlib.h>
