@@ -54,6 +54,16 @@ worded() {
 				print FILENAME ":" FNR ": begins in mid-sentence: " text
 		}' | grep .
 }
+# What seeds have to reach has not been renamed: FILE:FUNCTION behind "reaches:" (tests/fuzz/coverage.sh).
+named() {
+	local file function missing=0
+	while IFS=: read -r file function; do
+		git ls-files -z "*/$file" | xargs -0 grep -qE "(^|[ *:])$function\(" && continue
+		echo "tests/fuzz: there is no $function() in $file"
+		missing=1
+	done < <(sed -n '/reaches:/,/\*\//p' tests/fuzz/fuzz_*.c | grep -oE '[a-z0-9_]+\.[a-z]+:[A-Za-z0-9_]+' | sort -u)
+	return $missing
+}
 uncircled() { # BUILD
 	tests/lint/circles.sh "$1" hal drivers config app bake
 }
@@ -76,6 +86,7 @@ check "rooms: who includes whom, READMEs, files in a folder" tests/lint/rooms.sh
 check "comments are sentences" worded
 check "shellcheck" scripted
 check "make help lists what the README names" helped
+check "fuzz targets name functions that exist" named
 if [ "${1:-}" != --quick ]; then
 	check "gcc, warnings as errors" built thread objects
 	check "clang, warnings as errors" built fuzz objects
