@@ -5,7 +5,7 @@
 # Everything they leave is kept in $BUILD/tests/vm/job/NAME/NAME.
 #
 #     tests/vm/run.sh [FILTER]   those whose name contains FILTER (or FILTER in the environment)
-#     tests/vm/run.sh --quick    the few that show the whole way, one after the other in one machine
+#     tests/vm/run.sh --quick    the few that show the whole way, in as few machines as may be
 #     tests/vm/run.sh --rest     the others
 # VM_MACHINES=n: so many at a time.
 set -uo pipefail
@@ -17,7 +17,7 @@ export INLAY=${INLAY:-$PWD/$BUILD/inlay} INLAY_BAKE=${INLAY_BAKE:-$PWD/$BUILD/in
 INLAY_SHARED_DATA=$(realpath "${INLAY_SHARED_DATA:-../shared/data}" 2>/dev/null)
 export INLAY_SHARED_DATA
 which=${1:-${FILTER:-}}
-quick=' live thesis libcamera ' # the last starts udevd
+quick=('live thesis' libcamera) # machines; libcamera takes devices away below udevd, so it has one of its own
 jobs=$BUILD/tests/vm/job
 rm -rf "$jobs"
 mkdir -p "$jobs"
@@ -61,7 +61,7 @@ report() {
 # chosen NAME
 chosen() {
 	case $which in
-	--rest) [[ $quick != *" $1 "* ]] ;;
+	--rest) [[ " ${quick[*]} " != *" $1 "* ]] ;;
 	*) [[ $1 == *"$which"* ]] ;;
 	esac
 }
@@ -72,7 +72,7 @@ names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.
 lasting='soak faults_late'
 machines=() # a line of names each
 if [ "$which" = --quick ]; then
-	machines=("$quick")
+	machines=("${quick[@]}")
 else
 	for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
 		! chosen "$name" || machines+=("$name")
