@@ -104,6 +104,7 @@ UNIT_TESTS := \
 	tests/unit/hal/basis/test_basis.c \
 	tests/unit/hal/basis/test_basis_damage.c \
 	tests/unit/hal/basis/test_poses.c \
+	tests/unit/hal/colour/test_code_rows.c \
 	tests/unit/hal/colour/test_transfer.c \
 	tests/unit/hal/compositor/test_compositor.c \
 	tests/unit/hal/compositor/test_compositor_glass.c \
