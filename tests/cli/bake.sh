@@ -69,6 +69,14 @@ equal "their file says so" tents "$("$bake" info --json "$work/tents.inlay" |
 check "another seed" "$bake" render --seed 9 "$work/box.scene" -o "$work/again.inlay"
 differ "gives another file" "$out" "$work/again.inlay"
 equal "quiet says nothing" "" "$("$bake" render --quiet "$work/box.scene" -o "$out" 2>&1)"
+cp "$out" "$work/unprofiled.inlay"
+profile=$("$bake" render --quiet --profile "$work/box.scene" -o "$out" 2>&1)
+equal "a profile has a line for each stage" 12 "$(grep -cE '^  [a-z]+ +[0-9.]+ s +[0-9.]+ %$' <<<"$profile")"
+check "whose times add up to all" awk '/of [0-9.]+ s:/ { all = $(NF - 1) } /%$/ { sum += $2 }
+	END { exit !(NR == 13 && sum > all - 0.1 && sum < all + 0.1) }' <<<"$profile"
+check "and the file keeps it" grep -q "processor_seconds = other" <("$bake" info "$out")
+"$bake" render --quiet "$work/box.scene" -o "$out"
+check "without it the file is the same in each run" cmp "$work/unprofiled.inlay" "$out"
 check "noise" "$bake" render --noise 3 --size 40x30 --frequency 1 "$work/box.scene" \
 	-o "$work/noise.inlay"
 equal "is kept to" 1 "$("$bake" info --json "$work/noise.inlay" |
