@@ -87,6 +87,7 @@ BAKE_SOURCES := \
 	bake/tiles/tile_sample.c \
 	bake/trace/bounce.c \
 	bake/trace/bounce_aside.c \
+	bake/trace/cache.c \
 	bake/trace/cells.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \

@@ -161,6 +161,12 @@ static const struct ini_key render_keys[] = {
 	 .offset = RENDER(exact),
 	 .fallback = "no",
 	 .help = "store every light in 16 bits as well, for the exact mode"},
+	{.name = "cache",
+	 .type = INI_BOOL,
+	 .offset = RENDER(cache),
+	 .fallback = "yes",
+	 .help = "take light that met several surfaces from a cache of points, traced once a pose: "
+		 "less time and noise for a small error; no: follow every path to its end"},
 	INI_KEYS_END,
 };
 

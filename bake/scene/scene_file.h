@@ -36,6 +36,7 @@ struct scene_render_values {
 	double column_cut; /* of struct basis_info_chunk; below 0: the program chooses */
 	int coarse;	   /* frequency of the coarse dome; 0: the program chooses */
 	bool exact;
+	bool cache; /* bounced light from a cache */
 };
 
 struct scene_ground_values {

@@ -12,6 +12,7 @@
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "bake/tiles/tile.h"
+#include "bake/trace/cache.h"
 #include "hal/base/pool.h"
 
 /* In scenes with stand-ins, a pixel whose ratio no lighting changes by more than RATIO_SHARE of the
@@ -38,6 +39,7 @@ struct render_job {
 	struct pool *pool;
 	struct render_worker *workers;
 	int worker_count;
+	struct cache *cache; /* of the current pose; NULL: none */
 	/* where finished tiles go; the other is NULL */
 	struct assembly *assembly;
 	struct shard_writer *shard;
@@ -67,6 +69,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 		.column_cut = r->column_cut,
 		.coarse = r->coarse,
 		.exact = r->exact,
+		.cache = r->cache,
 	};
 }
 
@@ -88,8 +91,42 @@ static int create_tiles(struct render_job *job)
 		tile_free(&job->workers[k].tile);
 		err = tile_create(&job->workers[k].tile, job->scene, &job->cells, &tile,
 				  job->settings.bounces);
+		job->workers[k].tile.transport.cache = job->cache;
 	}
 	return err;
+}
+
+/* First surface at a point of the picture, 0..1 each, for the cache. */
+static bool render_look(void *context, double x, double y, struct surface *surface,
+			struct v3 *direction)
+{
+	const struct scene *scene = ((const struct render_job *)context)->scene;
+
+	return scene_look(scene, WITH_OBJECTS, x * scene->camera.width, y * scene->camera.height,
+			  surface, direction);
+}
+
+static void render_watch(void *context, int worker)
+{
+	profile_watch(((struct render_job *)context)->profile, worker);
+}
+
+/* Makes the cache of the scene's current pose. */
+static int create_cache(struct render_job *job)
+{
+	const struct cache_settings settings = {
+		.world = job->scene->world,
+		.cells = &job->cells,
+		.bounces = job->settings.bounces,
+		.seed = (uint64_t)job->settings.seed,
+		.look = render_look,
+		.watch = render_watch,
+		.context = job,
+	};
+
+	cache_destroy(job->cache);
+	job->cache = NULL;
+	return job->settings.cache ? cache_create(&job->cache, &settings, job->pool) : 0;
 }
 
 /* Fills the statistics of a finished tile. */
@@ -195,7 +232,9 @@ static int render_make_pose(struct render_job *job, struct fault *fault)
 
 	if (err)
 		return err;
-	err = create_tiles(job);
+	err = create_cache(job);
+	if (!err)
+		err = create_tiles(job);
 	if (err)
 		return fault_say(fault, err, "the bake cannot go on: %s", strerror(-err));
 	err = in_order_run(&work, job->pool, fault);
@@ -298,12 +337,13 @@ static void write_provenance(struct render_job *job)
 		 "target_levels = rms %g, max %g, cell %g\n"
 		 "column_cut = %.9g\n"
 		 "coarse_lights = %u\n"
-		 "exact = %s\n",
+		 "exact = %s\n%s",
 		 INLAY_VERSION, (unsigned long long)job->scene->hash, info->width, info->height,
 		 s->frequency, dome_division_names[s->division], info->lights,
 		 s->shape == DOME_TENTS ? ", tents" : "", s->noise_levels > 0 ? 0 : s->samples,
 		 s->noise_levels, s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell,
-		 info->column_cut, info->coarse, s->exact ? "yes" : "no");
+		 info->column_cut, info->coarse, s->exact ? "yes" : "no",
+		 s->cache ? "cache = yes\n" : "");
 	if (job->scene->file->poses.count > 1) {
 		const size_t used = strlen(job->plan.provenance);
 
@@ -407,6 +447,7 @@ static void render_tear_down(struct render_job *job)
 		encoder_destroy(job->workers[k].encoder);
 		free(job->workers[k].peak);
 	}
+	cache_destroy(job->cache);
 	free(job->workers);
 	plan_free(&job->plan);
 	ensemble_free(&job->ensemble);

@@ -20,6 +20,7 @@ struct render_settings {
 	double column_cut;	     /* of struct basis_info_chunk; below 0: chosen by plan.c */
 	int coarse;		     /* frequency of the coarse dome; 0: chosen by plan.c */
 	bool exact;		     /* store the exact layer too */
+	bool cache;		     /* bounced light from a cache (bake/trace/cache.h) */
 	struct shard_place shard;    /* count 0: the whole bake */
 	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
 	int threads;		     /* 0: one for each processor */

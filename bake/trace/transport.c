@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/base/profile.h"
+#include "bake/trace/cache.h"
 
 #define PIXEL_STEP UINT32_C(0x632be5ab) /* separates the keys of one path's surfaces */
 #define DIRECTIONS_MIN 32
@@ -16,10 +17,19 @@
 #define GLASS_MAX 32 /* glass surfaces in a row */
 /* Russian roulette: a path of less weight goes on with a probability in proportion to it. */
 #define WEIGHT_SURE 0.02f
+/* A surface nearer than this many spreads of its record is traced as without a cache, as in corners
+ * light changes too much over a record. */
+#define CACHE_NEAR 2
+/* With a cache, paths that go on from a first surface: as they end at the next, they are cheap. */
+#define PATHS_MAX 4
+/* Steps of the sequence R2 (Roberts 2018), for several directions below the horizon. */
+#define PLASTIC_1 0.7548777f
+#define PLASTIC_2 0.5698403f
 
-/* The direction in which a path goes on, and the weight it carries. */
+/* The directions in which a path goes on, and the weight that all of them carry, in equal parts. */
 struct onward {
-	struct v3 direction;
+	struct v3 direction[PATHS_MAX];
+	int count;
 	float weight;
 };
 
@@ -144,22 +154,38 @@ static void onward_offer(struct onward *onward, struct v3 direction, float weigh
 {
 	onward->weight += weight;
 	if (random_unit(random_hash32(key ^ (id * UINT32_C(0x9e3779b1)))) * onward->weight < weight)
-		onward->direction = direction;
+		onward->direction[0] = direction;
+}
+
+/* Place of a stratified draw in the sum of all candidates' weights. */
+static float onward_place(const struct onward *onward, int k, float choice, float total)
+{
+	return ((float)k + choice) / (float)onward->count * total;
+}
+
+/* Draws a candidate whose weight begins at sum, unless a later candidate is drawn. */
+static void onward_draw(struct onward *onward, struct v3 direction, float sum, float choice,
+			float total)
+{
+	for (int k = 0; k < onward->count; k++)
+		if (sum <= onward_place(onward, k, choice, total))
+			onward->direction[k] = direction;
 }
 
 /*
- * Draws one of the blocked rays of the batch, whose weights are in value[], and one other
- * candidate. At the first surface the draws of a pixel's samples are stratified over all of them:
- * rays lie in the order of the sky, so that the second surfaces are well spread, too. Samples that
- * are traced with either presence are not stratified: where a candidate is in one stream only, the
- * two would draw different neighbours, and their difference would be noise.
+ * Draws one of the blocked rays of the batch, whose weights are in value[], or one other candidate.
+ * At the first surface the draws of a pixel's samples are stratified over all of them: rays lie in
+ * the order of the sky, so that the second surfaces are well spread, too. With a cache PATHS_MAX
+ * are drawn there; the k-th that draws the other candidate takes other[k]. Samples that are traced
+ * with either presence are not stratified: where a candidate is in one stream only, the two would
+ * draw different neighbours, and their difference would be noise.
  */
-static struct onward choose_onward(struct transport *t, int depth, struct v3 other,
+static struct onward choose_onward(struct transport *t, int depth, const struct v3 *other,
 				   float other_weight)
 {
 	const bool spread = depth == 0 && !t->compared;
 	const uint32_t key = (uint32_t)random_bits(&t->random);
-	struct onward onward = {.weight = 0};
+	struct onward onward = {.count = spread && t->cache ? PATHS_MAX : 1};
 	float total = other_weight, sum = 0;
 
 	for (int k = 0; k < t->rays.count; k++)
@@ -175,14 +201,14 @@ static struct onward choose_onward(struct transport *t, int depth, struct v3 oth
 				     (uint32_t)cell);
 			continue;
 		}
-		if (sum <= t->choice * total)
-			onward.direction = pushed_ray(t, k);
+		onward_draw(&onward, pushed_ray(t, k), sum, t->choice, total);
 		sum += t->value[cell];
 	}
 	if (!spread)
-		onward_offer(&onward, other, other_weight, key, UINT32_MAX);
-	else if (other_weight > 0 && sum <= t->choice * total)
-		onward.direction = other;
+		onward_offer(&onward, other[0], other_weight, key, UINT32_MAX);
+	for (int k = 0; k < onward.count && spread && other_weight > 0; k++)
+		if (sum <= onward_place(&onward, k, t->choice, total))
+			onward.direction[k] = other[k];
 	onward.weight = total;
 	return onward;
 }
@@ -207,6 +233,11 @@ static struct v3 direction_below(struct v3 n, float u, float v)
 	return v3_from_frame(v3_make(a, b, sqrtf(fmaxf(1 - a * a - b * b, 0))), down, across, n);
 }
 
+static float fract(float x)
+{
+	return x - floorf(x);
+}
+
 /* Share of a cosine-weighted hemisphere around n that lies below the horizon. */
 static float share_below(struct v3 n)
 {
@@ -227,6 +258,15 @@ static void deposit_values(const struct transport *t, struct rgb weight, float *
 			for (int i = 0; i < count; i++)
 				out[i] += w * value[i];
 	}
+}
+
+/* Adds a row of three channels times weight to a row. */
+static void deposit_row(struct rgb weight, const float *restrict from, float *restrict row,
+			size_t count)
+{
+	for (size_t c = 0; c < 3; c++, from += count, row += count)
+		for (size_t i = 0; i < count; i++)
+			row[i] += weight.c[c] * from[i];
 }
 
 static void deposit_cell(const struct transport *t, int cell, struct rgb weight, float *row)
@@ -322,8 +362,9 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	const struct cone everywhere = {{0, 0, 1}, -2};
 	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
-	const enum profile_stage before = profile_enter(depth ? PROFILE_PATHS : PROFILE_CELLS);
-	struct v3 down = {0, 0, 0};
+	const enum profile_stage before = profile_enter(depth || t->link ? PROFILE_PATHS
+									 : PROFILE_CELLS);
+	struct v3 down[PATHS_MAX] = {{0, 0, 0}};
 	float weight_down = 0;
 	struct onward onward;
 
@@ -333,8 +374,11 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 		const float u = depth ? random_next(&t->random) : (float)t->below[0];
 		const float v = depth ? random_next(&t->random) : (float)t->below[1];
 
-		down = direction_below(s->normal, u, v);
-		weight_down = below * bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, down), 0));
+		for (int k = 0; k < (t->cache ? PATHS_MAX : 1); k++)
+			down[k] = direction_below(s->normal, fract(u + (float)k * PLASTIC_1),
+						  fract(v + (float)k * PLASTIC_2));
+		weight_down = below *
+			      bsdf_base(&s->bsdf, cos_o, fmaxf(v3_dot(s->normal, down[0]), 0));
 	}
 	onward = choose_onward(t, depth, down, weight_down);
 	for (int k = 0; k < t->rays.count; k++)
@@ -364,7 +408,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 	const float turn = 2 * PI_F * random_unit((uint32_t)(bits >> 32));
 	const float turn_cos = cosf(turn), turn_sin = sinf(turn);
 	const uint32_t key = (uint32_t)(bits >> 16);
-	struct onward onward = {.weight = 0};
+	struct onward onward = {.count = 1};
 	struct v3 a, b, x, y;
 
 	v3_frame(s->normal, &a, &b);
@@ -406,6 +450,8 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 			const struct transport_rows *rows)
 {
 	const float peak = rgb_peak(weight);
+	const bool gathered = t->gathered;
+	const struct v3 gathered_at = t->gathered_at;
 	enum profile_stage before;
 	struct surface next;
 
@@ -418,9 +464,24 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 	}
 	t->ray_count++;
 	before = profile_enter(PROFILE_PATHS);
+	t->gathered = true;
+	t->gathered_at = s->position;
 	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next))
 		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
+	t->gathered = gathered;
+	t->gathered_at = gathered_at;
 	profile_enter(before);
+}
+
+/* Goes on in all directions drawn, which share the weight. */
+static void follow_onward(struct transport *t, enum presence presence, const struct surface *s,
+			  const struct onward *onward, struct rgb weight, int depth,
+			  const struct transport_rows *rows)
+{
+	const struct rgb each = rgb_scale(weight, 1.0f / (float)onward->count);
+
+	for (int k = 0; k < onward->count; k++)
+		follow_path(t, presence, s, onward->direction[k], each, depth, rows);
 }
 
 /* Draws a ray from the coat. False when it ends in the sky, whose light is added, or below the
@@ -480,6 +541,37 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 	return true;
 }
 
+/*
+ * Adds the light of a surface's diffuse base from the cache. False: the path has to go on.
+ * The base of a coated surface is taken as Lambertian with the same albedo towards wo:
+ *     f = colour / pi * bsdf_base(cos_o, 1) / 1.05
+ * Differences between both presences of a sample are not taken from the cache, as the objects
+ * change rows that hardly see them.
+ */
+static bool add_cached(struct transport *t, const struct surface *s, struct v3 wo,
+		       struct rgb weight, float *row)
+{
+	const size_t count = 3 * (size_t)t->cells->count;
+	float base = 1;
+	int record;
+
+	if (!t->cache || !t->gathered || t->compared || (t->link && t->links == t->links_max))
+		return false;
+	record = cache_find(t->cache, s);
+	if (!t->link && v3_length(v3_sub(s->position, t->gathered_at)) <
+				CACHE_NEAR * cache_spread(t->cache, record))
+		return false;
+	if (s->bsdf.kind == MATERIAL_GLOSSY)
+		base = bsdf_base(&s->bsdf, v3_dot(s->normal, wo), 1) / 1.05f;
+	weight = rgb_scale(rgb_mul(weight, s->bsdf.colour), base);
+	if (t->link) {
+		t->link[t->links++] = (struct transport_link){record, weight};
+		return true;
+	}
+	deposit_row(weight, cache_row(t->cache, record), row, count / 3);
+	return true;
+}
+
 /* Adds the light that leaves a surface towards wo, and goes on. depth: surfaces before this one,
  * glass not counted. */
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
@@ -488,20 +580,22 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	float *const row = depth == 0 ? rows->direct : rows->bounce;
 	struct surface s = *at, mirrored;
 	struct rgb base, coat = {{0, 0, 0}};
-	struct onward onward;
+	struct onward onward = {.count = 0};
 	struct v3 wi;
-	bool all, shared;
+	bool all, shared, cached;
 
 	if (!pass_glass(t, presence, &s, &wo, &weight, row))
 		return;
-	all = depth <= ALL_CELLS_DEPTH;
-	onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row)
-		     : spread_fan(t, presence, &s, wo, weight, row);
+	cached = add_cached(t, &s, wo, weight, row);
+	all = depth <= ALL_CELLS_DEPTH && !cached;
+	if (!cached)
+		onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row)
+			     : spread_fan(t, presence, &s, wo, weight, row);
 	base = rgb_scale(rgb_mul(weight, s.bsdf.colour), onward.weight);
 	shared = all && coat_is_wide(t, &s.bsdf);
 	if (s.bsdf.kind != MATERIAL_GLOSSY ||
 	    !sample_coat(t, presence, &s, wo, weight, shared, &mirrored, &wi, &coat, row)) {
-		follow_path(t, presence, &s, onward.direction, base, depth + 1, rows);
+		follow_onward(t, presence, &s, &onward, base, depth + 1, rows);
 		return;
 	}
 	/* two ways on: both are followed from the first surface, one of them at random later */
@@ -518,13 +612,14 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	}
 	if (depth < t->bounces && rgb_peak(coat) > 0)
 		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
-	follow_path(t, presence, &s, onward.direction, base, depth + 1, rows);
+	follow_onward(t, presence, &s, &onward, base, depth + 1, rows);
 }
 
 void transport_add(struct transport *t, enum presence presence, const struct surface *surface,
 		   struct v3 wo, struct rgb weight, const struct transport_rows *rows)
 {
 	t->compared = surface->kind != SURFACE_OBJECT;
+	t->gathered = false;
 	add_path(t, presence, surface, wo, weight, 0, rows);
 }
 
@@ -553,6 +648,7 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 
 	profile_enter(PROFILE_CELLS);
 	t->compared = false;
+	t->gathered = false;
 	t->rays.count = 0;
 	for (int k = 0; k < cells->count; k++)
 		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
@@ -565,11 +661,24 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 		if (t->rays.blocked[k])
 			rows->direct[cell] += weight;
 	}
-	onward = choose_onward(t, 0, v3_make(0, 0, 0), 0);
+	onward = choose_onward(t, 0, NULL, 0);
 	if (onward.weight == 0)
 		return false;
 	weight *= -onward.weight;
-	follow_path(t, WITH_OBJECTS, &ground, onward.direction, rgb_make(weight, weight, weight), 1,
-		    rows);
+	follow_onward(t, WITH_OBJECTS, &ground, &onward, rgb_make(weight, weight, weight), 1, rows);
 	return true;
+}
+
+/* ---- points of the cache ---- */
+
+void transport_link(struct transport *t, const struct surface *s, float *row)
+{
+	const struct rgb white = {{1, 1, 1}};
+	const struct transport_rows rows = {.direct = row, .bounce = row};
+	struct onward onward;
+
+	t->compared = false;
+	t->gathered = false;
+	onward = spread_to_cells(t, WITH_OBJECTS, s, s->normal, white, 0, row);
+	follow_onward(t, WITH_OBJECTS, s, &onward, rgb_scale(white, onward.weight), 1, &rows);
 }

@@ -15,6 +15,14 @@
 #include "bake/trace/cells.h"
 #include "bake/trace/world.h"
 
+struct cache;
+
+/* End of a path in a record of the cache (cache.h). */
+struct transport_link {
+	int record;
+	struct rgb weight;
+};
+
 /* State of one thread. */
 struct transport {
 	const struct world *world;
@@ -32,6 +40,13 @@ struct transport {
 	double below[2];	/* chooses the direction below the horizon, 0..1 */
 	bool compared;		/* the sample is traced with either presence, and subtracted */
 	uint64_t ray_count;	/* rays so far */
+	/* Light of surfaces that a path reaches after a diffuse bounce; NULL: the path goes on. The caller
+	 * sets it, and owns the cache. */
+	const struct cache *cache;
+	bool gathered;		     /* the path has had a diffuse bounce ... */
+	struct v3 gathered_at;	     /* ... the last of them here */
+	struct transport_link *link; /* [links_max]: filled by transport_link(); NULL: not in use */
+	int links, links_max;
 };
 
 #define TRANSPORT_FANS 256
@@ -74,5 +89,12 @@ void transport_add_sky(struct transport *transport, struct v3 direction, struct 
  */
 bool transport_add_shadow(struct transport *transport, struct v3 position, float weight,
 			  const struct transport_rows *rows);
+
+/*
+ * Traces one point of a record of the cache: adds to row [3][count] what the surface reflects of
+ * each cell, and appends to link the ends of the paths that go on from it. Light that these paths
+ * collect on their way, by coats and glass, is added to row.
+ */
+void transport_link(struct transport *transport, const struct surface *surface, float *row);
 
 #endif
