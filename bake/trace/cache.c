@@ -350,16 +350,20 @@ static void job_trace_record(void *context, int record, int worker)
 	job->links[record] = t->links;
 }
 
-/* One pass over a strip: to = open + links * from. Returns the largest change; *most: the largest
- * value. */
-static float pass_strip(const struct cache_job *job, int channel, const float *open, size_t stride,
-			int width, const float *from, float *to, float *most)
+static float larger(float a, float b)
 {
-	float change = 0;
+	return a > b ? a : b;
+}
 
-	*most = 0;
+/* One pass over a strip: to = open + links * from. Returns whether it has settled. */
+static bool pass_strip(const struct cache_job *job, int channel, const float *open, size_t stride,
+		       int width, const float *from, float *to)
+{
+	float change[STRIP] = {0}, most[STRIP] = {0};
+
 	for (int r = 0; r < job->cache->records; r++) {
 		const struct transport_link *link = job->link + (size_t)r * LINKS_MAX;
+		const float *old = from + (size_t)r * STRIP;
 		float sum[STRIP] = {0};
 
 		memcpy(sum, open + (size_t)r * stride, (size_t)width * sizeof(*sum));
@@ -370,15 +374,17 @@ static float pass_strip(const struct cache_job *job, int channel, const float *o
 			for (int i = 0; i < STRIP; i++)
 				sum[i] += weight * add[i];
 		}
-		for (int i = 0; i < width; i++) {
-			const float old = from[(size_t)r * STRIP + (size_t)i];
-
-			change = fmaxf(change, fabsf(sum[i] - old));
-			*most = fmaxf(*most, sum[i]);
-			to[(size_t)r * STRIP + (size_t)i] = sum[i];
+		for (int i = 0; i < STRIP; i++) {
+			change[i] = larger(fabsf(sum[i] - old[i]), change[i]);
+			most[i] = larger(sum[i], most[i]);
 		}
+		memcpy(to + (size_t)r * STRIP, sum, sizeof(sum));
 	}
-	return change;
+	for (int i = 1; i < STRIP; i++) {
+		change[0] = larger(change[i], change[0]);
+		most[0] = larger(most[i], most[0]);
+	}
+	return change[0] <= SETTLED * most[0];
 }
 
 /* Passes light on between records, for a strip of lights and one channel. */
@@ -402,13 +408,11 @@ static void job_settle_strip(void *context, int item, int worker)
 	/* the first of the bounces is that of the surface whose light a row is */
 	for (int pass = 1; pass < job->settings->bounces; pass++) {
 		float *const swap = from;
-		float largest;
-		const float change = pass_strip(job, channel, open, stride, width, from, to,
-						&largest);
+		const bool settled = pass_strip(job, channel, open, stride, width, from, to);
 
 		from = to;
 		to = swap;
-		if (change <= SETTLED * largest)
+		if (settled)
 			break;
 	}
 	for (int r = 0; r < cache->records; r++)
