@@ -21,6 +21,11 @@
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
+/* Camera rays for each record of the cache, so that making it takes a small part of the bake; and how
+ * many a pixel has, at least, where the noise decides. */
+#define RECORD_RAYS 128
+#define RECORD_SAMPLES 16
+
 /* State of one thread. */
 struct render_worker {
 	struct tile tile;
@@ -111,6 +116,15 @@ static void render_watch(void *context, int worker)
 	profile_watch(((struct render_job *)context)->profile, worker);
 }
 
+static int cache_records(const struct render_job *job)
+{
+	const struct render_settings *s = &job->settings;
+	const double samples = s->noise_levels > 0 ? RECORD_SAMPLES : s->samples;
+	const double rays = samples * job->plan.info.width * job->plan.info.height;
+
+	return (int)fmin(rays / RECORD_RAYS, CACHE_RECORDS_MAX);
+}
+
 /* Makes the cache of the scene's current pose. */
 static int create_cache(struct render_job *job)
 {
@@ -119,6 +133,7 @@ static int create_cache(struct render_job *job)
 		.cells = &job->cells,
 		.bounces = job->settings.bounces,
 		.seed = (uint64_t)job->settings.seed,
+		.records = cache_records(job),
 		.look = render_look,
 		.watch = render_watch,
 		.context = job,

@@ -8,9 +8,8 @@
 #include "bake/base/profile.h"
 
 #define CACHE_POINTS 16	     /* most points of a record; as many rays go to each cell */
-#define RECORDS 2048	     /* of a cache, about; half as many are hardly worse */
 #define POINTS_A_RECORD 10   /* of a record on average */
-#define RECORDS_LEAST 16     /* fewer records are not worth a cache */
+#define RECORDS_LEAST 500    /* fewer records say too little of how light changes */
 #define FLOATS_MAX (1 << 25) /* of all rows */
 /* Ends of paths from a record: four from each point, and some more where a coat divides a path. */
 #define LINKS_MAX (6 * CACHE_POINTS)
@@ -462,17 +461,19 @@ static int job_reserve(struct cache_job *job, int threads)
 }
 
 /* Number of points to look for: less where there are so many lights that rows would fill memory. */
-static int points_wanted(int lights)
+static int points_wanted(const struct cache_settings *settings)
 {
-	const int records = FLOATS_MAX / (3 * lights);
+	int records = FLOATS_MAX / (3 * settings->cells->count);
 
-	return POINTS_A_RECORD * (records < RECORDS ? records : RECORDS);
+	if (records > settings->records)
+		records = settings->records;
+	return POINTS_A_RECORD * (records < CACHE_RECORDS_MAX ? records : CACHE_RECORDS_MAX);
 }
 
 static int job_run(struct cache_job *job, struct pool *pool)
 {
 	struct cache *cache = job->cache;
-	const int wanted = points_wanted(cache->lights);
+	const int wanted = points_wanted(job->settings);
 	int err;
 
 	job->point = malloc((size_t)wanted * sizeof(*job->point));
@@ -484,7 +485,7 @@ static int job_run(struct cache_job *job, struct pool *pool)
 		job->settings->watch(job->settings->context, 0);
 	profile_enter(PROFILE_PATHS);
 	job_find_points(job, wanted);
-	if (job->count < CACHE_POINTS * RECORDS_LEAST)
+	if (job->count < POINTS_A_RECORD * RECORDS_LEAST)
 		return -ENODATA;
 	err = job_make_records(job);
 	if (!err)
@@ -506,7 +507,7 @@ int cache_create(struct cache **out, const struct cache_settings *settings, stru
 	int err;
 
 	*out = NULL;
-	if (settings->bounces < 1)
+	if (settings->bounces < 1 || settings->records < RECORDS_LEAST)
 		return 0;
 	cache = calloc(1, sizeof(*cache));
 	if (!cache)

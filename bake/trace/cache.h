@@ -22,11 +22,15 @@
 #include "bake/trace/transport.h"
 #include "hal/base/pool.h"
 
+/* Records of a large bake; half as many are hardly worse. */
+#define CACHE_RECORDS_MAX 2048
+
 struct cache_settings {
 	const struct world *world;
 	const struct cells *cells;
 	int bounces; /* as of transport_create() */
 	uint64_t seed;
+	int records; /* to make, about; at most CACHE_RECORDS_MAX */
 	/* Finds the first surface at a point of the picture, 0..1 each; *direction: of the ray, unit.
 	 * Called on one thread. False: none. */
 	bool (*look)(void *context, double x, double y, struct surface *surface,
@@ -37,7 +41,7 @@ struct cache_settings {
 };
 
 /* Traces the cache on all threads of the pool. *cache becomes NULL when paths hardly ever meet a
- * second surface; they are then traced as without a cache. World and cells must outlive it.
+ * second surface, or when few records are asked for: paths are then followed to their ends. World and cells must outlive it.
  * -ENOMEM. */
 int cache_create(struct cache **cache, const struct cache_settings *settings, struct pool *pool);
 void cache_destroy(struct cache *cache); /* NULL is harmless */

@@ -76,6 +76,19 @@ static void test_threads(void **state)
 	assert_true(same("1.inlay", "7.inlay"));
 }
 
+/* A bake of enough camera rays to have a cache. */
+static void test_cache(void **state)
+{
+	(void)state;
+	write_scene("c.ini", "samples = 64", 5);
+	bake("c.ini", "c1.inlay", 1);
+	bake("c.ini", "c3.inlay", 3);
+	assert_true(same("c1.inlay", "c3.inlay"));
+	write_scene("c.ini", "samples = 64\ncache = no", 5);
+	bake("c.ini", "c0.inlay", 3);
+	assert_false(same("c1.inlay", "c0.inlay"));
+}
+
 static void test_noise_mode(void **state)
 {
 	(void)state;
@@ -162,11 +175,9 @@ static void test_failure_leaves_nothing(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_threads),
-		cmocka_unit_test(test_noise_mode),
-		cmocka_unit_test(test_seed),
-		cmocka_unit_test(test_noise_is_true),
-		cmocka_unit_test(test_failure_leaves_nothing),
+		cmocka_unit_test(test_threads),	      cmocka_unit_test(test_cache),
+		cmocka_unit_test(test_noise_mode),    cmocka_unit_test(test_seed),
+		cmocka_unit_test(test_noise_is_true), cmocka_unit_test(test_failure_leaves_nothing),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

@@ -60,6 +60,7 @@ static struct cache *make_cache(struct scene *scene, const struct cells *cells, 
 		.cells = cells,
 		.bounces = bounces,
 		.seed = 1,
+		.records = CACHE_RECORDS_MAX,
 		.look = look,
 		.context = scene,
 	};
