@@ -88,6 +88,7 @@ BAKE_SOURCES := \
 	bake/trace/bounce.c \
 	bake/trace/bounce_aside.c \
 	bake/trace/cache.c \
+	bake/trace/cache_make.c \
 	bake/trace/cells.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \

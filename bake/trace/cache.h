@@ -19,32 +19,32 @@
 #ifndef INLAY_BAKE_TRACE_CACHE_H
 #define INLAY_BAKE_TRACE_CACHE_H
 
-#include "bake/trace/transport.h"
-#include "hal/base/pool.h"
+#include "bake/trace/world.h"
 
-/* Records of a large bake; half as many are hardly worse. */
-#define CACHE_RECORDS_MAX 2048
+/* Key of a surface point in the tree of records: place relative to the objects' bounding sphere,
+ * where distances beyond it are compressed to at most 2; normal; kind of surface. */
+#define CACHE_AXES 7
 
-struct cache_settings {
-	const struct world *world;
-	const struct cells *cells;
-	int bounces; /* as of transport_create() */
-	uint64_t seed;
-	int records; /* to make, about; at most CACHE_RECORDS_MAX */
-	/* Finds the first surface at a point of the picture, 0..1 each; *direction: of the ray, unit.
-	 * Called on one thread. False: none. */
-	bool (*look)(void *context, double x, double y, struct surface *surface,
-		     struct v3 *direction);
-	/* Called on each thread before it works; may be NULL. */
-	void (*watch)(void *context, int worker);
-	void *context;
+struct cache_key {
+	float axis[CACHE_AXES];
 };
 
-/* Traces the cache on all threads of the pool. *cache becomes NULL when paths hardly ever meet a
- * second surface, or when few records are asked for: paths are then followed to their ends. World and cells must outlive it.
- * -ENOMEM. */
-int cache_create(struct cache **cache, const struct cache_settings *settings, struct pool *pool);
-void cache_destroy(struct cache *cache); /* NULL is harmless */
+/* A node of the tree. */
+struct cache_split {
+	int axis;
+	float at;     /* keys above this belong to the second child */
+	int child[2]; /* nodes; below 0: ~record */
+};
+
+struct cache {
+	struct bounds bounds; /* of the objects */
+	int lights, records;
+	struct cache_split *split; /* [records - 1]: the first one is the root */
+	float *spread;		   /* [records] */
+	float *row;		   /* [records][3][lights] */
+};
+
+struct cache_key cache_key_of(const struct cache *cache, const struct surface *surface);
 
 /* Finds the record of a point of a surface. */
 int cache_find(const struct cache *cache, const struct surface *surface);
@@ -55,5 +55,8 @@ const float *cache_row(const struct cache *cache, int record);
 /* RMS distance of a record's points from their mean. Closer than a few of these, a row says too
  * little of how light changes over the surface. */
 float cache_spread(const struct cache *cache, int record);
+
+/* Frees what cache_create() has made (cache_make.h). NULL is harmless. */
+void cache_destroy(struct cache *cache);
 
 #endif

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "bake/tiles/tile.h"
-#include "bake/trace/cache.h"
+#include "bake/trace/cache_make.h"
 #include "hal/colour/transfer.h"
 #include "tests/support/baking.h"
 

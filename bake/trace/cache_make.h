@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* Makes the cache of bounced light (cache.h): finds points, groups them into records, traces their
+ * rows. */
+#ifndef INLAY_BAKE_TRACE_CACHE_MAKE_H
+#define INLAY_BAKE_TRACE_CACHE_MAKE_H
+
+#include "bake/trace/cache.h"
+#include "bake/trace/transport.h"
+#include "hal/base/pool.h"
+
+/* Records of a large bake; half as many are hardly worse. */
+#define CACHE_RECORDS_MAX 2048
+
+struct cache_settings {
+	const struct world *world;
+	const struct cells *cells;
+	int bounces; /* as of transport_create() */
+	uint64_t seed;
+	int records; /* to make, about; at most CACHE_RECORDS_MAX */
+	/* Finds the first surface at a point of the picture, 0..1 each; *direction: of the ray, unit.
+	 * Called on one thread. False: none. */
+	bool (*look)(void *context, double x, double y, struct surface *surface,
+		     struct v3 *direction);
+	/* Called on each thread before it works; may be NULL. */
+	void (*watch)(void *context, int worker);
+	void *context;
+};
+
+/* Traces the cache on all threads of the pool. *cache becomes NULL when paths hardly ever meet a
+ * second surface, or when few records are asked for: paths are then followed to their ends. World
+ * and cells must outlive it. Memory: 25 MB at 1,000 lights, 134 MB at most. -ENOMEM. */
+int cache_create(struct cache **cache, const struct cache_settings *settings, struct pool *pool);
+
+#endif
