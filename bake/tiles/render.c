@@ -21,8 +21,8 @@
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
-/* Camera rays for each record of the cache, so that making it takes a small part of the bake; and how
- * many a pixel has, at least, where the noise decides. */
+/* Camera rays for each record of the cache, so that making it takes a small part of the bake; and
+ * how many a pixel has, at least, where the noise decides. */
 #define RECORD_RAYS 128
 #define RECORD_SAMPLES 16
 
