@@ -7,11 +7,12 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <stdlib.h>
 
 #include "bake/tiles/tile.h"
 #include "bake/trace/cache_make.h"
 #include "hal/colour/transfer.h"
-#include "tests/support/baking.h"
+#include "tests/support/bake/small_scene.h"
 
 #define SAMPLES 256
 #define SIZE (2 * BASIS_TILE)
@@ -25,23 +26,23 @@
 
 static struct scene *open_corner(const char *materials)
 {
-	baking_write("floor.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
-	baking_write("left.obj", "v -1 -1 0\nv -1 1 0\nv -1 1 1.6\nv -1 -1 1.6\nf 1 2 3 4\n");
-	baking_write("back.obj", "v -1 1 0\nv 1 1 0\nv 1 1 1.6\nv -1 1 1.6\nf 1 2 3 4\n");
-	baking_write_sphere("ball.obj", 0.35, 16);
-	baking_write("corner.ini",
-		     "[camera]\nposition = 3 -4 2.6\nlook_at = 0 0 0.6\nfield_deg = 36\n"
-		     "width = %d\nheight = %d\n[render]\n[ground]\n%s"
-		     "[object floor]\nfile = floor.obj\nup = z\nmaterial = white\n"
-		     "position = 0 0 0.02\n"
-		     "[object left]\nfile = left.obj\nup = z\nmaterial = red\n"
-		     "position = 0 0 0.02\n"
-		     "[object back]\nfile = back.obj\nup = z\nmaterial = white\n"
-		     "position = 0 0 0.02\n"
-		     "[object ball]\nfile = ball.obj\nup = z\nmaterial = white\n"
-		     "position = -0.35 0.3 0.37\n",
-		     SIZE, SIZE, materials);
-	return baking_scene("corner.ini");
+	small_scene_write("floor.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+	small_scene_write("left.obj", "v -1 -1 0\nv -1 1 0\nv -1 1 1.6\nv -1 -1 1.6\nf 1 2 3 4\n");
+	small_scene_write("back.obj", "v -1 1 0\nv 1 1 0\nv 1 1 1.6\nv -1 1 1.6\nf 1 2 3 4\n");
+	small_scene_write_sphere("ball.obj", 0.35, 16);
+	small_scene_write("corner.ini",
+			  "[camera]\nposition = 3 -4 2.6\nlook_at = 0 0 0.6\nfield_deg = 36\n"
+			  "width = %d\nheight = %d\n[render]\n[ground]\n%s"
+			  "[object floor]\nfile = floor.obj\nup = z\nmaterial = white\n"
+			  "position = 0 0 0.02\n"
+			  "[object left]\nfile = left.obj\nup = z\nmaterial = red\n"
+			  "position = 0 0 0.02\n"
+			  "[object back]\nfile = back.obj\nup = z\nmaterial = white\n"
+			  "position = 0 0 0.02\n"
+			  "[object ball]\nfile = ball.obj\nup = z\nmaterial = white\n"
+			  "position = -0.35 0.3 0.37\n",
+			  SIZE, SIZE, materials);
+	return small_scene_open("corner.ini");
 }
 
 static bool look(void *context, double x, double y, struct surface *surface, struct v3 *direction)
@@ -272,11 +273,11 @@ static void test_nothing_to_cache(void **state)
 	struct dome dome;
 
 	(void)state;
-	baking_write_sphere("ball.obj", 0.5, 12);
-	baking_write("ball.ini", "[camera]\nposition = 0 -4 2\nlook_at = 0 0 1\nwidth = 16\n"
-				 "height = 16\n[object ball]\nfile = ball.obj\nup = z\n"
-				 "position = 0 0 1\n");
-	scene = baking_scene("ball.ini");
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write("ball.ini", "[camera]\nposition = 0 -4 2\nlook_at = 0 0 1\nwidth = 16\n"
+				      "height = 16\n[object ball]\nfile = ball.obj\nup = z\n"
+				      "position = 0 0 1\n");
+	scene = small_scene_open("ball.ini");
 	make_cells(&dome, &cells);
 	assert_null(make_cache(scene, &cells, BOUNCES, 1));
 	cells_free(&cells);
@@ -292,5 +293,5 @@ int main(void)
 		cmocka_unit_test(test_nothing_to_cache),
 	};
 
-	return cmocka_run_group_tests(tests, baking_begin, baking_end);
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
 }
