@@ -254,6 +254,13 @@ static void tile_add_part(struct tile *tile, enum tile_kind kind, enum basis_kin
 	};
 }
 
+/* Clamps light at 0: the filter may leave it slightly negative. */
+static void keep_positive(const struct encode_samples *light, float *bounce, size_t count)
+{
+	for (size_t i = 0; light->bounce && i < count; i++)
+		bounce[i] = fmaxf(bounce[i], -light->direct[i]);
+}
+
 static void finish_object(struct tile *tile)
 {
 	int kept = 0;
@@ -265,6 +272,9 @@ static void finish_object(struct tile *tile)
 		tile->object_pixel[kept++] = (uint16_t)at;
 	}
 	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
+	if (kept)
+		keep_positive(&tile->part[tile->part_count - 1], tile->rows[TILE_OBJECT].bounce[0],
+			      (size_t)kept * tile_bounce_size(tile));
 }
 
 /* Finishes the shadow on flat ground. Samples that see neither object nor real surface count as
@@ -312,13 +322,6 @@ static double largest_change(const struct tile *tile, int at)
 			return INFINITY;
 	}
 	return most;
-}
-
-/* Clamps u at 0: the filter may leave it slightly negative. */
-static void keep_positive(const struct encode_samples *u, float *bounce, size_t count)
-{
-	for (size_t i = 0; u->bounce && i < count; i++)
-		bounce[i] = fmaxf(bounce[i], -u->direct[i]);
 }
 
 static void finish_difference(struct tile *tile)
