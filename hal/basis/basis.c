@@ -19,7 +19,7 @@
 _Static_assert(sizeof(struct basis_info_chunk) == 104, "as on disk");
 _Static_assert(sizeof(struct basis_light) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_coarse) == 12, "as on disk");
-_Static_assert(sizeof(struct basis_block_entry) == 40, "as on disk");
+_Static_assert(sizeof(struct basis_block_entry) == 48, "as on disk");
 _Static_assert(sizeof(struct basis_pose_name) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");

@@ -87,6 +87,11 @@ static int check_shape(const struct block_place *at, const struct basis_block_en
 			       "columns of 16 bits alone",
 			       e->patterns, e->columns, e->bits, e->tinted ? ", tinted" : "",
 			       basis->info.lights);
+	if (!(e->cut_share > 0 && e->cut_share <= 1))
+		return DAMAGED(at, "a share %g of the cut, expected above 0, at most 1",
+			       (double)e->cut_share);
+	if (e->reserved)
+		return DAMAGED(at, "%u in reserved bytes, expected 0", e->reserved);
 	if (e->kind == BASIS_KIND_V ? e->ground >= basis->info.grounds : e->ground != 0)
 		return DAMAGED(at, "ground term %u, expected %s %u", e->ground,
 			       e->kind == BASIS_KIND_V ? "less than" : "0 in a file of",
@@ -178,6 +183,7 @@ static void block_locate(struct basis_block *b, const struct basis_block_entry *
 		.coefficient = coefficient,
 		.light = light,
 		.column_scale = column_scale,
+		.cut_share = e->cut_share,
 		.column16 = e->bits == 16 ? column : NULL,
 		.record_at = e->bits == 8 ? column : NULL,
 		.record = e->bits == 8 ? payload + layout->record : NULL,

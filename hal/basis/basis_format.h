@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 9.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 10.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -75,7 +75,7 @@
 #include <stdint.h>
 
 #define BASIS_MAGIC "INLAYBAS"
-#define BASIS_VERSION 9
+#define BASIS_VERSION 10
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* alignment of every array inside a block, in bytes */
 
@@ -281,6 +281,10 @@ struct basis_block_entry {
 	uint32_t columns;      /* 0..N + K; patterns + columns >= 1 */
 	uint32_t ground;       /* V: index of its shared ground term; else 0 */
 	uint32_t record_bytes; /* length of all records; 0 where bits is 16 */
+	/* Share of column_cut, and of the cut of groups, below which a frame may leave out columns
+	 * of this block: above 0, at most 1. */
+	float cut_share;
+	uint32_t reserved; /* 0 */
 	uint64_t offset;       /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
 	uint64_t bytes;
 };

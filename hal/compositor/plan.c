@@ -77,7 +77,7 @@ static struct block_plan plan_block(const struct basis *basis, const struct basi
 		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
 		.grouped = block_has_groups(basis, b),
-		.reach = value_of_one(b),
+		.reach = value_of_one(b) / b->cut_share,
 	};
 
 	for (int p = 0; p < b->pixels; p++)
