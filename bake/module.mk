@@ -16,17 +16,17 @@ BAKE_SOURCES := \
 	bake/base/report_table.c \
 	bake/base/surface.c \
 	bake/encode/encode.c \
+	bake/encode/encode_allow.c \
 	bake/encode/encode_block.c \
+	bake/encode/encode_choose.c \
 	bake/encode/encode_column.c \
 	bake/encode/encode_expose.c \
+	bake/encode/encode_fit.c \
 	bake/encode/encode_measure.c \
 	bake/encode/encode_part.c \
-	bake/encode/encode_plan.c \
 	bake/encode/encode_rank.c \
 	bake/encode/encode_reader.c \
-	bake/encode/encode_search.c \
 	bake/encode/encode_shade.c \
-	bake/encode/encode_split.c \
 	bake/encode/encoding_options.c \
 	bake/encode/ensemble.c \
 	bake/exchange/export_blender.c \

@@ -38,18 +38,19 @@ static int more_places(struct block_list *list)
 
 /* A payload of zeros with its pixels. */
 static int block_list_add(struct block_list *list, const struct encode_settings *settings,
-			  const struct part *part, struct basis_block_entry entry, bool all,
+			  const struct part *part, struct basis_block_entry entry,
 			  uint8_t **payload)
 {
 	struct basis_layout at;
 	struct block_room *room;
-	uint16_t *pixel;
 
 	if (list->count == list->places && more_places(list) < 0)
 		return -ENOMEM;
 	entry.kind = (uint8_t)part->kind;
 	entry.ground = part->kind == BASIS_KIND_V ? (uint32_t)part->ground : 0;
-	entry.pixels = (uint16_t)(all ? part->pixels : part->kept);
+	entry.pixels = (uint16_t)part->pixels;
+	if (!(entry.cut_share > 0))
+		entry.cut_share = 1;
 	at = basis_layout(&entry, settings->coarse);
 	entry.bytes = at.bytes;
 	room = &list->room[list->count];
@@ -64,53 +65,44 @@ static int block_list_add(struct block_list *list, const struct encode_settings 
 	list->block[list->count++] = (struct basis_block_payload){.entry = entry,
 								  .payload = room->data};
 	*payload = room->data;
-	pixel = (uint16_t *)(*payload + at.pixel);
-	for (int p = 0; p < part->pixels; p++)
-		if (all || part->keep[p])
-			*pixel++ = part->pixel[p];
+	memcpy(*payload + at.pixel, part->pixel, (size_t)part->pixels * sizeof(*part->pixel));
 	return 0;
 }
 
 /* ---- writing ---- */
 
-static void write_patterns(const struct search *s, const struct split *split, bool mono,
-			   const struct basis_block_entry *entry, uint8_t *payload)
+static void write_patterns(const struct fit *fit, bool mono, const struct basis_block_entry *entry,
+			   uint8_t *payload)
 {
-	const struct basis_layout at = basis_layout(entry, s->settings->coarse);
-	const struct rank_patterns *from = mono ? &split->mono_patterns : &split->colour_patterns;
-	const struct part *part = split->part;
+	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
+	const struct rank_patterns *from = mono ? &fit->mono_patterns : &fit->colour_patterns;
+	const int pixels = fit->part->pixels;
 	int16_t *to = (int16_t *)(payload + at.coefficient);
 
 	memcpy(payload + at.pattern_scale, from->scale, entry->patterns * sizeof(float));
 	memcpy(payload + at.pattern, from->pattern,
 	       entry->patterns * (size_t)at.stride * sizeof(int16_t));
 	for (int j = 0; j < entry->patterns; j++)
-		for (int c = 0; c < entry->channels; c++) {
-			const int16_t *row = from->stored + (size_t)j * PART_ROWS +
-					     (size_t)(c * part->pixels);
-			int place = 0;
-
-			for (int p = 0; p < part->pixels; p++) {
+		for (int c = 0; c < entry->channels; c++)
+			for (int p = 0; p < pixels; p++) {
 				const size_t line = basis_line16(at.panels16, entry->patterns, c,
-								 place / BASIS_LINE16, j);
+								 p / BASIS_LINE16, j);
 
-				if (!part->keep[p])
-					continue;
-				to[line * BASIS_LINE16 + (size_t)(place++ % BASIS_LINE16)] = row[p];
+				to[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)] =
+					from->stored[(size_t)j * PART_ROWS +
+						     (size_t)(c * pixels + p)];
 			}
-		}
 }
 
-static void write_tint(const struct search *s, const struct split *split,
-		       const struct basis_block_entry *entry, uint8_t *payload)
+static void write_tint(const struct fit *fit, const struct basis_block_entry *entry,
+		       uint8_t *payload)
 {
-	const struct basis_layout at = basis_layout(entry, s->settings->coarse);
-	uint16_t *to = (uint16_t *)(payload + at.tint);
+	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
+	const size_t pixels = (size_t)fit->part->pixels;
 
-	for (int c = 0; c < 3; c++)
-		for (int p = 0; p < split->part->pixels; p++)
-			if (split->part->keep[p])
-				*to++ = split->tint[c][p];
+	for (size_t c = 0; c < 3; c++)
+		memcpy((uint16_t *)(payload + at.tint) + c * pixels, fit->tint[c],
+		       pixels * sizeof(*fit->tint[c]));
 }
 
 /* Its light and its scale. */
@@ -124,8 +116,8 @@ static void write_heading(const struct basis_block_payload *block, const struct 
 	((float *)scales)[number] = scale;
 }
 
-/* Writes a column of 16 bits. value: [channels][part's pixels]. */
-static void write_column(const struct encode_settings *settings, const struct part *part, bool all,
+/* Writes a column of 16 bits. value: [channels][pixels]. */
+static void write_column(const struct encode_settings *settings,
 			 const struct basis_block_payload *block, int number, int light,
 			 float scale, const int16_t *value)
 {
@@ -134,42 +126,33 @@ static void write_column(const struct encode_settings *settings, const struct pa
 	int16_t *to = (int16_t *)((uint8_t *)(uintptr_t)block->payload + at.column);
 
 	write_heading(block, &at, number, light, scale);
-	for (int c = 0; c < entry->channels; c++) {
-		int place = 0;
-
-		for (int p = 0; p < part->pixels; p++) {
+	for (int c = 0; c < entry->channels; c++)
+		for (int p = 0; p < entry->pixels; p++) {
 			const size_t line = basis_line16(at.panels16, (int)entry->columns, c,
-							 place / BASIS_LINE16, number);
+							 p / BASIS_LINE16, number);
 
-			if (!all && !part->keep[p])
-				continue;
-			to[line * BASIS_LINE16 + (size_t)(place++ % BASIS_LINE16)] =
-				value[c * part->pixels + p];
+			to[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)] =
+				value[c * entry->pixels + p];
 		}
-	}
 }
 
 /* Writes a column of 8 bits, after all columns before it. */
-static void write_record(const struct encode_settings *settings, const struct part *part,
-			 const struct basis_block_payload *block, int number, int light,
-			 const struct split_column *column)
+static void write_record(const struct encode_settings *settings,
+			 const struct basis_block_payload *block, int number,
+			 const struct column *column)
 {
 	const struct basis_block_entry *entry = &block->entry;
 	const struct basis_layout at = basis_layout(entry, settings->coarse);
-	const int panels = at.panels8, lines = panels * entry->channels;
+	const int lines = at.panels8 * entry->channels;
 	uint8_t *payload = (uint8_t *)(uintptr_t)block->payload, *to;
 	uint32_t *place = (uint32_t *)(void *)(payload + at.column) + number;
 	int8_t value[BASIS_RECORD_LINES][BASIS_LINE8] = {{0}};
 
-	write_heading(block, &at, number, light, column->scale);
+	write_heading(block, &at, number, column->number, column->scale);
 	for (int c = 0; c < entry->channels; c++)
-		for (int p = 0, k = 0; p < part->pixels; p++) {
-			if (!part->keep[p])
-				continue;
-			value[k / BASIS_LINE8 * entry->channels + c][k % BASIS_LINE8] =
-				(int8_t)column->value[c * part->pixels + p];
-			k++;
-		}
+		for (int p = 0; p < entry->pixels; p++)
+			value[p / BASIS_LINE8 * entry->channels + c][p % BASIS_LINE8] =
+				(int8_t)column->value[c * entry->pixels + p];
 	*place = 0;
 	if (number)
 		*place = place[-1] +
@@ -181,78 +164,83 @@ static void write_record(const struct encode_settings *settings, const struct pa
 		to += basis_line_pack(column->code[k], value[k], to);
 }
 
-/* The next column of a block, in the order of their numbers. */
-static void write_next(const struct search *s, const struct split *split,
-		       const struct basis_block_payload *block, int number, int light,
-		       const struct split_column *column)
+static bool column_is_like(const struct column *column, const struct column *form)
 {
-	if (block->entry.bits == 8)
-		write_record(s->settings, split->part, block, number, light, column);
-	else
-		write_column(s->settings, split->part, false, block, number, light, column->scale,
-			     column->value);
+	return column->channels == form->channels && column->bits == form->bits &&
+	       column->second == form->second;
 }
 
-static void write_columns(struct block_list *list, int first, const struct search *s,
-			  const struct split *split, const struct encode_plan_block *blocks,
-			  int count)
+static int columns_count(const struct columns *columns, const struct column *form)
 {
-	const int lights = s->settings->lights;
-	int written[PLAN_BLOCKS_MAX] = {0};
-	struct split_column column[LIGHT_COLUMNS_MAX];
+	int count = 0;
 
-	for (int i = 0; i < lights; i++) {
-		float left[LIGHT_COLUMNS_MAX * PART_ROWS];
-		const int columns = search_light(split, i, left, column);
+	for (int k = 0; k < columns->count; k++)
+		count += column_is_like(&columns->column[k], form);
+	return count;
+}
 
-		for (int k = 0; k < count; k++)
-			for (int n = 0; n < columns; n++)
-				if (blocks[k].form == column[n].form)
-					write_next(s, split, &list->block[first + k], written[k]++,
-						   i, &column[n]);
+/* Adds the block of all columns of one form, with patterns or without. */
+static int build_form(struct block_list *list, const struct fit *fit, const struct columns *columns,
+		      int tile, const struct column *form, int patterns)
+{
+	const bool mono = form->channels == 1;
+	struct basis_block_entry entry = {
+		.tile = (uint32_t)tile,
+		.channels = (uint8_t)form->channels,
+		.bits = (uint8_t)form->bits,
+		.tinted = mono && fit->tinted,
+		.patterns = (uint16_t)patterns,
+		.cut_share = (float)fit->cut_share,
+		.columns = (uint32_t)columns_count(columns, form),
+	};
+	const struct basis_block_payload *block;
+	uint8_t *payload;
+	int written = 0, err;
+
+	for (int k = 0; k < columns->count; k++)
+		if (form->bits == 8 && column_is_like(&columns->column[k], form))
+			entry.record_bytes += (uint32_t)columns->column[k].bytes;
+	err = block_list_add(list, fit->settings, fit->part, entry, &payload);
+	if (err)
+		return err;
+	block = &list->block[list->count - 1];
+	if (entry.tinted)
+		write_tint(fit, &block->entry, payload);
+	write_patterns(fit, mono, &block->entry, payload);
+	for (int k = 0; k < columns->count; k++) {
+		const struct column *column = &columns->column[k];
+
+		if (!column_is_like(column, form))
+			continue;
+		if (form->bits == 8)
+			write_record(fit->settings, block, written++, column);
+		else
+			write_column(fit->settings, block, written++, column->number, column->scale,
+				     column->value);
 	}
-	for (int k = 0; k < count && split->part->share; k++)
-		for (int g = 0; g < s->settings->groups->count; g++) {
-			const struct found_group *group = &s->group[!blocks[k].mono][g];
+	return 0;
+}
 
-			if (!group->columns || group->number < 0)
-				continue;
-			search_group(s, split, !blocks[k].mono, g, column);
-			if (blocks[k].form == column->form)
-				write_next(s, split, &list->block[first + k], written[k]++,
-					   lights + g, column);
+/* Patterns are in the first block of their channels. */
+int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
+		int tile)
+{
+	for (int channels = 1; channels <= 3; channels += 2) {
+		int patterns = channels == 1 ? fit->mono_rank : fit->colour_rank;
+
+		for (int k = 0; k < 4; k++) {
+			const struct column form = {
+				.channels = channels, .bits = k % 2 ? 16 : 8, .second = k >= 2};
+			const bool any = columns_count(columns, &form) > 0;
+			int err = 0;
+
+			if (any || (patterns && k == 3))
+				err = build_form(list, fit, columns, tile, &form, patterns);
+			if (err)
+				return err;
+			patterns = any ? 0 : patterns;
 		}
-}
-
-int block_build(struct block_list *list, const struct search *s, const struct split *split,
-		const struct encode_plan *plan, int tile)
-{
-	struct encode_plan_block blocks[PLAN_BLOCKS_MAX];
-	const int count = encode_plan_blocks(plan, blocks), first = list->count;
-
-	if (!split->part->kept)
-		return 0;
-	for (int k = 0; k < count; k++) {
-		struct basis_block_entry entry = {
-			.tile = (uint32_t)tile,
-			.channels = blocks[k].mono ? 1 : 3,
-			.bits = (uint8_t)blocks[k].bits,
-			.tinted = blocks[k].mono && split->tinted,
-			.patterns = (uint16_t)blocks[k].patterns,
-			.columns = (uint32_t)blocks[k].columns,
-			.record_bytes = encode_plan_record_bytes(plan, &blocks[k]),
-		};
-		uint8_t *payload;
-		int err = block_list_add(list, s->settings, split->part, entry, false, &payload);
-
-		if (err)
-			return err;
-		entry = list->block[first + k].entry;
-		if (entry.tinted)
-			write_tint(s, split, &entry, payload);
-		write_patterns(s, split, blocks[k].mono, &entry, payload);
 	}
-	write_columns(list, first, s, split, blocks, count);
 	return 0;
 }
 
@@ -270,7 +258,7 @@ int block_build_exact(struct block_list *list, const struct encode_settings *set
 
 	if (!(part->largest > 0) && part->kind != BASIS_KIND_U)
 		return 0;
-	err = block_list_add(list, settings, part, entry, true, &payload);
+	err = block_list_add(list, settings, part, entry, &payload);
 	for (int i = 0; !err && i < settings->lights; i++) {
 		const float *from = part->value + (size_t)i * (size_t)part->rows;
 		int16_t value[PART_ROWS];
@@ -285,8 +273,7 @@ int block_build_exact(struct block_list *list, const struct encode_settings *set
 
 			value[r] = (int16_t)(is > 32767 ? 32767 : is < -32767 ? -32767 : is);
 		}
-		write_column(settings, part, true, &list->block[list->count - 1], i, i, scale,
-			     value);
+		write_column(settings, &list->block[list->count - 1], i, i, scale, value);
 	}
 	return err;
 }
@@ -301,5 +288,5 @@ int block_build_zero(struct block_list *list, const struct encode_settings *sett
 						.record_bytes = BASIS_RECORD_ALIGN};
 	uint8_t *payload;
 
-	return block_list_add(list, settings, part, entry, false, &payload);
+	return block_list_add(list, settings, part, entry, &payload);
 }

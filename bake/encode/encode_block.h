@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Builds the blocks of a plan, as the file has them. Private to the encoder. */
+/* Builds the blocks of a fit and its columns, as the file has them. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 #define INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 
-#include "bake/encode/encode_plan.h"
+#include "bake/encode/encode_column.h"
 
 /* Blocks whose memory is used again for the next tile. */
 struct block_list {
@@ -17,9 +17,9 @@ struct block_list {
 
 void block_list_free(struct block_list *list); /* zeroed is fine */
 
-/* Adds the blocks of the plan. The split's ranks must be those of the plan. -ENOMEM. */
-int block_build(struct block_list *list, const struct search *search, const struct split *split,
-		const struct encode_plan *plan, int tile);
+/* Adds the blocks of a fit, at its ranks, and of its columns. -ENOMEM. */
+int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
+		int tile);
 
 /* Adds one block that has every light's column in 16 bits, for the exact layer. Adds none for a
  * part that is 0 everywhere, unless it is of kind U. -ENOMEM. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/encode/encode_column.h"
 
+#include <errno.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -10,153 +11,97 @@
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F
-/* Scales that are tried for 8 bits: the finest, and some coarser ones that may happen to round
- * every value well enough. */
-#define SCALES 16
-#define SCALE_STEP 0.01
-/* Columns of 16 bits are rounded to multiples of a power of two, the largest that does: lower bits
- * that nobody needs are noise, which does not pack. */
-#define COARSEST_BITS 7
 /* A channel that is tinted darker is as good as black. */
 #define DARKEST_TINT 1e-9F
 /* The largest value of a line of half bytes. */
 #define HALF_MOST 7.0F
-/* So many pixels are tried at a time. */
-#define TRIED_PIXELS 32
+/* So many values are tried at a time: scales that do not do are mostly found out by the first. */
+#define TRIED_VALUES 32
 /* A scale is a float, and what the compositor multiplies it by as well. */
 #define REACH_ROUNDING 1e-6
+#define REACH_LIMIT (0.9995 * BASIS_VALUE_MAX)
+/* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
+ * dim, but not a thousand times dimmer than white, not so much. */
+#define ALONE 1.01
+/* Least columns and reach of a group that has a column. Fewer columns have nothing in common; with
+ * less reach it is hardly ever read, as S is small. */
+#define GROUP_COLUMNS 2
+#define GROUP_REACH (1.0 / BASIS_GROUP_MOST)
+/* Largest reach of a group's column of 8 bits; rounding would exceed a quarter of the cut
+ * beyond. */
+#define GROUP_NARROW 1.0
+#define LIGHT_COLUMNS_MAX 2
 
-/* What column->value, of one channel or three, leaves of some pixels of one channel of wanted. */
-static void leave_channel(const struct split *split, bool mono, int channel, int from, int to,
-			  const float *wanted, const struct split_column *column, float *left)
+int columns_create(struct columns *columns, const struct encode_settings *settings)
 {
-	const size_t first = (size_t)(channel * split->part->pixels);
-	const int16_t *value = column->value + (mono ? 0 : first);
-	const float *share = split->tint_share[channel];
+	const size_t groups = (size_t)settings->groups->count;
 
-	for (int p = from; p < to; p++) {
-		const float is = column->scale * (float)value[p];
-
-		left[first + p] = wanted[first + p] - (mono ? share[p] * is : is);
-	}
+	*columns = (struct columns){.room = LIGHT_COLUMNS_MAX * settings->lights + 2 * (int)groups};
+	columns->column = calloc((size_t)columns->room, sizeof(*columns->column));
+	columns->value = calloc((size_t)columns->room * PART_ROWS, sizeof(*columns->value));
+	return columns->column && columns->value ? 0 : -ENOMEM;
 }
 
-static void leave_column(const struct split *split, bool mono, const float *wanted,
-			 const struct split_column *column, float *left)
+void columns_free(struct columns *columns)
 {
-	for (int c = 0; c < split->part->channels; c++)
-		leave_channel(split, mono, c, 0, split->part->pixels, wanted, column, left);
+	free(columns->column);
+	free(columns->value);
+	*columns = (struct columns){.count = 0};
 }
 
-/* How values become integers: multiples of unit, at most most. Where the scale is too small to be
- * stored, it is 0, and so are they. */
-struct steps {
-	float scale, by, limit;
-	int unit;
-};
+/* ---- one column ---- */
 
-static struct steps steps_of(double scale, int most, int unit)
+/* Largest magnitude. */
+static double largest_of(const float *from, int count)
 {
-	const bool nothing = !(scale >= (double)FLT_MIN);
-
-	return (struct steps){
-		.scale = nothing ? 0 : (float)scale,
-		.by = nothing ? 0 : (float)(1 / scale / unit),
-		.limit = (float)(most / unit),
-		.unit = unit,
-	};
+	return (double)larger(part_largest(from, count, 1), part_largest(from, count, -1));
 }
 
-static void column_quantise(const struct steps *steps, const float *from, int count, int16_t *value)
-{
-	const float by = steps->by, limit = steps->limit;
-
-	for (int k = 0; k < count; k++) {
-		const float is = by * from[k];
-		const float inside = is > limit ? limit : is < -limit ? -limit : is;
-
-		value[k] = (int16_t)((int)(inside + ROUNDING - ROUNDING) * steps->unit);
-	}
-}
-
-/* To nearest; left becomes what that leaves. */
-static void take_steps(const struct split *split, bool mono, const struct steps *steps,
-		       const float *wanted, const float *from, float *left,
-		       struct split_column *column)
-{
-	const int pixels = split->part->pixels;
-
-	column->scale = steps->scale;
-	column_quantise(steps, from, mono ? pixels : split->part->rows, column->value);
-	leave_column(split, mono, wanted, column, left);
-}
-
-/* The same, a few pixels at a time, as long as what it leaves may be left: steps that do not do are
- * mostly found out by the first. */
-static bool try_steps(const struct split *split, bool mono, int light, const struct steps *steps,
-		      const float *wanted, const float *from, float *left,
-		      struct split_column *column)
-{
-	const struct part *part = split->part;
-	const int pixels = part->pixels;
-
-	column->scale = steps->scale;
-	for (int p = 0; p < pixels; p += TRIED_PIXELS) {
-		const int end = p + TRIED_PIXELS < pixels ? p + TRIED_PIXELS : pixels;
-
-		for (int c = 0; c < part->channels; c++) {
-			const int at = mono ? p : c * pixels + p;
-
-			if (!mono || !c)
-				column_quantise(steps, from + at, end - p, column->value + at);
-			leave_channel(split, mono, c, p, end, wanted, column, left);
-			if (!part_pixels_hold(part, light, c, p, end, left))
-				return false;
-		}
-	}
-	return true;
-}
-
-/* Between what each value of a column has to be, so that what it leaves may be left. */
-struct between {
+/* What each value of a column has to lie between, so that its residual keeps its limits; and where
+ * it should be. */
+struct bounds {
 	int count;
-	float least[PART_ROWS], most[PART_ROWS];
+	float from[PART_ROWS], least[PART_ROWS], most[PART_ROWS];
 	float needed; /* no column does that does not reach so far */
 };
 
-/* spent: the share of what may be left. Of one channel: what does for all three, tinted. */
-static void find_between(const struct split *split, bool mono, int light, float spent,
-			 const float *wanted, struct between *b)
+/* Maximum magnitude of the value of each row that is nearest to 0. */
+static float bounds_reach(const struct bounds *b, int first, int count)
 {
-	const struct part *part = split->part;
-	const int pixels = part->pixels;
-
-	b->count = mono ? pixels : part->rows;
-	for (int c = 0; c < part->channels; c++) {
-		const size_t row = (size_t)(c * pixels);
-		const size_t first = (size_t)light * (size_t)part->rows + row;
-		const float *least_left = part->least_left + first;
-		const float *most_left = part->most_left + first;
-		const float *own = wanted + row, *tint = split->tint_share[c];
-		float *least = b->least + (mono ? 0 : row), *most = b->most + (mono ? 0 : row);
-		const bool again = mono && c;
-
-		for (int p = 0; p < pixels; p++) {
-			const float share = mono ? tint[p] : 1;
-			const float per = 1 / larger(share, DARKEST_TINT);
-			const float low = per * (own[p] - spent * most_left[p]);
-			const float high = per * (own[p] - spent * least_left[p]);
-
-			least[p] = again ? larger(low, least[p]) : low;
-			most[p] = again ? smaller(high, most[p]) : high;
-		}
-	}
-	b->needed = larger(part_largest(b->least, b->count, 1),
-			   part_largest(b->most, b->count, -1));
+	return larger(part_largest(b->least + first, count, 1),
+		      part_largest(b->most + first, count, -1));
 }
 
-/* The nearest integers that lie between, none beyond limit. False: somewhere there is none. No
- * branch depends on a value, so that compilers make vectors of it. */
+/* share: of the limits. A column of one channel has to do for all three, tinted. */
+static void bounds_find(struct bounds *b, const struct fit *fit, int light, int channels,
+			float share, const float *left)
+{
+	const struct part *part = fit->part;
+	const int pixels = part->pixels;
+	const bool mono = channels < part->channels;
+	const size_t first = (size_t)light * (size_t)part->rows;
+	const float *least_left = part->least_left + first, *most_left = part->most_left + first;
+
+	b->count = channels * pixels;
+	if (mono)
+		fit_untint(fit, left, b->from);
+	else
+		memcpy(b->from, left, (size_t)b->count * sizeof(*left));
+	for (int r = 0; r < part->rows; r++) {
+		const int c = r / pixels, p = r % pixels, to = mono ? p : r;
+		const float per = mono ? 1 / larger(fit->tint_share[c][p], DARKEST_TINT) : 1;
+		const float low = per * (left[r] - share * most_left[r]);
+		const float high = per * (left[r] - share * least_left[r]);
+
+		b->least[to] = mono && c ? larger(low, b->least[to]) : low;
+		b->most[to] = mono && c ? smaller(high, b->most[to]) : high;
+	}
+	b->needed = bounds_reach(b, 0, b->count);
+}
+
+/* The integers that lie between, nearest to where they should be, none beyond limit. False:
+ * somewhere there is none; the value is then the nearest. No branch depends on a value, so that
+ * compilers make vectors of it. */
 static bool round_between(const float *restrict least, const float *restrict most,
 			  const float *restrict from, int count, float by, float limit,
 			  int16_t *restrict value)
@@ -178,300 +123,325 @@ static bool round_between(const float *restrict least, const float *restrict mos
 	return !beyond;
 }
 
-static bool quantise_between(const struct between *b, const float *from, double scale, int most,
-			     struct split_column *column)
+static bool column_round(struct column *column, const struct bounds *b, double scale)
 {
-	const float by = (float)(1 / scale);
-	bool fine = scale >= (double)FLT_MIN;
+	const float by = (float)(1 / scale), limit = (float)column_most(column->bits);
 
 	column->scale = (float)scale;
-	for (int k = 0; fine && k < b->count; k += TRIED_PIXELS) {
-		const int count = k + TRIED_PIXELS < b->count ? TRIED_PIXELS : b->count - k;
+	for (int k = 0; k < b->count; k += TRIED_VALUES) {
+		const int count = k + TRIED_VALUES < b->count ? TRIED_VALUES : b->count - k;
 
-		fine = round_between(b->least + k, b->most + k, from + k, count, by, (float)most,
-				     column->value + k);
+		if (!round_between(b->least + k, b->most + k, b->from + k, count, by, limit,
+				   column->value + k))
+			return false;
 	}
-	return fine;
+	return true;
 }
 
-/* Rounded to what is nearest, some values may be off by more than they may, although others that
- * the form has would not be. */
-static bool try_between(const struct split *split, bool mono, int light, double reach,
-			const float *wanted, const float *from, float *left,
-			struct split_column *column)
+/* What the column leaves of from. */
+static void column_leave(const struct column *column, const struct fit *fit, const float *from,
+			 float *left)
 {
-	const int most = column_most(column->form);
-	struct between b;
+	const struct part *part = fit->part;
+	const int pixels = part->pixels;
+	const bool mono = column->channels < part->channels;
 
-	find_between(split, mono, light, 1, wanted, &b);
-	for (int k = 0; k < SCALES; k++) {
-		const double scale = fmax(reach, (double)b.needed) / most * (1 + SCALE_STEP * k);
+	for (int c = 0; c < part->channels; c++)
+		for (int p = 0; p < pixels; p++) {
+			const int r = c * pixels + p;
+			const float is = column->scale * (float)column->value[mono ? p : r];
 
-		if (!quantise_between(&b, from, scale, most, column))
-			continue;
-		leave_column(split, mono, wanted, column, left);
-		if (part_cell_holds(split->part, light, left))
-			return true;
-	}
-	return false;
+			left[r] = from[r] - (mono ? fit->tint_share[c][p] * is : is);
+		}
 }
 
-/* ---- how short a column of 8 bits may be ---- */
-
-/* Some of a column's values, those of one line: where they are, and what they may be. */
-struct shortened {
-	int count;
-	int place[BASIS_LINE8];
-	float least[BASIS_LINE8], most[BASIS_LINE8], from[BASIS_LINE8];
-};
-
-static void add_value(struct shortened *line, const struct between *b, const float *from, int place)
-{
-	const int n = line->count++;
-
-	line->place[n] = place;
-	line->least[n] = b->least[place];
-	line->most[n] = b->most[place];
-	line->from[n] = from[place];
-}
-
-/* Multiples of the line's own unit that lie between, as near as may be. False: somewhere there is
- * none. */
-static bool shorten_by(const struct shortened *line, int factor, struct split_column *column)
+/* Multiples of the line's own unit that lie between. */
+static bool line_shorten(struct column *column, const struct bounds *b, int first, int count,
+			 int factor)
 {
 	const float by = 1 / (column->scale * (float)factor);
 	int16_t value[BASIS_LINE8];
 
-	if (!round_between(line->least, line->most, line->from, line->count, by, HALF_MOST, value))
+	if (!round_between(b->least + first, b->most + first, b->from + first, count, by, HALF_MOST,
+			   value))
 		return false;
-	for (int n = 0; n < line->count; n++)
-		column->value[line->place[n]] = (int16_t)(value[n] * factor);
+	for (int k = 0; k < count; k++)
+		column->value[first + k] = (int16_t)(value[k] * factor);
 	return true;
 }
 
-static uint8_t shorten_line(const struct shortened *line, struct split_column *column)
+static uint8_t line_code(struct column *column, const struct bounds *b, int first, int count)
 {
-	const float needed = larger(part_largest(line->least, line->count, 1),
-				    part_largest(line->most, line->count, -1));
+	const float needed = bounds_reach(b, first, count) / (column->scale * HALF_MOST);
 
 	if (!(needed > 0)) {
-		for (int n = 0; n < line->count; n++)
-			column->value[line->place[n]] = 0;
+		memset(column->value + first, 0, (size_t)count * sizeof(*column->value));
 		return 0;
 	}
-	for (int factor = 1; factor <= BASIS_LINE_FACTOR_MAX; factor++)
-		if (column->scale * (float)factor * HALF_MOST >= needed &&
-		    shorten_by(line, factor, column))
+	for (int factor = (int)ceilf(needed); factor <= BASIS_LINE_FACTOR_MAX; factor++)
+		if (line_shorten(column, b, first, count, factor))
 			return (uint8_t)factor;
 	return BASIS_LINE_WHOLE;
 }
 
-/* Stores each line of a column that does as shortly as what it leaves may be. from: what it stands
- * for, of one channel or three. */
-static void column_shorten(const struct split *split, bool mono, int light, const float *wanted,
-			   const float *from, float *left, struct split_column *column)
+/* Stores each line of a column of 8 bits as shortly as the bounds allow. */
+static void column_shorten(struct column *column, const struct bounds *b, int pixels)
 {
-	const struct part *part = split->part;
-	const int channels = mono ? 1 : 3, panels = basis_panels8(part->kept);
-	const struct split_column whole = *column;
-	struct between b;
+	for (int c = 0; c < column->channels; c++)
+		for (int p = 0; p < pixels; p += BASIS_LINE8) {
+			const int count = pixels - p < BASIS_LINE8 ? pixels - p : BASIS_LINE8;
 
-	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
-	/* U may not become negative, which the limits of residuals do not ensure */
-	if (part->kind == BASIS_KIND_U || !(split->spent > 0) || !(column->scale > 0))
-		return;
-	find_between(split, mono, light, split->spent, wanted, &b);
-	for (int c = 0; c < channels; c++)
-		for (int p = 0, panel = 0; panel < panels; panel++) {
-			struct shortened line;
-
-			for (line.count = 0; p < part->pixels && line.count < BASIS_LINE8; p++)
-				if (part->keep[p])
-					add_value(&line, &b, from, c * part->pixels + p);
-			column->code[panel * channels + c] = shorten_line(&line, column);
+			column->code[p / BASIS_LINE8 * column->channels + c] =
+				line_code(column, b, c * pixels + p, count);
 		}
-	leave_column(split, mono, wanted, column, left);
-	if (part_cell_holds(part, light, left))
-		return;
-	*column = whole;
-	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
-	leave_column(split, mono, wanted, column, left);
 }
 
-static size_t column_bytes(const struct part *part, const struct split_column *column)
+static void column_measure(struct column *column, int pixels)
 {
-	const int channels = column_channels(column->form);
-
-	if (column_most(column->form) == INT8_MAX)
-		return basis_record_bytes(column->code, basis_record_lines(part->kept, channels));
-	return (size_t)(basis_panels16(part->kept) * channels) * BASIS_ALIGN;
+	if (column->bits == 8)
+		column->bytes = basis_record_bytes(column->code,
+						   basis_record_lines(pixels, column->channels));
+	else
+		column->bytes = (size_t)(basis_panels16(pixels) * column->channels) * BASIS_ALIGN;
 }
 
-/* wanted, in as many channels as a column has. */
-static const float *in_channels(const struct split *split, bool mono, const float *wanted,
-				float *one)
+/* Takes the values nearest to from that keep the limits; left becomes what they leave. False: the
+ * column's bits are too few. */
+static bool column_take(struct column *column, const struct fit *fit, double reach,
+			float short_share, const float *from, float *left)
 {
-	if (!mono || !split->colour)
-		return wanted;
-	split_untint(split, wanted, one);
-	return one;
-}
+	const struct part *part = fit->part;
+	struct bounds b;
+	double scale;
 
-/* The largest magnitude, or reach if that is more. */
-static double farthest_value(const float *from, int count, double reach)
-{
-	const float most = larger(part_largest(from, count, 1), part_largest(from, count, -1));
-
-	return fmax(reach, (double)most);
-}
-
-/* Whether a column of this form that reaches so far does for wanted; left becomes what it leaves,
- * or, of 16 bits, what the finest leaves if none does. */
-static bool try_form(const struct split *split, enum column_form form, int light, double reach,
-		     const float *wanted, float *left, struct split_column *column)
-{
-	const int pixels = split->part->pixels, most = column_most(form);
-	const bool mono = column_channels(form) == 1, narrow = most == INT8_MAX;
-	const int count = mono ? pixels : split->part->rows;
-	float one[PART_PIXELS];
-	const float *from = in_channels(split, mono, wanted, one);
-	const double largest = farthest_value(from, count, reach);
-	struct steps steps;
-	bool found = false;
-
-	column->form = form;
-	for (int k = 0; !found && k < (narrow ? SCALES : COARSEST_BITS + 1); k++) {
-		const int unit = narrow ? 1 : 1 << (COARSEST_BITS - k);
-		const double wider = narrow ? 1 + SCALE_STEP * k : 1;
-
-		steps = steps_of(largest / (most / unit * unit) * wider, most, unit);
-		found = try_steps(split, mono, light, &steps, wanted, from, left, column);
+	bounds_find(&b, fit, column->number, column->channels, 1, from);
+	scale = fmax(reach, (double)b.needed) / column_most(column->bits);
+	if (scale < (double)FLT_MIN || !column_round(column, &b, scale))
+		return false;
+	column_leave(column, fit, from, left);
+	if (!part_cell_holds(part, column->number, left))
+		return false;
+	/* U may not become negative, which the limits of residuals do not ensure */
+	if (column->bits == 8 && part->kind != BASIS_KIND_U) {
+		bounds_find(&b, fit, column->number, column->channels, short_share, from);
+		column_shorten(column, &b, part->pixels);
+		column_leave(column, fit, from, left);
 	}
-	if (!found && narrow)
-		found = try_between(split, mono, light, reach, wanted, from, left, column);
-	else if (!found)
-		take_steps(split, mono, &steps, wanted, from, left, column);
-	if (found && narrow)
-		column_shorten(split, mono, light, wanted, from, left, column);
-	if (found || !narrow)
-		column->bytes = column_bytes(split->part, column);
-	return found;
+	column_measure(column, part->pixels);
+	return true;
 }
 
 /* As short as it can be without a loss. */
-static void shorten_exactly(const struct split *split, struct split_column *column)
+static void shorten_exactly(struct column *column, int pixels)
 {
-	const struct part *part = split->part;
-	const int channels = column_channels(column->form), panels = basis_panels8(part->kept);
-
-	for (int c = 0; c < channels; c++)
-		for (int p = 0, panel = 0; panel < panels; panel++) {
+	for (int c = 0; c < column->channels; c++)
+		for (int p = 0; p < pixels; p += BASIS_LINE8) {
+			const int count = pixels - p < BASIS_LINE8 ? pixels - p : BASIS_LINE8;
 			int most = 0;
 
-			for (int k = 0; p < part->pixels && k < BASIS_LINE8; p++) {
-				const int value = column->value[c * part->pixels + p];
-
-				if (!part->keep[p])
-					continue;
-				most = abs(value) > most ? abs(value) : most;
-				k++;
-			}
-			column->code[panel * channels + c] = !most ? 0
-							     : most <= (int)HALF_MOST
-								     ? 1
-								     : BASIS_LINE_WHOLE;
+			for (int k = 0; k < count; k++)
+				most = abs(column->value[c * pixels + p + k]) > most
+					       ? abs(column->value[c * pixels + p + k])
+					       : most;
+			column->code[p / BASIS_LINE8 * column->channels + c] =
+				!most			 ? 0
+				: most <= (int)HALF_MOST ? 1
+							 : BASIS_LINE_WHOLE;
 		}
 }
 
-void split_take_column(const struct split *split, const float *from, double reach,
-		       struct split_column *column)
+/* To nearest. reach: of the largest value that can be stored. */
+static void column_nearest(struct column *column, const float *from, int count, double reach)
 {
-	const int count = column_channels(column->form) * split->part->pixels;
-	const int most = column_most(column->form);
-	const struct steps steps = steps_of(farthest_value(from, count, reach) / most, most, 1);
+	const double scale = reach / column_most(column->bits);
+	const double by = scale >= (double)FLT_MIN ? 1 / scale : 0;
 
-	column->scale = steps.scale;
-	column_quantise(&steps, from, count, column->value);
-	if (most == INT8_MAX)
-		shorten_exactly(split, column);
-	column->bytes = column_bytes(split->part, column);
+	column->scale = by > 0 ? (float)scale : 0;
+	for (int k = 0; k < count; k++) {
+		const double is = fmin(fmax(by * (double)from[k], -column_most(column->bits)),
+				       column_most(column->bits));
+
+		column->value[k] = (int16_t)lrint(is);
+	}
+	if (column->bits == 8)
+		shorten_exactly(column, count / column->channels);
 }
 
-/* ---- all that a light needs ---- */
+/* ---- the columns of a light ---- */
 
-static double reach_for(const struct split *split, int light, const float *left)
+/* U may come out as 0, not less: the quotient's sign is that of a shadow. */
+static bool would_be_negative(const struct part *part, int light, const float *left)
 {
-	return part_column_reach(split->part, light, left) * (1 + REACH_ROUNDING);
+	const float *value = part->value + (size_t)light * (size_t)part->rows;
+	float least = 0, most = 0;
+
+	if (part->kind != BASIS_KIND_U)
+		return false;
+	for (int r = 0; r < part->rows; r++) {
+		least = smaller(least, value[r] - left[r]);
+		most = larger(most, value[r]);
+	}
+	return least < -most / 254;
 }
 
-/* To nearest. */
-static void take_nearest(const struct split *split, enum column_form form, double reach,
-			 const float *wanted, float *left, struct split_column *column)
+static double reach_for(const struct fit *fit, int light, const float *left)
 {
-	const bool mono = column_channels(form) == 1;
-	float one[PART_PIXELS];
+	const struct part *part = fit->part;
+	const double largest = largest_of(left, part->rows);
+	const double reach = fmax(largest / (double)part->light_share[light],
+				  ALONE * fit->cut_share * part->column_cut);
 
-	column->form = form;
-	split_take_column(split, in_channels(split, mono, wanted, one), reach, column);
-	leave_column(split, mono, wanted, column, left);
+	/* a larger value would be refused itself */
+	return fmin(reach, REACH_LIMIT) * (1 + REACH_ROUNDING);
 }
 
-/* The second column, of what the first leaves: left [2][rows]. */
-static bool try_rest(const struct split *split, bool mono, int light, float *left,
-		     struct split_column *column)
+static struct column *columns_add(struct columns *columns, int number, int channels, int bits,
+				  bool second)
 {
-	const enum column_form form = mono ? COLUMN_MONO_REST : COLUMN_COLOUR_REST;
-	const double reach = reach_for(split, light, left);
-	float *rest = left + split->part->rows;
+	struct column *column = &columns->column[columns->count];
 
-	if (try_form(split, form, light, reach, left, rest, column))
+	*column = (struct column){
+		.number = number,
+		.channels = channels,
+		.bits = bits,
+		.second = second,
+		.value = columns->value + (size_t)columns->count * PART_ROWS,
+	};
+	memset(column->code, BASIS_LINE_WHOLE, sizeof(column->code));
+	columns->count++;
+	return column;
+}
+
+/* The nearest column of 8 bits, or of 16, whatever it leaves. */
+static void column_take_nearest(struct column *column, const struct fit *fit, double reach,
+				const float *from, float *left)
+{
+	const int pixels = fit->part->pixels, count = column->channels * pixels;
+	float one[PART_ROWS];
+	const float *value = from;
+
+	if (column->channels < fit->part->channels) {
+		fit_untint(fit, from, one);
+		value = one;
+	}
+	column_nearest(column, value, count, fmax(reach, largest_of(value, count)));
+	column_leave(column, fit, from, left);
+	column_measure(column, pixels);
+}
+
+/* What the first column leaves takes a second one, which only strong light needs. */
+static bool take_second(struct columns *columns, const struct fit *fit, int light, int channels,
+			int bits, float short_share, const float *left)
+{
+	const double reach = reach_for(fit, light, left);
+	struct column *column = columns_add(columns, light, channels, bits, true);
+	float rest[PART_ROWS];
+
+	if (column_take(column, fit, reach, short_share, left, rest))
 		return true;
-	take_nearest(split, form, reach, left, rest, column);
+	if (bits == 16)
+		column_take_nearest(column, fit, reach, left, rest);
+	else
+		columns->count--;
 	return false;
 }
 
-static bool try_two(const struct split *split, bool mono, int light, double reach,
-		    const float *wanted, float *left, struct split_column *column)
+/* In order of cost: 8 bits, twice 8 bits, each of one channel before three; 16 bits; twice. Lights
+ * that shine along the ground need the last: what the object sends there is many times what they
+ * do, and its shadow is as dark as any. */
+static void light_columns(struct columns *columns, const struct fit *fit, int light,
+			  float short_share)
 {
-	take_nearest(split, mono ? COLUMN_MONO8 : COLUMN_COLOUR8, reach, wanted, left, column);
-	return try_rest(split, mono, light, left, column + 1);
-}
+	const struct part *part = fit->part;
+	const float *from = fit_left(fit, light);
+	struct column *column;
+	float left[PART_ROWS];
+	double reach;
 
-/* Lights that shine along the ground: what the object sends there is many times what they do, and
- * its shadow is as dark as any; or they hardly reach a tile whose patterns are made for others. */
-static int take_widest(const struct split *split, bool mono, int light, double reach,
-		       const float *wanted, float *left, struct split_column *column)
-{
-	if (try_form(split, mono ? COLUMN_MONO16 : COLUMN_COLOUR16, light, reach, wanted, left,
-		     column))
-		return 1;
-	if (!try_rest(split, mono, light, left, column + 1))
-		try_form(split, mono ? COLUMN_MONO_REST16 : COLUMN_COLOUR_REST16, light,
-			 reach_for(split, light, left), left, left + split->part->rows, column + 1);
-	return 2;
-}
-
-int split_find_columns(const struct split *split, int light, float *left,
-		       struct split_column column[LIGHT_COLUMNS_MAX])
-{
-	const double reach = reach_for(split, light, left);
-	float wanted[PART_ROWS];
-
-	memcpy(wanted, left, (size_t)split->part->rows * sizeof(*left));
-	/* in order of cost */
-	for (int channels = 1; channels <= 3; channels += 2) {
-		const bool mono = channels == 1;
-		const enum column_form narrow = mono ? COLUMN_MONO8 : COLUMN_COLOUR8;
-		const enum column_form wide = mono ? COLUMN_MONO16 : COLUMN_COLOUR16;
-
-		if (mono ? !split->mono : !split->colour)
-			continue;
-		if (!split->wide[!mono] &&
-		    try_form(split, narrow, light, reach, wanted, left, column))
-			return 1;
-		if (split->whole[!mono] ? try_form(split, wide, light, reach, wanted, left, column)
-					: try_two(split, mono, light, reach, wanted, left, column))
-			return split->whole[!mono] ? 1 : 2;
+	if (part_cell_holds(part, light, from) && !would_be_negative(part, light, from))
+		return;
+	reach = reach_for(fit, light, from);
+	for (int channels = fit->mono ? 1 : 3; channels <= part->channels; channels += 2) {
+		column = columns_add(columns, light, channels, 8, false);
+		if (column_take(column, fit, reach, short_share, from, left))
+			return;
+		column_take_nearest(column, fit, reach, from, left);
+		if (part->column_cut > 0 &&
+		    take_second(columns, fit, light, channels, 8, short_share, left))
+			return;
+		columns->count--;
 	}
-	return take_widest(split, !split->colour, light, reach, wanted, left, column);
+	column = columns_add(columns, light, part->channels, 16, false);
+	if (column_take(column, fit, reach, 0, from, left))
+		return;
+	column_take_nearest(column, fit, reach, from, left);
+	if (!take_second(columns, fit, light, part->channels, 8, short_share, left))
+		take_second(columns, fit, light, part->channels, 16, 0, left);
+}
+
+/* ---- the columns of groups ---- */
+
+/* Sums the columns of a group's lights, times their shares. Returns how many lights have some. */
+static int group_sum(const struct columns *columns, int lights, const struct fit *fit, int channels,
+		     int group, float *value, double *reach)
+{
+	const struct part *part = fit->part;
+	const int count = channels * part->pixels;
+	int found = 0;
+
+	memset(value, 0, (size_t)count * sizeof(*value));
+	*reach = 0;
+	for (int k = 0; k < lights; k++) {
+		const struct column *column = &columns->column[k];
+		float by;
+
+		if (fit->settings->groups->of[column->number] != group ||
+		    column->channels != channels)
+			continue;
+		by = (float)part->share[column->number] * column->scale;
+		found += !column->second;
+		*reach += column->second ? 0 : (double)by * column_most(column->bits);
+		for (int r = 0; r < count; r++)
+			value[r] += by * (float)column->value[r];
+	}
+	return found;
+}
+
+/* A group's column has 8 bits, whatever its lights need, as its light is never large
+ * (BASIS_GROUP_MOST); 16 where it reaches beyond GROUP_NARROW, as that of a mirror does. */
+static void group_column(struct columns *columns, int lights, const struct fit *fit, int channels,
+			 int group, bool wide)
+{
+	const struct part *part = fit->part;
+	const int count = channels * part->pixels;
+	float value[PART_ROWS];
+	struct column *column;
+	double reach, largest;
+
+	if (group_sum(columns, lights, fit, channels, group, value, &reach) < GROUP_COLUMNS ||
+	    reach < GROUP_REACH)
+		return;
+	largest = largest_of(value, count);
+	/* What nearly all lights of a tile are off by together its groups have to put right. */
+	if (fit->cut_share < 1)
+		largest = fmin(fmax(largest, reach), REACH_LIMIT);
+	column = columns_add(columns, fit->settings->lights + group, channels,
+			     largest > (wide ? fit->cut_share : 1) * GROUP_NARROW ? 16 : 8, false);
+	column_nearest(column, value, count, largest);
+	column_measure(column, part->pixels);
+}
+
+void columns_find(struct columns *columns, const struct fit *fit, float short_share,
+		  bool wide_groups)
+{
+	const int groups = fit->part->share ? fit->settings->groups->count : 0;
+	int lights;
+
+	columns->count = 0;
+	for (int i = 0; i < fit->settings->lights; i++)
+		light_columns(columns, fit, i, short_share);
+	lights = columns->count;
+	for (int group = 0; group < groups; group++)
+		for (int channels = 1; channels <= 3; channels += 2)
+			group_column(columns, lights, fit, channels, group, wide_groups);
 }

@@ -1,64 +1,46 @@
 /* SPDX-License-Identifier: MIT */
-/* Residual columns: what the patterns of a split leave of one light, quantised as in the file.
- * Private to the encoder. */
+/* Residual columns: what the patterns of a fit leave of single lights, and of groups of lights,
+ * quantised as in the file. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_COLUMN_H
 #define INLAY_BAKE_ENCODE_ENCODE_COLUMN_H
 
-#include "bake/encode/encode_split.h"
+#include "bake/encode/encode_fit.h"
 #include "hal/basis/basis_lines.h"
 
-/*
- * How a light's column is stored. Where 8 bits are not enough, it has one column of 16 bits; or,
- * where frames may leave columns out, two of 8: the second is the residual of the first, which only
- * strong light needs. Where neither is enough, it has one of 16 and a second of 8 or 16.
- */
-enum column_form {
-	COLUMN_NONE,
-	COLUMN_MONO8,
-	COLUMN_MONO_REST, /* second column, of 8 bits */
-	COLUMN_MONO16,
-	COLUMN_MONO_REST16,
-	COLUMN_COLOUR8,
-	COLUMN_COLOUR_REST,
-	COLUMN_COLOUR16,
-	COLUMN_COLOUR_REST16,
-	COLUMN_FORMS
-};
-
-#define LIGHT_COLUMNS_MAX 2
-
-/* Largest integer that is stored. */
-static inline int column_most(enum column_form form)
-{
-	return form == COLUMN_MONO16 || form == COLUMN_MONO_REST16 || form == COLUMN_COLOUR16 ||
-			       form == COLUMN_COLOUR_REST16
-		       ? 32767
-		       : 127;
-}
-
-static inline int column_channels(enum column_form form)
-{
-	return form < COLUMN_COLOUR8 ? 1 : 3;
-}
-
 /* One column as stored: scale * value. */
-struct split_column {
-	enum column_form form;
+struct column {
+	int number; /* of a light, or number of lights + that of a group */
+	int channels, bits;
+	bool second; /* of what the light's column before it leaves */
 	float scale;
-	int16_t value[PART_ROWS];	  /* channel by channel */
+	size_t bytes;			  /* of the values in a file */
 	uint8_t code[BASIS_RECORD_LINES]; /* of 8 bits: how its lines are stored (basis_lines.h) */
-	size_t bytes;			  /* in a file */
+	int16_t *value;			  /* [channels * pixels] */
 };
 
-/* Finds the cheapest columns that keep a light within the error asked for, or else the finest ones.
- * Returns how many, 1 or 2. left [LIGHT_COLUMNS_MAX][rows]: the residual of the patterns; becomes
- * the residuals after the first column and after the second. */
-int split_find_columns(const struct split *split, int light, float *left,
-		       struct split_column column[LIGHT_COLUMNS_MAX]);
+/* The columns of a part: those of lights, ascending, then those of groups. */
+struct columns {
+	struct column *column;
+	int count, room;
+	int16_t *value; /* memory of the columns' values */
+};
 
-/* Quantises `from` [channels * pixels] to a column of column->form, rounded to nearest. reach:
- * least reach of the column. */
-void split_take_column(const struct split *split, const float *from, double reach,
-		       struct split_column *column);
+/* Largest integer that a column of so many bits stores. */
+static inline int column_most(int bits)
+{
+	return bits == 8 ? INT8_MAX : INT16_MAX;
+}
+
+int columns_create(struct columns *columns, const struct encode_settings *settings);
+void columns_free(struct columns *columns); /* zeroed is fine */
+
+/*
+ * Finds the columns that a fit needs at its ranks: none for a light whose residual is within its
+ * limits, else the cheapest that bring it there, or the finest. short_share: the share of a
+ * residual's limit that values of short lines may use up, 0..1; 0: no short lines. wide_groups:
+ * columns of groups have 16 bits where the block's cut is too fine for the steps of 8.
+ */
+void columns_find(struct columns *columns, const struct fit *fit, float short_share,
+		  bool wide_groups);
 
 #endif

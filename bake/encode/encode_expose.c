@@ -16,12 +16,6 @@
 /* Weight of a light or pixel whose error nobody sees, relative to the mean; not 0, so that none is
  * ignored. */
 #define LEAST_WEIGHT 0.01F
-/* The steps in which light fades until a column need not be used. */
-#define FADE 0.9
-/* The farthest that a column reaches beyond its largest value, which keeps it fine enough; and at
- * all, so that the file may hold it. */
-#define REACH_MOST 16
-#define REACH_LIMIT (0.8 * BASIS_VALUE_MAX)
 
 /* sRGB's own formulas, below black and beyond white too. */
 static double light_of_level(double level)
@@ -79,7 +73,7 @@ static const double *ground_of(const struct encode_settings *settings, const str
 	       ((size_t)part->ground * 3 + (size_t)channel) * (size_t)settings->lights;
 }
 
-static void expose_cells(struct part *part, const struct encode_settings *settings)
+void part_expose_cells(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights;
 
@@ -183,12 +177,13 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 
 /* Shown light less what is left of it, within rise and fall: slope * left in -rise..fall. */
 static void limit_row(const struct levels *levels, const struct part *part, float offset,
-		      float slope, const float *base, float *least, float *most, bool again)
+		      float slope, float share, const float *base, float *least, float *most,
+		      bool again)
 {
 	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
 	for (int p = 0; p < part->pixels; p++) {
-		const float to = part->fine * part->cell_share[p] * per;
+		const float to = share * per;
 		const float is = offset + slope * base[p];
 		const float rise = smaller(levels_read(levels->rise, is) * to, WIDEST);
 		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
@@ -212,13 +207,13 @@ static void limit_cells(struct part *part, const struct levels *levels, int ligh
 			    part->cell_slope[k] == part->cell_slope[i])
 				continue;
 			limit_row(levels, part, part->cell_offset[c], part->cell_slope[k],
-				  part->base + at, part->least_left + at, part->most_left + at,
-				  again);
+				  part->light_share[i], part->base + at, part->least_left + at,
+				  part->most_left + at, again);
 		}
 }
 
 /* Lights and pixels that allow little error count more: lights by the mean of what is allowed,
- * inverted, pixels by its square. Pixels that are not kept hardly count. */
+ * inverted, pixels by its square. */
 static void weigh_values(struct part *part, int lights)
 {
 	const float narrowest = NARROWEST * part->largest + FLT_MIN;
@@ -227,16 +222,15 @@ static void weigh_values(struct part *part, int lights)
 	for (int i = 0; i < lights; i++) {
 		const float *least = part->least_left + (size_t)i * (size_t)part->rows;
 		const float *most = part->most_left + (size_t)i * (size_t)part->rows;
+		float *tight = part->tight + (size_t)i * (size_t)part->rows;
 		float sum = 0;
 
+		for (int r = 0; r < part->rows; r++)
+			tight[r] = 1 / larger(smaller(most[r], -least[r]), narrowest);
 		for (int c = 0; c < part->channels; c++)
 			for (int p = 0; p < part->pixels; p++) {
-				const int r = c * part->pixels + p;
-				const float narrow = most[r] < -least[r] ? most[r] : -least[r];
-				const float by = 1 / (narrow > narrowest ? narrow : narrowest);
-
-				sum += by;
-				pixel[p] += (double)by;
+				sum += tight[c * part->pixels + p];
+				pixel[p] += (double)tight[c * part->pixels + p];
 			}
 		part->weight[i] = sum;
 		all += (double)sum;
@@ -246,9 +240,9 @@ static void weigh_values(struct part *part, int lights)
 						    LEAST_WEIGHT
 					  : 1;
 	for (int p = 0; p < part->pixels; p++)
-		all_pixels += part->keep[p] ? pixel[p] : 0;
+		all_pixels += pixel[p];
 	for (int p = 0; p < part->pixels; p++) {
-		const double share = part->keep[p] ? pixel[p] * part->kept / all_pixels : 0;
+		const double share = pixel[p] * part->pixels / all_pixels;
 
 		part->pixel_weight[p] = (float)(share * share) + LEAST_WEIGHT;
 	}
@@ -275,97 +269,58 @@ bool part_cell_holds(const struct part *part, int light, const float *left)
 	return true;
 }
 
-/* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
- * dim, but not a thousand times dimmer than white, not so much. */
-#define ALONE 1.01
-
-/* Whether left may be left out of the light's values where its X is so much, alone. */
-static bool holds_at(const struct part *part, int light, float x, const float *left)
-{
-	const struct levels *levels = part->levels;
-	const float *value = part->value + (size_t)light * (size_t)part->rows;
-	/* of all light, dark light may be off by least */
-	const float least = fminf(levels->rise[0], levels->fall[0]);
-
-	for (int r = 0; r < part->rows; r++) {
-		const float share = part->fine * part->cell_share[r % part->pixels];
-		const float by = x * left[r];
-
-		if (fabsf(by) <= least * share)
-			continue;
-		if (by > share * levels_read(levels->fall, x * value[r]) ||
-		    -by > share * levels_read(levels->rise, x * value[r]))
-			return false;
-	}
-	return true;
-}
-
-double part_column_reach(const struct part *part, int light, const float *left)
-{
-	const double cut = part->column_cut;
-	double x, largest;
-
-	if (!(cut > 0))
-		return 0;
-	largest = (double)larger(part_largest(left, part->rows, 1),
-				 part_largest(left, part->rows, -1));
-	/* Shares of the ground's light do not fade with it. */
-	if (part->kind == BASIS_KIND_V)
-		return part->fine < 1 ? fmin(fmax(cut, largest / (double)part->fine), REACH_LIMIT)
-				      : cut * ALONE;
-	if (!(largest > 0 && part->cell_slope[light] > 0))
-		return 0;
-	x = fmin((double)part->cell_slope[light], cut / largest);
-	while (x * largest * REACH_MOST > cut && !holds_at(part, light, (float)x, left))
-		x *= FADE;
-	return fmin(cut / x / (double)part->fine, fmin(REACH_MOST * largest, REACH_LIMIT));
-}
-
-float part_cell_share(const struct part *part, int light, const float *left)
-{
-	const size_t first = (size_t)light * (size_t)part->rows;
-	float most = 0;
-
-	for (int r = 0; r < part->rows; r++) {
-		const float all = left[r] < 0 ? part->least_left[first + (size_t)r]
-					      : part->most_left[first + (size_t)r];
-
-		if (part->keep[r % part->pixels] && left[r] / all > most)
-			most = left[r] / all;
-	}
-	return most;
-}
-
-static void choose_pixels(struct part *part, const struct encode_settings *settings,
-			  const struct levels *levels, float tolerance)
+/* The largest change of a pixel by any light alone is more than tolerance, in levels. */
+static bool pixel_shows(const struct part *part, const struct encode_settings *settings,
+			const struct levels *levels, int pixel, float tolerance)
 {
 	const int n = settings->lights;
 
-	part->kept = 0;
-	for (int p = 0; p < part->pixels; p++) {
-		const float most = tolerance * part->cell_share[p];
-		bool keep = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
+	for (int k = 0; k < part->channels * n; k++) {
+		const int c = k % part->channels, i = k / part->channels;
+		const float value = part->value[(size_t)i * (size_t)part->rows +
+						(size_t)(c * part->pixels + pixel)];
 
-		for (int k = 0; k < part->channels * n && !keep; k++) {
-			const int c = k % part->channels, i = k / part->channels;
-			const float value = part->value[(size_t)i * (size_t)part->rows +
-							(size_t)(c * part->pixels + p)];
+		for (int own = c; own < (part->channels == 3 ? c + 1 : 3); own++) {
+			const float by = value *
+					 part->cell_slope[(size_t)own * (size_t)n + (size_t)i];
+			const float is = part->cell_offset[own];
 
-			for (int own = c; own < (part->channels == 3 ? c + 1 : 3); own++) {
-				const float by =
-					part->cell_slope[(size_t)own * (size_t)n + (size_t)i] *
-					value;
-				const float is = part->cell_offset[own] + by;
-
-				if (fabsf(by) * LEVELS_STEEPEST <= most)
-					continue;
-				keep |= fabsf(levels_at(levels, is) -
-					      levels_at(levels, part->cell_offset[own])) > most;
-			}
+			if (fabsf(by) * LEVELS_STEEPEST > tolerance &&
+			    fabsf(levels_at(levels, is + by) - levels_at(levels, is)) > tolerance)
+				return true;
 		}
-		part->keep[p] = keep;
-		part->kept += keep;
 	}
+	return false;
+}
+
+/* The same by a sky. */
+static bool pixel_shows_under_skies(const struct part *part, const struct encode_settings *settings,
+				    const struct levels *levels, int pixel, float tolerance)
+{
+	for (int k = 0; k < 3 * settings->ensemble->skies; k++) {
+		const int s = k / 3, c = k % 3;
+		const float by = part->sky_slope[s][c] * part->sky_base[k * part->pixels + pixel];
+		const float is = part->sky_offset[s][c];
+
+		if (fabsf(by) * LEVELS_STEEPEST > tolerance &&
+		    fabsf(levels_at(levels, is + by) - levels_at(levels, is)) > tolerance)
+			return true;
+	}
+	return false;
+}
+
+int part_choose(const struct part *part, const struct encode_settings *settings,
+		const struct levels *levels, double tolerance, bool *shows)
+{
+	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
+	int count = 0;
+
+	for (int p = 0; p < part->pixels; p++) {
+		shows[p] = pair || pixel_shows(part, settings, levels, p, (float)tolerance) ||
+			   pixel_shows_under_skies(part, settings, levels, p, (float)tolerance);
+		count += shows[p];
+	}
+	return count;
 }
 
 static void share_groups(struct part *part, const struct encode_settings *settings)
@@ -413,7 +368,7 @@ static void even_skies(struct part *part, const struct encode_settings *settings
 
 void part_expose(struct part *part, const struct encode_settings *settings)
 {
-	expose_cells(part, settings);
+	part_expose_cells(part, settings);
 	if (part->kind == BASIS_KIND_V)
 		for (int s = 0; s < settings->ensemble->skies; s++)
 			expose_ground(part, settings, s);
@@ -424,14 +379,20 @@ void part_expose(struct part *part, const struct encode_settings *settings)
 }
 
 void part_limit(struct part *part, const struct encode_settings *settings,
-		const struct levels *levels, double tolerance)
+		const struct levels *levels)
 {
 	const bool used = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 
 	part->levels = levels;
 	part->column_cut = used ? 0 : settings->column_cut;
 	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
+	/* As a light fades, its column may be left out when no pixel is off by more than is asked
+	 * for, and dark pixels may be off by least. Shares of the ground's light do not fade with a
+	 * light that is alone. */
+	part->cut_share = 1;
+	if (part->kind == BASIS_KIND_T && part->column_cut > 0)
+		part->cut_share = fmin(1, fmin((double)levels->rise[0], (double)levels->fall[0]) /
+						  part->column_cut);
 	limit_cells(part, levels, settings->lights);
-	choose_pixels(part, settings, levels, (float)tolerance);
 	weigh_values(part, settings->lights);
 }

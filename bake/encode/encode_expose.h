@@ -46,11 +46,18 @@ float part_largest(const float *value, int count, float sign);
 /* Sets the exposures: after loading (and pairing), and again when the ensemble has changed. */
 void part_expose(struct part *part, const struct encode_settings *settings);
 
-/* Sets the limits of residuals, the pixels to keep, and the weights of lights and pixels: after
- * part_expose(), and again when shares have changed. tolerance: change of a pixel, in levels, below
- * which it is not kept. */
+/* Sets the exposures of single cells only. */
+void part_expose_cells(struct part *part, const struct encode_settings *settings);
+
+/* Finds the pixels that some light alone changes by more than tolerance, in levels. Returns how
+ * many. shows: [pixels]. */
+int part_choose(const struct part *part, const struct encode_settings *settings,
+		const struct levels *levels, double tolerance, bool *shows);
+
+/* Sets the limits of residuals, and the weights of lights and pixels: after part_expose(), and
+ * again when shares have changed. */
 void part_limit(struct part *part, const struct encode_settings *settings,
-		const struct levels *levels, double tolerance);
+		const struct levels *levels);
 
 /* Tells whether a light's residual left [rows] keeps all pixels within the error asked for under
  * this cell alone. */
@@ -59,16 +66,5 @@ bool part_cell_holds(const struct part *part, int light, const float *left);
 /* The same for pixels from..to - 1 of one channel. */
 bool part_pixels_hold(const struct part *part, int light, int channel, int from, int to,
 		      const float *left);
-
-/*
- * Least reach (scale times the largest stored value) of a column that corrects left [rows]; 0: any.
- * A frame leaves out a column where X * reach < column_cut. As a light fades, no pixel may be off
- * by more than the error asked for at the moment when its column is left out. The reach is larger
- * where part->fine is below 1.
- */
-double part_column_reach(const struct part *part, int light, const float *left);
-
-/* Largest residual of a light in any kept pixel, as a multiple of its limit. */
-float part_cell_share(const struct part *part, int light, const float *left);
 
 #endif

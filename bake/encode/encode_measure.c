@@ -16,6 +16,7 @@ void measure_free(struct measure *m)
 {
 	free(m->sums);
 	free(m->bound);
+	free(m->cell_most);
 	*m = (struct measure){.room = 0};
 }
 
@@ -27,8 +28,10 @@ static int measure_reserve(struct measure *m, int count)
 	free(m->bound);
 	m->room = 0;
 	m->sums = calloc((size_t)count, sizeof(*m->sums));
+	free(m->cell_most);
+	m->cell_most = calloc((size_t)m->settings->lights, sizeof(*m->cell_most));
 	m->bound = calloc((size_t)count, sizeof(*m->bound));
-	if (!m->sums || !m->bound)
+	if (!m->sums || !m->bound || !m->cell_most)
 		return -ENOMEM;
 	m->room = count;
 	return 0;
@@ -95,10 +98,9 @@ static double level_seen(const struct measure *m, double object, double ratio, d
 	return (double)levels_at(m->levels, (float)shown);
 }
 
-/* Sum of squared differences over the listed places; *most grows, and over, as shares of the error
- * asked for, unless it is NULL. */
+/* Sum of squared differences over the listed places; *most grows. */
 static double measure_compare(struct measure *m, const bool *listed, const uint16_t *coverage,
-			      double asked, double *over, double *most)
+			      double *most)
 {
 	double square = 0;
 
@@ -115,8 +117,6 @@ static double measure_compare(struct measure *m, const bool *listed, const uint1
 			square += by * by;
 			worst = fmax(worst, fabs(by));
 		}
-		if (over)
-			over[at] = fmax(over[at], (worst + DIFFERENCE_ERROR) / asked);
 		*most = fmax(*most, worst);
 	}
 	return square;
@@ -194,8 +194,7 @@ static double sky_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return measure_compare(m, listed, coverage, m->settings->target.max,
-			       sky < m->settings->ensemble->tried ? m->sky_over : NULL, most);
+	return measure_compare(m, listed, coverage, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -222,7 +221,7 @@ static double cell_error(struct measure *m, const struct part *parts,
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
 	}
-	return measure_compare(m, listed, coverage, m->settings->target.cell, m->cell_over, most);
+	return measure_compare(m, listed, coverage, most);
 }
 
 static void measure_skies(struct measure *m, const struct part *parts,
@@ -253,8 +252,6 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	int err = measure_reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
-	memset(m->sky_over, 0, sizeof(m->sky_over));
-	memset(m->cell_over, 0, sizeof(m->cell_over));
 	if (err)
 		return err;
 	for (int k = 0; k < count; k++) {
@@ -267,10 +264,30 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 	error->sky_count = 3.0 * pixels;
 	error->cell_count = 3.0 * pixels * m->settings->lights;
 	measure_skies(m, parts, readers, count, listed, coverage, number, error);
-	for (int i = 0; i < m->settings->lights; i++)
+	for (int i = 0; i < m->settings->lights; i++) {
+		double most = 0;
+
 		error->cell_square += cell_error(m, parts, readers, count, i, listed, coverage,
-						 &error->cell_max);
+						 &most);
+		error->cell_max = fmax(error->cell_max, most);
+		m->cell_most[i] = (float)((most + DIFFERENCE_ERROR) / m->settings->target.cell);
+	}
 	for (int k = 0; k < count; k++)
 		m->bound[k] += block_reader_rounding(&readers[k]);
 	return 0;
+}
+
+double measure_worst_sky(const struct measure *m)
+{
+	double worst = 0;
+
+	for (int s = 0; s < m->settings->ensemble->skies; s++)
+		worst = fmax(worst, fmax(m->sky_rms[s], m->sky_most[s]));
+	return worst;
+}
+
+double measure_worst(const struct measure *m)
+{
+	return fmax(measure_worst_sky(m),
+		    (double)part_largest(m->cell_most, m->settings->lights, 1));
 }

@@ -26,14 +26,17 @@ struct measure {
 	struct measure_sums *sums; /* [parts] */
 	double *bound;		   /* [parts]: largest |is - got| of any light */
 	int room;		   /* parts that there is memory for */
-	/* Largest error of each pixel, as a multiple of that asked for; skies: tried ones only. */
-	double sky_over[PART_PIXELS], cell_over[PART_PIXELS];
+	float *cell_most; /* [lights]: largest error of any pixel, as a multiple of that asked for */
 	/* RMS and largest error of each sky, by its place, as multiples of those asked for. */
 	double sky_rms[ENSEMBLE_SKIES_MAX], sky_most[ENSEMBLE_SKIES_MAX];
 	struct measure_pixel pixel[PART_PIXELS];
 };
 
 void measure_free(struct measure *measure); /* zeroed is fine */
+
+/* The largest error measured, of a sky or of anything, as a multiple of that asked for. */
+double measure_worst_sky(const struct measure *measure);
+double measure_worst(const struct measure *measure);
 
 /* Measures the parts of a tile, each with its reader. number: the sky in each place
  * (encode_shade.h). -ENOMEM. */

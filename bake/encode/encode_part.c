@@ -15,17 +15,19 @@ int part_create(struct part *part, const struct encode_settings *settings)
 {
 	const size_t n = (size_t)settings->lights, skies = (size_t)settings->ensemble->skies;
 
-	*part = (struct part){.kept = 0};
+	*part = (struct part){.pixels = 0};
 	part->cell_slope = calloc(3 * n, sizeof(*part->cell_slope));
 	part->sky_x = calloc(skies * 3 * n, sizeof(*part->sky_x));
 	part->cell_white = calloc(n, sizeof(*part->cell_white));
 	part->weight = calloc(n, sizeof(*part->weight));
+	part->light_share = calloc(n, sizeof(*part->light_share));
 	part->sky_base = calloc(skies * PART_ROWS, sizeof(*part->sky_base));
 	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
 	part->own_share = calloc(n, sizeof(*part->own_share));
 	part->beside = calloc(n, sizeof(*part->beside));
-	return part->own_even && part->own_share && part->beside && part->cell_slope &&
-			       part->cell_white && part->weight && part->sky_x && part->sky_base
+	return part->own_even && part->light_share && part->own_share && part->beside &&
+			       part->cell_slope && part->cell_white && part->weight &&
+			       part->sky_x && part->sky_base
 		       ? 0
 		       : -ENOMEM;
 }
@@ -37,15 +39,17 @@ void part_free(struct part *part)
 	free(part->own_base);
 	free(part->least_left);
 	free(part->most_left);
+	free(part->tight);
 	free(part->cell_white);
 	free(part->weight);
+	free(part->light_share);
 	free(part->cell_slope);
 	free(part->sky_x);
 	free(part->sky_base);
 	free(part->own_even);
 	free(part->own_share);
 	free(part->beside);
-	*part = (struct part){.kept = 0};
+	*part = (struct part){.pixels = 0};
 }
 
 int part_room_for(float **array, size_t *room, size_t count)
@@ -93,32 +97,30 @@ static void scatter_row(const struct encode_settings *settings, enum basis_kind 
 		}
 }
 
-static bool scatter_all(const struct encode_settings *settings, const struct encode_samples *s,
-			struct part *part)
+static bool scatter_pixel(const struct encode_settings *settings, const struct encode_samples *s,
+			  struct part *part, int from, int to)
 {
 	const size_t n = (size_t)settings->lights;
 
-	for (int p = 0; p < s->pixels; p++)
-		for (int c = 0; c < part->channels; c++) {
-			const int own = s->channels == 3 ? c : 0;
-			const float *direct = s->direct +
-					      ((size_t)p * (size_t)s->channels + (size_t)own) * n;
-			float *to = part->value + c * s->pixels + p;
+	for (int c = 0; c < part->channels; c++) {
+		const int own = s->channels == 3 ? c : 0;
+		const float *row = s->direct +
+				   ((size_t)from * (size_t)s->channels + (size_t)own) * n;
+		float *value = part->value + c * part->pixels + to;
 
-			if (!samples_are_sane(s, direct, settings->lights, true))
-				return false;
-			scatter_row(settings, s->kind, direct, to, part->rows, false);
-			if (!s->bounce)
-				continue;
-			if (c < s->channels)
-				scatter_row(settings, s->kind, direct,
-					    part->direct + c * s->pixels + p,
-					    s->channels * s->pixels, false);
-			direct = s->bounce + ((size_t)p * 3 + (size_t)c) * n;
-			if (!samples_are_sane(s, direct, settings->lights, false))
-				return false;
-			scatter_row(settings, s->kind, direct, to, part->rows, true);
-		}
+		if (!samples_are_sane(s, row, settings->lights, true))
+			return false;
+		scatter_row(settings, s->kind, row, value, part->rows, false);
+		if (!s->bounce)
+			continue;
+		if (c < s->channels)
+			scatter_row(settings, s->kind, row, part->direct + c * part->pixels + to,
+				    s->channels * part->pixels, false);
+		row = s->bounce + ((size_t)from * 3 + (size_t)c) * n;
+		if (!samples_are_sane(s, row, settings->lights, false))
+			return false;
+		scatter_row(settings, s->kind, row, value, part->rows, true);
+	}
 	return true;
 }
 
@@ -151,26 +153,31 @@ static bool part_measure(struct part *part, int lights)
 }
 
 int part_load(struct part *part, const struct encode_settings *settings,
-	      const struct encode_samples *s)
+	      const struct encode_samples *s, const bool *wanted)
 {
 	const size_t n = (size_t)settings->lights;
-	int err;
+	int err, to = 0;
 
 	part->kind = s->kind;
 	part->ground = s->ground;
-	part->pixels = s->pixels;
-	memcpy(part->pixel, s->pixel, (size_t)s->pixels * sizeof(*s->pixel));
+	part->pixels = 0;
+	part->dropped = false;
+	for (int p = 0; p < s->pixels; p++)
+		if (!wanted || wanted[p])
+			part->pixel[part->pixels++] = s->pixel[p];
 	part->direct_channels = s->channels;
 	part->channels = s->bounce ? 3 : s->channels;
-	part->rows = part->channels * s->pixels;
+	part->rows = part->channels * part->pixels;
 	err = part_room_for(&part->value, &part->value_room, n * (size_t)part->rows);
 	if (!err)
 		err = part_room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
 	if (!err)
 		err = part_room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
+	if (!err)
+		err = part_room_for(&part->tight, &part->tight_room, n * (size_t)part->rows);
 	if (!err && s->bounce)
 		err = part_room_for(&part->direct, &part->direct_room,
-				    n * (size_t)(s->channels * s->pixels));
+				    n * (size_t)(s->channels * part->pixels));
 	if (err)
 		return err;
 	if (!s->bounce) {
@@ -178,14 +185,14 @@ int part_load(struct part *part, const struct encode_settings *settings,
 		part->direct = NULL;
 		part->direct_room = 0;
 	}
-	if (!scatter_all(settings, s, part))
-		return -EDOM;
+	for (int p = 0; p < s->pixels; p++)
+		if ((!wanted || wanted[p]) && !scatter_pixel(settings, s, part, p, to++))
+			return -EDOM;
 	if (!part_measure(part, settings->lights))
 		return -EDOM;
 	part->base = part->value;
-	for (int p = 0; p < part->pixels; p++)
-		part->sky_share[p] = part->cell_share[p] = 1;
-	part->fine = 1;
+	for (int i = 0; i < settings->lights; i++)
+		part->light_share[i] = 1;
 	return 0;
 }
 

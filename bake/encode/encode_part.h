@@ -33,23 +33,22 @@ struct part {
 	int ground;
 	int pixels;
 	uint16_t pixel[PART_PIXELS];
-	bool keep[PART_PIXELS]; /* false: the pixel changes too little to be in the blocks */
-	int kept;		/* number of pixels to keep */
-	int channels;		/* of value: 3, or 1 where all three are alike */
-	int rows;		/* channels * pixels; row = channel * pixels + place in pixel */
+	bool dropped; /* its pixels change too little to be in blocks */
+	int channels; /* of value: 3, or 1 where all three are alike */
+	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
-	/* Share of the error asked for that this part may use up, by pixel: 1 until the measured
-	 * error is too large. */
-	float sky_share[PART_PIXELS], cell_share[PART_PIXELS];
-	float fine;    /* factor on cell_share for lights by themselves: 1 until no plan holds */
-	float largest; /* maximum of |value| */
-	float rounded; /* maximum of |direct| + |bounce|: rounding errors are relative to it */
-	float *value;  /* [lights][rows], per unit of X */
-	float *direct; /* [lights][direct_channels * pixels]; NULL where there is no bounce */
+	/* [lights]: share of the error asked for that this part may use up, 1 until the measured
+	 * error is too large */
+	float *light_share;
+	float largest;	   /* maximum of |value| */
+	float rounded;	   /* maximum of |direct| + |bounce|: rounding errors are relative to it */
+	float *value;	   /* [lights][rows], per unit of X */
+	float *direct;	   /* [lights][direct_channels * pixels]; NULL where there is no bounce */
 	const float *base; /* [lights][rows]: shown value, errors are added to it: value or u - d */
 	const struct levels *levels;
 	double column_cut; /* below which columns are left out of a frame; 0: never */
 	double group_cut;  /* the same for columns of groups */
+	double cut_share;  /* share of the cuts at which columns may be left out as light fades */
 	/*
 	 * Shown light, for a cell (X is in the slope) and for a sky (X is sky_x):
 	 *     cell:  shown = offset + slope * base
@@ -61,6 +60,7 @@ struct part {
 	/* [lights][rows]: smallest (<= 0) and largest residual of a value that keep the error asked
 	 * for under its cell alone. */
 	float *least_left, *most_left;
+	float *tight; /* [lights][rows]: 1 / the smaller magnitude of the two */
 	/* Weights of a squared error, by light and by pixel. */
 	float *weight; /* [lights] */
 	float pixel_weight[PART_PIXELS];
@@ -74,7 +74,7 @@ struct part {
 	/* Radiance that is shown as 1: per unit radiance of a cell, and under each sky. */
 	float *cell_white; /* [lights] */
 	double sky_white[ENSEMBLE_SKIES_MAX];
-	size_t value_room, direct_room, base_room, least_room, most_room;
+	size_t value_room, direct_room, base_room, least_room, most_room, tight_room;
 	float *own_base; /* memory of base, where that is not value */
 	float *own_even;
 	double *own_share, (*beside)[4]; /* [lights]: X of one sky, for basis_group_even() */
@@ -86,9 +86,10 @@ int part_room_for(float **array, size_t *room, size_t count);
 int part_create(struct part *part, const struct encode_settings *settings);
 void part_free(struct part *part); /* zeroed is fine */
 
-/* Checks the samples and copies them, divided by the factors of X. -EDOM, -ENOMEM. */
+/* Checks the samples of the pixels that are wanted, and copies them, divided by the factors of X.
+ * wanted [samples->pixels]; NULL: all. -EDOM, -ENOMEM. */
 int part_load(struct part *part, const struct encode_settings *settings,
-	      const struct encode_samples *samples);
+	      const struct encode_samples *samples, const bool *wanted);
 
 /* Joins a pair of D and U: errors of both are added to u - d when shown. -EINVAL: their channels
  * differ; -ENOMEM. */

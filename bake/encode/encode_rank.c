@@ -27,116 +27,6 @@ static int coarse_stride(int coarse)
 	return basis_panels16(coarse) * BASIS_LINE16;
 }
 
-/* ---- the metric ---- */
-
-int rank_metric_create(struct rank_metric *metric, const struct encode_settings *settings)
-{
-	const size_t k = (size_t)settings->coarse;
-
-	*metric = (struct rank_metric){.weight = NULL};
-	if (settings->coarse == settings->lights)
-		return 0;
-	metric->factor = calloc(k * k, sizeof(*metric->factor));
-	metric->mean_weight = calloc(k, sizeof(*metric->mean_weight));
-	metric->mean_share = calloc((size_t)settings->lights, sizeof(*metric->mean_share));
-	return metric->factor && metric->mean_weight && metric->mean_share ? 0 : -ENOMEM;
-}
-
-/*
- * Lights that patterns miss have columns, so patterns need not try to reach each of them. But what
- * they come to together is what soft light is made of, and few columns are read where patterns have
- * that: so the weight that lights of a group have lost goes to their mean, by the shares by which a
- * group's column is made (hal/basis/basis_groups.h).
- */
-static void find_means(struct rank_metric *metric, const struct encode_settings *settings,
-		       const struct part *part)
-{
-	const struct basis_groups *groups = settings->groups;
-
-	for (int g = 0; g < groups->count; g++) {
-		const uint16_t *light = groups->light + groups->first[g];
-		const int count = (int)(groups->first[g + 1] - groups->first[g]);
-		double lost = 0, shares = 0;
-
-		for (int n = 0; n < count; n++) {
-			const int i = light[n];
-			const double less = (double)part->weight[i] - (double)metric->weight[i];
-			const double share = part->share && less > 0 ? part->share[i] : 0;
-
-			metric->mean_share[i] = (float)share;
-			lost += share > 0 ? less : 0;
-			shares += share;
-		}
-		for (int n = 0; n < count && shares > 0; n++)
-			metric->mean_share[light[n]] /= (float)shares;
-		metric->mean_weight[g] = shares > 0 ? RANK_MEAN_WEIGHT * (float)lost : 0;
-	}
-}
-
-/* P W P^T gains what the mean of a group's lights does in it. */
-static void add_mean(struct rank_metric *metric, const struct encode_settings *settings, int g)
-{
-	const struct basis_groups *groups = settings->groups;
-	const uint16_t *first = groups->light + groups->first[g];
-	const uint16_t *end = groups->light + groups->first[g + 1];
-
-	for (const uint16_t *i = first; i < end; i++)
-		for (const uint16_t *j = first; j < end; j++) {
-			const struct basis_coarse *x = &settings->gather[*i],
-						  *y = &settings->gather[*j];
-			const float by = metric->mean_weight[g] * metric->mean_share[*i] *
-					 metric->mean_share[*j] * 0x1p-30F;
-
-			for (int a = 0; a < 3 && by > 0; a++)
-				for (int b = 0; b < 3; b++)
-					metric->factor[x->index[a] * (size_t)settings->coarse +
-						       y->index[b]] += by * (float)x->weight[a] *
-								       (float)y->weight[b];
-		}
-}
-
-int rank_metric_set(struct rank_metric *metric, const struct encode_settings *settings,
-		    const struct part *part, const float *weight)
-{
-	const size_t k = (size_t)settings->coarse;
-	double trace = 0;
-
-	metric->weight = weight;
-	metric->pixels = part->pixels;
-	for (int p = 0; p < part->pixels; p++)
-		metric->root[p] = sqrtf(part->pixel_weight[p]);
-	if (!metric->factor)
-		return 0;
-	memset(metric->factor, 0, k * k * sizeof(*metric->factor));
-	for (int i = 0; i < settings->lights; i++) {
-		const struct basis_coarse *g = &settings->gather[i];
-
-		for (int a = 0; a < 3; a++)
-			for (int b = 0; b < 3; b++)
-				metric->factor[g->index[a] * k + g->index[b]] +=
-					weight[i] * (float)g->weight[a] * (float)g->weight[b] *
-					0x1p-30F;
-	}
-	find_means(metric, settings, part);
-	for (int g = 0; g < settings->groups->count; g++)
-		if (metric->mean_weight[g] > 0)
-			add_mean(metric, settings, g);
-	for (size_t a = 0; a < k; a++)
-		trace += (double)metric->factor[a * k + a];
-	for (size_t a = 0; a < k; a++)
-		metric->factor[a * k + a] += (float)(RIDGE * trace / (double)k);
-	return LAPACKE_spotrf(LAPACK_ROW_MAJOR, 'L', (int)k, metric->factor, (int)k) == 0 ? 0
-											  : -EDOM;
-}
-
-void rank_metric_free(struct rank_metric *metric)
-{
-	free(metric->factor);
-	free(metric->mean_weight);
-	free(metric->mean_share);
-	*metric = (struct rank_metric){0};
-}
-
 /* ---- room ---- */
 
 int rank_patterns_create(struct rank_patterns *p, const struct encode_settings *settings)
@@ -160,94 +50,97 @@ void rank_patterns_free(struct rank_patterns *p)
 	*p = (struct rank_patterns){0};
 }
 
-int rank_scratch_create(struct rank_scratch *s, const struct encode_settings *settings)
+int rank_finder_create(struct rank_finder *f, const struct encode_settings *settings)
 {
 	const size_t k = (size_t)settings->coarse;
 	const size_t longest = k > PART_ROWS ? k : PART_ROWS;
+	const bool gathers = settings->coarse < settings->lights;
 
-	s->coarse = calloc(k * PART_ROWS, sizeof(*s->coarse));
-	s->left = calloc(longest * WIDTH, sizeof(*s->left));
-	s->right = calloc(longest * WIDTH, sizeof(*s->right));
-	s->mixed = calloc(longest * WIDTH, sizeof(*s->mixed));
-	return s->coarse && s->left && s->right && s->mixed ? 0 : -ENOMEM;
+	*f = (struct rank_finder){.settings = settings};
+	if (gathers)
+		f->factor = calloc(k * k, sizeof(*f->factor));
+	f->coarse = calloc(k * PART_ROWS, sizeof(*f->coarse));
+	f->left = calloc(longest * WIDTH, sizeof(*f->left));
+	f->right = calloc(longest * WIDTH, sizeof(*f->right));
+	f->mixed = calloc(longest * WIDTH, sizeof(*f->mixed));
+	return (f->factor || !gathers) && f->coarse && f->left && f->right && f->mixed ? 0
+										       : -ENOMEM;
 }
 
-void rank_scratch_free(struct rank_scratch *s)
+void rank_finder_free(struct rank_finder *f)
 {
-	free(s->coarse);
-	free(s->left);
-	free(s->right);
-	free(s->mixed);
-	*s = (struct rank_scratch){0};
+	free(f->factor);
+	free(f->coarse);
+	free(f->left);
+	free(f->right);
+	free(f->mixed);
+	*f = (struct rank_finder){0};
 }
 
 /* ---- finding ---- */
 
-/* to[row] = or += by * from[row], as much as the row's pixel counts. */
-static void take_rows(const struct rank_metric *metric, float by, const float *from, float *to,
-		      int rows, bool add)
+/* Makes P W P^T, and its Cholesky factor. The scale of weights is arbitrary. */
+int rank_weigh(struct rank_finder *f, const struct part *part)
 {
-	for (int first = 0; first < rows; first += metric->pixels)
-		for (int p = 0; p < metric->pixels; p++) {
-			const float is = by * metric->root[p] * from[first + p];
+	const struct encode_settings *settings = f->settings;
+	const size_t k = (size_t)settings->coarse;
+	double trace = 0;
 
-			to[first + p] = add ? to[first + p] + is : is;
-		}
-}
-
-static void project_mean(const struct encode_settings *settings, const struct rank_metric *metric,
-			 int g, const float *value, float *coarse, int rows)
-{
-	const struct basis_groups *groups = settings->groups;
-	float mean[PART_ROWS] = {0};
-
-	for (uint32_t n = groups->first[g]; n < groups->first[g + 1]; n++) {
-		const float *from = value + (size_t)groups->light[n] * (size_t)rows;
-		const float share = metric->mean_share[groups->light[n]];
-
-		for (int r = 0; r < rows && share > 0; r++)
-			mean[r] += share * from[r];
-	}
-	for (uint32_t n = groups->first[g]; n < groups->first[g + 1]; n++) {
-		const struct basis_coarse *gather = &settings->gather[groups->light[n]];
-		const float by = metric->mean_weight[g] * metric->mean_share[groups->light[n]];
+	f->part = part;
+	for (int p = 0; p < part->pixels; p++)
+		f->root[p] = sqrtf(part->pixel_weight[p]);
+	if (!f->factor)
+		return 0;
+	memset(f->factor, 0, k * k * sizeof(*f->factor));
+	for (int i = 0; i < settings->lights; i++) {
+		const struct basis_coarse *g = &settings->gather[i];
 
 		for (int a = 0; a < 3; a++)
-			if (by * (float)gather->weight[a] > 0)
-				take_rows(metric, by * (float)gather->weight[a] * 0x1p-15F, mean,
-					  coarse + (size_t)gather->index[a] * (size_t)rows, rows,
-					  true);
+			for (int b = 0; b < 3; b++)
+				f->factor[g->index[a] * k + g->index[b]] +=
+					part->weight[i] * (float)g->weight[a] *
+					(float)g->weight[b] * 0x1p-30F;
 	}
+	for (size_t a = 0; a < k; a++)
+		trace += (double)f->factor[a * k + a];
+	for (size_t a = 0; a < k; a++)
+		f->factor[a * k + a] += (float)(RIDGE * trace / (double)k);
+	return LAPACKE_spotrf(LAPACK_ROW_MAJOR, 'L', (int)k, f->factor, (int)k) == 0 ? 0 : -EDOM;
+}
+
+/* to[row] += by * from[row], as much as the row's pixel counts. */
+static void add_rows(const struct rank_finder *f, float by, const float *from, float *to, int rows)
+{
+	for (int first = 0; first < rows; first += f->part->pixels)
+		for (int p = 0; p < f->part->pixels; p++)
+			to[first + p] += by * f->root[p] * from[first + p];
 }
 
 /* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
  */
-static void rank_project(const struct encode_settings *settings, const struct rank_metric *metric,
-			 const float *value, float *coarse, int rows)
+static void rank_project(struct rank_finder *f, const float *value, int rows)
 {
-	if (metric->factor)
-		memset(coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*coarse));
+	const struct encode_settings *settings = f->settings;
+
+	memset(f->coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*f->coarse));
 	for (int i = 0; i < settings->lights; i++) {
 		const float *from = value + (size_t)i * (size_t)rows;
+		const float weight = f->part->weight[i];
 
-		if (!metric->factor)
-			take_rows(metric, sqrtf(metric->weight[i]), from,
-				  coarse + (size_t)i * (size_t)rows, rows, false);
-		for (int a = 0; metric->factor && a < 3; a++) {
+		if (!f->factor)
+			add_rows(f, sqrtf(weight), from, f->coarse + (size_t)i * (size_t)rows,
+				 rows);
+		for (int a = 0; f->factor && a < 3; a++) {
 			const struct basis_coarse *g = &settings->gather[i];
-			const float w = metric->weight[i] * (float)g->weight[a] * 0x1p-15F;
 
-			if (w > 0)
-				take_rows(metric, w, from,
-					  coarse + (size_t)g->index[a] * (size_t)rows, rows, true);
+			if (g->weight[a])
+				add_rows(f, weight * (float)g->weight[a] * 0x1p-15F, from,
+					 f->coarse + (size_t)g->index[a] * (size_t)rows, rows);
 		}
 	}
-	for (int g = 0; metric->factor && g < settings->groups->count; g++)
-		if (metric->mean_weight[g] > 0)
-			project_mean(settings, metric, g, value, coarse, rows);
-	if (metric->factor)
+	if (f->factor)
 		cblas_strsm(CblasRowMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit,
-			    settings->coarse, rows, 1, metric->factor, settings->coarse, coarse,
+			    settings->coarse, rows, 1, f->factor, settings->coarse, f->coarse,
 			    rows);
 }
 
@@ -277,7 +170,7 @@ static void rank_orthonormalise(float *columns, int length, int count)
  * Subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4): left [count][K] becomes an
  * orthonormal basis of what the matrix mostly is, right [count][rows] the matrix in it.
  */
-static void rank_iterate(struct rank_scratch *s, int k, int rows, int count)
+static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 {
 	struct random random = {random_hash(0x7061747465726e73, (uint64_t)k, (uint64_t)rows)};
 
@@ -294,7 +187,7 @@ static void rank_iterate(struct rank_scratch *s, int k, int rows, int count)
 }
 
 /* Turns both sides so that the strongest come first. */
-static void sort_out(struct rank_scratch *s, int k, int rows, int count)
+static void sort_out(struct rank_finder *s, int k, int rows, int count)
 {
 	float gram[WIDTH * WIDTH], size[WIDTH], turned[WIDTH * WIDTH];
 
@@ -358,43 +251,42 @@ static bool rank_quantise(struct rank_patterns *p, const struct encode_settings 
 }
 
 /* Back from where a sum of squares was the weighted one. */
-static void rank_unweigh(const struct rank_metric *metric, struct rank_scratch *s, int k, int rows,
-			 int count)
+static void rank_unweigh(struct rank_finder *f, int rows, int count)
 {
-	if (metric->factor)
-		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
-			    count, 1, metric->factor, k, s->left, k);
-	for (int j = 0; j < count; j++) {
-		float *pattern = s->left + (size_t)j * (size_t)k;
-		float *row = s->right + (size_t)j * (size_t)rows;
+	const int k = f->settings->coarse;
 
-		for (int i = 0; !metric->factor && i < k; i++)
-			pattern[i] /= sqrtf(metric->weight[i]);
+	if (f->factor)
+		cblas_strsm(CblasColMajor, CblasLeft, CblasUpper, CblasNoTrans, CblasNonUnit, k,
+			    count, 1, f->factor, k, f->left, k);
+	for (int j = 0; j < count; j++) {
+		float *pattern = f->left + (size_t)j * (size_t)k;
+		float *row = f->right + (size_t)j * (size_t)rows;
+
+		for (int i = 0; !f->factor && i < k; i++)
+			pattern[i] /= sqrtf(f->part->weight[i]);
 		for (int r = 0; r < rows; r++)
-			row[r] /= metric->root[r % metric->pixels];
+			row[r] /= f->root[r % f->part->pixels];
 	}
 }
 
-void rank_find(struct rank_patterns *p, const struct encode_settings *settings,
-	       const struct rank_metric *metric, struct rank_scratch *s, const float *value,
-	       int rows, int most)
+void rank_find(struct rank_patterns *p, struct rank_finder *f, const float *value, int rows,
+	       int most)
 {
-	const int k = settings->coarse;
-	const int shortest = k < rows ? k : rows;
+	const int k = f->settings->coarse, shortest = k < rows ? k : rows;
 	const int count = shortest < most + SPARE ? shortest : most + SPARE;
 	float size;
 
 	p->count = 0;
 	p->rows = rows;
-	rank_project(settings, metric, value, s->coarse, rows);
-	size = rank_normalise(s->coarse, (size_t)k * (size_t)rows);
+	rank_project(f, value, rows);
+	size = rank_normalise(f->coarse, (size_t)k * (size_t)rows);
 	if (!(size > 0))
 		return;
-	rank_iterate(s, k, rows, count);
-	sort_out(s, k, rows, count);
-	rank_unweigh(metric, s, k, rows, count);
+	rank_iterate(f, k, rows, count);
+	sort_out(f, k, rows, count);
+	rank_unweigh(f, rows, count);
 	while (p->count < count && p->count < most &&
-	       rank_quantise(p, settings, p->count, s->right + (size_t)p->count * (size_t)rows,
-			     s->left + (size_t)p->count * (size_t)k, (double)size))
+	       rank_quantise(p, f->settings, p->count, f->right + (size_t)p->count * (size_t)rows,
+			     f->left + (size_t)p->count * (size_t)k, (double)size))
 		p->count++;
 }

@@ -7,311 +7,337 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode_rank.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 
 void block_reader_free(struct block_reader *reader)
 {
-	free(reader->at_light);
-	free(reader->coefficient);
+	free(reader->block);
+	free(reader->values);
 	free(reader->grouped);
 	*reader = (struct block_reader){.count = 0};
 }
 
-static int reader_reserve(struct block_reader *reader, int patterns)
+static int reader_reserve(struct block_reader *reader, int count, size_t values)
 {
-	if (patterns <= reader->patterns_room)
-		return 0;
-	free(reader->at_light);
-	free(reader->coefficient);
-	reader->patterns_room = 0;
-	reader->at_light = calloc((size_t)patterns * (size_t)reader->settings->lights,
-				  sizeof(*reader->at_light));
-	reader->coefficient = calloc((size_t)patterns * PART_ROWS, sizeof(*reader->coefficient));
-	if (!reader->at_light || !reader->coefficient)
-		return -ENOMEM;
-	reader->patterns_room = patterns;
-	return 0;
+	const size_t groups = (size_t)reader->settings->groups->count;
+
+	if (count > reader->room) {
+		free(reader->block);
+		reader->room = 0;
+		reader->block = calloc((size_t)count, sizeof(*reader->block));
+		if (!reader->block)
+			return -ENOMEM;
+		reader->room = count;
+	}
+	if (values > reader->values_room) {
+		free(reader->values);
+		reader->values_room = 0;
+		reader->values = malloc(values * sizeof(*reader->values));
+		if (!reader->values)
+			return -ENOMEM;
+		reader->values_room = values;
+	}
+	if (!reader->grouped)
+		reader->grouped = calloc(2 * groups + 1, sizeof(*reader->grouped));
+	return reader->grouped ? 0 : -ENOMEM;
 }
 
-static bool *grouped_of(const struct block_reader *reader, const struct basis_block_payload *block)
+static bool *grouped_of(const struct block_reader *reader, const struct basis_block_entry *e)
 {
-	return reader->grouped +
-	       (block->entry.channels == 3 ? (size_t)reader->settings->groups->count : 0);
+	return reader->grouped + (e->channels == 3 ? reader->settings->groups->count : 0);
 }
 
-static void read_groups(struct block_reader *reader, const struct basis_block_payload *block)
-{
-	const int lights = reader->settings->lights;
-	const struct basis_layout at = basis_layout(&block->entry, reader->settings->coarse);
-	const uint16_t *number = (const uint16_t *)((const uint8_t *)block->payload + at.light);
+/* ---- decoding ---- */
 
-	for (uint32_t n = block->entry.columns; n && number[n - 1] >= lights; n--)
-		grouped_of(reader, block)[number[n - 1] - lights] = true;
-}
-
-static void read_patterns(struct block_reader *reader, const struct basis_block_payload *block,
-			  int first)
+static void read_patterns(const struct block_reader *reader, const struct read_block *block,
+			  const struct basis_layout *at)
 {
-	const struct basis_block_entry *e = &block->entry;
+	const struct basis_block_entry *e = &block->from->entry;
 	const struct encode_settings *settings = reader->settings;
-	const struct basis_layout at = basis_layout(e, settings->coarse);
-	const uint8_t *payload = block->payload;
-	const void *scales = payload + at.pattern_scale;
-	const float *scale = scales;
-	const int16_t *coefficient = (const int16_t *)(payload + at.coefficient);
+	const uint8_t *payload = block->from->payload;
+	const void *scales = payload + at->pattern_scale;
+	const int16_t *pattern = (const int16_t *)(payload + at->pattern);
+	const int16_t *coefficient = (const int16_t *)(payload + at->coefficient);
+	double *light = reader->values + block->at_light;
+	double *row = reader->values + block->coefficient;
 
-	for (int j = 0; j < e->patterns; j++) {
-		const int16_t *pattern = (const int16_t *)(payload + at.pattern) +
-					 (size_t)j * (size_t)at.stride;
-		double *to = reader->at_light + (size_t)(first + j) * (size_t)settings->lights;
-
-		for (int i = 0; i < settings->lights; i++) {
-			to[i] = settings->gather ? 0 : pattern[i];
+	for (int j = 0; j < e->patterns; j++, pattern += at->stride) {
+		for (int i = 0; i < settings->lights; i++, light++) {
+			*light = settings->gather ? 0 : pattern[i];
 			for (int a = 0; settings->gather && a < 3; a++)
-				to[i] += pattern[settings->gather[i].index[a]] *
-					 ((double)settings->gather[i].weight[a] / BASIS_COARSE_ONE);
+				*light +=
+					pattern[settings->gather[i].index[a]] *
+					((double)settings->gather[i].weight[a] / BASIS_COARSE_ONE);
 		}
-		to = reader->coefficient + (size_t)(first + j) * PART_ROWS;
 		for (int c = 0; c < e->channels; c++)
 			for (int p = 0; p < e->pixels; p++) {
-				const size_t line = basis_line16(at.panels16, e->patterns, c,
+				const size_t line = basis_line16(at->panels16, e->patterns, c,
 								 p / BASIS_LINE16, j);
 
-				to[c * PART_PIXELS + p] = (double)scale[j] *
-							  coefficient[line * BASIS_LINE16 +
-								      (size_t)(p % BASIS_LINE16)];
+				*row++ = (double)((const float *)scales)[j] *
+					 coefficient[line * BASIS_LINE16 +
+						     (size_t)(p % BASIS_LINE16)];
 			}
 	}
 }
 
-int block_reader_open(struct block_reader *reader, const struct encode_settings *settings,
-		      const struct part *part, const struct basis_block_payload *block, int count)
+static void read_column16(const struct read_block *block, const struct basis_layout *at, int number,
+			  double *to)
 {
-	int patterns = 0, err;
+	const struct basis_block_entry *e = &block->from->entry;
+	const void *columns = (const uint8_t *)block->from->payload + at->column;
 
-	reader->settings = settings;
-	reader->part = part;
-	reader->block = block;
-	reader->count = count;
-	for (int k = 0; k < count; k++)
-		patterns += block[k].entry.patterns;
-	err = reader_reserve(reader, patterns);
-	free(reader->grouped);
-	reader->grouped = calloc(2 * (size_t)settings->groups->count + 1, sizeof(*reader->grouped));
-	if (err || !reader->grouped)
-		return -ENOMEM;
-	patterns = 0;
-	for (int k = 0; k < count; k++) {
-		read_patterns(reader, &block[k], patterns);
-		read_groups(reader, &block[k]);
-		patterns += block[k].entry.patterns;
-	}
-	return 0;
+	for (int c = 0; c < e->channels; c++)
+		for (int p = 0; p < e->pixels; p++) {
+			const size_t line = basis_line16(at->panels16, (int)e->columns, c,
+							 p / BASIS_LINE16, number);
+
+			*to++ = ((const int16_t *)
+					 columns)[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)];
+		}
 }
 
-/* A column's values: [channels][pixels, to the end of a line]. */
-static void read_column(const struct basis_block_payload *block, const struct basis_layout *at,
-			int number, int16_t (*value)[PART_PIXELS])
+static void read_column8(const struct read_block *block, const struct basis_layout *at, int number,
+			 double *to)
 {
-	const struct basis_block_entry *e = &block->entry;
-	const uint8_t *payload = block->payload;
-	const void *columns = payload + at->column;
-	const int16_t *column16 = columns;
-	const uint32_t *record_at = columns;
-	const uint8_t *code, *from;
+	const struct basis_block_entry *e = &block->from->entry;
+	const void *record_at = (const uint8_t *)block->from->payload + at->column;
+	const uint8_t *code = (const uint8_t *)block->from->payload + at->record +
+			      ((const uint32_t *)record_at)[number];
 	const int lines = at->panels8 * e->channels;
+	const uint8_t *from = code + basis_record_head(lines);
 
-	if (e->bits == 16) {
-		for (int c = 0; c < e->channels; c++)
-			for (int p = 0; p < e->pixels; p++) {
-				const size_t line = basis_line16(at->panels16, (int)e->columns, c,
-								 p / BASIS_LINE16, number);
-
-				value[c][p] =
-					column16[line * BASIS_LINE16 + (size_t)(p % BASIS_LINE16)];
-			}
-		return;
-	}
-	code = payload + at->record + record_at[number];
-	from = code + basis_record_head(lines);
 	for (int k = 0; k < lines; from += basis_line_bytes(code[k++])) {
+		const int c = k % e->channels, first = k / e->channels * BASIS_LINE8;
 		int8_t line[BASIS_LINE8];
 
 		basis_line_unpack(code[k], from, line);
-		for (int p = 0; p < BASIS_LINE8; p++)
-			value[k % e->channels][k / e->channels * BASIS_LINE8 + p] = line[p];
+		for (int p = 0; p < BASIS_LINE8 && first + p < e->pixels; p++)
+			to[c * e->pixels + first + p] = line[p];
 	}
 }
 
-/* own [channels][PART_PIXELS] += factor * column. */
-static void add_column(const struct basis_block_payload *block, const struct basis_layout *at,
-		       int number, const double factor[3], double (*own)[PART_PIXELS])
+static void read_block(struct block_reader *reader, const struct read_block *block)
 {
-	const struct basis_block_entry *e = &block->entry;
-	const uint8_t *payload = block->payload;
-	const void *scales = payload + at->column_scale;
-	const double scale = (double)((const float *)scales)[number];
-	int16_t value[3][PART_PIXELS];
+	const struct basis_block_entry *e = &block->from->entry;
+	const struct basis_layout at = basis_layout(e, reader->settings->coarse);
+	const size_t each = (size_t)(e->channels * e->pixels);
 
-	read_column(block, at, number, value);
+	read_patterns(reader, block, &at);
+	for (int n = 0; n < (int)e->columns; n++) {
+		double *to = reader->values + block->column + (size_t)n * each;
+
+		if (e->bits == 16)
+			read_column16(block, &at, n, to);
+		else
+			read_column8(block, &at, n, to);
+		if (block->number[n] >= reader->settings->lights)
+			grouped_of(reader, e)[block->number[n] - reader->settings->lights] = true;
+	}
+}
+
+/* Where a block's arrays are. Returns how many values it has. */
+static size_t place_block(struct read_block *block, const struct encode_settings *settings,
+			  const struct basis_block_payload *from, size_t values)
+{
+	const struct basis_block_entry *e = &from->entry;
+	const struct basis_layout at = basis_layout(e, settings->coarse);
+	const uint8_t *payload = from->payload;
+	const void *scale = payload + at.column_scale;
+	const size_t each = (size_t)(e->channels * e->pixels);
+
+	*block = (struct read_block){
+		.from = from,
+		.number = (const uint16_t *)(payload + at.light),
+		.tint = e->tinted ? (const uint16_t *)(payload + at.tint) : NULL,
+		.scale = scale,
+		.at_light = values,
+		.coefficient = values + e->patterns * (size_t)settings->lights,
+	};
+	block->column = block->coefficient + e->patterns * each;
+	return block->column + e->columns * each - values;
+}
+
+int block_reader_open(struct block_reader *reader, const struct encode_settings *settings,
+		      const struct part *part, const struct basis_block_payload *from, int count)
+{
+	struct read_block spare;
+	size_t values = 0;
+	int err;
+
+	reader->settings = settings;
+	reader->part = part;
+	for (int k = 0; k < count; k++)
+		values += place_block(&spare, settings, &from[k], values);
+	err = reader_reserve(reader, count, values);
+	if (err)
+		return err;
+	memset(reader->grouped, 0, 2 * (size_t)settings->groups->count * sizeof(*reader->grouped));
+	reader->count = count;
+	values = 0;
+	for (int k = 0; k < count; k++) {
+		values += place_block(&reader->block[k], settings, &from[k], values);
+		read_block(reader, &reader->block[k]);
+	}
+	return 0;
+}
+
+/* ---- sums ---- */
+
+/* own[c] += factor[c] * row of a block, in each channel. */
+static void add_row(const struct basis_block_entry *e, const double *row, const double factor[3],
+		    double (*own)[PART_PIXELS])
+{
+	for (int c = 0; c < 3; c++) {
+		const double *from = row + (e->channels == 3 ? c * e->pixels : 0);
+		const double by = factor[c];
+
+		for (int p = 0; p < e->pixels && by != 0; p++)
+			own[c][p] += by * from[p];
+	}
+}
+
+/* value += a block's sum, tinted. */
+static void add_tinted(const struct read_block *block, const double (*own)[PART_PIXELS],
+		       double (*value)[PART_PIXELS])
+{
+	const int pixels = block->from->entry.pixels;
+
 	for (int c = 0; c < 3; c++)
-		for (int p = 0; factor[c] != 0 && p < e->pixels; p++)
-			own[c][p] += factor[c] * scale * value[e->channels == 3 ? c : 0][p];
+		for (int p = 0; p < pixels; p++)
+			value[c][p] += own[c][p] * (block->tint
+							    ? (double)block->tint[c * pixels + p] /
+								      BASIS_TINT_ONE
+							    : 1);
 }
 
-/* To the part's pixels, tinted. */
-static void reader_add_block(const struct part *part, const struct basis_block_payload *block,
-			     const struct basis_layout *at, const double (*own)[PART_PIXELS],
-			     double (*value)[PART_PIXELS])
+static int reader_find(const struct read_block *block, int number)
 {
-	const struct basis_block_entry *e = &block->entry;
-	const uint8_t *payload = block->payload;
-	const uint16_t *pixel = (const uint16_t *)(payload + at->pixel);
-	const uint16_t *tint = (const uint16_t *)(payload + at->tint);
-	int place = 0;
-
-	for (int p = 0; p < part->pixels && place < e->pixels; p++) {
-		if (part->pixel[p] != pixel[place])
-			continue;
-		for (int c = 0; c < 3; c++)
-			value[c][p] +=
-				own[c][place] *
-				(e->tinted ? (double)tint[c * e->pixels + place] / BASIS_TINT_ONE
-					   : 1);
-		place++;
-	}
-}
-
-/* y: [3] of pattern number j. */
-static void add_patterns(const struct block_reader *reader, const struct basis_block_entry *e,
-			 int first, const double (*y)[3], double (*own)[PART_PIXELS])
-{
-	for (int j = 0; j < e->patterns; j++)
-		for (int c = 0; c < 3; c++) {
-			const double *row = reader->coefficient + (size_t)(first + j) * PART_ROWS +
-					    (e->channels == 3 ? c * PART_PIXELS : 0);
-
-			for (int p = 0; p < e->pixels; p++)
-				own[c][p] += y[j][c] * row[p];
-		}
-}
-
-static int reader_find(const struct basis_block_payload *block, const struct basis_layout *at,
-		       int light)
-{
-	const uint16_t *lights = (const uint16_t *)((const uint8_t *)block->payload + at->light);
-	int low = 0, high = (int)block->entry.columns;
+	int low = 0, high = (int)block->from->entry.columns;
 
 	while (low < high) {
 		const int middle = (low + high) / 2;
 
-		if (lights[middle] < light)
+		if (block->number[middle] < number)
 			low = middle + 1;
 		else
 			high = middle;
 	}
-	return low < (int)block->entry.columns && lights[low] == light ? low : -1;
+	return low < (int)block->from->entry.columns && block->number[low] == number ? low : -1;
+}
+
+static const double *column_of(const struct block_reader *reader, const struct read_block *block,
+			       int n)
+{
+	const struct basis_block_entry *e = &block->from->entry;
+
+	return reader->values + block->column + (size_t)n * (size_t)(e->channels * e->pixels);
 }
 
 void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS])
 {
-	static const double one[3] = {1, 1, 1};
-	int first = 0;
+	const size_t lights = (size_t)reader->settings->lights;
 
 	memset(value, 0, 3 * sizeof(*value));
 	for (int k = 0; k < reader->count; k++) {
-		const struct basis_block_payload *block = &reader->block[k];
-		const struct basis_layout at = basis_layout(&block->entry,
-							    reader->settings->coarse);
-		const int column = reader_find(block, &at, light);
+		const struct read_block *block = &reader->block[k];
+		const struct basis_block_entry *e = &block->from->entry;
+		const int column = reader_find(block, light);
 		double own[3][PART_PIXELS] = {{0}};
-		double y[RANK_MOST][3];
 
-		for (int j = 0; j < block->entry.patterns; j++)
-			for (int c = 0; c < 3; c++)
-				y[j][c] =
-					reader->at_light[(size_t)(first + j) *
-								 (size_t)reader->settings->lights +
-							 (size_t)light];
-		add_patterns(reader, &block->entry, first, (const double(*)[3])y, own);
-		if (column >= 0)
-			add_column(block, &at, column, one, own);
-		reader_add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own,
-				 value);
-		first += block->entry.patterns;
+		for (size_t j = 0; j < e->patterns; j++) {
+			const double y =
+				reader->values[block->at_light + j * lights + (size_t)light];
+
+			add_row(e,
+				reader->values + block->coefficient +
+					j * (size_t)(e->channels * e->pixels),
+				(double[]){y, y, y}, own);
+		}
+		if (column >= 0) {
+			const double by = (double)block->scale[column];
+
+			add_row(e, column_of(reader, block, column), (double[]){by, by, by}, own);
+		}
+		add_tinted(block, (const double(*)[PART_PIXELS])own, value);
 	}
 }
 
-/* What a column of a block is weighed by under a sky: as the compositor does it. The part's blocks
- * have all the same pixels, and follow each other. */
-static void reader_weigh(const struct block_reader *reader, const struct basis_block_payload *block,
-			 int sky, int number, double factor[3])
+/* The light of a column under a sky, as the compositor has it: the part's blocks have all the same
+ * pixels, and follow each other. */
+static void column_light(const struct block_reader *reader, const struct read_block *block, int sky,
+			 int number, double light[3])
 {
 	const struct basis_groups *groups = reader->settings->groups;
 	const struct part *part = reader->part;
-	const bool *grouped = grouped_of(reader, block);
-	const bool single = number < groups->lights;
-	const int group = !groups->count ? 0
-			  : single	 ? groups->of[number]
-					 : number - groups->lights;
+	const bool *grouped = grouped_of(reader, &block->from->entry);
+	const int n = reader->settings->lights;
+	const bool single = number < n;
+	const int group = !groups->count ? 0 : single ? groups->of[number] : number - n;
 
 	for (int c = 0; c < 3; c++) {
-		const size_t row = (size_t)(sky * 3 + c);
-		const double x =
-			single ? (double)part->sky_x[row * (size_t)groups->lights + (size_t)number]
-			       : 0;
+		const int row = sky * 3 + c;
 
-		factor[c] = x;
+		light[c] = single ? (double)part->sky_x[row * n + number] : 0;
 		if (groups->count && grouped[group])
-			factor[c] = (single ? -part->share[number] : 1) *
-					    (double)part->sky_even[row * (size_t)groups->count +
-								   (size_t)group] +
-				    x;
+			light[c] += (single ? -part->share[number] : 1) *
+				    (double)part->sky_even[row * groups->count + group];
+	}
+}
+
+static double largest_of_three(const double x[3])
+{
+	return fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2]));
+}
+
+static void add_columns(const struct block_reader *reader, const struct read_block *block, int sky,
+			double (*own)[PART_PIXELS])
+{
+	const struct basis_block_entry *e = &block->from->entry;
+	const struct part *part = reader->part;
+
+	for (int n = 0; n < (int)e->columns; n++) {
+		const double scale = (double)block->scale[n];
+		const double cut = (double)e->cut_share *
+				   (block->number[n] < reader->settings->lights ? part->column_cut
+										: part->group_cut);
+		double light[3];
+
+		column_light(reader, block, sky, block->number[n], light);
+		if (largest_of_three(light) * scale * (e->bits == 8 ? INT8_MAX : INT16_MAX) < cut)
+			continue;
+		for (int c = 0; c < 3; c++)
+			light[c] *= scale;
+		add_row(e, column_of(reader, block, n), light, own);
 	}
 }
 
 void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS])
 {
-	const struct part *part = reader->part;
 	const size_t n = (size_t)reader->settings->lights;
-	const float *x = part->sky_x + (size_t)sky * 3 * n;
-	int first = 0;
+	const float *x = reader->part->sky_x + (size_t)sky * 3 * n;
 
 	memset(sum, 0, 3 * sizeof(*sum));
 	for (int k = 0; k < reader->count; k++) {
-		const struct basis_block_payload *block = &reader->block[k];
-		const struct basis_block_entry *e = &block->entry;
-		const struct basis_layout at = basis_layout(e, reader->settings->coarse);
-		const uint8_t *payload = block->payload;
-		const void *scales = payload + at.column_scale;
+		const struct read_block *block = &reader->block[k];
+		const struct basis_block_entry *e = &block->from->entry;
 		double own[3][PART_PIXELS] = {{0}};
-		double y[RANK_MOST][3];
 
-		for (int j = 0; j < e->patterns; j++)
-			for (int c = 0; c < 3; c++) {
-				const double *at_light = reader->at_light + (size_t)(first + j) * n;
+		for (size_t j = 0; j < e->patterns; j++) {
+			const double *light = reader->values + block->at_light + j * n;
+			double y[3] = {0};
 
-				y[j][c] = 0;
-				for (size_t i = 0; i < n; i++)
-					y[j][c] += at_light[i] * (double)x[(size_t)c * n + i];
-			}
-		add_patterns(reader, e, first, (const double(*)[3])y, own);
-		for (uint32_t i = 0; i < e->columns; i++) {
-			const double most = (double)((const float *)scales)[i] *
-					    (e->bits == 8 ? 127 : 32767);
-			const uint16_t number = ((const uint16_t *)(payload + at.light))[i];
-			const double cut = number < n ? part->column_cut : part->group_cut;
-			double factor[3];
-
-			reader_weigh(reader, block, sky, number, factor);
-			if (most * fmax(fmax(fabs(factor[0]), fabs(factor[1])), fabs(factor[2])) >=
-			    cut)
-				add_column(block, &at, (int)i, factor, own);
+			for (size_t i = 0; i < n; i++)
+				for (size_t c = 0; c < 3; c++)
+					y[c] += light[i] * (double)x[c * n + i];
+			add_row(e,
+				reader->values + block->coefficient +
+					j * (size_t)(e->channels * e->pixels),
+				y, own);
 		}
-		reader_add_block(reader->part, block, &at, (const double(*)[PART_PIXELS])own, sum);
-		first += e->patterns;
+		add_columns(reader, block, sky, own);
+		add_tinted(block, (const double(*)[PART_PIXELS])own, sum);
 	}
 }
 
@@ -323,15 +349,11 @@ double block_reader_rounding(const struct block_reader *reader)
 		double own = 0;
 
 		for (int k = 0; k < reader->count; k++) {
-			const struct basis_block_payload *block = &reader->block[k];
-			const struct basis_layout at = basis_layout(&block->entry,
-								    reader->settings->coarse);
-			const void *scales = (const uint8_t *)block->payload + at.column_scale;
-			const int n = reader_find(block, &at, reader->settings->lights + group);
+			const struct read_block *block = &reader->block[k];
+			const int n = reader_find(block, reader->settings->lights + group);
 
 			if (n >= 0)
-				own += (double)((const float *)scales)[n] *
-				       (block->entry.tinted ? 1 : 0.5);
+				own += (double)block->scale[n] * (block->tint ? 1 : 0.5);
 		}
 		most = fmax(most, own);
 	}

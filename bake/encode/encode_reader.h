@@ -6,31 +6,41 @@
 
 #include "bake/encode/encode_part.h"
 
+/* One block, decoded. */
+struct read_block {
+	const struct basis_block_payload *from;
+	const uint16_t *number; /* [columns]: of lights, and N + those of groups */
+	const uint16_t *tint;	/* [3][pixels]; NULL: 1 */
+	const float *scale;	/* [columns] */
+	size_t coefficient;	/* index of [patterns][channels][pixels] in values */
+	size_t column;	 /* index of [columns][channels][pixels] in values, in units of scale */
+	size_t at_light; /* index of [patterns][lights] in values */
+};
+
 /* Decoder of all blocks of one part. */
 struct block_reader {
 	const struct encode_settings *settings;
 	const struct part *part;
-	const struct basis_block_payload *block;
-	int count;
-	double *at_light;    /* [patterns of all blocks][lights] */
-	double *coefficient; /* [patterns of all blocks][PART_ROWS] */
-	bool *grouped;	     /* [2][groups]: groups that have a column, of one channel, of three */
-	int patterns_room;
+	struct read_block *block;
+	int count, room;
+	double *values;
+	size_t values_room;
+	bool *grouped; /* [2][groups]: groups that have a column, of one channel, of three */
 };
 
 void block_reader_free(struct block_reader *reader); /* zeroed is fine */
 
-/* -ENOMEM. */
+/* The blocks must list all pixels of the part. -ENOMEM. */
 int block_reader_open(struct block_reader *reader, const struct encode_settings *settings,
 		      const struct part *part, const struct basis_block_payload *block, int count);
 
-/* Decodes a light's values, with all columns: [3][part's pixels]. */
+/* Values of the part under a light alone, every column used: value [3][PART_PIXELS]. */
 void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS]);
 
-/* Sums the values times a sky's X, without columns below the part's cut: [3][part's pixels]. */
+/* Sum of X times values under a sky, without the columns that a frame leaves out. */
 void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS]);
 
-/* Largest rounding error of the columns of groups, per unit of light. */
+/* What rounding a group's column may change any value by, per unit of X. */
 double block_reader_rounding(const struct block_reader *reader);
 
 #endif

@@ -201,6 +201,7 @@ void encode_promises_format(const struct encode_rig *e, const struct encode_resu
 		expect_that(b->tile == 5 && b->pixels && b->patterns + b->columns > 0, "k=%d", k);
 		expect_that(!k || result->shown[k - 1].entry.kind <= b->kind, "k=%d", k);
 		expect_that(b->columns || b->bits == 16, "k=%d", k);
+		expect_that(b->cut_share > 0 && b->cut_share <= 1 && !b->reserved, "k=%d", k);
 		for (int p = 1; p < b->pixels; p++)
 			expect_above(a.pixel[p], a.pixel[p - 1], "k=%d, p=%d", k, p);
 		for (uint32_t n = 0; n < b->columns; n++) {
@@ -339,7 +340,8 @@ static double promise_groups(const struct encode_rig *e, const struct encode_res
 	return most;
 }
 
-/* Finds a light's columns, that with the largest reach first. Returns their number. */
+/* Finds a light's columns, that with the largest reach first: at the cut of the file, whatever the
+ * blocks' shares of it are. Returns their number. */
 static int promise_columns(const struct encode_rig *e, const struct encode_result *result,
 			   int light, struct promise_column *column)
 {
@@ -351,9 +353,10 @@ static int promise_columns(const struct encode_rig *e, const struct encode_resul
 
 		for (uint32_t n = 0; n < result->shown[k].entry.columns; n++)
 			if (a.light[n] == light) {
+				const struct basis_block_entry *b = &result->shown[k].entry;
 				const double reach = (double)a.column_scale[n] *
-						     (result->shown[k].entry.bits == 8 ? 127
-										       : 32767);
+						     (b->bits == 8 ? 127 : 32767) /
+						     (double)b->cut_share;
 
 				expect_below(count, PROMISE_COLUMNS_MAX, "k=%d, n=%u", k, n);
 				column[count++] = (struct promise_column){k, n, reach};
