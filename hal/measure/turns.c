@@ -70,8 +70,23 @@ static int rising(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-double turns_median(double *ms, int count)
+static double sorted_quantile(const double *ms, int count, double share)
+{
+	const double at = share * (count - 1);
+	const int below = (int)at, above = below + 1 < count ? below + 1 : below;
+
+	return ms[below] + (at - below) * (ms[above] - ms[below]);
+}
+
+struct turns_spread turns_spread(double *ms, int count)
 {
 	qsort(ms, (size_t)count, sizeof(*ms), rising);
-	return (ms[(count - 1) / 2] + ms[count / 2]) / 2;
+	return (struct turns_spread){.low = sorted_quantile(ms, count, 0.25),
+				     .median = sorted_quantile(ms, count, 0.5),
+				     .high = sorted_quantile(ms, count, 0.75)};
+}
+
+double turns_median(double *ms, int count)
+{
+	return turns_spread(ms, count).median;
 }

@@ -29,4 +29,12 @@ int turns_time(struct turns *turns, double *ms);
 /* Sorts ms and returns the median; for an even count the mean of the middle two. */
 double turns_median(double *ms, int count);
 
+/* Quartiles of times: half of the times are between low and high. */
+struct turns_spread {
+	double low, median, high;
+};
+
+/* Sorts ms and returns its quartiles. Between two times they are interpolated linearly. */
+struct turns_spread turns_spread(double *ms, int count);
+
 #endif

@@ -114,6 +114,18 @@ static void the_median_is_in_the_middle(void **state)
 	assert_true(turns_median(one, 1) == 7);
 }
 
+static void half_of_the_times_are_between_the_quartiles(void **state)
+{
+	double nine[] = {5, 9, 1, 7, 3, 2, 8, 6, 4}, four[] = {40, 10, 30, 20}, one[] = {7};
+	const struct turns_spread of_nine = turns_spread(nine, 9), of_four = turns_spread(four, 4),
+				  of_one = turns_spread(one, 1);
+
+	(void)state;
+	assert_true(of_nine.low == 3 && of_nine.median == 5 && of_nine.high == 7);
+	assert_true(of_four.low == 17.5 && of_four.median == 25 && of_four.high == 32.5);
+	assert_true(of_one.low == 7 && of_one.median == 7 && of_one.high == 7);
+}
+
 /* ---- lights that change ---- */
 
 static void as_many_lights_change_as_asked(void **state)
@@ -252,6 +264,7 @@ int main(void)
 		cmocka_unit_test(ways_take_turns),
 		cmocka_unit_test(a_failure_ends_all),
 		cmocka_unit_test(the_median_is_in_the_middle),
+		cmocka_unit_test(half_of_the_times_are_between_the_quartiles),
 		cmocka_unit_test(as_many_lights_change_as_asked),
 		cmocka_unit_test(numbers_are_rounded_for_readers),
 		cmocka_unit_test(tables_keep_what_they_are_given),
