@@ -293,6 +293,7 @@ static const char style[] =
 	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}"
 	"td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
 	"tr.used td{background:#dcebf7;font-weight:bold}\n"
+	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}"
 	"figure{margin:.8em 0}img{max-width:100%;display:block}"
 	"img.png{width:100%;image-rendering:pixelated}\n"
 	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}"

@@ -68,7 +68,7 @@ struct report_point *report_plot_point(struct report_plot *p, double x, double y
 	if (s && s->point && s->count < REPORT_POINTS_MAX && isfinite(x) && isfinite(y) &&
 	    (!p->x_log || x > 0) && (!p->y_log || y > 0))
 		point = &s->point[s->count++];
-	*point = (struct report_point){.x = x, .y = y};
+	*point = (struct report_point){.x = x, .y = y, .y_low = y, .y_high = y};
 	return point;
 }
 
@@ -268,6 +268,16 @@ static void draw_lines(const struct plot_drawing *d, const struct report_series 
 	cairo_set_dash(d->c, NULL, 0, 0);
 }
 
+static void draw_bar(const struct plot_drawing *d, const struct report_point *point, double x)
+{
+	if (!(point->y_high > point->y_low))
+		return;
+	cairo_set_line_width(d->c, 1.2);
+	cairo_move_to(d->c, x, axis_place(&d->y, point->y_low));
+	cairo_line_to(d->c, x, axis_place(&d->y, point->y_high));
+	cairo_stroke(d->c);
+}
+
 static void draw_points(const struct plot_drawing *d, const struct report_series *s)
 {
 	for (int k = 0; k < s->count; k++) {
@@ -275,6 +285,7 @@ static void draw_points(const struct plot_drawing *d, const struct report_series
 			     y = axis_place(&d->y, s->point[k].y);
 
 		plot_set_colour(d->c, s->colour);
+		draw_bar(d, &s->point[k], x);
 		cairo_arc(d->c, x, y, s->style == STYLE_POINTS ? 3 : 3.5, 0, 2 * M_PI);
 		cairo_fill(d->c);
 		if (!s->point[k].ringed)
@@ -403,7 +414,8 @@ static void plot_draw(cairo_t *c, const struct report_plot *p)
 			right = fmax(right, text_width(c, s->label) + 16);
 		for (int n = 0; n < s->count; n++) {
 			axis_include(&d.x, s->point[n].x);
-			axis_include(&d.y, s->point[n].y);
+			axis_include(&d.y, s->point[n].y_low);
+			axis_include(&d.y, s->point[n].y_high);
 		}
 	}
 	d.x.from = LEFT;

@@ -15,8 +15,9 @@ enum report_style { STYLE_LINE, STYLE_DASHED, STYLE_POINTS, STYLE_STEPS };
 
 struct report_point {
 	double x, y;
-	char label[48]; /* beside the point; empty: none */
-	bool ringed;	/* the setting in use */
+	double y_low, y_high; /* a bar from here to there; both y: none */
+	char label[48];	      /* beside the point; empty: none */
+	bool ringed;	      /* the setting in use */
 };
 
 struct report_series {
