@@ -62,9 +62,12 @@ BAKE_SOURCES := \
 	bake/report/report_lights.c \
 	bake/report/report_parts.c \
 	bake/report/report_pictures.c \
+	bake/report/report_rank.c \
+	bake/report/report_samples.c \
 	bake/report/report_sky.c \
 	bake/report/report_summary.c \
 	bake/report/report_thesis.c \
+	bake/report/report_together.c \
 	bake/report/report_trial.c \
 	bake/scene/keyframes.c \
 	bake/scene/lights_options.c \

@@ -82,6 +82,7 @@ UNIT_TESTS := \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
 	tests/unit/bake/report/test_measure.c \
+	tests/unit/bake/report/test_report_rank.c \
 	tests/unit/bake/scene/test_keyframes.c \
 	tests/unit/bake/scene/test_scene.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \

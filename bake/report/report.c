@@ -13,13 +13,18 @@
 #include "hal/base/input.h"
 #include "hal/compositor/kernels/kernels.h"
 
-/* Defaults. With them a report takes minutes on two cores. */
-#define WIDTH 128
-#define HEIGHT 96
+/* Defaults. With them a report takes minutes on two cores; bake/README.md says how many. */
+#define WIDTH 96
+#define HEIGHT 72
 #define SAMPLES 16
-#define TRUTH_SAMPLES 1024
+#define TRUTH_SAMPLES 256
 #define REPEAT 9
-#define FISHEYE_SIDE 1024
+#define FISHEYE_SIDE 512
+
+#define FULL_WIDTH 128
+#define FULL_HEIGHT 96
+#define FULL_TRUTH_SAMPLES 1024
+#define FULL_SIDE 1024
 
 #define QUICK_WIDTH 48
 #define QUICK_HEIGHT 36
@@ -31,11 +36,22 @@
 
 #define SEED 1
 
+/* Domes that are tried. Unless the report is full or quick, they are LEAST_FREQUENCY to
+ * MOST_FREQUENCY. */
 static const int frequencies[] = {1, 2, 3, 4, 6, 9, 18, 36};
+
+#define LEAST_FREQUENCY 4
+#define MOST_FREQUENCY 18
 
 static int given_or(int value, bool quick, int small, int usual)
 {
 	return value > 0 ? value : quick ? small : usual;
+}
+
+static int truth_samples(const struct report_settings *s)
+{
+	return given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES,
+			s->full ? FULL_TRUTH_SAMPLES : TRUTH_SAMPLES);
 }
 
 /* ---- surroundings and bakes ---- */
@@ -43,8 +59,6 @@ static int given_or(int value, bool quick, int small, int usual)
 static int open_lightings(struct report *r)
 {
 	const struct report_settings *s = r->settings;
-	const int samples = given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES,
-				     TRUTH_SAMPLES);
 	int count = s->panoramas, err = 0;
 
 	while (!s->panoramas && report_sky_names[count])
@@ -53,8 +67,10 @@ static int open_lightings(struct report *r)
 		const struct report_lighting_settings lighting = {
 			.path = s->panorama[k],
 			.made = k,
-			.fisheye_side = s->quick ? QUICK_SIDE : FISHEYE_SIDE,
-			.truth_samples = r->scene ? samples : 0,
+			.fisheye_side = s->quick  ? QUICK_SIDE
+					: s->full ? FULL_SIDE
+						  : FISHEYE_SIDE,
+			.truth_samples = r->scene ? truth_samples(s) : 0,
 			.threads = r->threads,
 			.seed = SEED,
 			.quiet = s->quiet};
@@ -72,8 +88,11 @@ static int open_lightings(struct report *r)
  * them. Returns their number. */
 static int choose_frequencies(const struct report *r, int *to)
 {
-	const int most = given_or(r->settings->most_frequency, r->settings->quick, QUICK_FREQUENCY,
-				  frequencies[sizeof(frequencies) / sizeof(*frequencies) - 1]);
+	const struct report_settings *s = r->settings;
+	const int finest = frequencies[sizeof(frequencies) / sizeof(*frequencies) - 1];
+	const int most = given_or(s->most_frequency, s->quick, QUICK_FREQUENCY,
+				  s->full ? finest : MOST_FREQUENCY);
+	const int least = s->full || s->quick ? 1 : LEAST_FREQUENCY;
 	const int used = r->render.frequency;
 	bool there = false;
 	int count = 0;
@@ -85,7 +104,7 @@ static int choose_frequencies(const struct report *r, int *to)
 			to[count++] = used;
 			there = true;
 		}
-		if (f <= most && f != used)
+		if (f >= least && f <= most && f != used)
 			to[count++] = f;
 	}
 	if (!there)
@@ -121,8 +140,8 @@ static int report_open_scene(struct report *r)
 	int width = s->width, height = s->height, err;
 
 	if (!width) {
-		width = s->quick ? QUICK_WIDTH : WIDTH;
-		height = s->quick ? QUICK_HEIGHT : HEIGHT;
+		width = s->quick ? QUICK_WIDTH : s->full ? FULL_WIDTH : WIDTH;
+		height = s->quick ? QUICK_HEIGHT : s->full ? FULL_HEIGHT : HEIGHT;
 	}
 	err = scene_open(&r->scene, s->input, width, height, r->fault);
 	if (!err)
@@ -161,6 +180,22 @@ static int report_open_basis(struct report *r)
 	return 0;
 }
 
+/* The steps that report_step() will log: what takes long. */
+static int count_steps(const struct report *r)
+{
+	const struct report_settings *s = r->settings;
+	int frequency[REPORT_SWEEP_MAX];
+	int steps = 1 + s->panoramas;
+
+	while (!s->panoramas && report_sky_names[steps - 1])
+		steps++;
+	if (r->scene)
+		steps += choose_frequencies(r, frequency) + 1 + report_error_bakes(r) + 1;
+	if (r->scene && s->full)
+		steps += report_thesis_bakes();
+	return steps;
+}
+
 static bool is_basis(const char *path)
 {
 	char magic[sizeof(BASIS_MAGIC) - 1];
@@ -176,23 +211,21 @@ static bool is_basis(const char *path)
 
 static int report_open_all(struct report *r)
 {
-	int frequency[REPORT_SWEEP_MAX];
 	int err = is_basis(r->settings->input) ? report_open_basis(r) : report_open_scene(r);
 
 	if (err)
 		return err;
 	r->stage.repeat = given_or(r->settings->repeat, r->settings->quick, QUICK_REPEAT, REPEAT);
-	r->steps = (r->settings->panoramas ? r->settings->panoramas : 3) + 7;
-	if (r->scene)
-		r->steps += choose_frequencies(r, frequency) + (r->settings->quick ? 2 : 6) + 5;
-	else
-		r->steps--;
-	r->steps += r->settings->basis != NULL;
+	r->steps = count_steps(r);
 	err = open_lightings(r);
 	if (!err && r->scene)
 		err = make_bakes(r);
 	if (!err && scope_create(&r->scope, &r->used->basis, report_bake_layer(r->used)))
 		err = fault_say(r->fault, -ENOMEM, "not enough memory");
+	if (!err && r->scene)
+		err = report_samples_measure(r);
+	r->advised = r->render;
+	r->advised_way = report_way_plain(r->used);
 	return err;
 }
 
@@ -240,11 +273,13 @@ static int show_method(struct report *r)
 		s->quick ? " This is a quick run: its figures show that it works, no more." : "");
 	report_paragraph(
 		r->page.body,
-		"Times are medians of %d frames under each surrounding, all ways of a "
-		"section in turns, each after frames that do not count. Of one thread it is "
+		"Times are medians of %d frames under each surrounding, with their quartiles: half "
+		"of the frames took a time between these. All ways of a "
+		"section take turns, each after frames that do not count. Of one thread it is "
 		"the time that it had of the processor (%.0f %% of the time it had to wait "
 		"for it); of several it is the clock's, and too long where the machine had "
-		"other work.",
+		"other work. Times whose quartiles overlap, or whose medians are within 5 %%, "
+		"count as equal.",
 		r->stage.repeat, waited);
 	report_paragraph(
 		r->page.body,
@@ -252,32 +287,44 @@ static int show_method(struct report *r)
 		"RMS and PSNR are over all surroundings' pixels, the largest is of all, and "
 		"shadow is the mean error of the shadow's ratio, weighted by the light "
 		"behind it. Double precision is not rounded: 8 bits alone are 0.29 levels, "
-		"58.9 dB. The surroundings' own figures are in the CSV files.");
+		"58.9 dB. PSNR and the surroundings' own figures are in the CSV files.");
 	if (r->truth)
 		report_paragraph(
 			r->page.body,
-			"Bakes have %d samples a pixel and an estimated noise of %.2g levels in "
-			"the "
-			"setting in use; truth is path traced without lights, basis or compositor "
-			"(%d samples a pixel). No error against truth can be told from these "
-			"noises "
-			"when it is less.",
-			r->render.samples, r->used->report.info.noise_levels,
-			given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES, TRUTH_SAMPLES));
+			"Truth is path traced without lights, basis or compositor, %d samples a "
+			"pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
+			"and PSNR are without that noise, the largest error holds it. Bakes have "
+			"%d samples a pixel and a noise of %.2g levels in these surroundings, "
+			"measured between two bakes with different random numbers. Errors count "
+			"as equal if their squares differ by no more than the square of the noise "
+			"that the advised samples leave (%.2g levels), plus what truth and bake, "
+			"being noisy, leave uncertain of such a difference.",
+			truth_samples(s), r->truth_noise, r->render.samples, r->bake_noise,
+			r->hidden);
 	return 0;
 }
 
 static int write_sections(struct report *r)
 {
-	static int (*const sections[])(struct report * r) = {
-		report_lights,	   report_threshold,   report_input_bits, report_declared_error,
-		report_column_cut, report_incremental, report_kernels,	  report_thread_counts,
-		report_thesis,	   report_given,       report_pictures,	  show_method,
-		report_summary};
+	static const struct {
+		int (*write)(struct report *r);
+		bool full; /* for full reports alone */
+	} sections[] = {
+		{report_samples, false},	{report_lights, false},
+		{report_declared_error, false}, {report_column_cut, false},
+		{report_threshold, false},	{report_input_bits, true},
+		{report_together, false},	{report_incremental, true},
+		{report_kernels, false},	{report_thread_counts, false},
+		{report_thesis, true},		{report_given, false},
+		{report_pictures, false},	{show_method, false},
+		{report_summary, false},
+	};
 	int err = 0;
 
+	report_step(r, "times and errors");
 	for (size_t k = 0; !err && k < sizeof(sections) / sizeof(*sections); k++)
-		err = sections[k](r);
+		if (r->settings->full || !sections[k].full)
+			err = sections[k].write(r);
 	return err;
 }
 
@@ -288,6 +335,7 @@ static void close_all(struct report *r)
 	for (int l = 0; l < r->stage.lightings; l++)
 		report_lighting_close(&r->stage.lighting[l]);
 	report_bake_close(&r->given);
+	report_bake_close(&r->fewer);
 	scope_free(&r->scope);
 	scene_close(r->scene);
 	pool_destroy(r->stage.all);

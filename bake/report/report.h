@@ -25,6 +25,7 @@ struct report_settings {
 	int repeat;	    /* of each timing; 0: chosen */
 	/* for baking and tracing, and the most that are tried; 0: one for each processor */
 	int threads;
+	bool full;  /* more domes and errors, less noise, and what a kiosk does not ask */
 	bool quick; /* everything small: to see that it works */
 	bool quiet;
 };

@@ -86,6 +86,7 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 
 	*bake = (struct report_bake){.exact = false};
 	snprintf(path, sizeof(path), "%s/report.inlay", folder);
+	one.profile = true;
 	if (!one.pose)
 		one.pose = "0"; /* the pose in which a scene is opened */
 	err = render_run(scene, &one, path, &report, fault);
@@ -115,6 +116,15 @@ void report_bake_close(struct report_bake *bake)
 const struct basis_layer *report_bake_layer(const struct report_bake *bake)
 {
 	return bake->exact ? &bake->basis.poses[0].exact : &bake->basis.poses[0].shown;
+}
+
+double report_bake_seconds(const struct report_bake *bake)
+{
+	double sum = 0;
+
+	for (int k = 0; k < PROFILE_STAGES; k++)
+		sum += bake->report.stage_s[k];
+	return sum > 0 ? sum : NAN;
 }
 
 /* ---- light ---- */

@@ -62,6 +62,9 @@ int report_bake_open(struct report_bake *bake, const char *path, struct fault *f
 
 void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine */
 
+/* Processor time of the bake, in s. NAN: the report has not made it. */
+double report_bake_seconds(const struct report_bake *bake);
+
 /* Radiance of the lights under a lighting, as the input measures it: [lights], owned by the bake.
  * NULL with a fault. */
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,

@@ -53,6 +53,18 @@ static int sweep_end(struct sweep *s, int err)
 	return err;
 }
 
+/* Chooses one of the trials first, first + step, ..., of which the preferred ones come first
+ * (report_trial_choose()). Returns its index. */
+static int sweep_choose(struct sweep *s, int first, int step, const char *order, bool is_alike)
+{
+	const struct report_trial *trial[TRIALS_MAX];
+	int count = 0;
+
+	for (int k = first; k < s->count; k += step)
+		trial[count++] = &s->trial[k];
+	return first + step * report_trial_choose(s->report, trial, count, order, is_alike);
+}
+
 static double used_share(const struct report *r, const struct report_trial *trial)
 {
 	double sum = 0;
@@ -96,12 +108,36 @@ static int plot_threshold(struct sweep *s)
 				r->fault);
 }
 
+/* Advises a threshold, but none that drops light: what that darkens depends on the surroundings. */
+static void choose_threshold(struct sweep *s)
+{
+	struct report *r = s->report;
+	const struct report_trial *trial[TRIALS_MAX];
+	char level[32];
+	int index[TRIALS_MAX] = {0}, count = 0, found;
+
+	for (int k = 0; k < s->count; k++) {
+		if (k && (used_share(r, &s->trial[k]) >= 99.9 ||
+			  s->trial[k].way.threshold_mode == THRESHOLD_DROP))
+			continue;
+		trial[count] = &s->trial[k];
+		index[count++] = k;
+	}
+	found = index[report_trial_choose(r, trial, count, "none", false)];
+	r->advised_way.threshold = s->trial[found].way.threshold;
+	r->advised_way.threshold_mode = s->trial[found].way.threshold_mode;
+	snprintf(level, sizeof(level), "%.0f", levels[found % LEVELS]);
+	report_advise(r, REPORT_KIOSK, "lights", "threshold", level, NULL);
+	report_advise(r, REPORT_KIOSK, "lights", "threshold_mode",
+		      threshold_mode_names[found / LEVELS], NULL);
+	report_advice_show(r);
+}
+
 int report_threshold(struct report *r)
 {
 	static struct sweep s;
 	int err;
 
-	report_step(r, "threshold");
 	sweep_begin(&s, r, "threshold");
 	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
 		for (int k = 0; k < LEVELS; k++) {
@@ -141,7 +177,10 @@ int report_threshold(struct report *r)
 		REPORT_WHITE);
 	if (!err)
 		err = plot_threshold(&s);
-	return sweep_end(&s, err);
+	err = sweep_end(&s, err);
+	if (!err && r->truth)
+		choose_threshold(&s);
+	return err;
 }
 
 /* ---- bits of the input ---- */
@@ -178,7 +217,6 @@ int report_input_bits(struct report *r)
 
 	if (!r->truth)
 		return 0;
-	report_step(r, "bits of the input");
 	sweep_begin(&s, r, "input");
 	for (int k = 0; k < INPUT_COUNT; k++)
 		sweep_add(&s, report_input_names[k])->input = (enum report_input)k;
@@ -211,18 +249,47 @@ int report_input_bits(struct report *r)
 
 /* ---- column cut ---- */
 
+#define LEAST_CUT 1e-3 /* multiples of it are tried where nothing is cut */
+#define MOST_CUT 0.1   /* that a scene file may ask for */
+
+static double cut_times(double own, double factor)
+{
+	return fmin((own > 0 ? own : LEAST_CUT) * factor, MOST_CUT);
+}
+
+/* Advises a multiple of the cut that is in use. The program's own cut falls with the root of the
+ * number of lights, so it is a multiple of the advised dome's. */
+static void advise_cut(struct report *r, double factor)
+{
+	const double own = report_advised_dome(r)->basis.info.column_cut;
+	const double used = r->render.column_cut;
+	const double cut = factor == 1 ? used : cut_times(own, factor);
+	char text[32], in_use[32];
+
+	r->advised_way.column_cut = cut;
+	if (r->advised.frequency != r->render.frequency && factor != 1)
+		report_paragraph(r->page.body,
+				 "That is %.3g times the cut in use; the line is for the lights "
+				 "that are advised, whose own cut is %.2g.",
+				 factor, own);
+	snprintf(text, sizeof(text), "%.2g", cut);
+	snprintf(in_use, sizeof(in_use), "%.2g", used);
+	report_advise(r, REPORT_SCENE, "render", "column_cut", text, in_use);
+	report_advice_show(r);
+}
+
 int report_column_cut(struct report *r)
 {
-	static const double factors[] = {0, 0.25, 0.5, 1, 2, 4, 8, 16};
+	/* the file's own first: it is preferred to others that are as near and as fast */
+	static const double factors[] = {1, 0, 0.25, 0.5, 2, 4, 8, 16};
 	static struct sweep s;
 	struct report_plot plot;
 	const double own = r->used->basis.info.column_cut;
 	int err;
 
-	report_step(r, "column cut");
 	sweep_begin(&s, r, "column-cut");
 	for (size_t k = 0; k < sizeof(factors) / sizeof(*factors); k++) {
-		const double cut = (own > 0 ? own : 1e-3) * factors[k];
+		const double cut = k ? cut_times(own, factors[k]) : own;
 		char name[96];
 
 		snprintf(name, sizeof(name), "%u lights, cut %.2g", r->used->basis.info.lights,
@@ -234,17 +301,17 @@ int report_column_cut(struct report *r)
 	report_result_columns(r, &s.table);
 	report_plot_begin(&plot, "column-cut", "RMS error against double precision, levels",
 			  "time of a frame, ms");
-	report_plot_series(&plot, NULL, STYLE_LINE, 1);
+	report_plot_series(&plot, NULL, STYLE_POINTS, 1);
 	for (int k = 0; k < s.count; k++) {
 		const double cut = s.trial[k].way.column_cut;
-		struct report_point *point = report_plot_point(&plot, s.trial[k].precise.all.rms,
-							       s.trial[k].median_ms);
+		struct report_point *point = report_time_point(&plot, s.trial[k].precise.all.rms,
+							       &s.trial[k]);
 
 		snprintf(point->label, sizeof(point->label), "%.2g", cut);
-		point->ringed = cut == own;
+		point->ringed = !k;
 		report_number(&s.table, cut);
 		report_result_cells(r, &s.table, &s.trial[k]);
-		if (cut == own)
+		if (!k)
 			report_table_mark(&s.table);
 		else if (!err)
 			report_candidate_add(r, &s.trial[k], false);
@@ -257,12 +324,15 @@ int report_column_cut(struct report *r)
 	if (err)
 		report_plot_free(&plot);
 	else
-		err = report_page_plot(
-			&r->page, r->page.body, &plot,
-			"Time against error, the cut beside each point. Ring: the file's "
-			"own.",
-			r->fault);
-	return sweep_end(&s, err);
+		err = report_page_plot(&r->page, r->page.body, &plot,
+				       "Time against error, the cut beside each point, and the "
+				       "time's quartiles. Ring: the file's own.",
+				       r->fault);
+	err = sweep_end(&s, err);
+	if (err || !r->truth)
+		return err;
+	advise_cut(r, factors[sweep_choose(&s, 0, 1, "the file's own", false)]);
+	return 0;
 }
 
 /* ---- full or incremental ---- */
@@ -280,7 +350,7 @@ static int plot_incremental(struct sweep *s, const double *shares, int count)
 		report_plot_series(&plot, names[reuse],
 				   reuse == REUSE_AUTO ? STYLE_DASHED : STYLE_LINE, reuse + 1);
 		for (int k = 0; k < count; k++)
-			report_plot_point(&plot, shares[k], s->trial[reuse * count + k].median_ms);
+			report_time_point(&plot, shares[k], &s->trial[reuse * count + k]);
 	}
 	return report_page_plot(&r->page, r->page.body, &plot,
 				"Time by how much of the light changes, exact mode.", r->fault);
@@ -302,7 +372,6 @@ int report_incremental(struct report *r)
 					       "alone, and this basis has no exact layer.");
 		return 0;
 	}
-	report_step(r, "full or incremental");
 	sweep_begin(&s, r, "incremental");
 	for (int n = 0; n < REUSE_COUNT * 5; n++) {
 		struct report_way *way = sweep_add(&s, "");
@@ -315,12 +384,12 @@ int report_incremental(struct report *r)
 	err = sweep_run(&s, false);
 	report_table_column(&s.table, "reuse", "way", NULL);
 	report_table_column(&s.table, "lights_changed_percent", "lights change", "%");
-	report_table_column(&s.table, "median_ms", "time", "ms");
+	report_time_columns(&s.table);
 	report_table_column(&s.table, "read_mb", "read", "MB");
 	for (int n = 0; n < s.count; n++) {
 		report_text(&s.table, "%s", modes[s.trial[n].way.reuse]);
 		report_number(&s.table, shares[n % 5]);
-		report_number(&s.table, s.trial[n].median_ms);
+		report_time_cells(&s.table, &s.trial[n]);
 		report_number(&s.table, s.trial[n].read_mb);
 	}
 	report_paragraph(
@@ -354,20 +423,20 @@ static int show_both(struct sweep *s, struct report_plot *plot, const char *key,
 
 	report_table_column(&s->table, key, key, NULL);
 	report_table_column(&s->table, "mode", "mode", NULL);
-	report_table_column(&s->table, "median_ms", "time", "ms");
+	report_time_columns(&s->table);
 	report_table_column(&s->table, "read_mb", "read", "MB");
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 		if (mode && !r->used->exact)
 			break;
 		report_plot_series(plot, compositor_mode_names[mode], STYLE_LINE, mode ? 3 : 1);
-		for (int k = mode; k < s->count; k += 2) {
+		for (int k = mode; k < s->count; k += COMPOSITOR_MODE_COUNT) {
 			const struct report_trial *trial = &s->trial[k];
 
-			report_plot_point(plot, plot->x_tick[k / 2], trial->median_ms)->ringed =
+			report_time_point(plot, plot->x_tick[k / 2], trial)->ringed =
 				!mode && !strcmp(trial->name, used);
 			report_text(&s->table, "%s", trial->name);
 			report_text(&s->table, "%s", compositor_mode_names[mode]);
-			report_number(&s->table, trial->median_ms);
+			report_time_cells(&s->table, trial);
 			report_number(&s->table, trial->read_mb);
 			if (!mode && !strcmp(trial->name, used))
 				report_table_mark(&s->table);
@@ -380,13 +449,29 @@ static int show_both(struct sweep *s, struct report_plot *plot, const char *key,
 	return sweep_end(s, err);
 }
 
+/* Chooses a kernel, the one in use before others. Returns its trial; -1: the one in use. */
+static int kernel_choose(struct sweep *s, const char *used)
+{
+	const struct report_trial *trial[TRIALS_MAX];
+	int index[TRIALS_MAX] = {0}, count = 1, found;
+
+	for (int k = 0; k < s->count; k += COMPOSITOR_MODE_COUNT) {
+		const int at = strcmp(s->trial[k].name, used) ? count++ : 0;
+
+		trial[at] = &s->trial[k];
+		index[at] = k;
+	}
+	found = report_trial_choose(s->report, trial, count, "what auto takes", true);
+	return found ? index[found] : -1;
+}
+
 int report_kernels(struct report *r)
 {
+	const char *used = kernels_choose(NULL)->name;
 	static struct sweep s;
 	struct report_plot plot;
-	int err;
+	int found, err;
 
-	report_step(r, "kernels");
 	sweep_begin(&s, r, "kernels");
 	report_plot_begin(&plot, "kernels", "instruction set", "time of a frame, ms");
 	plot.y_log = true;
@@ -401,8 +486,16 @@ int report_kernels(struct report *r)
 	report_heading(r->page.body, "What do the processor's wider instructions bring?");
 	report_paragraph(r->page.body,
 			 "Every kernel gives the same bits, so only time differs. One thread.");
-	return show_both(&s, &plot, "kernel", "Time by kernel. Ring: the one in use.",
-			 kernels_choose(NULL)->name, err);
+	err = show_both(&s, &plot, "kernel",
+			"Time by kernel, with its quartiles. Ring: the one that auto takes.", used,
+			err);
+	if (err)
+		return err;
+	found = kernel_choose(&s, used);
+	report_advise(r, REPORT_KIOSK, "composite", "kernel",
+		      found < 0 ? "auto" : s.trial[found].name, NULL);
+	report_advice_show(r);
+	return 0;
 }
 
 int report_thread_counts(struct report *r)
@@ -410,9 +503,8 @@ int report_thread_counts(struct report *r)
 	static char names[REPORT_TICKS_MAX][24];
 	static struct sweep s;
 	struct report_plot plot;
-	int err;
+	int found, err;
 
-	report_step(r, "threads");
 	sweep_begin(&s, r, "threads");
 	report_plot_begin(&plot, "threads", "threads", "time of a frame, ms");
 	for (int n = 1; plot.x_ticks < REPORT_TICKS_MAX; n = n < 4 ? n + 1 : 2 * n) {
@@ -426,9 +518,19 @@ int report_thread_counts(struct report *r)
 	}
 	err = sweep_run(&s, false);
 	report_heading(r->page.body, "What do more threads bring?");
-	report_paragraph(r->page.body,
-			 "Tiles are divided among a pool's threads by what they took before; the "
-			 "picture is the same. What is bound by memory gains least.");
-	return show_both(&s, &plot, "threads", "Time by number of threads. Ring: one thread.", "1",
-			 err);
+	report_paragraph(
+		r->page.body,
+		"Tiles are divided among a pool's threads by what they took before; the "
+		"picture is the same. What is bound by memory gains least, larger "
+		"pictures gain more. It is this machine's number: on the kiosk, inlay bench "
+		"measures the basis file itself.");
+	err = show_both(&s, &plot, "threads",
+			"Time by number of threads, with its quartiles. Ring: one thread.", "1",
+			err);
+	if (err)
+		return err;
+	found = sweep_choose(&s, 0, COMPOSITOR_MODE_COUNT, "the smallest number", true);
+	report_advise(r, REPORT_KIOSK, "composite", "threads", s.trial[found].name, NULL);
+	report_advice_show(r);
+	return 0;
 }

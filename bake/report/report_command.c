@@ -20,6 +20,7 @@ enum {
 	POSE,
 	REPEAT,
 	THREADS,
+	FULL,
 	QUICK,
 	QUIET
 };
@@ -35,6 +36,7 @@ static const struct option options[] = {
 	{"pose", required_argument, NULL, POSE},
 	{"repeat", required_argument, NULL, REPEAT},
 	{"threads", required_argument, NULL, THREADS},
+	{"full", no_argument, NULL, FULL},
 	{"quick", no_argument, NULL, QUICK},
 	{"quiet", no_argument, NULL, QUIET},
 	OPTIONS_OF_ALL,
@@ -79,6 +81,9 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 		return option_int("--repeat", optarg, 1, 1000, &s->repeat, fault);
 	case THREADS:
 		return option_int("--threads", optarg, 1, POOL_THREADS_MAX, &s->threads, fault);
+	case FULL:
+		s->full = true;
+		return 0;
 	case QUICK:
 		s->quick = true;
 		return 0;
@@ -114,7 +119,7 @@ const struct bake_command report_command = {
 	.name = "report",
 	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
-		 "           [--repeat N] [--threads T] [--quick] [--quiet]",
+		 "           [--repeat N] [--threads T] [--full] [--quick] [--quiet]",
 	.summary = "speed against error of a scene: one page with plots, tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
@@ -125,22 +130,33 @@ const struct bake_command report_command = {
 		"  --panorama FILE    a surrounding, equirectangular in linear light; may be "
 		"given\n"
 		"                     again; else skies and a room that inlay makes itself\n"
-		"  --size WxH         of the pictures that are baked and traced, 128x96\n"
+		"  --size WxH         of the pictures that are baked and traced, 96x72; with "
+		"--full\n"
+		"                     128x96\n"
 		"  --samples S        camera rays a pixel of each bake, 16\n"
-		"  --truth-samples S  of the truth, 1024\n"
-		"  --frequency F      of the finest dome that is tried, 1 to 64; 36\n"
+		"  --truth-samples S  of the truth, 256; with --full 1024\n"
+		"  --frequency F      of the finest dome that is tried, 1 to 64; 18; with --full "
+		"36\n"
 		"  --pose P           of the scene: number, from 0, or name; 0\n"
 		"  --repeat N         how often each frame is timed, 9\n"
 		"  --threads T        that bake and trace, and are tried; one for each processor\n"
+		"  --full             also coarser and finer domes, smaller and larger errors, "
+		"bits of\n"
+		"                     the fisheye's picture, full or incremental, and the thesis's "
+		"own\n"
+		"                     measurements made again: about five times as long\n"
 		"  --quick            everything small: only to see that it works\n"
 		"  --quiet            print nothing but errors\n"
 		"\n"
 		"It says what each choice costs in time and memory, and how far the picture is "
 		"then\n"
 		"from double precision and from path-traced truth: number of lights, estimator,\n"
-		"threshold, bits of the input, declared error, column cut, full or incremental,\n"
-		"kernel, threads; and makes the thesis's own measurements again. What the scene\n"
-		"file says is the setting in use. Of a basis file in place of the scene it tells\n"
-		"what needs no other bake and no truth. It takes minutes.\n",
+		"samples, declared error, column cut, threshold, kernel, threads. What the scene\n"
+		"file says is the setting in use. Choices that differ by no more than the noise "
+		"count\n"
+		"as equal, and each advice is a line to paste into the scene file or the kiosk's\n"
+		"configuration. Of a basis file in place of the scene it tells what needs no other "
+		"bake\n"
+		"and no truth. It takes some minutes.\n",
 	.run = report_command_run,
 };

@@ -5,15 +5,45 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-static const double factors[] = {0.25, 0.5, 1, 2, 4, 8};
-static const double factors_quick[] = {1, 4};
+#define FACTORS_MAX 6
+
+/* What the errors asked for are multiplied by; 1 is the setting in use. 0 ends a list. */
+static const double factors[] = {0.5, 1, 2, 4, 0};
+static const double factors_full[] = {0.25, 0.5, 1, 2, 4, 8, 0};
+static const double factors_quick[] = {1, 4, 0};
 
 struct error_sweep {
-	struct report_bake bake[sizeof(factors) / sizeof(*factors)];
-	struct report_trial trial[sizeof(factors) / sizeof(*factors)];
+	struct report_bake made[FACTORS_MAX];
+	struct report_bake *bake[FACTORS_MAX]; /* those, or the bake of the setting in use */
+	struct report_trial trial[FACTORS_MAX];
 	const double *factor;
 	int count;
 };
+
+static const double *choose_factors(const struct report *r)
+{
+	return r->settings->quick ? factors_quick : r->settings->full ? factors_full : factors;
+}
+
+int report_error_bakes(const struct report *r)
+{
+	const double *factor = choose_factors(r);
+	int count = 0;
+
+	for (; *factor > 0; factor++)
+		count += *factor != 1;
+	return count;
+}
+
+static struct encode_target target_times(const struct report *r, double factor)
+{
+	struct encode_target target = r->used->settings.target;
+
+	target.rms *= factor;
+	target.max *= factor;
+	target.cell *= factor;
+	return target;
+}
 
 static int make_error_bakes(struct report *r, struct error_sweep *e)
 {
@@ -21,15 +51,19 @@ static int make_error_bakes(struct report *r, struct error_sweep *e)
 
 	for (int k = 0; !err && k < e->count; k++) {
 		struct render_settings settings = r->used->settings;
-		struct report_bake *bake = &e->bake[k];
+		struct report_bake *bake = &e->made[k];
 
-		settings.target.rms *= e->factor[k];
-		settings.target.max *= e->factor[k];
-		settings.target.cell *= e->factor[k];
+		settings.target = target_times(r, e->factor[k]);
 		settings.exact = false;
-		report_step(r, "bake with an error of %.3g levels", settings.target.rms);
-		err = report_bake_make(bake, r->scene, &settings, r->page.temporary, r->fault);
-		bake->reference = r->used;
+		e->bake[k] = r->used;
+		if (e->factor[k] != 1) {
+			e->bake[k] = bake;
+			report_step(r, "bake with an error of %.3g levels", settings.target.rms);
+			err = report_bake_make(bake, r->scene, &settings, r->page.temporary,
+					       r->fault);
+			bake->reference = r->used;
+		}
+		bake = e->bake[k];
 		e->trial[k].way = report_way_plain(bake);
 		snprintf(e->trial[k].name, sizeof(e->trial[k].name), "%u lights, error %.3g",
 			 bake->basis.info.lights, settings.target.rms);
@@ -51,7 +85,7 @@ static void fill_error_table(const struct report *r, const struct error_sweep *e
 	report_table_column(t, "basis_mb", "basis", "MB");
 	report_result_columns(r, t);
 	for (int k = 0; k < e->count; k++) {
-		const struct report_bake *bake = &e->bake[k];
+		const struct report_bake *bake = e->bake[k];
 		const struct basis_info_chunk *info = &bake->basis.info;
 
 		report_number(t, bake->settings.target.rms);
@@ -79,19 +113,20 @@ static int plot_error_sweep(struct report *r, const struct error_sweep *e, const
 	p.x_log = p.y_log = true;
 	report_plot_series(&p, NULL, STYLE_LINE, memory ? 3 : 1);
 	for (int k = 0; k < e->count; k++) {
-		struct report_point *point = report_plot_point(&p, e->trial[k].precise.all.rms,
-							       memory ? e->bake[k].shown_mb
-								      : e->trial[k].median_ms);
+		const double rms = e->trial[k].precise.all.rms;
+		struct report_point *point = memory ? report_plot_point(&p, rms,
+									e->bake[k]->shown_mb)
+						    : report_time_point(&p, rms, &e->trial[k]);
 
 		snprintf(point->label, sizeof(point->label), "%.3g",
-			 e->bake[k].settings.target.rms);
+			 e->bake[k]->settings.target.rms);
 		point->ringed = e->factor[k] == 1;
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &p,
 		memory ? "Size of the fast basis against the error that it makes; the "
 			 "RMS asked for beside each point. Ring: the setting in use."
-		       : "Time of a frame against the same.",
+		       : "Time of a frame against the same, with its quartiles.",
 		r->fault);
 }
 
@@ -118,6 +153,26 @@ static int show_error_sweep(struct report *r, const struct error_sweep *e)
 	return err;
 }
 
+/* Advises an error: larger ones, whose files are smaller, before smaller ones. */
+static void choose_error(struct report *r, const struct error_sweep *e)
+{
+	const struct report_trial *way[FACTORS_MAX];
+	const struct encode_target *used = &r->render.target;
+	struct encode_target *target = &r->advised.target;
+	int found;
+
+	for (int k = 0; k < e->count; k++)
+		way[k] = &e->trial[e->count - 1 - k];
+	found = e->count - 1 - report_trial_choose(r, way, e->count, "the largest error", false);
+	*target = target_times(r, e->factor[found]);
+	report_advise_number(r, REPORT_SCENE, "render", "error", target->rms, used->rms);
+	if (used->max > 0)
+		report_advise_number(r, REPORT_SCENE, "render", "error_max", target->max,
+				     used->max);
+	report_advise_number(r, REPORT_SCENE, "render", "cell_error", target->cell, used->cell);
+	report_advice_show(r);
+}
+
 int report_declared_error(struct report *r)
 {
 	static struct error_sweep e;
@@ -125,20 +180,20 @@ int report_declared_error(struct report *r)
 
 	if (!r->scene)
 		return 0;
-	e = (struct error_sweep){.factor = factors, .count = sizeof(factors) / sizeof(*factors)};
-	if (r->settings->quick) {
-		e.factor = factors_quick;
-		e.count = sizeof(factors_quick) / sizeof(*factors_quick);
-	}
+	e = (struct error_sweep){.factor = choose_factors(r)};
+	while (e.factor[e.count] > 0)
+		e.count++;
 	err = make_error_bakes(r, &e);
 	if (!err)
 		err = report_trials_run(e.trial, e.count, &r->stage, &r->scope, r->fault);
 	if (!err)
 		err = show_error_sweep(r, &e);
+	if (!err)
+		choose_error(r, &e);
 	for (int k = 0; k < e.count; k++) {
 		if (!err && e.factor[k] != 1)
 			report_candidate_add(r, &e.trial[k], false);
-		report_bake_close(&e.bake[k]);
+		report_bake_close(&e.made[k]);
 	}
 	return err;
 }

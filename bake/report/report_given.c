@@ -68,7 +68,7 @@ static void fill_given_table(const struct report *r, const struct report_trial *
 	report_table_column(t, "mode", "mode", NULL);
 	report_table_column(t, "threads", "threads", NULL);
 	report_table_column(t, "basis_mb", "basis", "MB");
-	report_table_column(t, "median_ms", "time", "ms");
+	report_time_columns(t);
 	report_table_column(t, "read_mb", "read", "MB");
 	report_table_column(t, "double_rms_levels", "RMS", "to double");
 	report_table_column(t, "double_psnr_db", "PSNR", "dB");
@@ -79,7 +79,7 @@ static void fill_given_table(const struct report *r, const struct report_trial *
 		report_text(t, "%s", compositor_mode_names[trial[k].way.mode]);
 		report_number(t, trial[k].way.threads);
 		report_number(t, exact ? r->given.exact_mb : r->given.shown_mb);
-		report_number(t, trial[k].median_ms);
+		report_time_cells(t, &trial[k]);
 		report_number(t, trial[k].read_mb);
 		report_number(t, trial[k].precise.all.rms);
 		report_number(t, trial[k].precise.all.psnr_db);
@@ -111,14 +111,13 @@ static int show_given(struct report *r, const struct report_trial *trial, int co
 int report_given(struct report *r)
 {
 	const int modes = r->given.exact ? 2 : 1, threads = r->threads > 1 ? 2 : 1;
-	struct report_trial trial[4] = {{.median_ms = 0}};
+	struct report_trial trial[4] = {{.read_mb = 0}};
 	struct report_stage stage;
 	struct scope scope = {.pixel = NULL};
 	int err;
 
 	if (!r->settings->basis)
 		return 0;
-	report_step(r, "the basis file in use");
 	err = open_given_stage(r, &stage);
 	if (!err && scope_create(&scope, &r->given.basis, report_bake_layer(&r->given)))
 		err = fault_say(r->fault, -ENOMEM, "not enough memory");

@@ -120,34 +120,41 @@ static int background_light(const struct report_lighting *l, struct image *linea
 	return 0;
 }
 
+/* Traces the truth in two halves with different random numbers. Their difference tells its noise,
+ * which the spread within a run overestimates, as its samples are spread evenly. */
 static int lighting_trace(struct report_lighting *l, const struct scene *scene,
 			  const struct sky *sky, const struct report_lighting_settings *s,
 			  struct fault *fault)
 {
-	const struct truth_settings settings = {.samples = s->truth_samples,
-						.bounces = scene->file->render.bounces,
-						.seed = s->seed,
-						.threads = s->threads,
-						.quiet = s->quiet};
 	const size_t values = 3 * (size_t)scene->camera.width * (size_t)scene->camera.height;
-	struct image background = {.width = 0}, out = {.width = 0};
-	struct truth_report report;
-	int err;
+	struct image background = {.width = 0}, out[2] = {{.width = 0}, {.width = 0}};
+	int err = background_light(l, &background);
 
-	l->truth = malloc(values * sizeof(*l->truth));
-	if (!l->truth || background_light(l, &background)) {
+	l->truth = calloc(values, sizeof(*l->truth));
+	for (int h = 0; h < 2; h++)
+		l->half[h] = calloc(values, sizeof(*l->half[h]));
+	if (err || !l->truth || !l->half[0] || !l->half[1])
 		err = fault_say(fault, -ENOMEM, "not enough memory for a picture");
-		goto release;
+	for (int h = 0; !err && h < 2; h++) {
+		const struct truth_settings settings = {.samples = (s->truth_samples + 1) / 2,
+							.bounces = scene->file->render.bounces,
+							.seed = s->seed + h,
+							.threads = s->threads,
+							.quiet = s->quiet};
+		struct truth_report report;
+
+		err = truth_run(scene, sky, &background, &settings, &out[h], &report, fault);
+		l->seconds += err ? 0 : report.seconds;
 	}
-	err = truth_run(scene, sky, &background, &settings, &out, &report, fault);
-	if (err)
-		goto release;
-	for (size_t k = 0; k < values; k++)
-		l->truth[k] = 255 * transfer_encode(TRANSFER_SRGB, (double)out.f32[k]);
-	l->noise_levels = report.noise_levels;
-	l->seconds = report.seconds;
-release:
-	image_free(&out);
+	for (size_t k = 0; !err && k < values; k++) {
+		const double a = (double)out[0].f32[k], b = (double)out[1].f32[k];
+
+		l->half[0][k] = 255 * transfer_encode(TRANSFER_SRGB, a);
+		l->half[1][k] = 255 * transfer_encode(TRANSFER_SRGB, b);
+		l->truth[k] = 255 * transfer_encode(TRANSFER_SRGB, (a + b) / 2);
+	}
+	image_free(&out[0]);
+	image_free(&out[1]);
 	image_free(&background);
 	return err;
 }
@@ -187,6 +194,8 @@ release:
 void report_lighting_close(struct report_lighting *l)
 {
 	free(l->truth);
+	free(l->half[0]);
+	free(l->half[1]);
 	canvas_free(&l->background);
 	image_free(&l->fisheye);
 	image_free(&l->image);

@@ -22,7 +22,8 @@ struct report_lighting {
 	struct canvas background; /* 8 bits, sRGB */
 	struct picture background_picture;
 	double *truth;	     /* [height][width][3]: 0..255, sRGB, not rounded; NULL: none */
-	double noise_levels; /* standard error of truth */
+	double *half[2];     /* the same of either half of the samples, whose mean truth is */
+	double noise_levels; /* standard error of truth; 0 until it is measured (report_samples.c) */
 	double seconds;	     /* that truth took */
 };
 

@@ -5,19 +5,31 @@
 
 #include "bake/base/report_page.h"
 #include "bake/report/report.h"
+#include "bake/report/report_rank.h"
 #include "bake/report/report_trial.h"
 #include "bake/scene/scene.h"
 
 #define REPORT_SWEEP_MAX 12
 #define REPORT_CANDIDATES_MAX 128
+#define REPORT_CHOICES_MAX 64 /* of report_trial_choose() */
+#define REPORT_ADVICE_MAX 16
 
 /* A setting that could be used, and its results with one thread. */
 struct report_candidate {
 	char name[96];
-	double ms, rms; /* of a frame; against truth, or double precision where there is no truth */
-	double mb;	/* of the basis */
+	struct report_result result;
+	double mb; /* of the basis */
 	bool in_use;
-	bool front; /* on the Pareto front: no other is both faster and more accurate */
+};
+
+/* The files that an advice is for. */
+enum report_file { REPORT_SCENE, REPORT_KIOSK, REPORT_FILES };
+
+/* A line to paste: "key = value" of a section. */
+struct report_advice {
+	enum report_file file;
+	char section[24], key[24], value[32];
+	char used[32]; /* what the scene says if that differs; empty: the same, or not known */
 };
 
 struct report {
@@ -34,8 +46,20 @@ struct report {
 	struct report_bake *used;   /* the bake of the setting in use */
 	struct report_trial in_use; /* the trial of the setting in use */
 	struct report_bake given;   /* the file in use, if there is one */
+	/* A bake like `used` with fewer samples and other random numbers, and the noise that both
+	 * tell (report_samples.c), in levels: of the setting in use in each surrounding, and as
+	 * RMS over the surroundings of bake and truth. */
+	struct report_bake fewer;
+	double bake_noise_in[REPORT_LIGHTINGS_MAX];
+	double bake_noise, truth_noise;
+	double hidden; /* the bake's noise with the samples that are advised */
 	struct report_candidate candidate[REPORT_CANDIDATES_MAX];
 	int candidates;
+	/* what the sections advise: bake, and way to use it */
+	struct render_settings advised;
+	struct report_way advised_way;
+	struct report_advice advice[REPORT_ADVICE_MAX];
+	int advices, advices_shown;
 	int step, steps;
 	struct fault *fault;
 };
@@ -51,16 +75,48 @@ void report_result_cells(const struct report *report, struct report_table *table
 			 const struct report_trial *trial);
 
 /* Add the columns of RMS, PSNR, largest error and shadow's error; add their cells. key and against
- * name the reference: "truth" in the CSV, "to truth" in the page. error NULL: it does not apply. */
-void report_error_columns(struct report_table *table, const char *key, const char *against);
+ * name the reference: "truth" in the CSV, "to truth" in the page. brief: the page shows RMS and
+ * largest alone. error NULL: it does not apply. */
+void report_error_columns(struct report_table *table, const char *key, const char *against,
+			  bool brief);
 void report_error_cells(struct report_table *table, const struct composite_error *error);
 
-/* A trial's RMS error against truth, or double precision where there is no truth; the reference's
- * name. */
-double report_rms(const struct report *report, const struct report_trial *trial);
+/* Add the columns of time alone, with its quartiles; add their cells. */
+void report_time_columns(struct report_table *table);
+void report_time_cells(struct report_table *table, const struct report_trial *trial);
+
+/* Adds a point at a trial's time, with a bar between its quartiles. */
+struct report_point *report_time_point(struct report_plot *plot, double x,
+				       const struct report_trial *trial);
+
+/* A trial's time, and its error against truth, or double precision where there is no truth; the
+ * reference's name. */
+struct report_result report_result_of(const struct report *report,
+				      const struct report_trial *trial);
 const char *report_against(const struct report *report);
 
 /* Adds a trial to the settings that the summary compares. */
 void report_candidate_add(struct report *report, const struct report_trial *trial, bool in_use);
+
+/*
+ * Chooses one of some trials (report_choose()), the preferred ones first, and writes paragraphs that
+ * say why. Returns its index. order: which of those as fast is preferred; is_alike: their pictures
+ * are the same, and time decides alone.
+ */
+int report_trial_choose(struct report *report, const struct report_trial *const *trials, int count,
+			const char *order, bool is_alike);
+
+/* The bake with the lights that are advised, as far as it is known: of the setting in use before. */
+struct report_bake *report_advised_dome(struct report *report);
+
+/* Adds a line to paste. used NULL: not known. */
+void report_advise(struct report *report, enum report_file file, const char *section,
+		   const char *key, const char *value, const char *used);
+void report_advise_number(struct report *report, enum report_file file, const char *section,
+			  const char *key, double value, double used);
+/* Writes the lines that have been added since the last call. */
+void report_advice_show(struct report *report);
+/* Writes all lines for a file into the summary, by section. */
+void report_advice_gather(struct report *report, enum report_file file);
 
 #endif

@@ -9,14 +9,10 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-/* Errors closer to each other than this factor count as equal. */
-#define WORTH 1.01
-/* Times closer to each other than this factor cannot be told apart. */
-#define SAME_TIME 1.05
-
 static int faster_first(const void *a, const void *b)
 {
-	const struct report_candidate *x = a, *y = b;
+	const struct report_result *x = &((const struct report_candidate *)a)->result;
+	const struct report_result *y = &((const struct report_candidate *)b)->result;
 
 	return x->ms != y->ms ? (x->ms > y->ms) - (x->ms < y->ms)
 			      : (x->rms > y->rms) - (x->rms < y->rms);
@@ -30,59 +26,21 @@ static const struct report_candidate *candidate_in_use(const struct report *r)
 	return NULL;
 }
 
-/* Whether c is another setting that is neither faster nor more accurate than the one in use, by
- * more than chance may make it. */
-static bool is_like_used(const struct report_candidate *used, const struct report_candidate *c)
+/* Sorts the candidates and finds those on the Pareto front. */
+static void find_front(struct report *r, bool *front)
 {
-	return used && c != used && used->ms <= c->ms * SAME_TIME && used->rms <= c->rms * WORTH;
-}
-
-static void find_front(struct report *r)
-{
-	const struct report_candidate *used;
-	double best = INFINITY;
+	struct report_result result[REPORT_CANDIDATES_MAX];
 
 	qsort(r->candidate, (size_t)r->candidates, sizeof(*r->candidate), faster_first);
-	used = candidate_in_use(r);
-	for (int k = 0; k < r->candidates; k++) {
-		struct report_candidate *c = &r->candidate[k];
-
-		c->front = !is_like_used(used, c) && c->rms * WORTH < best;
-		if (c->front)
-			best = c->rms;
-	}
+	for (int k = 0; k < r->candidates; k++)
+		result[k] = r->candidate[k].result;
+	for (int k = 0; k < r->candidates; k++)
+		front[k] = report_is_front(result, r->candidates, k);
 }
 
-/* The most accurate of the other settings that take at most ms and are off by at most rms, or
- * NULL. */
-static const struct report_candidate *candidate_better(const struct report *r, double ms,
-						       double rms)
+static int show_front(struct report *r, const bool *front)
 {
-	const struct report_candidate *found = NULL;
-
-	for (int k = 0; k < r->candidates; k++) {
-		const struct report_candidate *c = &r->candidate[k];
-
-		if (!c->in_use && c->ms <= ms && c->rms <= rms && (!found || c->rms < found->rms))
-			found = c;
-	}
-	return found;
-}
-
-static void suggest_candidate(FILE *to, const char *what, const struct report_candidate *c)
-{
-	char ms[32], rms[32], mb[32];
-
-	if (!c)
-		return;
-	report_rounded(c->ms, ms, sizeof(ms));
-	report_rounded(c->rms, rms, sizeof(rms));
-	report_rounded(c->mb, mb, sizeof(mb));
-	report_paragraph(to, "%s: %s (%s ms, RMS %s, basis %s MB).", what, c->name, ms, rms, mb);
-}
-
-static int show_front(struct report *r)
-{
+	const struct report_candidate *used = candidate_in_use(r);
 	struct report_plot plot;
 
 	report_plot_begin(&plot, "pareto", "time of a frame, ms, one thread", "");
@@ -91,42 +49,45 @@ static int show_front(struct report *r)
 	plot.x_log = plot.y_log = true;
 	report_plot_series(&plot, NULL, STYLE_POINTS, 0);
 	for (int k = 0; k < r->candidates; k++)
-		if (!r->candidate[k].front)
-			report_plot_point(&plot, r->candidate[k].ms, r->candidate[k].rms);
-	report_plot_series(&plot, NULL, STYLE_STEPS, 1);
+		if (!front[k])
+			report_plot_point(&plot, r->candidate[k].result.ms,
+					  r->candidate[k].result.rms);
+	report_plot_series(&plot, NULL, STYLE_POINTS, 1);
 	for (int k = 0; k < r->candidates; k++) {
 		const struct report_candidate *c = &r->candidate[k];
 		struct report_point *point;
 
-		if (!c->front)
+		if (!front[k])
 			continue;
-		point = report_plot_point(&plot, c->ms, c->rms);
+		point = report_plot_point(&plot, c->result.ms, c->result.rms);
 		snprintf(point->label, sizeof(point->label), "%.40s", c->name);
 	}
 	report_plot_series(&plot, NULL, STYLE_POINTS, 2);
-	if (candidate_in_use(r)) {
-		struct report_point *point = report_plot_point(&plot, candidate_in_use(r)->ms,
-							       candidate_in_use(r)->rms);
+	if (used) {
+		struct report_point *point = report_plot_point(&plot, used->result.ms,
+							       used->result.rms);
 
 		point->ringed = true;
 		snprintf(point->label, sizeof(point->label), "in use");
 	}
 	return report_page_plot(&r->page, r->page.head, &plot,
 				"Every setting that was tried. Blue: the Pareto front, that is, no "
-				"other is as fast and nearer by 1 % or more (5 % of time is "
-				"chance). Ring: the setting in use.",
+				"other is faster and as near, or nearer and as fast; as fast and "
+				"as near is what noise and spread cannot tell apart. Ring: the "
+				"setting in use.",
 				r->fault);
 }
 
-static int show_candidates(struct report *r)
+static int show_candidates(struct report *r, const bool *front)
 {
 	struct report_table table;
 	int err;
 
 	report_table_begin(&table, "settings");
 	report_table_column(&table, "setting", "setting", NULL);
-	report_table_column(&table, "median_ms", "time", "ms");
+	report_time_columns(&table);
 	report_table_column(&table, "rms_levels", "RMS", "levels");
+	report_table_column(&table, "noise_levels", "noise of it", "levels");
 	report_table_column(&table, "basis_mb", "basis", "MB");
 	report_table_column(&table, "front", "Pareto front", NULL);
 	report_table_column(&table, "in_use", "in use", NULL);
@@ -134,10 +95,13 @@ static int show_candidates(struct report *r)
 		const struct report_candidate *c = &r->candidate[k];
 
 		report_text(&table, "%s", c->name);
-		report_number(&table, c->ms);
-		report_number(&table, c->rms);
+		report_number(&table, c->result.ms);
+		report_number(&table, c->result.ms_low);
+		report_number(&table, c->result.ms_high);
+		report_number(&table, c->result.rms);
+		report_number(&table, c->result.noise);
 		report_number(&table, c->mb);
-		report_text(&table, "%s", c->front ? "yes" : "");
+		report_text(&table, "%s", front[k] ? "yes" : "");
 		report_text(&table, "%s", c->in_use ? "yes" : "");
 		if (c->in_use)
 			report_table_mark(&table);
@@ -153,10 +117,12 @@ static void describe_use(struct report *r, const struct report_candidate *used)
 {
 	const struct report_bake *bake = r->used;
 	const struct basis_info_chunk *info = &bake->basis.info;
-	char ms[32], rms[32], mb[32], exact[32];
+	char ms[32], low[32], high[32], rms[32], mb[32], exact[32];
 
-	report_rounded(used->ms, ms, sizeof(ms));
-	report_rounded(used->rms, rms, sizeof(rms));
+	report_rounded(used->result.ms, ms, sizeof(ms));
+	report_rounded(used->result.ms_low, low, sizeof(low));
+	report_rounded(used->result.ms_high, high, sizeof(high));
+	report_rounded(used->result.rms, rms, sizeof(rms));
 	report_rounded(bake->shown_mb, mb, sizeof(mb));
 	report_rounded(bake->exact_mb, exact, sizeof(exact));
 	report_paragraph(
@@ -168,11 +134,14 @@ static void describe_use(struct report *r, const struct report_candidate *used)
 		info->cell_rms);
 	report_paragraph(
 		r->page.head,
-		"It costs %s ms a frame of %u x %u pixels and %s MB of memory%s%s%s, and is "
-		"off from %s by an RMS of %s levels over what the object changes, all "
-		"surroundings taken together.",
-		ms, info->width, info->height, mb, bake->exact ? " (the exact layer " : "",
-		bake->exact ? exact : "", bake->exact ? " MB)" : "", report_against(r), rms);
+		"It costs %s ms (quartiles %s to %s) a frame of %u x %u pixels, %.0f ns for each "
+		"pixel that the object changes, and %s MB of memory%s%s%s. It is off from %s by an "
+		"RMS of %s levels over what the object "
+		"changes, all surroundings taken together.",
+		ms, low, high, info->width, info->height,
+		1e6 * used->result.ms / (double)(r->scope.objects + r->scope.shadows), mb,
+		bake->exact ? " (the exact layer " : "", bake->exact ? exact : "",
+		bake->exact ? " MB)" : "", report_against(r), rms);
 }
 
 static int show_surroundings(struct report *r)
@@ -185,11 +154,12 @@ static int show_surroundings(struct report *r)
 	report_table_column(&t, "surrounding", "surrounding", NULL);
 	report_table_column(&t, "sky_peak_over_mean", "brightest / mean", "of the sky");
 	if (r->truth) {
-		report_error_columns(&t, "truth", "to truth");
-		report_table_column(&t, "truth_noise_levels", "noise of it", "levels");
+		report_error_columns(&t, "truth", "to truth", false);
+		report_table_column(&t, "truth_noise_levels", "noise", "of truth");
+		report_table_column(&t, "bake_noise_levels", "noise", "of the bake");
 		report_table_column(&t, "truth_s", NULL, NULL);
 	}
-	report_error_columns(&t, "double", "to double");
+	report_error_columns(&t, "double", "to double", true);
 	for (int l = 0; l < r->stage.lightings; l++) {
 		const struct report_lighting *lighting = &r->stage.lighting[l];
 
@@ -198,6 +168,7 @@ static int show_surroundings(struct report *r)
 		if (r->truth) {
 			report_error_cells(&t, &r->in_use.truth.each[l]);
 			report_number(&t, lighting->noise_levels);
+			report_number(&t, r->bake_noise_in[l]);
 			report_number(&t, lighting->seconds);
 		}
 		report_error_cells(&t, &r->in_use.precise.each[l]);
@@ -210,29 +181,17 @@ static int show_surroundings(struct report *r)
 int report_summary(struct report *r)
 {
 	const struct report_candidate *used;
+	bool front[REPORT_CANDIDATES_MAX];
 	int err;
 
-	find_front(r);
+	find_front(r, front);
 	used = candidate_in_use(r);
-	if (used) {
-		const struct report_candidate *nearer = candidate_better(r, used->ms,
-									 used->rms / WORTH);
-		const struct report_candidate *faster = candidate_better(r, used->ms / SAME_TIME,
-									 used->rms * WORTH);
-
+	if (used)
 		describe_use(r, used);
-		suggest_candidate(r->page.head, "Nearer in no more time", nearer);
-		suggest_candidate(r->page.head, "Faster and no further off", faster);
-		suggest_candidate(r->page.head, "The nearest of all",
-				  candidate_better(r, INFINITY, INFINITY));
-		if (!nearer && !faster)
-			report_paragraph(
-				r->page.head,
-				"No other setting that was tried is nearer in no more time, "
-				"or faster and no further off.");
-	}
+	for (int file = 0; file < REPORT_FILES; file++)
+		report_advice_gather(r, (enum report_file)file);
 	err = show_surroundings(r);
 	if (!err)
-		err = show_front(r);
-	return err ? err : show_candidates(r);
+		err = show_front(r, front);
+	return err ? err : show_candidates(r, front);
 }

@@ -41,6 +41,11 @@ struct thesis_rerun {
 	struct report_table threshold;
 };
 
+int report_thesis_bakes(void)
+{
+	return ROWS;
+}
+
 static int threads_of(const struct thesis_rerun *a, int row)
 {
 	const int most = a->report->threads;
@@ -59,18 +64,18 @@ static void fill_thesis_row(struct thesis_rerun *a, int row, const struct report
 	report_number(t, 1000 * table41[row].seconds);
 	report_number(t, bake->basis.info.lights);
 	report_number(t, trial[THESIS_ONE].read_mb);
-	report_number(t, trial[THESIS_ONE].median_ms);
+	report_number(t, trial[THESIS_ONE].ms.median);
 	report_number(t, threads_of(a, row));
-	report_number(t, trial[THESIS_MORE].median_ms);
+	report_number(t, trial[THESIS_MORE].ms.median);
 	report_number(t, bake->shown_mb);
-	report_number(t, trial[FAST_ONE].median_ms);
-	report_number(t, trial[FAST_MORE].median_ms);
-	report_number(t, trial[THESIS_ONE].median_ms / trial[FAST_ONE].median_ms);
+	report_number(t, trial[FAST_ONE].ms.median);
+	report_number(t, trial[FAST_MORE].ms.median);
+	report_number(t, trial[THESIS_ONE].ms.median / trial[FAST_ONE].ms.median);
 }
 
 static int try_row(struct thesis_rerun *a, int row, struct report_bake *bake)
 {
-	struct report_trial trial[COLUMNS] = {{.median_ms = 0}};
+	struct report_trial trial[COLUMNS] = {{.read_mb = 0}};
 	int err;
 
 	for (int k = 0; k < COLUMNS; k++) {
@@ -134,7 +139,7 @@ static const struct {
 
 static int try_threshold(struct thesis_rerun *a, struct report_bake *bake)
 {
-	struct report_trial trial[CASES] = {{.median_ms = 0}};
+	struct report_trial trial[CASES] = {{.read_mb = 0}};
 	struct report_table *t = &a->threshold;
 	struct scope scope;
 	double threshold = 0;
@@ -158,9 +163,9 @@ static int try_threshold(struct thesis_rerun *a, struct report_bake *bake)
 		report_text(t, "%s", cases[k].name);
 		report_number(t, cases[k].seconds > 0 ? 1000 * cases[k].seconds : NAN);
 		report_number(t, trial[k].lights[0]);
-		report_number(t, trial[k].median_ms);
+		report_number(t, trial[k].ms.median);
 		report_number(t,
-			      100 * trial[k].median_ms / trial[cases[k].thesis ? 0 : 2].median_ms);
+			      100 * trial[k].ms.median / trial[cases[k].thesis ? 0 : 2].ms.median);
 		/* the thesis's errors would be against its own choice of lights */
 		report_number(t, cases[k].thesis ? NAN : error->rms);
 		report_number(t, cases[k].thesis ? NAN : error->psnr_db);

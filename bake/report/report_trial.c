@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "hal/measure/lightings.h"
-#include "hal/measure/turns.h"
 
 /* A trial with all that its frames need. */
 struct runner {
@@ -204,8 +203,12 @@ static int time_all(struct runners *all)
 		for (int k = 0; !err && k < all->count; k++) {
 			struct report_trial *trial = all->runner[k].trial;
 
-			trial->median_ms += turns_median(ms + (size_t)k * (size_t)repeat, repeat) /
-					    lightings;
+			const struct turns_spread spread =
+				turns_spread(ms + (size_t)k * (size_t)repeat, repeat);
+
+			trial->ms.low += spread.low / lightings;
+			trial->ms.median += spread.median / lightings;
+			trial->ms.high += spread.high / lightings;
 			trial->read_mb += read_mb(&all->runner[k], all->lighting) / lightings;
 		}
 	}
@@ -248,6 +251,21 @@ static int measure_thesis(struct runner *r, struct runners *all, int lighting,
 	return err ? fault_say(all->fault, err, "double precision: %s", strerror(-err)) : 0;
 }
 
+static double psnr_of(double rms)
+{
+	return rms > 0 ? fmin(20 * log10(255 / rms), 120) : 120;
+}
+
+/* The error without the noise of the truth that it was measured against. Rounding remains. */
+static struct composite_error without_noise(struct composite_error error, double noise)
+{
+	const double square = error.rms * error.rms - noise * noise;
+
+	error.rms = sqrt(fmax(square, REPORT_ROUNDING * REPORT_ROUNDING));
+	error.psnr_db = psnr_of(error.rms);
+	return error;
+}
+
 static int measure_one(struct runner *r, struct runners *all, int lighting,
 		       const struct scope *scope)
 {
@@ -263,8 +281,10 @@ static int measure_one(struct runner *r, struct runners *all, int lighting,
 	r->trial->precise.each[lighting] = error_measure(scope, precise, &all->out,
 							 &l->background_picture, TRANSFER_SRGB);
 	if (l->truth)
-		r->trial->truth.each[lighting] = error_measure(
-			scope, l->truth, &all->out, &l->background_picture, TRANSFER_SRGB);
+		r->trial->truth.each[lighting] =
+			without_noise(error_measure(scope, l->truth, &all->out,
+						    &l->background_picture, TRANSFER_SRGB),
+				      l->noise_levels);
 	return 0;
 }
 
@@ -283,7 +303,7 @@ static void sum_up(struct report_errors *errors, int lightings)
 		all->contrast += one->contrast / lightings;
 	}
 	all->rms = sqrt(square);
-	all->psnr_db = all->rms > 0 ? fmin(20 * log10(255 / all->rms), 120) : 120;
+	all->psnr_db = psnr_of(all->rms);
 	all->frame_psnr_db = frame > 0 ? -10 * log10(frame) : 120;
 }
 
@@ -322,7 +342,8 @@ int report_trials_run(struct report_trial *trials, int count, struct report_stag
 	}
 	err = 0;
 	while (!err && all.count < count) {
-		trials[all.count].median_ms = trials[all.count].read_mb = 0;
+		trials[all.count].ms = (struct turns_spread){0, 0, 0};
+		trials[all.count].read_mb = 0;
 		err = runner_create(&all.runner[all.count], &trials[all.count], stage, fault);
 		all.count++;
 	}

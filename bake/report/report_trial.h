@@ -6,8 +6,12 @@
 #include "bake/report/report_bake.h"
 #include "hal/compositor/compositor.h"
 #include "hal/measure/error.h"
+#include "hal/measure/turns.h"
 
 #define REPORT_CHANGE_ALL (-1)
+
+/* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
+#define REPORT_ROUNDING 0.289
 
 struct report_way {
 	struct report_bake *bake;
@@ -33,11 +37,12 @@ struct report_trial {
 	struct report_way way;
 	char name[96]; /* its label in the plot of all settings */
 	/* filled in by report_trials_run(): */
-	double median_ms;		     /* mean over the lightings of each one's median */
+	struct turns_spread ms;		     /* of a frame; means over the lightings */
 	double read_mb;			     /* of the basis a frame, mean over the lightings */
 	double lights[REPORT_LIGHTINGS_MAX]; /* how many are used */
 	bool has_errors;
-	struct report_errors truth; /* where the stage has truth */
+	/* where the stage has truth; RMS and PSNR without its noise */
+	struct report_errors truth;
 	/* of the thesis's algorithm in levels of linear light, as it computes */
 	struct report_errors precise;
 };
