@@ -14,6 +14,7 @@ BAKE_SOURCES := \
 	bake/base/report_page.c \
 	bake/base/report_plot.c \
 	bake/base/report_table.c \
+	bake/base/strata.c \
 	bake/base/surface.c \
 	bake/encode/encode.c \
 	bake/encode/encode_allow.c \

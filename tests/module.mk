@@ -51,6 +51,7 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_show.c \
 	tests/unit/app/view/test_utf8.c \
 	tests/unit/app/view/test_words.c \
+	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \

@@ -8,7 +8,7 @@
 
 #define BAR 30
 
-void progress_begin(struct progress *p, const char *what, int total, bool quiet)
+void progress_begin(struct progress *p, const char *what, double total, bool quiet)
 {
 	*p = (struct progress){.what = what, .total = total, .quiet = quiet};
 	p->terminal = isatty(STDERR_FILENO) == 1;
@@ -26,13 +26,13 @@ static void progress_draw(const struct progress *p, double share, double rate, i
 		(int)(100 * share), rate, left_s / 60, left_s % 60);
 }
 
-void progress_show(struct progress *p, int done, uint64_t rays)
+void progress_show(struct progress *p, double done, uint64_t rays)
 {
 	const int64_t now = clock_now_ns();
 	const int64_t step = p->terminal ? NS_PER_S / 5 : 10 * NS_PER_S;
 	const double seconds = (double)(now - p->start_ns) / NS_PER_S;
-	const double share = (double)done / p->total;
-	const int left_s = done ? (int)(seconds / done * (p->total - done)) : 0;
+	const double share = done / p->total;
+	const int left_s = done > 0 ? (int)(seconds / done * (p->total - done)) : 0;
 
 	if (p->quiet || now - p->shown_ns < step)
 		return;

@@ -9,14 +9,16 @@
 
 struct progress {
 	const char *what; /* name of the work; must outlive this */
-	int total;	  /* steps */
+	double total;	  /* work in any unit; may be corrected on the way */
 	bool quiet, terminal;
 	int64_t start_ns, shown_ns;
 };
 
-void progress_begin(struct progress *progress, const char *what, int total, bool quiet);
-/* done: steps so far; rays: rays so far. Most calls print nothing. */
-void progress_show(struct progress *progress, int done, uint64_t rays);
+void progress_begin(struct progress *progress, const char *what, double total, bool quiet);
+/* done: work so far, in the unit of total; rays: rays so far. The time left is
+ *     seconds so far * (total - done) / done
+ * Most calls print nothing. */
+void progress_show(struct progress *progress, double done, uint64_t rays);
 /* Takes the bar away. Returns the seconds since progress_begin(). */
 double progress_end(struct progress *progress);
 

@@ -23,6 +23,7 @@ struct finished_tile {
 	int glass_count;
 	struct basis_glass *glass;
 	struct tile_account account;
+	double seconds; /* that it took; of this run alone, no file has it */
 };
 
 /* Bytes of the payloads of count blocks. */

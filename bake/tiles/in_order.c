@@ -4,17 +4,23 @@
 #include <pthread.h>
 #include <stdbool.h>
 
-/* How far a tile may be ahead of the one whose turn it is. */
+#include "bake/base/strata.h"
+#include "hal/base/clock.h"
+
+/* How far a tile may be ahead of the one whose turn it is, unless it is of the sample. */
 #define WINDOW 64
+
+struct waiting_tile {
+	struct finished_tile tile;
+	bool ready;
+};
 
 struct tile_queue {
 	const struct in_order *work;
 	pthread_mutex_t lock;  /* guards all below */
 	pthread_cond_t turned; /* next has advanced, or a call has failed */
-	struct {
-		struct finished_tile tile;
-		bool ready;
-	} waiting[WINDOW];
+	struct strata strata;
+	struct waiting_tile waiting[WINDOW], sample[STRATA_MAX];
 	int next, err; /* the tile whose turn it is; the first error */
 	uint64_t rays; /* of all finished tiles */
 	struct fault *fault;
@@ -27,15 +33,22 @@ static void queue_fail(struct tile_queue *q, int err)
 	pthread_cond_broadcast(&q->turned);
 }
 
+static struct waiting_tile *queue_place(struct tile_queue *q, int tile)
+{
+	const int k = strata_sampled(&q->strata, tile);
+
+	return k < 0 ? &q->waiting[tile % WINDOW] : &q->sample[k];
+}
+
 /* Hands on every tile whose turn has come. The caller holds the lock. */
 static void queue_hand_on(struct tile_queue *q)
 {
-	while (!q->err && q->waiting[q->next % WINDOW].ready) {
-		struct finished_tile *tile = &q->waiting[q->next % WINDOW].tile;
-		const int err = q->work->take(q->work->context, tile, q->fault);
+	while (!q->err && q->next < q->work->tiles && queue_place(q, q->next)->ready) {
+		struct waiting_tile *place = queue_place(q, q->next);
+		const int err = q->work->take(q->work->context, &place->tile, q->fault);
 
-		finished_tile_free(tile);
-		q->waiting[q->next % WINDOW].ready = false;
+		finished_tile_free(&place->tile);
+		place->ready = false;
 		q->next++;
 		if (err)
 			queue_fail(q, err);
@@ -43,30 +56,43 @@ static void queue_hand_on(struct tile_queue *q)
 	pthread_cond_broadcast(&q->turned);
 }
 
-/* Waits until the tile is inside the window. False when a call has failed. Tiles are begun in
- * order, so some thread is always at work on the one whose turn it is, and the wait ends. */
+/* Waits until the tile is inside the window. False when a call has failed. Other tiles than the
+ * sample, which is begun before them, are begun in order, so some thread is always at work on the one whose turn it is, and the wait ends. */
 static bool queue_wait(struct tile_queue *q, int index)
 {
 	bool go_on;
 
 	pthread_mutex_lock(&q->lock);
-	while (!q->err && index >= q->next + WINDOW)
+	while (!q->err && index >= q->next + WINDOW && strata_sampled(&q->strata, index) < 0)
 		pthread_cond_wait(&q->turned, &q->lock);
 	go_on = !q->err;
 	pthread_mutex_unlock(&q->lock);
 	return go_on;
 }
 
-static void queue_make(void *context, int index, int worker)
+static void queue_show_progress(struct tile_queue *q)
+{
+	struct progress *progress = q->work->progress;
+	const double done = q->work->seconds_before + q->strata.cost;
+
+	progress->total = done + strata_left(&q->strata, q->work->tiles_after);
+	progress_show(progress, done, q->rays);
+}
+
+static void queue_make(void *context, int place, int worker)
 {
 	struct tile_queue *q = context;
+	const int index = strata_piece(&q->strata, place);
+	int64_t start_ns;
 	struct finished_tile tile = {.blocks = NULL};
 	struct fault fault = {.text = ""};
 	int err;
 
 	if (!queue_wait(q, index))
 		return;
+	start_ns = clock_now_ns();
 	err = q->work->make(q->work->context, index, worker, &tile, &fault);
+	tile.seconds = (double)(clock_now_ns() - start_ns) / NS_PER_S;
 	pthread_mutex_lock(&q->lock);
 	if (err || q->err) {
 		finished_tile_free(&tile);
@@ -75,10 +101,10 @@ static void queue_make(void *context, int index, int worker)
 		queue_fail(q, err);
 	} else {
 		q->rays += tile.account.rays;
-		q->waiting[index % WINDOW].tile = tile;
-		q->waiting[index % WINDOW].ready = true;
+		strata_add(&q->strata, index, tile.seconds);
+		*queue_place(q, index) = (struct waiting_tile){.tile = tile, .ready = true};
 		queue_hand_on(q);
-		progress_show(q->work->progress, q->work->tiles_before + q->next, q->rays);
+		queue_show_progress(q);
 	}
 	pthread_mutex_unlock(&q->lock);
 }
@@ -91,9 +117,12 @@ int in_order_run(const struct in_order *work, struct pool *pool, struct fault *f
 
 	pthread_mutex_init(&q.lock, NULL);
 	pthread_cond_init(&q.turned, NULL);
+	strata_begin(&q.strata, work->tiles);
 	pool_run(pool, work->tiles, queue_make, &q);
 	for (int k = 0; k < WINDOW; k++)
 		finished_tile_free(&q.waiting[k].tile);
+	for (int k = 0; k < STRATA_MAX; k++)
+		finished_tile_free(&q.sample[k].tile);
 	pthread_cond_destroy(&q.turned);
 	pthread_mutex_destroy(&q.lock);
 	return q.err;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes tiles on all threads, and hands them on in ascending order. */
+/* Makes tiles on all threads, and hands them on in ascending order. A sample of them is made first
+ * and waits in memory, so that the progress knows what the others cost (strata.h). */
 #ifndef INLAY_BAKE_TILES_IN_ORDER_H
 #define INLAY_BAKE_TILES_IN_ORDER_H
 
@@ -10,8 +11,10 @@
 
 struct in_order {
 	int tiles;
-	int tiles_before;     /* tiles already shown by the progress */
-	uint64_t rays_before; /* rays of these */
+	int tiles_after; /* tiles of later runs, which the progress includes */
+	/* of earlier runs: sums of rays, and of struct finished_tile.seconds */
+	uint64_t rays_before;
+	double seconds_before;
 	void *context;
 	/* Makes tile number index, 0..tiles-1, on thread worker. Called on several threads at
 	 * once. */

@@ -53,7 +53,8 @@ struct render_job {
 	int first_pose, pose; /* poses of the scene: the first and the current one of this bake */
 	/* tiles of the current pose that this bake makes: first + k * step, k = 0..tiles-1 */
 	int tiles, first, step;
-	int done; /* tiles of earlier poses */
+	int tiles_all, done; /* tiles of all poses, of earlier poses */
+	double seconds;	     /* sum over finished tiles */
 	uint64_t rays;
 	bool object_seen;
 };
@@ -199,6 +200,7 @@ static int render_take_tile(void *context, const struct finished_tile *tile, str
 	struct render_job *job = context;
 
 	job->rays += tile->account.rays;
+	job->seconds += tile->seconds;
 	for (int k = 0; k < TILE_PIXELS; k++)
 		job->object_seen |= tile->account.coverage[k] > 0;
 	return job->shard ? shard_writer_add(job->shard, tile, fault)
@@ -236,8 +238,9 @@ static int render_make_pose(struct render_job *job, struct fault *fault)
 {
 	const struct in_order work = {
 		.tiles = job->tiles,
-		.tiles_before = job->done,
+		.tiles_after = job->tiles_all - job->done - job->tiles,
 		.rays_before = job->rays,
+		.seconds_before = job->seconds,
 		.context = job,
 		.make = render_make_tile,
 		.take = render_take_tile,
@@ -261,17 +264,17 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 			   struct fault *fault)
 {
 	const int poses = (int)job->plan.info.poses;
-	int tiles = 0, err = 0;
+	int err = 0;
 
 	for (int p = 0; p < poses; p++) {
 		job->pose = job->first_pose + p;
 		set_tiles(job);
-		tiles += job->tiles;
+		job->tiles_all += job->tiles;
 	}
 	if (job->settings.profile && profile_begin(&job->profile, job->worker_count) < 0)
 		return fault_say(fault, -EAGAIN,
 				 "the profile cannot start: out of memory or threads");
-	progress_begin(&job->progress, "bake", tiles, job->settings.quiet);
+	progress_begin(&job->progress, "bake", job->tiles_all, job->settings.quiet);
 	for (int p = 0; p < poses && !err; p++) {
 		job->pose = job->first_pose + p;
 		set_tiles(job);
