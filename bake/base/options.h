@@ -6,6 +6,7 @@
 #include "hal/base/fault.h"
 
 #define EXIT_USAGE 2
+#define EXIT_MISSED 3 /* done, the file is kept, but an error is larger than asked for */
 
 /* One entry of the command table. run() gets argv from the command's own name on, and returns the
  * exit status. */

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/tiles/assembly.h"
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "hal/base/pool.h"
@@ -200,8 +199,7 @@ static int set_plan(struct import_job *job, const struct import_settings *settin
 		memcpy(plan->ground, source->ground, numbers * sizeof(*plan->ground));
 	snprintf(plan->provenance, sizeof(plan->provenance),
 		 "program = inlay-bake %s\n%ssize = %d x %d\ndome = frequency %d, division %s, %d "
-		 "lights%s\n"
-		 "target_levels = rms %g, max %g, cell %g\ncolumn_cut = %.9g\ncoarse_lights = %u\n"
+		 "lights%s\n" PLAN_TARGET_LINE "column_cut = %.9g\ncoarse_lights = %u\n"
 		 "exact = %s\n",
 		 INLAY_VERSION, source->provenance, source->width, source->height,
 		 source->dome->frequency, dome_division_names[source->dome->division],
@@ -240,11 +238,11 @@ static int import_start_workers(struct import_job *job, const struct import_sett
 	return err;
 }
 
-static int import_finish(struct import_job *job, struct fault *fault)
+static int import_finish(struct import_job *job, struct assembly_report *report,
+			 struct fault *fault)
 {
 	float(*peak)[3] = job->worker[0].peak;
 	struct assembly *assembly = job->assembly;
-	struct assembly_report report;
 	int err;
 
 	for (int k = 1; k < job->workers; k++)
@@ -252,7 +250,7 @@ static int import_finish(struct import_job *job, struct fault *fault)
 	err = assembly_pose_end(assembly, (const float(*)[3])peak, fault);
 	if (!err) {
 		job->assembly = NULL; /* finishing frees it */
-		err = assembly_finish(assembly, &report, fault);
+		err = assembly_finish(assembly, report, fault);
 	}
 	return err;
 }
@@ -287,7 +285,7 @@ static void import_tear_down(struct import_job *job)
 }
 
 int import_run(const struct import_source *source, const struct import_settings *settings,
-	       const char *path, struct fault *fault)
+	       const char *path, struct assembly_report *report, struct fault *fault)
 {
 	struct import_settings chosen = *settings;
 	struct import_job *job = calloc(1, sizeof(*job));
@@ -310,7 +308,7 @@ int import_run(const struct import_source *source, const struct import_settings 
 	if (!err)
 		err = import_make_all(job, chosen.quiet, fault);
 	if (!err)
-		err = import_finish(job, fault);
+		err = import_finish(job, report, fault);
 	import_tear_down(job);
 	free(job);
 	return err;

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 
 #include "bake/encode/encode.h"
+#include "bake/tiles/assembly.h"
 #include "hal/base/fault.h"
 #include "hal/optics/dome.h"
 
@@ -47,8 +48,8 @@ struct import_settings {
 	bool quiet;
 };
 
-/* Encodes the source into a basis file. On failure no file is written. */
+/* Encodes the source into a basis file. On failure no file is written, and *report is not set. */
 int import_run(const struct import_source *source, const struct import_settings *settings,
-	       const char *path, struct fault *fault);
+	       const char *path, struct assembly_report *report, struct fault *fault);
 
 #endif

@@ -129,7 +129,7 @@ static int import_command_take(void *choices, int option, struct fault *fault)
 }
 
 static int import_pictures(const struct import_choices *c, const struct dome *dome,
-			   const int *place, struct fault *fault)
+			   const int *place, struct assembly_report *report, struct fault *fault)
 {
 	struct import_pictures_settings settings = c->pictures;
 	char *folder = strdup(c->output);
@@ -154,7 +154,7 @@ static int import_pictures(const struct import_choices *c, const struct dome *do
 			.context = &pictures,
 		};
 
-		err = import_run(&source, &c->import, c->output, fault);
+		err = import_run(&source, &c->import, c->output, report, fault);
 		import_pictures_free(&pictures);
 	}
 	free(folder);
@@ -162,7 +162,7 @@ static int import_pictures(const struct import_choices *c, const struct dome *do
 }
 
 static int import_msi(const struct import_choices *c, const struct dome *dome, const int *place,
-		      struct fault *fault)
+		      struct assembly_report *report, struct fault *fault)
 {
 	struct msi_source from;
 	struct msi msi;
@@ -186,7 +186,7 @@ static int import_msi(const struct import_choices *c, const struct dome *dome, c
 			.context = &from,
 		};
 
-		err = import_run(&source, &c->import, c->output, fault);
+		err = import_run(&source, &c->import, c->output, report, fault);
 		msi_source_free(&from);
 	}
 	msi_close(&msi);
@@ -208,7 +208,8 @@ static void set_encoding(struct import_choices *c)
 	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
 }
 
-static int run_import(const struct import_choices *c, struct fault *fault)
+static int run_import(const struct import_choices *c, struct assembly_report *report,
+		      struct fault *fault)
 {
 	struct dome dome;
 	int *place;
@@ -219,7 +220,8 @@ static int run_import(const struct import_choices *c, struct fault *fault)
 		err = angles_read(c->angles, &dome, &place, fault);
 	if (err)
 		return err;
-	err = c->msi ? import_msi(c, &dome, place, fault) : import_pictures(c, &dome, place, fault);
+	err = c->msi ? import_msi(c, &dome, place, report, fault)
+		     : import_pictures(c, &dome, place, report, fault);
 	free(place);
 	dome_free(&dome);
 	return err;
@@ -249,6 +251,7 @@ static int import_command_run(const struct bake_command *command, int argc, char
 {
 	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
 	struct fault fault = {.text = ""};
+	struct assembly_report report;
 	const int status = command_options(command, argc, argv, options, import_command_take, &c);
 
 	if (status != COMMAND_GOES_ON)
@@ -258,11 +261,11 @@ static int import_command_run(const struct bake_command *command, int argc, char
 	if (wrong_usage(&c))
 		return command_wrong(command, "%s", wrong_usage(&c));
 	set_encoding(&c);
-	if (run_import(&c, &fault)) {
+	if (run_import(&c, &report, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	return EXIT_SUCCESS;
+	return assembly_conclude(&report.miss, c.output);
 }
 
 const struct bake_command import_command = {

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/options.h"
+#include "hal/base/log.h"
+
 struct assembly {
 	const struct plan *plan;
 	struct basis_writer *writer;
@@ -16,8 +19,13 @@ struct assembly {
 	struct ensemble_error error;
 	double noise_square;
 	int64_t noise_count;
+	struct encode_target target;
+	double worst; /* of all tiles: largest error / target */
 	struct assembly_report report;
 };
+
+/* Errors up to this multiple of the target hold it: the provenance has its numbers in six digits. */
+#define HELD 1.00001
 
 int assembly_open(struct assembly **assembly, const struct plan *plan, const char *path,
 		  struct fault *fault)
@@ -27,6 +35,7 @@ int assembly_open(struct assembly **assembly, const struct plan *plan, const cha
 
 	if (a) {
 		a->plan = plan;
+		a->target = plan_target(plan);
 		a->report.info = plan->info;
 		a->coverage = calloc((size_t)plan->info.width * plan->info.height,
 				     sizeof(*a->coverage));
@@ -55,14 +64,13 @@ void assembly_abandon(struct assembly *a)
 
 static void add_coverage(struct assembly *a, const struct finished_tile *tile)
 {
-	const int width = (int)a->plan->info.width, height = (int)a->plan->info.height;
-	const int across = (width + BASIS_TILE - 1) / BASIS_TILE;
-	const int left = tile->tile % across * BASIS_TILE, top = tile->tile / across * BASIS_TILE;
-	const int columns = width - left < BASIS_TILE ? width - left : BASIS_TILE;
+	const size_t stride = a->plan->info.width;
 	const uint16_t *from = tile->account.coverage;
+	int left, top, columns, rows;
 
-	for (int y = top; y < top + BASIS_TILE && y < height; y++, from += BASIS_TILE) {
-		memcpy(a->coverage + (size_t)y * (size_t)width + left, from,
+	plan_rectangle(a->plan, tile->tile, &left, &top, &columns, &rows);
+	for (int y = top; y < top + rows; y++, from += BASIS_TILE) {
+		memcpy(a->coverage + (size_t)y * stride + left, from,
 		       (size_t)columns * sizeof(*from));
 		for (int x = 0; x < columns; x++)
 			a->report.object_seen |= from[x] > 0;
@@ -89,6 +97,40 @@ static int add_glass(struct assembly *a, const struct finished_tile *tile, struc
 	return 0;
 }
 
+/* Compares the errors of a tile with the target. */
+static void judge_tile(struct assembly *a, const struct finished_tile *tile)
+{
+	const struct ensemble_error *error = &tile->account.error;
+	const struct {
+		const char *what, *option;
+		double error, target;
+	} all[] = {
+		{"RMS under a sky", "--error", ensemble_sky_rms(error), a->target.rms},
+		{"in a pixel under a sky", "--error RMS,MAX", error->sky_max, a->target.max},
+		{"in a pixel under a single light", "--cell-error", error->cell_max,
+		 a->target.cell},
+	};
+	struct assembly_miss *miss = &a->report.miss;
+	bool held = true;
+
+	for (size_t k = 0; k < sizeof(all) / sizeof(*all); k++) {
+		const double share = all[k].error / all[k].target;
+
+		held &= share <= HELD;
+		if (share <= HELD || share <= a->worst)
+			continue;
+		a->worst = share;
+		miss->pose = tile->pose;
+		plan_rectangle(a->plan, tile->tile, &miss->x, &miss->y, &miss->width,
+			       &miss->height);
+		miss->what = all[k].what;
+		miss->option = all[k].option;
+		miss->error = all[k].error;
+		miss->target = all[k].target;
+	}
+	miss->tiles += !held;
+}
+
 int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
 {
 	const struct basis_block_payload *exact = tile->blocks + tile->shown;
@@ -103,6 +145,7 @@ int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fa
 	if (!err)
 		err = add_glass(a, tile, fault);
 	add_coverage(a, tile);
+	judge_tile(a, tile);
 	ensemble_error_add(&a->error, &account->error);
 	a->noise_square += account->noise_square;
 	a->noise_count += account->noise_count;
@@ -148,4 +191,21 @@ int assembly_finish(struct assembly *a, struct assembly_report *report, struct f
 	*report = a->report;
 	assembly_abandon(a);
 	return err;
+}
+
+int assembly_conclude(const struct assembly_miss *miss, const char *path)
+{
+	char pose[32] = "";
+
+	if (!miss->tiles)
+		return EXIT_SUCCESS;
+	if (miss->pose)
+		snprintf(pose, sizeof(pose), "pose %d, ", miss->pose);
+	log_error(
+		"%s: %d tile%s the error asked for; the worst (%spixels %d..%d x %d..%d) is off by "
+		"%.3g levels %s, expected %.3g: take more samples or a larger %s; the file is kept",
+		path, miss->tiles, miss->tiles == 1 ? " misses" : "s miss", pose, miss->x,
+		miss->x + miss->width - 1, miss->y, miss->y + miss->height - 1, miss->error,
+		miss->what, miss->target, miss->option);
+	return EXIT_MISSED;
 }

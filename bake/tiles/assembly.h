@@ -9,17 +9,28 @@
 #include "bake/tiles/plan.h"
 #include "hal/base/fault.h"
 
+/* Tiles whose measured error is larger than was asked for (struct encode_target). */
+struct assembly_miss {
+	int tiles;		       /* how many; 0: none, and nothing below is set */
+	int pose, x, y, width, height; /* the worst one: its pose and rectangle, in pixels */
+	const char *what, *option;     /* its largest error, as a multiple of the target; which
+					  option sets this target */
+	double error, target;	       /* this error, in 8-bit levels */
+};
+
 struct assembly_report {
 	uint64_t rays;
 	struct basis_info_chunk info;	   /* with the declared errors */
 	uint64_t shown_bytes, exact_bytes; /* of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
+	struct assembly_miss miss;
 };
 
 struct assembly;
 
 /* Begins a basis file, which appears at path when it is finished. plan must outlive the
- * assembly. */
+ * assembly. The target of assembly_miss is read from the plan's provenance, which shards hold
+ * too. */
 int assembly_open(struct assembly **assembly, const struct plan *plan, const char *path,
 		  struct fault *fault);
 
@@ -33,6 +44,10 @@ int assembly_pose_end(struct assembly *assembly, const float (*peak)[3], struct 
 
 /* Finishes the file after the last pose. Frees the assembly, also on failure. */
 int assembly_finish(struct assembly *assembly, struct assembly_report *report, struct fault *fault);
+
+/* Logs what missed the target in the file at path, and what helps. Returns the exit status of the
+ * command: EXIT_SUCCESS or EXIT_MISSED. */
+int assembly_conclude(const struct assembly_miss *miss, const char *path);
 
 /* Drops the file and frees the assembly. NULL is harmless. */
 void assembly_abandon(struct assembly *assembly);

@@ -128,11 +128,11 @@ static int merge_poses(struct shards *all, struct assembly *assembly, struct fau
 	return err;
 }
 
-static int merge_shards(const char *output, char **paths, int count, struct fault *fault)
+static int merge_shards(const char *output, char **paths, int count, struct assembly_report *report,
+			struct fault *fault)
 {
 	struct shards all = {.count = 0};
 	struct assembly *assembly = NULL;
-	struct assembly_report report;
 	int err = output_check(&output, 1, (const char *const *)paths, count, fault);
 
 	if (!err)
@@ -142,7 +142,7 @@ static int merge_shards(const char *output, char **paths, int count, struct faul
 	if (!err)
 		err = merge_poses(&all, assembly, fault);
 	if (!err) {
-		err = assembly_finish(assembly, &report, fault);
+		err = assembly_finish(assembly, report, fault);
 		assembly = NULL;
 	}
 	assembly_abandon(assembly);
@@ -162,6 +162,7 @@ static int merge_command_run(const struct bake_command *command, int argc, char 
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
+	struct assembly_report report;
 	const int status = command_options(command, argc, argv, options, merge_take_option,
 					   &output);
 
@@ -172,11 +173,11 @@ static int merge_command_run(const struct bake_command *command, int argc, char 
 	if (optind == argc || argc - optind > SHARDS_MAX)
 		return command_wrong(command, "expected the shards of one bake, 1 to %d",
 				     SHARDS_MAX);
-	if (merge_shards(output, argv + optind, argc - optind, &fault)) {
+	if (merge_shards(output, argv + optind, argc - optind, &report, &fault)) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	return EXIT_SUCCESS;
+	return assembly_conclude(&report.miss, output);
 }
 
 const struct bake_command merge_command = {

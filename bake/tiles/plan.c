@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -83,4 +84,26 @@ int plan_tiles(const struct plan *plan)
 	const int width = (int)plan->info.width, height = (int)plan->info.height;
 
 	return (width + BASIS_TILE - 1) / BASIS_TILE * ((height + BASIS_TILE - 1) / BASIS_TILE);
+}
+
+void plan_rectangle(const struct plan *plan, int tile, int *x, int *y, int *width, int *height)
+{
+	const int right = (int)plan->info.width, bottom = (int)plan->info.height;
+	const int across = (right + BASIS_TILE - 1) / BASIS_TILE;
+
+	*x = tile % across * BASIS_TILE;
+	*y = tile / across * BASIS_TILE;
+	*width = right - *x < BASIS_TILE ? right - *x : BASIS_TILE;
+	*height = bottom - *y < BASIS_TILE ? bottom - *y : BASIS_TILE;
+}
+
+struct encode_target plan_target(const struct plan *plan)
+{
+	const char *line = strstr(plan->provenance, "\ntarget_levels =");
+	struct encode_target target;
+
+	if (!line || sscanf(line, "\ntarget_levels = rms %lf, max %lf, cell %lf", &target.rms,
+			    &target.max, &target.cell) != 3)
+		return (struct encode_target){INFINITY, INFINITY, INFINITY};
+	return target;
 }

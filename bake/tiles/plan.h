@@ -3,6 +3,7 @@
 #ifndef INLAY_BAKE_TILES_PLAN_H
 #define INLAY_BAKE_TILES_PLAN_H
 
+#include "bake/encode/encode.h"
 #include "hal/base/fault.h"
 #include "hal/basis/basis_format.h"
 #include "hal/optics/dome.h"
@@ -29,5 +30,15 @@ void plan_free(struct plan *plan); /* idempotent; zeroed is fine */
 
 /* Number of tiles of a pose. */
 int plan_tiles(const struct plan *plan);
+
+/* Rectangle of a tile in the picture, in pixels. */
+void plan_rectangle(const struct plan *plan, int tile, int *x, int *y, int *width, int *height);
+
+/* The line of the provenance that has the errors asked for: three numbers, of struct
+ * encode_target. */
+#define PLAN_TARGET_LINE "target_levels = rms %g, max %g, cell %g\n"
+
+/* Errors asked for, by that line. All infinite: the provenance has none. */
+struct encode_target plan_target(const struct plan *plan);
 
 #endif

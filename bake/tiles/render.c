@@ -8,7 +8,6 @@
 #include "bake/base/profile.h"
 #include "bake/base/progress.h"
 #include "bake/scene/keyframes.h"
-#include "bake/tiles/assembly.h"
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "bake/tiles/tile.h"
@@ -351,9 +350,7 @@ static void write_provenance(struct render_job *job)
 		 "samples = %d\n"
 		 "noise_target_levels = %g\n"
 		 "bounces = %d\n"
-		 "seed = %d\n"
-		 "target_levels = rms %g, max %g, cell %g\n"
-		 "column_cut = %.9g\n"
+		 "seed = %d\n" PLAN_TARGET_LINE "column_cut = %.9g\n"
 		 "coarse_lights = %u\n"
 		 "exact = %s\n%s",
 		 INLAY_VERSION, (unsigned long long)job->scene->hash, info->width, info->height,
@@ -493,6 +490,7 @@ static int render_finish(struct render_job *job, struct render_report *report, s
 	report->info = all.info;
 	report->shown_bytes = all.shown_bytes;
 	report->exact_bytes = all.exact_bytes;
+	report->miss = all.miss;
 	return err;
 }
 

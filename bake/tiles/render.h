@@ -6,6 +6,7 @@
 #include "bake/base/profile.h"
 #include "bake/encode/encode.h"
 #include "bake/scene/scene.h"
+#include "bake/tiles/assembly.h"
 #include "bake/tiles/shard.h"
 
 /* Default of the largest error of a pixel, as a multiple of the RMS error. */
@@ -34,6 +35,7 @@ struct render_report {
 	struct basis_info_chunk info;	   /* with the declared errors, but not for a shard */
 	uint64_t shown_bytes, exact_bytes; /* of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
+	struct assembly_miss miss;	   /* but not for a shard */
 	double stage_s[PROFILE_STAGES];	   /* processor time by stage, if asked for; of the tiles */
 };
 

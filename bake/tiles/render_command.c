@@ -222,7 +222,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 		print_report(c, &report);
 	if (c->profile)
 		print_profile(&report);
-	return EXIT_SUCCESS;
+	return assembly_conclude(&report.miss, c->output);
 }
 
 static int render_command_run(const struct bake_command *command, int argc, char **argv)

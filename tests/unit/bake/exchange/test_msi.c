@@ -122,6 +122,7 @@ static struct basis import(const char *name)
 	struct fault fault = {.text = ""};
 	struct msi_source from;
 	struct basis basis;
+	struct assembly_report report;
 	struct msi msi;
 	int *place = calloc((size_t)own.dome.count, sizeof(*place));
 
@@ -143,7 +144,7 @@ static struct basis import(const char *name)
 			.context = &from,
 		};
 
-		if (import_run(&source, &settings, small_scene_path("in.inlay"), &fault))
+		if (import_run(&source, &settings, small_scene_path("in.inlay"), &report, &fault))
 			fail_msg("%s", fault.text);
 	}
 	msi_source_free(&from);
