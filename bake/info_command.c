@@ -205,11 +205,12 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u "
+	printf("%s: %s%u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u "
 	       "ground "
 	       "term%s, %.2f MB\n",
-	       path, info->width, info->height, info->lights, info->dome_frequency,
-	       division_name(basis), dome_shape_names[info->light_shape], info->coarse, info->poses,
+	       path, basis_is_preview(basis) ? "preview, " : "", info->width, info->height,
+	       info->lights, info->dome_frequency, division_name(basis),
+	       dome_shape_names[info->light_shape], info->coarse, info->poses,
 	       info->poses == 1 ? "" : "s", info->grounds, info->grounds == 1 ? "" : "s",
 	       (double)s->bytes * 1e-6);
 	printf("the object covers %ld pixels", s->covered);
@@ -266,14 +267,15 @@ static void print_json(const struct basis *basis, const struct summary *s)
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("{\"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
+	printf("{\"preview\": %s, \"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
 	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"light_shape\": \"%s\", "
 	       "\"poses\": %u, \"grounds\": %u, "
 	       "\"bytes\": %" PRIu64 ", \"tiles\": %ld, \"covered_pixels\": %ld, "
 	       "\"seen_through_pixels\": %ld, \"shown\": ",
-	       info->width, info->height, info->lights, info->coarse, info->dome_frequency,
-	       division_name(basis), dome_shape_names[info->light_shape], info->poses,
-	       info->grounds, s->bytes, s->tiles, s->covered, s->seen_through);
+	       basis_is_preview(basis) ? "true" : "false", info->width, info->height, info->lights,
+	       info->coarse, info->dome_frequency, division_name(basis),
+	       dome_shape_names[info->light_shape], info->poses, info->grounds, s->bytes, s->tiles,
+	       s->covered, s->seen_through);
 	print_json_layer(basis, &s->shown);
 	printf(", \"exact\": ");
 	if (s->has_exact)

@@ -41,7 +41,9 @@ bake() {
 	if stale "$out/cow.inlay" "$out/cow.obj" "$out/cow.mtl" "$out/cow.scene" \
 		"$out/background.ini" "$build/inlay-bake"; then
 		echo "demo: baking the scene (about a minute on two cores)"
-		"$build/inlay-bake" render "${bake_options[@]}" -o "$out/cow.inlay" "$out/cow.scene"
+		# 3: a tile is off by more than was asked for, which it has said; the demo shows that as well
+		"$build/inlay-bake" render --no-preview "${bake_options[@]}" -o "$out/cow.inlay" "$out/cow.scene" ||
+			[ $? -eq 3 ]
 	fi
 }
 

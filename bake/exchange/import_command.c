@@ -304,6 +304,8 @@ const struct bake_command import_command = {
 		"Pictures are .hdr, .pfm, .exr, .png or .jpg. Each light is its cell of the dome, "
 		"of "
 		"radiance\n"
-		"1, and nothing else shines.\n",
+		"1, and nothing else shines. Exit code 3: done, but some tile is off by more than "
+		"was asked\n"
+		"for; the file is kept.\n",
 	.run = import_command_run,
 };

@@ -24,6 +24,7 @@ struct render_settings {
 	bool cache;		     /* bounced light from a cache (bake/trace/cache.h) */
 	struct shard_place shard;    /* count 0: the whole bake */
 	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
+	bool preview;		     /* the provenance says so (basis_is_preview()) */
 	int threads;		     /* 0: one for each processor */
 	bool quiet;		     /* no progress */
 	bool profile;		     /* measure the processor time of each stage */
@@ -41,6 +42,14 @@ struct render_report {
 
 /* Settings of the scene file. */
 struct render_settings render_settings_of(const struct scene *scene);
+
+/*
+ * Settings of a preview of the same picture, a few hundredths of the work of a bake. It has the size,
+ * poses and seed of the bake, but not more than 46 lights, 4 samples a pixel and one bounce, errors
+ * of at least 8 levels, and no exact layer. It holds no error that is asked for, but declares its
+ * own, measured like any bake's.
+ */
+struct render_settings render_preview_of(const struct render_settings *settings);
 
 /* Bakes to a basis file, or to a shard. Writes no file on failure. The file depends on scene and
  * settings alone, not on threads. Leaves the scene in the pose that was baked last. */

@@ -5,12 +5,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bake/base/commands.h"
 #include "bake/encode/encoding_options.h"
 #include "bake/tiles/render.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
+#include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
 
 enum {
@@ -26,7 +28,9 @@ enum {
 	PRINT_SCENE,
 	SHARD,
 	POSE,
-	PROFILE
+	PROFILE,
+	PREVIEW,
+	NO_PREVIEW
 };
 
 static const struct option options[] = {
@@ -44,6 +48,8 @@ static const struct option options[] = {
 	{"threads", required_argument, NULL, THREADS},
 	{"quiet", no_argument, NULL, QUIET},
 	{"profile", no_argument, NULL, PROFILE},
+	{"preview", no_argument, NULL, PREVIEW},
+	{"no-preview", no_argument, NULL, NO_PREVIEW},
 	{"print-scene", no_argument, NULL, PRINT_SCENE},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
@@ -57,7 +63,7 @@ struct render_choices {
 	struct encoding_said encoding;
 	struct shard_place shard;
 	const char *pose;
-	bool quiet, profile, print_scene;
+	bool quiet, profile, print_scene, preview, no_preview;
 };
 
 /* Reads --shard I/N, where I counts from 1. */
@@ -113,6 +119,12 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 	case PROFILE:
 		c->profile = true;
 		return 0;
+	case PREVIEW:
+		c->preview = true;
+		return 0;
+	case NO_PREVIEW:
+		c->no_preview = true;
+		return 0;
 	case PRINT_SCENE:
 		c->print_scene = true;
 		return 0;
@@ -145,13 +157,14 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 	s->profile = c->profile;
 }
 
-static void print_report(const struct render_choices *c, const struct render_report *report)
+static void print_report(const struct render_choices *c, const struct render_report *report,
+			 bool preview)
 {
 	const struct basis_info_chunk *info = &report->info;
 
-	printf("%s: rays %llu (%.2f million/s), time %.1f s, ", c->output,
-	       (unsigned long long)report->rays, (double)report->rays / report->seconds * 1e-6,
-	       report->seconds);
+	printf("%s: %srays %llu (%.2f million/s), time %.1f s, ", c->output,
+	       preview ? "preview, " : "", (unsigned long long)report->rays,
+	       (double)report->rays / report->seconds * 1e-6, report->seconds);
 	if (c->shard.count) {
 		printf("shard %d of %d\n", c->shard.index + 1, c->shard.count);
 		return;
@@ -194,19 +207,73 @@ static int check_output(const struct scene_file *file, const char *path, const c
 	return output_check(&output, 1, read, count, fault);
 }
 
+/* Whether a finished basis file, or another file, stands at path: no preview may replace that. */
+static bool keeps_other(const char *path)
+{
+	struct basis basis;
+	bool preview;
+
+	if (access(path, F_OK) < 0)
+		return false;
+	if (basis_open(&basis, path, BASIS_SHOWN, NULL) < 0)
+		return true;
+	preview = basis_is_preview(&basis);
+	basis_close(&basis);
+	return !preview;
+}
+
+static void warn_of_nothing(const char *path, const struct render_report *report)
+{
+	if (!report->object_seen)
+		log_warning("%s: the camera sees no object; expected one in the picture: look at "
+			    "[camera], and at position, scale and up of [object]",
+			    path);
+}
+
+/* Leaves a preview at the output for as long as the bake takes. Returns 1; 0: there is another
+ * file, which stays; or an error. */
+static int leave_preview(struct scene *scene, const char *path, const struct render_choices *c,
+			 const struct render_settings *settings, struct fault *fault)
+{
+	const struct render_settings preview = render_preview_of(settings);
+	struct render_report report = {.rays = 0};
+	int err;
+
+	if (keeps_other(c->output)) {
+		if (!c->quiet)
+			printf("%s: stays as it is until the bake is done\n", c->output);
+		return 0;
+	}
+	err = render_run(scene, &preview, c->output, &report, fault);
+	if (err)
+		return err;
+	warn_of_nothing(path, &report);
+	if (!c->quiet) {
+		print_report(c, &report, true);
+		fflush(stdout);
+	}
+	return 1;
+}
+
 static int render_bake(const char *path, const struct render_choices *c)
 {
 	struct fault fault = {.text = ""};
 	struct render_report report = {.rays = 0};
 	struct render_settings settings;
+	bool warned = false;
 	struct scene *scene;
 	int err = scene_open(&scene, path, c->width, c->height, &fault);
 
 	if (!err) {
 		settings = render_settings_of(scene);
+		if (c->preview)
+			settings = render_preview_of(&settings);
 		apply_choices(&settings, c);
 		err = check_output(scene->file, path, c->output, &fault);
-		if (!err)
+		if (!err && !c->preview && !c->no_preview && !c->shard.count)
+			err = leave_preview(scene, path, c, &settings, &fault);
+		warned = err > 0;
+		if (err >= 0)
 			err = render_run(scene, &settings, c->output, &report, &fault);
 		scene_close(scene);
 	}
@@ -214,15 +281,13 @@ static int render_bake(const char *path, const struct render_choices *c)
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (!report.object_seen && !c->shard.count)
-		log_warning("%s: the camera sees no object; expected one in the picture: look at "
-			    "[camera], and at position, scale and up of [object]",
-			    path);
+	if (!warned && !c->shard.count)
+		warn_of_nothing(path, &report);
 	if (!c->quiet)
-		print_report(c, &report);
+		print_report(c, &report, c->preview);
 	if (c->profile)
 		print_profile(&report);
-	return assembly_conclude(&report.miss, c->output);
+	return c->preview ? EXIT_SUCCESS : assembly_conclude(&report.miss, c->output);
 }
 
 static int render_command_run(const struct bake_command *command, int argc, char **argv)
@@ -244,6 +309,9 @@ static int render_command_run(const struct bake_command *command, int argc, char
 	}
 	if (c.samples >= 0 && c.noise >= 0)
 		return command_wrong(command, "--samples and --noise exclude each other");
+	if (c.preview && (c.no_preview || c.shard.count))
+		return command_wrong(command, "--preview and %s exclude each other",
+				     c.no_preview ? "--no-preview" : "--shard");
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one scene file");
 	if (!c.output)
@@ -256,11 +324,13 @@ const struct bake_command render_command = {
 	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
 		 "           [--size WxH]\n"
 		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
-		 "           [--pose P] [--seed K] [--shard I/N] [--threads T] [--profile] "
-		 "[--quiet]",
+		 "           [--preview | --no-preview] [--pose P] [--seed K] [--shard I/N]\n"
+		 "           [--threads T] [--profile] [--quiet]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
-		"  -o FILE         the basis file; appears when it is whole\n"
+		"  -o FILE         the basis file: first a preview, in place of which the finished "
+		"file\n"
+		"                  appears when it is whole; a finished file stays until then\n"
 		"  --frequency F   of the dome, 1 to 64; 9 makes 406 lights\n"
 		"  --division D    angles or chords\n"
 		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps "
@@ -276,11 +346,17 @@ const struct bake_command render_command = {
 		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts "
 		"all N together\n"
 		"  --threads T     default: one for each processor\n"
+		"  --preview       a preview alone: few lights and samples, one bounce, unless "
+		"other\n"
+		"                  options say otherwise; some seconds\n"
+		"  --no-preview    nothing before the finished file: for scripts\n"
 		"  --profile       print the processor time of each stage, and keep it in the "
 		"file\n"
 		"  --quiet         print nothing but errors\n"
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"
-		"Options go before the scene file. bake/README.md describes the format.\n",
+		"Options go before the scene file. bake/README.md describes the format.\n"
+		"Exit code 3: done, but some tile is off by more than was asked for; the file is "
+		"kept.\n",
 	.run = render_command_run,
 };

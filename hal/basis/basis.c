@@ -405,6 +405,11 @@ void basis_close(struct basis *basis)
 	memset(basis, 0, sizeof(*basis));
 }
 
+bool basis_is_preview(const struct basis *basis)
+{
+	return strstr(basis->provenance, "\n" BASIS_PREVIEW_LINE) != NULL;
+}
+
 const double *basis_ground(const struct basis *basis, int ground, int channel)
 {
 	return basis->ground + ((size_t)ground * 3 + (size_t)channel) * basis->info.lights;

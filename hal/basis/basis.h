@@ -95,6 +95,9 @@ int basis_open_memory(struct basis *basis, const void *data, size_t bytes, const
 
 void basis_close(struct basis *basis); /* idempotent; zeroed is fine */
 
+/* Whether the provenance has BASIS_PREVIEW_LINE. */
+bool basis_is_preview(const struct basis *basis);
+
 /* Name of a pose; "" where it has none. */
 const char *basis_pose_name(const struct basis *basis, int pose);
 

@@ -158,6 +158,10 @@ enum basis_chunk {
 	BASIS_CHUNK_PROVENANCE = BASIS_FOURCC('P', 'R', 'O', 'V'), /* key = value lines */
 };
 
+/* A line of the provenance, not its first: the file has few lights and samples, and stands in for a
+ * bake that is not finished yet. */
+#define BASIS_PREVIEW_LINE "preview = yes\n"
+
 struct basis_info_chunk {
 	uint32_t width, height;
 	uint32_t lights;

@@ -12,6 +12,6 @@ work=build/accuracy
 mkdir -p "$work"
 cp tests/accuracy/spot.scene "$work/spot.scene"
 ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot.obj"
-"$build/inlay-bake" render --frequency 9 --size 160x120 --samples 32 --quiet \
-	-o "$work/exposures.inlay" "$work/spot.scene"
+"$build/inlay-bake" render --no-preview --frequency 9 --size 160x120 --samples 32 --quiet \
+	-o "$work/exposures.inlay" "$work/spot.scene" || [ $? -eq 3 ]
 "$build/tests/accuracy/exposures" "$work/exposures.inlay" "$work/spot.scene" "$data/hdri"

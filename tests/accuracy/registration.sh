@@ -36,7 +36,7 @@ below() { # A B: A is the smaller number
 	awk -v a="$1" -v b="$2" 'BEGIN { exit !(a != "" && a + 0 < b + 0) }'
 }
 picture() { # SCENE OUT: baked, and composited as the kiosk does it
-	"$build/inlay-bake" render --quiet --samples 8 -o "$work/board.inlay" "$work/$1" &&
+	{ "$build/inlay-bake" render --no-preview --quiet --samples 8 -o "$work/board.inlay" "$work/$1" || [ $? -eq 3 ]; } &&
 		"$build/inlay" still --basis "$work/board.inlay" --background "$work/grey.png" \
 			--lights "$work/lights.txt" -o "$work/$2"
 }

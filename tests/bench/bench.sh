@@ -44,8 +44,8 @@ scenes() {
 # bake NAME SIZE SAMPLES: "seconds million_rays_per_s noise megabytes"
 bake() {
 	local name=$1 size=$2 samples=$3 line
-	line=$("$build/inlay-bake" render --frequency 9 --size "$size" --samples "$samples" \
-		-o "$work/$name.inlay" "$work/$name/$name.scene" 2>>"$log")
+	line=$("$build/inlay-bake" render --no-preview --frequency 9 --size "$size" --samples "$samples" \
+		-o "$work/$name.inlay" "$work/$name/$name.scene" 2>>"$log") || [ $? -eq 3 ]
 	echo "$line" >>"$log"
 	sed -n 's/.*(\([0-9.]*\) million.*time \([0-9.]*\) s, noise \([0-9.]*\).*/\2 \1 \3/p' \
 		<<<"$line" | tr '\n' ' '
@@ -173,8 +173,8 @@ bake_modes() {
 	local scene=$1 f=$2 size=$3 samples=$4
 	shift 4
 	echo "baking $scene at $size, f = $f" >&2
-	"$build/inlay-bake" render --frequency "$f" --size "$size" --samples "$samples" "$@" \
-		-o "$work/$scene-$f-$size.inlay" "$work/$scene/$scene.scene" >>"$log" 2>&1
+	"$build/inlay-bake" render --no-preview --frequency "$f" --size "$size" --samples "$samples" "$@" \
+		-o "$work/$scene-$f-$size.inlay" "$work/$scene/$scene.scene" >>"$log" 2>&1 || [ $? -eq 3 ]
 }
 
 # modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through inlay bench, under the built-in

@@ -25,8 +25,9 @@ done
 # row ERROR CELL_ERROR COLUMN_CUT
 row() {
 	echo "baking with $*" >&2
-	"$build/inlay-bake" render --frequency 9 --size "$size" --samples "$samples" --exact --quiet \
-		--error "$1" --cell-error "$2" --column-cut "$3" -o "$work/is.inlay" "$work/spot.scene"
+	"$build/inlay-bake" render --no-preview --frequency 9 --size "$size" --samples "$samples" --exact --quiet \
+		--error "$1" --cell-error "$2" --column-cut "$3" -o "$work/is.inlay" "$work/spot.scene" ||
+		[ $? -eq 3 ]
 	"$build/inlay-bake" info --json "$work/is.inlay" >"$work/info.json"
 	"$build/inlay" bench --basis "$work/is.inlay" --thesis no --kernel auto --repeat 1 --json \
 		>"$work/own.json" 2>>"$work/log"

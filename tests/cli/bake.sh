@@ -153,6 +153,70 @@ scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'
 equal "an object out of sight is remarked on" 1 "$("$bake" render --quiet "$work/behind.scene" \
 	-o "$work/behind.inlay" 2>&1 | grep -c 'sees no object')"
 
+# ---- a preview, alone and before the bake ----
+is_preview() { # FILE
+	"$bake" info "$1" | head -n 1 | grep -qF ": preview, 48 x 32, 26 lights" &&
+		"$bake" info "$1" | grep -qx "preview = yes"
+}
+quick="$work/quick.inlay"
+check "a preview" "$bake" render --preview "$work/box.scene" -o "$quick"
+check "says that it is one" is_preview "$quick"
+check "to programs too" grep -q '"preview": true' <("$bake" info --json "$quick")
+equal "it declares its errors" 1 "$("$bake" info --json "$quick" |
+	sed -E 's/.*"sky_rms": ([0-9.]+), "sky_max": ([0-9.]+).*/\1 \2/' | awk '{ print ($1 > 0 && $2 > $1) }')"
+check "options go over it" "$bake" render --preview --samples 6 --exact "$work/box.scene" -o "$work/over.inlay"
+equal "and it keeps them" "samples = 6
+exact = yes" "$("$bake" info "$work/over.inlay" | grep -E '^(samples|exact) =')"
+check "a bake over a preview" "$bake" render "$work/box.scene" -o "$quick"
+same "is the bake without one" "$quick" "$work/unprofiled.inlay"
+equal "a bake of its own leaves two lines" "quick.inlay: preview, rays
+quick.inlay: rays" "$(rm "$quick" && "$bake" render "$work/box.scene" -o "$quick" |
+	grep -oE '[a-z]+\.inlay: (preview, )?rays')"
+equal "over a finished file it says that this stays" "quick.inlay: stays" \
+	"$("$bake" render "$work/box.scene" -o "$quick" | grep -oE '[a-z]+\.inlay: stays')"
+rejected "a preview and none" 2 "--preview and --no-preview exclude" "$bake" render --preview --no-preview \
+	"$work/box.scene" -o "$work/none.inlay"
+rejected "a preview of a shard" 2 "--preview and --shard exclude" "$bake" render --preview --shard 1/2 \
+	"$work/box.scene" -o "$work/none.inlay"
+# interrupted SIGNAL FILE: a bake of minutes, ended by a signal as soon as anything stands at FILE.
+interrupted() {
+	local pid
+	"$bake" render --quiet --samples 65536 "$work/box.scene" -o "$2" &
+	pid=$!
+	until_true 60 test -e "$2"
+	kill "-$1" $pid
+	wait $pid 2>/dev/null
+	[ $? -gt 128 ]
+}
+check "a bake that is interrupted" interrupted TERM "$work/long.inlay"
+check "leaves its preview" is_preview "$work/long.inlay"
+check "one over a finished file" interrupted TERM "$quick"
+same "leaves that" "$quick" "$work/unprofiled.inlay"
+equal "and nothing else" 2 "$(find "$work" -name 'long.*' -o -name 'quick.*' | grep -c '')"
+
+# ---- more asked for than can be held ----
+# missed NAME OUT WORDS COMMAND...: exits with 3, says WORDS in one line, and keeps OUT.
+missed() {
+	local name=$1 out=$2 words=$3 is
+	shift 3
+	"$@" >/dev/null 2>"$work/stderr" </dev/null
+	is=$?
+	if [ $is -ne 3 ] || [ "$(grep -c '' "$work/stderr")" -ne 1 ] || ! grep -qE -- "$words" "$work/stderr" ||
+		! "$bake" info "$out" >/dev/null; then
+		fail "$name" < <(printf '%s\n' "exit code $is, expected 3 with \"$words\"" "$(cat "$work/stderr")")
+	else
+		pass "$name"
+	fi
+}
+tight=(render --size 16x16 --samples 1 --frequency 1 --error 0.001 --cell-error 255 "$work/box.scene")
+missed "a bake that misses its errors" "$work/tight.inlay" \
+	'1 tile misses .*pixels 0\.\.15 x 0\.\.15.* expected 0\.00[12]: .*--error.*the file is kept' \
+	"$bake" "${tight[@]}" -o "$work/tight.inlay"
+check "a shard of it" "$bake" "${tight[@]}" --shard 1/1 -o "$work/tight.shard"
+missed "is missed by the merge" "$work/merged.inlay" '1 tile misses .*the file is kept' \
+	"$bake" merge "$work/tight.shard" -o "$work/merged.inlay"
+same "which is the same file" "$work/tight.inlay" "$work/merged.inlay"
+
 # ---- info ----
 check "info" "$bake" info "$out"
 equal "info names blocks by kind" 2 "$("$bake" info "$out" | grep -c '^[TV] (')"

@@ -128,6 +128,10 @@ for endian in little big; do
 	done
 done
 same "the same basis from either byte order" msi.little.4 msi.big.8
+"$bake" import --msi t.msi --rate "$rate" --angles a.txt --error 0.001 --cell-error 255 --quiet -o tight.inlay 2>stderr
+equal "errors that cannot be held" 3 $?
+check "are named, and the file is kept" "$bake" info tight.inlay
+equal "in one line" 1 "$(grep -cE '^inlay-bake: tight.inlay: [0-9]+ tiles? miss.*pixels.*levels' stderr)"
 head -c 5000 t.msi >cut.msi
 unfit "an .msi cut off" "as it says itself" --msi cut.msi --angles a.txt
 unfit "an .msi of other lights" "26 lights, expected 6" --msi t.msi --angles six.txt

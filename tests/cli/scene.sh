@@ -178,7 +178,7 @@ file = box.obj
 [material paint]
 colour = 0.7 0.3 0.2
 END
-"$INLAY_BAKE" render "$work/box.scene" -o "$work/box.inlay" >"$work/bake.log" 2>&1 || {
+"$INLAY_BAKE" render --no-preview "$work/box.scene" -o "$work/box.inlay" >"$work/bake.log" 2>&1 || {
 	sed 's/^/# /' "$work/bake.log"
 	echo "Bail out! the scene was not baked"
 	exit 1
