@@ -41,7 +41,7 @@ static const struct ini_key basis_keys[] = {
 	 .help = "The basis file that inlay-bake made. Put another in "
 		 "its place with install or mv, never with cp over the "
 		 "file of a running kiosk; it counts from the next "
-		 "start."},
+		 "reload (SIGHUP)."},
 	{.name = "pose",
 	 .type = INI_INT,
 	 .offset = offsetof(struct config_basis, pose),

@@ -57,13 +57,13 @@ void kiosk_take_pose(struct kiosk *k, int pose)
 
 	controls->choice.pose = pose;
 	controls->choice.share = 0;
-	timeline_begin(&controls->timeline, &k->config->poses, (int)k->picture.basis.info.poses,
+	timeline_begin(&controls->timeline, &k->config->poses, (int)k->picture.basis->info.poses,
 		       pose, controls->stamp_ns);
 }
 
 static void step_pose(struct kiosk *k, int step)
 {
-	const int poses = (int)k->picture.basis.info.poses;
+	const int poses = (int)k->picture.basis->info.poses;
 
 	kiosk_take_pose(k, (k->controls.choice.pose + poses + step) % poses);
 }
@@ -93,7 +93,7 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		step_pose(k, -1);
 		break;
 	case ACTION_POSE_SET:
-		pose = basis_find_pose(&k->picture.basis, press->name, fault);
+		pose = basis_find_pose(k->picture.basis, press->name, fault);
 		if (pose < 0)
 			return pose;
 		kiosk_take_pose(k, pose);

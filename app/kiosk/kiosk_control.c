@@ -49,7 +49,7 @@ static const char *answer_status(struct kiosk *k)
 		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
 		 INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
-		 basis_pose_name(&k->picture.basis, controls->choice.pose), report.pose, trouble,
+		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
 		 controls->split, controls->information ? "true" : "false",
 		 display_situation_names[k->screen.display.situation], figures);

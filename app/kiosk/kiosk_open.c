@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "app/kiosk/kiosk_parts.h"
@@ -112,9 +113,9 @@ static void take_state(struct kiosk *k)
 			    config->state.file);
 	else
 		k->controls.view = (enum config_show)values.view;
-	if ((uint32_t)values.pose >= k->picture.basis.info.poses)
+	if ((uint32_t)values.pose >= k->picture.basis->info.poses)
 		log_warning("state: %s: pose is %d, expected 0..%u as in the basis; ignored",
-			    config->state.file, values.pose, k->picture.basis.info.poses - 1);
+			    config->state.file, values.pose, k->picture.basis->info.poses - 1);
 	else
 		kiosk_take_pose(k, values.pose);
 }
@@ -130,12 +131,38 @@ static int open_state(struct kiosk *k, struct fault *fault)
 static int open_pipeline(struct kiosk *k, struct fault *fault)
 {
 	struct pipeline_settings settings = pipeline_settings_of(k->config);
-	int err = pipeline_create(&k->picture.pipeline, &k->picture.basis, &settings, fault);
+	int err = pipeline_create(&k->picture.pipeline, k->picture.basis, &settings, fault);
 
 	if (err)
 		return err;
 	/* Fails where the basis has no such pose. */
 	return pipeline_choose(k->picture.pipeline, &k->controls.choice, fault);
+}
+
+int kiosk_basis_open(struct basis **out, struct stat *file, const char *path, enum basis_part part,
+		     struct fault *fault)
+{
+	struct basis *basis = calloc(1, sizeof(*basis));
+	int err;
+
+	if (!basis)
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	/* Asked before it is read: a file that comes in its place meanwhile is noticed later. */
+	if (stat(path, file) < 0)
+		*file = (struct stat){.st_ino = 0};
+	err = pipeline_open_basis(basis, path, part, fault);
+	if (err)
+		free(basis);
+	else
+		*out = basis;
+	return err;
+}
+
+void kiosk_basis_close(struct basis *basis)
+{
+	if (basis)
+		basis_close(basis);
+	free(basis);
 }
 
 int kiosk_open(struct kiosk *k, struct fault *fault)
@@ -150,8 +177,8 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	k->controls.split = config->screen->split;
 	k->controls.information = config->screen->information;
 	service_start(&k->service);
-	err = pipeline_open_basis(&k->picture.basis, config->basis.file, pipeline_part_of(config),
-				  fault);
+	err = kiosk_basis_open(&k->picture.basis, &k->picture.basis_file, config->basis.file,
+			       pipeline_part_of(config), fault);
 	/* Before any thread is started: threads inherit the blocked signals. */
 	if (!err)
 		err = loop_open(&k->loop, fault);
@@ -185,6 +212,6 @@ int kiosk_close(struct kiosk *k, struct fault *fault)
 	show_free(&k->picture.show);
 	pipeline_destroy(k->picture.pipeline);
 	loop_close(&k->loop);
-	basis_close(&k->picture.basis);
+	kiosk_basis_close(k->picture.basis);
 	return err;
 }

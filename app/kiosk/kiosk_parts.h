@@ -5,6 +5,8 @@
 #ifndef INLAY_APP_KIOSK_KIOSK_PARTS_H
 #define INLAY_APP_KIOSK_KIOSK_PARTS_H
 
+#include <sys/stat.h>
+
 #include "app/camera/exposing.h"
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
@@ -49,7 +51,8 @@ struct kiosk_inputs {
 
 /* From light and background to the pictures of a view. */
 struct kiosk_picture {
-	struct basis basis;
+	struct basis *basis;	/* on the heap, as the pipeline points to it */
+	struct stat basis_file; /* when it was opened; all 0 where it could not be asked */
 	struct pipeline *pipeline;
 	struct show show;
 	struct overlay overlay;
@@ -109,6 +112,11 @@ struct kiosk {
 void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
 
 /* ---- kiosk_open.c ---- */
+
+/* Opens a basis, and notes what file that is. */
+int kiosk_basis_open(struct basis **basis, struct stat *file, const char *path,
+		     enum basis_part part, struct fault *fault);
+void kiosk_basis_close(struct basis *basis); /* NULL is harmless */
 
 /* Opens everything but the screen, from k->settings and k->config; the cameras are being opened
  * when it returns. After a failure kiosk_close() cleans up. */

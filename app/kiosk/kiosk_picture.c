@@ -178,11 +178,12 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 /* Logs the sizes, with the first picture. */
 static void announce_screen(const struct kiosk *k)
 {
-	const struct basis_info_chunk *info = &k->picture.basis.info;
+	const struct basis_info_chunk *info = &k->picture.basis->info;
 
-	log_info("%s screen of %dx%d; basis of %ux%u, %u lights, %u pose%s",
+	log_info("%s screen of %dx%d; basis of %ux%u, %u lights, %u pose%s%s",
 		 k->config->screen->driver, k->screen.display.width, k->screen.display.height,
-		 info->width, info->height, info->lights, info->poses, info->poses == 1 ? "" : "s");
+		 info->width, info->height, info->lights, info->poses, info->poses == 1 ? "" : "s",
+		 basis_is_preview(k->picture.basis) ? ", a preview" : "");
 }
 
 int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)

@@ -15,7 +15,7 @@ int kiosk_screen_open(struct kiosk *k, bool first, struct fault *fault)
 	struct fault reason = {.text = ""};
 	int err;
 
-	show_size(k->controls.view, &k->inputs.eyes, &k->picture.basis, &settings.picture_width,
+	show_size(k->controls.view, &k->inputs.eyes, k->picture.basis, &settings.picture_width,
 		  &settings.picture_height);
 	err = display_open(&screen->display, display_drivers[driver], &settings,
 			   config_options(k->config, CONFIG_DISPLAY, wanted, driver), &reason);
@@ -119,7 +119,7 @@ void kiosk_screen_fit(struct kiosk *k)
 	if (screen->display.hidden)
 		return; /* it would refuse, and is asked once only */
 	if (k->config->screen->scale == SCALE_FIT)
-		fit = show_fit(k->controls.view, &k->inputs.eyes, &k->picture.basis);
+		fit = show_fit(k->controls.view, &k->inputs.eyes, k->picture.basis);
 	if (fit.width == screen->fit.width && fit.height == screen->fit.height &&
 	    fit.squash == screen->fit.squash)
 		return;

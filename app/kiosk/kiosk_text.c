@@ -67,7 +67,7 @@ int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TE
 	*text = '\0';
 	return pose < 0 ? 0
 			: words_pose(text, OVERLAY_TEXT_MAX, pose,
-				     basis_pose_name(&picture->basis, pose));
+				     basis_pose_name(picture->basis, pose));
 }
 
 static void write_information(struct kiosk *k)

@@ -12,6 +12,7 @@ static const struct {
 	const char *section, *key;
 	unsigned effects;
 } policy[] = {
+	{"basis", "file", RELOAD_DRAWING}, /* the file itself: kiosk_reload.c */
 	{"basis", "pose", RELOAD_POSE | RELOAD_DRAWING},
 	{"poses", NULL, RELOAD_POSES | RELOAD_DRAWING},
 	/* Views are fitted to the cameras when they open. */

@@ -135,6 +135,58 @@ equal "descriptors do not grow" "$before" "$(descriptors)"
 stop
 equal "it ends in order" 0 $?
 
+# ---- another basis in place of the one in use ----
+again() { # hangs up, and waits until the kiosk has said what it thinks of it
+	local before
+	before=$(said "$work/run.log" "the configuration ")
+	hang_up
+	until_true 20 more_said "$before"
+}
+frames_go_on() {
+	local before
+	before=$(number "$work/live.jsonl" frames)
+	until_true 20 more_frames "$before"
+}
+more_frames() {
+	[ "$(number "$work/live.jsonl" frames)" -gt "$1" ]
+}
+lit() {
+	[ "$(number "$work/live.jsonl" lights_used)" -gt 0 ]
+}
+printf '%s\n' "$plain" >"$conf"
+own=$work/own.inlay
+check "a preview" "$INLAY_BAKE" render --quiet --preview --frequency 1 "$work/box.scene" -o "$own"
+start --set "basis.file=$own"
+check "it shows frames" shows_frames
+check "of a preview" says "$work/run.log" "6 lights, 1 pose, a preview"
+check "the finished bake" "$INLAY_BAKE" render --quiet "$work/box.scene" -o "$own"
+check "it still shows the preview" until_true 20 has lights 6
+check "a reload" again
+check "shows the finished bake" until_true 20 has lights 26
+check "whose lights it measures" until_true 20 lit
+equal "and says so once" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
+check "a reload with the same file" again
+equal "reads it no second time" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
+before=$(descriptors)
+head -c 5000 "$own" >"$own.new" && mv "$own.new" "$own"
+check "half a file" again
+check "is named" says "$work/run.log" "[basis] file: $own"
+check "the old one stays" says "$work/run.log" "the old one stays"
+check "it goes on" frames_go_on
+"$INLAY_BAKE" render --quiet --no-preview --size 24x16 "$work/box.scene" -o "$own"
+check "a bake of another size" again
+check "is named" says "$work/run.log" "is of 24x16 pixels, expected 48x32 as before"
+rm "$own"
+check "none at all" again
+equal "is not complained of" 2 "$(said "$work/run.log" "the old one stays")"
+check "it goes on" frames_go_on
+cp "$work/box.inlay" "$own"
+check "the same again, as another file" again
+equal "counts" 2 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
+equal "descriptors do not grow" "$before" "$(descriptors)"
+stop
+equal "it ends in order" 0 $?
+
 # ---- no frame is lost: cameras on demand, every frame of theirs in a video ----
 printf '%s\n' "$plain" >"$conf"
 rm "$work/live.jsonl"

@@ -72,7 +72,7 @@ static void each_key_has_its_effect(void **state)
 		{"[control]\ngroup = x\n", RELOAD_CONTROL},
 		{"[state]\ninterval = 1\n", RELOAD_STATE},
 		{"[basis]\npose = 1\n", RELOAD_POSE | RELOAD_DRAWING},
-		{"[basis]\nfile = x\n", 0},
+		{"[basis]\nfile = x\n", RELOAD_DRAWING},
 		{"[camera new]\ndriver = sim\n", 0},
 		{"[lights]\nthreshold = 9\n[screen]\nwidth = 9\n[state]\nfile = x\n",
 		 RELOAD_THRESHOLD | RELOAD_DRAWING | RELOAD_STATE},
@@ -97,7 +97,7 @@ static void what_can_change_is_taken_over_and_nothing_else(void **state)
 	assert_string_equal(running->cameras[0]->settings.device, "one");
 	assert_int_equal(running->camera_count, 1);
 	assert_int_equal(running->screen->settings.width, 100);
-	assert_string_equal(running->basis.file, "old");
+	assert_string_equal(running->basis.file, "new");
 	assert_int_equal(running->screen->show, SHOW_SPLIT);
 	assert_int_equal(running->basis.pose, 4);
 	assert_true(running->fisheye.lens.focal_px[1] == 8);
