@@ -18,6 +18,15 @@ reload() {
 more_said() {
 	[ "$(said "$work/run.log" "the configuration ")" -gt "$1" ]
 }
+# A new line of statistics, whose file is open again from then on.
+frames_go_on() {
+	local before
+	before=$(number "$work/live.jsonl" frames)
+	until_true 20 more_frames "$before"
+}
+more_frames() {
+	[ "$(number "$work/live.jsonl" frames)" -gt "$1" ]
+}
 hang_up() {
 	kill -HUP "$inlay"
 }
@@ -118,6 +127,7 @@ check "the socket goes again" reload ""
 check "from the folder too" test ! -e "$work/socket"
 
 # ---- again and again ----
+check "it goes on" frames_go_on
 before=$(descriptors)
 stayed=$(said "$work/run.log" "the old one stays")
 for i in $(seq 25); do
@@ -131,6 +141,7 @@ done
 check "it is read 25 times" until_true 20 has threshold 25
 equal "the old one never stayed" "$stayed" "$(said "$work/run.log" "the old one stays")"
 check "the socket goes once more" reload ""
+check "it goes on" frames_go_on
 equal "descriptors do not grow" "$before" "$(descriptors)"
 stop
 equal "it ends in order" 0 $?
@@ -141,14 +152,6 @@ again() { # hangs up, and waits until the kiosk has said what it thinks of it
 	before=$(said "$work/run.log" "the configuration ")
 	hang_up
 	until_true 20 more_said "$before"
-}
-frames_go_on() {
-	local before
-	before=$(number "$work/live.jsonl" frames)
-	until_true 20 more_frames "$before"
-}
-more_frames() {
-	[ "$(number "$work/live.jsonl" frames)" -gt "$1" ]
 }
 lit() {
 	[ "$(number "$work/live.jsonl" lights_used)" -gt 0 ]
@@ -167,6 +170,7 @@ check "whose lights it measures" until_true 20 lit
 equal "and says so once" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
 check "a reload with the same file" again
 equal "reads it no second time" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
+check "and it goes on" frames_go_on
 before=$(descriptors)
 head -c 5000 "$own" >"$own.new" && mv "$own.new" "$own"
 check "half a file" again
@@ -183,6 +187,7 @@ check "it goes on" frames_go_on
 cp "$work/box.inlay" "$own"
 check "the same again, as another file" again
 equal "counts" 2 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
+check "and it goes on" frames_go_on
 equal "descriptors do not grow" "$before" "$(descriptors)"
 stop
 equal "it ends in order" 0 $?
