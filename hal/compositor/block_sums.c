@@ -152,7 +152,7 @@ static void weigh_lines(struct block_work *work, const struct block_plan *plan,
 {
 	const struct basis_block *b = plan->block;
 
-	fetch_expect(&work->next, plan, request->next, request->after);
+	fetch_expect(&work->next, request->next);
 	weigh_columns(work, plan, request, one);
 	fetch_some(&work->next);
 	weigh_patterns(work, b, request, one);

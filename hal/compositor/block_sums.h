@@ -50,10 +50,9 @@ struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
 	const struct kept_sums *kept;
-	/* The next block that will be summed, and the one after; NULL: unknown. */
-	const struct block_plan *next, *after;
-	int kept_index; /* of this block in kept->blocks */
-	bool fresh;	/* overwrite sums or values; false: add to those of the block before */
+	const struct block_plan *next; /* the next block that will be summed; NULL: unknown */
+	int kept_index;		       /* of this block in kept->blocks */
+	bool fresh; /* overwrite sums or values; false: add to those of the block before */
 };
 
 /*

@@ -3,47 +3,33 @@
 
 #include "hal/basis/basis_layout.h"
 
-/* Limit for each array: a small part of a second-level cache. */
-#define RANGE_LINES 1024
+/* Limit for a block: a small part of a second-level cache. */
+#define LINES_MAX 1024
+/* A block is prefetched in so many calls of fetch_some(): each block makes at least three. */
+#define CALLS 3
+/* How many blocks ahead the plans and blocks themselves are prefetched. */
+#define STRUCTS_AHEAD 4
 
-/* Adds an array. from may be NULL if bytes is 0. */
-static void expect_range(struct fetch *fetch, const void *from, size_t bytes)
+/* Forced inline because gcc 12 drops calls of functions that only prefetch. */
+static inline __attribute__((always_inline)) void fetch_struct(const void *from, size_t bytes)
 {
-	const size_t all = (bytes + KERNEL_LINE_BYTES - 1) / KERNEL_LINE_BYTES;
-	const size_t lines = all < RANGE_LINES ? all : RANGE_LINES;
-
-	if (!lines)
-		return;
-	fetch->range[fetch->ranges++] = (struct fetch_range){from, lines};
-	fetch->lines += lines;
+	for (size_t at = 0; at < bytes; at += KERNEL_LINE_BYTES)
+		fetch_line((const char *)from + at);
 }
 
-static void expect_lines(struct fetch *fetch, const struct basis_block *b)
-{
-	const size_t panels = (size_t)basis_panels16(b->pixels);
-
-	expect_range(fetch, b->pattern,
-		     (size_t)b->patterns * (size_t)b->stride * sizeof(*b->pattern));
-	expect_range(fetch, b->coefficient,
-		     panels * (size_t)(b->channels * b->patterns) * KERNEL_LINE_BYTES);
-	expect_range(fetch, b->tint, b->tint ? 3 * (size_t)b->pixels * sizeof(*b->tint) : 0);
-	expect_range(fetch, b->pattern_scale, (size_t)b->patterns * sizeof(*b->pattern_scale));
-}
-
-/* Adds what is read of a block to weigh its columns, and the structs of the block after it. */
-static void expect_weights(struct fetch *fetch, const struct block_plan *plan)
+/* Expects all arrays from the tint to the coefficients. Without a choice the lights and scales of
+ * columns, which follow, are read, too. */
+static void expect_arrays(struct fetch *fetch, const struct block_plan *plan)
 {
 	const struct basis_block *b = plan->block;
+	const void *columns = b->bits == 8 ? (const void *)b->record_at : b->column16;
+	const char *end = plan->choice ? (const char *)b->light : columns;
 
-	if (!plan->choice) {
-		expect_range(fetch, b->column_scale, (size_t)b->columns * sizeof(*b->column_scale));
-		expect_range(fetch, b->light, (size_t)b->columns * sizeof(*b->light));
-		if (b->record_at)
-			expect_range(fetch, b->record_at,
-				     (size_t)b->columns * sizeof(*b->record_at));
-	}
-	expect_range(fetch, plan + 1, sizeof(*plan));
-	expect_range(fetch, b + 1, sizeof(*b));
+	fetch->from = b->tint ? (const char *)b->tint : (const char *)b->pattern_scale;
+	fetch->lines = (size_t)(end - fetch->from) / KERNEL_LINE_BYTES;
+	if (fetch->lines > LINES_MAX)
+		fetch->lines = LINES_MAX;
+	fetch->lines_step = fetch->lines / CALLS + 1;
 }
 
 static void expect_columns(struct fetch *fetch, const struct block_plan *plan)
@@ -64,25 +50,17 @@ static void expect_columns(struct fetch *fetch, const struct block_plan *plan)
 		if (fetch->column_count > FETCH_COLUMNS)
 			fetch->column_count = 0;
 	}
+	fetch->column_step = fetch->column_count / CALLS + 1;
 }
 
-void fetch_expect(struct fetch *fetch, const struct block_plan *plan, const struct block_plan *next,
-		  const struct block_plan *after)
+void fetch_expect(struct fetch *fetch, const struct block_plan *next)
 {
-	const struct basis_block *b = plan->block;
-	const int calls = 2 + (b->columns ? basis_panels8(b->pixels) : 0) +
-			  (b->patterns ? basis_panels16(b->pixels) : 0);
-
-	fetch->ranges = fetch->next = fetch->column = 0;
-	fetch->lines = 0;
-	fetch->column_count = 0;
-	if (next) {
-		expect_lines(fetch, next->block);
-		if (next->choice)
-			expect_columns(fetch, next);
-	}
-	if (after)
-		expect_weights(fetch, after);
-	fetch->lines_step = fetch->lines / (size_t)calls + 1;
-	fetch->column_step = fetch->column_count / calls + 1;
+	*fetch = (struct fetch){.from = NULL};
+	if (!next)
+		return;
+	fetch_struct(next + STRUCTS_AHEAD, sizeof(*next));
+	fetch_struct(next->block + STRUCTS_AHEAD, sizeof(*next->block));
+	expect_arrays(fetch, next);
+	if (next->choice)
+		expect_columns(fetch, next);
 }

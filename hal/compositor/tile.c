@@ -46,16 +46,13 @@ static const struct block_plan *block_next(const struct frame_light *f,
 static struct block_request request_for(const struct frame_light *f, const struct block_plan *plan,
 					bool fresh)
 {
-	const struct block_plan *next = block_next(f, plan);
-
 	return (struct block_request){
 		.kernels = f->kernels,
 		.light = block_light(f, plan->block),
 		.kept = &f->kept,
 		.kept_index = (int)(plan - f->first),
 		.fresh = fresh,
-		.next = next,
-		.after = next ? block_next(f, next) : NULL,
+		.next = block_next(f, plan),
 	};
 }
 
