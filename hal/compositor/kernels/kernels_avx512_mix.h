@@ -75,29 +75,55 @@ KERNEL_INLINE __m512 avx512_rest_of(const uint16_t *coverage, __mmask16 mask)
 #define PIXELS                                                                                     \
 	_mm512_broadcast_i32x4(_mm_setr_epi8(0, 4, 8, -1, 1, 5, 9, -1, 2, 6, 10, -1, 3, 7, 11, -1))
 
-KERNEL_INLINE void avx512_mix16(const struct kernel_row *row, const struct avx512_tables *k, int x,
-				__mmask16 mask)
+/* Some of 16 pixels of a row. */
+struct avx512_part {
+	const struct kernel_row *row;
+	__mmask16 mask;
+};
+
+/* Mixes 16 pixels each of two rows, which share the look-ups for R. */
+KERNEL_INLINE void avx512_mix_two(const struct avx512_part part[2], const struct avx512_tables *k,
+				  int x)
 {
 	const __m512i zero = _mm512_setzero_si512();
-	const __m512i in = _mm512_maskz_loadu_epi32(mask, row->background + (size_t)x * 4);
-	const __m512 left = avx512_rest_of(row->coverage + x, mask);
-	const __m512i bg = avx512_decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_B_G));
-	const __m512i r = avx512_decoded(k->decode, _mm512_shuffle_epi8(in, WORDS_R));
-	const __m512i key_b = avx512_keys(row, 2, x, mask, left, _mm512_unpacklo_epi16(bg, zero));
-	const __m512i key_g = avx512_keys(row, 1, x, mask, left, _mm512_unpackhi_epi16(bg, zero));
-	const __m512i key_r = avx512_keys(row, 0, x, mask, left, _mm512_unpacklo_epi16(r, zero));
-	/* Packing to unsigned words clamps to 0..65535. */
-	const __m512i out_bg = avx512_encoded(k, _mm512_packus_epi32(key_b, key_g));
-	const __m512i out_r = avx512_encoded(k, _mm512_packus_epi32(key_r, key_r));
-	const __m512i out = _mm512_shuffle_epi8(_mm512_packus_epi16(out_bg, out_r), PIXELS);
+	const __m512i opaque = _mm512_set1_epi32((int)0xff000000);
+	__m512i in[2], bg[2], r, key[2];
 
-	_mm512_mask_storeu_epi32(row->out + (size_t)x * 4, mask,
-				 _mm512_or_si512(out, _mm512_set1_epi32((int)0xff000000)));
+	for (int i = 0; i < 2; i++) {
+		in[i] = _mm512_maskz_loadu_epi32(part[i].mask,
+						 part[i].row->background + (size_t)x * 4);
+		bg[i] = avx512_decoded(k->decode, _mm512_shuffle_epi8(in[i], WORDS_B_G));
+	}
+	r = avx512_decoded(k->decode, _mm512_unpacklo_epi64(_mm512_shuffle_epi8(in[0], WORDS_R),
+							    _mm512_shuffle_epi8(in[1], WORDS_R)));
+	for (int i = 0; i < 2; i++) {
+		const struct kernel_row *row = part[i].row;
+		const __mmask16 mask = part[i].mask;
+		const __m512 left = avx512_rest_of(row->coverage + x, mask);
+		const __m512i red = i ? _mm512_unpackhi_epi16(r, zero)
+				      : _mm512_unpacklo_epi16(r, zero);
+
+		/* Packing to unsigned words clamps to 0..65535. */
+		bg[i] = avx512_encoded(
+			k, _mm512_packus_epi32(avx512_keys(row, 2, x, mask, left,
+							   _mm512_unpacklo_epi16(bg[i], zero)),
+					       avx512_keys(row, 1, x, mask, left,
+							   _mm512_unpackhi_epi16(bg[i], zero))));
+		key[i] = avx512_keys(row, 0, x, mask, left, red);
+	}
+	r = avx512_encoded(k, _mm512_packus_epi32(key[0], key[1]));
+	for (int i = 0; i < 2; i++) {
+		const __m512i reds = i ? _mm512_unpackhi_epi64(r, r) : r;
+		const __m512i out = _mm512_shuffle_epi8(_mm512_packus_epi16(bg[i], reds), PIXELS);
+
+		_mm512_mask_storeu_epi32(part[i].row->out + (size_t)x * 4, part[i].mask,
+					 _mm512_or_si512(out, opaque));
+	}
 }
 
 static void avx512_mix(const struct kernel_row *rows)
 {
-	struct kernel_row row = *rows;
+	struct kernel_row row = *rows, next = *rows;
 	struct avx512_tables k;
 
 	for (int i = 0; i < 8; i++)
@@ -105,12 +131,19 @@ static void avx512_mix(const struct kernel_row *rows)
 	k.a = _mm512_load_si512(row.curves->a);
 	k.b = _mm512_load_si512(row.curves->b);
 	k.c = _mm512_load_si512(row.curves->c);
-	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row)) {
-		const int whole = row.count / 16 * 16;
+	for (int y = 0; y < rows->rows; y += 2) {
+		kernel_row_next(&next);
+		for (int x = 0; x < row.count; x += 16) {
+			const int left = row.count - x;
+			const __mmask16 mask = left >= 16 ? UINT16_MAX
+							  : (__mmask16)((1 << left) - 1);
 
-		for (int x = 0; x < whole; x += 16)
-			avx512_mix16(&row, &k, x, 0xffff);
-		if (whole < row.count)
-			avx512_mix16(&row, &k, whole, (__mmask16)((1 << (row.count - whole)) - 1));
+			avx512_mix_two(
+				(struct avx512_part[2]){{&row, mask},
+							{&next, y + 1 < rows->rows ? mask : 0}},
+				&k, x);
+		}
+		kernel_row_next(&next);
+		row = next;
 	}
 }
