@@ -151,23 +151,26 @@ static int group_lines(const struct block_plan *group)
 	return lines;
 }
 
+static void tint_values(const struct frame_light *f, const struct basis_block *b,
+			int32_t *const value[3])
+{
+	for (int c = 0; c < 3; c++)
+		f->kernels->tint(value[c], b->tint + c * b->pixels, b->pixels);
+}
+
 /* Adds the values of a block's listed pixels to the tile. */
 static void place_values(const struct frame_light *f, const struct block_plan *plan, bool fresh,
 			 int32_t *const listed[3], int32_t (*values)[BLOCK_PIXELS])
 {
-	const struct basis_block *b = plan->block;
-
 	for (int c = 0; c < 3; c++) {
-		if (b->tint)
-			f->kernels->tint(listed[c], b->tint + c * b->pixels, b->pixels);
 		if (fresh)
 			memset(values[c], 0, sizeof(values[c]));
 		f->kernels->place(listed[c], plan->row, values[c]);
 	}
 }
 
-/* The same as group_add(), with rounded values instead of exact sums. A block of a whole tile
- * writes its values directly to the tile. */
+/* The same as group_add(), with rounded values instead of exact sums. A block of a whole tile writes
+ * its values directly to the tile; if it is tinted, only where there are no others. */
 static bool group_add_values(const struct frame_light *f, const struct block_plan *group,
 			     int fraction, bool fresh, struct tile_work *work,
 			     int32_t (*values)[BLOCK_PIXELS])
@@ -180,7 +183,8 @@ static bool group_add_values(const struct frame_light *f, const struct block_pla
 
 	for (int n = 0; n < group->group; n++) {
 		const struct block_plan *plan = &group[n];
-		const bool direct = first && plan->whole && !plan->block->tint;
+		const uint16_t *tint = plan->block->tint;
+		const bool direct = plan->whole && (tint ? fresh : first);
 
 		if (block_counts(plan)) {
 			const struct block_request request = request_for(f, plan,
@@ -188,6 +192,8 @@ static bool group_add_values(const struct frame_light *f, const struct block_pla
 
 			block_values(&work->block, plan, &request, fraction,
 				     direct ? whole : listed);
+			if (tint)
+				tint_values(f, plan->block, direct ? whole : listed);
 			begun = true;
 			fresh = fresh && !direct;
 		}
