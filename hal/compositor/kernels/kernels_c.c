@@ -181,13 +181,24 @@ void kernel_c_tint(int32_t *value, const uint16_t *by, int count)
 		value[n] = (int32_t)round_shift((int64_t)value[n] * by[n], 15);
 }
 
+/* clamp(a + b) for |a|, |b| <= KERNEL_LIMIT, without int64, so that compilers can vectorise it. */
+static int32_t added_to_limit(int32_t a, int32_t b)
+{
+	const int32_t above = KERNEL_LIMIT - (a > 0 ? a : 0);
+	const int32_t below = -KERNEL_LIMIT - (a < 0 ? a : 0);
+
+	return a + (b > above ? above : b < below ? below : b);
+}
+
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to)
 {
 	for (int y = 0; y < 16; y++, to += 16) {
-		for (unsigned bits = row[y]; bits; bits &= bits - 1) {
-			const int x = __builtin_ctz(bits);
+		/* a run of pixels at a time; adding its lowest bit carries through it */
+		for (unsigned bits = row[y]; bits; bits &= bits + (bits & -bits)) {
+			const int end = __builtin_ctz(~bits & (bits + (bits & -bits)));
 
-			to[x] = (int32_t)clamp_to_limit((int64_t)to[x] + *value++);
+			for (int x = __builtin_ctz(bits); x < end; x++, value++)
+				to[x] = added_to_limit(to[x], *value);
 		}
 	}
 }
