@@ -42,15 +42,19 @@ static inline __m512i avx512_digits_apart(__m512i x)
 
 static int avx512_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit)
 {
+	/* [channel][digit][weight] of [weight][channel][digit], for each number of digits */
+	static const int16_t from[KERNEL_DIGITS + 1][32] = {
+		{0},
+		{0, 16, 4, 20, 8, 24},
+		{0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25},
+		{0, 16, 1, 17, 2, 18, 4, 20, 5, 21, 6, 22, 8, 24, 9, 25, 10, 26},
+		{0, 16, 1, 17, 2, 18, 3, 19, 4,	 20, 5,	 21,
+		 6, 22, 7, 23, 8, 24, 9, 25, 10, 26, 11, 27},
+	};
 	const int digits = avx512_digits_needed(weight, count), step = 2 * 3 * digits;
 	const __mmask32 stored = (__mmask32)((UINT64_C(1) << step) - 1);
-	_Alignas(64) int16_t from[32] = {0};
-	__m512i order;
+	const __m512i order = _mm512_loadu_si512(from[digits]);
 
-	for (int n = 0; n < step; n++) /* [channel][digit][weight] of [weight][channel][digit] */
-		from[n] = (int16_t)((n % 2 * KERNEL_WEIGHT + n / 2 / digits) * KERNEL_DIGITS +
-				    n / 2 % digits);
-	order = _mm512_load_si512(from);
 	for (int k = 0; k < count && digits; k += 2, digit += step)
 		_mm512_mask_storeu_epi16(
 			digit, stored,
