@@ -23,7 +23,7 @@ static void mix_tile(const struct compositor *c, int t, const struct tile_values
 	struct kernel_row row = {
 		.count = tile->width,
 		.rows = tile->height,
-		.coverage = c->coverage + (size_t)tile->y * width + tile->x,
+		.coverage = plan->bare ? NULL : c->coverage + (size_t)tile->y * width + tile->x,
 		.background = rows.pixels,
 		.curves = &c->curves,
 		.out = c->out + (size_t)tile->y * c->out_stride + (size_t)tile->x * 4,
@@ -42,16 +42,19 @@ static void mix_tile(const struct compositor *c, int t, const struct tile_values
 
 /* Prefetches what mixing will read: the rows of a tile are too far apart for the processor's own
  * prefetcher. Forced inline because gcc 12 drops calls of functions that only prefetch. */
-static inline __attribute__((always_inline)) void
-fetch_ahead(const struct compositor *c, const struct basis_tile *tile, struct backdrop_rows rows)
+static inline __attribute__((always_inline)) void fetch_ahead(const struct compositor *c, int t,
+							      struct backdrop_rows rows)
 {
+	const struct basis_tile *tile = &c->layer->basis->tiles[t];
+
 	for (int y = 0; y < tile->height; y++) {
 		const uint8_t *row = rows.pixels + y * rows.stride;
 
 		__builtin_prefetch(row);
 		__builtin_prefetch(row + tile->width * 4 - 1); /* it may lie across two lines */
-		__builtin_prefetch(c->coverage + (size_t)(tile->y + y) * c->basis->info.width +
-				   tile->x);
+		if (!c->layer->plan.tiles[t].bare)
+			__builtin_prefetch(c->coverage +
+					   (size_t)(tile->y + y) * c->basis->info.width + tile->x);
 	}
 }
 
@@ -78,7 +81,7 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
 
 	for (int t = first; t < end; t++) {
-		fetch_ahead(c, &tiles[t], rows);
+		fetch_ahead(c, t, rows);
 		tile_compute(&c->light, &c->layer->plan.tiles[t], &w->tile, &w->values);
 		if (c->glass)
 			glass_add(c->glass, t, &c->through, c->curves.decode, &w->values);

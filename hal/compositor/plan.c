@@ -85,20 +85,18 @@ static struct block_plan plan_block(const struct basis *basis, const struct basi
 	return plan;
 }
 
-static bool is_plain(const struct basis *basis, const uint16_t *coverage,
-		     const struct basis_tile *tile)
+static bool is_covered(const struct basis *basis, const uint16_t *coverage,
+		       const struct basis_tile *tile)
 {
-	if (tile->block_count)
-		return false;
 	for (int y = 0; y < tile->height; y++) {
 		const uint16_t *a = coverage + (size_t)(tile->y + y) * basis->info.width + tile->x;
 
 		for (int x = 0; x < tile->width; x++) {
 			if (a[x])
-				return false;
+				return true;
 		}
 	}
-	return true;
+	return false;
 }
 
 static bool same_group(const struct basis_block *a, const struct basis_block *b)
@@ -191,6 +189,7 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 	}
 	for (int t = 0; t < tiles; t++) {
 		const struct basis_tile *tile = &layer->tiles[t];
+		const bool covered = is_covered(basis, pose->coverage, tile);
 		struct tile_plan *p = &plan->tiles[t];
 
 		if (tile->block_count)
@@ -198,7 +197,8 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 				  tile->block_count);
 		if (pose->glass_count)
 			p->object = p->taken = true;
-		p->plain = is_plain(basis, pose->coverage, tile);
+		p->plain = !covered && !tile->block_count;
+		p->bare = !covered && !p->object;
 	}
 	return 0;
 }

@@ -46,6 +46,7 @@ struct block_plan {
 struct tile_plan {
 	const struct block_plan *blocks;
 	int block_count;
+	bool bare;	    /* coverage and O are 0 */
 	bool plain;	    /* the object changes nothing here */
 	bool object, taken; /* whether blocks or glass add to O; to 1 - ratio */
 };

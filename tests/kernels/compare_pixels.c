@@ -221,7 +221,7 @@ static struct kernel_row make_row(struct comparison *c, int count)
 		coverage[x] = mix_coverage(c);
 	for (size_t i = 0; i < bytes; i++)
 		background[i] = (uint8_t)compare_next(c);
-	row.coverage = coverage;
+	row.coverage = compare_below(c, 4) ? coverage : NULL;
 	row.background = background;
 	return row;
 }

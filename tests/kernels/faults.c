@@ -375,9 +375,21 @@ static void coverage_rounded(const struct kernel_row *row)
 	struct kernel_row other = *row;
 	const int numbers = (row->rows - 1) * (int)row->coverage_step + row->count;
 
-	for (int x = 0; x < numbers; x++)
+	for (int x = 0; x < numbers && row->coverage; x++)
 		coverage[x] = row->coverage[x] == 65535 ? 65534 : row->coverage[x];
-	other.coverage = coverage;
+	if (row->coverage)
+		other.coverage = coverage;
+	kernels_c.mix(&other);
+}
+
+/* Adds the object where nothing is covered. */
+static void object_seen(const struct kernel_row *row)
+{
+	static const uint16_t none[2048];
+	struct kernel_row other = *row;
+
+	if (!row->coverage)
+		other.coverage = none;
 	kernels_c.mix(&other);
 }
 
@@ -495,6 +507,7 @@ static const struct faulty faults[] = {
 	MIX_FAULT(not_opaque),
 	MIX_FAULT(piece_rounded),
 	MIX_FAULT(coverage_rounded),
+	MIX_FAULT(object_seen),
 	MIX_FAULT(row_repeated),
 };
 

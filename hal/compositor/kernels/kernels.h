@@ -102,7 +102,7 @@ struct kernel_row {
 	int count, rows;
 	const int32_t *object[3];  /* [count]: O in Q24, |O| < 2^31 */
 	const int32_t *taken[3];   /* [count]: 1 - ratio in Q24 */
-	const uint16_t *coverage;  /* [count]: 65535 = 1 */
+	const uint16_t *coverage;  /* [count]: 65535 = 1; NULL: coverage and O are 0 */
 	const uint8_t *background; /* [count] BGRX */
 	const struct kernel_curves *curves;
 	uint8_t *out; /* [count] BGRX; X becomes 255; written once and never read */

@@ -35,18 +35,19 @@ KERNEL_INLINE __m512i avx512_encoded(const struct avx512_tables *k, __m512i key)
 
 /* Computes the keys of one channel of 16 pixels, not yet clamped. */
 KERNEL_INLINE __m512i avx512_keys(const struct kernel_row *row, int c, int x, __mmask16 mask,
-				  __m512 left, __m512i linear)
+				  __m512 left, __m512i linear, const bool bare)
 {
-	const __m512 object =
-		_mm512_cvtepi32_ps(_mm512_maskz_loadu_epi32(mask, row->object[c] + x));
 	const __m512 taken = _mm512_cvtepi32_ps(_mm512_maskz_loadu_epi32(mask, row->taken[c] + x));
-	const __m512 raised =
-		_mm512_add_ps(_mm512_mul_ps(object, _mm512_set1_ps(KERNEL_WHITE * 0x1p-24f)),
-			      _mm512_set1_ps(KERNEL_BLACK));
-	__m512 ratio = _mm512_sub_ps(_mm512_set1_ps(1.0f),
-				     _mm512_mul_ps(taken, _mm512_set1_ps(0x1p-24f)));
-	__m512 v;
+	__m512 raised = _mm512_set1_ps(KERNEL_BLACK), ratio, v;
 
+	if (!bare) {
+		const __m512i object = _mm512_maskz_loadu_epi32(mask, row->object[c] + x);
+
+		raised = _mm512_add_ps(_mm512_mul_ps(_mm512_cvtepi32_ps(object),
+						     _mm512_set1_ps(KERNEL_WHITE * 0x1p-24f)),
+				       raised);
+	}
+	ratio = _mm512_sub_ps(_mm512_set1_ps(1.0f), _mm512_mul_ps(taken, _mm512_set1_ps(0x1p-24f)));
 	ratio = _mm512_min_ps(_mm512_max_ps(ratio, _mm512_setzero_ps()), _mm512_set1_ps(16.0f));
 	v = _mm512_add_ps(_mm512_mul_ps(_mm512_mul_ps(ratio, left), _mm512_cvtepi32_ps(linear)),
 			  raised);
@@ -83,7 +84,7 @@ struct avx512_part {
 
 /* Mixes 16 pixels each of two rows, which share the look-ups for R. */
 KERNEL_INLINE void avx512_mix_two(const struct avx512_part part[2], const struct avx512_tables *k,
-				  int x)
+				  int x, const bool bare)
 {
 	const __m512i zero = _mm512_setzero_si512();
 	const __m512i opaque = _mm512_set1_epi32((int)0xff000000);
@@ -99,17 +100,19 @@ KERNEL_INLINE void avx512_mix_two(const struct avx512_part part[2], const struct
 	for (int i = 0; i < 2; i++) {
 		const struct kernel_row *row = part[i].row;
 		const __mmask16 mask = part[i].mask;
-		const __m512 left = avx512_rest_of(row->coverage + x, mask);
+		const __m512 left = bare ? _mm512_set1_ps(KERNEL_WHITE / 65535)
+					 : avx512_rest_of(row->coverage + x, mask);
 		const __m512i red = i ? _mm512_unpackhi_epi16(r, zero)
 				      : _mm512_unpacklo_epi16(r, zero);
 
 		/* Packing to unsigned words clamps to 0..65535. */
 		bg[i] = avx512_encoded(
-			k, _mm512_packus_epi32(avx512_keys(row, 2, x, mask, left,
-							   _mm512_unpacklo_epi16(bg[i], zero)),
-					       avx512_keys(row, 1, x, mask, left,
-							   _mm512_unpackhi_epi16(bg[i], zero))));
-		key[i] = avx512_keys(row, 0, x, mask, left, red);
+			k,
+			_mm512_packus_epi32(avx512_keys(row, 2, x, mask, left,
+							_mm512_unpacklo_epi16(bg[i], zero), bare),
+					    avx512_keys(row, 1, x, mask, left,
+							_mm512_unpackhi_epi16(bg[i], zero), bare)));
+		key[i] = avx512_keys(row, 0, x, mask, left, red, bare);
 	}
 	r = avx512_encoded(k, _mm512_packus_epi32(key[0], key[1]));
 	for (int i = 0; i < 2; i++) {
@@ -121,7 +124,7 @@ KERNEL_INLINE void avx512_mix_two(const struct avx512_part part[2], const struct
 	}
 }
 
-static void avx512_mix(const struct kernel_row *rows)
+KERNEL_INLINE void avx512_mix_rows(const struct kernel_row *rows, const bool bare)
 {
 	struct kernel_row row = *rows, next = *rows;
 	struct avx512_tables k;
@@ -141,9 +144,17 @@ static void avx512_mix(const struct kernel_row *rows)
 			avx512_mix_two(
 				(struct avx512_part[2]){{&row, mask},
 							{&next, y + 1 < rows->rows ? mask : 0}},
-				&k, x);
+				&k, x, bare);
 		}
 		kernel_row_next(&next);
 		row = next;
 	}
+}
+
+static void avx512_mix(const struct kernel_row *rows)
+{
+	if (rows->coverage)
+		avx512_mix_rows(rows, false);
+	else
+		avx512_mix_rows(rows, true);
 }

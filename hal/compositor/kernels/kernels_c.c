@@ -233,13 +233,15 @@ static void kernel_c_mix_row(const struct kernel_row *row)
 	for (int x = 0; x < row->count; x++) {
 		const uint8_t *in = row->background + (size_t)x * 4;
 		uint8_t *out = row->out + (size_t)x * 4;
+		const int32_t covered = row->coverage ? row->coverage[x] : 0;
 		/* 1 - coverage, rounded: a / 65535 is (a + a / 32768) / 65536. */
-		const int32_t rest = 65536 - row->coverage[x] - (row->coverage[x] >> 15);
+		const int32_t rest = 65536 - covered - (covered >> 15);
 		const float left = (float)rest * (KERNEL_WHITE / 65535 / 65536);
 
 		for (int c = 0; c < 3; c++) /* R, G, B lie at bytes 2, 1, 0 */
-			out[2 - c] = kernel_c_mix_one(row->object[c][x], row->taken[c][x], left,
-						      in[2 - c], row->curves);
+			out[2 - c] = kernel_c_mix_one(row->coverage ? row->object[c][x] : 0,
+						      row->taken[c][x], left, in[2 - c],
+						      row->curves);
 		out[3] = 255;
 	}
 }

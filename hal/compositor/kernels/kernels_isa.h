@@ -111,7 +111,8 @@ static inline void kernel_row_next(struct kernel_row *row)
 		row->object[c] += row->value_step;
 		row->taken[c] += row->value_step;
 	}
-	row->coverage += row->coverage_step;
+	if (row->coverage)
+		row->coverage += row->coverage_step;
 	row->background += row->background_step;
 	row->out += row->out_step;
 }
@@ -133,7 +134,7 @@ static inline void kernel_rest_load(struct kernel_rest *rest, struct kernel_row 
 	memset(rest, 0, sizeof(*rest));
 	*all = (struct kernel_row){
 		.count = KERNEL_REST,
-		.coverage = rest->coverage,
+		.coverage = row->coverage ? rest->coverage : NULL,
 		.background = rest->background,
 		.curves = row->curves,
 		.out = rest->out,
@@ -144,7 +145,8 @@ static inline void kernel_rest_load(struct kernel_rest *rest, struct kernel_row 
 		all->object[c] = rest->object[c];
 		all->taken[c] = rest->taken[c];
 	}
-	memcpy(rest->coverage, row->coverage + x, count * sizeof(uint16_t));
+	if (row->coverage)
+		memcpy(rest->coverage, row->coverage + x, count * sizeof(uint16_t));
 	memcpy(rest->background, row->background + (size_t)x * 4, count * 4);
 }
 

@@ -380,36 +380,41 @@ KERNEL_INLINE float32x4_t neon_left_of(const uint16_t *coverage)
 }
 
 /* Four keys of a channel; narrowing to words clamps them to 0..65535. */
-KERNEL_INLINE uint16x4_t neon_keys_of(const struct kernel_row *row, int c, int x, float32x4_t left)
+KERNEL_INLINE uint16x4_t neon_keys_of(const struct kernel_row *row, int c, int x, float32x4_t left,
+				      const bool bare)
 {
 	const uint8_t *in = row->background + (size_t)x * 4 + 2 - c;
 	const float *linear = row->curves->linear;
 	const float32x4_t b = {linear[in[0]], linear[in[4]], linear[in[8]], linear[in[12]]};
-	const float32x4_t object = vcvtq_f32_s32(vld1q_s32(row->object[c] + x));
 	const float32x4_t taken = vcvtq_f32_s32(vld1q_s32(row->taken[c] + x));
-	const float32x4_t raised = vaddq_f32(vmulq_n_f32(object, KERNEL_WHITE * 0x1p-24f),
-					     vdupq_n_f32(KERNEL_BLACK));
 	float32x4_t ratio = vsubq_f32(vdupq_n_f32(1.0f), vmulq_n_f32(taken, 0x1p-24f));
-	float32x4_t v;
+	float32x4_t raised = vdupq_n_f32(KERNEL_BLACK), v;
 
+	if (!bare) {
+		const float32x4_t object = vcvtq_f32_s32(vld1q_s32(row->object[c] + x));
+
+		raised = vaddq_f32(vmulq_n_f32(object, KERNEL_WHITE * 0x1p-24f), raised);
+	}
 	ratio = vminq_f32(vmaxq_f32(ratio, vdupq_n_f32(0.0f)), vdupq_n_f32(16.0f));
 	v = vaddq_f32(vmulq_f32(vmulq_f32(ratio, left), b), raised);
 	return vqmovun_s32(
 		vsubq_s32(vshrq_n_s32(vreinterpretq_s32_f32(v), 10), vdupq_n_s32(KERNEL_KEY_BASE)));
 }
 
-KERNEL_INLINE void neon_mix16(const struct kernel_row *row, const struct neon_tables *k, int x)
+KERNEL_INLINE void neon_mix16(const struct kernel_row *row, const struct neon_tables *k, int x,
+			      const bool bare)
 {
 	uint16x4_t key[3][4];
 	uint8x16x4_t out;
 
 	KERNEL_UNROLL
 	for (int i = 0; i < 4; i++) {
-		const float32x4_t left = neon_left_of(row->coverage + x + 4 * i);
+		const float32x4_t left = bare ? vdupq_n_f32(KERNEL_WHITE / 65535)
+					      : neon_left_of(row->coverage + x + 4 * i);
 
 		KERNEL_UNROLL
 		for (int c = 0; c < 3; c++)
-			key[c][i] = neon_keys_of(row, c, x + 4 * i, left);
+			key[c][i] = neon_keys_of(row, c, x + 4 * i, left, bare);
 	}
 	KERNEL_UNROLL
 	for (int c = 0; c < 3; c++)
@@ -419,18 +424,19 @@ KERNEL_INLINE void neon_mix16(const struct kernel_row *row, const struct neon_ta
 	vst4q_u8(row->out + (size_t)x * 4, out);
 }
 
-KERNEL_INLINE void neon_mix_row(const struct kernel_row *row, const struct neon_tables *k)
+KERNEL_INLINE void neon_mix_row(const struct kernel_row *row, const struct neon_tables *k,
+				const bool bare)
 {
 	int x = 0;
 
 	for (; x + 16 <= row->count; x += 16)
-		neon_mix16(row, k, x);
+		neon_mix16(row, k, x, bare);
 	if (x < row->count) {
 		struct kernel_rest rest;
 		struct kernel_row all;
 
 		kernel_rest_load(&rest, &all, row, x);
-		neon_mix16(&all, k, 0);
+		neon_mix16(&all, k, 0, bare);
 		memcpy(row->out + (size_t)x * 4, rest.out, (size_t)(row->count - x) * 4);
 	}
 }
@@ -446,7 +452,10 @@ void kernel_neon_mix(const struct kernel_row *rows)
 		k.byte[i].val[1] = vld1q_u8(row.curves->bytes[i] + 16);
 	}
 	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
-		neon_mix_row(&row, &k);
+		if (row.coverage)
+			neon_mix_row(&row, &k, false);
+		else
+			neon_mix_row(&row, &k, true);
 }
 
 const struct kernels kernels_neon = {

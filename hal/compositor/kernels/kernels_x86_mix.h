@@ -63,17 +63,17 @@ KERNEL_INLINE vector_float x86_left_of(const uint16_t *coverage)
 }
 
 /* Computes the keys of a channel, not yet clamped. */
-KERNEL_INLINE vector x86_keys_of(const struct kernel_row *row, int c, int x, vector_float left)
+KERNEL_INLINE vector x86_keys_of(const struct kernel_row *row, int c, int x, vector_float left,
+				 const bool bare)
 {
-	const vector_float object = SIMD(cvtepi32_ps)(LOAD(row->object[c] + x));
 	const vector_float taken = SIMD(cvtepi32_ps)(LOAD(row->taken[c] + x));
-	const vector_float raised =
-		SIMD(add_ps)(SIMD(mul_ps)(object, SIMD(set1_ps)(KERNEL_WHITE * 0x1p-24f)),
-			     SIMD(set1_ps)(KERNEL_BLACK));
-	vector_float ratio = SIMD(sub_ps)(SIMD(set1_ps)(1.0f),
-					  SIMD(mul_ps)(taken, SIMD(set1_ps)(0x1p-24f)));
-	vector_float v;
+	vector_float raised = SIMD(set1_ps)(KERNEL_BLACK), ratio, v;
 
+	if (!bare)
+		raised = SIMD(add_ps)(SIMD(mul_ps)(SIMD(cvtepi32_ps)(LOAD(row->object[c] + x)),
+						   SIMD(set1_ps)(KERNEL_WHITE * 0x1p-24f)),
+				      raised);
+	ratio = SIMD(sub_ps)(SIMD(set1_ps)(1.0f), SIMD(mul_ps)(taken, SIMD(set1_ps)(0x1p-24f)));
 	ratio = SIMD(min_ps)(SIMD(max_ps)(ratio, SIMD(setzero_ps)()), SIMD(set1_ps)(16.0f));
 	v = SIMD(add_ps)(SIMD(mul_ps)(SIMD(mul_ps)(ratio, left), x86_linear_of(row, x, 2 - c)),
 			 raised);
@@ -82,7 +82,8 @@ KERNEL_INLINE vector x86_keys_of(const struct kernel_row *row, int c, int x, vec
 }
 
 /* Mixes 2 * DWORDS pixels. Packing to unsigned words clamps the keys to 0..65535. */
-KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_tables *k, int x)
+KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_tables *k, int x,
+			       const bool bare)
 {
 	const vector opaque = SIMD(set1_epi32)((int32_t)0xff000000);
 	const vector pixels =
@@ -91,11 +92,12 @@ KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_ta
 
 	for (int i = 0; i < 2; i++) {
 		const int at = x + i * DWORDS;
-		const vector_float left = x86_left_of(row->coverage + at);
+		const vector_float left = bare ? SIMD(set1_ps)(KERNEL_WHITE / 65535)
+					       : x86_left_of(row->coverage + at);
 
-		bg[i] = SIMD(packus_epi32)(x86_keys_of(row, 2, at, left),
-					   x86_keys_of(row, 1, at, left));
-		red[i] = x86_keys_of(row, 0, at, left);
+		bg[i] = SIMD(packus_epi32)(x86_keys_of(row, 2, at, left, bare),
+					   x86_keys_of(row, 1, at, left, bare));
+		red[i] = x86_keys_of(row, 0, at, left, bare);
 	}
 	r[0] = r[1] = SIMD(packus_epi32)(red[0], red[1]);
 	x86_encode(k, bg);
@@ -110,19 +112,20 @@ KERNEL_INLINE void x86_mix_two(const struct kernel_row *row, const struct x86_ta
 	}
 }
 
-KERNEL_INLINE void x86_mix_row(const struct kernel_row *row, const struct x86_tables *k)
+KERNEL_INLINE void x86_mix_row(const struct kernel_row *row, const struct x86_tables *k,
+			       const bool bare)
 {
 	int x = 0;
 
 	for (; x + 2 * DWORDS <= row->count; x += 2 * DWORDS)
-		x86_mix_two(row, k, x);
+		x86_mix_two(row, k, x, bare);
 	if (x < row->count) {
 		struct kernel_rest rest;
 		struct kernel_row all;
 
 		kernel_rest_load(&rest, &all, row, x);
 		for (int i = 0; i < row->count - x; i += 2 * DWORDS)
-			x86_mix_two(&all, k, i);
+			x86_mix_two(&all, k, i, bare);
 		memcpy(row->out + (size_t)x * 4, rest.out, (size_t)(row->count - x) * 4);
 	}
 }
@@ -134,5 +137,8 @@ static void x86_mix(const struct kernel_row *rows)
 
 	x86_tables_load(&k, row.curves);
 	for (int y = 0; y < rows->rows; y++, kernel_row_next(&row))
-		x86_mix_row(&row, &k);
+		if (row.coverage)
+			x86_mix_row(&row, &k, false);
+		else
+			x86_mix_row(&row, &k, true);
 }
