@@ -133,9 +133,9 @@ static void weigh_lit(struct line_set *set, const struct block_plan *plan,
 }
 
 static void weigh_columns(struct block_work *work, const struct block_plan *plan,
-			  const struct block_request *request, const double one[3])
+			  const struct block_request *request, const double one[3], int shift)
 {
-	const double less = power_of_two(-plan->column_shift);
+	const double less = power_of_two(-shift);
 	const double column_one[3] = {one[0] * less, one[1] * less, one[2] * less};
 	struct line_set *set = &work->columns;
 
@@ -146,14 +146,15 @@ static void weigh_columns(struct block_work *work, const struct block_plan *plan
 	work->counts.columns += set->count;
 }
 
-/* Computes the weights of a block. one: the integer that stands for 1, in each channel. */
+/* Computes the weights of a block. one: the integer that stands for 1, in each channel; for columns
+ * it has `shift` bits less. */
 static void weigh_lines(struct block_work *work, const struct block_plan *plan,
-			const struct block_request *request, const double one[3])
+			const struct block_request *request, const double one[3], int shift)
 {
 	const struct basis_block *b = plan->block;
 
 	fetch_expect(&work->next, request->next);
-	weigh_columns(work, plan, request, one);
+	weigh_columns(work, plan, request, one, shift);
 	fetch_some(&work->next);
 	weigh_patterns(work, b, request, one);
 	fetch_some(&work->next);
@@ -178,7 +179,7 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 	struct line_target to = {.sum = {work->sum[0], work->sum[1], work->sum[2]}};
 
 	if (!kept || !kept_sums_step(work, plan, request, fraction, to.sum)) {
-		weigh_lines(work, plan, request, one);
+		weigh_lines(work, plan, request, one, plan->column_shift);
 		if (kept)
 			kept_sums_take(work, plan, request, fraction, to.sum);
 		else
@@ -192,10 +193,11 @@ void block_values(struct block_work *work, const struct block_plan *plan,
 		  const struct block_request *request, int fraction, int32_t *const value[3])
 {
 	const struct line_target to = {.value = {value[0], value[1], value[2]}};
+	const int shift = plan->block->bits == 8 ? KERNEL_VALUE_SHIFT16 - KERNEL_VALUE_SHIFT8 : 0;
 	double one[3];
 
 	for (int c = 0; c < 3; c++)
 		one[c] = (double)request->light->factor[c] * power_of_two(fraction - 30);
-	weigh_lines(work, plan, request, one);
+	weigh_lines(work, plan, request, one, shift);
 	block_add_lines(work, plan, request, &to);
 }

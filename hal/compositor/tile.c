@@ -136,8 +136,9 @@ static int group_room(const struct block_plan *group, const struct light_vector 
 
 /* ---- few lines in light of ordinary strength: the common case ---- */
 
-/* Returns how many lines of a group count. Kept blocks have more than KERNEL_RUN. */
-static int group_lines(const struct block_plan *group)
+/* Whether few lines of a group count: so few that the roundings of their weights, 2^-22 for a line
+ * of 16 bits and 2^-24 for one of 8, come to 2^-17 at most. */
+static bool group_is_short(const struct block_plan *group)
 {
 	int lines = 0;
 
@@ -146,9 +147,10 @@ static int group_lines(const struct block_plan *group)
 
 		if (group[n].choice)
 			columns_chosen(&group[n], &columns);
-		lines += group[n].block->patterns + columns;
+		lines += 4 * group[n].block->patterns;
+		lines += group[n].block->bits == 8 ? columns : 4 * columns;
 	}
-	return lines;
+	return lines <= KERNEL_VALUE_LINES8;
 }
 
 static void tint_values(const struct frame_light *f, const struct basis_block *b,
@@ -227,7 +229,7 @@ static bool group_add(const struct frame_light *f, const struct block_plan *grou
 	const int64_t *sum[3];
 	bool summed = false; /* a block of those that share their sums is done */
 
-	if (ordinary && group_lines(group) <= KERNEL_RUN)
+	if (ordinary && group_is_short(group))
 		return group_add_values(f, group, VALUE_BITS + KERNEL_VALUE_SHIFT16 + more, fresh,
 					work, values);
 	if (!apart)

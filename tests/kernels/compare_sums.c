@@ -149,9 +149,10 @@ bool compare_values(struct comparison *c, bool bytes, const struct kernels *tabl
 	const int pixels = bytes ? KERNEL_LINE8 : KERNEL_LINE16, beyond = compare_below(c, 8);
 	const size_t size = (size_t)(pixels + beyond) * sizeof(int32_t);
 	const bool full = c->round == VALUES_HIGHEST || c->round == VALUES_LOWEST;
-	const int count = full			       ? KERNEL_RUN
-			  : c->round <= KERNEL_RUN / 2 ? 2 * c->round
-						       : 2 * compare_below(c, KERNEL_RUN / 2 + 1);
+	const int most = bytes ? KERNEL_VALUE_LINES8 : KERNEL_RUN;
+	const int count = full			 ? most
+			  : c->round <= most / 2 ? 2 * c->round
+						 : 2 * compare_below(c, most / 2 + 1);
 	const struct kernel_weights w = make_weights(c, count, full);
 	const enum filling filling = c->round == VALUES_HIGHEST ? LOWEST
 				     : c->round == VALUES_LOWEST

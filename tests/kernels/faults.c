@@ -286,7 +286,7 @@ static void always_fresh8(const int8_t *lines, const struct kernel_weights *w, v
 	kernels_c.values8(lines, &fresh, value);
 }
 
-/* A digit that is shifted out completely comes back, as x86 takes the count modulo the width. */
+/* Adds the highest digit once more, unshifted. */
 static void shift_wrapped8(const int8_t *lines, const struct kernel_weights *w, values_of value)
 {
 	kernels_c.values8(lines, w, value);

@@ -29,10 +29,11 @@
 #define KERNEL_DIGITS 4
 #define KERNEL_DIGIT_BITS 12
 #define KERNEL_SHIFT_MAX 16
-#define KERNEL_RUN 32 /* lines whose products with a digit add up in int32 */
+#define KERNEL_RUN 32			     /* lines whose products with a digit add up in int32 */
+#define KERNEL_VALUE_LINES8 (4 * KERNEL_RUN) /* most lines of bytes that values8() adds up */
 /* Right shift of a sum over a run to get a value: for lines of int16, of int8. */
 #define KERNEL_VALUE_SHIFT16 12
-#define KERNEL_VALUE_SHIFT8 4
+#define KERNEL_VALUE_SHIFT8 6
 #define KERNEL_WEIGHT 4	       /* three channels and an unused one: a vector */
 #define KERNEL_PLACE_BEYOND 16 /* values that place() may read beyond its input */
 
@@ -129,7 +130,7 @@ struct kernels {
 	 */
 	void (*values16)(const int16_t *lines, const struct kernel_weights *weights,
 			 int32_t *const value[3]);
-	/* The same for bytes, with KERNEL_VALUE_SHIFT8. */
+	/* The same for KERNEL_VALUE_LINES8 lines of bytes, with KERNEL_VALUE_SHIFT8. */
 	void (*values8)(const int8_t *lines, const struct kernel_weights *weights,
 			int32_t *const value[3]);
 
