@@ -25,7 +25,7 @@ struct basis_block {
 	const int16_t *coefficient; /* [channels][panels16][patterns][32] */
 	const uint16_t *light;	    /* [columns] */
 	const float *column_scale;  /* [columns] */
-	float cut_share;	    /* of basis_block_entry */
+	float cut_share;	    /* in (0, 1], of column_cut and of the cut of groups */
 	const int16_t *column16;    /* [channels][panels16][columns][32]; NULL unless bits is 16 */
 	const uint32_t *record_at;  /* [columns]; NULL unless bits is 8 */
 	const uint8_t *record;	    /* basis_lines.h; NULL unless bits is 8 */

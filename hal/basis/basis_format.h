@@ -57,6 +57,20 @@
  * S = 0 gives the formula above. A frame chooses S (basis_groups.h) so that X - q S is small and
  * more columns fall below the cut. A file whose column_cut is 0 has no groups.
  *
+ * In T and V blocks of the shown layer a frame may leave out columns. With the largest value of a
+ * column per unit of light
+ *
+ *     reach = column_scale * (32767 or 127) * max(1, largest tint)
+ *
+ * it may leave out
+ *
+ *     the column of light i  where X_i,c * reach < cut_share * column_cut, or, if its group k has
+ *                            a column, |X_i,c - q_i S_k,c| * reach < cut_share * column_cut
+ *     the column of group k  where S_k,c * reach < cut_share * basis_group_cut()
+ *
+ * in every channel c. column_cut is a number of the file, cut_share one of the block. X is linear
+ * light, gain included, for T, and a share of all light on the ground for V.
+ *
  * Blocks add up: the shadow (one channel) and the light that the object reflects onto the ground
  * (three channels) may be two V blocks over the same pixels.
  *
@@ -174,9 +188,10 @@ struct basis_info_chunk {
 	/*
 	 * Declared errors. None of them contains the error of dividing the sky into N lights.
 	 *
-	 * column_cut: a frame may leave out a column that changes no pixel by more than this, in
-	 * linear light (T, white is 1) or in the ratio (V). For columns of groups the limit is
-	 * basis_group_cut(). The measured errors include that.
+	 * column_cut: a frame may leave out a column that changes no pixel by more than this times
+	 * the block's cut_share, in linear light (T, white is 1) or in the ratio (V). For columns
+	 * of groups basis_group_cut() takes the place of column_cut. The measured errors include
+	 * that.
 	 *
 	 * Bounds for any lighting if every column is used, quantisation and cuts of the encoder
 	 * together:
@@ -286,10 +301,11 @@ struct basis_block_entry {
 	uint32_t ground;       /* V: index of its shared ground term; else 0 */
 	uint32_t record_bytes; /* length of all records; 0 where bits is 16 */
 	/* Share of column_cut, and of the cut of groups, below which a frame may leave out columns
-	 * of this block: above 0, at most 1. */
+	 * of this block: above 0, at most 1. Without effect where no column is left out: in D and
+	 * U, and in the exact layer. */
 	float cut_share;
 	uint32_t reserved; /* 0 */
-	uint64_t offset;       /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
+	uint64_t offset;   /* in the DATA or DATX chunk, a multiple of BASIS_ALIGN */
 	uint64_t bytes;
 };
 

@@ -31,7 +31,7 @@ void basis_groups_free(struct basis_groups *groups); /* idempotent; zeroed is fi
 /* Upper limit of the cut of groups, unless column_cut is above it. */
 #define BASIS_GROUP_CUT 0.001
 
-/* Returns the cut of groups' columns:
+/* Returns the cut of groups' columns, of which each block takes its cut_share:
  *     max(column_cut, min(column_cut * sqrt(N / K), BASIS_GROUP_CUT))
  * The errors of columns left out add up like the root of their number, and there are K groups
  * instead of N lights. */

@@ -6,6 +6,9 @@
  * list of its columns, sorted by falling reach. A frame reads each list until the columns are below
  * the cut, and sorts the chosen columns by block. The time is proportional to the number of lights
  * and of columns that count.
+ *
+ * Here, reach is divided by the cut_share of the block, so all columns of a light have one limit:
+ * those with strength * reach < 1 are left out.
  */
 #ifndef INLAY_HAL_COMPOSITOR_COLUMN_CHOICE_H
 #define INLAY_HAL_COMPOSITOR_COLUMN_CHOICE_H

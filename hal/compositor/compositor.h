@@ -35,7 +35,7 @@
 #define COMPOSITOR_GAIN_MAX 64.0
 
 enum compositor_mode {
-	COMPOSITOR_FAST,  /* the shown layer; columns below the basis's column_cut are left out */
+	COMPOSITOR_FAST,  /* the shown layer; columns below the cut of their block are left out */
 	COMPOSITOR_EXACT, /* the exact layer, which must have been opened: every column */
 	COMPOSITOR_MODE_COUNT
 };

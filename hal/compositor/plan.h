@@ -34,7 +34,7 @@ struct block_plan {
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
 	bool follows;	  /* groups of lights span it and the block before */
 	bool grouped;	  /* it, or a block that groups of lights span with it, has their columns */
-	float reach;	  /* reach of a column = column_scale * this; tint included */
+	float reach;	  /* reach of a column / cut_share = column_scale * this; tint included */
 	/* T and V blocks whose columns may be left out: what chooses among the columns, and the
 	 * block's number there (column_choice.h). NULL: all columns count whose light is not 0. */
 	const struct column_choice *choice;

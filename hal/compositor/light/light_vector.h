@@ -37,7 +37,7 @@ struct light_sent {
 	/*
 	 * strength = max over channels of (change by a column of value 1) / cut, where the cut is
 	 * column_cut, or basis_group_cut() for a group. A column is left out where
-	 * strength * reach < 1. Very large if the cut is 0; 0 without light.
+	 * strength * reach < cut_share. Very large if the cut is 0; 0 without light.
 	 */
 	double strength;
 };
