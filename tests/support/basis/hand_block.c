@@ -38,7 +38,8 @@ struct basis_block_payload hand_block_of_object(uint32_t tile, int pixels, const
 					  .channels = 3,
 					  .bits = 16,
 					  .pixels = (uint16_t)pixels,
-					  .columns = (uint32_t)lights};
+					  .columns = (uint32_t)lights,
+					  .cut_share = 1};
 	const struct basis_layout at = basis_layout(&entry, lights);
 	uint8_t *payload = calloc(1, at.bytes);
 	int16_t *column;

@@ -101,6 +101,7 @@ struct basis_block synthetic_view(const struct synthetic_block *b)
 		.coefficient = (const int16_t *)(b->payload + b->at.coefficient),
 		.light = (const uint16_t *)(b->payload + b->at.light),
 		.column_scale = (const float *)(b->payload + b->at.column_scale),
+		.cut_share = b->entry.cut_share,
 		.column16 = b->entry.bits == 16 ? (const int16_t *)(b->payload + b->at.column)
 						: NULL,
 		.record_at = b->entry.bits == 8 ? (const uint32_t *)(b->payload + b->at.column)
@@ -110,13 +111,17 @@ struct basis_block synthetic_view(const struct synthetic_block *b)
 	};
 }
 
-/* Patterns, columns, bits, channels and tint of the next block. */
+/* Patterns, columns, bits, channels, tint and share of the cut of the next block. */
 static struct basis_block_entry synthetic_shape(struct synthetic_maker *m)
 {
+	static const float shares[] = {1, 0.5F, 0.125F, 0.7F, 1.0F / 4096};
 	const struct synthetic_options *o = m->options;
 	int patterns = o->patterns, columns = o->columns < 0 ? o->lights : o->columns;
 	bool grey = o->grey, tinted = o->tinted, bytes = o->bits == 8;
+	float share = shares[m->shapes++ % (int)(sizeof(shares) / sizeof(*shares))];
 
+	if (o->cut_share > 0)
+		share = (float)o->cut_share;
 	if (o->vary) {
 		patterns = chance_int(&m->chance, 0, patterns);
 		columns = chance_int(&m->chance, 0, columns);
@@ -132,6 +137,7 @@ static struct basis_block_entry synthetic_shape(struct synthetic_maker *m)
 		.tinted = grey && tinted,
 		.patterns = (uint16_t)patterns,
 		.columns = (uint32_t)columns,
+		.cut_share = share,
 	};
 }
 
@@ -356,7 +362,8 @@ struct synthetic_block synthetic_exact(const struct synthetic_maker *m, uint32_t
 	const int n = m->options->lights;
 	struct synthetic_block b = synthetic_begin(
 		m, tile, group,
-		(struct basis_block_entry){.channels = 3, .bits = 16, .columns = (uint32_t)n});
+		(struct basis_block_entry){
+			.channels = 3, .bits = 16, .columns = (uint32_t)n, .cut_share = 1});
 	uint16_t *light = (uint16_t *)(b.payload + b.at.light);
 	float *scale = (float *)(b.payload + b.at.column_scale);
 	int16_t *column = (int16_t *)(b.payload + b.at.column);

@@ -35,6 +35,7 @@ struct synthetic_options {
 	double peak;	       /* largest object radiance of a pixel under L_i = 1 */
 	double bounce;	       /* v and d / u lie in -bounce..1 */
 	double column_cut;     /* what the file declares */
+	double cut_share;      /* of each block; 0: blocks take turns with various shares */
 	int groups;	       /* the last columns of T and V are of groups, with any values */
 	uint64_t seed;
 };
@@ -64,6 +65,7 @@ struct synthetic_maker {
 	struct basis_info_chunk info;
 	uint16_t *coverage; /* [height][width] */
 	float (*peak)[3];   /* [lights + 1]: the last is under all lights */
+	int shapes;	    /* how many blocks have been shaped */
 	struct chance chance;
 };
 

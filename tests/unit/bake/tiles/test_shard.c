@@ -206,6 +206,9 @@ static void refuses_wrong_numbers(void **state)
 	REFUSED(s->entry->kind = 9);
 	REFUSED(s->entry->tinted = 1);
 	REFUSED(s->entry->ground = 7);
+	REFUSED(s->entry->cut_share = 0);
+	REFUSED(s->entry->cut_share = 2);
+	REFUSED(s->entry->reserved = 1);
 	REFUSED(s->entry->bytes += 64);
 	REFUSED((s->entry[0].bytes -= 64, s->entry[1].bytes += 64));
 	REFUSED(last->columns -= 1);

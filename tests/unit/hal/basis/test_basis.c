@@ -42,7 +42,8 @@ static struct basis_block_payload shown_block(uint8_t *payload, uint32_t tile)
 						      .pixels = 2,
 						      .patterns = 1,
 						      .columns = 2,
-						      .record_bytes = 36 + 68},
+						      .record_bytes = 36 + 68,
+						      .cut_share = 0.375F},
 					    .payload = payload};
 	const struct basis_layout at = basis_layout(&block.entry, 2);
 
@@ -74,7 +75,8 @@ static struct basis_block_payload exact_block(uint8_t *payload, uint32_t tile)
 						      .channels = 3,
 						      .bits = 16,
 						      .pixels = 1,
-						      .columns = LIGHTS},
+						      .columns = LIGHTS,
+						      .cut_share = 1},
 					    .payload = payload};
 	const struct basis_layout at = basis_layout(&block.entry, 2);
 
@@ -144,6 +146,7 @@ static void check_shown(const struct basis_layer *layer, int blocks)
 	assert_ptr_equal(layer->tiles[1].blocks, b);
 	assert_int_equal(layer->tiles[1].bytes, b->bytes);
 	assert_true(b->kind == BASIS_KIND_T && b->pixels == 2 && b->channels == 1 && b->bits == 8);
+	assert_true(b->cut_share == 0.375F);
 	assert_true(b->patterns == 1 && b->columns == 2 && b->stride == 32 && b->ground == 0);
 	assert_int_equal(b->pixel[1], 2 * BASIS_TILE);
 	assert_int_equal(b->tint[5], 12345);
@@ -534,9 +537,11 @@ static void names_what_is_not_a_basis(void **state)
 	write_file(path, "GIF89a and more", 15);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "not a basis file"));
-	write_file(path, BASIS_MAGIC "\1\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
+	write_file(path, BASIS_MAGIC "\11\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -ENOTSUP);
-	assert_non_null(strstr(fault.text, "version 1, expected version 9"));
+	assert_non_null(strstr(fault.text, "bad.inlay: basis file of version 9, expected version "
+					   "10: bake it again"));
+	assert_null(strchr(fault.text, '\n'));
 	basis_close(&basis); /* after a failure, closing does no harm */
 	unlink(path);
 }

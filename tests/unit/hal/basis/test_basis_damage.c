@@ -335,6 +335,15 @@ static void refuses_broken_entries(void **state)
 	REFUSED("0 bytes of records for", t.entry->record_bytes = 0);
 	REFUSED("bytes, expected", t.entry->bytes -= 64);
 	REFUSED("bytes, expected", t.entry->columns += 32);
+	REFUSED("a share 0 of the cut", t.entry->cut_share = 0);
+	REFUSED("a share -0.5 of the cut", t.entry->cut_share = -0.5F);
+	REFUSED("nan of the cut", t.entry->cut_share = NAN);
+	REFUSED("a share inf of the cut", v.entry->cut_share = INFINITY);
+	REFUSED("a share 1.5 of the cut, expected above 0, at most 1", t.entry->cut_share = 1.5F);
+	REFUSED("of the cut", t.entry->cut_share = 0x1.000002p0F);
+	REFUSED("exact block 0: a share 0 of the cut", x.entry->cut_share = 0);
+	REFUSED("1 in reserved bytes, expected 0", t.entry->reserved = 1);
+	REFUSED("exact block 0: 7 in reserved bytes", x.entry->reserved = 7);
 	REFUSED("lies at byte", t.entry->offset = UINT64_MAX - 63);
 	REFUSED("lies at byte", v.entry->offset = 0);
 	REFUSED("lies at byte", v.entry->offset += 32);

@@ -469,8 +469,11 @@ static void write_bomb(const struct synthetic *s, const struct bomb *b)
 					      .lights = b->lights,
 					      .coarse = b->lights,
 					      .poses = b->poses};
-	struct basis_block_payload block = {
-		.entry = {.channels = 3, .bits = 16, .pixels = 256, .columns = b->lights}};
+	struct basis_block_payload block = {.entry = {.channels = 3,
+						      .bits = 16,
+						      .pixels = 256,
+						      .columns = b->lights,
+						      .cut_share = 1}};
 	uint8_t *payload;
 	struct basis_light *light = synthetic_zeros(b->lights, sizeof(*light));
 	float(*peak)[3] = synthetic_zeros(b->lights + 1, sizeof(*peak));

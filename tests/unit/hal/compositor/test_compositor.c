@@ -199,6 +199,7 @@ static void one_add(struct one *o, enum basis_kind kind, double first, double se
 				  .light = o->lists,
 				  .pattern_scale = o->scale[n],
 				  .column_scale = o->scale[n],
+				  .cut_share = 1,
 				  .pattern = o->pattern[n],
 				  .coefficient = o->line[n],
 				  .column16 = o->line[n]};
