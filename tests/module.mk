@@ -110,6 +110,7 @@ UNIT_TESTS := \
 	tests/unit/hal/colour/test_code_rows.c \
 	tests/unit/hal/colour/test_transfer.c \
 	tests/unit/hal/compositor/test_compositor.c \
+	tests/unit/hal/compositor/test_compositor_cut.c \
 	tests/unit/hal/compositor/test_compositor_glass.c \
 	tests/unit/hal/compositor/test_compositor_lines.c \
 	tests/unit/hal/compositor/test_compositor_parts.c \
