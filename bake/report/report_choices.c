@@ -319,8 +319,8 @@ int report_column_cut(struct report *r)
 	report_heading(r->page.body, "What does leaving out small columns bring?");
 	report_paragraph(
 		r->page.body,
-		"A column of a single light that changes no pixel by more than the cut, as "
-		"linear light or in the shadow's ratio, is left out of that frame.");
+		"A column of a single light that changes no pixel by more than its block's share "
+		"of the cut, as linear light or in the shadow's ratio, is left out of that frame.");
 	if (err)
 		report_plot_free(&plot);
 	else
