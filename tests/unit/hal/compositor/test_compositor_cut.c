@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,6 +116,27 @@ static void a_column_counts_from_its_share_of_the_cut(void **state)
 					     (double)shares[k], gain);
 			}
 		}
+	}
+	unlink(path);
+	rmdir(folder);
+}
+
+/* A share so small that dividing by it overflows: every column whose light changes anything counts,
+ * no other. */
+static void the_smallest_share_leaves_out_nothing(void **state)
+{
+	char folder[] = "/tmp/test_compositor_cut_XXXXXX", path[80];
+	int columns;
+
+	(void)state;
+	assert_non_null(mkdtemp(folder));
+	snprintf(path, sizeof(path), "%s/one.inlay", folder);
+	write_pixel(path, FLT_TRUE_MIN);
+	assert_int_equal(green_of(path, 0, 1, &columns), 0);
+	assert_int_equal(columns, 0);
+	for (double change = 1; change > 1e-4; change /= 3) {
+		assert_int_equal(green_of(path, change / VALUE, 1, &columns), lrint(255 * change));
+		assert_int_equal(columns, 1);
 	}
 	unlink(path);
 	rmdir(folder);
@@ -273,6 +295,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_column_counts_from_its_share_of_the_cut),
+		cmocka_unit_test(the_smallest_share_leaves_out_nothing),
 		cmocka_unit_test(shares_decide_which_columns_are_read),
 	};
 
