@@ -41,24 +41,23 @@ static int measure_reserve(struct measure *m, int count)
 
 static void measure_clear(struct measure *m)
 {
-	for (int at = 0; at < PART_PIXELS; at++)
-		for (int c = 0; c < 3; c++) {
-			struct measure_pixel *q = &m->pixel[at];
+	struct measure_picture *q = &m->picture;
 
-			q->object_is[c] = q->object_got[c] = q->back[c] = 0;
-			q->ratio_is[c] = q->ratio_got[c] = 1;
-		}
+	memset(q, 0, sizeof(*q));
+	for (int c = 0; c < 3; c++)
+		for (int k = 0; k < m->places; k++)
+			q->ratio_is[c][m->place[k]] = q->ratio_got[c][m->place[k]] = 1;
 }
 
-static void measure_object(struct measure *m, const struct part *part,
-			   const struct measure_sums *sums, double factor)
+static void place_object(struct measure *m, const struct part *part,
+			 const struct measure_sums *sums, double factor)
 {
-	for (int p = 0; p < part->pixels; p++)
-		for (int c = 0; c < 3; c++) {
-			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+	struct measure_picture *q = &m->picture;
 
-			q->object_is[c] = factor * sums->is[c][p];
-			q->object_got[c] = factor * sums->got[c][p];
+	for (int c = 0; c < 3; c++)
+		for (int p = 0; p < part->pixels; p++) {
+			q->object_is[c][part->pixel[p]] = factor * sums->is[c][p];
+			q->object_got[c][part->pixel[p]] = factor * sums->got[c][p];
 		}
 }
 
@@ -66,59 +65,60 @@ static void measure_object(struct measure *m, const struct part *part,
 static void place_shadow(struct measure *m, const struct part *part,
 			 const struct measure_sums *sums, const double back[3])
 {
-	for (int p = 0; p < part->pixels; p++)
-		for (int c = 0; c < 3; c++) {
-			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+	struct measure_picture *q = &m->picture;
 
-			q->ratio_is[c] = 1 - sums->is[c][p];
-			q->ratio_got[c] = 1 - sums->got[c][p];
-			q->back[c] = back[c];
+	for (int c = 0; c < 3; c++)
+		for (int p = 0; p < part->pixels; p++) {
+			q->ratio_is[c][part->pixel[p]] = 1 - sums->is[c][p];
+			q->ratio_got[c][part->pixel[p]] = 1 - sums->got[c][p];
+			q->back[c][part->pixel[p]] = back[c];
 		}
 }
 
 static void place_pair(struct measure *m, const struct part *part, const struct measure_sums *d,
 		       const struct measure_sums *u, double factor)
 {
-	for (int p = 0; p < part->pixels; p++)
-		for (int c = 0; c < 3; c++) {
-			struct measure_pixel *q = &m->pixel[part->pixel[p]];
+	struct measure_picture *q = &m->picture;
+
+	for (int c = 0; c < 3; c++)
+		for (int p = 0; p < part->pixels; p++) {
+			const int at = part->pixel[p];
 
 			if (u->is[c][p] > 0)
-				q->ratio_is[c] = 1 - d->is[c][p] / u->is[c][p];
+				q->ratio_is[c][at] = 1 - d->is[c][p] / u->is[c][p];
 			if (u->got[c][p] > 0)
-				q->ratio_got[c] = 1 - d->got[c][p] / u->got[c][p];
-			q->back[c] = factor * fmax(u->is[c][p], 0);
+				q->ratio_got[c][at] = 1 - d->got[c][p] / u->got[c][p];
+			q->back[c][at] = u->is[c][p] > 0 ? factor * u->is[c][p] : 0;
 		}
 }
 
-static double level_seen(const struct measure *m, double object, double ratio, double back)
+static inline float level_seen(const struct levels *levels, double object, double ratio,
+			       double back)
 {
-	const double shown = object + fmin(fmax(ratio, 0), RATIO_MAX) * back;
+	const double shown = ratio < 0 ? 0 : ratio > RATIO_MAX ? RATIO_MAX : ratio;
 
-	return (double)levels_at(m->levels, (float)shown);
+	return levels_at(levels, (float)(object + shown * back));
 }
 
 /* Sum of squared differences over the listed places; *most grows. */
-static double measure_compare(struct measure *m, const bool *listed, const uint16_t *coverage,
-			      double *most)
+static double measure_compare(const struct measure *m, double *most)
 {
+	const struct measure_picture *q = &m->picture;
 	double square = 0;
 
-	for (int at = 0; at < PART_PIXELS; at++) {
-		const double open = 1 - coverage[at] / 65535.0;
-		double worst = 0;
-
-		for (int c = 0; c < 3 && listed[at]; c++) {
-			const struct measure_pixel *q = &m->pixel[at];
-			const double back = q->back[c] * open;
-			const double by = level_seen(m, q->object_got[c], q->ratio_got[c], back) -
-					  level_seen(m, q->object_is[c], q->ratio_is[c], back);
+	for (int c = 0; c < 3; c++)
+		for (int k = 0; k < m->places; k++) {
+			const int at = m->place[k];
+			const double back = q->back[c][at] * m->open[k];
+			const double is = (double)level_seen(m->levels, q->object_is[c][at],
+							     q->ratio_is[c][at], back);
+			const double got = (double)level_seen(m->levels, q->object_got[c][at],
+							      q->ratio_got[c][at], back);
+			const double by = got > is ? got - is : is - got;
 
 			square += by * by;
-			worst = fmax(worst, fabs(by));
+			*most = by > *most ? by : *most;
 		}
-		*most = fmax(*most, worst);
-	}
 	return square;
 }
 
@@ -171,8 +171,7 @@ static void sum_cell(struct measure *m, const struct part *part, const struct bl
 }
 
 static double sky_error(struct measure *m, const struct part *parts,
-			const struct block_reader *readers, int count, int sky, const bool *listed,
-			const uint16_t *coverage, double *most)
+			const struct block_reader *readers, int count, int sky, double *most)
 {
 	double white = 0;
 
@@ -188,18 +187,17 @@ static double sky_error(struct measure *m, const struct part *parts,
 		for (int c = 0; c < 3; c++)
 			back[c] = factor * (double)parts[k].sky_offset[sky][c];
 		if (parts[k].kind == BASIS_KIND_T)
-			measure_object(m, &parts[k], &m->sums[k], factor);
+			place_object(m, &parts[k], &m->sums[k], factor);
 		else if (parts[k].kind == BASIS_KIND_V)
 			place_shadow(m, &parts[k], &m->sums[k], back);
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
 	}
-	return measure_compare(m, listed, coverage, most);
+	return measure_compare(m, most);
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
-			 const struct block_reader *readers, int count, int light,
-			 const bool *listed, const uint16_t *coverage, double *most)
+			 const struct block_reader *readers, int count, int light, double *most)
 {
 	double white = 0;
 
@@ -215,25 +213,24 @@ static double cell_error(struct measure *m, const struct part *parts,
 			back[c] = (double)(parts[k].cell_offset[c] * parts[k].cell_white[light]) /
 				  white;
 		if (parts[k].kind == BASIS_KIND_T)
-			measure_object(m, &parts[k], &m->sums[k], 1 / white);
+			place_object(m, &parts[k], &m->sums[k], 1 / white);
 		else if (parts[k].kind == BASIS_KIND_V)
 			place_shadow(m, &parts[k], &m->sums[k], back);
 		else if (parts[k].kind == BASIS_KIND_U && k)
 			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
 	}
-	return measure_compare(m, listed, coverage, most);
+	return measure_compare(m, most);
 }
 
 static void measure_skies(struct measure *m, const struct part *parts,
-			  const struct block_reader *readers, int count, const bool *listed,
-			  const uint16_t *coverage, const int *number, struct ensemble_error *error)
+			  const struct block_reader *readers, int count, const int *number,
+			  struct ensemble_error *error)
 {
 	const struct encode_target *target = &m->settings->target;
 
 	for (int s = 0; s < m->settings->ensemble->skies; s++) {
 		double most = 0;
-		const double square = sky_error(m, parts, readers, count, s, listed, coverage,
-						&most);
+		const double square = sky_error(m, parts, readers, count, s, &most);
 
 		error->sky_square[number[s]] = square;
 		error->sky_max = fmax(error->sky_max, most);
@@ -248,7 +245,6 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 		 struct ensemble_error *error)
 {
 	bool listed[PART_PIXELS] = {false};
-	int pixels = 0;
 	int err = measure_reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
@@ -259,16 +255,19 @@ int measure_tile(struct measure *m, const struct part *parts, const struct block
 		for (int p = 0; p < parts[k].pixels; p++)
 			listed[parts[k].pixel[p]] = true;
 	}
+	m->places = 0;
 	for (int at = 0; at < PART_PIXELS; at++)
-		pixels += listed[at];
-	error->sky_count = 3.0 * pixels;
-	error->cell_count = 3.0 * pixels * m->settings->lights;
-	measure_skies(m, parts, readers, count, listed, coverage, number, error);
+		if (listed[at]) {
+			m->open[m->places] = 1 - coverage[at] / 65535.0;
+			m->place[m->places++] = at;
+		}
+	error->sky_count = 3.0 * m->places;
+	error->cell_count = 3.0 * m->places * m->settings->lights;
+	measure_skies(m, parts, readers, count, number, error);
 	for (int i = 0; i < m->settings->lights; i++) {
 		double most = 0;
 
-		error->cell_square += cell_error(m, parts, readers, count, i, listed, coverage,
-						 &most);
+		error->cell_square += cell_error(m, parts, readers, count, i, &most);
 		error->cell_max = fmax(error->cell_max, most);
 		m->cell_most[i] = (float)((most + DIFFERENCE_ERROR) / m->settings->target.cell);
 	}

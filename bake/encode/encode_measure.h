@@ -13,11 +13,12 @@ struct measure_sums {
 	double is[3][PART_PIXELS], got[3][PART_PIXELS];
 };
 
-/* The tile as a picture under one lighting: places are y * BASIS_TILE + x. */
-struct measure_pixel {
-	double object_is[3], object_got[3];
-	double ratio_is[3], ratio_got[3];
-	double back[3]; /* light of the ground, whether covered or not; 0 without a ground */
+/* The tile as a picture under one lighting, by the transport and by the blocks: places are
+ * y * BASIS_TILE + x. */
+struct measure_picture {
+	double object_is[3][PART_PIXELS], object_got[3][PART_PIXELS];
+	double ratio_is[3][PART_PIXELS], ratio_got[3][PART_PIXELS];
+	double back[3][PART_PIXELS]; /* light of the ground, covered or not; 0 without a ground */
 };
 
 struct measure {
@@ -29,7 +30,11 @@ struct measure {
 	float *cell_most; /* [lights]: largest error of any pixel, as a multiple of that asked for */
 	/* RMS and largest error of each sky, by its place, as multiples of those asked for. */
 	double sky_rms[ENSEMBLE_SKIES_MAX], sky_most[ENSEMBLE_SKIES_MAX];
-	struct measure_pixel pixel[PART_PIXELS];
+	struct measure_picture picture;
+	/* The places that any part lists, and how much of each the object leaves uncovered. */
+	int places;
+	int place[PART_PIXELS];
+	double open[PART_PIXELS]; /* [places] */
 };
 
 void measure_free(struct measure *measure); /* zeroed is fine */
