@@ -9,6 +9,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}
 out=$BUILD/tests/vm
+tools=$out/tools
 data=${INLAY_SHARED_DATA:-../shared/data}
 
 # bake NAME: $out/NAME/NAME.inlay, when it is not newer than what it is made from.
@@ -41,7 +42,7 @@ if [ "${1:-}" != --quick ] && [ -r "$data/mesh/spot.obj" ]; then
 	bake spot
 	panorama=("source=panorama" "file=$(realpath "$data/hdri/st_fagans_interior_1k.hdr")"
 		"exposure=0.6" format=BGRX width=640 height=480 clock=frames)
-	"$out/capture" sim 1 "$out/spot/fisheye.png" "${panorama[@]}" view=fisheye >/dev/null
-	"$out/capture" sim 1 "$out/spot/background.png" "${panorama[@]}" view=perspective \
+	"$tools/capture" sim 1 "$out/spot/fisheye.png" "${panorama[@]}" view=fisheye >/dev/null
+	"$tools/capture" sim 1 "$out/spot/background.png" "${panorama[@]}" view=perspective \
 		"eye=0.9 -1.5 0.8" "target=0 0 0.2" angle=66.0338 >/dev/null
 fi
