@@ -44,10 +44,12 @@ trap stop EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
+# Whole, because a configuration elsewhere names files in it, too.
+[ -z "${BUILD:-}" ] || BUILD=$(cd "$source_dir" && realpath -ms "$BUILD")
+
 # What the guest's first script needs to know, quoted by bash for bash.
 {
 	echo "export VM_KERNEL=$(printf %q "$kernel")"
-	echo "export VM_SOURCE=$(printf %q "$source_dir")"
 	echo "export VM_JOB_OUTSIDE=$(printf %q "$job")"
 	echo "export VM_WINDOW=$scratch/window"
 	for name in BUILD INLAY INLAY_BAKE INLAY_SHARED_DATA; do

@@ -2,8 +2,8 @@
 # shellcheck shell=bash
 # Sourced by the tests: brings simulated devices and takes them away again.
 
+# shellcheck disable=SC2034 # the tests use it
 tools=$BUILD/tests/vm/tools
-case $tools in /*) ;; *) tools=$VM_SOURCE/$tools ;; esac
 
 load() { # module, parameters
 	modprobe -d "$VM_KERNEL/modules" "$@"
