@@ -94,6 +94,7 @@ BAKE_SOURCES := \
 	bake/trace/cache.c \
 	bake/trace/cache_make.c \
 	bake/trace/cells.c \
+	bake/trace/inside.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \
 	bake/truth/sky.c \

@@ -69,12 +69,19 @@ int transport_create(struct transport *t, const struct world *world, const struc
 	while (t->directions < cells->count / 8 && t->directions < DIRECTIONS_MAX)
 		t->directions *= 2;
 	err = ray_batch_create(&t->rays);
-	if (err)
+	if (!err)
+		err = ray_batch_create(&t->unsure);
+	if (err) {
+		transport_free(t);
 		return err;
+	}
+	t->unsure_at = malloc(WORLD_RAYS_MAX * sizeof(*t->unsure_at));
+	t->ball = calloc((size_t)cells->count, sizeof(*t->ball));
+	t->stopped = calloc((size_t)cells->count, sizeof(*t->stopped));
 	t->cell = malloc(WORLD_RAYS_MAX * sizeof(*t->cell));
 	t->value = malloc((size_t)cells->count * sizeof(*t->value));
 	t->fan = malloc((size_t)TRANSPORT_FANS * (size_t)t->directions * sizeof(*t->fan));
-	if (!t->cell || !t->value || !t->fan) {
+	if (!t->unsure_at || !t->ball || !t->stopped || !t->cell || !t->value || !t->fan) {
 		transport_free(t);
 		return -ENOMEM;
 	}
@@ -85,6 +92,10 @@ int transport_create(struct transport *t, const struct world *world, const struc
 void transport_free(struct transport *t)
 {
 	ray_batch_free(&t->rays);
+	ray_batch_free(&t->unsure);
+	free(t->unsure_at);
+	free(t->ball);
+	free(t->stopped);
 	free(t->cell);
 	free(t->value);
 	free(t->fan);
@@ -142,6 +153,56 @@ static void trace_rays(struct transport *t, enum presence presence, struct v3 or
 {
 	world_occluded(t->world, presence, origin, &t->rays);
 	t->ray_count += (uint64_t)t->rays.count;
+}
+
+/* Finds rays to cells that meet a ball inside an object, and collects the others. It tries the ball
+ * that an earlier ray to the same cell met and, if the last of these was blocked otherwise, all. */
+static void pass_balls(struct transport *t, const struct inside *inside, struct v3 origin)
+{
+	struct ray_batch *rest = &t->unsure;
+	struct inside_view view;
+
+	inside_see(inside, origin, &view);
+	rest->count = 0;
+	for (int k = 0; k < t->rays.count; k++) {
+		const struct v3 d = pushed_ray(t, k);
+		const int cell = t->cell[k];
+		bool stopped = inside_meets(&view, t->ball[cell], d);
+
+		if (!stopped && t->stopped[cell]) {
+			const int ball = inside_find(&view, d);
+
+			stopped = ball >= 0;
+			if (stopped)
+				t->ball[cell] = (uint8_t)ball;
+		}
+		t->rays.blocked[k] = stopped;
+		rest->x[rest->count] = d.x;
+		rest->y[rest->count] = d.y;
+		rest->z[rest->count] = d.z;
+		t->unsure_at[rest->count] = k;
+		rest->count += !stopped;
+	}
+}
+
+/* Traces a batch of rays to cells. The ray tracer gets only those that no ball blocks. */
+static void trace_cells(struct transport *t, enum presence presence, struct v3 origin)
+{
+	const struct inside *inside = world_inside(t->world);
+
+	if (presence != WITH_OBJECTS || !inside->count) {
+		trace_rays(t, presence, origin);
+		return;
+	}
+	t->ray_count += (uint64_t)t->rays.count;
+	pass_balls(t, inside, origin);
+	world_occluded(t->world, presence, origin, &t->unsure);
+	for (int n = 0; n < t->unsure.count; n++) {
+		const int k = t->unsure_at[n];
+
+		t->rays.blocked[k] = t->unsure.blocked[n];
+		t->stopped[t->cell[k]] = t->unsure.blocked[n];
+	}
 }
 
 /*
@@ -369,7 +430,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	struct onward onward;
 
 	aim_at_cells(t, s, cos_o, &cone, depth);
-	trace_rays(t, presence, surface_leave(s, s->geometric));
+	trace_cells(t, presence, surface_leave(s, s->geometric));
 	if (below > 0) {
 		const float u = depth ? random_next(&t->random) : (float)t->below[0];
 		const float v = depth ? random_next(&t->random) : (float)t->below[1];
@@ -653,7 +714,7 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	for (int k = 0; k < cells->count; k++)
 		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
 			push_ray(t, row[k], cells->order[k]);
-	trace_rays(t, WITH_OBJECTS, position);
+	trace_cells(t, WITH_OBJECTS, position);
 	for (int k = 0; k < t->rays.count; k++) {
 		const int cell = t->cell[k];
 

@@ -16,6 +16,7 @@
 #define OFFSET_SCALE 4e-6f
 
 struct instance {
+	const struct mesh *mesh;
 	const struct mesh_part *part;
 	const struct material *material;
 	enum surface_kind kind;
@@ -27,8 +28,10 @@ struct world {
 	struct bounds bounds[PRESENCE_COUNT];
 	struct instance *instances; /* by geometry number, the same in both scenes */
 	unsigned instance_count;
-	float size; /* largest coordinate of any mesh */
+	struct inside inside; /* the objects */
+	float size;	      /* largest coordinate of any mesh */
 	bool ground, standins;
+	int objects; /* meshes */
 	struct rgb albedo;
 	float extent2; /* squared radius of the ground, or infinity */
 };
@@ -145,6 +148,7 @@ int world_add(struct world *world, const struct mesh *mesh, const struct materia
 		struct instance *instance = &world->instances[world->instance_count];
 		int err;
 
+		instance->mesh = mesh;
 		instance->part = part;
 		instance->kind = kind;
 		instance->material = material;
@@ -157,6 +161,7 @@ int world_add(struct world *world, const struct mesh *mesh, const struct materia
 			return err;
 	}
 	world->standins |= kind == SURFACE_STANDIN;
+	world->objects += kind == SURFACE_OBJECT;
 	return 0;
 }
 
@@ -182,6 +187,43 @@ static struct bounds bounds_of(RTCScene scene)
 	return b;
 }
 
+/* most: length of the ray */
+static void aim_ray(struct RTCRayHit *r, struct v3 origin, struct v3 direction, float most)
+{
+	memset(r, 0, sizeof(*r));
+	r->ray.org_x = origin.x;
+	r->ray.org_y = origin.y;
+	r->ray.org_z = origin.z;
+	r->ray.dir_x = direction.x;
+	r->ray.dir_y = direction.y;
+	r->ray.dir_z = direction.z;
+	r->ray.tfar = most;
+	r->ray.mask = ~0u;
+	r->hit.geomID = RTC_INVALID_GEOMETRY_ID;
+	r->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static bool world_chord(const void *context, struct v3 from, struct v3 direction, float *length)
+{
+	struct RTCRayHit r;
+
+	aim_ray(&r, from, direction, INFINITY);
+	embree_intersect(((const struct world *)context)->scene[WITH_OBJECTS], &r);
+	*length = r.ray.tfar;
+	return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+static void world_fill_inside(struct world *world)
+{
+	for (unsigned k = 0; k < world->instance_count; k++) {
+		const struct instance *i = &world->instances[k];
+
+		if (i->kind == SURFACE_OBJECT && i->part == i->mesh->parts)
+			inside_add(&world->inside, i->mesh->parts, i->mesh->part_count,
+				   INSIDE_MAX / world->objects, world_chord, world);
+	}
+}
+
 int world_commit(struct world *world, struct fault *fault)
 {
 	enum RTCError err;
@@ -195,6 +237,7 @@ int world_commit(struct world *world, struct fault *fault)
 	if (err != RTC_ERROR_NONE)
 		return fault_say(fault, err == RTC_ERROR_OUT_OF_MEMORY ? -ENOMEM : -EIO,
 				 "the ray tracer cannot build the scene (error %d)", (int)err);
+	world_fill_inside(world);
 	return 0;
 }
 
@@ -211,6 +254,11 @@ bool world_has_standins(const struct world *world)
 struct rgb world_ground_albedo(const struct world *world)
 {
 	return world->albedo;
+}
+
+const struct inside *world_inside(const struct world *world)
+{
+	return &world->inside;
 }
 
 struct bounds world_bounds(const struct world *world, enum presence presence)
@@ -292,17 +340,7 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	struct RTCRayHit r;
 	const float ground = ground_distance(world, origin, direction);
 
-	memset(&r, 0, sizeof(r));
-	r.ray.org_x = origin.x;
-	r.ray.org_y = origin.y;
-	r.ray.org_z = origin.z;
-	r.ray.dir_x = direction.x;
-	r.ray.dir_y = direction.y;
-	r.ray.dir_z = direction.z;
-	r.ray.tfar = ground;
-	r.ray.mask = ~0u;
-	r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-	r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+	aim_ray(&r, origin, direction, ground);
 	embree_intersect(world->scene[presence], &r);
 	if (r.hit.geomID != RTC_INVALID_GEOMETRY_ID) {
 		mesh_surface(world, direction, &r, surface);

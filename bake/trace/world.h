@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "bake/mesh/mesh.h"
+#include "bake/trace/inside.h"
 
 enum presence { WITH_OBJECTS, WITHOUT_OBJECTS, PRESENCE_COUNT };
 enum surface_kind { SURFACE_NONE, SURFACE_OBJECT, SURFACE_STANDIN, SURFACE_GROUND };
@@ -60,6 +61,7 @@ int world_commit(struct world *world, struct fault *fault);
 bool world_has_ground(const struct world *world);
 bool world_has_standins(const struct world *world);
 struct rgb world_ground_albedo(const struct world *world);
+const struct inside *world_inside(const struct world *world); /* of the objects */
 struct bounds world_bounds(const struct world *world, enum presence presence);
 
 /* Finds the nearest surface along a ray (unit direction), the ground included. False: none. */
