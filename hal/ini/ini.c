@@ -415,6 +415,16 @@ static void check_mandatory(struct ini_reading *r)
 	}
 }
 
+/* The line that a text's first zero is in. */
+static int zero_line(const char *text)
+{
+	int line = 1;
+
+	while (*text)
+		line += *text++ == '\n';
+	return line;
+}
+
 int ini_read_memory(const char *text, size_t bytes, const char *name, const char *folder,
 		    const struct ini_table *tables, void *root, struct ini_report *report)
 {
@@ -428,6 +438,12 @@ int ini_read_memory(const char *text, size_t bytes, const char *name, const char
 		.end = text + bytes,
 	};
 
+	/* A binary file may begin with what looks like lines, so zeros are looked for first. */
+	if (memchr(text, '\0', bytes)) {
+		ini_complain(&r, zero_line(text), "", NULL,
+			     "holds a control character, expected a text file");
+		return r.err;
+	}
 	if (bytes >= strlen(BYTE_ORDER_MARK) &&
 	    !memcmp(text, BYTE_ORDER_MARK, strlen(BYTE_ORDER_MARK)))
 		r.at += strlen(BYTE_ORDER_MARK);
