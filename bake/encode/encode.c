@@ -364,6 +364,7 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 	profile_enter(PROFILE_LIMITS);
 	if (!samples_pair(samples, count))
 		return -EINVAL;
+	shade_begin(&e->shade);
 	err = encoder_load(e, samples, count);
 	if (err)
 		return err;

@@ -19,6 +19,8 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define FIRST_RANK 4
 /* A second scan tries so many steps of the list to either side. */
 #define NEAR 2
+/* How much more a byte that a frame reads counts than one of the file. */
+#define READ_WEIGHT 2
 /* What a block costs a frame besides its bytes, in bytes: some 150 ns at 10 GB/s. */
 #define BLOCK_COST 1500
 /* Bytes of a column besides its lines. */
@@ -32,6 +34,7 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define MONO_LEAVES 0.9F
 /* The least share of the cut that is tried. */
 #define LEAST_SHARE (1.0 / 4096)
+#define SHARE_STEP 0.7
 /* Change of linear light over which the steepness of levels is taken. */
 #define LIGHT_STEP 0.001F
 /* Values side by side, as compilers do not take a maximum apart. */
@@ -350,7 +353,8 @@ static double estimate_cost(struct choose *s, struct fit *fit, double bound)
 {
 	const double patterns = pattern_bytes(s, fit->part, true, fit->mono_rank) +
 				pattern_bytes(s, fit->part, false, fit->colour_rank);
-	double cost = 2 * patterns + BLOCK_COST * ((fit->mono_rank > 0) + (fit->colour_rank > 0));
+	double cost = (1 + READ_WEIGHT) * patterns +
+		      BLOCK_COST * ((fit->mono_rank > 0) + (fit->colour_rank > 0));
 
 	profile_enter(PROFILE_COLUMNS);
 	s->columns = 0;
@@ -407,11 +411,11 @@ static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mon
 	read = use_columns(s, fit, INFINITY, e.cut_share);
 	e.excess = sky_excess(s, part, asked);
 	while (e.excess > 1 && e.cut_share > LEAST_SHARE && part->column_cut > 0) {
-		read = use_columns(s, fit, e.cut_share, e.cut_share / 2);
-		e.cut_share /= 2;
+		read = use_columns(s, fit, e.cut_share, e.cut_share * SHARE_STEP);
+		e.cut_share *= SHARE_STEP;
 		e.excess = sky_excess(s, part, asked);
 	}
-	e.cost += read;
+	e.cost += READ_WEIGHT * read;
 	return e;
 }
 
@@ -437,7 +441,7 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 		const double bound = best->excess <= 1 ? best->cost : INFINITY;
 		struct estimate e;
 
-		if (2 * pattern_bytes(s, fit->part, mono, ranks[k]) >= bound)
+		if ((1 + READ_WEIGHT) * pattern_bytes(s, fit->part, mono, ranks[k]) >= bound)
 			break;
 		if (ranks[k] != is) {
 			e = estimate_ranks(s, fit, mono ? ranks[k] : from.mono_rank,

@@ -22,15 +22,15 @@ void measure_free(struct measure *m)
 
 static int measure_reserve(struct measure *m, int count)
 {
-	if (count <= m->room)
+	if (count <= m->room && m->cell_most)
 		return 0;
 	free(m->sums);
 	free(m->bound);
 	m->room = 0;
-	m->sums = calloc((size_t)count, sizeof(*m->sums));
+	m->sums = calloc((size_t)count + 1, sizeof(*m->sums));
 	free(m->cell_most);
 	m->cell_most = calloc((size_t)m->settings->lights, sizeof(*m->cell_most));
-	m->bound = calloc((size_t)count, sizeof(*m->bound));
+	m->bound = calloc((size_t)count + 1, sizeof(*m->bound));
 	if (!m->sums || !m->bound || !m->cell_most)
 		return -ENOMEM;
 	m->room = count;

@@ -51,8 +51,7 @@ static int darkest_cell(const struct part *part, int lights)
 	return best;
 }
 
-/* As they were before a tile tried some of those that are watched. */
-static void begin_anew(struct shade *shade)
+void shade_begin(struct shade *shade)
 {
 	const struct ensemble *const common = shade->common;
 	const size_t sky = 3 * (size_t)common->lights, tried = (size_t)common->tried;
@@ -61,6 +60,7 @@ static void begin_anew(struct shade *shade)
 	memcpy(to, common->radiance, tried * sky * sizeof(*to));
 	memcpy(to + (tried + OWN) * sky, common->radiance + tried * sky,
 	       ((size_t)common->skies - tried) * sky * sizeof(*to));
+	memset(to + tried * sky, 0, OWN * sky * sizeof(*to));
 	shade->skies.tried = common->tried + OWN;
 	for (int s = 0; s < shade->skies.skies; s++)
 		shade->number[s] = s;
@@ -73,7 +73,6 @@ void shade_set(struct shade *shade, const struct encode_settings *settings,
 	float *to = shade->skies.radiance + (size_t)shade->common->tried * sky;
 	int object = -1, shadow = -1;
 
-	begin_anew(shade);
 	for (int k = 0; k < count; k++)
 		if (parts[k].kind == BASIS_KIND_T)
 			object = darkest_cell(&parts[k], settings->lights);

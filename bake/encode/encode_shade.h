@@ -22,6 +22,10 @@ struct shade {
 int shade_create(struct shade *shade, const struct encode_settings *settings);
 void shade_free(struct shade *shade); /* zeroed is fine */
 
+/* Begins a tile: its own suns are dark, and those of the settings' skies are tried that were at
+ * first. */
+void shade_begin(struct shade *shade);
+
 /* Sets the tile's own suns from its parts, which must be loaded and not yet exposed. */
 void shade_set(struct shade *shade, const struct encode_settings *settings,
 	       const struct part *parts, int count);

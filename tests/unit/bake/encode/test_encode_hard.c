@@ -9,7 +9,9 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <math.h>
+#include <stdlib.h>
 
+#include "bake/encode/encode_shade.h"
 #include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
@@ -118,6 +120,38 @@ static void over_mirrors(void **state)
 	encode_rig_end(&e);
 }
 
+/* A tile's blocks do not depend on the tile before it, of which the encoder keeps nothing. */
+static void each_tile_begins_anew(void **state)
+{
+	struct encode_rig e = encode_rig_dome(3, 2);
+	const int n = e.settings.lights;
+	struct part part = {
+		.kind = BASIS_KIND_T, .rows = 1, .value = calloc((size_t)n, sizeof(float))};
+	struct shade fresh, used;
+	size_t bytes;
+
+	(void)state;
+	assert_non_null(part.value);
+	e.settings.ensemble = &e.ensemble;
+	assert_int_equal(shade_create(&fresh, &e.settings), 0);
+	assert_int_equal(shade_create(&used, &e.settings), 0);
+	shade_begin(&fresh);
+	shade_begin(&used);
+	part.value[1] = -1;
+	shade_set(&used, &e.settings, &part, 1);
+	shade_try(&used, used.skies.tried + 3);
+	shade_begin(&used);
+	bytes = (size_t)used.skies.skies * 3 * (size_t)n * sizeof(*used.skies.radiance);
+	assert_int_equal(used.skies.tried, fresh.skies.tried);
+	assert_memory_equal(used.skies.radiance, fresh.skies.radiance, bytes);
+	assert_memory_equal(used.number, fresh.number,
+			    (size_t)used.skies.skies * sizeof(*used.number));
+	shade_free(&fresh);
+	shade_free(&used);
+	free(part.value);
+	encode_rig_end(&e);
+}
+
 static void over_sizes(void **state)
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
@@ -193,6 +227,8 @@ static void refuses(void **state)
 	(void)state;
 	encode_rig_start(&e);
 	encode_rig_fill(&e, part);
+	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, NULL, 0, &result), 0);
+	assert_int_equal(result.shown_count, 0);
 	assert_int_equal(encode_one(&e, part, NAN), -EDOM);
 	assert_int_equal(encode_one(&e, part, INFINITY), -EDOM);
 	assert_int_equal(encode_one(&e, part, -1e31F), -EDOM);
@@ -223,9 +259,13 @@ static void refuses(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_noise),	   cmocka_unit_test(over_many_lights),
-		cmocka_unit_test(over_low_lights), cmocka_unit_test(over_mirrors),
-		cmocka_unit_test(over_sizes),	   cmocka_unit_test(over_values),
+		cmocka_unit_test(over_noise),
+		cmocka_unit_test(over_many_lights),
+		cmocka_unit_test(over_low_lights),
+		cmocka_unit_test(over_mirrors),
+		cmocka_unit_test(each_tile_begins_anew),
+		cmocka_unit_test(over_sizes),
+		cmocka_unit_test(over_values),
 		cmocka_unit_test(refuses),
 	};
 
