@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "bake/base/profile.h"
+#include "bake/encode/encode_column.h"
 #include "bake/encode/encode_expose.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
@@ -35,6 +36,8 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 /* The least share of the cut that is tried. */
 #define LEAST_SHARE (1.0 / 4096)
 #define SHARE_STEP 0.7
+/* A share of the cut at which no column is read that could be left out. */
+#define NEVER 1e38
 /* Change of linear light over which the steepness of levels is taken. */
 #define LIGHT_STEP 0.001F
 /* Values side by side, as compilers do not take a maximum apart. */
@@ -47,6 +50,7 @@ int choose_create(struct choose *s, const struct encode_settings *settings,
 
 	*s = (struct choose){.settings = settings, .levels = levels};
 	s->column = calloc(n, sizeof(*s->column));
+	s->use = calloc(skies * n, sizeof(*s->use));
 	for (int k = 0; k < 2; k++)
 		s->group[k] = calloc((size_t)settings->groups->count + 1, sizeof(*s->group[k]));
 	s->sky_value = calloc(skies * PART_ROWS, sizeof(*s->sky_value));
@@ -54,7 +58,7 @@ int choose_create(struct choose *s, const struct encode_settings *settings,
 	s->sky_gain = calloc(skies * PART_ROWS, sizeof(*s->sky_gain));
 	s->mono_sky = calloc(skies * 3 * RANK_MOST, sizeof(*s->mono_sky));
 	s->colour_sky = calloc(skies * 3 * RANK_MOST, sizeof(*s->colour_sky));
-	return s->column && s->group[0] && s->group[1] && s->sky_value && s->sky_left &&
+	return s->column && s->use && s->group[0] && s->group[1] && s->sky_value && s->sky_left &&
 			       s->sky_gain && s->mono_sky && s->colour_sky
 		       ? 0
 		       : -ENOMEM;
@@ -63,6 +67,7 @@ int choose_create(struct choose *s, const struct encode_settings *settings,
 void choose_free(struct choose *s)
 {
 	free(s->column);
+	free(s->use);
 	free(s->group[0]);
 	free(s->group[1]);
 	free(s->sky_value);
@@ -131,72 +136,88 @@ static float largest_of_three(const float x[3])
 	return larger(larger(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
 }
 
-/* How much of a light under a sky its column, and that of its group, put right where columns are
- * left out below this share of the cuts. Returns the bytes that are read. */
-static float use_column(const struct choose *s, const struct part *part, size_t sky,
-			const struct estimate_column *column, double cut_share, float used[3])
+/* What a light's column, and that of its group, put right under a sky, and at which share of the
+ * cuts they are read. */
+static struct estimate_use find_use(const struct choose *s, const struct part *part, size_t sky,
+				    const struct estimate_column *column)
 {
 	const struct basis_groups *groups = s->settings->groups;
 	const size_t n = (size_t)s->settings->lights, light = (size_t)column->light;
 	const float *x = part->sky_x + sky * 3 * n + light;
-	float own[3] = {x[0], x[n], x[2 * n]}, read = 0;
+	struct estimate_use use = {.own = {x[0], x[n], x[2 * n]}};
+	const struct estimate_group *group = NULL;
 
-	used[0] = used[1] = used[2] = 0;
-	if (!(cut_share <= 1))
-		return 0;
-	if (part->share) {
-		const int g = groups->of[light];
-		const struct estimate_group *group = &s->group[column->mono][g];
-		const float *row = part->sky_even + sky * 3 * (size_t)groups->count + g;
+	if (part->share)
+		group = &s->group[column->mono][groups->of[light]];
+	if (group && group->columns >= COLUMN_GROUP_LIGHTS) {
+		const float *row = part->sky_even + sky * 3 * (size_t)groups->count +
+				   groups->of[light];
 		const float even[3] = {row[0], row[groups->count], row[2 * groups->count]};
 
-		if (group->columns > 1) {
-			const bool in = (double)(largest_of_three(even) * group->reach) >=
-					cut_share * part->group_cut;
-
-			for (int c = 0; c < 3; c++) {
-				const float common = (float)part->share[light] * even[c];
-
-				own[c] -= common;
-				used[c] = in ? common : 0;
-			}
-			read += in ? group->bytes / (float)(group->columns * group->columns) : 0;
+		for (int c = 0; c < 3; c++) {
+			use.common[c] = (float)part->share[light] * even[c];
+			use.own[c] -= use.common[c];
 		}
+		use.group_share = largest_of_three(even) * group->reach / (float)part->group_cut;
+		use.group_bytes = group->bytes / (float)(group->columns * group->columns);
 	}
-	if ((double)(largest_of_three(own) * column->reach) < cut_share * part->column_cut)
-		return read;
-	for (int c = 0; c < 3; c++)
-		used[c] += own[c];
-	return read + column->bytes;
+	use.share = part->column_cut > 0
+			    ? largest_of_three(use.own) * column->reach / (float)part->column_cut
+			    : 1;
+	return use;
 }
 
-/* Adds what columns that are read put right at a smaller share of the cuts than before. Returns the
- * mean of the bytes that are read. */
+static void find_uses(struct choose *s, const struct part *part)
+{
+	const int skies = s->settings->ensemble->tried;
+
+	for (int k = 0; k < skies; k++)
+		for (int j = 0; j < s->columns; j++)
+			s->use[k * s->settings->lights + j] = find_use(s, part, (size_t)k,
+								       &s->column[j]);
+}
+
+/* sum[c] -= by[c] * left, for each channel. */
+static void subtract_left(const struct fit *fit, int light, const float by[3], float *sum)
+{
+	const int pixels = fit->part->pixels;
+
+	for (int c = 0; c < 3; c++) {
+		const float *from = fit_left(fit, light) +
+				    (fit->part->channels == 3 ? c * pixels : 0);
+
+		for (int p = 0; p < pixels && by[c] != 0; p++)
+			sum[c * pixels + p] -= by[c] * from[p];
+	}
+}
+
+/* Adds what columns put right that are read at this share of the cuts, and were not before. Returns
+ * the mean of the bytes that are read. */
 static double use_columns(struct choose *s, const struct fit *fit, double before, double cut_share)
 {
-	const struct part *part = fit->part;
-	const size_t pixels = (size_t)part->pixels;
-	const size_t skies = (size_t)s->settings->ensemble->tried;
+	const int skies = s->settings->ensemble->tried;
+	const float was = (float)before, is = (float)cut_share;
 	double read = 0;
 
-	for (size_t k = 0; k < skies; k++)
+	for (int k = 0; k < skies; k++)
 		for (int j = 0; j < s->columns; j++) {
-			const struct estimate_column *column = &s->column[j];
-			const float *left = fit_left(fit, column->light);
-			float was[3], is[3];
+			const struct estimate_use *use = &s->use[k * s->settings->lights + j];
+			const bool own = use->share >= is, group = use->group_share >= is;
+			const bool more = own && use->share < was;
+			const bool more_group = group && use->group_share < was;
+			float by[3];
 
-			use_column(s, part, k, column, before, was);
-			read += (double)use_column(s, part, k, column, cut_share, is);
-			for (size_t c = 0; c < 3; c++) {
-				const float *from = left + (part->channels == 3 ? c * pixels : 0);
-				float *to = s->sky_left + (k * 3 + c) * pixels;
-				const float by = is[c] - was[c];
-
-				for (size_t p = 0; p < pixels && by != 0; p++)
-					to[p] -= by * from[p];
-			}
+			read += (double)((own ? s->column[j].bytes : 0) +
+					 (group ? use->group_bytes : 0));
+			if (!more && !more_group)
+				continue;
+			for (int c = 0; c < 3; c++)
+				by[c] = (more ? use->own[c] : 0) +
+					(more_group ? use->common[c] : 0);
+			subtract_left(fit, s->column[j].light, by,
+				      s->sky_left + k * 3 * fit->part->pixels);
 		}
-	return read / (double)skies;
+	return read / skies;
 }
 
 /* How many levels a pixel changes by per unit of the sum of X times left. */
@@ -408,7 +429,8 @@ static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mon
 			  fit->colour_rank);
 	e.cut_share = part->cut_share;
 	find_groups(s, part);
-	read = use_columns(s, fit, INFINITY, e.cut_share);
+	find_uses(s, part);
+	read = use_columns(s, fit, NEVER, e.cut_share);
 	e.excess = sky_excess(s, part, asked);
 	while (e.excess > 1 && e.cut_share > LEAST_SHARE && part->column_cut > 0) {
 		read = use_columns(s, fit, e.cut_share, e.cut_share * SHARE_STEP);

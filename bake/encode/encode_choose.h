@@ -29,11 +29,21 @@ struct estimate_group {
 	float bytes;
 };
 
+/* A column under a sky. */
+struct estimate_use {
+	float own[3];	   /* light that the column is weighed by */
+	float common[3];   /* light that its group's column puts right for it */
+	float share;	   /* largest share of the cut at which the column is read */
+	float group_share; /* the same of the group's column; 0: it has none */
+	float group_bytes; /* of the group's column, that fall to this one */
+};
+
 struct choose {
 	const struct encode_settings *settings;
 	const struct levels *levels;
 	struct estimate_column *column; /* [lights] */
 	int columns;
+	struct estimate_use *use;	 /* [tried][lights]: of each column under each sky */
 	struct estimate_group *group[2]; /* [groups], of colour and of mono */
 	float *sky_value;		 /* [tried][3][pixels]: the skies' light times the values */
 	float *sky_left;		 /* the same times the residual */

@@ -23,10 +23,6 @@
 /* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
  * dim, but not a thousand times dimmer than white, not so much. */
 #define ALONE 1.01
-/* Least columns and reach of a group that has a column. Fewer columns have nothing in common; with
- * less reach it is hardly ever read, as S is small. */
-#define GROUP_COLUMNS 2
-#define GROUP_REACH (1.0 / BASIS_GROUP_MOST)
 /* Largest reach of a group's column of 8 bits; rounding would exceed a quarter of the cut
  * beyond. */
 #define GROUP_NARROW 1.0
@@ -418,8 +414,8 @@ static void group_column(struct columns *columns, int lights, const struct fit *
 	struct column *column;
 	double reach, largest;
 
-	if (group_sum(columns, lights, fit, channels, group, value, &reach) < GROUP_COLUMNS ||
-	    reach < GROUP_REACH)
+	if (group_sum(columns, lights, fit, channels, group, value, &reach) < COLUMN_GROUP_LIGHTS ||
+	    reach < fit->cut_share * COLUMN_GROUP_REACH)
 		return;
 	largest = largest_of(value, count);
 	/* What nearly all lights of a tile are off by together its groups have to put right. */

@@ -25,6 +25,12 @@ struct columns {
 	int16_t *value; /* memory of the columns' values */
 };
 
+/* Least lights with columns, and least reach (times the block's share of the cut), of a group that
+ * has a column. Fewer columns have nothing in common; with less reach it is never read, as S is
+ * small. */
+#define COLUMN_GROUP_LIGHTS 2
+#define COLUMN_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
+
 /* Largest integer that a column of so many bits stores. */
 static inline int column_most(int bits)
 {
