@@ -320,7 +320,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		if (!err)
 			err = encoder_measure(e, coverage, first, &own);
 		worst = err ? INFINITY : measure_worst(&e->measure);
-		if (worst < nearest) {
+		if (!k || worst < nearest) {
 			const struct block_list spare = e->nearest;
 
 			nearest = worst;

@@ -3,8 +3,8 @@
  * The encoder: turns a tile's light transport in floating point into the blocks of a basis file.
  *
  * Each kind of transport becomes a low-rank basis (patterns with coefficients) plus residual
- * columns for single lights; either may be absent. The encoder searches for the smallest encoding
- * that holds the error asked for (README.md). Every cut has a bound that holds for any non-negative
+ * columns for single lights; either may be absent. The encoder chooses by estimates what is
+ * cheapest, and repairs it until the decoded blocks hold the error asked for (README.md). Every cut has a bound that holds for any non-negative
  * lighting, and its effect on the lightings of ensemble.h is measured against the original
  * transport.
  */

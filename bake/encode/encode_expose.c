@@ -73,7 +73,7 @@ static const double *ground_of(const struct encode_settings *settings, const str
 	       ((size_t)part->ground * 3 + (size_t)channel) * (size_t)settings->lights;
 }
 
-void part_expose_cells(struct part *part, const struct encode_settings *settings)
+static void expose_cells(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights;
 
@@ -248,25 +248,15 @@ static void weigh_values(struct part *part, int lights)
 	}
 }
 
-bool part_pixels_hold(const struct part *part, int light, int channel, int from, int to,
-		      const float *left)
+bool part_cell_holds(const struct part *part, int light, const float *left)
 {
-	const size_t row = (size_t)(channel * part->pixels);
-	const size_t first = (size_t)light * (size_t)part->rows + row;
+	const size_t first = (size_t)light * (size_t)part->rows;
 	const float *least = part->least_left + first, *most = part->most_left + first;
 	int beyond = 0;
 
-	for (int p = from; p < to; p++)
-		beyond |= (left[row + p] < least[p]) | (left[row + p] > most[p]);
+	for (int r = 0; r < part->rows; r++)
+		beyond |= (left[r] < least[r]) | (left[r] > most[r]);
 	return !beyond;
-}
-
-bool part_cell_holds(const struct part *part, int light, const float *left)
-{
-	for (int c = 0; c < part->channels; c++)
-		if (!part_pixels_hold(part, light, c, 0, part->pixels, left))
-			return false;
-	return true;
 }
 
 /* The largest change of a pixel by any light alone is more than tolerance, in levels. */
@@ -368,7 +358,7 @@ static void even_skies(struct part *part, const struct encode_settings *settings
 
 void part_expose(struct part *part, const struct encode_settings *settings)
 {
-	part_expose_cells(part, settings);
+	expose_cells(part, settings);
 	if (part->kind == BASIS_KIND_V)
 		for (int s = 0; s < settings->ensemble->skies; s++)
 			expose_ground(part, settings, s);

@@ -46,10 +46,7 @@ float part_largest(const float *value, int count, float sign);
 /* Sets the exposures: after loading (and pairing), and again when the ensemble has changed. */
 void part_expose(struct part *part, const struct encode_settings *settings);
 
-/* Sets the exposures of single cells only. */
-void part_expose_cells(struct part *part, const struct encode_settings *settings);
-
-/* Finds the pixels that some light alone changes by more than tolerance, in levels. Returns how
+/* Finds the pixels that some light alone, or some sky, changes by more than tolerance, in levels. Returns how
  * many. shows: [pixels]. */
 int part_choose(const struct part *part, const struct encode_settings *settings,
 		const struct levels *levels, double tolerance, bool *shows);
@@ -62,9 +59,5 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 /* Tells whether a light's residual left [rows] keeps all pixels within the error asked for under
  * this cell alone. */
 bool part_cell_holds(const struct part *part, int light, const float *left);
-
-/* The same for pixels from..to - 1 of one channel. */
-bool part_pixels_hold(const struct part *part, int light, int channel, int from, int to,
-		      const float *left);
 
 #endif

@@ -11,7 +11,7 @@
  * less light on the object: there frames leave out most columns, and 8-bit levels are closest
  * together.
  *
- * Most windows and dusks are only watched: plans are made without them, but their blocks are
+ * Most windows and dusks are only watched: ranks are chosen without them, but blocks are
  * measured under them too, and where one shows too large an error the tile tries it from then on.
  * Columns that should not be left out show under few of these skies, and few tiles need any of
  * them.
@@ -34,7 +34,7 @@
 
 struct ensemble {
 	int lights, skies;
-	int tried;	 /* plans are made for the first `tried` skies; the others are watched */
+	int tried;	 /* ranks are chosen for the first `tried` skies; the others are watched */
 	float *radiance; /* [skies][3][lights]: L_i */
 	/* Linear light of the object's brightest spot, or of white ground, in the picture. */
 	float exposure[ENSEMBLE_SKIES_MAX];
