@@ -67,6 +67,7 @@ static int dome_command_take(void *choices, int option, struct fault *fault)
 	case LIGHTS_FREQUENCY:
 	case LIGHTS_DIVISION:
 	case LIGHTS_SHAPE:
+	case LIGHTS_FINE:
 		return lights_option_take(&c->lights, option, optarg, fault);
 	default:
 		if (c->form && c->form != option)
@@ -76,9 +77,23 @@ static int dome_command_take(void *choices, int option, struct fault *fault)
 	}
 }
 
+static int create_dome(const struct scene_lights *lights, struct dome *dome, struct fault *fault)
+{
+	struct fine_list fine = {.count = 0};
+	int err = 0;
+
+	if (lights->fine)
+		err = fine_list_read(&fine, "--fine", lights->fine, NULL, fault);
+	if (!err)
+		err = fine_list_dome(&fine, lights->frequency, lights->division, lights->shape,
+				     dome, fault);
+	fine_list_free(&fine);
+	return err;
+}
+
 static int dome_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS}};
+	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS, NULL}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 	const int status = command_options(command, argc, argv, options, dome_command_take, &c);
@@ -89,8 +104,7 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 		return command_wrong(command, "--frequency is missing");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
-	if (dome_create_shaped(&dome, c.lights.frequency, (enum dome_division)c.lights.division,
-			       (enum dome_shape)c.lights.shape, &fault) < 0) {
+	if (create_dome(&c.lights, &dome, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
@@ -107,13 +121,16 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 const struct bake_command dome_command = {
 	.name = "dome",
 	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
-		 "           [--angles | --json]",
+		 "           [--fine PARTS] [--angles | --json]",
 	.summary = "print the lights of a dome",
 	.help = "\n"
-		"  --frequency F   1 to 64; 9 makes 406 lights\n"
+		"  --frequency F   1 to 72; 9 makes 406 lights\n"
 		"  --division D    angles (default) or chords\n"
 		"  --lights L      cells (default) or tents: their solid angles; tents are named "
 		"before angles\n"
+		"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in "
+		"degrees,\n"
+		"                  separated by commas, or a file of such lines (inlay-scene(5))\n"
 		"  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
 	.run = dome_command_run,

@@ -8,27 +8,30 @@
 
 #include "app/pipeline/pipeline_parts.h"
 
-/* Files of lights and the sampler are in the dome's order, so the basis has to be of that dome. */
-static int check_dome(const struct dome *dome, const struct basis *basis, struct fault *fault)
-{
-	if ((uint32_t)dome->count != basis->info.lights)
-		return fault_say(fault, -EINVAL,
-				 "the basis holds %u lights, expected %d of a dome of frequency %d "
-				 "divided by %s",
-				 basis->info.lights, dome->count, dome->frequency,
-				 dome_division_names[dome->division]);
-	for (int i = 0; i < dome->count; i++) {
-		for (int c = 0; c < 3; c++) {
-			double apart = dome->direction[i][c] - basis->lights[i].direction[c];
+/* Relative difference between the solid angle of a light in the file and that of its shape. */
+#define SOLID_ANGLE_OFF 1e-6
 
-			if (!(fabs(apart) < 1e-6))
-				return fault_say(fault, -EINVAL,
-						 "light %d of the basis is not where the dome of "
-						 "frequency %d has it",
-						 i, dome->frequency);
-		}
+/* The dome of the basis's own nodes, whose shapes must have the solid angles that were baked. */
+static int create_dome(struct dome *dome, const struct basis *basis, struct fault *fault)
+{
+	const struct basis_info_chunk *info = &basis->info;
+	const int stride = sizeof(*basis->lights) / sizeof(double);
+	int err = dome_create_nodes(dome, basis->lights[0].direction, stride, (int)info->lights,
+				    (int)info->dome_frequency,
+				    (enum dome_division)info->dome_division,
+				    (enum dome_shape)info->light_shape, fault);
+
+	for (int i = 0; !err && i < dome->count; i++) {
+		const double is = basis->lights[i].solid_angle_sr, own = dome->solid_angle_sr[i];
+
+		if (!(fabs(is - own) <= SOLID_ANGLE_OFF * own))
+			err = fault_say(
+				fault, -EINVAL,
+				"light %d of the basis has a solid angle of %g sr, expected "
+				"%g by the lights around it",
+				i, is, own);
 	}
-	return 0;
+	return err;
 }
 
 /* Creates the threads and the compositor that runs in them. */
@@ -55,12 +58,7 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	const struct basis_info_chunk *info = &p->basis->info;
 	int err;
 
-	err = dome_create_shaped(&p->dome, (int)info->dome_frequency,
-				 (enum dome_division)info->dome_division,
-				 (enum dome_shape)info->light_shape, fault);
-	if (err)
-		return err;
-	err = check_dome(&p->dome, p->basis, fault);
+	err = create_dome(&p->dome, p->basis, fault);
 	if (err)
 		return err;
 	p->radiance = calloc(info->lights, sizeof(*p->radiance));

@@ -103,6 +103,7 @@ static int export_command_take(void *choices, int option, struct fault *fault)
 	case LIGHTS_FREQUENCY:
 	case LIGHTS_DIVISION:
 	case LIGHTS_SHAPE:
+	case LIGHTS_FINE:
 	case SIZE:
 	case POSE:
 		return take_scene(c, option, fault);
@@ -226,6 +227,7 @@ const struct bake_command export_command = {
 		"  --frequency F   of the dome; default: as the scene says\n"
 		"  --division D    angles or chords\n"
 		"  --lights L      cells or tents; Blender's are cells\n"
+		"  --fine PARTS    where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --size WxH      of the pictures\n"
 		"  --pose P        of the scene: number, from 0, or name; 0\n"
 		"\n"

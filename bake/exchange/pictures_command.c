@@ -58,6 +58,7 @@ static int pictures_command_take(void *choices, int option, struct fault *fault)
 	case LIGHTS_FREQUENCY:
 	case LIGHTS_DIVISION:
 	case LIGHTS_SHAPE:
+	case LIGHTS_FINE:
 		return lights_option_take(&c->lights, option, optarg, fault);
 	case SIZE:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
@@ -201,6 +202,7 @@ const struct bake_command pictures_command = {
 		"  --frequency F       of the dome; default: as the scene says\n"
 		"  --division D        angles or chords\n"
 		"  --lights L          cells or tents\n"
+		"  --fine PARTS        where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --samples S         a pixel; 64\n"
 		"  --size WxH          of the pictures\n"
 		"  --pose P            of the scene: number, from 0, or name; 0\n"

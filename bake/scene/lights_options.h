@@ -8,15 +8,17 @@
 enum lights_option {
 	LIGHTS_FREQUENCY = 300, /* above the commands' own and those of an encoding */
 	LIGHTS_DIVISION,
-	LIGHTS_SHAPE
+	LIGHTS_SHAPE,
+	LIGHTS_FINE
 };
 
 /* For getopt_long(). */
 #define LIGHTS_OPTIONS                                                                             \
 	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
 		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
+		{"lights", required_argument, NULL, LIGHTS_SHAPE},                                 \
 	{                                                                                          \
-		"lights", required_argument, NULL, LIGHTS_SHAPE                                    \
+		"fine", required_argument, NULL, LIGHTS_FINE                                       \
 	}
 
 /* Takes one of these options with its argument. -EINVAL. */

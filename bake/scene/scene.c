@@ -269,6 +269,18 @@ static void free_world(struct scene *scene)
 		mesh_free(&scene->meshes[k]);
 }
 
+/* Reads the finer parts of the sky. A file's path starts at the scene's folder. */
+static int load_fine(struct scene *scene, struct fault *fault)
+{
+	const char *text = scene->file->dome.fine, *slash = strrchr(scene->path, '/');
+	char folder[INI_PATH_MAX], key[INI_PATH_MAX + 32];
+
+	snprintf(folder, sizeof(folder), "%.*s", slash ? (int)(slash - scene->path) : 0,
+		 scene->path);
+	snprintf(key, sizeof(key), "%s: [dome] fine", scene->path);
+	return *text ? fine_list_read(&scene->fine, key, text, folder, fault) : 0;
+}
+
 int scene_open(struct scene **out, const char *path, int width, int height, struct fault *fault)
 {
 	struct scene *scene = calloc(1, sizeof(*scene));
@@ -286,6 +298,8 @@ int scene_open(struct scene **out, const char *path, int width, int height, stru
 	if (err)
 		goto close_scene;
 	err = set_camera(scene, width, height, fault);
+	if (!err)
+		err = load_fine(scene, fault);
 	if (err)
 		goto close_scene;
 	for (int k = 0; k < scene->file->material_count && !err; k++)
@@ -328,6 +342,7 @@ void scene_close(struct scene *scene)
 			image_free(&scene->textures[k]->image);
 			free(scene->textures[k]);
 		}
+	fine_list_free(&scene->fine);
 	free(scene->file);
 	free(scene);
 }
@@ -363,9 +378,17 @@ int scene_dome(const struct scene *scene, const struct scene_lights *lights, str
 	       struct fault *fault)
 {
 	const struct scene_dome_values *own = &scene->file->dome;
+	const int frequency = lights->frequency < 0 ? own->frequency : lights->frequency;
 	const int division = lights->division < 0 ? own->division : lights->division;
 	const int shape = lights->shape < 0 ? own->shape : lights->shape;
+	struct fine_list given = {.count = 0};
+	int err = 0;
 
-	return dome_create_shaped(dome, lights->frequency < 0 ? own->frequency : lights->frequency,
-				  (enum dome_division)division, (enum dome_shape)shape, fault);
+	if (lights->fine && *lights->fine)
+		err = fine_list_read(&given, "--fine", lights->fine, NULL, fault);
+	if (!err)
+		err = fine_list_dome(lights->fine ? &given : &scene->fine, frequency, division,
+				     shape, dome, fault);
+	fine_list_free(&given);
+	return err;
 }

@@ -3,6 +3,7 @@
 #ifndef INLAY_BAKE_SCENE_SCENE_H
 #define INLAY_BAKE_SCENE_SCENE_H
 
+#include "bake/scene/fine_list.h"
 #include "bake/scene/scene_file.h"
 #include "bake/trace/world.h"
 #include "hal/optics/dome.h"
@@ -14,7 +15,8 @@ struct scene {
 	struct tsai_camera camera;
 	struct v3 eye; /* position of the camera, in world units */
 	double ground_albedo[3];
-	int pose; /* in which the meshes are loaded */
+	struct fine_list fine; /* of [dome] */
+	int pose;	       /* in which the meshes are loaded */
 	struct world *world;
 	struct mesh meshes[SCENE_MESHES_MAX];
 	struct material materials[SCENE_MATERIALS_MAX];
@@ -44,9 +46,10 @@ bool scene_look(const struct scene *scene, enum presence presence, double x, dou
 /* Lights that replace those of the scene file; -1: keep what the file says. */
 struct scene_lights {
 	int frequency, division, shape;
+	const char *fine; /* list or file (fine_list.h); NULL: keep; empty: none */
 };
 
-/* Creates the dome of the scene's lights; errors of dome_create_shaped(). */
+/* Creates the dome of the scene's lights; errors of fine_list_read() and fine_list_dome(). */
 int scene_dome(const struct scene *scene, const struct scene_lights *lights, struct dome *dome,
 	       struct fault *fault);
 

@@ -83,6 +83,14 @@ static const struct ini_key dome_keys[] = {
 	 .fallback = "cells",
 	 .help = "cells: each light is the part of the sky nearest to it; tents: it fades towards "
 		 "its neighbours, so that a lamp moves without steps"},
+	{.name = "fine",
+	 .type = INI_TEXT,
+	 .offset = DOME(fine),
+	 .fallback = "",
+	 .help = "where lights are finer, as there are lamps, windows or the sun: \"azimuth height "
+		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated "
+		 "by "
+		 "commas; or a file of such lines, as inlay-bake sky writes it"},
 	INI_KEYS_END,
 };
 

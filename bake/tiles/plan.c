@@ -17,6 +17,8 @@
 _Static_assert((int)BASIS_LIGHT_CELL == (int)DOME_CELLS && (int)BASIS_LIGHT_TENT == (int)DOME_TENTS,
 	       "files name shapes as the dome does");
 
+/* The coarse lights are those of a whole dome, even where the lights are finer in parts. Where they
+ * would be all lights, there are none. */
 static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 		      struct fault *fault)
 {
@@ -24,17 +26,18 @@ static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 	int err;
 
 	plan->info.coarse = plan->info.lights;
-	if (frequency >= dome->frequency)
-		return 0;
+	if (dome->frequency && frequency > dome->frequency)
+		frequency = dome->frequency;
 	err = dome_create(&coarse, frequency, dome->division, fault);
-	if (err)
-		return err;
+	if (err || coarse.count >= dome->count)
+		goto out;
 	plan->info.coarse = (uint32_t)coarse.count;
 	plan->gather = calloc(plan->info.lights, sizeof(*plan->gather));
 	if (plan->gather)
 		coarse_fill(dome, &coarse, plan->gather);
 	else
 		err = fault_say(fault, -ENOMEM, "out of memory");
+out:
 	dome_free(&coarse);
 	return err;
 }

@@ -75,6 +75,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 		.frequency = scene->file->dome.frequency,
 		.division = scene->file->dome.division,
 		.shape = scene->file->dome.shape,
+		.fine = &scene->fine,
 		.samples = r->samples,
 		.noise_levels = r->noise_levels,
 		.bounces = r->bounces,
@@ -93,6 +94,7 @@ struct render_settings render_preview_of(const struct render_settings *settings)
 
 	s.preview = true;
 	s.frequency = (int)fmin(s.frequency, PREVIEW_FREQUENCY);
+	s.fine = NULL;
 	s.coarse = 0;
 	s.samples = s.noise_levels > 0 ? PREVIEW_SAMPLES : (int)fmin(s.samples, PREVIEW_SAMPLES);
 	s.noise_levels = 0;
@@ -438,9 +440,8 @@ static int set_poses(struct render_job *job, struct fault *fault)
 static int render_set_up(struct render_job *job, const char *path, struct fault *fault)
 {
 	const struct tsai_camera *camera = &job->scene->camera;
-	int err = dome_create_shaped(&job->dome, job->settings.frequency,
-				     (enum dome_division)job->settings.division,
-				     (enum dome_shape)job->settings.shape, fault);
+	int err = fine_list_dome(job->settings.fine, job->settings.frequency,
+				 job->settings.division, job->settings.shape, &job->dome, fault);
 
 	if (err)
 		return err;

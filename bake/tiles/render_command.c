@@ -9,6 +9,7 @@
 
 #include "bake/base/commands.h"
 #include "bake/encode/encoding_options.h"
+#include "bake/scene/lights_options.h"
 #include "bake/tiles/render.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
@@ -16,10 +17,7 @@
 #include "hal/optics/dome.h"
 
 enum {
-	FREQUENCY = 1,
-	DIVISION,
-	LIGHTS,
-	SIZE,
+	SIZE = 1,
 	SAMPLES,
 	NOISE,
 	SEED,
@@ -35,9 +33,7 @@ enum {
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"division", required_argument, NULL, DIVISION},
-	{"lights", required_argument, NULL, LIGHTS},
+	LIGHTS_OPTIONS,
 	{"size", required_argument, NULL, SIZE},
 	{"samples", required_argument, NULL, SAMPLES},
 	{"noise", required_argument, NULL, NOISE},
@@ -58,7 +54,8 @@ static const struct option options[] = {
 /* Options of the command line; numbers are negative where not given. */
 struct render_choices {
 	const char *output;
-	int frequency, division, shape, width, height, samples, seed, threads;
+	struct scene_lights lights;
+	int width, height, samples, seed, threads;
 	double noise;
 	struct encoding_said encoding;
 	struct shard_place shard;
@@ -90,14 +87,11 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 	case 'o':
 		c->output = optarg;
 		return 0;
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &c->frequency,
-				  fault);
-	case DIVISION:
-		return option_choice("--division", optarg, dome_division_names, &c->division,
-				     fault);
-	case LIGHTS:
-		return option_choice("--lights", optarg, dome_shape_names, &c->shape, fault);
+	case LIGHTS_FREQUENCY:
+	case LIGHTS_DIVISION:
+	case LIGHTS_SHAPE:
+	case LIGHTS_FINE:
+		return lights_option_take(&c->lights, option, optarg, fault);
 	case SIZE:
 		return option_size("--size", optarg, &c->width, &c->height, fault);
 	case SAMPLES:
@@ -135,12 +129,12 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 
 static void apply_choices(struct render_settings *s, const struct render_choices *c)
 {
-	if (c->frequency >= 0)
-		s->frequency = c->frequency;
-	if (c->division >= 0)
-		s->division = c->division;
-	if (c->shape >= 0)
-		s->shape = c->shape;
+	if (c->lights.frequency >= 0)
+		s->frequency = c->lights.frequency;
+	if (c->lights.division >= 0)
+		s->division = c->lights.division;
+	if (c->lights.shape >= 0)
+		s->shape = c->lights.shape;
 	if (c->samples >= 0) {
 		s->samples = c->samples;
 		s->noise_levels = 0;
@@ -260,6 +254,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 	struct fault fault = {.text = ""};
 	struct render_report report = {.rays = 0};
 	struct render_settings settings;
+	struct fine_list fine = {.count = 0};
 	bool warned = false;
 	struct scene *scene;
 	int err = scene_open(&scene, path, c->width, c->height, &fault);
@@ -269,12 +264,18 @@ static int render_bake(const char *path, const struct render_choices *c)
 		if (c->preview)
 			settings = render_preview_of(&settings);
 		apply_choices(&settings, c);
-		err = check_output(scene->file, path, c->output, &fault);
+		if (c->lights.fine)
+			settings.fine = &fine;
+		if (c->lights.fine && *c->lights.fine)
+			err = fine_list_read(&fine, "--fine", c->lights.fine, NULL, &fault);
+		if (!err)
+			err = check_output(scene->file, path, c->output, &fault);
 		if (!err && !c->preview && !c->no_preview && !c->shard.count)
 			err = leave_preview(scene, path, c, &settings, &fault);
 		warned = err > 0;
 		if (err >= 0)
 			err = render_run(scene, &settings, c->output, &report, &fault);
+		fine_list_free(&fine);
 		scene_close(scene);
 	}
 	if (err) {
@@ -292,9 +293,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 
 static int render_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct render_choices c = {.frequency = -1,
-				   .division = -1,
-				   .shape = -1,
+	struct render_choices c = {.lights = {-1, -1, -1, NULL},
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,
@@ -322,7 +321,7 @@ static int render_command_run(const struct bake_command *command, int argc, char
 const struct bake_command render_command = {
 	.name = "render",
 	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
-		 "           [--size WxH]\n"
+		 "           [--fine PARTS] [--size WxH]\n"
 		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
 		 "           [--preview | --no-preview] [--pose P] [--seed K] [--shard I/N]\n"
 		 "           [--threads T] [--profile] [--quiet]",
@@ -331,11 +330,14 @@ const struct bake_command render_command = {
 		"  -o FILE         the basis file: first a preview, in place of which the finished "
 		"file\n"
 		"                  appears when it is whole; a finished file stays until then\n"
-		"  --frequency F   of the dome, 1 to 64; 9 makes 406 lights\n"
+		"  --frequency F   of the dome, 1 to 72; 9 makes 406 lights\n"
 		"  --division D    angles or chords\n"
 		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps "
 		"move\n"
 		"                  without steps\n"
+		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" "
+		"for "
+		"nowhere\n"
 		"  --size WxH      of the picture\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"

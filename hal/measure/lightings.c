@@ -232,20 +232,18 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &basis->info;
-	int err = dome_create_shaped(dome, (int)info->dome_frequency,
-				     (enum dome_division)info->dome_division,
-				     (enum dome_shape)info->light_shape, fault);
+	const int stride = sizeof(*basis->lights) / sizeof(double);
+	struct fault what = {.text = ""};
+	const int err = dome_create_nodes(dome, basis->lights[0].direction, stride,
+					  (int)info->lights, (int)info->dome_frequency,
+					  (enum dome_division)info->dome_division,
+					  (enum dome_shape)info->light_shape, &what);
 
-	if (err == -ENOMEM)
-		return err;
-	if (!err && (uint32_t)dome->count == info->lights)
-		return 0;
-	if (!err)
-		dome_free(dome);
-	return fault_say(fault, -ENOTSUP,
-			 "the basis's %u lights are no dome's: no picture can be divided among "
-			 "them",
-			 info->lights);
+	if (err == -EINVAL)
+		return fault_say(fault, -ENOTSUP,
+				 "the basis's %u lights divide no sky, and so no picture: %s",
+				 info->lights, what.text);
+	return err ? fault_say(fault, err, "%s", what.text) : 0;
 }
 
 static void panorama_add_point(const struct panorama *panorama, const struct dome *dome, double x,

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,37 +41,16 @@ static int fill_tents(struct dome *dome)
 	return ret;
 }
 
-static int dome_fill(struct dome *dome)
+static bool frequency_fits(int frequency)
 {
-	const double spacing_rad = atan(2) / dome->frequency; /* 63.4 degrees between vertices */
-	int ret;
-
-	dome->direction = calloc((size_t)dome->count, sizeof(*dome->direction));
-	dome->solid_angle_sr = calloc((size_t)dome->count, sizeof(*dome->solid_angle_sr));
-	dome->projected_sr = calloc((size_t)dome->count, sizeof(*dome->projected_sr));
-	if (!dome->direction || !dome->solid_angle_sr || !dome->projected_sr)
-		return -ENOMEM;
-	ret = dome_nodes_fill(dome->frequency, dome->division, dome->direction);
-	if (ret < 0)
-		return ret;
-	ret = dome_cells_create(&dome->cells, dome->direction, dome->count, spacing_rad);
-	if (ret < 0)
-		return ret;
-	ret = dome_lookup_create(&dome->lookup, dome->cells->radius, dome->direction, dome->count);
-	if (ret < 0)
-		return ret;
-	return dome->shape == DOME_TENTS ? fill_tents(dome) : fill_cells(dome);
+	return frequency >= 1 && frequency <= DOME_FREQUENCY_MAX;
 }
 
-int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
-		       enum dome_shape shape, struct fault *fault)
+/* Sets what the settings say, and checks it. */
+static int dome_begin(struct dome *dome, int frequency, enum dome_division division,
+		      enum dome_shape shape, struct fault *fault)
 {
-	int ret;
-
-	memset(dome, 0, sizeof(*dome));
-	if (frequency < 1 || frequency > DOME_FREQUENCY_MAX)
-		return fault_say(fault, -EINVAL, "dome: frequency is %d, expected 1 to %d",
-				 frequency, DOME_FREQUENCY_MAX);
+	*dome = (struct dome){.frequency = frequency, .division = division, .shape = shape};
 	if (division < 0 || division >= DOME_DIVISION_COUNT)
 		return fault_say(fault, -EINVAL,
 				 "dome: division %d is unknown, expected angles "
@@ -80,16 +60,137 @@ int dome_create_shaped(struct dome *dome, int frequency, enum dome_division divi
 		return fault_say(fault, -EINVAL,
 				 "dome: shape %d of lights is unknown, expected cells or tents",
 				 (int)shape);
-	dome->frequency = frequency;
-	dome->division = division;
-	dome->shape = shape;
-	dome->count = dome_node_count(frequency, division);
-	ret = dome_fill(dome);
+	return 0;
+}
+
+/* Makes all else from the directions. */
+static int dome_fill(struct dome *dome)
+{
+	const double spacing_rad = sqrt(2 * M_PI / dome->count);
+	int ret;
+
+	dome->solid_angle_sr = calloc((size_t)dome->count, sizeof(*dome->solid_angle_sr));
+	dome->projected_sr = calloc((size_t)dome->count, sizeof(*dome->projected_sr));
+	if (!dome->solid_angle_sr || !dome->projected_sr)
+		return -ENOMEM;
+	ret = dome_cells_create(&dome->cells, (const double(*)[3])dome->direction, dome->count,
+				spacing_rad);
+	if (ret < 0)
+		return ret;
+	ret = dome_lookup_create(&dome->lookup, dome->cells->radius,
+				 (const double(*)[3])dome->direction, dome->count);
+	if (ret < 0)
+		return ret;
+	return dome->shape == DOME_TENTS ? fill_tents(dome) : fill_cells(dome);
+}
+
+static int dome_end(struct dome *dome, int ret, struct fault *fault)
+{
 	if (ret < 0) {
 		dome_free(dome);
 		return fault_say(fault, ret, "dome: cannot be made: %s", strerror(-ret));
 	}
 	return 0;
+}
+
+int dome_create_fine(struct dome *dome, int frequency, enum dome_division division,
+		     enum dome_shape shape, const struct dome_fine *fine, int count, int *wrong,
+		     struct fault *fault)
+{
+	int ret = dome_begin(dome, frequency, division, shape, fault), none;
+
+	wrong = wrong ? wrong : &none;
+	*wrong = -1;
+	if (ret)
+		return ret;
+	if (!frequency_fits(frequency))
+		return fault_say(fault, -EINVAL, "dome: frequency is %d, expected 1 to %d",
+				 frequency, DOME_FREQUENCY_MAX);
+	for (int k = 0; k < count; k++) {
+		*wrong = k;
+		if (!frequency_fits(fine[k].frequency) || fine[k].frequency % frequency)
+			return fault_say(fault, -EINVAL,
+					 "frequency is %d, expected a multiple of the dome's %d up "
+					 "to %d",
+					 fine[k].frequency, frequency, DOME_FREQUENCY_MAX);
+		if (!(fine[k].direction[2] >= 0))
+			return fault_say(fault, -EINVAL, "is below the horizon");
+	}
+	*wrong = -1;
+	ret = dome_nodes_create(frequency, division, fine, count, &dome->direction, &dome->count);
+	if (ret == -E2BIG) {
+		dome_free(dome);
+		return fault_say(fault, ret, "more than %d lights, expected fewer or smaller parts",
+				 DOME_LIGHTS_MAX);
+	}
+	return dome_end(dome, ret < 0 ? ret : dome_fill(dome), fault);
+}
+
+int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
+		       enum dome_shape shape, struct fault *fault)
+{
+	return dome_create_fine(dome, frequency, division, shape, NULL, 0, NULL, fault);
+}
+
+/* Order of nodes for qsort(), by height. */
+static int by_height(const void *pa, const void *pb)
+{
+	const double *const *a = pa, *const *b = pb;
+
+	return (*a)[2] < (*b)[2] ? -1 : (*a)[2] > (*b)[2];
+}
+
+/* Whether all nodes are unit, above the horizon, and apart from each other. */
+static int check_nodes(const double (*node)[3], int count)
+{
+	const double **sorted = malloc((size_t)count * sizeof(*sorted));
+	int ret = sorted ? 0 : -ENOMEM;
+
+	for (int k = 0; k < count && !ret; k++) {
+		sorted[k] = node[k];
+		if (!(fabs(vec_length(node[k]) - 1) < 1e-9) || !(node[k][2] >= 0))
+			ret = -EINVAL;
+	}
+	if (!ret)
+		qsort(sorted, (size_t)count, sizeof(*sorted), by_height);
+	for (int k = 0; k < count && !ret; k++)
+		for (int j = k + 1;
+		     j < count && !ret && sorted[j][2] - sorted[k][2] < DOME_NODES_APART; j++) {
+			double apart[3];
+
+			for (int c = 0; c < 3; c++)
+				apart[c] = sorted[j][c] - sorted[k][c];
+			if (vec_length(apart) < DOME_NODES_APART)
+				ret = -EINVAL;
+		}
+	free(sorted);
+	return ret;
+}
+
+int dome_create_nodes(struct dome *dome, const double *node, int stride, int count, int frequency,
+		      enum dome_division division, enum dome_shape shape, struct fault *fault)
+{
+	int ret = dome_begin(dome, frequency, division, shape, fault);
+
+	if (ret)
+		return ret;
+	if (count < 1 || count > DOME_LIGHTS_MAX)
+		return fault_say(fault, -EINVAL, "dome: %d lights, expected 1 to %d", count,
+				 DOME_LIGHTS_MAX);
+	dome->count = count;
+	dome->direction = malloc((size_t)count * sizeof(*dome->direction));
+	if (!dome->direction)
+		return dome_end(dome, -ENOMEM, fault);
+	for (int k = 0; k < count; k++)
+		memcpy(dome->direction[k], node + (size_t)k * (size_t)stride,
+		       sizeof(dome->direction[k]));
+	ret = check_nodes((const double(*)[3])dome->direction, count);
+	if (ret != -EINVAL)
+		return dome_end(dome, ret < 0 ? ret : dome_fill(dome), fault);
+	dome_free(dome);
+	return fault_say(fault, ret,
+			 "dome: expected unit directions above the horizon, %g rad apart",
+			 DOME_NODES_APART);
 }
 
 int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault)

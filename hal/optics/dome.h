@@ -24,13 +24,20 @@
  *
  * Order of lights: by row of the division from the zenith, then by azimuth from 0 to 2 pi. The
  * order must never change, because files refer to lights by index.
+ *
+ * Parts of the sky may be finer: cells of this base dome are divided into those of a dome of a
+ * multiple of its frequency, whose nodes contain the base dome's. Lights are then all nodes of the
+ * base dome in their order, followed by the further nodes of each finer frequency, ascending, in the
+ * order of that dome. Cells and tents are those of all these nodes.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_H
 #define INLAY_HAL_OPTICS_DOME_H
 
 #include "hal/base/fault.h"
 
-#define DOME_FREQUENCY_MAX 64
+#define DOME_FREQUENCY_MAX 72
+#define DOME_LIGHTS_MAX 32768  /* also in a basis file */
+#define DOME_NODES_APART 0.003 /* least angle between two nodes, rad; at frequency 72 it is 0.012 */
 
 enum dome_division { DOME_ANGLES, DOME_CHORDS, DOME_DIVISION_COUNT };
 
@@ -44,8 +51,15 @@ struct dome_cells;  /* the outlines of the cells */
 struct dome_lookup; /* finds the cell of a direction */
 struct dome_tents;  /* the triangles between the nodes */
 
+/* A round part of the sky in which lights are finer. */
+struct dome_fine {
+	double direction[3]; /* unit; z >= 0 */
+	double radius_rad;   /* every cell of the base dome that the cap touches is divided */
+	int frequency;	     /* a multiple of the base dome's */
+};
+
 struct dome {
-	int frequency;
+	int frequency; /* of the base dome; 0: made of nodes that were given */
 	enum dome_division division;
 	enum dome_shape shape;
 	int count;
@@ -61,6 +75,23 @@ struct dome {
  * or shape; -ENOMEM. The dome is zeroed on failure. */
 int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
 		       enum dome_shape shape, struct fault *fault);
+/*
+ * Creates a dome that has finer parts. Where they overlap, the finest counts. As above; -EINVAL:
+ * part fine[*wrong] is below the horizon, or its frequency is no multiple of the base dome's or
+ * above DOME_FREQUENCY_MAX; -E2BIG: more than DOME_LIGHTS_MAX lights. *wrong is -1 where no part is
+ * to blame; NULL is harmless.
+ */
+int dome_create_fine(struct dome *dome, int frequency, enum dome_division division,
+		     enum dome_shape shape, const struct dome_fine *fine, int count, int *wrong,
+		     struct fault *fault);
+/*
+ * Creates a dome of given nodes, as a file lists them: node k is node[k * stride] and the two
+ * numbers after it. frequency and division are for information: the base dome's; frequency 0:
+ * unknown. -EINVAL: no node or more than DOME_LIGHTS_MAX, a node that is not unit or is below the
+ * horizon, two that are less than DOME_NODES_APART apart, a cell of too many corners.
+ */
+int dome_create_nodes(struct dome *dome, const double *node, int stride, int count, int frequency,
+		      enum dome_division division, enum dome_shape shape, struct fault *fault);
 /* Creates a dome whose lights are cells. */
 int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault);
 void dome_free(struct dome *dome); /* idempotent; zeroed is fine */

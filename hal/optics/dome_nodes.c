@@ -202,3 +202,126 @@ int dome_nodes_fill(int frequency, enum dome_division division, double (*directi
 	free(d.nodes);
 	return 0;
 }
+
+/* ---- finer parts ---- */
+
+/* Steps from the middle of a part to its rim, at most so far apart, against the spacing of nodes:
+ * cells whose corner a part just touches are left whole. */
+#define PART_STEP 0.1
+/* Nodes nearer than this, against the spacing of the finer dome, are one. */
+#define ONE_NODE 0.25
+
+/* Angle between two neighbouring nodes: 63.4 degrees between the vertices of the icosahedron. */
+static double node_spacing_rad(int frequency)
+{
+	return atan(2) / frequency;
+}
+
+/* Raises level[] of each cell that a part touches to the part's frequency. */
+static void mark_part(const struct dome *base, const struct dome_fine *part, int *level)
+{
+	const double step = PART_STEP * node_spacing_rad(base->frequency);
+	const int rings = (int)ceil(part->radius_rad / step);
+	const double *d = part->direction;
+	const double axis[3] = {fabs(d[0]) < 0.6, fabs(d[0]) >= 0.6, 0};
+	double e1[3], e2[3];
+
+	vec_cross(axis, d, e1);
+	vec_normalize(e1);
+	vec_cross(d, e1, e2);
+	for (int ring = 0; ring <= rings; ring++) {
+		const double away = rings ? part->radius_rad * ring / rings : 0;
+		const int points = 1 + (int)ceil(2 * M_PI * sin(away) / step);
+
+		for (int k = 0; k < points; k++) {
+			const double turn = 2 * M_PI * k / points;
+			double at[3];
+			int cell;
+
+			for (int c = 0; c < 3; c++)
+				at[c] = cos(away) * d[c] +
+					sin(away) * (cos(turn) * e1[c] + sin(turn) * e2[c]);
+			cell = dome_cell_of(base, at);
+			if (cell >= 0 && level[cell] < part->frequency)
+				level[cell] = part->frequency;
+		}
+	}
+}
+
+/* Whether one of the nodes is within an angle of d. */
+static bool node_near(const double (*node)[3], int count, const double d[3], double angle)
+{
+	const double least = cos(angle);
+
+	for (int k = 0; k < count; k++)
+		if (vec_dot(node[k], d) > least)
+			return true;
+	return false;
+}
+
+/* Appends the nodes of a finer dome in the base dome's cells that have this level. Neighbouring
+ * cells of other levels may have a node on their common border. */
+static int append_level(const struct dome *base, int frequency, const int *level, double (*node)[3],
+			int *count)
+{
+	const double apart = ONE_NODE * node_spacing_rad(frequency);
+	const int all = dome_node_count(frequency, base->division);
+	double(*finer)[3] = malloc((size_t)all * sizeof(*finer));
+	int ret = finer ? dome_nodes_fill(frequency, base->division, finer) : -ENOMEM;
+
+	for (int k = 0; k < all && !ret; k++) {
+		const int cell = dome_cell_of(base, finer[k]);
+
+		if (level[cell] != frequency ||
+		    node_near((const double(*)[3])node, *count, finer[k], apart))
+			continue;
+		if (*count == DOME_LIGHTS_MAX)
+			ret = -E2BIG;
+		else
+			memcpy(node[(*count)++], finer[k], sizeof(*node));
+	}
+	free(finer);
+	return ret;
+}
+
+static int append_parts(const struct dome *base, const struct dome_fine *fine, int parts,
+			double (*node)[3], int *count)
+{
+	int *level = calloc((size_t)base->count, sizeof(*level)), ret = level ? 0 : -ENOMEM;
+
+	for (int k = 0; k < parts && !ret; k++)
+		mark_part(base, &fine[k], level);
+	for (int f = 2 * base->frequency; f <= DOME_FREQUENCY_MAX && !ret; f += base->frequency) {
+		bool used = false;
+
+		for (int i = 0; i < base->count; i++)
+			used |= level[i] == f;
+		if (used)
+			ret = append_level(base, f, level, node, count);
+	}
+	free(level);
+	return ret;
+}
+
+int dome_nodes_create(int frequency, enum dome_division division, const struct dome_fine *fine,
+		      int parts, double (**direction)[3], int *count)
+{
+	const int room = parts ? DOME_LIGHTS_MAX : dome_node_count(frequency, division);
+	double(*node)[3] = malloc((size_t)room * sizeof(*node)), (*shrunk)[3];
+	struct dome base = {.count = 0};
+	int ret = node ? dome_nodes_fill(frequency, division, node) : -ENOMEM;
+
+	*count = dome_node_count(frequency, division);
+	if (!ret && parts)
+		ret = dome_create(&base, frequency, division, NULL);
+	if (!ret && parts)
+		ret = append_parts(&base, fine, parts, node, count);
+	dome_free(&base);
+	if (ret) {
+		free(node);
+		return ret;
+	}
+	shrunk = realloc(node, (size_t)*count * sizeof(*node));
+	*direction = shrunk ? shrunk : node;
+	return 0;
+}
