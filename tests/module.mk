@@ -84,6 +84,7 @@ UNIT_TESTS := \
 	tests/unit/bake/exchange/test_msi.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
+	tests/unit/bake/scene/test_fine_list.c \
 	tests/unit/bake/scene/test_keyframes.c \
 	tests/unit/bake/scene/test_scene.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
@@ -135,6 +136,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_sampler.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
 	tests/unit/hal/optics/test_dome.c \
+	tests/unit/hal/optics/test_dome_fine.c \
 	tests/unit/hal/optics/test_dome_tents.c \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \

@@ -128,9 +128,13 @@ int fine_list_read(struct fine_list *list, const char *what, const char *text, c
 	if (isdigit((unsigned char)*text) || strchr("+-.", *text)) {
 		err = read_parts(list, what, text, fault);
 	} else {
-		snprintf(path, sizeof(path), "%s%s%s", *text == '/' || !folder ? "" : folder,
-			 *text == '/' || !folder || !*folder ? "" : "/", text);
-		err = read_file(list, path, fault);
+		const bool plain = *text == '/' || !folder || !*folder;
+		const int length = snprintf(path, sizeof(path), "%s%s%s", plain ? "" : folder,
+					    plain ? "" : "/", text);
+
+		err = (size_t)length < sizeof(path)
+			      ? read_file(list, path, fault)
+			      : fault_say(fault, -ENAMETOOLONG, "%s: the path is too long", what);
 	}
 	if (err)
 		fine_list_free(list);

@@ -118,11 +118,6 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
 	}
 	*wrong = -1;
 	ret = dome_nodes_create(frequency, division, fine, count, &dome->direction, &dome->count);
-	if (ret == -E2BIG) {
-		dome_free(dome);
-		return fault_say(fault, ret, "more than %d lights, expected fewer or smaller parts",
-				 DOME_LIGHTS_MAX);
-	}
 	return dome_end(dome, ret < 0 ? ret : dome_fill(dome), fault);
 }
 

@@ -275,10 +275,7 @@ static int append_level(const struct dome *base, int frequency, const int *level
 		if (level[cell] != frequency ||
 		    node_near((const double(*)[3])node, *count, finer[k], apart))
 			continue;
-		if (*count == DOME_LIGHTS_MAX)
-			ret = -E2BIG;
-		else
-			memcpy(node[(*count)++], finer[k], sizeof(*node));
+		memcpy(node[(*count)++], finer[k], sizeof(*node));
 	}
 	free(finer);
 	return ret;
@@ -306,6 +303,7 @@ static int append_parts(const struct dome *base, const struct dome_fine *fine, i
 int dome_nodes_create(int frequency, enum dome_division division, const struct dome_fine *fine,
 		      int parts, double (**direction)[3], int *count)
 {
+	/* Even a whole sky of the finest cells has fewer. */
 	const int room = parts ? DOME_LIGHTS_MAX : dome_node_count(frequency, division);
 	double(*node)[3] = malloc((size_t)room * sizeof(*node)), (*shrunk)[3];
 	struct dome base = {.count = 0};

@@ -12,7 +12,7 @@ int dome_node_count(int frequency, enum dome_division division);
 int dome_nodes_fill(int frequency, enum dome_division division, double (*direction)[3]);
 
 /* Makes the nodes of a dome with finer parts (dome.h), which the caller frees. The parts are valid.
- * -ENOMEM; -E2BIG: there would be more than DOME_LIGHTS_MAX. */
+ * -ENOMEM. */
 int dome_nodes_create(int frequency, enum dome_division division, const struct dome_fine *fine,
 		      int parts, double (**direction)[3], int *count);
 
