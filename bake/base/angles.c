@@ -20,6 +20,7 @@ struct angle_lines {
 	struct angle_line *line;
 	int count;
 	enum dome_shape shape;
+	int fine; /* above 0: frequency of a base dome that is finer in parts */
 };
 
 /* Tells whether a line is the name of a shape of lights. */
@@ -34,6 +35,18 @@ static bool is_shape(const char *text, enum dome_shape *shape)
 			return true;
 		}
 	return false;
+}
+
+/* Tells whether a line says that the dome is finer in parts. */
+static bool is_fine(const char *text, int *frequency)
+{
+	int of, length = 0;
+
+	if (sscanf(text, "fine %2d %n", &of, &length) != 1 || text[length] || of < 1 ||
+	    of > DOME_FREQUENCY_MAX)
+		return false;
+	*frequency = of;
+	return true;
 }
 
 /* Reads two numbers. False when the line holds anything else. */
@@ -55,7 +68,7 @@ static int angles_read_line(struct angle_lines *all, const struct text_file *fil
 
 	if (text[strspn(text, " \t\r")] == '\0' || *text == '#')
 		return 0;
-	if (!all->count && is_shape(text, &all->shape))
+	if (!all->count && (is_shape(text, &all->shape) || is_fine(text, &all->fine)))
 		return 0;
 	if (!read_angles(text, &theta, &phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
 		return fault_say(
@@ -129,11 +142,31 @@ static int match_lines(const struct angle_lines *all, const struct dome *dome, i
 	return stray;
 }
 
+/* The lines of a dome that is finer in parts are its nodes. */
+static int take_nodes(const struct angle_lines *all, const char *path, struct dome *dome,
+		      int *light, struct fault *fault)
+{
+	const int stride = sizeof(*all->line) / sizeof(double);
+	struct fault what = {.text = ""};
+	int err;
+
+	_Static_assert(sizeof(struct angle_line) % sizeof(double) == 0, "lines are whole doubles");
+	if (!all->count)
+		return fault_say(fault, -EINVAL, "%s: no lights", path);
+	err = dome_create_nodes(dome, all->line[0].direction, stride, all->count, all->fine,
+				DOME_ANGLES, all->shape, &what);
+	for (int k = 0; k < all->count; k++)
+		light[k] = k;
+	return err ? fault_say(fault, err, "%s: %s", path, what.text) : 0;
+}
+
 static int find_dome(const struct angle_lines *all, const char *path, struct dome *dome, int *light,
 		     struct fault *fault)
 {
 	int stray = 0;
 
+	if (all->fine)
+		return take_nodes(all, path, dome, light, fault);
 	for (int d = 0; d < DOME_DIVISION_COUNT; d++) {
 		int err = create_of_count(dome, all, (enum dome_division)d, fault);
 
@@ -186,6 +219,8 @@ void angles_write(FILE *stream, const struct dome *dome)
 {
 	if (dome->shape != DOME_CELLS)
 		fprintf(stream, "%s\n", dome_shape_names[dome->shape]);
+	if (dome_is_fine(dome))
+		fprintf(stream, "fine %d\n", dome->frequency);
 	for (int i = 0; i < dome->count; i++) {
 		double theta, phi;
 

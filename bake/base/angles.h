@@ -2,7 +2,8 @@
 /*
  * Files of light angles: one light a line, theta and phi in radians (thesis 2.2.1), as `inlay-bake
  * dome --angles` writes them. The reader finds the dome they belong to, and their order. Where the
- * lights are tents, the word "tents" stands before them in a line of its own.
+ * lights are tents, the word "tents" stands before them in a line of its own; where the dome is finer
+ * in parts, a line "fine F" with the frequency of its base.
  */
 #ifndef INLAY_BAKE_BASE_ANGLES_H
 #define INLAY_BAKE_BASE_ANGLES_H
@@ -17,7 +18,8 @@
 #define ANGLES_TOLERANCE 0.05
 
 /*
- * Finds the dome that has exactly these lights, in any order. light[k] becomes the dome's index of
+ * Finds the dome that has exactly these lights, in any order; after "fine F" the lights are the
+ * dome's nodes as they stand there. light[k] becomes the dome's index of
  * the file's k-th light; the caller frees the array and the dome. -EINVAL: a line has no two
  * numbers in range, no dome has this many lights, or a light is none of the dome's or stands there
  * twice (the fault names file and line); -ENOENT ...; -ENOMEM.

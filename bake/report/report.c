@@ -122,6 +122,8 @@ static int make_bakes(struct report *r)
 		struct render_settings settings = r->render;
 
 		settings.frequency = frequency[k];
+		if (frequency[k] != r->render.frequency)
+			settings.fine = NULL; /* beside whole domes */
 		if (settings.coarse > settings.frequency)
 			settings.coarse = 0;
 		report_step(r, "bake of frequency %d", frequency[k]);

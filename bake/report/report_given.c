@@ -22,6 +22,8 @@ static void find_target(const char *provenance, struct encode_target *target)
 int report_given_open(struct report *r)
 {
 	const struct basis_info_chunk *info = &r->given.basis.info;
+	struct dome dome;
+	uint32_t lights;
 	int err = report_bake_open(&r->given, r->settings->basis, r->fault);
 
 	if (err)
@@ -35,6 +37,17 @@ int report_given_open(struct report *r)
 	r->render.frequency = (int)info->dome_frequency;
 	r->render.division = (int)info->dome_division;
 	r->render.shape = (int)info->light_shape;
+	err = fine_list_dome(r->render.fine, r->render.frequency, r->render.division,
+			     r->render.shape, &dome, r->fault);
+	if (err)
+		return err;
+	lights = (uint32_t)dome.count;
+	dome_free(&dome);
+	if (lights != info->lights)
+		return fault_say(r->fault, -EINVAL,
+				 "%s: %u lights, expected %u as the scene's dome has, finer parts "
+				 "included",
+				 r->settings->basis, info->lights, lights);
 	r->render.column_cut = info->column_cut;
 	find_target(r->given.basis.provenance, &r->render.target);
 	return 0;

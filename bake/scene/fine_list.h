@@ -21,7 +21,7 @@ struct fine_list {
 	struct dome_fine *part; /* [count] */
 	int *place;		/* [count]: line of the file, or number in the text, from 1 */
 	int count;
-	char name[1024]; /* for messages: "FILE:" or "TEXT, part " */
+	char name[1040]; /* for messages: "FILE:" or "TEXT, part " */
 };
 
 /* Reads a file, or a text that begins with a digit or a sign. what: the key or option, for

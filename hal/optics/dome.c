@@ -204,6 +204,11 @@ void dome_free(struct dome *dome)
 	memset(dome, 0, sizeof(*dome));
 }
 
+bool dome_is_fine(const struct dome *dome)
+{
+	return !dome->frequency || dome->count != dome_node_count(dome->frequency, dome->division);
+}
+
 void dome_angles(const struct dome *dome, int light, double *theta_rad, double *phi_rad)
 {
 	const double *d = dome->direction[light];

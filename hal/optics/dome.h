@@ -33,6 +33,8 @@
 #ifndef INLAY_HAL_OPTICS_DOME_H
 #define INLAY_HAL_OPTICS_DOME_H
 
+#include <stdbool.h>
+
 #include "hal/base/fault.h"
 
 #define DOME_FREQUENCY_MAX 72
@@ -94,6 +96,9 @@ int dome_create_nodes(struct dome *dome, const double *node, int stride, int cou
 /* Creates a dome whose lights are cells. */
 int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault);
 void dome_free(struct dome *dome); /* idempotent; zeroed is fine */
+
+/* Whether there are other lights than those of a whole dome of its frequency. */
+bool dome_is_fine(const struct dome *dome);
 
 /* Polar angle from the zenith, 0..pi/2, and azimuth from +X towards +Y, -pi..pi. */
 void dome_angles(const struct dome *dome, int light, double *theta_rad, double *phi_rad);

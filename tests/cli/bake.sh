@@ -52,11 +52,17 @@ equal "solid angles sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 |
 equal "dome as JSON" 26 "$("$bake" dome --frequency 2 --json | grep -c theta_rad)"
 rejected "dome without a frequency" 2 "--frequency is missing" "$bake" dome
 rejected "dome in two forms" 2 "one of --angles and --json" "$bake" dome --frequency 2 --angles --json
-rejected "dome frequency out of range" 2 "from 1 to 64" "$bake" dome --frequency 65
+rejected "dome frequency out of range" 2 "from 1 to 72" "$bake" dome --frequency 73
 rejected "dome division unknown" 2 "angles, chords" "$bake" dome --frequency 2 --division arcs
 equal "tents sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 5 --lights tents |
 	awk '!/^#/ { s += $4 } END { printf "%.9f", s }')"
 equal "angles of tents say so" tents "$("$bake" dome --frequency 2 --lights tents --angles | head -n 1)"
+equal "angles of a dome that is finer in parts say so" "fine 2" \
+	"$("$bake" dome --frequency 2 --fine "30 40 1 4" --angles | head -n 1)"
+equal "solid angles of finer parts sum to 2 pi" 6.283185307 "$("$bake" dome --frequency 3 --fine "30 5 4 36" |
+	awk '!/^#/ { s += $4 } END { printf "%.9f", s }')"
+rejected "finer parts of no multiple" 1 "part 1: frequency is 5, expected a multiple of the dome's 2" \
+	"$bake" dome --frequency 2 --fine "30 40 1 5"
 rejected "lights of no shape" 2 "cells, tents" "$bake" dome --frequency 2 --lights cones
 
 # ---- render ----
