@@ -217,8 +217,33 @@ static double node_spacing_rad(int frequency)
 	return atan(2) / frequency;
 }
 
+/* The nodes of the base dome, whose cells are divided. */
+struct base_nodes {
+	int frequency;
+	enum dome_division division;
+	const double (*node)[3];
+	int count;
+};
+
+/* The cell of a direction, that of the nearest node; -1: below the horizon. */
+static int base_cell(const struct base_nodes *base, const double d[3])
+{
+	double best = -INFINITY;
+	int found = -1;
+
+	for (int k = 0; d[2] >= 0 && k < base->count; k++) {
+		const double near = vec_dot(base->node[k], d);
+
+		if (near > best) {
+			best = near;
+			found = k;
+		}
+	}
+	return found;
+}
+
 /* Raises level[] of each cell that a part touches to the part's frequency. */
-static void mark_part(const struct dome *base, const struct dome_fine *part, int *level)
+static void mark_part(const struct base_nodes *base, const struct dome_fine *part, int *level)
 {
 	const double step = PART_STEP * node_spacing_rad(base->frequency);
 	const int rings = (int)ceil(part->radius_rad / step);
@@ -241,7 +266,7 @@ static void mark_part(const struct dome *base, const struct dome_fine *part, int
 			for (int c = 0; c < 3; c++)
 				at[c] = cos(away) * d[c] +
 					sin(away) * (cos(turn) * e1[c] + sin(turn) * e2[c]);
-			cell = dome_cell_of(base, at);
+			cell = base_cell(base, at);
 			if (cell >= 0 && level[cell] < part->frequency)
 				level[cell] = part->frequency;
 		}
@@ -261,8 +286,8 @@ static bool node_near(const double (*node)[3], int count, const double d[3], dou
 
 /* Appends the nodes of a finer dome in the base dome's cells that have this level. Neighbouring
  * cells of other levels may have a node on their common border. */
-static int append_level(const struct dome *base, int frequency, const int *level, double (*node)[3],
-			int *count)
+static int append_level(const struct base_nodes *base, int frequency, const int *level,
+			double (*node)[3], int *count)
 {
 	const double apart = ONE_NODE * node_spacing_rad(frequency);
 	const int all = dome_node_count(frequency, base->division);
@@ -270,7 +295,7 @@ static int append_level(const struct dome *base, int frequency, const int *level
 	int ret = finer ? dome_nodes_fill(frequency, base->division, finer) : -ENOMEM;
 
 	for (int k = 0; k < all && !ret; k++) {
-		const int cell = dome_cell_of(base, finer[k]);
+		const int cell = base_cell(base, finer[k]);
 
 		if (level[cell] != frequency ||
 		    node_near((const double(*)[3])node, *count, finer[k], apart))
@@ -281,7 +306,7 @@ static int append_level(const struct dome *base, int frequency, const int *level
 	return ret;
 }
 
-static int append_parts(const struct dome *base, const struct dome_fine *fine, int parts,
+static int append_parts(const struct base_nodes *base, const struct dome_fine *fine, int parts,
 			double (*node)[3], int *count)
 {
 	int *level = calloc((size_t)base->count, sizeof(*level)), ret = level ? 0 : -ENOMEM;
@@ -306,15 +331,13 @@ int dome_nodes_create(int frequency, enum dome_division division, const struct d
 	/* Even a whole sky of the finest cells has fewer. */
 	const int room = parts ? DOME_LIGHTS_MAX : dome_node_count(frequency, division);
 	double(*node)[3] = malloc((size_t)room * sizeof(*node)), (*shrunk)[3];
-	struct dome base = {.count = 0};
+	const int whole = dome_node_count(frequency, division);
+	const struct base_nodes base = {frequency, division, (const double(*)[3])node, whole};
 	int ret = node ? dome_nodes_fill(frequency, division, node) : -ENOMEM;
 
-	*count = dome_node_count(frequency, division);
-	if (!ret && parts)
-		ret = dome_create(&base, frequency, division, NULL);
+	*count = whole;
 	if (!ret && parts)
 		ret = append_parts(&base, fine, parts, node, count);
-	dome_free(&base);
 	if (ret) {
 		free(node);
 		return ret;
