@@ -44,6 +44,7 @@ BAKE_SOURCES := \
 	bake/exchange/picture_stack.c \
 	bake/exchange/pictures.c \
 	bake/exchange/pictures_command.c \
+	bake/mesh/coat_energy.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_files.c \

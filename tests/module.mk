@@ -82,6 +82,7 @@ UNIT_TESTS := \
 	tests/unit/bake/encode/test_encode_rank.c \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
 	tests/unit/bake/scene/test_fine_list.c \
@@ -199,6 +200,7 @@ FUZZ_PARTS := \
 	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
+	bake/mesh/coat_energy.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh_gltf.c \
 	bake/mesh/mesh_mtl.c \

@@ -5,7 +5,8 @@
 
 #include "hal/colour/transfer.h"
 
-#define ALPHA_MIN 1e-3f /* as near to a mirror as single precision allows */
+#define ALPHA_MIN 1e-3f	 /* as near to a mirror as single precision allows */
+#define BASE_LEAST 1e-6f /* what a white metal leaves to its base is 0 / 0 */
 
 const char *const material_kind_names[] = {"diffuse", "glossy", "glass", NULL};
 
@@ -81,6 +82,8 @@ struct bsdf material_at(const struct material *material, float u, float v)
 	}
 	for (int c = 0; c < 3; c++)
 		bsdf.colour.c[c] = fminf(bsdf.colour.c[c], 1);
+	if (bsdf.kind == MATERIAL_GLOSSY)
+		coat_energy_find(&bsdf.energy, bsdf.alpha, rgb_peak(bsdf.specular));
 	return bsdf;
 }
 
@@ -92,18 +95,18 @@ static float schlick_power(float c)
 	return m * m * m * m * m;
 }
 
-/*
- * Shirley et al., A Practitioners' Assessment of Light Reflection Models (1997): the base gets the
- * light that the coat does not reflect, on the way in and on the way out. The factor 21/20 makes
- * its albedo seen from wo exactly (1 - F(wo)) colour. F is that of the coat's strongest channel, so
- * that no channel can gain energy.
- */
+/* The coat of the strongest channel counts, so that no channel can gain energy. */
 float bsdf_base(const struct bsdf *bsdf, float cos_o, float cos_i)
 {
 	if (bsdf->kind == MATERIAL_DIFFUSE)
 		return 1;
-	return 1.05f * (1 - rgb_peak(bsdf->specular)) * (1 - schlick_power(cos_o)) *
-	       (1 - schlick_power(cos_i));
+	return bsdf_base_mean(bsdf, cos_o) * coat_energy_at(bsdf->energy.base, cos_i) /
+	       fmaxf(bsdf->energy.base_mean, BASE_LEAST);
+}
+
+float bsdf_base_mean(const struct bsdf *bsdf, float cos_o)
+{
+	return bsdf->kind == MATERIAL_DIFFUSE ? 1 : coat_energy_at(bsdf->energy.base, cos_o);
 }
 
 static float ggx_lambda(float alpha, float c)
@@ -119,7 +122,7 @@ struct rgb bsdf_coat(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct 
 	const float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
 	struct rgb f = {{0, 0, 0}};
 	struct v3 h;
-	float nh, oh, power, shape;
+	float nh, oh, power, shape, gain;
 
 	*density = 0;
 	if (bsdf->kind != MATERIAL_GLOSSY || cos_o <= 0 || cos_i <= 0)
@@ -140,8 +143,12 @@ struct rgb bsdf_coat(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct 
 		*density = d / (4 * cos_o * (1 + lambda_o));
 	}
 	power = schlick_power(oh);
-	for (int c = 0; c < 3; c++)
-		f.c[c] = shape * (bsdf->specular.c[c] + (1 - bsdf->specular.c[c]) * power);
+	gain = coat_energy_at(bsdf->energy.gain, cos_o);
+	for (int c = 0; c < 3; c++) {
+		const float once = bsdf->specular.c[c] + (1 - bsdf->specular.c[c]) * power;
+
+		f.c[c] = shape * once * (1 + bsdf->specular.c[c] * gain);
+	}
 	return f;
 }
 

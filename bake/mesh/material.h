@@ -4,9 +4,9 @@
  *
  *   diffuse   Lambert.
  *   glossy    a diffuse base under a rough dielectric or metal coat: GGX microfacets (Walter et al.
- *             2007, sampled by visible normals, Heitz 2018) with Schlick's Fresnel term, coupled
- *             with the base so that energy is conserved and reciprocity holds (Shirley et al.
- *             1997).
+ *             2007, sampled by visible normals, Heitz 2018) with Schlick's Fresnel term. Light
+ *             that meets several microfacets is added, and the base gets what the coat leaves
+ *             (coat_energy.h).
  *   glass     smooth and clear: Fresnel reflection and refraction, one of them chosen by chance; a
  *             tint for light that passes through the surface.
  *
@@ -20,6 +20,7 @@
 
 #include "bake/base/random.h"
 #include "bake/base/vec3.h"
+#include "bake/mesh/coat_energy.h"
 #include "hal/image/image.h"
 
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_GLOSSY, MATERIAL_GLASS, MATERIAL_KIND_COUNT };
@@ -52,6 +53,7 @@ struct bsdf {
 	float alpha;
 	float ior;
 	bool thin;
+	struct coat_energy energy; /* of glossy, for the strongest channel */
 };
 
 /* Fills decode; call it after image is set. */
@@ -69,6 +71,9 @@ struct bsdf material_at(const struct material *material, float u, float v);
  * It is 1 for diffuse surfaces.
  */
 float bsdf_base(const struct bsdf *bsdf, float cos_o, float cos_i);
+
+/* Mean of bsdf_base() over light from all directions: the base's albedo towards wo over colour. */
+float bsdf_base_mean(const struct bsdf *bsdf, float cos_o);
 
 /* Scattering of the coat: f * cos_i for light from wi towards wo, and the density (per sr) with
  * which bsdf_coat_sample() draws wi. Both are 0 below the surface. */

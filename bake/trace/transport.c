@@ -605,7 +605,7 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 /*
  * Adds the light of a surface's diffuse base from the cache. False: the path has to go on.
  * The base of a coated surface is taken as Lambertian with the same albedo towards wo:
- *     f = colour / pi * bsdf_base(cos_o, 1) / 1.05
+ *     f = colour / pi * bsdf_base_mean(cos_o)
  * Differences between both presences of a sample are not taken from the cache, as the objects
  * change rows that hardly see them.
  */
@@ -613,7 +613,6 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 		       struct rgb weight, float *row)
 {
 	const size_t count = 3 * (size_t)t->cells->count;
-	float base = 1;
 	int record;
 
 	if (!t->cache || !t->gathered || t->compared || (t->link && t->links == t->links_max))
@@ -622,9 +621,8 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 	if (!t->link && v3_length(v3_sub(s->position, t->gathered_at)) <
 				CACHE_NEAR * cache_spread(t->cache, record))
 		return false;
-	if (s->bsdf.kind == MATERIAL_GLOSSY)
-		base = bsdf_base(&s->bsdf, v3_dot(s->normal, wo), 1) / 1.05f;
-	weight = rgb_scale(rgb_mul(weight, s->bsdf.colour), base);
+	weight = rgb_scale(rgb_mul(weight, s->bsdf.colour),
+			   bsdf_base_mean(&s->bsdf, v3_dot(s->normal, wo)));
 	if (t->link) {
 		t->link[t->links++] = (struct transport_link){record, weight};
 		return true;

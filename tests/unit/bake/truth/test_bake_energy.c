@@ -22,86 +22,6 @@
 	"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\nwidth = 48\nheight = "    \
 	"48\n"
 
-/* ---- materials by themselves ---- */
-
-/* Over a fine grid of directions: the coat's density integrates to one, less what is drawn below
- * the surface, and coat and base together never reflect more than arrives. */
-static void test_glossy_conserves(void **state)
-{
-	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY,
-				  .colour = {{1, 1, 1}},
-				  .specular = {{0.04f, 0.5f, 1}},
-				  .alpha = 0.2f};
-	const struct v3 n = {0, 0, 1};
-	const int steps = 1500;
-
-	(void)state;
-	for (int k = 0; k < 5; k++) {
-		const float angle = 0.02f + 0.36f * (float)k;
-		const struct v3 wo = {sinf(angle), 0, cosf(angle)};
-		double density = 0, coat[3] = {0}, base = 0;
-
-		for (int j = 0; j < steps; j++)
-			for (int i = 0; i < 2 * steps; i++) {
-				const double z = (j + 0.5) / steps, phi = M_PI * (i + 0.5) / steps;
-				const double r = sqrt(1 - z * z), sr = M_PI / steps / steps;
-				const struct v3 wi = v3_make((float)(r * cos(phi)),
-							     (float)(r * sin(phi)), (float)z);
-				float d;
-				const struct rgb f = bsdf_coat(&bsdf, n, wo, wi, &d);
-
-				density += d * sr;
-				base += bsdf_base(&bsdf, wo.z, (float)z) * z / M_PI * sr;
-				for (int c = 0; c < 3; c++)
-					coat[c] += f.c[c] * sr;
-			}
-		expect_that(density < 1.002 && density > 0.85, "k=%d", k);
-		for (int c = 0; c < 3; c++)
-			expect_below(coat[c] + base, 1.002, "k=%d, c=%d", k, c);
-		expect_above(coat[2], 0.85, "k=%d",
-			     k); /* a white metal loses only the light that bounces twice */
-	}
-}
-
-/* Samples follow the density: the mean of f / density is the integral of f. */
-static void test_glossy_samples(void **state)
-{
-	const struct bsdf bsdf = {.kind = MATERIAL_GLOSSY, .specular = {{1, 1, 1}}, .alpha = 0.3f};
-	const struct v3 n = v3_unit(v3_make(0.3f, -0.5f, 0.7f));
-	const struct v3 wo = v3_unit(v3_make(0.8f, -0.1f, 0.5f));
-	struct random random = {7};
-	const int count = 200000, steps = 800;
-	double mean = 0, exact = 0;
-	struct v3 s, t;
-
-	(void)state;
-	v3_frame(n, &s, &t);
-	for (int k = 0; k < count; k++) {
-		struct v3 wi;
-		float d;
-
-		if (bsdf_coat_sample(&bsdf, n, wo, &random, &wi)) {
-			const struct rgb f = bsdf_coat(&bsdf, n, wo, wi, &d);
-
-			/* an uneven weight shows a lobe in the wrong place */
-			mean += f.c[0] / d * (1 + wi.x) / count;
-		}
-	}
-	for (int j = 0; j < steps; j++)
-		for (int i = 0; i < 2 * steps; i++) {
-			const double z = (j + 0.5) / steps, phi = M_PI * (i + 0.5) / steps;
-			const double r = sqrt(1 - z * z);
-			const struct v3 wi = v3_from_frame(
-				v3_make((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z), s,
-				t, n);
-			float d;
-
-			exact += bsdf_coat(&bsdf, n, wo, wi, &d).c[0] * (1 + wi.x) * M_PI / steps /
-				 steps;
-		}
-	assert_true(fabs(mean - exact) < 0.005 * exact);
-}
-
 /* ---- furnaces ---- */
 
 static void check_furnace(const char *what, double rms_limit, double mean_limit)
@@ -586,12 +506,11 @@ static void test_fisheye_energy(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_glossy_conserves), cmocka_unit_test(test_glossy_samples),
-		cmocka_unit_test(test_white_furnace),	 cmocka_unit_test(test_glass_furnace),
-		cmocka_unit_test(test_half_sky),	 cmocka_unit_test(test_ground_term),
-		cmocka_unit_test(test_form_factor),	 cmocka_unit_test(test_looks_straight_down),
-		cmocka_unit_test(test_mirror),		 cmocka_unit_test(test_standin_is_ground),
-		cmocka_unit_test(test_standin_hides),	 cmocka_unit_test(test_truth_agrees),
+		cmocka_unit_test(test_white_furnace),  cmocka_unit_test(test_glass_furnace),
+		cmocka_unit_test(test_half_sky),       cmocka_unit_test(test_ground_term),
+		cmocka_unit_test(test_form_factor),    cmocka_unit_test(test_looks_straight_down),
+		cmocka_unit_test(test_mirror),	       cmocka_unit_test(test_standin_is_ground),
+		cmocka_unit_test(test_standin_hides),  cmocka_unit_test(test_truth_agrees),
 		cmocka_unit_test(test_fisheye_energy),
 	};
 
