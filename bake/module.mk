@@ -53,6 +53,7 @@ BAKE_SOURCES := \
 	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_ply.c \
+	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \

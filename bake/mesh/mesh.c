@@ -10,6 +10,7 @@
 #include <xxhash.h>
 
 #include "bake/mesh/mesh_import.h"
+#include "bake/mesh/mesh_winding.h"
 #include "hal/optics/vec.h"
 
 /* Largest distance from the origin, as a multiple of the mesh's size: there single precision rounds
@@ -219,6 +220,7 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 		return err;
 	}
 	mesh_place(mesh, placement);
+	mesh_turn_outwards(mesh);
 	err = mesh_check(mesh, path, fault); /* a huge scale may exceed the range of float */
 	return err ? err : check_reach(mesh, path, fault);
 }

@@ -21,6 +21,14 @@ struct mesh_part {
 	int material;	      /* index in the mesh's own list */
 };
 
+/* Corner k of a triangle. */
+static inline struct v3 mesh_corner(const struct mesh_part *part, int triangle, int k)
+{
+	const float *p = part->position[part->index[triangle][k]];
+
+	return v3_make(p[0], p[1], p[2]);
+}
+
 struct mesh {
 	struct mesh_part *parts;
 	int part_count;
@@ -41,7 +49,7 @@ struct mesh_placement {
 	int own_materials; /* read the file's materials and textures */
 };
 
-/* Reads, checks and places a mesh. -ENOENT ...; -EBADMSG: not a mesh; -ENODATA: no triangle, or
+/* Reads, checks and places a mesh; one that is closed and wound inwards is turned. -ENOENT ...; -EBADMSG: not a mesh; -ENODATA: no triangle, or
  * none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
  * the origin, in the file or in the world, that single precision rounds its vertices visibly, or it
  * lies beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */

@@ -7,8 +7,10 @@
 
 #include <xxhash.h>
 
+#include "bake/mesh/mesh_winding.h"
 #include "bake/scene/keyframes.h"
 #include "hal/base/input.h"
+#include "hal/base/log.h"
 #include "hal/optics/vec.h"
 
 #define WIDTH 640
@@ -127,6 +129,27 @@ static int load_material(struct scene *scene, int k, struct fault *fault)
 	return 0;
 }
 
+/* Names an open mesh of glass that bends light: the path of light inside of it has no end. */
+static void warn_of_open_glass(const struct mesh *mesh, const struct material *material,
+			       const char *path)
+{
+	bool bends = false;
+
+	for (int k = 0; k < mesh->part_count && !bends; k++) {
+		const struct material *m = material ? material
+					   : mesh->parts[k].material < mesh->material_count
+						   ? &mesh->materials[mesh->parts[k].material]
+						   : NULL;
+
+		bends = m && m->kind == MATERIAL_GLASS && !m->thin && m->ior != 1;
+	}
+	if (bends && !mesh_is_closed(mesh->parts, mesh->part_count))
+		log_warning_once(
+			"%s: glass that is not closed: light enters and never leaves; thin = "
+			"yes is meant?",
+			path);
+}
+
 static int load_mesh(struct scene *scene, int k, struct fault *fault)
 {
 	const struct scene_mesh_values values = keyframe_mesh(scene->file, k, scene->pose);
@@ -150,6 +173,8 @@ static int load_mesh(struct scene *scene, int k, struct fault *fault)
 	memcpy(placement.rotate_deg, from->rotate_deg, sizeof(placement.rotate_deg));
 	memcpy(placement.position, from->position, sizeof(placement.position));
 	err = mesh_read(&scene->meshes[k], from->file, &placement, &what);
+	if (!err)
+		warn_of_open_glass(&scene->meshes[k], material, from->file);
 	if (!err)
 		err = world_add(scene->world, &scene->meshes[k], material,
 				from->standin ? SURFACE_STANDIN : SURFACE_OBJECT, &what);

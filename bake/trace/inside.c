@@ -2,9 +2,8 @@
 #include "bake/trace/inside.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-#include "bake/base/random.h"
+#include "bake/mesh/mesh_winding.h"
 
 #define CANDIDATES 512
 /* Balls are made smaller by this factor, and count only for rays from less than FAR radii away, so
@@ -20,41 +19,6 @@ struct candidate {
 	struct v3 centre;
 	float radius;
 };
-
-static struct v3 corner_of(const struct mesh_part *part, int triangle, int k)
-{
-	const float *p = part->position[part->index[triangle][k]];
-
-	return v3_make(p[0], p[1], p[2]);
-}
-
-/* ---- closed surfaces ---- */
-
-static uint64_t hash_of(struct v3 v)
-{
-	uint32_t bits[3];
-
-	v = v3_add(v, v3_make(0, 0, 0)); /* -0 becomes 0 */
-	memcpy(bits, &v, sizeof(bits));
-	return random_hash(bits[0], bits[1], bits[2]);
-}
-
-/* Sums a random number for each directed edge, which is minus that of the opposite edge. On a
- * closed and oriented surface the sum is 0; on others with a probability of 2^-64. */
-static bool surface_closed(const struct mesh_part *parts, int count)
-{
-	uint64_t sum = 0;
-
-	for (int p = 0; p < count; p++)
-		for (int t = 0; t < parts[p].triangles; t++)
-			for (int k = 0; k < 3; k++) {
-				const uint64_t a = hash_of(corner_of(&parts[p], t, k));
-				const uint64_t b = hash_of(corner_of(&parts[p], t, (k + 1) % 3));
-
-				sum += random_hash(a, b, 0) - random_hash(b, a, 0);
-			}
-	return sum == 0;
-}
 
 /* ---- distances ---- */
 
@@ -106,7 +70,7 @@ static bool triangles_make(struct triangles *all, const struct mesh_part *parts,
 			struct triangle *to = &all->at[n++];
 
 			for (int k = 0; k < 3; k++)
-				to->corner[k] = corner_of(&parts[p], t, k);
+				to->corner[k] = mesh_corner(&parts[p], t, k);
 			to->middle = v3_scale(
 				v3_add(to->corner[0], v3_add(to->corner[1], to->corner[2])),
 				1.0f / 3);
@@ -243,7 +207,7 @@ void inside_add(struct inside *inside, const struct mesh_part *parts, int count,
 	struct triangles all;
 	int n;
 
-	if (!surface_closed(parts, count) || !triangles_make(&all, parts, count))
+	if (!mesh_is_closed(parts, count) || !triangles_make(&all, parts, count))
 		return;
 	n = find_candidates(&all, chord, context, found);
 	qsort(found, (size_t)n, sizeof(*found), compare_candidates);

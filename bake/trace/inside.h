@@ -25,8 +25,7 @@ typedef bool (*inside_chord)(const void *context, struct v3 from, struct v3 dire
 
 /*
  * Adds at most `most` balls inside an object of these parts. Adds none if memory runs out, or if
- * the surface is not closed and oriented: the triangles at each edge, vertices at the same place
- * taken as one, pass along it as often in one direction as in the other.
+ * the surface is not closed (mesh_is_closed).
  */
 void inside_add(struct inside *inside, const struct mesh_part *parts, int count, int most,
 		inside_chord chord, const void *context);
