@@ -203,10 +203,12 @@ struct glass_ways bsdf_glass_ways(const struct bsdf *bsdf, struct v3 n, bool ent
 		ways.passed =
 			v3_unit(v3_sub(v3_scale(n, ratio * cos_o - cos_t), v3_scale(wo, ratio)));
 	}
-	if (bsdf->thin) {
+	if (bsdf->thin)
 		ways.reflectance = 2 * ways.reflectance / (1 + ways.reflectance);
+	if (bsdf_is_pane(bsdf))
 		ways.passed = v3_scale(wo, -1);
-	}
+	if (bsdf->ior == 1)
+		ways.reflectance = 0; /* without rounding */
 	return ways;
 }
 

@@ -84,6 +84,12 @@ struct rgb bsdf_coat(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct 
 bool bsdf_coat_sample(const struct bsdf *bsdf, struct v3 n, struct v3 wo, struct random *random,
 		      struct v3 *wi);
 
+/* Tells whether light that passes goes straight on: such glass throws no dark shadow. */
+static inline bool bsdf_is_pane(const struct bsdf *bsdf)
+{
+	return bsdf->kind == MATERIAL_GLASS && (bsdf->thin || bsdf->ior == 1);
+}
+
 /* The two directions in which light goes on at a glass surface. */
 struct glass_ways {
 	float reflectance; /* by Fresnel; 1: nothing passes, and passed is not set */

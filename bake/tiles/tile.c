@@ -46,7 +46,8 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 	if (!err)
 		err = create_rows(tile, TILE_OBJECT, 3);
 	if (!err)
-		err = create_rows(tile, TILE_CHANGE, standins ? 3 : 1);
+		err = create_rows(tile, TILE_CHANGE,
+				  standins ? 3 : transport_shadow_channels(scene->world));
 	if (!err && standins)
 		err = create_rows(tile, TILE_WITHOUT, 3);
 	tile->even_sky = malloc(3 * (size_t)cells->count * sizeof(float));

@@ -391,32 +391,67 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 	}
 }
 
-/* Adds the coat's light by the rays that were not blocked, weighted by the balance heuristic
- * between one ray a cell (of density weight / sr) and rays drawn from the coat itself. */
-static void add_coat_by_cells(struct transport *t, const struct surface *s, struct v3 wo,
-			      struct rgb weight, float *row)
+/* What passes a ray of the batch through glass. */
+static struct passage ray_passage(const struct transport *t, enum presence presence,
+				  struct v3 origin, int at)
+{
+	if (t->rays.blocked[at] == RAY_GLASS)
+		return world_through_glass(t->world, presence, origin, pushed_ray(t, at));
+	return (struct passage){.open = false};
+}
+
+/* Adds the light that glass lets through to a surface of this colour: from the ray's own cell, or
+ * bent, which is noisy. What is left of value[] is what glass mirrors. */
+static void pass_rays(struct transport *t, enum presence presence, struct v3 origin,
+		      struct rgb colour, float *row, float *bounce)
 {
 	for (int k = 0; k < t->rays.count; k++) {
+		const struct passage p = ray_passage(t, presence, origin, k);
+		const int cell = t->cell[k];
+		const struct rgb weight = rgb_scale(rgb_mul(colour, p.passed), t->value[cell]);
+
+		if (p.bent)
+			deposit_sky(t, p.sky, weight, bounce);
+		else if (p.open)
+			deposit_cell(t, cell, weight, row);
+		if (p.open)
+			t->value[cell] *= p.mirrored;
+	}
+}
+
+/* Adds the coat's light by the rays that were not blocked, weighted by the balance heuristic
+ * between one ray a cell (of density weight / sr) and rays drawn from the coat itself. */
+static void add_coat_by_cells(struct transport *t, enum presence presence, const struct surface *s,
+			      struct v3 wo, struct rgb weight, float *row)
+{
+	const struct v3 origin = surface_leave(s, s->geometric);
+
+	for (int k = 0; k < t->rays.count; k++) {
+		const struct passage p = ray_passage(t, presence, origin, k);
 		const int cell = t->cell[k];
 		float density, share;
 		struct rgb f;
 
-		if (t->rays.blocked[k])
+		if (t->rays.blocked[k] && !p.open)
 			continue;
 		f = bsdf_coat(&s->bsdf, s->normal, wo, pushed_ray(t, k), &density);
+		if (p.open)
+			f = rgb_mul(f, p.passed);
 		share = rgb_peak(f) > 0 ? cells_weight(t->cells, cell, pushed_ray(t, k)) : 0;
-		if (share > 0)
-			deposit_cell(t, cell,
-				     rgb_scale(rgb_mul(weight, f),
-					       share / (share / t->cells->sr[cell] + density)),
-				     row);
+		if (share <= 0)
+			continue;
+		f = rgb_scale(rgb_mul(weight, f), share / (share / t->cells->sr[cell] + density));
+		if (p.bent)
+			deposit_sky(t, p.sky, f, row);
+		else
+			deposit_cell(t, cell, f, row);
 	}
 }
 
 /* Adds the light of all visible cells, and draws the ray that goes on. */
 static struct onward spread_to_cells(struct transport *t, enum presence presence,
 				     const struct surface *s, struct v3 wo, struct rgb weight,
-				     int depth, float *row)
+				     int depth, float *row, float *bounce)
 {
 	const struct bounds bounds = world_bounds(t->world, presence);
 	const bool glossy = s->bsdf.kind == MATERIAL_GLOSSY;
@@ -431,6 +466,8 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 
 	aim_at_cells(t, s, cos_o, &cone, depth);
 	trace_cells(t, presence, surface_leave(s, s->geometric));
+	pass_rays(t, presence, surface_leave(s, s->geometric), rgb_mul(weight, s->bsdf.colour), row,
+		  bounce);
 	if (below > 0) {
 		const float u = depth ? random_next(&t->random) : (float)t->below[0];
 		const float v = depth ? random_next(&t->random) : (float)t->below[1];
@@ -448,7 +485,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	profile_enter(PROFILE_DEPOSIT);
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
 	if (glossy && coat_is_wide(t, &s->bsdf))
-		add_coat_by_cells(t, s, wo, weight, row);
+		add_coat_by_cells(t, presence, s, wo, weight, row);
 	profile_enter(before);
 	return onward;
 }
@@ -463,6 +500,7 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 	const struct bounds bounds = world_bounds(t->world, presence);
 	const struct cone cone = cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), each = 1.0f / (float)t->directions;
+	const struct v3 origin = surface_leave(s, s->geometric);
 	const struct rgb colour = rgb_mul(weight, s->bsdf.colour);
 	const uint64_t bits = random_bits(&t->random);
 	const struct v3 *fan = t->fan + (bits & (TRANSPORT_FANS - 1)) * (uint64_t)t->directions;
@@ -489,13 +527,17 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 		else
 			push_ray(t, d, k);
 	}
-	trace_rays(t, presence, surface_leave(s, s->geometric));
+	trace_rays(t, presence, origin);
 	for (int k = 0; k < t->rays.count; k++) {
+		const struct passage p = ray_passage(t, presence, origin, k);
 		const struct v3 d = pushed_ray(t, k);
 		const float value = each * bsdf_base(&s->bsdf, cos_o, fan[t->cell[k]].z);
 
+		if (p.open)
+			deposit_sky(t, p.sky, rgb_scale(rgb_mul(colour, p.passed), value), row);
 		if (t->rays.blocked[k])
-			onward_offer(&onward, d, value, key, (uint32_t)t->cell[k]);
+			onward_offer(&onward, d, p.open ? value * p.mirrored : value, key,
+				     (uint32_t)t->cell[k]);
 		else
 			deposit_sky(t, d, rgb_scale(colour, value), row);
 	}
@@ -503,6 +545,17 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 }
 
 /* ---- going on ---- */
+
+/* What glass lets through, where a ray that has left s meets some first. Not open: all light is left
+ * for the path that goes on. */
+static struct passage next_passage(const struct transport *t, enum presence presence,
+				   const struct surface *s, struct v3 direction,
+				   const struct surface *next)
+{
+	if (direction.z >= 0 && next->bsdf.kind == MATERIAL_GLASS)
+		return world_passage(t->world, presence, surface_leave(s, direction), direction);
+	return (struct passage){.open = false};
+}
 
 /* Goes on from s to the next surface; without one the path ends. No light of the sky is lost, as
  * directions given here were found blocked or point below the horizon. */
@@ -527,8 +580,10 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 	before = profile_enter(PROFILE_PATHS);
 	t->gathered = true;
 	t->gathered_at = s->position;
-	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next))
+	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next)) {
+		t->mirrored = next_passage(t, presence, s, direction, &next).mirrored;
 		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
+	}
 	t->gathered = gathered;
 	t->gathered_at = gathered_at;
 	profile_enter(before);
@@ -545,16 +600,18 @@ static void follow_onward(struct transport *t, enum presence presence, const str
 		follow_path(t, presence, s, onward->direction[k], each, depth, rows);
 }
 
-/* Draws a ray from the coat. False when it ends in the sky, whose light is added, or below the
- * surface; else *next is the surface it meets and *onward its weight. shared: add_coat_by_cells()
- * adds the other part of the balance heuristic. */
+/* Draws a ray from the coat, and adds the light of the sky that it sees, also through glass. False
+ * when nothing is left to follow; else *next is the surface it meets and *onward its weight. shared:
+ * add_coat_by_cells() adds the other part of the balance heuristic. */
 static bool sample_coat(struct transport *t, enum presence presence, const struct surface *s,
 			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
 			struct v3 *wi, struct rgb *onward, float *row)
 {
+	struct passage passage = {.open = true, .passed = {{1, 1, 1}}};
 	float density, share[3];
 	int light[3], count;
 	struct rgb f;
+	bool met;
 
 	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
@@ -564,28 +621,60 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 		return false;
 	f = rgb_mul(weight, f);
 	t->ray_count++;
-	if (world_nearest(t->world, presence, surface_leave(s, *wi), *wi, next)) {
-		*onward = rgb_scale(f, 1 / density);
+	met = world_nearest(t->world, presence, surface_leave(s, *wi), *wi, next);
+	if (met)
+		passage = next_passage(t, presence, s, *wi, next);
+	t->mirrored = passage.mirrored;
+	*onward = rgb_scale(f, passage.open ? passage.mirrored / density : 1 / density);
+	if (!passage.open)
 		return true;
-	}
+	f = rgb_mul(f, passage.passed);
 	count = cells_weights(t->cells, *wi, light, share);
-	for (int k = 0; k < count; k++)
-		deposit_cell(
-			t, light[k],
-			rgb_scale(f, share[k] / (density +
-						 (shared ? share[k] / t->cells->sr[light[k]] : 0))),
-			row);
-	return false;
+	for (int k = 0; k < count; k++) {
+		const float other = shared ? share[k] / t->cells->sr[light[k]] : 0;
+		const struct rgb part = rgb_scale(f, share[k] / (density + other));
+
+		if (passage.bent)
+			deposit_sky(t, passage.sky, part, row);
+		else
+			deposit_cell(t, light[k], part, row);
+	}
+	return passage.mirrored > 0;
+}
+
+/*
+ * Chooses how the path goes on at glass. *mirrored: the probability with which this surface or one
+ * behind it mirrors, if light that passes all of them does not count; becomes that of the ones behind.
+ *     m = 1 - (1 - R) (1 - m'),  mirrored here with probability R / m
+ */
+static struct v3 choose_way(struct transport *t, const struct surface *s, struct v3 wo,
+			    float *mirrored, struct rgb *tint)
+{
+	struct glass_ways ways;
+
+	if (*mirrored == 0)
+		return bsdf_glass_sample(&s->bsdf, s->normal, s->outer, wo, &t->random, tint);
+	ways = bsdf_glass_ways(&s->bsdf, s->normal, s->outer, wo);
+	if (random_next(&t->random) * *mirrored < ways.reflectance) {
+		*mirrored = 0;
+		*tint = rgb_make(1, 1, 1);
+		return ways.mirrored;
+	}
+	*mirrored = (*mirrored - ways.reflectance) / (1 - ways.reflectance);
+	*tint = s->bsdf.colour;
+	return ways.passed;
 }
 
 /* Follows the path through glass to the next other surface. False when the path has ended. */
 static bool pass_glass(struct transport *t, enum presence presence, struct surface *s,
 		       struct v3 *wo, struct rgb *weight, float *row)
 {
+	float mirrored = t->mirrored;
+
+	t->mirrored = 0;
 	for (int k = 0; s->bsdf.kind == MATERIAL_GLASS; k++) {
 		struct rgb tint;
-		const struct v3 d = bsdf_glass_sample(&s->bsdf, s->normal, s->outer, *wo,
-						      &t->random, &tint);
+		const struct v3 d = choose_way(t, s, *wo, &mirrored, &tint);
 		struct surface next;
 
 		if (k == GLASS_MAX)
@@ -648,7 +737,8 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	cached = add_cached(t, &s, wo, weight, row);
 	all = depth <= ALL_CELLS_DEPTH && !cached;
 	if (!cached)
-		onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row)
+		onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row,
+					       rows->bounce)
 			     : spread_fan(t, presence, &s, wo, weight, row);
 	base = rgb_scale(rgb_mul(weight, s.bsdf.colour), onward.weight);
 	shared = all && coat_is_wide(t, &s.bsdf);
@@ -679,6 +769,7 @@ void transport_add(struct transport *t, enum presence presence, const struct sur
 {
 	t->compared = surface->kind != SURFACE_OBJECT;
 	t->gathered = false;
+	t->mirrored = 0;
 	add_path(t, presence, surface, wo, weight, 0, rows);
 }
 
@@ -689,6 +780,34 @@ void transport_add_sky(struct transport *t, struct v3 direction, struct rgb weig
 }
 
 /* ---- shadow on flat ground ---- */
+
+int transport_shadow_channels(const struct world *world)
+{
+	return world_has_tinted_panes(world) ? 3 : 1;
+}
+
+/* Adds what objects take of the light of a ray's cell. Returns whether that is anything. What is left
+ * of value[] is what goes on by way of objects. */
+static bool add_blocked(struct transport *t, struct v3 position, int at, float weight,
+			const struct transport_rows *rows)
+{
+	const struct passage p = ray_passage(t, WITH_OBJECTS, position, at);
+	const int cell = t->cell[at], channels = transport_shadow_channels(t->world);
+	bool any = false;
+
+	for (int c = 0; c < channels && t->rays.blocked[at]; c++) {
+		const float taken = p.bent ? 1 : 1 - p.passed.c[c];
+
+		rows->direct[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight * taken;
+		any |= taken > 0;
+	}
+	t->value[cell] = t->cells->share[cell];
+	if (p.bent)
+		deposit_sky(t, p.sky, rgb_scale(p.passed, -weight * t->value[cell]), rows->bounce);
+	if (p.open)
+		t->value[cell] *= p.mirrored;
+	return any;
+}
 
 bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 			  const struct transport_rows *rows)
@@ -704,6 +823,7 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	};
 	const struct v3 *row = cells_pick(cells, cells->ground, t->pixel, t->sample);
 	struct onward onward;
+	bool any = false;
 
 	profile_enter(PROFILE_CELLS);
 	t->compared = false;
@@ -713,16 +833,11 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
 			push_ray(t, row[k], cells->order[k]);
 	trace_cells(t, WITH_OBJECTS, position);
-	for (int k = 0; k < t->rays.count; k++) {
-		const int cell = t->cell[k];
-
-		t->value[cell] = cells->share[cell];
-		if (t->rays.blocked[k])
-			rows->direct[cell] += weight;
-	}
+	for (int k = 0; k < t->rays.count; k++)
+		any |= add_blocked(t, position, k, weight, rows);
 	onward = choose_onward(t, 0, NULL, 0);
 	if (onward.weight == 0)
-		return false;
+		return any;
 	weight *= -onward.weight;
 	follow_onward(t, WITH_OBJECTS, &ground, &onward, rgb_make(weight, weight, weight), 1, rows);
 	return true;
@@ -738,6 +853,6 @@ void transport_link(struct transport *t, const struct surface *s, float *row)
 
 	t->compared = false;
 	t->gathered = false;
-	onward = spread_to_cells(t, WITH_OBJECTS, s, s->normal, white, 0, row);
+	onward = spread_to_cells(t, WITH_OBJECTS, s, s->normal, white, 0, row, row);
 	follow_onward(t, WITH_OBJECTS, s, &onward, rgb_scale(white, onward.weight), 1, &rows);
 }

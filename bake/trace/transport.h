@@ -7,7 +7,8 @@
  * not blocked add their light. One of the blocked rays, drawn with a probability in proportion to
  * its weight, is followed and carries the weight of all blocked ones. So blocked and bounced light
  * balance in each sample, and a white object in a white furnace vanishes at any number of samples.
- * At further surfaces the same is done with a few cosine-weighted, stratified directions.
+ * A ray to a cell goes on through glass, straight or bent, and gets the light of the sky that it
+ * reaches; only what the glass mirrors counts as blocked. At further surfaces the same is done with a few cosine-weighted, stratified directions.
  */
 #ifndef INLAY_BAKE_TRACE_TRANSPORT_H
 #define INLAY_BAKE_TRACE_TRANSPORT_H
@@ -44,7 +45,10 @@ struct transport {
 	float choice;		/* chooses the blocked ray to follow from the first surface, 0..1 */
 	double below[2];	/* chooses the direction below the horizon, 0..1 */
 	bool compared;		/* the sample is traced with either presence, and subtracted */
-	uint64_t ray_count;	/* rays so far */
+	/* The path is about to meet glass, and the light that passes it is added already: only light
+	 * that it mirrors, altogether this share, is left. 0: all light. */
+	float mirrored;
+	uint64_t ray_count; /* rays so far */
 	/* Light of surfaces that a path reaches after a diffuse bounce; NULL: the path goes on. The caller
 	 * sets it, and owns the cache. */
 	const struct cache *cache;
@@ -68,7 +72,7 @@ void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel,
  * and almost without noise, while the rest is smooth and noisy. Clear glass before the first other
  * surface does not count. */
 struct transport_rows {
-	float *direct; /* [3][count]: one surface; for a shadow [count] */
+	float *direct; /* [3][count]: one surface; for a shadow [transport_shadow_channels()][count] */
 	float *bounce; /* [3][count]: several surfaces */
 };
 
@@ -85,10 +89,13 @@ void transport_add(struct transport *transport, enum presence presence,
 void transport_add_sky(struct transport *transport, struct v3 direction, struct rgb weight,
 		       const struct transport_rows *rows);
 
+/* Channels of the direct light that a shadow takes: 3 where panes are tinted, else 1. */
+int transport_shadow_channels(const struct world *world);
+
 /*
  * Adds weight times what the objects take from each cell's light on flat ground, in scenes without
  * stand-ins:
- *     direct[i]    += 1 for each cell that is blocked
+ *     direct[c][i] += 1 for each cell that is blocked; 1 - transmission behind panes
  *     bounce[c][i] += (u - s) / albedo of the light that objects throw on the ground (<= 0)
  * Cells that no path over an object reaches stay unchanged. Returns false when nothing was added.
  */

@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define PACKET 16
+#define GLASS_MAX 32 /* glass surfaces in a row; more let nothing through */
 /* Offset of leaving rays as a share of the world's largest coordinate: a few units in the last
  * place. */
 #define OFFSET_SCALE 4e-6f
@@ -25,12 +26,14 @@ struct instance {
 struct world {
 	RTCDevice device;
 	RTCScene scene[PRESENCE_COUNT];
+	/* The scene's glass and all else, where there is some; else NULL. */
+	RTCScene glass[PRESENCE_COUNT], solid[PRESENCE_COUNT];
 	struct bounds bounds[PRESENCE_COUNT];
-	struct instance *instances; /* by geometry number, the same in both scenes */
+	struct instance *instances; /* by geometry number, the same in all scenes */
 	unsigned instance_count;
 	struct inside inside; /* the objects */
 	float size;	      /* largest coordinate of any mesh */
-	bool ground, standins;
+	bool ground, standins, tinted_panes;
 	int objects; /* meshes */
 	struct rgb albedo;
 	float extent2; /* squared radius of the ground, or infinity */
@@ -88,6 +91,15 @@ static const struct material plain = {
 	.ior = 1.5f,
 };
 
+static RTCScene scene_new(RTCDevice device)
+{
+	RTCScene scene = rtcNewScene(device);
+
+	rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+	rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+	return scene;
+}
+
 int world_create(struct world **out, struct fault *fault)
 {
 	struct world *world = calloc(1, sizeof(*world));
@@ -102,9 +114,7 @@ int world_create(struct world **out, struct fault *fault)
 				 (int)rtcGetDeviceError(NULL));
 	}
 	for (int k = 0; k < PRESENCE_COUNT; k++) {
-		world->scene[k] = rtcNewScene(world->device);
-		rtcSetSceneFlags(world->scene[k], RTC_SCENE_FLAG_ROBUST);
-		rtcSetSceneBuildQuality(world->scene[k], RTC_BUILD_QUALITY_HIGH);
+		world->scene[k] = scene_new(world->device);
 		world->bounds[k].radius = -1;
 	}
 	*out = world;
@@ -213,14 +223,63 @@ static bool world_chord(const void *context, struct v3 from, struct v3 direction
 	return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
+/* Light passes an object with glass, whatever is inside of it. */
+static bool object_has_glass(const struct world *world, const struct mesh *mesh)
+{
+	for (unsigned k = 0; k < world->instance_count; k++)
+		if (world->instances[k].mesh == mesh &&
+		    world->instances[k].material->kind == MATERIAL_GLASS)
+			return true;
+	return false;
+}
+
 static void world_fill_inside(struct world *world)
 {
 	for (unsigned k = 0; k < world->instance_count; k++) {
 		const struct instance *i = &world->instances[k];
 
-		if (i->kind == SURFACE_OBJECT && i->part == i->mesh->parts)
+		if (i->kind == SURFACE_OBJECT && i->part == i->mesh->parts &&
+		    !object_has_glass(world, i->mesh))
 			inside_add(&world->inside, i->mesh->parts, i->mesh->part_count,
 				   INSIDE_MAX / world->objects, world_chord, world);
+	}
+}
+
+static bool is_grey(struct rgb c)
+{
+	return c.c[0] == c.c[1] && c.c[1] == c.c[2];
+}
+
+static bool casts_coloured_shadow(const struct material *material)
+{
+	const struct bsdf bsdf = material_at(material, 0, 0);
+
+	return bsdf_is_pane(&bsdf) && (material->texture || !is_grey(material->colour));
+}
+
+/* Parts each scene into glass and all else, if there is glass. */
+static void world_part_glass(struct world *world)
+{
+	bool any = false;
+
+	for (unsigned k = 0; k < world->instance_count; k++) {
+		any |= world->instances[k].material->kind == MATERIAL_GLASS;
+		world->tinted_panes |= casts_coloured_shadow(world->instances[k].material);
+	}
+	for (int p = 0; p < PRESENCE_COUNT && any; p++) {
+		world->glass[p] = scene_new(world->device);
+		world->solid[p] = scene_new(world->device);
+		for (unsigned k = 0; k < world->instance_count; k++) {
+			const struct instance *i = &world->instances[k];
+
+			if (p == WITH_OBJECTS || i->kind == SURFACE_STANDIN)
+				rtcAttachGeometryByID(i->material->kind == MATERIAL_GLASS
+							      ? world->glass[p]
+							      : world->solid[p],
+						      rtcGetGeometry(world->scene[p], k), k);
+		}
+		rtcCommitScene(world->glass[p]);
+		rtcCommitScene(world->solid[p]);
 	}
 }
 
@@ -228,6 +287,7 @@ int world_commit(struct world *world, struct fault *fault)
 {
 	enum RTCError err;
 
+	world_part_glass(world);
 	for (int k = 0; k < PRESENCE_COUNT; k++) {
 		rtcCommitScene(world->scene[k]);
 		if (k == WITH_OBJECTS ? world->instance_count > 0 : world->standins)
@@ -249,6 +309,11 @@ bool world_has_ground(const struct world *world)
 bool world_has_standins(const struct world *world)
 {
 	return world->standins;
+}
+
+bool world_has_tinted_panes(const struct world *world)
+{
+	return world->tinted_panes;
 }
 
 struct rgb world_ground_albedo(const struct world *world)
@@ -353,8 +418,7 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	return false;
 }
 
-bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
-		   struct v3 direction)
+static bool scene_blocks(RTCScene scene, struct v3 origin, struct v3 direction)
 {
 	struct RTCRay r = {
 		.org_x = origin.x,
@@ -367,21 +431,53 @@ bool world_blocked(const struct world *world, enum presence presence, struct v3 
 		.mask = ~0u,
 	};
 
-	embree_occlude(world->scene[presence], &r);
+	embree_occlude(scene, &r);
 	return r.tfar < 0;
+}
+
+struct passage world_through_glass(const struct world *world, enum presence presence,
+				   struct v3 origin, struct v3 direction)
+{
+	struct passage p = {.open = true, .sky = direction, .passed = {{1, 1, 1}}};
+	struct surface s;
+
+	for (int k = 0; world_nearest(world, presence, origin, p.sky, &s); k++) {
+		const struct glass_ways ways = bsdf_glass_ways(&s.bsdf, s.normal, s.outer,
+							       v3_scale(p.sky, -1));
+
+		if (s.bsdf.kind != MATERIAL_GLASS || ways.reflectance >= 1 || k == GLASS_MAX)
+			return (struct passage){.open = false};
+		p.bent |= !bsdf_is_pane(&s.bsdf);
+		p.passed = rgb_mul(rgb_scale(p.passed, 1 - ways.reflectance), s.bsdf.colour);
+		p.mirrored += (1 - p.mirrored) * ways.reflectance;
+		p.sky = ways.passed;
+		origin = surface_leave(&s, p.sky);
+	}
+	return p.sky.z >= 0 ? p : (struct passage){.open = false};
+}
+
+struct passage world_passage(const struct world *world, enum presence presence, struct v3 origin,
+			     struct v3 direction)
+{
+	const bool glass = world->glass[presence];
+
+	if (scene_blocks(glass ? world->solid[presence] : world->scene[presence], origin,
+			 direction))
+		return (struct passage){.open = false};
+	if (!glass)
+		return (struct passage){.open = true, .sky = direction, .passed = {{1, 1, 1}}};
+	return world_through_glass(world, presence, origin, direction);
 }
 
 /* ---- many rays ---- */
 
-void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
-		    struct ray_batch *batch)
+/* Gives the result to those rays, not blocked so far, which meet the scene. */
+static void occlude_batch(RTCScene scene, struct v3 origin, struct ray_batch *batch,
+			  enum ray_result result)
 {
 	struct RTCRay16 r __attribute__((aligned(64)));
 	int valid[PACKET] __attribute__((aligned(64)));
 
-	memset(batch->blocked, 0, (size_t)batch->count);
-	if (world->bounds[presence].radius < 0)
-		return;
 	memset(&r, 0, sizeof(r));
 	for (int k = 0; k < PACKET; k++) {
 		r.org_x[k] = origin.x;
@@ -393,16 +489,31 @@ void world_occluded(const struct world *world, enum presence presence, struct v3
 		const int n = batch->count - first < PACKET ? batch->count - first : PACKET;
 
 		for (int k = 0; k < PACKET; k++) {
-			valid[k] = k < n ? -1 : 0;
+			valid[k] = k < n && !batch->blocked[first + k] ? -1 : 0;
 			r.tfar[k] = INFINITY;
 		}
 		memcpy(r.dir_x, batch->x + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_y, batch->y + first, (size_t)n * sizeof(float));
 		memcpy(r.dir_z, batch->z + first, (size_t)n * sizeof(float));
-		embree_occlude_packet(valid, world->scene[presence], &r);
+		embree_occlude_packet(valid, scene, &r);
 		for (int k = 0; k < n; k++)
-			batch->blocked[first + k] = r.tfar[k] < 0;
+			if (r.tfar[k] < 0)
+				batch->blocked[first + k] = (uint8_t)result;
 	}
+}
+
+void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
+		    struct ray_batch *batch)
+{
+	memset(batch->blocked, 0, (size_t)batch->count);
+	if (world->bounds[presence].radius < 0)
+		return;
+	if (!world->glass[presence]) {
+		occlude_batch(world->scene[presence], origin, batch, RAY_BLOCKED);
+		return;
+	}
+	occlude_batch(world->solid[presence], origin, batch, RAY_BLOCKED);
+	occlude_batch(world->glass[presence], origin, batch, RAY_GLASS);
 }
 
 int ray_batch_create(struct ray_batch *batch)
@@ -432,8 +543,13 @@ void world_destroy(struct world *world)
 {
 	if (!world)
 		return;
-	for (int k = 0; k < PRESENCE_COUNT; k++)
+	for (int k = 0; k < PRESENCE_COUNT; k++) {
 		rtcReleaseScene(world->scene[k]);
+		if (world->glass[k])
+			rtcReleaseScene(world->glass[k]);
+		if (world->solid[k])
+			rtcReleaseScene(world->solid[k]);
+	}
 	rtcReleaseDevice(world->device);
 	free(world->instances);
 	free(world);

@@ -41,7 +41,23 @@ struct bounds {
 struct ray_batch {
 	int count;
 	float *x, *y, *z; /* [WORLD_RAYS_MAX] */
-	uint8_t *blocked; /* [WORLD_RAYS_MAX]: the result, 0 or 1 */
+	uint8_t *blocked; /* [WORLD_RAYS_MAX]: the result, of enum ray_result */
+};
+
+enum ray_result {
+	RAY_FREE,
+	RAY_BLOCKED,
+	RAY_GLASS /* only glass is in the way of the straight ray: world_through_glass() */
+};
+
+/* What glass leaves of the light that comes along a ray from the sky. Light that it mirrors is not
+ * followed. */
+struct passage {
+	bool open;	   /* the ray leaves all glass towards the sky; else the rest is 0 */
+	bool bent;	   /* some of it is no pane (bsdf_is_pane) */
+	struct v3 sky;	   /* direction in which the ray leaves */
+	struct rgb passed; /* share that passes */
+	float mirrored;	   /* share that is mirrored, but for tints */
 };
 
 struct world;
@@ -60,6 +76,7 @@ int world_commit(struct world *world, struct fault *fault);
 
 bool world_has_ground(const struct world *world);
 bool world_has_standins(const struct world *world);
+bool world_has_tinted_panes(const struct world *world); /* their shadows are coloured */
 struct rgb world_ground_albedo(const struct world *world);
 const struct inside *world_inside(const struct world *world); /* of the objects */
 struct bounds world_bounds(const struct world *world, enum presence presence);
@@ -68,9 +85,14 @@ struct bounds world_bounds(const struct world *world, enum presence presence);
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface);
 
-/* Tells whether a ray meets a mesh; the ground does not count. */
-bool world_blocked(const struct world *world, enum presence presence, struct v3 origin,
-		   struct v3 direction);
+/* Follows a ray from the sky, backwards. Open: nothing but glass is in its straight way, and the ray
+ * reaches the sky by passing that. Direction: upwards. */
+struct passage world_passage(const struct world *world, enum presence presence, struct v3 origin,
+			     struct v3 direction);
+
+/* The same of a ray in whose straight way there is nothing but glass. */
+struct passage world_through_glass(const struct world *world, enum presence presence,
+				   struct v3 origin, struct v3 direction);
 
 /* Finds which rays of a batch meet a mesh. The ground does not count: batches hold only rays that
  * point upwards. */

@@ -39,6 +39,16 @@ static bool sample_bsdf(const struct surface *s, struct v3 wo, struct random *ra
 	return v3_dot(s->geometric, *wi) > 0;
 }
 
+/* Share of the sky's light that arrives straight from a direction. */
+static struct rgb passed_from(struct tracer *t, enum presence presence, struct v3 origin,
+			      struct v3 wi)
+{
+	const struct passage p = world_passage(t->scene->world, presence, origin, wi);
+
+	t->rays++;
+	return p.bent ? rgb_make(0, 0, 0) : p.passed;
+}
+
 /* Direct light from a sampled point of the sky, weighted by the balance heuristic. */
 static struct rgb light_from_sky(struct tracer *t, enum presence presence, const struct surface *s,
 				 struct v3 wo, const float point[2])
@@ -49,18 +59,17 @@ static struct rgb light_from_sky(struct tracer *t, enum presence presence, const
 
 	if (density <= 0 || other <= 0 || wi.z < 0)
 		return rgb_make(0, 0, 0);
-	t->rays++;
-	if (world_blocked(t->scene->world, presence, surface_leave(s, wi), wi))
-		return rgb_make(0, 0, 0);
-	return rgb_scale(rgb_mul(f, sky_radiance(t->sky, wi)), 1 / (density + other));
+	return rgb_scale(rgb_mul(f, rgb_mul(passed_from(t, presence, surface_leave(s, wi), wi),
+					    sky_radiance(t->sky, wi))),
+			 1 / (density + other));
 }
 
 /* ---- paths ---- */
 
 /* Follows a path through glass until another surface is met. Returns false when the path has ended;
- * its light is added then. */
+ * its light is added then. counted: not if it has passed straight through panes. */
 static bool pass_glass(struct tracer *t, enum presence presence, struct surface *s, struct v3 *wo,
-		       struct rgb *weight, struct rgb *light)
+		       bool counted, struct rgb *weight, struct rgb *light)
 {
 	for (int k = 0; s->bsdf.kind == MATERIAL_GLASS; k++) {
 		struct rgb tint;
@@ -71,9 +80,11 @@ static bool pass_glass(struct tracer *t, enum presence presence, struct surface 
 		if (k == GLASS_MAX)
 			return false;
 		*weight = rgb_mul(*weight, tint);
+		counted &= bsdf_is_pane(&s->bsdf) && v3_dot(d, s->normal) < 0;
 		t->rays++;
 		if (!world_nearest(t->scene->world, presence, surface_leave(s, d), d, &next)) {
-			*light = rgb_add(*light, rgb_mul(*weight, sky_radiance(t->sky, d)));
+			if (!counted)
+				*light = rgb_add(*light, rgb_mul(*weight, sky_radiance(t->sky, d)));
 			return false;
 		}
 		*s = next;
@@ -100,15 +111,20 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 {
 	struct rgb light = {{0, 0, 0}}, weight = {{1, 1, 1}};
 	struct surface s = *at;
+	/* The ray that led here has been followed straight through panes to the sky, except the
+	 * camera's. */
+	bool counted = depth > 0;
 
 	for (;; depth++) {
 		float fresh[2], density, other;
 		struct surface next;
 		struct rgb f;
 		struct v3 wi;
+		bool met;
 
-		if (!pass_glass(t, presence, &s, &wo, &weight, &light))
+		if (!pass_glass(t, presence, &s, &wo, counted, &weight, &light))
 			return light;
+		counted = true;
 		fresh[0] = random_next(&t->random);
 		fresh[1] = random_next(&t->random);
 		light = rgb_add(light, rgb_mul(weight, light_from_sky(t, presence, &s, wo,
@@ -120,19 +136,33 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 		if (density <= 0)
 			return light;
 		t->rays++;
-		if (!world_nearest(t->scene->world, presence, surface_leave(&s, wi), wi, &next)) {
-			if (wi.z < 0)
-				return light;
+		met = world_nearest(t->scene->world, presence, surface_leave(&s, wi), wi, &next);
+		if (wi.z >= 0 && (!met || bsdf_is_pane(&next.bsdf))) {
+			const struct rgb sky =
+				rgb_mul(passed_from(t, presence, surface_leave(&s, wi), wi),
+					sky_radiance(t->sky, wi));
+
 			other = sky_density(t->sky, wi);
-			f = rgb_scale(rgb_mul(f, sky_radiance(t->sky, wi)), 1 / (density + other));
-			return rgb_add(light, rgb_mul(weight, f));
+			light = rgb_add(light, rgb_mul(weight, rgb_scale(rgb_mul(f, sky),
+									 1 / (density + other))));
 		}
+		if (!met)
+			return light;
 		weight = rgb_mul(weight, rgb_scale(f, 1 / density));
 		if (depth == t->bounces || !path_survives(t, &weight))
 			return light;
 		s = next;
 		wo = v3_scale(wi, -1);
 	}
+}
+
+/* Light of the sky that does not arrive straight from a direction. */
+static struct rgb lost_from(struct tracer *t, struct v3 origin, struct v3 wi)
+{
+	const struct rgb passed = passed_from(t, WITH_OBJECTS, origin, wi);
+	const struct rgb lost = {{1 - passed.c[0], 1 - passed.c[1], 1 - passed.c[2]}};
+
+	return rgb_mul(lost, sky_radiance(t->sky, wi));
 }
 
 /* What objects take from flat ground, as irradiance / pi: the light they block less the light they
@@ -147,13 +177,15 @@ static struct rgb taken_from_ground(struct tracer *t, const struct surface *s)
 	const float u = random_next(&t->random), v = random_next(&t->random);
 
 	t->rays += 2;
-	if (wi.z > 0 && density > 0 && world_blocked(world, WITH_OBJECTS, s->position, wi))
-		taken = rgb_scale(sky_radiance(t->sky, wi), wi.z / PI_F / (density + wi.z / PI_F));
+	if (wi.z > 0 && density > 0)
+		taken = rgb_scale(lost_from(t, s->position, wi),
+				  wi.z / PI_F / (density + wi.z / PI_F));
 	wi = hemisphere_cosine(s->normal, u, v);
 	if (world_nearest(world, WITH_OBJECTS, s->position, wi, &next)) {
 		const float other = sky_density(t->sky, wi), own = wi.z / PI_F;
 
-		taken = rgb_add(taken, rgb_scale(sky_radiance(t->sky, wi), own / (own + other)));
+		taken = rgb_add(taken,
+				rgb_scale(lost_from(t, s->position, wi), own / (own + other)));
 		if (t->bounces > 0)
 			taken = rgb_add(taken, rgb_scale(truth_radiance(t, WITH_OBJECTS, &next,
 									v3_scale(wi, -1), 1, NULL),

@@ -94,6 +94,33 @@ static void test_glass_furnace(void **state)
 	check_furnace("glass", 0.01, 0.001);
 }
 
+/* Panes send back what they do not let through: to the ground, to themselves, and to metal. */
+static void check_pane_furnace(const char *what, const char *glass, const char *other, double limit)
+{
+	small_scene_write("furnace.ini",
+			  VIEW "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+			       "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+			       "up = z\nmaterial = glass\nstand = yes\n%s[material white]\n"
+			       "colour = 1 1 1\n[material glass]\nkind = glass\n"
+			       "colour = 1 1 1\n%s\n[material metal]\nkind = glossy\n"
+			       "colour = 0 0 0\nspecular = 1 1 1\nroughness = 0.5\n",
+			  other, glass);
+	check_furnace(what, limit, limit / 10);
+}
+
+static void test_pane_furnace(void **state)
+{
+	const char *const metal = "[object metal]\nfile = small.obj\nup = z\nmaterial = metal\n"
+				  "position = 0 0 0.8\n";
+
+	(void)state;
+	small_scene_write_sphere("ball.obj", 0.8, 32);
+	small_scene_write_sphere("small.obj", 0.5, 32);
+	check_pane_furnace("panes", "thin = yes", "", 0.01);
+	check_pane_furnace("metal behind panes", "thin = yes", metal, 0.03);
+	check_pane_furnace("metal behind ior 1", "ior = 1", metal, 0.03);
+}
+
 /* A convex object over nothing has radiance albedo * (1 + n_z) / 2, with n_z from geometry. */
 static void test_half_sky(void **state)
 {
@@ -506,12 +533,12 @@ static void test_fisheye_energy(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_white_furnace),  cmocka_unit_test(test_glass_furnace),
-		cmocka_unit_test(test_half_sky),       cmocka_unit_test(test_ground_term),
-		cmocka_unit_test(test_form_factor),    cmocka_unit_test(test_looks_straight_down),
-		cmocka_unit_test(test_mirror),	       cmocka_unit_test(test_standin_is_ground),
-		cmocka_unit_test(test_standin_hides),  cmocka_unit_test(test_truth_agrees),
-		cmocka_unit_test(test_fisheye_energy),
+		cmocka_unit_test(test_white_furnace),	    cmocka_unit_test(test_glass_furnace),
+		cmocka_unit_test(test_pane_furnace),	    cmocka_unit_test(test_half_sky),
+		cmocka_unit_test(test_ground_term),	    cmocka_unit_test(test_form_factor),
+		cmocka_unit_test(test_looks_straight_down), cmocka_unit_test(test_mirror),
+		cmocka_unit_test(test_standin_is_ground),   cmocka_unit_test(test_standin_hides),
+		cmocka_unit_test(test_truth_agrees),	    cmocka_unit_test(test_fisheye_energy),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

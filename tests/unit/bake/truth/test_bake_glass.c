@@ -32,12 +32,17 @@ struct glass_comparison {
 	struct basis basis;
 	struct image truth;	 /* linear light */
 	uint8_t out[PIXELS * 4]; /* BGRX */
-	double rms, most, psnr;
+	double rms, most, psnr, mean;
 	int x, y; /* place of the largest difference */
 };
 
+/* Without its pattern, so that only light makes a difference. */
+static bool plain_board;
+
 static int board_code(int x, int y, int c)
 {
+	if (plain_board)
+		return 150;
 	return (x / SQUARE + y / SQUARE) % 2 ? 225 - 12 * c : 50 + 25 * ((x / SQUARE + c) % 3);
 }
 
@@ -114,8 +119,8 @@ static int level(const struct glass_comparison *c, int x, int y, int channel)
 	return c->out[(y * WIDTH + x) * 4 + 2 - channel];
 }
 
-/* Bakes NAME, composites it, and traces the same scene. */
-static void compare(struct glass_comparison *to, const char *name)
+/* Traces NAME. Returns the noise, in levels. */
+static double trace_truth(struct glass_comparison *to, const char *name)
 {
 	const struct truth_settings settings = {
 		.samples = 384, .bounces = 8, .seed = 3, .threads = 2, .quiet = true};
@@ -124,7 +129,6 @@ static void compare(struct glass_comparison *to, const char *name)
 	struct scene *scene = small_scene_open(name);
 	struct fault fault = {.text = ""};
 	struct truth_report report;
-	double square = 0;
 	struct sky sky;
 
 	make_panorama(&image);
@@ -135,15 +139,29 @@ static void compare(struct glass_comparison *to, const char *name)
 				TRANSFER_SRGB, board_code(i % WIDTH, i / WIDTH, c) / 255.0);
 	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
 	assert_int_equal(truth_run(scene, &sky, &board, &settings, &to->truth, &report, &fault), 0);
+	sky_free(&sky);
+	image_free(&image);
+	image_free(&board);
+	scene_close(scene);
+	return report.noise_levels;
+}
+
+/* Bakes NAME, composites it, and traces the same scene. */
+static void compare(struct glass_comparison *to, const char *name)
+{
+	const double noise = trace_truth(to, name);
+	double square = 0;
+
 	to->basis = small_scene_bake(name);
 	composite(to);
-	to->most = 0;
+	to->most = to->mean = 0;
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++)
 			for (int c = 0; c < 3; c++) {
 				const double off = level(to, x, y, c) - true_level(to, x, y, c);
 
 				square += off * off / (3 * PIXELS);
+				to->mean += off / (3 * PIXELS);
 				if (fabs(off) > to->most) {
 					to->most = fabs(off);
 					to->x = x;
@@ -152,12 +170,9 @@ static void compare(struct glass_comparison *to, const char *name)
 			}
 	to->rms = sqrt(square);
 	to->psnr = 20 * log10(255 / to->rms);
-	print_message("# %s: %.1f dB, RMS %.2f levels, %.1f at most (%d, %d); truth's noise %.2f\n",
-		      name, to->psnr, to->rms, to->most, to->x, to->y, report.noise_levels);
-	sky_free(&sky);
-	image_free(&image);
-	image_free(&board);
-	scene_close(scene);
+	print_message("# %s: %.1f dB, RMS %.2f levels, mean %+.3f, %.1f at most (%d, %d); truth's "
+		      "noise %.2f\n",
+		      name, to->psnr, to->rms, to->mean, to->most, to->x, to->y, noise);
 }
 
 static void compared(struct glass_comparison *c)
@@ -266,6 +281,200 @@ static void a_ball_bends_the_background(void **state)
 	compared(&c);
 }
 
+/* ---- light through panes ---- */
+
+/* Writes a scene of an object of glass, and of what else is given. */
+static void write_glass(const char *name, const char *mesh, const char *material,
+			const char *others)
+{
+	small_scene_write(
+		name,
+		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "%s[object glass]\n"
+								       "file = %s\nup = "
+								       "z\nmaterial = g\n[material "
+								       "g]\nkind = glass\n%s\n",
+		others, mesh, material);
+}
+
+static void write_panes(void)
+{
+	small_scene_write("sheet.obj",
+			  "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
+	small_scene_write("roof.obj", "v -0.6 -0.6 0.7\nv 0.6 -0.6 0.7\nv 0.6 0.6 0.7\n"
+				      "v -0.6 0.6 0.7\nf 1 2 3 4\n");
+	write_box("box.obj", 0.5, 0.4, 0.9);
+}
+
+/* The shadow of a black ball, under each cell, is the same with an invisible pane in the light's
+ * way. Truth is the background where nothing but that is in the picture. */
+static void check_invisible(const char *mesh, const char *material)
+{
+	const char *const ball = "[object ball]\nfile = ball.obj\nup = z\nmaterial = black\n"
+				 "position = 0.9 0.2 0.2\n[material black]\ncolour = 0 0 0\n";
+	struct glass_comparison c;
+	struct basis alone, with;
+	double most = 0, off = 0;
+
+	small_scene_write("alone.ini", SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "%s",
+			  ball);
+	write_glass("clear.ini", mesh, material, ball);
+	alone = small_scene_bake("alone.ini");
+	with = small_scene_bake("clear.ini");
+	write_glass("clear.ini", mesh, material, "");
+	trace_truth(&c, "clear.ini");
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			for (int channel = 0; channel < 3; channel++) {
+				double v[2][64] = {{0}};
+
+				baked_row(&alone, x, y, BASIS_KIND_V, channel, v[0]);
+				baked_row(&with, x, y, BASIS_KIND_V, channel, v[1]);
+				for (uint32_t i = 0; i < alone.info.lights; i++)
+					most = fmax(most, fabs(v[0][i] - v[1][i]));
+				off = fmax(off, fabs(true_level(&c, x, y, channel) -
+						     board_code(x, y, channel)));
+			}
+	print_message("# invisible %s: baked light differs by %.5f, truth by %.4f levels\n", mesh,
+		      most, off);
+	expect_below(most, 1e-4, "%s", mesh);
+	expect_below(off, 1e-3, "%s", mesh);
+	basis_close(&alone);
+	basis_close(&with);
+	image_free(&c.truth);
+}
+
+static void an_invisible_pane_throws_no_shadow(void **state)
+{
+	(void)state;
+	write_panes();
+	small_scene_write_sphere("ball.obj", 0.2, 24);
+	check_invisible("sheet.obj", "thin = yes\nior = 1\ncolour = 1 1 1");
+	check_invisible("roof.obj", "thin = yes\nior = 1\ncolour = 1 1 1");
+	check_invisible("box.obj", "ior = 1\ncolour = 1 1 1");
+}
+
+/* The zenith's cell, which spans 7 degrees at f = 9, through a pane over ground that is almost black:
+ * what is taken is 1 - tint (1 - 2 F / (1 + F)), F = 0.04. */
+static void a_tinted_roof_takes_by_fresnel(void **state)
+{
+	static const double tint[3] = {0.9, 0.6, 0.3};
+	struct basis basis;
+
+	(void)state;
+	small_scene_write("roof.obj", "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n");
+	small_scene_write(
+		"roof.ini",
+		"[camera]\nposition = 0 -9 0.4\nlook_at = 0 0 0\nfield_deg = 0.1\n"
+		"width = 3\nheight = 3\n[dome]\nfrequency = 9\n[render]\nsamples = 16\n"
+		"[ground]\nmaterial = dark\n[object roof]\nfile = roof.obj\nup = z\n"
+		"position = 0 0 0.7\nmaterial = g\n[material dark]\ncolour = 0.001 0.001 0.001\n"
+		"[material g]\nkind = glass\nthin = yes\ncolour = 0.9 0.6 0.3\n");
+	basis = small_scene_bake("roof.ini");
+	for (int channel = 0; channel < 3; channel++) {
+		const double want = 1 - tint[channel] * (1 - 2 * 0.04 / 1.04);
+		double v[512];
+
+		assert_true(baked_row(&basis, 1, 1, BASIS_KIND_V, channel, v));
+		expect_below(fabs(v[0] - want), 2e-4, "channel=%d", channel);
+		expect_below(fabs(v[405]), 2e-4, "channel=%d", channel); /* beside the roof */
+	}
+	basis_close(&basis);
+}
+
+/* Baked and traced light agree wherever glass lies on its way. At the outline of glass a pixel has one
+ * ratio for what is beside the glass and behind it; those pixels are left out. */
+static void check_shadow(const char *what, const char *mesh, const char *material,
+			 const char *others, double most)
+{
+	struct glass_comparison c;
+	double square = 0, sum = 0;
+	int count = 0;
+
+	write_glass("shadow.ini", mesh, material, others);
+	plain_board = true;
+	compare(&c, "shadow.ini");
+	plain_board = false;
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			for (int channel = 0; channel < 3; channel++) {
+				const double off = level(&c, x, y, channel) -
+						   true_level(&c, x, y, channel);
+
+				if (fmod(baked_coverage(&c.basis, x, y), 1) != 0)
+					continue;
+				square += off * off;
+				sum += off;
+				count++;
+			}
+	print_message("# %s: RMS %.2f levels, mean %+.3f\n", what, sqrt(square / count),
+		      sum / count);
+	expect_below(sqrt(square / count), most, "%s", what);
+	expect_below(fabs(sum / count), 0.2, "%s", what);
+	compared(&c);
+}
+
+static void shadows_of_glass_agree_with_truth(void **state)
+{
+	const char *const metal = "[object ball]\nfile = ball.obj\nup = z\nposition = 0 0.1 0.4\n"
+				  "material = metal\n[material metal]\nkind = glossy\n"
+				  "colour = 0 0 0\nspecular = 0.9 0.8 0.6\nroughness = 0.4\n";
+	const char *const floor = "[standin floor]\nfile = floor.obj\nup = z\nmaterial = grey\n"
+				  "position = 0 0 0.05\n[material grey]\ncolour = 0.6 0.6 0.6\n";
+
+	(void)state;
+	write_panes();
+	small_scene_write("floor.obj", "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n");
+	small_scene_write_sphere("ball.obj", 0.35, 24);
+	/* beside noise: the mirrored lamp's border is as coarse as the panorama's texels */
+	check_shadow("pane", "sheet.obj", "thin = yes\ncolour = 0.9 0.9 0.9", "", 1);
+	check_shadow("tinted roof", "roof.obj", "thin = yes\ncolour = 0.9 0.5 0.2", "", 1.6);
+	check_shadow("tinted roof over a real floor", "roof.obj",
+		     "thin = yes\ncolour = 0.9 0.5 0.2", floor, 1.6);
+	check_shadow("box of ior 1", "box.obj", "ior = 1\ncolour = 0.9 0.7 0.5", "", 0.8);
+	check_shadow("metal behind a pane", "sheet.obj", "thin = yes\ncolour = 0.9 0.7 0.5", metal,
+		     2.6);
+	check_shadow("metal in a solid box", "box.obj", "colour = 0.9 0.7 0.5", metal, 5);
+	check_shadow("solid ball", "ball.obj\nstand = yes", "colour = 0.98 0.98 0.98\n", "", 2.2);
+}
+
+/* How much the ground's ratio under a single cell differs between two seeds. A single path through
+ * the ball for each sample would make it 0.116. */
+static void light_bent_by_a_ball_has_little_noise(void **state)
+{
+	struct basis basis[2];
+	double square = 0, noise;
+	int count = 0;
+
+	(void)state;
+	small_scene_write_sphere("ball.obj", 0.5, 32);
+	for (int k = 0; k < 2; k++) {
+		small_scene_write("seed.ini",
+				  "[camera]\nposition = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n"
+				  "field_deg = 36\nwidth = 40\nheight = 30\n[dome]\n"
+				  "frequency = 4\n[render]\nsamples = 64\nseed = %d\n[ground]\n"
+				  "[object ball]\nfile = ball.obj\nup = z\nstand = yes\n"
+				  "material = g\n[material g]\nkind = glass\n",
+				  k + 1);
+		basis[k] = small_scene_bake("seed.ini");
+	}
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			double v[2][128];
+
+			if (baked_coverage(&basis[0], x, y) > 0)
+				continue;
+			for (int k = 0; k < 2; k++)
+				baked_row(&basis[k], x, y, BASIS_KIND_V, 1, v[k]);
+			for (uint32_t i = 0; i < basis[0].info.lights; i++, count++)
+				square += (v[0][i] - v[1][i]) * (v[0][i] - v[1][i]) / 2;
+		}
+	noise = sqrt(square / count);
+	print_message("# under a single cell, bent light has noise %.4f\n", noise);
+	expect_below(noise, 0.07, "of %d", count);
+	basis_close(&basis[0]);
+	basis_close(&basis[1]);
+}
+
 /* ---- real things ---- */
 
 /* A real box in front of the object hides it, and there the picture does not change; a real step
@@ -319,6 +528,10 @@ int main(void)
 		cmocka_unit_test(a_tinted_pane_lets_its_own_background_through),
 		cmocka_unit_test(a_thin_pane_mirrors_on_both_sides),
 		cmocka_unit_test(a_ball_bends_the_background),
+		cmocka_unit_test(an_invisible_pane_throws_no_shadow),
+		cmocka_unit_test(a_tinted_roof_takes_by_fresnel),
+		cmocka_unit_test(shadows_of_glass_agree_with_truth),
+		cmocka_unit_test(light_bent_by_a_ball_has_little_noise),
 		cmocka_unit_test(real_things_hide_and_receive),
 	};
 
