@@ -77,6 +77,8 @@ BAKE_SOURCES := \
 	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
+	bake/scene/sky_command.c \
+	bake/scene/sky_parts.c \
 	bake/tiles/assembly.c \
 	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \

@@ -110,11 +110,6 @@ static int read_file(struct fine_list *list, const char *path, struct fault *fau
 			err = fine_list_add(list, file.line, file.number, fault);
 	}
 	text_file_close(&file);
-	if (!err && !list->count)
-		return fault_say(fault, -EINVAL,
-				 "%s: no part of the sky, expected lines \"azimuth height radius "
-				 "frequency\"",
-				 path);
 	return err;
 }
 

@@ -30,7 +30,7 @@ scene() { # NAME, text on stdin after a camera
 }
 
 # ---- all commands ----
-for command in dome render info truth; do
+for command in dome render info truth sky; do
 	check "$command --help" "$bake" $command --help
 	check "$command --version" "$bake" $command --version
 	rejected "$command with an unknown option" 2 "usage: inlay-bake $command" \
@@ -64,6 +64,34 @@ equal "solid angles of finer parts sum to 2 pi" 6.283185307 "$("$bake" dome --fr
 rejected "finer parts of no multiple" 1 "part 1: frequency is 5, expected a multiple of the dome's 2" \
 	"$bake" dome --frequency 2 --fine "30 40 1 5"
 rejected "lights of no shape" 2 "cells, tents" "$bake" dome --frequency 2 --lights cones
+
+# ---- sky ----
+# panorama NAME PIXEL: an even sky of 64 x 32 pixels, whose pixel in row 10 and column 32, towards +X, is PIXEL thrice
+panorama() {
+	{
+		printf 'PF\n64 32\n-1\n'
+		for ((k = 0; k < 64 * 32; k++)); do
+			# rows count from the bottom
+			[ $k -eq $((21 * 64 + 32)) ] && printf "$2$2$2" || printf '\0\0\200?\0\0\200?\0\0\200?'
+		done
+	} >"$work/$1.pfm"
+}
+panorama even '\0\0\200?'
+panorama lamp '\0\0zD'
+equal "an even sky has no part, and says so" \
+	"inlay-bake: $work/even.fine: no light is strong and small: a whole dome does" \
+	"$("$bake" sky "$work/even.pfm" -o "$work/even.fine" 2>&1)"
+equal "its list is a remark" "# $work/even.pfm: 406 lights, with frequency 9 elsewhere" "$(cat "$work/even.fine")"
+equal "which is a list of no part" 406 "$("$bake" dome --frequency 9 --fine "$work/even.fine" --angles | wc -l)"
+check "a lamp" "$bake" sky "$work/lamp.pfm" --turn 90 --most 600 -o "$work/lamp.fine"
+check "is found where it is turned to" awk '!/^#/ && $1 > 80 && $1 < 95 && $2 > 26 && $2 < 36 { found = 1 }
+	END { exit !found }' "$work/lamp.fine"
+equal "with as many lights as the list says" "$(sed -n 's/^#.*: \([0-9]*\) lights.*/\1/p' "$work/lamp.fine")" \
+	"$("$bake" dome --frequency 9 --fine "$work/lamp.fine" --angles | wc -l)"
+rejected "more lights than allowed" 1 "alone has 406 lights, more than 400" \
+	"$bake" sky "$work/lamp.pfm" --most 400 -o "$work/none.fine"
+rejected "sky without a panorama" 2 "expected one panorama" "$bake" sky -o "$work/none.fine"
+rejected "sky without an output" 2 "-o FINE is missing" "$bake" sky "$work/lamp.pfm"
 
 # ---- render ----
 check "render" "$bake" render "$work/box.scene" -o "$out" --threads 2

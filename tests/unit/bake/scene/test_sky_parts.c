@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: MIT */
+/* Parts of synthetic skies: an even one, a sun, two lamps, and the limit of lights. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+
+#include "bake/scene/sky_parts.h"
+#include "hal/optics/vec.h"
+
+#define DEGREE (M_PI / 180)
+#define FREQUENCY 9
+
+static struct image image;
+static const struct panorama panorama = {.image = &image, .scale = 1};
+static struct dome dome; /* the base */
+
+static int test_sky_begin(void **state)
+{
+	struct fault fault;
+
+	(void)state;
+	if (image_create_f32(&image, 1024, 512) ||
+	    dome_create(&dome, FREQUENCY, DOME_ANGLES, &fault))
+		return -1;
+	for (size_t i = 0; i < (size_t)3 * 1024 * 512; i++)
+		image.f32[i] = 1;
+	return 0;
+}
+
+static int test_sky_end(void **state)
+{
+	(void)state;
+	image_free(&image);
+	dome_free(&dome);
+	return 0;
+}
+
+/* A disc of uniform radiance around the node of a cell, or a little aside. */
+static void add_disc(int cell, double aside_deg, double diameter_deg, float radiance,
+		     double middle[3])
+{
+	const double *node = dome.direction[cell];
+
+	for (int k = 0; k < 3; k++)
+		middle[k] = node[k] + (k == 2 ? aside_deg * DEGREE : 0);
+	vec_normalize(middle);
+	for (int y = 0; y < image.height; y++)
+		for (int x = 0; x < image.width; x++) {
+			float *rgb = image.f32 + 3 * ((size_t)y * (size_t)image.width + (size_t)x);
+			double d[3];
+
+			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
+			for (int c = 0; c < 3; c++)
+				if (vec_angle(d, middle) <= diameter_deg / 2 * DEGREE)
+					rgb[c] = radiance;
+		}
+}
+
+static struct sky_parts choose(int most)
+{
+	struct fault fault = {.text = ""};
+	struct sky_parts parts;
+
+	if (sky_parts_choose(&parts, &panorama, FREQUENCY, most, &fault))
+		fail_msg("%s", fault.text);
+	return parts;
+}
+
+/* The frequency of the part in a cell; 0: none. */
+static int frequency_at(const struct sky_parts *parts, int cell)
+{
+	for (int k = 0; k < parts->count; k++)
+		if (dome_cell_of(&dome, parts->part[k].direction) == cell)
+			return parts->part[k].frequency;
+	return 0;
+}
+
+static void test_even_sky_needs_no_part(void **state)
+{
+	struct sky_parts parts = choose(1000);
+
+	(void)state;
+	assert_int_equal(parts.count, 0);
+	assert_int_equal(parts.lights, dome.count);
+	assert_false(parts.limited);
+	sky_parts_free(&parts);
+}
+
+static void test_sun_is_found(void **state)
+{
+	struct fault fault;
+	struct sky_parts parts;
+	struct dome fine;
+	double sun[3];
+	int light;
+
+	(void)state;
+	add_disc(100, 1, 0.5, 20000, sun);
+	parts = choose(1000);
+	assert_int_equal(parts.count, 1);
+	assert_int_equal(parts.part[0].frequency, 72);
+	assert_int_equal(dome_cell_of(&dome, sun), dome_cell_of(&dome, parts.part[0].direction));
+	assert_true(vec_angle(sun, parts.part[0].direction) < 1 * DEGREE);
+	assert_int_equal(dome_create_fine(&fine, FREQUENCY, DOME_ANGLES, DOME_CELLS, parts.part, 1,
+					  NULL, &fault),
+			 0);
+	assert_int_equal(fine.count, parts.lights);
+	light = dome_cell_of(&fine, sun);
+	assert_true(vec_angle(fine.direction[light], sun) < atan(2) / 72);
+	dome_free(&fine);
+	sky_parts_free(&parts);
+}
+
+static void test_turn_turns_parts(void **state)
+{
+	struct panorama turned = panorama;
+	struct fault fault = {.text = ""};
+	struct sky_parts parts;
+	double sun[3], to[3];
+
+	(void)state;
+	add_disc(100, 1, 0.5, 20000, sun);
+	turned.turn_rad = 72 * DEGREE; /* the dome's own symmetry */
+	assert_int_equal(sky_parts_choose(&parts, &turned, FREQUENCY, 1000, &fault), 0);
+	to[0] = cos(turned.turn_rad) * sun[0] - sin(turned.turn_rad) * sun[1];
+	to[1] = sin(turned.turn_rad) * sun[0] + cos(turned.turn_rad) * sun[1];
+	to[2] = sun[2];
+	assert_int_equal(parts.count, 1);
+	assert_true(vec_angle(to, parts.part[0].direction) < 1 * DEGREE);
+	sky_parts_free(&parts);
+}
+
+/* A lamp nearly as large as its cell needs fewer lights than one that is smaller than the finest. */
+static void test_two_lamps_are_two_parts(void **state)
+{
+	struct sky_parts parts;
+	double unused[3];
+	int large, small;
+
+	(void)state;
+	add_disc(60, 0, 5, 30, unused);
+	add_disc(150, 0, 0.5, 4000, unused);
+	parts = choose(1000);
+	large = frequency_at(&parts, 60);
+	small = frequency_at(&parts, 150);
+	assert_int_equal(parts.count, 2);
+	assert_true(large > FREQUENCY);
+	assert_int_equal(small, 72);
+	assert_true(large < small);
+	sky_parts_free(&parts);
+}
+
+static void test_limit_of_lights_holds(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct sky_parts parts;
+	double unused[3];
+
+	(void)state;
+	add_disc(60, 0, 0.5, 30000, unused);
+	add_disc(150, 0, 0.5, 20000, unused);
+	parts = choose(1000);
+	assert_int_equal(parts.count, 2);
+	assert_int_equal(frequency_at(&parts, 150), 72);
+	sky_parts_free(&parts);
+	parts = choose(500);
+	assert_true(parts.limited);
+	assert_in_range(parts.lights, dome.count + 1, 500);
+	assert_true(frequency_at(&parts, 60) > frequency_at(&parts, 150));
+	sky_parts_free(&parts);
+	assert_int_equal(sky_parts_choose(&parts, &panorama, FREQUENCY, 400, &fault), -E2BIG);
+	assert_null(parts.part);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test_setup_teardown(test_even_sky_needs_no_part, test_sky_begin,
+						test_sky_end),
+		cmocka_unit_test_setup_teardown(test_sun_is_found, test_sky_begin, test_sky_end),
+		cmocka_unit_test_setup_teardown(test_turn_turns_parts, test_sky_begin,
+						test_sky_end),
+		cmocka_unit_test_setup_teardown(test_two_lamps_are_two_parts, test_sky_begin,
+						test_sky_end),
+		cmocka_unit_test_setup_teardown(test_limit_of_lights_holds, test_sky_begin,
+						test_sky_end),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
