@@ -72,7 +72,7 @@ panorama() {
 		printf 'PF\n64 32\n-1\n'
 		for ((k = 0; k < 64 * 32; k++)); do
 			# rows count from the bottom
-			[ $k -eq $((21 * 64 + 32)) ] && printf "$2$2$2" || printf '\0\0\200?\0\0\200?\0\0\200?'
+			[ $k -eq $((21 * 64 + 32)) ] && printf '%b%b%b' "$2" "$2" "$2" || printf '\0\0\200?\0\0\200?\0\0\200?'
 		done
 	} >"$work/$1.pfm"
 }
