@@ -180,8 +180,9 @@ static const char *wrong_usage(const struct export_choices *c)
 
 static int export_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct export_choices c = {
-		.long_bytes = 8, .lights = {-1, -1, -1}, .radiance = EXPORT_RADIANCE_DEFAULTS};
+	struct export_choices c = {.long_bytes = 8,
+				   .lights = {-1, -1, -1, NULL},
+				   .radiance = EXPORT_RADIANCE_DEFAULTS};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, export_command_take, &c);
 

@@ -169,7 +169,8 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 
 static int pictures_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct pictures_choices c = {.lights = {-1, -1, -1}, .truth = {.samples = 64, .seed = 1}};
+	struct pictures_choices c = {.lights = {-1, -1, -1, NULL},
+				     .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, pictures_command_take, &c);
 

@@ -44,14 +44,15 @@ static int fine_list_add(struct fine_list *list, const char *text, int place, st
 {
 	const size_t room = (size_t)list->count + 1;
 	struct dome_fine *part = realloc(list->part, room * sizeof(*part));
-	int *places;
+	int *places = realloc(list->place, room * sizeof(*places));
 	double number[4];
 
-	list->part = part ? part : list->part;
-	places = part ? realloc(list->place, room * sizeof(*places)) : NULL;
-	if (!places)
+	if (part)
+		list->part = part;
+	if (places)
+		list->place = places;
+	if (!part || !places)
 		return fault_say(fault, -ENOMEM, "%s%d: out of memory", list->name, place);
-	list->place = places;
 	if (!read_numbers(text, number) || number[3] != floor(number[3]) || number[3] < 1 ||
 	    number[3] > DOME_FREQUENCY_MAX)
 		return fine_list_wrong(list, place,

@@ -97,9 +97,8 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
 		     enum dome_shape shape, const struct dome_fine *fine, int count, int *wrong,
 		     struct fault *fault)
 {
-	int ret = dome_begin(dome, frequency, division, shape, fault), none;
+	int ret = dome_begin(dome, frequency, division, shape, fault);
 
-	wrong = wrong ? wrong : &none;
 	*wrong = -1;
 	if (ret)
 		return ret;
@@ -124,7 +123,9 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
 int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
 		       enum dome_shape shape, struct fault *fault)
 {
-	return dome_create_fine(dome, frequency, division, shape, NULL, 0, NULL, fault);
+	int none;
+
+	return dome_create_fine(dome, frequency, division, shape, NULL, 0, &none, fault);
 }
 
 /* Order of nodes for qsort(), by height. */

@@ -80,7 +80,7 @@ int dome_create_shaped(struct dome *dome, int frequency, enum dome_division divi
 /*
  * Creates a dome that has finer parts. Where they overlap, the finest counts. As above; -EINVAL:
  * part fine[*wrong] is below the horizon, or its frequency is no multiple of the base dome's or
- * above DOME_FREQUENCY_MAX. *wrong is -1 where no part is to blame; NULL is harmless.
+ * above DOME_FREQUENCY_MAX. *wrong is -1 where no part is to blame.
  */
 int dome_create_fine(struct dome *dome, int frequency, enum dome_division division,
 		     enum dome_shape shape, const struct dome_fine *fine, int count, int *wrong,

@@ -29,7 +29,7 @@ frame_ms() {
 		--repeat 9 --json 2>>"$log" | python3 -c '
 import json, sys
 rows = [row for row in json.load(sys.stdin)["rows"] if row["what"] == "fast"]
-print("%.3f" % min(row["ms"] for row in rows))'
+print("%.3f" % min(row["median_ms"] for row in rows))'
 }
 
 # row MESH NAME OPTION...: one line of the table
