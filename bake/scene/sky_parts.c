@@ -171,12 +171,12 @@ static int choose(struct sky_parts *parts, struct sky_pieces *p, int most, struc
 	while ((cell = pieces_best(p, &level)) >= 0) {
 		const int before = p->chosen[cell];
 		struct dome dome;
-		int err;
+		int err, wrong;
 
 		p->chosen[cell] = level;
 		list_parts(parts, p);
 		err = dome_create_fine(&dome, base->frequency, base->division, DOME_CELLS,
-				       parts->part, parts->count, NULL, fault);
+				       parts->part, parts->count, &wrong, fault);
 		if (err)
 			return err;
 		if (dome.count <= most) {

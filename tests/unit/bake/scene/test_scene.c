@@ -53,7 +53,7 @@ static void test_refused_values(void **state)
 	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nscle = 1\n", "scale");
 	test_scene_refuse(VIEW "[object a]\nfile = tri.obj\nmaterial = woood\n[material wood]\n",
 			  "[material woood], expected perhaps wood");
-	test_scene_refuse(VIEW "[dome]\nfrequency = 65\n[object a]\nfile = tri.obj\n", "bad.ini:7");
+	test_scene_refuse(VIEW "[dome]\nfrequency = 73\n[object a]\nfile = tri.obj\n", "bad.ini:7");
 	test_scene_refuse("[camera]\nwidth = 4\n[object a]\nfile = tri.obj\n", "look_at");
 	test_scene_refuse("[camera]\nfile = none.ini\n[object a]\nfile = tri.obj\n", "none.ini");
 	test_scene_refuse("[camera]\nposition = 0 -5 -1\n[ground]\n[object a]\nfile = tri.obj\n",

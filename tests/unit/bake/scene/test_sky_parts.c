@@ -98,6 +98,7 @@ static void test_sun_is_found(void **state)
 	struct dome fine;
 	double sun[3];
 	int light;
+	int wrong;
 
 	(void)state;
 	add_disc(100, 1, 0.5, 20000, sun);
@@ -107,7 +108,7 @@ static void test_sun_is_found(void **state)
 	assert_int_equal(dome_cell_of(&dome, sun), dome_cell_of(&dome, parts.part[0].direction));
 	assert_true(vec_angle(sun, parts.part[0].direction) < 1 * DEGREE);
 	assert_int_equal(dome_create_fine(&fine, FREQUENCY, DOME_ANGLES, DOME_CELLS, parts.part, 1,
-					  NULL, &fault),
+					  &wrong, &fault),
 			 0);
 	assert_int_equal(fine.count, parts.lights);
 	light = dome_cell_of(&fine, sun);

@@ -35,9 +35,10 @@ static struct dome made(int frequency, enum dome_division division, enum dome_sh
 {
 	struct dome dome;
 	struct fault fault = {.text = ""};
+	int wrong;
 
 	expect_success(
-		dome_create_fine(&dome, frequency, division, shape, fine, count, NULL, &fault),
+		dome_create_fine(&dome, frequency, division, shape, fine, count, &wrong, &fault),
 		&fault);
 	return dome;
 }
