@@ -28,9 +28,8 @@ void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine 
 const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
 			      int member))[3];
 
-/* Creates the dome of the basis's lights; the caller frees it. -ENOTSUP: they are no dome's;
- * -ENOMEM.
- */
+/* Creates the dome of the basis's lights; the caller frees it. -ENOTSUP: their nodes divide no sky;
+ * -ENOMEM. */
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault);
 
 /* Each function adds to the list. After a failure the earlier entries are still valid. */
