@@ -20,6 +20,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
+#include "hal/measure/lightings.h"
 #include "hal/optics/vec.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
@@ -171,16 +172,26 @@ static void open_sampler(struct lamp_kiosk *k, enum dome_shape shape)
 	struct dome dome;
 
 	assert_int_equal((int)k->basis.info.light_shape, (int)shape);
-	assert_int_equal(dome_create_shaped(&dome, (int)k->basis.info.dome_frequency, DOME_ANGLES,
-					    shape, NULL),
-			 0);
+	assert_int_equal(lightings_dome(&dome, &k->basis, NULL), 0);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SIDE, SIDE, NULL), 0);
 	assert_int_equal(
 		light_sampler_create(&k->sampler, &dome, &lens, SIDE, SIDE, &settings, NULL), 0);
 	dome_free(&dome);
 }
 
-static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shape shape)
+/* Lights are finer where the lamp moves. */
+static struct fine_list fine_around_path(void)
+{
+	static struct dome_fine part = {.radius_rad = FRAMES * STEP_DEG / 2 * M_PI / 180,
+					.frequency = 4 * FREQUENCY};
+	static int place = 1;
+
+	lamp_direction(FRAMES / 2, part.direction);
+	return (struct fine_list){.part = &part, .place = &place, .count = 1};
+}
+
+static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shape shape,
+		       const struct fine_list *fine)
 {
 	const struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
@@ -192,6 +203,7 @@ static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shap
 	struct render_report report;
 
 	render.shape = (int)shape;
+	render.fine = fine;
 	render.quiet = true;
 	render.threads = 2;
 	if (render_run(scene, &render, small_scene_path("lamp.inlay"), &report, &fault) < 0 ||
@@ -307,7 +319,8 @@ static void a_lamp_moves_without_steps(void **state)
 {
 	static struct path path;
 	static struct lamp_kiosk kiosk;
-	struct lamp_change truth, shown[DOME_SHAPE_COUNT][2];
+	const struct fine_list around = fine_around_path();
+	struct lamp_change truth, fine, shown[DOME_SHAPE_COUNT][2];
 	struct scene *scene;
 
 	(void)state;
@@ -330,7 +343,7 @@ static void a_lamp_moves_without_steps(void **state)
 	print("truth", &truth);
 	print_message("# truth's noise %.2f levels\n", path.truth_noise);
 	for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++) {
-		open_kiosk(&kiosk, scene, (enum dome_shape)shape);
+		open_kiosk(&kiosk, scene, (enum dome_shape)shape, NULL);
 		for (int filtered = 0; filtered < 2; filtered++) {
 			char what[32];
 
@@ -341,6 +354,12 @@ static void a_lamp_moves_without_steps(void **state)
 		}
 		close_kiosk(&kiosk);
 	}
+	open_kiosk(&kiosk, scene, DOME_TENTS, &around);
+	fine = watch(&kiosk, &path, false);
+	print("finer tents", &fine);
+	close_kiosk(&kiosk);
+	expect_at_most(fine.most, 1.5 * truth.most + 1, "%d", 0);
+	expect_at_most(fine.off, 0.5 * shown[DOME_TENTS][0].off, "%d", 0);
 	for (int filtered = 0; filtered < 2; filtered++)
 		expect_at_most(shown[DOME_TENTS][filtered].most, 1.5 * truth.most + 1,
 			       "filtered=%d", filtered);
