@@ -179,8 +179,8 @@ enum basis_chunk {
 struct basis_info_chunk {
 	uint32_t width, height;
 	uint32_t lights;
-	/* Of the base dome, for information: chunk DOME has the nodes, also where the dome is finer
-	 * in parts. Frequency 0: unknown. */
+	/* These are of the base dome, for information: chunk DOME has the nodes, also of finer
+	 * parts. Frequency 0: unknown. */
 	uint32_t dome_frequency, dome_division;
 	uint32_t grounds;
 	uint32_t poses;	      /* >= 1 */
