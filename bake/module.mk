@@ -21,15 +21,10 @@ BAKE_SOURCES := \
 	bake/encode/encode_block.c \
 	bake/encode/encode_choose.c \
 	bake/encode/encode_column.c \
-	bake/encode/encode_expose.c \
 	bake/encode/encode_fit.c \
-	bake/encode/encode_measure.c \
-	bake/encode/encode_part.c \
+	bake/encode/encode_limit.c \
 	bake/encode/encode_rank.c \
-	bake/encode/encode_reader.c \
-	bake/encode/encode_shade.c \
 	bake/encode/encoding_options.c \
-	bake/encode/ensemble.c \
 	bake/exchange/export_blender.c \
 	bake/exchange/export_command.c \
 	bake/exchange/export_job.c \
@@ -44,6 +39,12 @@ BAKE_SOURCES := \
 	bake/exchange/picture_stack.c \
 	bake/exchange/pictures.c \
 	bake/exchange/pictures_command.c \
+	bake/judge/ensemble.c \
+	bake/judge/expose.c \
+	bake/judge/measure.c \
+	bake/judge/part.c \
+	bake/judge/reader.c \
+	bake/judge/shade.c \
 	bake/mesh/coat_energy.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \

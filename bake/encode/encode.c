@@ -11,10 +11,10 @@
 #include "bake/encode/encode_allow.h"
 #include "bake/encode/encode_block.h"
 #include "bake/encode/encode_choose.h"
-#include "bake/encode/encode_expose.h"
-#include "bake/encode/encode_measure.h"
-#include "bake/encode/encode_reader.h"
-#include "bake/encode/encode_shade.h"
+#include "bake/encode/encode_limit.h"
+#include "bake/judge/measure.h"
+#include "bake/judge/reader.h"
+#include "bake/judge/shade.h"
 
 /* What the arithmetic between samples and values may be off by, against the largest of them. */
 #define FLOAT_ERROR 0x1p-22

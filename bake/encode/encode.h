@@ -11,44 +11,9 @@
 #ifndef INLAY_BAKE_ENCODE_ENCODE_H
 #define INLAY_BAKE_ENCODE_ENCODE_H
 
-#include <stdbool.h>
-
-#include "bake/encode/ensemble.h"
-#include "hal/basis/basis_groups.h"
+#include "bake/judge/ensemble.h"
+#include "bake/judge/samples.h"
 #include "hal/basis/basis_writer.h"
-
-/* Transport of one kind for some pixels of a tile, direct + bounce: t, v, d or u of basis_format.h,
- * not yet divided by the factors of X. */
-struct encode_samples {
-	enum basis_kind kind;
-	int ground; /* index of the ground, for kind V; else 0 */
-	int pixels;
-	const uint16_t *pixel; /* y * BASIS_TILE + x, ascending */
-	int channels;	       /* of direct: 3, or 1 where all three are alike */
-	const float *direct;   /* [pixels][channels][lights]: light of one surface; U: >= 0 */
-	const float *bounce;   /* [pixels][3][lights]: light of several surfaces; NULL: none */
-};
-
-/* Largest error of the shown layer, in 8-bit sRGB levels. */
-struct encode_target {
-	double rms, max; /* under each sky of the ensemble, in each tile: RMS, and of any pixel */
-	double cell;	 /* of any pixel under any single cell */
-};
-
-struct encode_settings {
-	int lights;
-	const struct basis_light *light; /* [lights] */
-	int grounds;
-	const double *ground;		   /* [grounds][3][lights] */
-	int coarse;			   /* K */
-	const struct basis_coarse *gather; /* [lights]; NULL where coarse is lights */
-	const struct basis_groups *groups; /* set by the encoder, from gather */
-	const struct ensemble *ensemble;
-	struct encode_target target;
-	double column_cut; /* of struct basis_info_chunk */
-	bool exact;	   /* make the exact layer too */
-			   /* All that is pointed to must outlive the encoder. */
-};
 
 struct encode_result {
 	/* Owned by the encoder; valid until the next call. */

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "bake/encode/encode_expose.h"
+#include "bake/encode/encode_limit.h"
 
 /* The share of a residual's limit that short lines may use up, at first, and how it falls. */
 #define SHORT_SHARE 0.9F

@@ -5,7 +5,7 @@
 #define INLAY_BAKE_ENCODE_ENCODE_ALLOW_H
 
 #include "bake/encode/encode_fit.h"
-#include "bake/encode/encode_measure.h"
+#include "bake/judge/measure.h"
 
 struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */

@@ -4,6 +4,7 @@
 #define INLAY_BAKE_ENCODE_ENCODE_BLOCK_H
 
 #include "bake/encode/encode_column.h"
+#include "hal/basis/basis_writer.h"
 
 /* Blocks whose memory is used again for the next tile. */
 struct block_list {

@@ -10,7 +10,7 @@
 
 #include "bake/base/profile.h"
 #include "bake/encode/encode_column.h"
-#include "bake/encode/encode_expose.h"
+#include "bake/encode/encode_limit.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode_expose.h"
+#include "bake/encode/encode_limit.h"
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F

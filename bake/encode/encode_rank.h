@@ -5,7 +5,7 @@
 #ifndef INLAY_BAKE_ENCODE_ENCODE_RANK_H
 #define INLAY_BAKE_ENCODE_ENCODE_RANK_H
 
-#include "bake/encode/encode_part.h"
+#include "bake/judge/part.h"
 
 #define RANK_MOST 48
 

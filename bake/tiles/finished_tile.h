@@ -3,7 +3,7 @@
 #ifndef INLAY_BAKE_TILES_FINISHED_TILE_H
 #define INLAY_BAKE_TILES_FINISHED_TILE_H
 
-#include "bake/encode/ensemble.h"
+#include "bake/judge/ensemble.h"
 #include "hal/basis/basis_writer.h"
 
 /* Statistics of a tile. Shards hold the struct byte for byte, so it has no pointers. */

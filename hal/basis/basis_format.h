@@ -201,7 +201,7 @@ struct basis_info_chunk {
 	 *   ratio_error   |error of the ratio| <= this (V blocks)
 	 * Measured by the bake against its own transport before any cut, in 8-bit sRGB levels over
 	 * stored pixels. The background is the ground's own light, or white where a single cell is
-	 * lit (bake/encode/ensemble.h):
+	 * lit (bake/judge/ensemble.h):
 	 *   sky_rms, sky_max    the worst of an ensemble of lightings: overcast, suns, random
 	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them)
 	 * noise_levels  estimated standard error of the render, in 8-bit sRGB levels, RMS over

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "bake/encode/encode_shade.h"
+#include "bake/judge/shade.h"
 #include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"

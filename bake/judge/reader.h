@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Decodes blocks from their payloads, in double precision, so that the encoder can measure what it
  * has made. Private to the encoder. */
-#ifndef INLAY_BAKE_ENCODE_ENCODE_READER_H
-#define INLAY_BAKE_ENCODE_ENCODE_READER_H
+#ifndef INLAY_BAKE_JUDGE_READER_H
+#define INLAY_BAKE_JUDGE_READER_H
 
-#include "bake/encode/encode_part.h"
+#include "bake/judge/part.h"
+#include "hal/basis/basis_writer.h"
 
 /* One block, decoded. */
 struct read_block {

@@ -6,7 +6,7 @@
  * sky's light in a single cell at several heights, coloured lamps, windows, dusk, rooms, and random
  * ones. They are the same for every scene and seed. Panoramas are not among them, so that the
  * report can test with panoramas that the encoder has not seen. Each tile adds suns that leave it
- * dark (encode_shade.h). Besides the skies, every cell is lit alone. Exposure is that of a camera:
+ * dark (shade.h). Besides the skies, every cell is lit alone. Exposure is that of a camera:
  * white ground, or the brightest spot of the object, becomes 1. Some skies occur again with much
  * less light on the object: there frames leave out most columns, and 8-bit levels are closest
  * together.
@@ -20,8 +20,8 @@
  * pixels of the blocks: the object's own light over a background, which is the ground's under skies
  * and white under a single cell.
  */
-#ifndef INLAY_BAKE_ENCODE_ENSEMBLE_H
-#define INLAY_BAKE_ENCODE_ENSEMBLE_H
+#ifndef INLAY_BAKE_JUDGE_ENSEMBLE_H
+#define INLAY_BAKE_JUDGE_ENSEMBLE_H
 
 #include "hal/basis/basis_format.h"
 

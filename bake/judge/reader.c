@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_reader.h"
+#include "bake/judge/reader.h"
 
 #include <errno.h>
 #include <float.h>

@@ -5,10 +5,10 @@
  * rest of the sky alone, which is so dim that each of its columns is left out of a frame; the sum
  * of all these is seen best there. Private to the encoder.
  */
-#ifndef INLAY_BAKE_ENCODE_ENCODE_SHADE_H
-#define INLAY_BAKE_ENCODE_ENCODE_SHADE_H
+#ifndef INLAY_BAKE_JUDGE_SHADE_H
+#define INLAY_BAKE_JUDGE_SHADE_H
 
-#include "bake/encode/encode_part.h"
+#include "bake/judge/part.h"
 
 struct shade {
 	const struct ensemble *common; /* of the settings */

@@ -3,12 +3,12 @@
  * A part: one set of samples laid out for the encoder, values per unit of X, light by light.
  * Private to the encoder.
  */
-#ifndef INLAY_BAKE_ENCODE_ENCODE_PART_H
-#define INLAY_BAKE_ENCODE_ENCODE_PART_H
+#ifndef INLAY_BAKE_JUDGE_PART_H
+#define INLAY_BAKE_JUDGE_PART_H
 
 #include <stddef.h>
 
-#include "bake/encode/encode.h"
+#include "bake/judge/samples.h"
 
 #define PART_PIXELS (BASIS_TILE * BASIS_TILE)
 #define PART_ROWS (3 * PART_PIXELS)
@@ -26,7 +26,7 @@ static inline float smaller(float a, float b)
 	return a < b ? a : b;
 }
 
-struct levels; /* encode_expose.h */
+struct levels; /* expose.h */
 
 struct part {
 	enum basis_kind kind;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_shade.h"
+#include "bake/judge/shade.h"
 
 #include <errno.h>
 #include <stdlib.h>

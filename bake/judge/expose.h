@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Exposure: how a part's values become 8-bit levels under each cell and sky, and the error that
  * each value may have. Private to the encoder. */
-#ifndef INLAY_BAKE_ENCODE_ENCODE_EXPOSE_H
-#define INLAY_BAKE_ENCODE_ENCODE_EXPOSE_H
+#ifndef INLAY_BAKE_JUDGE_EXPOSE_H
+#define INLAY_BAKE_JUDGE_EXPOSE_H
 
-#include "bake/encode/encode_part.h"
+#include "bake/judge/part.h"
 
 /*
  * Tables over linear light 0..1, read by linear interpolation. `at` is the 8-bit level, not
@@ -50,14 +50,5 @@ void part_expose(struct part *part, const struct encode_settings *settings);
  * many. shows: [pixels]. */
 int part_choose(const struct part *part, const struct encode_settings *settings,
 		const struct levels *levels, double tolerance, bool *shows);
-
-/* Sets the limits of residuals, and the weights of lights and pixels: after part_expose(), and
- * again when shares have changed. */
-void part_limit(struct part *part, const struct encode_settings *settings,
-		const struct levels *levels);
-
-/* Tells whether a light's residual left [rows] keeps all pixels within the error asked for under
- * this cell alone. */
-bool part_cell_holds(const struct part *part, int light, const float *left);
 
 #endif

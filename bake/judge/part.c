@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_part.h"
+#include "bake/judge/part.h"
 
 #include <errno.h>
 #include <math.h>

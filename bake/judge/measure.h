@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures the error of blocks in the picture, against the transport that they were made from.
  * Private to the encoder. */
-#ifndef INLAY_BAKE_ENCODE_ENCODE_MEASURE_H
-#define INLAY_BAKE_ENCODE_ENCODE_MEASURE_H
+#ifndef INLAY_BAKE_JUDGE_MEASURE_H
+#define INLAY_BAKE_JUDGE_MEASURE_H
 
-#include "bake/encode/encode_expose.h"
-#include "bake/encode/encode_reader.h"
+#include "bake/judge/expose.h"
+#include "bake/judge/reader.h"
 
 /* Sums of one part under one lighting, in a common exposure: of the transport (is), of the blocks
  * (got). */
@@ -44,7 +44,7 @@ double measure_worst_sky(const struct measure *measure);
 double measure_worst(const struct measure *measure);
 
 /* Measures the parts of a tile, each with its reader. number: the sky in each place
- * (encode_shade.h). -ENOMEM. */
+ * (shade.h). -ENOMEM. */
 int measure_tile(struct measure *measure, const struct part *parts,
 		 const struct block_reader *readers, int count, const uint16_t *coverage,
 		 const int *number, struct ensemble_error *error);

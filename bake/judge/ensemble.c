@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/ensemble.h"
+#include "bake/judge/ensemble.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,22 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_expose.h"
+#include "bake/judge/expose.h"
 
 #include <cblas.h>
-#include <float.h>
 #include <math.h>
 
 #include "hal/colour/transfer.h"
 
 /* What tables and single precision may cost of the error asked for. */
 #define MARGIN 0.99
-/* The narrowest error that is told from others, against the largest value. */
-#define NARROWEST 1e-6F
-/* The widest: where a light is not seen at all. */
-#define WIDEST 1e30F
-/* Weight of a light or pixel whose error nobody sees, relative to the mean; not 0, so that none is
- * ignored. */
-#define LEAST_WEIGHT 0.01F
-
 /* sRGB's own formulas, below black and beyond white too. */
 static double light_of_level(double level)
 {
@@ -175,90 +166,6 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 	}
 }
 
-/* Shown light less what is left of it, within rise and fall: slope * left in -rise..fall. */
-static void limit_row(const struct levels *levels, const struct part *part, float offset,
-		      float slope, float share, const float *base, float *least, float *most,
-		      bool again)
-{
-	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
-
-	for (int p = 0; p < part->pixels; p++) {
-		const float to = share * per;
-		const float is = offset + slope * base[p];
-		const float rise = smaller(levels_read(levels->rise, is) * to, WIDEST);
-		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
-		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
-
-		least[p] = again ? larger(least[p], low) : low;
-		most[p] = again ? smaller(most[p], high) : high;
-	}
-}
-
-static void limit_cells(struct part *part, const struct levels *levels, int lights)
-{
-	for (int i = 0; i < lights; i++)
-		for (int c = 0; c < 3; c++) {
-			const size_t k = (size_t)c * (size_t)lights + (size_t)i;
-			const size_t at = (size_t)i * (size_t)part->rows +
-					  (size_t)(part->channels == 3 ? c * part->pixels : 0);
-			const bool again = part->channels == 1 && c;
-
-			if (again && part->cell_offset[c] == part->cell_offset[0] &&
-			    part->cell_slope[k] == part->cell_slope[i])
-				continue;
-			limit_row(levels, part, part->cell_offset[c], part->cell_slope[k],
-				  part->light_share[i], part->base + at, part->least_left + at,
-				  part->most_left + at, again);
-		}
-}
-
-/* Lights and pixels that allow little error count more: lights by the mean of what is allowed,
- * inverted, pixels by its square. */
-static void weigh_values(struct part *part, int lights)
-{
-	const float narrowest = NARROWEST * part->largest + FLT_MIN;
-	double all = 0, all_pixels = 0, pixel[PART_PIXELS] = {0};
-
-	for (int i = 0; i < lights; i++) {
-		const float *least = part->least_left + (size_t)i * (size_t)part->rows;
-		const float *most = part->most_left + (size_t)i * (size_t)part->rows;
-		float *tight = part->tight + (size_t)i * (size_t)part->rows;
-		float sum = 0;
-
-		for (int r = 0; r < part->rows; r++)
-			tight[r] = 1 / larger(smaller(most[r], -least[r]), narrowest);
-		for (int c = 0; c < part->channels; c++)
-			for (int p = 0; p < part->pixels; p++) {
-				sum += tight[c * part->pixels + p];
-				pixel[p] += (double)tight[c * part->pixels + p];
-			}
-		part->weight[i] = sum;
-		all += (double)sum;
-	}
-	for (int i = 0; i < lights; i++)
-		part->weight[i] = all > 0 ? (float)((double)part->weight[i] * lights / all) +
-						    LEAST_WEIGHT
-					  : 1;
-	for (int p = 0; p < part->pixels; p++)
-		all_pixels += pixel[p];
-	for (int p = 0; p < part->pixels; p++) {
-		const double share = pixel[p] * part->pixels / all_pixels;
-
-		part->pixel_weight[p] = (float)(share * share) + LEAST_WEIGHT;
-	}
-}
-
-bool part_cell_holds(const struct part *part, int light, const float *left)
-{
-	const size_t first = (size_t)light * (size_t)part->rows;
-	const float *least = part->least_left + first, *most = part->most_left + first;
-	int beyond = 0;
-
-	for (int r = 0; r < part->rows; r++)
-		beyond |= (left[r] < least[r]) | (left[r] > most[r]);
-	return !beyond;
-}
-
 /* The largest change of a pixel by any light alone is more than tolerance, in levels. */
 static bool pixel_shows(const struct part *part, const struct encode_settings *settings,
 			const struct levels *levels, int pixel, float tolerance)
@@ -366,23 +273,4 @@ void part_expose(struct part *part, const struct encode_settings *settings)
 		expose_light(part, settings);
 	sum_skies(part, settings);
 	even_skies(part, settings);
-}
-
-void part_limit(struct part *part, const struct encode_settings *settings,
-		const struct levels *levels)
-{
-	const bool used = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
-
-	part->levels = levels;
-	part->column_cut = used ? 0 : settings->column_cut;
-	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
-	/* As a light fades, its column may be left out when no pixel is off by more than is asked
-	 * for, and dark pixels may be off by least. Shares of the ground's light do not fade with a
-	 * light that is alone. */
-	part->cut_share = 1;
-	if (part->kind == BASIS_KIND_T && part->column_cut > 0)
-		part->cut_share = fmin(1, fmin((double)levels->rise[0], (double)levels->fall[0]) /
-						  part->column_cut);
-	limit_cells(part, levels, settings->lights);
-	weigh_values(part, settings->lights);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_measure.h"
+#include "bake/judge/measure.h"
 
 #include <errno.h>
 #include <math.h>
