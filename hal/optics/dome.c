@@ -16,6 +16,10 @@
 const char *const dome_division_names[] = {"angles", "chords", NULL};
 const char *const dome_shape_names[] = {"cells", "tents", NULL};
 
+/* Relative tolerance of the sum of all solid angles. Nodes of a file may be such that cells reach too
+ * far, or have too many corners. */
+#define COVERED 1e-9
+
 static int corners_of(const struct dome *dome, int light)
 {
 	return dome->cells->first[light + 1] - dome->cells->first[light];
@@ -23,11 +27,16 @@ static int corners_of(const struct dome *dome, int light)
 
 static int fill_cells(struct dome *dome)
 {
+	double sum = 0;
+
 	for (int i = 0; i < dome->count; i++) {
+		if (dome->cells->first[i + 1] == dome->cells->first[i])
+			return -EINVAL;
 		dome->solid_angle_sr[i] = dome->cells->cumulative_sr[dome->cells->first[i + 1] - 1];
 		dome->projected_sr[i] = dome_cells_projected_sr(dome->cells, i);
+		sum += dome->solid_angle_sr[i];
 	}
-	return 0;
+	return fabs(sum / (2 * M_PI) - 1) < COVERED ? 0 : -EINVAL;
 }
 
 static int fill_tents(struct dome *dome)
@@ -88,7 +97,9 @@ static int dome_end(struct dome *dome, int ret, struct fault *fault)
 {
 	if (ret < 0) {
 		dome_free(dome);
-		return fault_say(fault, ret, "dome: cannot be made: %s", strerror(-ret));
+		return fault_say(fault, ret, "dome: cannot be made: %s",
+				 ret == -EINVAL ? "the lights do not cover the sky"
+						: strerror(-ret));
 	}
 	return 0;
 }

@@ -15,7 +15,10 @@
 #include "hal/optics/dome_map.h"
 #include "hal/optics/vec.h"
 
-#define POLYGON_MAX 64
+/* Corners of a cell. A cell of frequency 1 among those of DOME_FREQUENCY_MAX has that many along each
+ * of its five or six sides. What does not fit makes the sum of all solid angles wrong, which
+ * dome.c refuses. */
+#define POLYGON_MAX 512
 #define SQUARE 8.0 /* half the side of the first square: cells reach less than atan(8) = 83 deg */
 #define SAME 1e-11 /* corners nearer than this are one */
 

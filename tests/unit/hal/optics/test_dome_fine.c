@@ -161,6 +161,26 @@ static void all_shapes_divide_the_hemisphere(void **state)
 			}
 }
 
+/* A coarse cell among fine ones has hundreds of corners. */
+static void a_coarse_cell_among_fine_ones(void **state)
+{
+	const struct dome_fine around[] = {part_at(0, 60, 20, 72), part_at(120, 60, 20, 72),
+					   part_at(-120, 60, 20, 72)};
+	struct dome_fine ring[5];
+	struct chance chance = chance_begin("a_coarse_cell_among_fine_ones");
+
+	(void)state;
+	for (int k = 0; k < 5; k++)
+		ring[k] = part_at(72 * k, 26, 0, 72);
+	for (int base = 1; base <= 3; base += 2) {
+		struct dome dome = made(base, DOME_ANGLES, DOME_CELLS, base == 1 ? ring : around,
+					base == 1 ? 5 : 3);
+
+		check_whole(&dome, &chance);
+		dome_free(&dome);
+	}
+}
+
 /* A part that is the whole sky gives all nodes of the finer dome. */
 static void a_whole_sky(void **state)
 {
@@ -246,6 +266,7 @@ int main(void)
 		cmocka_unit_test(nodes_are_those_of_whole_domes),
 		cmocka_unit_test(cells_are_fine_where_asked),
 		cmocka_unit_test(all_shapes_divide_the_hemisphere),
+		cmocka_unit_test(a_coarse_cell_among_fine_ones),
 		cmocka_unit_test(a_whole_sky),
 		cmocka_unit_test(the_same_from_its_nodes),
 		cmocka_unit_test(refused),
