@@ -82,7 +82,7 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	struct fine_list fine = {.count = 0};
 	int err = 0;
 
-	if (lights->fine)
+	if (lights->fine && *lights->fine)
 		err = fine_list_read(&fine, "--fine", lights->fine, NULL, fault);
 	if (!err)
 		err = fine_list_dome(&fine, lights->frequency, lights->division, lights->shape,

@@ -155,7 +155,7 @@ void fine_list_write(FILE *stream, const struct dome_fine *part)
 {
 	const double *d = part->direction;
 
-	fprintf(stream, "%.2f %.2f %.2f %d\n", atan2(d[1], d[0]) / DEGREE,
+	fprintf(stream, "%.4f %.4f %.4f %d\n", atan2(d[1], d[0]) / DEGREE,
 		atan2(d[2], hypot(d[0], d[1])) / DEGREE, part->radius_rad / DEGREE,
 		part->frequency);
 }

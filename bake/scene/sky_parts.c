@@ -12,6 +12,7 @@
 #define LEVELS 7	/* frequencies F, 2 F, 4 F ... up to DOME_FREQUENCY_MAX */
 #define COSINE 0.05	/* least: light along the ground still reaches what stands on it */
 #define WORTH 0.0005	/* rad by which a part must lessen how far light is moved */
+#define MARGIN 0.5	/* radius of a part, in cells: light at a border needs both sides */
 #define SPACING atan(2) /* between two nodes of the icosahedron, rad */
 
 struct sky_pieces {
@@ -156,7 +157,8 @@ static void list_parts(struct sky_parts *parts, const struct sky_pieces *p)
 
 		if (!p->chosen[i])
 			continue;
-		*part = (struct dome_fine){.frequency = p->level[p->chosen[i]].frequency};
+		part->frequency = p->level[p->chosen[i]].frequency;
+		part->radius_rad = MARGIN * SPACING / part->frequency;
 		cell_middle(p, i, part->direction);
 		parts->count++;
 	}

@@ -20,7 +20,7 @@
 #include "hal/optics/panorama.h"
 
 struct sky_parts {
-	struct dome_fine *part; /* [count]: one for each cell, of radius 0 */
+	struct dome_fine *part; /* [count]: one for each cell that is divided, around its light */
 	int count;
 	int lights;   /* of a dome with these parts */
 	bool limited; /* with more lights it would be finer */

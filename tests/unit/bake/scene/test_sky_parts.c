@@ -8,9 +8,14 @@
 #include <cmocka.h>
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "bake/scene/fine_list.h"
 #include "bake/scene/sky_parts.h"
 #include "hal/optics/vec.h"
+#include "tests/support/expect.h"
 
 #define DEGREE (M_PI / 180)
 #define FREQUENCY 9
@@ -40,15 +45,9 @@ static int test_sky_end(void **state)
 	return 0;
 }
 
-/* A disc of uniform radiance around the node of a cell, or a little aside. */
-static void add_disc(int cell, double aside_deg, double diameter_deg, float radiance,
-		     double middle[3])
+/* A disc of uniform radiance. */
+static void add_disc_at(const double middle[3], double diameter_deg, float radiance)
 {
-	const double *node = dome.direction[cell];
-
-	for (int k = 0; k < 3; k++)
-		middle[k] = node[k] + (k == 2 ? aside_deg * DEGREE : 0);
-	vec_normalize(middle);
 	for (int y = 0; y < image.height; y++)
 		for (int x = 0; x < image.width; x++) {
 			float *rgb = image.f32 + 3 * ((size_t)y * (size_t)image.width + (size_t)x);
@@ -59,6 +58,18 @@ static void add_disc(int cell, double aside_deg, double diameter_deg, float radi
 				if (vec_angle(d, middle) <= diameter_deg / 2 * DEGREE)
 					rgb[c] = radiance;
 		}
+}
+
+/* The same around the node of a cell, or a little aside. */
+static void add_disc(int cell, double aside_deg, double diameter_deg, float radiance,
+		     double middle[3])
+{
+	const double *node = dome.direction[cell];
+
+	for (int k = 0; k < 3; k++)
+		middle[k] = node[k] + (k == 2 ? aside_deg * DEGREE : 0);
+	vec_normalize(middle);
+	add_disc_at(middle, diameter_deg, radiance);
 }
 
 static struct sky_parts choose(int most)
@@ -115,6 +126,58 @@ static void test_sun_is_found(void **state)
 	assert_true(vec_angle(fine.direction[light], sun) < atan(2) / 72);
 	dome_free(&fine);
 	sky_parts_free(&parts);
+}
+
+/* On the border of two cells lights are fine on both sides, also by the list as it is written. */
+static void test_sun_at_a_border(void **state)
+{
+	const double *from = dome.direction[100];
+	struct fault fault = {.text = ""};
+	struct fine_list list;
+	struct sky_parts parts;
+	struct dome fine;
+	double sun[3], best = -1;
+	char *text = NULL;
+	size_t size;
+	FILE *stream;
+	int nearest = 0;
+
+	(void)state;
+	for (int i = 0; i < dome.count; i++)
+		if (i != 100 && vec_dot(dome.direction[i], from) > best) {
+			best = vec_dot(dome.direction[i], from);
+			nearest = i;
+		}
+	for (int k = 0; k < 3; k++)
+		sun[k] = from[k] + dome.direction[nearest][k];
+	vec_normalize(sun);
+	add_disc_at(sun, 0.5, 20000);
+	parts = choose(1000);
+	stream = open_memstream(&text, &size);
+	for (int k = 0; k < parts.count; k++) {
+		if (k)
+			fputc(',', stream);
+		fine_list_write(stream, &parts.part[k]);
+		fseek(stream, -1, SEEK_CUR); /* over the end of the line */
+	}
+	fclose(stream);
+	text[strcspn(text, "\n")] = '\0';
+	expect_success(fine_list_read(&list, "list", text, NULL, &fault), &fault);
+	expect_success(fine_list_dome(&list, FREQUENCY, DOME_ANGLES, DOME_CELLS, &fine, &fault),
+		       &fault);
+	assert_int_equal(fine.count, parts.lights);
+	for (int k = 0; k < 12; k++) {
+		const double turn = 2 * M_PI * k / 12;
+		const double near[3] = {sun[0] + 0.4 * DEGREE * cos(turn),
+					sun[1] + 0.4 * DEGREE * sin(turn), sun[2]};
+		const int light = dome_cell_of(&fine, near);
+
+		expect_below(dome_light_reach_rad(&fine, light), 1.2 * atan(2) / 72, "k=%d", k);
+	}
+	dome_free(&fine);
+	fine_list_free(&list);
+	sky_parts_free(&parts);
+	free(text);
 }
 
 static void test_turn_turns_parts(void **state)
@@ -184,6 +247,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_even_sky_needs_no_part, test_sky_begin,
 						test_sky_end),
 		cmocka_unit_test_setup_teardown(test_sun_is_found, test_sky_begin, test_sky_end),
+		cmocka_unit_test_setup_teardown(test_sun_at_a_border, test_sky_begin, test_sky_end),
 		cmocka_unit_test_setup_teardown(test_turn_turns_parts, test_sky_begin,
 						test_sky_end),
 		cmocka_unit_test_setup_teardown(test_two_lamps_are_two_parts, test_sky_begin,
