@@ -175,6 +175,7 @@ static void choose_lights(struct report *r, const struct report_trial *trials)
 		report_paragraph(r->page.body, "It is the finest dome that was tried; "
 					       "--frequency tries finer ones.");
 	r->advised.frequency = r->bake[found].settings.frequency;
+	r->advised.fine = r->bake[found].settings.fine;
 	report_advise_number(r, REPORT_SCENE, "dome", "frequency", r->advised.frequency,
 			     r->render.frequency);
 	report_advice_show(r);

@@ -309,6 +309,7 @@ int report_thesis(struct report *r)
 	if (!r->scene)
 		return 0;
 	a.settings.exact = true;
+	a.settings.fine = NULL; /* the thesis's domes are whole */
 	/* noise does not matter for time */
 	a.settings.samples = a.settings.samples / 2 + 1;
 	add_columns(&a);

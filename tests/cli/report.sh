@@ -35,6 +35,13 @@ exec 7<&-
 equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' ! -name '*.svg' \
 	! -name '*.png' ! -name report.html; find "$work" -maxdepth 1 -name 'report.part*')"
 
+# Other domes that it tries have no finer parts: 6 is no multiple of the frequencies of all of them.
+sed 's/^\[dome\].*/&\nfine = 0 40 1 6/' "$work/box.scene" >"$work/finer.scene"
+check "full report of a dome that is finer in parts" report --full "$work/finer.scene" -o "$work/finer"
+equal "which is among the domes" 1 "$(grep -c "^$("$INLAY_BAKE" dome --frequency 2 --fine "0 40 1 6" --angles |
+	grep -c '^[0-9]'),2,fast,cell" "$work/finer/lights.csv")"
+rm -rf "$work/finer"
+
 # Everything that is wrong about a report's folder; nothing is fine.
 judged() { # FOLDER
 	python3 - "$1" <<'END'
