@@ -135,7 +135,7 @@ const struct bake_command report_command = {
 		"                     128x96\n"
 		"  --samples S        camera rays a pixel of each bake, 16\n"
 		"  --truth-samples S  of the truth, 256; with --full 1024\n"
-		"  --frequency F      of the finest dome that is tried, 1 to 64; 18; with --full "
+		"  --frequency F      of the finest dome that is tried, 1 to 72; 18; with --full "
 		"36\n"
 		"  --pose P           of the scene: number, from 0, or name; 0\n"
 		"  --repeat N         how often each frame is timed, 9\n"
