@@ -8,7 +8,7 @@ set -eu
 
 build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
 	libcamera-dev libcairo2-dev libsystemd-dev libpng-dev
-	libturbojpeg0-dev libopenexr-dev libxxhash-dev libzstd-dev libembree-dev libassimp-dev
+	libjpeg62-turbo-dev libopenexr-dev libxxhash-dev libzstd-dev libembree-dev libassimp-dev
 	liblapacke-dev libopenblas-dev libcminpack-dev libopencv-calib3d-dev
 	libopencv-contrib-dev"
 demo="ffmpeg fonts-dejavu-core"
@@ -20,7 +20,7 @@ image_host="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd
 # Firmware of other machines, their emulators, and the Arm compiler.
 image="$image_host qemu-system-arm ovmf qemu-user-static arch-test
 	gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
-test="libcmocka-dev clang-format shellcheck git python3-minimal busybox-static v4l-utils
+test="libcmocka-dev libturbojpeg0-dev clang-format shellcheck git python3-minimal busybox-static v4l-utils
 	libcamera-ipa udev poppler-utils"
 # For the deep tests alone.
 deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc parallel slurmctld

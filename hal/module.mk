@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-hal_PACKAGES := libturbojpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
+hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/fault.c \
@@ -73,6 +73,7 @@ HAL_SOURCES := \
 	hal/ini/ini_names.c \
 	hal/ini/ini_sample.c \
 	hal/ini/ini_value.c \
+	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
 	hal/lights/light_filter.c \

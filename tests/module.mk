@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Support and tests are compiled with all of these, and linked with cmocka and their room's libraries.
-tests_PACKAGES := cmocka $(drivers_PACKAGES) $(hal_PACKAGES)
-cmocka_PACKAGES := cmocka
+tests_PACKAGES := $(cmocka_PACKAGES) $(drivers_PACKAGES) $(hal_PACKAGES)
+cmocka_PACKAGES := cmocka libturbojpeg
 SUPPORT_SOURCES := \
 	tests/support/captured_log.c \
 	tests/support/chance.c \
@@ -130,6 +130,7 @@ UNIT_TESTS := \
 	tests/unit/hal/frame/test_view.c \
 	tests/unit/hal/image/test_image.c \
 	tests/unit/hal/ini/test_ini.c \
+	tests/unit/hal/jpeg/test_jpeg_decoder.c \
 	tests/unit/hal/lights/test_exposure_schedule.c \
 	tests/unit/hal/lights/test_exposures.c \
 	tests/unit/hal/lights/test_light_filter.c \

@@ -47,6 +47,8 @@ static void close_camera(struct source *source)
 	source_make_whole(source);
 	source_drop(source);
 	camera_close(&source->camera);
+	source->damaged_ns = 0;
+	source->odd_width = source->odd_height = 0;
 	source->earlier_frames += source->camera.frames;
 	source->earlier_lost += source->camera.lost;
 	source->earlier_broken += source->camera.broken;
@@ -61,6 +63,7 @@ void source_destroy(struct source *source)
 	frame_decoder_destroy(source->decoder);
 	free(source->tables);
 	canvas_free(&source->canvas);
+	canvas_free(&source->spare);
 	image_free(&source->linear);
 	*source = (struct source){.decoder = NULL};
 }
@@ -173,7 +176,7 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 {
 	struct fault fault = {.text = ""};
 	struct frame frame, last = give_back(source);
-	bool changed;
+	bool changed, damaged;
 	int err;
 
 	err = camera_grab(&source->camera, &frame, &fault);
@@ -181,8 +184,10 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 	 * buffer that it got back last while it has others. */
 	if (last.format != PIXEL_NONE && (err || !is_readable(&frame)))
 		convert_frame(source, &last);
-	/* -EAGAIN does not mean that a camera which was lost works again. */
-	if (err != -EAGAIN || source->camera.situation != CAMERA_FINE)
+	/* -EAGAIN does not mean that a camera which was lost works again, and a frame not that it
+	 * decodes. */
+	damaged = !err && source->situation == CAMERA_DAMAGED;
+	if (!damaged && (err != -EAGAIN || source->camera.situation != CAMERA_FINE))
 		source->situation = source->camera.situation;
 	if (err)
 		source_complain(source, &fault);
@@ -273,23 +278,17 @@ void source_encode_as(struct source *source, const struct transfer_curve *curve)
 	transfer_tables_fill(source->tables, curve);
 }
 
-static int fit_pictures(struct source *source, const struct frame *frame)
+static int fit_canvas(struct canvas *canvas, int width, int height, struct fault *fault)
 {
 	int err;
 
-	source->is_linear = frame->format == PIXEL_RGBF;
-	if (source->canvas.width != frame->width || source->canvas.height != frame->height) {
-		canvas_free(&source->canvas);
-		err = canvas_create(&source->canvas, frame->width, frame->height);
-		if (err)
-			return err;
-		source->whole = true; /* black until a frame decodes */
-	}
-	if (!source->is_linear ||
-	    (source->linear.width == frame->width && source->linear.height == frame->height))
+	if (canvas->width == width && canvas->height == height)
 		return 0;
-	image_free(&source->linear);
-	return image_create_f32(&source->linear, frame->width, frame->height);
+	canvas_free(canvas);
+	err = canvas_create(canvas, width, height);
+	return err ? fault_say(fault, err, "not enough memory for a picture of %dx%d", width,
+			       height)
+		   : 0;
 }
 
 static void encode_linear(const struct source *source)
@@ -315,45 +314,121 @@ static int copy_linear(struct source *source, const struct frame *frame)
 	return 0;
 }
 
-static int decode_held(struct source *source, struct fault *fault)
+static int decode_raw(struct source *source, struct fault *fault)
 {
-	int err;
+	const struct frame *frame = &source->held;
+	int err = frame_check(frame, fault);
 
-	if (frame_is_raw(&source->held)) {
-		err = frame_check(&source->held, fault);
-		if (err)
-			return err;
-	}
-	err = fit_pictures(source, &source->held);
+	if (!err)
+		err = fit_canvas(&source->canvas, frame->width, frame->height, fault);
 	if (err)
-		return fault_say(fault, err, "not enough memory for a picture of %dx%d",
-				 source->held.width, source->held.height);
-	if (frame_is_raw(&source->held)) {
-		source->shown = true;
-		source->whole = false;
-		if (source->settings.camera.buffers < BUFFERS_TO_HOLD)
-			source_make_whole(source);
-		return 0;
+		return err;
+	source->shown = true;
+	source->whole = false;
+	if (source->settings.camera.buffers < BUFFERS_TO_HOLD)
+		source_make_whole(source);
+	return 0;
+}
+
+static int decode_linear(struct source *source, struct fault *fault)
+{
+	const struct frame *frame = &source->held;
+	int err = fit_canvas(&source->canvas, frame->width, frame->height, fault);
+
+	if (!err &&
+	    (source->linear.width != frame->width || source->linear.height != frame->height)) {
+		image_free(&source->linear);
+		err = image_create_f32(&source->linear, frame->width, frame->height);
 	}
-	source->whole = true; /* a frame that does not decode leaves the canvas as it was */
-	if (!source->is_linear)
-		return frame_decode(source->decoder, &source->held, &source->canvas, fault);
-	err = copy_linear(source, &source->held);
+	source->whole = true;
+	if (!err)
+		err = copy_linear(source, frame);
 	if (err)
-		return fault_say(fault, err, "a short frame");
+		return fault_say(fault, err, "a short frame, or not enough memory");
 	encode_linear(source);
 	return 0;
 }
 
+/* Some cameras send JPEG pictures of another size than they have agreed to. Such a size counts once
+ * it has come twice in a row: a damaged header may tell any size. */
+static int accept_size(struct source *source, struct fault *fault)
+{
+	struct frame *frame = &source->held;
+	bool again;
+	int width, height, err;
+
+	err = frame_decoder_size(source->decoder, frame, &width, &height, fault);
+	if (err || (width == frame->width && height == frame->height))
+		return err;
+	again = width == source->odd_width && height == source->odd_height;
+	source->odd_width = width;
+	source->odd_height = height;
+	if (!again)
+		return fault_say(fault, -EBADMSG, "a JPEG picture of %dx%d, expected %dx%d", width,
+				 height, frame->width, frame->height);
+	if (source->canvas.width != width || source->canvas.height != height)
+		log_warning("camera %s: it sends pictures of %dx%d in place of the %dx%d that it "
+			    "agreed to",
+			    source->settings.name, width, height, frame->width, frame->height);
+	frame->width = width;
+	frame->height = height;
+	return 0;
+}
+
+/* Decodes into the spare canvas, which becomes the picture if the frame is whole. */
+static int decode_whole(struct source *source, struct fault *fault)
+{
+	const struct canvas before = source->canvas;
+	int err = accept_size(source, fault);
+
+	if (!err)
+		err = fit_canvas(&source->spare, source->held.width, source->held.height, fault);
+	if (!err)
+		err = frame_decode(source->decoder, &source->held, &source->spare, fault);
+	if (err)
+		return err;
+	source->canvas = source->spare;
+	source->spare = before;
+	source->whole = true;
+	return 0;
+}
+
+static int decode_held(struct source *source, struct fault *fault)
+{
+	source->is_linear = source->held.format == PIXEL_RGBF;
+	if (frame_is_raw(&source->held))
+		return decode_raw(source, fault);
+	return source->is_linear ? decode_linear(source, fault) : decode_whole(source, fault);
+}
+
+/* Frames that do not decode are passed over; a camera that gives no others for as long as it may be
+ * silent does not work. */
+static void complain_of_damage(struct source *source, int64_t now_ns, const struct fault *fault)
+{
+	if (!source->undecodable++)
+		log_warning("camera %s: a frame does not decode and is passed over: %s",
+			    source->settings.name, fault->text);
+	if (!source->damaged_ns)
+		source->damaged_ns = now_ns;
+	if (now_ns - source->damaged_ns < silence_of(&source->camera))
+		return;
+	source->situation = CAMERA_DAMAGED;
+	source_complain(source, fault);
+}
+
 bool source_decode(struct source *source, int64_t now_ns)
 {
+	static const struct fault nothing = {.text = ""};
 	struct fault fault = {.text = ""};
 	int err = decode_held(source, &fault);
 
-	if (err && !source->undecodable++)
-		log_warning("camera %s: a frame does not decode and is passed over: %s",
-			    source->settings.name, fault.text);
-	if (!err) {
+	if (err) {
+		complain_of_damage(source, now_ns, &fault);
+	} else {
+		source->damaged_ns = 0;
+		if (source->situation == CAMERA_DAMAGED)
+			source->situation = CAMERA_FINE;
+		source_complain(source, &nothing);
 		source->picture_ns = source->held_ns;
 		source->stamp_ns = source->held.timestamp_ns;
 		source->sequence = source->held.sequence;

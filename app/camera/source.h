@@ -53,7 +53,10 @@ struct source {
 	struct transfer_tables *tables;
 	struct canvas canvas; /* has the picture's size; width 0: there has been no picture */
 	bool whole;	      /* the picture is in the canvas */
-	struct image linear;  /* the picture in linear radiance, not clipped, from RGBF */
+	struct canvas spare;  /* compressed frames are decoded here: a damaged one is never shown */
+	int odd_width, odd_height; /* the last JPEG picture of another size than agreed; 0: none */
+	int64_t damaged_ns;	   /* since when no frame has decoded; 0: the last one did */
+	struct image linear;	   /* the picture in linear radiance, not clipped, from RGBF */
 	bool is_linear;
 	int64_t picture_ns; /* when the picture was captured */
 	int64_t stamp_ns;   /* the same by the camera's own clock, perhaps a simulated one */

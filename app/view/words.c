@@ -15,6 +15,7 @@ static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_NO_DEVICE] = "is not connected: waiting",
 	[CAMERA_NO_SIGNAL] = "gets no video signal: waiting",
 	[CAMERA_STALLED] = "sends no picture: waiting",
+	[CAMERA_DAMAGED] = "sends only damaged pictures: try another cable, port or picture format",
 	[CAMERA_UNSUPPORTED_FORMAT] =
 		"has no picture format that can be used: see \"inlay devices\"",
 	[CAMERA_BUSY] = "is used by another program: waiting",

@@ -192,28 +192,6 @@ static bool plane_is_whole(const struct frame_plane *plane, enum pixel_format fo
 	       plane->stride * (rows - 1) + frame_plane_stride(format, index, width);
 }
 
-/* Drivers pad a buffer with zeros, and some cameras append a few bytes to the picture: at most so
- * many are skipped in search of the end marker. */
-enum { JPEG_TAIL = 64 };
-
-static bool trim_jpeg(struct frame_plane *plane)
-{
-	const uint8_t *data = plane->data;
-	size_t end = plane->bytes, least;
-
-	while (end > 4 && data[end - 1] == 0)
-		end--;
-	if (end < 4 || data[0] != 0xff || data[1] != 0xd8)
-		return false;
-	least = end > JPEG_TAIL + 4 ? end - JPEG_TAIL : 4;
-	for (; end >= least; end--)
-		if (data[end - 2] == 0xff && data[end - 1] == 0xd9) {
-			plane->bytes = end;
-			return true;
-		}
-	return false;
-}
-
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES])
 {
@@ -222,7 +200,7 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 
 	planes[0] = (struct frame_plane){memory[0].data, picture->stride[0], memory[0].bytes};
 	if (format == PIXEL_MJPEG)
-		return trim_jpeg(&planes[0]);
+		return memory[0].bytes > 0; /* decoding tells whether it is whole */
 	if (!plane_is_whole(&planes[0], format, 0, picture->width, picture->rows))
 		return false;
 	if (format != PIXEL_NV12)

@@ -5,8 +5,17 @@
 #include <string.h>
 
 const char *const camera_situation_names[] = {
-	"fine", "no device",	"no signal",	 "stalled", "unsupported format",
-	"busy", "no bandwidth", "no permission", "broken",  NULL,
+	"fine",
+	"no device",
+	"no signal",
+	"stalled",
+	"damaged pictures",
+	"unsupported format",
+	"busy",
+	"no bandwidth",
+	"no permission",
+	"broken",
+	NULL,
 };
 
 _Static_assert(sizeof(camera_situation_names) / sizeof(camera_situation_names[0]) ==

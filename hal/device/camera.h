@@ -21,6 +21,7 @@ enum camera_situation {
 	CAMERA_NO_DEVICE,
 	CAMERA_NO_SIGNAL,
 	CAMERA_STALLED,
+	CAMERA_DAMAGED, /* frames come, and none of them decodes */
 	CAMERA_UNSUPPORTED_FORMAT,
 	CAMERA_BUSY,
 	CAMERA_NO_BANDWIDTH,

@@ -11,7 +11,7 @@
 
 struct frame_decoder {
 	enum deinterlace deinterlace;
-	struct frame_jpeg jpeg;
+	struct jpeg_decoder *jpeg;
 	uint8_t *rows; /* two rows of pixels, for blending */
 	int rows_width;
 	struct canvas unpacked; /* MJPEG in fields */
@@ -26,7 +26,7 @@ int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinte
 	if (!d)
 		return -ENOMEM;
 	d->deinterlace = deinterlace;
-	err = frame_jpeg_create(&d->jpeg);
+	err = jpeg_decoder_create(&d->jpeg);
 	if (err) {
 		free(d);
 		return err;
@@ -39,7 +39,7 @@ void frame_decoder_destroy(struct frame_decoder *decoder)
 {
 	if (!decoder)
 		return;
-	frame_jpeg_destroy(&decoder->jpeg);
+	jpeg_decoder_destroy(decoder->jpeg);
 	canvas_free(&decoder->unpacked);
 	free(decoder->rows);
 	free(decoder);
@@ -69,7 +69,7 @@ static int decode_picture(struct frame_decoder *decoder, const struct frame *fra
 	int err;
 
 	if (frame->format == PIXEL_MJPEG)
-		return frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], canvas, fault);
+		return frame_jpeg_decode(decoder->jpeg, &frame->planes[0], canvas, fault);
 	err = frame_reader_open(&reader, frame, &whole, fault);
 	if (err)
 		return err;
@@ -93,12 +93,12 @@ static int decode_jpeg_fields(struct frame_decoder *decoder, const struct frame 
 	struct frame_plane second;
 	int err;
 
-	err = frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], upper, fault);
+	err = frame_jpeg_decode(decoder->jpeg, &frame->planes[0], upper, fault);
 	if (err || frame->fields == FIELDS_TOP || frame->fields == FIELDS_BOTTOM)
 		return err;
 	second = frame->fields == FIELDS_PAIR ? frame->bottom_planes[0]
 					      : frame_jpeg_after(&frame->planes[0]);
-	return frame_jpeg_decode(&decoder->jpeg, &second, lower, fault);
+	return frame_jpeg_decode(decoder->jpeg, &second, lower, fault);
 }
 
 /* Decodes MJPEG in fields to a BGRX frame whose fields can be separated. */
@@ -106,7 +106,7 @@ static int unpack_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 		       struct frame *unpacked, struct fault *fault)
 {
 	struct canvas *canvas = &decoder->unpacked, upper, lower;
-	int height, err;
+	int width, height, err;
 
 	if (canvas->width != frame->width || canvas->height != frame->height) {
 		canvas_free(canvas);
@@ -115,7 +115,7 @@ static int unpack_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 			return fault_say(fault, err, "frame: no memory for two fields of %dx%d",
 					 frame->width, frame->height);
 	}
-	err = frame_jpeg_height(&decoder->jpeg, &frame->planes[0], &height, fault);
+	err = frame_jpeg_size(decoder->jpeg, &frame->planes[0], &width, &height, fault);
 	if (err)
 		return err;
 	*unpacked = *frame;
@@ -123,9 +123,9 @@ static int unpack_jpeg(struct frame_decoder *decoder, const struct frame *frame,
 	unpacked->range = RANGE_FULL;
 	unpacked->planes[0] = (struct frame_plane){canvas->pixels, canvas->stride,
 						   canvas->stride * (size_t)canvas->height};
-	if (height == frame->height && frame->fields >= FIELDS_INTERLACED &&
+	if (height >= frame->height && frame->fields >= FIELDS_INTERLACED &&
 	    frame->fields <= FIELDS_BOTTOM_TOP)
-		return frame_jpeg_decode(&decoder->jpeg, &frame->planes[0], canvas, fault);
+		return frame_jpeg_decode(decoder->jpeg, &frame->planes[0], canvas, fault);
 	upper = lower = *canvas;
 	upper.height = lower.height = canvas->height / 2;
 	lower.pixels += canvas->stride * (size_t)upper.height;
@@ -166,6 +166,23 @@ static int decode_fields(struct frame_decoder *decoder, const struct frame *fram
 	if (decoder->deinterlace == DEINTERLACE_BLEND)
 		canvas_blend(canvas, decoder->rows);
 	return 0;
+}
+
+int frame_decoder_size(struct frame_decoder *decoder, const struct frame *frame, int *width,
+		       int *height, struct fault *fault)
+{
+	int err;
+
+	*width = frame->width;
+	*height = frame->height;
+	if (frame->format != PIXEL_MJPEG || frame->fields != FIELDS_NONE)
+		return 0;
+	err = frame_jpeg_size(decoder->jpeg, &frame->planes[0], width, height, fault);
+	if (!err && frame_jpeg_holds(*width, *height, frame->width, frame->height)) {
+		*width = frame->width;
+		*height = frame->height;
+	}
+	return err;
 }
 
 int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,

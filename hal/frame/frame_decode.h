@@ -26,6 +26,10 @@ struct frame_decoder;
 int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);
 int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
 		 struct fault *fault);
+/* Size of the picture in a frame: the frame's own, unless a progressive JPEG tells another one that is
+ * not the same with a block of padding. 0, -EBADMSG, -ENOMEM. */
+int frame_decoder_size(struct frame_decoder *decoder, const struct frame *frame, int *width,
+		       int *height, struct fault *fault);
 void frame_decoder_destroy(struct frame_decoder *decoder);
 
 #endif

@@ -2,91 +2,50 @@
 #include "hal/frame/frame_jpeg.h"
 
 #include <errno.h>
-#include <string.h>
-#include <turbojpeg.h>
 
-int frame_jpeg_create(struct frame_jpeg *jpeg)
-{
-	jpeg->handle = tjInitDecompress();
-	return jpeg->handle ? 0 : -ENOMEM;
-}
+#define BLOCK_MAX 16 /* pixels of the largest block that a JPEG's size is rounded up to */
 
-void frame_jpeg_destroy(struct frame_jpeg *jpeg)
+int frame_jpeg_size(struct jpeg_decoder *jpeg, const struct frame_plane *plane, int *width,
+		    int *height, struct fault *fault)
 {
-	if (jpeg->handle)
-		tjDestroy(jpeg->handle);
-	jpeg->handle = NULL;
-}
-
-/* Whether TurboJPEG's error means damage. Some webcams put stray bytes between the last scan and
- * its end marker, and the picture is whole. After any other warning a part is missing or made
- * up. */
-static bool is_damaged(tjhandle handle)
-{
-	return tjGetErrorCode(handle) != TJERR_WARNING ||
-	       !strstr(tjGetErrorStr2(handle), "extraneous bytes");
-}
-
-/* Starts a new decompressor: after an error in the middle of a header, TurboJPEG would refuse every
- * later picture too. */
-static int refuse_header(struct frame_jpeg *jpeg, struct fault *fault)
-{
-	fault_say(fault, -EBADMSG, "frame: not a JPEG picture: %s", tjGetErrorStr2(jpeg->handle));
-	tjDestroy(jpeg->handle);
-	jpeg->handle = tjInitDecompress();
-	return -EBADMSG;
-}
-
-static int jpeg_read_header(struct frame_jpeg *jpeg, const struct frame_plane *plane, int *width,
-			    int *height, struct fault *fault)
-{
-	int subsampling, colours;
+	struct fault why = {""};
+	int err;
 
 	if (!plane->data || plane->bytes == 0)
 		return fault_say(fault, -EBADMSG, "frame: an empty JPEG picture");
-	if (!jpeg->handle)
-		return fault_say(fault, -ENOMEM, "frame: no memory to decode JPEG pictures");
-	if (tjDecompressHeader3(jpeg->handle, plane->data, plane->bytes, width, height,
-				&subsampling, &colours))
-		return refuse_header(jpeg, fault);
-	return 0;
+	err = jpeg_decoder_open(jpeg, plane->data, plane->bytes, width, height, &why);
+	return err ? fault_say(fault, err, "frame: %s", why.text) : 0;
 }
 
-int frame_jpeg_height(struct frame_jpeg *jpeg, const struct frame_plane *plane, int *height,
-		      struct fault *fault)
+bool frame_jpeg_holds(int jpeg_width, int jpeg_height, int width, int height)
 {
-	int width;
-
-	return jpeg_read_header(jpeg, plane, &width, height, fault);
+	return jpeg_width >= width && jpeg_width < width + BLOCK_MAX && jpeg_height >= height &&
+	       jpeg_height < height + BLOCK_MAX;
 }
 
-int frame_jpeg_decode(struct frame_jpeg *jpeg, const struct frame_plane *plane,
+int frame_jpeg_decode(struct jpeg_decoder *jpeg, const struct frame_plane *plane,
 		      struct canvas *canvas, struct fault *fault)
 {
-	int width, height, err = jpeg_read_header(jpeg, plane, &width, &height, fault);
+	struct fault why = {""};
+	int width, height, err = frame_jpeg_size(jpeg, plane, &width, &height, fault);
 
 	if (err)
 		return err;
-	if (width != canvas->width || height != canvas->height)
+	if (!frame_jpeg_holds(width, height, canvas->width, canvas->height))
 		return fault_say(fault, -EBADMSG, "frame: a JPEG picture of %dx%d, expected %dx%d",
 				 width, height, canvas->width, canvas->height);
-	/* BGRA, not BGRX: the former sets the fourth byte to 255. */
-	if (tjDecompress2(jpeg->handle, plane->data, plane->bytes, canvas->pixels, width,
-			  (int)canvas->stride, height, TJPF_BGRA,
-			  TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS) &&
-	    is_damaged(jpeg->handle))
-		return fault_say(fault, -EBADMSG, "frame: a damaged JPEG picture: %s",
-				 tjGetErrorStr2(jpeg->handle));
-	return 0;
+	err = jpeg_decoder_read(jpeg, JPEG_BGRX, canvas->pixels, canvas->stride, canvas->width,
+				canvas->height, &why);
+	return err ? fault_say(fault, err, "frame: %s", why.text) : 0;
 }
 
 enum { MARK = 0xff, START = 0xd8, END = 0xd9, SCAN = 0xda };
 
-/* Offset of the first picture's first scan; bytes if there is none. Skips the segments before it by
+/* Offset of the first scan from a place in the picture's header on; bytes if there is none. Skips the segments before it by
  * their lengths, because a thumbnail in one of them may hold markers of its own. */
-static size_t find_scan(const uint8_t *data, size_t bytes)
+static size_t find_scan(const uint8_t *data, size_t from, size_t bytes)
 {
-	size_t i = 2;
+	size_t i = from;
 
 	while (i + 4 <= bytes && data[i] == MARK && data[i + 1] != SCAN) {
 		if (data[i + 1] == MARK)
@@ -110,7 +69,8 @@ struct frame_plane frame_jpeg_after(const struct frame_plane *plane)
 	const uint8_t *data = plane->data;
 	size_t at;
 
-	at = find_scan(data, plane->bytes);
+	at = find_marker(data, 0, plane->bytes, START);
+	at = find_scan(data, at + 2, plane->bytes);
 	at = find_marker(data, at, plane->bytes, END);
 	at = find_marker(data, at, plane->bytes, START);
 	return (struct frame_plane){data + at, 0, plane->bytes - at};

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/eventfd.h>
+#include <turbojpeg.h>
 #include <unistd.h>
 
 #include "app/camera/eye.h"
@@ -33,6 +34,8 @@ static struct {
 	const char *name;
 	uint8_t level;
 	float linear[3];
+	uint8_t jpeg[4096];
+	unsigned long jpeg_bytes;
 	int opened, closed, out; /* out: frames not given back yet */
 	uint32_t sequence;
 } fake;
@@ -94,6 +97,8 @@ static int fake_grab(struct camera *camera, struct frame *frame, struct fault *f
 	fake.sequence++;
 	frame->planes[0] = (struct frame_plane){
 		memory, stride, fake.bytes ? fake.bytes : stride * (size_t)fake.height};
+	if (fake.format == PIXEL_MJPEG)
+		frame->planes[0] = (struct frame_plane){fake.jpeg, 0, fake.jpeg_bytes};
 	return 0;
 }
 
@@ -359,6 +364,103 @@ static void a_frame_that_does_not_decode_is_passed_over(void **state)
 	assert_int_equal(source_counts(&source).broken, 1);
 }
 
+/* The camera sends a JPEG of this size from now on; level: of its grey. */
+static void send_jpeg(int width, int height, int level)
+{
+	static uint8_t grey[64 * 64];
+	tjhandle handle = tjInitCompress();
+	unsigned char *out = fake.jpeg;
+
+	for (int i = 0; i < width * height; i++)
+		grey[i] = (uint8_t)(level + i * 5 % 3);
+	fake.format = PIXEL_MJPEG;
+	fake.jpeg_bytes = sizeof(fake.jpeg);
+	assert_int_equal(tjCompress2(handle, grey, width, 0, height, TJPF_GRAY, &out,
+				     &fake.jpeg_bytes, TJSAMP_GRAY, 95, TJFLAG_NOREALLOC),
+			 0);
+	tjDestroy(handle);
+}
+
+/* The same, cut at three quarters, with an end marker: decoders make the rest grey. */
+static void send_damaged_jpeg(int level)
+{
+	send_jpeg(16, 8, level);
+	fake.jpeg_bytes -= 24;
+	fake.jpeg[fake.jpeg_bytes - 2] = 0xff;
+	fake.jpeg[fake.jpeg_bytes - 1] = 0xd9;
+}
+
+static bool take_and_decode(int64_t now_ns)
+{
+	test_source_take(now_ns);
+	return source_decode(&source, now_ns);
+}
+
+static void a_damaged_jpeg_is_never_shown(void **state)
+{
+	(void)state;
+	send_jpeg(16, 8, 100);
+	must_open();
+	assert_true(take_and_decode(1));
+	for (int i = 0; i < 4; i++) {
+		send_damaged_jpeg(200);
+		assert_false(take_and_decode(2));
+		for (int y = 0; y < 8; y++)
+			assert_in_range(source.canvas.pixels[(size_t)y * source.canvas.stride], 98,
+					104);
+		send_jpeg(16, 8, 100);
+		assert_true(take_and_decode(3));
+	}
+	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source_counts(&source).broken, 4);
+}
+
+static void only_damaged_pictures_are_a_situation(void **state)
+{
+	(void)state;
+	send_damaged_jpeg(100);
+	must_open();
+	assert_false(take_and_decode(NS_PER_S));
+	assert_false(take_and_decode(2 * NS_PER_S));
+	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_false(take_and_decode(4 * NS_PER_S));
+	assert_int_equal(source.situation, CAMERA_DAMAGED);
+	assert_false(source_has_picture(&source));
+	test_source_take(5 * NS_PER_S); /* a frame that comes does not show that it decodes */
+	assert_int_equal(source.situation, CAMERA_DAMAGED);
+	send_jpeg(16, 8, 100);
+	assert_true(take_and_decode(6 * NS_PER_S));
+	assert_int_equal(source.situation, CAMERA_FINE);
+	fake.grab_err = -ENODEV;
+	fake.situation = CAMERA_NO_DEVICE;
+	test_source_take(7 * NS_PER_S);
+	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
+}
+
+static void a_jpeg_of_another_size_is_shown_when_it_comes_again(void **state)
+{
+	(void)state;
+	must_open();
+	send_jpeg(16, 8, 100);
+	assert_true(take_and_decode(1));
+	send_jpeg(24, 16, 50); /* padding to whole blocks */
+	assert_true(take_and_decode(2));
+	assert_int_equal(source.canvas.width, 16);
+	assert_int_equal(source.canvas.height, 8);
+	assert_in_range(source.canvas.pixels[0], 48, 54);
+	send_jpeg(40, 30, 150); /* once it may be damage to the header */
+	assert_false(take_and_decode(3));
+	assert_int_equal(source.canvas.width, 16);
+	send_jpeg(40, 30, 150);
+	assert_true(take_and_decode(4));
+	assert_int_equal(source.canvas.width, 40);
+	assert_int_equal(source.canvas.height, 30);
+	assert_in_range(source.canvas.pixels[29 * source.canvas.stride + 4 * 39], 148, 154);
+	send_jpeg(16, 8, 100);
+	assert_true(take_and_decode(5));
+	assert_int_equal(source.canvas.width, 16);
+}
+
 static const struct view all = {.width = 16, .height = 8, .squash = 1};
 
 /* With spare buffers, a raw frame is read where the camera left it. */
@@ -618,6 +720,9 @@ int main(void)
 		CASE(a_raw_frame_that_is_short_is_passed_over),
 		CASE(a_kept_picture_outlives_its_frame),
 		CASE(a_frame_that_does_not_decode_is_passed_over),
+		CASE(a_damaged_jpeg_is_never_shown),
+		CASE(only_damaged_pictures_are_a_situation),
+		CASE(a_jpeg_of_another_size_is_shown_when_it_comes_again),
 		CASE(linear_light_is_kept_and_encoded),
 		CASE(the_picture_follows_the_cameras_size),
 		CASE(opening_is_waited_for_by_nobody_but_the_end),

@@ -66,6 +66,7 @@ static void says_what_is_wrong(void **state)
 		{CAMERA_NO_DEVICE, "not connected: waiting"},
 		{CAMERA_NO_SIGNAL, "no video signal"},
 		{CAMERA_STALLED, "sends no picture"},
+		{CAMERA_DAMAGED, "only damaged pictures"},
 		{CAMERA_UNSUPPORTED_FORMAT, "no picture format"},
 		{CAMERA_BUSY, "used by another program"},
 		{CAMERA_NO_BANDWIDTH, "no room on its USB bus"},

@@ -824,6 +824,8 @@ static void cut_short(void **state)
 		image_free(&image);
 		if (!strcmp(names[i], "tiles_zip.exr"))
 			bytes = levels_at;
+		if (!strcmp(names[i], "photo.jpg"))
+			bytes -= 2; /* its end marker, without which it is whole */
 		for (size_t cut = 0; cut < bytes; cut++) {
 			/* Memory of exactly that length, so that a sanitizer sees a read beyond. */
 			uint8_t *part = malloc(cut ? cut : 1);
