@@ -7,6 +7,7 @@ HAL_SOURCES := \
 	hal/base/log.c \
 	hal/base/number.c \
 	hal/base/output.c \
+	hal/base/plain_text.c \
 	hal/base/pool.c \
 	hal/base/processor.c \
 	hal/base/text_file.c \

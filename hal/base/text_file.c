@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "hal/base/input.h"
+#include "hal/base/plain_text.h"
 
 #define BYTE_ORDER_MARK "\xef\xbb\xbf"
 
@@ -38,6 +39,10 @@ static int text_file_read_line(struct text_file *file, size_t *length, struct fa
 					 file->path, TEXT_FILE_BYTES_MAX >> 20);
 		if (byte == '\n')
 			break;
+		if (!byte && !file->number && text_is_utf16(file->line, used))
+			return fault_say(fault, -EINVAL,
+					 "%s: is UTF-16, expected UTF-8: save it in that encoding",
+					 file->path);
 		if (!byte)
 			return fault_say(fault, -EINVAL,
 					 "%s:%d: holds a zero byte, expected a text file",

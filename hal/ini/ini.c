@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "hal/base/input.h"
+#include "hal/base/plain_text.h"
 #include "hal/ini/ini_names.h"
 #include "hal/ini/ini_value.h"
 
@@ -226,6 +227,11 @@ static void key_assign(struct ini_reading *r, const char *name, const char *valu
 	void *values;
 	int err;
 
+	if (!key && text_oddity(name, true)) {
+		ini_complain(r, r->line, r->title, NULL, "the key \"%.60s\" %s", name,
+			     text_oddity(name, true));
+		return;
+	}
 	if (!key) {
 		ini_nearest_key(r->tables, r->section, name, near);
 		ini_complain_unknown(r, r->title, name, near);
@@ -280,6 +286,11 @@ static bool header_is_sound(struct ini_reading *r, const char *line)
 	size_t length = strspn(line + 1, TITLE_CHARACTERS " \t");
 	const char *rest = line + 1 + length;
 
+	if (*rest != ']' && text_oddity(line, true)) {
+		ini_complain(r, r->line, "", NULL, "the section's title %s",
+			     text_oddity(line, true));
+		return false;
+	}
 	if (*rest != ']') {
 		ini_complain(
 			r, r->line, "", NULL,
@@ -438,6 +449,11 @@ int ini_read_memory(const char *text, size_t bytes, const char *name, const char
 		.end = text + bytes,
 	};
 
+	if (text_is_utf16(text, bytes)) {
+		ini_complain(&r, 0, "", NULL,
+			     "is UTF-16, expected UTF-8: save it in that encoding");
+		return r.err;
+	}
 	/* A binary file may begin with what looks like lines, so zeros are looked for first. */
 	if (memchr(text, '\0', bytes)) {
 		ini_complain(&r, zero_line(text), "", NULL,

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "hal/base/number.h"
+#include "hal/base/plain_text.h"
 
 #define ECHO_MAX 60 /* bytes of a wrong value that a fault quotes */
 
@@ -277,9 +278,15 @@ static void offer_choice(const struct ini_key *key, const char *text, char why[I
 int ini_value_read(const struct ini_key *key, const char *text, const char *folder, void *values,
 		   char why[INI_WHY_MAX])
 {
+	const bool free = key->type == INI_TEXT || key->type == INI_PATH;
+	const char *odd = text_oddity(text, !free);
 	void *field = (char *)values + key->offset;
 	int err = -EINVAL;
 
+	if (odd) {
+		snprintf(why, INI_WHY_MAX, "%s", odd);
+		return -EINVAL;
+	}
 	switch (key->type) {
 	case INI_BOOL:
 		err = ini_truth_read(text, field) ? 0 : -EINVAL;

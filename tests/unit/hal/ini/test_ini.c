@@ -445,6 +445,44 @@ static void everything_wrong_is_said(void **state)
 		      "k.conf:6: [strict] must: is missing, expected a whole number 1..5", NULL);
 }
 
+/* What an editor put in, and nobody sees, is called by its name. */
+static void invisible_oddities_are_named(void **state)
+{
+	static const char *const utf16[] = {"\xff\xfe[\0l\0", "\xfe\xff\0[\0l", "[\0l\0", "\0[\0l"};
+	static const char *const inside = "[lamp]\nlabel = a\u00a0b \"c\"\n";
+	static const int bytes[] = {6, 6, 4, 4};
+	static const struct {
+		const char *text, *part;
+	} cases[] = {
+		{"[lamp]\ncount\u00a0= 5\n",
+		 "k.conf:2: [lamp] the key \"count\u00a0\" holds a no-break"},
+		{"[lamp]\ncount =\u00a05\n", "k.conf:2: [lamp] count: holds a no-break"},
+		{"[lamp]\ncount = 5\u200b\n", "k.conf:2: [lamp] count: holds a no-break"},
+		{"[\u00a0lamp]\ncount = 5\n", "k.conf:1: the section's title holds a no-break"},
+		{"[lamp]\ncount = \"5\"\n", "k.conf:2: [lamp] count: stands in quotation marks"},
+		{"[lamp]\nlabel = 'left'\n", "k.conf:2: [lamp] label: stands in quotation marks"},
+		{"[lamp]\nlabel = \u201cleft\u201d\n",
+		 "k.conf:2: [lamp] label: stands in quotation"},
+	};
+
+	(void)state;
+	for (int i = 0; i < 4; i++) {
+		struct outcome *o = parse_bytes(utf16[i], (size_t)bytes[i]);
+
+		assert_int_equal(o->said_count, 1);
+		assert_string_equal(o->said[0],
+				    "k.conf: is UTF-16, expected UTF-8: save it in that encoding");
+	}
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct outcome *o = parse_bytes(cases[i].text, strlen(cases[i].text));
+
+		expect_above(o->said_count, 0, "%s", cases[i].text);
+		if (strncmp(o->said[0], cases[i].part, strlen(cases[i].part)) != 0)
+			fail_msg("%s, expected %s", o->said[0], cases[i].part);
+	}
+	assert_int_equal(parse_bytes(inside, strlen(inside))->said_count, 0);
+}
+
 static void binary_data_is_refused(void **state)
 {
 	static const char nul[] = "[lamp]\ncount\0 = 5\n";
@@ -672,6 +710,7 @@ int main(void)
 		cmocka_unit_test(long_values_are_refused),
 		cmocka_unit_test(structure_is_checked),
 		cmocka_unit_test(everything_wrong_is_said),
+		cmocka_unit_test(invisible_oddities_are_named),
 		cmocka_unit_test(binary_data_is_refused),
 		cmocka_unit_test(thousands_of_faults_are_cut),
 		cmocka_unit_test(assignments_are_read),
