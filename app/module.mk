@@ -52,7 +52,6 @@ APP_SOURCES := \
 	app/view/overlay.c \
 	app/view/scaler.c \
 	app/view/show.c \
-	app/view/utf8.c \
 	app/view/words.c
 APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/typeset.c,app/view/panel_none.c)
 APP_MAIN := app/main.c

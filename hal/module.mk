@@ -11,6 +11,7 @@ HAL_SOURCES := \
 	hal/base/pool.c \
 	hal/base/processor.c \
 	hal/base/text_file.c \
+	hal/base/utf8.c \
 	hal/basis/basis.c \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \

@@ -49,7 +49,6 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_overlay.c \
 	tests/unit/app/view/test_scaler.c \
 	tests/unit/app/view/test_show.c \
-	tests/unit/app/view/test_utf8.c \
 	tests/unit/app/view/test_words.c \
 	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
@@ -109,6 +108,7 @@ UNIT_TESTS := \
 	tests/unit/hal/base/test_output.c \
 	tests/unit/hal/base/test_pool.c \
 	tests/unit/hal/base/test_text_file.c \
+	tests/unit/hal/base/test_utf8.c \
 	tests/unit/hal/basis/test_basis.c \
 	tests/unit/hal/basis/test_basis_damage.c \
 	tests/unit/hal/basis/test_poses.c \

@@ -7,7 +7,7 @@
 
 #include "app/view/panel.h"
 #include "app/view/scaler.h"
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 #include "hal/base/log.h"
 
 /* Letters of this share of the height can be read from two metres, if they are not tiny. */

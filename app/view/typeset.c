@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 
 #define LEAST_PX 9     /* smallest letters that can be read */
 #define UNBROKEN_PX 14 /* smallest letters to which a text is shrunk to stay on one line */

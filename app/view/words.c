@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 
 #define NAME_MAX_BYTES 40 /* longer names are cut, so that the trouble behind them stays in sight */
 #define ELLIPSIS "\u2026"

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "app/view/overlay.h"
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 #include "app/view/words.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "app/view/utf8.h"
+#include "hal/base/utf8.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 

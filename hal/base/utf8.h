@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes text from devices and files safe to show: valid UTF-8, cut between characters. */
-#ifndef INLAY_APP_VIEW_UTF8_H
-#define INLAY_APP_VIEW_UTF8_H
+#ifndef INLAY_HAL_BASE_UTF8_H
+#define INLAY_HAL_BASE_UTF8_H
 
 #include <stddef.h>
 
