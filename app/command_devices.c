@@ -7,6 +7,7 @@
 #include "app/devices_sample.h"
 #include "drivers/drivers.h"
 #include "hal/base/log.h"
+#include "hal/base/utf8.h"
 
 struct devices_options {
 	bool json, sample;
@@ -44,26 +45,10 @@ static const struct option_row rows[] = {
 	 .take = take_sample},
 	{.name = NULL}};
 
-static void print_json_text(const char *text)
-{
-	putchar('"');
-	for (; *text; text++) {
-		unsigned char c = (unsigned char)*text;
-
-		if (c == '"' || c == '\\')
-			printf("\\%c", c);
-		else if (c < 0x20)
-			printf("\\u%04x", c);
-		else
-			putchar(c);
-	}
-	putchar('"');
-}
-
 static void print_json_pair(const char *key, const char *value)
 {
 	printf("\"%s\":", key);
-	print_json_text(value);
+	utf8_write_json(stdout, value);
 }
 
 static void begin_item(struct devices_listing *l)
@@ -95,7 +80,7 @@ static void print_item(struct devices_listing *l, const char *device, const char
 	printf(",\"lines\":[");
 	for (int i = 0; i < line_count; i++) {
 		printf("%s", i ? "," : "");
-		print_json_text(lines[i]);
+		utf8_write_json(stdout, lines[i]);
 	}
 	printf("]}");
 }

@@ -158,22 +158,26 @@ void sample_add_buttons(struct devices_sample *sample, const char *driver, const
 	snprintf(sample->chip_text, sizeof(sample->chip_text), "%s", line);
 }
 
-static int link_count(const struct devices_sample *sample, const char *link)
+/* Whether a camera's link by id may be another camera's after the next start: cameras with one serial
+ * number share their link, which then leads to one of them, and the others seem to have none. */
+static bool shares_link(const struct devices_sample *sample, const struct sample_camera *camera)
 {
-	int count = 0;
+	for (int i = 0; i < sample->camera_count; i++) {
+		const struct sample_camera *other = &sample->cameras[i];
 
-	for (int i = 0; i < sample->camera_count; i++)
-		count += strcmp(sample->cameras[i].link, link) == 0;
-	return count;
+		if (other != camera && (strcmp(other->link, camera->link) == 0 ||
+					(!*other->link && strcmp(other->name, camera->name) == 0)))
+			return true;
+	}
+	return false;
 }
 
-/* A name that stays when device numbers change: the link by id, unless another camera has the same;
- * else the bus where v4l2 knows it, which names the socket. */
+/* A name that stays when device numbers change: the link by id, unless it is shared; else the bus where
+ * v4l2 knows it, which names the socket. */
 static const char *stable_name(const struct devices_sample *sample,
 			       const struct sample_camera *camera)
 {
-	if (*camera->link && strlen(camera->link) < INI_TEXT_MAX &&
-	    link_count(sample, camera->link) == 1)
+	if (*camera->link && strlen(camera->link) < INI_TEXT_MAX && !shares_link(sample, camera))
 		return camera->link;
 	return *camera->bus ? camera->bus : camera->device;
 }

@@ -65,8 +65,7 @@ static int open_device(struct camera *camera, struct v4l2_capture *v, struct fau
 	v->fd = v4l2_find(camera->settings.device, v->path, &capability, fault);
 	if (v->fd < 0)
 		return v->fd;
-	snprintf(camera->name, sizeof(camera->name), "%.*s", (int)sizeof(capability.card),
-		 (const char *)capability.card);
+	device_name(capability.card, camera->name, sizeof(camera->name));
 	v->buffers.fd = v->fd;
 	v->buffers.type = device_buffer_type(&capability);
 	return 0;

@@ -7,8 +7,8 @@
 
 #include "app/view/panel.h"
 #include "app/view/scaler.h"
-#include "hal/base/utf8.h"
 #include "hal/base/log.h"
+#include "hal/base/utf8.h"
 
 /* Letters of this share of the height can be read from two metres, if they are not tiny. */
 #define HEIGHT_PER_SIZE 30

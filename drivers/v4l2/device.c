@@ -7,6 +7,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "hal/base/utf8.h"
+
 int device_ioctl(int fd, unsigned long request, void *argument)
 {
 	int got;
@@ -29,11 +31,36 @@ bool device_captures(unsigned caps)
 	       (caps & V4L2_CAP_STREAMING);
 }
 
+bool device_is_part(unsigned caps)
+{
+	return caps & V4L2_CAP_IO_MC;
+}
+
 unsigned device_buffer_type(const struct v4l2_capability *capability)
 {
 	return device_caps(capability) & V4L2_CAP_VIDEO_CAPTURE
 		       ? V4L2_BUF_TYPE_VIDEO_CAPTURE
 		       : V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+}
+
+void device_name(const uint8_t card[32], char *name, size_t room)
+{
+	char text[33] = "";
+	size_t length;
+
+	memcpy(text, card, 32);
+	length = strlen(text);
+	/* The kernel cuts at 31 bytes, which may be in the middle of a character. */
+	for (size_t back = 1; length == 31 && back <= 3; back++) {
+		const unsigned char first = (unsigned char)text[length - back];
+
+		if ((first & 0xc0) == 0x80)
+			continue;
+		if (first >= 0xc0 && utf8_bytes(text + length - back) == 0)
+			text[length - back] = '\0';
+		break;
+	}
+	utf8_copy(name, room, text);
 }
 
 int device_open(const char *path, struct v4l2_capability *capability, struct fault *fault)

@@ -5,6 +5,8 @@
 
 #include <linux/videodev2.h>
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
 #include "hal/base/fault.h"
 
@@ -16,6 +18,13 @@ unsigned device_caps(const struct v4l2_capability *capability);
 
 /* Whether a node of these capabilities captures pictures and streams. */
 bool device_captures(unsigned caps);
+
+/* Whether the node is one of many in the pipeline of a media controller. It gives pictures only after
+ * another program has set the pipeline up, as libcamera does. */
+bool device_is_part(unsigned caps);
+
+/* The name on a device's card, valid UTF-8. */
+void device_name(const uint8_t card[32], char *name, size_t room);
 
 /* Returns the V4L2_BUF_TYPE_* of a capturing node: single-planar if it has both kinds. */
 unsigned device_buffer_type(const struct v4l2_capability *capability);

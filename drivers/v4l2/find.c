@@ -55,10 +55,12 @@ static bool find_link(const char *name, char path[INI_PATH_MAX])
 
 static bool device_is_called(const struct v4l2_capability *capability, int number, const char *name)
 {
-	char port[V4L2_PORT_MAX];
+	char port[V4L2_PORT_MAX], card[4 * sizeof(capability->card)];
 
-	return name[0] == '\0' || strcmp((const char *)capability->bus_info, name) == 0 ||
-	       strcmp((const char *)capability->card, name) == 0 ||
+	if (name[0] == '\0')
+		return !device_is_part(device_caps(capability));
+	device_name(capability->card, card, sizeof(card));
+	return strcmp((const char *)capability->bus_info, name) == 0 || strcmp(card, name) == 0 ||
 	       (v4l2_port_of_node(number, port) && strcmp(port, name) == 0);
 }
 

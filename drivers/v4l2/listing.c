@@ -206,7 +206,7 @@ static void add_links(const char *node, struct camera_listing *listing)
 static void listing_describe(int fd, const struct v4l2_capability *capability,
 			     struct camera_listing *listing)
 {
-	snprintf(listing->name, sizeof(listing->name), "%s", (const char *)capability->card);
+	device_name(capability->card, listing->name, sizeof(listing->name));
 	snprintf(listing->bus, sizeof(listing->bus), "%s", (const char *)capability->bus_info);
 	add_links(listing->device, listing);
 	add_formats(fd, device_buffer_type(capability), listing);
@@ -225,6 +225,10 @@ static bool list_one(int index, void (*found)(void *, const struct camera_listin
 
 	snprintf(listing.device, sizeof(listing.device), "/dev/video%d", index);
 	fd = device_open(listing.device, &capability, &fault);
+	if (fd >= 0 && device_is_part(device_caps(&capability))) {
+		close(fd);
+		return false;
+	}
 	if (fd >= 0) {
 		listing_describe(fd, &capability, &listing);
 		close(fd);

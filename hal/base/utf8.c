@@ -76,3 +76,22 @@ size_t utf8_copy(char *to, size_t room, const char *from)
 	to[length] = '\0';
 	return length;
 }
+
+void utf8_write_json(FILE *stream, const char *text)
+{
+	fputc('"', stream);
+	while (*text) {
+		const int bytes = utf8_bytes(text);
+
+		if (bytes == 0)
+			fputs("\\ufffd", stream);
+		else if (*text == '"' || *text == '\\')
+			fprintf(stream, "\\%c", *text);
+		else if (*text > 0 && *text < 0x20)
+			fprintf(stream, "\\u%04x", (unsigned)*text);
+		else
+			fwrite(text, 1, (size_t)bytes, stream);
+		text += bytes ? bytes : 1;
+	}
+	fputc('"', stream);
+}

@@ -4,6 +4,7 @@
 #define INLAY_HAL_BASE_UTF8_H
 
 #include <stddef.h>
+#include <stdio.h>
 
 /* Number of bytes of the character at text: 1..4; 0 at the end, or where it is not UTF-8. */
 int utf8_bytes(const char *text);
@@ -12,5 +13,9 @@ int utf8_bytes(const char *text);
  * nothing. Bytes that are not UTF-8 and noncharacters become '?', control characters a blank.
  * Returns the number of bytes written before the terminator. */
 size_t utf8_copy(char *to, size_t room, const char *from);
+
+/* Writes text between quotation marks as JSON wants it (RFC 8259). Bytes that are not UTF-8 become
+ * U+FFFD. */
+void utf8_write_json(FILE *stream, const char *text);
 
 #endif

@@ -4,45 +4,9 @@
 #include <assert.h>
 #include <math.h>
 
+#include "hal/base/utf8.h"
+
 /* ---- what stands before a value ---- */
-
-/* Length in bytes of the UTF-8 character at text; 0: the bytes are not UTF-8 (RFC 3629, table 3-7
- * of Unicode). */
-static int utf8_length(const unsigned char *text)
-{
-	const unsigned first = text[0], second = text[1];
-	int length = first < 0x80 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
-
-	if ((first >= 0x80 && first < 0xc2) || first > 0xf4 || (first == 0xe0 && second < 0xa0) ||
-	    (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
-	    (first == 0xf4 && second > 0x8f))
-		return 0;
-	for (int k = 1; k < length; k++)
-		if ((text[k] & 0xc0) != 0x80)
-			return 0;
-	return length;
-}
-
-/* File names need not be UTF-8, but JSON must be: invalid bytes become U+FFFD. */
-static void write_json_text(FILE *to, const char *text)
-{
-	fputc('"', to);
-	while (*text) {
-		const unsigned char c = (unsigned char)*text;
-		const int length = utf8_length((const unsigned char *)text);
-
-		if (!length)
-			fputs("\\ufffd", to);
-		else if (c == '"' || c == '\\')
-			fprintf(to, "\\%c", c);
-		else if (c < 0x20)
-			fprintf(to, "\\u%04x", c);
-		else
-			fwrite(text, 1, (size_t)length, to);
-		text += length ? length : 1;
-	}
-	fputc('"', to);
-}
 
 static void new_line(const struct json *json)
 {
@@ -62,7 +26,7 @@ static void before_value(struct json *json, const char *key)
 		new_line(json);
 	if (!key)
 		return;
-	write_json_text(json->to, key);
+	utf8_write_json(json->to, key);
 	fputs(": ", json->to);
 }
 
@@ -117,7 +81,7 @@ void json_line(struct json *json, const char *key)
 void json_text(struct json *json, const char *key, const char *text)
 {
 	before_value(json, key);
-	write_json_text(json->to, text);
+	utf8_write_json(json->to, text);
 }
 
 void json_number(struct json *json, const char *key, double value)

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "drivers/v4l2/controls.h"
+#include "drivers/v4l2/device.h"
 #include "drivers/v4l2/find.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
@@ -468,6 +469,39 @@ static void usb_ports(void **state)
 	assert_false(v4l2_usb_port("", port));
 }
 
+/* The kernel cuts names at 31 bytes: a character that it cut through is left out. */
+static void names_are_whole_characters(void **state)
+{
+	static const struct {
+		const char *card, *name;
+	} cases[] = {
+		{"UVC Camera (046d:0825)", "UVC Camera (046d:0825)"},
+		{"\u30ab\u30e1\u30e9\u30ab\u30e1\u30e9\u30ab\u30e1\u30e9\u30ab\xe3",
+		 "\u30ab\u30e1\u30e9\u30ab\u30e1\u30e9\u30ab\u30e1\u30e9\u30ab"},
+		{"1234567890123456789012345678\xf0\x9f\x98", "1234567890123456789012345678"},
+		{"123456789012345678901234567\xf0\x9f\x98\x80",
+		 "123456789012345678901234567\xf0\x9f\x98\x80"},
+		{"Cam\xe9ra", "Cam?ra"}, /* Latin-1 */
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		uint8_t card[32] = "";
+		char name[128];
+
+		memcpy(card, cases[i].card, strlen(cases[i].card));
+		device_name(card, name, sizeof(name));
+		assert_string_equal(name, cases[i].name);
+	}
+}
+
+static void parts_of_a_pipeline_are_no_cameras(void **state)
+{
+	(void)state;
+	assert_false(device_is_part(V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING));
+	assert_true(device_is_part(V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING | V4L2_CAP_IO_MC));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -485,6 +519,8 @@ int main(void)
 		cmocka_unit_test(what_goes_goes_in_order),
 		cmocka_unit_test(unknown_words_are_errors),
 		cmocka_unit_test(usb_ports),
+		cmocka_unit_test(names_are_whole_characters),
+		cmocka_unit_test(parts_of_a_pipeline_are_no_cameras),
 	};
 
 	return cmocka_run_group_tests_name("v4l2_settings", tests, played_make_file,

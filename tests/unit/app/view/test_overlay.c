@@ -12,8 +12,8 @@
 #include <string.h>
 
 #include "app/view/overlay.h"
-#include "hal/base/utf8.h"
 #include "app/view/words.h"
+#include "hal/base/utf8.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"

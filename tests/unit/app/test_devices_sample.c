@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT */
+/* The configuration that is written for what is plugged in. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/devices_sample.h"
+
+static void add_camera(struct devices_sample *sample, const char *name, const char *bus,
+		       const char *link)
+{
+	char lines[2][160] = {"MJPG MJPEG 640x480 30 Hz", ""};
+	struct camera_listing listing = {.device = "/dev/video7", .lines = lines, .line_count = 1};
+
+	snprintf(listing.name, sizeof(listing.name), "%s", name);
+	snprintf(listing.bus, sizeof(listing.bus), "%s", bus);
+	if (link)
+		snprintf(lines[listing.line_count++], sizeof(lines[0]), "link /dev/v4l/by-id/%s",
+			 link);
+	sample_add_camera(sample, "v4l2", &listing);
+}
+
+static char *written(const struct devices_sample *sample)
+{
+	char *text = NULL;
+	size_t length;
+	FILE *stream = open_memstream(&text, &length);
+
+	assert_non_null(stream);
+	sample_write(sample, stream);
+	fclose(stream);
+	return text;
+}
+
+static void a_serial_number_of_its_own_names_a_camera(void **state)
+{
+	struct devices_sample *sample = sample_create();
+	char *text;
+
+	(void)state;
+	add_camera(sample, "C920", "usb-1", "usb-C920_A-video-index0");
+	add_camera(sample, "C920", "usb-2", "usb-C920_B-video-index0");
+	text = written(sample);
+	assert_non_null(strstr(text, "device = /dev/v4l/by-id/usb-C920_A-video-index0\n"));
+	assert_non_null(strstr(text, "device = /dev/v4l/by-id/usb-C920_B-video-index0\n"));
+	free(text);
+	sample_destroy(sample);
+}
+
+/* The only link leads to one of the two, which may be the other one after the next start. */
+static void a_shared_serial_number_does_not(void **state)
+{
+	struct devices_sample *sample = sample_create();
+	char *text;
+
+	(void)state;
+	add_camera(sample, "UVC", "usb-1", NULL);
+	add_camera(sample, "UVC", "usb-2", "usb-UVC_0001-video-index0");
+	add_camera(sample, "Other", "usb-3", "usb-Other-video-index0");
+	text = written(sample);
+	assert_non_null(strstr(text, "device = usb-1\n"));
+	assert_non_null(strstr(text, "device = usb-2\n"));
+	assert_non_null(strstr(text, "device = /dev/v4l/by-id/usb-Other-video-index0\n"));
+	free(text);
+	sample_destroy(sample);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_serial_number_of_its_own_names_a_camera),
+		cmocka_unit_test(a_shared_serial_number_does_not),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
