@@ -61,6 +61,7 @@ HAL_SOURCES := \
 	hal/frame/frame_fields.c \
 	hal/frame/frame_jpeg.c \
 	hal/frame/frame_reader.c \
+	hal/frame/frame_repack.c \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \

@@ -28,8 +28,10 @@ const Layout layouts[] = {
 	{lc::formats::XRGB8888, PIXEL_BGRX}, {lc::formats::ARGB8888, PIXEL_BGRX},
 	{lc::formats::RGB888, PIXEL_BGR24},  {lc::formats::BGR888, PIXEL_RGB24},
 	{lc::formats::YUYV, PIXEL_YUYV},     {lc::formats::UYVY, PIXEL_UYVY},
-	{lc::formats::NV12, PIXEL_NV12},     {lc::formats::MJPEG, PIXEL_MJPEG},
-	{lc::formats::R8, PIXEL_GREY},
+	{lc::formats::YVYU, PIXEL_YVYU},     {lc::formats::NV16, PIXEL_NV16},
+	{lc::formats::NV12, PIXEL_NV12},     {lc::formats::NV21, PIXEL_NV21},
+	{lc::formats::YUV420, PIXEL_YU12},   {lc::formats::YVU420, PIXEL_YV12},
+	{lc::formats::MJPEG, PIXEL_MJPEG},   {lc::formats::R8, PIXEL_GREY},
 };
 
 bool offers_size(const lc::StreamFormats &formats, const lc::PixelFormat &format, lc::Size size)
@@ -81,16 +83,12 @@ colour_range range_of(const lc::StreamConfiguration &stream, int wanted)
 {
 	if (wanted)
 		return (colour_range)(wanted - 1);
-	switch (format_of(stream.pixelFormat)) {
-	case PIXEL_YUYV:
-	case PIXEL_UYVY:
-	case PIXEL_NV12:
-		return stream.colorSpace && stream.colorSpace->range == lc::ColorSpace::Range::Full
-			       ? RANGE_FULL
-			       : RANGE_LIMITED;
-	default: /* R'G'B' and grey; libcamera has R'G'B' of full range only */
+	/* R'G'B' and grey; libcamera has R'G'B' of full range only. */
+	if (!pixel_format_is_ycbcr(format_of(stream.pixelFormat)))
 		return RANGE_FULL;
-	}
+	return stream.colorSpace && stream.colorSpace->range == lc::ColorSpace::Range::Full
+		       ? RANGE_FULL
+		       : RANGE_LIMITED;
 }
 
 } // namespace

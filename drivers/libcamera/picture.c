@@ -51,22 +51,17 @@ static int point_into(struct libcamera_picture *p, const struct libcamera_span *
 	return 0;
 }
 
-/* Points the second plane behind the first. */
-static int point_behind(struct libcamera_picture *p, size_t stride)
+/* Points a plane behind the one before it. */
+static int point_behind(struct libcamera_picture *p, int plane)
 {
-	const struct frame_plane *first = &p->planes[0];
-	const size_t bytes = stride * (size_t)p->height;
+	const struct frame_plane *before = &p->planes[plane - 1];
+	const size_t bytes = frame_plane_bytes(p->format, plane - 1, before->stride, p->height);
 
-	if (first->bytes < bytes)
+	if (before->bytes < bytes)
 		return -EINVAL;
-	p->planes[1].data = first->data + bytes;
-	p->planes[1].bytes = first->bytes - bytes;
+	p->planes[plane].data = before->data + bytes;
+	p->planes[plane].bytes = before->bytes - bytes;
 	return 0;
-}
-
-static int planes_of(enum pixel_format format)
-{
-	return format == PIXEL_NV12 ? 2 : 1;
 }
 
 /* Bytes from the first to the last one of a plane; the last row has no padding. */
@@ -81,17 +76,18 @@ static size_t plane_extent(const struct libcamera_picture *p, int index)
 int libcamera_picture_map(struct libcamera_picture *p, size_t stride,
 			  const struct libcamera_span *spans, int count)
 {
-	for (int i = 0; i < planes_of(p->format); i++) {
+	for (int i = 0; i < frame_plane_count(p->format); i++) {
 		struct frame_plane *plane = &p->planes[i];
 		const int err = i == 0 || i < count ? point_into(p, &spans[i], plane)
-						    : point_behind(p, stride);
+						    : point_behind(p, i);
 
 		if (err)
 			return err;
 		if (p->format == PIXEL_MJPEG)
 			continue;
-		plane->stride = stride;
-		if (stride < frame_plane_stride(p->format, i, p->width) ||
+		plane->stride = stride * frame_plane_stride(p->format, i, 2) /
+				frame_plane_stride(p->format, 0, 2);
+		if (plane->stride < frame_plane_stride(p->format, i, p->width) ||
 		    plane->bytes < plane_extent(p, i))
 			return -EINVAL;
 	}
@@ -120,7 +116,7 @@ bool libcamera_picture_planes(const struct libcamera_picture *p, const size_t *u
 			      struct frame_plane planes[FRAME_PLANES])
 {
 	memcpy(planes, p->planes, sizeof(p->planes));
-	for (int i = 0; i < count && i < planes_of(p->format); i++) {
+	for (int i = 0; i < count && i < frame_plane_count(p->format); i++) {
 		if (p->format != PIXEL_MJPEG && used[i] < plane_extent(p, i))
 			return false;
 		if (p->format == PIXEL_MJPEG && used[i] < planes[i].bytes)

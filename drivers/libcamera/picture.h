@@ -28,8 +28,8 @@ struct libcamera_picture {
 	int mapping_count;
 };
 
-/* Maps a buffer for reading and points the planes of picture->format, width and height into it, all
- * of one stride. If libcamera describes one plane of a format of two, the second follows the first.
+/* Maps a buffer for reading and points the planes of picture->format, width and height into it.
+ * stride: of the first. Planes that libcamera does not describe follow each other in memory.
  * -EINVAL: the spans are too small for the picture; other -errno: they cannot be mapped. The caller
  * unmaps the picture after a failure too. */
 int libcamera_picture_map(struct libcamera_picture *picture, size_t stride,

@@ -11,8 +11,12 @@ static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
 	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},  {V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
 	{V4L2_PIX_FMT_RGB24, PIXEL_RGB24, 1}, {V4L2_PIX_FMT_YUYV, PIXEL_YUYV, 1},
-	{V4L2_PIX_FMT_UYVY, PIXEL_UYVY, 1},   {V4L2_PIX_FMT_NV12, PIXEL_NV12, 1},
-	{V4L2_PIX_FMT_NV12M, PIXEL_NV12, 2},  {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
+	{V4L2_PIX_FMT_UYVY, PIXEL_UYVY, 1},   {V4L2_PIX_FMT_YVYU, PIXEL_YVYU, 1},
+	{V4L2_PIX_FMT_NV16, PIXEL_NV16, 1},   {V4L2_PIX_FMT_NV12, PIXEL_NV12, 1},
+	{V4L2_PIX_FMT_NV12M, PIXEL_NV12, 2},  {V4L2_PIX_FMT_NV21, PIXEL_NV21, 1},
+	{V4L2_PIX_FMT_YUV420, PIXEL_YU12, 1}, {V4L2_PIX_FMT_YVU420, PIXEL_YV12, 1},
+	{V4L2_PIX_FMT_P010, PIXEL_P010, 1},   {V4L2_PIX_FMT_Y10, PIXEL_Y10, 1},
+	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},     {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
 	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
 };
 
@@ -53,8 +57,7 @@ static bool is_ycbcr(uint32_t fourcc)
 {
 	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
 
-	return layout && (layout->format == PIXEL_YUYV || layout->format == PIXEL_UYVY ||
-			  layout->format == PIXEL_NV12);
+	return layout && pixel_format_is_ycbcr(layout->format);
 }
 
 void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matrix,
@@ -100,17 +103,20 @@ static int picture_read_strides(const struct v4l2_format *format, const struct v
 {
 	const struct v4l2_layout *layout = picture->layout;
 
-	picture->stride[0] = pix->bytesperline;
-	picture->stride[1] = layout->memory_planes == 2
-				     ? format->fmt.pix_mp.plane_fmt[1].bytesperline
-				     : pix->bytesperline;
-	for (int i = 0; i < 2; i++)
+	for (int i = 0; i < frame_plane_count(layout->format); i++) {
+		/* In common memory the rows of chroma have their share of the luma's padding. */
+		picture->stride[i] = i < layout->memory_planes && i > 0
+					     ? format->fmt.pix_mp.plane_fmt[i].bytesperline
+					     : pix->bytesperline *
+						       frame_plane_stride(layout->format, i, 2) /
+						       frame_plane_stride(layout->format, 0, 2);
 		if (picture->stride[i] < frame_plane_stride(layout->format, i, picture->width))
 			return fault_say(fault, -EINVAL,
 					 "the camera answered with rows of %zu bytes for %d pixels "
 					 "of %s",
 					 picture->stride[i], picture->width,
 					 pixel_format_names[layout->format]);
+	}
 	return 0;
 }
 
@@ -162,25 +168,16 @@ int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int 
 int v4l2_bits(uint32_t fourcc)
 {
 	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
+	size_t bytes = 0;
 
-	switch (layout ? layout->format : PIXEL_NONE) {
-	case PIXEL_MJPEG:
-		return 4;
-	case PIXEL_GREY:
-		return 8;
-	case PIXEL_NV12:
-		return 12;
-	case PIXEL_YUYV:
-	case PIXEL_UYVY:
-		return 16;
-	case PIXEL_RGB24:
-	case PIXEL_BGR24:
-		return 24;
-	case PIXEL_BGRX:
-		return 32;
-	default:
+	if (!layout)
 		return 0;
-	}
+	if (layout->format == PIXEL_MJPEG)
+		return 4;
+	for (int p = 0; p < frame_plane_count(layout->format); p++) /* of two by two pixels */
+		bytes += frame_plane_bytes(layout->format, p,
+					   frame_plane_stride(layout->format, p, 2), 2);
+	return (int)(8 * bytes / 4);
 }
 
 static bool plane_is_whole(const struct frame_plane *plane, enum pixel_format format, int index,
@@ -196,26 +193,31 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 		      struct frame_plane planes[FRAME_PLANES])
 {
 	const enum pixel_format format = picture->layout->format;
-	const size_t luma = picture->stride[0] * (size_t)picture->rows;
+	const int count = frame_plane_count(format);
+	struct v4l2_span rest = memory[0];
 
-	planes[0] = (struct frame_plane){memory[0].data, picture->stride[0], memory[0].bytes};
-	if (format == PIXEL_MJPEG)
-		return memory[0].bytes > 0; /* decoding tells whether it is whole */
-	if (!plane_is_whole(&planes[0], format, 0, picture->width, picture->rows))
-		return false;
-	if (format != PIXEL_NV12)
-		return true;
-	if (picture->layout->memory_planes == 2) {
-		planes[1] = (struct frame_plane){memory[1].data, picture->stride[1],
-						 memory[1].bytes};
-	} else {
-		if (memory[0].bytes < luma)
-			return false;
-		planes[0].bytes = luma;
-		planes[1] = (struct frame_plane){memory[0].data + luma, picture->stride[1],
-						 memory[0].bytes - luma};
+	if (format == PIXEL_MJPEG) {
+		planes[0] = (struct frame_plane){rest.data, 0, rest.bytes};
+		return rest.bytes > 0; /* decoding tells whether it is whole */
 	}
-	return plane_is_whole(&planes[1], format, 1, picture->width, picture->rows);
+	for (int p = 0; p < count; p++) {
+		const size_t whole = frame_plane_bytes(format, p, picture->stride[p],
+						       picture->rows);
+
+		if (p > 0 && p < picture->layout->memory_planes)
+			rest = memory[p];
+		planes[p] = (struct frame_plane){rest.data, picture->stride[p], rest.bytes};
+		if (!plane_is_whole(&planes[p], format, p, picture->width, picture->rows))
+			return false;
+		if (p + 1 == count || p + 1 < picture->layout->memory_planes)
+			continue;
+		if (rest.bytes < whole)
+			return false;
+		planes[p].bytes = whole; /* the next plane follows it */
+		rest.data += whole;
+		rest.bytes -= whole;
+	}
+	return true;
 }
 
 void v4l2_fourcc_text(uint32_t fourcc, char text[5])

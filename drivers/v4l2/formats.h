@@ -43,7 +43,7 @@ struct v4l2_picture {
 	int rows;	   /* in a buffer: height, or half of it when a buffer holds one field */
 	struct v4l2_lines lines;
 	v4l2_std_id standard;
-	size_t stride[2]; /* bytes, of the frame's planes; 0 for JPEG */
+	size_t stride[FRAME_PLANES]; /* bytes, of the frame's planes; 0 for JPEG */
 	enum colour_matrix matrix;
 	enum colour_range range;
 };
@@ -62,8 +62,7 @@ struct v4l2_span {
 };
 
 /* Points the frame's planes into a buffer's memory (one or two planes). False: the buffer holds
- * too few bytes, or a JPEG without its begin or end marker. Bytes behind the end marker are left
- * out. */
+ * too few bytes. */
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES]);
 

@@ -12,7 +12,8 @@ _Static_assert(sizeof(deinterlace_names) / sizeof(deinterlace_names[0]) == DEINT
 	       "a name for each way to deinterlace");
 
 const char *const pixel_format_names[] = {
-	"none", "YUYV", "UYVY", "NV12", "RGB24", "BGR24", "BGRX", "GREY", "MJPEG", "RGBF", NULL,
+	"none",	 "YUYV",  "UYVY", "YVYU", "NV16", "NV12", "NV21",  "YU12", "YV12", "P010",
+	"RGB24", "BGR24", "BGRX", "GREY", "Y10",  "Y16",  "MJPEG", "RGBF", NULL,
 };
 
 _Static_assert(sizeof(pixel_format_names) / sizeof(pixel_format_names[0]) == PIXEL_FORMAT_COUNT + 1,
@@ -56,31 +57,59 @@ uint32_t frame_count_gap(struct frame_count *count, uint32_t sequence)
 	return gap ? step - 1 : 0;
 }
 
+/* Bytes of each plane for one pixel, and for a pair of pixels with common chroma. */
+struct plane_layout {
+	uint8_t pixel, pair;
+	bool halved; /* a row for two rows of pixels */
+};
+
+static const struct plane_layout layouts[PIXEL_FORMAT_COUNT][FRAME_PLANES] = {
+	[PIXEL_YUYV] = {{.pair = 4}},
+	[PIXEL_UYVY] = {{.pair = 4}},
+	[PIXEL_YVYU] = {{.pair = 4}},
+	[PIXEL_NV16] = {{.pixel = 1}, {.pair = 2}},
+	[PIXEL_NV12] = {{.pixel = 1}, {.pair = 2, .halved = true}},
+	[PIXEL_NV21] = {{.pixel = 1}, {.pair = 2, .halved = true}},
+	[PIXEL_YU12] = {{.pixel = 1}, {.pair = 1, .halved = true}, {.pair = 1, .halved = true}},
+	[PIXEL_YV12] = {{.pixel = 1}, {.pair = 1, .halved = true}, {.pair = 1, .halved = true}},
+	[PIXEL_P010] = {{.pixel = 2}, {.pair = 4, .halved = true}},
+	[PIXEL_RGB24] = {{.pixel = 3}},
+	[PIXEL_BGR24] = {{.pixel = 3}},
+	[PIXEL_BGRX] = {{.pixel = 4}},
+	[PIXEL_GREY] = {{.pixel = 1}},
+	[PIXEL_Y10] = {{.pixel = 2}},
+	[PIXEL_Y16] = {{.pixel = 2}},
+	[PIXEL_RGBF] = {{.pixel = 3 * sizeof(float)}},
+};
+
+int frame_plane_count(enum pixel_format format)
+{
+	int planes = 1;
+
+	while (planes < FRAME_PLANES && layouts[format][planes].pair)
+		planes++;
+	return planes;
+}
+
+bool pixel_format_is_ycbcr(enum pixel_format format)
+{
+	return layouts[format][0].pair || layouts[format][1].pair;
+}
+
+bool pixel_format_halves_rows(enum pixel_format format)
+{
+	return layouts[format][1].halved;
+}
+
 size_t frame_plane_stride(enum pixel_format format, int plane, int width)
 {
 	const size_t w = width > 0 ? (size_t)width : 0;
-	const size_t pairs = (w + 1) / 2;
+	const struct plane_layout *layout;
 
-	if (plane < 0 || plane > (format == PIXEL_NV12 ? 1 : 0))
+	if (plane < 0 || plane >= FRAME_PLANES || (int)format < 0 || format >= PIXEL_FORMAT_COUNT)
 		return 0;
-	switch (format) {
-	case PIXEL_YUYV:
-	case PIXEL_UYVY:
-		return pairs * 4;
-	case PIXEL_NV12:
-		return plane == 0 ? w : pairs * 2;
-	case PIXEL_RGB24:
-	case PIXEL_BGR24:
-		return w * 3;
-	case PIXEL_BGRX:
-		return w * 4;
-	case PIXEL_GREY:
-		return w;
-	case PIXEL_RGBF:
-		return w * 3 * sizeof(float);
-	default:
-		return 0;
-	}
+	layout = &layouts[format][plane];
+	return layout->pixel * w + layout->pair * ((w + 1) / 2);
 }
 
 size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int height)
@@ -89,7 +118,7 @@ size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int
 
 	if (frame_plane_stride(format, plane, 1) == 0)
 		return 0;
-	if (format == PIXEL_NV12 && plane == 1)
+	if (layouts[format][plane].halved)
 		rows = (rows + 1) / 2;
 	return stride * rows;
 }
@@ -113,9 +142,7 @@ static int frame_check_plane(const struct frame *frame, int plane, struct fault 
 
 int frame_check(const struct frame *frame, struct fault *fault)
 {
-	const int planes = frame->format == PIXEL_NV12 ? 2 : 1;
-
-	for (int i = 0; i < planes; i++) {
+	for (int i = 0; i < frame_plane_count(frame->format); i++) {
 		int err = frame_check_plane(frame, i, fault);
 
 		if (err)

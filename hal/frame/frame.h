@@ -18,11 +18,19 @@ enum pixel_format {
 	PIXEL_NONE,
 	PIXEL_YUYV, /* 4:2:2 packed */
 	PIXEL_UYVY, /* 4:2:2 packed */
+	PIXEL_YVYU, /* 4:2:2 packed */
+	PIXEL_NV16, /* 4:2:2, planes Y and UV */
 	PIXEL_NV12, /* 4:2:0, planes Y and UV */
+	PIXEL_NV21, /* 4:2:0, planes Y and VU */
+	PIXEL_YU12, /* 4:2:0, planes Y, U and V */
+	PIXEL_YV12, /* 4:2:0, planes Y, V and U */
+	PIXEL_P010, /* NV12 of 16-bit words, whose upper ten bits count */
 	PIXEL_RGB24,
 	PIXEL_BGR24,
 	PIXEL_BGRX, /* V4L2 XBGR32, DRM XRGB8888, libyuv ARGB: the working format */
 	PIXEL_GREY,
+	PIXEL_Y10,   /* grey in the lower ten bits of 16 */
+	PIXEL_Y16,   /* grey of 16 bits; all words are little-endian */
 	PIXEL_MJPEG, /* one JPEG picture; planes[0].bytes is its length */
 	PIXEL_RGBF,  /* three float32 per pixel, linear radiance, unclipped (simulated cameras) */
 	PIXEL_FORMAT_COUNT
@@ -101,6 +109,12 @@ struct canvas {
 int canvas_create(struct canvas *canvas, int width, int height);
 void canvas_free(struct canvas *canvas); /* idempotent */
 
+/* Number of planes; 1 for MJPEG. */
+int frame_plane_count(enum pixel_format format);
+/* Whether pixels are luma and chroma. Grey does not count. */
+bool pixel_format_is_ycbcr(enum pixel_format format);
+/* Whether two rows of pixels share a row of chroma. */
+bool pixel_format_halves_rows(enum pixel_format format);
 /* Bytes of a plane at this stride and picture height; 0 for MJPEG or an unknown format. */
 size_t frame_plane_bytes(enum pixel_format format, int plane, size_t stride, int height);
 /* Smallest stride of a plane at this picture width, in bytes; 0 as above. */

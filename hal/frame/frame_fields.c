@@ -17,10 +17,10 @@ int frame_fields_check(const struct frame *frame, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "frame: two fields in %d lines, expected an even number",
 				 frame->height);
-	if (frame->format == PIXEL_NV12 && shares_planes(frame) && frame->height % 4)
+	if (pixel_format_halves_rows(frame->format) && shares_planes(frame) && frame->height % 4)
 		return fault_say(fault, -EINVAL,
-				 "frame: two fields of NV12 in %d lines, expected a multiple of 4",
-				 frame->height);
+				 "frame: two fields of %s in %d lines, expected a multiple of 4",
+				 pixel_format_names[frame->format], frame->height);
 	return 0;
 }
 
@@ -56,7 +56,7 @@ struct frame frame_fields_one(const struct frame *frame, bool bottom)
 
 	field.fields = FIELDS_NONE;
 	field.height = frame->height / 2;
-	for (int p = 0; p < (frame->format == PIXEL_NV12 ? 2 : 1); p++) {
+	for (int p = 0; p < frame_plane_count(frame->format); p++) {
 		const struct frame_plane *plane = &frame->planes[p];
 		const size_t rows = frame_plane_bytes(frame->format, p, 1, field.height);
 

@@ -6,6 +6,10 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "hal/frame/frame_repack.h"
+
+enum { PIECE = 512 }; /* pixels; even */
+
 bool frame_is_raw(const struct frame *frame)
 {
 	return frame->fields == FIELDS_NONE && frame->format > PIXEL_NONE &&
@@ -65,6 +69,35 @@ static const uint8_t *row_at(const struct frame *frame, int plane, int y)
 	return frame->planes[plane].data + (size_t)y * frame->planes[plane].stride;
 }
 
+/* Rarer formats, by pieces that stay in the processor's first cache. */
+static void read_repacked(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	uint8_t luma[PIECE], cbcr[PIECE];
+
+	for (int done = 0; done < count; done += PIECE) {
+		const int n = count - done < PIECE ? count - done : PIECE;
+
+		frame_repack_ycbcr(&r->frame, x + done, y, n, luma, cbcr);
+		r->rows->nv12(&r->ycbcr, luma, cbcr, n, out + done);
+	}
+}
+
+static void read_grey(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
+{
+	uint8_t grey[PIECE];
+
+	if (r->frame.format == PIXEL_GREY) {
+		r->rows->grey(&r->ycbcr, row_at(&r->frame, 0, y) + x, count, out);
+		return;
+	}
+	for (int done = 0; done < count; done += PIECE) {
+		const int n = count - done < PIECE ? count - done : PIECE;
+
+		frame_repack_grey(&r->frame, x + done, y, n, grey);
+		r->rows->grey(&r->ycbcr, grey, n, out + done);
+	}
+}
+
 /* Reads formats whose pixels share chroma in pairs; x is even. */
 static void read_pairs(const struct frame_reader *r, int x, int y, int count, uint32_t *out)
 {
@@ -75,8 +108,10 @@ static void read_pairs(const struct frame_reader *r, int x, int y, int count, ui
 		r->rows->yuyv(&r->ycbcr, row + 2 * (size_t)x, count, out);
 	else if (frame->format == PIXEL_UYVY)
 		r->rows->uyvy(&r->ycbcr, row + 2 * (size_t)x, count, out);
-	else
+	else if (frame->format == PIXEL_NV12)
 		r->rows->nv12(&r->ycbcr, row + x, row_at(frame, 1, y / 2) + x, count, out);
+	else
+		read_repacked(r, x, y, count, out);
 }
 
 /* Reads the same formats from any x: an odd x needs the second pixel of the pair before. */
@@ -123,19 +158,12 @@ static void read_row(const struct frame_reader *r, int x, int y, int count, uint
 	const int left = v->x + (v->hflip ? v->width - x - count : x);
 	const int row = v->y + (v->vflip ? v->height - 1 - y : y);
 
-	switch (r->frame.format) {
-	case PIXEL_YUYV:
-	case PIXEL_UYVY:
-	case PIXEL_NV12:
+	if (pixel_format_is_ycbcr(r->frame.format))
 		read_halved(r, left, row, count, out);
-		break;
-	case PIXEL_GREY:
-		r->rows->grey(&r->ycbcr, row_at(&r->frame, 0, row) + left, count, out);
-		break;
-	default:
+	else if (r->frame.format >= PIXEL_GREY)
+		read_grey(r, left, row, count, out);
+	else
 		read_rgb(r, left, row, count, out);
-		break;
-	}
 	if (v->hflip)
 		r->rows->reverse(out, count);
 }

@@ -316,10 +316,11 @@ void test_untold_formats(void **)
 	for (const Layout &layout : all)
 		assert_int_equal(format_of(layout.theirs), layout.ours);
 	assert_int_equal(ways(PIXEL_BGRX), 2);
-	for (const pixel_format format : {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_RGB24,
-					  PIXEL_BGR24, PIXEL_GREY, PIXEL_MJPEG})
+	for (const pixel_format format :
+	     {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_RGB24, PIXEL_BGR24, PIXEL_GREY, PIXEL_MJPEG,
+	      PIXEL_YVYU, PIXEL_NV16, PIXEL_NV21, PIXEL_YU12, PIXEL_YV12})
 		assert_int_equal(ways(format), 1);
-	assert_int_equal(all.size(), 9);
+	assert_int_equal(all.size(), 14);
 	assert_int_equal(format_of(lc::formats::SRGGB10), PIXEL_NONE);
 }
 

@@ -22,7 +22,7 @@ enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 /* A picture and the same one as fields. The padding of rows differs from plane to plane. */
 struct field_rig {
 	struct frame woven, frame;
-	uint8_t whole[2][ROOM], split[2][2][ROOM * 2];
+	uint8_t whole[FRAME_PLANES][ROOM], split[FRAME_PLANES][2][ROOM * 2];
 	struct canvas canvas, expected[2]; /* the fields by themselves, in whole-height canvases */
 };
 
@@ -30,7 +30,7 @@ static struct chance chance;
 
 static int planes_of(enum pixel_format format)
 {
-	return format == PIXEL_NV12 ? 2 : 1;
+	return frame_plane_count(format);
 }
 
 static int rows_of(const struct frame *frame, int plane)
@@ -205,8 +205,8 @@ static void every_order_and_way(void **state)
 
 	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
-		for (int height = format == PIXEL_NV12 ? 4 : 2; height <= 36;
-		     height += format == PIXEL_NV12 ? 16 : 2) {
+		for (int height = pixel_format_halves_rows(format) ? 4 : 2; height <= 36;
+		     height += pixel_format_halves_rows(format) ? 16 : 2) {
 			deinterlace_make(&rig, (enum pixel_format)format, 5 + height, height);
 			for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++)
 				for (int way = 0; way < DEINTERLACE_COUNT * 2; way++) {

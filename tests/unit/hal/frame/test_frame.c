@@ -53,7 +53,7 @@ struct fixture {
 	struct frame_decoder *decoder;
 	struct frame frame;
 	struct canvas canvas;
-	uint8_t *memory[2];
+	uint8_t *memory[FRAME_PLANES];
 };
 
 /* Makes a random picture; rows have `extra` bytes of padding, but the last row has none. */
@@ -65,7 +65,7 @@ static void test_frame_make(struct fixture *f, enum pixel_format format, int wid
 	assert_int_equal(canvas_create(&f->canvas, width, height), 0);
 	f->frame = (struct frame){
 		.format = format, .width = width, .height = height, .range = RANGE_FULL};
-	for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
+	for (int p = 0; p < frame_plane_count(format); p++) {
 		const size_t row = frame_plane_stride(format, p, width);
 		const size_t stride = row + extra;
 		const size_t bytes = frame_plane_bytes(format, p, stride, height) - extra;
@@ -80,8 +80,8 @@ static void test_frame_drop(struct fixture *f)
 {
 	frame_decoder_destroy(f->decoder);
 	canvas_free(&f->canvas);
-	free(f->memory[0]);
-	free(f->memory[1]);
+	for (int p = 0; p < FRAME_PLANES; p++)
+		free(f->memory[p]);
 }
 
 static const uint8_t *at(const struct frame *frame, int plane, int x, int y)
@@ -91,7 +91,7 @@ static const uint8_t *at(const struct frame *frame, int plane, int x, int y)
 
 static void ycbcr_at(const struct frame *frame, int x, int y, int ycbcr[3])
 {
-	const int pair = x / 2;
+	const int pair = x / 2, rows = frame->format == PIXEL_NV16 ? 1 : 2;
 
 	switch (frame->format) {
 	case PIXEL_YUYV:
@@ -104,10 +104,27 @@ static void ycbcr_at(const struct frame *frame, int x, int y, int ycbcr[3])
 		ycbcr[1] = *at(frame, 0, 4 * pair, y);
 		ycbcr[2] = *at(frame, 0, 4 * pair + 2, y);
 		break;
+	case PIXEL_YVYU:
+		ycbcr[0] = *at(frame, 0, 2 * x, y);
+		ycbcr[1] = *at(frame, 0, 4 * pair + 3, y);
+		ycbcr[2] = *at(frame, 0, 4 * pair + 1, y);
+		break;
+	case PIXEL_NV16:
 	case PIXEL_NV12:
 		ycbcr[0] = *at(frame, 0, x, y);
-		ycbcr[1] = *at(frame, 1, 2 * pair, y / 2);
-		ycbcr[2] = *at(frame, 1, 2 * pair + 1, y / 2);
+		ycbcr[1] = *at(frame, 1, 2 * pair, y / rows);
+		ycbcr[2] = *at(frame, 1, 2 * pair + 1, y / rows);
+		break;
+	case PIXEL_NV21:
+		ycbcr[0] = *at(frame, 0, x, y);
+		ycbcr[1] = *at(frame, 1, 2 * pair + 1, y / 2);
+		ycbcr[2] = *at(frame, 1, 2 * pair, y / 2);
+		break;
+	case PIXEL_YU12:
+	case PIXEL_YV12:
+		ycbcr[0] = *at(frame, 0, x, y);
+		ycbcr[1] = *at(frame, frame->format == PIXEL_YU12 ? 1 : 2, pair, y / 2);
+		ycbcr[2] = *at(frame, frame->format == PIXEL_YU12 ? 2 : 1, pair, y / 2);
 		break;
 	default:
 		ycbcr[0] = *at(frame, 0, x, y);
@@ -145,7 +162,9 @@ static const double error_max = 0.501;
 
 static void video_formats_match_double_precision(void **state)
 {
-	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12, PIXEL_GREY};
+	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_YVYU,
+						    PIXEL_NV16, PIXEL_NV12, PIXEL_NV21,
+						    PIXEL_YU12, PIXEL_YV12, PIXEL_GREY};
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
@@ -168,6 +187,53 @@ static void video_formats_match_double_precision(void **state)
 					       pixel_format_names[formats[i]], matrix, range);
 				test_frame_drop(&f);
 			}
+}
+
+/* Ten and sixteen bits are rounded to eight. */
+static void deep_formats_match_double_precision(void **state)
+{
+	static const enum pixel_format formats[] = {PIXEL_P010, PIXEL_Y10, PIXEL_Y16};
+
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		const double white = formats[i] == PIXEL_Y10 ? 1023 : 65535;
+		struct fixture f;
+
+		test_frame_make(&f, formats[i], 61, 33, 6);
+		f.frame.range = formats[i] == PIXEL_P010 ? RANGE_LIMITED : RANGE_FULL;
+		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+		for (int y = 0; y < 33; y++)
+			for (int x = 0; x < 61; x++) {
+				const uint8_t *got = f.canvas.pixels + (size_t)y * f.canvas.stride +
+						     (size_t)x * 4;
+				const int word = at(&f.frame, 0, 2 * x, y)[0] |
+						 at(&f.frame, 0, 2 * x, y)[1] << 8;
+				double rgb[3];
+				int eight[3];
+
+				if (formats[i] != PIXEL_P010) {
+					expect_at_most(
+						fabs(got[1] - (word & (int)white) * 255 / white),
+						0.501, "%d, %d, format %d", x, y, i);
+					continue;
+				}
+				eight[0] = ((word >> 6) + 2) >> 2;
+				for (int c = 0; c < 2; c++) {
+					const uint8_t *w = at(&f.frame, 1, x / 2 * 4 + 2 * c,
+							      y / 2);
+
+					eight[1 + c] = (((w[0] | w[1] << 8) >> 6) + 2) >> 2;
+				}
+				for (int c = 0; c < 3; c++)
+					eight[c] = eight[c] < 255 ? eight[c] : 255;
+				exact_rgb(f.frame.matrix, f.frame.range, eight[0], eight[1],
+					  eight[2], rgb);
+				for (int c = 0; c < 3; c++)
+					expect_at_most(fabs(got[2 - c] - rgb[c]), error_max,
+						       "%d, %d, %d", x, y, c);
+			}
+		test_frame_drop(&f);
+	}
 }
 
 /* Grey stays grey; black and white are exact. */
@@ -273,10 +339,11 @@ static void limited_rgb_is_expanded(void **state)
  * behind the picture. */
 static void odd_sizes_decode(void **state)
 {
-	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_NV12};
+	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_YVYU, PIXEL_NV16,
+						    PIXEL_NV12, PIXEL_NV21, PIXEL_YU12, PIXEL_YV12};
 
 	(void)state;
-	for (size_t i = 0; i < 3; i++)
+	for (size_t i = 0; i < 8; i++)
 		for (int width = 1; width <= 35; width++)
 			for (int height = 1; height <= 35; height += 2) {
 				struct fixture f;
@@ -313,7 +380,7 @@ static void short_planes_are_refused(void **state)
 {
 	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
-		for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
+		for (int p = 0; p < frame_plane_count(format); p++) {
 			struct frame_plane whole;
 			struct fault fault = {""};
 			struct fixture f;
@@ -555,6 +622,7 @@ int main(void)
 		cmocka_unit_test(sizes_are_known),
 		cmocka_unit_test(canvases),
 		cmocka_unit_test(video_formats_match_double_precision),
+		cmocka_unit_test(deep_formats_match_double_precision),
 		cmocka_unit_test(grey_stays_grey),
 		cmocka_unit_test(rgb_formats_are_exact),
 		cmocka_unit_test(limited_rgb_is_expanded),

@@ -199,7 +199,7 @@ static void the_environment_masks(void **state)
 struct picture_fixture {
 	struct frame frame;
 	struct canvas canvas;
-	uint8_t *memory[2];
+	uint8_t *memory[FRAME_PLANES];
 };
 
 static void make_frame(struct picture_fixture *f, struct chance *chance, enum pixel_format format,
@@ -214,7 +214,7 @@ static void make_frame(struct picture_fixture *f, struct chance *chance, enum pi
 				  .height = height,
 				  .matrix = MATRIX_BT709,
 				  .range = RANGE_LIMITED};
-	for (int p = 0; p < (format == PIXEL_NV12 ? 2 : 1); p++) {
+	for (int p = 0; p < frame_plane_count(format); p++) {
 		const size_t stride = frame_plane_stride(format, p, width) + extra;
 		const size_t bytes = frame_plane_bytes(format, p, stride, height) - extra;
 
@@ -229,8 +229,8 @@ static void make_frame(struct picture_fixture *f, struct chance *chance, enum pi
 static void drop_frame(struct picture_fixture *f)
 {
 	canvas_free(&f->canvas);
-	free(f->memory[0]);
-	free(f->memory[1]);
+	for (int p = 0; p < FRAME_PLANES; p++)
+		free(f->memory[p]);
 }
 
 static uint32_t pixel_of(const struct picture *picture, int x, int y)
