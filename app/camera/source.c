@@ -73,6 +73,7 @@ void source_complain(struct source *source, const struct fault *fault)
 	if (source->situation == source->said)
 		return;
 	source->said = source->situation;
+	source->why = *fault;
 	if (source->said == CAMERA_FINE)
 		log_info("camera %s: fine again, %dx%d %s", source->settings.name,
 			 source->camera.width, source->camera.height,

@@ -38,6 +38,7 @@ struct source {
 	bool tried;			 /* an opening has ended, with or without success */
 	enum camera_situation situation; /* of the camera, as last known */
 	enum camera_situation said;	 /* the situation that was logged last */
+	struct fault why;		 /* its reason, as it was logged; empty: none */
 	char device_name[128]; /* name of the device that was open last; empty: it has none */
 	struct frame held;     /* frame that was grabbed and not given back; PIXEL_NONE: none */
 	bool shown;	       /* the held frame is raw and is the picture */

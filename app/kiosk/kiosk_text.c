@@ -30,13 +30,18 @@ static void role_of(const struct eyes *e, const struct source *source, char role
 }
 
 /* A camera that works may still send a picture that does not fit its views. */
-static enum camera_situation situation_of(const struct eyes *e, const struct source *source)
+static enum camera_situation situation_of(const struct kiosk_inputs *in,
+					  const struct source *source, const char **why)
 {
-	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};
+	const struct eye *eyes[] = {&in->eyes.fisheye, &in->eyes.background, &in->eyes.scene};
 
+	*why = source->why.text;
 	for (int i = 0; i < 3; i++) {
-		if (source->situation == CAMERA_FINE && eyes[i]->source == source && eyes[i]->unfit)
-			return CAMERA_UNSUPPORTED_FORMAT;
+		if (source->situation != CAMERA_FINE || eyes[i]->source != source ||
+		    !eyes[i]->unfit)
+			continue;
+		*why = in->unfit[i].text;
+		return CAMERA_UNSUPPORTED_FORMAT;
 	}
 	return source->situation;
 }
@@ -49,10 +54,12 @@ static int list_troubles(const struct kiosk_inputs *in, const struct kiosk_pictu
 	for (int i = 0; i < in->source_count; i++) {
 		const struct source *source = &in->sources[i];
 		char role[ROLE_MAX] = "";
+		const char *why;
+		const enum camera_situation situation = situation_of(in, source, &why);
 
 		role_of(&in->eyes, source, role);
 		if (words_camera(texts[count], OVERLAY_TEXT_MAX, role, source_device_name(source),
-				 situation_of(&in->eyes, source)) > 0)
+				 situation, why) > 0)
 			count++;
 	}
 	if (kiosk_pose_trouble(picture, texts[count]) > 0)

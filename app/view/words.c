@@ -16,8 +16,7 @@ static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_NO_SIGNAL] = "gets no video signal: waiting",
 	[CAMERA_STALLED] = "sends no picture: waiting",
 	[CAMERA_DAMAGED] = "sends only damaged pictures: try another cable, port or picture format",
-	[CAMERA_UNSUPPORTED_FORMAT] =
-		"has no picture format that can be used: see \"inlay devices\"",
+	[CAMERA_UNSUPPORTED_FORMAT] = "sends no picture that can be used",
 	[CAMERA_BUSY] = "is used by another program: waiting",
 	[CAMERA_NO_BANDWIDTH] = "has no room on its USB bus: plug it into another port, or choose "
 				"MJPEG, a smaller picture or a lower rate",
@@ -32,8 +31,9 @@ static int copy_whole(char *text, size_t room, const char *whole)
 }
 
 int words_camera(char *text, size_t room, const char *role, const char *name,
-		 enum camera_situation situation)
+		 enum camera_situation situation, const char *why)
 {
+	const bool told = situation == CAMERA_UNSUPPORTED_FORMAT && *why;
 	char whole[512], shown[NAME_MAX_BYTES + sizeof(ELLIPSIS)];
 	size_t length = utf8_copy(shown, NAME_MAX_BYTES, name);
 
@@ -41,11 +41,8 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
 		return copy_whole(text, room, "");
 	if (strlen(name) >= NAME_MAX_BYTES)
 		memcpy(shown + length, ELLIPSIS, sizeof(ELLIPSIS));
-	if (*shown)
-		snprintf(whole, sizeof(whole), "%.64s camera '%s' %s", role, shown,
-			 wrong[situation]);
-	else
-		snprintf(whole, sizeof(whole), "%.64s camera %s", role, wrong[situation]);
+	snprintf(whole, sizeof(whole), "%.64s camera %s%s%s%s%s%.200s", role, *shown ? "'" : "",
+		 shown, *shown ? "' " : "", wrong[situation], told ? ": " : "", told ? why : "");
 	return copy_whole(text, room, whole);
 }
 

@@ -12,10 +12,10 @@
 /*
  * "Fisheye camera 'C920' is not connected: waiting". role: "Fisheye", "Background", "Scene", or
  * "Fisheye and background" for a camera that several views share. name: of the device, else the
- * configuration's. Returns the text's length, as snprintf(); 0 for CAMERA_FINE.
+ * configuration's. why: what does not fit, for CAMERA_UNSUPPORTED_FORMAT; empty: not known. Returns the text's length, as snprintf(); 0 for CAMERA_FINE.
  */
 int words_camera(char *text, size_t room, const char *role, const char *name,
-		 enum camera_situation situation);
+		 enum camera_situation situation, const char *why);
 
 /* "Pose 3 'left' cannot be loaded: waiting, the log says why". name: "" for none. Returns the
  * length in the same way. */

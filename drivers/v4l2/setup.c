@@ -3,12 +3,33 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/offers.h"
 
 enum { OFFERS_MAX = 256 };
+
+/* Names what the camera has, each format once, and what was wanted. */
+static int refuse_offers(const struct v4l2_offer *offers, int count, int wanted,
+			 struct fault *fault)
+{
+	char text[96] = "", code[5];
+
+	for (int i = 0; i < count; i++) {
+		const size_t used = strlen(text);
+
+		v4l2_fourcc_text(offers[i].fourcc, code);
+		code[strcspn(code, " ")] = '\0';
+		if (!strstr(text, code))
+			snprintf(text + used, sizeof(text) - used, "%s%s", used ? ", " : "", code);
+	}
+	return fault_say(fault, -ENOTSUP, "the camera offers %s, expected %s",
+			 count ? text : "no format",
+			 wanted ? pixel_format_names[wanted]
+				: "MJPEG, YUYV or another one that inlay decodes");
+}
 
 static int format_choose(int fd, unsigned type, const struct camera_settings *settings,
 			 uint32_t *fourcc, struct fault *fault)
@@ -31,12 +52,7 @@ static int format_choose(int fd, unsigned type, const struct camera_settings *se
 	}
 	best = v4l2_choose(offers, count, (enum pixel_format)settings->format);
 	if (best < 0)
-		return fault_say(fault, -ENOTSUP,
-				 "the camera offers %d formats, but none that is expected (%s)",
-				 count,
-				 settings->format ? pixel_format_names[settings->format]
-						  : "YUYV, UYVY, NV12, RGB24, BGR24, BGRX, GREY, "
-						    "MJPEG");
+		return refuse_offers(offers, count, settings->format, fault);
 	*fourcc = offers[best].fourcc;
 	return 0;
 }

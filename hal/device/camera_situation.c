@@ -28,8 +28,12 @@ enum camera_situation camera_situation_of(int err)
 
 bool camera_is_hopeless(enum camera_situation situation, int err)
 {
+	/* A camera of another kind may be plugged in; but a simulated one is what the configuration
+	 * makes it. */
+	if (situation == CAMERA_UNSUPPORTED_FORMAT)
+		return err == -EINVAL;
 	if (situation != CAMERA_BROKEN)
-		return situation == CAMERA_UNSUPPORTED_FORMAT;
+		return false;
 	switch (-err) {
 	case ENOTTY: /* not a camera */
 	case EINVAL: /* no such input, standard or size */

@@ -9,7 +9,7 @@
 enum camera_situation camera_situation_of(int err);
 
 /* Whether an opening that failed like this would always fail under this configuration: the device
- * is no camera, lacks the format, or does not know the setting. Other failures may pass with time,
+ * is no camera, or does not know the setting. Other failures may pass with time,
  * such as those of a USB camera while its bus starts or of a digitizer while its source starts. */
 bool camera_is_hopeless(enum camera_situation situation, int err);
 

@@ -46,7 +46,7 @@ static void give_troubles(struct overlay *overlay, int count)
 
 	for (int i = 0; i < count; i++)
 		words_camera(texts[i], sizeof(texts[i]), "Background", "HD Pro Webcam C920",
-			     (enum camera_situation)(1 + i));
+			     (enum camera_situation)(1 + i), "");
 	overlay_troubles(overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, count);
 }
 

@@ -25,7 +25,7 @@ static void each_situation_has_a_sentence(void **state)
 	for (int r = 0; r < 4; r++) {
 		for (int s = CAMERA_FINE + 1; s < CAMERA_SITUATION_COUNT; s++) {
 			int length = words_camera(text[s], sizeof(text[s]), roles[r], NAME,
-						  (enum camera_situation)s);
+						  (enum camera_situation)s, "");
 
 			expect_equal(length, strlen(text[s]), "r=%d, s=%d", r, s);
 			snprintf(start, sizeof(start), "%s camera '" NAME "' ", roles[r]);
@@ -36,10 +36,10 @@ static void each_situation_has_a_sentence(void **state)
 				assert_string_not_equal(text[s], text[other]);
 			/* an unknown name leaves no empty quotes */
 			words_camera(text[s], sizeof(text[s]), roles[r], "",
-				     (enum camera_situation)s);
+				     (enum camera_situation)s, "");
 			assert_null(strchr(text[s], '\''));
 			words_camera(text[s], sizeof(text[s]), roles[r], NAME,
-				     (enum camera_situation)s);
+				     (enum camera_situation)s, "");
 		}
 	}
 }
@@ -67,7 +67,7 @@ static void says_what_is_wrong(void **state)
 		{CAMERA_NO_SIGNAL, "no video signal"},
 		{CAMERA_STALLED, "sends no picture"},
 		{CAMERA_DAMAGED, "only damaged pictures"},
-		{CAMERA_UNSUPPORTED_FORMAT, "no picture format"},
+		{CAMERA_UNSUPPORTED_FORMAT, "sends no picture that can be used"},
 		{CAMERA_BUSY, "used by another program"},
 		{CAMERA_NO_BANDWIDTH, "no room on its USB bus"},
 		{CAMERA_NO_PERMISSION, "group video"},
@@ -78,11 +78,16 @@ static void says_what_is_wrong(void **state)
 	(void)state;
 	assert_int_equal(sizeof(cases) / sizeof(*cases), CAMERA_SITUATION_COUNT - 1);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
-		words_camera(text, sizeof(text), "Scene", NAME, cases[i].situation);
+		words_camera(text, sizeof(text), "Scene", NAME, cases[i].situation, "");
 		assert_non_null(strstr(text, cases[i].word));
 	}
-	words_camera(text, sizeof(text), "Fisheye", NAME, CAMERA_NO_DEVICE);
+	words_camera(text, sizeof(text), "Fisheye", NAME, CAMERA_NO_DEVICE, "");
 	assert_string_equal(text, "Fisheye camera 'C920' is not connected: waiting");
+	words_camera(text, sizeof(text), "Scene", "", CAMERA_UNSUPPORTED_FORMAT,
+		     "/dev/video2: the camera offers H264, expected MJPEG");
+	assert_string_equal(text,
+			    "Scene camera sends no picture that can be used: /dev/video2: the "
+			    "camera offers H264, expected MJPEG");
 }
 
 static void nothing_to_say(void **state)
@@ -90,10 +95,10 @@ static void nothing_to_say(void **state)
 	char text[8] = "before";
 
 	(void)state;
-	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_FINE), 0);
+	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_FINE, ""), 0);
 	assert_string_equal(text, "");
-	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_SITUATION_COUNT),
-			 0);
+	assert_int_equal(
+		words_camera(text, sizeof(text), "Scene", NAME, CAMERA_SITUATION_COUNT, ""), 0);
 }
 
 /* A long name does not push out what is wrong, and no buffer overflows. */
@@ -110,7 +115,7 @@ static void long_names_and_little_room(void **state)
 	(void)state;
 	for (size_t n = 0; n < sizeof(names) / sizeof(*names); n++) {
 		int length = words_camera(whole, sizeof(whole), "Fisheye and background", names[n],
-					  CAMERA_NO_DEVICE);
+					  CAMERA_NO_DEVICE, "");
 
 		expect_below(length, 130, "n=%zu", n);
 		assert_non_null(strstr(whole, "' is not connected: waiting"));
@@ -119,7 +124,7 @@ static void long_names_and_little_room(void **state)
 		for (size_t room = 0; room <= (size_t)length + 1; room++) {
 			memset(cut, '#', sizeof(cut));
 			expect_equal(words_camera(cut, room, "Fisheye and background", names[n],
-						  CAMERA_NO_DEVICE),
+						  CAMERA_NO_DEVICE, ""),
 				     length, "n=%zu, room=%zu", n, room);
 			expect_equal(cut[room], '#', "n=%zu, room=%zu", n, room);
 			if (room == 0)
