@@ -47,7 +47,7 @@ static int take_word(void *context, const char *word, const char **expected)
 static const struct option_row rows[] = {
 	{.name = "socket",
 	 .argument = "PATH",
-	 .help = "the kiosk's socket, else " SOCKET_DEFAULT,
+	 .help = "the kiosk's socket, else that of its configuration, or " SOCKET_DEFAULT,
 	 .take = take_socket},
 	{.name = "config",
 	 .argument = "FILE",
@@ -55,27 +55,31 @@ static const struct option_row rows[] = {
 	 .take = settings_take_config},
 	{.name = NULL}};
 
-/* Finds the socket's path. 0 or an exit code. */
+/* Finds the socket's path. A fault elsewhere in the file does not keep anybody from a kiosk that runs:
+ * the socket is read all the same. */
 static int find_socket(const struct control_options *options, char *path, size_t room)
 {
-	struct ini_report report = {.say = settings_say};
+	const char *file = settings_file(&options->settings);
+	struct ini_report report = {.count = 0};
 	struct config *config = NULL;
 	int err;
 
-	if (options->socket || !options->settings.config_file) {
-		snprintf(path, room, "%s", options->socket ? options->socket : SOCKET_DEFAULT);
+	snprintf(path, room, "%s", options->socket ? options->socket : SOCKET_DEFAULT);
+	if (options->socket || !file)
 		return 0;
-	}
 	err = settings_read(&options->settings, &config, &report);
-	if (!err)
+	if (err && options->settings.config_file)
+		log_warning("%s", report.first.text);
+	if (config && config->control.socket[0])
 		snprintf(path, room, "%s", config->control.socket);
+	else if (config && report.count == 0 && options->settings.config_file)
+		path[0] = '\0';
 	config_destroy(config);
-	if (err)
-		return EXIT_FAILED;
+	if (err && err != -EINVAL && options->settings.config_file)
+		return EXIT_FAILED; /* there is no such file */
 	if (path[0])
 		return 0;
-	log_error("control: %s names no socket in [control], expected one, or --socket PATH",
-		  options->settings.config_file);
+	log_error("control: %s names no socket in [control], expected one, or --socket PATH", file);
 	return EXIT_USAGE;
 }
 
@@ -192,14 +196,15 @@ const struct command command_control = {
 		"what changes no\n"
 		"                        pixel by more of white: 1%\n"
 		"  view-next             show the next view\n"
+		"  view NAME             show this view: composite, before, fisheye ...\n"
 		"  pose-next             take the next pose of the basis\n"
 		"  pose-prev             take the one before\n"
 		"  pose P                take this pose: next, prev, its number from 0, or name\n"
-		"  object                show the object, or hide it\n"
-		"  information           show the line of figures, or hide it\n"
+		"  object [on|off]       show the object, or hide it\n"
+		"  information [on|off]  show the line of figures, or hide it\n"
 		"  split-left            move the line between before and after\n"
 		"  split-right           move it the other way\n"
-		"  freeze                hold the picture, or let it go on\n"
+		"  freeze [on|off]       hold the picture, or let it go on\n"
 		"  quit                  end the kiosk",
 	.options = rows,
 	.take_word = take_word,

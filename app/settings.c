@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/driver_list.h"
 #include "hal/base/log.h"
@@ -42,9 +43,17 @@ void settings_say(void *context, const char *text)
 	log_error("%s", text);
 }
 
+const char *settings_file(const struct settings *settings)
+{
+	if (settings->config_file)
+		return settings->config_file;
+	return access(SETTINGS_FILE, F_OK) == 0 ? SETTINGS_FILE : NULL;
+}
+
 int settings_read(const struct settings *settings, struct config **config,
 		  struct ini_report *report)
 {
+	const char *file = settings_file(settings);
 	int err = config_create(config, driver_list()), first = 0;
 
 	if (err) {
@@ -52,8 +61,8 @@ int settings_read(const struct settings *settings, struct config **config,
 			  strerror(-err));
 		return err;
 	}
-	if (settings->config_file)
-		first = config_read(*config, settings->config_file, report);
+	if (file)
+		first = config_read(*config, file, report);
 	for (int i = 0; i < settings->set_count; i++) {
 		err = config_set(*config, settings->sets[i], report);
 		if (err && !first)

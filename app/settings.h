@@ -9,9 +9,10 @@
 #include "config/config.h"
 
 #define SETTINGS_SETS_MAX 64
+#define SETTINGS_FILE "/etc/inlay/kiosk.conf" /* of the installed service (board/appliance.conf) */
 
 struct settings {
-	const char *config_file; /* NULL: defaults */
+	const char *config_file; /* NULL: SETTINGS_FILE, or defaults where there is none */
 	const char *sets[SETTINGS_SETS_MAX];
 	int set_count;
 	bool print; /* --print-config */
@@ -21,12 +22,15 @@ struct settings {
 #define SETTINGS_ROWS                                                                              \
 	{.name = "config",                                                                         \
 	 .argument = "FILE",                                                                       \
-	 .help = "read this configuration",                                                        \
+	 .help = "read this configuration, else " SETTINGS_FILE ", where there is one",            \
 	 .take = settings_take_config},                                                            \
 	{                                                                                          \
 		.name = "set", .argument = "SECTION.KEY=VALUE",                                    \
 		.help = "change one key; may be given again", .take = settings_take_set            \
 	}
+
+/* The file to read: --config, else SETTINGS_FILE where there is one; NULL: there is none. */
+const char *settings_file(const struct settings *settings);
 
 int settings_take_config(void *context, const char *argument, const char **expected);
 int settings_take_set(void *context, const char *argument, const char **expected);

@@ -38,6 +38,32 @@ static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 	while (controls->view == SHOW_SCENE && !eyes->scene.source);
 }
 
+/* 0; -EINVAL: there is no such view, or no camera for it. */
+static int take_view(struct kiosk_controls *controls, const struct eyes *eyes, const char *name,
+		     struct fault *fault)
+{
+	char names[160] = "";
+
+	for (int i = 0; i < SHOW_COUNT; i++) {
+		const size_t used = strlen(names);
+
+		if (i == SHOW_SCENE && !eyes->scene.source)
+			continue;
+		if (strcmp(config_show_names[i], name) == 0) {
+			controls->view = (enum config_show)i;
+			return 0;
+		}
+		snprintf(names + used, sizeof(names) - used, "%s%s", used ? ", " : "",
+			 config_show_names[i]);
+	}
+	return fault_say(fault, -EINVAL, "no view \"%s\", expected one of %s", name, names);
+}
+
+static void turn_switch(bool *is_on, enum turn turn)
+{
+	*is_on = turn == TURN_OVER ? !*is_on : turn == TURN_ON;
+}
+
 /* step: in the threshold's own unit, grey levels or percent. */
 static void move_threshold(struct ini_level *threshold, enum action action, double step)
 {
@@ -71,7 +97,7 @@ static void step_pose(struct kiosk *k, int step)
 int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault)
 {
 	struct kiosk_controls *controls = &k->controls;
-	int pose;
+	int pose, err;
 
 	switch (press->action) {
 	case ACTION_THRESHOLD_UP:
@@ -86,6 +112,11 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 	case ACTION_VIEW_NEXT:
 		next_view(controls, &k->inputs.eyes);
 		break;
+	case ACTION_VIEW_SET:
+		err = take_view(controls, &k->inputs.eyes, press->name, fault);
+		if (err)
+			return err;
+		break;
 	case ACTION_POSE_NEXT:
 		step_pose(k, 1);
 		break;
@@ -99,10 +130,10 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		kiosk_take_pose(k, pose);
 		break;
 	case ACTION_OBJECT:
-		controls->choice.object = !controls->choice.object;
+		turn_switch(&controls->choice.object, press->turn);
 		break;
 	case ACTION_INFORMATION:
-		controls->information = !controls->information;
+		turn_switch(&controls->information, press->turn);
 		kiosk_text(k);
 		break;
 	case ACTION_SPLIT_LEFT:
@@ -112,7 +143,7 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		controls->split = clamp_level(controls->split + SPLIT_STEP, 1);
 		break;
 	case ACTION_FREEZE:
-		controls->frozen = !controls->frozen;
+		turn_switch(&controls->frozen, press->turn);
 		break;
 	case ACTION_QUIT:
 		k->stop = true;

@@ -191,7 +191,8 @@ bool kiosk_screen_is_excused(const struct kiosk_screen *screen);
 
 /* ---- kiosk_actions.c ---- */
 
-/* Does what a button or a command asks for. 0, or -EINVAL: the basis has no such pose. */
+/* Does what a button or a command asks for. 0, or -EINVAL: there is no such pose or
+ * view. */
 int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *fault);
 
 /* Chooses a pose, from which the timeline goes on. */

@@ -6,10 +6,10 @@
 #include <string.h>
 
 const char *const action_names[] = {
-	"none",		 "threshold-up", "threshold-down", "threshold-next",
-	"threshold-set", "view-next",	 "pose-next",	   "pose-prev",
-	"pose",		 "object",	 "information",	   "split-left",
-	"split-right",	 "freeze",	 "quit",	   NULL,
+	"none",	     "threshold-up", "threshold-down", "threshold-next", "threshold-set",
+	"view-next", "view",	     "pose-next",      "pose-prev",	 "pose",
+	"object",    "information",  "split-left",     "split-right",	 "freeze",
+	"quit",	     NULL,
 };
 
 _Static_assert(sizeof(action_names) / sizeof(action_names[0]) == ACTION_COUNT + 1,
@@ -45,19 +45,52 @@ static int parse_level(const char *text, struct button_press *press)
 	return err;
 }
 
-static int parse_pose(const char *text, struct button_press *press, struct fault *fault)
+static int parse_name(const char *text, struct button_press *press)
 {
 	if (!text || !*text || strlen(text) >= sizeof(press->name))
+		return -EINVAL;
+	strcpy(press->name, text);
+	return 0;
+}
+
+static int parse_pose(const char *text, struct button_press *press, struct fault *fault)
+{
+	if (parse_name(text, press))
 		return fault_say(
 			fault, -EINVAL,
 			"pose needs a value, expected next, prev, or the number or name of "
 			"a pose");
 	if (!strcmp(text, "next"))
-		press->action = ACTION_POSE_NEXT;
+		*press = (struct button_press){.action = ACTION_POSE_NEXT};
 	else if (!strcmp(text, "prev"))
-		press->action = ACTION_POSE_PREV;
-	else
-		strcpy(press->name, text);
+		*press = (struct button_press){.action = ACTION_POSE_PREV};
+	return 0;
+}
+
+static int parse_view(const char *text, struct button_press *press, struct fault *fault)
+{
+	if (parse_name(text, press))
+		return fault_say(fault, -EINVAL,
+				 "view needs a value, expected next or the name of a view");
+	if (!strcmp(text, "next"))
+		*press = (struct button_press){.action = ACTION_VIEW_NEXT};
+	return 0;
+}
+
+static bool is_switch(enum action action)
+{
+	return action == ACTION_OBJECT || action == ACTION_INFORMATION || action == ACTION_FREEZE;
+}
+
+static int parse_turn(const char *name, const char *text, struct button_press *press,
+		      struct fault *fault)
+{
+	bool on;
+
+	if (!ini_truth_read(text, &on))
+		return fault_say(fault, -EINVAL, "%s takes on, off or nothing, found \"%.40s\"",
+				 name, text);
+	press->turn = on ? TURN_ON : TURN_OFF;
 	return 0;
 }
 
@@ -65,21 +98,27 @@ int button_press_parse(const char *name, const char *value, struct button_press 
 		       struct fault *fault)
 {
 	*press = (struct button_press){.action = find_action(name)};
-	if (press->action == ACTION_NONE)
+	switch (press->action) {
+	case ACTION_NONE:
 		return unknown_action(name, fault);
-	if (press->action == ACTION_THRESHOLD_SET) {
-		if (!value || parse_level(value, press))
-			return fault_say(
-				fault, -EINVAL,
-				"threshold-set needs a level, expected one number 0..%.0f or a "
-				"percentage 0%%..100%%",
-				ACTION_LEVEL_MAX);
-	} else if (press->action == ACTION_POSE_SET) {
+	case ACTION_THRESHOLD_SET:
+		if (value && !parse_level(value, press))
+			return 0;
+		return fault_say(fault, -EINVAL,
+				 "threshold-set needs a level, expected one number 0..%.0f or a "
+				 "percentage 0%%..100%%",
+				 ACTION_LEVEL_MAX);
+	case ACTION_POSE_SET:
 		return parse_pose(value, press, fault);
-	} else if (value) {
+	case ACTION_VIEW_SET:
+		return parse_view(value, press, fault);
+	default:
+		if (!value)
+			return 0;
+		if (is_switch(press->action))
+			return parse_turn(name, value, press, fault);
 		return fault_say(fault, -EINVAL, "%s takes no value, found \"%.40s\"", name, value);
 	}
-	return 0;
 }
 
 bool action_repeats(enum action action)

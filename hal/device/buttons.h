@@ -18,14 +18,15 @@ enum action {
 	ACTION_THRESHOLD_NEXT, /* up, and from the highest to 0: for a single button */
 	ACTION_THRESHOLD_SET,  /* to value, a level or a percentage */
 	ACTION_VIEW_NEXT,
+	ACTION_VIEW_SET, /* to the view of this name */
 	ACTION_POSE_NEXT,
 	ACTION_POSE_PREV,
 	ACTION_POSE_SET,    /* to the pose of this name or number */
-	ACTION_OBJECT,	    /* shows or hides the object */
-	ACTION_INFORMATION, /* shows or hides the line of figures */
+	ACTION_OBJECT,	    /* shows or hides the object: a switch */
+	ACTION_INFORMATION, /* shows or hides the line of figures: a switch */
 	ACTION_SPLIT_LEFT,  /* moves the line between before and after */
 	ACTION_SPLIT_RIGHT,
-	ACTION_FREEZE,
+	ACTION_FREEZE, /* holds the picture or lets it go on: a switch */
 	ACTION_QUIT,
 	ACTION_COUNT
 };
@@ -35,15 +36,21 @@ extern const char *const action_names[]; /* "none", "threshold-up", ... NULL */
 #define BUTTON_NAME_MAX 32     /* with its NUL */
 #define ACTION_LEVEL_MAX 255.0 /* largest level of ACTION_THRESHOLD_SET */
 
+/* What a press does to an action that is a switch. */
+enum turn { TURN_OVER, TURN_ON, TURN_OFF };
+
 struct button_press {
 	enum action action;
-	double value;		    /* ACTION_THRESHOLD_SET: level, 0..ACTION_LEVEL_MAX */
-	bool percent;		    /* value is a percentage, 0..100 */
-	char name[BUTTON_NAME_MAX]; /* ACTION_POSE_SET: name or number of the pose */
+	double value;	/* ACTION_THRESHOLD_SET: level, 0..ACTION_LEVEL_MAX */
+	bool percent;	/* value is a percentage, 0..100 */
+	enum turn turn; /* switches */
+	/* ACTION_POSE_SET: name or number of the pose; ACTION_VIEW_SET: name of the view. */
+	char name[BUTTON_NAME_MAX];
 };
 
-/* Parses a press as a person writes it: the name of an action and, only for threshold-set and pose,
- * a value (NULL: none). "pose next" and "pose prev" are pose-next and pose-prev. 0; -EINVAL with a
+/* Parses a press as a person writes it: the name of an action and, only where it takes one,
+ * a value (NULL: none). "pose next", "pose prev" and "view next" are pose-next, pose-prev and
+ * view-next; a switch takes on, off, or nothing, which turns it over. 0; -EINVAL with a
  * fault that says what was expected. */
 int button_press_parse(const char *name, const char *value, struct button_press *press,
 		       struct fault *fault);

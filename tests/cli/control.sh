@@ -37,6 +37,18 @@ equal "a command is answered" ok "$(tell threshold-set 40)"
 check "and done" grep -q '"threshold":40[,.}]' <(tell status)
 equal "a percentage too" ok "$(tell threshold-set 1.5%)"
 check "which is said to be one" grep -q '"threshold":1.5,"threshold_unit":"percent"[,}]' <(tell status)
+equal "a view is taken by its name" ok "$(tell view fisheye)"
+check "and shown" grep -q '"view":"fisheye"' <(tell status)
+refused "a view that is none" 1 "no view \"sky\", expected one of composite, before, fisheye" \
+	"$INLAY" control --socket "$work/socket" view sky
+tell view composite >/dev/null
+for turn in off off on on; do
+	equal "the object is turned $turn" ok "$(tell object $turn)"
+	check "and it is $turn" grep -q "\"object\":$([ $turn = on ] && echo true || echo false)" <(tell status)
+done
+printf '[control]\nsocket = %s\n[screen]\nwidth = many\n' "$work/socket" >"$work/faulty.conf"
+check "a fault elsewhere in the file keeps nobody from the kiosk" \
+	"$INLAY" control --config "$work/faulty.conf" status
 equal "a step is one of its unit" ok "$(tell threshold-up)"
 check "and done" grep -q '"threshold":9.5,"threshold_unit":"percent"[,}]' <(tell status)
 refused "a percentage that is none" 1 "or a percentage 0%..100%" tell threshold-set 101%

@@ -131,6 +131,8 @@ equal "inlay ru<TAB>" run "$(completed inlay ru)"
 equal "inlay run --fr<TAB>" --frames "$(completed inlay run --fr)"
 equal "inlay run --set lights.threshold_s<TAB>" lights.threshold_step= \
 	"$(completed inlay run --set lights.threshold_s)"
+equal "inlay run --set camera.camera2.dr<TAB>" camera.camera2.driver= \
+	"$(completed inlay run --set camera.camera2.dr)"
 {
 	echo status
 	sed -n '/action_names\[\] = {/,/^}/p' hal/device/buttons.c | grep -oE '"[a-z-]+"' | tr -d '"'

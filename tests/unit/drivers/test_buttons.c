@@ -122,7 +122,9 @@ static void script_mistakes(void **state)
 		 ":1: threshold-set needs a level, expected one number 0..255"},
 		{"3 threshold-set nan\n", ":1: threshold-set needs a level"},
 		{"3 threshold-set -1\n", ":1: threshold-set needs a level"},
-		{"3 freeze 1\n", ":1: freeze takes no value, found \"1\""},
+		{"3 quit 1\n", ":1: quit takes no value, found \"1\""},
+		{"3 freeze maybe\n", ":1: freeze takes on, off or nothing, found \"maybe\""},
+		{"3 view\n", ":1: view needs a value"},
 	};
 	char longest[400];
 	struct buttons buttons;
@@ -179,7 +181,8 @@ static void every_action(void **state)
 
 	(void)state;
 	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++) {
-		const bool level = i == ACTION_THRESHOLD_SET, pose = i == ACTION_POSE_SET;
+		const bool level = i == ACTION_THRESHOLD_SET;
+		const bool pose = i == ACTION_POSE_SET || i == ACTION_VIEW_SET;
 		const char *value = level || pose ? "255" : NULL;
 
 		assert_int_equal(button_press_parse(action_names[i], value, &press, &fault), 0);
@@ -218,6 +221,32 @@ static void poses(void **state)
 		button_press_parse("pose", "a-name-of-thirty-two-characters-x", &press, &fault),
 		-EINVAL);
 	assert_int_equal(button_press_parse("pose-next", "2", &press, &fault), -EINVAL);
+}
+
+static void views_and_switches(void **state)
+{
+	static const char *const switches[] = {"object", "information", "freeze"};
+	struct button_press press;
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(button_press_parse("view", "fisheye", &press, &fault), 0);
+	assert_int_equal(press.action, ACTION_VIEW_SET);
+	assert_string_equal(press.name, "fisheye");
+	assert_int_equal(button_press_parse("view", "next", &press, &fault), 0);
+	assert_int_equal(press.action, ACTION_VIEW_NEXT);
+	assert_int_equal(button_press_parse("view", NULL, &press, &fault), -EINVAL);
+	for (int i = 0; i < 3; i++) {
+		assert_int_equal(button_press_parse(switches[i], NULL, &press, &fault), 0);
+		assert_int_equal(press.turn, TURN_OVER);
+		assert_int_equal(button_press_parse(switches[i], "on", &press, &fault), 0);
+		assert_int_equal(press.turn, TURN_ON);
+		assert_int_equal(button_press_parse(switches[i], "off", &press, &fault), 0);
+		assert_int_equal(press.turn, TURN_OFF);
+		assert_int_equal(button_press_parse(switches[i], "maybe", &press, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "on, off or nothing"));
+	}
+	assert_int_equal(button_press_parse("quit", "on", &press, &fault), -EINVAL);
 }
 
 /* ---- a rotary encoder ---- */
@@ -482,6 +511,7 @@ int main(void)
 		cmocka_unit_test(wrappers),
 		cmocka_unit_test(every_action),
 		cmocka_unit_test(poses),
+		cmocka_unit_test(views_and_switches),
 		cmocka_unit_test(edges_in_order),
 		cmocka_unit_test(encoder),
 		cmocka_unit_test(line_bounces),
