@@ -2,6 +2,10 @@
 #include "hal/device/display.h"
 
 #include <errno.h>
+#include <libyuv.h>
+#include <string.h>
+
+const char *const display_turn_names[] = {"0", "90", "180", "270", NULL};
 
 const char *const display_situation_names[] = {
 	"fine",	   "no device", "no screen", "busy", "no permission",
@@ -38,6 +42,114 @@ bool display_may_return(enum display_situation situation)
 	}
 }
 
+/* ---- turn and margins ---- */
+
+static bool display_is_plain(const struct display *display)
+{
+	const double *m = display->settings.margins;
+
+	return display->settings.turn == DISPLAY_UPRIGHT && m[0] + m[1] + m[2] + m[3] == 0;
+}
+
+static bool display_is_sideways(const struct display *display)
+{
+	return display->settings.turn == DISPLAY_TURN_90 ||
+	       display->settings.turn == DISPLAY_TURN_270;
+}
+
+/* The part of a driver's buffer within the margins. */
+static struct display_buffer buffer_within(const struct display *display,
+					   const struct display_buffer *whole)
+{
+	const double *m = display->settings.margins;
+	struct display_buffer part = *whole;
+
+	part.pixels += (size_t)m[1] * whole->stride + 4 * (size_t)m[0];
+	part.width -= (int)m[0] + (int)m[2];
+	part.height -= (int)m[1] + (int)m[3];
+	return part;
+}
+
+static void blacken(const struct display_buffer *buffer, int x, int y, int width, int height)
+{
+	for (int row = y; row < y + height; row++)
+		memset(buffer->pixels + (size_t)row * buffer->stride + 4 * (size_t)x, 0,
+		       4 * (size_t)width);
+}
+
+static void blacken_margins(const struct display_buffer *whole, const double m[4])
+{
+	const int left = (int)m[0], top = (int)m[1], right = (int)m[2], bottom = (int)m[3];
+	const int between = whole->height - top - bottom;
+
+	blacken(whole, 0, 0, whole->width, top);
+	blacken(whole, 0, top, left, between);
+	blacken(whole, whole->width - right, top, right, between);
+	blacken(whole, 0, whole->height - bottom, whole->width, bottom);
+}
+
+/* The driver's free size, so that the picture fits within the margins when it is turned. */
+static void allow_for_turn(struct display *display)
+{
+	struct display_settings *s = &display->settings;
+	const int width = s->picture_width, height = s->picture_height;
+
+	if (width < 1 || height < 1)
+		return;
+	s->picture_width = (display_is_sideways(display) ? height : width) + (int)s->margins[0] +
+			   (int)s->margins[2];
+	s->picture_height = (display_is_sideways(display) ? width : height) + (int)s->margins[1] +
+			    (int)s->margins[3];
+}
+
+static int check_margins(const struct display *display, struct fault *fault)
+{
+	const struct display_buffer whole = {.width = display->width, .height = display->height};
+	const struct display_buffer part = buffer_within(display, &whole);
+
+	if (part.width >= 1 && part.height >= 1)
+		return 0;
+	return fault_say(fault, -EINVAL, "the margins leave nothing of a screen of %dx%d",
+			 display->width, display->height);
+}
+
+/* Makes of the driver's buffer the one that the program draws in. 0 or -ENOMEM. */
+static int buffer_lay(struct display *display, struct display_buffer *buffer)
+{
+	const struct display_buffer part = buffer_within(display, buffer);
+	const bool sideways = display_is_sideways(display);
+	struct canvas *upright = &display->upright;
+	int width = sideways ? part.height : part.width;
+	int height = sideways ? part.width : part.height, err;
+
+	blacken_margins(buffer, display->settings.margins);
+	*buffer = part;
+	if (display->settings.turn == DISPLAY_UPRIGHT)
+		return 0;
+	if (upright->width != width || upright->height != height) {
+		canvas_free(upright);
+		err = canvas_create(upright, width, height);
+		if (err)
+			return err;
+	}
+	*buffer = (struct display_buffer){upright->pixels, upright->stride, width, height,
+					  part.index};
+	return 0;
+}
+
+static void turn_upright(const struct display *display)
+{
+	static const enum RotationMode modes[] = {kRotate0, kRotate90, kRotate180, kRotate270};
+	const struct display_buffer part = buffer_within(display, &display->whole);
+	const struct canvas *upright = &display->upright;
+
+	if (display->settings.turn != DISPLAY_UPRIGHT)
+		ARGBRotate(upright->pixels, (int)upright->stride, part.pixels, (int)part.stride,
+			   upright->width, upright->height, modes[display->settings.turn]);
+}
+
+/* ---- the wrappers ---- */
+
 int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault)
 {
@@ -49,7 +161,10 @@ int display_open(struct display *display, const struct display_ops *ops,
 	display->ops = ops;
 	display->settings = *settings;
 	display->options = options;
+	allow_for_turn(display);
 	err = ops->open(display, fault);
+	if (!err)
+		err = check_margins(display, fault);
 	if (err) {
 		name_situation(display, err);
 		ops->close(display, NULL);
@@ -67,6 +182,8 @@ int display_fit(struct display *display, int width, int height, double squash)
 {
 	if (!display->state)
 		return -EBADF;
+	if (!display_is_plain(display))
+		return -ENOTSUP;
 	return display->ops->fit ? display->ops->fit(display, width, height, squash) : -ENOTSUP;
 }
 
@@ -78,6 +195,10 @@ int display_acquire(struct display *display, struct display_buffer *buffer)
 	if (!display->state)
 		return -EBADF;
 	err = display->ops->acquire(display, buffer);
+	if (err)
+		return err;
+	display->whole = *buffer;
+	err = display_is_plain(display) ? 0 : buffer_lay(display, buffer);
 	if (err)
 		return err;
 	display->acquired = true;
@@ -94,7 +215,8 @@ int display_submit(struct display *display, struct display_buffer *buffer, int64
 		return fault_say(fault, -EBADF, "a display that is not open");
 	if (!buffer->pixels || !display->acquired || buffer->index != display->acquired_index)
 		return fault_say(fault, -EINVAL, "a display buffer that was not acquired");
-	err = display->ops->submit(display, buffer, token, fault);
+	turn_upright(display);
+	err = display->ops->submit(display, &display->whole, token, fault);
 	name_situation(display, err);
 	display->acquired = false;
 	*buffer = (struct display_buffer){0};
@@ -121,6 +243,7 @@ int display_close(struct display *display, struct fault *fault)
 
 	if (display->ops && display->state)
 		err = display->ops->close(display, fault);
+	canvas_free(&display->upright);
 	display->state = NULL;
 	display->acquired = display->hidden = false;
 	return err;

@@ -21,6 +21,7 @@
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/image/image.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 #if WITH_SDL
@@ -102,6 +103,102 @@ static const struct display_ops recorder = {
 	.dispatch = record_dispatch,
 	.close = record_close,
 };
+
+static uint8_t turned_pixels[6 * 8 * 4];
+
+static int turned_open(struct display *display, struct fault *fault)
+{
+	(void)fault;
+	display->state = display;
+	display->width = 8;
+	display->height = 6;
+	return 0;
+}
+
+static int turned_acquire(struct display *display, struct display_buffer *buffer)
+{
+	(void)display;
+	*buffer = (struct display_buffer){turned_pixels, 32, 8, 6, 3};
+	return 0;
+}
+
+static int turned_submit(struct display *display, struct display_buffer *buffer, int64_t token,
+			 struct fault *fault)
+{
+	(void)display;
+	(void)token;
+	(void)fault;
+	assert_ptr_equal(buffer->pixels, turned_pixels);
+	assert_int_equal(buffer->width, 8);
+	return 0;
+}
+
+static int turned_close(struct display *display, struct fault *fault)
+{
+	(void)display;
+	(void)fault;
+	return 0;
+}
+
+static const struct display_ops turned = {
+	.name = "turned",
+	.open = turned_open,
+	.acquire = turned_acquire,
+	.submit = turned_submit,
+	.close = turned_close,
+};
+
+/* The first pixel of each corner of the upright picture, clockwise from the upper left, is 1 to 4. Turned
+ * by a quarter clockwise, what was at the upper left stands at the upper right. */
+static void pictures_are_turned_within_margins(void **state)
+{
+	struct display_settings settings = {.margins = {1, 1, 2, 1}};
+
+	(void)state;
+	for (int turn = 0; turn < DISPLAY_TURN_COUNT; turn++) {
+		const int width = turn % 2 ? 4 : 5, height = turn % 2 ? 5 : 4;
+		struct display_buffer b;
+		struct display display;
+		uint8_t corners[4];
+
+		settings.turn = turn;
+		memset(turned_pixels, 77, sizeof(turned_pixels));
+		assert_int_equal(display_open(&display, &turned, &settings, NULL, NULL), 0);
+		assert_int_equal(display_fit(&display, 8, 6, 1), -ENOTSUP);
+		assert_int_equal(display_acquire(&display, &b), 0);
+		assert_int_equal(b.width, width);
+		assert_int_equal(b.height, height);
+		for (int y = 0; y < height; y++)
+			memset(b.pixels + (size_t)y * b.stride, 9, (size_t)width * 4);
+		memset(b.pixels, 1, 4);
+		memset(b.pixels + (size_t)(width - 1) * 4, 2, 4);
+		memset(b.pixels + (size_t)(height - 1) * b.stride + (size_t)(width - 1) * 4, 3, 4);
+		memset(b.pixels + (size_t)(height - 1) * b.stride, 4, 4);
+		assert_int_equal(display_submit(&display, &b, 42, NULL), 0);
+		for (int y = 0; y < 6; y++)
+			for (int x = 0; x < 8; x++) {
+				const bool outside = x < 1 || x >= 6 || y < 1 || y >= 5;
+
+				expect_equal(turned_pixels[32 * y + 4 * x] == 0, outside,
+					     "turn %d, (%d, %d)", turn, x, y);
+			}
+		corners[0] = turned_pixels[32 + 4 * 1];
+		corners[1] = turned_pixels[32 + 4 * 5];
+		corners[2] = turned_pixels[4 * 32 + 4 * 5];
+		corners[3] = turned_pixels[4 * 32 + 4 * 1];
+		for (int i = 0; i < 4; i++)
+			expect_equal(corners[(i + turn) % 4], i + 1, "turn %d, corner %d", turn, i);
+		assert_int_equal(display_close(&display, NULL), 0);
+	}
+	settings.margins[0] = 7;
+	{
+		struct display display;
+		struct fault fault = {""};
+
+		assert_int_equal(display_open(&display, &turned, &settings, NULL, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "leave nothing of a screen of 8x6"));
+	}
+}
 
 static void wrappers_refuse(void **state)
 {
@@ -816,6 +913,7 @@ static void kms_refusals(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(pictures_are_turned_within_margins),
 		cmocka_unit_test(wrappers_refuse),
 		cmocka_unit_test(wrappers_lend),
 		cmocka_unit_test(wrappers_name_situations),
