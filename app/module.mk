@@ -47,11 +47,13 @@ APP_SOURCES := \
 	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
+	app/view/guide.c \
 	app/view/layout.c \
 	app/view/marks.c \
 	app/view/overlay.c \
 	app/view/scaler.c \
 	app/view/show.c \
 	app/view/words.c
-APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/typeset.c,app/view/panel_none.c)
+APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/pen.c app/view/typeset.c,\
+	app/view/panel_none.c app/view/pen_none.c)
 APP_MAIN := app/main.c

@@ -32,6 +32,7 @@ enum config_show {
 	SHOW_QUAD,
 	SHOW_SPLIT, /* before | composite, with a movable line between */
 	SHOW_OFF,   /* black */
+	SHOW_GUIDE, /* for setting up: composite and fisheye with what is calibrated drawn in */
 	SHOW_COUNT
 };
 enum config_timeline { TIMELINE_NONE, TIMELINE_LOOP, TIMELINE_SWING, TIMELINE_COUNT };

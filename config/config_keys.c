@@ -12,8 +12,8 @@
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
 
-const char *const config_show_names[] = {"composite", "before", "fisheye", "scene",
-					 "quad",      "split",	"off",	   NULL};
+const char *const config_show_names[] = {"composite", "before", "fisheye", "scene", "quad",
+					 "split",     "off",	"guide",   NULL};
 const char *const config_timeline_names[] = {"none", "loop", "swing", NULL};
 const char *const config_scale_names[] = {"none", "fit", NULL};
 
@@ -455,7 +455,7 @@ static const struct ini_key screen_keys[] = {
 	 .fallback = "composite",
 	 .help = "What is shown first: the picture with the object, before it, the fisheye with "
 		 "its marked lights, the scene camera, all four, before and after side by side, "
-		 "nothing."},
+		 "nothing; guide, for setting up: the calibrated ground and directions."},
 	{.name = "scale",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct config_screen, scale),

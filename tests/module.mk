@@ -46,6 +46,7 @@ UNIT_TESTS := \
 	tests/unit/app/pipeline/test_pipeline_pose.c \
 	tests/unit/app/pipeline/test_selection.c \
 	tests/unit/app/test_devices_sample.c \
+	tests/unit/app/view/test_guide.c \
 	tests/unit/app/view/test_layout.c \
 	tests/unit/app/view/test_overlay.c \
 	tests/unit/app/view/test_scaler.c \

@@ -30,12 +30,13 @@ void kiosk_keep_state(const struct kiosk_controls *controls)
 	state_keep(controls->state, &values);
 }
 
-/* Skips the scene where no camera looks at it. */
+/* Skips the scene where no camera looks at it, and the guide, which is for setting up. */
 static void next_view(struct kiosk_controls *controls, const struct eyes *eyes)
 {
 	do
 		controls->view = (enum config_show)((controls->view + 1) % SHOW_COUNT);
-	while (controls->view == SHOW_SCENE && !eyes->scene.source);
+	while (controls->view == SHOW_GUIDE ||
+	       (controls->view == SHOW_SCENE && !eyes->scene.source));
 }
 
 /* 0; -EINVAL: there is no such view, or no camera for it. */

@@ -57,6 +57,7 @@ struct kiosk_picture {
 	struct show show;
 	struct overlay overlay;
 	bool pose_said[BASIS_POSES_MAX]; /* it was logged that the pose cannot be shown */
+	struct tsai_camera camera;	 /* that the basis was baked for; width 0: not known */
 	bool redraw;			 /* the picture changes although no frame has come */
 	int64_t made_ns;		 /* when a picture was last made */
 	bool begun; /* a picture has been made: the configuration fits the first cameras */

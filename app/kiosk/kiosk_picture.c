@@ -110,6 +110,17 @@ static struct show_picture eye_shown(const struct eye *eye, bool needed)
 	return (struct show_picture){eye_picture(eye), eye->view.squash};
 }
 
+/* What SHOW_GUIDE draws; the camera is read again for each of its pictures, as the basis may change. */
+static struct show_guide guide_for(struct kiosk_picture *picture)
+{
+	const int pose = pipeline_report(picture->pipeline).pose;
+	struct show_guide guide = {.coverage = picture->basis->poses[pose].coverage};
+
+	if (guide_camera(picture->basis->camera, &picture->camera))
+		guide.camera = &picture->camera;
+	return guide;
+}
+
 static struct show_pictures pictures_for(const struct eyes *eyes, const struct pipeline *pipeline,
 					 enum config_show view)
 {
@@ -125,8 +136,9 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 		pictures.composite = (struct show_composite){background->width, background->height,
 							     .squash = background->squash};
 	if (pipeline_report(pipeline).lit)
-		pictures.marks = (struct show_marks){
-			pipeline_dome(pipeline), pipeline_lens(pipeline), pipeline_used(pipeline)};
+		pictures.marks =
+			(struct show_marks){pipeline_dome(pipeline), pipeline_lens(pipeline),
+					    pipeline_used(pipeline), pipeline_radiance(pipeline)};
 	return pictures;
 }
 
@@ -166,6 +178,9 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 	struct show_pictures pictures = pictures_for(&k->inputs.eyes, k->picture.pipeline,
 						     request.view);
 	int err = show_room(&k->picture.show, &request, &pictures.composite, screen, fault);
+
+	if (request.view == SHOW_GUIDE)
+		pictures.guide = guide_for(&k->picture);
 
 	stage_end(stages, STAGE_SHOW);
 	if (!err && pictures.composite.pixels)

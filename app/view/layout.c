@@ -12,6 +12,17 @@ struct layout_box layout_whole(const struct display_buffer *screen)
 }
 
 /* The middle line of an odd size belongs to the later quarter. */
+struct layout_box layout_half(const struct display_buffer *screen, int half)
+{
+	const bool beside = screen->width >= screen->height;
+	const int side = beside ? screen->width : screen->height;
+	const int from = half ? side / 2 : 0, length = half ? side - side / 2 : side / 2;
+
+	if (beside)
+		return (struct layout_box){from, 0, length, screen->height};
+	return (struct layout_box){0, from, screen->width, length};
+}
+
 struct layout_box layout_quarter(const struct display_buffer *screen, int quarter)
 {
 	int half_width = screen->width / 2, half_height = screen->height / 2;

@@ -5,8 +5,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/view/guide.h"
 #include "app/view/layout.h"
 #include "app/view/marks.h"
+
+#define LETTER_PX 15 /* of SHOW_GUIDE, on the screen */
 
 /* What drawing any view needs. */
 struct show_drawing {
@@ -27,6 +30,7 @@ const struct show_needs *show_needs(enum config_show view)
 		[SHOW_QUAD] = {true, true, true, true},
 		[SHOW_SPLIT] = {.background = true, .composite = true},
 		[SHOW_OFF] = {.composite = false},
+		[SHOW_GUIDE] = {.fisheye = true, .composite = true},
 	};
 
 	return &needs[view];
@@ -51,7 +55,7 @@ static void fit_camera(struct show_fit *fit, const struct eye *eye)
 	*fit = (struct show_fit){view.width, view.height, view.squash};
 }
 
-/* Size of one picture of the view; SHOW_QUAD is twice as wide and high. */
+/* Size of one picture of the view; views of several are larger. */
 static struct show_fit fit_one(enum config_show view, const struct eyes *eyes,
 			       const struct basis *basis)
 {
@@ -67,6 +71,11 @@ static struct show_fit fit_one(enum config_show view, const struct eyes *eyes,
 
 static int copies_across(enum config_show view)
 {
+	return view == SHOW_QUAD || view == SHOW_GUIDE ? 2 : 1;
+}
+
+static int copies_down(enum config_show view)
+{
 	return view == SHOW_QUAD ? 2 : 1;
 }
 
@@ -75,7 +84,7 @@ struct show_fit show_fit(enum config_show view, const struct eyes *eyes, const s
 	struct show_fit fit = fit_one(view, eyes, basis);
 
 	fit.width *= copies_across(view);
-	fit.height *= copies_across(view);
+	fit.height *= copies_down(view);
 	return fit;
 }
 
@@ -85,7 +94,7 @@ void show_size(enum config_show view, const struct eyes *eyes, const struct basi
 	const struct show_fit fit = fit_one(view, eyes, basis);
 
 	*width = fit.width * copies_across(view);
-	*height = (int)lrint(fit.height * fit.squash) * copies_across(view);
+	*height = (int)lrint(fit.height * fit.squash) * copies_down(view);
 }
 
 static int canvas_fit(struct canvas *canvas, int width, int height)
@@ -98,16 +107,24 @@ static int canvas_fit(struct canvas *canvas, int width, int height)
 
 /* ---- where the composite goes ---- */
 
-/* The quarters of SHOW_QUAD are fitted whatever is asked for. */
+/* Parts of the screen are fitted whatever is asked for. */
 static enum config_scale scale_of(const struct show_request *request)
 {
-	return request->view == SHOW_QUAD ? SCALE_FIT : request->scale;
+	return request->view == SHOW_QUAD || request->view == SHOW_GUIDE ? SCALE_FIT
+									 : request->scale;
 }
 
 static struct layout_box composite_cell(const struct show_request *request,
 					const struct display_buffer *screen)
 {
-	return request->view == SHOW_QUAD ? layout_quarter(screen, 3) : layout_whole(screen);
+	switch (request->view) {
+	case SHOW_QUAD:
+		return layout_quarter(screen, 3);
+	case SHOW_GUIDE:
+		return layout_half(screen, 0);
+	default:
+		return layout_whole(screen);
+	}
 }
 
 static struct layout_box composite_box(const struct show_request *request,
@@ -123,12 +140,13 @@ static uint8_t *box_pixels(const struct display_buffer *screen, const struct lay
 	return screen->pixels + (size_t)box->y * screen->stride + (size_t)box->x * 4;
 }
 
-/* Whether the composite lies in the screen, pixel by pixel and uncut. That of SHOW_SPLIT never
- * does: half of it is not shown, and the screen's memory is written once. */
+/* Whether the composite lies in the screen, pixel by pixel and uncut. Those of SHOW_SPLIT
+ * and SHOW_GUIDE never do: half of it is not shown, or it is drawn into, and the screen's memory is
+ * written once. */
 static bool is_in_screen(const struct show_request *request, const struct show_composite *composite,
 			 const struct layout_box *cell, const struct layout_box *box)
 {
-	return request->view != SHOW_SPLIT &&
+	return request->view != SHOW_SPLIT && request->view != SHOW_GUIDE &&
 	       layout_in_place(cell, box, composite->width, composite->height);
 }
 
@@ -195,6 +213,24 @@ static int draw_picture(const struct show_drawing *d, const struct layout_box *c
 	return place_picture(d, cell, &shown->picture, shown->squash, slot);
 }
 
+/* Height of letters in a picture, so that they have LETTER_PX on the screen. */
+static double letter_px(int picture_height, const struct layout_box *box)
+{
+	return (double)LETTER_PX * picture_height / box->height;
+}
+
+/* Draws the guide into the composite, which show_room() has put into memory of its own. */
+static void draw_ground(const struct show_drawing *d, const struct layout_box *box)
+{
+	const struct show_composite *composite = &d->pictures->composite;
+	const struct show_guide *guide = &d->pictures->guide;
+
+	if (d->request->view == SHOW_GUIDE && guide->camera &&
+	    guide->camera->width == composite->width && guide->camera->height == composite->height)
+		guide_draw_ground(&d->show->after, guide->camera, guide->coverage,
+				  letter_px(composite->height, box));
+}
+
 /* A composite that show_room() put into the screen needs its border only. */
 static int draw_composite(const struct show_drawing *d, int slot)
 {
@@ -212,6 +248,7 @@ static int draw_composite(const struct show_drawing *d, int slot)
 		layout_border(d->screen, &cell, &box);
 		return 0;
 	}
+	draw_ground(d, &box);
 	picture = whole_picture(composite->pixels, composite->stride, composite->width,
 				composite->height);
 	return place_picture(d, &cell, &picture, composite->squash, slot);
@@ -267,7 +304,10 @@ static int draw_fisheye(const struct show_drawing *d, const struct layout_box *c
 				 height);
 	picture_copy(&fisheye->picture, marked->pixels, marked->stride);
 	box = layout_box(cell, width, height, squash_of(d, fisheye->squash), scale_of(d->request));
-	if (marks->dome)
+	if (marks->dome && d->request->view == SHOW_GUIDE)
+		guide_draw_sky(marked, marks->lens, marks->dome, marks->radiance,
+			       letter_px(height, &box));
+	else if (marks->dome)
 		marks_draw(marked, marks->dome, marks->lens, marks->used,
 			   mark_side_px(height, box.height));
 	picture = whole_picture(marked->pixels, marked->stride, width, height);
@@ -291,6 +331,14 @@ static int draw_quad(const struct show_drawing *d)
 	return err;
 }
 
+static int draw_guide(const struct show_drawing *d)
+{
+	const struct layout_box cell = layout_half(d->screen, 1);
+	int err = draw_composite(d, 0);
+
+	return err ? err : draw_fisheye(d, &cell, 1);
+}
+
 static int draw_view(const struct show_drawing *d)
 {
 	const struct layout_box whole = layout_whole(d->screen);
@@ -306,6 +354,8 @@ static int draw_view(const struct show_drawing *d)
 		return draw_quad(d);
 	case SHOW_SPLIT:
 		return draw_split(d);
+	case SHOW_GUIDE:
+		return draw_guide(d);
 	case SHOW_OFF:
 		layout_black(d->screen, &whole);
 		return 0;

@@ -7,6 +7,7 @@
  *     scene   fisheye
  *     before  after
  *
+ * guide is for setting up: composite and fisheye in halves, with ground and directions drawn in (guide.h).
  * A view that has no picture is black.
  *
  * Pictures are made elsewhere and only placed here. For each picture of the screen: take the
@@ -19,6 +20,7 @@
 #include <stdbool.h>
 
 #include "app/camera/eye.h"
+#include "app/view/guide.h"
 #include "app/view/overlay.h"
 #include "app/view/scaler.h"
 #include "config/config.h"
@@ -70,13 +72,21 @@ struct show_composite {
 struct show_marks {
 	const struct dome *dome; /* NULL: nothing is marked */
 	const struct fisheye *lens;
-	const bool *used; /* [dome->count] */
+	const bool *used;	    /* [dome->count] */
+	const float (*radiance)[3]; /* [dome->count] */
+};
+
+/* What SHOW_GUIDE draws into the composite. Borrowed. */
+struct show_guide {
+	const struct tsai_camera *camera; /* NULL: not known, and nothing is drawn */
+	const uint16_t *coverage;	  /* of the object, of the camera's size; NULL: not known */
 };
 
 struct show_pictures {
 	struct show_picture fisheye, background, scene;
 	struct show_composite composite;
 	struct show_marks marks;
+	struct show_guide guide;
 };
 
 /* What to ask display_fit() for: then the processor has to scale only quarters of SHOW_QUAD. */

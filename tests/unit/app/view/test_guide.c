@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* The view that helps to set up: lines lie where the calibration says, and a torch is found where it is
+ * held. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/view/guide.h"
+#include "tests/support/expect.h"
+
+enum { WIDTH = 320, HEIGHT = 240 };
+
+static struct tsai_camera camera_at(double x, double y, double z)
+{
+	const double eye[3] = {x, y, z}, target[3] = {0};
+	struct tsai_camera camera;
+
+	assert_int_equal(tsai_look_at(&camera, WIDTH, HEIGHT, eye, target, 45, NULL), 0);
+	return camera;
+}
+
+/* Lines are 1, 2 or 5 times a power of ten apart, and six to sixteen cross the picture's middle row. */
+static void spacing_follows_the_scene(void **state)
+{
+	(void)state;
+	for (double scale = 0.01; scale < 2000; scale *= 1.37) {
+		struct tsai_camera camera = camera_at(scale, -1.3 * scale, 0.8 * scale);
+		const double spacing = guide_spacing(&camera);
+		const double lead = spacing / pow(10, floor(log10(spacing) + 1e-9));
+		const double distance = scale * sqrt(1 + 1.69 + 0.64);
+		const double across = 2 * distance * tan(22.5 * M_PI / 180);
+
+		expect_that(fabs(lead - 1) < 1e-6 || fabs(lead - 2) < 1e-6 || fabs(lead - 5) < 1e-6,
+			    "spacing %g at scale %g", spacing, scale);
+		expect_that(across / spacing >= 5 && across / spacing <= 16, "%g lines at scale %g",
+			    across / spacing, scale);
+	}
+}
+
+static void a_camera_is_read_from_a_basis(void **state)
+{
+	static const char text[] =
+		"[camera]\nwidth = 640\nheight = 480\nrotation = 1 0 0 0 1 0 0 0 1\n"
+		"translation = 0 0 5\nfocal = 4\ncentre = 320 240\npixel = 0.01 0.01\n";
+	struct tsai_camera camera;
+
+	(void)state;
+	assert_true(guide_camera(text, &camera));
+	assert_int_equal(camera.width, 640);
+	assert_false(guide_camera("", &camera));
+	assert_false(guide_camera("[camera]\nwidth = many\n", &camera));
+}
+
+#if WITH_CAIRO
+static const uint8_t *pixel_at(const struct canvas *canvas, const double px[2])
+{
+	return canvas->pixels + (size_t)px[1] * canvas->stride + 4 * (size_t)px[0];
+}
+
+static void axes_lie_where_the_camera_sees_them(void **state)
+{
+	const struct tsai_camera camera = camera_at(2, 2.5, 1.5);
+	const double length = 2 * guide_spacing(&camera);
+	static uint16_t coverage[HEIGHT * WIDTH];
+	int outlined = 0, within = 0;
+	struct canvas canvas;
+
+	(void)state;
+	assert_int_equal(canvas_create(&canvas, WIDTH, HEIGHT), 0);
+	for (int y = 200; y < 210; y++)
+		for (int x = 20; x < 40; x++)
+			coverage[y * WIDTH + x] = 65535;
+	guide_draw_ground(&canvas, &camera, coverage, 8);
+	for (int c = 0; c < 3; c++) {
+		double world[3] = {0}, px[2];
+		const uint8_t *bgr;
+
+		world[c] = 0.7 * length;
+		assert_int_equal(tsai_project(&camera, world, px), 0);
+		bgr = pixel_at(&canvas, px);
+		for (int other = 0; other < 3; other++)
+			if (other != c)
+				expect_above(bgr[2 - c], bgr[2 - other], "axis %d", c);
+	}
+	for (int x = 20; x < 40; x++) { /* lines of the grid may cross it */
+		outlined += canvas.pixels[200 * canvas.stride + 4 * (size_t)x + 2] == 255;
+		within += canvas.pixels[205 * canvas.stride + 4 * (size_t)x + 2] == 255;
+	}
+	expect_above(outlined, 10, "pixels of the outline's upper edge");
+	expect_at_most(within, 2, "pixels of its sides in a row");
+	canvas_free(&canvas);
+}
+#endif
+
+static void a_torch_is_found_where_it_is_held(void **state)
+{
+	static float radiance[DOME_LIGHTS_MAX][3];
+	struct guide_light found[GUIDE_LIGHTS];
+	struct dome dome;
+
+	(void)state;
+	assert_int_equal(dome_create_shaped(&dome, 9, DOME_ANGLES, DOME_CELLS, NULL), 0);
+	for (int i = 0; i < dome.count; i++)
+		radiance[i][0] = radiance[i][1] = radiance[i][2] = 1;
+	assert_int_equal(guide_find_lights(&dome, (const float(*)[3])radiance, found), 0);
+	for (int azimuth = 0; azimuth < 360; azimuth += 90) {
+		const double dir[3] = {cos(azimuth * M_PI / 180) * cos(0.5),
+				       sin(azimuth * M_PI / 180) * cos(0.5), sin(0.5)};
+		int torch = dome_cell_of(&dome, dir);
+		double off;
+
+		radiance[torch][1] = 50;
+		assert_int_equal(guide_find_lights(&dome, (const float(*)[3])radiance, found), 1);
+		assert_int_equal(found[0].light, torch);
+		off = fabs(found[0].azimuth_deg - azimuth);
+		expect_at_most(off > 180 ? 360 - off : off, 6, "azimuth %d", azimuth);
+		expect_at_most(fabs(found[0].height_deg - 0.5 * 180 / M_PI), 6, "azimuth %d",
+			       azimuth);
+		radiance[torch][1] = 1;
+	}
+	dome_free(&dome);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(spacing_follows_the_scene),
+		cmocka_unit_test(a_camera_is_read_from_a_basis),
+#if WITH_CAIRO
+		cmocka_unit_test(axes_lie_where_the_camera_sees_them),
+#endif
+		cmocka_unit_test(a_torch_is_found_where_it_is_held),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
