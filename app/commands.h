@@ -5,7 +5,7 @@
 
 #include "app/options.h"
 
-extern const struct command command_run, command_control, command_still, command_devices,
-	command_check, command_bench;
+extern const struct command command_run, command_control, command_still, command_grab,
+	command_devices, command_check, command_bench;
 
 #endif

@@ -7,9 +7,9 @@
 #include "hal/base/log.h"
 #include "hal/ini/ini.h"
 
-static const struct command *const commands[] = {&command_run,	 &command_control,
-						 &command_still, &command_devices,
-						 &command_check, &command_bench};
+static const struct command *const commands[] = {&command_run,	&command_control, &command_still,
+						 &command_grab, &command_devices, &command_check,
+						 &command_bench};
 
 #define COMMAND_COUNT (sizeof(commands) / sizeof(*commands))
 

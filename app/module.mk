@@ -4,10 +4,12 @@ APP_SOURCES := \
 	app/command_check.c \
 	app/command_control.c \
 	app/command_devices.c \
+	app/command_grab.c \
 	app/command_run.c \
 	app/command_still.c \
 	app/devices_sample.c \
 	app/driver_list.c \
+	app/grab.c \
 	app/options.c \
 	app/settings.c \
 	app/still.c \

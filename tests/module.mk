@@ -220,7 +220,7 @@ FUZZ_PARTS := \
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
-	control.sh bombs.sh)
+	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
 TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
