@@ -30,6 +30,7 @@ APP_SOURCES := \
 	app/kiosk/kiosk_actions.c \
 	app/kiosk/kiosk_complain.c \
 	app/kiosk/kiosk_control.c \
+	app/kiosk/kiosk_doubt.c \
 	app/kiosk/kiosk_light.c \
 	app/kiosk/kiosk_open.c \
 	app/kiosk/kiosk_picture.c \

@@ -54,29 +54,28 @@ struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *in, struct pipeline *p
 
 /* ---- views of the pictures ---- */
 
-/* At the start a view that does not fit is a mistake in the configuration; later the camera sends
- * something else, and may change back. */
-static int say_fit(const struct kiosk_picture *picture, const struct eye *eye, int err,
-		   const struct fault *reason, struct fault *said, struct fault *fault)
+/* A view that does not fit is said, on the screen too: the camera may send something else later, and
+ * cameras that were exchanged are seen at once. strict: it is an error, which that fault tells; else NULL. */
+static int say_fit(const struct eye *eye, int err, const struct fault *reason, struct fault *said,
+		   struct fault *strict)
 {
-	if (err && !picture->begun)
-		return fault_say(fault, err, "%s", reason->text);
+	if (err && strict)
+		return fault_say(strict, err, "%s", reason->text);
 	kiosk_complain(said, eye->section, err ? reason : NULL);
 	return 0;
 }
 
-static int fit_eye(const struct kiosk_picture *picture, struct eye *eye, struct fault *said,
-		   struct fault *fault)
+static int fit_eye(struct eye *eye, struct fault *said, struct fault *strict)
 {
 	struct fault reason = {.text = ""};
 	int err = eye_fit(eye, &reason);
 
-	return say_fit(picture, eye, err, &reason, said, fault);
+	return say_fit(eye, err, &reason, said, strict);
 }
 
 /* A background that is composited has to have the basis's size. */
 static int fit_background(const struct kiosk_picture *picture, struct eye *eye, bool composited,
-			  struct fault *said, struct fault *fault)
+			  struct fault *said, struct fault *strict)
 {
 	struct fault reason = {.text = ""};
 	int err = eye_fit(eye, &reason);
@@ -85,19 +84,19 @@ static int fit_background(const struct kiosk_picture *picture, struct eye *eye, 
 		err = pipeline_fits(picture->pipeline, eye->view.width, eye->view.height, &reason);
 		eye->unfit = err != 0;
 	}
-	return say_fit(picture, eye, err, &reason, said, fault);
+	return say_fit(eye, err, &reason, said, strict);
 }
 
 int kiosk_fit_eyes(struct kiosk_inputs *in, const struct kiosk_picture *picture, bool composited,
-		   struct fault *fault)
+		   struct fault *strict)
 {
-	int err = fit_eye(picture, &in->eyes.fisheye, &in->unfit[0], fault);
+	int err = fit_eye(&in->eyes.fisheye, &in->unfit[0], strict);
 
 	if (!err)
 		err = fit_background(picture, &in->eyes.background, composited, &in->unfit[1],
-				     fault);
+				     strict);
 	if (!err)
-		err = fit_eye(picture, &in->eyes.scene, &in->unfit[2], fault);
+		err = fit_eye(&in->eyes.scene, &in->unfit[2], strict);
 	return err;
 }
 

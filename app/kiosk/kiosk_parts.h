@@ -45,6 +45,8 @@ struct kiosk_inputs {
 	/* Why the view of fisheye, background, scene does not fit its picture; empty: it does. */
 	struct fault unfit[3];
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
+	struct fault doubt_said; /* why the light is not believed; empty: it is */
+	int doubted;		 /* for how many seconds it has not been believed */
 	bool settled;		 /* each camera has been tried once, then the screen */
 	int64_t heard_ns;	 /* when the loop last handled events */
 };
@@ -149,11 +151,10 @@ struct kiosk_taken {
 struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
 				     bool frames, bool frozen);
 
-/* Fits each view to its camera's picture. composited: the background has to have the basis's size.
- * An error only before the first picture; later a view that does not fit is logged and has no
- * picture. */
+/* Fits each view to its camera's picture. composited: the background has to have the basis's size. A
+ * view that does not fit is logged and has no picture; strict not NULL: it is an error. */
 int kiosk_fit_eyes(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
-		   bool composited, struct fault *fault);
+		   bool composited, struct fault *strict);
 
 /* Measures the light in the fisheye's new picture. The light stays as it was where it cannot be
  * measured, or where the picture's exposure is not known. An error only before the first
@@ -222,6 +223,12 @@ int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault);
 /* Answers the requests at the socket. */
 void kiosk_control_read(struct kiosk *k);
 void kiosk_control_close(struct kiosk *k);
+
+/* ---- kiosk_doubt.c ---- */
+
+/* Once a second: writes a sentence on why the light that is measured cannot be right, and logs it when it has
+ * been so for ten seconds. Returns 1; 0: there is no doubt. */
+int kiosk_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX]);
 
 /* ---- kiosk_text.c ---- */
 

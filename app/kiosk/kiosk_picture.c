@@ -218,8 +218,9 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	}
 	stages = stages_begin();
 	taken = kiosk_take_frames(&k->inputs, k->picture.pipeline, frames, k->controls.frozen);
+	/* Who asked for a number of pictures would take black ones for a result. */
 	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.view)->composite,
-			     fault);
+			     k->settings->frames && !k->picture.begun ? fault : NULL);
 	stage_end(&stages, STAGE_DECODE);
 	if (!err && taken.fisheye)
 		err = kiosk_measure_light(&k->inputs, &k->picture, fault);

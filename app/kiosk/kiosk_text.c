@@ -104,8 +104,9 @@ void kiosk_text(struct kiosk *k)
 	char texts[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
 	int count = list_troubles(&k->inputs, &k->picture, texts);
 
-	_Static_assert(CONFIG_CAMERAS_MAX + 1 <= OVERLAY_TROUBLES_MAX,
-		       "a line for each camera and for the pose");
+	_Static_assert(CONFIG_CAMERAS_MAX + 2 <= OVERLAY_TROUBLES_MAX,
+		       "a line for each camera, for the pose and for the light");
+	count += kiosk_doubt(k, texts[count]);
 	overlay_troubles(&k->picture.overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
 			 k->config->screen->trouble ? count : 0);
 	if (k->controls.information)

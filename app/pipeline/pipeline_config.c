@@ -77,6 +77,24 @@ static int check_config_patch(const struct config *config, const struct basis *b
 	return err;
 }
 
+/* The picture's size is known where the configuration names it. */
+static int check_config_size(const struct config *config, const struct basis *basis)
+{
+	const struct config_camera *camera = config_camera_named(config,
+								 config->background.view.camera);
+	struct view view = config_view(&config->background.view);
+
+	if (!camera || !camera->settings.width || !camera->settings.height ||
+	    view_resolve(&view, camera->settings.width, camera->settings.height, NULL) ||
+	    ((uint32_t)view.width == basis->info.width &&
+	     (uint32_t)view.height == basis->info.height))
+		return 0;
+	log_error("%s: [background] the picture is %dx%d pixels, expected %ux%u as the basis was "
+		  "baked",
+		  config->name, view.width, view.height, basis->info.width, basis->info.height);
+	return -EINVAL;
+}
+
 static int check_kernel(const struct config *config)
 {
 	if (compositor_has_kernel(config->composite.kernel))
@@ -91,7 +109,8 @@ int pipeline_config_check(const struct config *config, const struct basis *basis
 {
 	const int pose = basis ? check_config_pose(config, basis) : 0;
 	const int patch = basis ? check_config_patch(config, basis) : 0;
+	const int size = basis ? check_config_size(config, basis) : 0;
 	const int kernel = check_kernel(config);
 
-	return pose ? pose : patch ? patch : kernel;
+	return pose ? pose : patch ? patch : size ? size : kernel;
 }

@@ -88,6 +88,8 @@ refused "a wrong value" 2 "--frames is \"0\"" "$INLAY" run --frames 0
 refused "a word that is no option" 2 "\"here\" is no option" "$INLAY" check here
 refused "a value that none is expected for" 2 "--json takes no value" "$INLAY" devices --json=yes
 refused "an unknown short option" 2 "unknown option -x" "$INLAY" still -x
+refused "a background of another size than the basis" 1 "the picture is 64x32 pixels, expected 48x32" \
+	"$INLAY" check --config "$work/studio.conf" --set camera.background.width=64 --set camera.background.height=32
 refused "still without a picture" 2 "--background IMG is missing" "$INLAY" still -o "$work/a.png"
 refused "still with two lights" 2 "expected one of --fisheye IMG and --lights FILE" "$INLAY" still \
 	-o "$work/a.png" --background a.png --fisheye b.png --lights c.txt

@@ -141,6 +141,16 @@ check "it is named" until_true 20 says "$work/run.log" "camera fisheye:"
 stop
 equal "ended in the middle of opening it ends in order" 0 $?
 
+# ---- light that cannot be right is said, after ten seconds in which it was ----
+start --set fisheye.camera=background --set fisheye.field=30
+check "no image circle where the lens has one is said" until_true 25 says "$work/run.log" \
+	"has no image circle where its lens has one"
+stop
+start --set fisheye.centre="24 48"
+check "lights outside of the picture are said" until_true 25 says "$work/run.log" \
+	"lights lie outside of the fisheye's picture"
+stop
+
 # ---- no camera at all: the screen says so ----
 "$INLAY" run --config "$work/studio.conf" --set screen.width=320 --set screen.height=240 \
 	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video250 \

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+/* Whether the light that is measured can be believed: the lens has to see its lights, and outside of its image
+ * circle a fisheye's picture is black. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "app/kiosk/kiosk_parts.h"
+
+#define DOUBT_TICKS 10	     /* seconds for which a doubt lasts before it is said */
+#define OUTSIDE_SHARE 0.02   /* of the sky, which a lens may miss along the horizon */
+#define CORNER_FROM 1.25     /* radii of the field: a lens may see more than is configured */
+#define CORNER_TO 1.6	     /* beyond, lenses and pictures end */
+#define CORNER_POINTS_MIN 24 /* of which half must be lit */
+#define CORNER_LIT 40	     /* code value; flare and noise stay below */
+#define AZIMUTHS 64
+#define RADII 4
+
+/* Share of the sky's solid angle whose lights lie outside of the picture. */
+static double outside_share(const struct dome *dome, const struct fisheye *lens, int width,
+			    int height, int *outside)
+{
+	double share = 0;
+
+	*outside = 0;
+	for (int i = 0; i < dome->count; i++) {
+		double px[2];
+
+		/* A light on the horizon lies on the rim, which may be the picture's edge. */
+		if (fisheye_project(lens, dome->direction[i], px) && px[0] > -1 &&
+		    px[0] < width + 1 && px[1] > -1 && px[1] < height + 1)
+			continue;
+		(*outside)++;
+		share += dome->solid_angle_sr[i] / (2 * M_PI);
+	}
+	return share;
+}
+
+static int level_at(const struct frame_reader *reader, int x, int y)
+{
+	uint32_t pixel;
+
+	frame_reader_make(reader, x, y, 1, 1, (uint8_t *)&pixel, 4);
+	return (int)((pixel & 255) + 2 * (pixel >> 8 & 255) + (pixel >> 16 & 255)) / 4;
+}
+
+/* Whether the picture is lit where it lies outside of the image circle. False also where the circle leaves
+ * no corners. */
+static bool is_lit_outside(const struct frame_reader *reader, const struct fisheye *lens)
+{
+	const int width = reader->view.width, height = reader->view.height;
+	int points = 0, lit = 0;
+
+	for (int a = 0; a < AZIMUTHS; a++)
+		for (int r = 0; r < RADII; r++) {
+			const double phi = 2 * M_PI * a / AZIMUTHS;
+			const double radius = lens->rim * (CORNER_FROM + (CORNER_TO - CORNER_FROM) *
+										 r / (RADII - 1));
+			const double x = lens->centre_px[0] + lens->focal_px[0] * radius * cos(phi);
+			const double y = lens->centre_px[1] + lens->focal_px[1] * radius * sin(phi);
+
+			if (!(x >= 0 && x < width && y >= 0 && y < height))
+				continue;
+			points++;
+			lit += level_at(reader, (int)x, (int)y) > CORNER_LIT;
+		}
+	return points >= CORNER_POINTS_MIN && 2 * lit > points;
+}
+
+static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
+{
+	const struct eye *fisheye = &k->inputs.eyes.fisheye;
+	const struct pipeline *pipeline = k->picture.pipeline;
+	struct frame_reader reader;
+	struct picture picture;
+	int outside;
+
+	if (!eye_has_picture(fisheye) || !pipeline_report(pipeline).lit)
+		return 0;
+	if (!eye_read(fisheye, &reader)) {
+		picture = eye_picture(fisheye);
+		reader = frame_reader_of(&picture);
+	}
+	if (is_lit_outside(&reader, pipeline_lens(pipeline)))
+		return snprintf(text, OVERLAY_TEXT_MAX,
+				"The fisheye's picture has no image circle where its lens has one: "
+				"are the cameras exchanged, or centre and focal length wrong?");
+	if (outside_share(pipeline_dome(pipeline), pipeline_lens(pipeline), reader.view.width,
+			  reader.view.height, &outside) < OUTSIDE_SHARE)
+		return 0;
+	return snprintf(
+		text, OVERLAY_TEXT_MAX,
+		"%d of %d lights lie outside of the fisheye's picture and count as dark: is "
+		"its circle cut off, or its centre or focal length wrong?",
+		outside, pipeline_dome(pipeline)->count);
+}
+
+int kiosk_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
+{
+	struct kiosk_inputs *in = &k->inputs;
+	struct fault trouble = {.text = ""};
+
+	*text = '\0';
+	in->doubted = find_doubt(k, text) > 0 ? in->doubted + 1 : 0;
+	if (in->doubted > 0 && in->doubted < DOUBT_TICKS) {
+		*text = '\0';
+		return 0;
+	}
+	snprintf(trouble.text, sizeof(trouble.text), "%s", text);
+	kiosk_complain(&in->doubt_said, "light", in->doubted ? &trouble : NULL);
+	return in->doubted ? 1 : 0;
+}
