@@ -18,8 +18,6 @@
 
 /* What the arithmetic between samples and values may be off by, against the largest of them. */
 #define FLOAT_ERROR 0x1p-22
-/* A pixel is left out where that is worth less than this share of the error asked for. */
-#define PIXEL_SHARE 0.5
 /* How often a tile is encoded until the errors hold. */
 #define ATTEMPTS 10
 /* Watched skies with too large an error that become tried ones after an attempt, at most. */
@@ -30,7 +28,7 @@ struct encoder {
 	struct basis_groups groups;
 	struct shade shade;
 	struct levels levels;
-	/* [parts]: of each set of samples, and of its pixels that are left out */
+	/* [parts]: of each set of samples */
 	struct part *part;
 	struct fit *fit;
 	struct block_reader *reader;
@@ -145,50 +143,16 @@ static int encoder_reserve(struct encoder *e, int room)
 	return err;
 }
 
-static int add_part(struct encoder *e, const struct encode_samples *samples, const bool *wanted,
-		    bool dropped)
-{
-	struct part *part = &e->part[e->parts];
-	int err = part_load(part, &e->settings, samples, wanted);
-
-	part->dropped = dropped;
-	e->parts += !err;
-	return err;
-}
-
-/* A set of samples becomes a part; pixels that change too little become another. */
-static int encoder_add(struct encoder *e, const struct encode_samples *samples)
-{
-	const double tolerance = PIXEL_SHARE *
-				 fmin(e->settings.target.rms, e->settings.target.cell);
-	struct part *part = &e->part[e->parts];
-	bool shows[PART_PIXELS];
-	int err = add_part(e, samples, NULL, false), count;
-
-	if (err)
-		return err;
-	part_expose(part, &e->settings);
-	count = part_choose(part, &e->settings, &e->levels, tolerance, shows);
-	part->dropped = !count;
-	if (!count || count == samples->pixels)
-		return 0;
-	e->parts--;
-	err = add_part(e, samples, shows, false);
-	for (int p = 0; p < samples->pixels; p++)
-		shows[p] = !shows[p];
-	return err ? err : add_part(e, samples, shows, true);
-}
-
 static int encoder_load(struct encoder *e, const struct encode_samples *samples, int count)
 {
-	int err = encoder_reserve(e, 2 * count);
+	int err = encoder_reserve(e, count);
 
-	e->parts = 0;
+	e->parts = count;
 	for (int k = 0; k < count && !err; k++) {
-		err = encoder_add(e, &samples[k]);
+		e->fit[k].excess = 0;
+		err = part_load(&e->part[k], &e->settings, &samples[k]);
 		if (!err && samples[k].kind == BASIS_KIND_U)
-			err = part_pair(&e->part[e->parts - 2], &e->part[e->parts - 1],
-					e->settings.lights);
+			err = part_pair(&e->part[k - 1], &e->part[k], &e->settings);
 	}
 	return err;
 }
@@ -203,7 +167,7 @@ static int build_part(struct encoder *e, int tile, int k)
 	if (!allowance->chosen) {
 		err = fit_begin(&e->fit[k], &e->part[k]);
 		if (!err)
-			err = choose_ranks(&e->choose, &e->fit[k], &allowance->asked);
+			err = choose_ranks(&e->choose, &e->fit[k], &e->shade, &allowance->asked);
 		allowance->chosen = true;
 	}
 	if (err)
@@ -225,7 +189,7 @@ static int encoder_build(struct encoder *e, int tile, int *first)
 		const bool alone = part->kind == BASIS_KIND_U && first[k - 1] == e->shown.count;
 
 		first[k] = e->shown.count;
-		if (part->dropped || alone)
+		if (alone)
 			continue;
 		err = build_part(e, tile, k);
 		if (!err && part->kind == BASIS_KIND_U && first[k] == e->shown.count)
@@ -248,7 +212,7 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, const in
 					e->shown.block + first[k], first[k + 1] - first[k]);
 	if (!err)
 		err = measure_tile(&e->measure, e->part, e->reader, count, coverage,
-				   e->shade.number, &result->error);
+				   &result->error);
 	for (int k = 0; k < count && !err; k++) {
 		const double bound = e->measure.bound[k] + FLOAT_ERROR * (double)e->part[k].rounded;
 
@@ -260,44 +224,26 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, const in
 	return err;
 }
 
-/* The watched sky that the tile is worst off under, if by more than was asked for; else -1. */
-static int worst_watched(const struct encoder *e)
-{
-	double worst = 1;
-	int found = -1;
-
-	for (int s = e->shade.skies.tried; s < e->shade.skies.skies; s++) {
-		const double over = fmax(e->measure.sky_rms[s], e->measure.sky_most[s]);
-
-		if (over > worst) {
-			worst = over;
-			found = s;
-		}
-	}
-	return found;
-}
-
 /* The worst of the watched skies are tried from now on, a few at a time: their neighbours are mostly
  * off for the same reason. */
-static bool try_watched(struct encoder *e)
+static void try_watched(struct encoder *e)
 {
-	struct measure *m = &e->measure;
-	int sky, tried = 0;
+	double over[ENSEMBLE_SKIES_MAX];
 
-	for (; tried < TRIED_AT_ONCE && (sky = worst_watched(e)) >= 0; tried++) {
-		/* the places change, and what was measured with them */
-		m->sky_rms[sky] = m->sky_rms[e->shade.skies.tried];
-		m->sky_most[sky] = m->sky_most[e->shade.skies.tried];
-		shade_try(&e->shade, sky);
+	for (int s = 0; s < e->shade.skies.skies; s++)
+		over[s] = fmax(e->measure.sky_rms[s], e->measure.sky_most[s]);
+	for (int k = 0; k < e->shade.skies.tried; k++)
+		over[e->shade.tried[k]] = 0;
+	for (int k = 0; k < TRIED_AT_ONCE; k++) {
+		int worst = 0;
+
+		for (int s = 1; s < e->shade.skies.skies; s++)
+			worst = over[s] > over[worst] ? s : worst;
+		if (over[worst] <= 1)
+			return;
+		shade_try(&e->shade, worst);
+		over[worst] = 0;
 	}
-	return tried > 0;
-}
-
-static void encoder_expose(struct encoder *e)
-{
-	profile_enter(PROFILE_LIMITS);
-	for (int k = 0; k < e->parts; k++)
-		part_expose(&e->part[k], &e->settings);
 }
 
 /* The measured errors decide. Where no attempt holds what is asked for, one that asks for too much
@@ -305,13 +251,14 @@ static void encoder_expose(struct encoder *e)
 static int build_until_held(struct encoder *e, int tile, const uint16_t *coverage,
 			    struct encode_result *result)
 {
-	const struct allowed allowed = {e->part, e->fit, e->allowance, e->parts, &e->settings};
+	const struct allowed allowed = {e->part,  e->fit,	e->allowance,
+					e->parts, &e->settings, &e->shade};
 	int *first = calloc((size_t)e->parts + 1, sizeof(*first)), err = first ? 0 : -ENOMEM;
 	double nearest = INFINITY;
 
 	allow_all(&allowed);
 	shade_set(&e->shade, &e->settings, e->part, e->parts);
-	encoder_expose(e);
+	parts_expose(e->part, e->parts, &e->settings);
 	for (int k = 0; k < ATTEMPTS && !err; k++) {
 		struct encode_result own = *result;
 		double worst;
@@ -331,8 +278,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		if (err || worst <= 1)
 			break;
 		allow_less(&allowed, &e->measure, k);
-		if (try_watched(e))
-			encoder_expose(e);
+		try_watched(e);
 	}
 	free(first);
 	return err;
@@ -346,7 +292,7 @@ static int build_exact(struct encoder *e, int tile, const struct encode_samples 
 	int err = 0;
 
 	for (int k = 0; k < count && !err; k++) {
-		err = part_load(whole, &e->settings, &samples[k], NULL);
+		err = part_load(whole, &e->settings, &samples[k]);
 		if (samples[k].kind == BASIS_KIND_D)
 			nothing = !(whole->largest > 0);
 		if (!err && !(samples[k].kind == BASIS_KIND_U && nothing))

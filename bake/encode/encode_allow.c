@@ -51,22 +51,36 @@ static float light_dominance(const struct part *part, int lights, int sky, int l
 	return most;
 }
 
+/* The error of the worst of the skies that a light dominates, as a multiple of that asked for. */
+static double light_over(const struct allowed *a, const struct measure *m, int part, int light)
+{
+	double worst = 0;
+
+	for (int t = 0; t < a->shade->skies.tried; t++) {
+		const int s = a->shade->tried[t];
+		const double over = fmax(m->sky_rms[s], m->sky_most[s]);
+
+		if (over > fmax(worst, 1) &&
+		    light_dominance(&a->part[part], a->settings->lights, s, light) > DOMINANT)
+			worst = over;
+	}
+	return worst;
+}
+
 /* Under a sky of lamps the error is that of a few lights alone. False: no light dominates. */
 static bool allow_lamps_less(const struct allowed *a, const struct measure *m)
 {
-	const int n = a->settings->lights;
 	bool any = false;
 
-	for (int s = 0; s < a->settings->ensemble->tried; s++) {
-		const double over = fmax(m->sky_rms[s], m->sky_most[s]);
+	for (int k = 0; k < a->count; k++)
+		for (int i = 0; i < a->settings->lights; i++) {
+			const double over = light_over(a, m, k, i);
 
-		for (int k = 0; k < a->count && over > 1; k++)
-			for (int i = 0; i < n; i++)
-				if (light_dominance(&a->part[k], n, s, i) > DOMINANT) {
-					a->part[k].light_share[i] *= (float)(NARROWER / over);
-					any = true;
-				}
-	}
+			if (over > 1) {
+				a->part[k].light_share[i] *= (float)(NARROWER / over);
+				any = true;
+			}
+		}
 	return any;
 }
 
@@ -81,8 +95,7 @@ static void allow_ranks_less(const struct allowed *a, double worst)
 	for (int k = 0; k < a->count; k++) {
 		widened |= a->part[k].share && !a->allowance[k].wide_groups;
 		a->allowance[k].wide_groups = true;
-		if (!a->part[k].dropped)
-			most = fmax(most, a->fit[k].excess);
+		most = fmax(most, a->fit[k].excess);
 	}
 	if (widened)
 		return;
@@ -90,7 +103,7 @@ static void allow_ranks_less(const struct allowed *a, double worst)
 		struct allowance *own = &a->allowance[k];
 		double by = TIGHTER / worst;
 
-		if (!a->part[k].dropped && a->fit[k].excess == most)
+		if (a->fit[k].excess == most)
 			by *= fmin(most, 1);
 		own->short_share *= SHORTER;
 		own->asked.rms *= by;

@@ -6,6 +6,7 @@
 
 #include "bake/encode/encode_fit.h"
 #include "bake/judge/measure.h"
+#include "bake/judge/shade.h"
 
 struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */
@@ -22,6 +23,7 @@ struct allowed {
 	struct allowance *allowance;
 	int count;
 	const struct encode_settings *settings;
+	const struct shade *shade;
 };
 
 /* Sets the allowances of the first attempt. */

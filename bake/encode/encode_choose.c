@@ -20,6 +20,9 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define FIRST_RANK 4
 /* A second scan tries so many steps of the list to either side. */
 #define NEAR 2
+/* Bytes below which there is no column. */
+#define LEAST_COST 1
+#define PANELS (PART_PIXELS / BASIS_LINE8)
 /* How much more a byte that a frame reads counts than one of the file. */
 #define READ_WEIGHT 2
 /* What a block costs a frame besides its bytes, in bytes: some 150 ns at 10 GB/s. */
@@ -40,8 +43,6 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define NEVER 1e38
 /* Change of linear light over which the steepness of levels is taken. */
 #define LIGHT_STEP 0.001F
-/* Values side by side, as compilers do not take a maximum apart. */
-#define LANES 8
 
 int choose_create(struct choose *s, const struct encode_settings *settings,
 		  const struct levels *levels)
@@ -53,13 +54,11 @@ int choose_create(struct choose *s, const struct encode_settings *settings,
 	s->use = calloc(skies * n, sizeof(*s->use));
 	for (int k = 0; k < 2; k++)
 		s->group[k] = calloc((size_t)settings->groups->count + 1, sizeof(*s->group[k]));
-	s->sky_value = calloc(skies * PART_ROWS, sizeof(*s->sky_value));
-	s->sky_left = calloc(skies * PART_ROWS, sizeof(*s->sky_left));
-	s->sky_gain = calloc(skies * PART_ROWS, sizeof(*s->sky_gain));
+	s->gain = calloc(skies * PART_ROWS, sizeof(*s->gain));
 	s->mono_sky = calloc(skies * 3 * RANK_MOST, sizeof(*s->mono_sky));
 	s->colour_sky = calloc(skies * 3 * RANK_MOST, sizeof(*s->colour_sky));
-	return s->column && s->use && s->group[0] && s->group[1] && s->sky_value && s->sky_left &&
-			       s->sky_gain && s->mono_sky && s->colour_sky
+	return s->column && s->use && s->group[0] && s->group[1] && s->gain && s->mono_sky &&
+			       s->colour_sky
 		       ? 0
 		       : -ENOMEM;
 }
@@ -70,202 +69,36 @@ void choose_free(struct choose *s)
 	free(s->use);
 	free(s->group[0]);
 	free(s->group[1]);
-	free(s->sky_value);
-	free(s->sky_left);
-	free(s->sky_gain);
+	free(s->gain);
 	free(s->mono_sky);
 	free(s->colour_sky);
 	*s = (struct choose){.settings = NULL};
 }
 
-/* ---- skies ---- */
+/* ---- columns ---- */
 
 /* Largest magnitude of left times tight. */
 static float line_miss(const float *left, const float *tight, int count)
 {
-	const int whole = count / LANES * LANES;
-	float lane[LANES] = {0}, most = 0;
+	float both[PART_ROWS];
 
-	for (int k = 0; k < whole; k += LANES)
-		for (int n = 0; n < LANES; n++)
-			lane[n] = larger(lane[n], fabsf(left[k + n] * tight[k + n]));
-	for (int k = whole; k < count; k++)
-		most = larger(most, fabsf(left[k] * tight[k]));
-	for (int n = 0; n < LANES; n++)
-		most = larger(most, lane[n]);
-	return most;
+	for (int k = 0; k < count; k++)
+		both[k] = left[k] * tight[k];
+	return part_magnitude(both, count);
 }
 
-/* The skies' light on the values. */
-static void sum_values(struct choose *s, const struct fit *fit)
+/* A line of a column: rows of a channel in one panel. */
+struct part_line {
+	int first, count;
+};
+
+static struct part_line line_at(const struct part *part, int channel, int panel)
 {
-	const struct part *part = fit->part;
-	const int n = s->settings->lights, skies = s->settings->ensemble->tried;
+	const int p = panel * BASIS_LINE8, rest = part->pixels - p;
 
-	for (int c = 0; c < 3; c++)
-		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, part->pixels, n, 1,
-			    part->sky_x + (size_t)c * (size_t)n, 3 * n,
-			    part->value + (part->channels == 3 ? c * part->pixels : 0), part->rows,
-			    0, s->sky_value + c * part->pixels, 3 * part->pixels);
+	return (struct part_line){channel * part->pixels + p,
+				  rest < BASIS_LINE8 ? rest : BASIS_LINE8};
 }
-
-static void sum_patterns(const struct choose *s, const struct part *part,
-			 const struct rank_patterns *patterns, float *sum)
-{
-	const int n = s->settings->lights;
-
-	cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, 3 * s->settings->ensemble->tried,
-		    patterns->count, n, 1, part->sky_x, n, patterns->at_light, n, 0, sum,
-		    RANK_MOST);
-}
-
-static void subtract_patterns(struct choose *s, const struct part *part, const float *rows,
-			      const float *sum, int rank)
-{
-	const int skies = s->settings->ensemble->tried;
-
-	for (int c = 0; c < 3 && rank; c++)
-		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, part->pixels, rank,
-			    -1, sum + (size_t)c * RANK_MOST, 3 * RANK_MOST,
-			    rows + (part->channels == 3 ? c * part->pixels : 0), part->rows, 1,
-			    s->sky_left + c * part->pixels, 3 * part->pixels);
-}
-
-static float largest_of_three(const float x[3])
-{
-	return larger(larger(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
-}
-
-/* What a light's column, and that of its group, put right under a sky, and at which share of the
- * cuts they are read. */
-static struct estimate_use find_use(const struct choose *s, const struct part *part, size_t sky,
-				    const struct estimate_column *column)
-{
-	const struct basis_groups *groups = s->settings->groups;
-	const size_t n = (size_t)s->settings->lights, light = (size_t)column->light;
-	const float *x = part->sky_x + sky * 3 * n + light;
-	struct estimate_use use = {.own = {x[0], x[n], x[2 * n]}};
-	const struct estimate_group *group = NULL;
-
-	if (part->share)
-		group = &s->group[column->mono][groups->of[light]];
-	if (group && group->columns >= COLUMN_GROUP_LIGHTS) {
-		const float *row = part->sky_even + sky * 3 * (size_t)groups->count +
-				   groups->of[light];
-		const float even[3] = {row[0], row[groups->count], row[2 * groups->count]};
-
-		for (int c = 0; c < 3; c++) {
-			use.common[c] = (float)part->share[light] * even[c];
-			use.own[c] -= use.common[c];
-		}
-		use.group_share = largest_of_three(even) * group->reach / (float)part->group_cut;
-		use.group_bytes = group->bytes / (float)(group->columns * group->columns);
-	}
-	use.share = part->column_cut > 0
-			    ? largest_of_three(use.own) * column->reach / (float)part->column_cut
-			    : 1;
-	return use;
-}
-
-static void find_uses(struct choose *s, const struct part *part)
-{
-	const int skies = s->settings->ensemble->tried;
-
-	for (int k = 0; k < skies; k++)
-		for (int j = 0; j < s->columns; j++)
-			s->use[k * s->settings->lights + j] = find_use(s, part, (size_t)k,
-								       &s->column[j]);
-}
-
-/* sum[c] -= by[c] * left, for each channel. */
-static void subtract_left(const struct fit *fit, int light, const float by[3], float *sum)
-{
-	const int pixels = fit->part->pixels;
-
-	for (int c = 0; c < 3; c++) {
-		const float *from = fit_left(fit, light) +
-				    (fit->part->channels == 3 ? c * pixels : 0);
-
-		for (int p = 0; p < pixels && by[c] != 0; p++)
-			sum[c * pixels + p] -= by[c] * from[p];
-	}
-}
-
-/* Adds what columns put right that are read at this share of the cuts, and were not before. Returns
- * the mean of the bytes that are read. */
-static double use_columns(struct choose *s, const struct fit *fit, double before, double cut_share)
-{
-	const int skies = s->settings->ensemble->tried;
-	const float was = (float)before, is = (float)cut_share;
-	double read = 0;
-
-	for (int k = 0; k < skies; k++)
-		for (int j = 0; j < s->columns; j++) {
-			const struct estimate_use *use = &s->use[k * s->settings->lights + j];
-			const bool own = use->share >= is, group = use->group_share >= is;
-			const bool more = own && use->share < was;
-			const bool more_group = group && use->group_share < was;
-			float by[3];
-
-			read += (double)((own ? s->column[j].bytes : 0) +
-					 (group ? use->group_bytes : 0));
-			if (!more && !more_group)
-				continue;
-			for (int c = 0; c < 3; c++)
-				by[c] = (more ? use->own[c] : 0) +
-					(more_group ? use->common[c] : 0);
-			subtract_left(fit, s->column[j].light, by,
-				      s->sky_left + k * 3 * fit->part->pixels);
-		}
-	return read / skies;
-}
-
-/* How many levels a pixel changes by per unit of the sum of X times left. */
-static void find_gains(struct choose *s, const struct part *part)
-{
-	const int pixels = part->pixels;
-
-	for (int k = 0; k < 3 * s->settings->ensemble->tried; k++)
-		for (int p = 0; p < pixels; p++) {
-			const float slope = part->sky_slope[k / 3][k % 3];
-			const float is = part->sky_offset[k / 3][k % 3] +
-					 slope * part->sky_base[k * pixels + p];
-			const float steepness = levels_at(s->levels, is + LIGHT_STEP / 2) -
-						levels_at(s->levels, is - LIGHT_STEP / 2);
-
-			s->sky_gain[k * pixels + p] = fabsf(slope) * steepness / LIGHT_STEP;
-		}
-}
-
-/* The largest error under a sky over that asked for. */
-static double sky_excess(const struct choose *s, const struct part *part,
-			 const struct encode_target *asked)
-{
-	const int rows = 3 * part->pixels;
-	double worst_square = 0;
-	float worst = 0;
-
-	for (int k = 0; k < s->settings->ensemble->tried; k++) {
-		const float *gain = s->sky_gain + k * rows, *left = s->sky_left + k * rows;
-		float squares[LANES] = {0}, square = 0;
-
-		for (int r = 0; r + LANES <= rows; r += LANES)
-			for (int n = 0; n < LANES; n++) {
-				const float by = gain[r + n] * left[r + n];
-
-				squares[n] += by * by;
-			}
-		for (int r = rows / LANES * LANES; r < rows; r++)
-			square += gain[r] * left[r] * gain[r] * left[r];
-		for (int n = 0; n < LANES; n++)
-			square += squares[n];
-		worst = larger(worst, line_miss(left, gain, rows));
-		worst_square = fmax(worst_square, (double)square);
-	}
-	return fmax(sqrt(worst_square / rows) / asked->rms, (double)worst / asked->max);
-}
-
-/* ---- columns ---- */
 
 /* Bytes of a line whose values are so many times what they may be off by. */
 static float line_estimate(float miss)
@@ -290,44 +123,36 @@ static bool is_mono(const struct fit *fit, const float *left, const float *tight
 	return line_miss(rest, tight, part->rows) <= MONO_LEAVES;
 }
 
-/* Bytes of a column of 8 bits that reaches so far, and of a second one where steps are too coarse
- * for the limits. */
-static float estimate_bytes(const struct fit *fit, const float *left, const float *tight, bool mono,
-			    float reach, float miss[3][4])
+/* Bytes of a column of 8 bits, and of a second one where its steps are too coarse for the limits.
+ * miss, size: the largest of each line, times what it may be off by, and as it is. */
+static float estimate_bytes(const struct part *part, const float *tight,
+			    const struct estimate_column *column, float (*miss)[PANELS],
+			    float (*size)[PANELS])
 {
-	const struct part *part = fit->part;
-	const int pixels = part->pixels, panels = basis_panels8(pixels);
-	const float half_step = reach / (2 * INT8_MAX);
+	const float half_step = column->reach / (2 * INT8_MAX);
+	const int channels = column->mono ? 1 : part->channels;
 	float first = COLUMN_BYTES, nearest = COLUMN_BYTES, second = COLUMN_BYTES;
-	bool coarse = false;
+	float most = 0;
 
-	for (int k = 0; k < panels; k++) {
-		const int p = k * BASIS_LINE8;
-		const int count = pixels - p < BASIS_LINE8 ? pixels - p : BASIS_LINE8;
-		float all = 0, all_rest = 0, all_size = 0;
+	for (int k = 0; k < basis_panels8(part->pixels); k++)
+		for (int c = 0; c < channels; c++) {
+			struct part_line at;
+			float own = 0, rest = 0, steps = 0;
 
-		for (int c = 0; c < part->channels; c++) {
-			const float *from = left + c * pixels + p;
-			const float rest = half_step *
-					   part_largest(tight + c * pixels + p, count, 1);
-			const float size = larger(part_largest(from, count, 1),
-						  part_largest(from, count, -1)) /
-					   half_step;
-
-			coarse |= rest > STEP_FINE;
-			all = larger(all, miss[c][k]);
-			all_rest = larger(all_rest, rest);
-			all_size = larger(all_size, size);
-			if (mono && c < part->channels - 1)
-				continue;
-			first += line_estimate(mono ? all : miss[c][k]);
-			second += line_estimate(mono ? all_rest : rest);
-			nearest += (mono ? all_size : size) < 1	   ? 0
-				   : (mono ? all_size : size) < 15 ? BASIS_LINE_HALF
-								   : BASIS_LINE8;
+			/* a column of one channel has to do for all of them */
+			for (int d = c; d < (column->mono ? part->channels : c + 1); d++) {
+				at = line_at(part, d, k);
+				own = larger(own, miss[d][k]);
+				rest = larger(rest,
+					      half_step * part_largest(tight + at.first, at.count));
+				steps = larger(steps, size[d][k] / half_step);
+			}
+			most = larger(most, rest);
+			first += line_estimate(own);
+			second += line_estimate(rest);
+			nearest += steps < 1 ? 0 : steps < 15 ? BASIS_LINE_HALF : BASIS_LINE8;
 		}
-	}
-	return coarse ? nearest + second : first;
+	return most > STEP_FINE ? nearest + second : first;
 }
 
 /* Bytes of a light's column; 0: it needs none. */
@@ -336,26 +161,28 @@ static float estimate_light(const struct fit *fit, int light, struct estimate_co
 	const struct part *part = fit->part;
 	const size_t first = (size_t)light * (size_t)part->rows;
 	const float *left = fit->left + first, *tight = part->tight + first;
-	const int pixels = part->pixels, panels = basis_panels8(pixels);
-	float miss[3][4], most = 0;
+	float miss[3][PANELS], size[3][PANELS], most = 0;
 
 	for (int c = 0; c < part->channels; c++)
-		for (int k = 0; k < panels; k++) {
-			const int p = k * BASIS_LINE8;
+		for (int k = 0; k < basis_panels8(part->pixels); k++) {
+			const struct part_line at = line_at(part, c, k);
 
-			miss[c][k] = line_miss(left + c * pixels + p, tight + c * pixels + p,
-					       pixels - p < BASIS_LINE8 ? pixels - p : BASIS_LINE8);
+			miss[c][k] = line_miss(left + at.first, tight + at.first, at.count);
 			most = larger(most, miss[c][k]);
 		}
 	if (most <= 1)
 		return 0;
-	column->mono = is_mono(fit, left, tight);
-	column->reach = larger(part_largest(left, part->rows, 1),
-			       part_largest(left, part->rows, -1));
-	return estimate_bytes(fit, left, tight, column->mono, column->reach, miss);
-}
+	column->reach = 0;
+	for (int c = 0; c < part->channels; c++)
+		for (int k = 0; k < basis_panels8(part->pixels); k++) {
+			const struct part_line at = line_at(part, c, k);
 
-/* ---- ranks ---- */
+			size[c][k] = part_magnitude(left + at.first, at.count);
+			column->reach = larger(column->reach, size[c][k]);
+		}
+	column->mono = is_mono(fit, left, tight);
+	return estimate_bytes(part, tight, column, miss, size);
+}
 
 static double pattern_bytes(const struct choose *s, const struct part *part, bool mono, int rank)
 {
@@ -407,37 +234,208 @@ static void find_groups(struct choose *s, const struct part *part)
 	}
 }
 
-static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mono, int colour,
-				      const struct encode_target *asked, double bound)
+/* ---- skies ---- */
+
+static float largest_of_three(const float x[3])
+{
+	return larger(larger(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
+}
+
+static const struct estimate_group *group_of(const struct choose *s, const struct part *part,
+					     const struct estimate_column *column)
+{
+	const struct basis_groups *groups = s->settings->groups;
+	const struct estimate_group *group;
+
+	if (!part->share)
+		return NULL;
+	group = &s->group[column->mono][groups->of[column->light]];
+	return group->columns >= COLUMN_GROUP_LIGHTS ? group : NULL;
+}
+
+/* The light of a column under a sky: its own, beside what its group has in common, and the group's
+ * common light. */
+static void column_light(const struct choose *s, const struct part *part, int sky,
+			 const struct estimate_column *column, float own[3], float even[3])
+{
+	const struct basis_groups *groups = s->settings->groups;
+	const bool grouped = group_of(s, part, column);
+
+	for (int c = 0; c < 3; c++) {
+		const int row = sky * 3 + c;
+
+		even[c] = grouped ? part->sky_even[row * groups->count + groups->of[column->light]]
+				  : 0;
+		own[c] = part->sky_x[row * s->settings->lights + column->light];
+		own[c] -= grouped ? (float)part->share[column->light] * even[c] : 0;
+	}
+}
+
+static void find_uses(struct choose *s, const struct part *part)
+{
+	for (int t = 0; t < s->shade->skies.tried; t++)
+		for (int j = 0; j < s->columns; j++) {
+			const struct estimate_column *column = &s->column[j];
+			const struct estimate_group *group = group_of(s, part, column);
+			struct estimate_use *use = &s->use[t * s->settings->lights + j];
+			float own[3], even[3];
+
+			column_light(s, part, s->shade->tried[t], column, own, even);
+			use->own = part->column_cut > 0 ? largest_of_three(own) * column->reach /
+								  (float)part->column_cut
+							: 1;
+			use->group = group ? largest_of_three(even) * group->reach /
+						     (float)part->group_cut
+					   : 0;
+		}
+}
+
+/* Mean bytes of columns that a frame reads at this share of the cuts. */
+static double read_bytes(const struct choose *s, const struct part *part, double cut_share)
+{
+	const float is = (float)cut_share;
+	double read = 0;
+
+	for (int t = 0; t < s->shade->skies.tried; t++)
+		for (int j = 0; j < s->columns; j++) {
+			const struct estimate_use *use = &s->use[t * s->settings->lights + j];
+
+			if (use->own >= is)
+				read += (double)s->column[j].bytes;
+			if (use->group >= is) {
+				const struct estimate_group *group = group_of(s, part,
+									      &s->column[j]);
+
+				read += (double)(group->bytes /
+						 (float)(group->columns * group->columns));
+			}
+		}
+	return read / s->shade->skies.tried;
+}
+
+/* sum[c] -= by[c] * row, for each channel. */
+static void subtract_row(const struct part *part, const float *row, const float by[3], float *sum)
+{
+	const int pixels = part->pixels;
+
+	for (int c = 0; c < 3; c++) {
+		const float *from = row + (part->channels == 3 ? c * pixels : 0);
+
+		for (int p = 0; p < pixels; p++)
+			sum[c * pixels + p] -= by[c] * from[p];
+	}
+}
+
+static void subtract_patterns(const struct part *part, const float *rows, int rank,
+			      const float (*light)[RANK_MOST], float *sum)
+{
+	for (int j = 0; j < rank; j++)
+		subtract_row(part, rows + j * part->rows,
+			     (float[]){light[0][j], light[1][j], light[2][j]}, sum);
+}
+
+/* Subtracts what columns put right that are read at this share of the cuts, and were not before. */
+static void subtract_columns(const struct choose *s, const struct fit *fit, int t, double before,
+			     double cut_share, float *sum)
+{
+	const float was = (float)before, is = (float)cut_share;
+
+	for (int j = 0; j < s->columns; j++) {
+		const struct estimate_use *use = &s->use[t * s->settings->lights + j];
+		const bool more = use->own >= is && use->own < was;
+		const bool more_group = use->group >= is && use->group < was;
+		const int light = s->column[j].light;
+		float own[3], even[3], by[3];
+
+		if (!more && !more_group)
+			continue;
+		column_light(s, fit->part, s->shade->tried[t], &s->column[j], own, even);
+		for (int c = 0; c < 3; c++)
+			by[c] = (more ? own[c] : 0) +
+				(more_group ? (float)fit->part->share[light] * even[c] : 0);
+		subtract_row(fit->part, fit_left(fit, light), by, sum);
+	}
+}
+
+/* The largest error under a sky over that asked for. left: sum of X times residuals. */
+static double sky_excess(const struct choose *s, const struct part *part, int t, const float *left)
+{
+	const int rows = 3 * part->pixels;
+	const float *gain = s->gain + t * rows;
+	float by[PART_ROWS], lane[PART_PIXELS] = {0};
+	double square = 0;
+
+	for (int r = 0; r < rows; r++)
+		by[r] = gain[r] * left[r];
+	for (int c = 0; c < 3; c++)
+		for (int p = 0; p < part->pixels; p++)
+			lane[p] += by[c * part->pixels + p] * by[c * part->pixels + p];
+	for (int p = 0; p < part->pixels; p++)
+		square += (double)lane[p];
+	return fmax(sqrt(square / rows) / s->asked.rms,
+		    (double)part_magnitude(by, rows) / s->asked.max);
+}
+
+/* Lowers the plan's share of the cut until a sky holds. A sky that has held at a larger share is
+ * not looked at again: more columns are read, and the blocks are measured at the end. */
+static double sky_lower_cut(const struct choose *s, const struct fit *fit, int t, double *cut_share)
 {
 	const struct part *part = fit->part;
-	struct estimate e = {.excess = INFINITY};
-	double read;
+	const int sky = s->shade->tried[t];
+	float left[PART_ROWS];
+	double excess;
+
+	memcpy(left, part->sky_value + (size_t)sky * 3 * (size_t)part->pixels,
+	       3 * (size_t)part->pixels * sizeof(*left));
+	subtract_patterns(part, fit->tinted_rows, fit->mono_rank,
+			  (const float(*)[RANK_MOST])s->mono_sky + t * 3, left);
+	subtract_patterns(part, fit->colour_patterns.coefficient, fit->colour_rank,
+			  (const float(*)[RANK_MOST])s->colour_sky + t * 3, left);
+	subtract_columns(s, fit, t, NEVER, *cut_share, left);
+	while ((excess = sky_excess(s, part, t, left)) > 1 && *cut_share > LEAST_SHARE &&
+	       part->column_cut > 0) {
+		subtract_columns(s, fit, t, *cut_share, *cut_share * SHARE_STEP, left);
+		*cut_share *= SHARE_STEP;
+	}
+	return excess;
+}
+
+/* ---- plans ---- */
+
+static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mono, int colour,
+				      double bound)
+{
+	const struct part *part = fit->part;
+	struct estimate e = {.excess = INFINITY, .cut_share = part->cut_share};
+	double cost, worst = 0;
 
 	profile_enter(PROFILE_BASIS);
 	fit_set_ranks(fit, mono, colour);
 	e.mono_rank = fit->mono_rank;
 	e.colour_rank = fit->colour_rank;
-	e.cost = estimate_cost(s, fit, bound);
-	if (e.cost >= bound)
+	profile_enter(PROFILE_COLUMNS);
+	e.cost = cost = estimate_cost(s, fit, bound);
+	if (cost >= bound)
 		return e;
 	profile_enter(PROFILE_SKIES);
-	memcpy(s->sky_left, s->sky_value,
-	       (size_t)(s->settings->ensemble->tried * 3 * part->pixels) * sizeof(*s->sky_left));
-	subtract_patterns(s, part, fit->tinted_rows, s->mono_sky, fit->mono_rank);
-	subtract_patterns(s, part, fit->colour_patterns.coefficient, s->colour_sky,
-			  fit->colour_rank);
-	e.cut_share = part->cut_share;
 	find_groups(s, part);
 	find_uses(s, part);
-	read = use_columns(s, fit, NEVER, e.cut_share);
-	e.excess = sky_excess(s, part, asked);
-	while (e.excess > 1 && e.cut_share > LEAST_SHARE && part->column_cut > 0) {
-		read = use_columns(s, fit, e.cut_share, e.cut_share * SHARE_STEP);
-		e.cut_share *= SHARE_STEP;
-		e.excess = sky_excess(s, part, asked);
+	e.cost = cost + READ_WEIGHT * read_bytes(s, part, e.cut_share);
+	for (int k = 0; k < s->shade->skies.tried && e.cost < bound; k++) {
+		const double before = e.cut_share;
+		const int t = s->order[k];
+
+		worst = fmax(worst, sky_lower_cut(s, fit, t, &e.cut_share));
+		if (worst > 1 && bound < INFINITY)
+			return e;
+		if (e.cut_share < before) {
+			memmove(s->order + 1, s->order, (size_t)k * sizeof(*s->order));
+			s->order[0] = t;
+			e.cost = cost + READ_WEIGHT * read_bytes(s, part, e.cut_share);
+		}
 	}
-	e.cost += READ_WEIGHT * read;
+	if (e.cost < bound)
+		e.excess = worst;
 	return e;
 }
 
@@ -450,7 +448,7 @@ static bool is_better(const struct estimate *a, const struct estimate *b)
 
 /* Improves one of the two ranks, within so many steps of the list. */
 static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
-		      const struct encode_target *asked, struct estimate *best)
+		      struct estimate *best)
 {
 	const int found = mono ? fit->mono_patterns.count : fit->colour_patterns.count;
 	const struct estimate from = *best;
@@ -467,7 +465,7 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 			break;
 		if (ranks[k] != is) {
 			e = estimate_ranks(s, fit, mono ? ranks[k] : from.mono_rank,
-					   mono ? from.colour_rank : ranks[k], asked, bound);
+					   mono ? from.colour_rank : ranks[k], bound);
 			if (is_better(&e, best))
 				*best = e;
 		}
@@ -476,40 +474,70 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 	}
 }
 
-/* The patterns, and the light of the skies on values and on patterns. */
-static int find_patterns(struct choose *s, struct fit *fit)
+/* How many levels a pixel changes by per unit of the sum of X times what is left. */
+static void find_gains(struct choose *s, const struct part *part)
 {
-	int err;
+	const int pixels = part->pixels;
 
-	profile_enter(PROFILE_BASIS);
-	err = fit_find(fit);
-	profile_enter(PROFILE_SKIES);
-	sum_values(s, fit);
-	find_gains(s, fit->part);
-	if (!err && fit->mono)
-		sum_patterns(s, fit->part, &fit->mono_patterns, s->mono_sky);
-	if (!err && fit->colour)
-		sum_patterns(s, fit->part, &fit->colour_patterns, s->colour_sky);
-	return err;
+	for (int k = 0; k < 3 * s->shade->skies.tried; k++) {
+		const int sky = s->shade->tried[k / 3], c = k % 3;
+		const float slope = part->sky_slope[sky][c];
+		const float *base = part->sky_base + (size_t)(sky * 3 + c) * (size_t)pixels;
+
+		for (int p = 0; p < pixels; p++) {
+			const float is = part->sky_offset[sky][c] + slope * base[p];
+			const float steepness = levels_at(s->levels, is + LIGHT_STEP / 2) -
+						levels_at(s->levels, is - LIGHT_STEP / 2);
+
+			s->gain[k * pixels + p] = fabsf(slope) * steepness / LIGHT_STEP;
+		}
+	}
 }
 
-int choose_ranks(struct choose *s, struct fit *fit, const struct encode_target *asked)
+/* The light of the skies times each pattern. */
+static void sum_patterns(const struct choose *s, const struct part *part,
+			 const struct rank_patterns *patterns, float *sum)
+{
+	const int n = s->settings->lights;
+
+	for (int t = 0; t < s->shade->skies.tried && patterns->count; t++)
+		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, 3, patterns->count, n, 1,
+			    part->sky_x + (size_t)s->shade->tried[t] * 3 * (size_t)n, n,
+			    patterns->at_light, n, 0, sum + t * 3 * RANK_MOST, RANK_MOST);
+}
+
+int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
+		 const struct encode_target *asked)
 {
 	struct estimate best;
-	int err = find_patterns(s, fit), before;
+	int err, before;
 
-	if (err)
-		return err;
-	best = estimate_ranks(s, fit, fit->mono ? FIRST_RANK : 0, fit->colour ? FIRST_RANK : 0,
-			      asked, INFINITY);
-	if (fit->colour)
-		scan_rank(s, fit, false, RANKS, asked, &best);
-	before = best.mono_rank;
-	if (fit->mono)
-		scan_rank(s, fit, true, RANKS, asked, &best);
-	if (fit->mono && fit->colour && best.mono_rank != before) {
-		scan_rank(s, fit, false, NEAR, asked, &best);
-		scan_rank(s, fit, true, NEAR, asked, &best);
+	profile_enter(PROFILE_SKIES);
+	s->shade = shade;
+	s->asked = *asked;
+	for (int t = 0; t < shade->skies.tried; t++)
+		s->order[t] = t;
+	find_gains(s, fit->part);
+	/* Without patterns and columns, as where hardly anything is seen. */
+	best = estimate_ranks(s, fit, 0, 0, LEAST_COST);
+	if (best.excess > 1) {
+		profile_enter(PROFILE_BASIS);
+		err = fit_find(fit);
+		if (err)
+			return err;
+		profile_enter(PROFILE_SKIES);
+		sum_patterns(s, fit->part, &fit->mono_patterns, s->mono_sky);
+		sum_patterns(s, fit->part, &fit->colour_patterns, s->colour_sky);
+		best = estimate_ranks(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);
+		if (fit->colour)
+			scan_rank(s, fit, false, RANKS, &best);
+		before = best.mono_rank;
+		if (fit->mono)
+			scan_rank(s, fit, true, RANKS, &best);
+		if (fit->mono && fit->colour && best.mono_rank != before) {
+			scan_rank(s, fit, false, NEAR, &best);
+			scan_rank(s, fit, true, NEAR, &best);
+		}
 	}
 	fit_set_ranks(fit, best.mono_rank, best.colour_rank);
 	fit->cut_share = best.cut_share;

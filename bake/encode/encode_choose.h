@@ -5,6 +5,7 @@
 #define INLAY_BAKE_ENCODE_ENCODE_CHOOSE_H
 
 #include "bake/encode/encode_fit.h"
+#include "bake/judge/shade.h"
 
 /* What is expected of a pair of ranks. */
 struct estimate {
@@ -29,34 +30,34 @@ struct estimate_group {
 	float bytes;
 };
 
-/* A column under a sky. */
+/* Largest shares of the cut at which a column is read under a sky, and its group's, 0 where there
+ * is none. */
 struct estimate_use {
-	float own[3];	   /* light that the column is weighed by */
-	float common[3];   /* light that its group's column puts right for it */
-	float share;	   /* largest share of the cut at which the column is read */
-	float group_share; /* the same of the group's column; 0: it has none */
-	float group_bytes; /* of the group's column, that fall to this one */
+	float own, group;
 };
 
 struct choose {
 	const struct encode_settings *settings;
 	const struct levels *levels;
+	const struct shade *shade;
+	struct encode_target asked;
 	struct estimate_column *column; /* [lights] */
 	int columns;
 	struct estimate_use *use;	 /* [tried][lights]: of each column under each sky */
 	struct estimate_group *group[2]; /* [groups], of colour and of mono */
-	float *sky_value;		 /* [tried][3][pixels]: the skies' light times the values */
-	float *sky_left;		 /* the same times the residual */
-	float *sky_gain;		 /* levels per unit of that */
-	float *mono_sky, *colour_sky; /* [tried][3][RANK_MOST]: the skies' light times a pattern */
+	/* These are about the skies that are tried. */
+	int order[ENSEMBLE_SKIES_MAX]; /* that for which the cut was lowered last is first */
+	float *gain;		       /* [tried][3][pixels]: levels per unit of a residual sum */
+	float *mono_sky, *colour_sky;  /* [tried][3][RANK_MOST]: the sky's light times a pattern */
 };
 
 int choose_create(struct choose *choose, const struct encode_settings *settings,
 		  const struct levels *levels);
 void choose_free(struct choose *choose); /* zeroed is fine */
 
-/* Finds the fit's patterns and sets its ranks. asked: the errors to keep under skies. -ENOMEM,
- * -EDOM. */
-int choose_ranks(struct choose *choose, struct fit *fit, const struct encode_target *asked);
+/* Finds the fit's patterns and sets its ranks. asked: the errors to keep under the skies that shade
+ * tries. -EDOM: weights are not finite. */
+int choose_ranks(struct choose *choose, struct fit *fit, const struct shade *shade,
+		 const struct encode_target *asked);
 
 #endif

@@ -50,7 +50,7 @@ void columns_free(struct columns *columns)
 /* Largest magnitude. */
 static double largest_of(const float *from, int count)
 {
-	return (double)larger(part_largest(from, count, 1), part_largest(from, count, -1));
+	return (double)part_magnitude(from, count);
 }
 
 /* What each value of a column has to lie between, so that its residual keeps its limits; and where
@@ -58,15 +58,8 @@ static double largest_of(const float *from, int count)
 struct bounds {
 	int count;
 	float from[PART_ROWS], least[PART_ROWS], most[PART_ROWS];
-	float needed; /* no column does that does not reach so far */
+	float needed[PART_ROWS]; /* magnitude of the value between that is nearest to 0 */
 };
-
-/* Maximum magnitude of the value of each row that is nearest to 0. */
-static float bounds_reach(const struct bounds *b, int first, int count)
-{
-	return larger(part_largest(b->least + first, count, 1),
-		      part_largest(b->most + first, count, -1));
-}
 
 /* share: of the limits. A column of one channel has to do for all three, tinted. */
 static void bounds_find(struct bounds *b, const struct fit *fit, int light, int channels,
@@ -92,7 +85,8 @@ static void bounds_find(struct bounds *b, const struct fit *fit, int light, int 
 		b->least[to] = mono && c ? larger(low, b->least[to]) : low;
 		b->most[to] = mono && c ? smaller(high, b->most[to]) : high;
 	}
-	b->needed = bounds_reach(b, 0, b->count);
+	for (int r = 0; r < b->count; r++)
+		b->needed[r] = larger(b->least[r], -b->most[r]);
 }
 
 /* The integers that lie between, nearest to where they should be, none beyond limit. False:
@@ -168,7 +162,7 @@ static bool line_shorten(struct column *column, const struct bounds *b, int firs
 
 static uint8_t line_code(struct column *column, const struct bounds *b, int first, int count)
 {
-	const float needed = bounds_reach(b, first, count) / (column->scale * HALF_MOST);
+	const float needed = part_largest(b->needed + first, count) / (column->scale * HALF_MOST);
 
 	if (!(needed > 0)) {
 		memset(column->value + first, 0, (size_t)count * sizeof(*column->value));
@@ -211,7 +205,7 @@ static bool column_take(struct column *column, const struct fit *fit, double rea
 	double scale;
 
 	bounds_find(&b, fit, column->number, column->channels, 1, from);
-	scale = fmax(reach, (double)b.needed) / column_most(column->bits);
+	scale = fmax(reach, (double)part_largest(b.needed, b.count)) / column_most(column->bits);
 	if (scale < (double)FLT_MIN || !column_round(column, &b, scale))
 		return false;
 	column_leave(column, fit, from, left);

@@ -170,6 +170,8 @@ int fit_begin(struct fit *fit, const struct part *part)
 		    (part->kind == BASIS_KIND_V && part->direct && part->direct_channels == 1);
 	fit->colour = part->channels == 3;
 	fit->tinted = false;
+	fit->mono_patterns.count = fit->colour_patterns.count = 0;
+	fit->mono_rank = fit->colour_rank = -1;
 	fit->mono_value = fit->colour_value = part->value;
 	for (int c = 0; c < 3; c++)
 		for (int p = 0; p < part->pixels; p++)
@@ -192,7 +194,6 @@ int fit_find(struct fit *fit)
 
 	if (err)
 		return err;
-	fit->mono_patterns.count = fit->colour_patterns.count = 0;
 	if (fit->mono)
 		rank_find(&fit->mono_patterns, &fit->finder, fit->mono_value, pixels, RANK_MOST);
 	if (fit->colour)

@@ -6,7 +6,7 @@
 
 #include "bake/judge/expose.h"
 
-/* Sets the limits of residuals, and the weights of lights and pixels: after part_expose(), and
+/* Sets the limits of residuals, and the weights of lights and pixels: after parts_expose(), and
  * again when shares have changed. */
 void part_limit(struct part *part, const struct encode_settings *settings,
 		const struct levels *levels);

@@ -7,8 +7,6 @@
 
 #include "bake/judge/part.h"
 
-#define RANK_MOST 48
-
 struct rank_patterns {
 	int count; /* in order of falling singular value */
 	int rows;

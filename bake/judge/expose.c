@@ -39,24 +39,6 @@ void levels_fill(struct levels *levels, double cell_error)
 
 /* ---- exposures ---- */
 
-/* Values side by side, as compilers do not take a maximum apart. */
-#define LANES 8
-
-float part_largest(const float *value, int count, float sign)
-{
-	const int whole = count / LANES * LANES;
-	float lane[LANES] = {0}, most = 0;
-
-	for (int k = 0; k < whole; k += LANES)
-		for (int n = 0; n < LANES; n++)
-			lane[n] = larger(lane[n], sign * value[k + n]);
-	for (int k = whole; k < count; k++)
-		most = larger(most, sign * value[k]);
-	for (int n = 0; n < LANES; n++)
-		most = larger(most, lane[n]);
-	return most;
-}
-
 static const double *ground_of(const struct encode_settings *settings, const struct part *part,
 			       int channel)
 {
@@ -77,7 +59,7 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 		double white = ensemble_projected_sr(&settings->light[i]) / M_PI;
 
 		if (part->kind != BASIS_KIND_V)
-			white = fmax(white, w * (double)part_largest(base, part->rows, 1));
+			white = fmax(white, w * (double)part_largest(base, part->rows));
 		part->cell_white[i] = (float)white;
 		for (int c = 0; c < 3; c++)
 			part->cell_slope[(size_t)c * (size_t)n + (size_t)i] =
@@ -85,17 +67,6 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 				: white > 0		   ? (float)(w / white)
 							   : 0;
 	}
-}
-
-static void sum_skies(struct part *part, const struct encode_settings *settings)
-{
-	const int n = settings->lights, skies = settings->ensemble->skies;
-
-	for (int c = 0; c < 3; c++)
-		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, part->pixels, n, 1,
-			    part->sky_x + (size_t)c * (size_t)n, 3 * n,
-			    part->base + (part->channels == 3 ? c * part->pixels : 0), part->rows,
-			    0, part->sky_base + c * part->pixels, 3 * part->pixels);
 }
 
 /* V: X as shares of all light, the ground's own light as offset. */
@@ -129,95 +100,79 @@ static void expose_ground(struct part *part, const struct encode_settings *setti
 	}
 }
 
-/* The others: X = w L, brought down so that white ground and the brightest pixel are at most 1. */
+/* The others: X = w L, at first. */
 static void expose_light(struct part *part, const struct encode_settings *settings)
+{
+	const size_t n = (size_t)settings->lights, rows = 3 * (size_t)settings->ensemble->skies;
+
+	for (size_t k = 0; k < rows; k++)
+		for (size_t i = 0; i < n; i++)
+			part->sky_x[k * n + i] =
+				(float)((double)settings->ensemble->radiance[k * n + i] *
+					settings->light[i].solid_angle_sr);
+}
+
+/* Sums of the values under all skies. */
+static void sum_skies(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights, skies = settings->ensemble->skies;
 
-	for (int k = 0; k < skies * 3; k++)
+	for (int c = 0; c < 3; c++)
+		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, part->pixels, n, 1,
+			    part->sky_x + (size_t)c * (size_t)n, 3 * n,
+			    part->value + (part->channels == 3 ? c * part->pixels : 0), part->rows,
+			    0, part->sky_value + c * part->pixels, 3 * part->pixels);
+}
+
+/* What a pair shows is u - d. */
+static void subtract_sums(const struct part *difference, struct part *whole, int skies)
+{
+	for (int k = 0; k < skies * 3 * whole->pixels; k++)
+		whole->own_sky[k] = whole->sky_value[k] - difference->sky_value[k];
+}
+
+/* Radiance that is shown as 1 under a sky: white ground and the brightest pixel are at most that. */
+static double white_of(const struct part *part, const struct encode_settings *settings, int sky)
+{
+	const int n = settings->lights, rows = 3 * part->pixels;
+	double white = (double)part_largest(part->sky_base + (size_t)sky * (size_t)rows, rows);
+
+	for (int c = 0; c < 3; c++) {
+		const float *x = part->sky_x + (size_t)(sky * 3 + c) * (size_t)n;
+		double level = 0;
+
 		for (int i = 0; i < n; i++)
-			part->sky_x[(size_t)k * (size_t)n + (size_t)i] =
-				(float)((double)settings->ensemble
-						->radiance[(size_t)k * (size_t)n + (size_t)i] *
-					settings->light[i].solid_angle_sr);
-	sum_skies(part, settings);
-	for (int s = 0; s < skies; s++) {
-		const float *base = part->sky_base + (size_t)s * 3 * (size_t)part->pixels;
-		double white = part_largest(base, 3 * part->pixels, 1);
+			level += fmax(settings->light[i].direction[2], ENSEMBLE_LOWEST) / M_PI *
+				 (double)x[i];
+		white = fmax(white, level);
+	}
+	return white;
+}
 
-		for (int c = 0; c < 3; c++) {
-			const float *x = part->sky_x + (size_t)(s * 3 + c) * (size_t)n;
-			double level = 0;
+static void scale_sky(float *value, int sky, int count, float by)
+{
+	for (int k = 0; k < count; k++)
+		value[(size_t)sky * (size_t)count + (size_t)k] *= by;
+}
 
-			for (int i = 0; i < n; i++)
-				level += fmax(settings->light[i].direction[2], ENSEMBLE_LOWEST) /
-					 M_PI * (double)x[i];
-			white = fmax(white, level);
-		}
-		part->sky_white[s] = white;
-		for (int k = 0; k < 3 * n; k++)
-			part->sky_x[(size_t)s * 3 * (size_t)n + (size_t)k] *=
-				white > 0 ? (float)((double)settings->ensemble->exposure[s] / white)
-					  : 0;
+/* Brings X and sums down to the exposure of each sky. */
+static void scale_light(struct part *part, const struct encode_settings *settings)
+{
+	for (int s = 0; s < settings->ensemble->skies; s++) {
+		const double white = part->sky_white[s];
+		const float by = white > 0
+					 ? (float)((double)settings->ensemble->exposure[s] / white)
+					 : 0;
+
+		scale_sky(part->sky_x, s, 3 * settings->lights, by);
+		scale_sky(part->sky_value, s, 3 * part->pixels, by);
+		if (part->kind == BASIS_KIND_U)
+			scale_sky(part->own_sky, s, 3 * part->pixels, by);
 		for (int c = 0; c < 3; c++) {
 			part->sky_offset[s][c] = 0;
 			part->sky_slope[s][c] = 1;
 		}
 	}
-}
-
-/* The largest change of a pixel by any light alone is more than tolerance, in levels. */
-static bool pixel_shows(const struct part *part, const struct encode_settings *settings,
-			const struct levels *levels, int pixel, float tolerance)
-{
-	const int n = settings->lights;
-
-	for (int k = 0; k < part->channels * n; k++) {
-		const int c = k % part->channels, i = k / part->channels;
-		const float value = part->value[(size_t)i * (size_t)part->rows +
-						(size_t)(c * part->pixels + pixel)];
-
-		for (int own = c; own < (part->channels == 3 ? c + 1 : 3); own++) {
-			const float by = value *
-					 part->cell_slope[(size_t)own * (size_t)n + (size_t)i];
-			const float is = part->cell_offset[own];
-
-			if (fabsf(by) * LEVELS_STEEPEST > tolerance &&
-			    fabsf(levels_at(levels, is + by) - levels_at(levels, is)) > tolerance)
-				return true;
-		}
-	}
-	return false;
-}
-
-/* The same by a sky. */
-static bool pixel_shows_under_skies(const struct part *part, const struct encode_settings *settings,
-				    const struct levels *levels, int pixel, float tolerance)
-{
-	for (int k = 0; k < 3 * settings->ensemble->skies; k++) {
-		const int s = k / 3, c = k % 3;
-		const float by = part->sky_slope[s][c] * part->sky_base[k * part->pixels + pixel];
-		const float is = part->sky_offset[s][c];
-
-		if (fabsf(by) * LEVELS_STEEPEST > tolerance &&
-		    fabsf(levels_at(levels, is + by) - levels_at(levels, is)) > tolerance)
-			return true;
-	}
-	return false;
-}
-
-int part_choose(const struct part *part, const struct encode_settings *settings,
-		const struct levels *levels, double tolerance, bool *shows)
-{
-	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
-	int count = 0;
-
-	for (int p = 0; p < part->pixels; p++) {
-		shows[p] = pair || pixel_shows(part, settings, levels, p, (float)tolerance) ||
-			   pixel_shows_under_skies(part, settings, levels, p, (float)tolerance);
-		count += shows[p];
-	}
-	return count;
 }
 
 static void share_groups(struct part *part, const struct encode_settings *settings)
@@ -263,14 +218,29 @@ static void even_skies(struct part *part, const struct encode_settings *settings
 	}
 }
 
-void part_expose(struct part *part, const struct encode_settings *settings)
+void parts_expose(struct part *parts, int count, const struct encode_settings *settings)
 {
-	expose_cells(part, settings);
-	if (part->kind == BASIS_KIND_V)
-		for (int s = 0; s < settings->ensemble->skies; s++)
-			expose_ground(part, settings, s);
-	else
-		expose_light(part, settings);
-	sum_skies(part, settings);
-	even_skies(part, settings);
+	const int skies = settings->ensemble->skies;
+
+	for (int k = 0; k < count; k++) {
+		expose_cells(&parts[k], settings);
+		for (int s = 0; s < skies && parts[k].kind == BASIS_KIND_V; s++)
+			expose_ground(&parts[k], settings, s);
+		if (parts[k].kind != BASIS_KIND_V)
+			expose_light(&parts[k], settings);
+		sum_skies(&parts[k], settings);
+		if (parts[k].kind == BASIS_KIND_U)
+			subtract_sums(&parts[k - 1], &parts[k], skies);
+	}
+	for (int k = 0; k < count; k++) {
+		for (int s = 0; s < skies && parts[k].kind != BASIS_KIND_V; s++)
+			parts[k].sky_white[s] = white_of(&parts[k], settings, s);
+		/* sums of a pair are brought down with its U */
+		if (parts[k].kind == BASIS_KIND_U)
+			scale_light(&parts[k - 1], settings);
+		if (parts[k].kind == BASIS_KIND_T || parts[k].kind == BASIS_KIND_U)
+			scale_light(&parts[k], settings);
+	}
+	for (int k = 0; k < count; k++)
+		even_skies(&parts[k], settings);
 }

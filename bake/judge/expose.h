@@ -36,19 +36,7 @@ static inline float levels_at(const struct levels *levels, float x)
 	return levels_read(levels->at, x);
 }
 
-/* Steepest slope of the transfer function, at black: levels differ by at most this times the
- * difference of their light. */
-#define LEVELS_STEEPEST (12.92F * 255)
-
-/* Maximum of 0 and all values times sign, which is 1 or -1. */
-float part_largest(const float *value, int count, float sign);
-
-/* Sets the exposures: after loading (and pairing), and again when the ensemble has changed. */
-void part_expose(struct part *part, const struct encode_settings *settings);
-
-/* Finds the pixels that some light alone, or some sky, changes by more than tolerance, in levels. Returns how
- * many. shows: [pixels]. */
-int part_choose(const struct part *part, const struct encode_settings *settings,
-		const struct levels *levels, double tolerance, bool *shows);
+/* Sets the exposures of a tile's parts, after loading (and pairing), and the sums under all skies. */
+void parts_expose(struct part *parts, int count, const struct encode_settings *settings);
 
 #endif

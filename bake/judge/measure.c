@@ -2,12 +2,13 @@
 #include "bake/judge/measure.h"
 
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* As the compositor has it: beyond this a ratio is not shown. */
-#define RATIO_MAX 16.0
+#define RATIO_MAX 16.0F
 /* Error of the difference of two levels, each read from the table. Measured errors include it, so
  * that exact levels, too, are within what was asked for. */
 #define DIFFERENCE_ERROR (2 * LEVELS_ERROR)
@@ -39,161 +40,133 @@ static int measure_reserve(struct measure *m, int count)
 
 /* ---- a picture from sums ---- */
 
-static void measure_clear(struct measure *m)
+static void add_object(const struct measure *m, const struct part *part,
+		       const float (*sum)[PART_PIXELS], float factor, float (*to)[PART_PIXELS])
 {
-	struct measure_picture *q = &m->picture;
-
-	memset(q, 0, sizeof(*q));
 	for (int c = 0; c < 3; c++)
-		for (int k = 0; k < m->places; k++)
-			q->ratio_is[c][m->place[k]] = q->ratio_got[c][m->place[k]] = 1;
+		for (int p = 0; p < part->pixels; p++)
+			to[c][m->place[part->pixel[p]]] += factor * sum[c][p];
 }
 
-static void place_object(struct measure *m, const struct part *part,
-			 const struct measure_sums *sums, double factor)
+static inline float ratio_shown(float ratio)
 {
-	struct measure_picture *q = &m->picture;
+	return smaller(larger(ratio, 0), RATIO_MAX);
+}
 
+/* sum: of shares of the ground's light, which is back. */
+static void add_ground(const struct measure *m, const struct part *part,
+		       const float (*sum)[PART_PIXELS], const float back[3],
+		       float (*to)[PART_PIXELS])
+{
 	for (int c = 0; c < 3; c++)
 		for (int p = 0; p < part->pixels; p++) {
-			q->object_is[c][part->pixel[p]] = factor * sums->is[c][p];
-			q->object_got[c][part->pixel[p]] = factor * sums->got[c][p];
+			const int at = m->place[part->pixel[p]];
+
+			to[c][at] += ratio_shown(1 - sum[c][p]) * back[c] * m->open[at];
 		}
 }
 
-/* sums of shares of the ground's light; back: that light. */
-static void place_shadow(struct measure *m, const struct part *part,
-			 const struct measure_sums *sums, const double back[3])
+/* The receiver of a pair; back: sum of its light without the object, as it is. */
+static void add_receiver(const struct measure *m, const struct part *part,
+			 const float (*d)[PART_PIXELS], const float (*u)[PART_PIXELS],
+			 const float (*back)[PART_PIXELS], float factor, float (*to)[PART_PIXELS])
 {
-	struct measure_picture *q = &m->picture;
-
 	for (int c = 0; c < 3; c++)
 		for (int p = 0; p < part->pixels; p++) {
-			q->ratio_is[c][part->pixel[p]] = 1 - sums->is[c][p];
-			q->ratio_got[c][part->pixel[p]] = 1 - sums->got[c][p];
-			q->back[c][part->pixel[p]] = back[c];
+			const int at = m->place[part->pixel[p]];
+			const float ratio = u[c][p] > 0 ? 1 - d[c][p] / u[c][p] : 1;
+
+			to[c][at] += ratio_shown(ratio) * factor * larger(back[c][p], 0) *
+				     m->open[at];
 		}
 }
 
-static void place_pair(struct measure *m, const struct part *part, const struct measure_sums *d,
-		       const struct measure_sums *u, double factor)
+/* Makes the picture of all parts under a lighting. factor: what a part's sums are multiplied by;
+ * back: light of the ground that a V is a share of. */
+static void add_part(struct measure *m, const struct part *parts, int k, float factor,
+		     const float back[3])
 {
-	struct measure_picture *q = &m->picture;
+	const struct measure_sums *sums = &m->sums[k];
+	struct measure_sums *q = &m->picture;
 
-	for (int c = 0; c < 3; c++)
-		for (int p = 0; p < part->pixels; p++) {
-			const int at = part->pixel[p];
-
-			if (u->is[c][p] > 0)
-				q->ratio_is[c][at] = 1 - d->is[c][p] / u->is[c][p];
-			if (u->got[c][p] > 0)
-				q->ratio_got[c][at] = 1 - d->got[c][p] / u->got[c][p];
-			q->back[c][at] = u->is[c][p] > 0 ? factor * u->is[c][p] : 0;
-		}
+	if (parts[k].kind == BASIS_KIND_T) {
+		add_object(m, &parts[k], sums->is, factor, q->is);
+		add_object(m, &parts[k], sums->got, factor, q->got);
+	} else if (parts[k].kind == BASIS_KIND_V) {
+		add_ground(m, &parts[k], sums->is, back, q->is);
+		add_ground(m, &parts[k], sums->got, back, q->got);
+	} else if (parts[k].kind == BASIS_KIND_U) {
+		add_receiver(m, &parts[k], sums[-1].is, sums->is, sums->is, factor, q->is);
+		add_receiver(m, &parts[k], sums[-1].got, sums->got, sums->is, factor, q->got);
+	}
 }
 
-static inline float level_seen(const struct levels *levels, double object, double ratio,
-			       double back)
-{
-	const double shown = ratio < 0 ? 0 : ratio > RATIO_MAX ? RATIO_MAX : ratio;
-
-	return levels_at(levels, (float)(object + shown * back));
-}
-
-/* Sum of squared differences over the listed places; *most grows. */
+/* Sum of squared differences over the picture; *most: the largest one. */
 static double measure_compare(const struct measure *m, double *most)
 {
-	const struct measure_picture *q = &m->picture;
 	double square = 0;
 
-	for (int c = 0; c < 3; c++)
-		for (int k = 0; k < m->places; k++) {
-			const int at = m->place[k];
-			const double back = q->back[c][at] * m->open[k];
-			const double is = (double)level_seen(m->levels, q->object_is[c][at],
-							     q->ratio_is[c][at], back);
-			const double got = (double)level_seen(m->levels, q->object_got[c][at],
-							      q->ratio_got[c][at], back);
-			const double by = got > is ? got - is : is - got;
+	*most = 0;
+	for (int c = 0; c < 3; c++) {
+		const float *is = m->picture.is[c], *got = m->picture.got[c];
+		float by[PART_PIXELS];
 
-			square += by * by;
-			*most = by > *most ? by : *most;
-		}
+		for (int k = 0; k < m->places; k++)
+			by[k] = levels_at(m->levels, got[k]) - levels_at(m->levels, is[k]);
+		for (int k = 0; k < m->places; k++)
+			square += (double)(by[k] * by[k]);
+		*most = fmax(*most, (double)part_magnitude(by, m->places));
+	}
 	return square;
 }
 
 /* ---- lightings ---- */
-
-static void sum_sky(struct measure *m, const struct part *part, const struct block_reader *reader,
-		    int sky, struct measure_sums *sums)
-{
-	const size_t n = (size_t)m->settings->lights;
-	const float *x = part->sky_x + (size_t)sky * 3 * n;
-
-	block_reader_sky(reader, sky, sums->got);
-	if (part->base == part->value) {
-		for (int c = 0; c < 3; c++)
-			for (int p = 0; p < part->pixels; p++)
-				sums->is[c][p] =
-					(double)part->sky_base[((size_t)sky * 3 + (size_t)c) *
-								       (size_t)part->pixels +
-							       (size_t)p];
-		return;
-	}
-	memset(sums->is, 0, sizeof(sums->is));
-	for (size_t i = 0; i < n; i++)
-		for (int c = 0; c < 3; c++) {
-			const float *value = part->value + i * (size_t)part->rows +
-					     (part->channels == 3 ? c * part->pixels : 0);
-
-			for (int p = 0; p < part->pixels; p++)
-				sums->is[c][p] += (double)(x[(size_t)c * n + i] * value[p]);
-		}
-}
-
-/* A sum of every light alone, in units of L = 1 (of its shares, for V). */
-static void sum_cell(struct measure *m, const struct part *part, const struct block_reader *reader,
-		     int light, struct measure_sums *sums, double *bound)
-{
-	const double w = part->kind == BASIS_KIND_V ? 1 : m->settings->light[light].solid_angle_sr;
-
-	block_reader_light(reader, light, sums->got);
-	for (int c = 0; c < 3; c++) {
-		const float *value = part->value + (size_t)light * (size_t)part->rows +
-				     (part->channels == 3 ? c * part->pixels : 0);
-
-		for (int p = 0; p < part->pixels; p++) {
-			*bound = fmax(*bound, fabs((double)value[p] - sums->got[c][p]));
-			sums->is[c][p] = w * (double)value[p];
-			sums->got[c][p] *= w;
-		}
-	}
-}
 
 static double sky_error(struct measure *m, const struct part *parts,
 			const struct block_reader *readers, int count, int sky, double *most)
 {
 	double white = 0;
 
-	for (int k = 0; k < count; k++) {
+	memset(&m->picture, 0, sizeof(m->picture));
+	for (int k = 0; k < count; k++)
 		white = fmax(white, parts[k].sky_white[sky]);
-		sum_sky(m, &parts[k], &readers[k], sky, &m->sums[k]);
-	}
-	measure_clear(m);
 	for (int k = 0; k < count && white > 0; k++) {
-		const double factor = parts[k].sky_white[sky] / white;
-		double back[3];
+		const size_t pixels = (size_t)parts[k].pixels;
+		const float *is = parts[k].sky_value + (size_t)sky * 3 * pixels;
+		const float factor = (float)(parts[k].sky_white[sky] / white);
+		float back[3];
 
-		for (int c = 0; c < 3; c++)
-			back[c] = factor * (double)parts[k].sky_offset[sky][c];
-		if (parts[k].kind == BASIS_KIND_T)
-			place_object(m, &parts[k], &m->sums[k], factor);
-		else if (parts[k].kind == BASIS_KIND_V)
-			place_shadow(m, &parts[k], &m->sums[k], back);
-		else if (parts[k].kind == BASIS_KIND_U && k)
-			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], factor);
+		block_reader_sky(&readers[k], sky, m->sums[k].got);
+		for (size_t c = 0; c < 3; c++) {
+			back[c] = factor * parts[k].sky_offset[sky][c];
+			memcpy(m->sums[k].is[c], is + c * pixels, pixels * sizeof(*is));
+		}
+		add_part(m, parts, k, factor, back);
 	}
 	return measure_compare(m, most);
+}
+
+/* Values of a light, as sums of a sky in which it is alone, in units of L = 1 (of its shares, for
+ * V). Compared in double precision, as what they are off by is a bound for all skies. */
+static void sum_cell(struct measure *m, const struct part *part, const struct block_reader *reader,
+		     int light, struct measure_sums *sums, double *bound)
+{
+	const double w = part->kind == BASIS_KIND_V ? 1 : m->settings->light[light].solid_angle_sr;
+	double got[3][PART_PIXELS];
+
+	block_reader_light(reader, light, got);
+	for (int c = 0; c < 3; c++) {
+		const float *value = part->value + (size_t)light * (size_t)part->rows +
+				     (part->channels == 3 ? c * part->pixels : 0);
+		float off[PART_PIXELS];
+
+		for (int p = 0; p < part->pixels; p++) {
+			off[p] = (float)((double)value[p] - got[c][p]);
+			sums->is[c][p] = (float)(w * (double)value[p]);
+			sums->got[c][p] = (float)(w * got[c][p]);
+		}
+		*bound = fmax(*bound, (double)part_magnitude(off, part->pixels));
+	}
 }
 
 static double cell_error(struct measure *m, const struct part *parts,
@@ -201,38 +174,33 @@ static double cell_error(struct measure *m, const struct part *parts,
 {
 	double white = 0;
 
-	for (int k = 0; k < count; k++) {
+	memset(&m->picture, 0, sizeof(m->picture));
+	for (int k = 0; k < count; k++)
 		white = fmax(white, (double)parts[k].cell_white[light]);
-		sum_cell(m, &parts[k], &readers[k], light, &m->sums[k], &m->bound[k]);
-	}
-	measure_clear(m);
-	for (int k = 0; k < count && white > 0; k++) {
-		double back[3];
+	for (int k = 0; k < count; k++) {
+		const double own = (double)parts[k].cell_white[light];
+		float back[3];
 
-		for (int c = 0; c < 3; c++)
-			back[c] = (double)(parts[k].cell_offset[c] * parts[k].cell_white[light]) /
-				  white;
-		if (parts[k].kind == BASIS_KIND_T)
-			place_object(m, &parts[k], &m->sums[k], 1 / white);
-		else if (parts[k].kind == BASIS_KIND_V)
-			place_shadow(m, &parts[k], &m->sums[k], back);
-		else if (parts[k].kind == BASIS_KIND_U && k)
-			place_pair(m, &parts[k], &m->sums[k - 1], &m->sums[k], 1 / white);
+		sum_cell(m, &parts[k], &readers[k], light, &m->sums[k], &m->bound[k]);
+		for (int c = 0; c < 3 && white > 0; c++)
+			back[c] = (float)((double)parts[k].cell_offset[c] * own / white);
+		if (white > 0)
+			add_part(m, parts, k, (float)(1 / white), back);
 	}
 	return measure_compare(m, most);
 }
 
 static void measure_skies(struct measure *m, const struct part *parts,
-			  const struct block_reader *readers, int count, const int *number,
+			  const struct block_reader *readers, int count,
 			  struct ensemble_error *error)
 {
 	const struct encode_target *target = &m->settings->target;
 
 	for (int s = 0; s < m->settings->ensemble->skies; s++) {
-		double most = 0;
+		double most;
 		const double square = sky_error(m, parts, readers, count, s, &most);
 
-		error->sky_square[number[s]] = square;
+		error->sky_square[s] = square;
 		error->sky_max = fmax(error->sky_max, most);
 		m->sky_rms[s] = (sqrt(square / fmax(error->sky_count, 1)) + DIFFERENCE_ERROR) /
 				target->rms;
@@ -240,39 +208,46 @@ static void measure_skies(struct measure *m, const struct part *parts,
 	}
 }
 
-int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
-		 int count, const uint16_t *coverage, const int *number,
-		 struct ensemble_error *error)
+/* The pixels that any part lists. */
+static void find_places(struct measure *m, const struct part *parts, int count,
+			const uint16_t *coverage)
 {
 	bool listed[PART_PIXELS] = {false};
+
+	for (int k = 0; k < count; k++)
+		for (int p = 0; p < parts[k].pixels; p++)
+			listed[parts[k].pixel[p]] = true;
+	m->places = 0;
+	for (int at = 0; at < PART_PIXELS; at++)
+		if (listed[at]) {
+			m->open[m->places] = 1 - (float)coverage[at] / 65535;
+			m->place[at] = m->places++;
+		}
+}
+
+int measure_tile(struct measure *m, const struct part *parts, const struct block_reader *readers,
+		 int count, const uint16_t *coverage, struct ensemble_error *error)
+{
 	int err = measure_reserve(m, count);
 
 	*error = (struct ensemble_error){.sky_count = 0};
 	if (err)
 		return err;
-	for (int k = 0; k < count; k++) {
-		m->bound[k] = 0;
-		for (int p = 0; p < parts[k].pixels; p++)
-			listed[parts[k].pixel[p]] = true;
-	}
-	m->places = 0;
-	for (int at = 0; at < PART_PIXELS; at++)
-		if (listed[at]) {
-			m->open[m->places] = 1 - coverage[at] / 65535.0;
-			m->place[m->places++] = at;
-		}
+	memset(m->bound, 0, (size_t)count * sizeof(*m->bound));
+	find_places(m, parts, count, coverage);
 	error->sky_count = 3.0 * m->places;
 	error->cell_count = 3.0 * m->places * m->settings->lights;
-	measure_skies(m, parts, readers, count, number, error);
+	measure_skies(m, parts, readers, count, error);
 	for (int i = 0; i < m->settings->lights; i++) {
-		double most = 0;
+		double most;
 
 		error->cell_square += cell_error(m, parts, readers, count, i, &most);
 		error->cell_max = fmax(error->cell_max, most);
 		m->cell_most[i] = (float)((most + DIFFERENCE_ERROR) / m->settings->target.cell);
 	}
 	for (int k = 0; k < count; k++)
-		m->bound[k] += block_reader_rounding(&readers[k]);
+		m->bound[k] = m->bound[k] * (1 + (double)FLT_EPSILON) +
+			      block_reader_rounding(&readers[k]);
 	return 0;
 }
 
@@ -287,6 +262,5 @@ double measure_worst_sky(const struct measure *m)
 
 double measure_worst(const struct measure *m)
 {
-	return fmax(measure_worst_sky(m),
-		    (double)part_largest(m->cell_most, m->settings->lights, 1));
+	return fmax(measure_worst_sky(m), (double)part_largest(m->cell_most, m->settings->lights));
 }

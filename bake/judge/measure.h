@@ -10,15 +10,7 @@
 /* Sums of one part under one lighting, in a common exposure: of the transport (is), of the blocks
  * (got). */
 struct measure_sums {
-	double is[3][PART_PIXELS], got[3][PART_PIXELS];
-};
-
-/* The tile as a picture under one lighting, by the transport and by the blocks: places are
- * y * BASIS_TILE + x. */
-struct measure_picture {
-	double object_is[3][PART_PIXELS], object_got[3][PART_PIXELS];
-	double ratio_is[3][PART_PIXELS], ratio_got[3][PART_PIXELS];
-	double back[3][PART_PIXELS]; /* light of the ground, covered or not; 0 without a ground */
+	float is[3][PART_PIXELS], got[3][PART_PIXELS];
 };
 
 struct measure {
@@ -28,13 +20,13 @@ struct measure {
 	double *bound;		   /* [parts]: largest |is - got| of any light */
 	int room;		   /* parts that there is memory for */
 	float *cell_most; /* [lights]: largest error of any pixel, as a multiple of that asked for */
-	/* RMS and largest error of each sky, by its place, as multiples of those asked for. */
+	/* RMS and largest error of each sky, as multiples of those asked for. */
 	double sky_rms[ENSEMBLE_SKIES_MAX], sky_most[ENSEMBLE_SKIES_MAX];
-	struct measure_picture picture;
-	/* The places that any part lists, and how much of each the object leaves uncovered. */
+	/* The tile as a picture under one lighting: the pixels that any part lists. */
+	struct measure_sums picture;
 	int places;
-	int place[PART_PIXELS];
-	double open[PART_PIXELS]; /* [places] */
+	int place[PART_PIXELS];	 /* [y * BASIS_TILE + x]: of a pixel in the picture */
+	float open[PART_PIXELS]; /* [places]: how much of it the object leaves uncovered */
 };
 
 void measure_free(struct measure *measure); /* zeroed is fine */
@@ -43,10 +35,9 @@ void measure_free(struct measure *measure); /* zeroed is fine */
 double measure_worst_sky(const struct measure *measure);
 double measure_worst(const struct measure *measure);
 
-/* Measures the parts of a tile, each with its reader. number: the sky in each place
- * (shade.h). -ENOMEM. */
+/* Measures the parts of a tile, each with its reader. -ENOMEM. */
 int measure_tile(struct measure *measure, const struct part *parts,
 		 const struct block_reader *readers, int count, const uint16_t *coverage,
-		 const int *number, struct ensemble_error *error);
+		 struct ensemble_error *error);
 
 #endif

@@ -10,6 +10,8 @@
 /* Below BASIS_VALUE_MAX by more than any rounding in the encoder. */
 #define VALUE_MAX (0.999F * (float)BASIS_VALUE_MAX)
 #define BLOCK 64 /* lights that are transposed at once */
+/* Values side by side, as compilers do not take a maximum apart. */
+#define LANES 8
 
 int part_create(struct part *part, const struct encode_settings *settings)
 {
@@ -21,13 +23,13 @@ int part_create(struct part *part, const struct encode_settings *settings)
 	part->cell_white = calloc(n, sizeof(*part->cell_white));
 	part->weight = calloc(n, sizeof(*part->weight));
 	part->light_share = calloc(n, sizeof(*part->light_share));
-	part->sky_base = calloc(skies * PART_ROWS, sizeof(*part->sky_base));
+	part->sky_value = calloc(skies * PART_ROWS, sizeof(*part->sky_value));
 	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
 	part->own_share = calloc(n, sizeof(*part->own_share));
 	part->beside = calloc(n, sizeof(*part->beside));
 	return part->own_even && part->light_share && part->own_share && part->beside &&
 			       part->cell_slope && part->cell_white && part->weight &&
-			       part->sky_x && part->sky_base
+			       part->sky_x && part->sky_value
 		       ? 0
 		       : -ENOMEM;
 }
@@ -45,7 +47,8 @@ void part_free(struct part *part)
 	free(part->light_share);
 	free(part->cell_slope);
 	free(part->sky_x);
-	free(part->sky_base);
+	free(part->sky_value);
+	free(part->own_sky);
 	free(part->own_even);
 	free(part->own_share);
 	free(part->beside);
@@ -64,6 +67,36 @@ int part_room_for(float **array, size_t *room, size_t count)
 	*array = grown;
 	*room = count;
 	return 0;
+}
+
+float part_largest(const float *value, int count)
+{
+	const int whole = count / LANES * LANES;
+	float lane[LANES] = {0}, most = 0;
+
+	for (int k = 0; k < whole; k += LANES)
+		for (int n = 0; n < LANES; n++)
+			lane[n] = larger(lane[n], value[k + n]);
+	for (int k = whole; k < count; k++)
+		most = larger(most, value[k]);
+	for (int n = 0; n < LANES; n++)
+		most = larger(most, lane[n]);
+	return most;
+}
+
+float part_magnitude(const float *value, int count)
+{
+	const int whole = count / LANES * LANES;
+	float lane[LANES] = {0}, most = 0;
+
+	for (int k = 0; k < whole; k += LANES)
+		for (int n = 0; n < LANES; n++)
+			lane[n] = larger(lane[n], fabsf(value[k + n]));
+	for (int k = whole; k < count; k++)
+		most = larger(most, fabsf(value[k]));
+	for (int n = 0; n < LANES; n++)
+		most = larger(most, lane[n]);
+	return most;
 }
 
 /* ---- values per unit of X ---- */
@@ -98,15 +131,14 @@ static void scatter_row(const struct encode_settings *settings, enum basis_kind 
 }
 
 static bool scatter_pixel(const struct encode_settings *settings, const struct encode_samples *s,
-			  struct part *part, int from, int to)
+			  struct part *part, int p)
 {
 	const size_t n = (size_t)settings->lights;
 
 	for (int c = 0; c < part->channels; c++) {
 		const int own = s->channels == 3 ? c : 0;
-		const float *row = s->direct +
-				   ((size_t)from * (size_t)s->channels + (size_t)own) * n;
-		float *value = part->value + c * part->pixels + to;
+		const float *row = s->direct + ((size_t)p * (size_t)s->channels + (size_t)own) * n;
+		float *value = part->value + c * part->pixels + p;
 
 		if (!samples_are_sane(s, row, settings->lights, true))
 			return false;
@@ -114,9 +146,9 @@ static bool scatter_pixel(const struct encode_settings *settings, const struct e
 		if (!s->bounce)
 			continue;
 		if (c < s->channels)
-			scatter_row(settings, s->kind, row, part->direct + c * part->pixels + to,
+			scatter_row(settings, s->kind, row, part->direct + c * part->pixels + p,
 				    s->channels * part->pixels, false);
-		row = s->bounce + ((size_t)from * 3 + (size_t)c) * n;
+		row = s->bounce + ((size_t)p * 3 + (size_t)c) * n;
 		if (!samples_are_sane(s, row, settings->lights, false))
 			return false;
 		scatter_row(settings, s->kind, row, value, part->rows, true);
@@ -153,18 +185,15 @@ static bool part_measure(struct part *part, int lights)
 }
 
 int part_load(struct part *part, const struct encode_settings *settings,
-	      const struct encode_samples *s, const bool *wanted)
+	      const struct encode_samples *s)
 {
 	const size_t n = (size_t)settings->lights;
-	int err, to = 0;
+	int err;
 
 	part->kind = s->kind;
 	part->ground = s->ground;
-	part->pixels = 0;
-	part->dropped = false;
-	for (int p = 0; p < s->pixels; p++)
-		if (!wanted || wanted[p])
-			part->pixel[part->pixels++] = s->pixel[p];
+	part->pixels = s->pixels;
+	memcpy(part->pixel, s->pixel, (size_t)s->pixels * sizeof(*s->pixel));
 	part->direct_channels = s->channels;
 	part->channels = s->bounce ? 3 : s->channels;
 	part->rows = part->channels * part->pixels;
@@ -186,29 +215,34 @@ int part_load(struct part *part, const struct encode_settings *settings,
 		part->direct_room = 0;
 	}
 	for (int p = 0; p < s->pixels; p++)
-		if ((!wanted || wanted[p]) && !scatter_pixel(settings, s, part, p, to++))
+		if (!scatter_pixel(settings, s, part, p))
 			return -EDOM;
 	if (!part_measure(part, settings->lights))
 		return -EDOM;
 	part->base = part->value;
+	part->sky_base = part->sky_value;
 	for (int i = 0; i < settings->lights; i++)
 		part->light_share[i] = 1;
 	return 0;
 }
 
-int part_pair(struct part *difference, struct part *whole, int lights)
+int part_pair(struct part *difference, struct part *whole, const struct encode_settings *settings)
 {
 	const int channels = difference->channels > whole->channels ? 3 : whole->channels;
-	const size_t count = (size_t)lights * (size_t)whole->rows;
+	const size_t count = (size_t)settings->lights * (size_t)whole->rows;
+	const size_t sums = (size_t)settings->ensemble->skies * PART_ROWS;
 	int err;
 
 	if (difference->channels != channels || whole->channels != channels)
 		return -EINVAL;
 	err = part_room_for(&whole->own_base, &whole->base_room, count);
+	if (!err)
+		err = part_room_for(&whole->own_sky, &whole->sky_room, sums);
 	if (err)
 		return err;
 	for (size_t k = 0; k < count; k++)
 		whole->own_base[k] = whole->value[k] - difference->value[k];
 	difference->base = whole->base = whole->own_base;
+	difference->sky_base = whole->sky_base = whole->own_sky;
 	return 0;
 }

@@ -12,6 +12,7 @@
 
 #define PART_PIXELS (BASIS_TILE * BASIS_TILE)
 #define PART_ROWS (3 * PART_PIXELS)
+#define RANK_MOST 48 /* patterns of a block, at most */
 
 /* Larger of two numbers. Unlike fmaxf() it does not treat NaN specially and therefore compiles to
  * one instruction. */
@@ -33,7 +34,6 @@ struct part {
 	int ground;
 	int pixels;
 	uint16_t pixel[PART_PIXELS];
-	bool dropped; /* its pixels change too little to be in blocks */
 	int channels; /* of value: 3, or 1 where all three are alike */
 	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
@@ -64,18 +64,20 @@ struct part {
 	/* Weights of a squared error, by light and by pixel. */
 	float *weight; /* [lights] */
 	float pixel_weight[PART_PIXELS];
-	float *sky_x; /* [skies][3][lights] */
+	float *sky_x;	  /* [skies][3][lights] */
+	float *sky_value; /* [skies][3 * pixels]: sum over lights of X value */
 	/* S of each group under each sky, [skies][3][coarse], and q of each light, [lights]
 	 * (hal/basis/basis_groups.h). NULL for D and U, and where columns are never left out. */
 	const float *sky_even;
 	const double *share;
 	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
-	float *sky_base; /* [skies][3 * pixels]: sum over lights of X base */
+	const float *sky_base; /* [skies][3 * pixels]: sum over lights of X base */
 	/* Radiance that is shown as 1: per unit radiance of a cell, and under each sky. */
 	float *cell_white; /* [lights] */
 	double sky_white[ENSEMBLE_SKIES_MAX];
-	size_t value_room, direct_room, base_room, least_room, most_room, tight_room;
-	float *own_base; /* memory of base, where that is not value */
+	size_t value_room, direct_room, base_room, sky_room, least_room, most_room, tight_room;
+	float *own_base,
+		*own_sky; /* memory of base and sky_base, where these are not the values' */
 	float *own_even;
 	double *own_share, (*beside)[4]; /* [lights]: X of one sky, for basis_group_even() */
 };
@@ -86,13 +88,16 @@ int part_room_for(float **array, size_t *room, size_t count);
 int part_create(struct part *part, const struct encode_settings *settings);
 void part_free(struct part *part); /* zeroed is fine */
 
-/* Checks the samples of the pixels that are wanted, and copies them, divided by the factors of X.
- * wanted [samples->pixels]; NULL: all. -EDOM, -ENOMEM. */
+/* Checks samples and copies them, divided by the factors of X. -EDOM, -ENOMEM. */
 int part_load(struct part *part, const struct encode_settings *settings,
-	      const struct encode_samples *samples, const bool *wanted);
+	      const struct encode_samples *samples);
 
 /* Joins a pair of D and U: errors of both are added to u - d when shown. -EINVAL: their channels
  * differ; -ENOMEM. */
-int part_pair(struct part *difference, struct part *whole, int lights);
+int part_pair(struct part *difference, struct part *whole, const struct encode_settings *settings);
+
+/* Maximum of 0 and all values; of all magnitudes. */
+float part_largest(const float *value, int count);
+float part_magnitude(const float *value, int count);
 
 #endif

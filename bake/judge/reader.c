@@ -13,12 +13,13 @@
 void block_reader_free(struct block_reader *reader)
 {
 	free(reader->block);
-	free(reader->values);
+	free(reader->at_light);
+	free(reader->rows);
 	free(reader->grouped);
 	*reader = (struct block_reader){.count = 0};
 }
 
-static int reader_reserve(struct block_reader *reader, int count, size_t values)
+static int reader_reserve(struct block_reader *reader, int count, size_t at_light, size_t rows)
 {
 	const size_t groups = (size_t)reader->settings->groups->count;
 
@@ -30,17 +31,17 @@ static int reader_reserve(struct block_reader *reader, int count, size_t values)
 			return -ENOMEM;
 		reader->room = count;
 	}
-	if (values > reader->values_room) {
-		free(reader->values);
-		reader->values_room = 0;
-		reader->values = malloc(values * sizeof(*reader->values));
-		if (!reader->values)
+	if (at_light > reader->at_light_room) {
+		free(reader->at_light);
+		reader->at_light_room = 0;
+		reader->at_light = malloc(at_light * sizeof(*reader->at_light));
+		if (!reader->at_light)
 			return -ENOMEM;
-		reader->values_room = values;
+		reader->at_light_room = at_light;
 	}
 	if (!reader->grouped)
 		reader->grouped = calloc(2 * groups + 1, sizeof(*reader->grouped));
-	return reader->grouped ? 0 : -ENOMEM;
+	return reader->grouped ? part_room_for(&reader->rows, &reader->rows_room, rows) : -ENOMEM;
 }
 
 static bool *grouped_of(const struct block_reader *reader, const struct basis_block_entry *e)
@@ -56,34 +57,35 @@ static void read_patterns(const struct block_reader *reader, const struct read_b
 	const struct basis_block_entry *e = &block->from->entry;
 	const struct encode_settings *settings = reader->settings;
 	const uint8_t *payload = block->from->payload;
-	const void *scales = payload + at->pattern_scale;
 	const int16_t *pattern = (const int16_t *)(payload + at->pattern);
 	const int16_t *coefficient = (const int16_t *)(payload + at->coefficient);
-	double *light = reader->values + block->at_light;
-	double *row = reader->values + block->coefficient;
+	double *light = reader->at_light + block->at_light;
+	float *row = reader->rows + block->row;
 
-	for (int j = 0; j < e->patterns; j++, pattern += at->stride) {
-		for (int i = 0; i < settings->lights; i++, light++) {
-			*light = settings->gather ? 0 : pattern[i];
+	for (int i = 0; i < settings->lights; i++)
+		for (int j = 0; j < e->patterns; j++, light++) {
+			const int16_t *from = pattern + j * at->stride;
+
+			*light = settings->gather ? 0 : from[i];
 			for (int a = 0; settings->gather && a < 3; a++)
 				*light +=
-					pattern[settings->gather[i].index[a]] *
+					from[settings->gather[i].index[a]] *
 					((double)settings->gather[i].weight[a] / BASIS_COARSE_ONE);
+			*light *= (double)block->pattern_scale[j];
 		}
+	for (int j = 0; j < e->patterns; j++)
 		for (int c = 0; c < e->channels; c++)
 			for (int p = 0; p < e->pixels; p++) {
 				const size_t line = basis_line16(at->panels16, e->patterns, c,
 								 p / BASIS_LINE16, j);
 
-				*row++ = (double)((const float *)scales)[j] *
-					 coefficient[line * BASIS_LINE16 +
+				*row++ = coefficient[line * BASIS_LINE16 +
 						     (size_t)(p % BASIS_LINE16)];
 			}
-	}
 }
 
 static void read_column16(const struct read_block *block, const struct basis_layout *at, int number,
-			  double *to)
+			  float *to)
 {
 	const struct basis_block_entry *e = &block->from->entry;
 	const void *columns = (const uint8_t *)block->from->payload + at->column;
@@ -99,7 +101,7 @@ static void read_column16(const struct read_block *block, const struct basis_lay
 }
 
 static void read_column8(const struct read_block *block, const struct basis_layout *at, int number,
-			 double *to)
+			 float *to)
 {
 	const struct basis_block_entry *e = &block->from->entry;
 	const void *record_at = (const uint8_t *)block->from->payload + at->column;
@@ -123,11 +125,10 @@ static void read_block(struct block_reader *reader, const struct read_block *blo
 	const struct basis_block_entry *e = &block->from->entry;
 	const struct basis_layout at = basis_layout(e, reader->settings->coarse);
 	const size_t each = (size_t)(e->channels * e->pixels);
+	float *to = reader->rows + block->row + e->patterns * each;
 
 	read_patterns(reader, block, &at);
-	for (int n = 0; n < (int)e->columns; n++) {
-		double *to = reader->values + block->column + (size_t)n * each;
-
+	for (int n = 0; n < (int)e->columns; n++, to += each) {
 		if (e->bits == 16)
 			read_column16(block, &at, n, to);
 		else
@@ -137,47 +138,47 @@ static void read_block(struct block_reader *reader, const struct read_block *blo
 	}
 }
 
-/* Where a block's arrays are. Returns how many values it has. */
-static size_t place_block(struct read_block *block, const struct encode_settings *settings,
-			  const struct basis_block_payload *from, size_t values)
+/* Where a block's arrays are; the sizes of all arrays grow by its own. */
+static void place_block(struct read_block *block, const struct encode_settings *settings,
+			const struct basis_block_payload *from, size_t *at_light, size_t *rows)
 {
 	const struct basis_block_entry *e = &from->entry;
 	const struct basis_layout at = basis_layout(e, settings->coarse);
 	const uint8_t *payload = from->payload;
-	const void *scale = payload + at.column_scale;
-	const size_t each = (size_t)(e->channels * e->pixels);
+	const void *scale = payload + at.column_scale, *pattern_scale = payload + at.pattern_scale;
 
 	*block = (struct read_block){
 		.from = from,
 		.number = (const uint16_t *)(payload + at.light),
 		.tint = e->tinted ? (const uint16_t *)(payload + at.tint) : NULL,
 		.scale = scale,
-		.at_light = values,
-		.coefficient = values + e->patterns * (size_t)settings->lights,
+		.pattern_scale = pattern_scale,
+		.at_light = *at_light,
+		.row = *rows,
 	};
-	block->column = block->coefficient + e->patterns * each;
-	return block->column + e->columns * each - values;
+	*at_light += e->patterns * (size_t)settings->lights;
+	*rows += (e->patterns + e->columns) * (size_t)(e->channels * e->pixels);
 }
 
 int block_reader_open(struct block_reader *reader, const struct encode_settings *settings,
 		      const struct part *part, const struct basis_block_payload *from, int count)
 {
 	struct read_block spare;
-	size_t values = 0;
+	size_t at_light = 0, rows = 0;
 	int err;
 
 	reader->settings = settings;
 	reader->part = part;
 	for (int k = 0; k < count; k++)
-		values += place_block(&spare, settings, &from[k], values);
-	err = reader_reserve(reader, count, values);
+		place_block(&spare, settings, &from[k], &at_light, &rows);
+	err = reader_reserve(reader, count, at_light, rows);
 	if (err)
 		return err;
 	memset(reader->grouped, 0, 2 * (size_t)settings->groups->count * sizeof(*reader->grouped));
 	reader->count = count;
-	values = 0;
+	at_light = rows = 0;
 	for (int k = 0; k < count; k++) {
-		values += place_block(&reader->block[k], settings, &from[k], values);
+		place_block(&reader->block[k], settings, &from[k], &at_light, &rows);
 		read_block(reader, &reader->block[k]);
 	}
 	return 0;
@@ -185,31 +186,12 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 
 /* ---- sums ---- */
 
-/* own[c] += factor[c] * row of a block, in each channel. */
-static void add_row(const struct basis_block_entry *e, const double *row, const double factor[3],
-		    double (*own)[PART_PIXELS])
+/* Coefficients of a pattern, or, after those of all patterns, values of a column. */
+static const float *row_of(const struct block_reader *reader, const struct read_block *block, int n)
 {
-	for (int c = 0; c < 3; c++) {
-		const double *from = row + (e->channels == 3 ? c * e->pixels : 0);
-		const double by = factor[c];
+	const struct basis_block_entry *e = &block->from->entry;
 
-		for (int p = 0; p < e->pixels && by != 0; p++)
-			own[c][p] += by * from[p];
-	}
-}
-
-/* value += a block's sum, tinted. */
-static void add_tinted(const struct read_block *block, const double (*own)[PART_PIXELS],
-		       double (*value)[PART_PIXELS])
-{
-	const int pixels = block->from->entry.pixels;
-
-	for (int c = 0; c < 3; c++)
-		for (int p = 0; p < pixels; p++)
-			value[c][p] += own[c][p] * (block->tint
-							    ? (double)block->tint[c * pixels + p] /
-								      BASIS_TINT_ONE
-							    : 1);
+	return reader->rows + block->row + (size_t)n * (size_t)(e->channels * e->pixels);
 }
 
 static int reader_find(const struct read_block *block, int number)
@@ -227,40 +209,36 @@ static int reader_find(const struct read_block *block, int number)
 	return low < (int)block->from->entry.columns && block->number[low] == number ? low : -1;
 }
 
-static const double *column_of(const struct block_reader *reader, const struct read_block *block,
-			       int n)
+static void add_row(const float *row, double by, int count, double *sum)
 {
-	const struct basis_block_entry *e = &block->from->entry;
-
-	return reader->values + block->column + (size_t)n * (size_t)(e->channels * e->pixels);
+	for (int r = 0; r < count; r++)
+		sum[r] += by * (double)row[r];
 }
 
 void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS])
 {
-	const size_t lights = (size_t)reader->settings->lights;
-
 	memset(value, 0, 3 * sizeof(*value));
 	for (int k = 0; k < reader->count; k++) {
 		const struct read_block *block = &reader->block[k];
 		const struct basis_block_entry *e = &block->from->entry;
-		const int column = reader_find(block, light);
-		double own[3][PART_PIXELS] = {{0}};
+		const int column = reader_find(block, light), pixels = e->pixels;
+		const double *y = reader->at_light + block->at_light +
+				  (size_t)light * (size_t)e->patterns;
+		double own[PART_ROWS] = {0};
 
-		for (size_t j = 0; j < e->patterns; j++) {
-			const double y =
-				reader->values[block->at_light + j * lights + (size_t)light];
+		for (int j = 0; j < e->patterns; j++)
+			add_row(row_of(reader, block, j), y[j], e->channels * pixels, own);
+		if (column >= 0)
+			add_row(row_of(reader, block, e->patterns + column),
+				(double)block->scale[column], e->channels * pixels, own);
+		for (int c = 0; c < 3; c++) {
+			const double *from = own + (e->channels == 3 ? c * pixels : 0);
 
-			add_row(e,
-				reader->values + block->coefficient +
-					j * (size_t)(e->channels * e->pixels),
-				(double[]){y, y, y}, own);
+			for (int p = 0; p < pixels; p++)
+				value[c][p] += block->tint ? block->tint[c * pixels + p] * from[p] /
+								     BASIS_TINT_ONE
+							   : from[p];
 		}
-		if (column >= 0) {
-			const double by = (double)block->scale[column];
-
-			add_row(e, column_of(reader, block, column), (double[]){by, by, by}, own);
-		}
-		add_tinted(block, (const double(*)[PART_PIXELS])own, value);
 	}
 }
 
@@ -291,8 +269,38 @@ static double largest_of_three(const double x[3])
 	return fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2]));
 }
 
+/* sum[c] += by[c] * a row of a block, in each channel. */
+static void add_lit(const struct basis_block_entry *e, const float *row, const double by[3],
+		    float (*sum)[PART_PIXELS])
+{
+	for (int c = 0; c < 3; c++) {
+		const float *from = row + (e->channels == 3 ? c * e->pixels : 0);
+		const float factor = (float)by[c];
+
+		for (int p = 0; p < e->pixels; p++)
+			sum[c][p] += factor * from[p];
+	}
+}
+
+static void add_patterns(const struct block_reader *reader, const struct read_block *block, int sky,
+			 float (*sum)[PART_PIXELS])
+{
+	const int n = reader->settings->lights, patterns = block->from->entry.patterns;
+	const float *x = reader->part->sky_x + (size_t)sky * 3 * (size_t)n;
+	const double *light = reader->at_light + block->at_light;
+	double y[3][RANK_MOST] = {{0}};
+
+	for (int i = 0; i < n; i++, light += patterns)
+		for (int c = 0; c < 3; c++)
+			for (int j = 0; j < patterns; j++)
+				y[c][j] += (double)x[c * n + i] * light[j];
+	for (int j = 0; j < patterns; j++)
+		add_lit(&block->from->entry, row_of(reader, block, j),
+			(double[]){y[0][j], y[1][j], y[2][j]}, sum);
+}
+
 static void add_columns(const struct block_reader *reader, const struct read_block *block, int sky,
-			double (*own)[PART_PIXELS])
+			float (*sum)[PART_PIXELS])
 {
 	const struct basis_block_entry *e = &block->from->entry;
 	const struct part *part = reader->part;
@@ -309,35 +317,25 @@ static void add_columns(const struct block_reader *reader, const struct read_blo
 			continue;
 		for (int c = 0; c < 3; c++)
 			light[c] *= scale;
-		add_row(e, column_of(reader, block, n), light, own);
+		add_lit(e, row_of(reader, block, e->patterns + n), light, sum);
 	}
 }
 
-void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS])
+void block_reader_sky(const struct block_reader *reader, int sky, float (*sum)[PART_PIXELS])
 {
-	const size_t n = (size_t)reader->settings->lights;
-	const float *x = reader->part->sky_x + (size_t)sky * 3 * n;
-
 	memset(sum, 0, 3 * sizeof(*sum));
 	for (int k = 0; k < reader->count; k++) {
 		const struct read_block *block = &reader->block[k];
-		const struct basis_block_entry *e = &block->from->entry;
-		double own[3][PART_PIXELS] = {{0}};
+		const int pixels = block->from->entry.pixels;
+		float own[3][PART_PIXELS] = {{0}};
 
-		for (size_t j = 0; j < e->patterns; j++) {
-			const double *light = reader->values + block->at_light + j * n;
-			double y[3] = {0};
-
-			for (size_t i = 0; i < n; i++)
-				for (size_t c = 0; c < 3; c++)
-					y[c] += light[i] * (double)x[c * n + i];
-			add_row(e,
-				reader->values + block->coefficient +
-					j * (size_t)(e->channels * e->pixels),
-				y, own);
-		}
+		add_patterns(reader, block, sky, own);
 		add_columns(reader, block, sky, own);
-		add_tinted(block, (const double(*)[PART_PIXELS])own, sum);
+		for (int c = 0; c < 3; c++)
+			for (int p = 0; p < pixels; p++)
+				sum[c][p] += block->tint ? own[c][p] * block->tint[c * pixels + p] /
+								   BASIS_TINT_ONE
+							 : own[c][p];
 	}
 }
 

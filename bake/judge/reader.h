@@ -13,9 +13,9 @@ struct read_block {
 	const uint16_t *number; /* [columns]: of lights, and N + those of groups */
 	const uint16_t *tint;	/* [3][pixels]; NULL: 1 */
 	const float *scale;	/* [columns] */
-	size_t coefficient;	/* index of [patterns][channels][pixels] in values */
-	size_t column;	 /* index of [columns][channels][pixels] in values, in units of scale */
-	size_t at_light; /* index of [patterns][lights] in values */
+	const float *pattern_scale;
+	size_t at_light; /* index of [lights][patterns] in at_light */
+	size_t row;	 /* index of [patterns + columns][channels][pixels] in rows */
 };
 
 /* Decoder of all blocks of one part. */
@@ -24,8 +24,9 @@ struct block_reader {
 	const struct part *part;
 	struct read_block *block;
 	int count, room;
-	double *values;
-	size_t values_room;
+	double *at_light; /* patterns at each light */
+	float *rows;	  /* coefficients, then columns: integers, in units of their scales */
+	size_t at_light_room, rows_room;
 	bool *grouped; /* [2][groups]: groups that have a column, of one channel, of three */
 };
 
@@ -38,8 +39,9 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 /* Values of the part under a light alone, every column used: value [3][PART_PIXELS]. */
 void block_reader_light(const struct block_reader *reader, int light, double (*value)[PART_PIXELS]);
 
-/* Sum of X times values under a sky, without the columns that a frame leaves out. */
-void block_reader_sky(const struct block_reader *reader, int sky, double (*sum)[PART_PIXELS]);
+/* Sum of X times values under a sky, without the columns that a frame leaves out. In single
+ * precision, as the sums of struct part are. */
+void block_reader_sky(const struct block_reader *reader, int sky, float (*sum)[PART_PIXELS]);
 
 /* What rounding a group's column may change any value by, per unit of X. */
 double block_reader_rounding(const struct block_reader *reader);

@@ -62,8 +62,8 @@ void shade_begin(struct shade *shade)
 	       ((size_t)common->skies - tried) * sky * sizeof(*to));
 	memset(to + tried * sky, 0, OWN * sky * sizeof(*to));
 	shade->skies.tried = common->tried + OWN;
-	for (int s = 0; s < shade->skies.skies; s++)
-		shade->number[s] = s;
+	for (int s = 0; s < shade->skies.tried; s++)
+		shade->tried[s] = s;
 }
 
 void shade_set(struct shade *shade, const struct encode_settings *settings,
@@ -87,17 +87,5 @@ void shade_set(struct shade *shade, const struct encode_settings *settings,
 
 void shade_try(struct shade *shade, int sky)
 {
-	const size_t each = 3 * (size_t)shade->skies.lights;
-	const int to = shade->skies.tried++, number = shade->number[sky];
-	float *const one = shade->skies.radiance + (size_t)sky * each;
-	float *const other = shade->skies.radiance + (size_t)to * each;
-
-	for (size_t k = 0; k < each; k++) {
-		const float was = other[k];
-
-		other[k] = one[k];
-		one[k] = was;
-	}
-	shade->number[sky] = shade->number[to];
-	shade->number[to] = number;
+	shade->tried[shade->skies.tried++] = sky;
 }

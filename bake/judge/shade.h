@@ -15,7 +15,7 @@ struct shade {
 	/* Own copy, in this order: skies of the settings that are tried, the tile's own suns, skies
 	 * of the settings that are watched. */
 	struct ensemble skies;
-	int number[ENSEMBLE_SKIES_MAX]; /* number of the sky in each place, the same in all tiles */
+	int tried[ENSEMBLE_SKIES_MAX]; /* [skies.tried]: places of the skies that are tried */
 };
 
 /* -ENOMEM. */
@@ -30,7 +30,7 @@ void shade_begin(struct shade *shade);
 void shade_set(struct shade *shade, const struct encode_settings *settings,
 	       const struct part *parts, int count);
 
-/* Makes a watched sky, given by its place, a tried one; another watched sky takes its place. */
+/* Makes a watched sky, given by its place, a tried one. */
 void shade_try(struct shade *shade, int sky);
 
 #endif

@@ -144,8 +144,8 @@ static void each_tile_begins_anew(void **state)
 	bytes = (size_t)used.skies.skies * 3 * (size_t)n * sizeof(*used.skies.radiance);
 	assert_int_equal(used.skies.tried, fresh.skies.tried);
 	assert_memory_equal(used.skies.radiance, fresh.skies.radiance, bytes);
-	assert_memory_equal(used.number, fresh.number,
-			    (size_t)used.skies.skies * sizeof(*used.number));
+	assert_memory_equal(used.tried, fresh.tried,
+			    (size_t)used.skies.tried * sizeof(*used.tried));
 	shade_free(&fresh);
 	shade_free(&used);
 	free(part.value);
