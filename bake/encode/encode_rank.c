@@ -16,6 +16,9 @@
 #define SPARE 8
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2
+/* A column whose square falls to this share of it is one of those before it, up to rounding. */
+#define LEAST_REST 1e-10
+#define LANES 8	   /* terms side by side, as compilers do not take a sum apart */
 #define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
 /* Coefficients and patterns are stored as multiples of this, as their lowest bit is noise, which
  * does not compress. With a coarser unit the search misses the error asked for so often that its
@@ -158,12 +161,48 @@ static float rank_normalise(float *value, size_t count)
 	return most;
 }
 
+static double rank_dot(const float *a, const float *b, int length)
+{
+	double lane[LANES] = {0}, sum = 0;
+	int k = 0;
+
+	for (; k + LANES <= length; k += LANES)
+		for (int n = 0; n < LANES; n++)
+			lane[n] += (double)a[k + n] * (double)b[k + n];
+	for (; k < length; k++)
+		sum += (double)a[k] * (double)b[k];
+	for (int n = 0; n < LANES; n++)
+		sum += lane[n];
+	return sum;
+}
+
+/* Orthonormal columns of the same span, by the Cholesky factor L of their products, Q = A L^-T. The
+ * factor is in double precision, as squares need twice the digits. A column becomes 0 where what it has
+ * beside those before it is lost in rounding. */
 static void rank_orthonormalise(float *columns, int length, int count)
 {
-	float tau[WIDTH];
+	double factor[WIDTH][WIDTH];
 
-	LAPACKE_sgeqrf(LAPACK_COL_MAJOR, length, count, columns, length, tau);
-	LAPACKE_sorgqr(LAPACK_COL_MAJOR, length, count, count, columns, length, tau);
+	for (int a = 0; a < count; a++)
+		for (int b = 0; b <= a; b++)
+			factor[a][b] = rank_dot(columns + a * length, columns + b * length, length);
+	for (int a = 0; a < count; a++) {
+		float *own = columns + a * length;
+		double rest = factor[a][a];
+
+		for (int b = 0; b < a; b++) {
+			for (int k = 0; k < b; k++)
+				factor[a][b] -= factor[a][k] * factor[b][k];
+			factor[a][b] *= factor[b][b];
+			rest -= factor[a][b] * factor[a][b];
+			for (int k = 0; k < length; k++)
+				own[k] -= (float)factor[a][b] * columns[b * length + k];
+		}
+		/* the diagonal is inverted */
+		factor[a][a] = rest > LEAST_REST * factor[a][a] ? 1 / sqrt(rest) : 0;
+		for (int k = 0; k < length; k++)
+			own[k] *= (float)factor[a][a];
+	}
 }
 
 /*
@@ -177,7 +216,9 @@ static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 	for (int i = 0; i < count * rows; i++)
 		s->right[i] = random_next(&random) - 0.5F;
 	for (int round = 0; round < ROUNDS; round++) {
-		rank_orthonormalise(s->right, rows, count);
+		/* random numbers are nearly orthogonal */
+		if (round)
+			rank_orthonormalise(s->right, rows, count);
 		cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, k, count, rows, 1, s->coarse,
 			    rows, s->right, rows, 0, s->left, k);
 		rank_orthonormalise(s->left, k, count);
