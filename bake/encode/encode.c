@@ -162,14 +162,9 @@ static int build_part(struct encoder *e, int tile, int k)
 	struct allowance *allowance = &e->allowance[k];
 	int err = 0;
 
-	profile_enter(PROFILE_LIMITS);
-	part_limit(&e->part[k], &e->settings, &e->levels);
-	if (!allowance->chosen) {
-		err = fit_begin(&e->fit[k], &e->part[k]);
-		if (!err)
-			err = choose_ranks(&e->choose, &e->fit[k], &e->shade, &allowance->asked);
-		allowance->chosen = true;
-	}
+	if (!allowance->chosen)
+		err = choose_ranks(&e->choose, &e->fit[k], &e->shade, &allowance->asked);
+	allowance->chosen = true;
 	if (err)
 		return err;
 	profile_enter(PROFILE_COLUMNS);
@@ -246,6 +241,26 @@ static void try_watched(struct encoder *e)
 	}
 }
 
+static void encoder_limit(struct encoder *e)
+{
+	profile_enter(PROFILE_LIMITS);
+	for (int k = 0; k < e->parts; k++)
+		part_limit(&e->part[k], &e->settings, &e->levels);
+}
+
+/* What is the same for all attempts: exposures, and what mono and colour are. */
+static int encoder_begin(struct encoder *e)
+{
+	int err = 0;
+
+	shade_set(&e->shade, &e->settings, e->part, e->parts);
+	parts_expose(e->part, e->parts, &e->settings);
+	encoder_limit(e);
+	for (int k = 0; k < e->parts && !err; k++)
+		err = fit_begin(&e->fit[k], &e->part[k]);
+	return err;
+}
+
 /* The measured errors decide. Where no attempt holds what is asked for, one that asks for too much
  * may be far worse than those before it: the nearest is taken. */
 static int build_until_held(struct encoder *e, int tile, const uint16_t *coverage,
@@ -253,12 +268,11 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 {
 	const struct allowed allowed = {e->part,  e->fit,	e->allowance,
 					e->parts, &e->settings, &e->shade};
-	int *first = calloc((size_t)e->parts + 1, sizeof(*first)), err = first ? 0 : -ENOMEM;
+	int *first = calloc((size_t)e->parts + 1, sizeof(*first));
+	int err = first ? encoder_begin(e) : -ENOMEM;
 	double nearest = INFINITY;
 
 	allow_all(&allowed);
-	shade_set(&e->shade, &e->settings, e->part, e->parts);
-	parts_expose(e->part, e->parts, &e->settings);
 	for (int k = 0; k < ATTEMPTS && !err; k++) {
 		struct encode_result own = *result;
 		double worst;
@@ -277,7 +291,8 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		}
 		if (err || worst <= 1)
 			break;
-		allow_less(&allowed, &e->measure, k);
+		allow_less(&allowed, &e->measure);
+		encoder_limit(e);
 		try_watched(e);
 	}
 	free(first);

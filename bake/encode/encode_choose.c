@@ -510,7 +510,7 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 		 const struct encode_target *asked)
 {
 	struct estimate best;
-	int err, before;
+	int err = 0, before;
 
 	profile_enter(PROFILE_SKIES);
 	s->shade = shade;
@@ -522,7 +522,8 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 	best = estimate_ranks(s, fit, 0, 0, LEAST_COST);
 	if (best.excess > 1) {
 		profile_enter(PROFILE_BASIS);
-		err = fit_find(fit);
+		if (!fit->found)
+			err = fit_find(fit);
 		if (err)
 			return err;
 		profile_enter(PROFILE_SKIES);

@@ -169,7 +169,7 @@ int fit_begin(struct fit *fit, const struct part *part)
 	fit->mono = part->channels == 1 || part->kind == BASIS_KIND_T ||
 		    (part->kind == BASIS_KIND_V && part->direct && part->direct_channels == 1);
 	fit->colour = part->channels == 3;
-	fit->tinted = false;
+	fit->tinted = fit->found = false;
 	fit->mono_patterns.count = fit->colour_patterns.count = 0;
 	fit->mono_rank = fit->colour_rank = -1;
 	fit->mono_value = fit->colour_value = part->value;
@@ -194,6 +194,7 @@ int fit_find(struct fit *fit)
 
 	if (err)
 		return err;
+	fit->found = true;
 	if (fit->mono)
 		rank_find(&fit->mono_patterns, &fit->finder, fit->mono_value, pixels, RANK_MOST);
 	if (fit->colour)

@@ -14,6 +14,7 @@ struct fit {
 	const struct part *part;
 	bool mono, colour; /* which of the two exist */
 	bool tinted;
+	bool found; /* the patterns */
 	uint16_t tint[3][PART_PIXELS];
 	float tint_share[3][PART_PIXELS]; /* tint / 2^15; 1 where there is no tint */
 	const float *mono_value;	  /* [lights][pixels] */
@@ -32,7 +33,7 @@ struct fit {
 int fit_create(struct fit *fit, const struct encode_settings *settings);
 void fit_free(struct fit *fit); /* zeroed is fine */
 
-/* Splits a part in mono and colour. -ENOMEM. */
+/* Splits a part in mono and colour, by its weights. -ENOMEM. */
 int fit_begin(struct fit *fit, const struct part *part);
 
 /* Finds the patterns that leave the least weighted squared error. -EDOM: weights are not finite. */
