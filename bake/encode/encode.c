@@ -168,7 +168,7 @@ static int build_part(struct encoder *e, int tile, int k)
 	if (err)
 		return err;
 	profile_enter(PROFILE_COLUMNS);
-	columns_find(&e->columns, &e->fit[k], allowance->short_share, allowance->wide_groups);
+	columns_find(&e->columns, &e->fit[k], allowance->short_share);
 	profile_enter(PROFILE_WRITE);
 	return block_build(&e->shown, &e->fit[k], &e->columns, tile);
 }

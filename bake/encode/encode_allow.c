@@ -81,21 +81,14 @@ static bool allow_lamps_less(const struct allowed *a, const struct measure *m)
 	return any;
 }
 
-/* At first only the columns of groups become finer. Then short lines use up less, and ranks are
- * chosen again: of the part that was expected to be off by most, so that what it was expected to be
+/* Short lines use up less, and ranks are chosen again: of the part that was expected to be off by most, so that what it was expected to be
  * off by is too much. */
 static void allow_ranks_less(const struct allowed *a, double worst)
 {
 	double most = 0;
-	bool widened = false;
 
-	for (int k = 0; k < a->count; k++) {
-		widened |= a->part[k].share && !a->allowance[k].wide_groups;
-		a->allowance[k].wide_groups = true;
+	for (int k = 0; k < a->count; k++)
 		most = fmax(most, a->fit[k].excess);
-	}
-	if (widened)
-		return;
 	for (int k = 0; k < a->count; k++) {
 		struct allowance *own = &a->allowance[k];
 		double by = TIGHTER / worst;

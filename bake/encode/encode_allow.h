@@ -11,7 +11,6 @@
 struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */
 	float short_share;	    /* of columns_find() */
-	bool wide_groups;	    /* the same */
 	bool chosen;		    /* the ranks stay as they are */
 	int lamps;		    /* how often only the limits of a few lights were narrowed */
 };

@@ -23,8 +23,8 @@
 /* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
  * dim, but not a thousand times dimmer than white, not so much. */
 #define ALONE 1.01
-/* Largest reach of a group's column of 8 bits; rounding would exceed a quarter of the cut
- * beyond. */
+/* Largest reach of a group's column of 8 bits, times the share of the cut: beyond it rounding would
+ * exceed a quarter of the block's cut. */
 #define GROUP_NARROW 1.0
 #define LIGHT_COLUMNS_MAX 2
 
@@ -398,9 +398,10 @@ static int group_sum(const struct columns *columns, int lights, const struct fit
 }
 
 /* A group's column has 8 bits, whatever its lights need, as its light is never large
- * (BASIS_GROUP_MOST); 16 where it reaches beyond GROUP_NARROW, as that of a mirror does. */
+ * (BASIS_GROUP_MOST); 16 where it reaches beyond GROUP_NARROW, as that of a mirror does, or
+ * where the block's cut is fine. */
 static void group_column(struct columns *columns, int lights, const struct fit *fit, int channels,
-			 int group, bool wide)
+			 int group)
 {
 	const struct part *part = fit->part;
 	const int count = channels * part->pixels;
@@ -416,13 +417,12 @@ static void group_column(struct columns *columns, int lights, const struct fit *
 	if (fit->cut_share < 1)
 		largest = fmin(fmax(largest, reach), REACH_LIMIT);
 	column = columns_add(columns, fit->settings->lights + group, channels,
-			     largest > (wide ? fit->cut_share : 1) * GROUP_NARROW ? 16 : 8, false);
+			     largest > fit->cut_share * GROUP_NARROW ? 16 : 8, false);
 	column_nearest(column, value, count, largest);
 	column_measure(column, part->pixels);
 }
 
-void columns_find(struct columns *columns, const struct fit *fit, float short_share,
-		  bool wide_groups)
+void columns_find(struct columns *columns, const struct fit *fit, float short_share)
 {
 	const int groups = fit->part->share ? fit->settings->groups->count : 0;
 	int lights;
@@ -433,5 +433,5 @@ void columns_find(struct columns *columns, const struct fit *fit, float short_sh
 	lights = columns->count;
 	for (int group = 0; group < groups; group++)
 		for (int channels = 1; channels <= 3; channels += 2)
-			group_column(columns, lights, fit, channels, group, wide_groups);
+			group_column(columns, lights, fit, channels, group);
 }

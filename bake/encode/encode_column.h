@@ -43,10 +43,8 @@ void columns_free(struct columns *columns); /* zeroed is fine */
 /*
  * Finds the columns that a fit needs at its ranks: none for a light whose residual is within its
  * limits, else the cheapest that bring it there, or the finest. short_share: the share of a
- * residual's limit that values of short lines may use up, 0..1; 0: no short lines. wide_groups:
- * columns of groups have 16 bits where the block's cut is too fine for the steps of 8.
+ * residual's limit that values of short lines may use up, 0..1; 0: no short lines.
  */
-void columns_find(struct columns *columns, const struct fit *fit, float short_share,
-		  bool wide_groups);
+void columns_find(struct columns *columns, const struct fit *fit, float short_share);
 
 #endif
