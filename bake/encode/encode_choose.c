@@ -124,10 +124,9 @@ static bool is_mono(const struct fit *fit, const float *left, const float *tight
 }
 
 /* Bytes of a column of 8 bits, and of a second one where its steps are too coarse for the limits.
- * miss, size: the largest of each line, times what it may be off by, and as it is. */
-static float estimate_bytes(const struct part *part, const float *tight,
-			    const struct estimate_column *column, float (*miss)[PANELS],
-			    float (*size)[PANELS])
+ * miss: the largest value of each line over what it may be off by. */
+static float estimate_bytes(const struct part *part, const float *left, const float *tight,
+			    const struct estimate_column *column, float (*miss)[PANELS])
 {
 	const float half_step = column->reach / (2 * INT8_MAX);
 	const int channels = column->mono ? 1 : part->channels;
@@ -136,16 +135,17 @@ static float estimate_bytes(const struct part *part, const float *tight,
 
 	for (int k = 0; k < basis_panels8(part->pixels); k++)
 		for (int c = 0; c < channels; c++) {
-			struct part_line at;
 			float own = 0, rest = 0, steps = 0;
 
 			/* a column of one channel has to do for all of them */
 			for (int d = c; d < (column->mono ? part->channels : c + 1); d++) {
-				at = line_at(part, d, k);
+				const struct part_line at = line_at(part, d, k);
+
 				own = larger(own, miss[d][k]);
 				rest = larger(rest,
 					      half_step * part_largest(tight + at.first, at.count));
-				steps = larger(steps, size[d][k] / half_step);
+				steps = larger(steps, part_magnitude(left + at.first, at.count) /
+							      half_step);
 			}
 			most = larger(most, rest);
 			first += line_estimate(own);
@@ -161,7 +161,7 @@ static float estimate_light(const struct fit *fit, int light, struct estimate_co
 	const struct part *part = fit->part;
 	const size_t first = (size_t)light * (size_t)part->rows;
 	const float *left = fit->left + first, *tight = part->tight + first;
-	float miss[3][PANELS], size[3][PANELS], most = 0;
+	float miss[3][PANELS], most = 0;
 
 	for (int c = 0; c < part->channels; c++)
 		for (int k = 0; k < basis_panels8(part->pixels); k++) {
@@ -172,16 +172,9 @@ static float estimate_light(const struct fit *fit, int light, struct estimate_co
 		}
 	if (most <= 1)
 		return 0;
-	column->reach = 0;
-	for (int c = 0; c < part->channels; c++)
-		for (int k = 0; k < basis_panels8(part->pixels); k++) {
-			const struct part_line at = line_at(part, c, k);
-
-			size[c][k] = part_magnitude(left + at.first, at.count);
-			column->reach = larger(column->reach, size[c][k]);
-		}
+	column->reach = part_magnitude(left, part->rows);
 	column->mono = is_mono(fit, left, tight);
-	return estimate_bytes(part, tight, column, miss, size);
+	return estimate_bytes(part, left, tight, column, miss);
 }
 
 static double pattern_bytes(const struct choose *s, const struct part *part, bool mono, int rank)

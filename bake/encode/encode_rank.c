@@ -161,21 +161,6 @@ static float rank_normalise(float *value, size_t count)
 	return most;
 }
 
-static double rank_dot(const float *a, const float *b, int length)
-{
-	double lane[LANES] = {0}, sum = 0;
-	int k = 0;
-
-	for (; k + LANES <= length; k += LANES)
-		for (int n = 0; n < LANES; n++)
-			lane[n] += (double)a[k + n] * (double)b[k + n];
-	for (; k < length; k++)
-		sum += (double)a[k] * (double)b[k];
-	for (int n = 0; n < LANES; n++)
-		sum += lane[n];
-	return sum;
-}
-
 /* Orthonormal columns of the same span, by the Cholesky factor L of their products, Q = A L^-T. The
  * factor is in double precision, as squares need twice the digits. A column becomes 0 where what it has
  * beside those before it is lost in rounding. */
@@ -185,7 +170,8 @@ static void rank_orthonormalise(float *columns, int length, int count)
 
 	for (int a = 0; a < count; a++)
 		for (int b = 0; b <= a; b++)
-			factor[a][b] = rank_dot(columns + a * length, columns + b * length, length);
+			factor[a][b] = cblas_dsdot(length, columns + a * length, 1,
+						   columns + b * length, 1);
 	for (int a = 0; a < count; a++) {
 		float *own = columns + a * length;
 		double rest = factor[a][a];
