@@ -73,13 +73,13 @@ BAKE_SOURCES := \
 	bake/report/report_thesis.c \
 	bake/report/report_together.c \
 	bake/report/report_trial.c \
-	bake/scene/fine_list.c \
 	bake/scene/keyframes.c \
 	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
-	bake/scene/sky_command.c \
-	bake/scene/sky_parts.c \
+	bake/sky/fine_list.c \
+	bake/sky/sky_command.c \
+	bake/sky/sky_parts.c \
 	bake/tiles/assembly.c \
 	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \

@@ -3,8 +3,8 @@
 #ifndef INLAY_BAKE_SCENE_SCENE_H
 #define INLAY_BAKE_SCENE_SCENE_H
 
-#include "bake/scene/fine_list.h"
 #include "bake/scene/scene_file.h"
+#include "bake/sky/fine_list.h"
 #include "bake/trace/world.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/tsai.h"

@@ -9,8 +9,8 @@
  * horizon; the radius in degrees; the dome's frequency there. A file has one part a line and remarks
  * after #; in a text parts are separated by commas.
  */
-#ifndef INLAY_BAKE_SCENE_FINE_LIST_H
-#define INLAY_BAKE_SCENE_FINE_LIST_H
+#ifndef INLAY_BAKE_SKY_FINE_LIST_H
+#define INLAY_BAKE_SKY_FINE_LIST_H
 
 #include <stdio.h>
 

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 #include "bake/base/commands.h"
-#include "bake/scene/fine_list.h"
-#include "bake/scene/sky_parts.h"
+#include "bake/sky/fine_list.h"
+#include "bake/sky/sky_parts.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/scene/sky_parts.h"
+#include "bake/sky/sky_parts.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/scene/fine_list.h"
+#include "bake/sky/fine_list.h"
 
 #include <ctype.h>
 #include <errno.h>

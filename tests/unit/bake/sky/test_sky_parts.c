@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/scene/fine_list.h"
-#include "bake/scene/sky_parts.h"
+#include "bake/sky/fine_list.h"
+#include "bake/sky/sky_parts.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
 

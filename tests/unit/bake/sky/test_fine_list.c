@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "bake/scene/fine_list.h"
+#include "bake/sky/fine_list.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
 

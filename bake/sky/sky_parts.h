@@ -11,8 +11,8 @@
  * dome's nodes. A cell of the base dome is divided where that lessens m by enough, and those cells
  * come first where it does so by the most for each light.
  */
-#ifndef INLAY_BAKE_SCENE_SKY_PARTS_H
-#define INLAY_BAKE_SCENE_SKY_PARTS_H
+#ifndef INLAY_BAKE_SKY_SKY_PARTS_H
+#define INLAY_BAKE_SKY_SKY_PARTS_H
 
 #include <stdbool.h>
 
