@@ -79,7 +79,10 @@ BAKE_SOURCES := \
 	bake/scene/scene_file.c \
 	bake/sky/fine_list.c \
 	bake/sky/sky_command.c \
+	bake/sky/sky_eye.c \
+	bake/sky/sky_need.c \
 	bake/sky/sky_parts.c \
+	bake/sky/sun.c \
 	bake/tiles/assembly.c \
 	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \

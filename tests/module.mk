@@ -90,7 +90,9 @@ UNIT_TESTS := \
 	tests/unit/bake/scene/test_keyframes.c \
 	tests/unit/bake/scene/test_scene.c \
 	tests/unit/bake/sky/test_fine_list.c \
+	tests/unit/bake/sky/test_sky_eye.c \
 	tests/unit/bake/sky/test_sky_parts.c \
+	tests/unit/bake/sky/test_sun.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/tiles/test_shard.c \
 	tests/unit/bake/trace/test_bake_bounce.c \

@@ -1,31 +1,95 @@
 /* SPDX-License-Identifier: MIT */
-/* inlay-bake sky: the parts of a dome that should be finer under a panorama. */
+/* inlay-bake sky: the parts of a dome that should be finer under a sky. */
+#include <errno.h>
 #include <getopt.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bake/base/commands.h"
-#include "bake/sky/fine_list.h"
+#include "bake/sky/sky_eye.h"
 #include "bake/sky/sky_parts.h"
+#include "bake/sky/sun.h"
 #include "hal/base/log.h"
+#include "hal/base/number.h"
 #include "hal/base/output.h"
+#include "hal/colour/response.h"
 
-enum { FREQUENCY = 1, TURN, MOST };
+enum { FREQUENCY = 1, TURN, MOST, FISHEYE, LIGHT, TRANSFER, TIMES, SUN, NORTH, DATES, HOURS };
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
 	{"frequency", required_argument, NULL, FREQUENCY},
 	{"turn", required_argument, NULL, TURN},
 	{"most", required_argument, NULL, MOST},
+	{"fisheye", required_argument, NULL, FISHEYE},
+	{"light", required_argument, NULL, LIGHT},
+	{"transfer", required_argument, NULL, TRANSFER},
+	{"times", required_argument, NULL, TIMES},
+	{"sun", required_argument, NULL, SUN},
+	{"north", required_argument, NULL, NORTH},
+	{"dates", required_argument, NULL, DATES},
+	{"hours", required_argument, NULL, HOURS},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
 
 struct sky_choices {
-	const char *output;
-	int frequency, most;
+	const char *output, *lens, *light;
+	char **file;
+	int files;
+	int frequency, most, transfer, times;
+	double time[EXPOSURES_MAX];
 	double turn_deg;
+	bool sun, north, sun_only; /* sun_only: an option that is about the sun was given */
+	struct sun_path path;
 };
+
+static int read_dates(struct sun_path *path, struct fault *fault)
+{
+	int end = -1;
+
+	(void)sscanf(optarg, "%2d-%2d..%2d-%2d%n", &path->from.month, &path->from.day,
+		     &path->to.month, &path->to.day, &end);
+	if (end < 0 || optarg[end] || sun_day(path->from) < 0 || sun_day(path->to) < 0)
+		return fault_say(fault, -EINVAL,
+				 "--dates: is \"%s\", expected month-day..month-day, such as "
+				 "04-01..09-30",
+				 optarg);
+	return 0;
+}
+
+static int read_hours(struct sun_path *path, struct fault *fault)
+{
+	const char *dots = strstr(optarg, "..");
+	char first[32];
+
+	snprintf(first, sizeof(first), "%.*s", dots ? (int)(dots - optarg) : 0, optarg);
+	if (!number_of(first, &path->hours[0]) && !number_of(dots + 2, &path->hours[1]) &&
+	    path->hours[0] >= 0 && path->hours[0] < path->hours[1] && path->hours[1] <= 24)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "--hours: is \"%s\", expected hours..hours of one day, such as 8..17.5",
+			 optarg);
+}
+
+static int take_sun(struct sky_choices *c, int option, struct fault *fault)
+{
+	c->sun_only = true;
+	switch (option) {
+	case SUN:
+		c->sun = true;
+		return option_real("--sun", optarg, -90, 90, &c->path.latitude_deg, fault);
+	case NORTH:
+		c->north = true;
+		return option_real("--north", optarg, -360, 360, &c->path.north_deg, fault);
+	case DATES:
+		return read_dates(&c->path, fault);
+	default:
+		return read_hours(&c->path, fault);
+	}
+}
 
 static int sky_command_take(void *choices, int option, struct fault *fault)
 {
@@ -39,66 +103,154 @@ static int sky_command_take(void *choices, int option, struct fault *fault)
 		return option_real("--turn", optarg, -360, 360, &c->turn_deg, fault);
 	case MOST:
 		return option_int("--most", optarg, 1, DOME_LIGHTS_MAX, &c->most, fault);
-	default:
+	case TRANSFER:
+		return option_choice("--transfer", optarg, transfer_names, &c->transfer, fault);
+	case TIMES:
+		c->times = option_reals("--times", optarg, 1, EXPOSURES_MAX, 0, 1e12, c->time,
+					fault);
+		return c->times < 0 ? c->times : 0;
+	case FISHEYE:
+		c->lens = optarg;
+		return 0;
+	case LIGHT:
+		c->light = optarg;
+		return 0;
+	case 'o':
 		c->output = optarg;
 		return 0;
+	default:
+		return take_sun(c, option, fault);
 	}
 }
 
-static int write_parts(const struct sky_choices *c, const char *path, const struct sky_parts *parts,
-		       struct fault *fault)
-{
-	struct output out;
-	const int err = output_open(&out, c->output, fault);
-
-	if (err)
-		return err;
-	fprintf(out.stream, "# %s", path);
-	if (c->turn_deg != 0)
-		fprintf(out.stream, ", turned by %g degrees", c->turn_deg);
-	fprintf(out.stream, ": %d lights, with frequency %d elsewhere\n", parts->lights,
-		c->frequency);
-	for (int k = 0; k < parts->count; k++)
-		fine_list_write(out.stream, &parts->part[k]);
-	return output_commit(&out, fault);
-}
-
-static int run_sky(const struct sky_choices *c, const char *path, struct fault *fault)
+static int add_panorama(struct sky_need *need, const struct sky_choices *c, struct fault *fault)
 {
 	struct image picture = {.width = 0};
-	struct panorama panorama = {
+	const struct panorama panorama = {
 		.image = &picture, .turn_rad = c->turn_deg * (M_PI / 180), .scale = 1};
-	struct sky_parts parts = {.count = 0};
-	int err = output_check(&c->output, 1, &path, 1, fault);
+	const int err = panorama_read(&picture, c->file[0], fault);
 
 	if (!err)
-		err = panorama_read(&picture, path, fault);
-	if (!err)
-		err = sky_parts_choose(&parts, &panorama, c->frequency, c->most, fault);
-	if (!err)
-		err = write_parts(c, path, &parts, fault);
-	if (!err && parts.limited)
-		log_info("%s: would be finer with more than %d lights", c->output, c->most);
-	else if (!err && !parts.count)
-		log_info("%s: no light is strong and small: a whole dome does", c->output);
-	sky_parts_free(&parts);
+		sky_need_add_panorama(need, &panorama);
 	image_free(&picture);
 	return err;
 }
 
+/* Adds the fisheye's pictures, the longest exposure first. */
+static int add_fisheye(struct sky_need *need, const struct sky_choices *c, struct fault *fault)
+{
+	struct sky_eye_settings settings = {.exposures = c->files};
+	struct ini_report report = {.count = 0};
+	struct response measured;
+	double time[EXPOSURES_MAX];
+	char *path[EXPOSURES_MAX];
+	int err = sky_eye_lens(&settings.lens, c->lens, fault);
+
+	if (err)
+		return err;
+	response_begin(&measured);
+	if (c->light && response_read(&measured, c->light, &report))
+		return fault_say(fault, -EINVAL, "%s", report.first.text);
+	settings.curve = response_curve(&measured, (enum transfer)c->transfer, 0);
+	for (int k = 0; k < c->files; k++) {
+		int at = k;
+
+		for (; at > 0 && time[at - 1] < c->time[k]; at--) {
+			time[at] = time[at - 1];
+			path[at] = path[at - 1];
+		}
+		time[at] = c->time[k];
+		path[at] = c->file[k];
+	}
+	for (int k = 0; k < c->files; k++)
+		settings.ratio[k] = k ? time[k] / time[0] : 1;
+	return sky_need_add_pictures(need, &settings, path, fault);
+}
+
+/* Where the light is from, for the list's first line. */
+static void say_source(const struct sky_choices *c, char *text, size_t room)
+{
+	int length = 0;
+
+	for (int k = 0; k < c->files && (size_t)length < room; k++)
+		length += snprintf(text + length, room - (size_t)length, "%s%s", k ? ", " : "",
+				   c->file[k]);
+	if (c->turn_deg != 0 && (size_t)length < room)
+		length += snprintf(text + length, room - (size_t)length, ", turned by %g degrees",
+				   c->turn_deg);
+	if (c->sun && (size_t)length < room)
+		snprintf(text + length, room - (size_t)length,
+			 "%ssun at latitude %g, %02d-%02d..%02d-%02d", c->files ? ", " : "",
+			 c->path.latitude_deg, c->path.from.month, c->path.from.day,
+			 c->path.to.month, c->path.to.day);
+}
+
+static int run_sky(const struct sky_choices *c, struct fault *fault)
+{
+	struct sky_need need = {.levels = 0};
+	char what[1024] = "";
+	int err = output_check(&c->output, 1, (const char *const *)c->file, c->files, fault);
+
+	if (!err)
+		err = sky_need_create(&need, c->frequency, fault);
+	if (!err && c->lens)
+		err = add_fisheye(&need, c, fault);
+	else if (!err && c->files)
+		err = add_panorama(&need, c, fault);
+	if (!err && c->sun && !sky_need_add_sun(&need, &c->path))
+		err = fault_say(fault, -EINVAL,
+				"--sun: it is below the horizon at all these dates and hours");
+	say_source(c, what, sizeof(what));
+	if (!err)
+		err = sky_parts_write(&need, c->most, what, c->output, fault);
+	sky_need_free(&need);
+	return err;
+}
+
+/* What is wrong with the options, or NULL. */
+static const char *sky_wrong(const struct sky_choices *c)
+{
+	if (!c->lens && (c->light || c->times || c->transfer))
+		return "--light, --times and --transfer go with --fisheye";
+	if (c->lens && c->turn_deg != 0)
+		return "--turn goes with a panorama; a fisheye is turned by its lens file";
+	if (c->lens && !c->files)
+		return "expected pictures of the fisheye";
+	if (c->lens && c->files > 1 && c->times != c->files)
+		return "expected as many --times as pictures, 5 at most";
+	for (int k = 0; k < c->times; k++)
+		for (int other = 0; other < k; other++)
+			if (!(c->time[k] > 0 && c->time[other] > 0) || c->time[k] == c->time[other])
+				return "--times: expected exposures above 0, each another one";
+	if (!c->lens && c->files != 1 && !(c->sun && !c->files))
+		return "expected one panorama";
+	if (c->sun_only && !c->sun)
+		return "--north, --dates and --hours go with --sun";
+	if (c->sun && !c->north)
+		return "--north is missing";
+	return c->output ? NULL : "-o FINE is missing";
+}
+
 static int sky_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct sky_choices c = {.frequency = 9, .most = 1000};
+	struct sky_choices c = {
+		.frequency = 9,
+		.most = 1000,
+		.time = {1},
+		.path = {.from = {1, 1}, .to = {12, 31}, .hours = {0, 24}},
+	};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, sky_command_take, &c);
+	const char *wrong;
 
 	if (status != COMMAND_GOES_ON)
 		return status;
-	if (optind + 1 != argc)
-		return command_wrong(command, "expected one panorama");
-	if (!c.output)
-		return command_wrong(command, "-o FINE is missing");
-	if (run_sky(&c, argv[optind], &fault) < 0) {
+	c.file = argv + optind;
+	c.files = argc - optind;
+	wrong = sky_wrong(&c);
+	if (wrong)
+		return command_wrong(command, "%s", wrong);
+	if (run_sky(&c, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
@@ -107,12 +259,25 @@ static int sky_command_run(const struct bake_command *command, int argc, char **
 
 const struct bake_command sky_command = {
 	.name = "sky",
-	.usage = "PANORAMA [--frequency F] [--turn DEG] [--most N] -o FINE",
-	.summary = "choose where lights should be finer under a panorama",
+	.usage = "[PANORAMA | PICTURES --fisheye EYE.ini] [--sun LATITUDE --north DEG] [options] "
+		 "-o FINE",
+	.summary = "choose where lights should be finer under a sky",
 	.help = "\n"
 		"  -o FINE         the list of parts, for \"fine\" in [dome] and for --fine\n"
 		"  --frequency F   of the dome elsewhere, 1 to 36; 9\n"
-		"  --turn DEG      turn the panorama about the vertical, counter-clockwise\n"
-		"  --most N        lights in all; 1000\n",
+		"  --most N        lights in all; 1000\n"
+		"  --turn DEG      turn the panorama about the vertical, counter-clockwise\n\n"
+		"PICTURES are upright pictures of a calibrated fisheye: one in linear light, or\n"
+		"8-bit ones of one scene in different exposures. What all of them clip is a lamp.\n"
+		"  --fisheye EYE.ini   its lens, as inlay-calibrate fisheye writes it\n"
+		"  --times T,T,...     exposure of each, in any unit\n"
+		"  --light LIGHT.ini   response and black level, as inlay-calibrate light writes "
+		"them\n"
+		"  --transfer T        where they are not measured; srgb\n\n"
+		"Parts that the sun passes, with a picture or alone:\n"
+		"  --sun LATITUDE      of the place, in degrees; south is negative\n"
+		"  --north DEG         where north is in the scene: from +X towards +Y\n"
+		"  --dates A..B        month-day, such as 04-01..09-30; the whole year\n"
+		"  --hours A..B        true solar time, noon is 12; all day\n",
 	.run = sky_command_run,
 };

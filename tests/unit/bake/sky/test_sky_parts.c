@@ -72,13 +72,24 @@ static void add_disc(int cell, double aside_deg, double diameter_deg, float radi
 	add_disc_at(middle, diameter_deg, radiance);
 }
 
-static struct sky_parts choose(int most)
+static int choose_under(const struct panorama *sky, int most, struct sky_parts *parts)
 {
 	struct fault fault = {.text = ""};
+	struct sky_need need;
+	int err;
+
+	expect_success(sky_need_create(&need, FREQUENCY, &fault), &fault);
+	sky_need_add_panorama(&need, sky);
+	err = sky_parts_choose(parts, &need, most, &fault);
+	sky_need_free(&need);
+	return err;
+}
+
+static struct sky_parts choose(int most)
+{
 	struct sky_parts parts;
 
-	if (sky_parts_choose(&parts, &panorama, FREQUENCY, most, &fault))
-		fail_msg("%s", fault.text);
+	assert_int_equal(choose_under(&panorama, most, &parts), 0);
 	return parts;
 }
 
@@ -183,14 +194,13 @@ static void test_sun_at_a_border(void **state)
 static void test_turn_turns_parts(void **state)
 {
 	struct panorama turned = panorama;
-	struct fault fault = {.text = ""};
 	struct sky_parts parts;
 	double sun[3], to[3];
 
 	(void)state;
 	add_disc(100, 1, 0.5, 20000, sun);
 	turned.turn_rad = 72 * DEGREE; /* the dome's own symmetry */
-	assert_int_equal(sky_parts_choose(&parts, &turned, FREQUENCY, 1000, &fault), 0);
+	assert_int_equal(choose_under(&turned, 1000, &parts), 0);
 	to[0] = cos(turned.turn_rad) * sun[0] - sin(turned.turn_rad) * sun[1];
 	to[1] = sin(turned.turn_rad) * sun[0] + cos(turned.turn_rad) * sun[1];
 	to[2] = sun[2];
@@ -221,7 +231,6 @@ static void test_two_lamps_are_two_parts(void **state)
 
 static void test_limit_of_lights_holds(void **state)
 {
-	struct fault fault = {.text = ""};
 	struct sky_parts parts;
 	double unused[3];
 
@@ -237,7 +246,7 @@ static void test_limit_of_lights_holds(void **state)
 	assert_in_range(parts.lights, dome.count + 1, 500);
 	assert_true(frequency_at(&parts, 60) > frequency_at(&parts, 150));
 	sky_parts_free(&parts);
-	assert_int_equal(sky_parts_choose(&parts, &panorama, FREQUENCY, 400, &fault), -E2BIG);
+	assert_int_equal(choose_under(&panorama, 400, &parts), -E2BIG);
 	assert_null(parts.part);
 }
 
