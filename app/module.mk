@@ -43,6 +43,7 @@ APP_SOURCES := \
 	app/kiosk/state.c \
 	app/kiosk/stats.c \
 	app/kiosk/timeline.c \
+	app/pipeline/coarse_lamp.c \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_fade.c \

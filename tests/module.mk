@@ -41,6 +41,7 @@ UNIT_TESTS := \
 	tests/unit/app/kiosk/test_service.c \
 	tests/unit/app/kiosk/test_state.c \
 	tests/unit/app/kiosk/test_timeline.c \
+	tests/unit/app/pipeline/test_coarse_lamp.c \
 	tests/unit/app/pipeline/test_light_config.c \
 	tests/unit/app/pipeline/test_pipeline.c \
 	tests/unit/app/pipeline/test_pipeline_pose.c \

@@ -86,8 +86,10 @@ static bool stands_still(struct kiosk *k, int64_t now)
 
 static void write_stats(struct kiosk *k, int64_t now_ns)
 {
-	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
+	struct pipeline_report report;
 
+	pipeline_find_lamp(k->picture.pipeline);
+	report = pipeline_report(k->picture.pipeline);
 	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
 }
 

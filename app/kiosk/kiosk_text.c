@@ -92,6 +92,9 @@ static void write_information(struct kiosk *k)
 		.clipped = report.clipped,
 		.recovered = report.recovered,
 		.at_bound = report.at_bound,
+		.lamp = report.lamp.there,
+		.lamp_azimuth_deg = report.lamp.azimuth_deg,
+		.lamp_height_deg = report.lamp.height_deg,
 	};
 	char text[OVERLAY_TEXT_MAX];
 

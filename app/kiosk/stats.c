@@ -149,6 +149,15 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 	append(w, "]");
 }
 
+static void append_lamp(struct writing *w, const struct coarse_lamp *lamp)
+{
+	if (lamp->there)
+		append(w, ",\"coarse_lamp\":{\"azimuth\":%.1f,\"height\":%.1f,\"share\":%.3f}",
+		       lamp->azimuth_deg, lamp->height_deg, lamp->share);
+	else
+		append(w, ",\"coarse_lamp\":null");
+}
+
 uint64_t stats_drops(const struct source *sources, int source_count)
 {
 	uint64_t sum = 0;
@@ -185,6 +194,7 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 				  : "yes",
 	       report->exposures, (unsigned long long)report->unfit,
 	       (unsigned long long)stats->lines_lost);
+	append_lamp(&w, &report->lamp);
 	append_cameras(&w, sources, source_count);
 }
 

@@ -262,6 +262,7 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.dropped_error = fmax(fmax(error[0], error[1]), error[2]),
 		.pose = p->choice.pose,
 		.missing = p->missing,
+		.lamp = p->lamp,
 	};
 }
 

@@ -17,6 +17,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "app/pipeline/coarse_lamp.h"
 #include "hal/base/fault.h"
 #include "hal/base/pool.h"
 #include "hal/basis/basis.h"
@@ -97,6 +98,7 @@ struct pipeline_report {
 				 out, in any channel: linear light, 1 is white, gain applied */
 	int pose;	      /* pose in the picture; the first of two */
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
+	struct coarse_lamp lamp; /* as pipeline_find_lamp() saw it last */
 };
 
 /* The basis is borrowed. 0; -EINVAL: the basis's lights are no dome's, or a setting is out of
@@ -145,6 +147,9 @@ int pipeline_light_picture(struct pipeline *pipeline, const struct picture *fish
 int pipeline_light_linear(struct pipeline *pipeline, const struct image *camera,
 			  const struct view *view, struct fault *fault);
 void pipeline_light_given(struct pipeline *pipeline, const float (*radiance)[3]);
+
+/* Looks for a lamp that shines where the dome is coarse; once a second suffices. */
+void pipeline_find_lamp(struct pipeline *pipeline);
 
 /* Adds the light that the fisheye has clipped to the light just measured, by the patch of ground in
  * background, the upright view of about the same time. Does nothing where nothing is clipped or

@@ -293,6 +293,12 @@ void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
 	p->lit = true;
 }
 
+void pipeline_find_lamp(struct pipeline *p)
+{
+	if (p->lit)
+		coarse_lamp_find(&p->lamp, &p->dome, (const float(*)[3])p->radiance);
+}
+
 void pipeline_follow(struct pipeline *p, int64_t captured_ns)
 {
 	light_filter_run(p->filter, captured_ns, p->settings.follow_ns, p->radiance);

@@ -36,6 +36,7 @@ struct pipeline {
 	float (*radiance)[3]; /* [basis lights]: measured, recovered and filtered */
 	bool lit;	      /* radiance has been measured or given */
 	double clipped;	      /* share of the sky's solid angle clipped in every exposure */
+	struct coarse_lamp lamp;
 
 	/* pipeline_ground.c: what clips, found on the ground */
 	struct ground *ground; /* NULL: no patch */

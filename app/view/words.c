@@ -79,17 +79,25 @@ static const char *say_share(char *text, size_t room, double share)
 int words_information(char *text, size_t room, const struct words_figures *f)
 {
 	const double rounded = f->percent ? 100 : 10;
-	char whole[512], error[32], clipped[32];
+	char whole[768], error[32], clipped[32], lamp[128] = "";
+
+	if (f->lamp)
+		snprintf(lamp, sizeof(lamp),
+			 " · lamp at azimuth %.0f°, height %.0f°: shadow too soft, the dome is "
+			 "coarse "
+			 "there",
+			 f->lamp_azimuth_deg, f->lamp_height_deg);
 
 	snprintf(whole, sizeof(whole),
 		 "lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · "
-		 "latency %.0f ms · %llu dropped · sky clipped %s%s",
+		 "latency %.0f ms · %llu dropped · sky clipped %s%s%s",
 		 f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
 		 f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
 		 f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
 		 say_share(clipped, sizeof(clipped), f->clipped),
 		 !f->recovered ? ""
 		 : f->at_bound ? ", recovered in part"
-			       : ", recovered");
+			       : ", recovered",
+		 lamp);
 	return copy_whole(text, room, whole);
 }

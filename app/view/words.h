@@ -32,10 +32,13 @@ struct words_figures {
 	double clipped;	   /* share of the sky, 0..1 */
 	bool recovered;	   /* the clipped light has been added */
 	bool at_bound;	   /* but a bound cut it */
+	bool lamp;	   /* one shines where the dome is coarse */
+	double lamp_azimuth_deg, lamp_height_deg;
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". */
+ * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it ends in " · lamp at azimuth
+ * 134°, height 22°: shadow too soft, the dome is coarse there". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

@@ -221,12 +221,12 @@ static void lines_say_what_was_counted(void **state)
 {
 	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
 	int file = mkstemp(path);
-	const struct pipeline_report report = {.clipped = 0.25,
-					       .exposures = 1,
-					       .threshold = {.value = 33.5},
-					       .lights = 406,
-					       .lights_used = 32,
-					       .dropped_error = 0.003};
+	struct pipeline_report report = {.clipped = 0.25,
+					 .exposures = 1,
+					 .threshold = {.value = 33.5},
+					 .lights = 406,
+					 .lights_used = 32,
+					 .dropped_error = 0.003};
 	struct source source = {.settings = {.name = "sky"},
 				.superseded = 2,
 				.undecodable = 1,
@@ -250,6 +250,8 @@ static void lines_say_what_was_counted(void **state)
 	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
 	source.situation = CAMERA_STALLED;
+	report.lamp = (struct coarse_lamp){
+		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
@@ -267,7 +269,7 @@ static void lines_say_what_was_counted(void **state)
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-		"\"lines_lost\":0,\"cameras\":"
+		"\"lines_lost\":0,\"coarse_lamp\":null,\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"fine\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
 		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
@@ -277,7 +279,8 @@ static void lines_say_what_was_counted(void **state)
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-		"\"lines_lost\":0,\"cameras\":"
+		"\"lines_lost\":0,"
+		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\","
 		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
 }

@@ -140,9 +140,15 @@ static void long_names_and_little_room(void **state)
 
 static void figures(void **state)
 {
-	struct words_figures f = {212,	406, 32,    false, 0.0137, 29.94,
-				  38.2, 12,  0.003, false, false};
-	char text[256];
+	struct words_figures f = {.lights_used = 212,
+				  .lights = 406,
+				  .threshold = 32,
+				  .error = 0.0137,
+				  .frames_a_second = 29.94,
+				  .latency_ms = 38.2,
+				  .drops = 12,
+				  .clipped = 0.003};
+	char text[512];
 	int length = words_information(text, sizeof(text), &f);
 
 	(void)state;
@@ -169,6 +175,15 @@ static void figures(void **state)
 	f.at_bound = true;
 	words_information(text, sizeof(text), &f);
 	assert_string_equal(strstr(text, "clipped"), "clipped < 0.1 %, recovered in part");
+	f.lamp = true;
+	f.lamp_azimuth_deg = 134.4;
+	f.lamp_height_deg = 21.6;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(
+		strstr(text, " · lamp"),
+		" · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse "
+		"there");
+	expect_below(strlen(text), 256, "what the overlay takes");
 }
 
 /* "at most" stays true when the number is rounded. */
