@@ -6,6 +6,6 @@
 #include "bake/base/options.h"
 
 extern const struct bake_command board_command, camera_command, fisheye_command, light_command,
-	convert_command;
+	watch_command, convert_command;
 
 #endif

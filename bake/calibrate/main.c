@@ -7,8 +7,9 @@
 int main(int argc, char **argv)
 {
 	static const struct bake_command *const commands[] = {
-		&board_command, &camera_command,  &fisheye_command,
-		&light_command, &convert_command, NULL,
+		&board_command, &camera_command, &fisheye_command,
+		&light_command, &watch_command,	 &convert_command,
+		NULL,
 	};
 
 	return program_run("inlay-calibrate", commands, argc, argv);

@@ -7,6 +7,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/command_convert.c \
 	bake/calibrate/command_fisheye.c \
 	bake/calibrate/command_light.c \
+	bake/calibrate/command_sky.c \
 	bake/calibrate/lens_job.c \
 	bake/calibrate/light_command_delay.c \
 	bake/calibrate/light_command_match.c \

@@ -188,6 +188,7 @@ static void say_source(const struct sky_choices *c, char *text, size_t room)
 static int run_sky(const struct sky_choices *c, struct fault *fault)
 {
 	struct sky_need need = {.levels = 0};
+	struct sky_parts parts = {.count = 0};
 	char what[1024] = "";
 	int err = output_check(&c->output, 1, (const char *const *)c->file, c->files, fault);
 
@@ -202,7 +203,14 @@ static int run_sky(const struct sky_choices *c, struct fault *fault)
 				"--sun: it is below the horizon at all these dates and hours");
 	say_source(c, what, sizeof(what));
 	if (!err)
-		err = sky_parts_write(&need, c->most, what, c->output, fault);
+		err = sky_parts_choose(&parts, &need, c->most, fault);
+	if (!err)
+		err = sky_parts_write(&parts, &need, what, c->output, fault);
+	if (!err && parts.limited)
+		log_info("%s: would be finer with more than %d lights", c->output, c->most);
+	else if (!err && !parts.count)
+		log_info("%s: no light is strong and small: a whole dome does", c->output);
+	sky_parts_free(&parts);
 	sky_need_free(&need);
 	return err;
 }

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "bake/sky/fine_list.h"
-#include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/optics/vec.h"
 
@@ -185,26 +184,17 @@ void sky_parts_free(struct sky_parts *parts)
 	*parts = (struct sky_parts){.count = 0};
 }
 
-int sky_parts_write(const struct sky_need *need, int most, const char *what, const char *path,
-		    struct fault *fault)
+int sky_parts_write(const struct sky_parts *parts, const struct sky_need *need, const char *what,
+		    const char *path, struct fault *fault)
 {
-	struct sky_parts parts;
 	struct output out;
-	int err = sky_parts_choose(&parts, need, most, fault);
+	const int err = output_open(&out, path, fault);
 
-	if (!err)
-		err = output_open(&out, path, fault);
-	if (!err) {
-		fprintf(out.stream, "# %s: %d lights, with frequency %d elsewhere\n", what,
-			parts.lights, need->level[0].frequency);
-		for (int k = 0; k < parts.count; k++)
-			fine_list_write(out.stream, &parts.part[k]);
-		err = output_commit(&out, fault);
-	}
-	if (!err && parts.limited)
-		log_info("%s: would be finer with more than %d lights", path, most);
-	else if (!err && !parts.count)
-		log_info("%s: no light is strong and small: a whole dome does", path);
-	sky_parts_free(&parts);
-	return err;
+	if (err)
+		return err;
+	fprintf(out.stream, "# %s: %d lights, with frequency %d elsewhere\n", what, parts->lights,
+		need->level[0].frequency);
+	for (int k = 0; k < parts->count; k++)
+		fine_list_write(out.stream, &parts->part[k]);
+	return output_commit(&out, fault);
 }

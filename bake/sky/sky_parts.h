@@ -23,10 +23,9 @@ int sky_parts_choose(struct sky_parts *parts, const struct sky_need *need, int m
 		     struct fault *fault);
 void sky_parts_free(struct sky_parts *parts); /* idempotent; zeroed is fine */
 
-/* Chooses parts and writes their list as a whole file. what: where the light is from, for the
- * remark in its first line. The log says where there are no parts, or too few. Errors as above, and
- * of output_open(). */
-int sky_parts_write(const struct sky_need *need, int most, const char *what, const char *path,
-		    struct fault *fault);
+/* Writes their list as a whole file. what: where the light is from, for the remark in its first
+ * line. Errors of output_open(). */
+int sky_parts_write(const struct sky_parts *parts, const struct sky_need *need, const char *what,
+		    const char *path, struct fault *fault);
 
 #endif

@@ -92,6 +92,37 @@ rejected "more lights than allowed" 1 "alone has 406 lights, more than 400" \
 	"$bake" sky "$work/lamp.pfm" --most 400 -o "$work/none.fine"
 rejected "sky without a panorama" 2 "expected one panorama" "$bake" sky -o "$work/none.fine"
 rejected "sky without an output" 2 "-o FINE is missing" "$bake" sky "$work/lamp.pfm"
+# The same lamp through a perfect fisheye: parts are in the same cells.
+echo '[fisheye]' >"$work/eye.ini"
+check "a fisheye sees it" "$bake" truth "$work/box.scene" --panorama "$work/lamp.pfm" --samples 1 \
+	--fisheye-out "$work/eye.pfm" --fisheye-size 512 -o "$work/truth.png" --quiet
+check "a lamp in a fisheye's picture" "$bake" sky "$work/eye.pfm" --fisheye "$work/eye.ini" --most 600 -o "$work/eye.fine"
+check "is found where it is" awk '!/^#/ && $1 > -10 && $1 < 5 && $2 > 26 && $2 < 36 && $4 >= 18 { found = 1 }
+	END { exit !found }' "$work/eye.fine"
+rejected "a bracket without times" 2 "as many --times as pictures" \
+	"$bake" sky "$work/eye.pfm" "$work/eye.pfm" --fisheye "$work/eye.ini" -o "$work/none.fine"
+rejected "a bracket of one time" 2 "each another one" "$bake" sky "$work/eye.pfm" "$work/eye.pfm" --times 2,2 \
+	--fisheye "$work/eye.ini" -o "$work/none.fine"
+rejected "a bracket of linear light" 1 "eye.pfm: is linear light" "$bake" sky "$work/eye.pfm" "$work/eye.pfm" \
+	--times 2,1 --fisheye "$work/eye.ini" -o "$work/none.fine"
+: >"$work/no.ini"
+rejected "a lens that is none" 1 "expected a [fisheye] section" \
+	"$bake" sky "$work/eye.pfm" --fisheye "$work/no.ini" -o "$work/none.fine"
+rejected "times without a fisheye" 2 "go with --fisheye" "$bake" sky "$work/lamp.pfm" --times 1 -o "$work/none.fine"
+# In midsummer at 50 degrees the noon sun is 63.4 degrees high.
+check "the sun" "$bake" sky --sun 50 --north 90 --dates 06-21..06-21 --hours 11.5..12.5 -o "$work/sun.fine"
+check "is in the south at noon, as high as it should be" awk '!/^#/ { n++; if ($1 > -120 && $1 < -60 && $2 > 58 &&
+	$2 < 69) at++ } END { exit !(n > 0 && at == n) }' "$work/sun.fine"
+check "with a panorama" "$bake" sky "$work/lamp.pfm" --sun 50 --north 90 --dates 06-21..06-21 --hours 11.5..12.5 \
+	-o "$work/both.fine"
+check "both are there" awk '!/^#/ && $2 > 58 { sun++ } !/^#/ && $2 < 40 { lamp++ } END { exit !(sun && lamp) }' \
+	"$work/both.fine"
+rejected "the sun without north" 2 "--north is missing" "$bake" sky --sun 50 -o "$work/none.fine"
+rejected "north without the sun" 2 "go with --sun" "$bake" sky "$work/lamp.pfm" --north 0 -o "$work/none.fine"
+rejected "a date that is none" 2 'is "02-30..03-01"' "$bake" sky --sun 50 --north 0 --dates 02-30..03-01 -o "$work/none.fine"
+rejected "hours that are none" 2 'is "8-17"' "$bake" sky --sun 50 --north 0 --hours 8-17 -o "$work/none.fine"
+rejected "a sun that does not rise" 1 "below the horizon" \
+	"$bake" sky --sun 80 --north 0 --dates 12-01..12-31 -o "$work/none.fine"
 
 # ---- render ----
 check "render" "$bake" render "$work/box.scene" -o "$out" --threads 2

@@ -439,4 +439,36 @@ if has_command board; then
 	fi
 fi
 
+# ---- the sky, watched by the studio's fisheye ----
+if has_command sky; then
+	# valid_list FILE: inlay-bake takes it.
+	valid_list() {
+		"$INLAY_BAKE" dome --frequency 9 --fine "$1" --angles >"$work/angles" && [ "$(wc -l <"$work/angles")" -gt 410 ]
+	}
+	sed 's/^width = 96/width = 240/; s/^height = 96/height = 240\nrate = 1/' "$work/studio.conf" >"$work/sky.conf"
+	check "a short watch" calibrate sky --live "$work/sky.conf" --watch 10s -o "$work/short.fine"
+	check "finds the studio's lamps" valid_list "$work/short.fine"
+	equal "and says how long it was" "watched for 10 s" "$(grep -o 'watched for [0-9a-z ]*' "$work/short.fine")"
+	check "a longer watch" calibrate sky --live "$work/sky.conf" --watch 5min -o "$work/long.fine"
+	check "finds more, as they move" [ "$(wc -l <"$work/long.fine")" -gt "$(wc -l <"$work/short.fine")" ]
+	failed_with "a camera that is not there" "camera fisheye" sky --live <(sed \
+		's/^sim.view = fisheye/sim.source = files\nsim.file = none.png/' "$work/sky.conf") -o "$work/none.fine"
+	absent "leaves no list" "$work/none.fine"
+	for signal in TERM KILL; do
+		"$INLAY_CALIBRATE" sky --live "$work/sky.conf" --watch 10000h -o "$work/$signal.fine" 2>"$work/$signal.log" &
+		watcher=$!
+		check "a watch that SIG$signal ends has written before" until_true 60 test -s "$work/$signal.fine"
+		kill -$signal $watcher
+		wait $watcher 2>/dev/null
+		is=$?
+		equal "its exit code" "$([ $signal = TERM ] && echo 0 || echo 137)" $is
+		check "and leaves a valid list" valid_list "$work/$signal.fine"
+	done
+	wrong "sky without a camera" "--live is missing" sky -o "$work/none.fine"
+	wrong "sky without an output" "-o FINE is missing" sky --live "$work/sky.conf"
+	wrong "a time without a unit" 'is "24", expected a time' sky --live "$work/sky.conf" --watch 24 -o "$work/none.fine"
+	wrong "no time" 'is "0h", expected a time' sky --live "$work/sky.conf" --watch 0h -o "$work/none.fine"
+	failed_with "a list over the configuration" "sky.conf" sky --live "$work/sky.conf" -o "$work/sky.conf"
+fi
+
 finish

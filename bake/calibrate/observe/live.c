@@ -154,6 +154,23 @@ double live_squash(const struct live *live)
 	return live->view.squash;
 }
 
+int live_lens(struct live *live, struct fisheye_settings *lens, struct transfer_curve *curve,
+	      struct fault *fault)
+{
+	struct ini_report report = {.count = 0};
+	int err;
+
+	/* Linear light is encoded here, by the curve as configured. */
+	*curve = config_fisheye_curve(&live->config->fisheye);
+	err = config_read_files(live->config, &report);
+	if (err)
+		return fault_say(fault, err, "%s", report.first.text);
+	*lens = live->config->fisheye.lens;
+	if (live->camera.format != PIXEL_RGBF)
+		*curve = config_fisheye_curve(&live->config->fisheye);
+	return 0;
+}
+
 /* ---- pictures ---- */
 
 /* Encodes linear light as the kiosk does. The comparison is written so that NaN becomes black. */

@@ -6,7 +6,9 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
+#include "hal/colour/transfer.h"
 #include "hal/image/image.h"
+#include "hal/optics/fisheye.h"
 
 enum live_view { LIVE_BACKGROUND, LIVE_FISHEYE };
 
@@ -28,6 +30,11 @@ int live_height(const struct live *live);
  * -ETIMEDOUT; -ENODEV: the camera is gone; -ENOMEM.
  */
 int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t *captured_ns,
+	      struct fault *fault);
+
+/* The fisheye's lens, and the curve of the pictures that live_next() gives, by the configuration and
+ * the calibration files that it names. Faults name the file. */
+int live_lens(struct live *live, struct fisheye_settings *lens, struct transfer_curve *curve,
 	      struct fault *fault);
 
 /* Drops queued frames, so that the next frame is newer than this call. */
