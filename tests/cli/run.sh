@@ -33,6 +33,21 @@ check "a threshold" run --frames 2 --set "screen.device=$work/t.png" --set light
 check "uses fewer lights ($(number "$work/t.jsonl" lights_used))" \
 	test "$(number "$work/t.jsonl" lights_used)" -lt 26
 
+# ---- a lamp where the dome is coarse ----
+# an even sky of 64 x 32 pixels with one of radiance 1000, towards +X and 31 degrees high; rows count from the bottom
+{
+	printf 'PF\n64 32\n-1\n'
+	for ((k = 0; k < 64 * 32; k++)); do
+		[ $k -eq $((21 * 64 + 32)) ] && printf '\0\0zD\0\0zD\0\0zD' || printf '\0\0\200?\0\0\200?\0\0\200?'
+	done
+} >"$work/lamp.pfm"
+check "a lamp in a coarse sky" run --frames 2 --set "screen.device=$work/lamp.png" --stats "$work/lamp.jsonl" \
+	--set camera.fisheye.sim.source=panorama --set "camera.fisheye.sim.file=$work/lamp.pfm" \
+	--set camera.fisheye.format=RGBF
+equal "is named, by the node of its cell" '"coarse_lamp":{"azimuth":0.0,"height":26.6' \
+	"$(tail -n 1 "$work/lamp.jsonl" | grep -oE '"coarse_lamp":\{"azimuth":[-0-9.]+,"height":[0-9.]+')"
+check "the studio has none" grep -q '"coarse_lamp":null' "$work/a.jsonl"
+
 # ---- views ----
 check "all four" run --frames 1 --set "screen.device=$work/quad.png" --set screen.show=quad
 equal "at twice the size" 96x64 "$(png_size "$work/quad.png")"

@@ -107,6 +107,48 @@ static void test_upright(void **state)
 	clean();
 }
 
+static void write_text(const char *name, const char *text)
+{
+	FILE *file = fopen(own_folder_path(name), "w");
+
+	assert_non_null(file);
+	assert_true(fputs(text, file) >= 0);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* The lens and the black level are those of the files that the configuration names. */
+static void test_lens(void **state)
+{
+	struct fisheye_settings lens;
+	struct transfer_curve curve;
+	struct fault fault = {{0}};
+	struct live *live;
+	char config[1024];
+
+	(void)state;
+	write_picture();
+	write_text("eye.ini", "[fisheye]\nfield = 80\n");
+	write_text("light.ini", "[light]\nblack_level = 12\n");
+	snprintf(config, sizeof(config),
+		 "[camera one]\ndriver=sim\nsim.source=files\nsim.file=p.png\n"
+		 "sim.clock=frames\nrate=10\n"
+		 "[fisheye]\ncamera=one\nfield=70\nlens=%s/eye.ini\nlight=%s/light.ini\n",
+		 own_folder(), own_folder());
+	write_config(config);
+	live = opened(LIVE_FISHEYE);
+	expect_success(live_lens(live, &lens, &curve, &fault), &fault);
+	assert_true(lens.field_deg == 80);
+	assert_true(curve.black == 12);
+	live_close(live);
+	unlink(own_folder_path("light.ini"));
+	live = opened(LIVE_FISHEYE);
+	assert_int_equal(live_lens(live, &lens, &curve, &fault), -ENOENT);
+	assert_non_null(strstr(fault.text, "light.ini"));
+	live_close(live);
+	unlink(own_folder_path("eye.ini"));
+	clean();
+}
+
 /* Linear light is shown with the curve of the view. */
 static void test_light(void **state)
 {
@@ -262,9 +304,9 @@ static void test_trouble(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_upright), cmocka_unit_test(test_light),
-		cmocka_unit_test(test_flush),	cmocka_unit_test(test_control),
-		cmocka_unit_test(test_trouble),
+		cmocka_unit_test(test_upright), cmocka_unit_test(test_lens),
+		cmocka_unit_test(test_light),	cmocka_unit_test(test_flush),
+		cmocka_unit_test(test_control), cmocka_unit_test(test_trouble),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
