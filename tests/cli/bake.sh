@@ -99,6 +99,16 @@ check "a fisheye sees it" "$bake" truth "$work/box.scene" --panorama "$work/lamp
 check "a lamp in a fisheye's picture" "$bake" sky "$work/eye.pfm" --fisheye "$work/eye.ini" --most 600 -o "$work/eye.fine"
 check "is found where it is" awk '!/^#/ && $1 > -10 && $1 < 5 && $2 > 26 && $2 < 36 && $4 >= 18 { found = 1 }
 	END { exit !found }' "$work/eye.fine"
+# The studio in two exposures, in either order.
+for exposure in 0.2 1; do
+	"$INLAY" run --config "$work/studio.conf" --frames 1 --set screen.show=fisheye --set "screen.device=$work/at-$exposure.png" \
+		--set camera.fisheye.sim.exposure=$exposure 2>/dev/null
+done
+check "a bracket" "$bake" sky "$work/at-1.png" "$work/at-0.2.png" --times 5,1 --fisheye "$work/eye.ini" -o "$work/a.fine"
+check "in the other order" "$bake" sky "$work/at-0.2.png" "$work/at-1.png" --times 1,5 --fisheye "$work/eye.ini" \
+	-o "$work/b.fine"
+equal "gives the same parts" "$(grep -v '^#' "$work/a.fine")" "$(grep -v '^#' "$work/b.fine")"
+check "and there are some" grep -q '^[^#]' "$work/a.fine"
 rejected "a bracket without times" 2 "as many --times as pictures" \
 	"$bake" sky "$work/eye.pfm" "$work/eye.pfm" --fisheye "$work/eye.ini" -o "$work/none.fine"
 rejected "a bracket of one time" 2 "each another one" "$bake" sky "$work/eye.pfm" "$work/eye.pfm" --times 2,2 \
