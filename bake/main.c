@@ -2,6 +2,7 @@
 /* inlay-bake: the offline side of inlay. */
 #include <stddef.h>
 
+#include "bake/base/blas.h"
 #include "bake/base/commands.h"
 
 int main(int argc, char **argv)
@@ -12,5 +13,6 @@ int main(int argc, char **argv)
 		&report_command, &sky_command,	  NULL,
 	};
 
+	blas_choose_kernels(argv);
 	return program_run("inlay-bake", commands, argc, argv);
 }

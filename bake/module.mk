@@ -8,6 +8,7 @@ BAKE_SOURCES := \
 	bake/info_command.c \
 	bake/info_map.c \
 	bake/base/angles.c \
+	bake/base/blas.c \
 	bake/base/options.c \
 	bake/base/profile.c \
 	bake/base/progress.c \

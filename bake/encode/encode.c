@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/blas.h"
 #include "bake/base/profile.h"
 #include "bake/encode/encode_allow.h"
 #include "bake/encode/encode_block.h"
@@ -48,8 +49,7 @@ int encoder_create(struct encoder **encoder, const struct encode_settings *setti
 	*encoder = NULL;
 	if (!e)
 		return -ENOMEM;
-	/* Tiles are what is shared among threads. */
-	openblas_set_num_threads(1);
+	blas_setup();
 	e->settings = *settings;
 	levels_fill(&e->levels, settings->target.cell);
 	e->measure.settings = &e->settings;

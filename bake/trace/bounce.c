@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/blas.h"
 #include "bake/base/random.h"
 #include "bake/trace/bounce_aside.h"
 
@@ -84,8 +85,7 @@ int bounce_create(struct bounce *bounce, int lights)
 		return -ENOMEM;
 	for (size_t i = 0; i < floats; i++)
 		bounce->memory[i] = random_unit((uint32_t)random_hash(i, 0xb0ce, 0)) - 0.5f;
-	/* the bake already has a thread for each processor */
-	openblas_set_num_threads(1);
+	blas_setup();
 	return 0;
 }
 
