@@ -12,8 +12,12 @@ const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {
 
 /* ---- one buffer ---- */
 
-static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
+/* The time of capture as the driver tells it; now where that cannot be, or where it steps back: light and
+ * latency need a time that goes on. */
+static int64_t timestamp_ns(struct v4l2_capture *v, const struct v4l2_buffer *buffer)
 {
+	bool back;
+
 	const int64_t now_ns = clock_now_ns(), s = buffer->timestamp.tv_sec;
 	int64_t ns;
 
@@ -22,7 +26,11 @@ static int64_t timestamp_ns(const struct v4l2_buffer *buffer)
 	if (s < 0 || s > now_ns / NS_PER_S)
 		return now_ns;
 	ns = s * NS_PER_S + (int64_t)buffer->timestamp.tv_usec * 1000;
-	return ns < now_ns - TIME_PAST_NS || ns > now_ns ? now_ns : ns;
+	if (ns < now_ns - TIME_PAST_NS || ns > now_ns)
+		return now_ns;
+	back = ns < v->stamp_ns;
+	v->stamp_ns = ns;
+	return back ? now_ns : ns;
 }
 
 static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t offset, size_t used)
@@ -35,7 +43,7 @@ static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t 
 }
 
 /* Describes the frame in a buffer. False: the driver marked it as damaged, or it is too short. */
-static bool read_buffer(const struct v4l2_capture *v, const struct v4l2_buffer *buffer,
+static bool read_buffer(struct v4l2_capture *v, const struct v4l2_buffer *buffer,
 			struct frame *frame)
 {
 	const struct v4l2_mapping *mapping = v->buffers.mappings[buffer->index];
@@ -58,7 +66,7 @@ static bool read_buffer(const struct v4l2_capture *v, const struct v4l2_buffer *
 		.bottom_first = lines.bottom_first,
 		.matrix = v->picture.matrix,
 		.range = v->picture.range,
-		.timestamp_ns = timestamp_ns(buffer),
+		.timestamp_ns = timestamp_ns(v, buffer),
 		.sequence = buffer->sequence,
 		.buffer = (int)buffer->index,
 	};

@@ -33,6 +33,7 @@ struct v4l2_capture {
 	struct v4l2_taken out;	   /* handed to the caller of grab() */
 	struct frame_count count;
 	int64_t signal_checked_ns;
+	int64_t stamp_ns; /* the driver's last time stamp; 0: none that can be */
 };
 
 extern const struct v4l2_taken v4l2_nothing;

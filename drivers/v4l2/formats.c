@@ -104,13 +104,18 @@ static int picture_read_strides(const struct v4l2_format *format, const struct v
 	const struct v4l2_layout *layout = picture->layout;
 
 	for (int i = 0; i < frame_plane_count(layout->format); i++) {
+		const size_t least = frame_plane_stride(layout->format, i, picture->width);
+
 		/* In common memory the rows of chroma have their share of the luma's padding. */
 		picture->stride[i] = i < layout->memory_planes && i > 0
 					     ? format->fmt.pix_mp.plane_fmt[i].bytesperline
 					     : pix->bytesperline *
 						       frame_plane_stride(layout->format, i, 2) /
 						       frame_plane_stride(layout->format, 0, 2);
-		if (picture->stride[i] < frame_plane_stride(layout->format, i, picture->width))
+		/* Some drivers do not tell: rows have no padding then. */
+		if (picture->stride[i] == 0)
+			picture->stride[i] = least;
+		if (picture->stride[i] < least)
 			return fault_say(fault, -EINVAL,
 					 "the camera answered with rows of %zu bytes for %d pixels "
 					 "of %s",

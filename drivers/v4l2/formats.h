@@ -51,7 +51,7 @@ struct v4l2_picture {
 /* Reads a format that the driver returned, under this television standard (0: none). If a single
  * field has the height that was asked for the whole picture (wanted_height; 0: none), the picture
  * counts as progressive: the device has squeezed it. 0; -ENOTSUP: inlay does not decode the format;
- * -EINVAL: no size, a stride too small for the width, or a height that cannot be split into
+ * -EINVAL: no size, a stride (0: not told) too small for the width, or a height that cannot be split into
  * fields. */
 int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
 		    struct v4l2_picture *picture, struct fault *fault);

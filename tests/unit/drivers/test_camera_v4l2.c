@@ -113,6 +113,11 @@ static void times_that_cannot_be_are_replaced(void **state)
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_int_equal(frame.timestamp_ns, (now_ns - 10 * NS_PER_S) / 1000 * 1000);
 	camera_release(&rig.camera, &frame);
+	played_deliver(0, 10, PLAYED_YUYV_BYTES, 0)->time_ns = now_ns -
+							       11 * NS_PER_S; /* a step back */
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
+	assert_true(llabs(clock_now_ns() - frame.timestamp_ns) < NS_PER_S);
+	camera_release(&rig.camera, &frame);
 	played_finish(&rig);
 }
 
@@ -395,6 +400,9 @@ static void a_stride_too_small_is_refused(void **state)
 	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), -EINVAL);
 	format.fmt.pix.bytesperline = 128;
 	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), 0);
+	format.fmt.pix.bytesperline = 0; /* not told */
+	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), 0);
+	assert_int_equal(picture.stride[0], 128);
 	format.fmt.pix.width = 0;
 	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), -EINVAL);
 }
