@@ -58,6 +58,7 @@ static int start_source(struct grab *grab, struct config *config, struct config_
 		.camera = camera->settings,
 		.options = config_options(config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
+		.turn = (enum picture_turn)camera->turn,
 		.curve = background ? config_background_curve(&config->background)
 				    : config_fisheye_curve(&config->fisheye),
 	};

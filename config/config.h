@@ -81,6 +81,7 @@ struct config_camera {
 	char driver[INI_TEXT_MAX];
 	struct camera_settings settings;
 	int deinterlace; /* enum deinterlace */
+	int turn;	 /* enum picture_turn */
 };
 
 struct config_screen {

@@ -106,6 +106,12 @@ int config_check(const struct config *config, struct ini_report *report)
 		snprintf(title, sizeof(title), "camera %s", camera->name);
 		check_driver(config, CONFIG_CAMERA, title, camera->driver, report);
 		check_files(config, CONFIG_CAMERA, title, camera->driver, camera, report);
+		if (camera->turn != PICTURE_UPRIGHT && camera->settings.format == PIXEL_RGBF)
+			config_complain(
+				config, report,
+				"[%s] rotate: pictures of linear light (format = RGBF) are not "
+				"turned, expected 0 or another format",
+				title);
 	}
 	check_view_camera(config, "fisheye", &config->fisheye.view, true, report);
 	check_view_camera(config, "background", &config->background.view, true, report);

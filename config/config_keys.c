@@ -142,6 +142,15 @@ static const struct ini_key camera_keys[] = {
 	 .fallback = "weave",
 	 .help = "Interlaced video: both fields line by line, the later one interpolated, or both "
 		 "averaged."},
+	{.name = "rotate",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_camera, turn),
+	 .choices = picture_turn_names,
+	 .fallback = "0",
+	 .unit = "deg",
+	 .help = "How far its picture is turned clockwise to be upright, for a camera that hangs "
+		 "on "
+		 "its side; views and calibration see it turned."},
 	{.name = "controls",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_camera, settings.controls),
@@ -466,7 +475,7 @@ static const struct ini_key screen_keys[] = {
 	{.name = "rotate",
 	 .type = INI_CHOICE,
 	 .offset = offsetof(struct config_screen, settings.turn),
-	 .choices = display_turn_names,
+	 .choices = picture_turn_names,
 	 .fallback = "0",
 	 .unit = "deg",
 	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side."},

@@ -26,7 +26,7 @@ int source_create(struct source *source, const struct source_settings *settings)
 	int err;
 
 	*source = (struct source){.settings = *settings};
-	err = frame_decoder_create(&source->decoder, settings->deinterlace);
+	err = frame_decoder_create(&source->decoder, settings->deinterlace, settings->turn);
 	if (err)
 		return err;
 	err = opener_create(&source->opener);
@@ -96,6 +96,14 @@ void source_open(struct source *source)
 bool source_is_open(const struct source *source)
 {
 	return !source->opening && source->camera.state != NULL;
+}
+
+void source_size(const struct source *source, int *width, int *height)
+{
+	const bool sideways = picture_turn_is_sideways(source->settings.turn);
+
+	*width = sideways ? source->camera.height : source->camera.width;
+	*height = sideways ? source->camera.width : source->camera.height;
 }
 
 const char *source_device_name(const struct source *source)
@@ -279,14 +287,13 @@ void source_encode_as(struct source *source, const struct transfer_curve *curve)
 	transfer_tables_fill(source->tables, curve);
 }
 
-static int fit_canvas(struct canvas *canvas, int width, int height, struct fault *fault)
+static int fit_canvas(const struct source *source, struct canvas *canvas, struct fault *fault)
 {
-	int err;
+	const bool sideways = picture_turn_is_sideways(source->settings.turn);
+	const int width = sideways ? source->held.height : source->held.width;
+	const int height = sideways ? source->held.width : source->held.height;
+	int err = canvas_fit(canvas, width, height);
 
-	if (canvas->width == width && canvas->height == height)
-		return 0;
-	canvas_free(canvas);
-	err = canvas_create(canvas, width, height);
 	return err ? fault_say(fault, err, "not enough memory for a picture of %dx%d", width,
 			       height)
 		   : 0;
@@ -321,7 +328,7 @@ static int decode_raw(struct source *source, struct fault *fault)
 	int err = frame_check(frame, fault);
 
 	if (!err)
-		err = fit_canvas(&source->canvas, frame->width, frame->height, fault);
+		err = fit_canvas(source, &source->canvas, fault);
 	if (err)
 		return err;
 	source->shown = true;
@@ -334,7 +341,7 @@ static int decode_raw(struct source *source, struct fault *fault)
 static int decode_linear(struct source *source, struct fault *fault)
 {
 	const struct frame *frame = &source->held;
-	int err = fit_canvas(&source->canvas, frame->width, frame->height, fault);
+	int err = fit_canvas(source, &source->canvas, fault);
 
 	if (!err &&
 	    (source->linear.width != frame->width || source->linear.height != frame->height)) {
@@ -367,7 +374,7 @@ static int accept_size(struct source *source, struct fault *fault)
 	if (!again)
 		return fault_say(fault, -EBADMSG, "a JPEG picture of %dx%d, expected %dx%d", width,
 				 height, frame->width, frame->height);
-	if (source->canvas.width != width || source->canvas.height != height)
+	if (source->canvas.width + source->canvas.height != width + height)
 		log_warning("camera %s: it sends pictures of %dx%d in place of the %dx%d that it "
 			    "agreed to",
 			    source->settings.name, width, height, frame->width, frame->height);
@@ -383,7 +390,7 @@ static int decode_whole(struct source *source, struct fault *fault)
 	int err = accept_size(source, fault);
 
 	if (!err)
-		err = fit_canvas(&source->spare, source->held.width, source->held.height, fault);
+		err = fit_canvas(source, &source->spare, fault);
 	if (!err)
 		err = frame_decode(source->decoder, &source->held, &source->spare, fault);
 	if (err)
@@ -397,7 +404,7 @@ static int decode_whole(struct source *source, struct fault *fault)
 static int decode_held(struct source *source, struct fault *fault)
 {
 	source->is_linear = source->held.format == PIXEL_RGBF;
-	if (frame_is_raw(&source->held))
+	if (frame_is_raw(&source->held) && source->settings.turn == PICTURE_UPRIGHT)
 		return decode_raw(source, fault);
 	return source->is_linear ? decode_linear(source, fault) : decode_whole(source, fault);
 }

@@ -26,6 +26,7 @@ struct source_settings {
 	struct camera_settings camera;
 	void *options; /* for the driver; borrowed */
 	enum deinterlace deinterlace;
+	enum picture_turn turn;	     /* makes the camera's pictures upright; not of RGBF */
 	struct transfer_curve curve; /* encodes linear radiance as 8-bit code values */
 };
 
@@ -75,6 +76,9 @@ void source_destroy(struct source *source);
 void source_open(struct source *source);
 
 bool source_is_open(const struct source *source);
+
+/* Size of the pictures that an open camera has agreed to, turned upright. */
+void source_size(const struct source *source, int *width, int *height);
 
 /* The device's own name, else the configuration's. */
 const char *source_device_name(const struct source *source);

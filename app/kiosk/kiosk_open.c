@@ -54,6 +54,7 @@ static int create_source(struct kiosk_inputs *in, const struct config *config,
 		.camera = camera->settings,
 		.options = config_options(config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
+		.turn = (enum picture_turn)camera->turn,
 		.curve = kiosk_curve_for(config, camera->name),
 	};
 	int err = source_create(source, &settings);

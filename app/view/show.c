@@ -48,9 +48,12 @@ void show_free(struct show *show)
 static void fit_camera(struct show_fit *fit, const struct eye *eye)
 {
 	struct view view = eye->wanted;
+	int width, height;
 
-	if (!eye->source || !source_is_open(eye->source) ||
-	    view_resolve(&view, eye->source->camera.width, eye->source->camera.height, NULL))
+	if (!eye->source || !source_is_open(eye->source))
+		return;
+	source_size(eye->source, &width, &height);
+	if (view_resolve(&view, width, height, NULL))
 		return;
 	*fit = (struct show_fit){view.width, view.height, view.squash};
 }
@@ -95,14 +98,6 @@ void show_size(enum config_show view, const struct eyes *eyes, const struct basi
 
 	*width = fit.width * copies_across(view);
 	*height = (int)lrint(fit.height * fit.squash) * copies_down(view);
-}
-
-static int canvas_fit(struct canvas *canvas, int width, int height)
-{
-	if (canvas->width == width && canvas->height == height)
-		return 0;
-	canvas_free(canvas);
-	return canvas_create(canvas, width, height);
 }
 
 /* ---- where the composite goes ---- */

@@ -2,10 +2,7 @@
 #include "hal/device/display.h"
 
 #include <errno.h>
-#include <libyuv.h>
 #include <string.h>
-
-const char *const display_turn_names[] = {"0", "90", "180", "270", NULL};
 
 const char *const display_situation_names[] = {
 	"fine",	   "no device", "no screen", "busy", "no permission",
@@ -48,13 +45,12 @@ static bool display_is_plain(const struct display *display)
 {
 	const double *m = display->settings.margins;
 
-	return display->settings.turn == DISPLAY_UPRIGHT && m[0] + m[1] + m[2] + m[3] == 0;
+	return display->settings.turn == PICTURE_UPRIGHT && m[0] + m[1] + m[2] + m[3] == 0;
 }
 
 static bool display_is_sideways(const struct display *display)
 {
-	return display->settings.turn == DISPLAY_TURN_90 ||
-	       display->settings.turn == DISPLAY_TURN_270;
+	return picture_turn_is_sideways((enum picture_turn)display->settings.turn);
 }
 
 /* The part of a driver's buffer within the margins. */
@@ -124,14 +120,11 @@ static int buffer_lay(struct display *display, struct display_buffer *buffer)
 
 	blacken_margins(buffer, display->settings.margins);
 	*buffer = part;
-	if (display->settings.turn == DISPLAY_UPRIGHT)
+	if (display->settings.turn == PICTURE_UPRIGHT)
 		return 0;
-	if (upright->width != width || upright->height != height) {
-		canvas_free(upright);
-		err = canvas_create(upright, width, height);
-		if (err)
-			return err;
-	}
+	err = canvas_fit(upright, width, height);
+	if (err)
+		return err;
 	*buffer = (struct display_buffer){upright->pixels, upright->stride, width, height,
 					  part.index};
 	return 0;
@@ -139,13 +132,11 @@ static int buffer_lay(struct display *display, struct display_buffer *buffer)
 
 static void turn_upright(const struct display *display)
 {
-	static const enum RotationMode modes[] = {kRotate0, kRotate90, kRotate180, kRotate270};
 	const struct display_buffer part = buffer_within(display, &display->whole);
-	const struct canvas *upright = &display->upright;
 
-	if (display->settings.turn != DISPLAY_UPRIGHT)
-		ARGBRotate(upright->pixels, (int)upright->stride, part.pixels, (int)part.stride,
-			   upright->width, upright->height, modes[display->settings.turn]);
+	if (display->settings.turn != PICTURE_UPRIGHT)
+		canvas_turn(&display->upright, (enum picture_turn)display->settings.turn,
+			    part.pixels, part.stride);
 }
 
 /* ---- the wrappers ---- */

@@ -31,17 +31,6 @@ enum display_situation {
 
 extern const char *const display_situation_names[]; /* "fine", "no device", ... NULL */
 
-/* How far the picture is turned clockwise, for a screen that hangs on its side or upside down. */
-enum display_turn {
-	DISPLAY_UPRIGHT,
-	DISPLAY_TURN_90,
-	DISPLAY_TURN_180,
-	DISPLAY_TURN_270,
-	DISPLAY_TURN_COUNT
-};
-
-extern const char *const display_turn_names[]; /* "0", "90", "180", "270", NULL */
-
 struct display_settings {
 	char device[INI_PATH_MAX]; /* the driver defines its meaning: a card, an output file;
 				      empty: the first found */
@@ -49,7 +38,7 @@ struct display_settings {
 	double rate_hz;		   /* wanted; 0: the driver's choice */
 	int picture_width,
 		picture_height; /* size of the picture: the choice of drivers without a size */
-	int turn;		/* enum display_turn */
+	int turn;		/* enum picture_turn */
 	/* Black at the left, top, right and bottom of the screen as it is driven, before the turn:
 	 * what a television's frame hides. Pixels. */
 	double margins[4];

@@ -2,9 +2,12 @@
 #include "hal/frame/frame.h"
 
 #include <errno.h>
+#include <libyuv.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+
+const char *const picture_turn_names[] = {"0", "90", "180", "270", NULL};
 
 const char *const deinterlace_names[] = {"weave", "bob", "blend", NULL};
 
@@ -46,6 +49,27 @@ void canvas_free(struct canvas *canvas)
 {
 	free(canvas->pixels);
 	memset(canvas, 0, sizeof(*canvas));
+}
+
+int canvas_fit(struct canvas *canvas, int width, int height)
+{
+	if (canvas->width == width && canvas->height == height)
+		return 0;
+	canvas_free(canvas);
+	return canvas_create(canvas, width, height);
+}
+
+bool picture_turn_is_sideways(enum picture_turn turn)
+{
+	return turn == PICTURE_TURN_90 || turn == PICTURE_TURN_270;
+}
+
+void canvas_turn(const struct canvas *canvas, enum picture_turn turn, uint8_t *to, size_t stride)
+{
+	static const enum RotationMode modes[] = {kRotate0, kRotate90, kRotate180, kRotate270};
+
+	ARGBRotate(canvas->pixels, (int)canvas->stride, to, (int)stride, canvas->width,
+		   canvas->height, modes[turn]);
 }
 
 uint32_t frame_count_gap(struct frame_count *count, uint32_t sequence)

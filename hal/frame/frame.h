@@ -65,6 +65,21 @@ enum deinterlace {
 
 extern const char *const deinterlace_names[]; /* "weave", "bob", "blend", NULL */
 
+/* How far a picture is turned clockwise: that of a camera that hangs on its side, to become upright; or an
+ * upright one, for a screen that does. */
+enum picture_turn {
+	PICTURE_UPRIGHT,
+	PICTURE_TURN_90,
+	PICTURE_TURN_180,
+	PICTURE_TURN_270,
+	PICTURE_TURN_COUNT
+};
+
+extern const char *const picture_turn_names[]; /* "0", "90", "180", "270", NULL */
+
+/* Whether width and height are exchanged. */
+bool picture_turn_is_sideways(enum picture_turn turn);
+
 #define FRAME_PLANES 3
 
 struct frame_plane {
@@ -108,6 +123,13 @@ struct canvas {
 /* Creates a black canvas. 0; -EINVAL: a side outside 1..32768; -ENOMEM. */
 int canvas_create(struct canvas *canvas, int width, int height);
 void canvas_free(struct canvas *canvas); /* idempotent */
+
+/* Makes a canvas of this size of one that may have another; its content is lost then. 0 or as
+ * canvas_create(). */
+int canvas_fit(struct canvas *canvas, int width, int height);
+
+/* Writes a picture turned, BGRX; to: of the turned size, stride in bytes. */
+void canvas_turn(const struct canvas *canvas, enum picture_turn turn, uint8_t *to, size_t stride);
 
 /* Number of planes; 1 for MJPEG. */
 int frame_plane_count(enum pixel_format format);

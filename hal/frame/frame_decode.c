@@ -15,9 +15,12 @@ struct frame_decoder {
 	uint8_t *rows; /* two rows of pixels, for blending */
 	int rows_width;
 	struct canvas unpacked; /* MJPEG in fields */
+	enum picture_turn turn;
+	struct canvas as_sent; /* a picture that is still to be turned */
 };
 
-int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace)
+int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace,
+			 enum picture_turn turn)
 {
 	struct frame_decoder *d = calloc(1, sizeof(*d));
 	int err;
@@ -26,6 +29,7 @@ int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinte
 	if (!d)
 		return -ENOMEM;
 	d->deinterlace = deinterlace;
+	d->turn = turn;
 	err = jpeg_decoder_create(&d->jpeg);
 	if (err) {
 		free(d);
@@ -41,6 +45,7 @@ void frame_decoder_destroy(struct frame_decoder *decoder)
 		return;
 	jpeg_decoder_destroy(decoder->jpeg);
 	canvas_free(&decoder->unpacked);
+	canvas_free(&decoder->as_sent);
 	free(decoder->rows);
 	free(decoder);
 }
@@ -185,8 +190,8 @@ int frame_decoder_size(struct frame_decoder *decoder, const struct frame *frame,
 	return err;
 }
 
-int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
-		 struct fault *fault)
+static int decode_as_sent(struct frame_decoder *decoder, const struct frame *frame,
+			  struct canvas *canvas, struct fault *fault)
 {
 	int err;
 
@@ -203,4 +208,23 @@ int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struc
 				 frame->height);
 	return frame->fields == FIELDS_NONE ? decode_picture(decoder, frame, canvas, fault)
 					    : decode_fields(decoder, frame, canvas, fault);
+}
+
+int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
+		 struct fault *fault)
+{
+	const bool sideways = picture_turn_is_sideways(decoder->turn);
+	const int width = sideways ? canvas->height : canvas->width;
+	const int height = sideways ? canvas->width : canvas->height;
+	int err;
+
+	if (decoder->turn == PICTURE_UPRIGHT)
+		return decode_as_sent(decoder, frame, canvas, fault);
+	err = canvas_fit(&decoder->as_sent, width, height);
+	if (err)
+		return fault_say(fault, err, "frame: no memory to turn %dx%d", width, height);
+	err = decode_as_sent(decoder, frame, &decoder->as_sent, fault);
+	if (!err)
+		canvas_turn(&decoder->as_sent, decoder->turn, canvas->pixels, canvas->stride);
+	return err;
 }

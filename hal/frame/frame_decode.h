@@ -6,7 +6,8 @@
 #include "hal/frame/frame.h"
 
 /*
- * Decodes a frame into a canvas of the same size: matrix and range as the frame says (a JPEG is
+ * Decodes a frame into a canvas of the same size, or of the size exchanged where the decoder turns pictures by
+ * 90 or 270 degrees: matrix and range as the frame says (a JPEG is
  * always BT.601 full), no flips, no scaling. Y'CbCr and R'G'B' of limited range are exact to 0.501
  * levels, R'G'B' of full range is exact. 0; -EINVAL: short planes, sizes that differ, fields in an
  * odd number of lines; -EBADMSG: a JPEG that does not decode; -ENOTSUP: PIXEL_RGBF, PIXEL_NONE.
@@ -23,7 +24,8 @@
  * thread.
  */
 struct frame_decoder;
-int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace);
+int frame_decoder_create(struct frame_decoder **decoder, enum deinterlace deinterlace,
+			 enum picture_turn turn);
 int frame_decode(struct frame_decoder *decoder, const struct frame *frame, struct canvas *canvas,
 		 struct fault *fault);
 /* Size of the picture in a frame: the frame's own, unless a progressive JPEG tells another one that is

@@ -24,6 +24,10 @@ check "a part of the picture" grab background -o "$work/part.png" --set backgrou
 	--set background.height=30
 differ "is not the whole" "$work/background.png" "$work/part.png"
 
+equal "a camera that hangs on its side is turned upright" "$work/side.png: 32x48" \
+	"$(grab background -o "$work/side.png" --set camera.background.rotate=90)"
+refused "linear light is not turned" 1 "rotate: pictures of linear light" "$INLAY" check \
+	--config "$work/studio.conf" --set camera.background.rotate=90 --set camera.background.format=RGBF
 refused "no view" 2 "no view, expected fisheye, background, scene" grab -o "$work/x.png"
 refused "no file" 2 "no file, expected -o FILE.png" grab fisheye
 refused "a name that is none" 1 'no camera "sky", expected fisheye, background, scene' grab sky -o "$work/x.png"

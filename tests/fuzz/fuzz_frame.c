@@ -61,7 +61,7 @@ static void decode(const struct frame *frame, enum deinterlace deinterlace)
 	struct canvas canvas;
 	int err;
 
-	if (frame_decoder_create(&decoder, deinterlace) ||
+	if (frame_decoder_create(&decoder, deinterlace, PICTURE_UPRIGHT) ||
 	    canvas_create(&canvas, frame->width, frame->height))
 		abort();
 	err = frame_decode(decoder, frame, &canvas, &fault);

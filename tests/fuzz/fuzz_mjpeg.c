@@ -38,7 +38,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 
 	if (bytes == 0)
 		return 0;
-	if (!decoder && (frame_decoder_create(&decoder, DEINTERLACE_WEAVE) ||
+	if (!decoder && (frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT) ||
 			 canvas_create(&canvas, WIDTH, HEIGHT)))
 		abort();
 	first = (bytes - 1) * data[0] / 255;

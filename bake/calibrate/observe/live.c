@@ -65,15 +65,23 @@ static int open_camera(struct live *live, struct config_camera *camera, struct f
 static int prepare_pictures(struct live *live, const struct config_camera *camera,
 			    const struct transfer_curve *curve, struct fault *fault)
 {
+	const enum picture_turn turn = (enum picture_turn)camera->turn;
+	const bool sideways = picture_turn_is_sideways(turn);
+	const int width = sideways ? live->camera.height : live->camera.width;
+	const int height = sideways ? live->camera.width : live->camera.height;
 	struct fault why = {{0}};
-	int err = view_resolve(&live->view, live->camera.width, live->camera.height, &why);
+	int err = view_resolve(&live->view, width, height, &why);
 
 	if (err)
 		return fault_say(fault, err, "%s: camera %s: %s", live->config->name, camera->name,
 				 why.text);
-	err = frame_decoder_create(&live->decoder, (enum deinterlace)camera->deinterlace);
+	if (turn != PICTURE_UPRIGHT && live->camera.format == PIXEL_RGBF)
+		return fault_say(fault, -ENOTSUP,
+				 "%s: [camera %s] rotate: pictures of linear light are not turned",
+				 live->config->name, camera->name);
+	err = frame_decoder_create(&live->decoder, (enum deinterlace)camera->deinterlace, turn);
 	if (!err)
-		err = canvas_create(&live->canvas, live->camera.width, live->camera.height);
+		err = canvas_create(&live->canvas, width, height);
 	live->tables = malloc(sizeof(*live->tables));
 	if (err || !live->tables)
 		return fault_say(fault, err ? err : -ENOMEM, "camera %s: out of memory",

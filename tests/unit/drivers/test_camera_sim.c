@@ -526,7 +526,9 @@ static void yuyv_holds_the_same_picture(void **state)
 			struct sim_rig rig;
 			double sum = 0;
 
-			assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+			assert_int_equal(
+				frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT),
+				0);
 			assert_int_equal(canvas_create(&canvas, 64, 48), 0);
 			assert_int_equal(canvas_create(&plain, 64, 48), 0);
 			for (int format = 0; format < 2; format++) {

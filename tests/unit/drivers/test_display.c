@@ -155,7 +155,7 @@ static void pictures_are_turned_within_margins(void **state)
 	struct display_settings settings = {.margins = {1, 1, 2, 1}};
 
 	(void)state;
-	for (int turn = 0; turn < DISPLAY_TURN_COUNT; turn++) {
+	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
 		const int width = turn % 2 ? 4 : 5, height = turn % 2 ? 5 : 4;
 		struct display_buffer b;
 		struct display display;

@@ -202,7 +202,7 @@ static int capture_take(struct camera *camera, const struct capture_request *req
 	int err = canvas_create(&canvas, camera->width, camera->height);
 
 	if (!err)
-		err = frame_decoder_create(&decoder, request->deinterlace);
+		err = frame_decoder_create(&decoder, request->deinterlace, PICTURE_UPRIGHT);
 	while (!err && watch->taken < request->frames) {
 		struct frame frame;
 		err = next_frame(camera, &frame, fault);

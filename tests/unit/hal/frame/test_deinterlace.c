@@ -87,7 +87,7 @@ static void decode_fields_apart(struct field_rig *r)
 {
 	struct frame_decoder *decoder;
 
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	for (int bottom = 0; bottom < 2; bottom++) {
 		struct frame field = r->woven;
 
@@ -177,7 +177,7 @@ static void decodes_as_expected(struct field_rig *r, enum deinterlace way)
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 
-	assert_int_equal(frame_decoder_create(&decoder, way), 0);
+	assert_int_equal(frame_decoder_create(&decoder, way, PICTURE_UPRIGHT), 0);
 	if (frame_decode(decoder, &r->frame, &r->canvas, &fault))
 		fail_msg("%s", fault.text);
 	for (int y = 0; y < r->canvas.height; y++)
@@ -228,7 +228,7 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 	deinterlace_make(&rig, PIXEL_BGRX, 16, 16);
 	lay_out(&rig, FIELDS_TOP_BOTTOM, false);
 	rig.frame.fields = FIELDS_BOTTOM_TOP;
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 	for (int y = 0; y < 16; y++)
 		differing += pixel_of(&rig.canvas, 3, y)[0] != (int)woven_at(&rig, 3, y, 0);
@@ -250,7 +250,9 @@ static void nothing_moves_by_half_a_line(void **state)
 		struct frame_decoder *decoder;
 
 		lay_out(&rig, FIELDS_PAIR, way % 2);
-		assert_int_equal(frame_decoder_create(&decoder, (enum deinterlace)(way / 2)), 0);
+		assert_int_equal(frame_decoder_create(&decoder, (enum deinterlace)(way / 2),
+						      PICTURE_UPRIGHT),
+				 0);
 		assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 		for (int y = 1; y < 47; y++)
 			expect_equal(pixel_of(&rig.canvas, 4, y)[1], 4 * y, "line %d, way %d", y,
@@ -271,7 +273,7 @@ static void blending_leaves_no_comb(void **state)
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, y % 2 ? 0 : 255, 8);
 	lay_out(&rig, FIELDS_INTERLACED, false);
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_BLEND), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_BLEND, PICTURE_UPRIGHT), 0);
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, NULL), 0);
 	for (int y = 0; y < 48; y++)
 		expect_equal(pixel_of(&rig.canvas, 4, y)[1], 128, "line %d", y);
@@ -286,7 +288,7 @@ static void odd_heights_are_refused(void **state)
 	struct fault fault = {""};
 
 	(void)state;
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++) {
 		deinterlace_make(&rig, PIXEL_YUYV, 16, 16);
 		lay_out(&rig, (enum frame_fields)fields, false);
@@ -311,7 +313,7 @@ static void short_fields_are_refused(void **state)
 	struct frame_decoder *decoder;
 
 	(void)state;
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++)
 			for (int p = 0; p < planes_of((enum pixel_format)format); p++) {
@@ -369,7 +371,7 @@ static void jpeg_holds(struct field_rig *r, enum deinterlace way, int top, int b
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 
-	assert_int_equal(frame_decoder_create(&decoder, way), 0);
+	assert_int_equal(frame_decoder_create(&decoder, way, PICTURE_UPRIGHT), 0);
 	if (frame_decode(decoder, &r->frame, &r->canvas, &fault))
 		fail_msg("%s", fault.text);
 	holds_greys(&r->canvas, top, bottom);
@@ -442,7 +444,7 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 				   .height = 32,
 				   .fields = FIELDS_TOP_BOTTOM,
 				   .planes = {{one, 0, bytes}}};
-	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	assert_int_equal(frame_decode(decoder, &rig.frame, &rig.canvas, &fault), -EBADMSG);
 	bytes += compress(32, 8, 60, 60, one + bytes);
 	rig.frame.planes[0].bytes = bytes;

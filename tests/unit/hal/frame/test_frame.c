@@ -61,7 +61,7 @@ static void test_frame_make(struct fixture *f, enum pixel_format format, int wid
 			    size_t extra)
 {
 	memset(f, 0, sizeof(*f));
-	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE), 0);
+	assert_int_equal(frame_decoder_create(&f->decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	assert_int_equal(canvas_create(&f->canvas, width, height), 0);
 	f->frame = (struct frame){
 		.format = format, .width = width, .height = height, .range = RANGE_FULL};
@@ -427,6 +427,43 @@ static void other_sizes_and_kinds_are_refused(void **state)
 	test_frame_drop(&f);
 }
 
+/* A camera that hangs on its side: pixel (x, y) of the frame goes where its turn says. */
+static void pictures_are_turned(void **state)
+{
+	(void)state;
+	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
+		const bool sideways = turn % 2;
+		struct frame_decoder *decoder;
+		struct canvas turned;
+		struct fixture f;
+
+		test_frame_make(&f, PIXEL_YUYV, 26, 14, 4);
+		assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
+		assert_int_equal(
+			frame_decoder_create(&decoder, DEINTERLACE_WEAVE, (enum picture_turn)turn),
+			0);
+		assert_int_equal(canvas_create(&turned, sideways ? 14 : 26, sideways ? 26 : 14), 0);
+		assert_int_equal(frame_decode(decoder, &f.frame, &turned, NULL), 0);
+		for (int y = 0; y < 14; y++)
+			for (int x = 0; x < 26; x++) {
+				const int to[4][2] = {
+					{x, y}, {13 - y, x}, {25 - x, 13 - y}, {y, 25 - x}};
+				const uint8_t *from = f.canvas.pixels +
+						      (size_t)y * f.canvas.stride + 4 * (size_t)x;
+				const uint8_t *got = turned.pixels +
+						     (size_t)to[turn][1] * turned.stride +
+						     4 * (size_t)to[turn][0];
+
+				for (int c = 0; c < 4; c++)
+					expect_equal(got[c], from[c], "turn %d, (%d, %d)", turn, x,
+						     y);
+			}
+		canvas_free(&turned);
+		frame_decoder_destroy(decoder);
+		test_frame_drop(&f);
+	}
+}
+
 /* Compresses a picture with soft colours as JPEG. */
 static size_t make_jpeg(int width, int height, int subsampling, uint8_t *rgb, uint8_t **jpeg)
 {
@@ -629,6 +666,7 @@ int main(void)
 		cmocka_unit_test(odd_sizes_decode),
 		cmocka_unit_test(short_planes_are_refused),
 		cmocka_unit_test(other_sizes_and_kinds_are_refused),
+		cmocka_unit_test(pictures_are_turned),
 		cmocka_unit_test(jpeg_decodes),
 		cmocka_unit_test(jpeg_without_huffman_tables_decodes),
 		cmocka_unit_test(damaged_jpeg_is_refused),
