@@ -46,6 +46,7 @@ BAKE_SOURCES := \
 	bake/judge/reader.c \
 	bake/judge/shade.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/left_out.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_files.c \

@@ -82,6 +82,7 @@ UNIT_TESTS := \
 	tests/unit/bake/encode/test_encode_rank.c \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/mesh/test_left_out.c \
 	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/mesh/test_mesh_winding.c \
 	tests/unit/bake/report/test_measure.c \
