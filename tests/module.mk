@@ -85,6 +85,7 @@ UNIT_TESTS := \
 	tests/unit/bake/mesh/test_left_out.c \
 	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/mesh/test_mesh_winding.c \
+	tests/unit/bake/mesh/test_texture.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
 	tests/unit/bake/scene/test_fine_list.c \
