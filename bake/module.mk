@@ -87,6 +87,7 @@ BAKE_SOURCES := \
 	bake/scene/scene_file.c \
 	bake/scene/sky_command.c \
 	bake/scene/sky_parts.c \
+	bake/scene/survey.c \
 	bake/tiles/assembly.c \
 	bake/tiles/coarse.c \
 	bake/tiles/finished_tile.c \

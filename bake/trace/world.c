@@ -501,6 +501,7 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 	find_point(part, r->hit.primID, r->hit.u, r->hit.v, &point);
 	normal = bumpy_normal(instance, corner, &point, normal);
 	s->kind = instance->kind;
+	s->mesh = instance->mesh;
 	s->position = position;
 	s->geometric = v3_unit(v3_make(r->hit.Ng_x, r->hit.Ng_y, r->hit.Ng_z));
 	s->outer = v3_dot(s->geometric, direction) < 0;
