@@ -98,6 +98,7 @@ UNIT_TESTS := \
 	tests/unit/bake/trace/test_bake_bounce.c \
 	tests/unit/bake/trace/test_bake_cache.c \
 	tests/unit/bake/trace/test_inside.c \
+	tests/unit/bake/trace/test_surfaces.c \
 	tests/unit/bake/truth/test_bake_energy.c \
 	tests/unit/bake/truth/test_bake_glass.c \
 	tests/unit/config/test_config.c \

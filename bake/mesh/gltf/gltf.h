@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reads glTF 2.0 and GLB: what the scene shows at rest, in the file's coordinates. bake/README.md lists
- * the extensions.
+ * Reads glTF 2.0 and GLB: what the scene shows at rest, in the file's coordinates. README.md lists the
+ * extensions.
  */
 #ifndef INLAY_BAKE_MESH_GLTF_GLTF_H
 #define INLAY_BAKE_MESH_GLTF_GLTF_H

@@ -409,6 +409,21 @@ static void test_meshopt(void **state)
 	expect_square("packed.glb");
 }
 
+/* Made by Draco; the accessors have no bytes. */
+static void test_draco(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct mesh mesh = {.part_count = 0};
+
+	(void)state;
+	expect_success(gltf_read(&mesh, "tests/fuzz/corpus/gltf/draco.glb", 60, true, &fault),
+		       &fault);
+	assert_int_equal(mesh.parts[0].triangles, 2);
+	for (int k = 0; k < 4; k++)
+		corner_at(&mesh.parts[0], (float)(k & 1), (float)(k >> 1), 0);
+	mesh_free(&mesh);
+}
+
 static void test_data_uri(void **state)
 {
 	/* three corners: (0, 0, 0), (1, 0, 0), (1, 1, 0) */
@@ -746,6 +761,7 @@ int main(void)
 		cmocka_unit_test(test_lines),
 		cmocka_unit_test(test_glb),
 		cmocka_unit_test(test_meshopt),
+		cmocka_unit_test(test_draco),
 		cmocka_unit_test(test_data_uri),
 		cmocka_unit_test(test_texture_transform),
 		cmocka_unit_test(test_texture_sets),
