@@ -55,6 +55,7 @@ class Reader
 	void add_primitive(const Json &primitive, const Json &node, const Json &shape,
 			   const std::vector<Matrix> &places);
 	void add_part(const Geometry &from, const Matrix &place, int material);
+	void settle_alpha();
 	void leave_out();
 
 	Document &document;
@@ -203,6 +204,9 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 	Geometry geometry = read_geometry(document, primitive, morph_weights(node, shape),
 					  used.sets);
 
+	for (int k = 0; k < 2; k++)
+		if (used.textured[k] && geometry.uv[k].empty())
+			left_out_add(&missing, "textures without coordinates", "mesh");
 	if (skin && geometry.influences.each)
 		apply_skin(geometry,
 			   skin_matrices(document, nodes,
@@ -255,6 +259,34 @@ static void check_document(const Document &document)
 	}
 }
 
+/* Whether vertices of a material have alpha. */
+static bool has_vertex_alpha(const mesh &of, int material)
+{
+	for (int p = 0; p < of.part_count; p++) {
+		const mesh_part &part = of.parts[p];
+
+		if (part.material != material || !part.colour)
+			continue;
+		for (int v = 0; v < part.vertices; v++)
+			if (part.colour[v][3] < 1)
+				return true;
+	}
+	return false;
+}
+
+/* Many files ask for blending where everything is opaque; rays are faster without asking. */
+void Reader::settle_alpha()
+{
+	for (int m = 0; m < into->material_count; m++) {
+		material &of = into->materials[m];
+		const texture *colour = of.placed.texture ? of.placed.texture : of.texture;
+
+		if (of.alpha >= 1 && !(colour && colour->image.alpha) &&
+		    !has_vertex_alpha(*into, m))
+			of.alpha_mode = ALPHA_OPAQUE;
+	}
+}
+
 void Reader::leave_out()
 {
 	for (size_t k = 0; k < document.count("animations"); k++)
@@ -266,6 +298,7 @@ void Reader::read()
 {
 	for (size_t node : nodes.visible)
 		add_node(document.item("nodes", node), nodes.global[node]);
+	settle_alpha();
 	leave_out();
 }
 

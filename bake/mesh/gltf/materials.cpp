@@ -141,13 +141,14 @@ texture_use Materials::read_use(const Json &info, bool data, Used &used)
 
 	for (int k = 0; k < 6; k++)
 		out.place[k] = static_cast<float>(place[k]);
-	if (used.sets[0] != set && used.sets[0] != SIZE_MAX) {
-		if (used.sets[1] != set && used.sets[1] != SIZE_MAX)
+	if (used.textured[0] && used.sets[0] != set) {
+		if (used.textured[1] && used.sets[1] != set)
 			fail_at(info, -ENOTSUP,
 				"a third set of texture coordinates, expected two in a material");
 		out.set = 1;
 	}
 	used.sets[out.set] = set;
+	used.textured[out.set] = true;
 	return out;
 }
 
@@ -395,7 +396,7 @@ Used Materials::use(const Json &primitive)
 	const size_t index = said ? document.index(*said, "materials")
 				  : document.count("materials");
 	const auto at = known.find(index);
-	Used used = {0, {SIZE_MAX, SIZE_MAX}};
+	Used used = {0, {0, 1}, {false, false}};
 
 	if (at != known.end())
 		return at->second;
@@ -408,10 +409,6 @@ Used Materials::use(const Json &primitive)
 		to = material{};
 		read(said ? document.item("materials", index) : prescribed, to, used);
 	}
-	if (used.sets[0] == SIZE_MAX)
-		used.sets[0] = 0;
-	if (used.sets[1] == SIZE_MAX)
-		used.sets[1] = used.sets[0] == 0 ? 1 : 0;
 	return known[index] = used;
 }
 

@@ -20,6 +20,7 @@ namespace gltf
 struct Used {
 	int material;
 	size_t sets[2];
+	bool textured[2]; /* which of them textures use */
 };
 
 class Materials

@@ -308,22 +308,6 @@ static void test_instances(void **state)
 	mesh_free(&mesh);
 }
 
-/* Lines are left out, and said. */
-static void test_lines(void **state)
-{
-	const struct captured_log log = captured_log_begin();
-	struct mesh mesh = read_fine(&(struct form){.primitive = ",'mode':1"});
-	char line[512] = "";
-	FILE *said = captured_log_end(&log);
-
-	(void)state;
-	assert_int_equal(mesh.part_count, 0);
-	assert_non_null(fgets(line, sizeof(line), said));
-	assert_non_null(strstr(line, "square.gltf: left out: lines of 1 mesh\n"));
-	fclose(said);
-	mesh_free(&mesh);
-}
-
 /* ---- containers ---- */
 
 static size_t put_chunk(uint8_t *to, const char *type, const void *from, uint32_t length)
@@ -618,6 +602,25 @@ static void test_alpha(void **state)
 	mesh_free(&mesh);
 }
 
+/* Blending where nothing is transparent costs nothing. */
+static void test_settled_alpha(void **state)
+{
+	static const char *const attributes[] = {"'POSITION':1", "'POSITION':1,'COLOR_0':9"};
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct mesh mesh = read_fine(&(struct form){
+			.attributes = attributes[k],
+			.primitive = MATERIAL,
+			.root = ",'materials':[{'alphaMode':'BLEND'}]",
+		});
+
+		expect_equal(mesh.materials[0].alpha_mode, k ? ALPHA_BLEND : ALPHA_OPAQUE, "k=%d",
+			     k);
+		mesh_free(&mesh);
+	}
+}
+
 static void test_left_out(void **state)
 {
 	const struct captured_log log = captured_log_begin();
@@ -631,6 +634,35 @@ static void test_left_out(void **state)
 	assert_non_null(fgets(line, sizeof(line), said));
 	assert_non_null(strstr(line, "square.gltf: left out: emission of 1 material, brightness "
 				     "without light of 1, KHR_materials_sheen of 1\n"));
+	fclose(said);
+	mesh_free(&mesh);
+}
+
+/* Lines are left out, and said. */
+static void test_lines(void **state)
+{
+	struct captured_log log;
+	struct mesh mesh;
+	char line[512] = "";
+	FILE *said;
+
+	(void)state;
+	write_texture();
+	log = captured_log_begin();
+	mesh = read_fine(&(struct form){
+		.nodes = "{'mesh':0},{'mesh':1},{'extensions':{'KHR_lights_punctual':{'light':0}}}",
+		.mesh = "},{'primitives':[{'attributes':{'POSITION':1},'indices':0,'material':0},"
+			"{'attributes':{'POSITION':1},'mode':1}]",
+		.primitive = ",'mode':0",
+		.root = TEXTURED "'samplers':[{}],'materials':[{'normalTexture':{'index':0}}],"
+				 "'animations':[{},{}]",
+	});
+	said = captured_log_end(&log);
+	assert_int_equal(mesh.part_count, 1);
+	assert_non_null(fgets(line, sizeof(line), said));
+	assert_non_null(strstr(line, "square.gltf: left out: points of 1 mesh, textures without "
+				     "coordinates of 1, lines of 1, light of 1 lamp, movement "
+				     "of 2 animations\n"));
 	fclose(said);
 	mesh_free(&mesh);
 }
@@ -767,6 +799,7 @@ int main(void)
 		cmocka_unit_test(test_texture_sets),
 		cmocka_unit_test(test_kinds_of_materials),
 		cmocka_unit_test(test_alpha),
+		cmocka_unit_test(test_settled_alpha),
 		cmocka_unit_test(test_left_out),
 		cmocka_unit_test(test_refusals),
 		cmocka_unit_test(test_damage),
