@@ -95,7 +95,7 @@ const texture *Materials::read_texture(const Json &info, bool data)
 	constexpr size_t nearest = 9728;
 	const Json &from = document.item("textures",
 					 document.index(needed(info, "index"), "textures"));
-	const Json *webp = find_extension(from, "EXT_texture_webp");
+	const Json *webp = WITH_WEBP ? find_extension(from, "EXT_texture_webp") : nullptr;
 	const Json *source = find(webp ? *webp : from, "source");
 	const Json *sampler = find(from, "sampler");
 
