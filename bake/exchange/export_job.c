@@ -178,8 +178,7 @@ static void say_what_is_lost(const struct export_job *job)
 		const struct material *m = job->material[k];
 
 		glass |= m->kind == MATERIAL_GLASS;
-		fine |= m->map.use.texture || m->bumps.texture || m->placed.texture ||
-			m->alpha_mode != ALPHA_OPAQUE;
+		fine |= m->map.use.texture || m->bumps.texture || m->alpha_mode != ALPHA_OPAQUE;
 		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
 	}
 	if (glass)
@@ -187,10 +186,9 @@ static void say_what_is_lost(const struct export_job *job)
 			    "they are in the pictures; render shows the background's picture there",
 			    job->scene->path);
 	if (fine)
-		log_warning(
-			"%s: textures of roughness and metalness (their means are kept), bumps, "
-			"alpha and texture transforms are left out",
-			job->scene->path);
+		log_warning("%s: textures of roughness and metalness (their means are kept), bumps "
+			    "and alpha are left out",
+			    job->scene->path);
 	if (metal)
 		log_warning("%s: the texture of a metal is left out", job->scene->path);
 }

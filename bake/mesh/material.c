@@ -172,8 +172,8 @@ void material_hash(const struct material *m, XXH3_state_t *state)
 	}
 }
 
-static void use_place(const struct texture_use *use, const struct material_point *point,
-		      float uv[2])
+void texture_use_place(const struct texture_use *use, const struct material_point *point,
+		       float uv[2])
 {
 	const float *at = point->uv[use->set], *p = use->place;
 
@@ -186,7 +186,7 @@ static const struct texture *colour_texture(const struct material *material,
 					    const struct material_point *point, float uv[2])
 {
 	if (material->placed.texture) {
-		use_place(&material->placed, point, uv);
+		texture_use_place(&material->placed, point, uv);
 		return material->placed.texture;
 	}
 	uv[0] = point->uv[0][0];
@@ -202,7 +202,7 @@ static void apply_map(const struct surface_map *map, const struct material_point
 	float uv[2], roughness, metal;
 	struct rgb texel;
 
-	use_place(&map->use, point, uv);
+	texture_use_place(&map->use, point, uv);
 	texel = texture_at(map->use.texture, uv[0], uv[1]);
 	if (map->glossiness) {
 		const float gloss = texture_alpha_at(map->use.texture, uv[0], uv[1]);
@@ -244,7 +244,7 @@ struct v3 material_bump(const struct material *material, const struct material_p
 
 	if (v3_dot(v, along_v) < 0)
 		v = v3_scale(v, -1);
-	use_place(&material->bumps, point, uv);
+	texture_use_place(&material->bumps, point, uv);
 	texel = texture_at(material->bumps.texture, uv[0], uv[1]);
 	local = v3_make((2 * texel.c[0] - 1) * material->bump_scale,
 			(2 * texel.c[1] - 1) * material->bump_scale, 2 * texel.c[2] - 1);

@@ -117,6 +117,10 @@ static inline struct bsdf material_at(const struct material *material, float u, 
 	return material_at_point(material, &point);
 }
 
+/* Finds where a texture is looked up. */
+void texture_use_place(const struct texture_use *use, const struct material_point *point,
+		       float uv[2]);
+
 /* The share of rays that meet the surface. */
 float material_coverage(const struct material *material, const struct material_point *point);
 

@@ -338,12 +338,13 @@ static bool is_grey(struct rgb c)
 	return c.c[0] == c.c[1] && c.c[1] == c.c[2];
 }
 
-static bool casts_coloured_shadow(const struct material *material)
+static bool casts_coloured_shadow(const struct instance *instance)
 {
+	const struct material *material = instance->material;
 	const struct bsdf bsdf = material_at(material, 0, 0);
 
 	return bsdf_is_pane(&bsdf) &&
-	       (material->texture || material->placed.texture || !is_grey(material->colour));
+	       (material->texture || instance->part->colour || !is_grey(material->colour));
 }
 
 /* Parts each scene into glass and all else, if there is glass. */
@@ -353,7 +354,7 @@ static void world_part_glass(struct world *world)
 
 	for (unsigned k = 0; k < world->instance_count; k++) {
 		any |= world->instances[k].material->kind == MATERIAL_GLASS;
-		world->tinted_panes |= casts_coloured_shadow(world->instances[k].material);
+		world->tinted_panes |= casts_coloured_shadow(&world->instances[k]);
 	}
 	for (int p = 0; p < PRESENCE_COUNT && any; p++) {
 		world->glass[p] = scene_new(world->device);

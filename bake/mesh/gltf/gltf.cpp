@@ -279,9 +279,8 @@ void Reader::settle_alpha()
 {
 	for (int m = 0; m < into->material_count; m++) {
 		material &of = into->materials[m];
-		const texture *colour = of.placed.texture ? of.placed.texture : of.texture;
 
-		if (of.alpha >= 1 && !(colour && colour->image.alpha) &&
+		if (of.alpha >= 1 && !(of.texture && of.texture->image.alpha) &&
 		    !has_vertex_alpha(*into, m))
 			of.alpha_mode = ALPHA_OPAQUE;
 	}

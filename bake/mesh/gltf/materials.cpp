@@ -161,9 +161,8 @@ void Materials::set_colour(const Json *info, material &to, Used &used)
 
 	const texture_use use = read_use(*info, false, used);
 
-	if (use.set == 0 && memcmp(use.place, as_it_is, sizeof(as_it_is)) == 0)
-		to.texture = use.texture;
-	else
+	to.texture = use.texture;
+	if (use.set || memcmp(use.place, as_it_is, sizeof(as_it_is)) != 0)
 		to.placed = use;
 }
 
