@@ -533,6 +533,28 @@ static void test_texture_sets(void **state)
 	mesh_free(&mesh);
 }
 
+#if WITH_WEBP
+/* A picture of one texel, (0, 255, 0), within the JSON, named by the extension for WebP alone. */
+static void test_data_picture(void **state)
+{
+	const struct bsdf bsdf = look_up(
+		&(struct form){
+			.attributes = "'POSITION':1,'TEXCOORD_0':3",
+			.primitive = MATERIAL,
+			.root = ",'images':[{},{'uri':'data:image/png;base64,"
+				"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg+"
+				"M8AAAICAQB7CYF4AAAAAElFTkSuQmCC'}],'textures':"
+				"[{'extensions':{'EXT_texture_webp':{'source':1}}}],'materials':[{"
+				"'pbrMetallicRoughness':{'metallicFactor':0,'baseColorTexture':"
+				"{'index':0}}}]",
+		},
+		0.5f, 0.5f);
+
+	(void)state;
+	expect_rgb(bsdf.colour, 0, 1, 0, "green");
+}
+#endif
+
 #define WITH_MATERIAL(text)                                                                        \
 	{                                                                                          \
 		.primitive = MATERIAL, .root = ",'materials':[{" text "}]"                         \
@@ -797,6 +819,9 @@ int main(void)
 		cmocka_unit_test(test_data_uri),
 		cmocka_unit_test(test_texture_transform),
 		cmocka_unit_test(test_texture_sets),
+#if WITH_WEBP
+		cmocka_unit_test(test_data_picture),
+#endif
 		cmocka_unit_test(test_kinds_of_materials),
 		cmocka_unit_test(test_alpha),
 		cmocka_unit_test(test_settled_alpha),
