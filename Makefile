@@ -18,6 +18,7 @@ WITH_KMS ?= $(call found,libdrm)
 WITH_SDL ?= $(call found,sdl2)
 WITH_GPIO ?= $(call found,libgpiod)
 WITH_EXR ?= $(call found,OpenEXR)
+WITH_WEBP ?= $(call found,libwebp)
 WITH_LIBCAMERA ?= $(call found,libcamera)
 WITH_CAIRO ?= $(call found,cairo)
 WITH_SYSTEMD ?= $(call found,libsystemd)
@@ -35,11 +36,12 @@ WITH_KMS := $(WITH_KMS)
 WITH_SDL := $(WITH_SDL)
 WITH_GPIO := $(WITH_GPIO)
 WITH_EXR := $(WITH_EXR)
+WITH_WEBP := $(WITH_WEBP)
 WITH_LIBCAMERA := $(WITH_LIBCAMERA)
 WITH_CAIRO := $(WITH_CAIRO)
 WITH_SYSTEMD := $(WITH_SYSTEMD)
 
-SWITCHES := KMS SDL GPIO EXR LIBCAMERA CAIRO SYSTEMD
+SWITCHES := KMS SDL GPIO EXR WEBP LIBCAMERA CAIRO SYSTEMD
 FEATURES := $(foreach x,$(SWITCHES),-DWITH_$(x)=$(WITH_$(x)))
 ifeq ($(WITH_GPIO),1)
 # Its calls were renamed from 1.x to 2.x, and its header does not tell which it is.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 # LAPACK for the encoder; OpenBLAS is what makes it fast.
-bake_PACKAGES := assimp lapacke openblas cairo
-# Embree has no pkg-config file. 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
-bake_LIBS := -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so 2>/dev/null)),4,3)
+bake_PACKAGES := assimp draco lapacke openblas cairo
+# Embree and meshoptimizer have no pkg-config file. Embree is 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
+bake_LIBS := -lmeshoptimizer -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so 2>/dev/null)),4,3)
 BAKE_SOURCES := \
 	bake/dome_command.c \
 	bake/info_command.c \
@@ -47,10 +47,17 @@ BAKE_SOURCES := \
 	bake/judge/reader.c \
 	bake/judge/shade.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/gltf/accessor.cpp \
+	bake/mesh/gltf/document.cpp \
+	bake/mesh/gltf/draco.cpp \
+	bake/mesh/gltf/geometry.cpp \
+	bake/mesh/gltf/gltf.cpp \
+	bake/mesh/gltf/materials.cpp \
+	bake/mesh/gltf/nodes.cpp \
+	bake/mesh/left_out.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_files.c \
-	bake/mesh/mesh_gltf.c \
 	bake/mesh/mesh_import.c \
 	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
@@ -78,6 +85,7 @@ BAKE_SOURCES := \
 	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
+	bake/scene/survey.c \
 	bake/sky/fine_list.c \
 	bake/sky/sky_command.c \
 	bake/sky/sky_eye.c \

@@ -8,8 +8,8 @@ known_board = $(if $(filter $(BOARD),$(BOARDS)),,$(error BOARD is "$(BOARD)", ex
 TEST_BOARDS ?= qemu-arm64 pc-x86_64 raspberrypi
 BOARD_ARCH := $(if $(filter raspberrypi qemu-arm64,$(BOARD)),arm64,amd64)
 IMAGE_BUILD := build/image/$(BOARD_ARCH)
-# A kiosk has no desktop and reads no OpenEXR.
-IMAGE_SWITCHES := WITH_SDL=0 WITH_EXR=0
+# A kiosk has no desktop and reads no OpenEXR or WebP.
+IMAGE_SWITCHES := WITH_SDL=0 WITH_EXR=0 WITH_WEBP=0
 
 .PHONY: image image-built image-programs boot
 ## image: build/image/BOARD/inlay.img, for BOARD=qemu-x86_64, pc-x86_64, raspberrypi, qemu-arm64

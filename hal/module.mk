@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR)
+hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR)),OpenEXR) \
+	$(if $(filter 1,$(WITH_WEBP)),libwebp)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/fault.c \
@@ -114,7 +115,8 @@ $(BUILD)/hal/compositor/kernels/kernels_avx2.o: OWN_FLAGS := -mavx2
 $(BUILD)/hal/compositor/kernels/kernels_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
 	-mavx512vnni
 $(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv8.2-a+dotprod
-HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp)
+HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp) \
+	$(if $(filter 1,$(WITH_WEBP)),hal/image/image_webp.c)
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)

@@ -84,8 +84,11 @@ UNIT_TESTS := \
 	tests/unit/bake/encode/test_encode_rank.c \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/mesh/test_gltf.c \
+	tests/unit/bake/mesh/test_left_out.c \
 	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/mesh/test_mesh_winding.c \
+	tests/unit/bake/mesh/test_texture.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
 	tests/unit/bake/scene/test_keyframes.c \
@@ -99,6 +102,7 @@ UNIT_TESTS := \
 	tests/unit/bake/trace/test_bake_bounce.c \
 	tests/unit/bake/trace/test_bake_cache.c \
 	tests/unit/bake/trace/test_inside.c \
+	tests/unit/bake/trace/test_surfaces.c \
 	tests/unit/bake/truth/test_bake_energy.c \
 	tests/unit/bake/truth/test_bake_glass.c \
 	tests/unit/config/test_config.c \
@@ -209,10 +213,22 @@ FUZZ_PARTS := \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/gltf/accessor.cpp \
+	bake/mesh/gltf/document.cpp \
+	bake/mesh/gltf/draco.cpp \
+	bake/mesh/gltf/geometry.cpp \
+	bake/mesh/gltf/gltf.cpp \
+	bake/mesh/gltf/materials.cpp \
+	bake/mesh/gltf/nodes.cpp \
+	bake/mesh/left_out.c \
 	bake/mesh/material.c \
-	bake/mesh/mesh_gltf.c \
+	bake/mesh/mesh.c \
+	bake/mesh/mesh_files.c \
+	bake/mesh/mesh_import.c \
 	bake/mesh/mesh_mtl.c \
+	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_ply.c \
+	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
 	bake/scene/keyframes.c \
 	bake/scene/scene_file.c \

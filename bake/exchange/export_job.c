@@ -172,17 +172,22 @@ static void survey_scene(struct export_job *job)
 /* Warns of what pictures cannot hold, and of what no job tells its renderer. */
 static void say_what_is_lost(const struct export_job *job)
 {
-	bool glass = false, metal = false;
+	bool glass = false, metal = false, fine = false;
 
 	for (int k = 0; k < job->material_count; k++) {
 		const struct material *m = job->material[k];
 
 		glass |= m->kind == MATERIAL_GLASS;
+		fine |= m->map.use.texture || m->bumps.texture || m->alpha_mode != ALPHA_OPAQUE;
 		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
 	}
 	if (glass)
 		log_warning("%s: what is seen through glass will be the scene's own surfaces, as "
 			    "they are in the pictures; render shows the background's picture there",
+			    job->scene->path);
+	if (fine)
+		log_warning("%s: textures of roughness and metalness (their means are kept), bumps "
+			    "and alpha are left out",
 			    job->scene->path);
 	if (metal)
 		log_warning("%s: the texture of a metal is left out", job->scene->path);

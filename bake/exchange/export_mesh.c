@@ -45,19 +45,36 @@ static int material_number(const struct export_job *job, const struct material *
 	return k;
 }
 
+/* Finds where the colour's texture is looked up at a vertex; 0 where there are no coordinates. */
+static void find_coordinates(const struct mesh_part *part, const struct material *material, int v,
+			     float uv[2])
+{
+	struct material_point point = {.alpha = 1};
+
+	for (int axis = 0; axis < 2; axis++) {
+		point.uv[0][axis] = part->uv ? part->uv[v][axis] : 0;
+		point.uv[1][axis] = part->uv2 ? part->uv2[v][axis] : 0;
+		uv[axis] = point.uv[0][axis];
+	}
+	if (material->placed.texture)
+		texture_use_place(&material->placed, &point, uv);
+}
+
 /* Writes one part of a mesh. first: number of vertices written before. Returns the number
  * afterwards. */
-static long write_part(FILE *to, const struct mesh_part *part, int material, long first)
+static long write_part(const struct export_job *job, FILE *to, const struct mesh_part *part,
+		       const struct material *material, long first)
 {
-	fprintf(to, "usemtl m%d\n", material);
+	fprintf(to, "usemtl m%d\n", material_number(job, material));
 	for (int v = 0; v < part->vertices; v++) {
 		const float *p = part->position[v];
 		const struct v3 n = part->normal[v];
+		float uv[2];
 
+		find_coordinates(part, material, v, uv);
 		fprintf(to, "v %.9g %.9g %.9g\nvn %.6g %.6g %.6g\nvt %.9g %.9g\n", (double)p[0],
 			(double)p[1], (double)p[2], (double)n.x, (double)n.y, (double)n.z,
-			part->uv ? (double)part->uv[v][0] : 0,
-			part->uv ? (double)part->uv[v][1] : 0);
+			(double)uv[0], (double)uv[1]);
 	}
 	for (int t = 0; t < part->triangles; t++) {
 		fputs("f", to);
@@ -86,8 +103,7 @@ void export_meshes(const struct export_job *job, bool standins, FILE *to)
 			const struct mesh_part *part = &mesh->parts[p];
 			const struct material *own = &mesh->materials[part->material];
 
-			vertices = write_part(to, part, material_number(job, named ? named : own),
-					      vertices);
+			vertices = write_part(job, to, part, named ? named : own, vertices);
 		}
 	}
 }

@@ -16,6 +16,12 @@ void texture_prepare(struct texture *texture)
 		texture->decode[code] = (float)transfer_decode(TRANSFER_SRGB, code / 255.0);
 }
 
+void texture_prepare_data(struct texture *texture)
+{
+	for (int code = 0; code < 256; code++)
+		texture->decode[code] = (float)code / 255;
+}
+
 static struct rgb texture_texel(const struct texture *texture, int x, int y)
 {
 	const struct image *image = &texture->image;
@@ -27,26 +33,87 @@ static struct rgb texture_texel(const struct texture *texture, int x, int y)
 			texture->decode[image->u8[at + 2]]);
 }
 
-static int texture_wrap(int i, int n)
+/* The two texels of a row or column that a coordinate lies between. */
+struct between {
+	int texel[2];
+	float share; /* of the second */
+};
+
+static int wrap_texel(int i, int n, enum texture_wrap wrap)
 {
+	if (wrap != TEXTURE_REPEAT)
+		return i < 0 ? 0 : i >= n ? n - 1 : i;
 	i %= n;
 	return i < 0 ? i + n : i;
 }
 
+/* at: 0..1 from edge to edge, of n texels */
+static struct between find_between(float at, int n, enum texture_wrap wrap, bool nearest)
+{
+	const float x = at * (float)n - 0.5f;
+	const int first = (int)floorf(x);
+	struct between b = {{wrap_texel(first, n, wrap), wrap_texel(first + 1, n, wrap)},
+			    x - floorf(x)};
+
+	if (nearest)
+		b.share = b.share >= 0.5f;
+	return b;
+}
+
+/* Brings a coordinate to 0..1. */
+static float wrap_coordinate(float u, enum texture_wrap wrap)
+{
+	const float part = u - floorf(u);
+
+	if (wrap == TEXTURE_CLAMP)
+		return fminf(fmaxf(u, 0), 1);
+	if (wrap == TEXTURE_MIRROR && fmodf(floorf(u), 2) != 0)
+		return 1 - part;
+	return part;
+}
+
+static void texture_find(const struct texture *texture, float u, float v, struct between *across,
+			 struct between *down)
+{
+	const enum texture_wrap *wrap = texture->wrap;
+
+	*across = find_between(wrap_coordinate(u, wrap[0]), texture->image.width, wrap[0],
+			       texture->nearest);
+	*down = find_between(1 - wrap_coordinate(v, wrap[1]), texture->image.height, wrap[1],
+			     texture->nearest);
+}
+
 struct rgb texture_at(const struct texture *texture, float u, float v)
 {
-	const int w = texture->image.width, h = texture->image.height;
-	const float x = (u - floorf(u)) * (float)w - 0.5f;
-	const float y = (1 - (v - floorf(v))) * (float)h - 0.5f;
-	const float fx = x - floorf(x), fy = y - floorf(y);
-	const int x0 = texture_wrap((int)floorf(x), w), x1 = texture_wrap(x0 + 1, w);
-	const int y0 = texture_wrap((int)floorf(y), h), y1 = texture_wrap(y0 + 1, h);
-	const struct rgb top = rgb_add(rgb_scale(texture_texel(texture, x0, y0), 1 - fx),
-				       rgb_scale(texture_texel(texture, x1, y0), fx));
-	const struct rgb low = rgb_add(rgb_scale(texture_texel(texture, x0, y1), 1 - fx),
-				       rgb_scale(texture_texel(texture, x1, y1), fx));
+	struct between across, down;
+	struct rgb row[2];
 
-	return rgb_add(rgb_scale(top, 1 - fy), rgb_scale(low, fy));
+	texture_find(texture, u, v, &across, &down);
+	for (int k = 0; k < 2; k++)
+		row[k] = rgb_add(rgb_scale(texture_texel(texture, across.texel[0], down.texel[k]),
+					   1 - across.share),
+				 rgb_scale(texture_texel(texture, across.texel[1], down.texel[k]),
+					   across.share));
+	return rgb_add(rgb_scale(row[0], 1 - down.share), rgb_scale(row[1], down.share));
+}
+
+float texture_alpha_at(const struct texture *texture, float u, float v)
+{
+	const uint8_t *alpha = texture->image.alpha;
+	const size_t w = (size_t)texture->image.width;
+	struct between across, down;
+	float row[2];
+
+	if (!alpha)
+		return 1;
+	texture_find(texture, u, v, &across, &down);
+	for (int k = 0; k < 2; k++) {
+		const uint8_t *line = alpha + (size_t)down.texel[k] * w;
+
+		row[k] = (float)line[across.texel[0]] * (1 - across.share) +
+			 (float)line[across.texel[1]] * across.share;
+	}
+	return (row[0] * (1 - down.share) + row[1] * down.share) / 255;
 }
 
 void texture_hash(const struct texture *texture, XXH3_state_t *state)
@@ -60,10 +127,135 @@ void texture_hash(const struct texture *texture, XXH3_state_t *state)
 		XXH3_64bits_update(state, image->u8, values);
 	else
 		XXH3_64bits_update(state, image->f32, values * sizeof(float));
+	if (image->alpha)
+		XXH3_64bits_update(state, image->alpha, values / 3);
+	for (int k = 0; k < 2; k++)
+		if (texture->wrap[k] != TEXTURE_REPEAT)
+			XXH3_64bits_update(state, &texture->wrap[k], sizeof(texture->wrap[k]));
+	if (texture->nearest)
+		XXH3_64bits_update(state, &texture->nearest, sizeof(texture->nearest));
 }
 
-struct bsdf material_at(const struct material *material, float u, float v)
+static void use_hash(const struct texture_use *use, XXH3_state_t *state)
 {
+	if (!use->texture)
+		return;
+	XXH3_64bits_update(state, &use->set, sizeof(use->set));
+	XXH3_64bits_update(state, use->place, sizeof(use->place));
+}
+
+void material_hash(const struct material *m, XXH3_state_t *state)
+{
+	XXH3_64bits_update(state, &m->kind, sizeof(m->kind));
+	XXH3_64bits_update(state, &m->colour, sizeof(m->colour));
+	XXH3_64bits_update(state, &m->specular, sizeof(m->specular));
+	XXH3_64bits_update(state, &m->metal, sizeof(m->metal));
+	XXH3_64bits_update(state, &m->roughness, sizeof(m->roughness));
+	XXH3_64bits_update(state, &m->ior, sizeof(m->ior));
+	if (m->thin)
+		XXH3_64bits_update(state, &m->thin, sizeof(m->thin));
+	use_hash(&m->placed, state);
+	use_hash(&m->bumps, state);
+	if (m->bumps.texture)
+		XXH3_64bits_update(state, &m->bump_scale, sizeof(m->bump_scale));
+	use_hash(&m->map.use, state);
+	if (m->map.use.texture) {
+		XXH3_64bits_update(state, &m->map.base, sizeof(m->map.base));
+		XXH3_64bits_update(state, &m->map.specular, sizeof(m->map.specular));
+		XXH3_64bits_update(state, &m->map.metallic, sizeof(m->map.metallic));
+		XXH3_64bits_update(state, &m->map.roughness, sizeof(m->map.roughness));
+	}
+	if (m->alpha_mode != ALPHA_OPAQUE) {
+		XXH3_64bits_update(state, &m->alpha_mode, sizeof(m->alpha_mode));
+		XXH3_64bits_update(state, &m->alpha, sizeof(m->alpha));
+		XXH3_64bits_update(state, &m->alpha_cut, sizeof(m->alpha_cut));
+	}
+}
+
+void texture_use_place(const struct texture_use *use, const struct material_point *point,
+		       float uv[2])
+{
+	const float *at = point->uv[use->set], *p = use->place;
+
+	uv[0] = p[0] * at[0] + p[1] * at[1] + p[2];
+	uv[1] = p[3] * at[0] + p[4] * at[1] + p[5];
+}
+
+/* Finds the texture of the colour, and where it is looked up. */
+static const struct texture *colour_texture(const struct material *material,
+					    const struct material_point *point, float uv[2])
+{
+	if (material->placed.texture) {
+		texture_use_place(&material->placed, point, uv);
+		return material->placed.texture;
+	}
+	uv[0] = point->uv[0][0];
+	uv[1] = point->uv[0][1];
+	return material->texture;
+}
+
+/* Sets what the map changes. tint: of texture and vertices. */
+static void apply_map(const struct surface_map *map, const struct material_point *point,
+		      struct rgb tint, struct bsdf *bsdf)
+{
+	const struct rgb base = rgb_mul(map->base, tint);
+	float uv[2], roughness, metal;
+	struct rgb texel;
+
+	texture_use_place(&map->use, point, uv);
+	texel = texture_at(map->use.texture, uv[0], uv[1]);
+	if (map->glossiness) {
+		const float gloss = texture_alpha_at(map->use.texture, uv[0], uv[1]);
+
+		roughness = 1 - (1 - map->roughness) * gloss;
+		bsdf->specular = rgb_mul(map->specular, texel);
+		bsdf->colour = rgb_scale(base, 1 - rgb_peak(bsdf->specular));
+	} else {
+		roughness = map->roughness * texel.c[1];
+		metal = map->metallic * texel.c[2];
+		bsdf->specular = rgb_add(rgb_scale(map->specular, 1 - metal),
+					 rgb_scale(base, metal));
+		bsdf->colour = rgb_scale(base, 1 - metal);
+	}
+	bsdf->alpha = fmaxf(roughness * roughness, ALPHA_MIN);
+}
+
+float material_coverage(const struct material *material, const struct material_point *point)
+{
+	float uv[2], alpha = material->alpha * point->alpha;
+	const struct texture *texture = colour_texture(material, point, uv);
+
+	if (material->alpha_mode == ALPHA_OPAQUE)
+		return 1;
+	if (texture)
+		alpha *= texture_alpha_at(texture, uv[0], uv[1]);
+	if (material->alpha_mode == ALPHA_MASK)
+		return alpha >= material->alpha_cut;
+	return fminf(alpha, 1);
+}
+
+struct v3 material_bump(const struct material *material, const struct material_point *point,
+			struct v3 along_u, struct v3 along_v, struct v3 normal)
+{
+	const struct v3 u = v3_unit(v3_mad(along_u, -v3_dot(along_u, normal), normal));
+	struct v3 v = v3_cross(normal, u), local;
+	struct rgb texel;
+	float uv[2];
+
+	if (v3_dot(v, along_v) < 0)
+		v = v3_scale(v, -1);
+	texture_use_place(&material->bumps, point, uv);
+	texel = texture_at(material->bumps.texture, uv[0], uv[1]);
+	local = v3_make((2 * texel.c[0] - 1) * material->bump_scale,
+			(2 * texel.c[1] - 1) * material->bump_scale, 2 * texel.c[2] - 1);
+	return v3_unit(v3_from_frame(local, u, v, normal));
+}
+
+struct bsdf material_at_point(const struct material *material, const struct material_point *point)
+{
+	float uv[2];
+	const struct texture *texture = colour_texture(material, point, uv);
+	struct rgb tint = point->colour;
 	struct bsdf bsdf = {
 		.kind = material->kind,
 		.colour = material->colour,
@@ -73,13 +265,13 @@ struct bsdf material_at(const struct material *material, float u, float v)
 		.thin = material->thin,
 	};
 
-	if (material->texture) {
-		const struct rgb texel = texture_at(material->texture, u, v);
-
-		bsdf.colour = rgb_mul(bsdf.colour, texel);
-		for (int c = 0; c < 3; c++)
-			bsdf.specular.c[c] -= material->metal.c[c] * (1 - fminf(texel.c[c], 1));
-	}
+	if (texture)
+		tint = rgb_mul(tint, texture_at(texture, uv[0], uv[1]));
+	bsdf.colour = rgb_mul(bsdf.colour, tint);
+	for (int c = 0; c < 3; c++)
+		bsdf.specular.c[c] -= material->metal.c[c] * (1 - fminf(tint.c[c], 1));
+	if (material->map.use.texture)
+		apply_map(&material->map, point, tint, &bsdf);
 	for (int c = 0; c < 3; c++)
 		bsdf.colour.c[c] = fminf(bsdf.colour.c[c], 1);
 	if (bsdf.kind == MATERIAL_GLOSSY)

@@ -27,12 +27,37 @@ enum material_kind { MATERIAL_DIFFUSE, MATERIAL_GLOSSY, MATERIAL_GLASS, MATERIAL
 
 extern const char *const material_kind_names[]; /* "diffuse", "glossy", "glass", NULL */
 
-/* A picture that repeats and is interpolated bilinearly. 8-bit code values are sRGB, float ones are
- * linear. Row 0 is at the top, texture coordinate v runs upwards. */
+/* What a texture shows beyond its edges. */
+enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
+
+/* A picture that is interpolated bilinearly. 8-bit code values are sRGB, unless they are data; float
+ * ones are linear. Row 0 is at the top, texture coordinate v runs upwards. */
 struct texture {
 	struct image image;
-	float decode[256]; /* linear value of each 8-bit code */
+	enum texture_wrap wrap[2]; /* across and down */
+	bool nearest;		   /* texels are squares */
+	float decode[256];	   /* linear value of each 8-bit code */
 };
+
+/* A texture that is looked up at
+ *     (u, v) = (place[0] s + place[1] t + place[2], place[3] s + place[4] t + place[5])
+ * with (s, t) of one of a part's two sets of coordinates. */
+struct texture_use {
+	const struct texture *texture; /* NULL: none */
+	int set;
+	float place[6];
+};
+
+/* A texture that changes the surface from point to point. */
+struct surface_map {
+	struct texture_use use;
+	bool glossiness;     /* RGB is specular, alpha glossiness; else G roughness, B metalness */
+	struct rgb base;     /* colour of a metal, and of the base of anything else */
+	struct rgb specular; /* of what is no metal */
+	float metallic, roughness; /* factors of the texture; glossiness: 1 - roughness is one */
+};
+
+enum alpha_mode { ALPHA_OPAQUE, ALPHA_MASK, ALPHA_BLEND };
 
 struct material {
 	enum material_kind kind;
@@ -43,6 +68,20 @@ struct material {
 	float ior;		       /* glass: index of refraction */
 	bool thin;		       /* glass: one surface stands for a whole pane */
 	const struct texture *texture; /* multiplies colour; NULL for none */
+	struct texture_use placed;     /* the same, if it is not at the first coordinates */
+	struct surface_map map;	       /* if it has a texture, the values above are its means */
+	struct texture_use bumps;      /* normals in tangent space */
+	float bump_scale;
+	enum alpha_mode
+		alpha_mode;	/* rays miss the surface where alpha is below cut, or by chance */
+	float alpha, alpha_cut; /* alpha is multiplied by that of texture and vertices */
+};
+
+/* Where a material is looked up. */
+struct material_point {
+	float uv[2][2];
+	struct rgb colour; /* of the vertices, multiplies colour */
+	float alpha;	   /* of the vertices */
 };
 
 /* A material at a point: the texture looked up, roughness as GGX alpha. */
@@ -58,12 +97,36 @@ struct bsdf {
 
 /* Fills decode; call it after image is set. */
 void texture_prepare(struct texture *texture);
+void texture_prepare_data(struct texture *texture); /* code values are no light: value / 255 */
 struct rgb texture_at(const struct texture *texture, float u, float v);
+float texture_alpha_at(const struct texture *texture, float u, float v);
 
 /* Adds size and texels to a hash. */
 void texture_hash(const struct texture *texture, XXH3_state_t *state);
 
-struct bsdf material_at(const struct material *material, float u, float v);
+/* Adds all values of a material, but for its textures' texels. */
+void material_hash(const struct material *material, XXH3_state_t *state);
+
+struct bsdf material_at_point(const struct material *material, const struct material_point *point);
+
+/* The same on a part without colours. */
+static inline struct bsdf material_at(const struct material *material, float u, float v)
+{
+	const struct material_point point = {{{u, v}, {u, v}}, {{1, 1, 1}}, 1};
+
+	return material_at_point(material, &point);
+}
+
+/* Finds where a texture is looked up. */
+void texture_use_place(const struct texture_use *use, const struct material_point *point,
+		       float uv[2]);
+
+/* The share of rays that meet the surface. */
+float material_coverage(const struct material *material, const struct material_point *point);
+
+/* The normal of the bumps: axes of the texture along u and v, and the surface's normal. */
+struct v3 material_bump(const struct material *material, const struct material_point *point,
+			struct v3 along_u, struct v3 along_v, struct v3 normal);
 
 /*
  * Scattering of the base for light from wi towards wo, as a factor on that of a Lambert surface:

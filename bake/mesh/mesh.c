@@ -239,20 +239,16 @@ uint64_t mesh_hash(const struct mesh *mesh)
 		XXH3_64bits_update(state, part->normal, vertices * sizeof(*part->normal));
 		if (part->uv)
 			XXH3_64bits_update(state, part->uv, vertices * sizeof(*part->uv));
+		if (part->uv2)
+			XXH3_64bits_update(state, part->uv2, vertices * sizeof(*part->uv2));
+		if (part->colour)
+			XXH3_64bits_update(state, part->colour, vertices * sizeof(*part->colour));
 		XXH3_64bits_update(state, part->index,
 				   (size_t)part->triangles * sizeof(*part->index));
 		XXH3_64bits_update(state, &part->material, sizeof(part->material));
 	}
-	for (int k = 0; k < mesh->material_count; k++) {
-		const struct material *m = &mesh->materials[k];
-
-		XXH3_64bits_update(state, &m->kind, sizeof(m->kind));
-		XXH3_64bits_update(state, &m->colour, sizeof(m->colour));
-		XXH3_64bits_update(state, &m->specular, sizeof(m->specular));
-		XXH3_64bits_update(state, &m->metal, sizeof(m->metal));
-		XXH3_64bits_update(state, &m->roughness, sizeof(m->roughness));
-		XXH3_64bits_update(state, &m->ior, sizeof(m->ior));
-	}
+	for (int k = 0; k < mesh->material_count; k++)
+		material_hash(&mesh->materials[k], state);
 	for (int k = 0; k < mesh->texture_count; k++)
 		texture_hash(mesh->textures[k], state);
 	hash = XXH3_64bits_digest(state);
@@ -266,6 +262,8 @@ void mesh_free(struct mesh *mesh)
 		free(mesh->parts[k].position);
 		free(mesh->parts[k].normal);
 		free(mesh->parts[k].uv);
+		free(mesh->parts[k].uv2);
+		free(mesh->parts[k].colour);
 		free(mesh->parts[k].index);
 	}
 	for (int k = 0; k < mesh->texture_count; k++) {

@@ -17,6 +17,8 @@ struct mesh_part {
 	float (*position)[4]; /* [vertices]: x y z and padding, which Embree needs */
 	struct v3 *normal;    /* [vertices]: unit, of the smoothed surface */
 	float (*uv)[2];	      /* [vertices]: texture coordinates; NULL: none */
+	float (*uv2)[2];      /* [vertices]: a second set; NULL: none */
+	float (*colour)[4];   /* [vertices]: linear R G B and alpha, 0..1; NULL: 1 */
 	uint32_t (*index)[3]; /* [triangles] */
 	int material;	      /* index in the mesh's own list */
 };

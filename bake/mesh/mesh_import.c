@@ -12,8 +12,8 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include "bake/mesh/gltf/gltf.h"
 #include "bake/mesh/mesh_files.h"
-#include "bake/mesh/mesh_gltf.h"
 #include "bake/mesh/mesh_mtl.h"
 #include "bake/mesh/mesh_normals.h"
 #include "bake/mesh/mesh_ply.h"
@@ -345,10 +345,11 @@ int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool mat
 	const unsigned steps = aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
 			       aiProcess_PreTransformVertices;
 	const struct aiScene *scene;
-	int err = materials ? mesh_mtl_check(path, fault) : 0;
+	int err;
 
-	if (!err)
-		err = mesh_gltf_check(path, fault);
+	if (gltf_is(path))
+		return gltf_read(mesh, path, crease_deg, materials, fault);
+	err = materials ? mesh_mtl_check(path, fault) : 0;
 	if (!err)
 		err = mesh_ply_check(path, fault);
 	if (!err)

@@ -155,28 +155,42 @@ static uint32_t vertex_with(struct smoother *s, uint32_t vertex, struct v3 norma
 	return v;
 }
 
+/* Gives each new vertex the value of the old one that it is made of. Returns NULL, too, where the
+ * part has no such values. */
+static void *values_of_made(const struct smoother *s, const void *values, size_t size)
+{
+	char *made = values ? calloc((size_t)s->made + 1, size) : NULL;
+
+	for (size_t v = 0; v < s->made && made; v++)
+		memcpy(made + v * size, (const char *)values + s->source[v] * size, size);
+	return made;
+}
+
 /* Replaces the part's arrays by those of the new vertices. */
 static int replace_vertices(struct smoother *s)
 {
 	struct mesh_part *part = s->part;
-	float(*position)[4] = calloc((size_t)s->made + 1, sizeof(*position));
-	float(*uv)[2] = part->uv ? calloc((size_t)s->made + 1, sizeof(*uv)) : NULL;
+	float(*position)[4] = values_of_made(s, part->position, sizeof(*position));
+	float(*uv)[2] = values_of_made(s, part->uv, sizeof(*uv));
+	float(*uv2)[2] = values_of_made(s, part->uv2, sizeof(*uv2));
+	float(*colour)[4] = values_of_made(s, part->colour, sizeof(*colour));
 
-	if (!position || (part->uv && !uv)) {
+	if (!position || (part->uv && !uv) || (part->uv2 && !uv2) || (part->colour && !colour)) {
 		free(position);
 		free(uv);
+		free(uv2);
+		free(colour);
 		return -ENOMEM;
-	}
-	for (size_t v = 0; v < s->made; v++) {
-		memcpy(position[v], part->position[s->source[v]], sizeof(*position));
-		if (uv)
-			memcpy(uv[v], part->uv[s->source[v]], sizeof(*uv));
 	}
 	free(part->position);
 	free(part->uv);
+	free(part->uv2);
+	free(part->colour);
 	free(part->normal);
 	part->position = position;
 	part->uv = uv;
+	part->uv2 = uv2;
+	part->colour = colour;
 	part->normal = s->normal;
 	part->vertices = (int)s->made;
 	s->normal = NULL;

@@ -10,6 +10,7 @@
 #include "bake/base/commands.h"
 #include "bake/encode/encoding_options.h"
 #include "bake/scene/lights_options.h"
+#include "bake/scene/survey.h"
 #include "bake/tiles/render.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
@@ -224,6 +225,18 @@ static void warn_of_nothing(const char *path, const struct render_report *report
 			    path);
 }
 
+/* Says what the camera sees in the first pose that is baked. Only a scene that has no other is refused
+ * where that is nothing. */
+static int survey_first(struct scene *scene, const struct render_choices *c, struct fault *fault)
+{
+	int err = scene_find_pose(scene, c->pose, fault);
+
+	if (err)
+		return err;
+	err = survey_say(scene, c->quiet || c->shard.index ? NULL : stdout, fault);
+	return c->pose || scene->file->poses.count == 1 ? err : 0;
+}
+
 /* Leaves a preview at the output for as long as the bake takes. Returns 1; 0: there is another
  * file, which stays; or an error. */
 static int leave_preview(struct scene *scene, const char *path, const struct render_choices *c,
@@ -255,7 +268,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 	struct render_report report = {.rays = 0};
 	struct render_settings settings;
 	struct fine_list fine = {.count = 0};
-	bool warned = false;
+	bool warned = false, unseen = false;
 	struct scene *scene;
 	int err = scene_open(&scene, path, c->width, c->height, &fault);
 
@@ -270,6 +283,10 @@ static int render_bake(const char *path, const struct render_choices *c)
 			err = fine_list_read(&fine, "--fine", c->lights.fine, NULL, &fault);
 		if (!err)
 			err = check_output(scene->file, path, c->output, &fault);
+		if (!err) {
+			err = survey_first(scene, c, &fault);
+			unseen = err == -ENODATA;
+		}
 		if (!err && !c->preview && !c->no_preview && !c->shard.count)
 			err = leave_preview(scene, path, c, &settings, &fault);
 		warned = err > 0;
@@ -280,7 +297,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 	}
 	if (err) {
 		log_error("%s", fault.text);
-		return EXIT_FAILURE;
+		return unseen ? EXIT_MISSED : EXIT_FAILURE;
 	}
 	if (!warned && !c->shard.count)
 		warn_of_nothing(path, &report);
@@ -358,7 +375,7 @@ const struct bake_command render_command = {
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"
 		"Options go before the scene file. bake/README.md describes the format.\n"
-		"Exit code 3: done, but some tile is off by more than was asked for; the file is "
-		"kept.\n",
+		"Exit code 3: the camera sees no object, and there is no file; or done, but some\n"
+		"tile is off by more than was asked for, and the file is kept.\n",
 	.run = render_command_run,
 };

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/random.h"
+
 #define PACKET 16
 #define GLASS_MAX 32 /* glass surfaces in a row; more let nothing through */
 /* Offset of leaving rays as a share of the world's largest coordinate: a few units in the last
@@ -121,6 +123,86 @@ int world_create(struct world **out, struct fault *fault)
 	return 0;
 }
 
+/* One ray and its hit, of the N of a filter. Embree names the members for C++ alone; one after the
+ * other, each an array of N, they are those of RTCRay and RTCHit. */
+struct filtered {
+	float ray[8]; /* origin, tnear, direction, time */
+	float u, v;
+	unsigned triangle, geometry;
+};
+
+static struct filtered filtered_of(const struct RTCFilterFunctionNArguments *a, unsigned k)
+{
+	const float *ray = (const float *)(const void *)a->ray + k;
+	const float *hit = (const float *)(const void *)a->hit + k;
+	const unsigned *number = (const unsigned *)(const void *)a->hit + k;
+	struct filtered f = {.u = hit[3 * a->N],
+			     .v = hit[4 * a->N],
+			     .triangle = number[5 * a->N],
+			     .geometry = number[6 * a->N]};
+
+	for (size_t member = 0; member < 8; member++)
+		f.ray[member] = ray[member * a->N];
+	f.ray[3] = f.ray[7] = 0;
+	return f;
+}
+
+/* A number for each ray and triangle, which the same ray always gets anew. */
+static float chance_of(const struct filtered *f)
+{
+	uint64_t pairs[4];
+
+	memcpy(pairs, f->ray, sizeof(pairs));
+	return random_unit(
+		(uint32_t)(random_hash(random_hash(pairs[0], pairs[1], pairs[2]), pairs[3],
+				       (uint64_t)f->geometry << 32 | f->triangle) >>
+			   32));
+}
+
+static void find_point(const struct mesh_part *part, unsigned triangle, float u, float v,
+		       struct material_point *point)
+{
+	const uint32_t *corner = part->index[triangle];
+	const float weight[3] = {1 - u - v, u, v};
+	const float(*uv[2])[2] = {(const float(*)[2])part->uv, (const float(*)[2])part->uv2};
+
+	*point = (struct material_point){.colour = {{1, 1, 1}}, .alpha = 1};
+	for (int set = 0; set < 2; set++)
+		for (int k = 0; k < 3 && uv[set]; k++)
+			for (int axis = 0; axis < 2; axis++)
+				point->uv[set][axis] += weight[k] * uv[set][corner[k]][axis];
+	if (!part->colour)
+		return;
+	point->colour = rgb_make(0, 0, 0);
+	point->alpha = 0;
+	for (int k = 0; k < 3; k++) {
+		const float *c = part->colour[corner[k]];
+
+		point->colour = rgb_add(point->colour,
+					rgb_scale(rgb_make(c[0], c[1], c[2]), weight[k]));
+		point->alpha += weight[k] * c[3];
+	}
+}
+
+/* Lets rays pass where alpha has a hole, and by chance where it is partly transparent. */
+static void miss_holes(const struct RTCFilterFunctionNArguments *a)
+{
+	const struct world *world = a->geometryUserPtr;
+
+	for (unsigned k = 0; k < a->N; k++) {
+		const struct filtered f = filtered_of(a, k);
+		const struct instance *instance;
+		struct material_point point;
+
+		if (a->valid[k] != -1)
+			continue;
+		instance = &world->instances[f.geometry];
+		find_point(instance->part, f.triangle, f.u, f.v, &point);
+		if (chance_of(&f) >= material_coverage(instance->material, &point))
+			a->valid[k] = 0;
+	}
+}
+
 static int world_add_part(struct world *world, const struct mesh_part *part, struct fault *fault)
 {
 	RTCGeometry g = rtcNewGeometry(world->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -132,6 +214,11 @@ static int world_add_part(struct world *world, const struct mesh_part *part, str
 				   0, sizeof(*part->position), (size_t)part->vertices);
 	rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, part->index, 0,
 				   sizeof(*part->index), (size_t)part->triangles);
+	if (world->instances[world->instance_count].material->alpha_mode != ALPHA_OPAQUE) {
+		rtcSetGeometryUserData(g, world);
+		rtcSetGeometryIntersectFilterFunction(g, miss_holes);
+		rtcSetGeometryOccludedFilterFunction(g, miss_holes);
+	}
 	rtcCommitGeometry(g);
 	rtcAttachGeometryByID(world->scene[WITH_OBJECTS], g, world->instance_count);
 	if (kind == SURFACE_STANDIN)
@@ -223,12 +310,13 @@ static bool world_chord(const void *context, struct v3 from, struct v3 direction
 	return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Light passes an object with glass, whatever is inside of it. */
-static bool object_has_glass(const struct world *world, const struct mesh *mesh)
+/* Light passes an object with glass or holes, whatever is inside of it. */
+static bool light_passes(const struct world *world, const struct mesh *mesh)
 {
 	for (unsigned k = 0; k < world->instance_count; k++)
 		if (world->instances[k].mesh == mesh &&
-		    world->instances[k].material->kind == MATERIAL_GLASS)
+		    (world->instances[k].material->kind == MATERIAL_GLASS ||
+		     world->instances[k].material->alpha_mode != ALPHA_OPAQUE))
 			return true;
 	return false;
 }
@@ -239,7 +327,7 @@ static void world_fill_inside(struct world *world)
 		const struct instance *i = &world->instances[k];
 
 		if (i->kind == SURFACE_OBJECT && i->part == i->mesh->parts &&
-		    !object_has_glass(world, i->mesh))
+		    !light_passes(world, i->mesh))
 			inside_add(&world->inside, i->mesh->parts, i->mesh->part_count,
 				   INSIDE_MAX / world->objects, world_chord, world);
 	}
@@ -250,11 +338,13 @@ static bool is_grey(struct rgb c)
 	return c.c[0] == c.c[1] && c.c[1] == c.c[2];
 }
 
-static bool casts_coloured_shadow(const struct material *material)
+static bool casts_coloured_shadow(const struct instance *instance)
 {
+	const struct material *material = instance->material;
 	const struct bsdf bsdf = material_at(material, 0, 0);
 
-	return bsdf_is_pane(&bsdf) && (material->texture || !is_grey(material->colour));
+	return bsdf_is_pane(&bsdf) &&
+	       (material->texture || instance->part->colour || !is_grey(material->colour));
 }
 
 /* Parts each scene into glass and all else, if there is glass. */
@@ -264,7 +354,7 @@ static void world_part_glass(struct world *world)
 
 	for (unsigned k = 0; k < world->instance_count; k++) {
 		any |= world->instances[k].material->kind == MATERIAL_GLASS;
-		world->tinted_panes |= casts_coloured_shadow(world->instances[k].material);
+		world->tinted_panes |= casts_coloured_shadow(&world->instances[k]);
 	}
 	for (int p = 0; p < PRESENCE_COUNT && any; p++) {
 		world->glass[p] = scene_new(world->device);
@@ -361,6 +451,36 @@ static void ground_surface(const struct world *world, struct v3 origin, struct v
 	s->position.z = 0;
 }
 
+/* The normal of a material with bumps, from that of the smoothed surface. */
+static struct v3 bumpy_normal(const struct instance *instance, const uint32_t corner[3],
+			      const struct material_point *point, struct v3 normal)
+{
+	const struct mesh_part *part = instance->part;
+	const int set = instance->material->bumps.set;
+	const float(*uv)[2] = (const float(*)[2])(set ? part->uv2 : part->uv);
+	struct v3 edge[2];
+	float d[2][2], area;
+
+	if (!uv || !instance->material->bumps.texture)
+		return normal;
+	normal = v3_unit(normal);
+	for (int k = 0; k < 2; k++) {
+		const float *a = part->position[corner[0]], *b = part->position[corner[k + 1]];
+
+		edge[k] = v3_make(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+		for (int axis = 0; axis < 2; axis++)
+			d[k][axis] = uv[corner[k + 1]][axis] - uv[corner[0]][axis];
+	}
+	area = d[0][0] * d[1][1] - d[1][0] * d[0][1];
+	if (area == 0)
+		return normal;
+	return material_bump(
+		instance->material, point,
+		v3_scale(v3_mad(v3_scale(edge[0], d[1][1]), -d[0][1], edge[1]), copysignf(1, area)),
+		v3_scale(v3_mad(v3_scale(edge[1], d[0][0]), -d[1][0], edge[0]), copysignf(1, area)),
+		normal);
+}
+
 /* Computes the hit point from the triangle, not from the ray, so that its error does not grow with
  * distance. */
 static void mesh_surface(const struct world *world, struct v3 direction, const struct RTCRayHit *r,
@@ -371,19 +491,18 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 	const uint32_t *corner = part->index[r->hit.primID];
 	const float weight[3] = {1 - r->hit.u - r->hit.v, r->hit.u, r->hit.v};
 	struct v3 position = {0, 0, 0}, normal = {0, 0, 0};
-	float u = 0, v = 0;
+	struct material_point point;
 
 	for (int k = 0; k < 3; k++) {
 		const float *p = part->position[corner[k]];
 
 		position = v3_mad(position, weight[k], v3_make(p[0], p[1], p[2]));
 		normal = v3_mad(normal, weight[k], part->normal[corner[k]]);
-		if (part->uv) {
-			u += weight[k] * part->uv[corner[k]][0];
-			v += weight[k] * part->uv[corner[k]][1];
-		}
 	}
+	find_point(part, r->hit.primID, r->hit.u, r->hit.v, &point);
+	normal = bumpy_normal(instance, corner, &point, normal);
 	s->kind = instance->kind;
+	s->mesh = instance->mesh;
 	s->position = position;
 	s->geometric = v3_unit(v3_make(r->hit.Ng_x, r->hit.Ng_y, r->hit.Ng_z));
 	s->outer = v3_dot(s->geometric, direction) < 0;
@@ -396,7 +515,7 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 	if (v3_dot(s->normal, direction) >= -1e-4f || v3_dot(normal, normal) == 0)
 		s->normal = s->geometric;
 	s->offset = OFFSET_SCALE * world->size;
-	s->bsdf = material_at(instance->material, u, v);
+	s->bsdf = material_at_point(instance->material, &point);
 }
 
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,

@@ -21,6 +21,7 @@ enum surface_kind { SURFACE_NONE, SURFACE_OBJECT, SURFACE_STANDIN, SURFACE_GROUN
 /* A point on a surface, as a ray has met it. */
 struct surface {
 	enum surface_kind kind;
+	const struct mesh *mesh; /* NULL: the ground */
 	struct v3 position;
 	struct v3 normal;    /* of the smoothed surface, on the side the ray came from */
 	struct v3 geometric; /* unit normal of the triangle, on that side */

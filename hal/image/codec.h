@@ -41,6 +41,9 @@ extern const struct image_codec image_png, image_jpeg, image_hdr, image_pfm;
 #if WITH_EXR
 extern const struct image_codec image_exr;
 #endif
+#if WITH_WEBP
+extern const struct image_codec image_webp;
+#endif
 
 /*
  * Checks the size in a header against the size of the file, so that a tiny file cannot make the

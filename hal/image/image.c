@@ -16,17 +16,25 @@
 #define FILE_BYTES_MAX ((size_t)1 << 32)
 
 static const struct image_codec *const codecs[] = {
-	&image_png, &image_jpeg, &image_hdr, &image_pfm,
+	&image_png,  &image_jpeg, &image_hdr, &image_pfm,
 #if WITH_EXR
 	&image_exr,
+#endif
+#if WITH_WEBP
+	&image_webp,
 #endif
 	NULL,
 };
 
-#if WITH_EXR
-#define READABLE "PNG, JPEG, Radiance HDR, PFM and OpenEXR"
+#if WITH_WEBP
+#define READABLE_WEBP ", WebP"
 #else
-#define READABLE "PNG, JPEG, Radiance HDR and PFM"
+#define READABLE_WEBP ""
+#endif
+#if WITH_EXR
+#define READABLE "PNG, JPEG" READABLE_WEBP ", Radiance HDR, PFM and OpenEXR"
+#else
+#define READABLE "PNG, JPEG" READABLE_WEBP ", Radiance HDR and PFM"
 #endif
 
 /* Refuses NaN and infinity: one such pixel would spread over the whole composite. Sets negative

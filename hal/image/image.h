@@ -4,7 +4,7 @@
  * from the ending of the name. 8-bit pictures hold code values as stored; float ones hold linear
  * light.
  *
- *     PNG, JPEG                      8-bit (16-bit PNG is rounded, alpha dropped, grey spread)
+ *     PNG, JPEG, WebP                8-bit, with alpha (16-bit PNG is rounded, grey spread)
  *     Radiance .hdr, .pfm, OpenEXR   float
  *
  * Written: .png, .pfm, .hdr; every file appears by rename (hal/base/output.h).

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool image_size_fits(int width, int height)
 {
@@ -35,8 +36,28 @@ int image_create_f32(struct image *image, int width, int height)
 	return 0;
 }
 
+int image_take_rgba(struct image *image, const uint8_t *rgba)
+{
+	const size_t pixels = (size_t)image->width * (size_t)image->height;
+	bool opaque = true;
+
+	for (size_t k = 0; k < pixels; k++) {
+		memcpy(image->u8 + 3 * k, rgba + 4 * k, 3);
+		opaque &= rgba[4 * k + 3] == 255;
+	}
+	if (opaque)
+		return 0;
+	image->alpha = malloc(pixels);
+	if (!image->alpha)
+		return -ENOMEM;
+	for (size_t k = 0; k < pixels; k++)
+		image->alpha[k] = rgba[4 * k + 3];
+	return 0;
+}
+
 void image_free(struct image *image)
 {
+	free(image->alpha);
 	free(image->u8);
 	free(image->f32);
 	*image = (struct image){0};

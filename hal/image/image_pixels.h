@@ -14,6 +14,7 @@ struct image {
 	int width, height;
 	uint8_t *u8;
 	float *f32;
+	uint8_t *alpha; /* coverage of each pixel, 255: all; NULL: 255 everywhere */
 };
 
 /* Whether both sides are 1..IMAGE_SIDE_MAX. */
@@ -23,6 +24,9 @@ bool image_size_fits(int width, int height);
  * failure the image is zeroed. */
 int image_create_u8(struct image *image, int width, int height);
 int image_create_f32(struct image *image, int width, int height);
+
+/* Fills a u8 picture from four channels R, G, B, A, the colours not multiplied by alpha. -ENOMEM. */
+int image_take_rgba(struct image *image, const uint8_t *rgba);
 
 void image_free(struct image *image); /* idempotent */
 

@@ -19,6 +19,7 @@ struct png_work {
 	png_structp png;
 	png_infop info;
 	png_bytep *rows;
+	uint8_t *rgba; /* of a PNG with alpha */
 	const struct image_source *source;
 	size_t at;
 	int err;
@@ -55,26 +56,43 @@ static void png_source_take(png_structp png, png_bytep out, size_t bytes)
 	work->at += bytes;
 }
 
-static int png_allocate_rows(struct png_work *work, const struct image *image)
+static int png_allocate_rows(struct png_work *work, uint8_t *pixels, const struct image *image,
+			     size_t channels)
 {
 	work->rows = malloc((size_t)image->height * sizeof(*work->rows));
 	if (!work->rows)
 		return -ENOMEM;
 	for (int y = 0; y < image->height; y++)
-		work->rows[y] = image->u8 + (size_t)y * (size_t)image->width * 3;
+		work->rows[y] = pixels + (size_t)y * (size_t)image->width * channels;
 	return 0;
 }
 
-/* Asks libpng to convert every kind of PNG to 8-bit RGB, without gamma correction. */
+/* Asks libpng to convert every kind of PNG to 8-bit RGB or RGBA, without gamma correction. */
 static void ask_for_rgb(struct png_work *work)
 {
+	if (png_get_valid(work->png, work->info, PNG_INFO_tRNS))
+		png_set_tRNS_to_alpha(work->png);
 	png_set_scale_16(work->png);
 	png_set_palette_to_rgb(work->png);
 	png_set_expand_gray_1_2_4_to_8(work->png);
 	png_set_gray_to_rgb(work->png);
-	png_set_strip_alpha(work->png);
 	png_set_interlace_handling(work->png);
 	png_read_update_info(work->png, work->info);
+}
+
+/* Allocates the picture, and the rows that libpng fills. */
+static int png_allocate(struct png_work *work, struct image *image)
+{
+	const size_t channels = png_get_channels(work->png, work->info);
+	int err = image_create_u8(image, (int)png_get_image_width(work->png, work->info),
+				  (int)png_get_image_height(work->png, work->info));
+
+	if (!err && channels == 4) {
+		work->rgba = malloc((size_t)image->width * (size_t)image->height * 4);
+		err = work->rgba ? 0 : -ENOMEM;
+	}
+	return err ? err
+		   : png_allocate_rows(work, work->rgba ? work->rgba : image->u8, image, channels);
 }
 
 static int png_decode(struct png_work *work, struct image *image, struct fault *fault)
@@ -92,19 +110,19 @@ static int png_decode(struct png_work *work, struct image *image, struct fault *
 	if (work->err)
 		return work->err;
 	ask_for_rgb(work);
-	if (png_get_rowbytes(work->png, work->info) !=
-	    (size_t)png_get_image_width(work->png, work->info) * 3)
+	if (png_get_channels(work->png, work->info) < 3 ||
+	    png_get_bit_depth(work->png, work->info) != 8)
 		png_error(work->png, "rows are not RGB");
-	work->err = image_create_u8(image, (int)png_get_image_width(work->png, work->info),
-				    (int)png_get_image_height(work->png, work->info));
-	if (!work->err)
-		work->err = png_allocate_rows(work, image);
+	work->err = png_allocate(work, image);
 	if (work->err)
 		return fault_say(fault, work->err, "%s: not enough memory for the picture",
 				 work->source->name);
 	png_read_image(work->png, work->rows);
 	png_read_end(work->png, NULL);
-	return 0;
+	work->err = work->rgba ? image_take_rgba(image, work->rgba) : 0;
+	return work->err ? fault_say(fault, work->err, "%s: not enough memory for the picture",
+				     work->source->name)
+			 : 0;
 }
 
 static int png_read(const struct image_source *source, struct image *image, struct fault *fault)
@@ -120,6 +138,7 @@ static int png_read(const struct image_source *source, struct image *image, stru
 	else
 		fault_say(fault, err, "%s: not enough memory", source->name);
 	png_destroy_read_struct(&work.png, &work.info, NULL);
+	free(work.rgba);
 	free(work.rows);
 	return err;
 }
@@ -160,7 +179,7 @@ static int png_write(FILE *stream, const struct image *image)
 					   png_on_warning);
 	work.info = work.png ? png_create_info_struct(work.png) : NULL;
 	if (work.info)
-		err = png_allocate_rows(&work, image);
+		err = png_allocate_rows(&work, image->u8, image, 3);
 	if (!err) {
 		errno = 0;
 		err = png_encode(&work, stream, image);

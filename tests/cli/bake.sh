@@ -225,8 +225,22 @@ rejected "a keyframe's mesh that is not there" 1 '[keyframe b] file: cannot open
 absent "failures leave no file" "$work/none.inlay"
 
 scene behind <<<$'[object a]\nfile = box.obj\nposition = 0 -500 0'
-equal "an object out of sight is remarked on" 1 "$("$bake" render --quiet "$work/behind.scene" \
-	-o "$work/behind.inlay" 2>&1 | grep -c 'sees no object')"
+rejected "an object out of sight is not baked" 3 "the camera sees no object" "$bake" render --quiet \
+	"$work/behind.scene" -o "$work/behind.inlay"
+absent "and leaves no file" "$work/behind.inlay"
+scene glass <<<$'[object pane]\nfile = box.obj\nscale = 1.2\nmaterial = clear\nposition = 0 0 0.1\n[material clear]
+kind = glass\n[object kernel]\nfile = box.obj\nscale = 0.1\n'
+check "an object behind glass is seen" test -z "$("$bake" render --quiet --preview "$work/glass.scene" \
+	-o "$work/glass.inlay" 2>&1 | grep 'nothing of it')"
+scene places <<<$'[ground]\n[object sunk]\nfile = box.obj\nposition = 0 0 -0.6\n[object gone]\nfile = box.obj
+position = 0 -500 0\n[object around]\nfile = box.obj\nscale = 40\nstand = yes\nposition = 0 0 -3\n'
+said=$("$bake" render --preview "$work/places.scene" -o "$work/places.inlay" 2>&1)
+for words in "[object gone]: nothing of it is seen" "[object around]: the camera is inside of it" \
+	"[object sunk]: " "% of its height is below the ground"; do
+	check "a strange place is remarked on: $words" grep -qF -- "$words" <<<"$said"
+done
+check "each object has a line" grep -qE '^sunk: [0-9.]+ x [0-9.]+ x [0-9.]+ world units, [0-9.]+ % of the picture, [0-9]+ % of' \
+	<<<"$said"
 
 # ---- a preview, alone and before the bake ----
 is_preview() { # FILE

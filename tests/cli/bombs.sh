@@ -93,7 +93,23 @@ bomb chunk.glb "its chunk says that it has 4294967280 bytes, but there are 2"
 	number32 1 22 0xfffffff0 0
 	printf '{}'
 } >older.glb
-bomb older.glb "its JSON says that it has 4294967280 bytes, but there are 2"
+bomb older.glb "a GLB of version 1, expected 2"
+# accessor NAME WORDS JSON: one, of positions.
+accessor() {
+	printf '{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":%s' \
+		'{"POSITION":0}}]}],"buffers":[{"byteLength":12,"uri":"data:,abcdefghijkl"}],' >"$1"
+	echo "$3}" >>"$1"
+	bomb "$1" "$2"
+}
+accessor zeros.gltf "/accessors/0/count: 4000000000" \
+	'"accessors":[{"componentType":5126,"type":"VEC3","count":4000000000}]'
+accessor beyond.gltf "/accessors/0: 90000000 elements from byte 0 end after bufferView 0" \
+	'"bufferViews":[{"buffer":0,"byteLength":12}],"accessors":[{"bufferView":0,
+	"componentType":5126,"type":"VEC3","count":90000000}]'
+accessor packed.gltf "/bufferViews/0/extensions/EXT_meshopt_compression: 12 bytes cannot hold 80000000 elements" \
+	'"bufferViews":[{"buffer":0,"byteLength":12,"extensions":{"EXT_meshopt_compression":{"buffer":0,
+	"byteLength":12,"byteStride":12,"count":80000000,"mode":"ATTRIBUTES"}}}],"accessors":[{
+	"bufferView":0,"componentType":5126,"type":"VEC3","count":80000000}]'
 for vertices in 1099511627776 2147483647; do
 	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nend_header\n0\n' $vertices \
 		>$vertices.ply

@@ -18,11 +18,11 @@ mkdir -p build/tests/logs build/tests/crashes
 wanted() {
 	sed -n '/reaches:/,/\*\//p' "$1" | grep -oE '[a-z0-9_]+\.[a-z]+:[A-Za-z0-9_]+'
 }
-# functions TARGET: COVERED or UNCOVERED, FILE:FUNCTION; of C++ without namespace and arguments. Fails if a seed does.
+# functions TARGET: COVERED or UNCOVERED, FILE:FUNCTION; of C++ without namespace, class and arguments. Fails if a seed does.
 functions() {
 	"$fuzzing/fuzz_$1" -print_coverage=1 -runs=0 -artifact_prefix="build/tests/crashes/$1-" \
 		"tests/fuzz/corpus/$1" >"$log" 2>&1 || return
-	sed -nE 's|^(UN)?(COVERED)_FUNC: .* edges: [0-9/]+ (\(anonymous namespace\)::)?([A-Za-z0-9_]+)(\(.*)? '\
+	sed -nE 's|^(UN)?(COVERED)_FUNC: .* edges: [0-9/]+ (\(?[A-Za-z0-9_ ]+\)?::)*([A-Za-z0-9_]+)(\(.*)? '\
 '[^ ]*/([^/:]+):[0-9]+$|\1\2 \6:\4|p' "$log"
 }
 # one TARGET: 0, or what is missing.

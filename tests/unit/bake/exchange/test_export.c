@@ -185,6 +185,35 @@ static void test_meshes(void **state)
 	scene_close(scene);
 }
 
+/* Coordinates of a texture that is moved are exported where it is looked up. */
+static void test_placed_texture(void **state)
+{
+	struct scene *scene = open_scene(camera);
+	struct mesh_part *part = &scene->meshes[0].parts[0];
+	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = (uint8_t[]){9, 9, 9}}};
+	char line[256];
+	float u = 0, v = 0;
+	FILE *stream;
+
+	(void)state;
+	texture_prepare(&texture);
+	part->uv2 = calloc((size_t)part->vertices, sizeof(*part->uv2));
+	assert_non_null(part->uv2);
+	part->uv2[0][0] = 0.25f;
+	part->uv2[0][1] = 0.5f;
+	scene->materials[0].texture = &texture;
+	scene->materials[0].placed = (struct texture_use){&texture, 1, {2, 0, 0.125f, 0, 3, 0}};
+	export_to(scene, "placed");
+	stream = fopen(small_scene_path("placed/objects.obj"), "r");
+	assert_non_null(stream);
+	while (fgets(line, sizeof(line), stream) && sscanf(line, "vt %f %f", &u, &v) != 2)
+		;
+	fclose(stream);
+	assert_float_equal(u, 0.625, 1e-6);
+	assert_float_equal(v, 1.5, 1e-6);
+	scene_close(scene);
+}
+
 /* The exported angles read back as the same dome. */
 static void test_angles(void **state)
 {
@@ -283,8 +312,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_rays),   cmocka_unit_test(test_coverage),
-		cmocka_unit_test(test_meshes), cmocka_unit_test(test_angles),
-		cmocka_unit_test(test_shift),  cmocka_unit_test(test_tents),
+		cmocka_unit_test(test_meshes), cmocka_unit_test(test_placed_texture),
+		cmocka_unit_test(test_angles), cmocka_unit_test(test_shift),
+		cmocka_unit_test(test_tents),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

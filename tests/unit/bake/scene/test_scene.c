@@ -636,23 +636,23 @@ static void test_gltf_materials(void **state)
 	fwrite(corners, sizeof(corners), 1, stream);
 	fclose(stream);
 	write_checker("checker.png");
-	for (int means = 0; means < 2; means++) {
+	for (int mapped = 0; mapped < 2; mapped++) {
 		struct fault fault = {.text = ""};
 		struct mesh mesh;
 		struct bsdf red;
 
 		small_scene_write("metal.gltf", gltf,
-				  means ? ",\"metallicRoughnessTexture\":{\"index\":0}" : "");
+				  mapped ? ",\"metallicRoughnessTexture\":{\"index\":0}" : "");
 		if (mesh_read(&mesh, small_scene_path("metal.gltf"), &placement, &fault) < 0)
 			fail_msg("%s", fault.text);
+		/* the texel has red alone: no metal, and as smooth as can be */
 		red = material_at(&mesh.materials[mesh.parts[0].material], 0.25f, 0.75f);
-		/* of the checker's green and blue, half are 1 */
-		expect_below(fabsf(red.alpha - (means ? 0.25f : 1)), 1e-5f, "means=%d", means);
-		expect_below(fabsf(red.colour.c[0] - (means ? 0.5f : 0)), 1e-5f, "means=%d", means);
-		expect_below(fabsf(red.specular.c[0] - (means ? 0.52f : 1)), 1e-5f, "means=%d",
-			     means);
-		expect_below(fabsf(red.specular.c[1] - (means ? 0.02f : 0)), 1e-5f, "means=%d",
-			     means);
+		expect_below(fabsf(red.alpha - (mapped ? 0.001f : 1)), 1e-5f, "mapped=%d", mapped);
+		expect_below(fabsf(red.colour.c[0] - (mapped ? 1 : 0)), 1e-5f, "mapped=%d", mapped);
+		expect_below(fabsf(red.specular.c[0] - (mapped ? 0.04f : 1)), 1e-5f, "mapped=%d",
+			     mapped);
+		expect_below(fabsf(red.specular.c[1] - (mapped ? 0.04f : 0)), 1e-5f, "mapped=%d",
+			     mapped);
 		mesh_free(&mesh);
 	}
 }

@@ -10,6 +10,9 @@
 #include <errno.h>
 #include <math.h>
 #include <png.h>
+#if WITH_WEBP
+#include <webp/encode.h>
+#endif
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -631,11 +634,12 @@ static void png_kinds(void **state)
 		int depth, kind;
 		const uint8_t *row;
 		uint8_t expected[6];
+		uint8_t alpha[2];
 	} cases[] = {
 		{8, PNG_COLOR_TYPE_RGB, rgb, {1, 2, 3, 255, 254, 253}},
-		{8, PNG_COLOR_TYPE_RGBA, rgba, {1, 2, 3, 255, 254, 253}},
+		{8, PNG_COLOR_TYPE_RGBA, rgba, {1, 2, 3, 255, 254, 253}, {0, 9}},
 		{8, PNG_COLOR_TYPE_GRAY, grey, {7, 7, 7, 200, 200, 200}},
-		{8, PNG_COLOR_TYPE_GRAY_ALPHA, grey_alpha, {7, 7, 7, 200, 200, 200}},
+		{8, PNG_COLOR_TYPE_GRAY_ALPHA, grey_alpha, {7, 7, 7, 200, 200, 200}, {0, 255}},
 		{1, PNG_COLOR_TYPE_GRAY, bits, {0, 0, 0, 255, 255, 255}},
 		{8, PNG_COLOR_TYPE_PALETTE, indices, {10, 20, 30, 70, 80, 90}},
 		{16, PNG_COLOR_TYPE_RGB, deep, {1, 128, 254, 255, 0, 1}},
@@ -653,9 +657,44 @@ static void png_kinds(void **state)
 		expect_equal(image.height, 1, "i=%zu", i);
 		assert_null(image.f32);
 		assert_memory_equal(image.u8, cases[i].expected, 6);
+		expect_equal(!image.alpha, cases[i].alpha[1] == 0, "i=%zu", i);
+		if (image.alpha)
+			assert_memory_equal(image.alpha, cases[i].alpha, 2);
 		image_free(&image);
 	}
 }
+
+#if WITH_WEBP
+static void webp(void **state)
+{
+	static const uint8_t rgba[] = {1, 2, 3, 0, 255, 254, 253, 9};
+	static const uint8_t rgb[] = {1, 2, 3, 255, 254, 253};
+
+	(void)state;
+	for (int alpha = 0; alpha < 2; alpha++) {
+		struct fault fault = {.text = ""};
+		struct image image;
+		uint8_t *file;
+		const size_t bytes = alpha ? WebPEncodeLosslessRGBA(rgba, 2, 1, 8, &file)
+					   : WebPEncodeLosslessRGB(rgb, 2, 1, 6, &file);
+
+		read_fine(file, bytes, &image);
+		/* without "exact", libwebp changes colours that are wholly transparent */
+		assert_memory_equal(image.u8 + 3 * alpha, rgb + 3 * alpha, alpha ? 3 : 6);
+		assert_true(!image.alpha == !alpha);
+		if (alpha) {
+			assert_int_equal(image.alpha[0], 0);
+			assert_int_equal(image.alpha[1], 9);
+		}
+		image_free(&image);
+		for (size_t cut = 12; cut < bytes; cut += 3)
+			assert_int_equal(image_read_memory(file, cut, "cut.webp", &image, &fault),
+					 -EBADMSG);
+		assert_non_null(strstr(fault.text, "cut.webp: damaged WebP"));
+		WebPFree(file);
+	}
+}
+#endif
 
 static void png_interlaced(void **state)
 {
@@ -923,6 +962,9 @@ int main(void)
 		cmocka_unit_test(exr_refusals),
 #endif
 		cmocka_unit_test(png_kinds),
+#if WITH_WEBP
+		cmocka_unit_test(webp),
+#endif
 		cmocka_unit_test(png_interlaced),
 		cmocka_unit_test(png_round_trip),
 		cmocka_unit_test(png_hostile_size),

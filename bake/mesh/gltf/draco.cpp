@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/mesh/gltf/draco.hpp"
+
+#include <cerrno>
+
+#include <draco/compression/decode.h>
+#include <draco/mesh/mesh.h>
+
+namespace gltf
+{
+
+Compressed::Compressed(Document &document, const Json &extension)
+    : attributes(needed(extension, "attributes"))
+{
+	const size_t view = document.index(needed(extension, "bufferView"), "bufferViews");
+	const Bytes from = document.view(view).bytes;
+	draco::DecoderBuffer buffer;
+	draco::Decoder decoder;
+
+	buffer.Init(reinterpret_cast<const char *>(from.at), from.count);
+	auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+	if (!decoded.ok())
+		fail_at(extension, -EBADMSG,
+			"Draco cannot decompress it: " + decoded.status().error_msg_string());
+	mesh = std::move(decoded).value();
+}
+
+Compressed::~Compressed() = default;
+
+bool Compressed::has(const std::string &attribute) const
+{
+	return find(attributes, attribute.c_str());
+}
+
+Values Compressed::values(const std::string &attribute) const
+{
+	const size_t id = whole(attributes, attribute.c_str(), 65535);
+	const draco::PointAttribute *from = mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id));
+
+	if (!from)
+		fail_at(attributes, -EBADMSG,
+			attribute + ": the compressed data have no attribute " +
+				std::to_string(id));
+
+	const auto components = static_cast<int8_t>(from->num_components());
+	Values out = {mesh->num_points(), static_cast<size_t>(components), {}};
+
+	out.value.resize(out.count * out.components);
+	for (uint32_t k = 0; k < mesh->num_points(); k++) {
+		const draco::AttributeValueIndex at = from->mapped_index(draco::PointIndex(k));
+
+		if (at.value() >= from->size() ||
+		    !from->ConvertValue<float>(at, components, &out.value[k * out.components]))
+			fail_at(attributes, -EBADMSG, attribute + ": damaged");
+	}
+	return out;
+}
+
+std::vector<uint32_t> Compressed::corners() const
+{
+	std::vector<uint32_t> out;
+
+	out.reserve(3 * static_cast<size_t>(mesh->num_faces()));
+	for (uint32_t f = 0; f < mesh->num_faces(); f++)
+		for (int k = 0; k < 3; k++)
+			out.push_back(mesh->face(draco::FaceIndex(f))[k].value());
+	return out;
+}
+
+} // namespace gltf

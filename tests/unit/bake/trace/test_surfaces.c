@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+/* What rays meet on a square whose material has alpha, colours of vertices or bumps. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+
+#include "bake/base/random.h"
+#include "bake/trace/world.h"
+#include "tests/support/expect.h"
+
+#define RAYS 16000
+
+/* From (0, 0, 2) to (1, 1, 2), seen from below, with texture coordinates x and 1 - y. */
+static float position[4][4] = {{0, 0, 2}, {1, 0, 2}, {1, 1, 2}, {0, 1, 2}};
+static struct v3 normal[4] = {{0, 0, -1}, {0, 0, -1}, {0, 0, -1}, {0, 0, -1}};
+static float uv[4][2] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+static uint32_t corner[2][3] = {{0, 2, 1}, {0, 3, 2}};
+
+static struct mesh_part square = {.vertices = 4,
+				  .triangles = 2,
+				  .position = position,
+				  .normal = normal,
+				  .uv = uv,
+				  .index = corner};
+static const struct mesh mesh = {.parts = &square, .part_count = 1};
+
+static struct world *make_world(const struct material *material)
+{
+	struct fault fault = {.text = ""};
+	struct world *world;
+
+	expect_success(world_create(&world, &fault), &fault);
+	expect_success(world_add(world, &mesh, material, SURFACE_OBJECT, &fault), &fault);
+	expect_success(world_commit(world, &fault), &fault);
+	return world;
+}
+
+/* From (0.5, 0.5, 0) to a point of the square. */
+static struct v3 towards(float x, float y)
+{
+	return v3_unit(v3_make(x - 0.5f, y - 0.5f, 2));
+}
+
+/* A quarter of the rays meets a surface of alpha 0.25, alone and in batches. */
+static void test_blend(void **state)
+{
+	const struct material veil = {
+		.colour = {{1, 1, 1}}, .alpha_mode = ALPHA_BLEND, .alpha = 0.25f};
+	const struct v3 from = {0.5f, 0.5f, 0};
+	struct world *world = make_world(&veil);
+	struct random random = {.state = 5};
+	struct ray_batch batch;
+	double alone = 0, together = 0;
+
+	(void)state;
+	assert_int_equal(ray_batch_create(&batch), 0);
+	batch.count = RAYS;
+	for (int k = 0; k < RAYS; k++) {
+		const float x = random_next(&random), y = random_next(&random);
+		const struct v3 d = towards(x, y);
+		struct surface s, again;
+		const bool met = world_nearest(world, WITH_OBJECTS, from, d, &s);
+
+		expect_equal(met, world_nearest(world, WITH_OBJECTS, from, d, &again), "k=%d", k);
+		alone += met;
+		batch.x[k] = d.x;
+		batch.y[k] = d.y;
+		batch.z[k] = d.z;
+	}
+	world_occluded(world, WITH_OBJECTS, from, &batch);
+	for (int k = 0; k < RAYS; k++)
+		together += batch.blocked[k] == RAY_BLOCKED;
+	/* four standard deviations */
+	expect_below(fabs(alone / RAYS - 0.25), 4 * sqrt(0.25 * 0.75 / RAYS), "alone");
+	expect_below(fabs(together / RAYS - 0.25), 4 * sqrt(0.25 * 0.75 / RAYS), "together");
+	ray_batch_free(&batch);
+	world_destroy(world);
+}
+
+/* The left half is a hole. */
+static void test_mask(void **state)
+{
+	static uint8_t white[] = {255, 255, 255, 255, 255, 255}, alpha[] = {0, 255};
+	struct texture texture = {.image = {.width = 2, .height = 1, .u8 = white, .alpha = alpha},
+				  .nearest = true};
+	const struct material material = {.colour = {{1, 1, 1}},
+					  .texture = &texture,
+					  .alpha_mode = ALPHA_MASK,
+					  .alpha = 1,
+					  .alpha_cut = 0.5f};
+	struct world *world = make_world(&material);
+
+	(void)state;
+	texture_prepare(&texture);
+	for (int k = 0; k < 100; k++) {
+		const float x = ((float)k + 0.5f) / 100;
+		struct surface s;
+
+		expect_equal(world_nearest(world, WITH_OBJECTS, v3_make(0.5f, 0.5f, 0),
+					   towards(x, 0.3f), &s),
+			     x > 0.5f, "x=%g", (double)x);
+	}
+	world_destroy(world);
+}
+
+static void test_colours(void **state)
+{
+	static float colour[4][4] = {{0, 0, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}, {0, 1, 0, 1}};
+	const struct material material = {.colour = {{0.5f, 1, 1}}};
+	struct world *world = make_world(&material);
+	struct surface s;
+
+	(void)state;
+	square.colour = colour;
+	assert_true(world_nearest(world, WITH_OBJECTS, v3_make(0.5f, 0.5f, 0), towards(0.3f, 0.8f),
+				  &s));
+	square.colour = NULL;
+	expect_below(fabsf(s.bsdf.colour.c[0] - 0.15f), 1e-5f, "red");
+	expect_below(fabsf(s.bsdf.colour.c[1] - 0.8f), 1e-5f, "green");
+	expect_below(s.bsdf.colour.c[2], 1e-5f, "blue");
+	assert_ptr_equal(s.mesh, &mesh);
+	world_destroy(world);
+}
+
+/* A texel leans towards +u, +x, and towards +v, -y; the surface faces down. */
+static void test_bumps(void **state)
+{
+	static uint8_t leaning[] = {204, 179, 255}; /* (0.6, 0.404, 1) */
+	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
+	const struct material material = {
+		.colour = {{1, 1, 1}}, .bumps = {&texture, 0, {1, 0, 0, 0, 1, 0}}, .bump_scale = 1};
+	struct world *world = make_world(&material);
+	struct surface s;
+
+	(void)state;
+	texture_prepare_data(&texture);
+	for (int side = -1; side <= 1;
+	     side += 2) { /* a face seen from behind leans the other way */
+		const struct v3 from = {0.3f, 0.3f, 2 + 2 * (float)side};
+
+		assert_true(
+			world_nearest(world, WITH_OBJECTS, from, v3_make(0, 0, (float)-side), &s));
+		expect_below(fabsf(s.normal.x / s.normal.z + 0.6f), 1e-4f, "side=%d", side);
+		expect_below(fabsf(s.normal.y / s.normal.z - 0.40392f), 1e-4f, "side=%d", side);
+		expect_that(s.normal.z * (float)side > 0, "side=%d", side);
+	}
+	world_destroy(world);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_blend),
+		cmocka_unit_test(test_mask),
+		cmocka_unit_test(test_colours),
+		cmocka_unit_test(test_bumps),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
