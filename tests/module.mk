@@ -82,7 +82,9 @@ UNIT_TESTS := \
 	tests/unit/bake/encode/test_encode_rank.c \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/mesh/test_formats.c \
 	tests/unit/bake/mesh/test_gltf.c \
+	tests/unit/bake/mesh/test_mtl.c \
 	tests/unit/bake/mesh/test_left_out.c \
 	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/mesh/test_mesh_winding.c \
@@ -178,7 +180,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_mjpeg.c \
 	tests/fuzz/fuzz_msi.c \
-	tests/fuzz/fuzz_mtl.c \
+	tests/fuzz/fuzz_obj.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_response.c \
@@ -186,6 +188,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_script.c \
 	tests/fuzz/fuzz_shard.c \
 	tests/fuzz/fuzz_state.c \
+	tests/fuzz/fuzz_stl.c \
 	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_video.c
 # Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
@@ -207,6 +210,14 @@ FUZZ_PARTS := \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/formats/beside.c \
+	bake/mesh/formats/mtl.c \
+	bake/mesh/formats/obj.c \
+	bake/mesh/formats/ply.c \
+	bake/mesh/formats/soup.c \
+	bake/mesh/formats/stl.c \
+	bake/mesh/formats/text.c \
+	bake/mesh/formats/textures.c \
 	bake/mesh/gltf/accessor.cpp \
 	bake/mesh/gltf/document.cpp \
 	bake/mesh/gltf/draco.cpp \
@@ -217,11 +228,7 @@ FUZZ_PARTS := \
 	bake/mesh/left_out.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
-	bake/mesh/mesh_files.c \
-	bake/mesh/mesh_import.c \
-	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
-	bake/mesh/mesh_ply.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
 	bake/scene/keyframes.c \

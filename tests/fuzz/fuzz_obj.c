@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as an OBJ and, behind the first NUL, its library: all that it uses is there, or a
- * sentence says what is not.
+/* Any bytes as an OBJ and, behind the first NUL, its library: read, or refused in a sentence.
  *
- * reaches: mesh_mtl.c:check_used mesh_mtl.c:read_library mesh_mtl.c:add_name
- * mesh_mtl.c:miss_library
+ * reaches: obj.c:obj_corner obj.c:obj_miss obj.c:obj_colour mtl.c:mtl_make mtl.c:map_take_option
+ * soup.c:cut_ears text.c:text_append textures.c:textures_take beside.c:append_any_case
  */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "bake/mesh/mesh_mtl.h"
+#include "bake/mesh/formats/formats.h"
 #include "tests/fuzz/as_file.h"
 
 static char folder[] = "/tmp/inlay-fuzz-XXXXXX";
@@ -23,8 +22,8 @@ static void clean_up(void)
 	rmdir(folder);
 }
 
-/* In place of any library that does not exist, fuzz.mtl is read. */
-static void fuzz_mtl_begin(void)
+/* In place of any library that does not exist, fuzz.mtl is read; a picture may be one of the two files. */
+static void fuzz_obj_begin(void)
 {
 	if (!mkdtemp(folder))
 		abort();
@@ -33,7 +32,7 @@ static void fuzz_mtl_begin(void)
 	atexit(clean_up);
 }
 
-static void fuzz_mtl_put(const char *path, const uint8_t *data, size_t bytes)
+static void fuzz_obj_put(const char *path, const uint8_t *data, size_t bytes)
 {
 	FILE *file = fopen(path, "wb");
 
@@ -46,17 +45,19 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	const uint8_t *end = bytes ? memchr(data, 0, bytes) : NULL;
 	const size_t first = end ? (size_t)(end - data) : bytes;
 	struct fault fault = {.text = ""};
+	struct mesh mesh = {.part_count = 0};
 
 	if (!obj[0])
-		fuzz_mtl_begin();
+		fuzz_obj_begin();
 	/* names that lead out of the folder would make the result depend on this machine */
 	if (bytes && (memchr(data, '/', bytes) || memmem(data, bytes, "..", 2)))
 		return 0;
-	fuzz_mtl_put(obj, data, first);
+	fuzz_obj_put(obj, data, first);
 	unlink(mtl);
 	if (end)
-		fuzz_mtl_put(mtl, end + 1, bytes - first - 1);
-	if (mesh_mtl_check(obj, &fault) && !fault.text[0])
+		fuzz_obj_put(mtl, end + 1, bytes - first - 1);
+	if ((obj_read(&mesh, obj, 60, true, &fault) == 0) != !fault.text[0])
 		abort();
+	mesh_free(&mesh);
 	return 0;
 }
