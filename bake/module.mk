@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # LAPACK for the encoder; OpenBLAS is what makes it fast.
-bake_PACKAGES := draco lapacke openblas cairo
+bake_PACKAGES := libtiff-4 draco lapacke openblas cairo
 # Embree and meshoptimizer have no pkg-config file. Embree is 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
 bake_LIBS := -lmeshoptimizer -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so 2>/dev/null)),4,3)
 BAKE_SOURCES := \
@@ -9,6 +9,7 @@ BAKE_SOURCES := \
 	bake/info_map.c \
 	bake/base/angles.c \
 	bake/base/options.c \
+	bake/base/picture_file.c \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \

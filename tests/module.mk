@@ -51,6 +51,7 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_show.c \
 	tests/unit/app/view/test_utf8.c \
 	tests/unit/app/view/test_words.c \
+	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
@@ -199,6 +200,7 @@ FUZZ_PARTS := \
 	app/kiosk/control_socket.c \
 	app/kiosk/state.c \
 	bake/base/angles.c \
+	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_yaml.c \

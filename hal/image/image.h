@@ -4,7 +4,8 @@
  * from the ending of the name. 8-bit pictures hold code values as stored; float ones hold linear
  * light.
  *
- *     PNG, JPEG, WebP                8-bit, with alpha (16-bit PNG is rounded, grey spread)
+ *     PNG, JPEG, WebP                8-bit, with alpha (16-bit PNG is rounded, grey spread, inks
+ *                                    multiplied)
  *     Radiance .hdr, .pfm, OpenEXR   float
  *
  * Written: .png, .pfm, .hdr; every file appears by rename (hal/base/output.h).
@@ -22,6 +23,9 @@
  * damaged or truncated; -ENOTSUP: unknown kind; -EFBIG: a side beyond IMAGE_SIDE_MAX; -EDOM: a NaN
  * or an infinity in a float picture (the fault names the pixel). On failure the image is zeroed. */
 int image_read(const char *path, struct image *image, struct fault *fault);
+
+/* The same, but 16-bit PNG fills u16. */
+int image_read_deep(const char *path, struct image *image, struct fault *fault);
 
 /* Reads a file that is in memory; messages call it by name. */
 int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,

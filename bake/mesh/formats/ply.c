@@ -159,7 +159,7 @@ static enum ply_role role_of(struct text_span name, bool list)
 static int header_property(struct ply *ply, struct text_span line, struct fault *fault)
 {
 	struct ply_property *property = &ply->property[ply->properties];
-	struct ply_element *element = &ply->element[ply->elements - 1];
+	struct ply_element *element;
 	struct text_span list = line;
 
 	if (!ply->elements)
@@ -169,6 +169,7 @@ static int header_property(struct ply *ply, struct text_span line, struct fault 
 	if (ply->properties == PROPERTIES_MAX)
 		return fault_say(fault, -E2BIG, "%s:%d: expected at most %d properties", ply->path,
 				 ply->lines.line, PROPERTIES_MAX);
+	element = &ply->element[ply->elements - 1];
 	*property = (struct ply_property){.type = NULL};
 	if (text_is(text_word(&list), "list")) {
 		line = list;

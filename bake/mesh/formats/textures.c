@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/base/picture_file.h"
 #include "bake/mesh/formats/beside.h"
 #include "bake/mesh/plain_file.h"
-#include "hal/image/image.h"
 
 /* ---- pictures ---- */
 
@@ -43,7 +43,7 @@ static int read_picture(const char *path, struct image *image, struct fault *fau
 	if (err)
 		return err;
 	fclose(file);
-	return image_read(path, image, fault);
+	return picture_file_read(path, image, fault);
 }
 
 /* Value of a channel, 0..255. */
@@ -53,6 +53,8 @@ static uint8_t image_code(const struct image *image, size_t pixel, int channel)
 
 	if (image->f32)
 		return (uint8_t)(255 * fminf(image->f32[at], 1) + 0.5f);
+	if (image->u16)
+		return (uint8_t)((image->u16[at] + 128) / 257);
 	return image->u8[at];
 }
 
@@ -82,9 +84,11 @@ static bool image_stretch(struct image *image, int width, int height)
 	if (w == width && h == height)
 		return true;
 	large.u8 = stretch(image->u8, 3, w, h, width, height);
+	large.u16 = stretch(image->u16, 3 * sizeof(uint16_t), w, h, width, height);
 	large.f32 = stretch(image->f32, 3 * sizeof(float), w, h, width, height);
 	large.alpha = stretch(image->alpha, 1, w, h, width, height);
-	if (!image->u8 != !large.u8 || !image->f32 != !large.f32 || !image->alpha != !large.alpha) {
+	if (!image->u8 != !large.u8 || !image->u16 != !large.u16 || !image->f32 != !large.f32 ||
+	    !image->alpha != !large.alpha) {
 		image_free(&large);
 		return false;
 	}
@@ -195,6 +199,8 @@ int textures_colour(struct textures *textures, const struct texture_name *colour
 	if (!err && cover.width && image_cover(&added->image, &cover) < 0)
 		err = texture_lack(textures, fault);
 	image_free(&cover);
+	if (!err && picture_file_decode(&added->image, false) < 0)
+		err = texture_lack(textures, fault);
 	texture_prepare(added);
 	return err;
 }
@@ -257,6 +263,8 @@ int textures_data(struct textures *textures, const struct texture_name *name,
 	if (err || !added)
 		return err;
 	err = read_picture(path, &added->image, fault);
+	if (!err && picture_file_decode(&added->image, true) < 0)
+		err = texture_lack(textures, fault);
 	texture_prepare_data(added);
 	return err;
 }
