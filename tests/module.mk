@@ -182,6 +182,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_mjpeg.c \
 	tests/fuzz/fuzz_msi.c \
 	tests/fuzz/fuzz_obj.c \
+	tests/fuzz/fuzz_picture.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_response.c \

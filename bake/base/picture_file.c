@@ -37,8 +37,8 @@ static int check_size(const char *path, double width, double height, uint64_t by
 
 /* ---- TIFF ---- */
 
-static int tiff_on_error(TIFF *tiff, void *fault, const char *module, const char *format,
-			 va_list list)
+__attribute__((format(printf, 4, 0))) static int
+tiff_on_error(TIFF *tiff, void *fault, const char *module, const char *format, va_list list)
 {
 	char text[256];
 
@@ -49,8 +49,8 @@ static int tiff_on_error(TIFF *tiff, void *fault, const char *module, const char
 	return 1;
 }
 
-static int tiff_on_warning(TIFF *tiff, void *fault, const char *module, const char *format,
-			   va_list list)
+__attribute__((format(printf, 4, 0))) static int
+tiff_on_warning(TIFF *tiff, void *fault, const char *module, const char *format, va_list list)
 {
 	(void)tiff, (void)fault, (void)module, (void)format, (void)list;
 	return 1;

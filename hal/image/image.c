@@ -94,6 +94,15 @@ int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struc
 	return image_read_source(&source, image, fault);
 }
 
+int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+			   struct fault *fault)
+{
+	const struct image_source source = {
+		.data = data, .bytes = bytes, .name = name, .deep = true};
+
+	return image_read_source(&source, image, fault);
+}
+
 /* Reads the whole file. Not mapped: truncation by another program would then raise SIGBUS. */
 static int image_slurp(int fd, uint8_t **data, size_t *bytes)
 {

@@ -30,6 +30,8 @@ int image_read_deep(const char *path, struct image *image, struct fault *fault);
 /* Reads a file that is in memory; messages call it by name. */
 int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
 		      struct fault *fault);
+int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+			   struct fault *fault);
 
 /* Writes a picture: .png takes u8, .pfm and .hdr take f32. 0; -ENOTSUP: another ending or sample
  * type; other -errno: the file cannot be written. */

@@ -53,6 +53,7 @@ static const char *const left_words[] = {
 	"spectral curves",
 	"invisible shadow catchers",
 	"alpha of colour maps",
+	"refraction",
 };
 
 enum left_kind {
@@ -68,6 +69,7 @@ enum left_kind {
 	LEFT_SPECTRA,
 	LEFT_CATCHER,
 	LEFT_ALPHA,
+	LEFT_REFRACTION,
 };
 
 enum mtl_value { VALUE_COLOUR, VALUE_NUMBER, VALUE_MAP, VALUE_LEFT, VALUE_LEFT_MAP };
@@ -580,6 +582,9 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 		left |= 1u << LEFT_ALPHA;
 	if (mtl->illum == 10)
 		left |= 1u << LEFT_CATCHER;
+	if (m->alpha < 1 && !mtl->blender &&
+	    (mtl->illum == 4 || mtl->illum == 6 || mtl->illum == 7 || mtl->illum == 9))
+		left |= 1u << LEFT_REFRACTION;
 	for (size_t k = 0; k < sizeof(left_words) / sizeof(*left_words); k++)
 		if (left & 1u << k)
 			left_out_add(out, left_words[k], "material");

@@ -298,8 +298,10 @@ static void test_left_out(void **state)
 	FILE *said;
 
 	(void)state;
-	small_scene_write("out.mtl", "newmtl a\nmap_Bump -bm 1 none.png\nKe 1 1 1\nnewmtl b\n"
-				     "bump none.png\nKe 0 0 0\nPc 0.5\nnewmtl c\ndecal none.png\n");
+	small_scene_write(
+		"out.mtl",
+		"newmtl a\nmap_Bump -bm 1 none.png\nKe 1 1 1\nnewmtl b\n"
+		"bump none.png\nKe 0 0 0\nPc 0.5\nd 0.5\nillum 7\nnewmtl c\ndecal none.png\n");
 	small_scene_write("out.obj",
 			  "mtllib out.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl a\nf 1 2 3\n"
 			  "usemtl b\nf 1 2 3\nl 1 2\n");
@@ -308,7 +310,7 @@ static void test_left_out(void **state)
 	said = captured_log_end(&log);
 	assert_non_null(fgets(line, sizeof(line), said));
 	assert_non_null(strstr(line, "out.obj: left out: bump maps of 2 materials, emission of 1, "
-				     "clear coats of 1, lines of 1 mesh\n"));
+				     "clear coats of 1, refraction of 1, lines of 1 mesh\n"));
 	assert_null(fgets(line, sizeof(line), said));
 	fclose(said);
 	mesh_free(&mesh);
