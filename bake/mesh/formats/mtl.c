@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/mesh/plain_file.h"
+#include "hal/base/log.h"
 
 #define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
 #define PLASTIC 0.08f			 /* a coat's reflectance for Ks = 1, as in Blender */
@@ -54,6 +55,7 @@ static const char *const left_words[] = {
 	"invisible shadow catchers",
 	"alpha of colour maps",
 	"refraction",
+	"ambient maps",
 };
 
 enum left_kind {
@@ -70,6 +72,7 @@ enum left_kind {
 	LEFT_CATCHER,
 	LEFT_ALPHA,
 	LEFT_REFRACTION,
+	LEFT_AMBIENT,
 };
 
 enum mtl_value { VALUE_COLOUR, VALUE_NUMBER, VALUE_MAP, VALUE_LEFT, VALUE_LEFT_MAP };
@@ -105,6 +108,7 @@ static const struct mtl_statement {
 	{"map_Ks", VALUE_LEFT_MAP, LEFT_HIGHLIGHTS},
 	{"map_Ns", VALUE_LEFT_MAP, LEFT_HIGHLIGHTS},
 	{"map_Ke", VALUE_LEFT_MAP, LEFT_EMISSION},
+	{"map_Ka", VALUE_LEFT_MAP, LEFT_AMBIENT},
 	{"map_Ps", VALUE_LEFT_MAP, LEFT_SHEEN},
 	{"map_Pc", VALUE_LEFT_MAP, LEFT_COAT},
 	{"decal", VALUE_LEFT_MAP, LEFT_DECALS},
@@ -356,6 +360,9 @@ int mtl_find(const struct mtl_library *library, struct text_span name)
 	for (int k = 0; k < library->count; k++)
 		if (text_is(name, library->materials[k].name))
 			return k;
+	for (int k = 0; k < library->count; k++)
+		if (text_is_any_case(name, library->materials[k].name))
+			return k;
 	return -1;
 }
 
@@ -580,6 +587,11 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 		return err;
 	if (m->alpha_mode == ALPHA_OPAQUE && m->texture && m->texture->image.alpha)
 		left |= 1u << LEFT_ALPHA;
+	if (mtl->map[MAP_COLOUR].name)
+		left &= ~(1u << LEFT_AMBIENT); /* most have the same map for both */
+	if (m->alpha <= 0)
+		log_warning_once("%s: material %s is wholly transparent, as d or Tr says", mtl->by,
+				 mtl->name);
 	if (mtl->illum == 10)
 		left |= 1u << LEFT_CATCHER;
 	if (m->alpha < 1 && !mtl->blender &&

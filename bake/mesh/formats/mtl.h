@@ -29,7 +29,8 @@ struct mtl_library {
  * line. */
 int mtl_read(struct mtl_library *library, const char *path, struct fault *fault);
 
-/* Returns the number of a material; -1: there is none of this name. The first of a name counts. */
+/* Returns the number of a material; -1: there is none of this name, in any case of letters. The first
+ * one counts, and one that is spelt alike before others. */
 int mtl_find(const struct mtl_library *library, struct text_span name);
 
 /* Makes a material, reads its textures, and counts what is left out. */

@@ -197,6 +197,12 @@ static void test_libraries(void **state)
 	expect_checker("l.obj");
 	small_scene_write("l.obj", "mtllib other.mtl lib/far.mtl\n" SQUARE);
 	expect_checker("l.obj");
+	/* names of materials in another case, if none is spelt alike */
+	small_scene_write("lib/case.mtl", "newmtl M\nmap_Kd own.png\n");
+	small_scene_write("l.obj", "mtllib lib/case.mtl\n" SQUARE);
+	expect_checker("l.obj");
+	small_scene_write("lib/case.mtl", "newmtl M\nnewmtl m\nmap_Kd own.png\n");
+	expect_checker("l.obj");
 	small_scene_write("named.mtl", "newmtl m\nmap_Kd mesh.png\n");
 	small_scene_write("named.obj", "mtllib lost.mtl\n" SQUARE);
 	expect_checker("named.obj");
