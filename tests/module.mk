@@ -190,7 +190,6 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_script.c \
 	tests/fuzz/fuzz_shard.c \
 	tests/fuzz/fuzz_state.c \
-	tests/fuzz/fuzz_stl.c \
 	tests/fuzz/fuzz_timing.c \
 	tests/fuzz/fuzz_video.c
 # Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is

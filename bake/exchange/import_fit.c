@@ -8,13 +8,16 @@
 /*
  * Thresholds for what is judged below. Measured on pictures of boxes of 26 lights: what fits gives
  * ratios of 0.04 to 0.65 where a wrong one gives 1.4 to 23, and of 0.05 to 0.16 where an inverted one
- * gives 6 to 22.
+ * gives 6 to 22. Of boxes black, grey, white, mirroring and of glass, at three places and with 4 samples,
+ * none is refused, and of 45 wrong coverages 41 are: the others differ by a few pixels of the edge.
  */
 #define PAIRS_LEAST 8	  /* fewer edges tell nothing */
 #define EDGES_BETTER 1.25 /* ratio of edges that are edges of the pictures */
-#define GAINS_BETTER 1.15 /* ratio of light that ground cannot gain */
-#define INVERTED_BETTER 2 /* ratio of light gained, and of light changed */
-#define INTERCHANGED 2	  /* ratio of edges without objects to those with them */
+#define GAINS_BETTER 1.15 /* ratio of light that ground cannot gain ... */
+#define BLACK_BETTER 2	  /* ... or, for black objects, of light changed */
+#define INVERTED_GAINS 2  /* the same of an inverted coverage, whose edges tell nothing */
+#define INVERTED_BLACK 4
+#define INTERCHANGED 2 /* ratio of edges without objects to those with them */
 
 /* Two neighbouring pixels, summed over all lights: how far they differ, and the brighter one. */
 struct fit_pair {
@@ -139,7 +142,8 @@ static void fit_compare_pixel(const struct fit *f, enum fit_turn turn, int x, in
 	}
 }
 
-/* Tells how much better another coverage fits; 0: not decidedly. Objects send light back where the
+/* Tells how much better another coverage fits, by their edges; 1 of an inverted one, which has the same;
+ * 0: not decidedly. Objects send light back where the
  * ground under a shadow only loses it, and their edges are edges of the pictures. */
 static double fits_better(const struct fit *f, enum fit_turn turn)
 {
@@ -155,10 +159,13 @@ static double fits_better(const struct fit *f, enum fit_turn turn)
 	edges = other->change * is->edges / (is->change * other->edges);
 	/* ratios without a meaning are NaN, which is no larger than anything */
 	if (turn == INVERTED)
-		return gains > INVERTED_BETTER && changes > INVERTED_BETTER ? gains : 0;
+		return (gains > INVERTED_GAINS && changes > INVERTED_GAINS) ||
+				       changes > INVERTED_BLACK
+			       ? 1
+			       : 0;
 	return is->edges >= PAIRS_LEAST && other->edges >= PAIRS_LEAST && edges > EDGES_BETTER &&
-			       gains > GAINS_BETTER
-		       ? gains
+			       (gains > GAINS_BETTER || changes > BLACK_BETTER)
+		       ? edges
 		       : 0;
 }
 
