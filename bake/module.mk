@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # LAPACK for the encoder; OpenBLAS is what makes it fast.
-bake_PACKAGES := assimp draco lapacke openblas cairo
+bake_PACKAGES := libtiff-4 draco lapacke openblas cairo
 # Embree and meshoptimizer have no pkg-config file. Embree is 3.x or 4.x, whichever the compiler finds: bake/trace/world.c does the same.
 bake_LIBS := -lmeshoptimizer -lembree$(if $(findstring /,$(shell $(CC) -print-file-name=libembree4.so 2>/dev/null)),4,3)
 BAKE_SOURCES := \
@@ -10,6 +10,7 @@ BAKE_SOURCES := \
 	bake/base/angles.c \
 	bake/base/blas.c \
 	bake/base/options.c \
+	bake/base/picture_file.c \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
@@ -34,6 +35,7 @@ BAKE_SOURCES := \
 	bake/exchange/export_rays.c \
 	bake/exchange/import.c \
 	bake/exchange/import_command.c \
+	bake/exchange/import_fit.c \
 	bake/exchange/import_judge.c \
 	bake/exchange/import_pictures.c \
 	bake/exchange/msi.c \
@@ -47,6 +49,14 @@ BAKE_SOURCES := \
 	bake/judge/reader.c \
 	bake/judge/shade.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/formats/beside.c \
+	bake/mesh/formats/mtl.c \
+	bake/mesh/formats/obj.c \
+	bake/mesh/formats/ply.c \
+	bake/mesh/formats/soup.c \
+	bake/mesh/formats/stl.c \
+	bake/mesh/formats/text.c \
+	bake/mesh/formats/textures.c \
 	bake/mesh/gltf/accessor.cpp \
 	bake/mesh/gltf/document.cpp \
 	bake/mesh/gltf/draco.cpp \
@@ -57,11 +67,7 @@ BAKE_SOURCES := \
 	bake/mesh/left_out.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
-	bake/mesh/mesh_files.c \
-	bake/mesh/mesh_import.c \
-	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
-	bake/mesh/mesh_ply.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
 	bake/report/report.c \

@@ -53,6 +53,7 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_scaler.c \
 	tests/unit/app/view/test_show.c \
 	tests/unit/app/view/test_words.c \
+	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
@@ -84,7 +85,9 @@ UNIT_TESTS := \
 	tests/unit/bake/encode/test_encode_rank.c \
 	tests/unit/bake/exchange/test_export.c \
 	tests/unit/bake/exchange/test_msi.c \
+	tests/unit/bake/mesh/test_formats.c \
 	tests/unit/bake/mesh/test_gltf.c \
+	tests/unit/bake/mesh/test_mtl.c \
 	tests/unit/bake/mesh/test_left_out.c \
 	tests/unit/bake/mesh/test_material.c \
 	tests/unit/bake/mesh/test_mesh_winding.c \
@@ -184,7 +187,8 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_lights.c \
 	tests/fuzz/fuzz_mjpeg.c \
 	tests/fuzz/fuzz_msi.c \
-	tests/fuzz/fuzz_mtl.c \
+	tests/fuzz/fuzz_obj.c \
+	tests/fuzz/fuzz_picture.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_response.c \
@@ -202,6 +206,7 @@ FUZZ_PARTS := \
 	app/kiosk/control_socket.c \
 	app/kiosk/state.c \
 	bake/base/angles.c \
+	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_yaml.c \
@@ -213,6 +218,14 @@ FUZZ_PARTS := \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
+	bake/mesh/formats/beside.c \
+	bake/mesh/formats/mtl.c \
+	bake/mesh/formats/obj.c \
+	bake/mesh/formats/ply.c \
+	bake/mesh/formats/soup.c \
+	bake/mesh/formats/stl.c \
+	bake/mesh/formats/text.c \
+	bake/mesh/formats/textures.c \
 	bake/mesh/gltf/accessor.cpp \
 	bake/mesh/gltf/document.cpp \
 	bake/mesh/gltf/draco.cpp \
@@ -223,11 +236,7 @@ FUZZ_PARTS := \
 	bake/mesh/left_out.c \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
-	bake/mesh/mesh_files.c \
-	bake/mesh/mesh_import.c \
-	bake/mesh/mesh_mtl.c \
 	bake/mesh/mesh_normals.c \
-	bake/mesh/mesh_ply.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
 	bake/scene/keyframes.c \

@@ -5,11 +5,13 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include <xxhash.h>
 
-#include "bake/mesh/mesh_import.h"
+#include "bake/mesh/formats/formats.h"
+#include "bake/mesh/gltf/gltf.h"
 #include "bake/mesh/mesh_winding.h"
 #include "hal/optics/vec.h"
 
@@ -200,6 +202,27 @@ static int check_reach(const struct mesh *mesh, const char *path, struct fault *
 			 "%s: it reaches %.3g world units from the origin, expected at most %g: "
 			 "look at its vertices and its scale",
 			 path, far, REACH_MOST);
+}
+
+/* Reads a file by the reader of its kind. */
+static int mesh_import(struct mesh *mesh, const char *path, double crease_deg, bool materials,
+		       struct fault *fault)
+{
+	const char *dot = strrchr(path, '.');
+
+	if (gltf_is(path))
+		return gltf_read(mesh, path, crease_deg, materials, fault);
+	if (dot && strcasecmp(dot, ".obj") == 0)
+		return obj_read(mesh, path, crease_deg, materials, fault);
+	if (dot && strcasecmp(dot, ".ply") == 0)
+		return ply_read(mesh, path, crease_deg, materials, fault);
+	if (dot && strcasecmp(dot, ".stl") == 0)
+		return stl_read(mesh, path, crease_deg, materials, fault);
+	return fault_say(
+		fault, -ENOTSUP,
+		"%s: by its ending no kind of mesh that is read, expected glTF (.gltf, .glb), "
+		"OBJ, PLY or STL: Blender opens most other kinds and exports glTF",
+		path);
 }
 
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,

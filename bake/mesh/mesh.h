@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Triangle meshes in world coordinates, from files: OBJ with MTL, PLY, glTF and whatever else
- * assimp reads.
+ * Triangle meshes in world coordinates, from files: glTF, OBJ with MTL, PLY and STL.
  */
 #ifndef INLAY_BAKE_MESH_MESH_H
 #define INLAY_BAKE_MESH_MESH_H
@@ -51,8 +50,8 @@ struct mesh_placement {
 	int own_materials; /* read the file's materials and textures */
 };
 
-/* Reads, checks and places a mesh; one that is closed and wound inwards is turned. -ENOENT ...; -EBADMSG: not a mesh; -ENODATA: no triangle, or
- * none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
+/* Reads, checks and places a mesh; one that is closed and wound inwards is turned. -ENOENT ...;
+ * -ENOTSUP: another kind of file; -EBADMSG: not a mesh; -ENODATA: no triangle, or none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
  * the origin, in the file or in the world, that single precision rounds its vertices visibly, or it
  * lies beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,

@@ -7,6 +7,7 @@
 
 #include <xxhash.h>
 
+#include "bake/base/picture_file.h"
 #include "bake/mesh/mesh_winding.h"
 #include "bake/scene/keyframes.h"
 #include "hal/base/input.h"
@@ -120,7 +121,9 @@ static int load_material(struct scene *scene, int k, struct fault *fault)
 	scene->textures[k] = calloc(1, sizeof(*scene->textures[k]));
 	if (!scene->textures[k])
 		return fault_say(fault, -ENOMEM, "%s: out of memory", scene->path);
-	err = image_read(from->texture, &scene->textures[k]->image, &what);
+	err = picture_file_read(from->texture, &scene->textures[k]->image, &what);
+	if (!err && picture_file_decode(&scene->textures[k]->image, false) < 0)
+		err = fault_say(&what, -ENOMEM, "out of memory");
 	if (err)
 		return fault_say(fault, err, "%s: [material %s] texture: %s", scene->path,
 				 from->name, what.text);

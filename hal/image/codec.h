@@ -18,6 +18,7 @@ struct image_source {
 	const uint8_t *data;
 	size_t bytes;
 	const char *name;
+	bool deep; /* keep 16 bits: fill u16 */
 };
 
 struct image_codec {

@@ -61,29 +61,46 @@ static int image_check_light(struct image *image, const char *name, struct fault
 	return 0;
 }
 
-int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
-		      struct fault *fault)
+static int image_read_source(const struct image_source *source, struct image *image,
+			     struct fault *fault)
 {
-	const struct image_source source = {.data = data, .bytes = bytes, .name = name};
+	const char *name = source->name;
 	const struct image_codec *codec = NULL;
 	int err;
 
 	*image = (struct image){0};
 	for (int i = 0; codecs[i] && !codec; i++)
-		if (codecs[i]->probe(data, bytes))
+		if (codecs[i]->probe(source->data, source->bytes))
 			codec = codecs[i];
-	if (!bytes)
+	if (!source->bytes)
 		return fault_say(fault, -EBADMSG, "%s: the file is empty, expected a picture",
 				 name);
 	if (!codec)
 		return fault_say(fault, -ENOTSUP,
 				 "%s: not a picture of a known kind (" READABLE ")", name);
-	err = codec->read(&source, image, fault);
+	err = codec->read(source, image, fault);
 	if (!err && image->f32)
 		err = image_check_light(image, name, fault);
 	if (err)
 		image_free(image);
 	return err;
+}
+
+int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+		      struct fault *fault)
+{
+	const struct image_source source = {.data = data, .bytes = bytes, .name = name};
+
+	return image_read_source(&source, image, fault);
+}
+
+int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+			   struct fault *fault)
+{
+	const struct image_source source = {
+		.data = data, .bytes = bytes, .name = name, .deep = true};
+
+	return image_read_source(&source, image, fault);
 }
 
 /* Reads the whole file. Not mapped: truncation by another program would then raise SIGBUS. */
@@ -124,24 +141,35 @@ static int image_slurp(int fd, uint8_t **data, size_t *bytes)
 	return 0;
 }
 
-int image_read(const char *path, struct image *image, struct fault *fault)
+static int image_read_file(const char *path, bool deep, struct image *image, struct fault *fault)
 {
+	struct image_source source = {.name = path, .deep = deep};
 	uint8_t *data = NULL;
-	size_t bytes = 0;
 	int fd, err;
 
 	*image = (struct image){0};
 	fd = input_open(path, fault);
 	if (fd < 0)
 		return fd;
-	err = image_slurp(fd, &data, &bytes);
+	err = image_slurp(fd, &data, &source.bytes);
 	close(fd);
 	if (err)
 		return fault_say(fault, err, "%s: cannot read the picture: %s", path,
 				 strerror(-err));
-	err = image_read_memory(data, bytes, path, image, fault);
+	source.data = data;
+	err = image_read_source(&source, image, fault);
 	free(data);
 	return err;
+}
+
+int image_read(const char *path, struct image *image, struct fault *fault)
+{
+	return image_read_file(path, false, image, fault);
+}
+
+int image_read_deep(const char *path, struct image *image, struct fault *fault)
+{
+	return image_read_file(path, true, image, fault);
 }
 
 static const struct image_codec *codec_for_writing(const char *path)

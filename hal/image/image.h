@@ -4,7 +4,8 @@
  * from the ending of the name. 8-bit pictures hold code values as stored; float ones hold linear
  * light.
  *
- *     PNG, JPEG, WebP                8-bit, with alpha (16-bit PNG is rounded, grey spread)
+ *     PNG, JPEG, WebP                8-bit, with alpha (16-bit PNG is rounded, grey spread, inks
+ *                                    multiplied)
  *     Radiance .hdr, .pfm, OpenEXR   float
  *
  * Written: .png, .pfm, .hdr; every file appears by rename (hal/base/output.h).
@@ -23,9 +24,14 @@
  * or an infinity in a float picture (the fault names the pixel). On failure the image is zeroed. */
 int image_read(const char *path, struct image *image, struct fault *fault);
 
+/* The same, but 16-bit PNG fills u16. */
+int image_read_deep(const char *path, struct image *image, struct fault *fault);
+
 /* Reads a file that is in memory; messages call it by name. */
 int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,
 		      struct fault *fault);
+int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, struct image *image,
+			   struct fault *fault);
 
 /* Writes a picture: .png takes u8, .pfm and .hdr take f32. 0; -ENOTSUP: another ending or sample
  * type; other -errno: the file cannot be written. */

@@ -4,6 +4,7 @@
  * setjmp(). Everything that must survive the jump is in struct png_work, which the caller of that
  * function owns.
  */
+#include <endian.h>
 #include <errno.h>
 #include <png.h>
 #include <stdlib.h>
@@ -19,7 +20,7 @@ struct png_work {
 	png_structp png;
 	png_infop info;
 	png_bytep *rows;
-	uint8_t *rgba; /* of a PNG with alpha */
+	void *rgba; /* of a PNG with alpha */
 	const struct image_source *source;
 	size_t at;
 	int err;
@@ -56,23 +57,27 @@ static void png_source_take(png_structp png, png_bytep out, size_t bytes)
 	work->at += bytes;
 }
 
-static int png_allocate_rows(struct png_work *work, uint8_t *pixels, const struct image *image,
-			     size_t channels)
+static int png_allocate_rows(struct png_work *work, void *pixels, const struct image *image,
+			     size_t pixel_bytes)
 {
 	work->rows = malloc((size_t)image->height * sizeof(*work->rows));
 	if (!work->rows)
 		return -ENOMEM;
 	for (int y = 0; y < image->height; y++)
-		work->rows[y] = pixels + (size_t)y * (size_t)image->width * channels;
+		work->rows[y] = (uint8_t *)pixels + (size_t)y * (size_t)image->width * pixel_bytes;
 	return 0;
 }
 
-/* Asks libpng to convert every kind of PNG to 8-bit RGB or RGBA, without gamma correction. */
+/* Asks libpng to convert every kind of PNG to RGB or RGBA, of 8 bits unless 16 are wanted and there,
+ * without gamma correction. */
 static void ask_for_rgb(struct png_work *work)
 {
 	if (png_get_valid(work->png, work->info, PNG_INFO_tRNS))
 		png_set_tRNS_to_alpha(work->png);
-	png_set_scale_16(work->png);
+	if (!work->source->deep)
+		png_set_scale_16(work->png);
+	else if (png_get_bit_depth(work->png, work->info) == 16 && BYTE_ORDER == LITTLE_ENDIAN)
+		png_set_swap(work->png);
 	png_set_palette_to_rgb(work->png);
 	png_set_expand_gray_1_2_4_to_8(work->png);
 	png_set_gray_to_rgb(work->png);
@@ -83,16 +88,21 @@ static void ask_for_rgb(struct png_work *work)
 /* Allocates the picture, and the rows that libpng fills. */
 static int png_allocate(struct png_work *work, struct image *image)
 {
+	const int width = (int)png_get_image_width(work->png, work->info);
+	const int height = (int)png_get_image_height(work->png, work->info);
+	const bool deep = png_get_bit_depth(work->png, work->info) == 16;
 	const size_t channels = png_get_channels(work->png, work->info);
-	int err = image_create_u8(image, (int)png_get_image_width(work->png, work->info),
-				  (int)png_get_image_height(work->png, work->info));
+	const size_t pixel_bytes = deep ? 2 * channels : channels;
+	int err = deep ? image_create_u16(image, width, height)
+		       : image_create_u8(image, width, height);
+	void *pixels = deep ? (void *)image->u16 : image->u8;
 
 	if (!err && channels == 4) {
-		work->rgba = malloc((size_t)image->width * (size_t)image->height * 4);
+		work->rgba = malloc((size_t)width * (size_t)height * pixel_bytes);
 		err = work->rgba ? 0 : -ENOMEM;
+		pixels = work->rgba;
 	}
-	return err ? err
-		   : png_allocate_rows(work, work->rgba ? work->rgba : image->u8, image, channels);
+	return err ? err : png_allocate_rows(work, pixels, image, pixel_bytes);
 }
 
 static int png_decode(struct png_work *work, struct image *image, struct fault *fault)
@@ -111,7 +121,7 @@ static int png_decode(struct png_work *work, struct image *image, struct fault *
 		return work->err;
 	ask_for_rgb(work);
 	if (png_get_channels(work->png, work->info) < 3 ||
-	    png_get_bit_depth(work->png, work->info) != 8)
+	    (png_get_bit_depth(work->png, work->info) != 8 && !work->source->deep))
 		png_error(work->png, "rows are not RGB");
 	work->err = png_allocate(work, image);
 	if (work->err)
@@ -119,7 +129,9 @@ static int png_decode(struct png_work *work, struct image *image, struct fault *
 				 work->source->name);
 	png_read_image(work->png, work->rows);
 	png_read_end(work->png, NULL);
-	work->err = work->rgba ? image_take_rgba(image, work->rgba) : 0;
+	if (work->rgba)
+		work->err = image->u16 ? image_take_rgba16(image, work->rgba)
+				       : image_take_rgba(image, work->rgba);
 	return work->err ? fault_say(fault, work->err, "%s: not enough memory for the picture",
 				     work->source->name)
 			 : 0;

@@ -213,7 +213,7 @@ cut_ply "a PLY without its last face" "cut.ply: it ends in face 2" <<<"$ply"
 cut_ply "a PLY with a face of nothing" "cut.ply:14: face 2" <<<"${ply}0"
 cut_ply "a PLY with a face cut short" "cut.ply:14: face 2" <<<"${ply}3 0 1"
 cut_ply "a PLY cut in its header" "cut.ply: no line end_header" <<<"${ply%end_header*}"
-cut_ply "a PLY of billions" "cut.ply:3: element vertex 2000000000, but a file of" \
+cut_ply "a PLY of billions" "cut.ply: it ends in vertex 5, expected 2000000000 of them" \
 	<<<"${ply/vertex 3/vertex 2000000000}"
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 1 2\n' >"$work/flat.obj"
 scene flat <<<$'[object a]\nfile = flat.obj'

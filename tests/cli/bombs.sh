@@ -111,10 +111,10 @@ accessor packed.gltf "/bufferViews/0/extensions/EXT_meshopt_compression: 12 byte
 	"byteLength":12,"byteStride":12,"count":80000000,"mode":"ATTRIBUTES"}}}],"accessors":[{
 	"bufferView":0,"componentType":5126,"type":"VEC3","count":80000000}]'
 for vertices in 1099511627776 2147483647; do
-	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nend_header\n0\n' $vertices \
+	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' $vertices \
 		>$vertices.ply
 done
 bomb 1099511627776.ply "element vertex \"1099511627776\", expected a number" 1099511627776.ply:3
-bomb 2147483647.ply "element vertex 2147483647, but a file of" 2147483647.ply:3
+bomb 2147483647.ply "it ends in vertex 2, expected 2147483647 of them" 2147483647.ply
 absent "nothing is left" none.inlay
 finish

@@ -1,21 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as a PLY: refused in a sentence, or passed on to the library that reads meshes. That is
- * not called: it is not ours, and what it does with what we let pass is tests/unit/bake/scene/test_scene.c's.
+/* Any bytes as a PLY and as an STL: read, or refused in a sentence.
  *
- * reaches: mesh_ply.c:check_counts mesh_ply.c:check_corner mesh_ply.c:check_values
- * mesh_ply.c:check_text_row mesh_ply.c:check_binary_row
+ * reaches: ply.c:check_corner ply.c:ply_take_list ply.c:binary_value ply.c:ply_add_strip
+ * ply.c:header_comment ply.c:ply_add_materials stl.c:stl_read_binary stl.c:stl_vertex
+ * stl.c:stl_corner
  */
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "bake/mesh/mesh_ply.h"
+#include "bake/mesh/formats/formats.h"
 #include "tests/fuzz/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {
-	struct fault fault = {.text = ""};
+	const char *path = as_file(data, bytes);
 
-	if ((mesh_ply_check(as_file(data, bytes), &fault) == 0) != !fault.text[0])
-		abort();
+	for (int stl = 0; stl < 2; stl++) {
+		struct fault fault = {.text = ""};
+		struct mesh mesh = {.part_count = 0};
+		const int err = (stl ? stl_read : ply_read)(&mesh, path, 60, true, &fault);
+
+		if ((err == 0) != !fault.text[0])
+			abort();
+		mesh_free(&mesh);
+	}
 	return 0;
 }

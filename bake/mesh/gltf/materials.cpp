@@ -9,7 +9,7 @@
 #include <new>
 
 extern "C" {
-#include "hal/image/image.h"
+#include "bake/base/picture_file.h"
 }
 
 namespace gltf
@@ -63,7 +63,12 @@ const texture *Materials::load_texture(const TextureKey &key)
 
 	if (!made)
 		throw std::bad_alloc();
-	err = image_read_memory(bytes.at, bytes.count, name.c_str(), &made->image, &why);
+	err = image_read_memory_deep(bytes.at, bytes.count, name.c_str(), &made->image, &why);
+	if (!err && picture_file_decode(&made->image, std::get<4>(key)) < 0) {
+		image_free(&made->image);
+		free(made);
+		throw std::bad_alloc();
+	}
 	if (err) {
 		free(made);
 		throw Failure(err, why.text);

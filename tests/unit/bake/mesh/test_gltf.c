@@ -508,6 +508,24 @@ static void test_texture_transform(void **state)
 	}
 }
 
+/* A picture of one grey texel of 16 bits, 300: 8 bits would make it 257. */
+static void test_deep_texture(void **state)
+{
+	static const char root[] =
+		",'images':[{'uri':'data:image/png;base64,"
+		"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAAAAABq7kcWAAAAC0lEQVR42mNg1AEAADEALrhR+TUAAAAA"
+		"SUVORK5CYII="
+		"'}],'textures':[{'source':0}],'materials':[{'pbrMetallicRoughness':{"
+		"'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1}}}]";
+	const float grey = 300 / 65535.0f / 12.92f;
+
+	(void)state;
+	expect_below(fabsf(look_up(&(struct form){.primitive = MATERIAL, .root = root}, 0.5f, 0.5f)
+				   .colour.c[0] -
+			   grey),
+		     1e-7f, "%g", (double)grey);
+}
+
 /* The set that a material names becomes the part's first. */
 static void test_texture_sets(void **state)
 {
@@ -818,6 +836,7 @@ int main(void)
 		cmocka_unit_test(test_draco),
 		cmocka_unit_test(test_data_uri),
 		cmocka_unit_test(test_texture_transform),
+		cmocka_unit_test(test_deep_texture),
 		cmocka_unit_test(test_texture_sets),
 #if WITH_WEBP
 		cmocka_unit_test(test_data_picture),

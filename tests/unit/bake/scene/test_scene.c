@@ -148,7 +148,6 @@ static void test_refused_shapes(void **state)
 	scene_close(small_scene_open("wide.ini"));
 }
 
-/* Assimp reads beyond its arrays where nobody has checked indices. */
 static void test_refused_indices(void **state)
 {
 	static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
@@ -189,7 +188,6 @@ static void refuse_ply(const char *text, const char *words)
 	test_scene_refuse(VIEW "[object a]\nfile = bad.ply\n", words);
 }
 
-/* Assimp aborts on an empty face, and invents values that are missing in a line. */
 static void test_refused_ply_faces(void **state)
 {
 	static const struct {
@@ -206,7 +204,7 @@ static void test_refused_ply_faces(void **state)
 		{"200 0 1 2\n", "bad.ply:14: face 2 ends here, expected a number"},
 		{"2 0 1 2\n", "bad.ply:14: face 2 has \"2\" after its vertices"},
 		{"3 0 1 x\n", "bad.ply:14: face 2 has \"x\", expected a number"},
-		{"3 0 1 1e9\n", "bad.ply:14: face 2 names vertex 1e9, expected less than 3"},
+		{"3 0 1 1e9\n", "bad.ply:14: face 2 names vertex 1000000000, expected less than 3"},
 		{"3 0 1 3\n", "bad.ply:14: face 2 names vertex 3, expected less than 3"},
 		{"3 0 1 -1\n", "bad.ply:14: face 2 names vertex -1, expected less than 3"},
 	};
@@ -222,7 +220,6 @@ static void test_refused_ply_faces(void **state)
 	refuse_ply(PLY(1) "0 0 0\n1 zero 0\n0 0 1\n3 0 1 2\n", "vertex 2 has \"zero\"");
 }
 
-/* Assimp reads an endless header for ever, and allocates whatever a header announces. */
 static void test_refused_ply_headers(void **state)
 {
 	static const char whole[] = PLY(1) PLY_CORNERS "3 0 1 2\n";
@@ -238,10 +235,10 @@ static void test_refused_ply_headers(void **state)
 	refuse_ply("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\n",
 		   "no line end_header");
 	refuse_ply(PLY(2000000000) PLY_CORNERS "3 0 1 2\n",
-		   "bad.ply:7: element face 2000000000, but a file of 189 bytes cannot hold them");
+		   "bad.ply: it ends in face 2, expected 2000000000 of them");
 	refuse_ply("ply\nformat binary_big_endian 1.0\nelement vertex 2000000000\n"
 		   "property float x\n" PLY_FACES(1) "end_header\n",
-		   "bad.ply:3: element vertex 2000000000, but a file of 141 bytes cannot");
+		   "bad.ply: its vertices have no x, y and z");
 	refuse_ply(PLY(3000000000), "bad.ply:7: element face \"3000000000\", expected a number");
 	refuse_ply(PLY(-1), "bad.ply:7: element face \"-1\", expected a number");
 	refuse_ply("ply\nformat ascii 1.0\nproperty float x\n" PLY_VERTICES "end_header\n",
@@ -254,8 +251,8 @@ static void test_refused_ply_headers(void **state)
 		   "element face 1\nproperty list float int vertex_indices\nend_header\n",
 		   "bad.ply:8: a list counted in float");
 	/* bytes of 0, as a power cut leaves them */
-	small_scene_write("zeros.ply", "%s%c%c", whole, 0, 0);
-	test_scene_refuse(VIEW "[object a]\nfile = zeros.ply\n", "bytes that are no text");
+	small_scene_write("zeros.ply", "%.*s%c%c", (int)header, whole, 0, 0);
+	test_scene_refuse(VIEW "[object a]\nfile = zeros.ply\n", "zeros.ply:10: vertex 1 has");
 }
 
 static void test_refused_mtl(void **state)
@@ -677,7 +674,7 @@ static void test_mtl_materials(void **state)
 		if (m->kind == MATERIAL_DIFFUSE && fabsf(m->colour.c[2] - 0.3f) < 1e-6f &&
 		    fabsf(m->colour.c[0] - 0.1f) < 1e-6f)
 			matt++;
-		if (m->kind == MATERIAL_GLOSSY && fabsf(m->specular.c[0] - 0.2f) < 1e-6f &&
+		if (m->kind == MATERIAL_GLOSSY && fabsf(m->specular.c[0] - 0.016f) < 1e-6f &&
 		    m->roughness > 0.1f && m->roughness < 0.6f)
 			shiny++;
 	}

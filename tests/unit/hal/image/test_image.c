@@ -799,6 +799,35 @@ static void jpeg_reads(void **state)
 	tjFree(file);
 }
 
+/* Four inks as Adobe's programs write them, 255 for none: black halves what the others leave. */
+static void jpeg_inks(void **state)
+{
+	unsigned char *file = NULL, inks[16 * 16 * 4];
+	tjhandle jpeg = tjInitCompress();
+	unsigned long bytes = 0;
+	struct image image;
+
+	(void)state;
+	for (int i = 0; i < 16 * 16; i++) {
+		inks[4 * i] = 255;
+		inks[4 * i + 1] = 128;
+		inks[4 * i + 2] = 0;
+		inks[4 * i + 3] = 128;
+	}
+	assert_int_equal(tjCompress2(jpeg, inks, 16, 0, 16, TJPF_CMYK, &file, &bytes, TJSAMP_444,
+				     100, TJFLAG_ACCURATEDCT),
+			 0);
+	tjDestroy(jpeg);
+	read_fine(file, bytes, &image);
+	expect_at_most(abs(image.u8[0] - 128), 2, "%d", image.u8[0]);
+	expect_at_most(abs(image.u8[1] - 64), 2, "%d", image.u8[1]);
+	expect_at_most(image.u8[2], 2, "%d", image.u8[2]);
+	image_free(&image);
+	for (size_t cut = 3; cut + 2 < bytes; cut += 7)
+		read_refused(file, cut, -EBADMSG, "JPEG");
+	tjFree(file);
+}
+
 static void jpeg_hostile_size(void **state)
 {
 	unsigned char *file;
@@ -969,6 +998,7 @@ int main(void)
 		cmocka_unit_test(png_round_trip),
 		cmocka_unit_test(png_hostile_size),
 		cmocka_unit_test(jpeg_reads),
+		cmocka_unit_test(jpeg_inks),
 		cmocka_unit_test(jpeg_hostile_size),
 		cmocka_unit_test(cut_short),
 		cmocka_unit_test(not_pictures),

@@ -1,0 +1,466 @@
+/* SPDX-License-Identifier: MIT */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/mesh/formats/beside.h"
+#include "bake/mesh/formats/formats.h"
+#include "bake/mesh/formats/mtl.h"
+#include "bake/mesh/formats/soup.h"
+#include "bake/mesh/formats/text.h"
+#include "bake/mesh/plain_file.h"
+#include "hal/colour/transfer.h"
+
+/* Rows of numbers: positions, texture coordinates, normals, colours. */
+struct obj_rows {
+	int width; /* numbers of a row */
+	float *value;
+	size_t count, room;
+	size_t seen; /* rows before the face that is being read */
+};
+
+enum obj_kind { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
+
+static const char *const kind_names[] = {"vertex", "texture coordinate", "normal"};
+
+struct obj {
+	const char *path;
+	bool with_materials;
+	struct obj_rows rows[OBJ_KINDS];
+	struct obj_rows colours; /* as many as positions; empty: none has one */
+	struct mtl_library library;
+	int *material; /* [library.count + 1]: that of the mesh, -1: not made yet. The last is for
+			  faces without one */
+	bool any_library;
+	/* The first library that could not be opened; an error only if a material is not found
+	 * elsewhere. NULL: none. */
+	char *missing;
+	int missing_line;
+	int current; /* material that faces get, in the library */
+	struct soup soup;
+	struct soup_corner *corner; /* of a face */
+	size_t corner_room;
+	struct textures textures;
+	struct left_out out;
+	unsigned odd; /* bits of odd_words */
+};
+
+/* Statements that draw what is no surface of polygons. */
+static const char *const odd_words[] = {"l", "p", "curv", "curv2", "surf"};
+static const char *const odd_names[] = {"lines", "points", "curves", "curves", "curved surfaces"};
+
+static int obj_lack(const struct obj *obj, struct fault *fault)
+{
+	return fault_say(fault, -ENOMEM, "%s: out of memory", obj->path);
+}
+
+/* ---- numbers ---- */
+
+static bool rows_add(struct obj_rows *rows, const float *value)
+{
+	if (rows->count == rows->room) {
+		const size_t room = rows->room ? 2 * rows->room : 1024;
+		float *grown = realloc(rows->value, room * (size_t)rows->width * sizeof(*grown));
+
+		if (!grown)
+			return false;
+		rows->value = grown;
+		rows->room = room;
+	}
+	memcpy(rows->value + rows->count++ * (size_t)rows->width, value,
+	       (size_t)rows->width * sizeof(*value));
+	return true;
+}
+
+/* Reads up to most numbers of a line, up to a comment. Some programs write texture coordinates that
+ * are none, of faces without area: these become 0. */
+static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line, int number,
+		       float *value, int least, int most, struct fault *fault)
+{
+	int count = 0;
+
+	for (; count < most; count++) {
+		const struct text_span got = text_word(&line);
+		double read;
+
+		if (count >= least && (text_empty(got) || *got.at == '#'))
+			break;
+		if (!text_number(got, &read))
+			return fault_say(fault, -EBADMSG,
+					 "%s:%d: %s has \"%.*s\", expected a number", obj->path,
+					 number, kind_names[kind], text_shown(got), got.at);
+		value[count] = (float)read;
+		if (!isfinite(value[count]) && kind == OBJ_POSITION)
+			return fault_say(fault, -EDOM,
+					 "%s:%d: vertex %zu is not finite, expected numbers",
+					 obj->path, number, obj->rows[kind].count + 1);
+		if (!isfinite(value[count]))
+			value[count] = 0;
+	}
+	return count;
+}
+
+/* Three more numbers behind a position are a colour, as many scanners write it. */
+static int obj_colour(struct obj *obj, const float colour[3], bool said)
+{
+	static const float white[3] = {1, 1, 1};
+	struct obj_rows *colours = &obj->colours;
+
+	if (!said && !colours->count)
+		return 0;
+	while (colours->count + 1 < obj->rows[OBJ_POSITION].count)
+		if (!rows_add(colours, white))
+			return -ENOMEM;
+	return rows_add(colours, said ? colour : white) ? 0 : -ENOMEM;
+}
+
+static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line, int number,
+		   struct fault *fault)
+{
+	static const int least[OBJ_KINDS] = {3, 1, 3}, most[OBJ_KINDS] = {7, 2, 3};
+	float value[7] = {0};
+	const int count = obj_numbers(obj, kind, line, number, value, least[kind], most[kind],
+				      fault);
+
+	if (count < 0)
+		return count;
+	if (!rows_add(&obj->rows[kind], value) ||
+	    (kind == OBJ_POSITION && obj_colour(obj, value + count - 3, count >= 6) < 0))
+		return obj_lack(obj, fault);
+	return 0;
+}
+
+/* ---- materials ---- */
+
+static int obj_miss(struct obj *obj, struct text_span name, int number, struct fault *fault)
+{
+	if (obj->missing)
+		return 0;
+	obj->missing = text_copy(name);
+	obj->missing_line = number;
+	return obj->missing ? 0 : obj_lack(obj, fault);
+}
+
+/* Reads a library; -ENOENT without a fault: there is none of this name. */
+static int obj_open_library(struct obj *obj, struct text_span name, struct fault *fault)
+{
+	char path[PATH_MAX];
+	char *text = text_copy(name);
+	bool found;
+
+	if (!text)
+		return obj_lack(obj, fault);
+	found = beside_find(obj->path, text, path);
+	free(text);
+	return found ? mtl_read(&obj->library, path, fault) : -ENOENT;
+}
+
+/* The rest of the line is the name of one library, which may have blanks, or of several. In place of
+ * those that are missing counts the one that is named as the mesh. */
+static int obj_libraries(struct obj *obj, struct text_span line, int number, struct fault *fault)
+{
+	const struct text_span all = text_name(line);
+	const char *slash = strrchr(obj->path, '/'), *dot = strrchr(obj->path, '.');
+	const char *bare = slash ? slash + 1 : obj->path;
+	char own[PATH_MAX];
+	int err = obj_open_library(obj, all, fault), some = 0;
+
+	obj->any_library = true;
+	if (err != -ENOENT)
+		return err;
+	line = all;
+	for (struct text_span word = text_word(&line); !text_empty(word); word = text_word(&line)) {
+		err = obj_open_library(obj, word, fault);
+		if (err && err != -ENOENT)
+			return err;
+		some += !err;
+		if (err && obj_miss(obj, some ? word : all, number, fault) < 0)
+			return -ENOMEM;
+	}
+	if (some || snprintf(own, sizeof(own), "%.*s.mtl", (int)((dot > bare ? dot : bare) - bare),
+			     bare) >= (int)sizeof(own))
+		return 0;
+	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)}, fault);
+	return err == -ENOENT ? 0 : err;
+}
+
+static int obj_use(struct obj *obj, struct text_span line, int number, struct fault *fault)
+{
+	const struct text_span name = text_name(line);
+
+	if (!obj->with_materials || !obj->any_library)
+		return 0;
+	obj->current = mtl_find(&obj->library, name);
+	if (obj->current >= 0)
+		return 0;
+	if (obj->missing)
+		return fault_say(fault, -ENOENT,
+				 "%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, "
+				 "or a material in the scene file",
+				 obj->path, obj->missing_line, obj->missing);
+	return fault_say(fault, -EINVAL,
+			 "%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl "
+			 "%.*s in one, or a material in the scene file",
+			 obj->path, number, text_shown(name), name.at, text_shown(name), name.at);
+}
+
+/* Makes the material of the next faces when it is used first. */
+static int obj_material(struct obj *obj, struct fault *fault)
+{
+	struct mesh *mesh = obj->textures.mesh;
+	struct material *m = &mesh->materials[mesh->material_count];
+
+	if (obj->material[obj->current] >= 0)
+		return 0;
+	obj->material[obj->current] = mesh->material_count++;
+	if (obj->current < obj->library.count)
+		return mtl_make(&obj->library, obj->current, &obj->textures, m, &obj->out, fault);
+	*m = (struct material){.ior = 1.5f, .alpha = 1, .colour = {{0.8f, 0.8f, 0.8f}}};
+	if (obj->colours.count)
+		m->colour = rgb_make(1, 1, 1);
+	return 0;
+}
+
+/* ---- faces ---- */
+
+/* Returns the row that an index names: 1 is the first row of the file, -1 the last before the face. */
+static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index, int number,
+			     struct fault *fault)
+{
+	const struct obj_rows *rows = &obj->rows[kind];
+	const int64_t at = index < 0 ? (int64_t)rows->seen + index : index - 1;
+
+	if (at >= 0 && (uint64_t)at < rows->count)
+		return rows->value + (size_t)at * (size_t)rows->width;
+	if (index)
+		fault_say(fault, -EBADMSG,
+			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
+			  "damaged or cut short",
+			  obj->path, number, kind_names[kind], (long long)index,
+			  index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
+	else
+		fault_say(fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more", obj->path,
+			  number, kind_names[kind]);
+	return NULL;
+}
+
+/* Reads a corner, "v", "v/vt", "v//vn" or "v/vt/vn". */
+static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner *corner,
+		      unsigned *has, int number, struct fault *fault)
+{
+	const struct text_span whole = word;
+	const float *row[OBJ_KINDS] = {NULL};
+	bool fine = true;
+
+	for (int kind = 0; kind < OBJ_KINDS && fine && (kind == 0 || !text_empty(word)); kind++) {
+		int64_t index;
+
+		if (kind > 0 && *word.at++ != '/')
+			fine = false;
+		else if (text_whole(&word, &index))
+			row[kind] = obj_find(obj, kind, index, number, fault);
+		else if (kind == 0)
+			fine = false;
+		else
+			continue;
+		if (fine && !row[kind])
+			return -EBADMSG;
+	}
+	if (!fine || !text_empty(word))
+		return fault_say(fault, -EBADMSG,
+				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
+				 "coordinate and a normal, such as 1/1/1",
+				 obj->path, number, text_shown(whole), whole.at);
+	memcpy(corner->position, row[OBJ_POSITION], sizeof(corner->position));
+	if (row[OBJ_UV])
+		memcpy(corner->uv, row[OBJ_UV], sizeof(corner->uv));
+	else
+		memset(corner->uv, 0, sizeof(corner->uv));
+	if (row[OBJ_NORMAL])
+		memcpy(corner->normal, row[OBJ_NORMAL], sizeof(corner->normal));
+	if (!row[OBJ_NORMAL] ||
+	    (corner->normal[0] == 0 && corner->normal[1] == 0 && corner->normal[2] == 0))
+		*has &= ~SOUP_NORMALS;
+	if (row[OBJ_UV])
+		*has |= SOUP_UVS;
+	if (obj->colours.count) {
+		const size_t at = (size_t)(row[OBJ_POSITION] - obj->rows[OBJ_POSITION].value) / 3;
+
+		memcpy(corner->colour, obj->colours.value + 3 * at, 3 * sizeof(float));
+		corner->colour[3] = 1;
+	}
+	return 0;
+}
+
+static int obj_face(struct obj *obj, struct text_span line, int number, struct fault *fault)
+{
+	unsigned has = SOUP_NORMALS;
+	size_t count = 0;
+	const struct material *m;
+	int err;
+
+	for (struct text_span word = text_word(&line); !text_empty(word) && *word.at != '#';
+	     word = text_word(&line)) {
+		if (count == obj->corner_room) {
+			struct soup_corner *grown = realloc(obj->corner,
+							    2 * (count + 8) * sizeof(*grown));
+
+			if (!grown)
+				return obj_lack(obj, fault);
+			obj->corner = grown;
+			obj->corner_room = 2 * (count + 8);
+		}
+		err = obj_corner(obj, word, &obj->corner[count++], &has, number, fault);
+		if (err)
+			return err;
+	}
+	if (!count)
+		return fault_say(fault, -EBADMSG, "%s:%d: f has no vertices, expected 3 or more",
+				 obj->path, number);
+	if (!obj->with_materials)
+		return soup_add(&obj->soup, obj->corner, (int)count, 0, has, fault);
+	err = obj_material(obj, fault);
+	if (err)
+		return err;
+	m = &obj->textures.mesh->materials[obj->material[obj->current]];
+	if (obj->colours.count && !m->texture)
+		has |= SOUP_COLOURS;
+	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has,
+			fault);
+}
+
+/* ---- the file ---- */
+
+static bool obj_row_kind(struct text_span word, enum obj_kind *kind)
+{
+	*kind = text_is(word, "v") ? OBJ_POSITION : text_is(word, "vt") ? OBJ_UV : OBJ_NORMAL;
+	return *kind != OBJ_NORMAL || text_is(word, "vn");
+}
+
+/* Reads numbers and libraries; faces may name those that follow them. */
+static int obj_first_pass(struct obj *obj, struct text_lines *lines, struct fault *fault)
+{
+	struct text_span line;
+	enum obj_kind kind;
+	int err = 0;
+
+	while (!err && text_next_joined(lines, &line)) {
+		const struct text_span word = text_word(&line);
+
+		if (obj_row_kind(word, &kind))
+			err = obj_row(obj, kind, line, lines->line, fault);
+		else if (obj->with_materials && text_is_any_case(word, "mtllib"))
+			err = obj_libraries(obj, line, lines->line, fault);
+	}
+	return err;
+}
+
+static int obj_second_pass(struct obj *obj, struct text_lines *lines, struct fault *fault)
+{
+	struct text_span line;
+	enum obj_kind kind;
+	int err = 0;
+
+	while (!err && text_next_joined(lines, &line)) {
+		const struct text_span word = text_word(&line);
+
+		if (obj_row_kind(word, &kind))
+			obj->rows[kind].seen++;
+		else if (text_is(word, "f") || text_is(word, "fo"))
+			err = obj_face(obj, line, lines->line, fault);
+		else if (text_is_any_case(word, "usemtl"))
+			err = obj_use(obj, line, lines->line, fault);
+		else
+			for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
+				obj->odd |= (unsigned)text_is(word, odd_words[k]) << k;
+	}
+	return err;
+}
+
+static bool obj_begin_materials(struct obj *obj)
+{
+	const size_t count = (size_t)obj->library.count + 1;
+
+	obj->current = obj->library.count;
+	obj->material = malloc(count * sizeof(*obj->material));
+	obj->textures.mesh->materials = calloc(count, sizeof(struct material));
+	if (obj->material)
+		memset(obj->material, 0xff, count * sizeof(*obj->material));
+	return obj->material && obj->textures.mesh->materials;
+}
+
+/* Colours are code values of sRGB, 0..1 or, of some programs, 0..255. */
+static void obj_decode_colours(struct obj *obj)
+{
+	const size_t values = 3 * obj->colours.count;
+	float most = 1;
+
+	for (size_t k = 0; k < values; k++)
+		most = fmaxf(most, obj->colours.value[k]);
+	for (size_t k = 0; k < values; k++) {
+		const float code = obj->colours.value[k] / (most > 1 ? 255 : 1);
+
+		obj->colours.value[k] = (float)transfer_decode(TRANSFER_SRGB,
+							       (double)fminf(fmaxf(code, 0), 1));
+	}
+}
+
+static int obj_read_text(struct obj *obj, const struct plain_map *file, double crease_deg,
+			 struct fault *fault)
+{
+	struct text_lines lines;
+	int err;
+
+	text_begin(&lines, file->at, file->bytes);
+	err = obj_first_pass(obj, &lines, fault);
+	text_end(&lines);
+	if (!err && !obj_begin_materials(obj))
+		err = obj_lack(obj, fault);
+	if (err)
+		return err;
+	obj_decode_colours(obj);
+	text_begin(&lines, file->at, file->bytes);
+	err = obj_second_pass(obj, &lines, fault);
+	text_end(&lines);
+	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
+		if (obj->odd & 1u << k)
+			left_out_add(&obj->out, odd_names[k], "mesh");
+	return err ? err : soup_finish(&obj->soup, obj->textures.mesh, crease_deg, fault);
+}
+
+static void obj_free(struct obj *obj)
+{
+	for (int k = 0; k < OBJ_KINDS; k++)
+		free(obj->rows[k].value);
+	free(obj->colours.value);
+	free(obj->material);
+	free(obj->missing);
+	free(obj->corner);
+	mtl_free(&obj->library);
+	textures_free(&obj->textures);
+	soup_free(&obj->soup);
+}
+
+int obj_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
+	     struct fault *fault)
+{
+	struct obj obj = {
+		.path = path,
+		.with_materials = materials,
+		.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
+		.colours = {.width = 3},
+		.textures = {.mesh = mesh, .mesh_path = path},
+	};
+	struct plain_map file;
+	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+
+	if (err)
+		return err;
+	soup_begin(&obj.soup, path);
+	err = obj_read_text(&obj, &file, crease_deg, fault);
+	plain_file_unmap(&file);
+	if (!err)
+		left_out_say(&obj.out, path);
+	obj_free(&obj);
+	return err;
+}

@@ -1,0 +1,362 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/mesh/formats/soup.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "bake/mesh/mesh_normals.h"
+#include "hal/optics/vec.h"
+
+#define TRIANGLES_MAX (64 << 20)
+#define NONE UINT32_MAX
+
+/* Triangles of one material that all have normals, or none. */
+struct soup_part {
+	int material;
+	unsigned has; /* what any of its polygons has */
+	struct soup_corner *vertex;
+	uint32_t *slot; /* hash table of the vertices; NONE: empty */
+	uint32_t (*triangle)[3];
+	size_t vertices, vertex_room, slots, triangles, triangle_room;
+};
+
+void soup_begin(struct soup *soup, const char *path)
+{
+	*soup = (struct soup){.path = path};
+}
+
+static int soup_lack(const struct soup *soup, struct fault *fault)
+{
+	return fault_say(fault, -ENOMEM, "%s: out of memory", soup->path);
+}
+
+/* ---- vertices ---- */
+
+/* Doubles an array that is full. */
+static bool soup_room(void *array, size_t used, size_t *room, size_t size)
+{
+	const size_t wanted = *room ? 2 * *room : 64;
+	void *grown;
+
+	if (used < *room)
+		return true;
+	grown = realloc(*(void **)array, wanted * size);
+	if (!grown)
+		return false;
+	*(void **)array = grown;
+	*room = wanted;
+	return true;
+}
+
+static uint32_t *part_slot(const struct soup_part *part, const struct soup_corner *corner)
+{
+	size_t k = XXH3_64bits(corner, sizeof(*corner)) & (part->slots - 1);
+
+	while (part->slot[k] != NONE &&
+	       memcmp(&part->vertex[part->slot[k]], corner, sizeof(*corner)) != 0)
+		k = (k + 1) & (part->slots - 1);
+	return &part->slot[k];
+}
+
+/* Keeps the hash table at most half full. */
+static bool part_grow_slots(struct soup_part *part)
+{
+	const size_t slots = part->slots ? 2 * part->slots : 256;
+	uint32_t *slot;
+
+	if (2 * part->vertices < part->slots)
+		return true;
+	slot = malloc(slots * sizeof(*slot));
+	if (!slot)
+		return false;
+	memset(slot, 0xff, slots * sizeof(*slot));
+	free(part->slot);
+	part->slot = slot;
+	part->slots = slots;
+	for (size_t v = 0; v < part->vertices; v++)
+		*part_slot(part, &part->vertex[v]) = (uint32_t)v;
+	return true;
+}
+
+/* Returns NONE when memory is short. */
+static uint32_t part_vertex(struct soup_part *part, const struct soup_corner *from, unsigned has)
+{
+	struct soup_corner corner = {.colour = {1, 1, 1, 1}};
+	uint32_t *slot;
+
+	memcpy(corner.position, from->position, sizeof(corner.position));
+	if (has & SOUP_NORMALS)
+		memcpy(corner.normal, from->normal, sizeof(corner.normal));
+	if (has & SOUP_UVS)
+		memcpy(corner.uv, from->uv, sizeof(corner.uv));
+	if (has & SOUP_COLOURS)
+		memcpy(corner.colour, from->colour, sizeof(corner.colour));
+	if (!part_grow_slots(part))
+		return NONE;
+	slot = part_slot(part, &corner);
+	if (*slot != NONE)
+		return *slot;
+	if (!soup_room(&part->vertex, part->vertices, &part->vertex_room, sizeof(*part->vertex)))
+		return NONE;
+	*slot = (uint32_t)part->vertices;
+	part->vertex[part->vertices++] = corner;
+	return *slot;
+}
+
+static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned has)
+{
+	struct soup_part *grown;
+
+	for (int k = soup->part_count - 1; k >= 0; k--) {
+		/* the part that was used last comes first */
+		const int at = k == soup->part_count - 1 ? soup->last : k >= soup->last ? k + 1 : k;
+		struct soup_part *part = &soup->parts[at];
+
+		if (part->material == material && !((part->has ^ has) & SOUP_NORMALS)) {
+			soup->last = at;
+			return part;
+		}
+	}
+	grown = realloc(soup->parts, ((size_t)soup->part_count + 1) * sizeof(*grown));
+	if (!grown)
+		return NULL;
+	soup->parts = grown;
+	soup->last = soup->part_count;
+	grown[soup->last] = (struct soup_part){.material = material, .has = has & SOUP_NORMALS};
+	return &grown[soup->part_count++];
+}
+
+static int soup_add_triangle(struct soup *soup, struct soup_part *part, const struct soup_corner *a,
+			     const struct soup_corner *b, const struct soup_corner *c, unsigned has,
+			     struct fault *fault)
+{
+	uint32_t(*triangle)[3];
+
+	if (part->triangles >= TRIANGLES_MAX)
+		return fault_say(fault, -EFBIG, "%s: expected at most %d triangles of a material",
+				 soup->path, TRIANGLES_MAX);
+	if (!soup_room(&part->triangle, part->triangles, &part->triangle_room,
+		       sizeof(*part->triangle)))
+		return soup_lack(soup, fault);
+	triangle = &part->triangle[part->triangles];
+	(*triangle)[0] = part_vertex(part, a, has);
+	(*triangle)[1] = part_vertex(part, b, has);
+	(*triangle)[2] = part_vertex(part, c, has);
+	for (int k = 0; k < 3; k++)
+		if ((*triangle)[k] == NONE)
+			return soup_lack(soup, fault);
+	part->triangles++;
+	return 0;
+}
+
+/* ---- polygons ---- */
+
+/* A polygon seen along the axis that its normal is nearest to, turned counter-clockwise. */
+struct polygon {
+	const struct soup_corner *corner;
+	int x, y;    /* axes of the picture */
+	double sign; /* of y */
+};
+
+static double twice_area(const struct polygon *p, int a, int b, int c)
+{
+	const float *pa = p->corner[a].position, *pb = p->corner[b].position,
+		    *pc = p->corner[c].position;
+	const double bx = (double)pb[p->x] - (double)pa[p->x];
+	const double by = (double)pb[p->y] - (double)pa[p->y];
+	const double cx = (double)pc[p->x] - (double)pa[p->x];
+	const double cy = (double)pc[p->y] - (double)pa[p->y];
+
+	return p->sign * (bx * cy - by * cx);
+}
+
+/* Newell's normal, whose length is twice the area. */
+static struct polygon polygon_seen(const struct soup_corner *corner, int count)
+{
+	double normal[3] = {0, 0, 0};
+	int axis = 2;
+
+	for (int k = 0; k < count; k++) {
+		double a[3], b[3], across[3];
+
+		for (int i = 0; i < 3; i++) {
+			a[i] = (double)corner[k].position[i] - (double)corner[0].position[i];
+			b[i] = (double)corner[(k + 1) % count].position[i] -
+			       (double)corner[0].position[i];
+		}
+		vec_cross(a, b, across);
+		for (int i = 0; i < 3; i++)
+			normal[i] += across[i];
+	}
+	for (int i = 0; i < 2; i++)
+		if (fabs(normal[i]) > fabs(normal[axis]))
+			axis = i;
+	return (struct polygon){corner, (axis + 1) % 3, (axis + 2) % 3, normal[axis] < 0 ? -1 : 1};
+}
+
+static bool same_place(const struct polygon *p, int a, int b)
+{
+	return memcmp(p->corner[a].position, p->corner[b].position,
+		      sizeof(p->corner[a].position)) == 0;
+}
+
+/* Whether no other corner lies in the triangle of corner k and its neighbours. Corners at the place
+ * of one of the three do not count: bridges to holes have them. */
+static bool is_ear(const struct polygon *p, const int *left, int count, int k)
+{
+	const int a = left[(k + count - 1) % count], b = left[k], c = left[(k + 1) % count];
+
+	if (twice_area(p, a, b, c) <= 0)
+		return false;
+	for (int i = 0; i < count; i++) {
+		const int q = left[i];
+
+		if (q == a || q == b || q == c || same_place(p, q, a) || same_place(p, q, b) ||
+		    same_place(p, q, c))
+			continue;
+		if (twice_area(p, a, b, q) >= 0 && twice_area(p, b, c, q) >= 0 &&
+		    twice_area(p, c, a, q) >= 0)
+			return false;
+	}
+	return true;
+}
+
+static bool is_convex(const struct polygon *p, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (twice_area(p, k, (k + 1) % count, (k + 2) % count) < 0)
+			return false;
+	return true;
+}
+
+/* Returns the corner that may be cut off: an ear; where no ear is found, because the polygon crosses
+ * itself or has no area, any. */
+static int find_ear(const struct polygon *p, const int *left, int count, int from)
+{
+	for (int k = 0; k < count; k++)
+		if (is_ear(p, left, count, (from + k) % count))
+			return (from + k) % count;
+	return from % count;
+}
+
+static int cut_ears(struct soup *soup, struct soup_part *part, const struct polygon *p, int count,
+		    unsigned has, struct fault *fault)
+{
+	const struct soup_corner *corner = p->corner;
+	int err = 0, *left, ear = 1;
+
+	if (count > soup->left_room) {
+		left = realloc(soup->left, (size_t)count * sizeof(*left));
+		if (!left)
+			return soup_lack(soup, fault);
+		soup->left = left;
+		soup->left_room = count;
+	}
+	left = soup->left;
+	for (int k = 0; k < count; k++)
+		left[k] = k;
+	for (; count >= 3 && !err; count--) {
+		ear = find_ear(p, left, count, ear);
+		err = soup_add_triangle(soup, part, &corner[left[(ear + count - 1) % count]],
+					&corner[left[ear]], &corner[left[(ear + 1) % count]], has,
+					fault);
+		memmove(left + ear, left + ear + 1, (size_t)(count - ear - 1) * sizeof(*left));
+	}
+	return err;
+}
+
+int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
+	     unsigned has, struct fault *fault)
+{
+	struct soup_part *part = soup_part_of(soup, material, has);
+	struct polygon p;
+	int err = 0;
+
+	if (!part)
+		return soup_lack(soup, fault);
+	part->has |= has;
+	if (count > 3) {
+		p = polygon_seen(corners, count);
+		if (!is_convex(&p, count))
+			return cut_ears(soup, part, &p, count, has, fault);
+	}
+	for (int k = 1; k + 1 < count && !err; k++)
+		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has,
+					fault);
+	return err;
+}
+
+/* ---- the mesh ---- */
+
+static bool part_move(struct soup_part *from, struct mesh_part *to)
+{
+	const size_t vertices = from->vertices;
+
+	to->material = from->material;
+	to->vertices = (int)vertices;
+	to->triangles = (int)from->triangles;
+	to->index = from->triangle;
+	from->triangle = NULL;
+	to->position = calloc(vertices + 1, sizeof(*to->position));
+	to->normal = calloc(vertices + 1, sizeof(*to->normal));
+	if (from->has & SOUP_UVS)
+		to->uv = calloc(vertices + 1, sizeof(*to->uv));
+	if (from->has & SOUP_COLOURS)
+		to->colour = calloc(vertices + 1, sizeof(*to->colour));
+	if (!to->position || !to->normal || (from->has & SOUP_UVS && !to->uv) ||
+	    (from->has & SOUP_COLOURS && !to->colour))
+		return false;
+	for (size_t v = 0; v < vertices; v++) {
+		const struct soup_corner *c = &from->vertex[v];
+
+		memcpy(to->position[v], c->position, sizeof(c->position));
+		to->normal[v] = v3_unit(v3_make(c->normal[0], c->normal[1], c->normal[2]));
+		if (to->uv)
+			memcpy(to->uv[v], c->uv, sizeof(c->uv));
+		if (to->colour)
+			memcpy(to->colour[v], c->colour, sizeof(c->colour));
+	}
+	free(from->vertex);
+	from->vertex = NULL;
+	return true;
+}
+
+/* Indices are in range: mesh_smooth() may trust them. A vertex that is not finite, which the caller
+ * refuses, gives it no trouble but normals that are none. */
+int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct fault *fault)
+{
+	mesh->parts = calloc((size_t)soup->part_count + 1, sizeof(*mesh->parts));
+	if (!mesh->parts)
+		return soup_lack(soup, fault);
+	for (int k = 0; k < soup->part_count; k++) {
+		struct soup_part *from = &soup->parts[k];
+		struct mesh_part *to = &mesh->parts[mesh->part_count];
+
+		if (!from->triangles)
+			continue;
+		mesh->part_count++;
+		free(from->slot);
+		from->slot = NULL;
+		if (!part_move(from, to) ||
+		    (!(from->has & SOUP_NORMALS) && mesh_smooth(to, crease_deg) < 0))
+			return soup_lack(soup, fault);
+	}
+	return 0;
+}
+
+void soup_free(struct soup *soup)
+{
+	for (int k = 0; k < soup->part_count; k++) {
+		free(soup->parts[k].vertex);
+		free(soup->parts[k].slot);
+		free(soup->parts[k].triangle);
+	}
+	free(soup->parts);
+	free(soup->left);
+	*soup = (struct soup){.path = soup->path};
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+#include <endian.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "bake/mesh/formats/formats.h"
+#include "bake/mesh/formats/soup.h"
+#include "bake/mesh/formats/text.h"
+#include "bake/mesh/left_out.h"
+#include "bake/mesh/plain_file.h"
+
+/* A binary file: a header, the number of triangles, and for each a normal, three corners and two bytes
+ * that some programs use for a colour. */
+#define HEADER_BYTES 84
+#define TRIANGLE_BYTES 50
+
+struct stl {
+	const char *path;
+	struct soup soup;
+	bool colours;
+};
+
+static uint32_t stl_word(const char *at)
+{
+	uint32_t word;
+
+	memcpy(&word, at, sizeof(word));
+	return le32toh(word);
+}
+
+/* Binary files may begin with "solid" like text. What counts is whether the triangles that are
+ * announced fit; bytes may follow them. */
+static bool stl_is_binary(const struct plain_map *file)
+{
+	const uint64_t bytes = file->bytes;
+
+	if (bytes < HEADER_BYTES)
+		return false;
+	if (strncasecmp(file->at, "solid", 5) != 0)
+		return true;
+	return HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * stl_word(file->at + 80) <= bytes &&
+	       (memchr(file->at, '\0', HEADER_BYTES) || !memmem(file->at, bytes, "facet", 5));
+}
+
+static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex,
+		      struct fault *fault)
+{
+	char place[16] = "";
+
+	for (int axis = 0; axis < 3; axis++)
+		if (!isfinite(corner->position[axis])) {
+			if (line)
+				snprintf(place, sizeof(place), ":%d", line);
+			return fault_say(fault, -EDOM,
+					 "%s%s: vertex %llu is not finite, expected numbers",
+					 stl->path, place, (unsigned long long)vertex + 1);
+		}
+	return 0;
+}
+
+static int stl_read_binary(struct stl *stl, const struct plain_map *file, struct fault *fault)
+{
+	const uint32_t count = stl_word(file->at + 80);
+	const char *at = file->at + HEADER_BYTES;
+	int err = 0;
+
+	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > file->bytes)
+		return fault_say(fault, -EBADMSG,
+				 "%s: it ends in triangle %zu, expected %u of them: damaged or cut "
+				 "short",
+				 stl->path, (file->bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
+				 count);
+	for (uint32_t t = 0; t < count && !err; t++, at += TRIANGLE_BYTES) {
+		struct soup_corner corner[3] = {{.uv = {0}}};
+
+		for (int k = 0; k < 3 && !err; k++) {
+			for (int axis = 0; axis < 3; axis++) {
+				const uint32_t word = stl_word(at + 12 + 12 * k + 4 * axis);
+
+				memcpy(&corner[k].position[axis], &word, sizeof(word));
+			}
+			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k, fault);
+		}
+		stl->colours |= at[48] || at[49];
+		if (!err)
+			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+	}
+	return err;
+}
+
+/* Reads the three numbers of a vertex. */
+static int stl_vertex(const struct stl *stl, struct text_span line, int number,
+		      struct soup_corner *corner, struct fault *fault)
+{
+	double value;
+
+	for (int axis = 0; axis < 3; axis++) {
+		const struct text_span got = text_word(&line);
+
+		if (!text_number(got, &value))
+			return fault_say(fault, -EBADMSG,
+					 "%s:%d: vertex has \"%.*s\", expected a number", stl->path,
+					 number, text_shown(got), got.at);
+		corner->position[axis] = (float)value;
+	}
+	return stl_corner(stl, corner, number, 0, fault);
+}
+
+/* A loop of vertices is a face; other words only stand around them. */
+static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault *fault)
+{
+	struct soup_corner corner[3] = {{.uv = {0}}};
+	struct text_span line;
+	int count = 0, err = 0;
+	bool solid = false;
+
+	while (!err && text_next(lines, &line)) {
+		const struct text_span word = text_word(&line);
+
+		solid |= text_is_any_case(word, "solid");
+		if (text_is_any_case(word, "vertex")) {
+			if (count == 3)
+				return fault_say(fault, -EBADMSG,
+						 "%s:%d: a fourth vertex, expected endloop",
+						 stl->path, lines->line);
+			err = stl_vertex(stl, line, lines->line, &corner[count++], fault);
+		} else if (text_is_any_case(word, "endloop")) {
+			if (count != 3)
+				return fault_say(fault, -EBADMSG,
+						 "%s:%d: endloop after %d vertices, expected 3",
+						 stl->path, lines->line, count);
+			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+			count = 0;
+		}
+	}
+	if (!err && (!solid || count))
+		err = fault_say(
+			fault, -EBADMSG,
+			solid ? "%s:%d: it ends within a face: damaged or cut short"
+			      : "%s:%d: no line solid and no binary STL, expected one of the two",
+			stl->path, lines->line);
+	return err;
+}
+
+int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
+	     struct fault *fault)
+{
+	struct stl stl = {.path = path};
+	struct left_out out = {.count = 0};
+	struct text_lines lines;
+	struct plain_map file;
+	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+
+	if (err)
+		return err;
+	soup_begin(&stl.soup, path);
+	text_begin(&lines, file.at, file.bytes);
+	err = stl_is_binary(&file) ? stl_read_binary(&stl, &file, fault)
+				   : stl_read_text(&stl, &lines, fault);
+	plain_file_unmap(&file);
+	if (!err)
+		err = soup_finish(&stl.soup, mesh, crease_deg, fault);
+	soup_free(&stl.soup);
+	if (err)
+		return err;
+	mesh->materials = calloc(1, sizeof(*mesh->materials));
+	if (!mesh->materials)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	mesh->materials[0] =
+		(struct material){.ior = 1.5f, .alpha = 1, .colour = {{0.8f, 0.8f, 0.8f}}};
+	mesh->material_count = materials;
+	if (stl.colours && materials)
+		left_out_add(&out, "colours of triangles", "mesh");
+	left_out_say(&out, path);
+	return 0;
+}

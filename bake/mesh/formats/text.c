@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/mesh/formats/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#define SHOWN_MAX 64
+#define EXACT_DIGITS 15 /* decimal digits that a double holds exactly */
+#define EXACT_POWER 22	/* the largest power of 10 that is a double */
+
+static bool is_blank(char c)
+{
+	return c == ' ' || c == '\t';
+}
+
+void text_begin(struct text_lines *lines, const char *at, size_t bytes)
+{
+	if (bytes >= 3 && memcmp(at, "\xef\xbb\xbf", 3) == 0) {
+		at += 3;
+		bytes -= 3;
+	}
+	*lines = (struct text_lines){.rest = {at, at + bytes}};
+}
+
+bool text_next(struct text_lines *lines, struct text_span *line)
+{
+	struct text_span *rest = &lines->rest;
+
+	line->at = line->end = rest->at;
+	if (text_empty(*rest))
+		return false;
+	while (rest->at < rest->end && *rest->at != '\n' && *rest->at != '\r')
+		rest->at++;
+	line->end = rest->at;
+	if (rest->at < rest->end)
+		rest->at += rest->end - rest->at > 1 && !memcmp(rest->at, "\r\n", 2) ? 2 : 1;
+	lines->line += 1 + lines->joined;
+	lines->joined = 0;
+	return true;
+}
+
+static bool is_continued(struct text_span line)
+{
+	return !text_empty(line) && line.end[-1] == '\\';
+}
+
+/* Appends a line to the buffer, a blank in place of its backslash. */
+static bool text_append(struct text_lines *lines, size_t used, struct text_span line)
+{
+	const size_t bytes = (size_t)(line.end - line.at);
+
+	if (used + bytes > lines->room) {
+		const size_t room = 2 * (used + bytes);
+		char *grown = realloc(lines->buffer, room);
+
+		if (!grown)
+			return false;
+		lines->buffer = grown;
+		lines->room = room;
+	}
+	memcpy(lines->buffer + used, line.at, bytes);
+	if (is_continued(line))
+		lines->buffer[used + bytes - 1] = ' ';
+	return true;
+}
+
+bool text_next_joined(struct text_lines *lines, struct text_span *line)
+{
+	size_t used = 0;
+	int first;
+	bool more;
+
+	if (!text_next(lines, line))
+		return false;
+	if (!is_continued(*line))
+		return true;
+	first = lines->line;
+	do {
+		more = is_continued(*line);
+		if (!text_append(lines, used, *line))
+			break;
+		used += (size_t)(line->end - line->at);
+	} while (more && text_next(lines, line));
+	lines->joined = lines->line - first;
+	lines->line = first;
+	*line = (struct text_span){lines->buffer, lines->buffer + used};
+	return true;
+}
+
+void text_end(struct text_lines *lines)
+{
+	free(lines->buffer);
+	*lines = (struct text_lines){.line = 0};
+}
+
+struct text_span text_word(struct text_span *line)
+{
+	struct text_span word;
+
+	while (line->at < line->end && is_blank(*line->at))
+		line->at++;
+	word.at = line->at;
+	while (line->at < line->end && !is_blank(*line->at))
+		line->at++;
+	word.end = line->at;
+	return word;
+}
+
+struct text_span text_name(struct text_span line)
+{
+	while (line.at < line.end && is_blank(*line.at))
+		line.at++;
+	while (line.at < line.end && is_blank(line.end[-1]))
+		line.end--;
+	return line;
+}
+
+int text_shown(struct text_span span)
+{
+	return span.end - span.at < SHOWN_MAX ? (int)(span.end - span.at) : SHOWN_MAX;
+}
+
+bool text_is(struct text_span word, const char *text)
+{
+	const size_t length = (size_t)(word.end - word.at);
+
+	return length == strlen(text) && memcmp(word.at, text, length) == 0;
+}
+
+bool text_is_any_case(struct text_span word, const char *text)
+{
+	const size_t length = (size_t)(word.end - word.at);
+
+	return length == strlen(text) && strncasecmp(word.at, text, length) == 0;
+}
+
+char *text_copy(struct text_span span)
+{
+	return strndup(span.at, (size_t)(span.end - span.at));
+}
+
+/* Leaves to strtod() what has no exact value by one multiplication (Clinger, How to Read Floating
+ * Point Numbers Accurately, 1990), and words that are no plain decimal number. */
+static bool number_by_library(struct text_span word, double *value)
+{
+	const size_t length = (size_t)(word.end - word.at);
+	char text[128], *stop;
+
+	if (length >= sizeof(text))
+		return false;
+	memcpy(text, word.at, length);
+	text[length] = '\0';
+	*value = strtod(text, &stop);
+	return length && stop == text + length;
+}
+
+bool text_number(struct text_span word, double *value)
+{
+	static const double powers[] = {1e0,  1e1,  1e2,  1e3,	1e4,  1e5,  1e6,  1e7,
+					1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+					1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+	const char *c = word.at;
+	const bool minus = c < word.end && *c == '-';
+	int digits = 0, power = 0;
+	uint64_t whole = 0;
+	bool point = false;
+
+	for (c += minus; c < word.end && digits <= EXACT_DIGITS; c++) {
+		if (*c == '.' && !point) {
+			point = true;
+			continue;
+		}
+		if (*c < '0' || *c > '9')
+			break;
+		whole = 10 * whole + (uint64_t)(*c - '0');
+		digits++;
+		power += point;
+	}
+	if (c < word.end || !digits || digits > EXACT_DIGITS || power > EXACT_POWER)
+		return number_by_library(word, value);
+	*value = (double)whole / powers[power];
+	if (minus)
+		*value = -*value;
+	return true;
+}
+
+bool text_whole(struct text_span *word, int64_t *value)
+{
+	const char *c = word->at;
+	const bool minus = c < word->end && *c == '-';
+	int64_t whole = 0;
+
+	c += c < word->end && (*c == '-' || *c == '+');
+	if (c == word->end || *c < '0' || *c > '9')
+		return false;
+	for (; c < word->end && *c >= '0' && *c <= '9'; c++) {
+		whole = 10 * whole + (*c - '0');
+		if (whole >> 40)
+			return false;
+	}
+	word->at = c;
+	*value = minus ? -whole : whole;
+	return true;
+}

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/mesh/formats/textures.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/base/picture_file.h"
+#include "bake/mesh/formats/beside.h"
+#include "bake/mesh/plain_file.h"
+
+/* ---- pictures ---- */
+
+static int texture_lack(const struct textures *textures, struct fault *fault)
+{
+	return fault_say(fault, -ENOMEM, "%s: out of memory", textures->mesh_path);
+}
+
+static int texture_find(const struct textures *textures, const struct texture_name *name,
+			char path[PATH_MAX], struct fault *fault)
+{
+	path[0] = '\0';
+	if (!name || !name->by || beside_find(name->by, name->name, path) ||
+	    beside_find(textures->mesh_path, name->name, path))
+		return 0;
+	return fault_say(fault, -ENOENT,
+			 "%s:%d: there is no picture %s, expected it there or, by its bare name, "
+			 "beside this file",
+			 name->by, name->line, name->name);
+}
+
+/* Reads a picture, if there is a path. */
+static int read_picture(const char *path, struct image *image, struct fault *fault)
+{
+	FILE *file;
+	int err;
+
+	*image = (struct image){.width = 0};
+	if (!path[0])
+		return 0;
+	err = plain_file_open(&file, path, PLAIN_FILE_MAX, fault);
+	if (err)
+		return err;
+	fclose(file);
+	return picture_file_read(path, image, fault);
+}
+
+/* Value of a channel, 0..255. */
+static uint8_t image_code(const struct image *image, size_t pixel, int channel)
+{
+	const size_t at = 3 * pixel + (size_t)channel;
+
+	if (image->f32)
+		return (uint8_t)(255 * fminf(image->f32[at], 1) + 0.5f);
+	if (image->u16)
+		return (uint8_t)((image->u16[at] + 128) / 257);
+	return image->u8[at];
+}
+
+/* Stretches n values of a row to more. */
+static void *stretch(const void *from, size_t size, int w, int h, int width, int height)
+{
+	const char *values = from;
+	char *out = values ? malloc((size_t)width * (size_t)height * size) : NULL;
+
+	for (int y = 0; y < height && out; y++)
+		for (int x = 0; x < width; x++) {
+			const size_t at = (size_t)((int64_t)y * h / height) * (size_t)w +
+					  (size_t)((int64_t)x * w / width);
+
+			memcpy(out + ((size_t)y * (size_t)width + (size_t)x) * size,
+			       values + at * size, size);
+		}
+	return out;
+}
+
+/* Enlarges a picture by repeating pixels. */
+static bool image_stretch(struct image *image, int width, int height)
+{
+	const int w = image->width, h = image->height;
+	struct image large = {.width = width, .height = height};
+
+	if (w == width && h == height)
+		return true;
+	large.u8 = stretch(image->u8, 3, w, h, width, height);
+	large.u16 = stretch(image->u16, 3 * sizeof(uint16_t), w, h, width, height);
+	large.f32 = stretch(image->f32, 3 * sizeof(float), w, h, width, height);
+	large.alpha = stretch(image->alpha, 1, w, h, width, height);
+	if (!image->u8 != !large.u8 || !image->u16 != !large.u16 || !image->f32 != !large.f32 ||
+	    !image->alpha != !large.alpha) {
+		image_free(&large);
+		return false;
+	}
+	image_free(image);
+	*image = large;
+	return true;
+}
+
+static bool same_size(struct image *a, struct image *b)
+{
+	const int width = a->width > b->width ? a->width : b->width;
+	const int height = a->height > b->height ? a->height : b->height;
+
+	return image_stretch(a, width, height) && image_stretch(b, width, height);
+}
+
+/* Gives a picture that has none all pixels of white. */
+static int image_white(struct image *image, int width, int height)
+{
+	int err;
+
+	if (image->width)
+		return 0;
+	err = image_create_u8(image, width, height);
+	if (!err)
+		memset(image->u8, 255, 3 * (size_t)width * (size_t)height);
+	return err;
+}
+
+static int image_cover(struct image *image, struct image *coverage)
+{
+	size_t pixels;
+
+	if (image_white(image, coverage->width, coverage->height) < 0 ||
+	    !same_size(image, coverage))
+		return -ENOMEM;
+	pixels = (size_t)image->width * (size_t)image->height;
+	free(image->alpha);
+	image->alpha = malloc(pixels);
+	if (!image->alpha)
+		return -ENOMEM;
+	for (size_t k = 0; k < pixels; k++)
+		image->alpha[k] = coverage->alpha ? coverage->alpha[k] : image_code(coverage, k, 1);
+	return 0;
+}
+
+/* ---- textures ---- */
+
+/* Finds a texture that is made of the same; else adds an empty one, in *added. */
+static int textures_take(struct textures *textures, const char *a, const char *b, const char *kind,
+			 enum texture_wrap wrap, const struct texture **texture,
+			 struct texture **added, struct fault *fault)
+{
+	struct mesh *mesh = textures->mesh;
+	const size_t count = (size_t)mesh->texture_count;
+	char key[2 * PATH_MAX + 64];
+	struct texture **grown;
+	char **keys;
+
+	*added = NULL;
+	snprintf(key, sizeof(key), "%s %d %s\n%s", kind, (int)wrap, a, b);
+	for (size_t k = 0; k < count; k++)
+		if (strcmp(textures->key[k], key) == 0) {
+			*texture = mesh->textures[k];
+			return 0;
+		}
+	grown = realloc(mesh->textures, (count + 1) * sizeof(*grown));
+	if (grown)
+		mesh->textures = grown;
+	keys = realloc(textures->key, (count + 1) * sizeof(*keys));
+	if (keys)
+		textures->key = keys;
+	if (!grown || !keys)
+		return texture_lack(textures, fault);
+	keys[count] = strdup(key);
+	grown[count] = calloc(1, sizeof(**grown));
+	if (!keys[count] || !grown[count]) {
+		free(keys[count]);
+		free(grown[count]);
+		return texture_lack(textures, fault);
+	}
+	grown[count]->wrap[0] = grown[count]->wrap[1] = wrap;
+	mesh->texture_count++;
+	*texture = *added = grown[count];
+	return 0;
+}
+
+int textures_colour(struct textures *textures, const struct texture_name *colour,
+		    const struct texture_name *coverage, enum texture_wrap wrap,
+		    const struct texture **texture, struct fault *fault)
+{
+	char path[PATH_MAX], cover_path[PATH_MAX];
+	struct texture *added;
+	struct image cover;
+	int err = texture_find(textures, colour, path, fault);
+
+	if (!err)
+		err = texture_find(textures, coverage, cover_path, fault);
+	if (!err)
+		err = textures_take(textures, path, cover_path, "colour", wrap, texture, &added,
+				    fault);
+	if (err || !added)
+		return err;
+	err = read_picture(path, &added->image, fault);
+	if (err)
+		return err;
+	err = read_picture(cover_path, &cover, fault);
+	if (!err && cover.width && image_cover(&added->image, &cover) < 0)
+		err = texture_lack(textures, fault);
+	image_free(&cover);
+	if (!err && picture_file_decode(&added->image, false) < 0)
+		err = texture_lack(textures, fault);
+	texture_prepare(added);
+	return err;
+}
+
+static int image_pack(struct image *packed, struct image *roughness, struct image *metalness)
+{
+	const int width = roughness->width ? roughness->width : metalness->width;
+	const int height = roughness->width ? roughness->height : metalness->height;
+	size_t pixels;
+
+	if (image_white(roughness, width, height) < 0 ||
+	    image_white(metalness, width, height) < 0 || !same_size(roughness, metalness) ||
+	    image_create_u8(packed, roughness->width, roughness->height) < 0)
+		return -ENOMEM;
+	pixels = (size_t)packed->width * (size_t)packed->height;
+	for (size_t k = 0; k < pixels; k++) {
+		packed->u8[3 * k] = 255;
+		packed->u8[3 * k + 1] = image_code(roughness, k, 0);
+		packed->u8[3 * k + 2] = image_code(metalness, k, 0);
+	}
+	return 0;
+}
+
+int textures_surface(struct textures *textures, const struct texture_name *roughness,
+		     const struct texture_name *metalness, enum texture_wrap wrap,
+		     const struct texture **texture, struct fault *fault)
+{
+	char path[PATH_MAX], metal_path[PATH_MAX];
+	struct image rough = {.width = 0}, metal = {.width = 0};
+	struct texture *added;
+	int err = texture_find(textures, roughness, path, fault);
+
+	if (!err)
+		err = texture_find(textures, metalness, metal_path, fault);
+	if (!err)
+		err = textures_take(textures, path, metal_path, "surface", wrap, texture, &added,
+				    fault);
+	if (err || !added)
+		return err;
+	err = read_picture(path, &rough, fault);
+	if (!err)
+		err = read_picture(metal_path, &metal, fault);
+	if (!err && image_pack(&added->image, &rough, &metal) < 0)
+		err = texture_lack(textures, fault);
+	image_free(&rough);
+	image_free(&metal);
+	texture_prepare_data(added);
+	return err;
+}
+
+int textures_data(struct textures *textures, const struct texture_name *name,
+		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
+{
+	char path[PATH_MAX];
+	struct texture *added;
+	int err = texture_find(textures, name, path, fault);
+
+	if (!err)
+		err = textures_take(textures, path, "", "data", wrap, texture, &added, fault);
+	if (err || !added)
+		return err;
+	err = read_picture(path, &added->image, fault);
+	if (!err && picture_file_decode(&added->image, true) < 0)
+		err = texture_lack(textures, fault);
+	texture_prepare_data(added);
+	return err;
+}
+
+void textures_free(struct textures *textures)
+{
+	for (int k = 0; textures->key && k < textures->mesh->texture_count; k++)
+		free(textures->key[k]);
+	free(textures->key);
+	textures->key = NULL;
+}

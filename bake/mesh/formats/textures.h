@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/* Textures of a mesh that is being read. Those that are asked for again are shared. */
+#ifndef INLAY_BAKE_MESH_FORMATS_TEXTURES_H
+#define INLAY_BAKE_MESH_FORMATS_TEXTURES_H
+
+#include "bake/mesh/mesh.h"
+
+struct textures {
+	struct mesh *mesh; /* which owns them */
+	const char
+		*mesh_path; /* pictures are beside the file that names them, or beside this one */
+	char **key;	    /* [mesh->texture_count]: what each is made of */
+};
+
+/* A name in a file, for messages and to find the picture. */
+struct texture_name {
+	const char *by; /* the file; NULL: no picture */
+	int line;
+	const char *name;
+};
+
+/* Sets a texture of colours, with the coverage of a second picture: its alpha if it has one, else
+ * its grey. Without a picture of colours it is white. -ENOENT ...: no such picture, or one that cannot be
+ * read; the fault names the line. */
+int textures_colour(struct textures *textures, const struct texture_name *colour,
+		    const struct texture_name *coverage, enum texture_wrap wrap,
+		    const struct texture **texture, struct fault *fault);
+
+/* Sets a texture of data: the red values of two pictures as green and blue, as glTF has roughness and
+ * metalness. 1 where there is no picture. */
+int textures_surface(struct textures *textures, const struct texture_name *roughness,
+		     const struct texture_name *metalness, enum texture_wrap wrap,
+		     const struct texture **texture, struct fault *fault);
+
+/* Sets a texture of data as it is in the file. */
+int textures_data(struct textures *textures, const struct texture_name *name,
+		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault);
+
+void textures_free(struct textures *textures); /* idempotent; leaves the mesh's textures */
+
+#endif

@@ -1,0 +1,441 @@
+/* SPDX-License-Identifier: MIT */
+/* The geometry of OBJ, PLY and STL as various programs write them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bake/mesh/mesh.h"
+#include "tests/support/bake/small_scene.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/expect.h"
+
+static const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 60, .own_materials = 1};
+
+static void read_fine(const char *name, struct mesh *mesh)
+{
+	struct fault fault = {.text = ""};
+
+	if (mesh_read(mesh, small_scene_path(name), &as_it_is, &fault) < 0)
+		fail_msg("%s", fault.text);
+}
+
+static void refuse(const char *name, int err, const char *words)
+{
+	struct fault fault = {.text = ""};
+	struct mesh mesh;
+
+	expect_equal(mesh_read(&mesh, small_scene_path(name), &as_it_is, &fault), err, "%s: %s",
+		     words, fault.text);
+	if (!strstr(fault.text, words))
+		fail_msg("said \"%s\", expected \"%s\"", fault.text, words);
+	mesh_free(&mesh);
+}
+
+/* Sums of the areas of triangles, with their signs along Z: no overlap and no hole where both are the
+ * polygon's. */
+static void expect_area(const struct mesh *mesh, double area)
+{
+	double all = 0, signs = 0;
+
+	for (int p = 0; p < mesh->part_count; p++)
+		for (int t = 0; t < mesh->parts[p].triangles; t++) {
+			const struct v3 a = mesh_corner(&mesh->parts[p], t, 0);
+			const struct v3 across =
+				v3_cross(v3_sub(mesh_corner(&mesh->parts[p], t, 1), a),
+					 v3_sub(mesh_corner(&mesh->parts[p], t, 2), a));
+
+			all += 0.5 * (double)v3_length(across);
+			signs += 0.5 * (double)across.z;
+		}
+	expect_below(fabs(all - fabs(area)), 1e-4, "all=%g", all);
+	expect_below(fabs(signs - area), 1e-4, "signs=%g", signs);
+}
+
+static int triangles_of(const struct mesh *mesh)
+{
+	int count = 0;
+
+	for (int p = 0; p < mesh->part_count; p++)
+		count += mesh->parts[p].triangles;
+	return count;
+}
+
+/* The material and the colour of the vertices at a corner of a triangle. */
+static struct rgb colour_of(const struct mesh *mesh, int part, int triangle, int corner)
+{
+	const struct mesh_part *from = &mesh->parts[part];
+	const uint32_t v = from->index[triangle][corner];
+	struct material_point point = {.colour = {{1, 1, 1}}, .alpha = 1};
+
+	if (from->uv)
+		memcpy(point.uv[0], from->uv[v], sizeof(point.uv[0]));
+	if (from->colour)
+		memcpy(point.colour.c, from->colour[v], sizeof(point.colour.c));
+	return material_at_point(&mesh->materials[from->material], &point).colour;
+}
+
+static void expect_colour(struct rgb got, float r, float g, float b)
+{
+	expect_below(fabsf(got.c[0] - r), 2e-3f, "red=%g", (double)got.c[0]);
+	expect_below(fabsf(got.c[1] - g), 2e-3f, "green=%g", (double)got.c[1]);
+	expect_below(fabsf(got.c[2] - b), 2e-3f, "blue=%g", (double)got.c[2]);
+}
+
+/* ---- polygons ---- */
+
+static void test_concave_polygons(void **state)
+{
+	static const struct {
+		const char *corners, *face;
+		int triangles;
+		double area;
+	} cases[] = {
+		/* an arrow whose dent is nearer to its tail than to its wings, from each corner */
+		{"v 0 0 0\nv 4 -3 0\nv 3 0 0\nv 4 3 0\n", "1 2 3 4", 2, 9},
+		{"v 0 0 0\nv 4 -3 0\nv 3 0 0\nv 4 3 0\n", "2 3 4 1", 2, 9},
+		{"v 0 0 0\nv 4 -3 0\nv 3 0 0\nv 4 3 0\n", "4 3 2 1", 2, -9},
+		/* a comb */
+		{"v 0 0 0\nv 5 0 0\nv 5 3 0\nv 4 3 0\nv 4 1 0\nv 3 1 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\n"
+		 "v 1 1 0\nv 1 3 0\nv 0 3 0\n",
+		 "1 2 3 4 5 6 7 8 9 10 11 12", 10, 11},
+		/* a square with a hole and a bridge to it */
+		{"v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n",
+		 "1 2 3 4 1 5 6 7 8 5", 8, 12},
+		{"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", "1 2 3 4", 2, 1},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		struct mesh mesh;
+
+		small_scene_write("polygon.obj", "%sf %s\n", cases[k].corners, cases[k].face);
+		read_fine("polygon.obj", &mesh);
+		expect_equal(triangles_of(&mesh), cases[k].triangles, "k=%zu", k);
+		expect_area(&mesh, cases[k].area);
+		mesh_free(&mesh);
+	}
+}
+
+/* ---- OBJ ---- */
+
+static void test_obj_corners(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	/* a byte order mark, faces before their vertices, comments, some corners without normals */
+	small_scene_write("corners.obj",
+			  "\xef\xbb\xbf"
+			  "f 1/1/1 2/2/1 3/3/1 # first\nv 0 0 0\nv 1 0 0\nv 0 1 0 # c\n"
+			  "vt .25 .5\nvt 0 0 0\nvt 1 nan\nvn 0 0 2\nv 1 1 0\n"
+			  "f -3//-1 -1// -2\np 1\n");
+	read_fine("corners.obj", &mesh);
+	expect_area(&mesh, 1);
+	assert_int_equal(mesh.part_count, 2);
+	assert_int_equal(mesh.parts[0].vertices, 3);
+	expect_below(fabsf(mesh.parts[0].uv[0][0] - 0.25f), 1e-6f, "%d", 0);
+	expect_below(fabsf(mesh.parts[0].normal[0].z - 1), 1e-6f, "%d", 0);
+	expect_below(fabsf(mesh.parts[1].normal[0].z - 1), 1e-6f, "%d", 1);
+	assert_null(mesh.parts[1].uv);
+	mesh_free(&mesh);
+}
+
+static void test_obj_refused(void **state)
+{
+	static const struct {
+		const char *lines, *words;
+		int err;
+	} cases[] = {
+		{"f 1 2 4", "bad.obj:4: face names vertex 4, but there are 3", -EBADMSG},
+		{"f 1 2 0", "bad.obj:4: face names vertex 0, expected 1 or more", -EBADMSG},
+		{"f -1 -2 -4", "bad.obj:4: face names vertex -4", -EBADMSG},
+		{"f 1/1 2/1 3/1", "bad.obj:4: face names texture coordinate 1", -EBADMSG},
+		{"f 1//1 2//1 3//1", "bad.obj:4: face names normal 1", -EBADMSG},
+		{"f 1 2 three", "bad.obj:4: f has \"three\"", -EBADMSG},
+		{"f 1 2 3x", "bad.obj:4: f has \"3x\"", -EBADMSG},
+		{"f 1 2 99999999999999999999", "bad.obj:4: f has", -EBADMSG},
+		{"f", "bad.obj:4: f has no vertices", -EBADMSG},
+		{"v 1 2 x", "bad.obj:4: vertex has \"x\", expected a number", -EBADMSG},
+		{"v 1 2", "bad.obj:4: vertex has \"\", expected a number", -EBADMSG},
+		{"v 1 2 inf", "bad.obj:4: vertex 4 is not finite", -EDOM},
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		small_scene_write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n%s\nf 1 2 3\n",
+				  cases[k].lines);
+		refuse("bad.obj", cases[k].err, cases[k].words);
+	}
+	/* joined lines count as many */
+	small_scene_write("bad.obj", "v 0 0 \\\n0\nv 1 0 0\nv 0 1 x\n");
+	refuse("bad.obj", -EBADMSG, "bad.obj:4: vertex has \"x\"");
+}
+
+/* Digits of a coordinate are read as strtod() does. */
+static void test_obj_numbers(void **state)
+{
+	static const char *const numbers[] = {
+		"0.1",		 "123456.789",	  "-1e-3", "3.14159265358979323846",
+		"1.17549435e-3", ".000123456789", "+2.5",  "1000000000000000e-15"};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(numbers) / sizeof(*numbers); k++) {
+		const float expected = strtof(numbers[k], NULL);
+		struct mesh mesh;
+		float last;
+
+		small_scene_write("number.obj", "v 0 0 0\nv 1 0 0\nv 0 %s 1\nf 1 2 3\n",
+				  numbers[k]);
+		read_fine("number.obj", &mesh);
+		last = mesh_corner(&mesh.parts[0], 0, 2).y;
+		assert_memory_equal(&last, &expected, sizeof(last));
+		mesh_free(&mesh);
+	}
+}
+
+static void test_obj_colours(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	small_scene_write("scan.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\n"
+				      "v 1 1 0\nf 1 2 3\nf 2 3 4\n");
+	read_fine("scan.obj", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.2140f, 0);
+	expect_colour(colour_of(&mesh, 0, 1, 2), 1, 1, 1);
+	mesh_free(&mesh);
+	small_scene_write("scan.obj", "v 0 0 0 255 51 0\nv 1 0 0 255 51 0\nv 0 1 0 255 51 0\n"
+				      "f 1 2 3\n");
+	read_fine("scan.obj", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.0331f, 0);
+	mesh_free(&mesh);
+}
+
+/* ---- PLY ---- */
+
+#define XYZ "property float x\nproperty float y\nproperty float z\n"
+#define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+
+static void test_ply_kinds(void **state)
+{
+	static const char *const texts[] = {
+		/* faces first, comments anywhere, another element between */
+		"ply\ncomment by hand\nformat ascii 1.0\nobj_info 1 2\nelement face 1\n"
+		"property uchar flags\nproperty list uchar int vertex_index\nelement thing 2\n"
+		"property list int8 double what\nproperty short k\nelement vertex 4\n" XYZ
+		"comment end\nend_header\n7 4 0 1 2 3\n2 .5 .5 1\n0 2\n" SQUARE,
+		/* strips, with restarts; each second triangle is turned */
+		"ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element tristrips 1\n"
+		"property list int int vertex_indices\nend_header\n" SQUARE "4 0 1 3 2\n",
+		"ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element tristrips 1\n"
+		"property list int int vertex_indices\nend_header\n" SQUARE "7 0 1 3 -1 3 1 2\n",
+		"ply\rformat ascii 1.0\relement vertex 4\rproperty double x\rproperty double y\r"
+		"property double z\relement face 1\rproperty list uint ushort vertex_indices\r"
+		"end_header\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
+		struct mesh mesh;
+
+		small_scene_write("kind.ply", "%s", texts[k]);
+		read_fine("kind.ply", &mesh);
+		assert_int_equal(triangles_of(&mesh), 2);
+		expect_area(&mesh, 1);
+		mesh_free(&mesh);
+	}
+}
+
+/* Data that begin with the byte of a line's end, after a header whose lines end in "\r". */
+static void test_ply_binary_line_end(void **state)
+{
+	static const uint8_t corners[] = {10, 0, 0, 1, 0, 0, 0, 1, 10, 3, 0, 1, 2};
+	struct mesh mesh;
+	FILE *stream = fopen(small_scene_path("end.ply"), "wb");
+
+	(void)state;
+	assert_non_null(stream);
+	fputs("ply\rformat binary_big_endian 1.0\relement vertex 3\rproperty char x\r"
+	      "property uchar y\rproperty int8 z\relement face 1\r"
+	      "property list uchar uchar vertex_indices\rend_header\r",
+	      stream);
+	fwrite(corners, sizeof(corners), 1, stream);
+	fclose(stream);
+	read_fine("end.ply", &mesh);
+	expect_below(fabsf(mesh_corner(&mesh.parts[0], 0, 0).x - 10), 1e-6f, "%d", 0);
+	expect_below(fabsf(mesh_corner(&mesh.parts[0], 0, 2).z - 10), 1e-6f, "%d", 2);
+	mesh_free(&mesh);
+}
+
+static void test_ply_colours(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	small_scene_write("c.ply", "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ
+				   "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+				   "element face 1\nproperty list uchar int vertex_indices\n"
+				   "end_header\n0 0 0 255 51 0\n1 0 0 0 0 0\n1 1 0 0 0 0\n"
+				   "0 1 0 0 0 0\n4 0 1 2 3\n");
+	read_fine("c.ply", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.0331f, 0);
+	expect_colour(colour_of(&mesh, 0, 0, 1), 0, 0, 0);
+	mesh_free(&mesh);
+	/* of faces, and as shares of 1 */
+	small_scene_write("c.ply",
+			  "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element face 2\n"
+			  "property list uchar int vertex_indices\nproperty float red\n"
+			  "property float green\nproperty float blue\nend_header\n" SQUARE
+			  "3 0 1 2 1 0 0\n3 0 2 3 0 .5 1\n");
+	read_fine("c.ply", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 2), 1, 0, 0);
+	expect_colour(colour_of(&mesh, 0, 1, 0), 0, 0.2140f, 1);
+	mesh_free(&mesh);
+}
+
+static void write_halves(const char *name)
+{
+	/* left red, right green */
+	static uint8_t texels[6] = {255, 0, 0, 0, 255, 0};
+	const struct image image = {.width = 2, .height = 1, .u8 = texels};
+	struct fault fault = {.text = ""};
+
+	assert_int_equal(image_write(small_scene_path(name), &image, &fault), 0);
+}
+
+/* Texture coordinates of faces, of vertices, and several textures. */
+static void test_ply_textures(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	write_halves("halves.png");
+	small_scene_write("w.ply",
+			  "ply\nformat ascii 1.0\ncomment TextureFile C:\\scan\\Halves.PNG\n"
+			  "element vertex 4\n" XYZ "element face 2\n"
+			  "property list uchar int vertex_indices\n"
+			  "property list uchar float texcoord\nproperty int texnumber\n"
+			  "end_header\n" SQUARE "3 0 1 2 6 .25 0 .25 0 .25 0 0\n"
+			  "3 0 2 3 6 .75 0 .75 0 .75 0 0\n");
+	read_fine("w.ply", &mesh);
+	for (int k = 0; k < 3; k++) {
+		expect_colour(colour_of(&mesh, 0, 0, k), 1, 0, 0);
+		expect_colour(colour_of(&mesh, 0, 1, k), 0, 1, 0);
+	}
+	mesh_free(&mesh);
+	small_scene_write("s.ply",
+			  "ply\nformat ascii 1.0\ncomment TextureFile halves.png\n"
+			  "element vertex 4\n" XYZ "property float s\nproperty float t\n"
+			  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+			  "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+			  "0 0 0 .25 0 9 9 9\n1 0 0 .75 0 9 9 9\n1 1 0 .75 0 9 9 9\n"
+			  "0 1 0 .25 0 9 9 9\n4 0 1 2 3\n");
+	read_fine("s.ply", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0, 0);
+	expect_colour(colour_of(&mesh, 0, 0, 1), 0, 1, 0);
+	mesh_free(&mesh);
+	small_scene_write("w.ply", "ply\nformat ascii 1.0\ncomment TextureFile gone.png\n"
+				   "element vertex 3\n" XYZ "property float s\nproperty float t\n"
+				   "element face 1\nproperty list uchar int vertex_indices\n"
+				   "end_header\n0 0 0 0 0\n1 0 0 0 0\n1 1 0 0 0\n3 0 1 2\n");
+	refuse("w.ply", -ENOENT, "w.ply:3: there is no picture gone.png");
+}
+
+/* ---- STL ---- */
+
+static void write_stl(const char *name, const char *header, uint32_t count, uint32_t written,
+		      const char *tail)
+{
+	FILE *stream = fopen(small_scene_path(name), "wb");
+	char head[80] = "";
+
+	assert_non_null(stream);
+	snprintf(head, sizeof(head), "%s", header);
+	fwrite(head, sizeof(head), 1, stream);
+	fwrite(&count, sizeof(count), 1, stream);
+	for (uint32_t k = 0; k < written; k++) {
+		const float x = (float)k;
+		const float values[12] = {0, 0, 1, x, 0, 0, x + 1, 0, 0, x, 1, 0};
+		const uint16_t colour = 0x8000;
+
+		fwrite(values, sizeof(values), 1, stream);
+		fwrite(&colour, sizeof(colour), 1, stream);
+	}
+	fputs(tail, stream);
+	fclose(stream);
+}
+
+static void test_stl(void **state)
+{
+	static const struct {
+		const char *header, *tail;
+	} cases[] = {{"COLOR=abcd", ""}, {"solid part facet", ""}, {"", "trailing facet bytes"}};
+	struct captured_log log;
+	char line[256] = "";
+	struct mesh mesh;
+	FILE *said;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		write_stl("two.stl", cases[k].header, 2, 2, cases[k].tail);
+		log = captured_log_begin();
+		read_fine("two.stl", &mesh);
+		said = captured_log_end(&log);
+		assert_true(k > 0 || (fgets(line, sizeof(line), said) &&
+				      strstr(line, "left out: colours of triangles of 1 mesh")));
+		fclose(said);
+		assert_int_equal(triangles_of(&mesh), 2);
+		expect_area(&mesh, 1);
+		mesh_free(&mesh);
+	}
+	write_stl("cut.stl", "x", 3, 2, "");
+	refuse("cut.stl", -EBADMSG, "cut.stl: it ends in triangle 3, expected 3 of them");
+	small_scene_write("t.stl", "SOLID a b\r\n FACET NORMAL 0 0 1\r\n  outer loop\r\n"
+				   "\tvertex 0 0 0\r\n vertex 1 0 0\r\n vertex 0 1e0 0\r\n"
+				   "  endloop\r\n endfacet\r\nendsolid\r\n");
+	read_fine("t.stl", &mesh);
+	expect_area(&mesh, 0.5);
+	mesh_free(&mesh);
+	small_scene_write("t.stl", "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 x\n");
+	refuse("t.stl", -EBADMSG, "t.stl:5: vertex has \"x\"");
+	small_scene_write("t.stl", "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 1\n");
+	refuse("t.stl", -EBADMSG, "t.stl:5: it ends within a face");
+	small_scene_write("t.stl", "nothing of the kind\n");
+	refuse("t.stl", -EBADMSG, "no line solid and no binary STL");
+}
+
+/* ---- other kinds ---- */
+
+static void test_other_kinds(void **state)
+{
+	static const char *const names[] = {"a.fbx", "a.dae", "a.3ds", "a.blend",
+					    "a.3mf", "a.x3d", "a.usd", "a"};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(names) / sizeof(*names); k++) {
+		small_scene_write(names[k], "something");
+		refuse(names[k], -ENOTSUP, "expected glTF (.gltf, .glb), OBJ, PLY or STL: Blender");
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_concave_polygons),    cmocka_unit_test(test_obj_corners),
+		cmocka_unit_test(test_obj_refused),	    cmocka_unit_test(test_obj_numbers),
+		cmocka_unit_test(test_obj_colours),	    cmocka_unit_test(test_ply_kinds),
+		cmocka_unit_test(test_ply_binary_line_end), cmocka_unit_test(test_ply_colours),
+		cmocka_unit_test(test_ply_textures),	    cmocka_unit_test(test_stl),
+		cmocka_unit_test(test_other_kinds),
+	};
+
+	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
+}
