@@ -275,7 +275,7 @@ static int camera_gather(struct camera_job *job, struct gathering *all, struct f
 		err = gather_images(all, job->lens.file, job->lens.files, &board, fault);
 	else
 		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board,
-				  job->views ? job->views : 1, fault);
+				  job->views ? job->views : 1, atoi(job->reference), fault);
 	if (err)
 		return err;
 	if (job->intrinsics &&
@@ -335,7 +335,7 @@ static int camera_work(void *context, struct fault *fault)
 		err = camera_gather(job, &all, fault);
 	if (!err && job->task.centre_given)
 		place_centre(job);
-	if (!err && job->reference) {
+	if (!err) {
 		job->task.reference = lens_job_view("--reference", job->reference, &all, fault);
 		err = job->task.reference < 0 ? job->task.reference : 0;
 	}
@@ -353,6 +353,7 @@ static int camera_run(const struct bake_command *command, int argc, char **argv)
 	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
 						camera_work};
 	struct camera_job job = {.task = camera_task_default(),
+				 .reference = "1",
 				 .convention = {.pixel_centre = 0.5}};
 
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
@@ -388,7 +389,9 @@ const struct bake_command camera_command = {
 		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
-		"  --reference VIEW   photograph, or its number, whose board is the world (1)\n"
+		"  --reference VIEW   photograph, or its number, whose board is the world (1): "
+		"one without\n"
+		"                     the board is refused\n"
 		"  --object X,Y,Z[,R] where the object stands, and its radius (the points' box)\n"
 		"  --tolerance PX     how uncertain its place in the picture may be (1)\n"
 		"  --unit U           of the world: m (default), cm, mm, in\n"

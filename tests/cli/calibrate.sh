@@ -298,7 +298,37 @@ near() {
 if has_command fisheye && [ -x "$photographs" ]; then
 	"$photographs" "$work" >"$work/stdout"
 	check "a fisheye from photographs of a board" calibrate fisheye --images "$work/eye?.png" \
-		--board 9x6:20mm --field 88 --report "$work/photo-report" -o "$work/photo.ini"
+		--board 9x6:20mm --field 88 --world eye1.png --report "$work/photo-report" \
+		-o "$work/photo.ini"
+	# drawn with the board over the lens, tilted by up to 20 degrees
+	check "that looks up at the board" near "$work/photo.ini" rotation 0 0 30
+	failed_with "that nobody turned" "--world" fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --field 88 -o "$work/none.ini"
+	check "that is known to lie on its back" calibrate fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --field 88 --rotation 1,2,3 -o "$work/back.ini"
+	check "is written so" grep -q '^rotation = 1 2 3$' "$work/back.ini"
+	wrong "how it is turned, twice" "--rotation goes with" fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --rotation 1,2,3 --world 1 -o "$work/none.ini"
+	# A photograph without a board keeps its number, and is no world.
+	mkdir "$work/gap"
+	for n in 1 2 3 4 5 6 7 8; do
+		ln -s "$work/eye$n.png" "$work/gap/eye$((n + (n > 1))).png"
+	done
+	cp "$work/dark.png" "$work/gap/eye2.png"
+	calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm --field 88 --world 2 \
+		-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+	equal "a world without a board" 1 $?
+	check "is refused by its name" grep -q 'eye2.png: is to show where the world is, but' \
+		"$work/stderr"
+	calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm --field 88 --world 10 \
+		-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+	check "a number beyond all photographs" grep -q 'its number of 1 to 9' "$work/stderr"
+	calibrate camera --images "$work/gap/eye[2-9].png" --board 9x6:20mm -o "$work/none.ini" \
+		>"$work/stdout" 2>"$work/stderr"
+	equal "a camera whose first photograph shows no board" 1 $?
+	check "has no world" grep -q 'eye2.png: is to show where the world is.*--reference' \
+		"$work/stderr"
+	absent "and nothing was written" "$work/none.ini"
 	check "is of the model that it is" grep -q '^model = equidistant$' "$work/photo.ini"
 	check "of its focal lengths" near "$work/photo.ini" focal 220 211 0.1
 	check "and its centre" near "$work/photo.ini" centre 483.2 357.4 0.1
@@ -323,7 +353,8 @@ if has_command fisheye && [ -x "$photographs" ]; then
 		device = held.png
 	END
 	check "a fisheye from a live camera" calibrate fisheye --live "$work/held.conf" \
-		--board 9x6:20mm --views 9 --field 88 --model equidistant -o "$work/held.ini"
+		--board 9x6:20mm --views 9 --field 88 --model equidistant --world 1 \
+		-o "$work/held.ini" 2>"$work/stderr"
 	check "is the same" near "$work/held.ini" focal 220 211 0.1
 	check "around the same centre" near "$work/held.ini" centre 483.2 357.4 0.1
 	calibrate fisheye --lamps "$work/lamps.txt" --picture "$work/lamps.png" \

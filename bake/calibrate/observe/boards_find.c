@@ -39,6 +39,7 @@ int board_find(const struct board *board, const struct image *picture, const cha
 	       struct observations *all, struct fault *fault)
 {
 	const int points = board_points(board), count = all->count, views = all->views;
+	const int pictures = all->pictures;
 	struct fault why = {{0}};
 	double(*px)[2];
 	bool *seen;
@@ -57,6 +58,7 @@ int board_find(const struct board *board, const struct image *picture, const cha
 	} else {
 		all->count = count;
 		all->views = views;
+		all->pictures = pictures;
 		fault_say(fault, err, "%s: %s", name, err == -ENOMEM ? "out of memory" : why.text);
 	}
 	free(px);

@@ -15,6 +15,7 @@ struct collect_settings {
 	int views;	   /* most views, >= 1; collection ends earlier if nothing is missing */
 	double patience_s; /* longest time without a new view, by the camera's clock */
 	bool round;	   /* a fisheye's picture, whose corners show nothing */
+	int world; /* number of the view, from 1, whose board lies where the world is; 0: none */
 };
 
 /*

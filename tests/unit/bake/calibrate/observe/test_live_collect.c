@@ -96,7 +96,7 @@ static void write_config(const char *screen)
 static int collected(const struct board *board, int views, struct observations *all,
 		     struct image **pictures, int *count, struct fault *fault)
 {
-	const struct collect_settings settings = {.views = views, .patience_s = 60};
+	const struct collect_settings settings = {.views = views, .patience_s = 60, .world = 1};
 	struct live *live;
 	int err;
 
