@@ -305,7 +305,7 @@ static void warn_of_unit(const struct camera_job *job, const struct camera_solut
 {
 	const double metres = vec_length(solution->camera.translation) * job->task.unit_mm / 1000;
 
-	if (solution->solved && !(metres > NEAREST_M && metres < FARTHEST_M))
+	if (solution->finding.verdict.trusted && !(metres > NEAREST_M && metres < FARTHEST_M))
 		log_warning("the world's origin is %.3g m from the camera: is --unit right?",
 			    metres);
 }
