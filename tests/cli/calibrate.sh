@@ -442,6 +442,14 @@ if has_command board; then
 			--images "$work/chess.png" --board 9x6:25mm -o "$work/none.ini"
 		failed_with "another board is not found in it" "$work/chess.png" camera \
 			--images "$work/chess.png" --board 5x4:25mm -o "$work/none.ini"
+		# Markers that others print, with the squares of an earlier OpenCV.
+		check "a board of other markers" calibrate board \
+			--board charuco:8x6:30mm:22mm:DICT_6X6_250:legacy -o "$work/markers.pdf"
+		pdftoppm -r 80 -png -singlefile "$work/markers.pdf" "$work/markers"
+		calibrate camera --images "$work/markers.png" --board charuco:8x6:30mm:22mm \
+			-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+		check "says what it is" grep -q 'the board is charuco:8x6:30mm:22mm:6x6:legacy$' \
+			"$work/stderr"
 		# Held before the cameras of a kiosk, whose screen shows that it was seen.
 		cat >"$work/live.conf" <<-END
 			[camera eye]

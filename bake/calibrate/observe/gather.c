@@ -55,7 +55,7 @@ int gather_keep(struct gathering *all, struct image *picture)
 	return 0;
 }
 
-static int gather_image(struct gathering *all, const char *path, const struct board *board,
+static int gather_image(struct gathering *all, const char *path, struct board *board,
 			struct fault *fault)
 {
 	struct image picture;
@@ -87,7 +87,7 @@ static int gather_boardless(struct gathering *all, const char *path)
 
 /* Finds the board in the photographs of a pattern. *none holds the fault of the last photograph
  * without a board; the one before goes to the log. */
-static int gather_pattern(struct gathering *all, const char *pattern, const struct board *board,
+static int gather_pattern(struct gathering *all, const char *pattern, struct board *board,
 			  struct fault *none, struct fault *fault)
 {
 	glob_t found;
@@ -115,8 +115,8 @@ static int gather_pattern(struct gathering *all, const char *pattern, const stru
 	return err;
 }
 
-int gather_images(struct gathering *all, char *const *patterns, int count,
-		  const struct board *board, struct fault *fault)
+int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
+		  struct fault *fault)
 {
 	struct fault none = {.text = ""};
 	int err = 0;
@@ -130,8 +130,8 @@ int gather_images(struct gathering *all, char *const *patterns, int count,
 	return err ? err : refuse_twins(all, fault);
 }
 
-int gather_live(struct gathering *all, const char *config, enum live_view view,
-		const struct board *board, int views, int world, struct fault *fault)
+int gather_live(struct gathering *all, const char *config, enum live_view view, struct board *board,
+		int views, int world, struct fault *fault)
 {
 	const struct collect_settings settings = {.views = views,
 						  .patience_s = PATIENCE_S,

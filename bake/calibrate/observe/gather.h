@@ -25,16 +25,16 @@ int gather_points(struct gathering *all, char *const *paths, int count,
  * board is in none of them (the fault says why for the last); else as image_read() and
  * board_find().
  */
-int gather_images(struct gathering *all, char *const *patterns, int count,
-		  const struct board *board, struct fault *fault);
+int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
+		  struct fault *fault);
 
 /*
  * Collects views from a camera of a kiosk's configuration until there are as many as views, or
  * nothing is missing any more. world: number of the view that shows where the world is; 0: none. Returns what live_open() and live_collect() return; the patience is
  * a minute.
  */
-int gather_live(struct gathering *all, const char *config, enum live_view view,
-		const struct board *board, int views, int world, struct fault *fault);
+int gather_live(struct gathering *all, const char *config, enum live_view view, struct board *board,
+		int views, int world, struct fault *fault);
 
 /* Moves the picture into the gathering, as that of the next view without one. -ENOMEM. */
 int gather_keep(struct gathering *all, struct image *picture);

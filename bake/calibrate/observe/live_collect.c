@@ -22,7 +22,7 @@
 #define ENOUGH_VIEWS 4
 
 struct collecting {
-	const struct board *board;
+	struct board *board;
 	const struct collect_settings *settings;
 	struct observations *all;
 	int first; /* index of the first collected view in all */
@@ -379,9 +379,8 @@ static int open_screen(struct collecting *c, struct live *live, struct fault *fa
 	return err ? lose_screen(c, err, &why, fault) : 0;
 }
 
-int live_collect(struct live *live, const struct board *board,
-		 const struct collect_settings *settings, struct observations *all,
-		 struct image **pictures, int *count, struct fault *fault)
+int live_collect(struct live *live, struct board *board, const struct collect_settings *settings,
+		 struct observations *all, struct image **pictures, int *count, struct fault *fault)
 {
 	struct collecting c = {
 		.board = board, .settings = settings, .all = all, .first = all->views};

@@ -25,8 +25,8 @@ struct collect_settings {
  * within the patience; -ECANCELED: the window was closed; errors of live_next() and board_find();
  * -ENOMEM. On failure there are no pictures, and the views taken so far stay in all.
  */
-int live_collect(struct live *live, const struct board *board,
-		 const struct collect_settings *settings, struct observations *all,
-		 struct image **pictures, int *count, struct fault *fault);
+int live_collect(struct live *live, struct board *board, const struct collect_settings *settings,
+		 struct observations *all, struct image **pictures, int *count,
+		 struct fault *fault);
 
 #endif

@@ -323,7 +323,7 @@ static void mirrored_with_noise(void **state)
 		struct camera_task task = known_camera_task(&truth);
 		struct observations seen = {0};
 
-		truth.focal *= 8;
+		truth.focal *= 4;
 		known_camera_see_cloud(&seen, &truth, 30, 1, &chance);
 		for (int i = 0; i < seen.count; i++)
 			seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
