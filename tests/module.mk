@@ -193,7 +193,11 @@ FUZZ_PARTS := \
 	app/kiosk/state.c \
 	bake/base/angles.c \
 	bake/calibrate/convert/convert.c \
+	bake/calibrate/convert/convert_omni.c \
+	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
+	bake/calibrate/convert/convert_words.c \
+	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/least_squares.c \

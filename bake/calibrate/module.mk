@@ -25,8 +25,12 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
+	bake/calibrate/convert/convert_omni.c \
+	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
+	bake/calibrate/convert/convert_words.c \
 	bake/calibrate/convert/convert_write.c \
+	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \

@@ -109,6 +109,25 @@ check "of a fisheye too" grep -q '^distortion_model: equidistant$' "$work/fishey
 check "the direction of the distortion comes back" grep -q '^distortion = undistorts$' \
 	"$work/back-tsai-yml.ini"
 check "what was fitted says so" grep -q '^# Fitted: .* at most [0-9.e-]* px' "$work/tsai.yml"
+cat >"$work/chain.yaml" <<'END'
+cam0:
+  camera_model: pinhole
+  intrinsics: [600.0, 601.0, 319.5, 239.5]
+  distortion_model: radtan
+  distortion_coeffs: [-0.1, 0.0, 0.0, 0.0]
+  resolution: [640, 480]
+cam1:
+  camera_model: omni
+  intrinsics: [1.0, 400.0, 400.0, 319.5, 239.5]
+  distortion_model: none
+  distortion_coeffs: []
+  resolution: [640, 480]
+END
+failed_with "a chain of cameras" "one of them by --camera" convert "$work/chain.yaml" "$work/none.ini"
+check "the first of Kalibr's cameras" calibrate convert "$work/chain.yaml" "$work/chain.ini" --camera cam0
+check "is a camera" grep -q '^kappa1 = ' "$work/chain.ini"
+check "the second" calibrate convert "$work/chain.yaml" "$work/chain.ini" --camera cam1
+check "is a fisheye" grep -q '^polynomial = ' "$work/chain.ini"
 failed_with "a fisheye without its size" "expected --size" convert "$work/fisheye.ini" \
 	"$work/none.yml"
 failed_with "more than may be off" "--tolerance" convert "$work/tsai.ini" "$work/none.yml" \
