@@ -9,7 +9,7 @@ set -eu
 build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
 	libcamera-dev libcairo2-dev libsystemd-dev libpng-dev
 	libturbojpeg0-dev libopenexr-dev libxxhash-dev libzstd-dev libembree-dev libassimp-dev
-	liblapacke-dev libopenblas-dev libcminpack-dev libopencv-calib3d-dev
+	liblapacke-dev libopenblas-dev libcminpack-dev libexif-dev libopencv-calib3d-dev
 	libopencv-contrib-dev"
 demo="ffmpeg fonts-dejavu-core"
 package="dpkg-dev xz-utils"

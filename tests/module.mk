@@ -71,6 +71,7 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/observe/test_live_collect.c \
 	tests/unit/bake/calibrate/observe/test_observations.c \
 	tests/unit/bake/calibrate/report/test_calibrate_report.c \
+	tests/unit/bake/calibrate/response/test_light_bracket.c \
 	tests/unit/bake/calibrate/response/test_light_match.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/demo/test_cow.c \

@@ -10,8 +10,12 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/lens_job.c \
 	bake/calibrate/light_command_delay.c \
 	bake/calibrate/light_command_match.c \
+	bake/calibrate/light_command_merge.c \
 	bake/calibrate/light_command_pictures.c \
 	bake/calibrate/light_job.c \
+	bake/calibrate/bracket/light_exif.c \
+	bake/calibrate/bracket/light_merge.c \
+	bake/calibrate/bracket/light_rsp.c \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
@@ -96,10 +100,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_response.c \
 	bake/calibrate/response/light_response_doubts.c \
 	bake/calibrate/response/light_response_fit.c \
+	bake/calibrate/response/light_response_real.c \
 	bake/calibrate/response/light_samples.c \
 	bake/calibrate/response/light_spline.c
 CALIBRATE_MAIN := bake/calibrate/main.c
-calibrate_PACKAGES := cminpack
+calibrate_PACKAGES := cminpack libexif
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
 $(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(calibrate_CFLAGS)
 $(call objects,$(filter %.cpp,$(CALIBRATE_SOURCES))): OWN_FLAGS = -isystem /usr/include/opencv4

@@ -412,6 +412,13 @@ if has_command light; then
 	}' >"$work/record"
 	awk '$1 != "change" && $1 < 3000 || $2 < 3000 && $1 == "change"' "$work/record" >"$work/short"
 	wrong "light of nothing" "usage: inlay-calibrate light" light
+	failed_with "pictures that say no times" "says no exposure time (EXIF), expected --times" light \
+		response "$work/lit.png" "$work/lit.png" -o "$work/none.ini"
+	printf '2 0.75 0.25 0\n2 0.75 0.25 0\n2 0.75 0.25 0\n' >"$work/camera.rsp"
+	check "the curve of another program" calibrate light response "$work/camera.rsp" -o "$work/rsp.ini"
+	check "is the response" grep -q '^response = 0 0.00' "$work/rsp.ini"
+	wrong "a merged picture without a name" "expected -o FILE.hdr" light merge "$work/lit.png" \
+		"$work/lit.png" -o "$work/none.png"
 	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
 		-o "$work/none.ini"
 	absent "and nothing was written" "$work/none"
