@@ -74,6 +74,7 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/observe/test_live_collect.c \
 	tests/unit/bake/calibrate/observe/test_observations.c \
 	tests/unit/bake/calibrate/report/test_calibrate_report.c \
+	tests/unit/bake/calibrate/response/test_light_bracket.c \
 	tests/unit/bake/calibrate/response/test_light_match.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/demo/test_cow.c \
@@ -208,7 +209,11 @@ FUZZ_PARTS := \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
+	bake/calibrate/convert/convert_omni.c \
+	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
+	bake/calibrate/convert/convert_words.c \
+	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/least_squares.c \

@@ -275,7 +275,7 @@ static int camera_gather(struct camera_job *job, struct gathering *all, struct f
 		err = gather_images(all, job->lens.file, job->lens.files, &board, fault);
 	else
 		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board,
-				  job->views ? job->views : 1, fault);
+				  job->views ? job->views : 1, atoi(job->reference), fault);
 	if (err)
 		return err;
 	if (job->intrinsics &&
@@ -305,7 +305,7 @@ static void warn_of_unit(const struct camera_job *job, const struct camera_solut
 {
 	const double metres = vec_length(solution->camera.translation) * job->task.unit_mm / 1000;
 
-	if (solution->solved && !(metres > NEAREST_M && metres < FARTHEST_M))
+	if (solution->finding.verdict.trusted && !(metres > NEAREST_M && metres < FARTHEST_M))
 		log_warning("the world's origin is %.3g m from the camera: is --unit right?",
 			    metres);
 }
@@ -335,7 +335,7 @@ static int camera_work(void *context, struct fault *fault)
 		err = camera_gather(job, &all, fault);
 	if (!err && job->task.centre_given)
 		place_centre(job);
-	if (!err && job->reference) {
+	if (!err) {
 		job->task.reference = lens_job_view("--reference", job->reference, &all, fault);
 		err = job->task.reference < 0 ? job->task.reference : 0;
 	}
@@ -353,6 +353,7 @@ static int camera_run(const struct bake_command *command, int argc, char **argv)
 	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
 						camera_work};
 	struct camera_job job = {.task = camera_task_default(),
+				 .reference = "1",
 				 .convention = {.pixel_centre = 0.5}};
 
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
@@ -367,7 +368,10 @@ const struct bake_command camera_command = {
 		"  --points F ...     files of lines xw yw zw xf yf, each a view\n"
 		"  --images 'G' ...   photographs of a board\n"
 		"  --live CONFIG      the background camera of a kiosk's configuration\n"
-		"  --board BOARD      9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm\n"
+		"  --board BOARD      9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm (its\n"
+		"                     markers and layout are found, or named as by "
+		"inlay-calibrate\n"
+		"                     board)\n"
 		"  --views N          live: pictures of the board at most (1); the screen says "
 		"where\n"
 		"  --size WxH         of the picture the points are in\n"
@@ -388,7 +392,9 @@ const struct bake_command camera_command = {
 		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
-		"  --reference VIEW   photograph, or its number, whose board is the world (1)\n"
+		"  --reference VIEW   photograph, or its number, whose board is the world (1): "
+		"one without\n"
+		"                     the board is refused\n"
 		"  --object X,Y,Z[,R] where the object stands, and its radius (the points' box)\n"
 		"  --tolerance PX     how uncertain its place in the picture may be (1)\n"
 		"  --unit U           of the world: m (default), cm, mm, in\n"

@@ -12,19 +12,20 @@
 
 #define TOLERANCE_PX 0.1
 
-enum { AS = 1, SIZE, FISHEYE, TOLERANCE };
+enum { AS = 1, SIZE, FISHEYE, CAMERA, TOLERANCE };
 
 static const struct option options[] = {
 	{"as", required_argument, NULL, AS},
 	{"size", required_argument, NULL, SIZE},
 	{"fisheye", no_argument, NULL, FISHEYE},
+	{"camera", required_argument, NULL, CAMERA},
 	{"tolerance", required_argument, NULL, TOLERANCE},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
 
 struct convert_job {
-	const char *in, *out;
+	const char *in, *out, *camera;
 	int as; /* enum lens_file; -1: by the ending of out */
 	int width, height;
 	bool fisheye;
@@ -95,7 +96,9 @@ static int read_in(struct convert_job *job, struct lens *lens, struct lens_ini *
 		if (!err)
 			err = lens_of_ini(job, ini, lens, fault);
 	} else {
-		err = lens_read_yaml(lens, job->in, fault);
+		err = lens_read_foreign(lens, job->in, job->camera, fault);
+		if (!err && lens->omni)
+			err = lens_of_omni(lens, job->tolerance_px, &job->error_px, fault);
 		if (!err && job->as == LENS_FILE_INI)
 			err = ini_of_lens(job, lens, ini, fault);
 	}
@@ -149,6 +152,9 @@ static int convert_take_option(void *into, int option, struct fault *fault)
 		return option_choice("--as", optarg, lens_file_names, &job->as, fault);
 	case SIZE:
 		return option_size("--size", optarg, &job->width, &job->height, fault);
+	case CAMERA:
+		job->camera = optarg;
+		return 0;
 	case TOLERANCE:
 		return option_real("--tolerance", optarg, 0, 1e6, &job->tolerance_px, fault);
 	default:
@@ -196,13 +202,15 @@ static int convert_run(const struct bake_command *command, int argc, char **argv
 
 const struct bake_command convert_command = {
 	.name = "convert",
-	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--tolerance PX]",
-	.summary = "lenses to and from the files of OpenCV and ROS",
+	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--camera NAME] [--tolerance PX]",
+	.summary = "lenses to and from the files of OpenCV and ROS, from Kalibr's",
 	.help = "\n"
 		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that "
 		"end in\n"
-		".yml are OpenCV's, in .yaml ROS's camera_info. Either of these is read, whatever "
-		"its name.\n"
+		".yml are OpenCV's, in .yaml ROS's camera_info. Read are, whatever their names, "
+		"OpenCV's YAML\n"
+		"and XML, ROS's files and camera_info messages as its tools print them, and "
+		"Kalibr's camchain.\n"
 		"What it says is the lens alone: where the camera is comes from inlay-calibrate "
 		"camera\n"
 		"--intrinsics OUT.ini, how a fisheye is turned from inlay-calibrate fisheye.\n"
@@ -210,6 +218,7 @@ const struct bake_command convert_command = {
 		"  --as F          write ini, opencv or ros, whatever the name of OUT\n"
 		"  --size WxH      of the picture, where IN does not say\n"
 		"  --fisheye       IN is a fisheye's, where it does not say\n"
+		"  --camera NAME   which of several cameras in IN: cam0, cam1 ...\n"
 		"  --tolerance PX  what has no exact counterpart is fitted, and refused when that "
 		"is off by\n"
 		"                  more than this anywhere in the picture (0.1)\n",

@@ -23,6 +23,7 @@ enum {
 	BOARD,
 	VIEWS,
 	WORLD,
+	ROTATION,
 	SIZE,
 	RIM,
 	FIELD,
@@ -42,6 +43,7 @@ static const struct option options[] = {
 	{"board", required_argument, NULL, BOARD},
 	{"views", required_argument, NULL, VIEWS},
 	{"world", required_argument, NULL, WORLD},
+	{"rotation", required_argument, NULL, ROTATION},
 	{"size", required_argument, NULL, SIZE},
 	{"rim-deg", required_argument, NULL, RIM},
 	{"field", required_argument, NULL, FIELD},
@@ -62,6 +64,8 @@ struct fisheye_job {
 	const char *board, *world, *picture, *uniform;
 	int width, height, views;
 	double rim_deg;
+	bool rotation_given;
+	double rotation_deg[3];
 };
 
 /* ---- options ---- */
@@ -97,6 +101,12 @@ static int fisheye_read_option(void *context, int option, struct fault *fault)
 	case WORLD:
 		job->world = optarg;
 		return 0;
+	case ROTATION:
+		job->rotation_given = true;
+		return option_reals("--rotation", optarg, 3, 3, -360, 360, job->rotation_deg,
+				    fault) < 0
+			       ? -EINVAL
+			       : 0;
 	case SIZE:
 		return option_size("--size", optarg, &job->width, &job->height, fault);
 	case RIM:
@@ -129,6 +139,10 @@ static int fisheye_check_options(const void *context, struct fault *fault)
 		return err;
 	if (job->world && !with_board)
 		return fault_say(fault, -EINVAL, "--world goes with --images or --live");
+	if (job->rotation_given && (job->world || (!with_board && job->source != CIRCLE)))
+		return fault_say(fault, -EINVAL,
+				 "--rotation goes with --images, --live or --circle, without "
+				 "--world: else it is found");
 	if ((job->source == LAMPS) != (job->picture != NULL))
 		return fault_say(fault, -EINVAL,
 				 job->picture ? "--picture goes with --lamps"
@@ -201,7 +215,7 @@ static int find_points(struct fisheye_job *job, struct fisheye_work *work, struc
 		err = board_parse(&board, job->board, fault);
 		if (!err && job->source == LIVE)
 			err = gather_live(&work->all, job->lens.file[0], LIVE_FISHEYE, &board,
-					  job->views, fault);
+					  job->views, job->world ? atoi(job->world) : 0, fault);
 		else if (!err)
 			err = gather_images(&work->all, job->lens.file, job->lens.files, &board,
 					    fault);
@@ -232,6 +246,26 @@ static int find_lens(struct fisheye_job *job, struct fisheye_work *work, struct 
 		       ? 0
 		       : fault_say(fault, -EINVAL, "%s: expected a section [fisheye]",
 				   job->lens.file[0]);
+}
+
+/* Says how the lens is turned, or doubts a lens of which that is not known: it measures light from
+ * the wrong directions, however well it was found. */
+static void turn_lens(const struct fisheye_job *job, struct fisheye_result *result)
+{
+	if (job->rotation_given) {
+		memcpy(result->lens.rotation_deg, job->rotation_deg, sizeof(job->rotation_deg));
+		result->oriented = true;
+	}
+	if (!result->oriented)
+		verdict_doubt(&result->finding.verdict,
+			      job->source == CIRCLE
+				      ? "give --rotation 0,0,0 if it lies on its back with the "
+					"picture's right towards world X, or what it is"
+				      : "name the photograph of a board that is level, its rows "
+					"along world X, by --world, or give --rotation if it is "
+					"known",
+			      "the lens is known, but not how it is turned towards the world: "
+			      "light would come from elsewhere");
 }
 
 static bool has_lens(const struct fisheye_job *job, const struct fisheye_work *work)
@@ -288,6 +322,8 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 	if (!work)
 		return fault_say(fault, -ENOMEM, "out of memory");
 	err = find_lens(job, work, fault);
+	if (!err && job->source != LENS)
+		turn_lens(job, &work->result);
 	if (!err)
 		err = find_falloff(job, work, fault);
 	if (!err)
@@ -326,9 +362,19 @@ const struct bake_command fisheye_command = {
 		"board "
 		"is moved\n"
 		"  --views N            live: pictures of the board at most; 8\n"
-		"  --board SPEC         9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm\n"
-		"  --world VIEW         where the board lies as the world does: a file, or its "
-		"number\n"
+		"  --board SPEC         9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm (its\n"
+		"                       markers and layout are found, or named as by "
+		"inlay-calibrate\n"
+		"                       board)\n"
+		"  --world VIEW         where the board is level, its rows along world X (face "
+		"down "
+		"over a\n"
+		"                       lens that looks up): a file, or its number among all "
+		"photographs\n"
+		"  --rotation X,Y,Z     how the lens is turned, where that is known, as [fisheye] "
+		"rotation\n"
+		"                       (degrees); 0,0,0: on its back, the picture's right towards "
+		"world X\n"
 		"  --circle PICTURE     a picture whose image circle is bright to its rim\n"
 		"  --rim-deg DEG        the rim's angle from the axis; 90\n"
 		"  --directions FILE    lines dx dy dz xf yf: what is seen in known directions\n"

@@ -15,9 +15,11 @@
 enum {
 	TIMES = 1,
 	TIME_DEVIATION,
+	ACCEPT_MISFIT,
 	EXPOSURES,
 	KEEP_WHITE,
 	WHITE_BALANCE,
+	CURVE,
 	LENS,
 	BACKGROUND_LIGHT,
 	TRANSFER,
@@ -37,9 +39,11 @@ enum {
 static const struct option options[] = {
 	{"times", required_argument, NULL, TIMES},
 	{"time-deviation", required_argument, NULL, TIME_DEVIATION},
+	{"accept-misfit", required_argument, NULL, ACCEPT_MISFIT},
 	{"exposures", no_argument, NULL, EXPOSURES},
 	{"keep-white", no_argument, NULL, KEEP_WHITE},
 	{"white-balance", no_argument, NULL, WHITE_BALANCE},
+	{"curve", required_argument, NULL, CURVE},
 	{"lens", required_argument, NULL, LENS},
 	{"background-light", required_argument, NULL, BACKGROUND_LIGHT},
 	{"transfer", required_argument, NULL, TRANSFER},
@@ -70,6 +74,7 @@ static const struct {
 	{"response", light_check_response, light_command_response},
 	{"gain", light_check_gain, light_command_gain},
 	{"colours", light_check_colours, light_command_colours},
+	{"merge", light_check_merge, light_command_merge},
 	{"delay", light_check_delay, light_command_delay},
 };
 #define COMMANDS (int)(sizeof(commands) / sizeof(commands[0]))
@@ -110,6 +115,9 @@ static int read_value(struct light_job *job, int option, struct fault *fault)
 		return job->times < 0 ? job->times : 0;
 	case TIME_DEVIATION:
 		return option_real("--time-deviation", optarg, 0, 0.5, &job->time_deviation, fault);
+	case ACCEPT_MISFIT:
+		return option_real("--accept-misfit", optarg, 0.01, 100, &job->misfit_percent,
+				   fault);
 	case TRANSFER:
 		return option_choice("--transfer", optarg, transfer_names, &job->transfer, fault);
 	case BACKGROUND_TRANSFER:
@@ -149,6 +157,9 @@ static void read_name(struct light_job *job, int option)
 	case WHITE_BALANCE:
 		job->white_balance = true;
 		break;
+	case CURVE:
+		job->curve = optarg;
+		break;
 	case LENS:
 		job->lens = optarg;
 		break;
@@ -184,9 +195,12 @@ static int light_take_option(void *job, int option, struct fault *fault)
 static int light_work(struct light_job *job, int which)
 {
 	struct fault fault = {.text = ""};
-	int ret = job->output ? light_file_read(job->output, &job->measured, &fault) : 0;
+	/* what a merged picture or hdrgen's file held before does not matter */
+	const bool keeps = job->output && commands[which].run != light_command_merge &&
+			   !light_is_rsp(job->output);
+	int ret = keeps ? light_file_read(job->output, &job->measured, &fault) : 0;
 
-	if (!job->output)
+	if (!keeps)
 		response_begin(&job->measured);
 	if (ret == 0)
 		ret = commands[which].run(job, &fault);
@@ -214,7 +228,8 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 		return status;
 	if (which < 0)
 		return command_wrong(command,
-				     "expected one of black, response, gain, colours, delay");
+				     "expected one of black, response, merge, gain, colours, "
+				     "delay");
 	job.files = argv + optind;
 	job.file_count = argc - optind;
 	if (commands[which].check(&job, &fault))
@@ -224,7 +239,7 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 
 const struct bake_command light_command = {
 	.name = "light",
-	.usage = "black|response|gain|colours|delay [options] FILES -o LIGHT.ini",
+	.usage = "black|response|merge|gain|colours|delay [options] FILES -o LIGHT.ini",
 	.summary = "what a camera's code values mean: black level, response, gain, colours, delay",
 	.help = "Each adds its key to LIGHT.ini and keeps the others; [fisheye] light and "
 		"[background] light of the\n"
@@ -234,12 +249,20 @@ const struct bake_command light_command = {
 		"  black COVERED               the lens covered\n"
 		"  black --exposures A B       or the darkest places of two exposures, the shorter "
 		"first\n"
-		"  response --times T,T,... PICTURES\n"
+		"  response [--times T,T,...] PICTURES\n"
 		"                              one static scene; times in any unit, in the "
 		"pictures' "
-		"order\n"
+		"order;\n"
+		"                              without, as the pictures say (EXIF)\n"
 		"      --time-deviation X      times may be off by so much of themselves (0.02): "
 		"refined\n"
+		"      --accept-misfit P%      trust a curve that may be off by so much (5): real "
+		"cameras'\n"
+		"                              exposures agree to some per cent\n"
+		"  response FILE.rsp           hdrgen's; and -o FILE.rsp writes one\n"
+		"  merge [--times T,T,...] PICTURES -o FILE.hdr\n"
+		"                              exposures as one picture of linear light, or .pfm\n"
+		"      --curve FILE            LIGHT.ini or FILE.rsp; else --transfer (srgb)\n"
 		"  gain --lens EYE.ini --patch AREA FISHEYE BACKGROUND [FISHEYE BACKGROUND]...\n"
 		"                              LIGHT.ini is the fisheye's; AREA lies level in the "
 		"background\n"

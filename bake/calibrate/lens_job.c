@@ -111,12 +111,19 @@ int lens_job_check_board(bool of_board, const char *board, struct fault *fault)
 int lens_job_view(const char *option, const char *value, const struct gathering *all,
 		  struct fault *fault)
 {
-	const int view = gather_view(all, value);
+	const char *boardless;
+	const int view = gather_view(all, value, &boardless);
 
-	if (view >= 0)
-		return view;
-	return fault_say(fault, -EINVAL, "%s: \"%s\", expected a file, or its number of 1 to %d",
-			 option, value, all->seen.views);
+	if (view == -ENOENT)
+		return fault_say(fault, view,
+				 "%s: is to show where the world is, but shows no board: expected "
+				 "another photograph by %s",
+				 boardless, option);
+	if (view < 0)
+		return fault_say(fault, view,
+				 "%s: \"%s\", expected a file, or its number of 1 to %d", option,
+				 value, all->seen.pictures);
+	return view;
 }
 
 int lens_job_report(const struct lens_job *lens, const struct gathering *all,

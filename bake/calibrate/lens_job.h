@@ -47,7 +47,8 @@ int lens_job_run(const struct bake_command *command, int argc, char **argv,
 /* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */
 int lens_job_check_board(bool of_board, const char *board, struct fault *fault);
 
-/* Index of the view that the value of an option names, by file or by number from 1. -EINVAL. */
+/* Index of the view that the value of an option names, by file or by number from 1. -ENOENT: that
+ * photograph shows no board; -EINVAL: there is none. */
 int lens_job_view(const char *option, const char *value, const struct gathering *all,
 		  struct fault *fault);
 

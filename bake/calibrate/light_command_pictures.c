@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "bake/calibrate/bracket/light_rsp.h"
 #include "bake/calibrate/light_commands.h"
 #include "bake/calibrate/response/light_black.h"
+#include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_report.h"
 #include "bake/calibrate/response/light_response.h"
 #include "hal/base/log.h"
@@ -29,7 +31,7 @@ static int check_light_picture(const struct light_job *job, const struct image *
 	return 0;
 }
 
-static int read_pictures(const struct light_job *job, struct image *pictures, struct fault *fault)
+int light_read_pictures(const struct light_job *job, struct image *pictures, struct fault *fault)
 {
 	int err = 0;
 
@@ -41,7 +43,7 @@ static int read_pictures(const struct light_job *job, struct image *pictures, st
 	return err;
 }
 
-static void free_pictures(struct image *pictures, int count)
+void light_free_pictures(struct image *pictures, int count)
 {
 	for (int k = 0; k < count; k++)
 		image_free(&pictures[k]);
@@ -51,7 +53,7 @@ static int find_black(const struct light_job *job, struct light_black *black, st
 {
 	struct image pictures[2] = {{.width = 0}};
 	struct fault why = {.text = ""};
-	int err = read_pictures(job, pictures, fault);
+	int err = light_read_pictures(job, pictures, fault);
 
 	if (!err) {
 		err = job->exposures ? light_black_darkest(black, &pictures[0], &pictures[1], &why)
@@ -59,7 +61,7 @@ static int find_black(const struct light_job *job, struct light_black *black, st
 		if (err)
 			fault_say(fault, err, "%s: %s", job->files[0], why.text);
 	}
-	free_pictures(pictures, 2);
+	light_free_pictures(pictures, 2);
 	return err;
 }
 
@@ -115,18 +117,23 @@ static void write_knots(const struct light_response *found, char *text, size_t r
 
 static void write_response_comment(const struct light_response *found, char *text, size_t room)
 {
-	double worst = 0;
-
-	for (int k = TRANSFER_KNOTS / 10; k < TRANSFER_KNOTS * 9 / 10; k++)
-		worst = worst > found->deviation[k] / found->curve.knot[k]
-				? worst
-				: found->deviation[k] / found->curve.knot[k];
 	snprintf(text, room,
-		 "Response: %d places in %d exposures, codes from %.0f %% to %.0f %%; deviation at "
+		 "Response: %d places in %d exposures, codes from %.0f %% to %.0f %%; off by at "
 		 "most %.2f %%\n"
-		 "between 10 %% and 90 %%; what is left is %.2f times what noise explains.",
-		 found->samples, found->exposures, 100 * found->from, 100 * found->to, 100 * worst,
-		 found->sigma);
+		 "between 10 %% and 90 %% (one deviation); what is left is %.2f times what noise "
+		 "explains.",
+		 found->samples, found->exposures, 100 * found->from, 100 * found->to,
+		 100 * found->misfit, found->sigma);
+}
+
+static int shortest_exposure(const double *time, int count)
+{
+	int shortest = 0;
+
+	for (int k = 1; k < count; k++)
+		if (time[k] < time[shortest])
+			shortest = k;
+	return shortest;
 }
 
 static int find_response(const struct light_job *job, struct light_response *found,
@@ -134,14 +141,23 @@ static int find_response(const struct light_job *job, struct light_response *fou
 {
 	struct image pictures[LIGHT_EXPOSURES_MAX] = {{.width = 0}};
 	const struct image *list[LIGHT_EXPOSURES_MAX];
-	struct light_response_settings settings = {.time_deviation = job->time_deviation};
+	struct light_response_settings settings = {.time_deviation = job->time_deviation,
+						   .misfit = job->misfit_percent / 100};
 	struct light_samples samples = {.sample = NULL};
-	const double black = job->measured.black_level;
-	int err = read_pictures(job, pictures, fault);
+	double black = job->measured.black_level;
+	int err = light_times(job, settings.time, fault);
 
-	for (int k = 0; k < job->file_count; k++) {
+	if (!err)
+		err = light_read_pictures(job, pictures, fault);
+	for (int k = 0; k < job->file_count; k++)
 		list[k] = &pictures[k];
-		settings.time[k] = job->time[k];
+	if (!err && black < 0) {
+		black = light_darkest_code(
+			&pictures[shortest_exposure(settings.time, job->file_count)]);
+		if (black > 0)
+			log_info("the black level is taken for %g, the darkest place of the "
+				 "shortest exposure; inlay-calibrate light black measures it",
+				 black);
 	}
 	if (!err)
 		err = light_samples_create(&samples, list, job->file_count, black > 0 ? black : 0,
@@ -149,7 +165,7 @@ static int find_response(const struct light_job *job, struct light_response *fou
 	if (!err)
 		err = light_response_find(found, &samples, &settings, fault);
 	light_samples_free(&samples);
-	free_pictures(pictures, job->file_count);
+	light_free_pictures(pictures, job->file_count);
 	return err;
 }
 
@@ -157,6 +173,11 @@ static void say_response(const struct light_response *found)
 {
 	printf("%d places, %d pieces; left over %.2f of what noise explains; held out %.2f\n",
 	       found->samples, found->spline.pieces, found->sigma, found->held_out);
+	printf("off by at most %.2f %% of linear light between 10 %% and 90 %% (one deviation); "
+	       "exposures differ by %.2f %%%s\n",
+	       100 * found->misfit, 100 * found->disagreement,
+	       found->refined ? "; times in steps of a third of a stop, as shutters have them"
+			      : "");
 	for (int j = 0; j < found->exposures; j++)
 		printf("exposure %d: time %.5g, off by %+.2f %%, scatter %.2f %%\n", j + 1,
 		       found->time[j], 100 * found->offset[j], 100 * found->scatter[j]);
@@ -167,12 +188,50 @@ static void say_response(const struct light_response *found)
 
 int light_check_response(const struct light_job *job, struct fault *fault)
 {
-	if (job->file_count >= 2 && job->file_count <= LIGHT_EXPOSURES_MAX &&
-	    job->times == job->file_count)
+	if (job->file_count == 1 && light_is_rsp(job->files[0]) && !job->times)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "there are %d pictures and %d --times, expected as many of each, 2 to %d",
-			 job->file_count, job->times, LIGHT_EXPOSURES_MAX);
+	return light_check_times(job, fault);
+}
+
+/* Takes hdrgen's curve as it is. */
+static int import_rsp(const struct light_job *job, struct fault *fault)
+{
+	struct light_response found = {.samples = 0};
+	char text[1024], comment[512];
+	double apart;
+	int err = light_rsp_read(job->files[0], &found.curve, &apart, fault);
+
+	if (err)
+		return err;
+	write_knots(&found, text, sizeof(text));
+	snprintf(comment, sizeof(comment),
+		 "Response: of hdrgen's %s, whose channels differ by %.2f %%.", job->files[0],
+		 100 * apart);
+	printf("%s\n", comment);
+	verdict_begin(&found.verdict);
+	if (apart > LIGHT_MISFIT && !(100 * apart <= job->misfit_percent))
+		verdict_doubt(&found.verdict, "give --accept-misfit if that is good enough",
+			      "%s: its channels differ by %.1f %% from their mean, which is one "
+			      "curve here",
+			      job->files[0], 100 * apart);
+	return light_conclude(job, &found.verdict, "response", text, comment, fault);
+}
+
+/* Writes hdrgen's file, whose polynomial counts from code 0. */
+static int export_rsp(const struct light_job *job, const struct light_response *found,
+		      struct fault *fault)
+{
+	double off;
+	int err = verdict_end(&found->verdict);
+
+	if (!err)
+		err = light_rsp_write(job->output, &found->curve, &off, fault);
+	if (!err)
+		log_info(
+			"%s: the polynomial is off from the curve by at most %.2f %% between 10 %% "
+			"and 90 %%",
+			job->output, 100 * off);
+	return err;
 }
 
 int light_command_response(const struct light_job *job, struct fault *fault)
@@ -181,6 +240,8 @@ int light_command_response(const struct light_job *job, struct fault *fault)
 	char text[1024], comment[512];
 	int err;
 
+	if (job->file_count == 1)
+		return import_rsp(job, fault);
 	err = find_response(job, &found, fault);
 	if (err)
 		return err;
@@ -189,8 +250,18 @@ int light_command_response(const struct light_job *job, struct fault *fault)
 		err = light_report_response(job->report, &found, fault);
 	write_knots(&found, text, sizeof(text));
 	write_response_comment(&found, comment, sizeof(comment));
-	if (!err)
+	if (!err && job->output && light_is_rsp(job->output))
+		err = export_rsp(job, &found, fault);
+	else if (!err)
 		err = light_conclude(job, &found.verdict, "response", text, comment, fault);
+	/* the response counts from the black level, which nobody has measured */
+	if (!err && job->output && !light_is_rsp(job->output) && job->measured.black_level < 0 &&
+	    found.curve.black > 0) {
+		snprintf(text, sizeof(text), "%g", found.curve.black);
+		err = light_file_set(job->output, "black_level", text,
+				     "Black level: the darkest place of the response's pictures.",
+				     fault);
+	}
 	light_response_free(&found);
 	return err;
 }

@@ -15,11 +15,13 @@
 
 struct light_job {
 	const char *output, *report; /* NULL: none */
+	const char *curve;	     /* LIGHT.ini or hdrgen's .rsp; NULL: transfer */
 	char **files;
 	int file_count;
 	double time[LIGHT_EXPOSURES_MAX];
 	int times;
 	double time_deviation;
+	double misfit_percent; /* 0: the default */
 	bool exposures, keep_white, white_balance;
 	const char *lens, *background_light, *fisheye, *background;
 	const char *config, *control[2];   /* for live pictures */
@@ -38,6 +40,16 @@ struct light_job {
  * not trusted; negative errno. */
 int light_conclude(const struct light_job *job, const struct verdict *verdict, const char *key,
 		   const char *text, const char *comment, struct fault *fault);
+
+/* Whether a file's name ends as those of hdrgen's responses do. */
+bool light_is_rsp(const char *path);
+
+/* Checks that there are two pictures or more, and no or as many times. -EINVAL. */
+int light_check_times(const struct light_job *job, struct fault *fault);
+
+/* Fills the relative times: those of --times, or what the pictures say (EXIF). -ENODATA: one says
+ * none. */
+int light_times(const struct light_job *job, double *time, struct fault *fault);
 
 /* Computes the curve of a camera from its LIGHT.ini (NULL: none) and transfer function. */
 int light_curve_of(const char *path, int transfer, struct transfer_curve *curve,

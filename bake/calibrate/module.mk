@@ -11,8 +11,12 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/lens_job.c \
 	bake/calibrate/light_command_delay.c \
 	bake/calibrate/light_command_match.c \
+	bake/calibrate/light_command_merge.c \
 	bake/calibrate/light_command_pictures.c \
 	bake/calibrate/light_job.c \
+	bake/calibrate/bracket/light_exif.c \
+	bake/calibrate/bracket/light_merge.c \
+	bake/calibrate/bracket/light_rsp.c \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
@@ -26,8 +30,12 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
+	bake/calibrate/convert/convert_omni.c \
+	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
+	bake/calibrate/convert/convert_words.c \
 	bake/calibrate/convert/convert_write.c \
+	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
@@ -67,6 +75,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/boards_look.cpp \
 	bake/calibrate/observe/boards_marker.cpp \
 	bake/calibrate/observe/boards_print.c \
+	bake/calibrate/observe/boards_settle.cpp \
 	bake/calibrate/observe/gather.c \
 	bake/calibrate/observe/live.c \
 	bake/calibrate/observe/live_collect.c \
@@ -92,10 +101,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_response.c \
 	bake/calibrate/response/light_response_doubts.c \
 	bake/calibrate/response/light_response_fit.c \
+	bake/calibrate/response/light_response_real.c \
 	bake/calibrate/response/light_samples.c \
 	bake/calibrate/response/light_spline.c
 CALIBRATE_MAIN := bake/calibrate/main.c
-calibrate_PACKAGES := cminpack
+calibrate_PACKAGES := cminpack libexif
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
 $(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(calibrate_CFLAGS)
 $(call objects,$(filter %.cpp,$(CALIBRATE_SOURCES))): OWN_FLAGS = -isystem /usr/include/opencv4

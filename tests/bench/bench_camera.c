@@ -70,7 +70,7 @@ static void thousand_points(void)
 	}
 }
 
-static int photograph(const struct board *board, const char *path)
+static int photograph(struct board *board, const char *path)
 {
 	struct camera_task task = camera_task_default();
 	struct camera_solution solution;

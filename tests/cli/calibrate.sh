@@ -109,6 +109,25 @@ check "of a fisheye too" grep -q '^distortion_model: equidistant$' "$work/fishey
 check "the direction of the distortion comes back" grep -q '^distortion = undistorts$' \
 	"$work/back-tsai-yml.ini"
 check "what was fitted says so" grep -q '^# Fitted: .* at most [0-9.e-]* px' "$work/tsai.yml"
+cat >"$work/chain.yaml" <<'END'
+cam0:
+  camera_model: pinhole
+  intrinsics: [600.0, 601.0, 319.5, 239.5]
+  distortion_model: radtan
+  distortion_coeffs: [-0.1, 0.0, 0.0, 0.0]
+  resolution: [640, 480]
+cam1:
+  camera_model: omni
+  intrinsics: [1.0, 400.0, 400.0, 319.5, 239.5]
+  distortion_model: none
+  distortion_coeffs: []
+  resolution: [640, 480]
+END
+failed_with "a chain of cameras" "one of them by --camera" convert "$work/chain.yaml" "$work/none.ini"
+check "the first of Kalibr's cameras" calibrate convert "$work/chain.yaml" "$work/chain.ini" --camera cam0
+check "is a camera" grep -q '^kappa1 = ' "$work/chain.ini"
+check "the second" calibrate convert "$work/chain.yaml" "$work/chain.ini" --camera cam1
+check "is a fisheye" grep -q '^polynomial = ' "$work/chain.ini"
 failed_with "a fisheye without its size" "expected --size" convert "$work/fisheye.ini" \
 	"$work/none.yml"
 failed_with "more than may be off" "--tolerance" convert "$work/tsai.ini" "$work/none.yml" \
@@ -298,7 +317,37 @@ near() {
 if has_command fisheye && [ -x "$photographs" ]; then
 	"$photographs" "$work" >"$work/stdout"
 	check "a fisheye from photographs of a board" calibrate fisheye --images "$work/eye?.png" \
-		--board 9x6:20mm --field 88 --report "$work/photo-report" -o "$work/photo.ini"
+		--board 9x6:20mm --field 88 --world eye1.png --report "$work/photo-report" \
+		-o "$work/photo.ini"
+	# drawn with the board over the lens, tilted by up to 20 degrees
+	check "that looks up at the board" near "$work/photo.ini" rotation 0 0 30
+	failed_with "that nobody turned" "--world" fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --field 88 -o "$work/none.ini"
+	check "that is known to lie on its back" calibrate fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --field 88 --rotation 1,2,3 -o "$work/back.ini"
+	check "is written so" grep -q '^rotation = 1 2 3$' "$work/back.ini"
+	wrong "how it is turned, twice" "--rotation goes with" fisheye --images "$work/eye?.png" \
+		--board 9x6:20mm --rotation 1,2,3 --world 1 -o "$work/none.ini"
+	# A photograph without a board keeps its number, and is no world.
+	mkdir "$work/gap"
+	for n in 1 2 3 4 5 6 7 8; do
+		ln -s "$work/eye$n.png" "$work/gap/eye$((n + (n > 1))).png"
+	done
+	cp "$work/dark.png" "$work/gap/eye2.png"
+	calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm --field 88 --world 2 \
+		-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+	equal "a world without a board" 1 $?
+	check "is refused by its name" grep -q 'eye2.png: is to show where the world is, but' \
+		"$work/stderr"
+	calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm --field 88 --world 10 \
+		-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+	check "a number beyond all photographs" grep -q 'its number of 1 to 9' "$work/stderr"
+	calibrate camera --images "$work/gap/eye[2-9].png" --board 9x6:20mm -o "$work/none.ini" \
+		>"$work/stdout" 2>"$work/stderr"
+	equal "a camera whose first photograph shows no board" 1 $?
+	check "has no world" grep -q 'eye2.png: is to show where the world is.*--reference' \
+		"$work/stderr"
+	absent "and nothing was written" "$work/none.ini"
 	check "is of the model that it is" grep -q '^model = equidistant$' "$work/photo.ini"
 	check "of its focal lengths" near "$work/photo.ini" focal 220 211 0.1
 	check "and its centre" near "$work/photo.ini" centre 483.2 357.4 0.1
@@ -323,7 +372,8 @@ if has_command fisheye && [ -x "$photographs" ]; then
 		device = held.png
 	END
 	check "a fisheye from a live camera" calibrate fisheye --live "$work/held.conf" \
-		--board 9x6:20mm --views 9 --field 88 --model equidistant -o "$work/held.ini"
+		--board 9x6:20mm --views 9 --field 88 --model equidistant --world 1 \
+		-o "$work/held.ini" 2>"$work/stderr"
 	check "is the same" near "$work/held.ini" focal 220 211 0.1
 	check "around the same centre" near "$work/held.ini" centre 483.2 357.4 0.1
 	calibrate fisheye --lamps "$work/lamps.txt" --picture "$work/lamps.png" \
@@ -362,6 +412,13 @@ if has_command light; then
 	}' >"$work/record"
 	awk '$1 != "change" && $1 < 3000 || $2 < 3000 && $1 == "change"' "$work/record" >"$work/short"
 	wrong "light of nothing" "usage: inlay-calibrate light" light
+	failed_with "pictures that say no times" "says no exposure time (EXIF), expected --times" light \
+		response "$work/lit.png" "$work/lit.png" -o "$work/none.ini"
+	printf '2 0.75 0.25 0\n2 0.75 0.25 0\n2 0.75 0.25 0\n' >"$work/camera.rsp"
+	check "the curve of another program" calibrate light response "$work/camera.rsp" -o "$work/rsp.ini"
+	check "is the response" grep -q '^response = 0 0.00' "$work/rsp.ini"
+	wrong "a merged picture without a name" "expected -o FILE.hdr" light merge "$work/lit.png" \
+		"$work/lit.png" -o "$work/none.png"
 	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
 		-o "$work/none.ini"
 	absent "and nothing was written" "$work/none"
@@ -411,6 +468,14 @@ if has_command board; then
 			--images "$work/chess.png" --board 9x6:25mm -o "$work/none.ini"
 		failed_with "another board is not found in it" "$work/chess.png" camera \
 			--images "$work/chess.png" --board 5x4:25mm -o "$work/none.ini"
+		# Markers that others print, with the squares of an earlier OpenCV.
+		check "a board of other markers" calibrate board \
+			--board charuco:8x6:30mm:22mm:DICT_6X6_250:legacy -o "$work/markers.pdf"
+		pdftoppm -r 80 -png -singlefile "$work/markers.pdf" "$work/markers"
+		calibrate camera --images "$work/markers.png" --board charuco:8x6:30mm:22mm \
+			-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
+		check "says what it is" grep -q 'the board is charuco:8x6:30mm:22mm:6x6:legacy$' \
+			"$work/stderr"
 		# Held before the cameras of a kiosk, whose screen shows that it was seen.
 		cat >"$work/live.conf" <<-END
 			[camera eye]

@@ -2,7 +2,8 @@
 /* Any bytes as a lens of OpenCV or ROS: refused in a sentence, or a lens of finite numbers, which
  * ours is made of or refused in a sentence again.
  *
- * reaches: convert_yaml.c:take_camera convert_yaml.c:take_distortion convert_yaml.c:take_size
+ * reaches: convert_read.c:take_matrix convert_read.c:take_distortion convert_read.c:take_size
+ * convert_read.c:take_intrinsics convert_omni.c:fit_samples convert_xml.c:close_matrix
  * convert_tsai.c:only_k1 convert_tsai.c:fit_camera convert.c:lens_to_fisheye
  */
 #include <math.h>
@@ -18,6 +19,11 @@ static int make_ours(const struct lens *lens, struct fault *fault)
 	struct tsai_camera camera;
 	double error_px, turn_deg;
 
+	if (lens->omni) {
+		struct lens made = *lens;
+
+		return lens_of_omni(&made, 1e6, &error_px, fault);
+	}
 	if (lens->fisheye)
 		return lens_to_fisheye(lens, &settings, fault);
 	return lens_to_tsai(lens, &camera, 1e6, &error_px, &turn_deg, fault);
@@ -28,7 +34,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	struct fault fault = {.text = ""};
 	struct lens lens = {.width = 0};
 
-	if (!lens_read_yaml(&lens, as_file(data, bytes), &fault)) {
+	if (!lens_read_foreign(&lens, as_file(data, bytes), NULL, &fault)) {
 		for (int k = 0; k < LENS_TERMS; k++)
 			if (!isfinite(lens.term[k]))
 				abort();

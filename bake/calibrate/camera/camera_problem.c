@@ -90,8 +90,11 @@ int problem_create(struct camera_problem *problem, const struct observations *se
 	const size_t n = (size_t)seen->count, views = (size_t)seen->views;
 	int err = 0;
 
-	*problem = (struct camera_problem){
-		.model = *model, .point = seen->point, .count = seen->count, .views = seen->views};
+	*problem = (struct camera_problem){.model = *model,
+					   .view = seen->view,
+					   .point = seen->point,
+					   .count = seen->count,
+					   .views = seen->views};
 	problem->place = calloc(n ? n : 1, sizeof(*problem->place));
 	problem->shape = calloc(views ? views : 1, sizeof(*problem->shape));
 	problem->first = calloc(views + 1, sizeof(*problem->first));
@@ -128,6 +131,7 @@ struct camera_problem problem_of_view(const struct camera_problem *problem, int 
 	const int first = problem->first[view];
 	struct camera_problem one = *problem;
 
+	one.view += view;
 	one.point += first;
 	one.place += first;
 	one.unused = problem->unused ? problem->unused + first : NULL;
@@ -152,7 +156,8 @@ void problem_name(const struct camera_problem *problem, int unknown, char *name,
 	else if (problem->views == 1)
 		snprintf(name, (size_t)room, "%s", of_view[part]);
 	else
-		snprintf(name, (size_t)room, "view %d %s", view + 1, of_view[part]);
+		snprintf(name, (size_t)room, "view %d %s", problem->view[view].number,
+			 of_view[part]);
 }
 
 /* ---- what the model expects ---- */

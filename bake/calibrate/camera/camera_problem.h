@@ -23,9 +23,10 @@ struct view_shape {
 
 struct camera_problem {
 	struct camera_model model;
-	const struct observation *point; /* [count], borrowed */
-	double (*place)[3];		 /* [count]: world position minus the view's middle */
-	const bool *unused;		 /* [count], borrowed: points left out; NULL: none */
+	const struct observed_view *view; /* [views], borrowed */
+	const struct observation *point;  /* [count], borrowed */
+	double (*place)[3];		  /* [count]: world position minus the view's middle */
+	const bool *unused;		  /* [count], borrowed: points left out; NULL: none */
 	int count;
 	struct view_shape *shape; /* [views] */
 	int *first;		  /* [views + 1]: first point of each view */

@@ -21,6 +21,7 @@
 #define ASPECT_LOST 0.05
 #define MISFIT 0.005   /* of the diagonal: rms from which a mirror image is tried */
 #define FAR_BETTER 0.2 /* of the rms */
+#define BETTER 0.7     /* of the rms, where the fit went nowhere: to an infinite f */
 
 static int solver_descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
 {
@@ -381,7 +382,7 @@ static void exchange_depths(const struct camera_problem *problem, double *x)
 
 /*
  * For points in space that do not fit: finds whether they fit far better once their picture is
- * mirrored (own->mirrored). If exchanging near and far fits about as well, the points are seen from
+ * mirrored (own->mirrored); where the fit went to an infinite f, better is enough. If exchanging near and far fits about as well, the points are seen from
  * afar and noise alone chose the first guess: *elsewhere is then true, and x the new start. With a
  * known lens the mirror image may fit so well that only other_tilt tells.
  */
@@ -402,7 +403,8 @@ static int try_mirrored(struct camera_private *own, const struct camera_start *s
 		exchange_depths(&own->problem, x);
 		err = problem_descend(&own->problem, x, fixed, 0, false, NULL, NULL);
 		exchanged = problem_rms(&own->problem, x);
-		own->mirrored = mirrored < FAR_BETTER * fmin(rms, exchanged);
+		own->mirrored = mirrored <
+				(own->fit_error ? BETTER : FAR_BETTER) * fmin(rms, exchanged);
 		*elsewhere = !own->mirrored && exchanged < FAR_BETTER * rms;
 	}
 	if (*elsewhere) {
@@ -455,7 +457,7 @@ int camera_solve(struct camera_private *own)
 	if (!own->guess_error)
 		err = solve_guessed(own);
 	if (!err && is_in_space(&own->problem) &&
-	    (known || own->guess_error ||
+	    (known || own->guess_error || own->fit_error ||
 	     problem_rms(&own->problem, own->x) > MISFIT * own->diagonal))
 		err = try_mirrored(own, &start, &elsewhere);
 	if (!err && elsewhere)

@@ -1,51 +1,41 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reader of the part of YAML in which OpenCV and ROS write lenses: keys in the first column,
- * matrices as blocks of rows, cols and data below them. Unknown keys are ignored; known ones must
- * be complete.
+ * Reader of the part of YAML in which OpenCV, ROS and Kalibr write lenses: keys in the first column,
+ * or below the name of one of several cameras; matrices as blocks of rows, cols and data, or as
+ * lists. Unknown keys are ignored; known ones must be complete.
  */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/convert/convert.h"
-#include "hal/base/number.h"
+#include "bake/calibrate/convert/convert_words.h"
 #include "hal/base/text_file.h"
-
-#define DATA_MAX 16 /* numbers of the largest matrix */
-
-struct yaml_matrix {
-	int line; /* line of its key; 0: not there */
-	int rows, columns, count;
-	double data[DATA_MAX];
-};
 
 struct yaml_reader {
 	struct text_file file;
-	bool held; /* next_line() returns the current line again */
+	struct lens_words *words;
+	bool held;  /* next_line() returns the current line again */
+	bool begun; /* there was a key: the next document is another message */
+	bool ended; /* there was such a document */
 	/* why there is no next line, other than the end of the file; the fault says it */
 	int err;
-	struct fault *fault;
+	int block; /* enum yaml_block */
 };
 
-/* Values of a file's keys. */
-struct spoken {
-	struct yaml_matrix camera, distortion;
-	int width, height, fisheye; /* -1: not given */
-	char model[64];
-	int model_line;
-};
+enum yaml_block { YAML_TOP, YAML_CAMERA, YAML_ROI, YAML_OTHER };
 
 /* ---- lines ---- */
 
-/* Reads the next line that is neither blank nor a comment; false at the end. */
+/* Reads the next line that is neither blank nor a comment; false at the end of the file or, after
+ * the first key, of the document. */
 static bool next_line(struct yaml_reader *r)
 {
 	if (r->held) {
 		r->held = false;
 		return true;
 	}
-	while ((r->err = text_file_next(&r->file, r->fault)) > 0) {
+	while (!r->ended && (r->err = text_file_next(&r->file, r->words->fault)) > 0) {
 		char *text = r->file.line;
 		size_t length = strlen(text);
 
@@ -53,6 +43,7 @@ static bool next_line(struct yaml_reader *r)
 		while (length && strchr(" \t\r", text[length - 1]))
 			length--;
 		text[length] = '\0';
+		r->ended = r->begun && !strcmp(text, "---");
 		if (length && text[strspn(text, " \t")] != '#' && text[0] != '%' &&
 		    strcmp(text, "---") && strcmp(text, "..."))
 			return true;
@@ -63,6 +54,12 @@ static bool next_line(struct yaml_reader *r)
 static bool is_indented(const struct yaml_reader *r)
 {
 	return r->file.line[0] == ' ' || r->file.line[0] == '\t';
+}
+
+/* The line without its indentation. */
+static char *content_of(const struct yaml_reader *r)
+{
+	return r->file.line + strspn(r->file.line, " \t");
 }
 
 /* Splits "  key: rest"; false: the line has no key. */
@@ -81,79 +78,51 @@ static bool split_line(char *line, char **key, char **rest)
 
 static int yaml_fault(const struct yaml_reader *r, const char *key, const char *expected)
 {
-	return fault_say(r->fault, -EINVAL, "%s:%d: %s: expected %s", r->file.path, r->file.number,
-			 key, expected);
+	return words_fault(r->words, r->file.number, key, expected);
 }
 
 /* ---- values ---- */
 
-static int read_int(const struct yaml_reader *r, const char *key, const char *text, int least,
-		    int most, int *value)
-{
-	char *end, expected[64];
-	long n;
-
-	errno = 0;
-	n = strtol(text, &end, 10);
-	if (!errno && end != text && !end[strspn(end, " \t")] && n >= least && n <= most) {
-		*value = (int)n;
-		return 0;
-	}
-	snprintf(expected, sizeof(expected), "a whole number from %d to %d", least, most);
-	return yaml_fault(r, key, expected);
-}
-
-/* Reads the numbers of a line up to its end or to the closing bracket, which sets *whole. */
-static int read_numbers(const struct yaml_reader *r, const char *key, const char *text,
-			struct yaml_matrix *m, bool *whole)
-{
-	for (;;) {
-		double value;
-
-		text += strspn(text, " \t,");
-		if (!*text || *text == '#')
-			return 0;
-		if (*text == ']') {
-			*whole = true;
-			return 0;
-		}
-		if (number_read(&text, &value) || (*text && !strchr(" \t,]", *text)))
-			return yaml_fault(r, key, "finite numbers between [ and ]");
-		if (m->count == DATA_MAX)
-			return yaml_fault(r, key, "fewer numbers");
-		m->data[m->count++] = value;
-	}
-}
-
-static int read_data(struct yaml_reader *r, const char *key, char *text, struct yaml_matrix *m)
-{
-	bool whole = false;
-	int err;
-
-	if (*text != '[')
-		return yaml_fault(r, key, "data: [ numbers ]");
-	err = read_numbers(r, key, text + 1, m, &whole);
-	while (!err && !whole) {
-		if (!next_line(r))
-			return r->err ? r->err
-				      : yaml_fault(r, key,
-						   "] after its numbers, not the file's end");
-		err = read_numbers(r, key, r->file.line, m, &whole);
-	}
-	return err;
-}
-
-/* Reads the block below a key. */
-static int read_matrix(struct yaml_reader *r, const char *key, const char *after,
-		       struct yaml_matrix *m)
+/* Reads the numbers of a list up to its closing bracket, which may be lines below. */
+static int read_list(struct yaml_reader *r, const char *text, struct words_matrix *m)
 {
 	int err = 0;
 
-	if (m->line)
-		return yaml_fault(r, key, "to be there once");
-	*m = (struct yaml_matrix){.line = r->file.number};
-	if (*after && *after != '!' && *after != '#')
-		return yaml_fault(r, key, "rows, cols and data on lines of their own below it");
+	for (text++;; text = r->file.line) {
+		err = words_numbers(r->words, r->file.number, &text, ']', m);
+		if (err || *text == ']')
+			return err;
+		if (!next_line(r))
+			return r->err ? r->err
+				      : yaml_fault(r, m->key,
+						   "] after its numbers, not the file's end");
+	}
+}
+
+/* Reads lines "- number" or "- [ numbers ]". */
+static int read_items(struct yaml_reader *r, struct words_matrix *m)
+{
+	int err = 0;
+
+	while (!err && next_line(r)) {
+		const char *text = content_of(r);
+
+		if (*text != '-' || (text[1] && !strchr(" \t", text[1]))) {
+			r->held = true;
+			return 0;
+		}
+		text += 1 + strspn(text + 1, " \t");
+		err = *text == '[' ? read_list(r, text, m)
+				   : words_numbers(r->words, r->file.number, &text, '\0', m);
+	}
+	return err ? err : r->err;
+}
+
+/* Reads rows, cols and data. */
+static int read_block(struct yaml_reader *r, struct words_matrix *m)
+{
+	int err = 0;
+
 	while (!err && next_line(r)) {
 		char *name, *rest;
 
@@ -162,25 +131,40 @@ static int read_matrix(struct yaml_reader *r, const char *key, const char *after
 			break;
 		}
 		if (!split_line(r->file.line, &name, &rest))
-			return yaml_fault(r, key, "rows, cols and data");
+			return yaml_fault(r, m->key, "rows, cols and data");
 		if (!strcmp(name, "rows"))
-			err = read_int(r, key, rest, 1, DATA_MAX, &m->rows);
+			err = words_int(r->words, r->file.number, m->key, rest, 1, WORDS_DATA_MAX,
+					&m->rows);
 		else if (!strcmp(name, "cols"))
-			err = read_int(r, key, rest, 1, DATA_MAX, &m->columns);
+			err = words_int(r->words, r->file.number, m->key, rest, 1, WORDS_DATA_MAX,
+					&m->columns);
 		else if (!strcmp(name, "data"))
-			err = read_data(r, key, rest, m);
+			err = *rest == '[' ? read_list(r, rest, m)
+					   : yaml_fault(r, m->key, "data: [ numbers ]");
 	}
-	if (!err)
-		err = r->err;
-	if (!err && (!m->count || m->count != m->rows * m->columns))
-		return fault_say(r->fault, -EINVAL,
-				 "%s:%d: %s: has %d rows, %d columns and %d numbers, expected as "
-				 "many as rows times columns",
-				 r->file.path, m->line, key, m->rows, m->columns, m->count);
-	return err;
+	return err ? err : r->err;
 }
 
-static void read_yaml_text(const char *from, char *text, size_t room)
+static int read_matrix(struct yaml_reader *r, const char *key, const char *after,
+		       struct words_matrix *m)
+{
+	int err = words_begin(r->words, r->file.number, key, m);
+	bool list = *after == '[';
+
+	if (!err && list) {
+		err = read_list(r, after, m);
+	} else if (!err) {
+		if (*after && *after != '!' && *after != '#')
+			return yaml_fault(r, key,
+					  "rows, cols and data on lines of their own below it");
+		r->held = next_line(r);
+		list = r->held && *content_of(r) == '-';
+		err = r->err ? r->err : list ? read_items(r, m) : read_block(r, m);
+	}
+	return err ? err : words_end(r->words, m, list);
+}
+
+static void read_text(const struct yaml_reader *r, const char *from, struct words_text *to)
 {
 	const char quote = *from == '"' || *from == '\'' ? *from : '\0';
 	const char ends[] = {quote ? quote : '#', '\0'};
@@ -190,143 +174,108 @@ static void read_yaml_text(const char *from, char *text, size_t room)
 	length = strcspn(from, ends);
 	while (length && !quote && strchr(" \t", from[length - 1]))
 		length--;
-	snprintf(text, room, "%.*s", (int)length, from);
+	snprintf(to->text, sizeof(to->text), "%.*s", (int)length, from);
+	to->line = r->file.number;
 }
 
-static int read_key(struct yaml_reader *r, const char *key, const char *rest, struct spoken *s)
+static int read_key(struct yaml_reader *r, const char *key, const char *rest)
 {
-	if (!strcmp(key, "camera_matrix"))
-		return read_matrix(r, "camera_matrix", rest, &s->camera);
-	if (!strcmp(key, "distortion_coefficients"))
-		return read_matrix(r, "distortion_coefficients", rest, &s->distortion);
-	if (!strcmp(key, "image_width"))
-		return read_int(r, key, rest, 1, TSAI_SIDE_MAX, &s->width);
-	if (!strcmp(key, "image_height"))
-		return read_int(r, key, rest, 1, TSAI_SIDE_MAX, &s->height);
-	if (!strcmp(key, "fisheye_model"))
-		return read_int(r, key, rest, 0, 1, &s->fisheye);
-	if (!strcmp(key, "distortion_model")) {
-		read_yaml_text(rest, s->model, sizeof(s->model));
-		s->model_line = r->file.number;
+	const struct words_place place = words_place(r->words, key);
+	char kept[WORDS_NAME_MAX];
+
+	switch (place.kind) {
+	case WORDS_MATRIX:
+		/* the line that holds the key goes as soon as the next one is read */
+		snprintf(kept, sizeof(kept), "%s", key);
+		return read_matrix(r, kept, rest, place.matrix);
+	case WORDS_INT:
+		return words_int(r->words, r->file.number, key, rest, place.least, place.most,
+				 place.number);
+	case WORDS_TEXT:
+		read_text(r, rest, place.text);
+		return 0;
+	default:
+		return 0;
 	}
+}
+
+/* ---- blocks ---- */
+
+/* Whether a key is the name of one of Kalibr's cameras: cam0, cam1 ... */
+static bool is_camera(const char *key)
+{
+	return !strncmp(key, "cam", 3) && key[3] && !key[3 + strspn(key + 3, "0123456789")];
+}
+
+static void begin_camera(struct yaml_reader *r, const char *key)
+{
+	struct lens_words *w = r->words;
+	struct words_text *name = w->first.line ? &w->second : &w->first;
+	const bool wanted = w->camera ? !strcmp(w->camera, key) : !w->first.line;
+
+	if (!name->line)
+		read_text(r, key, name);
+	r->block = wanted ? YAML_CAMERA : YAML_OTHER;
+	w->chosen |= wanted;
+}
+
+/* Remembers what says that the picture is not all that the matrix is of. */
+static void note_part(struct yaml_reader *r, const char *key, const char *rest, int most)
+{
+	if (atoi(rest) > most && !r->words->part.line)
+		read_text(r, key, &r->words->part);
+}
+
+/* A key in the first column. */
+static int read_top(struct yaml_reader *r, const char *key, const char *rest)
+{
+	r->begun = true;
+	r->block = YAML_TOP;
+	if (is_camera(key) && !*rest)
+		begin_camera(r, key);
+	else if (!strcmp(key, "roi"))
+		r->block = YAML_ROI;
+	else if (!strncmp(key, "binning_", 8))
+		note_part(r, key, rest, 1);
+	else
+		return read_key(r, key, rest);
 	return 0;
 }
 
-static int read_keys(struct yaml_reader *r, struct spoken *s)
+static int read_line(struct yaml_reader *r)
 {
-	int err = 0;
+	char *key, *rest;
 
-	while (!err && next_line(r)) {
-		char *key, *rest;
-
-		/* part of an unknown key */
-		if (is_indented(r) || r->file.line[0] == '-' || r->file.line[0] == ']')
-			continue;
-		if (!split_line(r->file.line, &key, &rest))
-			return yaml_fault(r, r->file.line,
-					  "KEY: VALUE, as OpenCV and ROS write lenses");
-		err = read_key(r, key, rest, s);
-	}
-	return err ? err : r->err;
-}
-
-/* ---- what they mean ---- */
-
-static int take_camera(struct lens *lens, const struct yaml_reader *r, const struct yaml_matrix *m)
-{
-	const double *k = m->data;
-
-	if (!m->line)
-		return fault_say(r->fault, -EINVAL, "%s: has no camera_matrix", r->file.path);
-	if (m->rows != 3 || m->columns != 3 || !(k[0] > 0) || !(k[4] > 0) || k[3] != 0 ||
-	    k[6] != 0 || k[7] != 0 || k[8] != 1)
-		return fault_say(r->fault, -EINVAL,
-				 "%s:%d: camera_matrix: expected fx 0 cx, 0 fy cy, 0 0 1 with fx "
-				 "and fy above 0",
-				 r->file.path, m->line);
-	if (k[1] != 0)
-		return fault_say(r->fault, -EINVAL,
-				 "%s:%d: camera_matrix: a skew of %g, expected 0: rows and columns "
-				 "of pixels are at right angles here",
-				 r->file.path, m->line, k[1]);
-	lens->focal_px[0] = k[0];
-	lens->focal_px[1] = k[4];
-	lens->centre_px[0] = k[2] + 0.5;
-	lens->centre_px[1] = k[5] + 0.5;
+	/* part of an unknown key */
+	if (strchr("-[]", *content_of(r)))
+		return 0;
+	if (is_indented(r) && r->block != YAML_CAMERA && r->block != YAML_ROI)
+		return 0;
+	if (!split_line(r->file.line, &key, &rest))
+		return is_indented(r) ? 0
+				      : yaml_fault(r, r->file.line,
+						   "KEY: VALUE, as OpenCV, ROS and Kalibr write "
+						   "lenses");
+	if (key == r->file.line)
+		return read_top(r, key, rest);
+	if (r->block == YAML_CAMERA)
+		return read_key(r, key, rest);
+	if (strstr(key, "_offset"))
+		note_part(r, key, rest, 0);
 	return 0;
 }
 
-static int take_model(struct lens *lens, const struct yaml_reader *r, const struct spoken *s)
+int words_read_yaml(struct lens_words *words)
 {
-	if (s->fisheye >= 0)
-		lens->fisheye = s->fisheye == 1;
-	if (!s->model_line)
-		return 0;
-	lens->fisheye = !strcmp(s->model, "equidistant") || !strcmp(s->model, "fisheye");
-	if (lens->fisheye || !strcmp(s->model, "plumb_bob") ||
-	    !strcmp(s->model, "rational_polynomial"))
-		return 0;
-	return fault_say(r->fault, -EINVAL,
-			 "%s:%d: distortion_model: %s, expected plumb_bob, rational_polynomial or "
-			 "equidistant",
-			 r->file.path, s->model_line, s->model);
-}
-
-static int take_distortion(struct lens *lens, const struct yaml_reader *r,
-			   const struct yaml_matrix *m)
-{
-	const int most = lens->fisheye ? FISHEYE_TERMS : LENS_TERMS;
-
-	if (!m->line)
-		return fault_say(r->fault, -EINVAL, "%s: has no distortion_coefficients",
-				 r->file.path);
-	if ((m->rows != 1 && m->columns != 1) || (lens->fisheye && m->count != FISHEYE_TERMS))
-		return fault_say(r->fault, -EINVAL,
-				 "%s:%d: distortion_coefficients: %d x %d of them, expected one "
-				 "row%s",
-				 r->file.path, m->line, m->rows, m->columns,
-				 lens->fisheye ? " of 4" : "");
-	for (int k = 0; k < m->count; k++) {
-		if (k < most)
-			lens->term[k] = m->data[k];
-		else if (m->data[k] != 0)
-			return fault_say(
-				r->fault, -EINVAL,
-				"%s:%d: distortion_coefficients: number %d is %g, expected "
-				"0: neither thin prisms nor tilted sensors are known here",
-				r->file.path, m->line, k + 1, m->data[k]);
-	}
-	return 0;
-}
-
-static int take_size(struct lens *lens, const struct yaml_reader *r, const struct spoken *s)
-{
-	lens->width = s->width > 0 ? s->width : lens->width;
-	lens->height = s->height > 0 ? s->height : lens->height;
-	if (lens->width > 0 && lens->height > 0)
-		return 0;
-	return fault_say(r->fault, -EINVAL,
-			 "%s: has no image_width and image_height, expected them here or by --size",
-			 r->file.path);
-}
-
-int lens_read_yaml(struct lens *lens, const char *path, struct fault *fault)
-{
-	struct yaml_reader r = {.fault = fault};
-	struct spoken s = {.width = -1, .height = -1, .fisheye = -1};
-	int err = text_file_open(&r.file, path, fault);
+	struct yaml_reader r = {.words = words};
+	int err = text_file_open(&r.file, words->path, words->fault);
 
 	if (err)
 		return err;
-	err = read_keys(&r, &s);
+	while (!err && next_line(&r))
+		err = read_line(&r);
 	if (!err)
-		err = take_size(lens, &r, &s);
-	if (!err)
-		err = take_camera(lens, &r, &s.camera);
-	if (!err)
-		err = take_model(lens, &r, &s);
-	if (!err)
-		err = take_distortion(lens, &r, &s.distortion);
+		err = r.err;
 	text_file_close(&r.file);
 	return err;
 }

@@ -73,7 +73,8 @@ static void name_parameters(const struct lens_problem *problem,
 			char view[18] = ""; /* leaves room for the rest of the name */
 
 			if (!problem->directions)
-				snprintf(view, sizeof(view), "view %d ", p + 1);
+				snprintf(view, sizeof(view), "view %d ",
+					 problem->seen->view[p].number);
 			snprintf(own[k].name, sizeof(own->name), "%s%s %c", view,
 				 k < 3 ? "rotation" : "translation", axis[k % 3]);
 			snprintf(own[k].unit, sizeof(own->unit), "%s", k < 3 ? "deg" : "");
@@ -228,6 +229,25 @@ void fisheye_result_settings(struct fisheye_result *result, double field_deg)
 		turn_degrees(lens->rotation, s->rotation_deg);
 }
 
+/*
+ * A level board is seen from above if it lies on the ground, as board_point() has it, and from below
+ * if it is held over the lens: turned over about its rows, with Y and Z the other way. The one that
+ * has the lens look up is taken, because a lens that looks down sees no sky.
+ */
+static void look_up(struct lens_knowledge *knowledge)
+{
+	double *rotations[3] = {knowledge->lens.rotation, knowledge->half[0].rotation,
+				knowledge->half[1].rotation};
+
+	if (knowledge->lens.rotation[8] >= 0)
+		return;
+	for (int r = 0; r < 3; r++)
+		for (int i = 0; i < 3; i++) {
+			rotations[r][3 * i + 1] *= -1;
+			rotations[r][3 * i + 2] *= -1;
+		}
+}
+
 static int publish_lens(struct fisheye_result *result, const struct lens_problem *problem,
 			const struct model_trials *trials, const struct fisheye_wanted *wanted,
 			enum fisheye_model model)
@@ -245,6 +265,8 @@ static int publish_lens(struct fisheye_result *result, const struct lens_problem
 	result->knowledge.height = finding->height;
 	result->oriented = pose >= 0;
 	find_halves(&result->knowledge, problem, solution, pose);
+	if (pose >= 0 && !problem->directions)
+		look_up(&result->knowledge);
 	snprintf(finding->model, sizeof(finding->model), "%s", fisheye_model_names[model]);
 	fill_points(finding, problem, solution);
 	knowledge_publish(&result->knowledge, finding);

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "bake/calibrate/observe/boards_parts.h"
 #include "hal/base/number.h"
@@ -16,6 +17,9 @@
 #define EXPECTED                                                                                   \
 	"expected a board such as 9x6:25mm, chess:9x6:25mm, circles:4x11:20mm or "                 \
 	"charuco:8x6:30mm:22mm"
+#define EXPECTED_MARKERS                                                                           \
+	"expected markers of 4x4, 5x5, 6x6, 7x7, original, apriltag_16h5, apriltag_25h9, "         \
+	"apriltag_36h10 or apriltag_36h11, or legacy"
 
 const char *const board_kind_names[] = {"chess", "circles", "charuco", NULL};
 
@@ -70,17 +74,88 @@ static bool take_length(const char **text, double *mm)
 	return true;
 }
 
+/* Parses the rest of a dictionary's name, "" or "_250"; 0: it is none. */
+static int markers_named(const char *rest, size_t length, int all)
+{
+	static const int sizes[] = {50, 100, 250, 1000};
+
+	if (!length)
+		return all;
+	for (size_t i = 0; i < sizeof(sizes) / sizeof(sizes[0]); i++) {
+		char size[8];
+
+		if (length == (size_t)snprintf(size, sizeof(size), "_%d", sizes[i]) &&
+		    !strncmp(rest, size, length))
+			return sizes[i];
+	}
+	return 0;
+}
+
+/* Parses "6x6", "DICT_6X6_250" or "aruco_original". Returns how many markers it names; 0: none. */
+static int take_dictionary(const char *word, size_t length, int *dictionary)
+{
+	static const char *const before[] = {"dict_", "aruco_"};
+
+	for (size_t i = 0; i < sizeof(before) / sizeof(before[0]); i++) {
+		const size_t skip = strlen(before[i]);
+
+		if (length > skip && !strncasecmp(word, before[i], skip)) {
+			word += skip;
+			length -= skip;
+		}
+	}
+	for (int d = 0; d < BOARD_DICTIONARIES; d++) {
+		const char *name = marker_sets[d].name;
+		const size_t own = strlen(name);
+
+		if (length < own || strncasecmp(word, name, own))
+			continue;
+		*dictionary = d;
+		if (d == BOARD_ORIGINAL || d >= BOARD_TRIED)
+			return length == own ? marker_sets[d].markers : 0;
+		return markers_named(word + own, length - own, marker_sets[d].markers);
+	}
+	return 0;
+}
+
+/* Parses the words after a ChArUco board's marker: a dictionary, "legacy". */
+static int take_words(struct board *board, const char *text, const char *at, struct fault *fault)
+{
+	while (*at) {
+		const size_t length = strcspn(at, ":");
+		int markers;
+
+		if (length == strlen("legacy") && !strncasecmp(at, "legacy", length)) {
+			board->legacy = 1;
+		} else {
+			markers = take_dictionary(at, length, &board->dictionary);
+			if (!markers)
+				return fault_say(fault, -EINVAL, "\"%s\": " EXPECTED_MARKERS, text);
+			if (markers < board_markers(board))
+				return fault_say(fault, -EINVAL,
+						 "\"%s\": %d markers, expected a dictionary that "
+						 "has as many as the board, %d",
+						 text, markers, board_markers(board));
+		}
+		at += length + (at[length] == ':');
+	}
+	return 0;
+}
+
 int board_parse(struct board *board, const char *text, struct fault *fault)
 {
 	const char *at = text;
 	bool right;
 
-	*board = (struct board){.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1}, .unit = 0.001};
+	*board = (struct board){.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1},
+				.unit = 0.001,
+				.dictionary = -1,
+				.legacy = -1};
 	right = take_kind(&at, &board->kind) && take_side(&at, 'x', &board->columns) &&
 		take_side(&at, ':', &board->rows) && take_length(&at, &board->step_mm);
 	if (right && board->kind == BOARD_CHARUCO)
 		right = take_length(&at, &board->marker_mm);
-	if (!right || *at || at[-1] == ':')
+	if (!right || (*at && board->kind != BOARD_CHARUCO) || text[strlen(text) - 1] == ':')
 		return fault_say(fault, -EINVAL,
 				 "\"%s\": " EXPECTED " (sides %d to %d, lengths %g to %g mm)", text,
 				 SIDE_MIN, BOARD_SIDE_MAX, STEP_MIN_MM, STEP_MAX_MM);
@@ -94,18 +169,23 @@ int board_parse(struct board *board, const char *text, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "\"%s\": expected markers smaller than the squares of %g mm", text,
 				 board->step_mm);
-	return 0;
+	return take_words(board, text, at, fault);
 }
 
 void board_name(const struct board *board, char text[BOARD_NAME_MAX])
 {
-	const int length = snprintf(text, BOARD_NAME_MAX, "%s:%dx%d:%.10gmm",
-				    board_kind_names[board->kind], board->columns, board->rows,
-				    board->step_mm);
+	int length = snprintf(text, BOARD_NAME_MAX, "%s:%dx%d:%.10gmm",
+			      board_kind_names[board->kind], board->columns, board->rows,
+			      board->step_mm);
 
-	if (board->kind == BOARD_CHARUCO)
-		snprintf(text + length, (size_t)(BOARD_NAME_MAX - length), ":%.10gmm",
-			 board->marker_mm);
+	if (board->kind != BOARD_CHARUCO)
+		return;
+	length += snprintf(text + length, (size_t)(BOARD_NAME_MAX - length), ":%.10gmm",
+			   board->marker_mm);
+	snprintf(text + length, (size_t)(BOARD_NAME_MAX - length), "%s%s%s",
+		 board->dictionary > 0 ? ":" : "",
+		 board->dictionary > 0 ? marker_sets[board->dictionary].name : "",
+		 board->legacy > 0 ? ":legacy" : "");
 }
 
 /* ---- points ---- */
@@ -148,14 +228,29 @@ bool board_ambiguous(const struct board *board)
 
 /* ---- what is printed ---- */
 
+/* 1: a white square is at the upper left; 0: a black one. Rows begin with either in turn. */
+static int first_square(const struct board *board)
+{
+	return board->kind == BOARD_CHARUCO && board->legacy > 0 && board->rows % 2 == 0;
+}
+
 int board_marker_at(const struct board *board, int column, int row)
 {
-	const int before = row * board->columns + column;
+	const int before = row * board->columns + column, first = first_square(board);
 
-	/* Rows begin with black and white squares in turn. */
-	if ((column + row) % 2 == 0)
+	if ((column + row + first) % 2 == 0)
 		return -1;
-	return board->columns % 2 ? before / 2 : row * (board->columns / 2) + column / 2;
+	return board->columns % 2 ? (before + first) / 2 : row * (board->columns / 2) + column / 2;
+}
+
+int board_markers(const struct board *board)
+{
+	return (board->columns * board->rows + first_square(board)) / 2;
+}
+
+int board_dictionary(const struct board *board)
+{
+	return board->dictionary < 0 ? BOARD_5X5 : board->dictionary;
 }
 
 static bool circle_ink(const struct board *board, double x, double y)
@@ -175,15 +270,16 @@ static bool circle_ink(const struct board *board, double x, double y)
 static bool marker_ink(const struct board *board, int marker, double x, double y)
 {
 	const double side = board->marker_mm / board->step_mm;
-	const double bits = BOARD_MARKER_BITS + 2;
-	const int column = (int)floor((x - (1 - side) / 2) / side * bits) - 1;
-	const int row = (int)floor((y - (1 - side) / 2) / side * bits) - 1;
+	const int dictionary = board_dictionary(board);
+	const int bits = marker_sets[dictionary].bits;
+	const int column = (int)floor((x - (1 - side) / 2) / side * (bits + 2)) - 1;
+	const int row = (int)floor((y - (1 - side) / 2) / side * (bits + 2)) - 1;
 
-	if (column < -1 || row < -1 || column > BOARD_MARKER_BITS || row > BOARD_MARKER_BITS)
+	if (column < -1 || row < -1 || column > bits || row > bits)
 		return false;
-	if (column < 0 || row < 0 || column == BOARD_MARKER_BITS || row == BOARD_MARKER_BITS)
+	if (column < 0 || row < 0 || column == bits || row == bits)
 		return true;
-	return !board_marker_bit(marker, column, row);
+	return !board_marker_bit(dictionary, marker, column, row);
 }
 
 bool board_ink(const struct board *board, double x_mm, double y_mm)
@@ -197,7 +293,7 @@ bool board_ink(const struct board *board, double x_mm, double y_mm)
 		return circle_ink(board, x_mm, y_mm);
 	if (column < 0 || row < 0 || column >= board->columns + more || row >= board->rows + more)
 		return false;
-	if ((column + row) % 2 == 0)
+	if ((column + row + first_square(board)) % 2 == 0)
 		return true;
 	return board->kind == BOARD_CHARUCO &&
 	       marker_ink(board, board_marker_at(board, column, row), x - column, y - row);

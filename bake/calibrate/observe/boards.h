@@ -5,7 +5,8 @@
  *
  * A board's own axes: x right, y down as printed and seen from the front, z into the board, so that
  * they are right-handed; the origin is the first inner corner (chessboard, ChArUco) or the first
- * circle. Lengths are in millimetres. The square at the upper left is black.
+ * circle. Lengths are in millimetres. The square at the upper left is black, but for some of
+ * ChArUco's.
  */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_H
@@ -26,7 +27,7 @@ enum board_kind {
 extern const char *const board_kind_names[]; /* "chess", "circles", "charuco", NULL */
 
 #define BOARD_SIDE_MAX 40
-#define BOARD_NAME_MAX 64
+#define BOARD_NAME_MAX 96
 
 struct board {
 	enum board_kind kind;
@@ -35,6 +36,10 @@ struct board {
 	 * in a row */
 	double step_mm;
 	double marker_mm; /* ChArUco: side of a marker */
+	/* ChArUco: index of the dictionary of its markers; whether its squares are those of OpenCV
+	 * before 4.6, which has a white one at the upper left if there is an even number of rows.
+	 * -1: not known; printed with 5x5 bits and a black square, found by board_find(). */
+	int dictionary, legacy;
 	/*
 	 * From the board's axes to the world of the scene:
 	 *     world = rotation * board * unit + position
@@ -44,9 +49,10 @@ struct board {
 	double rotation[9], position[3], unit;
 };
 
-/* Parses "9x6:25mm", "chess:9x6:25mm", "circles:4x11:20mm" or "charuco:8x6:30mm:22mm". Sides are 3
- * to BOARD_SIDE_MAX, circles have an odd number of rows, steps are 0.1 to 1000 mm, markers are
- * smaller than squares. -EINVAL. */
+/* Parses "9x6:25mm", "chess:9x6:25mm", "circles:4x11:20mm" or "charuco:8x6:30mm:22mm", the last
+ * perhaps with ":6x6" or ":DICT_6X6_250" for its dictionary and ":legacy" for the squares of OpenCV
+ * before 4.6. Sides are 3 to BOARD_SIDE_MAX, circles have an odd number of rows, steps are 0.1 to
+ * 1000 mm, markers are smaller than squares. -EINVAL. */
 int board_parse(struct board *board, const char *text, struct fault *fault);
 
 /* Writes the board as text that board_parse() reads. */
@@ -71,7 +77,7 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
 /*
  * Finds the board in an 8-bit picture and adds its points as a view called name; points are named
  * by column and row, the first being 1,1. Either all points are found or none; of ChArUco six or
- * more suffice. Boards seen from behind or in a mirror are not found: pictures must be upright.
+ * more suffice, and what the board leaves open of its markers is settled and logged. Boards seen from behind or in a mirror are not found: pictures must be upright.
  *
  * A circle's point is the centroid of its image, which perspective and distortion shift away from
  * the image of its centre, at first order by
@@ -82,7 +88,7 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
  * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -EINVAL:
  * another size than the pictures before; -ENOMEM. On failure nothing is added.
  */
-int board_find(const struct board *board, const struct image *picture, const char *name,
+int board_find(struct board *board, const struct image *picture, const char *name,
 	       struct observations *all, struct fault *fault);
 
 /* Checks the name of a page: "a4", "a3", "letter". -EINVAL. */

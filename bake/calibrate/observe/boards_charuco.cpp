@@ -3,8 +3,8 @@
  * ChArUco: chessboards whose white squares hold numbered markers, so that a part of the board is
  * enough.
  *
- * OpenCV finds the markers; this file places the corners between them, each from the markers next
- * to it. OpenCV's own class for that differs between versions.
+ * boards_settle.cpp finds the markers; this file places the corners between them, each from the
+ * markers next to it. OpenCV's own class for that differs between versions.
  */
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/calibrate/observe/boards_aruco.hpp"
 #include "bake/calibrate/observe/boards_corner.hpp"
 #include "bake/calibrate/observe/boards_opencv.hpp"
 
@@ -21,84 +20,24 @@ namespace
 
 constexpr int enough_corners = 6;
 
-struct Marker {
-	int column, row;       /* position of its square */
-	boards::Points corner; /* from its upper left, clockwise */
-};
-
-/* Returns the smallest predefined dictionary of 5x5 bits with enough markers: the smaller ones are
- * the beginnings of the largest and tell markers apart more safely. */
-int dictionary_for(int markers)
-{
-	if (markers <= 50)
-		return cv::aruco::DICT_5X5_50;
-	if (markers <= 100)
-		return cv::aruco::DICT_5X5_100;
-	return markers <= 250 ? cv::aruco::DICT_5X5_250 : cv::aruco::DICT_5X5_1000;
-}
-
-void detect_markers(const cv::Mat &grey, int dictionary, std::vector<boards::Points> &corners,
-		    std::vector<int> &numbers)
-{
-#if ARUCO_IN_OBJDETECT
-	const cv::aruco::ArucoDetector detector(cv::aruco::getPredefinedDictionary(dictionary));
-
-	detector.detectMarkers(grey, corners, numbers);
-#else
-	cv::aruco::detectMarkers(grey, cv::aruco::getPredefinedDictionary(dictionary), corners,
-				 numbers);
-#endif
-}
-
-std::vector<Marker> markers_seen(const board &wanted, const cv::Mat &grey)
-{
-	std::vector<boards::Points> corners;
-	std::vector<int> numbers;
-	std::vector<Marker> markers;
-
-	detect_markers(grey, dictionary_for(wanted.columns * wanted.rows / 2), corners, numbers);
-	for (int r = 0; r < wanted.rows; r++)
-		for (int c = 0; c < wanted.columns; c++) {
-			const int number = board_marker_at(&wanted, c, r);
-			const auto at = std::find(numbers.begin(), numbers.end(), number);
-
-			if (number >= 0 && at != numbers.end())
-				markers.push_back({c, r, corners[(size_t)(at - numbers.begin())]});
-		}
-	return markers;
-}
-
-/* The corners of a marker in the board's axes, mm. */
-boards::Points marker_flat(const board &wanted, const Marker &marker)
-{
-	const float x = (float)((marker.column - 0.5) * wanted.step_mm);
-	const float y = (float)((marker.row - 0.5) * wanted.step_mm);
-	const float half = (float)wanted.marker_mm / 2;
-
-	return {{x - half, y - half},
-		{x + half, y - half},
-		{x + half, y + half},
-		{x - half, y + half}};
-}
-
 /*
  * Predicts corner (column, row) by the homography of the markers that touch it or come next; a
  * local homography hardly suffers from the lens's distortion. room becomes the distance to the
  * nearest black of these markers, if that is smaller.
  */
-bool expect_corner(const board &wanted, const std::vector<Marker> &markers, int column, int row,
-		   cv::Point2f &place, double &room)
+bool expect_corner(const board &wanted, const std::vector<boards::Marker> &markers, int column,
+		   int row, cv::Point2f &place, double &room)
 {
 	const boards::Points corner = {
 		{(float)(column * wanted.step_mm), (float)(row * wanted.step_mm)}};
 	boards::Points mm, px, out;
 	int touching = 0;
 
-	for (const Marker &marker : markers) {
+	for (const boards::Marker &marker : markers) {
 		/* squares column..column+1, row..row+1 touch the corner */
 		const int dx = std::max(column - marker.column, marker.column - column - 1);
 		const int dy = std::max(row - marker.row, marker.row - row - 1);
-		const boards::Points four = marker_flat(wanted, marker);
+		const boards::Points four = boards::marker_flat(wanted, marker);
 
 		if (std::max(dx, dy) > 1)
 			continue;
@@ -122,10 +61,10 @@ bool expect_corner(const board &wanted, const std::vector<Marker> &markers, int 
 
 } // namespace
 
-bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &points,
+bool boards::find_charuco(board &wanted, const cv::Mat &grey, Points &points,
 			  std::vector<bool> &seen, std::string &why)
 {
-	const std::vector<Marker> markers = markers_seen(wanted, grey);
+	const std::vector<boards::Marker> markers = find_markers(wanted, grey, why);
 	double room = INFINITY;
 	int count = 0;
 
@@ -136,17 +75,15 @@ bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &poin
 			seen.push_back(expect_corner(wanted, markers, c, r, corner, room));
 			points.push_back(corner);
 		}
-	if (!markers.empty()) {
-		const Corners corners(grey, room);
+	if (markers.empty())
+		return false;
+	const Corners corners(grey, room);
 
-		for (size_t k = 0; k < points.size(); k++) {
-			seen[k] = seen[k] && corners.place(points[k]);
-			count += seen[k];
-		}
+	for (size_t k = 0; k < points.size(); k++) {
+		seen[k] = seen[k] && corners.place(points[k]);
+		count += seen[k];
 	}
-	why = markers.empty()
-		      ? "no marker of the board is to be seen"
-		      : "only " + std::to_string(markers.size()) + " markers and " +
-				std::to_string(count) + " corners of the board are to be seen";
+	why = "only " + std::to_string(markers.size()) + " markers and " + std::to_string(count) +
+	      " corners of the board are to be seen";
 	return count >= enough_corners;
 }

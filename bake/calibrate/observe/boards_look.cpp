@@ -23,8 +23,8 @@ void silence_opencv()
 	cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }
 
-bool find_kind(const board &wanted, const cv::Mat &grey, boards::Points &points,
-	       std::vector<bool> &seen, std::string &why)
+bool find_kind(board &wanted, const cv::Mat &grey, boards::Points &points, std::vector<bool> &seen,
+	       std::string &why)
 {
 	switch (wanted.kind) {
 	case BOARD_CHESS:
@@ -36,8 +36,7 @@ bool find_kind(const board &wanted, const cv::Mat &grey, boards::Points &points,
 	}
 }
 
-int look_for_board(const board &wanted, const image &picture, double (*px)[2], bool *seen,
-		   fault *fault)
+int look_for_board(board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)
 {
 	const cv::Mat rgb(picture.height, picture.width, CV_8UC3, picture.u8);
 	boards::Points points;
@@ -47,9 +46,10 @@ int look_for_board(const board &wanted, const image &picture, double (*px)[2], b
 	cv::Mat grey;
 
 	cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
-	board_name(&wanted, name);
-	if (!find_kind(wanted, grey, points, which, why))
+	if (!find_kind(wanted, grey, points, which, why)) {
+		board_name(&wanted, name);
 		return fault_say(fault, -ENOENT, "%s, expected %s", why.c_str(), name);
+	}
 	for (size_t k = 0; k < points.size(); k++) {
 		seen[k] = which.empty() || which[k];
 		px[k][0] = (double)points[k].x + 0.5;
@@ -60,7 +60,7 @@ int look_for_board(const board &wanted, const image &picture, double (*px)[2], b
 
 } // namespace
 
-extern "C" int board_look(const struct board *board, const struct image *picture, double (*px)[2],
+extern "C" int board_look(struct board *board, const struct image *picture, double (*px)[2],
 			  bool *seen, struct fault *fault)
 {
 	try {

@@ -8,7 +8,29 @@
 #include "bake/calibrate/observe/boards.h"
 
 #define BOARD_POINTS_MAX (BOARD_SIDE_MAX * BOARD_SIDE_MAX)
-#define BOARD_MARKER_BITS 5 /* bits of a side, without the black border of one bit */
+
+/* A dictionary of markers. Those of OpenCV with as many bits and fewer markers are its beginning. */
+struct marker_set {
+	const char *name;
+	int bits; /* of a side, without the black border of one bit */
+	int markers;
+};
+
+enum {
+	BOARD_5X5, /* the first choice */
+	BOARD_4X4,
+	BOARD_6X6,
+	BOARD_7X7,
+	BOARD_ORIGINAL,
+	BOARD_TRIED, /* those from here on are looked for only if they are named */
+	BOARD_16H5 = BOARD_TRIED,
+	BOARD_25H9,
+	BOARD_36H10,
+	BOARD_36H11,
+	BOARD_DICTIONARIES
+};
+
+extern const struct marker_set marker_sets[BOARD_DICTIONARIES];
 
 /* Radius of a circle, in steps. */
 #define BOARD_CIRCLE_RADIUS 0.25
@@ -22,14 +44,19 @@ void board_place(const struct board *board, int k, double mm[2]);
 /* Number of the marker in the square at this column and row; -1: the square is black. */
 int board_marker_at(const struct board *board, int column, int row);
 
+int board_markers(const struct board *board); /* number of its white squares */
+
+/* The board's dictionary, and that of 5x5 bits for a board of which it is not known. */
+int board_dictionary(const struct board *board);
+
 /* Whether bit (column, row) of a marker is white. */
-bool board_marker_bit(int marker, int column, int row);
+bool board_marker_bit(int dictionary, int marker, int column, int row);
 
 /*
  * Finds the board by OpenCV. px[board_points()] are our pixels; seen[] says which points were
- * found. Returns 0; -ENOENT with a fault that continues the picture's name; -ENOMEM.
+ * found; a ChArUco board's dictionary and squares are settled. Returns 0; -ENOENT with a fault that continues the picture's name; -ENOMEM.
  */
-int board_look(const struct board *board, const struct image *picture, double (*px)[2], bool *seen,
+int board_look(struct board *board, const struct image *picture, double (*px)[2], bool *seen,
 	       struct fault *fault);
 
 #endif

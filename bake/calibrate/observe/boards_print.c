@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Prints a board on a page, at its true size. Below it stand a ruler to check the printer, and the
- * board's name as --board takes it.
+ * Prints a board on a page, at its true size. Around it stand marks of the world's axes, below it a
+ * ruler to check the printer, and the board's name as --board takes it.
  */
 #include <cairo-pdf.h>
 #include <errno.h>
@@ -16,6 +16,8 @@
 #define FOOTER_MM 14.0 /* of the ruler and the text */
 #define RULER_MM 100.0
 #define TEXT_MM 3.2
+#define AXIS_MM 2.0	/* length of the marks of the world's axes */
+#define AXIS_GAP_MM 0.5 /* between them and the ink */
 
 struct sheet {
 	const char *name;
@@ -97,13 +99,14 @@ static int choose_sheet(const struct board *board, const char *page, struct shee
 static void add_marker(cairo_t *cr, const struct board *board, int marker, double x, double y)
 {
 	const double side = board->marker_mm / board->step_mm;
-	const double bit = side / (BOARD_MARKER_BITS + 2), at = (1 - side) / 2;
+	const int dictionary = board_dictionary(board), bits = marker_sets[dictionary].bits;
+	const double bit = side / (bits + 2), at = (1 - side) / 2;
 
 	/* With the even-odd rule white bits are holes in the black square. */
 	cairo_rectangle(cr, x + at, y + at, side, side);
-	for (int row = 0; row < BOARD_MARKER_BITS; row++)
-		for (int column = 0; column < BOARD_MARKER_BITS; column++)
-			if (board_marker_bit(marker, column, row))
+	for (int row = 0; row < bits; row++)
+		for (int column = 0; column < bits; column++)
+			if (board_marker_bit(dictionary, marker, column, row))
 				cairo_rectangle(cr, x + at + (column + 1) * bit,
 						y + at + (row + 1) * bit, bit, bit);
 }
@@ -114,11 +117,14 @@ static void add_squares(cairo_t *cr, const struct board *board)
 
 	for (int row = 0; row < board->rows + more; row++)
 		for (int column = 0; column < board->columns + more; column++) {
-			if ((column + row) % 2 == 0)
+			const int marker = board->kind == BOARD_CHARUCO
+						   ? board_marker_at(board, column, row)
+						   : (column + row) % 2 - 1;
+
+			if (marker < 0)
 				cairo_rectangle(cr, column - 1, row - 1, 1, 1);
 			else if (board->kind == BOARD_CHARUCO)
-				add_marker(cr, board, board_marker_at(board, column, row),
-					   column - 1, row - 1);
+				add_marker(cr, board, marker, column - 1, row - 1);
 		}
 }
 
@@ -134,16 +140,53 @@ static void add_circles(cairo_t *cr, const struct board *board)
 	}
 }
 
+/* An arrow head of 2 mm with its letter, whose point is at x, y and points by dx, dy. */
+static void draw_axis(cairo_t *cr, const char *letter, double x, double y, double dx, double dy)
+{
+	cairo_move_to(cr, x, y);
+	cairo_line_to(cr, x - AXIS_MM * dx + AXIS_MM / 2 * dy, y - AXIS_MM * dy - AXIS_MM / 2 * dx);
+	cairo_line_to(cr, x - AXIS_MM * dx - AXIS_MM / 2 * dy, y - AXIS_MM * dy + AXIS_MM / 2 * dx);
+	cairo_close_path(cr);
+	cairo_fill(cr);
+	cairo_move_to(cr, x + (dx != 0 ? -AXIS_MM : AXIS_MM), y + (dx != 0 ? -AXIS_MM : AXIS_MM));
+	cairo_show_text(cr, letter);
+}
+
+/*
+ * Marks beside the board that tell where the world is when the board lies on the ground: the origin
+ * where the lines between opposite marks cross, X to the right, Y up the page. They stand off the
+ * ink, which they must not change.
+ */
+static void draw_axes(cairo_t *cr, const struct extent *extent, double step_mm)
+{
+	const double left = extent->left * step_mm - AXIS_GAP_MM;
+	const double top = extent->top * step_mm - AXIS_GAP_MM;
+	const double right = (extent->left + extent->width) * step_mm + AXIS_GAP_MM;
+	const double bottom = (extent->top + extent->height) * step_mm + AXIS_GAP_MM;
+
+	cairo_set_line_width(cr, 0.3);
+	cairo_move_to(cr, left, 0);
+	cairo_rel_line_to(cr, -AXIS_MM, 0);
+	cairo_move_to(cr, 0, bottom);
+	cairo_rel_line_to(cr, 0, AXIS_MM);
+	cairo_stroke(cr);
+	cairo_set_font_size(cr, TEXT_MM);
+	draw_axis(cr, "X", right + AXIS_MM, 0, 1, 0);
+	draw_axis(cr, "Y", 0, top - AXIS_MM, 0, -1);
+}
+
 static void draw_board(cairo_t *cr, const struct board *board, const struct sheet *sheet)
 {
 	const struct extent extent = extent_of(board);
-	const double room_mm = sheet->height_mm - FOOTER_MM - MARGIN_MM;
+	const double height_mm = extent.height * board->step_mm;
+	const double room_mm = sheet->height_mm - FOOTER_MM - 2 * MARGIN_MM;
 
 	cairo_save(cr);
 	cairo_translate(cr, (sheet->width_mm - extent.width * board->step_mm) / 2,
-			fmax(MARGIN_MM, (room_mm - extent.height * board->step_mm) / 2));
+			MARGIN_MM + fmax(0, room_mm - height_mm) / 2);
+	cairo_translate(cr, -extent.left * board->step_mm, -extent.top * board->step_mm);
+	draw_axes(cr, &extent, board->step_mm);
 	cairo_scale(cr, board->step_mm, board->step_mm);
-	cairo_translate(cr, -extent.left, -extent.top);
 	if (board->kind == BOARD_CIRCLES)
 		add_circles(cr, board);
 	else
@@ -174,6 +217,7 @@ static void draw_footer(cairo_t *cr, const struct board *board, const struct she
 	cairo_move_to(cr, MARGIN_MM, y + 1.6 * TEXT_MM);
 	cairo_show_text(cr, "--board ");
 	cairo_show_text(cr, name);
+	cairo_show_text(cr, "    On the ground: X and Y of the world cross in its origin.");
 }
 
 /* Keeps the errno of a failed write, which Cairo's status does not tell. */

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,6 +17,7 @@ void gather_free(struct gathering *all)
 	for (int k = 0; k < all->pictures; k++)
 		image_free(&all->picture[k]);
 	free(all->picture);
+	free(all->boardless);
 	observations_free(&all->seen);
 	*all = (struct gathering){.picture = NULL};
 }
@@ -53,7 +55,7 @@ int gather_keep(struct gathering *all, struct image *picture)
 	return 0;
 }
 
-static int gather_image(struct gathering *all, const char *path, const struct board *board,
+static int gather_image(struct gathering *all, const char *path, struct board *board,
 			struct fault *fault)
 {
 	struct image picture;
@@ -69,9 +71,23 @@ static int gather_image(struct gathering *all, const char *path, const struct bo
 	return err;
 }
 
+static int gather_boardless(struct gathering *all, const char *path)
+{
+	struct observed_view *grown = realloc(all->boardless,
+					      ((size_t)all->boardlesses + 1) * sizeof(*grown));
+
+	if (!grown)
+		return -ENOMEM;
+	all->boardless = grown;
+	grown += all->boardlesses++;
+	*grown = (struct observed_view){.number = ++all->seen.pictures};
+	snprintf(grown->name, sizeof(grown->name), "%s", path);
+	return 0;
+}
+
 /* Finds the board in the photographs of a pattern. *none holds the fault of the last photograph
  * without a board; the one before goes to the log. */
-static int gather_pattern(struct gathering *all, const char *pattern, const struct board *board,
+static int gather_pattern(struct gathering *all, const char *pattern, struct board *board,
 			  struct fault *none, struct fault *fault)
 {
 	glob_t found;
@@ -88,17 +104,19 @@ static int gather_pattern(struct gathering *all, const char *pattern, const stru
 			if (none->text[0])
 				log_warning("%s", none->text);
 			*none = why;
-			err = 0;
-		} else if (err && fault) {
-			*fault = why;
+			err = gather_boardless(all, found.gl_pathv[k]);
+			if (err)
+				fault_say(&why, err, "%s: out of memory", found.gl_pathv[k]);
 		}
+		if (err && fault)
+			*fault = why;
 	}
 	globfree(&found);
 	return err;
 }
 
-int gather_images(struct gathering *all, char *const *patterns, int count,
-		  const struct board *board, struct fault *fault)
+int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
+		  struct fault *fault)
 {
 	struct fault none = {.text = ""};
 	int err = 0;
@@ -112,11 +130,13 @@ int gather_images(struct gathering *all, char *const *patterns, int count,
 	return err ? err : refuse_twins(all, fault);
 }
 
-int gather_live(struct gathering *all, const char *config, enum live_view view,
-		const struct board *board, int views, struct fault *fault)
+int gather_live(struct gathering *all, const char *config, enum live_view view, struct board *board,
+		int views, int world, struct fault *fault)
 {
-	const struct collect_settings settings = {
-		.views = views, .patience_s = PATIENCE_S, .round = view == LIVE_FISHEYE};
+	const struct collect_settings settings = {.views = views,
+						  .patience_s = PATIENCE_S,
+						  .round = view == LIVE_FISHEYE,
+						  .world = world};
 	struct live *live;
 	int err = live_open(&live, config, view, fault);
 
@@ -128,18 +148,26 @@ int gather_live(struct gathering *all, const char *config, enum live_view view,
 	return err;
 }
 
-int gather_view(const struct gathering *all, const char *text)
+static bool view_is(const struct observed_view *view, const char *text)
 {
+	const char *slash = strrchr(view->name, '/');
 	char *end;
 	const long number = strtol(text, &end, 10);
 
 	if (end != text && !*end)
-		return number >= 1 && number <= all->seen.views ? (int)number - 1 : -1;
-	for (int v = 0; v < all->seen.views; v++) {
-		const char *name = all->seen.view[v].name, *slash = strrchr(name, '/');
+		return view->number == number;
+	return !strcmp(view->name, text) || (slash && !strcmp(slash + 1, text));
+}
 
-		if (!strcmp(name, text) || (slash && !strcmp(slash + 1, text)))
+int gather_view(const struct gathering *all, const char *text, const char **boardless)
+{
+	for (int v = 0; v < all->seen.views; v++)
+		if (view_is(&all->seen.view[v], text))
 			return v;
-	}
-	return -1;
+	for (int k = 0; k < all->boardlesses; k++)
+		if (view_is(&all->boardless[k], text)) {
+			*boardless = all->boardless[k].name;
+			return -ENOENT;
+		}
+	return -EINVAL;
 }

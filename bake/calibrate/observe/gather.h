@@ -9,6 +9,8 @@
 
 struct gathering {
 	struct observations seen;
+	struct observed_view *boardless; /* [boardlesses]: photographs without the board */
+	int boardlesses;
 	struct image *picture; /* [pictures]: the photograph of each view; NULL for points */
 	int pictures;
 };
@@ -19,26 +21,30 @@ int gather_points(struct gathering *all, char *const *paths, int count,
 
 /*
  * Finds the board in photographs, each as one view. A pattern is a file name or a shell pattern.
- * Photographs without the board are named in the log and skipped. -ENOENT: no such file, or the
+ * Photographs without the board are named in the log and skipped, but keep their numbers. -ENOENT: no such file, or the
  * board is in none of them (the fault says why for the last); else as image_read() and
  * board_find().
  */
-int gather_images(struct gathering *all, char *const *patterns, int count,
-		  const struct board *board, struct fault *fault);
+int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
+		  struct fault *fault);
 
 /*
  * Collects views from a camera of a kiosk's configuration until there are as many as views, or
- * nothing is missing any more. Returns what live_open() and live_collect() return; the patience is
+ * nothing is missing any more. world: number of the view that shows where the world is; 0: none. Returns what live_open() and live_collect() return; the patience is
  * a minute.
  */
-int gather_live(struct gathering *all, const char *config, enum live_view view,
-		const struct board *board, int views, struct fault *fault);
+int gather_live(struct gathering *all, const char *config, enum live_view view, struct board *board,
+		int views, int world, struct fault *fault);
 
 /* Moves the picture into the gathering, as that of the next view without one. -ENOMEM. */
 int gather_keep(struct gathering *all, struct image *picture);
 
-/* Returns the index of the view with this number (from 1) or file name, or -1. */
-int gather_view(const struct gathering *all, const char *text);
+/*
+ * Finds the view with this number (from 1, counting photographs without the board, too) or file
+ * name. Returns its index; -ENOENT: the photograph of that number or name shows no board, and
+ * *boardless becomes its file name; -EINVAL: there is none.
+ */
+int gather_view(const struct gathering *all, const char *text, const char **boardless);
 
 void gather_free(struct gathering *all); /* idempotent; zeroed is fine */
 

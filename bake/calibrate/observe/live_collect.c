@@ -22,7 +22,7 @@
 #define ENOUGH_VIEWS 4
 
 struct collecting {
-	const struct board *board;
+	struct board *board;
 	const struct collect_settings *settings;
 	struct observations *all;
 	int first; /* index of the first collected view in all */
@@ -184,11 +184,23 @@ static bool is_beyond(const struct collecting *c, int row, int column)
 	       column % (COVER_COLUMNS - 1) == 0;
 }
 
+/* Whether the next view is the one that fixes the world. */
+static bool is_world_next(const struct collecting *c)
+{
+	return c->count + 1 == c->settings->world;
+}
+
 /* Writes what the person shall do next. False: nothing is missing. */
 static bool say_missing(const struct collecting *c, char *text, size_t room)
 {
 	static const char *const rows[COVER_ROWS] = {"upper", "middle", "lower"};
 
+	if (is_world_next(c)) {
+		snprintf(text, room, "%s %s: this view is the world", c->count ? "now" : "first",
+			 c->settings->round ? "hold the board level, its rows along world X"
+					    : "lay the board on the ground");
+		return true;
+	}
 	for (int r = 0; r < COVER_ROWS; r++)
 		for (int k = 0; k < COVER_COLUMNS; k++)
 			if (!c->covered[r][k] && !is_beyond(c, r, k)) {
@@ -203,7 +215,7 @@ static bool say_missing(const struct collecting *c, char *text, size_t room)
 	}
 	snprintf(text, room, "%d of %d: show the board in another place", c->count,
 		 c->settings->views);
-	return c->count < ENOUGH_VIEWS;
+	return c->count < ENOUGH_VIEWS || c->count < c->settings->world;
 }
 
 static bool is_done(const struct collecting *c)
@@ -267,7 +279,8 @@ static bool judge_view(struct collecting *c, const struct observations *now, int
 	if (!is_new_place(c, now))
 		(void)say_missing(c, text, room);
 	else
-		snprintf(text, room, still ? "taken" : "hold the board still");
+		snprintf(text, room, "%s%s", still ? "taken" : "hold the board still",
+			 is_world_next(c) ? ": this view is the world" : "");
 	return still && is_new_place(c, now);
 }
 
@@ -314,6 +327,8 @@ static int look_at_picture(struct collecting *c, const struct image *picture, in
 	err = board_find(c->board, picture, name, &now, fault);
 	if (err && err != -ENOENT)
 		return err;
+	if (err && is_world_next(c))
+		(void)say_missing(c, text, sizeof(text));
 	scene.taken = !err && judge_view(c, &now, captured_ns, text, sizeof(text));
 	err = scene.taken ? collect_view(c, &now, picture) : 0;
 	if (scene.taken)
@@ -364,9 +379,8 @@ static int open_screen(struct collecting *c, struct live *live, struct fault *fa
 	return err ? lose_screen(c, err, &why, fault) : 0;
 }
 
-int live_collect(struct live *live, const struct board *board,
-		 const struct collect_settings *settings, struct observations *all,
-		 struct image **pictures, int *count, struct fault *fault)
+int live_collect(struct live *live, struct board *board, const struct collect_settings *settings,
+		 struct observations *all, struct image **pictures, int *count, struct fault *fault)
 {
 	struct collecting c = {
 		.board = board, .settings = settings, .all = all, .first = all->views};

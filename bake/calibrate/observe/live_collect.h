@@ -15,6 +15,7 @@ struct collect_settings {
 	int views;	   /* most views, >= 1; collection ends earlier if nothing is missing */
 	double patience_s; /* longest time without a new view, by the camera's clock */
 	bool round;	   /* a fisheye's picture, whose corners show nothing */
+	int world; /* number of the view, from 1, whose board lies where the world is; 0: none */
 };
 
 /*
@@ -24,8 +25,8 @@ struct collect_settings {
  * within the patience; -ECANCELED: the window was closed; errors of live_next() and board_find();
  * -ENOMEM. On failure there are no pictures, and the views taken so far stay in all.
  */
-int live_collect(struct live *live, const struct board *board,
-		 const struct collect_settings *settings, struct observations *all,
-		 struct image **pictures, int *count, struct fault *fault);
+int live_collect(struct live *live, struct board *board, const struct collect_settings *settings,
+		 struct observations *all, struct image **pictures, int *count,
+		 struct fault *fault);
 
 #endif

@@ -42,9 +42,11 @@ int observations_begin_view(struct observations *all, const char *name)
 
 	if (err)
 		return err;
-	all->view[all->views] = (struct observed_view){.first = all->count};
+	all->view[all->views] = (struct observed_view){.first = all->count,
+						       .number = all->pictures + 1};
 	snprintf(all->view[all->views].name, sizeof(all->view->name), "%s", name);
 	all->views++;
+	all->pictures++;
 	return 0;
 }
 
@@ -142,7 +144,7 @@ static int read_point(struct observations *all, const struct text_file *file,
 int observations_read(struct observations *all, const char *path,
 		      const struct points_convention *convention, struct fault *fault)
 {
-	const int before = all->count, views = all->views;
+	const int before = all->count, views = all->views, pictures = all->pictures;
 	struct text_file file;
 	int err = text_file_open(&file, path, fault);
 
@@ -159,6 +161,7 @@ int observations_read(struct observations *all, const char *path,
 	if (err) {
 		all->count = before;
 		all->views = views;
+		all->pictures = pictures;
 	}
 	text_file_close(&file);
 	return err;

@@ -25,6 +25,7 @@ struct observation {
 struct observed_view {
 	char name[256];	  /* name of its file */
 	int first, count; /* its points, which follow each other */
+	int number;	  /* from 1, of all pictures that were looked at */
 };
 
 struct observations {
@@ -33,6 +34,7 @@ struct observations {
 	int count;
 	struct observed_view *view;
 	int views;
+	int pictures; /* looked at: the views, and pictures that show nothing */
 	/* private: allocated */
 	int point_room, view_room;
 };

@@ -98,12 +98,16 @@ static void begin_parameters(struct report_table *table, const char *name)
 	report_table_column(table, "note", "note", NULL);
 }
 
-/* Returns the view of a parameter, from 1; 0: it is the lens's. */
-static int view_of_parameter(const struct parameter *p)
+/* Returns the index of the view of a parameter; -1: it is the lens's. */
+static int view_of_parameter(const struct observations *seen, const struct parameter *p)
 {
-	int view = 0;
+	int number, view = 0;
 
-	return sscanf(p->name, "view %d ", &view) == 1 ? view : 0;
+	if (sscanf(p->name, "view %d ", &number) != 1)
+		return -1;
+	while (view < seen->views && seen->view[view].number != number)
+		view++;
+	return view;
 }
 
 int report_parameters(const struct shown *s, struct fault *fault)
@@ -115,11 +119,11 @@ int report_parameters(const struct shown *s, struct fault *fault)
 	begin_parameters(&lens, "parameters");
 	begin_parameters(&poses, "poses");
 	for (int k = 0; k < e->count; k++) {
-		const int view = view_of_parameter(&e->parameter[k]);
+		const int view = view_of_parameter(s->finding->seen, &e->parameter[k]);
 
-		if (view < 1)
+		if (view < 0)
 			add_parameter(&lens, e, k);
-		else if (view > s->finding->seen->views || s->view[view - 1].drawn)
+		else if (view == s->finding->seen->views || s->view[view].drawn)
 			add_parameter(&poses, e, k);
 	}
 	report_heading(s->page->body, "What was found");

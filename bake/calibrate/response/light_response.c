@@ -4,13 +4,19 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/response/light_response_doubts.h"
+#include "bake/calibrate/response/light_response_real.h"
 
 #define LAST (TRANSFER_KNOTS - 1)
 #define ABOUT_BEST 1.003
-#define PIECES_ALONE 3 /* if no exposure can be held out */
+#define REAL_SIGMA                                                                                 \
+	2.0 /* rms error, in deviations of noise, beyond which there is more than noise */
+#define REAL_ROUNDS 3
+#define PIECES_ALONE 3	/* if no exposure can be held out */
+#define HELD_OUT_MOST 6 /* exposures held out, in turn */
 
 static const int pieces_to_try[] = {1, 2, 3, 4, 6, 8, 12, 16, 24};
 
@@ -54,16 +60,18 @@ static struct light_spline spline_of(const struct light_response *found, int pie
 	return (struct light_spline){.pieces = pieces, .from = found->from, .to = found->to};
 }
 
-/* Returns the mean squared prediction error over the exposures, each held out in turn. Negative:
+/* Returns the mean squared prediction error over exposures that are held out in turn. Negative:
  * not known. */
 static double held_out_score(const struct light_response *found, const struct light_fit_task *task,
 			     int pieces)
 {
 	const struct light_spline spline = spline_of(found, pieces);
+	const int exposures = task->samples->exposures;
+	const int step = (exposures + HELD_OUT_MOST - 1) / HELD_OUT_MOST;
 	double squares = 0;
 	int count = 0;
 
-	for (int j = 0; j < task->samples->exposures; j++) {
+	for (int j = 0; j < exposures; j += step) {
 		struct light_fit_task without = *task;
 		struct light_fit fit;
 		double rms;
@@ -158,7 +166,6 @@ static int take_knots(struct light_response *found, const struct light_fit *fit)
 	e->residuals = fit->equations;
 	e->freedom = fit->freedom;
 	e->sigma = fit->sigma;
-	found->sigma = fit->sigma;
 	return 0;
 }
 
@@ -213,7 +220,9 @@ static void compare_sample(const struct light_fit *fit, const struct light_fit_t
 	for (int j = 0; j < task->samples->exposures; j++) {
 		if (!s->good[j])
 			continue;
-		offsets_add(&exposure[j], log_l[j] - middle / total);
+		/* nearer to black the same errors are many times as large, and matter less */
+		if (s->mean[j] > 0.1 && s->mean[j] < 0.9)
+			offsets_add(&exposure[j], log_l[j] - middle / total);
 		offsets_add(&level[(int)(s->mean[j] * LIGHT_LEVELS)], log_l[j] - middle / total);
 	}
 }
@@ -278,18 +287,20 @@ static void channel_range(const struct light_samples *samples, int channel, int 
 /* Compares each channel's own curve with the common one, both scaled to 1 in the middle of what it
  * covers. */
 static void compare_channels(struct light_response *found, const struct light_fit *fit,
-			     const struct light_fit_task *task)
+			     const struct light_fit_task *task, const struct light_samples *samples)
 {
 	for (int c = 0; c < 3; c++) {
-		struct light_fit_task one = *task;
+		struct light_fit_task one = *task, by_noise = *task;
 		struct light_fit own;
 		int first, last;
 
-		one.channel = c;
+		one.channel = by_noise.channel = c;
+		by_noise.samples = samples;
+		if (light_fit_find(&own, &by_noise, &fit->spline, NULL) == 0)
+			found->channel_sigma[c] = own.sigma;
 		channel_range(task->samples, c, &first, &last);
 		if (light_fit_find(&own, &one, &fit->spline, NULL) < 0)
 			continue;
-		found->channel_sigma[c] = own.sigma;
 		for (int k = first; k <= last; k++) {
 			const int middle = (first + last) / 2;
 			double deviation;
@@ -312,15 +323,55 @@ static void make_straight(struct light_response *found)
 		      "too few places are seen in two exposures");
 }
 
+/*
+ * Fits a series that noise does not explain, as those of real cameras are: the errors of each level
+ * are what they are seen to be, and times may be those of a shutter's steps. The pieces are chosen again, because the first choice followed errors near black.
+ */
+static int fit_real(struct light_response *found, struct light_fit_task *task,
+		    struct light_samples *own, double *time, struct light_fit *fit,
+		    struct fault *fault)
+{
+	int ret = light_real_copy(own, task->samples);
+
+	if (ret == 0 && light_real_times(found, fit, task, time)) {
+		choose_pieces(found, task);
+		ret = light_fit_find(fit, task, &found->spline, fault);
+	}
+	found->sigma = fit->sigma;
+	if (ret || fit->sigma <= REAL_SIGMA)
+		return ret;
+	task->samples = own;
+	for (int round = 0; ret == 0 && round < REAL_ROUNDS; round++) {
+		light_real_inflate(own, fit, task);
+		if (round == 0)
+			choose_pieces(found, task);
+		ret = light_fit_find(fit, task, &found->spline, fault);
+	}
+	return ret;
+}
+
+static void conclude_fit(struct light_response *found, const struct light_fit *fit,
+			 const struct light_fit_task *task, const struct light_samples *samples,
+			 const struct light_response_settings *settings)
+{
+	take_times(found, fit, task);
+	compare_exposures(found, fit, task);
+	compare_channels(found, fit, task, samples);
+	light_real_misfit(found);
+	light_doubt_fit(found, task, settings->misfit > 0 ? settings->misfit : LIGHT_MISFIT);
+}
+
 int light_response_find(struct light_response *found, const struct light_samples *samples,
 			const struct light_response_settings *settings, struct fault *fault)
 {
-	const struct light_fit_task task = {.samples = samples,
-					    .time = settings->time,
-					    .time_deviation = settings->time_deviation,
-					    .channel = -1,
-					    .held_out = -1};
-	struct light_fit fit;
+	struct light_fit_task task = {.samples = samples,
+				      .time = settings->time,
+				      .time_deviation = settings->time_deviation,
+				      .channel = -1,
+				      .held_out = -1};
+	struct light_samples own = {.sample = NULL};
+	struct light_fit fit = {.sigma = 0};
+	double refined[LIGHT_EXPOSURES_MAX];
 	int ret = check_exposures(samples, settings, fault);
 
 	*found = (struct light_response){.exposures = samples->exposures,
@@ -338,19 +389,21 @@ int light_response_find(struct light_response *found, const struct light_samples
 	}
 	choose_pieces(found, &task);
 	ret = light_fit_find(&fit, &task, &found->spline, fault);
+	found->sigma = fit.sigma;
+	if (ret == 0 && fit.sigma > REAL_SIGMA)
+		ret = fit_real(found, &task, &own, refined, &fit, fault);
+	if (ret == 0)
+		ret = take_knots(found, &fit);
+	if (ret == 0 && found->sigma > REAL_SIGMA)
+		ret = light_real_spread(found, &fit, &task);
+	if (ret == 0)
+		conclude_fit(found, &fit, &task, samples, settings);
+	free(own.sample);
 	if (ret == -ENODATA) {
 		make_straight(found);
 		return 0;
 	}
-	if (ret == 0)
-		ret = take_knots(found, &fit);
-	if (ret < 0)
-		return fault_say(fault, ret, "not enough memory for the response");
-	take_times(found, &fit, &task);
-	compare_exposures(found, &fit, &task);
-	compare_channels(found, &fit, &task);
-	light_doubt_fit(found, &task);
-	return 0;
+	return ret < 0 ? fault_say(fault, ret, "not enough memory for the response") : 0;
 }
 
 void light_response_free(struct light_response *found)

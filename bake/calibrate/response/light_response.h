@@ -22,10 +22,12 @@
 #include "hal/colour/transfer.h"
 
 #define LIGHT_LEVELS 20
+#define LIGHT_MISFIT 0.05 /* real cameras agree to some per cent */
 
 struct light_response_settings {
 	double time[LIGHT_EXPOSURES_MAX]; /* relative, > 0 */
 	double time_deviation;		  /* relative standard deviation of each; 0: exact */
+	double misfit; /* largest relative error of linear light that is trusted; 0: LIGHT_MISFIT */
 };
 
 struct light_response {
@@ -38,15 +40,23 @@ struct light_response {
 	/* For codes from k / LIGHT_LEVELS: relative difference of linear light from what all
 	 * exposures of the sample say, mean and rms; NaN: no samples. */
 	double level_offset[LIGHT_LEVELS], level_scatter[LIGHT_LEVELS];
-	/* For each exposure: the same difference over all its samples, mean and rms. */
+	/* For each exposure: the same difference over its samples from 10 % to 90 % of the codes, mean
+	 * and rms. */
 	double offset[LIGHT_EXPOSURES_MAX], scatter[LIGHT_EXPOSURES_MAX];
 	/* largest relative difference between code values of 10 % and 90 % of a channel's own curve
 	 * from the common one, both scaled to 1 in the middle of what it covers */
 	double channel_off[3];
 	double channel_deviation[3]; /* standard deviation of that difference */
 	double channel_sigma[3];     /* sigma of the channel's own curve */
-	double held_out;	     /* rms of held-out exposures, in standard deviations */
-	/* rms of all residuals, in standard deviations: 1 if noise explains everything */
+	/* largest relative error of linear light from 10 % to 90 % of the code values: deviation of
+	 * the curve, and how far a level is off on average; rms difference between exposures */
+	double misfit, disagreement;
+	bool real;		       /* noise does not explain the errors: spread is known */
+	double spread[TRANSFER_KNOTS]; /* deviation of ln(knot / middle knot), from the exposures */
+	bool refined;	 /* times were taken for those of a shutter in steps of a third of a stop */
+	double held_out; /* rms of held-out exposures, in standard deviations */
+	/* rms of all residuals, in standard deviations: 1 if noise explains everything; of real
+	 * cameras it is more */
 	double sigma;
 	/* The knots by name ("knot 1" ... "knot 31"), with covariance. */
 	struct estimate estimate;

@@ -6,6 +6,7 @@
 
 #define LAST (TRANSFER_KNOTS - 1)
 #define SAMPLES_MIN 60
+#define DISAGREEMENT 0.1 /* largest rms difference between exposures, of linear light */
 
 /* ---- what pictures alone tell ---- */
 
@@ -140,28 +141,28 @@ static void doubt_channels(struct light_response *found)
 		      100 * found->channel_off[which]);
 }
 
-void light_doubt_fit(struct light_response *found, const struct light_fit_task *task)
+void light_doubt_fit(struct light_response *found, const struct light_fit_task *task, double misfit)
 {
 	const double *knot = found->curve.knot;
-	double worst = 0;
 
 	doubt_channels(found);
-	if (found->sigma > 4 && !blame_times(found, task))
+	if (found->sigma > 4 && (found->misfit > misfit || found->disagreement > DISAGREEMENT) &&
+	    !blame_times(found, task))
 		verdict_doubt(
 			&found->verdict,
 			"keep scene, light and camera still, and white balance and gain of the "
-			"camera fixed",
-			"the exposures do not agree: they differ by %.1f times what noise explains",
-			found->sigma);
+			"camera fixed, or give --accept-misfit if that is good enough",
+			"the exposures do not agree: they differ by %.1f times what noise "
+			"explains, by %.1f %% of linear light; the curve may be off by %.1f %%",
+			found->sigma, 100 * found->disagreement, 100 * found->misfit);
 	for (int k = 1; k <= LAST; k++)
 		if (!(knot[k] > knot[k - 1]))
 			verdict_doubt(&found->verdict,
 				      "keep scene and light still, and take more exposures",
 				      "the response does not rise everywhere");
-	for (int k = LAST / 10; k <= LAST * 9 / 10; k++)
-		worst = fmax(worst, found->deviation[k] / knot[k]);
-	if (worst > 0.02)
+	if (found->misfit > misfit)
 		verdict_doubt(&found->verdict,
-			      "take more exposures, of a scene with larger even surfaces",
-			      "linear light is known to %.1f %% only", 100 * worst);
+			      "take more exposures, of a scene with larger even surfaces, or give "
+			      "--accept-misfit if that is good enough",
+			      "linear light is known to %.1f %% only", 100 * found->misfit);
 }

@@ -11,6 +11,7 @@ void light_doubt_pictures(struct light_response *found, const struct light_sampl
 			  const double *time);
 
 /* Judges the fit; everything but the verdict is set. */
-void light_doubt_fit(struct light_response *found, const struct light_fit_task *task);
+void light_doubt_fit(struct light_response *found, const struct light_fit_task *task,
+		     double misfit);
 
 #endif

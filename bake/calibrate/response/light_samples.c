@@ -7,8 +7,16 @@
 #include <string.h>
 
 #define CLIPPED 255
-#define LEVELS 24   /* classes of mean code values */
-#define PER_LEVEL 8 /* blocks kept for each class, channel and exposure */
+#define FLAT 0.05     /* variance below which a block was made flat by compression */
+#define DARK 2.0      /* codes from the black level that compression and rounding may make */
+#define PLATEAU 0.005 /* share of pixels at the brightest codes that tells where a camera clips */
+#define DARK_PLATEAU 0.05 /* the same at the darkest codes, of which there are more anyway */
+#define PLATEAU_CODES 2	  /* codes that those may differ by */
+#define LEVELS 24	  /* classes of mean code values */
+#define PER_LEVEL 8	  /* blocks kept for each class, channel and exposure */
+#define FEW_EXPOSURES 6	  /* with more of them, fewer blocks are kept of each */
+#define BLOCKS_MOST                                                                                \
+	20000 /* of a picture: larger ones are sampled in every second row and column ... */
 #define PIXELS (LIGHT_BLOCK * LIGHT_BLOCK)
 
 static int check_sample_pictures(const struct image *const *pictures, int exposures, double black,
@@ -75,9 +83,9 @@ static void measure_block(struct light_samples *all, struct light_sample *s,
 	s->noise[j] = noise * unit * unit;
 	s->variance[j] = (spread / PIXELS + rounding_variance(noise)) * unit * unit;
 	s->good[j] = false;
-	if (top >= CLIPPED)
+	if (top >= all->white)
 		all->clipped[j]++;
-	else if (mean - all->black < 3 * sqrt(spread) + 0.5)
+	else if (mean - all->black < fmax(3 * sqrt(spread) + 0.5, spread < FLAT ? DARK : 0))
 		all->dark[j]++;
 	else
 		s->good[j] = true;
@@ -98,16 +106,71 @@ static int add_block_sample(struct light_samples *all, const struct light_sample
 	return 0;
 }
 
+/* The brightest code of a picture that ends in a plateau there, without its outermost pixels; 0: it
+ * does not. */
+static int plateau_of(const struct image *picture)
+{
+	const size_t values = 3 * (size_t)picture->width * (size_t)picture->height;
+	size_t count[256] = {0}, above = 0;
+	int top = 255;
+
+	for (size_t i = 0; i < values; i++)
+		count[picture->u8[i]]++;
+	while (top > 0 && (double)(above += count[top]) < 1e-4 * (double)values)
+		top--;
+	for (int c = top - 1; c >= 0 && c >= top - PLATEAU_CODES; c--)
+		above += count[c];
+	return (double)above > PLATEAU * (double)values ? top : 0;
+}
+
+/*
+ * The code from which pixels are clipped: 255, or below it where two pictures end in the same
+ * plateau, because a camera's own processing ends below 255, and compression makes it uneven. One
+ * alone may be a bright surface.
+ */
+static int find_white(const struct image *const *pictures, int exposures)
+{
+	int white = CLIPPED, top[LIGHT_EXPOSURES_MAX];
+
+	for (int j = 0; j < exposures; j++) {
+		top[j] = plateau_of(pictures[j]);
+		for (int k = 0; k < j; k++)
+			if (top[j] < CLIPPED && top[j] > CLIPPED / 2 && abs(top[j] - top[k]) <= 1)
+				white = top[j] - PLATEAU_CODES < white ? top[j] - PLATEAU_CODES
+								       : white;
+	}
+	return white;
+}
+
+double light_darkest_code(const struct image *picture)
+{
+	const size_t values = 3 * (size_t)picture->width * (size_t)picture->height;
+	size_t count[256] = {0}, below = 0, within = 0;
+	double sum = 0;
+	int least = 0;
+
+	for (size_t i = 0; i < values; i++)
+		count[picture->u8[i]]++;
+	while (least < 255 && (double)(below += count[least]) < 1e-4 * (double)values)
+		least++;
+	for (int c = least; c < 255 && c <= least + PLATEAU_CODES; c++) {
+		within += count[c];
+		sum += (double)c * (double)count[c];
+	}
+	return (double)within > DARK_PLATEAU * (double)values ? rint(sum / (double)within) : 0;
+}
+
 static int measure_all(struct light_samples *all, const struct image *const *pictures)
 {
-	const int across = pictures[0]->width / LIGHT_BLOCK;
-	const int down = pictures[0]->height / LIGHT_BLOCK;
+	const double blocks = (double)pictures[0]->width * pictures[0]->height / PIXELS;
+	const int step = LIGHT_BLOCK * (int)fmax(1, ceil(sqrt(blocks / BLOCKS_MOST)));
+	const int across = (pictures[0]->width - LIGHT_BLOCK) / step + 1;
+	const int down = (pictures[0]->height - LIGHT_BLOCK) / step + 1;
 	const double share = 1 / fmax(3.0 * across * down, 1);
 
 	for (int k = 0; k < across * down * 3; k++) {
-		struct light_sample s = {.channel = k % 3,
-					 .x = k / 3 % across * LIGHT_BLOCK,
-					 .y = k / 3 / across * LIGHT_BLOCK};
+		struct light_sample s = {
+			.channel = k % 3, .x = k / 3 % across * step, .y = k / 3 / across * step};
 		int good = 0;
 
 		for (int j = 0; j < all->exposures; j++) {
@@ -144,6 +207,9 @@ static int by_spread(const void *a, const void *b)
 static void mark_chosen(const struct light_samples *all, int channel, int j, int level,
 			struct candidate *room, bool *kept)
 {
+	const int most = all->exposures > FEW_EXPOSURES
+				 ? (PER_LEVEL * FEW_EXPOSURES + all->exposures - 1) / all->exposures
+				 : PER_LEVEL;
 	int count = 0;
 
 	for (int i = 0; i < all->count; i++) {
@@ -153,7 +219,7 @@ static void mark_chosen(const struct light_samples *all, int channel, int j, int
 			room[count++] = (struct candidate){i, s->variance[j]};
 	}
 	qsort(room, (size_t)count, sizeof(*room), by_spread);
-	for (int k = 0; k < count && k < PER_LEVEL; k++)
+	for (int k = 0; k < count && k < most; k++)
 		kept[room[k].sample] = true;
 }
 
@@ -214,6 +280,7 @@ int light_samples_create(struct light_samples *all, const struct image *const *p
 	ret = check_sample_pictures(pictures, exposures, black, fault);
 	if (ret < 0)
 		return ret;
+	all->white = find_white(pictures, exposures);
 	ret = measure_all(all, pictures);
 	if (ret == 0)
 		ret = choose_samples(all);

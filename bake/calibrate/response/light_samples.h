@@ -11,7 +11,7 @@
 #include "hal/base/fault.h"
 #include "hal/image/image.h"
 
-#define LIGHT_EXPOSURES_MAX 16
+#define LIGHT_EXPOSURES_MAX 32
 #define LIGHT_BLOCK 8 /* px, the side of a block */
 
 struct light_sample {
@@ -27,6 +27,7 @@ struct light_sample {
 struct light_samples {
 	int exposures;
 	double black; /* code value for no light */
+	int white;    /* code value from which pixels are clipped */
 	struct light_sample *sample;
 	int count, room;
 	/* Shares of all blocks and channels, 0..1, by exposure. */
@@ -34,14 +35,18 @@ struct light_samples {
 };
 
 /*
- * Collects samples from pictures[exposures], 8-bit and of one size. Blocks with a pixel at 255 are
- * clipped; those whose mean is within three deviations of a pixel of the black level are dark. Of
+ * Collects samples from pictures[exposures], 8-bit and of one size. Blocks with a pixel at 255, or
+ * in a plateau at the upper end of what the camera gives, are clipped; those whose mean is within three deviations of a pixel of the black level are dark. Of
  * the blocks that are good in two exposures or more the most uniform ones of each channel are kept,
  * over all code values. -EINVAL: different sizes, a picture that is not 8-bit, a number of
  * exposures or a black level out of range; -ENOMEM.
  */
 int light_samples_create(struct light_samples *samples, const struct image *const *pictures,
 			 int exposures, double black, struct fault *fault);
+
+/* The code of no light, if a plateau at the lower end of a picture shows it; else 0. */
+double light_darkest_code(const struct image *picture);
+
 void light_samples_free(struct light_samples *samples); /* idempotent; zeroed is fine */
 
 #endif

@@ -2,7 +2,8 @@
 /*
  * What a person would photograph for inlay-calibrate fisheye, drawn through an equidistant lens of
  * 220 x 211 px/rad around (483.2, 357.4), and lamps through that of the first of fisheye_views_lenses:
- *     photographs FOLDER    writes eye1.png ... eye9.png, a board 9x6:20mm; lamps.png, lamps.txt
+ *     photographs FOLDER    writes eye1.png ... eye9.png, a board 9x6:20mm; dark.png of
+ *                           their size; lamps.png, lamps.txt
  */
 #include <math.h>
 #include <stdio.h>
@@ -52,6 +53,15 @@ static int photograph(const char *folder, struct chance *chance)
 	return err;
 }
 
+static int photograph_nothing(const char *folder)
+{
+	struct image image;
+	const int err = image_create_u8(&image, FISHEYE_PHOTOGRAPH_WIDTH,
+					FISHEYE_PHOTOGRAPH_HEIGHT);
+
+	return err ? err : keep(folder, "dark.png", &image);
+}
+
 static int light_lamps(const char *folder, struct chance *chance)
 {
 	struct drawn_lamps lamps = {
@@ -85,6 +95,8 @@ int main(int argc, char **argv)
 	if (argc != 2)
 		return EXIT_FAILURE;
 	chance = chance_begin("photographs");
-	return photograph(argv[1], &chance) || light_lamps(argv[1], &chance) ? EXIT_FAILURE
-									     : EXIT_SUCCESS;
+	return photograph(argv[1], &chance) || photograph_nothing(argv[1]) ||
+			       light_lamps(argv[1], &chance)
+		       ? EXIT_FAILURE
+		       : EXIT_SUCCESS;
 }

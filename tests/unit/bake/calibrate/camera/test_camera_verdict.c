@@ -310,6 +310,27 @@ static void mirrored(void **state)
 		}
 }
 
+/* With much noise the best camera of mirrored points is one at infinity, which fits them badly, but
+ * not so badly as without noise. */
+static void mirrored_with_noise(void **state)
+{
+	const double far[3] = {4 * eye[0], 4 * eye[1], 4 * eye[2]};
+	struct chance chance = chance_begin("mirrored with noise");
+
+	(void)state;
+	for (int n = 0; n < 12; n++) {
+		struct tsai_camera truth = known_camera(far, middle, 0, TSAI_DISTORTS);
+		struct camera_task task = known_camera_task(&truth);
+		struct observations seen = {0};
+
+		truth.focal *= 4;
+		known_camera_see_cloud(&seen, &truth, 30, 1, &chance);
+		for (int i = 0; i < seen.count; i++)
+			seen.point[i].px[1] = KNOWN_CAMERA_HEIGHT - seen.point[i].px[1];
+		test_verdict_expect(&seen, &task, "the points are mirrored");
+	}
+}
+
 /* From afar a mirrored picture fits a known lens, with near and far exchanged. The mirror image
  * fits as well or better, and that is why the verdict does not trust. */
 static void mirrored_from_afar(void **state)
@@ -575,6 +596,7 @@ int main(void)
 		cmocka_unit_test(outliers),
 		cmocka_unit_test(points_in_another_order),
 		cmocka_unit_test(mirrored),
+		cmocka_unit_test(mirrored_with_noise),
 		cmocka_unit_test(mirrored_from_afar),
 		cmocka_unit_test(listed_twice),
 		cmocka_unit_test(view_of_outliers),

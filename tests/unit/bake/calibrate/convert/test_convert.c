@@ -76,7 +76,7 @@ static struct lens again(const struct lens *lens, bool ros, double error_px)
 	else
 		lens_write_opencv(file, lens, error_px);
 	assert_int_equal(fclose(file), 0);
-	if (lens_read_yaml(&read, own_folder_path("lens.yaml"), &fault))
+	if (lens_read_foreign(&read, own_folder_path("lens.yaml"), NULL, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(remove(own_folder_path("lens.yaml")), 0);
 	return read;
@@ -276,8 +276,8 @@ static void test_files(void **state)
 	(void)state;
 	write_file("opencv.yml", opencv);
 	write_file("ros.yaml", ros);
-	if (lens_read_yaml(&a, own_folder_path("opencv.yml"), &fault) ||
-	    lens_read_yaml(&b, own_folder_path("ros.yaml"), &fault))
+	if (lens_read_foreign(&a, own_folder_path("opencv.yml"), NULL, &fault) ||
+	    lens_read_foreign(&b, own_folder_path("ros.yaml"), NULL, &fault))
 		fail_msg("%s", fault.text);
 	assert_memory_equal(&a, &b, sizeof(a));
 	assert_true(a.focal_px[0] == 536.07 && a.focal_px[1] == 536.02);
@@ -285,6 +285,130 @@ static void test_files(void **state)
 	assert_true(a.term[LENS_K3] == 2.3839153080878486e-01 && a.term[LENS_K4] == 0);
 	assert_int_equal(remove(own_folder_path("opencv.yml")), 0);
 	assert_int_equal(remove(own_folder_path("ros.yaml")), 0);
+}
+
+/* The same pinhole camera as everyone writes it. */
+#define ROS_1                                                                                      \
+	"header: \n  seq: 7\n  stamp: \n    secs: 3\n    nsecs: 0\n  frame_id: \"eye\"\n"          \
+	"height: 480\nwidth: 640\ndistortion_model: \"plumb_bob\"\n"                               \
+	"D: [-0.25, 0.0625, 0.001, -0.002, 0.0]\n"                                                 \
+	"K: [536.0, 0.0, 342.0, 0.0, 535.0, 235.0, 0.0, 0.0, 1.0]\n"                               \
+	"R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]\n"
+#define ROS_1_END                                                                                  \
+	"P: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]\nbinning_x: 0\nbinning_y: 0\nroi: \n"             \
+	"  x_offset: 0\n  y_offset: 0\n  height: 0\n  width: 0\n  do_rectify: False\n"
+#define KALIBR                                                                                     \
+	"cam0:\n  T_cam_imu:\n  - [0.01, -0.9, 0.2, 0.0]\n  - [0.9, 0.01, 0.1, 0.0]\n"             \
+	"  - [0.0, 0.0, 0.0, 1.0]\n  cam_overlaps: [1]\n  camera_model: pinhole\n"                 \
+	"  distortion_coeffs: [-0.25, 0.0625, 0.001, -0.002]\n  distortion_model: radtan\n"        \
+	"  intrinsics: [536.0, 535.0, 342.0, 235.0]\n  resolution: [640, 480]\n"                   \
+	"  rostopic: /cam0/image_raw\n  timeshift_cam_imu: 0.001\n"
+#define KALIBR_BOTH                                                                                \
+	KALIBR "cam1:\n  camera_model: pinhole\n  intrinsics:\n  - 300.0\n  - 301.0\n  - 320.0\n"  \
+	       "  - 240.0\n  distortion_model: equidistant\n"                                      \
+	       "  distortion_coeffs: [0.003, -0.001, 0.0, 0.0]\n  resolution: [640, 480]\n"
+
+static void assert_reads(const char *text, const char *camera, const struct lens *expected)
+{
+	struct fault fault = {.text = ""};
+	struct lens read = {.width = 0};
+
+	write_file("their.yaml", text);
+	if (lens_read_foreign(&read, own_folder_path("their.yaml"), camera, &fault))
+		fail_msg("%s, of\n%s", fault.text, text);
+	assert_memory_equal(&read, expected, sizeof(read));
+	assert_int_equal(remove(own_folder_path("their.yaml")), 0);
+}
+
+static void test_dialects(void **state)
+{
+	static const char ros_2[] =
+		"header:\n  stamp:\n    sec: 3\n    nanosec: 0\n  frame_id: eye\nheight: 480\n"
+		"width: 640\ndistortion_model: plumb_bob\nd:\n- -0.25\n- 0.0625\n- 0.001\n- "
+		"-0.002\n- 0.0\nk:\n- 536.0\n- 0.0\n- 342.0\n- 0.0\n- 535.0\n- 235.0\n- 0.0\n- "
+		"0.0\n- 1.0\nr:\n- 1.0\nbinning_x: 0\nroi:\n  x_offset: 0\n  width: 0\n---\n"
+		"height: 1\nk:\n- 1\n---\n";
+	static const char xml[] =
+		"<?xml version=\"1.0\"?>\n<opencv_storage>\n<!-- made by\n hand -->\n"
+		"<calibration_time>\"Fri 20 "
+		"Nov\"</calibration_time>\n<image_Width>640</image_Width>"
+		"\n<image_Height>480</image_Height>\n<Camera_Matrix type_id=\"opencv-matrix\">\n"
+		"  <rows>3</rows>\n  <cols>3</cols>\n  <dt>d</dt>\n  <data>\n    5.36e+02 0. "
+		"3.42e+02 "
+		"0.\n    5.35e+02 235. 0. 0. 1.</data></Camera_Matrix>\n<grid><_>\n    1. "
+		"2.</_></grid>\n"
+		"<Distortion_Coefficients type_id=\"opencv-matrix\">\n  <rows>5</rows>\n"
+		"  <cols>1</cols>\n  <dt>d</dt>\n  <data>-0.25 0.0625 0.001 -0.002 0.</data>\n"
+		"</Distortion_Coefficients>\n</opencv_storage>\n";
+	static const char stored[] =
+		"%YAML:1.0\n---\nimage_size: [ 640, 480 ]\ncameraMatrix: !!opencv-matrix\n   rows: "
+		"3\n"
+		"   cols: 3\n   dt: d\n   data: [ 536., 0., 342., 0., 535., 235., 0., 0., 1. ]\n"
+		"distCoeffs: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
+		"   data: [ -0.25, 0.0625, 0.001, -0.002, 0. ]\n";
+	static const char melodic[] =
+		"image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix:\n  rows: "
+		"3\n"
+		"  cols: 3\n  data: [300, 0, 320, 0, 301, 240, 0, 0, 1]\ncamera_model: fisheye\n"
+		"distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [0.003, -0.001, 0, 0]\n";
+	const struct lens pinhole = {.width = 640,
+				     .height = 480,
+				     .focal_px = {536, 535},
+				     .centre_px = {342.5, 235.5},
+				     .term = {-0.25, 0.0625, 0.001, -0.002}};
+	const struct lens fisheye = {.fisheye = true,
+				     .width = 640,
+				     .height = 480,
+				     .focal_px = {300, 301},
+				     .centre_px = {320.5, 240.5},
+				     .term = {0.003, -0.001}};
+
+	(void)state;
+	assert_reads(ROS_1 ROS_1_END "---\n" ROS_1, NULL, &pinhole);
+	assert_reads(ros_2, NULL, &pinhole);
+	assert_reads(xml, NULL, &pinhole);
+	assert_reads(stored, NULL, &pinhole);
+	assert_reads(KALIBR, NULL, &pinhole);
+	assert_reads(KALIBR_BOTH, "cam0", &pinhole);
+	assert_reads(KALIBR_BOTH, "cam1", &fisheye);
+	assert_reads(melodic, NULL, &fisheye);
+}
+
+/* An omni camera with xi = 1 is a stereographic lens of half its focal length, and tangential terms
+ * are a shift of the centre as far as a fit can say. */
+static void test_omni(void **state)
+{
+	const struct fisheye_curve curve = {.model = FISHEYE_STEREOGRAPHIC};
+	struct lens lens = {.omni = true,
+			    .xi = 1,
+			    .width = 640,
+			    .height = 480,
+			    .focal_px = {400, 396},
+			    .centre_px = {321, 239}};
+	struct fisheye_curve found = {.model = FISHEYE_POLYNOMIAL};
+	double error_px;
+	struct fault fault;
+
+	(void)state;
+	assert_int_equal(lens_of_omni(&lens, 0.1, &error_px, &fault), 0);
+	assert_true(error_px < 0.01 && lens.fisheye && !lens.omni);
+	memcpy(found.k, lens.term, sizeof(found.k));
+	for (int n = 1; n <= 90; n++) {
+		const double theta = n * M_PI / 180;
+
+		expect_at_most(fabs(lens.focal_px[0] * fisheye_curve_radius(&found, theta) -
+				    200 * fisheye_curve_radius(&curve, theta)),
+			       0.02, "n=%d", n);
+	}
+	lens = (struct lens){.omni = true,
+			     .xi = 1.2,
+			     .width = 640,
+			     .height = 480,
+			     .focal_px = {400, 396},
+			     .centre_px = {321, 239},
+			     .term = {-0.1, 0.02, 0.02, -0.03}};
+	assert_int_equal(lens_of_omni(&lens, 0.1, &error_px, &fault), -ERANGE);
+	assert_non_null(strstr(fault.text, "--tolerance"));
 }
 
 static void test_damaged(void **state)
@@ -295,12 +419,13 @@ static void test_damaged(void **state)
 		{"", ": has no image_width and image_height, expected them here or by --size"},
 		{SIZE, ": has no camera_matrix"},
 		{SIZE OPENCV_CAMERA, ": has no distortion_coefficients"},
-		{"\x89PNG\r\n", ":1: \x89PNG: expected KEY: VALUE, as OpenCV and ROS write lenses"},
+		{"\x89PNG\r\n",
+		 ":1: \x89PNG: expected KEY: VALUE, as OpenCV, ROS and Kalibr write lenses"},
 		{"image_width: wide\n", ":1: image_width: expected a whole number from 1 to 32768"},
 		{"image_width: 0\n", ":1: image_width: expected a whole number from 1 to 32768"},
 		{SIZE "distortion_model: omni\n" OPENCV_CAMERA OPENCV_DISTORTION,
-		 ":3: distortion_model: omni, expected plumb_bob, rational_polynomial or "
-		 "equidistant"},
+		 ":3: distortion_model: omni, expected plumb_bob, radtan, rational_polynomial, "
+		 "equidistant or fisheye"},
 		{SIZE "distortion_model: equidistant\n" OPENCV_CAMERA OPENCV_DISTORTION,
 		 ":10: distortion_coefficients: 5 x 1 of them, expected one row of 4"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2,\n",
@@ -334,6 +459,30 @@ static void test_damaged(void **state)
 		 ":9: distortion_coefficients: number 9 is 0.5, expected 0: neither thin prisms "
 		 "nor "
 		 "tilted sensors are known here"},
+		{"<opencv_storage>\n<camera_matrix><rows>3</rows>\n",
+		 ":2: camera_matrix: expected its end before the file's"},
+		{"<storage>\n", ":1: storage: expected <opencv_storage>, as OpenCV writes XML"},
+		{"<opencv_storage><image_width>640</image_height>\n",
+		 ":1: image_height: expected the end of the element that began last"},
+		{KALIBR_BOTH, ":14: holds several cameras, cam0 and cam1: expected one of them by "
+			      "--camera"},
+		{"cam0:\n  camera_model: ds\n  intrinsics: [1, 2, 3, 4, 5, 6]\n  distortion_model: "
+		 "none\n  resolution: [640, 480]\n",
+		 ":2: camera_model: ds, expected pinhole or omni"},
+		{"cam0:\n  camera_model: pinhole\n  intrinsics: [1, 2, 3, 4]\n  distortion_model: "
+		 "fov\n  distortion_coeffs: [0.9]\n  resolution: [640, 480]\n",
+		 ":4: distortion_model: fov, expected plumb_bob, radtan, rational_polynomial, "
+		 "equidistant or fisheye"},
+		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4]\n  distortion_model: "
+		 "none\n  resolution: [640, 480]\n",
+		 ":3: intrinsics: expected [xi, fu, fv, pu, pv] with fu and fv above 0"},
+		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4, 5]\n  "
+		 "distortion_model: equidistant\n  distortion_coeffs: [0, 0, 0, 0]\n  "
+		 "resolution: [640, 480]\n",
+		 ":4: distortion_model: equidistant of an omni camera, expected radtan or none"},
+		{ROS_1 "binning_x: 2\n", ":13: the picture is binned or cut out (binning_x), but K "
+					 "is of the whole one: expected a "
+					 "message of the whole picture"},
 	};
 	struct fault fault;
 
@@ -345,14 +494,14 @@ static void test_damaged(void **state)
 		write_file("bad.yml", cases[k].text);
 		snprintf(expected, sizeof(expected), "%s%s", own_folder_path("bad.yml"),
 			 cases[k].fault);
-		expect_equal(lens_read_yaml(&lens, own_folder_path("bad.yml"), &fault), -EINVAL,
-			     "k=%zu", k);
+		expect_equal(lens_read_foreign(&lens, own_folder_path("bad.yml"), NULL, &fault),
+			     -EINVAL, "k=%zu", k);
 		assert_string_equal(fault.text, expected);
 	}
 	assert_int_equal(remove(own_folder_path("bad.yml")), 0);
-	assert_int_equal(
-		lens_read_yaml(&(struct lens){.width = 0}, own_folder_path("bad.yml"), &fault),
-		-ENOENT);
+	assert_int_equal(lens_read_foreign(&(struct lens){.width = 0}, own_folder_path("bad.yml"),
+					   NULL, &fault),
+			 -ENOENT);
 }
 
 /* A file that is cut anywhere is refused or, when only the end behind its last number is missing,
@@ -369,8 +518,8 @@ static void test_truncated(void **state)
 		memcpy(part, whole, bytes);
 		part[bytes] = '\0';
 		write_file("cut.yml", part);
-		expect_equal(lens_read_yaml(&lens, own_folder_path("cut.yml"), NULL), -EINVAL,
-			     "bytes=%zu", bytes);
+		expect_equal(lens_read_foreign(&lens, own_folder_path("cut.yml"), NULL, NULL),
+			     -EINVAL, "bytes=%zu", bytes);
 	}
 	assert_int_equal(remove(own_folder_path("cut.yml")), 0);
 }
@@ -403,6 +552,7 @@ int main(void)
 		cmocka_unit_test(test_distorts), cmocka_unit_test(test_undistorts),
 		cmocka_unit_test(test_terms),	 cmocka_unit_test(test_fisheyes),
 		cmocka_unit_test(test_fields),	 cmocka_unit_test(test_files),
+		cmocka_unit_test(test_dialects), cmocka_unit_test(test_omni),
 		cmocka_unit_test(test_damaged),	 cmocka_unit_test(test_truncated),
 		cmocka_unit_test(test_ini),
 	};

@@ -178,7 +178,8 @@ void test_written_by_opencv(void **)
 				matrix.convertTo(matrix, type);
 				distortion.convertTo(distortion, type);
 				write_theirs(own_folder_path("theirs.yml"), matrix, distortion);
-				if (lens_read_yaml(&read, own_folder_path("theirs.yml"), &wrong))
+				if (lens_read_foreign(&read, own_folder_path("theirs.yml"), NULL,
+						      &wrong))
 					fail_msg("%s", wrong.text);
 				assert_int_equal(read.width, 720);
 				assert_int_equal(read.fisheye, 0);

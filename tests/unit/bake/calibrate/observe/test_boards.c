@@ -39,6 +39,12 @@ static void test_parse(void **state)
 		{"chess:3x40:0.5mm", "chess:3x40:0.5mm"},
 		{"circles:4x11:20mm", "circles:4x11:20mm"},
 		{"charuco:8x6:30mm:22.5mm", "charuco:8x6:30mm:22.5mm"},
+		{"charuco:8x6:30mm:22mm:DICT_5X5_100", "charuco:8x6:30mm:22mm"},
+		{"charuco:8x6:30mm:22mm:dict_6x6_250:legacy", "charuco:8x6:30mm:22mm:6x6:legacy"},
+		{"charuco:8x6:30mm:22mm:LEGACY:7x7", "charuco:8x6:30mm:22mm:7x7:legacy"},
+		{"charuco:8x6:30mm:22mm:DICT_ARUCO_ORIGINAL", "charuco:8x6:30mm:22mm:original"},
+		{"charuco:8x6:30mm:22mm:DICT_APRILTAG_36h11",
+		 "charuco:8x6:30mm:22mm:apriltag_36h11"},
 	};
 	static const char *const wrong[] = {
 		"",
@@ -61,6 +67,12 @@ static void test_parse(void **state)
 		"charuco:8x6:30mm",
 		"charuco:8x6:30mm:30mm",
 		"charuco:8x6:30mm:22mm:1mm",
+		"charuco:8x6:30mm:22mm:8x8",
+		"charuco:8x6:30mm:22mm:6x6_200",
+		"charuco:8x6:30mm:22mm:6x6_250:",
+		"charuco:12x10:30mm:22mm:6x6_50",
+		"charuco:9x8:30mm:22mm:apriltag_16h5",
+		"9x6:25mm:legacy",
 		"circles:4x11:20mm:3mm",
 		"circles:4x10:20mm",
 	};
@@ -69,7 +81,7 @@ static void test_parse(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof(right) / sizeof(right[0]); i++) {
-		const struct board board = parsed(right[i][0]);
+		struct board board = parsed(right[i][0]);
 
 		board_name(&board, name);
 		assert_string_equal(name, right[i][1]);
@@ -85,7 +97,7 @@ static void test_parse(void **state)
 
 static void assert_place(const char *spec, int k, double x, double y)
 {
-	const struct board board = parsed(spec);
+	struct board board = parsed(spec);
 	double world[3];
 
 	board_point(&board, k, world);
@@ -156,7 +168,7 @@ static struct tsai_camera camera_of(const struct trial *trial, const struct boar
 /* Each point found has the right name, and is where the camera sees it. */
 static void find_drawn(const struct trial *trial)
 {
-	const struct board board = parsed(trial->board);
+	struct board board = parsed(trial->board);
 	const struct tsai_camera camera = camera_of(trial, &board);
 	const struct drawn_board drawn = {.board = &board,
 					  .camera = &camera,
@@ -254,11 +266,59 @@ static void test_drawn_charuco(void **state)
 	find_drawn(&(struct trial){board, 640, 480, 0.7, 1, 0, 20, 270, 1.6, 0.05, 0.2, 6});
 }
 
+/* ---- markers of any dictionary ---- */
+
+static void draw_markers(const char *spec, struct image *picture)
+{
+	struct board board = parsed(spec);
+	const struct trial trial = {spec, 640, 480, .tilt_deg = 25, .turn_deg = 250, .away = 3.5};
+	const struct tsai_camera camera = camera_of(&trial, &board);
+	const struct drawn_board drawn = {.board = &board, .camera = &camera, .blur_px = 0.7};
+
+	assert_int_equal(drawn_board_draw(&drawn, picture), 0);
+}
+
+/* Draws the board with all words and finds it without them. */
+static void find_markers(const char *size, const char *words, const char *found)
+{
+	struct observations all = {0};
+	struct fault fault = {{0}};
+	struct image picture;
+	struct board open = parsed(size);
+	char spec[BOARD_NAME_MAX], name[BOARD_NAME_MAX];
+
+	snprintf(spec, sizeof(spec), "%s%s", size, words);
+	draw_markers(spec, &picture);
+	if (board_find(&open, &picture, "drawn", &all, &fault))
+		fail_msg("%s: %s", spec, fault.text);
+	expect_equal(all.count, board_points(&open), "%s", spec);
+	board_name(&open, name);
+	snprintf(spec, sizeof(spec), "%s%s", size, found);
+	assert_string_equal(name, spec);
+	observations_free(&all);
+	image_free(&picture);
+}
+
+/* The dictionary and the layout of the squares are found, whatever they are; with an odd number of
+ * rows both layouts are the same. */
+static void test_any_markers(void **state)
+{
+	static const char *const words[] = {
+		"",	   ":4x4",	  ":6x6",	 ":7x7",	":original",
+		":legacy", ":4x4:legacy", ":6x6:legacy", ":7x7:legacy", ":original:legacy"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
+		find_markers("charuco:8x6:30mm:22mm", words[i], words[i]);
+	find_markers("charuco:8x7:30mm:22mm", ":legacy", "");
+	find_markers("charuco:7x6:30mm:22mm", ":4x4:legacy", ":4x4:legacy");
+}
+
 /* ---- what is none ---- */
 
 static void assert_none(const char *spec, const struct image *picture, const char *says)
 {
-	const struct board board = parsed(spec);
+	struct board board = parsed(spec);
 	struct observations all = {0};
 	struct fault fault = {{0}};
 
@@ -273,7 +333,7 @@ static void assert_none(const char *spec, const struct image *picture, const cha
 
 static void boards_draw(const struct trial *trial, struct image *picture)
 {
-	const struct board board = parsed(trial->board);
+	struct board board = parsed(trial->board);
 	const struct tsai_camera camera = camera_of(trial, &board);
 	const struct drawn_board drawn = {
 		.board = &board, .camera = &camera, .blur_px = trial->blur_px};
@@ -296,6 +356,28 @@ static void test_other_size(void **state)
 	assert_none("circles:4x11:20mm", &picture, "no such grid of circles");
 	assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
 	image_free(&picture);
+}
+
+/* A board whose markers are named otherwise than they are says which ones they are. */
+static void test_other_markers(void **state)
+{
+	static const char *const cases[][3] = {
+		{"charuco:8x6:30mm:22mm:4x4", "charuco:8x6:30mm:22mm:6x6", "a board of 4x4"},
+		{"charuco:8x6:30mm:22mm", "charuco:8x6:30mm:22mm:legacy", "a board of 5x5"},
+		{"charuco:8x6:30mm:22mm:7x7:legacy", "charuco:8x6:30mm:22mm:6x6:legacy",
+		 "a board of 7x7, legacy"},
+		{"charuco:8x6:30mm:22mm:6x6", "charuco:6x8:30mm:22mm",
+		 "24 markers of 6x6 are to be seen, but not beside each other"},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		struct image picture;
+
+		draw_markers(cases[i][0], &picture);
+		assert_none(cases[i][1], &picture, cases[i][2]);
+		image_free(&picture);
+	}
 }
 
 static void test_no_board(void **state)
@@ -336,7 +418,7 @@ static void test_no_board(void **state)
 /* A picture of another size cannot be of the same camera. */
 static void test_other_picture(void **state)
 {
-	const struct board board = parsed("9x6:25mm");
+	struct board board = parsed("9x6:25mm");
 	struct observations all = {.width = 640, .height = 480};
 	struct fault fault = {{0}};
 	struct image picture;
@@ -375,7 +457,7 @@ static double scale_of(const struct board *board, const struct observations *all
  */
 static void print_and_find(const char *spec, const char *page, double width_mm, double height_mm)
 {
-	const struct board board = parsed(spec);
+	struct board board = parsed(spec);
 	struct observations all = {0};
 	struct fault fault = {{0}};
 	struct image picture;
@@ -418,7 +500,7 @@ static void test_printed(void **state)
 
 static void test_not_printed(void **state)
 {
-	const struct board board = parsed("9x6:30mm");
+	struct board board = parsed("9x6:30mm");
 	struct fault fault;
 
 	(void)state;
@@ -436,7 +518,7 @@ static void test_not_printed(void **state)
 static void test_photographs(void **state)
 {
 	static const char *const sides[] = {"left", "right"};
-	const struct board board = parsed("9x6:25mm");
+	struct board board = parsed("9x6:25mm");
 	struct observations all = {0};
 	struct fault fault = {{0}};
 	struct image picture;
@@ -477,6 +559,7 @@ int main(void)
 		cmocka_unit_test(test_parse),	      cmocka_unit_test(test_points),
 		cmocka_unit_test(test_drawn_chess),   cmocka_unit_test(test_drawn_ambiguous),
 		cmocka_unit_test(test_drawn_circles), cmocka_unit_test(test_drawn_charuco),
+		cmocka_unit_test(test_any_markers),   cmocka_unit_test(test_other_markers),
 		cmocka_unit_test(test_other_size),    cmocka_unit_test(test_no_board),
 		cmocka_unit_test(test_other_picture), cmocka_unit_test(test_printed),
 		cmocka_unit_test(test_not_printed),   cmocka_unit_test(test_photographs),

@@ -93,10 +93,10 @@ static void write_config(const char *screen)
 	assert_int_equal(fclose(file), 0);
 }
 
-static int collected(const struct board *board, int views, struct observations *all,
+static int collected(struct board *board, int views, struct observations *all,
 		     struct image **pictures, int *count, struct fault *fault)
 {
-	const struct collect_settings settings = {.views = views, .patience_s = 60};
+	const struct collect_settings settings = {.views = views, .patience_s = 60, .world = 1};
 	struct live *live;
 	int err;
 

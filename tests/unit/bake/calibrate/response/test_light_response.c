@@ -247,6 +247,42 @@ static void a_wrong_time_is_named(void **state)
 	series_free(&s);
 }
 
+/* Shutters run in steps of a third of a stop, which are named by round numbers: 1/60 s is 1/64 s.
+ * Such times are refined, and the curve is as right as with the true ones. */
+static void rounded_times_are_refined(void **state)
+{
+	static const double rounding[EXPOSURES] = {1, 0.95, 1.055, 1.06, 0.97};
+	const struct chart_camera *camera = &cameras[CHART_SRGB];
+	struct light_response_settings settings = exact_times();
+	struct chance chance = chance_begin("light");
+	struct series s = {.found = {.samples = 0}};
+	double worst = 0;
+
+	(void)state;
+	for (int j = 0; j < EXPOSURES; j++)
+		settings.time[j] *= rounding[j];
+	series_take(&s, camera, 640, 480, &chance);
+	series_find(&s, camera->black, &settings);
+	for (int k = 4; k <= 28; k++)
+		worst = fmax(worst, fabs(s.found.curve.knot[k] / s.found.curve.knot[16] /
+						 chart_curve_decode(camera->curve, k / 32.0) *
+						 chart_curve_decode(camera->curve, 0.5) -
+					 1));
+	print_message("# rounded times: off by %.2f %%, said %.2f %%; %.1f times noise; %s\n",
+		      100 * worst, 100 * s.found.misfit, s.found.sigma,
+		      s.found.verdict.trusted ? "trusted" : s.found.verdict.reason);
+	assert_true(s.found.verdict.trusted && s.found.refined);
+	expect_at_most(worst, 0.05, "%s", "curve");
+	series_free(&s);
+	/* who knows may ask for less or accept more */
+	settings.misfit = 1e-4;
+	s = (struct series){.found = {.samples = 0}};
+	series_take(&s, camera, 320, 240, &chance);
+	series_find(&s, camera->black, &settings);
+	doubted(&s, "linear light is known to");
+	series_free(&s);
+}
+
 static void channels_of_their_own_are_doubted(void **state)
 {
 	const struct light_response_settings settings = exact_times();
@@ -306,6 +342,7 @@ int main(void)
 		cmocka_unit_test(times_are_refined),
 		cmocka_unit_test(clipped_and_dark_are_doubted),
 		cmocka_unit_test(a_moved_scene_is_doubted),
+		cmocka_unit_test(rounded_times_are_refined),
 		cmocka_unit_test(a_wrong_time_is_named),
 		cmocka_unit_test(channels_of_their_own_are_doubted),
 		cmocka_unit_test(wrong_use_is_refused),
