@@ -291,7 +291,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 		}
 		if (err || worst <= 1)
 			break;
-		allow_less(&allowed, &e->measure);
+		allow_less(&allowed, &e->measure, k);
 		encoder_limit(e);
 		try_watched(e);
 	}

@@ -17,6 +17,10 @@
 #define DOMINANT 0.2F
 #define LAMPS_OVER 3
 #define LAMPS_TRIED 2
+/* From this attempt on everything becomes finer, and by how much: noisy tiles may be off under a sky that no
+ * single light is to blame for. */
+#define ATTEMPTS_ALIKE 5
+#define FINER 0.75F
 
 void allow_all(const struct allowed *a)
 {
@@ -102,7 +106,7 @@ static void allow_ranks_less(const struct allowed *a, double worst)
 	}
 }
 
-void allow_less(const struct allowed *a, const struct measure *m)
+void allow_less(const struct allowed *a, const struct measure *m, int attempt)
 {
 	const double sky = measure_worst_sky(m);
 
@@ -111,4 +115,7 @@ void allow_less(const struct allowed *a, const struct measure *m)
 	    !(sky < LAMPS_OVER && a->allowance->lamps < LAMPS_TRIED && allow_lamps_less(a, m)))
 		allow_ranks_less(a, sky);
 	a->allowance->lamps++;
+	for (int k = 0; k < a->count && attempt >= ATTEMPTS_ALIKE; k++)
+		for (int i = 0; i < a->settings->lights; i++)
+			a->part[k].light_share[i] *= FINER;
 }

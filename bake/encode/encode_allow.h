@@ -28,7 +28,7 @@ struct allowed {
 /* Sets the allowances of the first attempt. */
 void allow_all(const struct allowed *allowed);
 
-/* Lowers them after an attempt whose errors are too large. */
-void allow_less(const struct allowed *allowed, const struct measure *measure);
+/* Lowers them after an attempt (0, 1, ...) whose errors are too large. */
+void allow_less(const struct allowed *allowed, const struct measure *measure, int attempt);
 
 #endif
