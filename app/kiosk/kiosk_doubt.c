@@ -67,6 +67,7 @@ static bool is_lit_outside(const struct frame_reader *reader, const struct fishe
 	return points >= CORNER_POINTS_MIN && 2 * lit > points;
 }
 
+/* Writes a sentence on why the light cannot be right; empty: it can. */
 static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 {
 	const struct eye *fisheye = &k->inputs.eyes.fisheye;
@@ -75,8 +76,6 @@ static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 	struct picture picture;
 	int outside;
 
-	if (!eye_has_picture(fisheye) || !pipeline_report(pipeline).lit)
-		return 0;
 	if (!eye_read(fisheye, &reader)) {
 		picture = eye_picture(fisheye);
 		reader = frame_reader_of(&picture);
@@ -95,18 +94,26 @@ static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 		outside, pipeline_dome(pipeline)->count);
 }
 
+void kiosk_look_for_doubt(struct kiosk *k)
+{
+	struct kiosk_inputs *in = &k->inputs;
+
+	if (!in->look_due || !eye_has_picture(&in->eyes.fisheye) ||
+	    !pipeline_report(k->picture.pipeline).lit)
+		return;
+	in->look_due = false;
+	in->doubt[0] = '\0';
+	in->doubted = find_doubt(k, in->doubt) > 0 ? in->doubted + 1 : 0;
+}
+
 int kiosk_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 {
 	struct kiosk_inputs *in = &k->inputs;
 	struct fault trouble = {.text = ""};
 
-	*text = '\0';
-	in->doubted = find_doubt(k, text) > 0 ? in->doubted + 1 : 0;
-	if (in->doubted > 0 && in->doubted < DOUBT_TICKS) {
-		*text = '\0';
-		return 0;
-	}
+	in->look_due = true;
+	snprintf(text, OVERLAY_TEXT_MAX, "%s", in->doubted >= DOUBT_TICKS ? in->doubt : "");
 	snprintf(trouble.text, sizeof(trouble.text), "%s", text);
-	kiosk_complain(&in->doubt_said, "light", in->doubted ? &trouble : NULL);
-	return in->doubted ? 1 : 0;
+	kiosk_complain(&in->doubt_said, "light", *text ? &trouble : NULL);
+	return *text ? 1 : 0;
 }

@@ -47,8 +47,10 @@ struct kiosk_inputs {
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
 	struct fault doubt_said; /* why the light is not believed; empty: it is */
 	int doubted;		 /* for how many seconds it has not been believed */
-	bool settled;		 /* each camera has been tried once, then the screen */
-	int64_t heard_ns;	 /* when the loop last handled events */
+	bool look_due;		 /* the next picture is looked at */
+	char doubt[OVERLAY_TEXT_MAX];
+	bool settled;	  /* each camera has been tried once, then the screen */
+	int64_t heard_ns; /* when the loop last handled events */
 };
 
 /* From light and background to the pictures of a view. */
@@ -225,6 +227,9 @@ void kiosk_control_read(struct kiosk *k);
 void kiosk_control_close(struct kiosk *k);
 
 /* ---- kiosk_doubt.c ---- */
+
+/* Looks at a picture whose light was just measured, once a second. */
+void kiosk_look_for_doubt(struct kiosk *k);
 
 /* Once a second: writes a sentence on why the light that is measured cannot be right, and logs it when it has
  * been so for ten seconds. Returns 1; 0: there is no doubt. */

@@ -226,6 +226,8 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		err = kiosk_measure_light(&k->inputs, &k->picture, fault);
 	if (err)
 		return err;
+	if (taken.fisheye)
+		kiosk_look_for_doubt(k);
 	stage_end(&stages, STAGE_SAMPLE);
 	if (taken.captured_ns)
 		follow_timeline(k);

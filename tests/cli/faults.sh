@@ -143,11 +143,11 @@ equal "ended in the middle of opening it ends in order" 0 $?
 
 # ---- light that cannot be right is said, after ten seconds in which it was ----
 start --set fisheye.camera=background --set fisheye.field=30
-check "no image circle where the lens has one is said" until_true 25 says "$work/run.log" \
+check "no image circle where the lens has one is said" until_true 60 says "$work/run.log" \
 	"has no image circle where its lens has one"
 stop
 start --set fisheye.centre="24 48"
-check "lights outside of the picture are said" until_true 25 says "$work/run.log" \
+check "lights outside of the picture are said" until_true 60 says "$work/run.log" \
 	"lights lie outside of the fisheye's picture"
 stop
 
