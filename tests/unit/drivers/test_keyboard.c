@@ -87,8 +87,8 @@ static void defaults(void **state)
 			fail_msg("%s", fault.text);
 		assert_int_equal(!options[key->offset], !strcmp(key->name, "quit"));
 	}
-	/* ACTION_NONE and the two actions that need a value have no key */
-	assert_int_equal(actions, ACTION_COUNT - 3);
+	/* ACTION_NONE and the three actions that need a value have no key */
+	assert_int_equal(actions, ACTION_COUNT - 4);
 	free(options);
 }
 

@@ -462,7 +462,8 @@ static void linear_and_8_bit_agree(void **state)
 		.estimator = ESTIMATOR_CELL, .curve = {.named = TRANSFER_LINEAR}, .gain = 1.7};
 	struct chance chance = chance_begin("sampler");
 	struct sampled_sky s = sky_of(9, &upright, 200, 160, &settings);
-	struct image image = {200, 160, NULL, calloc(200 * 160, 3 * sizeof(float))};
+	struct image image = {
+		.width = 200, .height = 160, .f32 = calloc(200 * 160, 3 * sizeof(float))};
 	float(*linear)[3] = calloc((size_t)s.dome.count, sizeof(*linear));
 
 	(void)state;
@@ -662,7 +663,8 @@ static void check_real_sky(const char *folder, const char *name)
 	const struct fisheye_settings turned = {.rotation_deg = {0, 0, 70}, .field_deg = 100};
 	struct sampled_sky s = sky_of(9, &turned, 640, 640, &by_cell);
 	double(*want)[3] = calloc((size_t)s.dome.count, sizeof(*want));
-	struct image image, photo = {640, 640, NULL, calloc(640 * 640, 3 * sizeof(float))};
+	struct image image,
+		photo = {.width = 640, .height = 640, .f32 = calloc(640 * 640, 3 * sizeof(float))};
 	const struct panorama p = {&image, 0.8, 1};
 	double scale = 0, error = 0, lights = 0, truth = 0;
 	char path[1024];

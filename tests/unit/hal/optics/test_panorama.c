@@ -23,7 +23,7 @@
 #define HEIGHT 32
 
 static float pixels[HEIGHT][WIDTH][3];
-static const struct image image = {WIDTH, HEIGHT, NULL, &pixels[0][0][0]};
+static const struct image image = {.width = WIDTH, .height = HEIGHT, .f32 = &pixels[0][0][0]};
 
 static void fill_random(struct chance *chance)
 {
