@@ -83,7 +83,10 @@ check "nor can the configuration be read" until_true 20 says "$work/run.log" "th
 equal "the camera's trouble is said once" 1 "$(said "$work/run.log" "camera fisheye: broken")"
 prlimit --pid "$inlay" --nofile="256:$hard"
 check "with descriptors it comes back" until_true 20 says "$work/run.log" "camera fisheye: fine again"
-equal "none has leaked" "$before" "$(descriptors)"
+as_before() { # it vanishes again after 4 s, which a busy machine may take to look
+	[ "$(descriptors)" -eq "$before" ]
+}
+check "none has leaked" until_true 30 as_before
 stop
 
 # ---- cameras that fall silent, send rubbish ----
@@ -92,7 +95,9 @@ check "a camera that will stall" shows_frames
 check "is named" until_true 20 says "$work/run.log" "camera background: stalled"
 check "the light goes on" moves_on
 check "given up, it is opened again" until_true 30 says "$work/run.log" "camera background: fine again"
-equal "all of that once" 1 "$(said "$work/run.log" "camera background: stalled")"
+fine=$(said "$work/run.log" "camera background: fine again") # it stalls again 4 s after each
+stalled=$(said "$work/run.log" "camera background: stalled")
+check "each stall is said once" test "$stalled" -le $((fine + 1))
 stop
 start --set camera.fisheye.sim.corrupt_every=3
 check "every third frame is rubbish" shows_frames
