@@ -358,11 +358,13 @@ static double sky_excess(const struct choose *s, const struct part *part, int t,
 	float by[PART_ROWS], lane[PART_PIXELS] = {0};
 	double square = 0;
 
-	for (int r = 0; r < rows; r++)
-		by[r] = gain[r] * left[r];
 	for (int c = 0; c < 3; c++)
-		for (int p = 0; p < part->pixels; p++)
-			lane[p] += by[c * part->pixels + p] * by[c * part->pixels + p];
+		for (int p = 0; p < part->pixels; p++) {
+			const int r = c * part->pixels + p;
+
+			by[r] = gain[r] * left[r];
+			lane[p] += by[r] * by[r];
+		}
 	for (int p = 0; p < part->pixels; p++)
 		square += (double)lane[p];
 	return fmax(sqrt(square / rows) / s->asked.rms,

@@ -122,6 +122,22 @@ static int jpeg_refuse(const struct jpeg_decoder *jpeg, const char *what, struct
 	return fault_say(fault, memory ? -ENOMEM : -EBADMSG, "%s: %s", what, jpeg->damage);
 }
 
+/* data begins with the start marker. A function of its own: longjmp() may spoil variables that change. */
+static int jpeg_decoder_read_header(struct jpeg_decoder *jpeg, const uint8_t *data, size_t bytes,
+				    int *width, int *height, struct fault *fault)
+{
+	if (setjmp(jpeg->failed))
+		return jpeg_refuse(jpeg, "not a JPEG picture", fault);
+	jpeg_abort_decompress(&jpeg->info);
+	jpeg->cut = false;
+	jpeg->damage[0] = '\0';
+	jpeg_mem_src(&jpeg->info, data, bytes);
+	jpeg_read_header(&jpeg->info, TRUE);
+	*width = (int)jpeg->info.image_width;
+	*height = (int)jpeg->info.image_height;
+	return 0;
+}
+
 int jpeg_decoder_open(struct jpeg_decoder *jpeg, const uint8_t *data, size_t bytes, int *width,
 		      int *height, struct fault *fault)
 {
@@ -129,16 +145,7 @@ int jpeg_decoder_open(struct jpeg_decoder *jpeg, const uint8_t *data, size_t byt
 
 	if (start == bytes)
 		return fault_say(fault, -EBADMSG, "not a JPEG picture: no start marker in it");
-	if (setjmp(jpeg->failed))
-		return jpeg_refuse(jpeg, "not a JPEG picture", fault);
-	jpeg_abort_decompress(&jpeg->info);
-	jpeg->cut = false;
-	jpeg->damage[0] = '\0';
-	jpeg_mem_src(&jpeg->info, data + start, bytes - start);
-	jpeg_read_header(&jpeg->info, TRUE);
-	*width = (int)jpeg->info.image_width;
-	*height = (int)jpeg->info.image_height;
-	return 0;
+	return jpeg_decoder_read_header(jpeg, data + start, bytes - start, width, height, fault);
 }
 
 /* Converts CMYK to R'G'B' in place of a profile: light that each ink leaves over. Adobe's programs

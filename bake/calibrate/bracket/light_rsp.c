@@ -35,7 +35,7 @@ static double polynomial_at(const struct polynomial *p, double u)
 static int read_polynomial(const struct text_file *file, struct polynomial *p, struct fault *fault)
 {
 	const char *at = file->line;
-	double number[ORDER_MAX + 2];
+	double number[ORDER_MAX + 2] = {0};
 	int count = 0;
 
 	for (at += strspn(at, " \t\r"); *at && *at != '#'; at += strspn(at, " \t\r"))

@@ -181,7 +181,7 @@ int textures_colour(struct textures *textures, const struct texture_name *colour
 		    const struct texture **texture, struct fault *fault)
 {
 	char path[PATH_MAX], cover_path[PATH_MAX];
-	struct texture *added;
+	struct texture *added = NULL;
 	struct image cover;
 	int err = texture_find(textures, colour, path, fault);
 
@@ -230,7 +230,7 @@ int textures_surface(struct textures *textures, const struct texture_name *rough
 {
 	char path[PATH_MAX], metal_path[PATH_MAX];
 	struct image rough = {.width = 0}, metal = {.width = 0};
-	struct texture *added;
+	struct texture *added = NULL;
 	int err = texture_find(textures, roughness, path, fault);
 
 	if (!err)
@@ -255,7 +255,7 @@ int textures_data(struct textures *textures, const struct texture_name *name,
 		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
 {
 	char path[PATH_MAX];
-	struct texture *added;
+	struct texture *added = NULL;
 	int err = texture_find(textures, name, path, fault);
 
 	if (!err)

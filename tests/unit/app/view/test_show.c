@@ -153,8 +153,8 @@ static struct guarded_screen shown_by(struct show *show, const struct show_reque
 		.fisheye = picture_of(&eyes.fisheye),
 		.background = picture_of(&eyes.background),
 		.scene = picture_of(&eyes.scene),
-		.marks = {pipeline_dome(pipeline), pipeline_lens(pipeline),
-			  pipeline_used(pipeline)},
+		.marks = {pipeline_dome(pipeline), pipeline_lens(pipeline), pipeline_used(pipeline),
+			  pipeline_radiance(pipeline)},
 	};
 	const struct backdrop backdrop = backdrop_of(&pictures.background.picture);
 
