@@ -169,8 +169,8 @@ static void test_texture_names(void **state)
 		"map_Kd ./check er.png",
 		"map_Kd .\\Check er.png",
 		"map_Kd /no/where/Check er.png",
-		"map_Kd -s 1 1 1 -o 0 0 -blendu on -mm 0 1 -bm 1 -clamp off -imfchan l Check "
-		"er.png",
+		"map_Kd -s 1 1 1 -o 0 0 -blendu on -mm 0 1 -bm 1 -clamp off Check er.png",
+		"map_Kd -imfchan l Check er.png",
 		"Kd 1 1 1\nillum 0\nMAP_KD Check er.png",
 	};
 

@@ -636,13 +636,13 @@ static void png_kinds(void **state)
 		uint8_t expected[6];
 		uint8_t alpha[2];
 	} cases[] = {
-		{8, PNG_COLOR_TYPE_RGB, rgb, {1, 2, 3, 255, 254, 253}},
+		{8, PNG_COLOR_TYPE_RGB, rgb, {1, 2, 3, 255, 254, 253}, {0}},
 		{8, PNG_COLOR_TYPE_RGBA, rgba, {1, 2, 3, 255, 254, 253}, {0, 9}},
-		{8, PNG_COLOR_TYPE_GRAY, grey, {7, 7, 7, 200, 200, 200}},
+		{8, PNG_COLOR_TYPE_GRAY, grey, {7, 7, 7, 200, 200, 200}, {0}},
 		{8, PNG_COLOR_TYPE_GRAY_ALPHA, grey_alpha, {7, 7, 7, 200, 200, 200}, {0, 255}},
-		{1, PNG_COLOR_TYPE_GRAY, bits, {0, 0, 0, 255, 255, 255}},
-		{8, PNG_COLOR_TYPE_PALETTE, indices, {10, 20, 30, 70, 80, 90}},
-		{16, PNG_COLOR_TYPE_RGB, deep, {1, 128, 254, 255, 0, 1}},
+		{1, PNG_COLOR_TYPE_GRAY, bits, {0, 0, 0, 255, 255, 255}, {0}},
+		{8, PNG_COLOR_TYPE_PALETTE, indices, {10, 20, 30, 70, 80, 90}, {0}},
+		{16, PNG_COLOR_TYPE_RGB, deep, {1, 128, 254, 255, 0, 1}, {0}},
 	};
 
 	(void)state;
