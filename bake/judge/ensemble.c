@@ -26,6 +26,8 @@ enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
 /* The same in two dimensions: the inverse of the plastic number, and its square. */
 #define PLASTIC 0.7548776662466927
 
+const double ensemble_blue[3] = {0.8, 1, 1.25};
+
 double ensemble_projected_sr(const struct basis_light *light)
 {
 	return light->solid_angle_sr * fmax(light->direction[2], ENSEMBLE_LOWEST);
@@ -83,26 +85,32 @@ static void even_skies(struct ensemble *e, const struct basis_light *lights, int
 void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
 		  float *radiance)
 {
-	static const double blue[3] = {0.8, 1, 1.25};
 	const double sun = size * level_light(lights, count) / ensemble_projected_sr(&lights[cell]);
 
 	for (int c = 0; c < 3; c++) {
 		float *to = radiance + (size_t)c * (size_t)count;
 
 		for (int i = 0; i < count; i++)
-			to[i] = (float)blue[c];
+			to[i] = (float)ensemble_blue[c];
 		to[cell] += (float)sun;
 	}
 }
 
 static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sky,
-		    double height_deg, double size)
+		    double height_deg, double size, struct ensemble_sun *sun)
 {
+	const double level = level_light(lights, e->lights);
 	double dir[3];
+	int cell;
 
 	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
-	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), size,
-		     sky_channel(e, sky, 0));
+	cell = nearest_light(lights, e->lights, dir);
+	ensemble_sun(lights, e->lights, cell, size, sky_channel(e, sky, 0));
+	*sun = (struct ensemble_sun){
+		.cell = cell,
+		.radiance = size * level / ensemble_projected_sr(&lights[cell]),
+		.white = (ensemble_blue[2] + size) * level / M_PI,
+	};
 }
 
 /* Three small lamps of red, green and blue in a dim room. */
@@ -216,6 +224,7 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	static const double height_deg[SUN_HEIGHTS] = {75, 45, 25, 10};
 	int sky = EVEN;
 
+	_Static_assert(SUN_HEIGHTS * SUN_SIZES + STRONG_SUNS == ENSEMBLE_SUNS, "all are noted");
 	_Static_assert(SKIES + ENSEMBLE_OWN_MAX <= ENSEMBLE_SKIES_MAX, "there is room for all");
 	*ensemble = (struct ensemble){.lights = count, .skies = SKIES, .tried = TRIED};
 	ensemble->radiance = calloc((size_t)SKIES * 3 * (size_t)count, sizeof(*ensemble->radiance));
@@ -223,8 +232,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		return -ENOMEM;
 	even_skies(ensemble, lights, 0);
 	for (int k = 0; k < SUN_HEIGHTS * SUN_SIZES; k++, sky++)
-		sky_sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS],
-			k < SUN_HEIGHTS ? 1 : 4);
+		sky_sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS], k < SUN_HEIGHTS ? 1 : 4,
+			&ensemble->sun[k]);
 	for (int k = 0; k < LAMPS; k++, sky++)
 		sky_lamps(ensemble, lights, sky);
 	for (int k = 0; k < WINDOWS; k++, sky++)
@@ -232,7 +241,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	for (int k = 0; k < RANDOM; k++, sky++)
 		sky_unlike(ensemble, sky);
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)
-		sky_sun(ensemble, lights, sky, height_deg[k], 16);
+		sky_sun(ensemble, lights, sky, height_deg[k], 16,
+			&ensemble->sun[SUN_HEIGHTS * SUN_SIZES + k]);
 	for (int k = 0; k < DUSKS; k++, sky++)
 		sky_dusk(ensemble, lights, sky, k);
 	for (int k = 0; k < ROOMS; k++, sky++)

@@ -32,12 +32,22 @@
  * the horizon a camera has something upright in view. */
 #define ENSEMBLE_LOWEST 0.05
 
+#define ENSEMBLE_SUNS 12
+
+/* One of the skies of ensemble_sun(). */
+struct ensemble_sun {
+	int cell;
+	double radiance; /* of the cell, beside the sky's own */
+	double white;	 /* radiance of white level ground, in its brightest channel */
+};
+
 struct ensemble {
 	int lights, skies;
 	int tried;	 /* ranks are chosen for the first `tried` skies; the others are watched */
 	float *radiance; /* [skies][3][lights]: L_i */
 	/* Linear light of the object's brightest spot, or of white ground, in the picture. */
 	float exposure[ENSEMBLE_SKIES_MAX];
+	struct ensemble_sun sun[ENSEMBLE_SUNS]; /* among the skies */
 };
 
 /* Errors in levels, as sums that can be added up over tiles. */
@@ -55,7 +65,10 @@ void ensemble_free(struct ensemble *ensemble); /* idempotent; zeroed is fine */
  * level ground per radiance. */
 double ensemble_projected_sr(const struct basis_light *light);
 
-/* Sets radiance [3][count] to a blue sky with a sun in one cell, which sends `size` times as much
+/* Blue of the sky around a sun, by channel. */
+extern const double ensemble_blue[3];
+
+/* Sets radiance [3][count] to a sky of ensemble_blue with a sun in one cell, which sends `size` times as much
  * light to level ground as the rest of the sky. */
 void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
 		  float *radiance);

@@ -205,7 +205,7 @@ struct basis_info_chunk {
 	 *   sky_rms, sky_max    the worst of an ensemble of lightings: overcast, suns, random
 	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them)
 	 * noise_levels  estimated standard error of the render, in 8-bit sRGB levels, RMS over
-	 *               stored pixels under a uniform sky of radiance 1; 0: unknown
+	 *               the pixels that the object changes, under the ensemble's suns; 0: unknown
 	 */
 	double column_cut;
 	double object_error;
