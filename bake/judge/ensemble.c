@@ -16,8 +16,9 @@ enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define DIM_STEP 5
 #define DIM_EXPOSURE 0.125F
 #define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
-enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
-#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS)
+enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24, WATCHED_SUNS = 48 };
+#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS + WATCHED_SUNS)
+#define STRONG_SIZE 16
 #define ROOM_LIGHTS 5
 
 /* Heights and azimuths of suns and lamps are multiples of the golden ratio, so that no two
@@ -111,6 +112,17 @@ static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sk
 		.radiance = size * level / ensemble_projected_sr(&lights[cell]),
 		.white = (ensemble_blue[2] + size) * level / M_PI,
 	};
+}
+
+/* A strong sun over a white background, anywhere down to the horizon. */
+static void sky_strong(struct ensemble *e, const struct basis_light *lights, int sky, int number)
+{
+	double dir[3];
+
+	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
+	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), STRONG_SIZE,
+		     sky_channel(e, sky, 0));
+	e->strong[sky] = true;
 }
 
 /* Three small lamps of red, green and blue in a dim room. */
@@ -241,7 +253,7 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	for (int k = 0; k < RANDOM; k++, sky++)
 		sky_unlike(ensemble, sky);
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)
-		sky_sun(ensemble, lights, sky, height_deg[k], 16,
+		sky_sun(ensemble, lights, sky, height_deg[k], STRONG_SIZE,
 			&ensemble->sun[SUN_HEIGHTS * SUN_SIZES + k]);
 	for (int k = 0; k < DUSKS; k++, sky++)
 		sky_dusk(ensemble, lights, sky, k);
@@ -253,6 +265,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		sky_window(ensemble, lights, sky, WINDOWS + k);
 	for (int k = 0; k < WATCHED_DUSKS; k++, sky++)
 		sky_dusk(ensemble, lights, sky, DUSKS + k);
+	for (int k = 0; k < WATCHED_SUNS; k++, sky++)
+		sky_strong(ensemble, lights, sky, k);
 	return 0;
 }
 

@@ -14,7 +14,8 @@
  * Most windows and dusks are only watched: ranks are chosen without them, but blocks are
  * measured under them too, and where one shows too large an error the tile tries it from then on.
  * Columns that should not be left out show under few of these skies, and few tiles need any of
- * them.
+ * them. So are suns in many other cells, over a white background, where what is left out of the rest
+ * of the sky shows most: in the deepest shadow.
  *
  * Errors are in 8-bit sRGB levels of the composite, against the transport before any cut, over the
  * pixels of the blocks: the object's own light over a background, which is the ground's under skies
@@ -23,9 +24,11 @@
 #ifndef INLAY_BAKE_JUDGE_ENSEMBLE_H
 #define INLAY_BAKE_JUDGE_ENSEMBLE_H
 
+#include <stdbool.h>
+
 #include "hal/basis/basis_format.h"
 
-#define ENSEMBLE_SKIES_MAX 240
+#define ENSEMBLE_SKIES_MAX 288
 #define ENSEMBLE_OWN_MAX 8 /* how many of these a tile adds */
 
 /* Least sine of a cell's height, where its light on level ground sets the exposure: with a lamp on
@@ -47,6 +50,9 @@ struct ensemble {
 	float *radiance; /* [skies][3][lights]: L_i */
 	/* Linear light of the object's brightest spot, or of white ground, in the picture. */
 	float exposure[ENSEMBLE_SKIES_MAX];
+	/* Nearly all light is from one cell: the background is white, as under a cell alone, and
+	 * errors count as those of a cell alone. */
+	bool strong[ENSEMBLE_SKIES_MAX];
 	struct ensemble_sun sun[ENSEMBLE_SUNS]; /* among the skies */
 };
 
