@@ -193,7 +193,8 @@ static void print_poses(const struct basis *basis)
 
 static void print_errors(const struct basis_info_chunk *info)
 {
-	printf("measured error in 8-bit levels: skies %.3g RMS, %.3g at most; single cells %.3g "
+	printf("measured error in 8-bit levels, nothing overexposed: skies %.3g RMS, %.3g at most; "
+	       "single cells %.3g "
 	       "RMS, %.3g at most; noise %.3g\n",
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
 	printf("bounds under any lighting: object %.3g of the light sent, ratio %.3g; columns that "

@@ -102,6 +102,7 @@ UNIT_TESTS := \
 	tests/unit/bake/sky/test_sky_parts.c \
 	tests/unit/bake/sky/test_sun.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
+	tests/unit/bake/tiles/test_bake_noise.c \
 	tests/unit/bake/tiles/test_shard.c \
 	tests/unit/bake/trace/test_bake_bounce.c \
 	tests/unit/bake/trace/test_bake_cache.c \

@@ -355,6 +355,8 @@ static double sky_excess(const struct choose *s, const struct part *part, int t,
 {
 	const int rows = 3 * part->pixels;
 	const float *gain = s->gain + t * rows;
+	const double most = s->asked.max * encode_sky_most(s->settings, s->shade->tried[t]) /
+			    s->settings->target.max;
 	float by[PART_ROWS], lane[PART_PIXELS] = {0};
 	double square = 0;
 
@@ -367,8 +369,7 @@ static double sky_excess(const struct choose *s, const struct part *part, int t,
 		}
 	for (int p = 0; p < part->pixels; p++)
 		square += (double)lane[p];
-	return fmax(sqrt(square / rows) / s->asked.rms,
-		    (double)part_magnitude(by, rows) / s->asked.max);
+	return fmax(sqrt(square / rows) / s->asked.rms, (double)part_magnitude(by, rows) / most);
 }
 
 /* Lowers the plan's share of the cut until a sky holds. A sky that has held at a larger share is

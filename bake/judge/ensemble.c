@@ -16,8 +16,9 @@ enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define DIM_STEP 5
 #define DIM_EXPOSURE 0.125F
 #define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
-enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
-#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS)
+enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24, WATCHED_SUNS = 48 };
+#define SKIES (TRIED + WATCHED_WINDOWS + WATCHED_DUSKS + WATCHED_SUNS)
+#define STRONG_SIZE 16
 #define ROOM_LIGHTS 5
 
 /* Heights and azimuths of suns and lamps are multiples of the golden ratio, so that no two
@@ -25,6 +26,8 @@ enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24 };
 #define GOLDEN 0.6180339887498949
 /* The same in two dimensions: the inverse of the plastic number, and its square. */
 #define PLASTIC 0.7548776662466927
+
+const double ensemble_blue[3] = {0.8, 1, 1.25};
 
 double ensemble_projected_sr(const struct basis_light *light)
 {
@@ -83,26 +86,43 @@ static void even_skies(struct ensemble *e, const struct basis_light *lights, int
 void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
 		  float *radiance)
 {
-	static const double blue[3] = {0.8, 1, 1.25};
 	const double sun = size * level_light(lights, count) / ensemble_projected_sr(&lights[cell]);
 
 	for (int c = 0; c < 3; c++) {
 		float *to = radiance + (size_t)c * (size_t)count;
 
 		for (int i = 0; i < count; i++)
-			to[i] = (float)blue[c];
+			to[i] = (float)ensemble_blue[c];
 		to[cell] += (float)sun;
 	}
 }
 
 static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sky,
-		    double height_deg, double size)
+		    double height_deg, double size, struct ensemble_sun *sun)
+{
+	const double level = level_light(lights, e->lights);
+	double dir[3];
+	int cell;
+
+	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
+	cell = nearest_light(lights, e->lights, dir);
+	ensemble_sun(lights, e->lights, cell, size, sky_channel(e, sky, 0));
+	*sun = (struct ensemble_sun){
+		.cell = cell,
+		.radiance = size * level / ensemble_projected_sr(&lights[cell]),
+		.white = (ensemble_blue[2] + size) * level / M_PI,
+	};
+}
+
+/* A strong sun over a white background, anywhere down to the horizon. */
+static void sky_strong(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	double dir[3];
 
-	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
-	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), size,
+	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
+	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), STRONG_SIZE,
 		     sky_channel(e, sky, 0));
+	e->strong[sky] = true;
 }
 
 /* Three small lamps of red, green and blue in a dim room. */
@@ -216,6 +236,7 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	static const double height_deg[SUN_HEIGHTS] = {75, 45, 25, 10};
 	int sky = EVEN;
 
+	_Static_assert(SUN_HEIGHTS * SUN_SIZES + STRONG_SUNS == ENSEMBLE_SUNS, "all are noted");
 	_Static_assert(SKIES + ENSEMBLE_OWN_MAX <= ENSEMBLE_SKIES_MAX, "there is room for all");
 	*ensemble = (struct ensemble){.lights = count, .skies = SKIES, .tried = TRIED};
 	ensemble->radiance = calloc((size_t)SKIES * 3 * (size_t)count, sizeof(*ensemble->radiance));
@@ -223,8 +244,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		return -ENOMEM;
 	even_skies(ensemble, lights, 0);
 	for (int k = 0; k < SUN_HEIGHTS * SUN_SIZES; k++, sky++)
-		sky_sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS],
-			k < SUN_HEIGHTS ? 1 : 4);
+		sky_sun(ensemble, lights, sky, height_deg[k % SUN_HEIGHTS], k < SUN_HEIGHTS ? 1 : 4,
+			&ensemble->sun[k]);
 	for (int k = 0; k < LAMPS; k++, sky++)
 		sky_lamps(ensemble, lights, sky);
 	for (int k = 0; k < WINDOWS; k++, sky++)
@@ -232,7 +253,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 	for (int k = 0; k < RANDOM; k++, sky++)
 		sky_unlike(ensemble, sky);
 	for (int k = 0; k < STRONG_SUNS; k++, sky++)
-		sky_sun(ensemble, lights, sky, height_deg[k], 16);
+		sky_sun(ensemble, lights, sky, height_deg[k], STRONG_SIZE,
+			&ensemble->sun[SUN_HEIGHTS * SUN_SIZES + k]);
 	for (int k = 0; k < DUSKS; k++, sky++)
 		sky_dusk(ensemble, lights, sky, k);
 	for (int k = 0; k < ROOMS; k++, sky++)
@@ -243,6 +265,8 @@ int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights,
 		sky_window(ensemble, lights, sky, WINDOWS + k);
 	for (int k = 0; k < WATCHED_DUSKS; k++, sky++)
 		sky_dusk(ensemble, lights, sky, DUSKS + k);
+	for (int k = 0; k < WATCHED_SUNS; k++, sky++)
+		sky_strong(ensemble, lights, sky, k);
 	return 0;
 }
 

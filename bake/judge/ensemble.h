@@ -14,7 +14,8 @@
  * Most windows and dusks are only watched: ranks are chosen without them, but blocks are
  * measured under them too, and where one shows too large an error the tile tries it from then on.
  * Columns that should not be left out show under few of these skies, and few tiles need any of
- * them.
+ * them. So are suns in many other cells, over a white background, where what is left out of the rest
+ * of the sky shows most: in the deepest shadow.
  *
  * Errors are in 8-bit sRGB levels of the composite, against the transport before any cut, over the
  * pixels of the blocks: the object's own light over a background, which is the ground's under skies
@@ -23,14 +24,25 @@
 #ifndef INLAY_BAKE_JUDGE_ENSEMBLE_H
 #define INLAY_BAKE_JUDGE_ENSEMBLE_H
 
+#include <stdbool.h>
+
 #include "hal/basis/basis_format.h"
 
-#define ENSEMBLE_SKIES_MAX 240
+#define ENSEMBLE_SKIES_MAX 288
 #define ENSEMBLE_OWN_MAX 8 /* how many of these a tile adds */
 
 /* Least sine of a cell's height, where its light on level ground sets the exposure: with a lamp on
  * the horizon a camera has something upright in view. */
 #define ENSEMBLE_LOWEST 0.05
+
+#define ENSEMBLE_SUNS 12
+
+/* One of the skies of ensemble_sun(). */
+struct ensemble_sun {
+	int cell;
+	double radiance; /* of the cell, beside the sky's own */
+	double white;	 /* radiance of white level ground, in its brightest channel */
+};
 
 struct ensemble {
 	int lights, skies;
@@ -38,6 +50,10 @@ struct ensemble {
 	float *radiance; /* [skies][3][lights]: L_i */
 	/* Linear light of the object's brightest spot, or of white ground, in the picture. */
 	float exposure[ENSEMBLE_SKIES_MAX];
+	/* Nearly all light is from one cell: the background is white, as under a cell alone, and
+	 * errors count as those of a cell alone. */
+	bool strong[ENSEMBLE_SKIES_MAX];
+	struct ensemble_sun sun[ENSEMBLE_SUNS]; /* among the skies */
 };
 
 /* Errors in levels, as sums that can be added up over tiles. */
@@ -55,7 +71,10 @@ void ensemble_free(struct ensemble *ensemble); /* idempotent; zeroed is fine */
  * level ground per radiance. */
 double ensemble_projected_sr(const struct basis_light *light);
 
-/* Sets radiance [3][count] to a blue sky with a sun in one cell, which sends `size` times as much
+/* Blue of the sky around a sun, by channel. */
+extern const double ensemble_blue[3];
+
+/* Sets radiance [3][count] to a sky of ensemble_blue with a sun in one cell, which sends `size` times as much
  * light to level ground as the rest of the sky. */
 void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
 		  float *radiance);

@@ -95,7 +95,9 @@ static void expose_ground(struct part *part, const struct encode_settings *setti
 
 		for (int i = 0; i < n; i++)
 			x[i] = all[c] > 0 ? (float)(u[i] * (double)l[i] / all[c]) : 0;
-		part->sky_offset[sky][c] = white > 0 ? (float)(all[c] / white) : 0;
+		part->sky_offset[sky][c] = settings->ensemble->strong[sky] ? 1
+					   : white > 0			   ? (float)(all[c] / white)
+									   : 0;
 		part->sky_slope[sky][c] = -part->sky_offset[sky][c];
 	}
 }

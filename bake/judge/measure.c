@@ -125,6 +125,7 @@ static double measure_compare(const struct measure *m, double *most)
 static double sky_error(struct measure *m, const struct part *parts,
 			const struct block_reader *readers, int count, int sky, double *most)
 {
+	const bool strong = m->settings->ensemble->strong[sky];
 	double white = 0;
 
 	memset(&m->picture, 0, sizeof(m->picture));
@@ -138,7 +139,7 @@ static double sky_error(struct measure *m, const struct part *parts,
 
 		block_reader_sky(&readers[k], sky, m->sums[k].got);
 		for (size_t c = 0; c < 3; c++) {
-			back[c] = factor * parts[k].sky_offset[sky][c];
+			back[c] = (strong ? 1 : factor) * parts[k].sky_offset[sky][c];
 			memcpy(m->sums[k].is[c], is + c * pixels, pixels * sizeof(*is));
 		}
 		add_part(m, parts, k, factor, back);
@@ -197,14 +198,19 @@ static void measure_skies(struct measure *m, const struct part *parts,
 	const struct encode_target *target = &m->settings->target;
 
 	for (int s = 0; s < m->settings->ensemble->skies; s++) {
+		const double limit = encode_sky_most(m->settings, s);
 		double most;
 		const double square = sky_error(m, parts, readers, count, s, &most);
 
 		error->sky_square[s] = square;
-		error->sky_max = fmax(error->sky_max, most);
+		/* where a light alone may be off by more, a strong one counts as alone */
+		if (limit > target->max)
+			error->cell_max = fmax(error->cell_max, most);
+		else
+			error->sky_max = fmax(error->sky_max, most);
 		m->sky_rms[s] = (sqrt(square / fmax(error->sky_count, 1)) + DIFFERENCE_ERROR) /
 				target->rms;
-		m->sky_most[s] = (most + DIFFERENCE_ERROR) / target->max;
+		m->sky_most[s] = (most + DIFFERENCE_ERROR) / limit;
 	}
 }
 

@@ -25,7 +25,7 @@ struct encode_samples {
 /* Largest error of the shown layer, in 8-bit sRGB levels. */
 struct encode_target {
 	double rms, max; /* under each sky of the ensemble, in each tile: RMS, and of any pixel */
-	double cell;	 /* of any pixel under any single cell */
+	double cell;	 /* of any pixel under any single cell, alone or strong */
 };
 
 struct encode_settings {
@@ -42,5 +42,14 @@ struct encode_settings {
 	bool exact;	   /* make the exact layer too */
 			   /* All that is pointed to must outlive the encoder. */
 };
+
+/* What a pixel may be off by under a sky, in levels. */
+static inline double encode_sky_most(const struct encode_settings *settings, int sky)
+{
+	const struct encode_target *target = &settings->target;
+
+	return settings->ensemble->strong[sky] && target->cell > target->max ? target->cell
+									     : target->max;
+}
 
 #endif

@@ -19,6 +19,9 @@ int shade_create(struct shade *shade, const struct encode_settings *settings)
 
 	*shade = (struct shade){.common = common, .skies = *common};
 	shade->skies.skies += OWN;
+	memset(shade->skies.strong + common->tried, 0, OWN * sizeof(*shade->skies.strong));
+	memcpy(shade->skies.strong + common->tried + OWN, common->strong + common->tried,
+	       (size_t)(common->skies - common->tried) * sizeof(*common->strong));
 	shade->skies.radiance = calloc((size_t)shade->skies.skies * sky,
 				       sizeof(*shade->skies.radiance));
 	return shade->skies.radiance ? 0 : -ENOMEM;

@@ -10,7 +10,7 @@
 #include "bake/scene/keyframes.h"
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
-#include "bake/tiles/tile.h"
+#include "bake/tiles/tile_noise.h"
 #include "bake/trace/cache_make.h"
 #include "hal/base/pool.h"
 
@@ -118,6 +118,7 @@ static int create_tiles(struct render_job *job)
 		.ratio_cut = RATIO_SHARE / LEVELS_OF_RATIO *
 			     fmin(job->settings.target.rms, job->settings.target.cell),
 		.seed = (uint64_t)job->settings.seed,
+		.ensemble = &job->ensemble,
 	};
 	int err = 0;
 
@@ -181,8 +182,8 @@ static void account_for(const struct tile *tile, const struct encode_result *res
 		.error = result->error,
 		.object_error = result->object_error,
 		.ratio_error = fmax(result->ratio_error, tile->ratio_error),
-		.noise_square = tile->noise_square,
-		.noise_count = tile->noise_count,
+		.noise_square = tile->noise->square,
+		.noise_count = tile->noise->count,
 		.rays = tile->transport.ray_count,
 	};
 	memcpy(account->coverage, tile->coverage, sizeof(account->coverage));

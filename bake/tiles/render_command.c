@@ -358,7 +358,7 @@ const struct bake_command render_command = {
 		"  --size WxH      of the picture\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"
-		"                  in 8-bit levels under a uniform sky\n" ENCODING_HELP
+		"                  in 8-bit levels under suns\n" ENCODING_HELP
 		"  --seed K        of all random numbers; the same file whatever the threads\n"
 		"  --pose P        only this one of the scene's poses: its number, from 0, or "
 		"name\n"

@@ -10,7 +10,6 @@
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
 
-#define BATCH_FEWEST 4	   /* batches below which their spread says nothing */
 #define BATCH_SAMPLES 4	   /* samples a pixel and batch, when there is a target for the noise */
 #define SAMPLES_MOST 16384 /* samples a pixel at which the target for the noise is given up */
 
@@ -43,6 +42,8 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 	err = transport_create(&tile->transport, scene->world, cells, bounces);
 	if (!err)
 		err = bounce_create(&tile->bounce, cells->count);
+	if (!err)
+		err = tile_noise_create(tile);
 	if (!err)
 		err = create_rows(tile, TILE_OBJECT, 3);
 	if (!err)
@@ -77,6 +78,8 @@ void tile_free(struct tile *tile)
 	}
 	free(tile->even_sky);
 	tile->even_sky = NULL;
+	free(tile->noise);
+	tile->noise = NULL;
 }
 
 /* ---- samples ---- */
@@ -152,6 +155,7 @@ static void find_changes(struct tile *tile)
 static void run_batch(struct tile *tile, int samples)
 {
 	tile->batches++;
+	tile_noise_begin(tile, samples);
 	for (int y = 0; y < tile->height; y++)
 		for (int x = 0; x < tile->width; x++) {
 			const int at = y * BASIS_TILE + x;
@@ -159,7 +163,7 @@ static void run_batch(struct tile *tile, int samples)
 			for (int k = 0; k < samples; k++)
 				tile_add_sample(tile, at, (uint32_t)(tile->samples + k));
 			profile_enter(PROFILE_FILTER);
-			tile_noise_add(tile, at, samples);
+			tile_noise_add(tile, at);
 		}
 	tile->samples += samples;
 	tile->half_samples[tile_half_of_batch(tile)] += samples;
@@ -173,7 +177,7 @@ static void run_batches(struct tile *tile)
 	if (s->noise_levels > 0) {
 		do
 			run_batch(tile, BATCH_SAMPLES);
-		while (tile->batches < BATCH_FEWEST ||
+		while (!tile_noise_ready(tile) ||
 		       (tile_noise_judge(tile) > s->noise_levels && tile->samples < SAMPLES_MOST));
 	} else {
 		const int batches = s->samples < 8 ? s->samples : 8;
@@ -181,7 +185,6 @@ static void run_batches(struct tile *tile)
 		for (int k = 0; k < batches; k++)
 			run_batch(tile, s->samples * (k + 1) / batches - s->samples * k / batches);
 	}
-	tile_noise_judge(tile);
 }
 
 /* ---- finishing ---- */
@@ -231,8 +234,10 @@ static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t
 		.scale = ratio ? tile->ratio_scale : tile->radiance_scale,
 	};
 
-	if (tile->half_samples[1])
-		bounce_filter(&tile->bounce, &halves);
+	if (!tile->half_samples[1])
+		return;
+	bounce_filter(&tile->bounce, &halves);
+	tile_noise_filtered(tile, kind, pixel, pixels);
 }
 
 static void tile_add_part(struct tile *tile, enum tile_kind kind, enum basis_kind basis_kind,
@@ -363,6 +368,7 @@ static void finish_difference(struct tile *tile)
 static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
+	tile_noise_clear(tile);
 	tile->batches = tile->samples = tile->part_count = 0;
 	tile->half_samples[0] = tile->half_samples[1] = 0;
 	tile->ratio_error = 0;
@@ -389,4 +395,5 @@ void tile_render(struct tile *tile, int index)
 		finish_difference(tile);
 	else
 		finish_shadow(tile);
+	tile_noise_judge(tile);
 }

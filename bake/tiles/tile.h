@@ -16,6 +16,7 @@ struct tile_settings {
 	double noise_levels; /* above 0: render until the noise is below this, in 8-bit levels */
 	double ratio_cut;    /* with stand-ins, pixels whose ratio changes less are left out */
 	uint64_t seed;
+	const struct ensemble *ensemble; /* noise is under its suns; NULL: not known */
 };
 
 /* The kinds of transport that a tile gathers. CHANGE and WITHOUT are of the real surfaces. */
@@ -47,11 +48,9 @@ struct tile_pixel {
 	double seen[2], seen_square[2];
 	double through_weight; /* sum of these weights */
 	bool changed;	       /* the object changes this pixel */
-	/* The pixel's value under a uniform sky of radiance 1, over a background of 0.5: */
-	double before[3][TILE_KINDS]; /* sums of the rows up to the last batch */
-	double before_weight[2];      /* other_weight and receiver_weight up to the last batch */
-	double mean[3], spread[3];    /* over batches: mean, sum of squared deviations */
 };
+
+struct tile_noise; /* tile_noise.h */
 
 /* State of one thread, and the tile it has rendered. */
 struct tile {
@@ -75,11 +74,7 @@ struct tile {
 	struct basis_glass glass[TILE_PIXELS];
 	int glass_count;
 	double ratio_error; /* largest change of the ratio that was left out */
-	/* Sum of squared standard errors, in 8-bit levels, and how many there are. They come from
-	 * the batches before bounced light is filtered, and hold afterwards: under a uniform sky
-	 * the filter changes nothing, under other skies it lowers the noise. */
-	double noise_square;
-	long noise_count;
+	struct tile_noise *noise;
 };
 
 /*

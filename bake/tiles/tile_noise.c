@@ -1,10 +1,68 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/tiles/tile_noise.h"
 
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
 #include "hal/colour/transfer.h"
 
-#define BACKGROUND 0.5 /* linear light behind the object */
-#define LANES 8	       /* partial sums of a row, so that additions do not wait for each other */
+#define LANES 8		/* partial sums of a row, so that additions do not wait for each other */
+#define BLOCKS_FEWEST 4 /* runs below which their differences say little */
+#define SCALES 3	/* lengths at which runs are compared: 1, 2 and 4 blocks */
+#define FALL_LEAST 0.25 /* least q: the mean of smooth light is off by 1 / n^1.5 */
+
+int tile_noise_create(struct tile *tile)
+{
+	tile->noise = malloc(sizeof(*tile->noise));
+	return tile->noise ? 0 : -ENOMEM;
+}
+
+void tile_noise_clear(struct tile *tile)
+{
+	memset(tile->noise, 0, sizeof(*tile->noise));
+	tile->noise->batches_each = 1;
+}
+
+static void join_sums(float *sum)
+{
+	for (int k = 0; k < TILE_NOISE_BLOCKS; k++)
+		sum[k] = k < TILE_NOISE_BLOCKS / 2 ? sum[2 * k] + sum[2 * k + 1] : 0;
+}
+
+/* Makes one run of each two. */
+static void join_blocks(struct tile_noise *n)
+{
+	struct tile_noise_value *v = n->value[0][0];
+
+	for (int at = 0; at < TILE_PIXELS * 3 * ENSEMBLE_SUNS; at++, v++) {
+		join_sums(v->all);
+		join_sums(v->rest);
+	}
+	for (int k = 0; k < TILE_NOISE_BLOCKS; k++)
+		n->samples[k] = k < TILE_NOISE_BLOCKS / 2
+					? n->samples[2 * k] + n->samples[2 * k + 1]
+					: 0;
+	n->blocks /= 2;
+	n->batches_each *= 2;
+}
+
+void tile_noise_begin(struct tile *tile, int samples)
+{
+	struct tile_noise *n = tile->noise;
+
+	if (!n->blocks || n->batches == n->batches_each) {
+		if (n->blocks == TILE_NOISE_BLOCKS)
+			join_blocks(n);
+		n->blocks++;
+		n->batches = 0;
+	}
+	n->batches++;
+	n->samples[n->blocks - 1] += samples;
+}
+
+/* ---- a batch ---- */
 
 static double sum_row(const float *row, const float *weight, int count)
 {
@@ -29,76 +87,276 @@ static const float *direct_sky(const struct tile *tile, enum tile_kind kind)
 							       : tile->even_sky;
 }
 
-/* Value of one kind, pixel and channel under a uniform sky: the sum of all samples so far. */
-static double sum_kind(const struct tile *tile, enum tile_kind kind, int at, int c)
+/* A kind's light in one pixel and channel, of the last batch, under each sun: [0] all, [1] what the
+ * sun gives of bounced light. */
+static void sum_kind(struct tile *tile, enum tile_kind kind, int at, int c,
+		     double sum[ENSEMBLE_SUNS][TILE_KINDS][2])
 {
 	const struct tile_rows *rows = &tile->rows[kind];
-	const int count = tile->cells->count;
-	const size_t channel = rows->channels == 3 ? (size_t)c : 0;
-	const size_t bounce = (size_t)at * tile_bounce_size(tile) + (size_t)c * (size_t)count;
+	const struct ensemble *ensemble = tile->settings.ensemble;
+	const size_t count = (size_t)tile->cells->count;
+	const size_t own = (size_t)at * tile_bounce_size(tile) + (size_t)c * count;
+	const float *sky = direct_sky(tile, kind);
+	const float *direct = rows->direct + (size_t)at * tile_direct_size(tile, kind) +
+			      (rows->channels == 3 ? (size_t)c * count : 0);
+	const float *bounce[2] = {rows->bounce[0] + own, rows->bounce[1] + own};
+	const double even = sum_row(direct, sky, (int)count) +
+			    sum_row(bounce[0], tile->even_sky, (int)count) +
+			    sum_row(bounce[1], tile->even_sky, (int)count);
 
-	return sum_row(rows->direct + (size_t)at * tile_direct_size(tile, kind) +
-			       channel * (size_t)count,
-		       direct_sky(tile, kind), count) +
-	       sum_row(rows->bounce[0] + bounce, tile->even_sky, count) +
-	       sum_row(rows->bounce[1] + bounce, tile->even_sky, count);
-}
+	for (int k = 0; k < ENSEMBLE_SUNS; k++) {
+		const int cell = ensemble->sun[k].cell;
+		const double sun = ensemble->sun[k].radiance;
+		const double aside = sun * ((double)bounce[0][cell] + (double)bounce[1][cell]);
+		const double of[2] = {even * ensemble_blue[c] + aside +
+					      sun * (double)direct[cell] * (double)sky[cell],
+				      aside};
 
-void tile_noise_add(struct tile *tile, int at, int samples)
-{
-	struct tile_pixel *p = &tile->pixels[at];
-	const double other = p->other_weight - p->before_weight[0];
-	const double receiver = p->receiver_weight - p->before_weight[1];
+		for (int part = 0; part < 2; part++) {
+			float *before = &tile->noise->before[at][c][k][kind][part];
 
-	for (int c = 0; c < 3; c++) {
-		double fresh[TILE_KINDS] = {0}, ratio = 1, value, deviation;
-
-		for (int kind = 0; kind < TILE_KINDS; kind++) {
-			double total;
-
-			if (!tile->rows[kind].direct ||
-			    !(kind == TILE_OBJECT ? p->object : p->receiver))
-				continue;
-			total = sum_kind(tile, (enum tile_kind)kind, at, c);
-			fresh[kind] = total - p->before[c][kind];
-			p->before[c][kind] = total;
+			sum[k][kind][part] = of[part] - (double)*before;
+			*before = (float)of[part];
 		}
-		if (receiver > 0 && !tile_has_standins(tile))
-			ratio -= fresh[TILE_CHANGE] / other;
-		else if (receiver > 0 && fresh[TILE_WITHOUT] > 0)
-			ratio -= (1 - fresh[TILE_CHANGE] / fresh[TILE_WITHOUT]) * receiver / other;
-		value = (fresh[TILE_OBJECT] + other * fmax(ratio, 0) * BACKGROUND) / samples;
-		deviation = value - p->mean[c];
-		p->mean[c] += deviation / tile->batches;
-		p->spread[c] += deviation * (value - p->mean[c]);
 	}
-	p->before_weight[0] = p->other_weight;
-	p->before_weight[1] = p->receiver_weight;
 }
 
-static double levels_of(double mean, double error)
+/* Weights of the background in the last batch. */
+struct batch_weight {
+	double other, receiver; /* as in struct tile_pixel */
+	double shown[3];	/* of what is seen of the background in each channel */
+};
+
+static struct batch_weight weigh_batch(struct tile *tile, int at)
 {
-	return 127.5 * (transfer_encode(TRANSFER_SRGB, mean + error) -
-			transfer_encode(TRANSFER_SRGB, mean - error));
+	const struct tile_pixel *p = &tile->pixels[at];
+	const double now[6] = {p->other_weight, p->receiver_weight, p->through_weight,
+			       p->through[0],	p->through[1],	    p->through[2]};
+	double fresh[6];
+
+	for (int k = 0; k < 6; k++) {
+		fresh[k] = now[k] - tile->noise->before_weight[at][k];
+		tile->noise->before_weight[at][k] = now[k];
+	}
+	return (struct batch_weight){
+		.other = fresh[0],
+		.receiver = fresh[1],
+		/* what lies beside the object, and through it */
+		.shown = {fresh[0] - fresh[2] + fresh[3], fresh[0] - fresh[2] + fresh[4],
+			  fresh[0] - fresh[2] + fresh[5]},
+	};
+}
+
+/* The ground's light with the object over that without, less 1; *bounce: what bounced light has in
+ * it. ground: what white ground sends back. */
+static double ground_change(const struct tile *tile, const struct batch_weight *w,
+			    const double sum[TILE_KINDS][2], double ground, double *bounce)
+{
+	const double *with = sum[TILE_CHANGE], *without = sum[TILE_WITHOUT];
+	double scale;
+
+	*bounce = 0;
+	if (w->receiver <= 0 || (tile_has_standins(tile) && without[0] <= 0))
+		return 0;
+	if (!tile_has_standins(tile)) {
+		scale = -1 / (w->other * ground);
+		*bounce = scale * with[1];
+		return scale * with[0];
+	}
+	scale = w->receiver / (w->other * without[0]);
+	*bounce = scale * (with[1] - without[1]);
+	return scale * (with[0] - without[0]);
+}
+
+void tile_noise_add(struct tile *tile, int at)
+{
+	struct tile_noise *n = tile->noise;
+	const struct tile_pixel *p = &tile->pixels[at];
+	const struct batch_weight w = weigh_batch(tile, at);
+	const int block = n->blocks - 1;
+
+	for (int c = 0; tile->settings.ensemble && c < 3; c++) {
+		double sum[ENSEMBLE_SUNS][TILE_KINDS][2] = {0};
+
+		for (int kind = 0; kind < TILE_KINDS; kind++)
+			if (tile->rows[kind].direct &&
+			    (kind == TILE_OBJECT ? p->object : p->receiver))
+				sum_kind(tile, (enum tile_kind)kind, at, c, sum);
+		for (int k = 0; k < ENSEMBLE_SUNS; k++) {
+			const struct ensemble_sun *sun = &tile->settings.ensemble->sun[k];
+			const double ground = ensemble_blue[c] +
+					      sun->radiance * (double)tile->cells->share[sun->cell];
+			const double back = w.shown[c] * tile->scene->ground_albedo[c] * ground;
+			double bounce;
+			const double change = ground_change(tile, &w, sum[k], ground, &bounce);
+			struct tile_noise_value *v = &n->value[at][c][k];
+
+			const double all = sum[k][TILE_OBJECT][0] + back * fmax(1 + change, 0);
+
+			v->all[block] += (float)(all / sun->white);
+			v->rest[block] += (float)((all - sum[k][TILE_OBJECT][1] - back * bounce) /
+						  sun->white);
+		}
+	}
+}
+
+/* ---- the filter ---- */
+
+/* What a value of bounced light in a kind's row, at the sun's cell, adds to the picture. */
+static double shown_bounce(const struct tile *tile, enum tile_kind kind, int at, int c, int k)
+{
+	const struct tile_noise *n = tile->noise;
+	const struct ensemble_sun *sun = &tile->settings.ensemble->sun[k];
+	const double *weight = n->before_weight[at];
+	const double shown = (weight[0] - weight[2] + weight[3 + c]) / tile->samples;
+	const double share = (double)tile->cells->share[sun->cell];
+	const double back = shown * tile->scene->ground_albedo[c];
+	const double without = (double)n->before[at][c][k][TILE_WITHOUT][0];
+
+	if (kind == TILE_OBJECT)
+		return sun->radiance / sun->white;
+	if (!tile_has_standins(tile))
+		return -back * sun->radiance * share / sun->white;
+	return without > 0 ? -back * (ensemble_blue[c] + sun->radiance * share) * sun->radiance *
+				     weight[1] / (without * sun->white)
+			   : 0;
+}
+
+void tile_noise_filtered(struct tile *tile, enum tile_kind kind, const uint16_t *pixel, int pixels)
+{
+	const struct ensemble *ensemble = tile->settings.ensemble;
+	const size_t count = (size_t)tile->cells->count;
+
+	/* light without the object counts by as much as the object changes it: little */
+	if (!ensemble || kind == TILE_WITHOUT)
+		return;
+	tile->noise->filtered = true;
+	for (int row = 0; row < 3 * pixels; row++)
+		for (int k = 0; k < ENSEMBLE_SUNS; k++) {
+			const int at = pixel[row / 3], c = row % 3;
+			const double by = shown_bounce(tile, kind, at, c, k);
+
+			for (int half = 0; half < 2; half++)
+				tile->noise->value[at][c][k].filtered[half] +=
+					(float)(by *
+						(double)tile->rows[kind]
+							.bounce[half]
+							       [(size_t)row * count +
+								(size_t)ensemble->sun[k].cell]);
+		}
+}
+
+/* ---- the estimate ---- */
+
+/* Four, six or eight runs: an odd one would bring little, as it is no net with the others. */
+bool tile_noise_ready(const struct tile *tile)
+{
+	const struct tile_noise *n = tile->noise;
+
+	return n->blocks >= BLOCKS_FEWEST && n->blocks % 2 == 0 && n->batches == n->batches_each;
+}
+
+/* Mean square of what an error up and one down change in the picture, in levels. */
+static double level_square(double mean, double error)
+{
+	const double is = transfer_encode(TRANSFER_SRGB, mean);
+	const double up = 255 * (transfer_encode(TRANSFER_SRGB, mean + error) - is);
+	const double down = 255 * (is - transfer_encode(TRANSFER_SRGB, mean - error));
+
+	return (up * up + down * down) / 2;
+}
+
+/* D by the length of runs, 2^s blocks. */
+struct noise_law {
+	double square
+		[SCALES];  /* squared errors that it would mean, in levels; summed over values */
+	int pairs[SCALES]; /* of runs that are compared */
+	double filtered;   /* squared errors in filtered light */
+};
+
+/* D of runs of so many blocks: a mean over their pairs. */
+static double run_difference(const struct tile_noise *n, const float *sum, int length, int *pairs)
+{
+	double square = 0;
+
+	*pairs = 0;
+	for (int first = 0; first + 2 * length <= n->blocks; first += 2 * length, ++*pairs) {
+		double run[2] = {0}, samples[2] = {0};
+
+		for (int k = 0; k < 2 * length; k++) {
+			run[k / length] += (double)sum[first + k];
+			samples[k / length] += n->samples[first + k];
+		}
+		square += pow(run[0] / samples[0] - run[1] / samples[1], 2) /
+			  (1 / samples[0] + 1 / samples[1]);
+	}
+	return *pairs ? square / *pairs : 0;
+}
+
+/* all: samples. */
+static void add_value(struct tile_noise *n, const struct tile_noise_value *v, double all,
+		      struct noise_law *law)
+{
+	const float *sum = n->filtered ? v->rest : v->all;
+	double mean = 0, found[SCALES], scale;
+
+	for (int k = 0; k < n->blocks; k++)
+		mean += (double)sum[k] / all;
+	mean += (double)v->filtered[0];
+	for (int s = 0; s < SCALES; s++)
+		found[s] = run_difference(n, sum, 1 << s, &law->pairs[s]);
+	n->count++;
+	if (n->filtered)
+		law->filtered += level_square(mean, (double)v->filtered[1]);
+	if (found[0] <= 0)
+		return;
+	scale = level_square(mean, sqrt(found[0] / all)) / found[0];
+	for (int s = 0; s < SCALES; s++)
+		law->square[s] += scale * found[s];
+}
+
+/* V of so many blocks, over that of one. They are runs of powers of two, each a net by itself. */
+static double fall_of(int blocks, double q)
+{
+	double sum = 0;
+
+	for (int s = 0; 1 << s <= blocks; s++)
+		if (blocks >> s & 1)
+			sum += (1 << s) * pow(q, s);
+	return sum / blocks;
+}
+
+/* Squared error of all samples, from D at each length by their law. */
+static double law_at(const struct noise_law *law, int blocks)
+{
+	double q = 1, sum = 0;
+	int scales = 0, pairs = 0;
+
+	while (scales < SCALES && law->square[scales] > 0)
+		scales++;
+	if (scales > 1)
+		q = pow(law->square[scales - 1] / law->square[0], 1.0 / (scales - 1));
+	q = fmin(fmax(q, FALL_LEAST), 1);
+	for (int s = 0; s < scales; s++) {
+		sum += law->pairs[s] * law->square[s] / ((2 - q) * pow(q, s));
+		pairs += law->pairs[s];
+	}
+	return law->filtered + (pairs ? sum / pairs * fall_of(blocks, q) : 0);
 }
 
 double tile_noise_judge(struct tile *tile)
 {
-	const double n = tile->batches;
+	struct tile_noise *n = tile->noise;
+	struct noise_law law = {.pairs = {0}};
+	double all = 0;
 
-	tile->noise_square = 0;
-	tile->noise_count = 0;
-	for (int at = 0; at < TILE_PIXELS && tile->batches > 1; at++) {
-		const struct tile_pixel *p = &tile->pixels[at];
-
-		if (!p->changed)
-			continue;
-		for (int c = 0; c < 3; c++) {
-			const double e = levels_of(p->mean[c], sqrt(p->spread[c] / (n * (n - 1))));
-
-			tile->noise_square += e * e;
-			tile->noise_count++;
-		}
-	}
-	return tile->noise_count ? sqrt(tile->noise_square / (double)tile->noise_count) : 0;
+	n->count = 0;
+	for (int k = 0; k < n->blocks; k++)
+		all += n->samples[k];
+	for (int at = 0; at < TILE_PIXELS && n->blocks > 1; at++)
+		for (int c = 0; tile->pixels[at].changed && c < 3; c++)
+			for (int k = 0; k < ENSEMBLE_SUNS; k++)
+				add_value(n, &n->value[at][c][k], all, &law);
+	n->square = law_at(&law, n->blocks);
+	return n->count ? sqrt(n->square / (double)n->count) : 0;
 }

@@ -257,35 +257,59 @@ static int bounce_judge(struct bounce_scratch *s, float *const half[2], struct b
 
 /* ---- the filter ---- */
 
+/* Sets half[0] to the mean, half[1] to its noise. */
 static void take_mean(const struct bounce_halves *in, size_t lights)
 {
-	const float a = (float)in->share[0], b = (float)in->share[1];
+	const float share[2] = {(float)in->share[0], (float)in->share[1]};
+	const float apart = (float)sqrt(in->share[0] * in->share[1]);
 
-	for (size_t i = 0; i < (size_t)in->rows * lights; i++)
-		in->half[0][i] = a * in->half[0][i] + b * in->half[1][i];
+	for (size_t i = 0; i < (size_t)in->rows * lights; i++) {
+		const float a = in->half[0][i], b = in->half[1][i];
+
+		in->half[0][i] = share[0] * a + share[1] * b;
+		in->half[1][i] = apart * (a - b);
+	}
 }
 
-/* Replaces the mean by its leading part. A weight r is the share of light in a singular vector of
- * one half; in the mean of both the share is 2 r / (1 + r) (Spearman 1910, Brown 1910). */
-static int filter_mean(struct bounce_scratch *s, float *mean, const struct bounce_verdict *v)
+/* Weight r of a singular vector is the share of light in that of one half; in the mean of both the
+ * share is 2 r / (1 + r) (Spearman 1910, Brown 1910). */
+static float weight_of_mean(const struct bounce_verdict *v, int k)
 {
-	struct bounce_factors *f = &s->of[0];
-	const int info = bounce_factorise(s, mean, f);
+	return (float)(2 * v->weight[k] / (1 + v->weight[k]));
+}
 
-	if (info)
-		return info;
+/* Multiplies left vectors by value, weight and factor, and sets or adds left^T right. */
+static void add_leading(const struct bounce_scratch *s, struct bounce_factors *f,
+			const struct bounce_verdict *v, float factor, bool set, float *to)
+{
 	for (int k = 0; k < v->kept; k++)
-		cblas_sscal(s->rows, (float)(2 * v->weight[k] / (1 + v->weight[k])) * f->value[k],
+		cblas_sscal(s->rows, factor * weight_of_mean(v, k) * f->value[k],
 			    f->left + (size_t)k * (size_t)s->rows, 1);
 	cblas_sgemm(CblasRowMajor, CblasTrans, CblasNoTrans, s->rows, s->lights, v->kept, 1,
-		    f->left, s->rows, f->right, s->lights, 0, mean, s->lights);
-	return 0;
+		    f->left, s->rows, f->right, s->lights, set ? 0 : 1, to, s->lights);
+}
+
+/* Replaces the mean by its leading part, and its noise by that of the halves' leading parts.
+ * Returns 0 or LAPACK's error. */
+static int filter_mean(struct bounce_scratch *s, const struct bounce_halves *in,
+		       const struct bounce_verdict *v)
+{
+	const float apart = (float)sqrt(in->share[0] * in->share[1]);
+	int info;
+
+	add_leading(s, &s->of[0], v, apart, true, in->half[1]);
+	add_leading(s, &s->of[1], v, -apart, false, in->half[1]);
+	info = bounce_factorise(s, in->half[0], &s->of[0]);
+	if (!info)
+		add_leading(s, &s->of[0], v, 1, true, in->half[0]);
+	return info;
 }
 
 int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 {
 	struct bounce_scratch s = scratch_deal(bounce);
 	const size_t lights = (size_t)bounce->lights;
+	const size_t bytes = (size_t)in->rows * lights * sizeof(float);
 	struct bounce_verdict v = {.kept = 0};
 	double noise, aside;
 	int kept = -1;
@@ -298,9 +322,9 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 	if (!bounce_judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
 		kept = v.kept;
 	take_mean(in, lights);
-	if (kept == 0)
-		memset(in->half[0], 0, (size_t)in->rows * lights * sizeof(float));
-	else if (kept > 0 && filter_mean(&s, in->half[0], &v))
+	for (int h = 0; h < 2 && kept == 0; h++)
+		memset(in->half[h], 0, bytes);
+	if (kept > 0 && filter_mean(&s, in, &v))
 		kept = -1;
 	bounce_put_back(&s.aside, in, kept >= 0);
 	return kept;

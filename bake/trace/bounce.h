@@ -41,7 +41,8 @@ int bounce_create(struct bounce *bounce, int lights);
 void bounce_free(struct bounce *bounce); /* idempotent; zeroed is fine */
 
 /*
- * half[0] becomes the filtered mean of both, half[1] is overwritten. Returns how many singular
+ * half[0] becomes the filtered mean of both, half[1] an example of its noise: the difference between
+ * both when filtered, scaled to the standard error. Returns how many singular
  * vectors were kept besides sums and means, or -1 when the mean is not filtered: the halves do not
  * show that the filter would remove more noise than light.
  */

@@ -172,21 +172,32 @@ bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *in
 	return true;
 }
 
-void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *in, bool filtered)
+/* to: becomes what it stands for, with so much of each half's sums and planes. */
+static void put_back(const struct bounce_aside *aside, const struct bounce_halves *in,
+		     const double share[2], float *to)
 {
 	const int size = BOUNCE_CHANNELS * (int)aside->lights, pixels = in->rows / BOUNCE_CHANNELS;
 
-	for (int k = 0; filtered && k < aside->planes; k++)
-		cblas_sscal(pixels, aside->weight[k], aside->plane[k], 1);
 	for (int h = 0; h < 2; h++)
 		cblas_sgemm(CblasRowMajor, CblasTrans, CblasNoTrans, pixels, size, aside->planes,
-			    (float)in->share[h], aside->plane[0], BOUNCE_PIXELS_MAX,
-			    aside->column[h], size, 1, in->half[0], size);
+			    (float)share[h], aside->plane[0], BOUNCE_PIXELS_MAX, aside->column[h],
+			    size, 1, to, size);
 	for (size_t row = 0; row < (size_t)in->rows; row++) {
-		float *at = in->half[0] + row * aside->lights;
-		const float by = (float)mean_sum(aside, in, row);
+		float *at = to + row * aside->lights;
+		const float by =
+			(float)(share[0] * aside->sum[row][0] + share[1] * aside->sum[row][1]);
 
 		for (size_t i = 0; i < aside->lights; i++)
 			at[i] = at[i] / in->scale[i] + by * aside->profile[i];
 	}
+}
+
+void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *in, bool filtered)
+{
+	const double apart = sqrt(in->share[0] * in->share[1]);
+
+	for (int k = 0; filtered && k < aside->planes; k++)
+		cblas_sscal(in->rows / BOUNCE_CHANNELS, aside->weight[k], aside->plane[k], 1);
+	put_back(aside, in, in->share, in->half[0]);
+	put_back(aside, in, (const double[2]){apart, -apart}, in->half[1]);
 }

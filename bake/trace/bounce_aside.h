@@ -38,8 +38,8 @@ void bounce_aside_open(struct bounce_aside *aside, size_t lights, float *memory)
 bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *halves, double *noise,
 		      double *error);
 
-/* Adds sums and planes to half[0], the mean of both rests, and undoes the scale. filtered: slopes
- * are weighted by what the halves agree on. */
+/* Adds sums and planes to half[0], the mean of both rests, and to half[1], its noise, and undoes the
+ * scale. filtered: slopes are weighted by what the halves agree on. */
 void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *halves, bool filtered);
 
 static inline double bounce_dot(const float *a, const float *b, size_t count)

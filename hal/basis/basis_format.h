@@ -201,11 +201,13 @@ struct basis_info_chunk {
 	 *   ratio_error   |error of the ratio| <= this (V blocks)
 	 * Measured by the bake against its own transport before any cut, in 8-bit sRGB levels over
 	 * stored pixels. The background is the ground's own light, or white where a single cell is
-	 * lit (bake/judge/ensemble.h):
+	 * lit (bake/judge/ensemble.h), and nothing is overexposed: level white ground and the
+	 * object's brightest spot are at most 1:
 	 *   sky_rms, sky_max    the worst of an ensemble of lightings: overcast, suns, random
-	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them)
+	 *   cell_rms, cell_max  every cell lit alone (RMS over all of them); cell_max also with
+	 *                       1/16 of its light from an even sky, in some cells
 	 * noise_levels  estimated standard error of the render, in 8-bit sRGB levels, RMS over
-	 *               stored pixels under a uniform sky of radiance 1; 0: unknown
+	 *               the pixels that the object changes, under the ensemble's suns; 0: unknown
 	 */
 	double column_cut;
 	double object_error;

@@ -76,10 +76,10 @@ static double promise_lit(const struct encode_rig *e, const struct encode_rig_pa
 }
 
 /* Difference of truth and decoded values in levels, exposed as ensemble.h says: kind T over black,
- * kind V over its ground. */
+ * kind V over its ground, or over white. */
 static struct promise_seen promise_seen_under(const struct encode_rig *e,
 					      const struct encode_rig_part *part,
-					      const double *radiance)
+					      const double *radiance, bool over_white)
 {
 	const int rows = part->samples.pixels * 3;
 	double white = promise_white(e, radiance), square = 0;
@@ -92,9 +92,9 @@ static struct promise_seen promise_seen_under(const struct encode_rig *e,
 		double got = promise_lit(e, part, part->decoded, r, radiance), by;
 
 		if (part->samples.kind == BASIS_KIND_V) {
-			double ground = 0;
+			double ground = over_white ? white : 0;
 
-			for (int i = 0; i < e->settings.lights; i++)
+			for (int i = 0; !over_white && i < e->settings.lights; i++)
 				ground += e->ground[r % 3 * e->settings.lights + i] *
 					  radiance[r % 3 * e->settings.lights + i];
 			is = (1 - is) * ground;
@@ -122,7 +122,7 @@ static void promise_cells(const struct encode_rig *e, const struct encode_rig_pa
 
 		for (int c = 0; c < 3; c++)
 			radiance[c * n + i] = 1;
-		seen = promise_seen_under(e, part, radiance);
+		seen = promise_seen_under(e, part, radiance, false);
 		if (seen.most > limit)
 			fail_msg("cell %d of %d alone: %g levels, expected at most %g", i, n,
 				 seen.most, limit);
@@ -163,7 +163,7 @@ static void promise_unseen(const struct encode_rig *e, const struct encode_rig_p
 		struct promise_seen seen;
 
 		promise_unseen_light(e, chance, radiance);
-		seen = promise_seen_under(e, part, radiance);
+		seen = promise_seen_under(e, part, radiance, false);
 		/* The encoder has not tried this light: its largest error may be half as large again. */
 		if (seen.rms > e->settings.target.cell || seen.most > 1.5 * e->settings.target.max)
 			fail_msg("unseen light %d: RMS %g, most %g levels", k, seen.rms, seen.most);
@@ -182,8 +182,11 @@ static void promise_skies(const struct encode_rig *e, const struct encode_rig_pa
 
 		for (size_t k = 0; k < 3 * n; k++)
 			radiance[k] = (double)e->ensemble.radiance[(size_t)s * 3 * n + k];
-		seen = promise_seen_under(e, part, radiance);
-		if (seen.rms > e->settings.target.rms || seen.most > e->settings.target.max)
+		seen = promise_seen_under(e, part, radiance, e->ensemble.strong[s]);
+		if (seen.rms > e->settings.target.rms ||
+		    seen.most > (e->ensemble.strong[s]
+					 ? fmax(e->settings.target.max, e->settings.target.cell)
+					 : e->settings.target.max))
 			fail_msg("sky %d, kind %d, %d pixels, %d lights: RMS %g, most %g levels", s,
 				 (int)part->samples.kind, part->samples.pixels, (int)n, seen.rms,
 				 seen.most);

@@ -6,13 +6,11 @@
 #include <stdint.h>
 
 #include <cmocka.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/scene/scene.h"
-#include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/thorough.h"
 
@@ -108,52 +106,6 @@ static void test_seed(void **state)
 	assert_false(same("a.inlay", "b.inlay"));
 }
 
-/* The declared noise is the real noise: two seeds differ by sqrt(2) of it. */
-static void test_noise_is_true(void **state)
-{
-	struct basis basis[2];
-	double square = 0, declared = 0;
-	long count = 0;
-
-	(void)state;
-	for (int k = 0; k < 2; k++) {
-		struct fault fault;
-
-		write_scene("n.ini", thorough() ? "noise = 2" : "noise = 4", 11 + k);
-		bake("n.ini", k ? "k1.inlay" : "k0.inlay", 2);
-		assert_int_equal(basis_open(&basis[k],
-					    small_scene_path(k ? "k1.inlay" : "k0.inlay"),
-					    BASIS_WITH_EXACT, &fault),
-				 0);
-		declared += basis[k].info.noise_levels / 2;
-	}
-	for (int y = 0; y < HEIGHT; y++)
-		for (int x = 0; x < WIDTH; x++) {
-			double levels[2];
-			bool changed = false;
-
-			for (int k = 0; k < 2; k++) {
-				const double a = baked_coverage(&basis[k], x, y);
-				const double ratio = baked_ratio(&basis[k], x, y, 1, NULL);
-				const double v = baked_object(&basis[k], x, y, 1, NULL) +
-						 (1 - a) * ratio * 0.5;
-
-				changed |= a > 0 || ratio != 1;
-				levels[k] = 255 * pow(fmin(v, 1), 1 / 2.2);
-			}
-			if (changed) {
-				square += (levels[0] - levels[1]) * (levels[0] - levels[1]) / 2;
-				count++;
-			}
-		}
-	square = sqrt(square / (double)count);
-	print_message("# declared %.2f levels, found %.2f\n", declared, square);
-	assert_true(declared > 0 && declared <= (thorough() ? 2 : 4));
-	assert_true(square < 1.3 * declared && square > 0.3 * declared);
-	basis_close(&basis[0]);
-	basis_close(&basis[1]);
-}
-
 static void test_failure_leaves_nothing(void **state)
 {
 	struct scene *scene;
@@ -175,9 +127,11 @@ static void test_failure_leaves_nothing(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_threads),	      cmocka_unit_test(test_cache),
-		cmocka_unit_test(test_noise_mode),    cmocka_unit_test(test_seed),
-		cmocka_unit_test(test_noise_is_true), cmocka_unit_test(test_failure_leaves_nothing),
+		cmocka_unit_test(test_threads),
+		cmocka_unit_test(test_cache),
+		cmocka_unit_test(test_noise_mode),
+		cmocka_unit_test(test_seed),
+		cmocka_unit_test(test_failure_leaves_nothing),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

@@ -154,6 +154,17 @@ static void check_sums(const struct made *m)
 		}
 }
 
+/* RMS of the example of noise, as a share of the filtered error. */
+static double example_of(const struct made *m)
+{
+	const size_t count = (size_t)m->rows * (size_t)m->lights;
+	float *nothing = calloc(count, sizeof(*nothing));
+	const double size = distance(m->half[1], nothing, count);
+
+	free(nothing);
+	return size / distance(m->half[0], m->light, count);
+}
+
 /* Few and many lights, low and higher rank, little and much noise, halves of equal and of different
  * size. */
 static void test_made(void **state)
@@ -177,9 +188,14 @@ static void test_made(void **state)
 		const int kept = filter(&m);
 		const double error = error_of(&m);
 
-		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's\n",
-			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error);
+		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's, "
+			      "example %.3f of that\n",
+			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error,
+			      example_of(&m));
 		expect_at_most(error, cases[k].most, "k=%zu", k);
+		/* a few values have any size by chance */
+		expect_that(m.rows * m.lights < 100 || fabs(example_of(&m) - 0.95) < 0.15, "k=%zu",
+			    k);
 		check_sums(&m);
 		unmake(&m);
 	}
