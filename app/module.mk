@@ -40,8 +40,6 @@ APP_SOURCES := \
 	app/kiosk/loop.c \
 	app/kiosk/reload.c \
 	app/kiosk/service.c \
-	app/kiosk/state.c \
-	app/kiosk/stats.c \
 	app/kiosk/timeline.c \
 	app/pipeline/coarse_lamp.c \
 	app/pipeline/pipeline.c \
@@ -51,6 +49,8 @@ APP_SOURCES := \
 	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
+	app/records/state.c \
+	app/records/stats.c \
 	app/view/guide.c \
 	app/view/layout.c \
 	app/view/marks.c \

@@ -39,13 +39,13 @@ UNIT_TESTS := \
 	tests/unit/app/kiosk/test_program.c \
 	tests/unit/app/kiosk/test_reload.c \
 	tests/unit/app/kiosk/test_service.c \
-	tests/unit/app/kiosk/test_state.c \
 	tests/unit/app/kiosk/test_timeline.c \
 	tests/unit/app/pipeline/test_coarse_lamp.c \
 	tests/unit/app/pipeline/test_light_config.c \
 	tests/unit/app/pipeline/test_pipeline.c \
 	tests/unit/app/pipeline/test_pipeline_pose.c \
 	tests/unit/app/pipeline/test_selection.c \
+	tests/unit/app/records/test_state.c \
 	tests/unit/app/test_devices_sample.c \
 	tests/unit/app/view/test_guide.c \
 	tests/unit/app/view/test_layout.c \
@@ -205,7 +205,7 @@ FUZZ_PARTS := \
 	app/driver_list.c \
 	app/kiosk/control.c \
 	app/kiosk/control_socket.c \
-	app/kiosk/state.c \
+	app/records/state.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \

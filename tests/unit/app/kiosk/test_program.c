@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 #include "app/kiosk/loop.h"
-#include "app/kiosk/stats.h"
 #include "app/options.h"
+#include "app/records/stats.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/stats.h"
+#include "app/records/stats.h"
 
 #include <errno.h>
 #include <fcntl.h>

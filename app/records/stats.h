@@ -3,8 +3,8 @@
  * Statistics of a run: one JSON object a line, one line a second. app/kiosk/README.md describes
  * each key.
  */
-#ifndef INLAY_APP_KIOSK_STATS_H
-#define INLAY_APP_KIOSK_STATS_H
+#ifndef INLAY_APP_RECORDS_STATS_H
+#define INLAY_APP_RECORDS_STATS_H
 
 #include <stdint.h>
 
