@@ -35,10 +35,14 @@ APP_SOURCES := \
 	app/kiosk/kiosk_open.c \
 	app/kiosk/kiosk_picture.c \
 	app/kiosk/kiosk_reload.c \
+	app/kiosk/kiosk_rest.c \
+	app/kiosk/kiosk_rest.c \
 	app/kiosk/kiosk_screen.c \
 	app/kiosk/kiosk_text.c \
 	app/kiosk/loop.c \
 	app/kiosk/reload.c \
+	app/kiosk/rest.c \
+	app/kiosk/rest.c \
 	app/kiosk/service.c \
 	app/kiosk/timeline.c \
 	app/pipeline/coarse_lamp.c \
@@ -61,3 +65,6 @@ APP_SOURCES := \
 APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/pen.c app/view/typeset.c,\
 	app/view/panel_none.c app/view/pen_none.c)
 APP_MAIN := app/main.c
+
+# A clock that shows a time before this one has not been set, so that hours of the screen do not count yet.
+$(BUILD)/app/kiosk/kiosk_rest.o: OWN_FLAGS = -DINLAY_BUILT=$(SOURCE_DATE_EPOCH)

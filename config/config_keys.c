@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "config/config_blocks.h"
+#include "config/config_hours.h"
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/compositor.h"
@@ -514,6 +515,20 @@ static const struct ini_key screen_keys[] = {
 	 .fallback = "0",
 	 .unit = "s",
 	 .help = "Without a new picture for so long the last one goes black; 0: never."},
+	{.name = "hours",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_screen, hours),
+	 .check = config_hours_check,
+	 .fallback = "",
+	 .help = "When the screen is on, as in \"mon-fri 09:00-12:30, 13:30-18:30, sat "
+		 "20:00-02:00\"; else it is off and the cameras rest. Empty: always."},
+	{.name = "time_zone",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_screen, time_zone),
+	 .check = config_zone_check,
+	 .fallback = "",
+	 .help = "Of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows "
+		 "no such names; empty: the system's."},
 	INI_KEYS_END};
 
 static const struct ini_key buttons_keys[] = {

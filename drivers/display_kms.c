@@ -152,11 +152,44 @@ static int show_again(struct kms_screen *screen, struct fault *fault)
 	return err;
 }
 
+/* Switches the screen off. The picture that was on it is forgotten, or it would be shown for a
+ * moment when the screen is switched on. */
+static int go_dark(struct kms_screen *screen, struct fault *fault)
+{
+	int err = kms_screen_set_dark(screen, fault);
+
+	if (!err)
+		err = take_flips(screen);
+	screen->flipping = screen->waiting = NONE;
+	screen->flip_due_ns = 0;
+	screen->shown.kind = DISPLAY_NOTHING;
+	for (int i = 0; i < screen->buffer_count; i++)
+		memset(screen->buffers[i].map, 0, screen->buffers[i].bytes);
+	return err;
+}
+
+static int kms_power(struct display *display, bool on, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	int err;
+
+	if (display->hidden)
+		return 0; /* when the console is back */
+	if (!on)
+		return go_dark(screen, fault);
+	err = kms_look(screen, display, true, fault);
+	return err ? err : show_again(screen, fault);
+}
+
 static int kms_come_back(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
 	int err = kms_screen_become_master(screen, fault);
 
+	if (!err && display->off) {
+		display->hidden = false;
+		return go_dark(screen, fault);
+	}
 	if (!err)
 		err = kms_look(screen, display, true, fault);
 	if (!err)
@@ -401,7 +434,8 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 	const unsigned known = screen->connector.connection;
 	int err;
 
-	if (display->hidden || !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
+	if (display->hidden || display->off ||
+	    !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
 		return 0;
 	err = kms_look(screen, display, told, fault);
 	/* The kernel knows the modes of a newly connected screen only after a probe. */
@@ -506,6 +540,7 @@ const struct display_ops display_kms = {
 	.open = kms_open,
 	.descriptor = kms_descriptor,
 	.fit = kms_fit,
+	.power = kms_power,
 	.acquire = kms_acquire,
 	.submit = kms_submit,
 	.dispatch = kms_dispatch,

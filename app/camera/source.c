@@ -86,11 +86,22 @@ void source_complain(struct source *source, const struct fault *fault)
 
 void source_open(struct source *source)
 {
-	if (source->opening || source_is_open(source))
+	if (source->opening || source->resting || source_is_open(source))
 		return;
 	source->opening = true;
 	opener_start(source->opener, &source->camera, source->settings.ops,
 		     &source->settings.camera, source->settings.options);
+}
+
+void source_rest(struct source *source, bool resting)
+{
+	source->resting = resting;
+	if (!resting)
+		return;
+	if (!source->opening)
+		close_camera(source);
+	source->whole = source->is_linear = false;
+	canvas_free(&source->canvas);
 }
 
 bool source_is_open(const struct source *source)
@@ -143,6 +154,8 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 		snprintf(source->device_name, sizeof(source->device_name), "%s",
 			 source->camera.name);
 	source->openings += !err;
+	if (source->resting)
+		source_rest(source, true);
 	return err;
 }
 

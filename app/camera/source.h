@@ -35,6 +35,7 @@ struct source {
 	struct camera camera; /* belongs to the opener while opening */
 	struct opener *opener;
 	bool opening;
+	bool resting;			 /* it stays closed: source_rest() */
 	unsigned openings;		 /* openings that succeeded */
 	bool tried;			 /* an opening has ended, with or without success */
 	enum camera_situation situation; /* of the camera, as last known */
@@ -74,6 +75,10 @@ void source_destroy(struct source *source);
 /* Begins to open the camera, unless it is open or being opened. source_descriptor() polls readable
  * when that has ended; source_take() then takes the result. */
 void source_open(struct source *source);
+
+/* resting: closes the camera and forgets its picture, and until the opposite is said it stays
+ * closed. No trouble, and nothing is logged. */
+void source_rest(struct source *source, bool resting);
 
 bool source_is_open(const struct source *source);
 

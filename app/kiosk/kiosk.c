@@ -103,15 +103,15 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 		err = kiosk_control_open(k, false, fault);
 	if (!err)
 		err = kiosk_buttons_open(k, false, fault);
-	if (!err && k->inputs.settled && !k->screen.display.state)
+	if (!err && k->inputs.settled && !k->screen.display.state && !k->rest.resting)
 		err = kiosk_screen_open(k, false, fault);
 	if (err)
 		return err;
 	write_stats(k, now);
 	kiosk_text(k);
 	pipeline_try_again(k->picture.pipeline);
-	k->picture.redraw |= stands_still(k, now);
-	if (k->inputs.settled && kiosk_screen_is_excused(&k->screen)) {
+	k->picture.redraw |= !k->rest.resting && stands_still(k, now);
+	if (k->inputs.settled && (k->rest.resting || kiosk_screen_is_excused(&k->screen))) {
 		service_ready(&k->service);
 		service_alive(&k->service, now);
 	}
@@ -144,6 +144,8 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 		kiosk_reload(k);
 	if (!err && k->loop.tick)
 		err = kiosk_tick(k, fault);
+	if (!err && k->inputs.settled && (k->loop.tick || k->rest.due))
+		err = kiosk_rest_look(k, false, fault);
 	return err;
 }
 
@@ -151,14 +153,17 @@ static int handle_events(struct kiosk *k, struct fault *fault)
  * a screen without a size of its own takes theirs. */
 static int kiosk_settle(struct kiosk *k, struct fault *fault)
 {
-	for (int i = 0; i < k->inputs.source_count; i++) {
+	int err;
+
+	for (int i = 0; i < k->inputs.source_count && !k->rest.resting; i++) {
 		if (!k->inputs.sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
 			return 0;
 	}
 	k->inputs.settled = true;
 	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
-	return kiosk_screen_open(k, true, fault);
+	err = kiosk_screen_open(k, true, fault);
+	return !err && k->rest.resting ? kiosk_rest_look(k, true, fault) : err;
 }
 
 static bool all_submitted(const struct kiosk *k)

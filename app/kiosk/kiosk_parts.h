@@ -13,6 +13,7 @@
 #include "app/kiosk/control.h"
 #include "app/kiosk/kiosk.h"
 #include "app/kiosk/loop.h"
+#include "app/kiosk/rest.h"
 #include "app/kiosk/service.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
@@ -105,6 +106,7 @@ struct kiosk {
 	struct kiosk_picture picture;
 	struct kiosk_controls controls;
 	struct kiosk_screen screen;
+	struct rest rest;
 	int64_t start_ns; /* when the loop began */
 	unsigned owed; /* enum reload_effect of a reload for which memory or threads were short */
 	bool stop;
@@ -216,6 +218,15 @@ int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault);
 /* Does what a driver's buttons ask for. A driver that fails is closed and logged. */
 void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad);
 void kiosk_buttons_close(struct kiosk *k);
+
+/* ---- kiosk_rest.c ---- */
+
+/* Takes the hours of the configuration and decides whether the kiosk begins at rest: before the
+ * cameras are created. */
+void kiosk_rest_begin(struct kiosk *k);
+
+/* Goes to rest, or wakes, if it is time to. first: the screen has been opened at the very start. */
+int kiosk_rest_look(struct kiosk *k, bool first, struct fault *fault);
 
 /* ---- kiosk_control.c ---- */
 

@@ -96,6 +96,8 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			k->picture.redraw = true;
 			break;
 		case DISPLAY_ACTION:
+			if (rest_press(&k->rest, clock_now_ns()))
+				break;
 			kiosk_act(k,
 				  &(struct button_press){
 					  .action = (enum action)event.action,
@@ -137,7 +139,7 @@ bool kiosk_screen_is_excused(const struct kiosk_screen *screen)
 	const enum display_situation situation = screen->display.situation;
 
 	if (screen->display.state)
-		return screen->display.hidden;
+		return screen->display.hidden || screen->display.off;
 	return situation == DISPLAY_NO_DEVICE || situation == DISPLAY_NO_SCREEN ||
 	       situation == DISPLAY_BUSY;
 }

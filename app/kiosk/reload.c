@@ -46,6 +46,7 @@ static const struct {
 	{"screen", "scale", RELOAD_DRAWING},
 	{"screen", "trouble", RELOAD_DRAWING},
 	{"screen", "blank_after", RELOAD_DRAWING},
+	{"screen", "hours", RELOAD_HOURS},
 	{"buttons", NULL, RELOAD_BUTTONS},
 	{"control", NULL, RELOAD_CONTROL},
 	{"state", NULL, RELOAD_STATE},

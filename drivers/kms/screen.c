@@ -133,6 +133,17 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 	return 0;
 }
 
+int kms_screen_set_dark(struct kms_screen *screen, struct fault *fault)
+{
+	struct kms_state dark = screen->ours;
+	int err;
+
+	dark.crtc_active = 0;
+	err = kms_state_commit(&screen->path, &screen->properties, &dark,
+			       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	return err ? kms_screen_refused(screen, err, "switch it off", fault) : 0;
+}
+
 static int describe_mode(struct kms_screen *screen, struct fault *fault)
 {
 	const drmModeModeInfo *mode = &screen->path.mode;

@@ -61,6 +61,7 @@ struct display {
 	int width, height;
 	double rate_hz; /* 0: no refresh; frames are taken as fast as they come */
 	bool hidden;	/* another console has the screen: acquire() returns -EAGAIN */
+	bool off;	/* switched off by display_power(): display_acquire() returns -EAGAIN */
 	enum display_situation situation; /* kept after closing and after a failure to open */
 	uint64_t shown;			  /* frames that reached the screen */
 	void *state;			  /* the driver's; NULL when closed */
@@ -120,6 +121,11 @@ struct display_ops {
 	 * asked for before allocates nothing. */
 	int (*fit)(struct display *display, int width, int height, double squash);
 
+	/* Optional. Switches the screen off, or on again; what was on it and submitted frames
+	 * without DISPLAY_SHOWN are lost. display->off still tells how it is. 0 or -errno: the screen
+	 * is gone, close it. */
+	int (*power)(struct display *display, bool on, struct fault *fault);
+
 	/* Mandatory, never blocks. Returns a buffer to draw in, the same one until it is submitted.
 	 * 0; -EAGAIN: all buffers are queued or on the screen. */
 	int (*acquire)(struct display *display, struct display_buffer *buffer);
@@ -151,6 +157,8 @@ int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);
 int display_descriptor(struct display *display);
 int display_fit(struct display *display, int width, int height, double squash);
+/* -ENOTSUP: the driver cannot. What is so already is no error. */
+int display_power(struct display *display, bool on, struct fault *fault);
 int display_acquire(struct display *display, struct display_buffer *buffer);
 int display_submit(struct display *display, struct display_buffer *buffer, int64_t token,
 		   struct fault *fault);

@@ -673,6 +673,46 @@ static void what_was_left_is_put_away_and_back(void **state)
 	}
 }
 
+/* By ACTIVE, with everything else kept, and with no trace of the picture that was shown. */
+static void a_screen_is_switched_off_and_on(void **state)
+{
+	struct display_buffer buffer;
+	struct display_event event;
+
+	(void)state;
+	open_fine();
+	submit(1, 1280, 720);
+	assert_shown(1);
+	submit(2, 1280, 720); /* on its way */
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	assert_true(display.off);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 0);
+	assert_int_equal(*value_of(CONNECTOR, "CRTC_ID"), CRTC);
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	/* A screen that is off may say that it is not there. */
+	card.connection = DRM_MODE_DISCONNECTED;
+	assert_int_equal(wait_for(&event, 2500 * NS_PER_MS), 0);
+	assert_int_equal(event.kind, DISPLAY_NOTHING);
+	card.connection = DRM_MODE_CONNECTED;
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	assert_int_equal(display_power(&display, true, &fault), 0);
+	assert_false(display.off);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
+	assert_int_equal(display_acquire(&display, &buffer), 0);
+	for (size_t i = 0; i < buffer.stride * 720; i++)
+		assert_int_equal(buffer.pixels[i], 0);
+	submit(3, 1280, 720);
+	assert_shown(3);
+	/* What is gone when it is switched on is said, for the caller to open it again. */
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	card.connection = DRM_MODE_DISCONNECTED;
+	assert_int_equal(display_power(&display, true, &fault), -ENOLINK);
+	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
+	assert_int_equal(display_close(&display, &fault), 0);
+	assert_int_equal(card.buffers, 0);
+}
+
 static void what_cannot_be_opened(void **state)
 {
 	(void)state;
@@ -726,6 +766,7 @@ int main(void)
 		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(what_was_left_is_put_away_and_back, plug_in,
 						take_out),
+		cmocka_unit_test_setup_teardown(a_screen_is_switched_off_and_on, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
 	};
 
