@@ -266,10 +266,11 @@ static int kms_open(struct display *display, struct fault *fault)
 	display->rate_hz = kms_mode_rate(mode);
 	screen->looked_ns = clock_now_ns();
 	if (screen->path.computed)
-		log_info("kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
-			 "named",
-			 screen->path.connector_name, display->width, display->height,
-			 display->rate_hz);
+		log_info_paced(
+			"kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
+			"named",
+			screen->path.connector_name, display->width, display->height,
+			display->rate_hz);
 	return 0;
 }
 

@@ -120,6 +120,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
+	tests/unit/hal/base/test_log_pace.c \
 	tests/unit/hal/base/test_output.c \
 	tests/unit/hal/base/test_pool.c \
 	tests/unit/hal/base/test_text_file.c \

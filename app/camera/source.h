@@ -47,6 +47,7 @@ struct source {
 	bool kept;	       /* set by the user: pictures outlive their frames (freeze) */
 	int64_t held_ns;       /* when the held frame was captured */
 	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
+	uint64_t losses;       /* how often it was lost after it had given a picture */
 	uint64_t superseded;   /* held frames that a newer one replaced */
 	uint64_t undecodable;
 	/* Counts of the openings before this one. */

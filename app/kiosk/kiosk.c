@@ -7,6 +7,7 @@
 
 #include "app/kiosk/kiosk_parts.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
 #include "hal/device/camera_situation.h"
 
 /* Longest wait for the cameras before the first picture. Opening one may take 2 s
@@ -108,6 +109,7 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 	if (err)
 		return err;
 	write_stats(k, now);
+	log_tick();
 	kiosk_text(k);
 	pipeline_try_again(k->picture.pipeline);
 	k->picture.redraw |= !k->rest.resting && stands_still(k, now);

@@ -140,11 +140,11 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 
 		append(w,
 		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
-		       "\"broken\":%llu}",
+		       "\"broken\":%llu,\"losses\":%llu}",
 		       i ? "," : "", sources[i].settings.name,
 		       camera_situation_names[sources[i].situation],
 		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
-		       (unsigned long long)counts.broken);
+		       (unsigned long long)counts.broken, (unsigned long long)sources[i].losses);
 	}
 	append(w, "]");
 }

@@ -14,7 +14,7 @@
 
 enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 
-#define STATS_TEXT_MAX 2048
+#define STATS_TEXT_MAX 3072
 #define STATS_IN_FLIGHT 4 /* pictures submitted and not on the screen yet */
 
 /* Figures since the line before. */

@@ -218,7 +218,7 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 	if (err)
 		return err;
 	if (kms_console_open(&screen->console, options->vt, &trouble))
-		log_warning("kms display: %s; going on without it", trouble.text);
+		log_warning_paced("kms display: %s; going on without it", trouble.text);
 	return kms_watch_open(&screen->watch, screen->path.card, screen->console.told, fault);
 }
 

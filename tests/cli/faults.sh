@@ -71,6 +71,19 @@ check "and still answers" "$INLAY" control --socket "$work/socket" threshold-set
 stop
 
 # ---- no descriptor is left when a camera has to be opened again ----
+# A plug with a bad contact: few lines, and a count.
+losses() {
+	grep -oE '"losses":[0-9]+' "$work/live.jsonl" | tail -n 2 | head -n 1 | cut -d: -f2
+}
+lost_often() {
+	[ "$(losses)" -ge 7 ]
+}
+start --set camera.fisheye.sim.vanish_after=3
+check "a camera that comes and goes each second" until_true 60 lost_often
+equal "is logged four times" 4 "$(said "$work/run.log" "camera fisheye: no device")"
+equal "and when it came back" 4 "$(said "$work/run.log" "camera fisheye: fine again")"
+stop
+
 start --set camera.fisheye.sim.vanish_after=100
 check "a camera that will vanish" shows_frames
 before=$(descriptors)
