@@ -23,6 +23,7 @@ APP_SOURCES := \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \
+	app/camera/settling.c \
 	app/camera/source.c \
 	app/kiosk/control.c \
 	app/kiosk/control_socket.c \

@@ -34,6 +34,7 @@ UNIT_TESTS := \
 	tests/accuracy/test_moving_lamp.c \
 	tests/unit/app/bench/test_bench.c \
 	tests/unit/app/camera/test_exposing.c \
+	tests/unit/app/camera/test_settling.c \
 	tests/unit/app/camera/test_source.c \
 	tests/unit/app/kiosk/test_control.c \
 	tests/unit/app/kiosk/test_program.c \

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "app/camera/opener.h"
+#include "app/camera/settling.h"
 #include "hal/colour/transfer.h"
 #include "hal/device/camera.h"
 #include "hal/frame/frame.h"
@@ -62,10 +63,11 @@ struct source {
 	int64_t damaged_ns;	   /* since when no frame has decoded; 0: the last one did */
 	struct image linear;	   /* the picture in linear radiance, not clipped, from RGBF */
 	bool is_linear;
-	int64_t picture_ns; /* when the picture was captured */
-	int64_t stamp_ns;   /* the same by the camera's own clock, perhaps a simulated one */
-	uint32_t sequence;  /* the camera's number of its frame */
-	int64_t fresh_ns;   /* when it became the picture */
+	int64_t picture_ns;	  /* when the picture was captured */
+	int64_t stamp_ns;	  /* the same by the camera's own clock, perhaps a simulated one */
+	uint32_t sequence;	  /* the camera's number of its frame */
+	int64_t fresh_ns;	  /* when it became the picture */
+	struct settling settling; /* whether the picture counts: eye_has_settled() */
 };
 
 /* 0, -ENOMEM, or -errno of a thread that cannot be started. */

@@ -61,5 +61,8 @@ int kiosk_rest_look(struct kiosk *k, bool first, struct fault *fault)
 	k->rest.resting = due;
 	say_rest(k);
 	rest_sources(k, due);
+	if (due)
+		pipeline_forget_light(
+			k->picture.pipeline); /* morning is not lit as the evening was */
 	return switch_screen(k, !due, fault);
 }

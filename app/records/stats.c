@@ -137,14 +137,18 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 	append(w, ",\"cameras\":[");
 	for (int i = 0; i < count; i++) {
 		struct source_counts counts = source_counts(&sources[i]);
+		const struct settling *settling = &sources[i].settling;
 
 		append(w,
 		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
-		       "\"broken\":%llu,\"losses\":%llu}",
+		       "\"broken\":%llu,\"losses\":%llu,"
+		       "\"settling\":%s,\"unsettled\":%llu}",
 		       i ? "," : "", sources[i].settings.name,
 		       camera_situation_names[sources[i].situation],
 		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
-		       (unsigned long long)counts.broken, (unsigned long long)sources[i].losses);
+		       (unsigned long long)counts.broken, (unsigned long long)sources[i].losses,
+		       settling->opening && !settling->settled ? "true" : "false",
+		       (unsigned long long)settling->left_out);
 	}
 	append(w, "]");
 }

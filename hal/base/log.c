@@ -16,7 +16,7 @@
 
 enum { TEXT_MAX = 2048, SAID_MAX = 256 };
 
-/* Which messages of a text are written. */
+/* Says which messages of a text are written. */
 enum choice { EACH, ONCE, PACED };
 
 /* Levels of syslog(3). */
