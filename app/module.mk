@@ -54,6 +54,7 @@ APP_SOURCES := \
 	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
+	app/records/metrics.c \
 	app/records/state.c \
 	app/records/stats.c \
 	app/view/guide.c \

@@ -113,6 +113,11 @@ struct config_state {
 	double interval_s;	 /* least time between two writes */
 };
 
+/* Figures for Prometheus. */
+struct config_metrics {
+	char file[INI_PATH_MAX]; /* empty: none */
+};
+
 /* A rectangle of a camera's picture: config_view() makes a struct view of it. */
 struct config_view {
 	char camera[INI_TEXT_MAX]; /* [camera NAME]; empty: none */
@@ -186,6 +191,7 @@ struct config {
 	struct config_buttons *buttons;
 	struct config_control control;
 	struct config_state state;
+	struct config_metrics metrics;
 	char name[INI_PATH_MAX]; /* name of the file, for faults */
 	/* private */
 	struct config_drivers drivers;

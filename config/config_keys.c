@@ -568,6 +568,15 @@ static const struct ini_key state_keys[] = {
 	 .help = "It is written at most so often, and when the kiosk ends."},
 	INI_KEYS_END};
 
+static const struct ini_key metrics_keys[] = {
+	{.name = "file",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_metrics, file),
+	 .fallback = "",
+	 .help = "Text file for Prometheus' node exporter, whose name ends in .prom; it is written "
+		 "every 15 s. Empty: none."},
+	INI_KEYS_END};
+
 /*
  * Most sections lie in struct config itself. For these, place() returns the struct and .part is the
  * section's offset in it. The three sections with drivers are blocks of their own.
@@ -694,6 +703,11 @@ const struct ini_table config_tables[] = {
 	 .place = keys_place_config,
 	 .part = offsetof(struct config, state),
 	 .help = "What was chosen with the buttons."},
+	{.section = "metrics",
+	 .keys = metrics_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, metrics),
+	 .help = "Figures for those who watch many kiosks."},
 	INI_TABLES_END};
 
 const size_t config_table_count = sizeof(config_tables) / sizeof(*config_tables) - 1;

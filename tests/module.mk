@@ -47,6 +47,7 @@ UNIT_TESTS := \
 	tests/unit/app/pipeline/test_pipeline.c \
 	tests/unit/app/pipeline/test_pipeline_pose.c \
 	tests/unit/app/pipeline/test_selection.c \
+	tests/unit/app/records/test_metrics.c \
 	tests/unit/app/records/test_state.c \
 	tests/unit/app/test_devices_sample.c \
 	tests/unit/app/view/test_guide.c \

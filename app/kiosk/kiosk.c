@@ -85,6 +85,24 @@ static bool stands_still(struct kiosk *k, int64_t now)
 	return now - k->picture.made_ns >= STILL_NS && !(first && first->camera.on_demand);
 }
 
+static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline_report *report)
+{
+	const struct display *display = &k->screen.display;
+	const struct metrics_facts facts = {
+		.stats = &k->stats,
+		.report = report,
+		.sources = k->inputs.sources,
+		.source_count = k->inputs.source_count,
+		.screen = kiosk_screen_situation(&k->screen),
+		.screen_is_fine = display->state && !display->off && !display->hidden,
+		.resting = k->rest.resting,
+		.thermal = METRICS_THERMAL,
+	};
+
+	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
+		k->stats.latency_peak_ns = 0;
+}
+
 static void write_stats(struct kiosk *k, int64_t now_ns)
 {
 	struct pipeline_report report;
@@ -92,6 +110,7 @@ static void write_stats(struct kiosk *k, int64_t now_ns)
 	pipeline_find_lamp(k->picture.pipeline);
 	report = pipeline_report(k->picture.pipeline);
 	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
+	write_metrics(k, now_ns, &report);
 }
 
 /* Once a second. */

@@ -54,9 +54,8 @@ static const char *answer_status(struct kiosk *k)
 		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
 		 controls->split, controls->information ? "true" : "false",
-		 k->screen.display.off ? "off"
-				       : display_situation_names[k->screen.display.situation],
-		 k->rest.resting ? "true" : "false", next, figures);
+		 kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next,
+		 figures);
 	return controls->status;
 }
 

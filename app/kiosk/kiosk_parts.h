@@ -17,6 +17,7 @@
 #include "app/kiosk/service.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
+#include "app/records/metrics.h"
 #include "app/records/state.h"
 #include "app/records/stats.h"
 #include "app/view/overlay.h"
@@ -102,6 +103,7 @@ struct kiosk {
 	struct loop loop;
 	struct service service;
 	struct stats stats;
+	struct metrics metrics;
 	struct kiosk_inputs inputs;
 	struct kiosk_picture picture;
 	struct kiosk_controls controls;
@@ -191,6 +193,9 @@ void kiosk_screen_fit(struct kiosk *k);
 
 /* Pictures shown since the start. */
 uint64_t kiosk_shown(const struct kiosk_screen *screen);
+
+/* Its situation in a word, "off" where it is switched off. */
+const char *kiosk_screen_situation(const struct kiosk_screen *screen);
 
 /* Whether there is no screen to show on, so that a watchdog must not end the kiosk. */
 bool kiosk_screen_is_excused(const struct kiosk_screen *screen);

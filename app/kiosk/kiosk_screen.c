@@ -134,6 +134,11 @@ uint64_t kiosk_shown(const struct kiosk_screen *screen)
 	return screen->shown_before + screen->display.shown;
 }
 
+const char *kiosk_screen_situation(const struct kiosk_screen *screen)
+{
+	return screen->display.off ? "off" : display_situation_names[screen->display.situation];
+}
+
 bool kiosk_screen_is_excused(const struct kiosk_screen *screen)
 {
 	const enum display_situation situation = screen->display.situation;

@@ -50,6 +50,7 @@ static const struct {
 	{"buttons", NULL, RELOAD_BUTTONS},
 	{"control", NULL, RELOAD_CONTROL},
 	{"state", NULL, RELOAD_STATE},
+	{"metrics", NULL, RELOAD_DRAWING}, /* written anew in a few seconds */
 };
 
 static unsigned effects_of(const struct config_change *change)

@@ -98,10 +98,17 @@ void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int
 	if (!captured_ns)
 		return;
 	stats->timed++;
-	stats->late += latency_ns > period_ns + work_on(stats, captured_ns);
-	stats->latency_sum_ns += latency_ns;
 	if (latency_ns > stats->latency_max_ns)
 		stats->latency_max_ns = latency_ns;
+	if (latency_ns > stats->latency_peak_ns)
+		stats->latency_peak_ns = latency_ns;
+	stats->latency_sum_ns += latency_ns;
+	stats->latency_total_ns += latency_ns;
+	stats->timed_total++;
+	if (latency_ns > period_ns + work_on(stats, captured_ns)) {
+		stats->late++;
+		stats->late_total++;
+	}
 }
 
 static double ms(int64_t ns)

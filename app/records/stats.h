@@ -31,6 +31,9 @@ struct stats {
 	uint64_t lines_lost;	   /* lines that could not be written, since the start */
 	int64_t start_ns, line_ns; /* when the run began; when the last line was written */
 	uint64_t frames;	   /* pictures shown since the start */
+	/* Since the start, but for the peak, which whoever uses it sets to 0: */
+	uint64_t timed_total, late_total;
+	int64_t latency_total_ns, latency_peak_ns;
 	struct stats_figures last; /* what the last line said */
 	/* Since the last line: */
 	uint64_t line_frames, made, timed, late;
