@@ -479,7 +479,9 @@ static const struct ini_key screen_keys[] = {
 	 .choices = picture_turn_names,
 	 .fallback = "0",
 	 .unit = "deg",
-	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side."},
+	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side; "
+		 "added "
+		 "to how the panel is built in, where the kernel knows that."},
 	{.name = "margins",
 	 .type = INI_REALS,
 	 .offset = offsetof(struct config_screen, settings.margins),

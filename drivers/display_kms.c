@@ -17,6 +17,7 @@
 #include "drivers/drivers.h"
 #include "drivers/kms/list.h"
 #include "drivers/kms/mode.h"
+#include "drivers/kms/panel.h"
 #include "drivers/kms/screen.h"
 #include "drivers/kms/timing.h"
 #include "hal/base/clock.h"
@@ -26,6 +27,7 @@
 #define LOOK_EVERY_NS (2 * NS_PER_S) /* how often the connector is read without a message */
 
 static const char *const scaling_choices[] = {"auto", "never", NULL};
+static const char *const range_choices[] = {"auto", "full", "limited", NULL};
 
 static const struct ini_key kms_keys[] = {
 	{.name = "connector",
@@ -57,6 +59,13 @@ static const struct ini_key kms_keys[] = {
 	 .choices = scaling_choices,
 	 .fallback = "auto",
 	 .help = "Whether the graphics card may scale pictures to the screen, where it can."},
+	{.name = "range",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct kms_options, range),
+	 .choices = range_choices,
+	 .fallback = "auto",
+	 .help = "Code values that HDMI sends for black and white, 0 and 255 or 16 and 235, where "
+		 "the screen looks washed out or loses its shadows; auto: by the mode."},
 	{.name = "vt",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct kms_options, vt),
@@ -264,6 +273,7 @@ static int kms_open(struct display *display, struct fault *fault)
 	display->width = mode->hdisplay;
 	display->height = mode->vdisplay;
 	display->rate_hz = kms_mode_rate(mode);
+	display->mounted = (int)kms_panel_turn(&screen->path);
 	screen->looked_ns = clock_now_ns();
 	if (screen->path.computed)
 		log_info_paced(

@@ -154,6 +154,7 @@ int display_open(struct display *display, const struct display_ops *ops,
 	display->options = options;
 	allow_for_turn(display);
 	err = ops->open(display, fault);
+	display->settings.turn = (settings->turn + display->mounted) % PICTURE_TURN_COUNT;
 	if (!err)
 		err = check_margins(display, fault);
 	if (err) {
