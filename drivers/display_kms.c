@@ -115,7 +115,7 @@ static int kms_fit(struct display *display, int width, int height, double squash
 
 	screen->fit = kms_screen_whole(screen);
 	if (width < 1 || height < 1 || !(squash > 0) || width > display->width ||
-	    height > display->height || display->hidden)
+	    height > display->height || display->hidden || display->off)
 		return -ENOTSUP;
 	fit.box = kms_fit_box(width, height, squash, display->width, display->height);
 	if (fit.box.width == width && fit.box.height == height && width == display->width &&

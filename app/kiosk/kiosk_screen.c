@@ -118,7 +118,7 @@ void kiosk_screen_fit(struct kiosk *k)
 	/* With scale = none the screen keeps its own size. */
 	struct show_fit fit = {screen->display.width, screen->display.height, 1};
 
-	if (screen->display.hidden)
+	if (screen->display.hidden || screen->display.off)
 		return; /* it would refuse, and is asked once only */
 	if (k->config->screen->scale == SCALE_FIT)
 		fit = show_fit(k->controls.view, &k->inputs.eyes, k->picture.basis);

@@ -238,6 +238,9 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
 	    !*value_of(CURSOR, "FB_ID"))
 		return test_kms_card_refuse(ENOENT);
+	if (!(a->flags & DRM_MODE_ATOMIC_ALLOW_MODESET) &&
+	    *property(wanted, CRTC, "ACTIVE") != *value_of(CRTC, "ACTIVE"))
+		return test_kms_card_refuse(EINVAL);
 	if (trial) {
 		card.trials++;
 		return 0;
@@ -737,8 +740,13 @@ static void a_screen_is_switched_off_and_on(void **state)
 	assert_int_equal(wait_for(&event, 2500 * NS_PER_MS), 0);
 	assert_int_equal(event.kind, DISPLAY_NOTHING);
 	card.connection = DRM_MODE_CONNECTED;
+	/* It cannot be asked now whether it scales, and no answer is kept. */
+	card.scales = true;
+	assert_int_equal(display_fit(&display, 640, 360, 1), -ENOTSUP);
 	assert_int_equal(display_power(&display, false, &fault), 0);
 	assert_int_equal(display_power(&display, true, &fault), 0);
+	assert_int_equal(display_fit(&display, 640, 360, 1), 0);
+	assert_int_equal(display_fit(&display, 1280, 720, 1), 0);
 	assert_false(display.off);
 	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
 	assert_int_equal(display_acquire(&display, &buffer), 0);
