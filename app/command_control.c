@@ -205,6 +205,8 @@ const struct command command_control = {
 		"  split-left            move the line between before and after\n"
 		"  split-right           move it the other way\n"
 		"  freeze [on|off]       hold the picture, or let it go on\n"
+		"  wake                  switch the screen on for ten minutes outside of its "
+		"hours\n"
 		"  quit                  end the kiosk",
 	.options = rows,
 	.take_word = take_word,

@@ -23,6 +23,7 @@ APP_SOURCES := \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \
+	app/camera/settling.c \
 	app/camera/source.c \
 	app/kiosk/control.c \
 	app/kiosk/control_socket.c \
@@ -35,13 +36,15 @@ APP_SOURCES := \
 	app/kiosk/kiosk_open.c \
 	app/kiosk/kiosk_picture.c \
 	app/kiosk/kiosk_reload.c \
+	app/kiosk/kiosk_rest.c \
+	app/kiosk/kiosk_rest.c \
 	app/kiosk/kiosk_screen.c \
 	app/kiosk/kiosk_text.c \
 	app/kiosk/loop.c \
 	app/kiosk/reload.c \
+	app/kiosk/rest.c \
+	app/kiosk/rest.c \
 	app/kiosk/service.c \
-	app/kiosk/state.c \
-	app/kiosk/stats.c \
 	app/kiosk/timeline.c \
 	app/pipeline/coarse_lamp.c \
 	app/pipeline/pipeline.c \
@@ -51,6 +54,9 @@ APP_SOURCES := \
 	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_pose.c \
+	app/records/metrics.c \
+	app/records/state.c \
+	app/records/stats.c \
 	app/view/guide.c \
 	app/view/layout.c \
 	app/view/marks.c \
@@ -61,3 +67,6 @@ APP_SOURCES := \
 APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/pen.c app/view/typeset.c,\
 	app/view/panel_none.c app/view/pen_none.c)
 APP_MAIN := app/main.c
+
+# A clock that shows a time before this one has not been set, so that hours of the screen do not count yet.
+$(BUILD)/app/kiosk/kiosk_rest.o: OWN_FLAGS = -DINLAY_BUILT=$(SOURCE_DATE_EPOCH)

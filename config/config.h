@@ -87,12 +87,14 @@ struct config_camera {
 struct config_screen {
 	char driver[INI_TEXT_MAX];
 	struct display_settings settings;
-	int show;	      /* enum config_show */
-	int scale;	      /* enum config_scale */
-	double split;	      /* position of the line, as a share of the width, 0..1 */
-	bool information;     /* the line of figures is shown */
-	bool trouble;	      /* faults are named on the screen */
-	double blank_after_s; /* the screen goes black without pictures for so long; 0: never */
+	int show;		  /* enum config_show */
+	int scale;		  /* enum config_scale */
+	double split;		  /* position of the line, as a share of the width, 0..1 */
+	bool information;	  /* the line of figures is shown */
+	bool trouble;		  /* faults are named on the screen */
+	double blank_after_s;	  /* the screen goes black without pictures for so long; 0: never */
+	char hours[INI_TEXT_MAX]; /* when it is on: config_hours_read(); empty: always */
+	char time_zone[INI_TEXT_MAX]; /* of hours; empty: the system's */
 };
 
 struct config_buttons {
@@ -109,6 +111,11 @@ struct config_control {
 struct config_state {
 	char file[INI_PATH_MAX]; /* empty: nothing is kept */
 	double interval_s;	 /* least time between two writes */
+};
+
+/* Figures for Prometheus. */
+struct config_metrics {
+	char file[INI_PATH_MAX]; /* empty: none */
 };
 
 /* A rectangle of a camera's picture: config_view() makes a struct view of it. */
@@ -184,6 +191,7 @@ struct config {
 	struct config_buttons *buttons;
 	struct config_control control;
 	struct config_state state;
+	struct config_metrics metrics;
 	char name[INI_PATH_MAX]; /* name of the file, for faults */
 	/* private */
 	struct config_drivers drivers;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "config/config_blocks.h"
+#include "config/config_hours.h"
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/compositor.h"
@@ -478,7 +479,9 @@ static const struct ini_key screen_keys[] = {
 	 .choices = picture_turn_names,
 	 .fallback = "0",
 	 .unit = "deg",
-	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side."},
+	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side; "
+		 "added "
+		 "to how the panel is built in, where the kernel knows that."},
 	{.name = "margins",
 	 .type = INI_REALS,
 	 .offset = offsetof(struct config_screen, settings.margins),
@@ -514,6 +517,20 @@ static const struct ini_key screen_keys[] = {
 	 .fallback = "0",
 	 .unit = "s",
 	 .help = "Without a new picture for so long the last one goes black; 0: never."},
+	{.name = "hours",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_screen, hours),
+	 .check = config_hours_check,
+	 .fallback = "",
+	 .help = "When the screen is on, as in \"mon-fri 09:00-12:30, 13:30-18:30, sat "
+		 "20:00-02:00\"; else it is off and the cameras rest. Empty: always."},
+	{.name = "time_zone",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct config_screen, time_zone),
+	 .check = config_zone_check,
+	 .fallback = "",
+	 .help = "Of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows "
+		 "no such names; empty: the system's."},
 	INI_KEYS_END};
 
 static const struct ini_key buttons_keys[] = {
@@ -551,6 +568,15 @@ static const struct ini_key state_keys[] = {
 	 .fallback = "5",
 	 .unit = "s",
 	 .help = "It is written at most so often, and when the kiosk ends."},
+	INI_KEYS_END};
+
+static const struct ini_key metrics_keys[] = {
+	{.name = "file",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_metrics, file),
+	 .fallback = "",
+	 .help = "Text file for Prometheus' node exporter, whose name ends in .prom; it is written "
+		 "every 15 s. Empty: none."},
 	INI_KEYS_END};
 
 /*
@@ -679,6 +705,11 @@ const struct ini_table config_tables[] = {
 	 .place = keys_place_config,
 	 .part = offsetof(struct config, state),
 	 .help = "What was chosen with the buttons."},
+	{.section = "metrics",
+	 .keys = metrics_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, metrics),
+	 .help = "Figures for those who watch many kiosks."},
 	INI_TABLES_END};
 
 const size_t config_table_count = sizeof(config_tables) / sizeof(*config_tables) - 1;

@@ -7,5 +7,6 @@ CONFIG_SOURCES := \
 	config/config_complain.c \
 	config/config_drivers.c \
 	config/config_files.c \
+	config/config_hours.c \
 	config/config_keys.c \
 	config/config_light.c

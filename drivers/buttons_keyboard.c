@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Keys of keyboards and of devices that look like one: remote controls, presenters, arcade
- * encoders. Reads evdev, so it needs no desktop. It searches for devices again whenever /dev/input
+ * encoders, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no desktop. It searches for devices again whenever /dev/input
  * changes, so one that is plugged in late or again is used.
  *
  * It grabs the devices (keyboard.grab): nothing typed at the kiosk reaches the console's shell, and
@@ -427,6 +427,8 @@ static int keyboard_list(void (*found)(void *context, const char *line), void *c
 		return -ENOMEM;
 	ini_defaults(keyboard_keys, options);
 	err = read_map(&map, options, NULL);
+	/* A screen's touch has no action by default, and is listed all the same. */
+	map.actions[keymap_code("btn_touch")] = ACTION_VIEW_NEXT;
 	free(options);
 	count = err ? 0 : scandir(FOLDER, &entries, is_event, versionsort);
 	if (count < 0)
@@ -445,7 +447,7 @@ static int keyboard_list(void (*found)(void *context, const char *line), void *c
 
 const struct buttons_ops buttons_keyboard = {
 	.name = "keyboard",
-	.description = "keys of a keyboard, remote control or arcade encoder (evdev)",
+	.description = "keys of a keyboard, remote control or arcade encoder, taps (evdev)",
 	.keys = keyboard_keys,
 	.options_size = sizeof(struct keyboard_options),
 	.list = keyboard_list,

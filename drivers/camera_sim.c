@@ -400,6 +400,23 @@ static void apply_changes(struct sim *sim, uint64_t sequence)
 		(size_t)sim->change_count * sizeof(*sim->changes));
 }
 
+/* The first frames after it was opened: zeros in the camera's own format, as in a buffer that nobody has
+ * filled (green in YUV), then an exposure that falls from the fourfold to the right one. */
+static void output_warming(const struct camera *camera, struct sim *sim, uint64_t sequence,
+			   struct frame *frame)
+{
+	const struct sim_options *options = camera->options;
+	const double done = 2.0 * (double)sim->delivered / options->warm_up - 1;
+
+	sim->sensor.settings.exposure = options->exposure * (4 - 3 * done);
+	output_frame(camera, sim, sequence, frame);
+	sim->sensor.settings.exposure = options->exposure;
+	if (done >= 0)
+		return;
+	memset(sim->output, 0, frame->planes[0].bytes);
+	fill_plane(frame, sim->output);
+}
+
 /* Produces one frame; a damaged one keeps the format PIXEL_NONE. */
 static int sim_take_frame(struct camera *camera, struct sim *sim, struct frame *frame,
 			  struct fault *fault)
@@ -433,7 +450,10 @@ static int sim_take_frame(struct camera *camera, struct sim *sim, struct frame *
 		.timestamp_ns = timestamp_ns(camera, sim, sequence),
 		.sequence = (uint32_t)sequence,
 	};
-	output_frame(camera, sim, sequence, frame);
+	if (sim->delivered < (uint64_t)options->warm_up)
+		output_warming(camera, sim, sequence, frame);
+	else
+		output_frame(camera, sim, sequence, frame);
 	return 0;
 }
 

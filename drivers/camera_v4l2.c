@@ -129,9 +129,10 @@ static int v4l2_start(struct camera *camera, struct v4l2_capture *v, struct v4l2
 	if (err || !lessened)
 		return err;
 	v4l2_describe(&v->picture, camera->rate_hz, instead, sizeof(instead));
-	log_warning("%s: the USB bus has no room for %s: cameras on one bus share its bandwidth. "
-		    "Taken instead: %s (give_up = \"%s\" allows it)",
-		    v->path, wanted, instead, camera->settings.give_up);
+	log_warning_paced(
+		"%s: the USB bus has no room for %s: cameras on one bus share its bandwidth. "
+		"Taken instead: %s (give_up = \"%s\" allows it)",
+		v->path, wanted, instead, camera->settings.give_up);
 	return 0;
 }
 
@@ -184,8 +185,8 @@ static void say_what_came(const struct camera *camera, const struct v4l2_capture
 	char text[80];
 
 	v4l2_describe(&v->picture, camera->rate_hz, text, sizeof(text));
-	log_info("%s: \"%s\" sends %s, %s", v->path, camera->name, text,
-		 v4l2_lines_text(&v->picture.lines));
+	log_info_paced("%s: \"%s\" sends %s, %s", v->path, camera->name, text,
+		       v4l2_lines_text(&v->picture.lines));
 }
 
 static int v4l2_open(struct camera *camera, struct fault *fault)

@@ -17,6 +17,7 @@
 #include "drivers/drivers.h"
 #include "drivers/kms/list.h"
 #include "drivers/kms/mode.h"
+#include "drivers/kms/panel.h"
 #include "drivers/kms/screen.h"
 #include "drivers/kms/timing.h"
 #include "hal/base/clock.h"
@@ -26,6 +27,7 @@
 #define LOOK_EVERY_NS (2 * NS_PER_S) /* how often the connector is read without a message */
 
 static const char *const scaling_choices[] = {"auto", "never", NULL};
+static const char *const range_choices[] = {"auto", "full", "limited", NULL};
 
 static const struct ini_key kms_keys[] = {
 	{.name = "connector",
@@ -57,6 +59,13 @@ static const struct ini_key kms_keys[] = {
 	 .choices = scaling_choices,
 	 .fallback = "auto",
 	 .help = "Whether the graphics card may scale pictures to the screen, where it can."},
+	{.name = "range",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct kms_options, range),
+	 .choices = range_choices,
+	 .fallback = "auto",
+	 .help = "Code values that HDMI sends for black and white, 0 and 255 or 16 and 235, where "
+		 "the screen looks washed out or loses its shadows; auto: by the mode."},
 	{.name = "vt",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct kms_options, vt),
@@ -106,7 +115,7 @@ static int kms_fit(struct display *display, int width, int height, double squash
 
 	screen->fit = kms_screen_whole(screen);
 	if (width < 1 || height < 1 || !(squash > 0) || width > display->width ||
-	    height > display->height || display->hidden)
+	    height > display->height || display->hidden || display->off)
 		return -ENOTSUP;
 	fit.box = kms_fit_box(width, height, squash, display->width, display->height);
 	if (fit.box.width == width && fit.box.height == height && width == display->width &&
@@ -152,11 +161,44 @@ static int show_again(struct kms_screen *screen, struct fault *fault)
 	return err;
 }
 
+/* Switches the screen off. The picture that was on it is forgotten, or it would be shown for a
+ * moment when the screen is switched on. */
+static int go_dark(struct kms_screen *screen, struct fault *fault)
+{
+	int err = kms_screen_set_dark(screen, fault);
+
+	if (!err)
+		err = take_flips(screen);
+	screen->flipping = screen->waiting = NONE;
+	screen->flip_due_ns = 0;
+	screen->shown.kind = DISPLAY_NOTHING;
+	for (int i = 0; i < screen->buffer_count; i++)
+		memset(screen->buffers[i].map, 0, screen->buffers[i].bytes);
+	return err;
+}
+
+static int kms_power(struct display *display, bool on, struct fault *fault)
+{
+	struct kms_screen *screen = display->state;
+	int err;
+
+	if (display->hidden)
+		return 0; /* when the console is back */
+	if (!on)
+		return go_dark(screen, fault);
+	err = kms_look(screen, display, true, fault);
+	return err ? err : show_again(screen, fault);
+}
+
 static int kms_come_back(struct display *display, struct fault *fault)
 {
 	struct kms_screen *screen = display->state;
 	int err = kms_screen_become_master(screen, fault);
 
+	if (!err && display->off) {
+		display->hidden = false;
+		return go_dark(screen, fault);
+	}
 	if (!err)
 		err = kms_look(screen, display, true, fault);
 	if (!err)
@@ -231,12 +273,14 @@ static int kms_open(struct display *display, struct fault *fault)
 	display->width = mode->hdisplay;
 	display->height = mode->vdisplay;
 	display->rate_hz = kms_mode_rate(mode);
+	display->mounted = (int)kms_panel_turn(&screen->path);
 	screen->looked_ns = clock_now_ns();
 	if (screen->path.computed)
-		log_info("kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
-			 "named",
-			 screen->path.connector_name, display->width, display->height,
-			 display->rate_hz);
+		log_info_paced(
+			"kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
+			"named",
+			screen->path.connector_name, display->width, display->height,
+			display->rate_hz);
 	return 0;
 }
 
@@ -401,7 +445,8 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 	const unsigned known = screen->connector.connection;
 	int err;
 
-	if (display->hidden || !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
+	if (display->hidden || display->off ||
+	    !(told || clock_now_ns() - screen->looked_ns >= LOOK_EVERY_NS))
 		return 0;
 	err = kms_look(screen, display, told, fault);
 	/* The kernel knows the modes of a newly connected screen only after a probe. */
@@ -506,6 +551,7 @@ const struct display_ops display_kms = {
 	.open = kms_open,
 	.descriptor = kms_descriptor,
 	.fit = kms_fit,
+	.power = kms_power,
 	.acquire = kms_acquire,
 	.submit = kms_submit,
 	.dispatch = kms_dispatch,

@@ -12,6 +12,7 @@
 
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
 #include "hal/frame/frame.h"
 
 #define NONE (-1)
@@ -103,6 +104,16 @@ static int null_open(struct display *display, struct fault *fault)
 static int null_descriptor(struct display *display)
 {
 	return ((struct null_screen *)display->state)->timer;
+}
+
+static int null_power(struct display *display, bool on, struct fault *fault)
+{
+	struct null_screen *screen = display->state;
+
+	(void)fault;
+	screen->queued = NONE;
+	log_info("null display: switched %s", on ? "on" : "off");
+	return 0;
 }
 
 static int null_acquire(struct display *display, struct display_buffer *buffer)
@@ -237,6 +248,7 @@ const struct display_ops display_null = {
 	.options_size = sizeof(struct null_options),
 	.open = null_open,
 	.descriptor = null_descriptor,
+	.power = null_power,
 	.acquire = null_acquire,
 	.submit = null_submit,
 	.dispatch = null_dispatch,

@@ -6,6 +6,7 @@ HAL_SOURCES := \
 	hal/base/fault.c \
 	hal/base/input.c \
 	hal/base/log.c \
+	hal/base/log_pace.c \
 	hal/base/number.c \
 	hal/base/output.c \
 	hal/base/plain_text.c \

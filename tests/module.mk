@@ -34,18 +34,21 @@ UNIT_TESTS := \
 	tests/accuracy/test_moving_lamp.c \
 	tests/unit/app/bench/test_bench.c \
 	tests/unit/app/camera/test_exposing.c \
+	tests/unit/app/camera/test_settling.c \
 	tests/unit/app/camera/test_source.c \
 	tests/unit/app/kiosk/test_control.c \
 	tests/unit/app/kiosk/test_program.c \
 	tests/unit/app/kiosk/test_reload.c \
+	tests/unit/app/kiosk/test_rest.c \
 	tests/unit/app/kiosk/test_service.c \
-	tests/unit/app/kiosk/test_state.c \
 	tests/unit/app/kiosk/test_timeline.c \
 	tests/unit/app/pipeline/test_coarse_lamp.c \
 	tests/unit/app/pipeline/test_light_config.c \
 	tests/unit/app/pipeline/test_pipeline.c \
 	tests/unit/app/pipeline/test_pipeline_pose.c \
 	tests/unit/app/pipeline/test_selection.c \
+	tests/unit/app/records/test_metrics.c \
+	tests/unit/app/records/test_state.c \
 	tests/unit/app/test_devices_sample.c \
 	tests/unit/app/view/test_guide.c \
 	tests/unit/app/view/test_layout.c \
@@ -111,6 +114,7 @@ UNIT_TESTS := \
 	tests/unit/bake/truth/test_bake_energy.c \
 	tests/unit/bake/truth/test_bake_glass.c \
 	tests/unit/config/test_config.c \
+	tests/unit/config/test_config_hours.c \
 	tests/unit/drivers/test_buttons.c \
 	tests/unit/drivers/test_camera_sim.c \
 	tests/unit/drivers/test_camera_v4l2.c \
@@ -119,6 +123,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
+	tests/unit/hal/base/test_log_pace.c \
 	tests/unit/hal/base/test_output.c \
 	tests/unit/hal/base/test_pool.c \
 	tests/unit/hal/base/test_text_file.c \
@@ -206,7 +211,7 @@ FUZZ_PARTS := \
 	app/driver_list.c \
 	app/kiosk/control.c \
 	app/kiosk/control_socket.c \
-	app/kiosk/state.c \
+	app/records/state.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
@@ -253,7 +258,7 @@ FUZZ_PARTS := \
 	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
-	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
+	hours.sh run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
@@ -295,9 +300,10 @@ $(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/basis_seeds.d
 
-# Counts the heap allocations of a program that it is loaded into.
-TEST_PROGRAMS += $(BUILD)/tests/cli/tools/allocations.so
-$(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
+# Loaded into a program: one counts its heap allocations, one plays the clock on the wall.
+LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so)
+TEST_PROGRAMS += $(LOADED_TOOLS)
+$(LOADED_TOOLS): $(BUILD)/%.so: %.c
 	@mkdir -p $(@D)
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<

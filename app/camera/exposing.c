@@ -132,8 +132,8 @@ void exposing_judge(struct exposing *e, struct source *source, double level, boo
 	if (measuring && exposure_schedule_measure(&e->schedule, level))
 		give_up(e, source, "its exposures are not seen in its pictures");
 	else if (measuring && e->schedule.delay >= 0)
-		log_info("camera %s: another exposure is seen after %d frames",
-			 source->settings.name, e->schedule.delay);
+		log_info_paced("camera %s: another exposure is seen after %d frames",
+			       source->settings.name, e->schedule.delay);
 	if (measuring || e->count < 2 || e->single || e->exposure < 0)
 		return;
 	e->judged++;
@@ -141,9 +141,10 @@ void exposing_judge(struct exposing *e, struct source *source, double level, boo
 	if (e->judged < TURNS_JUDGED * e->count)
 		return;
 	if (e->unfit * 3 >= e->judged) {
-		log_info("camera %s: %d of %d pictures have another exposure than they should; how "
-			 "long it takes is measured",
-			 source->settings.name, e->unfit, e->judged);
+		log_info_paced(
+			"camera %s: %d of %d pictures have another exposure than they should; how "
+			"long it takes is measured",
+			source->settings.name, e->unfit, e->judged);
 		schedule_begin(e, -1);
 	}
 	e->judged = e->unfit = 0;

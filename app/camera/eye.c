@@ -55,3 +55,29 @@ struct picture eye_picture(const struct eye *eye)
 	source_make_whole(eye->source);
 	return view_picture(&eye->view, eye->source->canvas.pixels, eye->source->canvas.stride);
 }
+
+struct frame_reader eye_reader(const struct eye *eye)
+{
+	struct frame_reader reader;
+	struct picture picture;
+
+	if (eye_read(eye, &reader))
+		return reader;
+	picture = eye_picture(eye);
+	return frame_reader_of(&picture);
+}
+
+bool eye_has_settled(const struct eye *eye, bool metering)
+{
+	struct source *source = eye->source;
+	struct frame_reader reader;
+	struct settling_look look;
+
+	if (source->camera.on_demand ||
+	    (source->settling.settled && source->settling.opening == source->openings))
+		return true;
+	reader = eye_reader(eye);
+	look = settling_look_at(&reader);
+	return settling_take(&source->settling, source->openings, &look, metering,
+			     source->picture_ns);
+}

@@ -41,4 +41,11 @@ int eye_fit(struct eye *eye, struct fault *fault);
 bool eye_read(const struct eye *eye, struct frame_reader *reader);
 struct picture eye_picture(const struct eye *eye);
 
+/* The same by a reader, whichever way suits. */
+struct frame_reader eye_reader(const struct eye *eye);
+
+/* Takes a new picture: whether its light counts already, after its camera was opened. metering: as for
+ * settling_take(). Frames on demand have nothing to settle. */
+bool eye_has_settled(const struct eye *eye, bool metering);
+
 #endif

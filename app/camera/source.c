@@ -72,25 +72,37 @@ void source_complain(struct source *source, const struct fault *fault)
 {
 	if (source->situation == source->said)
 		return;
+	source->losses += source->said == CAMERA_FINE && source->fresh_ns;
 	source->said = source->situation;
 	source->why = *fault;
 	if (source->said == CAMERA_FINE)
-		log_info("camera %s: fine again, %dx%d %s", source->settings.name,
-			 source->camera.width, source->camera.height,
-			 pixel_format_names[source->camera.format]);
+		log_info_paced("camera %s: fine again, %dx%d %s", source->settings.name,
+			       source->camera.width, source->camera.height,
+			       pixel_format_names[source->camera.format]);
 	else
-		log_warning("camera %s: %s%s%s", source->settings.name,
-			    camera_situation_names[source->said], *fault->text ? ": " : "",
-			    fault->text);
+		log_warning_paced("camera %s: %s%s%s", source->settings.name,
+				  camera_situation_names[source->said], *fault->text ? ": " : "",
+				  fault->text);
 }
 
 void source_open(struct source *source)
 {
-	if (source->opening || source_is_open(source))
+	if (source->opening || source->resting || source_is_open(source))
 		return;
 	source->opening = true;
 	opener_start(source->opener, &source->camera, source->settings.ops,
 		     &source->settings.camera, source->settings.options);
+}
+
+void source_rest(struct source *source, bool resting)
+{
+	source->resting = resting;
+	if (!resting)
+		return;
+	if (!source->opening)
+		close_camera(source);
+	source->whole = source->is_linear = false;
+	canvas_free(&source->canvas);
 }
 
 bool source_is_open(const struct source *source)
@@ -143,6 +155,8 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 		snprintf(source->device_name, sizeof(source->device_name), "%s",
 			 source->camera.name);
 	source->openings += !err;
+	if (source->resting)
+		source_rest(source, true);
 	return err;
 }
 
@@ -375,9 +389,10 @@ static int accept_size(struct source *source, struct fault *fault)
 		return fault_say(fault, -EBADMSG, "a JPEG picture of %dx%d, expected %dx%d", width,
 				 height, frame->width, frame->height);
 	if (source->canvas.width + source->canvas.height != width + height)
-		log_warning("camera %s: it sends pictures of %dx%d in place of the %dx%d that it "
-			    "agreed to",
-			    source->settings.name, width, height, frame->width, frame->height);
+		log_warning_paced(
+			"camera %s: it sends pictures of %dx%d in place of the %dx%d that it "
+			"agreed to",
+			source->settings.name, width, height, frame->width, frame->height);
 	frame->width = width;
 	frame->height = height;
 	return 0;
@@ -414,8 +429,8 @@ static int decode_held(struct source *source, struct fault *fault)
 static void complain_of_damage(struct source *source, int64_t now_ns, const struct fault *fault)
 {
 	if (!source->undecodable++)
-		log_warning("camera %s: a frame does not decode and is passed over: %s",
-			    source->settings.name, fault->text);
+		log_warning_paced("camera %s: a frame does not decode and is passed over: %s",
+				  source->settings.name, fault->text);
 	if (!source->damaged_ns)
 		source->damaged_ns = now_ns;
 	if (now_ns - source->damaged_ns < silence_of(&source->camera))

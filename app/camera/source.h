@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "app/camera/opener.h"
+#include "app/camera/settling.h"
 #include "hal/colour/transfer.h"
 #include "hal/device/camera.h"
 #include "hal/frame/frame.h"
@@ -35,6 +36,7 @@ struct source {
 	struct camera camera; /* belongs to the opener while opening */
 	struct opener *opener;
 	bool opening;
+	bool resting;			 /* it stays closed: source_rest() */
 	unsigned openings;		 /* openings that succeeded */
 	bool tried;			 /* an opening has ended, with or without success */
 	enum camera_situation situation; /* of the camera, as last known */
@@ -46,6 +48,7 @@ struct source {
 	bool kept;	       /* set by the user: pictures outlive their frames (freeze) */
 	int64_t held_ns;       /* when the held frame was captured */
 	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
+	uint64_t losses;       /* how often it was lost after it had given a picture */
 	uint64_t superseded;   /* held frames that a newer one replaced */
 	uint64_t undecodable;
 	/* Counts of the openings before this one. */
@@ -60,10 +63,11 @@ struct source {
 	int64_t damaged_ns;	   /* since when no frame has decoded; 0: the last one did */
 	struct image linear;	   /* the picture in linear radiance, not clipped, from RGBF */
 	bool is_linear;
-	int64_t picture_ns; /* when the picture was captured */
-	int64_t stamp_ns;   /* the same by the camera's own clock, perhaps a simulated one */
-	uint32_t sequence;  /* the camera's number of its frame */
-	int64_t fresh_ns;   /* when it became the picture */
+	int64_t picture_ns;	  /* when the picture was captured */
+	int64_t stamp_ns;	  /* the same by the camera's own clock, perhaps a simulated one */
+	uint32_t sequence;	  /* the camera's number of its frame */
+	int64_t fresh_ns;	  /* when it became the picture */
+	struct settling settling; /* whether the picture counts: eye_has_settled() */
 };
 
 /* 0, -ENOMEM, or -errno of a thread that cannot be started. */
@@ -74,6 +78,10 @@ void source_destroy(struct source *source);
 /* Begins to open the camera, unless it is open or being opened. source_descriptor() polls readable
  * when that has ended; source_take() then takes the result. */
 void source_open(struct source *source);
+
+/* resting: closes the camera and forgets its picture, and until the opposite is said it stays
+ * closed. No trouble, and nothing is logged. */
+void source_rest(struct source *source, bool resting);
 
 bool source_is_open(const struct source *source);
 

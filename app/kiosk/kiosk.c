@@ -7,6 +7,7 @@
 
 #include "app/kiosk/kiosk_parts.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
 #include "hal/device/camera_situation.h"
 
 /* Longest wait for the cameras before the first picture. Opening one may take 2 s
@@ -84,6 +85,24 @@ static bool stands_still(struct kiosk *k, int64_t now)
 	return now - k->picture.made_ns >= STILL_NS && !(first && first->camera.on_demand);
 }
 
+static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline_report *report)
+{
+	const struct display *display = &k->screen.display;
+	const struct metrics_facts facts = {
+		.stats = &k->stats,
+		.report = report,
+		.sources = k->inputs.sources,
+		.source_count = k->inputs.source_count,
+		.screen = kiosk_screen_situation(&k->screen),
+		.screen_is_fine = display->state && !display->off && !display->hidden,
+		.resting = k->rest.resting,
+		.thermal = METRICS_THERMAL,
+	};
+
+	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
+		k->stats.latency_peak_ns = 0;
+}
+
 static void write_stats(struct kiosk *k, int64_t now_ns)
 {
 	struct pipeline_report report;
@@ -91,6 +110,7 @@ static void write_stats(struct kiosk *k, int64_t now_ns)
 	pipeline_find_lamp(k->picture.pipeline);
 	report = pipeline_report(k->picture.pipeline);
 	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
+	write_metrics(k, now_ns, &report);
 }
 
 /* Once a second. */
@@ -103,15 +123,16 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 		err = kiosk_control_open(k, false, fault);
 	if (!err)
 		err = kiosk_buttons_open(k, false, fault);
-	if (!err && k->inputs.settled && !k->screen.display.state)
+	if (!err && k->inputs.settled && !k->screen.display.state && !k->rest.resting)
 		err = kiosk_screen_open(k, false, fault);
 	if (err)
 		return err;
 	write_stats(k, now);
+	log_tick();
 	kiosk_text(k);
 	pipeline_try_again(k->picture.pipeline);
-	k->picture.redraw |= stands_still(k, now);
-	if (k->inputs.settled && kiosk_screen_is_excused(&k->screen)) {
+	k->picture.redraw |= !k->rest.resting && stands_still(k, now);
+	if (k->inputs.settled && (k->rest.resting || kiosk_screen_is_excused(&k->screen))) {
 		service_ready(&k->service);
 		service_alive(&k->service, now);
 	}
@@ -144,6 +165,8 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 		kiosk_reload(k);
 	if (!err && k->loop.tick)
 		err = kiosk_tick(k, fault);
+	if (!err && k->inputs.settled && (k->loop.tick || k->rest.due))
+		err = kiosk_rest_look(k, false, fault);
 	return err;
 }
 
@@ -151,14 +174,17 @@ static int handle_events(struct kiosk *k, struct fault *fault)
  * a screen without a size of its own takes theirs. */
 static int kiosk_settle(struct kiosk *k, struct fault *fault)
 {
-	for (int i = 0; i < k->inputs.source_count; i++) {
+	int err;
+
+	for (int i = 0; i < k->inputs.source_count && !k->rest.resting; i++) {
 		if (!k->inputs.sources[i].tried && clock_now_ns() - k->start_ns < SETTLE_NS)
 			return 0;
 	}
 	k->inputs.settled = true;
 	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
-	return kiosk_screen_open(k, true, fault);
+	err = kiosk_screen_open(k, true, fault);
+	return !err && k->rest.resting ? kiosk_rest_look(k, true, fault) : err;
 }
 
 static bool all_submitted(const struct kiosk *k)

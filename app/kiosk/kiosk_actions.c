@@ -6,6 +6,7 @@
 
 #include "app/kiosk/kiosk_parts.h"
 #include "drivers/drivers.h"
+#include "hal/base/clock.h"
 #include "hal/base/log.h"
 
 #define LEVEL_MAX 255.0
@@ -146,6 +147,9 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 	case ACTION_FREEZE:
 		turn_switch(&controls->frozen, press->turn);
 		break;
+	case ACTION_WAKE:
+		(void)rest_press(&k->rest, clock_now_ns());
+		break;
 	case ACTION_QUIT:
 		k->stop = true;
 		break;
@@ -198,7 +202,7 @@ void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad)
 	int err;
 
 	while ((err = buttons_read(&keypad->buttons, &press, &reason)) == 0)
-		if (kiosk_act(k, &press, &reason))
+		if (!rest_press(&k->rest, clock_now_ns()) && kiosk_act(k, &press, &reason))
 			log_warning("%s", reason.text);
 	if (err == -EAGAIN)
 		return;

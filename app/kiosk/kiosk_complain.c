@@ -8,8 +8,8 @@
 void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble)
 {
 	if (trouble && strcmp(trouble->text, said->text) != 0)
-		log_warning("%s: %s", what, trouble->text);
+		log_warning_paced("%s: %s", what, trouble->text);
 	if (!trouble && *said->text)
-		log_info("%s: fine again", what);
+		log_info_paced("%s: fine again", what);
 	*said = trouble ? *trouble : (struct fault){.text = ""};
 }

@@ -39,30 +39,35 @@ static const char *answer_status(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;
 	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
-	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX];
+	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX], next[HOURS_MOMENT_MAX];
 
 	stats_text(&k->stats, &report, &controls->choice.threshold, k->inputs.sources,
 		   k->inputs.source_count, figures);
 	kiosk_pose_trouble(&k->picture, trouble);
+	rest_next(&k->rest, time(NULL), next);
 	snprintf(controls->status, sizeof(controls->status),
 		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
 		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
-		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",%s}",
+		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,"
+		 "\"hours_next\":\"%s\",%s}",
 		 INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
 		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
 		 controls->split, controls->information ? "true" : "false",
-		 display_situation_names[k->screen.display.situation], figures);
+		 kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next,
+		 figures);
 	return controls->status;
 }
 
+/* A command is done at rest, too, but nobody sees it: a program that sends some by night must not
+ * light up the screen. */
 static const char *answer_action(struct kiosk *k, const struct button_press *press,
 				 char answer[FAULT_TEXT_MAX + 16])
 {
 	struct fault fault = {.text = ""};
 
 	if (!kiosk_act(k, press, &fault))
-		return "ok";
+		return k->rest.resting && !k->rest.due ? "ok, but the screen is at rest" : "ok";
 	snprintf(answer, FAULT_TEXT_MAX + 16, "error: %s", fault.text);
 	return answer;
 }

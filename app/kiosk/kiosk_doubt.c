@@ -72,14 +72,9 @@ static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 {
 	const struct eye *fisheye = &k->inputs.eyes.fisheye;
 	const struct pipeline *pipeline = k->picture.pipeline;
-	struct frame_reader reader;
-	struct picture picture;
+	const struct frame_reader reader = eye_reader(fisheye);
 	int outside;
 
-	if (!eye_read(fisheye, &reader)) {
-		picture = eye_picture(fisheye);
-		reader = frame_reader_of(&picture);
-	}
 	if (is_lit_outside(&reader, pipeline_lens(pipeline)))
 		return snprintf(text, OVERLAY_TEXT_MAX,
 				"The fisheye's picture has no image circle where its lens has one: "

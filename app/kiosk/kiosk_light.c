@@ -121,15 +121,23 @@ static int measure_fisheye(const struct eye *fisheye, struct pipeline *pipeline,
 static void recover_from_ground(const struct eye *background, struct pipeline *pipeline)
 {
 	struct frame_reader reader;
-	struct picture picture;
 
 	if (!pipeline_has_patch(pipeline) || !eye_has_picture(background))
 		return;
-	if (!eye_read(background, &reader)) {
-		picture = eye_picture(background);
-		reader = frame_reader_of(&picture);
-	}
+	reader = eye_reader(background);
 	pipeline_recover(pipeline, &reader);
+}
+
+/* Whether the pictures that light is measured in can be believed: the fisheye's, and the background's
+ * where its ground tells of the light. Cameras that take several exposures do not meter. */
+static bool have_settled(const struct kiosk_inputs *in, const struct pipeline *pipeline)
+{
+	const struct eye *background = &in->eyes.background;
+	const bool metering = in->exposing.count < 2;
+
+	return eye_has_settled(&in->eyes.fisheye, metering) &&
+	       (!pipeline_has_patch(pipeline) || !eye_has_picture(background) ||
+		background->source == in->eyes.fisheye.source || eye_has_settled(background, true));
 }
 
 int kiosk_measure_light(struct kiosk_inputs *in, const struct kiosk_picture *picture,
@@ -139,7 +147,7 @@ int kiosk_measure_light(struct kiosk_inputs *in, const struct kiosk_picture *pic
 	struct fault reason = {.text = ""};
 	int err;
 
-	if (!eye_has_picture(fisheye))
+	if (!eye_has_picture(fisheye) || !have_settled(in, picture->pipeline))
 		return 0;
 	err = measure_fisheye(fisheye, picture->pipeline, &reason);
 	if (!err || err == -ESTALE)

@@ -44,7 +44,7 @@ struct transfer_curve kiosk_curve_for(const struct config *config, const char *c
 }
 
 static int create_source(struct kiosk_inputs *in, const struct config *config,
-			 struct config_camera *camera, struct fault *fault)
+			 struct config_camera *camera, bool resting, struct fault *fault)
 {
 	int driver = config_driver_index(config, CONFIG_CAMERA, camera->driver);
 	struct source *source = &in->sources[in->source_count];
@@ -63,11 +63,13 @@ static int create_source(struct kiosk_inputs *in, const struct config *config,
 		return fault_say(fault, err, "camera %s: cannot be set up: %s", camera->name,
 				 strerror(-err));
 	in->source_count++;
+	source_rest(source, resting);
 	source_open(source);
 	return 0;
 }
 
-static int create_sources(struct kiosk_inputs *in, struct config *config, struct fault *fault)
+static int create_sources(struct kiosk_inputs *in, struct config *config, bool resting,
+			  struct fault *fault)
 {
 	for (int i = 0; i < config->camera_count; i++) {
 		struct config_camera *camera = config->cameras[i];
@@ -77,7 +79,7 @@ static int create_sources(struct kiosk_inputs *in, struct config *config, struct
 			log_info("camera %s: no view names it, it stays closed", camera->name);
 			continue;
 		}
-		err = create_source(in, config, camera, fault);
+		err = create_source(in, config, camera, resting, fault);
 		if (err)
 			return err;
 	}
@@ -177,6 +179,9 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 	k->controls.view = (enum config_show)config->screen->show;
 	k->controls.split = config->screen->split;
 	k->controls.information = config->screen->information;
+	/* Before any thread is started, which might read the environment meanwhile. */
+	if (*config->screen->time_zone)
+		setenv("TZ", config->screen->time_zone, 1);
 	service_start(&k->service);
 	err = kiosk_basis_open(&k->picture.basis, &k->picture.basis_file, config->basis.file,
 			       pipeline_part_of(config), fault);
@@ -196,7 +201,10 @@ int kiosk_open(struct kiosk *k, struct fault *fault)
 		err = kiosk_control_open(k, true, fault); /* fails where another kiosk runs */
 	if (!err)
 		err = kiosk_buttons_open(k, true, fault);
-	return err ? err : create_sources(&k->inputs, k->config, fault);
+	if (err)
+		return err;
+	kiosk_rest_begin(k);
+	return create_sources(&k->inputs, k->config, k->rest.resting, fault);
 }
 
 int kiosk_close(struct kiosk *k, struct fault *fault)

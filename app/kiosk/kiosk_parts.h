@@ -13,11 +13,13 @@
 #include "app/kiosk/control.h"
 #include "app/kiosk/kiosk.h"
 #include "app/kiosk/loop.h"
+#include "app/kiosk/rest.h"
 #include "app/kiosk/service.h"
-#include "app/kiosk/state.h"
-#include "app/kiosk/stats.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
+#include "app/records/metrics.h"
+#include "app/records/state.h"
+#include "app/records/stats.h"
 #include "app/view/overlay.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"
@@ -101,10 +103,12 @@ struct kiosk {
 	struct loop loop;
 	struct service service;
 	struct stats stats;
+	struct metrics metrics;
 	struct kiosk_inputs inputs;
 	struct kiosk_picture picture;
 	struct kiosk_controls controls;
 	struct kiosk_screen screen;
+	struct rest rest;
 	int64_t start_ns; /* when the loop began */
 	unsigned owed; /* enum reload_effect of a reload for which memory or threads were short */
 	bool stop;
@@ -190,6 +194,9 @@ void kiosk_screen_fit(struct kiosk *k);
 /* Pictures shown since the start. */
 uint64_t kiosk_shown(const struct kiosk_screen *screen);
 
+/* Its situation in a word, "off" where it is switched off. */
+const char *kiosk_screen_situation(const struct kiosk_screen *screen);
+
 /* Whether there is no screen to show on, so that a watchdog must not end the kiosk. */
 bool kiosk_screen_is_excused(const struct kiosk_screen *screen);
 
@@ -216,6 +223,15 @@ int kiosk_buttons_open(struct kiosk *k, bool first, struct fault *fault);
 /* Does what a driver's buttons ask for. A driver that fails is closed and logged. */
 void kiosk_buttons_read(struct kiosk *k, struct keypad *keypad);
 void kiosk_buttons_close(struct kiosk *k);
+
+/* ---- kiosk_rest.c ---- */
+
+/* Takes the hours of the configuration and decides whether the kiosk begins at rest: before the
+ * cameras are created. */
+void kiosk_rest_begin(struct kiosk *k);
+
+/* Goes to rest, or wakes, if it is time to. first: the screen has been opened at the very start. */
+int kiosk_rest_look(struct kiosk *k, bool first, struct fault *fault);
 
 /* ---- kiosk_control.c ---- */
 

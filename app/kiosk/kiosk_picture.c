@@ -168,11 +168,12 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		       struct stage_clock *stages, struct fault *fault)
 {
 	const struct show_request request = {
-		.view = is_screen_blank(k, stages->start_ns) ? SHOW_OFF : k->controls.view,
+		.view = k->rest.resting || is_screen_blank(k, stages->start_ns) ? SHOW_OFF
+										: k->controls.view,
 		.scale = (enum config_scale)k->config->screen->scale,
 		.split = k->controls.split,
 		.squash = k->screen.fitted ? k->screen.fit.squash : 1,
-		.overlay = &k->picture.overlay,
+		.overlay = k->rest.resting ? NULL : &k->picture.overlay,
 		.pool = pipeline_pool(k->picture.pipeline),
 	};
 	struct show_pictures pictures = pictures_for(&k->inputs.eyes, k->picture.pipeline,

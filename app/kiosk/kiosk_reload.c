@@ -159,6 +159,8 @@ static unsigned apply_effects(struct kiosk *k, unsigned effects)
 		k->controls.split = config->screen->split;
 	if (effects & RELOAD_INFORMATION)
 		k->controls.information = config->screen->information;
+	if (effects & RELOAD_HOURS)
+		rest_take_hours(&k->rest, config->screen->hours);
 	if (effects & RELOAD_STATE)
 		state_move(k->controls.state, &config->state);
 	if (effects & (RELOAD_THRESHOLD | RELOAD_POSE | RELOAD_VIEW))

@@ -96,6 +96,8 @@ int kiosk_screen_events(struct kiosk *k, struct fault *fault)
 			k->picture.redraw = true;
 			break;
 		case DISPLAY_ACTION:
+			if (rest_press(&k->rest, clock_now_ns()))
+				break;
 			kiosk_act(k,
 				  &(struct button_press){
 					  .action = (enum action)event.action,
@@ -116,7 +118,7 @@ void kiosk_screen_fit(struct kiosk *k)
 	/* With scale = none the screen keeps its own size. */
 	struct show_fit fit = {screen->display.width, screen->display.height, 1};
 
-	if (screen->display.hidden)
+	if (screen->display.hidden || screen->display.off)
 		return; /* it would refuse, and is asked once only */
 	if (k->config->screen->scale == SCALE_FIT)
 		fit = show_fit(k->controls.view, &k->inputs.eyes, k->picture.basis);
@@ -132,12 +134,17 @@ uint64_t kiosk_shown(const struct kiosk_screen *screen)
 	return screen->shown_before + screen->display.shown;
 }
 
+const char *kiosk_screen_situation(const struct kiosk_screen *screen)
+{
+	return screen->display.off ? "off" : display_situation_names[screen->display.situation];
+}
+
 bool kiosk_screen_is_excused(const struct kiosk_screen *screen)
 {
 	const enum display_situation situation = screen->display.situation;
 
 	if (screen->display.state)
-		return screen->display.hidden;
+		return screen->display.hidden || screen->display.off;
 	return situation == DISPLAY_NO_DEVICE || situation == DISPLAY_NO_SCREEN ||
 	       situation == DISPLAY_BUSY;
 }

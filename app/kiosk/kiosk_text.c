@@ -116,7 +116,9 @@ void kiosk_text(struct kiosk *k)
 		write_information(k);
 	else
 		overlay_information(&k->picture.overlay, NULL);
-	if (!k->screen.display.state)
+	if (k->rest.resting)
+		service_status(&k->service, "at rest, outside of [screen] hours");
+	else if (!k->screen.display.state)
 		service_status(&k->service, k->screen.said.text);
 	else
 		service_status(&k->service, count ? texts[0] : "showing the picture");

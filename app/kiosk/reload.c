@@ -46,9 +46,11 @@ static const struct {
 	{"screen", "scale", RELOAD_DRAWING},
 	{"screen", "trouble", RELOAD_DRAWING},
 	{"screen", "blank_after", RELOAD_DRAWING},
+	{"screen", "hours", RELOAD_HOURS},
 	{"buttons", NULL, RELOAD_BUTTONS},
 	{"control", NULL, RELOAD_CONTROL},
 	{"state", NULL, RELOAD_STATE},
+	{"metrics", NULL, RELOAD_DRAWING}, /* written anew in a few seconds */
 };
 
 static unsigned effects_of(const struct config_change *change)

@@ -21,6 +21,7 @@ enum reload_effect {
 	RELOAD_STATE = 1 << 8,	     /* state_move() */
 	RELOAD_LIGHT = 1 << 9,	     /* pipeline_relight() */
 	RELOAD_POSES = 1 << 11,	     /* the timeline begins again */
+	RELOAD_HOURS = 1 << 12,	     /* [screen] hours */
 	RELOAD_DRAWING = 1 << 10,    /* the picture is drawn again */
 };
 

@@ -148,6 +148,9 @@ int pipeline_light_linear(struct pipeline *pipeline, const struct image *camera,
 			  const struct view *view, struct fault *fault);
 void pipeline_light_given(struct pipeline *pipeline, const float (*radiance)[3]);
 
+/* Until light is measured again there is none: report.lit is false, as at the start. */
+void pipeline_forget_light(struct pipeline *pipeline);
+
 /* Looks for a lamp that shines where the dome is coarse; once a second suffices. */
 void pipeline_find_lamp(struct pipeline *pipeline);
 

@@ -293,6 +293,11 @@ void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
 	p->lit = true;
 }
 
+void pipeline_forget_light(struct pipeline *p)
+{
+	p->lit = false;
+}
+
 void pipeline_find_lamp(struct pipeline *p)
 {
 	if (p->lit)

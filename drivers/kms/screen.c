@@ -10,6 +10,7 @@
 #include <xf86drm.h>
 
 #include "drivers/kms/holder.h"
+#include "drivers/kms/panel.h"
 #include "hal/base/log.h"
 
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
@@ -133,6 +134,17 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 	return 0;
 }
 
+int kms_screen_set_dark(struct kms_screen *screen, struct fault *fault)
+{
+	struct kms_state dark = screen->ours;
+	int err;
+
+	dark.crtc_active = 0;
+	err = kms_state_commit(&screen->path, &screen->properties, &dark,
+			       DRM_MODE_ATOMIC_ALLOW_MODESET);
+	return err ? kms_screen_refused(screen, err, "switch it off", fault) : 0;
+}
+
 static int describe_mode(struct kms_screen *screen, struct fault *fault)
 {
 	const drmModeModeInfo *mode = &screen->path.mode;
@@ -145,11 +157,26 @@ static int describe_mode(struct kms_screen *screen, struct fault *fault)
 	screen->ours = (struct kms_state){
 		.connector_crtc = screen->path.crtc,
 		.connector_link = DRM_MODE_LINK_STATUS_GOOD,
+		.connector_range = screen->before.connector_range,
 		.crtc_active = 1,
 		.crtc_mode = blob,
 		.plane_crtc = screen->path.crtc,
 	};
 	return 0;
+}
+
+/* What the card cannot choose is left to its driver. */
+static void choose_range(struct kms_screen *screen, enum kms_range range)
+{
+	const uint32_t property = screen->properties.connector_range;
+	const char *name = kms_range_name(range);
+
+	if ((!property ||
+	     kms_panel_value(screen->path.card, property, name, &screen->ours.connector_range)) &&
+	    range != KMS_RANGE_AUTO)
+		log_warning_paced("kms display: %s: the card cannot choose the range \"%s\"; its "
+				  "driver decides",
+				  screen->path.connector_name, name);
 }
 
 /* ---- open and release ---- */
@@ -206,8 +233,9 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 		err = describe_mode(screen, fault);
 	if (err)
 		return err;
+	choose_range(screen, (enum kms_range)options->range);
 	if (kms_console_open(&screen->console, options->vt, &trouble))
-		log_warning("kms display: %s; going on without it", trouble.text);
+		log_warning_paced("kms display: %s; going on without it", trouble.text);
 	return kms_watch_open(&screen->watch, screen->path.card, screen->console.told, fault);
 }
 

@@ -80,6 +80,9 @@ void kms_screen_set_fit(struct kms_state *state, const struct kms_fit *fit);
  * changes nothing. */
 int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *fault);
 
+/* Switches the screen off (DPMS) and keeps everything else. Waits for a pending flip. */
+int kms_screen_set_dark(struct kms_screen *screen, struct fault *fault);
+
 /* Says in the fault that the driver cannot do `what`. Returns err. */
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
 		       struct fault *fault);

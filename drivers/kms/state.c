@@ -26,6 +26,7 @@ struct property_row {
 static const struct property_row rows[] = {
 	ROW(CONNECTOR, "CRTC_ID", connector_crtc, 0),
 	ROW(CONNECTOR, "link-status", connector_link, OPTIONAL),
+	ROW(CONNECTOR, "Broadcast RGB", connector_range, OPTIONAL),
 	ROW(CRTC, "ACTIVE", crtc_active, 0),
 	ROW(CRTC, "MODE_ID", crtc_mode, BLOB),
 	ROW(CRTC, "DEGAMMA_LUT", crtc_degamma, OPTIONAL | BLOB),

@@ -10,7 +10,7 @@
 
 /* Ids of the properties; 0: the card lacks this optional property. */
 struct kms_properties {
-	uint32_t connector_crtc, connector_link, crtc_active, crtc_mode;
+	uint32_t connector_crtc, connector_link, connector_range, crtc_active, crtc_mode;
 	uint32_t crtc_degamma, crtc_matrix, crtc_gamma;
 	uint32_t plane_fb, plane_crtc, plane_source[4], plane_target[4]; /* x, y, width, height */
 };
@@ -27,7 +27,7 @@ struct kms_cover {
 /* Values of the properties. Both the state that was found and the one that is set have this
  * type. */
 struct kms_state {
-	uint64_t connector_crtc, connector_link, crtc_active, crtc_mode;
+	uint64_t connector_crtc, connector_link, connector_range, crtc_active, crtc_mode;
 	uint64_t crtc_degamma, crtc_matrix, crtc_gamma; /* blobs; 0: colours pass unchanged */
 	uint64_t plane_fb, plane_crtc;
 	uint64_t plane_source[4]; /* px of the framebuffer, 16.16 fixed point */

@@ -150,9 +150,9 @@ std::unique_ptr<lc::CameraConfiguration> configure(lc::Camera &device,
 		if (!takes(*configuration, layout.theirs, size, settings.buffers))
 			continue;
 		if (settings.width && settings.height && stream.size != size)
-			log_info("libcamera: %s: asked for %dx%d, it gives %ux%u",
-				 device.id().c_str(), settings.width, settings.height,
-				 stream.size.width, stream.size.height);
+			log_info_paced("libcamera: %s: asked for %dx%d, it gives %ux%u",
+				       device.id().c_str(), settings.width, settings.height,
+				       stream.size.width, stream.size.height);
 		if (const int err = device.configure(configuration.get()); err)
 			throw refusal(err, "cannot set " + stream.toString());
 		return configuration;

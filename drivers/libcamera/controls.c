@@ -285,8 +285,8 @@ void libcamera_wishes_refused(struct libcamera_wishes *w, struct libcamera_load 
 		w->next = 0;
 	} else if (load.count == 1) {
 		libcamera_value_text(&wish->value, text);
-		log_warning("libcamera: %s: control %s: the camera refused %s", w->camera,
-			    wish->control->name, text);
+		log_warning_paced("libcamera: %s: control %s: the camera refused %s", w->camera,
+				  wish->control->name, text);
 	}
 }
 
@@ -310,7 +310,7 @@ void libcamera_wishes_compare(struct libcamera_wishes *w,
 			continue;
 		libcamera_value_text(&wish->value, asked);
 		libcamera_value_text(&value, used);
-		log_warning("libcamera: %s: control %s: asked for %s, it uses %s", w->camera,
-			    wish->control->name, asked, used);
+		log_warning_paced("libcamera: %s: control %s: asked for %s, it uses %s", w->camera,
+				  wish->control->name, asked, used);
 	}
 }

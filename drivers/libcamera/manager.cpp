@@ -95,7 +95,7 @@ void Manager::want_others() const
 	    library->kept == libcamera_hotplug_kept())
 		return;
 	library->outdated = true;
-	log_info("libcamera: it begins anew, as devices were plugged in");
+	log_info_paced("libcamera: it begins anew, as devices were plugged in");
 }
 
 bool Manager::is_outdated() const

@@ -28,7 +28,7 @@ struct sim_options {
 	int seed;
 	bool loop;
 	int stall_after, vanish_after, corrupt_every;
-	int control_delay;
+	int control_delay, warm_up;
 };
 
 #define SIM_EXPOSURE_MAX 1e6 /* limit of the exposure, as a key and as a control */

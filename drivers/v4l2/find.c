@@ -141,7 +141,7 @@ int v4l2_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability 
 	if (search.fd < 0)
 		return not_found(name, fault);
 	if (search.others[0])
-		log_info(
+		log_info_paced(
 			"%s: \"%s\" is also the name of %s; to choose one, write its bus as device",
 			path, name, search.others);
 	return search.fd;

@@ -11,7 +11,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/base/clock.h"
+#include "hal/base/log_pace.h"
+
 enum { TEXT_MAX = 2048, SAID_MAX = 256 };
+
+/* Says which messages of a text are written. */
+enum choice { EACH, ONCE, PACED };
 
 /* Levels of syslog(3). */
 static const char *const journal_prefixes[] = {
@@ -97,9 +103,22 @@ static bool is_new(const char *text)
 	return !found;
 }
 
+static pthread_mutex_t pace_lock = PTHREAD_MUTEX_INITIALIZER;
+static struct log_pace pace;
+
+static bool is_in_pace(enum log_level level, const char *text)
+{
+	bool now;
+
+	pthread_mutex_lock(&pace_lock);
+	now = log_pace_take(&pace, level, text, clock_now_ns());
+	pthread_mutex_unlock(&pace_lock);
+	return now;
+}
+
 /* Calls write() once for a line, so that lines of several threads and processes do not mix. */
 static void __attribute__((format(printf, 3, 0)))
-log_write(enum log_level level, bool once, const char *format, va_list args)
+log_write(enum log_level level, enum choice which, const char *format, va_list args)
 {
 	char line[TEXT_MAX], *text;
 	size_t length, done = 0;
@@ -112,7 +131,7 @@ log_write(enum log_level level, bool once, const char *format, va_list args)
 		snprintf(line, sizeof(line) - 1, "%s: ", setup.program);
 	text = line + strlen(line);
 	vsnprintf(text, sizeof(line) - 1 - (size_t)(text - line), format, args);
-	if (once && !is_new(text))
+	if ((which == ONCE && !is_new(text)) || (which == PACED && !is_in_pace(level, text)))
 		return;
 	text_make_plain(text);
 	length = strlen(line);
@@ -131,7 +150,7 @@ void log_say(enum log_level level, const char *format, ...)
 	va_list args;
 
 	va_start(args, format);
-	log_write(level, false, format, args);
+	log_write(level, EACH, format, args);
 	va_end(args);
 }
 
@@ -140,6 +159,30 @@ void log_say_once(enum log_level level, const char *format, ...)
 	va_list args;
 
 	va_start(args, format);
-	log_write(level, true, format, args);
+	log_write(level, ONCE, format, args);
 	va_end(args);
+}
+
+void log_say_paced(enum log_level level, const char *format, ...)
+{
+	va_list args;
+
+	va_start(args, format);
+	log_write(level, PACED, format, args);
+	va_end(args);
+}
+
+void log_tick(void)
+{
+	char line[LOG_PACE_TEXT_MAX + 64];
+	enum log_level level;
+	bool due;
+
+	do {
+		pthread_mutex_lock(&pace_lock);
+		due = log_pace_due(&pace, clock_now_ns(), &level, line);
+		pthread_mutex_unlock(&pace_lock);
+		if (due)
+			log_say(level, "%s", line);
+	} while (due);
 }

@@ -25,9 +25,19 @@ void log_say(enum log_level level, const char *format, ...) __attribute__((forma
 void log_say_once(enum log_level level, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
+/* For what may come again and again, such as the troubles of a device that comes and goes: the first
+ * few of a text are written, later ones are counted (log_pace.h). */
+void log_say_paced(enum log_level level, const char *format, ...)
+	__attribute__((format(printf, 2, 3)));
+
+/* Writes the counts that are due. A program that runs for long calls it once a second. */
+void log_tick(void);
+
 #define log_error(...) log_say(LOG_LEVEL_ERROR, __VA_ARGS__)
 #define log_warning(...) log_say(LOG_LEVEL_WARNING, __VA_ARGS__)
 #define log_warning_once(...) log_say_once(LOG_LEVEL_WARNING, __VA_ARGS__)
+#define log_warning_paced(...) log_say_paced(LOG_LEVEL_WARNING, __VA_ARGS__)
+#define log_info_paced(...) log_say_paced(LOG_LEVEL_INFO, __VA_ARGS__)
 #define log_info(...) log_say(LOG_LEVEL_INFO, __VA_ARGS__)
 #define log_debug(...) log_say(LOG_LEVEL_DEBUG, __VA_ARGS__)
 

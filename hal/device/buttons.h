@@ -27,6 +27,7 @@ enum action {
 	ACTION_SPLIT_LEFT,  /* moves the line between before and after */
 	ACTION_SPLIT_RIGHT,
 	ACTION_FREEZE, /* holds the picture or lets it go on: a switch */
+	ACTION_WAKE,   /* ends the rest outside of opening hours for a while */
 	ACTION_QUIT,
 	ACTION_COUNT
 };

@@ -154,6 +154,7 @@ int display_open(struct display *display, const struct display_ops *ops,
 	display->options = options;
 	allow_for_turn(display);
 	err = ops->open(display, fault);
+	display->settings.turn = (settings->turn + display->mounted) % PICTURE_TURN_COUNT;
 	if (!err)
 		err = check_margins(display, fault);
 	if (err) {
@@ -178,6 +179,26 @@ int display_fit(struct display *display, int width, int height, double squash)
 	return display->ops->fit ? display->ops->fit(display, width, height, squash) : -ENOTSUP;
 }
 
+int display_power(struct display *display, bool on, struct fault *fault)
+{
+	int err;
+
+	if (!display->state)
+		return fault_say(fault, -EBADF, "a display that is not open");
+	if (display->off == !on)
+		return 0;
+	if (!display->ops->power)
+		return fault_say(fault, -ENOTSUP, "the %s display cannot be switched off",
+				 display->ops->name);
+	err = display->ops->power(display, on, fault);
+	name_situation(display, err);
+	if (err)
+		return err;
+	display->off = !on;
+	display->acquired = false;
+	return 0;
+}
+
 int display_acquire(struct display *display, struct display_buffer *buffer)
 {
 	int err;
@@ -185,6 +206,8 @@ int display_acquire(struct display *display, struct display_buffer *buffer)
 	*buffer = (struct display_buffer){0};
 	if (!display->state)
 		return -EBADF;
+	if (display->off)
+		return -EAGAIN;
 	err = display->ops->acquire(display, buffer);
 	if (err)
 		return err;
@@ -236,7 +259,7 @@ int display_close(struct display *display, struct fault *fault)
 		err = display->ops->close(display, fault);
 	canvas_free(&display->upright);
 	display->state = NULL;
-	display->acquired = display->hidden = false;
+	display->acquired = display->hidden = display->off = false;
 	return err;
 }
 

@@ -60,7 +60,10 @@ struct display {
 	/* What the screen really has, valid while open: */
 	int width, height;
 	double rate_hz; /* 0: no refresh; frames are taken as fast as they come */
-	bool hidden;	/* another console has the screen: acquire() returns -EAGAIN */
+	int mounted; /* enum picture_turn by which pictures are turned to be upright on a panel that
+			   is built in otherwise; settings.turn is added */
+	bool hidden; /* another console has the screen: acquire() returns -EAGAIN */
+	bool off;    /* switched off by display_power(): display_acquire() returns -EAGAIN */
 	enum display_situation situation; /* kept after closing and after a failure to open */
 	uint64_t shown;			  /* frames that reached the screen */
 	void *state;			  /* the driver's; NULL when closed */
@@ -120,6 +123,11 @@ struct display_ops {
 	 * asked for before allocates nothing. */
 	int (*fit)(struct display *display, int width, int height, double squash);
 
+	/* Optional. Switches the screen off, or on again; what was on it and submitted frames
+	 * without DISPLAY_SHOWN are lost. display->off still tells how it is. 0 or -errno: the screen
+	 * is gone, close it. */
+	int (*power)(struct display *display, bool on, struct fault *fault);
+
 	/* Mandatory, never blocks. Returns a buffer to draw in, the same one until it is submitted.
 	 * 0; -EAGAIN: all buffers are queued or on the screen. */
 	int (*acquire)(struct display *display, struct display_buffer *buffer);
@@ -142,7 +150,7 @@ struct display_ops {
 };
 
 /*
- * The wrappers that callers use. Drivers know nothing of turn and margins: a buffer that
+ * The wrappers that callers use. Drivers say how the panel is mounted, and know nothing of turn and margins: a buffer that
  * display_acquire() gives is the upright part of the screen within them, and display_submit() turns it
  * (3 to 7 ms of one core for 1920x1080). display_fit() is refused then. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no
  * ops table. A display that failed to open is closed and zeroed except for ops and situation.
@@ -151,6 +159,8 @@ int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);
 int display_descriptor(struct display *display);
 int display_fit(struct display *display, int width, int height, double squash);
+/* -ENOTSUP: the driver cannot. What is so already is no error. */
+int display_power(struct display *display, bool on, struct fault *fault);
 int display_acquire(struct display *display, struct display_buffer *buffer);
 int display_submit(struct display *display, struct display_buffer *buffer, int64_t token,
 		   struct fault *fault);

@@ -52,9 +52,12 @@ struct ini_key {
 	unsigned count;	 /* INI_REALS, INI_LIST */
 	double min, max; /* inclusive range of numbers, not of percentages; both 0: any */
 	const char *const *choices; /* INI_CHOICE, NULL at the end */
-	const char *fallback;	    /* the default as a file would say it; NULL: mandatory key */
-	const char *unit;	    /* shown in help: "px", "deg"; NULL: none */
-	const char *help;	    /* one sentence */
+	/* INI_TEXT whose text has a form of its own: 0, or -EINVAL with what is wrong and what was
+	 * expected, as in "is x, expected y". NULL: any text will do. */
+	int (*check)(const char *text, struct fault *why);
+	const char *fallback; /* the default as a file would say it; NULL: mandatory key */
+	const char *unit;     /* shown in help: "px", "deg"; NULL: none */
+	const char *help;     /* one sentence */
 };
 
 #define INI_KEYS_END                                                                               \

@@ -281,10 +281,15 @@ int ini_value_read(const struct ini_key *key, const char *text, const char *fold
 	const bool free = key->type == INI_TEXT || key->type == INI_PATH;
 	const char *odd = text_oddity(text, !free);
 	void *field = (char *)values + key->offset;
+	struct fault trouble = {.text = ""};
 	int err = -EINVAL;
 
 	if (odd) {
 		snprintf(why, INI_WHY_MAX, "%s", odd);
+		return -EINVAL;
+	}
+	if (key->check && key->check(text, &trouble)) {
+		snprintf(why, INI_WHY_MAX, "%.*s", INI_WHY_MAX - 1, trouble.text);
 		return -EINVAL;
 	}
 	switch (key->type) {

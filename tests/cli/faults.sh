@@ -71,6 +71,29 @@ check "and still answers" "$INLAY" control --socket "$work/socket" threshold-set
 stop
 
 # ---- no descriptor is left when a camera has to be opened again ----
+# A camera that warms up: green frames, and then too bright ones, are no light.
+start --set camera.fisheye.sim.warm_up=60 --set camera.fisheye.format=YUYV
+check "a camera that warms up" until_true 20 grep -qs '"settling":true' "$work/live.jsonl"
+settled() {
+	tail -n 1 "$work/live.jsonl" | grep -q '"name":"fisheye".*"settling":false,"unsettled":[0-9].*"name":"background"'
+}
+check "and settles" until_true 20 settled
+check "which took at least as long as it warmed up" test "$(number "$work/live.jsonl" unsettled)" -ge 50
+stop
+
+# A plug with a bad contact: few lines, and a count.
+losses() {
+	grep -oE '"losses":[0-9]+' "$work/live.jsonl" | tail -n 2 | head -n 1 | cut -d: -f2
+}
+lost_often() {
+	[ "$(losses)" -ge 7 ]
+}
+start --set camera.fisheye.sim.vanish_after=3
+check "a camera that comes and goes each second" until_true 60 lost_often
+equal "is logged four times" 4 "$(said "$work/run.log" "camera fisheye: no device")"
+equal "and when it came back" 4 "$(said "$work/run.log" "camera fisheye: fine again")"
+stop
+
 start --set camera.fisheye.sim.vanish_after=100
 check "a camera that will vanish" shows_frames
 before=$(descriptors)

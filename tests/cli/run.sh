@@ -99,6 +99,13 @@ check "meanwhile the background is shown" test "$(number "$work/absent.jsonl" fr
 check "and statistics name the situation" grep -q '"name":"fisheye","situation":"no device"' \
 	"$work/absent.jsonl"
 
+# ---- figures for Prometheus ----
+check "a run with a file for Prometheus" "$INLAY" run --config "$work/studio.conf" --frames 90 \
+	--set screen.driver=null --set "metrics.file=$work/inlay.prom"
+check "leaves it" grep -qx 'inlay_camera_fine{camera="fisheye",situation="fine"} 1' "$work/inlay.prom"
+check "with the pictures so far" test "$(sed -n 's/^inlay_frames_total //p' "$work/inlay.prom")" -gt 30
+absent "and nothing beside it" "$work/inlay.prom.new"
+
 # ---- nothing is allocated per frame ----
 # By name and path, because LD_PRELOAD ends at a blank.
 preload=(LD_LIBRARY_PATH="$(dirname "$counter")" LD_PRELOAD="$(basename "$counter")"

@@ -61,6 +61,15 @@ check "no camera at all: ready all the same" until_true 20 hears READY=1
 check "and fed" until_true 30 feeds 5
 stop
 
+# ---- at rest: its hours begin three hours later ----
+serve 2000000 --set "screen.hours=$(date -u -d '+3 hours' +%H:%M)-$(date -u -d '+4 hours' +%H:%M)" \
+	--set screen.time_zone=UTC0
+check "at rest it is ready" until_true 20 hears READY=1
+check "which is told" until_true 20 hears "STATUS=at rest"
+check "and fed, without a picture" until_true 30 feeds 5
+check "there is none" has frames 0
+stop
+
 # ---- frozen: flips that do not come, a loop that does not turn ----
 serve 800000 --set screen.rate=0.02
 until_true 20 test -s "$work/live.jsonl"

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/kiosk/state.h"
+#include "app/records/state.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

@@ -35,6 +35,24 @@ equal "SIGTERM ends a run well" 0 $?
 holds "statistics count frames" "$(stat vkms frames) > 0"
 equal "and all lights" 86 "$(stat vkms lights)"
 
+# ---- outside of its hours the screen is off by DPMS, and no camera streams ----
+crtc_is() { # active=0 or active=1
+	grep -q "^[[:space:]]*$1" "/sys/kernel/debug/dri/$(card_of vkms)/state"
+}
+later=$(date -d '+3 hours' +%H:%M)-$(date -d '+4 hours' +%H:%M)
+run rest --set "$vkms" "${sets[@]}" --set "screen.hours=$later" --set control.socket=/run/inlay.socket
+check "outside of its hours vkms is switched off" within_seconds 20 crtc_is active=0
+cameras_held() {
+	find "/proc/$running/fd" -lname '/dev/video*' | grep -q .
+}
+check "and no camera is open" test -z "$(find "/proc/$running/fd" -lname '/dev/video*')"
+equal "it is woken" ok "$("$INLAY" control --socket /run/inlay.socket wake)"
+check "and vkms is switched on" within_seconds 20 crtc_is active=1
+check "with the cameras" within_seconds 20 cameras_held
+shows "which shows what still makes" vkms "$VM_OUT/expected.png" within=0
+stop_run
+equal "and ends well" 0 $?
+
 printf '\033[2J\033[Hthe console before\n' >/dev/tty1
 echo 0 >/sys/class/graphics/fbcon/cursor_blink
 settled() {

@@ -47,7 +47,8 @@ def draw():
     pose = chance.choice([str(chance.randrange(POSES)), "front", "round", "next", "prev", "none", "12"])
     return chance.choice(["view-next"] * 4 + ["pose-next"] * 4 + ["pose-prev"] * 4 + [
         "pose " + pose, "pose " + pose, "threshold-set " + level, "threshold-up", "threshold-down",
-        "threshold-next", "object", "information", "split-left", "split-right", "freeze", "status"])
+        "threshold-next", "object", "information", "split-left", "split-right", "freeze", "wake",
+        "status"])
 
 
 def replace(file, data):

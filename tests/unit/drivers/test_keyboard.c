@@ -55,6 +55,8 @@ static void codes(void **state)
 		{"ok", KEY_OK},
 		{"btn_0", BTN_0},
 		{"btn_south", BTN_SOUTH},
+		{"btn_touch", BTN_TOUCH},
+		{"btn_left", BTN_LEFT},
 		{"playpause", KEY_PLAYPAUSE},
 	};
 
@@ -65,7 +67,7 @@ static void codes(void **state)
 	assert_int_equal(keymap_code(""), -1);
 }
 
-/* Each default names keys, and no key twice. Every action has one except threshold-set, pose and
+/* Each default names keys, and no key twice. Every action has one except threshold-set, pose, wake and
  * quit: keys typed at a kiosk must not end it. */
 static void defaults(void **state)
 {
@@ -87,8 +89,8 @@ static void defaults(void **state)
 			fail_msg("%s", fault.text);
 		assert_int_equal(!options[key->offset], !strcmp(key->name, "quit"));
 	}
-	/* ACTION_NONE and the three actions that need a value have no key */
-	assert_int_equal(actions, ACTION_COUNT - 4);
+	/* ACTION_NONE, the three actions that need a value and wake, as any key does, have no key */
+	assert_int_equal(actions, ACTION_COUNT - 5);
 	free(options);
 }
 
@@ -131,6 +133,47 @@ static void presses(void **state)
 	assert_int_equal(keyboard_take(&keys, EV_KEY, 0xffff, 1), ACTION_NONE);
 	assert_int_equal(keyboard_take(&keys, EV_REL, KEY_V, 1), ACTION_NONE);
 	assert_false(keys.ask);
+}
+
+/* A touch screen as the kernel reports it: two fingers come and go, which is one tap; then another. */
+static void a_tap_is_a_press(void **state)
+{
+	static const struct {
+		unsigned type, code;
+		int value, taps; /* so far */
+	} events[] = {
+		{EV_ABS, ABS_MT_SLOT, 0, 0},
+		{EV_ABS, ABS_MT_TRACKING_ID, 45, 0},
+		{EV_ABS, ABS_MT_POSITION_X, 700, 0},
+		{EV_KEY, BTN_TOUCH, 1, 1},
+		{EV_ABS, ABS_X, 700, 1},
+		{EV_SYN, SYN_REPORT, 0, 1},
+		{EV_ABS, ABS_MT_SLOT, 1, 1},
+		{EV_ABS, ABS_MT_TRACKING_ID, 46, 1},
+		{EV_SYN, SYN_REPORT, 0, 1},
+		{EV_ABS, ABS_MT_TRACKING_ID, -1, 1},
+		{EV_ABS, ABS_MT_SLOT, 0, 1},
+		{EV_ABS, ABS_MT_TRACKING_ID, -1, 1},
+		{EV_KEY, BTN_TOUCH, 0, 1},
+		{EV_SYN, SYN_REPORT, 0, 1},
+		{EV_ABS, ABS_MT_TRACKING_ID, 47, 1},
+		{EV_KEY, BTN_TOUCH, 1, 2},
+		{EV_SYN, SYN_REPORT, 0, 2},
+		{EV_KEY, BTN_TOUCH, 0, 2},
+	};
+	const unsigned char none[KEYS_BITS_BYTES] = {0};
+	struct keys keys;
+	int taps = 0;
+
+	(void)state;
+	assert_int_equal(keymap_add(&steps, ACTION_POSE_NEXT, "btn_touch", "x", NULL), 0);
+	keys_start(&keys, none);
+	for (size_t i = 0; i < sizeof(events) / sizeof(*events); i++) {
+		taps += keyboard_take(&keys, events[i].type, events[i].code, events[i].value) ==
+			ACTION_POSE_NEXT;
+		if (taps != events[i].taps)
+			fail_msg("after event %zu: %d taps", i, taps);
+	}
 }
 
 static void down_at_the_start(void **state)
@@ -185,6 +228,7 @@ int main(void)
 		cmocka_unit_test(codes),
 		cmocka_unit_test(defaults),
 		cmocka_unit_test(presses),
+		cmocka_unit_test(a_tap_is_a_press),
 		cmocka_unit_test(down_at_the_start),
 		cmocka_unit_test(dropped),
 	};

@@ -30,6 +30,7 @@
 #include "drivers/kms/options.h"
 #include "drivers/kms/timing.h"
 #include "hal/base/clock.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
 
 enum {
@@ -44,12 +45,39 @@ enum {
 };
 
 static const char *const properties[] = {
-	"CRTC_ID", "ACTIVE",	  "MODE_ID",   "FB_ID",	      "SRC_X",	"SRC_Y",
-	"SRC_W",   "SRC_H",	  "CRTC_X",    "CRTC_Y",      "CRTC_W", "CRTC_H",
-	"CTM",	   "DEGAMMA_LUT", "GAMMA_LUT", "link-status", "type",
+	"CRTC_ID",
+	"ACTIVE",
+	"MODE_ID",
+	"FB_ID",
+	"SRC_X",
+	"SRC_Y",
+	"SRC_W",
+	"SRC_H",
+	"CRTC_X",
+	"CRTC_Y",
+	"CRTC_W",
+	"CRTC_H",
+	"CTM",
+	"DEGAMMA_LUT",
+	"GAMMA_LUT",
+	"link-status",
+	"type",
+	"Broadcast RGB",
+	"panel orientation",
 };
 
-enum { PROPERTIES = sizeof(properties) / sizeof(properties[0]), LINK = PROPERTIES - 2 };
+enum {
+	PROPERTIES = sizeof(properties) / sizeof(properties[0]),
+	LINK = PROPERTIES - 4,
+	RANGE = PROPERTIES - 2,
+	ORIENTATION
+};
+
+/* The values of the last two, in an order of the card's own. */
+static const struct drm_mode_property_enum ranges[] = {
+	{7, "Automatic"}, {3, "Full"}, {5, "Limited 16:235"}};
+static const struct drm_mode_property_enum orientations[] = {
+	{0, "Normal"}, {1, "Upside Down"}, {2, "Left Side Up"}, {3, "Right Side Up"}};
 
 static struct {
 	ino_t node;
@@ -57,7 +85,7 @@ static struct {
 	unsigned connection;
 	drmModeModeInfo modes[2];
 	int mode_count;
-	bool held, no_atomic, scales, silent, has_link;
+	bool held, no_atomic, scales, silent, has_link, has_panel;
 	/* Once it is off, the cursor's picture is freed: nobody else holds it. */
 	bool cursor_is_gone;
 	int busy;	    /* number of flips still to be refused */
@@ -158,8 +186,21 @@ static int get_property(struct drm_mode_get_property *p)
 {
 	const uint32_t i = p->prop_id - FIRST_PROPERTY;
 
-	strcpy(p->name, i == LINK && !card.has_link ? "other" : properties[i]);
-	p->count_values = p->count_enum_blobs = 0;
+	const bool is_enum = i == RANGE || i == ORIENTATION;
+	const struct drm_mode_property_enum *values = i == RANGE ? ranges : orientations;
+	const uint32_t count = i == RANGE ? 3 : 4;
+
+	if ((i == LINK && !card.has_link) || (is_enum && !card.has_panel)) {
+		strcpy(p->name, "other");
+		p->count_values = p->count_enum_blobs = 0;
+		return 0;
+	}
+	strcpy(p->name, properties[i]);
+	p->flags = is_enum ? DRM_MODE_PROP_ENUM : 0;
+	p->count_values = 0;
+	if (is_enum && p->enum_blob_ptr && p->count_enum_blobs >= count)
+		memcpy((void *)(uintptr_t)p->enum_blob_ptr, values, count * sizeof(*values));
+	p->count_enum_blobs = is_enum ? count : 0;
 	return 0;
 }
 
@@ -197,6 +238,9 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
 	    !*value_of(CURSOR, "FB_ID"))
 		return test_kms_card_refuse(ENOENT);
+	if (!(a->flags & DRM_MODE_ATOMIC_ALLOW_MODESET) &&
+	    *property(wanted, CRTC, "ACTIVE") != *value_of(CRTC, "ACTIVE"))
+		return test_kms_card_refuse(EINVAL);
 	if (trial) {
 		card.trials++;
 		return 0;
@@ -334,6 +378,7 @@ void *__wrap_mmap(void *address, size_t length, int protection, int flags, int f
 /* ---- a screen on it ---- */
 
 static struct kms_options options;
+static int rotate; /* enum picture_turn */
 static struct display display;
 static struct fault fault;
 
@@ -360,7 +405,7 @@ static int plug_in(void **state)
 
 static int open_it(void)
 {
-	struct display_settings settings = {0};
+	struct display_settings settings = {.turn = rotate};
 
 	strcpy(settings.device, own_folder_path("card"));
 	return display_open(&display, &display_kms, &settings, &options, &fault);
@@ -673,6 +718,125 @@ static void what_was_left_is_put_away_and_back(void **state)
 	}
 }
 
+/* By ACTIVE, with everything else kept, and with no trace of the picture that was shown. */
+static void a_screen_is_switched_off_and_on(void **state)
+{
+	struct display_buffer buffer;
+	struct display_event event;
+
+	(void)state;
+	open_fine();
+	submit(1, 1280, 720);
+	assert_shown(1);
+	submit(2, 1280, 720); /* on its way */
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	assert_true(display.off);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 0);
+	assert_int_equal(*value_of(CONNECTOR, "CRTC_ID"), CRTC);
+	assert_int_equal(display_acquire(&display, &buffer), -EAGAIN);
+	/* A screen that is off may say that it is not there. */
+	card.connection = DRM_MODE_DISCONNECTED;
+	assert_int_equal(wait_for(&event, 2500 * NS_PER_MS), 0);
+	assert_int_equal(event.kind, DISPLAY_NOTHING);
+	card.connection = DRM_MODE_CONNECTED;
+	/* It cannot be asked now whether it scales, and no answer is kept. */
+	card.scales = true;
+	assert_int_equal(display_fit(&display, 640, 360, 1), -ENOTSUP);
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	assert_int_equal(display_power(&display, true, &fault), 0);
+	assert_int_equal(display_fit(&display, 640, 360, 1), 0);
+	assert_int_equal(display_fit(&display, 1280, 720, 1), 0);
+	assert_false(display.off);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
+	assert_int_equal(display_acquire(&display, &buffer), 0);
+	for (size_t i = 0; i < buffer.stride * 720; i++)
+		assert_int_equal(buffer.pixels[i], 0);
+	submit(3, 1280, 720);
+	assert_shown(3);
+	/* What is gone when it is switched on is said, for the caller to open it again. */
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	card.connection = DRM_MODE_DISCONNECTED;
+	assert_int_equal(display_power(&display, true, &fault), -ENOLINK);
+	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
+	assert_int_equal(display_close(&display, &fault), 0);
+	assert_int_equal(card.buffers, 0);
+}
+
+static void the_range_is_chosen_and_restored(void **state)
+{
+	static const uint64_t values[] = {
+		[KMS_RANGE_AUTO] = 7, [KMS_RANGE_FULL] = 3, [KMS_RANGE_LIMITED] = 5};
+	struct captured_log log;
+	char text[1000] = "";
+	FILE *said;
+
+	(void)state;
+	card.has_panel = true;
+	for (int range = KMS_RANGE_AUTO; range <= KMS_RANGE_LIMITED; range++) {
+		*value_of(CONNECTOR, "Broadcast RGB") = 5;
+		options.range = range;
+		open_fine();
+		assert_int_equal(*value_of(CONNECTOR, "Broadcast RGB"), values[range]);
+		assert_int_equal(display_close(&display, &fault), 0);
+		assert_int_equal(*value_of(CONNECTOR, "Broadcast RGB"), 5);
+	}
+	/* A card that has no choice is no fault, but is said where one was asked for. */
+	card.has_panel = false;
+	log = captured_log_begin();
+	for (int range = KMS_RANGE_AUTO; range <= KMS_RANGE_LIMITED; range += KMS_RANGE_LIMITED) {
+		options.range = range;
+		open_fine();
+		assert_int_equal(*value_of(CONNECTOR, "Broadcast RGB"), 5);
+		assert_int_equal(display_close(&display, &fault), 0);
+	}
+	said = captured_log_end(&log);
+	assert_true(fread(text, 1, sizeof(text) - 1, said) > 0);
+	fclose(said);
+	assert_non_null(
+		strstr(text, "HDMI-A-1: the card cannot choose the range \"Limited 16:235\""));
+	assert_null(strstr(text, "Automatic"));
+}
+
+/* A picture that is white in its upper left corner: where that comes to lie in the card's buffer. */
+static void panels_that_are_turned_turn_the_picture(void **state)
+{
+	static const struct {
+		int orientation, rotate, x, y;
+	} cases[] = {
+		{0, PICTURE_UPRIGHT, 0, 0},   {1, PICTURE_UPRIGHT, 1279, 719},
+		{2, PICTURE_UPRIGHT, 0, 719}, {3, PICTURE_UPRIGHT, 1279, 0},
+		{1, PICTURE_TURN_180, 0, 0},  {3, PICTURE_TURN_90, 1279, 719},
+		{2, PICTURE_TURN_90, 0, 0},
+	};
+
+	(void)state;
+	card.has_panel = true;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		struct display_buffer buffer;
+		const uint32_t *shown;
+		bool sideways;
+
+		*value_of(CONNECTOR, "panel orientation") = (uint64_t)cases[i].orientation;
+		rotate = cases[i].rotate;
+		open_fine();
+		assert_int_equal(display_acquire(&display, &buffer), 0);
+		sideways = picture_turn_is_sideways((enum picture_turn)display.settings.turn);
+		assert_int_equal(buffer.width, sideways ? 720 : 1280);
+		assert_int_equal(buffer.height, sideways ? 1280 : 720);
+		memset(buffer.pixels, 0, buffer.stride * (size_t)buffer.height);
+		memset(buffer.pixels, 255, 4);
+		assert_int_equal(display_submit(&display, &buffer, 1, &fault), 0);
+		shown = (const uint32_t *)(const void *)(display.whole.pixels +
+							 (size_t)cases[i].y * display.whole.stride);
+		if ((shown[cases[i].x] & 0xffffff) != 0xffffff)
+			fail_msg("case %zu: the corner is elsewhere", i);
+		assert_shown(1);
+		assert_int_equal(display_close(&display, &fault), 0);
+	}
+	rotate = PICTURE_UPRIGHT;
+}
+
 static void what_cannot_be_opened(void **state)
 {
 	(void)state;
@@ -725,6 +889,11 @@ int main(void)
 		cmocka_unit_test_setup_teardown(a_changed_screen_is_noticed, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
 		cmocka_unit_test_setup_teardown(what_was_left_is_put_away_and_back, plug_in,
+						take_out),
+		cmocka_unit_test_setup_teardown(a_screen_is_switched_off_and_on, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(the_range_is_chosen_and_restored, plug_in,
+						take_out),
+		cmocka_unit_test_setup_teardown(panels_that_are_turned_turn_the_picture, plug_in,
 						take_out),
 		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
 	};

@@ -247,6 +247,7 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
 	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
+	assert_int_equal(source.losses, 1);
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 100);
 	fake.grab_err = 0;
@@ -260,6 +261,50 @@ static void a_lost_camera_leaves_its_picture(void **state)
 
 /* A camera whose driver reports no situation is broken; its error says whether waiting can mend it.
  */
+/* A camera that was never there was not lost; nor is one that rests. */
+static void losses_are_counted(void **state)
+{
+	(void)state;
+	fake.open_err = -ENODEV;
+	fake.situation = CAMERA_NO_DEVICE;
+	for (int i = 0; i < 3; i++)
+		assert_int_equal(opened(), -ENODEV);
+	assert_int_equal(source.losses, 0);
+	fake.open_err = 0;
+	for (int i = 1; i <= 5; i++) {
+		must_open();
+		fake.grab_err = 0;
+		test_source_take(2 * i);
+		assert_true(source_decode(&source, 2 * i));
+		fake.grab_err = -ENODEV;
+		test_source_take(2 * i + 1);
+		assert_int_equal(source.losses, i);
+	}
+	fake.grab_err = 0;
+	must_open();
+	test_source_take(20);
+	assert_true(source_decode(&source, 20));
+	source_rest(&source, true);
+	assert_false(source_is_open(&source));
+	assert_false(source_has_picture(&source));
+	source_open(&source);
+	assert_int_equal(source_descriptor(&source), -1);
+	source_rest(&source, false);
+	must_open();
+	test_source_take(21);
+	assert_int_equal(source.losses, 5);
+	/* Whoever rests while the camera is being opened closes it again. */
+	must_close();
+	fake.gate = eventfd(0, EFD_CLOEXEC);
+	source_open(&source);
+	source_rest(&source, true);
+	assert_int_equal(eventfd_write(fake.gate, 1), 0);
+	assert_int_equal(opened(), 0);
+	assert_false(source_is_open(&source));
+	assert_int_equal(fake.opened, fake.closed);
+	close(fake.gate);
+}
+
 static void which_failures_waiting_can_mend(void **state)
 {
 	static const struct {
@@ -712,6 +757,7 @@ int main(void)
 		CASE(no_frame_is_no_trouble),
 		CASE(a_camera_on_demand_is_left_alone_while_its_frame_is_held),
 		CASE(a_lost_camera_leaves_its_picture),
+		CASE(losses_are_counted),
 		CASE(which_failures_waiting_can_mend),
 		CASE(silence_is_named_and_ended),
 		CASE(a_slow_camera_is_waited_for),

@@ -20,8 +20,8 @@
 #include <unistd.h>
 
 #include "app/kiosk/loop.h"
-#include "app/kiosk/stats.h"
 #include "app/options.h"
+#include "app/records/stats.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 
@@ -230,6 +230,8 @@ static void lines_say_what_was_counted(void **state)
 	struct source source = {.settings = {.name = "sky"},
 				.superseded = 2,
 				.undecodable = 1,
+				.losses = 3,
+				.settling = {.opening = 1, .left_out = 9},
 				.camera = {.frames = 10, .lost = 3, .broken = 4}};
 	struct stats stats;
 	FILE *stream;
@@ -271,7 +273,8 @@ static void lines_say_what_was_counted(void **state)
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
 		"\"lines_lost\":0,\"coarse_lamp\":null,\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"fine\","
-		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n"
+		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
+		"\"unsettled\":9}]}\n"
 		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
 		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
 		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
@@ -282,7 +285,8 @@ static void lines_say_what_was_counted(void **state)
 		"\"lines_lost\":0,"
 		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\","
-		"\"frames\":10,\"lost\":5,\"broken\":5}]}\n");
+		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
+		"\"unsettled\":9}]}\n");
 }
 
 static void line(struct stats *stats, int second)

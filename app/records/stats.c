@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/stats.h"
+#include "app/records/stats.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -98,10 +98,17 @@ void stats_shown(struct stats *stats, int64_t captured_ns, int64_t shown_ns, int
 	if (!captured_ns)
 		return;
 	stats->timed++;
-	stats->late += latency_ns > period_ns + work_on(stats, captured_ns);
-	stats->latency_sum_ns += latency_ns;
 	if (latency_ns > stats->latency_max_ns)
 		stats->latency_max_ns = latency_ns;
+	if (latency_ns > stats->latency_peak_ns)
+		stats->latency_peak_ns = latency_ns;
+	stats->latency_sum_ns += latency_ns;
+	stats->latency_total_ns += latency_ns;
+	stats->timed_total++;
+	if (latency_ns > period_ns + work_on(stats, captured_ns)) {
+		stats->late++;
+		stats->late_total++;
+	}
 }
 
 static double ms(int64_t ns)
@@ -137,14 +144,18 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 	append(w, ",\"cameras\":[");
 	for (int i = 0; i < count; i++) {
 		struct source_counts counts = source_counts(&sources[i]);
+		const struct settling *settling = &sources[i].settling;
 
 		append(w,
 		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
-		       "\"broken\":%llu}",
+		       "\"broken\":%llu,\"losses\":%llu,"
+		       "\"settling\":%s,\"unsettled\":%llu}",
 		       i ? "," : "", sources[i].settings.name,
 		       camera_situation_names[sources[i].situation],
 		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
-		       (unsigned long long)counts.broken);
+		       (unsigned long long)counts.broken, (unsigned long long)sources[i].losses,
+		       settling->opening && !settling->settled ? "true" : "false",
+		       (unsigned long long)settling->left_out);
 	}
 	append(w, "]");
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/state.h"
+#include "app/records/state.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/kiosk/state.h"
+#include "app/records/state.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 

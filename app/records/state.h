@@ -4,8 +4,8 @@
  * file that is replaced whole (hal/base/output.h) at most once an interval and at the end. A thread
  * of its own writes it, because a disk may be slow.
  */
-#ifndef INLAY_APP_KIOSK_STATE_H
-#define INLAY_APP_KIOSK_STATE_H
+#ifndef INLAY_APP_RECORDS_STATE_H
+#define INLAY_APP_RECORDS_STATE_H
 
 #include "config/config.h"
 #include "hal/base/fault.h"

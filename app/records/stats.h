@@ -3,8 +3,8 @@
  * Statistics of a run: one JSON object a line, one line a second. app/kiosk/README.md describes
  * each key.
  */
-#ifndef INLAY_APP_KIOSK_STATS_H
-#define INLAY_APP_KIOSK_STATS_H
+#ifndef INLAY_APP_RECORDS_STATS_H
+#define INLAY_APP_RECORDS_STATS_H
 
 #include <stdint.h>
 
@@ -14,7 +14,7 @@
 
 enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 
-#define STATS_TEXT_MAX 2048
+#define STATS_TEXT_MAX 3072
 #define STATS_IN_FLIGHT 4 /* pictures submitted and not on the screen yet */
 
 /* Figures since the line before. */
@@ -31,6 +31,9 @@ struct stats {
 	uint64_t lines_lost;	   /* lines that could not be written, since the start */
 	int64_t start_ns, line_ns; /* when the run began; when the last line was written */
 	uint64_t frames;	   /* pictures shown since the start */
+	/* Since the start, but for the peak, which whoever uses it sets to 0: */
+	uint64_t timed_total, late_total;
+	int64_t latency_total_ns, latency_peak_ns;
 	struct stats_figures last; /* what the last line said */
 	/* Since the last line: */
 	uint64_t line_frames, made, timed, late;

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/* Outside of [screen] hours: the screen is switched off and the cameras are closed. */
+#include <errno.h>
+
+#include "app/kiosk/kiosk_parts.h"
+#include "hal/base/clock.h"
+#include "hal/base/log.h"
+
+void kiosk_rest_begin(struct kiosk *k)
+{
+	k->rest.built = INLAY_BUILT;
+	rest_take_hours(&k->rest, k->config->screen->hours);
+	k->rest.resting = rest_is_due(&k->rest, time(NULL), clock_now_ns());
+}
+
+/* A screen that cannot be switched off is drawn black. */
+static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
+{
+	struct fault reason = {.text = ""};
+	int err = k->screen.display.state ? display_power(&k->screen.display, on, &reason) : 0;
+
+	k->picture.redraw = true;
+	k->screen.submitted = kiosk_shown(&k->screen); /* pictures on their way are lost */
+	if (!err || err == -ENOTSUP)
+		return 0;
+	fault_say(fault, err, "%s", reason.text);
+	return kiosk_screen_lost(k, err, fault);
+}
+
+/* A descriptor has to leave its slot before it is closed and its number is used again. */
+static void rest_sources(struct kiosk *k, bool resting)
+{
+	for (int i = 0; i < k->inputs.source_count; i++) {
+		if (resting)
+			(void)loop_watch(&k->loop, i, -1, NULL);
+		source_rest(&k->inputs.sources[i], resting);
+		source_open(&k->inputs.sources[i]);
+	}
+}
+
+static void say_rest(const struct kiosk *k)
+{
+	char next[HOURS_MOMENT_MAX];
+
+	rest_next(&k->rest, time(NULL), next);
+	if (k->rest.resting)
+		log_info("at rest until %s: the screen is off, the cameras are closed", next);
+	else if (k->rest.awake_until_ns > clock_now_ns())
+		log_info("awake for %d minutes, as a button or a command asks", REST_WAKE_MINUTES);
+	else
+		log_info("awake%s%s", *next ? " until " : "", next);
+}
+
+int kiosk_rest_look(struct kiosk *k, bool first, struct fault *fault)
+{
+	const bool due = rest_is_due(&k->rest, time(NULL), clock_now_ns());
+
+	k->rest.due = false;
+	if (due == k->rest.resting && !first)
+		return 0;
+	k->rest.resting = due;
+	say_rest(k);
+	rest_sources(k, due);
+	if (due)
+		pipeline_forget_light(
+			k->picture.pipeline); /* morning is not lit as the evening was */
+	return switch_screen(k, !due, fault);
+}
