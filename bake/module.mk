@@ -121,6 +121,7 @@ BAKE_SOURCES := \
 	bake/trace/inside.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \
+	bake/truth/photograph.c \
 	bake/truth/sky.c \
 	bake/truth/truth.c \
 	bake/truth/truth_command.c \
