@@ -147,7 +147,7 @@ $(eval $(call archive,bake,$(BAKE_SOURCES)))
 $(eval $(call archive,calibrate,$(CALIBRATE_SOURCES)))
 
 APP_LIBS := $(addprefix $(BUILD)/,app.a drivers.a config.a hal.a)
-BAKE_LIBS := $(addprefix $(BUILD)/,bake.a hal.a)
+BAKE_LIBS := $(addprefix $(BUILD)/,bake.a config.a hal.a)
 APP_LINK = $(drivers_LIBRARIES) $(app_LIBRARIES) $(hal_LIBRARIES) $(hal_LIBS) -lm
 BAKE_LINK = $(bake_LIBRARIES) $(hal_LIBRARIES) $(bake_LIBS) $(hal_LIBS) -lm
 CALIBRATE_LIBS := $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
@@ -185,7 +185,7 @@ $(eval $(call unit,$(call unit_in,unit/hal),hal.a,$$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/drivers),drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/config),config.a drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/app),app.a drivers.a config.a hal.a,$$(APP_LINK)))
-$(eval $(call unit,$(filter-out $(UNIT_CALIBRATE),$(call unit_in,unit/bake)),bake.a hal.a,$$(BAKE_LINK)))
+$(eval $(call unit,$(filter-out $(UNIT_CALIBRATE),$(call unit_in,unit/bake)),bake.a config.a hal.a,$$(BAKE_LINK)))
 $(eval $(call unit,$(UNIT_CALIBRATE),calibrate.a bake.a drivers.a config.a hal.a,$$(CALIBRATE_LINK)))
 $(eval $(call unit,$(call unit_in,accuracy),$(notdir $(EVERY_LIB)),$$(EVERY_LINK)))
 

@@ -55,6 +55,7 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_words.c \
 	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
+	tests/unit/bake/base/test_watch.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
@@ -252,7 +253,7 @@ FUZZ_PARTS := \
 	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
-	run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
+	run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
