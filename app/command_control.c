@@ -8,8 +8,8 @@
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "app/control/control_socket.h"
 #include "app/driver_list.h"
-#include "app/kiosk/control_socket.h"
 #include "app/settings.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"

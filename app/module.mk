@@ -24,8 +24,8 @@ APP_SOURCES := \
 	app/camera/eye.c \
 	app/camera/opener.c \
 	app/camera/source.c \
-	app/kiosk/control.c \
-	app/kiosk/control_socket.c \
+	app/control/control.c \
+	app/control/control_socket.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
 	app/kiosk/kiosk_complain.c \

@@ -35,7 +35,7 @@ UNIT_TESTS := \
 	tests/unit/app/bench/test_bench.c \
 	tests/unit/app/camera/test_exposing.c \
 	tests/unit/app/camera/test_source.c \
-	tests/unit/app/kiosk/test_control.c \
+	tests/unit/app/control/test_control.c \
 	tests/unit/app/kiosk/test_program.c \
 	tests/unit/app/kiosk/test_reload.c \
 	tests/unit/app/kiosk/test_service.c \
@@ -204,8 +204,8 @@ FUZZ_TARGETS := \
 # missing does not link.
 FUZZ_PARTS := \
 	app/driver_list.c \
-	app/kiosk/control.c \
-	app/kiosk/control_socket.c \
+	app/control/control.c \
+	app/control/control_socket.c \
 	app/kiosk/state.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \

@@ -10,7 +10,7 @@
 #include "app/camera/exposing.h"
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
 #include "app/kiosk/kiosk.h"
 #include "app/kiosk/loop.h"
 #include "app/kiosk/service.h"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "app/kiosk/control_socket.h"
+#include "app/control/control_socket.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 

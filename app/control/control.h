@@ -12,8 +12,8 @@
  * replies, sends too much or sends a line without end is disconnected. When CONTROL_CLIENTS_MAX are
  * connected, one more takes the place of the client that has been silent longest.
  */
-#ifndef INLAY_APP_KIOSK_CONTROL_H
-#define INLAY_APP_KIOSK_CONTROL_H
+#ifndef INLAY_APP_CONTROL_CONTROL_H
+#define INLAY_APP_CONTROL_CONTROL_H
 
 #include <stddef.h>
 

@@ -21,8 +21,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "app/kiosk/control.h"
-#include "app/kiosk/control_socket.h"
+#include "app/control/control.h"
+#include "app/control/control_socket.h"
 
 static char folder[] = "/tmp/inlay-control-XXXXXX";
 static char path[64];
