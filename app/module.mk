@@ -26,6 +26,7 @@ APP_SOURCES := \
 	app/camera/source.c \
 	app/control/control.c \
 	app/control/control_socket.c \
+	app/control/snapshot.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
 	app/kiosk/kiosk_complain.c \
@@ -36,6 +37,7 @@ APP_SOURCES := \
 	app/kiosk/kiosk_picture.c \
 	app/kiosk/kiosk_reload.c \
 	app/kiosk/kiosk_screen.c \
+	app/kiosk/kiosk_snapshot.c \
 	app/kiosk/kiosk_text.c \
 	app/kiosk/loop.c \
 	app/kiosk/reload.c \

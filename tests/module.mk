@@ -36,6 +36,7 @@ UNIT_TESTS := \
 	tests/unit/app/camera/test_exposing.c \
 	tests/unit/app/camera/test_source.c \
 	tests/unit/app/control/test_control.c \
+	tests/unit/app/control/test_snapshot.c \
 	tests/unit/app/kiosk/test_program.c \
 	tests/unit/app/kiosk/test_reload.c \
 	tests/unit/app/kiosk/test_service.c \

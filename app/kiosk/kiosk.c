@@ -109,6 +109,7 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 		return err;
 	write_stats(k, now);
 	kiosk_text(k);
+	kiosk_snapshot_check(k);
 	pipeline_try_again(k->picture.pipeline);
 	k->picture.redraw |= stands_still(k, now);
 	if (k->inputs.settled && kiosk_screen_is_excused(&k->screen)) {
