@@ -240,10 +240,16 @@ $(eval $(call with_packages,demo,demo))
 demo-installed: all
 	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
 
-## picture: make the README's picture anew, board/kiosk.png
-$(eval $(call with_packages,picture,demo))
-picture-installed: all
+## walk: from two simulated cameras to a lit object, as the README tells; pictures are left in walk/
+$(eval $(call with_packages,walk,test))
+walk-installed: all $(TEST_PROGRAMS)
+	$(Q)WALK=walk $(RUN_TESTS) cli tests/walk/walk.sh
+
+## picture: make the README's pictures anew, board/kiosk.png and board/walk.jpg
+$(eval $(call with_packages,picture,test))
+picture-installed: walk-installed
 	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
+	$(Q)cp walk/walk.jpg board/walk.jpg
 
 ## test: install, build, test in ten minutes: everything quick, the whole way on simulated hardware
 $(eval $(call with_packages,test,test))

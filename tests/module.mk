@@ -253,7 +253,7 @@ FUZZ_PARTS := \
 	bake/tiles/plan.c \
 	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
-CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
+CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
@@ -303,13 +303,13 @@ $(BUILD)/tests/cli/tools/allocations.so: tests/cli/tools/allocations.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-# Draws the photographs for the calibration of a fisheye.
-TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
-$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o $(SUPPORT_LIB) \
-		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
+# Draw what the cameras of a calibration see: boards and lamps; a room and boards in it.
+PAINTERS := $(addprefix $(BUILD)/tests/,cli/tools/photographs walk/room)
+TEST_PROGRAMS += $(PAINTERS)
+$(PAINTERS): %: %.o $(SUPPORT_LIB) $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
--include $(BUILD)/tests/cli/tools/photographs.d
+-include $(addsuffix .d,$(PAINTERS))
 
 # The kernels' test stands alone, without libraries, so that it can be built for another processor
 # and run by an emulator.
