@@ -2,6 +2,7 @@
 #include "bake/preview/preview.h"
 
 #include <errno.h>
+#include <libyuv.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +12,9 @@
 #include "bake/truth/truth.h"
 #include "config/config.h"
 #include "hal/base/output.h"
+#include "hal/frame/frame.h"
 #include "hal/lights/lights_file.h"
+#include "hal/lights/sampler.h"
 
 /* The sky as a panorama. Cells of frequency 9 are 7 degrees wide. */
 #define SKY_WIDTH 512
@@ -19,9 +22,9 @@
 
 struct preview {
 	const struct preview_settings *settings;
+	struct config *config; /* NULL: none */
 	struct scene *scene;
 	struct transfer_curve curve;
-	double gain;
 	struct image sky_picture;
 	struct sky sky;
 	struct image background; /* linear */
@@ -29,10 +32,10 @@ struct preview {
 
 int preview_check(const struct preview_settings *s, struct fault *fault)
 {
-	const char *const read[] = {s->scene, s->background, s->config, s->lights};
+	const char *const read[] = {s->scene, s->background, s->config, s->lights, s->fisheye};
 	const int kind = image_name_linear(s->output, fault);
 
-	return kind < 0 ? kind : output_check(&s->output, 1, read, 4, fault);
+	return kind < 0 ? kind : output_check(&s->output, 1, read, 5, fault);
 }
 
 /* ---- what is given ---- */
@@ -40,26 +43,21 @@ int preview_check(const struct preview_settings *s, struct fault *fault)
 static int preview_read_config(struct preview *p, struct fault *fault)
 {
 	struct ini_report report = {.count = 0};
-	struct config *config = NULL;
 	int err;
 
 	p->curve = (struct transfer_curve){.named = TRANSFER_SRGB};
-	p->gain = 1;
 	if (!p->settings->config)
 		return 0;
-	err = config_create(&config, NULL);
+	err = config_create(&p->config, NULL);
 	if (err)
 		return fault_say(fault, err, "%s: %s", p->settings->config, strerror(-err));
-	err = config_read(config, p->settings->config, &report);
+	err = config_read(p->config, p->settings->config, &report);
 	if (!err)
-		err = config_read_files(config, &report);
-	if (!err) {
-		p->curve = config_background_curve(&config->background);
-		p->gain = config->composite.gain;
-	} else {
+		err = config_read_files(p->config, &report);
+	if (err)
 		*fault = report.first;
-	}
-	config_destroy(config);
+	else
+		p->curve = config_background_curve(&p->config->background);
 	return err;
 }
 
@@ -106,10 +104,53 @@ static int paint_lights(const struct dome *dome, float (*radiance)[3], struct im
 	return 0;
 }
 
-static int preview_read_lights(struct preview *p, struct fault *fault)
+/* Measures the light in a picture of the fisheye, as the kiosk does. */
+static int sample_fisheye(const char *path, const struct config_fisheye *fisheye,
+			  const struct dome *dome, float (*radiance)[3], struct fault *fault)
+{
+	struct light_sampler_settings settings = {
+		.estimator = (enum light_estimator)fisheye->estimator,
+		.curve = config_fisheye_curve(fisheye),
+		.gain = response_gain(&fisheye->measured, fisheye->gain),
+	};
+	struct light_sampler *sampler = NULL;
+	struct canvas canvas = {.width = 0};
+	struct image image = {.width = 0};
+	struct picture picture;
+	struct view view;
+	struct fisheye lens;
+	int err = image_read(path, &image, fault);
+
+	memcpy(settings.colours, fisheye->measured.colours, sizeof(settings.colours));
+	if (!err)
+		err = fisheye_prepare(&lens, &fisheye->lens, image.width, image.height, fault);
+	if (!err)
+		err = light_sampler_create(&sampler, dome, &lens, image.width, image.height,
+					   &settings, fault);
+	if (!err && image.f32) {
+		err = light_sampler_read_linear(sampler, &image, radiance);
+	} else if (!err && !(err = canvas_create(&canvas, image.width, image.height))) {
+		/* libyuv's RAW is R, G, B in memory. */
+		RAWToARGB(image.u8, 3 * image.width, canvas.pixels, (int)canvas.stride, image.width,
+			  image.height);
+		view = (struct view){.width = image.width, .height = image.height};
+		picture = view_picture(&view, canvas.pixels, canvas.stride);
+		err = light_sampler_read(sampler, &picture, radiance, NULL);
+	}
+	if (err && !*fault->text)
+		fault_say(fault, err, "%s: %s", path, strerror(-err));
+	light_sampler_destroy(sampler);
+	canvas_free(&canvas);
+	image_free(&image);
+	return err;
+}
+
+/* The light of each cell of the scene's dome, from a file or a fisheye. */
+static int preview_read_light(struct preview *p, struct fault *fault)
 {
 	const struct preview_settings *s = p->settings;
 	const struct scene_lights lights = {s->frequency, -1, -1, NULL};
+	const char *path = s->lights ? s->lights : s->fisheye;
 	float(*radiance)[3];
 	struct dome dome;
 	int err = scene_dome(p->scene, &lights, &dome, fault);
@@ -118,11 +159,13 @@ static int preview_read_lights(struct preview *p, struct fault *fault)
 		return err;
 	radiance = calloc((size_t)dome.count, sizeof(*radiance));
 	if (!radiance)
-		err = fault_say(fault, -ENOMEM, "%s: out of memory", s->lights);
-	else
+		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	else if (s->lights)
 		err = lights_file_read(s->lights, radiance, dome.count, fault);
+	else
+		err = sample_fisheye(s->fisheye, &p->config->fisheye, &dome, radiance, fault);
 	if (!err && paint_lights(&dome, radiance, &p->sky_picture))
-		err = fault_say(fault, -ENOMEM, "%s: out of memory", s->lights);
+		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	free(radiance);
 	dome_free(&dome);
 	return err;
@@ -131,11 +174,12 @@ static int preview_read_lights(struct preview *p, struct fault *fault)
 static int preview_make_sky(struct preview *p, struct fault *fault)
 {
 	const struct preview_settings *s = p->settings;
-	struct panorama panorama = {.image = &p->sky_picture, .scale = s->exposure * p->gain};
+	const double gain = p->config ? p->config->composite.gain : 1;
+	struct panorama panorama = {.image = &p->sky_picture, .scale = s->exposure * gain};
 	int err;
 
-	if (s->lights) {
-		err = preview_read_lights(p, fault);
+	if (s->lights || s->fisheye) {
+		err = preview_read_light(p, fault);
 	} else {
 		err = image_create_f32(&p->sky_picture, EVEN_SKY_WIDTH, EVEN_SKY_WIDTH / 2);
 		for (int i = 0; !err && i < 3 * EVEN_SKY_WIDTH * (EVEN_SKY_WIDTH / 2); i++)
@@ -143,7 +187,8 @@ static int preview_make_sky(struct preview *p, struct fault *fault)
 		if (err)
 			fault_say(fault, err, "%s: %s", s->output, strerror(-err));
 	}
-	return err ? err : sky_create(&p->sky, &panorama, s->lights, fault);
+	return err ? err
+		   : sky_create(&p->sky, &panorama, s->lights ? s->lights : s->fisheye, fault);
 }
 
 /* ---- the picture ---- */
@@ -195,6 +240,7 @@ int preview_run(const struct preview_settings *settings, struct fault *fault)
 	sky_free(&p.sky);
 	image_free(&p.sky_picture);
 	image_free(&p.background);
+	config_destroy(p.config);
 	scene_close(p.scene);
 	return err;
 }

@@ -11,10 +11,12 @@
 struct preview_settings {
 	const char *scene, *background, *output;
 	const char *config; /* of the kiosk; NULL: none */
-	const char *lights; /* light colours of a dome; NULL: an even sky */
-	int frequency;	    /* of that dome; -1: the scene's */
-	double exposure;    /* radiance of the sky, or of 1 in lights */
-	int samples; /* a pixel; 0: as many as make PREVIEW_RAYS, but PREVIEW_SAMPLES at most */
+	/* Light colours of a dome, or a picture of the kiosk's fisheye (needs config); both NULL: an even
+	 * sky. */
+	const char *lights, *fisheye;
+	int frequency;	 /* of that dome; -1: the scene's */
+	double exposure; /* radiance of the even sky, or of 1 in lights */
+	int samples;	 /* a pixel; 0: as many as make PREVIEW_RAYS, but PREVIEW_SAMPLES at most */
 	const char *pose; /* name or number; NULL: the first */
 	int threads;	  /* 0: one for each processor */
 	bool quiet;	  /* prints nothing */

@@ -13,13 +13,26 @@
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
-enum { BACKGROUND = 1, CONFIG, LIGHTS, FREQUENCY, EXPOSURE, SAMPLES, POSE, THREADS, WATCH, QUIET };
+enum {
+	BACKGROUND = 1,
+	CONFIG,
+	LIGHTS,
+	FISHEYE,
+	FREQUENCY,
+	EXPOSURE,
+	SAMPLES,
+	POSE,
+	THREADS,
+	WATCH,
+	QUIET
+};
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
 	{"background", required_argument, NULL, BACKGROUND},
 	{"config", required_argument, NULL, CONFIG},
 	{"lights", required_argument, NULL, LIGHTS},
+	{"fisheye", required_argument, NULL, FISHEYE},
 	{"frequency", required_argument, NULL, FREQUENCY},
 	{"exposure", required_argument, NULL, EXPOSURE},
 	{"samples", required_argument, NULL, SAMPLES},
@@ -53,6 +66,9 @@ static int preview_command_take(void *choices, int option, struct fault *fault)
 		return 0;
 	case LIGHTS:
 		s->lights = optarg;
+		return 0;
+	case FISHEYE:
+		s->fisheye = optarg;
 		return 0;
 	case FREQUENCY:
 		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &s->frequency,
@@ -126,8 +142,12 @@ static int preview_command_run(const struct bake_command *command, int argc, cha
 		return command_wrong(command, "--background IMG is missing");
 	if (!c.preview.output)
 		return command_wrong(command, "-o OUT.png is missing");
-	if (c.preview.frequency >= 0 && !c.preview.lights)
-		return command_wrong(command, "--frequency goes with --lights");
+	if (c.preview.lights && c.preview.fisheye)
+		return command_wrong(command, "--lights and --fisheye exclude each other");
+	if (c.preview.fisheye && !c.preview.config)
+		return command_wrong(command, "--fisheye goes with --config, which has its lens");
+	if (c.preview.frequency >= 0 && !c.preview.lights && !c.preview.fisheye)
+		return command_wrong(command, "--frequency goes with --lights and --fisheye");
 	c.preview.scene = argv[optind];
 	if (preview_check(&c.preview, &fault)) {
 		log_error("%s", fault.text);
@@ -139,9 +159,8 @@ static int preview_command_run(const struct bake_command *command, int argc, cha
 const struct bake_command preview_command = {
 	.name = "preview",
 	.usage = "SCENE --background IMG -o OUT.png [--watch] [--config KIOSK.conf]\n"
-		 "           [--lights FILE [--frequency F]] [--exposure E] [--samples S] [--pose "
-		 "P]\n"
-		 "           [--threads T] [--quiet]",
+		 "           [--lights FILE | --fisheye IMG] [--frequency F] [--exposure E]\n"
+		 "           [--samples S] [--pose P] [--threads T] [--quiet]",
 	.summary = "show the object in a photograph of the place, within seconds",
 	.help = "\n"
 		"  --background IMG  what the camera sees: upright, as inlay grab takes it, and "
@@ -152,13 +171,14 @@ const struct bake_command preview_command = {
 		"  --watch           make it again whenever the scene file or a file that it names "
 		"changes,\n"
 		"                    until ended; the picture is replaced whole\n"
-		"  --config FILE     the kiosk's, for [background] transfer and light, and "
-		"[composite] gain;\n"
-		"                    else sRGB and 1\n"
-		"  --lights FILE     light colours, as inlay still --lights-out writes them; else "
-		"an even sky\n"
-		"  --frequency F     of the dome that they are of; else that of the scene\n"
-		"  --exposure E      radiance of the even sky, or of 1 in the file; 1\n"
+		"  --config FILE     the kiosk's: [fisheye] and [background] without their views, "
+		"and "
+		"[composite]\n"
+		"                    gain; else sRGB and 1\n"
+		"  --lights FILE     light colours, as inlay still --lights-out writes them\n"
+		"  --fisheye IMG     or what the fisheye sees, upright; else the sky is even\n"
+		"  --frequency F     of the dome whose lights these are; else that of the scene\n"
+		"  --exposure E      radiance of the even sky, or of 1 in the light; 1\n"
 		"  --samples S       camera rays a pixel; else as many as take seconds\n"
 		"  --pose P          of the scene: number, from 0, or name\n"
 		"  --threads T       default: one for each processor\n"

@@ -53,6 +53,11 @@ check "the kiosk shows it by its configuration" "$INLAY" still --config dim.conf
 	--background b.png --lights lamp.txt -o kiosk.pfm
 preview box.scene --background b.png --config dim.conf --lights lamp.txt --samples 64 -o lamp.pfm --quiet
 near "and so does a preview" 25 kiosk.pfm lamp.pfm
+"$INLAY" grab fisheye --config dim.conf -o f.png 2>/dev/null
+check "the light of a fisheye" "$INLAY" still --config dim.conf --basis box.inlay --background b.png --fisheye f.png \
+	-o kiosk.pfm
+preview box.scene --background b.png --config dim.conf --fisheye f.png --samples 64 -o lamp.pfm --quiet
+near "is measured alike" 25 kiosk.pfm lamp.pfm
 preview box.scene --background b.png --config dim.conf --samples 2 --threads 1 -o one.png --quiet
 preview box.scene --background b.png --config dim.conf --samples 2 --threads 3 -o three.png --quiet
 same "threads do not change it" one.png three.png
@@ -89,6 +94,8 @@ lines 26 "0 0 0" >black.txt
 refused "black lights" 1 "black.txt: the upper half is black, expected some light" \
 	preview box.scene --background b.png --lights black.txt -o no.png
 printf '[background]\ntransfr = linear\n' >wrong.conf
+refused "no fisheye" 1 "none.png: No such file" preview box.scene --background b.png --config dim.conf \
+	--fisheye none.png -o no.png
 refused "a configuration with a mistake" 1 "wrong.conf:2: [background] transfr: unknown key" \
 	preview box.scene --background b.png --config wrong.conf -o no.png
 refused "the photograph as output" 1 "b.png: is read, expected another name to write" \

@@ -115,7 +115,7 @@ cat >toy.scene <<'END'
 [camera]
 file = camera.ini
 [dome]
-frequency = 3
+frequency = 4
 [render]
 samples = 2
 bounces = 2
@@ -128,7 +128,8 @@ file = cow.obj
 position = 0.2 -0.125 0
 rotate = 0 0 -12
 END
-check "a preview" "$INLAY_BAKE" preview toy.scene --background background.png --config kiosk.conf -o preview.png
+check "a preview" "$INLAY_BAKE" preview toy.scene --background background.png --config kiosk.conf \
+	--fisheye fisheye.png -o preview.png
 sed 's/camera.ini/camera-truth.ini/; s/^position = .*/position = 0 0 0/' toy.scene >truth.scene
 check "the same by the true camera" "$INLAY_BAKE" preview truth.scene --background background.png \
 	--config kiosk.conf --samples 2 -o preview-truth.png
@@ -166,8 +167,9 @@ inlay=
 # ---- truth ----
 check "the truth, by the studio's own light" "$INLAY_BAKE" truth truth.scene --panorama room/panorama.pfm \
 	--exposure 1.6 --background before.png --samples 24 --quiet -o truth.png
-# What is left is mostly the 46 lights: a lantern's shadow is as soft as a cell is wide.
+# What is left is mostly the 86 lights: a lantern's shadow is as soft as a cell is wide.
 below "what the kiosk shows is the truth, in levels" 4.5 "$(compare shown.png truth.png)"
+below "and a preview was near it" 8 "$(compare preview.png truth.png)"
 above "which is not the empty place" 15 "$(compare before.png truth.png)"
 still() { # OUT OPTIONS...: what it would show otherwise
 	local out=$1
