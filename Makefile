@@ -267,7 +267,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
 	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
 		-- boot "tests/boot/run.sh --picture" \
-		-- accuracy tests/accuracy/quick.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
+		-- accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
 		-- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh \
 		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
@@ -318,7 +318,7 @@ test-cli-deep: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
 test-accuracy: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh
+	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh
 test-registration: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/registration.sh
 ## test-fuzz: fuzz each reader for some seconds (clang)
