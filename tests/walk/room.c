@@ -102,7 +102,7 @@ static void cover(const struct sim_eye *eye, const struct board *board, int x, i
 		sum += light >= 0 ? light : 0;
 	}
 	for (int c = 0; c < 3; c++)
-		rgb[c] = (float)((sum + rgb[c] * (SIDE * SIDE - hits)) / (SIDE * SIDE));
+		rgb[c] = (float)((sum + rgb[c] * (float)(SIDE * SIDE - hits)) / (SIDE * SIDE));
 }
 
 /* Writes the room, with a board unless that is NULL. */
