@@ -147,7 +147,7 @@ $(eval $(call archive,bake,$(BAKE_SOURCES)))
 $(eval $(call archive,calibrate,$(CALIBRATE_SOURCES)))
 
 APP_LIBS := $(addprefix $(BUILD)/,app.a drivers.a config.a hal.a)
-BAKE_LIBS := $(addprefix $(BUILD)/,bake.a hal.a)
+BAKE_LIBS := $(addprefix $(BUILD)/,bake.a config.a hal.a)
 APP_LINK = $(drivers_LIBRARIES) $(app_LIBRARIES) $(hal_LIBRARIES) $(hal_LIBS) -lm
 BAKE_LINK = $(bake_LIBRARIES) $(hal_LIBRARIES) $(bake_LIBS) $(hal_LIBS) -lm
 CALIBRATE_LIBS := $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
@@ -185,7 +185,7 @@ $(eval $(call unit,$(call unit_in,unit/hal),hal.a,$$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/drivers),drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/config),config.a drivers.a hal.a,$$(drivers_LIBRARIES) $$(HAL_LINK)))
 $(eval $(call unit,$(call unit_in,unit/app),app.a drivers.a config.a hal.a,$$(APP_LINK)))
-$(eval $(call unit,$(filter-out $(UNIT_CALIBRATE),$(call unit_in,unit/bake)),bake.a hal.a,$$(BAKE_LINK)))
+$(eval $(call unit,$(filter-out $(UNIT_CALIBRATE),$(call unit_in,unit/bake)),bake.a config.a hal.a,$$(BAKE_LINK)))
 $(eval $(call unit,$(UNIT_CALIBRATE),calibrate.a bake.a drivers.a config.a hal.a,$$(CALIBRATE_LINK)))
 $(eval $(call unit,$(call unit_in,accuracy),$(notdir $(EVERY_LIB)),$$(EVERY_LINK)))
 
@@ -240,10 +240,16 @@ $(eval $(call with_packages,demo,demo))
 demo-installed: all
 	$(Q)BUILD="$(BUILD)" bake/demo/demo.sh demo
 
-## picture: make the README's picture anew, board/kiosk.png
-$(eval $(call with_packages,picture,demo))
-picture-installed: all
+## walk: from two simulated cameras to a lit object, as the README tells; pictures are left in walk/
+$(eval $(call with_packages,walk,test))
+walk-installed: all $(TEST_PROGRAMS)
+	$(Q)WALK=walk $(RUN_TESTS) cli tests/walk/walk.sh
+
+## picture: make the README's pictures anew, board/kiosk.png and board/walk.jpg
+$(eval $(call with_packages,picture,test))
+picture-installed: walk-installed
 	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
+	$(Q)cp walk/walk.jpg board/walk.jpg
 
 ## test: install, build, test in ten minutes: everything quick, the whole way on simulated hardware
 $(eval $(call with_packages,test,test))
@@ -261,7 +267,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
 	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
 		-- boot "tests/boot/run.sh --picture" \
-		-- accuracy tests/accuracy/quick.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
+		-- accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
 		-- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh \
 		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
@@ -312,7 +318,7 @@ test-cli-deep: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
 test-accuracy: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh
+	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh
 test-registration: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/registration.sh
 ## test-fuzz: fuzz each reader for some seconds (clang)

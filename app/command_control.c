@@ -1,18 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <libyuv.h>
 #include <poll.h>
+#include <stdalign.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include "app/commands.h"
+#include "app/control/control_socket.h"
+#include "app/control/snapshot.h"
 #include "app/driver_list.h"
-#include "app/kiosk/control_socket.h"
 #include "app/settings.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
+#include "hal/base/output.h"
+#include "hal/image/image.h"
 
 /* The socket of the installed service (board/appliance.conf). */
 #define SOCKET_DEFAULT "/run/inlay/control"
@@ -98,9 +106,27 @@ static int wait_until(int fd, short events, int64_t until_ns)
 	return ready ? 0 : -ETIMEDOUT;
 }
 
-/* Sends a line and reads the reply, without its newline. 0 or -errno; -EPIPE: the kiosk closed the
- * connection. */
-static int send_line(int fd, const char *line, char *reply, size_t room)
+/* Receives bytes, and a descriptor if one comes with them. */
+static ssize_t receive(int fd, char *bytes, size_t room, int *descriptor)
+{
+	alignas(struct cmsghdr) char beside[CMSG_SPACE(sizeof(int))];
+	struct iovec part = {.iov_base = bytes, .iov_len = room};
+	struct msghdr message = {.msg_iov = &part,
+				 .msg_iovlen = 1,
+				 .msg_control = beside,
+				 .msg_controllen = sizeof(beside)};
+	const ssize_t got = recvmsg(fd, &message, MSG_CMSG_CLOEXEC);
+	const struct cmsghdr *first = got > 0 ? CMSG_FIRSTHDR(&message) : NULL;
+
+	if (first && first->cmsg_level == SOL_SOCKET && first->cmsg_type == SCM_RIGHTS &&
+	    first->cmsg_len == CMSG_LEN(sizeof(int)) && *descriptor < 0)
+		memcpy(descriptor, CMSG_DATA(first), sizeof(int));
+	return got;
+}
+
+/* Sends a line and reads the reply, without its newline, and the descriptor that comes with it, else
+ * -1. 0 or -errno; -EPIPE: the kiosk closed the connection. */
+static int send_line(int fd, const char *line, char *reply, size_t room, int *descriptor)
 {
 	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
 	size_t length = 0;
@@ -116,7 +142,7 @@ static int send_line(int fd, const char *line, char *reply, size_t room)
 		err = wait_until(fd, POLLIN, until_ns);
 		if (err)
 			return err;
-		bytes = recv(fd, reply + length, room - length, 0);
+		bytes = receive(fd, reply + length, room - length, descriptor);
 		if (bytes < 0)
 			return -errno;
 		if (bytes == 0)
@@ -130,12 +156,13 @@ static int send_line(int fd, const char *line, char *reply, size_t room)
 	return 0;
 }
 
-static int send_command(const char *path, const char *line)
+/* Sends a command and says what is wrong, or reads the reply and the descriptor that comes with it. */
+static int send_command(const char *path, const char *line, char *reply, int *descriptor)
 {
-	static char reply[REPLY_MAX];
 	const int fd = control_socket_connect(path);
 	int err;
 
+	*descriptor = -1;
 	if (fd == -EACCES || fd == -EPERM) {
 		log_error("control: you may not use the kiosk's socket \"%s\", expected a member "
 			  "of its group (sudo adduser NAME inlay) or root",
@@ -146,7 +173,7 @@ static int send_command(const char *path, const char *line)
 		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
 		return EXIT_FAILED;
 	}
-	err = send_line(fd, line, reply, sizeof(reply));
+	err = send_line(fd, line, reply, REPLY_MAX, descriptor);
 	close(fd);
 	if (err) {
 		log_error("control: the kiosk at \"%s\" does not answer: %s", path, strerror(-err));
@@ -156,14 +183,81 @@ static int send_command(const char *path, const char *line)
 		log_error("control: %s", reply + 7);
 		return EXIT_FAILED;
 	}
-	puts(reply);
 	return EXIT_DONE;
+}
+
+/* ---- a picture of the screen ---- */
+
+/* Checks the name before the kiosk is asked. */
+static int check_file(const char *file, struct fault *fault)
+{
+	const int linear = image_name_linear(file, NULL);
+	struct stat is;
+
+	if (linear)
+		return fault_say(fault, -EINVAL, "%s: expected a name that ends in .png", file);
+	if (lstat(file, &is) == 0)
+		return fault_say(fault, -EEXIST, "%s: is there already, expected another name",
+				 file);
+	return output_check(&file, 1, NULL, 0, fault);
+}
+
+static int write_snapshot(const struct snapshot *s, const char *file, struct fault *fault)
+{
+	struct image picture;
+	int err = image_create_u8(&picture, s->width, s->height);
+
+	if (err)
+		return fault_say(fault, err, "%s: %s", file, strerror(-err));
+	/* libyuv's ARGB is B, G, R, A in memory, its RAW is R, G, B. */
+	ARGBToRAW(s->pixels, (int)s->stride, picture.u8, 3 * s->width, s->width, s->height);
+	err = image_write(file, &picture, fault);
+	image_free(&picture);
+	return err;
+}
+
+static int take_snapshot(const char *path, const char *file, char *reply)
+{
+	struct snapshot snapshot = {.fd = -1};
+	struct fault fault = {.text = ""};
+	int code, fd;
+
+	if (check_file(file, &fault)) {
+		log_error("control: %s", fault.text);
+		return EXIT_FAILED;
+	}
+	code = send_command(path, "snapshot\n", reply, &fd);
+	if (code != EXIT_DONE)
+		return code;
+	if (snapshot_open(&snapshot, fd, reply, &fault) ||
+	    write_snapshot(&snapshot, file, &fault)) {
+		log_error("control: %s", fault.text);
+		code = EXIT_FAILED;
+	} else {
+		printf("%s: %dx%d\n", file, snapshot.width, snapshot.height);
+	}
+	snapshot_close(&snapshot);
+	return code;
+}
+
+static int give_command(const char *path, const char *line, char *reply)
+{
+	int fd;
+	const int code = send_command(path, line, reply, &fd);
+
+	if (fd >= 0)
+		close(fd);
+	if (code == EXIT_DONE)
+		puts(reply);
+	return code;
 }
 
 static int control_command(int argc, char **argv)
 {
 	struct control_options options = {.socket = NULL};
+	static char reply[REPLY_MAX];
 	char path[INI_PATH_MAX] = "", line[1024];
+	bool snapshot;
 	int code = options_read(&command_control, argc, argv, &options), length;
 
 	if (code != OPTIONS_GO_ON)
@@ -178,8 +272,16 @@ static int control_command(int argc, char **argv)
 		log_error("control: a command is one line of less than %zu bytes", sizeof(line));
 		return EXIT_USAGE;
 	}
+	snapshot = !strcmp(options.words[0], "snapshot");
+	if (snapshot && !options.words[1]) {
+		log_error("control: snapshot: expected the name of the picture's file");
+		return EXIT_USAGE;
+	}
 	code = find_socket(&options, path, sizeof(path));
-	return code ? code : send_command(path, line);
+	if (code)
+		return code;
+	return snapshot ? take_snapshot(path, options.words[1], reply)
+			: give_command(path, line, reply);
 }
 
 const struct command command_control = {
@@ -189,6 +291,7 @@ const struct command command_control = {
 	.details =
 		"commands:\n"
 		"  status                what it is doing, as one line of JSON\n"
+		"  snapshot FILE.png     write what the screen shows, upright, to a new file\n"
 		"  threshold-up          leave out more of the dim lights\n"
 		"  threshold-down        leave out fewer of them\n"
 		"  threshold-next        up, and from the highest to 0\n"

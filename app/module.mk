@@ -25,8 +25,9 @@ APP_SOURCES := \
 	app/camera/opener.c \
 	app/camera/settling.c \
 	app/camera/source.c \
-	app/kiosk/control.c \
-	app/kiosk/control_socket.c \
+	app/control/control.c \
+	app/control/control_socket.c \
+	app/control/snapshot.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
 	app/kiosk/kiosk_complain.c \
@@ -39,6 +40,7 @@ APP_SOURCES := \
 	app/kiosk/kiosk_rest.c \
 	app/kiosk/kiosk_rest.c \
 	app/kiosk/kiosk_screen.c \
+	app/kiosk/kiosk_snapshot.c \
 	app/kiosk/kiosk_text.c \
 	app/kiosk/loop.c \
 	app/kiosk/reload.c \

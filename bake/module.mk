@@ -18,6 +18,7 @@ BAKE_SOURCES := \
 	bake/base/report_table.c \
 	bake/base/strata.c \
 	bake/base/surface.c \
+	bake/base/watch.c \
 	bake/encode/encode.c \
 	bake/encode/encode_allow.c \
 	bake/encode/encode_block.c \
@@ -70,6 +71,8 @@ BAKE_SOURCES := \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/plain_file.c \
+	bake/preview/preview.c \
+	bake/preview/preview_command.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \
 	bake/report/report_choices.c \
@@ -121,6 +124,7 @@ BAKE_SOURCES := \
 	bake/trace/inside.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \
+	bake/truth/photograph.c \
 	bake/truth/sky.c \
 	bake/truth/truth.c \
 	bake/truth/truth_command.c \

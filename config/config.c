@@ -35,8 +35,10 @@ static int driver_table_count(const struct config *config)
 	int count = 0;
 
 	for (int kind = 0; kind < CONFIG_CLASS_COUNT; kind++) {
-		for (int i = 0; config->drivers.list[kind][i].name; i++)
-			count += config->drivers.list[kind][i].keys != NULL;
+		const struct config_driver *drivers = config->drivers.list[kind];
+
+		for (int i = 0; drivers && drivers[i].name; i++)
+			count += drivers[i].keys != NULL;
 	}
 	return count;
 }
@@ -55,7 +57,9 @@ static int tables_create(struct config *config)
 		const struct config_driver *drivers = config->drivers.list[kind];
 		const struct ini_table *section = class_table(kind);
 
-		for (int i = 0; drivers[i].name; i++) {
+		if (!drivers)
+			config->tables[section - config_tables].keys = NULL;
+		for (int i = 0; drivers && drivers[i].name; i++) {
 			if (!drivers[i].keys)
 				continue;
 			config->tables[count++] = (struct ini_table){
@@ -71,11 +75,11 @@ static int tables_create(struct config *config)
 	return 0;
 }
 
-/* Skips named sections: they have no struct until the file names them. */
+/* Skips named sections, which have no struct until the file names them, and those that are not read. */
 static void defaults_fill(struct config *config)
 {
-	for (const struct ini_table *t = config_tables; t->section; t++) {
-		if (!t->named)
+	for (const struct ini_table *t = config->tables; t->section; t++) {
+		if (!t->named && t->keys)
 			ini_defaults(t->keys, (char *)t->place(config, NULL) + t->part);
 	}
 }
@@ -87,9 +91,10 @@ int config_create(struct config **out, const struct config_drivers *drivers)
 
 	if (!config)
 		return -ENOMEM;
-	config->drivers = *drivers;
+	if (drivers)
+		config->drivers = *drivers;
 	snprintf(config->name, sizeof(config->name), "configuration");
-	for (int kind = 0; kind < CONFIG_CLASS_COUNT; kind++) {
+	for (int kind = 0; drivers && kind < CONFIG_CLASS_COUNT; kind++) {
 		err = config_block_lay_out(config, kind, classes[kind].bytes);
 		if (err)
 			goto destroy;
@@ -97,11 +102,13 @@ int config_create(struct config **out, const struct config_drivers *drivers)
 	err = tables_create(config);
 	if (err)
 		goto destroy;
-	config->screen = config_block_create(config, CONFIG_DISPLAY,
-					     class_table(CONFIG_DISPLAY)->keys);
-	config->buttons = config_block_create(config, CONFIG_BUTTONS,
-					      class_table(CONFIG_BUTTONS)->keys);
-	if (!config->screen || !config->buttons) {
+	if (drivers) {
+		config->screen = config_block_create(config, CONFIG_DISPLAY,
+						     class_table(CONFIG_DISPLAY)->keys);
+		config->buttons = config_block_create(config, CONFIG_BUTTONS,
+						      class_table(CONFIG_BUTTONS)->keys);
+	}
+	if (drivers && (!config->screen || !config->buttons)) {
 		err = -ENOMEM;
 		goto destroy;
 	}

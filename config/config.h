@@ -201,8 +201,9 @@ struct config {
 	char prefix[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX][CONFIG_NAME_MAX];
 };
 
-/* Creates a configuration with every key at its default; config_destroy() frees it. 0, -ENOMEM, or
- * -E2BIG: more than CONFIG_DRIVERS_MAX drivers of a class. */
+/* Creates a configuration with every key at its default; config_destroy() frees it. drivers NULL: for
+ * a program that opens no device; it can only be read, has no camera, and screen and buttons are NULL.
+ * 0, -ENOMEM, or -E2BIG: more than CONFIG_DRIVERS_MAX drivers of a class. */
 int config_create(struct config **config, const struct config_drivers *drivers);
 void config_destroy(struct config *config); /* NULL is harmless */
 

@@ -7,13 +7,17 @@
 
 #include "config/config.h"
 #include "config/config_complain.h"
+#include "hal/base/input.h"
 
 /* The fault names the key, which the reader knows better than the file. */
 static int check_readable(const struct config *config, const char *key, const char *path,
 			  struct ini_report *report)
 {
 	struct stat about;
-	int err = access(path, R_OK) == 0 && stat(path, &about) == 0 ? 0 : -errno;
+	int err;
+
+	input_note(path);
+	err = access(path, R_OK) == 0 && stat(path, &about) == 0 ? 0 : -errno;
 
 	if (!err && S_ISDIR(about.st_mode))
 		err = -EISDIR;

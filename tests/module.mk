@@ -36,7 +36,8 @@ UNIT_TESTS := \
 	tests/unit/app/camera/test_exposing.c \
 	tests/unit/app/camera/test_settling.c \
 	tests/unit/app/camera/test_source.c \
-	tests/unit/app/kiosk/test_control.c \
+	tests/unit/app/control/test_control.c \
+	tests/unit/app/control/test_snapshot.c \
 	tests/unit/app/kiosk/test_program.c \
 	tests/unit/app/kiosk/test_reload.c \
 	tests/unit/app/kiosk/test_rest.c \
@@ -58,6 +59,7 @@ UNIT_TESTS := \
 	tests/unit/app/view/test_words.c \
 	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
+	tests/unit/bake/base/test_watch.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
@@ -209,8 +211,8 @@ FUZZ_TARGETS := \
 # missing does not link.
 FUZZ_PARTS := \
 	app/driver_list.c \
-	app/kiosk/control.c \
-	app/kiosk/control_socket.c \
+	app/control/control.c \
+	app/control/control_socket.c \
 	app/records/state.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
@@ -257,8 +259,8 @@ FUZZ_PARTS := \
 	bake/tiles/plan.c \
 	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
-CLI_TESTS := $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
-	hours.sh run.sh reload.sh exposures.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
+CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
+	hours.sh run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
@@ -308,13 +310,13 @@ $(LOADED_TOOLS): $(BUILD)/%.so: %.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-# Draws the photographs for the calibration of a fisheye.
-TEST_PROGRAMS += $(BUILD)/tests/cli/tools/photographs
-$(BUILD)/tests/cli/tools/photographs: $(BUILD)/tests/cli/tools/photographs.o $(SUPPORT_LIB) \
-		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
+# Draw what the cameras of a calibration see: boards and lamps; a room and boards in it.
+PAINTERS := $(addprefix $(BUILD)/tests/,cli/tools/photographs walk/room)
+TEST_PROGRAMS += $(PAINTERS)
+$(PAINTERS): %: %.o $(SUPPORT_LIB) $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
--include $(BUILD)/tests/cli/tools/photographs.d
+-include $(addsuffix .d,$(PAINTERS))
 
 # The kernels' test stands alone, without libraries, so that it can be built for another processor
 # and run by an emulator.

@@ -130,6 +130,7 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 	write_stats(k, now);
 	log_tick();
 	kiosk_text(k);
+	kiosk_snapshot_check(k);
 	pipeline_try_again(k->picture.pipeline);
 	k->picture.redraw |= !k->rest.resting && stands_still(k, now);
 	if (k->inputs.settled && (k->rest.resting || kiosk_screen_is_excused(&k->screen))) {

@@ -87,6 +87,9 @@ void kiosk_control_read(struct kiosk *k)
 		case CONTROL_STATUS:
 			control_answer(k->controls.control, answer_status(k));
 			break;
+		case CONTROL_SNAPSHOT:
+			kiosk_snapshot_ask(k);
+			break;
 		default:
 			return;
 		}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether the light that is measured can be believed: the lens has to see its lights, and outside of its image
- * circle a fisheye's picture is black. */
+/* Whether the light that is measured can be believed: the lens has to see its lights, outside of its image
+ * circle a fisheye's picture is black, and ground of known reflectance is as bright as the light makes it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +13,9 @@
 #define CORNER_TO 1.6	     /* beyond, lenses and pictures end */
 #define CORNER_POINTS_MIN 24 /* of which half must be lit */
 #define CORNER_LIT 40	     /* code value; flare and noise stay below */
+/* Shade on the ground, a dark coat on it or a sun that is clipped stay below this factor. */
+#define GROUND_FACTOR 16
+#define GROUND_LIT 0.05 /* linear: a sixteenth of it can still be told from black */
 #define AZIMUTHS 64
 #define RADII 4
 
@@ -67,11 +70,33 @@ static bool is_lit_outside(const struct frame_reader *reader, const struct fishe
 	return points >= CORNER_POINTS_MIN && 2 * lit > points;
 }
 
+/* How much brighter the ground is than the measured light makes it, in the channel in which it is nearest:
+ * above GROUND_FACTOR, or below 1 / GROUND_FACTOR; 0: nearer, or not known. Only a gain that was measured ties
+ * one camera's light to the other's. */
+static double ground_off(const struct kiosk *k)
+{
+	const struct eye *background = &k->inputs.eyes.background;
+	struct frame_reader reader;
+	double seen[3], told[3], brighter = INFINITY, darker = INFINITY;
+
+	if (!(k->config->fisheye.measured.gain > 0) || !eye_has_picture(background))
+		return 0;
+	reader = eye_reader(background);
+	if (!pipeline_ground_told(k->picture.pipeline, &reader, seen, told))
+		return 0;
+	for (int c = 0; c < 3; c++) {
+		brighter = fmin(brighter, seen[c] < GROUND_LIT ? 0 : seen[c] / fmax(told[c], 1e-4));
+		darker = fmin(darker, told[c] < GROUND_LIT ? 0 : told[c] / fmax(seen[c], 1e-4));
+	}
+	return brighter > GROUND_FACTOR ? brighter : darker > GROUND_FACTOR ? 1 / darker : 0;
+}
+
 /* Writes a sentence on why the light cannot be right; empty: it can. */
 static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 {
 	const struct eye *fisheye = &k->inputs.eyes.fisheye;
 	const struct pipeline *pipeline = k->picture.pipeline;
+	const double off = ground_off(k);
 	const struct frame_reader reader = eye_reader(fisheye);
 	int outside;
 
@@ -79,14 +104,26 @@ static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 		return snprintf(text, OVERLAY_TEXT_MAX,
 				"The fisheye's picture has no image circle where its lens has one: "
 				"are the cameras exchanged, or centre and focal length wrong?");
+	if (off > 1)
+		return snprintf(
+			text, OVERLAY_TEXT_MAX,
+			"The ground is over %d times brighter than the measured light makes "
+			"it: is the fisheye covered, or an exposure not the calibrated one?",
+			GROUND_FACTOR);
+	if (off > 0)
+		return snprintf(
+			text, OVERLAY_TEXT_MAX,
+			"The ground is over %d times darker than the measured light makes it: "
+			"are the cameras exchanged, or an exposure not the calibrated one?",
+			GROUND_FACTOR);
 	if (outside_share(pipeline_dome(pipeline), pipeline_lens(pipeline), reader.view.width,
-			  reader.view.height, &outside) < OUTSIDE_SHARE)
-		return 0;
-	return snprintf(
-		text, OVERLAY_TEXT_MAX,
-		"%d of %d lights lie outside of the fisheye's picture and count as dark: is "
-		"its circle cut off, or its centre or focal length wrong?",
-		outside, pipeline_dome(pipeline)->count);
+			  reader.view.height, &outside) >= OUTSIDE_SHARE)
+		return snprintf(text, OVERLAY_TEXT_MAX,
+				"%d of %d lights lie outside of the fisheye's picture and count as "
+				"dark: is "
+				"its circle cut off, or its centre or focal length wrong?",
+				outside, pipeline_dome(pipeline)->count);
+	return 0;
 }
 
 void kiosk_look_for_doubt(struct kiosk *k)

@@ -10,7 +10,8 @@
 #include "app/camera/exposing.h"
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
+#include "app/control/snapshot.h"
 #include "app/kiosk/kiosk.h"
 #include "app/kiosk/loop.h"
 #include "app/kiosk/rest.h"
@@ -241,6 +242,21 @@ int kiosk_control_open(struct kiosk *k, bool first, struct fault *fault);
 /* Answers the requests at the socket. */
 void kiosk_control_read(struct kiosk *k);
 void kiosk_control_close(struct kiosk *k);
+
+/* ---- kiosk_snapshot.c ---- */
+
+/* A client has asked for what the screen shows, which the next picture tells it. */
+void kiosk_snapshot_ask(struct kiosk *k);
+
+/* Answers the clients that wait where there is no screen; once a second. */
+void kiosk_snapshot_check(struct kiosk *k);
+
+/* Whether a client waits: then *aside is memory to draw in instead of the acquired screen, and
+ * kiosk_snapshot_end() copies it there and answers. Else *aside is the screen. */
+bool kiosk_snapshot_begin(struct kiosk *k, struct snapshot *snapshot,
+			  const struct display_buffer *screen, struct display_buffer *aside);
+void kiosk_snapshot_end(struct kiosk *k, struct snapshot *snapshot,
+			const struct display_buffer *screen);
 
 /* ---- kiosk_doubt.c ---- */
 

@@ -202,6 +202,20 @@ static void announce_screen(const struct kiosk *k)
 		 basis_is_preview(k->picture.basis) ? ", a preview" : "");
 }
 
+/* Draws the screen, in memory first where a client waits for what it shows. */
+static int draw_shown(struct kiosk *k, const struct display_buffer *screen,
+		      struct stage_clock *stages, struct fault *fault)
+{
+	struct display_buffer aside;
+	struct snapshot snapshot;
+	const bool taken = kiosk_snapshot_begin(k, &snapshot, screen, &aside);
+	const int err = draw_screen(k, &aside, stages, fault);
+
+	if (taken)
+		kiosk_snapshot_end(k, &snapshot, screen);
+	return err;
+}
+
 int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 {
 	struct display_buffer screen;
@@ -234,7 +248,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		follow_timeline(k);
 	err = choose_picture(k, fault);
 	if (!err)
-		err = draw_screen(k, &screen, &stages, fault);
+		err = draw_shown(k, &screen, &stages, fault);
 	if (err)
 		return err;
 	err = display_submit(&k->screen.display, &screen, taken.captured_ns, fault);

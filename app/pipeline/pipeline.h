@@ -159,6 +159,11 @@ void pipeline_find_lamp(struct pipeline *pipeline);
  * there is no patch. */
 void pipeline_recover(struct pipeline *pipeline, const struct frame_reader *background);
 
+/* The radiance of the patch of ground as seen in background, and as the measured light and the patch's
+ * given reflectance tell it. False: there is no patch of given reflectance, or it is outside. */
+bool pipeline_ground_told(const struct pipeline *pipeline, const struct frame_reader *background,
+			  double seen[3], double told[3]);
+
 /* Filters the light just measured over time (light_filter.h). captured_ns: when its frame was
  * captured, by CLOCK_MONOTONIC or the clock of a simulated camera. The first light stays as
  * measured, also after a change of the picture's size or the sampler's settings. */

@@ -105,6 +105,37 @@ int pipeline_ground_prepare(struct pipeline *p, const struct pipeline_settings *
 	return 0;
 }
 
+static bool patch_is_within(const struct pipeline_patch *patch,
+			    const struct frame_reader *background)
+{
+	return patch->x + patch->width <= background->view.width &&
+	       patch->y + patch->height <= background->view.height;
+}
+
+static struct light_ground see_patch(const struct ground *g, const struct frame_reader *background)
+{
+	return light_ground_see(background, g->patch.x, g->patch.y, g->patch.width, g->patch.height,
+				g->decode, g->row);
+}
+
+bool pipeline_ground_told(const struct pipeline *p, const struct frame_reader *background,
+			  double seen[3], double told[3])
+{
+	const struct ground *g = p->ground;
+	struct light_ground ground;
+
+	if (!g || !is_known(&g->patch) || !patch_is_within(&g->patch, background))
+		return false;
+	ground = see_patch(g, background);
+	for (int c = 0; c < 3; c++) {
+		seen[c] = ground.radiance[c];
+		told[c] = 0;
+		for (int i = 0; i < p->dome.count; i++)
+			told[c] += g->term[c][i] * (double)p->radiance[i][c];
+	}
+	return true;
+}
+
 void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 {
 	const struct ground *g = p->ground;
@@ -115,13 +146,11 @@ void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 	struct light_ground seen;
 
 	if (!g || !(p->clipped > 0) || !(clipping.white > 0) ||
-	    g->patch.x + g->patch.width > background->view.width ||
-	    g->patch.y + g->patch.height > background->view.height)
+	    !patch_is_within(&g->patch, background))
 		return;
 	for (int c = 0; c < 3; c++)
 		clipping.term[c] = g->term[c];
 	clipping.piece_sr = clipped_pieces_find(g->pieces, p->left);
-	seen = light_ground_see(background, g->patch.x, g->patch.y, g->patch.width, g->patch.height,
-				g->decode, g->row);
+	seen = see_patch(g, background);
 	p->recovery = light_recover(&seen, &clipping, p->radiance);
 }

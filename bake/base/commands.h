@@ -6,6 +6,7 @@
 #include "bake/base/options.h"
 
 extern const struct bake_command dome_command, render_command, merge_command, import_command,
-	export_command, info_command, truth_command, pictures_command, report_command, sky_command;
+	export_command, info_command, truth_command, pictures_command, preview_command,
+	report_command, sky_command;
 
 #endif

@@ -13,6 +13,7 @@
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/gltf/gltf.h"
 #include "bake/mesh/mesh_winding.h"
+#include "hal/base/input.h"
 #include "hal/optics/vec.h"
 
 /* Largest distance from the origin, as a multiple of the mesh's size: there single precision rounds
@@ -231,6 +232,7 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 	int err;
 
 	*mesh = (struct mesh){.part_count = 0};
+	input_note(path);
 	if (access(path, R_OK) < 0) {
 		err = -errno;
 		return fault_say(fault, err, "cannot open \"%s\": %s", path, strerror(-err));

@@ -8,11 +8,11 @@
 #include <string.h>
 
 #include "bake/base/commands.h"
+#include "bake/truth/photograph.h"
 #include "bake/truth/truth_options.h"
 #include "bake/truth/truth_views.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
-#include "hal/colour/transfer.h"
 
 #define FISHEYE_SIDE 1024
 #define SAMPLES 256
@@ -91,49 +91,7 @@ static int truth_command_take(void *choices, int option, struct fault *fault)
 
 /* ---- pictures ---- */
 
-/* Linear light as 8-bit sRGB. */
-static int encode_srgb(const struct image *linear, struct image *out)
-{
-	const size_t values = 3 * (size_t)linear->width * (size_t)linear->height;
-	const int err = image_create_u8(out, linear->width, linear->height);
-
-	if (err)
-		return err;
-	for (size_t i = 0; i < values; i++)
-		out->u8[i] = (uint8_t)lround(
-			255 * transfer_encode(TRANSFER_SRGB, (double)linear->f32[i]));
-	return 0;
-}
-
-static int decode_srgb(const struct image *coded, struct image *out)
-{
-	const size_t values = 3 * (size_t)coded->width * (size_t)coded->height;
-	const int err = image_create_f32(out, coded->width, coded->height);
-
-	if (err)
-		return err;
-	for (size_t i = 0; i < values; i++)
-		out->f32[i] = (float)transfer_decode(TRANSFER_SRGB, coded->u8[i] / 255.0);
-	return 0;
-}
-
-/* 8-bit for .png, linear for the others. */
-static int write_linear(const char *path, const struct image *linear, struct fault *fault)
-{
-	struct image coded;
-	int err = image_name_linear(path, fault);
-
-	if (err < 0)
-		return err;
-	if (err)
-		return image_write(path, linear, fault);
-	err = encode_srgb(linear, &coded);
-	if (err)
-		return fault_say(fault, err, "%s: %s", path, strerror(-err));
-	err = image_write(path, &coded, fault);
-	image_free(&coded);
-	return err;
-}
+static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 
 /* The panorama as the camera delivers it: through its lens, in 8-bit code values. */
 static int photograph_panorama(const struct scene *scene, const struct panorama *panorama,
@@ -144,7 +102,7 @@ static int photograph_panorama(const struct scene *scene, const struct panorama 
 
 	if (err)
 		return err;
-	err = encode_srgb(&linear, coded);
+	err = photograph_encode(&linear, &srgb, coded);
 	image_free(&linear);
 	return err;
 }
@@ -157,16 +115,9 @@ static int get_background(const struct truth_choices *c, const struct scene *sce
 	int err;
 
 	if (c->background) {
-		err = image_read(c->background, &picture, fault);
+		err = photograph_read(c->background, scene, &picture, fault);
 		if (err)
 			return err;
-		if (picture.width != scene->camera.width ||
-		    picture.height != scene->camera.height) {
-			err = fault_say(fault, -EINVAL, "%s: %d x %d pixels, expected %d x %d",
-					c->background, picture.width, picture.height,
-					scene->camera.width, scene->camera.height);
-			goto free_picture;
-		}
 	} else {
 		err = photograph_panorama(scene, panorama, &picture);
 		if (err)
@@ -175,14 +126,14 @@ static int get_background(const struct truth_choices *c, const struct scene *sce
 	if (c->background_out && picture.u8)
 		err = image_write(c->background_out, &picture, fault);
 	else if (c->background_out)
-		err = write_linear(c->background_out, &picture, fault);
+		err = photograph_write(c->background_out, &picture, &srgb, fault);
 	if (err)
 		goto free_picture;
 	if (picture.f32) {
 		*linear = picture;
 		return 0;
 	}
-	err = decode_srgb(&picture, linear);
+	err = photograph_decode(&picture, &srgb, linear);
 	if (err)
 		fault_say(fault, err, "%s: %s", c->output, strerror(-err));
 free_picture:
@@ -198,7 +149,7 @@ static int write_fisheye(const struct truth_choices *c, const struct panorama *p
 
 	if (err)
 		return fault_say(fault, err, "%s: %s", c->fisheye_out, strerror(-err));
-	err = write_linear(c->fisheye_out, &picture, fault);
+	err = photograph_write(c->fisheye_out, &picture, &srgb, fault);
 	image_free(&picture);
 	return err;
 }
@@ -221,7 +172,7 @@ static int trace_composite(const struct truth_choices *c, const struct scene *sc
 	if (!err)
 		err = truth_run(scene, &sky, &background, &c->truth, &out, &report, fault);
 	if (!err)
-		err = write_linear(c->output, &out, fault);
+		err = photograph_write(c->output, &out, &srgb, fault);
 	if (!err && !c->truth.quiet)
 		printf("%s: rays %llu (%.2f million/s), time %.1f s, noise %.2f levels\n",
 		       c->output, (unsigned long long)report.rays,

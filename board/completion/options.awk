@@ -26,6 +26,8 @@ $2 ~ /^-/ {
 	next
 }
 $2 ~ /^[a-z][a-z-]*( ([A-Z][^ ]*|\[[^ ]*\]))?$/ {
+	# A file is for the shell to complete.
+	argument = $2 ~ / FILE/ ? "FILE" : ""
 	sub(/ .*/, "", $2)
-	row($2, "", $3)
+	row($2, argument, $3)
 }

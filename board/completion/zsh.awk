@@ -41,9 +41,9 @@ END {
 	print "argument)"
 	print "\tcase $words[1] in"
 	for (i = 1; i <= count; i++) {
-		rest = bare[order[i]] == "" ? "_files" : "(" substr(bare[order[i]], 2) ")"
+		first = bare[order[i]] == "" ? "" : "'1: :(" substr(bare[order[i]], 2) ")' "
 		print "\t" order[i] ")"
-		print "\t\t_arguments" options[order[i]] " \\\n\t\t\t\t'*: :" rest "'"
+		print "\t\t_arguments" options[order[i]] " \\\n\t\t\t\t" first "'*: :_files'"
 		print "\t\t;;"
 	}
 	print "\tesac"

@@ -10,6 +10,23 @@
 #include <sys/vfs.h>
 #include <unistd.h>
 
+static struct {
+	void (*seen)(void *context, const char *path);
+	void *context;
+} observer;
+
+void input_observe(void (*seen)(void *context, const char *path), void *context)
+{
+	observer.seen = seen;
+	observer.context = context;
+}
+
+void input_note(const char *path)
+{
+	if (observer.seen)
+		observer.seen(observer.context, path);
+}
+
 /* The pipe of <(command) has no name in any folder; its path is /dev/fd/N. */
 static bool is_unnamed_pipe(int fd)
 {
@@ -43,10 +60,13 @@ static int check_file(int fd, const char *path, struct fault *fault)
 
 int input_open(const char *path, struct fault *fault)
 {
-	/* O_NONBLOCK: open() does not wait for the writer of a named pipe. */
-	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
 	struct stat is;
-	int err = fd < 0 ? -errno : 0;
+	int fd, err;
+
+	input_note(path);
+	/* O_NONBLOCK: open() does not wait for the writer of a named pipe. */
+	fd = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+	err = fd < 0 ? -errno : 0;
 
 	/* ENXIO: a socket, or a device that is absent. */
 	if (err == -ENXIO && stat(path, &is) == 0)

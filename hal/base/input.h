@@ -15,6 +15,13 @@
  * names the path. Never blocks. */
 int input_open(const char *path, struct fault *fault);
 
+/* Has the paths of files told to seen(), each before it is opened, whether or not it is there; NULL ends
+ * that. Of one thread, and for programs that follow their files: seen() must not open others. */
+void input_observe(void (*seen)(void *context, const char *path), void *context);
+
+/* Tells of a path that is looked at in another way, and opened only if a file is there. */
+void input_note(const char *path);
+
 /* Opens the file as a stream that the caller closes. 0 or -errno as input_open(). */
 int input_stream(const char *path, FILE **stream, struct fault *fault);
 

@@ -205,6 +205,8 @@ static void begin_section(struct ini_reading *r, const char *title)
 		ini_complain_unknown(r, r->title, NULL, near);
 		return;
 	}
+	if (!table->keys)
+		return;
 	if (table->named && !*r->instance) {
 		ini_complain(r, r->line, r->title, NULL, "has no name, expected [%s NAME]",
 			     r->section);

@@ -70,8 +70,8 @@ struct ini_table {
 	const char *section;
 	bool named;
 	const char *prefix; /* written before each key in the file ("sim."); NULL for none */
-	const struct ini_key *keys;
-	const char *help; /* of the section; may be NULL */
+	const struct ini_key *keys; /* NULL: the section is for another reader, and is skipped */
+	const char *help;	    /* of the section; may be NULL */
 	/*
 	 * Returns the struct that the keys fill, which already holds the defaults
 	 * (ini_defaults()). instance is the name in a named section, else NULL. Called at least

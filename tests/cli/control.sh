@@ -66,9 +66,42 @@ refused "another file there" 1 "is there and no socket" "$INLAY" run --config "$
 refused "a name that no socket can have" 1 "is too long for a socket" "$INLAY" run \
 	--config "$work/studio.conf" --set screen.driver=null --frames 1 \
 	--set "control.socket=$work/$(printf '%0200d' 0)"
+# ---- what the screen shows ----
+check "a picture of the screen" tell snapshot "$work/shown.png"
+equal "in the screen's size" "48 x 32" "$(file "$work/shown.png" | grep -o '[0-9]* x [0-9]*')"
+refused "a picture that is there already" 1 "shown.png: is there already, expected another name" \
+	tell snapshot "$work/shown.png"
+refused "a picture without a name" 2 "expected the name of the picture's file" tell snapshot
+refused "a kind that is not written" 1 "shown.jpg: expected a name that ends in .png" tell snapshot "$work/shown.jpg"
+refused "no such folder" 1 "none/shown.png: cannot be written: No such file" tell snapshot "$work/none/shown.png"
+refused "a folder of the kernel's" 1 "/proc/shown.png: cannot be written" tell snapshot /proc/shown.png
+absent "nothing else is left" "$work/shown.jpg"
+
 equal "quit is answered" ok "$(tell quit)"
 wait $kiosk
 equal "and done" 0 $?
 check "the socket is removed" test ! -e "$work/socket"
+
+# The last picture of a run is in a file, and a frozen one stays: both are the same, in each view.
+for view in composite quad; do
+	rm -f "$work/shown.png"
+	"$INLAY" run --config "$work/studio.conf" --set "screen.device=$work/screen.png" --set "screen.show=$view" \
+		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
+		--set "control.socket=$work/socket" 2>"$work/run.log" &
+	kiosk=$!
+	until_true 10 tell freeze on >/dev/null
+	check "a picture of a frozen screen: $view" tell snapshot "$work/shown.png"
+	tell quit >/dev/null
+	wait $kiosk
+	same "is what a file shows: $view" "$work/shown.png" "$work/screen.png"
+done
+"$INLAY" run --config "$work/studio.conf" --set screen.driver=kms --set screen.device=/dev/dri/none \
+	--set "control.socket=$work/socket" 2>"$work/run.log" &
+kiosk=$!
+check "a kiosk without a screen" until_true 10 tell status
+refused "says so" 1 "control: the kiosk has no screen: " tell snapshot "$work/none.png"
+absent "and there is no picture" "$work/none.png"
+tell quit >/dev/null
+wait $kiosk
 
 finish

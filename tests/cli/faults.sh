@@ -179,6 +179,33 @@ check "lights outside of the picture are said" until_true 60 says "$work/run.log
 	"lights lie outside of the fisheye's picture"
 stop
 
+# A lens without corners shows no circle; then the ground tells. Three kiosks at once: the rug's reflectance and the
+# exposures as calibrated, the fisheye covered, the cameras exchanged.
+printf '[light]\ngain = 10\n' >"$work/gain.ini"
+frames() { # NAME OPTIONS...: a kiosk with a lens that fills the picture; its process is in $!
+	local name=$1
+	shift
+	"$INLAY" run --config "$work/studio.conf" --set screen.driver=null --set camera.fisheye.width=48 \
+		--set camera.fisheye.height=32 --set "camera.fisheye.sim.focal=20 20" --set "fisheye.focal=20 20" \
+		--set camera.fisheye.sim.exposure=0.1 --set "fisheye.light=$work/gain.ini" \
+		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
+		--set "background.ground_patch=16 20 12 6" --set "background.ground_reflectance=0.68 0.59 0.45" \
+		"$@" 2>"$work/$name.log" &
+}
+frames right
+others=($!)
+frames covered --set camera.fisheye.sim.exposure=0.002
+others+=($!)
+frames exchanged --set fisheye.camera=background --set background.camera=fisheye
+others+=($!)
+check "a covered fisheye is said" until_true 60 says "$work/covered.log" "brighter than the measured light"
+check "exchanged cameras are, by the ground" until_true 60 says "$work/exchanged.log" \
+	"darker than the measured light makes it: are the cameras exchanged"
+kill "${others[@]}"
+wait "${others[@]}"
+grep -v "lights lie outside" "$work/right.log" | grep "light:" | sed 's/^/# /'
+check "as calibrated there is no doubt of the ground" test "$(said "$work/right.log" "measured light")" = 0
+
 # ---- no camera at all: the screen says so ----
 "$INLAY" run --config "$work/studio.conf" --set screen.width=320 --set screen.height=240 \
 	--set camera.fisheye.driver=v4l2 --set camera.fisheye.device=/dev/video250 \

@@ -134,11 +134,12 @@ equal "inlay run --set lights.threshold_s<TAB>" lights.threshold_step= \
 equal "inlay run --set camera.camera2.dr<TAB>" camera.camera2.driver= \
 	"$(completed inlay run --set camera.camera2.dr)"
 {
-	echo status
+	printf '%s\n' status snapshot
 	sed -n '/action_names\[\] = {/,/^}/p' hal/device/buttons.c | grep -oE '"[a-z-]+"' | tr -d '"'
 } | grep -vx none | sort >"$work/expected"
 completed inlay control "" | grep '^[a-z]' | sort >"$work/offered"
 same "bash offers everything that a kiosk can be told" "$work/expected" "$work/offered"
+equal "inlay control snapshot <TAB> is left to file names" "" "$(completed inlay control snapshot "")"
 equal "inlay run --config <TAB> is left to file names" "" "$(completed inlay run --config "")"
 for program in inlay inlay-bake inlay-calibrate; do
 	commands_of "$dest/usr/bin/$program" | sort >"$work/expected"

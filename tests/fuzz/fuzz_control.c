@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 
@@ -31,7 +31,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 		for (const char *c = fault.text; *c; c++)
 			if (*c < ' ' || *c > '~')
 				abort();
-	} else if (request.kind != CONTROL_STATUS &&
+	} else if (request.kind != CONTROL_STATUS && request.kind != CONTROL_SNAPSHOT &&
 		   (request.kind != CONTROL_ACTION || !is_action(&request.press))) {
 		abort();
 	}

@@ -90,6 +90,18 @@ equal "and nobody else has stepped" 40 "$(figure threshold)"
 refused "a misspelt command is one with the nearest" 'did you mean "view-next"' \
 	"${commands[@]}" veiw-next
 
+# ---- what the screen shows ----
+# The client writes it where the kiosk's user may not, and may not write where only the kiosk may.
+own=$place/visitor
+mkdir -p $own
+chown nobody $own
+chmod 700 $own
+check "a member gets a picture of the screen" tell as nobody games "${commands[@]}" snapshot $own/shown.png
+equal "which is its own" nobody "$(stat -c %U $own/shown.png)"
+refused "into the kiosk's folder" "cannot be written: Permission denied" \
+	as nobody games "${commands[@]}" snapshot $place/shown.png
+refused "and nobody else" "you may not use the kiosk.s socket" as nobody none "${commands[@]}" snapshot $own/other.png
+
 # ---- two kiosks ----
 first=$running
 kiosk second

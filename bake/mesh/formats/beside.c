@@ -7,6 +7,7 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include "hal/base/input.h"
 #include "hal/base/log.h"
 
 /* Appends part of a name to a path; false: it is too long. */
@@ -80,8 +81,13 @@ bool beside_find(const char *other, const char *name, char path[PATH_MAX])
 	last = strrchr(plain, '/');
 	last = last ? last + 1 : plain;
 	if (!find_from(other, plain[0] == '/' ? 0 : folder, plain, path) &&
-	    (!last[0] || !find_from(other, folder, last, path)))
+	    (!last[0] || !find_from(other, folder, last, path))) {
+		path[0] = '\0';
+		if (path_append(path, other, plain[0] == '/' ? 0 : folder) &&
+		    path_append(path, plain, strlen(plain)))
+			input_note(path);
 		return false;
+	}
 	if (strcmp(path + (plain[0] == '/' ? 0 : folder), plain) != 0)
 		log_say_once(LOG_LEVEL_INFO, "%s: %s is taken from %s", other, name, path);
 	return true;

@@ -135,6 +135,31 @@ static void drivers_keys_reach_their_own_options(void **state)
 	config_destroy(c);
 }
 
+/* A program that opens no device reads the rest, and faults there are still said. */
+static void without_drivers_their_sections_are_skipped(void **state)
+{
+	static const char text[] =
+		"[camera sky]\ndriver = fake\nfake.noise = 0.5\n[screen]\nx.y = 1\n"
+		"[composite]\ngain = 2\n[camera b]\n[background]\ntransfer = bt709\n";
+	static const char wrong[] = "[screen]\nx.y = 1\n[background]\ntransfr = bt709\n";
+	struct ini_report report = {.count = 0};
+	struct config *c = fresh(NULL);
+
+	(void)state;
+	assert_true(c->composite.gain == 1);
+	assert_int_equal(config_read_memory(c, text, strlen(text), "k.conf", &report), 0);
+	assert_true(c->composite.gain == 2);
+	assert_int_equal(c->background.transfer, TRANSFER_BT709);
+	assert_int_equal(c->camera_count, 0);
+	config_destroy(c);
+	c = fresh(NULL);
+	assert_int_equal(config_read_memory(c, wrong, strlen(wrong), "k.conf", &report), -EINVAL);
+	assert_int_equal(report.count, 1);
+	assert_string_equal(report.first.text, "k.conf:4: [background] transfr: unknown key, did "
+					       "you mean \"transfer\"?");
+	config_destroy(c);
+}
+
 static void one_camera_too_many_is_said(void **state)
 {
 	static const char text[] = "[camera a]\n[camera b]\n[camera c]\n[camera d]\n[camera e]\n";
@@ -371,6 +396,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(defaults_are_those_of_the_keys),
 		cmocka_unit_test(drivers_keys_reach_their_own_options),
+		cmocka_unit_test(without_drivers_their_sections_are_skipped),
 		cmocka_unit_test(one_camera_too_many_is_said),
 		cmocka_unit_test(views_turn),
 		cmocka_unit_test(what_no_key_tells_alone),

@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <grp.h>
 #include <poll.h>
+#include <stdalign.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,11 +19,12 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/uio.h>
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "app/kiosk/control.h"
-#include "app/kiosk/control_socket.h"
+#include "app/control/control.h"
+#include "app/control/control_socket.h"
 
 static char folder[] = "/tmp/inlay-control-XXXXXX";
 static char path[64];
@@ -37,6 +39,8 @@ static void lines(void **state)
 		const char *words; /* words of the fault */
 	} cases[] = {
 		{"status", CONTROL_STATUS, ACTION_NONE, 0, NULL},
+		{"snapshot", CONTROL_SNAPSHOT, ACTION_NONE, 0, NULL},
+		{"snapshot x.png", CONTROL_NOTHING, 0, 0, "unknown action \"snapshot\""},
 		{"view-next", CONTROL_ACTION, ACTION_VIEW_NEXT, 0, NULL},
 		{"  quit\t\r", CONTROL_ACTION, ACTION_QUIT, 0, NULL},
 		{"threshold-set 40", CONTROL_ACTION, ACTION_THRESHOLD_SET, 40, NULL},
@@ -119,6 +123,10 @@ static int serve(struct control *control, const char *status)
 			control_next(control, &request);
 			if (request.kind == CONTROL_NOTHING)
 				break;
+			if (request.kind == CONTROL_SNAPSHOT) {
+				control_postpone(control);
+				continue;
+			}
 			control_answer(control, request.kind == CONTROL_STATUS
 							? status
 							: action_names[request.press.action]);
@@ -194,6 +202,73 @@ static void gone_before_the_answer(void **state)
 	assert_int_equal(serve(control, ""), 0);
 	control_close(control);
 	control_close(NULL);
+}
+
+/* Receives a reply; the descriptor that comes with it, or -1. */
+static int reply_with(int fd, const char *expected)
+{
+	alignas(struct cmsghdr) char beside[CMSG_SPACE(sizeof(int))];
+	char text[64];
+	struct iovec part = {.iov_base = text, .iov_len = sizeof(text)};
+	struct msghdr message = {.msg_iov = &part,
+				 .msg_iovlen = 1,
+				 .msg_control = beside,
+				 .msg_controllen = sizeof(beside)};
+	const ssize_t bytes = recvmsg(fd, &message, MSG_DONTWAIT);
+	int got = -1;
+
+	assert_int_equal(bytes, strlen(expected));
+	assert_memory_equal(text, expected, strlen(expected));
+	if (CMSG_FIRSTHDR(&message))
+		memcpy(&got, CMSG_DATA(CMSG_FIRSTHDR(&message)), sizeof(int));
+	return got;
+}
+
+/* Clients that wait for a picture: others are answered meanwhile, and all that wait get the picture,
+ * once for each time that they asked. */
+static void answers_that_wait(void **state)
+{
+	struct control *control = open_control("");
+	const int one = connect_client(), two = connect_client(), other = connect_client();
+	struct stat file, expected;
+	int fd;
+
+	(void)state;
+	assert_false(control_has_waiting(control));
+	send_text(one, "snapshot\n");
+	send_text(other, "object\n");
+	assert_int_equal(serve(control, ""), 2);
+	assert_true(control_has_waiting(control));
+	assert_string_equal(replies(other), "object\n");
+	assert_string_equal(replies(one), "");
+	send_text(two, "snapshot\n");
+	send_text(one, "view-next\nsnapshot\n");
+	assert_int_equal(serve(control, ""), 3);
+	assert_string_equal(replies(one), "view-next\n");
+	assert_int_equal(stat(folder, &expected), 0);
+	fd = open(folder, O_RDONLY | O_DIRECTORY);
+	control_answer_waiting(control, "here", fd);
+	close(fd);
+	assert_false(control_has_waiting(control));
+	for (int k = 0; k < 3; k++) {
+		fd = reply_with(k < 2 ? one : two, "here\n");
+		assert_int_equal(fstat(fd, &file), 0);
+		assert_int_equal(file.st_ino, expected.st_ino);
+		close(fd);
+	}
+	control_answer_waiting(control, "nobody waits", -1);
+	assert_string_equal(replies(one), "");
+	/* one that goes while it waits, and one that is told that there is nothing */
+	send_text(one, "snapshot\n");
+	send_text(two, "snapshot\n");
+	serve(control, "");
+	close(one);
+	serve(control, "");
+	control_answer_waiting(control, "error: no", -1);
+	assert_int_equal(reply_with(two, "error: no\n"), -1);
+	close(two);
+	close(other);
+	control_close(control);
 }
 
 static void line_without_end(void **state)
@@ -427,6 +502,7 @@ int main(void)
 		cmocka_unit_test(lines),
 		cmocka_unit_test(one_after_the_other),
 		cmocka_unit_test(gone_before_the_answer),
+		cmocka_unit_test(answers_that_wait),
 		cmocka_unit_test(line_without_end),
 		cmocka_unit_test(flood),
 		cmocka_unit_test(deaf_client),

@@ -6,15 +6,17 @@
  *
  *     threshold-up | threshold-set 40 | view-next | ... any name of enum action    ->  ok
  *     status                                                        ->  one line of JSON
+ *     snapshot              ->  snapshot WIDTH HEIGHT, with a descriptor (snapshot.h), when it is made
  *     anything else                                                 ->  error: what was expected
  *
  * Nothing blocks, and no client keeps another one from the kiosk: a client that does not read its
  * replies, sends too much or sends a line without end is disconnected. When CONTROL_CLIENTS_MAX are
  * connected, one more takes the place of the client that has been silent longest.
  */
-#ifndef INLAY_APP_KIOSK_CONTROL_H
-#define INLAY_APP_KIOSK_CONTROL_H
+#ifndef INLAY_APP_CONTROL_CONTROL_H
+#define INLAY_APP_CONTROL_CONTROL_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "hal/base/fault.h"
@@ -26,7 +28,7 @@
 
 struct control;
 
-enum control_request_kind { CONTROL_NOTHING, CONTROL_ACTION, CONTROL_STATUS };
+enum control_request_kind { CONTROL_NOTHING, CONTROL_ACTION, CONTROL_STATUS, CONTROL_SNAPSHOT };
 
 struct control_request {
 	enum control_request_kind kind;
@@ -46,11 +48,17 @@ int control_open(struct control **control, const char *path, const char *group,
 /* Polls readable when control_next() has something to do. */
 int control_descriptor(const struct control *control);
 
-/* Takes the next request, in order. Each one but CONTROL_NOTHING must be answered before the next
- * call. CONTROL_NOTHING also comes after some requests although more are waiting (the descriptor
+/* Takes the next request, in order. Each one but CONTROL_NOTHING must be answered or postponed before
+ * the next call. CONTROL_NOTHING also comes after some requests although more are waiting (the descriptor
  * stays readable), so that a caller who reads until then still gets to its other work. */
 void control_next(struct control *control, struct control_request *request);
 void control_answer(struct control *control, const char *line); /* without its newline */
+
+/* Lets the client whose request was taken last wait for control_answer_waiting(), which answers all
+ * that wait, with a descriptor that they get, too, unless it is -1. */
+void control_postpone(struct control *control);
+bool control_has_waiting(const struct control *control);
+void control_answer_waiting(struct control *control, const char *line, int fd);
 
 void control_close(struct control *control); /* removes the socket; NULL is harmless */
 

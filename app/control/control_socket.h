@@ -3,8 +3,8 @@
  * The Unix socket that the kiosk listens at (control.h) and that inlay control connects to: its
  * file, owner and group, and whether a program listens behind it.
  */
-#ifndef INLAY_APP_KIOSK_CONTROL_SOCKET_H
-#define INLAY_APP_KIOSK_CONTROL_SOCKET_H
+#ifndef INLAY_APP_CONTROL_CONTROL_SOCKET_H
+#define INLAY_APP_CONTROL_CONTROL_SOCKET_H
 
 #include <sys/types.h>
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/control.h"
+#include "app/control/control.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdbool.h>
+#include <stdalign.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +13,7 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "app/kiosk/control_socket.h"
+#include "app/control/control_socket.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
@@ -28,6 +28,7 @@ struct client {
 	int64_t heard_ns;
 	int64_t second_ns; /* when the counted second began */
 	int lines;	   /* counted in that second */
+	int waiting;	   /* for so many answers of control_answer_waiting() */
 };
 
 struct control {
@@ -67,8 +68,8 @@ int control_parse(const char *line, size_t length, struct control_request *reque
 				 "there is no command, expected one like view-next");
 	if (count == 3)
 		return fault_say(fault, -EINVAL, "expected one command and at most one value");
-	if (!strcmp(words[0], "status") && !words[1]) {
-		request->kind = CONTROL_STATUS;
+	if (!words[1] && (!strcmp(words[0], "status") || !strcmp(words[0], "snapshot"))) {
+		request->kind = words[0][1] == 't' ? CONTROL_STATUS : CONTROL_SNAPSHOT;
 		return 0;
 	}
 	if (button_press_parse(words[0], words[1], &request->press, fault))
@@ -115,25 +116,42 @@ static void cut_off(struct control *control, struct client *client)
 	*client = (struct client){.fd = -1};
 }
 
-/* 0 or -errno. The kernel having no room for another reply means that the client does not read
- * them. */
-static int client_say(int fd, const char *before, const char *line)
+/* Sends a line, and a descriptor unless that is -1. 0 or -errno. The kernel having no room for another
+ * reply means that the client does not read them. */
+static int client_send(int fd, const char *before, const char *line, int descriptor)
 {
+	alignas(struct cmsghdr) char room[CMSG_SPACE(sizeof(int))] = "";
 	const struct iovec parts[] = {
 		{.iov_base = (void *)(uintptr_t)before, .iov_len = strlen(before)},
 		{.iov_base = (void *)(uintptr_t)line, .iov_len = strlen(line)},
 		{.iov_base = (void *)(uintptr_t) "\n", .iov_len = 1},
 	};
-	const struct msghdr message = {
+	struct msghdr message = {
 		.msg_iov = (struct iovec *)(uintptr_t)parts,
 		.msg_iovlen = 3,
 	};
 	const size_t bytes = parts[0].iov_len + parts[1].iov_len + 1;
-	const ssize_t sent = sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
+	struct cmsghdr *beside;
+	ssize_t sent;
 
+	if (descriptor >= 0) {
+		message.msg_control = room;
+		message.msg_controllen = sizeof(room);
+		beside = CMSG_FIRSTHDR(&message);
+		beside->cmsg_level = SOL_SOCKET;
+		beside->cmsg_type = SCM_RIGHTS;
+		beside->cmsg_len = CMSG_LEN(sizeof(int));
+		memcpy(CMSG_DATA(beside), &descriptor, sizeof(int));
+	}
+	sent = sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
 	if (sent < 0)
 		return -errno;
 	return (size_t)sent == bytes ? 0 : -EAGAIN;
+}
+
+static int client_say(int fd, const char *before, const char *line)
+{
+	return client_send(fd, before, line, -1);
 }
 
 static void client_refuse(struct control *control, struct client *client, const char *why)
@@ -288,6 +306,34 @@ void control_answer(struct control *control, const char *line)
 	control->asking = NULL;
 	if (client && client_say(client->fd, "", line))
 		cut_off(control, client);
+}
+
+void control_postpone(struct control *control)
+{
+	if (control->asking)
+		control->asking->waiting++;
+	control->asking = NULL;
+}
+
+bool control_has_waiting(const struct control *control)
+{
+	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++)
+		if (control->clients[i].waiting)
+			return true;
+	return false;
+}
+
+void control_answer_waiting(struct control *control, const char *line, int fd)
+{
+	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
+		struct client *client = &control->clients[i];
+
+		for (; client->waiting; client->waiting--)
+			if (client_send(client->fd, "", line, fd)) {
+				cut_off(control, client);
+				break;
+			}
+	}
 }
 
 int control_descriptor(const struct control *control)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/kiosk/control_socket.h"
+#include "app/control/control_socket.h"
 
 #include <errno.h>
 #include <fcntl.h>
