@@ -18,6 +18,7 @@ enum mtl_map_kind {
 	MAP_ROUGHNESS,
 	MAP_METALNESS,
 	MAP_NORMALS,
+	MAP_BUMPS, /* normals, or heights */
 	MAP_COUNT
 };
 
@@ -101,8 +102,8 @@ static const struct mtl_statement {
 	{"map_Pm", VALUE_MAP, MAP_METALNESS},
 	{"norm", VALUE_MAP, MAP_NORMALS},
 	{"map_Kn", VALUE_MAP, MAP_NORMALS},
-	{"map_Bump", VALUE_LEFT_MAP, LEFT_BUMPS},
-	{"bump", VALUE_LEFT_MAP, LEFT_BUMPS},
+	{"map_Bump", VALUE_MAP, MAP_BUMPS},
+	{"bump", VALUE_MAP, MAP_BUMPS},
 	{"disp", VALUE_LEFT_MAP, LEFT_DISPLACEMENT},
 	{"map_disp", VALUE_LEFT_MAP, LEFT_DISPLACEMENT},
 	{"map_Ks", VALUE_LEFT_MAP, LEFT_HIGHLIGHTS},
@@ -543,17 +544,24 @@ static int add_surface(const struct mtl *mtl, struct textures *textures, struct 
 	return 0;
 }
 
+/* Many programs, Blender among them, write maps of normals as bump maps. Heights of the format have no
+ * unit, so they are left out, as is a bump map that is missing. */
 static int add_normals(const struct mtl *mtl, struct textures *textures, struct material *m,
-		       struct fault *fault)
+		       unsigned *left, struct fault *fault)
 {
-	const struct texture_name name = name_of(mtl, MAP_NORMALS);
-	const struct mtl_map *map = &mtl->map[MAP_NORMALS];
+	const bool heights = !mtl->map[MAP_NORMALS].name;
+	const struct mtl_map *map = &mtl->map[heights ? MAP_BUMPS : MAP_NORMALS];
+	const struct texture_name name = name_of(mtl, heights ? MAP_BUMPS : MAP_NORMALS);
 	const struct texture *texture;
 	int err;
 
 	if (!name.by)
 		return 0;
 	err = textures_data(textures, &name, wrap_of(map), &texture, fault);
+	if (heights && (err || !texture_has_normals(texture))) {
+		*left |= 1u << LEFT_BUMPS;
+		return err == -ENOMEM ? err : 0;
+	}
 	if (err)
 		return err;
 	m->bumps = use_of(map, texture);
@@ -582,7 +590,7 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 	if (!err)
 		err = add_surface(mtl, textures, m, fault);
 	if (!err)
-		err = add_normals(mtl, textures, m, fault);
+		err = add_normals(mtl, textures, m, &left, fault);
 	if (err)
 		return err;
 	if (m->alpha_mode == ALPHA_OPAQUE && m->texture && m->texture->image.alpha)

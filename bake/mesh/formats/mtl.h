@@ -9,7 +9,7 @@
  *                        Blender's libraries 1000 (1 - roughness)^2, and Ka there metalness
  *   Pr, Pm, map_Pr/_Pm   roughness and metalness, as in glTF
  *   d, Tr, map_d         coverage
- *   norm                 normals in tangent space
+ *   norm                 normals in tangent space; so is bump, if its picture is blue
  */
 #ifndef INLAY_BAKE_MESH_FORMATS_MTL_H
 #define INLAY_BAKE_MESH_FORMATS_MTL_H

@@ -10,6 +10,8 @@
 #include "bake/mesh/formats/beside.h"
 #include "bake/mesh/plain_file.h"
 
+#define BLUE_LEAST 32 /* of 255: what a map of normals has more of blue than of red, on the mean */
+
 /* ---- pictures ---- */
 
 static int texture_lack(const struct textures *textures, struct fault *fault)
@@ -267,6 +269,17 @@ int textures_data(struct textures *textures, const struct texture_name *name,
 		err = texture_lack(textures, fault);
 	texture_prepare_data(added);
 	return err;
+}
+
+bool texture_has_normals(const struct texture *texture)
+{
+	const struct image *image = &texture->image;
+	const size_t pixels = (size_t)image->width * (size_t)image->height;
+	double sum = 0;
+
+	for (size_t k = 0; k < pixels; k++)
+		sum += image_code(image, k, 2) - image_code(image, k, 0);
+	return sum > BLUE_LEAST * (double)pixels;
 }
 
 void textures_free(struct textures *textures)

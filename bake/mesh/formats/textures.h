@@ -36,6 +36,9 @@ int textures_surface(struct textures *textures, const struct texture_name *rough
 int textures_data(struct textures *textures, const struct texture_name *name,
 		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault);
 
+/* Whether a texture of data is one of normals, which is blue, or of something else, such as heights. */
+bool texture_has_normals(const struct texture *texture);
+
 void textures_free(struct textures *textures); /* idempotent; leaves the mesh's textures */
 
 #endif
