@@ -35,10 +35,16 @@ static int soup_lack(const struct soup *soup, struct fault *fault)
 	return fault_say(fault, -ENOMEM, "%s: out of memory", soup->path);
 }
 
+struct material soup_material(bool coloured)
+{
+	const float grey = coloured ? 1 : 0.8f;
+
+	return (struct material){.ior = 1.5f, .alpha = 1, .colour = {{grey, grey, grey}}};
+}
+
 /* ---- vertices ---- */
 
-/* Doubles an array that is full. */
-static bool soup_room(void *array, size_t used, size_t *room, size_t size)
+bool soup_room(void *array, size_t used, size_t *room, size_t size)
 {
 	const size_t wanted = *room ? 2 * *room : 64;
 	void *grown;

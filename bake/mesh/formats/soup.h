@@ -17,6 +17,17 @@ struct soup_corner {
 #define SOUP_UVS 2u
 #define SOUP_COLOURS 4u
 
+static inline bool soup_has_normal(const struct soup_corner *corner)
+{
+	return corner->normal[0] != 0 || corner->normal[1] != 0 || corner->normal[2] != 0;
+}
+
+/* A matt surface: grey where the file says nothing of colours, white where it has some elsewhere. */
+struct material soup_material(bool coloured);
+
+/* Makes room for one more element of an array that has `used`. False: out of memory. */
+bool soup_room(void *array, size_t used, size_t *room, size_t size);
+
 struct soup_part;
 
 struct soup {

@@ -121,11 +121,14 @@ int text_shown(struct text_span span)
 	return span.end - span.at < SHOWN_MAX ? (int)(span.end - span.at) : SHOWN_MAX;
 }
 
+bool text_same(struct text_span a, struct text_span b)
+{
+	return a.end - a.at == b.end - b.at && !memcmp(a.at, b.at, (size_t)(a.end - a.at));
+}
+
 bool text_is(struct text_span word, const char *text)
 {
-	const size_t length = (size_t)(word.end - word.at);
-
-	return length == strlen(text) && memcmp(word.at, text, length) == 0;
+	return text_same(word, (struct text_span){text, text + strlen(text)});
 }
 
 bool text_is_any_case(struct text_span word, const char *text)

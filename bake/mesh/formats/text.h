@@ -47,6 +47,7 @@ static inline bool text_empty(struct text_span span)
 int text_shown(struct text_span span);
 
 bool text_is(struct text_span word, const char *text);
+bool text_same(struct text_span a, struct text_span b);
 bool text_is_any_case(struct text_span word, const char *text);
 
 /* Copies a span; NULL: out of memory. */
