@@ -169,8 +169,7 @@ int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 	mesh->materials = calloc(1, sizeof(*mesh->materials));
 	if (!mesh->materials)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
-	mesh->materials[0] =
-		(struct material){.ior = 1.5f, .alpha = 1, .colour = {{0.8f, 0.8f, 0.8f}}};
+	mesh->materials[0] = soup_material(false);
 	mesh->material_count = materials;
 	if (stl.colours && materials)
 		left_out_add(&out, "colours of triangles", "mesh");
