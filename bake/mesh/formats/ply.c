@@ -17,14 +17,13 @@
 #define TEXTURES_MAX 256
 #define LENGTH(array) (sizeof(array) / sizeof(*(array)))
 
-static const struct ply_type {
-	const char *name[2];
-	int bytes;
-	char kind; /* i, u: whole, with a sign or without; f */
-} types[] = {{{"char", "int8"}, 1, 'i'},     {{"uchar", "uint8"}, 1, 'u'},
-	     {{"short", "int16"}, 2, 'i'},   {{"ushort", "uint16"}, 2, 'u'},
-	     {{"int", "int32"}, 4, 'i'},     {{"uint", "uint32"}, 4, 'u'},
-	     {{"float", "float32"}, 4, 'f'}, {{"double", "float64"}, 8, 'f'}};
+/* Kinds of numbers by their place here. */
+static const char *const types[] = {"char uchar short ushort int uint float double",
+				    "int8 uint8 int16 uint16 int32 uint32 float32 float64"};
+
+static const int bytes_of[] = {1, 1, 2, 2, 4, 4, 4, 8};
+
+#define FIRST_FLOAT 6 /* of types; of those before it each second one has a sign */
 
 enum ply_role {
 	ROLE_NONE,
@@ -47,7 +46,7 @@ static const char *const names[] = {
 };
 
 struct ply_property {
-	const struct ply_type *type, *count; /* count NULL: one number */
+	int type, count; /* count -1: one number */
 	int role;
 };
 
@@ -103,22 +102,20 @@ static int header_refuse(const struct ply *ply, const char *what, struct text_sp
 			 ply->lines.line, what, text_shown(word), word.at, expected);
 }
 
-static const struct ply_type *type_of(struct text_span word)
+static int type_of(struct text_span word)
 {
-	for (size_t k = 0; k < LENGTH(types); k++)
-		if (text_is(word, types[k].name[0]) || text_is(word, types[k].name[1]))
-			return &types[k];
-	return NULL;
+	const int place = text_place(word, types[0]);
+
+	return place >= 0 ? place : text_place(word, types[1]);
 }
 
 static int role_of(struct text_span name, bool list)
 {
 	for (size_t k = 0; k < LENGTH(names); k++) {
-		struct text_span all = {names[k], names[k] + strlen(names[k])}, word;
+		const int role = ROLE_X + text_place(name, names[k]);
 
-		for (int role = ROLE_X; !text_empty(word = text_word(&all)); role++)
-			if (text_same(name, word) && (role >= ROLE_CORNERS) == list)
-				return role;
+		if (role >= ROLE_X && (role >= ROLE_CORNERS) == list)
+			return role;
 	}
 	return ROLE_NONE;
 }
@@ -131,21 +128,21 @@ static int header_property(struct ply *ply, struct text_span line, struct fault 
 	if (!ply->elements || ply->properties == PROPERTIES_MAX)
 		return header_refuse(ply, "property", word,
 				     "an element before it and 512 properties at most", fault);
-	property->count = NULL;
+	property->count = -1;
 	if (text_is(word, "list")) {
 		word = text_word(&line);
 		property->count = type_of(word);
-		if (!property->count || property->count->kind == 'f')
+		if (property->count < 0 || property->count >= FIRST_FLOAT)
 			return header_refuse(ply, "a list counted in", word, "whole numbers",
 					     fault);
 		word = text_word(&line);
 	}
 	property->type = type_of(word);
-	if (!property->type)
+	if (property->type < 0)
 		return header_refuse(ply, "property of type", word,
 				     "char, uchar, short, ushort, int, uint, float or double",
 				     fault);
-	property->role = role_of(text_word(&line), property->count);
+	property->role = role_of(text_word(&line), property->count >= 0);
 	ply->properties++;
 	ply->element[ply->elements - 1].properties++;
 	ply->element[ply->elements - 1].roles |= 1u << property->role;
@@ -265,9 +262,9 @@ static int ply_cut(const struct ply *ply, struct fault *fault)
 			 ply->of->count);
 }
 
-static double binary_value(const char *at, const struct ply_type *type, bool big_endian)
+static double binary_value(const char *at, int type, bool big_endian)
 {
-	const int n = type->bytes;
+	const int n = bytes_of[type];
 	uint64_t bits = 0;
 	uint32_t word;
 	float single;
@@ -278,13 +275,12 @@ static double binary_value(const char *at, const struct ply_type *type, bool big
 	word = (uint32_t)bits;
 	memcpy(&single, &word, sizeof(single));
 	memcpy(&wide, &bits, sizeof(wide));
-	if (type->kind == 'f')
+	if (type >= FIRST_FLOAT)
 		return n == 4 ? (double)single : wide;
-	return (double)bits - (type->kind == 'i' && bits >> (8 * n - 1) ? ldexp(1, 8 * n) : 0);
+	return (double)bits - (type % 2 == 0 && bits >> (8 * n - 1) ? ldexp(1, 8 * n) : 0);
 }
 
-static int ply_take(struct ply *ply, const struct ply_type *type, double *value,
-		    struct fault *fault)
+static int ply_take(struct ply *ply, int type, double *value, struct fault *fault)
 {
 	struct text_span *data = &ply->lines.rest;
 
@@ -293,21 +289,20 @@ static int ply_take(struct ply *ply, const struct ply_type *type, double *value,
 
 		return text_number(word, value) ? 0 : ply_refuse_word(ply, word, "a number", fault);
 	}
-	if (data->end - data->at < type->bytes)
+	if (data->end - data->at < bytes_of[type])
 		return ply_cut(ply, fault);
 	*value = binary_value(data->at, type, ply->big_endian);
-	data->at += type->bytes;
+	data->at += bytes_of[type];
 	return 0;
 }
 
 static int ply_take_property(struct ply *ply, const struct ply_property *p, struct fault *fault)
 {
-	const bool coloured = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA;
-	const int bits = 8 * p->type->bytes - (p->type->kind == 'i');
-	const double one = coloured && p->type->kind != 'f' ? ldexp(1, bits) - 1 : 1;
+	const bool code = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA && p->type < FIRST_FLOAT;
+	const double one = code ? ldexp(1, 8 * bytes_of[p->type] - !(p->type % 2)) - 1 : 1;
 	double count = 1, value;
 	char what[64];
-	int err = p->count ? ply_take(ply, p->count, &count, fault) : 0;
+	int err = p->count >= 0 ? ply_take(ply, p->count, &count, fault) : 0;
 
 	if (!err &&
 	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count))) {
@@ -558,8 +553,8 @@ static int ply_add_materials(struct ply *ply, struct fault *fault)
 		for (int part = 0; part < mesh->part_count; part++)
 			used |= mesh->parts[part].material == k + 1;
 		if (k >= 0 && used)
-			err = textures_colour(&ply->textures, &ply->texture[k], NULL,
-					      TEXTURE_REPEAT, &m->texture, fault);
+			err = textures_get(&ply->textures, TEXTURE_OF_COLOURS, &ply->texture[k],
+					   NULL, TEXTURE_REPEAT, &m->texture, fault);
 	}
 	if (ply->see_through)
 		left_out_add(&ply->out, "alpha of vertices", "mesh");

@@ -121,14 +121,11 @@ int text_shown(struct text_span span)
 	return span.end - span.at < SHOWN_MAX ? (int)(span.end - span.at) : SHOWN_MAX;
 }
 
-bool text_same(struct text_span a, struct text_span b)
-{
-	return a.end - a.at == b.end - b.at && !memcmp(a.at, b.at, (size_t)(a.end - a.at));
-}
-
 bool text_is(struct text_span word, const char *text)
 {
-	return text_same(word, (struct text_span){text, text + strlen(text)});
+	const size_t length = (size_t)(word.end - word.at);
+
+	return length == strlen(text) && memcmp(word.at, text, length) == 0;
 }
 
 bool text_is_any_case(struct text_span word, const char *text)
@@ -136,6 +133,20 @@ bool text_is_any_case(struct text_span word, const char *text)
 	const size_t length = (size_t)(word.end - word.at);
 
 	return length == strlen(text) && strncasecmp(word.at, text, length) == 0;
+}
+
+int text_place(struct text_span word, const char *list)
+{
+	const size_t length = (size_t)(word.end - word.at);
+
+	for (int place = 0; *list && length; place++) {
+		const size_t end = strcspn(list, " ");
+
+		if (end == length && strncasecmp(list, word.at, length) == 0)
+			return place;
+		list += end + (list[end] != '\0');
+	}
+	return -1;
 }
 
 char *text_copy(struct text_span span)

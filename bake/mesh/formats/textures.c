@@ -140,7 +140,7 @@ static int image_cover(struct image *image, struct image *coverage)
 /* ---- textures ---- */
 
 /* Finds a texture that is made of the same; else adds an empty one, in *added. */
-static int textures_take(struct textures *textures, const char *a, const char *b, const char *kind,
+static int textures_take(struct textures *textures, char path[2][PATH_MAX], enum texture_kind kind,
 			 enum texture_wrap wrap, const struct texture **texture,
 			 struct texture **added, struct fault *fault)
 {
@@ -151,7 +151,7 @@ static int textures_take(struct textures *textures, const char *a, const char *b
 	char **keys;
 
 	*added = NULL;
-	snprintf(key, sizeof(key), "%s %d %s\n%s", kind, (int)wrap, a, b);
+	snprintf(key, sizeof(key), "%d %d %s\n%s", (int)kind, (int)wrap, path[0], path[1]);
 	for (size_t k = 0; k < count; k++)
 		if (strcmp(textures->key[k], key) == 0) {
 			*texture = mesh->textures[k];
@@ -178,35 +178,6 @@ static int textures_take(struct textures *textures, const char *a, const char *b
 	return 0;
 }
 
-int textures_colour(struct textures *textures, const struct texture_name *colour,
-		    const struct texture_name *coverage, enum texture_wrap wrap,
-		    const struct texture **texture, struct fault *fault)
-{
-	char path[PATH_MAX], cover_path[PATH_MAX];
-	struct texture *added = NULL;
-	struct image cover;
-	int err = texture_find(textures, colour, path, fault);
-
-	if (!err)
-		err = texture_find(textures, coverage, cover_path, fault);
-	if (!err)
-		err = textures_take(textures, path, cover_path, "colour", wrap, texture, &added,
-				    fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &added->image, fault);
-	if (err)
-		return err;
-	err = read_picture(cover_path, &cover, fault);
-	if (!err && cover.width && image_cover(&added->image, &cover) < 0)
-		err = texture_lack(textures, fault);
-	image_free(&cover);
-	if (!err && picture_file_decode(&added->image, false) < 0)
-		err = texture_lack(textures, fault);
-	texture_prepare(added);
-	return err;
-}
-
 static int image_pack(struct image *packed, struct image *roughness, struct image *metalness)
 {
 	const int width = roughness->width ? roughness->width : metalness->width;
@@ -226,48 +197,41 @@ static int image_pack(struct image *packed, struct image *roughness, struct imag
 	return 0;
 }
 
-int textures_surface(struct textures *textures, const struct texture_name *roughness,
-		     const struct texture_name *metalness, enum texture_wrap wrap,
-		     const struct texture **texture, struct fault *fault)
+/* Makes a texture of two pictures. -ENOMEM. */
+static int texture_fill(struct texture *texture, enum texture_kind kind, struct image picture[2])
 {
-	char path[PATH_MAX], metal_path[PATH_MAX];
-	struct image rough = {.width = 0}, metal = {.width = 0};
-	struct texture *added = NULL;
-	int err = texture_find(textures, roughness, path, fault);
-
-	if (!err)
-		err = texture_find(textures, metalness, metal_path, fault);
-	if (!err)
-		err = textures_take(textures, path, metal_path, "surface", wrap, texture, &added,
-				    fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &rough, fault);
-	if (!err)
-		err = read_picture(metal_path, &metal, fault);
-	if (!err && image_pack(&added->image, &rough, &metal) < 0)
-		err = texture_lack(textures, fault);
-	image_free(&rough);
-	image_free(&metal);
-	texture_prepare_data(added);
-	return err;
+	if (kind == TEXTURE_OF_COLOURS)
+		texture_prepare(texture);
+	else
+		texture_prepare_data(texture);
+	if (kind == TEXTURE_OF_SURFACES)
+		return image_pack(&texture->image, &picture[0], &picture[1]);
+	if (picture[1].width && image_cover(&picture[0], &picture[1]) < 0)
+		return -ENOMEM;
+	texture->image = picture[0];
+	picture[0] = (struct image){.width = 0};
+	return picture_file_decode(&texture->image, kind == TEXTURE_OF_DATA);
 }
 
-int textures_data(struct textures *textures, const struct texture_name *name,
-		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
+int textures_get(struct textures *textures, enum texture_kind kind,
+		 const struct texture_name *first, const struct texture_name *second,
+		 enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
 {
-	char path[PATH_MAX];
+	char path[2][PATH_MAX];
+	struct image picture[2] = {{.width = 0}, {.width = 0}};
 	struct texture *added = NULL;
-	int err = texture_find(textures, name, path, fault);
+	int err = texture_find(textures, first, path[0], fault);
 
 	if (!err)
-		err = textures_take(textures, path, "", "data", wrap, texture, &added, fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &added->image, fault);
-	if (!err && picture_file_decode(&added->image, true) < 0)
+		err = texture_find(textures, second, path[1], fault);
+	if (!err)
+		err = textures_take(textures, path, kind, wrap, texture, &added, fault);
+	for (int k = 0; k < 2 && added && !err; k++)
+		err = read_picture(path[k], &picture[k], fault);
+	if (added && !err && texture_fill(added, kind, picture) < 0)
 		err = texture_lack(textures, fault);
-	texture_prepare_data(added);
+	image_free(&picture[0]);
+	image_free(&picture[1]);
 	return err;
 }
 
