@@ -66,14 +66,15 @@ static const struct mtl_left {
 /* A library as it is read. */
 struct mtl_text {
 	const char *path;
+	struct fault *fault;
 	struct text_lines lines;
 	struct mtl_library *library;
 	struct mtl *mtl; /* that the statements are about */
 };
 
-static int mtl_lack(const char *path, struct fault *fault)
+static int mtl_lack(const struct mtl_text *text)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	return fault_say(text->fault, -ENOMEM, "%s: out of memory", text->path);
 }
 
 static bool take_finite(struct text_span *line, struct text_span *word, double *value)
@@ -84,7 +85,7 @@ static bool take_finite(struct text_span *line, struct text_span *word, double *
 
 /* Reads a number, or a grey or three channels of 0..1. Colours by spectral curves are left out. */
 static int read_numbers(struct mtl_text *text, float *to, int most, struct text_span word,
-			struct text_span line, struct fault *fault)
+			struct text_span line)
 {
 	struct text_span got, ahead = line;
 	double value;
@@ -99,7 +100,7 @@ static int read_numbers(struct mtl_text *text, float *to, int most, struct text_
 	for (int c = 0; c < most; c++) {
 		if (!take_finite(&line, &got, &value)) {
 			if (c != 1 || !text_empty(got))
-				return fault_say(fault, -EBADMSG,
+				return fault_say(text->fault, -EBADMSG,
 						 "%s:%d: %.*s \"%.*s\", expected %s", text->path,
 						 text->lines.line, text_shown(word), word.at,
 						 text_shown(got), got.at,
@@ -145,8 +146,7 @@ static bool map_take_option(struct mtl_map *map, struct text_span *line)
 }
 
 /* Without a name a map is as good as none: some programs write so. */
-static int read_map(struct mtl_text *text, struct mtl_map *map, struct text_span line,
-		    struct fault *fault)
+static int read_map(struct mtl_text *text, struct mtl_map *map, struct text_span line)
 {
 	struct text_span name;
 
@@ -162,7 +162,7 @@ static int read_map(struct mtl_text *text, struct mtl_map *map, struct text_span
 	if (text_empty(name))
 		return 0;
 	map->name = text_copy(name);
-	return map->name ? 0 : mtl_lack(text->path, fault);
+	return map->name ? 0 : mtl_lack(text);
 }
 
 /* Whether a statement says more than 0: a number, or a name. */
@@ -177,19 +177,19 @@ static bool says_something(struct text_span line)
 	return false;
 }
 
-static int read_statement(struct mtl_text *text, struct text_span line, struct fault *fault)
+static int read_statement(struct mtl_text *text, struct text_span line)
 {
 	const struct text_span word = text_word(&line);
 	struct mtl *mtl = text->mtl;
 	int at;
 
 	if ((at = text_place(word, colours)) >= 0)
-		return read_numbers(text, &mtl->number[KD + 3 * at], 3, word, line, fault);
+		return read_numbers(text, &mtl->number[KD + 3 * at], 3, word, line);
 	if ((at = text_place(word, numbers)) >= 0)
-		return read_numbers(text, &mtl->number[NS + at], 1, word, line, fault);
+		return read_numbers(text, &mtl->number[NS + at], 1, word, line);
 	for (int k = 0; k < 2; k++)
 		if ((at = text_place(word, maps[k])) >= 0)
-			return read_map(text, &mtl->map[at], line, fault);
+			return read_map(text, &mtl->map[at], line);
 	for (size_t k = 0; k < sizeof(lefts) / sizeof(*lefts); k++)
 		if (text_place(word, lefts[k].words) >= 0)
 			mtl->left |= (unsigned)says_something(line) << k;
@@ -198,28 +198,27 @@ static int read_statement(struct mtl_text *text, struct text_span line, struct f
 
 /* ---- the library ---- */
 
-static int library_add(struct mtl_text *text, struct text_span name, bool blender,
-		       struct fault *fault)
+static int library_add(struct mtl_text *text, struct text_span name, bool blender)
 {
 	struct mtl_library *library = text->library;
 	struct mtl *grown = realloc(library->materials,
 				    ((size_t)library->count + 1) * sizeof(*grown));
 
 	if (!grown)
-		return mtl_lack(text->path, fault);
+		return mtl_lack(text);
 	library->materials = grown;
 	text->mtl = &grown[library->count++];
 	*text->mtl =
 		(struct mtl){.name = text_copy(name), .by = strdup(text->path), .blender = blender};
 	for (int k = 0; k < MTL_NUMBERS; k++)
 		text->mtl->number[k] = UNSAID;
-	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text->path, fault);
+	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text);
 }
 
 int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 {
 	static const char mark[] = "# Blender ";
-	struct mtl_text text = {.path = path, .library = library};
+	struct mtl_text text = {.path = path, .fault = fault, .library = library};
 	struct text_span line;
 	struct plain_map file;
 	bool blender = false;
@@ -233,9 +232,9 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 
 		blender |= line.end - line.at >= 10 && !memcmp(line.at, mark, 10);
 		if (text_is_any_case(text_word(&rest), "newmtl"))
-			err = library_add(&text, text_name(rest), blender, fault);
+			err = library_add(&text, text_name(rest), blender);
 		else if (text.mtl)
-			err = read_statement(&text, line, fault);
+			err = read_statement(&text, line);
 	}
 	text_end(&text.lines);
 	plain_file_unmap(&file);
@@ -358,8 +357,7 @@ static struct texture_use use_of(const struct mtl_map *map, const struct texture
 	};
 }
 
-static int add_colour(const struct mtl *mtl, struct textures *textures, struct material *m,
-		      struct fault *fault)
+static int add_colour(const struct mtl *mtl, struct textures *textures, struct material *m)
 {
 	const struct texture_name colour = name_of(mtl, MAP_COLOUR),
 				  cover = name_of(mtl, MAP_COVERAGE);
@@ -368,8 +366,8 @@ static int add_colour(const struct mtl *mtl, struct textures *textures, struct m
 
 	if (!colour.by && !cover.by)
 		return 0;
-	err = textures_get(textures, TEXTURE_OF_COLOURS, &colour, &cover, wrap_of(map), &m->texture,
-			   fault);
+	err = textures_get(textures, TEXTURE_OF_COLOURS, &colour, &cover, wrap_of(map),
+			   &m->texture);
 	if (err)
 		return err;
 	m->placed = use_of(map, m->texture);
@@ -379,8 +377,7 @@ static int add_colour(const struct mtl *mtl, struct textures *textures, struct m
 }
 
 /* Roughness and metalness of a texture. The values of the material become its means. */
-static int add_surface(const struct mtl *mtl, struct textures *textures, struct material *m,
-		       struct fault *fault)
+static int add_surface(const struct mtl *mtl, struct textures *textures, struct material *m)
 {
 	const struct texture_name rough = name_of(mtl, MAP_ROUGHNESS),
 				  metal = name_of(mtl, MAP_METALNESS);
@@ -393,8 +390,7 @@ static int add_surface(const struct mtl *mtl, struct textures *textures, struct 
 
 	if (!rough.by && !metal.by)
 		return 0;
-	err = textures_get(textures, TEXTURE_OF_SURFACES, &rough, &metal, wrap_of(map), &texture,
-			   fault);
+	err = textures_get(textures, TEXTURE_OF_SURFACES, &rough, &metal, wrap_of(map), &texture);
 	if (err)
 		return err;
 	m->map = (struct surface_map){
@@ -417,7 +413,7 @@ static int add_surface(const struct mtl *mtl, struct textures *textures, struct 
 /* Many programs, Blender among them, write maps of normals as bump maps. Heights of the format have no
  * unit, so they are left out, as is a bump map that is missing. */
 static int add_normals(const struct mtl *mtl, struct textures *textures, struct material *m,
-		       struct left_out *out, struct fault *fault)
+		       struct left_out *out)
 {
 	const bool heights = !mtl->map[MAP_NORMALS].name;
 	const struct mtl_map *map = &mtl->map[heights ? MAP_BUMPS : MAP_NORMALS];
@@ -427,7 +423,7 @@ static int add_normals(const struct mtl *mtl, struct textures *textures, struct 
 
 	if (!name.by)
 		return 0;
-	err = textures_get(textures, TEXTURE_OF_DATA, &name, NULL, wrap_of(map), &texture, fault);
+	err = textures_get(textures, TEXTURE_OF_DATA, &name, NULL, wrap_of(map), &texture);
 	if (heights && (err || !texture_has_normals(texture))) {
 		left_out_add(out, "bump maps", "material");
 		return err == -ENOMEM ? err : 0;
@@ -464,7 +460,7 @@ static void leave_out(const struct mtl *mtl, const struct material *m, struct le
 }
 
 int mtl_make(const struct mtl_library *library, int number, struct textures *textures,
-	     struct material *m, struct left_out *out, struct fault *fault)
+	     struct material *m, struct left_out *out)
 {
 	const struct mtl *mtl = &library->materials[number];
 	const float *kd = &mtl->number[KD], d = mtl->number[D], tr = mtl->number[TR];
@@ -475,15 +471,15 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 		m->colour = rgb_make(kd[0], kd[1], kd[2]);
 	if (d >= 0 || tr >= 0)
 		m->alpha = within_1(d >= 0 ? d : 1 - tr);
-	err = add_surface(mtl, textures, m, fault);
+	err = add_surface(mtl, textures, m);
 	if (!m->map.use.texture)
 		set_surface(mtl, m);
 	if (m->alpha < 1)
 		m->alpha_mode = ALPHA_BLEND;
 	if (!err)
-		err = add_colour(mtl, textures, m, fault);
+		err = add_colour(mtl, textures, m);
 	if (!err)
-		err = add_normals(mtl, textures, m, out, fault);
+		err = add_normals(mtl, textures, m, out);
 	if (err)
 		return err;
 	if (m->alpha <= 0)

@@ -35,7 +35,7 @@ int mtl_find(const struct mtl_library *library, struct text_span name);
 
 /* Makes a material, reads its textures, and counts what is left out. */
 int mtl_make(const struct mtl_library *library, int number, struct textures *textures,
-	     struct material *material, struct left_out *out, struct fault *fault);
+	     struct material *material, struct left_out *out);
 
 void mtl_free(struct mtl_library *library); /* idempotent */
 

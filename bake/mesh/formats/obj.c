@@ -29,6 +29,7 @@ static const struct obj_kind_of_row {
 
 struct obj {
 	const char *path;
+	struct fault *fault;
 	struct text_lines lines;
 	bool with_materials;
 	struct obj_rows rows[OBJ_KINDS];
@@ -54,9 +55,9 @@ struct obj {
 static const char *const odd_words[] = {"l", "p", "curv", "curv2", "surf"};
 static const char *const odd_names[] = {"lines", "points", "curves", "curves", "curved surfaces"};
 
-static int obj_lack(const struct obj *obj, struct fault *fault)
+static int obj_lack(const struct obj *obj)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", obj->path);
+	return fault_say(obj->fault, -ENOMEM, "%s: out of memory", obj->path);
 }
 
 /* ---- numbers ---- */
@@ -74,7 +75,7 @@ static bool rows_add(struct obj_rows *rows, const float *value)
 /* Reads up to most numbers of a line, up to a comment. Some programs write texture coordinates that
  * are none, of faces without area: these become 0. */
 static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line,
-		       float *value, struct fault *fault)
+		       float *value)
 {
 	int count = 0;
 
@@ -85,13 +86,13 @@ static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_sp
 		if (count >= kinds[kind].least && (text_empty(got) || *got.at == '#'))
 			break;
 		if (!text_number(got, &read))
-			return fault_say(fault, -EBADMSG,
+			return fault_say(obj->fault, -EBADMSG,
 					 "%s:%d: %s has \"%.*s\", expected a number", obj->path,
 					 obj->lines.line, kinds[kind].name, text_shown(got),
 					 got.at);
 		value[count] = (float)read;
 		if (!isfinite(value[count]) && kind == OBJ_POSITION)
-			return fault_say(fault, -EDOM,
+			return fault_say(obj->fault, -EDOM,
 					 "%s:%d: vertex %zu is not finite, expected numbers",
 					 obj->path, obj->lines.line, obj->rows[kind].count + 1);
 		if (!isfinite(value[count]))
@@ -114,74 +115,74 @@ static int obj_colour(struct obj *obj, const float colour[3], bool said)
 	return rows_add(colours, said ? colour : white) ? 0 : -ENOMEM;
 }
 
-static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line, struct fault *fault)
+static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line)
 {
 	float value[7] = {0};
-	const int count = obj_numbers(obj, kind, line, value, fault);
+	const int count = obj_numbers(obj, kind, line, value);
 
 	if (count < 0)
 		return count;
 	if (!rows_add(&obj->rows[kind], value) ||
 	    (kind == OBJ_POSITION && obj_colour(obj, value + count - 3, count >= 6) < 0))
-		return obj_lack(obj, fault);
+		return obj_lack(obj);
 	return 0;
 }
 
 /* ---- materials ---- */
 
-static int obj_miss(struct obj *obj, struct text_span name, struct fault *fault)
+static int obj_miss(struct obj *obj, struct text_span name)
 {
 	if (obj->missing)
 		return 0;
 	obj->missing = text_copy(name);
 	obj->missing_line = obj->lines.line;
-	return obj->missing ? 0 : obj_lack(obj, fault);
+	return obj->missing ? 0 : obj_lack(obj);
 }
 
 /* Reads a library; -ENOENT without a fault: there is none of this name. */
-static int obj_open_library(struct obj *obj, struct text_span name, struct fault *fault)
+static int obj_open_library(struct obj *obj, struct text_span name)
 {
 	char path[PATH_MAX];
 	char *text = text_copy(name);
 	bool found;
 
 	if (!text)
-		return obj_lack(obj, fault);
+		return obj_lack(obj);
 	found = beside_find(obj->path, text, path);
 	free(text);
-	return found ? mtl_read(&obj->library, path, fault) : -ENOENT;
+	return found ? mtl_read(&obj->library, path, obj->fault) : -ENOENT;
 }
 
 /* The rest of the line is the name of one library, which may have blanks, or of several. In place of
  * those that are missing counts the one that is named as the mesh. */
-static int obj_libraries(struct obj *obj, struct text_span line, struct fault *fault)
+static int obj_libraries(struct obj *obj, struct text_span line)
 {
 	const struct text_span all = text_name(line);
 	const char *slash = strrchr(obj->path, '/'), *dot = strrchr(obj->path, '.');
 	const char *bare = slash ? slash + 1 : obj->path;
 	char own[PATH_MAX];
-	int err = obj_open_library(obj, all, fault), some = 0;
+	int err = obj_open_library(obj, all), some = 0;
 
 	obj->any_library = true;
 	if (err != -ENOENT)
 		return err;
 	line = all;
 	for (struct text_span word = text_word(&line); !text_empty(word); word = text_word(&line)) {
-		err = obj_open_library(obj, word, fault);
+		err = obj_open_library(obj, word);
 		if (err && err != -ENOENT)
 			return err;
 		some += !err;
-		if (err && obj_miss(obj, some ? word : all, fault) < 0)
+		if (err && obj_miss(obj, some ? word : all) < 0)
 			return -ENOMEM;
 	}
 	if (some || snprintf(own, sizeof(own), "%.*s.mtl", (int)((dot > bare ? dot : bare) - bare),
 			     bare) >= (int)sizeof(own))
 		return 0;
-	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)}, fault);
+	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)});
 	return err == -ENOENT ? 0 : err;
 }
 
-static int obj_use(struct obj *obj, struct text_span line, struct fault *fault)
+static int obj_use(struct obj *obj, struct text_span line)
 {
 	const struct text_span name = text_name(line);
 
@@ -191,11 +192,11 @@ static int obj_use(struct obj *obj, struct text_span line, struct fault *fault)
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
-		return fault_say(fault, -ENOENT,
+		return fault_say(obj->fault, -ENOENT,
 				 "%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, "
 				 "or a material in the scene file",
 				 obj->path, obj->missing_line, obj->missing);
-	return fault_say(fault, -EINVAL,
+	return fault_say(obj->fault, -EINVAL,
 			 "%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl "
 			 "%.*s in one, or a material in the scene file",
 			 obj->path, obj->lines.line, text_shown(name), name.at, text_shown(name),
@@ -203,7 +204,7 @@ static int obj_use(struct obj *obj, struct text_span line, struct fault *fault)
 }
 
 /* Makes the material of the next faces when it is used first. */
-static int obj_material(struct obj *obj, struct fault *fault)
+static int obj_material(struct obj *obj)
 {
 	struct mesh *mesh = obj->textures.mesh;
 	struct material *m = &mesh->materials[mesh->material_count];
@@ -212,7 +213,7 @@ static int obj_material(struct obj *obj, struct fault *fault)
 		return 0;
 	obj->material[obj->current] = mesh->material_count++;
 	if (obj->current < obj->library.count)
-		return mtl_make(&obj->library, obj->current, &obj->textures, m, &obj->out, fault);
+		return mtl_make(&obj->library, obj->current, &obj->textures, m, &obj->out);
 	*m = soup_material(obj->colours.count > 0);
 	return 0;
 }
@@ -220,8 +221,7 @@ static int obj_material(struct obj *obj, struct fault *fault)
 /* ---- faces ---- */
 
 /* Returns the row that an index names: 1 is the first row of the file, -1 the last before the face. */
-static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index,
-			     struct fault *fault)
+static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index)
 {
 	const struct obj_rows *rows = &obj->rows[kind];
 	const int64_t at = index < 0 ? (int64_t)rows->seen + index : index - 1;
@@ -229,20 +229,20 @@ static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t 
 	if (at >= 0 && (uint64_t)at < rows->count)
 		return rows->value + (size_t)at * (size_t)rows->width;
 	if (index)
-		fault_say(fault, -EBADMSG,
+		fault_say(obj->fault, -EBADMSG,
 			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
 			  "damaged or cut short",
 			  obj->path, obj->lines.line, kinds[kind].name, (long long)index,
 			  index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
 	else
-		fault_say(fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more", obj->path,
-			  obj->lines.line, kinds[kind].name);
+		fault_say(obj->fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more",
+			  obj->path, obj->lines.line, kinds[kind].name);
 	return NULL;
 }
 
 /* Reads a corner, "v", "v/vt", "v//vn" or "v/vt/vn". */
 static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner *corner,
-		      unsigned *has, struct fault *fault)
+		      unsigned *has)
 {
 	const struct text_span whole = word;
 	const float *row[OBJ_KINDS] = {NULL};
@@ -254,7 +254,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 		if (kind > 0 && *word.at++ != '/')
 			fine = false;
 		else if (text_whole(&word, &index))
-			row[kind] = obj_find(obj, kind, index, fault);
+			row[kind] = obj_find(obj, kind, index);
 		else if (kind == 0)
 			fine = false;
 		else
@@ -263,7 +263,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 			return -EBADMSG;
 	}
 	if (!fine || !text_empty(word))
-		return fault_say(fault, -EBADMSG,
+		return fault_say(obj->fault, -EBADMSG,
 				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
 				 "coordinate and a normal, such as 1/1/1",
 				 obj->path, obj->lines.line, text_shown(whole), whole.at);
@@ -285,7 +285,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 	return 0;
 }
 
-static int obj_face(struct obj *obj, struct text_span line, struct fault *fault)
+static int obj_face(struct obj *obj, struct text_span line)
 {
 	unsigned has = SOUP_NORMALS;
 	size_t count = 0;
@@ -295,59 +295,59 @@ static int obj_face(struct obj *obj, struct text_span line, struct fault *fault)
 	for (struct text_span word = text_word(&line); !text_empty(word) && *word.at != '#';
 	     word = text_word(&line)) {
 		if (!soup_room(&obj->corner, count, &obj->corner_room, sizeof(*obj->corner)))
-			return obj_lack(obj, fault);
-		err = obj_corner(obj, word, &obj->corner[count++], &has, fault);
+			return obj_lack(obj);
+		err = obj_corner(obj, word, &obj->corner[count++], &has);
 		if (err)
 			return err;
 	}
 	if (!count)
-		return fault_say(fault, -EBADMSG, "%s:%d: f has no vertices, expected 3 or more",
-				 obj->path, obj->lines.line);
+		return fault_say(obj->fault, -EBADMSG,
+				 "%s:%d: f has no vertices, expected 3 or more", obj->path,
+				 obj->lines.line);
 	if (!obj->with_materials)
-		return soup_add(&obj->soup, obj->corner, (int)count, 0, has, fault);
-	err = obj_material(obj, fault);
+		return soup_add(&obj->soup, obj->corner, (int)count, 0, has);
+	err = obj_material(obj);
 	if (err)
 		return err;
 	m = &obj->textures.mesh->materials[obj->material[obj->current]];
 	if (obj->colours.count && !m->texture)
 		has |= SOUP_COLOURS;
-	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has,
-			fault);
+	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has);
 }
 
 /* ---- the file ---- */
 
 /* The first pass reads numbers and libraries; faces may name those that follow them. */
-static int obj_line(struct obj *obj, bool first, struct text_span line, struct fault *fault)
+static int obj_line(struct obj *obj, bool first, struct text_span line)
 {
 	const struct text_span word = text_word(&line);
 
 	for (int kind = 0; kind < OBJ_KINDS; kind++)
 		if (text_is(word, kinds[kind].word)) {
 			obj->rows[kind].seen += !first;
-			return first ? obj_row(obj, (enum obj_kind)kind, line, fault) : 0;
+			return first ? obj_row(obj, (enum obj_kind)kind, line) : 0;
 		}
 	if (first)
 		return obj->with_materials && text_is_any_case(word, "mtllib")
-			       ? obj_libraries(obj, line, fault)
+			       ? obj_libraries(obj, line)
 			       : 0;
 	if (text_is(word, "f") || text_is(word, "fo"))
-		return obj_face(obj, line, fault);
+		return obj_face(obj, line);
 	if (text_is_any_case(word, "usemtl"))
-		return obj_use(obj, line, fault);
+		return obj_use(obj, line);
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		obj->odd |= (unsigned)text_is(word, odd_words[k]) << k;
 	return 0;
 }
 
-static int obj_pass(struct obj *obj, const struct plain_map *file, bool first, struct fault *fault)
+static int obj_pass(struct obj *obj, const struct plain_map *file, bool first)
 {
 	struct text_span line;
 	int err = 0;
 
 	text_begin(&obj->lines, file->at, file->bytes);
 	while (!err && text_next_joined(&obj->lines, &line))
-		err = obj_line(obj, first, line, fault);
+		err = obj_line(obj, first, line);
 	text_end(&obj->lines);
 	return err;
 }
@@ -380,21 +380,20 @@ static void obj_decode_colours(struct obj *obj)
 	}
 }
 
-static int obj_read_text(struct obj *obj, const struct plain_map *file, double crease_deg,
-			 struct fault *fault)
+static int obj_read_text(struct obj *obj, const struct plain_map *file, double crease_deg)
 {
-	int err = obj_pass(obj, file, true, fault);
+	int err = obj_pass(obj, file, true);
 
 	if (!err && !obj_begin_materials(obj))
-		err = obj_lack(obj, fault);
+		err = obj_lack(obj);
 	if (err)
 		return err;
 	obj_decode_colours(obj);
-	err = obj_pass(obj, file, false, fault);
+	err = obj_pass(obj, file, false);
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		if (obj->odd & 1u << k)
 			left_out_add(&obj->out, odd_names[k], "mesh");
-	return err ? err : soup_finish(&obj->soup, obj->textures.mesh, crease_deg, fault);
+	return err ? err : soup_finish(&obj->soup, obj->textures.mesh, crease_deg);
 }
 
 static void obj_free(struct obj *obj)
@@ -415,18 +414,19 @@ int obj_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 {
 	struct obj obj = {
 		.path = path,
+		.fault = fault,
 		.with_materials = materials,
 		.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
 		.colours = {.width = 3},
-		.textures = {.mesh = mesh, .mesh_path = path},
+		.textures = {.mesh = mesh, .mesh_path = path, .fault = fault},
 	};
 	struct plain_map file;
 	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
 
 	if (err)
 		return err;
-	soup_begin(&obj.soup, path);
-	err = obj_read_text(&obj, &file, crease_deg, fault);
+	soup_begin(&obj.soup, path, fault);
+	err = obj_read_text(&obj, &file, crease_deg);
 	plain_file_unmap(&file);
 	if (!err)
 		left_out_say(&obj.out, path);

@@ -60,6 +60,7 @@ struct ply_element {
 
 struct ply {
 	const char *path;
+	struct fault *fault;
 	struct text_lines lines;
 	bool ascii, big_endian, with_materials, colours, see_through;
 	int elements, properties;
@@ -83,9 +84,9 @@ struct ply {
 	struct left_out out;
 };
 
-static int ply_lack(const struct ply *ply, struct fault *fault)
+static int ply_lack(const struct ply *ply)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", ply->path);
+	return fault_say(ply->fault, -ENOMEM, "%s: out of memory", ply->path);
 }
 
 static bool has_roles(const struct ply_element *element, int first, int count)
@@ -96,9 +97,9 @@ static bool has_roles(const struct ply_element *element, int first, int count)
 /* ---- the header ---- */
 
 static int header_refuse(const struct ply *ply, const char *what, struct text_span word,
-			 const char *expected, struct fault *fault)
+			 const char *expected)
 {
-	return fault_say(fault, -EBADMSG, "%s:%d: %s \"%.*s\", expected %s", ply->path,
+	return fault_say(ply->fault, -EBADMSG, "%s:%d: %s \"%.*s\", expected %s", ply->path,
 			 ply->lines.line, what, text_shown(word), word.at, expected);
 }
 
@@ -120,28 +121,26 @@ static int role_of(struct text_span name, bool list)
 	return ROLE_NONE;
 }
 
-static int header_property(struct ply *ply, struct text_span line, struct fault *fault)
+static int header_property(struct ply *ply, struct text_span line)
 {
 	struct ply_property *property = &ply->property[ply->properties];
 	struct text_span word = text_word(&line);
 
 	if (!ply->elements || ply->properties == PROPERTIES_MAX)
 		return header_refuse(ply, "property", word,
-				     "an element before it and 512 properties at most", fault);
+				     "an element before it and 512 properties at most");
 	property->count = -1;
 	if (text_is(word, "list")) {
 		word = text_word(&line);
 		property->count = type_of(word);
 		if (property->count < 0 || property->count >= FIRST_FLOAT)
-			return header_refuse(ply, "a list counted in", word, "whole numbers",
-					     fault);
+			return header_refuse(ply, "a list counted in", word, "whole numbers");
 		word = text_word(&line);
 	}
 	property->type = type_of(word);
 	if (property->type < 0)
 		return header_refuse(ply, "property of type", word,
-				     "char, uchar, short, ushort, int, uint, float or double",
-				     fault);
+				     "char, uchar, short, ushort, int, uint, float or double");
 	property->role = role_of(text_word(&line), property->count >= 0);
 	ply->properties++;
 	ply->element[ply->elements - 1].properties++;
@@ -149,7 +148,7 @@ static int header_property(struct ply *ply, struct text_span line, struct fault 
 	return 0;
 }
 
-static int header_element(struct ply *ply, struct text_span line, struct fault *fault)
+static int header_element(struct ply *ply, struct text_span line)
 {
 	const struct text_span name = text_word(&line), word = text_word(&line);
 	struct text_span digits = word;
@@ -158,16 +157,16 @@ static int header_element(struct ply *ply, struct text_span line, struct fault *
 
 	snprintf(what, sizeof(what), "element %.*s", text_shown(name), name.at);
 	if (!text_whole(&digits, &count) || !text_empty(digits) || count < 0 || count > INT_MAX)
-		return header_refuse(ply, what, word, "a number 0..2147483647", fault);
+		return header_refuse(ply, what, word, "a number 0..2147483647");
 	if (ply->elements == ELEMENTS_MAX)
-		return header_refuse(ply, what, word, "at most 32 elements", fault);
+		return header_refuse(ply, what, word, "at most 32 elements");
 	ply->element[ply->elements++] = (struct ply_element){
 		.name = name, .count = (size_t)count, .property = &ply->property[ply->properties]};
 	return 0;
 }
 
 /* MeshLab names textures in comments. */
-static int header_comment(struct ply *ply, struct text_span line, struct fault *fault)
+static int header_comment(struct ply *ply, struct text_span line)
 {
 	const struct text_span word = text_word(&line), name = text_name(line);
 	struct texture_name *texture = &ply->texture[ply->texture_count];
@@ -177,10 +176,10 @@ static int header_comment(struct ply *ply, struct text_span line, struct fault *
 		return 0;
 	*texture = (struct texture_name){ply->path, ply->lines.line, text_copy(name)};
 	ply->texture_count++;
-	return texture->name ? 0 : ply_lack(ply, fault);
+	return texture->name ? 0 : ply_lack(ply);
 }
 
-static int header_format(struct ply *ply, struct text_span line, struct fault *fault)
+static int header_format(struct ply *ply, struct text_span line)
 {
 	const struct text_span kind = text_word(&line);
 
@@ -189,15 +188,15 @@ static int header_format(struct ply *ply, struct text_span line, struct fault *f
 	if (ply->ascii || ply->big_endian || text_is(kind, "binary_little_endian"))
 		return 0;
 	return header_refuse(ply, "format", kind,
-			     "ascii, binary_little_endian or binary_big_endian", fault);
+			     "ascii, binary_little_endian or binary_big_endian");
 }
 
 /* Reads up to end_header. Skips words that it does not know. */
-static int ply_read_header(struct ply *ply, struct fault *fault)
+static int ply_read_header(struct ply *ply)
 {
 	static const struct {
 		const char *word;
-		int (*read)(struct ply *ply, struct text_span line, struct fault *fault);
+		int (*read)(struct ply *ply, struct text_span line);
 	} lines[] = {{"format", header_format},
 		     {"property", header_property},
 		     {"element", header_element},
@@ -221,10 +220,10 @@ static int ply_read_header(struct ply *ply, struct fault *fault)
 		format |= text_is(word, "format");
 		for (size_t k = 0; k < LENGTH(lines) && !err; k++)
 			if (text_is(word, lines[k].word))
-				err = lines[k].read(ply, line, fault);
+				err = lines[k].read(ply, line);
 	}
 	return err ? err
-		   : fault_say(fault, -EBADMSG,
+		   : fault_say(ply->fault, -EBADMSG,
 			       "%s: no line %s, expected one in the header: damaged or cut short",
 			       ply->path, format ? "end_header" : "format");
 }
@@ -232,31 +231,29 @@ static int ply_read_header(struct ply *ply, struct fault *fault)
 /* ---- rows ---- */
 
 /* Says where a row is, and what is wrong there. */
-static int ply_refuse(const struct ply *ply, const char *what, const char *expected,
-		      struct fault *fault)
+static int ply_refuse(const struct ply *ply, const char *what, const char *expected)
 {
 	char place[16] = "";
 
 	if (ply->ascii)
 		snprintf(place, sizeof(place), ":%d", ply->lines.line);
-	return fault_say(fault, -EBADMSG, "%s%s: %.*s %zu %s, expected %s: damaged or cut short",
-			 ply->path, place, text_shown(ply->of->name), ply->of->name.at,
-			 ply->row + 1, what, expected);
+	return fault_say(ply->fault, -EBADMSG,
+			 "%s%s: %.*s %zu %s, expected %s: damaged or cut short", ply->path, place,
+			 text_shown(ply->of->name), ply->of->name.at, ply->row + 1, what, expected);
 }
 
-static int ply_refuse_word(const struct ply *ply, struct text_span word, const char *expected,
-			   struct fault *fault)
+static int ply_refuse_word(const struct ply *ply, struct text_span word, const char *expected)
 {
 	char what[128] = "ends here";
 
 	if (!text_empty(word))
 		snprintf(what, sizeof(what), "has \"%.*s\"", text_shown(word), word.at);
-	return ply_refuse(ply, what, expected, fault);
+	return ply_refuse(ply, what, expected);
 }
 
-static int ply_cut(const struct ply *ply, struct fault *fault)
+static int ply_cut(const struct ply *ply)
 {
-	return fault_say(fault, -EBADMSG,
+	return fault_say(ply->fault, -EBADMSG,
 			 "%s: it ends in %.*s %zu, expected %zu of them: damaged or cut short",
 			 ply->path, text_shown(ply->of->name), ply->of->name.at, ply->row + 1,
 			 ply->of->count);
@@ -280,58 +277,58 @@ static double binary_value(const char *at, int type, bool big_endian)
 	return (double)bits - (type % 2 == 0 && bits >> (8 * n - 1) ? ldexp(1, 8 * n) : 0);
 }
 
-static int ply_take(struct ply *ply, int type, double *value, struct fault *fault)
+static int ply_take(struct ply *ply, int type, double *value)
 {
 	struct text_span *data = &ply->lines.rest;
 
 	if (ply->ascii) {
 		const struct text_span word = text_word(&ply->rest);
 
-		return text_number(word, value) ? 0 : ply_refuse_word(ply, word, "a number", fault);
+		return text_number(word, value) ? 0 : ply_refuse_word(ply, word, "a number");
 	}
 	if (data->end - data->at < bytes_of[type])
-		return ply_cut(ply, fault);
+		return ply_cut(ply);
 	*value = binary_value(data->at, type, ply->big_endian);
 	data->at += bytes_of[type];
 	return 0;
 }
 
-static int ply_take_property(struct ply *ply, const struct ply_property *p, struct fault *fault)
+static int ply_take_property(struct ply *ply, const struct ply_property *p)
 {
 	const bool code = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA && p->type < FIRST_FLOAT;
 	const double one = code ? ldexp(1, 8 * bytes_of[p->type] - !(p->type % 2)) - 1 : 1;
 	double count = 1, value;
 	char what[64];
-	int err = p->count >= 0 ? ply_take(ply, p->count, &count, fault) : 0;
+	int err = p->count >= 0 ? ply_take(ply, p->count, &count) : 0;
 
 	if (!err &&
 	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count))) {
 		snprintf(what, sizeof(what), "has a list of %.10g numbers", count);
-		return ply_refuse(ply, what, "how many follow", fault);
+		return ply_refuse(ply, what, "how many follow");
 	}
 	ply->values[p->role] = 0;
 	for (; count > 0 && !err; count--) {
-		err = ply_take(ply, p->type, &value, fault);
+		err = ply_take(ply, p->type, &value);
 		if (err || p->role == ROLE_NONE)
 			continue;
 		if (!soup_room(&ply->value[p->role], ply->values[p->role], &ply->room[p->role],
 			       sizeof(value)))
-			return ply_lack(ply, fault);
+			return ply_lack(ply);
 		ply->value[p->role][ply->values[p->role]++] = value / one;
 	}
 	return err;
 }
 
 /* Empty lines between rows do not count. */
-static int ply_read_row(struct ply *ply, struct fault *fault)
+static int ply_read_row(struct ply *ply)
 {
 	int err = 0;
 
 	while (ply->ascii && text_empty(ply->rest))
 		if (!text_next(&ply->lines, &ply->rest))
-			return ply_cut(ply, fault);
+			return ply_cut(ply);
 	for (int k = 0; k < ply->of->properties && !err; k++)
-		err = ply_take_property(ply, &ply->of->property[k], fault);
+		err = ply_take_property(ply, &ply->of->property[k]);
 	return err;
 }
 
@@ -359,16 +356,16 @@ static void ply_colour(struct ply *ply, float colour[4])
 		ply->see_through |= ply->value[ROLE_ALPHA][0] < 1;
 }
 
-static int ply_add_vertex(struct ply *ply, struct fault *fault)
+static int ply_add_vertex(struct ply *ply)
 {
 	struct soup_corner *corner;
 
 	if (!has_roles(ply->of, ROLE_X, 3))
-		return fault_say(fault, -EBADMSG,
+		return fault_say(ply->fault, -EBADMSG,
 				 "%s: its vertices have no x, y and z, expected these properties",
 				 ply->path);
 	if (!soup_room(&ply->vertex, ply->vertices, &ply->vertex_room, sizeof(*ply->vertex)))
-		return ply_lack(ply, fault);
+		return ply_lack(ply);
 	ply->vertex_has = (has_roles(ply->of, ROLE_NORMAL, 3) ? SOUP_NORMALS : 0) |
 			  (has_roles(ply->of, ROLE_UV, 2) ? SOUP_UVS : 0) |
 			  (has_roles(ply->of, ROLE_COLOUR, 3) ? SOUP_COLOURS : 0);
@@ -377,7 +374,7 @@ static int ply_add_vertex(struct ply *ply, struct fault *fault)
 	for (int axis = 0; axis < 3; axis++) {
 		corner->position[axis] = (float)ply->value[ROLE_X + axis][0];
 		if (!isfinite(corner->position[axis]))
-			return fault_say(fault, -EDOM,
+			return fault_say(ply->fault, -EDOM,
 					 "%s: vertex %zu is not finite, expected numbers",
 					 ply->path, ply->row + 1);
 	}
@@ -402,8 +399,7 @@ static int ply_texture(const struct ply *ply)
 
 /* Adds the corners of the list first .. first + count, which are in range. turned: in the order of a
  * strip's second triangle. */
-static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool turned,
-			   struct fault *fault)
+static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool turned)
 {
 	const bool wedges = has_roles(ply->of, ROLE_UVS, 1) &&
 			    ply->values[ROLE_UVS] >= 2 * (first + count);
@@ -416,7 +412,7 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 		struct soup_corner *corner;
 
 		if (!soup_room(&ply->corner, k, &ply->corner_room, sizeof(*ply->corner)))
-			return ply_lack(ply, fault);
+			return ply_lack(ply);
 		corner = &ply->corner[k];
 		*corner = ply->vertex[(size_t)ply->value[ROLE_CORNERS][at]];
 		if (!soup_has_normal(corner))
@@ -433,10 +429,10 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 		has &= ~SOUP_COLOURS;
 	ply->colours |= has & SOUP_COLOURS;
 	return soup_add(&ply->soup, ply->corner, (int)count, ply->with_materials ? texture + 1 : 0,
-			has, fault);
+			has);
 }
 
-static int check_corner(const struct ply *ply, double corner, struct fault *fault)
+static int check_corner(const struct ply *ply, double corner)
 {
 	char what[64], expected[64];
 
@@ -444,11 +440,11 @@ static int check_corner(const struct ply *ply, double corner, struct fault *faul
 		return 0;
 	snprintf(what, sizeof(what), "names vertex %.10g", corner);
 	snprintf(expected, sizeof(expected), "less than %zu", ply->vertices);
-	return ply_refuse(ply, what, expected, fault);
+	return ply_refuse(ply, what, expected);
 }
 
 /* A strip: each corner makes a triangle with the two before it; -1 begins another strip. */
-static int ply_add_strip(struct ply *ply, struct fault *fault)
+static int ply_add_strip(struct ply *ply)
 {
 	size_t length = 0;
 	int err = 0;
@@ -460,30 +456,30 @@ static int ply_add_strip(struct ply *ply, struct fault *fault)
 			length = 0;
 			continue;
 		}
-		err = check_corner(ply, corner, fault);
+		err = check_corner(ply, corner);
 		length++;
 		if (!err && length >= 3)
-			err = ply_add_polygon(ply, k - 2, 3, length % 2 == 0, fault);
+			err = ply_add_polygon(ply, k - 2, 3, length % 2 == 0);
 	}
 	return err;
 }
 
-static int ply_add_face(struct ply *ply, struct fault *fault)
+static int ply_add_face(struct ply *ply)
 {
 	const size_t count = ply->values[ROLE_CORNERS];
 	const struct text_span word = text_word(&ply->rest);
 	int err = 0;
 
 	if (!text_empty(word))
-		return ply_refuse_word(ply, word, "as many numbers as it counts", fault);
+		return ply_refuse_word(ply, word, "as many numbers as it counts");
 	for (size_t k = 0; k < count && !err; k++)
-		err = check_corner(ply, ply->value[ROLE_CORNERS][k], fault);
-	return err ? err : ply_add_polygon(ply, 0, count, false, fault);
+		err = check_corner(ply, ply->value[ROLE_CORNERS][k]);
+	return err ? err : ply_add_polygon(ply, 0, count, false);
 }
 
 /* ---- the file ---- */
 
-typedef int ply_add(struct ply *ply, struct fault *fault);
+typedef int ply_add(struct ply *ply);
 
 static bool is_vertices(const struct ply_element *element)
 {
@@ -500,22 +496,22 @@ static ply_add *faces_of(const struct ply_element *element)
 						     : NULL;
 }
 
-static int ply_read_element(struct ply *ply, int number, ply_add *add, struct fault *fault)
+static int ply_read_element(struct ply *ply, int number, ply_add *add)
 {
 	int err = 0;
 
 	ply->of = &ply->element[number];
 	for (ply->row = 0; ply->row < ply->of->count && ply->of->properties && !err; ply->row++) {
 		ply->rest = (struct text_span){NULL, NULL};
-		err = ply_read_row(ply, fault);
+		err = ply_read_row(ply);
 		if (!err && add)
-			err = add(ply, fault);
+			err = add(ply);
 	}
 	return err;
 }
 
 /* Reads vertices first, wherever they are. Where faces stand before them, all is read once more. */
-static int ply_read_rows(struct ply *ply, struct fault *fault)
+static int ply_read_rows(struct ply *ply)
 {
 	const struct text_lines begin = ply->lines;
 	int vertices = 0, err = 0, first;
@@ -524,12 +520,12 @@ static int ply_read_rows(struct ply *ply, struct fault *fault)
 	while (vertices < ply->elements && !is_vertices(&ply->element[vertices]))
 		again |= faces_of(&ply->element[vertices++]) != NULL;
 	for (int k = 0; k <= vertices && k < ply->elements && !err; k++)
-		err = ply_read_element(ply, k, k == vertices ? ply_add_vertex : NULL, fault);
+		err = ply_read_element(ply, k, k == vertices ? ply_add_vertex : NULL);
 	first = again ? 0 : vertices + 1;
 	if (again)
 		ply->lines = begin;
 	for (int k = first; k < ply->elements && !err; k++) {
-		err = ply_read_element(ply, k, faces_of(&ply->element[k]), fault);
+		err = ply_read_element(ply, k, faces_of(&ply->element[k]));
 		if (ply->element[k].count && text_is(ply->element[k].name, "edge"))
 			left_out_add(&ply->out, "edges", "mesh");
 	}
@@ -537,14 +533,14 @@ static int ply_read_rows(struct ply *ply, struct fault *fault)
 }
 
 /* Material 0 has no texture, k + 1 has texture k. */
-static int ply_add_materials(struct ply *ply, struct fault *fault)
+static int ply_add_materials(struct ply *ply)
 {
 	struct mesh *mesh = ply->textures.mesh;
 	int err = 0;
 
 	mesh->materials = calloc((size_t)ply->texture_count + 1, sizeof(*mesh->materials));
 	if (!mesh->materials)
-		return ply_lack(ply, fault);
+		return ply_lack(ply);
 	for (int k = -1; k < ply->texture_count && !err; k++) {
 		struct material *m = &mesh->materials[mesh->material_count++];
 		bool used = false;
@@ -554,23 +550,23 @@ static int ply_add_materials(struct ply *ply, struct fault *fault)
 			used |= mesh->parts[part].material == k + 1;
 		if (k >= 0 && used)
 			err = textures_get(&ply->textures, TEXTURE_OF_COLOURS, &ply->texture[k],
-					   NULL, TEXTURE_REPEAT, &m->texture, fault);
+					   NULL, TEXTURE_REPEAT, &m->texture);
 	}
 	if (ply->see_through)
 		left_out_add(&ply->out, "alpha of vertices", "mesh");
 	return err;
 }
 
-static int ply_read_file(struct ply *ply, double crease_deg, struct fault *fault)
+static int ply_read_file(struct ply *ply, double crease_deg)
 {
-	int err = ply_read_header(ply, fault);
+	int err = ply_read_header(ply);
 
 	if (!err)
-		err = ply_read_rows(ply, fault);
+		err = ply_read_rows(ply);
 	if (!err)
-		err = soup_finish(&ply->soup, ply->textures.mesh, crease_deg, fault);
+		err = soup_finish(&ply->soup, ply->textures.mesh, crease_deg);
 	if (!err && ply->with_materials)
-		err = ply_add_materials(ply, fault);
+		err = ply_add_materials(ply);
 	return err;
 }
 
@@ -599,11 +595,12 @@ int ply_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 	ply = calloc(1, sizeof(*ply));
 	if (ply) {
 		ply->path = path;
+		ply->fault = fault;
 		ply->with_materials = materials;
-		ply->textures = (struct textures){.mesh = mesh, .mesh_path = path};
-		soup_begin(&ply->soup, path);
+		ply->textures = (struct textures){.mesh = mesh, .mesh_path = path, .fault = fault};
+		soup_begin(&ply->soup, path, fault);
 		text_begin(&ply->lines, file.at, file.bytes);
-		err = ply_read_file(ply, crease_deg, fault);
+		err = ply_read_file(ply, crease_deg);
 		if (!err)
 			left_out_say(&ply->out, path);
 		ply_free(ply);

@@ -25,14 +25,14 @@ struct soup_part {
 	size_t vertices, vertex_room, slots, triangles, triangle_room;
 };
 
-void soup_begin(struct soup *soup, const char *path)
+void soup_begin(struct soup *soup, const char *path, struct fault *fault)
 {
-	*soup = (struct soup){.path = path};
+	*soup = (struct soup){.path = path, .fault = fault};
 }
 
-static int soup_lack(const struct soup *soup, struct fault *fault)
+static int soup_lack(const struct soup *soup)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", soup->path);
+	return fault_say(soup->fault, -ENOMEM, "%s: out of memory", soup->path);
 }
 
 struct material soup_material(bool coloured)
@@ -138,24 +138,24 @@ static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned 
 }
 
 static int soup_add_triangle(struct soup *soup, struct soup_part *part, const struct soup_corner *a,
-			     const struct soup_corner *b, const struct soup_corner *c, unsigned has,
-			     struct fault *fault)
+			     const struct soup_corner *b, const struct soup_corner *c, unsigned has)
 {
 	uint32_t(*triangle)[3];
 
 	if (part->triangles >= TRIANGLES_MAX)
-		return fault_say(fault, -EFBIG, "%s: expected at most %d triangles of a material",
-				 soup->path, TRIANGLES_MAX);
+		return fault_say(soup->fault, -EFBIG,
+				 "%s: expected at most %d triangles of a material", soup->path,
+				 TRIANGLES_MAX);
 	if (!soup_room(&part->triangle, part->triangles, &part->triangle_room,
 		       sizeof(*part->triangle)))
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	triangle = &part->triangle[part->triangles];
 	(*triangle)[0] = part_vertex(part, a, has);
 	(*triangle)[1] = part_vertex(part, b, has);
 	(*triangle)[2] = part_vertex(part, c, has);
 	for (int k = 0; k < 3; k++)
 		if ((*triangle)[k] == NONE)
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
 	part->triangles++;
 	return 0;
 }
@@ -251,7 +251,7 @@ static int find_ear(const struct polygon *p, const int *left, int count, int fro
 }
 
 static int cut_ears(struct soup *soup, struct soup_part *part, const struct polygon *p, int count,
-		    unsigned has, struct fault *fault)
+		    unsigned has)
 {
 	const struct soup_corner *corner = p->corner;
 	int err = 0, *left, ear = 1;
@@ -259,7 +259,7 @@ static int cut_ears(struct soup *soup, struct soup_part *part, const struct poly
 	if (count > soup->left_room) {
 		left = realloc(soup->left, (size_t)count * sizeof(*left));
 		if (!left)
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
 		soup->left = left;
 		soup->left_room = count;
 	}
@@ -269,31 +269,29 @@ static int cut_ears(struct soup *soup, struct soup_part *part, const struct poly
 	for (; count >= 3 && !err; count--) {
 		ear = find_ear(p, left, count, ear);
 		err = soup_add_triangle(soup, part, &corner[left[(ear + count - 1) % count]],
-					&corner[left[ear]], &corner[left[(ear + 1) % count]], has,
-					fault);
+					&corner[left[ear]], &corner[left[(ear + 1) % count]], has);
 		memmove(left + ear, left + ear + 1, (size_t)(count - ear - 1) * sizeof(*left));
 	}
 	return err;
 }
 
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
-	     unsigned has, struct fault *fault)
+	     unsigned has)
 {
 	struct soup_part *part = soup_part_of(soup, material, has);
 	struct polygon p;
 	int err = 0;
 
 	if (!part)
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	part->has |= has;
 	if (count > 3) {
 		p = polygon_seen(corners, count);
 		if (!is_convex(&p, count))
-			return cut_ears(soup, part, &p, count, has, fault);
+			return cut_ears(soup, part, &p, count, has);
 	}
 	for (int k = 1; k + 1 < count && !err; k++)
-		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has,
-					fault);
+		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has);
 	return err;
 }
 
@@ -334,11 +332,11 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 
 /* Indices are in range: mesh_smooth() may trust them. A vertex that is not finite, which the caller
  * refuses, gives it no trouble but normals that are none. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct fault *fault)
+int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg)
 {
 	mesh->parts = calloc((size_t)soup->part_count + 1, sizeof(*mesh->parts));
 	if (!mesh->parts)
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	for (int k = 0; k < soup->part_count; k++) {
 		struct soup_part *from = &soup->parts[k];
 		struct mesh_part *to = &mesh->parts[mesh->part_count];
@@ -350,7 +348,7 @@ int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct 
 		from->slot = NULL;
 		if (!part_move(from, to) ||
 		    (!(from->has & SOUP_NORMALS) && mesh_smooth(to, crease_deg) < 0))
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
 	}
 	return 0;
 }

@@ -32,12 +32,13 @@ struct soup_part;
 
 struct soup {
 	const char *path; /* for messages */
+	struct fault *fault;
 	struct soup_part *parts;
 	int part_count, last;
 	int *left, left_room; /* corners of the polygon that is being cut */
 };
 
-void soup_begin(struct soup *soup, const char *path);
+void soup_begin(struct soup *soup, const char *path, struct fault *fault);
 
 /*
  * Adds a polygon, which may be concave and is cut in its plane, by ears (Meisters 1975). Its corners
@@ -45,11 +46,11 @@ void soup_begin(struct soup *soup, const char *path);
  * too many triangles. material: index in the mesh's own list.
  */
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
-	     unsigned has, struct fault *fault);
+	     unsigned has);
 
 /* Moves all parts to the mesh, and computes normals where there are none; crease_deg as of
  * mesh_smooth(). -ENOMEM. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct fault *fault);
+int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg);
 
 void soup_free(struct soup *soup); /* idempotent */
 

@@ -19,6 +19,7 @@
 
 struct stl {
 	const char *path;
+	struct fault *fault;
 	struct soup soup;
 	bool colours;
 };
@@ -45,8 +46,7 @@ static bool stl_is_binary(const struct plain_map *file)
 	       (memchr(file->at, '\0', HEADER_BYTES) || !memmem(file->at, bytes, "facet", 5));
 }
 
-static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex,
-		      struct fault *fault)
+static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex)
 {
 	char place[16] = "";
 
@@ -54,21 +54,21 @@ static int stl_corner(const struct stl *stl, struct soup_corner *corner, int lin
 		if (!isfinite(corner->position[axis])) {
 			if (line)
 				snprintf(place, sizeof(place), ":%d", line);
-			return fault_say(fault, -EDOM,
+			return fault_say(stl->fault, -EDOM,
 					 "%s%s: vertex %llu is not finite, expected numbers",
 					 stl->path, place, (unsigned long long)vertex + 1);
 		}
 	return 0;
 }
 
-static int stl_read_binary(struct stl *stl, const struct plain_map *file, struct fault *fault)
+static int stl_read_binary(struct stl *stl, const struct plain_map *file)
 {
 	const uint32_t count = stl_word(file->at + 80);
 	const char *at = file->at + HEADER_BYTES;
 	int err = 0;
 
 	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > file->bytes)
-		return fault_say(fault, -EBADMSG,
+		return fault_say(stl->fault, -EBADMSG,
 				 "%s: it ends in triangle %zu, expected %u of them: damaged or cut "
 				 "short",
 				 stl->path, (file->bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
@@ -82,18 +82,18 @@ static int stl_read_binary(struct stl *stl, const struct plain_map *file, struct
 
 				memcpy(&corner[k].position[axis], &word, sizeof(word));
 			}
-			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k, fault);
+			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k);
 		}
 		stl->colours |= at[48] || at[49];
 		if (!err)
-			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+			err = soup_add(&stl->soup, corner, 3, 0, 0);
 	}
 	return err;
 }
 
 /* Reads the three numbers of a vertex. */
 static int stl_vertex(const struct stl *stl, struct text_span line, int number,
-		      struct soup_corner *corner, struct fault *fault)
+		      struct soup_corner *corner)
 {
 	double value;
 
@@ -101,16 +101,16 @@ static int stl_vertex(const struct stl *stl, struct text_span line, int number,
 		const struct text_span got = text_word(&line);
 
 		if (!text_number(got, &value))
-			return fault_say(fault, -EBADMSG,
+			return fault_say(stl->fault, -EBADMSG,
 					 "%s:%d: vertex has \"%.*s\", expected a number", stl->path,
 					 number, text_shown(got), got.at);
 		corner->position[axis] = (float)value;
 	}
-	return stl_corner(stl, corner, number, 0, fault);
+	return stl_corner(stl, corner, number, 0);
 }
 
 /* A loop of vertices is a face; other words only stand around them. */
-static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault *fault)
+static int stl_read_text(struct stl *stl, struct text_lines *lines)
 {
 	struct soup_corner corner[3] = {{.uv = {0}}};
 	struct text_span line;
@@ -123,22 +123,22 @@ static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault
 		solid |= text_is_any_case(word, "solid");
 		if (text_is_any_case(word, "vertex")) {
 			if (count == 3)
-				return fault_say(fault, -EBADMSG,
+				return fault_say(stl->fault, -EBADMSG,
 						 "%s:%d: a fourth vertex, expected endloop",
 						 stl->path, lines->line);
-			err = stl_vertex(stl, line, lines->line, &corner[count++], fault);
+			err = stl_vertex(stl, line, lines->line, &corner[count++]);
 		} else if (text_is_any_case(word, "endloop")) {
 			if (count != 3)
-				return fault_say(fault, -EBADMSG,
+				return fault_say(stl->fault, -EBADMSG,
 						 "%s:%d: endloop after %d vertices, expected 3",
 						 stl->path, lines->line, count);
-			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+			err = soup_add(&stl->soup, corner, 3, 0, 0);
 			count = 0;
 		}
 	}
 	if (!err && (!solid || count))
 		err = fault_say(
-			fault, -EBADMSG,
+			stl->fault, -EBADMSG,
 			solid ? "%s:%d: it ends within a face: damaged or cut short"
 			      : "%s:%d: no line solid and no binary STL, expected one of the two",
 			stl->path, lines->line);
@@ -148,7 +148,7 @@ static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault
 int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct stl stl = {.path = path};
+	struct stl stl = {.path = path, .fault = fault};
 	struct left_out out = {.count = 0};
 	struct text_lines lines;
 	struct plain_map file;
@@ -156,13 +156,12 @@ int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 
 	if (err)
 		return err;
-	soup_begin(&stl.soup, path);
+	soup_begin(&stl.soup, path, fault);
 	text_begin(&lines, file.at, file.bytes);
-	err = stl_is_binary(&file) ? stl_read_binary(&stl, &file, fault)
-				   : stl_read_text(&stl, &lines, fault);
+	err = stl_is_binary(&file) ? stl_read_binary(&stl, &file) : stl_read_text(&stl, &lines);
 	plain_file_unmap(&file);
 	if (!err)
-		err = soup_finish(&stl.soup, mesh, crease_deg, fault);
+		err = soup_finish(&stl.soup, mesh, crease_deg);
 	soup_free(&stl.soup);
 	if (err)
 		return err;

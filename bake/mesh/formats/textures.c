@@ -14,19 +14,19 @@
 
 /* ---- pictures ---- */
 
-static int texture_lack(const struct textures *textures, struct fault *fault)
+static int texture_lack(const struct textures *textures)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", textures->mesh_path);
+	return fault_say(textures->fault, -ENOMEM, "%s: out of memory", textures->mesh_path);
 }
 
 static int texture_find(const struct textures *textures, const struct texture_name *name,
-			char path[PATH_MAX], struct fault *fault)
+			char path[PATH_MAX])
 {
 	path[0] = '\0';
 	if (!name || !name->by || beside_find(name->by, name->name, path) ||
 	    beside_find(textures->mesh_path, name->name, path))
 		return 0;
-	return fault_say(fault, -ENOENT,
+	return fault_say(textures->fault, -ENOENT,
 			 "%s:%d: there is no picture %s, expected it there or, by its bare name, "
 			 "beside this file",
 			 name->by, name->line, name->name);
@@ -142,7 +142,7 @@ static int image_cover(struct image *image, struct image *coverage)
 /* Finds a texture that is made of the same; else adds an empty one, in *added. */
 static int textures_take(struct textures *textures, char path[2][PATH_MAX], enum texture_kind kind,
 			 enum texture_wrap wrap, const struct texture **texture,
-			 struct texture **added, struct fault *fault)
+			 struct texture **added)
 {
 	struct mesh *mesh = textures->mesh;
 	const size_t count = (size_t)mesh->texture_count;
@@ -164,13 +164,13 @@ static int textures_take(struct textures *textures, char path[2][PATH_MAX], enum
 	if (keys)
 		textures->key = keys;
 	if (!grown || !keys)
-		return texture_lack(textures, fault);
+		return texture_lack(textures);
 	keys[count] = strdup(key);
 	grown[count] = calloc(1, sizeof(**grown));
 	if (!keys[count] || !grown[count]) {
 		free(keys[count]);
 		free(grown[count]);
-		return texture_lack(textures, fault);
+		return texture_lack(textures);
 	}
 	grown[count]->wrap[0] = grown[count]->wrap[1] = wrap;
 	mesh->texture_count++;
@@ -215,21 +215,21 @@ static int texture_fill(struct texture *texture, enum texture_kind kind, struct 
 
 int textures_get(struct textures *textures, enum texture_kind kind,
 		 const struct texture_name *first, const struct texture_name *second,
-		 enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
+		 enum texture_wrap wrap, const struct texture **texture)
 {
 	char path[2][PATH_MAX];
 	struct image picture[2] = {{.width = 0}, {.width = 0}};
 	struct texture *added = NULL;
-	int err = texture_find(textures, first, path[0], fault);
+	int err = texture_find(textures, first, path[0]);
 
 	if (!err)
-		err = texture_find(textures, second, path[1], fault);
+		err = texture_find(textures, second, path[1]);
 	if (!err)
-		err = textures_take(textures, path, kind, wrap, texture, &added, fault);
+		err = textures_take(textures, path, kind, wrap, texture, &added);
 	for (int k = 0; k < 2 && added && !err; k++)
-		err = read_picture(path[k], &picture[k], fault);
+		err = read_picture(path[k], &picture[k], textures->fault);
 	if (added && !err && texture_fill(added, kind, picture) < 0)
-		err = texture_lack(textures, fault);
+		err = texture_lack(textures);
 	image_free(&picture[0]);
 	image_free(&picture[1]);
 	return err;

@@ -9,7 +9,8 @@ struct textures {
 	struct mesh *mesh; /* which owns them */
 	const char
 		*mesh_path; /* pictures are beside the file that names them, or beside this one */
-	char **key;	    /* [mesh->texture_count]: what each is made of */
+	struct fault *fault;
+	char **key; /* [mesh->texture_count]: what each is made of */
 };
 
 /* A name in a file, for messages and to find the picture. */
@@ -31,7 +32,7 @@ enum texture_kind {
 /* -ENOENT ...: no such picture, or one that cannot be read; the fault names the line. */
 int textures_get(struct textures *textures, enum texture_kind kind,
 		 const struct texture_name *first, const struct texture_name *second,
-		 enum texture_wrap wrap, const struct texture **texture, struct fault *fault);
+		 enum texture_wrap wrap, const struct texture **texture);
 
 /* Whether a texture of data is one of normals, which is blue, or of something else, such as heights. */
 bool texture_has_normals(const struct texture *texture);
