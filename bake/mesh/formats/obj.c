@@ -72,8 +72,7 @@ static bool rows_add(struct obj_rows *rows, const float *value)
 	return true;
 }
 
-/* Reads up to most numbers of a line, up to a comment. Some programs write texture coordinates that
- * are none, of faces without area: these become 0. */
+/* Reads the numbers of a line, up to a comment. */
 static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line,
 		       float *value)
 {
@@ -95,8 +94,6 @@ static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_sp
 			return fault_say(obj->fault, -EDOM,
 					 "%s:%d: vertex %zu is not finite, expected numbers",
 					 obj->path, obj->lines.line, obj->rows[kind].count + 1);
-		if (!isfinite(value[count]))
-			value[count] = 0;
 	}
 	return count;
 }

@@ -63,7 +63,7 @@ struct ply {
 	struct fault *fault;
 	struct text_lines lines;
 	bool ascii, big_endian, with_materials, colours, see_through;
-	int elements, properties;
+	int elements, properties; /* the first element is of properties that belong to none */
 	struct ply_element element[ELEMENTS_MAX];
 	struct ply_property property[PROPERTIES_MAX];
 
@@ -126,9 +126,8 @@ static int header_property(struct ply *ply, struct text_span line)
 	struct ply_property *property = &ply->property[ply->properties];
 	struct text_span word = text_word(&line);
 
-	if (!ply->elements || ply->properties == PROPERTIES_MAX)
-		return header_refuse(ply, "property", word,
-				     "an element before it and 512 properties at most");
+	if (ply->properties == PROPERTIES_MAX)
+		return header_refuse(ply, "property", word, "at most 512 of them");
 	property->count = -1;
 	if (text_is(word, "list")) {
 		word = text_word(&line);
@@ -159,7 +158,7 @@ static int header_element(struct ply *ply, struct text_span line)
 	if (!text_whole(&digits, &count) || !text_empty(digits) || count < 0 || count > INT_MAX)
 		return header_refuse(ply, what, word, "a number 0..2147483647");
 	if (ply->elements == ELEMENTS_MAX)
-		return header_refuse(ply, what, word, "at most 32 elements");
+		return header_refuse(ply, what, word, "at most 31 elements");
 	ply->element[ply->elements++] = (struct ply_element){
 		.name = name, .count = (size_t)count, .property = &ply->property[ply->properties]};
 	return 0;
@@ -231,24 +230,27 @@ static int ply_read_header(struct ply *ply)
 /* ---- rows ---- */
 
 /* Says where a row is, and what is wrong there. */
-static int ply_refuse(const struct ply *ply, const char *what, const char *expected)
+static int ply_refuse(const struct ply *ply, const char *what, struct text_span word,
+		      const char *expected)
 {
 	char place[16] = "";
 
 	if (ply->ascii)
 		snprintf(place, sizeof(place), ":%d", ply->lines.line);
 	return fault_say(ply->fault, -EBADMSG,
-			 "%s%s: %.*s %zu %s, expected %s: damaged or cut short", ply->path, place,
-			 text_shown(ply->of->name), ply->of->name.at, ply->row + 1, what, expected);
+			 "%s%s: %.*s %zu %s \"%.*s\", expected %s: damaged or cut short", ply->path,
+			 place, text_shown(ply->of->name), ply->of->name.at, ply->row + 1, what,
+			 text_shown(word), word.at, expected);
 }
 
-static int ply_refuse_word(const struct ply *ply, struct text_span word, const char *expected)
+/* The same of a number that was read. */
+static int ply_refuse_value(const struct ply *ply, const char *what, double value,
+			    const char *expected)
 {
-	char what[128] = "ends here";
+	char text[32];
+	const int length = snprintf(text, sizeof(text), "%.10g", value);
 
-	if (!text_empty(word))
-		snprintf(what, sizeof(what), "has \"%.*s\"", text_shown(word), word.at);
-	return ply_refuse(ply, what, expected);
+	return ply_refuse(ply, what, (struct text_span){text, text + length}, expected);
 }
 
 static int ply_cut(const struct ply *ply)
@@ -284,7 +286,7 @@ static int ply_take(struct ply *ply, int type, double *value)
 	if (ply->ascii) {
 		const struct text_span word = text_word(&ply->rest);
 
-		return text_number(word, value) ? 0 : ply_refuse_word(ply, word, "a number");
+		return text_number(word, value) ? 0 : ply_refuse(ply, "has", word, "a number");
 	}
 	if (data->end - data->at < bytes_of[type])
 		return ply_cut(ply);
@@ -298,14 +300,11 @@ static int ply_take_property(struct ply *ply, const struct ply_property *p)
 	const bool code = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA && p->type < FIRST_FLOAT;
 	const double one = code ? ldexp(1, 8 * bytes_of[p->type] - !(p->type % 2)) - 1 : 1;
 	double count = 1, value;
-	char what[64];
 	int err = p->count >= 0 ? ply_take(ply, p->count, &count) : 0;
 
 	if (!err &&
-	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count))) {
-		snprintf(what, sizeof(what), "has a list of %.10g numbers", count);
-		return ply_refuse(ply, what, "how many follow");
-	}
+	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count)))
+		return ply_refuse_value(ply, "has a list of", count, "how many numbers follow");
 	ply->values[p->role] = 0;
 	for (; count > 0 && !err; count--) {
 		err = ply_take(ply, p->type, &value);
@@ -334,14 +333,10 @@ static int ply_read_row(struct ply *ply)
 
 /* ---- vertices ---- */
 
-/* Copies numbers that are finite. */
 static void ply_values(const struct ply *ply, int role, int count, float *to)
 {
-	for (int k = 0; k < count; k++) {
-		const float value = (float)ply->value[role + k][0];
-
-		to[k] = isfinite(value) ? value : 0;
-	}
+	for (int k = 0; k < count; k++)
+		to[k] = (float)ply->value[role + k][0];
 }
 
 /* Code values are sRGB. */
@@ -371,13 +366,12 @@ static int ply_add_vertex(struct ply *ply)
 			  (has_roles(ply->of, ROLE_COLOUR, 3) ? SOUP_COLOURS : 0);
 	corner = &ply->vertex[ply->vertices++];
 	*corner = (struct soup_corner){.colour = {1, 1, 1, 1}};
-	for (int axis = 0; axis < 3; axis++) {
-		corner->position[axis] = (float)ply->value[ROLE_X + axis][0];
+	ply_values(ply, ROLE_X, 3, corner->position);
+	for (int axis = 0; axis < 3; axis++)
 		if (!isfinite(corner->position[axis]))
 			return fault_say(ply->fault, -EDOM,
 					 "%s: vertex %zu is not finite, expected numbers",
 					 ply->path, ply->row + 1);
-	}
 	if (ply->vertex_has & SOUP_NORMALS)
 		ply_values(ply, ROLE_NORMAL, 3, corner->normal);
 	if (ply->vertex_has & SOUP_UVS)
@@ -417,11 +411,8 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 		*corner = ply->vertex[(size_t)ply->value[ROLE_CORNERS][at]];
 		if (!soup_has_normal(corner))
 			has &= ~SOUP_NORMALS;
-		for (size_t i = 0; i < 2 && wedges; i++) {
-			const float value = (float)ply->value[ROLE_UVS][2 * at + i];
-
-			corner->uv[i] = isfinite(value) ? value : 0;
-		}
+		for (size_t i = 0; i < 2 && wedges; i++)
+			corner->uv[i] = (float)ply->value[ROLE_UVS][2 * at + i];
 		if (coloured && !(ply->vertex_has & SOUP_COLOURS))
 			ply_colour(ply, corner->colour);
 	}
@@ -434,13 +425,9 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 
 static int check_corner(const struct ply *ply, double corner)
 {
-	char what[64], expected[64];
-
-	if (corner >= 0 && corner < (double)ply->vertices && corner == floor(corner))
-		return 0;
-	snprintf(what, sizeof(what), "names vertex %.10g", corner);
-	snprintf(expected, sizeof(expected), "less than %zu", ply->vertices);
-	return ply_refuse(ply, what, expected);
+	return corner >= 0 && corner < (double)ply->vertices && corner == floor(corner)
+		       ? 0
+		       : ply_refuse_value(ply, "names vertex", corner, "one that the file has");
 }
 
 /* A strip: each corner makes a triangle with the two before it; -1 begins another strip. */
@@ -471,7 +458,7 @@ static int ply_add_face(struct ply *ply)
 	int err = 0;
 
 	if (!text_empty(word))
-		return ply_refuse_word(ply, word, "as many numbers as it counts");
+		return ply_refuse(ply, "has", word, "as many numbers as it counts");
 	for (size_t k = 0; k < count && !err; k++)
 		err = check_corner(ply, ply->value[ROLE_CORNERS][k]);
 	return err ? err : ply_add_polygon(ply, 0, count, false);
@@ -480,11 +467,6 @@ static int ply_add_face(struct ply *ply)
 /* ---- the file ---- */
 
 typedef int ply_add(struct ply *ply);
-
-static bool is_vertices(const struct ply_element *element)
-{
-	return text_is(element->name, "vertex");
-}
 
 /* What adds faces of an element's rows; NULL: it has none. */
 static ply_add *faces_of(const struct ply_element *element)
@@ -517,7 +499,7 @@ static int ply_read_rows(struct ply *ply)
 	int vertices = 0, err = 0, first;
 	bool again = false;
 
-	while (vertices < ply->elements && !is_vertices(&ply->element[vertices]))
+	while (vertices < ply->elements && !text_is(ply->element[vertices].name, "vertex"))
 		again |= faces_of(&ply->element[vertices++]) != NULL;
 	for (int k = 0; k <= vertices && k < ply->elements && !err; k++)
 		err = ply_read_element(ply, k, k == vertices ? ply_add_vertex : NULL);
@@ -561,12 +543,11 @@ static int ply_read_file(struct ply *ply, double crease_deg)
 {
 	int err = ply_read_header(ply);
 
+	err = err ? err : ply_read_rows(ply);
+	err = err ? err : soup_finish(&ply->soup, ply->textures.mesh, crease_deg);
+	err = err || !ply->with_materials ? err : ply_add_materials(ply);
 	if (!err)
-		err = ply_read_rows(ply);
-	if (!err)
-		err = soup_finish(&ply->soup, ply->textures.mesh, crease_deg);
-	if (!err && ply->with_materials)
-		err = ply_add_materials(ply);
+		left_out_say(&ply->out, ply->path);
 	return err;
 }
 
@@ -597,12 +578,11 @@ int ply_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 		ply->path = path;
 		ply->fault = fault;
 		ply->with_materials = materials;
+		ply->elements = 1;
 		ply->textures = (struct textures){.mesh = mesh, .mesh_path = path, .fault = fault};
 		soup_begin(&ply->soup, path, fault);
 		text_begin(&ply->lines, file.at, file.bytes);
 		err = ply_read_file(ply, crease_deg);
-		if (!err)
-			left_out_say(&ply->out, path);
 		ply_free(ply);
 	} else {
 		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);

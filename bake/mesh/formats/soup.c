@@ -35,6 +35,13 @@ static int soup_lack(const struct soup *soup)
 	return fault_say(soup->fault, -ENOMEM, "%s: out of memory", soup->path);
 }
 
+bool soup_has_normal(const struct soup_corner *corner)
+{
+	const float *n = corner->normal, length = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+
+	return length > 0 && isfinite(length);
+}
+
 struct material soup_material(bool coloured)
 {
 	const float grey = coloured ? 1 : 0.8f;
@@ -98,8 +105,8 @@ static uint32_t part_vertex(struct soup_part *part, const struct soup_corner *fr
 	memcpy(corner.position, from->position, sizeof(corner.position));
 	if (has & SOUP_NORMALS)
 		memcpy(corner.normal, from->normal, sizeof(corner.normal));
-	if (has & SOUP_UVS)
-		memcpy(corner.uv, from->uv, sizeof(corner.uv));
+	for (int k = 0; k < 2 && has & SOUP_UVS; k++)
+		corner.uv[k] = isfinite(from->uv[k]) ? from->uv[k] : 0;
 	if (has & SOUP_COLOURS)
 		memcpy(corner.colour, from->colour, sizeof(corner.colour));
 	if (!part_grow_slots(part))
@@ -118,9 +125,9 @@ static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned 
 {
 	struct soup_part *grown;
 
-	for (int k = soup->part_count - 1; k >= 0; k--) {
-		/* the part that was used last comes first */
-		const int at = k == soup->part_count - 1 ? soup->last : k >= soup->last ? k + 1 : k;
+	/* that which was used last comes first */
+	for (int k = 0; k < soup->part_count; k++) {
+		const int at = (soup->last + k) % soup->part_count;
 		struct soup_part *part = &soup->parts[at];
 
 		if (part->material == material && !((part->has ^ has) & SOUP_NORMALS)) {
@@ -140,6 +147,7 @@ static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned 
 static int soup_add_triangle(struct soup *soup, struct soup_part *part, const struct soup_corner *a,
 			     const struct soup_corner *b, const struct soup_corner *c, unsigned has)
 {
+	const struct soup_corner *const corner[3] = {a, b, c};
 	uint32_t(*triangle)[3];
 
 	if (part->triangles >= TRIANGLES_MAX)
@@ -150,12 +158,11 @@ static int soup_add_triangle(struct soup *soup, struct soup_part *part, const st
 		       sizeof(*part->triangle)))
 		return soup_lack(soup);
 	triangle = &part->triangle[part->triangles];
-	(*triangle)[0] = part_vertex(part, a, has);
-	(*triangle)[1] = part_vertex(part, b, has);
-	(*triangle)[2] = part_vertex(part, c, has);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 3; k++) {
+		(*triangle)[k] = part_vertex(part, corner[k], has);
 		if ((*triangle)[k] == NONE)
 			return soup_lack(soup);
+	}
 	part->triangles++;
 	return 0;
 }
@@ -312,8 +319,8 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 		to->uv = calloc(vertices + 1, sizeof(*to->uv));
 	if (from->has & SOUP_COLOURS)
 		to->colour = calloc(vertices + 1, sizeof(*to->colour));
-	if (!to->position || !to->normal || (from->has & SOUP_UVS && !to->uv) ||
-	    (from->has & SOUP_COLOURS && !to->colour))
+	if (!to->position || !to->normal || !to->uv != !(from->has & SOUP_UVS) ||
+	    !to->colour != !(from->has & SOUP_COLOURS))
 		return false;
 	for (size_t v = 0; v < vertices; v++) {
 		const struct soup_corner *c = &from->vertex[v];

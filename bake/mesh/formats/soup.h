@@ -12,15 +12,13 @@ struct soup_corner {
 	float position[3], normal[3], uv[2], colour[4];
 };
 
-/* What corners have, as bits. What they have not is ignored. */
+/* What corners have, as bits. What they have not is ignored. Texture coordinates that are no numbers, as
+ * some programs write them of faces without area, become 0; such a normal is none. */
 #define SOUP_NORMALS 1u
 #define SOUP_UVS 2u
 #define SOUP_COLOURS 4u
 
-static inline bool soup_has_normal(const struct soup_corner *corner)
-{
-	return corner->normal[0] != 0 || corner->normal[1] != 0 || corner->normal[2] != 0;
-}
+bool soup_has_normal(const struct soup_corner *corner);
 
 /* A matt surface: grey where the file says nothing of colours, white where it has some elsewhere. */
 struct material soup_material(bool coloured);
