@@ -28,10 +28,7 @@ static const struct obj_kind_of_row {
 	{"vertex", "v", 3, 7}, {"texture coordinate", "vt", 1, 2}, {"normal", "vn", 3, 3}};
 
 struct obj {
-	const char *path;
-	struct fault *fault;
-	struct text_lines lines;
-	bool with_materials;
+	struct soup soup;
 	struct obj_rows rows[OBJ_KINDS];
 	struct obj_rows colours; /* as many as positions; empty: none has one */
 	struct mtl_library library;
@@ -42,23 +39,15 @@ struct obj {
 	 * elsewhere. NULL: none. */
 	char *missing;
 	int missing_line;
-	int current; /* material that faces get, in the library */
-	struct soup soup;
+	int current;		    /* material that faces get, in the library */
 	struct soup_corner *corner; /* of a face */
 	size_t corner_room;
-	struct textures textures;
-	struct left_out out;
 	unsigned odd; /* bits of odd_words */
 };
 
 /* Statements that draw what is no surface of polygons. */
 static const char *const odd_words[] = {"l", "p", "curv", "curv2", "surf"};
 static const char *const odd_names[] = {"lines", "points", "curves", "curves", "curved surfaces"};
-
-static int obj_lack(const struct obj *obj)
-{
-	return fault_say(obj->fault, -ENOMEM, "%s: out of memory", obj->path);
-}
 
 /* ---- numbers ---- */
 
@@ -85,15 +74,16 @@ static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_sp
 		if (count >= kinds[kind].least && (text_empty(got) || *got.at == '#'))
 			break;
 		if (!text_number(got, &read))
-			return fault_say(obj->fault, -EBADMSG,
-					 "%s:%d: %s has \"%.*s\", expected a number", obj->path,
-					 obj->lines.line, kinds[kind].name, text_shown(got),
-					 got.at);
+			return fault_say(obj->soup.fault, -EBADMSG,
+					 "%s:%d: %s has \"%.*s\", expected a number",
+					 obj->soup.path, obj->soup.lines.line, kinds[kind].name,
+					 text_shown(got), got.at);
 		value[count] = (float)read;
 		if (!isfinite(value[count]) && kind == OBJ_POSITION)
-			return fault_say(obj->fault, -EDOM,
+			return fault_say(obj->soup.fault, -EDOM,
 					 "%s:%d: vertex %zu is not finite, expected numbers",
-					 obj->path, obj->lines.line, obj->rows[kind].count + 1);
+					 obj->soup.path, obj->soup.lines.line,
+					 obj->rows[kind].count + 1);
 	}
 	return count;
 }
@@ -121,7 +111,7 @@ static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line)
 		return count;
 	if (!rows_add(&obj->rows[kind], value) ||
 	    (kind == OBJ_POSITION && obj_colour(obj, value + count - 3, count >= 6) < 0))
-		return obj_lack(obj);
+		return soup_lack(&obj->soup);
 	return 0;
 }
 
@@ -132,8 +122,8 @@ static int obj_miss(struct obj *obj, struct text_span name)
 	if (obj->missing)
 		return 0;
 	obj->missing = text_copy(name);
-	obj->missing_line = obj->lines.line;
-	return obj->missing ? 0 : obj_lack(obj);
+	obj->missing_line = obj->soup.lines.line;
+	return obj->missing ? 0 : soup_lack(&obj->soup);
 }
 
 /* Reads a library; -ENOENT without a fault: there is none of this name. */
@@ -144,10 +134,10 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 	bool found;
 
 	if (!text)
-		return obj_lack(obj);
-	found = beside_find(obj->path, text, path);
+		return soup_lack(&obj->soup);
+	found = beside_find(obj->soup.path, text, path);
 	free(text);
-	return found ? mtl_read(&obj->library, path, obj->fault) : -ENOENT;
+	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
 }
 
 /* The rest of the line is the name of one library, which may have blanks, or of several. In place of
@@ -155,8 +145,8 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 static int obj_libraries(struct obj *obj, struct text_span line)
 {
 	const struct text_span all = text_name(line);
-	const char *slash = strrchr(obj->path, '/'), *dot = strrchr(obj->path, '.');
-	const char *bare = slash ? slash + 1 : obj->path;
+	const char *slash = strrchr(obj->soup.path, '/'), *dot = strrchr(obj->soup.path, '.');
+	const char *bare = slash ? slash + 1 : obj->soup.path;
 	char own[PATH_MAX];
 	int err = obj_open_library(obj, all), some = 0;
 
@@ -183,34 +173,35 @@ static int obj_use(struct obj *obj, struct text_span line)
 {
 	const struct text_span name = text_name(line);
 
-	if (!obj->with_materials || !obj->any_library)
+	if (!obj->soup.with_materials || !obj->any_library)
 		return 0;
 	obj->current = mtl_find(&obj->library, name);
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
-		return fault_say(obj->fault, -ENOENT,
+		return fault_say(obj->soup.fault, -ENOENT,
 				 "%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, "
 				 "or a material in the scene file",
-				 obj->path, obj->missing_line, obj->missing);
-	return fault_say(obj->fault, -EINVAL,
+				 obj->soup.path, obj->missing_line, obj->missing);
+	return fault_say(obj->soup.fault, -EINVAL,
 			 "%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl "
 			 "%.*s in one, or a material in the scene file",
-			 obj->path, obj->lines.line, text_shown(name), name.at, text_shown(name),
-			 name.at);
+			 obj->soup.path, obj->soup.lines.line, text_shown(name), name.at,
+			 text_shown(name), name.at);
 }
 
 /* Makes the material of the next faces when it is used first. */
 static int obj_material(struct obj *obj)
 {
-	struct mesh *mesh = obj->textures.mesh;
+	struct mesh *mesh = obj->soup.textures.mesh;
 	struct material *m = &mesh->materials[mesh->material_count];
 
 	if (obj->material[obj->current] >= 0)
 		return 0;
 	obj->material[obj->current] = mesh->material_count++;
 	if (obj->current < obj->library.count)
-		return mtl_make(&obj->library, obj->current, &obj->textures, m, &obj->out);
+		return mtl_make(&obj->library, obj->current, &obj->soup.textures, m,
+				&obj->soup.out);
 	*m = soup_material(obj->colours.count > 0);
 	return 0;
 }
@@ -226,14 +217,14 @@ static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t 
 	if (at >= 0 && (uint64_t)at < rows->count)
 		return rows->value + (size_t)at * (size_t)rows->width;
 	if (index)
-		fault_say(obj->fault, -EBADMSG,
+		fault_say(obj->soup.fault, -EBADMSG,
 			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
 			  "damaged or cut short",
-			  obj->path, obj->lines.line, kinds[kind].name, (long long)index,
+			  obj->soup.path, obj->soup.lines.line, kinds[kind].name, (long long)index,
 			  index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
 	else
-		fault_say(obj->fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more",
-			  obj->path, obj->lines.line, kinds[kind].name);
+		fault_say(obj->soup.fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more",
+			  obj->soup.path, obj->soup.lines.line, kinds[kind].name);
 	return NULL;
 }
 
@@ -260,10 +251,10 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 			return -EBADMSG;
 	}
 	if (!fine || !text_empty(word))
-		return fault_say(obj->fault, -EBADMSG,
+		return fault_say(obj->soup.fault, -EBADMSG,
 				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
 				 "coordinate and a normal, such as 1/1/1",
-				 obj->path, obj->lines.line, text_shown(whole), whole.at);
+				 obj->soup.path, obj->soup.lines.line, text_shown(whole), whole.at);
 	*corner = (struct soup_corner){.colour = {1, 1, 1, 1}};
 	memcpy(corner->position, row[OBJ_POSITION], sizeof(corner->position));
 	if (row[OBJ_UV])
@@ -292,21 +283,21 @@ static int obj_face(struct obj *obj, struct text_span line)
 	for (struct text_span word = text_word(&line); !text_empty(word) && *word.at != '#';
 	     word = text_word(&line)) {
 		if (!soup_room(&obj->corner, count, &obj->corner_room, sizeof(*obj->corner)))
-			return obj_lack(obj);
+			return soup_lack(&obj->soup);
 		err = obj_corner(obj, word, &obj->corner[count++], &has);
 		if (err)
 			return err;
 	}
 	if (!count)
-		return fault_say(obj->fault, -EBADMSG,
-				 "%s:%d: f has no vertices, expected 3 or more", obj->path,
-				 obj->lines.line);
-	if (!obj->with_materials)
+		return fault_say(obj->soup.fault, -EBADMSG,
+				 "%s:%d: f has no vertices, expected 3 or more", obj->soup.path,
+				 obj->soup.lines.line);
+	if (!obj->soup.with_materials)
 		return soup_add(&obj->soup, obj->corner, (int)count, 0, has);
 	err = obj_material(obj);
 	if (err)
 		return err;
-	m = &obj->textures.mesh->materials[obj->material[obj->current]];
+	m = &obj->soup.textures.mesh->materials[obj->material[obj->current]];
 	if (obj->colours.count && !m->texture)
 		has |= SOUP_COLOURS;
 	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has);
@@ -325,7 +316,7 @@ static int obj_line(struct obj *obj, bool first, struct text_span line)
 			return first ? obj_row(obj, (enum obj_kind)kind, line) : 0;
 		}
 	if (first)
-		return obj->with_materials && text_is_any_case(word, "mtllib")
+		return obj->soup.with_materials && text_is_any_case(word, "mtllib")
 			       ? obj_libraries(obj, line)
 			       : 0;
 	if (text_is(word, "f") || text_is(word, "fo"))
@@ -337,15 +328,15 @@ static int obj_line(struct obj *obj, bool first, struct text_span line)
 	return 0;
 }
 
-static int obj_pass(struct obj *obj, const struct plain_map *file, bool first)
+static int obj_pass(struct obj *obj, bool first)
 {
 	struct text_span line;
 	int err = 0;
 
-	text_begin(&obj->lines, file->at, file->bytes);
-	while (!err && text_next_joined(&obj->lines, &line))
+	text_begin(&obj->soup.lines, obj->soup.file.at, obj->soup.file.bytes);
+	while (!err && text_next_joined(&obj->soup.lines, &line))
 		err = obj_line(obj, first, line);
-	text_end(&obj->lines);
+	text_end(&obj->soup.lines);
 	return err;
 }
 
@@ -355,10 +346,10 @@ static bool obj_begin_materials(struct obj *obj)
 
 	obj->current = obj->library.count;
 	obj->material = malloc(count * sizeof(*obj->material));
-	obj->textures.mesh->materials = calloc(count, sizeof(struct material));
+	obj->soup.textures.mesh->materials = calloc(count, sizeof(struct material));
 	if (obj->material)
 		memset(obj->material, 0xff, count * sizeof(*obj->material));
-	return obj->material && obj->textures.mesh->materials;
+	return obj->material && obj->soup.textures.mesh->materials;
 }
 
 /* Colours are code values of sRGB, 0..1 or, of some programs, 0..255. */
@@ -377,20 +368,20 @@ static void obj_decode_colours(struct obj *obj)
 	}
 }
 
-static int obj_read_text(struct obj *obj, const struct plain_map *file, double crease_deg)
+static int obj_read_text(struct obj *obj, double crease_deg)
 {
-	int err = obj_pass(obj, file, true);
+	int err = obj_pass(obj, true);
 
 	if (!err && !obj_begin_materials(obj))
-		err = obj_lack(obj);
+		err = soup_lack(&obj->soup);
 	if (err)
 		return err;
 	obj_decode_colours(obj);
-	err = obj_pass(obj, file, false);
+	err = obj_pass(obj, false);
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		if (obj->odd & 1u << k)
-			left_out_add(&obj->out, odd_names[k], "mesh");
-	return err ? err : soup_finish(&obj->soup, obj->textures.mesh, crease_deg);
+			left_out_add(&obj->soup.out, odd_names[k], "mesh");
+	return err ? err : soup_finish(&obj->soup, crease_deg);
 }
 
 static void obj_free(struct obj *obj)
@@ -402,31 +393,16 @@ static void obj_free(struct obj *obj)
 	free(obj->missing);
 	free(obj->corner);
 	mtl_free(&obj->library);
-	textures_free(&obj->textures);
-	soup_free(&obj->soup);
 }
 
 int obj_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct obj obj = {
-		.path = path,
-		.fault = fault,
-		.with_materials = materials,
-		.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
-		.colours = {.width = 3},
-		.textures = {.mesh = mesh, .mesh_path = path, .fault = fault},
-	};
-	struct plain_map file;
-	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+	struct obj obj = {.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
+			  .colours = {.width = 3}};
+	int err = soup_open(&obj.soup, mesh, path, materials, fault);
 
-	if (err)
-		return err;
-	soup_begin(&obj.soup, path, fault);
-	err = obj_read_text(&obj, &file, crease_deg);
-	plain_file_unmap(&file);
-	if (!err)
-		left_out_say(&obj.out, path);
+	err = soup_close(&obj.soup, err ? err : obj_read_text(&obj, crease_deg));
 	obj_free(&obj);
 	return err;
 }

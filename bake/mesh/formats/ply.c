@@ -6,10 +6,6 @@
 
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/formats/soup.h"
-#include "bake/mesh/formats/text.h"
-#include "bake/mesh/formats/textures.h"
-#include "bake/mesh/left_out.h"
-#include "bake/mesh/plain_file.h"
 #include "hal/colour/transfer.h"
 
 #define ELEMENTS_MAX 32
@@ -59,10 +55,8 @@ struct ply_element {
 };
 
 struct ply {
-	const char *path;
-	struct fault *fault;
-	struct text_lines lines;
-	bool ascii, big_endian, with_materials, colours, see_through;
+	struct soup soup;
+	bool ascii, big_endian, colours, see_through;
 	int elements, properties; /* the first element is of properties that belong to none */
 	struct ply_element element[ELEMENTS_MAX];
 	struct ply_property property[PROPERTIES_MAX];
@@ -79,15 +73,7 @@ struct ply {
 	size_t vertices, vertex_room, corner_room;
 	struct texture_name texture[TEXTURES_MAX];
 	int texture_count;
-	struct soup soup;
-	struct textures textures;
-	struct left_out out;
 };
-
-static int ply_lack(const struct ply *ply)
-{
-	return fault_say(ply->fault, -ENOMEM, "%s: out of memory", ply->path);
-}
 
 static bool has_roles(const struct ply_element *element, int first, int count)
 {
@@ -99,8 +85,9 @@ static bool has_roles(const struct ply_element *element, int first, int count)
 static int header_refuse(const struct ply *ply, const char *what, struct text_span word,
 			 const char *expected)
 {
-	return fault_say(ply->fault, -EBADMSG, "%s:%d: %s \"%.*s\", expected %s", ply->path,
-			 ply->lines.line, what, text_shown(word), word.at, expected);
+	return fault_say(ply->soup.fault, -EBADMSG, "%s:%d: %s \"%.*s\", expected %s",
+			 ply->soup.path, ply->soup.lines.line, what, text_shown(word), word.at,
+			 expected);
 }
 
 static int type_of(struct text_span word)
@@ -173,9 +160,9 @@ static int header_comment(struct ply *ply, struct text_span line)
 	if (!text_is_any_case(word, "TextureFile") || text_empty(name) ||
 	    ply->texture_count == TEXTURES_MAX)
 		return 0;
-	*texture = (struct texture_name){ply->path, ply->lines.line, text_copy(name)};
+	*texture = (struct texture_name){ply->soup.path, ply->soup.lines.line, text_copy(name)};
 	ply->texture_count++;
-	return texture->name ? 0 : ply_lack(ply);
+	return texture->name ? 0 : soup_lack(&ply->soup);
 }
 
 static int header_format(struct ply *ply, struct text_span line)
@@ -200,20 +187,20 @@ static int ply_read_header(struct ply *ply)
 		     {"property", header_property},
 		     {"element", header_element},
 		     {"comment", header_comment}};
-	const char *end = ply->lines.rest.end, *fourth = ply->lines.rest.at + 3;
+	const char *end = ply->soup.lines.rest.end, *fourth = ply->soup.lines.rest.at + 3;
 	const bool macintosh = end - fourth > 1 && fourth[0] == '\r' && fourth[1] != '\n';
 	struct text_span line;
 	bool format = false;
 	int err = 0;
 
-	while (!err && text_next(&ply->lines, &line) && line.end < end) {
+	while (!err && text_next(&ply->soup.lines, &line) && line.end < end) {
 		const char *const line_end = line.end;
 		const struct text_span word = text_word(&line);
 
 		if (text_is(word, "end_header") && format) {
 			/* data may begin with a byte of "\n" */
 			if (macintosh)
-				ply->lines.rest.at = line_end + 1;
+				ply->soup.lines.rest.at = line_end + 1;
 			return 0;
 		}
 		format |= text_is(word, "format");
@@ -222,9 +209,9 @@ static int ply_read_header(struct ply *ply)
 				err = lines[k].read(ply, line);
 	}
 	return err ? err
-		   : fault_say(ply->fault, -EBADMSG,
+		   : fault_say(ply->soup.fault, -EBADMSG,
 			       "%s: no line %s, expected one in the header: damaged or cut short",
-			       ply->path, format ? "end_header" : "format");
+			       ply->soup.path, format ? "end_header" : "format");
 }
 
 /* ---- rows ---- */
@@ -236,11 +223,11 @@ static int ply_refuse(const struct ply *ply, const char *what, struct text_span 
 	char place[16] = "";
 
 	if (ply->ascii)
-		snprintf(place, sizeof(place), ":%d", ply->lines.line);
-	return fault_say(ply->fault, -EBADMSG,
-			 "%s%s: %.*s %zu %s \"%.*s\", expected %s: damaged or cut short", ply->path,
-			 place, text_shown(ply->of->name), ply->of->name.at, ply->row + 1, what,
-			 text_shown(word), word.at, expected);
+		snprintf(place, sizeof(place), ":%d", ply->soup.lines.line);
+	return fault_say(ply->soup.fault, -EBADMSG,
+			 "%s%s: %.*s %zu %s \"%.*s\", expected %s: damaged or cut short",
+			 ply->soup.path, place, text_shown(ply->of->name), ply->of->name.at,
+			 ply->row + 1, what, text_shown(word), word.at, expected);
 }
 
 /* The same of a number that was read. */
@@ -255,9 +242,9 @@ static int ply_refuse_value(const struct ply *ply, const char *what, double valu
 
 static int ply_cut(const struct ply *ply)
 {
-	return fault_say(ply->fault, -EBADMSG,
+	return fault_say(ply->soup.fault, -EBADMSG,
 			 "%s: it ends in %.*s %zu, expected %zu of them: damaged or cut short",
-			 ply->path, text_shown(ply->of->name), ply->of->name.at, ply->row + 1,
+			 ply->soup.path, text_shown(ply->of->name), ply->of->name.at, ply->row + 1,
 			 ply->of->count);
 }
 
@@ -281,7 +268,7 @@ static double binary_value(const char *at, int type, bool big_endian)
 
 static int ply_take(struct ply *ply, int type, double *value)
 {
-	struct text_span *data = &ply->lines.rest;
+	struct text_span *data = &ply->soup.lines.rest;
 
 	if (ply->ascii) {
 		const struct text_span word = text_word(&ply->rest);
@@ -312,7 +299,7 @@ static int ply_take_property(struct ply *ply, const struct ply_property *p)
 			continue;
 		if (!soup_room(&ply->value[p->role], ply->values[p->role], &ply->room[p->role],
 			       sizeof(value)))
-			return ply_lack(ply);
+			return soup_lack(&ply->soup);
 		ply->value[p->role][ply->values[p->role]++] = value / one;
 	}
 	return err;
@@ -324,7 +311,7 @@ static int ply_read_row(struct ply *ply)
 	int err = 0;
 
 	while (ply->ascii && text_empty(ply->rest))
-		if (!text_next(&ply->lines, &ply->rest))
+		if (!text_next(&ply->soup.lines, &ply->rest))
 			return ply_cut(ply);
 	for (int k = 0; k < ply->of->properties && !err; k++)
 		err = ply_take_property(ply, &ply->of->property[k]);
@@ -356,11 +343,11 @@ static int ply_add_vertex(struct ply *ply)
 	struct soup_corner *corner;
 
 	if (!has_roles(ply->of, ROLE_X, 3))
-		return fault_say(ply->fault, -EBADMSG,
+		return fault_say(ply->soup.fault, -EBADMSG,
 				 "%s: its vertices have no x, y and z, expected these properties",
-				 ply->path);
+				 ply->soup.path);
 	if (!soup_room(&ply->vertex, ply->vertices, &ply->vertex_room, sizeof(*ply->vertex)))
-		return ply_lack(ply);
+		return soup_lack(&ply->soup);
 	ply->vertex_has = (has_roles(ply->of, ROLE_NORMAL, 3) ? SOUP_NORMALS : 0) |
 			  (has_roles(ply->of, ROLE_UV, 2) ? SOUP_UVS : 0) |
 			  (has_roles(ply->of, ROLE_COLOUR, 3) ? SOUP_COLOURS : 0);
@@ -369,9 +356,9 @@ static int ply_add_vertex(struct ply *ply)
 	ply_values(ply, ROLE_X, 3, corner->position);
 	for (int axis = 0; axis < 3; axis++)
 		if (!isfinite(corner->position[axis]))
-			return fault_say(ply->fault, -EDOM,
+			return fault_say(ply->soup.fault, -EDOM,
 					 "%s: vertex %zu is not finite, expected numbers",
-					 ply->path, ply->row + 1);
+					 ply->soup.path, ply->row + 1);
 	if (ply->vertex_has & SOUP_NORMALS)
 		ply_values(ply, ROLE_NORMAL, 3, corner->normal);
 	if (ply->vertex_has & SOUP_UVS)
@@ -406,7 +393,7 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 		struct soup_corner *corner;
 
 		if (!soup_room(&ply->corner, k, &ply->corner_room, sizeof(*ply->corner)))
-			return ply_lack(ply);
+			return soup_lack(&ply->soup);
 		corner = &ply->corner[k];
 		*corner = ply->vertex[(size_t)ply->value[ROLE_CORNERS][at]];
 		if (!soup_has_normal(corner))
@@ -416,11 +403,11 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 		if (coloured && !(ply->vertex_has & SOUP_COLOURS))
 			ply_colour(ply, corner->colour);
 	}
-	if (!ply->with_materials || texture >= 0)
+	if (!ply->soup.with_materials || texture >= 0)
 		has &= ~SOUP_COLOURS;
 	ply->colours |= has & SOUP_COLOURS;
-	return soup_add(&ply->soup, ply->corner, (int)count, ply->with_materials ? texture + 1 : 0,
-			has);
+	return soup_add(&ply->soup, ply->corner, (int)count,
+			ply->soup.with_materials ? texture + 1 : 0, has);
 }
 
 static int check_corner(const struct ply *ply, double corner)
@@ -495,7 +482,7 @@ static int ply_read_element(struct ply *ply, int number, ply_add *add)
 /* Reads vertices first, wherever they are. Where faces stand before them, all is read once more. */
 static int ply_read_rows(struct ply *ply)
 {
-	const struct text_lines begin = ply->lines;
+	const struct text_lines begin = ply->soup.lines;
 	int vertices = 0, err = 0, first;
 	bool again = false;
 
@@ -505,11 +492,11 @@ static int ply_read_rows(struct ply *ply)
 		err = ply_read_element(ply, k, k == vertices ? ply_add_vertex : NULL);
 	first = again ? 0 : vertices + 1;
 	if (again)
-		ply->lines = begin;
+		ply->soup.lines = begin;
 	for (int k = first; k < ply->elements && !err; k++) {
 		err = ply_read_element(ply, k, faces_of(&ply->element[k]));
 		if (ply->element[k].count && text_is(ply->element[k].name, "edge"))
-			left_out_add(&ply->out, "edges", "mesh");
+			left_out_add(&ply->soup.out, "edges", "mesh");
 	}
 	return err;
 }
@@ -517,12 +504,12 @@ static int ply_read_rows(struct ply *ply)
 /* Material 0 has no texture, k + 1 has texture k. */
 static int ply_add_materials(struct ply *ply)
 {
-	struct mesh *mesh = ply->textures.mesh;
+	struct mesh *mesh = ply->soup.textures.mesh;
 	int err = 0;
 
 	mesh->materials = calloc((size_t)ply->texture_count + 1, sizeof(*mesh->materials));
 	if (!mesh->materials)
-		return ply_lack(ply);
+		return soup_lack(&ply->soup);
 	for (int k = -1; k < ply->texture_count && !err; k++) {
 		struct material *m = &mesh->materials[mesh->material_count++];
 		bool used = false;
@@ -531,11 +518,11 @@ static int ply_add_materials(struct ply *ply)
 		for (int part = 0; part < mesh->part_count; part++)
 			used |= mesh->parts[part].material == k + 1;
 		if (k >= 0 && used)
-			err = textures_get(&ply->textures, TEXTURE_OF_COLOURS, &ply->texture[k],
-					   NULL, TEXTURE_REPEAT, &m->texture);
+			err = textures_get(&ply->soup.textures, TEXTURE_OF_COLOURS,
+					   &ply->texture[k], NULL, TEXTURE_REPEAT, &m->texture);
 	}
 	if (ply->see_through)
-		left_out_add(&ply->out, "alpha of vertices", "mesh");
+		left_out_add(&ply->soup.out, "alpha of vertices", "mesh");
 	return err;
 }
 
@@ -544,11 +531,8 @@ static int ply_read_file(struct ply *ply, double crease_deg)
 	int err = ply_read_header(ply);
 
 	err = err ? err : ply_read_rows(ply);
-	err = err ? err : soup_finish(&ply->soup, ply->textures.mesh, crease_deg);
-	err = err || !ply->with_materials ? err : ply_add_materials(ply);
-	if (!err)
-		left_out_say(&ply->out, ply->path);
-	return err;
+	err = err ? err : soup_finish(&ply->soup, crease_deg);
+	return err || !ply->soup.with_materials ? err : ply_add_materials(ply);
 }
 
 static void ply_free(struct ply *ply)
@@ -559,34 +543,20 @@ static void ply_free(struct ply *ply)
 		free((char *)ply->texture[k].name);
 	free(ply->vertex);
 	free(ply->corner);
-	soup_free(&ply->soup);
-	textures_free(&ply->textures);
 	free(ply);
 }
 
 int ply_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct plain_map file;
-	struct ply *ply;
-	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+	struct ply *ply = calloc(1, sizeof(*ply));
+	int err;
 
-	if (err)
-		return err;
-	ply = calloc(1, sizeof(*ply));
-	if (ply) {
-		ply->path = path;
-		ply->fault = fault;
-		ply->with_materials = materials;
-		ply->elements = 1;
-		ply->textures = (struct textures){.mesh = mesh, .mesh_path = path, .fault = fault};
-		soup_begin(&ply->soup, path, fault);
-		text_begin(&ply->lines, file.at, file.bytes);
-		err = ply_read_file(ply, crease_deg);
-		ply_free(ply);
-	} else {
-		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
-	}
-	plain_file_unmap(&file);
+	if (!ply)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	ply->elements = 1;
+	err = soup_open(&ply->soup, mesh, path, materials, fault);
+	err = soup_close(&ply->soup, err ? err : ply_read_file(ply, crease_deg));
+	ply_free(ply);
 	return err;
 }

@@ -25,12 +25,21 @@ struct soup_part {
 	size_t vertices, vertex_room, slots, triangles, triangle_room;
 };
 
-void soup_begin(struct soup *soup, const char *path, struct fault *fault)
+int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool materials,
+	      struct fault *fault)
 {
-	*soup = (struct soup){.path = path, .fault = fault};
+	int err;
+
+	*soup = (struct soup){.path = path,
+			      .fault = fault,
+			      .with_materials = materials,
+			      .textures = {.mesh = mesh, .mesh_path = path, .fault = fault}};
+	err = plain_file_map(&soup->file, path, PLAIN_FILE_MAX, fault);
+	text_begin(&soup->lines, soup->file.at, soup->file.bytes);
+	return err;
 }
 
-static int soup_lack(const struct soup *soup)
+int soup_lack(const struct soup *soup)
 {
 	return fault_say(soup->fault, -ENOMEM, "%s: out of memory", soup->path);
 }
@@ -339,8 +348,10 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 
 /* Indices are in range: mesh_smooth() may trust them. A vertex that is not finite, which the caller
  * refuses, gives it no trouble but normals that are none. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg)
+int soup_finish(struct soup *soup, double crease_deg)
 {
+	struct mesh *mesh = soup->textures.mesh;
+
 	mesh->parts = calloc((size_t)soup->part_count + 1, sizeof(*mesh->parts));
 	if (!mesh->parts)
 		return soup_lack(soup);
@@ -360,8 +371,10 @@ int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg)
 	return 0;
 }
 
-void soup_free(struct soup *soup)
+int soup_close(struct soup *soup, int err)
 {
+	if (!err)
+		left_out_say(&soup->out, soup->path);
 	for (int k = 0; k < soup->part_count; k++) {
 		free(soup->parts[k].vertex);
 		free(soup->parts[k].slot);
@@ -369,5 +382,8 @@ void soup_free(struct soup *soup)
 	}
 	free(soup->parts);
 	free(soup->left);
-	*soup = (struct soup){.path = soup->path};
+	textures_free(&soup->textures);
+	text_end(&soup->lines);
+	plain_file_unmap(&soup->file);
+	return err;
 }

@@ -6,7 +6,10 @@
 #ifndef INLAY_BAKE_MESH_FORMATS_SOUP_H
 #define INLAY_BAKE_MESH_FORMATS_SOUP_H
 
-#include "bake/mesh/mesh.h"
+#include "bake/mesh/formats/text.h"
+#include "bake/mesh/formats/textures.h"
+#include "bake/mesh/left_out.h"
+#include "bake/mesh/plain_file.h"
 
 struct soup_corner {
 	float position[3], normal[3], uv[2], colour[4];
@@ -28,15 +31,25 @@ bool soup_room(void *array, size_t used, size_t *room, size_t size);
 
 struct soup_part;
 
+/* A file that is being read, and what has been read of it. */
 struct soup {
 	const char *path; /* for messages */
 	struct fault *fault;
+	bool with_materials;
+	struct plain_map file;
+	struct text_lines lines;  /* of the whole file, from the beginning */
+	struct textures textures; /* and the mesh */
+	struct left_out out;
 	struct soup_part *parts;
 	int part_count, last;
 	int *left, left_room; /* corners of the polygon that is being cut */
 };
 
-void soup_begin(struct soup *soup, const char *path, struct fault *fault);
+/* Opens a file for a zeroed mesh. soup_close() also after a failure. */
+int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool materials,
+	      struct fault *fault);
+
+int soup_lack(const struct soup *soup); /* -ENOMEM */
 
 /*
  * Adds a polygon, which may be concave and is cut in its plane, by ears (Meisters 1975). Its corners
@@ -48,8 +61,9 @@ int soup_add(struct soup *soup, const struct soup_corner *corners, int count, in
 
 /* Moves all parts to the mesh, and computes normals where there are none; crease_deg as of
  * mesh_smooth(). -ENOMEM. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg);
+int soup_finish(struct soup *soup, double crease_deg);
 
-void soup_free(struct soup *soup); /* idempotent */
+/* Frees all; says what is left out where err is 0. Returns err. */
+int soup_close(struct soup *soup, int err);
 
 #endif
