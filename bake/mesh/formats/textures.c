@@ -99,33 +99,31 @@ static bool image_stretch(struct image *image, int width, int height)
 	return true;
 }
 
-static bool same_size(struct image *a, struct image *b)
+/* Brings two pictures to the size of the larger one. One that is missing is white. */
+static bool same_size(struct image picture[2])
 {
-	const int width = a->width > b->width ? a->width : b->width;
-	const int height = a->height > b->height ? a->height : b->height;
+	int width = 1, height = 1;
 
-	return image_stretch(a, width, height) && image_stretch(b, width, height);
+	for (int k = 0; k < 2; k++) {
+		if (!picture[k].width) {
+			if (image_create_u8(&picture[k], 1, 1) < 0)
+				return false;
+			memset(picture[k].u8, 255, 3);
+		}
+		width = picture[k].width > width ? picture[k].width : width;
+		height = picture[k].height > height ? picture[k].height : height;
+	}
+	return image_stretch(&picture[0], width, height) &&
+	       image_stretch(&picture[1], width, height);
 }
 
-/* Gives a picture that has none all pixels of white. */
-static int image_white(struct image *image, int width, int height)
+/* The second is the coverage of the first. */
+static int image_cover(struct image picture[2])
 {
-	int err;
-
-	if (image->width)
-		return 0;
-	err = image_create_u8(image, width, height);
-	if (!err)
-		memset(image->u8, 255, 3 * (size_t)width * (size_t)height);
-	return err;
-}
-
-static int image_cover(struct image *image, struct image *coverage)
-{
+	struct image *image = &picture[0], *coverage = &picture[1];
 	size_t pixels;
 
-	if (image_white(image, coverage->width, coverage->height) < 0 ||
-	    !same_size(image, coverage))
+	if (!same_size(picture))
 		return -ENOMEM;
 	pixels = (size_t)image->width * (size_t)image->height;
 	free(image->alpha);
@@ -178,21 +176,17 @@ static int textures_take(struct textures *textures, char path[2][PATH_MAX], enum
 	return 0;
 }
 
-static int image_pack(struct image *packed, struct image *roughness, struct image *metalness)
+static int image_pack(struct image *packed, struct image picture[2])
 {
-	const int width = roughness->width ? roughness->width : metalness->width;
-	const int height = roughness->width ? roughness->height : metalness->height;
 	size_t pixels;
 
-	if (image_white(roughness, width, height) < 0 ||
-	    image_white(metalness, width, height) < 0 || !same_size(roughness, metalness) ||
-	    image_create_u8(packed, roughness->width, roughness->height) < 0)
+	if (!same_size(picture) || image_create_u8(packed, picture[0].width, picture[0].height) < 0)
 		return -ENOMEM;
 	pixels = (size_t)packed->width * (size_t)packed->height;
 	for (size_t k = 0; k < pixels; k++) {
 		packed->u8[3 * k] = 255;
-		packed->u8[3 * k + 1] = image_code(roughness, k, 0);
-		packed->u8[3 * k + 2] = image_code(metalness, k, 0);
+		packed->u8[3 * k + 1] = image_code(&picture[0], k, 0);
+		packed->u8[3 * k + 2] = image_code(&picture[1], k, 0);
 	}
 	return 0;
 }
@@ -205,8 +199,8 @@ static int texture_fill(struct texture *texture, enum texture_kind kind, struct 
 	else
 		texture_prepare_data(texture);
 	if (kind == TEXTURE_OF_SURFACES)
-		return image_pack(&texture->image, &picture[0], &picture[1]);
-	if (picture[1].width && image_cover(&picture[0], &picture[1]) < 0)
+		return image_pack(&texture->image, picture);
+	if (picture[1].width && image_cover(picture) < 0)
 		return -ENOMEM;
 	texture->image = picture[0];
 	picture[0] = (struct image){.width = 0};
