@@ -337,76 +337,48 @@ static void set_surface(const struct mtl *mtl, struct material *m)
 		m->specular = rgb_make(PLASTIC * ks[0], PLASTIC * ks[1], PLASTIC * ks[2]);
 }
 
-static struct texture_name name_of(const struct mtl *mtl, enum mtl_map_kind kind)
+/* Reads a texture of two maps; without either there is none. */
+static int use_maps(const struct mtl *mtl, struct textures *textures, enum texture_kind kind,
+		    enum mtl_map_kind first, enum mtl_map_kind second, struct texture_use *use)
 {
-	const struct mtl_map *map = &mtl->map[kind];
+	const struct mtl_map *a = &mtl->map[first], *b = &mtl->map[second], *of = a->name ? a : b;
+	const struct texture_name name[2] = {{a->name ? mtl->by : NULL, a->line, a->name},
+					     {b->name ? mtl->by : NULL, b->line, b->name}};
 
-	return (struct texture_name){map->name ? mtl->by : NULL, map->line, map->name};
-}
-
-static enum texture_wrap wrap_of(const struct mtl_map *map)
-{
-	return map->clamp ? TEXTURE_CLAMP : TEXTURE_REPEAT;
-}
-
-static struct texture_use use_of(const struct mtl_map *map, const struct texture *texture)
-{
-	return (struct texture_use){
-		.texture = texture,
-		.place = {map->scale[0], 0, map->offset[0], 0, map->scale[1], map->offset[1]},
+	*use = (struct texture_use){
+		.place = {of->scale[0], 0, of->offset[0], 0, of->scale[1], of->offset[1]},
 	};
-}
-
-static int add_colour(const struct mtl *mtl, struct textures *textures, struct material *m)
-{
-	const struct texture_name colour = name_of(mtl, MAP_COLOUR),
-				  cover = name_of(mtl, MAP_COVERAGE);
-	const struct mtl_map *map = &mtl->map[colour.by ? MAP_COLOUR : MAP_COVERAGE];
-	int err;
-
-	if (!colour.by && !cover.by)
+	if (!of->name)
 		return 0;
-	err = textures_get(textures, TEXTURE_OF_COLOURS, &colour, &cover, wrap_of(map),
-			   &m->texture);
-	if (err)
-		return err;
-	m->placed = use_of(map, m->texture);
-	if (cover.by)
-		m->alpha_mode = ALPHA_BLEND;
-	return 0;
+	return textures_get(textures, kind, &name[0], kind == TEXTURE_OF_DATA ? NULL : &name[1],
+			    of->clamp ? TEXTURE_CLAMP : TEXTURE_REPEAT, &use->texture);
 }
 
 /* Roughness and metalness of a texture. The values of the material become its means. */
 static int add_surface(const struct mtl *mtl, struct textures *textures, struct material *m)
 {
-	const struct texture_name rough = name_of(mtl, MAP_ROUGHNESS),
-				  metal = name_of(mtl, MAP_METALNESS);
-	const struct mtl_map *map = &mtl->map[rough.by ? MAP_ROUGHNESS : MAP_METALNESS];
 	const float plastic = mtl_plastic(mtl);
-	const struct texture *texture;
+	struct surface_map *map = &m->map;
 	double sum[2] = {0, 0};
+	const struct image *image;
 	size_t pixels;
-	int err;
+	int err = use_maps(mtl, textures, TEXTURE_OF_SURFACES, MAP_ROUGHNESS, MAP_METALNESS,
+			   &map->use);
 
-	if (!rough.by && !metal.by)
-		return 0;
-	err = textures_get(textures, TEXTURE_OF_SURFACES, &rough, &metal, wrap_of(map), &texture);
-	if (err)
+	if (err || !map->use.texture)
 		return err;
-	m->map = (struct surface_map){
-		.use = use_of(map, texture),
-		.base = mtl->number[KD] >= 0 ? m->colour : rgb_make(1, 1, 1),
-		.specular = rgb_make(plastic, plastic, plastic),
-		.metallic = metal.by ? 1 : within_1(mtl->number[PM]),
-		.roughness = rough.by ? 1 : mtl_roughness(mtl),
-	};
-	pixels = (size_t)texture->image.width * (size_t)texture->image.height;
+	map->base = mtl->number[KD] >= 0 ? m->colour : rgb_make(1, 1, 1);
+	map->specular = rgb_make(plastic, plastic, plastic);
+	map->metallic = mtl->map[MAP_METALNESS].name ? 1 : within_1(mtl->number[PM]);
+	map->roughness = mtl->map[MAP_ROUGHNESS].name ? 1 : mtl_roughness(mtl);
+	image = &map->use.texture->image;
+	pixels = (size_t)image->width * (size_t)image->height;
 	for (size_t k = 0; k < 2 * pixels; k++)
-		sum[k % 2] += texture->image.u8[3 * (k / 2) + 1 + k % 2] / 255.0;
+		sum[k % 2] += image->u8[3 * (k / 2) + 1 + k % 2] / 255.0;
 	m->kind = MATERIAL_GLOSSY;
-	m->colour = m->map.base;
-	m->roughness = m->map.roughness * (float)(sum[0] / (double)pixels);
-	set_metallic(m, plastic, m->map.metallic * (float)(sum[1] / (double)pixels));
+	m->colour = map->base;
+	m->roughness = map->roughness * (float)(sum[0] / (double)pixels);
+	set_metallic(m, plastic, map->metallic * (float)(sum[1] / (double)pixels));
 	return 0;
 }
 
@@ -416,23 +388,17 @@ static int add_normals(const struct mtl *mtl, struct textures *textures, struct 
 		       struct left_out *out)
 {
 	const bool heights = !mtl->map[MAP_NORMALS].name;
-	const struct mtl_map *map = &mtl->map[heights ? MAP_BUMPS : MAP_NORMALS];
-	const struct texture_name name = name_of(mtl, heights ? MAP_BUMPS : MAP_NORMALS);
-	const struct texture *texture;
-	int err;
+	const enum mtl_map_kind kind = heights ? MAP_BUMPS : MAP_NORMALS;
+	int err = use_maps(mtl, textures, TEXTURE_OF_DATA, kind, kind, &m->bumps);
 
-	if (!name.by)
-		return 0;
-	err = textures_get(textures, TEXTURE_OF_DATA, &name, NULL, wrap_of(map), &texture);
-	if (heights && (err || !texture_has_normals(texture))) {
+	if (heights && (err || (m->bumps.texture && !texture_has_normals(m->bumps.texture)))) {
+		m->bumps.texture = NULL;
 		left_out_add(out, "bump maps", "material");
 		return err == -ENOMEM ? err : 0;
 	}
-	if (err)
-		return err;
-	m->bumps = use_of(map, texture);
-	m->bump_scale = map->strength;
-	return 0;
+	if (m->bumps.texture)
+		m->bump_scale = mtl->map[kind].strength;
+	return err;
 }
 
 static void leave_out(const struct mtl *mtl, const struct material *m, struct left_out *out)
@@ -474,10 +440,12 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 	err = add_surface(mtl, textures, m);
 	if (!m->map.use.texture)
 		set_surface(mtl, m);
-	if (m->alpha < 1)
+	if (m->alpha < 1 || mtl->map[MAP_COVERAGE].name)
 		m->alpha_mode = ALPHA_BLEND;
 	if (!err)
-		err = add_colour(mtl, textures, m);
+		err = use_maps(mtl, textures, TEXTURE_OF_COLOURS, MAP_COLOUR, MAP_COVERAGE,
+			       &m->placed);
+	m->texture = m->placed.texture;
 	if (!err)
 		err = add_normals(mtl, textures, m, out);
 	if (err)

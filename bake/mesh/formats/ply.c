@@ -291,7 +291,8 @@ static int ply_take_property(struct ply *ply, const struct ply_property *p)
 
 	if (!err &&
 	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count)))
-		return ply_refuse_value(ply, "has a list of", count, "a whole number, 1 or more of corners");
+		return ply_refuse_value(ply, "has a list of", count,
+					"a whole number, 1 or more of corners");
 	ply->values[p->role] = 0;
 	for (; count > 0 && !err; count--) {
 		err = ply_take(ply, p->type, &value);
