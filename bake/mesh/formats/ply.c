@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
 #include <limits.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,6 +49,7 @@ struct ply_property {
 
 struct ply_element {
 	struct text_span name;
+	int line;
 	size_t count;
 	int properties;
 	const struct ply_property *property;
@@ -57,7 +59,7 @@ struct ply_element {
 struct ply {
 	struct soup soup;
 	bool ascii, big_endian, colours, see_through;
-	int elements, properties; /* the first element is of properties that belong to none */
+	int elements, properties;
 	struct ply_element element[ELEMENTS_MAX];
 	struct ply_property property[PROPERTIES_MAX];
 
@@ -82,12 +84,17 @@ static bool has_roles(const struct ply_element *element, int first, int count)
 
 /* ---- the header ---- */
 
-static int header_refuse(const struct ply *ply, const char *what, struct text_span word,
-			 const char *expected)
+static int header_refuse(const struct ply *ply, int line, const char *format, ...)
+	__attribute__((format(printf, 3, 4)));
+static int header_refuse(const struct ply *ply, int line, const char *format, ...)
 {
-	return fault_say(ply->soup.fault, -EBADMSG, "%s:%d: %s \"%.*s\", expected %s",
-			 ply->soup.path, ply->soup.lines.line, what, text_shown(word), word.at,
-			 expected);
+	char text[256];
+	va_list list;
+
+	va_start(list, format);
+	vsnprintf(text, sizeof(text), format, list);
+	va_end(list);
+	return fault_say(ply->soup.fault, -EBADMSG, "%s:%d: %s", ply->soup.path, line, text);
 }
 
 static int type_of(struct text_span word)
@@ -111,22 +118,27 @@ static int role_of(struct text_span name, bool list)
 static int header_property(struct ply *ply, struct text_span line)
 {
 	struct ply_property *property = &ply->property[ply->properties];
+	const int at = ply->soup.lines.line;
 	struct text_span word = text_word(&line);
 
 	if (ply->properties == PROPERTIES_MAX)
-		return header_refuse(ply, "property", word, "at most 512 of them");
+		return header_refuse(ply, at, "expected at most %d properties", PROPERTIES_MAX);
+	if (!ply->elements)
+		return header_refuse(ply, at, "a property by itself, expected an element first");
 	property->count = -1;
 	if (text_is(word, "list")) {
 		word = text_word(&line);
 		property->count = type_of(word);
 		if (property->count < 0 || property->count >= FIRST_FLOAT)
-			return header_refuse(ply, "a list counted in", word, "whole numbers");
+			return header_refuse(ply, at,
+					     "a list counted in %.*s, expected whole numbers",
+					     text_shown(word), word.at);
 		word = text_word(&line);
 	}
 	property->type = type_of(word);
 	if (property->type < 0)
-		return header_refuse(ply, "property of type", word,
-				     "char, uchar, short, ushort, int, uint, float or double");
+		return header_refuse(ply, at, "property of type \"%.*s\", expected one of %s",
+				     text_shown(word), word.at, types[0]);
 	property->role = role_of(text_word(&line), property->count >= 0);
 	ply->properties++;
 	ply->element[ply->elements - 1].properties++;
@@ -137,17 +149,20 @@ static int header_property(struct ply *ply, struct text_span line)
 static int header_element(struct ply *ply, struct text_span line)
 {
 	const struct text_span name = text_word(&line), word = text_word(&line);
+	const int at = ply->soup.lines.line;
 	struct text_span digits = word;
 	int64_t count;
-	char what[96];
 
-	snprintf(what, sizeof(what), "element %.*s", text_shown(name), name.at);
 	if (!text_whole(&digits, &count) || !text_empty(digits) || count < 0 || count > INT_MAX)
-		return header_refuse(ply, what, word, "a number 0..2147483647");
+		return header_refuse(ply, at, "element %.*s \"%.*s\", expected a number 0..%d",
+				     text_shown(name), name.at, text_shown(word), word.at, INT_MAX);
 	if (ply->elements == ELEMENTS_MAX)
-		return header_refuse(ply, what, word, "at most 31 elements");
-	ply->element[ply->elements++] = (struct ply_element){
-		.name = name, .count = (size_t)count, .property = &ply->property[ply->properties]};
+		return header_refuse(ply, at, "expected at most %d elements", ELEMENTS_MAX);
+	ply->element[ply->elements++] =
+		(struct ply_element){.name = name,
+				     .line = at,
+				     .count = (size_t)count,
+				     .property = &ply->property[ply->properties]};
 	return 0;
 }
 
@@ -165,16 +180,17 @@ static int header_comment(struct ply *ply, struct text_span line)
 	return texture->name ? 0 : soup_lack(&ply->soup);
 }
 
+#define FORMATS "expected format ascii, binary_little_endian or binary_big_endian in the header"
+
 static int header_format(struct ply *ply, struct text_span line)
 {
 	const struct text_span kind = text_word(&line);
 
 	ply->ascii = text_is(kind, "ascii");
 	ply->big_endian = text_is(kind, "binary_big_endian");
-	if (ply->ascii || ply->big_endian || text_is(kind, "binary_little_endian"))
-		return 0;
-	return header_refuse(ply, "format", kind,
-			     "ascii, binary_little_endian or binary_big_endian");
+	return ply->ascii || ply->big_endian || text_is(kind, "binary_little_endian")
+		       ? 0
+		       : header_refuse(ply, ply->soup.lines.line, FORMATS);
 }
 
 /* Reads up to end_header. Skips words that it does not know. */
@@ -193,51 +209,53 @@ static int ply_read_header(struct ply *ply)
 	bool format = false;
 	int err = 0;
 
-	while (!err && text_next(&ply->soup.lines, &line) && line.end < end) {
+	while (!err && text_next(&ply->soup.lines, &line)) {
 		const char *const line_end = line.end;
 		const struct text_span word = text_word(&line);
 
 		if (text_is(word, "end_header") && format) {
 			/* data may begin with a byte of "\n" */
-			if (macintosh)
+			if (macintosh && line_end < end)
 				ply->soup.lines.rest.at = line_end + 1;
 			return 0;
 		}
 		format |= text_is(word, "format");
-		for (size_t k = 0; k < LENGTH(lines) && !err; k++)
+		/* the last line of a file that is cut is not whole; of a format that does not matter */
+		for (size_t k = 0; k < (line_end < end ? LENGTH(lines) : 1) && !err; k++)
 			if (text_is(word, lines[k].word))
 				err = lines[k].read(ply, line);
 	}
-	return err ? err
-		   : fault_say(ply->soup.fault, -EBADMSG,
-			       "%s: no line %s, expected one in the header: damaged or cut short",
-			       ply->soup.path, format ? "end_header" : "format");
+	if (err || !format)
+		return err ? err : header_refuse(ply, ply->soup.lines.line, FORMATS);
+	return fault_say(ply->soup.fault, -EBADMSG,
+			 "%s: no line end_header, expected one at the end of the header: damaged "
+			 "or cut short",
+			 ply->soup.path);
 }
 
 /* ---- rows ---- */
 
 /* Says where a row is, and what is wrong there. */
-static int ply_refuse(const struct ply *ply, const char *what, struct text_span word,
-		      const char *expected)
+static int ply_refuse(const struct ply *ply, const char *what, const char *expected)
 {
 	char place[16] = "";
 
 	if (ply->ascii)
 		snprintf(place, sizeof(place), ":%d", ply->soup.lines.line);
 	return fault_say(ply->soup.fault, -EBADMSG,
-			 "%s%s: %.*s %zu %s \"%.*s\", expected %s: damaged or cut short",
-			 ply->soup.path, place, text_shown(ply->of->name), ply->of->name.at,
-			 ply->row + 1, what, text_shown(word), word.at, expected);
+			 "%s%s: %.*s %zu %s, expected %s: damaged or cut short", ply->soup.path,
+			 place, text_shown(ply->of->name), ply->of->name.at, ply->row + 1, what,
+			 expected);
 }
 
-/* The same of a number that was read. */
-static int ply_refuse_value(const struct ply *ply, const char *what, double value,
-			    const char *expected)
+static int ply_refuse_word(const struct ply *ply, struct text_span word, const char *after,
+			   const char *expected)
 {
-	char text[32];
-	const int length = snprintf(text, sizeof(text), "%.10g", value);
+	char what[128] = "ends here";
 
-	return ply_refuse(ply, what, (struct text_span){text, text + length}, expected);
+	if (!text_empty(word))
+		snprintf(what, sizeof(what), "has \"%.*s\"%s", text_shown(word), word.at, after);
+	return ply_refuse(ply, what, expected);
 }
 
 static int ply_cut(const struct ply *ply)
@@ -266,14 +284,16 @@ static double binary_value(const char *at, int type, bool big_endian)
 	return (double)bits - (type % 2 == 0 && bits >> (8 * n - 1) ? ldexp(1, 8 * n) : 0);
 }
 
-static int ply_take(struct ply *ply, int type, double *value)
+#define HOW_MANY "how many numbers follow"
+
+static int ply_take(struct ply *ply, int type, double *value, const char *expected)
 {
 	struct text_span *data = &ply->soup.lines.rest;
 
 	if (ply->ascii) {
 		const struct text_span word = text_word(&ply->rest);
 
-		return text_number(word, value) ? 0 : ply_refuse(ply, "has", word, "a number");
+		return text_number(word, value) ? 0 : ply_refuse_word(ply, word, "", expected);
 	}
 	if (data->end - data->at < bytes_of[type])
 		return ply_cut(ply);
@@ -287,15 +307,17 @@ static int ply_take_property(struct ply *ply, const struct ply_property *p)
 	const bool code = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA && p->type < FIRST_FLOAT;
 	const double one = code ? ldexp(1, 8 * bytes_of[p->type] - !(p->type % 2)) - 1 : 1;
 	double count = 1, value;
-	int err = p->count >= 0 ? ply_take(ply, p->count, &count) : 0;
+	char what[64];
+	int err = p->count >= 0 ? ply_take(ply, p->count, &count, HOW_MANY) : 0;
 
 	if (!err &&
-	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count)))
-		return ply_refuse_value(ply, "has a list of", count,
-					"a whole number, 1 or more of corners");
+	    (!(count >= (p->role == ROLE_CORNERS)) || count > INT_MAX || count != floor(count))) {
+		snprintf(what, sizeof(what), "has \"%.10g\"", count);
+		return ply_refuse(ply, what, HOW_MANY);
+	}
 	ply->values[p->role] = 0;
 	for (; count > 0 && !err; count--) {
-		err = ply_take(ply, p->type, &value);
+		err = ply_take(ply, p->type, &value, "a number");
 		if (err || p->role == ROLE_NONE)
 			continue;
 		if (!soup_room(&ply->value[p->role], ply->values[p->role], &ply->room[p->role],
@@ -343,10 +365,6 @@ static int ply_add_vertex(struct ply *ply)
 {
 	struct soup_corner *corner;
 
-	if (!has_roles(ply->of, ROLE_X, 3))
-		return fault_say(ply->soup.fault, -EBADMSG,
-				 "%s: its vertices have no x, y and z, expected these properties",
-				 ply->soup.path);
 	if (!soup_room(&ply->vertex, ply->vertices, &ply->vertex_room, sizeof(*ply->vertex)))
 		return soup_lack(&ply->soup);
 	ply->vertex_has = (has_roles(ply->of, ROLE_NORMAL, 3) ? SOUP_NORMALS : 0) |
@@ -413,9 +431,13 @@ static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool tur
 
 static int check_corner(const struct ply *ply, double corner)
 {
-	return corner >= 0 && corner < (double)ply->vertices && corner == floor(corner)
-		       ? 0
-		       : ply_refuse_value(ply, "names vertex", corner, "one that the file has");
+	char what[64], expected[64];
+
+	if (corner >= 0 && corner < (double)ply->vertices && corner == floor(corner))
+		return 0;
+	snprintf(what, sizeof(what), "names vertex %.10g", corner);
+	snprintf(expected, sizeof(expected), "less than %zu", ply->vertices);
+	return ply_refuse(ply, what, expected);
 }
 
 /* A strip: each corner makes a triangle with the two before it; -1 begins another strip. */
@@ -446,7 +468,7 @@ static int ply_add_face(struct ply *ply)
 	int err = 0;
 
 	if (!text_empty(word))
-		return ply_refuse(ply, "has", word, "as many numbers as it counts");
+		return ply_refuse_word(ply, word, " after its vertices", "as many as it counts");
 	for (size_t k = 0; k < count && !err; k++)
 		err = check_corner(ply, ply->value[ROLE_CORNERS][k]);
 	return err ? err : ply_add_polygon(ply, 0, count, false);
@@ -471,7 +493,11 @@ static int ply_read_element(struct ply *ply, int number, ply_add *add)
 	int err = 0;
 
 	ply->of = &ply->element[number];
-	for (ply->row = 0; ply->row < ply->of->count && ply->of->properties && !err; ply->row++) {
+	if (ply->of->count && !ply->of->properties)
+		return header_refuse(ply, ply->of->line,
+				     "element %.*s has no property, expected at least one",
+				     text_shown(ply->of->name), ply->of->name.at);
+	for (ply->row = 0; ply->row < ply->of->count && !err; ply->row++) {
 		ply->rest = (struct text_span){NULL, NULL};
 		err = ply_read_row(ply);
 		if (!err && add)
@@ -489,6 +515,11 @@ static int ply_read_rows(struct ply *ply)
 
 	while (vertices < ply->elements && !text_is(ply->element[vertices].name, "vertex"))
 		again |= faces_of(&ply->element[vertices++]) != NULL;
+	if (vertices < ply->elements && ply->element[vertices].properties &&
+	    !has_roles(&ply->element[vertices], ROLE_X, 3))
+		return fault_say(ply->soup.fault, -EBADMSG,
+				 "%s: its vertices have no x, y and z, expected these properties",
+				 ply->soup.path);
 	for (int k = 0; k <= vertices && k < ply->elements && !err; k++)
 		err = ply_read_element(ply, k, k == vertices ? ply_add_vertex : NULL);
 	first = again ? 0 : vertices + 1;
@@ -555,7 +586,6 @@ int ply_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 
 	if (!ply)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
-	ply->elements = 1;
 	err = soup_open(&ply->soup, mesh, path, materials, fault);
 	err = soup_close(&ply->soup, err ? err : ply_read_file(ply, crease_deg));
 	ply_free(ply);
