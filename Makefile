@@ -276,8 +276,8 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 ## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
 $(eval $(call with_packages,test-deep,deep))
 
-DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-fuzz test-sanitize \
-	test-vm-rest test-power
+DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-blender test-fuzz \
+	test-sanitize test-vm-rest test-power
 test-deep-installed:
 	$(Q)tests/run.sh --begin
 	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(DEEP_GROUPS)
@@ -293,7 +293,7 @@ release-check:
 
 # Groups of tests alone; what each counts is added to the results of this run.
 .PHONY: test-lint test-unit test-thorough test-kernels test-emulated test-cli test-cli-deep \
-	test-accuracy test-registration test-fuzz test-sanitize
+	test-accuracy test-registration test-blender test-fuzz test-sanitize
 ## test-lint: the same as lint, counted as tests
 test-lint:
 	$(Q)$(RUN_TESTS) lint tests/lint/lint.sh
@@ -321,6 +321,8 @@ test-accuracy: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh
 test-registration: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/registration.sh
+test-blender: all $(TEST_PROGRAMS)
+	$(Q)$(RUN_TESTS) accuracy "tests/accuracy/blender.sh --test"
 ## test-fuzz: fuzz each reader for some seconds (clang)
 test-fuzz: programs-fuzz
 	$(Q)$(RUN_TESTS) fuzz tests/fuzz/run.sh
@@ -354,6 +356,11 @@ accuracy-installed: all $(TEST_PROGRAMS)
 $(eval $(call with_packages,exposures,test))
 exposures-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/exposures.sh
+
+## blender: mesh files and their materials against Blender's own pictures of them: the table (minutes)
+$(eval $(call with_packages,blender,deep))
+blender-installed: all $(TEST_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/blender.sh
 
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))

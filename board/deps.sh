@@ -25,7 +25,7 @@ test="libcmocka-dev libturbojpeg0-dev clang-format shellcheck git python3-minima
 	libcamera-ipa udev poppler-utils"
 # For the deep tests alone.
 deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc parallel slurmctld
-	slurmd slurm-client man-db mandoc lintian bash-completion zsh"
+	slurmd slurm-client man-db mandoc lintian bash-completion zsh blender python3-numpy"
 
 wanted=""
 for purpose in "$@"; do

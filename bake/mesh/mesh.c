@@ -89,6 +89,12 @@ static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement
 			part->position[i][1] = p.y;
 			part->position[i][2] = p.z;
 			part->normal[i] = v3_unit(affine_apply(&a, n, 0));
+			if (part->tangent) {
+				const struct v3 t = affine_apply(&a, part->tangent[i], 0);
+
+				memcpy(part->tangent[i], (float[]){t.x, t.y, t.z},
+				       3 * sizeof(float));
+			}
 			lowest = fminf(lowest, p.z);
 		}
 	}
@@ -266,6 +272,8 @@ uint64_t mesh_hash(const struct mesh *mesh)
 			XXH3_64bits_update(state, part->uv, vertices * sizeof(*part->uv));
 		if (part->uv2)
 			XXH3_64bits_update(state, part->uv2, vertices * sizeof(*part->uv2));
+		if (part->tangent)
+			XXH3_64bits_update(state, part->tangent, vertices * sizeof(*part->tangent));
 		if (part->colour)
 			XXH3_64bits_update(state, part->colour, vertices * sizeof(*part->colour));
 		XXH3_64bits_update(state, part->index,
@@ -288,6 +296,7 @@ void mesh_free(struct mesh *mesh)
 		free(mesh->parts[k].normal);
 		free(mesh->parts[k].uv);
 		free(mesh->parts[k].uv2);
+		free(mesh->parts[k].tangent);
 		free(mesh->parts[k].colour);
 		free(mesh->parts[k].index);
 	}

@@ -17,6 +17,9 @@ struct mesh_part {
 	struct v3 *normal;    /* [vertices]: unit, of the smoothed surface */
 	float (*uv)[2];	      /* [vertices]: texture coordinates; NULL: none */
 	float (*uv2)[2];      /* [vertices]: a second set; NULL: none */
+	float (*tangent)
+		[4]; /* [vertices]: along u of the material's bumps; w: 1 or -1, and along v is
+				 w (normal x tangent). NULL: both follow from the coordinates */
 	float (*colour)[4];   /* [vertices]: linear R G B and alpha, 0..1; NULL: 1 */
 	uint32_t (*index)[3]; /* [triangles] */
 	int material;	      /* index in the mesh's own list */

@@ -451,19 +451,30 @@ static void ground_surface(const struct world *world, struct v3 origin, struct v
 	s->position.z = 0;
 }
 
-/* The normal of a material with bumps, from that of the smoothed surface. */
-static struct v3 bumpy_normal(const struct instance *instance, const uint32_t corner[3],
-			      const struct material_point *point, struct v3 normal)
+/* Finds the axes of a part's own tangents. */
+static void tangent_axes(const struct mesh_part *part, const uint32_t corner[3],
+			 const float weight[3], struct v3 normal, struct v3 *along_u,
+			 struct v3 *along_v)
 {
-	const struct mesh_part *part = instance->part;
-	const int set = instance->material->bumps.set;
+	*along_u = (struct v3){0, 0, 0};
+	for (int k = 0; k < 3; k++) {
+		const float *t = part->tangent[corner[k]];
+
+		*along_u = v3_mad(*along_u, weight[k], v3_make(t[0], t[1], t[2]));
+	}
+	*along_v = v3_scale(v3_cross(normal, *along_u), part->tangent[corner[0]][3]);
+}
+
+/* Finds the axes of a triangle's texture coordinates. False: it has none. */
+static bool texture_axes(const struct mesh_part *part, int set, const uint32_t corner[3],
+			 struct v3 *along_u, struct v3 *along_v)
+{
 	const float(*uv)[2] = (const float(*)[2])(set ? part->uv2 : part->uv);
 	struct v3 edge[2];
 	float d[2][2], area;
 
-	if (!uv || !instance->material->bumps.texture)
-		return normal;
-	normal = v3_unit(normal);
+	if (!uv)
+		return false;
 	for (int k = 0; k < 2; k++) {
 		const float *a = part->position[corner[0]], *b = part->position[corner[k + 1]];
 
@@ -472,13 +483,30 @@ static struct v3 bumpy_normal(const struct instance *instance, const uint32_t co
 			d[k][axis] = uv[corner[k + 1]][axis] - uv[corner[0]][axis];
 	}
 	area = d[0][0] * d[1][1] - d[1][0] * d[0][1];
-	if (area == 0)
+	*along_u = v3_scale(v3_mad(v3_scale(edge[0], d[1][1]), -d[0][1], edge[1]),
+			    copysignf(1, area));
+	*along_v = v3_scale(v3_mad(v3_scale(edge[1], d[0][0]), -d[1][0], edge[0]),
+			    copysignf(1, area));
+	return area != 0;
+}
+
+/* The normal of a material with bumps, from that of the smoothed surface. */
+static struct v3 bumpy_normal(const struct instance *instance, const uint32_t corner[3],
+			      const float weight[3], const struct material_point *point,
+			      struct v3 normal)
+{
+	const struct mesh_part *part = instance->part;
+	const struct material *m = instance->material;
+	struct v3 along_u, along_v;
+
+	if (!m->bumps.texture)
 		return normal;
-	return material_bump(
-		instance->material, point,
-		v3_scale(v3_mad(v3_scale(edge[0], d[1][1]), -d[0][1], edge[1]), copysignf(1, area)),
-		v3_scale(v3_mad(v3_scale(edge[1], d[0][0]), -d[1][0], edge[0]), copysignf(1, area)),
-		normal);
+	normal = v3_unit(normal);
+	if (part->tangent)
+		tangent_axes(part, corner, weight, normal, &along_u, &along_v);
+	else if (!texture_axes(part, m->bumps.set, corner, &along_u, &along_v))
+		return normal;
+	return material_bump(m, point, along_u, along_v, normal);
 }
 
 /* Computes the hit point from the triangle, not from the ray, so that its error does not grow with
@@ -500,7 +528,7 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 		normal = v3_mad(normal, weight[k], part->normal[corner[k]]);
 	}
 	find_point(part, r->hit.primID, r->hit.u, r->hit.v, &point);
-	normal = bumpy_normal(instance, corner, &point, normal);
+	normal = bumpy_normal(instance, corner, weight, &point, normal);
 	s->kind = instance->kind;
 	s->mesh = instance->mesh;
 	s->position = position;

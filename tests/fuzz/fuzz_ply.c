@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a PLY and as an STL: read, or refused in a sentence.
  *
- * reaches: ply.c:check_corner ply.c:ply_take_list ply.c:binary_value ply.c:ply_add_strip
+ * reaches: ply.c:check_corner ply.c:ply_take_property ply.c:binary_value ply.c:ply_add_strip
  * ply.c:header_comment ply.c:ply_add_materials stl.c:stl_read_binary stl.c:stl_vertex
  * stl.c:stl_corner
  */

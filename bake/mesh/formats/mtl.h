@@ -9,7 +9,7 @@
  *                        Blender's libraries 1000 (1 - roughness)^2, and Ka there metalness
  *   Pr, Pm, map_Pr/_Pm   roughness and metalness, as in glTF
  *   d, Tr, map_d         coverage
- *   norm                 normals in tangent space
+ *   norm                 normals in tangent space; so is bump, if its picture is blue
  */
 #ifndef INLAY_BAKE_MESH_FORMATS_MTL_H
 #define INLAY_BAKE_MESH_FORMATS_MTL_H
@@ -35,7 +35,7 @@ int mtl_find(const struct mtl_library *library, struct text_span name);
 
 /* Makes a material, reads its textures, and counts what is left out. */
 int mtl_make(const struct mtl_library *library, int number, struct textures *textures,
-	     struct material *material, struct left_out *out, struct fault *fault);
+	     struct material *material, struct left_out *out);
 
 void mtl_free(struct mtl_library *library); /* idempotent */
 

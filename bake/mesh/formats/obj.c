@@ -21,11 +21,14 @@ struct obj_rows {
 
 enum obj_kind { OBJ_POSITION, OBJ_UV, OBJ_NORMAL, OBJ_KINDS };
 
-static const char *const kind_names[] = {"vertex", "texture coordinate", "normal"};
+static const struct obj_kind_of_row {
+	const char *name, *word;
+	int least, most; /* numbers of a line */
+} kinds[OBJ_KINDS] = {
+	{"vertex", "v", 3, 7}, {"texture coordinate", "vt", 1, 2}, {"normal", "vn", 3, 3}};
 
 struct obj {
-	const char *path;
-	bool with_materials;
+	struct soup soup;
 	struct obj_rows rows[OBJ_KINDS];
 	struct obj_rows colours; /* as many as positions; empty: none has one */
 	struct mtl_library library;
@@ -36,12 +39,9 @@ struct obj {
 	 * elsewhere. NULL: none. */
 	char *missing;
 	int missing_line;
-	int current; /* material that faces get, in the library */
-	struct soup soup;
+	int current;		    /* material that faces get, in the library */
 	struct soup_corner *corner; /* of a face */
 	size_t corner_room;
-	struct textures textures;
-	struct left_out out;
 	unsigned odd; /* bits of odd_words */
 };
 
@@ -49,53 +49,41 @@ struct obj {
 static const char *const odd_words[] = {"l", "p", "curv", "curv2", "surf"};
 static const char *const odd_names[] = {"lines", "points", "curves", "curves", "curved surfaces"};
 
-static int obj_lack(const struct obj *obj, struct fault *fault)
-{
-	return fault_say(fault, -ENOMEM, "%s: out of memory", obj->path);
-}
-
 /* ---- numbers ---- */
 
 static bool rows_add(struct obj_rows *rows, const float *value)
 {
-	if (rows->count == rows->room) {
-		const size_t room = rows->room ? 2 * rows->room : 1024;
-		float *grown = realloc(rows->value, room * (size_t)rows->width * sizeof(*grown));
+	const size_t width = (size_t)rows->width;
 
-		if (!grown)
-			return false;
-		rows->value = grown;
-		rows->room = room;
-	}
-	memcpy(rows->value + rows->count++ * (size_t)rows->width, value,
-	       (size_t)rows->width * sizeof(*value));
+	if (!soup_room(&rows->value, rows->count, &rows->room, width * sizeof(*value)))
+		return false;
+	memcpy(rows->value + rows->count++ * width, value, width * sizeof(*value));
 	return true;
 }
 
-/* Reads up to most numbers of a line, up to a comment. Some programs write texture coordinates that
- * are none, of faces without area: these become 0. */
-static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line, int number,
-		       float *value, int least, int most, struct fault *fault)
+/* Reads the numbers of a line, up to a comment. */
+static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line,
+		       float *value)
 {
 	int count = 0;
 
-	for (; count < most; count++) {
+	for (; count < kinds[kind].most; count++) {
 		const struct text_span got = text_word(&line);
 		double read;
 
-		if (count >= least && (text_empty(got) || *got.at == '#'))
+		if (count >= kinds[kind].least && (text_empty(got) || *got.at == '#'))
 			break;
 		if (!text_number(got, &read))
-			return fault_say(fault, -EBADMSG,
-					 "%s:%d: %s has \"%.*s\", expected a number", obj->path,
-					 number, kind_names[kind], text_shown(got), got.at);
+			return fault_say(obj->soup.fault, -EBADMSG,
+					 "%s:%d: %s has \"%.*s\", expected a number",
+					 obj->soup.path, obj->soup.lines.line, kinds[kind].name,
+					 text_shown(got), got.at);
 		value[count] = (float)read;
 		if (!isfinite(value[count]) && kind == OBJ_POSITION)
-			return fault_say(fault, -EDOM,
+			return fault_say(obj->soup.fault, -EDOM,
 					 "%s:%d: vertex %zu is not finite, expected numbers",
-					 obj->path, number, obj->rows[kind].count + 1);
-		if (!isfinite(value[count]))
-			value[count] = 0;
+					 obj->soup.path, obj->soup.lines.line,
+					 obj->rows[kind].count + 1);
 	}
 	return count;
 }
@@ -114,118 +102,114 @@ static int obj_colour(struct obj *obj, const float colour[3], bool said)
 	return rows_add(colours, said ? colour : white) ? 0 : -ENOMEM;
 }
 
-static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line, int number,
-		   struct fault *fault)
+static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line)
 {
-	static const int least[OBJ_KINDS] = {3, 1, 3}, most[OBJ_KINDS] = {7, 2, 3};
 	float value[7] = {0};
-	const int count = obj_numbers(obj, kind, line, number, value, least[kind], most[kind],
-				      fault);
+	const int count = obj_numbers(obj, kind, line, value);
 
 	if (count < 0)
 		return count;
 	if (!rows_add(&obj->rows[kind], value) ||
 	    (kind == OBJ_POSITION && obj_colour(obj, value + count - 3, count >= 6) < 0))
-		return obj_lack(obj, fault);
+		return soup_lack(&obj->soup);
 	return 0;
 }
 
 /* ---- materials ---- */
 
-static int obj_miss(struct obj *obj, struct text_span name, int number, struct fault *fault)
+static int obj_miss(struct obj *obj, struct text_span name)
 {
 	if (obj->missing)
 		return 0;
 	obj->missing = text_copy(name);
-	obj->missing_line = number;
-	return obj->missing ? 0 : obj_lack(obj, fault);
+	obj->missing_line = obj->soup.lines.line;
+	return obj->missing ? 0 : soup_lack(&obj->soup);
 }
 
 /* Reads a library; -ENOENT without a fault: there is none of this name. */
-static int obj_open_library(struct obj *obj, struct text_span name, struct fault *fault)
+static int obj_open_library(struct obj *obj, struct text_span name)
 {
 	char path[PATH_MAX];
 	char *text = text_copy(name);
 	bool found;
 
 	if (!text)
-		return obj_lack(obj, fault);
-	found = beside_find(obj->path, text, path);
+		return soup_lack(&obj->soup);
+	found = beside_find(obj->soup.path, text, path);
 	free(text);
-	return found ? mtl_read(&obj->library, path, fault) : -ENOENT;
+	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
 }
 
 /* The rest of the line is the name of one library, which may have blanks, or of several. In place of
  * those that are missing counts the one that is named as the mesh. */
-static int obj_libraries(struct obj *obj, struct text_span line, int number, struct fault *fault)
+static int obj_libraries(struct obj *obj, struct text_span line)
 {
 	const struct text_span all = text_name(line);
-	const char *slash = strrchr(obj->path, '/'), *dot = strrchr(obj->path, '.');
-	const char *bare = slash ? slash + 1 : obj->path;
+	const char *slash = strrchr(obj->soup.path, '/'), *dot = strrchr(obj->soup.path, '.');
+	const char *bare = slash ? slash + 1 : obj->soup.path;
 	char own[PATH_MAX];
-	int err = obj_open_library(obj, all, fault), some = 0;
+	int err = obj_open_library(obj, all), some = 0;
 
 	obj->any_library = true;
 	if (err != -ENOENT)
 		return err;
 	line = all;
 	for (struct text_span word = text_word(&line); !text_empty(word); word = text_word(&line)) {
-		err = obj_open_library(obj, word, fault);
+		err = obj_open_library(obj, word);
 		if (err && err != -ENOENT)
 			return err;
 		some += !err;
-		if (err && obj_miss(obj, some ? word : all, number, fault) < 0)
+		if (err && obj_miss(obj, some ? word : all) < 0)
 			return -ENOMEM;
 	}
 	if (some || snprintf(own, sizeof(own), "%.*s.mtl", (int)((dot > bare ? dot : bare) - bare),
 			     bare) >= (int)sizeof(own))
 		return 0;
-	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)}, fault);
+	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)});
 	return err == -ENOENT ? 0 : err;
 }
 
-static int obj_use(struct obj *obj, struct text_span line, int number, struct fault *fault)
+static int obj_use(struct obj *obj, struct text_span line)
 {
 	const struct text_span name = text_name(line);
 
-	if (!obj->with_materials || !obj->any_library)
+	if (!obj->soup.with_materials || !obj->any_library)
 		return 0;
 	obj->current = mtl_find(&obj->library, name);
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
-		return fault_say(fault, -ENOENT,
+		return fault_say(obj->soup.fault, -ENOENT,
 				 "%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, "
 				 "or a material in the scene file",
-				 obj->path, obj->missing_line, obj->missing);
-	return fault_say(fault, -EINVAL,
+				 obj->soup.path, obj->missing_line, obj->missing);
+	return fault_say(obj->soup.fault, -EINVAL,
 			 "%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl "
 			 "%.*s in one, or a material in the scene file",
-			 obj->path, number, text_shown(name), name.at, text_shown(name), name.at);
+			 obj->soup.path, obj->soup.lines.line, text_shown(name), name.at,
+			 text_shown(name), name.at);
 }
 
 /* Makes the material of the next faces when it is used first. */
-static int obj_material(struct obj *obj, struct fault *fault)
+static int obj_material(struct obj *obj)
 {
-	struct mesh *mesh = obj->textures.mesh;
+	struct mesh *mesh = obj->soup.textures.mesh;
 	struct material *m = &mesh->materials[mesh->material_count];
 
 	if (obj->material[obj->current] >= 0)
 		return 0;
 	obj->material[obj->current] = mesh->material_count++;
 	if (obj->current < obj->library.count)
-		return mtl_make(&obj->library, obj->current, &obj->textures, m, &obj->out, fault);
-	*m = (struct material){.ior = 1.5f, .alpha = 1, .colour = {{0.8f, 0.8f, 0.8f}}};
-	if (obj->colours.count)
-		m->colour = rgb_make(1, 1, 1);
+		return mtl_make(&obj->library, obj->current, &obj->soup.textures, m,
+				&obj->soup.out);
+	*m = soup_material(obj->colours.count > 0);
 	return 0;
 }
 
 /* ---- faces ---- */
 
 /* Returns the row that an index names: 1 is the first row of the file, -1 the last before the face. */
-static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index, int number,
-			     struct fault *fault)
+static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index)
 {
 	const struct obj_rows *rows = &obj->rows[kind];
 	const int64_t at = index < 0 ? (int64_t)rows->seen + index : index - 1;
@@ -233,20 +217,20 @@ static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t 
 	if (at >= 0 && (uint64_t)at < rows->count)
 		return rows->value + (size_t)at * (size_t)rows->width;
 	if (index)
-		fault_say(fault, -EBADMSG,
+		fault_say(obj->soup.fault, -EBADMSG,
 			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
 			  "damaged or cut short",
-			  obj->path, number, kind_names[kind], (long long)index,
+			  obj->soup.path, obj->soup.lines.line, kinds[kind].name, (long long)index,
 			  index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
 	else
-		fault_say(fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more", obj->path,
-			  number, kind_names[kind]);
+		fault_say(obj->soup.fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more",
+			  obj->soup.path, obj->soup.lines.line, kinds[kind].name);
 	return NULL;
 }
 
 /* Reads a corner, "v", "v/vt", "v//vn" or "v/vt/vn". */
 static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner *corner,
-		      unsigned *has, int number, struct fault *fault)
+		      unsigned *has)
 {
 	const struct text_span whole = word;
 	const float *row[OBJ_KINDS] = {NULL};
@@ -258,7 +242,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 		if (kind > 0 && *word.at++ != '/')
 			fine = false;
 		else if (text_whole(&word, &index))
-			row[kind] = obj_find(obj, kind, index, number, fault);
+			row[kind] = obj_find(obj, kind, index);
 		else if (kind == 0)
 			fine = false;
 		else
@@ -267,19 +251,17 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 			return -EBADMSG;
 	}
 	if (!fine || !text_empty(word))
-		return fault_say(fault, -EBADMSG,
+		return fault_say(obj->soup.fault, -EBADMSG,
 				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
 				 "coordinate and a normal, such as 1/1/1",
-				 obj->path, number, text_shown(whole), whole.at);
+				 obj->soup.path, obj->soup.lines.line, text_shown(whole), whole.at);
+	*corner = (struct soup_corner){.colour = {1, 1, 1, 1}};
 	memcpy(corner->position, row[OBJ_POSITION], sizeof(corner->position));
 	if (row[OBJ_UV])
 		memcpy(corner->uv, row[OBJ_UV], sizeof(corner->uv));
-	else
-		memset(corner->uv, 0, sizeof(corner->uv));
 	if (row[OBJ_NORMAL])
 		memcpy(corner->normal, row[OBJ_NORMAL], sizeof(corner->normal));
-	if (!row[OBJ_NORMAL] ||
-	    (corner->normal[0] == 0 && corner->normal[1] == 0 && corner->normal[2] == 0))
+	if (!soup_has_normal(corner))
 		*has &= ~SOUP_NORMALS;
 	if (row[OBJ_UV])
 		*has |= SOUP_UVS;
@@ -287,12 +269,11 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 		const size_t at = (size_t)(row[OBJ_POSITION] - obj->rows[OBJ_POSITION].value) / 3;
 
 		memcpy(corner->colour, obj->colours.value + 3 * at, 3 * sizeof(float));
-		corner->colour[3] = 1;
 	}
 	return 0;
 }
 
-static int obj_face(struct obj *obj, struct text_span line, int number, struct fault *fault)
+static int obj_face(struct obj *obj, struct text_span line)
 {
 	unsigned has = SOUP_NORMALS;
 	size_t count = 0;
@@ -301,79 +282,61 @@ static int obj_face(struct obj *obj, struct text_span line, int number, struct f
 
 	for (struct text_span word = text_word(&line); !text_empty(word) && *word.at != '#';
 	     word = text_word(&line)) {
-		if (count == obj->corner_room) {
-			struct soup_corner *grown = realloc(obj->corner,
-							    2 * (count + 8) * sizeof(*grown));
-
-			if (!grown)
-				return obj_lack(obj, fault);
-			obj->corner = grown;
-			obj->corner_room = 2 * (count + 8);
-		}
-		err = obj_corner(obj, word, &obj->corner[count++], &has, number, fault);
+		if (!soup_room(&obj->corner, count, &obj->corner_room, sizeof(*obj->corner)))
+			return soup_lack(&obj->soup);
+		err = obj_corner(obj, word, &obj->corner[count++], &has);
 		if (err)
 			return err;
 	}
 	if (!count)
-		return fault_say(fault, -EBADMSG, "%s:%d: f has no vertices, expected 3 or more",
-				 obj->path, number);
-	if (!obj->with_materials)
-		return soup_add(&obj->soup, obj->corner, (int)count, 0, has, fault);
-	err = obj_material(obj, fault);
+		return fault_say(obj->soup.fault, -EBADMSG,
+				 "%s:%d: f has no vertices, expected 3 or more", obj->soup.path,
+				 obj->soup.lines.line);
+	if (!obj->soup.with_materials)
+		return soup_add(&obj->soup, obj->corner, (int)count, 0, has);
+	err = obj_material(obj);
 	if (err)
 		return err;
-	m = &obj->textures.mesh->materials[obj->material[obj->current]];
+	m = &obj->soup.textures.mesh->materials[obj->material[obj->current]];
 	if (obj->colours.count && !m->texture)
 		has |= SOUP_COLOURS;
-	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has,
-			fault);
+	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has);
 }
 
 /* ---- the file ---- */
 
-static bool obj_row_kind(struct text_span word, enum obj_kind *kind)
+/* The first pass reads numbers and libraries; faces may name those that follow them. */
+static int obj_line(struct obj *obj, bool first, struct text_span line)
 {
-	*kind = text_is(word, "v") ? OBJ_POSITION : text_is(word, "vt") ? OBJ_UV : OBJ_NORMAL;
-	return *kind != OBJ_NORMAL || text_is(word, "vn");
+	const struct text_span word = text_word(&line);
+
+	for (int kind = 0; kind < OBJ_KINDS; kind++)
+		if (text_is(word, kinds[kind].word)) {
+			obj->rows[kind].seen += !first;
+			return first ? obj_row(obj, (enum obj_kind)kind, line) : 0;
+		}
+	if (first)
+		return obj->soup.with_materials && text_is_any_case(word, "mtllib")
+			       ? obj_libraries(obj, line)
+			       : 0;
+	if (text_is(word, "f") || text_is(word, "fo"))
+		return obj_face(obj, line);
+	if (text_is_any_case(word, "usemtl"))
+		return obj_use(obj, line);
+	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
+		obj->odd |= (unsigned)text_is(word, odd_words[k]) << k;
+	return 0;
 }
 
-/* Reads numbers and libraries; faces may name those that follow them. */
-static int obj_first_pass(struct obj *obj, struct text_lines *lines, struct fault *fault)
+static int obj_pass(struct obj *obj, bool first)
 {
 	struct text_span line;
-	enum obj_kind kind;
 	int err = 0;
 
-	while (!err && text_next_joined(lines, &line)) {
-		const struct text_span word = text_word(&line);
-
-		if (obj_row_kind(word, &kind))
-			err = obj_row(obj, kind, line, lines->line, fault);
-		else if (obj->with_materials && text_is_any_case(word, "mtllib"))
-			err = obj_libraries(obj, line, lines->line, fault);
-	}
-	return err;
-}
-
-static int obj_second_pass(struct obj *obj, struct text_lines *lines, struct fault *fault)
-{
-	struct text_span line;
-	enum obj_kind kind;
-	int err = 0;
-
-	while (!err && text_next_joined(lines, &line)) {
-		const struct text_span word = text_word(&line);
-
-		if (obj_row_kind(word, &kind))
-			obj->rows[kind].seen++;
-		else if (text_is(word, "f") || text_is(word, "fo"))
-			err = obj_face(obj, line, lines->line, fault);
-		else if (text_is_any_case(word, "usemtl"))
-			err = obj_use(obj, line, lines->line, fault);
-		else
-			for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
-				obj->odd |= (unsigned)text_is(word, odd_words[k]) << k;
-	}
+	text_begin(&obj->soup.lines, obj->soup.file.at, obj->soup.file.bytes);
+	while (!err && text_next_joined(&obj->soup.lines, &line))
+		err = obj_line(obj, first, line);
+	text_end(&obj->soup.lines);
 	return err;
 }
 
@@ -383,10 +346,10 @@ static bool obj_begin_materials(struct obj *obj)
 
 	obj->current = obj->library.count;
 	obj->material = malloc(count * sizeof(*obj->material));
-	obj->textures.mesh->materials = calloc(count, sizeof(struct material));
+	obj->soup.textures.mesh->materials = calloc(count, sizeof(struct material));
 	if (obj->material)
 		memset(obj->material, 0xff, count * sizeof(*obj->material));
-	return obj->material && obj->textures.mesh->materials;
+	return obj->material && obj->soup.textures.mesh->materials;
 }
 
 /* Colours are code values of sRGB, 0..1 or, of some programs, 0..255. */
@@ -405,27 +368,20 @@ static void obj_decode_colours(struct obj *obj)
 	}
 }
 
-static int obj_read_text(struct obj *obj, const struct plain_map *file, double crease_deg,
-			 struct fault *fault)
+static int obj_read_text(struct obj *obj, double crease_deg)
 {
-	struct text_lines lines;
-	int err;
+	int err = obj_pass(obj, true);
 
-	text_begin(&lines, file->at, file->bytes);
-	err = obj_first_pass(obj, &lines, fault);
-	text_end(&lines);
 	if (!err && !obj_begin_materials(obj))
-		err = obj_lack(obj, fault);
+		err = soup_lack(&obj->soup);
 	if (err)
 		return err;
 	obj_decode_colours(obj);
-	text_begin(&lines, file->at, file->bytes);
-	err = obj_second_pass(obj, &lines, fault);
-	text_end(&lines);
+	err = obj_pass(obj, false);
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		if (obj->odd & 1u << k)
-			left_out_add(&obj->out, odd_names[k], "mesh");
-	return err ? err : soup_finish(&obj->soup, obj->textures.mesh, crease_deg, fault);
+			left_out_add(&obj->soup.out, odd_names[k], "mesh");
+	return err ? err : soup_finish(&obj->soup, crease_deg);
 }
 
 static void obj_free(struct obj *obj)
@@ -437,30 +393,16 @@ static void obj_free(struct obj *obj)
 	free(obj->missing);
 	free(obj->corner);
 	mtl_free(&obj->library);
-	textures_free(&obj->textures);
-	soup_free(&obj->soup);
 }
 
 int obj_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct obj obj = {
-		.path = path,
-		.with_materials = materials,
-		.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
-		.colours = {.width = 3},
-		.textures = {.mesh = mesh, .mesh_path = path},
-	};
-	struct plain_map file;
-	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+	struct obj obj = {.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
+			  .colours = {.width = 3}};
+	int err = soup_open(&obj.soup, mesh, path, materials, fault);
 
-	if (err)
-		return err;
-	soup_begin(&obj.soup, path);
-	err = obj_read_text(&obj, &file, crease_deg, fault);
-	plain_file_unmap(&file);
-	if (!err)
-		left_out_say(&obj.out, path);
+	err = soup_close(&obj.soup, err ? err : obj_read_text(&obj, crease_deg));
 	obj_free(&obj);
 	return err;
 }

@@ -25,20 +25,42 @@ struct soup_part {
 	size_t vertices, vertex_room, slots, triangles, triangle_room;
 };
 
-void soup_begin(struct soup *soup, const char *path)
+int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool materials,
+	      struct fault *fault)
 {
-	*soup = (struct soup){.path = path};
+	int err;
+
+	*soup = (struct soup){.path = path,
+			      .fault = fault,
+			      .with_materials = materials,
+			      .textures = {.mesh = mesh, .mesh_path = path, .fault = fault}};
+	err = plain_file_map(&soup->file, path, PLAIN_FILE_MAX, fault);
+	text_begin(&soup->lines, soup->file.at, soup->file.bytes);
+	return err;
 }
 
-static int soup_lack(const struct soup *soup, struct fault *fault)
+int soup_lack(const struct soup *soup)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", soup->path);
+	return fault_say(soup->fault, -ENOMEM, "%s: out of memory", soup->path);
+}
+
+bool soup_has_normal(const struct soup_corner *corner)
+{
+	const float *n = corner->normal, length = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]);
+
+	return length > 0 && isfinite(length);
+}
+
+struct material soup_material(bool coloured)
+{
+	const float grey = coloured ? 1 : 0.8f;
+
+	return (struct material){.ior = 1.5f, .alpha = 1, .colour = {{grey, grey, grey}}};
 }
 
 /* ---- vertices ---- */
 
-/* Doubles an array that is full. */
-static bool soup_room(void *array, size_t used, size_t *room, size_t size)
+bool soup_room(void *array, size_t used, size_t *room, size_t size)
 {
 	const size_t wanted = *room ? 2 * *room : 64;
 	void *grown;
@@ -92,8 +114,8 @@ static uint32_t part_vertex(struct soup_part *part, const struct soup_corner *fr
 	memcpy(corner.position, from->position, sizeof(corner.position));
 	if (has & SOUP_NORMALS)
 		memcpy(corner.normal, from->normal, sizeof(corner.normal));
-	if (has & SOUP_UVS)
-		memcpy(corner.uv, from->uv, sizeof(corner.uv));
+	for (int k = 0; k < 2 && has & SOUP_UVS; k++)
+		corner.uv[k] = isfinite(from->uv[k]) ? from->uv[k] : 0;
 	if (has & SOUP_COLOURS)
 		memcpy(corner.colour, from->colour, sizeof(corner.colour));
 	if (!part_grow_slots(part))
@@ -112,9 +134,9 @@ static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned 
 {
 	struct soup_part *grown;
 
-	for (int k = soup->part_count - 1; k >= 0; k--) {
-		/* the part that was used last comes first */
-		const int at = k == soup->part_count - 1 ? soup->last : k >= soup->last ? k + 1 : k;
+	/* that which was used last comes first */
+	for (int k = 0; k < soup->part_count; k++) {
+		const int at = (soup->last + k) % soup->part_count;
 		struct soup_part *part = &soup->parts[at];
 
 		if (part->material == material && !((part->has ^ has) & SOUP_NORMALS)) {
@@ -132,24 +154,24 @@ static struct soup_part *soup_part_of(struct soup *soup, int material, unsigned 
 }
 
 static int soup_add_triangle(struct soup *soup, struct soup_part *part, const struct soup_corner *a,
-			     const struct soup_corner *b, const struct soup_corner *c, unsigned has,
-			     struct fault *fault)
+			     const struct soup_corner *b, const struct soup_corner *c, unsigned has)
 {
+	const struct soup_corner *const corner[3] = {a, b, c};
 	uint32_t(*triangle)[3];
 
 	if (part->triangles >= TRIANGLES_MAX)
-		return fault_say(fault, -EFBIG, "%s: expected at most %d triangles of a material",
-				 soup->path, TRIANGLES_MAX);
+		return fault_say(soup->fault, -EFBIG,
+				 "%s: expected at most %d triangles of a material", soup->path,
+				 TRIANGLES_MAX);
 	if (!soup_room(&part->triangle, part->triangles, &part->triangle_room,
 		       sizeof(*part->triangle)))
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	triangle = &part->triangle[part->triangles];
-	(*triangle)[0] = part_vertex(part, a, has);
-	(*triangle)[1] = part_vertex(part, b, has);
-	(*triangle)[2] = part_vertex(part, c, has);
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < 3; k++) {
+		(*triangle)[k] = part_vertex(part, corner[k], has);
 		if ((*triangle)[k] == NONE)
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
+	}
 	part->triangles++;
 	return 0;
 }
@@ -245,7 +267,7 @@ static int find_ear(const struct polygon *p, const int *left, int count, int fro
 }
 
 static int cut_ears(struct soup *soup, struct soup_part *part, const struct polygon *p, int count,
-		    unsigned has, struct fault *fault)
+		    unsigned has)
 {
 	const struct soup_corner *corner = p->corner;
 	int err = 0, *left, ear = 1;
@@ -253,7 +275,7 @@ static int cut_ears(struct soup *soup, struct soup_part *part, const struct poly
 	if (count > soup->left_room) {
 		left = realloc(soup->left, (size_t)count * sizeof(*left));
 		if (!left)
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
 		soup->left = left;
 		soup->left_room = count;
 	}
@@ -263,31 +285,29 @@ static int cut_ears(struct soup *soup, struct soup_part *part, const struct poly
 	for (; count >= 3 && !err; count--) {
 		ear = find_ear(p, left, count, ear);
 		err = soup_add_triangle(soup, part, &corner[left[(ear + count - 1) % count]],
-					&corner[left[ear]], &corner[left[(ear + 1) % count]], has,
-					fault);
+					&corner[left[ear]], &corner[left[(ear + 1) % count]], has);
 		memmove(left + ear, left + ear + 1, (size_t)(count - ear - 1) * sizeof(*left));
 	}
 	return err;
 }
 
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
-	     unsigned has, struct fault *fault)
+	     unsigned has)
 {
 	struct soup_part *part = soup_part_of(soup, material, has);
 	struct polygon p;
 	int err = 0;
 
 	if (!part)
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	part->has |= has;
 	if (count > 3) {
 		p = polygon_seen(corners, count);
 		if (!is_convex(&p, count))
-			return cut_ears(soup, part, &p, count, has, fault);
+			return cut_ears(soup, part, &p, count, has);
 	}
 	for (int k = 1; k + 1 < count && !err; k++)
-		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has,
-					fault);
+		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has);
 	return err;
 }
 
@@ -308,8 +328,8 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 		to->uv = calloc(vertices + 1, sizeof(*to->uv));
 	if (from->has & SOUP_COLOURS)
 		to->colour = calloc(vertices + 1, sizeof(*to->colour));
-	if (!to->position || !to->normal || (from->has & SOUP_UVS && !to->uv) ||
-	    (from->has & SOUP_COLOURS && !to->colour))
+	if (!to->position || !to->normal || !to->uv != !(from->has & SOUP_UVS) ||
+	    !to->colour != !(from->has & SOUP_COLOURS))
 		return false;
 	for (size_t v = 0; v < vertices; v++) {
 		const struct soup_corner *c = &from->vertex[v];
@@ -328,11 +348,13 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 
 /* Indices are in range: mesh_smooth() may trust them. A vertex that is not finite, which the caller
  * refuses, gives it no trouble but normals that are none. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct fault *fault)
+int soup_finish(struct soup *soup, double crease_deg)
 {
+	struct mesh *mesh = soup->textures.mesh;
+
 	mesh->parts = calloc((size_t)soup->part_count + 1, sizeof(*mesh->parts));
 	if (!mesh->parts)
-		return soup_lack(soup, fault);
+		return soup_lack(soup);
 	for (int k = 0; k < soup->part_count; k++) {
 		struct soup_part *from = &soup->parts[k];
 		struct mesh_part *to = &mesh->parts[mesh->part_count];
@@ -344,13 +366,15 @@ int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct 
 		from->slot = NULL;
 		if (!part_move(from, to) ||
 		    (!(from->has & SOUP_NORMALS) && mesh_smooth(to, crease_deg) < 0))
-			return soup_lack(soup, fault);
+			return soup_lack(soup);
 	}
 	return 0;
 }
 
-void soup_free(struct soup *soup)
+int soup_close(struct soup *soup, int err)
 {
+	if (!err)
+		left_out_say(&soup->out, soup->path);
 	for (int k = 0; k < soup->part_count; k++) {
 		free(soup->parts[k].vertex);
 		free(soup->parts[k].slot);
@@ -358,5 +382,8 @@ void soup_free(struct soup *soup)
 	}
 	free(soup->parts);
 	free(soup->left);
-	*soup = (struct soup){.path = soup->path};
+	textures_free(&soup->textures);
+	text_end(&soup->lines);
+	plain_file_unmap(&soup->file);
+	return err;
 }

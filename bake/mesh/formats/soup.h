@@ -6,27 +6,50 @@
 #ifndef INLAY_BAKE_MESH_FORMATS_SOUP_H
 #define INLAY_BAKE_MESH_FORMATS_SOUP_H
 
-#include "bake/mesh/mesh.h"
+#include "bake/mesh/formats/text.h"
+#include "bake/mesh/formats/textures.h"
+#include "bake/mesh/left_out.h"
+#include "bake/mesh/plain_file.h"
 
 struct soup_corner {
 	float position[3], normal[3], uv[2], colour[4];
 };
 
-/* What corners have, as bits. What they have not is ignored. */
+/* What corners have, as bits. What they have not is ignored. Texture coordinates that are no numbers, as
+ * some programs write them of faces without area, become 0; such a normal is none. */
 #define SOUP_NORMALS 1u
 #define SOUP_UVS 2u
 #define SOUP_COLOURS 4u
 
+bool soup_has_normal(const struct soup_corner *corner);
+
+/* A matt surface: grey where the file says nothing of colours, white where it has some elsewhere. */
+struct material soup_material(bool coloured);
+
+/* Makes room for one more element of an array that has `used`. False: out of memory. */
+bool soup_room(void *array, size_t used, size_t *room, size_t size);
+
 struct soup_part;
 
+/* A file that is being read, and what has been read of it. */
 struct soup {
 	const char *path; /* for messages */
+	struct fault *fault;
+	bool with_materials;
+	struct plain_map file;
+	struct text_lines lines;  /* of the whole file, from the beginning */
+	struct textures textures; /* and the mesh */
+	struct left_out out;
 	struct soup_part *parts;
 	int part_count, last;
 	int *left, left_room; /* corners of the polygon that is being cut */
 };
 
-void soup_begin(struct soup *soup, const char *path);
+/* Opens a file for a zeroed mesh. soup_close() also after a failure. */
+int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool materials,
+	      struct fault *fault);
+
+int soup_lack(const struct soup *soup); /* -ENOMEM */
 
 /*
  * Adds a polygon, which may be concave and is cut in its plane, by ears (Meisters 1975). Its corners
@@ -34,12 +57,13 @@ void soup_begin(struct soup *soup, const char *path);
  * too many triangles. material: index in the mesh's own list.
  */
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
-	     unsigned has, struct fault *fault);
+	     unsigned has);
 
 /* Moves all parts to the mesh, and computes normals where there are none; crease_deg as of
  * mesh_smooth(). -ENOMEM. */
-int soup_finish(struct soup *soup, struct mesh *mesh, double crease_deg, struct fault *fault);
+int soup_finish(struct soup *soup, double crease_deg);
 
-void soup_free(struct soup *soup); /* idempotent */
+/* Frees all; says what is left out where err is 0. Returns err. */
+int soup_close(struct soup *soup, int err);
 
 #endif

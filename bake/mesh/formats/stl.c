@@ -8,9 +8,6 @@
 
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/formats/soup.h"
-#include "bake/mesh/formats/text.h"
-#include "bake/mesh/left_out.h"
-#include "bake/mesh/plain_file.h"
 
 /* A binary file: a header, the number of triangles, and for each a normal, three corners and two bytes
  * that some programs use for a colour. */
@@ -18,7 +15,6 @@
 #define TRIANGLE_BYTES 50
 
 struct stl {
-	const char *path;
 	struct soup soup;
 	bool colours;
 };
@@ -45,8 +41,7 @@ static bool stl_is_binary(const struct plain_map *file)
 	       (memchr(file->at, '\0', HEADER_BYTES) || !memmem(file->at, bytes, "facet", 5));
 }
 
-static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex,
-		      struct fault *fault)
+static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex)
 {
 	char place[16] = "";
 
@@ -54,24 +49,24 @@ static int stl_corner(const struct stl *stl, struct soup_corner *corner, int lin
 		if (!isfinite(corner->position[axis])) {
 			if (line)
 				snprintf(place, sizeof(place), ":%d", line);
-			return fault_say(fault, -EDOM,
+			return fault_say(stl->soup.fault, -EDOM,
 					 "%s%s: vertex %llu is not finite, expected numbers",
-					 stl->path, place, (unsigned long long)vertex + 1);
+					 stl->soup.path, place, (unsigned long long)vertex + 1);
 		}
 	return 0;
 }
 
-static int stl_read_binary(struct stl *stl, const struct plain_map *file, struct fault *fault)
+static int stl_read_binary(struct stl *stl, const struct plain_map *file)
 {
 	const uint32_t count = stl_word(file->at + 80);
 	const char *at = file->at + HEADER_BYTES;
 	int err = 0;
 
 	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > file->bytes)
-		return fault_say(fault, -EBADMSG,
+		return fault_say(stl->soup.fault, -EBADMSG,
 				 "%s: it ends in triangle %zu, expected %u of them: damaged or cut "
 				 "short",
-				 stl->path, (file->bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
+				 stl->soup.path, (file->bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
 				 count);
 	for (uint32_t t = 0; t < count && !err; t++, at += TRIANGLE_BYTES) {
 		struct soup_corner corner[3] = {{.uv = {0}}};
@@ -82,18 +77,18 @@ static int stl_read_binary(struct stl *stl, const struct plain_map *file, struct
 
 				memcpy(&corner[k].position[axis], &word, sizeof(word));
 			}
-			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k, fault);
+			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k);
 		}
 		stl->colours |= at[48] || at[49];
 		if (!err)
-			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+			err = soup_add(&stl->soup, corner, 3, 0, 0);
 	}
 	return err;
 }
 
 /* Reads the three numbers of a vertex. */
 static int stl_vertex(const struct stl *stl, struct text_span line, int number,
-		      struct soup_corner *corner, struct fault *fault)
+		      struct soup_corner *corner)
 {
 	double value;
 
@@ -101,16 +96,16 @@ static int stl_vertex(const struct stl *stl, struct text_span line, int number,
 		const struct text_span got = text_word(&line);
 
 		if (!text_number(got, &value))
-			return fault_say(fault, -EBADMSG,
-					 "%s:%d: vertex has \"%.*s\", expected a number", stl->path,
-					 number, text_shown(got), got.at);
+			return fault_say(stl->soup.fault, -EBADMSG,
+					 "%s:%d: vertex has \"%.*s\", expected a number",
+					 stl->soup.path, number, text_shown(got), got.at);
 		corner->position[axis] = (float)value;
 	}
-	return stl_corner(stl, corner, number, 0, fault);
+	return stl_corner(stl, corner, number, 0);
 }
 
 /* A loop of vertices is a face; other words only stand around them. */
-static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault *fault)
+static int stl_read_text(struct stl *stl, struct text_lines *lines)
 {
 	struct soup_corner corner[3] = {{.uv = {0}}};
 	struct text_span line;
@@ -123,57 +118,46 @@ static int stl_read_text(struct stl *stl, struct text_lines *lines, struct fault
 		solid |= text_is_any_case(word, "solid");
 		if (text_is_any_case(word, "vertex")) {
 			if (count == 3)
-				return fault_say(fault, -EBADMSG,
+				return fault_say(stl->soup.fault, -EBADMSG,
 						 "%s:%d: a fourth vertex, expected endloop",
-						 stl->path, lines->line);
-			err = stl_vertex(stl, line, lines->line, &corner[count++], fault);
+						 stl->soup.path, lines->line);
+			err = stl_vertex(stl, line, lines->line, &corner[count++]);
 		} else if (text_is_any_case(word, "endloop")) {
 			if (count != 3)
-				return fault_say(fault, -EBADMSG,
+				return fault_say(stl->soup.fault, -EBADMSG,
 						 "%s:%d: endloop after %d vertices, expected 3",
-						 stl->path, lines->line, count);
-			err = soup_add(&stl->soup, corner, 3, 0, 0, fault);
+						 stl->soup.path, lines->line, count);
+			err = soup_add(&stl->soup, corner, 3, 0, 0);
 			count = 0;
 		}
 	}
 	if (!err && (!solid || count))
 		err = fault_say(
-			fault, -EBADMSG,
+			stl->soup.fault, -EBADMSG,
 			solid ? "%s:%d: it ends within a face: damaged or cut short"
 			      : "%s:%d: no line solid and no binary STL, expected one of the two",
-			stl->path, lines->line);
+			stl->soup.path, lines->line);
 	return err;
 }
 
 int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct stl stl = {.path = path};
-	struct left_out out = {.count = 0};
-	struct text_lines lines;
-	struct plain_map file;
-	int err = plain_file_map(&file, path, PLAIN_FILE_MAX, fault);
+	struct stl stl = {.colours = false};
+	int err = soup_open(&stl.soup, mesh, path, materials, fault);
 
-	if (err)
-		return err;
-	soup_begin(&stl.soup, path);
-	text_begin(&lines, file.at, file.bytes);
-	err = stl_is_binary(&file) ? stl_read_binary(&stl, &file, fault)
-				   : stl_read_text(&stl, &lines, fault);
-	plain_file_unmap(&file);
 	if (!err)
-		err = soup_finish(&stl.soup, mesh, crease_deg, fault);
-	soup_free(&stl.soup);
-	if (err)
-		return err;
-	mesh->materials = calloc(1, sizeof(*mesh->materials));
-	if (!mesh->materials)
-		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
-	mesh->materials[0] =
-		(struct material){.ior = 1.5f, .alpha = 1, .colour = {{0.8f, 0.8f, 0.8f}}};
-	mesh->material_count = materials;
-	if (stl.colours && materials)
-		left_out_add(&out, "colours of triangles", "mesh");
-	left_out_say(&out, path);
-	return 0;
+		err = stl_is_binary(&stl.soup.file) ? stl_read_binary(&stl, &stl.soup.file)
+						    : stl_read_text(&stl, &stl.soup.lines);
+	err = err ? err : soup_finish(&stl.soup, crease_deg);
+	if (!err && materials) {
+		mesh->materials = calloc(1, sizeof(*mesh->materials));
+		if (!mesh->materials)
+			return soup_close(&stl.soup, soup_lack(&stl.soup));
+		mesh->materials[0] = soup_material(false);
+		mesh->material_count = 1;
+		if (stl.colours)
+			left_out_add(&stl.soup.out, "colours of triangles", "mesh");
+	}
+	return soup_close(&stl.soup, err);
 }

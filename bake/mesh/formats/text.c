@@ -6,8 +6,6 @@
 #include <strings.h>
 
 #define SHOWN_MAX 64
-#define EXACT_DIGITS 15 /* decimal digits that a double holds exactly */
-#define EXACT_POWER 22	/* the largest power of 10 that is a double */
 
 static bool is_blank(char c)
 {
@@ -135,14 +133,26 @@ bool text_is_any_case(struct text_span word, const char *text)
 	return length == strlen(text) && strncasecmp(word.at, text, length) == 0;
 }
 
+int text_place(struct text_span word, const char *list)
+{
+	const size_t length = (size_t)(word.end - word.at);
+
+	for (int place = 0; *list && length; place++) {
+		const size_t end = strcspn(list, " ");
+
+		if (end == length && strncasecmp(list, word.at, length) == 0)
+			return place;
+		list += end + (list[end] != '\0');
+	}
+	return -1;
+}
+
 char *text_copy(struct text_span span)
 {
 	return strndup(span.at, (size_t)(span.end - span.at));
 }
 
-/* Leaves to strtod() what has no exact value by one multiplication (Clinger, How to Read Floating
- * Point Numbers Accurately, 1990), and words that are no plain decimal number. */
-static bool number_by_library(struct text_span word, double *value)
+bool text_number(struct text_span word, double *value)
 {
 	const size_t length = (size_t)(word.end - word.at);
 	char text[128], *stop;
@@ -153,36 +163,6 @@ static bool number_by_library(struct text_span word, double *value)
 	text[length] = '\0';
 	*value = strtod(text, &stop);
 	return length && stop == text + length;
-}
-
-bool text_number(struct text_span word, double *value)
-{
-	static const double powers[] = {1e0,  1e1,  1e2,  1e3,	1e4,  1e5,  1e6,  1e7,
-					1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-					1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-	const char *c = word.at;
-	const bool minus = c < word.end && *c == '-';
-	int digits = 0, power = 0;
-	uint64_t whole = 0;
-	bool point = false;
-
-	for (c += minus; c < word.end && digits <= EXACT_DIGITS; c++) {
-		if (*c == '.' && !point) {
-			point = true;
-			continue;
-		}
-		if (*c < '0' || *c > '9')
-			break;
-		whole = 10 * whole + (uint64_t)(*c - '0');
-		digits++;
-		power += point;
-	}
-	if (c < word.end || !digits || digits > EXACT_DIGITS || power > EXACT_POWER)
-		return number_by_library(word, value);
-	*value = (double)whole / powers[power];
-	if (minus)
-		*value = -*value;
-	return true;
 }
 
 bool text_whole(struct text_span *word, int64_t *value)

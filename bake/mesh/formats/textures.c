@@ -10,21 +10,23 @@
 #include "bake/mesh/formats/beside.h"
 #include "bake/mesh/plain_file.h"
 
+#define BLUE_LEAST 32 /* of 255: what a map of normals has more of blue than of red, on the mean */
+
 /* ---- pictures ---- */
 
-static int texture_lack(const struct textures *textures, struct fault *fault)
+static int texture_lack(const struct textures *textures)
 {
-	return fault_say(fault, -ENOMEM, "%s: out of memory", textures->mesh_path);
+	return fault_say(textures->fault, -ENOMEM, "%s: out of memory", textures->mesh_path);
 }
 
 static int texture_find(const struct textures *textures, const struct texture_name *name,
-			char path[PATH_MAX], struct fault *fault)
+			char path[PATH_MAX])
 {
 	path[0] = '\0';
 	if (!name || !name->by || beside_find(name->by, name->name, path) ||
 	    beside_find(textures->mesh_path, name->name, path))
 		return 0;
-	return fault_say(fault, -ENOENT,
+	return fault_say(textures->fault, -ENOENT,
 			 "%s:%d: there is no picture %s, expected it there or, by its bare name, "
 			 "beside this file",
 			 name->by, name->line, name->name);
@@ -97,33 +99,31 @@ static bool image_stretch(struct image *image, int width, int height)
 	return true;
 }
 
-static bool same_size(struct image *a, struct image *b)
+/* Brings two pictures to the size of the larger one. One that is missing is white. */
+static bool same_size(struct image picture[2])
 {
-	const int width = a->width > b->width ? a->width : b->width;
-	const int height = a->height > b->height ? a->height : b->height;
+	int width = 1, height = 1;
 
-	return image_stretch(a, width, height) && image_stretch(b, width, height);
+	for (int k = 0; k < 2; k++) {
+		if (!picture[k].width) {
+			if (image_create_u8(&picture[k], 1, 1) < 0)
+				return false;
+			memset(picture[k].u8, 255, 3);
+		}
+		width = picture[k].width > width ? picture[k].width : width;
+		height = picture[k].height > height ? picture[k].height : height;
+	}
+	return image_stretch(&picture[0], width, height) &&
+	       image_stretch(&picture[1], width, height);
 }
 
-/* Gives a picture that has none all pixels of white. */
-static int image_white(struct image *image, int width, int height)
+/* The second is the coverage of the first. */
+static int image_cover(struct image picture[2])
 {
-	int err;
-
-	if (image->width)
-		return 0;
-	err = image_create_u8(image, width, height);
-	if (!err)
-		memset(image->u8, 255, 3 * (size_t)width * (size_t)height);
-	return err;
-}
-
-static int image_cover(struct image *image, struct image *coverage)
-{
+	struct image *image = &picture[0], *coverage = &picture[1];
 	size_t pixels;
 
-	if (image_white(image, coverage->width, coverage->height) < 0 ||
-	    !same_size(image, coverage))
+	if (!same_size(picture))
 		return -ENOMEM;
 	pixels = (size_t)image->width * (size_t)image->height;
 	free(image->alpha);
@@ -138,9 +138,9 @@ static int image_cover(struct image *image, struct image *coverage)
 /* ---- textures ---- */
 
 /* Finds a texture that is made of the same; else adds an empty one, in *added. */
-static int textures_take(struct textures *textures, const char *a, const char *b, const char *kind,
+static int textures_take(struct textures *textures, char path[2][PATH_MAX], enum texture_kind kind,
 			 enum texture_wrap wrap, const struct texture **texture,
-			 struct texture **added, struct fault *fault)
+			 struct texture **added)
 {
 	struct mesh *mesh = textures->mesh;
 	const size_t count = (size_t)mesh->texture_count;
@@ -149,7 +149,7 @@ static int textures_take(struct textures *textures, const char *a, const char *b
 	char **keys;
 
 	*added = NULL;
-	snprintf(key, sizeof(key), "%s %d %s\n%s", kind, (int)wrap, a, b);
+	snprintf(key, sizeof(key), "%d %d %s\n%s", (int)kind, (int)wrap, path[0], path[1]);
 	for (size_t k = 0; k < count; k++)
 		if (strcmp(textures->key[k], key) == 0) {
 			*texture = mesh->textures[k];
@@ -162,13 +162,13 @@ static int textures_take(struct textures *textures, const char *a, const char *b
 	if (keys)
 		textures->key = keys;
 	if (!grown || !keys)
-		return texture_lack(textures, fault);
+		return texture_lack(textures);
 	keys[count] = strdup(key);
 	grown[count] = calloc(1, sizeof(**grown));
 	if (!keys[count] || !grown[count]) {
 		free(keys[count]);
 		free(grown[count]);
-		return texture_lack(textures, fault);
+		return texture_lack(textures);
 	}
 	grown[count]->wrap[0] = grown[count]->wrap[1] = wrap;
 	mesh->texture_count++;
@@ -176,97 +176,68 @@ static int textures_take(struct textures *textures, const char *a, const char *b
 	return 0;
 }
 
-int textures_colour(struct textures *textures, const struct texture_name *colour,
-		    const struct texture_name *coverage, enum texture_wrap wrap,
-		    const struct texture **texture, struct fault *fault)
+static int image_pack(struct image *packed, struct image picture[2])
 {
-	char path[PATH_MAX], cover_path[PATH_MAX];
-	struct texture *added = NULL;
-	struct image cover;
-	int err = texture_find(textures, colour, path, fault);
-
-	if (!err)
-		err = texture_find(textures, coverage, cover_path, fault);
-	if (!err)
-		err = textures_take(textures, path, cover_path, "colour", wrap, texture, &added,
-				    fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &added->image, fault);
-	if (err)
-		return err;
-	err = read_picture(cover_path, &cover, fault);
-	if (!err && cover.width && image_cover(&added->image, &cover) < 0)
-		err = texture_lack(textures, fault);
-	image_free(&cover);
-	if (!err && picture_file_decode(&added->image, false) < 0)
-		err = texture_lack(textures, fault);
-	texture_prepare(added);
-	return err;
-}
-
-static int image_pack(struct image *packed, struct image *roughness, struct image *metalness)
-{
-	const int width = roughness->width ? roughness->width : metalness->width;
-	const int height = roughness->width ? roughness->height : metalness->height;
 	size_t pixels;
 
-	if (image_white(roughness, width, height) < 0 ||
-	    image_white(metalness, width, height) < 0 || !same_size(roughness, metalness) ||
-	    image_create_u8(packed, roughness->width, roughness->height) < 0)
+	if (!same_size(picture) || image_create_u8(packed, picture[0].width, picture[0].height) < 0)
 		return -ENOMEM;
 	pixels = (size_t)packed->width * (size_t)packed->height;
 	for (size_t k = 0; k < pixels; k++) {
 		packed->u8[3 * k] = 255;
-		packed->u8[3 * k + 1] = image_code(roughness, k, 0);
-		packed->u8[3 * k + 2] = image_code(metalness, k, 0);
+		packed->u8[3 * k + 1] = image_code(&picture[0], k, 0);
+		packed->u8[3 * k + 2] = image_code(&picture[1], k, 0);
 	}
 	return 0;
 }
 
-int textures_surface(struct textures *textures, const struct texture_name *roughness,
-		     const struct texture_name *metalness, enum texture_wrap wrap,
-		     const struct texture **texture, struct fault *fault)
+/* Makes a texture of two pictures. -ENOMEM. */
+static int texture_fill(struct texture *texture, enum texture_kind kind, struct image picture[2])
 {
-	char path[PATH_MAX], metal_path[PATH_MAX];
-	struct image rough = {.width = 0}, metal = {.width = 0};
+	if (kind == TEXTURE_OF_COLOURS)
+		texture_prepare(texture);
+	else
+		texture_prepare_data(texture);
+	if (kind == TEXTURE_OF_SURFACES)
+		return image_pack(&texture->image, picture);
+	if (picture[1].width && image_cover(picture) < 0)
+		return -ENOMEM;
+	texture->image = picture[0];
+	picture[0] = (struct image){.width = 0};
+	return picture_file_decode(&texture->image, kind == TEXTURE_OF_DATA);
+}
+
+int textures_get(struct textures *textures, enum texture_kind kind,
+		 const struct texture_name *first, const struct texture_name *second,
+		 enum texture_wrap wrap, const struct texture **texture)
+{
+	char path[2][PATH_MAX];
+	struct image picture[2] = {{.width = 0}, {.width = 0}};
 	struct texture *added = NULL;
-	int err = texture_find(textures, roughness, path, fault);
+	int err = texture_find(textures, first, path[0]);
 
 	if (!err)
-		err = texture_find(textures, metalness, metal_path, fault);
+		err = texture_find(textures, second, path[1]);
 	if (!err)
-		err = textures_take(textures, path, metal_path, "surface", wrap, texture, &added,
-				    fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &rough, fault);
-	if (!err)
-		err = read_picture(metal_path, &metal, fault);
-	if (!err && image_pack(&added->image, &rough, &metal) < 0)
-		err = texture_lack(textures, fault);
-	image_free(&rough);
-	image_free(&metal);
-	texture_prepare_data(added);
+		err = textures_take(textures, path, kind, wrap, texture, &added);
+	for (int k = 0; k < 2 && added && !err; k++)
+		err = read_picture(path[k], &picture[k], textures->fault);
+	if (added && !err && texture_fill(added, kind, picture) < 0)
+		err = texture_lack(textures);
+	image_free(&picture[0]);
+	image_free(&picture[1]);
 	return err;
 }
 
-int textures_data(struct textures *textures, const struct texture_name *name,
-		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault)
+bool texture_has_normals(const struct texture *texture)
 {
-	char path[PATH_MAX];
-	struct texture *added = NULL;
-	int err = texture_find(textures, name, path, fault);
+	const struct image *image = &texture->image;
+	const size_t pixels = (size_t)image->width * (size_t)image->height;
+	double sum = 0;
 
-	if (!err)
-		err = textures_take(textures, path, "", "data", wrap, texture, &added, fault);
-	if (err || !added)
-		return err;
-	err = read_picture(path, &added->image, fault);
-	if (!err && picture_file_decode(&added->image, true) < 0)
-		err = texture_lack(textures, fault);
-	texture_prepare_data(added);
-	return err;
+	for (size_t k = 0; k < pixels; k++)
+		sum += image_code(image, k, 2) - image_code(image, k, 0);
+	return sum > BLUE_LEAST * (double)pixels;
 }
 
 void textures_free(struct textures *textures)

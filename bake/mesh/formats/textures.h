@@ -9,7 +9,8 @@ struct textures {
 	struct mesh *mesh; /* which owns them */
 	const char
 		*mesh_path; /* pictures are beside the file that names them, or beside this one */
-	char **key;	    /* [mesh->texture_count]: what each is made of */
+	struct fault *fault;
+	char **key; /* [mesh->texture_count]: what each is made of */
 };
 
 /* A name in a file, for messages and to find the picture. */
@@ -19,22 +20,22 @@ struct texture_name {
 	const char *name;
 };
 
-/* Sets a texture of colours, with the coverage of a second picture: its alpha if it has one, else
- * its grey. Without a picture of colours it is white. -ENOENT ...: no such picture, or one that cannot be
- * read; the fault names the line. */
-int textures_colour(struct textures *textures, const struct texture_name *colour,
-		    const struct texture_name *coverage, enum texture_wrap wrap,
-		    const struct texture **texture, struct fault *fault);
+/* What two pictures become, either of which may be missing. */
+enum texture_kind {
+	TEXTURE_OF_COLOURS, /* the second is coverage: its alpha if it has one, else its grey. Without a
+				first it is white */
+	TEXTURE_OF_SURFACES, /* data: their red values are green and blue, as glTF has roughness and
+				metalness; 1 where there is no picture */
+	TEXTURE_OF_DATA,     /* the first as it is */
+};
 
-/* Sets a texture of data: the red values of two pictures as green and blue, as glTF has roughness and
- * metalness. 1 where there is no picture. */
-int textures_surface(struct textures *textures, const struct texture_name *roughness,
-		     const struct texture_name *metalness, enum texture_wrap wrap,
-		     const struct texture **texture, struct fault *fault);
+/* -ENOENT ...: no such picture, or one that cannot be read; the fault names the line. */
+int textures_get(struct textures *textures, enum texture_kind kind,
+		 const struct texture_name *first, const struct texture_name *second,
+		 enum texture_wrap wrap, const struct texture **texture);
 
-/* Sets a texture of data as it is in the file. */
-int textures_data(struct textures *textures, const struct texture_name *name,
-		  enum texture_wrap wrap, const struct texture **texture, struct fault *fault);
+/* Whether a texture of data is one of normals, which is blue, or of something else, such as heights. */
+bool texture_has_normals(const struct texture *texture);
 
 void textures_free(struct textures *textures); /* idempotent; leaves the mesh's textures */
 

@@ -95,13 +95,17 @@ class Attributes
 
 			const Values moved = read_values(document, index(target, name));
 
-			if (moved.value.size() != to.value.size())
+			/* targets move a tangent, but not its sign */
+			const size_t each = moved.components;
+
+			if (moved.count != to.count || each > to.components)
 				fail_at(target, -EBADMSG,
 					name + ": " + std::to_string(moved.value.size()) +
 						" numbers, expected " +
 						std::to_string(to.value.size()));
-			for (size_t k = 0; k < to.value.size(); k++)
-				to.value[k] += static_cast<float>(weights[t]) * moved.value[k];
+			for (size_t k = 0; k < moved.value.size(); k++)
+				to.value[k / each * to.components + k % each] +=
+					static_cast<float>(weights[t]) * moved.value[k];
 		}
 	}
 
@@ -184,13 +188,16 @@ Geometry read_geometry(Document &document, const Json &primitive,
 {
 	Attributes attributes(document, primitive, weights);
 	Values position = attributes.values("POSITION");
-	Geometry out = {position.count, {}, {}, {}, {}, {}, {}};
+	Geometry out = {position.count, {}, {}, {}, {}, {}, {}, {}};
 
 	if (position.components != 3)
 		attributes.fail("POSITION", "expected type \"VEC3\"");
 	out.position = std::move(position.value);
 	if (attributes.has("NORMAL"))
 		out.normal = attributes.vertex_values("NORMAL", out.vertices, 3, 3).value;
+	/* those of a surface without normals do not count, says glTF */
+	if (attributes.has("NORMAL") && attributes.has("TANGENT"))
+		out.tangent = attributes.vertex_values("TANGENT", out.vertices, 4, 4).value;
 	for (int k = 0; k < 2; k++) {
 		const std::string name = "TEXCOORD_" + std::to_string(sets[k]);
 

@@ -18,6 +18,7 @@ struct Geometry {
 	size_t vertices;
 	std::vector<float> position; /* 3 */
 	std::vector<float> normal;   /* 3; empty: none */
+	std::vector<float> tangent;  /* 4; empty: none */
 	std::vector<float> uv[2];    /* 2, v upwards; empty: none */
 	std::vector<float> colour;   /* 4; empty: none */
 	Influences influences;

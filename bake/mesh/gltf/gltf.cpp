@@ -99,6 +99,8 @@ static void apply_skin(Geometry &to, const std::vector<Matrix> &joints, const Js
 		move_point(moved, &to.position[3 * v], &to.position[3 * v]);
 		if (!to.normal.empty())
 			move_normal(moved, &to.normal[3 * v], &to.normal[3 * v]);
+		if (!to.tangent.empty())
+			move_direction(moved, &to.tangent[4 * v], &to.tangent[4 * v]);
 	}
 }
 
@@ -136,6 +138,11 @@ static void fill_vertices(mesh_part &to, const Geometry &from, const Matrix &pla
 		if (std::isfinite(n[0] + n[1] + n[2]))
 			to.normal[v] = v3_unit(v3_make(n[0], n[1], n[2]));
 	}
+	for (size_t v = 0; to.tangent && v < from.vertices; v++) {
+		move_direction(place, to.tangent[v], to.tangent[v]);
+		if (determinant(place) < 0)
+			to.tangent[v][3] = -to.tangent[v][3];
+	}
 }
 
 void Reader::add_part(const Geometry &from, const Matrix &place, int material)
@@ -163,6 +170,7 @@ void Reader::add_part(const Geometry &from, const Matrix &place, int material)
 	to.index = allocate<uint32_t[3]>(count);
 	to.uv = copy_values<2>(from.uv[0]);
 	to.uv2 = copy_values<2>(from.uv[1]);
+	to.tangent = copy_values<4>(from.tangent);
 	to.colour = copy_values<4>(from.colour);
 	fill_vertices(to, from, place);
 	for (size_t t = 0; t < count; t++) {

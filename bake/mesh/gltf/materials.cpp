@@ -230,6 +230,7 @@ void Materials::read_metallic(const Json &from, material &to, Used &used)
 	const Json *said = find(from, "pbrMetallicRoughness");
 	const Json &model = said ? *said : none;
 	const Json *map = find(model, "metallicRoughnessTexture");
+	const Json *specular = find_extension(from, "KHR_materials_specular");
 	double base[4] = {1, 1, 1, 1};
 	const rgb dielectric = dielectric_of(from, ior_of(from));
 	const float metallic = clamped(number(model, "metallicFactor", 1));
@@ -248,6 +249,9 @@ void Materials::read_metallic(const Json &from, material &to, Used &used)
 		mean = texture_mean(to.map.use.texture);
 	}
 	set_metallic(to, rgb_of(base), dielectric, metallic * mean.c[2], roughness * mean.c[1]);
+	/* a factor of 0 takes the coat away, also at grazing angles; a colour of 0 does not */
+	if (specular && metallic == 0 && number(*specular, "specularFactor", 1) == 0)
+		to.kind = MATERIAL_DIFFUSE;
 }
 
 void Materials::read_glossiness(const Json &model, material &to, Used &used)

@@ -48,6 +48,15 @@ void move_point(const Matrix &a, const float from[3], float to[3])
 	std::copy_n(moved, 3, to);
 }
 
+void move_direction(const Matrix &a, const float from[3], float to[3])
+{
+	Matrix turned = a;
+
+	for (auto &row : turned.m)
+		row[3] = 0;
+	move_point(turned, from, to);
+}
+
 void move_normal(const Matrix &a, const float from[3], float to[3])
 {
 	const double side = determinant(a) < 0 ? -1 : 1;

@@ -18,6 +18,8 @@ constexpr Matrix matrix_identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 Matrix operator*(const Matrix &a, const Matrix &b);
 double determinant(const Matrix &a);
 void move_point(const Matrix &a, const float from[3], float to[3]);
+void move_direction(const Matrix &a, const float from[3],
+		    float to[3]); /* without the translation */
 /* Moves a normal, which stays perpendicular to its surface and on the same side of it. It need not
  * be unit before, and is not afterwards. */
 void move_normal(const Matrix &a, const float from[3], float to[3]);

@@ -30,7 +30,7 @@ static const struct bytes {
 	uint32_t index32[6];
 	uint16_t index16[6];
 	uint8_t strip[4], sparse_at[4];
-	float sparse_to[3];
+	float sparse_to[3], tangent[4][4], turned[4][3];
 } bytes = {
 	.position = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
 	.normal = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 0, 1}},
@@ -51,6 +51,8 @@ static const struct bytes {
 	.strip = {0, 1, 3, 2},
 	.sparse_at = {2},
 	.sparse_to = {5, 6, 7},
+	.tangent = {{0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, -1}},
+	.turned = {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}},
 };
 
 #define VIEW(field, stride)                                                                        \
@@ -65,7 +67,7 @@ static const struct {
 	VIEW(uv16, 0),	    VIEW(uv8, 4),      VIEW(position16, 8), VIEW(position8, 4),
 	VIEW(colour, 0),    VIEW(moved, 0),    VIEW(joint, 0),	    VIEW(weight, 0),
 	VIEW(bind, 0),	    VIEW(instance, 0), VIEW(strip, 0),	    VIEW(sparse_at, 0),
-	VIEW(sparse_to, 0), VIEW(index32, 0),
+	VIEW(sparse_to, 0), VIEW(index32, 0),  VIEW(tangent, 0),    VIEW(turned, 0),
 };
 
 static const char accessors[] =
@@ -87,7 +89,9 @@ static const char accessors[] =
 	"{'bufferView':12,'componentType':5126,'count':2,'type':'MAT4'},"
 	"{'bufferView':13,'componentType':5126,'count':2,'type':'VEC3'},"
 	"{'bufferView':14,'componentType':5121,'count':4,'type':'SCALAR'},"
-	"{'bufferView':17,'componentType':5125,'count':6,'type':'SCALAR'}";
+	"{'bufferView':17,'componentType':5125,'count':6,'type':'SCALAR'},"
+	"{'bufferView':18,'componentType':5126,'count':4,'type':'VEC4'},"
+	"{'bufferView':19,'componentType':5126,'count':4,'type':'VEC3'}";
 
 /* What a test changes of the file; NULL: as it is. */
 struct form {
@@ -290,6 +294,31 @@ static void test_skin(void **state)
 	/* a fifth of (2, 2, 0) and four fifths of (1, 1, 10) */
 	corner_at(part, 1.2f, 1.2f, 8);
 	expect_below(fabsf(part->normal[2].z - 1), 1e-6f, "normal");
+	mesh_free(&mesh);
+}
+
+/* They move as what lies in the surface: not with the node's place, scaled as it is, mirrored by a
+ * change of sign; a morph target moves three of their numbers. Without normals they do not count. */
+static void test_tangents(void **state)
+{
+	struct mesh mesh = read_fine(&(struct form){
+		.attributes = "'POSITION':1,'NORMAL':2,'TANGENT':17",
+		.primitive = ",'indices':0,'targets':[{'TANGENT':18}]",
+		.mesh = ",'weights':[0.5]",
+		.nodes = "{'mesh':0,'scale':[-1,1,4],'translation':[0,7,0]}",
+	});
+	const float *first = mesh.parts[0].tangent[0], *last = mesh.parts[0].tangent[3];
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		static const float expected[4] = {-1, 0, 4, -1};
+
+		expect_below(fabsf(first[k] - expected[k]), 1e-5f, "k=%d", k);
+	}
+	assert_true(last[3] == 1);
+	mesh_free(&mesh);
+	mesh = read_fine(&(struct form){.attributes = "'POSITION':1,'TANGENT':17"});
+	assert_null(mesh.parts[0].tangent);
 	mesh_free(&mesh);
 }
 
@@ -598,6 +627,13 @@ static void test_kinds_of_materials(void **state)
 			 "'extensions':{'KHR_materials_ior':{'ior':2},'KHR_materials_specular':"
 			 "{'specularFactor':0.9}},'pbrMetallicRoughness':{'metallicFactor':0}"),
 		 MATERIAL_GLOSSY, 1, 0.1f, 1},
+		/* no coat at all, at grazing angles neither; a black coat still has one there */
+		{WITH_MATERIAL("'extensions':{'KHR_materials_specular':{'specularFactor':0}},"
+			       "'pbrMetallicRoughness':{'metallicFactor':0}"),
+		 MATERIAL_DIFFUSE, 1, 0, 1},
+		{WITH_MATERIAL("'extensions':{'KHR_materials_specular':{'specularColorFactor':"
+			       "[0,0,0]}},'pbrMetallicRoughness':{'metallicFactor':0}"),
+		 MATERIAL_GLOSSY, 1, 0, 1},
 		{WITH_MATERIAL(
 			 "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':"
 			 "[0.5,0.5,0.5,1],'specularFactor':[0.2,0.2,0.2],'glossinessFactor':"
@@ -723,6 +759,8 @@ static void test_refusals(void **state)
 		{{.attributes = "'POSITION':-1"}, "-1, expected a whole number"},
 		{{.attributes = "'POSITION':'x'"}, "\"x\", expected a number"},
 		{{.attributes = "'POSITION':3"}, "POSITION: expected type \"VEC3\""},
+		{{.attributes = "'POSITION':1,'NORMAL':2,'TANGENT':2"},
+		 "TANGENT: 3 numbers an element"},
 		{{.attributes = "'POSITION':1,'NORMAL':16"}, "NORMAL: 6 elements, but there are 4"},
 		{{.primitive = ",'indices':3"}, "expected type \"SCALAR\""},
 		{{.primitive = ",'indices':0,'mode':7"}, "/meshes/0/primitives/0/mode: 7"},
@@ -829,6 +867,7 @@ int main(void)
 		cmocka_unit_test(test_nodes),
 		cmocka_unit_test(test_morph),
 		cmocka_unit_test(test_skin),
+		cmocka_unit_test(test_tangents),
 		cmocka_unit_test(test_instances),
 		cmocka_unit_test(test_lines),
 		cmocka_unit_test(test_glb),

@@ -295,6 +295,39 @@ static void test_surface_maps(void **state)
 	mesh_free(&mesh);
 }
 
+/* A map of normals is read under each of its names; heights, which are grey, are left out. */
+static void test_bumps(void **state)
+{
+	static uint8_t normals[12] = {128, 128, 255, 204, 128, 230, 128, 204, 230, 128, 128, 255};
+	static const struct {
+		const char *line;
+		float strength; /* 0: left out */
+	} cases[] = {
+		{"norm blue.png", 1},
+		{"map_Bump -bm 0.5 blue.png", 0.5f},
+		{"bump blue.png", 1},
+		{"bump grey.png", 0},
+		{"map_bump none.png", 0},
+		{"bump grey.png\nnorm blue.png", 1},
+		{"norm -bm 2 blue.png\nbump -bm 3 blue.png", 2},
+	};
+
+	(void)state;
+	write_picture("blue.png", normals);
+	write_picture("grey.png", greys);
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		char lines[128];
+		struct mesh mesh;
+
+		snprintf(lines, sizeof(lines), "newmtl m\n%s\n", cases[k].line);
+		read_material(lines, &mesh);
+		expect_equal(only_material(&mesh)->bumps.texture != NULL, cases[k].strength > 0,
+			     "k=%zu", k);
+		expect_that(only_material(&mesh)->bump_scale == cases[k].strength, "k=%zu", k);
+		mesh_free(&mesh);
+	}
+}
+
 /* What is left out is said in one line, and only of materials that are used. */
 static void test_left_out(void **state)
 {
@@ -329,7 +362,7 @@ int main(void)
 		cmocka_unit_test(test_texture_names),	cmocka_unit_test(test_libraries),
 		cmocka_unit_test(test_missing_texture), cmocka_unit_test(test_texture_places),
 		cmocka_unit_test(test_coverage),	cmocka_unit_test(test_surface_maps),
-		cmocka_unit_test(test_left_out),
+		cmocka_unit_test(test_bumps),		cmocka_unit_test(test_left_out),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

@@ -151,13 +151,41 @@ static void test_bumps(void **state)
 	world_destroy(world);
 }
 
+/* The same with tangents of its own, along +y; along v is then +x, of another sign -x. */
+static void test_tangents(void **state)
+{
+	static uint8_t leaning[] = {204, 179, 255};
+	static float tangent[4][4] = {{0, 2, 0, 1}, {0, 2, 0, 1}, {0, 2, 0, 1}, {0, 2, 0, 1}};
+	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
+	const struct material material = {
+		.colour = {{1, 1, 1}}, .bumps = {&texture, 0, {1, 0, 0, 0, 1, 0}}, .bump_scale = 1};
+	struct surface s;
+
+	(void)state;
+	texture_prepare_data(&texture);
+	square.tangent = tangent;
+	for (int sign = -1; sign <= 1; sign += 2) {
+		struct world *world;
+
+		for (int v = 0; v < 4; v++)
+			tangent[v][3] = (float)sign;
+		world = make_world(&material);
+		assert_true(world_nearest(world, WITH_OBJECTS, v3_make(0.3f, 0.3f, 0),
+					  v3_make(0, 0, 1), &s));
+		expect_below(fabsf(s.normal.x / -s.normal.z - 0.40392f * (float)sign), 1e-4f,
+			     "sign=%d", sign);
+		expect_below(fabsf(s.normal.y / -s.normal.z - 0.6f), 1e-4f, "sign=%d", sign);
+		world_destroy(world);
+	}
+	square.tangent = NULL;
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_blend),
-		cmocka_unit_test(test_mask),
-		cmocka_unit_test(test_colours),
-		cmocka_unit_test(test_bumps),
+		cmocka_unit_test(test_blend),	 cmocka_unit_test(test_mask),
+		cmocka_unit_test(test_colours),	 cmocka_unit_test(test_bumps),
+		cmocka_unit_test(test_tangents),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
