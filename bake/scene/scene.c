@@ -394,6 +394,8 @@ int scene_camera_text(const struct scene *scene, char *text, size_t room)
 	for (const struct ini_key *key = tsai_keys; key->name; key++) {
 		char value[512];
 
+		if (ini_left_out(key, &scene->camera))
+			continue;
 		ini_value_text(key, &scene->camera, value, sizeof(value));
 		if (used < room)
 			used += (size_t)snprintf(text + used, room - used, "%s = %s\n", key->name,
