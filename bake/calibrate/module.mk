@@ -25,6 +25,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_held.c \
 	bake/calibrate/camera/camera_model.c \
 	bake/calibrate/camera/camera_problem.c \
+	bake/calibrate/camera/camera_radial.c \
 	bake/calibrate/camera/camera_solve.c \
 	bake/calibrate/camera/camera_tsai.c \
 	bake/calibrate/camera/camera_verdict.c \

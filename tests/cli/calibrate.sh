@@ -109,6 +109,20 @@ check "of a fisheye too" grep -q '^distortion_model: equidistant$' "$work/fishey
 check "the direction of the distortion comes back" grep -q '^distortion = undistorts$' \
 	"$work/back-tsai-yml.ini"
 check "what was fitted says so" grep -q '^# Fitted: .* at most [0-9.e-]* px' "$work/tsai.yml"
+{
+	cat "$work/camera.ini"
+	printf 'kappa2 = 7e-5\ntangential = 1e-4 -2e-4\n'
+} >"$work/terms.ini"
+check "a camera of more terms" calibrate convert "$work/terms.ini" "$work/terms.yaml"
+check "and back" calibrate convert "$work/terms.yaml" "$work/terms-back.ini"
+check "has its second term" grep -q '^kappa2 = ' "$work/terms-back.ini"
+check "and its tangential ones" grep -q '^tangential = ' "$work/terms-back.ini"
+sed 's/^kappa2 = .*/kappa2 = -7e-4/' "$work/terms.ini" >"$work/folds.ini"
+failed_with "a lens that folds over" "fold the picture over" convert "$work/folds.ini" "$work/none.yml"
+printf 'kappa4 = 1\n' | cat "$work/camera.ini" - >"$work/kappa4.ini"
+failed_with "a term that is none" "kappa4.ini:12: " convert "$work/kappa4.ini" "$work/none.yml"
+printf 'tangential = 1e-4\n' | cat "$work/camera.ini" - >"$work/half.ini"
+failed_with "one tangential term" "half.ini:12: " convert "$work/half.ini" "$work/none.yml"
 cat >"$work/chain.yaml" <<'END'
 cam0:
   camera_model: pinhole
@@ -217,6 +231,10 @@ if has_command camera; then
 		--images "$work/nothing*.jpg" --board 9x6:25mm -o "$work/none.ini"
 	wrong "a centre that the lens's file says" "--centre-deviation" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
+		-o "$work/none.ini"
+	wrong "radial terms that the lens's file says" "--radial" camera \
+		--points "$work/box.points" --intrinsics "$work/camera.ini" --radial 2 -o "$work/none.ini"
+	wrong "four radial terms" "--radial" camera --points "$work/box.points" --size 640x480 --radial 4 \
 		-o "$work/none.ini"
 	wrong "pixels that the lens's file says" "--aspect" camera --points "$work/box.points" \
 		--intrinsics "$work/camera.ini" --aspect 1 -o "$work/none.ini"

@@ -135,6 +135,8 @@ static int calibration_prepare(struct camera_private *own, const struct observat
 	place_task_object(own);
 	model = (struct camera_model){.distortion = own->task.distortion};
 	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
+	if (task->intrinsics)
+		memcpy(model.tangential, task->intrinsics->tangential, sizeof(model.tangential));
 	err = problem_create(&own->problem, seen, &model, own->centre);
 	if (err)
 		return err;
@@ -163,6 +165,9 @@ static void make_camera(const struct camera_private *own, int view, struct tsai_
 		.height = own->task.height,
 		.focal = x[MODEL_FOCAL],
 		.kappa1 = x[MODEL_KAPPA1],
+		.kappa2 = x[MODEL_KAPPA1 + 1],
+		.kappa3 = x[MODEL_KAPPA1 + 2],
+		.tangential = {own->problem.model.tangential[0], own->problem.model.tangential[1]},
 		.distortion = own->task.distortion,
 		.centre_px = {x[MODEL_CENTRE_X], own->task.height - x[MODEL_CENTRE_Y]},
 		.pixel = {own->task.pixel[0], own->task.pixel[1]},
@@ -212,7 +217,7 @@ static void carry_over_translation(double *matrix, int n, size_t row, size_t col
 /* Fills the estimate with the unknowns as parameters of the world: T instead of T'. */
 static int report_estimate(const struct camera_private *own, struct camera_solution *solution)
 {
-	static const char *const unit[] = {"", "", "px", "px", ""};
+	static const char *const unit[] = {"", "", "", "", "px", "px", ""};
 	struct estimate *estimate = &solution->finding.estimate;
 	const int n = problem_unknowns(&own->problem);
 	const int err = estimate_create(estimate, n);
@@ -330,6 +335,16 @@ static int calibration_run(struct camera_solution *solution)
 	return err;
 }
 
+static void name_model(const struct camera_private *own, struct finding *finding)
+{
+	static const char *const terms[] = {"", "", ", 2 radial terms", ", 3 radial terms"};
+
+	snprintf(finding->model, sizeof(finding->model), "Tsai, %s%s",
+		 own->task.distortion == TSAI_DISTORTS ? "distorted from undistorted"
+						       : "undistorted from distorted",
+		 own->task.intrinsics ? ", pose alone" : terms[own->radial]);
+}
+
 int camera_calibrate(const struct observations *seen, const struct camera_task *task,
 		     struct camera_solution *solution, struct fault *fault)
 {
@@ -355,14 +370,10 @@ int camera_calibrate(const struct observations *seen, const struct camera_task *
 	if (!err) {
 		finding->width = solution->own->task.width;
 		finding->height = solution->own->task.height;
-		snprintf(finding->model, sizeof(finding->model), "Tsai, %s%s",
-			 solution->own->task.distortion == TSAI_DISTORTS
-				 ? "distorted from undistorted"
-				 : "undistorted from distorted",
-			 task->intrinsics ? ", pose alone" : "");
 		for (int i = 0; i < seen->count; i++)
 			finding->expected[i][0] = finding->expected[i][1] = NAN;
 		err = calibration_run(solution);
+		name_model(solution->own, finding);
 	}
 	if (err) {
 		camera_solution_free(solution);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -318,6 +319,16 @@ void camera_figures(struct camera_solution *solution)
 		finding_add(finding, "object_disagreement_px",
 			    "odd and even points disagree at the object's place", "px",
 			    object_disagreement(own));
+	for (int k = 1; k <= MODEL_RADIAL; k++)
+		if (own->left_out[k] > 0) {
+			char key[32], label[96];
+
+			snprintf(key, sizeof(key), "left_out_px_%d", k);
+			snprintf(label, sizeof(label),
+				 "rms of points that were left out, by %d radial term%s", k,
+				 k > 1 ? "s" : "");
+			finding_add(finding, key, label, "px", own->left_out[k]);
+		}
 	figures_of_points(finding, &sum, own->task.unit_mm);
 	finding_add(finding, "focal_depth_correlation", "correlation of f and Tz", "",
 		    estimate_correlation(&finding->estimate, focal, depth));

@@ -21,8 +21,13 @@ struct camera_private {
 	double aspect;		    /* first guess of s */
 	double aspect_deviation;    /* its standard deviation, used where s is held */
 	double diagonal;	    /* of the picture, or of the points' bounding box, px */
-	double *x;		    /* [problem_unknowns()]: the solution */
-	bool *fixed;		    /* [problem_unknowns()]: held in the solution */
+	int radial;		    /* terms of the radial polynomial in use, 1 to MODEL_RADIAL */
+	/* Terms that describe the lens better (camera_radial.c), and the rms of points that were
+	 * left out and predicted with so many terms, px; 0: not tried. */
+	int radial_wanted;
+	double left_out[MODEL_RADIAL + 1];
+	double *x;   /* [problem_unknowns()]: the solution */
+	bool *fixed; /* [problem_unknowns()]: held in the solution */
 	struct least_squares_fit fit;
 	int guess_error, fit_error; /* 0, or why there is no solution */
 	struct fault why;
@@ -46,6 +51,31 @@ struct camera_private {
 /* First guess and descents; fills x, fixed, fit, errors and halves. Returns 0 whatever is found;
  * -ENOMEM. */
 int camera_solve(struct camera_private *own);
+
+/* Decrease of the sum of squares, in units of the noise's variance, that more radial terms would
+ * bring to first order. -ENOMEM. */
+int camera_radial_gain(const struct camera_private *own, double *gain);
+
+/* What the solution predicts of points that it was not fitted to: their loss (squared distance, less
+ * for outliers), by view, or by fold where there are few views. */
+struct camera_left_out {
+	double *loss;
+	int count;  /* views or folds */
+	int points; /* predicted */
+};
+
+/* Leaves a fifth of the views, or of a lone view's points, out in turn, solves, and predicts them;
+ * width: of the loss, px; 0: plain squares. -ENOMEM. */
+int camera_leave_out(const struct camera_private *own, double width, struct camera_left_out *out);
+
+/* Whether b predicts better than a: its loss is less by more than least, and by more than the
+ * deviation of the difference. */
+bool camera_predicts_better(const struct camera_left_out *a, const struct camera_left_out *b,
+			    double least);
+
+/* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or point);
+ * sensor units. */
+double camera_grows_to(const struct camera_private *own, double *reach);
 
 /* Fills held and held_aspect. -ENOMEM. */
 int camera_hold(struct camera_private *own);

@@ -5,6 +5,7 @@
  */
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "bake/calibrate/camera/camera_parts.h"
 #include "hal/optics/vec.h"
@@ -232,10 +233,8 @@ static void judge_fold(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
 	const double *x = own->x;
-	const double fold = tsai_fold_radius(x[MODEL_KAPPA1]);
-	/* largest distorted radius */
-	const double most = own->task.distortion == TSAI_DISTORTS ? fold * 2 / 3 : fold;
-	double farthest = 0, seen[2];
+	double farthest = 0, seen[2], reach;
+	const double most = camera_grows_to(own, &reach);
 
 	for (int i = 0; i < own->problem.count; i++) {
 		const double *px = own->problem.point[i].px;
@@ -250,13 +249,41 @@ static void judge_fold(struct camera_solution *solution)
 		verdict_doubt(&solution->finding.verdict,
 			      "leave out the outermost points, or try the other --distortion",
 			      "the distortion folds over at the outermost points: the lens bends "
-			      "more than "
-			      "one kappa can say");
+			      "more than %d radial term%s can say",
+			      own->radial, own->radial > 1 ? "s" : "");
 	if (!camera_sees(own, own->object, seen))
 		verdict_doubt(&solution->finding.verdict,
 			      "say where the object stands with --object, or cover its place",
 			      "the camera has no image of the object's place (%.4g %.4g %.4g)",
 			      own->object[0], own->object[1], own->object[2]);
+}
+
+/* Doubts a distortion of more terms that folds over inside of the picture, and one of too few
+ * terms. */
+static void judge_radial(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	const double *left_out = own->left_out;
+	const int now = own->radial, wanted = own->radial_wanted;
+	double reach, grows = camera_grows_to(own, &reach);
+
+	if (own->radial > 1 && !(grows > reach))
+		verdict_doubt(&solution->finding.verdict,
+			      "put points near the corners, or give a smaller --radial",
+			      "the distortion folds over inside of the picture, at %.3g of the way "
+			      "from the axis to the farthest corner",
+			      grows / reach);
+	if (wanted > now && left_out[now] * left_out[now] - left_out[wanted] * left_out[wanted] >
+				    CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) {
+		char remedy[64];
+
+		snprintf(remedy, sizeof(remedy), "give --radial %d, or leave --radial out", wanted);
+		verdict_doubt(&solution->finding.verdict, remedy,
+			      "the lens bends in another way than %d radial term%s can say: %d "
+			      "predict points that were left out to %.3g px, %d to %.3g px",
+			      now, now > 1 ? "s" : "", wanted, left_out[wanted], now,
+			      left_out[now]);
+	}
 }
 
 static void judge_focal(struct camera_solution *solution)
@@ -369,6 +396,7 @@ void camera_judge(struct camera_solution *solution)
 	judge_outliers(solution);
 	judge_side(solution);
 	judge_fold(solution);
+	judge_radial(solution);
 	judge_focal(solution);
 	camera_judge_coverage(solution);
 	judge_object(solution);
