@@ -59,6 +59,7 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_structure.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
 	tests/unit/bake/calibrate/convert/test_convert.c \
 	tests/unit/bake/calibrate/convert/test_convert_opencv.cpp \

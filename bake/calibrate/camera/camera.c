@@ -141,14 +141,15 @@ static int calibration_prepare(struct camera_private *own, const struct observat
 	if (err)
 		return err;
 	n = (size_t)problem_unknowns(&own->problem);
+	own->turned = calloc((size_t)seen->views, sizeof(*own->turned));
 	own->x = calloc(n, sizeof(*own->x));
 	own->fixed = calloc(n, sizeof(*own->fixed));
 	own->held = calloc(n * n, sizeof(*own->held));
 	own->held_aspect = calloc(n * n, sizeof(*own->held_aspect));
 	own->covariance = calloc(n * n, sizeof(*own->covariance));
 	own->cautious = calloc(n * n, sizeof(*own->cautious));
-	if (!own->x || !own->fixed || !own->held || !own->held_aspect || !own->covariance ||
-	    !own->cautious)
+	if (!own->turned || !own->x || !own->fixed || !own->held || !own->held_aspect ||
+	    !own->covariance || !own->cautious)
 		return -ENOMEM;
 	return 0;
 }
@@ -317,6 +318,19 @@ static int solution_finish(struct camera_solution *solution)
 	return 0;
 }
 
+/* Places what the pictures show where they show it, in those that were turned. */
+static void turn_back(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+
+	for (int i = 0; i < own->problem.count; i++)
+		if (own->turned[own->problem.point[i].view])
+			camera_turn_point(own, solution->finding.expected[i]);
+	for (int v = 0; v < own->problem.views; v++)
+		if (own->turned[v])
+			camera_turn_camera(&solution->view[v]);
+}
+
 static int calibration_run(struct camera_solution *solution)
 {
 	struct camera_private *own = solution->own;
@@ -332,6 +346,8 @@ static int calibration_run(struct camera_solution *solution)
 		err = solution_finish(solution);
 	if (!err)
 		camera_judge(solution);
+	if (!err && solution->solved)
+		turn_back(solution);
 	return err;
 }
 
@@ -389,6 +405,8 @@ void camera_solution_free(struct camera_solution *solution)
 	if (own) {
 		problem_free(&own->problem);
 		least_squares_free(&own->fit);
+		free(own->turned);
+		free(own->turned_point);
 		free(own->x);
 		free(own->fixed);
 		free(own->held);

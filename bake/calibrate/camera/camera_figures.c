@@ -302,9 +302,10 @@ void camera_figures(struct camera_solution *solution)
 	struct finding *finding = &solution->finding;
 	const int focal = estimate_find(&finding->estimate, "focal");
 	const int depth = model_of_view(own->task.reference) + MODEL_TRANSLATION + 2;
+	struct camera_structure structure;
 	struct figure_errors sum;
 	double ground;
-	int outliers = 0;
+	int outliers = 0, turned = 0;
 
 	figures_measure(solution, &sum);
 	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px", own->object_error);
@@ -329,6 +330,16 @@ void camera_figures(struct camera_solution *solution)
 				 k > 1 ? "s" : "");
 			finding_add(finding, key, label, "px", own->left_out[k]);
 		}
+	camera_find_structure(own, &structure);
+	finding_add(finding, "structure_px",
+		    "mean residual of a ring or part of the picture that noise explains least",
+		    "px", fabs(structure.mean_px));
+	finding_add(finding, "structure_sigmas", "the same, in deviations that noise makes", "",
+		    structure.sigmas);
+	for (int v = 0; v < own->problem.views; v++)
+		turned += own->turned[v];
+	if (turned)
+		finding_add(finding, "views_turned", "pictures turned by 180 degrees", "", turned);
 	figures_of_points(finding, &sum, own->task.unit_mm);
 	finding_add(finding, "focal_depth_correlation", "correlation of f and Tz", "",
 		    estimate_correlation(&finding->estimate, focal, depth));

@@ -26,8 +26,10 @@ struct camera_private {
 	 * left out and predicted with so many terms, px; 0: not tried. */
 	int radial_wanted;
 	double left_out[MODEL_RADIAL + 1];
-	double *x;   /* [problem_unknowns()]: the solution */
-	bool *fixed; /* [problem_unknowns()]: held in the solution */
+	bool *turned;			  /* [views]: pictures that are turned by 180 degrees */
+	struct observation *turned_point; /* [count]: points of upright pictures, or NULL */
+	double *x;			  /* [problem_unknowns()]: the solution */
+	bool *fixed;			  /* [problem_unknowns()]: held in the solution */
 	struct least_squares_fit fit;
 	int guess_error, fit_error; /* 0, or why there is no solution */
 	struct fault why;
@@ -76,6 +78,34 @@ bool camera_predicts_better(const struct camera_left_out *a, const struct camera
 /* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or point);
  * sensor units. */
 double camera_grows_to(const struct camera_private *own, double *reach);
+
+/*
+ * Finds pictures whose axis is on the other side of the middle than the reference view's, from a
+ * solution that takes all as alike, and turns them in own->turned. gain: decrease of the sum of
+ * squares if they are turned, to first order. variance: of a residual, more where the views disagree
+ * about the axis by more than their residuals explain. -ENOMEM.
+ */
+int camera_tell_turned(struct camera_private *own, double *gain, double *variance);
+
+/* Turns the points of such pictures; the problem then has them. -ENOMEM. */
+int camera_turn_pictures(struct camera_private *own);
+void camera_turn_point(const struct camera_private *own, double px[2]);
+
+/* Makes the camera of a picture that of the picture turned. */
+void camera_turn_camera(struct tsai_camera *camera);
+
+/* The mean residual that noise explains least. */
+struct camera_structure {
+	bool ring;	       /* else a part of the picture */
+	double mean_px;	       /* outwards in a ring; right or down in a part */
+	double deviation_px;   /* that noise and differences between views make */
+	double sigmas;	       /* their ratio */
+	double from_px, to_px; /* radii of a ring */
+	double at_px[2];       /* middle of a part */
+	int group;	       /* private */
+};
+
+void camera_find_structure(const struct camera_private *own, struct camera_structure *found);
 
 /* Fills held and held_aspect. -ENOMEM. */
 int camera_hold(struct camera_private *own);

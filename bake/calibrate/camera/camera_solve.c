@@ -23,6 +23,12 @@
  * squared of two terms), and the least number of points to look for it. */
 #define RADIAL_GAIN 13.8
 #define RADIAL_POINTS 40
+/* Gain, in variances, at which pictures count as turned: chance exceeds it once in 1e5, and gains
+ * about one for each view whose side it chooses. */
+#define TURNED_VIEWS 3 /* least number of views */
+#define TURNED_ROUNDS 4
+#define TURNED_GAIN 25
+#define TURNED_GAIN_OF_VIEW 2
 #define MISFIT 0.005   /* of the diagonal: rms from which a mirror image is tried */
 #define FAR_BETTER 0.2 /* of the rms */
 #define BETTER 0.7     /* of the rms, where the fit went nowhere: to an infinite f */
@@ -361,7 +367,7 @@ static int solve_halves(struct camera_private *own)
 	return err;
 }
 
-/* ---- all of it ---- */
+/* ---- mirrored, turned ---- */
 
 /* Fits a camera to the mirrored picture; *rms is its error, unchanged where there is none. */
 static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
@@ -457,6 +463,13 @@ static int solve_guessed(struct camera_private *own)
 		err = try_other_tilt(own, tried);
 	free(tried);
 	return err;
+}
+
+/* Whether there is a solution that found a lens in all ways. */
+static bool finds_lens(const struct camera_private *own)
+{
+	return !own->task.intrinsics && own->task.method == CAMERA_FULL && !own->guess_error &&
+	       !own->fit_error;
 }
 
 /* ---- radial terms ---- */
@@ -574,7 +587,11 @@ static int choose_radial(struct camera_private *own)
 	return err;
 }
 
-int camera_solve(struct camera_private *own)
+/* ---- all of it ---- */
+
+/* Guesses and solves, with one radial term or those that are given, then with as many as predict
+ * best. */
+static int solve_all(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
 	struct camera_start start = {.known = known, .robust = own->task.robust};
@@ -582,6 +599,7 @@ int camera_solve(struct camera_private *own)
 	int err = 0;
 
 	own->other_tilt = INFINITY;
+	memset(own->left_out, 0, sizeof(own->left_out));
 	own->radial = own->task.radial && own->task.method == CAMERA_FULL ? own->task.radial : 1;
 	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
 	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
@@ -601,9 +619,72 @@ int camera_solve(struct camera_private *own)
 		err = try_mirrored(own, &start, &elsewhere);
 	if (!err && elsewhere)
 		err = solve_guessed(own);
-	if (!err && !known && own->task.method == CAMERA_FULL && !own->guess_error &&
-	    !own->fit_error)
+	if (!err && finds_lens(own))
 		err = choose_radial(own);
+	return err;
+}
+
+/* Turns pictures and solves again until no more of them seem to be turned; the first solution may
+ * mistake some. turned: scratch space. *better: pictures were turned, and everything fits better by
+ * far. */
+static int turn_rounds(struct camera_private *own, bool *turned, bool *better)
+{
+	const size_t bytes = (size_t)own->problem.views * sizeof(*turned);
+	const double squares = own->fit.squares;
+	const double least = TURNED_GAIN + TURNED_GAIN_OF_VIEW * own->problem.views;
+
+	*better = false;
+	for (int round = 0; round <= TURNED_ROUNDS; round++) {
+		const double noise = own->fit.sigma * own->fit.sigma;
+		double gain, variance;
+		int err;
+
+		memcpy(turned, own->turned, bytes);
+		err = camera_tell_turned(own, &gain, &variance);
+		if (err)
+			return err;
+		*better = squares - own->fit.squares > least * variance;
+		if (!(gain > least * noise) || round == TURNED_ROUNDS) {
+			memcpy(own->turned, turned, bytes);
+			return 0;
+		}
+		err = camera_turn_pictures(own);
+		if (!err)
+			err = solve_all(own);
+		if (err)
+			return err;
+		*better = false;
+		if (own->guess_error || own->fit_error)
+			return 0;
+	}
+	return 0;
+}
+
+/* Solves with the pictures upright that are turned by 180 degrees, if there are any. */
+static int solve_upright(struct camera_private *own)
+{
+	const size_t views = (size_t)own->problem.views;
+	bool *turned, better;
+	int err;
+
+	if (own->problem.views < TURNED_VIEWS || !own->task.width || !(own->fit.sigma > 0))
+		return 0;
+	turned = calloc(views, sizeof(*turned));
+	err = turned ? turn_rounds(own, turned, &better) : -ENOMEM;
+	free(turned);
+	if (err || better || own->problem.point == own->seen->point)
+		return err;
+	own->problem.point = own->seen->point;
+	memset(own->turned, 0, views * sizeof(*own->turned));
+	return solve_all(own);
+}
+
+int camera_solve(struct camera_private *own)
+{
+	int err = solve_all(own);
+
+	if (!err && finds_lens(own))
+		err = solve_upright(own);
 	if (!err && !own->guess_error && !own->fit_error)
 		err = solve_halves(own);
 	return err;

@@ -17,6 +17,10 @@
 #define PARALLEL_DEGREES 10
 /* largest distance of the object from the points' middle, in units of their extent */
 #define BEYOND_MOST 1.25
+/* A mean residual of a part of the picture is doubted beyond so many of its deviations (of 38 means
+ * chance exceeds that once in 40,000 runs) and this share of the tolerance. */
+#define STRUCTURE_SIGMAS 5.0
+#define STRUCTURE_LEAST 0.1
 #define MISFIT 0.02 /* largest rms, as a share of the points' extent */
 
 /* ---- what came out ---- */
@@ -286,6 +290,35 @@ static void judge_radial(struct camera_solution *solution)
 	}
 }
 
+/* Doubts a lens whose residuals have a pattern: its deviations assume noise. */
+static void judge_structure(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	const double least = fmax(STRUCTURE_LEAST * own->task.tolerance_px, CAMERA_NOISE_LEAST);
+	struct camera_structure found;
+	char place[96];
+
+	camera_find_structure(own, &found);
+	if (!(found.sigmas > STRUCTURE_SIGMAS) || !(fabs(found.mean_px) > least))
+		return;
+	if (found.ring)
+		snprintf(place, sizeof(place), "between %.0f and %.0f px from the axis",
+			 found.from_px, found.to_px);
+	else
+		snprintf(place, sizeof(place), "around %.0f, %.0f px", found.at_px[0],
+			 found.at_px[1]);
+	verdict_doubt(
+		&solution->finding.verdict,
+		own->task.intrinsics
+			? "check that the lens is the one of --intrinsics, at the same focus and "
+			  "zoom, and that the board is flat"
+			: "check that the board is flat, and that all pictures are of one camera "
+			  "at one focus and zoom",
+		"the points do not lie where such a lens shows them: %s they are %.3g px off "
+		"on average, where noise explains %.2g px",
+		place, fabs(found.mean_px), found.deviation_px);
+}
+
 static void judge_focal(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
@@ -397,6 +430,7 @@ void camera_judge(struct camera_solution *solution)
 	judge_side(solution);
 	judge_fold(solution);
 	judge_radial(solution);
+	judge_structure(solution);
 	judge_focal(solution);
 	camera_judge_coverage(solution);
 	judge_object(solution);

@@ -44,7 +44,6 @@ static struct tsai_camera lens_at(int view, const struct bends *bends, int disto
 	return c;
 }
 
-/* Boards that fill the picture; corners outside of it are left out. */
 static void see_boards(struct observations *seen, struct tsai_camera truth[VIEWS],
 		       const struct bends *bends, int distortion, double noise,
 		       struct chance *chance)
@@ -52,17 +51,7 @@ static void see_boards(struct observations *seen, struct tsai_camera truth[VIEWS
 	*seen = (struct observations){.width = KNOWN_CAMERA_WIDTH, .height = KNOWN_CAMERA_HEIGHT};
 	for (int v = 0; v < VIEWS; v++) {
 		truth[v] = lens_at(v, bends, distortion);
-		assert_int_equal(observations_begin_view(seen, "board"), 0);
-		for (int j = 0; j < 11; j++)
-			for (int i = 0; i < 15; i++) {
-				const double world[3] = {KNOWN_CAMERA_STEP * (i - 7),
-							 KNOWN_CAMERA_STEP * (j - 5), 0};
-				double px[2];
-
-				if (!tsai_project(&truth[v], world, px) && px[0] > 0 &&
-				    px[0] < seen->width && px[1] > 0 && px[1] < seen->height)
-					known_camera_see(seen, &truth[v], world, noise, chance);
-			}
+		known_camera_see_large_board(seen, &truth[v], noise, chance);
 	}
 }
 
