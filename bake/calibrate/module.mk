@@ -86,6 +86,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/observations.c \
 	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
+	bake/calibrate/report/report_axes.c \
 	bake/calibrate/report/report_directions.c \
 	bake/calibrate/report/report_json.c \
 	bake/calibrate/report/report_maps.c \

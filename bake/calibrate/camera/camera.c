@@ -314,6 +314,7 @@ static int solution_finish(struct camera_solution *solution)
 	camera_figures(solution);
 	finding->uncertainty = camera_uncertainty;
 	finding->disagreement = own->half[0] && own->half[1] ? camera_disagreement : NULL;
+	finding->project = camera_project_view;
 	finding->context = own;
 	return 0;
 }

@@ -134,6 +134,22 @@ double camera_disagreement(const void *context, const double px[2])
 	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
 }
 
+bool camera_project_view(const void *context, int view, const double world[3], double px[2])
+{
+	const struct camera_private *own = context;
+	struct model_view turned;
+	double place[3];
+
+	for (int k = 0; k < 3; k++)
+		place[k] = world[k] - own->problem.shape[view].middle[k];
+	model_turn(&turned, own->x + model_of_view(view));
+	if (!model_see(&own->problem.model, own->x, &turned, place, px, NULL))
+		return false;
+	if (own->turned[view])
+		camera_turn_point(own, px);
+	return true;
+}
+
 /* ---- errors of the points ---- */
 
 /* Sums over the inliers. */

@@ -132,6 +132,7 @@ void camera_figures(struct camera_solution *solution);
 /* Callbacks of struct finding; context is struct camera_private. */
 double camera_uncertainty(const void *context, const double px[2]);
 double camera_disagreement(const void *context, const double px[2]);
+bool camera_project_view(const void *context, int view, const double world[3], double px[2]);
 
 void camera_judge(struct camera_solution *solution);
 /* Parts of it: the points as given, and how much of the picture they cover. */
