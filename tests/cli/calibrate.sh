@@ -437,6 +437,33 @@ if has_command light; then
 	check "is the response" grep -q '^response = 0 0.00' "$work/rsp.ini"
 	wrong "a merged picture without a name" "expected -o FILE.hdr" light merge "$work/lit.png" \
 		"$work/lit.png" -o "$work/none.png"
+	if command -v python3 >/dev/null; then
+		bracket=$(dirname "$0")/tools/bracket.py
+		mkdir "$work/bracket"
+		python3 "$bracket" write "$work/bracket"
+		check "a bracket merges by the times that its pictures say" calibrate light merge \
+			"$work"/bracket/a?.jpg -o "$work/merged.pfm"
+		off=$(python3 "$bracket" compare "$work/merged.pfm")
+		check "to 2 % of its light, ISO and f-number included" awk "BEGIN { exit !($off < 0.02) }"
+		check "in any order" calibrate light merge "$work"/bracket/a{3,1,5,2,4}.jpg -o "$work/any.pfm"
+		python3 "$bracket" compare "$work/any.pfm" >"$work/any"
+		equal "it is the same" "$off" "$(cat "$work/any")"
+		check "as .hdr, too" calibrate light merge "$work"/bracket/a?.jpg -o "$work/merged.hdr"
+		equal "which begins as one" "#?RADIANCE" "$(head -n 1 "$work/merged.hdr")"
+		check "--times instead of what they say" calibrate light merge "$work"/bracket/a?.jpg \
+			--times 1,1,1,1,1 -o "$work/wrong.pfm"
+		off=$(python3 "$bracket" compare "$work/wrong.pfm")
+		check "is believed" awk "BEGIN { exit !($off > 0.5) }"
+		failed_with "one picture that says no time" "bare.jpg: says no exposure time (EXIF), expected --times" \
+			light merge "$work/bracket/a1.jpg" "$work/bracket/bare.jpg" -o "$work/none.pfm"
+		absent "and nothing was written" "$work/none.pfm"
+		check "light that is clipped in all of them" calibrate light merge "$work"/bracket/a{1,2}.jpg \
+			-o "$work/clipped.pfm"
+		calibrate light merge "$work"/bracket/a{1,2}.jpg -o "$work/clipped.pfm" 2>"$work/stderr"
+		check "is said" grep -q '% of the values are clipped in all exposures' "$work/stderr"
+		wrong "a time too few" "as many of each" light merge "$work"/bracket/a{1,2,3}.jpg --times 4,1 \
+			-o "$work/none.pfm"
+	fi
 	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
 		-o "$work/none.ini"
 	absent "and nothing was written" "$work/none"
