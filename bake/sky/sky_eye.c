@@ -129,7 +129,8 @@ int sky_eye_read(struct sky_eye *eye, const struct image *picture, int exposure)
 {
 	int err;
 
-	light_sampler_above(eye->sampler, light_exposures_above(eye->exposures, exposure));
+	light_sampler_exposure(eye->sampler, light_exposures_longer(eye->exposures, exposure),
+			       light_exposures_shorter(eye->exposures, exposure));
 	err = sky_eye_sample(eye->sampler, picture, eye->radiance, NULL);
 	if (!err && picture->u8)
 		light_exposures_take(eye->exposures, exposure, (const float(*)[3])eye->radiance,
