@@ -232,6 +232,8 @@ if has_command camera; then
 	wrong "a centre that the lens's file says" "--centre-deviation" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
 		-o "$work/none.ini"
+	wrong "radial terms of the method that has one" "--radial: --method three has one term" camera \
+		--points "$work/box.points" --size 640x480 --method three --radial 2 -o "$work/none.ini"
 	wrong "radial terms that the lens's file says" "--radial" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --radial 2 -o "$work/none.ini"
 	wrong "four radial terms" "--radial" camera --points "$work/box.points" --size 640x480 --radial 4 \
@@ -464,6 +466,9 @@ if has_command light; then
 		wrong "a time too few" "as many of each" light merge "$work"/bracket/a{1,2,3}.jpg --times 4,1 \
 			-o "$work/none.pfm"
 	fi
+	echo "; nothing" >"$work/nothing.ini"
+	failed_with "a lens file without a fisheye" "nothing.ini: expected a [fisheye] section" light gain \
+		--lens "$work/nothing.ini" --patch 0,0,8,8 "$work/lit.png" "$work/lit.png" -o "$work/none.ini"
 	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
 		-o "$work/none.ini"
 	absent "and nothing was written" "$work/none"
