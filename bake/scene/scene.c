@@ -244,7 +244,9 @@ static uint64_t hash_scene(const struct scene *scene)
 	uint64_t hash;
 
 	XXH3_64bits_reset(state);
-	XXH3_64bits_update(state, &scene->camera, sizeof(scene->camera));
+	XXH3_64bits_update(state, &scene->camera,
+			   tsai_is_plain(&scene->camera) ? offsetof(struct tsai_camera, kappa2)
+							 : sizeof(scene->camera));
 	XXH3_64bits_update(state, &file->ground.given, sizeof(file->ground.given));
 	XXH3_64bits_update(state, &file->ground.extent, sizeof(file->ground.extent));
 	for (int k = 0; k < file->material_count; k++) {

@@ -44,12 +44,14 @@ struct tsai_camera {
 	double rotation[9];    /* R, rows */
 	double translation[3]; /* T */
 	double focal;	       /* f */
-	double kappa1, kappa2, kappa3;
+	double kappa1;
+	int distortion;	     /* enum tsai_distortion: what kappa1 and the others mean */
+	double centre_px[2]; /* C, in image axes (x right, y up) */
+	double pixel[2];     /* D */
+	double aspect;	     /* s */
+	/* The terms that most cameras have not, last: without them a scene's hash leaves them out. */
+	double kappa2, kappa3;
 	double tangential[2]; /* q */
-	int distortion;	      /* enum tsai_distortion: what kappa1 and the others mean */
-	double centre_px[2];  /* C, in image axes (x right, y up) */
-	double pixel[2];      /* D */
-	double aspect;	      /* s */
 };
 
 extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */
