@@ -31,6 +31,7 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 	static const struct ini_table tables[] = {
 		{.section = "camera", .keys = tsai_keys, .place = tsai_place}, INI_TABLES_END};
 	struct ini_report report = {.count = 0};
+	struct fault why = {.text = ""};
 	int err;
 
 	*camera = (struct tsai_camera){.width = 0};
@@ -43,7 +44,8 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 	if (!camera->width)
 		return fault_say(fault, -EINVAL,
 				 "%s: no section [camera], expected Tsai's constants", path);
-	return tsai_check(camera, fault);
+	err = tsai_check(camera, &why);
+	return err ? fault_say(fault, err, "%s: %s", path, why.text) : 0;
 }
 
 /* Changes the number of pixels of the same view. */

@@ -774,6 +774,9 @@ static void test_terms(void **state)
 	}
 	for (int k = 0; k < COUNT; k++)
 		scene_close(scene[k]);
+	small_scene_write("cam.ini", "%skappa2 = -1e-4\n", plain);
+	test_scene_refuse("[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n",
+			  "cam.ini: camera: kappa1, kappa2, kappa3 and tangential fold");
 }
 
 int main(void)
