@@ -62,7 +62,9 @@ UNIT_TESTS := \
 	tests/unit/bake/base/test_watch.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
+	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_structure.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
 	tests/unit/bake/calibrate/convert/test_convert.c \
 	tests/unit/bake/calibrate/convert/test_convert_opencv.cpp \
@@ -160,6 +162,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_recovery_pieces.c \
 	tests/unit/hal/lights/test_sampler.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \
 	tests/unit/hal/optics/test_dome_fine.c \
 	tests/unit/hal/optics/test_dome_tents.c \

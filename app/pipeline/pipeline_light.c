@@ -226,7 +226,8 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 
 	if (err)
 		return err;
-	light_sampler_above(p->sampler, light_exposures_above(p->exposures, p->exposure));
+	light_sampler_exposure(p->sampler, light_exposures_longer(p->exposures, p->exposure),
+			       light_exposures_shorter(p->exposures, p->exposure));
 	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->sampled, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",

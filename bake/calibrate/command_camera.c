@@ -33,6 +33,7 @@ enum {
 	Y_UP,
 	PIXEL_CENTRE,
 	DISTORTION,
+	RADIAL,
 	METHOD,
 	ROBUST,
 	INTRINSICS,
@@ -58,6 +59,7 @@ static const struct option options[] = {
 	{"y-up", no_argument, NULL, Y_UP},
 	{"pixel-centre", required_argument, NULL, PIXEL_CENTRE},
 	{"distortion", required_argument, NULL, DISTORTION},
+	{"radial", required_argument, NULL, RADIAL},
 	{"method", required_argument, NULL, METHOD},
 	{"robust", no_argument, NULL, ROBUST},
 	{"intrinsics", required_argument, NULL, INTRINSICS},
@@ -156,6 +158,8 @@ static int read_lens_option(struct camera_job *job, int option, struct fault *fa
 	case DISTORTION:
 		return option_choice("--distortion", optarg, tsai_distortion_names,
 				     &task->distortion, fault);
+	case RADIAL:
+		return option_int("--radial", optarg, 1, 3, &task->radial, fault);
 	case METHOD:
 		err = option_choice("--method", optarg, method_names, &chosen, fault);
 		task->method = chosen ? CAMERA_THREE : CAMERA_FULL;
@@ -227,6 +231,10 @@ static int camera_check_options(const void *context, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "--pixel, --centre and --centre-deviation: the file of "
 				 "--intrinsics says them");
+	if (job->task.radial && (job->intrinsics || job->task.method == CAMERA_THREE))
+		return fault_say(fault, -EINVAL, "--radial: %s",
+				 job->intrinsics ? "the file of --intrinsics says the distortion"
+						 : "--method three has one term");
 	if (job->intrinsics && (job->task.aspect_given || job->task.aspect_deviation >= 0))
 		return fault_say(fault, -EINVAL,
 				 "--aspect and --aspect-deviation: the file of --intrinsics says "
@@ -389,6 +397,9 @@ const struct bake_command camera_command = {
 		"                     --aspect 0: it is exact)\n"
 		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
 		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
+		"  --radial N         terms of its polynomial, 1 to 3: kappa1, kappa2, kappa3 (as "
+		"many\n"
+		"                     as predict best what was left out)\n"
 		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* inlay-calibrate light gain and colours. */
 #include <errno.h>
-#include <libyuv.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +10,7 @@
 #include "bake/calibrate/response/light_colours.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "bake/calibrate/response/light_report.h"
-#include "hal/frame/frame.h"
+#include "bake/sky/sky_eye.h"
 
 /* ---- the sky ---- */
 
@@ -22,29 +21,13 @@ struct measured_sky {
 	float (*radiance)[3];
 };
 
-static void *place_lens(void *root, const char *instance)
-{
-	(void)instance;
-	return root;
-}
-
-static int read_lens(const char *path, struct fisheye_settings *lens, struct fault *fault)
-{
-	const struct ini_table tables[] = {
-		{.section = "fisheye", .keys = fisheye_keys, .place = place_lens}, INI_TABLES_END};
-	struct ini_report report = {.count = 0};
-	int err = 0;
-
-	ini_defaults(fisheye_keys, lens);
-	if (path)
-		err = ini_read(path, tables, lens, &report);
-	return err ? fault_say(fault, err, "%s", report.first.text) : 0;
-}
-
 static int sky_create(struct measured_sky *sky, const struct light_job *job, struct fault *fault)
 {
-	int err = read_lens(job->lens, &sky->lens, fault);
+	int err = 0;
 
+	ini_defaults(fisheye_keys, &sky->lens);
+	if (job->lens)
+		err = sky_eye_lens(&sky->lens, job->lens, fault);
 	if (err)
 		return err;
 	sky->sampler = (struct light_sampler_settings){
@@ -66,25 +49,6 @@ static void sky_free(struct measured_sky *sky)
 	dome_free(&sky->dome);
 }
 
-static int read_codes(struct light_sampler *sampler, const struct image *image,
-		      struct measured_sky *sky, double *clipped)
-{
-	const struct view view = {.width = image->width, .height = image->height};
-	struct canvas canvas = {.pixels = NULL};
-	struct picture picture;
-	int err = canvas_create(&canvas, image->width, image->height);
-
-	if (err)
-		return err;
-	/* libyuv's RAW is R, G, B in memory. */
-	RAWToARGB(image->u8, 3 * image->width, canvas.pixels, (int)canvas.stride, image->width,
-		  image->height);
-	picture = view_picture(&view, canvas.pixels, canvas.stride);
-	err = light_sampler_read(sampler, &picture, sky->radiance, clipped);
-	canvas_free(&canvas);
-	return err;
-}
-
 static int sky_measure(struct measured_sky *sky, const char *path, double *clipped,
 		       struct fault *fault)
 {
@@ -102,8 +66,7 @@ static int sky_measure(struct measured_sky *sky, const char *path, double *clipp
 		err = light_sampler_create(&sampler, &sky->dome, &lens, image.width, image.height,
 					   &sky->sampler, &why);
 	if (!err) {
-		err = image.u8 ? read_codes(sampler, &image, sky, clipped)
-			       : light_sampler_read_linear(sampler, &image, sky->radiance);
+		err = sky_eye_sample(sampler, &image, sky->radiance, clipped);
 		if (err)
 			fault_say(&why, err, "cannot be measured: %s", strerror(-err));
 	}

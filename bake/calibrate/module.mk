@@ -25,8 +25,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_held.c \
 	bake/calibrate/camera/camera_model.c \
 	bake/calibrate/camera/camera_problem.c \
+	bake/calibrate/camera/camera_radial.c \
 	bake/calibrate/camera/camera_solve.c \
+	bake/calibrate/camera/camera_structure.c \
 	bake/calibrate/camera/camera_tsai.c \
+	bake/calibrate/camera/camera_turned.c \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
@@ -83,6 +86,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/observations.c \
 	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
+	bake/calibrate/report/report_axes.c \
 	bake/calibrate/report/report_directions.c \
 	bake/calibrate/report/report_json.c \
 	bake/calibrate/report/report_maps.c \

@@ -15,7 +15,8 @@ double export_camera_shift(const struct tsai_camera *camera)
 	struct tsai_camera straight = *camera;
 	double most = 0;
 
-	straight.kappa1 = 0;
+	straight.kappa1 = straight.kappa2 = straight.kappa3 = 0;
+	straight.tangential[0] = straight.tangential[1] = 0;
 	for (int y = 0; y < camera->height; y++)
 		for (int x = 0; x < camera->width; x++) {
 			const double px[2] = {x + 0.5, y + 0.5};
@@ -40,14 +41,14 @@ static int check_camera(const struct scene *scene, struct fault *fault)
 		return 0;
 	if (isinf(shift))
 		return fault_say(fault, -EINVAL,
-				 "%s: kappa1 = %g leaves pixels that see nothing, expected at most "
-				 "%g pixels of distortion: Blender's camera has none (--radiance "
-				 "takes it)",
-				 scene->path, scene->camera.kappa1, EXPORT_BLENDER_SHIFT_PX);
+				 "%s: the camera's distortion leaves pixels that see nothing, "
+				 "expected at most %g pixels of distortion: Blender's camera has "
+				 "none (--radiance takes it)",
+				 scene->path, EXPORT_BLENDER_SHIFT_PX);
 	return fault_say(fault, -EINVAL,
-			 "%s: kappa1 = %g moves pixels by up to %.2f, expected at most %g: "
-			 "Blender's camera has no such distortion (--radiance takes it)",
-			 scene->path, scene->camera.kappa1, shift, EXPORT_BLENDER_SHIFT_PX);
+			 "%s: the camera's distortion moves pixels by up to %.2f, expected at "
+			 "most %g: Blender's camera has no such distortion (--radiance takes it)",
+			 scene->path, shift, EXPORT_BLENDER_SHIFT_PX);
 }
 
 static void write_camera(FILE *to, const struct export_job *job)

@@ -31,6 +31,7 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 	static const struct ini_table tables[] = {
 		{.section = "camera", .keys = tsai_keys, .place = tsai_place}, INI_TABLES_END};
 	struct ini_report report = {.count = 0};
+	struct fault why = {.text = ""};
 	int err;
 
 	*camera = (struct tsai_camera){.width = 0};
@@ -43,7 +44,8 @@ static int read_camera(struct tsai_camera *camera, const char *path, struct faul
 	if (!camera->width)
 		return fault_say(fault, -EINVAL,
 				 "%s: no section [camera], expected Tsai's constants", path);
-	return tsai_check(camera, fault);
+	err = tsai_check(camera, &why);
+	return err ? fault_say(fault, err, "%s: %s", path, why.text) : 0;
 }
 
 /* Changes the number of pixels of the same view. */
@@ -244,7 +246,9 @@ static uint64_t hash_scene(const struct scene *scene)
 	uint64_t hash;
 
 	XXH3_64bits_reset(state);
-	XXH3_64bits_update(state, &scene->camera, sizeof(scene->camera));
+	XXH3_64bits_update(state, &scene->camera,
+			   tsai_is_plain(&scene->camera) ? offsetof(struct tsai_camera, kappa2)
+							 : sizeof(scene->camera));
 	XXH3_64bits_update(state, &file->ground.given, sizeof(file->ground.given));
 	XXH3_64bits_update(state, &file->ground.extent, sizeof(file->ground.extent));
 	for (int k = 0; k < file->material_count; k++) {
@@ -394,6 +398,8 @@ int scene_camera_text(const struct scene *scene, char *text, size_t room)
 	for (const struct ini_key *key = tsai_keys; key->name; key++) {
 		char value[512];
 
+		if (ini_left_out(key, &scene->camera))
+			continue;
 		ini_value_text(key, &scene->camera, value, sizeof(value));
 		if (used < room)
 			used += (size_t)snprintf(text + used, room - used, "%s = %s\n", key->name,

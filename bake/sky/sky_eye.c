@@ -15,7 +15,6 @@ struct sky_eye {
 	const struct dome *pieces; /* borrowed */
 	struct light_sampler *sampler;
 	struct light_exposures *exposures;
-	struct canvas canvas; /* of an 8-bit picture */
 	float (*radiance)[3]; /* [pieces] */
 	float *clipped;	      /* [pieces]: share that is clipped in every exposure */
 	double clipped_radiance;
@@ -27,7 +26,6 @@ void sky_eye_destroy(struct sky_eye *eye)
 		return;
 	light_sampler_destroy(eye->sampler);
 	light_exposures_destroy(eye->exposures);
-	canvas_free(&eye->canvas);
 	free(eye->radiance);
 	free(eye->clipped);
 	free(eye);
@@ -71,7 +69,7 @@ static int eye_prepare(struct sky_eye *eye, const struct sky_eye_settings *setti
 		return err;
 	eye->radiance = calloc(count, sizeof(*eye->radiance));
 	eye->clipped = calloc(count, sizeof(*eye->clipped));
-	if (!eye->radiance || !eye->clipped || canvas_create(&eye->canvas, width, height) ||
+	if (!eye->radiance || !eye->clipped ||
 	    light_exposures_create(&eye->exposures, eye->pieces->count) ||
 	    eye_measure(eye, &lens, settings))
 		return fault_say(fault, -ENOMEM, "not enough memory for the sky");
@@ -98,34 +96,50 @@ int sky_eye_create(struct sky_eye **eye, const struct dome *pieces,
 	return 0;
 }
 
-static int eye_read_codes(struct sky_eye *eye, const struct image *picture, int exposure)
+static int sample_codes(struct light_sampler *sampler, const struct image *image,
+			float (*radiance)[3], double *clipped)
 {
-	const struct view view = {.width = picture->width, .height = picture->height};
-	struct picture codes;
-	int err;
+	const struct view view = {.width = image->width, .height = image->height};
+	struct canvas canvas = {.pixels = NULL};
+	struct picture picture;
+	int err = canvas_create(&canvas, image->width, image->height);
 
-	if (picture->width != eye->canvas.width || picture->height != eye->canvas.height)
-		return -EINVAL;
-	/* libyuv's RAW is R, G, B in memory. */
-	RAWToARGB(picture->u8, 3 * picture->width, eye->canvas.pixels, (int)eye->canvas.stride,
-		  picture->width, picture->height);
-	codes = view_picture(&view, eye->canvas.pixels, eye->canvas.stride);
-	light_sampler_above(eye->sampler, light_exposures_above(eye->exposures, exposure));
-	err = light_sampler_read(eye->sampler, &codes, eye->radiance, NULL);
 	if (err)
 		return err;
-	light_exposures_take(eye->exposures, exposure, (const float(*)[3])eye->radiance,
-			     light_sampler_excess(eye->sampler),
-			     light_sampler_clipped(eye->sampler), eye->radiance, eye->clipped);
-	return 0;
+	/* libyuv's RAW is R, G, B in memory. */
+	RAWToARGB(image->u8, 3 * image->width, canvas.pixels, (int)canvas.stride, image->width,
+		  image->height);
+	picture = view_picture(&view, canvas.pixels, canvas.stride);
+	err = light_sampler_read(sampler, &picture, radiance, clipped);
+	canvas_free(&canvas);
+	return err;
+}
+
+int sky_eye_sample(struct light_sampler *sampler, const struct image *image, float (*radiance)[3],
+		   double *clipped)
+{
+	if (image->u8)
+		return sample_codes(sampler, image, radiance, clipped);
+	if (clipped)
+		*clipped = 0;
+	return light_sampler_read_linear(sampler, image, radiance);
 }
 
 int sky_eye_read(struct sky_eye *eye, const struct image *picture, int exposure)
 {
-	if (picture->u8)
-		return eye_read_codes(eye, picture, exposure);
-	memset(eye->clipped, 0, (size_t)eye->pieces->count * sizeof(*eye->clipped));
-	return light_sampler_read_linear(eye->sampler, picture, eye->radiance);
+	int err;
+
+	light_sampler_exposure(eye->sampler, light_exposures_longer(eye->exposures, exposure),
+			       light_exposures_shorter(eye->exposures, exposure));
+	err = sky_eye_sample(eye->sampler, picture, eye->radiance, NULL);
+	if (!err && picture->u8)
+		light_exposures_take(eye->exposures, exposure, (const float(*)[3])eye->radiance,
+				     light_sampler_excess(eye->sampler),
+				     light_sampler_clipped(eye->sampler), eye->radiance,
+				     eye->clipped);
+	else
+		memset(eye->clipped, 0, (size_t)eye->pieces->count * sizeof(*eye->clipped));
+	return err;
 }
 
 void sky_eye_gather(const struct sky_eye *eye, const struct sky_need *need, double scale,

@@ -13,6 +13,7 @@
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
 #include "hal/lights/exposures.h"
+#include "hal/lights/sampler.h"
 #include "hal/optics/fisheye.h"
 
 #define SKY_EYE_CLIPPED 100
@@ -43,6 +44,11 @@ int sky_eye_read(struct sky_eye *eye, const struct image *picture, int exposure)
 /* Adds the light that was read last, times scale, to irradiance[pieces]. */
 void sky_eye_gather(const struct sky_eye *eye, const struct sky_need *need, double scale,
 		    double *irradiance);
+
+/* Reads an 8-bit picture as light_sampler_read() does, or a linear one, of which nothing is clipped.
+ * clipped may be NULL. -EINVAL: another size; -ENOMEM. */
+int sky_eye_sample(struct light_sampler *sampler, const struct image *image, float (*radiance)[3],
+		   double *clipped);
 
 /* The E below which a sky of 8-bit pictures is noise. */
 double sky_eye_least(void);

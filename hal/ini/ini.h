@@ -58,6 +58,7 @@ struct ini_key {
 	const char *fallback; /* the default as a file would say it; NULL: mandatory key */
 	const char *unit;     /* shown in help: "px", "deg"; NULL: none */
 	const char *help;     /* one sentence */
+	bool rare;	      /* files are written without it where it has its fallback */
 };
 
 #define INI_KEYS_END                                                                               \
@@ -119,6 +120,9 @@ int ini_set(const char *assignment, const struct ini_table *tables, void *root,
 
 /* Writes a key's value as a file would say it. Returns the length as snprintf() does. */
 int ini_value_text(const struct ini_key *key, const void *values, char *text, size_t room);
+
+/* Whether a file is written without this key: it is rare, and has its fallback. */
+bool ini_left_out(const struct ini_key *key, const void *values);
 
 /* Reads a truth value as INI_BOOL does. False: the text is none. */
 bool ini_truth_read(const char *text, bool *value);

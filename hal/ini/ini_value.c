@@ -394,6 +394,16 @@ int ini_value_text(const struct ini_key *key, const void *values, char *text, si
 	return (int)words.length;
 }
 
+bool ini_left_out(const struct ini_key *key, const void *values)
+{
+	char text[512];
+
+	if (!key->rare || !key->fallback)
+		return false;
+	ini_value_text(key, values, text, sizeof(text));
+	return !strcmp(text, key->fallback);
+}
+
 void ini_defaults(const struct ini_key *keys, void *values)
 {
 	char why[INI_WHY_MAX];

@@ -98,7 +98,12 @@ void light_exposures_measured(struct light_exposures *e, const double *ratio, in
 	light_exposures_begin(e);
 }
 
-double light_exposures_above(const struct light_exposures *e, int which)
+bool light_exposures_shorter(const struct light_exposures *e, int which)
+{
+	return which >= 0 && which < e->count - 1;
+}
+
+double light_exposures_longer(const struct light_exposures *e, int which)
 {
 	return which > 0 && which < EXPOSURES_MAX
 		       ? (double)e->ratio[which] / (double)e->ratio[which - 1]

@@ -12,7 +12,8 @@
  * in the sampler's units at exposure 0. In one frame a light is
  *
  *   whole     no pixel of it is clipped;
- *   clipped   some are: e_k is a lower bound.
+ *   clipped   some are: e_k is a lower bound. In all exposures but the shortest this begins before
+ *             255, where a camera's pixels are no longer believed (soft() of pixel_noise.h).
  *
  * Each light keeps the newest e_k of every exposure, so that results come at the camera's rate.
  *
@@ -29,13 +30,13 @@
  * of pixels, the same for all k, cancels. If all e_k are equal, L is equal to them to the bit.
  *
  * Lights clipped in exposure l - 1. The dark pixels of such a light are clearer in exposure l - 1,
- * and only the light above its white is missing there. If both are known, the result is
+ * and only the light that is not believed is missing there. If both are known, the result is
  *
  *     L = e_(l-1) + x_l / ratio[l]
- *     x_l = mean over the light's pixels of max(pixel - white_l, 0)
- *     white_l = ratio[l] / ratio[l-1]
+ *     x_l = mean over the light's pixels of x - r soft(x / r),   r = ratio[l] / ratio[l-1]
  *
- * instead of the mean; white_l is the level at which exposure l - 1 clips, in units of exposure l.
+ * instead of the mean. Without noise e_(l-1), the mean of soft(x), and x_l add up to the light,
+ * whatever soft() is; as it is smooth, noise near white averages out.
  * Thus the dim pixels around a lamp never come from the noise of a short exposure. In the other
  * cases the result is at least every estimate of a longer, clipped exposure.
  *
@@ -97,12 +98,14 @@ void light_exposures_begin(struct light_exposures *exposures);
 bool light_exposures_fit(const struct light_exposures *exposures, int which,
 			 const float (*sampled)[3], const float *clipped);
 
-/* white_l for exposure l = which, the level for light_sampler_above(); 1 (off) for exposure 0. */
-double light_exposures_above(const struct light_exposures *exposures, int which);
+/* The arguments of light_sampler_exposure() for exposure which: its ratio to the next longer one (1
+ * for exposure 0), and whether there is a shorter one. */
+double light_exposures_longer(const struct light_exposures *exposures, int which);
+bool light_exposures_shorter(const struct light_exposures *exposures, int which);
 
 /*
  * Merges a frame of exposure which. sampled[lights]: the sampler's values; excess[lights]: their
- * part above white_l (ignored for exposure 0); clipped[lights]: share of each light's pixels that
+ * part x_l that the longer exposure does not believe (ignored for exposure 0); clipped[lights]: share of each light's pixels that
  * is clipped, 0..1. Writes the result to radiance[lights], and to left[lights] the share of each
  * light that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
  */

@@ -60,39 +60,39 @@ static void sampler_colour(const struct light_sampler *s, const double linear[3]
 				     0);
 }
 
-static void fill_decode(struct sampler_decode *decode, const struct transfer_curve *curve)
+static void set_decode(struct sampler_decode *decode, int code, double light)
 {
-	for (int c = 0; c < 256; c++) {
-		const long value =
-			lrint(SAMPLER_VALUE_MAX * transfer_curve_decode(curve, c / 255.0));
+	const long value = lrint(SAMPLER_VALUE_MAX * light);
 
-		decode->value[c] = (int16_t)(value - SAMPLER_VALUE_BIAS);
-		decode->wide[c] = decode->value[c];
-		decode->low[c] = (uint8_t)(decode->value[c] & 255);
-		decode->high[c] = (uint8_t)(decode->value[c] >> 8 & 255);
+	decode->value[code] = (int16_t)(value - SAMPLER_VALUE_BIAS);
+	decode->wide[code] = decode->value[code];
+	decode->low[code] = (uint8_t)(decode->value[code] & 255);
+	decode->high[code] = (uint8_t)(decode->value[code] >> 8 & 255);
+}
+
+static void fill_decode(struct light_sampler *s, const struct transfer_curve *curve)
+{
+	pixel_white_fill(&s->white, curve);
+	s->decode.white = 255;
+	s->soft.white = (uint8_t)s->white.code;
+	for (int c = 0; c < 256; c++) {
+		set_decode(&s->decode, c, s->white.light[c]);
+		set_decode(&s->soft, c, s->white.soft[c]);
 	}
 }
 
-/* Fills a second decode table: above(c) = max(decode(c) - value, 0). */
-static void fill_above(struct sampler_decode *above, const struct sampler_decode *decode, int value)
+void light_sampler_exposure(struct light_sampler *s, double longer, bool shorter)
 {
-	for (int c = 0; c < 256; c++) {
-		const int more = decode->wide[c] + SAMPLER_VALUE_BIAS - value;
+	if (longer != s->longer)
+		for (int c = 0; c < 256; c++) {
+			const double light = s->white.light[c];
 
-		above->wide[c] = (more > 0 ? more : 0) - SAMPLER_VALUE_BIAS;
-		above->value[c] = (int16_t)above->wide[c];
-		above->low[c] = (uint8_t)(above->value[c] & 255);
-		above->high[c] = (uint8_t)(above->value[c] >> 8 & 255);
-	}
-}
-
-void light_sampler_above(struct light_sampler *s, double level)
-{
-	const int value = (int)lrint(SAMPLER_VALUE_MAX * level);
-
-	if (value != s->above_value)
-		fill_above(&s->above, &s->decode, value);
-	s->above_value = value;
+			set_decode(&s->above, c,
+				   light - longer * pixel_white_soft(&s->white, light / longer));
+		}
+	s->above.white = 255;
+	s->longer = longer;
+	s->shorter = shorter;
 }
 
 const float (*light_sampler_excess(const struct light_sampler *s))[3]
@@ -126,7 +126,7 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 	s->excess = calloc((size_t)dome->count, sizeof(*s->excess));
 	s->above_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->above_parts));
 	s->above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->above_all));
-	s->above_value = SAMPLER_VALUE_MAX;
+	s->longer = 1;
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
@@ -156,7 +156,7 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	s->height = height;
 	fill_colours(s, settings);
 	s->kernels = sampler_kernels_choose();
-	fill_decode(&s->decode, &settings->curve);
+	fill_decode(s, &settings->curve);
 	ret = fill_sampler(s, dome, lens, settings->estimator);
 	if (ret < 0) {
 		light_sampler_destroy(s);
@@ -225,7 +225,7 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 		s->clipped[i] = (float)light_mean(s->of_all, light, 3, 0);
 		share += (double)s->clipped[i] * s->sky_share[i];
 	}
-	if (s->above_value < SAMPLER_VALUE_MAX)
+	if (s->longer < 1)
 		read_excess(s);
 	if (clipped)
 		*clipped = share;

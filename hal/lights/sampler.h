@@ -78,13 +78,19 @@ int light_sampler_read_linear(struct light_sampler *sampler, const struct image 
 			      float (*radiance)[3]);
 
 /*
- * From the next frame on, also measures the light above `level`, as a share of white (0..1):
- *     the mean of max(x - level, 0) over each light
- * exposures.h needs it. 1, the initial value: off.
+ * What other exposures a frame of one exposure is merged with (exposures.h), from the next frame on.
+ * With soft() of pixel_noise.h:
+ *     shorter   there is one that is shorter: a pixel x counts as soft(x), and as clipped where
+ *               that is less than x
+ *     longer    light that this exposure gathers as a share of the next longer one's, which is
+ *               believed up to soft(x / longer) only; the mean of
+ *                   x - longer soft(x / longer)
+ *               over each light is measured as well. 1: there is none.
+ * A new sampler has neither.
  */
-void light_sampler_above(struct light_sampler *sampler, double level);
+void light_sampler_exposure(struct light_sampler *sampler, double longer, bool shorter);
 
-/* The light above the level in the last frame, [lights]; valid until the next frame. */
+/* The light that the longer exposure does not believe, in the last frame, [lights]; valid until the next frame. */
 const float (*light_sampler_excess(const struct light_sampler *sampler))[3];
 
 /* The clipped share of each light in the last frame, [lights], 0..1; exactly 0 if none of its

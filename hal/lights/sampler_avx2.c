@@ -23,10 +23,11 @@ static inline __m256i avx2_narrow(__m256i first, __m256i second)
 	return _mm256_permute4x64_epi64(_mm256_packs_epi32(first, second), 0xd8);
 }
 
-/* -1 in lanes where a channel is 255. */
-static inline __m256i avx2_clipped(__m256i pixels)
+/* -1 in lanes where a channel is white or more. */
+static inline __m256i avx2_clipped(__m256i pixels, __m256i white)
 {
-	const __m256i full = _mm256_and_si256(_mm256_cmpeq_epi8(pixels, _mm256_set1_epi8(-1)),
+	const __m256i most = _mm256_max_epu8(pixels, white);
+	const __m256i full = _mm256_and_si256(_mm256_cmpeq_epi8(pixels, most),
 					      _mm256_set1_epi32(0xffffff));
 
 	return _mm256_xor_si256(_mm256_cmpeq_epi32(full, _mm256_setzero_si256()),
@@ -36,12 +37,13 @@ static inline __m256i avx2_clipped(__m256i pixels)
 static bool sampler_decode_avx2(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 				int16_t *planes, size_t plane_stride)
 {
+	const __m256i white = _mm256_set1_epi8((char)table->white);
 	__m256i any = _mm256_setzero_si256();
 
 	for (; count >= PIXELS; count -= PIXELS, bgrx += PIXELS, planes += PIXELS) {
 		const __m256i a = _mm256_loadu_si256((const void *)bgrx);
 		const __m256i b = _mm256_loadu_si256((const void *)(bgrx + 8));
-		const __m256i full = avx2_narrow(avx2_clipped(a), avx2_clipped(b));
+		const __m256i full = avx2_narrow(avx2_clipped(a, white), avx2_clipped(b, white));
 
 		for (int c = 0; c < 3; c++)
 			_mm256_storeu_si256((void *)(planes + (size_t)c * plane_stride),

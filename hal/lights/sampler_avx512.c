@@ -68,7 +68,8 @@ static inline __attribute__((always_inline)) void avx512_store(int16_t *to, __m5
  * ones. */
 static inline __attribute__((always_inline)) __mmask64
 avx512_decode_pixels(const struct lookup *low, const struct lookup *high, const __m512i order[3],
-		     const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __mmask64 which)
+		     const uint32_t *bgrx, int16_t *planes, size_t plane_stride, __m512i white,
+		     __mmask64 which)
 {
 	__m512i pixels[4];
 	__mmask64 full = 0;
@@ -78,13 +79,13 @@ avx512_decode_pixels(const struct lookup *low, const struct lookup *high, const 
 	for (int c = 0; c < 3; c++) {
 		const __m512i code = avx512_gather(pixels, order[c]);
 
-		full |= _mm512_cmpeq_epi8_mask(code, _mm512_set1_epi8(-1));
+		full |= _mm512_cmpge_epu8_mask(code, white);
 		avx512_store(planes + (size_t)c * plane_stride, avx512_look_up(low, code),
 			     avx512_look_up(high, code), which);
 	}
 	avx512_store(planes + 3 * plane_stride, _mm512_maskz_set1_epi8(full, 1),
 		     _mm512_setzero_si512(), which);
-	return full;
+	return full & which;
 }
 
 static bool sampler_decode_avx512(const struct sampler_decode *table, const uint32_t *bgrx,
@@ -94,12 +95,14 @@ static bool sampler_decode_avx512(const struct sampler_decode *table, const uint
 			    high = avx512_load_lookup(table->high);
 	const __m512i order[3] = {avx512_gather_order(2), avx512_gather_order(1),
 				  avx512_gather_order(0)};
+	const __m512i white = _mm512_set1_epi8((char)table->white);
 	__mmask64 any = 0;
 
 	for (; count >= PIXELS; count -= PIXELS, bgrx += PIXELS, planes += PIXELS)
-		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride, ~0ULL);
+		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride, white,
+					    ~0ULL);
 	if (count)
-		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride,
+		any |= avx512_decode_pixels(&low, &high, order, bgrx, planes, plane_stride, white,
 					    (1ULL << count) - 1);
 	return any != 0;
 }

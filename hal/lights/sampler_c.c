@@ -8,6 +8,7 @@ bool sampler_decode_c(const struct sampler_decode *table, const uint32_t *bgrx, 
 		      int16_t *planes, size_t plane_stride)
 {
 	const int16_t *value = table->value;
+	const uint32_t white = table->white;
 	int16_t *red = planes, *green = red + plane_stride, *blue = green + plane_stride;
 	int16_t *clipped = blue + plane_stride;
 	bool any = false;
@@ -18,7 +19,7 @@ bool sampler_decode_c(const struct sampler_decode *table, const uint32_t *bgrx, 
 		red[i] = value[r];
 		green[i] = value[g];
 		blue[i] = value[b];
-		clipped[i] = (r == 255) | (g == 255) | (b == 255);
+		clipped[i] = (r >= white) | (g >= white) | (b >= white);
 		any |= clipped[i];
 	}
 	return any;

@@ -89,9 +89,10 @@ static void read_strip(void *context, int strip, int worker)
 	struct light_sampler *s = pass->sampler;
 	const struct sampler_scratch *scratch = &s->scratch[worker];
 
-	add_strip(s, strip, scratch, decode_strip(pass, strip, &s->decode, scratch) ? 4 : 3,
+	add_strip(s, strip, scratch,
+		  decode_strip(pass, strip, s->shorter ? &s->soft : &s->decode, scratch) ? 4 : 3,
 		  s->of_parts);
-	if (s->above_value < SAMPLER_VALUE_MAX) {
+	if (s->longer < 1) {
 		decode_strip(pass, strip, &s->above, scratch);
 		add_strip(s, strip, scratch, 3, s->above_parts);
 	}
@@ -123,7 +124,7 @@ int sampler_frame_sum(struct light_sampler *s, const struct frame_reader *reader
 			read_strip(&pass, strip, 0);
 	}
 	sampler_add_parts(s, s->of_parts, s->of_all);
-	if (s->above_value < SAMPLER_VALUE_MAX)
+	if (s->longer < 1)
 		sampler_add_parts(s, s->above_parts, s->above_all);
 	return 0;
 }

@@ -23,6 +23,7 @@ struct sampler_decode {
 	int16_t value[256];
 	int32_t wide[256];	     /* the same values, for gathers of 32 bits */
 	uint8_t low[256], high[256]; /* their low and high bytes, for lookups of bytes */
+	uint8_t white;		     /* lowest code that counts as clipped */
 };
 
 /* Most chunks of a span. Kernels split weights into 8 and 7 bits, so that the 32-bit sums of pairs
@@ -39,7 +40,7 @@ struct sampler_kernels {
 	unsigned needs; /* enum processor_feature, or'ed */
 
 	/* Decodes count pixels into planes that lie plane_stride values apart: R, G, B, and
-	 * clipped, which is 1 if a channel is 255, else 0. Returns whether any pixel is clipped.
+	 * clipped, which is 1 if a channel is table->white or more, else 0. Returns whether any pixel is clipped.
 	 * Ignores X. */
 	bool (*decode)(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 		       int16_t *planes, size_t plane_stride);

@@ -3,6 +3,7 @@
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_PARTS_H
 #define INLAY_HAL_LIGHTS_SAMPLER_PARTS_H
 
+#include "hal/lights/pixel_noise.h"
 #include "hal/lights/sampler.h"
 #include "hal/lights/sampler_table.h"
 
@@ -24,9 +25,12 @@ struct light_sampler {
 	struct sampler_table table;
 	const struct sampler_kernels *kernels;
 	int width, height;
-	double colours[3][3];		     /* gain included */
-	struct sampler_decode decode, above; /* above: the light above a level */
-	int above_value;    /* that level, 0..SAMPLER_VALUE_MAX; SAMPLER_VALUE_MAX: off */
+	double colours[3][3];	  /* gain included */
+	struct pixel_white white; /* of the camera's curve */
+	/* soft: what is believed of each code; above: what the longer exposure does not believe */
+	struct sampler_decode decode, soft, above;
+	bool shorter;	    /* there is a shorter exposure: soft is used in place of decode */
+	double longer;	    /* ratio to the longer exposure; 1: none, above is off */
 	float (*excess)[3]; /* [lights]: result above the level */
 	struct sampler_sums *above_parts, *above_all; /* as of_parts and of_all, above the level */
 	double *sky_share;			      /* [lights]: solid angle / 2 pi */

@@ -57,12 +57,42 @@ const struct ini_key tsai_keys[] = {
 	 .fallback = "0",
 	 .unit = "1/mm^2",
 	 .help = "radial distortion, r the radius on the sensor"},
+	{.name = "kappa2",
+	 .type = INI_REAL,
+	 .offset = FIELD(kappa2),
+	 .min = -1e6,
+	 .max = 1e6,
+	 .fallback = "0",
+	 .unit = "1/mm^4",
+	 .rare = true,
+	 .help = "second radial term: kappa1 r^2 + kappa2 r^4"},
+	{.name = "kappa3",
+	 .type = INI_REAL,
+	 .offset = FIELD(kappa3),
+	 .min = -1e6,
+	 .max = 1e6,
+	 .fallback = "0",
+	 .unit = "1/mm^6",
+	 .rare = true,
+	 .help = "third radial term: ... + kappa3 r^6"},
+	{.name = "tangential",
+	 .type = INI_REALS,
+	 .offset = FIELD(tangential),
+	 .count = 2,
+	 .min = -1e6,
+	 .max = 1e6,
+	 .fallback = "0 0",
+	 .unit = "1/mm",
+	 .rare = true,
+	 .help = "q: moves a point P by q r^2 + 2 P (q . P), y down; OpenCV's p2 and p1, divided "
+		 "by the focal length"},
 	{.name = "distortion",
 	 .type = INI_CHOICE,
 	 .offset = FIELD(distortion),
 	 .choices = tsai_distortion_names,
 	 .fallback = "distorts",
-	 .help = "what kappa1 means; distorts: distorted = undistorted (1 + kappa1 r^2), r "
+	 .help = "what kappa1 (and kappa2 ...) means; distorts: distorted = undistorted (1 + "
+		 "kappa1 r^2), r "
 		 "undistorted; undistorts (Tsai's papers): undistorted = distorted (1 + kappa1 "
 		 "r^2), r distorted"},
 	{.name = "centre",
@@ -143,6 +173,42 @@ static bool is_positive(double x)
 	return x > 0 && isfinite(x);
 }
 
+bool tsai_is_plain(const struct tsai_camera *c)
+{
+	return c->kappa2 == 0 && c->kappa3 == 0 && c->tangential[0] == 0 && c->tangential[1] == 0;
+}
+
+struct distortion tsai_distortion_of(const struct tsai_camera *c)
+{
+	const double across = fmax(fabs(c->centre_px[0]), fabs(c->width - c->centre_px[0]));
+	const double down = fmax(fabs(c->centre_px[1]), fabs(c->height - c->centre_px[1]));
+
+	return (struct distortion){
+		.radial = {c->kappa1, c->kappa2, c->kappa3},
+		.tangential = {c->tangential[0], c->tangential[1]},
+		.reach = hypot(across * c->pixel[0] / c->aspect, down * c->pixel[1]),
+	};
+}
+
+/* Refuses a distortion of several terms that folds over inside of the picture. With kappa1 alone
+ * the corners beyond the fold see nothing. */
+static int check_fold(const struct tsai_camera *c, struct fault *fault)
+{
+	const struct distortion d = tsai_distortion_of(c);
+	double covered;
+
+	if (tsai_is_plain(c))
+		return 0;
+	covered = c->distortion == TSAI_DISTORTS ? distortion_covers(&d) : distortion_fold(&d);
+	if (covered >= d.reach)
+		return 0;
+	return fault_say(fault, -EINVAL,
+			 "camera: kappa1, kappa2, kappa3 and tangential fold the picture over at "
+			 "%.4g of the way from the axis to its farthest corner, expected a "
+			 "distortion that grows over the whole picture",
+			 covered / d.reach);
+}
+
 int tsai_check(struct tsai_camera *c, struct fault *fault)
 {
 	if (c->width < 1 || c->height < 1 || c->width > TSAI_SIDE_MAX || c->height > TSAI_SIDE_MAX)
@@ -162,6 +228,9 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 	if (!isfinite(c->kappa1))
 		return fault_say(fault, -EINVAL, "camera: kappa1 is %g, expected a finite number",
 				 c->kappa1);
+	if (!isfinite(c->kappa2) || !isfinite(c->kappa3) || !all_finite(c->tangential, 2))
+		return fault_say(fault, -EINVAL,
+				 "camera: kappa2, kappa3 and tangential must be finite numbers");
 	if (c->distortion != TSAI_DISTORTS && c->distortion != TSAI_UNDISTORTS)
 		return fault_say(fault, -EINVAL,
 				 "camera: distortion is %d, expected %d (distorts) or %d "
@@ -176,7 +245,7 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 				 "expected at most 1e-6",
 				 rotation_error(c->rotation));
 	make_orthogonal(c->rotation);
-	return 0;
+	return check_fold(c, fault);
 }
 
 int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[3],
@@ -287,9 +356,30 @@ static int radius_straighten(double kappa1, double radius, double *factor)
 	return 0;
 }
 
+/* Distorts a point of the sensor, or undistorts it. 0; -ERANGE: no such point. */
+static int sensor_turn(const struct tsai_camera *c, bool distort, double point[2])
+{
+	const bool bends = distort == (c->distortion == TSAI_DISTORTS);
+	double factor = 1;
+	int ret;
+
+	if (!tsai_is_plain(c)) {
+		const struct distortion d = tsai_distortion_of(c);
+		const double from[2] = {point[0], point[1]};
+
+		return bends ? distortion_bend(&d, from, point, NULL)
+			     : distortion_straighten(&d, from, point);
+	}
+	ret = (bends ? radius_bend : radius_straighten)(c->kappa1, hypot(point[0], point[1]),
+							&factor);
+	point[0] *= factor;
+	point[1] *= factor;
+	return ret;
+}
+
 int tsai_project(const struct tsai_camera *c, const double world[3], double px[2])
 {
-	double p[3], x, y, factor = 1;
+	double p[3], sensor[2], x, y;
 	int ret;
 
 	mat_apply(c->rotation, world, p);
@@ -297,14 +387,13 @@ int tsai_project(const struct tsai_camera *c, const double world[3], double px[2
 		p[i] += c->translation[i];
 	if (!(p[2] > 0))
 		return -ERANGE;
-	x = c->focal * p[0] / p[2];
-	y = c->focal * p[1] / p[2];
-	ret = (c->distortion == TSAI_DISTORTS ? radius_bend
-					      : radius_straighten)(c->kappa1, hypot(x, y), &factor);
+	sensor[0] = c->focal * p[0] / p[2];
+	sensor[1] = c->focal * p[1] / p[2];
+	ret = sensor_turn(c, true, sensor);
 	if (ret < 0)
 		return ret;
-	x = c->centre_px[0] + c->aspect * (x * factor) / c->pixel[0];
-	y = c->height - c->centre_px[1] + y * factor / c->pixel[1];
+	x = c->centre_px[0] + c->aspect * sensor[0] / c->pixel[0];
+	y = c->height - c->centre_px[1] + sensor[1] / c->pixel[1];
 	if (!isfinite(x) || !isfinite(y))
 		return -ERANGE;
 	px[0] = x;
@@ -314,18 +403,12 @@ int tsai_project(const struct tsai_camera *c, const double world[3], double px[2
 
 int tsai_ray(const struct tsai_camera *c, const double px[2], double origin[3], double dir[3])
 {
-	const double x = (px[0] - c->centre_px[0]) * c->pixel[0] / c->aspect;
-	const double y = (px[1] - (c->height - c->centre_px[1])) * c->pixel[1];
-	double factor = 1, camera[3];
-	int ret;
+	double camera[3] = {(px[0] - c->centre_px[0]) * c->pixel[0] / c->aspect,
+			    (px[1] - (c->height - c->centre_px[1])) * c->pixel[1], c->focal};
+	const int ret = sensor_turn(c, false, camera);
 
-	ret = (c->distortion == TSAI_DISTORTS ? radius_straighten
-					      : radius_bend)(c->kappa1, hypot(x, y), &factor);
 	if (ret < 0)
 		return ret;
-	camera[0] = x * factor;
-	camera[1] = y * factor;
-	camera[2] = c->focal;
 	if (!(vec_normalize(camera) <= DBL_MAX))
 		return -ERANGE;
 	mat_apply_transposed(c->rotation, camera, dir);

@@ -15,6 +15,10 @@
  * Neither is the inverse of the other: a kappa1 means nothing without its direction. Barrel
  * distortion has a negative kappa1 in the thesis's direction, a positive one in Tsai's.
  *
+ * A lens that one kappa1 cannot describe has more terms, in either direction:
+ *     1 + kappa1 r^2 + kappa2 r^4 + kappa3 r^6, and tangential terms (hal/optics/distortion.h)
+ * In the thesis's direction these are OpenCV's k1 to k3, p1 and p2.
+ *
  * Camera axes: x right, y down, z along the view. World units are the scene's; f, D in one sensor
  * unit (mm), kappa1 in 1/unit^2. Picture coordinates below are (x right, y down from the upper
  * edge), pixel centres at +0.5: y_down = height - Y.
@@ -24,6 +28,7 @@
 
 #include "hal/base/fault.h"
 #include "hal/ini/ini.h"
+#include "hal/optics/distortion.h"
 
 #define TSAI_SIDE_MAX 32768
 
@@ -40,16 +45,19 @@ struct tsai_camera {
 	double translation[3]; /* T */
 	double focal;	       /* f */
 	double kappa1;
-	int distortion;	     /* enum tsai_distortion: what kappa1 means */
+	int distortion;	     /* enum tsai_distortion: what kappa1 and the others mean */
 	double centre_px[2]; /* C, in image axes (x right, y up) */
 	double pixel[2];     /* D */
 	double aspect;	     /* s */
+	/* The terms that most cameras have not, last: without them a scene's hash leaves them out. */
+	double kappa2, kappa3;
+	double tangential[2]; /* q */
 };
 
 extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */
 
-/* Checks a camera and makes R an exact rotation. 0; -EINVAL: a field out of range, or R is not a
- * rotation to 1e-6. */
+/* Checks a camera and makes R an exact rotation. 0; -EINVAL: a field out of range, R is not a
+ * rotation to 1e-6, or a distortion of more than kappa1 that folds over inside of the picture. */
 int tsai_check(struct tsai_camera *camera, struct fault *fault);
 
 /* Sets up a camera at eye that looks at target, with world Z up, square pixels, no distortion, and
@@ -57,11 +65,18 @@ int tsai_check(struct tsai_camera *camera, struct fault *fault);
 int tsai_look_at(struct tsai_camera *camera, int width, int height, const double eye[3],
 		 const double target[3], double field_deg, struct fault *fault);
 
+/* Whether kappa1 is the only term of the distortion. */
+bool tsai_is_plain(const struct tsai_camera *camera);
+
+/* The distortion of a camera, around its axis on the sensor; reach is the farthest corner's. */
+struct distortion tsai_distortion_of(const struct tsai_camera *camera);
+
 /*
  * Projects a world point into the picture. 0; -ERANGE: the point has no image: it lies behind the
  * camera, or beyond the radius where a negative kappa1 folds the picture over:
  *     TSAI_DISTORTS      |Psu| > 1 / sqrt(-3 kappa1)
  *     TSAI_UNDISTORTS    |Psu| > 2/3 / sqrt(-3 kappa1), which no |Psd| reaches
+ * More terms fold at the radius that distortion_fold() gives.
  */
 int tsai_project(const struct tsai_camera *camera, const double world[3], double px[2]);
 

@@ -109,6 +109,20 @@ check "of a fisheye too" grep -q '^distortion_model: equidistant$' "$work/fishey
 check "the direction of the distortion comes back" grep -q '^distortion = undistorts$' \
 	"$work/back-tsai-yml.ini"
 check "what was fitted says so" grep -q '^# Fitted: .* at most [0-9.e-]* px' "$work/tsai.yml"
+{
+	cat "$work/camera.ini"
+	printf 'kappa2 = 7e-5\ntangential = 1e-4 -2e-4\n'
+} >"$work/terms.ini"
+check "a camera of more terms" calibrate convert "$work/terms.ini" "$work/terms.yaml"
+check "and back" calibrate convert "$work/terms.yaml" "$work/terms-back.ini"
+check "has its second term" grep -q '^kappa2 = ' "$work/terms-back.ini"
+check "and its tangential ones" grep -q '^tangential = ' "$work/terms-back.ini"
+sed 's/^kappa2 = .*/kappa2 = -7e-4/' "$work/terms.ini" >"$work/folds.ini"
+failed_with "a lens that folds over" "fold the picture over" convert "$work/folds.ini" "$work/none.yml"
+printf 'kappa4 = 1\n' | cat "$work/camera.ini" - >"$work/kappa4.ini"
+failed_with "a term that is none" "kappa4.ini:12: " convert "$work/kappa4.ini" "$work/none.yml"
+printf 'tangential = 1e-4\n' | cat "$work/camera.ini" - >"$work/half.ini"
+failed_with "one tangential term" "half.ini:12: " convert "$work/half.ini" "$work/none.yml"
 cat >"$work/chain.yaml" <<'END'
 cam0:
   camera_model: pinhole
@@ -217,6 +231,12 @@ if has_command camera; then
 		--images "$work/nothing*.jpg" --board 9x6:25mm -o "$work/none.ini"
 	wrong "a centre that the lens's file says" "--centre-deviation" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
+		-o "$work/none.ini"
+	wrong "radial terms of the method that has one" "--radial: --method three has one term" camera \
+		--points "$work/box.points" --size 640x480 --method three --radial 2 -o "$work/none.ini"
+	wrong "radial terms that the lens's file says" "--radial" camera \
+		--points "$work/box.points" --intrinsics "$work/camera.ini" --radial 2 -o "$work/none.ini"
+	wrong "four radial terms" "--radial" camera --points "$work/box.points" --size 640x480 --radial 4 \
 		-o "$work/none.ini"
 	wrong "pixels that the lens's file says" "--aspect" camera --points "$work/box.points" \
 		--intrinsics "$work/camera.ini" --aspect 1 -o "$work/none.ini"
@@ -419,6 +439,36 @@ if has_command light; then
 	check "is the response" grep -q '^response = 0 0.00' "$work/rsp.ini"
 	wrong "a merged picture without a name" "expected -o FILE.hdr" light merge "$work/lit.png" \
 		"$work/lit.png" -o "$work/none.png"
+	if command -v python3 >/dev/null; then
+		bracket=$(dirname "$0")/tools/bracket.py
+		mkdir "$work/bracket"
+		python3 "$bracket" write "$work/bracket"
+		check "a bracket merges by the times that its pictures say" calibrate light merge \
+			"$work"/bracket/a?.jpg -o "$work/merged.pfm"
+		off=$(python3 "$bracket" compare "$work/merged.pfm")
+		check "to 2 % of its light, ISO and f-number included" awk "BEGIN { exit !($off < 0.02) }"
+		check "in any order" calibrate light merge "$work"/bracket/a{3,1,5,2,4}.jpg -o "$work/any.pfm"
+		python3 "$bracket" compare "$work/any.pfm" >"$work/any"
+		equal "it is the same" "$off" "$(cat "$work/any")"
+		check "as .hdr, too" calibrate light merge "$work"/bracket/a?.jpg -o "$work/merged.hdr"
+		equal "which begins as one" "#?RADIANCE" "$(head -n 1 "$work/merged.hdr")"
+		check "--times instead of what they say" calibrate light merge "$work"/bracket/a?.jpg \
+			--times 1,1,1,1,1 -o "$work/wrong.pfm"
+		off=$(python3 "$bracket" compare "$work/wrong.pfm")
+		check "is believed" awk "BEGIN { exit !($off > 0.5) }"
+		failed_with "one picture that says no time" "bare.jpg: says no exposure time (EXIF), expected --times" \
+			light merge "$work/bracket/a1.jpg" "$work/bracket/bare.jpg" -o "$work/none.pfm"
+		absent "and nothing was written" "$work/none.pfm"
+		check "light that is clipped in all of them" calibrate light merge "$work"/bracket/a{1,2}.jpg \
+			-o "$work/clipped.pfm"
+		calibrate light merge "$work"/bracket/a{1,2}.jpg -o "$work/clipped.pfm" 2>"$work/stderr"
+		check "is said" grep -q '% of the values are clipped in all exposures' "$work/stderr"
+		wrong "a time too few" "as many of each" light merge "$work"/bracket/a{1,2,3}.jpg --times 4,1 \
+			-o "$work/none.pfm"
+	fi
+	echo "; nothing" >"$work/nothing.ini"
+	failed_with "a lens file without a fisheye" "nothing.ini: expected a [fisheye] section" light gain \
+		--lens "$work/nothing.ini" --patch 0,0,8,8 "$work/lit.png" "$work/lit.png" -o "$work/none.ini"
 	failed_with "a file of patches that is not there" "$work/nothing" light colours "$work/nothing" \
 		-o "$work/none.ini"
 	absent "and nothing was written" "$work/none"

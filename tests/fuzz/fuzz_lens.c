@@ -4,7 +4,7 @@
  *
  * reaches: convert_read.c:take_matrix convert_read.c:take_distortion convert_read.c:take_size
  * convert_read.c:take_intrinsics convert_omni.c:fit_samples convert_xml.c:close_matrix
- * convert_tsai.c:only_k1 convert_tsai.c:fit_camera convert.c:lens_to_fisheye
+ * convert_tsai.c:is_polynomial convert_tsai.c:fit_camera convert.c:lens_to_fisheye
  */
 #include <math.h>
 #include <stdint.h>

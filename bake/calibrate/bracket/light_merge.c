@@ -5,6 +5,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "hal/lights/pixel_noise.h"
+
 #define DARK_TO 0.04 /* of the range: weights rise from black to there */
 
 /* Smooth step from 0 to 1. */
@@ -24,8 +26,7 @@ static void fill_tables(struct merge_tables *tables, const struct transfer_curve
 		const double u = (c - curve->black) / (255 - curve->black);
 
 		tables->light[c] = transfer_curve_decode(curve, c / 255.0);
-		tables->weight[c] = fade(u / DARK_TO) *
-				    fade((MERGE_WHITE - u) / (MERGE_WHITE - MERGE_NEAR));
+		tables->weight[c] = fade(u / DARK_TO) * pixel_believed(curve, c);
 	}
 }
 

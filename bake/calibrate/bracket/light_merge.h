@@ -2,8 +2,8 @@
 /*
  * Merges exposures of a static scene into one picture of linear light:
  *     L = sum_j w_j f(u_j) / t_j / sum_j w_j,   w_j = t_j g(u_j)
- * Photon noise makes the weight proportional to the time. g falls smoothly to 0 from MERGE_NEAR of
- * the range to MERGE_WHITE, because cameras compress and clip single pixels below 255, and to 0 at black.
+ * Photon noise makes the weight proportional to the time. g is pixel_believed() of
+ * hal/lights/pixel_noise.h, which falls smoothly to 0 towards white, and falls to 0 at black.
  * Units: light that gives white in an exposure of time 1 is 1.
  */
 #ifndef INLAY_BAKE_CALIBRATE_BRACKET_LIGHT_MERGE_H
@@ -12,9 +12,6 @@
 #include "hal/base/fault.h"
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-
-#define MERGE_NEAR 0.85
-#define MERGE_WHITE 0.97 /* code 247, from which a pixel says nothing */
 
 struct light_merged {
 	struct image picture; /* f32 */

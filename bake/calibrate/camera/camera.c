@@ -135,18 +135,21 @@ static int calibration_prepare(struct camera_private *own, const struct observat
 	place_task_object(own);
 	model = (struct camera_model){.distortion = own->task.distortion};
 	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
+	if (task->intrinsics)
+		memcpy(model.tangential, task->intrinsics->tangential, sizeof(model.tangential));
 	err = problem_create(&own->problem, seen, &model, own->centre);
 	if (err)
 		return err;
 	n = (size_t)problem_unknowns(&own->problem);
+	own->turned = calloc((size_t)seen->views, sizeof(*own->turned));
 	own->x = calloc(n, sizeof(*own->x));
 	own->fixed = calloc(n, sizeof(*own->fixed));
 	own->held = calloc(n * n, sizeof(*own->held));
 	own->held_aspect = calloc(n * n, sizeof(*own->held_aspect));
 	own->covariance = calloc(n * n, sizeof(*own->covariance));
 	own->cautious = calloc(n * n, sizeof(*own->cautious));
-	if (!own->x || !own->fixed || !own->held || !own->held_aspect || !own->covariance ||
-	    !own->cautious)
+	if (!own->turned || !own->x || !own->fixed || !own->held || !own->held_aspect ||
+	    !own->covariance || !own->cautious)
 		return -ENOMEM;
 	return 0;
 }
@@ -163,6 +166,9 @@ static void make_camera(const struct camera_private *own, int view, struct tsai_
 		.height = own->task.height,
 		.focal = x[MODEL_FOCAL],
 		.kappa1 = x[MODEL_KAPPA1],
+		.kappa2 = x[MODEL_KAPPA1 + 1],
+		.kappa3 = x[MODEL_KAPPA1 + 2],
+		.tangential = {own->problem.model.tangential[0], own->problem.model.tangential[1]},
 		.distortion = own->task.distortion,
 		.centre_px = {x[MODEL_CENTRE_X], own->task.height - x[MODEL_CENTRE_Y]},
 		.pixel = {own->task.pixel[0], own->task.pixel[1]},
@@ -212,7 +218,7 @@ static void carry_over_translation(double *matrix, int n, size_t row, size_t col
 /* Fills the estimate with the unknowns as parameters of the world: T instead of T'. */
 static int report_estimate(const struct camera_private *own, struct camera_solution *solution)
 {
-	static const char *const unit[] = {"", "", "px", "px", ""};
+	static const char *const unit[] = {"", "", "", "", "px", "px", ""};
 	struct estimate *estimate = &solution->finding.estimate;
 	const int n = problem_unknowns(&own->problem);
 	const int err = estimate_create(estimate, n);
@@ -308,8 +314,22 @@ static int solution_finish(struct camera_solution *solution)
 	camera_figures(solution);
 	finding->uncertainty = camera_uncertainty;
 	finding->disagreement = own->half[0] && own->half[1] ? camera_disagreement : NULL;
+	finding->project = camera_project_view;
 	finding->context = own;
 	return 0;
+}
+
+/* Places what the pictures show where they show it, in those that were turned. */
+static void turn_back(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+
+	for (int i = 0; i < own->problem.count; i++)
+		if (own->turned[own->problem.point[i].view])
+			camera_turn_point(own, solution->finding.expected[i]);
+	for (int v = 0; v < own->problem.views; v++)
+		if (own->turned[v])
+			camera_turn_camera(&solution->view[v]);
 }
 
 static int calibration_run(struct camera_solution *solution)
@@ -327,7 +347,19 @@ static int calibration_run(struct camera_solution *solution)
 		err = solution_finish(solution);
 	if (!err)
 		camera_judge(solution);
+	if (!err && solution->solved)
+		turn_back(solution);
 	return err;
+}
+
+static void name_model(const struct camera_private *own, struct finding *finding)
+{
+	static const char *const terms[] = {"", "", ", 2 radial terms", ", 3 radial terms"};
+
+	snprintf(finding->model, sizeof(finding->model), "Tsai, %s%s",
+		 own->task.distortion == TSAI_DISTORTS ? "distorted from undistorted"
+						       : "undistorted from distorted",
+		 own->task.intrinsics ? ", pose alone" : terms[own->radial]);
 }
 
 int camera_calibrate(const struct observations *seen, const struct camera_task *task,
@@ -355,14 +387,10 @@ int camera_calibrate(const struct observations *seen, const struct camera_task *
 	if (!err) {
 		finding->width = solution->own->task.width;
 		finding->height = solution->own->task.height;
-		snprintf(finding->model, sizeof(finding->model), "Tsai, %s%s",
-			 solution->own->task.distortion == TSAI_DISTORTS
-				 ? "distorted from undistorted"
-				 : "undistorted from distorted",
-			 task->intrinsics ? ", pose alone" : "");
 		for (int i = 0; i < seen->count; i++)
 			finding->expected[i][0] = finding->expected[i][1] = NAN;
 		err = calibration_run(solution);
+		name_model(solution->own, finding);
 	}
 	if (err) {
 		camera_solution_free(solution);
@@ -378,6 +406,8 @@ void camera_solution_free(struct camera_solution *solution)
 	if (own) {
 		problem_free(&own->problem);
 		least_squares_free(&own->fit);
+		free(own->turned);
+		free(own->turned_point);
 		free(own->x);
 		free(own->fixed);
 		free(own->held);

@@ -2,7 +2,7 @@
 /*
  * Calibration of Tsai's camera (thesis 2.1) from points whose place in the world is known.
  *
- * Views share f, kappa1, centre and s; each has its own pose. The resulting camera is that of the
+ * Views share f, kappas, centre and s; each has its own pose. The resulting camera is that of the
  * reference view, whose world is the scene's.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CAMERA_CAMERA_H
@@ -40,9 +40,10 @@ struct camera_task {
 	 * CAMERA_ASPECT_DEVIATION. */
 	double aspect_deviation;
 	int distortion; /* enum tsai_distortion */
+	int radial; /* terms of its polynomial, 1 to 3; 0: as many as predict best; three: always 1 */
 	enum camera_method method;
 	bool robust;
-	/* known f, kappa1, centre, D and s; NULL: found. Its size is the picture's. */
+	/* known f, distortion, centre, D and s; NULL: found. Its size is the picture's. */
 	const struct tsai_camera *intrinsics;
 	int reference;			 /* view whose world is the scene's */
 	bool object_given;		 /* else the object is the points' bounding box */

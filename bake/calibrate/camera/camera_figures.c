@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,6 +132,22 @@ double camera_disagreement(const void *context, const double px[2])
 			return -1;
 	}
 	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
+}
+
+bool camera_project_view(const void *context, int view, const double world[3], double px[2])
+{
+	const struct camera_private *own = context;
+	struct model_view turned;
+	double place[3];
+
+	for (int k = 0; k < 3; k++)
+		place[k] = world[k] - own->problem.shape[view].middle[k];
+	model_turn(&turned, own->x + model_of_view(view));
+	if (!model_see(&own->problem.model, own->x, &turned, place, px, NULL))
+		return false;
+	if (own->turned[view])
+		camera_turn_point(own, px);
+	return true;
 }
 
 /* ---- errors of the points ---- */
@@ -301,9 +318,10 @@ void camera_figures(struct camera_solution *solution)
 	struct finding *finding = &solution->finding;
 	const int focal = estimate_find(&finding->estimate, "focal");
 	const int depth = model_of_view(own->task.reference) + MODEL_TRANSLATION + 2;
+	struct camera_structure structure;
 	struct figure_errors sum;
 	double ground;
-	int outliers = 0;
+	int outliers = 0, turned = 0;
 
 	figures_measure(solution, &sum);
 	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px", own->object_error);
@@ -318,6 +336,26 @@ void camera_figures(struct camera_solution *solution)
 		finding_add(finding, "object_disagreement_px",
 			    "odd and even points disagree at the object's place", "px",
 			    object_disagreement(own));
+	for (int k = 1; k <= MODEL_RADIAL; k++)
+		if (own->left_out[k] > 0) {
+			char key[32], label[96];
+
+			snprintf(key, sizeof(key), "left_out_px_%d", k);
+			snprintf(label, sizeof(label),
+				 "rms of points that were left out, by %d radial term%s", k,
+				 k > 1 ? "s" : "");
+			finding_add(finding, key, label, "px", own->left_out[k]);
+		}
+	camera_find_structure(own, &structure);
+	finding_add(finding, "structure_px",
+		    "mean residual of a ring or part of the picture that noise explains least",
+		    "px", fabs(structure.mean_px));
+	finding_add(finding, "structure_sigmas", "the same, in deviations that noise makes", "",
+		    structure.sigmas);
+	for (int v = 0; v < own->problem.views; v++)
+		turned += own->turned[v];
+	if (turned)
+		finding_add(finding, "views_turned", "pictures turned by 180 degrees", "", turned);
 	figures_of_points(finding, &sum, own->task.unit_mm);
 	finding_add(finding, "focal_depth_correlation", "correlation of f and Tz", "",
 		    estimate_correlation(&finding->estimate, focal, depth));

@@ -80,10 +80,12 @@ void camera_tilt(const struct camera_problem *problem, int view, const double *x
 /* Keeps the better of both tilts of a view, each after a descent of its pose. */
 static void choose_tilt(struct guesser *g, int view, double *x)
 {
-	static const bool shared_fixed[MODEL_GRADIENT] = {true, true, true, true, true};
+	bool shared_fixed[MODEL_GRADIENT] = {false};
 	const struct camera_problem one = problem_of_view(g->problem, view);
 	double best = INFINITY, kept[MODEL_OF_VIEW] = {0};
 
+	for (int k = 0; k < MODEL_SHARED; k++)
+		shared_fixed[k] = true;
 	for (int way = 0; way < 2; way++) {
 		double own[MODEL_GRADIENT], rms;
 

@@ -17,9 +17,10 @@
 /* The first unknowns are shared by all views; six more follow for each view. */
 enum {
 	MODEL_FOCAL,
-	MODEL_KAPPA1,
-	MODEL_CENTRE_X, /* px */
-	MODEL_CENTRE_Y, /* px, down */
+	MODEL_KAPPA1, /* and MODEL_RADIAL - 1 more terms */
+	MODEL_RADIAL = DISTORTION_RADIAL,
+	MODEL_CENTRE_X = MODEL_KAPPA1 + MODEL_RADIAL, /* px */
+	MODEL_CENTRE_Y,				      /* px, down */
 	MODEL_ASPECT,
 	MODEL_SHARED,
 	MODEL_ROTATION = 0,    /* within a view: rotation vector, rad */
@@ -29,8 +30,10 @@ enum {
 };
 
 struct camera_model {
-	double pixel[2]; /* D */
-	int distortion;	 /* enum tsai_distortion */
+	double pixel[2];      /* D */
+	int distortion;	      /* enum tsai_distortion */
+	double tangential[2]; /* q: known beforehand, or 0 */
+	double reach;	      /* of struct distortion */
 };
 
 /* The pose of one view, computed once for all its points. */

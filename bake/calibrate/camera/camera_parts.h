@@ -21,8 +21,15 @@ struct camera_private {
 	double aspect;		    /* first guess of s */
 	double aspect_deviation;    /* its standard deviation, used where s is held */
 	double diagonal;	    /* of the picture, or of the points' bounding box, px */
-	double *x;		    /* [problem_unknowns()]: the solution */
-	bool *fixed;		    /* [problem_unknowns()]: held in the solution */
+	int radial;		    /* terms of the radial polynomial in use, 1 to MODEL_RADIAL */
+	/* Terms that describe the lens better (camera_radial.c), and the rms of points that were
+	 * left out and predicted with so many terms, px; 0: not tried. */
+	int radial_wanted;
+	double left_out[MODEL_RADIAL + 1];
+	bool *turned;			  /* [views]: pictures that are turned by 180 degrees */
+	struct observation *turned_point; /* [count]: points of upright pictures, or NULL */
+	double *x;			  /* [problem_unknowns()]: the solution */
+	bool *fixed;			  /* [problem_unknowns()]: held in the solution */
 	struct least_squares_fit fit;
 	int guess_error, fit_error; /* 0, or why there is no solution */
 	struct fault why;
@@ -46,6 +53,59 @@ struct camera_private {
 /* First guess and descents; fills x, fixed, fit, errors and halves. Returns 0 whatever is found;
  * -ENOMEM. */
 int camera_solve(struct camera_private *own);
+
+/* Decrease of the sum of squares, in units of the noise's variance, that more radial terms would
+ * bring to first order. -ENOMEM. */
+int camera_radial_gain(const struct camera_private *own, double *gain);
+
+/* What the solution predicts of points that it was not fitted to: their loss (squared distance, less
+ * for outliers), by view, or by fold where there are few views. */
+struct camera_left_out {
+	double *loss;
+	int count;  /* views or folds */
+	int points; /* predicted */
+};
+
+/* Leaves a fifth of the views, or of a lone view's points, out in turn, solves, and predicts them;
+ * width: of the loss, px; 0: plain squares. -ENOMEM. */
+int camera_leave_out(const struct camera_private *own, double width, struct camera_left_out *out);
+
+/* Whether b predicts better than a: its loss is less by more than least, and by more than the
+ * deviation of the difference. */
+bool camera_predicts_better(const struct camera_left_out *a, const struct camera_left_out *b,
+			    double least);
+
+/* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or point);
+ * sensor units. */
+double camera_grows_to(const struct camera_private *own, double *reach);
+
+/*
+ * Finds pictures whose axis is on the other side of the middle than the reference view's, from a
+ * solution that takes all as alike, and turns them in own->turned. gain: decrease of the sum of
+ * squares if they are turned, to first order. variance: of a residual, more where the views disagree
+ * about the axis by more than their residuals explain. -ENOMEM.
+ */
+int camera_tell_turned(struct camera_private *own, double *gain, double *variance);
+
+/* Turns the points of such pictures; the problem then has them. -ENOMEM. */
+int camera_turn_pictures(struct camera_private *own);
+void camera_turn_point(const struct camera_private *own, double px[2]);
+
+/* Makes the camera of a picture that of the picture turned. */
+void camera_turn_camera(struct tsai_camera *camera);
+
+/* The mean residual that noise explains least. */
+struct camera_structure {
+	bool ring;	       /* else a part of the picture */
+	double mean_px;	       /* outwards in a ring; right or down in a part */
+	double deviation_px;   /* that noise and differences between views make */
+	double sigmas;	       /* their ratio */
+	double from_px, to_px; /* radii of a ring */
+	double at_px[2];       /* middle of a part */
+	int group;	       /* private */
+};
+
+void camera_find_structure(const struct camera_private *own, struct camera_structure *found);
 
 /* Fills held and held_aspect. -ENOMEM. */
 int camera_hold(struct camera_private *own);
@@ -72,6 +132,7 @@ void camera_figures(struct camera_solution *solution);
 /* Callbacks of struct finding; context is struct camera_private. */
 double camera_uncertainty(const void *context, const double px[2]);
 double camera_disagreement(const void *context, const double px[2]);
+bool camera_project_view(const void *context, int view, const double world[3], double px[2]);
 
 void camera_judge(struct camera_solution *solution);
 /* Parts of it: the points as given, and how much of the picture they cover. */

@@ -113,6 +113,7 @@ int problem_create(struct camera_problem *problem, const struct observations *se
 					    (seen->point[i].px[1] - centre[1]) * model->pixel[1]));
 	if (!(problem->reach > 0))
 		problem->reach = 1;
+	problem->model.reach = problem->reach;
 	if (err)
 		problem_free(problem);
 	return err;
@@ -145,7 +146,8 @@ struct camera_problem problem_of_view(const struct camera_problem *problem, int 
 
 void problem_name(const struct camera_problem *problem, int unknown, char *name, int room)
 {
-	static const char *const shared[] = {"focal", "kappa1", "centre x", "centre y", "aspect"};
+	static const char *const shared[] = {"focal",	 "kappa1",   "kappa2", "kappa3",
+					     "centre x", "centre y", "aspect"};
 	static const char *const of_view[] = {"rotation x",    "rotation y",	"rotation z",
 					      "translation x", "translation y", "translation z"};
 	const int part = (unknown - MODEL_SHARED) % MODEL_OF_VIEW;
@@ -279,7 +281,8 @@ static void problem_jacobian(void *context, const double *x, double *jacobian)
 static void typical_changes(const struct camera_problem *problem, const double *x, double *scale)
 {
 	scale[MODEL_FOCAL] = 0.01 * x[MODEL_FOCAL];
-	scale[MODEL_KAPPA1] = 0.01 / (problem->reach * problem->reach);
+	for (int k = 0; k < MODEL_RADIAL; k++)
+		scale[MODEL_KAPPA1 + k] = 0.01 / pow(problem->reach, 2 * (k + 1));
 	scale[MODEL_CENTRE_X] = 0.01 * problem->reach / problem->model.pixel[0];
 	scale[MODEL_CENTRE_Y] = 0.01 * problem->reach / problem->model.pixel[1];
 	scale[MODEL_ASPECT] = 0.01;

@@ -19,6 +19,16 @@
 #define BETTER_FIT 0.99
 #define FEW_POINTS 120
 #define ASPECT_LOST 0.05
+/* Gain of more radial terms, in variances, that noise alone makes once in a thousand times (chi
+ * squared of two terms), and the least number of points to look for it. */
+#define RADIAL_GAIN 13.8
+#define RADIAL_POINTS 40
+/* Gain, in variances, at which pictures count as turned: chance exceeds it once in 1e5, and gains
+ * about one for each view whose side it chooses. */
+#define TURNED_VIEWS 3 /* least number of views */
+#define TURNED_ROUNDS 4
+#define TURNED_GAIN 25
+#define TURNED_GAIN_OF_VIEW 2
 #define MISFIT 0.005   /* of the diagonal: rms from which a mirror image is tried */
 #define FAR_BETTER 0.2 /* of the rms */
 #define BETTER 0.7     /* of the rms, where the fit went nowhere: to an infinite f */
@@ -35,7 +45,9 @@ static void hold_shared(const struct camera_private *own, bool centre, bool aspe
 	const bool known = own->task.intrinsics;
 
 	memset(fixed, 0, (size_t)problem_unknowns(&own->problem) * sizeof(*fixed));
-	fixed[MODEL_FOCAL] = fixed[MODEL_KAPPA1] = known;
+	fixed[MODEL_FOCAL] = known;
+	for (int k = 0; k < MODEL_RADIAL; k++)
+		fixed[MODEL_KAPPA1 + k] = known || k >= own->radial;
 	fixed[MODEL_CENTRE_X] = fixed[MODEL_CENTRE_Y] = known || centre;
 	fixed[MODEL_ASPECT] = known || aspect;
 	for (int v = 0; v < own->problem.views; v++)
@@ -179,8 +191,24 @@ static int try_other_centres(struct camera_private *own, double *x)
 	return err == -ENOMEM ? err : 0;
 }
 
+/* Descends with the axis and s held; with more radial terms after kappa1 alone. */
+static int solve_held(struct camera_private *own)
+{
+	const int radial = own->radial;
+	int err = 0;
+
+	for (own->radial = 1; err != -ENOMEM; own->radial = radial) {
+		hold_shared(own, true, true, own->fixed);
+		err = solver_descend(own, own->x, own->fixed, false);
+		if (own->radial == radial)
+			break;
+	}
+	own->radial = radial;
+	return err;
+}
+
 /*
- * Finds f, kappa1 and the poses first; then the centre, and s where it is observable. What is not
+ * Finds f, the kappas and the poses first; then the centre, and s where it is observable. What is not
  * determined well enough is held at its first guess, and the rest found again; a centre that was
  * lost only because s was is tried again.
  */
@@ -193,8 +221,7 @@ static int solve_full(struct camera_private *own, double *tried)
 
 	if (aspect) /* the closed form of points in space found another one */
 		own->x[MODEL_ASPECT] = own->aspect;
-	hold_shared(own, true, true, own->fixed);
-	err = solver_descend(own, own->x, own->fixed, false);
+	err = solve_held(own);
 	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
 		return err;
 	for (;;) {
@@ -340,7 +367,7 @@ static int solve_halves(struct camera_private *own)
 	return err;
 }
 
-/* ---- all of it ---- */
+/* ---- mirrored, turned ---- */
 
 /* Fits a camera to the mirrored picture; *rms is its error, unchanged where there is none. */
 static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
@@ -438,18 +465,148 @@ static int solve_guessed(struct camera_private *own)
 	return err;
 }
 
-int camera_solve(struct camera_private *own)
+/* Whether there is a solution that found a lens in all ways. */
+static bool finds_lens(const struct camera_private *own)
+{
+	return !own->task.intrinsics && own->task.method == CAMERA_FULL && !own->guess_error &&
+	       !own->fit_error;
+}
+
+/* ---- radial terms ---- */
+
+/* A solution that is set aside. */
+struct kept_solution {
+	double *x;
+	bool *fixed;
+	struct least_squares_fit fit;
+	int radial, fit_error;
+};
+
+/* Exchanges the solution with the one that was set aside. */
+static void exchange_solutions(struct camera_private *own, struct kept_solution *kept)
+{
+	const struct kept_solution now = {own->x, own->fixed, own->fit, own->radial,
+					  own->fit_error};
+
+	own->x = kept->x;
+	own->fixed = kept->fixed;
+	own->fit = kept->fit;
+	own->radial = kept->radial;
+	own->fit_error = kept->fit_error;
+	*kept = now;
+}
+
+static double left_out_rms(const struct camera_left_out *out)
+{
+	double sum = 0;
+
+	for (int k = 0; k < out->count; k++)
+		sum += out->loss[k];
+	return sqrt(sum / fmax(out->points, 1));
+}
+
+/* Solves with so many terms from the solution, and compares what both predict. *better: the new
+ * solution is kept; else the old one is. */
+static int try_radial(struct camera_private *own, int radial, double width, bool *better)
+{
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	struct kept_solution kept = {
+		.x = calloc(n, sizeof(double)), .fixed = calloc(n, sizeof(bool)), .radial = radial};
+	struct camera_left_out out[2] = {{.loss = NULL}, {.loss = NULL}};
+	double *tried = calloc(n, sizeof(*tried)), reach;
+	int err = kept.x && kept.fixed && tried ? 0 : -ENOMEM;
+
+	*better = false;
+	if (!err)
+		err = camera_leave_out(own, width, &out[0]);
+	if (!err) {
+		own->left_out[own->radial] = left_out_rms(&out[0]);
+		memcpy(kept.x, own->x, n * sizeof(*kept.x));
+		exchange_solutions(own, &kept);
+		own->fit_error = solve_full(own, tried);
+		err = own->fit_error == -ENOMEM ? -ENOMEM : 0;
+		if (!err && !own->fit_error && camera_grows_to(own, &reach) > reach) {
+			err = camera_leave_out(own, width, &out[1]);
+			own->left_out[radial] = left_out_rms(&out[1]);
+			*better = !err && camera_predicts_better(&out[0], &out[1],
+								 RADIAL_GAIN * kept.fit.sigma *
+									 kept.fit.sigma);
+		}
+		if (!*better)
+			exchange_solutions(own, &kept);
+	}
+	free(kept.x);
+	free(kept.fixed);
+	least_squares_free(&kept.fit);
+	free(tried);
+	free(out[0].loss);
+	free(out[1].loss);
+	return err;
+}
+
+/*
+ * Finds how many radial terms describe the lens (own->radial_wanted): those that predict best what
+ * was left out. Trials are made only where the residuals show that more terms would fit better than
+ * noise explains. Where the task says how many there are, its solution is kept.
+ */
+static int choose_radial(struct camera_private *own)
+{
+	const int given = own->task.radial;
+	struct kept_solution first = {.radial = own->radial};
+	const size_t n = (size_t)problem_unknowns(&own->problem);
+	const double width = own->task.robust ? CAMERA_LOSS * own->fit.sigma : 0;
+	double gain;
+	int err = camera_radial_gain(own, &gain);
+
+	own->radial_wanted = own->radial;
+	if (err || !(gain > RADIAL_GAIN) || own->problem.count < RADIAL_POINTS)
+		return err;
+	first.x = calloc(n, sizeof(*first.x));
+	first.fixed = calloc(n, sizeof(*first.fixed));
+	if (!first.x || !first.fixed)
+		err = -ENOMEM;
+	if (!err) {
+		memcpy(first.x, own->x, n * sizeof(*first.x));
+		memcpy(first.fixed, own->fixed, n * sizeof(*first.fixed));
+	}
+	for (int radial = own->radial + 1; radial <= MODEL_RADIAL && !err; radial++) {
+		bool better;
+
+		err = try_radial(own, radial, width, &better);
+	}
+	own->radial_wanted = own->radial;
+	if (!err && given && own->radial != given) {
+		memcpy(own->x, first.x, n * sizeof(*first.x));
+		memcpy(own->fixed, first.fixed, n * sizeof(*first.fixed));
+		own->radial = given;
+		own->fit_error = solver_descend(own, own->x, own->fixed, false);
+		err = own->fit_error == -ENOMEM ? -ENOMEM : 0;
+	}
+	free(first.x);
+	free(first.fixed);
+	return err;
+}
+
+/* ---- all of it ---- */
+
+/* Guesses and solves, with one radial term or those that are given, then with as many as predict
+ * best. */
+static int solve_all(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
-	struct camera_start start = {.shared = {0, 0, own->centre[0], own->centre[1], 1},
-				     .known = known,
-				     .robust = own->task.robust};
+	struct camera_start start = {.known = known, .robust = own->task.robust};
 	bool elsewhere = false;
 	int err = 0;
 
 	own->other_tilt = INFINITY;
+	memset(own->left_out, 0, sizeof(own->left_out));
+	own->radial = own->task.radial && own->task.method == CAMERA_FULL ? own->task.radial : 1;
 	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
 	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
+	start.shared[MODEL_KAPPA1 + 1] = known ? known->kappa2 : 0;
+	start.shared[MODEL_KAPPA1 + 2] = known ? known->kappa3 : 0;
+	start.shared[MODEL_CENTRE_X] = own->centre[0];
+	start.shared[MODEL_CENTRE_Y] = own->centre[1];
 	start.shared[MODEL_ASPECT] = own->aspect;
 	own->guess_error = camera_guess(&own->problem, &start, own->x);
 	if (own->guess_error == -ENOMEM)
@@ -462,6 +619,72 @@ int camera_solve(struct camera_private *own)
 		err = try_mirrored(own, &start, &elsewhere);
 	if (!err && elsewhere)
 		err = solve_guessed(own);
+	if (!err && finds_lens(own))
+		err = choose_radial(own);
+	return err;
+}
+
+/* Turns pictures and solves again until no more of them seem to be turned; the first solution may
+ * mistake some. turned: scratch space. *better: pictures were turned, and everything fits better by
+ * far. */
+static int turn_rounds(struct camera_private *own, bool *turned, bool *better)
+{
+	const size_t bytes = (size_t)own->problem.views * sizeof(*turned);
+	const double squares = own->fit.squares;
+	const double least = TURNED_GAIN + TURNED_GAIN_OF_VIEW * own->problem.views;
+
+	*better = false;
+	for (int round = 0; round <= TURNED_ROUNDS; round++) {
+		const double noise = own->fit.sigma * own->fit.sigma;
+		double gain, variance;
+		int err;
+
+		memcpy(turned, own->turned, bytes);
+		err = camera_tell_turned(own, &gain, &variance);
+		if (err)
+			return err;
+		*better = squares - own->fit.squares > least * variance;
+		if (!(gain > least * noise) || round == TURNED_ROUNDS) {
+			memcpy(own->turned, turned, bytes);
+			return 0;
+		}
+		err = camera_turn_pictures(own);
+		if (!err)
+			err = solve_all(own);
+		if (err)
+			return err;
+		*better = false;
+		if (own->guess_error || own->fit_error)
+			return 0;
+	}
+	return 0;
+}
+
+/* Solves with the pictures upright that are turned by 180 degrees, if there are any. */
+static int solve_upright(struct camera_private *own)
+{
+	const size_t views = (size_t)own->problem.views;
+	bool *turned, better;
+	int err;
+
+	if (own->problem.views < TURNED_VIEWS || !own->task.width || !(own->fit.sigma > 0))
+		return 0;
+	turned = calloc(views, sizeof(*turned));
+	err = turned ? turn_rounds(own, turned, &better) : -ENOMEM;
+	free(turned);
+	if (err || better || own->problem.point == own->seen->point)
+		return err;
+	own->problem.point = own->seen->point;
+	memset(own->turned, 0, views * sizeof(*own->turned));
+	return solve_all(own);
+}
+
+int camera_solve(struct camera_private *own)
+{
+	int err = solve_all(own);
+
+	if (!err && finds_lens(own))
+		err = solve_upright(own);
 	if (!err && !own->guess_error && !own->fit_error)
 		err = solve_halves(own);
 	return err;

@@ -5,6 +5,7 @@
  */
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 
 #include "bake/calibrate/camera/camera_parts.h"
 #include "hal/optics/vec.h"
@@ -16,6 +17,10 @@
 #define PARALLEL_DEGREES 10
 /* largest distance of the object from the points' middle, in units of their extent */
 #define BEYOND_MOST 1.25
+/* A mean residual of a part of the picture is doubted beyond so many of its deviations (of 38 means
+ * chance exceeds that once in 40,000 runs) and this share of the tolerance. */
+#define STRUCTURE_SIGMAS 5.0
+#define STRUCTURE_LEAST 0.1
 #define MISFIT 0.02 /* largest rms, as a share of the points' extent */
 
 /* ---- what came out ---- */
@@ -232,10 +237,8 @@ static void judge_fold(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
 	const double *x = own->x;
-	const double fold = tsai_fold_radius(x[MODEL_KAPPA1]);
-	/* largest distorted radius */
-	const double most = own->task.distortion == TSAI_DISTORTS ? fold * 2 / 3 : fold;
-	double farthest = 0, seen[2];
+	double farthest = 0, seen[2], reach;
+	const double most = camera_grows_to(own, &reach);
 
 	for (int i = 0; i < own->problem.count; i++) {
 		const double *px = own->problem.point[i].px;
@@ -250,13 +253,70 @@ static void judge_fold(struct camera_solution *solution)
 		verdict_doubt(&solution->finding.verdict,
 			      "leave out the outermost points, or try the other --distortion",
 			      "the distortion folds over at the outermost points: the lens bends "
-			      "more than "
-			      "one kappa can say");
+			      "more than %d radial term%s can say",
+			      own->radial, own->radial > 1 ? "s" : "");
 	if (!camera_sees(own, own->object, seen))
 		verdict_doubt(&solution->finding.verdict,
 			      "say where the object stands with --object, or cover its place",
 			      "the camera has no image of the object's place (%.4g %.4g %.4g)",
 			      own->object[0], own->object[1], own->object[2]);
+}
+
+/* Doubts a distortion of more terms that folds over inside of the picture, and one of too few
+ * terms. */
+static void judge_radial(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	const double *left_out = own->left_out;
+	const int now = own->radial, wanted = own->radial_wanted;
+	double reach, grows = camera_grows_to(own, &reach);
+
+	if (own->radial > 1 && !(grows > reach))
+		verdict_doubt(&solution->finding.verdict,
+			      "put points near the corners, or give a smaller --radial",
+			      "the distortion folds over inside of the picture, at %.3g of the way "
+			      "from the axis to the farthest corner",
+			      grows / reach);
+	if (wanted > now && left_out[now] * left_out[now] - left_out[wanted] * left_out[wanted] >
+				    CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) {
+		char remedy[64];
+
+		snprintf(remedy, sizeof(remedy), "give --radial %d, or leave --radial out", wanted);
+		verdict_doubt(&solution->finding.verdict, remedy,
+			      "the lens bends in another way than %d radial term%s can say: %d "
+			      "predict points that were left out to %.3g px, %d to %.3g px",
+			      now, now > 1 ? "s" : "", wanted, left_out[wanted], now,
+			      left_out[now]);
+	}
+}
+
+/* Doubts a lens whose residuals have a pattern: its deviations assume noise. */
+static void judge_structure(struct camera_solution *solution)
+{
+	const struct camera_private *own = solution->own;
+	const double least = fmax(STRUCTURE_LEAST * own->task.tolerance_px, CAMERA_NOISE_LEAST);
+	struct camera_structure found;
+	char place[96];
+
+	camera_find_structure(own, &found);
+	if (!(found.sigmas > STRUCTURE_SIGMAS) || !(fabs(found.mean_px) > least))
+		return;
+	if (found.ring)
+		snprintf(place, sizeof(place), "between %.0f and %.0f px from the axis",
+			 found.from_px, found.to_px);
+	else
+		snprintf(place, sizeof(place), "around %.0f, %.0f px", found.at_px[0],
+			 found.at_px[1]);
+	verdict_doubt(
+		&solution->finding.verdict,
+		own->task.intrinsics
+			? "check that the lens is the one of --intrinsics, at the same focus and "
+			  "zoom, and that the board is flat"
+			: "check that the board is flat, and that all pictures are of one camera "
+			  "at one focus and zoom",
+		"the points do not lie where such a lens shows them: %s they are %.3g px off "
+		"on average, where noise explains %.2g px",
+		place, fabs(found.mean_px), found.deviation_px);
 }
 
 static void judge_focal(struct camera_solution *solution)
@@ -369,6 +429,8 @@ void camera_judge(struct camera_solution *solution)
 	judge_outliers(solution);
 	judge_side(solution);
 	judge_fold(solution);
+	judge_radial(solution);
+	judge_structure(solution);
 	judge_focal(solution);
 	camera_judge_coverage(solution);
 	judge_object(solution);

@@ -27,10 +27,14 @@ void lens_bend(const struct lens *lens, const double straight[2], double bent[2]
 
 /* ---- from Tsai's camera ---- */
 
-/* Samples radii before and after distortion over the picture of Tsai's camera, in units of the
- * focal length. Returns how many. */
-static int sample_radii(const struct lens *lens, const struct tsai_camera *camera,
-			double radius[RADII][2])
+/* A direction before and after distortion, in units of the focal length. */
+struct bend_sample {
+	double straight[2], bent[2];
+};
+
+/* Samples the picture of Tsai's camera. Returns how many. */
+static int sample_bends(const struct lens *lens, const struct tsai_camera *camera,
+			struct bend_sample *sample)
 {
 	struct tsai_camera plain = *camera;
 	int count = 0;
@@ -44,35 +48,35 @@ static int sample_radii(const struct lens *lens, const struct tsai_camera *camer
 
 		if (tsai_ray(&plain, px, origin, dir) || !(dir[2] > 0))
 			continue;
-		radius[count][0] = hypot(dir[0], dir[1]) / dir[2];
-		radius[count][1] = hypot((px[0] - lens->centre_px[0]) / lens->focal_px[0],
-					 (px[1] - lens->centre_px[1]) / lens->focal_px[1]);
+		for (int i = 0; i < 2; i++) {
+			sample[count].straight[i] = dir[i] / dir[2];
+			sample[count].bent[i] = (px[i] - lens->centre_px[i]) / lens->focal_px[i];
+		}
 		count++;
 	}
 	return count;
 }
 
-static double worst_of_radii(const struct lens *lens, double radius[RADII][2], int count)
+static double worst_of_bends(const struct lens *lens, const struct bend_sample *sample, int count)
 {
 	double worst = 0;
 
 	for (int n = 0; n < count; n++) {
-		const double straight[2] = {radius[n][0], 0};
 		double bent[2];
 
-		lens_bend(lens, straight, bent);
-		worst = fmax(worst, fabs(bent[0] - radius[n][1]) *
-					    fmax(lens->focal_px[0], lens->focal_px[1]));
+		lens_bend(lens, sample[n].straight, bent);
+		worst = fmax(worst, hypot((bent[0] - sample[n].bent[0]) * lens->focal_px[0],
+					  (bent[1] - sample[n].bent[1]) * lens->focal_px[1]));
 	}
 	return worst;
 }
 
 /*
- * Fits k1, k2, k3 and, with terms 6, k4, k5, k6 to these radii. With R after and r before
+ * Fits k1, k2, k3 and, with terms 6, k4, k5, k6 to the samples' radii. With R after and r before
  * distortion, this equation is linear in all of them:
  *     R (1 + k4 r^2 + ...) = r (1 + k1 r^2 + ...)
  */
-static void fit_radial(struct lens *lens, double radius[RADII][2], int count, int terms,
+static void fit_radial(struct lens *lens, const struct bend_sample *sample, int count, int terms,
 		       double room[])
 {
 	static const int place[] = {LENS_K1, LENS_K2, LENS_K3, LENS_K4, LENS_K5, LENS_K6};
@@ -80,7 +84,8 @@ static void fit_radial(struct lens *lens, double radius[RADII][2], int count, in
 
 	memset(room, 0, (size_t)(terms + 1) * RADII * sizeof(*room));
 	for (int n = 0; n < count; n++) {
-		const double r = radius[n][0], bent = radius[n][1];
+		const double r = hypot(sample[n].straight[0], sample[n].straight[1]);
+		const double bent = hypot(sample[n].bent[0], sample[n].bent[1]);
 
 		for (int t = 0; t < terms; t++)
 			room[t * RADII + n] = t < 3 ? pow(r, 3 + 2 * t)
@@ -92,27 +97,41 @@ static void fit_radial(struct lens *lens, double radius[RADII][2], int count, in
 		lens->term[place[t]] = k[t];
 }
 
-/* Fits three terms if they suffice, else six. */
+/* Fits three terms if they suffice, else six; tangential terms are undone to first order. */
 static int bend_as(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
 		   double *error_px)
 {
-	double(*radius)[2] = malloc(RADII * sizeof(*radius));
+	struct bend_sample *sample = malloc(2 * RADII * sizeof(*sample));
 	double *room = malloc((LENS_TERMS + 1) * RADII * sizeof(*room));
-	int count, err = -ENOMEM;
+	struct tsai_camera round = *camera; /* radii alone determine the radial terms */
+	int count, radii, err = -ENOMEM;
 
-	if (radius && room) {
+	round.tangential[0] = round.tangential[1] = 0;
+	if (sample && room) {
 		err = 0;
-		count = sample_radii(lens, camera, radius);
+		count = sample_bends(lens, camera, sample);
+		radii = sample_bends(lens, &round, sample + RADII);
+		lens->term[LENS_P1] = -camera->tangential[1] * camera->focal;
+		lens->term[LENS_P2] = -camera->tangential[0] * camera->focal;
 		for (int terms = 3; terms <= 6; terms += 3) {
-			fit_radial(lens, radius, count, terms, room);
-			*error_px = worst_of_radii(lens, radius, count);
+			fit_radial(lens, sample + RADII, radii, terms, room);
+			*error_px = worst_of_bends(lens, sample, count);
 			if (*error_px <= fmin(tolerance_px, FINE_PX))
 				break;
 		}
 	}
-	free(radius);
+	free(sample);
 	free(room);
 	return err;
+}
+
+static void terms_of_tsai(struct lens *lens, const struct tsai_camera *camera)
+{
+	lens->term[LENS_K1] = camera->kappa1 * camera->focal * camera->focal;
+	lens->term[LENS_K2] = camera->kappa2 * pow(camera->focal, 4);
+	lens->term[LENS_K3] = camera->kappa3 * pow(camera->focal, 6);
+	lens->term[LENS_P1] = camera->tangential[1] * camera->focal;
+	lens->term[LENS_P2] = camera->tangential[0] * camera->focal;
 }
 
 int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tolerance_px,
@@ -131,15 +150,15 @@ int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tol
 		.centre_px = {checked.centre_px[0], checked.height - checked.centre_px[1]},
 	};
 	*error_px = 0;
-	if (checked.distortion == TSAI_DISTORTS || checked.kappa1 == 0)
-		lens->term[LENS_K1] = checked.kappa1 * checked.focal * checked.focal;
+	if (checked.distortion == TSAI_DISTORTS || (checked.kappa1 == 0 && tsai_is_plain(&checked)))
+		terms_of_tsai(lens, &checked);
 	else
 		err = bend_as(lens, &checked, tolerance_px, error_px);
 	if (err)
 		return fault_say(fault, err, "not enough memory");
 	if (!(*error_px <= tolerance_px))
 		return fault_say(fault, -ERANGE,
-				 "kappa1 undistorts, which k1 to k6 meet to %.3g px only, "
+				 "the distortion undistorts, which k1 to k6 meet to %.3g px only, "
 				 "expected at most %.3g; calibrate with --distortion distorts, or "
 				 "allow more by --tolerance",
 				 *error_px, tolerance_px);

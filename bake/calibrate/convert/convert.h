@@ -6,8 +6,9 @@
  * y^2:
  *     x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
  *            + 2 p1 x y + p2 (r^2 + 2 x^2),   y' likewise
- * Tsai's camera (hal/optics/tsai.h) in direction `distorts` is one with k1 = kappa1 f^2, exactly;
- * in direction `undistorts` it is approximated by k1, k2, k3, or all six. Their fisheye is our
+ * Tsai's camera (hal/optics/tsai.h) in direction `distorts` is one without k4 to k6, exactly: k1 =
+ * kappa1 f^2, k2 = kappa2 f^4, k3 = kappa3 f^6, (p2, p1) = q f. In direction `undistorts` it is
+ * approximated by k1, k2, k3, or all six, and p1, p2. Their fisheye is our
  * polynomial model (hal/optics/fisheye_curve.h) exactly; other models are approximated by it. Their
  * pixel centres are at whole numbers, ours at +0.5.
  */
@@ -52,9 +53,10 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 
 /*
  * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact if
- * k1 is the only term; else f, centre, s and kappa1, in the better direction, are fitted to the
- * whole picture. A rotation of the camera (turn_deg) is not counted as error, because the pose is
- * calibrated afterwards. Errors as above, and -EINVAL for a fisheye.
+ * k4 to k6 are 0; else f, centre, s, kappas and q, in the better direction, are fitted to the whole
+ * picture. A rotation of the camera (turn_deg) is not counted as error, because the pose is
+ * calibrated afterwards. Errors as above, and -EINVAL for a fisheye, or a
+ * distortion that folds over inside of the picture.
  */
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, double *turn_deg, struct fault *fault);

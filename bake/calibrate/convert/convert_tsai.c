@@ -13,6 +13,7 @@
 #define SENSOR_MM 36.0 /* width, as in tsai_look_at() */
 #define SPOKES 32      /* lines from the centre outwards along which a lens is sampled */
 #define STEPS 120
+#define EDGE_HALVINGS 20
 #define FAR 20.0 /* tangent of the largest angle sampled */
 
 /* A direction, in focal lengths from the axis, and its place in the picture. */
@@ -25,34 +26,62 @@ static bool in_picture(const struct lens *lens, const double px[2])
 	return px[0] >= 0 && px[1] >= 0 && px[0] <= lens->width && px[1] <= lens->height;
 }
 
+/* Samples one direction. False: it is not in the picture, or folds over: it is no farther out than
+ * *before. */
+static bool take_sample(const struct lens *lens, double angle, double r, double *before,
+			struct tsai_sample *s)
+{
+	double bent[2], length;
+
+	s->straight[0] = r * cos(angle);
+	s->straight[1] = r * sin(angle);
+	lens_bend(lens, s->straight, bent);
+	for (int i = 0; i < 2; i++)
+		s->px[i] = lens->centre_px[i] + lens->focal_px[i] * bent[i];
+	length = hypot(bent[0], bent[1]);
+	if (!(length > *before) || !in_picture(lens, s->px))
+		return false;
+	*before = length;
+	return true;
+}
+
+/* Angle of a spoke; the last four go to the corners, where a fit is worst. */
+static double spoke_angle(const struct lens *lens, int spoke)
+{
+	const int corner = spoke - SPOKES;
+
+	if (corner < 0)
+		return 2 * M_PI * spoke / SPOKES;
+	return atan2((corner / 2 * lens->height - lens->centre_px[1]) / lens->focal_px[1],
+		     (corner % 2 * lens->width - lens->centre_px[0]) / lens->focal_px[0]);
+}
+
 /* Samples the lens along each spoke, as far as the picture goes and the lens does not fold over.
  * Returns how many. */
 static int take_samples(const struct lens *lens, struct tsai_sample *sample)
 {
-	const double reach = 2 * hypot(lens->width, lens->height) /
-			     fmin(lens->focal_px[0], lens->focal_px[1]);
+	const double reach = fmin(2 * hypot(lens->width, lens->height) /
+					  fmin(lens->focal_px[0], lens->focal_px[1]),
+				  FAR);
 	int count = 0;
 
-	for (int a = 0; a < SPOKES; a++) {
-		const double angle = 2 * M_PI * a / SPOKES;
-		double before = 0;
+	for (int spoke = 0; spoke < SPOKES + 4; spoke++) {
+		const double angle = spoke_angle(lens, spoke);
+		double before = 0, low = 0, step = reach / STEPS;
 
-		for (int k = 1; k <= STEPS; k++) {
-			const double r = fmin(reach, FAR) * k / STEPS;
-			struct tsai_sample *s = &sample[count];
-			double bent[2], length;
-
-			s->straight[0] = r * cos(angle);
-			s->straight[1] = r * sin(angle);
-			lens_bend(lens, s->straight, bent);
-			for (int i = 0; i < 2; i++)
-				s->px[i] = lens->centre_px[i] + lens->focal_px[i] * bent[i];
-			length = hypot(bent[0], bent[1]);
-			if (!(length > before) || !in_picture(lens, s->px))
-				break;
-			before = length;
+		while (low < reach &&
+		       take_sample(lens, angle, low + step, &before, &sample[count])) {
+			low += step;
 			count++;
 		}
+		/* the last sample lies at the edge */
+		for (int k = 0; k < EDGE_HALVINGS; k++) {
+			step /= 2;
+			if (take_sample(lens, angle, low + step, &before, &sample[count]))
+				low += step;
+		}
+		before = 0;
+		count += low > 0 && take_sample(lens, angle, low, &before, &sample[count]);
 	}
 	return count;
 }
@@ -64,8 +93,9 @@ enum {
 	FIT_FOCAL_Y,
 	FIT_CENTRE_X,
 	FIT_CENTRE_Y,
-	FIT_KAPPA, /* in units of the focal length */
-	FIT_TURN,
+	FIT_KAPPA, /* in units of the focal length, as are the next two and q */
+	FIT_TANGENTIAL = FIT_KAPPA + DISTORTION_RADIAL,
+	FIT_TURN = FIT_TANGENTIAL + 2,
 	FIT_UNKNOWNS = FIT_TURN + 3
 };
 
@@ -91,6 +121,10 @@ static void put_camera(const struct tsai_fit *fit, const double *x, struct tsai_
 	camera->pixel[0] = camera->pixel[1] = SENSOR_MM / lens->width;
 	camera->focal = x[FIT_FOCAL_Y] * camera->pixel[1];
 	camera->kappa1 = x[FIT_KAPPA] / (camera->focal * camera->focal);
+	camera->kappa2 = x[FIT_KAPPA + 1] / pow(camera->focal, 4);
+	camera->kappa3 = x[FIT_KAPPA + 2] / pow(camera->focal, 6);
+	for (int i = 0; i < 2; i++)
+		camera->tangential[i] = x[FIT_TANGENTIAL + i] / camera->focal;
 	rotation_from_vector(x + FIT_TURN, camera->rotation, slope);
 }
 
@@ -137,8 +171,14 @@ static double worst_px(const struct least_squares_fit *found, int count)
 
 static int fit_direction(const struct tsai_fit *fit, double *x, double *error_px)
 {
-	static const double scale[FIT_UNKNOWNS] = {1, 1, 1, 1, 0.01, 1e-3, 1e-3, 1e-3};
+	static const double scale[FIT_UNKNOWNS] = {1,	 1,    1,    1,	   0.01, 0.01,
+						   0.01, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3};
+	/* a lens without tangential terms needs none: a turn would do as well */
+	const bool straight = fit->lens->term[LENS_P1] == 0 && fit->lens->term[LENS_P2] == 0;
+	const bool fixed[FIT_UNKNOWNS] = {[FIT_TANGENTIAL] = straight,
+					  [FIT_TANGENTIAL + 1] = straight};
 	const struct least_squares problem = {.parameters = FIT_UNKNOWNS,
+					      .fixed = fixed,
 					      .residuals = 2 * fit->count,
 					      .evaluate = fit_evaluate,
 					      .context = (void *)fit,
@@ -157,7 +197,7 @@ static int fit_direction(const struct tsai_fit *fit, double *x, double *error_px
 static int fit_camera(const struct lens *lens, struct tsai_camera *camera, double *error_px,
 		      double *turn_deg)
 {
-	struct tsai_sample *sample = malloc((size_t)SPOKES * STEPS * sizeof(*sample));
+	struct tsai_sample *sample = malloc((size_t)(SPOKES + 4) * (STEPS + 2) * sizeof(*sample));
 	struct tsai_fit fit = {.lens = lens, .sample = sample};
 	int err = sample ? 0 : -ENOMEM;
 
@@ -182,12 +222,10 @@ static int fit_camera(const struct lens *lens, struct tsai_camera *camera, doubl
 
 /* ---- cameras ---- */
 
-static bool only_k1(const struct lens *lens)
+/* Whether their camera is ours in the thesis's direction. */
+static bool is_polynomial(const struct lens *lens)
 {
-	for (int k = 0; k < LENS_TERMS; k++)
-		if (k != LENS_K1 && lens->term[k] != 0)
-			return false;
-	return true;
+	return lens->term[LENS_K4] == 0 && lens->term[LENS_K5] == 0 && lens->term[LENS_K6] == 0;
 }
 
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
@@ -200,9 +238,13 @@ int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tol
 	*error_px = *turn_deg = 0;
 	if (lens->fisheye)
 		return fault_say(fault, -EINVAL, "a fisheye, expected a pinhole camera");
-	if (only_k1(lens)) {
+	if (is_polynomial(lens)) {
 		first_guess(lens, x);
 		x[FIT_KAPPA] = lens->term[LENS_K1];
+		x[FIT_KAPPA + 1] = lens->term[LENS_K2];
+		x[FIT_KAPPA + 2] = lens->term[LENS_K3];
+		x[FIT_TANGENTIAL] = lens->term[LENS_P2];
+		x[FIT_TANGENTIAL + 1] = lens->term[LENS_P1];
 		put_camera(&same, x, camera);
 	} else {
 		err = fit_camera(lens, camera, error_px, turn_deg);
@@ -211,7 +253,7 @@ int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tol
 		return fault_say(fault, err, "not enough memory");
 	if (!(*error_px <= tolerance_px))
 		return fault_say(fault, -ERANGE,
-				 "its distortion is more than one kappa1 can say, which would be "
+				 "its distortion is more than three kappas can say, which would be "
 				 "off by %.3g px, expected at most %.3g; allow more by "
 				 "--tolerance, or calibrate anew",
 				 *error_px, tolerance_px);

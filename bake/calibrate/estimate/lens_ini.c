@@ -52,6 +52,8 @@ void lens_write_keys(FILE *to, const char *section, const struct ini_key *keys, 
 	for (const struct ini_key *key = keys; key->name; key++) {
 		char text[512];
 
+		if (ini_left_out(key, values))
+			continue;
 		ini_value_text(key, values, text, sizeof(text));
 		fprintf(to, "%s = %s\n", key->name, text);
 	}

@@ -43,6 +43,10 @@ const struct image *shown_picture(const struct shown *shown, int view);
  * visible; view -1: of all views. */
 double shown_enlargement(const struct shown *shown, int view, double scale);
 
+/* Draws the world's axes in a view. Returns their length; 0: none are drawn. */
+double report_axes(struct report_sheet *sheet, const struct sheet_area *area,
+		   const struct shown *shown, int view);
+
 int report_views(const struct shown *shown, struct fault *fault);
 int report_residuals(const struct shown *shown, struct fault *fault);
 int report_directions(const struct shown *shown, struct fault *fault);

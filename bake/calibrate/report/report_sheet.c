@@ -19,6 +19,8 @@ static const double inks[][3] = {
 	[INK_FAINT] = {0.82, 0.82, 0.82},	[INK_WHITE] = {1, 1, 1},
 	[INK_SEEN] = {0.000, 0.447, 0.698},	[INK_EXPECTED] = {0.1, 0.1, 0.1},
 	[INK_RESIDUAL] = {0.000, 0.620, 0.451}, [INK_OUTLIER] = {0.835, 0.369, 0.000},
+	[INK_AXIS_X] = {0.80, 0.05, 0.10},	[INK_AXIS_Y] = {0.05, 0.50, 0.05},
+	[INK_AXIS_Z] = {0.10, 0.20, 0.90},
 };
 
 /* ---- sheets ---- */
@@ -212,6 +214,15 @@ static void sheet_stroke(struct report_sheet *sheet, double width, enum sheet_in
 	sheet_ink(sheet, ink, 1);
 	cairo_set_line_width(sheet->c, width);
 	cairo_stroke(sheet->c);
+}
+
+void sheet_line(struct report_sheet *sheet, double (*place)[2], int count, double width,
+		enum sheet_ink ink)
+{
+	cairo_move_to(sheet->c, place[0][0], place[0][1]);
+	for (int k = 1; k < count; k++)
+		cairo_line_to(sheet->c, place[k][0], place[k][1]);
+	sheet_stroke(sheet, width, ink);
 }
 
 void sheet_ring(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink)

@@ -23,7 +23,10 @@ enum sheet_ink {
 	INK_SEEN,
 	INK_EXPECTED,
 	INK_RESIDUAL,
-	INK_OUTLIER
+	INK_OUTLIER,
+	INK_AXIS_X,
+	INK_AXIS_Y,
+	INK_AXIS_Z
 };
 
 struct report_sheet {
@@ -73,6 +76,9 @@ void sheet_label(struct report_sheet *sheet, double x, double y, enum sheet_ink 
 		 const char *text);
 double sheet_text_width(const struct report_sheet *sheet, const char *text);
 
+/* Draws a line through places on the sheet. */
+void sheet_line(struct report_sheet *sheet, double (*place)[2], int count, double width,
+		enum sheet_ink ink);
 void sheet_ring(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink);
 void sheet_cross(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink);
 void sheet_square(struct report_sheet *sheet, const double at[2], double radius,

@@ -108,7 +108,7 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 	struct report_sheet sheet;
 	struct sheet_area area;
 	char name[32], caption[512];
-	double enlargement;
+	double enlargement, axes;
 	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 1);
 
 	if (!err)
@@ -124,6 +124,7 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 	for (int k = seen->first; k < seen->first + seen->count; k++)
 		draw_residual(&sheet, &area, s, k, enlargement);
 	name_outliers(&sheet, &area, s, v);
+	axes = report_axes(&sheet, &area, s, v);
 	sheet_unclip(&sheet);
 	sheet_frame(&sheet, &area);
 	if (s->modelled)
@@ -137,6 +138,9 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 	else
 		snprintf(caption, sizeof(caption), "View %d, %s: %d points.", v + 1, seen->name,
 			 seen->count);
+	if (axes > 0)
+		snprintf(caption + strlen(caption), sizeof(caption) - strlen(caption),
+			 " The axes X, Y and Z of its points are %g long.", axes);
 	return sheet_show(&sheet, s->page, name, caption, fault);
 }
 
@@ -179,6 +183,12 @@ int report_views(const struct shown *s, struct fault *fault)
 		report_paragraph(s->page->body,
 				 "%d of %d views are drawn: the worst, and some of the others.",
 				 drawn, views);
+	if (s->modelled && s->finding->project)
+		report_paragraph(
+			s->page->body,
+			"The axes start where the board has its origin. Of the view that "
+			"says where the world is they are the scene's: X and Y have to lie "
+			"on the ground as they were meant, and Z has to point up.");
 	err = write_view_table(s, fault);
 	for (int v = 0; v < views && !err; v++)
 		if (s->view[v].drawn)

@@ -64,6 +64,22 @@ void known_camera_see_board(struct observations *seen, const struct tsai_camera 
 		}
 }
 
+void known_camera_see_large_board(struct observations *seen, const struct tsai_camera *camera,
+				  double noise, struct chance *chance)
+{
+	if (observations_begin_view(seen, "board"))
+		abort();
+	for (int j = -5; j <= 5; j++)
+		for (int i = -7; i <= 7; i++) {
+			const double world[3] = {KNOWN_CAMERA_STEP * i, KNOWN_CAMERA_STEP * j, 0};
+			double px[2];
+
+			if (!tsai_project(camera, world, px) && px[0] > 0 && px[1] > 0 &&
+			    px[0] < camera->width && px[1] < camera->height)
+				known_camera_see(seen, camera, world, noise, chance);
+		}
+}
+
 void known_camera_see_cloud(struct observations *seen, const struct tsai_camera *camera, int count,
 			    double noise, struct chance *chance)
 {

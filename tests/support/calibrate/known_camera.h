@@ -30,6 +30,10 @@ void known_camera_see(struct observations *seen, const struct tsai_camera *camer
 void known_camera_see_board(struct observations *seen, const struct tsai_camera *camera,
 			    int columns, int rows, double noise, struct chance *chance);
 
+/* Adds a view of a board that is larger than the picture, without what is outside of it. */
+void known_camera_see_large_board(struct observations *seen, const struct tsai_camera *camera,
+				  double noise, struct chance *chance);
+
 /* Adds a view of `count` points in a cube of 0.3 m around the origin, all inside the picture. */
 void known_camera_see_cloud(struct observations *seen, const struct tsai_camera *camera, int count,
 			    double noise, struct chance *chance);

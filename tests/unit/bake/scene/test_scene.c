@@ -741,6 +741,44 @@ static void test_hash(void **state)
 	scene_close(c);
 }
 
+/* A camera of one kappa is written and hashed as before there were more terms; more terms are part of
+ * both, and come back. */
+static void test_terms(void **state)
+{
+	static const char *const more[] = {"", "kappa2 = 0\ntangential = 0 0\n", "kappa2 = 1e-6\n",
+					   "kappa3 = 1e-9\n", "tangential = 0 1e-6\n"};
+	enum { COUNT = sizeof(more) / sizeof(*more) };
+	struct scene *scene[COUNT];
+	char plain[4096], text[4096];
+
+	(void)state;
+	write_triangle();
+	small_scene_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
+	scene[0] = small_scene_open("look.ini");
+	assert_int_equal(scene_camera_text(scene[0], plain, sizeof(plain)), 0);
+	scene_close(scene[0]);
+	assert_null(strstr(plain, "kappa2"));
+	assert_null(strstr(plain, "tangential"));
+	small_scene_write("terms.ini", "[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n");
+	for (int k = 0; k < COUNT; k++) {
+		small_scene_write("cam.ini", "%s%s", plain, more[k]);
+		scene[k] = small_scene_open("terms.ini");
+		assert_int_equal(scene_camera_text(scene[k], text, sizeof(text)), 0);
+		/* all that is not 0 */
+		expect_equal(!strstr(text, "kappa2 = "), k != 2, "k=%d", k);
+		expect_equal(!strstr(text, "kappa3 = "), k != 3, "k=%d", k);
+		expect_equal(!strstr(text, "tangential = "), k != 4, "k=%d", k);
+		for (int other = 0; other < k; other++)
+			expect_equal(scene[k]->hash == scene[other]->hash, k == 1, "k=%d, %d", k,
+				     other);
+	}
+	for (int k = 0; k < COUNT; k++)
+		scene_close(scene[k]);
+	small_scene_write("cam.ini", "%skappa2 = -1e-4\n", plain);
+	test_scene_refuse("[camera]\nfile = cam.ini\n[object a]\nfile = tri.obj\n",
+			  "cam.ini: camera: kappa1, kappa2, kappa3 and tangential fold");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -763,6 +801,7 @@ int main(void)
 		cmocka_unit_test(test_gltf_materials),
 		cmocka_unit_test(test_camera_kinds),
 		cmocka_unit_test(test_hash),
+		cmocka_unit_test(test_terms),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

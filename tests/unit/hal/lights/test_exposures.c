@@ -52,7 +52,7 @@ static struct light_exposures *create(double gain)
 static void expose(const struct light_exposures *e, int k, const struct cell *cell,
 		   struct taken_lights *f)
 {
-	const double above = light_exposures_above(e, k);
+	const double above = light_exposures_longer(e, k);
 
 	for (int i = 0; i < LIGHTS; i++) {
 		const struct cell *at = &cell[i];
@@ -437,8 +437,9 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 
 /* ---- the sampler's part ---- */
 
-/* Light above a level, and clipped light, against sums over the pixels. */
-static void the_sampler_tells_what_is_above(void **state)
+/* Light that is believed, that which a longer exposure does not believe, and clipped light, against
+ * sums over the pixels. */
+static void the_sampler_tells_what_is_believed(void **state)
 {
 	enum { SIDE = 96 };
 	const struct light_sampler_settings settings = {.curve = curve, .gain = 2};
@@ -450,11 +451,13 @@ static void the_sampler_tells_what_is_above(void **state)
 	struct light_sampler *sampler;
 	struct fisheye lens;
 	struct dome dome;
+	struct pixel_white white;
 	struct image image;
 	double clipped;
-	const double level = 0.25;
+	const double longer = 0.25;
 
 	(void)state;
+	pixel_white_fill(&white, &curve);
 	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SIDE, SIDE, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SIDE, SIDE, &settings, NULL),
@@ -468,7 +471,8 @@ static void the_sampler_tells_what_is_above(void **state)
 				const double v = transfer_curve_decode(&curve, code / 255.0);
 
 				pixels[y][x][2 - c] = (uint8_t)code;
-				image.f32[3 * (y * SIDE + x) + c] = (float)fmax(v - level, 0);
+				image.f32[3 * (y * SIDE + x) + c] =
+					(float)(v - longer * pixel_white_soft(&white, v / longer));
 			}
 	{
 		float(*plain)[3] = calloc((size_t)dome.count, sizeof(*plain));
@@ -478,7 +482,7 @@ static void the_sampler_tells_what_is_above(void **state)
 
 		assert_true(plain && again && want);
 		assert_int_equal(light_sampler_read(sampler, &picture, plain, NULL), 0);
-		light_sampler_above(sampler, level);
+		light_sampler_exposure(sampler, longer, false);
 		assert_int_equal(light_sampler_read(sampler, &picture, again, &clipped), 0);
 		assert_memory_equal(plain, again, (size_t)dome.count * sizeof(*plain));
 		for (int i = 0; i < dome.count; i++) {
@@ -496,11 +500,153 @@ static void the_sampler_tells_what_is_above(void **state)
 			for (int c = 0; c < 3; c++)
 				expect_below(fabs((double)again[i][c] - (double)want[i][c]), 2e-4,
 					     "i=%d, c=%d", i, c);
+		/* the same picture, with a shorter exposure to come */
+		for (int k = 0; k < 3 * SIDE * SIDE; k++)
+			image.f32[k] =
+				(float)white.soft[pixels[k / 3 / SIDE][k / 3 % SIDE][2 - k % 3]];
+		light_sampler_exposure(sampler, 1, true);
+		assert_int_equal(light_sampler_read(sampler, &picture, again, NULL), 0);
+		for (int i = 0; i < dome.count; i++)
+			expect_that(light_sampler_clipped(sampler)[i] > 0.2f, "i=%d", i);
+		assert_int_equal(light_sampler_read_linear(sampler, &image, want), 0);
+		for (int i = 0; i < dome.count; i++)
+			for (int c = 0; c < 3; c++)
+				expect_below(fabs((double)again[i][c] - (double)want[i][c]), 2e-4,
+					     "i=%d, c=%d", i, c);
 		free(plain);
 		free(again);
 		free(want);
 	}
 	image_free(&image);
+	light_sampler_destroy(sampler);
+	dome_free(&dome);
+}
+
+/* Code values are believed up to code 217, and not at all from 248 on; in between soft() grows ever
+ * more slowly. */
+static void soft_white_is_smooth(void **state)
+{
+	struct pixel_white white;
+	double before = 1;
+
+	(void)state;
+	pixel_white_fill(&white, &curve);
+	assert_in_range(white.code, 216, 218);
+	for (int c = 1; c < 256; c++) {
+		const double step = white.light[c] - white.light[c - 1];
+		const double slope = (white.soft[c] - white.soft[c - 1]) / step;
+		const double middle = (white.light[c] + white.light[c - 1]) / 2;
+
+		if (c < white.code)
+			assert_true(white.soft[c] == white.light[c]);
+		if (c > 248)
+			assert_true(slope == 0);
+		if (c >= white.code) {
+			expect_at_most(slope, before, "c=%d", c);
+			before = slope;
+		}
+		expect_below(fabs(pixel_white_soft(&white, middle) -
+				  (white.soft[c] + white.soft[c - 1]) / 2),
+			     1e-12, "c=%d", c);
+		expect_below(fabs(pixel_white_soft(&white, white.light[c]) - white.soft[c]), 1e-12,
+			     "c=%d", c);
+	}
+	assert_true(pixel_white_soft(&white, 7) == white.soft[255]);
+	assert_true(pixel_white_soft(&white, 0.3) == 0.3);
+}
+
+enum { SKY = 160 };
+
+/* A sky with a lamp that fades into it, in units of the longest exposure's white. */
+static double sky_light(double even, double peak, int x, int y)
+{
+	const double far = hypot(x - 0.6 * SKY, y - 0.45 * SKY) / SKY;
+
+	return even + peak * exp(-far * far / 0.02);
+}
+
+/* A camera of 8 bits with noise, which compresses light from code 247 on, and delivers none above top. */
+static uint8_t camera_code(struct chance *chance, double light, double top)
+{
+	double code = 255 * transfer_encode(TRANSFER_SRGB, fmin(light, 1.2));
+
+	if (code > 247)
+		code = 247 + 8 * tanh((code - 247) / 8);
+	return (uint8_t)fmin(fmax(rint(code + PIXEL_NOISE_CODES * chance_normal(chance)), 0), top);
+}
+
+/* Mean of all lights by solid angle, of green. */
+static double mean_light(const struct dome *dome, float (*radiance)[3])
+{
+	double sum = 0;
+
+	for (int i = 0; i < dome->count; i++)
+		sum += dome->solid_angle_sr[i] * (double)radiance[i][1];
+	return sum / (2 * M_PI);
+}
+
+/* Three exposures of a camera that compresses near white, with noise: the merged irradiance. */
+static void light_near_white_is_not_lost(void **state)
+{
+	static const struct {
+		double even, peak; /* the sky's light and the lamp's */
+	} skies[] = {{0.3, 0.5}, {0.3, 0.8}, {0.3, 3}, {0.3, 40}, {0.8, 3}, {0.95, 3}, {1.1, 3}};
+	const struct light_sampler_settings settings = {.curve = curve, .gain = 1};
+	const struct fisheye_settings lens_settings = {.field_deg = 90};
+	static uint8_t pixels[SKY][SKY][4];
+	const struct view view = {.width = SKY, .height = SKY, .squash = 1};
+	const struct picture picture = view_picture(&view, &pixels[0][0][0], sizeof(pixels[0]));
+	static float sampled[200][3], truth[200][3], left[200], counts[200];
+	struct chance chance = chance_begin("near white");
+	struct light_exposures *e;
+	struct light_sampler *sampler;
+	struct fisheye lens;
+	struct dome dome;
+	struct image image;
+
+	(void)state;
+	assert_int_equal(dome_create(&dome, 4, DOME_ANGLES, NULL), 0);
+	assert_in_range(dome.count, 1, 200);
+	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SKY, SKY, NULL), 0);
+	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SKY, SKY, &settings, NULL),
+			 0);
+	assert_int_equal(image_create_f32(&image, SKY, SKY), 0);
+	assert_int_equal(light_exposures_create(&e, dome.count), 0);
+	for (int i = 0; i < dome.count; i++)
+		counts[i] = (float)(0.785 * SKY * SKY / dome.count);
+	for (size_t n = 0; n < 2 * sizeof(skies) / sizeof(*skies); n++) {
+		const size_t p = n / 2;
+		double off;
+
+		light_exposures_measured(e, ratio, COUNT, &curve, 1, counts);
+		for (int k = 0; k < COUNT; k++) {
+			for (int y = 0; y < SKY; y++)
+				for (int x = 0; x < SKY; x++)
+					for (int c = 0; c < 3; c++) {
+						const double light = sky_light(skies[p].even,
+									       skies[p].peak, x, y);
+
+						image.f32[3 * (y * SKY + x) + c] = (float)light;
+						pixels[y][x][2 - c] =
+							camera_code(&chance, light * ratio[k],
+								    n % 2 ? 250 : 255);
+					}
+			light_sampler_exposure(sampler, light_exposures_longer(e, k),
+					       light_exposures_shorter(e, k));
+			assert_int_equal(light_sampler_read(sampler, &picture, sampled, NULL), 0);
+			light_exposures_take(e, k, (const float(*)[3])sampled,
+					     light_sampler_excess(sampler),
+					     light_sampler_clipped(sampler), sampled, left);
+		}
+		light_sampler_exposure(sampler, 1, false);
+		assert_int_equal(light_sampler_read_linear(sampler, &image, truth), 0);
+		off = mean_light(&dome, sampled) / mean_light(&dome, truth) - 1;
+		print_message("sky of %g, lamp of %g, codes to %d: irradiance off by %.2f %%\n",
+			      skies[p].even, skies[p].peak, n % 2 ? 250 : 255, 100 * off);
+		expect_below(fabs(off), 0.005, "n=%zu", n);
+	}
+	image_free(&image);
+	light_exposures_destroy(e);
 	light_sampler_destroy(sampler);
 	dome_free(&dome);
 }
@@ -518,7 +664,9 @@ int main(void)
 		cmocka_unit_test(wrong_exposures_are_noticed),
 		cmocka_unit_test(a_clipped_lamp_may_be_of_any_brightness),
 		cmocka_unit_test(a_change_of_the_whole_room_is_taken),
-		cmocka_unit_test(the_sampler_tells_what_is_above),
+		cmocka_unit_test(the_sampler_tells_what_is_believed),
+		cmocka_unit_test(soft_white_is_smooth),
+		cmocka_unit_test(light_near_white_is_not_lost),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

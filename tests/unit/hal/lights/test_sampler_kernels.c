@@ -41,6 +41,7 @@ static struct sampler_decode random_decode(struct chance *chance)
 		decode.low[i] = (uint8_t)(decode.value[i] & 255);
 		decode.high[i] = (uint8_t)(decode.value[i] >> 8 & 255);
 	}
+	decode.white = (uint8_t)(chance_int(chance, 0, 2) ? 255 : chance_int(chance, 0, 255));
 	return decode;
 }
 

@@ -114,6 +114,63 @@ static void round_trip(void **state)
 	}
 }
 
+/* More terms, in both directions; the thesis's is OpenCV's formula. */
+static void more_terms(void **state)
+{
+	struct chance chance = chance_begin("tsai terms");
+
+	(void)state;
+	for (int n = 0; n < 2000; n++) {
+		struct tsai_camera c = example(chance_real(&chance, -3e-4, 3e-4));
+		const double px[2] = {chance_real(&chance, 0, 640), chance_real(&chance, 0, 480)};
+		double origin[3], dir[3], point[3], back[2], camera[3], straight[2], bent[2];
+		struct distortion d;
+
+		c.kappa2 = chance_real(&chance, -3e-7, 3e-7);
+		c.kappa3 = n & 2 ? chance_real(&chance, 0, 1e-9) : 0;
+		c.tangential[0] = n & 4 ? 1e-5 : 0;
+		c.tangential[1] = n & 4 ? -2e-5 : 0;
+		c.distortion = n & 1;
+		if (tsai_check(&c, NULL)) /* it folds over */
+			continue;
+		assert_int_equal(tsai_ray(&c, px, origin, dir), 0);
+		for (int i = 0; i < 3; i++)
+			point[i] = origin[i] + dir[i];
+		assert_int_equal(tsai_project(&c, point, back), 0);
+		expect_below(hypot(back[0] - px[0], back[1] - px[1]), 1e-8, "n=%d", n);
+		if (c.distortion != TSAI_DISTORTS)
+			continue;
+		mat_apply(c.rotation, dir, camera);
+		d = tsai_distortion_of(&c);
+		for (int i = 0; i < 2; i++)
+			straight[i] = c.focal * camera[i] / camera[2];
+		assert_int_equal(distortion_bend(&d, straight, bent, NULL), 0);
+		expect_below(fabs(c.centre_px[0] + c.aspect * bent[0] / c.pixel[0] - px[0]), 1e-8,
+			     "n=%d", n);
+		expect_below(fabs(c.height - c.centre_px[1] + bent[1] / c.pixel[1] - px[1]), 1e-8,
+			     "n=%d", n);
+	}
+}
+
+/* Several terms that fold over inside of the picture are refused, in either direction. */
+static void refuses_what_folds(void **state)
+{
+	struct tsai_camera c = example(0);
+	const struct distortion d = tsai_distortion_of(&c);
+	const double corner = d.reach;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	for (int way = 0; way < 2; way++) {
+		c.distortion = way;
+		c.kappa2 = -1 / (5 * pow(corner * (way ? 1.01 : 1.26), 4)); /* 1.26 covers 1.008 */
+		assert_int_equal(tsai_check(&c, &fault), 0);
+		c.kappa2 = -1 / (5 * pow(corner * (way ? 0.99 : 1.24), 4));
+		assert_int_equal(tsai_check(&c, &fault), -EINVAL);
+		assert_non_null(strstr(fault.text, "fold the picture over"));
+	}
+}
+
 static void has_no_image(void **state)
 {
 	const double behind[3] = {6, -8, 3};
@@ -321,6 +378,9 @@ static void checks_its_fields(void **state)
 	REFUSES(focal, 0);
 	REFUSES(focal, NAN);
 	REFUSES(kappa1, INFINITY);
+	REFUSES(kappa2, NAN);
+	REFUSES(kappa3, INFINITY);
+	REFUSES(tangential[1], NAN);
 	REFUSES(aspect, -1);
 	REFUSES(pixel[1], 0);
 	REFUSES(centre_px[0], NAN);
@@ -372,6 +432,7 @@ static void keys_fill_every_field(void **state)
 				   "width = 320\nheight = 200\n"
 				   "rotation = 0 -1 0  1 0 0  0 0 1\n"
 				   "translation = 1 2 3\nfocal = 8.5\nkappa1 = -0.001\n"
+				   "kappa2 = 1e-5\nkappa3 = 2e-8\ntangential = 1e-4 -2e-4\n"
 				   "distortion = undistorts\n"
 				   "centre = 161 99\npixel = 0.01 0.02\naspect = 1.05\n";
 	const struct ini_table tables[] = {{.section = "camera", .keys = tsai_keys, .place = place},
@@ -382,6 +443,9 @@ static void keys_fill_every_field(void **state)
 					 .translation = {1, 2, 3},
 					 .focal = 8.5,
 					 .kappa1 = -0.001,
+					 .kappa2 = 1e-5,
+					 .kappa3 = 2e-8,
+					 .tangential = {1e-4, -2e-4},
 					 .distortion = TSAI_UNDISTORTS,
 					 .centre_px = {161, 99},
 					 .pixel = {0.01, 0.02},
@@ -394,6 +458,12 @@ static void keys_fill_every_field(void **state)
 	ini_defaults(tsai_keys, &c);
 	/* older files give no direction of distortion, and mean the thesis's */
 	assert_true(c.aspect == 1 && c.kappa1 == 0 && c.distortion == TSAI_DISTORTS);
+	assert_true(tsai_is_plain(&c));
+	/* and files of one kappa are written as they were */
+	for (const struct ini_key *key = tsai_keys; key->name; key++)
+		assert_int_equal(ini_left_out(key, &c), !strcmp(key->name, "kappa2") ||
+								!strcmp(key->name, "kappa3") ||
+								!strcmp(key->name, "tangential"));
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "camera.ini", ".", tables, &c, &report), 0);
 	assert_int_equal(c.width, want.width);
@@ -403,6 +473,10 @@ static void keys_fill_every_field(void **state)
 	assert_memory_equal(c.centre_px, want.centre_px, sizeof(c.centre_px));
 	assert_memory_equal(c.pixel, want.pixel, sizeof(c.pixel));
 	assert_int_equal(c.distortion, want.distortion);
+	assert_true(c.kappa2 == want.kappa2 && c.kappa3 == want.kappa3);
+	assert_memory_equal(c.tangential, want.tangential, sizeof(c.tangential));
+	for (const struct ini_key *key = tsai_keys; key->name; key++)
+		assert_false(ini_left_out(key, &c));
 	assert_true(c.focal == want.focal && c.kappa1 == want.kappa1 && c.aspect == want.aspect);
 	assert_int_equal(tsai_check(&c, NULL), 0);
 }
@@ -414,6 +488,8 @@ int main(void)
 		cmocka_unit_test(projects_as_tsai_printed),
 		cmocka_unit_test(looks_at_its_target),
 		cmocka_unit_test(round_trip),
+		cmocka_unit_test(more_terms),
+		cmocka_unit_test(refuses_what_folds),
 		cmocka_unit_test(has_no_image),
 		cmocka_unit_test(has_no_image_as_tsai_printed),
 		cmocka_unit_test(undistorts_as_bisection_does),

@@ -35,8 +35,18 @@ static void slopes_are_differences(void **state)
 
 	(void)state;
 	for (int n = 0; n < 400; n++) {
-		const struct camera_model model = {{0.01, 0.012}, n & 1};
-		double x[MODEL_GRADIENT] = {8, (n & 2 ? -1 : 1) * 2e-3, 320, 240, 1.02};
+		const bool more = n & 4; /* of terms */
+		const struct camera_model model = {.pixel = {0.01, 0.012},
+						   .distortion = n & 1,
+						   .tangential = {more * 1e-3, more * -2e-3},
+						   .reach = 4};
+		double x[MODEL_GRADIENT] = {[MODEL_FOCAL] = 8,
+					    [MODEL_KAPPA1] = (n & 2 ? -1 : 1) * 2e-3,
+					    [MODEL_KAPPA1 + 1] = more * (n & 8 ? -1 : 1) * 1e-4,
+					    [MODEL_KAPPA1 + 2] = more * 1e-5,
+					    [MODEL_CENTRE_X] = 320,
+					    [MODEL_CENTRE_Y] = 240,
+					    [MODEL_ASPECT] = 1.02};
 		double place[3], px[2], gradient[2][MODEL_GRADIENT];
 		const double size = n % 7 ? chance_real(&chance, 0, 3) : 1e-5;
 		struct model_view view;

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "bake/calibrate/camera/camera_model.h"
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
@@ -210,7 +211,7 @@ static void aspect_does_not_show_in_a_plane(void **state)
 		task.aspect_given = way;
 		task.aspect_deviation = -1;
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		assert_true(solution.finding.estimate.parameter[4].fixed);
+		assert_true(solution.finding.estimate.parameter[MODEL_ASPECT].fixed);
 		expect_equal(solution.camera.aspect, 1, "way=%d", way);
 		expect_that(known_camera_trusted(&solution), "way=%d", way);
 		camera_solution_free(&solution);

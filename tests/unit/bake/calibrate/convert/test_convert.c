@@ -87,15 +87,21 @@ static void test_distorts(void **state)
 	static const double kappa1[] = {0, -0.004, 0.002};
 
 	(void)state;
-	for (int k = 0; k < 6; k++) {
-		const struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_DISTORTS);
+	for (int k = 0; k < 12; k++) {
+		struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_DISTORTS);
 		struct tsai_camera back;
 		struct lens lens, read;
 		double error_px = -1, turn_deg;
 
+		if (k >= 6) {
+			camera.kappa2 = 7e-5;
+			camera.kappa3 = k >= 9 ? 1e-6 : 0;
+			camera.tangential[0] = 1e-4;
+			camera.tangential[1] = k >= 9 ? -2e-4 : 0;
+		}
 		assert_int_equal(lens_of_tsai(&lens, &camera, 0, &error_px, NULL), 0);
 		expect_equal(error_px, 0, "k=%d", k);
-		read = again(&lens, k >= 3, error_px);
+		read = again(&lens, k % 6 >= 3, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
 		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, &turn_deg, NULL), 0);
 		expect_equal(error_px, 0, "k=%d", k);
@@ -108,23 +114,31 @@ static void test_undistorts(void **state)
 	static const double kappa1[] = {0.004, -0.002, 0.012};
 
 	(void)state;
-	for (int k = 0; k < 3; k++) {
-		const struct tsai_camera camera = some_camera(kappa1[k], TSAI_UNDISTORTS);
+	for (int k = 0; k < 6; k++) {
+		struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_UNDISTORTS);
 		struct tsai_camera back;
 		struct fault fault = {.text = ""};
 		struct lens lens, read;
 		double out_px, in_px, turn_deg;
 
+		if (k >= 3) {
+			camera.kappa2 = 3e-5;
+			camera.tangential[0] = 2e-6;
+		}
 		if (lens_of_tsai(&lens, &camera, TOLERANCE_PX, &out_px, &fault))
 			fail_msg("%s", fault.text);
 		read = again(&lens, false, out_px);
 		assert_int_equal(lens_to_tsai(&read, &back, TOLERANCE_PX, &in_px, &turn_deg, NULL),
 				 0);
-		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", kappa1[k],
+		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", camera.kappa1,
 			      out_px, in_px);
-		expect_equal(back.distortion, TSAI_UNDISTORTS, "k=%d", k);
-		/* the reported errors hold */
-		expect_below(farthest(&camera, &back), out_px + in_px + 1e-9, "k=%d", k);
+		/* three terms are ours in the other direction; six are fitted */
+		expect_equal(in_px == 0, lens.term[LENS_K4] == 0, "k=%d", k);
+		/* the reported errors hold, besides the turn */
+		expect_below(farthest(&camera, &back),
+			     out_px + in_px + 1.2 * turn_deg * (M_PI / 180) * lens.focal_px[0] +
+				     1e-9,
+			     "k=%d", k);
 		expect_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault), -ERANGE,
 			     "k=%d", k);
 		assert_non_null(strstr(fault.text, "expected at most"));
@@ -139,10 +153,11 @@ static void test_terms(void **state)
 		double least, most; /* expected error, px */
 	} cases[] = {
 		{{-0.2, 0, 0, 0, 0, 0, 0, 0}, 0, 0},
-		{{-0.2, 0.001, 0, 0, 0, 0, 0, 0}, 1e-2, 0.3},
-		{{-0.28, 0.05, 0.001, -0.0006, 0.04, 0, 0, 0}, 0.3, 30},
-		{{0, 0, 0.01, 0, 0, 0, 0, 0}, 1, 30},
-		{{0.1, 0, 0, 0, 0, 0.2, 0, 0}, 1e-4, 3},
+		{{-0.2, 0.001, 0, 0, 0, 0, 0, 0}, 0, 0},
+		{{-0.28, 0.05, 0.001, -0.0006, 0.04, 0, 0, 0}, 0, 0},
+		{{0, 0, 0.01, 0, 0, 0, 0, 0}, 0, 0},
+		{{0.1, 0, 0, 0, 0, 0.2, 0, 0}, 1e-6, 0.01},
+		{{-0.1, 0.02, 0.001, -0.0006, 0, 0.1, 0, 0}, 1e-6, 0.1},
 	};
 
 	(void)state;
@@ -163,6 +178,23 @@ static void test_terms(void **state)
 						  &turn_deg, NULL),
 				     -ERANGE, "k=%zu", k);
 	}
+}
+
+/* Terms that fold over inside of the picture are no lens: two points would be seen at one place. */
+static void test_folds(void **state)
+{
+	struct lens lens = {.width = 640,
+			    .height = 480,
+			    .focal_px = {536, 534},
+			    .centre_px = {342.7, 235.9},
+			    .term = {-0.3, -0.4}};
+	struct tsai_camera camera;
+	struct fault fault = {.text = ""};
+	double error_px, turn_deg;
+
+	(void)state;
+	assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "fold the picture over"));
 }
 
 /* ---- fisheyes ---- */
@@ -549,12 +581,12 @@ static void test_ini(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_distorts), cmocka_unit_test(test_undistorts),
-		cmocka_unit_test(test_terms),	 cmocka_unit_test(test_fisheyes),
-		cmocka_unit_test(test_fields),	 cmocka_unit_test(test_files),
-		cmocka_unit_test(test_dialects), cmocka_unit_test(test_omni),
-		cmocka_unit_test(test_damaged),	 cmocka_unit_test(test_truncated),
-		cmocka_unit_test(test_ini),
+		cmocka_unit_test(test_distorts),  cmocka_unit_test(test_undistorts),
+		cmocka_unit_test(test_terms),	  cmocka_unit_test(test_folds),
+		cmocka_unit_test(test_fisheyes),  cmocka_unit_test(test_fields),
+		cmocka_unit_test(test_files),	  cmocka_unit_test(test_dialects),
+		cmocka_unit_test(test_omni),	  cmocka_unit_test(test_damaged),
+		cmocka_unit_test(test_truncated), cmocka_unit_test(test_ini),
 	};
 
 	return cmocka_run_group_tests_name("convert", tests, own_folder_make, own_folder_remove);

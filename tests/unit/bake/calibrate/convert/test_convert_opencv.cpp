@@ -46,6 +46,10 @@ tsai_camera some_camera()
 		camera.rotation[k] = 1;
 	camera.focal = 8.4;
 	camera.kappa1 = -0.003;
+	camera.kappa2 = 7e-5;
+	camera.kappa3 = -1e-6;
+	camera.tangential[0] = 2e-4;
+	camera.tangential[1] = -3e-4;
 	camera.centre_px[0] = 371.25;
 	camera.centre_px[1] = 270.5;
 	camera.pixel[0] = 0.0132;

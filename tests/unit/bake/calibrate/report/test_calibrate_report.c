@@ -20,6 +20,7 @@
 #include "bake/calibrate/estimate/json.h"
 #include "bake/calibrate/report/report.h"
 #include "tests/support/chance.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 
 /* ---- findings that are made up ---- */
@@ -40,6 +41,15 @@ static double grows_outwards(const void *context, const double px[2])
 	const double far = hypot(px[0] - f->width / 2.0, px[1] - f->height / 2.0) / f->width;
 
 	return 0.02 + 0.8 * far * far * far;
+}
+
+/* Axes from 100, 100: X to the right, Y down, Z up to the left; the third view sees none. */
+static bool plain_axes(const void *context, int view, const double world[3], double px[2])
+{
+	(void)context;
+	px[0] = 100 + 50 * world[0] - 30 * world[2];
+	px[1] = 100 + 50 * world[1] - 30 * world[2];
+	return view < 2;
 }
 
 static double of_a_circle(const void *context, const double px[2])
@@ -222,6 +232,20 @@ static int brightness(const struct image *image, int x, int y)
 	return pixel[0] + pixel[1] + pixel[2];
 }
 
+/* Returns the channel that is by far the strongest at this place of the camera's picture of 640 x 480;
+ * -1: there is none. */
+static int colour_at(const struct image *sheet, double x, double y)
+{
+	const double scale = (960 - 2 * 16) / 640.0;
+	const uint8_t *pixel = sheet->u8 +
+			       3 * ((int)(16 + scale * y) * sheet->width + (int)(16 + scale * x));
+
+	for (int k = 0; k < 3; k++)
+		if (pixel[k] > 60 + pixel[(k + 1) % 3] && pixel[k] > 60 + pixel[(k + 2) % 3])
+			return k;
+	return -1;
+}
+
 static void take_away(const char *folder)
 {
 	DIR *dir = opendir(own_folder_path(folder));
@@ -311,6 +335,36 @@ static void test_photographs(void **state)
 	assert_int_equal(files("photographs", "view-"), 3);
 	take_away("photographs");
 	image_free(&picture);
+	finding_free(&f);
+	observations_free(&seen);
+}
+
+static void test_axes(void **state)
+{
+	struct observations seen = {.count = 0};
+	struct image image;
+	struct finding f;
+
+	(void)state;
+	make_points(&seen, 3, 9, 6, 640, 480);
+	make_finding(&f, &seen, 0.1);
+	f.project = plain_axes;
+	write_report("axes", &f, NULL);
+	/* 8 across: axes of 2, which are 100 px long */
+	assert_holds("axes", "report.html", "The axes X, Y and Z of its points are 2 long.");
+	for (int v = 0; v < 3; v++) {
+		const bool drawn = v < 2;
+		char name[32];
+
+		snprintf(name, sizeof(name), "view-%03d.png", v + 1);
+		image = shown("axes", name);
+		expect_equal(colour_at(&image, 195, 100), drawn ? 0 : -1, "v=%d", v);
+		expect_equal(colour_at(&image, 100, 195), drawn ? 1 : -1, "v=%d", v);
+		expect_equal(colour_at(&image, 50, 50), drawn ? 2 : -1, "v=%d", v);
+		expect_equal(colour_at(&image, 100, 90), -1, "v=%d", v);
+		image_free(&image);
+	}
+	take_away("axes");
 	finding_free(&f);
 	observations_free(&seen);
 }
@@ -441,10 +495,10 @@ static void test_json(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_five_points),   cmocka_unit_test(test_photographs),
-		cmocka_unit_test(test_many_views),    cmocka_unit_test(test_fisheye),
-		cmocka_unit_test(test_without_model), cmocka_unit_test(test_refused),
-		cmocka_unit_test(test_json),
+		cmocka_unit_test(test_five_points), cmocka_unit_test(test_photographs),
+		cmocka_unit_test(test_axes),	    cmocka_unit_test(test_many_views),
+		cmocka_unit_test(test_fisheye),	    cmocka_unit_test(test_without_model),
+		cmocka_unit_test(test_refused),	    cmocka_unit_test(test_json),
 	};
 
 	printf("# seed %d\n", SEED);
