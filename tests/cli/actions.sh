@@ -4,8 +4,8 @@
 # actions, other configurations, its file cut short and put back. INLAY_ACTIONS_SECONDS says how long
 # (6), INLAY_SEED what (timing has its part, too).
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 seconds=${INLAY_ACTIONS_SECONDS:-6}
 seed=${INLAY_SEED:-20261120}

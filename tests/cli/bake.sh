@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay-bake as a person calls it: what it prints, what it leaves, how it fails.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 bake=$INLAY_BAKE
 out="$work/out.inlay"

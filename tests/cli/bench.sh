@@ -3,8 +3,8 @@
 # inlay bench: every row is there, in each form the same figures, errors that can be; how it fails.
 # Times are not judged.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 basis=$work/exact.inlay
 check "a basis with its exact layer" "$INLAY_BAKE" render --quiet --exact "$work/box.scene" -o "$basis"

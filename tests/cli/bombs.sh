@@ -3,8 +3,8 @@
 # Meshes that have no end, or ask for far more than they hold: each is refused in one sentence that names the
 # file, in little time and memory.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 # mesh FILE: a scene of it, in its own materials.
 mesh() {

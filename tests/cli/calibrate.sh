@@ -3,8 +3,8 @@
 # inlay-calibrate: from points to a file that inlay-bake reads, reports, files of OpenCV and ROS, and
 # how it fails.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 : "${INLAY_CALIBRATE:?the program inlay-calibrate}"
 
 calibrate() {

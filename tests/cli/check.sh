@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay check, --print-config, --help, --version, devices: what they say, and with which exit code.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 equal "a sound configuration" "configuration is fine" \
 	"$("$INLAY" check --config "$work/studio.conf" 2>&1)"

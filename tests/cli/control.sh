@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay control and the kiosk that it speaks with; several users, in the simulated machine.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 # shellcheck disable=SC2317 # called by check
 until_true() {
 	local limit=$((SECONDS + $1))

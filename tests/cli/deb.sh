@@ -3,8 +3,8 @@
 # make deb: what the packages hold and need, that they are the same whenever they are made, and that
 # they install, run and leave in a root of Debian's own.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 cd "$(dirname "$0")/../.." || exit 1
 arch=$(dpkg --print-architecture)
 version=$(sed -n 's/^VERSION := //p' Makefile)

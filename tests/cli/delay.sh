@@ -3,8 +3,8 @@
 # How many frames a camera takes to obey a control, measured live: against the clock, so nothing else may run
 # beside it (tests/run.sh).
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 light() {
 	"${INLAY_CALIBRATE:?the program inlay-calibrate}" light "$@"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The demo, with a bake as coarse as can be: what it leaves, and that it is not baked twice.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 build=$(dirname "$INLAY")
 out=$work/pictures
 

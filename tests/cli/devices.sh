@@ -3,8 +3,8 @@
 # inlay devices and inlay devices --sample: a newcomer's first steps, with whatever this machine has
 # plugged in (tests/vm does the same with simulated devices).
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 "$INLAY" devices >"$work/listed" 2>"$work/said"
 equal "devices lists" 0 $?

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Bad input: one clear line, exit code 1, and no file left behind, not even a part of one.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 "$INLAY" run --config "$work/studio.conf" --frames 1 --set "screen.device=$work/background.png" \
 	--set screen.show=before 2>"$work/run.log"

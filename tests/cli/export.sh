@@ -4,7 +4,7 @@
 # installed.
 set -u
 here=$(realpath "$(dirname "$0")")
-# shellcheck source=tests/cli/scene.sh
+# shellcheck source=tests/cli/tools/scene.sh
 . "$here/scene.sh"
 
 bake=$INLAY_BAKE

@@ -3,8 +3,8 @@
 # inlay run whose fisheye takes exposures in turn: pictures as of a camera that does not clip, whatever
 # the control's delay; cameras that refuse; and the ground, which tells what clips.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 counter=$(dirname "$INLAY")/tests/cli/tools/allocations.so
 
 # A fisheye that clips the lamps.

@@ -3,8 +3,8 @@
 # What happens to a kiosk in months: it stands still, runs out of descriptors, is started twice,
 # its cameras fall silent, take their time, send rubbish. Nothing of it ends the program.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 lines() { # at least so many of statistics
 	[ "$(grep -c . "$work/live.jsonl")" -ge "$1" ]
 }

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay grab: still pictures of the kiosk's cameras.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 grab() {
 	"$INLAY" grab --config "$work/studio.conf" "$@"

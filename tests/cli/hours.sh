@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Hours of the screen: by a clock that is played, so that nights pass in a second.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 player=$(dirname "$INLAY")/tests/cli/tools/wall_clock.so
 saturday=3654979200 # 2085-10-27 00:00 UTC, a Saturday; summer time ends on the next day
 clock() { # SECONDS

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Pictures of every light, and the thesis's files, to a basis: what comes out, what is refused.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 bake=$INLAY_BAKE
 compare=$(realpath "${BUILD:?is not set: expected the folder that holds the programs}")/tests/accuracy/compare

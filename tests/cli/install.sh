@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # make install and make uninstall: what is put where, and whether it says what the programs say.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 cd "$(dirname "$0")/../.." || exit 1
 build=$(realpath --relative-to=. "$(dirname "$INLAY")")
 

@@ -3,8 +3,8 @@
 # inlay-calibrate light, and what inlay makes of its files: pictures of a simulated camera whose
 # response is known, from exposures to still and run.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 : "${INLAY_CALIBRATE:?the program inlay-calibrate}"
 
 # take NAME EXPOSURE OPTIONS...: the first frame of the studio through the background camera.

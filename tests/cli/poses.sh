@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # A basis of several poses: baked, shared out, shown, switched and faded.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 bake=$INLAY_BAKE
 cp "$work/box.scene" "$work/turn.scene"

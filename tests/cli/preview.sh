@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay-bake preview: the object in a photograph, and again whenever a file changes.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 cd "$work" || exit 1
 
 preview() {

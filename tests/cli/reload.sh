@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # SIGHUP: the configuration is read again while the pictures go on.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 conf=$work/studio.conf
 plain=$(grep -v "^threads" "$conf") # [composite] is the checks' own
 # reload TEXT: the file with these lines more; waits until the kiosk has said what it thinks of it.

@@ -3,8 +3,8 @@
 # inlay-bake report: page, plots and tables are there and say the same; how it fails. Figures that
 # are times are not judged.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 report() {
 	"$INLAY_BAKE" report --quick --quiet --frequency 2 "$@"

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay run on simulated cameras: what it shows, counts, survives, and when it ends.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 counter=$(dirname "$INLAY")/tests/cli/tools/allocations.so
 
 run() {

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # What a service manager hears: ready, alive, reloading, stopping; and when it hears nothing.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 heard=$work/heard
 "$INLAY" --version >/dev/null
 if ! ldd "$INLAY" | grep -q libsystemd; then

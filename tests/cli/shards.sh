@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # A bake shared out: shards made one by one, by GNU parallel and by a Slurm array are the same file as one run.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 
 bake=$INLAY_BAKE
 whole="$work/whole.inlay"

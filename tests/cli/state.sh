@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Choices made with the buttons survive a power cut at any moment.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 state=$work/kept/state
 mkdir "$work/kept"
 keep=(--set "state.file=$state" --set state.interval=0)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # inlay still: the same picture as inlay run makes, from files.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/tools/scene.sh"
 compare=$(dirname "$INLAY")/tests/accuracy/compare
 
 # The lamps move, and a still picture knows no light before its own.

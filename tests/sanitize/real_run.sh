@@ -3,8 +3,8 @@
 # The real programs, built with a sanitizer: a bake (by scene.sh), a run on the wall clock with two
 # workers and buttons, the thesis's four pictures, a camera that vanishes, and a still.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/../cli/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/../cli/tools/scene.sh"
 
 clean() { # NAME COMMAND...: succeeds, and no sanitizer speaks
 	local name=$1

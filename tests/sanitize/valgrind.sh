@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # The release build under valgrind: no leak, no bad access, in a run, a still and a bake.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/../cli/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/../cli/tools/scene.sh"
 
 clean() { # NAME COMMAND...
 	local name=$1

@@ -5,8 +5,8 @@
 # against a path-traced picture by the studio's own light, through the camera as it really is.
 # WALK=folder keeps the pictures there (make walk).
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/../cli/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/../cli/tools/scene.sh"
 : "${INLAY_CALIBRATE:?the program inlay-calibrate}"
 tools=$(dirname "$INLAY")
 repository=$PWD
