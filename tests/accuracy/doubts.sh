@@ -4,8 +4,8 @@
 # through a lens whose circle lies in the picture, and through one whose circle leaves no corners, where only the
 # ground tells (app/kiosk/kiosk_doubt.c). All kiosks run at once, for the ten seconds that a doubt takes.
 set -u
-# shellcheck source=tests/cli/scene.sh
-. "$(dirname "$0")/../cli/scene.sh"
+# shellcheck source=tests/cli/tools/scene.sh
+. "$(dirname "$0")/../cli/tools/scene.sh"
 hdri=$(realpath -m "${INLAY_SHARED_DATA:-../shared/data}")/hdri
 if [ ! -d "$hdri" ]; then
 	echo "ok 1 # SKIP no panoramas in $hdri"

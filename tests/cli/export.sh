@@ -5,7 +5,7 @@
 set -u
 here=$(realpath "$(dirname "$0")")
 # shellcheck source=tests/cli/tools/scene.sh
-. "$here/scene.sh"
+. "$here/tools/scene.sh"
 
 bake=$INLAY_BAKE
 cd "$work" || exit 1
