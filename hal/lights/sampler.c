@@ -101,26 +101,35 @@ const float (*light_sampler_excess(const struct light_sampler *s))[3]
 }
 
 static int make_table(struct light_sampler *s, const struct dome *dome, const struct fisheye *lens,
-		      enum light_estimator estimator)
+		      const struct light_sampler_settings *settings)
 {
 	struct sampler_shares shares;
 	int ret;
 
-	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, estimator);
+	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, settings->estimator);
 	if (ret < 0)
 		return ret;
-	ret = sampler_table_create(&s->table, &shares, lens, dome->count, s->width, s->height);
+	if (settings->placed && settings->estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
+		ret = sampler_shares_divide(&shares, dome, lens, &s->placed);
+	if (ret == 0)
+		ret = sampler_table_create(&s->table, &shares, lens,
+					   s->placed ? DOME_PLACED_THIRDS * dome->count
+						     : dome->count,
+					   s->width, s->height);
 	sampler_shares_free(&shares);
 	return ret;
 }
 
 static int fill_sampler(struct light_sampler *s, const struct dome *dome,
-			const struct fisheye *lens, enum light_estimator estimator)
+			const struct fisheye *lens, const struct light_sampler_settings *settings)
 {
-	const int ret = make_table(s, dome, lens, estimator);
+	const int ret = make_table(s, dome, lens, settings);
 
 	if (ret < 0)
 		return ret;
+	s->lights = dome->count;
+	s->third = calloc((size_t)s->table.lights, sizeof(*s->third));
+	s->folded = calloc((size_t)s->lights, sizeof(*s->folded));
 	s->sky_share = calloc((size_t)dome->count, sizeof(*s->sky_share));
 	s->clipped = calloc((size_t)dome->count, sizeof(*s->clipped));
 	s->excess = calloc((size_t)dome->count, sizeof(*s->excess));
@@ -130,8 +139,8 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
-	if (!s->excess || !s->above_parts || !s->above_all || !s->sky_share || !s->clipped ||
-	    !s->of_parts || !s->of_all || !s->linear)
+	if (!s->third || !s->folded || !s->excess || !s->above_parts || !s->above_all ||
+	    !s->sky_share || !s->clipped || !s->of_parts || !s->of_all || !s->linear)
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
 		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI);
@@ -157,7 +166,7 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	fill_colours(s, settings);
 	s->kernels = sampler_kernels_choose();
 	fill_decode(&s->decode, &settings->curve);
-	ret = fill_sampler(s, dome, lens, settings->estimator);
+	ret = fill_sampler(s, dome, lens, settings);
 	if (ret < 0) {
 		light_sampler_destroy(s);
 		return fault_say(fault, ret, "fisheye: cannot make the light sampler: %s",
@@ -195,20 +204,47 @@ static void light_linear(const struct sampler_sums *all, const struct sampler_li
 			    SAMPLER_VALUE_MAX;
 }
 
-static void read_excess(struct light_sampler *s)
+/* Makes lights of the thirds, if there are thirds. Returns the lights. */
+static const double (*sampler_place(struct light_sampler *s, int channels))[3]
 {
-	for (int i = 0; i < s->table.lights; i++) {
-		double linear[3];
+	if (!s->placed)
+		return (const double(*)[3])s->third;
+	dome_placed_run(s->placed, (const double(*)[3])s->third, channels, s->folded);
+	return (const double(*)[3])s->folded;
+}
 
-		light_linear(s->above_all, &s->table.light[i], linear);
-		sampler_colour(s, linear, s->excess[i]);
+/* Sets all lights from the sums of a frame. */
+static void read_sums(struct light_sampler *s, const struct sampler_sums *all, float (*out)[3])
+{
+	const double(*linear)[3];
+
+	for (int i = 0; i < s->table.lights; i++)
+		light_linear(all, &s->table.light[i], s->third[i]);
+	linear = sampler_place(s, 3);
+	for (int i = 0; i < s->lights; i++)
+		sampler_colour(s, linear[i], out[i]);
+}
+
+/* The clipped share of each light. */
+static double read_clipped(struct light_sampler *s)
+{
+	const double(*clipped)[3];
+	double share = 0;
+
+	for (int i = 0; i < s->table.lights; i++)
+		s->third[i][0] = light_mean(s->of_all, &s->table.light[i], 3, 0);
+	clipped = sampler_place(s, 1);
+	for (int i = 0; i < s->lights; i++) {
+		s->clipped[i] = (float)fmin(clipped[i][0], 1);
+		share += (double)s->clipped[i] * s->sky_share[i];
 	}
+	return share;
 }
 
 int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader *reader,
 			     struct pool *pool, float (*radiance)[3], double *clipped)
 {
-	double share = 0;
+	double share;
 	int ret;
 
 	if (reader->view.width != s->width || reader->view.height != s->height)
@@ -216,17 +252,10 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 	ret = sampler_frame_sum(s, reader, pool);
 	if (ret < 0)
 		return ret;
-	for (int i = 0; i < s->table.lights; i++) {
-		const struct sampler_light *light = &s->table.light[i];
-		double linear[3];
-
-		light_linear(s->of_all, light, linear);
-		sampler_colour(s, linear, radiance[i]);
-		s->clipped[i] = (float)light_mean(s->of_all, light, 3, 0);
-		share += (double)s->clipped[i] * s->sky_share[i];
-	}
+	read_sums(s, s->of_all, radiance);
+	share = read_clipped(s);
 	if (s->above_value < SAMPLER_VALUE_MAX)
-		read_excess(s);
+		read_sums(s, s->above_all, s->excess);
 	if (clipped)
 		*clipped = share;
 	return 0;
@@ -269,12 +298,13 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 {
 	const struct sampler_table *t = &s->table;
 	const double fine = ldexp(1, -SAMPLER_FINE_BITS);
+	const double(*linear)[3];
 
 	if (picture->width != s->width || picture->height != s->height || !picture->f32)
 		return -EINVAL;
 	memset(s->linear, 0, (size_t)t->sums * sizeof(*s->linear));
-	memset(s->clipped, 0, (size_t)t->lights * sizeof(*s->clipped));
-	memset(s->excess, 0, (size_t)t->lights * sizeof(*s->excess));
+	memset(s->clipped, 0, (size_t)s->lights * sizeof(*s->clipped));
+	memset(s->excess, 0, (size_t)s->lights * sizeof(*s->excess));
 	for (int strip = 0; strip < t->strips; strip++) {
 		for (int k = 0; k < t->strip[strip].parts; k++)
 			add_linear(s, picture, strip, &t->part[t->strip[strip].first_part + k]);
@@ -282,15 +312,17 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 	for (int i = 0; i < t->lights; i++) {
 		const struct sampler_light *l = &t->light[i];
 		const double whole = l->whole[0] + fine * l->whole[1];
-		double linear[3] = {0};
 
+		memset(s->third[i], 0, sizeof(s->third[i]));
 		for (int c = 0; l->sum >= 0 && c < 3; c++) {
-			linear[c] = s->linear[l->sum][c];
-			linear[c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
-			linear[c] = l->brighter * linear[c] / whole;
+			s->third[i][c] = s->linear[l->sum][c];
+			s->third[i][c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
+			s->third[i][c] *= l->brighter / whole;
 		}
-		sampler_colour(s, linear, radiance[i]);
 	}
+	linear = sampler_place(s, 3);
+	for (int i = 0; i < s->lights; i++)
+		sampler_colour(s, linear[i], radiance[i]);
 	return 0;
 }
 
@@ -301,7 +333,7 @@ const float *light_sampler_clipped(const struct light_sampler *s)
 
 int light_sampler_unseen(const struct light_sampler *s)
 {
-	return s->table.unseen;
+	return s->placed ? s->table.unseen / DOME_PLACED_THIRDS : s->table.unseen;
 }
 
 void light_sampler_destroy(struct light_sampler *s)
@@ -309,6 +341,9 @@ void light_sampler_destroy(struct light_sampler *s)
 	if (!s)
 		return;
 	sampler_table_free(&s->table);
+	dome_placed_destroy(s->placed);
+	free(s->third);
+	free(s->folded);
 	for (int i = 0; i < s->scratches; i++) {
 		free(s->scratch[i].planes);
 		free(s->scratch[i].row);

@@ -5,6 +5,7 @@
 
 #include "hal/lights/sampler.h"
 #include "hal/lights/sampler_table.h"
+#include "hal/optics/dome_placed.h"
 
 /* A decoded code value: 65535 is linear 1.0; 32768 is subtracted to fit 16 bits. */
 #define SAMPLER_VALUE_MAX 65535
@@ -21,6 +22,11 @@ struct sampler_scratch {
 };
 
 struct light_sampler {
+	int lights; /* of the dome */
+	/* NULL: the table's lights are the dome's; else they are thirds */
+	struct dome_placed *placed;
+	double (*third)[3];  /* [table.lights] */
+	double (*folded)[3]; /* [lights] */
 	struct sampler_table table;
 	const struct sampler_kernels *kernels;
 	int width, height;

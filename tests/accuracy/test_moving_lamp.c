@@ -165,8 +165,8 @@ struct lamp_kiosk {
 
 static void open_sampler(struct lamp_kiosk *k, enum dome_shape shape)
 {
-	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_LINEAR},
-							.gain = 1};
+	const struct light_sampler_settings settings = {
+		.placed = true, .curve = {.named = TRANSFER_LINEAR}, .gain = 1};
 	const struct fisheye_settings lens_settings = {.field_deg = 90};
 	struct fisheye lens;
 	struct dome dome;
