@@ -128,22 +128,24 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 	if (ret < 0)
 		return ret;
 	s->lights = dome->count;
+	s->measured = calloc((size_t)s->table.lights, sizeof(*s->measured));
 	s->third = calloc((size_t)s->table.lights, sizeof(*s->third));
 	s->folded = calloc((size_t)s->lights, sizeof(*s->folded));
 	s->sky_share = calloc((size_t)dome->count, sizeof(*s->sky_share));
-	s->clipped = calloc((size_t)dome->count, sizeof(*s->clipped));
-	s->excess = calloc((size_t)dome->count, sizeof(*s->excess));
+	s->clipped = calloc((size_t)s->table.lights, sizeof(*s->clipped));
+	s->excess = calloc((size_t)s->table.lights, sizeof(*s->excess));
 	s->above_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->above_parts));
 	s->above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->above_all));
 	s->above_value = SAMPLER_VALUE_MAX;
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
-	if (!s->third || !s->folded || !s->excess || !s->above_parts || !s->above_all ||
-	    !s->sky_share || !s->clipped || !s->of_parts || !s->of_all || !s->linear)
+	if (!s->measured || !s->third || !s->folded || !s->excess || !s->above_parts ||
+	    !s->above_all || !s->sky_share || !s->clipped || !s->of_parts || !s->of_all ||
+	    !s->linear)
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
-		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI);
+		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI) / light_sampler_parts(s);
 	return sampler_scratch_grow(s, 1);
 }
 
@@ -176,6 +178,46 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	return 0;
 }
 
+/* ---- lights of what is measured ---- */
+
+int light_sampler_parts(const struct light_sampler *s)
+{
+	return s->placed ? DOME_PLACED_THIRDS : 1;
+}
+
+const float (*light_sampler_measured(const struct light_sampler *s))[3]
+{
+	return (const float(*)[3])s->measured;
+}
+
+void light_sampler_place(struct light_sampler *s, const float (*measured)[3], float (*lights)[3])
+{
+	if (!s->placed) {
+		memcpy(lights, measured, (size_t)s->lights * sizeof(*lights));
+		return;
+	}
+	for (int i = 0; i < s->table.lights; i++)
+		for (int c = 0; c < 3; c++)
+			s->third[i][c] = (double)measured[i][c];
+	dome_placed_run(s->placed, (const double(*)[3])s->third, 3, s->folded);
+	for (int i = 0; i < s->lights; i++)
+		for (int c = 0; c < 3; c++)
+			lights[i][c] = (float)s->folded[i][c];
+}
+
+void light_sampler_place_shares(struct light_sampler *s, const float *share, float *lights)
+{
+	if (!s->placed) {
+		memcpy(lights, share, (size_t)s->lights * sizeof(*lights));
+		return;
+	}
+	for (int i = 0; i < s->table.lights; i++)
+		s->third[i][0] = (double)share[i];
+	dome_placed_run(s->placed, (const double(*)[3])s->third, 1, s->folded);
+	for (int i = 0; i < s->lights; i++)
+		lights[i] = (float)fmin(s->folded[i][0], 1);
+}
+
 /* ---- frames ---- */
 
 /* The mean of a plane over a light. bias is added to each value, which is stored without it. */
@@ -204,39 +246,26 @@ static void light_linear(const struct sampler_sums *all, const struct sampler_li
 			    SAMPLER_VALUE_MAX;
 }
 
-/* Makes lights of the thirds, if there are thirds. Returns the lights. */
-static const double (*sampler_place(struct light_sampler *s, int channels))[3]
-{
-	if (!s->placed)
-		return (const double(*)[3])s->third;
-	dome_placed_run(s->placed, (const double(*)[3])s->third, channels, s->folded);
-	return (const double(*)[3])s->folded;
-}
-
-/* Sets all lights from the sums of a frame. */
+/* Sets colours of all parts from the sums of a frame. */
 static void read_sums(struct light_sampler *s, const struct sampler_sums *all, float (*out)[3])
 {
-	const double(*linear)[3];
+	for (int i = 0; i < s->table.lights; i++) {
+		double linear[3];
 
-	for (int i = 0; i < s->table.lights; i++)
-		light_linear(all, &s->table.light[i], s->third[i]);
-	linear = sampler_place(s, 3);
-	for (int i = 0; i < s->lights; i++)
-		sampler_colour(s, linear[i], out[i]);
+		light_linear(all, &s->table.light[i], linear);
+		sampler_colour(s, linear, out[i]);
+	}
 }
 
-/* The clipped share of each light. */
+/* Sets the clipped share of all parts. Returns that of the sky. */
 static double read_clipped(struct light_sampler *s)
 {
-	const double(*clipped)[3];
+	const int parts = light_sampler_parts(s);
 	double share = 0;
 
-	for (int i = 0; i < s->table.lights; i++)
-		s->third[i][0] = light_mean(s->of_all, &s->table.light[i], 3, 0);
-	clipped = sampler_place(s, 1);
-	for (int i = 0; i < s->lights; i++) {
-		s->clipped[i] = (float)fmin(clipped[i][0], 1);
-		share += (double)s->clipped[i] * s->sky_share[i];
+	for (int i = 0; i < s->table.lights; i++) {
+		s->clipped[i] = (float)light_mean(s->of_all, &s->table.light[i], 3, 0);
+		share += (double)s->clipped[i] * s->sky_share[i / parts];
 	}
 	return share;
 }
@@ -252,10 +281,12 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 	ret = sampler_frame_sum(s, reader, pool);
 	if (ret < 0)
 		return ret;
-	read_sums(s, s->of_all, radiance);
+	read_sums(s, s->of_all, s->measured);
 	share = read_clipped(s);
 	if (s->above_value < SAMPLER_VALUE_MAX)
 		read_sums(s, s->above_all, s->excess);
+	if (radiance)
+		light_sampler_place(s, (const float(*)[3])s->measured, radiance);
 	if (clipped)
 		*clipped = share;
 	return 0;
@@ -298,13 +329,12 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 {
 	const struct sampler_table *t = &s->table;
 	const double fine = ldexp(1, -SAMPLER_FINE_BITS);
-	const double(*linear)[3];
 
 	if (picture->width != s->width || picture->height != s->height || !picture->f32)
 		return -EINVAL;
 	memset(s->linear, 0, (size_t)t->sums * sizeof(*s->linear));
-	memset(s->clipped, 0, (size_t)s->lights * sizeof(*s->clipped));
-	memset(s->excess, 0, (size_t)s->lights * sizeof(*s->excess));
+	memset(s->clipped, 0, (size_t)t->lights * sizeof(*s->clipped));
+	memset(s->excess, 0, (size_t)t->lights * sizeof(*s->excess));
 	for (int strip = 0; strip < t->strips; strip++) {
 		for (int k = 0; k < t->strip[strip].parts; k++)
 			add_linear(s, picture, strip, &t->part[t->strip[strip].first_part + k]);
@@ -313,16 +343,17 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 		const struct sampler_light *l = &t->light[i];
 		const double whole = l->whole[0] + fine * l->whole[1];
 
-		memset(s->third[i], 0, sizeof(s->third[i]));
+		double linear[3] = {0};
+
 		for (int c = 0; l->sum >= 0 && c < 3; c++) {
-			s->third[i][c] = s->linear[l->sum][c];
-			s->third[i][c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
-			s->third[i][c] *= l->brighter / whole;
+			linear[c] = s->linear[l->sum][c];
+			linear[c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
+			linear[c] = l->brighter * linear[c] / whole;
 		}
+		sampler_colour(s, linear, s->measured[i]);
 	}
-	linear = sampler_place(s, 3);
-	for (int i = 0; i < s->lights; i++)
-		sampler_colour(s, linear[i], radiance[i]);
+	if (radiance)
+		light_sampler_place(s, (const float(*)[3])s->measured, radiance);
 	return 0;
 }
 
@@ -342,6 +373,7 @@ void light_sampler_destroy(struct light_sampler *s)
 		return;
 	sampler_table_free(&s->table);
 	dome_placed_destroy(s->placed);
+	free(s->measured);
 	free(s->third);
 	free(s->folded);
 	for (int i = 0; i < s->scratches; i++) {

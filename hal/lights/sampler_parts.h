@@ -25,18 +25,19 @@ struct light_sampler {
 	int lights; /* of the dome */
 	/* NULL: the table's lights are the dome's; else they are thirds */
 	struct dome_placed *placed;
-	double (*third)[3];  /* [table.lights] */
-	double (*folded)[3]; /* [lights] */
+	float (*measured)[3]; /* [table.lights] */
+	double (*third)[3];   /* [table.lights] */
+	double (*folded)[3];  /* [lights] */
 	struct sampler_table table;
 	const struct sampler_kernels *kernels;
 	int width, height;
 	double colours[3][3];		     /* gain included */
 	struct sampler_decode decode, above; /* above: the light above a level */
 	int above_value;    /* that level, 0..SAMPLER_VALUE_MAX; SAMPLER_VALUE_MAX: off */
-	float (*excess)[3]; /* [lights]: result above the level */
+	float (*excess)[3]; /* [table.lights]: what is above the level */
 	struct sampler_sums *above_parts, *above_all; /* as of_parts and of_all, above the level */
-	double *sky_share;			      /* [lights]: solid angle / 2 pi */
-	float *clipped;				      /* [lights] */
+	double *sky_share;			      /* [lights]: solid angle / 2 pi, by parts */
+	float *clipped;				      /* [table.lights] */
 	struct sampler_sums *of_parts;		      /* [parts] */
 	struct sampler_sums *of_all;		      /* [sums]: of_parts added up */
 	double (*linear)[3];			      /* [sums] of a float picture */
