@@ -129,8 +129,8 @@ static float parts_mean(const struct light_exposures *e, const float *value, int
 }
 
 /* Sum of clamp(radiance * ratio, dark, white) - dark over the lights whose brightness is known:
- * whole in the frame or clipped as a whole, and not clipped in every exposure. sampled NULL: of the last
- * result. */
+ * whole in the frame or clipped as a whole, and not clipped in every exposure. sampled NULL: of the
+ * last result. */
 static double exposure_brightness(const struct light_exposures *e, const float (*sampled)[3],
 				  float ratio, const float *clipped)
 {

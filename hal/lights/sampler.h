@@ -34,8 +34,8 @@ extern const char *const light_estimator_names[]; /* "cell", "node", NULL */
 
 struct light_sampler_settings {
 	enum light_estimator estimator;
-	/* Light in a cell is shared with its neighbours so that it keeps its place (dome_placed.h): each
-	 * light is measured in parts. It has no effect on nodes and tents. */
+	/* Light in a cell is shared with its neighbours so that it keeps its place (dome_placed.h):
+	 * each light is measured in parts. It has no effect on nodes and tents. */
 	bool placed;
 	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
 					thesis's DARKRGB */
