@@ -103,6 +103,7 @@ HAL_SOURCES := \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \
 	hal/optics/dome_nodes.c \
+	hal/optics/dome_placed.c \
 	hal/optics/dome_tents.c \
 	hal/optics/dome_triangles.c \
 	hal/optics/fisheye.c \

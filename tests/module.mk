@@ -161,6 +161,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_recovery.c \
 	tests/unit/hal/lights/test_recovery_pieces.c \
 	tests/unit/hal/lights/test_sampler.c \
+	tests/unit/hal/lights/test_sampler_placed.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
 	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \

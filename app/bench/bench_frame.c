@@ -79,8 +79,8 @@ static void camera_take(struct bench_camera *camera, const struct canvas *pictur
 static int create_sampler(struct bench_frame *f, struct fault *fault)
 {
 	const struct fisheye_settings lens = {.field_deg = 90};
-	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_SRGB},
-							.gain = 1};
+	const struct light_sampler_settings settings = {
+		.placed = true, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
 	const int width = (int)f->basis->info.width, height = (int)f->basis->info.height;
 	int err = fisheye_prepare(&f->lens, &lens, width, height, fault);
 

@@ -62,9 +62,9 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (err)
 		return err;
 	p->radiance = calloc(info->lights, sizeof(*p->radiance));
-	p->sampled = calloc(info->lights, sizeof(*p->sampled));
-	p->left = calloc(info->lights, sizeof(*p->left));
-	if (!p->radiance || !p->sampled || !p->left)
+	p->merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->merged));
+	p->left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->left));
+	if (!p->radiance || !p->merged || !p->left)
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -115,7 +115,7 @@ void pipeline_destroy(struct pipeline *p)
 	pipeline_ground_free(p);
 	image_free(&p->upright);
 	free(p->radiance);
-	free(p->sampled);
+	free(p->merged);
 	free(p->left);
 	dome_free(&p->dome);
 	free(p);

@@ -12,6 +12,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 {
 	struct pipeline_settings settings = {
 		.sampler = {.estimator = (enum light_estimator)config->fisheye.estimator,
+			    .placed = true,
 			    .curve = config_fisheye_curve(&config->fisheye),
 			    .gain = response_gain(&config->fisheye.measured, config->fisheye.gain)},
 		.lens = config->fisheye.lens,

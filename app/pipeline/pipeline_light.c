@@ -115,6 +115,7 @@ static int expect_noise(struct pipeline *p, struct fault *fault)
 		pixels[i] = light_pixels(p, i);
 	light_filter_measured(p->filter, &p->settings.sampler.curve,
 			      pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	light_exposures_parts(p->exposures, light_sampler_parts(p->sampler));
 	light_exposures_measured(p->exposures, p->settings.exposures ? p->settings.exposure : one,
 				 p->settings.exposures ? p->settings.exposures : 1,
 				 &p->settings.sampler.curve,
@@ -177,12 +178,14 @@ static int fit_lens(struct pipeline *p, int width, int height, struct fault *fau
 
 static double sampled_level(const struct pipeline *p)
 {
-	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * p->dome.count;
+	const int values = p->dome.count * light_sampler_parts(p->sampler);
+	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * values;
+	const float(*measured)[3] = light_sampler_measured(p->sampler);
 	double sum = 0;
 
-	for (int i = 0; i < p->dome.count; i++)
+	for (int i = 0; i < values; i++)
 		for (int c = 0; c < 3; c++)
-			sum += (double)p->sampled[i][c];
+			sum += (double)measured[i][c];
 	return white > 0 ? sum / white : 0;
 }
 
@@ -199,17 +202,20 @@ void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
 /* Makes light of what the sampler has read, if the picture's exposure is known and fits. */
 static int take_light(struct pipeline *p)
 {
+	const float(*measured)[3] = light_sampler_measured(p->sampler);
+	const float *clipped = light_sampler_clipped(p->sampler);
+
 	p->level = sampled_level(p);
 	if (p->exposure < 0)
 		return -ESTALE;
-	if (!light_exposures_fit(p->exposures, p->exposure, (const float(*)[3])p->sampled,
-				 light_sampler_clipped(p->sampler))) {
+	if (!light_exposures_fit(p->exposures, p->exposure, measured, clipped)) {
 		p->unfit++;
 		return -ESTALE;
 	}
-	light_exposures_take(p->exposures, p->exposure, (const float(*)[3])p->sampled,
-			     light_sampler_excess(p->sampler), light_sampler_clipped(p->sampler),
-			     p->radiance, p->left);
+	light_exposures_take(p->exposures, p->exposure, measured, light_sampler_excess(p->sampler),
+			     clipped, p->merged, p->left);
+	light_sampler_place(p->sampler, (const float(*)[3])p->merged, p->radiance);
+	light_sampler_place_shares(p->sampler, p->left, p->left);
 	p->clipped = 0;
 	for (int i = 0; i < p->dome.count; i++)
 		p->clipped += (double)p->left[i] * p->dome.solid_angle_sr[i] / (2 * M_PI);
@@ -228,7 +234,7 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 		return err;
 	light_sampler_exposure(p->sampler, light_exposures_longer(p->exposures, p->exposure),
 			       light_exposures_shorter(p->exposures, p->exposure));
-	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, p->sampled, NULL);
+	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, NULL, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
 				 width, height);
@@ -279,7 +285,7 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 		return err;
 	err = turn_upright(p, camera, view);
 	if (!err)
-		err = light_sampler_read_linear(p->sampler, &p->upright, p->sampled);
+		err = light_sampler_read_linear(p->sampler, &p->upright, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
 				 view->width, view->height, strerror(-err));

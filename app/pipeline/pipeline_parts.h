@@ -26,11 +26,11 @@ struct pipeline {
 	struct light_sampler *sampler;
 	struct relight *relight; /* the next sampler and lens while they are made; NULL: none */
 	struct light_exposures *exposures;
-	int exposure;	     /* of the fisheye's next picture; -1: not known */
-	uint64_t unfit;	     /* pictures that had another exposure than was set */
-	double level;	     /* of the last picture: mean of its lights, 1 is white */
-	float (*sampled)[3]; /* [basis lights]: radiance in the last picture */
-	float *left;	     /* [basis lights]: share that is clipped in every exposure, 0..1 */
+	int exposure;	    /* of the fisheye's next picture; -1: not known */
+	uint64_t unfit;	    /* pictures that had another exposure than was set */
+	double level;	    /* of the last picture: mean of its lights, 1 is white */
+	float (*merged)[3]; /* [basis lights * parts]: of all exposures, before it is placed */
+	float *left;	    /* [basis lights]: share that is clipped in every exposure, 0..1 */
 	struct light_filter *filter;
 	struct image upright; /* linear radiance as the view shows it */
 	float (*radiance)[3]; /* [basis lights]: measured, recovered and filtered */

@@ -31,6 +31,7 @@ static int sky_create(struct measured_sky *sky, const struct light_job *job, str
 	if (err)
 		return err;
 	sky->sampler = (struct light_sampler_settings){
+		.placed = true,
 		.curve = response_curve(&job->measured, (enum transfer)job->transfer, 0),
 		.gain = 1,
 	};

@@ -192,6 +192,7 @@ static int make_radiance(struct report_bake *bake, const struct report_stage *st
 {
 	const struct light_sampler_settings settings = {
 		.estimator = inputs[input].estimator,
+		.placed = true,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = pow(2, inputs[input].stops),
 	};

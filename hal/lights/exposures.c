@@ -20,18 +20,18 @@ enum kept { KEPT_NONE, KEPT_WHOLE, KEPT_CLIPPED };
 
 /* A light in one exposure. */
 struct look {
-	float radiance[3], excess[3];
-	float clipped;
+	float radiance[3]; /* mean of the parts */
+	float part[EXPOSURES_PARTS][3], excess[EXPOSURES_PARTS][3], clipped[EXPOSURES_PARTS];
 	enum kept kept;
 };
 
 struct light_exposures {
-	int lights, count;
+	int lights, parts, count;
 	float ratio[EXPOSURES_MAX];
 	float gain, floor, slope; /* variance of a pixel: floor + slope x, in units of exposure 0 */
 	float *alone;		  /* [lights]: number of independent pixels */
 	struct look *look;	  /* [lights][EXPOSURES_MAX] */
-	float (*known)[3];	  /* [lights]: the last result */
+	float (*known)[3];	  /* [lights]: the last result, mean of the parts */
 	float *left;		  /* [lights]: the share of it that is clipped */
 	bool begun;
 };
@@ -44,7 +44,7 @@ int light_exposures_create(struct light_exposures **out, int lights)
 	if (!e)
 		return -ENOMEM;
 	e->lights = lights;
-	e->count = 1;
+	e->parts = e->count = 1;
 	e->ratio[0] = e->gain = 1;
 	e->alone = calloc((size_t)lights, sizeof(*e->alone));
 	e->look = calloc((size_t)lights * EXPOSURES_MAX, sizeof(*e->look));
@@ -75,6 +75,12 @@ void light_exposures_begin(struct light_exposures *e)
 {
 	memset(e->look, 0, (size_t)e->lights * EXPOSURES_MAX * sizeof(*e->look));
 	e->begun = false;
+}
+
+void light_exposures_parts(struct light_exposures *e, int parts)
+{
+	e->parts = parts;
+	light_exposures_begin(e);
 }
 
 void light_exposures_ratios(struct light_exposures *e, const double *ratio)
@@ -117,19 +123,37 @@ double light_exposures_white(const struct light_exposures *e)
 
 /* ---- which exposure a frame has ---- */
 
+/* The mean of a light's parts, which are every stride-th of the values. */
+static float parts_mean(const struct light_exposures *e, const float *value, int stride)
+{
+	float sum = 0;
+
+	for (int n = 0; n < e->parts; n++)
+		sum += value[n * stride];
+	return sum / (float)e->parts;
+}
+
 /* Sum of clamp(radiance * ratio, dark, white) - dark over the lights whose brightness is known:
- * whole in the frame or clipped as a whole, and not clipped in every exposure. */
-static double exposure_brightness(const struct light_exposures *e, const float (*radiance)[3],
+ * whole in the frame or clipped as a whole, and not clipped in every exposure. sampled NULL: of the
+ * last result. */
+static double exposure_brightness(const struct light_exposures *e, const float (*sampled)[3],
 				  float ratio, const float *clipped)
 {
 	const float dark = DEVIATIONS * sqrtf(e->floor);
 	double sum = LEAST * (double)e->gain * e->lights;
 
 	for (int i = 0; i < e->lights; i++) {
-		if (e->left[i] > 0 || (clipped[i] > 0 && clipped[i] < ALL))
+		const size_t first = (size_t)i * (size_t)e->parts;
+		const float share = parts_mean(e, clipped + first, 1);
+
+		if (e->left[i] > 0 || (share > 0 && share < ALL))
 			continue;
-		for (int c = 0; c < 3; c++)
-			sum += (double)fmaxf(fminf(radiance[i][c] * ratio, e->gain) - dark, 0);
+		for (int c = 0; c < 3; c++) {
+			const float radiance = sampled ? parts_mean(e, &sampled[first][c], 3)
+						       : e->known[i][c];
+
+			sum += (double)fmaxf(fminf(radiance * ratio, e->gain) - dark, 0);
+		}
 	}
 	return sum;
 }
@@ -137,16 +161,15 @@ static double exposure_brightness(const struct light_exposures *e, const float (
 bool light_exposures_fit(const struct light_exposures *e, int which, const float (*sampled)[3],
 			 const float *clipped)
 {
-	const float(*known)[3] = (const float(*)[3])e->known;
 	double is, own;
 
 	if (!e->begun || e->count < 2)
 		return true;
 	is = exposure_brightness(e, sampled, 1, clipped);
-	own = fabs(log(is / exposure_brightness(e, known, e->ratio[which], clipped)));
+	own = fabs(log(is / exposure_brightness(e, NULL, e->ratio[which], clipped)));
 	for (int k = 0; k < e->count; k++) {
 		const double other =
-			fabs(log(is / exposure_brightness(e, known, e->ratio[k], clipped)));
+			fabs(log(is / exposure_brightness(e, NULL, e->ratio[k], clipped)));
 
 		if (k != which && own > other + ALIKE)
 			return false;
@@ -201,18 +224,19 @@ static void forget_overtaken(struct light_exposures *e, int i, int k)
 
 /* ---- one light ---- */
 
-static float look_mean(const struct light_exposures *e, const struct look *look, int longest, int c)
+static float look_mean(const struct light_exposures *e, const struct look *look, int longest, int c,
+		       int part)
 {
-	const float first = look[longest].radiance[c];
+	const float brightness = look[longest].radiance[c], first = look[longest].part[part][c];
 	float sum = 0, weights = 0;
 
 	for (int k = longest; k < e->count; k++) {
 		const float r = e->ratio[k];
-		const float w = r * r / (DARK_PIXELS * e->floor + e->slope * first * r);
+		const float w = r * r / (DARK_PIXELS * e->floor + e->slope * brightness * r);
 
 		if (look[k].kept != KEPT_WHOLE)
 			continue;
-		sum += w * (look[k].radiance[c] - first);
+		sum += w * (look[k].part[part][c] - first);
 		weights += w;
 	}
 	return fmaxf(first + sum / weights, 0);
@@ -232,29 +256,58 @@ static int look_choose(const struct light_exposures *e, const struct look *look)
 	return chosen;
 }
 
-/* Raises radiance to the estimates of longer, clipped exposures, which are lower bounds. */
-static float at_least(const struct look *look, int chosen, int c, float radiance)
+/* Raises the parts to the longer, clipped exposure whose estimate, a lower bound, is highest. */
+static void at_least(const struct light_exposures *e, const struct look *look, int chosen, int c,
+		     float (*part)[3])
 {
-	for (int k = 0; k < chosen; k++)
-		if (look[k].kept == KEPT_CLIPPED)
-			radiance = fmaxf(radiance, look[k].radiance[c]);
-	return radiance;
+	float radiance = parts_mean(e, &part[0][c], 3);
+
+	for (int k = 0; k < chosen; k++) {
+		if (look[k].kept != KEPT_CLIPPED || !(look[k].radiance[c] > radiance))
+			continue;
+		radiance = look[k].radiance[c];
+		for (int n = 0; n < e->parts; n++)
+			part[n][c] = look[k].part[n][c];
+	}
 }
 
-static float look_merge(const struct light_exposures *e, const struct look *look, float radiance[3])
+/* Writes the parts of a light, and the share of each that is clipped in every exposure. */
+static void look_merge(const struct light_exposures *e, const struct look *look, float (*part)[3],
+		       float *left)
 {
 	const int chosen = look_choose(e, look);
+	const bool clipped = look[chosen].kept == KEPT_CLIPPED;
 	const bool layered = chosen > 0 && look[chosen - 1].kept == KEPT_CLIPPED;
 
-	for (int c = 0; c < 3; c++) {
-		if (layered)
-			radiance[c] = look[chosen - 1].radiance[c] + look[chosen].excess[c];
-		else if (look[chosen].kept == KEPT_CLIPPED)
-			radiance[c] = at_least(look, chosen, c, look[chosen].radiance[c]);
-		else
-			radiance[c] = at_least(look, chosen, c, look_mean(e, look, chosen, c));
+	for (int n = 0; n < e->parts; n++) {
+		left[n] = clipped ? look[chosen].clipped[n] : 0;
+		for (int c = 0; c < 3; c++) {
+			if (layered)
+				part[n][c] = look[chosen - 1].part[n][c] +
+					     look[chosen].excess[n][c];
+			else if (clipped)
+				part[n][c] = look[chosen].part[n][c];
+			else
+				part[n][c] = look_mean(e, look, chosen, c, n);
+		}
 	}
-	return look[chosen].kept == KEPT_CLIPPED ? look[chosen].clipped : 0;
+	for (int c = 0; c < 3 && !layered; c++)
+		at_least(e, look, chosen, c, part);
+}
+
+static void look_fill(const struct light_exposures *e, struct look *look, int which,
+		      const float (*sampled)[3], const float (*excess)[3], const float *clipped)
+{
+	for (int n = 0; n < e->parts; n++) {
+		look->clipped[n] = clipped[n];
+		for (int c = 0; c < 3; c++) {
+			look->part[n][c] = sampled[n][c] / e->ratio[which];
+			look->excess[n][c] = which ? excess[n][c] / e->ratio[which] : 0;
+		}
+	}
+	for (int c = 0; c < 3; c++)
+		look->radiance[c] = parts_mean(e, &look->part[0][c], 3);
+	look->kept = parts_mean(e, clipped, 1) > 0 ? KEPT_CLIPPED : KEPT_WHOLE;
 }
 
 void light_exposures_take(struct light_exposures *e, int which, const float (*sampled)[3],
@@ -263,16 +316,14 @@ void light_exposures_take(struct light_exposures *e, int which, const float (*sa
 {
 	for (int i = 0; i < e->lights; i++) {
 		struct look *look = e->look + (size_t)i * EXPOSURES_MAX;
+		const size_t first = (size_t)i * (size_t)e->parts;
 
-		for (int c = 0; c < 3; c++) {
-			look[which].radiance[c] = sampled[i][c] / e->ratio[which];
-			look[which].excess[c] = which ? excess[i][c] / e->ratio[which] : 0;
-		}
-		look[which].clipped = clipped[i];
-		look[which].kept = clipped[i] > 0 ? KEPT_CLIPPED : KEPT_WHOLE;
+		look_fill(e, &look[which], which, sampled + first, excess + first, clipped + first);
 		forget_overtaken(e, i, which);
-		left[i] = e->left[i] = look_merge(e, look, e->known[i]);
-		memcpy(radiance[i], e->known[i], sizeof(e->known[i]));
+		look_merge(e, look, radiance + first, left + first);
+		e->left[i] = parts_mean(e, left + first, 1);
+		for (int c = 0; c < 3; c++)
+			e->known[i][c] = parts_mean(e, &radiance[first][c], 3);
 	}
 	e->begun = true;
 }

@@ -43,6 +43,11 @@
  * Lights clipped in all exposures. The result comes from the shortest one in the same way. It is
  * too dark, and reported as clipped by the share that is clipped there.
  *
+ * Parts. A light whose place inside its cell is known is measured in parts (the thirds of
+ * dome_placed.h). What is chosen, w, and what follows below come from the mean of the parts; each
+ * part is then merged with the same weights. So the place of a lamp is that in the exposures its
+ * light comes from, and not that of the pixels that clip.
+ *
  * Changing light. When a frame shows a light as e_k, each older e_j that cannot be of the same
  * light is forgotten:
  *
@@ -67,11 +72,15 @@
 #include "hal/colour/transfer.h"
 
 #define EXPOSURES_MAX 5
+#define EXPOSURES_PARTS 3 /* at most */
 
 struct light_exposures;
 
-/* Starts with one exposure. 0 or -ENOMEM. */
+/* Starts with one exposure, and lights of one part. 0 or -ENOMEM. */
 int light_exposures_create(struct light_exposures **exposures, int lights);
+
+/* Sets the parts of each light, 1..EXPOSURES_PARTS, and forgets all estimates. */
+void light_exposures_parts(struct light_exposures *exposures, int parts);
 
 /* Sets what is measured from the next frame on, and forgets all estimates. count: 1..EXPOSURES_MAX
  * exposures; ratio[0] = 1, the others > 0 and descending; curve: the camera's; gain: the factor of
@@ -86,7 +95,7 @@ void light_exposures_ratios(struct light_exposures *exposures, const double *rat
 void light_exposures_begin(struct light_exposures *exposures);
 
 /*
- * Whether a frame can be of exposure which; sampled[lights] and clipped[lights] as in
+ * Whether a frame can be of exposure which; sampled and clipped as in
  * light_exposures_take(). Compares the frame's total brightness with what each exposure would show
  * of the known light. False if another exposure explains it better by more than a tenth. Leaves out
  * lights that are clipped in part, and those clipped in every exposure so far, whose brightness is
@@ -104,10 +113,10 @@ double light_exposures_longer(const struct light_exposures *exposures, int which
 bool light_exposures_shorter(const struct light_exposures *exposures, int which);
 
 /*
- * Merges a frame of exposure which. sampled[lights]: the sampler's values; excess[lights]: their
- * part x_l that the longer exposure does not believe (ignored for exposure 0); clipped[lights]: share of each light's pixels that
- * is clipped, 0..1. Writes the result to radiance[lights], and to left[lights] the share of each
- * light that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
+ * Merges a frame of exposure which; all arrays are [lights * parts]. sampled: the sampler's values;
+ * excess: their part x_l that the longer exposure does not believe (ignored for exposure 0);
+ * clipped: share of the pixels that is clipped, 0..1. Writes the result to radiance, and to left the
+ * share that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
  */
 void light_exposures_take(struct light_exposures *exposures, int which, const float (*sampled)[3],
 			  const float (*excess)[3], const float *clipped, float (*radiance)[3],

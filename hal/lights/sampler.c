@@ -101,40 +101,51 @@ const float (*light_sampler_excess(const struct light_sampler *s))[3]
 }
 
 static int make_table(struct light_sampler *s, const struct dome *dome, const struct fisheye *lens,
-		      enum light_estimator estimator)
+		      const struct light_sampler_settings *settings)
 {
 	struct sampler_shares shares;
 	int ret;
 
-	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, estimator);
+	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, settings->estimator);
 	if (ret < 0)
 		return ret;
-	ret = sampler_table_create(&s->table, &shares, lens, dome->count, s->width, s->height);
+	if (settings->placed && settings->estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
+		ret = sampler_shares_divide(&shares, dome, lens, &s->placed);
+	if (ret == 0)
+		ret = sampler_table_create(&s->table, &shares, lens,
+					   s->placed ? DOME_PLACED_THIRDS * dome->count
+						     : dome->count,
+					   s->width, s->height);
 	sampler_shares_free(&shares);
 	return ret;
 }
 
 static int fill_sampler(struct light_sampler *s, const struct dome *dome,
-			const struct fisheye *lens, enum light_estimator estimator)
+			const struct fisheye *lens, const struct light_sampler_settings *settings)
 {
-	const int ret = make_table(s, dome, lens, estimator);
+	const int ret = make_table(s, dome, lens, settings);
 
 	if (ret < 0)
 		return ret;
+	s->lights = dome->count;
+	s->measured = calloc((size_t)s->table.lights, sizeof(*s->measured));
+	s->third = calloc((size_t)s->table.lights, sizeof(*s->third));
+	s->folded = calloc((size_t)s->lights, sizeof(*s->folded));
 	s->sky_share = calloc((size_t)dome->count, sizeof(*s->sky_share));
-	s->clipped = calloc((size_t)dome->count, sizeof(*s->clipped));
-	s->excess = calloc((size_t)dome->count, sizeof(*s->excess));
+	s->clipped = calloc((size_t)s->table.lights, sizeof(*s->clipped));
+	s->excess = calloc((size_t)s->table.lights, sizeof(*s->excess));
 	s->above_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->above_parts));
 	s->above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->above_all));
 	s->longer = 1;
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
-	if (!s->excess || !s->above_parts || !s->above_all || !s->sky_share || !s->clipped ||
-	    !s->of_parts || !s->of_all || !s->linear)
+	if (!s->measured || !s->third || !s->folded || !s->excess || !s->above_parts ||
+	    !s->above_all || !s->sky_share || !s->clipped || !s->of_parts || !s->of_all ||
+	    !s->linear)
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
-		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI);
+		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI) / light_sampler_parts(s);
 	return sampler_scratch_grow(s, 1);
 }
 
@@ -157,7 +168,7 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	fill_colours(s, settings);
 	s->kernels = sampler_kernels_choose();
 	fill_decode(s, &settings->curve);
-	ret = fill_sampler(s, dome, lens, settings->estimator);
+	ret = fill_sampler(s, dome, lens, settings);
 	if (ret < 0) {
 		light_sampler_destroy(s);
 		return fault_say(fault, ret, "fisheye: cannot make the light sampler: %s",
@@ -165,6 +176,46 @@ int light_sampler_create(struct light_sampler **out, const struct dome *dome,
 	}
 	*out = s;
 	return 0;
+}
+
+/* ---- lights of what is measured ---- */
+
+int light_sampler_parts(const struct light_sampler *s)
+{
+	return s->placed ? DOME_PLACED_THIRDS : 1;
+}
+
+const float (*light_sampler_measured(const struct light_sampler *s))[3]
+{
+	return (const float(*)[3])s->measured;
+}
+
+void light_sampler_place(struct light_sampler *s, const float (*measured)[3], float (*lights)[3])
+{
+	if (!s->placed) {
+		memcpy(lights, measured, (size_t)s->lights * sizeof(*lights));
+		return;
+	}
+	for (int i = 0; i < s->table.lights; i++)
+		for (int c = 0; c < 3; c++)
+			s->third[i][c] = (double)measured[i][c];
+	dome_placed_run(s->placed, (const double(*)[3])s->third, 3, s->folded);
+	for (int i = 0; i < s->lights; i++)
+		for (int c = 0; c < 3; c++)
+			lights[i][c] = (float)s->folded[i][c];
+}
+
+void light_sampler_place_shares(struct light_sampler *s, const float *share, float *lights)
+{
+	if (!s->placed) {
+		memcpy(lights, share, (size_t)s->lights * sizeof(*lights));
+		return;
+	}
+	for (int i = 0; i < s->table.lights; i++)
+		s->third[i][0] = (double)share[i];
+	dome_placed_run(s->placed, (const double(*)[3])s->third, 1, s->folded);
+	for (int i = 0; i < s->lights; i++)
+		lights[i] = (float)fmin(s->folded[i][0], 1);
 }
 
 /* ---- frames ---- */
@@ -195,20 +246,34 @@ static void light_linear(const struct sampler_sums *all, const struct sampler_li
 			    SAMPLER_VALUE_MAX;
 }
 
-static void read_excess(struct light_sampler *s)
+/* Sets colours of all parts from the sums of a frame. */
+static void read_sums(struct light_sampler *s, const struct sampler_sums *all, float (*out)[3])
 {
 	for (int i = 0; i < s->table.lights; i++) {
 		double linear[3];
 
-		light_linear(s->above_all, &s->table.light[i], linear);
-		sampler_colour(s, linear, s->excess[i]);
+		light_linear(all, &s->table.light[i], linear);
+		sampler_colour(s, linear, out[i]);
 	}
+}
+
+/* Sets the clipped share of all parts. Returns that of the sky. */
+static double read_clipped(struct light_sampler *s)
+{
+	const int parts = light_sampler_parts(s);
+	double share = 0;
+
+	for (int i = 0; i < s->table.lights; i++) {
+		s->clipped[i] = (float)light_mean(s->of_all, &s->table.light[i], 3, 0);
+		share += (double)s->clipped[i] * s->sky_share[i / parts];
+	}
+	return share;
 }
 
 int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader *reader,
 			     struct pool *pool, float (*radiance)[3], double *clipped)
 {
-	double share = 0;
+	double share;
 	int ret;
 
 	if (reader->view.width != s->width || reader->view.height != s->height)
@@ -216,17 +281,12 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 	ret = sampler_frame_sum(s, reader, pool);
 	if (ret < 0)
 		return ret;
-	for (int i = 0; i < s->table.lights; i++) {
-		const struct sampler_light *light = &s->table.light[i];
-		double linear[3];
-
-		light_linear(s->of_all, light, linear);
-		sampler_colour(s, linear, radiance[i]);
-		s->clipped[i] = (float)light_mean(s->of_all, light, 3, 0);
-		share += (double)s->clipped[i] * s->sky_share[i];
-	}
+	read_sums(s, s->of_all, s->measured);
+	share = read_clipped(s);
 	if (s->longer < 1)
-		read_excess(s);
+		read_sums(s, s->above_all, s->excess);
+	if (radiance)
+		light_sampler_place(s, (const float(*)[3])s->measured, radiance);
 	if (clipped)
 		*clipped = share;
 	return 0;
@@ -282,6 +342,7 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 	for (int i = 0; i < t->lights; i++) {
 		const struct sampler_light *l = &t->light[i];
 		const double whole = l->whole[0] + fine * l->whole[1];
+
 		double linear[3] = {0};
 
 		for (int c = 0; l->sum >= 0 && c < 3; c++) {
@@ -289,8 +350,10 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 			linear[c] += l->fine >= 0 ? fine * s->linear[l->fine][c] : 0;
 			linear[c] = l->brighter * linear[c] / whole;
 		}
-		sampler_colour(s, linear, radiance[i]);
+		sampler_colour(s, linear, s->measured[i]);
 	}
+	if (radiance)
+		light_sampler_place(s, (const float(*)[3])s->measured, radiance);
 	return 0;
 }
 
@@ -301,7 +364,7 @@ const float *light_sampler_clipped(const struct light_sampler *s)
 
 int light_sampler_unseen(const struct light_sampler *s)
 {
-	return s->table.unseen;
+	return s->placed ? s->table.unseen / DOME_PLACED_THIRDS : s->table.unseen;
 }
 
 void light_sampler_destroy(struct light_sampler *s)
@@ -309,6 +372,10 @@ void light_sampler_destroy(struct light_sampler *s)
 	if (!s)
 		return;
 	sampler_table_free(&s->table);
+	dome_placed_destroy(s->placed);
+	free(s->measured);
+	free(s->third);
+	free(s->folded);
 	for (int i = 0; i < s->scratches; i++) {
 		free(s->scratch[i].planes);
 		free(s->scratch[i].row);

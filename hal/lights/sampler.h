@@ -34,6 +34,9 @@ extern const char *const light_estimator_names[]; /* "cell", "node", NULL */
 
 struct light_sampler_settings {
 	enum light_estimator estimator;
+	/* Light in a cell is shared with its neighbours so that it keeps its place (dome_placed.h):
+	 * each light is measured in parts. It has no effect on nodes and tents. */
+	bool placed;
 	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
 					thesis's DARKRGB */
 	double gain; /* factor of linear light, fisheye units to background units; >= 0 */
@@ -52,8 +55,8 @@ int light_sampler_create(struct light_sampler **sampler, const struct dome *dome
 			 const struct light_sampler_settings *settings, struct fault *fault);
 
 /*
- * Writes the colour R, G, B of light i to radiance[i], and to *clipped (may be NULL) the share of
- * the sky's solid angle, 0..1, that is clipped (any channel at 255). Reads the frame in the
+ * Writes the colour R, G, B of light i to radiance[i], and to *clipped the share of the sky's solid
+ * angle, 0..1, that is clipped (any channel at 255); either may be NULL. Reads the frame in the
  * camera's format, each pixel inside the image circle once, from top to bottom. The pool's threads
  * share strips of the frame; NULL: the calling thread reads all. Allocates only once per thread. 0;
  * -EINVAL: another size; -ENOMEM.
@@ -72,8 +75,8 @@ int light_sampler_read_frame(struct light_sampler *sampler, const struct frame_r
 int light_sampler_read(struct light_sampler *sampler, const struct picture *picture,
 		       float (*radiance)[3], double *clipped);
 
-/* Reads a float picture of linear radiance: the curve does not apply, gain and colours do. 0;
- * -EINVAL: another size, or no float picture. */
+/* Reads a float picture of linear radiance: the curve does not apply, gain and colours do.
+ * radiance may be NULL. 0; -EINVAL: another size, or no float picture. */
 int light_sampler_read_linear(struct light_sampler *sampler, const struct image *picture,
 			      float (*radiance)[3]);
 
@@ -90,11 +93,23 @@ int light_sampler_read_linear(struct light_sampler *sampler, const struct image 
  */
 void light_sampler_exposure(struct light_sampler *sampler, double longer, bool shorter);
 
-/* The light that the longer exposure does not believe, in the last frame, [lights]; valid until the next frame. */
+/* Number of values that each light is measured in: DOME_PLACED_THIRDS where light is placed, else
+ * 1. The arrays of the last frame below have [lights * parts] values, are valid until the next one,
+ * and can be merged before they become lights. */
+int light_sampler_parts(const struct light_sampler *sampler);
+
+/* The colours. */
+const float (*light_sampler_measured(const struct light_sampler *sampler))[3];
+
+/* Makes lights[lights] of such colours, and of such shares. */
+void light_sampler_place(struct light_sampler *sampler, const float (*measured)[3],
+			 float (*lights)[3]);
+void light_sampler_place_shares(struct light_sampler *sampler, const float *share, float *lights);
+
+/* The light that the longer exposure does not believe. */
 const float (*light_sampler_excess(const struct light_sampler *sampler))[3];
 
-/* The clipped share of each light in the last frame, [lights], 0..1; exactly 0 if none of its
- * pixels was clipped. Valid until the next frame. */
+/* The clipped shares, 0..1; exactly 0 in a light none of whose pixels was clipped. */
 const float *light_sampler_clipped(const struct light_sampler *sampler);
 
 /* Number of lights that the lens does not see; they are dark. */

@@ -23,7 +23,7 @@ struct sampler_decode {
 	int16_t value[256];
 	int32_t wide[256];	     /* the same values, for gathers of 32 bits */
 	uint8_t low[256], high[256]; /* their low and high bytes, for lookups of bytes */
-	uint8_t white;		     /* lowest code that counts as clipped */
+	uint8_t white;		     /* lowest code that counts as clipped; at least 1 */
 };
 
 /* Most chunks of a span. Kernels split weights into 8 and 7 bits, so that the 32-bit sums of pairs

@@ -6,6 +6,7 @@
 #include "hal/lights/pixel_noise.h"
 #include "hal/lights/sampler.h"
 #include "hal/lights/sampler_table.h"
+#include "hal/optics/dome_placed.h"
 
 /* A decoded code value: 65535 is linear 1.0; 32768 is subtracted to fit 16 bits. */
 #define SAMPLER_VALUE_MAX 65535
@@ -22,6 +23,12 @@ struct sampler_scratch {
 };
 
 struct light_sampler {
+	int lights; /* of the dome */
+	/* NULL: the table's lights are the dome's; else they are thirds */
+	struct dome_placed *placed;
+	float (*measured)[3]; /* [table.lights] */
+	double (*third)[3];   /* [table.lights] */
+	double (*folded)[3];  /* [lights] */
 	struct sampler_table table;
 	const struct sampler_kernels *kernels;
 	int width, height;
@@ -31,10 +38,10 @@ struct light_sampler {
 	struct sampler_decode decode, soft, above;
 	bool shorter;	    /* there is a shorter exposure: soft is used in place of decode */
 	double longer;	    /* ratio to the longer exposure; 1: none, above is off */
-	float (*excess)[3]; /* [lights]: result above the level */
+	float (*excess)[3]; /* [table.lights]: what the longer exposure does not believe */
 	struct sampler_sums *above_parts, *above_all; /* as of_parts and of_all, above the level */
-	double *sky_share;			      /* [lights]: solid angle / 2 pi */
-	float *clipped;				      /* [lights] */
+	double *sky_share;			      /* [lights]: solid angle / 2 pi, by parts */
+	float *clipped;				      /* [table.lights] */
 	struct sampler_sums *of_parts;		      /* [parts] */
 	struct sampler_sums *of_all;		      /* [sums]: of_parts added up */
 	double (*linear)[3];			      /* [sums] of a float picture */

@@ -313,6 +313,52 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 	return ret;
 }
 
+/* weight: of all thirds, summed up */
+static void divide_share(const struct sampler_share *s, const struct dome_placed *placed,
+			 const struct dome *dome, const struct fisheye *lens,
+			 struct sampler_share *third, double *weight)
+{
+	const double px[2] = {s->x + 0.5, s->y + 0.5};
+	double dir[3], part[DOME_PLACED_THIRDS];
+
+	if (!fisheye_ray(lens, px, dir))
+		memcpy(dir, dome->direction[s->light], sizeof(dir));
+	dome_placed_thirds(placed, s->light, dir, part);
+	for (int k = 0; k < DOME_PLACED_THIRDS; k++) {
+		third[k] = *s;
+		third[k].light = DOME_PLACED_THIRDS * s->light + k;
+		third[k].weight = s->weight * (float)part[k];
+		weight[third[k].light] += (double)third[k].weight;
+	}
+}
+
+int sampler_shares_divide(struct sampler_shares *shares, const struct dome *dome,
+			  const struct fisheye *lens, struct dome_placed **placed)
+{
+	const size_t count = DOME_PLACED_THIRDS * shares->count;
+	struct sampler_share *items;
+	double *weight;
+	int ret = dome_placed_create(placed, dome);
+
+	if (ret)
+		return ret == -EINVAL ? 0 : ret;
+	items = malloc((count + 1) * sizeof(*items));
+	weight = calloc(DOME_PLACED_THIRDS * (size_t)dome->count, sizeof(*weight));
+	if (!items || !weight) {
+		free(items);
+		free(weight);
+		return -ENOMEM;
+	}
+	for (size_t n = 0; n < shares->count; n++)
+		divide_share(&shares->items[n], *placed, dome, lens, items + DOME_PLACED_THIRDS * n,
+			     weight);
+	dome_placed_even(*placed, weight);
+	free(weight);
+	free(shares->items);
+	*shares = (struct sampler_shares){items, count, count + 1};
+	return 0;
+}
+
 void sampler_shares_free(struct sampler_shares *shares)
 {
 	free(shares->items);

@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "hal/lights/sampler.h"
+#include "hal/optics/dome_placed.h"
 
 /* Weight of a pixel in the mean of a light. */
 struct sampler_share {
@@ -24,6 +25,13 @@ struct sampler_shares {
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
 			  enum light_estimator estimator);
+/*
+ * Divides each share, of cell i, into those of its thirds DOME_PLACED_THIRDS * i + k, so that light can
+ * be placed inside cells. 0, *placed NULL and shares as they were: the dome's cells are too wide.
+ * -ENOMEM.
+ */
+int sampler_shares_divide(struct sampler_shares *shares, const struct dome *dome,
+			  const struct fisheye *lens, struct dome_placed **placed);
 void sampler_shares_free(struct sampler_shares *shares); /* idempotent; zeroed is fine */
 
 #endif

@@ -30,10 +30,13 @@ static int fill_cells(struct dome *dome)
 	double sum = 0;
 
 	for (int i = 0; i < dome->count; i++) {
+		double moment[3];
+
 		if (dome->cells->first[i + 1] == dome->cells->first[i])
 			return -EINVAL;
 		dome->solid_angle_sr[i] = dome->cells->cumulative_sr[dome->cells->first[i + 1] - 1];
-		dome->projected_sr[i] = dome_cells_projected_sr(dome->cells, i);
+		dome_cells_moment(dome->cells, i, moment);
+		dome->projected_sr[i] = moment[2];
 		sum += dome->solid_angle_sr[i];
 	}
 	return fabs(sum / (2 * M_PI) - 1) < COVERED ? 0 : -EINVAL;

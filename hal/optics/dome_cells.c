@@ -260,24 +260,25 @@ void dome_cells_destroy(struct dome_cells *cells)
 
 /*
  * Lambert's formula, over the edges (a, b) of the cell:
- *     1/2 sum angle(a, b) n_z,   n = a x b / |a x b|
+ *     1/2 sum angle(a, b) n,   n = a x b / |a x b|
  * The cross product is computed as a x (b - a), whose digits do not cancel in short edges.
  */
-double dome_cells_projected_sr(const struct dome_cells *cells, int i)
+void dome_cells_moment(const struct dome_cells *cells, int i, double moment[3])
 {
-	double sum = 0;
-
+	memset(moment, 0, 3 * sizeof(*moment));
 	for (int k = cells->first[i]; k < cells->first[i + 1]; k++) {
 		const double *a = cells->corner[k];
 		const double *b =
 			cells->corner[k + 1 < cells->first[i + 1] ? k + 1 : cells->first[i]];
 		const double ab[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-		double normal[3], length;
+		double normal[3], length, half;
 
 		vec_cross(a, ab, normal);
 		length = vec_length(normal);
-		if (length > 0)
-			sum += atan2(length, vec_dot(a, b)) / length * normal[2];
+		if (!(length > 0))
+			continue;
+		half = 0.5 * atan2(length, vec_dot(a, b)) / length;
+		for (int c = 0; c < 3; c++)
+			moment[c] += half * normal[c];
 	}
-	return 0.5 * sum;
 }

@@ -19,8 +19,8 @@ int dome_cells_create(struct dome_cells **cells, const double (*node)[3], int co
 		      double spacing_rad);
 void dome_cells_destroy(struct dome_cells *cells); /* NULL is harmless */
 
-/* Integral of the cosine to the zenith over cell i, sr. */
-double dome_cells_projected_sr(const struct dome_cells *cells, int i);
+/* Integral of the unit direction over cell i, sr. */
+void dome_cells_moment(const struct dome_cells *cells, int i, double moment[3]);
 
 /* Solid angle of the spherical triangle between three unit vectors; negative if clockwise. */
 double dome_triangle_sr(const double a[3], const double b[3], const double c[3]);

@@ -339,11 +339,10 @@ static int find_facet(const struct dome_tents *t, const double dir[3], double sh
 	return *sum > 0 ? found : -1;
 }
 
-int dome_tents_weights(const struct dome_tents *t, const double dir[3], int light[3],
-		       double weight[3])
+/* Lists the lights of a facet with shares, which are divided by their sum. */
+static int facet_lights(const struct dome_tents *t, int facet, const double share[3], double sum,
+			int light[3], double weight[3])
 {
-	double share[3], sum;
-	const int facet = find_facet(t, dir, share, &sum);
 	int count = 0;
 
 	for (int k = 0; facet >= 0 && k < 3; k++) {
@@ -361,6 +360,39 @@ int dome_tents_weights(const struct dome_tents *t, const double dir[3], int ligh
 		weight[at] += share[k] / sum;
 	}
 	return count;
+}
+
+int dome_tents_weights(const struct dome_tents *t, const double dir[3], int light[3],
+		       double weight[3])
+{
+	double share[3], sum;
+	const int facet = find_facet(t, dir, share, &sum);
+
+	return facet_lights(t, facet, share, sum, light, weight);
+}
+
+/* Whether a facet holds dir; then lists its lights. */
+static int facet_try(const struct dome_tents *t, int facet, const double dir[3], int light[3],
+		     double weight[3])
+{
+	double share[3];
+
+	facet_weigh(t, facet, dir, share);
+	if (!(share[0] >= 0 && share[1] >= 0 && share[2] >= 0))
+		return 0;
+	return facet_lights(t, facet, share, share[0] + share[1] + share[2], light, weight);
+}
+
+int dome_tents_weights_near(const struct dome_tents *t, int node, int *facet, const double dir[3],
+			    int light[3], double weight[3])
+{
+	int count = *facet < 0 ? 0 : facet_try(t, *facet, dir, light, weight);
+
+	for (int n = t->first[node]; n < t->first[node + 1] && !count; n++) {
+		*facet = t->patch[n].facet;
+		count = facet_try(t, *facet, dir, light, weight);
+	}
+	return count ? count : dome_tents_weights(t, dir, light, weight);
 }
 
 /* ---- integrals and samples of a light ---- */

@@ -41,7 +41,7 @@ static struct sampler_decode random_decode(struct chance *chance)
 		decode.low[i] = (uint8_t)(decode.value[i] & 255);
 		decode.high[i] = (uint8_t)(decode.value[i] >> 8 & 255);
 	}
-	decode.white = (uint8_t)(chance_int(chance, 0, 2) ? 255 : chance_int(chance, 0, 255));
+	decode.white = (uint8_t)(chance_int(chance, 0, 2) ? 255 : chance_int(chance, 1, 255));
 	return decode;
 }
 
@@ -71,6 +71,30 @@ static void check_decode(struct chance *chance, const struct sampler_kernels *ke
 		expect_equal(got[k], want[k], "%s, %d pixels, place %d of plane %d", kernels->name,
 			     count, k % PLANE - GUARD, k / PLANE);
 	free(bgrx);
+}
+
+/* A single clipped pixel, anywhere in rows of any length. */
+static void a_single_clipped_pixel_is_seen(void **state)
+{
+	static int16_t planes[SAMPLER_PLANES * PLANE];
+	struct chance chance = chance_begin("sampler_kernels");
+	struct sampler_decode decode = random_decode(&chance);
+	uint32_t bgrx[WIDTH_MAX] = {0};
+
+	(void)state;
+	decode.white = 255;
+	for (int i = 0; sampler_kernels_all[i]; i++) {
+		if (!table(i))
+			continue;
+		for (int count = 1; count <= WIDTH_MAX; count++)
+			for (int at = 0; at < count; at++) {
+				bgrx[at] = 0xff;
+				expect_that(table(i)->decode(&decode, bgrx, count, planes + GUARD,
+							     PLANE),
+					    "%s, pixel %d of %d", table(i)->name, at, count);
+				bgrx[at] = 0;
+			}
+	}
 }
 
 static void every_table_decodes_alike(void **state)
@@ -408,6 +432,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_table_decodes_alike),
+		cmocka_unit_test(a_single_clipped_pixel_is_seen),
 		cmocka_unit_test(every_table_adds_alike),
 		cmocka_unit_test(colours_are_within_the_bound),
 		cmocka_unit_test(frames_give_what_pictures_give),
