@@ -21,6 +21,7 @@
 #include "drivers/sim/panorama_view.h"
 #include "drivers/sim/player.h"
 #include "drivers/sim/sensor.h"
+#include "drivers/sim/studio_people.h"
 #include "drivers/sim/studio_view.h"
 #include "hal/base/clock.h"
 #include "hal/base/number.h"
@@ -33,6 +34,7 @@ struct sim_change {
 
 struct sim {
 	struct studio_view *studio;
+	struct studio_layer *people; /* if there are walkers */
 	struct panorama_view *panorama;
 	struct player *player;
 	struct sensor sensor;
@@ -60,6 +62,7 @@ static void sim_close(struct camera *camera)
 	if (sim->descriptor >= 0)
 		close(sim->descriptor);
 	studio_view_destroy(sim->studio);
+	free(sim->people);
 	panorama_view_destroy(sim->panorama);
 	player_close(sim->player);
 	free(sim->linear);
@@ -85,6 +88,10 @@ static int sim_open_scene(struct camera *camera, struct sim *sim, struct fault *
 	if (options->source == SIM_SOURCE_PANORAMA)
 		return panorama_view_create(&sim->panorama, options->file, &eye, fault);
 	err = studio_view_create(&sim->studio, &eye);
+	if (!err && options->walkers > 0) {
+		sim->people = calloc((size_t)eye.width * (size_t)eye.height, sizeof(*sim->people));
+		err = sim->people ? 0 : -ENOMEM;
+	}
 	if (err)
 		return fault_say(fault, err, "sim: no memory for the studio at %dx%d", eye.width,
 				 eye.height);
@@ -265,6 +272,17 @@ static double scene_time_s(const struct camera *camera, const struct sim *sim, u
 	return (double)sim->start_ns / (double)NS_PER_S + elapsed;
 }
 
+static void render_walkers(const struct sim_options *options, struct sim *sim,
+			   const struct studio_lamps *lamps, double time_s)
+{
+	struct walker walkers[WALKER_STYLES];
+	const int count = walkers_at(time_s, options->walkers, walkers);
+
+	studio_people_shade(sim->studio, lamps, walkers, count, sim->linear);
+	studio_people_draw(sim->studio, lamps, walkers, count, sim->people);
+	studio_people_over(sim->studio, sim->people, sim->linear);
+}
+
 static void render_scene(const struct camera *camera, struct sim *sim, uint64_t sequence)
 {
 	const struct sim_options *options = camera->options;
@@ -272,7 +290,11 @@ static void render_scene(const struct camera *camera, struct sim *sim, uint64_t 
 	double turn_rad;
 
 	if (sim->studio) {
-		studio_view_render(sim->studio, time_s, sim->linear);
+		const struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
+
+		studio_view_render(sim->studio, &lamps, sim->linear);
+		if (options->walkers > 0)
+			render_walkers(options, sim, &lamps, time_s);
 		return;
 	}
 	turn_rad = fmod(options->turn_rate_deg * time_s, 360) * M_PI / 180;

@@ -21,7 +21,10 @@ DRIVER_SOURCES := \
 	drivers/sim/sensor.c \
 	drivers/sim/studio.c \
 	drivers/sim/studio_lights.c \
+	drivers/sim/studio_people.c \
 	drivers/sim/studio_view.c \
+	drivers/sim/walker_body.c \
+	drivers/sim/walkers.c \
 	drivers/sim/y4m.c \
 	drivers/v4l2/buffers.c \
 	drivers/v4l2/capture.c \

@@ -5,6 +5,8 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "drivers/sim/walkers.h"
+
 static const char *const source_names[] = {"studio", "panorama", "files", NULL};
 static const char *const view_names[] = {"fisheye", "perspective", NULL};
 static const char *const clock_names[] = {"real", "frames", NULL};
@@ -49,6 +51,11 @@ const struct ini_key sim_keys[] = {
 	{"turn_rate", INI_REAL, OPTION_AT(turn_rate_deg), .min = -3600, .max = 3600,
 	 .fallback = "0", .unit = "deg/s",
 	 .help = "Panorama: turns counter-clockwise seen from above."},
+	{"switch", INI_REAL, OPTION_AT(switch_s), .min = 0, .max = 1e6, .fallback = "0",
+	 .unit = "s",
+	 .help = "Studio: the ceiling panels go off or on every so many seconds; 0: never."},
+	{"walkers", INI_INT, OPTION_AT(walkers), .min = 0, .max = WALKER_STYLES, .fallback = "0",
+	 .help = "Studio: so many people walk through it (drivers/sim/walkers.h)."},
 	{"exposure", INI_REAL, OPTION_AT(exposure), .min = 0, .max = SIM_EXPOSURE_MAX,
 	 .fallback = "1", .help = "Linear light is multiplied by this; 1 and more is white."},
 	{"transfer", INI_CHOICE, OPTION_AT(transfer), .choices = transfer_names, .fallback = "srgb",

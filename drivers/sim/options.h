@@ -21,6 +21,8 @@ struct sim_options {
 	double position[3];
 	struct fisheye_settings lens;
 	double turn_rate_deg;
+	double switch_s;
+	int walkers;
 	double exposure;
 	int transfer;
 	double read_noise, shot_noise;

@@ -36,7 +36,7 @@ static const struct emitter emitters[EMITTER_COUNT] = {
 };
 
 /* Irradiance by light from all other surfaces, assumed equal everywhere. */
-static const double ambient_irradiance[3] = {0.33, 0.31, 0.28};
+const double studio_ambient_irradiance[3] = {0.33, 0.31, 0.28};
 
 /* Index of the axis that is normal to a surface. */
 static int surface_axis(enum studio_surface surface)
@@ -62,22 +62,25 @@ static void surface_uv(enum studio_surface surface, const double point[3], doubl
 	uv[1] = point[axis == 2 ? 1 : 2];
 }
 
-void studio_lanterns(double time_s, struct studio_lantern lanterns[STUDIO_LANTERNS])
+struct studio_lamps studio_lamps(double time_s, double switch_s)
 {
+	struct studio_lamps lamps;
 	/* A turn takes 12 s. The cool lantern leads by a varying angle, so that they never meet. */
 	const double turn = 2 * M_PI * time_s / 12 - 0.9;
 	const double ahead = turn + 2.6 + 0.4 * sin(2 * M_PI * time_s / 20);
 
-	lanterns[0] = (struct studio_lantern){
+	lamps.lantern[0] = (struct studio_lantern){
 		.centre = {1.15 * cos(turn), 0.95 * sin(turn), 1.55 + 0.2 * sin(2 * turn)},
 		.radius = 0.32,
 		.radiance = {5.2, 3.6, 1.9},
 	};
-	lanterns[1] = (struct studio_lantern){
+	lamps.lantern[1] = (struct studio_lantern){
 		.centre = {1.25 * cos(ahead), 1.05 * sin(ahead), 1.75 + 0.15 * cos(2 * ahead)},
 		.radius = 0.30,
 		.radiance = {1.5, 2.4, 3.9},
 	};
+	lamps.panels = switch_s > 0 && fmod(floor(time_s / switch_s), 2) != 0 ? 0 : 1;
+	return lamps;
 }
 
 /* Hashes a pair of integers to a number in 0..1. */
@@ -294,19 +297,58 @@ static void emitter_corners(const struct emitter *e, double corners[4][3])
 	}
 }
 
-void studio_steady_irradiance(const double point[3], enum studio_surface surface, double rgb[3])
+void studio_steady_irradiance(const double point[3], enum studio_surface surface, double panels,
+			      double rgb[3])
 {
-	memcpy(rgb, ambient_irradiance, sizeof(ambient_irradiance));
+	memcpy(rgb, studio_ambient_irradiance, sizeof(studio_ambient_irradiance));
 	for (int i = 0; i < EMITTER_COUNT; i++) {
 		double corners[4][3], share;
 
 		if (emitters[i].surface == surface)
 			continue; /* lies in the same plane */
 		emitter_corners(&emitters[i], corners);
-		share = emitters[i].share *
+		share = emitters[i].share * (i == WINDOW ? 1 : panels) *
 			rectangle_irradiance(corners, point, studio_normals[surface]);
 		for (int c = 0; c < 3; c++)
 			rgb[c] += share * emitters[i].radiance[c];
+	}
+}
+
+/* Divides an emitter into u x v pieces; returns the one after them. */
+static struct studio_piece *emitter_pieces(const struct emitter *e, double level, int u, int v,
+					   struct studio_piece *piece)
+{
+	const int axis = surface_axis(e->surface);
+	const double size[2] = {(e->high[0] - e->low[0]) / u, (e->high[1] - e->low[1]) / v};
+	const double area = size[0] * size[1];
+
+	for (int k = 0; k < u * v; k++, piece++) {
+		piece->place[axis] = surface_place(e->surface);
+		piece->place[axis == 0 ? 1 : 0] = e->low[0] + (k % u + 0.5) * size[0];
+		piece->place[axis == 2 ? 1 : 2] = e->low[1] + (k / u + 0.5) * size[1];
+		piece->radius = sqrt(area / M_PI);
+		for (int i = 0; i < 3; i++) {
+			piece->facing[i] = studio_normals[e->surface][i];
+			piece->power[i] = level * e->share * area * e->radiance[i];
+		}
+	}
+	return piece;
+}
+
+void studio_pieces(const struct studio_lamps *lamps, struct studio_piece piece[STUDIO_PIECES])
+{
+	piece = emitter_pieces(&emitters[PANEL_EAST], lamps->panels, 1, 3, piece);
+	piece = emitter_pieces(&emitters[PANEL_WEST], lamps->panels, 1, 3, piece);
+	piece = emitter_pieces(&emitters[WINDOW], 1, 2, 2, piece);
+	for (int i = 0; i < STUDIO_LANTERNS; i++, piece++) {
+		const struct studio_lantern *lantern = &lamps->lantern[i];
+
+		memcpy(piece->place, lantern->centre, sizeof(piece->place));
+		memset(piece->facing, 0, sizeof(piece->facing));
+		piece->radius = lantern->radius;
+		for (int c = 0; c < 3; c++)
+			piece->power[c] = M_PI * lantern->radius * lantern->radius *
+					  lantern->radiance[c];
 	}
 }
 
@@ -320,18 +362,17 @@ double studio_lantern_irradiance(const struct studio_lantern *lantern, const dou
 	return facing > 0 ? M_PI * lantern->radius * lantern->radius * facing / (d2 * sqrt(d2)) : 0;
 }
 
-/* Returns the nearest lantern that the ray hits within a distance of `limit`; -1: none. */
-static int lantern_hit(const struct studio_lantern lanterns[STUDIO_LANTERNS],
-		       const double origin[3], const double dir[3], double limit)
+int studio_lantern_hit(const struct studio_lamps *lamps, const double origin[3],
+		       const double dir[3], double limit)
 {
 	int found = -1;
 
 	for (int i = 0; i < STUDIO_LANTERNS; i++) {
-		const double *centre = lanterns[i].centre;
+		const double *centre = lamps->lantern[i].centre;
 		const double to[3] = {centre[0] - origin[0], centre[1] - origin[1],
 				      centre[2] - origin[2]};
 		const double along = vec_dot(to, dir);
-		const double inside2 = lanterns[i].radius * lanterns[i].radius -
+		const double inside2 = lamps->lantern[i].radius * lamps->lantern[i].radius -
 				       (vec_dot(to, to) - along * along);
 		double distance;
 
@@ -346,9 +387,9 @@ static int lantern_hit(const struct studio_lantern lanterns[STUDIO_LANTERNS],
 	return found;
 }
 
-void studio_radiance(const double origin[3], const double dir[3], double time_s, double rgb[3])
+void studio_radiance(const double origin[3], const double dir[3], const struct studio_lamps *lamps,
+		     double rgb[3])
 {
-	struct studio_lantern lanterns[STUDIO_LANTERNS];
 	struct studio_hit hit;
 	double irradiance[3];
 	int lantern;
@@ -356,20 +397,20 @@ void studio_radiance(const double origin[3], const double dir[3], double time_s,
 	rgb_set(rgb, 0, 0, 0);
 	if (!studio_hit(origin, dir, &hit))
 		return;
-	studio_lanterns(time_s, lanterns);
-	lantern = lantern_hit(lanterns, origin, dir, hit.distance);
+	lantern = studio_lantern_hit(lamps, origin, dir, hit.distance);
 	if (lantern >= 0) {
-		memcpy(rgb, lanterns[lantern].radiance, sizeof(double[3]));
+		memcpy(rgb, lamps->lantern[lantern].radiance, sizeof(double[3]));
 		return;
 	}
-	studio_steady_irradiance(hit.point, hit.surface, irradiance);
+	studio_steady_irradiance(hit.point, hit.surface, lamps->panels, irradiance);
 	for (int i = 0; i < STUDIO_LANTERNS; i++) {
-		const double e = studio_lantern_irradiance(&lanterns[i], hit.point,
+		const double e = studio_lantern_irradiance(&lamps->lantern[i], hit.point,
 							   studio_normals[hit.surface]);
 
 		for (int c = 0; c < 3; c++)
-			irradiance[c] += e * lanterns[i].radiance[c];
+			irradiance[c] += e * lamps->lantern[i].radiance[c];
 	}
 	for (int c = 0; c < 3; c++)
-		rgb[c] = hit.emitted[c] + hit.albedo[c] / M_PI * irradiance[c];
+		rgb[c] = (hit.surface == STUDIO_CEILING ? lamps->panels : 1) * hit.emitted[c] +
+			 hit.albedo[c] / M_PI * irradiance[c];
 }

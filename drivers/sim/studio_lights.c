@@ -25,7 +25,7 @@ struct studio_sight {
 struct light_integral {
 	const struct dome *dome;
 	const double *origin;
-	double time_s;
+	const struct studio_lamps *lamps;
 	double (*radiance)[3]; /* weighted sums, for each light */
 	double *weights;       /* sums of the weights, sr */
 };
@@ -44,7 +44,7 @@ static void sight_look(const struct light_integral *in, double theta, double phi
 
 	polar_direction(theta, phi, dir);
 	sight->cell = dome_cell_of(in->dome, dir);
-	studio_radiance(in->origin, dir, in->time_s, sight->rgb);
+	studio_radiance(in->origin, dir, in->lamps, sight->rgb);
 }
 
 static void integral_add(struct light_integral *in, int cell, const double rgb[3], double weight)
@@ -100,7 +100,7 @@ static void add_finely(struct light_integral *in, const struct studio_sight corn
 
 			polar_direction(theta, phi, dir);
 			if (!smooth)
-				studio_radiance(in->origin, dir, in->time_s, rgb);
+				studio_radiance(in->origin, dir, in->lamps, rgb);
 			if (whole)
 				integral_add(in, corners[0].cell, smooth ? mean : rgb, weight);
 			else
@@ -137,10 +137,10 @@ static void look_along_ring(const struct light_integral *in, int ring, struct st
 			   &sights[sector]);
 }
 
-int studio_lights(const struct dome *dome, const double origin[3], double time_s,
+int studio_lights(const struct dome *dome, const double origin[3], const struct studio_lamps *lamps,
 		  double (*radiance)[3])
 {
-	struct light_integral in = {dome, origin, time_s, radiance, NULL};
+	struct light_integral in = {dome, origin, lamps, radiance, NULL};
 	struct studio_sight *above = calloc(2 * (SECTORS + 1), sizeof(*above));
 	struct studio_sight *below = above ? above + SECTORS + 1 : NULL;
 	int err = 0;

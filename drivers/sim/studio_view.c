@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/studio.h"
 #include "hal/optics/vec.h"
 
 /* The values kept for each pixel, one float each. A row of pixels holds LANES runs of width
@@ -21,9 +20,12 @@ enum lane {
 	PAINT_R, /* albedo / pi */
 	PAINT_G,
 	PAINT_B,
-	STEADY_R, /* radiance without the lanterns */
+	STEADY_R, /* radiance without the lanterns, panels on */
 	STEADY_G,
 	STEADY_B,
+	PANELS_R, /* of it, by the panels */
+	PANELS_G,
+	PANELS_B,
 	DIR_X,
 	DIR_Y,
 	DIR_Z,
@@ -47,8 +49,8 @@ struct pixel_patch {
 	int count;
 	struct studio_hit first, last;
 	bool mixed; /* the samples differ in surface, albedo or emission */
-	double paint[3], steady[3];
-	double last_irradiance[3];
+	double paint[3], steady[3], panels[3];
+	double last_irradiance[3], last_panels[3];
 };
 
 static bool hit_differs(const struct studio_hit *a, const struct studio_hit *b)
@@ -61,6 +63,16 @@ static bool hit_differs(const struct studio_hit *a, const struct studio_hit *b)
 	return false;
 }
 
+static void patch_irradiate(const struct studio_hit *hit, struct pixel_patch *patch)
+{
+	double without[3];
+
+	studio_steady_irradiance(hit->point, hit->surface, 1, patch->last_irradiance);
+	studio_steady_irradiance(hit->point, hit->surface, 0, without);
+	for (int c = 0; c < 3; c++)
+		patch->last_panels[c] = patch->last_irradiance[c] - without[c];
+}
+
 static void patch_add(const struct sim_eye *eye, const double px[2], double origin[3],
 		      struct pixel_patch *patch)
 {
@@ -71,7 +83,7 @@ static void patch_add(const struct sim_eye *eye, const double px[2], double orig
 		return;
 	/* Within a pixel the steady irradiance is nearly constant on one surface. */
 	if (patch->count == 0 || hit.surface != patch->last.surface)
-		studio_steady_irradiance(hit.point, hit.surface, patch->last_irradiance);
+		patch_irradiate(&hit, patch);
 	if (patch->count == 0)
 		patch->first = hit;
 	else if (hit_differs(&hit, &patch->first))
@@ -82,6 +94,8 @@ static void patch_add(const struct sim_eye *eye, const double px[2], double orig
 		patch->paint[c] += hit.albedo[c] / M_PI;
 		patch->steady[c] += hit.emitted[c] +
 				    hit.albedo[c] / M_PI * patch->last_irradiance[c];
+		patch->panels[c] += (hit.surface == STUDIO_CEILING ? hit.emitted[c] : 0) +
+				    hit.albedo[c] / M_PI * patch->last_panels[c];
 	}
 }
 
@@ -120,6 +134,7 @@ static void prepare_pixel(struct studio_view *view, const struct sim_eye *eye, i
 		lane[(NORMAL_X + i) * step] = (float)studio_normals[patch.first.surface][i];
 		lane[(PAINT_R + i) * step] = (float)(patch.paint[i] / (side * side));
 		lane[(STEADY_R + i) * step] = (float)(patch.steady[i] / (side * side));
+		lane[(PANELS_R + i) * step] = (float)(patch.panels[i] / (side * side));
 	}
 	if (!eye_ray(eye, middle, origin, dir))
 		vec_normalize(dir); /* at the rim of the field the middle may lie outside */
@@ -185,9 +200,9 @@ static void prepare_glow(const struct studio_lantern *lantern, const double orig
 	glow->cosine = glow->distance > lantern->radius ? sqrtf(1 - glow->sine * glow->sine) : -2;
 }
 
-/* Adds the lanterns' light on the surfaces. The loop has no branches and no calls but sqrtf(), so
+/* Adds the lanterns' light on the surfaces; dark is the share of the panels that is off. The loop has no branches and no calls but sqrtf(), so
  * that compilers vectorise it. */
-static void light_row(const float *restrict lanes, int width, const struct glow *glows,
+static void light_row(const float *restrict lanes, int width, const struct glow *glows, float dark,
 		      float *restrict rgb)
 {
 	const struct glow a = glows[0], b = glows[1];
@@ -207,7 +222,8 @@ static void light_row(const float *restrict lanes, int width, const struct glow 
 		ea = ea > 0 ? ea : 0;
 		eb = eb > 0 ? eb : 0;
 		for (int c = 0; c < 3; c++)
-			rgb[3 * x + (size_t)c] = lanes[(size_t)(STEADY_R + c) * w + x] +
+			rgb[3 * x + (size_t)c] = lanes[(size_t)(STEADY_R + c) * w + x] -
+						 dark * lanes[(size_t)(PANELS_R + c) * w + x] +
 						 lanes[(size_t)(PAINT_R + c) * w + x] *
 							 (ea * a.radiance[c] + eb * b.radiance[c]);
 	}
@@ -255,29 +271,49 @@ static void draw_lantern(const struct studio_view *view, const float *lanes, int
 	}
 }
 
-static void render_row(const struct studio_view *view, int y, const struct glow *glows, float *rgb)
+static void render_row(const struct studio_view *view, int y, const struct glow *glows, float dark,
+		       float *rgb)
 {
 	const float *lanes = view->lanes + (size_t)y * LANES * (size_t)view->width;
 
-	light_row(lanes, view->width, glows, rgb);
+	light_row(lanes, view->width, glows, dark, rgb);
 	for (int i = 0; i < STUDIO_LANTERNS; i++)
 		draw_lantern(view, lanes, y, &glows[i], rgb);
 }
 
-void studio_view_render(const struct studio_view *view, double time_s, float *rgb)
+void studio_view_render(const struct studio_view *view, const struct studio_lamps *lamps,
+			float *rgb)
 {
-	struct studio_lantern lanterns[STUDIO_LANTERNS];
 	struct glow glows[STUDIO_LANTERNS], nearer;
 
 	_Static_assert(STUDIO_LANTERNS == 2, "light_row() takes two");
-	studio_lanterns(time_s, lanterns);
 	for (int i = 0; i < STUDIO_LANTERNS; i++)
-		prepare_glow(&lanterns[i], view->origin, &glows[i]);
+		prepare_glow(&lamps->lantern[i], view->origin, &glows[i]);
 	if (glows[0].distance < glows[1].distance) { /* the nearer one is drawn last */
 		nearer = glows[0];
 		glows[0] = glows[1];
 		glows[1] = nearer;
 	}
 	for (int y = 0; y < view->height; y++)
-		render_row(view, y, glows, rgb + (size_t)y * (size_t)view->width * 3);
+		render_row(view, y, glows, (float)(1 - lamps->panels),
+			   rgb + (size_t)y * (size_t)view->width * 3);
+}
+
+struct studio_ground studio_view_ground(const struct studio_view *view, int x, int y)
+{
+	const size_t step = (size_t)view->width;
+	const float *lane = view->lanes + (size_t)y * LANES * step + x;
+	struct studio_ground ground;
+
+	for (size_t i = 0; i < 3; i++) {
+		ground.point[i] = lane[(POINT_X + i) * step];
+		ground.normal[i] = lane[(NORMAL_X + i) * step];
+		ground.paint[i] = lane[(PAINT_R + i) * step];
+	}
+	return ground;
+}
+
+const struct sim_eye *studio_view_eye(const struct studio_view *view)
+{
+	return &view->eye;
 }

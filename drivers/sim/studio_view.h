@@ -7,14 +7,25 @@
 #define INLAY_DRIVERS_SIM_STUDIO_VIEW_H
 
 #include "drivers/sim/eye.h"
+#include "drivers/sim/studio.h"
 
 struct studio_view;
 
 /* Computes everything that does not move; the caller destroys *view. 0 or -ENOMEM. */
 int studio_view_create(struct studio_view **view, const struct sim_eye *eye);
 
-/* Computes the mean radiance of each pixel at a time: rgb[height][width][3]. */
-void studio_view_render(const struct studio_view *view, double time_s, float *rgb);
+/* Computes the mean radiance of each pixel: rgb[height][width][3]. */
+void studio_view_render(const struct studio_view *view, const struct studio_lamps *lamps,
+			float *rgb);
+
+/* What a pixel sees of the room. */
+struct studio_ground {
+	double point[3], normal[3]; /* of its first sample */
+	double paint[3];	    /* mean albedo / pi over the pixel */
+};
+
+struct studio_ground studio_view_ground(const struct studio_view *view, int x, int y);
+const struct sim_eye *studio_view_eye(const struct studio_view *view);
 
 void studio_view_destroy(struct studio_view *view); /* NULL is harmless */
 

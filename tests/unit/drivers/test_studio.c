@@ -49,7 +49,7 @@ static void rectangles_irradiate_as_they_shine(void **state)
 
 	(void)state;
 	for (int i = 0; i < 3; i++) {
-		studio_steady_irradiance(places[i], STUDIO_FLOOR, closed[i]);
+		studio_steady_irradiance(places[i], STUDIO_FLOOR, 1, closed[i]);
 		brute_irradiance(places[i], brute[i]);
 	}
 	for (int i = 1; i < 3; i++)
@@ -89,27 +89,26 @@ static void lanterns_irradiate_as_they_shine(void **state)
 
 static void lanterns_keep_their_distance(void **state)
 {
-	struct studio_lantern before[STUDIO_LANTERNS];
+	struct studio_lamps before = studio_lamps(0, 0);
 
 	(void)state;
-	studio_lanterns(0, before);
 	for (int step = 1; step < 24000; step++) {
-		struct studio_lantern now[STUDIO_LANTERNS];
+		const struct studio_lamps lamps = studio_lamps(step * 0.01, 0);
+		const struct studio_lantern *now = lamps.lantern;
 		double apart[3];
 
-		studio_lanterns(step * 0.01, now);
 		for (int i = 0; i < STUDIO_LANTERNS; i++) {
 			const double *c = now[i].centre, r = now[i].radius;
 
 			assert_true(fabs(c[0]) + r < 3 && fabs(c[1]) + r < 2.5);
 			assert_true(c[2] - r > 0.9 && c[2] + r < 3);
 			for (int k = 0; k < 3; k++)
-				assert_true(fabs(c[k] - before[i].centre[k]) < 0.015);
+				assert_true(fabs(c[k] - before.lantern[i].centre[k]) < 0.015);
 		}
 		for (int k = 0; k < 3; k++)
 			apart[k] = now[0].centre[k] - now[1].centre[k];
 		assert_true(vec_length(apart) > now[0].radius + now[1].radius + 0.3);
-		memcpy(before, now, sizeof(before));
+		before = lamps;
 	}
 }
 
@@ -119,12 +118,10 @@ static double moment(int axis)
 	double best = 0, best_cosine = -1;
 
 	for (double t = 0; t < 12; t += 0.01) {
-		struct studio_lantern lanterns[STUDIO_LANTERNS];
-		double cosine;
+		const struct studio_lamps lamps = studio_lamps(t, 0);
+		const double *centre = lamps.lantern[0].centre;
+		const double cosine = centre[axis] / hypot(centre[0], centre[1]);
 
-		studio_lanterns(t, lanterns);
-		cosine = lanterns[0].centre[axis] /
-			 hypot(lanterns[0].centre[0], lanterns[0].centre[1]);
 		if (cosine > best_cosine) {
 			best_cosine = cosine;
 			best = t;
@@ -153,13 +150,14 @@ static void prepare_camera(struct sim_eye *eye, int width, int height, const dou
 	assert_int_equal(tsai_look_at(&eye->camera, width, height, from, to, angle_deg, NULL), 0);
 }
 
-static float *render(const struct sim_eye *eye, double time_s)
+static float *render(const struct sim_eye *eye, double time_s, double switch_s)
 {
 	float *rgb = calloc((size_t)eye->width * (size_t)eye->height * 3, sizeof(float));
+	const struct studio_lamps lamps = studio_lamps(time_s, switch_s);
 	struct studio_view *view;
 
 	assert_int_equal(studio_view_create(&view, eye), 0);
-	studio_view_render(view, time_s, rgb);
+	studio_view_render(view, &lamps, rgb);
 	studio_view_destroy(view);
 	return rgb;
 }
@@ -168,18 +166,17 @@ static float *render(const struct sim_eye *eye, double time_s)
  * middle. */
 static void warm_place(const struct sim_eye *eye, double time_s, double place[2])
 {
-	float *rgb = render(eye, time_s);
-	struct studio_lantern lanterns[STUDIO_LANTERNS];
+	float *rgb = render(eye, time_s, 0);
+	const struct studio_lamps lamps = studio_lamps(time_s, 0);
+	const double *warm = lamps.lantern[0].radiance;
 	int count = 0;
 
-	studio_lanterns(time_s, lanterns);
 	place[0] = place[1] = 0;
 	for (int y = 0; y < eye->height; y++)
 		for (int x = 0; x < eye->width; x++) {
 			const float *p = rgb + 3 * (y * eye->width + x);
 
-			if (fabs(p[0] - lanterns[0].radiance[0]) > 1e-3 ||
-			    fabs(p[2] - lanterns[0].radiance[2]) > 1e-3)
+			if (fabs(p[0] - warm[0]) > 1e-3 || fabs(p[2] - warm[2]) > 1e-3)
 				continue;
 			place[0] += x + 0.5;
 			place[1] += y + 0.5;
@@ -227,7 +224,8 @@ static void nothing_is_upside_down(void **state)
 }
 
 /* Mean of 10 x 10 traced rays through the pixel; dark where there is no ray. */
-static void traced_pixel(const struct sim_eye *eye, int x, int y, double time_s, double rgb[3])
+static void traced_pixel(const struct sim_eye *eye, int x, int y, const struct studio_lamps *lamps,
+			 double rgb[3])
 {
 	const int side = 10;
 
@@ -238,7 +236,7 @@ static void traced_pixel(const struct sim_eye *eye, int x, int y, double time_s,
 
 		if (!eye_ray(eye, px, start, dir))
 			continue;
-		studio_radiance(start, dir, time_s, one);
+		studio_radiance(start, dir, lamps, one);
 		for (int c = 0; c < 3; c++)
 			rgb[c] += one[c];
 	}
@@ -246,16 +244,17 @@ static void traced_pixel(const struct sim_eye *eye, int x, int y, double time_s,
 		rgb[c] /= side * side;
 }
 
-static void check_view(const struct sim_eye *eye, const char *name)
+static void check_view(const struct sim_eye *eye, double switch_s, const char *name)
 {
+	const struct studio_lamps lamps = studio_lamps(3.7, switch_s);
 	double worst = 0, sum = 0;
-	float *rgb = render(eye, 3.7);
+	float *rgb = render(eye, 3.7, switch_s);
 
 	for (int y = 0; y < eye->height; y++)
 		for (int x = 0; x < eye->width; x++) {
 			double want[3];
 
-			traced_pixel(eye, x, y, 3.7, want);
+			traced_pixel(eye, x, y, &lamps, want);
 			for (int c = 0; c < 3; c++) {
 				const double error =
 					fabs(rgb[3 * (y * eye->width + x) + c] - want[c]);
@@ -280,9 +279,23 @@ static void views_match_traced_rays(void **state)
 
 	(void)state;
 	prepare_fisheye(&eye, 240);
-	check_view(&eye, "fisheye");
+	check_view(&eye, 0, "fisheye");
 	prepare_camera(&eye, 240, 180, from, to, 70);
-	check_view(&eye, "perspective");
+	check_view(&eye, 0, "perspective");
+	check_view(&eye, 3, "perspective, the panels off");
+}
+
+static void panels_are_switched(void **state)
+{
+	double on[3], off[3];
+
+	(void)state;
+	assert_true(studio_lamps(2.9, 3).panels == 1 && studio_lamps(3, 3).panels == 0);
+	assert_true(studio_lamps(6, 3).panels == 1 && studio_lamps(3, 0).panels == 1);
+	studio_steady_irradiance(origin, STUDIO_FLOOR, 1, on);
+	studio_steady_irradiance(origin, STUDIO_FLOOR, 0, off);
+	for (int c = 0; c < 3; c++)
+		assert_true(off[c] < 0.8 * on[c] && off[c] > 0.3);
 }
 
 static void exposure_suits_a_camera(void **state)
@@ -290,15 +303,18 @@ static void exposure_suits_a_camera(void **state)
 	static const double eye[3] = {0, -1.7, 0.95};
 
 	(void)state;
-	for (double t = 0; t < 60; t += 1.3)
+	for (double t = 0; t < 60; t += 1.3) {
+		const struct studio_lamps lamps = studio_lamps(t, 0);
+
 		for (int x = -2; x <= 2; x++) {
 			double dir[3] = {0.15 * x - eye[0], 0.1 - eye[1], -eye[2]}, rgb[3], code;
 
 			vec_normalize(dir);
-			studio_radiance(eye, dir, t, rgb);
+			studio_radiance(eye, dir, &lamps, rgb);
 			code = 255 * transfer_encode(TRANSFER_SRGB, rgb[1]);
 			assert_true(code > 90 && code < 170);
 		}
+	}
 }
 
 static double random_unit(uint64_t *state)
@@ -311,6 +327,7 @@ static double random_unit(uint64_t *state)
 static void check_random_sampling(enum dome_shape shape)
 {
 	const int side = 220;
+	const struct studio_lamps lamps = studio_lamps(5.1, 0);
 	uint64_t seed = 20261120;
 	struct dome dome;
 	double(*lights)[3];
@@ -319,7 +336,7 @@ static void check_random_sampling(enum dome_shape shape)
 	print_message("# seed %llu\n", (unsigned long long)seed);
 	assert_int_equal(dome_create_shaped(&dome, 3, DOME_ANGLES, shape, NULL), 0);
 	lights = calloc((size_t)dome.count, sizeof(*lights));
-	assert_int_equal(studio_lights(&dome, origin, 5.1, lights), 0);
+	assert_int_equal(studio_lights(&dome, origin, &lamps, lights), 0);
 	for (int i = 0; i < dome.count; i++) {
 		double sum[3] = {0, 0, 0};
 
@@ -332,7 +349,7 @@ static void check_random_sampling(enum dome_shape shape)
 			if (shape == DOME_TENTS)
 				share = dome_weight(&dome, i, dir) /
 					dome_light_density(&dome, i, dir);
-			studio_radiance(origin, dir, 5.1, rgb);
+			studio_radiance(origin, dir, &lamps, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c] * share / dome.solid_angle_sr[i] / (side * side);
 		}
@@ -361,6 +378,7 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 {
 	const struct light_sampler_settings settings = {
 		.estimator = estimator, .curve = {.named = TRANSFER_LINEAR}, .gain = 1};
+	const struct studio_lamps lamps = studio_lamps(t, 0);
 	struct sampled s = {0, 0, 0};
 	double largest = 0, true_energy = 0, energy = 0;
 	struct light_sampler *sampler;
@@ -374,8 +392,8 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 	truth = calloc((size_t)dome.count, sizeof(*truth));
 	got = calloc((size_t)dome.count, sizeof(*got));
 	prepare_fisheye(&eye, side);
-	image.f32 = render(&eye, t);
-	assert_int_equal(studio_lights(&dome, origin, t, truth), 0);
+	image.f32 = render(&eye, t, 0);
+	assert_int_equal(studio_lights(&dome, origin, &lamps, truth), 0);
 	assert_int_equal(
 		light_sampler_create(&sampler, &dome, &eye.lens, side, side, &settings, NULL), 0);
 	assert_int_equal(light_sampler_read_linear(sampler, &image, got), 0);
@@ -437,6 +455,7 @@ int main(void)
 		cmocka_unit_test(nothing_is_mirrored),
 		cmocka_unit_test(nothing_is_upside_down),
 		cmocka_unit_test(views_match_traced_rays),
+		cmocka_unit_test(panels_are_switched),
 		cmocka_unit_test(exposure_suits_a_camera),
 		cmocka_unit_test(lights_match_random_sampling),
 		cmocka_unit_test(the_light_sampler_finds_the_true_lights),

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+#include "drivers/sim/studio_people.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "drivers/sim/walker_body.h"
+#include "hal/optics/vec.h"
+
+enum { SIDE = 4, TILE = 8 };
+
+struct crowd {
+	int count;
+	struct walker_body body[WALKER_STYLES];
+	struct studio_piece piece[STUDIO_PIECES];
+	const struct studio_lamps *lamps;
+};
+
+static void crowd_gather(struct crowd *crowd, const struct studio_lamps *lamps,
+			 const struct walker *walkers, int count)
+{
+	crowd->lamps = lamps;
+	crowd->count = count < WALKER_STYLES ? count : WALKER_STYLES;
+	for (int i = 0; i < crowd->count; i++)
+		walker_pose(&walkers[i], &crowd->body[i]);
+	studio_pieces(lamps, crowd->piece);
+}
+
+/* Irradiance by a piece for a power of 1. */
+static double piece_irradiance(const struct studio_piece *piece, const double point[3],
+			       const double normal[3])
+{
+	const double to[3] = {piece->place[0] - point[0], piece->place[1] - point[1],
+			      piece->place[2] - point[2]};
+	const double d2 = vec_dot(to, to), d = sqrt(d2);
+	const bool faces = vec_dot(piece->facing, piece->facing) > 0;
+	const double here = vec_dot(to, normal) / d;
+	const double there = faces ? -vec_dot(to, piece->facing) / d : 1;
+
+	return here > 0 && there > 0 ? here * there / d2 : 0;
+}
+
+static double crowd_hides(const struct crowd *crowd, const double point[3], const double lamp[3],
+			  double radius)
+{
+	double seen = 1;
+
+	for (int i = 0; i < crowd->count; i++)
+		seen *= 1 - walker_hides(&crowd->body[i], point, lamp, radius);
+	return 1 - seen;
+}
+
+/* The share of the ambient light that is hidden: seven beams share the hemisphere by the cosine. A
+ * body is longer than wide, so the strip that walker_hides() compares with a beam covers less of a
+ * round one: by half, about. */
+static double crowd_hides_ambient(const struct crowd *crowd, const double point[3],
+				  const double normal[3])
+{
+	const double far_m = 2, tilt = 0.9, radius = 0.8, round = 0.5;
+	double u[3] = {normal[1], normal[2], normal[0]}, v[3], hidden = 0;
+	bool near = false;
+
+	for (int i = 0; i < crowd->count; i++) {
+		const double *middle = crowd->body[i].low;
+		const double off = hypot(middle[0] - point[0], middle[1] - point[1]);
+
+		near = near || off < 1.2;
+	}
+	if (!near)
+		return 0;
+	vec_cross(normal, u, v);
+	for (int k = 0; k < 7; k++) {
+		const double turn = 2 * M_PI * k / 6, out = k < 6 ? sin(tilt) : 0;
+		double lamp[3];
+
+		for (int i = 0; i < 3; i++)
+			lamp[i] = point[i] + far_m * (sqrt(1 - out * out) * normal[i] +
+						      out * (cos(turn) * u[i] + sin(turn) * v[i]));
+		hidden += round * crowd_hides(crowd, point, lamp, radius) / 7;
+	}
+	return hidden;
+}
+
+static void take_light(const struct studio_view *view, int x, int y, const double lost[3],
+		       float *rgb)
+{
+	const struct sim_eye *eye = studio_view_eye(view);
+	const struct studio_ground at = studio_view_ground(view, x, y);
+	float *value = &rgb[3 * (y * eye->width + x)];
+
+	for (int c = 0; c < 3; c++)
+		value[c] = fmaxf(value[c] - (float)(at.paint[c] * lost[c]), 0.05f * value[c]);
+}
+
+/* Irradiance that walkers keep from a place. */
+static void crowd_takes(const struct crowd *crowd, const struct studio_ground *at, double lost[3])
+{
+	const double ambient = crowd_hides_ambient(crowd, at->point, at->normal);
+
+	for (int c = 0; c < 3; c++)
+		lost[c] = ambient * studio_ambient_irradiance[c];
+	for (int p = 0; p < STUDIO_PIECES; p++) {
+		const struct studio_piece *piece = &crowd->piece[p];
+		const double e = piece_irradiance(piece, at->point, at->normal);
+		const double hidden =
+			e > 0 ? crowd_hides(crowd, at->point, piece->place, piece->radius) : 0;
+
+		for (int c = 0; c < 3; c++)
+			lost[c] += hidden * e * piece->power[c];
+	}
+}
+
+void studio_people_shade(const struct studio_view *view, const struct studio_lamps *lamps,
+			 const struct walker *walkers, int count, float *rgb)
+{
+	const struct sim_eye *eye = studio_view_eye(view);
+	struct crowd crowd;
+	double lost[3];
+
+	if (count == 0)
+		return;
+	crowd_gather(&crowd, lamps, walkers, count);
+	for (int y = 0; y < eye->height; y += 2)
+		for (int x = 0; x < eye->width; x += 2) {
+			const struct studio_ground first = studio_view_ground(view, x, y);
+
+			crowd_takes(&crowd, &first, lost);
+			for (int k = 0; k < 4; k++) {
+				const int px = x + k % 2, py = y + k / 2;
+
+				if (px < eye->width && py < eye->height)
+					take_light(view, px, py, lost, rgb);
+			}
+		}
+}
+
+static void body_irradiance(const struct crowd *crowd, const double point[3],
+			    const double normal[3], double rgb[3])
+{
+	/* Nearer to the ground, which is darker than the walls, less comes from below. */
+	const double ambient = 0.75 + 0.25 * normal[2];
+
+	for (int c = 0; c < 3; c++)
+		rgb[c] = ambient * studio_ambient_irradiance[c];
+	for (int p = 0; p < STUDIO_PIECES; p++) {
+		const double e = piece_irradiance(&crowd->piece[p], point, normal);
+
+		for (int c = 0; c < 3; c++)
+			rgb[c] += e * crowd->piece[p].power[c];
+	}
+}
+
+/* What is known of a pixel's samples so far. */
+struct drawn_pixel {
+	int hits, seen;
+	int of[WALKER_STYLES]; /* hits of each walker */
+	double depth;
+	int shaded_body, shaded_part; /* whose light the next one has, too */
+	double irradiance[3];
+};
+
+static void pixel_sample(const struct crowd *crowd, const unsigned *parts, const double origin[3],
+			 const double dir[3], struct drawn_pixel *pixel, float rgb[3])
+{
+	struct walker_hit hit, nearest = {.distance = INFINITY};
+	int who = -1;
+
+	for (int i = 0; i < crowd->count; i++)
+		if (parts[i] && walker_hit(&crowd->body[i], parts[i], origin, dir, &hit) &&
+		    hit.distance < nearest.distance) {
+			nearest = hit;
+			who = i;
+		}
+	if (who < 0 || studio_lantern_hit(crowd->lamps, origin, dir, nearest.distance) >= 0)
+		return;
+	if (pixel->shaded_body != who || pixel->shaded_part != nearest.part) {
+		double point[3];
+
+		for (int i = 0; i < 3; i++)
+			point[i] = origin[i] + nearest.distance * dir[i];
+		body_irradiance(crowd, point, nearest.normal, pixel->irradiance);
+		pixel->shaded_body = who;
+		pixel->shaded_part = nearest.part;
+	}
+	pixel->hits++;
+	pixel->of[who]++;
+	pixel->depth += nearest.distance;
+	for (int c = 0; c < 3; c++)
+		rgb[c] += (float)(nearest.albedo[c] / M_PI * pixel->irradiance[c]);
+}
+
+static struct studio_layer draw_pixel(const struct crowd *crowd, const struct sim_eye *eye,
+				      const unsigned *parts, int x, int y)
+{
+	struct studio_layer layer = {.walker = -1};
+	struct drawn_pixel pixel = {.shaded_body = -1};
+
+	for (int k = 0; k < SIDE * SIDE; k++) {
+		const double px[2] = {x + (k % SIDE + 0.5) / SIDE, y + (k / SIDE + 0.5) / SIDE};
+		double origin[3], dir[3];
+
+		if (eye_ray(eye, px, origin, dir))
+			pixel_sample(crowd, parts, origin, dir, &pixel, layer.rgb);
+	}
+	for (int i = 0; i < crowd->count; i++)
+		if (pixel.of[i] > 0 && (layer.walker < 0 || pixel.of[i] > pixel.of[layer.walker]))
+			layer.walker = i;
+	for (int c = 0; c < 3; c++)
+		layer.rgb[c] /= SIDE * SIDE;
+	layer.alpha = (float)pixel.hits / (SIDE * SIDE);
+	layer.depth = pixel.hits ? (float)(pixel.depth / pixel.hits) : 0;
+	return layer;
+}
+
+/* The parts of bodies that a tile may see. False: none. */
+static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
+		       unsigned *parts)
+{
+	double origin[3], dir[3], angle = 0;
+	bool any = false;
+
+	memset(parts, 0, WALKER_STYLES * sizeof(*parts));
+	if (!eye_ray(eye, (double[2]){x + TILE / 2.0, y + TILE / 2.0}, origin, dir))
+		angle = -1;
+	for (int k = 0; angle >= 0 && k < 4; k++) {
+		const double px[2] = {x + k % 2 * TILE, y + k / 2 * TILE};
+		double corner[3];
+
+		angle = eye_ray(eye, px, origin, corner) ? fmax(angle, vec_angle(dir, corner)) : -1;
+	}
+	for (int i = 0; i < crowd->count; i++) {
+		/* At the rim of the field every part is tried. */
+		parts[i] = angle < 0 ? ~0u : walker_in_cone(&crowd->body[i], origin, dir, angle);
+		any = any || parts[i];
+	}
+	return any;
+}
+
+void studio_people_draw(const struct studio_view *view, const struct studio_lamps *lamps,
+			const struct walker *walkers, int count, struct studio_layer *layer)
+{
+	const struct sim_eye *eye = studio_view_eye(view);
+	const struct studio_layer nothing = {.walker = -1};
+	struct crowd crowd;
+
+	crowd_gather(&crowd, lamps, walkers, count);
+	for (int k = 0; k < eye->width * eye->height; k++)
+		layer[k] = nothing;
+	for (int ty = 0; ty < eye->height; ty += TILE)
+		for (int tx = 0; tx < eye->width; tx += TILE) {
+			unsigned parts[WALKER_STYLES];
+
+			if (!tile_parts(&crowd, eye, tx, ty, parts))
+				continue;
+			for (int y = ty; y < ty + TILE && y < eye->height; y++)
+				for (int x = tx; x < tx + TILE && x < eye->width; x++)
+					layer[y * eye->width + x] = draw_pixel(&crowd, eye, parts,
+									       x, y);
+		}
+}
+
+void studio_people_over(const struct studio_view *view, const struct studio_layer *layer,
+			float *rgb)
+{
+	const struct sim_eye *eye = studio_view_eye(view);
+
+	for (int k = 0; k < eye->width * eye->height; k++)
+		for (int c = 0; c < 3; c++)
+			rgb[3 * k + c] = (1 - layer[k].alpha) * rgb[3 * k + c] + layer[k].rgb[c];
+}
