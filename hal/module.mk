@@ -52,6 +52,8 @@ HAL_SOURCES := \
 	hal/compositor/light/light_terms.c \
 	hal/compositor/light/light_vector.c \
 	hal/compositor/light/selection.c \
+	hal/compositor/live/grain.c \
+	hal/compositor/live/veiled_tile.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
 	hal/device/camera_choice.c \
@@ -92,6 +94,8 @@ HAL_SOURCES := \
 	hal/lights/sampler_kernels.c \
 	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
+	hal/look/grain_tables.c \
+	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \
 	hal/measure/lightings.c \
@@ -109,6 +113,14 @@ HAL_SOURCES := \
 	hal/optics/fisheye.c \
 	hal/optics/fisheye_curve.c \
 	hal/optics/panorama.c \
+	hal/people/cells.c \
+	hal/people/groups.c \
+	hal/people/judge.c \
+	hal/people/order.c \
+	hal/people/outline.c \
+	hal/people/people.c \
+	hal/people/place.c \
+	hal/people/saved.c \
 	hal/optics/tsai.c
 # The compositor's inner loops: only these files are built for more than every processor has.
 HAL_SOURCES += $(addprefix hal/compositor/kernels/kernels_,$(if $(filter x86_64,$(MACHINE)),\

@@ -29,6 +29,8 @@
 #include "hal/basis/basis.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/light/selection.h"
+#include "hal/compositor/live/grain.h"
+#include "hal/compositor/live/veil.h"
 #include "hal/frame/view.h"
 
 #define COMPOSITOR_RATIO_MAX 16.0
@@ -58,8 +60,10 @@ struct compositor_settings {
 	enum compositor_reuse reuse;
 	struct transfer_curve background; /* transfer function of the background's code values */
 	struct transfer_curve output;
-	double gain; /* 0..COMPOSITOR_GAIN_MAX */
-	bool object; /* false: the background alone, by the same transfer functions */
+	double gain;		   /* 0..COMPOSITOR_GAIN_MAX */
+	bool object;		   /* false: the background alone, by the same transfer functions */
+	const struct veil *veil;   /* borrowed: people before the object; NULL: nobody */
+	const struct grain *grain; /* borrowed: noise for the object; NULL: none */
 };
 
 struct compositor;
@@ -127,7 +131,7 @@ struct compositor_frame compositor_last(const struct compositor *compositor);
 void compositor_destroy(struct compositor *compositor);
 
 /*
- * Computes the frame in double precision, from the layer that settings->mode names, with every
+ * Computes the frame in double precision, without settings->grain, from the layer that settings->mode names, with every
  * column. out[height][width][3] gets R, G, B as encoded values 0..255, not rounded. background has
  * the basis's size. Slow; for tests, reports and `--mode reference`. -EINVAL, -ENODATA, -ENOMEM and
  * -EBADMSG as compositor_run().

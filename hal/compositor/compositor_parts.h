@@ -7,6 +7,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/division.h"
 #include "hal/compositor/glass.h"
+#include "hal/compositor/live/veiled_tile.h"
 #include "hal/compositor/tile.h"
 
 /* Largest number of adjacent tiles whose background is made by one call. */
@@ -40,6 +41,8 @@ struct pose {
 struct compositor_worker {
 	struct tile_work tile;
 	struct tile_values values;
+	struct veiled_tile veiled;
+	struct grain_tile grain;
 	uint8_t *rows; /* background scratch: a row of the picture, or SPAN_TILES tiles */
 };
 

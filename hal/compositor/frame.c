@@ -14,8 +14,20 @@
 
 /* ---- a run of tiles ---- */
 
-static void mix_tile(const struct compositor *c, int t, const struct tile_values *v,
-		     struct backdrop_rows rows)
+/* Takes from a tile's values what people hide. Returns what mix_tile() needs to know of them, or
+ * NULL: nobody is in the tile. */
+static struct veiled_tile *veil_tile(const struct compositor *c, int t, struct compositor_worker *w)
+{
+	const struct veil *veil = c->settings.veil;
+
+	if (!veil || !veil->tile[t])
+		return NULL;
+	veiled_tile_read(&w->veiled, veil, &c->layer->basis->tiles[t], (int)c->basis->info.width);
+	return &w->veiled;
+}
+
+static void mix_tile(const struct compositor *c, int t, struct compositor_worker *w,
+		     struct veiled_tile *veiled, struct backdrop_rows rows)
 {
 	const struct basis_tile *tile = &c->layer->basis->tiles[t];
 	const struct tile_plan *plan = &c->layer->plan.tiles[t];
@@ -34,9 +46,13 @@ static void mix_tile(const struct compositor *c, int t, const struct tile_values
 	};
 
 	for (int k = 0; k < 3; k++) {
-		row.object[k] = plan->object ? v->object[k] : tile_nothing;
-		row.taken[k] = plan->taken ? v->taken[k] : tile_nothing;
+		row.object[k] = plan->object ? w->values.object[k] : tile_nothing;
+		row.taken[k] = plan->taken ? w->values.taken[k] : tile_nothing;
 	}
+	if (veiled)
+		veiled_tile_show(veiled, &row);
+	if (c->settings.grain)
+		grain_add(c->settings.grain, t, &row, &w->grain);
 	c->kernels->mix(&row);
 }
 
@@ -81,11 +97,18 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
 
 	for (int t = first; t < end; t++) {
+		const struct tile_plan *plan = &c->layer->plan.tiles[t];
+		struct veiled_tile *veiled = veil_tile(c, t, w);
+
 		fetch_ahead(c, t, rows);
-		tile_compute(&c->light, &c->layer->plan.tiles[t], &w->tile, &w->values);
+		tile_compute(&c->light, plan, &w->tile, &w->values);
+		if (veiled && plan->taken)
+			veil_values(w->values.taken, veiled->anybody);
 		if (c->glass)
 			glass_add(c->glass, t, &c->through, c->curves.decode, &w->values);
-		mix_tile(c, t, &w->values, rows);
+		if (veiled && plan->object)
+			veil_values(w->values.object, veiled->front);
+		mix_tile(c, t, w, veiled, rows);
 		rows.pixels += BASIS_TILE * 4;
 	}
 }

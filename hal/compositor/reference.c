@@ -165,13 +165,18 @@ static int clamped_to(int at, int count)
 	return at < 0 ? 0 : at >= count ? count - 1 : at;
 }
 
-static double background_at(const struct reference_scene *s, const struct picture *b, int x, int y,
-			    int c)
+static double code_at(const struct picture *b, int x, int y, int c)
 {
 	const uint8_t *in = b->origin + clamped_to(y, b->height) * b->y_step +
 			    clamped_to(x, b->width) * b->x_step;
 
-	return transfer_curve_decode(&s->settings->background, in[2 - c] / 255.0);
+	return in[2 - c];
+}
+
+static double background_at(const struct reference_scene *s, const struct picture *b, int x, int y,
+			    int c)
+{
+	return transfer_curve_decode(&s->settings->background, code_at(b, x, y, c) / 255);
 }
 
 /* Length of the part of pixel `at` that is in the interval. */
@@ -213,10 +218,30 @@ static void look_through(const struct reference_scene *s, int pose, int tile,
 	}
 }
 
-static void write_tile(const struct reference_scene *s, int pose, const struct basis_tile *tile,
+/* What people hide of a pixel, and their colour in code values 0..255. */
+struct reference_veil {
+	double front, anybody, foremost[3];
+};
+
+static struct reference_veil veil_at(const struct reference_scene *s, int tile, size_t at)
+{
+	const struct veil *veil = s->settings->veil;
+
+	if (!veil || !s->settings->object || !veil->tile[tile])
+		return (struct reference_veil){0};
+	return (struct reference_veil){
+		.front = veil->front[at] / 255.0,
+		.anybody = veil->anybody[at] / 255.0,
+		.foremost = {veil->foremost[4 * at + 2], veil->foremost[4 * at + 1],
+			     veil->foremost[4 * at]},
+	};
+}
+
+static void write_tile(const struct reference_scene *s, int pose, int index,
 		       const struct picture *background, const struct reference_tile *v,
 		       double *out)
 {
+	const struct basis_tile *tile = &s->basis->poses[pose].shown.tiles[index];
 	const size_t width = s->basis->info.width;
 
 	for (int y = 0; y < tile->height; y++) {
@@ -225,19 +250,26 @@ static void write_tile(const struct reference_scene *s, int pose, const struct b
 			const double a = s->settings->object
 						 ? s->basis->poses[pose].coverage[at] / 65535.0
 						 : 0;
+			const struct reference_veil veil = veil_at(s, index, at);
+			const double left = 1 - veil.front,
+				     mixed = a * (veil.front > 0 && left > 0);
 			const int p = y * BASIS_TILE + x;
 
 			for (int c = 0; c < 3; c++) {
-				const double behind = background_at(s, background, tile->x + x,
-								    tile->y + y, c);
-				const double ratio = fmin(fmax(1 - v->taken[p][c], 0),
-							  COMPOSITOR_RATIO_MAX);
+				const double code = code_at(background, tile->x + x, tile->y + y,
+							    c);
+				const double behind = transfer_curve_decode(
+					&s->settings->background,
+					(code + mixed * (veil.foremost[c] - code)) / 255);
+				const double taken = (1 - veil.anybody) * v->taken[p][c];
+				const double ratio = fmin(fmax(1 - taken, 0), COMPOSITOR_RATIO_MAX);
 
 				out[at * 3 + (size_t)c] =
 					255 * transfer_curve_encode(
 						      &s->settings->output,
-						      v->object[p][c] + ratio * ((1 - a) * behind +
-										 v->through[p][c]));
+						      left * v->object[p][c] +
+							      ratio * ((1 - left * a) * behind +
+								       left * v->through[p][c]));
 			}
 		}
 	}
@@ -257,7 +289,7 @@ static int reference_write(struct reference_scene *s, int pose, const struct pic
 	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
 		fill_tile(s, &layer->tiles[t], values);
 		look_through(s, pose, t, background, values);
-		write_tile(s, pose, &layer->tiles[t], background, values, out);
+		write_tile(s, pose, t, background, values, out);
 	}
 	free(values);
 	return 0;

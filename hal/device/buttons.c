@@ -6,11 +6,10 @@
 #include <string.h>
 
 const char *const action_names[] = {
-	"none",		 "threshold-up", "threshold-down", "threshold-next",
-	"threshold-set", "view-next",	 "view",	   "pose-next",
-	"pose-prev",	 "pose",	 "object",	   "information",
-	"split-left",	 "split-right",	 "freeze",	   "wake",
-	"quit",		 NULL,
+	"none",	     "threshold-up", "threshold-down", "threshold-next", "threshold-set",
+	"view-next", "view",	     "pose-next",      "pose-prev",	 "pose",
+	"object",    "information",  "split-left",     "split-right",	 "freeze",
+	"wake",	     "learn",	     "forget",	       "quit",		 NULL,
 };
 
 _Static_assert(sizeof(action_names) / sizeof(action_names[0]) == ACTION_COUNT + 1,

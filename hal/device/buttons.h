@@ -28,6 +28,8 @@ enum action {
 	ACTION_SPLIT_RIGHT,
 	ACTION_FREEZE, /* holds the picture or lets it go on: a switch */
 	ACTION_WAKE,   /* ends the rest outside of opening hours for a while */
+	ACTION_LEARN,  /* nobody is in the picture: it shows the empty place */
+	ACTION_FORGET, /* the empty place is learned anew */
 	ACTION_QUIT,
 	ACTION_COUNT
 };

@@ -417,3 +417,29 @@ int tsai_ray(const struct tsai_camera *c, const double px[2], double origin[3], 
 		origin[i] = -origin[i];
 	return 0;
 }
+
+static void *tsai_place(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+int tsai_read_text(const char *text, struct tsai_camera *camera, struct fault *fault)
+{
+	static const struct ini_table tables[] = {
+		{.section = "camera", .keys = tsai_keys, .place = tsai_place}, INI_TABLES_END};
+	struct ini_report report = {.count = 0};
+	int err;
+
+	memset(camera, 0, sizeof(*camera));
+	ini_defaults(tsai_keys, camera);
+	err = *text ? ini_read_memory(text, strlen(text), "camera", NULL, tables, camera, &report)
+		    : fault_say(&report.first, -EINVAL, "no camera");
+	if (err)
+		fault_say(fault, err, "%s", report.first.text);
+	else
+		err = tsai_check(camera, fault);
+	if (err)
+		memset(camera, 0, sizeof(*camera));
+	return err;
+}

@@ -60,6 +60,10 @@ extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */
  * rotation to 1e-6, or a distortion of more than kappa1 that folds over inside of the picture. */
 int tsai_check(struct tsai_camera *camera, struct fault *fault);
 
+/* Reads a camera from INI text, its section [camera], as a basis carries it, and checks it. 0;
+ * -EINVAL: a mistake in the text, or no text; camera is all 0 then. */
+int tsai_read_text(const char *text, struct tsai_camera *camera, struct fault *fault);
+
 /* Sets up a camera at eye that looks at target, with world Z up, square pixels, no distortion, and
  * this horizontal field of view. 0; -EINVAL: eye and target coincide, or the view is vertical. */
 int tsai_look_at(struct tsai_camera *camera, int width, int height, const double eye[3],

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Finds people between the camera and the ground of the object's surroundings, in the background's
+ * picture. The empty place is linear in the light that is measured, so its picture is predicted for
+ * the light of each frame; what differs from the prediction by more than the camera's noise is a
+ * person, or a shadow that a person casts.
+ *
+ * For each frame call people_look(); then people_veil() is what the compositor needs. All calls come
+ * from one thread. Nothing is allocated after people_create(). The same frames give the same bytes,
+ * whatever the processor.
+ */
+#ifndef INLAY_HAL_PEOPLE_PEOPLE_H
+#define INLAY_HAL_PEOPLE_PEOPLE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "hal/base/fault.h"
+#include "hal/colour/transfer.h"
+#include "hal/compositor/live/veil.h"
+#include "hal/frame/view.h"
+#include "hal/optics/dome.h"
+#include "hal/optics/tsai.h"
+
+struct people;
+
+struct people_settings {
+	int width, height;	     /* of the background's view, as the basis was baked */
+	struct transfer_curve curve; /* transfer function of its code values */
+	const struct dome *dome;     /* borrowed: of the lights that people_look() gets */
+};
+
+/* What the object touches, for one pose. Borrowed until the next call of people_place(). */
+struct people_object {
+	const uint16_t *coverage; /* [height][width], 65535 = 1 */
+	/* [tiles], row by row: 1 where object, shadow or glass change the picture. People are looked
+	 * for in these tiles and two around them. */
+	const uint8_t *touched;
+	const struct tsai_camera *camera; /* NULL: not known, and nobody is in front */
+	/* Convex outline of what the object covers of the ground z = 0, seen from above: world X and
+	 * Y, counterclockwise. foot_count 0: not known, the lower edge of the coverage stands in. */
+	const double (*foot)[2];
+	int foot_count;
+};
+
+/* 0 or -ENOMEM, -EINVAL. */
+int people_create(struct people **people, const struct people_settings *settings,
+		  struct fault *fault);
+void people_destroy(struct people *people); /* NULL is harmless */
+
+/* Takes another object or pose. What was learned of the place stays. */
+void people_place(struct people *people, const struct people_object *object);
+
+/* Looks at a frame: background is the upright view, radiance[dome->count] the light at about the
+ * same time, captured_ns when it was captured. */
+void people_look(struct people *people, const struct picture *background,
+		 const float (*radiance)[3], int64_t captured_ns);
+
+/* What the last look saw, valid until the next call; NULL: nobody is there. */
+const struct veil *people_veil(const struct people *people);
+
+/* What is seen in the next frame is the empty place, everywhere. */
+void people_learn(struct people *people);
+/* Everything that was learned is forgotten. */
+void people_forget(struct people *people);
+
+struct people_report {
+	double learned; /* share of the looked-at place whose empty picture is known, 0..1 */
+	int parts;	/* connected groups of people that the last look saw */
+	int in_front;	/* of them in front of the object */
+	double gain[3]; /* R, G, B: the camera's exposure against that of the learned place */
+};
+
+struct people_report people_report(const struct people *people);
+
+/* What was learned, to be kept over a restart. people_save() writes it, people_saved_bytes() long;
+ * people_restore() takes it: -EBADMSG if it is damaged or of another place, and nothing changes. */
+size_t people_saved_bytes(const struct people *people);
+void people_save(const struct people *people, void *to);
+int people_restore(struct people *people, const void *from, size_t bytes, struct fault *fault);
+
+#endif

@@ -1,0 +1,565 @@
+/* SPDX-License-Identifier: MIT */
+/* People are found, and put in order, in pictures of a floor with a block on it, whose truth is known:
+ * while lamps are switched, the camera's exposure jumps, shadows pass, and somebody stands still. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/basis/basis_format.h"
+#include "hal/people/people.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+
+#define WIDTH 320
+#define HEIGHT 240
+#define PERIOD 33333333 /* ns */
+#define LEARNING 75	/* frames */
+
+#define NORMALS 65536
+
+static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
+
+/* Where somebody stands: an upright body with a textured cloth, by the ground under the feet. */
+struct body {
+	double x, y; /* ground; m */
+	double width, height;
+	double colour[3];
+	bool shadow; /* casts one to the right */
+	bool knees;  /* from 0.3 to 0.5 of the height the cloth looks like the floor */
+};
+
+struct place {
+	struct dome dome;
+	struct tsai_camera camera;
+	float (*radiance)[3];
+	double floor[HEIGHT][WIDTH][3]; /* albedo of what each pixel sees; < 0: sky */
+	double ground[HEIGHT][WIDTH][2];
+	uint16_t coverage[HEIGHT * WIDTH];
+	uint8_t touched[(HEIGHT / BASIS_TILE) * (WIDTH / BASIS_TILE)];
+	uint8_t pixels[HEIGHT * WIDTH * 4];
+	double person[HEIGHT][WIDTH]; /* truth: who covers a pixel, 0 or 1 */
+	double noise;		      /* of linear light at white */
+	double exposure[3];
+	double lamp; /* strength of a lamp in the east */
+	struct chance chance;
+	float normal[NORMALS]; /* normal deviates, from which each row takes a stretch */
+	struct transfer_tables tables;
+	struct people *people;
+	int64_t now_ns;
+	struct picture picture;
+};
+
+static double texture(double x, double y, double scale)
+{
+	return sin(x * scale * 3.1 + sin(y * scale * 2.3)) * sin(y * scale * 4.7);
+}
+
+/* A camera 1.6 m above the ground looks at the origin from 4 m; the object is a box of 0.6 m there,
+ * which the picture of the place does not show. */
+static void place_begin(struct place *p)
+{
+	const double eye[3] = {0, -4, 1.6}, target[3] = {0, 0, 0.3};
+	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
+	static const double foot[4][2] = {{-0.3, -0.3}, {0.3, -0.3}, {0.3, 0.3}, {-0.3, 0.3}};
+	struct people_object object = {.foot = foot, .foot_count = 4};
+
+	assert_int_equal(dome_create(&p->dome, 2, DOME_ANGLES, NULL), 0);
+	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
+	p->radiance = calloc((size_t)p->dome.count, sizeof(*p->radiance));
+	assert_non_null(p->radiance);
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const double px[2] = {x + 0.5, y + 0.5};
+			double origin[3], dir[3], t;
+
+			assert_int_equal(tsai_ray(&p->camera, px, origin, dir), 0);
+			t = dir[2] < -0.05 ? -origin[2] / dir[2] : 30;
+			p->ground[y][x][0] = origin[0] + t * dir[0];
+			p->ground[y][x][1] = origin[1] + t * dir[1];
+			for (int c = 0; c < 3; c++)
+				p->floor[y][x][c] = 0.35 + 0.05 * c +
+						    0.12 * texture(p->ground[y][x][0],
+								   p->ground[y][x][1], 4);
+		}
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			/* The front of the box, and its top as seen from above. */
+			const double top[3] = {0.3, -0.3, 0.6}, low[3] = {-0.3, -0.3, 0};
+			double a[2], b[2];
+
+			assert_int_equal(tsai_project(&p->camera, top, a), 0);
+			assert_int_equal(tsai_project(&p->camera, low, b), 0);
+			if (x > b[0] && x < a[0] && y > a[1] - 8 && y < b[1]) {
+				p->coverage[y * WIDTH + x] = 65535;
+				p->touched[y / BASIS_TILE * (WIDTH / BASIS_TILE) + x / BASIS_TILE] =
+					1;
+			}
+		}
+	settings.dome = &p->dome;
+	assert_int_equal(people_create(&p->people, &settings, NULL), 0);
+	object.coverage = p->coverage;
+	object.touched = p->touched;
+	object.camera = &p->camera;
+	people_place(p->people, &object);
+	p->chance = chance_begin("people");
+	for (int n = 0; n < NORMALS; n++)
+		p->normal[n] = (float)chance_normal(&p->chance);
+	transfer_tables_fill(&p->tables, &srgb);
+	p->noise = 0.008;
+	for (int c = 0; c < 3; c++)
+		p->exposure[c] = 1;
+	p->picture = (struct picture){p->pixels, 4, 4 * WIDTH, WIDTH, HEIGHT};
+}
+
+static void place_end(struct place *p)
+{
+	people_destroy(p->people);
+	dome_free(&p->dome);
+	free(p->radiance);
+}
+
+/* Light on the ground: even, and a lamp near the east wall that is stronger there. */
+static double irradiance(const struct place *p, int y, int x)
+{
+	return 1 + p->lamp / (1 + pow(p->ground[y][x][0] - 3, 2) / 4);
+}
+
+static void light_dome(struct place *p)
+{
+	for (int i = 0; i < p->dome.count; i++) {
+		const bool east = p->dome.direction[i][0] > 0.7;
+
+		for (int c = 0; c < 3; c++)
+			p->radiance[i][c] = (float)(0.32 + (east ? 1.2 * p->lamp : 0));
+	}
+}
+
+static double shadow_at(const struct body *b, double x, double y)
+{
+	const double along = x - b->x, across = (y - b->y) / (0.5 * b->width);
+
+	return b->shadow && along > 0 && along < 1.2
+		       ? 1 - 0.5 * exp(-across * across) * (1 - along / 1.2)
+		       : 1;
+}
+
+/* Writes the frame with these bodies, the nearest last. */
+static void place_expose(struct place *p, const struct body *bodies, int count)
+{
+	memset(p->person, 0, sizeof(p->person));
+	for (int y = 0; y < HEIGHT; y++) {
+		const int stretch = chance_int(&p->chance, 0, NORMALS - 1);
+
+		for (int x = 0; x < WIDTH; x++) {
+			const double *at = p->ground[y][x];
+			double light[3];
+
+			for (int c = 0; c < 3; c++)
+				light[c] = p->floor[y][x][c] * irradiance(p, y, x);
+			for (int n = 0; n < count; n++)
+				for (int c = 0; c < 3; c++)
+					light[c] *= shadow_at(&bodies[n], at[0], at[1]);
+			for (int n = 0; n < count; n++) {
+				const struct body *b = &bodies[n];
+				const double low[3] = {b->x, b->y, 0},
+					     high[3] = {b->x, b->y, b->height};
+				const double side[3] = {b->x + b->width / 2, b->y, b->height / 2};
+				double foot[2], head[2], edge[2], u, v;
+
+				if (tsai_project(&p->camera, low, foot) ||
+				    tsai_project(&p->camera, high, head) ||
+				    tsai_project(&p->camera, side, edge))
+					continue;
+				u = (x + 0.5 - foot[0]) / (edge[0] - foot[0]);
+				v = (foot[1] - y - 0.5) / (foot[1] - head[1]);
+				if (v < 0 || v > 1 || fabs(u) > 0.6 + 0.4 * sin(M_PI * v))
+					continue;
+				p->person[y][x] = 1;
+				if (b->knees && v > 0.3 && v < 0.5)
+					continue;
+				for (int c = 0; c < 3; c++)
+					light[c] = b->colour[c] * (1 + p->lamp * 0.3) *
+						   (1 + 0.3 * texture(u, v, 6));
+			}
+			for (int c = 0; c < 3; c++) {
+				const double exposed = light[c] * p->exposure[c];
+				const double noisy =
+					exposed +
+					p->noise * sqrt(0.05 + exposed) *
+						(double)p->normal[(stretch + 3 * x + c) % NORMALS];
+
+				const double lit = fmin(fmax(noisy, 0), 1);
+
+				p->pixels[4 * (y * WIDTH + x) + 2 - c] =
+					p->tables.encode[(int)lround(65535 * lit)];
+			}
+		}
+	}
+}
+
+static void place_look(struct place *p, const struct body *bodies, int count)
+{
+	light_dome(p);
+	place_expose(p, bodies, count);
+	p->now_ns += PERIOD;
+	people_look(p->people, &p->picture, (const float(*)[3])p->radiance, p->now_ns);
+}
+
+static void learn(struct place *p)
+{
+	for (int n = 0; n < LEARNING; n++)
+		place_look(p, NULL, 0);
+}
+
+/* Share of the object's pixels in which `anybody` is wrong. */
+static double wrong_share(const struct place *p)
+{
+	const struct veil *veil = people_veil(p->people);
+	int wrong = 0, all = 0;
+
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const int t = y / BASIS_TILE * (WIDTH / BASIS_TILE) + x / BASIS_TILE;
+
+			if (!p->touched[t])
+				continue;
+			all++;
+			wrong += (veil && veil->tile[t] && veil->anybody[y * WIDTH + x] > 127) !=
+				 (p->person[y][x] > 0.5);
+		}
+	return (double)wrong / all;
+}
+
+static struct body walker(double x, double y)
+{
+	return (struct body){x, y, 0.5, 1.7, {0.5, 0.15, 0.1}, .shadow = true};
+}
+
+static void nobody_is_found_where_nobody_is(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	place_look(p, NULL, 0);
+	assert_true(people_report(p->people).learned == 0);
+	learn(p);
+	expect_above(people_report(p->people).learned, 0.98, "after %d frames", LEARNING);
+	for (int n = 0; n < 60; n++) {
+		p->lamp = n < 20 ? 0 : n < 40 ? 0.8 : 0.3; /* switched, within one frame */
+		p->exposure[0] = n < 30 ? 1 : 0.8;
+		p->exposure[1] = p->exposure[2] = n < 30 ? 1 : 0.85;
+		place_look(p, NULL, 0);
+		expect_at_most(wrong_share(p), 0.01, "frame %d", n);
+	}
+	place_end(p);
+	free(p);
+}
+
+static void somebody_who_passes_is_found_in_order(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	double sum = 0;
+	int frames = 0;
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int front = 0; front < 2; front++)
+		for (int n = 0; n < 60; n++) {
+			const struct body b = walker(-1.5 + 0.05 * n, front ? -1 : 1);
+			struct people_report seen;
+
+			p->lamp = n < 30 ? 0 : 0.5;
+			place_look(p, &b, 1);
+			seen = people_report(p->people);
+			sum += wrong_share(p);
+			frames++;
+			if (fabs(b.x) > 0.3)
+				continue;
+			expect_above(seen.parts, 0, "frame %d, in front: %d", n, front);
+			expect_equal(seen.in_front, front ? seen.parts : 0,
+				     "frame %d, in front: %d", n, front);
+		}
+	print_message("# wrong pixels: %.4f of the object's tiles\n", sum / frames);
+	assert_true(sum / frames < 0.03);
+	place_end(p);
+	free(p);
+}
+
+static void somebody_who_stands_still_is_not_learned(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 600; n++) {
+		const struct body b = walker(0.1, -1);
+
+		place_look(p, &b, 1);
+	}
+	assert_int_equal(people_report(p->people).in_front, 1);
+	expect_at_most(wrong_share(p), 0.03, "after standing for 20 s");
+	place_look(p, NULL, 0);
+	place_look(p, NULL, 0);
+	expect_at_most(wrong_share(p), 0.01, "after leaving");
+	place_end(p);
+	free(p);
+}
+
+static void ghost_goes(double exposure)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	const struct body b = walker(0.1, -1);
+
+	assert_non_null(p);
+	place_begin(p);
+	for (int n = 0; n < LEARNING; n++)
+		place_look(p, &b, 1); /* is taken for the place */
+	for (int c = 0; c < 3; c++)
+		p->exposure[c] = exposure;
+	for (int n = 0; n < 5; n++)
+		place_look(p, NULL, 0);
+	expect_at_most(wrong_share(p), 0.02, "five frames after leaving, exposure %g", exposure);
+	place_end(p);
+	free(p);
+}
+
+static void a_ghost_goes(void **state)
+{
+	(void)state;
+	ghost_goes(1);
+	ghost_goes(0.4);
+	ghost_goes(1.4);
+}
+
+static void exposure_is_followed(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	p->exposure[0] = 0.7;
+	p->exposure[1] = 1.2;
+	place_look(p, NULL, 0);
+	place_look(p, NULL, 0);
+	for (int c = 0; c < 3; c++)
+		expect_below(fabs(people_report(p->people).gain[c] / p->exposure[c] - 1), 0.01,
+			     "channel %d", c);
+	p->lamp = 0.5; /* light, which both eyes see */
+	place_look(p, NULL, 0);
+	for (int c = 0; c < 3; c++)
+		expect_below(fabs(people_report(p->people).gain[c] / p->exposure[c] - 1), 0.15,
+			     "channel %d", c);
+	place_end(p);
+	free(p);
+}
+
+static void what_was_learned_survives(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	struct fault fault = {.text = ""};
+	uint8_t *saved;
+	size_t bytes;
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	bytes = people_saved_bytes(p->people);
+	saved = malloc(bytes);
+	assert_non_null(saved);
+	people_save(p->people, saved);
+	people_forget(p->people);
+	place_look(p, NULL, 0);
+	assert_true(people_report(p->people).learned < 0.5);
+	for (size_t at = 0; at < bytes; at += 1 + bytes / 50) {
+		saved[at] ^= 4;
+		assert_int_equal(people_restore(p->people, saved, bytes, &fault), -EBADMSG);
+		saved[at] ^= 4;
+	}
+	assert_int_equal(people_restore(p->people, saved, bytes - 1, &fault), -EBADMSG);
+	assert_int_equal(people_restore(p->people, saved, 3, &fault), -EBADMSG);
+	expect_success(people_restore(p->people, saved, bytes, &fault), &fault);
+	place_look(p, NULL, 0);
+	expect_above(people_report(p->people).learned, 0.98, "restored");
+	expect_at_most(wrong_share(p), 0.01, "restored");
+	free(saved);
+	place_end(p);
+	free(p);
+}
+
+static void learn_and_forget_act_at_once(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	people_learn(p->people);
+	place_look(p, NULL, 0);
+	expect_equal(people_report(p->people).learned, 1, "after learn");
+	people_forget(p->people);
+	place_look(p, NULL, 0);
+	expect_equal(people_report(p->people).learned, 0, "after forget");
+	place_end(p);
+	free(p);
+}
+
+static void nobody_is_reported_in_the_dark(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	const struct body b = walker(0.1, -1);
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	place_look(p, &b, 1);
+	assert_true(people_report(p->people).parts > 0);
+	memset(p->radiance, 0, (size_t)p->dome.count * sizeof(*p->radiance));
+	people_look(p->people, &p->picture, (const float(*)[3])p->radiance, p->now_ns + PERIOD);
+	assert_null(people_veil(p->people));
+	assert_int_equal(people_report(p->people).parts, 0);
+	assert_int_equal(people_report(p->people).in_front, 0);
+	place_end(p);
+	free(p);
+}
+
+static void somebody_who_hides_everything_is_not_learned(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	const struct body b = {0, -2, 1.6, 1.9, {0.5, 0.15, 0.1}, .shadow = false};
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 300; n++)
+		place_look(p, &b, 1);
+	expect_at_most(wrong_share(p), 0.03, "after standing for 10 s");
+	assert_int_equal(people_report(p->people).in_front, 1);
+	place_look(p, NULL, 0);
+	place_look(p, NULL, 0);
+	expect_at_most(wrong_share(p), 0.01, "after leaving");
+	place_end(p);
+	free(p);
+}
+
+static void a_body_keeps_the_order_of_its_feet(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 12; n++) {
+		struct body b = walker(-0.2 + 0.03 * n, -0.7);
+		struct people_report seen;
+
+		b.knees = true;
+		place_look(p, &b, 1);
+		seen = people_report(p->people);
+		expect_above(seen.parts, 1, "frame %d", n);
+		expect_equal(seen.in_front, seen.parts, "frame %d", n);
+	}
+	place_end(p);
+	free(p);
+}
+
+static void somebody_cut_by_the_lower_edge_is_in_front(void **state)
+{
+	static const double foot[4][2] = {{-0.3, -3.9}, {0.3, -3.9}, {0.3, -3.7}, {-0.3, -3.7}};
+	struct place *p = calloc(1, sizeof(*p));
+	struct people_object object = {.foot = foot, .foot_count = 4};
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	memset(p->touched, 1, sizeof(p->touched));
+	object.coverage = p->coverage;
+	object.touched = p->touched;
+	object.camera = &p->camera;
+	people_place(p->people, &object);
+	learn(p);
+	for (int n = 0; n < 20; n++) {
+		const struct body b = walker(-0.2 + 0.02 * n, -3);
+
+		place_look(p, &b, 1);
+		expect_equal(people_report(p->people).in_front, 1, "frame %d", n);
+		for (int x = 0; x < WIDTH; x++)
+			if (x > 1 && x < WIDTH - 2 && p->person[HEIGHT - 1][x - 2] > 0 &&
+			    p->person[HEIGHT - 1][x + 2] > 0)
+				expect_equal(
+					people_veil(p->people)->front[(HEIGHT - 1) * WIDTH + x],
+					255, "frame %d, column %d", n, x);
+	}
+	place_end(p);
+	free(p);
+}
+
+static void another_place_is_refused(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
+	struct people *other = NULL;
+	struct dome tents;
+	uint8_t *saved;
+	size_t bytes;
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	place_look(p, NULL, 0);
+	bytes = people_saved_bytes(p->people);
+	saved = malloc(bytes);
+	assert_non_null(saved);
+	people_save(p->people, saved);
+	assert_int_equal(dome_create_shaped(&tents, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
+	for (int n = 0; n < 3; n++) {
+		settings.dome = n == 0 ? &tents : &p->dome;
+		settings.curve.named = n == 1 ? TRANSFER_LINEAR : TRANSFER_SRGB;
+		settings.width = n == 2 ? WIDTH - 1 : WIDTH; /* of as many cells */
+		assert_int_equal(people_create(&other, &settings, NULL), 0);
+		expect_equal(people_restore(other, saved, bytes, NULL), -EBADMSG, "case %d", n);
+		people_destroy(other);
+	}
+	dome_free(&tents);
+	free(saved);
+	place_end(p);
+	free(p);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(nobody_is_found_where_nobody_is),
+		cmocka_unit_test(somebody_who_passes_is_found_in_order),
+		cmocka_unit_test(somebody_who_stands_still_is_not_learned),
+		cmocka_unit_test(a_ghost_goes),
+		cmocka_unit_test(exposure_is_followed),
+		cmocka_unit_test(what_was_learned_survives),
+		cmocka_unit_test(learn_and_forget_act_at_once),
+		cmocka_unit_test(nobody_is_reported_in_the_dark),
+		cmocka_unit_test(somebody_who_hides_everything_is_not_learned),
+		cmocka_unit_test(a_body_keeps_the_order_of_its_feet),
+		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
+		cmocka_unit_test(another_place_is_refused),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
