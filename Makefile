@@ -362,6 +362,11 @@ $(eval $(call with_packages,blender,deep))
 blender-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/blender.sh
 
+## people: wrong pixels and orders of people before the object, beside OpenCV's ways (minutes)
+$(eval $(call with_packages,people,test))
+people-installed: all $(BUILD)/tests/people/judge
+	$(Q)BUILD="$(BUILD)" tests/people/people.sh
+
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))
 bench-installed: all

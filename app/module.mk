@@ -15,6 +15,7 @@ APP_SOURCES := \
 	app/still.c \
 	app/bench/bench.c \
 	app/bench/bench_frame.c \
+	app/bench/bench_look.c \
 	app/bench/bench_memory.c \
 	app/bench/bench_print.c \
 	app/bench/bench_truth.c \
@@ -52,9 +53,11 @@ APP_SOURCES := \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_fade.c \
+	app/pipeline/pipeline_grain.c \
 	app/pipeline/pipeline_ground.c \
 	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
+	app/pipeline/pipeline_people.c \
 	app/pipeline/pipeline_pose.c \
 	app/records/metrics.c \
 	app/records/state.c \

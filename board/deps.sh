@@ -11,7 +11,7 @@ build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev li
 	libjpeg62-turbo-dev libopenexr-dev libwebp-dev libxxhash-dev libzstd-dev libembree-dev
 	libtiff-dev libstb-dev nlohmann-json3-dev libmeshoptimizer-dev libdraco-dev
 	liblapacke-dev libopenblas-dev libcminpack-dev libexif-dev libopencv-calib3d-dev
-	libopencv-contrib-dev"
+	libopencv-contrib-dev libopencv-video-dev"
 demo="ffmpeg fonts-dejavu-core"
 package="dpkg-dev xz-utils"
 # What builds an image for this machine's own architecture; QEMU boots it.

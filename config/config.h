@@ -171,10 +171,16 @@ struct config_lights {
 
 struct config_composite {
 	double gain;
-	int threads; /* 0: one per processor */
-	int mode;    /* enum compositor_mode */
-	int reuse;   /* enum compositor_reuse */
+	int threads;	      /* 0: one per processor */
+	int mode;	      /* enum compositor_mode */
+	int reuse;	      /* enum compositor_reuse */
+	bool follow_exposure; /* the object follows the background camera's exposure */
+	bool grain;	      /* the object gets the background camera's noise */
 	char kernel[INI_TEXT_MAX];
+};
+
+struct config_people {
+	bool occlude;
 };
 
 struct config {
@@ -187,6 +193,7 @@ struct config {
 	struct config_scene scene;
 	struct config_lights lights;
 	struct config_composite composite;
+	struct config_people people;
 	struct config_screen *screen;
 	struct config_buttons *buttons;
 	struct config_control control;

@@ -415,12 +415,36 @@ static const struct ini_key composite_keys[] = {
 	 .help = "Whether a picture of exact mode starts from the sums of the one before it and "
 		 "adds what has changed; auto: where that is less to read. The picture is the "
 		 "same. Fast mode makes each anew, which is quicker there."},
+	{.name = "follow_exposure",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_composite, follow_exposure),
+	 .fallback = "no",
+	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "
+		 "automatic exposure and white balance make the place. A change that the fisheye "
+		 "sees as well is light, and is not followed."},
+	{.name = "grain",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_composite, grain),
+	 .fallback = "no",
+	 .help = "yes: the object gets the noise of the background's camera, which is measured "
+		 "meanwhile."},
 	{.name = "kernel",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_composite, kernel),
 	 .fallback = "auto",
 	 .help = "Instructions that the sums are made with; auto: the fastest that the processor "
 		 "has. inlay bench lists them."},
+	INI_KEYS_END};
+
+static const struct ini_key people_keys[] = {
+	{.name = "occlude",
+	 .type = INI_BOOL,
+	 .offset = offsetof(struct config_people, occlude),
+	 .fallback = "no",
+	 .help = "yes: people who walk between camera and object stand before it, and its shadow "
+		 "does not lie on them. The place without people is learned in the first seconds "
+		 "and kept for the light of each moment; \"learn\" takes what is seen as empty, "
+		 "\"forget\" begins anew."},
 	INI_KEYS_END};
 
 static const struct ini_key screen_keys[] = {
@@ -687,6 +711,11 @@ const struct ini_table config_tables[] = {
 	 .place = keys_place_config,
 	 .part = offsetof(struct config, composite),
 	 .help = "How the object is put into the picture."},
+	{.section = "people",
+	 .keys = people_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, people),
+	 .help = "Who walks in front of the object."},
 	{.section = "screen",
 	 .keys = screen_keys,
 	 .place = keys_place_screen,

@@ -127,6 +127,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
+	tests/unit/drivers/test_walkers.c \
 	tests/unit/hal/base/test_log_pace.c \
 	tests/unit/hal/base/test_output.c \
 	tests/unit/hal/base/test_pool.c \
@@ -143,6 +144,7 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_compositor_lines.c \
 	tests/unit/hal/compositor/test_compositor_parts.c \
 	tests/unit/hal/compositor/test_compositor_reuse.c \
+	tests/unit/hal/compositor/test_compositor_veil.c \
 	tests/unit/hal/compositor/test_light_budget.c \
 	tests/unit/hal/compositor/test_light_return.c \
 	tests/unit/hal/compositor/test_light_vector.c \
@@ -163,12 +165,14 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_sampler.c \
 	tests/unit/hal/lights/test_sampler_placed.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/look/test_sensor_noise.c \
 	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \
 	tests/unit/hal/optics/test_dome_fine.c \
 	tests/unit/hal/optics/test_dome_tents.c \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
+	tests/unit/hal/people/test_people.c \
 	tests/unit/hal/optics/test_tsai.c
 # Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
@@ -290,6 +294,16 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(EVERY_LINK)
 -include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
 	$(BUILD)/tests/accuracy/exposures_truth.d
+
+# Judges how people are found, beside OpenCV's ways: people/people.sh.
+PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,judge.o filmed.o subtractors.o)
+TEST_PROGRAMS += $(BUILD)/tests/people/judge
+$(BUILD)/tests/people/subtractors.o: OWN_FLAGS = -isystem /usr/include/opencv4
+$(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) \
+		-lopencv_video -lopencv_imgproc -lopencv_core $(HAL_LINK)
+-include $(PEOPLE_OBJECTS:.o=.d)
 
 # Measures the time of a camera's calibration; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera

@@ -224,6 +224,9 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		if (thesis_share(stage->thesis, stage->pool))
 			return fault_say(fault, -ENOMEM, "not enough memory");
 	}
+	err = bench_look_create(&stage->look, stage->basis, &stage->background_picture, fault);
+	if (err)
+		return err;
 	err = bench_frame_create(&stage->cameras, stage->basis, stage->background, stage->pool,
 				 &reason);
 	if (err == -ENOTSUP)
@@ -238,6 +241,7 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 static void clear_stage(struct bench_stage *stage)
 {
 	bench_frame_destroy(stage->cameras);
+	bench_look_destroy(stage->look);
 	thesis_destroy(stage->thesis);
 	reading_free(&stage->reading);
 	light_selection_free(&stage->before);

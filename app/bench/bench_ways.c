@@ -83,6 +83,10 @@ static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, 
 		way->changed = sequences[k].changed;
 		way->composite = settings_of(mode, way->changed != 0);
 	}
+	way = way_add(ways, BENCH_GRAIN, "fast, with grain", kernel);
+	way->compositor = own[COMPOSITOR_FAST][0];
+	way->composite = settings_of(COMPOSITOR_FAST, false);
+	way->composite.grain = bench_look_grain(stage->look);
 	if (stage->cameras) {
 		way = way_add(ways, BENCH_FRAME, "whole frame", kernel);
 		way->compositor = own[COMPOSITOR_FAST][0];
@@ -136,6 +140,7 @@ static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 		way->like = like;
 	}
 	if (stage->cameras) {
+		way_add(ways, BENCH_PEOPLE, "looking for people", "");
 		way_add(ways, BENCH_LIGHT, "light from its camera", "");
 		way_add(ways, BENCH_CONVERT, "background from its camera", "");
 	}
@@ -149,7 +154,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	most = (kernels + 1) * (SEQUENCE_COUNT + 1) + 4;
+	most = (kernels + 1) * (SEQUENCE_COUNT + 2) + 5;
 	*ways = (struct bench_ways){.way = calloc(most, sizeof(*ways->way))};
 	ways->compositors = calloc(4 * kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
@@ -263,7 +268,7 @@ int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn
 		thesis_light(stage->thesis, &stage->lights);
 		way->bytes = thesis_bytes(stage->thesis, way->row.lights);
 	}
-	if (way->kind == BENCH_COMPOSITE || way->kind == BENCH_FRAME)
+	if (way->kind == BENCH_COMPOSITE || way->kind == BENCH_FRAME || way->kind == BENCH_GRAIN)
 		compositor_set(way->compositor, &way->composite);
 	if (way->kind == BENCH_COMPOSITE && way->changed) {
 		light_before(stage, turn, way->changed);
@@ -283,7 +288,11 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		thesis_run(stage->thesis, from, &stage->out);
 		break;
 	case BENCH_COMPOSITE:
+	case BENCH_GRAIN:
 		return way_composite(way, stage, &stage->lights, fault);
+	case BENCH_PEOPLE:
+		bench_look_people(stage->look);
+		break;
 	case BENCH_FRAME:
 		way->row.lights = bench_frame_lights(stage->cameras)->used_count;
 		return bench_frame_run(stage->cameras, way->compositor, stage->settings->threshold,

@@ -8,6 +8,7 @@
 
 #include "app/bench/bench.h"
 #include "app/bench/bench_frame.h"
+#include "app/bench/bench_look.h"
 #include "app/bench/bench_memory.h"
 #include "hal/compositor/compositor.h"
 #include "hal/measure/lightings.h"
@@ -26,6 +27,7 @@ struct bench_stage {
 	struct canvas out;		   /* present buffer of the screen; borrowed */
 	unsigned frames;
 	struct thesis *thesis;	     /* NULL: left out */
+	struct bench_look *look;     /* what looks at the background */
 	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
 	struct bench_reading reading;
 	const struct lighting *lighting; /* the present one */
@@ -40,7 +42,9 @@ enum bench_kind {
 	BENCH_THESIS,
 	BENCH_COMPOSITE,
 	BENCH_FRAME,
-	/* The following make no picture of the object: */
+	/* The following make no picture of the object, or one that is not compared: */
+	BENCH_GRAIN,
+	BENCH_PEOPLE,
 	BENCH_LIGHT,
 	BENCH_CONVERT,
 	BENCH_READ,
@@ -52,7 +56,7 @@ enum bench_kind {
 struct bench_way {
 	enum bench_kind kind;
 	struct bench_row row; /* what and kernel; the rest is filled in later */
-	/* For BENCH_COMPOSITE and BENCH_FRAME: */
+	/* For BENCH_COMPOSITE, BENCH_FRAME and BENCH_GRAIN: */
 	struct compositor *compositor;
 	struct compositor_settings composite;
 	int changed;	/* lights that differ from the frame before: 0, n, BENCH_CHANGE_ALL */

@@ -150,6 +150,17 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 	case ACTION_WAKE:
 		(void)rest_press(&k->rest, clock_now_ns());
 		break;
+	case ACTION_LEARN:
+	case ACTION_FORGET:
+		if (!pipeline_report(k->picture.pipeline).people.on)
+			return fault_say(fault, -EINVAL,
+					 "nobody is looked for, expected [people] occlude "
+					 "or [composite] follow_exposure = yes");
+		if (press->action == ACTION_LEARN)
+			pipeline_learn(k->picture.pipeline);
+		else
+			pipeline_forget(k->picture.pipeline);
+		break;
 	case ACTION_QUIT:
 		k->stop = true;
 		break;

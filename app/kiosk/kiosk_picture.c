@@ -116,7 +116,7 @@ static struct show_guide guide_for(struct kiosk_picture *picture)
 	const int pose = pipeline_report(picture->pipeline).pose;
 	struct show_guide guide = {.coverage = picture->basis->poses[pose].coverage};
 
-	if (guide_camera(picture->basis->camera, &picture->camera))
+	if (!tsai_read_text(picture->basis->camera, &picture->camera, NULL))
 		guide.camera = &picture->camera;
 	return guide;
 }
@@ -140,6 +140,18 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 			(struct show_marks){pipeline_dome(pipeline), pipeline_lens(pipeline),
 					    pipeline_used(pipeline), pipeline_radiance(pipeline)};
 	return pictures;
+}
+
+/* Looks for people and noise in the background, which is converted whole for it. */
+static void look_at_background(const struct kiosk_inputs *in, struct pipeline *pipeline)
+{
+	const struct eye *background = &in->eyes.background;
+	struct picture picture;
+
+	if (!pipeline_looks(pipeline) || !eye_has_picture(background))
+		return;
+	picture = eye_picture(background);
+	pipeline_look(pipeline, &picture, background->source->stamp_ns);
 }
 
 /* The compositor reads the background from the camera's own memory, unless a view has had it
@@ -184,6 +196,9 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 		pictures.guide = guide_for(&k->picture);
 
 	stage_end(stages, STAGE_SHOW);
+	if (!err && pictures.composite.pixels)
+		look_at_background(&k->inputs, k->picture.pipeline);
+	stage_end(stages, STAGE_PEOPLE);
 	if (!err && pictures.composite.pixels)
 		err = composite_background(&k->inputs.eyes.background, k->picture.pipeline,
 					   &pictures.composite, fault);

@@ -95,6 +95,9 @@ static void write_information(struct kiosk *k)
 		.lamp = report.lamp.there,
 		.lamp_azimuth_deg = report.lamp.azimuth_deg,
 		.lamp_height_deg = report.lamp.height_deg,
+		.people = report.people.on,
+		.learned = report.people.learned,
+		.in_front = report.people.in_front,
 	};
 	char text[OVERLAY_TEXT_MAX];
 

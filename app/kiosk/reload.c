@@ -40,6 +40,7 @@ static const struct {
 	/* The basis is opened with the layers that its mode needs. */
 	{"composite", "mode", NEXT_START},
 	{"composite", NULL, RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"people", NULL, RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"screen", "show", RELOAD_VIEW | RELOAD_DRAWING},
 	{"screen", "split", RELOAD_SPLIT | RELOAD_DRAWING},
 	{"screen", "information", RELOAD_INFORMATION | RELOAD_DRAWING},

@@ -74,6 +74,10 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (err)
 		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
 	err = pipeline_ground_prepare(p, &p->settings, fault);
+	if (!err)
+		err = pipeline_people_prepare(p, &p->settings, fault);
+	if (!err)
+		err = pipeline_grain_prepare(p, &p->settings, fault);
 	if (err)
 		return err;
 	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
@@ -106,6 +110,8 @@ void pipeline_destroy(struct pipeline *p)
 		return;
 	pipeline_relight_end(p);
 	pipeline_fade_end(p);
+	pipeline_people_free(p);
+	pipeline_grain_free(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
 	light_selection_free(&p->selection);
@@ -133,6 +139,10 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 
 	if (!err)
 		err = pipeline_ground_prepare(p, settings, fault);
+	if (!err)
+		err = pipeline_people_prepare(p, settings, fault);
+	if (!err)
+		err = pipeline_grain_prepare(p, settings, fault);
 	if (err) {
 		compositor_destroy(compositor);
 		pool_destroy(pool);
@@ -178,6 +188,7 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 		return fault_say(fault, err, "%s", p->trouble.text);
 	p->selection.band = pipeline_band_below(&p->settings.sampler, level);
 	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
+	p->followed = false;
 	light_selection_choose(&p->selection, p->basis,
 			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
 			       pipeline_linear_level(&p->settings.sampler, level),
@@ -194,6 +205,8 @@ static struct compositor_settings compositor_settings_of(const struct pipeline *
 		.output = p->settings.background,
 		.gain = p->settings.gain,
 		.object = p->choice.object,
+		.veil = pipeline_veil(p),
+		.grain = pipeline_grain(p),
 	};
 }
 
@@ -208,6 +221,25 @@ int pipeline_fits(const struct pipeline *p, int width, int height, struct fault 
 			 width, height, info->width, info->height);
 }
 
+bool pipeline_looks(const struct pipeline *p)
+{
+	return p->people || p->grain;
+}
+
+void pipeline_look(struct pipeline *p, const struct picture *background, int64_t captured_ns)
+{
+	const bool fresh = !p->looked || p->looked_ns != captured_ns;
+
+	if (!p->choice.object || pipeline_fits(p, background->width, background->height, NULL))
+		return;
+	if (fresh && p->grain)
+		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
+	if (p->people && p->lit)
+		pipeline_people_look(p, background, captured_ns, fresh);
+	p->looked = true;
+	p->looked_ns = captured_ns;
+}
+
 int pipeline_composite(struct pipeline *p, const struct backdrop *background, uint8_t *out,
 		       size_t out_stride, struct fault *fault)
 {
@@ -216,6 +248,7 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 
 	if (err)
 		return err;
+	pipeline_people_follow(p);
 	compositor_set(p->compositor, &settings);
 	if (p->choice.share > 0)
 		err = pipeline_fade_run(p, background, out, out_stride);
@@ -263,6 +296,7 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.pose = p->choice.pose,
 		.missing = p->missing,
 		.lamp = p->lamp,
+		.people = pipeline_people_seen(p),
 	};
 }
 

@@ -4,7 +4,7 @@
  * knows no cameras, screens or files, so that `run` and `still` make the same picture.
  *
  * For each frame call pipeline_light_*(), pipeline_recover(), and pipeline_follow() where frames
- * follow each other; then pipeline_choose(), then pipeline_composite(). Light stays until it is
+ * follow each other; then pipeline_choose(), pipeline_look(), then pipeline_composite(). Light stays until it is
  * measured again. Nothing is allocated after the first frame of a size. All calls come from one
  * thread; the pipeline has threads of its own.
  *
@@ -55,6 +55,10 @@ struct pipeline_settings {
 	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
 	enum compositor_reuse reuse;
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
+	/* The object follows the background camera's exposure and white balance (hal/people). */
+	bool follow_exposure;
+	bool grain;   /* the object gets the background camera's noise (hal/look) */
+	bool occlude; /* people are looked for, and stand before the object (hal/people) */
 };
 
 /* What may change from frame to frame. */
@@ -83,7 +87,15 @@ struct pipeline_choice {
 
 struct pipeline;
 
-/* What the last measurement of light and the last choice gave. */
+/* What the last look for people saw. */
+struct pipeline_people_seen {
+	bool on;	/* people are looked for */
+	double learned; /* share of the place around the object whose empty picture is known */
+	int parts;	/* groups of people, and those of them in front of the object */
+	int in_front;
+};
+
+/* What the last measurement of light, the last choice and the last look gave. */
 struct pipeline_report {
 	bool lit;	/* light has been measured, or given, at least once */
 	double level;	/* of the fisheye's last picture: mean over its lights, 1 is white */
@@ -99,6 +111,7 @@ struct pipeline_report {
 	int pose;	      /* pose in the picture; the first of two */
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
 	struct coarse_lamp lamp; /* as pipeline_find_lamp() saw it last */
+	struct pipeline_people_seen people;
 };
 
 /* The basis is borrowed. 0; -EINVAL: the basis's lights are no dome's, or a setting is out of
@@ -177,6 +190,18 @@ int pipeline_choose(struct pipeline *pipeline, const struct pipeline_choice *cho
 
 /* A pose that is missing is tried once more with the next choice. */
 void pipeline_try_again(struct pipeline *pipeline);
+
+/* Whether the background is looked at, for people or for its camera's noise: then call
+ * pipeline_look() before each composite, with the whole upright background and the time at which it
+ * was captured. It looks at each frame once. Where there is no light yet, or no object, it does
+ * nothing. */
+bool pipeline_looks(const struct pipeline *pipeline);
+void pipeline_look(struct pipeline *pipeline, const struct picture *background,
+		   int64_t captured_ns);
+
+/* The next frame shows the place without people; all that was learned of it is forgotten. */
+void pipeline_learn(struct pipeline *pipeline);
+void pipeline_forget(struct pipeline *pipeline);
 
 /* Writes the composite, BGRX of the basis's size. -EINVAL: the background has another size. */
 int pipeline_composite(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,

@@ -23,6 +23,9 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.threads = config->composite.threads,
 		.mode = (enum compositor_mode)config->composite.mode,
 		.reuse = (enum compositor_reuse)config->composite.reuse,
+		.occlude = config->people.occlude,
+		.follow_exposure = config->composite.follow_exposure,
+		.grain = config->composite.grain,
 	};
 
 	settings.exposures = config_exposures(&config->fisheye);

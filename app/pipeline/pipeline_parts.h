@@ -53,8 +53,13 @@ struct pipeline {
 
 	/* the picture */
 	struct light_selection selection;
+	bool followed; /* it has been multiplied by the camera's exposure */
 	struct compositor *compositor;
-	struct pipeline_fade *fade; /* pipeline_fade.c; NULL: no two poses have been mixed */
+	struct pipeline_fade *fade;   /* pipeline_fade.c; NULL: no two poses have been mixed */
+	struct pipeline_grain *grain; /* pipeline_grain.c; NULL: the object gets no noise */
+	bool looked;		      /* at the frame that was captured at: */
+	int64_t looked_ns;
+	struct pipeline_people *people; /* pipeline_people.c; NULL: nobody is looked for */
 };
 
 /* ---- pipeline_level.c ---- */
@@ -80,6 +85,43 @@ double pipeline_band_below(const struct light_sampler_settings *settings, double
 int pipeline_ground_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
 			    struct fault *fault);
 void pipeline_ground_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* ---- pipeline_people.c ---- */
+
+/* Begins to look for people, or ends it, as the settings say. What was learned of the place is lost
+ * where the background's transfer function has changed. Returns what people_create() returns. */
+int pipeline_people_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
+			    struct fault *fault);
+void pipeline_people_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* Looks at a frame. fresh: for the first time; else only where the pose has changed since. */
+void pipeline_people_look(struct pipeline *pipeline, const struct picture *background,
+			  int64_t captured_ns, bool fresh);
+
+/* Multiplies the chosen lights by the exposure that the last look found, once for each choice. The
+ * shadow does not change: all lights of a channel become brighter alike. */
+void pipeline_people_follow(struct pipeline *pipeline);
+
+/* What the last look saw; NULL: nobody. */
+const struct veil *pipeline_veil(const struct pipeline *pipeline);
+struct pipeline_people_seen pipeline_people_seen(const struct pipeline *pipeline);
+
+/* ---- pipeline_grain.c ---- */
+
+/* Begins to measure the background camera's noise, or ends it, as the settings say. What was
+ * measured is lost where the transfer function has changed. -ENOMEM. */
+int pipeline_grain_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
+			   struct fault *fault);
+void pipeline_grain_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* Looks at a frame. seed: of the noise that its composite gets. */
+void pipeline_grain_watch(struct pipeline *pipeline, const struct picture *background,
+			  uint64_t seed);
+
+/* The noise for the next composite; NULL: none, or not measured yet. */
+const struct grain *pipeline_grain(const struct pipeline *pipeline);
+
+/* ---- pipeline_pose.c, pipeline_fade.c, pipeline_light.c ---- */
 
 /* Sets the poses of pipeline->choice: the chosen ones, or those before them. An error, with its
  * reason in pipeline->trouble, where there are none before. */

@@ -14,7 +14,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
-static const char *const stage_names[] = {"decode", "sample", "composite", "show"};
+static const char *const stage_names[] = {"decode", "sample", "people", "composite", "show"};
 
 _Static_assert(STATS_TEXT_MAX + 8 <= PIPE_BUF, "a pipe takes a line whole");
 _Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a name for each stage");
@@ -178,6 +178,15 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 	return sum;
 }
 
+static void append_people(struct writing *w, const struct pipeline_people_seen *people)
+{
+	if (people->on)
+		append(w, ",\"people\":{\"learned\":%.3f,\"parts\":%d,\"in_front\":%d}",
+		       people->learned, people->parts, people->in_front);
+	else
+		append(w, ",\"people\":null");
+}
+
 void stats_text(const struct stats *stats, const struct pipeline_report *report,
 		const struct ini_level *threshold, const struct source *sources, int source_count,
 		char text[STATS_TEXT_MAX])
@@ -206,6 +215,7 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 	       report->exposures, (unsigned long long)report->unfit,
 	       (unsigned long long)stats->lines_lost);
 	append_lamp(&w, &report->lamp);
+	append_people(&w, &report->people);
 	append_cameras(&w, sources, source_count);
 }
 

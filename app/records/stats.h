@@ -12,7 +12,7 @@
 #include "app/pipeline/pipeline.h"
 #include "hal/base/fault.h"
 
-enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
+enum stage { STAGE_DECODE, STAGE_SAMPLE, STAGE_PEOPLE, STAGE_COMPOSITE, STAGE_SHOW, STAGE_COUNT };
 
 #define STATS_TEXT_MAX 3072
 #define STATS_IN_FLIGHT 4 /* pictures submitted and not on the screen yet */

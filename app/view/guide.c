@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "app/view/pen.h"
-#include "hal/ini/ini.h"
 
 #define STEPS 96     /* points of a line: lenses bend it */
 #define GRID_HALF 10 /* lines on each side of the middle */
@@ -21,27 +20,7 @@ static const double axis_rgb[3][3] = {{1.00, 0.35, 0.30}, {0.35, 0.90, 0.35}, {0
 static const double light_rgb[3] = {1.00, 0.85, 0.25};
 static const double outline_rgb[3] = {1.00, 0.55, 0.95};
 
-/* ---- the camera ---- */
-
-static void *guide_place_camera(void *root, const char *instance)
-{
-	(void)instance;
-	return root;
-}
-
-bool guide_camera(const char *text, struct tsai_camera *camera)
-{
-	static const struct ini_table tables[] = {
-		{.section = "camera", .keys = tsai_keys, .place = guide_place_camera},
-		INI_TABLES_END};
-	struct ini_report report = {.count = 0};
-
-	memset(camera, 0, sizeof(*camera));
-	ini_defaults(tsai_keys, camera);
-	return *text &&
-	       !ini_read_memory(text, strlen(text), "basis", NULL, tables, camera, &report) &&
-	       !tsai_check(camera, NULL);
-}
+/* ---- the ground ---- */
 
 /* Point of the ground that a pixel shows. */
 static bool ground_at(const struct tsai_camera *camera, double x, double y, double ground[2])

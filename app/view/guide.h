@@ -15,9 +15,6 @@
 
 #define GUIDE_LIGHTS 3 /* brightest lights that are named */
 
-/* Reads the camera that a basis was baked for (struct basis, camera). False: it names none. */
-bool guide_camera(const char *text, struct tsai_camera *camera);
-
 /* Distance of the grid's lines, in the scene's units: 1, 2 or 5 times a power of ten, of which about
  * eight cross the middle of the picture. 0: the ground is not in the picture. */
 double guide_spacing(const struct tsai_camera *camera);

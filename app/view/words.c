@@ -79,7 +79,7 @@ static const char *say_share(char *text, size_t room, double share)
 int words_information(char *text, size_t room, const struct words_figures *f)
 {
 	const double rounded = f->percent ? 100 : 10;
-	char whole[768], error[32], clipped[32], lamp[128] = "";
+	char whole[768], error[32], clipped[32], lamp[128] = "", people[96] = "";
 
 	if (f->lamp)
 		snprintf(lamp, sizeof(lamp),
@@ -87,10 +87,12 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 			 "coarse "
 			 "there",
 			 f->lamp_azimuth_deg, f->lamp_height_deg);
-
+	if (f->people)
+		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front",
+			 floor(100 * f->learned), f->in_front);
 	snprintf(whole, sizeof(whole),
 		 "lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · "
-		 "latency %.0f ms · %llu dropped · sky clipped %s%s%s",
+		 "latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",
 		 f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
 		 f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
 		 f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
@@ -98,6 +100,6 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 		 !f->recovered ? ""
 		 : f->at_bound ? ", recovered in part"
 			       : ", recovered",
-		 lamp);
+		 lamp, people);
 	return copy_whole(text, room, whole);
 }

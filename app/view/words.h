@@ -34,11 +34,15 @@ struct words_figures {
 	bool at_bound;	   /* but a bound cut it */
 	bool lamp;	   /* one shines where the dome is coarse */
 	double lamp_azimuth_deg, lamp_height_deg;
+	bool people;	/* they are looked for */
+	double learned; /* share of the place that is known without people, 0..1 */
+	int in_front;	/* groups of people in front of the object */
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
  * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it ends in " · lamp at azimuth
- * 134°, height 22°: shadow too soft, the dome is coarse there". */
+ * 134°, height 22°: shadow too soft, the dome is coarse there". Where people are looked for: " · place learned 98 %, 1 in
+ * front". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

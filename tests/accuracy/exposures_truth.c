@@ -85,9 +85,10 @@ static void true_lights_of_room(const struct exposures_place *place, struct expo
 				const struct dome *dome)
 {
 	static const double origin[3] = {0, 0, 0};
+	const struct studio_lamps lamps = studio_lamps((PICTURES - 1) / RATE_HZ, 0);
 	double(*exact)[3] = room_for((size_t)dome->count, sizeof(*exact));
 
-	if (studio_lights(dome, origin, (PICTURES - 1) / RATE_HZ, exact))
+	if (studio_lights(dome, origin, &lamps, exact))
 		die("not enough memory");
 	for (int i = 0; i < dome->count; i++)
 		for (int c = 0; c < 3; c++)

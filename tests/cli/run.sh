@@ -26,7 +26,7 @@ equal "the count of lights" 26 "$(number "$work/a.jsonl" lights)"
 equal "all are used" 26 "$(number "$work/a.jsonl" lights_used)"
 equal "nothing is dropped, cameras on demand wait" 0 "$(number "$work/a.jsonl" drops)"
 check "statistics name stages and cameras" grep -qE \
-	'"stage_ms":\{"decode":[0-9.]+,"sample":[0-9.]+,"composite":[0-9.]+,"show":[0-9.]+\}.*"cameras":\[\{"name":"fisheye","situation":"fine"' \
+	'"stage_ms":\{"decode":[0-9.]+,"sample":[0-9.]+,"people":[0-9.]+,"composite":[0-9.]+,"show":[0-9.]+\}.*"cameras":\[\{"name":"fisheye","situation":"fine"' \
 	"$work/a.jsonl"
 check "a threshold" run --frames 2 --set "screen.device=$work/t.png" --set lights.threshold=120 \
 	--stats "$work/t.jsonl"

@@ -241,19 +241,22 @@ static void lines_say_what_was_counted(void **state)
 	assert_int_equal(stats_open(&stats, path, NULL), 0);
 	stats_start(&stats, 5 * NS_PER_S);
 	for (int i = 1; i <= 3; i++) {
-		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS, 0};
+		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 0, 7 * NS_PER_MS,
+						    0};
 
 		stats_made(&stats, i * NS_PER_S, stage);
 		stats_shown(&stats, i * NS_PER_S, i * NS_PER_S + i * 10 * NS_PER_MS,
 			    15 * NS_PER_MS);
 	}
 	stats_made(&stats, 0,
-		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 7 * NS_PER_MS});
+		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 0, 7 * NS_PER_MS});
 	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
 	source.situation = CAMERA_STALLED;
 	report.lamp = (struct coarse_lamp){
 		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
+	report.people = (struct pipeline_people_seen){
+		.on = true, .learned = 0.98, .parts = 2, .in_front = 1};
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
@@ -262,31 +265,33 @@ static void lines_say_what_was_counted(void **state)
 	assert_true(fread(text, 1, sizeof(text) - 1, stream) > 0);
 	fclose(stream);
 	unlink(path);
-	assert_string_equal(
-		text,
-		"{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
-		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
-		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"composite\":7.000,\"show\":0."
-		"000},"
-		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
-		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-		"\"lines_lost\":0,\"coarse_lamp\":null,\"cameras\":"
-		"[{\"name\":\"sky\",\"situation\":\"fine\","
-		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
-		"\"unsettled\":9}]}\n"
-		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
-		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
-		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"composite\":0.000,\"show\":0."
-		"000},"
-		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
-		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-		"\"lines_lost\":0,"
-		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},\"cameras\":"
-		"[{\"name\":\"sky\",\"situation\":\"stalled\","
-		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
-		"\"unsettled\":9}]}\n");
+	assert_string_equal(text,
+			    "{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
+			    "\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
+			    "\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"people\":0.000,"
+			    "\"composite\":7.000,\"show\":0."
+			    "000},"
+			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+			    "\"lines_lost\":0,\"coarse_lamp\":null,\"people\":null,\"cameras\":"
+			    "[{\"name\":\"sky\",\"situation\":\"fine\","
+			    "\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
+			    "\"unsettled\":9}]}\n"
+			    "{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
+			    "\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
+			    "\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"people\":0.000,"
+			    "\"composite\":0.000,\"show\":0."
+			    "000},"
+			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+			    "\"lines_lost\":0,"
+			    "\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
+			    "\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1},\"cameras\":"
+			    "[{\"name\":\"sky\",\"situation\":\"stalled\","
+			    "\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
+			    "\"unsettled\":9}]}\n");
 }
 
 static void line(struct stats *stats, int second)

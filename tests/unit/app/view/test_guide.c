@@ -51,10 +51,10 @@ static void a_camera_is_read_from_a_basis(void **state)
 	struct tsai_camera camera;
 
 	(void)state;
-	assert_true(guide_camera(text, &camera));
+	assert_int_equal(tsai_read_text(text, &camera, NULL), 0);
 	assert_int_equal(camera.width, 640);
-	assert_false(guide_camera("", &camera));
-	assert_false(guide_camera("[camera]\nwidth = many\n", &camera));
+	assert_int_equal(tsai_read_text("", &camera, NULL), -EINVAL);
+	assert_int_equal(tsai_read_text("[camera]\nwidth = many\n", &camera, NULL), -EINVAL);
 }
 
 #if WITH_CAIRO

@@ -38,10 +38,11 @@ struct circle_scene {
 static double light_of_room(const struct circle_scene *scene, const double dir[3])
 {
 	static const double origin[3] = {0, 0, 0.01};
+	const struct studio_lamps lamps = studio_lamps(0, 0);
 	double rgb[3];
 
 	if (scene->studio)
-		studio_radiance(origin, dir, 0, rgb);
+		studio_radiance(origin, dir, &lamps, rgb);
 	else
 		panorama_radiance(scene->panorama, dir, rgb);
 	return scene->exposure * (rgb[0] + rgb[1] + rgb[2]) / 3;

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/bench/bench_look.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/base/clock.h"
+#include "hal/frame/frame.h"
+#include "hal/look/grain_tables.h"
+#include "hal/measure/lightings.h"
+#include "hal/people/people.h"
+
+#define LEARNING 100	  /* frames */
+#define PERIOD 33333333	  /* ns */
+#define LIGHT 0.3f	  /* of every cell */
+#define VARIANCE 0.00004f /* of linear light: 2 levels of sRGB at mid-grey */
+
+struct bench_look {
+	struct grain_tables tables;
+	struct grain grain;
+	struct dome dome;
+	float (*radiance)[3];
+	uint8_t *touched;
+	struct tsai_camera camera;
+	struct people *people; /* NULL: nobody is looked for */
+	struct canvas visited; /* the background with somebody in it */
+	int64_t now_ns;
+};
+
+static void look_at(struct bench_look *l, const struct picture *picture)
+{
+	people_look(l->people, picture, (const float(*)[3])l->radiance, l->now_ns);
+	l->now_ns += PERIOD;
+}
+
+/* The background with its middle third upside down. */
+static void visit(struct bench_look *l, const struct picture *background)
+{
+	for (int y = 0; y < background->height; y++) {
+		uint8_t *to = l->visited.pixels + (size_t)y * l->visited.stride;
+
+		for (int x = 0; x < background->width; x++) {
+			const bool there = x / (background->width / 3 + 1) == 1;
+			const int from = there ? background->height - 1 - y : y;
+
+			memcpy(to + 4 * (size_t)x,
+			       background->origin + from * background->y_step +
+				       x * background->x_step,
+			       4);
+		}
+	}
+}
+
+static int look_fill(struct bench_look *l, const struct basis *basis,
+		     const struct picture *background, struct fault *fault)
+{
+	const int tiles = basis->tiles_across * basis->tiles_down;
+	const struct people_settings settings = {.width = background->width,
+						 .height = background->height,
+						 .curve = {.named = TRANSFER_SRGB},
+						 .dome = &l->dome};
+	struct people_object object = {.coverage = basis->poses[0].coverage};
+	int err = lightings_dome(&l->dome, basis, fault);
+
+	if (err)
+		return err;
+	l->radiance = calloc((size_t)l->dome.count, sizeof(*l->radiance));
+	l->touched = calloc((size_t)tiles, 1);
+	if (!l->radiance || !l->touched ||
+	    canvas_create(&l->visited, background->width, background->height))
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	for (int i = 0; i < l->dome.count; i++)
+		for (int c = 0; c < 3; c++)
+			l->radiance[i][c] = LIGHT;
+	for (int t = 0; t < tiles; t++)
+		l->touched[t] = basis->poses[0].shown.tiles[t].block_count > 0;
+	err = people_create(&l->people, &settings, fault);
+	if (err)
+		return err;
+	if (!tsai_read_text(basis->camera, &l->camera, NULL))
+		object.camera = &l->camera;
+	object.touched = l->touched;
+	people_place(l->people, &object);
+	for (int n = 0; n < LEARNING; n++)
+		look_at(l, background);
+	visit(l, background);
+	return 0;
+}
+
+int bench_look_create(struct bench_look **look, const struct basis *basis,
+		      const struct picture *background, struct fault *fault)
+{
+	const struct sensor_noise_model noise = {
+		.floor = {VARIANCE / 4, VARIANCE / 4, VARIANCE / 4},
+		.slope = {VARIANCE * 3, VARIANCE * 3, VARIANCE * 3}};
+	struct bench_look *l = calloc(1, sizeof(*l));
+	int err;
+
+	if (!l)
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	grain_tables_fit(&l->tables, &noise, &l->grain);
+	err = look_fill(l, basis, background, fault);
+	if (err && err != -ENOTSUP) {
+		bench_look_destroy(l);
+		return err;
+	}
+	*look = l;
+	return 0;
+}
+
+void bench_look_destroy(struct bench_look *l)
+{
+	if (!l)
+		return;
+	people_destroy(l->people);
+	canvas_free(&l->visited);
+	dome_free(&l->dome);
+	free(l->radiance);
+	free(l->touched);
+	free(l);
+}
+
+const struct grain *bench_look_grain(const struct bench_look *l)
+{
+	return &l->grain;
+}
+
+void bench_look_people(struct bench_look *l)
+{
+	const struct view whole = {
+		.width = l->visited.width, .height = l->visited.height, .squash = 1};
+	const struct picture picture = view_picture(&whole, l->visited.pixels, l->visited.stride);
+
+	if (l->people)
+		look_at(l, &picture);
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What looks at the background's picture besides the compositor: people, and the camera's noise. For
+ * bench alone.
+ */
+#ifndef INLAY_APP_BENCH_BENCH_LOOK_H
+#define INLAY_APP_BENCH_BENCH_LOOK_H
+
+#include "hal/base/fault.h"
+#include "hal/basis/basis.h"
+#include "hal/compositor/live/grain.h"
+#include "hal/frame/view.h"
+
+struct bench_look;
+
+/* Learns the place from the background, around the object of pose 0. 0 or -ENOMEM. Nobody is looked
+ * for where the basis's lights are no dome's. */
+int bench_look_create(struct bench_look **look, const struct basis *basis,
+		      const struct picture *background, struct fault *fault);
+void bench_look_destroy(struct bench_look *look); /* NULL is harmless */
+
+/* Noise of an ordinary camera: 2 levels at mid-grey. */
+const struct grain *bench_look_grain(const struct bench_look *look);
+
+/* Looks for people in the picture, a third of which is not the learned place. */
+void bench_look_people(struct bench_look *look);
+
+#endif

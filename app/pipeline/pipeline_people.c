@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+/* People between camera and object (hal/people/people.h). */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/pipeline/pipeline_parts.h"
+#include "hal/people/people.h"
+
+struct pipeline_people {
+	struct people *people;
+	struct tsai_camera camera; /* width 0: not known */
+	uint8_t *touched;	   /* [tiles]: see struct people_object */
+	int pose;		   /* of touched; -1: none yet */
+	unsigned turn;		   /* of its blocks, when touched was made */
+	bool looked;
+};
+
+void pipeline_people_free(struct pipeline *p)
+{
+	if (!p->people)
+		return;
+	people_destroy(p->people->people);
+	free(p->people->touched);
+	free(p->people);
+	p->people = NULL;
+}
+
+int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *settings,
+			    struct fault *fault)
+{
+	const struct people_settings wanted = {
+		.width = (int)p->basis->info.width,
+		.height = (int)p->basis->info.height,
+		.curve = settings->background,
+		.dome = &p->dome,
+	};
+	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
+	const bool wanted_at_all = settings->occlude || settings->follow_exposure;
+	struct pipeline_people *pp;
+	int err;
+
+	if (wanted_at_all && p->people && same)
+		return 0;
+	if (!wanted_at_all) {
+		pipeline_people_free(p);
+		return 0;
+	}
+	pp = calloc(1, sizeof(*pp));
+	if (pp)
+		pp->touched = calloc((size_t)(p->basis->tiles_across * p->basis->tiles_down), 1);
+	err = pp && pp->touched
+		      ? people_create(&pp->people, &wanted, fault)
+		      : fault_say(fault, -ENOMEM, "not enough memory for the place without people");
+	if (err) {
+		if (pp)
+			free(pp->touched);
+		free(pp);
+		return err;
+	}
+	if (tsai_read_text(p->basis->camera, &pp->camera, NULL))
+		pp->camera.width = 0;
+	pp->pose = -1;
+	pipeline_people_free(p);
+	p->people = pp;
+	return 0;
+}
+
+/* Marks the tiles that a pose changes. */
+static void touch_tiles(const struct basis *basis, const struct basis_pose *pose, uint8_t *touched)
+{
+	const size_t width = basis->info.width, height = basis->info.height;
+
+	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++)
+		touched[t] = pose->shown.tiles[t].block_count > 0;
+	for (size_t y = 0; y < height; y++)
+		for (size_t x = 0; x < width; x++)
+			if (pose->coverage[y * width + x])
+				touched[y / BASIS_TILE * (size_t)basis->tiles_across +
+					x / BASIS_TILE] = 1;
+	for (size_t i = 0; i < pose->glass_count; i++)
+		touched[basis_glass_tile(basis, &pose->glass[i])] = 1;
+}
+
+/* Tells where the object of the picture's pose stands. False: it is the one before. */
+static bool take_pose(struct pipeline *p)
+{
+	const struct basis_pose *pose = &p->basis->poses[p->choice.pose];
+	struct pipeline_people *pp = p->people;
+	struct people_object object = {.coverage = pose->coverage, .touched = pp->touched};
+
+	if (pp->pose == p->choice.pose && pp->turn == pose->turn)
+		return false;
+	touch_tiles(p->basis, pose, pp->touched);
+	if (pp->camera.width)
+		object.camera = &pp->camera;
+	people_place(pp->people, &object);
+	pp->pose = p->choice.pose;
+	pp->turn = pose->turn;
+	return true;
+}
+
+void pipeline_people_look(struct pipeline *p, const struct picture *background, int64_t captured_ns,
+			  bool fresh)
+{
+	struct pipeline_people *pp = p->people;
+
+	if (!p->basis->poses[p->choice.pose].shown.tiles)
+		return;
+	if (take_pose(p) || fresh)
+		people_look(pp->people, background, (const float(*)[3])p->radiance, captured_ns);
+	pp->looked = true;
+}
+
+const struct veil *pipeline_veil(const struct pipeline *p)
+{
+	return p->settings.occlude && p->people && p->people->looked
+		       ? people_veil(p->people->people)
+		       : NULL;
+}
+
+void pipeline_people_follow(struct pipeline *p)
+{
+	struct people_report seen;
+
+	if (!p->settings.follow_exposure || !p->people || !p->people->looked || p->followed)
+		return;
+	seen = people_report(p->people->people);
+	for (int c = 0; c < 3; c++) {
+		for (int i = 0; i < p->selection.count; i++)
+			p->selection.radiance[i][c] *= seen.gain[c];
+		p->selection.ambient[c] *= seen.gain[c];
+	}
+	p->followed = true;
+}
+
+void pipeline_learn(struct pipeline *p)
+{
+	if (p->people)
+		people_learn(p->people->people);
+}
+
+void pipeline_forget(struct pipeline *p)
+{
+	if (p->people)
+		people_forget(p->people->people);
+}
+
+struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
+{
+	struct people_report report;
+
+	if (!p->people)
+		return (struct pipeline_people_seen){.on = false};
+	report = people_report(p->people->people);
+	return (struct pipeline_people_seen){true, report.learned, report.parts, report.in_front};
+}

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+#include "tests/people/filmed.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "drivers/sim/sensor.h"
+#include "hal/frame/view.h"
+#include "hal/lights/sampler.h"
+
+enum { SKY_SIDE = 128 };
+static const double sky_exposure = 0.16;
+
+struct filmed_cameras {
+	struct studio_view *place, *sky;
+	struct light_sampler *sampler;
+	struct sensor sensor, sky_sensor;
+	struct studio_layer *sky_people;
+	float *picture, *sky_picture;
+	uint8_t *sky_bgrx;
+};
+
+static int open_sky(struct filmed_cameras *cameras, const struct dome *dome)
+{
+	const struct fisheye_settings lens = {.field_deg = 90};
+	const struct light_sampler_settings settings = {
+		.estimator = ESTIMATOR_CELL,
+		.curve = {.named = TRANSFER_SRGB},
+		.gain = 1 / sky_exposure,
+	};
+	struct sim_eye eye = {.width = SKY_SIDE, .height = SKY_SIDE, .fisheye = true};
+	int err = fisheye_prepare(&eye.lens, &lens, SKY_SIDE, SKY_SIDE, NULL);
+
+	if (!err)
+		err = studio_view_create(&cameras->sky, &eye);
+	if (!err)
+		err = light_sampler_create(&cameras->sampler, dome, &eye.lens, SKY_SIDE, SKY_SIDE,
+					   &settings, NULL);
+	sensor_prepare(&cameras->sky_sensor, &(struct sensor_settings){
+						     .exposure = sky_exposure,
+						     .transfer = TRANSFER_SRGB,
+						     .read_noise = 0.4,
+						     .shot_noise = 1.2,
+						     .seed = 7,
+					     });
+	return err;
+}
+
+int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome)
+{
+	struct sim_eye eye = {.width = camera->width, .height = camera->height, .camera = *camera};
+	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+	struct filmed_cameras *c = calloc(1, sizeof(*c));
+	int err;
+
+	memset(filmed, 0, sizeof(*filmed));
+	filmed->cameras = c;
+	if (!c)
+		return -ENOMEM;
+	filmed->width = camera->width;
+	filmed->height = camera->height;
+	filmed->ground = calloc(pixels, 3 * sizeof(float));
+	filmed->behind = calloc(pixels, sizeof(*filmed->behind));
+	filmed->before = calloc(pixels, sizeof(*filmed->before));
+	filmed->bgrx = calloc(pixels, 4);
+	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
+	c->picture = calloc(pixels, 3 * sizeof(float));
+	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
+	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
+	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
+	if (!filmed->ground || !filmed->behind || !filmed->before || !filmed->bgrx ||
+	    !filmed->light || !c->picture || !c->sky_picture || !c->sky_people || !c->sky_bgrx)
+		return -ENOMEM;
+	sensor_prepare(&c->sensor, &(struct sensor_settings){
+					   .exposure = 1,
+					   .transfer = TRANSFER_SRGB,
+					   .read_noise = 0.5,
+					   .shot_noise = 2,
+					   .seed = 3,
+				   });
+	err = studio_view_create(&c->place, &eye);
+	return err ? err : open_sky(c, dome);
+}
+
+static int measure_light(struct filmed *filmed, const struct filmed_moment *moment,
+			 const struct studio_lamps *lamps)
+{
+	struct filmed_cameras *c = filmed->cameras;
+	const struct view whole = {.width = SKY_SIDE, .height = SKY_SIDE, .squash = 1};
+	struct picture picture;
+
+	studio_view_render(c->sky, lamps, c->sky_picture);
+	studio_people_draw(c->sky, lamps, moment->walker, moment->walkers, c->sky_people);
+	studio_people_over(c->sky, c->sky_people, c->sky_picture);
+	sensor_expose(&c->sky_sensor, (uint64_t)moment->number, c->sky_picture,
+		      (size_t)SKY_SIDE * SKY_SIDE, c->sky_bgrx);
+	picture = view_picture(&whole, c->sky_bgrx, (size_t)SKY_SIDE * 4);
+	return light_sampler_read(c->sampler, &picture, filmed->light, NULL);
+}
+
+/* A low wall before everything: grey, lit as the ground that it hides. */
+static void build_wall(struct filmed *filmed, const struct filmed_moment *moment)
+{
+	const struct studio_layer nothing = {.walker = -1};
+
+	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
+		for (int x = moment->wall_x; x < filmed->width; x++) {
+			const int k = y * filmed->width + x;
+
+			for (int c = 0; c < 3; c++)
+				filmed->ground[3 * k + c] *= 0.7f;
+			filmed->behind[k] = filmed->before[k] = nothing;
+		}
+}
+
+static void expose(float *rgb, const double exposure[3])
+{
+	for (int c = 0; c < 3; c++)
+		rgb[c] *= (float)exposure[c];
+}
+
+int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
+{
+	struct filmed_cameras *c = filmed->cameras;
+	const struct studio_lamps lamps = studio_lamps(moment->time_s, moment->switch_s);
+	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
+	struct walker split[2][WALKER_STYLES];
+	int count[2] = {0, 0};
+
+	for (int i = 0; i < moment->walkers; i++)
+		split[moment->before[i]][count[moment->before[i]]++] = moment->walker[i];
+	studio_view_render(c->place, &lamps, filmed->ground);
+	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
+	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
+	studio_people_draw(c->place, &lamps, split[1], count[1], filmed->before);
+	build_wall(filmed, moment);
+	for (size_t k = 0; k < pixels; k++) {
+		expose(&filmed->ground[3 * k], moment->exposure);
+		expose(filmed->behind[k].rgb, moment->exposure);
+		expose(filmed->before[k].rgb, moment->exposure);
+	}
+	memcpy(c->picture, filmed->ground, pixels * 3 * sizeof(float));
+	studio_people_over(c->place, filmed->behind, c->picture);
+	studio_people_over(c->place, filmed->before, c->picture);
+	sensor_expose(&c->sensor, (uint64_t)moment->number, c->picture, pixels, filmed->bgrx);
+	return measure_light(filmed, moment, &lamps);
+}
+
+void filmed_close(struct filmed *filmed)
+{
+	struct filmed_cameras *c = filmed->cameras;
+
+	if (c) {
+		studio_view_destroy(c->place);
+		studio_view_destroy(c->sky);
+		light_sampler_destroy(c->sampler);
+		free(c->picture);
+		free(c->sky_picture);
+		free(c->sky_people);
+		free(c->sky_bgrx);
+		free(c);
+	}
+	free(filmed->ground);
+	free(filmed->behind);
+	free(filmed->before);
+	free(filmed->bgrx);
+	free(filmed->light);
+	memset(filmed, 0, sizeof(*filmed));
+}

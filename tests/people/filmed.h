@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The frames that people are judged in: the simulated studio through its two cameras, with the
+ * truth about who is where. */
+#ifndef INLAY_TESTS_PEOPLE_FILMED_H
+#define INLAY_TESTS_PEOPLE_FILMED_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "drivers/sim/studio_people.h"
+#include "drivers/sim/walkers.h"
+#include "hal/optics/dome.h"
+#include "hal/optics/tsai.h"
+
+/* What happens in a frame. */
+struct filmed_moment {
+	double time_s;
+	double switch_s;    /* of the panels */
+	double exposure[3]; /* the background camera's, R, G, B */
+	int number;	    /* of the frame: seeds the noise */
+	struct walker walker[WALKER_STYLES];
+	bool before[WALKER_STYLES]; /* stands before the object; else behind it */
+	int walkers;
+	int wall_x, wall_y; /* a low wall hides what is right of and below here; 0: none */
+};
+
+struct filmed {
+	int width, height;
+	/* The last frame, linear light, exposure applied, no noise. */
+	float *ground;		     /* [h][w][3]: without bodies, but with their shadows */
+	struct studio_layer *behind; /* [h][w]: bodies behind the object */
+	struct studio_layer *before;
+	uint8_t *bgrx;	   /* [h][w][4]: what the background camera gives */
+	float (*light)[3]; /* [dome->count]: measured by the fisheye */
+	struct filmed_cameras *cameras;
+};
+
+/* The background camera's noise in levels; both cameras are sRGB. -errno. */
+int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome);
+int filmed_take(struct filmed *filmed, const struct filmed_moment *moment);
+void filmed_close(struct filmed *filmed);
+
+#endif
