@@ -310,6 +310,8 @@ const struct command command_control = {
 		"  freeze [on|off]       hold the picture, or let it go on\n"
 		"  wake                  switch the screen on for ten minutes outside of its "
 		"hours\n"
+		"  learn                 nobody is in the picture: it shows the empty place\n"
+		"  forget                learn the empty place anew\n"
 		"  quit                  end the kiosk",
 	.options = rows,
 	.take_word = take_word,

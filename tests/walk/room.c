@@ -211,6 +211,7 @@ static int film_fisheye(const struct sim_eye *eye, const struct image *room)
 
 static int film(const struct sim_eye *eye)
 {
+	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	struct studio_view *view;
 	struct image room;
 	int err = image_create_f32(&room, eye->width, eye->height);
@@ -219,7 +220,7 @@ static int film(const struct sim_eye *eye)
 		err = studio_view_create(&view, eye);
 	if (err)
 		return err;
-	studio_view_render(view, MOMENT_S, room.f32);
+	studio_view_render(view, &lamps, room.f32);
 	studio_view_destroy(view);
 	err = eye->fisheye ? film_fisheye(eye, &room) : film_background(eye, &room);
 	image_free(&room);
@@ -228,6 +229,7 @@ static int film(const struct sim_eye *eye)
 
 static int paint_panorama(void)
 {
+	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	const double origin[3] = {0};
 	struct image image;
 	const struct panorama panorama = {.image = &image, .scale = 1};
@@ -239,7 +241,7 @@ static int paint_panorama(void)
 		for (int k = 0; k < 16; k++) {
 			panorama_direction(&panorama, p % PANORAMA_WIDTH + (k % 4 + 0.5) / 4,
 					   p / PANORAMA_WIDTH + (k / 4 + 0.5) / 4, dir);
-			studio_radiance(origin, dir, MOMENT_S, rgb);
+			studio_radiance(origin, dir, &lamps, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c] / 16;
 		}

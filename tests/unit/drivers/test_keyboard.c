@@ -89,8 +89,9 @@ static void defaults(void **state)
 			fail_msg("%s", fault.text);
 		assert_int_equal(!options[key->offset], !strcmp(key->name, "quit"));
 	}
-	/* ACTION_NONE, the three actions that need a value and wake, as any key does, have no key */
-	assert_int_equal(actions, ACTION_COUNT - 5);
+	/* ACTION_NONE, the three actions that need a value, learn and forget, and wake, as any key
+	 * does, have no key */
+	assert_int_equal(actions, ACTION_COUNT - 7);
 	free(options);
 }
 
