@@ -110,8 +110,10 @@ static void folds_where_it_stops_growing(void **state)
 		double r = 0, slope = 1;
 
 		while (r < 5 && slope > 0) {
-			const double s = (r += step) * r;
+			double s;
 
+			r += step;
+			s = r * r;
 			slope = 1 +
 				s * (3 * d.radial[0] + s * (5 * d.radial[1] + s * 7 * d.radial[2]));
 		}
