@@ -20,11 +20,11 @@
 static int create_plane(const struct people *p, float **plane)
 {
 	const size_t beyond = (size_t)p->across + PLANE_BEYOND;
-	float *memory = calloc((size_t)p->cells + 2 * beyond, sizeof(*memory));
 
-	if (!memory)
+	*plane = calloc((size_t)p->cells + 2 * beyond, sizeof(**plane));
+	if (!*plane)
 		return -ENOMEM;
-	*plane = memory + beyond;
+	*plane += beyond;
 	return 0;
 }
 
