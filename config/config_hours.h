@@ -36,7 +36,7 @@ int config_hours_read(const char *text, struct config_hours *hours, struct fault
 int config_hours_check(const char *text, struct fault *why);
 
 /* For struct ini_key: whether the C library knows this time zone, by its name or by POSIX's rules.
- * Of an unknown one it would make UTC without a word. */
+ * The library itself takes an unknown one for UTC without a word. */
 int config_zone_check(const char *text, struct fault *why);
 
 /* Whether the screen is on in this minute of the week. */

@@ -13,9 +13,9 @@
  *                              next digit of a net parts has opposite signs in both runs
  *     V(2 n) = q V(n):   D(n) = (2 - q) V(n),   q = D(2 n) / D(n)
  *
- * That is so until bounced light is filtered. Noise in what the sun alone gives of it is then that
- * of the filter's result (bake/trace/bounce.h). The rest of bounced light is an even sky's, which
- * the filter does not change.
+ * This holds as long as bounced light is not filtered. Where it is, the noise of the sun's part is
+ * that of the filter's result (bake/trace/bounce.h). The rest of bounced light is an even sky's,
+ * which the filter does not change.
  */
 #ifndef INLAY_BAKE_TILES_TILE_NOISE_H
 #define INLAY_BAKE_TILES_TILE_NOISE_H
