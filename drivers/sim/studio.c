@@ -83,10 +83,9 @@ struct studio_lamps studio_lamps(double time_s, double switch_s)
 	return lamps;
 }
 
-/* Hashes a pair of integers to a number in 0..1. */
-static double hash_unit(int32_t a, int32_t b)
+double studio_chance(uint32_t a, uint32_t b)
 {
-	uint32_t h = (uint32_t)a * 0x9e3779b1u ^ (uint32_t)b * 0x85ebca77u;
+	uint32_t h = a * 0x9e3779b1u ^ b * 0x85ebca77u;
 
 	h ^= h >> 15;
 	h *= 0x2c1b3c6du;
@@ -114,10 +113,11 @@ static void boards_albedo(double x, double y, double albedo[3])
 {
 	const double width = 0.14, length = 1.3, seam = 0.003;
 	const double row = floor(y / width);
-	const double shifted = x + length * hash_unit((int32_t)row, 7);
+	const double shifted = x + length * studio_chance((uint32_t)(int32_t)row, 7);
 	const double column = floor(shifted / length);
 	const double across = y - row * width, along = shifted - column * length;
-	const double tone = hash_unit((int32_t)row, (int32_t)column + 100);
+	const double tone = studio_chance((uint32_t)(int32_t)row,
+					  (uint32_t)((int32_t)column + 100));
 	const double grain = sin(across * 210 + 9 * tone + 1.5 * sin(along * 5 + 6 * tone)) +
 			     0.5 * sin(across * 530 + 3 * sin(along * 3 + 20 * tone));
 

@@ -24,6 +24,7 @@
 #define INLAY_DRIVERS_SIM_STUDIO_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 #include "hal/optics/dome.h"
 
@@ -99,6 +100,9 @@ extern const double studio_ambient_irradiance[3];
  * vector. */
 int studio_lantern_hit(const struct studio_lamps *lamps, const double origin[3],
 		       const double dir[3], double limit);
+
+/* Hashes a pair of integers to a number in 0..1. */
+double studio_chance(uint32_t a, uint32_t b);
 
 /* Computes the radiance that arrives at origin from the unit vector dir; 0 if the ray misses the
  * room. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers/sim/walkers.h"
+#include "drivers/sim/studio.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -15,19 +16,6 @@ double walker_height(enum walker_style style)
 	return height[style];
 }
 
-/* Hashes a pair of integers to a number in 0..1. */
-static double crossing_chance(uint32_t crossing, uint32_t what)
-{
-	uint32_t h = crossing * 0x9e3779b1u ^ what * 0x85ebca77u;
-
-	h ^= h >> 15;
-	h *= 0x2c1b3c6du;
-	h ^= h >> 12;
-	h *= 0x297a2d39u;
-	h ^= h >> 15;
-	return h / 4294967295.0;
-}
-
 /* A crossing of the room: from one side to the other, with a stop of some length on the way. */
 struct crossing {
 	double from[2], to[2];
@@ -38,24 +26,24 @@ struct crossing {
 static struct crossing plan_crossing(enum walker_style style, int number)
 {
 	const uint32_t key = (uint32_t)number * WALKER_STYLES + (uint32_t)style;
-	const double side = crossing_chance(key, 1) < 0.5 ? -1 : 1;
-	const double lane = crossing_chance(key, 2);
-	struct crossing c = {.speed = 0.8 + 0.5 * crossing_chance(key, 3)};
+	const double side = studio_chance(key, 1) < 0.5 ? -1 : 1;
+	const double lane = studio_chance(key, 2);
+	struct crossing c = {.speed = 0.8 + 0.5 * studio_chance(key, 3)};
 	double middle;
 
 	/* Before the object, through its place, behind it. */
 	if (lane < 0.4)
-		middle = -0.35 - 0.75 * crossing_chance(key, 4);
+		middle = -0.35 - 0.75 * studio_chance(key, 4);
 	else if (lane < 0.5)
-		middle = -0.15 + 0.3 * crossing_chance(key, 4);
+		middle = -0.15 + 0.3 * studio_chance(key, 4);
 	else
-		middle = 0.4 + 1.1 * crossing_chance(key, 4);
+		middle = 0.4 + 1.1 * studio_chance(key, 4);
 	c.from[0] = -side * wall_m;
 	c.to[0] = side * wall_m;
-	c.from[1] = middle + 0.5 * (crossing_chance(key, 5) - 0.5);
+	c.from[1] = middle + 0.5 * (studio_chance(key, 5) - 0.5);
 	c.to[1] = 2 * middle - c.from[1];
-	c.stop_m = wall_m + 0.8 * (crossing_chance(key, 6) - 0.5);
-	c.stop_s = crossing_chance(key, 7) < 0.3 ? 2.5 : 0;
+	c.stop_m = wall_m + 0.8 * (studio_chance(key, 6) - 0.5);
+	c.stop_s = studio_chance(key, 7) < 0.3 ? 2.5 : 0;
 	if (style == WALKER_BAG) { /* stops where the bag is put down and taken up */
 		c.from[1] = c.to[1] = bag_stop[1] - 0.12;
 		c.stop_m = fabs(bag_stop[0] - 0.3 * side - c.from[0]);
