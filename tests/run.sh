@@ -9,7 +9,9 @@
 # All groups share one queue. One program more runs at a time than there are processors, because many of
 # them wait for a clock or a machine (TEST_JOBS=n: another number). What they found is told in the order
 # in which they are given. The programs named in "alone" run by themselves.
-# A program that dies, or exits non-zero without a "not ok", or prints no test at all, is a failure.
+# A program that dies, or exits non-zero without a "not ok", or prints no test at all, is a failure; so is
+# one that leaves a process running, which is named and ended: it would keep a jobserver's pipe open, and
+# make waits at its end for that.
 # A test that skips itself must say why ("ok N - name # SKIP reason"); skips are listed at the end.
 set -u
 cd "$(dirname "$0")/.." || exit 1
@@ -96,14 +98,37 @@ log_of() {
 	echo "$logs/${1//\//-}.log"
 }
 
+# left_running MARK: a line "PID COMMAND" for each process whose environment says that MARK started it.
+left_running() {
+	local _ pid
+	grep -lsz "^INLAY_TEST_RUN=$1\$" /proc/[0-9]*/environ | while IFS=/ read -r _ _ pid _; do
+		echo "$pid $(tr '\0' ' ' <"/proc/$pid/cmdline")"
+	done 2>/dev/null
+}
+
+# end_what_is_left MARK: ends it; a line for each that was there still after two seconds.
+end_what_is_left() {
+	local left _
+	for _ in {1..20}; do
+		left=$(left_running "$1")
+		[ -n "$left" ] || return 0
+		sleep 0.1
+	done
+	# shellcheck disable=SC2046 # one word for each process
+	kill -KILL $(cut -d' ' -f1 <<<"$left") 2>/dev/null
+	echo "$left"
+}
+
 # one NUMBER: runs it; leaves its log, and beside that what it counts and how long it took.
 one() {
-	local name log code planned ran command TIMEFORMAT='%0R %0U %0S'
+	local name log code planned ran command mark left TIMEFORMAT='%0R %0U %0S'
 	name=$(name_of "$1")
 	read -ra command <<<"${programs[$1]}"
 	log=$(log_of "$name")
-	{ time CMOCKA_MESSAGE_OUTPUT=TAP "${command[@]}" >"$log" 2>&1 </dev/null; } 2>"$log.seconds"
+	mark=$$-$1
+	{ time INLAY_TEST_RUN=$mark CMOCKA_MESSAGE_OUTPUT=TAP "${command[@]}" >"$log" 2>&1 </dev/null; } 2>"$log.seconds"
 	code=$?
+	left=$(end_what_is_left "$mark")
 	# Both cmocka and the shell tests mark skips with "# SKIP"; Debian 12's cmocka calls them "not ok".
 	awk -v name="$name" '
 		/^not ok [0-9]+ # SKIP/ { sub(/^not ok [0-9]* # /, ""); print "skip " name ": " $0; next }
@@ -121,6 +146,7 @@ one() {
 			echo "fail $name: planned $planned tests, ran $ran" >>"$log.counts"
 		fi
 	fi
+	[ -z "$left" ] || echo "fail $name: left running: ${left//$'\n'/; }" >>"$log.counts"
 	mv "$log.counts" "$log.done"
 }
 
