@@ -82,6 +82,11 @@ wait $kiosk
 equal "and done" 0 $?
 check "the socket is removed" test ! -e "$work/socket"
 
+# Each camera has given a picture: one that has none yet takes its first even when the screen is frozen.
+all_seen() {
+	tell status | sed 's/.*"cameras"//' >"$work/cameras" && grep -q '"frames":' "$work/cameras" &&
+		! grep -q '"frames":0,' "$work/cameras"
+}
 # The last picture of a run is in a file, and a frozen one stays: both are the same, in each view.
 for view in composite quad; do
 	rm -f "$work/shown.png"
@@ -89,7 +94,8 @@ for view in composite quad; do
 		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
 		--set "control.socket=$work/socket" 2>"$work/run.log" &
 	kiosk=$!
-	until_true 10 tell freeze on >/dev/null
+	check "both cameras are seen: $view" until_true 10 all_seen
+	tell freeze on >/dev/null
 	check "a picture of a frozen screen: $view" tell snapshot "$work/shown.png"
 	tell quit >/dev/null
 	wait $kiosk

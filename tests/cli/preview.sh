@@ -112,7 +112,7 @@ cat >>own/box.scene <<'END'
 texture = maps/paint.png
 END
 sed -i 's/^file = box.obj/&\nmaterial = paint/' own/box.scene
-preview own/box.scene --background own/b.png --watch --samples 1 -o own.png >said.log 2>error.log &
+"$INLAY_BAKE" preview own/box.scene --background own/b.png --watch --samples 1 -o own.png >said.log 2>error.log &
 watcher=$!
 trap 'kill $watcher 2>/dev/null; rm -rf "$work"' EXIT
 # made N NAME: there are N pictures.
