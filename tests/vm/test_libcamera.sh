@@ -5,63 +5,8 @@
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh
 . tests/vm/guest/runs.sh
-config=tests/vm/scenes/libcamera.conf
+. tests/vm/guest/libcamera.sh
 # shellcheck disable=SC2154 # tools and basis are set there
-
-# The value of NAME in the output of the last capture.
-said() {
-	awk -v name="$1" '$1 == name { sub(/^[^ ]* /, ""); print; exit }' "$VM_OUT/said"
-}
-
-# capture FRAMES name=value...: the last frame goes to $VM_OUT/frame.png.
-capture() {
-	local frames=$1
-	shift
-	rm -f "$VM_OUT/frame.png"
-	"$tools/capture" libcamera "$frames" "$VM_OUT/frame.png" "$@" >"$VM_OUT/said" 2>&1
-}
-
-# The simulated sensor's own node, where what libcamera set can be read.
-sensor_node() {
-	local name
-	for name in /sys/class/video4linux/v4l-subdev*/name; do
-		if grep -q "^Sensor B" "$name"; then
-			name=${name%/name}
-			echo "/dev/${name##*/}"
-			return
-		fi
-	done
-	return 1
-}
-
-brightness_is() {
-	[ "$(v4l2-ctl -d "$(sensor_node)" -C brightness)" = "brightness: $1" ]
-}
-
-# udev has seen what is there.
-settle() {
-	udevadm trigger --subsystem-match=media --subsystem-match=video4linux &&
-		udevadm settle --timeout=30
-}
-
-# It tells of all devices once more, as when they were plugged in.
-tell_again() {
-	udevadm trigger --action=add --subsystem-match=media --subsystem-match=video4linux &&
-		udevadm settle --timeout=30
-}
-
-driver=/sys/bus/platform/drivers/vimc
-unbind() {
-	echo vimc.0 >$driver/unbind
-}
-bind_untold() {
-	echo vimc.0 >$driver/bind
-	v4l2-ctl -d "$(sensor_node)" -c show_information=2 # no running clock in the picture
-}
-bind() {
-	bind_untold
-	settle
-}
 
 # ---- why there is none ----
 capture 1
@@ -75,10 +20,7 @@ matches "without udev that is said" "error libcamera: no camera: .*udev.* not ru
 "$INLAY" devices >"$VM_OUT/listed" 2>&1
 equal "devices is well without udev" 0 $?
 
-export SYSTEMD_IGNORE_CHROOT=1
-/lib/systemd/systemd-udevd --daemon 2>"$VM_OUT/udevd.log"
-check "udev runs" settle
-v4l2-ctl -d "$(sensor_node)" -c show_information=2
+start_udev
 
 setpriv --reuid=65534 --regid=65534 --clear-groups \
 	"$tools/capture" libcamera 1 /dev/null >"$VM_OUT/said" 2>/dev/null
@@ -179,15 +121,6 @@ check "and opens again when it is back" capture 2 width=48 height=48
 
 # ---- a whole run: both views of one camera, onto vkms ----
 load vkms
-as=() # the command that starts the program
-run_libcamera() { # NAME option...
-	local name=$1
-	shift
-	"${as[@]}" "$INLAY" run --config $config --set basis.file="$basis" \
-		--set "screen.device=/dev/dri/card$(card_of vkms)" \
-		--stats "$VM_OUT/$name.jsonl" "$@" >"$VM_OUT/$name.log" 2>&1 &
-	running=$!
-}
 expect "$VM_OUT/BGR24.png" "$VM_OUT/BGR24.png" "$VM_OUT/expected.png"
 run_libcamera run
 shows "the screen shows what inlay still makes of the picture" vkms "$VM_OUT/expected.png" within=0
@@ -214,74 +147,6 @@ equal "the run ends well" 0 $?
 equal "nothing of libcamera's own chatter is in its log" "" \
 	"$(grep -E 'libcamera: *(INFO|WARN|DEBUG)' "$VM_OUT/run.log")"
 
-# ---- a camera that is looked for while another runs ----
-run_libcamera two --set "fisheye.camera=other" --set camera.other.driver=libcamera \
-	--set "camera.other.device=Sensor C"
-said_by_two() {
-	grep -q "$1" "$VM_OUT/two.log"
-}
-anew() {
-	grep -c "begins anew" "$VM_OUT/two.log"
-}
-check "a camera that there is not is named" \
-	within_seconds 20 said_by_two 'camera other: no device: .*"Sensor C"; there is platform/vimc'
-tell_again
-check "when devices come it is looked for among them" \
-	within_seconds 20 said_by_two "begins anew"
-sleep 3
-equal "but not without end" "$(anew)" "$(sleep 3; anew)"
-unbind
-check "and the other camera has been opened again" \
-	within_seconds 20 said_by_two "camera board: no device: .*the camera has gone"
-bind
-check "and comes back" within_seconds 30 said_by_two "camera board: fine again"
-stop_run
-equal "that run ends well" 0 $?
-
-# ---- udev is behind, and tells more than the program's socket holds ----
-# The device has been taken away and is back under the same numbers: libcamera finds it, as udev,
-# which has yet to tell that it went, knows those. (The run before had the numbers of its camera in
-# use to its end; the first time gives them up.) The program's socket has little room, and the
-# program no right to more.
-unbind
-bind
-udevd=$(pgrep -o -x systemd-udevd)
-kill -STOP "$udevd"
-unbind
-bind_untold
-echo 8192 >/proc/sys/net/core/rmem_max
-as=(setpriv --bounding-set=-net_admin --inh-caps=-net_admin
-	env "LD_LIBRARY_PATH=$tools" LD_PRELOAD=webcam.so)
-run_libcamera late
-as=()
-lines() {
-	wc -l <"$VM_OUT/late.jsonl"
-}
-more_lines() {
-	[ "$(lines)" -gt "$1" ]
-}
-goes_on() {
-	within_seconds 10 more_lines $(($(lines) + 1))
-}
-lost_messages() {
-	awk '$2 == 15 && $4 == "00000002" && $9 > 0 { lost = 1 } END { exit !lost }' /proc/net/netlink
-}
-shows "a camera that has just come back is shown" vkms "$VM_OUT/expected.png" within=0
-check "and libcamera treats it as a webcam" grep -q "^webcam: a device" "$VM_OUT/late.log"
-kill -CONT "$udevd"
-udevadm settle --timeout=30
-check "udev tells now that it went, and the run goes on" goes_on
-kill -STOP $running
-tell_again
-tell_again
-check "what udev tells while the program is stopped is lost in part" lost_messages
-kill -CONT $running
-check "and the run goes on" goes_on
-shows "the picture is right" vkms "$VM_OUT/expected.png" within=0
-equal "and the camera was never lost" 0 "$(grep -c "no device" "$VM_OUT/late.log")"
-stop_run
-equal "that run ends well, too" 0 $?
-
 # ---- controls: set after every opening, refusals named ----
 brightness_is 128 || echo "it is not" | not_ok "the sensor's brightness is at its default"
 run_libcamera controls \
@@ -301,6 +166,5 @@ stop_run
 equal "that run ends well" 0 $?
 
 unload vkms
-udevadm control --exit
-rm -rf /run/udev
+stop_udev
 unload vimc

@@ -36,11 +36,11 @@ control() { # node, control=value...
 }
 
 # A vivid with HDMI in and out joined: what is played into the output is what its camera sees.
-# FOURCC is a V4L2 format. 60 frames a second.
+# FOURCC is a V4L2 format. As few frames a second as its clock allows: all is emulated.
 #     hdmi_loop INSTANCE FOURCC [WIDTHxHEIGHT, else 640x480]
 hdmi_loop() {
 	local in out size=${3:-640x480}
-	local timings="cvt,width=${size%x*},height=${size#*x},fps=60"
+	local timings="cvt,width=${size%x*},height=${size#*x},fps=38"
 	local format="width=${size%x*},height=${size#*x},pixelformat=$2"
 	in=$(video_node "vivid-00$1-vid-cap")
 	out=$(video_node "vivid-00$1-vid-out")
