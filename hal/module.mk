@@ -114,6 +114,7 @@ HAL_SOURCES := \
 	hal/optics/fisheye_curve.c \
 	hal/optics/panorama.c \
 	hal/people/cells.c \
+	hal/people/edges.c \
 	hal/people/groups.c \
 	hal/people/judge.c \
 	hal/people/order.c \

@@ -7,7 +7,7 @@
 #include "hal/people/people_parts.h"
 
 #define HAND 40		/* a group of fewer than (cells down / HAND)^2 cells is dropped */
-#define HOLE 10		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
+#define HOLE 40		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
 #define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
 #define LOST_SHARE 0.7	/* of the watched cells: the camera has been moved */
 #define LOST_MS 900e3	/* longer than visitors stand so near that they hide everything */
@@ -346,8 +346,10 @@ void groups_find(struct people *p)
 	p->order_before = p->order;
 	p->order = before;
 	smooth(p);
-	if (p->box.right >= 0)
+	if (p->box.right >= 0) {
 		fill_holes(p);
+		edges_refine(p);
+	}
 	find_runs(p, true, 1);
 	measure_groups(p);
 	count_before(p);

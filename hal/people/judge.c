@@ -5,11 +5,13 @@
  *     sum of (seen - place)^2 / s^2 > WEAK,   s^2 = sigma^2 + (MODEL place)^2 + (SHIFT |grad place|)^2
  *
  * s has the camera's noise, what the light's model is off by, and what a camera that shakes a little
- * makes of edges. Cells that differ are the place in other light where one ratio a channel explains
- * all of them around, with much the same ratio in all channels. By weighted least squares,
+ * makes of edges. Cells that differ are the place in other light where
  *
- *     ratio = sum(seen place / s^2) / sum(place^2 / s^2)
- *     left  = sum(seen^2 / s^2) - ratio sum(seen place / s^2)
+ * - one ratio explains the cell's own three channels, but for COLOUR of its light; and around it
+ * - most cells that differ are such ones,
+ * - their ratio, sum(seen place / s^2) / sum(place^2 / s^2), is much the same in all channels, and
+ * - seen / place changes evenly from cell to cell, as the rims of shadows do: for d, its second
+ *   difference across and down, sum(d^2 place^2 / s^2) is what noise makes of it.
  *
  * Else they are a person: from STRONG on, or beside one.
  */
@@ -25,10 +27,24 @@
 #define AROUND 2     /* cells on each side, for the ratio */
 #define DARKEST 0.2f /* ratio of a shadow's core, and of light that came on */
 #define BRIGHTEST 1.35f
+#define COLOUR 0.15f	  /* of its light, by which one channel of a cell may be off */
+#define ALIKE 12.0f	  /* chi-square of a cell's channels about one ratio */
+#define MOST 0.34f	  /* of the cells around that differ */
 #define SAME_COLOUR 1.35f /* ratio of two channels' ratios */
-#define EXPLAINED 6.0f	  /* mean square of what a ratio leaves, per channel and cell */
+#define EVEN 2.5f	  /* mean of d^2 over its variance */
+#define UNEVEN 0.1f	  /* of its light, that the rim of a shadow may add to d */
+#define BEND_NOISE 1.5f	  /* variance of d over that of a cell: 1 + 2 / 4 */
 
-enum { RAW_EMPTY, RAW_WEAK, RAW_STRONG };
+/* RAW_OTHER is added where a cell has not the place's colour in any light. */
+enum { RAW_EMPTY, RAW_WEAK, RAW_STRONG, RAW_OTHER = 4 };
+
+/* Columns of the sums count cells that differ, and those of them that may be the place. */
+enum { COUNT_PLACE = 1, COUNT_DIFFERS = 32 };
+
+static bool may_be_place(uint8_t raw)
+{
+	return raw != RAW_EMPTY && !(raw & RAW_OTHER);
+}
 
 /* One channel's share of a span's deviations, and its 1 / s^2. */
 static void channel_deviates(const struct people *p, const struct span *span, int c,
@@ -50,29 +66,21 @@ static void channel_deviates(const struct people *p, const struct span *span, in
 	}
 }
 
-/* Sets what a row has for the sums, from its first to its last cell that differs. */
-static void span_products(struct people *p, const struct span *span, float *const weight[3])
+/* Whether one ratio explains the channels of a cell, which is x cells into the weights. */
+static bool has_colour_of_place(const struct people *p, int at, float *const weight[3], int x)
 {
-	const int from = p->first_differs[span->y], to = p->last_differs[span->y];
-	const int left = from > span->x ? from - span->x : 0;
-	const int end = span->x + span->count <= to ? span->count : to + 1 - span->x;
-	const int row = span->y * p->across + span->x;
-	const uint8_t *raw = p->raw + row;
+	float ss = 0, sp = 0, pp = 0, ratio;
 
 	for (int c = 0; c < 3; c++) {
-		const float *seen = p->seen[c] + row, *place = p->place[c] + row;
-		const float *own = weight[c];
-		float *restrict ss = p->product[c][0] + row, *restrict sp = p->product[c][1] + row;
-		float *restrict pp = p->product[c][2] + row;
+		const float w = weight[c][x], seen = p->seen[c][at], place = p->place[c][at];
 
-		for (int x = left; x < end; x++) {
-			const float w = own[x] * (float)(raw[x] != RAW_EMPTY);
-
-			ss[x] = w * seen[x] * seen[x];
-			sp[x] = w * seen[x] * place[x];
-			pp[x] = w * place[x] * place[x];
-		}
+		ss += w * seen * seen;
+		sp += w * seen * place;
+		pp += w * place * place;
 	}
+	ratio = sp / pp;
+	return ratio >= DARKEST && ratio <= BRIGHTEST &&
+	       ss - ratio * sp <= ALIKE + COLOUR * COLOUR * ratio * ratio * pp;
 }
 
 static void judge_span(struct people *p, const struct span *span)
@@ -93,6 +101,8 @@ static void judge_span(struct people *p, const struct span *span)
 	for (int x = 0; x < count; x++) {
 		if (!raw[x])
 			continue;
+		if (!has_colour_of_place(p, at + x, weight, x))
+			raw[x] |= RAW_OTHER;
 		first = x < first ? x : first;
 		last = x;
 	}
@@ -101,7 +111,55 @@ static void judge_span(struct people *p, const struct span *span)
 	if (p->last_differs[span->y] < 0)
 		p->first_differs[span->y] = span->x + first;
 	p->last_differs[span->y] = span->x + last;
-	span_products(p, span, weight);
+	for (int c = 0; c < 3; c++)
+		memcpy(p->product[c][0] + at + first, weight[c] + first,
+		       (size_t)(last + 1 - first) * sizeof(float));
+}
+
+/* How much seen / place bends between two neighbours, squared; -1: one of them is no place. */
+static float bend(const struct people *p, int c, int at, int step)
+{
+	const float *seen = p->seen[c] + at, *place = p->place[c] + at;
+	float d;
+
+	if ((p->raw[at - step] | p->raw[at + step]) & RAW_OTHER)
+		return -1;
+	d = seen[0] / fmaxf(place[0], 1) -
+	    0.5f * (seen[-step] / fmaxf(place[-step], 1) + seen[step] / fmaxf(place[step], 1));
+	return d * d;
+}
+
+/* What a cell has for the sums; the first product is its 1 / s^2 till then. */
+static void cell_products(struct people *p, int x, int y)
+{
+	const int at = y * p->across + x;
+	const bool counts = may_be_place(p->raw[at]);
+	const bool across = x > 0 && x < p->across - 1 && p->watch[at - 1] && p->watch[at + 1];
+	const bool down = y > 0 && y < p->down - 1 && p->watch[at - p->across] &&
+			  p->watch[at + p->across];
+
+	for (int c = 0; c < 3; c++) {
+		const float place = p->place[c][at];
+		const float w = counts ? p->product[c][0][at] * place : 0;
+		const float dx = counts && across ? bend(p, c, at, 1) : -1;
+		const float dy = counts && down ? bend(p, c, at, p->across) : -1;
+		const int known = (dx >= 0) + (dy >= 0);
+		const float both = (dx >= 0 ? dx : 0) + (dy >= 0 ? dy : 0);
+
+		p->product[c][0][at] = known ? w * place * both / (BEND_NOISE * (float)known) : 0;
+		p->product[c][1][at] = w * p->seen[c][at];
+		p->product[c][2][at] = w * place;
+	}
+}
+
+/* From the first to the last cell of a span that differs. */
+static void span_products(struct people *p, const struct span *span)
+{
+	const int first = p->first_differs[span->y], last = p->last_differs[span->y];
+	const int end = span->x + span->count <= last ? span->x + span->count : last + 1;
+
+	for (int x = span->x > first ? span->x : first; x < end; x++)
+		cell_products(p, x, span->y);
 }
 
 /* Adds a row's spans to the sums, as far as they differ. */
@@ -124,7 +182,8 @@ static void add_row(struct people *p, int row)
 					sum[x] += product[x];
 			}
 		for (int x = left; x < end; x++)
-			count[x] = (uint8_t)(count[x] + (raw[x] != RAW_EMPTY));
+			count[x] = (uint8_t)(count[x] + COUNT_DIFFERS * (raw[x] != RAW_EMPTY) +
+					     COUNT_PLACE * may_be_place(raw[x]));
 	}
 }
 
@@ -149,28 +208,25 @@ static float sum_around(const struct people *p, int c, int n, int x)
 }
 
 /* Whether what is seen around a cell of the summed row is the place in other light. */
-static bool is_place_in_other_light(const struct people *p, int x, int cells)
+static bool is_place_in_other_light(const struct people *p, int x)
 {
+	const uint8_t *count = p->count + x;
+	const int counted = count[-2] + count[-1] + count[0] + count[1] + count[2];
+	const int differ = counted / COUNT_DIFFERS, cells = counted % COUNT_DIFFERS;
 	float low = INFINITY, high = 0;
 
+	if ((float)cells < MOST * (float)differ)
+		return false;
 	for (int c = 0; c < 3; c++) {
-		const float ss = sum_around(p, c, 0, x), sp = sum_around(p, c, 1, x);
+		const float bends = sum_around(p, c, 0, x), sp = sum_around(p, c, 1, x);
 		const float pp = sum_around(p, c, 2, x), ratio = pp > 0 ? sp / pp : 0;
 
-		if (ss - ratio * sp > EXPLAINED * (float)cells)
+		if (bends > EVEN * (float)cells + UNEVEN * UNEVEN * ratio * ratio * pp)
 			return false;
 		low = fminf(low, ratio);
 		high = fmaxf(high, ratio);
 	}
 	return low >= DARKEST && high <= BRIGHTEST && high <= SAME_COLOUR * low;
-}
-
-/* How many cells around differ. */
-static int count_around(const struct people *p, int x)
-{
-	const uint8_t *count = p->count + x;
-
-	return count[-2] + count[-1] + count[0] + count[1] + count[2];
 }
 
 static bool is_beside(const struct people *p, int x, int y)
@@ -180,7 +236,7 @@ static bool is_beside(const struct people *p, int x, int y)
 			const int there = v * p->across + u;
 
 			if (v >= 0 && u >= 0 && v < p->down && u < p->across && p->watch[there] &&
-			    (p->raw[there] == RAW_STRONG || p->order[there]))
+			    (p->raw[there] % RAW_OTHER == RAW_STRONG || p->order[there]))
 				return true;
 		}
 	return false;
@@ -193,9 +249,9 @@ static void judge_differing(struct people *p, const struct span *span)
 	for (int x = span->x; x < span->x + span->count; x++) {
 		if (p->raw[row + x] == RAW_EMPTY)
 			continue;
-		if (is_place_in_other_light(p, x, count_around(p, x)))
+		if (may_be_place(p->raw[row + x]) && is_place_in_other_light(p, x))
 			p->verdict[row + x] = VERDICT_SHADED;
-		else if (p->raw[row + x] == RAW_STRONG || is_beside(p, x, span->y))
+		else if (p->raw[row + x] % RAW_OTHER == RAW_STRONG || is_beside(p, x, span->y))
 			p->verdict[row + x] = VERDICT_PERSON;
 	}
 }
@@ -207,6 +263,8 @@ void judge_cells(struct people *p)
 	memset(p->verdict, VERDICT_EMPTY, (size_t)p->cells);
 	for (int s = 0; s < p->span_count; s++)
 		judge_span(p, &p->spans[s]);
+	for (int s = 0; s < p->span_count; s++)
+		span_products(p, &p->spans[s]);
 	for (int y = 0; y < p->down; y++) {
 		if (p->last_differs[y] < 0)
 			continue;

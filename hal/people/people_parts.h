@@ -98,12 +98,12 @@ struct people {
 
 	/* judge.c */
 	uint8_t *verdict, *raw;
-	/* Products of cells that differ from the place, else 0, each over its variance: seen^2, seen place,
-	 * place^2. Rows without such cells are not read. */
+	/* Products of cells that may be the place in other light, else 0: see cell_products(). Rows
+	 * without cells that differ are not read. */
 	float *product[3][3];
 	int *first_differs, *last_differs; /* [down]: such cells of the row; last -1: none */
 	float *column[3][3];		   /* [across]: sums of a few rows */
-	uint8_t *count;			   /* [across]: of cells that differ in them */
+	uint8_t *count;			   /* [across]: of cells in them, two counts in one */
 
 	/* groups.c */
 	struct run *runs;
@@ -166,6 +166,10 @@ bool order_is_front(const struct people *people, const struct group *group);
 /* ---- groups.c ---- */
 
 void groups_find(struct people *people);
+
+/* ---- edges.c ---- */
+
+void edges_refine(struct people *people);
 
 /* ---- outline.c ---- */
 

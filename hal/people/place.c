@@ -294,6 +294,7 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
  * that each place sees them elsewhere. */
 static void drift_span(struct people *p, const struct span *span)
 {
+	/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
 	static const float rate[] = {
 		[VERDICT_EMPTY] = 0.125f, [VERDICT_SHADED] = 0.015625f, [VERDICT_PERSON] = 0};
 	const int at = span->y * p->across + span->x, count = span->count;
@@ -303,9 +304,12 @@ static void drift_span(struct people *p, const struct span *span)
 		float *restrict drift = p->drift[c] + at;
 
 		for (int x = 0; x < count; x++) {
-			const float share = p->jumped && !p->order[at + x]
-						    ? 1
-						    : rate[p->verdict[at + x]];
+			const bool brighter = p->verdict[at + x] == VERDICT_SHADED &&
+					      seen[x] > place[x];
+			const float share =
+				p->jumped && !p->order[at + x]
+					? 1
+					: rate[brighter ? VERDICT_EMPTY : p->verdict[at + x]];
 			float off;
 
 			if (share <= 0 || !p->known[at + x] || place[x] < DIM * WHITE ||

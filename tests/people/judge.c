@@ -216,23 +216,69 @@ static void *room(size_t bytes)
 	return p;
 }
 
+static void judged_close(struct judged *j)
+{
+	people_destroy(j->people);
+	subtractors_destroy(j->others);
+	filmed_close(&j->filmed);
+	light_selection_free(&j->lights);
+	compositor_destroy(j->compositor);
+	basis_close(&j->basis);
+	dome_free(&j->dome);
+	free(j->touched);
+	free(j->looked);
+	free(j->ours);
+	free(j->today);
+	free(j->black);
+	free(j->grey);
+	free(j->grey_back);
+	for (int m = 0; m < SUBTRACTORS; m++)
+		free(j->mask[m]);
+}
+
+static struct picture as_picture(const struct judged *j, const uint8_t *bgrx)
+{
+	return (struct picture){.origin = bgrx,
+				.x_step = 4,
+				.y_step = (ptrdiff_t)j->camera.width * 4,
+				.width = j->camera.width,
+				.height = j->camera.height};
+}
+
+static void composite(struct judged *j, const uint8_t *background, const struct veil *veil,
+		      uint8_t *out)
+{
+	const struct compositor_settings settings = {
+		.background = srgb, .output = srgb, .gain = 0.8, .object = true, .veil = veil};
+	const struct picture picture = as_picture(j, background);
+	const struct backdrop backdrop = backdrop_of(&picture);
+
+	compositor_set(j->compositor, &settings);
+	if (compositor_run(j->compositor, 0, &j->lights, &backdrop, out,
+			   (size_t)j->camera.width * 4))
+		die("cannot composite");
+}
+
+/* Marks the tiles in which object and shadow change a pixel under an even sky by a level. */
 static void mark_looked(struct judged *j)
 {
-	const int across = j->basis.tiles_across, down = j->basis.tiles_down;
-	const struct basis_pose *pose = &j->basis.poses[0];
+	const int across = j->basis.tiles_across;
+	float(*even)[3] = room((size_t)j->dome.count * sizeof(*even));
 
-	for (int t = 0; t < across * down; t++)
-		j->touched[t] = pose->shown.tiles[t].block_count > 0;
-	for (int k = 0; k < j->pixels; k++) {
-		const int tx = k % j->filmed.width / BASIS_TILE,
-			  ty = k / j->filmed.width / BASIS_TILE;
-
-		for (int y = ty - 2; y <= ty + 2; y++)
-			for (int x = tx - 2; x <= tx + 2; x++)
-				if (x >= 0 && y >= 0 && x < across && y < down &&
-				    j->touched[y * across + x])
-					j->looked[k] = true;
-	}
+	for (int i = 0; i < j->dome.count; i++)
+		even[i][0] = even[i][1] = even[i][2] = (float)M_1_PI;
+	light_selection_choose(&j->lights, &j->basis, 0, (const float(*)[3])even, 0, THRESHOLD_DROP,
+			       1);
+	composite(j, j->grey_back, NULL, j->grey);
+	free(even);
+	for (int k = 0; k < j->pixels; k++)
+		for (int c = 0; c < 3; c++)
+			if (j->grey[4 * k + c] != j->grey_back[4 * k + c])
+				j->touched[k / j->filmed.width / BASIS_TILE * across +
+					   k % j->filmed.width / BASIS_TILE] = 1;
+	for (int k = 0; k < j->pixels; k++)
+		j->looked[k] = j->touched[k / j->filmed.width / BASIS_TILE * across +
+					  k % j->filmed.width / BASIS_TILE];
 }
 
 static void judged_open(struct judged *j, const char *path)
@@ -275,49 +321,6 @@ static void judged_open(struct judged *j, const char *path)
 					.touched = j->touched,
 					.camera = &j->camera};
 	people_place(j->people, &object);
-}
-
-static void judged_close(struct judged *j)
-{
-	people_destroy(j->people);
-	subtractors_destroy(j->others);
-	filmed_close(&j->filmed);
-	light_selection_free(&j->lights);
-	compositor_destroy(j->compositor);
-	basis_close(&j->basis);
-	dome_free(&j->dome);
-	free(j->touched);
-	free(j->looked);
-	free(j->ours);
-	free(j->today);
-	free(j->black);
-	free(j->grey);
-	free(j->grey_back);
-	for (int m = 0; m < SUBTRACTORS; m++)
-		free(j->mask[m]);
-}
-
-static struct picture as_picture(const struct judged *j, const uint8_t *bgrx)
-{
-	return (struct picture){.origin = bgrx,
-				.x_step = 4,
-				.y_step = (ptrdiff_t)j->camera.width * 4,
-				.width = j->camera.width,
-				.height = j->camera.height};
-}
-
-static void composite(struct judged *j, const uint8_t *background, const struct veil *veil,
-		      uint8_t *out)
-{
-	const struct compositor_settings settings = {
-		.background = srgb, .output = srgb, .gain = 0.8, .object = true, .veil = veil};
-	const struct picture picture = as_picture(j, background);
-	const struct backdrop backdrop = backdrop_of(&picture);
-
-	compositor_set(j->compositor, &settings);
-	if (compositor_run(j->compositor, 0, &j->lights, &backdrop, out,
-			   (size_t)j->camera.width * 4))
-		die("cannot composite");
 }
 
 /* The true composite of a channel, as a code value 0..255, not rounded: people before the object,
@@ -506,7 +509,7 @@ static void judge_frame(struct judged *j, const struct judged_case *of, int fram
 	wrong = tally_masks(j, veil, tally);
 	order = tally_order(j, &moment, veil, tally);
 	tally_composites(j, tally);
-	if (folder && (order || wrong > 700 || frame % 50 == 0))
+	if (folder && (order || wrong > 300 || frame % 50 == 0))
 		keep_picture(j, veil, folder, order ? "order" : of->name, frame, wrong);
 }
 

@@ -296,6 +296,38 @@ static void somebody_who_passes_is_found_in_order(void **state)
 	free(p);
 }
 
+/* Cells beside the edge, and the shadow at the feet, make nobody wider. */
+static void an_outline_is_neither_wide_nor_narrow(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	int found = 0, there = 0;
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 30; n++) {
+		struct body b = walker(-0.4 + 0.02 * n, -0.5);
+		const struct veil *veil;
+
+		b.width = 0.25;
+		place_look(p, &b, 1);
+		veil = people_veil(p->people);
+		assert_non_null(veil);
+		for (int at = 0; at < WIDTH * HEIGHT; at++) {
+			const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) +
+				      at % WIDTH / BASIS_TILE;
+
+			there += p->touched[t] && p->person[at / WIDTH][at % WIDTH] > 0.5;
+			found += p->touched[t] && veil->tile[t] && veil->anybody[at] > 127;
+		}
+	}
+	print_message("# found: %d of %d pixels\n", found, there);
+	expect_at_most(fabs(found / (double)there - 1), 0.1, "%d of %d pixels", found, there);
+	place_end(p);
+	free(p);
+}
+
 static void somebody_who_stands_still_is_not_learned(void **state)
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -549,6 +581,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nobody_is_found_where_nobody_is),
 		cmocka_unit_test(somebody_who_passes_is_found_in_order),
+		cmocka_unit_test(an_outline_is_neither_wide_nor_narrow),
 		cmocka_unit_test(somebody_who_stands_still_is_not_learned),
 		cmocka_unit_test(a_ghost_goes),
 		cmocka_unit_test(exposure_is_followed),
