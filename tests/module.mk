@@ -314,11 +314,11 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT
 -include $(BUILD)/tests/bench/bench_camera.d
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
-TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
+TEST_PROGRAMS += $(BUILD)/tests/fuzz/corpus/basis_seeds
+$(BUILD)/tests/fuzz/corpus/basis_seeds: $(BUILD)/tests/fuzz/corpus/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
--include $(BUILD)/tests/fuzz/basis_seeds.d
+-include $(BUILD)/tests/fuzz/corpus/basis_seeds.d
 
 # Loaded into a program: one counts its heap allocations, one plays the clock on the wall.
 LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so)
