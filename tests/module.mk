@@ -173,6 +173,7 @@ UNIT_TESTS := \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
 	tests/unit/hal/people/test_people.c \
+	tests/unit/hal/people/test_saved.c \
 	tests/unit/hal/optics/test_tsai.c
 # Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
@@ -206,6 +207,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_msi.c \
 	tests/fuzz/fuzz_obj.c \
 	tests/fuzz/fuzz_picture.c \
+	tests/fuzz/fuzz_place.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_response.c \

@@ -102,6 +102,8 @@ int people_create(struct people **people, const struct people_settings *settings
 	if (!p)
 		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
 	p->settings = *settings;
+	p->settings.camera = p->settings.calibration = NULL;
+	p->camera = saved_camera(settings);
 	p->side = fine <= FINE_CELLS ? 2 : 4;
 	p->across = (settings->width + p->side - 1) / p->side;
 	p->down = (settings->height + p->side - 1) / p->side;
@@ -272,6 +274,7 @@ void people_learn(struct people *p)
 void people_forget(struct people *p)
 {
 	place_forget(p);
+	p->report.learned = 0;
 }
 
 struct people_report people_report(const struct people *p)

@@ -61,6 +61,7 @@ struct people {
 	int side, across, down, cells; /* cells */
 	int tiles_across, tiles_down;
 	struct transfer_tables tables;
+	uint64_t camera; /* XXH3-64 of the settings' camera and calibration */
 	struct people_object object;
 
 	struct span *spans;
@@ -166,6 +167,10 @@ bool order_is_front(const struct people *people, const struct group *group);
 /* ---- groups.c ---- */
 
 void groups_find(struct people *people);
+
+/* ---- saved.c ---- */
+
+uint64_t saved_camera(const struct people_settings *settings);
 
 /* ---- outline.c ---- */
 
