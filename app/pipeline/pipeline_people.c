@@ -34,6 +34,8 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 		.height = (int)p->basis->info.height,
 		.curve = settings->background,
 		.dome = &p->dome,
+		.camera = settings->camera,
+		.calibration = p->basis->camera,
 	};
 	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
 	const bool wanted_at_all = settings->occlude || settings->follow_exposure;
@@ -146,6 +148,22 @@ void pipeline_forget(struct pipeline *p)
 		people_forget(p->people->people);
 }
 
+size_t pipeline_learned_bytes(const struct pipeline *p)
+{
+	return p->people ? people_saved_bytes(p->people->people) : 0;
+}
+
+size_t pipeline_learned_save(const struct pipeline *p, void *to, size_t done)
+{
+	return people_save(p->people->people, to, done);
+}
+
+int pipeline_learned_restore(struct pipeline *p, const void *from, size_t bytes,
+			     struct fault *fault)
+{
+	return people_restore(p->people->people, from, bytes, fault);
+}
+
 struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
 {
 	struct people_report report;
@@ -153,5 +171,6 @@ struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
 	if (!p->people)
 		return (struct pipeline_people_seen){.on = false};
 	report = people_report(p->people->people);
-	return (struct pipeline_people_seen){true, report.learned, report.parts, report.in_front};
+	return (struct pipeline_people_seen){true, p->people->looked, report.learned, report.parts,
+					     report.in_front};
 }
