@@ -102,6 +102,7 @@ UNIT_TESTS := \
 	tests/unit/bake/mesh/test_texture.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
+	tests/unit/bake/scene/test_footprint.c \
 	tests/unit/bake/scene/test_keyframes.c \
 	tests/unit/bake/scene/test_scene.c \
 	tests/unit/bake/sky/test_fine_list.c \
@@ -172,6 +173,7 @@ UNIT_TESTS := \
 	tests/unit/hal/optics/test_dome_tents.c \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
+	tests/unit/hal/people/test_order.c \
 	tests/unit/hal/people/test_people.c \
 	tests/unit/hal/people/test_saved.c \
 	tests/unit/hal/optics/test_tsai.c

@@ -96,6 +96,8 @@ static bool take_pose(struct pipeline *p)
 	touch_tiles(p->basis, pose, pp->touched);
 	if (pp->camera.width)
 		object.camera = &pp->camera;
+	if (p->basis->feet)
+		object.foot = &p->basis->feet[p->choice.pose];
 	people_place(pp->people, &object);
 	pp->pose = p->choice.pose;
 	pp->turn = pose->turn;

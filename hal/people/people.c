@@ -78,7 +78,6 @@ static int create_lists(struct people *p)
 	p->fitted = calloc(cells, sizeof(*p->fitted));
 	p->spans = calloc(cells, sizeof(*p->spans));
 	p->row_span = calloc((size_t)p->down + 1, sizeof(*p->row_span));
-	p->object_near = calloc((size_t)p->across, sizeof(float));
 	p->object_far = calloc((size_t)p->across, sizeof(float));
 	p->tile = calloc(tiles, 1);
 	p->front = calloc(pixels, 1);
@@ -87,8 +86,8 @@ static int create_lists(struct people *p)
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->first_differs &&
 			       p->last_differs && p->count && p->order && p->order_before &&
 			       p->stable_ms && p->label && p->runs && p->groups && p->fitted &&
-			       p->spans && p->row_span && p->object_near && p->object_far &&
-			       p->tile && p->front && p->anybody && p->foremost
+			       p->spans && p->row_span && p->object_far && p->tile && p->front &&
+			       p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -171,7 +170,6 @@ void people_destroy(struct people *p)
 	free(p->groups);
 	free(p->spans);
 	free(p->row_span);
-	free(p->object_near);
 	free(p->object_far);
 	free(p->tile);
 	free(p->front);

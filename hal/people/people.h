@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
+#include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/live/veil.h"
 #include "hal/frame/view.h"
@@ -41,10 +42,9 @@ struct people_object {
 	 * for in these tiles and two around them. */
 	const uint8_t *touched;
 	const struct tsai_camera *camera; /* NULL: not known, and nobody is in front */
-	/* Convex outline of what the object covers of the ground z = 0, seen from above: world X and
-	 * Y, counterclockwise. foot_count 0: not known, the lower edge of the coverage stands in. */
-	const double (*foot)[2];
-	int foot_count;
+	/* What the object covers of the ground. NULL: not known, the lower edge of the coverage stands
+	 * in. */
+	const struct basis_footprint *foot;
 };
 
 /* 0 or -ENOMEM, -EINVAL. */

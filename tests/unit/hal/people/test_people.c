@@ -67,8 +67,9 @@ static void place_begin(struct place *p)
 {
 	const double eye[3] = {0, -4, 1.6}, target[3] = {0, 0, 0.3};
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
-	static const double foot[4][2] = {{-0.3, -0.3}, {0.3, -0.3}, {0.3, 0.3}, {-0.3, 0.3}};
-	struct people_object object = {.foot = foot, .foot_count = 4};
+	static const struct basis_footprint foot = {
+		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
+	struct people_object object = {.foot = &foot};
 
 	assert_int_equal(dome_create(&p->dome, 2, DOME_ANGLES, NULL), 0);
 	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
@@ -500,9 +501,10 @@ static void a_body_keeps_the_order_of_its_feet(void **state)
 
 static void somebody_cut_by_the_lower_edge_is_in_front(void **state)
 {
-	static const double foot[4][2] = {{-0.3, -3.9}, {0.3, -3.9}, {0.3, -3.7}, {-0.3, -3.7}};
+	static const struct basis_footprint foot = {
+		.corner = {-0.3f, -3.9f}, .side = 0.2f, .row = {7}};
 	struct place *p = calloc(1, sizeof(*p));
-	struct people_object object = {.foot = foot, .foot_count = 4};
+	struct people_object object = {.foot = &foot};
 
 	(void)state;
 	assert_non_null(p);
