@@ -150,6 +150,11 @@ void pipeline_forget(struct pipeline *p)
 		people_forget(p->people->people);
 }
 
+const struct sensor_noise *pipeline_people_noise(const struct pipeline *p)
+{
+	return p->people ? people_noise(p->people->people) : NULL;
+}
+
 size_t pipeline_learned_bytes(const struct pipeline *p)
 {
 	return p->people ? people_saved_bytes(p->people->people) : 0;

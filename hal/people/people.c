@@ -253,9 +253,12 @@ void people_look(struct people *p, const struct picture *background, const float
 	judge_cells(p);
 	groups_find(p);
 	outline_draw(p, background);
-	cells_follow_noise(p, background);
-	place_learn(p);
-	p->frame++;
+	/* A frame that is looked at again, as another pose has come, teaches nothing twice. */
+	if (p->step_ms > 0) {
+		cells_follow_noise(p, background);
+		place_learn(p);
+		p->frame++;
+	}
 	report_learned(p);
 }
 
@@ -273,6 +276,11 @@ void people_forget(struct people *p)
 {
 	place_forget(p);
 	p->report.learned = 0;
+}
+
+const struct sensor_noise *people_noise(const struct people *p)
+{
+	return p->sensor;
 }
 
 struct people_report people_report(const struct people *p)

@@ -21,6 +21,7 @@
 #include "hal/colour/transfer.h"
 #include "hal/compositor/live/veil.h"
 #include "hal/frame/view.h"
+#include "hal/look/sensor_noise.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/tsai.h"
 
@@ -67,6 +68,9 @@ const struct veil *people_veil(const struct people *people);
 void people_learn(struct people *people);
 /* Everything that was learned is forgotten. */
 void people_forget(struct people *people);
+
+/* The camera's noise, as measured in the frames that were looked at. */
+const struct sensor_noise *people_noise(const struct people *people);
 
 struct people_report {
 	double learned; /* share of the looked-at place whose empty picture is known, 0..1 */

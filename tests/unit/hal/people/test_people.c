@@ -562,6 +562,66 @@ static void another_place_is_refused(void **state)
 	free(p);
 }
 
+/* Somebody stands where the object is, which goes elsewhere; meanwhile he goes. Where it comes back
+ * nobody is, from the first look on; and a second look at a frame, as after a pose has come, tells the
+ * same. */
+static void cells_that_come_back_are_judged_anew(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	static uint8_t elsewhere[sizeof(p->touched)] = {[0] = 1};
+	struct people_object object = {.camera = &p->camera};
+	const struct body b = walker(0.1, -1);
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 5; n++)
+		place_look(p, &b, 1);
+	expect_equal(people_report(p->people).parts, 1, "while he is there");
+	object.coverage = p->coverage;
+	object.touched = elsewhere;
+	people_place(p->people, &object);
+	for (int n = 0; n < 5; n++)
+		place_look(p, NULL, 0);
+	object.touched = p->touched;
+	people_place(p->people, &object);
+	place_look(p, NULL, 0);
+	expect_equal(people_report(p->people).parts, 0, "back again");
+	assert_null(people_veil(p->people));
+	people_look(p->people, &p->picture, (const float(*)[3])p->radiance, p->now_ns);
+	assert_null(people_veil(p->people));
+	place_end(p);
+	free(p);
+}
+
+/* The noise that is measured is the camera's, also where frames are looked at twice. */
+static void noise_is_measured_once_a_frame(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	struct sensor_noise_model model[2];
+
+	(void)state;
+	for (int twice = 0; twice < 2; twice++) {
+		memset(p, 0, sizeof(*p));
+		place_begin(p);
+		for (int n = 0; n < LEARNING; n++) {
+			place_look(p, NULL, 0);
+			for (int again = 0; again < 2 * twice; again++)
+				people_look(p->people, &p->picture, (const float(*)[3])p->radiance,
+					    p->now_ns);
+		}
+		assert_true(sensor_noise_fit(people_noise(p->people), &model[twice]));
+		place_end(p);
+	}
+	for (int c = 0; c < 3; c++) {
+		expect_above(model[0].floor[c] + 0.3 * model[0].slope[c], 0, "channel %d", c);
+		expect_equal(model[1].floor[c], model[0].floor[c], "channel %d", c);
+		expect_equal(model[1].slope[c], model[0].slope[c], "channel %d", c);
+	}
+	free(p);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -577,6 +637,8 @@ int main(void)
 		cmocka_unit_test(a_body_keeps_the_order_of_its_feet),
 		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
 		cmocka_unit_test(another_place_is_refused),
+		cmocka_unit_test(cells_that_come_back_are_judged_anew),
+		cmocka_unit_test(noise_is_measured_once_a_frame),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
