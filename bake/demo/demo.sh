@@ -81,7 +81,7 @@ walkers() {
 	run "${people[@]}" --set screen.driver=null --frames $((3 * rate))
 	clip walkers $walk_rate $walk_seconds "${people[@]}" --set camera.background.sim.walkers=2 \
 		--set camera.background.rate=$walk_rate --set camera.fisheye.rate=$walk_rate
-	rm "$out/walkers.state"*
+	rm -f "$out/walkers.state"*
 }
 
 prepare
