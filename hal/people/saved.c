@@ -201,9 +201,8 @@ static bool are_possible(const struct people *p, const struct saved_header *head
 	const uint8_t *planes = body + sizeof(p->fit), *known = planes + values * sizeof(float);
 	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
 		    are_finite(header->first, 3) &&
-		    are_finite((const double *)body, sizeof(p->fit) / sizeof(double)) &&
-		    are_in_range((const float *)planes, values, -COEFFICIENT_MOST,
-				 COEFFICIENT_MOST);
+		    are_finite((const void *)body, sizeof(p->fit) / sizeof(double)) &&
+		    are_in_range((const void *)planes, values, -COEFFICIENT_MOST, COEFFICIENT_MOST);
 
 	for (int c = 0; c < 3; c++)
 		fine = fine && header->first[c] >= 0;
