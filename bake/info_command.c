@@ -2,6 +2,7 @@
 /* inlay-bake info: what a basis file holds. */
 #include <getopt.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -191,6 +192,45 @@ static void print_poses(const struct basis *basis)
 	printf("\n");
 }
 
+/* What the objects of all poses cover of the ground, as a rectangle: width and depth. False: unknown, or
+ * nothing. */
+static bool footprint_size(const struct basis *basis, double size[2])
+{
+	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+
+	for (uint32_t p = 0; basis->feet && p < basis->info.poses; p++) {
+		const struct basis_footprint *foot = &basis->feet[p];
+
+		for (int k = 0; k < BASIS_FOOT_SQUARES * BASIS_FOOT_SQUARES; k++) {
+			const int square[2] = {k % BASIS_FOOT_SQUARES, k / BASIS_FOOT_SQUARES};
+
+			if (!(foot->row[square[1]] >> square[0] & 1))
+				continue;
+			for (int c = 0; c < 2; c++) {
+				const double at = (double)foot->corner[c] +
+						  square[c] * (double)foot->side;
+
+				low[c] = fmin(low[c], at);
+				high[c] = fmax(high[c], at + (double)foot->side);
+			}
+		}
+	}
+	size[0] = high[0] - low[0];
+	size[1] = high[1] - low[1];
+	return size[0] > 0;
+}
+
+static void print_footprint(const struct basis *basis)
+{
+	double size[2];
+
+	if (footprint_size(basis, size))
+		printf("footprint: %.3g x %.3g world units of the ground%s\n", size[0], size[1],
+		       basis->info.poses > 1 ? ", in all poses" : "");
+	else
+		printf("footprint: %s\n", basis->feet ? "none" : "not known");
+}
+
 static void print_errors(const struct basis_info_chunk *info)
 {
 	printf("measured error in 8-bit levels, nothing overexposed: skies %.3g RMS, %.3g at most; "
@@ -224,6 +264,7 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 	else
 		printf("no exact layer\n");
 	print_errors(info);
+	print_footprint(basis);
 	print_poses(basis);
 	printf("%s%s", basis->camera, basis->provenance);
 }
@@ -267,6 +308,7 @@ static void print_json_layer(const struct basis *basis, const struct layer_sum *
 static void print_json(const struct basis *basis, const struct summary *s)
 {
 	const struct basis_info_chunk *info = &basis->info;
+	double foot[2];
 
 	printf("{\"preview\": %s, \"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
 	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"light_shape\": \"%s\", "
@@ -289,6 +331,10 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	       info->column_cut, info->object_error, info->ratio_error, info->sky_rms,
 	       info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
 	print_string(basis->camera);
+	if (footprint_size(basis, foot))
+		printf(", \"footprint\": [%.6g, %.6g]", foot[0], foot[1]);
+	else
+		printf(", \"footprint\": null");
 	printf(", \"pose_names\": [");
 	for (int p = 0; p < (int)info->poses; p++) {
 		fputs(p ? ", " : "", stdout);

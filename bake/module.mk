@@ -90,6 +90,7 @@ BAKE_SOURCES := \
 	bake/report/report_thesis.c \
 	bake/report/report_together.c \
 	bake/report/report_trial.c \
+	bake/scene/footprint.c \
 	bake/scene/keyframes.c \
 	bake/scene/lights_options.c \
 	bake/scene/scene.c \

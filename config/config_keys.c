@@ -583,7 +583,8 @@ static const struct ini_key state_keys[] = {
 	 .type = INI_PATH,
 	 .offset = offsetof(struct config_state, file),
 	 .fallback = "",
-	 .help = "Where threshold, view and pose are kept over a power cut; empty: nowhere."},
+	 .help = "Where threshold, view and pose are kept over a power cut; empty: nowhere. Beside "
+		 "it, under its name and .place, what [people] has learned of the place."},
 	{.name = "interval",
 	 .type = INI_REAL,
 	 .offset = offsetof(struct config_state, interval_s),
@@ -591,7 +592,8 @@ static const struct ini_key state_keys[] = {
 	 .max = 86400,
 	 .fallback = "5",
 	 .unit = "s",
-	 .help = "It is written at most so often, and when the kiosk ends."},
+	 .help = "It is written at most so often, and when the kiosk ends; the place 360 times as "
+		 "rarely."},
 	INI_KEYS_END};
 
 static const struct ini_key metrics_keys[] = {

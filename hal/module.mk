@@ -18,6 +18,7 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
+	hal/basis/basis_foot.c \
 	hal/basis/basis_glass.c \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \

@@ -102,6 +102,7 @@ UNIT_TESTS := \
 	tests/unit/bake/mesh/test_texture.c \
 	tests/unit/bake/report/test_measure.c \
 	tests/unit/bake/report/test_report_rank.c \
+	tests/unit/bake/scene/test_footprint.c \
 	tests/unit/bake/scene/test_keyframes.c \
 	tests/unit/bake/scene/test_scene.c \
 	tests/unit/bake/sky/test_fine_list.c \
@@ -172,7 +173,9 @@ UNIT_TESTS := \
 	tests/unit/hal/optics/test_dome_tents.c \
 	tests/unit/hal/optics/test_fisheye.c \
 	tests/unit/hal/optics/test_panorama.c \
+	tests/unit/hal/people/test_order.c \
 	tests/unit/hal/people/test_people.c \
+	tests/unit/hal/people/test_saved.c \
 	tests/unit/hal/optics/test_tsai.c
 # Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
 THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
@@ -206,6 +209,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_msi.c \
 	tests/fuzz/fuzz_obj.c \
 	tests/fuzz/fuzz_picture.c \
+	tests/fuzz/fuzz_place.c \
 	tests/fuzz/fuzz_ply.c \
 	tests/fuzz/fuzz_points.c \
 	tests/fuzz/fuzz_response.c \
@@ -314,11 +318,11 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT
 -include $(BUILD)/tests/bench/bench_camera.d
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
-TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
+TEST_PROGRAMS += $(BUILD)/tests/fuzz/corpus/basis_seeds
+$(BUILD)/tests/fuzz/corpus/basis_seeds: $(BUILD)/tests/fuzz/corpus/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
--include $(BUILD)/tests/fuzz/basis_seeds.d
+-include $(BUILD)/tests/fuzz/corpus/basis_seeds.d
 
 # Loaded into a program: one counts its heap allocations, one plays the clock on the wall.
 LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so)

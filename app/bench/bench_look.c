@@ -81,6 +81,7 @@ static int look_fill(struct bench_look *l, const struct basis *basis,
 	if (!tsai_read_text(basis->camera, &l->camera, NULL))
 		object.camera = &l->camera;
 	object.touched = l->touched;
+	object.foot = basis->feet;
 	people_place(l->people, &object);
 	for (int n = 0; n < LEARNING; n++)
 		look_at(l, background);

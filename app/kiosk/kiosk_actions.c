@@ -156,10 +156,13 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 			return fault_say(fault, -EINVAL,
 					 "nobody is looked for, expected [people] occlude "
 					 "or [composite] follow_exposure = yes");
-		if (press->action == ACTION_LEARN)
+		if (press->action == ACTION_LEARN) {
 			pipeline_learn(k->picture.pipeline);
-		else
+			learned_soon(controls->learned);
+		} else {
 			pipeline_forget(k->picture.pipeline);
+			learned_forget(controls->learned);
+		}
 		break;
 	case ACTION_QUIT:
 		k->stop = true;

@@ -128,7 +128,12 @@ static int open_state(struct kiosk *k, struct fault *fault)
 	const struct state_values values = kiosk_chosen(&k->controls);
 	int err = state_create(&k->controls.state, &k->config->state, &values);
 
-	return err ? fault_say(fault, err, "state: cannot be kept: %s", strerror(-err)) : 0;
+	if (!err)
+		err = learned_create(&k->controls.learned, &k->config->state);
+	if (err)
+		return fault_say(fault, err, "state: cannot be kept: %s", strerror(-err));
+	learned_restore(k->controls.learned, k->picture.pipeline);
+	return 0;
 }
 
 static int open_pipeline(struct kiosk *k, struct fault *fault)
@@ -217,6 +222,7 @@ int kiosk_close(struct kiosk *k, struct fault *fault)
 		source_destroy(&k->inputs.sources[i]);
 	stats_close(&k->stats);
 	state_destroy(k->controls.state);
+	learned_destroy(k->controls.learned, k->picture.pipeline);
 	overlay_free(&k->picture.overlay);
 	show_free(&k->picture.show);
 	pipeline_destroy(k->picture.pipeline);

@@ -18,6 +18,7 @@
 #include "app/kiosk/service.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
+#include "app/records/learned.h"
 #include "app/records/metrics.h"
 #include "app/records/state.h"
 #include "app/records/stats.h"
@@ -78,6 +79,7 @@ struct kiosk_controls {
 	struct fault control_said;
 	char status[STATS_TEXT_MAX + 512]; /* the socket's answer to "status" */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
+	struct learned *learned;	   /* keeps the place without people; NULL likewise */
 	struct timeline timeline;
 	bool timed;	  /* a frame has come; its time begins the timeline */
 	int64_t stamp_ns; /* when the newest frame was captured, by its camera's clock */

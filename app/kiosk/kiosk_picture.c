@@ -272,6 +272,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	stage_end(&stages, STAGE_SHOW);
 	k->picture.made_ns = stages.last_ns;
 	stats_made(&k->stats, taken.captured_ns, stages.ns);
+	learned_keep(k->controls.learned, k->picture.pipeline);
 	k->picture.redraw = false;
 	k->screen.submitted++;
 	if (!k->picture.begun)

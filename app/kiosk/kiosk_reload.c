@@ -163,6 +163,10 @@ static unsigned apply_effects(struct kiosk *k, unsigned effects)
 		rest_take_hours(&k->rest, config->screen->hours);
 	if (effects & RELOAD_STATE)
 		state_move(k->controls.state, &config->state);
+	if (effects & RELOAD_STATE)
+		learned_move(k->controls.learned, &config->state);
+	/* Has effect where people are looked for anew. */
+	learned_restore(k->controls.learned, k->picture.pipeline);
 	if (effects & (RELOAD_THRESHOLD | RELOAD_POSE | RELOAD_VIEW))
 		kiosk_keep_state(&k->controls);
 	/* first is false: what cannot be opened now is tried again later. */

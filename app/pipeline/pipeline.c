@@ -232,10 +232,10 @@ void pipeline_look(struct pipeline *p, const struct picture *background, int64_t
 
 	if (!p->choice.object || pipeline_fits(p, background->width, background->height, NULL))
 		return;
-	if (fresh && p->grain)
-		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
 	if (p->people && p->lit)
 		pipeline_people_look(p, background, captured_ns, fresh);
+	if (fresh && p->grain)
+		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
 	p->looked = true;
 	p->looked_ns = captured_ns;
 }

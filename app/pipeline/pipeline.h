@@ -30,6 +30,7 @@
 #include "hal/optics/fisheye.h"
 
 #define PIPELINE_KERNEL_MAX 256
+#define PIPELINE_CAMERA_MAX 2048
 
 /* A rectangle of ground in the background's picture, whose brightness tells what the fisheye clips
  * (hal/lights/recovery.h). */
@@ -59,6 +60,8 @@ struct pipeline_settings {
 	bool follow_exposure;
 	bool grain;   /* the object gets the background camera's noise (hal/look) */
 	bool occlude; /* people are looked for, and stand before the object (hal/people) */
+	/* Tells the background's camera and view: what is kept of a place is of one. */
+	char camera[PIPELINE_CAMERA_MAX];
 };
 
 /* What may change from frame to frame. */
@@ -90,6 +93,7 @@ struct pipeline;
 /* What the last look for people saw. */
 struct pipeline_people_seen {
 	bool on;	/* people are looked for */
+	bool begun;	/* a frame has been looked at */
 	double learned; /* share of the place around the object whose empty picture is known */
 	int parts;	/* groups of people, and those of them in front of the object */
 	int in_front;
@@ -202,6 +206,13 @@ void pipeline_look(struct pipeline *pipeline, const struct picture *background,
 /* The next frame shows the place without people; all that was learned of it is forgotten. */
 void pipeline_learn(struct pipeline *pipeline);
 void pipeline_forget(struct pipeline *pipeline);
+
+/* What was learned of the place, as people_save() and people_restore() have it (hal/people/people.h).
+ * 0 bytes: nobody is looked for, or the picture is too large. */
+size_t pipeline_learned_bytes(const struct pipeline *pipeline);
+size_t pipeline_learned_save(const struct pipeline *pipeline, void *to, size_t done);
+int pipeline_learned_restore(struct pipeline *pipeline, const void *from, size_t bytes,
+			     struct fault *fault);
 
 /* Writes the composite, BGRX of the basis's size. -EINVAL: the background has another size. */
 int pipeline_composite(struct pipeline *pipeline, const struct backdrop *background, uint8_t *out,

@@ -8,6 +8,19 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
+/* Tells the background's camera and view, in which a place has its pixels. */
+static void name_camera(const struct config *config, char text[PIPELINE_CAMERA_MAX])
+{
+	const struct config_view *view = &config->background.view;
+	const struct config_camera *camera = config_camera_named(config, view->camera);
+
+	snprintf(text, PIPELINE_CAMERA_MAX, "%s %s %s %d %d %d,%d %dx%d %d %d %d", view->camera,
+		 camera ? camera->driver : "", camera ? camera->settings.device : "",
+		 camera ? camera->turn : 0, camera ? camera->deinterlace : 0, view->view.x,
+		 view->view.y, view->view.width, view->view.height, view->view.hflip,
+		 view->view.vflip, view->rotate180);
+}
+
 struct pipeline_settings pipeline_settings_of(const struct config *config)
 {
 	struct pipeline_settings settings = {
@@ -41,6 +54,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 	       sizeof(settings.patch.reflectance));
 	memcpy(settings.sampler.colours, config->fisheye.measured.colours,
 	       sizeof(settings.sampler.colours));
+	name_camera(config, settings.camera);
 	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
 	return settings;
 }

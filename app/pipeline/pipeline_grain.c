@@ -9,7 +9,7 @@
 #define FIT_EVERY 25 /* frames */
 
 struct pipeline_grain {
-	struct sensor_noise *noise;
+	struct sensor_noise *noise; /* watched where nobody is looked for */
 	struct grain_tables tables;
 	struct grain grain;
 	int frames;  /* since the last fit */
@@ -58,11 +58,16 @@ int pipeline_grain_prepare(struct pipeline *p, const struct pipeline_settings *s
 void pipeline_grain_watch(struct pipeline *p, const struct picture *background, uint64_t seed)
 {
 	struct pipeline_grain *g = p->grain;
+	const struct sensor_noise *noise = pipeline_people_noise(p);
 	struct sensor_noise_model model;
 
-	sensor_noise_watch(g->noise, background);
+	/* Who looks for people measures it anyway. */
+	if (!noise) {
+		sensor_noise_watch(g->noise, background);
+		noise = g->noise;
+	}
 	g->grain.seed = seed;
-	if (g->frames++ % FIT_EVERY == 0 && sensor_noise_fit(g->noise, &model)) {
+	if (g->frames++ % FIT_EVERY == 0 && sensor_noise_fit(noise, &model)) {
 		grain_tables_fit(&g->tables, &model, &g->grain);
 		g->fitted = true;
 	}

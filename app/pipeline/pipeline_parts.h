@@ -106,6 +106,9 @@ void pipeline_people_follow(struct pipeline *pipeline);
 const struct veil *pipeline_veil(const struct pipeline *pipeline);
 struct pipeline_people_seen pipeline_people_seen(const struct pipeline *pipeline);
 
+/* The background camera's noise, where people are looked for; else NULL. */
+const struct sensor_noise *pipeline_people_noise(const struct pipeline *pipeline);
+
 /* ---- pipeline_grain.c ---- */
 
 /* Begins to measure the background camera's noise, or ends it, as the settings say. What was
@@ -114,7 +117,7 @@ int pipeline_grain_prepare(struct pipeline *pipeline, const struct pipeline_sett
 			   struct fault *fault);
 void pipeline_grain_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
 
-/* Looks at a frame. seed: of the noise that its composite gets. */
+/* Looks at a frame, after pipeline_people_look(). seed: of the noise that its composite gets. */
 void pipeline_grain_watch(struct pipeline *pipeline, const struct picture *background,
 			  uint64_t seed);
 

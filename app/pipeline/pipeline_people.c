@@ -34,6 +34,8 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 		.height = (int)p->basis->info.height,
 		.curve = settings->background,
 		.dome = &p->dome,
+		.camera = settings->camera,
+		.calibration = p->basis->camera,
 	};
 	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
 	const bool wanted_at_all = settings->occlude || settings->follow_exposure;
@@ -94,6 +96,8 @@ static bool take_pose(struct pipeline *p)
 	touch_tiles(p->basis, pose, pp->touched);
 	if (pp->camera.width)
 		object.camera = &pp->camera;
+	if (p->basis->feet)
+		object.foot = &p->basis->feet[p->choice.pose];
 	people_place(pp->people, &object);
 	pp->pose = p->choice.pose;
 	pp->turn = pose->turn;
@@ -146,6 +150,27 @@ void pipeline_forget(struct pipeline *p)
 		people_forget(p->people->people);
 }
 
+const struct sensor_noise *pipeline_people_noise(const struct pipeline *p)
+{
+	return p->people ? people_noise(p->people->people) : NULL;
+}
+
+size_t pipeline_learned_bytes(const struct pipeline *p)
+{
+	return p->people ? people_saved_bytes(p->people->people) : 0;
+}
+
+size_t pipeline_learned_save(const struct pipeline *p, void *to, size_t done)
+{
+	return people_save(p->people->people, to, done);
+}
+
+int pipeline_learned_restore(struct pipeline *p, const void *from, size_t bytes,
+			     struct fault *fault)
+{
+	return people_restore(p->people->people, from, bytes, fault);
+}
+
 struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
 {
 	struct people_report report;
@@ -153,5 +178,6 @@ struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
 	if (!p->people)
 		return (struct pipeline_people_seen){.on = false};
 	report = people_report(p->people->people);
-	return (struct pipeline_people_seen){true, report.learned, report.parts, report.in_front};
+	return (struct pipeline_people_seen){true, p->people->looked, report.learned, report.parts,
+					     report.in_front};
 }

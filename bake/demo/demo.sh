@@ -12,6 +12,8 @@ bake_options=("${@:2}")
 rate=25
 seconds=6
 moment=4 # seconds into the run: both lamps stand well
+walk_rate=15
+walk_seconds=9
 
 mkdir -p "$out"
 
@@ -60,13 +62,26 @@ picture() {
 	run "${slow[@]}" --set "screen.show=$show" --set "screen.device=$out/$file" --frames 2
 }
 
+# clip NAME RATE SECONDS OPTION...
 clip() {
-	run --set screen.show=composite --set "screen.device=$out/clip.y4m" \
-		--set "screen.rate=$rate" --frames $((rate * seconds))
-	ffmpeg -y -loglevel error -i "$out/clip.y4m" -c:v libx264 -crf 18 -pix_fmt yuv420p \
-		-movflags +faststart "$out/clip.part.mp4" </dev/null
-	mv "$out/clip.part.mp4" "$out/clip.mp4"
-	rm "$out/clip.y4m"
+	local name=$1 rate=$2 seconds=$3
+	shift 3
+	run --set screen.show=composite --set "screen.device=$out/$name.y4m" --set "screen.rate=$rate" \
+		--frames $((rate * seconds)) "$@"
+	ffmpeg -y -loglevel error -i "$out/$name.y4m" -c:v libx264 -crf 18 -pix_fmt yuv420p \
+		-movflags +faststart "$out/$name.part.mp4" </dev/null
+	mv "$out/$name.part.mp4" "$out/$name.mp4"
+	rm "$out/$name.y4m"
+}
+
+# One walks behind the cow, and one close before the camera. The place is learned without them first, and kept.
+walkers() {
+	local people=(--set people.occlude=yes --set "state.file=$out/walkers.state" --set scene.camera=)
+	rm -f "$out/walkers.state"*
+	run "${people[@]}" --set screen.driver=null --frames $((3 * rate))
+	clip walkers $walk_rate $walk_seconds "${people[@]}" --set camera.background.sim.walkers=2 \
+		--set camera.background.rate=$walk_rate --set camera.fisheye.rate=$walk_rate
+	rm -f "$out/walkers.state"*
 }
 
 prepare
@@ -76,9 +91,11 @@ picture before before.png
 picture composite after.png
 picture fisheye fisheye.png
 picture quad quad.png
-clip
+clip clip $rate $seconds
+walkers
 echo "$out/before.png   what the camera sees"
 echo "$out/after.png    the same with the cow, lit by the studio's lamps"
 echo "$out/fisheye.png  the fisheye's view of them, each light marked"
 echo "$out/quad.png     the room from afar, the fisheye, before and after"
 echo "$out/clip.mp4     $seconds s of moving lamps"
+echo "$out/walkers.mp4  $walk_seconds s of people behind the cow and before it"

@@ -247,7 +247,7 @@ static int import_finish(struct import_job *job, struct assembly_report *report,
 
 	for (int k = 1; k < job->workers; k++)
 		peaks_join(peak, (const float(*)[3])job->worker[k].peak, job->source->dome->count);
-	err = assembly_pose_end(assembly, (const float(*)[3])peak, fault);
+	err = assembly_pose_end(assembly, (const float(*)[3])peak, NULL, fault);
 	if (!err) {
 		job->assembly = NULL; /* finishing frees it */
 		err = assembly_finish(assembly, report, fault);

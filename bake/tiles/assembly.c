@@ -16,6 +16,9 @@ struct assembly {
 	uint16_t *coverage;	   /* [height][width] */
 	struct basis_glass *glass; /* of the open pose */
 	size_t glass_count, glass_room;
+	struct basis_footprint *feet; /* [info.poses] */
+	int poses_done;
+	bool footless; /* a pose has come without a footprint: none is written */
 	struct ensemble_error error;
 	double noise_square;
 	int64_t noise_count;
@@ -39,8 +42,9 @@ int assembly_open(struct assembly **assembly, const struct plan *plan, const cha
 		a->report.info = plan->info;
 		a->coverage = calloc((size_t)plan->info.width * plan->info.height,
 				     sizeof(*a->coverage));
+		a->feet = calloc(plan->info.poses, sizeof(*a->feet));
 	}
-	if (!a || !a->coverage)
+	if (!a || !a->coverage || !a->feet)
 		fault_say(fault, err, "%s: out of memory", path);
 	else
 		err = basis_writer_open(&a->writer, path, &plan->info, plan->light, plan->ground,
@@ -59,6 +63,7 @@ void assembly_abandon(struct assembly *a)
 	basis_writer_abandon(a->writer);
 	free(a->coverage);
 	free(a->glass);
+	free(a->feet);
 	free(a);
 }
 
@@ -157,13 +162,18 @@ int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fa
 	return err;
 }
 
-int assembly_pose_end(struct assembly *a, const float (*peak)[3], struct fault *fault)
+int assembly_pose_end(struct assembly *a, const float (*peak)[3],
+		      const struct basis_footprint *foot, struct fault *fault)
 {
 	int err = basis_writer_pose_end(a->writer, a->coverage, peak, fault);
 
 	if (!err && a->glass_count)
 		err = basis_writer_glass(a->writer, a->glass, a->glass_count, fault);
 	a->glass_count = 0;
+	if (!err && foot)
+		a->feet[a->poses_done] = *foot;
+	a->footless |= !foot;
+	a->poses_done++;
 	return err;
 }
 
@@ -184,6 +194,8 @@ int assembly_finish(struct assembly *a, struct assembly_report *report, struct f
 		 a->plan->provenance, info->noise_levels, (unsigned long long)a->report.rays);
 	if (a->plan->names)
 		err = basis_writer_names(writer, a->plan->names, fault);
+	if (!err && !a->footless)
+		err = basis_writer_feet(writer, a->feet, fault);
 	if (!err) {
 		a->writer = NULL; /* finishing frees it */
 		err = basis_writer_finish(writer, info, provenance, fault);

@@ -39,8 +39,9 @@ int assembly_open(struct assembly **assembly, const struct plan *plan, const cha
 int assembly_add(struct assembly *assembly, const struct finished_tile *tile, struct fault *fault);
 
 /* Ends a pose after its last tile; the next tile is the first of the next pose. peak: [lights +
- * 1][3] (BASIS_CHUNK_PEAK). */
-int assembly_pose_end(struct assembly *assembly, const float (*peak)[3], struct fault *fault);
+ * 1][3] (BASIS_CHUNK_PEAK). foot: NULL where it is not known; then the file has none of any pose. */
+int assembly_pose_end(struct assembly *assembly, const float (*peak)[3],
+		      const struct basis_footprint *foot, struct fault *fault);
 
 /* Finishes the file after the last pose. Frees the assembly, also on failure. */
 int assembly_finish(struct assembly *assembly, struct assembly_report *report, struct fault *fault);

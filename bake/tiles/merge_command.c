@@ -115,7 +115,7 @@ static int merge_pose(struct shards *all, int pose, struct assembly *assembly, s
 	for (int k = 1; k < all->count; k++)
 		peaks_join(peak, (const float(*)[3])all->shard[k].peak,
 			   (int)all->shard[0].plan.info.lights);
-	return assembly_pose_end(assembly, (const float(*)[3])peak, fault);
+	return assembly_pose_end(assembly, (const float(*)[3])peak, &all->shard[0].foot, fault);
 }
 
 static int merge_poses(struct shards *all, struct assembly *assembly, struct fault *fault)

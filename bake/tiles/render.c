@@ -7,6 +7,7 @@
 
 #include "bake/base/profile.h"
 #include "bake/base/progress.h"
+#include "bake/scene/footprint.h"
 #include "bake/scene/keyframes.h"
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
@@ -251,14 +252,16 @@ static int render_end_pose(struct render_job *job, struct fault *fault)
 {
 	const size_t bytes = ((size_t)job->dome.count + 1) * sizeof(*job->workers->peak);
 	float(*peak)[3] = job->workers[0].peak;
+	struct basis_footprint foot;
 	int err;
 
 	for (int k = 1; k < job->worker_count; k++) {
 		peaks_join(peak, (const float(*)[3])job->workers[k].peak, job->dome.count);
 		memset(job->workers[k].peak, 0, bytes);
 	}
-	err = job->shard ? shard_writer_pose_end(job->shard, (const float(*)[3])peak, fault)
-			 : assembly_pose_end(job->assembly, (const float(*)[3])peak, fault);
+	footprint_of_scene(job->scene, &foot);
+	err = job->shard ? shard_writer_pose_end(job->shard, (const float(*)[3])peak, &foot, fault)
+			 : assembly_pose_end(job->assembly, (const float(*)[3])peak, &foot, fault);
 	memset(peak, 0, bytes);
 	return err;
 }

@@ -177,13 +177,22 @@ int shard_writer_add(struct shard_writer *w, const struct finished_tile *tile, s
 	return err;
 }
 
-int shard_writer_pose_end(struct shard_writer *w, const float (*peak)[3], struct fault *fault)
+int shard_writer_pose_end(struct shard_writer *w, const float (*peak)[3],
+			  const struct basis_footprint *foot, struct fault *fault)
 {
-	struct shard_record record = {.tile = SHARD_NO_TILE,
-				      .pose = (uint32_t)w->pose++,
-				      .bytes = (w->lights + 1) * sizeof(*peak)};
+	const size_t bytes = (w->lights + 1) * sizeof(*peak);
+	struct shard_record record = {
+		.tile = SHARD_NO_TILE, .pose = (uint32_t)w->pose++, .bytes = bytes + sizeof(*foot)};
+	uint8_t *body = malloc(record.bytes);
+	int err;
 
-	return write_record(w, &record, peak, fault);
+	if (!body)
+		return fault_say(fault, -ENOMEM, "%s: out of memory", w->output.path);
+	memcpy(body, peak, bytes);
+	memcpy(body + bytes, foot, sizeof(*foot));
+	err = write_record(w, &record, body, fault);
+	free(body);
+	return err;
 }
 
 int shard_writer_finish(struct shard_writer *w, struct fault *fault)
@@ -364,15 +373,16 @@ static int shard_take_peaks(struct shard *shard, const struct shard_record *reco
 {
 	struct shard_stream *s = shard->stream;
 	const int tiles = plan_tiles(&shard->plan), poses = (int)shard->plan.info.poses;
+	const size_t peaks = ((size_t)shard->plan.info.lights + 1) * sizeof(*shard->peak);
 
-	if (record->bytes != ((size_t)shard->plan.info.lights + 1) * sizeof(*shard->peak) ||
-	    record->pose != (uint32_t)s->pose || s->next < tiles ||
-	    (s->pose + 1 == poses && s->left)) {
+	if (record->bytes != peaks + sizeof(shard->foot) || record->pose != (uint32_t)s->pose ||
+	    s->next < tiles || (s->pose + 1 == poses && s->left)) {
 		free(body);
 		return say_damaged(s, "is damaged", fault);
 	}
 	free(shard->peak);
 	shard->peak = (float(*)[3])(void *)body;
+	memcpy(&shard->foot, body + peaks, sizeof(shard->foot));
 	s->next = shard_first(&shard->place, tiles, ++s->pose);
 	return 0;
 }

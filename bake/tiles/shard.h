@@ -38,7 +38,8 @@ int shard_writer_add(struct shard_writer *writer, const struct finished_tile *ti
 		     struct fault *fault);
 
 /* Ends a pose after the shard's last tile of it, even if it has none. */
-int shard_writer_pose_end(struct shard_writer *writer, const float (*peak)[3], struct fault *fault);
+int shard_writer_pose_end(struct shard_writer *writer, const float (*peak)[3],
+			  const struct basis_footprint *foot, struct fault *fault);
 
 /* Finishes the file after the last pose. Frees the writer, also on failure. */
 int shard_writer_finish(struct shard_writer *writer, struct fault *fault);
@@ -51,7 +52,9 @@ void shard_writer_abandon(struct shard_writer *writer);
 struct shard {
 	struct plan plan;
 	struct shard_place place;
-	float (*peak)[3]; /* [lights + 1]: peaks of the pose that was read to its end last */
+	/* These are of the pose that was read to its end last. */
+	float (*peak)[3]; /* [lights + 1]; NULL: there is none yet */
+	struct basis_footprint foot;
 	/* private */
 	struct shard_stream *stream;
 };
@@ -61,7 +64,7 @@ struct shard {
 int shard_open(struct shard *shard, const char *path, struct fault *fault);
 
 /* Reads the next tile, which the caller frees. Returns 1; 0: the pose has no more tiles, and peak
- * is set; -EBADMSG: damaged, or after the last pose; -ENOMEM. */
+ * and foot are set; -EBADMSG: damaged, or after the last pose; -ENOMEM. */
 int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fault);
 
 /* Tells whether two shards belong to the same bake. */

@@ -2,7 +2,7 @@
 /*
  * Layout of a shard on disk, for shard.c and for tests that damage shards: the header, the plan's
  * arrays and texts (list_pieces() of shard.c), then for each pose one record a tile and one for its
- * peaks.
+ * peaks and its footprint.
  */
 #ifndef INLAY_BAKE_TILES_SHARD_FORMAT_H
 #define INLAY_BAKE_TILES_SHARD_FORMAT_H
@@ -12,7 +12,8 @@
 
 #define SHARD_MAGIC "INLAYSHD"
 #define SHARD_PROGRAM_MAX 32
-#define SHARD_NO_TILE UINT32_MAX /* tile number of a pose's last record, which holds its peaks */
+#define SHARD_NO_TILE                                                                              \
+	UINT32_MAX /* tile number of a pose's last record, which holds its peaks and footprint */
 
 struct shard_header {
 	char magic[8];

@@ -12,6 +12,7 @@
 #include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_chunks.h"
 #include "hal/basis/basis_file.h"
+#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_glass.h"
 #include "hal/basis/basis_names.h"
 #include "hal/basis/basis_store.h"
@@ -24,6 +25,7 @@ _Static_assert(sizeof(struct basis_pose_name) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
 _Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
+_Static_assert(sizeof(struct basis_footprint) == 528, "as on disk");
 
 /* Checks that no declared error is NaN, infinite or negative. */
 static int check_errors(const struct basis_reader *r)
@@ -179,6 +181,28 @@ static int read_names(const struct basis_reader *r, const struct basis_chunk_map
 		       : ret;
 }
 
+static int read_feet(const struct basis_reader *r, const struct basis_chunk_map *map)
+{
+	const uint32_t poses = r->basis->info.poses;
+	const void *feet = NULL;
+	uint32_t bad = 0;
+	int ret;
+
+	if (!map->feet)
+		return 0;
+	ret = chunk_array(r, map->feet, "FOOT", poses * sizeof(*r->basis->feet), &feet);
+	if (ret < 0)
+		return ret;
+	r->basis->feet = feet;
+	return basis_foot_check(feet, poses, &bad) == 0
+		       ? 0
+		       : basis_damaged(
+				 r,
+				 "footprint of pose %u, expected a finite corner, and squares "
+				 "above 0 where one is set",
+				 bad);
+}
+
 static int check_peaks(const struct basis_reader *r, const float (*peak)[3])
 {
 	for (uint32_t i = 0; i <= r->basis->info.lights; i++) {
@@ -209,6 +233,8 @@ static int read_shared(const struct basis_reader *r, const struct basis_chunk_ma
 				  basis->info.coarse < n ? n * sizeof(*basis->coarse) : 0, &coarse);
 	if (ret == 0)
 		ret = read_names(r, map);
+	if (ret == 0)
+		ret = read_feet(r, map);
 	if (ret == 0)
 		ret = chunk_text(r, map->camera, "CAMR", &basis->camera);
 	if (ret == 0)

@@ -63,6 +63,7 @@ struct basis {
 	const double *ground;		     /* [grounds][3][lights] */
 	const struct basis_coarse *coarse;   /* [lights]; NULL: each light is a coarse light */
 	const struct basis_pose_name *names; /* [poses]; NULL: no pose has a name */
+	const struct basis_footprint *feet;  /* [poses]; NULL: they are not known */
 	const char *camera;		     /* INI text, NUL-terminated; empty when absent */
 	const char *provenance;
 	int tiles_across, tiles_down;

@@ -146,6 +146,8 @@ static const struct basis_chunk_entry **shared_slot(struct basis_chunk_map *map,
 		return &map->coarse;
 	case BASIS_CHUNK_POSES:
 		return &map->names;
+	case BASIS_CHUNK_FOOT:
+		return &map->feet;
 	case BASIS_CHUNK_CAMERA:
 		return &map->camera;
 	case BASIS_CHUNK_PROVENANCE:

@@ -14,7 +14,8 @@ struct basis_pose_chunks {
 struct basis_chunk_map {
 	const struct basis_chunk_entry *table;
 	uint32_t count;
-	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *names, *camera, *provenance;
+	const struct basis_chunk_entry *info, *dome, *ground, *coarse, *names, *feet, *camera,
+		*provenance;
 	struct basis_pose_chunks *poses; /* of basis_find_pose_chunks(); the caller frees it */
 };
 

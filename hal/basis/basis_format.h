@@ -167,6 +167,8 @@ enum basis_chunk {
 	BASIS_CHUNK_GLASS = BASIS_FOURCC('G', 'L', 'A', 'S'),
 	/* struct basis_pose_name [poses]; may be absent */
 	BASIS_CHUNK_POSES = BASIS_FOURCC('P', 'O', 'S', 'E'),
+	/* struct basis_footprint [poses]; may be absent */
+	BASIS_CHUNK_FOOT = BASIS_FOURCC('F', 'O', 'O', 'T'),
 	/* Texts end in a NUL byte, their only one. */
 	BASIS_CHUNK_CAMERA = BASIS_FOURCC('C', 'A', 'M', 'R'),	   /* the camera as INI */
 	BASIS_CHUNK_PROVENANCE = BASIS_FOURCC('P', 'R', 'O', 'V'), /* key = value lines */
@@ -233,6 +235,24 @@ struct basis_coarse {
  * zeros. Empty: the pose has no name. */
 struct basis_pose_name {
 	char text[BASIS_POSE_NAME_MAX];
+};
+
+/*
+ * What the object covers of the ground Z = 0, seen from above, for telling who stands before it and who
+ * behind: of its parts between the ground and the camera's height, or of all where there is nothing
+ * between, because people walk below what is higher. Square (i, j), bit i of row[j], covers
+ *
+ *     corner + side * (i..i+1, j..j+1)        in the scene's X and Y
+ *
+ * and is set where any surface of the object is above it; what is hollow may be unset inside. side 0, and no bit: there is no object.
+ */
+#define BASIS_FOOT_SQUARES 64
+#define BASIS_FOOT_MOST 1e9F /* of |corner| and side */
+
+struct basis_footprint {
+	float corner[2], side;
+	uint32_t reserved; /* 0 */
+	uint64_t row[BASIS_FOOT_SQUARES];
 };
 
 /*

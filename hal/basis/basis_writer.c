@@ -10,15 +10,16 @@
 #include <xxhash.h>
 
 #include "hal/base/output.h"
+#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_names.h"
 #include "hal/basis/pack.h"
 
 /* Largest number of chunks: INFO, DOME, GROUND, COARSE and CAMERA first; DATA, BLOCKS, EXACT_DATA,
- * EXACT_BLOCKS, COVERAGE, PEAK and GLASS for each pose; POSES and PROVENANCE last. */
+ * EXACT_BLOCKS, COVERAGE, PEAK and GLASS for each pose; POSES, FOOT and PROVENANCE last. */
 #define FIRST_CHUNKS 5
 #define POSE_CHUNKS 7
-#define LAST_CHUNKS 2
+#define LAST_CHUNKS 3
 
 _Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + LAST_CHUNKS <= BASIS_CHUNKS_MAX,
 	       "chunks for all poses");
@@ -483,6 +484,19 @@ int basis_writer_names(struct basis_writer *w, const struct basis_pose_name *nam
 				 w->output.path);
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_POSES, 0, names, poses * sizeof(*names));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
+int basis_writer_feet(struct basis_writer *w, const struct basis_footprint *feet,
+		      struct fault *fault)
+{
+	uint32_t bad = 0;
+	int ret = basis_foot_check(feet, w->info.poses, &bad);
+
+	if (ret < 0)
+		return fault_say(fault, ret, "%s: footprint of pose %u is impossible",
+				 w->output.path, bad);
+	ret = chunk_write(w, BASIS_CHUNK_FOOT, 0, feet, w->info.poses * sizeof(*feet));
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 

@@ -45,6 +45,10 @@ int basis_writer_glass(struct basis_writer *writer, const struct basis_glass *gl
 int basis_writer_names(struct basis_writer *writer, const struct basis_pose_name *names,
 		       struct fault *fault);
 
+/* Footprints of the poses, [info->poses]; optional, once, before the end. -EINVAL: impossible ones. */
+int basis_writer_feet(struct basis_writer *writer, const struct basis_footprint *feet,
+		      struct fault *fault);
+
 /* Ends the file. info is the same but for errors and noise, which are known only now. Frees the
  * writer, also on failure. */
 int basis_writer_finish(struct basis_writer *writer, const struct basis_info_chunk *info,

@@ -9,9 +9,9 @@
 
 #define MARGIN 0.03f /* of the object's distance from the camera */
 
-/* Where a point of the picture, in cells, lies on the ground, seen from above: x, y, and its distance
- * from below the camera. False: above the horizon. */
-static bool on_ground(const struct people *p, double x, double y, double ground[2], double *far)
+/* Where a point of the picture, in cells, lies on the ground, seen from above: its direction and its
+ * distance from below the camera. False: above the horizon. */
+static bool on_ground(const struct people *p, double x, double y, double *direction_rad, float *far)
 {
 	const double px[2] = {x * p->side, y * p->side};
 	double origin[3], dir[3], t;
@@ -19,36 +19,115 @@ static bool on_ground(const struct people *p, double x, double y, double ground[
 	if (tsai_ray(p->object.camera, px, origin, dir) || !(dir[2] * origin[2] < 0))
 		return false;
 	t = -origin[2] / dir[2];
-	ground[0] = origin[0] + t * dir[0];
-	ground[1] = origin[1] + t * dir[1];
-	*far = hypot(t * dir[0], t * dir[1]);
+	*direction_rad = atan2(dir[1], dir[0]);
+	*far = (float)hypot(t * dir[0], t * dir[1]);
 	return true;
 }
 
-/* Where the ray over ground from the camera along direction d meets the object's outline. */
-static bool meet_outline(const struct people *p, const double origin[3], const double d[2],
-			 float *near, float *far)
+/* ---- where the object's footprint is known ---- */
+
+/* A square of the footprint, seen from the camera. */
+struct sight {
+	double first_rad, last_rad; /* from the middle of the footprint's directions */
+	double far;
+};
+
+static double turn_between(double from_rad, double to_rad)
 {
-	const double(*foot)[2] = p->object.foot;
-	double enter = 0, leave = INFINITY;
-
-	for (int i = 0; i < p->object.foot_count; i++) {
-		const double *a = foot[i], *b = foot[(i + 1) % p->object.foot_count];
-		const double n[2] = {b[1] - a[1], a[0] - b[0]}; /* outwards */
-		const double rate = n[0] * d[0] + n[1] * d[1];
-		const double room = n[0] * (a[0] - origin[0]) + n[1] * (a[1] - origin[1]);
-
-		if (rate > 0)
-			leave = fmin(leave, room / rate);
-		else if (rate < 0)
-			enter = fmax(enter, room / rate);
-		else if (room < 0)
-			return false;
-	}
-	*near = (float)enter;
-	*far = (float)leave;
-	return p->object.foot_count >= 3 && enter < leave;
+	return remainder(to_rad - from_rad, 2 * M_PI);
 }
+
+static struct sight see_square(const struct people *p, const double eye[2], int i, int j)
+{
+	const struct basis_footprint *foot = p->object.foot;
+	struct sight sight = {INFINITY, -INFINITY, 0};
+
+	for (int k = 0; k < 4; k++) {
+		const double side = (double)foot->side;
+		const double x = (double)foot->corner[0] + (i + k % 2) * side - eye[0];
+		const double y = (double)foot->corner[1] + (j + k / 2) * side - eye[1];
+		const double turn = turn_between(p->around_middle_rad, atan2(y, x));
+
+		sight.first_rad = fmin(sight.first_rad, turn);
+		sight.last_rad = fmax(sight.last_rad, turn);
+		sight.far = fmax(sight.far, hypot(x, y));
+	}
+	return sight;
+}
+
+/* Whether a square is set and not all around it are, so that it may be the far side. */
+static bool is_border(const struct basis_footprint *foot, int i, int j)
+{
+	const uint64_t row = foot->row[j];
+	const uint64_t inner = j > 0 && j < BASIS_FOOT_SQUARES - 1
+				       ? row & row << 1 & row >> 1 & foot->row[j - 1] &
+						 foot->row[j + 1]
+				       : 0;
+
+	return (row & ~inner) >> i & 1;
+}
+
+/* The place of a turn from the middle in around_far. */
+static int place_of(const struct people *p, double turn_rad)
+{
+	const double n = (turn_rad - p->around_first_rad) /
+			 (p->around_last_rad - p->around_first_rad) * ORDER_DIRECTIONS;
+
+	return n < 0 ? 0 : n > ORDER_DIRECTIONS - 1 ? ORDER_DIRECTIONS - 1 : (int)n;
+}
+
+static void mark_directions(struct people *p, const struct sight *sight)
+{
+	const int last = place_of(p, sight->last_rad);
+
+	for (int n = place_of(p, sight->first_rad); n <= last; n++)
+		p->around_far[n] = fmaxf(p->around_far[n], (float)sight->far);
+}
+
+/* Calls take() for each border square of the footprint. */
+static void walk_border(struct people *p, const double eye[2],
+			void (*take)(struct people *p, const struct sight *sight))
+{
+	for (int j = 0; j < BASIS_FOOT_SQUARES; j++)
+		for (int i = 0; p->object.foot->row[j] && i < BASIS_FOOT_SQUARES; i++)
+			if (is_border(p->object.foot, i, j)) {
+				const struct sight sight = see_square(p, eye, i, j);
+
+				take(p, &sight);
+			}
+}
+
+static void widen_directions(struct people *p, const struct sight *sight)
+{
+	p->around_first_rad = fmin(p->around_first_rad, sight->first_rad);
+	p->around_last_rad = fmax(p->around_last_rad, sight->last_rad);
+}
+
+static bool measure_footprint(struct people *p)
+{
+	const struct basis_footprint *foot = p->object.foot;
+	const double px[2] = {0.5 * p->settings.width, 0.5 * p->settings.height};
+	double eye[3], dir[3], middle[2];
+
+	if (!foot || !(foot->side > 0) || !p->object.camera ||
+	    tsai_ray(p->object.camera, px, eye, dir))
+		return false;
+	for (int k = 0; k < 2; k++)
+		middle[k] = (double)foot->corner[k] +
+			    0.5 * BASIS_FOOT_SQUARES * (double)foot->side - eye[k];
+	p->around_middle_rad = atan2(middle[1], middle[0]);
+	p->around_first_rad = INFINITY;
+	p->around_last_rad = -INFINITY;
+	walk_border(p, eye, widen_directions);
+	if (!(p->around_last_rad > p->around_first_rad))
+		return false;
+	for (int n = 0; n < ORDER_DIRECTIONS; n++)
+		p->around_far[n] = -1;
+	walk_border(p, eye, mark_directions);
+	return true;
+}
+
+/* ---- where it is not: the lowest cell of each column that the object covers ---- */
 
 /* The lowest covered cell of a column; -1: none. */
 static int lowest_covered(const struct people *p, int column)
@@ -62,57 +141,66 @@ static int lowest_covered(const struct people *p, int column)
 	return -1;
 }
 
-void order_measure_object(struct people *p)
+static void measure_columns(struct people *p)
 {
 	for (int x = 0; x < p->across; x++) {
-		const int lowest = lowest_covered(p, x);
-		double ground[2], far, origin[3], dir[3], px[2] = {0};
+		const int lowest = p->object.camera ? lowest_covered(p, x) : -1;
+		double direction;
 
-		p->object_near[x] = p->object_far[x] = -1;
-		if (lowest < 0 || !p->object.camera ||
-		    !on_ground(p, x + 0.5, lowest + 1, ground, &far))
-			continue;
-		p->object_near[x] = p->object_far[x] = (float)far;
-		px[0] = (x + 0.5) * p->side;
-		px[1] = (lowest + 1.0) * p->side;
-		if (!p->object.foot_count || tsai_ray(p->object.camera, px, origin, dir))
-			continue;
-		dir[2] = hypot(dir[0], dir[1]);
-		dir[0] /= dir[2];
-		dir[1] /= dir[2];
-		if (!meet_outline(p, origin, dir, &p->object_near[x], &p->object_far[x]))
-			p->object_near[x] = p->object_far[x] = (float)far;
+		if (lowest < 0 || !on_ground(p, x + 0.5, lowest + 1, &direction, &p->object_far[x]))
+			p->object_far[x] = -1;
 	}
 }
 
-/* The column nearest to x where the object is; -1: it is nowhere. */
-static int object_column(const struct people *p, int x)
+void order_measure_object(struct people *p)
 {
-	for (int step = 0; step < p->across; step++) {
-		if (x - step >= 0 && x - step < p->across && p->object_near[x - step] >= 0)
-			return x - step;
-		if (x + step >= 0 && x + step < p->across && p->object_near[x + step] >= 0)
-			return x + step;
+	p->around = measure_footprint(p);
+	if (!p->around)
+		measure_columns(p);
+}
+
+/* ---- groups ---- */
+
+/* The value nearest to place n that is not negative; -1: there is none. */
+static float nearest_far(const float *far, int count, int n)
+{
+	for (int step = 0; step < count; step++) {
+		if (n - step >= 0 && n - step < count && far[n - step] >= 0)
+			return far[n - step];
+		if (n + step >= 0 && n + step < count && far[n + step] >= 0)
+			return far[n + step];
 	}
 	return -1;
 }
 
+/* The object's far side in a direction, or in that nearest to it where the object is. */
+static float far_side(const struct people *p, const struct group *g, double direction_rad)
+{
+	if (!p->around)
+		return nearest_far(p->object_far, p->across, (int)g->foot_x);
+	return nearest_far(p->around_far, ORDER_DIRECTIONS,
+			   place_of(p, turn_between(p->around_middle_rad, direction_rad)));
+}
+
 bool order_is_front(const struct people *p, const struct group *g)
 {
-	const int column = object_column(p, (int)g->foot_x);
-	double ground[2], far;
-	float border;
+	double direction = p->around_middle_rad;
+	float far = 0, border;
+	bool stands;
 
-	if (column < 0)
+	if (!p->object.camera)
+		return false;
+	stands = on_ground(p, g->foot_x, g->foot_y + 1, &direction, &far);
+	border = far_side(p, g, direction);
+	if (border < 0)
 		return false;
 	if (g->foot_y == p->down - 1)
 		return true; /* the feet are nearer than the picture shows */
-	if (!on_ground(p, g->foot_x, g->foot_y + 1, ground, &far))
+	if (!stands)
 		return false;
-	border = p->object_far[column];
 	if (g->before[1] > g->before[0])
 		border += MARGIN * border;
 	else if (g->before[0])
 		border -= MARGIN * border;
-	return (float)far < border;
+	return far < border;
 }

@@ -78,7 +78,6 @@ static int create_lists(struct people *p)
 	p->fitted = calloc(cells, sizeof(*p->fitted));
 	p->spans = calloc(cells, sizeof(*p->spans));
 	p->row_span = calloc((size_t)p->down + 1, sizeof(*p->row_span));
-	p->object_near = calloc((size_t)p->across, sizeof(float));
 	p->object_far = calloc((size_t)p->across, sizeof(float));
 	p->tile = calloc(tiles, 1);
 	p->front = calloc(pixels, 1);
@@ -87,8 +86,8 @@ static int create_lists(struct people *p)
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->first_differs &&
 			       p->last_differs && p->count && p->order && p->order_before &&
 			       p->stable_ms && p->label && p->runs && p->groups && p->fitted &&
-			       p->spans && p->row_span && p->object_near && p->object_far &&
-			       p->tile && p->front && p->anybody && p->foremost
+			       p->spans && p->row_span && p->object_far && p->tile && p->front &&
+			       p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -102,6 +101,8 @@ int people_create(struct people **people, const struct people_settings *settings
 	if (!p)
 		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
 	p->settings = *settings;
+	p->settings.camera = p->settings.calibration = NULL;
+	p->camera = saved_camera(settings);
 	p->side = fine <= FINE_CELLS ? 2 : 4;
 	p->across = (settings->width + p->side - 1) / p->side;
 	p->down = (settings->height + p->side - 1) / p->side;
@@ -169,7 +170,6 @@ void people_destroy(struct people *p)
 	free(p->groups);
 	free(p->spans);
 	free(p->row_span);
-	free(p->object_near);
 	free(p->object_far);
 	free(p->tile);
 	free(p->front);
@@ -253,9 +253,12 @@ void people_look(struct people *p, const struct picture *background, const float
 	judge_cells(p);
 	groups_find(p);
 	outline_draw(p, background);
-	cells_follow_noise(p, background);
-	place_learn(p);
-	p->frame++;
+	/* A frame that is looked at again, as another pose has come, teaches nothing twice. */
+	if (p->step_ms > 0) {
+		cells_follow_noise(p, background);
+		place_learn(p);
+		p->frame++;
+	}
 	report_learned(p);
 }
 
@@ -272,6 +275,12 @@ void people_learn(struct people *p)
 void people_forget(struct people *p)
 {
 	place_forget(p);
+	p->report.learned = 0;
+}
+
+const struct sensor_noise *people_noise(const struct people *p)
+{
+	return p->sensor;
 }
 
 struct people_report people_report(const struct people *p)

@@ -17,9 +17,11 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
+#include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/live/veil.h"
 #include "hal/frame/view.h"
+#include "hal/look/sensor_noise.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/tsai.h"
 
@@ -29,6 +31,9 @@ struct people_settings {
 	int width, height;	     /* of the background's view, as the basis was baked */
 	struct transfer_curve curve; /* transfer function of its code values */
 	const struct dome *dome;     /* borrowed: of the lights that people_look() gets */
+	/* Two texts that tell the camera and where it stands, read at creation alone; NULL: none. What
+	 * was saved with others is of another place. */
+	const char *camera, *calibration;
 };
 
 /* What the object touches, for one pose. Borrowed until the next call of people_place(). */
@@ -38,10 +43,9 @@ struct people_object {
 	 * for in these tiles and two around them. */
 	const uint8_t *touched;
 	const struct tsai_camera *camera; /* NULL: not known, and nobody is in front */
-	/* Convex outline of what the object covers of the ground z = 0, seen from above: world X and
-	 * Y, counterclockwise. foot_count 0: not known, the lower edge of the coverage stands in. */
-	const double (*foot)[2];
-	int foot_count;
+	/* What the object covers of the ground. NULL: not known, the lower edge of the coverage stands
+	 * in. */
+	const struct basis_footprint *foot;
 };
 
 /* 0 or -ENOMEM, -EINVAL. */
@@ -65,6 +69,9 @@ void people_learn(struct people *people);
 /* Everything that was learned is forgotten. */
 void people_forget(struct people *people);
 
+/* The camera's noise, as measured in the frames that were looked at. */
+const struct sensor_noise *people_noise(const struct people *people);
+
 struct people_report {
 	double learned; /* share of the looked-at place whose empty picture is known, 0..1 */
 	int parts;	/* connected groups of people that the last look saw */
@@ -74,10 +81,18 @@ struct people_report {
 
 struct people_report people_report(const struct people *people);
 
-/* What was learned, to be kept over a restart. people_save() writes it, people_saved_bytes() long;
- * people_restore() takes it: -EBADMSG if it is damaged or of another place, and nothing changes. */
+/*
+ * What was learned, to be kept over a restart: people_saved_bytes() long, at most 20 MB; 0: the picture
+ * is too large for that. people_save() copies the next part of it behind the first done bytes, a short
+ * time's work, and returns how many are there then. Once all are, people_seal() completes it, on any
+ * thread. people_forget() and people_restore() in between spoil it.
+ *
+ * people_restore() takes it, aligned as malloc() aligns: -EBADMSG if it is damaged, or of another
+ * camera, size, light or transfer function, and nothing changes. The fault has no subject.
+ */
 size_t people_saved_bytes(const struct people *people);
-void people_save(const struct people *people, void *to);
+size_t people_save(const struct people *people, void *to, size_t done);
+void people_seal(void *saved, size_t bytes);
 int people_restore(struct people *people, const void *from, size_t bytes, struct fault *fault);
 
 #endif

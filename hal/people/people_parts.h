@@ -15,6 +15,7 @@
 #define PLACE_BANDS 30 /* rows that learn together: y % PLACE_BANDS; one learns in each frame */
 #define WHITE 65535.0f
 #define CODE_STEPS 16
+#define ORDER_DIRECTIONS 512
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
@@ -61,6 +62,7 @@ struct people {
 	int side, across, down, cells; /* cells */
 	int tiles_across, tiles_down;
 	struct transfer_tables tables;
+	uint64_t camera; /* XXH3-64 of the settings' camera and calibration */
 	struct people_object object;
 
 	struct span *spans;
@@ -113,9 +115,14 @@ struct people {
 	struct group *groups;
 	int group_count;
 	uint8_t *order, *order_before; /* 0 nobody, 1 behind, 2 in front */
-	float *object_near,
-		*object_far; /* [across]: the object's distance over ground; < 0: none */
-	double still_ms;     /* for how long nearly everything has been foreground */
+	/* order.c: distance over ground from the camera to the object's far side; < 0: there is none.
+	 * By direction where its footprint is known, in equal steps from first to last, which turn from
+	 * the middle; else by columns of cells. */
+	float around_far[ORDER_DIRECTIONS];
+	double around_middle_rad, around_first_rad, around_last_rad;
+	bool around;	   /* the footprint is known */
+	float *object_far; /* [across] */
+	double still_ms;   /* for how long nearly everything has been foreground */
 
 	/* outline.c */
 	uint8_t *tile, *front, *anybody, *foremost;
@@ -170,6 +177,10 @@ void groups_find(struct people *people);
 /* ---- edges.c ---- */
 
 void edges_refine(struct people *people);
+
+/* ---- saved.c ---- */
+
+uint64_t saved_camera(const struct people_settings *settings);
 
 /* ---- outline.c ---- */
 

@@ -1,19 +1,31 @@
 /* SPDX-License-Identifier: MIT */
-/* What was learned, over a restart: header, covariances, coefficients of all cells, what is known. */
+/*
+ * What was learned, over a restart: header, covariances, coefficients of all cells, what is known. Of
+ * large pictures only the first terms are kept, as many as SAVED_MOST has room for; then the others,
+ * and the covariances, begin anew.
+ */
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <xxhash.h>
 
 #include "hal/people/people_parts.h"
 
-#define MAGIC "INLAYPL2"
+#define MAGIC "INLAYPL3"
+#define SAVED_MOST 20000000 /* bytes */
+#define SLICE 262144	    /* bytes that a call of people_save() copies */
+#define COEFFICIENT_MOST 1e9f
+#define GAIN_LEAST 0.01f
+#define GAIN_MOST 100.0f
+
+/* The header keeps what follows it aligned, as far as each number needs it. */
 
 struct saved_header {
 	char magic[8];
-	int32_t width, height, side, lights;
-	double first[3];
+	int32_t width, height, side, lights, terms;
 	float gain[3];
-	uint32_t reserved;
+	double first[3];
+	uint64_t camera;   /* saved_camera() */
 	uint64_t made_of;  /* XXH3-64 of the sky's terms and of the transfer function */
 	uint64_t checksum; /* XXH3-64 of everything, with 0 in this field */
 };
@@ -21,6 +33,45 @@ struct saved_header {
 static size_t plane_bytes(const struct people *p)
 {
 	return (size_t)p->cells * sizeof(float);
+}
+
+/* How many terms of each cell are kept; 0: the picture is too large for any. */
+static int saved_terms(const struct people *p)
+{
+	const size_t fixed = sizeof(struct saved_header) + sizeof(p->fit) + (size_t)p->cells;
+	const size_t fit = fixed < SAVED_MOST ? (SAVED_MOST - fixed) / (3 * plane_bytes(p)) : 0;
+
+	return fit < PLACE_TERMS ? (int)fit : PLACE_TERMS;
+}
+
+/* An array that is kept. */
+struct saved_part {
+	void *at;
+	size_t bytes;
+};
+
+/* Parts lie one after the other behind the header; bytes 0: there is no such part. */
+static struct saved_part saved_part(const struct people *p, int n)
+{
+	const int planes = 3 * saved_terms(p);
+
+	if (n == 0)
+		return (struct saved_part){(void *)p->fit, sizeof(p->fit)};
+	if (n <= planes)
+		return (struct saved_part){p->coefficient[(n - 1) % 3][(n - 1) / 3],
+					   plane_bytes(p)};
+	if (n == planes + 1)
+		return (struct saved_part){p->known, (size_t)p->cells};
+	return (struct saved_part){NULL, 0};
+}
+
+uint64_t saved_camera(const struct people_settings *settings)
+{
+	const char *camera = settings->camera ? settings->camera : "";
+	const char *calibration = settings->calibration ? settings->calibration : "";
+
+	return XXH3_64bits_withSeed(calibration, strlen(calibration),
+				    XXH3_64bits(camera, strlen(camera)));
 }
 
 /* Differs where the same numbers would mean another picture. */
@@ -41,67 +92,163 @@ static uint64_t saved_checksum(struct saved_header header, const uint8_t *body, 
 
 size_t people_saved_bytes(const struct people *p)
 {
-	return sizeof(struct saved_header) + sizeof(p->fit) + 3 * PLACE_TERMS * plane_bytes(p) +
-	       (size_t)p->cells;
+	size_t bytes = sizeof(struct saved_header);
+
+	if (!saved_terms(p))
+		return 0;
+	for (int n = 0; saved_part(p, n).bytes; n++)
+		bytes += saved_part(p, n).bytes;
+	return bytes;
 }
 
-void people_save(const struct people *p, void *to)
+static struct saved_header header_of(const struct people *p)
 {
 	struct saved_header header = {.width = p->settings.width,
 				      .height = p->settings.height,
 				      .side = p->side,
 				      .lights = p->settings.dome->count,
+				      .terms = saved_terms(p),
+				      .camera = p->camera,
 				      .made_of = saved_made_of(p)};
-	uint8_t *at = (uint8_t *)to + sizeof(header);
 
 	memcpy(header.magic, MAGIC, sizeof(header.magic));
 	memcpy(header.first, p->first, sizeof(header.first));
 	memcpy(header.gain, p->gain, sizeof(header.gain));
-	memcpy(at, p->fit, sizeof(p->fit));
-	at += sizeof(p->fit);
+	return header;
+}
+
+size_t people_save(const struct people *p, void *to, size_t done)
+{
+	const size_t end = done + SLICE;
+	size_t begin = sizeof(struct saved_header);
+
+	if (done < begin) {
+		const struct saved_header header = header_of(p);
+
+		memcpy(to, &header, begin);
+	}
+	for (int n = 0; saved_part(p, n).bytes && begin < end; n++) {
+		const struct saved_part part = saved_part(p, n);
+		const size_t from = done > begin ? done - begin : 0;
+		const size_t until = end - begin < part.bytes ? end - begin : part.bytes;
+
+		if (from < until)
+			memcpy((uint8_t *)to + begin + from, (const uint8_t *)part.at + from,
+			       until - from);
+		begin += part.bytes;
+	}
+	return end < begin ? end : begin;
+}
+
+void people_seal(void *saved, size_t bytes)
+{
+	struct saved_header header;
+
+	memcpy(&header, saved, sizeof(header));
+	header.checksum = saved_checksum(header, (const uint8_t *)saved + sizeof(header),
+					 bytes - sizeof(header));
+	memcpy(saved, &header, sizeof(header));
+}
+
+/* ---- reading ---- */
+
+static int check_header(const struct people *p, const struct saved_header *header, size_t bytes,
+			struct fault *fault)
+{
+	const struct people_settings *settings = &p->settings;
+
+	if (memcmp(header->magic, MAGIC, sizeof(header->magic)) != 0)
+		return fault_say(fault, -EBADMSG, "is not the picture of a place");
+	if (header->width != settings->width || header->height != settings->height ||
+	    header->side != p->side || header->terms != saved_terms(p))
+		return fault_say(fault, -EBADMSG, "is of %dx%d pixels, expected %dx%d",
+				 header->width, header->height, settings->width, settings->height);
+	if (header->camera != p->camera)
+		return fault_say(fault, -EBADMSG, "is of another camera, or of its place before");
+	if (header->lights != settings->dome->count)
+		return fault_say(fault, -EBADMSG, "is of %d lights, expected %d", header->lights,
+				 settings->dome->count);
+	if (header->made_of != saved_made_of(p))
+		return fault_say(fault, -EBADMSG,
+				 "is of lights elsewhere or of another transfer function");
+	if (bytes != people_saved_bytes(p))
+		return fault_say(fault, -EBADMSG, "has %zu bytes, expected %zu", bytes,
+				 people_saved_bytes(p));
+	return 0;
+}
+
+static bool are_in_range(const float *values, size_t count, float least, float most)
+{
+	for (size_t i = 0; i < count; i++)
+		if (!(values[i] >= least && values[i] <= most))
+			return false;
+	return true;
+}
+
+static bool are_finite(const double *values, size_t count)
+{
+	for (size_t i = 0; i < count; i++)
+		if (!isfinite(values[i]))
+			return false;
+	return true;
+}
+
+/* Whether all numbers are such as learning gives. */
+static bool are_possible(const struct people *p, const struct saved_header *header,
+			 const uint8_t *body)
+{
+	const size_t values = (size_t)(3 * saved_terms(p)) * (size_t)p->cells;
+	const uint8_t *planes = body + sizeof(p->fit), *known = planes + values * sizeof(float);
+	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
+		    are_finite(header->first, 3) &&
+		    are_finite((const void *)body, sizeof(p->fit) / sizeof(double)) &&
+		    are_in_range((const void *)planes, values, -COEFFICIENT_MOST, COEFFICIENT_MOST);
+
 	for (int c = 0; c < 3; c++)
-		for (int k = 0; k < PLACE_TERMS; k++, at += plane_bytes(p))
-			memcpy(at, p->coefficient[c][k], plane_bytes(p));
-	memcpy(at, p->known, (size_t)p->cells);
-	header.checksum = saved_checksum(header, (uint8_t *)to + sizeof(header),
-					 people_saved_bytes(p) - sizeof(header));
-	memcpy(to, &header, sizeof(header));
+		fine = fine && header->first[c] >= 0;
+	for (int at = 0; at < p->cells && fine; at++)
+		fine = known[at] <= 1;
+	return fine;
+}
+
+static void take_parts(struct people *p, const uint8_t *body)
+{
+	const int terms = saved_terms(p);
+
+	place_forget(p);
+	for (int n = 0; saved_part(p, n).bytes; n++) {
+		const struct saved_part part = saved_part(p, n);
+
+		/* A covariance of all terms is not one of fewer. */
+		if (n > 0 || terms == PLACE_TERMS)
+			memcpy(part.at, body, part.bytes);
+		body += part.bytes;
+	}
+	for (int c = 0; c < 3; c++)
+		for (int k = terms; k < PLACE_TERMS; k++)
+			memset(p->coefficient[c][k], 0, plane_bytes(p));
+	place_count_unknown(p);
 }
 
 int people_restore(struct people *p, const void *from, size_t bytes, struct fault *fault)
 {
-	const uint8_t *at = (const uint8_t *)from + sizeof(struct saved_header);
+	const uint8_t *body = (const uint8_t *)from + sizeof(struct saved_header);
 	struct saved_header header;
+	int err;
 
 	if (bytes < sizeof(header))
-		return fault_say(fault, -EBADMSG, "%zu bytes, expected %zu", bytes,
+		return fault_say(fault, -EBADMSG, "has %zu bytes, expected %zu", bytes,
 				 people_saved_bytes(p));
 	memcpy(&header, from, sizeof(header));
-	if (memcmp(header.magic, MAGIC, sizeof(header.magic)) != 0)
-		return fault_say(fault, -EBADMSG, "not a learned place");
-	if (header.width != p->settings.width || header.height != p->settings.height ||
-	    header.side != p->side || header.lights != p->settings.dome->count ||
-	    bytes != people_saved_bytes(p))
-		return fault_say(fault, -EBADMSG,
-				 "of %dx%d pixels, %d lights and %zu bytes, expected %dx%d, %d and "
-				 "%zu",
-				 header.width, header.height, header.lights, bytes,
-				 p->settings.width, p->settings.height, p->settings.dome->count,
-				 people_saved_bytes(p));
-	if (header.made_of != saved_made_of(p))
-		return fault_say(fault, -EBADMSG, "of other lights or another transfer function");
-	if (saved_checksum(header, at, bytes - sizeof(header)) != header.checksum)
-		return fault_say(fault, -EBADMSG, "it does not have its checksum");
-	place_forget(p);
+	err = check_header(p, &header, bytes, fault);
+	if (err)
+		return err;
+	if (saved_checksum(header, body, bytes - sizeof(header)) != header.checksum)
+		return fault_say(fault, -EBADMSG, "is damaged, its checksum differs");
+	if (!are_possible(p, &header, body))
+		return fault_say(fault, -EBADMSG, "is damaged, a number in it is impossible");
+	take_parts(p, body);
 	memcpy(p->first, header.first, sizeof(header.first));
 	memcpy(p->gain, header.gain, sizeof(header.gain));
-	memcpy(p->fit, at, sizeof(p->fit));
-	at += sizeof(p->fit);
-	for (int c = 0; c < 3; c++)
-		for (int k = 0; k < PLACE_TERMS; k++, at += plane_bytes(p))
-			memcpy(p->coefficient[c][k], at, plane_bytes(p));
-	memcpy(p->known, at, (size_t)p->cells);
-	place_count_unknown(p);
-	memset(p->light_then, 0, sizeof(p->light_then));
 	return 0;
 }

@@ -8,7 +8,7 @@ build=$(dirname "$INLAY")
 out=$work/pictures
 
 demo() {
-	BUILD=$build timeout 300 bake/demo/demo.sh "$out" --frequency 1 --samples 1 --quiet \
+	BUILD=$build timeout 600 bake/demo/demo.sh "$out" --frequency 1 --samples 1 --quiet \
 		>"$work/demo.log" 2>&1 || {
 		cat "$work/demo.log"
 		return 1
@@ -30,13 +30,15 @@ check "a folder that cannot be made: one line" grep -qx 'make-cow: .*/proc/nowhe
 check "inlay check takes its configuration" "$INLAY" check --config config/demo.conf \
 	--set "basis.file=$work/box.inlay"
 check "the demo" demo
-for file in before.png after.png fisheye.png quad.png clip.mp4; do
+for file in before.png after.png fisheye.png quad.png clip.mp4 walkers.mp4; do
 	check "leaves $file" test -s "$out/$file"
 	check "and says so" grep -qF "$out/$file" "$work/demo.log"
 done
-absent "no raw video is left" "$out/clip.y4m" "$out/clip.part"
+absent "no raw video is left" "$out/clip.y4m" "$out/clip.part" "$out/walkers.y4m" "$out/walkers.part"
 differ "the cow is seen" "$out/before.png" "$out/after.png"
 equal "the clip's frames" 150 "$(videos_frames "$out/clip.mp4")"
+equal "those of the walkers" 135 "$(videos_frames "$out/walkers.mp4")"
+check "who come into a place that is known" grep -q "the place is known from $out/walkers.state.place" "$work/demo.log"
 check "it bakes at first" grep -q baking "$work/demo.log"
 # Its fisheye's picture with the marks on it is light like any other.
 # Fast mode leaves columns out that the file lets it; where there are none, integers are all that is

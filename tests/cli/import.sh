@@ -68,6 +68,8 @@ done
 # ---- more lights, in any order ----
 "$bake" dome --frequency 2 --angles >a.txt
 "$bake" pictures box.scene --frequency 2 "${pictures[@]}" --coverage c.pfm --samples 16 --quiet || exit 1
+equal "which tells nothing of the ground below the object" "footprint: not known" \
+	"$("$bake" info in.inlay | grep ^footprint)"
 check "with coverage alone" "$bake" import --angles a.txt "${pictures[@]}" --coverage c.pfm --quiet -o in.inlay
 equal "lights" 26 "$("$bake" info --json in.inlay | sed -n 's/.*"lights": *\([0-9]*\).*/\1/p' | head -n 1)"
 # The same pictures and angles, both in another order.

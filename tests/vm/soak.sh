@@ -55,7 +55,7 @@ settled() { all_fine && [ "$(of_status screen)" = fine ]; }
 
 faults_load
 printf 'seconds\trss_kb\tdescriptors\tframes\tdrops\tafter\n' >"$VM_OUT/soak.txt"
-kiosk soak
+kiosk soak --set people.occlude=yes --set composite.grain=yes
 begun=$SECONDS
 if within_seconds 60 settled; then
 	ok "the kiosk starts"
@@ -86,6 +86,20 @@ done
 check "the kiosk was never restarted" kill -0 $running
 [ $stuck -gt 0 ] || ok "it recovered from each of $count faults (seed $seed)"
 check "pictures go on" pictures_go_on 60
+
+# The cameras' test pictures move, so that somebody may be seen in them at any time. The shares are shares.
+seen_people() {
+	awk 'match($0, /"learned":[0-9.]+,"parts":[0-9]+,"in_front":[0-9]+/) {
+			split(substr($0, RSTART, RLENGTH), v, /[:,]/)
+			if (v[2] < 0 || v[2] > 1 || v[6] > v[4]) wrong++
+			if (v[2] > learned) learned = v[2]
+			lines++
+		}
+		END { printf "%d lines, %d wrong, %g learned\n", lines, wrong, learned; exit !(lines > 9 && !wrong && learned > 0) }' \
+		"$VM_OUT/soak.jsonl"
+}
+check "people are looked for all the time" seen_people
+check "what was learned of the place is kept" test -s $state_folder/state.place
 
 # Flat after warm-up: the highest of the last third is not above the highest of the middle one.
 flat() { # column slack

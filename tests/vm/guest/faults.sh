@@ -21,7 +21,7 @@ faults_load() {
 	load gpio-sim
 	mkdir -p $bank && echo 4 >$bank/num_lines && echo panel >$bank/label
 	gpio_gone_end
-	mkdir -p $state_folder && mount -t tmpfs -o size=64k none $state_folder
+	mkdir -p $state_folder && mount -t tmpfs -o size=4m none $state_folder
 	cp tests/vm/scenes/faults.conf $kiosk_conf
 	sed -i "s|^file = basis|file = $basis|; s|CARD|/dev/dri/card$(card_of vkms)|" $kiosk_conf
 }

@@ -59,6 +59,9 @@ static void add_tile(struct shard_writer *writer, const struct copied *file, int
 	synthetic_must(shard_writer_add(writer, &tile, &fault), &fault);
 }
 
+static const struct basis_footprint sample_foot = {
+	.corner = {-1, 2}, .side = 0.5F, .row = {[3] = 5}};
+
 static void write_sample(const struct shard_sample *sample)
 {
 	const struct shard_place place = {0, 1};
@@ -77,7 +80,8 @@ static void write_sample(const struct shard_sample *sample)
 	synthetic_must(shard_writer_open(&writer, &plan, &place, sample->path, &fault), &fault);
 	for (int tile = 0; tile < plan_tiles(&plan); tile++)
 		add_tile(writer, &file, tile);
-	synthetic_must(shard_writer_pose_end(writer, s.basis.poses[0].peak, &fault), &fault);
+	synthetic_must(shard_writer_pose_end(writer, s.basis.poses[0].peak, &sample_foot, &fault),
+		       &fault);
 	synthetic_must(shard_writer_finish(writer, &fault), &fault);
 	copied_free(&file);
 	synthetic_close(&s);
@@ -161,6 +165,9 @@ static void comes_back(void **state)
 	assert_memory_equal(tile.blocks[0].payload, sample->entry + tile.shown + tile.exact,
 			    sample->entry->bytes);
 	finished_tile_free(&tile);
+	while (shard_next(&shard, &tile, &fault) == 1)
+		finished_tile_free(&tile);
+	assert_memory_equal(&shard.foot, &sample_foot, sizeof(sample_foot));
 	shard_close(&shard);
 }
 

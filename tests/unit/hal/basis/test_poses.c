@@ -26,7 +26,7 @@ enum { POSES = 7 };
 /* Writes poses first, first + 1, ...: the blocks of the synthetic file, each pose without some of
  * its tiles. */
 static void write_poses(const struct synthetic *s, const char *path, int first, int count,
-			const struct basis_pose_name *names)
+			const struct basis_pose_name *names, const struct basis_footprint *feet)
 {
 	struct copied copy = copied_file(s->path);
 	const struct basis *basis = &s->basis;
@@ -55,6 +55,8 @@ static void write_poses(const struct synthetic *s, const char *path, int first, 
 	}
 	if (names)
 		synthetic_must(basis_writer_names(writer, names, &fault), &fault);
+	if (feet)
+		synthetic_must(basis_writer_feet(writer, feet, &fault), &fault);
 	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
 	copied_free(&copy);
 }
@@ -103,10 +105,10 @@ static void each_is_as_alone(void **state)
 	struct fault fault = {""};
 	struct random_frame f, one[POSES];
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL, NULL);
 	open_basis(&joint, path_of(s, "joint.inlay"));
 	for (int p = 0; p < POSES; p++) {
-		write_poses(s, path_of(s, "alone.inlay"), p, 1, NULL);
+		write_poses(s, path_of(s, "alone.inlay"), p, 1, NULL, NULL);
 		open_basis(&alone[p], path_of(s, "alone.inlay"));
 	}
 	random_frame_begin(&f, &joint, NULL, &chance);
@@ -152,7 +154,7 @@ static void only_those_in_use_are_there(void **state)
 	struct basis basis;
 	unsigned turn;
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL, NULL);
 	open_basis(&basis, path_of(s, "joint.inlay"));
 	assert_int_equal(in_memory(&basis), 1);
 	assert_non_null(basis.poses[0].shown.tiles);
@@ -187,14 +189,14 @@ static void outlives_its_file(void **state)
 	struct basis joint, alone, before;
 	struct fault fault = {""};
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL, NULL);
 	open_basis(&joint, path_of(s, "joint.inlay"));
-	write_poses(s, path_of(s, "alone.inlay"), 0, 1, NULL);
+	write_poses(s, path_of(s, "alone.inlay"), 0, 1, NULL, NULL);
 	open_basis(&alone, path_of(s, "alone.inlay"));
 	assert_int_equal(truncate(path_of(s, "joint.inlay"), 0), 0);
 	assert_int_equal(truncate(path_of(s, "alone.inlay"), 100), 0);
 
-	write_poses(s, path_of(s, "before.inlay"), 0, 1, NULL);
+	write_poses(s, path_of(s, "before.inlay"), 0, 1, NULL, NULL);
 	open_basis(&before, path_of(s, "before.inlay"));
 	same_pose(&joint, 0, &before);
 	same_pose(&alone, 0, &before);
@@ -249,7 +251,7 @@ static void is_loaded_when_its_file_is_back(void **state)
 	char path[100];
 
 	snprintf(path, sizeof(path), "%s", path_of(s, "joint.inlay"));
-	write_poses(s, path, 0, POSES, NULL);
+	write_poses(s, path, 0, POSES, NULL, NULL);
 	whole = copied_file(path);
 	other = copied_file(path);
 	for (size_t k = 0; k < copied_chunk(&other, BASIS_CHUNK_PACK)[0].bytes; k++)
@@ -290,7 +292,7 @@ static void tells_why_it_was_not_there_ahead(void **state)
 	struct fault fault = {""};
 	struct basis basis;
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL);
+	write_poses(s, path_of(s, "joint.inlay"), 0, POSES, NULL, NULL);
 	open_basis(&basis, path_of(s, "joint.inlay"));
 	assert_int_equal(truncate(path_of(s, "joint.inlay"), 100), 0);
 	basis_poses_expect(&basis, (int[]){0, 4}, 2);
@@ -318,7 +320,7 @@ static void names(void **state)
 	struct basis basis;
 	struct basis_pose_name *at;
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, 3, good);
+	write_poses(s, path_of(s, "joint.inlay"), 0, 3, good, NULL);
 	open_basis(&basis, path_of(s, "joint.inlay"));
 	assert_string_equal(basis_pose_name(&basis, 2), "side-2_b");
 	assert_string_equal(basis_pose_name(&basis, 1), "");
@@ -343,6 +345,54 @@ static void names(void **state)
 	synthetic_reseal(copy.data, copy.bytes);
 	assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
 	assert_non_null(strstr(fault.text, "POSE chunk of 64 bytes, expected 96"));
+	copied_free(&copy);
+	unlink(path_of(s, "joint.inlay"));
+}
+
+static void footprints(void **state)
+{
+	static const struct basis_footprint good[2] = {
+		{.corner = {-1, 2}, .side = 0.125F, .row = {[3] = 5}}, {.side = 0}};
+	static const struct basis_footprint bad[] = {{.corner = {NAN, 0}, .side = 1},
+						     {.corner = {0, -2e9F}, .side = 1},
+						     {.side = -1},
+						     {.side = INFINITY},
+						     {.side = 0, .row = {[63] = 1}},
+						     {.side = 1, .reserved = 1}};
+	const struct synthetic *s = *state;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+	struct copied copy;
+	struct basis basis;
+
+	write_poses(s, path_of(s, "joint.inlay"), 0, 2, NULL, NULL);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_null(basis.feet);
+	basis_close(&basis);
+	write_poses(s, path_of(s, "joint.inlay"), 0, 2, NULL, good);
+	open_basis(&basis, path_of(s, "joint.inlay"));
+	assert_memory_equal(basis.feet, good, sizeof(good));
+	basis_close(&basis);
+	copy = copied_file(path_of(s, "joint.inlay"));
+	for (size_t k = 0; k < sizeof(bad) / sizeof(*bad); k++) {
+		struct basis_footprint *at = copied_data(&copy, BASIS_CHUNK_FOOT);
+
+		at[1] = bad[k];
+		synthetic_reseal(copy.data, copy.bytes);
+		expect_equal(copied_open(&copy, &fault), -EBADMSG, "k=%zu", k);
+		assert_non_null(strstr(fault.text, "footprint of pose 1"));
+		synthetic_must(basis_writer_open(&writer, path_of(s, "bad.inlay"), &s->basis.info,
+						 s->basis.lights, s->basis.ground, s->basis.coarse,
+						 "", &fault),
+			       &fault);
+		expect_equal(basis_writer_feet(writer, &bad[k], &fault), -EINVAL, "k=%zu", k);
+		basis_writer_abandon(writer);
+	}
+	copied_chunk(&copy, BASIS_CHUNK_FOOT)->bytes -= 528;
+	memset(copied_data(&copy, BASIS_CHUNK_FOOT), 0, sizeof(good));
+	synthetic_reseal(copy.data, copy.bytes);
+	assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "FOOT chunk of 528 bytes, expected 1056"));
 	copied_free(&copy);
 	unlink(path_of(s, "joint.inlay"));
 }
@@ -381,7 +431,7 @@ static void refuses_a_broken_pack(void **state)
 	struct fault fault;
 	uint64_t bytes;
 
-	write_poses(s, path_of(s, "joint.inlay"), 0, 2, NULL);
+	write_poses(s, path_of(s, "joint.inlay"), 0, 2, NULL, NULL);
 	d.whole = copied_file(path_of(s, "joint.inlay"));
 	d.c = copied_file(path_of(s, "joint.inlay"));
 	d.pack = copied_data(&d.c, BASIS_CHUNK_PACK);
@@ -444,7 +494,7 @@ static void may_have_groups(void **state)
 
 	(void)state;
 	synthetic_open(&s, &options);
-	write_poses(&s, path_of(&s, "joint.inlay"), 1, 2, NULL);
+	write_poses(&s, path_of(&s, "joint.inlay"), 1, 2, NULL, NULL);
 	open_basis(&basis, path_of(&s, "joint.inlay"));
 	same_pose(&basis, 0, &s.basis);
 	basis_close(&basis);
@@ -546,6 +596,7 @@ int main(void)
 		cmocka_unit_test(is_loaded_when_its_file_is_back),
 		cmocka_unit_test(tells_why_it_was_not_there_ahead),
 		cmocka_unit_test(names),
+		cmocka_unit_test(footprints),
 		cmocka_unit_test(refuses_a_broken_pack),
 		cmocka_unit_test(may_have_groups),
 		cmocka_unit_test(refuses_bombs),

@@ -67,8 +67,9 @@ static void place_begin(struct place *p)
 {
 	const double eye[3] = {0, -4, 1.6}, target[3] = {0, 0, 0.3};
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
-	static const double foot[4][2] = {{-0.3, -0.3}, {0.3, -0.3}, {0.3, 0.3}, {-0.3, 0.3}};
-	struct people_object object = {.foot = foot, .foot_count = 4};
+	static const struct basis_footprint foot = {
+		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
+	struct people_object object = {.foot = &foot};
 
 	assert_int_equal(dome_create(&p->dome, 2, DOME_ANGLES, NULL), 0);
 	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
@@ -400,6 +401,26 @@ static void exposure_is_followed(void **state)
 	free(p);
 }
 
+/* Saves what was learned, part by part; *bytes: its length. The caller frees it. */
+static uint8_t *save(const struct people *people, size_t *bytes)
+{
+	size_t done = 0;
+	uint8_t *saved;
+
+	*bytes = people_saved_bytes(people);
+	saved = malloc(*bytes);
+	assert_non_null(saved);
+	for (int parts = 0; done < *bytes; parts++) {
+		const size_t before = done;
+
+		done = people_save(people, saved, done);
+		assert_true(done > before && parts < 1000);
+	}
+	assert_int_equal(done, *bytes);
+	people_seal(saved, *bytes);
+	return saved;
+}
+
 static void what_was_learned_survives(void **state)
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -411,10 +432,7 @@ static void what_was_learned_survives(void **state)
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
-	bytes = people_saved_bytes(p->people);
-	saved = malloc(bytes);
-	assert_non_null(saved);
-	people_save(p->people, saved);
+	saved = save(p->people, &bytes);
 	people_forget(p->people);
 	place_look(p, NULL, 0);
 	assert_true(people_report(p->people).learned < 0.5);
@@ -515,9 +533,10 @@ static void a_body_keeps_the_order_of_its_feet(void **state)
 
 static void somebody_cut_by_the_lower_edge_is_in_front(void **state)
 {
-	static const double foot[4][2] = {{-0.3, -3.9}, {0.3, -3.9}, {0.3, -3.7}, {-0.3, -3.7}};
+	static const struct basis_footprint foot = {
+		.corner = {-0.3f, -3.9f}, .side = 0.2f, .row = {7}};
 	struct place *p = calloc(1, sizeof(*p));
-	struct people_object object = {.foot = foot, .foot_count = 4};
+	struct people_object object = {.foot = &foot};
 
 	(void)state;
 	assert_non_null(p);
@@ -557,15 +576,14 @@ static void another_place_is_refused(void **state)
 	assert_non_null(p);
 	place_begin(p);
 	place_look(p, NULL, 0);
-	bytes = people_saved_bytes(p->people);
-	saved = malloc(bytes);
-	assert_non_null(saved);
-	people_save(p->people, saved);
+	saved = save(p->people, &bytes);
 	assert_int_equal(dome_create_shaped(&tents, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
-	for (int n = 0; n < 3; n++) {
+	for (int n = 0; n < 5; n++) {
 		settings.dome = n == 0 ? &tents : &p->dome;
 		settings.curve.named = n == 1 ? TRANSFER_LINEAR : TRANSFER_SRGB;
 		settings.width = n == 2 ? WIDTH - 1 : WIDTH; /* of as many cells */
+		settings.camera = n == 3 ? "another" : NULL;
+		settings.calibration = n == 4 ? "moved" : NULL;
 		assert_int_equal(people_create(&other, &settings, NULL), 0);
 		expect_equal(people_restore(other, saved, bytes, NULL), -EBADMSG, "case %d", n);
 		people_destroy(other);
@@ -573,6 +591,66 @@ static void another_place_is_refused(void **state)
 	dome_free(&tents);
 	free(saved);
 	place_end(p);
+	free(p);
+}
+
+/* Somebody stands where the object is, which goes elsewhere; meanwhile he goes. Where it comes back
+ * nobody is, from the first look on; and a second look at a frame, as after a pose has come, tells the
+ * same. */
+static void cells_that_come_back_are_judged_anew(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	static uint8_t elsewhere[sizeof(p->touched)] = {[0] = 1};
+	struct people_object object = {.camera = &p->camera};
+	const struct body b = walker(0.1, -1);
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 5; n++)
+		place_look(p, &b, 1);
+	expect_equal(people_report(p->people).parts, 1, "while he is there");
+	object.coverage = p->coverage;
+	object.touched = elsewhere;
+	people_place(p->people, &object);
+	for (int n = 0; n < 5; n++)
+		place_look(p, NULL, 0);
+	object.touched = p->touched;
+	people_place(p->people, &object);
+	place_look(p, NULL, 0);
+	expect_equal(people_report(p->people).parts, 0, "back again");
+	assert_null(people_veil(p->people));
+	people_look(p->people, &p->picture, (const float(*)[3])p->radiance, p->now_ns);
+	assert_null(people_veil(p->people));
+	place_end(p);
+	free(p);
+}
+
+/* The noise that is measured is the camera's, also where frames are looked at twice. */
+static void noise_is_measured_once_a_frame(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	struct sensor_noise_model model[2];
+
+	(void)state;
+	for (int twice = 0; twice < 2; twice++) {
+		memset(p, 0, sizeof(*p));
+		place_begin(p);
+		for (int n = 0; n < LEARNING; n++) {
+			place_look(p, NULL, 0);
+			for (int again = 0; again < 2 * twice; again++)
+				people_look(p->people, &p->picture, (const float(*)[3])p->radiance,
+					    p->now_ns);
+		}
+		assert_true(sensor_noise_fit(people_noise(p->people), &model[twice]));
+		place_end(p);
+	}
+	for (int c = 0; c < 3; c++) {
+		expect_above(model[0].floor[c] + 0.3 * model[0].slope[c], 0, "channel %d", c);
+		expect_equal(model[1].floor[c], model[0].floor[c], "channel %d", c);
+		expect_equal(model[1].slope[c], model[0].slope[c], "channel %d", c);
+	}
 	free(p);
 }
 
@@ -592,6 +670,8 @@ int main(void)
 		cmocka_unit_test(a_body_keeps_the_order_of_its_feet),
 		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
 		cmocka_unit_test(another_place_is_refused),
+		cmocka_unit_test(cells_that_come_back_are_judged_anew),
+		cmocka_unit_test(noise_is_measured_once_a_frame),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

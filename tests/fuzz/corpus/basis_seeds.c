@@ -156,6 +156,8 @@ static const void *data_of(const struct basis *basis, uint32_t type)
 static void pack_poses(const struct synthetic *s, const char *path)
 {
 	static const struct basis_pose_name names[2] = {{"one"}, {""}};
+	static const struct basis_footprint feet[2] = {
+		{.corner = {-1, 0.5F}, .side = 0.25F, .row = {[7] = 6}}, {.side = 0}};
 	const struct basis *basis = &s->basis;
 	const struct basis_pose *pose = &basis->poses[0];
 	const struct basis_block_entry *entries = data_of(basis, BASIS_CHUNK_BLOCKS);
@@ -184,6 +186,7 @@ static void pack_poses(const struct synthetic *s, const char *path)
 			       &fault);
 	}
 	synthetic_must(basis_writer_names(writer, names, &fault), &fault);
+	synthetic_must(basis_writer_feet(writer, feet, &fault), &fault);
 	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
 	synthetic_must(basis_open(&joint, file, BASIS_ALL, &fault), &fault);
 	unlink(file);
