@@ -51,7 +51,6 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *f)
 	const int left = f->column_count - f->column;
 	const int end = f->column + (left < f->column_step ? left : f->column_step);
 	const size_t lines = f->lines < f->lines_step ? f->lines : f->lines_step;
-	const char *const stop = f->from + lines * KERNEL_LINE_BYTES;
 
 	for (int k = f->column; k < end; k++) {
 		const char *from = f->columns + f->chosen[k].place * f->column_bytes;
@@ -66,7 +65,7 @@ static inline __attribute__((always_inline)) void fetch_some(struct fetch *f)
 			fetch_line(from);
 	}
 	f->column = end;
-	for (; f->from < stop; f->from += KERNEL_LINE_BYTES)
+	for (size_t n = 0; n < lines; n++, f->from += KERNEL_LINE_BYTES)
 		fetch_line(f->from);
 	f->lines -= lines;
 }

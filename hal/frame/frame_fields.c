@@ -33,7 +33,7 @@ static struct frame_plane plane_every_other_row(const struct frame_plane *plane,
 {
 	const size_t skipped = bottom ? plane->stride : 0;
 
-	if (plane->bytes < skipped)
+	if (!plane->data || plane->bytes < skipped)
 		return (struct frame_plane){NULL, 0, 0};
 	return (struct frame_plane){plane->data + skipped, plane->stride * 2,
 				    plane->bytes - skipped};
@@ -45,7 +45,7 @@ static struct frame_plane plane_half(const struct frame_plane *plane, size_t row
 
 	if (!second)
 		return *plane;
-	if (plane->bytes < first)
+	if (!plane->data || plane->bytes < first)
 		return (struct frame_plane){NULL, 0, 0};
 	return (struct frame_plane){plane->data + first, plane->stride, plane->bytes - first};
 }

@@ -23,7 +23,7 @@ functions() {
 	"$fuzzing/fuzz_$1" -print_coverage=1 -runs=0 -artifact_prefix="build/tests/crashes/$1-" \
 		"tests/fuzz/corpus/$1" >"$log" 2>&1 || return
 	sed -nE 's|^(UN)?(COVERED)_FUNC: .* edges: [0-9/]+ (\(?[A-Za-z0-9_ ]+\)?::)*([A-Za-z0-9_]+)(\(.*)? '\
-'[^ ]*/([^/:]+):[0-9]+$|\1\2 \6:\4|p' "$log"
+'.*/([^/:]+):[0-9]+$|\1\2 \6:\4|p' "$log"
 }
 # one TARGET: 0, or what is missing.
 one() {
