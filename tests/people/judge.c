@@ -319,7 +319,8 @@ static void judged_open(struct judged *j, const char *path)
 	mark_looked(j);
 	object = (struct people_object){.coverage = j->basis.poses[0].coverage,
 					.touched = j->touched,
-					.camera = &j->camera};
+					.camera = &j->camera,
+					.foot = j->basis.feet};
 	people_place(j->people, &object);
 }
 
