@@ -34,6 +34,8 @@ DRIVER_SOURCES := \
 	drivers/v4l2/fields.c \
 	drivers/v4l2/find.c \
 	drivers/v4l2/formats.c \
+	drivers/v4l2/h264.c \
+	drivers/v4l2/h264_unit.c \
 	drivers/v4l2/input.c \
 	drivers/v4l2/listing.c \
 	drivers/v4l2/offers.c \
