@@ -182,8 +182,11 @@ DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 	tests/unit/drivers/test_kms_card.c)
+UNIT_TESTS += $(if $(filter 1,$(WITH_FFMPEG)),tests/unit/drivers/test_v4l2_h264.c)
+# The test plays that the library is missing.
+$(BUILD)/tests/unit/drivers/test_v4l2_h264: override LDFLAGS += -Wl,--wrap=dlopen
 # Their V4L2 device is played: see support/played_v4l2.h.
-$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_settings): \
+$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_h264 v4l2_settings): \
 	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
 # The test plays the graphics card.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
@@ -199,6 +202,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_control.c \
 	tests/fuzz/fuzz_frame.c \
 	tests/fuzz/fuzz_gltf.c \
+	tests/fuzz/fuzz_h264.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_lens.c \
 	tests/fuzz/fuzz_lights.c \
@@ -314,11 +318,11 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT
 -include $(BUILD)/tests/bench/bench_camera.d
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
-TEST_PROGRAMS += $(BUILD)/tests/fuzz/basis_seeds
-$(BUILD)/tests/fuzz/basis_seeds: $(BUILD)/tests/fuzz/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
+TEST_PROGRAMS += $(BUILD)/tests/support/basis/basis_seeds
+$(BUILD)/tests/support/basis/basis_seeds: $(BUILD)/tests/support/basis/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
--include $(BUILD)/tests/fuzz/basis_seeds.d
+-include $(BUILD)/tests/support/basis/basis_seeds.d
 
 # Loaded into a program: one counts its heap allocations, one plays the clock on the wall.
 LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so)

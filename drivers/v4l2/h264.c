@@ -13,6 +13,8 @@
 
 #include "drivers/v4l2/h264_unit.h"
 
+enum { SETS_MAX = 1024 }; /* bytes of parameter sets; usual are 30 */
+
 #define NAME_OF(version) "libavcodec.so." AV_STRINGIFY(version)
 
 /* The functions of libavcodec and of libavutil, which it brings. */
@@ -24,7 +26,6 @@ static struct {
 	__typeof__(&avcodec_open2) open;
 	__typeof__(&avcodec_send_packet) send_packet;
 	__typeof__(&avcodec_receive_frame) receive_frame;
-	__typeof__(&avcodec_flush_buffers) flush_buffers;
 	__typeof__(&av_packet_alloc) packet_alloc;
 	__typeof__(&av_packet_free) packet_free;
 	__typeof__(&av_frame_alloc) frame_alloc;
@@ -43,7 +44,6 @@ static const struct {
 	{"avcodec_open2", &library.open},
 	{"avcodec_send_packet", &library.send_packet},
 	{"avcodec_receive_frame", &library.receive_frame},
-	{"avcodec_flush_buffers", &library.flush_buffers},
 	{"av_packet_alloc", &library.packet_alloc},
 	{"av_packet_free", &library.packet_free},
 	{"av_frame_alloc", &library.frame_alloc},
@@ -57,6 +57,9 @@ struct h264_decoder {
 	AVPacket *packet;
 	AVFrame *next, *shown;
 	struct h264_count count;
+	bool stale; /* the context is to be replaced */
+	uint8_t sets[SETS_MAX];
+	size_t sets_bytes;
 	uint8_t *unit; /* a copy of the access unit: libavcodec reads past its end */
 	size_t room;
 };
@@ -95,17 +98,15 @@ static int library_load(struct fault *fault)
 
 /* One thread: with more, libavcodec does not notice that slices of a picture are missing. Concealment
  * stays on for the same reason, as only concealed pictures are marked; none of them is handed out. */
-static int decoder_open(struct h264_decoder *d, struct fault *fault)
+static int context_open(struct h264_decoder *d, struct fault *fault)
 {
 	const AVCodec *codec = library.find_decoder(AV_CODEC_ID_H264);
 
+	library.free_context(&d->context);
 	if (!codec)
 		return fault_say(fault, -ENOTSUP, "the installed libavcodec has no H.264 decoder");
 	d->context = library.alloc_context(codec);
-	d->packet = library.packet_alloc();
-	d->next = library.frame_alloc();
-	d->shown = library.frame_alloc();
-	if (!d->context || !d->packet || !d->next || !d->shown)
+	if (!d->context)
 		return fault_say(fault, -ENOMEM, "no memory for a H.264 decoder");
 	d->context->flags |= AV_CODEC_FLAG_LOW_DELAY;
 	d->context->thread_count = 1;
@@ -113,6 +114,16 @@ static int decoder_open(struct h264_decoder *d, struct fault *fault)
 	if (library.open(d->context, codec, NULL) < 0)
 		return fault_say(fault, -ENOTSUP, "libavcodec cannot open its H.264 decoder");
 	return 0;
+}
+
+static int decoder_open(struct h264_decoder *d, struct fault *fault)
+{
+	d->packet = library.packet_alloc();
+	d->next = library.frame_alloc();
+	d->shown = library.frame_alloc();
+	if (!d->packet || !d->next || !d->shown)
+		return fault_say(fault, -ENOMEM, "no memory for a H.264 decoder");
+	return context_open(d, fault);
 }
 
 int h264_available(struct fault *fault)
@@ -158,28 +169,42 @@ void h264_destroy(struct h264_decoder *decoder)
 	free(decoder);
 }
 
-/* libavcodec forgets the earlier pictures, and hands out none that needs them. */
+/* The next picture is decoded in a new context, which hands out none that needs earlier ones. Flushing the
+ * old one is not enough: after a picture that broke off, it filters the edges in later ones wrongly. */
 void h264_skip(struct h264_decoder *decoder)
 {
-	library.flush_buffers(decoder->context);
+	decoder->stale = true;
 }
 
-static int unit_copy(struct h264_decoder *d, const uint8_t *data, size_t bytes)
+/* A camera may send parameter sets once only, so they are kept for a new context. */
+static void sets_keep(struct h264_decoder *d, const struct h264_unit *unit, const uint8_t *data)
 {
-	const size_t room = bytes + AV_INPUT_BUFFER_PADDING_SIZE;
+	const size_t before = unit->sequence ? 0 : d->sets_bytes;
+
+	if (unit->sets_bytes == 0 || unit->sets_bytes > SETS_MAX - before)
+		return;
+	memcpy(d->sets + before, data + unit->sets_at, unit->sets_bytes);
+	d->sets_bytes = before + unit->sets_bytes;
+}
+
+/* Copies the access unit, behind the parameter sets if there are any that the context may not know. */
+static int unit_copy(struct h264_decoder *d, size_t sets, const uint8_t *data, size_t bytes)
+{
+	const size_t room = sets + bytes + AV_INPUT_BUFFER_PADDING_SIZE;
 
 	if (d->room < room) {
 		uint8_t *unit = realloc(d->unit, room);
 
 		if (!unit)
-			return -ENOMEM;
+			return AVERROR(ENOMEM);
 		d->unit = unit;
 		d->room = room;
 	}
-	memcpy(d->unit, data, bytes);
-	memset(d->unit + bytes, 0, AV_INPUT_BUFFER_PADDING_SIZE);
+	memcpy(d->unit, d->sets, sets);
+	memcpy(d->unit + sets, data, bytes);
+	memset(d->unit + sets + bytes, 0, AV_INPUT_BUFFER_PADDING_SIZE);
 	d->packet->data = d->unit;
-	d->packet->size = (int)bytes;
+	d->packet->size = (int)(sets + bytes);
 	return 0;
 }
 
@@ -243,9 +268,9 @@ static int picture_describe(const AVFrame *picture, struct frame *frame, struct 
 	return 0;
 }
 
-static int unit_decode(struct h264_decoder *d, const uint8_t *data, size_t bytes)
+static int unit_decode(struct h264_decoder *d, size_t sets, const uint8_t *data, size_t bytes)
 {
-	int code = bytes <= INT_MAX / 2 ? unit_copy(d, data, bytes) : AVERROR_INVALIDDATA;
+	int code = bytes <= INT_MAX / 2 ? unit_copy(d, sets, data, bytes) : AVERROR_INVALIDDATA;
 
 	if (!code)
 		code = library.send_packet(d->context, d->packet);
@@ -256,13 +281,18 @@ int h264_decode(struct h264_decoder *decoder, const uint8_t *data, size_t bytes,
 		struct frame *frame, struct fault *fault)
 {
 	const struct h264_unit unit = h264_unit_read(&decoder->count, data, bytes);
+	const bool renew = decoder->stale || unit.gap;
 	AVFrame *picture = decoder->next;
 	int code;
 
-	if (unit.gap)
-		h264_skip(decoder);
-	code = unit_decode(decoder, data, bytes);
-	if (code == AVERROR(EAGAIN) && !unit.picture)
+	decoder->stale = renew;
+	sets_keep(decoder, &unit, data);
+	code = renew ? context_open(decoder, fault) : 0;
+	if (code)
+		return code;
+	decoder->stale = false;
+	code = unit_decode(decoder, renew ? decoder->sets_bytes : 0, data, bytes);
+	if (code < 0 && !unit.picture && unit.sets_bytes)
 		return -EAGAIN;
 	if (code < 0 || picture->decode_error_flags || picture->flags & AV_FRAME_FLAG_CORRUPT)
 		return picture_refuse(decoder, code, unit.gap, fault);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/h264_unit.h"
 
-enum { SLICE = 1, SLICE_IDR = 5, SEQUENCE_SET = 7 }; /* nal_unit_type */
+enum { START_CODE = 3 };
+enum { SLICE = 1, SLICE_IDR = 5, SEQUENCE_SET = 7, PICTURE_SET = 8 }; /* nal_unit_type */
 
 /* The payload of a NAL unit, bit by bit; after its end come zeros. */
 struct bits {
@@ -129,22 +130,36 @@ static bool read_slice(struct h264_count *count, unsigned header, struct bits b)
 /* Offset behind the next start code; bytes if there is none. */
 static size_t find_unit(const uint8_t *data, size_t from, size_t bytes)
 {
-	for (size_t i = from; i + 3 < bytes; i++)
+	for (size_t i = from; i + START_CODE < bytes; i++)
 		if (data[i] == 0 && data[i + 1] == 0 && data[i + 2] == 1)
-			return i + 3;
+			return i + START_CODE;
 	return bytes;
 }
 
 struct h264_unit h264_unit_read(struct h264_count *count, const uint8_t *data, size_t bytes)
 {
-	for (size_t at = 0; (at = find_unit(data, at, bytes)) < bytes;) {
+	struct h264_unit unit = {0};
+	size_t next = find_unit(data, 0, bytes);
+
+	while (next < bytes && !unit.picture) {
+		const size_t at = next;
 		const unsigned type = data[at] & 31;
 		const struct bits b = bits_of(data + at + 1, bytes - at - 1);
 
+		next = find_unit(data, at, bytes);
 		if (type == SEQUENCE_SET)
 			read_sequence_set(count, b);
-		if (type == SLICE_IDR || type == SLICE)
-			return (struct h264_unit){true, read_slice(count, data[at], b)};
+		if (type == SEQUENCE_SET || type == PICTURE_SET) {
+			if (unit.sets_bytes == 0) {
+				unit.sets_at = at - START_CODE;
+				unit.sequence = type == SEQUENCE_SET;
+			}
+			unit.sets_bytes = (next < bytes ? next - START_CODE : bytes) - unit.sets_at;
+		}
+		if (type == SLICE_IDR || type == SLICE) {
+			unit.picture = true;
+			unit.gap = read_slice(count, data[at], b);
+		}
 	}
-	return (struct h264_unit){false, false};
+	return unit;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Looks into an access unit of H.264 for what libavcodec does not tell: whether it holds a picture at all, and whether
+ * Looks into an access unit of H.264 for what libavcodec does not tell: where its parameter sets are, and whether
  * one that it is decoded from is missing. Reference pictures are counted by frame_num (H.264 7.4.3); libavcodec
  * makes a missing one up. Pure.
  */
@@ -19,8 +19,11 @@ struct h264_count {
 };
 
 struct h264_unit {
-	bool picture; /* it holds a picture, or a part of one */
-	bool gap;     /* a picture that this one may need is missing */
+	bool picture;	/* it holds a part of a picture */
+	bool gap;	/* a picture that this one may need is missing */
+	bool sequence;	/* the parameter sets begin with that of the sequence */
+	size_t sets_at; /* where they begin, with a start code */
+	size_t sets_bytes;
 };
 
 /* Reads an access unit, with start codes; any bytes. */
