@@ -499,6 +499,52 @@ static void parameter_sets_are_no_picture(void **state)
 	free(s);
 }
 
+/* A picture's access unit: a slice with this frame_num, of 7 bits. */
+static bool gap_before(struct h264_count *count, unsigned header, unsigned number)
+{
+	/* first_mb_in_slice 0, slice_type 5 and pic_parameter_set_id 0 are the bits 1 00110 1. */
+	const uint8_t unit[] = {
+		0, 0, 1, (uint8_t)header, 0x9a | number >> 6, (uint8_t)(number << 2 | 2), 0x80};
+	const struct h264_unit read = h264_unit_read(count, unit, sizeof(unit));
+
+	assert_true(read.picture);
+	return read.gap;
+}
+
+/* The parameter set has scaling lists of each kind: whole, cut short, by default. FFmpeg's trace_headers reads
+ * log2_max_frame_num_minus4 = 3 in it. */
+static void lost_pictures_are_counted(void **state)
+{
+	static const uint8_t set[] = {
+		0x00, 0x00, 0x01, 0x67, 0x64, 0x00, 0x0a, 0xad, 0xc6, 0x0a, 0x64, 0x18, 0x20,
+		0x61, 0x46, 0x1c, 0x42, 0x15, 0xc4, 0x0a, 0x14, 0x20, 0xc0, 0xed, 0x76, 0x28,
+		0xc7, 0x2b, 0x18, 0x74, 0x74, 0x20, 0x61, 0xa6, 0x30, 0xc1, 0x0c, 0x85, 0x3b,
+		0x11, 0x46, 0x46, 0x14, 0x98, 0x61, 0x05, 0x0c, 0x30, 0xc9, 0x0e, 0x86, 0x32,
+		0x0a, 0x18, 0x30, 0xb1, 0x89, 0x14, 0xa2, 0x04, 0x14, 0x85, 0x33, 0x3a, 0x31,
+		0x8a, 0x71, 0x83, 0x0e, 0x61, 0x84, 0x14, 0x85, 0x4e, 0x8e, 0x52, 0x8c, 0x14,
+		0x79, 0x90, 0xc4, 0xce, 0x42, 0x48, 0xcc, 0x61, 0x00, 0x9c, 0x8d, 0x12, 0xc8};
+	enum { KEY_PICTURE = 0x65, REFERENCE = 0x41, UNUSED = 0x01 };
+	struct h264_count count = {0};
+	const struct h264_unit sets = h264_unit_read(&count, set, sizeof(set));
+
+	(void)state;
+	assert_int_equal(count.bits, 7);
+	assert_true(sets.sequence && !sets.picture);
+	assert_int_equal(sets.sets_at, 0);
+	assert_int_equal(sets.sets_bytes, sizeof(set));
+	assert_false(gap_before(&count, REFERENCE, 125)); /* the first that is seen */
+	assert_false(gap_before(&count, UNUSED, 126));
+	assert_false(gap_before(&count, UNUSED, 126));
+	assert_false(gap_before(&count, REFERENCE, 126));
+	assert_false(gap_before(&count, REFERENCE, 127));
+	assert_false(gap_before(&count, REFERENCE, 0));
+	assert_true(gap_before(&count, UNUSED, 2));
+	assert_false(gap_before(&count, REFERENCE, 1));
+	assert_true(gap_before(&count, REFERENCE, 3));
+	assert_false(gap_before(&count, KEY_PICTURE, 0));
+	assert_true(gap_before(&count, REFERENCE, 127));
+}
+
 static int setup(void **state)
 {
 	const size_t bytes = read_output("ffmpeg -v error -nostdin " PICTURE "-f rawvideo -",
@@ -522,6 +568,7 @@ int main(void)
 		cmocka_unit_test(colours_are_those_of_the_stream),
 		cmocka_unit_test(other_pixels_are_refused),
 		cmocka_unit_test(parameter_sets_are_no_picture),
+		cmocka_unit_test(lost_pictures_are_counted),
 	};
 
 	return cmocka_run_group_tests_name("v4l2_h264", tests, setup, played_remove_file);
