@@ -20,6 +20,7 @@ WITH_GPIO ?= $(call found,libgpiod)
 WITH_EXR ?= $(call found,OpenEXR)
 WITH_WEBP ?= $(call found,libwebp)
 WITH_LIBCAMERA ?= $(call found,libcamera)
+WITH_FFMPEG ?= $(call found,libavcodec)
 WITH_CAIRO ?= $(call found,cairo)
 WITH_SYSTEMD ?= $(call found,libsystemd)
 
@@ -38,10 +39,11 @@ WITH_GPIO := $(WITH_GPIO)
 WITH_EXR := $(WITH_EXR)
 WITH_WEBP := $(WITH_WEBP)
 WITH_LIBCAMERA := $(WITH_LIBCAMERA)
+WITH_FFMPEG := $(WITH_FFMPEG)
 WITH_CAIRO := $(WITH_CAIRO)
 WITH_SYSTEMD := $(WITH_SYSTEMD)
 
-SWITCHES := KMS SDL GPIO EXR WEBP LIBCAMERA CAIRO SYSTEMD
+SWITCHES := KMS SDL GPIO EXR WEBP LIBCAMERA FFMPEG CAIRO SYSTEMD
 FEATURES := $(foreach x,$(SWITCHES),-DWITH_$(x)=$(WITH_$(x)))
 ifeq ($(WITH_GPIO),1)
 # Its calls were renamed from 1.x to 2.x, and its header does not tell which it is.

@@ -21,6 +21,7 @@
 #include "drivers/v4l2/fallback.h"
 #include "drivers/v4l2/find.h"
 #include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/h264.h"
 #include "drivers/v4l2/listing.h"
 #include "drivers/v4l2/setup.h"
 #include "hal/base/clock.h"
@@ -49,6 +50,7 @@ static void v4l2_close(struct camera *camera)
 	if (!v)
 		return;
 	v4l2_buffers_stop(&v->buffers);
+	h264_destroy(v->h264);
 	if (v->events >= 0)
 		close(v->events);
 	if (v->fd >= 0)
@@ -158,6 +160,10 @@ static int v4l2_set_up(struct camera *camera, struct v4l2_capture *v, struct fau
 	if (err)
 		return err;
 	v4l2_controls_confirm(v->fd, v->path, &v->controls);
+	if (v->picture.layout->format == PIXEL_H264)
+		err = h264_create(&v->h264, fault);
+	if (err)
+		return err;
 	camera->format = v->picture.layout->format;
 	camera->width = v->picture.width;
 	camera->height = v->picture.height;

@@ -35,6 +35,12 @@ static const struct ini_key kms_keys[] = {
 	 .offset = offsetof(struct kms_options, connector),
 	 .fallback = "",
 	 .help = "Connector to use, like HDMI-A-1; empty: the first that has a screen."},
+	{.name = "second",
+	 .type = INI_TEXT,
+	 .offset = offsetof(struct kms_options, second),
+	 .fallback = "",
+	 .help = "Connector of a second screen, on the same card, that shows the same picture; "
+		 "empty: none."},
 	{.name = "mode",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct kms_options, mode),
@@ -121,10 +127,25 @@ static int kms_fit(struct display *display, int width, int height, double squash
 	if (fit.box.width == width && fit.box.height == height && width == display->width &&
 	    height == display->height)
 		return 0;
-	if (options->scaling == KMS_SCALING_NEVER || !can_scale(screen, &fit, squash))
+	/* A second screen has a box of its own for the whole picture. */
+	if (options->scaling == KMS_SCALING_NEVER || options->second[0] ||
+	    !can_scale(screen, &fit, squash))
 		return -ENOTSUP;
 	screen->fit = fit;
 	return 0;
+}
+
+/* ---- the second screen ---- */
+
+static uint32_t present_framebuffer(const struct kms_screen *screen)
+{
+	return screen->buffers[screen->on_screen == NONE ? 0 : screen->on_screen].framebuffer;
+}
+
+static void second_show(struct kms_screen *screen, const struct display *display)
+{
+	kms_second_show(&screen->second, display->options, &screen->path,
+			present_framebuffer(screen));
 }
 
 /* ---- the console ---- */
@@ -134,6 +155,7 @@ static void kms_go_away(struct display *display)
 {
 	struct kms_screen *screen = display->state;
 
+	kms_second_hide(&screen->second);
 	screen->waiting = NONE;
 	if (screen->flipping == NONE)
 		screen->flip_due_ns = 0;
@@ -165,8 +187,10 @@ static int show_again(struct kms_screen *screen, struct fault *fault)
  * moment when the screen is switched on. */
 static int go_dark(struct kms_screen *screen, struct fault *fault)
 {
-	int err = kms_screen_set_dark(screen, fault);
+	int err;
 
+	kms_second_hide(&screen->second);
+	err = kms_screen_set_dark(screen, fault);
 	if (!err)
 		err = take_flips(screen);
 	screen->flipping = screen->waiting = NONE;
@@ -187,7 +211,11 @@ static int kms_power(struct display *display, bool on, struct fault *fault)
 	if (!on)
 		return go_dark(screen, fault);
 	err = kms_look(screen, display, true, fault);
-	return err ? err : show_again(screen, fault);
+	if (!err)
+		err = show_again(screen, fault);
+	if (!err)
+		second_show(screen, display);
+	return err;
 }
 
 static int kms_come_back(struct display *display, struct fault *fault)
@@ -205,6 +233,7 @@ static int kms_come_back(struct display *display, struct fault *fault)
 		err = show_again(screen, fault);
 	if (err)
 		return err;
+	second_show(screen, display);
 	display->hidden = false;
 	screen->exposed = true;
 	return 0;
@@ -275,6 +304,8 @@ static int kms_open(struct display *display, struct fault *fault)
 	display->rate_hz = kms_mode_rate(mode);
 	display->mounted = (int)kms_panel_turn(&screen->path);
 	screen->looked_ns = clock_now_ns();
+	if (!display->hidden)
+		second_show(screen, display);
 	if (screen->path.computed)
 		log_info_paced(
 			"kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
@@ -313,6 +344,27 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 	return -EAGAIN;
 }
 
+/* Flips both screens at once, so that they show the same and none overtakes the other. A second one that
+ * cannot any more does not stop the first. */
+static int flip_all(struct kms_screen *screen, const struct kms_state *ours)
+{
+	struct kms_second *second = &screen->second;
+	const struct kms_flip flips[2] = {
+		{&screen->path, &screen->properties, ours},
+		{&second->path, &second->properties, &second->ours},
+	};
+	int err;
+
+	second->ours.plane_fb = ours->plane_fb;
+	screen->flips_due = second->shown ? 2 : 1;
+	err = kms_state_flip(flips, screen->flips_due, screen);
+	if (!second->shown || !err || err == -EBUSY || err == -EACCES)
+		return err;
+	kms_second_hide(second);
+	screen->flips_due = 1;
+	return kms_state_flip(flips, 1, screen);
+}
+
 /* Queues the waiting frame in the kernel unless a flip is pending. After EBUSY it stays waiting and
  * is tried again until its deadline. */
 static int kms_flip(struct kms_screen *screen)
@@ -327,7 +379,7 @@ static int kms_flip(struct kms_screen *screen)
 	buffer = &screen->buffers[screen->waiting];
 	ours->plane_fb = buffer->framebuffer;
 	kms_screen_set_fit(ours, &buffer->fit);
-	err = kms_state_flip(&screen->path, &screen->properties, ours, screen);
+	err = flip_all(screen, ours);
 	if (err == -EBUSY) {
 		if (!screen->flip_due_ns)
 			screen->flip_due_ns = now_ns + FLIP_WITHIN_NS;
@@ -369,17 +421,20 @@ static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned micr
 
 	(void)card;
 	(void)sequence;
-	(void)crtc;
 	if (screen->flipping == NONE)
+		return;
+	if (!crtc || crtc == screen->path.crtc) /* 0: a kernel before 4.12 */
+		screen->flip_ns = screen->timestamps ? (int64_t)seconds * NS_PER_S +
+							       (int64_t)microseconds * 1000
+						     : clock_now_ns();
+	if (--screen->flips_due > 0)
 		return;
 	screen->on_screen = screen->flipping;
 	screen->flipping = NONE;
 	screen->flip_due_ns = 0;
 	screen->shown = (struct display_event){
 		.kind = DISPLAY_SHOWN,
-		.time_ns = screen->timestamps
-				   ? (int64_t)seconds * NS_PER_S + (int64_t)microseconds * 1000
-				   : clock_now_ns(),
+		.time_ns = screen->flip_ns,
 		.token = screen->buffers[screen->on_screen].token,
 	};
 }
@@ -452,6 +507,9 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 	/* The kernel knows the modes of a newly connected screen only after a probe. */
 	if (!err && !told && known && screen->connector.connection != known)
 		err = kms_look(screen, display, true, fault);
+	if (!err)
+		kms_second_look(&screen->second, display->options, &screen->path,
+				present_framebuffer(screen), told);
 	return err;
 }
 

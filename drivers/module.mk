@@ -34,6 +34,8 @@ DRIVER_SOURCES := \
 	drivers/v4l2/fields.c \
 	drivers/v4l2/find.c \
 	drivers/v4l2/formats.c \
+	drivers/v4l2/h264.c \
+	drivers/v4l2/h264_unit.c \
 	drivers/v4l2/input.c \
 	drivers/v4l2/listing.c \
 	drivers/v4l2/offers.c \
@@ -41,6 +43,7 @@ DRIVER_SOURCES := \
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
 	drivers/kms/connector.c drivers/kms/console.c drivers/kms/find.c drivers/kms/fit.c \
 	drivers/kms/holder.c drivers/kms/list.c drivers/kms/mode.c drivers/kms/panel.c drivers/kms/screen.c \
+	drivers/kms/second.c \
 	drivers/kms/state.c drivers/kms/timing.c drivers/kms/watch.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_GPIO)),drivers/buttons_gpio.c drivers/buttons_gpio_encoder.c \

@@ -185,8 +185,11 @@ DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
 UNIT_TESTS += $(if $(filter 1,$(WITH_KMS)),tests/unit/drivers/test_kms_mode.c \
 	tests/unit/drivers/test_kms_card.c)
+UNIT_TESTS += $(if $(filter 1,$(WITH_FFMPEG)),tests/unit/drivers/test_v4l2_h264.c)
+# The test plays that the library is missing.
+$(BUILD)/tests/unit/drivers/test_v4l2_h264: override LDFLAGS += -Wl,--wrap=dlopen
 # Their V4L2 device is played: see support/played_v4l2.h.
-$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_settings): \
+$(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_h264 v4l2_settings): \
 	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
 # The test plays the graphics card.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
@@ -202,6 +205,7 @@ FUZZ_TARGETS := \
 	tests/fuzz/fuzz_control.c \
 	tests/fuzz/fuzz_frame.c \
 	tests/fuzz/fuzz_gltf.c \
+	tests/fuzz/fuzz_h264.c \
 	tests/fuzz/fuzz_image.c \
 	tests/fuzz/fuzz_lens.c \
 	tests/fuzz/fuzz_lights.c \

@@ -12,6 +12,7 @@
 #include <xf86drm.h>
 
 #include "drivers/kms/mode.h"
+#include "drivers/kms/timing.h"
 
 int kms_card_open(const char *path)
 {
@@ -66,7 +67,7 @@ static bool is_primary(int card, uint32_t plane)
 }
 
 /* Returns a primary plane of this CRTC that accepts XRGB8888; 0: none. */
-static uint32_t find_plane(int card, int crtc_index)
+static uint32_t find_plane(int card, int crtc_index, uint32_t taken)
 {
 	drmModePlaneRes *planes = drmModeGetPlaneResources(card);
 	uint32_t found = 0;
@@ -77,7 +78,7 @@ static uint32_t find_plane(int card, int crtc_index)
 
 		for (uint32_t k = 0; plane && k < plane->count_formats; k++)
 			takes |= plane->formats[k] == DRM_FORMAT_XRGB8888;
-		if (takes && plane->possible_crtcs & 1U << crtc_index &&
+		if (takes && plane->plane_id != taken && plane->possible_crtcs & 1U << crtc_index &&
 		    is_primary(card, plane->plane_id))
 			found = plane->plane_id;
 		drmModeFreePlane(plane);
@@ -123,9 +124,10 @@ static bool find_crtc(const drmModeRes *resources, const drmModeConnector *conne
 			const uint32_t crtc = resources->crtcs[i];
 
 			if ((round == 0) != (crtc == present) || !(possible & 1U << i) ||
+			    crtc == path->taken_crtc ||
 			    !crtc_is_free(path->card, resources, crtc, connector->connector_id))
 				continue;
-			path->plane = find_plane(path->card, i);
+			path->plane = find_plane(path->card, i, path->taken_plane);
 			path->crtc = crtc;
 			if (path->plane)
 				return true;
@@ -178,7 +180,6 @@ static int use_connector(const struct display_settings *settings, const struct k
 
 	if (err)
 		return say_no_mode(settings, options, connector, path, fault);
-	path->connector = connector->connector_id;
 	if (!find_crtc(resources, connector, path))
 		return fault_say(fault, -ENOTSUP,
 				 "kms display: no free CRTC and primary plane of %s takes XRGB8888",
@@ -225,8 +226,10 @@ static int search_card(const struct display_settings *settings, const struct kms
 		if (!connector)
 			continue;
 		kms_connector_name(connector, path->connector_name, sizeof(path->connector_name));
-		if (!*wanted || !strcmp(wanted, path->connector_name)) {
+		if (connector->connector_id != path->taken_connector &&
+		    (!*wanted || !strcmp(wanted, path->connector_name))) {
 			named = *wanted;
+			path->connector = connector->connector_id;
 			if (kms_mode_rank(connector->connection, connector->count_modes, options) ==
 			    rank)
 				err = use_connector(settings, options, resources, connector, path,
@@ -329,8 +332,31 @@ static int find_ranked(const struct display_settings *settings, const struct kms
 			       "/dev/dri/card0 (is its driver loaded?)");
 }
 
-int kms_find(const struct display_settings *settings, const struct kms_options *options,
-	     struct kms_path *path, struct fault *fault)
+int kms_find_second(const struct kms_options *options, const struct kms_path *first,
+		    struct kms_path *path, struct fault *fault)
+{
+	struct display_settings same = {.width = first->mode.hdisplay,
+					.height = first->mode.vdisplay,
+					.rate_hz = kms_mode_rate(&first->mode)};
+	const struct display_settings any = {.rate_hz = same.rate_hz};
+	struct kms_options other = {0};
+	int err;
+
+	/* Whichever of the two is there when the display is opened is the first. */
+	snprintf(other.connector, sizeof(other.connector), "%s",
+		 strcmp(first->connector_name, options->second) ? options->second
+								: options->connector);
+	*path = (struct kms_path){.card = first->card,
+				  .taken_connector = first->connector,
+				  .taken_crtc = first->crtc,
+				  .taken_plane = first->plane};
+	memcpy(path->device, first->device, sizeof(path->device));
+	err = search_card(&same, &other, KMS_RANK_BEST, path, fault);
+	return err == -EINVAL ? search_card(&any, &other, KMS_RANK_BEST, path, fault) : err;
+}
+
+static int find_one(const struct display_settings *settings, const struct kms_options *options,
+		    struct kms_path *path, struct fault *fault)
 {
 	const int least = options->force ? 1 : 2;
 	int err = -ENOLINK;
@@ -338,4 +364,21 @@ int kms_find(const struct display_settings *settings, const struct kms_options *
 	for (int rank = KMS_RANK_BEST; rank >= least && err == -ENOLINK; rank--)
 		err = find_ranked(settings, options, rank, path, fault);
 	return err ? err : path->card;
+}
+
+int kms_find(const struct display_settings *settings, const struct kms_options *options,
+	     struct kms_path *path, struct fault *fault)
+{
+	struct kms_options second = *options;
+	int err = find_one(settings, options, path, fault);
+
+	if (err != -ENOLINK || !options->second[0])
+		return err;
+	memcpy(second.connector, options->second, sizeof(second.connector));
+	err = find_one(settings, &second, path, fault);
+	return err == -ENOLINK
+		       ? fault_say(fault, err, "kms display: no screen is connected to %s or %s",
+				   options->connector[0] ? options->connector : "another connector",
+				   options->second)
+		       : err;
 }

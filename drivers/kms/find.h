@@ -22,6 +22,8 @@ struct kms_path {
 	char connector_name[32];
 	drmModeModeInfo mode;
 	bool computed; /* the screen has not reported this mode */
+	/* Those that another screen uses; 0: none. */
+	uint32_t taken_connector, taken_crtc, taken_plane;
 };
 
 /* Opens a card, non-blocking. Returns a descriptor that the caller closes, or -errno. */
@@ -41,5 +43,11 @@ void kms_connector_name(const drmModeConnector *connector, char *name, size_t ro
  */
 int kms_find(const struct display_settings *settings, const struct kms_options *options,
 	     struct kms_path *path, struct fault *fault);
+
+/* Fills in the path to that screen of the options' two which *first is not, on the same card: with a mode of the
+ * first one's size where it has one. *path keeps the connector even if there is no screen. 0 or -errno as
+ * above. */
+int kms_find_second(const struct kms_options *options, const struct kms_path *first,
+		    struct kms_path *path, struct fault *fault);
 
 #endif

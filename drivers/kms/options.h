@@ -12,6 +12,7 @@ enum kms_range { KMS_RANGE_AUTO, KMS_RANGE_FULL, KMS_RANGE_LIMITED };
 
 struct kms_options {
 	char connector[INI_TEXT_MAX]; /* like HDMI-A-1; empty: the first with a screen */
+	char second[INI_TEXT_MAX];    /* the connector of a second screen; empty: none */
 	char mode[INI_TEXT_MAX];      /* size and rate, or a modeline; empty: one of the screen's */
 	bool force;		      /* use a connector that reports no screen */
 	int buffers;		      /* framebuffers, 2 or 3 */

@@ -263,6 +263,7 @@ int kms_screen_release(struct kms_screen *screen)
 {
 	int err = 0;
 
+	kms_second_release(&screen->second);
 	if (screen->set)
 		err = screen_restore(screen);
 	/* This makes the kernel show its text, whatever was on the screen before. */

@@ -6,6 +6,7 @@
 #include "drivers/kms/connector.h"
 #include "drivers/kms/console.h"
 #include "drivers/kms/fit.h"
+#include "drivers/kms/second.h"
 #include "drivers/kms/state.h"
 #include "drivers/kms/watch.h"
 
@@ -47,6 +48,10 @@ struct kms_screen {
 	struct kms_state before, ours; /* found at opening; set by this driver */
 	bool kept;		       /* before is filled in */
 	bool set;		       /* ours is on the screen */
+
+	struct kms_second second; /* another screen that shows the same */
+	int flips_due;		  /* events that the queued flip still owes, one a screen */
+	int64_t flip_ns;	  /* time of the first screen's */
 
 	struct kms_buffer buffers[BUFFERS_MAX];
 	int buffer_count;

@@ -187,36 +187,41 @@ int kms_state_commit(const struct kms_path *path, const struct kms_properties *p
 	return err;
 }
 
-/* Fills in the ioctl itself: drmModeAtomicCommit() allocates. */
-int kms_state_flip(const struct kms_path *path, const struct kms_properties *properties,
-		   const struct kms_state *state, void *user)
+enum { FLIP_SCREENS = 2, FLIP_PROPERTIES = 9 };
+
+static void flip_fill(const struct kms_flip *flip, uint32_t *ids, uint64_t *values)
 {
-	uint32_t object = path->plane;
-	uint32_t count = 9;
-	const uint32_t *source = properties->plane_source, *target = properties->plane_target;
-	uint32_t ids[9] = {properties->plane_fb,
-			   source[0],
-			   source[1],
-			   source[2],
-			   source[3],
-			   target[0],
-			   target[1],
-			   target[2],
-			   target[3]};
-	uint64_t values[9] = {state->plane_fb};
+	ids[0] = flip->properties->plane_fb;
+	values[0] = flip->state->plane_fb;
+	for (int i = 0; i < 4; i++) {
+		ids[1 + i] = flip->properties->plane_source[i];
+		ids[5 + i] = flip->properties->plane_target[i];
+		values[1 + i] = flip->state->plane_source[i];
+		values[5 + i] = flip->state->plane_target[i];
+	}
+}
+
+/* Fills in the ioctl itself: drmModeAtomicCommit() allocates. */
+int kms_state_flip(const struct kms_flip *flips, int count, void *user)
+{
+	uint32_t objects[FLIP_SCREENS];
+	uint32_t counts[FLIP_SCREENS] = {FLIP_PROPERTIES, FLIP_PROPERTIES};
+	uint32_t ids[FLIP_SCREENS * FLIP_PROPERTIES];
+	uint64_t values[FLIP_SCREENS * FLIP_PROPERTIES];
 	struct drm_mode_atomic atomic = {
 		.flags = DRM_MODE_PAGE_FLIP_EVENT | DRM_MODE_ATOMIC_NONBLOCK,
-		.count_objs = 1,
-		.objs_ptr = (uintptr_t)&object,
-		.count_props_ptr = (uintptr_t)&count,
+		.count_objs = (uint32_t)count,
+		.objs_ptr = (uintptr_t)objects,
+		.count_props_ptr = (uintptr_t)counts,
 		.props_ptr = (uintptr_t)ids,
 		.prop_values_ptr = (uintptr_t)values,
 		.user_data = (uintptr_t)user,
 	};
 
-	for (int i = 0; i < 4; i++) {
-		values[1 + i] = state->plane_source[i];
-		values[5 + i] = state->plane_target[i];
+	for (int i = 0; i < count; i++) {
+		objects[i] = flips[i].path->plane;
+		flip_fill(&flips[i], ids + (size_t)i * FLIP_PROPERTIES,
+			  values + (size_t)i * FLIP_PROPERTIES);
 	}
-	return drmIoctl(path->card, DRM_IOCTL_MODE_ATOMIC, &atomic) ? -errno : 0;
+	return drmIoctl(flips->path->card, DRM_IOCTL_MODE_ATOMIC, &atomic) ? -errno : 0;
 }

@@ -51,9 +51,15 @@ void kms_state_uncover(const struct kms_path *path, struct kms_state *state);
 int kms_state_commit(const struct kms_path *path, const struct kms_properties *properties,
 		     const struct kms_state *state, uint32_t flags);
 
-/* Page flip: sets framebuffer, source and target only, without waiting. The kernel reports it as an
- * event that carries user. Does not allocate. 0 or -errno. */
-int kms_state_flip(const struct kms_path *path, const struct kms_properties *properties,
-		   const struct kms_state *state, void *user);
+/* What one screen shows at a flip. */
+struct kms_flip {
+	const struct kms_path *path;
+	const struct kms_properties *properties;
+	const struct kms_state *state;
+};
+
+/* Page flip of one or two screens of a card: sets framebuffer, source and target only, without waiting. The
+ * kernel reports it as an event for each screen that carries user. Does not allocate. 0 or -errno. */
+int kms_state_flip(const struct kms_flip *flips, int count, void *user);
 
 #endif

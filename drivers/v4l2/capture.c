@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/capture.h"
 
+#include <errno.h>
 #include <string.h>
 
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/frame/frame_jpeg.h"
 
 /* A time stamp older than this, or in the future, is of another clock or has wrapped around. */
 #define TIME_PAST_NS (60 * NS_PER_S)
@@ -87,6 +90,50 @@ int v4l2_give_back(struct v4l2_capture *v, struct v4l2_taken *t)
 	return first;
 }
 
+/* ---- pictures that are decoded from earlier ones ---- */
+
+/* Asks for a key frame; most cameras cannot be asked and send one every few seconds. */
+static void ask_for_key_frame(int fd)
+{
+	struct v4l2_control control = {.id = V4L2_CID_MPEG_VIDEO_FORCE_KEY_FRAME, .value = 1};
+
+	(void)device_ioctl(fd, VIDIOC_S_CTRL, &control);
+}
+
+/* Replaces the frame in *t by its decoded picture and gives the buffer back. *t becomes empty if none comes
+ * out. The first that is missing is told, and those that need it are only counted. */
+static int decode_h264(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t)
+{
+	const int buffer = t->buffers[0];
+	struct fault why = {""};
+	int err = h264_decode(v->h264, t->frame.planes[0].data, t->frame.planes[0].bytes, &t->frame,
+			      &why);
+
+	/* Encoders pad to whole macroblocks, and not every one tells that it has. */
+	if (frame_jpeg_holds(t->frame.width, t->frame.height, v->picture.width,
+			     v->picture.height)) {
+		t->frame.width = v->picture.width;
+		t->frame.height = v->picture.height;
+	}
+	if (camera->settings.matrix)
+		t->frame.matrix = v->picture.matrix;
+	if (camera->settings.range)
+		t->frame.range = v->picture.range;
+	camera->broken += err && err != -EAGAIN;
+	if (err && err != -EAGAIN && !v->h264_ended) {
+		log_warning_paced("%s: %s; pictures are passed over until the next key frame",
+				  v->path, why.text);
+		v->h264_ended = true;
+		ask_for_key_frame(v->fd);
+	}
+	if (err)
+		t->frame.format = PIXEL_NONE;
+	else
+		v->h264_ended = false;
+	t->buffers[0] = -1;
+	return v4l2_buffers_queue(&v->buffers, buffer);
+}
+
 /* ---- fields in turn ---- */
 
 static void pair_join(struct v4l2_taken *pair, const struct v4l2_taken *second,
@@ -149,6 +196,7 @@ int v4l2_take(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *
 	struct v4l2_plane planes[VIDEO_MAX_PLANES];
 	struct v4l2_buffer buffer;
 	const bool pairs = v->picture.lines.fields == FIELDS_PAIR;
+	uint32_t gap;
 	bool fit;
 	int err;
 
@@ -156,14 +204,19 @@ int v4l2_take(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *
 	err = v4l2_buffers_take(&v->buffers, &buffer, planes);
 	if (err)
 		return err;
-	camera->lost += frame_count_gap(&v->count, v->pairing.counts_fields ? buffer.sequence / 2
-									    : buffer.sequence);
+	gap = frame_count_gap(&v->count,
+			      v->pairing.counts_fields ? buffer.sequence / 2 : buffer.sequence);
+	camera->lost += gap;
 	fit = read_buffer(v, &buffer, &t->frame) && (!pairs || is_field(buffer.field));
 	t->buffers[0] = (int)buffer.index;
 	if (!fit)
 		err = v4l2_give_back(v, t);
 	if (err)
 		return err;
+	if (v->h264 && (gap || !fit))
+		h264_skip(v->h264);
+	if (v->h264 && fit)
+		return decode_h264(camera, v, t);
 	if (pairs && is_field(buffer.field))
 		return pair_up(camera, v, t, buffer.sequence, buffer.field == V4L2_FIELD_BOTTOM);
 	camera->broken += !fit;

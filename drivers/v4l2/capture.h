@@ -12,6 +12,7 @@
 #include "drivers/v4l2/device.h"
 #include "drivers/v4l2/fields.h"
 #include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/h264.h"
 #include "drivers/v4l2/setup.h"
 #include "hal/device/camera.h"
 
@@ -30,6 +31,8 @@ struct v4l2_capture {
 	struct v4l2_settings controls;
 	struct v4l2_pairing pairing;
 	struct v4l2_taken waiting; /* the first field of a pair */
+	struct h264_decoder *h264; /* NULL: the device sends something else */
+	bool h264_ended;	   /* no picture until the next key frame */
 	struct v4l2_taken out;	   /* handed to the caller of grab() */
 	struct frame_count count;
 	int64_t signal_checked_ns;

@@ -45,7 +45,13 @@ int v4l2_fallback_read(struct v4l2_fallback *f, const char *give_up, struct faul
 	}
 }
 
-/* Chooses the smallest of the formats with colour, if it is smaller than the present one. */
+/* Grey has no colour; H.264 is taken only when it is wished for, or there is nothing else. */
+static bool is_substitute(uint32_t fourcc)
+{
+	return fourcc != V4L2_PIX_FMT_GREY && fourcc != V4L2_PIX_FMT_H264;
+}
+
+/* Chooses the smallest substitute, if it is smaller than the present format. */
 static bool smaller_format(int fd, unsigned type, const struct v4l2_picture *picture,
 			   struct camera_settings *settings)
 {
@@ -60,7 +66,7 @@ static bool smaller_format(int fd, unsigned type, const struct v4l2_picture *pic
 
 		if (bits < 0)
 			break;
-		if (bits == 0 || bits >= least || format.pixelformat == V4L2_PIX_FMT_GREY ||
+		if (bits == 0 || bits >= least || !is_substitute(format.pixelformat) ||
 		    !v4l2_offers_size(fd, format.pixelformat, settings->width, settings->height))
 			continue;
 		least = bits;

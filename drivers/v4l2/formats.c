@@ -18,6 +18,7 @@ static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_P010, PIXEL_P010, 1},   {V4L2_PIX_FMT_Y10, PIXEL_Y10, 1},
 	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},     {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
 	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
+	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},
 };
 
 enum { LAYOUTS = sizeof(layouts) / sizeof(layouts[0]) };
@@ -51,13 +52,19 @@ int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wa
 	return best;
 }
 
+/* Whether a buffer holds a picture that is compressed, of any length. */
+static bool is_compressed(enum pixel_format format)
+{
+	return format == PIXEL_MJPEG || format == PIXEL_H264;
+}
+
 /* Grey does not count as Y'CbCr: cameras fill its whole range, although the kernel's documentation
  * does not say so. */
 static bool is_ycbcr(uint32_t fourcc)
 {
 	const struct v4l2_layout *layout = v4l2_layout_of(fourcc);
 
-	return layout && pixel_format_is_ycbcr(layout->format);
+	return layout && (pixel_format_is_ycbcr(layout->format) || layout->format == PIXEL_H264);
 }
 
 void v4l2_colours(const struct v4l2_pix_format *format, enum colour_matrix *matrix,
@@ -166,7 +173,7 @@ int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int 
 	if (err)
 		return err;
 	v4l2_colours(&pix, &picture->matrix, &picture->range);
-	return layout->format == PIXEL_MJPEG ? 0
+	return is_compressed(layout->format) ? 0
 					     : picture_read_strides(format, &pix, picture, fault);
 }
 
@@ -177,8 +184,8 @@ int v4l2_bits(uint32_t fourcc)
 
 	if (!layout)
 		return 0;
-	if (layout->format == PIXEL_MJPEG)
-		return 4;
+	if (is_compressed(layout->format))
+		return layout->format == PIXEL_H264 ? 1 : 4;
 	for (int p = 0; p < frame_plane_count(layout->format); p++) /* of two by two pixels */
 		bytes += frame_plane_bytes(layout->format, p,
 					   frame_plane_stride(layout->format, p, 2), 2);
@@ -201,7 +208,7 @@ bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span
 	const int count = frame_plane_count(format);
 	struct v4l2_span rest = memory[0];
 
-	if (format == PIXEL_MJPEG) {
+	if (is_compressed(format)) {
 		planes[0] = (struct frame_plane){rest.data, 0, rest.bytes};
 		return rest.bytes > 0; /* decoding tells whether it is whole */
 	}

@@ -43,7 +43,7 @@ struct v4l2_picture {
 	int rows;	   /* in a buffer: height, or half of it when a buffer holds one field */
 	struct v4l2_lines lines;
 	v4l2_std_id standard;
-	size_t stride[FRAME_PLANES]; /* bytes, of the frame's planes; 0 for JPEG */
+	size_t stride[FRAME_PLANES]; /* bytes, of the frame's planes; 0 for JPEG and H.264 */
 	enum colour_matrix matrix;
 	enum colour_range range;
 };
@@ -66,7 +66,7 @@ struct v4l2_span {
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES]);
 
-/* Returns the bits of a pixel on the bus; for JPEG an estimate. 0: inlay does not decode it. */
+/* Returns the bits of a pixel on the bus; for JPEG and H.264 an estimate. 0: inlay does not decode it. */
 int v4l2_bits(uint32_t fourcc);
 
 /* Writes the four characters of a format, like "YUYV"; unprintable ones become dots. */

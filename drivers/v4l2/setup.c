@@ -7,12 +7,13 @@
 #include <string.h>
 
 #include "drivers/v4l2/device.h"
+#include "drivers/v4l2/h264.h"
 #include "drivers/v4l2/offers.h"
 
 enum { OFFERS_MAX = 256 };
 
 /* Names what the camera has, each format once, and what was wanted. */
-static int refuse_offers(const struct v4l2_offer *offers, int count, int wanted,
+static int refuse_offers(const struct v4l2_offer *offers, int count, int wanted, const char *why,
 			 struct fault *fault)
 {
 	char text[96] = "", code[5];
@@ -25,16 +26,18 @@ static int refuse_offers(const struct v4l2_offer *offers, int count, int wanted,
 		if (!strstr(text, code))
 			snprintf(text + used, sizeof(text) - used, "%s%s", used ? ", " : "", code);
 	}
-	return fault_say(fault, -ENOTSUP, "the camera offers %s, expected %s",
+	return fault_say(fault, -ENOTSUP, "the camera offers %s, expected %s%s%s",
 			 count ? text : "no format",
 			 wanted ? pixel_format_names[wanted]
-				: "MJPEG, YUYV or another one that inlay decodes");
+				: "MJPEG, YUYV or another one that inlay decodes",
+			 *why ? "; " : "", why);
 }
 
 static int format_choose(int fd, unsigned type, const struct camera_settings *settings,
 			 uint32_t *fourcc, struct fault *fault)
 {
 	struct v4l2_offer offers[OFFERS_MAX];
+	struct fault why = {""};
 	int count = 0, best;
 
 	while (count < OFFERS_MAX) {
@@ -51,8 +54,8 @@ static int format_choose(int fd, unsigned type, const struct camera_settings *se
 		};
 	}
 	best = v4l2_choose(offers, count, (enum pixel_format)settings->format);
-	if (best < 0)
-		return refuse_offers(offers, count, settings->format, fault);
+	if (best < 0 || (offers[best].fourcc == V4L2_PIX_FMT_H264 && h264_available(&why)))
+		return refuse_offers(offers, count, settings->format, why.text, fault);
 	*fourcc = offers[best].fourcc;
 	return 0;
 }

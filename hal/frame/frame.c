@@ -16,7 +16,7 @@ _Static_assert(sizeof(deinterlace_names) / sizeof(deinterlace_names[0]) == DEINT
 
 const char *const pixel_format_names[] = {
 	"none",	 "YUYV",  "UYVY", "YVYU", "NV16", "NV12", "NV21",  "YU12", "YV12", "P010",
-	"RGB24", "BGR24", "BGRX", "GREY", "Y10",  "Y16",  "MJPEG", "RGBF", NULL,
+	"RGB24", "BGR24", "BGRX", "GREY", "Y10",  "Y16",  "MJPEG", "H264", "RGBF", NULL,
 };
 
 _Static_assert(sizeof(pixel_format_names) / sizeof(pixel_format_names[0]) == PIXEL_FORMAT_COUNT + 1,

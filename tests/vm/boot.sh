@@ -86,7 +86,7 @@ echo >"$job/monitor.log"
 # its interrupt with the first, which is always open; this one does with the second.)
 options=(
 	-accel "tcg,thread=multi" -cpu max -smp 2 -m 1024
-	-nodefaults -no-reboot -display none -vga none -device virtio-gpu-pci
+	-nodefaults -no-reboot -display none -vga none -device "virtio-gpu-pci,id=gpu,max_outputs=2"
 	-kernel "$kernel/bzImage" -initrd "$scratch/initramfs"
 	-append "console=ttyS0 quiet panic=-1 mitigations=off no_timer_check"
 	-virtfs "local,path=/,mount_tag=host,security_model=none,readonly=on,multidevs=remap"

@@ -39,7 +39,11 @@ enum {
 	CRTC,
 	PLANE,
 	CURSOR,
-	OBJECTS = CURSOR + 1 - CONNECTOR,
+	CONNECTOR_2,
+	ENCODER_2,
+	CRTC_2,
+	PLANE_2,
+	OBJECTS = PLANE_2 + 1 - CONNECTOR,
 	FIRST_PROPERTY = 100,
 	BUFFER_BYTES = 1 << 22
 };
@@ -81,8 +85,9 @@ static const struct drm_mode_property_enum orientations[] = {
 
 static struct {
 	ino_t node;
-	int memory; /* file behind the buffers */
-	unsigned connection;
+	int memory;			   /* file behind the buffers */
+	unsigned connection, connection_2; /* 0: there is no second connector */
+	drmModeModeInfo mode_2;
 	drmModeModeInfo modes[2];
 	int mode_count;
 	bool held, no_atomic, scales, silent, has_link, has_panel;
@@ -142,27 +147,36 @@ static void answer_properties(uint32_t object, uint64_t ids, uint64_t values, ui
 
 static int get_connector(struct drm_mode_get_connector *c)
 {
-	if (c->connector_id != CONNECTOR)
+	const bool other = c->connector_id == CONNECTOR_2;
+	const unsigned connection = other ? card.connection_2 : card.connection;
+	const uint32_t count = connection != DRM_MODE_CONNECTED && other ? 0
+			       : other					 ? 1
+				       : (uint32_t)card.mode_count;
+
+	if (c->connector_id != CONNECTOR && !other)
 		return test_kms_card_refuse(ENOENT);
 	card.probes += !c->count_modes;
-	if (c->modes_ptr && c->count_modes >= (uint32_t)card.mode_count)
-		memcpy((void *)(uintptr_t)c->modes_ptr, card.modes,
-		       (size_t)card.mode_count * sizeof(card.modes[0]));
-	c->count_modes = (uint32_t)card.mode_count;
-	answer(c->encoders_ptr, &c->count_encoders, (uint32_t[]){ENCODER}, 1);
-	answer_properties(CONNECTOR, c->props_ptr, c->prop_values_ptr, &c->count_props);
-	c->connection = card.connection;
+	if (c->modes_ptr && c->count_modes >= count)
+		memcpy((void *)(uintptr_t)c->modes_ptr, other ? &card.mode_2 : card.modes,
+		       count * sizeof(card.modes[0]));
+	c->count_modes = count;
+	answer(c->encoders_ptr, &c->count_encoders, (uint32_t[]){other ? ENCODER_2 : ENCODER}, 1);
+	answer_properties(c->connector_id, c->props_ptr, c->prop_values_ptr, &c->count_props);
+	c->connection = connection;
 	c->connector_type = DRM_MODE_CONNECTOR_HDMIA;
-	c->connector_type_id = 1;
+	c->connector_type_id = other ? 2 : 1;
 	c->encoder_id = 0;
 	return 0;
 }
 
 static int get_resources(struct drm_mode_card_res *r)
 {
-	answer(r->connector_id_ptr, &r->count_connectors, (uint32_t[]){CONNECTOR}, 1);
-	answer(r->crtc_id_ptr, &r->count_crtcs, (uint32_t[]){CRTC}, 1);
-	answer(r->encoder_id_ptr, &r->count_encoders, (uint32_t[]){ENCODER}, 1);
+	const uint32_t screens = card.connection_2 ? 2 : 1;
+
+	answer(r->connector_id_ptr, &r->count_connectors, (uint32_t[]){CONNECTOR, CONNECTOR_2},
+	       screens);
+	answer(r->crtc_id_ptr, &r->count_crtcs, (uint32_t[]){CRTC, CRTC_2}, screens);
+	answer(r->encoder_id_ptr, &r->count_encoders, (uint32_t[]){ENCODER, ENCODER_2}, screens);
 	r->count_fbs = 0;
 	return 0;
 }
@@ -170,7 +184,7 @@ static int get_resources(struct drm_mode_card_res *r)
 static int get_plane(struct drm_mode_get_plane *p)
 {
 	answer(p->format_type_ptr, &p->count_format_types, (uint32_t[]){DRM_FORMAT_XRGB8888}, 1);
-	p->possible_crtcs = 1;
+	p->possible_crtcs = card.connection_2 && p->plane_id != CURSOR ? 3 : 1;
 	p->crtc_id = (uint32_t)*value_of(p->plane_id, "CRTC_ID");
 	p->fb_id = (uint32_t)*value_of(p->plane_id, "FB_ID");
 	return 0;
@@ -205,17 +219,29 @@ static int get_property(struct drm_mode_get_property *p)
 }
 
 /* Reports a flip as the kernel does, whoever waits for it. */
-static void report_flip(int fd, uint64_t user)
+static void report_flip(int fd, uint64_t user, uint32_t crtc)
 {
 	const struct drm_event_vblank event = {
 		.base = {DRM_EVENT_FLIP_COMPLETE, sizeof(event)},
 		.user_data = user,
 		.tv_sec = (uint32_t)(card.flip_ns / NS_PER_S),
 		.tv_usec = (uint32_t)(card.flip_ns % NS_PER_S / 1000),
-		.crtc_id = CRTC,
+		.crtc_id = crtc,
 	};
 
 	assert_int_equal(write(fd, &event, sizeof(event)), sizeof(event));
+}
+
+static bool is_scaled(uint64_t wanted[OBJECTS][PROPERTIES], uint32_t plane)
+{
+	return *property(wanted, plane, "SRC_W") >> 16 != *property(wanted, plane, "CRTC_W") ||
+	       *property(wanted, plane, "SRC_H") >> 16 != *property(wanted, plane, "CRTC_H");
+}
+
+/* The CRTC that a plane of the commit is on. */
+static uint32_t flipped_crtc(const struct drm_mode_atomic *a, uint32_t index)
+{
+	return (uint32_t)*value_of(((uint32_t *)(uintptr_t)a->objs_ptr)[index], "CRTC_ID");
 }
 
 static int commit(int fd, const struct drm_mode_atomic *a)
@@ -231,9 +257,7 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	for (uint32_t o = 0, at = 0; o < a->count_objs; o++)
 		for (uint32_t i = 0; i < counts[o]; i++, at++)
 			wanted[objects[o] - CONNECTOR][ids[at] - FIRST_PROPERTY] = values[at];
-	if (!card.scales &&
-	    (*property(wanted, PLANE, "SRC_W") >> 16 != *property(wanted, PLANE, "CRTC_W") ||
-	     *property(wanted, PLANE, "SRC_H") >> 16 != *property(wanted, PLANE, "CRTC_H")))
+	if (!card.scales && (is_scaled(wanted, PLANE) || is_scaled(wanted, PLANE_2)))
 		return test_kms_card_refuse(ERANGE);
 	if (card.cursor_is_gone && *property(wanted, CURSOR, "FB_ID") &&
 	    !*value_of(CURSOR, "FB_ID"))
@@ -256,8 +280,8 @@ static int commit(int fd, const struct drm_mode_atomic *a)
 	memcpy(card.values, wanted, sizeof(wanted));
 	if (a->flags & DRM_MODE_PAGE_FLIP_EVENT) {
 		card.flips++;
-		if (!card.silent)
-			report_flip(fd, a->user_data);
+		for (uint32_t o = 0; o < a->count_objs && !card.silent; o++)
+			report_flip(fd, a->user_data, flipped_crtc(a, o));
 	}
 	return 0;
 }
@@ -302,12 +326,14 @@ static int play(int fd, unsigned long request, void *argument)
 		return get_connector(argument);
 	case DRM_IOCTL_MODE_GETENCODER:
 		((struct drm_mode_get_encoder *)argument)->crtc_id = 0;
-		((struct drm_mode_get_encoder *)argument)->possible_crtcs = 1;
+		((struct drm_mode_get_encoder *)argument)->possible_crtcs = card.connection_2 ? 3
+											      : 1;
 		return 0;
 	case DRM_IOCTL_MODE_GETPLANERESOURCES: {
 		struct drm_mode_get_plane_res *r = argument;
 
-		answer(r->plane_id_ptr, &r->count_planes, (uint32_t[]){PLANE, CURSOR}, 2);
+		answer(r->plane_id_ptr, &r->count_planes, (uint32_t[]){PLANE, CURSOR, PLANE_2},
+		       card.connection_2 ? 3 : 2);
 		return 0;
 	}
 	case DRM_IOCTL_MODE_GETPLANE:
@@ -397,6 +423,7 @@ static int plug_in(void **state)
 	kms_timing(1280, 720, 60, &card.modes[0]);
 	kms_timing(640, 480, 60, &card.modes[1]);
 	*value_of(PLANE, "type") = DRM_PLANE_TYPE_PRIMARY;
+	*value_of(PLANE_2, "type") = DRM_PLANE_TYPE_PRIMARY;
 	*value_of(CURSOR, "type") = DRM_PLANE_TYPE_CURSOR;
 	card.flip_ns = 5 * NS_PER_S + 7000;
 	options = (struct kms_options){.buffers = 2};
@@ -875,6 +902,153 @@ static void what_cannot_be_opened(void **state)
 	assert_int_equal(card.buffers, 0);
 }
 
+/* ---- two screens ---- */
+
+static void second_plug(int width, int height)
+{
+	card.connection_2 = DRM_MODE_CONNECTED;
+	kms_timing(width, height, 60, &card.mode_2);
+	strcpy(options.connector, "HDMI-A-1");
+	strcpy(options.second, "HDMI-A-2");
+}
+
+static void assert_second(bool on, struct kms_box box)
+{
+	assert_int_equal(*value_of(CRTC_2, "ACTIVE"), on);
+	assert_int_equal(*value_of(CONNECTOR_2, "CRTC_ID"), on ? CRTC_2 : 0);
+	assert_int_equal(*value_of(PLANE_2, "CRTC_ID"), on ? CRTC_2 : 0);
+	if (!on)
+		return;
+	assert_int_equal(*value_of(PLANE_2, "FB_ID"), *value_of(PLANE, "FB_ID"));
+	assert_int_equal(*value_of(PLANE_2, "SRC_W"), (uint64_t)display.width << 16);
+	assert_int_equal(*value_of(PLANE_2, "SRC_H"), (uint64_t)display.height << 16);
+	assert_int_equal((int64_t)*value_of(PLANE_2, "CRTC_X"), box.x);
+	assert_int_equal((int64_t)*value_of(PLANE_2, "CRTC_Y"), box.y);
+	assert_int_equal(*value_of(PLANE_2, "CRTC_W"), box.width);
+	assert_int_equal(*value_of(PLANE_2, "CRTC_H"), box.height);
+}
+
+static const struct kms_box nowhere;
+
+static void frames_are_shown(int from, int to)
+{
+	for (int i = from; i < to; i++) {
+		card.flip_ns += 16667000;
+		submit(i, display.width, display.height);
+		assert_shown(i);
+	}
+}
+
+static void two_screens_show_one_picture(void **state)
+{
+	static const struct {
+		int width, height;
+		bool scales, shown;
+		struct kms_box box;
+	} cases[] = {
+		{1280, 720, false, true, {0, 0, 1280, 720}},
+		{1920, 1200, true, true, {0, 60, 1920, 1080}},
+		{1024, 768, true, true, {0, 96, 1024, 576}},
+		{1920, 1200, false, true, {320, 240, 1280, 720}},
+		{1024, 768, false, false, {0}},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+		second_plug(cases[i].width, cases[i].height);
+		card.scales = cases[i].scales;
+		card.flips = 0;
+		open_fine();
+		frames_are_shown(1, 6);
+		assert_int_equal(card.flips, 5);
+		assert_second(cases[i].shown, cases[i].box);
+		assert_int_equal(display_fit(&display, 640, 480, 1), -ENOTSUP);
+		assert_int_equal(display_close(&display, &fault), 0);
+		assert_second(false, nowhere);
+		assert_int_equal(card.blobs, 0);
+		assert_int_equal(card.buffers, 0);
+	}
+}
+
+/* Lets the display look at its screens, while frames go on. */
+static void frames_go_on(int64_t for_ns)
+{
+	const int64_t until_ns = clock_now_ns() + for_ns;
+	int token = 100;
+
+	while (clock_now_ns() < until_ns) {
+		frames_are_shown(token, token + 1);
+		token++;
+		poll(NULL, 0, 50);
+	}
+}
+
+static void the_second_comes_and_goes(void **state)
+{
+	const struct kms_box whole = {0, 0, 1280, 720};
+
+	(void)state;
+	second_plug(1280, 720);
+	card.connection_2 = DRM_MODE_DISCONNECTED;
+	open_fine();
+	frames_are_shown(1, 4);
+	assert_second(false, nowhere);
+	card.connection_2 = DRM_MODE_CONNECTED;
+	frames_go_on(5 * NS_PER_S / 2);
+	assert_second(true, whole);
+	card.connection_2 = DRM_MODE_DISCONNECTED;
+	frames_go_on(5 * NS_PER_S / 2);
+	assert_second(false, nowhere);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
+	assert_int_equal(display.situation, DISPLAY_FINE);
+	display_close(&display, NULL);
+	assert_int_equal(card.blobs, 0);
+}
+
+/* The first one unplugged ends the display, as ever; opened again, it shows on the other one. */
+static void each_of_the_two_is_enough(void **state)
+{
+	struct display_event event;
+
+	(void)state;
+	second_plug(1280, 720);
+	open_fine();
+	frames_are_shown(1, 4);
+	card.connection = DRM_MODE_DISCONNECTED;
+	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ENOLINK);
+	display_close(&display, NULL);
+	open_fine();
+	frames_are_shown(1, 4);
+	assert_int_equal(*value_of(CONNECTOR, "CRTC_ID"), 0);
+	assert_true(*value_of(CONNECTOR_2, "CRTC_ID") == CRTC ||
+		    *value_of(CONNECTOR_2, "CRTC_ID") == CRTC_2);
+	card.connection = DRM_MODE_CONNECTED;
+	frames_go_on(5 * NS_PER_S / 2);
+	assert_true(*value_of(CONNECTOR, "CRTC_ID") != 0);
+	assert_int_equal(*value_of(PLANE, "FB_ID"), *value_of(PLANE_2, "FB_ID"));
+	display_close(&display, NULL);
+	card.connection = card.connection_2 = DRM_MODE_DISCONNECTED;
+	assert_int_equal(open_it(), -ENOLINK);
+	assert_non_null(strstr(fault.text, "HDMI-A-1 or HDMI-A-2"));
+}
+
+static void both_are_switched_off_and_on(void **state)
+{
+	(void)state;
+	second_plug(1280, 720);
+	open_fine();
+	frames_are_shown(1, 4);
+	assert_int_equal(display_power(&display, false, &fault), 0);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 0);
+	assert_second(false, nowhere);
+	assert_int_equal(display_power(&display, true, &fault), 0);
+	frames_are_shown(4, 8);
+	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
+	assert_second(true, (struct kms_box){0, 0, 1280, 720});
+	display_close(&display, NULL);
+	assert_int_equal(card.blobs, 0);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -896,6 +1070,10 @@ int main(void)
 		cmocka_unit_test_setup_teardown(panels_that_are_turned_turn_the_picture, plug_in,
 						take_out),
 		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(two_screens_show_one_picture, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(the_second_comes_and_goes, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(each_of_the_two_is_enough, plug_in, take_out),
+		cmocka_unit_test_setup_teardown(both_are_switched_off_and_on, plug_in, take_out),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);

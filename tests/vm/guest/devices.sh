@@ -69,11 +69,11 @@ stop_playing() {
 }
 
 # Photographs the screen of QEMU's own device from outside.
-#     screendump FILE.ppm     below /run/job
+#     screendump FILE.ppm [HEAD]     below /run/job; HEAD 1: the second screen of virtio-gpu
 screendump() {
 	local outside=$VM_JOB_OUTSIDE${1#/run/job}
 	outside=${outside//\\/\\\\}
-	monitor screendump "\"filename\": \"${outside//\"/\\\"}\""
+	monitor screendump "\"filename\": \"${outside//\"/\\\"}\", \"device\": \"gpu\", \"head\": ${2:-0}"
 }
 
 # One command to QEMU's monitor, waited for. A new greeting is asked for only once.
