@@ -193,7 +193,7 @@ $(eval $(call unit,$(call unit_in,accuracy),$(notdir $(EVERY_LIB)),$$(EVERY_LINK
 
 # Fuzz targets replay their corpus under any compiler, and are real fuzzers under clang.
 FUZZ_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(FUZZ_TARGETS)))
-FUZZ_LIB := $(call objects,$(FUZZ_PARTS) tests/fuzz/as_file.c) $(SUPPORT_LIB) \
+FUZZ_LIB := $(call objects,$(FUZZ_PARTS)) $(SUPPORT_LIB) \
 	$(addprefix $(BUILD)/,drivers.a config.a hal.a)
 ifeq ($(FUZZER),1)
 # What no target is linked with is compiled for its warnings alone: sanitizers and optimiser take two
@@ -213,7 +213,7 @@ $(FUZZ_PROGRAMS): $(BUILD)/%: $(BUILD)/%.o $(FUZZ_MAIN) $(FUZZ_LIB)
 	$(Q)$(CXX) $(SHARED_LINK) $(FUZZ_LINK) $(LDFLAGS) -o $@ $< $(FUZZ_MAIN) \
 		-Wl,--start-group $(FUZZ_LIB) -Wl,--end-group $(EVERY_LINK)
 
-TEST_SOURCES := $(SUPPORT_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/as_file.c tests/fuzz/replay.c
+TEST_SOURCES := $(SUPPORT_SOURCES) $(UNIT_TESTS) $(FUZZ_TARGETS) tests/fuzz/replay.c
 -include $(patsubst %.o,%.d,$(call objects,$(ALL_SOURCES) $(TEST_SOURCES)))
 
 .PHONY: programs-unit programs-fuzz objects

@@ -3,6 +3,7 @@
 tests_PACKAGES := $(cmocka_PACKAGES) $(drivers_PACKAGES) $(hal_PACKAGES)
 cmocka_PACKAGES := cmocka libturbojpeg
 SUPPORT_SOURCES := \
+	tests/support/as_file.c \
 	tests/support/captured_log.c \
 	tests/support/chance.c \
 	tests/support/expect.c \

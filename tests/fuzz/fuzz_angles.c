@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "bake/base/angles.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static void fuzz_angles_check(const struct dome *dome, const int *light)
 {

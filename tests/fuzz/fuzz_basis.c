@@ -20,7 +20,7 @@
 #include <string.h>
 
 #include "hal/compositor/compositor.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 #include "tests/support/basis/synthetic_basis.h"
 
 #define CHUNKS_MOST 32

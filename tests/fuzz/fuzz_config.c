@@ -11,7 +11,7 @@
 
 #include "app/driver_list.h"
 #include "config/config.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 /* Read from a file, it must say the same, but for the name. */
 static void read_file(const uint8_t *data, size_t bytes, int expected)

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/convert/convert.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static int make_ours(const struct lens *lens, struct fault *fault)
 {

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "hal/lights/lights_file.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 #define LIGHTS 6
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "bake/exchange/msi.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 #define LIGHTS 6 /* the dome of frequency 1 */
 

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "bake/mesh/formats/formats.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static char folder[] = "/tmp/inlay-fuzz-XXXXXX";
 static char obj[64], mtl[64];

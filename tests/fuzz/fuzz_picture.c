@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "bake/base/picture_file.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static char path[] = "/tmp/inlay-fuzz-XXXXXX.tga";
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "bake/mesh/formats/formats.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "hal/colour/response.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 {

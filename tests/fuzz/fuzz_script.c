@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static void play(struct buttons *buttons)
 {

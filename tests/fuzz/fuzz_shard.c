@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "bake/tiles/shard.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 #include "tests/support/bake/reseal_shard.h"
 
 static void read_tiles(struct shard *shard)

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 #include "drivers/sim/y4m.h"
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 static void play(struct y4m *video)
 {

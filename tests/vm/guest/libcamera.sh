@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 # Sourced by the tests of the libcamera driver on vimc: what was captured, the sensor, udev, a run.
 # shellcheck shell=bash
+# shellcheck disable=SC2034,SC2154 # tools and basis are set by devices.sh and runs.sh, running is read there
 config=tests/vm/scenes/libcamera.conf
 
 # The value of NAME in the output of the last capture.

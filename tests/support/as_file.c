@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/fuzz/as_file.h"
+#include "tests/support/as_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A fuzzer's input as a file, for readers that open a path. */
-#ifndef INLAY_TESTS_FUZZ_AS_FILE_H
-#define INLAY_TESTS_FUZZ_AS_FILE_H
+#ifndef INLAY_TESTS_SUPPORT_AS_FILE_H
+#define INLAY_TESTS_SUPPORT_AS_FILE_H
 
 #include <stddef.h>
 #include <stdint.h>
