@@ -260,6 +260,8 @@ void judge_cells(struct people *p)
 {
 	for (int y = 0; y < p->down; y++)
 		p->last_differs[y] = -1;
+	if (p->jumped)
+		memcpy(p->before, p->verdict, (size_t)p->cells);
 	memset(p->verdict, VERDICT_EMPTY, (size_t)p->cells);
 	for (int s = 0; s < p->span_count; s++)
 		judge_span(p, &p->spans[s]);

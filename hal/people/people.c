@@ -64,6 +64,7 @@ static int create_lists(struct people *p)
 	p->unknown = calloc((size_t)p->down, sizeof(*p->unknown));
 	p->verdict = calloc(cells, 1);
 	p->raw = calloc(cells, 1);
+	p->before = calloc(cells, 1);
 	p->first_differs = calloc((size_t)p->down, sizeof(*p->first_differs));
 	p->last_differs = calloc((size_t)p->down, sizeof(*p->last_differs));
 	p->count = calloc((size_t)p->across + 2 * PLANE_BEYOND, 1);
@@ -83,11 +84,11 @@ static int create_lists(struct people *p)
 	p->front = calloc(pixels, 1);
 	p->anybody = calloc(pixels, 1);
 	p->foremost = calloc(pixels, 4);
-	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->first_differs &&
-			       p->last_differs && p->count && p->order && p->order_before &&
-			       p->stable_ms && p->label && p->runs && p->groups && p->fitted &&
-			       p->spans && p->row_span && p->object_far && p->tile && p->front &&
-			       p->anybody && p->foremost
+	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
+			       p->first_differs && p->last_differs && p->count && p->order &&
+			       p->order_before && p->stable_ms && p->label && p->runs &&
+			       p->groups && p->fitted && p->spans && p->row_span && p->object_far &&
+			       p->tile && p->front && p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -162,6 +163,7 @@ void people_destroy(struct people *p)
 	free(p->known);
 	free(p->verdict);
 	free(p->raw);
+	free(p->before);
 	free(p->order);
 	free(p->order_before);
 	free(p->stable_ms);

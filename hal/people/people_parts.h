@@ -100,6 +100,7 @@ struct people {
 
 	/* judge.c */
 	uint8_t *verdict, *raw;
+	uint8_t *before; /* the verdict of the frame before one in which a lamp was switched */
 	/* Products of cells that may be the place in other light, else 0: see cell_products(). Rows
 	 * without cells that differ are not read. */
 	float *product[3][3];

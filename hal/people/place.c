@@ -23,6 +23,7 @@
 #define CLOSE_SHARE 0.03f /* of its light, by which a stable cell may differ */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define DIM 0.002f	  /* of white: darker cells do not drift */
+#define DEEP 0.75f	  /* ratio of a shadow that is not followed */
 #define DRIFT_MOST 3.0f	  /* and its inverse */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define CLIPPED 0.97f
@@ -290,13 +291,23 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
+/* How fast a cell follows what is seen. A person's shadow only takes light away, and goes with him: light
+ * that came is the place's, and what a deep shadow took would not be believed when it comes back. */
+static float drift_rate(const struct people *p, int at, float ratio)
+{
+	const bool shaded = p->verdict[at] == VERDICT_SHADED;
+
+	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
+		return 1;
+	if (p->verdict[at] == VERDICT_PERSON || (shaded && ratio < DEEP))
+		return 0;
+	return shaded && ratio < 1 ? 0.015625f : 0.125f;
+}
+
 /* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
  * that each place sees them elsewhere. */
 static void drift_span(struct people *p, const struct span *span)
 {
-	/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
-	static const float rate[] = {
-		[VERDICT_EMPTY] = 0.125f, [VERDICT_SHADED] = 0.015625f, [VERDICT_PERSON] = 0};
 	const int at = span->y * p->across + span->x, count = span->count;
 
 	for (int c = 0; c < 3; c++) {
@@ -304,22 +315,14 @@ static void drift_span(struct people *p, const struct span *span)
 		float *restrict drift = p->drift[c] + at;
 
 		for (int x = 0; x < count; x++) {
-			const bool brighter = p->verdict[at + x] == VERDICT_SHADED &&
-					      seen[x] > place[x];
-			const float share =
-				p->jumped && !p->order[at + x]
-					? 1
-					: rate[brighter ? VERDICT_EMPTY : p->verdict[at + x]];
-			float off;
+			float ratio, followed;
 
-			if (share <= 0 || !p->known[at + x] || place[x] < DIM * WHITE ||
+			if (!p->known[at + x] || place[x] < DIM * WHITE ||
 			    seen[x] > CLIPPED * WHITE)
 				continue;
-			off = seen[x] / place[x] - 1;
-			drift[x] *= 1 + share * (off > 1 ? 1 : off);
-			drift[x] = drift[x] > DRIFT_MOST       ? DRIFT_MOST
-				   : drift[x] < 1 / DRIFT_MOST ? 1 / DRIFT_MOST
-							       : drift[x];
+			ratio = seen[x] / place[x];
+			followed = 1 + drift_rate(p, at + x, ratio) * (fminf(ratio, 2) - 1);
+			drift[x] = fminf(fmaxf(drift[x] * followed, 1 / DRIFT_MOST), DRIFT_MOST);
 		}
 	}
 }
