@@ -124,6 +124,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_camera_v4l2.c \
 	tests/unit/drivers/test_display.c \
 	tests/unit/drivers/test_keyboard.c \
+	tests/unit/drivers/test_sim_look.c \
 	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
