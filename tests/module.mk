@@ -110,6 +110,7 @@ UNIT_TESTS := \
 	tests/unit/bake/sky/test_sun.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/tiles/test_bake_noise.c \
+	tests/unit/bake/tiles/test_edge_spread.c \
 	tests/unit/bake/tiles/test_shard.c \
 	tests/unit/bake/trace/test_bake_bounce.c \
 	tests/unit/bake/trace/test_bake_cache.c \
