@@ -60,6 +60,7 @@ UNIT_TESTS := \
 	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/base/test_watch.c \
+	tests/unit/bake/calibrate/camera/test_camera_edges.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
