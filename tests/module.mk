@@ -308,6 +308,14 @@ $(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a h
 		-lopencv_video -lopencv_imgproc -lopencv_core $(HAL_LINK)
 -include $(PEOPLE_OBJECTS:.o=.d)
 
+# Judges the camera's look in the same studio: people/look.sh.
+TEST_PROGRAMS += $(BUILD)/tests/people/look
+$(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) \
+		$(addprefix $(BUILD)/,drivers.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
+-include $(BUILD)/tests/people/look.d
+
 # Measures the time of a camera's calibration; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
 $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
