@@ -168,6 +168,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_sampler.c \
 	tests/unit/hal/lights/test_sampler_placed.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/look/test_exposure.c \
 	tests/unit/hal/look/test_sensor_noise.c \
 	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \

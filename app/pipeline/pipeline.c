@@ -77,6 +77,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (!err)
 		err = pipeline_people_prepare(p, &p->settings, fault);
 	if (!err)
+		err = pipeline_exposure_prepare(p, &p->settings, fault);
+	if (!err)
 		err = pipeline_grain_prepare(p, &p->settings, fault);
 	if (err)
 		return err;
@@ -111,6 +113,7 @@ void pipeline_destroy(struct pipeline *p)
 	pipeline_relight_end(p);
 	pipeline_fade_end(p);
 	pipeline_people_free(p);
+	pipeline_exposure_free(p);
 	pipeline_grain_free(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
@@ -141,6 +144,8 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		err = pipeline_ground_prepare(p, settings, fault);
 	if (!err)
 		err = pipeline_people_prepare(p, settings, fault);
+	if (!err)
+		err = pipeline_exposure_prepare(p, settings, fault);
 	if (!err)
 		err = pipeline_grain_prepare(p, settings, fault);
 	if (err) {
@@ -223,7 +228,7 @@ int pipeline_fits(const struct pipeline *p, int width, int height, struct fault 
 
 bool pipeline_looks(const struct pipeline *p)
 {
-	return p->people || p->grain;
+	return p->people || p->follower || p->grain;
 }
 
 void pipeline_look(struct pipeline *p, const struct picture *background, int64_t captured_ns)
@@ -234,6 +239,8 @@ void pipeline_look(struct pipeline *p, const struct picture *background, int64_t
 		return;
 	if (fresh && p->grain)
 		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
+	if (fresh && p->follower && p->lit)
+		pipeline_exposure_look(p, background);
 	if (p->people && p->lit)
 		pipeline_people_look(p, background, captured_ns, fresh);
 	p->looked = true;
@@ -248,7 +255,7 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 
 	if (err)
 		return err;
-	pipeline_people_follow(p);
+	pipeline_exposure_follow(p);
 	compositor_set(p->compositor, &settings);
 	if (p->choice.share > 0)
 		err = pipeline_fade_run(p, background, out, out_stride);

@@ -23,7 +23,7 @@ struct filmed_moment {
 	int walkers;
 	double edge_spread_px; /* of the background camera */
 	struct mains mains;    /* the panels flicker in its picture */
-	int wall_x, wall_y; /* a low wall hides what is right of and below here; 0: none */
+	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
 };
 
 struct filmed {

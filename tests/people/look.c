@@ -13,9 +13,9 @@
 
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
+#include "hal/look/exposure.h"
 #include "hal/look/grain_tables.h"
 #include "hal/look/sensor_noise.h"
-#include "hal/people/people.h"
 #include "tests/people/filmed.h"
 
 #define SPREAD_PX 0.8
@@ -55,13 +55,13 @@ struct look {
 	struct dome dome;
 	struct tsai_camera camera;
 	struct filmed filmed;
-	struct people *people;
+	struct exposure *exposure;
 	struct sensor_noise *noise;
 	struct grain_tables tables;
 	struct grain grain;
 	bool grained;
 	int pixels;
-	uint8_t *touched, *ours, *real, *empty;
+	uint8_t *ours, *real, *empty;
 	float *present;		    /* linear light with the object in the room */
 	double *on_black, *on_grey; /* code values of the reference */
 };
@@ -87,10 +87,7 @@ static void shown_close(struct shown *s)
 
 static void look_open(struct look *l, const char *sharp, const char *soft)
 {
-	struct people_settings settings;
-	struct people_object object;
 	struct fault fault = {""};
-	const struct basis_pose *pose;
 
 	memset(l, 0, sizeof(*l));
 	shown_open(&l->sharp, sharp);
@@ -99,38 +96,26 @@ static void look_open(struct look *l, const char *sharp, const char *soft)
 	    dome_create(&l->dome, (int)l->sharp.basis.info.dome_frequency, DOME_ANGLES, &fault))
 		die(fault.text);
 	l->pixels = l->camera.width * l->camera.height;
-	settings = (struct people_settings){.width = l->camera.width,
-					    .height = l->camera.height,
-					    .curve = srgb,
-					    .dome = &l->dome};
-	if (people_create(&l->people, &settings, &fault) ||
+	if (exposure_create(&l->exposure, l->camera.width, l->camera.height, &srgb, &l->dome) ||
 	    sensor_noise_create(&l->noise, l->camera.width, l->camera.height, &srgb) ||
 	    filmed_open(&l->filmed, &l->camera, &l->dome))
 		die("not enough memory");
-	l->touched = room((size_t)(l->soft.basis.tiles_across * l->soft.basis.tiles_down));
 	l->ours = room((size_t)l->pixels * 4);
 	l->real = room((size_t)l->pixels * 4);
 	l->empty = room((size_t)l->pixels * 4);
 	l->present = room((size_t)l->pixels * 3 * sizeof(float));
 	l->on_black = room((size_t)l->pixels * 3 * sizeof(double));
 	l->on_grey = room((size_t)l->pixels * 3 * sizeof(double));
-	pose = &l->soft.basis.poses[0];
-	for (int t = 0; t < l->soft.basis.tiles_across * l->soft.basis.tiles_down; t++)
-		l->touched[t] = pose->shown.tiles[t].block_count > 0;
-	object = (struct people_object){
-		.coverage = pose->coverage, .touched = l->touched, .camera = &l->camera};
-	people_place(l->people, &object);
 }
 
 static void look_close(struct look *l)
 {
-	people_destroy(l->people);
+	exposure_destroy(l->exposure);
 	sensor_noise_destroy(l->noise);
 	filmed_close(&l->filmed);
 	dome_free(&l->dome);
 	shown_close(&l->sharp);
 	shown_close(&l->soft);
-	free(l->touched);
 	free(l->ours);
 	free(l->real);
 	free(l->empty);
@@ -222,23 +207,21 @@ static struct filmed_moment moment_at(int frame)
 static void see(struct look *l, const struct filmed_moment *moment, double gain[3])
 {
 	struct sensor_noise_model model;
-	struct people_report report;
 	struct picture picture;
 
 	if (filmed_take(&l->filmed, moment))
 		die("not enough memory");
 	picture = as_picture(l, l->filmed.bgrx);
-	people_look(l->people, &picture, (const float(*)[3])l->filmed.light,
-		    (int64_t)(moment->number * (1e9 / RATE_HZ)));
+	exposure_look(l->exposure, &picture, (const float(*)[3])l->filmed.light);
 	sensor_noise_watch(l->noise, &picture);
 	l->grain.seed = (uint64_t)moment->number;
 	if (moment->number % 25 == 0 && sensor_noise_fit(l->noise, &model)) {
 		grain_tables_fit(&l->tables, &model, &l->grain);
 		l->grained = true;
 	}
-	report = people_report(l->people);
+	exposure_gain(l->exposure, gain);
 	for (int c = 0; c < 3; c++)
-		gain[c] = EXPOSURE * report.gain[c];
+		gain[c] *= EXPOSURE;
 }
 
 static bool is_inside(const struct look *l, int k)
