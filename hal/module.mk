@@ -96,6 +96,7 @@ HAL_SOURCES := \
 	hal/lights/sampler_table.c \
 	hal/look/exposure.c \
 	hal/look/grain_tables.c \
+	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
+#include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -198,6 +199,10 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
 			       pipeline_linear_level(&p->settings.sampler, level),
 			       p->settings.threshold_mode, p->settings.gain);
+	if (p->settings.neutral > 0) {
+		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
+		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
+	}
 	return 0;
 }
 

@@ -57,8 +57,9 @@ struct pipeline_settings {
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
 	/* The object follows the background camera's exposure and white balance (hal/look). */
 	bool follow_exposure;
-	bool grain;   /* the object gets the background camera's noise (hal/look) */
-	bool occlude; /* people are looked for, and stand before the object (hal/people) */
+	double neutral; /* share of the light that is grey of the same luminance, 0..1 */
+	bool grain;	/* the object gets the background camera's noise (hal/look) */
+	bool occlude;	/* people are looked for, and stand before the object (hal/people) */
 };
 
 /* What may change from frame to frame. */
