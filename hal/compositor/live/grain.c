@@ -35,13 +35,12 @@ static void grain_row(const struct grain *g, const struct kernels *kernels,
 		      const struct kernel_row *row, int y, size_t place, struct grain_tile *scratch)
 {
 	const uint8_t *pixels = row->background + y * row->background_step;
-	const uint16_t *coverage = row->coverage + y * row->coverage_step;
 	int32_t covered[BASIS_TILE] = {0};
 	float background[3][BASIS_TILE] = {{0}};
 
 	for (int x = 0; x < row->count; x++) {
 		if (row->coverage)
-			covered[x] = coverage[x];
+			covered[x] = row->coverage[y * row->coverage_step + x];
 		for (int c = 0; c < 3; c++)
 			background[c][x] = row->curves->linear[pixels[4 * x + 2 - c]];
 	}
