@@ -369,6 +369,11 @@ $(eval $(call with_packages,people,test))
 people-installed: all $(BUILD)/tests/people/judge
 	$(Q)BUILD="$(BUILD)" tests/people/people.sh
 
+## look: does the object look taken by the same camera, in noise, edges and colour: the table (a minute)
+$(eval $(call with_packages,look,test))
+look-installed: all $(BUILD)/tests/people/look
+	$(Q)BUILD="$(BUILD)" tests/people/look.sh
+
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))
 bench-installed: all

@@ -52,6 +52,7 @@ APP_SOURCES := \
 	app/pipeline/coarse_lamp.c \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
+	app/pipeline/pipeline_exposure.c \
 	app/pipeline/pipeline_fade.c \
 	app/pipeline/pipeline_grain.c \
 	app/pipeline/pipeline_ground.c \

@@ -11,6 +11,7 @@ BAKE_SOURCES := \
 	bake/base/blas.c \
 	bake/base/options.c \
 	bake/base/picture_file.c \
+	bake/base/pixel_filter.c \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \

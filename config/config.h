@@ -171,11 +171,12 @@ struct config_lights {
 
 struct config_composite {
 	double gain;
-	int threads;	      /* 0: one per processor */
-	int mode;	      /* enum compositor_mode */
-	int reuse;	      /* enum compositor_reuse */
-	bool follow_exposure; /* the object follows the background camera's exposure */
-	bool grain;	      /* the object gets the background camera's noise */
+	int threads;		/* 0: one per processor */
+	int mode;		/* enum compositor_mode */
+	int reuse;		/* enum compositor_reuse */
+	double neutral_percent; /* of the light that is grey */
+	bool follow_exposure;	/* the object follows the background camera's exposure */
+	bool grain;		/* the object gets the background camera's noise */
 	char kernel[INI_TEXT_MAX];
 };
 

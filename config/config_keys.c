@@ -422,6 +422,17 @@ static const struct ini_key composite_keys[] = {
 	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "
 		 "automatic exposure and white balance make the place. A change that the fisheye "
 		 "sees as well is light, and is not followed."},
+	{.name = "neutral",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_composite, neutral_percent),
+	 .min = 0,
+	 .max = 100,
+	 .fallback = "0",
+	 .unit = "%",
+	 .help = "Share of the object's light that is grey instead of coloured, as bright as it "
+		 "was: "
+		 "20 lets the colours of a brand be recognised in warm light. The shadow's "
+		 "colour follows."},
 	{.name = "grain",
 	 .type = INI_BOOL,
 	 .offset = offsetof(struct config_composite, grain),

@@ -21,6 +21,7 @@
 #include "drivers/sim/panorama_view.h"
 #include "drivers/sim/player.h"
 #include "drivers/sim/sensor.h"
+#include "drivers/sim/spread.h"
 #include "drivers/sim/studio_people.h"
 #include "drivers/sim/studio_view.h"
 #include "hal/base/clock.h"
@@ -38,7 +39,9 @@ struct sim {
 	struct panorama_view *panorama;
 	struct player *player;
 	struct sensor sensor;
+	struct automatic automatic;
 	float *linear;	 /* radiance of a studio or panorama frame */
+	float *spread;	 /* two pictures of blurred light, if there is edge spread */
 	uint8_t *bgrx;	 /* output of the sensor */
 	uint8_t *output; /* the frame in a format that is converted from bgrx or linear */
 	int descriptor;	 /* timerfd or eventfd; -1: the player has its own */
@@ -66,6 +69,7 @@ static void sim_close(struct camera *camera)
 	panorama_view_destroy(sim->panorama);
 	player_close(sim->player);
 	free(sim->linear);
+	free(sim->spread);
 	free(sim->bgrx);
 	free(sim->output);
 	free(sim);
@@ -147,11 +151,14 @@ static int choose_format(struct camera *camera, struct sim *sim, struct fault *f
 
 static int sim_allocate(const struct camera *camera, struct sim *sim, struct fault *fault)
 {
+	const struct sim_options *options = camera->options;
 	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
 
 	sim->bgrx = malloc(pixels * 4);
 	sim->output = malloc(pixels * 3 * sizeof(float));
-	if (!sim->bgrx || !sim->output)
+	if (options->edge_spread_px > 0)
+		sim->spread = malloc(2 * pixels * 3 * sizeof(float));
+	if (!sim->bgrx || !sim->output || (options->edge_spread_px > 0 && !sim->spread))
 		return fault_say(fault, -ENOMEM, "sim: no memory for a picture of %dx%d",
 				 camera->width, camera->height);
 	return 0;
@@ -211,6 +218,7 @@ static int sim_open(struct camera *camera, struct fault *fault)
 					     .shot_noise = options->shot_noise,
 					     .seed = options->seed,
 				     });
+	sim->automatic.settings = options->automatic;
 	if (camera->rate_hz <= 0)
 		camera->rate_hz = 25;
 	camera->on_demand = options->pace == SIM_CLOCK_FRAMES;
@@ -290,8 +298,9 @@ static void render_scene(const struct camera *camera, struct sim *sim, uint64_t 
 	double turn_rad;
 
 	if (sim->studio) {
-		const struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
+		struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
 
+		lamps.mains = options->mains;
 		studio_view_render(sim->studio, &lamps, sim->linear);
 		if (options->walkers > 0)
 			render_walkers(options, sim, &lamps, time_s);
@@ -323,7 +332,7 @@ static void output_linear(const struct camera *camera, struct sim *sim, const fl
 	float *to = (float *)(void *)sim->output;
 
 	for (size_t i = 0; i < values; i++)
-		to[i] = exposure * linear[i];
+		to[i] = exposure * sim->sensor.gain[i % 3] * linear[i];
 	fill_plane(frame, to);
 }
 
@@ -355,6 +364,24 @@ static void output_codes(const struct camera *camera, struct sim *sim, const uin
 	fill_plane(frame, sim->output);
 }
 
+/* What the lens and the camera's automatics make of linear light. */
+static const float *sim_through_lens(const struct camera *camera, struct sim *sim,
+				     const float *linear)
+{
+	const struct sim_options *options = camera->options;
+	const size_t pixels = (size_t)camera->width * (size_t)camera->height;
+
+	if (sim->spread) {
+		spread_edges(linear, camera->width, camera->height, options->edge_spread_px,
+			     sim->spread + 3 * pixels, sim->spread);
+		linear = sim->spread;
+	}
+	if (options->automatic.level > 0 || options->automatic.white)
+		automatic_gain(&sim->automatic, linear, pixels, sim->sensor.settings.exposure,
+			       (double)sim->period_ns / (double)NS_PER_S, sim->sensor.gain);
+	return linear;
+}
+
 static void output_frame(const struct camera *camera, struct sim *sim, uint64_t sequence,
 			 struct frame *frame)
 {
@@ -365,6 +392,8 @@ static void output_frame(const struct camera *camera, struct sim *sim, uint64_t 
 		linear = player_picture(sim->player).linear;
 		bgrx = player_picture(sim->player).bgrx;
 	}
+	if (linear)
+		linear = sim_through_lens(camera, sim, linear);
 	if (camera->format == PIXEL_RGBF) {
 		if (linear)
 			output_linear(camera, sim, linear, frame);

@@ -14,11 +14,14 @@ DRIVER_SOURCES := \
 	drivers/gpio/quadrature.c \
 	drivers/keyboard/keymap.c \
 	drivers/keyboard/keys.c \
+	drivers/sim/automatic.c \
 	drivers/sim/eye.c \
+	drivers/sim/mains.c \
 	drivers/sim/options.c \
 	drivers/sim/panorama_view.c \
 	drivers/sim/player.c \
 	drivers/sim/sensor.c \
+	drivers/sim/spread.c \
 	drivers/sim/studio.c \
 	drivers/sim/studio_lights.c \
 	drivers/sim/studio_people.c \

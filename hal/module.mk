@@ -95,7 +95,9 @@ HAL_SOURCES := \
 	hal/lights/sampler_kernels.c \
 	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
+	hal/look/exposure.c \
 	hal/look/grain_tables.c \
+	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \

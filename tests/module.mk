@@ -61,6 +61,7 @@ UNIT_TESTS := \
 	tests/unit/bake/base/test_picture_file.c \
 	tests/unit/bake/base/test_strata.c \
 	tests/unit/bake/base/test_watch.c \
+	tests/unit/bake/calibrate/camera/test_camera_edges.c \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
@@ -112,6 +113,7 @@ UNIT_TESTS := \
 	tests/unit/bake/sky/test_sun.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/tiles/test_bake_noise.c \
+	tests/unit/bake/tiles/test_edge_spread.c \
 	tests/unit/bake/tiles/test_shard.c \
 	tests/unit/bake/trace/test_bake_bounce.c \
 	tests/unit/bake/trace/test_bake_cache.c \
@@ -126,6 +128,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_camera_v4l2.c \
 	tests/unit/drivers/test_display.c \
 	tests/unit/drivers/test_keyboard.c \
+	tests/unit/drivers/test_sim_look.c \
 	tests/unit/drivers/test_studio.c \
 	tests/unit/drivers/test_v4l2_digitizer.c \
 	tests/unit/drivers/test_v4l2_settings.c \
@@ -167,6 +170,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_sampler.c \
 	tests/unit/hal/lights/test_sampler_placed.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
+	tests/unit/hal/look/test_exposure.c \
 	tests/unit/hal/look/test_sensor_noise.c \
 	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \
@@ -313,6 +317,14 @@ $(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a h
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) \
 		-lopencv_video -lopencv_imgproc -lopencv_core $(HAL_LINK)
 -include $(PEOPLE_OBJECTS:.o=.d)
+
+# Judges the camera's look in the same studio: people/look.sh.
+TEST_PROGRAMS += $(BUILD)/tests/people/look
+$(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) \
+		$(addprefix $(BUILD)/,drivers.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
+-include $(BUILD)/tests/people/look.d
 
 # Measures the time of a camera's calibration; run by hand.
 TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera

@@ -7,6 +7,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/frame/frame.h"
+#include "hal/look/exposure.h"
 #include "hal/look/grain_tables.h"
 #include "hal/measure/lightings.h"
 #include "hal/people/people.h"
@@ -24,6 +25,7 @@ struct bench_look {
 	uint8_t *touched;
 	struct tsai_camera camera;
 	struct people *people; /* NULL: nobody is looked for */
+	struct exposure *exposure;
 	struct canvas visited; /* the background with somebody in it */
 	int64_t now_ns;
 };
@@ -78,13 +80,18 @@ static int look_fill(struct bench_look *l, const struct basis *basis,
 	err = people_create(&l->people, &settings, fault);
 	if (err)
 		return err;
+	if (exposure_create(&l->exposure, settings.width, settings.height, &settings.curve,
+			    &l->dome))
+		return fault_say(fault, -ENOMEM, "not enough memory");
 	if (!tsai_read_text(basis->camera, &l->camera, NULL))
 		object.camera = &l->camera;
 	object.touched = l->touched;
 	object.foot = basis->feet;
 	people_place(l->people, &object);
-	for (int n = 0; n < LEARNING; n++)
+	for (int n = 0; n < LEARNING; n++) {
 		look_at(l, background);
+		exposure_look(l->exposure, background, (const float(*)[3])l->radiance);
+	}
 	visit(l, background);
 	return 0;
 }
@@ -115,6 +122,7 @@ void bench_look_destroy(struct bench_look *l)
 	if (!l)
 		return;
 	people_destroy(l->people);
+	exposure_destroy(l->exposure);
 	canvas_free(&l->visited);
 	dome_free(&l->dome);
 	free(l->radiance);
@@ -127,12 +135,26 @@ const struct grain *bench_look_grain(const struct bench_look *l)
 	return &l->grain;
 }
 
-void bench_look_people(struct bench_look *l)
+static struct picture look_visited(const struct bench_look *l)
 {
 	const struct view whole = {
 		.width = l->visited.width, .height = l->visited.height, .squash = 1};
-	const struct picture picture = view_picture(&whole, l->visited.pixels, l->visited.stride);
+
+	return view_picture(&whole, l->visited.pixels, l->visited.stride);
+}
+
+void bench_look_people(struct bench_look *l)
+{
+	const struct picture picture = look_visited(l);
 
 	if (l->people)
 		look_at(l, &picture);
+}
+
+void bench_look_exposure(struct bench_look *l)
+{
+	const struct picture picture = look_visited(l);
+
+	if (l->exposure)
+		exposure_look(l->exposure, &picture, (const float(*)[3])l->radiance);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What looks at the background's picture besides the compositor: people, and the camera's noise. For
+ * What looks at the background's picture besides the compositor: people, the camera's exposure and noise. For
  * bench alone.
  */
 #ifndef INLAY_APP_BENCH_BENCH_LOOK_H
@@ -24,5 +24,8 @@ const struct grain *bench_look_grain(const struct bench_look *look);
 
 /* Looks for people in the picture, a third of which is not the learned place. */
 void bench_look_people(struct bench_look *look);
+
+/* Follows the exposure of the same picture. */
+void bench_look_exposure(struct bench_look *look);
 
 #endif

@@ -141,6 +141,7 @@ static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 	}
 	if (stage->cameras) {
 		way_add(ways, BENCH_PEOPLE, "looking for people", "");
+		way_add(ways, BENCH_EXPOSURE, "following exposure", "");
 		way_add(ways, BENCH_LIGHT, "light from its camera", "");
 		way_add(ways, BENCH_CONVERT, "background from its camera", "");
 	}
@@ -290,6 +291,9 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 	case BENCH_COMPOSITE:
 	case BENCH_GRAIN:
 		return way_composite(way, stage, &stage->lights, fault);
+	case BENCH_EXPOSURE:
+		bench_look_exposure(stage->look);
+		break;
 	case BENCH_PEOPLE:
 		bench_look_people(stage->look);
 		break;

@@ -45,6 +45,7 @@ enum bench_kind {
 	/* The following make no picture of the object, or one that is not compared: */
 	BENCH_GRAIN,
 	BENCH_PEOPLE,
+	BENCH_EXPOSURE,
 	BENCH_LIGHT,
 	BENCH_CONVERT,
 	BENCH_READ,

@@ -155,7 +155,7 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 		if (!pipeline_report(k->picture.pipeline).people.on)
 			return fault_say(fault, -EINVAL,
 					 "nobody is looked for, expected [people] occlude "
-					 "or [composite] follow_exposure = yes");
+					 "= yes");
 		if (press->action == ACTION_LEARN) {
 			pipeline_learn(k->picture.pipeline);
 			learned_soon(controls->learned);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
+#include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -77,6 +78,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (!err)
 		err = pipeline_people_prepare(p, &p->settings, fault);
 	if (!err)
+		err = pipeline_exposure_prepare(p, &p->settings, fault);
+	if (!err)
 		err = pipeline_grain_prepare(p, &p->settings, fault);
 	if (err)
 		return err;
@@ -111,6 +114,7 @@ void pipeline_destroy(struct pipeline *p)
 	pipeline_relight_end(p);
 	pipeline_fade_end(p);
 	pipeline_people_free(p);
+	pipeline_exposure_free(p);
 	pipeline_grain_free(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
@@ -141,6 +145,8 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		err = pipeline_ground_prepare(p, settings, fault);
 	if (!err)
 		err = pipeline_people_prepare(p, settings, fault);
+	if (!err)
+		err = pipeline_exposure_prepare(p, settings, fault);
 	if (!err)
 		err = pipeline_grain_prepare(p, settings, fault);
 	if (err) {
@@ -193,6 +199,10 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
 			       pipeline_linear_level(&p->settings.sampler, level),
 			       p->settings.threshold_mode, p->settings.gain);
+	if (p->settings.neutral > 0) {
+		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
+		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
+	}
 	return 0;
 }
 
@@ -223,7 +233,7 @@ int pipeline_fits(const struct pipeline *p, int width, int height, struct fault 
 
 bool pipeline_looks(const struct pipeline *p)
 {
-	return p->people || p->grain;
+	return p->people || p->follower || p->grain;
 }
 
 void pipeline_look(struct pipeline *p, const struct picture *background, int64_t captured_ns)
@@ -232,6 +242,8 @@ void pipeline_look(struct pipeline *p, const struct picture *background, int64_t
 
 	if (!p->choice.object || pipeline_fits(p, background->width, background->height, NULL))
 		return;
+	if (fresh && p->follower && p->lit)
+		pipeline_exposure_look(p, background);
 	if (p->people && p->lit)
 		pipeline_people_look(p, background, captured_ns, fresh);
 	if (fresh && p->grain)
@@ -248,7 +260,7 @@ int pipeline_composite(struct pipeline *p, const struct backdrop *background, ui
 
 	if (err)
 		return err;
-	pipeline_people_follow(p);
+	pipeline_exposure_follow(p);
 	compositor_set(p->compositor, &settings);
 	if (p->choice.share > 0)
 		err = pipeline_fade_run(p, background, out, out_stride);

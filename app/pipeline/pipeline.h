@@ -56,10 +56,11 @@ struct pipeline_settings {
 	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
 	enum compositor_reuse reuse;
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
-	/* The object follows the background camera's exposure and white balance (hal/people). */
+	/* The object follows the background camera's exposure and white balance (hal/look). */
 	bool follow_exposure;
-	bool grain;   /* the object gets the background camera's noise (hal/look) */
-	bool occlude; /* people are looked for, and stand before the object (hal/people) */
+	double neutral; /* share of the light that is grey of the same luminance, 0..1 */
+	bool grain;	/* the object gets the background camera's noise (hal/look) */
+	bool occlude;	/* people are looked for, and stand before the object (hal/people) */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];
 };
@@ -195,7 +196,7 @@ int pipeline_choose(struct pipeline *pipeline, const struct pipeline_choice *cho
 /* A pose that is missing is tried once more with the next choice. */
 void pipeline_try_again(struct pipeline *pipeline);
 
-/* Whether the background is looked at, for people or for its camera's noise: then call
+/* Whether the background is looked at, for people, its camera's exposure or noise: then call
  * pipeline_look() before each composite, with the whole upright background and the time at which it
  * was captured. It looks at each frame once. Where there is no light yet, or no object, it does
  * nothing. */

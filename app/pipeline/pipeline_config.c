@@ -38,6 +38,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.reuse = (enum compositor_reuse)config->composite.reuse,
 		.occlude = config->people.occlude,
 		.follow_exposure = config->composite.follow_exposure,
+		.neutral = config->composite.neutral_percent / 100,
 		.grain = config->composite.grain,
 	};
 

@@ -56,6 +56,7 @@ struct pipeline {
 	bool followed; /* it has been multiplied by the camera's exposure */
 	struct compositor *compositor;
 	struct pipeline_fade *fade;   /* pipeline_fade.c; NULL: no two poses have been mixed */
+	struct exposure *follower;    /* hal/look; NULL: the camera's exposure is not followed */
 	struct pipeline_grain *grain; /* pipeline_grain.c; NULL: the object gets no noise */
 	bool looked;		      /* at the frame that was captured at: */
 	int64_t looked_ns;
@@ -98,16 +99,27 @@ void pipeline_people_free(struct pipeline *pipeline); /* idempotent; zeroed is f
 void pipeline_people_look(struct pipeline *pipeline, const struct picture *background,
 			  int64_t captured_ns, bool fresh);
 
-/* Multiplies the chosen lights by the exposure that the last look found, once for each choice. The
- * shadow does not change: all lights of a channel become brighter alike. */
-void pipeline_people_follow(struct pipeline *pipeline);
-
 /* What the last look saw; NULL: nobody. */
 const struct veil *pipeline_veil(const struct pipeline *pipeline);
 struct pipeline_people_seen pipeline_people_seen(const struct pipeline *pipeline);
 
 /* The background camera's noise, where people are looked for; else NULL. */
 const struct sensor_noise *pipeline_people_noise(const struct pipeline *pipeline);
+
+/* ---- pipeline_exposure.c ---- */
+
+/* Begins to follow the background camera's exposure, or ends it, as the settings say. A change of
+ * the transfer function begins anew. -ENOMEM. */
+int pipeline_exposure_prepare(struct pipeline *pipeline, const struct pipeline_settings *settings,
+			      struct fault *fault);
+void pipeline_exposure_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* Looks at a frame. */
+void pipeline_exposure_look(struct pipeline *pipeline, const struct picture *background);
+
+/* Multiplies the chosen lights by the exposure that the last look found, once for each choice. The
+ * shadow does not change: all lights of a channel become brighter alike. */
+void pipeline_exposure_follow(struct pipeline *pipeline);
 
 /* ---- pipeline_grain.c ---- */
 

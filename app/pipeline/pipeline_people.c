@@ -38,13 +38,12 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 		.calibration = p->basis->camera,
 	};
 	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
-	const bool wanted_at_all = settings->occlude || settings->follow_exposure;
 	struct pipeline_people *pp;
 	int err;
 
-	if (wanted_at_all && p->people && same)
+	if (settings->occlude && p->people && same)
 		return 0;
-	if (!wanted_at_all) {
+	if (!settings->occlude) {
 		pipeline_people_free(p);
 		return 0;
 	}
@@ -121,21 +120,6 @@ const struct veil *pipeline_veil(const struct pipeline *p)
 	return p->settings.occlude && p->people && p->people->looked
 		       ? people_veil(p->people->people)
 		       : NULL;
-}
-
-void pipeline_people_follow(struct pipeline *p)
-{
-	struct people_report seen;
-
-	if (!p->settings.follow_exposure || !p->people || !p->people->looked || p->followed)
-		return;
-	seen = people_report(p->people->people);
-	for (int c = 0; c < 3; c++) {
-		for (int i = 0; i < p->selection.count; i++)
-			p->selection.radiance[i][c] *= seen.gain[c];
-		p->selection.ambient[c] *= seen.gain[c];
-	}
-	p->followed = true;
 }
 
 void pipeline_learn(struct pipeline *p)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/camera/camera.h"
+#include "bake/calibrate/camera/camera_edges.h"
 #include "bake/calibrate/camera/camera_file.h"
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/estimate/lens_ini.h"
@@ -84,6 +85,7 @@ struct camera_job {
 	int views; /* 0: not given */
 	bool pixel_given;
 	struct lens_ini known;
+	struct board shown; /* of --board, settled by the photographs */
 };
 
 /* ---- options ---- */
@@ -267,12 +269,11 @@ static int read_intrinsics(struct camera_job *job, struct fault *fault)
 
 static int camera_gather(struct camera_job *job, struct gathering *all, struct fault *fault)
 {
-	struct board board;
 	int err = 0;
 
 	if (job->board) {
-		err = board_parse(&board, job->board, fault);
-		board.unit = 1 / job->task.unit_mm;
+		err = board_parse(&job->shown, job->board, fault);
+		job->shown.unit = 1 / job->task.unit_mm;
 	}
 	if (err)
 		return err;
@@ -280,9 +281,9 @@ static int camera_gather(struct camera_job *job, struct gathering *all, struct f
 	if (job->source == POINTS)
 		return gather_points(all, job->lens.file, job->lens.files, &job->convention, fault);
 	if (job->source == IMAGES)
-		err = gather_images(all, job->lens.file, job->lens.files, &board, fault);
+		err = gather_images(all, job->lens.file, job->lens.files, &job->shown, fault);
 	else
-		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &board,
+		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &job->shown,
 				  job->views ? job->views : 1, atoi(job->reference), fault);
 	if (err)
 		return err;
@@ -318,6 +319,30 @@ static void warn_of_unit(const struct camera_job *job, const struct camera_solut
 			    metres);
 }
 
+/* Finds the edge spread where there are photographs of corners; else it stays what --intrinsics
+ * says. -ENOMEM. */
+static int camera_find_edges(const struct camera_job *job, const struct gathering *all,
+			     struct camera_solution *solution)
+{
+	struct camera_edges edges = {.count = 0};
+	int err = 0;
+
+	if (!solution->solved)
+		return 0;
+	if (job->intrinsics)
+		solution->camera.edge_spread_px = job->known.camera.edge_spread_px;
+	if (all->picture)
+		err = camera_edges_measure(&all->seen, all->picture, &job->shown, &edges);
+	if (err || !edges.count)
+		return err;
+	solution->camera.edge_spread_px = edges.sigma_px;
+	finding_add(&solution->finding, "edge_spread_px", "edge spread, sigma", "px",
+		    edges.sigma_px);
+	finding_add(&solution->finding, "edge_spread_deviation_px",
+		    "edge spread, one standard deviation", "px", edges.deviation_px);
+	return 0;
+}
+
 /* Writes report and result. Returns 0; 1: not trusted; negative errno. */
 static int camera_conclude(const struct camera_job *job, const struct gathering *all,
 			   const struct camera_solution *solution, struct fault *fault)
@@ -349,6 +374,8 @@ static int camera_work(void *context, struct fault *fault)
 	}
 	if (!err)
 		err = camera_calibrate(&all.seen, &job->task, &solution, fault);
+	if (!err)
+		err = camera_find_edges(job, &all, &solution);
 	if (!err)
 		err = camera_conclude(job, &all, &solution, fault);
 	camera_solution_free(&solution);

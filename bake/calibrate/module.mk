@@ -18,6 +18,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/bracket/light_merge.c \
 	bake/calibrate/bracket/light_rsp.c \
 	bake/calibrate/camera/camera.c \
+	bake/calibrate/camera/camera_edges.c \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
 	bake/calibrate/camera/camera_guess.c \

@@ -35,10 +35,14 @@ static int write_rays(const struct export_job *job, int file, int count, struct 
 		return err;
 	for (int y = 0; y < count * scene->camera.height; y++)
 		for (int x = 0; x < count * width; x++) {
+			const double unit[2] = {(x % count + 0.5) / count,
+						(y % count + 0.5) / count};
 			float ray[RAY_FLOATS] = {0};
+			double at[2];
 			struct v3 d;
 
-			if (ray_belongs(scene, file, (x + 0.5) / count, (y + 0.5) / count, &d)) {
+			scene_place(scene, x / count, y / count, unit, at);
+			if (ray_belongs(scene, file, at[0], at[1], &d)) {
 				const float there[RAY_FLOATS] = {eye.x, eye.y, eye.z,
 								 d.x,	d.y,   d.z};
 

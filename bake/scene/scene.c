@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "bake/base/picture_file.h"
+#include "bake/base/pixel_filter.h"
 #include "bake/mesh/mesh_winding.h"
 #include "bake/scene/keyframes.h"
 #include "hal/base/input.h"
@@ -57,6 +58,7 @@ static void resize_camera(struct tsai_camera *camera, int width, int height)
 	camera->pixel[1] /= down;
 	camera->centre_px[0] *= across;
 	camera->centre_px[1] *= down;
+	camera->edge_spread_px *= sqrt(across * down);
 	camera->width = width;
 	camera->height = height;
 }
@@ -82,9 +84,12 @@ static int set_camera(struct scene *scene, int width, int height, struct fault *
 			height = c->height ? c->height : HEIGHT;
 		err = tsai_look_at(camera, width, height, c->position, c->look_at, c->field_deg,
 				   &what);
+		camera->edge_spread_px = c->edge_spread_px * width / (c->width ? c->width : WIDTH);
 	}
 	if (err)
 		return fault_say(fault, err, "%s: %s", scene->path, what.text);
+	if ((c->file[0] || file->tsai_given) && c->edge_spread_px > 0)
+		camera->edge_spread_px = c->edge_spread_px;
 	if (width || height)
 		resize_camera(camera, width ? width : camera->width,
 			      height ? height : camera->height);
@@ -247,8 +252,12 @@ static uint64_t hash_scene(const struct scene *scene)
 
 	XXH3_64bits_reset(state);
 	XXH3_64bits_update(state, &scene->camera,
-			   tsai_is_plain(&scene->camera) ? offsetof(struct tsai_camera, kappa2)
-							 : sizeof(scene->camera));
+			   tsai_is_plain(&scene->camera)
+				   ? offsetof(struct tsai_camera, kappa2)
+				   : offsetof(struct tsai_camera, edge_spread_px));
+	if (scene->camera.edge_spread_px > 0)
+		XXH3_64bits_update(state, &scene->camera.edge_spread_px,
+				   sizeof(scene->camera.edge_spread_px));
 	XXH3_64bits_update(state, &file->ground.given, sizeof(file->ground.given));
 	XXH3_64bits_update(state, &file->ground.extent, sizeof(file->ground.extent));
 	for (int k = 0; k < file->material_count; k++) {
@@ -389,6 +398,14 @@ bool scene_look(const struct scene *scene, enum presence presence, double x, dou
 		return false;
 	*direction = v3_make((float)d[0], (float)d[1], (float)d[2]);
 	return world_nearest(scene->world, presence, scene->eye, *direction, surface);
+}
+
+void scene_place(const struct scene *scene, int x, int y, const double unit[2], double place[2])
+{
+	const double sigma = scene->camera.edge_spread_px;
+
+	place[0] = x + pixel_filter_place(sigma, unit[0]);
+	place[1] = y + pixel_filter_place(sigma, unit[1]);
 }
 
 int scene_camera_text(const struct scene *scene, char *text, size_t room)

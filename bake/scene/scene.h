@@ -38,6 +38,10 @@ int scene_find_pose(struct scene *scene, const char *pose, struct fault *fault);
 
 void scene_close(struct scene *scene); /* NULL is harmless */
 
+/* Where a sample of a pixel, unit of 0..1, lies in the picture: in its square, or beyond it by the
+ * camera's edge spread (bake/base/pixel_filter.h). */
+void scene_place(const struct scene *scene, int x, int y, const double unit[2], double place[2]);
+
 /* Traces a camera ray through the point x, y of the picture, in pixels. direction becomes the
  * ray's, unit. False: it meets nothing. */
 bool scene_look(const struct scene *scene, enum presence presence, double x, double y,

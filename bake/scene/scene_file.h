@@ -21,6 +21,7 @@ struct scene_camera_values {
 	char file[INI_PATH_MAX];
 	double position[3], look_at[3], field_deg;
 	int width, height; /* in pixels; 0: not given */
+	double edge_spread_px;
 };
 
 struct scene_dome_values {

@@ -105,12 +105,12 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	const uint64_t scramble = random_hash(tile->settings.seed, pixel, 0xca3e5a);
 	const uint32_t place = sobol_shuffle(sample, (uint32_t)random_mix(scramble));
 	struct tile_sample s = {.at = at, .pixel = pixel, .sample = sample};
+	double unit[2];
 	bool met;
 
 	profile_enter(PROFILE_CAMERA);
-	sobol_point(place, scramble, s.place);
-	s.place[0] += x;
-	s.place[1] += y;
+	sobol_point(place, scramble, unit);
+	scene_place(tile->scene, x, y, unit, s.place);
 	tile->transport.ray_count++;
 	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
 	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,

@@ -14,13 +14,14 @@ static void glass_add_background(struct tile *tile, const struct tile_sample *s,
 	struct tile_pixel *p = &tile->pixels[s->at];
 	const float *w = sight->weight.c;
 	const float weight = (w[0] + w[1] + w[2]) / 3;
+	const int corner[2] = {tile->x + s->at % BASIS_TILE, tile->y + s->at / BASIS_TILE};
 
 	p->other_weight += (double)weight;
 	p->through_weight += (double)weight;
 	for (int c = 0; c < 3; c++)
 		p->through[c] += (double)w[c];
 	for (int axis = 0; axis < 2; axis++) {
-		const double from_middle = place[axis] - floor(s->place[axis]) - 0.5;
+		const double from_middle = place[axis] - corner[axis] - 0.5;
 
 		p->offset[axis] += (double)weight * (place[axis] - s->place[axis]);
 		p->seen[axis] += (double)weight * from_middle;
@@ -67,11 +68,13 @@ static uint16_t glass_share(double sum, int samples)
 }
 
 /* Side of the rectangle whose points have the same variance as the places that were seen:
- *     side = sqrt(12 * variance) */
-static uint8_t glass_spread(const struct tile_pixel *p, int axis)
+ *     side = sqrt(12 * variance)
+ * The background is blurred by the camera already: its own spread is taken away. */
+static uint8_t glass_spread(const struct tile_pixel *p, double edge_spread_px, int axis)
 {
 	const double mean = p->seen[axis] / p->through_weight;
-	const double variance = p->seen_square[axis] / p->through_weight - mean * mean;
+	const double variance = p->seen_square[axis] / p->through_weight - mean * mean -
+				edge_spread_px * edge_spread_px;
 	const double side = sqrt(fmax(12 * variance, 0));
 
 	return (uint8_t)lround(fmin(fmax(side - 1, 0), SPREAD_MAX) * BASIS_GLASS_SPREAD);
@@ -92,7 +95,7 @@ static void glass_finish_pixel(struct tile *tile, int at)
 	g->dx = (int16_t)lround(BASIS_GLASS_STEP * p->offset[0] / p->through_weight);
 	g->dy = (int16_t)lround(BASIS_GLASS_STEP * p->offset[1] / p->through_weight);
 	for (int axis = 0; axis < 2; axis++)
-		g->spread[axis] = glass_spread(p, axis);
+		g->spread[axis] = glass_spread(p, tile->scene->camera.edge_spread_px, axis);
 	tile->opaque[at] = (uint16_t)(most < tile->coverage[at] ? tile->coverage[at] - most : 0);
 	tile->glass_count += most > 0;
 }

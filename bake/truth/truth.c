@@ -113,12 +113,11 @@ static void sums_add_sample(struct tracer *t, const struct truth_settings *setti
 	const uint32_t a = sobol_first(index), b = sobol_second(index);
 	struct surface surface;
 	struct v3 direction;
-	double at[2];
+	double unit[2], at[2];
 	bool met;
 
-	sobol_point(place, scramble, at);
-	at[0] += x;
-	at[1] += y;
+	sobol_point(place, scramble, unit);
+	scene_place(t->scene, x, y, unit, at);
 	t->random.state = random_hash((uint64_t)settings->seed ^ 0x7247, pixel, index);
 	t->first[0] = random_unit(a ^ (uint32_t)another);
 	t->first[1] = random_unit(b ^ (uint32_t)(another >> 32));

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "drivers/sim/spread.h"
 #include "drivers/sim/walkers.h"
 
 static const char *const source_names[] = {"studio", "panorama", "files", NULL};
@@ -64,6 +65,24 @@ const struct ini_key sim_keys[] = {
 	 .unit = "levels", .help = "Standard deviation of noise in the dark, in linear light."},
 	{"shot_noise", INI_REAL, OPTION_AT(shot_noise), .min = 0, .max = 255, .fallback = "0",
 	 .unit = "levels", .help = "Standard deviation added at white; grows as the square root."},
+	{"edge_spread", INI_REAL, OPTION_AT(edge_spread_px), .min = 0, .max = SPREAD_MAX_PX,
+	 .fallback = "0", .unit = "px", .help = "Sigma of the Gaussian that blurs linear light."},
+	{"auto_exposure", INI_REAL, OPTION_AT(automatic.level), .min = 0, .max = 1, .fallback = "0",
+	 .help = "Mean linear light that automatic exposure wants, white is 1; 0: none."},
+	{"auto_white", INI_BOOL, OPTION_AT(automatic.white), .fallback = "no",
+	 .help = "Automatic white balance: the mean of red and blue becomes that of green."},
+	{"auto_time", INI_REAL, OPTION_AT(automatic.time_s), .min = 0, .max = 1e3, .fallback = "1",
+	 .unit = "s", .help = "Time constant of automatic exposure and white balance."},
+	{"auto_step", INI_REAL, OPTION_AT(automatic.step_stops), .min = 0, .max = 8,
+	 .fallback = "0", .unit = "stops", .help = "They move in steps of this; 0: smoothly."},
+	{"flicker", INI_REAL, OPTION_AT(mains.depth), .min = 0, .max = 1, .fallback = "0",
+	 .help = "Studio: the ceiling panels' light swings by this share of its mean."},
+	{"mains", INI_REAL, OPTION_AT(mains.hz), .min = 1, .max = 1e3, .fallback = "50",
+	 .unit = "Hz", .help = "Studio: the mains; lamps flicker at twice its frequency."},
+	{"shutter", INI_REAL, OPTION_AT(mains.shutter_s), .min = 0, .max = 10, .fallback = "0.002",
+	 .unit = "s", .help = "Studio: how long a row is exposed, which evens flicker out."},
+	{"readout", INI_REAL, OPTION_AT(mains.readout_s), .min = 0, .max = 10, .fallback = "0.02",
+	 .unit = "s", .help = "Studio: the last row is exposed so much later than the first."},
 	{"black_level", INI_INT, OPTION_AT(black_level), .min = 0, .max = 254, .fallback = "0",
 	 .help = "Code value of no light."},
 	{"seed", INI_INT, OPTION_AT(seed), .min = 0, .max = 2147483647, .fallback = "1",

@@ -3,7 +3,9 @@
 #ifndef INLAY_DRIVERS_SIM_OPTIONS_H
 #define INLAY_DRIVERS_SIM_OPTIONS_H
 
+#include "drivers/sim/automatic.h"
 #include "drivers/sim/eye.h"
+#include "drivers/sim/mains.h"
 #include "hal/base/fault.h"
 #include "hal/device/camera.h"
 #include "hal/ini/ini.h"
@@ -26,6 +28,9 @@ struct sim_options {
 	double exposure;
 	int transfer;
 	double read_noise, shot_noise;
+	double edge_spread_px;
+	struct automatic_settings automatic;
+	struct mains mains;
 	int black_level;
 	int seed;
 	bool loop;

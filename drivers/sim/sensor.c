@@ -8,6 +8,8 @@ void sensor_prepare(struct sensor *sensor, const struct sensor_settings *setting
 	const int black = settings->black_level;
 
 	sensor->settings = *settings;
+	for (int c = 0; c < 3; c++)
+		sensor->gain[c] = 1;
 	for (int i = 0; i < 65536; i++)
 		sensor->encode[i] = (uint8_t)lrint(
 			black + (255 - black) * transfer_encode(settings->transfer, i / 65535.0));
@@ -48,7 +50,7 @@ static void expose_noisy(const struct sensor *sensor, uint64_t frame, const floa
 	const uint64_t key = noise_scramble((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
 
 	for (size_t i = 0; i < 3 * count; i++) {
-		const float v = exposure * rgb[i];
+		const float v = exposure * sensor->gain[i % 3] * rgb[i];
 		const float deviation = sqrtf(read * read + shot * shot * fabsf(v));
 
 		bgrx[4 * (i / 3) + 2 - i % 3] = sensor_code(sensor,
@@ -69,8 +71,8 @@ void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb
 	}
 	for (size_t i = 0; i < count; i++)
 		for (int c = 0; c < 3; c++)
-			bgrx[4 * i + 2 - (size_t)c] =
-				sensor_code(sensor, exposure * rgb[3 * i + (size_t)c]);
+			bgrx[4 * i + 2 - (size_t)c] = sensor_code(
+				sensor, exposure * sensor->gain[c] * rgb[3 * i + (size_t)c]);
 }
 
 /* Y'CbCr from code values (ITU-R BT.601-7 2.5, BT.709-6 3). */

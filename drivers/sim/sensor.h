@@ -2,12 +2,12 @@
 /*
  * A simulated sensor: converts linear light to the code values of a camera.
  *
- *     v    = exposure * radiance + noise          clipped to 0..1
+ *     v    = exposure * gain * radiance + noise   clipped to 0..1
  *     code = black + (255 - black) * transfer(v)  rounded
  *
  * The noise is Gaussian, with a standard deviation of
  *
- *     sigma = sqrt(read^2 + shot^2 * exposure * radiance)
+ *     sigma = sqrt(read^2 + shot^2 * exposure * gain * radiance)
  *
  * read and shot are given in 8-bit levels of linear light. The same seed and frame give the same
  * noise.
@@ -27,6 +27,7 @@ struct sensor_settings {
 
 struct sensor {
 	struct sensor_settings settings;
+	float gain[3];	       /* of R, G, B; 1 until it is set */
 	uint8_t encode[65536]; /* code value of i / 65535 of linear light */
 };
 

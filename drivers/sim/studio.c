@@ -64,7 +64,7 @@ static void surface_uv(enum studio_surface surface, const double point[3], doubl
 
 struct studio_lamps studio_lamps(double time_s, double switch_s)
 {
-	struct studio_lamps lamps;
+	struct studio_lamps lamps = {.time_s = time_s};
 	/* A turn takes 12 s. The cool lantern leads by a varying angle, so that they never meet. */
 	const double turn = 2 * M_PI * time_s / 12 - 0.9;
 	const double ahead = turn + 2.6 + 0.4 * sin(2 * M_PI * time_s / 20);

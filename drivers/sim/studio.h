@@ -26,6 +26,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "drivers/sim/mains.h"
 #include "hal/optics/dome.h"
 
 enum { STUDIO_LANTERNS = 2 };
@@ -48,6 +49,9 @@ struct studio_lantern {
 struct studio_lamps {
 	struct studio_lantern lantern[STUDIO_LANTERNS];
 	double panels; /* factor of the ceiling panels' radiance: 1 on, 0 off */
+	/* The panels flicker in a view of the studio (studio_view.h); all else has their mean. */
+	struct mains mains;
+	double time_s;
 };
 
 /* The point where a ray leaves the room, without regard to lanterns. */

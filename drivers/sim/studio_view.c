@@ -271,12 +271,14 @@ static void draw_lantern(const struct studio_view *view, const float *lanes, int
 	}
 }
 
-static void render_row(const struct studio_view *view, int y, const struct glow *glows, float dark,
-		       float *rgb)
+static void render_row(const struct studio_view *view, int y, const struct glow *glows,
+		       const struct studio_lamps *lamps, float *rgb)
 {
+	const double panels = lamps->panels *
+			      mains_row(&lamps->mains, lamps->time_s, y, view->height);
 	const float *lanes = view->lanes + (size_t)y * LANES * (size_t)view->width;
 
-	light_row(lanes, view->width, glows, dark, rgb);
+	light_row(lanes, view->width, glows, (float)(1 - panels), rgb);
 	for (int i = 0; i < STUDIO_LANTERNS; i++)
 		draw_lantern(view, lanes, y, &glows[i], rgb);
 }
@@ -295,8 +297,7 @@ void studio_view_render(const struct studio_view *view, const struct studio_lamp
 		glows[1] = nearer;
 	}
 	for (int y = 0; y < view->height; y++)
-		render_row(view, y, glows, (float)(1 - lamps->panels),
-			   rgb + (size_t)y * (size_t)view->width * 3);
+		render_row(view, y, glows, lamps, rgb + (size_t)y * (size_t)view->width * 3);
 }
 
 struct studio_ground studio_view_ground(const struct studio_view *view, int x, int y)

@@ -52,7 +52,7 @@ static void mix_tile(const struct compositor *c, int t, struct compositor_worker
 	if (veiled)
 		veiled_tile_show(veiled, &row);
 	if (c->settings.grain)
-		grain_add(c->settings.grain, t, &row, &w->grain);
+		grain_add(c->settings.grain, c->kernels, t, &row, &w->grain);
 	c->kernels->mix(&row);
 }
 

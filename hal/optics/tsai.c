@@ -118,6 +118,16 @@ const struct ini_key tsai_keys[] = {
 	 .max = 1e3,
 	 .fallback = "1",
 	 .help = "s: horizontal stretch between sensor and frame grabber"},
+	{.name = "edge_spread",
+	 .type = INI_REAL,
+	 .offset = FIELD(edge_spread_px),
+	 .min = 0,
+	 .max = TSAI_EDGE_SPREAD_MAX,
+	 .fallback = "0",
+	 .unit = "px",
+	 .rare = true,
+	 .help = "sigma of the Gaussian by which edges are blurred beyond a pixel's square; the "
+		 "bake blurs the object's alike"},
 	INI_KEYS_END,
 };
 

@@ -31,6 +31,7 @@
 #include "hal/optics/distortion.h"
 
 #define TSAI_SIDE_MAX 32768
+#define TSAI_EDGE_SPREAD_MAX 8.0
 
 enum tsai_distortion {
 	TSAI_DISTORTS,	 /* the thesis: distorted from undistorted */
@@ -52,6 +53,9 @@ struct tsai_camera {
 	/* The terms that most cameras have not, last: without them a scene's hash leaves them out. */
 	double kappa2, kappa3;
 	double tangential[2]; /* q */
+	/* Sigma of the Gaussian with which the lens, and sharpening, spread an edge beyond its
+	 * pixels' squares; 0: not measured. */
+	double edge_spread_px;
 };
 
 extern const struct ini_key tsai_keys[]; /* every field of struct tsai_camera */

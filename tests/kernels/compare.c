@@ -6,7 +6,7 @@
 
 const char *const kernel_function_names[FUNCTIONS] = {"sums16", "sums8",   "values16", "values8",
 						      "split",	"project", "fold",     "tint",
-						      "place",	"mix"};
+						      "place",	"mix",	   "grain"};
 
 uint64_t compare_next(struct comparison *c) /* splitmix64 */
 {
@@ -135,8 +135,10 @@ static bool one_round(struct comparison *c, enum kernel_function function,
 		return compare_tint(c, tables, why);
 	case PLACE:
 		return compare_place(c, tables, why);
-	default:
+	case MIX:
 		return compare_mix(c, tables, why);
+	default:
+		return compare_grain(c, tables, why);
 	}
 }
 

@@ -19,6 +19,7 @@ enum kernel_function {
 	TINT,
 	PLACE,
 	MIX,
+	GRAIN,
 	FUNCTIONS
 };
 

@@ -250,3 +250,42 @@ bool compare_mix(struct comparison *c, const struct kernels *tables[2], char *wh
 	}
 	return guarded_intact(&c->out[1], size);
 }
+
+/* ---- grain ---- */
+
+bool compare_grain(struct comparison *c, const struct kernels *tables[2], char *why)
+{
+	static const float strengths[] = {0, 1e-6f, 1e-4f, 0.01f};
+	int32_t object[KERNEL_GRAIN], taken[KERNEL_GRAIN], covered[KERNEL_GRAIN];
+	float background[KERNEL_GRAIN];
+	int8_t noise[KERNEL_GRAIN];
+	const struct kernel_grain row = {.object = object,
+					 .taken = taken,
+					 .covered = covered,
+					 .background = background,
+					 .noise = noise,
+					 .floor = strengths[compare_below(c, 4)],
+					 .slope = strengths[compare_below(c, 4)]};
+	int32_t *out[2];
+
+	for (int x = 0; x < KERNEL_GRAIN; x++) {
+		object[x] = compare_below(c, 3) ? (int32_t)compare_spread(c, 26) : 0;
+		taken[x] = mix_taken(c);
+		covered[x] = mix_coverage(c);
+		background[x] = (float)compare_below(c, 65536);
+		noise[x] = (int8_t)compare_between(c, -127, 127);
+	}
+	for (int i = 0; i < 2; i++) {
+		struct kernel_grain one = row;
+
+		out[i] = guarded_take(&c->out[i], sizeof(object));
+		one.to = out[i];
+		tables[i]->grain(&one);
+	}
+	for (int x = 0; x < KERNEL_GRAIN; x++)
+		if (out[0][x] != out[1][x]) {
+			snprintf(why, 256, "pixel %d: %d, expected %d", x, out[1][x], out[0][x]);
+			return false;
+		}
+	return guarded_intact(&c->out[1], sizeof(object));
+}

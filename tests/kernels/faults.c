@@ -332,6 +332,23 @@ static void wrapped(const int32_t *value, const uint16_t row[16], int32_t *to)
 	}
 }
 
+/* ---- grain ---- */
+
+/* Object and noise are added in floating point. */
+static void grain_rounded(const struct kernel_grain *row)
+{
+	kernels_c.grain(row);
+	for (int x = 0; x < KERNEL_GRAIN; x++)
+		row->to[x] =
+			(int32_t)((float)row->object[x] + (float)(row->to[x] - row->object[x]));
+}
+
+static void grain_left(const struct kernel_grain *row)
+{
+	kernels_c.grain(row);
+	row->to[KERNEL_GRAIN - 1] = row->object[KERNEL_GRAIN - 1];
+}
+
 /* ---- mix ---- */
 
 static void one_too_many(const struct kernel_row *row)
@@ -472,6 +489,14 @@ static void row_repeated(const struct kernel_row *row)
 		}                                                                                  \
 	}
 
+#define GRAIN_FAULT(f)                                                                             \
+	{                                                                                          \
+#f, GRAIN,                                                                         \
+		{                                                                                  \
+			.grain = f                                                                 \
+		}                                                                                  \
+	}
+
 static const struct faulty faults[] = {
 	SUMS16_FAULT(digit_dropped16),
 	SUMS16_FAULT(pair_dropped16),
@@ -509,6 +534,8 @@ static const struct faulty faults[] = {
 	MIX_FAULT(coverage_rounded),
 	MIX_FAULT(object_seen),
 	MIX_FAULT(row_repeated),
+	GRAIN_FAULT(grain_rounded),
+	GRAIN_FAULT(grain_left),
 };
 
 const int faulty_count = (int)(sizeof(faults) / sizeof(faults[0]));
@@ -529,6 +556,7 @@ struct faulty faulty_table(int i)
 	table.project = f.table.project ? f.table.project : table.project;
 	table.fold = f.table.fold ? f.table.fold : table.fold;
 	table.mix = f.table.mix ? f.table.mix : table.mix;
+	table.grain = f.table.grain ? f.table.grain : table.grain;
 	f.table = table;
 	return f;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "drivers/sim/sensor.h"
+#include "drivers/sim/spread.h"
 #include "hal/frame/view.h"
 #include "hal/lights/sampler.h"
 
@@ -18,7 +19,7 @@ struct filmed_cameras {
 	struct light_sampler *sampler;
 	struct sensor sensor, sky_sensor;
 	struct studio_layer *sky_people;
-	float *picture, *sky_picture;
+	float *picture, *spread, *sky_picture; /* spread: two pictures */
 	uint8_t *sky_bgrx;
 };
 
@@ -67,11 +68,13 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	filmed->bgrx = calloc(pixels, 4);
 	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
 	c->picture = calloc(pixels, 3 * sizeof(float));
+	c->spread = calloc(pixels, 6 * sizeof(float));
 	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
 	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
 	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
 	if (!filmed->ground || !filmed->behind || !filmed->before || !filmed->bgrx ||
-	    !filmed->light || !c->picture || !c->sky_picture || !c->sky_people || !c->sky_bgrx)
+	    !filmed->light || !c->picture || !c->spread || !c->sky_picture || !c->sky_people ||
+	    !c->sky_bgrx)
 		return -ENOMEM;
 	sensor_prepare(&c->sensor, &(struct sensor_settings){
 					   .exposure = 1,
@@ -121,16 +124,37 @@ static void expose(float *rgb, const double exposure[3])
 		rgb[c] *= (float)exposure[c];
 }
 
+static void take(struct filmed *filmed, const struct filmed_moment *moment, const float *rgb,
+		 uint64_t number, uint8_t *bgrx)
+{
+	struct filmed_cameras *c = filmed->cameras;
+	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
+
+	if (moment->edge_spread_px > 0) {
+		spread_edges(rgb, filmed->width, filmed->height, moment->edge_spread_px,
+			     c->spread + 3 * pixels, c->spread);
+		rgb = c->spread;
+	}
+	sensor_expose(&c->sensor, number, rgb, pixels, bgrx);
+}
+
+void filmed_take_other(struct filmed *filmed, const struct filmed_moment *moment, const float *rgb,
+		       uint8_t *bgrx)
+{
+	take(filmed, moment, rgb, (uint64_t)moment->number + (UINT64_C(1) << 24), bgrx);
+}
+
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 {
 	struct filmed_cameras *c = filmed->cameras;
-	const struct studio_lamps lamps = studio_lamps(moment->time_s, moment->switch_s);
+	struct studio_lamps lamps = studio_lamps(moment->time_s, moment->switch_s);
 	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
 	struct walker split[2][WALKER_STYLES];
 	int count[2] = {0, 0};
 
 	for (int i = 0; i < moment->walkers; i++)
 		split[moment->before[i]][count[moment->before[i]]++] = moment->walker[i];
+	lamps.mains = moment->mains;
 	studio_view_render(c->place, &lamps, filmed->ground);
 	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
 	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
@@ -144,7 +168,8 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 	memcpy(c->picture, filmed->ground, pixels * 3 * sizeof(float));
 	studio_people_over(c->place, filmed->behind, c->picture);
 	studio_people_over(c->place, filmed->before, c->picture);
-	sensor_expose(&c->sensor, (uint64_t)moment->number, c->picture, pixels, filmed->bgrx);
+	take(filmed, moment, c->picture, (uint64_t)moment->number, filmed->bgrx);
+	lamps.mains.depth = 0; /* the fisheye sees the mean */
 	return measure_light(filmed, moment, &lamps);
 }
 
@@ -157,6 +182,7 @@ void filmed_close(struct filmed *filmed)
 		studio_view_destroy(c->sky);
 		light_sampler_destroy(c->sampler);
 		free(c->picture);
+		free(c->spread);
 		free(c->sky_picture);
 		free(c->sky_people);
 		free(c->sky_bgrx);

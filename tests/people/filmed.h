@@ -21,7 +21,9 @@ struct filmed_moment {
 	struct walker walker[WALKER_STYLES];
 	bool before[WALKER_STYLES]; /* stands before the object; else behind it */
 	int walkers;
-	int wall_x, wall_y; /* a low wall hides what is right of and below here; 0: none */
+	double edge_spread_px; /* of the background camera */
+	struct mains mains;    /* the panels flicker in its picture */
+	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
 };
 
 struct filmed {
@@ -38,6 +40,11 @@ struct filmed {
 /* The background camera's noise in levels; both cameras are sRGB. -errno. */
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome);
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment);
+
+/* What the background camera gives of other light, rgb[h][w][3], exposure applied: through the same
+ * lens and sensor, with noise of its own. */
+void filmed_take_other(struct filmed *filmed, const struct filmed_moment *moment, const float *rgb,
+		       uint8_t *bgrx);
 void filmed_close(struct filmed *filmed);
 
 #endif

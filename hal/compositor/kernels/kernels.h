@@ -111,6 +111,21 @@ struct kernel_row {
 	ptrdiff_t value_step, coverage_step, background_step, out_step;
 };
 
+/* A row of a tile, one channel, that gets grain (compositor/live/grain.h). */
+enum {
+	KERNEL_GRAIN = 16,    /* pixels */
+	KERNEL_GRAIN_ONE = 32 /* noise that stands for one standard deviation */
+};
+
+struct kernel_grain {
+	const int32_t *object, *taken; /* [KERNEL_GRAIN], as in struct kernel_row */
+	const int32_t *covered;	       /* 65535 = 1 */
+	const float *background;       /* linear light, 65535 = 1 */
+	const int8_t *noise;
+	float floor, slope; /* >= 0 */
+	int32_t *to;	    /* object with grain; overlaps nothing */
+};
+
 struct kernels {
 	const char *name; /* as in options and environment */
 	bool (*supported)(void);
@@ -182,6 +197,15 @@ struct kernels {
 	 *     out   = (a[i] + ((b[i] + ((c[i] * t) >> 16)) * t >> 16)) >> 8
 	 */
 	void (*mix)(const struct kernel_row *row);
+
+	/*
+	 * Adds grain to a row, in single precision (rounded to the nearest, never contracted, in this
+	 * order):
+	 *     k        = max(1 - taken, 0) (1 - coverage),    L = min(O + k B, 1)
+	 *     variance = max(floor (1 - k^2) + slope (L - k^2 B), 0)
+	 *     to       = object + sqrt(variance) noise        cut towards 0
+	 */
+	void (*grain)(const struct kernel_grain *row);
 };
 
 /* Clamp of values in Q24: 127. Only light far beyond white reaches it. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "hal/compositor/kernels/kernels_grain.h"
 #include "hal/compositor/kernels/kernels_isa.h"
 
 #include <immintrin.h>
@@ -46,4 +47,5 @@ const struct kernels kernels_avx2 = {
 	.tint = x86_tint,
 	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = x86_mix,
+	.grain = kernel_add_grain,
 };

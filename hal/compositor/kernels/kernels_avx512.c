@@ -6,6 +6,7 @@
 
 #include "hal/compositor/kernels/kernels_avx512_mix.h"
 #include "hal/compositor/kernels/kernels_avx512_sums.h"
+#include "hal/compositor/kernels/kernels_grain.h"
 
 /* ---- split ---- */
 
@@ -276,4 +277,5 @@ const struct kernels kernels_avx512 = {
 	.tint = avx512_tint,
 	.place = avx512_place,
 	.mix = avx512_mix,
+	.grain = kernel_add_grain,
 };

@@ -3,6 +3,7 @@
 
 #include "hal/compositor/kernels/digits.h"
 #include "hal/compositor/kernels/fixed.h"
+#include "hal/compositor/kernels/kernels_grain.h"
 #include "hal/compositor/kernels/kernels_isa.h"
 
 static bool kernel_c_supported(void)
@@ -267,4 +268,5 @@ const struct kernels kernels_c = {
 	.tint = kernel_c_tint,
 	.place = kernel_c_place,
 	.mix = kernel_c_mix,
+	.grain = kernel_add_grain,
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "hal/compositor/kernels/kernels_neon.h"
+#include "hal/compositor/kernels/kernels_grain.h"
 
 /* ---- sums16, sums8 ---- */
 
@@ -471,4 +472,5 @@ const struct kernels kernels_neon = {
 	.tint = kernel_neon_tint,
 	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = kernel_neon_mix,
+	.grain = kernel_add_grain,
 };

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+#include "hal/compositor/kernels/kernels_grain.h"
 #include "hal/compositor/kernels/kernels_neon.h"
 
 /*
@@ -135,4 +136,5 @@ const struct kernels kernels_neon_dotprod = {
 	.tint = kernel_neon_tint,
 	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
+	.grain = kernel_add_grain,
 };

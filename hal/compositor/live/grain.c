@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "hal/compositor/live/grain.h"
 
-#include <math.h>
 #include <stdbool.h>
 
 /* A shadow that takes less light than this, in Q24, keeps the background's own noise. */
@@ -32,43 +31,35 @@ static bool is_faint(const struct kernel_row *row)
 	return most < FAINT;
 }
 
-/* One row and channel of a tile; left: 1 - coverage. */
-static void grain_row(const int32_t *object, const int32_t *taken, const float *left,
-		      const float *background, const int8_t *n, float floor, float slope, int count,
-		      int32_t *to)
-{
-	for (int x = 0; x < count; x++) {
-		const float o = (float)object[x] * 0x1p-24f, b = background[x];
-		float ratio = 1.0f - (float)taken[x] * 0x1p-24f, k, light, variance;
-
-		ratio = ratio > 0.0f ? ratio : 0.0f;
-		k = ratio * left[x];
-		light = o + k * b;
-		light = light < 1.0f ? light : 1.0f;
-		variance = floor * (1.0f - k * k) + slope * (light - k * k * b);
-		variance = variance > 0.0f ? variance : 0.0f;
-		to[x] = object[x] +
-			(int32_t)(sqrtf(variance) * (float)n[x] * (0x1p24f / GRAIN_ONE));
-	}
-}
-
-static void grain_channel(const struct grain *g, int c, const struct kernel_row *row, int y,
-			  const int8_t *n, int32_t *to)
+static void grain_row(const struct grain *g, const struct kernels *kernels,
+		      const struct kernel_row *row, int y, size_t place, struct grain_tile *scratch)
 {
 	const uint8_t *pixels = row->background + y * row->background_step;
-	float left[BASIS_TILE], background[BASIS_TILE];
+	int32_t covered[BASIS_TILE] = {0};
+	float background[3][BASIS_TILE] = {{0}};
 
 	for (int x = 0; x < row->count; x++) {
-		const int covered = row->coverage ? row->coverage[y * row->coverage_step + x] : 0;
-
-		left[x] = (float)(65535 - covered) * (1.0f / 65535);
-		background[x] = row->curves->linear[pixels[4 * x + 2 - c]] * (1.0f / 65535);
+		if (row->coverage)
+			covered[x] = row->coverage[y * row->coverage_step + x];
+		for (int c = 0; c < 3; c++)
+			background[c][x] = row->curves->linear[pixels[4 * x + 2 - c]];
 	}
-	grain_row(row->object[c] + y * row->value_step, row->taken[c] + y * row->value_step, left,
-		  background, n, g->floor[c], g->slope[c], row->count, to);
+	for (int c = 0; c < 3; c++)
+		kernels->grain(&(struct kernel_grain){
+			.object = row->object[c] + y * row->value_step,
+			.taken = row->taken[c] + y * row->value_step,
+			.covered = covered,
+			.background = background[c],
+			.noise = g->table[c] + place + (size_t)y * GRAIN_SIDE,
+			.floor = g->floor[c],
+			.slope = g->slope[c],
+			.to = scratch->object[c] + y * BASIS_TILE});
 }
 
-void grain_add(const struct grain *g, int tile, struct kernel_row *row, struct grain_tile *scratch)
+_Static_assert((int)BASIS_TILE == (int)KERNEL_GRAIN, "kernels take a row of a tile");
+
+void grain_add(const struct grain *g, const struct kernels *kernels, int tile,
+	       struct kernel_row *row, struct grain_tile *scratch)
 {
 	static const uint16_t uncovered[BASIS_TILE];
 	const uint64_t place = mixed(g->seed ^ mixed((uint64_t)tile));
@@ -77,11 +68,8 @@ void grain_add(const struct grain *g, int tile, struct kernel_row *row, struct g
 
 	if (is_faint(row))
 		return;
-	for (int c = 0; c < 3; c++) {
-		for (int y = 0; y < row->rows; y++)
-			grain_channel(g, c, row, y, g->table[c] + (top + y) * GRAIN_SIDE + left,
-				      scratch->object[c] + y * BASIS_TILE);
-	}
+	for (int y = 0; y < row->rows; y++)
+		grain_row(g, kernels, row, y, (size_t)(top * GRAIN_SIDE + left), scratch);
 	for (int c = 0; c < 3; c++)
 		row->object[c] = scratch->object[c];
 	if (!row->coverage) {

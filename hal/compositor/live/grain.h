@@ -21,8 +21,8 @@
 #include "hal/basis/basis_format.h"
 #include "hal/compositor/kernels/kernels.h"
 
-#define GRAIN_SIDE 256 /* of a table */
-#define GRAIN_ONE 32   /* value of a table that stands for n = 1 */
+#define GRAIN_SIDE 256		   /* of a table */
+#define GRAIN_ONE KERNEL_GRAIN_ONE /* value of a table that stands for n = 1 */
 
 struct grain {
 	float floor[3], slope[3]; /* R, G, B; >= 0 */
@@ -37,7 +37,7 @@ struct grain_tile {
 
 /* Adds noise to the object of a tile's row, which then points to scratch where there is noise to
  * add. tile: its number in the picture. */
-void grain_add(const struct grain *grain, int tile, struct kernel_row *row,
-	       struct grain_tile *scratch);
+void grain_add(const struct grain *grain, const struct kernels *kernels, int tile,
+	       struct kernel_row *row, struct grain_tile *scratch);
 
 #endif

@@ -299,6 +299,42 @@ static void the_sensor_encodes(void **state)
 	}
 }
 
+/* Each key changes the studio's picture; automatic exposure brings a flat one to its level at once. */
+static void the_look_has_keys(void **state)
+{
+	static const char *const keys[] = {"edge_spread=1", "auto_exposure=0.3", "auto_white=yes",
+					   "flicker=0.5"};
+	char file[300];
+	struct frame frame;
+	struct sim_rig rig;
+	uint64_t plain;
+
+	(void)state;
+	option(file, "file", flat_panorama(0.25f));
+	test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
+			 "view=perspective", "exposure=3", "auto_exposure=0.6", "edge_spread=2",
+			 NULL);
+	must_start(&rig);
+	for (int n = 0; n < 3; n++) {
+		test_sim_grab(&rig, &frame);
+		assert_int_equal(middle_code(&frame), 153);
+		camera_release(&rig.camera, &frame);
+	}
+	finish(&rig);
+	test_sim_prepare(&rig, "clock=frames", "exposure=0.16", NULL);
+	must_start(&rig);
+	test_sim_grab(&rig, &frame);
+	plain = checksum(&frame);
+	finish(&rig);
+	for (size_t i = 0; i < sizeof(keys) / sizeof(keys[0]); i++) {
+		test_sim_prepare(&rig, "clock=frames", "exposure=0.16", keys[i], NULL);
+		must_start(&rig);
+		test_sim_grab(&rig, &frame);
+		assert_true(checksum(&frame) != plain);
+		finish(&rig);
+	}
+}
+
 /* Linear light of 0.25: code 64 at an exposure of 1, 128 at 2, 0 at 0. */
 static void the_exposure_changes_after_its_delay(void **state)
 {
@@ -883,6 +919,7 @@ int main(void)
 		cmocka_unit_test(a_camera_stalls_and_vanishes),
 		cmocka_unit_test(corrupt_frames_are_skipped),
 		cmocka_unit_test(the_sensor_encodes),
+		cmocka_unit_test(the_look_has_keys),
 		cmocka_unit_test(the_exposure_changes_after_its_delay),
 		cmocka_unit_test(the_last_of_many_exposures_counts),
 		cmocka_unit_test(wrong_controls_are_named),

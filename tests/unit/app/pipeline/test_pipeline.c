@@ -186,6 +186,32 @@ static void given_lights_reach_their_pixels(void **state)
 	pipeline_destroy(pipeline);
 }
 
+/* A share of the light becomes grey of its luminance; all of it: the object is grey. */
+static void neutral_light_keeps_luminance(void **state)
+{
+	static const double shares[] = {0, 0.2, 1};
+	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}};
+	const double grey = 0.2126 * 0.1 + 0.7152 * 0.2 + 0.0722 * 0.3;
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		struct pipeline_settings settings = plain_pipeline(1);
+		static uint8_t out[HEIGHT][WIDTH][4];
+		const double s = shares[k];
+		struct pipeline *pipeline;
+
+		settings.neutral = s;
+		pipeline = made(&settings);
+		pipeline_light_given(pipeline, radiance);
+		test_pipeline_choose(pipeline, 0);
+		composite(pipeline, out);
+		composite(pipeline, out); /* of the same choice: it is not mixed twice */
+		is_light(out[2][3], 0.1 + s * (grey - 0.1), 0.2 + s * (grey - 0.2),
+			 0.3 + s * (grey - 0.3));
+		pipeline_destroy(pipeline);
+	}
+}
+
 /* A light that reaches the threshold is used. The threshold is a level of the camera's picture,
  * whatever its black level and gain. */
 static void threshold_is_a_level_of_the_picture(void **state)
@@ -430,6 +456,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_even_sky),
 		cmocka_unit_test(given_lights_reach_their_pixels),
+		cmocka_unit_test(neutral_light_keeps_luminance),
 		cmocka_unit_test(threshold_is_a_level_of_the_picture),
 		cmocka_unit_test(linear_light_is_read_through_its_view),
 		cmocka_unit_test(without_the_object_it_is_the_background),

@@ -428,13 +428,14 @@ static void *place(void *root, const char *instance)
 /* Each key of a file sets the field that it names. */
 static void keys_fill_every_field(void **state)
 {
-	static const char text[] = "[camera]\n"
-				   "width = 320\nheight = 200\n"
-				   "rotation = 0 -1 0  1 0 0  0 0 1\n"
-				   "translation = 1 2 3\nfocal = 8.5\nkappa1 = -0.001\n"
-				   "kappa2 = 1e-5\nkappa3 = 2e-8\ntangential = 1e-4 -2e-4\n"
-				   "distortion = undistorts\n"
-				   "centre = 161 99\npixel = 0.01 0.02\naspect = 1.05\n";
+	static const char text[] =
+		"[camera]\n"
+		"width = 320\nheight = 200\n"
+		"rotation = 0 -1 0  1 0 0  0 0 1\n"
+		"translation = 1 2 3\nfocal = 8.5\nkappa1 = -0.001\n"
+		"kappa2 = 1e-5\nkappa3 = 2e-8\ntangential = 1e-4 -2e-4\n"
+		"distortion = undistorts\n"
+		"centre = 161 99\npixel = 0.01 0.02\naspect = 1.05\nedge_spread = 0.7\n";
 	const struct ini_table tables[] = {{.section = "camera", .keys = tsai_keys, .place = place},
 					   INI_TABLES_END};
 	const struct tsai_camera want = {.width = 320,
@@ -449,7 +450,8 @@ static void keys_fill_every_field(void **state)
 					 .distortion = TSAI_UNDISTORTS,
 					 .centre_px = {161, 99},
 					 .pixel = {0.01, 0.02},
-					 .aspect = 1.05};
+					 .aspect = 1.05,
+					 .edge_spread_px = 0.7};
 	struct ini_report report = {.count = 0};
 	struct tsai_camera c;
 
@@ -463,7 +465,8 @@ static void keys_fill_every_field(void **state)
 	for (const struct ini_key *key = tsai_keys; key->name; key++)
 		assert_int_equal(ini_left_out(key, &c), !strcmp(key->name, "kappa2") ||
 								!strcmp(key->name, "kappa3") ||
-								!strcmp(key->name, "tangential"));
+								!strcmp(key->name, "tangential") ||
+								!strcmp(key->name, "edge_spread"));
 	assert_int_equal(
 		ini_read_memory(text, strlen(text), "camera.ini", ".", tables, &c, &report), 0);
 	assert_int_equal(c.width, want.width);
@@ -478,6 +481,7 @@ static void keys_fill_every_field(void **state)
 	for (const struct ini_key *key = tsai_keys; key->name; key++)
 		assert_false(ini_left_out(key, &c));
 	assert_true(c.focal == want.focal && c.kappa1 == want.kappa1 && c.aspect == want.aspect);
+	assert_true(c.edge_spread_px == want.edge_spread_px);
 	assert_int_equal(tsai_check(&c, NULL), 0);
 }
 
