@@ -27,13 +27,13 @@
 #define AROUND 2     /* cells on each side, for the ratio */
 #define DARKEST 0.2f /* ratio of a shadow's core, and of light that came on */
 #define BRIGHTEST 1.35f
-#define COLOUR 0.2f	  /* of its light, by which one channel of a cell may be off */
-#define ALIKE 12.0f	  /* chi-square of a cell's channels about one ratio */
-#define MOST 0.34f	  /* of the cells around that differ */
+#define COLOUR 0.2f	 /* of its light, by which one channel of a cell may be off */
+#define ALIKE 12.0f	 /* chi-square of a cell's channels about one ratio */
+#define MOST 0.34f	 /* of the cells around that differ */
 #define SAME_COLOUR 1.6f /* ratio of two channels' ratios */
-#define EVEN 2.5f	  /* mean of d^2 over its variance */
-#define UNEVEN 0.1f	  /* of its light, that the rim of a shadow may add to d */
-#define BEND_NOISE 1.5f	  /* variance of d over that of a cell: 1 + 2 / 4 */
+#define EVEN 2.5f	 /* mean of d^2 over its variance */
+#define UNEVEN 0.1f	 /* of its light, that the rim of a shadow may add to d */
+#define BEND_NOISE 1.5f	 /* variance of d over that of a cell: 1 + 2 / 4 */
 
 /* RAW_OTHER is added where a cell has not the place's colour in any light. */
 enum { RAW_EMPTY, RAW_WEAK, RAW_STRONG, RAW_OTHER = 4 };
