@@ -89,9 +89,10 @@ struct people {
 	float *coefficient[3][PLACE_TERMS];
 	float light_then[3][PLACE_TERMS]; /* of the last whole prediction */
 	float *drift[3];		  /* what the model is off by at present, as a factor */
-	bool jumped;			  /* a lamp was switched in this frame */
-	float *lit[3];			  /* predicted for light_then, per unit of light_0 */
-	float *place[3];		  /* in the light of now, gain applied */
+	float light_rate, shadow_rate; /* share of what is seen that it takes over in this frame */
+	bool jumped;		       /* a lamp was switched in this frame */
+	float *lit[3];		       /* predicted for light_then, per unit of light_0 */
+	float *place[3];	       /* in the light of now, gain applied */
 	struct place_fit fit[PLACE_BANDS][3];
 	uint16_t *stable_ms; /* how long a cell that is not known has been stable */
 	uint8_t *known;

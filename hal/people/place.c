@@ -23,6 +23,8 @@
 #define CLOSE_SHARE 0.03f /* of its light, by which a stable cell may differ */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define DIM 0.002f	  /* of white: darker cells do not drift */
+#define LIGHT_MS 500.0	  /* in which a cell follows light */
+#define SHADOW_MS 4000.0  /* and a shadow */
 #define DEEP 0.75f	  /* ratio of a shadow that is not followed */
 #define DRIFT_MOST 3.0f	  /* and its inverse */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
@@ -291,8 +293,9 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* How fast a cell follows what is seen. A person's shadow only takes light away, and goes with him: light
- * that came is the place's, and what a deep shadow took would not be believed when it comes back. */
+/* What share of what is seen a cell takes over in this frame. A person's shadow only takes light away,
+ * and goes with him: light that came is the place's, and what a deep shadow took would not be believed
+ * when it comes back. */
 static float drift_rate(const struct people *p, int at, float ratio)
 {
 	const bool shaded = p->verdict[at] == VERDICT_SHADED;
@@ -301,7 +304,7 @@ static float drift_rate(const struct people *p, int at, float ratio)
 		return 1;
 	if (p->verdict[at] == VERDICT_PERSON || (shaded && ratio < DEEP))
 		return 0;
-	return shaded && ratio < 1 ? 0.015625f : 0.125f;
+	return shaded && ratio < 1 ? p->shadow_rate : p->light_rate;
 }
 
 /* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
@@ -332,6 +335,8 @@ void place_learn(struct people *p)
 	const int band = (int)(p->frame % PLACE_BANDS);
 	float step[3][PLACE_TERMS];
 
+	p->light_rate = (float)(1 - exp(-p->step_ms / LIGHT_MS));
+	p->shadow_rate = (float)(1 - exp(-p->step_ms / SHADOW_MS));
 	for (int c = 0; c < 3; c++)
 		fit_step(&p->fit[band][c], p->light[c], step[c]);
 	for (int s = 0; s < p->span_count; s++) {
