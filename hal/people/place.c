@@ -23,7 +23,7 @@
 #define CLOSE_SHARE 0.03f /* of its light, by which a stable cell may differ */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define DIM 0.002f	  /* of white: darker cells do not drift */
-#define LIGHT_MS 500.0	  /* in which a cell follows light */
+#define LIGHT_MS 470.0	  /* in which a cell follows light */
 #define SHADOW_MS 4000.0  /* and a shadow */
 #define DEEP 0.75f	  /* ratio of a shadow that is not followed */
 #define DRIFT_MOST 3.0f	  /* and its inverse */
@@ -335,8 +335,8 @@ void place_learn(struct people *p)
 	const int band = (int)(p->frame % PLACE_BANDS);
 	float step[3][PLACE_TERMS];
 
-	p->light_rate = (float)(1 - exp(-p->step_ms / LIGHT_MS));
-	p->shadow_rate = (float)(1 - exp(-p->step_ms / SHADOW_MS));
+	p->light_rate = (float)(p->step_ms / (p->step_ms + LIGHT_MS));
+	p->shadow_rate = (float)(p->step_ms / (p->step_ms + SHADOW_MS));
 	for (int c = 0; c < 3; c++)
 		fit_step(&p->fit[band][c], p->light[c], step[c]);
 	for (int s = 0; s < p->span_count; s++) {
