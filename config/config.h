@@ -182,6 +182,7 @@ struct config_composite {
 
 struct config_people {
 	bool occlude;
+	char mask[INI_PATH_MAX]; /* empty: none */
 };
 
 struct config {

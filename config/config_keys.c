@@ -456,6 +456,15 @@ static const struct ini_key people_keys[] = {
 		 "does not lie on them. The place without people is learned in the first seconds "
 		 "and kept for the light of each moment; \"learn\" takes what is seen as empty, "
 		 "\"forget\" begins anew."},
+	{.name = "mask",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_people, mask),
+	 .fallback = "",
+	 .help = "A picture of the background's size (PNG, JPEG or WebP): nobody is looked for "
+		 "where "
+		 "it is dark, such as in a screen or a mirror, which show people who are not "
+		 "there. "
+		 "inlay grab background -o mask.png makes one to paint on."},
 	INI_KEYS_END};
 
 static const struct ini_key screen_keys[] = {

@@ -61,6 +61,9 @@ struct pipeline_settings {
 	double neutral; /* share of the light that is grey of the same luminance, 0..1 */
 	bool grain;	/* the object gets the background camera's noise (hal/look) */
 	bool occlude;	/* people are looked for, and stand before the object (hal/people) */
+	/* Picture of the background's size, and nobody is looked for where it is darker than half;
+	 * empty: people are looked for everywhere. */
+	char mask[INI_PATH_MAX];
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];
 };
@@ -144,6 +147,10 @@ int pipeline_check_lens(const struct pipeline *pipeline, const struct fisheye_se
  * or -EINVAL. */
 int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis *basis,
 			 struct fault *fault);
+
+/* Checks that the file of settings.mask, where there is one, is a picture of the basis's size. 0 or
+ * what image_read() returns, -ENOTSUP, -EINVAL. */
+int pipeline_check_mask(const char *path, const struct basis *basis, struct fault *fault);
 
 /* Checks that a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);

@@ -56,6 +56,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 	memcpy(settings.sampler.colours, config->fisheye.measured.colours,
 	       sizeof(settings.sampler.colours));
 	name_camera(config, settings.camera);
+	snprintf(settings.mask, sizeof(settings.mask), "%s", config->people.mask);
 	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
 	return settings;
 }
@@ -96,6 +97,16 @@ static int check_config_patch(const struct config *config, const struct basis *b
 	return err;
 }
 
+static int check_config_mask(const struct config *config, const struct basis *basis)
+{
+	struct fault fault = {.text = ""};
+	const int err = pipeline_check_mask(config->people.mask, basis, &fault);
+
+	if (err)
+		log_error("%s: %s", config->name, fault.text);
+	return err;
+}
+
 /* The picture's size is known where the configuration names it. */
 static int check_config_size(const struct config *config, const struct basis *basis)
 {
@@ -128,8 +139,9 @@ int pipeline_config_check(const struct config *config, const struct basis *basis
 {
 	const int pose = basis ? check_config_pose(config, basis) : 0;
 	const int patch = basis ? check_config_patch(config, basis) : 0;
+	const int mask = basis ? check_config_mask(config, basis) : 0;
 	const int size = basis ? check_config_size(config, basis) : 0;
 	const int kernel = check_kernel(config);
 
-	return pose ? pose : patch ? patch : size ? size : kernel;
+	return pose ? pose : patch ? patch : mask ? mask : size ? size : kernel;
 }

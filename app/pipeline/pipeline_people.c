@@ -5,7 +5,10 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
+#include "hal/image/image.h"
 #include "hal/people/people.h"
+
+#define MASK_DARK 128 /* code value below which nobody is looked for */
 
 struct pipeline_people {
 	struct people *people;
@@ -13,8 +16,58 @@ struct pipeline_people {
 	uint8_t *touched;	   /* [tiles]: see struct people_object */
 	int pose;		   /* of touched; -1: none yet */
 	unsigned turn;		   /* of its blocks, when touched was made */
+	uint8_t *shown;		   /* [height][width]: see struct people_object; NULL: no mask */
 	bool looked;
 };
+
+/* *out: 1 where people are looked for; NULL without a mask. */
+static int read_mask(const char *path, const struct basis *basis, uint8_t **out,
+		     struct fault *fault)
+{
+	const int width = (int)basis->info.width, height = (int)basis->info.height;
+	struct fault reason = {.text = ""};
+	struct image image;
+	uint8_t *shown = NULL;
+	int err;
+
+	*out = NULL;
+	if (!*path)
+		return 0;
+	err = image_read(path, &image, &reason);
+	if (err)
+		return fault_say(fault, err, "[people] mask: %s", reason.text);
+	if (!image.u8)
+		err = fault_say(fault, -ENOTSUP,
+				"[people] mask: %s holds light, expected PNG, JPEG or "
+				"WebP",
+				path);
+	else if (image.width != width || image.height != height)
+		err = fault_say(
+			fault, -EINVAL,
+			"[people] mask: %s is %dx%d pixels, expected %dx%d as the basis was "
+			"baked",
+			path, image.width, image.height, width, height);
+	else if (!(shown = malloc((size_t)width * (size_t)height)))
+		err = fault_say(fault, -ENOMEM, "not enough memory for [people] mask");
+	for (int i = 0; !err && i < width * height; i++) {
+		const uint8_t *rgb = image.u8 + 3 * (size_t)i;
+
+		/* Luminance in eighths, as any grey is itself. */
+		shown[i] = 2 * rgb[0] + 5 * rgb[1] + rgb[2] >= 8 * MASK_DARK;
+	}
+	image_free(&image);
+	*out = shown;
+	return err;
+}
+
+int pipeline_check_mask(const char *path, const struct basis *basis, struct fault *fault)
+{
+	uint8_t *shown;
+	const int err = read_mask(path, basis, &shown, fault);
+
+	free(shown);
+	return err;
+}
 
 void pipeline_people_free(struct pipeline *p)
 {
@@ -22,6 +75,7 @@ void pipeline_people_free(struct pipeline *p)
 		return;
 	people_destroy(p->people->people);
 	free(p->people->touched);
+	free(p->people->shown);
 	free(p->people);
 	p->people = NULL;
 }
@@ -39,12 +93,22 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 	};
 	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
 	struct pipeline_people *pp;
+	uint8_t *shown;
 	int err;
 
-	if (settings->occlude && p->people && same)
-		return 0;
 	if (!settings->occlude) {
 		pipeline_people_free(p);
+		return 0;
+	}
+	if (p->people && same && !strcmp(settings->mask, p->settings.mask))
+		return 0;
+	err = read_mask(settings->mask, p->basis, &shown, fault);
+	if (err)
+		return err;
+	if (p->people && same) {
+		free(p->people->shown);
+		p->people->shown = shown;
+		p->people->pose = -1; /* people_place() tells it */
 		return 0;
 	}
 	pp = calloc(1, sizeof(*pp));
@@ -57,8 +121,10 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 		if (pp)
 			free(pp->touched);
 		free(pp);
+		free(shown);
 		return err;
 	}
+	pp->shown = shown;
 	if (tsai_read_text(p->basis->camera, &pp->camera, NULL))
 		pp->camera.width = 0;
 	pp->pose = -1;
@@ -88,7 +154,8 @@ static bool take_pose(struct pipeline *p)
 {
 	const struct basis_pose *pose = &p->basis->poses[p->choice.pose];
 	struct pipeline_people *pp = p->people;
-	struct people_object object = {.coverage = pose->coverage, .touched = pp->touched};
+	struct people_object object = {
+		.coverage = pose->coverage, .touched = pp->touched, .shown = pp->shown};
 
 	if (pp->pose == p->choice.pose && pp->turn == pose->turn)
 		return false;

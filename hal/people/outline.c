@@ -170,8 +170,7 @@ static enum presence tile_presence(const struct people *p, int tx, int ty)
 
 	for (int y = ty * cells - WINDOW; y < (ty + 1) * cells + WINDOW; y++)
 		for (int x = tx * cells - WINDOW; x < (tx + 1) * cells + WINDOW; x++) {
-			if (y < 0 || x < 0 || y >= p->down || x >= p->across ||
-			    !p->watch[y * p->across + x])
+			if (y < 0 || x < 0 || y >= p->down || x >= p->across)
 				continue;
 			count[p->order[y * p->across + x]]++;
 			all++;
@@ -208,8 +207,9 @@ static bool is_inside(const struct people *p, int x, int y)
 
 static void draw_cell(struct people *p, const struct picture *picture, int cx, int cy)
 {
-	const uint8_t order = p->order[cy * p->across + cx];
-	const bool inside = is_inside(p, cx, cy);
+	const int cell = cy * p->across + cx;
+	const uint8_t order = p->order[cell];
+	const bool inside = !p->watch[cell] || is_inside(p, cx, cy);
 
 	for (int y = cy * p->side; y < (cy + 1) * p->side && y < picture->height; y++)
 		for (int x = cx * p->side; x < (cx + 1) * p->side && x < picture->width; x++) {

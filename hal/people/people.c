@@ -190,34 +190,59 @@ static bool is_near(const struct people *p, const uint8_t *touched, int tx, int 
 	return false;
 }
 
-void people_place(struct people *p, const struct people_object *object)
+/* Marks the cells of tiles that are near the object's. */
+static void watch_tiles(struct people *p)
 {
 	const int per_tile = BASIS_TILE / p->side;
 
+	for (int y = 0; y < p->down; y++)
+		for (int x = 0; x < p->across; x++) {
+			const int at = y * p->across + x;
+
+			/* Asked once a tile; the row above in the same tile knows, too. */
+			if (x % per_tile)
+				p->watch[at] = p->watch[at - 1];
+			else if (y % per_tile)
+				p->watch[at] = p->watch[at - p->across];
+			else
+				p->watch[at] = is_near(p, p->object.touched, x / per_tile,
+						       y / per_tile);
+		}
+}
+
+/* Leaves out the cells whose first pixel cannot show a person. */
+static void leave_out_masked(struct people *p)
+{
+	const size_t side = (size_t)p->side, width = (size_t)p->settings.width;
+
+	for (int y = 0; p->object.shown && y < p->down; y++) {
+		const uint8_t *shown = p->object.shown + (size_t)y * side * width;
+
+		for (int x = 0; x < p->across; x++)
+			p->watch[y * p->across + x] &= shown[(size_t)x * side];
+	}
+}
+
+void people_place(struct people *p, const struct people_object *object)
+{
 	p->object = *object;
+	watch_tiles(p);
+	leave_out_masked(p);
 	p->span_count = p->watched = 0;
 	for (int y = 0; y < p->down; y++) {
 		bool open = false;
 
 		p->row_span[y] = p->span_count;
-
 		for (int x = 0; x < p->across; x++) {
-			const int at = y * p->across + x;
-			const bool first = x % per_tile == 0;
+			const bool watched = p->watch[y * p->across + x];
 
-			/* Asked once a tile; the row above in the same tile knows, too. */
-			if (!first)
-				p->watch[at] = p->watch[at - 1];
-			else if (y % per_tile)
-				p->watch[at] = p->watch[at - p->across];
-			else
-				p->watch[at] = is_near(p, object->touched, x / per_tile,
-						       y / per_tile);
-			if (p->watch[at] && !open)
+			if (watched && !open)
 				p->spans[p->span_count++] = (struct span){y, x, 0};
-			open = p->watch[at];
+			open = watched;
 			if (open)
 				p->spans[p->span_count - 1].count++;
+			else
+				p->order[y * p->across + x] = 0;
 			p->watched += open;
 		}
 	}

@@ -42,6 +42,9 @@ struct people_object {
 	/* [tiles], row by row: 1 where object, shadow or glass change the picture. People are looked
 	 * for in these tiles and two around them. */
 	const uint8_t *touched;
+	/* [height][width]: 1, or 0 where nobody is looked for, as a screen or a mirror is there. NULL:
+	 * 1 everywhere. */
+	const uint8_t *shown;
 	const struct tsai_camera *camera; /* NULL: not known, and nobody is in front */
 	/* What the object covers of the ground. NULL: not known, the lower edge of the coverage stands
 	 * in. */

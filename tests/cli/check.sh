@@ -55,6 +55,12 @@ refused "a kernel that there is not" 1 '[composite] kernel: this processor has n
 	"$INLAY" check --config "$work/studio.conf" --set composite.kernel=abacus
 refused "a patch of ground outside" 1 "[background] ground_patch: reaches to 60, 12, expected at most 48, 32" \
 	"$INLAY" check --config "$work/studio.conf" --set "background.ground_patch=40 2 20 10"
+refused "a mask of people that is not there" 1 "[people] mask: $work/none.png: No such file or directory" \
+	"$INLAY" check --config "$work/studio.conf" --set "people.mask=$work/none.png"
+refused "a mask of another size" 1 "pixels, expected 48x32 as the basis was baked" \
+	"$INLAY" check --config "$work/studio.conf" --set people.mask=board/kiosk.png
+refused "a mask that is no picture" 1 "[people] mask: $work/box.inlay" \
+	"$INLAY" run --config "$work/studio.conf" --frames 1 --set people.occlude=yes --set "people.mask=$work/box.inlay"
 printf '[fisheye]\nlens = %s\n[basis]\nfile = %s\n' "$work/none.ini" "$work/none.inlay" >"$work/both.conf"
 "$INLAY" check --config "$work/both.conf" 2>"$work/said"
 equal "a lens file that is not there is exit code 1" 1 $?

@@ -52,6 +52,7 @@ struct place {
 	float normal[NORMALS]; /* normal deviates, from which each row takes a stretch */
 	struct transfer_tables tables;
 	struct people *people;
+	struct people_object object;
 	int64_t now_ns;
 	struct picture picture;
 };
@@ -69,7 +70,6 @@ static void place_begin(struct place *p)
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
-	struct people_object object = {.foot = &foot};
 
 	assert_int_equal(dome_create(&p->dome, 2, DOME_ANGLES, NULL), 0);
 	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
@@ -105,10 +105,11 @@ static void place_begin(struct place *p)
 		}
 	settings.dome = &p->dome;
 	assert_int_equal(people_create(&p->people, &settings, NULL), 0);
-	object.coverage = p->coverage;
-	object.touched = p->touched;
-	object.camera = &p->camera;
-	people_place(p->people, &object);
+	p->object = (struct people_object){.foot = &foot,
+					   .coverage = p->coverage,
+					   .touched = p->touched,
+					   .camera = &p->camera};
+	people_place(p->people, &p->object);
 	p->chance = chance_begin("people");
 	for (int n = 0; n < NORMALS; n++)
 		p->normal[n] = (float)chance_normal(&p->chance);
@@ -628,6 +629,55 @@ static void cells_that_come_back_are_judged_anew(void **state)
 }
 
 /* The noise that is measured is the camera's, also where frames are looked at twice. */
+/* Looks as somebody stands before the object; whether anybody is seen at x from first on, and before. */
+static void see_sides(struct place *p, int first, bool *before, bool *after)
+{
+	const struct body body = walker(0, -1);
+	const struct veil *veil;
+
+	for (int n = 0; n < 10; n++)
+		place_look(p, &body, 1);
+	veil = people_veil(p->people);
+	*before = *after = false;
+	for (int y = 0; veil && y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			if (veil->tile[y / BASIS_TILE * (WIDTH / BASIS_TILE) + x / BASIS_TILE] &&
+			    veil->anybody[y * WIDTH + x])
+				*(x < first ? before : after) = true;
+}
+
+static void nobody_is_looked_for_in_a_mask(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	uint8_t *shown = calloc(WIDTH * HEIGHT, 1);
+	bool left, right;
+
+	(void)state;
+	assert_non_null(p);
+	assert_non_null(shown);
+	place_begin(p);
+	learn(p);
+	see_sides(p, WIDTH / 2, &left, &right);
+	assert_true(left && right);
+
+	for (int at = 0; at < WIDTH * HEIGHT; at++)
+		shown[at] = at % WIDTH < WIDTH / 2;
+	p->object.shown = shown;
+	people_place(p->people, &p->object);
+	see_sides(p, WIDTH / 2, &left, &right);
+	assert_true(left);
+	assert_false(right);
+
+	memset(shown, 0, WIDTH * HEIGHT);
+	people_place(p->people, &p->object);
+	see_sides(p, WIDTH / 2, &left, &right);
+	assert_false(left || right);
+	assert_int_equal(people_report(p->people).parts, 0);
+	free(shown);
+	place_end(p);
+	free(p);
+}
+
 static void noise_is_measured_once_a_frame(void **state)
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -671,6 +721,7 @@ int main(void)
 		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
 		cmocka_unit_test(another_place_is_refused),
 		cmocka_unit_test(cells_that_come_back_are_judged_anew),
+		cmocka_unit_test(nobody_is_looked_for_in_a_mask),
 		cmocka_unit_test(noise_is_measured_once_a_frame),
 	};
 
