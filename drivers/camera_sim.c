@@ -22,6 +22,7 @@
 #include "drivers/sim/player.h"
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/spread.h"
+#include "drivers/sim/studio_depth.h"
 #include "drivers/sim/studio_people.h"
 #include "drivers/sim/studio_view.h"
 #include "hal/base/clock.h"
@@ -40,7 +41,7 @@ struct sim {
 	struct player *player;
 	struct sensor sensor;
 	struct automatic automatic;
-	float *linear;	 /* radiance of a studio or panorama frame */
+	float *linear;	 /* radiance of a studio or panorama frame; depths of one of Z16 */
 	float *spread;	 /* two pictures of blurred light, if there is edge spread */
 	uint8_t *bgrx;	 /* output of the sensor */
 	uint8_t *output; /* the frame in a format that is converted from bgrx or linear */
@@ -134,10 +135,17 @@ static int choose_format(struct camera *camera, struct sim *sim, struct fault *f
 
 	camera->format = settings->format ? (enum pixel_format)settings->format : PIXEL_BGRX;
 	if (camera->format != PIXEL_BGRX && camera->format != PIXEL_RGBF &&
-	    camera->format != PIXEL_YUYV) {
+	    camera->format != PIXEL_YUYV && camera->format != PIXEL_Z16) {
 		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
-		return fault_say(fault, -EINVAL, "sim: format %s, expected BGRX, YUYV or RGBF",
+		return fault_say(fault, -EINVAL, "sim: format %s, expected BGRX, YUYV, RGBF or Z16",
 				 pixel_format_names[camera->format]);
+	}
+	if (camera->format == PIXEL_Z16 &&
+	    (!sim->studio || studio_view_eye(sim->studio)->fisheye)) {
+		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
+		return fault_say(fault, -EINVAL,
+				 "sim: format Z16, expected sim.source = studio and sim.view = "
+				 "perspective, or another format");
 	}
 	if (camera->format == PIXEL_YUYV && camera->width % 2) {
 		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
@@ -291,12 +299,29 @@ static void render_walkers(const struct sim_options *options, struct sim *sim,
 	studio_people_over(sim->studio, sim->people, sim->linear);
 }
 
+static void render_depths(const struct sim_options *options, struct sim *sim, double time_s)
+{
+	const struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
+	struct walker walkers[WALKER_STYLES];
+
+	studio_depth_room(sim->studio, &lamps, sim->linear);
+	if (options->walkers == 0)
+		return;
+	studio_people_draw(sim->studio, &lamps, walkers,
+			   walkers_at(time_s, options->walkers, walkers), sim->people);
+	studio_depth_people(sim->studio, sim->people, sim->linear);
+}
+
 static void render_scene(const struct camera *camera, struct sim *sim, uint64_t sequence)
 {
 	const struct sim_options *options = camera->options;
 	const double time_s = scene_time_s(camera, sim, sequence);
 	double turn_rad;
 
+	if (camera->format == PIXEL_Z16) {
+		render_depths(options, sim, time_s);
+		return;
+	}
 	if (sim->studio) {
 		struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
 
@@ -382,12 +407,27 @@ static const float *sim_through_lens(const struct camera *camera, struct sim *si
 	return linear;
 }
 
+static void output_depths(const struct camera *camera, struct sim *sim, uint64_t sequence,
+			  struct frame *frame)
+{
+	const struct sim_options *options = camera->options;
+	const struct studio_depth_sensor sensor = {options->depth_noise_mm, options->seed};
+
+	studio_depth_measure(&sensor, sequence, sim->linear, camera->width, camera->height,
+			     sim->output);
+	fill_plane(frame, sim->output);
+}
+
 static void output_frame(const struct camera *camera, struct sim *sim, uint64_t sequence,
 			 struct frame *frame)
 {
 	const float *linear = sim->linear;
 	const uint8_t *bgrx = NULL;
 
+	if (camera->format == PIXEL_Z16) {
+		output_depths(camera, sim, sequence, frame);
+		return;
+	}
 	if (sim->player) {
 		linear = player_picture(sim->player).linear;
 		bgrx = player_picture(sim->player).bgrx;

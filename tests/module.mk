@@ -154,6 +154,7 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_light_return.c \
 	tests/unit/hal/compositor/test_light_vector.c \
 	tests/unit/hal/device/test_camera_wants.c \
+	tests/unit/hal/frame/test_depth.c \
 	tests/unit/hal/frame/test_deinterlace.c \
 	tests/unit/hal/frame/test_frame.c \
 	tests/unit/hal/frame/test_frame_rows.c \

@@ -32,6 +32,7 @@ struct sim_options {
 	struct automatic_settings automatic;
 	struct mains mains;
 	int black_level;
+	double depth_noise_mm;
 	int seed;
 	bool loop;
 	int stall_after, vanish_after, corrupt_every;

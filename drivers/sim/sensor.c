@@ -15,8 +15,7 @@ void sensor_prepare(struct sensor *sensor, const struct sensor_settings *setting
 			black + (255 - black) * transfer_encode(settings->transfer, i / 65535.0));
 }
 
-/* Hashes a counter into a random number (SplitMix64). */
-static uint64_t noise_scramble(uint64_t z)
+uint64_t sensor_chance(uint64_t z)
 {
 	z += 0x9e3779b97f4a7c15u;
 	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -24,10 +23,9 @@ static uint64_t noise_scramble(uint64_t z)
 	return z ^ z >> 31;
 }
 
-/* Returns a nearly Gaussian number of mean 0 and variance 1: the sum of four 16-bit uniforms. */
-static float noise_gauss(uint64_t counter)
+float sensor_gauss(uint64_t counter)
 {
-	const uint64_t z = noise_scramble(counter);
+	const uint64_t z = sensor_chance(counter);
 	const int sum = (int)(z & 0xffff) + (int)(z >> 16 & 0xffff) + (int)(z >> 32 & 0xffff) +
 			(int)(z >> 48);
 
@@ -47,14 +45,14 @@ static void expose_noisy(const struct sensor *sensor, uint64_t frame, const floa
 	const float exposure = (float)sensor->settings.exposure;
 	const float read = (float)(sensor->settings.read_noise / 255);
 	const float shot = (float)(sensor->settings.shot_noise / 255);
-	const uint64_t key = noise_scramble((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
+	const uint64_t key = sensor_chance((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
 
 	for (size_t i = 0; i < 3 * count; i++) {
 		const float v = exposure * sensor->gain[i % 3] * rgb[i];
 		const float deviation = sqrtf(read * read + shot * shot * fabsf(v));
 
 		bgrx[4 * (i / 3) + 2 - i % 3] = sensor_code(sensor,
-							    v + deviation * noise_gauss(key + i));
+							    v + deviation * sensor_gauss(key + i));
 	}
 }
 

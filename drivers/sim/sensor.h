@@ -42,4 +42,10 @@ void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb
 void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix matrix,
 		      enum colour_range range, uint8_t *yuyv);
 
+/* Hashes a counter into a random number (SplitMix64). */
+uint64_t sensor_chance(uint64_t counter);
+
+/* The same as a nearly Gaussian number of mean 0 and variance 1: the sum of four 16-bit uniforms. */
+float sensor_gauss(uint64_t counter);
+
 #endif

@@ -31,6 +31,7 @@ enum pixel_format {
 	PIXEL_GREY,
 	PIXEL_Y10,   /* grey in the lower ten bits of 16 */
 	PIXEL_Y16,   /* grey of 16 bits; all words are little-endian */
+	PIXEL_Z16,   /* depth of 16 bits (depth.h); read as grey, 8191 and more are white */
 	PIXEL_MJPEG, /* one JPEG picture; planes[0].bytes is its length */
 	PIXEL_H264,  /* what a camera sends; its driver decodes it, so that no frame has it */
 	PIXEL_RGBF,  /* three float32 per pixel, linear radiance, unclipped (simulated cameras) */

@@ -87,9 +87,15 @@ void frame_repack_ycbcr(const struct frame *frame, int x, int y, int count, uint
 
 void frame_repack_grey(const struct frame *frame, int x, int y, int count, uint8_t *grey)
 {
-	const unsigned white = frame->format == PIXEL_Y10 ? 1023 : 65535;
+	const unsigned white = frame->format == PIXEL_Y10   ? 1023
+			       : frame->format == PIXEL_Z16 ? 8191
+							    : 65535;
 	const uint8_t *words = row_of(frame, 0, y) + 2 * (size_t)x;
 
-	for (int i = 0; i < count; i++)
-		grey[i] = (uint8_t)(((word_at(words, i) & white) * 255 + white / 2) / white);
+	for (int i = 0; i < count; i++) {
+		const unsigned word = word_at(words, i);
+		const bool beyond = frame->format == PIXEL_Z16 && word > white;
+
+		grey[i] = (uint8_t)(((beyond ? white : word & white) * 255 + white / 2) / white);
+	}
 }

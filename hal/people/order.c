@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whether a group is before the object: by the ground under its feet, seen from the camera. A group
- * keeps its order while it overlaps itself, unless its feet pass the object by more than MARGIN.
+ * Whether a group is before the object: by its depths where they are measured, else by the ground under
+ * its feet, seen from the camera. A group keeps its order while it overlaps itself, unless it passes the
+ * object by more than MARGIN.
  */
 #include <math.h>
 
 #include "hal/people/people_parts.h"
 
-#define MARGIN 0.03f /* of the object's distance from the camera */
+#define MARGIN 0.03f	/* of the object's distance from the camera */
+#define ASKED_MOST 256	/* so many cells of a group, about, are asked for their depth */
+#define KNOWN_LEAST 4	/* with fewer known ones, or */
+#define KNOWN_SHARE 0.2 /* a smaller share of those asked, depths tell nothing */
 
 /* Where a point of the picture, in cells, lies on the ground, seen from above: its direction and its
  * distance from below the camera. False: above the horizon. */
@@ -173,34 +177,99 @@ static float nearest_far(const float *far, int count, int n)
 	return -1;
 }
 
-/* The object's far side in a direction, or in that nearest to it where the object is. */
-static float far_side(const struct people *p, const struct group *g, double direction_rad)
+/* The object's far side in a direction, or in that nearest to it where the object is; x: in cells, for an
+ * object whose footprint is not known. */
+static float far_side(const struct people *p, double x, double direction_rad)
 {
 	if (!p->around)
-		return nearest_far(p->object_far, p->across, (int)g->foot_x);
+		return nearest_far(p->object_far, p->across, (int)x);
 	return nearest_far(p->around_far, ORDER_DIRECTIONS,
 			   place_of(p, turn_between(p->around_middle_rad, direction_rad)));
 }
 
-bool order_is_front(const struct people *p, const struct group *g)
+/* Where the far side is for a group that was on one side of it. */
+static float leaning(const struct group *g, float border)
 {
-	double direction = p->around_middle_rad;
-	float far = 0, border;
-	bool stands;
-
-	if (!p->object.camera)
-		return false;
-	stands = on_ground(p, g->foot_x, g->foot_y + 1, &direction, &far);
-	border = far_side(p, g, direction);
-	if (border < 0)
-		return false;
-	if (g->foot_y == p->down - 1)
-		return true; /* the feet are nearer than the picture shows */
-	if (!stands)
-		return false;
 	if (g->before[1] > g->before[0])
 		border += MARGIN * border;
 	else if (g->before[0])
 		border -= MARGIN * border;
-	return far < border;
+	return border;
+}
+
+/* ---- by depth ---- */
+
+/* Where what a cell shows is, seen from above: its direction and its distance from the camera. False: its
+ * depth is not known. */
+static bool cell_by_depth(const struct people *p, int x, int y, double *direction_rad, float *far)
+{
+	const struct depth_map *map = p->depth;
+	const double *axis = &p->object.camera->rotation[6];
+	const double px[2] = {(x + 0.5) * p->side, (y + 0.5) * p->side};
+	const int u = (int)(px[0] * map->width / p->settings.width);
+	const int v = (int)(px[1] * map->height / p->settings.height);
+	const double depth = depth_map_at(map, u < map->width ? u : map->width - 1,
+					  v < map->height ? v : map->height - 1);
+	double origin[3], dir[3], t;
+
+	if (!(depth > 0) || tsai_ray(p->object.camera, px, origin, dir))
+		return false;
+	t = depth / (axis[0] * dir[0] + axis[1] * dir[1] + axis[2] * dir[2]);
+	*direction_rad = atan2(dir[1], dir[0]);
+	*far = (float)(t * hypot(dir[0], dir[1]));
+	return true;
+}
+
+enum told { TOLD_NOTHING, TOLD_BEHIND, TOLD_FRONT };
+
+/* On which side of the object most of a group's cells are: at its outline the cameras may differ. */
+static enum told ask_depth(const struct people *p, const struct group *g)
+{
+	const int own = (int)(g - p->groups);
+	int step = 1, asked = 0, known = 0, nearer = 0;
+
+	while (step * step * ASKED_MOST < g->cells)
+		step++;
+	for (int y = g->top; y <= g->bottom; y += step)
+		for (int x = g->left; x <= g->right; x += step) {
+			double direction;
+			float far;
+
+			if (p->label[y * p->across + x] != own)
+				continue;
+			asked++;
+			if (!cell_by_depth(p, x, y, &direction, &far))
+				continue;
+			known++;
+			nearer += far < leaning(g, far_side(p, x, direction));
+		}
+	if (known < KNOWN_LEAST || known < KNOWN_SHARE * asked)
+		return TOLD_NOTHING;
+	return 2 * nearer > known ? TOLD_FRONT : TOLD_BEHIND;
+}
+
+/* ---- by the feet ---- */
+
+static bool stands_before(const struct people *p, const struct group *g)
+{
+	double direction = p->around_middle_rad;
+	float far = 0, border;
+	bool stands = on_ground(p, g->foot_x, g->foot_y + 1, &direction, &far);
+
+	border = far_side(p, g->foot_x, direction);
+	if (border < 0)
+		return false;
+	if (g->foot_y == p->down - 1)
+		return true; /* the feet are nearer than the picture shows */
+	return stands && far < leaning(g, border);
+}
+
+bool order_is_front(const struct people *p, const struct group *g)
+{
+	enum told told;
+
+	if (!p->object.camera)
+		return false;
+	told = p->depth ? ask_depth(p, g) : TOLD_NOTHING;
+	return told == TOLD_NOTHING ? stands_before(p, g) : told == TOLD_FRONT;
 }

@@ -252,6 +252,11 @@ void people_place(struct people *p, const struct people_object *object)
 	order_measure_object(p);
 }
 
+void people_take_depth(struct people *p, const struct depth_map *depth)
+{
+	p->depth = depth;
+}
+
 static void report_learned(struct people *p)
 {
 	int unknown = 0;
@@ -263,8 +268,8 @@ static void report_learned(struct people *p)
 		p->report.gain[c] = (double)p->gain[c];
 }
 
-void people_look(struct people *p, const struct picture *background, const float (*radiance)[3],
-		 int64_t captured_ns)
+static void look_at_frame(struct people *p, const struct picture *background,
+			  const float (*radiance)[3], int64_t captured_ns)
 {
 	const double step_ms = (double)(captured_ns - p->captured_ns) / NS_PER_MS;
 
@@ -287,6 +292,13 @@ void people_look(struct people *p, const struct picture *background, const float
 		p->frame++;
 	}
 	report_learned(p);
+}
+
+void people_look(struct people *p, const struct picture *background, const float (*radiance)[3],
+		 int64_t captured_ns)
+{
+	look_at_frame(p, background, radiance, captured_ns);
+	p->depth = NULL;
 }
 
 const struct veil *people_veil(const struct people *p)

@@ -20,6 +20,7 @@
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/live/veil.h"
+#include "hal/frame/depth.h"
 #include "hal/frame/view.h"
 #include "hal/look/sensor_noise.h"
 #include "hal/optics/dome.h"
@@ -63,6 +64,14 @@ void people_place(struct people *people, const struct people_object *object);
  * same time, captured_ns when it was captured. */
 void people_look(struct people *people, const struct picture *background,
 		 const float (*radiance)[3], int64_t captured_ns);
+
+/*
+ * Gives the next look, and no other, the depths of about the same moment; borrowed until it returns. The
+ * map shows what the background shows, as if from the same place, in any number of pixels: a depth camera
+ * that is registered to the background's, or one so close beside it that a person's inner parts coincide.
+ * Then a group's order is that of its depths, and its feet's only where too few of them are known.
+ */
+void people_take_depth(struct people *people, const struct depth_map *depth);
 
 /* What the last look saw, valid until the next call; NULL: nobody is there. */
 const struct veil *people_veil(const struct people *people);

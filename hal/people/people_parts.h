@@ -124,6 +124,7 @@ struct people {
 	double around_middle_rad, around_first_rad, around_last_rad;
 	bool around;	   /* the footprint is known */
 	float *object_far; /* [across] */
+	const struct depth_map *depth; /* of this frame; NULL: there is none */
 	double still_ms;   /* for how long nearly everything has been foreground */
 
 	/* outline.c */

@@ -248,6 +248,183 @@ static void without_a_footprint_the_lower_edge_counts(void **state)
 	stage_end(&s);
 }
 
+/* ---- by depth ---- */
+
+enum { MAP_WIDTH = 212, MAP_HEIGHT = 120 }; /* not the background's shape, either */
+
+/* An upright body of the depth camera's and of the background's picture. */
+struct standing {
+	double x, y;	 /* ground; m */
+	double hidden_m; /* so much of it is hidden, from its feet on */
+	double unknown;	 /* share of its pixels whose depth is 0 */
+	double shift; /* the depth camera sees it so much farther right, as a share of the width */
+	uint16_t flying; /* what is measured around it, mm: what is behind */
+};
+
+/* Where the ray through a point of the picture, as shares of it, meets the body: its depth in m; 0: it
+ * does not. */
+static double depth_of_body(const struct stage *s, const struct standing *b, double u, double v)
+{
+	const double px[2] = {u * WIDTH, v * HEIGHT}, *axis = &s->camera.rotation[6];
+	double origin[3], dir[3], t, to[2], far, lateral, height;
+
+	assert_int_equal(tsai_ray(&s->camera, px, origin, dir), 0);
+	to[0] = b->x - origin[0];
+	to[1] = b->y - origin[1];
+	far = hypot(to[0], to[1]);
+	t = far * far / (to[0] * dir[0] + to[1] * dir[1]);
+	lateral = (to[0] * dir[1] - to[1] * dir[0]) / far * t;
+	height = origin[2] + t * dir[2];
+	return t > 0 && fabs(lateral) < 0.25 && height > b->hidden_m && height < 1.7
+		       ? t * (axis[0] * dir[0] + axis[1] * dir[1] + axis[2] * dir[2])
+		       : 0;
+}
+
+/* What the depth camera measures of a body. */
+static void measure_body(const struct stage *s, const struct standing *b, uint8_t *words)
+{
+	for (int k = 0; k < MAP_WIDTH * MAP_HEIGHT; k++) {
+		const double u = (k % MAP_WIDTH + 0.5) / MAP_WIDTH - b->shift;
+		const double v = (k / MAP_WIDTH + 0.5) / MAP_HEIGHT;
+		const double depth = depth_of_body(s, b, u, v);
+		unsigned mm = depth > 0 ? (unsigned)lround(1000 * depth) : b->flying;
+
+		if (depth > 0 && fmod(k * 0.618034, 1) < b->unknown)
+			mm = 0;
+		words[2 * k] = (uint8_t)mm;
+		words[2 * k + 1] = (uint8_t)(mm >> 8);
+	}
+}
+
+/* The group that a body is in the background. */
+static struct group *group_of_body(struct stage *s, const struct standing *b)
+{
+	struct people *p = s->people;
+	struct group *g = &p->groups[0];
+
+	*g = (struct group){.left = p->across, .top = -1};
+	for (int y = 0; y < p->down; y++)
+		for (int x = 0; x < p->across; x++) {
+			const double u = (x + 0.5) / p->across, v = (y + 0.5) / p->down;
+			const bool in = depth_of_body(s, b, u, v) > 0;
+
+			p->label[y * p->across + x] = in ? 0 : -1;
+			if (!in)
+				continue;
+			g->cells++;
+			g->top = g->top < 0 ? y : g->top;
+			g->left = x < g->left ? x : g->left;
+			g->right = x > g->right ? x : g->right;
+			g->bottom = g->foot_y = y;
+		}
+	g->foot_x = 0.5 * (g->left + g->right + 1);
+	return g;
+}
+
+struct placed_count {
+	int all, wrong, front_taken_for_behind;
+};
+
+/* Bodies before and behind a wall of 4 m by 0.3 m, with and without depths. */
+static struct placed_count place_all(struct standing body, bool depth)
+{
+	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
+	struct placed_count count = {0, 0, 0};
+	uint8_t *words = malloc(2 * MAP_WIDTH * MAP_HEIGHT);
+	const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
+
+	assert_non_null(words);
+	stage_begin(&s, ahead, 4.2);
+	for (double y = -1.5; y < 1.6; y += 0.35)
+		for (double x = -1.2; x < 1.3; x += 0.8) {
+			struct group *g;
+			bool front;
+
+			if (fabs(y) < 0.4)
+				continue;
+			body.x = x;
+			body.y = y;
+			measure_body(&s, &body, words);
+			g = group_of_body(&s, &body);
+			people_take_depth(s.people, depth ? &map : NULL);
+			front = order_is_front(s.people, g);
+			count.all++;
+			count.wrong += front != (y < 0);
+			count.front_taken_for_behind += y < 0 && !front;
+		}
+	stage_end(&s);
+	free(words);
+	return count;
+}
+
+static void feet_that_a_low_wall_hides_do_not_matter_to_depth(void **state)
+{
+	const struct standing body = {.hidden_m = 0.9};
+	const struct placed_count feet = place_all(body, false), depth = place_all(body, true);
+
+	(void)state;
+	expect_above(feet.all, 25, "bodies");
+	expect_above(feet.front_taken_for_behind, 12, "by the feet");
+	expect_equal(depth.wrong, 0, "by depth");
+}
+
+static void feet_that_are_seen_tell_the_same(void **state)
+{
+	const struct standing body = {.hidden_m = 0};
+
+	(void)state;
+	expect_equal(place_all(body, false).wrong, 0, "by the feet");
+	expect_equal(place_all(body, true).wrong, 0, "by depth");
+}
+
+/* Holes, and a depth camera a little beside, with the wall of a room behind the outline. */
+static void holes_and_a_shift_do_not_matter(void **state)
+{
+	const struct standing holes = {.hidden_m = 0.9, .unknown = 0.7};
+	const struct standing beside = {.hidden_m = 0.9, .shift = 4.0 / WIDTH, .flying = 9000};
+
+	(void)state;
+	expect_equal(place_all(holes, true).wrong, 0, "7 of 10 unknown");
+	expect_equal(place_all(beside, true).wrong, 0, "4 pixels beside");
+}
+
+static void where_depths_are_not_known_the_feet_count(void **state)
+{
+	struct standing body = {.hidden_m = 0.9, .unknown = 0.9};
+
+	(void)state;
+	expect_equal(place_all(body, true).wrong, place_all(body, false).wrong, "9 of 10 unknown");
+	body.hidden_m = 0;
+	expect_equal(place_all(body, true).wrong, 0, "feet that are seen");
+}
+
+/* A group that was before the object stays there until it is farther than the far side by a share. */
+static void a_group_keeps_its_side_by_depth(void **state)
+{
+	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
+	uint8_t *words = malloc(2 * MAP_WIDTH * MAP_HEIGHT);
+	const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
+	struct standing body = {.y = 0.2, .hidden_m = 0.9}; /* the far side is at 0.15 */
+	struct group *g;
+
+	(void)state;
+	assert_non_null(words);
+	stage_begin(&s, ahead, 4.2);
+	measure_body(&s, &body, words);
+	g = group_of_body(&s, &body);
+	people_take_depth(s.people, &map);
+	assert_false(order_is_front(s.people, g));
+	g->before[1] = 1;
+	assert_true(order_is_front(s.people, g));
+	body.y = 0.5;
+	measure_body(&s, &body, words);
+	g = group_of_body(&s, &body);
+	g->before[1] = 1;
+	assert_false(order_is_front(s.people, g));
+	stage_end(&s);
+	free(words);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -258,6 +435,11 @@ int main(void)
 		cmocka_unit_test(from_within),
 		cmocka_unit_test(beside_a_wall_its_end_counts),
 		cmocka_unit_test(without_a_footprint_the_lower_edge_counts),
+		cmocka_unit_test(feet_that_a_low_wall_hides_do_not_matter_to_depth),
+		cmocka_unit_test(feet_that_are_seen_tell_the_same),
+		cmocka_unit_test(holes_and_a_shift_do_not_matter),
+		cmocka_unit_test(where_depths_are_not_known_the_feet_count),
+		cmocka_unit_test(a_group_keeps_its_side_by_depth),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
