@@ -18,11 +18,14 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
+#include "drivers/sim/studio.h"
 #include "hal/base/clock.h"
 #include "hal/frame/frame_decode.h"
 #include "hal/image/image.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/panorama.h"
+#include "hal/optics/tsai.h"
+#include "tests/support/expect.h"
 
 static char folder[] = "/tmp/inlay-sim.XXXXXX";
 
@@ -875,6 +878,108 @@ static void other_formats_are_refused(void **state)
 	rig.settings.width = 63;
 	assert_int_equal(test_sim_start(&rig), -EINVAL);
 	finish(&rig);
+	test_sim_prepare(&rig, "view=fisheye", NULL);
+	rig.settings.format = PIXEL_Z16;
+	assert_int_equal(test_sim_start(&rig), -EINVAL);
+	assert_non_null(strstr(rig.fault.text, "expected sim.source = studio"));
+	finish(&rig);
+}
+
+/* How far a pixel's depth is from that of the empty room's wall, in m; NAN: it is not known. */
+static double depth_off(const struct tsai_camera *camera, const struct frame *frame, int x, int y,
+			double *depth)
+{
+	const uint8_t *word = frame->planes[0].data + (size_t)y * frame->planes[0].stride +
+			      (size_t)(2 * x);
+	const double px[2] = {x + 0.5, y + 0.5}, *axis = &camera->rotation[6];
+	double origin[3], dir[3];
+	struct studio_hit hit;
+
+	assert_int_equal(tsai_ray(camera, px, origin, dir), 0);
+	assert_true(studio_hit(origin, dir, &hit));
+	*depth = hit.distance * (axis[0] * dir[0] + axis[1] * dir[1] + axis[2] * dir[2]);
+	return word[0] | word[1] ? (word[0] | word[1] << 8) / 1000.0 - *depth : NAN;
+}
+
+static void depths_are_where_walls_are(void **state)
+{
+	const double eye[3] = {0, -1.7, 0.95}, target[3] = {0, 0, 0.12};
+	const double noise_mm[2] = {0, 4};
+	struct tsai_camera camera;
+
+	(void)state;
+	assert_int_equal(tsai_look_at(&camera, 64, 48, eye, target, 46, NULL), 0);
+	for (int n = 0; n < 2; n++) {
+		struct frame frame;
+		struct sim_rig rig;
+		double worst = 0, sum = 0;
+		int known = 0;
+
+		test_sim_prepare(&rig, "view=perspective", "clock=frames",
+				 n ? "depth_noise=4" : "depth_noise=0", NULL);
+		rig.settings.format = PIXEL_Z16;
+		must_start(&rig);
+		test_sim_grab(&rig, &frame);
+		assert_int_equal(frame.format, PIXEL_Z16);
+		for (int y = 0; y < 48; y++)
+			for (int x = 0; x < 64; x++) {
+				double depth;
+				const double off = depth_off(&camera, &frame, x, y, &depth);
+
+				if (isnan(off))
+					continue;
+				known++;
+				worst = fmax(worst, fabs(off));
+				sum += pow(off / (depth * depth), 2);
+			}
+		expect_above(known, 0.9 * 64 * 48, "noise %g", noise_mm[n]);
+		if (n)
+			expect_at_most(fabs(1000 * sqrt(sum / known) - noise_mm[n]),
+				       0.05 * noise_mm[n], "standard deviation at 1 m");
+		else
+			expect_at_most(worst, 0.00051, "rounding");
+		camera_release(&rig.camera, &frame);
+		finish(&rig);
+	}
+}
+
+/* Walkers are nearer than the room; at their outlines nothing is known. */
+static void depths_have_holes_at_edges(void **state)
+{
+	const double eye[3] = {0, -1.7, 0.95}, target[3] = {0, 0, 0.12};
+	struct tsai_camera camera;
+	struct sim_rig rig;
+	int nearer = 0, jumps = 0, holes = 0;
+
+	(void)state;
+	assert_int_equal(tsai_look_at(&camera, 64, 48, eye, target, 46, NULL), 0);
+	test_sim_prepare(&rig, "view=perspective", "clock=frames", "walkers=4", NULL);
+	rig.settings.format = PIXEL_Z16;
+	rig.settings.rate_hz = 2;
+	must_start(&rig);
+	for (int n = 0; n < 60; n++) {
+		struct frame frame;
+
+		test_sim_grab(&rig, &frame);
+		for (int y = 0; y < 48; y++) {
+			double before = NAN;
+
+			for (int x = 0; x < 64; x++) {
+				double depth;
+				const double off = depth_off(&camera, &frame, x, y, &depth);
+
+				nearer += off < -0.2;
+				holes += isnan(off);
+				jumps += fabs(off - before) > 0.3; /* false for those not known */
+				before = off;
+			}
+		}
+		camera_release(&rig.camera, &frame);
+	}
+	finish(&rig);
+	expect_above(nearer, 2000, "pixels of walkers");
+	expect_above(holes, 300, "pixels at edges");
+	expect_equal(jumps, 0, "edges without a hole");
 }
 
 static void a_closed_camera_is_harmless(void **state)
@@ -935,6 +1040,8 @@ int main(void)
 		cmocka_unit_test(a_square_panorama_is_refused),
 		cmocka_unit_test(a_camera_file_sets_the_view),
 		cmocka_unit_test(other_formats_are_refused),
+		cmocka_unit_test(depths_are_where_walls_are),
+		cmocka_unit_test(depths_have_holes_at_edges),
 	};
 
 	return cmocka_run_group_tests_name("camera_sim", tests, make_folder, remove_folder);
