@@ -8,11 +8,13 @@
 
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/spread.h"
+#include "drivers/sim/studio_depth.h"
 #include "hal/frame/view.h"
 #include "hal/lights/sampler.h"
 
 enum { SKY_SIDE = 128 };
 static const double sky_exposure = 0.16;
+static const float wall_depth = 0.9f; /* m */
 
 struct filmed_cameras {
 	struct studio_view *place, *sky;
@@ -20,6 +22,7 @@ struct filmed_cameras {
 	struct sensor sensor, sky_sensor;
 	struct studio_layer *sky_people;
 	float *picture, *spread, *sky_picture; /* spread: two pictures */
+	float *depth;			       /* before the depth camera's noise, m */
 	uint8_t *sky_bgrx;
 };
 
@@ -66,15 +69,17 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	filmed->behind = calloc(pixels, sizeof(*filmed->behind));
 	filmed->before = calloc(pixels, sizeof(*filmed->before));
 	filmed->bgrx = calloc(pixels, 4);
+	filmed->depth = calloc(pixels, 2);
 	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
 	c->picture = calloc(pixels, 3 * sizeof(float));
 	c->spread = calloc(pixels, 6 * sizeof(float));
+	c->depth = calloc(pixels, sizeof(float));
 	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
 	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
 	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
 	if (!filmed->ground || !filmed->behind || !filmed->before || !filmed->bgrx ||
-	    !filmed->light || !c->picture || !c->spread || !c->sky_picture || !c->sky_people ||
-	    !c->sky_bgrx)
+	    !filmed->light || !filmed->depth || !c->depth || !c->picture || !c->spread ||
+	    !c->sky_picture || !c->sky_people || !c->sky_bgrx)
 		return -ENOMEM;
 	sensor_prepare(&c->sensor, &(struct sensor_settings){
 					   .exposure = 1,
@@ -116,6 +121,22 @@ static void build_wall(struct filmed *filmed, const struct filmed_moment *moment
 				filmed->ground[3 * k + c] *= 0.7f;
 			filmed->behind[k] = filmed->before[k] = nothing;
 		}
+}
+
+static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
+			  const struct studio_lamps *lamps)
+{
+	struct filmed_cameras *c = filmed->cameras;
+	const struct studio_depth_sensor sensor = {moment->depth_noise_mm, 5};
+
+	studio_depth_room(c->place, lamps, c->depth);
+	studio_depth_people(c->place, filmed->behind, c->depth);
+	studio_depth_people(c->place, filmed->before, c->depth);
+	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
+		for (int x = moment->wall_x; x < filmed->width; x++)
+			c->depth[y * filmed->width + x] = wall_depth;
+	studio_depth_measure(&sensor, (uint64_t)moment->number, c->depth, filmed->width,
+			     filmed->height, filmed->depth);
 }
 
 static void expose(float *rgb, const double exposure[3])
@@ -160,6 +181,8 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
 	studio_people_draw(c->place, &lamps, split[1], count[1], filmed->before);
 	build_wall(filmed, moment);
+	if (moment->depth_noise_mm > 0)
+		measure_depth(filmed, moment, &lamps);
 	for (size_t k = 0; k < pixels; k++) {
 		expose(&filmed->ground[3 * k], moment->exposure);
 		expose(filmed->behind[k].rgb, moment->exposure);
@@ -186,12 +209,14 @@ void filmed_close(struct filmed *filmed)
 		free(c->sky_picture);
 		free(c->sky_people);
 		free(c->sky_bgrx);
+		free(c->depth);
 		free(c);
 	}
 	free(filmed->ground);
 	free(filmed->behind);
 	free(filmed->before);
 	free(filmed->bgrx);
+	free(filmed->depth);
 	free(filmed->light);
 	memset(filmed, 0, sizeof(*filmed));
 }

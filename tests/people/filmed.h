@@ -24,6 +24,7 @@ struct filmed_moment {
 	double edge_spread_px; /* of the background camera */
 	struct mains mains;    /* the panels flicker in its picture */
 	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
+	double depth_noise_mm; /* of a depth camera beside the background's, at 1 m; 0: there is none */
 };
 
 struct filmed {
@@ -33,6 +34,7 @@ struct filmed {
 	struct studio_layer *behind; /* [h][w]: bodies behind the object */
 	struct studio_layer *before;
 	uint8_t *bgrx;	   /* [h][w][4]: what the background camera gives */
+	uint8_t *depth;	   /* [h][w]: words of Z16, in mm, from the same place */
 	float (*light)[3]; /* [dome->count]: measured by the fisheye */
 	struct filmed_cameras *cameras;
 };

@@ -22,6 +22,8 @@ static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 static const double eye_ground[2] = {0, -2.4};
 /* The box of people.scene on the ground: half its side, and how it is turned. */
 static const double foot_half = 0.175, foot_turn = 20 * M_PI / 180;
+/* Of a depth camera: 5 mm at 1 m, 2 cm at 2 m. */
+enum { DEPTH_NOISE_MM = 5 };
 enum { LEARNING = 900, RATE_HZ = 15, METHODS = 1 + SUBTRACTORS };
 
 static void die(const char *what)
@@ -40,7 +42,8 @@ struct judged_case {
 	double rate_hz;
 	bool restless; /* lamps are switched and the exposure jumps and drifts */
 	int wall_x, wall_y;
-	double walk_m_s; /* of the one */
+	double walk_m_s;       /* of the one */
+	double depth_noise_mm; /* at 1 m; 0: there is no depth camera */
 };
 
 static const struct judged_case cases[] = {
@@ -86,6 +89,41 @@ static const struct judged_case cases[] = {
 	 0,
 	 0,
 	 0},
+	{.name = "wall",
+	 .what = "walks before the object, feet hidden by a low wall",
+	 .people = -1,
+	 .style = WALKER_JUMPER,
+	 .place = {0, -0.5},
+	 .rate_hz = RATE_HZ,
+	 .wall_x = 60,
+	 .wall_y = 130,
+	 .walk_m_s = 0.4},
+	{.name = "main-depth",
+	 .what = "main, with a depth camera",
+	 .people = 4,
+	 .rate_hz = RATE_HZ,
+	 .restless = true,
+	 .depth_noise_mm = DEPTH_NOISE_MM},
+	{.name = "feet-depth",
+	 .what = "feet, with a depth camera",
+	 .people = -1,
+	 .style = WALKER_JUMPER,
+	 .place = {0, 0.6},
+	 .rate_hz = RATE_HZ,
+	 .wall_x = 60,
+	 .wall_y = 108,
+	 .walk_m_s = 0.4,
+	 .depth_noise_mm = DEPTH_NOISE_MM},
+	{.name = "wall-depth",
+	 .what = "wall, with a depth camera",
+	 .people = -1,
+	 .style = WALKER_JUMPER,
+	 .place = {0, -0.5},
+	 .rate_hz = RATE_HZ,
+	 .wall_x = 60,
+	 .wall_y = 130,
+	 .walk_m_s = 0.4,
+	 .depth_noise_mm = DEPTH_NOISE_MM},
 };
 
 enum { CASES = sizeof(cases) / sizeof(*cases) };
@@ -157,6 +195,7 @@ static void make_moment(const struct judged_case *of, int frame, struct filmed_m
 	moment->time_s = t;
 	moment->wall_x = of->wall_x;
 	moment->wall_y = of->wall_y;
+	moment->depth_noise_mm = of->depth_noise_mm;
 	for (int c = 0; c < 3; c++)
 		moment->exposure[c] = 0.8;
 	if (of->restless) {
@@ -476,6 +515,7 @@ static void judge_frame(struct judged *j, const struct judged_case *of, int fram
 {
 	struct filmed_moment moment;
 	struct picture picture;
+	struct depth_map depth;
 	const struct veil *veil;
 	double begin;
 	int wrong, order;
@@ -484,7 +524,11 @@ static void judge_frame(struct judged *j, const struct judged_case *of, int fram
 	if (filmed_take(&j->filmed, &moment))
 		die("not enough memory");
 	picture = as_picture(j, j->filmed.bgrx);
+	depth = (struct depth_map){
+		j->filmed.depth,  2,	(ptrdiff_t)j->filmed.width * 2, j->filmed.width,
+		j->filmed.height, 0.001};
 	begin = cpu_s();
+	people_take_depth(j->people, of->depth_noise_mm > 0 ? &depth : NULL);
 	people_look(j->people, &picture, (const float(*)[3])j->filmed.light,
 		    (int64_t)(moment.time_s * 1e9));
 	begin = cpu_s() - begin;
@@ -547,7 +591,7 @@ int main(int argc, char **argv)
 		die("expected BASIS.inlay [FRAMES [CASE [FOLDER]]]");
 	for (int i = 0; i < CASES; i++) {
 		const struct judged_case *of = &cases[i];
-		const int length = i == 0	      ? frames
+		const int length = of->restless	      ? frames
 				   : frames < 300     ? frames
 				   : of->rate_hz == 1 ? 600
 						      : 300;
