@@ -179,7 +179,8 @@ static int usage_fault(const struct grab_options *options)
 	for (int i = 0; i < options->control_count; i++)
 		series += strchr(options->controls[i], ',') != NULL;
 	if (!options->name)
-		log_error("grab: no view, expected fisheye, background, scene or a camera's name");
+		log_error("grab: no view, expected fisheye, background, scene, depth or a camera's "
+			  "name");
 	else if (!options->out)
 		log_error("grab: no file, expected -o FILE.png");
 	else if (series > 1)
@@ -210,8 +211,8 @@ static int grab_command(int argc, char **argv)
 
 const struct command command_grab = {
 	.name = "grab",
-	.usage =
-		"fisheye|background|scene|CAMERA -o FILE.png [--as-sent] [--control NAME=VALUE]...",
+	.usage = "fisheye|background|scene|depth|CAMERA -o FILE.png [--as-sent] [--control "
+		 "NAME=VALUE]...",
 	.purpose = "take a still picture of a camera, upright as the kiosk sees it",
 	.details =
 		"For calibration and for placing the object, on the kiosk while inlay run does not "

@@ -29,9 +29,10 @@ static const struct config_view *find_view(const struct config *config, const ch
 		const struct config_view *view;
 	} views[] = {{"fisheye", &config->fisheye.view},
 		     {"background", &config->background.view},
-		     {"scene", &config->scene.view}};
+		     {"scene", &config->scene.view},
+		     {"depth", &config->depth.view}};
 
-	for (int i = 0; i < 3; i++) {
+	for (int i = 0; i < 4; i++) {
 		if (strcmp(views[i].name, name) == 0 && views[i].view->camera[0])
 			return views[i].view;
 	}
@@ -55,7 +56,7 @@ static int start_source(struct grab *grab, struct config *config, struct config_
 	const struct source_settings settings = {
 		.name = camera->name,
 		.ops = camera_drivers[driver],
-		.camera = camera->settings,
+		.camera = config_camera_settings(config, camera),
 		.options = config_options(config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
 		.turn = (enum picture_turn)camera->turn,
@@ -114,8 +115,8 @@ int grab_open(struct grab **grab, struct config *config, const char *name, bool 
 	if (!camera)
 		return fault_say(
 			fault, -EINVAL,
-			"no camera \"%s\", expected fisheye, background, scene or the name "
-			"of a [camera NAME] of the configuration",
+			"no camera \"%s\", expected fisheye, background, scene, depth or the "
+			"name of a [camera NAME] of the configuration",
 			name);
 	g = calloc(1, sizeof(*g));
 	if (!g)

@@ -160,6 +160,12 @@ struct config_scene {
 	struct config_view view;
 };
 
+/* A depth camera that looks on beside the background's. */
+struct config_depth {
+	struct config_view view; /* of the same part of the world as the background's */
+	double unit_mm;		 /* what 1 in a depth stands for */
+};
+
 struct config_lights {
 	/* 8-bit grey level of the fisheye's picture, 0..255; or the change that is allowed in any
 	 * pixel of the result, in percent of white */
@@ -193,6 +199,7 @@ struct config {
 	struct config_fisheye fisheye;
 	struct config_background background;
 	struct config_scene scene;
+	struct config_depth depth;
 	struct config_lights lights;
 	struct config_composite composite;
 	struct config_people people;
@@ -274,6 +281,11 @@ void *config_options(const struct config *config, enum config_class kind, void *
 
 /* Returns the camera of this name, or NULL. */
 struct config_camera *config_camera_named(const struct config *config, const char *name);
+
+/* Returns what a camera's driver is asked for: as configured, and depths of the camera of [depth], which
+ * are read where the driver puts them. */
+struct camera_settings config_camera_settings(const struct config *config,
+					      const struct config_camera *camera);
 
 /* Returns the view with rotate180 applied to its flips. */
 struct view config_view(const struct config_view *view);

@@ -60,3 +60,19 @@ struct config_camera *config_camera_named(const struct config *config, const cha
 	}
 	return NULL;
 }
+
+/* While a frame of depths is read the driver needs two more buffers. */
+#define DEPTH_BUFFERS 3
+
+struct camera_settings config_camera_settings(const struct config *config,
+					      const struct config_camera *camera)
+{
+	struct camera_settings settings = camera->settings;
+
+	if (strcmp(config->depth.view.camera, camera->name) != 0)
+		return settings;
+	settings.format = PIXEL_Z16;
+	if (settings.buffers < DEPTH_BUFFERS)
+		settings.buffers = DEPTH_BUFFERS;
+	return settings;
+}

@@ -78,6 +78,27 @@ static void check_view_camera(const struct config *config, const char *section,
 			near ? "\"?" : "");
 }
 
+/* A camera that measures depths sends no other pictures. */
+static void check_depth(const struct config *config, struct ini_report *report)
+{
+	const char *name = config->depth.view.camera;
+	const struct config_camera *camera = config_camera_named(config, name);
+	const int format = camera ? camera->settings.format : PIXEL_NONE;
+
+	if (*name && (!strcmp(name, config->fisheye.view.camera) ||
+		      !strcmp(name, config->background.view.camera) ||
+		      !strcmp(name, config->scene.view.camera)))
+		config_complain(config, report,
+				"[depth] camera: camera %.60s is seen by another view too, "
+				"expected a camera of its own",
+				name);
+	if (format != PIXEL_NONE && format != PIXEL_Z16)
+		config_complain(config, report,
+				"[camera %.60s] format: is %s, but [depth] looks through it; "
+				"expected Z16 or none",
+				name, pixel_format_names[format]);
+}
+
 static void check_buttons(const struct config *config, struct ini_report *report)
 {
 	const char *text = config->buttons->driver;
@@ -116,6 +137,8 @@ int config_check(const struct config *config, struct ini_report *report)
 	check_view_camera(config, "fisheye", &config->fisheye.view, true, report);
 	check_view_camera(config, "background", &config->background.view, true, report);
 	check_view_camera(config, "scene", &config->scene.view, false, report);
+	check_view_camera(config, "depth", &config->depth.view, false, report);
+	check_depth(config, report);
 	config_check_light(config, report);
 	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
 		config_complain(

@@ -165,7 +165,7 @@ static const struct ini_key camera_keys[] = {
 		 "rate."},
 	INI_KEYS_END};
 
-/* The three views differ only in the default of their camera. */
+/* The four views differ only in the default of their camera. */
 #define VIEW_CAMERA_KEY(camera_default, text)                                                      \
 	{                                                                                          \
 		.name = "camera", .type = INI_TEXT,                                                \
@@ -180,6 +180,12 @@ static const struct ini_key background_camera_keys[] = {
 	INI_KEYS_END};
 static const struct ini_key scene_camera_keys[] = {
 	VIEW_CAMERA_KEY("", "A [camera NAME] that looks on, for show = quad; empty: none."),
+	INI_KEYS_END};
+
+static const struct ini_key depth_camera_keys[] = {
+	VIEW_CAMERA_KEY("", "A [camera NAME] that measures depths (Z16) of what the background "
+			    "shows, aligned to it, so that [people] need not tell by their feet; "
+			    "empty: none."),
 	INI_KEYS_END};
 
 static const struct ini_key view_keys[] = {
@@ -239,6 +245,16 @@ static const struct ini_key view_keys[] = {
 	 .help = "Height of a pixel over its width; 2 where every other line was lost. Stretches "
 		 "what is shown."},
 	INI_KEYS_END};
+
+static const struct ini_key depth_keys[] = {{.name = "unit",
+					     .type = INI_REAL,
+					     .offset = offsetof(struct config_depth, unit_mm),
+					     .min = 0.001,
+					     .max = 1000,
+					     .fallback = "1",
+					     .unit = "mm",
+					     .help = "What 1 in the camera's depths stands for."},
+					    INI_KEYS_END};
 
 static const struct ini_key fisheye_lens_keys[] = {
 	{.name = "lens",
@@ -723,6 +739,19 @@ const struct ini_table config_tables[] = {
 	 .keys = view_keys,
 	 .place = keys_place_config,
 	 .part = offsetof(struct config, scene.view)},
+	{.section = "depth",
+	 .keys = depth_camera_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, depth.view),
+	 .help = "How far everything is that the background shows."},
+	{.section = "depth",
+	 .keys = view_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, depth.view)},
+	{.section = "depth",
+	 .keys = depth_keys,
+	 .place = keys_place_config,
+	 .part = offsetof(struct config, depth)},
 	{.section = "lights",
 	 .keys = lights_keys,
 	 .place = keys_place_config,

@@ -1,6 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "app/camera/eye.h"
 
+void eyes_list(const struct eyes *eyes, const struct eye *list[EYES])
+{
+	list[0] = &eyes->fisheye;
+	list[1] = &eyes->background;
+	list[2] = &eyes->scene;
+	list[3] = &eyes->depth;
+}
+
 struct source *eyes_leader(const struct eyes *eyes)
 {
 	struct source *candidates[] = {eyes->background.source, eyes->fisheye.source,
@@ -46,7 +54,8 @@ bool eye_read(const struct eye *eye, struct frame_reader *reader)
 {
 	const struct source *source = eye->source;
 
-	return source->shown && !source->whole &&
+	/* A frame that is to be turned is the picture only where it holds depths. */
+	return source->shown && !source->whole && source->settings.turn == PICTURE_UPRIGHT &&
 	       frame_reader_open(reader, &source->held, &eye->view, NULL) == 0;
 }
 
@@ -65,6 +74,15 @@ struct frame_reader eye_reader(const struct eye *eye)
 		return reader;
 	picture = eye_picture(eye);
 	return frame_reader_of(&picture);
+}
+
+bool eye_depth(const struct eye *eye, double unit_m, struct depth_map *map)
+{
+	const struct source *source = eye->source;
+
+	return source && source->shown && eye_has_picture(eye) &&
+	       depth_map_of(map, &source->held, source->settings.turn, &eye->view, unit_m, NULL) ==
+		       0;
 }
 
 bool eye_has_settled(const struct eye *eye, bool metering)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A view of a camera's picture: fisheye, background or scene look through an eye, which says which
+/* A view of a camera's picture: fisheye, background, scene or depth look through an eye, which says which
  * part of which camera they see upright. */
 #ifndef INLAY_APP_CAMERA_EYE_H
 #define INLAY_APP_CAMERA_EYE_H
@@ -8,6 +8,7 @@
 
 #include "app/camera/source.h"
 #include "hal/base/fault.h"
+#include "hal/frame/depth.h"
 #include "hal/frame/frame_reader.h"
 #include "hal/frame/view.h"
 
@@ -21,11 +22,16 @@ struct eye {
 };
 
 struct eyes {
-	struct eye fisheye, background, scene;
+	struct eye fisheye, background, scene, depth;
 };
 
+enum { EYES = 4 };
+
+/* All of them, in the order above. */
+void eyes_list(const struct eyes *eyes, const struct eye *list[EYES]);
+
 /* The camera whose frames set the pace: the background's while it gives frames, else the first
- * other one that does, else the first one that is open. NULL: none is open. */
+ * other one that does, else the first one that is open; never that of depth. NULL: none is open. */
 struct source *eyes_leader(const struct eyes *eyes);
 
 bool eye_has_picture(const struct eye *eye);
@@ -43,6 +49,10 @@ struct picture eye_picture(const struct eye *eye);
 
 /* The same by a reader, whichever way suits. */
 struct frame_reader eye_reader(const struct eye *eye);
+
+/* The depths of a frame that is the picture, in memory that the camera filled; valid as eye_read()'s. False:
+ * there are none. */
+bool eye_depth(const struct eye *eye, double unit_m, struct depth_map *map);
 
 /* Takes a new picture: whether its light counts already, after its camera was opened. metering: as for
  * settling_take(). Frames on demand have nothing to settle. */

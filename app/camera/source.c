@@ -418,8 +418,11 @@ static int decode_whole(struct source *source, struct fault *fault)
 
 static int decode_held(struct source *source, struct fault *fault)
 {
+	const bool upright = source->settings.turn == PICTURE_UPRIGHT ||
+			     source->held.format == PIXEL_Z16; /* eye_depth() turns it */
+
 	source->is_linear = source->held.format == PIXEL_RGBF;
-	if (frame_is_raw(&source->held) && source->settings.turn == PICTURE_UPRIGHT)
+	if (frame_is_raw(&source->held) && upright)
 		return decode_raw(source, fault);
 	return source->is_linear ? decode_linear(source, fault) : decode_whole(source, fault);
 }

@@ -56,7 +56,9 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 	source->kept = k->controls.frozen;
 	err = source_take(source, now, &reason);
 
-	if (err && first && camera_is_hopeless(source->situation, err))
+	/* Without depths people are told by their feet. */
+	if (err && first && source != k->inputs.eyes.depth.source &&
+	    camera_is_hopeless(source->situation, err))
 		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
 	if (err)
 		source_complain(source, &reason);

@@ -97,6 +97,8 @@ int kiosk_fit_eyes(struct kiosk_inputs *in, const struct kiosk_picture *picture,
 				     strict);
 	if (!err)
 		err = fit_eye(&in->eyes.scene, &in->unfit[2], strict);
+	if (!err)
+		err = fit_eye(&in->eyes.depth, &in->unfit[3], NULL); /* people have feet, too */
 	return err;
 }
 

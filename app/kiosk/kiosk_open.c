@@ -33,7 +33,8 @@ static bool is_watched(const struct config *config, const char *camera)
 {
 	return !strcmp(config->fisheye.view.camera, camera) ||
 	       !strcmp(config->background.view.camera, camera) ||
-	       !strcmp(config->scene.view.camera, camera);
+	       !strcmp(config->scene.view.camera, camera) ||
+	       !strcmp(config->depth.view.camera, camera);
 }
 
 struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera)
@@ -51,7 +52,7 @@ static int create_source(struct kiosk_inputs *in, const struct config *config,
 	struct source_settings settings = {
 		.name = camera->name,
 		.ops = camera_drivers[driver],
-		.camera = camera->settings,
+		.camera = config_camera_settings(config, camera),
 		.options = config_options(config, CONFIG_CAMERA, camera, driver),
 		.deinterlace = (enum deinterlace)camera->deinterlace,
 		.turn = (enum picture_turn)camera->turn,
@@ -87,6 +88,7 @@ static int create_sources(struct kiosk_inputs *in, struct config *config, bool r
 	exposing_start(&in->exposing, &config->fisheye);
 	in->eyes.background = eye_of(in, "background", &config->background.view);
 	in->eyes.scene = eye_of(in, "scene", &config->scene.view);
+	in->eyes.depth = eye_of(in, "depth", &config->depth.view);
 	return 0;
 }
 

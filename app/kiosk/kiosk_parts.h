@@ -46,8 +46,10 @@ struct kiosk_inputs {
 	int source_count;
 	struct eyes eyes;
 	struct exposing exposing; /* exposures of the fisheye's camera */
-	/* Why the view of fisheye, background, scene does not fit its picture; empty: it does. */
-	struct fault unfit[3];
+	/* Why each view does not fit its picture, as eyes_list() has them; empty: it does. */
+	struct fault unfit[EYES];
+	bool depth_used; /* the last look for people had depths */
+	enum { DEPTH_UNSAID, DEPTH_SAID_UNUSED, DEPTH_SAID_USED } depth_said; /* in the log */
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
 	struct fault doubt_said; /* why the light is not believed; empty: it is */
 	int doubted;		 /* for how many seconds it has not been believed */

@@ -7,6 +7,8 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
+#define DEPTH_APART_NS (NS_PER_S / 5) /* from the background's picture; else depths are not used */
+
 /* ---- time of each stage ---- */
 
 struct stage_clock {
@@ -142,16 +144,30 @@ static struct show_pictures pictures_for(const struct eyes *eyes, const struct p
 	return pictures;
 }
 
-/* Looks for people and noise in the background, which is converted whole for it. */
-static void look_at_background(const struct kiosk_inputs *in, struct pipeline *pipeline)
+/* Whether depths were captured with the background's picture. Frames on demand are in step. */
+static bool are_of_now(const struct source *depth, const struct source *background)
 {
-	const struct eye *background = &in->eyes.background;
+	const int64_t apart_ns = depth->picture_ns - background->picture_ns;
+
+	return depth->camera.on_demand ||
+	       (apart_ns >= -DEPTH_APART_NS && apart_ns <= DEPTH_APART_NS);
+}
+
+/* Looks for people and noise in the background, which is converted whole for it. */
+static void look_at_background(struct kiosk_inputs *in, const struct config *config,
+			       struct pipeline *pipeline)
+{
+	const struct eye *background = &in->eyes.background, *depth = &in->eyes.depth;
 	struct picture picture;
+	struct depth_map map;
 
 	if (!pipeline_looks(pipeline) || !eye_has_picture(background))
 		return;
+	in->depth_used = eye_depth(depth, config->depth.unit_mm / 1000, &map) &&
+			 are_of_now(depth->source, background->source);
 	picture = eye_picture(background);
-	pipeline_look(pipeline, &picture, background->source->stamp_ns);
+	pipeline_look(pipeline, &picture, in->depth_used ? &map : NULL,
+		      background->source->stamp_ns);
 }
 
 /* The compositor reads the background from the camera's own memory, unless a view has had it
@@ -197,7 +213,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 
 	stage_end(stages, STAGE_SHOW);
 	if (!err && pictures.composite.pixels)
-		look_at_background(&k->inputs, k->picture.pipeline);
+		look_at_background(&k->inputs, k->config, k->picture.pipeline);
 	stage_end(stages, STAGE_PEOPLE);
 	if (!err && pictures.composite.pixels)
 		err = composite_background(&k->inputs.eyes.background, k->picture.pipeline,

@@ -5,17 +5,19 @@
 
 #include "app/kiosk/kiosk_parts.h"
 #include "app/view/words.h"
+#include "hal/base/log.h"
 
 #define ROLE_MAX 64
 
 /* Names the views that look through a camera: "Fisheye and background". */
 static void role_of(const struct eyes *e, const struct source *source, char role[ROLE_MAX])
 {
-	const struct eye *eyes[] = {&e->fisheye, &e->background, &e->scene};
-	const char *used[3] = {NULL};
+	const struct eye *eyes[EYES];
+	const char *used[EYES] = {NULL};
 	int count = 0, length = 0;
 
-	for (int i = 0; i < 3; i++) {
+	eyes_list(e, eyes);
+	for (int i = 0; i < EYES; i++) {
 		if (eyes[i]->source == source)
 			used[count++] = eyes[i]->section;
 	}
@@ -33,10 +35,11 @@ static void role_of(const struct eyes *e, const struct source *source, char role
 static enum camera_situation situation_of(const struct kiosk_inputs *in,
 					  const struct source *source, const char **why)
 {
-	const struct eye *eyes[] = {&in->eyes.fisheye, &in->eyes.background, &in->eyes.scene};
+	const struct eye *eyes[EYES];
 
 	*why = source->why.text;
-	for (int i = 0; i < 3; i++) {
+	eyes_list(&in->eyes, eyes);
+	for (int i = 0; i < EYES; i++) {
 		if (source->situation != CAMERA_FINE || eyes[i]->source != source ||
 		    !eyes[i]->unfit)
 			continue;
@@ -98,11 +101,28 @@ static void write_information(struct kiosk *k)
 		.people = report.people.on,
 		.learned = report.people.learned,
 		.in_front = report.people.in_front,
+		.depth = k->inputs.eyes.depth.source != NULL,
+		.by_depth = k->inputs.depth_used,
 	};
 	char text[OVERLAY_TEXT_MAX];
 
 	words_information(text, sizeof(text), &figures);
 	overlay_information(&k->picture.overlay, text);
+}
+
+/* Where there is a depth camera, logs what tells who is in front whenever that has changed. */
+static void say_depth(struct kiosk_inputs *in, const struct pipeline *pipeline)
+{
+	const int now = in->depth_used ? DEPTH_SAID_USED : DEPTH_SAID_UNUSED;
+
+	if (!in->eyes.depth.source || !pipeline_report(pipeline).people.begun ||
+	    now == (int)in->depth_said)
+		return;
+	in->depth_said = now;
+	log_info_paced("people: who is in front is told by %s",
+		       in->depth_used ? "depth"
+				      : "their feet, as no depth has come within 0.2 s of the "
+					"picture");
 }
 
 void kiosk_text(struct kiosk *k)
@@ -113,6 +133,7 @@ void kiosk_text(struct kiosk *k)
 	_Static_assert(CONFIG_CAMERAS_MAX + 2 <= OVERLAY_TROUBLES_MAX,
 		       "a line for each camera, for the pose and for the light");
 	count += kiosk_doubt(k, texts[count]);
+	say_depth(&k->inputs, k->picture.pipeline);
 	overlay_troubles(&k->picture.overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
 			 k->config->screen->trouble ? count : 0);
 	if (k->controls.information)

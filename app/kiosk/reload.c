@@ -33,6 +33,7 @@ static const struct {
 	{"background", "light", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"background", "ground_patch", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"background", "ground_reflectance", RELOAD_PIPELINE | RELOAD_DRAWING},
+	{"depth", "unit", RELOAD_DRAWING},
 	{"lights", "threshold", RELOAD_THRESHOLD | RELOAD_DRAWING},
 	{"lights", "threshold_mode", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"lights", "follow", RELOAD_PIPELINE},

@@ -236,7 +236,8 @@ bool pipeline_looks(const struct pipeline *p)
 	return p->people || p->follower || p->grain;
 }
 
-void pipeline_look(struct pipeline *p, const struct picture *background, int64_t captured_ns)
+void pipeline_look(struct pipeline *p, const struct picture *background,
+		   const struct depth_map *depth, int64_t captured_ns)
 {
 	const bool fresh = !p->looked || p->looked_ns != captured_ns;
 
@@ -245,7 +246,7 @@ void pipeline_look(struct pipeline *p, const struct picture *background, int64_t
 	if (fresh && p->follower && p->lit)
 		pipeline_exposure_look(p, background);
 	if (p->people && p->lit)
-		pipeline_people_look(p, background, captured_ns, fresh);
+		pipeline_people_look(p, background, depth, captured_ns, fresh);
 	if (fresh && p->grain)
 		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
 	p->looked = true;

@@ -22,6 +22,7 @@
 #include "hal/base/pool.h"
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
+#include "hal/frame/depth.h"
 #include "hal/frame/view.h"
 #include "hal/image/image.h"
 #include "hal/lights/exposures.h"
@@ -206,10 +207,10 @@ void pipeline_try_again(struct pipeline *pipeline);
 /* Whether the background is looked at, for people, its camera's exposure or noise: then call
  * pipeline_look() before each composite, with the whole upright background and the time at which it
  * was captured. It looks at each frame once. Where there is no light yet, or no object, it does
- * nothing. */
+ * nothing. depth: of the same moment, as people_take_depth() has it; NULL: none. */
 bool pipeline_looks(const struct pipeline *pipeline);
 void pipeline_look(struct pipeline *pipeline, const struct picture *background,
-		   int64_t captured_ns);
+		   const struct depth_map *depth, int64_t captured_ns);
 
 /* The next frame shows the place without people; all that was learned of it is forgotten. */
 void pipeline_learn(struct pipeline *pipeline);

@@ -97,7 +97,7 @@ void pipeline_people_free(struct pipeline *pipeline); /* idempotent; zeroed is f
 
 /* Looks at a frame. fresh: for the first time; else only where the pose has changed since. */
 void pipeline_people_look(struct pipeline *pipeline, const struct picture *background,
-			  int64_t captured_ns, bool fresh);
+			  const struct depth_map *depth, int64_t captured_ns, bool fresh);
 
 /* What the last look saw; NULL: nobody. */
 const struct veil *pipeline_veil(const struct pipeline *pipeline);

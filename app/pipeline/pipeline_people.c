@@ -170,15 +170,17 @@ static bool take_pose(struct pipeline *p)
 	return true;
 }
 
-void pipeline_people_look(struct pipeline *p, const struct picture *background, int64_t captured_ns,
-			  bool fresh)
+void pipeline_people_look(struct pipeline *p, const struct picture *background,
+			  const struct depth_map *depth, int64_t captured_ns, bool fresh)
 {
 	struct pipeline_people *pp = p->people;
 
 	if (!p->basis->poses[p->choice.pose].shown.tiles)
 		return;
-	if (take_pose(p) || fresh)
+	if (take_pose(p) || fresh) {
+		people_take_depth(pp->people, depth);
 		people_look(pp->people, background, (const float(*)[3])p->radiance, captured_ns);
+	}
 	pp->looked = true;
 }
 

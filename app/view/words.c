@@ -88,8 +88,11 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 			 "there",
 			 f->lamp_azimuth_deg, f->lamp_height_deg);
 	if (f->people)
-		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front",
-			 floor(100 * f->learned), f->in_front);
+		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front%s",
+			 floor(100 * f->learned), f->in_front,
+			 !f->depth     ? ""
+			 : f->by_depth ? " by depth"
+				       : " by feet");
 	snprintf(whole, sizeof(whole),
 		 "lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · "
 		 "latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",

@@ -37,12 +37,14 @@ struct words_figures {
 	bool people;	/* they are looked for */
 	double learned; /* share of the place that is known without people, 0..1 */
 	int in_front;	/* groups of people in front of the object */
+	bool depth;	/* there is a depth camera */
+	bool by_depth;	/* and it tells who is */
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
  * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it ends in " · lamp at azimuth
  * 134°, height 22°: shadow too soft, the dome is coarse there". Where people are looked for: " · place learned 98 %, 1 in
- * front". */
+ * front", and with a depth camera " by depth" or " by feet". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif
