@@ -64,7 +64,8 @@ static int open_device(struct camera *camera, struct v4l2_capture *v, struct fau
 {
 	struct v4l2_capability capability;
 
-	v->fd = v4l2_find(camera->settings.device, v->path, &capability, fault);
+	v->fd = v4l2_find(camera->settings.device, camera->settings.format == PIXEL_Z16, v->path,
+			  &capability, fault);
 	if (v->fd < 0)
 		return v->fd;
 	device_name(capability.card, camera->name, sizeof(camera->name));

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "drivers/v4l2/device.h"
+#include "drivers/v4l2/offers.h"
 #include "hal/base/log.h"
 #include "hal/device/camera_situation.h"
 
@@ -77,7 +78,9 @@ static int not_found(const char *name, struct fault *fault)
 /* A search over all nodes. */
 struct camera_search {
 	const char *name;
-	int fd;		      /* the first that matches, or -errno */
+	bool depth;	      /* depths are wanted, or pictures */
+	int fd;		      /* the first that matches, best one that has them; or -errno */
+	bool suits;	      /* it has them */
 	char others[512];     /* further matches, for the log */
 	struct fault refusal; /* why a node could not be opened */
 };
@@ -98,6 +101,7 @@ static void search_visit(struct camera_search *s, int number, char path[INI_PATH
 	struct v4l2_capability here;
 	char node[32];
 	struct fault why = {""};
+	bool suits;
 	int fd;
 
 	snprintf(node, sizeof(node), "/dev/video%d", number);
@@ -109,10 +113,14 @@ static void search_visit(struct camera_search *s, int number, char path[INI_PATH
 	}
 	if (fd < 0)
 		return;
+	suits = v4l2_offers_kind(fd, device_buffer_type(&here), s->depth);
 	if (!device_is_called(&here, number, s->name)) {
 		close(fd);
-	} else if (s->fd < 0) {
+	} else if (s->fd < 0 || (suits && !s->suits)) {
+		if (s->fd >= 0)
+			close(s->fd);
 		s->fd = fd;
+		s->suits = suits;
 		*capability = here;
 		snprintf(path, INI_PATH_MAX, "%s", node);
 	} else {
@@ -122,10 +130,10 @@ static void search_visit(struct camera_search *s, int number, char path[INI_PATH
 	}
 }
 
-int v4l2_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability *capability,
-	      struct fault *fault)
+int v4l2_find(const char *name, bool depth, char path[INI_PATH_MAX],
+	      struct v4l2_capability *capability, struct fault *fault)
 {
-	struct camera_search search = {.name = name, .fd = -ENODEV};
+	struct camera_search search = {.name = name, .depth = depth, .fd = -ENODEV};
 
 	if (name[0] == '/') {
 		snprintf(path, INI_PATH_MAX, "%s", name);
@@ -134,7 +142,7 @@ int v4l2_find(const char *name, char path[INI_PATH_MAX], struct v4l2_capability 
 	if (find_link(name, path))
 		return device_open(path, capability, fault);
 	path[0] = '\0';
-	for (int i = 0; i < V4L2_DEVICES_MAX && (search.fd < 0 || name[0]); i++)
+	for (int i = 0; i < V4L2_DEVICES_MAX && (!search.suits || name[0]); i++)
 		search_visit(&search, i, path, capability);
 	if (search.fd < 0 && search.refusal.text[0])
 		return fault_say(fault, search.fd, "%s", search.refusal.text);

@@ -18,7 +18,7 @@ static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_P010, PIXEL_P010, 1},   {V4L2_PIX_FMT_Y10, PIXEL_Y10, 1},
 	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},     {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
 	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
-	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},
+	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},   {V4L2_PIX_FMT_Z16, PIXEL_Z16, 1},
 };
 
 enum { LAYOUTS = sizeof(layouts) / sizeof(layouts[0]) };

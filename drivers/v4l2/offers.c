@@ -8,6 +8,18 @@ double v4l2_rate_of(const struct v4l2_fract *interval)
 	return interval->numerator ? (double)interval->denominator / interval->numerator : 0;
 }
 
+bool v4l2_offers_kind(int fd, unsigned type, bool depth)
+{
+	for (unsigned i = 0;; i++) {
+		struct v4l2_fmtdesc format = {.index = i, .type = type};
+
+		if (device_ioctl(fd, VIDIOC_ENUM_FMT, &format))
+			return i == 0 && !depth;
+		if ((format.pixelformat == V4L2_PIX_FMT_Z16) == depth)
+			return true;
+	}
+}
+
 bool v4l2_offers_size(int fd, uint32_t fourcc, int width, int height)
 {
 	const unsigned w = (unsigned)width, h = (unsigned)height;

@@ -11,11 +11,13 @@ enum { FORMATS = sizeof(cheapest_first) / sizeof(cheapest_first[0]) };
 
 int camera_format_merit(enum pixel_format format, bool size, bool rate)
 {
+	if (format == PIXEL_Z16)
+		return 1; /* no picture, but what a depth camera is opened for */
 	if (format == PIXEL_H264)
-		return 1; /* even where nothing else has the size: damage stays for seconds */
+		return 2; /* even where nothing else has the size: damage stays for seconds */
 	for (int i = 0; i < FORMATS; i++)
 		if (cheapest_first[i] == format)
-			return FORMATS - i + 1 + (size ? FORMATS : 0) +
+			return FORMATS - i + 2 + (size ? FORMATS : 0) +
 			       (size && rate ? FORMATS : 0);
 	return 0;
 }

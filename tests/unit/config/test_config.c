@@ -228,6 +228,29 @@ static void what_no_key_tells_alone(void **state)
 	config_destroy(c);
 }
 
+static void the_camera_of_depth_measures_depths(void **state)
+{
+	struct config *c = read_text("[basis]\nfile = x.inlay\n[camera fisheye]\ndriver = fake\n"
+				     "[camera background]\ndriver = plain\n"
+				     "[camera far]\ndriver = plain\nbuffers = 2\nwidth = 424\n"
+				     "[depth]\ncamera = far\nhflip = yes\nunit = 0.1\n");
+	struct ini_report report = {.count = 0};
+	const struct camera_settings far = config_camera_settings(c, config_camera_named(c, "far"));
+	const struct camera_settings other =
+		config_camera_settings(c, config_camera_named(c, "background"));
+
+	(void)state;
+	assert_int_equal(config_check(c, &report), 0);
+	assert_true(c->depth.view.view.hflip);
+	assert_true(c->depth.unit_mm == 0.1);
+	assert_int_equal(far.format, PIXEL_Z16);
+	assert_int_equal(far.width, 424);
+	assert_int_equal(far.buffers, 3); /* one is read, two are the driver's */
+	assert_int_equal(other.format, PIXEL_NONE);
+	assert_int_equal(other.buffers, 4);
+	config_destroy(c);
+}
+
 static char *printed(const struct config *config, void (*print)(const struct config *, FILE *))
 {
 	char *text = NULL;
@@ -400,6 +423,7 @@ int main(void)
 		cmocka_unit_test(one_camera_too_many_is_said),
 		cmocka_unit_test(views_turn),
 		cmocka_unit_test(what_no_key_tells_alone),
+		cmocka_unit_test(the_camera_of_depth_measures_depths),
 		cmocka_unit_test(printing_reads_back),
 		cmocka_unit_test(a_lens_of_its_own_file),
 		cmocka_unit_test(sample_file_is_what_the_tables_say),

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/offers.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 #include "tests/support/played_v4l2.h"
@@ -55,6 +56,47 @@ static void formats_are_chosen(void **state)
 	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
 	assert_non_null(strstr(rig.fault.text, "NV12"));
 	played_finish(&rig);
+}
+
+static void depths_are_taken_where_they_are_wanted(void **state)
+{
+	static const uint32_t both[] = {V4L2_PIX_FMT_Z16, V4L2_PIX_FMT_GREY, 0};
+	static const uint32_t depths[] = {V4L2_PIX_FMT_Z16, 0}, none[] = {0};
+	struct frame frame;
+	struct played_rig rig;
+
+	(void)state;
+	played_prepare(&rig, both);
+	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
+	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, false));
+	played_must_start(&rig);
+	assert_int_equal(rig.camera.format, PIXEL_GREY);
+	played_finish(&rig);
+
+	played_prepare(&rig, depths);
+	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
+	assert_false(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, false));
+	rig.settings.format = PIXEL_Z16;
+	played.stride_extra = 32;
+	played_must_start(&rig);
+	assert_int_equal(rig.camera.format, PIXEL_Z16);
+	played_deliver(1, 3, (64 * 2 + 32) * 48, 0);
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
+	assert_int_equal(frame.planes[0].stride, 64 * 2 + 32);
+	assert_int_equal(frame.fields, FIELDS_NONE);
+	assert_int_equal(frame_check(&frame, NULL), 0);
+	camera_release(&rig.camera, &frame);
+	played_finish(&rig);
+
+	played_prepare(&rig, played_formats);
+	assert_false(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
+	rig.settings.format = PIXEL_Z16;
+	assert_int_equal(played_start(&rig), -ENOTSUP);
+	assert_non_null(strstr(rig.fault.text, "expected Z16"));
+	played_finish(&rig);
+	played_prepare(&rig, none);
+	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, false));
+	assert_false(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
 }
 
 static void frames_come_and_go_back(void **state)
@@ -411,6 +453,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(formats_are_chosen),
+		cmocka_unit_test(depths_are_taken_where_they_are_wanted),
 		cmocka_unit_test(frames_come_and_go_back),
 		cmocka_unit_test(times_that_cannot_be_are_replaced),
 		cmocka_unit_test(the_newest_wins),

@@ -639,6 +639,52 @@ static void linear_light_is_kept_and_encoded(void **state)
 	assert_false(source_decode(&source, 99));
 }
 
+/* Depths stay in the camera's memory, turned or not, and there are none of a camera that is lost. */
+static void depths_are_read_in_place(void **state)
+{
+	(void)state;
+	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
+		struct eye eye = {.section = "depth", .source = &source, .wanted = {.squash = 1}};
+		struct frame_reader reader;
+		struct depth_map map;
+
+		test_source_end(state);
+		test_source_begin(state);
+		source_destroy(&source);
+		assert_int_equal(
+			source_create(&source,
+				      &(struct source_settings){.name = "depth",
+								.ops = &fake_ops,
+								.camera = {.buffers = 4},
+								.turn = turn,
+								.curve = {.named = TRANSFER_SRGB}}),
+			0);
+		fake.format = PIXEL_Z16;
+		fake.level = 1;
+		assert_false(eye_depth(&eye, 0.001, &map));
+		must_open();
+		test_source_take(1);
+		assert_true(source_decode(&source, 99));
+		assert_int_equal(eye_fit(&eye, NULL), 0);
+		assert_true(eye_depth(&eye, 0.001, &map));
+		assert_int_equal(map.width, picture_turn_is_sideways(turn) ? 8 : 16);
+		assert_true(depth_map_at(&map, map.width - 1, map.height - 1) == 257 * 0.001);
+		assert_int_equal(eye_read(&eye, &reader), turn == PICTURE_UPRIGHT);
+		assert_int_equal(eye_picture(&eye).width, map.width); /* for eyes */
+		must_close();
+		assert_false(eye_depth(&eye, 0.001, &map));
+	}
+}
+
+static void a_depth_camera_sets_no_pace(void **state)
+{
+	const struct eyes eyes = {.depth = {.section = "depth", .source = &source}};
+
+	(void)state;
+	must_open();
+	assert_null(eyes_leader(&eyes));
+}
+
 static void the_picture_follows_the_cameras_size(void **state)
 {
 	struct eye eye = {.section = "fisheye", .source = &source, .wanted = {.squash = 1}};
@@ -770,6 +816,8 @@ int main(void)
 		CASE(only_damaged_pictures_are_a_situation),
 		CASE(a_jpeg_of_another_size_is_shown_when_it_comes_again),
 		CASE(linear_light_is_kept_and_encoded),
+		CASE(depths_are_read_in_place),
+		CASE(a_depth_camera_sets_no_pace),
 		CASE(the_picture_follows_the_cameras_size),
 		CASE(opening_is_waited_for_by_nobody_but_the_end),
 		CASE(another_standard_is_opened_at_once),

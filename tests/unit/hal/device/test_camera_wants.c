@@ -87,7 +87,11 @@ static void rate_goes_before_size_and_size_before_cost(void **state)
 		    camera_format_merit(PIXEL_BGRX, false, true));
 	assert_true(camera_format_merit(PIXEL_GREY, true, true) >
 		    camera_format_merit(PIXEL_BGRX, true, false));
-	assert_true(camera_format_merit(PIXEL_GREY, false, false) > 0);
+	assert_true(camera_format_merit(PIXEL_Y10, false, false) >
+		    camera_format_merit(PIXEL_H264, true, true));
+	assert_true(camera_format_merit(PIXEL_H264, false, false) >
+		    camera_format_merit(PIXEL_Z16, true, true));
+	assert_true(camera_format_merit(PIXEL_Z16, false, false) > 0);
 	assert_int_equal(camera_format_merit(PIXEL_NONE, true, true), 0);
 	assert_int_equal(camera_format_merit(PIXEL_RGBF, true, true), 0);
 }
