@@ -15,6 +15,7 @@ struct sample_camera {
 	char link[INI_PATH_MAX];   /* path by id, which stays; empty: none */
 	char offers[OFFERS][LINE]; /* the first lines with a format that inlay decodes */
 	int offer_count, offers_left_out;
+	bool pictures; /* it offers them; else depths alone */
 };
 
 struct sample_screen {
@@ -24,6 +25,7 @@ struct sample_screen {
 };
 
 struct devices_sample {
+	struct sample_camera depth; /* the first that offers depths alone; driver empty: none */
 	struct sample_camera cameras[CAMERAS];
 	int camera_count, cameras_left_out;
 	struct sample_screen screen; /* the first connected one */
@@ -50,24 +52,27 @@ static bool says_refused(const char *text)
 	       strstr(text, "not for this user");
 }
 
-/* Whether a line like "YUYV YUYV 640x480 30 Hz" offers a pixel format of inlay, its second word. */
-static bool is_offer(const char *line)
+/* The pixel format of inlay, its second word, that a line like "YUYV YUYV 640x480 30 Hz" offers;
+ * PIXEL_NONE: it offers none. */
+static enum pixel_format offered(const char *line)
 {
 	char word[16];
 
 	if (sscanf(line, "%*s %15s", word) != 1)
-		return false;
+		return PIXEL_NONE;
 	for (int i = PIXEL_NONE + 1; i < PIXEL_FORMAT_COUNT; i++)
 		if (strcmp(word, pixel_format_names[i]) == 0)
-			return true;
-	return false;
+			return (enum pixel_format)i;
+	return PIXEL_NONE;
 }
 
 static void read_camera_line(struct sample_camera *camera, const char *line)
 {
 	static const char link[] = "link ";
+	const enum pixel_format format = offered(line);
 
-	if (is_offer(line)) {
+	if (format != PIXEL_NONE) {
+		camera->pictures |= format != PIXEL_Z16;
 		if (camera->offer_count < OFFERS)
 			snprintf(camera->offers[camera->offer_count++], LINE, "%s", line);
 		else
@@ -107,7 +112,9 @@ void sample_add_camera(struct devices_sample *sample, const char *driver,
 		read_camera_line(&camera, listing->lines[i]);
 		sample->refused += says_refused(listing->lines[i]);
 	}
-	if (camera.offer_count == 0 || camera_is_known(sample, &camera))
+	if (camera.offer_count > 0 && !camera.pictures && !*sample->depth.driver)
+		sample->depth = camera;
+	if (!camera.pictures || camera_is_known(sample, &camera))
 		return;
 	if (sample->camera_count < CAMERAS)
 		sample->cameras[sample->camera_count++] = camera;
@@ -182,20 +189,18 @@ static const char *stable_name(const struct devices_sample *sample,
 	return *camera->bus ? camera->bus : camera->device;
 }
 
-static void write_camera(const struct devices_sample *sample, int index, FILE *stream)
+/* mark: before each line that a comment is to be made of. */
+static void write_camera(const struct devices_sample *sample, const struct sample_camera *camera,
+			 const char *name, const char *mark, FILE *stream)
 {
-	const struct sample_camera *camera = &sample->cameras[index];
-	/* A camera beyond the configuration's limit is written as a comment. */
-	const char *mark = index < CONFIG_CAMERAS_MAX ? "" : "; ";
-
 	fprintf(stream, "; %s, now %s%s%s. It offers:\n", *camera->name ? camera->name : "A camera",
 		camera->device, *camera->bus ? " at " : "", camera->bus);
 	for (int i = 0; i < camera->offer_count; i++)
 		fprintf(stream, ";     %s\n", camera->offers[i]);
 	if (camera->offers_left_out)
 		fprintf(stream, ";     and %d more: see inlay devices\n", camera->offers_left_out);
-	fprintf(stream, "%s[camera camera%d]\n%sdriver = %s\n%sdevice = %s\n", mark, index + 1,
-		mark, camera->driver, mark, stable_name(sample, camera));
+	fprintf(stream, "%s[camera %s]\n%sdriver = %s\n%sdevice = %s\n", mark, name, mark,
+		camera->driver, mark, stable_name(sample, camera));
 	fprintf(stream, "; 0: the driver's choice.\n%swidth = 0\n%sheight = 0\n%srate = 0\n\n",
 		mark, mark, mark);
 }
@@ -203,9 +208,15 @@ static void write_camera(const struct devices_sample *sample, int index, FILE *s
 static void write_cameras(const struct devices_sample *sample, FILE *stream)
 {
 	const int count = sample->camera_count;
+	/* A camera beyond the configuration's limit is written as a comment. */
+	const int most = CONFIG_CAMERAS_MAX - (*sample->depth.driver ? 1 : 0);
 
-	for (int i = 0; i < count; i++)
-		write_camera(sample, i, stream);
+	for (int i = 0; i < count; i++) {
+		char name[32];
+
+		snprintf(name, sizeof(name), "camera%d", i + 1);
+		write_camera(sample, &sample->cameras[i], name, i < most ? "" : "; ", stream);
+	}
 	if (sample->cameras_left_out)
 		fprintf(stream, "; %d more cameras: see inlay devices\n\n",
 			sample->cameras_left_out);
@@ -231,6 +242,13 @@ static void write_cameras(const struct devices_sample *sample, FILE *stream)
 	      "; The camera in whose picture the object stands.\n",
 	      stream);
 	fprintf(stream, "[background]\ncamera = camera%d\n\n", count < 2 ? 1 : 2);
+	if (!*sample->depth.driver)
+		return;
+	write_camera(sample, &sample->depth, "depth", "", stream);
+	fputs("; How far people are, for [people] occlude = yes; it has to show what the "
+	      "background "
+	      "shows.\n[depth]\ncamera = depth\n\n",
+	      stream);
 }
 
 /* Whether inlay is installed as a service: the package makes this folder (board/appliance.conf). */

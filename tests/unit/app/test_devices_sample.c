@@ -12,18 +12,25 @@
 
 #include "app/devices_sample.h"
 
-static void add_camera(struct devices_sample *sample, const char *name, const char *bus,
-		       const char *link)
+static void add_node(struct devices_sample *sample, const char *name, const char *bus,
+		     const char *link, const char *offer)
 {
-	char lines[2][160] = {"MJPG MJPEG 640x480 30 Hz", ""};
+	char lines[2][160] = {"", ""};
 	struct camera_listing listing = {.device = "/dev/video7", .lines = lines, .line_count = 1};
 
+	snprintf(lines[0], sizeof(lines[0]), "%s", offer);
 	snprintf(listing.name, sizeof(listing.name), "%s", name);
 	snprintf(listing.bus, sizeof(listing.bus), "%s", bus);
 	if (link)
 		snprintf(lines[listing.line_count++], sizeof(lines[0]), "link /dev/v4l/by-id/%s",
 			 link);
 	sample_add_camera(sample, "v4l2", &listing);
+}
+
+static void add_camera(struct devices_sample *sample, const char *name, const char *bus,
+		       const char *link)
+{
+	add_node(sample, name, bus, link, "MJPG MJPEG 640x480 30 Hz");
 }
 
 static char *written(const struct devices_sample *sample)
@@ -71,11 +78,37 @@ static void a_shared_serial_number_does_not(void **state)
 	sample_destroy(sample);
 }
 
+/* A depth camera has a node for depths and others for pictures, all on one bus. */
+static void depths_are_no_picture(void **state)
+{
+	struct devices_sample *sample = sample_create();
+	char *text;
+
+	(void)state;
+	add_node(sample, "D435", "usb-1", NULL, "Z16 Z16 640x480 30 Hz");
+	add_node(sample, "D435", "usb-1", NULL, "YUYV YUYV 640x480 30 Hz");
+	for (int i = 2; i < 6; i++) {
+		const char bus[] = {'u', 's', 'b', '-', (char)('0' + i), '\0'};
+
+		add_camera(sample, "C920", bus, NULL);
+	}
+	text = written(sample);
+	assert_non_null(strstr(text, "\n[camera camera1]\ndriver = v4l2\ndevice = usb-1\n"));
+	assert_non_null(strstr(text, "[fisheye]\ncamera = camera1\n"));
+	assert_non_null(strstr(text, "\n[camera depth]\ndriver = v4l2\ndevice = usb-1\n"));
+	assert_non_null(strstr(text, "\n[depth]\ncamera = depth\n"));
+	assert_non_null(strstr(text, "\n[camera camera3]\n")); /* four are the most */
+	assert_non_null(strstr(text, "\n; [camera camera4]\n"));
+	free(text);
+	sample_destroy(sample);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_serial_number_of_its_own_names_a_camera),
 		cmocka_unit_test(a_shared_serial_number_does_not),
+		cmocka_unit_test(depths_are_no_picture),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
