@@ -19,6 +19,7 @@
 #include "hal/ini/ini.h"
 #include "hal/lights/exposures.h"
 #include "hal/optics/fisheye.h"
+#include "hal/optics/tsai.h"
 
 #define CONFIG_CAMERAS_MAX 4
 #define CONFIG_DRIVERS_MAX 16 /* drivers of one class */
@@ -162,8 +163,10 @@ struct config_scene {
 
 /* A depth camera that looks on beside the background's. */
 struct config_depth {
-	struct config_view view; /* of the same part of the world as the background's */
-	double unit_mm;		 /* what 1 in a depth stands for */
+	struct config_view view;
+	double unit_mm;			/* what 1 in a depth stands for */
+	char calibration[INI_PATH_MAX]; /* empty: it stands in the background camera's place */
+	struct tsai_camera camera; /* contents of that file: config_read_files(); width 0: none */
 };
 
 struct config_lights {
@@ -229,8 +232,8 @@ int config_read_memory(struct config *config, const char *text, size_t bytes, co
 		       struct ini_report *report);
 int config_set(struct config *config, const char *assignment, struct ini_report *report);
 
-/* Reads the files that [fisheye] and [background] name: the light files, and the lens file, whose
- * keys replace those of the configuration. Call it after all keys are read and set. Faults go to
+/* Reads the files that [fisheye], [background] and [depth] name: the light files, where the depth camera
+ * stands, and the lens file, whose keys replace those of the configuration. Call it after all keys are read and set. Faults go to
  * the report, with the file's name and line. 0 or the first negative errno. */
 int config_read_files(struct config *config, struct ini_report *report);
 

@@ -27,6 +27,15 @@ static int check_readable(const struct config *config, const char *key, const ch
 	return err;
 }
 
+static int say_fault(const struct fault *fault, int err, struct ini_report *report)
+{
+	if (!report->count++)
+		report->first = *fault;
+	if (report->say)
+		report->say(report->context, fault->text);
+	return err;
+}
+
 struct config_lens_file {
 	struct fisheye_settings *lens;
 	bool found;
@@ -60,11 +69,42 @@ static int read_lens(struct config *config, struct ini_report *report)
 	if (err || file.found)
 		return err;
 	fault_say(&fault, -EINVAL, "%s: expected a [fisheye] section", path);
-	if (!report->count++)
-		report->first = fault;
-	if (report->say)
-		report->say(report->context, fault.text);
-	return -EINVAL;
+	return say_fault(&fault, -EINVAL, report);
+}
+
+static void *camera_place(void *root, const char *instance)
+{
+	(void)instance;
+	return root;
+}
+
+static int read_depth_camera(struct config *config, struct ini_report *report)
+{
+	static const struct ini_table tables[] = {
+		{.section = "camera", .keys = tsai_keys, .place = camera_place},
+		INI_TABLES_END,
+	};
+	const char *path = config->depth.calibration;
+	struct tsai_camera camera = {.width = 0};
+	struct fault fault = {.text = ""}, why = {.text = ""};
+	int err;
+
+	config->depth.camera.width = 0;
+	if (!*path)
+		return 0;
+	ini_defaults(tsai_keys, &camera);
+	err = check_readable(config, "[depth] calibration", path, report);
+	if (!err)
+		err = ini_read(path, tables, &camera, report);
+	if (err)
+		return err;
+	err = tsai_check(&camera, &why);
+	if (err) {
+		fault_say(&fault, err, "%s: %s", path, why.text);
+		return say_fault(&fault, err, report);
+	}
+	config->depth.camera = camera;
+	return 0;
 }
 
 static int read_light(const struct config *config, const char *key, const char *path,
@@ -87,5 +127,7 @@ int config_read_files(struct config *config, struct ini_report *report)
 	const int background = read_light(config, "[background] light", config->background.light,
 					  &config->background.measured, report);
 
-	return lens ? lens : fisheye ? fisheye : background;
+	const int depth = read_depth_camera(config, report);
+
+	return lens ? lens : fisheye ? fisheye : background ? background : depth;
 }

@@ -184,8 +184,7 @@ static const struct ini_key scene_camera_keys[] = {
 
 static const struct ini_key depth_camera_keys[] = {
 	VIEW_CAMERA_KEY("", "A [camera NAME] that measures depths (Z16) of what the background "
-			    "shows, aligned to it, so that [people] need not tell by their feet; "
-			    "empty: none."),
+			    "shows, so that [people] need not tell by their feet; empty: none."),
 	INI_KEYS_END};
 
 static const struct ini_key view_keys[] = {
@@ -246,15 +245,24 @@ static const struct ini_key view_keys[] = {
 		 "what is shown."},
 	INI_KEYS_END};
 
-static const struct ini_key depth_keys[] = {{.name = "unit",
-					     .type = INI_REAL,
-					     .offset = offsetof(struct config_depth, unit_mm),
-					     .min = 0.001,
-					     .max = 1000,
-					     .fallback = "1",
-					     .unit = "mm",
-					     .help = "What 1 in the camera's depths stands for."},
-					    INI_KEYS_END};
+static const struct ini_key depth_keys[] = {
+	{.name = "unit",
+	 .type = INI_REAL,
+	 .offset = offsetof(struct config_depth, unit_mm),
+	 .min = 0.001,
+	 .max = 1000,
+	 .fallback = "1",
+	 .unit = "mm",
+	 .help = "What 1 in the camera's depths stands for."},
+	{.name = "calibration",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_depth, calibration),
+	 .fallback = "",
+	 .help = "A file with a [camera] section, as inlay-calibrate camera writes it, of the "
+		 "depth "
+		 "camera in the same world as the background's. Empty: its view shows what the "
+		 "background shows, as if from the same place."},
+	INI_KEYS_END};
 
 static const struct ini_key fisheye_lens_keys[] = {
 	{.name = "lens",

@@ -118,6 +118,7 @@ HAL_SOURCES := \
 	hal/optics/fisheye_curve.c \
 	hal/optics/panorama.c \
 	hal/people/cells.c \
+	hal/people/depths.c \
 	hal/people/edges.c \
 	hal/people/groups.c \
 	hal/people/judge.c \

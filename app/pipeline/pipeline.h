@@ -29,6 +29,7 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
+#include "hal/optics/tsai.h"
 
 #define PIPELINE_KERNEL_MAX 256
 #define PIPELINE_CAMERA_MAX 2048
@@ -65,6 +66,7 @@ struct pipeline_settings {
 	/* Picture of the background's size, and nobody is looked for where it is darker than half;
 	 * empty: people are looked for everywhere. */
 	char mask[INI_PATH_MAX];
+	struct tsai_camera depth_camera; /* see struct people_settings; width 0: none */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];
 };

@@ -37,6 +37,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.mode = (enum compositor_mode)config->composite.mode,
 		.reuse = (enum compositor_reuse)config->composite.reuse,
 		.occlude = config->people.occlude,
+		.depth_camera = config->depth.camera,
 		.follow_exposure = config->composite.follow_exposure,
 		.neutral = config->composite.neutral_percent / 100,
 		.grain = config->composite.grain,

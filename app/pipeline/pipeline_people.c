@@ -90,6 +90,7 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 		.dome = &p->dome,
 		.camera = settings->camera,
 		.calibration = p->basis->camera,
+		.depth_camera = settings->depth_camera.width ? &settings->depth_camera : NULL,
 	};
 	const bool same = transfer_curve_same(&settings->background, &p->settings.background);
 	struct pipeline_people *pp;

@@ -201,9 +201,9 @@ static float leaning(const struct group *g, float border)
 
 /* Where what a cell shows is, seen from above: its direction and its distance from the camera. False: its
  * depth is not known. */
-static bool cell_by_depth(const struct people *p, int x, int y, double *direction_rad, float *far)
+static bool cell_by_depth(const struct people *p, const struct depth_map *map, int x, int y,
+			  double *direction_rad, float *far)
 {
-	const struct depth_map *map = p->depth;
 	const double *axis = &p->object.camera->rotation[6];
 	const double px[2] = {(x + 0.5) * p->side, (y + 0.5) * p->side};
 	const int u = (int)(px[0] * map->width / p->settings.width);
@@ -223,7 +223,8 @@ static bool cell_by_depth(const struct people *p, int x, int y, double *directio
 enum told { TOLD_NOTHING, TOLD_BEHIND, TOLD_FRONT };
 
 /* On which side of the object most of a group's cells are: at its outline the cameras may differ. */
-static enum told ask_depth(const struct people *p, const struct group *g)
+static enum told ask_depth(const struct people *p, const struct depth_map *map,
+			   const struct group *g)
 {
 	const int own = (int)(g - p->groups);
 	int step = 1, asked = 0, known = 0, nearer = 0;
@@ -238,7 +239,7 @@ static enum told ask_depth(const struct people *p, const struct group *g)
 			if (p->label[y * p->across + x] != own)
 				continue;
 			asked++;
-			if (!cell_by_depth(p, x, y, &direction, &far))
+			if (!cell_by_depth(p, map, x, y, &direction, &far))
 				continue;
 			known++;
 			nearer += far < leaning(g, far_side(p, x, direction));
@@ -264,12 +265,14 @@ static bool stands_before(const struct people *p, const struct group *g)
 	return stands && far < leaning(g, border);
 }
 
-bool order_is_front(const struct people *p, const struct group *g)
+bool order_is_front(struct people *p, const struct group *g)
 {
+	const struct depth_map *map;
 	enum told told;
 
 	if (!p->object.camera)
 		return false;
-	told = p->depth ? ask_depth(p, g) : TOLD_NOTHING;
+	map = depths_of_background(p);
+	told = map ? ask_depth(p, map, g) : TOLD_NOTHING;
 	return told == TOLD_NOTHING ? stands_before(p, g) : told == TOLD_FRONT;
 }

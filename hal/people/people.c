@@ -103,6 +103,7 @@ int people_create(struct people **people, const struct people_settings *settings
 		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
 	p->settings = *settings;
 	p->settings.camera = p->settings.calibration = NULL;
+	p->settings.depth_camera = NULL;
 	p->camera = saved_camera(settings);
 	p->side = fine <= FINE_CELLS ? 2 : 4;
 	p->across = (settings->width + p->side - 1) / p->side;
@@ -120,6 +121,7 @@ int people_create(struct people **people, const struct people_settings *settings
 		p->shot[c] = SHOT_FIRST;
 	}
 	if (create_planes(p) || create_lists(p) || place_create(p) ||
+	    depths_create(p, settings->depth_camera) ||
 	    sensor_noise_create(&p->sensor, settings->width, settings->height, &settings->curve)) {
 		people_destroy(p);
 		return fault_say(fault, -ENOMEM,
@@ -151,6 +153,7 @@ void people_destroy(struct people *p)
 	free_plane(p, p->slope);
 	free_plane(p, p->offset);
 	sensor_noise_destroy(p->sensor);
+	depths_free(p);
 	free(p->term);
 	if (p->watch)
 		free(p->watch - p->across - 1);

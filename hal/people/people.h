@@ -35,6 +35,9 @@ struct people_settings {
 	/* Two texts that tell the camera and where it stands, read at creation alone; NULL: none. What
 	 * was saved with others is of another place. */
 	const char *camera, *calibration;
+	/* Where a depth camera stands in the same world, of whose whole picture people_take_depth() gets
+	 * the depths, read at creation alone. NULL: there is none, or it sees what the background sees. */
+	const struct tsai_camera *depth_camera;
 };
 
 /* What the object touches, for one pose. Borrowed until the next call of people_place(). */
@@ -66,9 +69,9 @@ void people_look(struct people *people, const struct picture *background,
 		 const float (*radiance)[3], int64_t captured_ns);
 
 /*
- * Gives the next look, and no other, the depths of about the same moment; borrowed until it returns. The
- * map shows what the background shows, as if from the same place, in any number of pixels: a depth camera
- * that is registered to the background's, or one so close beside it that a person's inner parts coincide.
+ * Gives the next look, and no other, the depths of about the same moment; borrowed until it returns. Without
+ * settings.depth_camera the map shows what the background shows, as if from the same place, in any number of pixels: a
+ * depth camera that is registered to the background's, or one so close beside it that a person's inner parts coincide.
  * Then a group's order is that of its depths, and its feet's only where too few of them are known.
  */
 void people_take_depth(struct people *people, const struct depth_map *depth);

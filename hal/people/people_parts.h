@@ -122,10 +122,11 @@ struct people {
 	 * the middle; else by columns of cells. */
 	float around_far[ORDER_DIRECTIONS];
 	double around_middle_rad, around_first_rad, around_last_rad;
-	bool around;	   /* the footprint is known */
-	float *object_far; /* [across] */
+	bool around;		       /* the footprint is known */
+	float *object_far;	       /* [across] */
 	const struct depth_map *depth; /* of this frame; NULL: there is none */
-	double still_ms;   /* for how long nearly everything has been foreground */
+	struct depths *depths; /* depths.c; NULL: the depth camera is in the background's place */
+	double still_ms;       /* for how long nearly everything has been foreground */
 
 	/* outline.c */
 	uint8_t *tile, *front, *anybody, *foremost;
@@ -171,7 +172,15 @@ void judge_cells(struct people *people);
 
 /* Measures how far the object is over ground, column by column. */
 void order_measure_object(struct people *people);
-bool order_is_front(const struct people *people, const struct group *group);
+bool order_is_front(struct people *people, const struct group *group);
+
+/* ---- depths.c ---- */
+
+/* camera: the depth camera; NULL: it sees what the background's sees. 0 or -ENOMEM. */
+int depths_create(struct people *people, const struct tsai_camera *camera);
+void depths_free(struct people *people); /* idempotent */
+/* This frame's depths, as the background's camera would measure them; NULL: there are none. */
+const struct depth_map *depths_of_background(struct people *people);
 
 /* ---- groups.c ---- */
 

@@ -61,6 +61,22 @@ start --set camera.depth.sim.clock=real --set camera.depth.rate=0.4
 check "depths that are too old are not used" until_true 20 says "$work/run.log" "$by_feet"
 stop
 
+# ---- a camera that stands elsewhere ----
+cat >"$work/far.ini" <<'EOF'
+[camera]
+width = 96
+height = 64
+rotation = 1 0 0  0 0 -1  0 1 0
+translation = 0 1 3
+focal = 1
+pixel = 0.01 0.01
+centre = 48 32
+EOF
+start --set camera.depth.sim.clock=real --set "depth.calibration=$work/far.ini"
+check "a calibrated depth camera tells who is in front" until_true 20 says "$work/run.log" "$by_depth"
+stop
+equal "to the end, too" 0 $?
+
 # ---- mistakes ----
 wrong() { # NAME WORDS OPTIONS...
 	local name=$1 words=$2
@@ -75,6 +91,13 @@ wrong "pictures in place of depths" \
 	"[camera depth] format: is YUYV, but [depth] looks through it; expected Z16 or none" \
 	--set camera.depth.format=YUYV
 wrong "no such camera" 'there is no section [camera dept]; did you mean "depth"?' --set depth.camera=dept
+wrong "no such calibration" "[depth] calibration: cannot read" --set "depth.calibration=$work/none.ini"
+sed 's/^focal.*/focal = -1/' "$work/far.ini" >"$work/wrong.ini"
+wrong "a calibration that is none" "wrong.ini:6: [camera] focal: is \"-1\"" --set "depth.calibration=$work/wrong.ini"
+sed 's/^rotation.*/rotation = 1 0 0  0 1 0  0 1 0/' "$work/far.ini" >"$work/turned.ini"
+wrong "a rotation that is none" "turned.ini: camera: rotation" --set "depth.calibration=$work/turned.ini"
+printf '[fisheye]\n' >"$work/eye.ini"
+wrong "one of another camera" "eye.ini" --set "depth.calibration=$work/eye.ini"
 printf '[depth]\nunit = 0\n' >>"$work/studio.conf"
 lines=$(grep -c '' "$work/studio.conf")
 wrong "no unit" "studio.conf:$lines: [depth] unit: is \"0\", expected a number 0.001..1000 mm"

@@ -18,6 +18,9 @@ static const float wall_depth = 0.9f; /* m */
 
 struct filmed_cameras {
 	struct studio_view *place, *sky;
+	struct studio_view
+		*elsewhere; /* of the depth camera; NULL: it is in the background's place */
+	struct studio_layer *elsewhere_people;
 	struct light_sampler *sampler;
 	struct sensor sensor, sky_sensor;
 	struct studio_layer *sky_people;
@@ -123,15 +126,41 @@ static void build_wall(struct filmed *filmed, const struct filmed_moment *moment
 		}
 }
 
+int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera)
+{
+	const struct sim_eye eye = {
+		.width = filmed->width, .height = filmed->height, .camera = *depth_camera};
+	struct filmed_cameras *c = filmed->cameras;
+
+	c->elsewhere_people = calloc((size_t)filmed->width * (size_t)filmed->height,
+				     sizeof(*c->elsewhere_people));
+	return c->elsewhere_people ? studio_view_create(&c->elsewhere, &eye) : -ENOMEM;
+}
+
+static void see_depth(struct filmed *filmed, const struct filmed_moment *moment,
+		      const struct studio_lamps *lamps)
+{
+	struct filmed_cameras *c = filmed->cameras;
+
+	if (c->elsewhere) {
+		studio_people_draw(c->elsewhere, lamps, moment->walker, moment->walkers,
+				   c->elsewhere_people);
+		studio_depth_room(c->elsewhere, lamps, c->depth);
+		studio_depth_people(c->elsewhere, c->elsewhere_people, c->depth);
+		return;
+	}
+	studio_depth_room(c->place, lamps, c->depth);
+	studio_depth_people(c->place, filmed->behind, c->depth);
+	studio_depth_people(c->place, filmed->before, c->depth);
+}
+
 static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
 			  const struct studio_lamps *lamps)
 {
 	struct filmed_cameras *c = filmed->cameras;
 	const struct studio_depth_sensor sensor = {moment->depth_noise_mm, 5};
 
-	studio_depth_room(c->place, lamps, c->depth);
-	studio_depth_people(c->place, filmed->behind, c->depth);
-	studio_depth_people(c->place, filmed->before, c->depth);
+	see_depth(filmed, moment, lamps);
 	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
 		for (int x = moment->wall_x; x < filmed->width; x++)
 			c->depth[y * filmed->width + x] = wall_depth;
@@ -210,6 +239,8 @@ void filmed_close(struct filmed *filmed)
 		free(c->sky_people);
 		free(c->sky_bgrx);
 		free(c->depth);
+		studio_view_destroy(c->elsewhere);
+		free(c->elsewhere_people);
 		free(c);
 	}
 	free(filmed->ground);

@@ -33,14 +33,17 @@ struct filmed {
 	float *ground;		     /* [h][w][3]: without bodies, but with their shadows */
 	struct studio_layer *behind; /* [h][w]: bodies behind the object */
 	struct studio_layer *before;
-	uint8_t *bgrx;	   /* [h][w][4]: what the background camera gives */
-	uint8_t *depth;	   /* [h][w]: words of Z16, in mm, from the same place */
+	uint8_t *bgrx; /* [h][w][4]: what the background camera gives */
+	uint8_t *
+		depth; /* [h][w]: words of Z16, in mm, from the same place or filmed_see_from()'s */
 	float (*light)[3]; /* [dome->count]: measured by the fisheye */
 	struct filmed_cameras *cameras;
 };
 
 /* The background camera's noise in levels; both cameras are sRGB. -errno. */
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome);
+/* Puts the depth camera elsewhere; it has the same size, and sees no wall. */
+int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera);
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment);
 
 /* What the background camera gives of other light, rgb[h][w][3], exposure applied: through the same

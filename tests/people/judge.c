@@ -44,6 +44,7 @@ struct judged_case {
 	int wall_x, wall_y;
 	double walk_m_s;       /* of the one */
 	double depth_noise_mm; /* at 1 m; 0: there is no depth camera */
+	bool beside;	       /* it stands elsewhere, calibrated */
 };
 
 static const struct judged_case cases[] = {
@@ -104,6 +105,13 @@ static const struct judged_case cases[] = {
 	 .rate_hz = RATE_HZ,
 	 .restless = true,
 	 .depth_noise_mm = DEPTH_NOISE_MM},
+	{.name = "main-beside",
+	 .what = "main, with a depth camera 0.9 m beside and 0.6 m above",
+	 .people = 4,
+	 .rate_hz = RATE_HZ,
+	 .restless = true,
+	 .depth_noise_mm = DEPTH_NOISE_MM,
+	 .beside = true},
 	{.name = "feet-depth",
 	 .what = "feet, with a depth camera",
 	 .people = -1,
@@ -222,7 +230,7 @@ static void make_moment(const struct judged_case *of, int frame, struct filmed_m
 struct judged {
 	struct basis basis;
 	struct dome dome;
-	struct tsai_camera camera;
+	struct tsai_camera camera, beside;
 	struct compositor *compositor;
 	struct light_selection lights;
 	struct people *people;
@@ -320,7 +328,16 @@ static void mark_looked(struct judged *j)
 					  k % j->filmed.width / BASIS_TILE];
 }
 
-static void judged_open(struct judged *j, const char *path)
+static void place_beside(struct judged *j)
+{
+	const double eye[3] = {0.9, -2.2, 1.95}, target[3] = {0, 0.25, 0.4};
+	struct fault fault = {{0}};
+
+	if (tsai_look_at(&j->beside, j->camera.width, j->camera.height, eye, target, 75, &fault))
+		die(fault.text);
+}
+
+static void judged_open(struct judged *j, const struct judged_case *of, const char *path)
 {
 	struct fault fault = {{0}};
 	struct people_settings settings;
@@ -333,13 +350,16 @@ static void judged_open(struct judged *j, const char *path)
 	    compositor_create(&j->compositor, &j->basis, &(struct compositor_options){0}, &fault) ||
 	    compositor_take_pose(j->compositor, 0, &fault))
 		die(fault.text);
+	place_beside(j);
 	settings = (struct people_settings){.width = j->camera.width,
 					    .height = j->camera.height,
 					    .curve = srgb,
-					    .dome = &j->dome};
+					    .dome = &j->dome,
+					    .depth_camera = of->beside ? &j->beside : NULL};
 	if (light_selection_create(&j->lights, &j->basis) ||
 	    people_create(&j->people, &settings, &fault) ||
-	    filmed_open(&j->filmed, &j->camera, &j->dome))
+	    filmed_open(&j->filmed, &j->camera, &j->dome) ||
+	    (of->beside && filmed_see_from(&j->filmed, &j->beside)))
 		die("not enough memory");
 	j->others = subtractors_create(j->camera.width, j->camera.height);
 	j->pixels = j->camera.width * j->camera.height;
@@ -600,7 +620,7 @@ int main(int argc, char **argv)
 
 		if (*only && strcmp(only, of->name) != 0)
 			continue;
-		judged_open(&judged, argv[1]);
+		judged_open(&judged, of, argv[1]);
 		for (int frame = 0; frame < LEARNING + length; frame++)
 			judge_frame(&judged, of, frame, &tally, argc > 4 ? argv[4] : NULL);
 		print_case(of, &tally);

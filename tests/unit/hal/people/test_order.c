@@ -25,6 +25,7 @@ struct stage {
 	struct people *people;
 	struct dome dome;
 	struct tsai_camera camera;
+	const struct tsai_camera *depth_camera; /* NULL: in the camera's place */
 	double eye[2];
 	struct slab slabs[2];
 	int count;
@@ -85,6 +86,7 @@ static void stage_begin(struct stage *s, const double eye[3], double size)
 	s->eye[0] = eye[0];
 	s->eye[1] = eye[1];
 	settings.dome = &s->dome;
+	settings.depth_camera = s->depth_camera;
 	assert_int_equal(people_create(&s->people, &settings, NULL), 0);
 	s->coverage = calloc(WIDTH * HEIGHT, sizeof(*s->coverage));
 	s->touched = calloc(WIDTH * HEIGHT / 256, 1);
@@ -263,12 +265,13 @@ struct standing {
 
 /* Where the ray through a point of the picture, as shares of it, meets the body: its depth in m; 0: it
  * does not. */
-static double depth_of_body(const struct stage *s, const struct standing *b, double u, double v)
+static double depth_of_body(const struct tsai_camera *camera, const struct standing *b, double u,
+			    double v)
 {
-	const double px[2] = {u * WIDTH, v * HEIGHT}, *axis = &s->camera.rotation[6];
+	const double px[2] = {u * camera->width, v * camera->height}, *axis = &camera->rotation[6];
 	double origin[3], dir[3], t, to[2], far, lateral, height;
 
-	assert_int_equal(tsai_ray(&s->camera, px, origin, dir), 0);
+	assert_int_equal(tsai_ray(camera, px, origin, dir), 0);
 	to[0] = b->x - origin[0];
 	to[1] = b->y - origin[1];
 	far = hypot(to[0], to[1]);
@@ -281,12 +284,12 @@ static double depth_of_body(const struct stage *s, const struct standing *b, dou
 }
 
 /* What the depth camera measures of a body. */
-static void measure_body(const struct stage *s, const struct standing *b, uint8_t *words)
+static void measure_body(const struct tsai_camera *camera, const struct standing *b, uint8_t *words)
 {
 	for (int k = 0; k < MAP_WIDTH * MAP_HEIGHT; k++) {
 		const double u = (k % MAP_WIDTH + 0.5) / MAP_WIDTH - b->shift;
 		const double v = (k / MAP_WIDTH + 0.5) / MAP_HEIGHT;
-		const double depth = depth_of_body(s, b, u, v);
+		const double depth = depth_of_body(camera, b, u, v);
 		unsigned mm = depth > 0 ? (unsigned)lround(1000 * depth) : b->flying;
 
 		if (depth > 0 && fmod(k * 0.618034, 1) < b->unknown)
@@ -306,7 +309,7 @@ static struct group *group_of_body(struct stage *s, const struct standing *b)
 	for (int y = 0; y < p->down; y++)
 		for (int x = 0; x < p->across; x++) {
 			const double u = (x + 0.5) / p->across, v = (y + 0.5) / p->down;
-			const bool in = depth_of_body(s, b, u, v) > 0;
+			const bool in = depth_of_body(&s->camera, b, u, v) > 0;
 
 			p->label[y * p->across + x] = in ? 0 : -1;
 			if (!in)
@@ -325,10 +328,13 @@ struct placed_count {
 	int all, wrong, front_taken_for_behind;
 };
 
-/* Bodies before and behind a wall of 4 m by 0.3 m, with and without depths. */
-static struct placed_count place_all(struct standing body, bool depth)
+/* Bodies before and behind a wall of 4 m by 0.3 m, with and without depths, which another camera measures
+ * where `by` is one; told: people_create() knows where it stands. */
+static struct placed_count place_by(struct standing body, bool depth, const struct tsai_camera *by,
+				    bool told)
 {
-	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
+	struct stage s = {
+		.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1, .depth_camera = told ? by : NULL};
 	struct placed_count count = {0, 0, 0};
 	uint8_t *words = malloc(2 * MAP_WIDTH * MAP_HEIGHT);
 	const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
@@ -344,7 +350,7 @@ static struct placed_count place_all(struct standing body, bool depth)
 				continue;
 			body.x = x;
 			body.y = y;
-			measure_body(&s, &body, words);
+			measure_body(by ? by : &s.camera, &body, words);
 			g = group_of_body(&s, &body);
 			people_take_depth(s.people, depth ? &map : NULL);
 			front = order_is_front(s.people, g);
@@ -355,6 +361,11 @@ static struct placed_count place_all(struct standing body, bool depth)
 	stage_end(&s);
 	free(words);
 	return count;
+}
+
+static struct placed_count place_all(struct standing body, bool depth)
+{
+	return place_by(body, depth, NULL, false);
 }
 
 static void feet_that_a_low_wall_hides_do_not_matter_to_depth(void **state)
@@ -398,6 +409,25 @@ static void where_depths_are_not_known_the_feet_count(void **state)
 	expect_equal(place_all(body, true).wrong, 0, "feet that are seen");
 }
 
+/* Cameras that stand elsewhere, of another size and lens, and what they show behind people. */
+static void a_depth_camera_elsewhere_is_calibrated(void **state)
+{
+	static const double eyes[][3] = {{0.5, -5, 1.8}, {-2.5, -4.5, 2.4}, {0, -3.5, 2.6}};
+	const struct standing body = {.hidden_m = 0.9, .flying = 9000};
+	const double target[3] = {0, 0, 0.6};
+
+	(void)state;
+	for (size_t n = 0; n < sizeof(eyes) / sizeof(*eyes); n++) {
+		struct tsai_camera camera;
+
+		assert_int_equal(tsai_look_at(&camera, 424, 240, eyes[n], target, 85, NULL), 0);
+		camera.kappa1 = 0.02;
+		expect_equal(place_by(body, true, &camera, true).wrong, 0, "camera %zu", n);
+		expect_above(place_by(body, true, &camera, false).wrong, 0,
+			     "camera %zu, taken for one in the background's place", n);
+	}
+}
+
 /* A group that was before the object stays there until it is farther than the far side by a share. */
 static void a_group_keeps_its_side_by_depth(void **state)
 {
@@ -410,14 +440,14 @@ static void a_group_keeps_its_side_by_depth(void **state)
 	(void)state;
 	assert_non_null(words);
 	stage_begin(&s, ahead, 4.2);
-	measure_body(&s, &body, words);
+	measure_body(&s.camera, &body, words);
 	g = group_of_body(&s, &body);
 	people_take_depth(s.people, &map);
 	assert_false(order_is_front(s.people, g));
 	g->before[1] = 1;
 	assert_true(order_is_front(s.people, g));
 	body.y = 0.5;
-	measure_body(&s, &body, words);
+	measure_body(&s.camera, &body, words);
 	g = group_of_body(&s, &body);
 	g->before[1] = 1;
 	assert_false(order_is_front(s.people, g));
@@ -439,6 +469,7 @@ int main(void)
 		cmocka_unit_test(feet_that_are_seen_tell_the_same),
 		cmocka_unit_test(holes_and_a_shift_do_not_matter),
 		cmocka_unit_test(where_depths_are_not_known_the_feet_count),
+		cmocka_unit_test(a_depth_camera_elsewhere_is_calibrated),
 		cmocka_unit_test(a_group_keeps_its_side_by_depth),
 	};
 

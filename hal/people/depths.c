@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Depths of a camera that stands elsewhere, as the background's camera would measure them: some of its
+ * pixels, each at its place in the world, in a coarse picture of the background's view, in which the
+ * nearest counts. It is made when the first group of a frame asks.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/people/people_parts.h"
+
+enum {
+	SAMPLES_ACROSS = 160,
+	SAMPLES_DOWN = 120,
+	SAMPLES = SAMPLES_ACROSS * SAMPLES_DOWN,
+	MOVED_ACROSS = 80,
+	MOVED_DOWN = 60,
+};
+
+struct depths {
+	double origin[3];
+	float ray[SAMPLES][3]; /* what a metre along the camera's axis is in the world; 0: no ray */
+	struct depth_map moved;
+	uint8_t words[2 * MOVED_ACROSS * MOVED_DOWN]; /* mm */
+};
+
+static void prepare_ray(struct depths *d, const struct tsai_camera *camera, int k)
+{
+	const double *axis = &camera->rotation[6];
+	const double px[2] = {(k % SAMPLES_ACROSS + 0.5) * camera->width / SAMPLES_ACROSS,
+			      (k / SAMPLES_ACROSS + 0.5) * camera->height / SAMPLES_DOWN};
+	double dir[3], along;
+
+	if (tsai_ray(camera, px, d->origin, dir))
+		return;
+	along = axis[0] * dir[0] + axis[1] * dir[1] + axis[2] * dir[2];
+	for (int i = 0; i < 3; i++)
+		d->ray[k][i] = (float)(dir[i] / along);
+}
+
+int depths_create(struct people *p, const struct tsai_camera *camera)
+{
+	struct depths *d = camera ? calloc(1, sizeof(*d)) : NULL;
+
+	if (camera && !d)
+		return -ENOMEM;
+	for (int k = 0; d && k < SAMPLES; k++)
+		prepare_ray(d, camera, k);
+	if (d)
+		d->moved = (struct depth_map){d->words,	    2,		2 * MOVED_ACROSS,
+					      MOVED_ACROSS, MOVED_DOWN, 0.001};
+	p->depths = d;
+	return 0;
+}
+
+/* Puts a place in the world into the background's view. */
+static void move_place(struct depths *d, const struct people *p, const double world[3])
+{
+	const struct tsai_camera *camera = p->object.camera;
+	const double *axis = &camera->rotation[6];
+	const double m = axis[0] * world[0] + axis[1] * world[1] + axis[2] * world[2] +
+			 camera->translation[2];
+	uint8_t *word;
+	double px[2];
+	int mm, before;
+
+	if (!(m > 0 && m < 65) || tsai_project(camera, world, px) || px[0] < 0 || px[1] < 0 ||
+	    px[0] >= p->settings.width || px[1] >= p->settings.height)
+		return;
+	word = &d->words[2 * ((int)(px[1] * MOVED_DOWN / p->settings.height) * MOVED_ACROSS +
+			      (int)(px[0] * MOVED_ACROSS / p->settings.width))];
+	mm = (int)(1000 * m + 0.5);
+	before = word[0] | word[1] << 8;
+	if (before && before <= mm)
+		return;
+	word[0] = (uint8_t)mm;
+	word[1] = (uint8_t)(mm >> 8);
+}
+
+static void move_depths(struct depths *d, const struct people *p)
+{
+	const struct depth_map *map = p->depth;
+
+	memset(d->words, 0, sizeof(d->words));
+	for (int k = 0; k < SAMPLES; k++) {
+		const int x = (2 * (k % SAMPLES_ACROSS) + 1) * map->width / (2 * SAMPLES_ACROSS);
+		const int y = (2 * (k / SAMPLES_ACROSS) + 1) * map->height / (2 * SAMPLES_DOWN);
+		const double depth = depth_map_at(map, x, y);
+		double world[3];
+
+		if (!(depth > 0))
+			continue;
+		for (int i = 0; i < 3; i++)
+			world[i] = d->origin[i] + depth * (double)d->ray[k][i];
+		move_place(d, p, world);
+	}
+}
+
+const struct depth_map *depths_of_background(struct people *p)
+{
+	if (p->depths && p->depth && p->depth != &p->depths->moved) {
+		move_depths(p->depths, p);
+		p->depth = &p->depths->moved;
+	}
+	return p->depth;
+}
+
+void depths_free(struct people *p)
+{
+	free(p->depths);
+	p->depths = NULL;
+}
