@@ -22,7 +22,6 @@
 #include "drivers/sim/player.h"
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/spread.h"
-#include "drivers/sim/studio_depth.h"
 #include "drivers/sim/studio_people.h"
 #include "drivers/sim/studio_view.h"
 #include "hal/base/clock.h"
@@ -304,12 +303,12 @@ static void render_depths(const struct sim_options *options, struct sim *sim, do
 	const struct studio_lamps lamps = studio_lamps(time_s, options->switch_s);
 	struct walker walkers[WALKER_STYLES];
 
-	studio_depth_room(sim->studio, &lamps, sim->linear);
+	studio_view_depth(sim->studio, &lamps, sim->linear);
 	if (options->walkers == 0)
 		return;
 	studio_people_draw(sim->studio, &lamps, walkers,
 			   walkers_at(time_s, options->walkers, walkers), sim->people);
-	studio_depth_people(sim->studio, sim->people, sim->linear);
+	studio_people_depth(sim->studio, sim->people, sim->linear);
 }
 
 static void render_scene(const struct camera *camera, struct sim *sim, uint64_t sequence)
@@ -411,10 +410,9 @@ static void output_depths(const struct camera *camera, struct sim *sim, uint64_t
 			  struct frame *frame)
 {
 	const struct sim_options *options = camera->options;
-	const struct studio_depth_sensor sensor = {options->depth_noise_mm, options->seed};
+	const struct sensor_depth sensor = {options->depth_noise_mm, options->seed};
 
-	studio_depth_measure(&sensor, sequence, sim->linear, camera->width, camera->height,
-			     sim->output);
+	sensor_measure(&sensor, sequence, sim->linear, camera->width, camera->height, sim->output);
 	fill_plane(frame, sim->output);
 }
 

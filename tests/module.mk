@@ -282,7 +282,7 @@ FUZZ_PARTS := \
 	bake/tiles/shard.c
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
-	hours.sh depth.sh run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
+	hours.sh run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh)
 # These compare times and run by themselves.
 TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)

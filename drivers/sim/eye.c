@@ -46,3 +46,12 @@ bool eye_on_rim(const struct sim_eye *eye, int x, int y)
 	}
 	return seen % 4 != 0;
 }
+
+double eye_along_axis(const struct sim_eye *eye, int x, int y, double origin[3], double dir[3])
+{
+	const double *axis = &eye->camera.rotation[6];
+
+	if (!eye_ray(eye, (double[2]){x + 0.5, y + 0.5}, origin, dir))
+		return 0;
+	return vec_dot(axis, dir);
+}

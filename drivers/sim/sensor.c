@@ -15,7 +15,8 @@ void sensor_prepare(struct sensor *sensor, const struct sensor_settings *setting
 			black + (255 - black) * transfer_encode(settings->transfer, i / 65535.0));
 }
 
-uint64_t sensor_chance(uint64_t z)
+/* Hashes a counter into a random number (SplitMix64). */
+static uint64_t noise_scramble(uint64_t z)
 {
 	z += 0x9e3779b97f4a7c15u;
 	z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -23,9 +24,10 @@ uint64_t sensor_chance(uint64_t z)
 	return z ^ z >> 31;
 }
 
-float sensor_gauss(uint64_t counter)
+/* Returns a nearly Gaussian number of mean 0 and variance 1: the sum of four 16-bit uniforms. */
+static float noise_gauss(uint64_t counter)
 {
-	const uint64_t z = sensor_chance(counter);
+	const uint64_t z = noise_scramble(counter);
 	const int sum = (int)(z & 0xffff) + (int)(z >> 16 & 0xffff) + (int)(z >> 32 & 0xffff) +
 			(int)(z >> 48);
 
@@ -45,14 +47,14 @@ static void expose_noisy(const struct sensor *sensor, uint64_t frame, const floa
 	const float exposure = (float)sensor->settings.exposure;
 	const float read = (float)(sensor->settings.read_noise / 255);
 	const float shot = (float)(sensor->settings.shot_noise / 255);
-	const uint64_t key = sensor_chance((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
+	const uint64_t key = noise_scramble((uint64_t)(int64_t)sensor->settings.seed ^ frame << 32);
 
 	for (size_t i = 0; i < 3 * count; i++) {
 		const float v = exposure * sensor->gain[i % 3] * rgb[i];
 		const float deviation = sqrtf(read * read + shot * shot * fabsf(v));
 
 		bgrx[4 * (i / 3) + 2 - i % 3] = sensor_code(sensor,
-							    v + deviation * sensor_gauss(key + i));
+							    v + deviation * noise_gauss(key + i));
 	}
 }
 
@@ -117,4 +119,40 @@ void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix mat
 		yuyv[2] = clamp_to_byte(k.y_offset + k.y_scale * y1);
 		yuyv[3] = clamp_to_byte(128 + k.r_scale * (r[0] + r[1] - y0 - y1) / 2);
 	}
+}
+
+#define DEPTH_EDGE 0.1f
+
+static bool is_edge(const float *z, int width, int height, int x, int y)
+{
+	const float here = z[y * width + x];
+
+	for (int n = 0; n < 4; n++) {
+		const int u = x + (n == 0) - (n == 1), v = y + (n == 2) - (n == 3);
+
+		if (u >= 0 && v >= 0 && u < width && v < height &&
+		    fabsf(z[v * width + u] - here) > DEPTH_EDGE * here)
+			return true;
+	}
+	return false;
+}
+
+void sensor_measure(const struct sensor_depth *sensor, uint64_t frame, const float *z, int width,
+		    int height, uint8_t *words)
+{
+	const uint64_t key = noise_scramble((uint64_t)(int64_t)sensor->seed ^ frame << 32);
+
+	for (int y = 0; y < height; y++)
+		for (int x = 0; x < width; x++) {
+			const int k = y * width + x;
+			const double m = (double)z[k];
+			const double gauss = (double)noise_gauss(key + (uint64_t)k);
+			const double mm = 1000 * m + sensor->noise_mm * m * m * gauss;
+			const bool known = m > 0 && mm >= 1 && mm < 65535 &&
+					   !is_edge(z, width, height, x, y);
+			const int word = known ? (int)(mm + 0.5) : 0;
+
+			words[2 * k] = (uint8_t)word;
+			words[2 * k + 1] = (uint8_t)(word >> 8);
+		}
 }

@@ -42,10 +42,21 @@ void sensor_expose(const struct sensor *sensor, uint64_t frame, const float *rgb
 void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix matrix,
 		      enum colour_range range, uint8_t *yuyv);
 
-/* Hashes a counter into a random number (SplitMix64). */
-uint64_t sensor_chance(uint64_t counter);
+/*
+ * A depth camera that triangulates: depths z in m become mm,
+ *
+ *     measured = z + noise z^2 gauss    rounded; noise: the standard deviation in mm at 1 m
+ *
+ * 0, not known: where z is 0 or beyond 65.534 m, and where a neighbour is nearer or farther by a tenth,
+ * because at edges one of the two eyes sees something else.
+ */
+struct sensor_depth {
+	double noise_mm;
+	int seed;
+};
 
-/* The same as a nearly Gaussian number of mean 0 and variance 1: the sum of four 16-bit uniforms. */
-float sensor_gauss(uint64_t counter);
+/* Measures z[height][width] as words[height][width] of PIXEL_Z16; frame selects the noise. */
+void sensor_measure(const struct sensor_depth *sensor, uint64_t frame, const float *z, int width,
+		    int height, uint8_t *words);
 
 #endif

@@ -268,3 +268,18 @@ void studio_people_over(const struct studio_view *view, const struct studio_laye
 		for (int c = 0; c < 3; c++)
 			rgb[3 * k + c] = (1 - layer[k].alpha) * rgb[3 * k + c] + layer[k].rgb[c];
 }
+
+void studio_people_depth(const struct studio_view *view, const struct studio_layer *layer, float *z)
+{
+	const struct sim_eye *eye = studio_view_eye(view);
+
+	for (int y = 0; y < eye->height; y++)
+		for (int x = 0; x < eye->width; x++) {
+			const int k = y * eye->width + x;
+			double origin[3], dir[3];
+
+			if (layer[k].alpha >= 0.5f)
+				z[k] = (float)(eye_along_axis(eye, x, y, origin, dir) *
+					       (double)layer[k].depth);
+		}
+}

@@ -35,4 +35,8 @@ void studio_people_draw(const struct studio_view *view, const struct studio_lamp
 void studio_people_over(const struct studio_view *view, const struct studio_layer *layer,
 			float *rgb);
 
+/* Puts a layer over the depths of studio_view_depth(), where it covers half of a pixel. */
+void studio_people_depth(const struct studio_view *view, const struct studio_layer *layer,
+			 float *z);
+
 #endif

@@ -318,3 +318,19 @@ const struct sim_eye *studio_view_eye(const struct studio_view *view)
 {
 	return &view->eye;
 }
+
+void studio_view_depth(const struct studio_view *view, const struct studio_lamps *lamps, float *z)
+{
+	for (int y = 0; y < view->height; y++)
+		for (int x = 0; x < view->width; x++) {
+			double origin[3], dir[3];
+			const double along = eye_along_axis(&view->eye, x, y, origin, dir);
+			struct studio_hit hit;
+			float *to = &z[y * view->width + x];
+
+			*to = 0;
+			if (along > 0 && studio_hit(origin, dir, &hit) &&
+			    studio_lantern_hit(lamps, origin, dir, hit.distance) < 0)
+				*to = (float)(along * hit.distance);
+		}
+}

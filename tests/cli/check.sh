@@ -73,6 +73,43 @@ refused "no such configuration" 1 "none.conf: No such file or directory" \
 refused "a configuration that is none" 1 "expected a text file" \
 	"$INLAY" run --config "$work/box.inlay"
 
+# ---- a depth camera ----
+cp "$work/studio.conf" "$work/depth.conf"
+printf '[camera depth]\ndriver = sim\n[depth]\ncamera = depth\n' >>"$work/depth.conf"
+cat >"$work/far.ini" <<'EOF'
+[camera]
+width = 96
+height = 64
+rotation = 1 0 0  0 0 -1  0 1 0
+translation = 0 1 3
+focal = 1
+pixel = 0.01 0.01
+centre = 48 32
+EOF
+wrong() { # NAME WORDS OPTIONS...
+	local name=$1 words=$2
+	shift 2
+	refused "$name" 1 "$words" "$INLAY" check --config "$work/depth.conf" "$@"
+}
+check "a depth camera is fine" "$INLAY" check --config "$work/depth.conf"
+wrong "a camera for two views" \
+	"[depth] camera: camera background is seen by another view too, expected a camera of its own" \
+	--set depth.camera=background
+wrong "pictures in place of depths" \
+	"[camera depth] format: is YUYV, but [depth] looks through it; expected Z16 or none" \
+	--set camera.depth.format=YUYV
+wrong "no such camera" 'there is no section [camera dept]; did you mean "depth"?' --set depth.camera=dept
+wrong "no such calibration" "[depth] calibration: cannot read" --set "depth.calibration=$work/none.ini"
+sed 's/^focal.*/focal = -1/' "$work/far.ini" >"$work/wrong.ini"
+wrong "a calibration that is none" "wrong.ini:6: [camera] focal: is \"-1\"" --set "depth.calibration=$work/wrong.ini"
+sed 's/^rotation.*/rotation = 1 0 0  0 1 0  0 1 0/' "$work/far.ini" >"$work/turned.ini"
+wrong "a rotation that is none" "turned.ini: camera: rotation" --set "depth.calibration=$work/turned.ini"
+printf '[fisheye]\n' >"$work/eye.ini"
+wrong "one of another camera" "eye.ini" --set "depth.calibration=$work/eye.ini"
+printf '[depth]\nunit = 0\n' >>"$work/depth.conf"
+lines=$(grep -c '' "$work/depth.conf")
+wrong "no unit" "depth.conf:$lines: [depth] unit: is \"0\", expected a number 0.001..1000 mm"
+
 # The sample is the defaults; its own test compares it with the tables.
 "$INLAY" check --sample >"$work/sample.conf"
 check "the sample reads without fault" "$INLAY" run --config "$work/sample.conf" --print-config

@@ -99,6 +99,79 @@ check "meanwhile the background is shown" test "$(number "$work/absent.jsonl" fr
 check "and statistics name the situation" grep -q '"name":"fisheye","situation":"no device"' \
 	"$work/absent.jsonl"
 
+# ---- a depth camera tells who is in front while depths come, feet while they do not ----
+cp "$work/studio.conf" "$work/no-depth.conf"
+cat >>"$work/studio.conf" <<'EOF'
+[camera depth]
+driver = sim
+width = 96
+height = 64
+sim.view = perspective
+sim.clock = frames
+sim.walkers = 4
+sim.depth_noise = 5
+[depth]
+camera = depth
+[people]
+occlude = yes
+EOF
+by_depth="who is in front is told by depth"
+by_feet="who is in front is told by their feet"
+
+for run in d e; do
+	check "run $run" run --frames 5 --set "screen.device=$work/$run%d.png"
+done
+same "gives the same pictures" "$work/d4.png" "$work/e4.png"
+check "a picture of the depths" "$INLAY" grab depth --config "$work/studio.conf" -o "$work/depth.png"
+equal "is as large as they are" 96x64 "$(png_size "$work/depth.png")"
+
+start --set camera.depth.sim.clock=real --set camera.depth.sim.stall_after=40
+check "depth tells who is in front" until_true 20 says "$work/run.log" "$by_depth"
+check "until the depth camera stalls" until_true 20 says "$work/run.log" "$by_feet"
+shown=$(number "$work/live.jsonl" frames)
+more_frames() {
+	[ "$(number "$work/live.jsonl" frames)" -gt $((shown + 20)) ]
+}
+check "then the kiosk goes on" until_true 20 more_frames
+check "as is said of the camera" until_true 20 says "$work/run.log" "camera depth: stalled"
+stop
+equal "it ends as it should" 0 $?
+
+start --set camera.depth.driver=v4l2 --set camera.depth.device=/dev/video250
+check "without the depth camera, feet tell" until_true 20 says "$work/run.log" "$by_feet"
+equal "which is said once" 1 "$(said "$work/run.log" "camera depth: no device")"
+stop
+equal "and nothing ends" 0 $?
+
+# What waiting cannot mend does not end it either.
+start --set camera.depth.sim.view=fisheye
+check "a camera that cannot measure depth" until_true 20 says "$work/run.log" "sim: format Z16"
+check "is done without" until_true 20 says "$work/run.log" "$by_feet"
+stop
+equal "to the end" 0 $?
+
+# One in 2.5 s.
+start --set camera.depth.sim.clock=real --set camera.depth.rate=0.4
+check "depths that are too old are not used" until_true 20 says "$work/run.log" "$by_feet"
+stop
+
+# One that stands elsewhere.
+cat >"$work/far.ini" <<'EOF'
+[camera]
+width = 96
+height = 64
+rotation = 1 0 0  0 0 -1  0 1 0
+translation = 0 1 3
+focal = 1
+pixel = 0.01 0.01
+centre = 48 32
+EOF
+start --set camera.depth.sim.clock=real --set "depth.calibration=$work/far.ini"
+check "a calibrated depth camera tells who is in front" until_true 20 says "$work/run.log" "$by_depth"
+stop
+equal "to the end, too" 0 $?
+mv "$work/no-depth.conf" "$work/studio.conf"
+
 # ---- figures for Prometheus ----
 check "a run with a file for Prometheus" "$INLAY" run --config "$work/studio.conf" --frames 90 \
 	--set screen.driver=null --set "metrics.file=$work/inlay.prom"

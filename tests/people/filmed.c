@@ -8,7 +8,6 @@
 
 #include "drivers/sim/sensor.h"
 #include "drivers/sim/spread.h"
-#include "drivers/sim/studio_depth.h"
 #include "hal/frame/view.h"
 #include "hal/lights/sampler.h"
 
@@ -145,27 +144,27 @@ static void see_depth(struct filmed *filmed, const struct filmed_moment *moment,
 	if (c->elsewhere) {
 		studio_people_draw(c->elsewhere, lamps, moment->walker, moment->walkers,
 				   c->elsewhere_people);
-		studio_depth_room(c->elsewhere, lamps, c->depth);
-		studio_depth_people(c->elsewhere, c->elsewhere_people, c->depth);
+		studio_view_depth(c->elsewhere, lamps, c->depth);
+		studio_people_depth(c->elsewhere, c->elsewhere_people, c->depth);
 		return;
 	}
-	studio_depth_room(c->place, lamps, c->depth);
-	studio_depth_people(c->place, filmed->behind, c->depth);
-	studio_depth_people(c->place, filmed->before, c->depth);
+	studio_view_depth(c->place, lamps, c->depth);
+	studio_people_depth(c->place, filmed->behind, c->depth);
+	studio_people_depth(c->place, filmed->before, c->depth);
 }
 
 static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
 			  const struct studio_lamps *lamps)
 {
 	struct filmed_cameras *c = filmed->cameras;
-	const struct studio_depth_sensor sensor = {moment->depth_noise_mm, 5};
+	const struct sensor_depth sensor = {moment->depth_noise_mm, 5};
 
 	see_depth(filmed, moment, lamps);
 	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
 		for (int x = moment->wall_x; x < filmed->width; x++)
 			c->depth[y * filmed->width + x] = wall_depth;
-	studio_depth_measure(&sensor, (uint64_t)moment->number, c->depth, filmed->width,
-			     filmed->height, filmed->depth);
+	sensor_measure(&sensor, (uint64_t)moment->number, c->depth, filmed->width, filmed->height,
+		       filmed->depth);
 }
 
 static void expose(float *rgb, const double exposure[3])
