@@ -92,7 +92,10 @@ static void stage_begin(struct stage *s, const double eye[3], double size)
 	s->touched = calloc(WIDTH * HEIGHT / 256, 1);
 	assert_true(s->coverage && s->touched);
 	fill_footprint(s, size);
-	object = (struct people_object){s->coverage, s->touched, &s->camera, &s->foot};
+	object = (struct people_object){.coverage = s->coverage,
+					.touched = s->touched,
+					.camera = &s->camera,
+					.foot = &s->foot};
 	people_place(s->people, &object);
 }
 
@@ -234,7 +237,8 @@ static void without_a_footprint_the_lower_edge_counts(void **state)
 	for (int y = 200; y < 320; y++)
 		for (int x = 240; x < 400; x++)
 			s.coverage[y * WIDTH + x] = 65535;
-	object = (struct people_object){s.coverage, s.touched, &s.camera, NULL};
+	object = (struct people_object){
+		.coverage = s.coverage, .touched = s.touched, .camera = &s.camera};
 	people_place(s.people, &object);
 	for (int x = 20; x < WIDTH - 20; x += 20) { /* beside it the nearest column counts */
 		const int side = s.people->side, edge = 320 / side;
