@@ -11,7 +11,7 @@ static void map_turned(struct depth_map *map, const struct frame *frame, enum pi
 	const ptrdiff_t stride = (ptrdiff_t)frame->planes[0].stride;
 	const ptrdiff_t right = (ptrdiff_t)WORD * (frame->width - 1);
 	const ptrdiff_t lower = stride * (frame->height - 1);
-	/* Of the turned picture's upper left pixel; steps to its right and down. */
+	/* Where the turned picture's upper left pixel is, and the steps to its right and down. */
 	const struct {
 		ptrdiff_t corner, x_step, y_step;
 	} turned[PICTURE_TURN_COUNT] = {

@@ -22,7 +22,7 @@ static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 static const double eye_ground[2] = {0, -2.4};
 /* The box of people.scene on the ground: half its side, and how it is turned. */
 static const double foot_half = 0.175, foot_turn = 20 * M_PI / 180;
-/* Of a depth camera: 5 mm at 1 m, 2 cm at 2 m. */
+/* A depth camera has 5 mm at 1 m and 2 cm at 2 m. */
 enum { DEPTH_NOISE_MM = 5 };
 enum { LEARNING = 900, RATE_HZ = 15, METHODS = 1 + SUBTRACTORS };
 
