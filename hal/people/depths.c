@@ -5,6 +5,7 @@
  * nearest counts. It is made when the first group of a frame asks.
  */
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,13 +64,15 @@ static void move_place(struct depths *d, const struct people *p, const double wo
 			 camera->translation[2];
 	uint8_t *word;
 	double px[2];
-	int mm, before;
+	int x, y, mm, before;
 
-	if (!(m > 0 && m < 65) || tsai_project(camera, world, px) || px[0] < 0 || px[1] < 0 ||
-	    px[0] >= p->settings.width || px[1] >= p->settings.height)
+	if (!(m > 0 && m < 65) || tsai_project(camera, world, px) || px[0] < 0 || px[1] < 0)
 		return;
-	word = &d->words[2 * ((int)(px[1] * MOVED_DOWN / p->settings.height) * MOVED_ACROSS +
-			      (int)(px[0] * MOVED_ACROSS / p->settings.width))];
+	x = (int)fmin(px[0] * MOVED_ACROSS / p->settings.width, MOVED_ACROSS);
+	y = (int)fmin(px[1] * MOVED_DOWN / p->settings.height, MOVED_DOWN);
+	if (x == MOVED_ACROSS || y == MOVED_DOWN)
+		return;
+	word = &d->words[2 * (y * MOVED_ACROSS + x)];
 	mm = (int)(1000 * m + 0.5);
 	before = word[0] | word[1] << 8;
 	if (before && before <= mm)
