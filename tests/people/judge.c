@@ -2,8 +2,9 @@
 /*
  * Judges hal/people in the simulated studio, whose truth is known, beside OpenCV's MOG2 and KNN on
  * the same frames. README.md says what the columns are.
- *     judge BASIS.inlay [FRAMES [CASE [FOLDER]]]
- * With FOLDER, pictures of bad frames are left there.
+ *     judge BASIS.inlay [FRAMES [CASE [FOLDER [LATER_S]]]]
+ * With FOLDER, pictures of bad frames are left there. LATER_S seconds later lamps and walkers are
+ * elsewhere.
  */
 #include <math.h>
 #include <stdio.h>
@@ -185,9 +186,10 @@ static void place_one(const struct judged_case *of, int frame, struct filmed_mom
 	moment->walkers = 1;
 }
 
-static void make_moment(const struct judged_case *of, int frame, struct filmed_moment *moment)
+static void make_moment(const struct judged_case *of, int frame, double later_s,
+			struct filmed_moment *moment)
 {
-	const double t = frame / of->rate_hz;
+	const double t = later_s + frame / of->rate_hz;
 
 	memset(moment, 0, sizeof(*moment));
 	moment->number = frame;
@@ -233,6 +235,7 @@ struct judged {
 	uint8_t *ours, *today, *black, *grey, *grey_back;
 	uint8_t *mask[SUBTRACTORS];
 	double decode[256];
+	double later_s;
 };
 
 struct tally {
@@ -531,7 +534,7 @@ static void judge_frame(struct judged *j, const struct judged_case *of, int fram
 	double begin;
 	int wrong, order;
 
-	make_moment(of, frame, &moment);
+	make_moment(of, frame, j->later_s, &moment);
 	if (filmed_take(&j->filmed, &moment))
 		die("not enough memory");
 	picture = as_picture(j, j->filmed.bgrx);
@@ -599,7 +602,7 @@ int main(int argc, char **argv)
 	const char *only = argc > 3 ? argv[3] : "";
 
 	if (argc < 2 || frames < 1)
-		die("expected BASIS.inlay [FRAMES [CASE [FOLDER]]]");
+		die("expected BASIS.inlay [FRAMES [CASE [FOLDER [LATER_S]]]]");
 	for (int i = 0; i < CASES; i++) {
 		const struct judged_case *of = &cases[i];
 		const int length = of->restless	      ? frames
@@ -612,8 +615,10 @@ int main(int argc, char **argv)
 		if (*only && strcmp(only, of->name) != 0)
 			continue;
 		judged_open(&judged, of, argv[1]);
+		judged.later_s = argc > 5 ? atof(argv[5]) : 0;
 		for (int frame = 0; frame < LEARNING + length; frame++)
-			judge_frame(&judged, of, frame, &tally, argc > 4 ? argv[4] : NULL);
+			judge_frame(&judged, of, frame, &tally,
+				    argc > 4 && *argv[4] ? argv[4] : NULL);
 		print_case(of, &tally);
 		judged_close(&judged);
 	}

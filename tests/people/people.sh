@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Judges how people are found: bakes the object, walks people around it. `make people` calls it.
-#     BUILD=build/x tests/people/people.sh [FRAMES [CASE [FOLDER]]]
+#     BUILD=build/x tests/people/people.sh [FRAMES [CASE [FOLDER [LATER_S]]]]
 set -eu
 cd "$(dirname "$0")/../.."
 build=${BUILD:?is not set: expected the folder that holds inlay-bake}
