@@ -121,6 +121,7 @@ HAL_SOURCES := \
 	hal/people/depths.c \
 	hal/people/edges.c \
 	hal/people/groups.c \
+	hal/people/hidden.c \
 	hal/people/judge.c \
 	hal/people/order.c \
 	hal/people/outline.c \

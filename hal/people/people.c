@@ -155,6 +155,7 @@ void people_destroy(struct people *p)
 	sensor_noise_destroy(p->sensor);
 	depths_free(p);
 	free(p->term);
+	free(p->ratios);
 	if (p->watch)
 		free(p->watch - p->across - 1);
 	free(p->unknown);

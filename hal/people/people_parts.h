@@ -16,6 +16,7 @@
 #define WHITE 65535.0f
 #define CODE_STEPS 16
 #define ORDER_DIRECTIONS 512
+#define DRIFT_MOST 3.0f /* and its inverse */
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
@@ -50,6 +51,12 @@ struct group {
 /* Cells left..right, top..bottom, inclusive; right < left: none. */
 struct box {
 	int left, right, top, bottom;
+};
+
+/* Sums of seen / place, R, G, B, over the cells of a tile in which nobody is. */
+struct ratios {
+	float sum[3];
+	int count;
 };
 
 /* Horizontal run of cells of equal value, for finding connected groups. */
@@ -89,15 +96,17 @@ struct people {
 	float *coefficient[3][PLACE_TERMS];
 	float light_then[3][PLACE_TERMS]; /* of the last whole prediction */
 	float *drift[3];		  /* what the model is off by at present, as a factor */
-	float light_rate, shadow_rate; /* share of what is seen that it takes over in this frame */
-	bool jumped;		       /* a lamp was switched in this frame */
-	float *lit[3];		       /* predicted for light_then, per unit of light_0 */
-	float *place[3];	       /* in the light of now, gain applied */
+	float light_rate; /* share of what is seen that it takes over in this frame */
+	bool jumped;	  /* a lamp was switched in this frame */
+	float *lit[3];	  /* predicted for light_then, per unit of light_0 */
+	float *place[3];  /* in the light of now, gain applied */
 	struct place_fit fit[PLACE_BANDS][3];
 	uint16_t *stable_ms; /* how long a cell that is not known has been stable */
 	uint8_t *known;
 	int *unknown; /* [down]: watched cells of the row that are not known */
 	bool learn_now;
+
+	struct ratios *ratios; /* hidden.c: [tiles] */
 
 	/* judge.c */
 	uint8_t *verdict, *raw;
@@ -137,6 +146,15 @@ struct people {
 	struct people_report report;
 };
 
+/* A cell's drift becomes so many times as large. */
+static inline void place_drift(struct people *people, int channel, int cell, float factor)
+{
+	float *drift = &people->drift[channel][cell];
+	const float is = *drift * factor;
+
+	*drift = is < DRIFT_MOST ? is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST : DRIFT_MOST;
+}
+
 static inline float of_white(double share)
 {
 	return (float)(share * (double)WHITE);
@@ -158,11 +176,18 @@ int place_create(struct people *people);
 bool place_light(struct people *people, const float (*radiance)[3]);
 void place_predict(struct people *people);
 void place_learn(struct people *people);
+/* What share of what is seen a cell's drift takes over in this frame; 0: something hides it. */
+float place_rate(const struct people *people, int channel, int cell);
 /* Takes what is seen in a cell as the empty place. */
 void place_adopt(struct people *people, int cell);
 void place_forget(struct people *people);
 /* Counts, row by row, the watched cells that are not known. */
 void place_count_unknown(struct people *people);
+
+/* ---- hidden.c ---- */
+
+/* Before the others drift: what hides follows as its surroundings do. */
+void hidden_follow(struct people *people);
 
 /* ---- judge.c ---- */
 

@@ -24,9 +24,6 @@
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define DIM 0.002f	  /* of white: darker cells do not drift */
 #define LIGHT_MS 470.0	  /* in which a cell follows light */
-#define SHADOW_MS 4000.0  /* and a shadow */
-#define DEEP 0.75f	  /* ratio of a shadow that is not followed */
-#define DRIFT_MOST 3.0f	  /* and its inverse */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define CLIPPED 0.97f
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
@@ -53,7 +50,8 @@ int place_create(struct people *p)
 	const struct dome *dome = p->settings.dome;
 
 	p->term = calloc((size_t)dome->count, sizeof(*p->term));
-	if (!p->term)
+	p->ratios = calloc((size_t)(p->tiles_across * p->tiles_down), sizeof(*p->ratios));
+	if (!p->term || !p->ratios)
 		return -1;
 	for (int i = 0; i < dome->count; i++) {
 		sky_terms(dome->direction[i], p->term[i]);
@@ -293,18 +291,18 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* What share of what is seen a cell takes over in this frame. A person's shadow only takes light away,
- * and goes with him: light that came is the place's, and what a deep shadow took would not be believed
- * when it comes back. */
-static float drift_rate(const struct people *p, int at, float ratio)
+/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
+float place_rate(const struct people *p, int c, int at)
 {
-	const bool shaded = p->verdict[at] == VERDICT_SHADED;
+	const float seen = p->seen[c][at], place = p->place[c][at];
 
+	if (place < DIM * WHITE || seen > CLIPPED * WHITE)
+		return 0;
 	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
 		return 1;
-	if (p->verdict[at] == VERDICT_PERSON || (shaded && ratio < DEEP))
+	if (p->verdict[at] == VERDICT_PERSON || (p->verdict[at] == VERDICT_SHADED && seen < place))
 		return 0;
-	return shaded && ratio < 1 ? p->shadow_rate : p->light_rate;
+	return p->light_rate;
 }
 
 /* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
@@ -315,17 +313,13 @@ static void drift_span(struct people *p, const struct span *span)
 
 	for (int c = 0; c < 3; c++) {
 		const float *seen = p->seen[c] + at, *place = p->place[c] + at;
-		float *restrict drift = p->drift[c] + at;
 
 		for (int x = 0; x < count; x++) {
-			float ratio, followed;
+			const float rate = p->known[at + x] ? place_rate(p, c, at + x) : 0;
 
-			if (!p->known[at + x] || place[x] < DIM * WHITE ||
-			    seen[x] > CLIPPED * WHITE)
-				continue;
-			ratio = seen[x] / place[x];
-			followed = 1 + drift_rate(p, at + x, ratio) * (fminf(ratio, 2) - 1);
-			drift[x] = fminf(fmaxf(drift[x] * followed, 1 / DRIFT_MOST), DRIFT_MOST);
+			if (rate > 0)
+				place_drift(p, c, at + x,
+					    1 + rate * (fminf(seen[x] / place[x], 2) - 1));
 		}
 	}
 }
@@ -336,7 +330,7 @@ void place_learn(struct people *p)
 	float step[3][PLACE_TERMS];
 
 	p->light_rate = (float)(p->step_ms / (p->step_ms + LIGHT_MS));
-	p->shadow_rate = (float)(p->step_ms / (p->step_ms + SHADOW_MS));
+	hidden_follow(p);
 	for (int c = 0; c < 3; c++)
 		fit_step(&p->fit[band][c], p->light[c], step[c]);
 	for (int s = 0; s < p->span_count; s++) {

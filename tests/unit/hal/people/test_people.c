@@ -48,6 +48,7 @@ struct place {
 	double noise;		      /* of linear light at white */
 	double exposure[3];
 	double lamp; /* strength of a lamp in the east */
+	double warm; /* how much redder the light becomes to the east, which the fisheye does not see */
 	struct chance chance;
 	float normal[NORMALS]; /* normal deviates, from which each row takes a stretch */
 	struct transfer_tables tables;
@@ -165,6 +166,7 @@ static void place_expose(struct place *p, const struct body *bodies, int count)
 
 			for (int c = 0; c < 3; c++)
 				light[c] = p->floor[y][x][c] * irradiance(p, y, x);
+			light[0] *= 1 + p->warm * fmin(fmax(at[0], -1), 1);
 			for (int n = 0; n < count; n++)
 				for (int c = 0; c < 3; c++)
 					light[c] *= shadow_at(&bodies[n], at[0], at[1]);
@@ -510,6 +512,28 @@ static void somebody_who_hides_everything_is_not_learned(void **state)
 	free(p);
 }
 
+/* Light changes while somebody stands there: the ground that he hid is known when it comes back. */
+static void hidden_ground_follows_its_surroundings(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+	const struct body b = walker(0.3, -0.7);
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 90; n++) {
+		p->warm = 0.7 * n / 90;
+		place_look(p, &b, 1);
+	}
+	place_look(p, NULL, 0);
+	place_look(p, NULL, 0);
+	print_message("# wrong pixels: %.4f\n", wrong_share(p));
+	expect_at_most(wrong_share(p), 0.01, "after leaving");
+	place_end(p);
+	free(p);
+}
+
 static void a_body_keeps_the_order_of_its_feet(void **state)
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -717,6 +741,7 @@ int main(void)
 		cmocka_unit_test(learn_and_forget_act_at_once),
 		cmocka_unit_test(nobody_is_reported_in_the_dark),
 		cmocka_unit_test(somebody_who_hides_everything_is_not_learned),
+		cmocka_unit_test(hidden_ground_follows_its_surroundings),
 		cmocka_unit_test(a_body_keeps_the_order_of_its_feet),
 		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
 		cmocka_unit_test(another_place_is_refused),
