@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The edge of a person, cell by cell. A cell C beside the edge mixes a person's colour F with the
- * place's, B: by least squares over the channels, each over its variance, its share is
+ * The edge of a person. A cell or pixel C beside the edge mixes a person's colour F with the place's,
+ * B: by least squares over the channels, each over its variance, its share is
  *
  *     alpha = <C - B, F - B> / <F - B, F - B>
  *
  * F is the mean of the person's cells around, B the place in the light of the cells around that are
- * not a person's. From a half on the cell is the person's.
+ * not a person's. From a half on a cell is the person's.
  */
 #include <string.h>
 
@@ -15,16 +15,8 @@
 #define AROUND 2 /* cells on each side */
 #define PASSES 2 /* cells by which an edge may move */
 
-/* Sums over the cells around one. */
-struct sides {
-	float person[3], seen[3], place[3];
-	int people, others;
-};
-
-static void add_cell(const struct people *p, int at, struct sides *sides)
+static void add_cell(const struct people *p, bool person, int at, struct sides *sides)
 {
-	const bool person = p->raw[at] == VERDICT_PERSON;
-
 	for (int c = 0; c < 3; c++) {
 		if (person) {
 			sides->person[c] += p->seen[c][at];
@@ -38,20 +30,19 @@ static void add_cell(const struct people *p, int at, struct sides *sides)
 }
 
 /* Whether all four neighbours are as the cell. */
-static bool is_inner(const struct people *p, int x, int y)
+static bool is_inner(const struct people *p, const uint8_t *verdict, int x, int y)
 {
 	const int at = y * p->across + x;
-	const bool person = p->raw[at] == VERDICT_PERSON;
+	const bool person = verdict[at] == VERDICT_PERSON;
 
 	return x > 0 && y > 0 && x < p->across - 1 && y < p->down - 1 &&
-	       (p->raw[at - 1] == VERDICT_PERSON) == person &&
-	       (p->raw[at + 1] == VERDICT_PERSON) == person &&
-	       (p->raw[at - p->across] == VERDICT_PERSON) == person &&
-	       (p->raw[at + p->across] == VERDICT_PERSON) == person;
+	       (verdict[at - 1] == VERDICT_PERSON) == person &&
+	       (verdict[at + 1] == VERDICT_PERSON) == person &&
+	       (verdict[at - p->across] == VERDICT_PERSON) == person &&
+	       (verdict[at + p->across] == VERDICT_PERSON) == person;
 }
 
-/* What is around a cell, of cells that do not touch the edge. */
-static struct sides look_around(const struct people *p, int x, int y)
+struct sides edges_around(const struct people *p, const uint8_t *verdict, int x, int y)
 {
 	struct sides sides = {.people = 0};
 
@@ -60,31 +51,46 @@ static struct sides look_around(const struct people *p, int x, int y)
 			const int at = v * p->across + u;
 
 			if (u >= 0 && v >= 0 && u < p->across && v < p->down && p->watch[at] &&
-			    p->known[at] && (u != x || v != y) && is_inner(p, u, v))
-				add_cell(p, at, &sides);
+			    p->known[at] && (u != x || v != y) && is_inner(p, verdict, u, v))
+				add_cell(p, verdict[at] == VERDICT_PERSON, at, &sides);
 		}
 	return sides;
+}
+
+float edges_light(const struct sides *sides, int c)
+{
+	return sides->place[c] > 0 ? sides->seen[c] / sides->place[c] : 1;
+}
+
+float edges_share(const struct people *p, const struct sides *sides, const float seen[3],
+		  const float place[3])
+{
+	float along = 0, whole = 0;
+
+	for (int c = 0; c < 3; c++) {
+		const float apart = sides->person[c] / (float)sides->people - place[c];
+		const float weight = 1 / (p->still[c] + p->shot[c] * place[c]);
+
+		along += weight * apart * (seen[c] - place[c]);
+		whole += weight * apart * apart;
+	}
+	return whole > 0 ? along / whole : 0;
 }
 
 /* A cell beside the edge; stays what it is where one side is not seen around it. */
 static bool is_person(const struct people *p, int x, int y)
 {
 	const int at = y * p->across + x;
-	const struct sides sides = look_around(p, x, y);
-	float along = 0, whole = 0;
+	const struct sides sides = edges_around(p, p->raw, x, y);
+	float seen[3], place[3];
 
 	if (!sides.people || !sides.others || !p->known[at])
 		return p->raw[at] == VERDICT_PERSON;
 	for (int c = 0; c < 3; c++) {
-		const float ratio = sides.place[c] > 0 ? sides.seen[c] / sides.place[c] : 1;
-		const float place = ratio * p->place[c][at];
-		const float apart = sides.person[c] / (float)sides.people - place;
-		const float weight = 1 / (p->still[c] + p->shot[c] * place);
-
-		along += weight * apart * (p->seen[c][at] - place);
-		whole += weight * apart * apart;
+		seen[c] = p->seen[c][at];
+		place[c] = edges_light(&sides, c) * p->place[c][at];
 	}
-	return along > 0.5f * whole;
+	return edges_share(p, &sides, seen, place) > 0.5f;
 }
 
 static void refine_row(struct people *p, int y)
@@ -92,7 +98,7 @@ static void refine_row(struct people *p, int y)
 	for (int x = p->box.left; x <= p->box.right; x++) {
 		const int at = y * p->across + x;
 
-		if (!p->watch[at] || is_inner(p, x, y))
+		if (!p->watch[at] || is_inner(p, p->raw, x, y))
 			continue;
 		if (is_person(p, x, y))
 			p->verdict[at] = VERDICT_PERSON;

@@ -1,75 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * From cells to pixels. Off the object the edge of a person is the cells' own, drawn between their
- * centres. On the object it is a matte that follows the picture: a guided filter (He, Sun and Tang
- * 2013; at the cells' resolution, He and Sun 2015), which in each window of cells fits
+ * From cells to pixels. Beside the edge of a person a pixel's share of him is
  *
- *     front = slope grey + offset
+ *     f = (1 - OWN) c + OWN alpha
  *
- * in least squares, and takes the grey of the pixels themselves.
+ * with c the cells' own share, drawn between their centres, and alpha what the pixel's colour tells
+ * (edges.c); alpha alone would have the noise of one pixel.
  */
 #include <math.h>
 #include <string.h>
 
 #include "hal/people/people_parts.h"
 
-#define WINDOW 2				 /* cells on each side */
-#define FLATNESS (0.02f * WHITE * 0.02f * WHITE) /* variance of grey that counts as an edge */
-#define STEEPNESS 2.0f				 /* of an edge that is drawn between cells */
-
-static float grey_of(float r, float g, float b)
-{
-	return 0.2126f * r + 0.7152f * g + 0.0722f * b;
-}
-
-static float cell_grey(const struct people *p, int at)
-{
-	return grey_of(p->seen[0][at], p->seen[1][at], p->seen[2][at]);
-}
-
-/* Fits the matte around a cell. False: no edge of a person in front is near. */
-static bool fit_matte(const struct people *p, int x, int y, float *slope, float *offset)
-{
-	float grey = 0, front = 0, grey2 = 0, both = 0;
-	int count = 0, ones = 0;
-
-	for (int v = y - WINDOW; v <= y + WINDOW; v++)
-		for (int u = x - WINDOW; u <= x + WINDOW; u++) {
-			const int at = v * p->across + u;
-			float i, f;
-
-			if (v < 0 || u < 0 || v >= p->down || u >= p->across || !p->watch[at])
-				continue;
-			i = cell_grey(p, at);
-			f = p->order[at] == 2;
-			grey += i;
-			front += f;
-			grey2 += i * i;
-			both += i * f;
-			ones += p->order[at] == 2;
-			count++;
-		}
-	if (ones == 0 || ones == count)
-		return false;
-	grey /= (float)count;
-	front /= (float)count;
-	*slope = (both / (float)count - grey * front) /
-		 (grey2 / (float)count - grey * grey + FLATNESS);
-	*offset = front - *slope * grey;
-	return true;
-}
-
-/* The matte around a cell, fitted when it is first asked for in a frame. */
-static void matte_of(struct people *p, int at)
-{
-	if (p->fitted[at] == p->frame + 1)
-		return;
-	p->fitted[at] = p->frame + 1;
-	if (!fit_matte(p, at % p->across, at / p->across, &p->slope[at], &p->offset[at])) {
-		p->slope[at] = 0;
-		p->offset[at] = p->order[at] == 2;
-	}
-}
+#define OWN 0.8f
+#define STEEPNESS 1.4f /* of f about a half: noise of pixels is not to be seen off the edge */
 
 /* The four cells around a pixel and their weights. */
 struct between {
@@ -103,61 +47,70 @@ static float clamp_share(float f)
 	return f > 0 ? f < 1 ? f : 1 : 0;
 }
 
-static float share_of(const struct people *p, const struct between *b, int least)
-{
-	float sum = 0;
-
-	for (int n = 0; n < 4; n++)
-		sum += b->weight[n] * (float)(p->order[b->at[n]] >= least);
-	return clamp_share((sum - 0.5f) * STEEPNESS + 0.5f);
-}
-
 static uint8_t share_code(float f)
 {
 	return (uint8_t)(f * 255 + 0.5f);
 }
 
+/* What there is beside a cell at the edge of a person. */
+struct edge {
+	struct sides sides;
+	bool told;  /* both sides are seen */
+	bool front; /* he is before the object */
+};
+
+/* A pixel: what is seen, and the place in the light beside the edge. */
+struct pixel {
+	float seen[3], place[3];
+};
+
+static struct pixel read_pixel(const struct people *p, const struct edge *edge,
+			       const struct between *b, const uint8_t *in)
+{
+	struct pixel pixel = {.place = {0}};
+
+	for (int c = 0; c < 3; c++) {
+		pixel.seen[c] = (float)p->tables.decode[in[2 - c]];
+		for (int n = 0; n < 4; n++)
+			pixel.place[c] += b->weight[n] * p->place[c][b->at[n]];
+		if (edge->told)
+			pixel.place[c] *= edges_light(&edge->sides, c);
+	}
+	return pixel;
+}
+
 /* F = (C - (1 - f) B) / f, as a code value. */
-static void draw_foremost(struct people *p, const struct between *b, const uint8_t *in, float f,
-			  uint8_t *out)
+static void draw_foremost(const struct people *p, const struct pixel *pixel, float f, uint8_t *out)
 {
 	for (int c = 0; c < 3; c++) {
-		const float seen = (float)p->tables.decode[in[2 - c]];
-		float place = 0, colour;
+		const float colour = (pixel->seen[c] - (1 - f) * pixel->place[c]) / f;
 
-		for (int n = 0; n < 4; n++)
-			place += b->weight[n] * p->place[c][b->at[n]];
-		colour = (seen - (1 - f) * place) / f;
-		colour = colour > 0 ? colour < WHITE ? colour : WHITE : 0;
-		out[2 - c] = p->tables.encode[(int)colour];
+		out[2 - c] =
+			p->tables.encode[(int)(colour > 0 ? colour < WHITE ? colour : WHITE : 0)];
 	}
 }
 
-static void draw_pixel(struct people *p, const struct picture *picture, int x, int y)
+static void draw_pixel(struct people *p, const struct picture *picture, const struct edge *edge,
+		       int x, int y)
 {
 	const size_t at = (size_t)y * (size_t)p->settings.width + (size_t)x;
 	const uint8_t *in = picture->origin + y * picture->y_step + x * picture->x_step;
 	const struct between b = cells_between(p, x, y);
-	float front = share_of(p, &b, 2), anybody = share_of(p, &b, 1);
+	const struct pixel pixel = read_pixel(p, edge, &b, in);
+	float share = 0;
 
-	if (p->object.coverage[at]) {
-		const float grey = grey_of((float)p->tables.decode[in[2]],
-					   (float)p->tables.decode[in[1]],
-					   (float)p->tables.decode[in[0]]);
-		float slope = 0, offset = 0;
+	for (int n = 0; n < 4; n++)
+		share += b.weight[n] * (float)(p->order[b.at[n]] > 0);
+	if (edge->told) {
+		const float own = edges_share(p, &edge->sides, pixel.seen, pixel.place);
 
-		for (int n = 0; n < 4; n++) {
-			matte_of(p, b.at[n]);
-			slope += b.weight[n] * p->slope[b.at[n]];
-			offset += b.weight[n] * p->offset[b.at[n]];
-		}
-		front = clamp_share((slope * grey + offset - 0.5f) * STEEPNESS + 0.5f);
+		share += OWN * (clamp_share(own) - share);
 	}
-	anybody = anybody > front ? anybody : front;
-	p->front[at] = share_code(front);
-	p->anybody[at] = share_code(anybody);
+	share = clamp_share((share - 0.5f) * STEEPNESS + 0.5f);
+	p->anybody[at] = share_code(share);
+	p->front[at] = edge->front ? p->anybody[at] : 0;
 	if (p->front[at] > 0 && p->front[at] < 255)
-		draw_foremost(p, &b, in, front, p->foremost + 4 * at);
+		draw_foremost(p, &pixel, share, p->foremost + 4 * at);
 }
 
 enum presence { NOBODY, ALL_ALIKE, SOME };
@@ -168,8 +121,8 @@ static enum presence tile_presence(const struct people *p, int tx, int ty)
 	const int cells = BASIS_TILE / p->side;
 	int count[3] = {0}, all = 0;
 
-	for (int y = ty * cells - WINDOW; y < (ty + 1) * cells + WINDOW; y++)
-		for (int x = tx * cells - WINDOW; x < (tx + 1) * cells + WINDOW; x++) {
+	for (int y = ty * cells - 1; y <= (ty + 1) * cells; y++)
+		for (int x = tx * cells - 1; x <= (tx + 1) * cells; x++) {
 			if (y < 0 || x < 0 || y >= p->down || x >= p->across)
 				continue;
 			count[p->order[y * p->across + x]]++;
@@ -192,34 +145,45 @@ static void fill_tile(struct people *p, const struct picture *picture, int tx, i
 	}
 }
 
-/* Whether all cells around have the cell's order: then so have all its pixels. */
-static bool is_inside(const struct people *p, int x, int y)
+/* Whether all cells around have the cell's order: then so have all its pixels. Else *front: groups do
+ * not touch, so one order is there. */
+static bool is_inside(const struct people *p, int x, int y, bool *front)
 {
 	const int at = y * p->across + x;
+	bool alike = true;
 
+	*front = false;
 	for (int v = y ? y - 1 : y; v <= y + 1 && v < p->down; v++)
-		for (int u = x ? x - 1 : x; u <= x + 1 && u < p->across; u++)
-			if (p->watch[v * p->across + u] &&
-			    p->order[v * p->across + u] != p->order[at])
-				return false;
-	return true;
+		for (int u = x ? x - 1 : x; u <= x + 1 && u < p->across; u++) {
+			const int beside = v * p->across + u;
+
+			if (!p->watch[beside])
+				continue;
+			alike &= p->order[beside] == p->order[at];
+			*front |= p->order[beside] == 2;
+		}
+	return alike;
 }
 
 static void draw_cell(struct people *p, const struct picture *picture, int cx, int cy)
 {
 	const int cell = cy * p->across + cx;
-	const uint8_t order = p->order[cell];
-	const bool inside = !p->watch[cell] || is_inside(p, cx, cy);
+	struct edge edge;
+	const bool inside = is_inside(p, cx, cy, &edge.front) || !p->watch[cell];
 
+	if (!inside) {
+		edge.sides = edges_around(p, p->verdict, cx, cy);
+		edge.told = edge.sides.people && edge.sides.others && p->known[cell];
+	}
 	for (int y = cy * p->side; y < (cy + 1) * p->side && y < picture->height; y++)
 		for (int x = cx * p->side; x < (cx + 1) * p->side && x < picture->width; x++) {
 			const size_t at = (size_t)y * (size_t)picture->width + (size_t)x;
 
 			if (inside) {
-				p->front[at] = order == 2 ? 255 : 0;
-				p->anybody[at] = order ? 255 : 0;
+				p->front[at] = p->order[cell] == 2 ? 255 : 0;
+				p->anybody[at] = p->order[cell] ? 255 : 0;
 			} else {
-				draw_pixel(p, picture, x, y);
+				draw_pixel(p, picture, &edge, x, y);
 			}
 		}
 }

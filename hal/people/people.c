@@ -36,7 +36,7 @@ static void free_plane(const struct people *p, float *plane)
 
 static int create_planes(struct people *p)
 {
-	int err = create_plane(p, &p->slope) | create_plane(p, &p->offset);
+	int err = 0;
 
 	for (int c = 0; c < 3; c++) {
 		err |= create_plane(p, &p->seen[c]) | create_plane(p, &p->place[c]) |
@@ -76,7 +76,6 @@ static int create_lists(struct people *p)
 	p->label = calloc(cells, sizeof(*p->label));
 	p->runs = calloc(cells, sizeof(*p->runs));
 	p->groups = calloc(cells, sizeof(*p->groups));
-	p->fitted = calloc(cells, sizeof(*p->fitted));
 	p->spans = calloc(cells, sizeof(*p->spans));
 	p->row_span = calloc((size_t)p->down + 1, sizeof(*p->row_span));
 	p->object_far = calloc((size_t)p->across, sizeof(float));
@@ -87,8 +86,8 @@ static int create_lists(struct people *p)
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
 			       p->first_differs && p->last_differs && p->count && p->order &&
 			       p->order_before && p->stable_ms && p->label && p->runs &&
-			       p->groups && p->fitted && p->spans && p->row_span && p->object_far &&
-			       p->tile && p->front && p->anybody && p->foremost
+			       p->groups && p->spans && p->row_span && p->object_far && p->tile &&
+			       p->front && p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -150,8 +149,6 @@ void people_destroy(struct people *p)
 			free_plane(p, p->column[c][n]);
 		}
 	}
-	free_plane(p, p->slope);
-	free_plane(p, p->offset);
 	sensor_noise_destroy(p->sensor);
 	depths_free(p);
 	free(p->term);
@@ -163,7 +160,6 @@ void people_destroy(struct people *p)
 	free(p->last_differs);
 	if (p->count)
 		free(p->count - PLANE_BEYOND);
-	free(p->fitted);
 	free(p->known);
 	free(p->verdict);
 	free(p->raw);

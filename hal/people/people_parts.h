@@ -59,6 +59,12 @@ struct ratios {
 	int count;
 };
 
+/* Sums over the cells around one that do not touch the edge. */
+struct sides {
+	float person[3], seen[3], place[3];
+	int people, others;
+};
+
 /* Horizontal run of cells of equal value, for finding connected groups. */
 struct run {
 	int y, left, right, parent;
@@ -139,8 +145,6 @@ struct people {
 
 	/* outline.c */
 	uint8_t *tile, *front, *anybody, *foremost;
-	float *slope, *offset; /* of the matte: f = slope * grey + offset */
-	int64_t *fitted;       /* [cells]: frame of slope and offset */
 	struct veil veil;
 	bool visited; /* veil shows somebody */
 	struct people_report report;
@@ -214,6 +218,14 @@ void groups_find(struct people *people);
 /* ---- edges.c ---- */
 
 void edges_refine(struct people *people);
+/* What is around a cell, of cells that do not touch the edge. */
+struct sides edges_around(const struct people *people, const uint8_t *verdict, int x, int y);
+/* Light beside the edge, over that of the empty place. */
+float edges_light(const struct sides *sides, int channel);
+/* The share of a person in what is seen before a place in that light, not clamped. Both sides hold
+ * cells. */
+float edges_share(const struct people *people, const struct sides *sides, const float seen[3],
+		  const float place[3]);
 
 /* ---- saved.c ---- */
 
