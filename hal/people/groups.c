@@ -9,6 +9,7 @@
 #define HAND 40		/* a group of fewer than (cells down / HAND)^2 cells is dropped */
 #define HOLE 40		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
 #define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
+#define LIGHT_SHARE 0.2 /* edge of its own along the outline of mere light, over the level there */
 #define LOST_SHARE 0.7	/* of the watched cells: the camera has been moved */
 #define LOST_MS 900e3	/* longer than visitors stand so near that they hide everything */
 
@@ -206,7 +207,8 @@ static void fill_holes(struct people *p)
 
 /* ---- ghosts ---- */
 
-/* Contrast between a cell and its neighbour, in what is seen and in the place. */
+/* Contrast between a cell and its neighbour, in what is seen and in the place, and what is seen of it
+ * that the place in the cell's own light does not explain. */
 static void add_edge(const struct people *p, struct group *g, int at, int other)
 {
 	if (!p->known[other])
@@ -214,6 +216,10 @@ static void add_edge(const struct people *p, struct group *g, int at, int other)
 	for (int c = 0; c < 3; c++) {
 		g->edge_now += (double)fabsf(p->seen[c][at] - p->seen[c][other]);
 		g->edge_place += (double)fabsf(p->place[c][at] - p->place[c][other]);
+		g->edge_own += (double)fabsf(p->seen[c][other] - p->place[c][other] *
+									 p->seen[c][at] /
+									 (p->place[c][at] + 1));
+		g->edge_level += (double)p->seen[c][other];
 	}
 }
 
@@ -227,7 +233,8 @@ static int label_at(const struct people *p, int x, int y)
 }
 
 /* A ghost is where the place was learned while somebody stood there: the place has an edge along the
- * group's outline, and what is seen has none. */
+ * group's outline, and what is seen has none. Light has no edge of its own: what is seen goes on there
+ * as the place does. */
 static void find_ghosts(struct people *p)
 {
 	const struct box *box = &p->box;
@@ -302,7 +309,8 @@ static void settle_groups(struct people *p)
 		struct group *g = &p->groups[n];
 
 		g->ghost = g->edge_now < GHOST_SHARE * g->edge_place;
-		g->dropped = g->cells < least || g->ghost;
+		g->dropped = g->cells < least || g->ghost ||
+			     g->edge_own < LIGHT_SHARE * g->edge_level;
 	}
 	find_feet(p);
 	for (int n = 0; n < p->group_count; n++) {

@@ -46,6 +46,8 @@ struct group {
 	int before[2];	     /* cells that were of a group behind, in front, in the frame before */
 	double edge_now;     /* contrast along its outline, in the frame and in the empty place */
 	double edge_place;
+	double edge_own,
+		edge_level; /* contrast that the place's in the light beside it does not explain */
 };
 
 /* Cells left..right, top..bottom, inclusive; right < left: none. */

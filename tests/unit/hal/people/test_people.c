@@ -48,6 +48,7 @@ struct place {
 	double noise;		      /* of linear light at white */
 	double exposure[3];
 	double lamp; /* strength of a lamp in the east */
+	double glow; /* of a red lamp close above the object's place, which the dome does not see */
 	double warm; /* how much redder the light becomes to the east, which the fisheye does not see */
 	struct chance chance;
 	float normal[NORMALS]; /* normal deviates, from which each row takes a stretch */
@@ -134,6 +135,13 @@ static double irradiance(const struct place *p, int y, int x)
 	return 1 + p->lamp / (1 + pow(p->ground[y][x][0] - 3, 2) / 4);
 }
 
+static double glow_at(const struct place *p, const double *at, int c)
+{
+	static const double colour[3] = {1, 0.3, 0.1};
+
+	return p->glow * colour[c] * exp(-(at[0] * at[0] + at[1] * at[1]) / 0.5);
+}
+
 static void light_dome(struct place *p)
 {
 	for (int i = 0; i < p->dome.count; i++) {
@@ -165,7 +173,8 @@ static void place_expose(struct place *p, const struct body *bodies, int count)
 			double light[3];
 
 			for (int c = 0; c < 3; c++)
-				light[c] = p->floor[y][x][c] * irradiance(p, y, x);
+				light[c] = p->floor[y][x][c] *
+					   (irradiance(p, y, x) + glow_at(p, at, c));
 			light[0] *= 1 + p->warm * fmin(fmax(at[0], -1), 1);
 			for (int n = 0; n < count; n++)
 				for (int c = 0; c < 3; c++)
@@ -263,6 +272,24 @@ static void nobody_is_found_where_nobody_is(void **state)
 		p->exposure[1] = p->exposure[2] = n < 30 ? 1 : 0.85;
 		place_look(p, NULL, 0);
 		expect_at_most(wrong_share(p), 0.01, "frame %d", n);
+	}
+	place_end(p);
+	free(p);
+}
+
+/* Its colour is nothing's that the place has, but it fades, and who stands there ends. */
+static void light_that_the_dome_does_not_see_is_nobody(void **state)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	(void)state;
+	assert_non_null(p);
+	place_begin(p);
+	learn(p);
+	for (int n = 0; n < 30; n++) {
+		p->glow = n % 15 < 5 ? 0.8 : 0;
+		place_look(p, NULL, 0);
+		assert_int_equal(people_report(p->people).parts, 0);
 	}
 	place_end(p);
 	free(p);
@@ -732,6 +759,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(nobody_is_found_where_nobody_is),
+		cmocka_unit_test(light_that_the_dome_does_not_see_is_nobody),
 		cmocka_unit_test(somebody_who_passes_is_found_in_order),
 		cmocka_unit_test(an_outline_is_neither_wide_nor_narrow),
 		cmocka_unit_test(somebody_who_stands_still_is_not_learned),
