@@ -129,10 +129,13 @@ static float select_median(float *value, int count)
 	return value[count / 2];
 }
 
-static int point_code(const struct exposure *e, int point, int c, const struct picture *picture)
+/* Linear light of a point; 0: it does not count. */
+static float point_light(const struct exposure *e, int point, int c, const struct picture *picture)
 {
-	return picture->origin[e->point[point].y * picture->y_step +
-			       e->point[point].x * picture->x_step + 2 - c];
+	const int code = picture->origin[e->point[point].y * picture->y_step +
+					 e->point[point].x * picture->x_step + 2 - c];
+
+	return code < DARKEST || code > BRIGHTEST ? 0 : e->decode[code];
 }
 
 static void start_channel(struct exposure *e, int c, const struct picture *picture, double light,
@@ -141,13 +144,12 @@ static void start_channel(struct exposure *e, int c, const struct picture *pictu
 	const double share = 1.0 / (e->frames + 1);
 
 	for (int i = 0; i < POINTS; i++) {
-		const int code = point_code(e, i, c, picture);
+		const float seen = point_light(e, i, c, picture);
 
-		if (code < DARKEST || code > BRIGHTEST)
+		if (!(seen > 0))
 			continue;
 		e->point[i].seen[c]++;
-		e->point[i].start[c] += (e->decode[code] - e->point[i].start[c]) /
-					(float)e->point[i].seen[c];
+		e->point[i].start[c] += (seen - e->point[i].start[c]) / (float)e->point[i].seen[c];
 	}
 	e->light[c] += share * (light - e->light[c]);
 	for (int k = 0; k < MOMENTS; k++)
@@ -161,11 +163,10 @@ static double seen_ratio(const struct exposure *e, int c, const struct picture *
 	int count = 0;
 
 	for (int i = 0; i < POINTS; i++) {
-		const int code = point_code(e, i, c, picture);
+		const float seen = point_light(e, i, c, picture);
 
-		if (e->point[i].seen[c] < START_FRAMES / 2 || code < DARKEST || code > BRIGHTEST)
-			continue;
-		ratio[count++] = e->decode[code] / e->point[i].start[c];
+		if (e->point[i].seen[c] >= START_FRAMES / 2 && seen > 0)
+			ratio[count++] = seen / e->point[i].start[c];
 	}
 	return count < ENOUGH ? 0 : (double)select_median(ratio, count);
 }
