@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/look/median.h"
+
 enum { POINTS = 2048, ENOUGH = POINTS / 16, START_FRAMES = 25, MOMENTS = 6, STATE = 1 + MOMENTS };
 
 /* Code values between which a pixel counts. */
@@ -39,7 +41,8 @@ struct exposure {
 	int frames;
 	/* Means over the first frames: of ln E, and of the moments. */
 	double light[3], moment[3][MOMENTS];
-	double last[3]; /* ln E of the frame before */
+	double last[3];	    /* ln E of the frame before */
+	double expected[3]; /* ln of B / B_start */
 	struct exposure_filter filter[3];
 };
 
@@ -96,37 +99,6 @@ static bool sky_moments(const struct dome *dome, const float (*radiance)[3], int
 	for (int k = 0; k < MOMENTS; k++)
 		moment[k] = of[k] / sum;
 	return true;
-}
-
-/* Median of count values, which are put into another order (Hoare's selection). */
-static float select_median(float *value, int count)
-{
-	int low = 0, high = count - 1;
-
-	while (low < high) {
-		const float pivot = value[(low + high) / 2];
-		int i = low, j = high;
-
-		while (i <= j) {
-			while (value[i] < pivot)
-				i++;
-			while (value[j] > pivot)
-				j--;
-			if (i <= j) {
-				const float kept = value[i];
-
-				value[i++] = value[j];
-				value[j--] = kept;
-			}
-		}
-		if (count / 2 <= j)
-			high = j;
-		else if (count / 2 >= i)
-			low = i;
-		else
-			break;
-	}
-	return value[count / 2];
 }
 
 /* Linear light of a point; 0: it does not count. */
@@ -209,6 +181,9 @@ static void look_channel(struct exposure *e, int c, const struct picture *pictur
 	if (ratio > 0)
 		filter_take(&e->filter[c], h, log(ratio) - (light - e->light[c]),
 			    fabs(light - e->last[c]) < SWITCHED);
+	e->expected[c] = light - e->light[c];
+	for (int k = 0; k < STATE; k++)
+		e->expected[c] += h[k] * e->filter[c].x[k];
 }
 
 void exposure_look(struct exposure *e, const struct picture *background, const float (*radiance)[3])
@@ -226,6 +201,12 @@ void exposure_look(struct exposure *e, const struct picture *background, const f
 		e->last[c] = light[c];
 	}
 	e->frames += e->frames < START_FRAMES;
+}
+
+void exposure_expected(const struct exposure *e, float ratio[3])
+{
+	for (int c = 0; c < 3; c++)
+		ratio[c] = (float)fmax(nearbyint(exp(e->expected[c]) * 0x1p20) * 0x1p-20, 0x1p-20);
 }
 
 void exposure_gain(const struct exposure *e, double gain[3])
