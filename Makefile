@@ -369,7 +369,7 @@ $(eval $(call with_packages,people,test))
 people-installed: all $(BUILD)/tests/people/judge
 	$(Q)BUILD="$(BUILD)" tests/people/people.sh
 
-## look: does the object look taken by the same camera, in noise, edges and colour: the table (a minute)
+## look: does the object look taken by the same camera, in noise, edges, colour and flicker: the table (two minutes)
 $(eval $(call with_packages,look,test))
 look-installed: all $(BUILD)/tests/people/look
 	$(Q)BUILD="$(BUILD)" tests/people/look.sh

@@ -445,7 +445,8 @@ static const struct ini_key composite_keys[] = {
 	 .fallback = "no",
 	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "
 		 "automatic exposure and white balance make the place. A change that the fisheye "
-		 "sees as well is light, and is not followed."},
+		 "sees as well is light, and is not followed. Lamps that flicker in the picture's "
+		 "rows flicker on the object, too."},
 	{.name = "neutral",
 	 .type = INI_REAL,
 	 .offset = offsetof(struct config_composite, neutral_percent),

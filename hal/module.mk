@@ -54,6 +54,7 @@ HAL_SOURCES := \
 	hal/compositor/light/light_vector.c \
 	hal/compositor/light/selection.c \
 	hal/compositor/live/grain.c \
+	hal/compositor/live/lit_rows.c \
 	hal/compositor/live/veiled_tile.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
@@ -97,7 +98,9 @@ HAL_SOURCES := \
 	hal/lights/sampler_shares.c \
 	hal/lights/sampler_table.c \
 	hal/look/exposure.c \
+	hal/look/flicker.c \
 	hal/look/grain_tables.c \
+	hal/look/median.c \
 	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \

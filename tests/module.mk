@@ -149,6 +149,7 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_compositor_lines.c \
 	tests/unit/hal/compositor/test_compositor_parts.c \
 	tests/unit/hal/compositor/test_compositor_reuse.c \
+	tests/unit/hal/compositor/test_compositor_rows.c \
 	tests/unit/hal/compositor/test_compositor_veil.c \
 	tests/unit/hal/compositor/test_light_budget.c \
 	tests/unit/hal/compositor/test_light_return.c \
@@ -172,6 +173,7 @@ UNIT_TESTS := \
 	tests/unit/hal/lights/test_sampler_placed.c \
 	tests/unit/hal/lights/test_sampler_kernels.c \
 	tests/unit/hal/look/test_exposure.c \
+	tests/unit/hal/look/test_flicker.c \
 	tests/unit/hal/look/test_sensor_noise.c \
 	tests/unit/hal/optics/test_distortion.c \
 	tests/unit/hal/optics/test_dome.c \

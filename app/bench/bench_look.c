@@ -8,7 +8,9 @@
 #include "hal/base/clock.h"
 #include "hal/frame/frame.h"
 #include "hal/look/exposure.h"
+#include "hal/look/flicker.h"
 #include "hal/look/grain_tables.h"
+#include "hal/look/neutral_light.h"
 #include "hal/measure/lightings.h"
 #include "hal/people/people.h"
 
@@ -22,10 +24,12 @@ struct bench_look {
 	struct grain grain;
 	struct dome dome;
 	float (*radiance)[3];
+	double (*chosen)[3]; /* the same, as the compositor takes it */
 	uint8_t *touched;
 	struct tsai_camera camera;
 	struct people *people; /* NULL: nobody is looked for */
 	struct exposure *exposure;
+	struct flicker *flicker;
 	struct canvas visited; /* the background with somebody in it */
 	int64_t now_ns;
 };
@@ -68,20 +72,22 @@ static int look_fill(struct bench_look *l, const struct basis *basis,
 	if (err)
 		return err;
 	l->radiance = calloc((size_t)l->dome.count, sizeof(*l->radiance));
+	l->chosen = calloc((size_t)l->dome.count, sizeof(*l->chosen));
 	l->touched = calloc((size_t)tiles, 1);
-	if (!l->radiance || !l->touched ||
+	if (!l->radiance || !l->chosen || !l->touched ||
 	    canvas_create(&l->visited, background->width, background->height))
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	for (int i = 0; i < l->dome.count; i++)
 		for (int c = 0; c < 3; c++)
-			l->radiance[i][c] = LIGHT;
+			l->chosen[i][c] = (double)(l->radiance[i][c] = LIGHT);
 	for (int t = 0; t < tiles; t++)
 		l->touched[t] = basis->poses[0].shown.tiles[t].block_count > 0;
 	err = people_create(&l->people, &settings, fault);
 	if (err)
 		return err;
 	if (exposure_create(&l->exposure, settings.width, settings.height, &settings.curve,
-			    &l->dome))
+			    &l->dome) ||
+	    flicker_create(&l->flicker, settings.width, settings.height, &settings.curve))
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	if (!tsai_read_text(basis->camera, &l->camera, NULL))
 		object.camera = &l->camera;
@@ -123,9 +129,11 @@ void bench_look_destroy(struct bench_look *l)
 		return;
 	people_destroy(l->people);
 	exposure_destroy(l->exposure);
+	flicker_destroy(l->flicker);
 	canvas_free(&l->visited);
 	dome_free(&l->dome);
 	free(l->radiance);
+	free(l->chosen);
 	free(l->touched);
 	free(l);
 }
@@ -157,4 +165,19 @@ void bench_look_exposure(struct bench_look *l)
 
 	if (l->exposure)
 		exposure_look(l->exposure, &picture, (const float(*)[3])l->radiance);
+}
+
+void bench_look_flicker(struct bench_look *l)
+{
+	static const float expected[3] = {1, 1, 1};
+	const struct picture picture = look_visited(l);
+
+	if (l->flicker)
+		flicker_look(l->flicker, &picture, expected);
+}
+
+void bench_look_neutral(struct bench_look *l)
+{
+	if (l->chosen)
+		neutral_light(l->chosen, l->dome.count, 0.2);
 }

@@ -28,4 +28,10 @@ void bench_look_people(struct bench_look *look);
 /* Follows the exposure of the same picture. */
 void bench_look_exposure(struct bench_look *look);
 
+/* Looks for lamps that flicker in the rows of the same picture. */
+void bench_look_flicker(struct bench_look *look);
+
+/* Makes light of every cell neutral. */
+void bench_look_neutral(struct bench_look *look);
+
 #endif

@@ -142,6 +142,8 @@ static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
 	if (stage->cameras) {
 		way_add(ways, BENCH_PEOPLE, "looking for people", "");
 		way_add(ways, BENCH_EXPOSURE, "following exposure", "");
+		way_add(ways, BENCH_FLICKER, "following flicker", "");
+		way_add(ways, BENCH_NEUTRAL, "neutral light", "");
 		way_add(ways, BENCH_LIGHT, "light from its camera", "");
 		way_add(ways, BENCH_CONVERT, "background from its camera", "");
 	}
@@ -155,7 +157,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	most = (kernels + 1) * (SEQUENCE_COUNT + 2) + 5;
+	most = (kernels + 1) * (SEQUENCE_COUNT + 2) + 8;
 	*ways = (struct bench_ways){.way = calloc(most, sizeof(*ways->way))};
 	ways->compositors = calloc(4 * kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
@@ -293,6 +295,12 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		return way_composite(way, stage, &stage->lights, fault);
 	case BENCH_EXPOSURE:
 		bench_look_exposure(stage->look);
+		break;
+	case BENCH_FLICKER:
+		bench_look_flicker(stage->look);
+		break;
+	case BENCH_NEUTRAL:
+		bench_look_neutral(stage->look);
 		break;
 	case BENCH_PEOPLE:
 		bench_look_people(stage->look);

@@ -287,7 +287,8 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		return kiosk_screen_lost(k, err, fault);
 	stage_end(&stages, STAGE_SHOW);
 	k->picture.made_ns = stages.last_ns;
-	stats_made(&k->stats, taken.captured_ns, stages.ns);
+	stats_made(&k->stats, taken.captured_ns, stages.ns,
+		   pipeline_report(k->picture.pipeline).look_ns);
 	learned_keep(k->controls.learned, k->picture.pipeline);
 	k->picture.redraw = false;
 	k->screen.submitted++;

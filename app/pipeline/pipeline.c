@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
+#include "hal/base/clock.h"
 #include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
@@ -199,9 +200,13 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
 			       pipeline_linear_level(&p->settings.sampler, level),
 			       p->settings.threshold_mode, p->settings.gain);
+	memset(p->look_ns, 0, sizeof(p->look_ns));
 	if (p->settings.neutral > 0) {
+		const int64_t start_ns = clock_now_ns();
+
 		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
 		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
+		p->look_ns[PIPELINE_NEUTRAL] += clock_now_ns() - start_ns;
 	}
 	return 0;
 }
@@ -217,6 +222,7 @@ static struct compositor_settings compositor_settings_of(const struct pipeline *
 		.object = p->choice.object,
 		.veil = pipeline_veil(p),
 		.grain = pipeline_grain(p),
+		.rows = pipeline_rows(p),
 	};
 }
 
@@ -247,8 +253,12 @@ void pipeline_look(struct pipeline *p, const struct picture *background,
 		pipeline_exposure_look(p, background);
 	if (p->people && p->lit)
 		pipeline_people_look(p, background, depth, captured_ns, fresh);
-	if (fresh && p->grain)
+	if (fresh && p->grain) {
+		const int64_t start_ns = clock_now_ns();
+
 		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
+		p->look_ns[PIPELINE_NOISE] += clock_now_ns() - start_ns;
+	}
 	p->looked = true;
 	p->looked_ns = captured_ns;
 }
@@ -293,8 +303,7 @@ int pipeline_reference(struct pipeline *p, const struct picture *background, dou
 struct pipeline_report pipeline_report(const struct pipeline *p)
 {
 	const double *error = p->selection.dropped_error;
-
-	return (struct pipeline_report){
+	struct pipeline_report report = {
 		.lit = p->lit,
 		.level = p->level,
 		.clipped = p->clipped,
@@ -311,6 +320,9 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.lamp = p->lamp,
 		.people = pipeline_people_seen(p),
 	};
+
+	memcpy(report.look_ns, p->look_ns, sizeof(report.look_ns));
+	return report;
 }
 
 const char *pipeline_trouble(const struct pipeline *p)

@@ -58,7 +58,8 @@ struct pipeline_settings {
 	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
 	enum compositor_reuse reuse;
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
-	/* The object follows the background camera's exposure and white balance (hal/look). */
+	/* The object follows the background camera's exposure and white balance, and lamps that flicker
+	 * in its rows (hal/look). */
 	bool follow_exposure;
 	double neutral; /* share of the light that is grey of the same luminance, 0..1 */
 	bool grain;	/* the object gets the background camera's noise (hal/look) */
@@ -106,6 +107,15 @@ struct pipeline_people_seen {
 	int in_front;
 };
 
+/* What is done for the camera's look. */
+enum pipeline_look {
+	PIPELINE_EXPOSURE, /* finding the camera's exposure */
+	PIPELINE_FLICKER,  /* finding lamps that flicker, in its rows */
+	PIPELINE_NOISE,	   /* measuring its noise, where nobody is looked for */
+	PIPELINE_NEUTRAL,  /* making light neutral */
+	PIPELINE_LOOKS
+};
+
 /* What the last measurement of light, the last choice and the last look gave. */
 struct pipeline_report {
 	bool lit;	/* light has been measured, or given, at least once */
@@ -123,6 +133,7 @@ struct pipeline_report {
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
 	struct coarse_lamp lamp; /* as pipeline_find_lamp() saw it last */
 	struct pipeline_people_seen people;
+	int64_t look_ns[PIPELINE_LOOKS]; /* time since the last choice; 0: it is off */
 };
 
 /* The basis is borrowed. 0; -EINVAL: the basis's lights are no dome's, or a setting is out of

@@ -55,10 +55,12 @@ struct pipeline {
 	struct light_selection selection;
 	bool followed; /* it has been multiplied by the camera's exposure */
 	struct compositor *compositor;
-	struct pipeline_fade *fade;   /* pipeline_fade.c; NULL: no two poses have been mixed */
-	struct exposure *follower;    /* hal/look; NULL: the camera's exposure is not followed */
-	struct pipeline_grain *grain; /* pipeline_grain.c; NULL: the object gets no noise */
-	bool looked;		      /* at the frame that was captured at: */
+	struct pipeline_fade *fade;	 /* pipeline_fade.c; NULL: no two poses have been mixed */
+	struct exposure *follower;	 /* hal/look; NULL: the camera's exposure is not followed */
+	struct flicker *flicker;	 /* of lamps, in its rows; where the exposure is followed */
+	int64_t look_ns[PIPELINE_LOOKS]; /* spent since the last choice */
+	struct pipeline_grain *grain;	 /* pipeline_grain.c; NULL: the object gets no noise */
+	bool looked;			 /* at the frame that was captured at: */
 	int64_t looked_ns;
 	struct pipeline_people *people; /* pipeline_people.c; NULL: nobody is looked for */
 };
@@ -120,6 +122,9 @@ void pipeline_exposure_look(struct pipeline *pipeline, const struct picture *bac
 /* Multiplies the chosen lights by the exposure that the last look found, once for each choice. The
  * shadow does not change: all lights of a channel become brighter alike. */
 void pipeline_exposure_follow(struct pipeline *pipeline);
+
+/* Lamps that flicker, in the rows of the last frame looked at (struct compositor_settings). */
+const int32_t (*pipeline_rows(const struct pipeline *pipeline))[3];
 
 /* ---- pipeline_grain.c ---- */
 

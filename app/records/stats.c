@@ -16,8 +16,11 @@
 
 static const char *const stage_names[] = {"decode", "sample", "people", "composite", "show"};
 
+static const char *const look_names[] = {"exposure", "flicker", "noise", "neutral"};
+
 _Static_assert(STATS_TEXT_MAX + 8 <= PIPE_BUF, "a pipe takes a line whole");
 _Static_assert(sizeof(stage_names) / sizeof(*stage_names) == STAGE_COUNT, "a name for each stage");
+_Static_assert(sizeof(look_names) / sizeof(*look_names) == PIPELINE_LOOKS, "a name for each part");
 
 /* Non-blocking, because the reader of a pipe may be absent, slow or stopped. Appending, because
  * other programs may cut the file short meanwhile. */
@@ -66,7 +69,8 @@ void stats_close(struct stats *stats)
 	stats->file = -1;
 }
 
-void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT])
+void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT],
+		const int64_t look_ns[PIPELINE_LOOKS])
 {
 	int64_t work_ns = 0;
 
@@ -75,6 +79,8 @@ void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns
 		stats->stage_ns[i] += stage_ns[i];
 		work_ns += stage_ns[i];
 	}
+	for (int i = 0; i < PIPELINE_LOOKS; i++)
+		stats->look_ns[i] += look_ns[i];
 	stats->flying[stats->next_flying].captured_ns = captured_ns;
 	stats->flying[stats->next_flying].work_ns = work_ns;
 	stats->next_flying = (stats->next_flying + 1) % STATS_IN_FLIGHT;
@@ -201,6 +207,9 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 	       last->latency_mean_ms, last->latency_max_ms, (unsigned long long)last->late);
 	for (int i = 0; i < STAGE_COUNT; i++)
 		append(&w, "%s\"%s\":%.3f", i ? "," : "", stage_names[i], last->stage_ms[i]);
+	append(&w, "},\"look_ms\":{");
+	for (int i = 0; i < PIPELINE_LOOKS; i++)
+		append(&w, "%s\"%s\":%.4f", i ? "," : "", look_names[i], last->look_ms[i]);
 	append(&w,
 	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"threshold_unit\":\"%s\","
 	       "\"dropped_error\":%.6g,"
@@ -232,6 +241,8 @@ static struct stats_figures line_figures(const struct stats *s, int64_t now_ns)
 
 	for (int i = 0; i < STAGE_COUNT; i++)
 		f.stage_ms[i] = mean_ms(s->stage_ns[i], s->made);
+	for (int i = 0; i < PIPELINE_LOOKS; i++)
+		f.look_ms[i] = mean_ms(s->look_ns[i], s->made);
 	return f;
 }
 
@@ -283,4 +294,5 @@ void stats_line(struct stats *stats, int64_t now_ns, const struct pipeline_repor
 	stats->line_frames = stats->made = stats->timed = stats->late = 0;
 	stats->latency_sum_ns = stats->latency_max_ns = 0;
 	memset(stats->stage_ns, 0, sizeof(stats->stage_ns));
+	memset(stats->look_ns, 0, sizeof(stats->look_ns));
 }

@@ -22,7 +22,7 @@ struct stats_figures {
 	double t_s, fps;
 	double latency_mean_ms, latency_max_ms;
 	uint64_t late;
-	double stage_ms[STAGE_COUNT];
+	double stage_ms[STAGE_COUNT], look_ms[PIPELINE_LOOKS];
 };
 
 struct stats {
@@ -38,7 +38,7 @@ struct stats {
 	/* Since the last line: */
 	uint64_t line_frames, made, timed, late;
 	int64_t latency_sum_ns, latency_max_ns;
-	int64_t stage_ns[STAGE_COUNT];
+	int64_t stage_ns[STAGE_COUNT], look_ns[PIPELINE_LOOKS];
 	/* The last pictures made: time of capture, and of the work on them. */
 	struct {
 		int64_t captured_ns, work_ns;
@@ -55,8 +55,9 @@ void stats_start(struct stats *stats, int64_t now_ns); /* sets time 0 of the run
 void stats_close(struct stats *stats);		       /* idempotent */
 
 /* Counts a picture that was made of a frame captured at that time (0: of no new frame), with the
- * time spent in each stage. */
-void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT]);
+ * time spent in each stage, and of it for the camera's look. */
+void stats_made(struct stats *stats, int64_t captured_ns, const int64_t stage_ns[STAGE_COUNT],
+		const int64_t look_ns[PIPELINE_LOOKS]);
 
 /*
  * Counts a picture that has reached the screen. It is late where

@@ -64,6 +64,9 @@ struct compositor_settings {
 	bool object;		   /* false: the background alone, by the same transfer functions */
 	const struct veil *veil;   /* borrowed: people before the object; NULL: nobody */
 	const struct grain *grain; /* borrowed: noise for the object; NULL: none */
+	/* Borrowed, [height] of R, G, B: what O of each row is multiplied by (live/lit_rows.h); NULL:
+	 * 1. */
+	const int32_t (*rows)[3];
 };
 
 struct compositor;

@@ -6,6 +6,7 @@
 #include "hal/base/clock.h"
 #include "hal/compositor/backdrop.h"
 #include "hal/compositor/compositor_parts.h"
+#include "hal/compositor/live/lit_rows.h"
 
 /* Sums are kept while at most 1 / CHANGED_SHARE of the lights change from frame to frame. */
 #define CHANGED_SHARE 4
@@ -102,6 +103,9 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 
 		fetch_ahead(c, t, rows);
 		tile_compute(&c->light, plan, &w->tile, &w->values);
+		if (c->settings.rows && plan->object)
+			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
+				       tiles[t].height);
 		if (veiled && plan->taken)
 			veil_values(w->values.taken, veiled->anybody);
 		if (c->glass)

@@ -8,6 +8,7 @@
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 #include "hal/compositor/compositor.h"
+#include "hal/compositor/live/lit_rows.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 
@@ -262,14 +263,19 @@ static void write_tile(const struct reference_scene *s, int pose, int index,
 					&s->settings->background,
 					(code + mixed * (veil.foremost[c] - code)) / 255);
 				const double taken = (1 - veil.anybody) * v->taken[p][c];
+				const double object = v->object[p][c] *
+						      (s->settings->rows
+							       ? s->settings->rows[tile->y + y][c] /
+									 (double)LIT_ROWS_ONE
+							       : 1);
 				const double ratio = fmin(fmax(1 - taken, 0), COMPOSITOR_RATIO_MAX);
 
 				out[at * 3 + (size_t)c] =
-					255 * transfer_curve_encode(
-						      &s->settings->output,
-						      left * v->object[p][c] +
-							      ratio * ((1 - left * a) * behind +
-								       left * v->through[p][c]));
+					255 *
+					transfer_curve_encode(
+						&s->settings->output,
+						left * object + ratio * ((1 - left * a) * behind +
+									 left * v->through[p][c]));
 			}
 		}
 	}

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/look/median.h"
+
 enum { POINTS = 2048, ENOUGH = POINTS / 16, START_FRAMES = 25, MOMENTS = 6, STATE = 1 + MOMENTS };
 
 /* Code values between which a pixel counts. */
@@ -39,7 +41,8 @@ struct exposure {
 	int frames;
 	/* Means over the first frames: of ln E, and of the moments. */
 	double light[3], moment[3][MOMENTS];
-	double last[3]; /* ln E of the frame before */
+	double last[3];	    /* ln E of the frame before */
+	double expected[3]; /* ln of B / B_start */
 	struct exposure_filter filter[3];
 };
 
@@ -98,41 +101,13 @@ static bool sky_moments(const struct dome *dome, const float (*radiance)[3], int
 	return true;
 }
 
-/* Median of count values, which are put into another order (Hoare's selection). */
-static float select_median(float *value, int count)
+/* Linear light of a point; 0: it does not count. */
+static float point_light(const struct exposure *e, int point, int c, const struct picture *picture)
 {
-	int low = 0, high = count - 1;
+	const int code = picture->origin[e->point[point].y * picture->y_step +
+					 e->point[point].x * picture->x_step + 2 - c];
 
-	while (low < high) {
-		const float pivot = value[(low + high) / 2];
-		int i = low, j = high;
-
-		while (i <= j) {
-			while (value[i] < pivot)
-				i++;
-			while (value[j] > pivot)
-				j--;
-			if (i <= j) {
-				const float kept = value[i];
-
-				value[i++] = value[j];
-				value[j--] = kept;
-			}
-		}
-		if (count / 2 <= j)
-			high = j;
-		else if (count / 2 >= i)
-			low = i;
-		else
-			break;
-	}
-	return value[count / 2];
-}
-
-static int point_code(const struct exposure *e, int point, int c, const struct picture *picture)
-{
-	return picture->origin[e->point[point].y * picture->y_step +
-			       e->point[point].x * picture->x_step + 2 - c];
+	return code < DARKEST || code > BRIGHTEST ? 0 : e->decode[code];
 }
 
 static void start_channel(struct exposure *e, int c, const struct picture *picture, double light,
@@ -141,13 +116,12 @@ static void start_channel(struct exposure *e, int c, const struct picture *pictu
 	const double share = 1.0 / (e->frames + 1);
 
 	for (int i = 0; i < POINTS; i++) {
-		const int code = point_code(e, i, c, picture);
+		const float seen = point_light(e, i, c, picture);
 
-		if (code < DARKEST || code > BRIGHTEST)
+		if (!(seen > 0))
 			continue;
 		e->point[i].seen[c]++;
-		e->point[i].start[c] += (e->decode[code] - e->point[i].start[c]) /
-					(float)e->point[i].seen[c];
+		e->point[i].start[c] += (seen - e->point[i].start[c]) / (float)e->point[i].seen[c];
 	}
 	e->light[c] += share * (light - e->light[c]);
 	for (int k = 0; k < MOMENTS; k++)
@@ -161,11 +135,10 @@ static double seen_ratio(const struct exposure *e, int c, const struct picture *
 	int count = 0;
 
 	for (int i = 0; i < POINTS; i++) {
-		const int code = point_code(e, i, c, picture);
+		const float seen = point_light(e, i, c, picture);
 
-		if (e->point[i].seen[c] < START_FRAMES / 2 || code < DARKEST || code > BRIGHTEST)
-			continue;
-		ratio[count++] = e->decode[code] / e->point[i].start[c];
+		if (e->point[i].seen[c] >= START_FRAMES / 2 && seen > 0)
+			ratio[count++] = seen / e->point[i].start[c];
 	}
 	return count < ENOUGH ? 0 : (double)select_median(ratio, count);
 }
@@ -208,6 +181,9 @@ static void look_channel(struct exposure *e, int c, const struct picture *pictur
 	if (ratio > 0)
 		filter_take(&e->filter[c], h, log(ratio) - (light - e->light[c]),
 			    fabs(light - e->last[c]) < SWITCHED);
+	e->expected[c] = light - e->light[c];
+	for (int k = 0; k < STATE; k++)
+		e->expected[c] += h[k] * e->filter[c].x[k];
 }
 
 void exposure_look(struct exposure *e, const struct picture *background, const float (*radiance)[3])
@@ -225,6 +201,12 @@ void exposure_look(struct exposure *e, const struct picture *background, const f
 		e->last[c] = light[c];
 	}
 	e->frames += e->frames < START_FRAMES;
+}
+
+void exposure_expected(const struct exposure *e, float ratio[3])
+{
+	for (int c = 0; c < 3; c++)
+		ratio[c] = (float)fmax(nearbyint(exp(e->expected[c]) * 0x1p20) * 0x1p-20, 0x1p-20);
 }
 
 void exposure_gain(const struct exposure *e, double gain[3])

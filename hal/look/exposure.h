@@ -37,4 +37,8 @@ void exposure_look(struct exposure *exposure, const struct picture *background,
 /* R, G, B: what the camera's light is multiplied by, 1 at the start. */
 void exposure_gain(const struct exposure *exposure, double gain[3]);
 
+/* R, G, B: what the median of B / B_start should be in the last frame, by its light and by the gain;
+ * rounded, so that all machines agree. */
+void exposure_expected(const struct exposure *exposure, float ratio[3]);
+
 #endif

@@ -68,7 +68,7 @@ for lighting in ["overcast", "sun", "random", "single cells"]:
     there = {(row["what"], row["kernel"]): row for row in rows if row["lighting"] == lighting}
     wanted = {(way, kernel) for way in ways for kernel in kernels}
     wanted |= {("thesis, double precision", ""), ("memcpy of the picture", ""),
-               ("light from its camera", ""), ("looking for people", ""), ("following exposure", ""), ("background from its camera", ""),
+               ("light from its camera", ""), ("looking for people", ""), ("following exposure", ""), ("following flicker", ""), ("neutral light", ""), ("background from its camera", ""),
                ("read bound: exact", ""), ("read bound: fast", "")}
     if set(there) != wanted:
         wrong.append("%s has not, or has too many: %s" % (lighting, set(there) ^ wanted))

@@ -167,10 +167,15 @@ static void measure_depth(struct filmed *filmed, const struct filmed_moment *mom
 		       filmed->depth);
 }
 
-static void expose(float *rgb, const double exposure[3])
+static void expose(float *rgb, const double exposure[3], double row)
 {
 	for (int c = 0; c < 3; c++)
-		rgb[c] *= (float)exposure[c];
+		rgb[c] *= (float)(exposure[c] * row);
+}
+
+double filmed_row(const struct filmed_moment *moment, int y, int height)
+{
+	return mains_row(&moment->mains, moment->time_s, y, height);
 }
 
 static void take(struct filmed *filmed, const struct filmed_moment *moment, const float *rgb,
@@ -203,7 +208,8 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 
 	for (int i = 0; i < moment->walkers; i++)
 		split[moment->before[i]][count[moment->before[i]]++] = moment->walker[i];
-	lamps.mains = moment->mains;
+	if (!moment->all_flicker)
+		lamps.mains = moment->mains;
 	studio_view_render(c->place, &lamps, filmed->ground);
 	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
 	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
@@ -212,9 +218,14 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 	if (moment->depth_noise_mm > 0)
 		measure_depth(filmed, moment, &lamps);
 	for (size_t k = 0; k < pixels; k++) {
-		expose(&filmed->ground[3 * k], moment->exposure);
-		expose(filmed->behind[k].rgb, moment->exposure);
-		expose(filmed->before[k].rgb, moment->exposure);
+		const double row = moment->all_flicker
+					   ? filmed_row(moment, (int)(k / (size_t)filmed->width),
+							filmed->height)
+					   : 1;
+
+		expose(&filmed->ground[3 * k], moment->exposure, row);
+		expose(filmed->behind[k].rgb, moment->exposure, row);
+		expose(filmed->before[k].rgb, moment->exposure, row);
 	}
 	memcpy(c->picture, filmed->ground, pixels * 3 * sizeof(float));
 	studio_people_over(c->place, filmed->behind, c->picture);

@@ -22,7 +22,8 @@ struct filmed_moment {
 	bool before[WALKER_STYLES]; /* stands before the object; else behind it */
 	int walkers;
 	double edge_spread_px; /* of the background camera */
-	struct mains mains;    /* the panels flicker in its picture */
+	struct mains mains;    /* the panels flicker in its picture; */
+	bool all_flicker;      /* or all lamps do */
 	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
 	double depth_noise_mm; /* of a depth camera beside the background's, at 1 m; 0: there is none */
 };
@@ -44,6 +45,9 @@ struct filmed {
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome);
 /* Puts the depth camera elsewhere; it has the same size, and sees no wall. */
 int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera);
+
+/* What a row sees of lamps that flicker, over their mean. */
+double filmed_row(const struct filmed_moment *moment, int y, int height);
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment);
 
 /* What the background camera gives of other light, rgb[h][w][3], exposure applied: through the same

@@ -14,6 +14,7 @@
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
 #include "hal/look/exposure.h"
+#include "hal/look/flicker.h"
 #include "hal/look/grain_tables.h"
 #include "hal/look/sensor_noise.h"
 #include "tests/people/filmed.h"
@@ -24,7 +25,15 @@
 #define RED_STEP 1.10
 #define BLUE_STEP 0.92
 
-enum { RATE_HZ = 15, LEARNING = 600, STILL = 150, LEVELS = 8, AROUND = 6, MOST = 4096 };
+enum {
+	RATE_HZ = 15,
+	LEARNING = 600,
+	STILL = 150,
+	LEVELS = 8,
+	AROUND = 6,
+	MOST = 4096,
+	QUIET = 300
+};
 
 static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 
@@ -56,6 +65,8 @@ struct look {
 	struct tsai_camera camera;
 	struct filmed filmed;
 	struct exposure *exposure;
+	struct flicker *flicker;
+	const int32_t (*rows)[3]; /* of the object; NULL: all are lit alike */
 	struct sensor_noise *noise;
 	struct grain_tables tables;
 	struct grain grain;
@@ -64,6 +75,7 @@ struct look {
 	uint8_t *ours, *real, *empty;
 	float *present;		    /* linear light with the object in the room */
 	double *on_black, *on_grey; /* code values of the reference */
+	double *unlit;		    /* linear light of the object without the panels */
 };
 
 static void shown_open(struct shown *s, const char *path)
@@ -97,6 +109,7 @@ static void look_open(struct look *l, const char *sharp, const char *soft)
 		die(fault.text);
 	l->pixels = l->camera.width * l->camera.height;
 	if (exposure_create(&l->exposure, l->camera.width, l->camera.height, &srgb, &l->dome) ||
+	    flicker_create(&l->flicker, l->camera.width, l->camera.height, &srgb) ||
 	    sensor_noise_create(&l->noise, l->camera.width, l->camera.height, &srgb) ||
 	    filmed_open(&l->filmed, &l->camera, &l->dome))
 		die("not enough memory");
@@ -106,11 +119,13 @@ static void look_open(struct look *l, const char *sharp, const char *soft)
 	l->present = room((size_t)l->pixels * 3 * sizeof(float));
 	l->on_black = room((size_t)l->pixels * 3 * sizeof(double));
 	l->on_grey = room((size_t)l->pixels * 3 * sizeof(double));
+	l->unlit = room((size_t)l->pixels * 3 * sizeof(double));
 }
 
 static void look_close(struct look *l)
 {
 	exposure_destroy(l->exposure);
+	flicker_destroy(l->flicker);
 	sensor_noise_destroy(l->noise);
 	filmed_close(&l->filmed);
 	dome_free(&l->dome);
@@ -122,6 +137,7 @@ static void look_close(struct look *l)
 	free(l->present);
 	free(l->on_black);
 	free(l->on_grey);
+	free(l->unlit);
 }
 
 static struct picture as_picture(const struct look *l, const uint8_t *bgrx)
@@ -167,9 +183,11 @@ static void take_real(struct look *l, const struct filmed_moment *moment)
 	reference(l, 128, l->on_grey);
 	for (int i = 0; i < 3 * l->pixels; i++) {
 		const double o = transfer_decode(TRANSFER_SRGB, l->on_black[i] / 255);
+		const double row = filmed_row(moment, i / 3 / l->camera.width, l->camera.height);
 		const double k = (transfer_decode(TRANSFER_SRGB, l->on_grey[i] / 255) - o) / grey;
 
-		l->present[i] = (float)(o + k * (double)l->filmed.ground[i]);
+		l->present[i] = (float)(o + (row - 1) * (o - l->unlit[i]) +
+					k * (double)l->filmed.ground[i]);
 	}
 	filmed_take_other(&l->filmed, moment, l->present, l->real);
 }
@@ -181,6 +199,7 @@ static void composite(struct look *l, struct shown *s, const double gain[3], boo
 						     .output = srgb,
 						     .gain = 1,
 						     .object = true,
+						     .rows = l->rows,
 						     .grain = grain && l->grained ? &l->grain
 										  : NULL};
 	const struct picture picture = as_picture(l, l->filmed.bgrx);
@@ -208,11 +227,15 @@ static void see(struct look *l, const struct filmed_moment *moment, double gain[
 {
 	struct sensor_noise_model model;
 	struct picture picture;
+	float expected[3];
 
 	if (filmed_take(&l->filmed, moment))
 		die("not enough memory");
 	picture = as_picture(l, l->filmed.bgrx);
 	exposure_look(l->exposure, &picture, (const float(*)[3])l->filmed.light);
+	exposure_expected(l->exposure, expected);
+	flicker_look(l->flicker, &picture, expected);
+	l->rows = flicker_rows(l->flicker);
 	sensor_noise_watch(l->noise, &picture);
 	l->grain.seed = (uint64_t)moment->number;
 	if (moment->number % 25 == 0 && sensor_noise_fit(l->noise, &model)) {
@@ -461,6 +484,108 @@ static void judge_lamps(struct look *l, int from)
 	       least, most, off);
 }
 
+/* ---- flicker ---- */
+
+/* Lamps that flicker in a rolling shutter of 16 ms; panels: they alone, a sixth of the object's
+ * light. */
+struct flickering {
+	struct mains mains;
+	bool panels;
+};
+
+static const struct flickering flickering[] = {
+	{{0.1, 50, 1 / 500.0, 0.016}, false},
+	{{0.3, 50, 1 / 500.0, 0.016}, false},
+	{{0.3, 50, 1 / 120.0, 0.016}, false},
+	{{0.3, 50, 1 / 500.0, 0.016}, true},
+};
+
+/* The object's light without the panels, which are off in that frame. */
+static void note_unlit(struct look *l, struct filmed_moment moment)
+{
+	moment.switch_s = moment.time_s / 1.5;
+	if (filmed_take(&l->filmed, &moment))
+		die("not enough memory");
+	choose(l, &l->sharp, moment.exposure);
+	reference(l, 0, l->unlit);
+	for (int i = 0; i < 3 * l->pixels; i++)
+		l->unlit[i] = transfer_decode(TRANSFER_SRGB, l->unlit[i] / 255);
+}
+
+/* Adds the squares of differences of means over eight rows inside of the object, largest over
+ * channels. */
+static void rows_off(const struct look *l, double *square, int *count)
+{
+	for (int from = 0; from + 8 <= l->camera.height; from += 8) {
+		double sum[3] = {0}, most = 0;
+		int pixels = 0;
+
+		for (int k = from * l->camera.width; k < (from + 8) * l->camera.width; k++) {
+			for (int c = 0; is_inside(l, k) && c < 3; c++)
+				sum[c] += l->ours[4 * k + c] - l->real[4 * k + c];
+			pixels += is_inside(l, k);
+		}
+		if (pixels < 100)
+			continue;
+		for (int c = 0; c < 3; c++)
+			most = fmax(most, fabs(sum[c] / pixels));
+		*square += most * most;
+		++*count;
+	}
+}
+
+/* Lamps that flicker: how far rows of the object are off, with and without following. */
+static void judge_flicker(struct look *l, int from, const struct flickering *f)
+{
+	const double still[3] = {EXPOSURE, EXPOSURE, EXPOSURE};
+	double followed = 0, fixed = 0;
+	int count = 0, same = 0;
+
+	memset(l->unlit, 0, (size_t)l->pixels * 3 * sizeof(double));
+	for (int i = -60; i < 30; i++) {
+		struct filmed_moment moment = moment_at(from + i);
+		const bool judged = i >= 0 && i % 3 != 1;
+		double gain[3];
+
+		if (judged && f->panels)
+			note_unlit(l, moment);
+		moment.mains = f->mains;
+		moment.all_flicker = !f->panels;
+		see(l, &moment, gain);
+		if (!judged)
+			continue;
+		take_real(l, &moment);
+		composite(l, &l->soft, gain, true, l->ours);
+		rows_off(l, &followed, &count);
+		l->rows = NULL;
+		composite(l, &l->soft, still, true, l->ours);
+		rows_off(l, &fixed, &same);
+	}
+	printf("| %s flicker by %g, rows exposed for 1/%.0f s: 8 rows' colour, levels RMS | %.2f "
+	       "| 1.5 | not followed: %.2f |\n",
+	       f->panels ? "the panels" : "all lamps", f->mains.depth, 1 / f->mains.shutter_s,
+	       sqrt(followed / count), sqrt(fixed / same));
+}
+
+/* People who walk, while lamps do not flicker. */
+static void judge_no_flicker(struct look *l, int from)
+{
+	int found = 0;
+
+	for (int i = 0; i < QUIET; i++) {
+		struct filmed_moment moment = moment_at(from + i);
+		double gain[3];
+
+		moment.walkers = walkers_at(moment.time_s, 2, moment.walker);
+		moment.switch_s = 5;
+		see(l, &moment, gain);
+		found += l->rows != NULL;
+	}
+	printf("| frames in which they seem to flicker, while two people walk and lamps are "
+	       "switched | %d of %d | 0 | |\n",
+	       found, QUIET);
+}
+
 int main(int argc, char **argv)
 {
 	static const double exposure[3] = {EXPOSURE_STEP, EXPOSURE_STEP, EXPOSURE_STEP};
@@ -485,6 +610,10 @@ int main(int argc, char **argv)
 	judge_step(&look, frame, "colour after red x 1.10, blue x 0.92", white);
 	frame += 60;
 	judge_lamps(&look, frame);
+	frame += 100;
+	judge_no_flicker(&look, frame);
+	for (size_t n = 0; n < sizeof(flickering) / sizeof(*flickering); n++)
+		judge_flicker(&look, frame += QUIET, &flickering[n]);
 	look_close(&look);
 	return 0;
 }

@@ -243,13 +243,15 @@ static void lines_say_what_was_counted(void **state)
 	for (int i = 1; i <= 3; i++) {
 		const int64_t stage[STAGE_COUNT] = {i * NS_PER_MS, 2 * NS_PER_MS, 0, 7 * NS_PER_MS,
 						    0};
+		const int64_t look[PIPELINE_LOOKS] = {i * 20000, 0, NS_PER_MS, 400};
 
-		stats_made(&stats, i * NS_PER_S, stage);
+		stats_made(&stats, i * NS_PER_S, stage, look);
 		stats_shown(&stats, i * NS_PER_S, i * NS_PER_S + i * 10 * NS_PER_MS,
 			    15 * NS_PER_MS);
 	}
 	stats_made(&stats, 0,
-		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 0, 7 * NS_PER_MS});
+		   (const int64_t[STAGE_COUNT]){2 * NS_PER_MS, 2 * NS_PER_MS, 0, 7 * NS_PER_MS},
+		   (const int64_t[PIPELINE_LOOKS]){0});
 	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
 	source.situation = CAMERA_STALLED;
@@ -269,8 +271,9 @@ static void lines_say_what_was_counted(void **state)
 			    "{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
 			    "\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
 			    "\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"people\":0.000,"
-			    "\"composite\":7.000,\"show\":0."
-			    "000},"
+			    "\"composite\":7.000,\"show\":0.000},"
+			    "\"look_ms\":{\"exposure\":0.0300,\"flicker\":0.0000,"
+			    "\"noise\":0.7500,\"neutral\":0.0003},"
 			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
 			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
@@ -281,8 +284,9 @@ static void lines_say_what_was_counted(void **state)
 			    "{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
 			    "\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
 			    "\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"people\":0.000,"
-			    "\"composite\":0.000,\"show\":0."
-			    "000},"
+			    "\"composite\":0.000,\"show\":0.000},"
+			    "\"look_ms\":{\"exposure\":0.0000,\"flicker\":0.0000,"
+			    "\"noise\":0.0000,\"neutral\":0.0000},"
 			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
 			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"

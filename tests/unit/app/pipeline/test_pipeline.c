@@ -399,6 +399,127 @@ static void light_is_followed(void **state)
 	pipeline_destroy(pipeline);
 }
 
+/* ---- the background camera's exposure ---- */
+
+/* A place of many greys in an even sky of that radiance, by a camera of that exposure; lamps flicker
+ * by a share of all light. */
+struct lit_place {
+	double radiance, exposure, flicker;
+};
+
+/* 30 frames a second, 100 Hz, one cycle from the first row to the last. */
+static double place_row(const struct lit_place *place, int frame, int y)
+{
+	return 1 + place->flicker * cos(2 * M_PI * (frame * 100 / 30.0 + (double)y / HEIGHT));
+}
+
+/* Makes a frame of it, as the kiosk does. Returns the green of the object's pixel, 0..255. */
+static int place_film(struct pipeline *pipeline, const struct lit_place *place, int frame)
+{
+	struct canvas background = flat(WIDTH, HEIGHT, 0);
+	struct picture picture = whole(&background);
+	struct backdrop backdrop = backdrop_of(&picture);
+	float radiance[LIGHTS][3];
+	static uint8_t out[HEIGHT][WIDTH][4];
+
+	for (int i = 0; i < WIDTH * HEIGHT; i++) {
+		const double albedo = 0.2 + 0.4 * i / (WIDTH * HEIGHT);
+
+		memset(background.pixels + (size_t)(i / WIDTH) * background.stride +
+			       4 * (size_t)(i % WIDTH),
+		       (int)lrint(255 *
+				  transfer_encode(TRANSFER_SRGB,
+						  albedo * place->radiance * place->exposure *
+							  place_row(place, frame, i / WIDTH))),
+		       4);
+	}
+	for (int i = 0; i < LIGHTS; i++)
+		for (int c = 0; c < 3; c++)
+			radiance[i][c] = (float)place->radiance;
+	pipeline_light_given(pipeline, (const float(*)[3])radiance);
+	test_pipeline_choose(pipeline, 0);
+	assert_true(pipeline_looks(pipeline));
+	pipeline_look(pipeline, &picture, NULL, frame * INT64_C(33000000));
+	assert_int_equal(pipeline_composite(pipeline, &backdrop, &out[0][0][0], WIDTH * 4, NULL),
+			 0);
+	canvas_free(&background);
+	return out[2][3][1];
+}
+
+/* Films that place for a second, then the other one, in which the object is right from the third
+ * frame on. */
+static void expect_follows(const struct lit_place *first, const struct lit_place *then)
+{
+	struct pipeline_settings settings = plain_pipeline(1);
+	struct pipeline *pipeline;
+
+	settings.follow_exposure = true;
+	pipeline = made(&settings);
+	for (int frame = 0; frame < 60; frame++) {
+		const struct lit_place *place = frame < 30 ? first : then;
+		const double light = SHARE * place->radiance * place->exposure / first->exposure;
+		const int code = place_film(pipeline, place, frame);
+
+		if (frame < 30 || frame >= 32)
+			expect_at_most(fabs(code - 255 * transfer_encode(TRANSFER_SRGB, light)), 1,
+				       "frame=%d, exposure=%g, code=%d", frame, then->exposure,
+				       code);
+	}
+	pipeline_destroy(pipeline);
+}
+
+/* What the background's camera alone sees is exposure, and the object follows it. */
+static void the_object_follows_the_exposure(void **state)
+{
+	const struct lit_place first = {.radiance = 0.5, .exposure = 0.8};
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		const struct lit_place then = {0.5, 0.8 * (0.7 + 0.15 * k), 0};
+
+		expect_follows(&first, &then);
+	}
+}
+
+/* Rows of lamps that flicker are the object's, too. */
+static void the_object_flickers_with_its_row(void **state)
+{
+	const struct lit_place place = {.radiance = 0.5, .exposure = 0.8, .flicker = 0.2};
+	struct pipeline_settings settings = plain_pipeline(1);
+	struct pipeline *pipeline;
+
+	(void)state;
+	settings.follow_exposure = true;
+	pipeline = made(&settings);
+	for (int frame = 0; frame < 60; frame++) {
+		const double light = SHARE * place.radiance * place_row(&place, frame, 2);
+		const int code = place_film(pipeline, &place, frame);
+
+		if (frame >= 30)
+			expect_at_most(fabs(code - 255 * transfer_encode(TRANSFER_SRGB, light)), 2,
+				       "frame=%d, code=%d", frame, code);
+	}
+	expect_above(pipeline_report(pipeline).look_ns[PIPELINE_FLICKER], 0, "it takes time");
+	settings.follow_exposure = false;
+	assert_int_equal(pipeline_change(pipeline, &settings, NULL), 0);
+	assert_null(pipeline_rows(pipeline));
+	pipeline_destroy(pipeline);
+}
+
+/* What both cameras see is light: the object changes by it, and not by it twice. */
+static void light_is_not_followed_twice(void **state)
+{
+	const struct lit_place first = {.radiance = 0.5, .exposure = 0.8};
+	static const double steps[] = {0.3, 0.8, 1.25, 1.6};
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		const struct lit_place then = {0.5 * steps[k], 0.8, 0};
+
+		expect_follows(&first, &then);
+	}
+}
+
 /* Threads, kernel and ground patch change together or not at all. */
 static void a_change_that_fails_changes_nothing(void **state)
 {
@@ -463,6 +584,9 @@ int main(void)
 		cmocka_unit_test(what_does_not_fit_is_said),
 		cmocka_unit_test(another_size_of_sky),
 		cmocka_unit_test(light_is_followed),
+		cmocka_unit_test(the_object_follows_the_exposure),
+		cmocka_unit_test(the_object_flickers_with_its_row),
+		cmocka_unit_test(light_is_not_followed_twice),
 		cmocka_unit_test(a_change_that_fails_changes_nothing),
 		cmocka_unit_test(a_percentage_of_white_may_change),
 	};

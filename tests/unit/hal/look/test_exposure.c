@@ -148,6 +148,25 @@ static void drift_is_followed(void **state)
 	room_close(&r);
 }
 
+/* Points at the camera's black level tell nothing. */
+static void black_is_not_seen(void **state)
+{
+	static const double one[3] = {1, 1, 1}, step[3] = {1.2, 1.2, 1.2};
+	const struct transfer_curve raised = {.named = TRANSFER_SRGB, .black = 90};
+	struct filmed_room r;
+	double found[3];
+
+	(void)state;
+	room_open(&r);
+	exposure_destroy(r.exposure);
+	assert_int_equal(exposure_create(&r.exposure, WIDTH, HEIGHT, &raised, &r.dome), 0);
+	for (int n = 0; n < 60; n++)
+		room_film(&r, 0, 0.1, 0, 0, n < 50 ? one : step, found);
+	for (int c = 0; c < 3; c++)
+		expect_that(found[c] > 1.05 && found[c] < 4, "channel %d: %g", c, found[c]);
+	room_close(&r);
+}
+
 /* In the dark, and where all is clipped, there is nothing to follow. */
 static void nothing_is_followed_where_nothing_is_seen(void **state)
 {
@@ -181,6 +200,7 @@ int main(void)
 		cmocka_unit_test(light_is_not_exposure),
 		cmocka_unit_test(steps_are_followed),
 		cmocka_unit_test(drift_is_followed),
+		cmocka_unit_test(black_is_not_seen),
 		cmocka_unit_test(nothing_is_followed_where_nothing_is_seen),
 	};
 
