@@ -65,7 +65,6 @@ static int create_lists(struct people *p)
 	p->verdict = calloc(cells, 1);
 	p->raw = calloc(cells, 1);
 	p->before = calloc(cells, 1);
-	p->first_differs = calloc((size_t)p->down, sizeof(*p->first_differs));
 	p->last_differs = calloc((size_t)p->down, sizeof(*p->last_differs));
 	p->count = calloc((size_t)p->across + 2 * PLANE_BEYOND, 1);
 	if (p->count)
@@ -85,10 +84,10 @@ static int create_lists(struct people *p)
 	p->anybody = calloc(pixels, 1);
 	p->foremost = calloc(pixels, 4);
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
-			       p->first_differs && p->last_differs && p->count && p->order &&
-			       p->order_before && p->stable_ms && p->label && p->runs &&
-			       p->groups && p->fitted && p->spans && p->row_span && p->object_far &&
-			       p->tile && p->front && p->anybody && p->foremost
+			       p->last_differs && p->count && p->order && p->order_before &&
+			       p->stable_ms && p->label && p->runs && p->groups && p->fitted &&
+			       p->spans && p->row_span && p->object_far && p->tile && p->front &&
+			       p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -158,7 +157,6 @@ void people_destroy(struct people *p)
 	if (p->watch)
 		free(p->watch - p->across - 1);
 	free(p->unknown);
-	free(p->first_differs);
 	free(p->last_differs);
 	if (p->count)
 		free(p->count - PLANE_BEYOND);

@@ -102,12 +102,12 @@ struct people {
 	/* judge.c */
 	uint8_t *verdict, *raw;
 	uint8_t *before; /* the verdict of the frame before one in which a lamp was switched */
-	/* Products of cells that may be the place in other light, else 0: see cell_products(). Rows
-	 * without cells that differ are not read. */
+	/* Products of cells that may be the place in other light, else 0: see cell_products(). 0 between
+	 * frames. */
 	float *product[3][3];
-	int *first_differs, *last_differs; /* [down]: such cells of the row; last -1: none */
-	float *column[3][3];		   /* [across]: sums of a few rows */
-	uint8_t *count;			   /* [across]: of cells in them, two counts in one */
+	int *last_differs;   /* [down]: last such cell of the row; -1: none */
+	float *column[3][3]; /* [across]: sums of a few rows */
+	uint8_t *count;	     /* [across]: of cells in them, two counts in one */
 
 	/* groups.c */
 	struct run *runs;

@@ -293,39 +293,54 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* What share of what is seen a cell takes over in this frame. A person's shadow only takes light away,
- * and goes with him: light that came is the place's, and what a deep shadow took would not be believed
- * when it comes back. */
-static float drift_rate(const struct people *p, int at, float ratio)
+/* What share of what is seen each cell of a span takes over in this frame, where it is lighter than
+ * the place, darker, and deep in a shadow. A person's shadow only takes light away, and goes with him:
+ * light that came is the place's, and what a deep shadow took would not be believed when it comes back. */
+static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
+		       float *restrict darker, float *restrict deep)
 {
-	const bool shaded = p->verdict[at] == VERDICT_SHADED;
+	const int at = span->y * p->across + span->x, count = span->count;
+	const uint8_t *known = p->known + at, *verdict = p->verdict + at;
+	const float light_rate = p->light_rate, shadow_rate = p->shadow_rate;
 
-	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
-		return 1;
-	if (p->verdict[at] == VERDICT_PERSON || (shaded && ratio < DEEP))
-		return 0;
-	return shaded && ratio < 1 ? p->shadow_rate : p->light_rate;
+	for (int x = 0; x < count; x++) {
+		const bool shaded = verdict[x] == VERDICT_SHADED;
+		const bool follows = known[x] & (verdict[x] != VERDICT_PERSON);
+		const float rate = follows ? light_rate : 0;
+
+		lighter[x] = rate;
+		darker[x] = shaded & follows ? shadow_rate : rate;
+		deep[x] = shaded ? 0 : rate;
+	}
+	for (int x = 0; p->jumped && x < count; x++)
+		if (known[x] && p->before[at + x] == VERDICT_EMPTY && !p->order[at + x])
+			lighter[x] = darker[x] = deep[x] = 1;
 }
 
 /* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
  * that each place sees them elsewhere. */
 static void drift_span(struct people *p, const struct span *span)
 {
+	const float *restrict lighter = p->column[1][0], *restrict darker = p->column[1][1];
+	const float *restrict deep = p->column[1][2];
 	const int at = span->y * p->across + span->x, count = span->count;
 
+	span_rates(p, span, p->column[1][0], p->column[1][1], p->column[1][2]);
 	for (int c = 0; c < 3; c++) {
-		const float *seen = p->seen[c] + at, *place = p->place[c] + at;
+		const float *restrict seen = p->seen[c] + at, *restrict place = p->place[c] + at;
 		float *restrict drift = p->drift[c] + at;
 
 		for (int x = 0; x < count; x++) {
-			float ratio, followed;
+			const float in_light = lighter[x], in_shade = darker[x], in_core = deep[x];
+			const float ratio = seen[x] / place[x], most = ratio < 2 ? ratio : 2;
+			const float shaded = ratio < DEEP ? in_core : in_shade;
+			const float told = ratio < 1 ? shaded : in_light;
+			const float rate = place[x] < DIM * WHITE ? 0 : told;
+			const float taken = seen[x] > CLIPPED * WHITE ? 0 : rate;
+			float is = drift[x] * (1 + taken * (most - 1));
 
-			if (!p->known[at + x] || place[x] < DIM * WHITE ||
-			    seen[x] > CLIPPED * WHITE)
-				continue;
-			ratio = seen[x] / place[x];
-			followed = 1 + drift_rate(p, at + x, ratio) * (fminf(ratio, 2) - 1);
-			drift[x] = fminf(fmaxf(drift[x] * followed, 1 / DRIFT_MOST), DRIFT_MOST);
+			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
+			drift[x] = is < DRIFT_MOST ? is : DRIFT_MOST;
 		}
 	}
 }
