@@ -176,6 +176,7 @@ static void take_gain(struct people *p, int c, const int bins[GAIN_BINS], int co
 
 static void follow_channel(struct people *p, int c)
 {
+	const float light = p->light[c][0];
 	const int step = p->watched / GAIN_CELLS + 1;
 	int bins[GAIN_BINS] = {0}, count = 0;
 
@@ -184,7 +185,7 @@ static void follow_channel(struct people *p, int c)
 
 		for (int x = span->x + span->y % step; x < span->x + span->count; x += step) {
 			const int at = span->y * p->across + x;
-			const float place = p->place[c][at];
+			const float place = p->lit[c][at] * p->drift[c][at] * light;
 			float ratio;
 
 			if (!p->known[at] || p->verdict[at] == VERDICT_PERSON ||
@@ -205,12 +206,14 @@ void cells_follow_gain(struct people *p)
 		follow_channel(p, c);
 		for (int s = 0; s < p->span_count; s++) {
 			const struct span *span = &p->spans[s];
-			float *place = p->place[c] + span->y * p->across + span->x;
-			const float gain = p->gain[c];
-			const int count = span->count;
+			const int at = span->y * p->across + span->x, count = span->count;
+			const float *restrict lit = p->lit[c] + at, *restrict drift = p->drift[c] +
+										      at;
+			const float light = p->light[c][0], gain = p->gain[c];
+			float *restrict place = p->place[c] + at;
 
 			for (int x = 0; x < count; x++) {
-				const float exposed = place[x] * gain;
+				const float exposed = lit[x] * drift[x] * light * gain;
 
 				place[x] = exposed < WHITE ? exposed : WHITE;
 			}

@@ -146,7 +146,7 @@ static inline float of_white(double share)
 
 void cells_read(struct people *people, const struct picture *picture);
 /* Follows the camera's exposure, where seen / place lies densest over cells that are known and were
- * empty, and applies it to the place. */
+ * empty, and makes the place from what is predicted. */
 void cells_follow_gain(struct people *people);
 /* Follows the camera's noise. */
 void cells_follow_noise(struct people *people, const struct picture *picture);
@@ -156,6 +156,7 @@ void cells_follow_noise(struct people *people, const struct picture *picture);
 int place_create(struct people *people);
 /* Takes the frame's light. False: it is too dark to tell anything. */
 bool place_light(struct people *people, const float (*radiance)[3]);
+/* Predicts the place per unit of light_0, where light or coefficients have changed. */
 void place_predict(struct people *people);
 void place_learn(struct people *people);
 /* Takes what is seen in a cell as the empty place. */

@@ -160,20 +160,10 @@ void place_predict(struct people *p)
 		memcpy(p->light_then, p->light, sizeof(p->light));
 	for (int s = 0; s < p->span_count; s++) {
 		const struct span *span = &p->spans[s];
-		const int at = span->y * p->across + span->x;
 
 		/* What the band has learned in the frame before, or the row was begun with. */
 		if (turned || (span->y + 1) % PLACE_BANDS == band || p->unknown[span->y])
 			predict_span(p, span);
-		for (int c = 0; c < 3; c++) {
-			const float *restrict lit = p->lit[c] + at, *restrict drift = p->drift[c] +
-										      at;
-			float *restrict place = p->place[c] + at;
-			const float light = p->light[c][0];
-
-			for (int x = 0, count = span->count; x < count; x++)
-				place[x] = lit[x] * drift[x] * light;
-		}
 	}
 }
 
