@@ -16,16 +16,21 @@
 #define STILL_FIRST 40000.0f
 #define SHOT_FIRST 3.0f
 
-/* A plane that may be read a row and a bit beyond its ends. */
-static int create_plane(const struct people *p, float **plane)
+/* Cells that may be read, and a row and a bit beyond their ends, too. */
+static int create_cells(const struct people *p, int cells, float **plane)
 {
 	const size_t beyond = (size_t)p->across + PLANE_BEYOND;
 
-	*plane = calloc((size_t)p->cells + 2 * beyond, sizeof(**plane));
+	*plane = calloc((size_t)cells + 2 * beyond, sizeof(**plane));
 	if (!*plane)
 		return -ENOMEM;
 	*plane += beyond;
 	return 0;
+}
+
+static int create_plane(const struct people *p, float **plane)
+{
+	return create_cells(p, p->cells, plane);
 }
 
 static void free_plane(const struct people *p, float *plane)
@@ -45,7 +50,7 @@ static int create_planes(struct people *p)
 			err |= create_plane(p, &p->coefficient[c][k]);
 		for (int n = 0; n < 3; n++)
 			err |= create_plane(p, &p->product[c][n]) |
-			       create_plane(p, &p->column[c][n]);
+			       create_cells(p, p->across, &p->column[c][n]);
 	}
 	return err;
 }
