@@ -142,6 +142,8 @@ $(BUILD)/hal/compositor/kernels/kernels_avx512.o: OWN_FLAGS := -mavx512f -mavx51
 $(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv8.2-a+dotprod
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp) \
 	$(if $(filter 1,$(WITH_WEBP)),hal/image/image_webp.c)
+# Without this gcc makes branches of choices between floats, and no vectors. It changes no result.
+$(addprefix $(BUILD)/hal/people/,cells.o judge.o place.o): OWN_FLAGS := -fno-trapping-math
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)

@@ -26,12 +26,27 @@ static const struct bench_way *find_way(const struct bench_ways *ways, enum benc
 	return NULL;
 }
 
+/* The way that makes the same picture without grain, or without people; NULL: there is none. */
+static const struct bench_way *find_plain(const struct bench_way *way,
+					  const struct bench_ways *ways)
+{
+	const enum bench_kind of = way->kind == BENCH_GRAIN ? BENCH_COMPOSITE : BENCH_FRAME;
+
+	if (way->kind != BENCH_GRAIN && way->kind != BENCH_VISITED)
+		return NULL;
+	for (const struct bench_way *plain = way; plain-- > ways->way;)
+		if (plain->kind == of && plain->compositor == way->compositor && !plain->changed)
+			return plain;
+	return NULL;
+}
+
 /* Fills in what compares a way's times with those of others. */
 static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 		     const struct bench_stage *stage)
 {
 	const struct bench_way *thesis = find_way(ways, BENCH_THESIS, NULL);
 	const struct bench_way *copy = find_way(ways, BENCH_COPY, NULL);
+	const struct bench_way *plain = find_plain(way, ways);
 	struct bench_row *row = &way->row;
 	const struct bench_way *read = NULL;
 
@@ -44,6 +59,7 @@ static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 			       : 0;
 	row->read_ms = read ? read->row.least_ms : 0;
 	row->read_ratio = read && read->row.least_ms > 0 ? row->least_ms / read->row.least_ms : 0;
+	row->plain_ratio = plain ? row->median_ms / plain->row.median_ms : 0;
 	row->copies = row->least_ms / copy->row.least_ms;
 }
 
@@ -224,9 +240,6 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		if (thesis_share(stage->thesis, stage->pool))
 			return fault_say(fault, -ENOMEM, "not enough memory");
 	}
-	err = bench_look_create(&stage->look, stage->basis, &stage->background_picture, fault);
-	if (err)
-		return err;
 	err = bench_frame_create(&stage->cameras, stage->basis, stage->background, stage->pool,
 				 &reason);
 	if (err == -ENOTSUP)
@@ -235,7 +248,8 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		return fault_say(fault, err, "%s", reason.text);
 	else
 		bench_frame_budget(stage->cameras, settings->budget);
-	return 0;
+	return bench_look_create(&stage->look, stage->basis, stage->cameras, &stage->background[0],
+				 fault);
 }
 
 static void clear_stage(struct bench_stage *stage)

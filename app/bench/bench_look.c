@@ -30,40 +30,14 @@ struct bench_look {
 	struct people *people; /* NULL: nobody is looked for */
 	struct exposure *exposure;
 	struct flicker *flicker;
-	struct canvas visited; /* the background with somebody in it */
 	int64_t now_ns;
 };
 
-static void look_at(struct bench_look *l, const struct picture *picture)
-{
-	people_look(l->people, picture, (const float(*)[3])l->radiance, l->now_ns);
-	l->now_ns += PERIOD;
-}
-
-/* The background with its middle third upside down. */
-static void visit(struct bench_look *l, const struct picture *background)
-{
-	for (int y = 0; y < background->height; y++) {
-		uint8_t *to = l->visited.pixels + (size_t)y * l->visited.stride;
-
-		for (int x = 0; x < background->width; x++) {
-			const bool there = x / (background->width / 3 + 1) == 1;
-			const int from = there ? background->height - 1 - y : y;
-
-			memcpy(to + 4 * (size_t)x,
-			       background->origin + from * background->y_step +
-				       x * background->x_step,
-			       4);
-		}
-	}
-}
-
-static int look_fill(struct bench_look *l, const struct basis *basis,
-		     const struct picture *background, struct fault *fault)
+static int look_fill(struct bench_look *l, const struct basis *basis, struct fault *fault)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
-	const struct people_settings settings = {.width = background->width,
-						 .height = background->height,
+	const struct people_settings settings = {.width = (int)basis->info.width,
+						 .height = (int)basis->info.height,
 						 .curve = {.named = TRANSFER_SRGB},
 						 .dome = &l->dome};
 	struct people_object object = {.coverage = basis->poses[0].coverage};
@@ -74,8 +48,7 @@ static int look_fill(struct bench_look *l, const struct basis *basis,
 	l->radiance = calloc((size_t)l->dome.count, sizeof(*l->radiance));
 	l->chosen = calloc((size_t)l->dome.count, sizeof(*l->chosen));
 	l->touched = calloc((size_t)tiles, 1);
-	if (!l->radiance || !l->chosen || !l->touched ||
-	    canvas_create(&l->visited, background->width, background->height))
+	if (!l->radiance || !l->chosen || !l->touched)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	for (int i = 0; i < l->dome.count; i++)
 		for (int c = 0; c < 3; c++)
@@ -94,16 +67,27 @@ static int look_fill(struct bench_look *l, const struct basis *basis,
 	object.touched = l->touched;
 	object.foot = basis->feet;
 	people_place(l->people, &object);
-	for (int n = 0; n < LEARNING; n++) {
-		look_at(l, background);
-		exposure_look(l->exposure, background, (const float(*)[3])l->radiance);
-	}
-	visit(l, background);
 	return 0;
 }
 
+/* Learns the place, and then lets the visitors in. */
+static void learn(struct bench_look *l, struct bench_frame *cameras,
+		  const struct canvas *background)
+{
+	bench_frame_film(cameras, background, false);
+	for (int n = 0; n < LEARNING; n++) {
+		const struct picture picture = bench_frame_visited(cameras);
+
+		bench_look_people(l, &picture);
+		bench_look_exposure(l, &picture);
+		bench_frame_next(cameras);
+	}
+	bench_frame_film(cameras, background, true);
+}
+
 int bench_look_create(struct bench_look **look, const struct basis *basis,
-		      const struct picture *background, struct fault *fault)
+		      struct bench_frame *cameras, const struct canvas *background,
+		      struct fault *fault)
 {
 	const struct sensor_noise_model noise = {
 		.floor = {VARIANCE / 4, VARIANCE / 4, VARIANCE / 4},
@@ -114,11 +98,13 @@ int bench_look_create(struct bench_look **look, const struct basis *basis,
 	if (!l)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	grain_tables_fit(&l->tables, &noise, &l->grain);
-	err = look_fill(l, basis, background, fault);
-	if (err && err != -ENOTSUP) {
+	err = cameras ? look_fill(l, basis, fault) : 0;
+	if (err) {
 		bench_look_destroy(l);
 		return err;
 	}
+	if (cameras)
+		learn(l, cameras, background);
 	*look = l;
 	return 0;
 }
@@ -130,7 +116,6 @@ void bench_look_destroy(struct bench_look *l)
 	people_destroy(l->people);
 	exposure_destroy(l->exposure);
 	flicker_destroy(l->flicker);
-	canvas_free(&l->visited);
 	dome_free(&l->dome);
 	free(l->radiance);
 	free(l->chosen);
@@ -143,41 +128,26 @@ const struct grain *bench_look_grain(const struct bench_look *l)
 	return &l->grain;
 }
 
-static struct picture look_visited(const struct bench_look *l)
+const struct veil *bench_look_people(struct bench_look *l, const struct picture *picture)
 {
-	const struct view whole = {
-		.width = l->visited.width, .height = l->visited.height, .squash = 1};
-
-	return view_picture(&whole, l->visited.pixels, l->visited.stride);
+	people_look(l->people, picture, (const float(*)[3])l->radiance, l->now_ns);
+	l->now_ns += PERIOD;
+	return people_veil(l->people);
 }
 
-void bench_look_people(struct bench_look *l)
+void bench_look_exposure(struct bench_look *l, const struct picture *picture)
 {
-	const struct picture picture = look_visited(l);
-
-	if (l->people)
-		look_at(l, &picture);
+	exposure_look(l->exposure, picture, (const float(*)[3])l->radiance);
 }
 
-void bench_look_exposure(struct bench_look *l)
-{
-	const struct picture picture = look_visited(l);
-
-	if (l->exposure)
-		exposure_look(l->exposure, &picture, (const float(*)[3])l->radiance);
-}
-
-void bench_look_flicker(struct bench_look *l)
+void bench_look_flicker(struct bench_look *l, const struct picture *picture)
 {
 	static const float expected[3] = {1, 1, 1};
-	const struct picture picture = look_visited(l);
 
-	if (l->flicker)
-		flicker_look(l->flicker, &picture, expected);
+	flicker_look(l->flicker, picture, expected);
 }
 
 void bench_look_neutral(struct bench_look *l)
 {
-	if (l->chosen)
-		neutral_light(l->chosen, l->dome.count, 0.2);
+	neutral_light(l->chosen, l->dome.count, 0.2);
 }

@@ -91,6 +91,9 @@ static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, 
 		way = way_add(ways, BENCH_FRAME, "whole frame", kernel);
 		way->compositor = own[COMPOSITOR_FAST][0];
 		way->composite = settings_of(COMPOSITOR_FAST, false);
+		way = way_add(ways, BENCH_VISITED, "whole frame, with people", kernel);
+		way->compositor = own[COMPOSITOR_FAST][0];
+		way->composite = settings_of(COMPOSITOR_FAST, false);
 	}
 	return 0;
 }
@@ -157,7 +160,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	most = (kernels + 1) * (SEQUENCE_COUNT + 2) + 8;
+	most = (kernels + 1) * (SEQUENCE_COUNT + 3) + 8;
 	*ways = (struct bench_ways){.way = calloc(most, sizeof(*ways->way))};
 	ways->compositors = calloc(4 * kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
@@ -250,9 +253,10 @@ bool bench_way_shows(const struct bench_way *way)
 }
 
 static int way_composite(struct bench_way *way, struct bench_stage *stage,
-			 const struct light_selection *lights, struct fault *fault)
+			 const struct light_selection *lights, const struct picture *background,
+			 struct fault *fault)
 {
-	const struct backdrop backdrop = backdrop_of(&stage->background_picture);
+	const struct backdrop backdrop = backdrop_of(background);
 	const int err = compositor_run(way->compositor, 0, lights, &backdrop, stage->out.pixels,
 				       stage->out.stride);
 
@@ -260,6 +264,21 @@ static int way_composite(struct bench_way *way, struct bench_stage *stage,
 	return err ? fault_say(fault, err, "%s: the compositor fails: %s", way->row.what,
 			       strerror(-err))
 		   : 0;
+}
+
+/* A whole frame of a kiosk that looks for people: as in app/pipeline, the background is read before. */
+static int way_visited(struct bench_way *way, struct bench_stage *stage, struct fault *fault)
+{
+	const int err = bench_frame_measure(stage->cameras, stage->settings->threshold, fault);
+
+	if (err)
+		return err;
+	stage->visited = bench_frame_visited(stage->cameras);
+	way->composite.veil = bench_look_people(stage->look, &stage->visited);
+	compositor_set(way->compositor, &way->composite);
+	way->row.lights = bench_frame_lights(stage->cameras)->used_count;
+	return way_composite(way, stage, bench_frame_lights(stage->cameras), &stage->visited,
+			     fault);
 }
 
 int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
@@ -271,11 +290,13 @@ int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn
 		thesis_light(stage->thesis, &stage->lights);
 		way->bytes = thesis_bytes(stage->thesis, way->row.lights);
 	}
-	if (way->kind == BENCH_COMPOSITE || way->kind == BENCH_FRAME || way->kind == BENCH_GRAIN)
+	if (way->compositor)
 		compositor_set(way->compositor, &way->composite);
+	if (way->kind == BENCH_PEOPLE || way->kind == BENCH_EXPOSURE || way->kind == BENCH_FLICKER)
+		stage->visited = bench_frame_visited(stage->cameras);
 	if (way->kind == BENCH_COMPOSITE && way->changed) {
 		light_before(stage, turn, way->changed);
-		return way_composite(way, stage, &stage->before, fault);
+		return way_composite(way, stage, &stage->before, &stage->background_picture, fault);
 	}
 	return 0;
 }
@@ -292,23 +313,25 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 		break;
 	case BENCH_COMPOSITE:
 	case BENCH_GRAIN:
-		return way_composite(way, stage, &stage->lights, fault);
+		return way_composite(way, stage, &stage->lights, &stage->background_picture, fault);
 	case BENCH_EXPOSURE:
-		bench_look_exposure(stage->look);
+		bench_look_exposure(stage->look, &stage->visited);
 		break;
 	case BENCH_FLICKER:
-		bench_look_flicker(stage->look);
+		bench_look_flicker(stage->look, &stage->visited);
 		break;
 	case BENCH_NEUTRAL:
 		bench_look_neutral(stage->look);
 		break;
 	case BENCH_PEOPLE:
-		bench_look_people(stage->look);
+		(void)bench_look_people(stage->look, &stage->visited);
 		break;
 	case BENCH_FRAME:
 		way->row.lights = bench_frame_lights(stage->cameras)->used_count;
 		return bench_frame_run(stage->cameras, way->compositor, stage->settings->threshold,
 				       &stage->out, &way->bytes, fault);
+	case BENCH_VISITED:
+		return way_visited(way, stage, fault);
 	case BENCH_LIGHT:
 		return bench_frame_measure(stage->cameras, stage->settings->threshold, fault);
 	case BENCH_CONVERT:

@@ -24,6 +24,7 @@ struct bench_stage {
 	 * memory of the one before it in the caches. All backgrounds are the same picture. */
 	struct canvas background[BENCH_CAMERA_BUFFERS], screen[BENCH_SCREEN_BUFFERS];
 	struct picture background_picture; /* of the present buffer */
+	struct picture visited;		   /* read from the visitors' camera */
 	struct canvas out;		   /* present buffer of the screen; borrowed */
 	unsigned frames;
 	struct thesis *thesis;	     /* NULL: left out */
@@ -44,6 +45,7 @@ enum bench_kind {
 	BENCH_FRAME,
 	/* The following make no picture of the object, or one that is not compared: */
 	BENCH_GRAIN,
+	BENCH_VISITED,
 	BENCH_PEOPLE,
 	BENCH_EXPOSURE,
 	BENCH_FLICKER,
@@ -59,7 +61,7 @@ enum bench_kind {
 struct bench_way {
 	enum bench_kind kind;
 	struct bench_row row; /* what and kernel; the rest is filled in later */
-	/* For BENCH_COMPOSITE, BENCH_FRAME and BENCH_GRAIN: */
+	/* For BENCH_COMPOSITE, BENCH_FRAME, BENCH_GRAIN and BENCH_VISITED: */
 	struct compositor *compositor;
 	struct compositor_settings composite;
 	int changed;	/* lights that differ from the frame before: 0, n, BENCH_CHANGE_ALL */

@@ -16,7 +16,7 @@ enum { SIDE = 8, PIXELS = SIDE * SIDE, BLOCKS = 96, LEVELS = 16, STEPS = 96 };
 
 struct block {
 	int x, y;
-	uint8_t before[PIXELS][3]; /* code values, R G B */
+	uint8_t before[3][PIXELS]; /* code values, R G B */
 };
 
 struct sensor_noise {
@@ -24,6 +24,7 @@ struct sensor_noise {
 	struct block blocks[BLOCKS];
 	bool begun;
 	float seen[3][LEVELS][STEPS]; /* how many blocks had a variance */
+	double median[3][LEVELS];     /* of seen, before the present frame */
 	/* Sums over ordinary blocks: of variances and of covariances. */
 	double own, across, down, pair, of_pair;
 };
@@ -53,37 +54,53 @@ void sensor_noise_destroy(struct sensor_noise *noise)
 	free(noise);
 }
 
-/* Differences of a block to the frame before, per channel and less their mean; and its mean level. */
+/* Differences of a block to the frame before, per channel; their variance; and its mean level. */
 struct difference {
-	double d[3][PIXELS], variance[3], level[3];
+	int16_t d[3][PIXELS];
+	int sum[3];
+	double variance[3], level[3];
 };
 
-static void block_compare(struct block *b, const struct picture *picture, struct difference *to)
+static void block_read(struct block *b, const struct picture *picture, struct difference *to)
 {
-	*to = (struct difference){0};
 	for (int y = 0; y < SIDE; y++) {
 		const uint8_t *in = picture->origin + (b->y + y) * picture->y_step +
 				    b->x * picture->x_step;
 
-		for (int x = 0; x < SIDE; x++, in += picture->x_step) {
+		for (int x = 0; x < SIDE; x++, in += picture->x_step)
 			for (int c = 0; c < 3; c++) {
-				const int at = y * SIDE + x;
+				uint8_t *before = &b->before[c][y * SIDE + x];
 
-				to->d[c][at] = in[2 - c] - b->before[at][c];
-				to->level[c] += in[2 - c] / (double)PIXELS;
-				b->before[at][c] = in[2 - c];
+				to->d[c][y * SIDE + x] = (int16_t)(in[2 - c] - *before);
+				*before = in[2 - c];
 			}
-		}
 	}
-	for (int c = 0; c < 3; c++) {
-		double mean = 0;
+}
 
-		for (int i = 0; i < PIXELS; i++)
-			mean += to->d[c][i] / PIXELS;
+/* Sum of products of n differences. */
+static int sum_products(const int16_t *restrict a, const int16_t *restrict b, int n)
+{
+	int sum = 0;
+
+	for (int i = 0; i < n; i++)
+		sum += a[i] * b[i];
+	return sum;
+}
+
+static void block_compare(struct block *b, const struct picture *picture, struct difference *to)
+{
+	block_read(b, picture, to);
+	for (int c = 0; c < 3; c++) {
+		const int squares = sum_products(to->d[c], to->d[c], PIXELS);
+		int sum = 0, level = 0;
+
 		for (int i = 0; i < PIXELS; i++) {
-			to->d[c][i] -= mean;
-			to->variance[c] += to->d[c][i] * to->d[c][i] / (PIXELS - 1);
+			sum += to->d[c][i];
+			level += b->before[c][i];
 		}
+		to->sum[c] = sum;
+		to->level[c] = level / (double)PIXELS;
+		to->variance[c] = (squares - sum * sum / (double)PIXELS) / (PIXELS - 1);
 	}
 }
 
@@ -118,32 +135,43 @@ static double level_median(const float seen[STEPS])
 	return -1;
 }
 
+/* Mean product of each difference, less the mean, and the one step pixels on, for those that have one in
+ * the block: the first n of each group of `group` pixels. */
+static double mean_product(const struct difference *d, int c, int step, int n, int group)
+{
+	const double mean = d->sum[c] / (double)PIXELS;
+	const int16_t *own = d->d[c];
+	int products = 0, ends = 0, pairs = 0;
+
+	for (int from = 0; from < PIXELS; from += group) {
+		products += sum_products(own + from, own + from + step, n);
+		for (int i = from; i < from + n; i++)
+			ends += own[i] + own[i + step];
+		pairs += n;
+	}
+	return (products - mean * ends) / pairs + mean * mean;
+}
+
 /* Adds what neighbouring pixels and channels of an ordinary block have in common. */
 static void note_common(struct sensor_noise *n, const struct difference *d)
 {
 	for (int c = 0; c < 3; c++) {
-		const double *own = d->d[c], *other = d->d[(c + 1) % 3];
-		double across = 0, down = 0, pair = 0;
+		const int other = (c + 1) % 3;
+		const double pair = sum_products(d->d[c], d->d[other], PIXELS) -
+				    d->sum[c] * d->sum[other] / (double)PIXELS;
 
-		for (int y = 0; y < SIDE; y++)
-			for (int x = 0; x < SIDE - 1; x++) {
-				across += own[y * SIDE + x] * own[y * SIDE + x + 1];
-				down += own[x * SIDE + y] * own[(x + 1) * SIDE + y];
-			}
-		for (int i = 0; i < PIXELS; i++)
-			pair += own[i] * other[i] / PIXELS;
 		n->own += d->variance[c];
-		n->across += across / (SIDE * (SIDE - 1));
-		n->down += down / (SIDE * (SIDE - 1));
-		n->pair += pair;
-		n->of_pair += sqrt(d->variance[c] * d->variance[(c + 1) % 3]);
+		n->across += mean_product(d, c, 1, SIDE - 1, SIDE);
+		n->down += mean_product(d, c, SIDE, PIXELS - SIDE, PIXELS);
+		n->pair += pair / PIXELS;
+		n->of_pair += sqrt(d->variance[c] * d->variance[other]);
 	}
 }
 
 static bool is_ordinary(const struct sensor_noise *n, const struct difference *d)
 {
 	for (int c = 0; c < 3; c++) {
-		const double median = level_median(n->seen[c][level_of(d->level[c])]);
+		const double median = n->median[c][level_of(d->level[c])];
 
 		if (median <= 0 || d->variance[c] > 2 * median || d->variance[c] < median / 2)
 			return false;
@@ -156,9 +184,11 @@ void sensor_noise_watch(struct sensor_noise *n, const struct picture *picture)
 	struct difference d;
 
 	for (int c = 0; c < 3; c++)
-		for (int l = 0; l < LEVELS; l++)
+		for (int l = 0; l < LEVELS; l++) {
 			for (int i = 0; i < STEPS; i++)
 				n->seen[c][l][i] *= (float)FORGETTING;
+			n->median[c][l] = level_median(n->seen[c][l]);
+		}
 	n->own *= FORGETTING;
 	n->across *= FORGETTING;
 	n->down *= FORGETTING;

@@ -49,6 +49,53 @@ static void read_edge_cell(struct people *p, const struct picture *picture, int 
 	read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
 }
 
+/* Adds the codes of two neighbouring pixels to those of others: blue and red, and green. */
+static inline void add_pair(const uint8_t *in, uint64_t *ends, uint64_t *middle)
+{
+	uint64_t pair;
+
+	memcpy(&pair, in, sizeof(pair));
+	*ends += pair & UINT64_C(0x00ff00ff00ff00ff);
+	*middle += (pair >> 8) & UINT64_C(0x000000ff000000ff);
+}
+
+/* Reads the cells x..end - 1 of a row, whose pixels follow each other in memory. */
+static inline void read_adjacent(struct people *p, const struct picture *picture, int y, int x,
+				 int end, int side)
+{
+	const uint32_t each = (uint32_t)(CODE_STEPS / (side * side));
+	const float *linear = p->linear;
+	float *red = p->seen[0] + y * p->across, *green = p->seen[1] + y * p->across;
+	float *blue = p->seen[2] + y * p->across;
+	const uint8_t *in = picture->origin + y * side * picture->y_step + x * side * 4;
+
+	for (; x < end; x++, in += side * 4) {
+		uint64_t ends = 0, middle = 0;
+
+		for (int v = 0; v < side; v++)
+			for (int u = 0; u < side; u += 2)
+				add_pair(in + v * picture->y_step + u * 4, &ends, &middle);
+		ends += ends >> 32;
+		middle += middle >> 32;
+		red[x] = linear[(ends >> 16 & 0xffff) * each];
+		green[x] = linear[(uint32_t)middle * each];
+		blue[x] = linear[(ends & 0xffff) * each];
+	}
+}
+
+static void read_cells(struct people *p, const struct picture *picture, int y, int x, int end)
+{
+	const int side = p->side;
+
+	if (picture->x_step == 4 && side == 2)
+		read_adjacent(p, picture, y, x, end, 2);
+	else if (picture->x_step == 4)
+		read_adjacent(p, picture, y, x, end, 4);
+	else
+		for (; x < end; x++)
+			read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
+}
+
 void cells_read(struct people *p, const struct picture *picture)
 {
 	const int whole_across = picture->width / p->side, whole_down = picture->height / p->side;
@@ -59,10 +106,7 @@ void cells_read(struct people *p, const struct picture *picture)
 		const int inner = span->y < whole_down ? end < whole_across ? end : whole_across
 						       : span->x;
 
-		for (int x = span->x; p->side == 2 && x < inner; x++)
-			read_cell(p, picture, x, span->y, 2, 2, CODE_STEPS / 4);
-		for (int x = span->x; p->side == 4 && x < inner; x++)
-			read_cell(p, picture, x, span->y, 4, 4, CODE_STEPS / 16);
+		read_cells(p, picture, span->y, span->x, inner);
 		for (int x = inner; x < end; x++)
 			read_edge_cell(p, picture, x, span->y);
 	}
@@ -132,6 +176,7 @@ static void take_gain(struct people *p, int c, const int bins[GAIN_BINS], int co
 
 static void follow_channel(struct people *p, int c)
 {
+	const float light = p->light[c][0];
 	const int step = p->watched / GAIN_CELLS + 1;
 	int bins[GAIN_BINS] = {0}, count = 0;
 
@@ -140,7 +185,7 @@ static void follow_channel(struct people *p, int c)
 
 		for (int x = span->x + span->y % step; x < span->x + span->count; x += step) {
 			const int at = span->y * p->across + x;
-			const float place = p->place[c][at];
+			const float place = p->lit[c][at] * p->drift[c][at] * light;
 			float ratio;
 
 			if (!p->known[at] || p->verdict[at] == VERDICT_PERSON ||
@@ -161,12 +206,14 @@ void cells_follow_gain(struct people *p)
 		follow_channel(p, c);
 		for (int s = 0; s < p->span_count; s++) {
 			const struct span *span = &p->spans[s];
-			float *place = p->place[c] + span->y * p->across + span->x;
-			const float gain = p->gain[c];
-			const int count = span->count;
+			const int at = span->y * p->across + span->x, count = span->count;
+			const float *restrict lit = p->lit[c] + at, *restrict drift = p->drift[c] +
+										      at;
+			const float light = p->light[c][0], gain = p->gain[c];
+			float *restrict place = p->place[c] + at;
 
 			for (int x = 0; x < count; x++) {
-				const float exposed = place[x] * gain;
+				const float exposed = lit[x] * drift[x] * light * gain;
 
 				place[x] = exposed < WHITE ? exposed : WHITE;
 			}

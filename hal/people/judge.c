@@ -83,6 +83,19 @@ static bool has_colour_of_place(const struct people *p, int at, float *const wei
 	       ss - ratio * sp <= ALIKE + COLOUR * COLOUR * ratio * ratio * pp;
 }
 
+/* The first cell from x on that differs, or end. */
+static int next_differing(const uint8_t *raw, int x, int end)
+{
+	for (uint64_t eight; x + 8 <= end; x += 8) {
+		memcpy(&eight, raw + x, sizeof(eight));
+		if (eight)
+			break;
+	}
+	while (x < end && raw[x] == RAW_EMPTY)
+		x++;
+	return x;
+}
+
 static void judge_span(struct people *p, const struct span *span)
 {
 	float *const weight[3] = {p->column[0][0], p->column[0][1], p->column[0][2]};
@@ -91,29 +104,26 @@ static void judge_span(struct people *p, const struct span *span)
 	const uint8_t *known = p->known + at;
 	uint8_t *restrict raw = p->raw + at;
 	const int count = span->count;
-	int first = count, last = -1;
 
 	memset(apart, 0, (size_t)span->count * sizeof(*apart));
 	for (int c = 0; c < 3; c++)
 		channel_deviates(p, span, c, apart, weight[c]);
 	for (int x = 0; x < count; x++)
 		raw[x] = (uint8_t)((apart[x] > WEAK) + (apart[x] > STRONG)) * known[x];
-	for (int x = 0; x < count; x++) {
-		if (!raw[x])
-			continue;
-		if (!has_colour_of_place(p, at + x, weight, x))
+	for (int x = next_differing(raw, 0, count); x < count;
+	     x = next_differing(raw, x + 1, count)) {
+		if (has_colour_of_place(p, at + x, weight, x))
+			for (int c = 0; c < 3; c++)
+				p->product[c][0][at + x] = weight[c][x];
+		else
 			raw[x] |= RAW_OTHER;
-		first = x < first ? x : first;
-		last = x;
+		p->last_differs[span->y] = span->x + x;
 	}
-	if (last < 0)
-		return;
-	if (p->last_differs[span->y] < 0)
-		p->first_differs[span->y] = span->x + first;
-	p->last_differs[span->y] = span->x + last;
-	for (int c = 0; c < 3; c++)
-		memcpy(p->product[c][0] + at + first, weight[c] + first,
-		       (size_t)(last + 1 - first) * sizeof(float));
+}
+
+static float ratio_at(const float *seen, const float *place)
+{
+	return *seen / (*place > 1 ? *place : 1);
 }
 
 /* How much seen / place bends between two neighbours, squared; -1: one of them is no place. */
@@ -124,8 +134,8 @@ static float bend(const struct people *p, int c, int at, int step)
 
 	if ((p->raw[at - step] | p->raw[at + step]) & RAW_OTHER)
 		return -1;
-	d = seen[0] / fmaxf(place[0], 1) -
-	    0.5f * (seen[-step] / fmaxf(place[-step], 1) + seen[step] / fmaxf(place[step], 1));
+	d = ratio_at(seen, place) -
+	    0.5f * (ratio_at(seen - step, place - step) + ratio_at(seen + step, place + step));
 	return d * d;
 }
 
@@ -133,16 +143,15 @@ static float bend(const struct people *p, int c, int at, int step)
 static void cell_products(struct people *p, int x, int y)
 {
 	const int at = y * p->across + x;
-	const bool counts = may_be_place(p->raw[at]);
 	const bool across = x > 0 && x < p->across - 1 && p->watch[at - 1] && p->watch[at + 1];
 	const bool down = y > 0 && y < p->down - 1 && p->watch[at - p->across] &&
 			  p->watch[at + p->across];
 
 	for (int c = 0; c < 3; c++) {
 		const float place = p->place[c][at];
-		const float w = counts ? p->product[c][0][at] * place : 0;
-		const float dx = counts && across ? bend(p, c, at, 1) : -1;
-		const float dy = counts && down ? bend(p, c, at, p->across) : -1;
+		const float w = p->product[c][0][at] * place;
+		const float dx = across ? bend(p, c, at, 1) : -1;
+		const float dy = down ? bend(p, c, at, p->across) : -1;
 		const int known = (dx >= 0) + (dy >= 0);
 		const float both = (dx >= 0 ? dx : 0) + (dy >= 0 ? dy : 0);
 
@@ -152,52 +161,91 @@ static void cell_products(struct people *p, int x, int y)
 	}
 }
 
-/* From the first to the last cell of a span that differs. */
-static void span_products(struct people *p, const struct span *span)
-{
-	const int first = p->first_differs[span->y], last = p->last_differs[span->y];
-	const int end = span->x + span->count <= last ? span->x + span->count : last + 1;
+/* ---- runs of cells that may be the place in other light ---- */
 
-	for (int x = span->x > first ? span->x : first; x < end; x++)
-		cell_products(p, x, span->y);
+/* Cells first..last of a row: both may be, and so may some between. */
+struct stretch {
+	int y, first, last;
+};
+
+/* Finds the next stretch of a span from *x on, which goes on behind it. */
+static bool next_stretch(const struct people *p, const struct span *span, int *x,
+			 struct stretch *found)
+{
+	const uint8_t *raw = p->raw + span->y * p->across;
+	const int end = span->x + span->count;
+	int at = next_differing(raw, *x, end);
+
+	while (at < end && !may_be_place(raw[at]))
+		at = next_differing(raw, at + 1, end);
+	*found = (struct stretch){span->y, at, at};
+	for (int u = at; u < end && u - found->last <= 2 * AROUND; u++)
+		if (may_be_place(raw[u]))
+			found->last = u;
+	*x = found->last + 1;
+	return at < end;
 }
 
-/* Adds a row's spans to the sums, as far as they differ. */
-static void add_row(struct people *p, int row)
+/* Calls take() for each stretch of a span. */
+static void walk_span(struct people *p, const struct span *span,
+		      void (*take)(struct people *p, const struct stretch *stretch))
 {
-	for (int s = p->row_span[row]; s < p->row_span[row + 1]; s++) {
-		const struct span *span = &p->spans[s];
-		const int first = p->first_differs[row], last = p->last_differs[row];
-		const int left = span->x > first ? span->x : first;
-		const int end = span->x + span->count <= last ? span->x + span->count : last + 1;
-		const uint8_t *restrict raw = p->raw + row * p->across;
-		uint8_t *restrict count = p->count;
+	struct stretch stretch;
+	int x = span->x;
 
-		for (int c = 0; c < 3; c++)
-			for (int n = 0; n < 3; n++) {
-				const float *restrict product = p->product[c][n] + row * p->across;
-				float *restrict sum = p->column[c][n];
-
-				for (int x = left; x < end; x++)
-					sum[x] += product[x];
-			}
-		for (int x = left; x < end; x++)
-			count[x] = (uint8_t)(count[x] + COUNT_DIFFERS * (raw[x] != RAW_EMPTY) +
-					     COUNT_PLACE * may_be_place(raw[x]));
-	}
+	while (p->last_differs[span->y] >= x && next_stretch(p, span, &x, &stretch))
+		take(p, &stretch);
 }
 
-/* Sums the rows around a row, each column by itself. */
-static void sum_columns(struct people *p, int y)
+static void make_products(struct people *p, const struct stretch *stretch)
 {
+	for (int x = stretch->first; x <= stretch->last; x++)
+		if (may_be_place(p->raw[stretch->y * p->across + x]))
+			cell_products(p, x, stretch->y);
+}
+
+static void clear_products(struct people *p, const struct stretch *stretch)
+{
+	const size_t count = (size_t)(stretch->last + 1 - stretch->first);
+	const int at = stretch->y * p->across + stretch->first;
+
 	for (int c = 0; c < 3; c++)
 		for (int n = 0; n < 3; n++)
-			memset(p->column[c][n] - AROUND, 0,
-			       (size_t)(p->across + 2 * AROUND) * sizeof(float));
-	memset(p->count - AROUND, 0, (size_t)p->across + 2 * AROUND);
-	for (int v = y - AROUND; v <= y + AROUND; v++)
-		if (v >= 0 && v < p->down && p->last_differs[v] >= 0)
-			add_row(p, v);
+			memset(p->product[c][n] + at, 0, count * sizeof(float));
+}
+
+/* Adds a row's cells left..end - 1 to the sums. */
+static void add_row(struct people *p, int row, int left, int end)
+{
+	const uint8_t *restrict raw = p->raw + row * p->across;
+	uint8_t *restrict count = p->count;
+
+	for (int c = 0; c < 3; c++)
+		for (int n = 0; n < 3; n++) {
+			const float *restrict product = p->product[c][n] + row * p->across;
+			float *restrict sum = p->column[c][n];
+
+			for (int x = left; x < end; x++)
+				sum[x] += product[x];
+		}
+	for (int x = left; x < end; x++)
+		count[x] = (uint8_t)(count[x] + COUNT_DIFFERS * (raw[x] != RAW_EMPTY) +
+				     COUNT_PLACE * may_be_place(raw[x]));
+}
+
+/* Sums the rows around a stretch, each column by itself. */
+static void sum_columns(struct people *p, const struct stretch *stretch)
+{
+	const int from = stretch->first - AROUND, to = stretch->last + AROUND;
+	const int left = from > 0 ? from : 0, end = to < p->across - 1 ? to + 1 : p->across;
+
+	for (int c = 0; c < 3; c++)
+		for (int n = 0; n < 3; n++)
+			memset(p->column[c][n] + from, 0, (size_t)(to + 1 - from) * sizeof(float));
+	memset(p->count + from, 0, (size_t)(to + 1 - from));
+	for (int v = stretch->y - AROUND; v <= stretch->y + AROUND; v++)
+		if (v >= 0 && v < p->down && p->last_differs[v] >= left)
+			add_row(p, v, left, end);
 }
 
 static float sum_around(const struct people *p, int c, int n, int x)
@@ -223,8 +271,8 @@ static bool is_place_in_other_light(const struct people *p, int x)
 
 		if (bends > EVEN * (float)cells + UNEVEN * UNEVEN * ratio * ratio * pp)
 			return false;
-		low = fminf(low, ratio);
-		high = fmaxf(high, ratio);
+		low = ratio < low ? ratio : low;
+		high = ratio > high ? ratio : high;
 	}
 	return low >= DARKEST && high <= BRIGHTEST && high <= SAME_COLOUR * low;
 }
@@ -242,18 +290,28 @@ static bool is_beside(const struct people *p, int x, int y)
 	return false;
 }
 
-static void judge_differing(struct people *p, const struct span *span)
+static void judge_stretch(struct people *p, const struct stretch *stretch)
 {
-	const int row = span->y * p->across;
+	const int row = stretch->y * p->across;
 
-	for (int x = span->x; x < span->x + span->count; x++) {
-		if (p->raw[row + x] == RAW_EMPTY)
-			continue;
+	sum_columns(p, stretch);
+	for (int x = stretch->first; x <= stretch->last; x++)
 		if (may_be_place(p->raw[row + x]) && is_place_in_other_light(p, x))
 			p->verdict[row + x] = VERDICT_SHADED;
-		else if (p->raw[row + x] % RAW_OTHER == RAW_STRONG || is_beside(p, x, span->y))
-			p->verdict[row + x] = VERDICT_PERSON;
-	}
+}
+
+/* Cells that differ, and are not the place in other light. */
+static void judge_others(struct people *p, const struct span *span)
+{
+	const int end = span->x + span->count;
+	const uint8_t *raw = p->raw + span->y * p->across;
+	uint8_t *verdict = p->verdict + span->y * p->across;
+
+	for (int x = next_differing(raw, span->x, end); x < end;
+	     x = next_differing(raw, x + 1, end))
+		if (verdict[x] != VERDICT_SHADED &&
+		    (raw[x] % RAW_OTHER == RAW_STRONG || is_beside(p, x, span->y)))
+			verdict[x] = VERDICT_PERSON;
 }
 
 void judge_cells(struct people *p)
@@ -266,12 +324,11 @@ void judge_cells(struct people *p)
 	for (int s = 0; s < p->span_count; s++)
 		judge_span(p, &p->spans[s]);
 	for (int s = 0; s < p->span_count; s++)
-		span_products(p, &p->spans[s]);
-	for (int y = 0; y < p->down; y++) {
-		if (p->last_differs[y] < 0)
-			continue;
-		sum_columns(p, y);
-		for (int s = p->row_span[y]; s < p->row_span[y + 1]; s++)
-			judge_differing(p, &p->spans[s]);
+		walk_span(p, &p->spans[s], make_products);
+	for (int s = 0; s < p->span_count; s++) {
+		walk_span(p, &p->spans[s], judge_stretch);
+		judge_others(p, &p->spans[s]);
 	}
+	for (int s = 0; s < p->span_count; s++)
+		walk_span(p, &p->spans[s], clear_products);
 }

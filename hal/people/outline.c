@@ -197,6 +197,16 @@ static void draw_tile(struct people *p, const struct picture *picture, int tx, i
 			draw_cell(p, picture, x, y);
 }
 
+/* Whether a tile, or the cells beside it, reach into the box of all people. */
+static bool is_near_box(const struct people *p, int tx, int ty)
+{
+	const int cells = BASIS_TILE / p->side;
+	const struct box *box = &p->box;
+
+	return tx * cells - 1 <= box->right && (tx + 1) * cells >= box->left &&
+	       ty * cells - 1 <= box->bottom && (ty + 1) * cells >= box->top;
+}
+
 void outline_draw(struct people *p, const struct picture *picture)
 {
 	if (!p->visited)
@@ -205,9 +215,11 @@ void outline_draw(struct people *p, const struct picture *picture)
 		for (int tx = 0; tx < p->tiles_across; tx++) {
 			uint8_t *tile = &p->tile[ty * p->tiles_across + tx];
 
-			const enum presence presence = p->object.touched[ty * p->tiles_across + tx]
-							       ? tile_presence(p, tx, ty)
-							       : NOBODY;
+			const enum presence presence =
+				p->object.touched[ty * p->tiles_across + tx] &&
+						is_near_box(p, tx, ty)
+					? tile_presence(p, tx, ty)
+					: NOBODY;
 
 			*tile = presence != NOBODY;
 			if (presence == ALL_ALIKE)

@@ -16,16 +16,21 @@
 #define STILL_FIRST 40000.0f
 #define SHOT_FIRST 3.0f
 
-/* A plane that may be read a row and a bit beyond its ends. */
-static int create_plane(const struct people *p, float **plane)
+/* Cells that may be read, and a row and a bit beyond their ends, too. */
+static int create_cells(const struct people *p, int cells, float **plane)
 {
 	const size_t beyond = (size_t)p->across + PLANE_BEYOND;
 
-	*plane = calloc((size_t)p->cells + 2 * beyond, sizeof(**plane));
+	*plane = calloc((size_t)cells + 2 * beyond, sizeof(**plane));
 	if (!*plane)
 		return -ENOMEM;
 	*plane += beyond;
 	return 0;
+}
+
+static int create_plane(const struct people *p, float **plane)
+{
+	return create_cells(p, p->cells, plane);
 }
 
 static void free_plane(const struct people *p, float *plane)
@@ -45,7 +50,7 @@ static int create_planes(struct people *p)
 			err |= create_plane(p, &p->coefficient[c][k]);
 		for (int n = 0; n < 3; n++)
 			err |= create_plane(p, &p->product[c][n]) |
-			       create_plane(p, &p->column[c][n]);
+			       create_cells(p, p->across, &p->column[c][n]);
 	}
 	return err;
 }
@@ -65,7 +70,6 @@ static int create_lists(struct people *p)
 	p->verdict = calloc(cells, 1);
 	p->raw = calloc(cells, 1);
 	p->before = calloc(cells, 1);
-	p->first_differs = calloc((size_t)p->down, sizeof(*p->first_differs));
 	p->last_differs = calloc((size_t)p->down, sizeof(*p->last_differs));
 	p->count = calloc((size_t)p->across + 2 * PLANE_BEYOND, 1);
 	if (p->count)
@@ -84,10 +88,10 @@ static int create_lists(struct people *p)
 	p->anybody = calloc(pixels, 1);
 	p->foremost = calloc(pixels, 4);
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
-			       p->first_differs && p->last_differs && p->count && p->order &&
-			       p->order_before && p->stable_ms && p->label && p->runs &&
-			       p->groups && p->spans && p->row_span && p->object_far && p->tile &&
-			       p->front && p->anybody && p->foremost
+			       p->last_differs && p->count && p->order && p->order_before &&
+			       p->stable_ms && p->label && p->runs && p->groups && p->spans &&
+			       p->row_span && p->object_far && p->tile && p->front && p->anybody &&
+			       p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -156,7 +160,6 @@ void people_destroy(struct people *p)
 	if (p->watch)
 		free(p->watch - p->across - 1);
 	free(p->unknown);
-	free(p->first_differs);
 	free(p->last_differs);
 	if (p->count)
 		free(p->count - PLANE_BEYOND);

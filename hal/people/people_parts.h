@@ -119,12 +119,12 @@ struct people {
 	/* judge.c */
 	uint8_t *verdict, *raw;
 	uint8_t *before; /* the verdict of the frame before one in which a lamp was switched */
-	/* Products of cells that may be the place in other light, else 0: see cell_products(). Rows
-	 * without cells that differ are not read. */
+	/* Products of cells that may be the place in other light, else 0: see cell_products(). 0 between
+	 * frames. */
 	float *product[3][3];
-	int *first_differs, *last_differs; /* [down]: such cells of the row; last -1: none */
-	float *column[3][3];		   /* [across]: sums of a few rows */
-	uint8_t *count;			   /* [across]: of cells in them, two counts in one */
+	int *last_differs;   /* [down]: last such cell of the row; -1: none */
+	float *column[3][3]; /* [across]: sums of a few rows */
+	uint8_t *count;	     /* [across]: of cells in them, two counts in one */
 
 	/* groups.c */
 	struct run *runs;
@@ -170,7 +170,7 @@ static inline float of_white(double share)
 
 void cells_read(struct people *people, const struct picture *picture);
 /* Follows the camera's exposure, where seen / place lies densest over cells that are known and were
- * empty, and applies it to the place. */
+ * empty, and makes the place from what is predicted. */
 void cells_follow_gain(struct people *people);
 /* Follows the camera's noise. */
 void cells_follow_noise(struct people *people, const struct picture *picture);
@@ -180,6 +180,7 @@ void cells_follow_noise(struct people *people, const struct picture *picture);
 int place_create(struct people *people);
 /* Takes the frame's light. False: it is too dark to tell anything. */
 bool place_light(struct people *people, const float (*radiance)[3]);
+/* Predicts the place per unit of light_0, where light or coefficients have changed. */
 void place_predict(struct people *people);
 void place_learn(struct people *people);
 /* What share of what is seen a cell's drift takes over in this frame; 0: something hides it. */

@@ -158,20 +158,10 @@ void place_predict(struct people *p)
 		memcpy(p->light_then, p->light, sizeof(p->light));
 	for (int s = 0; s < p->span_count; s++) {
 		const struct span *span = &p->spans[s];
-		const int at = span->y * p->across + span->x;
 
 		/* What the band has learned in the frame before, or the row was begun with. */
 		if (turned || (span->y + 1) % PLACE_BANDS == band || p->unknown[span->y])
 			predict_span(p, span);
-		for (int c = 0; c < 3; c++) {
-			const float *restrict lit = p->lit[c] + at, *restrict drift = p->drift[c] +
-										      at;
-			float *restrict place = p->place[c] + at;
-			const float light = p->light[c][0];
-
-			for (int x = 0, count = span->count; x < count; x++)
-				place[x] = lit[x] * drift[x] * light;
-		}
 	}
 }
 
@@ -305,21 +295,46 @@ float place_rate(const struct people *p, int c, int at)
 	return p->light_rate;
 }
 
+/* place_rate() of a span's known cells for any channel that is neither dim nor clipped, where it is lighter
+ * than the place and where it is darker. */
+static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
+		       float *restrict darker)
+{
+	const int at = span->y * p->across + span->x, count = span->count;
+	const uint8_t *known = p->known + at, *verdict = p->verdict + at;
+	const float light_rate = p->light_rate;
+
+	for (int x = 0; x < count; x++) {
+		lighter[x] = known[x] & (verdict[x] != VERDICT_PERSON) ? light_rate : 0;
+		darker[x] = verdict[x] == VERDICT_SHADED ? 0 : lighter[x];
+	}
+	for (int x = 0; p->jumped && x < count; x++)
+		if (known[x] && p->before[at + x] == VERDICT_EMPTY && !p->order[at + x])
+			lighter[x] = darker[x] = 1;
+}
+
 /* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
  * that each place sees them elsewhere. */
 static void drift_span(struct people *p, const struct span *span)
 {
+	const float *restrict lighter = p->column[1][0], *restrict darker = p->column[1][1];
 	const int at = span->y * p->across + span->x, count = span->count;
 
+	span_rates(p, span, p->column[1][0], p->column[1][1]);
 	for (int c = 0; c < 3; c++) {
-		const float *seen = p->seen[c] + at, *place = p->place[c] + at;
+		const float *restrict seen = p->seen[c] + at, *restrict place = p->place[c] + at;
+		float *restrict drift = p->drift[c] + at;
 
 		for (int x = 0; x < count; x++) {
-			const float rate = p->known[at + x] ? place_rate(p, c, at + x) : 0;
+			const float in_light = lighter[x], in_shade = darker[x];
+			const float ratio = seen[x] / place[x], most = ratio < 2 ? ratio : 2;
+			const float told = ratio < 1 ? in_shade : in_light;
+			const float rate = place[x] < DIM * WHITE ? 0 : told;
+			const float taken = seen[x] > CLIPPED * WHITE ? 0 : rate;
+			float is = drift[x] * (1 + taken * (most - 1));
 
-			if (rate > 0)
-				place_drift(p, c, at + x,
-					    1 + rate * (fminf(seen[x] / place[x], 2) - 1));
+			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
+			drift[x] = is < DRIFT_MOST ? is : DRIFT_MOST;
 		}
 	}
 }

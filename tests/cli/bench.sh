@@ -60,7 +60,8 @@ for row, line in zip(rows, table):
         if not same:
             wrong.append("%s of %s: %r, %r" % (key, row["what"], row.get(key), line.get(key)))
 ways = ["exact", "exact, 1 light changes", "fast", "fast, 1 light changes",
-        "fast, 10 lights change", "fast, all lights change", "fast, with grain", "whole frame"]
+        "fast, 10 lights change", "fast, all lights change", "fast, with grain", "whole frame",
+        "whole frame, with people"]
 kernels = {row["kernel"] for row in rows} - {""}
 if "c" not in kernels:
     wrong.append("no kernel c")
@@ -78,9 +79,15 @@ for lighting in ["overcast", "sun", "random", "single cells"]:
             wrong.append("times of %s" % way)
         if way.startswith("exact") and not row["max"] <= 1:
             wrong.append("exact is off by %g" % row["max"])
-        if way == "fast, with grain":
+        more = way in ("fast, with grain", "whole frame, with people")
+        if more != (row["plain_ratio"] is not None):
+            wrong.append("over the frame without: %s" % way)
+        if more:
+            plain = there[way.split(", with")[0], kernel]
+            if abs(row["plain_ratio"] * plain["median_ms"] / row["median_ms"] - 1) > 0.001:
+                wrong.append("%s is over another frame" % way)
             if row["psnr_db"] is not None:
-                wrong.append("grain is compared")
+                wrong.append("%s is compared" % way)
             continue
         if way.startswith("fast") and lighting == "overcast":
             # 0.3 is what rounding to 8 bits does

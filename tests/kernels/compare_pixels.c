@@ -255,37 +255,51 @@ bool compare_mix(struct comparison *c, const struct kernels *tables[2], char *wh
 
 bool compare_grain(struct comparison *c, const struct kernels *tables[2], char *why)
 {
+	enum { ROWS_GRAIN = 3, STEP = KERNEL_GRAIN + 5, PIXELS = ROWS_GRAIN * KERNEL_GRAIN };
 	static const float strengths[] = {0, 1e-6f, 1e-4f, 0.01f};
-	int32_t object[KERNEL_GRAIN], taken[KERNEL_GRAIN], covered[KERNEL_GRAIN];
-	float background[KERNEL_GRAIN];
-	int8_t noise[KERNEL_GRAIN];
-	const struct kernel_grain row = {.object = object,
-					 .taken = taken,
-					 .covered = covered,
-					 .background = background,
-					 .noise = noise,
-					 .floor = strengths[compare_below(c, 4)],
-					 .slope = strengths[compare_below(c, 4)]};
+	static int32_t object[3][PIXELS], taken[3][PIXELS];
+	static int8_t noise[3][ROWS_GRAIN * STEP];
+	const size_t size = sizeof(object), pixels = (size_t)(ROWS_GRAIN - 1) * STEP + KERNEL_GRAIN;
+	uint16_t *coverage = guarded_take(&c->coverage, pixels * sizeof(*coverage));
+	uint8_t *background = guarded_take(&c->background, pixels * 4);
+	struct kernel_grain tile = {.rows = ROWS_GRAIN,
+				    .coverage = coverage,
+				    .background = background,
+				    .curves = &c->curves[compare_below(c, TRANSFER_COUNT)][0],
+				    .coverage_step = STEP,
+				    .noise_step = STEP,
+				    .background_step = (ptrdiff_t)STEP * 4};
 	int32_t *out[2];
 
-	for (int x = 0; x < KERNEL_GRAIN; x++) {
-		object[x] = compare_below(c, 3) ? (int32_t)compare_spread(c, 26) : 0;
-		taken[x] = mix_taken(c);
-		covered[x] = mix_coverage(c);
-		background[x] = (float)compare_below(c, 65536);
-		noise[x] = (int8_t)compare_between(c, -127, 127);
+	for (size_t i = 0; i < pixels; i++)
+		coverage[i] = mix_coverage(c);
+	for (size_t i = 0; i < 4 * pixels; i++)
+		background[i] = (uint8_t)compare_below(c, 256);
+	for (int k = 0; k < 3; k++) {
+		for (int i = 0; i < PIXELS; i++) {
+			object[k][i] = compare_below(c, 3) ? (int32_t)compare_spread(c, 26) : 0;
+			taken[k][i] = mix_taken(c);
+		}
+		for (int i = 0; i < ROWS_GRAIN * STEP; i++)
+			noise[k][i] = (int8_t)compare_between(c, -127, 127);
+		tile.object[k] = object[k];
+		tile.taken[k] = taken[k];
+		tile.noise[k] = noise[k];
+		tile.floor[k] = strengths[compare_below(c, 4)];
+		tile.slope[k] = strengths[compare_below(c, 4)];
 	}
 	for (int i = 0; i < 2; i++) {
-		struct kernel_grain one = row;
+		struct kernel_grain one = tile;
 
-		out[i] = guarded_take(&c->out[i], sizeof(object));
-		one.to = out[i];
+		out[i] = guarded_take(&c->out[i], size);
+		for (int k = 0; k < 3; k++)
+			one.to[k] = out[i] + (size_t)k * PIXELS;
 		tables[i]->grain(&one);
 	}
-	for (int x = 0; x < KERNEL_GRAIN; x++)
-		if (out[0][x] != out[1][x]) {
-			snprintf(why, 256, "pixel %d: %d, expected %d", x, out[1][x], out[0][x]);
+	for (int i = 0; i < 3 * PIXELS; i++)
+		if (out[0][i] != out[1][i]) {
+			snprintf(why, 256, "value %d: %d, expected %d", i, out[1][i], out[0][i]);
 			return false;
 		}
-	return guarded_intact(&c->out[1], sizeof(object));
+	return guarded_intact(&c->out[1], size);
 }

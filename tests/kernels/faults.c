@@ -335,18 +335,30 @@ static void wrapped(const int32_t *value, const uint16_t row[16], int32_t *to)
 /* ---- grain ---- */
 
 /* Object and noise are added in floating point. */
-static void grain_rounded(const struct kernel_grain *row)
+static void grain_rounded(const struct kernel_grain *tile)
 {
-	kernels_c.grain(row);
-	for (int x = 0; x < KERNEL_GRAIN; x++)
-		row->to[x] =
-			(int32_t)((float)row->object[x] + (float)(row->to[x] - row->object[x]));
+	kernels_c.grain(tile);
+	for (int c = 0; c < 3; c++)
+		for (int i = 0; i < tile->rows * KERNEL_GRAIN; i++) {
+			const int32_t object = tile->object[c][i], with = tile->to[c][i];
+
+			tile->to[c][i] = (int32_t)((float)object + (float)(with - object));
+		}
 }
 
-static void grain_left(const struct kernel_grain *row)
+static void grain_left(const struct kernel_grain *tile)
 {
-	kernels_c.grain(row);
-	row->to[KERNEL_GRAIN - 1] = row->object[KERNEL_GRAIN - 1];
+	kernels_c.grain(tile);
+	tile->to[2][KERNEL_GRAIN - 1] = tile->object[2][KERNEL_GRAIN - 1];
+}
+
+/* Every row gets the first one's noise. */
+static void grain_repeated(const struct kernel_grain *tile)
+{
+	struct kernel_grain one = *tile;
+
+	one.noise_step = 0;
+	kernels_c.grain(&one);
 }
 
 /* ---- mix ---- */
@@ -536,6 +548,7 @@ static const struct faulty faults[] = {
 	MIX_FAULT(row_repeated),
 	GRAIN_FAULT(grain_rounded),
 	GRAIN_FAULT(grain_left),
+	GRAIN_FAULT(grain_repeated),
 };
 
 const int faulty_count = (int)(sizeof(faults) / sizeof(faults[0]));

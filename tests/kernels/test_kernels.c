@@ -168,6 +168,28 @@ static void test_mix(struct kernels_run *run, const struct transfer_curve *from,
 	result(run, unchanged && worst[0] <= dark && worst[1] <= bright, "c", what, why);
 }
 
+/* The cubic of grain, against the curve. */
+static void test_light(struct kernels_run *run, const struct transfer_curve *from, const char *what,
+		       double most)
+{
+	static struct kernel_curves curves;
+	const float *light = curves.light;
+	double worst = 0;
+	char why[64];
+
+	kernel_curves_fill(&curves, from, from);
+	for (int i = 0; i < 256; i++) {
+		const float code = (float)i;
+		const float is = light[0] + code * (light[1] + code * (light[2] + code * light[3]));
+		const double off = fabs((double)is - curves.decode[i] / 65535.0);
+
+		worst = off > worst ? off : worst;
+	}
+	snprintf(why, sizeof(why), "off by %.4f of white", worst);
+	printf("# %s: at most %.4f of white off\n", what, worst);
+	result(run, worst <= most, "c", what, why);
+}
+
 static void test_named_curves(struct kernels_run *run)
 {
 	struct transfer_curve curves[TRANSFER_COUNT];
@@ -176,6 +198,8 @@ static void test_named_curves(struct kernels_run *run)
 	for (int t = 0; t < TRANSFER_COUNT; t++)
 		curves[t] = (struct transfer_curve){.named = (enum transfer)t};
 	for (int from = 0; from < TRANSFER_COUNT; from++) {
+		snprintf(what, sizeof(what), "light of %s", transfer_names[from]);
+		test_light(run, &curves[from], what, 0.004);
 		for (int to = 0; to < TRANSFER_COUNT; to++) {
 			snprintf(what, sizeof(what), "mix from %s to %s", transfer_names[from],
 				 transfer_names[to]);
@@ -216,13 +240,14 @@ static double srgb_decode(double code)
 static void test_measured_curves(struct kernels_run *run)
 {
 	static const struct {
-		const char *what;
+		const char *what, *light;
 		double (*decode)(double code);
 		double dark, bright;
 	} cases[] = {
-		{"mix by a measured sRGB", srgb_decode, 0.52, 0.52},
-		{"mix by a measured film", film_decode, 0.52, 0.56},
-		{"mix by a measured power of 2.2", power_decode, 1.75, 0.52},
+		{"mix by a measured sRGB", "light of a measured sRGB", srgb_decode, 0.52, 0.52},
+		{"mix by a measured film", "light of a measured film", film_decode, 0.52, 0.56},
+		{"mix by a measured power of 2.2", "light of a measured power of 2.2", power_decode,
+		 1.75, 0.52},
 	};
 
 	for (int i = 0; i < 3; i++) {
@@ -230,6 +255,7 @@ static void test_measured_curves(struct kernels_run *run)
 
 		for (int k = 0; k < TRANSFER_KNOTS; k++)
 			curve.knot[k] = cases[i].decode((double)k / (TRANSFER_KNOTS - 1));
+		test_light(run, &curve, cases[i].light, 0.07);
 		test_mix(run, &curve, &curve, cases[i].what, cases[i].dark, cases[i].bright);
 	}
 }

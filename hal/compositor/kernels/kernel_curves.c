@@ -63,6 +63,24 @@ static uint8_t recode_one(const struct kernel_curves *curves, int code)
 	return out[0];
 }
 
+/* The cubic through codes 0, 85, 170 and 255, by Newton's differences. */
+static void fit_light(struct kernel_curves *curves)
+{
+	const double third = 85, *y = (const double[]){curves->linear[0] / 65535.0,
+						       curves->linear[85] / 65535.0,
+						       curves->linear[170] / 65535.0,
+						       curves->linear[255] / 65535.0};
+	const double once = (y[1] - y[0]) / third;
+	const double twice = (y[2] - 2 * y[1] + y[0]) / (2 * third * third);
+	const double thrice = (y[3] - 3 * y[2] + 3 * y[1] - y[0]) / (6 * third * third * third);
+
+	/* y0 + v (once + (v - third) (twice + (v - 2 third) thrice)) */
+	curves->light[0] = (float)y[0];
+	curves->light[1] = (float)(once - third * twice + 2 * third * third * thrice);
+	curves->light[2] = (float)(twice - 3 * third * thrice);
+	curves->light[3] = (float)thrice;
+}
+
 void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curve *background,
 			const struct transfer_curve *output)
 {
@@ -71,6 +89,7 @@ void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curv
 			(uint16_t)lround(65535 * transfer_curve_decode(background, i / 255.0));
 		curves->linear[i] = curves->decode[i];
 	}
+	fit_light(curves);
 	for (int piece = 0; piece < KERNEL_PIECES; piece++)
 		piece_fit(curves, output, piece);
 	for (int piece = 0; piece < KERNEL_PIECES; piece++) {

@@ -77,6 +77,10 @@ struct kernel_vector {
 struct kernel_curves {
 	_Alignas(64) uint16_t decode[256]; /* linear light, 65535 = 1 */
 	_Alignas(64) float linear[256];	   /* the same numbers */
+	/* Linear light, white is 1, of a code v: light[0] + light[1] v + light[2] v^2 + light[3] v^3, the
+	 * cubic through four codes; for the strength of noise. Off by 0.004 of white at most for named
+	 * curves, by 0.07 for a film's toe and shoulder. */
+	float light[4];
 	/* Code of piece i at t in 0..1/2, in 1/256 of a level, plus 1/2 level for the rounding:
 	 *     a[i] + b[i] t + c[i] t^2        |b| + |c| / 2 < 32767
 	 */
@@ -111,19 +115,23 @@ struct kernel_row {
 	ptrdiff_t value_step, coverage_step, background_step, out_step;
 };
 
-/* A row of a tile, one channel, that gets grain (compositor/live/grain.h). */
+/* A tile that gets grain (compositor/live/grain.h). All rows have KERNEL_GRAIN pixels. */
 enum {
 	KERNEL_GRAIN = 16,    /* pixels */
 	KERNEL_GRAIN_ONE = 32 /* noise that stands for one standard deviation */
 };
 
 struct kernel_grain {
-	const int32_t *object, *taken; /* [KERNEL_GRAIN], as in struct kernel_row */
-	const int32_t *covered;	       /* 65535 = 1 */
-	const float *background;       /* linear light, 65535 = 1 */
-	const int8_t *noise;
-	float floor, slope; /* >= 0 */
-	int32_t *to;	    /* object with grain; overlaps nothing */
+	int rows;
+	const int32_t *object[3], *taken[3]; /* as in struct kernel_row; rows follow each other */
+	const uint16_t *coverage;
+	const uint8_t *background; /* BGRX */
+	const int8_t *noise[3];
+	const struct kernel_curves *curves;
+	float floor[3], slope[3]; /* >= 0 */
+	int32_t *to[3];		  /* object with grain; overlaps nothing; rows follow each other */
+	/* Strides to the next row: coverage and noise in elements, background in bytes. */
+	ptrdiff_t coverage_step, noise_step, background_step;
 };
 
 struct kernels {
@@ -199,13 +207,14 @@ struct kernels {
 	void (*mix)(const struct kernel_row *row);
 
 	/*
-	 * Adds grain to a row, in single precision (rounded to the nearest, never contracted, in this
-	 * order):
+	 * Adds grain to the rows of a tile, in single precision (rounded to the nearest, never contracted,
+	 * in this order), with B = light[0] + v (light[1] + v (light[2] + v light[3])) of the background's
+	 * code v:
 	 *     k        = max(1 - taken, 0) (1 - coverage),    L = min(O + k B, 1)
 	 *     variance = max(floor (1 - k^2) + slope (L - k^2 B), 0)
 	 *     to       = object + sqrt(variance) noise        cut towards 0
 	 */
-	void (*grain)(const struct kernel_grain *row);
+	void (*grain)(const struct kernel_grain *tile);
 };
 
 /* Clamp of values in Q24: 127. Only light far beyond white reaches it. */

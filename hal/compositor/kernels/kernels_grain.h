@@ -5,32 +5,51 @@
 #define INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_GRAIN_H
 
 #include <math.h>
+#include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
 
+/* One channel of a row. left: 1 - coverage; pixel: BGRX, whose byte 2 - c is the channel's. */
+static inline void kernel_grain_channel(const struct kernel_grain *g, int c, int y,
+					const float *restrict left, const uint32_t *restrict pixel)
+{
+	const int32_t *restrict object = g->object[c] + y * KERNEL_GRAIN;
+	const int32_t *restrict taken = g->taken[c] + y * KERNEL_GRAIN;
+	const int8_t *restrict table = g->noise[c] + y * g->noise_step;
+	const float floor = g->floor[c], slope = g->slope[c];
+	const float *light = g->curves->light;
+	const int shift = 16 - 8 * c;
+	int32_t *restrict to = g->to[c] + y * KERNEL_GRAIN;
+	float noise[KERNEL_GRAIN];
+
+	for (int x = 0; x < KERNEL_GRAIN; x++)
+		noise[x] = (float)table[x] * (0x1p24f / KERNEL_GRAIN_ONE);
+#pragma GCC ivdep
+	for (int x = 0; x < KERNEL_GRAIN; x++) {
+		const float code = (float)(int32_t)(pixel[x] >> shift & 255);
+		const float b = light[0] + code * (light[1] + code * (light[2] + code * light[3]));
+		const float ratio = 1.0f - (float)taken[x] * 0x1p-24f;
+		const float k = (ratio > 0.0f ? ratio : 0.0f) * left[x];
+		const float all = (float)object[x] * 0x1p-24f + k * b;
+		const float seen = all < 1.0f ? all : 1.0f;
+		const float variance = floor * (1.0f - k * k) + slope * (seen - k * k * b);
+
+		to[x] = object[x] + (int32_t)(sqrtf(variance > 0.0f ? variance : 0.0f) * noise[x]);
+	}
+}
+
 static void kernel_add_grain(const struct kernel_grain *g)
 {
-	const int32_t *restrict object = g->object, *restrict taken = g->taken;
-	const int32_t *restrict covered = g->covered;
-	const float *restrict background = g->background;
-	const int8_t *restrict noise = g->noise;
-	const float floor = g->floor, slope = g->slope;
-	int32_t *restrict to = g->to;
+	for (int y = 0; y < g->rows; y++) {
+		const uint16_t *coverage = g->coverage + y * g->coverage_step;
+		float left[KERNEL_GRAIN];
+		uint32_t pixel[KERNEL_GRAIN];
 
-	for (int x = 0; x < KERNEL_GRAIN; x++) {
-		const float left = (float)(65535 - covered[x]) * (1.0f / 65535);
-		const float o = (float)object[x] * 0x1p-24f;
-		const float b = background[x] * (1.0f / 65535);
-		float ratio = 1.0f - (float)taken[x] * 0x1p-24f, k, light, variance;
-
-		ratio = ratio > 0.0f ? ratio : 0.0f;
-		k = ratio * left;
-		light = o + k * b;
-		light = light < 1.0f ? light : 1.0f;
-		variance = floor * (1.0f - k * k) + slope * (light - k * k * b);
-		variance = variance > 0.0f ? variance : 0.0f;
-		to[x] = object[x] +
-			(int32_t)(sqrtf(variance) * (float)noise[x] * (0x1p24f / KERNEL_GRAIN_ONE));
+		memcpy(pixel, g->background + y * g->background_step, sizeof(pixel));
+		for (int x = 0; x < KERNEL_GRAIN; x++)
+			left[x] = (float)(65535 - coverage[x]) * (1.0f / 65535);
+		for (int c = 0; c < 3; c++)
+			kernel_grain_channel(g, c, y, left, pixel);
 	}
 }
 

@@ -2,6 +2,7 @@
 #include "hal/compositor/live/grain.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 /* A shadow that takes less light than this, in Q24, keeps the background's own noise. */
 #define FAINT (INT32_C(1) << 19)
@@ -31,32 +32,25 @@ static bool is_faint(const struct kernel_row *row)
 	return most < FAINT;
 }
 
-static void grain_row(const struct grain *g, const struct kernels *kernels,
-		      const struct kernel_row *row, int y, size_t place, struct grain_tile *scratch)
+_Static_assert((int)BASIS_TILE == (int)KERNEL_GRAIN, "kernels take the rows of a tile");
+
+/* Copies coverage and background of a tile that the picture's edge cuts, as kernels read whole rows. */
+static void complete_rows(const struct kernel_row *row, struct kernel_grain *tile,
+			  struct grain_tile *scratch)
 {
-	const uint8_t *pixels = row->background + y * row->background_step;
-	int32_t covered[BASIS_TILE] = {0};
-	float background[3][BASIS_TILE] = {{0}};
-
-	for (int x = 0; x < row->count; x++) {
-		if (row->coverage)
-			covered[x] = row->coverage[y * row->coverage_step + x];
-		for (int c = 0; c < 3; c++)
-			background[c][x] = row->curves->linear[pixels[4 * x + 2 - c]];
+	memset(scratch->background, 0, sizeof(scratch->background));
+	memset(scratch->coverage, 0, sizeof(scratch->coverage));
+	for (int y = 0; y < row->rows; y++) {
+		memcpy(scratch->background + (size_t)(y * BASIS_TILE) * 4,
+		       tile->background + y * tile->background_step, (size_t)row->count * 4);
+		memcpy(scratch->coverage + y * BASIS_TILE, tile->coverage + y * tile->coverage_step,
+		       (size_t)row->count * sizeof(*tile->coverage));
 	}
-	for (int c = 0; c < 3; c++)
-		kernels->grain(&(struct kernel_grain){
-			.object = row->object[c] + y * row->value_step,
-			.taken = row->taken[c] + y * row->value_step,
-			.covered = covered,
-			.background = background[c],
-			.noise = g->table[c] + place + (size_t)y * GRAIN_SIDE,
-			.floor = g->floor[c],
-			.slope = g->slope[c],
-			.to = scratch->object[c] + y * BASIS_TILE});
+	tile->background = scratch->background;
+	tile->background_step = (ptrdiff_t)BASIS_TILE * 4;
+	tile->coverage = scratch->coverage;
+	tile->coverage_step = BASIS_TILE;
 }
-
-_Static_assert((int)BASIS_TILE == (int)KERNEL_GRAIN, "kernels take a row of a tile");
 
 void grain_add(const struct grain *g, const struct kernels *kernels, int tile,
 	       struct kernel_row *row, struct grain_tile *scratch)
@@ -65,15 +59,32 @@ void grain_add(const struct grain *g, const struct kernels *kernels, int tile,
 	const uint64_t place = mixed(g->seed ^ mixed((uint64_t)tile));
 	const int left = (int)(place % (GRAIN_SIDE - BASIS_TILE + 1));
 	const int top = (int)(place / GRAIN_SIDE % (GRAIN_SIDE - BASIS_TILE + 1));
+	struct kernel_grain grain;
 
 	if (is_faint(row))
 		return;
-	for (int y = 0; y < row->rows; y++)
-		grain_row(g, kernels, row, y, (size_t)(top * GRAIN_SIDE + left), scratch);
-	for (int c = 0; c < 3; c++)
-		row->object[c] = scratch->object[c];
 	if (!row->coverage) {
 		row->coverage = uncovered;
 		row->coverage_step = 0;
 	}
+	grain = (struct kernel_grain){.rows = row->rows,
+				      .coverage = row->coverage,
+				      .background = row->background,
+				      .curves = row->curves,
+				      .coverage_step = row->coverage_step,
+				      .noise_step = GRAIN_SIDE,
+				      .background_step = row->background_step};
+	if (row->count < BASIS_TILE)
+		complete_rows(row, &grain, scratch);
+	for (int c = 0; c < 3; c++) {
+		grain.object[c] = row->object[c];
+		grain.taken[c] = row->taken[c];
+		grain.noise[c] = g->table[c] + top * GRAIN_SIDE + left;
+		grain.floor[c] = g->floor[c];
+		grain.slope[c] = g->slope[c];
+		grain.to[c] = scratch->object[c];
+	}
+	kernels->grain(&grain);
+	for (int c = 0; c < 3; c++)
+		row->object[c] = scratch->object[c];
 }

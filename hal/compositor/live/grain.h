@@ -33,6 +33,8 @@ struct grain {
 /* Scratch memory of one worker; what row points to after grain_add(). */
 struct grain_tile {
 	int32_t object[3][BASIS_TILE * BASIS_TILE] __attribute__((aligned(64)));
+	uint16_t coverage[BASIS_TILE * BASIS_TILE];
+	uint8_t background[BASIS_TILE * BASIS_TILE * 4];
 };
 
 /* Adds noise to the object of a tile's row, which then points to scratch where there is noise to

@@ -1,12 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 #include "hal/compositor/live/veiled_tile.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 /* Q16 of 1 - hidden / 255: 65536 for 0, 0 for 255. */
 static uint32_t share_left(uint8_t hidden)
 {
-	return ((255u - hidden) * 65536u + 127u) / 255u;
+	const uint32_t left = 255u - hidden;
+
+	return left * 257u + (left >> 7); /* (left * 65536 + 127) / 255 */
+}
+
+/* Whether all pixels of a tile's row are hidden alike, so that nothing need be computed. */
+static bool is_even(const uint8_t *hidden, uint8_t all)
+{
+	return hidden[0] == all && !memcmp(hidden, hidden + 1, BASIS_TILE - 1);
 }
 
 void veiled_tile_read(struct veiled_tile *v, const struct veil *veil, const struct basis_tile *tile,
@@ -22,14 +31,22 @@ void veiled_tile_read(struct veiled_tile *v, const struct veil *veil, const stru
 	}
 }
 
+/* Multiplies a row of a tile. */
+static void veil_row(int32_t *values, const uint8_t *hidden)
+{
+	if (is_even(hidden, 255)) {
+		memset(values, 0, BASIS_TILE * sizeof(*values));
+		return;
+	}
+	for (int x = 0; x < BASIS_TILE; x++)
+		values[x] = (int32_t)((values[x] * (int64_t)share_left(hidden[x]) + 32768) >> 16);
+}
+
 void veil_values(int32_t (*values)[VEILED_PIXELS], const uint8_t *hidden)
 {
-	for (int c = 0; c < 3; c++) {
-		for (int p = 0; p < VEILED_PIXELS; p++)
-			values[c][p] =
-				(int32_t)((values[c][p] * (int64_t)share_left(hidden[p]) + 32768) >>
-					  16);
-	}
+	for (int at = 0; at < VEILED_PIXELS; at += BASIS_TILE)
+		for (int c = 0; c < 3 && !is_even(hidden + at, 0); c++)
+			veil_row(values[c] + at, hidden + at);
 }
 
 /* C + coverage (F - C) of a pixel, in code values. */
@@ -41,6 +58,25 @@ static void show_foremost(const uint8_t *foremost, uint16_t coverage, uint8_t *p
 				     65535u);
 }
 
+/* Takes what hides a row's object from its coverage, and shows the people's own colour there. */
+static void show_row(struct veiled_tile *v, const uint16_t *coverage, size_t at, int count)
+{
+	const uint8_t *front = v->front + at;
+
+	if (is_even(front, 0) || is_even(front, 255)) {
+		for (int x = 0; x < count; x++)
+			v->coverage[at + (size_t)x] = front[0] ? 0 : coverage[x];
+		return;
+	}
+	for (int x = 0; x < count; x++) {
+		const size_t to = at + (size_t)x;
+
+		if (front[x] > 0 && front[x] < 255)
+			show_foremost(v->foremost + 4 * to, coverage[x], v->background + 4 * to);
+		v->coverage[to] = (uint16_t)((coverage[x] * share_left(front[x]) + 32768u) >> 16);
+	}
+}
+
 void veiled_tile_show(struct veiled_tile *v, struct kernel_row *row)
 {
 	for (int y = 0; y < row->rows; y++) {
@@ -48,17 +84,8 @@ void veiled_tile_show(struct veiled_tile *v, struct kernel_row *row)
 
 		memcpy(v->background + 4 * at, row->background + y * row->background_step,
 		       4 * (size_t)row->count);
-		for (size_t x = 0; row->coverage && x < (size_t)row->count; x++) {
-			const uint16_t coverage =
-				row->coverage[y * row->coverage_step + (ptrdiff_t)x];
-			const uint8_t front = v->front[at + x];
-
-			if (front > 0 && front < 255)
-				show_foremost(v->foremost + 4 * (at + x), coverage,
-					      v->background + 4 * (at + x));
-			v->coverage[at + x] = (uint16_t)((coverage * share_left(front) + 32768u) >>
-							 16);
-		}
+		if (row->coverage)
+			show_row(v, row->coverage + y * row->coverage_step, at, row->count);
 	}
 	row->background = v->background;
 	row->background_step = 4 * (ptrdiff_t)BASIS_TILE;
