@@ -10,11 +10,25 @@
 #define CELLS 32 /* that many must be seen around a tile */
 #define AROUND 5 /* tiles on each side, at most */
 
+/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
+static float rate_of(const struct people *p, int c, int at)
+{
+	const float seen = p->seen[c][at], place = p->place[c][at];
+
+	if (place < DIM * WHITE || seen > CLIPPED * WHITE)
+		return 0;
+	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
+		return 1;
+	if (p->verdict[at] == VERDICT_PERSON || (p->verdict[at] == VERDICT_SHADED && seen < place))
+		return 0;
+	return p->light_rate;
+}
+
 /* Nobody is in the cell, and its channels tell how bright it is. */
 static bool is_seen(const struct people *p, int at)
 {
-	return p->known[at] && p->verdict[at] == VERDICT_EMPTY && place_rate(p, 0, at) > 0 &&
-	       place_rate(p, 1, at) > 0 && place_rate(p, 2, at) > 0;
+	return p->known[at] && p->verdict[at] == VERDICT_EMPTY && rate_of(p, 0, at) > 0 &&
+	       rate_of(p, 1, at) > 0 && rate_of(p, 2, at) > 0;
 }
 
 static void sum_tile(const struct people *p, int tx, int ty, struct ratios *tile)
@@ -63,7 +77,7 @@ static void follow_cell(struct people *p, int at, const struct ratios *sum)
 	if (!p->known[at] || p->verdict[at] == VERDICT_EMPTY)
 		return;
 	for (int c = 0; c < 3; c++)
-		if (place_rate(p, c, at) == 0)
+		if (rate_of(p, c, at) == 0)
 			place_drift(p, c, at, 1 + rate * (sum->sum[c] / (float)sum->count - 1));
 }
 

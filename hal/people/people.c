@@ -9,7 +9,7 @@
 #include "hal/people/people_parts.h"
 
 #define FINE_CELLS 40000 /* cells of 2x2 pixels up to that many, else of 4x4 */
-#define AROUND 2	  /* tiles around those that the object touches */
+#define AROUND 2	 /* tiles around those that the object touches */
 #define STEP_MS_MAX 500.0
 #define PLANE_BEYOND 16
 /* Until the noise is measured: 2 levels at mid-grey. */

@@ -16,6 +16,8 @@
 #define WHITE 65535.0f
 #define CODE_STEPS 16
 #define ORDER_DIRECTIONS 512
+#define DIM 0.002f	/* of white: darker cells do not drift */
+#define CLIPPED 0.97f	/* of white: brighter cells teach nothing */
 #define DRIFT_MOST 3.0f /* and its inverse */
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
@@ -183,8 +185,6 @@ bool place_light(struct people *people, const float (*radiance)[3]);
 /* Predicts the place per unit of light_0, where light or coefficients have changed. */
 void place_predict(struct people *people);
 void place_learn(struct people *people);
-/* What share of what is seen a cell's drift takes over in this frame; 0: something hides it. */
-float place_rate(const struct people *people, int channel, int cell);
 /* Takes what is seen in a cell as the empty place. */
 void place_adopt(struct people *people, int cell);
 void place_forget(struct people *people);

@@ -22,10 +22,8 @@
 #define DARK 1e-5	  /* light_0 below which nothing can be told */
 #define CLOSE_SHARE 0.03f /* of its light, by which a stable cell may differ */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
-#define DIM 0.002f	  /* of white: darker cells do not drift */
 #define LIGHT_MS 470.0	  /* in which a cell follows light */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
-#define CLIPPED 0.97f
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
 
 static void sky_terms(const double d[3], double term[PLACE_TERMS])
@@ -281,21 +279,7 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
-float place_rate(const struct people *p, int c, int at)
-{
-	const float seen = p->seen[c][at], place = p->place[c][at];
-
-	if (place < DIM * WHITE || seen > CLIPPED * WHITE)
-		return 0;
-	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
-		return 1;
-	if (p->verdict[at] == VERDICT_PERSON || (p->verdict[at] == VERDICT_SHADED && seen < place))
-		return 0;
-	return p->light_rate;
-}
-
-/* place_rate() of a span's known cells for any channel that is neither dim nor clipped, where it is lighter
+/* rate_of() (hidden.c) of a span's known cells for any channel that is neither dim nor clipped, where it is lighter
  * than the place and where it is darker. */
 static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
 		       float *restrict darker)
