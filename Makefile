@@ -315,7 +315,8 @@ test-emulated: $(BUILD)/tests/kernels/test_kernels
 	$(Q)$(RUN_TESTS) kernels "tests/kernels/kernels.sh --emulated"
 ## test-cli: the programs as a person calls them (TEST=still: one script)
 test-cli: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) cli $(if $(TEST),tests/cli/$(TEST).sh,$(CLI_TESTS) $(TIMED_TESTS))
+	$(Q)$(RUN_TESTS) cli $(if $(TEST),$(or $(wildcard tests/cli/$(TEST).sh),$(error there is no tests/cli/$(TEST).sh)),\
+		$(CLI_TESTS) $(TIMED_TESTS))
 test-cli-deep: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
