@@ -9,7 +9,7 @@
 #include "hal/people/people_parts.h"
 
 #define MARGIN 0.03f	/* of the object's distance from the camera */
-#define ASKED_MOST 1024	/* so many cells of a group, about, are asked for their depth */
+#define ASKED_MOST 1024 /* so many cells of a group, about, are asked for their depth */
 #define KNOWN_LEAST 4	/* with fewer known ones, or */
 #define KNOWN_SHARE 0.2 /* a smaller share of those asked, depths tell nothing */
 
