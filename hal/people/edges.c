@@ -15,82 +15,110 @@
 #define AROUND 2 /* cells on each side */
 #define PASSES 2 /* cells by which an edge may move */
 
-static void add_cell(const struct people *p, bool person, int at, struct sides *sides)
+enum { SIDE_NONE, SIDE_OTHER, SIDE_PERSON }; /* none: it touches the edge, or is not known */
+
+/* Marks cells x..end - 1 of a row that has one above and one below, none of them at the picture's edge. */
+static void mark_row(const struct people *p, const uint8_t *verdict, int y, int x, int end)
 {
-	for (int c = 0; c < 3; c++) {
-		if (person) {
-			sides->person[c] += p->seen[c][at];
-		} else {
-			sides->seen[c] += p->seen[c][at];
-			sides->place[c] += p->place[c][at];
-		}
+	const int row = y * p->across;
+	const uint8_t *own = verdict + row, *above = own - p->across, *below = own + p->across;
+	const uint8_t *watch = p->watch + row, *known = p->known + row;
+	uint8_t *restrict side = p->side_of + row;
+
+	for (; x < end; x++) {
+		const uint8_t person = own[x] == VERDICT_PERSON;
+		const int alike = ((own[x - 1] == VERDICT_PERSON) == person) &
+				  ((own[x + 1] == VERDICT_PERSON) == person) &
+				  ((above[x] == VERDICT_PERSON) == person) &
+				  ((below[x] == VERDICT_PERSON) == person);
+
+		side[x] = (uint8_t)(alike & (watch[x] != 0) & (known[x] != 0) ? SIDE_OTHER + person
+									      : SIDE_NONE);
 	}
-	sides->people += person;
-	sides->others += !person;
 }
 
-/* Whether all four neighbours are as the cell. */
-static bool is_inner(const struct people *p, const uint8_t *verdict, int x, int y)
+void edges_mark(struct people *p, const uint8_t *verdict)
 {
-	const int at = y * p->across + x;
-	const bool person = verdict[at] == VERDICT_PERSON;
+	const int reach = AROUND + 1; /* cells beside the box are asked for those around them */
+	const int left = p->box.left - reach, end = p->box.right + reach + 1;
+	const int bottom = p->box.bottom + reach;
 
-	return x > 0 && y > 0 && x < p->across - 1 && y < p->down - 1 &&
-	       (verdict[at - 1] == VERDICT_PERSON) == person &&
-	       (verdict[at + 1] == VERDICT_PERSON) == person &&
-	       (verdict[at - p->across] == VERDICT_PERSON) == person &&
-	       (verdict[at + p->across] == VERDICT_PERSON) == person;
+	for (int y = p->box.top - reach; y <= bottom; y++)
+		if (y > 0 && y < p->down - 1)
+			mark_row(p, verdict, y, left > 1 ? left : 1,
+				 end < p->across - 1 ? end : p->across - 1);
 }
 
-struct sides edges_around(const struct people *p, const uint8_t *verdict, int x, int y)
+struct sides edges_around(const struct people *p, int x, int y)
 {
-	struct sides sides = {.people = 0};
+	float person[3] = {0}, seen[3] = {0}, place[3] = {0};
+	int people = 0, others = 0;
+	struct sides sides;
 
 	for (int v = y - AROUND; v <= y + AROUND; v++)
 		for (int u = x - AROUND; u <= x + AROUND; u++) {
 			const int at = v * p->across + u;
 
-			if (u >= 0 && v >= 0 && u < p->across && v < p->down && p->watch[at] &&
-			    p->known[at] && (u != x || v != y) && is_inner(p, verdict, u, v))
-				add_cell(p, verdict[at] == VERDICT_PERSON, at, &sides);
+			/* Those at the picture's edge are never marked. */
+			if (u < 0 || v < 0 || u >= p->across || v >= p->down ||
+			    p->side_of[at] == SIDE_NONE || (u == x && v == y))
+				continue;
+			if (p->side_of[at] == SIDE_PERSON) {
+				people++;
+				for (int c = 0; c < 3; c++)
+					person[c] += p->seen[c][at];
+				continue;
+			}
+			others++;
+			for (int c = 0; c < 3; c++) {
+				seen[c] += p->seen[c][at];
+				place[c] += p->place[c][at];
+			}
 		}
+	sides.told = people && others;
+	for (int c = 0; c < 3; c++) {
+		sides.person[c] = people ? person[c] / (float)people : 0;
+		sides.light[c] = place[c] > 0 ? seen[c] / place[c] : 1;
+	}
 	return sides;
 }
 
-float edges_light(const struct sides *sides, int c)
+void edges_share(const struct people *p, const struct sides *sides,
+		 const float seen[3][PIXEL_LANES], const float place[3][PIXEL_LANES],
+		 float *restrict share)
 {
-	return sides->place[c] > 0 ? sides->seen[c] / sides->place[c] : 1;
-}
-
-float edges_share(const struct people *p, const struct sides *sides, const float seen[3],
-		  const float place[3])
-{
-	float along = 0, whole = 0;
+	float along[PIXEL_LANES] = {0}, whole[PIXEL_LANES] = {0};
 
 	for (int c = 0; c < 3; c++) {
-		const float apart = sides->person[c] / (float)sides->people - place[c];
-		const float weight = 1 / (p->still[c] + p->shot[c] * place[c]);
+		const float person = sides->person[c], still = p->still[c], shot = p->shot[c];
 
-		along += weight * apart * (seen[c] - place[c]);
-		whole += weight * apart * apart;
+		for (int k = 0; k < PIXEL_LANES; k++) {
+			const float apart = person - place[c][k];
+			const float weighted = apart / (still + shot * place[c][k]);
+
+			along[k] += weighted * (seen[c][k] - place[c][k]);
+			whole[k] += weighted * apart;
+		}
 	}
-	return whole > 0 ? along / whole : 0;
+	for (int k = 0; k < PIXEL_LANES; k++)
+		share[k] = along[k] / (whole[k] > 0 ? whole[k] : 1);
 }
 
 /* A cell beside the edge; stays what it is where one side is not seen around it. */
 static bool is_person(const struct people *p, int x, int y)
 {
 	const int at = y * p->across + x;
-	const struct sides sides = edges_around(p, p->raw, x, y);
-	float seen[3], place[3];
+	const struct sides sides = edges_around(p, x, y);
+	float seen[3][PIXEL_LANES] = {{0}}, place[3][PIXEL_LANES] = {{0}}, share[PIXEL_LANES];
 
-	if (!sides.people || !sides.others || !p->known[at])
+	if (!sides.told || !p->known[at])
 		return p->raw[at] == VERDICT_PERSON;
 	for (int c = 0; c < 3; c++) {
-		seen[c] = p->seen[c][at];
-		place[c] = edges_light(&sides, c) * p->place[c][at];
+		seen[c][0] = p->seen[c][at];
+		place[c][0] = sides.light[c] * p->place[c][at];
 	}
-	return edges_share(p, &sides, seen, place) > 0.5f;
+	edges_share(p, &sides, seen, place, share);
+	return share[0] > 0.5f;
 }
 
 static void refine_row(struct people *p, int y)
@@ -98,7 +126,7 @@ static void refine_row(struct people *p, int y)
 	for (int x = p->box.left; x <= p->box.right; x++) {
 		const int at = y * p->across + x;
 
-		if (!p->watch[at] || is_inner(p, p->raw, x, y))
+		if (!p->watch[at] || p->side_of[at] != SIDE_NONE)
 			continue;
 		if (is_person(p, x, y))
 			p->verdict[at] = VERDICT_PERSON;
@@ -117,6 +145,7 @@ void edges_refine(struct people *p)
 	for (int pass = 0; pass < PASSES; pass++) {
 		memcpy(p->raw + begin * p->across, p->verdict + begin * p->across,
 		       (size_t)(end - begin) * (size_t)p->across);
+		edges_mark(p, p->raw);
 		for (int y = box->top; y <= box->bottom; y++)
 			refine_row(p, y);
 	}

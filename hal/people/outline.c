@@ -15,102 +15,135 @@
 #define OWN 0.8f
 #define STEEPNESS 1.4f /* of f about a half: noise of pixels is not to be seen off the edge */
 
-/* The four cells around a pixel and their weights. */
-struct between {
-	int at[4];
-	float weight[4];
-};
-
-static struct between cells_between(const struct people *p, int x, int y)
+static inline float clamp_share(float f)
 {
-	const float u = ((float)x + 0.5f) / (float)p->side - 0.5f;
-	const float v = ((float)y + 0.5f) / (float)p->side - 0.5f;
-	const int left = (int)floorf(u), top = (int)floorf(v);
-	const float across = u - (float)left, down = v - (float)top;
-	struct between b;
+	const float least = f > 0 ? f : 0; /* in two steps, as processors do it */
 
-	for (int n = 0; n < 4; n++) {
-		int cx = left + (n & 1), cy = top + (n >> 1);
-
-		cx = cx < 0 ? 0 : cx >= p->across ? p->across - 1 : cx;
-		cy = cy < 0 ? 0 : cy >= p->down ? p->down - 1 : cy;
-		b.at[n] = cy * p->across + cx;
-		b.weight[n] = (n & 1 ? across : 1 - across) * (n >> 1 ? down : 1 - down);
-		if (!p->watch[b.at[n]]) /* as the cell that the pixel is in */
-			b.at[n] = y / p->side * p->across + x / p->side;
-	}
-	return b;
+	return least < 1 ? least : 1;
 }
 
-static float clamp_share(float f)
-{
-	return f > 0 ? f < 1 ? f : 1 : 0;
-}
-
-static uint8_t share_code(float f)
-{
-	return (uint8_t)(f * 255 + 0.5f);
-}
-
-/* What there is beside a cell at the edge of a person. */
+/* What pixels at the edge of a person need to know, of which those in a quarter of a cell have the same. */
 struct edge {
 	struct sides sides;
-	bool told;  /* both sides are seen */
-	bool front; /* he is before the object */
+	bool told;	   /* by the cells around, and the place is known */
+	bool front;	   /* he is before the object */
+	float share[4];	   /* of him in the four cells around, */
+	float place[3][4]; /* and the place, in the light beside the edge */
 };
 
-/* A pixel: what is seen, and the place in the light beside the edge. */
-struct pixel {
-	float seen[3], place[3];
-};
-
-static struct pixel read_pixel(const struct people *p, const struct edge *edge,
-			       const struct between *b, const uint8_t *in)
+/* Finds the four cells around the pixels of a quarter: right, low: which one. Cells that are not watched
+ * are as that in which the pixels are. */
+static void edge_ask(struct edge *edge, const struct people *p, int cx, int cy, int right, int low)
 {
-	struct pixel pixel = {.place = {0}};
+	for (int n = 0; n < 4; n++) {
+		const int u = cx - 1 + right + (n & 1), v = cy - 1 + low + (n >> 1);
+		const int x = u < 0 ? 0 : u >= p->across ? p->across - 1 : u;
+		const int y = v < 0 ? 0 : v >= p->down ? p->down - 1 : v;
+		const int beside = y * p->across + x;
+		const int at = p->watch[beside] ? beside : cy * p->across + cx;
 
-	for (int c = 0; c < 3; c++) {
-		pixel.seen[c] = (float)p->tables.decode[in[2 - c]];
-		for (int n = 0; n < 4; n++)
-			pixel.place[c] += b->weight[n] * p->place[c][b->at[n]];
-		if (edge->told)
-			pixel.place[c] *= edges_light(&edge->sides, c);
+		edge->share[n] = p->order[at] > 0;
+		for (int c = 0; c < 3; c++)
+			edge->place[c][n] = p->place[c][at] *
+					    (edge->told ? edge->sides.light[c] : 1);
 	}
-	return pixel;
+}
+
+/* The pixels of a quarter of a cell, side by side; those that there are not are 0. */
+struct pixels {
+	int count;
+	size_t at[PIXEL_LANES]; /* in the picture */
+	float weight[4][PIXEL_LANES], seen[3][PIXEL_LANES], place[3][PIXEL_LANES];
+	float share[PIXEL_LANES];
+};
+
+/* x, y: in the picture; across, down: the pixel's middle from that of the upper left one of the four
+ * cells, in cells. */
+static void add_pixel(struct pixels *px, const struct people *p, const struct picture *picture,
+		      int x, int y, float across, float down)
+{
+	const uint8_t *in = picture->origin + y * picture->y_step + x * picture->x_step;
+	const int k = px->count++;
+
+	px->at[k] = (size_t)y * (size_t)picture->width + (size_t)x;
+	px->weight[0][k] = (1 - across) * (1 - down);
+	px->weight[1][k] = across * (1 - down);
+	px->weight[2][k] = (1 - across) * down;
+	px->weight[3][k] = across * down;
+	for (int c = 0; c < 3; c++)
+		px->seen[c][k] = (float)p->tables.decode[in[2 - c]];
+}
+
+/* right, low: which quarter of the cell. */
+static struct pixels quarter_read(const struct people *p, const struct picture *picture, int cx,
+				  int cy, int right, int low)
+{
+	const int half = p->side / 2;
+	const int left = cx * p->side + right * half, top = cy * p->side + low * half;
+	const float step = 1 / (float)p->side;
+	struct pixels px = {.count = 0};
+
+	for (int y = top; y < top + half && y < picture->height; y++)
+		for (int x = left; x < left + half && x < picture->width; x++)
+			add_pixel(&px, p, picture, x, y,
+				  ((float)(x - left) + 0.5f) * step + (right ? 0 : 0.5f),
+				  ((float)(y - top) + 0.5f) * step + (low ? 0 : 0.5f));
+	return px;
+}
+
+static void lanes_between(const float weight[4][PIXEL_LANES], const float of[4],
+			  float *restrict out)
+{
+	for (int k = 0; k < PIXEL_LANES; k++)
+		out[k] = weight[0][k] * of[0] + weight[1][k] * of[1] + weight[2][k] * of[2] +
+			 weight[3][k] * of[3];
+}
+
+static void quarter_share(struct pixels *px, const struct people *p, const struct edge *edge)
+{
+	float own[PIXEL_LANES];
+
+	lanes_between(px->weight, edge->share, px->share);
+	for (int c = 0; c < 3; c++)
+		lanes_between(px->weight, edge->place[c], px->place[c]);
+	if (edge->told) {
+		edges_share(p, &edge->sides, px->seen, px->place, own);
+		for (int k = 0; k < PIXEL_LANES; k++)
+			px->share[k] += OWN * (clamp_share(own[k]) - px->share[k]);
+	}
+	for (int k = 0; k < PIXEL_LANES; k++)
+		px->share[k] = clamp_share((px->share[k] - 0.5f) * STEEPNESS + 0.5f);
 }
 
 /* F = (C - (1 - f) B) / f, as a code value. */
-static void draw_foremost(const struct people *p, const struct pixel *pixel, float f, uint8_t *out)
+static void draw_foremost(const struct people *p, const struct pixels *px, int k, uint8_t *out)
 {
+	const float f = px->share[k];
+
 	for (int c = 0; c < 3; c++) {
-		const float colour = (pixel->seen[c] - (1 - f) * pixel->place[c]) / f;
+		const float colour = (px->seen[c][k] - (1 - f) * px->place[c][k]) / f;
 
 		out[2 - c] =
 			p->tables.encode[(int)(colour > 0 ? colour < WHITE ? colour : WHITE : 0)];
 	}
 }
 
-static void draw_pixel(struct people *p, const struct picture *picture, const struct edge *edge,
-		       int x, int y)
+static void draw_quarter(struct people *p, const struct picture *picture, struct edge *edge, int cx,
+			 int cy, int quarter)
 {
-	const size_t at = (size_t)y * (size_t)p->settings.width + (size_t)x;
-	const uint8_t *in = picture->origin + y * picture->y_step + x * picture->x_step;
-	const struct between b = cells_between(p, x, y);
-	const struct pixel pixel = read_pixel(p, edge, &b, in);
-	float share = 0;
+	const int right = quarter & 1, low = quarter >> 1;
+	struct pixels px = quarter_read(p, picture, cx, cy, right, low);
 
-	for (int n = 0; n < 4; n++)
-		share += b.weight[n] * (float)(p->order[b.at[n]] > 0);
-	if (edge->told) {
-		const float own = edges_share(p, &edge->sides, pixel.seen, pixel.place);
+	edge_ask(edge, p, cx, cy, right, low);
+	quarter_share(&px, p, edge);
+	for (int k = 0; k < px.count; k++) {
+		const uint8_t code = (uint8_t)(px.share[k] * 255 + 0.5f);
 
-		share += OWN * (clamp_share(own) - share);
+		p->anybody[px.at[k]] = code;
+		p->front[px.at[k]] = edge->front ? code : 0;
+		if (edge->front && code > 0 && code < 255)
+			draw_foremost(p, &px, k, p->foremost + 4 * px.at[k]);
 	}
-	share = clamp_share((share - 0.5f) * STEEPNESS + 0.5f);
-	p->anybody[at] = share_code(share);
-	p->front[at] = edge->front ? p->anybody[at] : 0;
-	if (p->front[at] > 0 && p->front[at] < 255)
-		draw_foremost(p, &pixel, share, p->foremost + 4 * at);
 }
 
 enum presence { NOBODY, ALL_ALIKE, SOME };
@@ -165,27 +198,34 @@ static bool is_inside(const struct people *p, int x, int y, bool *front)
 	return alike;
 }
 
+/* A cell whose pixels all are as it is. */
+static void fill_cell(struct people *p, const struct picture *picture, int cx, int cy)
+{
+	const uint8_t order = p->order[cy * p->across + cx];
+	const int x = cx * p->side;
+	const int wide = picture->width - x < p->side ? picture->width - x : p->side;
+
+	for (int y = cy * p->side; y < (cy + 1) * p->side && y < picture->height; y++) {
+		const size_t at = (size_t)y * (size_t)picture->width + (size_t)x;
+
+		memset(p->front + at, order == 2 ? 255 : 0, (size_t)wide);
+		memset(p->anybody + at, order ? 255 : 0, (size_t)wide);
+	}
+}
+
 static void draw_cell(struct people *p, const struct picture *picture, int cx, int cy)
 {
 	const int cell = cy * p->across + cx;
 	struct edge edge;
-	const bool inside = is_inside(p, cx, cy, &edge.front) || !p->watch[cell];
 
-	if (!inside) {
-		edge.sides = edges_around(p, p->verdict, cx, cy);
-		edge.told = edge.sides.people && edge.sides.others && p->known[cell];
+	if (is_inside(p, cx, cy, &edge.front) || !p->watch[cell]) {
+		fill_cell(p, picture, cx, cy);
+		return;
 	}
-	for (int y = cy * p->side; y < (cy + 1) * p->side && y < picture->height; y++)
-		for (int x = cx * p->side; x < (cx + 1) * p->side && x < picture->width; x++) {
-			const size_t at = (size_t)y * (size_t)picture->width + (size_t)x;
-
-			if (inside) {
-				p->front[at] = p->order[cell] == 2 ? 255 : 0;
-				p->anybody[at] = p->order[cell] ? 255 : 0;
-			} else {
-				draw_pixel(p, picture, &edge, x, y);
-			}
-		}
+	edge.sides = edges_around(p, cx, cy);
+	edge.told = edge.sides.told && p->known[cell];
+	for (int quarter = 0; quarter < 4; quarter++)
+		draw_quarter(p, picture, &edge, cx, cy, quarter);
 }
 
 static void draw_tile(struct people *p, const struct picture *picture, int tx, int ty)
@@ -211,6 +251,7 @@ void outline_draw(struct people *p, const struct picture *picture)
 {
 	if (!p->visited)
 		return;
+	edges_mark(p, p->verdict);
 	for (int ty = 0; ty < p->tiles_down; ty++)
 		for (int tx = 0; tx < p->tiles_across; tx++) {
 			uint8_t *tile = &p->tile[ty * p->tiles_across + tx];

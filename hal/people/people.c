@@ -70,6 +70,7 @@ static int create_lists(struct people *p)
 	p->verdict = calloc(cells, 1);
 	p->raw = calloc(cells, 1);
 	p->before = calloc(cells, 1);
+	p->side_of = calloc(cells, 1);
 	p->last_differs = calloc((size_t)p->down, sizeof(*p->last_differs));
 	p->count = calloc((size_t)p->across + 2 * PLANE_BEYOND, 1);
 	if (p->count)
@@ -88,10 +89,10 @@ static int create_lists(struct people *p)
 	p->anybody = calloc(pixels, 1);
 	p->foremost = calloc(pixels, 4);
 	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
-			       p->last_differs && p->count && p->order && p->order_before &&
-			       p->stable_ms && p->label && p->runs && p->groups && p->spans &&
-			       p->row_span && p->object_far && p->tile && p->front && p->anybody &&
-			       p->foremost
+			       p->side_of && p->last_differs && p->count && p->order &&
+			       p->order_before && p->stable_ms && p->label && p->runs &&
+			       p->groups && p->spans && p->row_span && p->object_far && p->tile &&
+			       p->front && p->anybody && p->foremost
 		       ? 0
 		       : -ENOMEM;
 }
@@ -167,6 +168,7 @@ void people_destroy(struct people *p)
 	free(p->verdict);
 	free(p->raw);
 	free(p->before);
+	free(p->side_of);
 	free(p->order);
 	free(p->order_before);
 	free(p->stable_ms);

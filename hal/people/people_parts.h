@@ -19,6 +19,7 @@
 #define DIM 0.002f	/* of white: darker cells do not drift */
 #define CLIPPED 0.97f	/* of white: brighter cells teach nothing */
 #define DRIFT_MOST 3.0f /* and its inverse */
+#define PIXEL_LANES 4	/* pixels that are computed side by side */
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
@@ -63,10 +64,11 @@ struct ratios {
 	int count;
 };
 
-/* Sums over the cells around one that do not touch the edge. */
+/* What the cells around one tell that do not touch the edge. */
 struct sides {
-	float person[3], seen[3], place[3];
-	int people, others;
+	bool told;	 /* there are some on both sides */
+	float person[3]; /* mean light of people */
+	float light[3];	 /* beside them, over that of the empty place */
 };
 
 /* Horizontal run of cells of equal value, for finding connected groups. */
@@ -147,6 +149,8 @@ struct people {
 	struct depths *depths; /* depths.c; NULL: the depth camera is in the background's place */
 	double still_ms;       /* for how long nearly everything has been foreground */
 
+	uint8_t *side_of; /* edges.c: [cells] */
+
 	/* outline.c */
 	uint8_t *tile, *front, *anybody, *foremost;
 	struct veil veil;
@@ -221,14 +225,13 @@ void groups_find(struct people *people);
 /* ---- edges.c ---- */
 
 void edges_refine(struct people *people);
-/* What is around a cell, of cells that do not touch the edge. */
-struct sides edges_around(const struct people *people, const uint8_t *verdict, int x, int y);
-/* Light beside the edge, over that of the empty place. */
-float edges_light(const struct sides *sides, int channel);
-/* The share of a person in what is seen before a place in that light, not clamped. Both sides hold
- * cells. */
-float edges_share(const struct people *people, const struct sides *sides, const float seen[3],
-		  const float place[3]);
+/* Finds the cells of the box and around it that do not touch the edge. */
+void edges_mark(struct people *people, const uint8_t *verdict);
+/* What is around a cell of the box, or beside it, of those that are marked. */
+struct sides edges_around(const struct people *people, int x, int y);
+/* The share of a person in what is seen before a place in that light, not clamped: of PIXEL_LANES. */
+void edges_share(const struct people *people, const struct sides *sides,
+		 const float seen[3][PIXEL_LANES], const float place[3][PIXEL_LANES], float *share);
 
 /* ---- saved.c ---- */
 
