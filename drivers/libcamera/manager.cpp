@@ -2,6 +2,9 @@
 /* What libcamera's manager offers differs between its versions. */
 #include "drivers/libcamera/manager.hpp"
 
+#define LIBCAMERA_BASE_PRIVATE
+#include <libcamera/base/semaphore.h>
+
 #include <algorithm>
 #include <deque>
 #include <mutex>
@@ -14,6 +17,19 @@ extern "C" {
 #include "drivers/libcamera/find.h"
 #include "drivers/libcamera/hotplug.h"
 #include "hal/base/log.h"
+}
+
+/*
+ * This replaces libcamera's function of the same name, which notifies after it has unlocked. The one who
+ * waits has the semaphore on its stack and may be gone by then: whoever notifies waits forever in memory
+ * that is something else, and with it everybody who waits for him.
+ */
+void libcamera::Semaphore::release(unsigned int n)
+{
+	MutexLocker locker(mutex_);
+
+	available_ += n;
+	cv_.notify_all();
 }
 
 namespace libcamera_driver

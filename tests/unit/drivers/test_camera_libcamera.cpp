@@ -12,8 +12,13 @@
 #include <string>
 #include <vector>
 
+#include <dlfcn.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <unistd.h>
+
+#define LIBCAMERA_BASE_PRIVATE
+#include <libcamera/base/semaphore.h>
 
 #include "drivers/libcamera/configuration.hpp"
 #include "drivers/libcamera/library_controls.hpp"
@@ -24,6 +29,23 @@ extern "C" {
 }
 
 using namespace libcamera_driver;
+
+namespace
+{
+pthread_mutex_t *watched; /* of a semaphore: its first member */
+int notified, notified_unlocked;
+} // namespace
+
+/* Replaces libc's, for libstdc++ as well; nobody waits in this program. */
+extern "C" int pthread_cond_broadcast(pthread_cond_t *)
+{
+	notified++;
+	if (watched && pthread_mutex_trylock(watched) == 0) {
+		notified_unlocked++;
+		pthread_mutex_unlock(watched);
+	}
+	return 0;
+}
 
 namespace
 {
@@ -382,6 +404,25 @@ void test_messages(void **)
 			    "inlay: libcamera: ERROR V4L2 v4l2.cpp:1 Failed\n");
 }
 
+/* Who waits for a semaphore destroys it as soon as he has the lock. */
+void test_semaphores_notify_while_locked(void **)
+{
+	lc::Semaphore semaphore;
+	Dl_info used, own;
+
+	watched = reinterpret_cast<pthread_mutex_t *>(&semaphore);
+	notified = notified_unlocked = 0;
+	semaphore.release();
+	watched = nullptr;
+	assert_int_equal(notified, 1);
+	assert_int_equal(notified_unlocked, 0);
+	assert_int_equal(semaphore.available(), 1);
+	/* That libcamera calls this one, too. */
+	assert_true(dladdr(dlsym(RTLD_DEFAULT, "_ZN9libcamera9Semaphore7releaseEj"), &used));
+	assert_true(dladdr(reinterpret_cast<void *>(test_semaphores_notify_while_locked), &own));
+	assert_ptr_equal(used.dli_fbase, own.dli_fbase);
+}
+
 } // namespace
 
 int main()
@@ -400,6 +441,7 @@ int main()
 		cmocka_unit_test(test_colours),
 		cmocka_unit_test(test_blank_frame),
 		cmocka_unit_test(test_messages),
+		cmocka_unit_test(test_semaphores_notify_while_locked),
 	};
 
 	return cmocka_run_group_tests(tests, nullptr, nullptr);
