@@ -267,11 +267,15 @@ rejected "a preview and none" 2 "--preview and --no-preview exclude" "$bake" ren
 	"$work/box.scene" -o "$work/none.inlay"
 rejected "a preview of a shard" 2 "--preview and --shard exclude" "$bake" render --preview --shard 1/2 \
 	"$work/box.scene" -o "$work/none.inlay"
+runs() { # PID: it has become another program
+	[ "$(readlink "/proc/$1/exe")" != "$(readlink "/proc/$$/exe")" ]
+}
 # interrupted SIGNAL FILE: a bake of minutes, ended by a signal as soon as anything stands at FILE.
 interrupted() {
 	local pid
 	"$bake" render --quiet --samples 65536 "$work/box.scene" -o "$2" &
 	pid=$!
+	until_true 60 runs "$pid" # until then it is this shell, which may swallow a signal
 	until_true 60 test -e "$2"
 	kill "-$1" $pid
 	wait $pid 2>/dev/null
