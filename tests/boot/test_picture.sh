@@ -100,6 +100,9 @@ machine_start "$board" "$image" "$folder" "systemd.wants=inlay-shell@$tty.servic
 check "it comes to the picture without a place for its state" up
 matches "and says why" "holds no file system of the kiosk's" \
 	"$(shell 60 'journalctl --no-pager -p err -u inlay-prepare')"
+# Its driver may come after systemd first looked for one; systemd looks again from time to time.
+check "systemd has taken the machine's watchdog" \
+	shell "$patience" 'until ls -l /proc/1/fd | grep /dev/watchdog; do sleep 1; done'
 # Where the processor is busy, one signal was seen to be without effect, and answers take their time: until
 # there is none for long. The machine may be gone by then.
 shell "$patience" 'until kill -SEGV 1; ! timeout 30 systemctl show -P Version; do sleep 2; done' >/dev/null
