@@ -25,7 +25,6 @@ static inline float clamp_share(float f)
 /* What pixels at the edge of a person need to know, of which those in a quarter of a cell have the same. */
 struct edge {
 	struct sides sides;
-	bool told;	   /* by the cells around, and the place is known */
 	bool front;	   /* he is before the object */
 	float share[4];	   /* of him in the four cells around, */
 	float place[3][4]; /* and the place, in the light beside the edge */
@@ -45,7 +44,7 @@ static void edge_ask(struct edge *edge, const struct people *p, int cx, int cy, 
 		edge->share[n] = p->order[at] > 0;
 		for (int c = 0; c < 3; c++)
 			edge->place[c][n] = p->place[c][at] *
-					    (edge->told ? edge->sides.light[c] : 1);
+					    (edge->sides.told ? edge->sides.light[c] : 1);
 	}
 }
 
@@ -106,7 +105,7 @@ static void quarter_share(struct pixels *px, const struct people *p, const struc
 	lanes_between(px->weight, edge->share, px->share);
 	for (int c = 0; c < 3; c++)
 		lanes_between(px->weight, edge->place[c], px->place[c]);
-	if (edge->told) {
+	if (edge->sides.told) {
 		edges_share(p, &edge->sides, px->seen, px->place, own);
 		for (int k = 0; k < PIXEL_LANES; k++)
 			px->share[k] += OWN * (clamp_share(own[k]) - px->share[k]);
@@ -223,7 +222,7 @@ static void draw_cell(struct people *p, const struct picture *picture, int cx, i
 		return;
 	}
 	edge.sides = edges_around(p, cx, cy);
-	edge.told = edge.sides.told && p->known[cell];
+	edge.sides.told &= p->known[cell] != 0;
 	for (int quarter = 0; quarter < 4; quarter++)
 		draw_quarter(p, picture, &edge, cx, cy, quarter);
 }

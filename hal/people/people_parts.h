@@ -19,7 +19,7 @@
 #define DIM 0.002f	/* of white: darker cells do not drift */
 #define CLIPPED 0.97f	/* of white: brighter cells teach nothing */
 #define DRIFT_MOST 3.0f /* and its inverse */
-#define PIXEL_LANES 4	/* pixels that are computed side by side */
+#define PIXEL_LANES 4	/* a quarter of a cell, 4x4 at most: pixels computed side by side */
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
