@@ -417,7 +417,7 @@ void test_semaphores_notify_while_locked(void **)
 	assert_int_equal(notified, 1);
 	assert_int_equal(notified_unlocked, 0);
 	assert_int_equal(semaphore.available(), 1);
-	/* That libcamera calls this one, too. */
+	/* libcamera calls this function, too. */
 	assert_true(dladdr(dlsym(RTLD_DEFAULT, "_ZN9libcamera9Semaphore7releaseEj"), &used));
 	assert_true(dladdr(reinterpret_cast<void *>(test_semaphores_notify_while_locked), &own));
 	assert_ptr_equal(used.dli_fbase, own.dli_fbase);
