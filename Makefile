@@ -55,7 +55,13 @@ endif
 # that not every such processor has (who calls them asks the processor first), or of a library of theirs.
 MACHINE := $(firstword $(subst -, ,$(shell $(CC) -dumpmachine 2>/dev/null)))
 
-OPTIMIZE ?= -O3 -g
+# Rooms that compute pixels are worth the compiler's time; tests are compiled more often than they run.
+# Who sets OPTIMIZE sets it for all.
+OPTIMIZE ?= -O2 -g1
+ifeq ($(origin OPTIMIZE),file)
+OPTIMIZE_PIXELS ?= -O3
+OPTIMIZE_TESTS ?= -O1
+endif
 WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wstrict-prototypes -Wmissing-prototypes \
 	-Wvla -Wwrite-strings -Wundef -Wformat=2 -Wimplicit-fallthrough
 CXX_WARNINGS := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla -Wwrite-strings -Wundef -Wformat=2
@@ -76,7 +82,7 @@ empty :=
 space := $(empty) $(empty)
 comma := ,
 FLAVOUR := $(notdir $(lastword $(CC)))$(if $(SANITIZE),-$(subst $(comma),-,$(SANITIZE)))$(shell \
-	printf '%s' "$(OPTIMIZE)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))$(GPIOD_MAJOR)" \
+	printf '%s' "$(OPTIMIZE)$(OPTIMIZE_PIXELS)$(OPTIMIZE_TESTS)$(CFLAGS)$(foreach x,$(SWITCHES),$(WITH_$(x)))$(GPIOD_MAJOR)" \
 	| cksum | cut -d' ' -f1 | sed 's/^/-/')
 BUILD ?= build/$(FLAVOUR)
 
@@ -89,6 +95,10 @@ say = @printf '  %-7s %s\n'
 endif
 
 objects = $(patsubst %,$(BUILD)/%.o,$(basename $(1)))
+
+$(addprefix $(BUILD)/,$(addsuffix /%.o,hal drivers/sim bake/encode bake/judge bake/tiles bake/trace)): \
+	ROOM_FLAGS := $(OPTIMIZE_PIXELS)
+$(BUILD)/tests/%.o: ROOM_FLAGS := $(OPTIMIZE_TESTS)
 
 # ---- modules: each appends to *_SOURCES, and to PROGRAMS and TESTS ----
 include hal/module.mk
@@ -129,12 +139,12 @@ with_tools = $(if $(missing_tool),$(error There is no $(missing_tool) here: "mak
 $(BUILD)/%.o: %.c
 	$(with_tools)@mkdir -p $(@D)
 	$(say) CC $<
-	$(Q)$(CC) $(CFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
+	$(Q)$(CC) $(CFLAGS_ALL) $(ROOM_FLAGS) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
 $(BUILD)/%.o: %.cpp
 	$(with_tools)@mkdir -p $(@D)
 	$(say) CXX $<
-	$(Q)$(CXX) $(CXXFLAGS_ALL) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
+	$(Q)$(CXX) $(CXXFLAGS_ALL) $(ROOM_FLAGS) $(OWN_FLAGS) $($(firstword $(subst /, ,$<))_CFLAGS) -c $< -o $@
 
 define archive
 $(BUILD)/$(1).a: $(call objects,$(2))

@@ -105,7 +105,7 @@ deb:
 	$(AGAIN) deb-built
 deb-built:
 	$(Q)$(MAKE) --no-print-directory BUILD=$(DEB_BUILD)/$(DEB_ARCH) RUNNER="$(DEB_RUNNER)" WITH_SDL=0 \
-		OPTIMIZE="$(filter-out -g,$(OPTIMIZE))" \
+		OPTIMIZE="$(filter-out -g%,$(OPTIMIZE))" OPTIMIZE_PIXELS="$(OPTIMIZE_PIXELS)" \
 		CFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CFLAGS)" \
 		CXXFLAGS="$(call deb_flags,CPPFLAGS) $(call deb_flags,CXXFLAGS)" \
 		LDFLAGS="$(call deb_flags,LDFLAGS)" deb-packed
