@@ -6,9 +6,10 @@
 #     tests/run.sh --begin               forgets earlier results
 #     tests/run.sh --make TARGET...      makes each, which runs groups; one that fails keeps no other from it
 #     tests/run.sh --end                 prints what took longest and "N passed, M failed"; fails unless M is 0
-# All groups share one queue. One program more runs at a time than there are processors, because many of
-# them wait for a clock or a machine (TEST_JOBS=n: another number). What they found is told in the order
-# in which they are given. The programs named in "alone" run by themselves.
+# All groups share one queue. One program more runs at a time than there are processors, because some of
+# them wait (TEST_JOBS=n: another number). Each has a line when it ends; one that fails is told whole at once
+# and again at the end. When nothing has ended for most of a minute, what runs is named. The programs named in
+# "alone" run by themselves.
 # A program that dies, or exits non-zero without a "not ok", or prints no test at all, is a failure; so is
 # one that leaves a process running, which is named and ended: it would keep a jobserver's pipe open, and
 # make waits at its end for that.
@@ -18,6 +19,8 @@ cd "$(dirname "$0")/.." || exit 1
 results=build/tests/results
 times=build/tests/times # a line for each program: seconds by the clock, of processors, name
 logs=build/tests/logs
+failures=build/tests/failures # what the programs that failed said
+silence=50                    # seconds without a line until what runs is named
 
 # slowest: the ten programs that took longest, by processor and by clock.
 slowest() {
@@ -25,15 +28,16 @@ slowest() {
 	awk '{ clock += $1; processor += $2 }
 		END { printf "all programs: %d s of processors, %d s by their clocks\n", processor, clock }' "$times"
 	echo "the ten slowest, by processor and by clock, in seconds:"
-	paste <(sort -k2,2nr "$times" | awk 'NR <= 10 { printf "  %5d  %-32s\n", $2, $3 }') \
-		<(sort -k1,1nr "$times" | awk 'NR <= 10 { printf "%5d  %s\n", $1, $3 }')
+	paste <(sort -k2,2nr "$times" | awk 'NR <= 10 { printf "  %5.0f  %-32s\n", $2, $3 }') \
+		<(sort -k1,1nr "$times" | awk 'NR <= 10 { printf "%5.0f  %s\n", $1, $3 }')
 }
 
 case "${1:-}" in
 --begin)
-	rm -rf build/tests/results build/tests/times build/tests/logs
+	rm -rf "$results" "$times" "$failures" "$logs"
 	mkdir -p "$logs"
 	: >"$results"
+	: >"$failures"
 	exit 0
 	;;
 --make)
@@ -52,17 +56,14 @@ case "${1:-}" in
 		echo "no test ran" >&2
 		exit 1
 	}
+	cat "$failures"
 	slowest
 	grep '^skip' "$results" | sed 's/^skip /skipped: /'
 	grep '^fail' "$results" | sed 's/^fail /FAILED:  /'
 	passed=$(grep -c '^pass' "$results")
 	failed=$(grep -c '^fail' "$results")
 	skipped=$(grep -c '^skip' "$results")
-	if [ "$skipped" -gt 0 ]; then
-		echo "$passed passed, $failed failed, $skipped skipped"
-	else
-		echo "$passed passed, $failed failed"
-	fi
+	echo "$passed passed, $failed failed, $skipped skipped"
 	[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]
 	exit
 	;;
@@ -106,10 +107,11 @@ left_running() {
 	done 2>/dev/null
 }
 
-# end_what_is_left MARK: ends it; a line for each that was there still after two seconds.
+# end_what_is_left MARK: ends it; a line for each that was there still after a minute (a busy
+# machine takes its time to end what was told to).
 end_what_is_left() {
 	local left _
-	for _ in {1..20}; do
+	for _ in {1..600}; do
 		left=$(left_running "$1")
 		[ -n "$left" ] || return 0
 		sleep 0.1
@@ -121,7 +123,7 @@ end_what_is_left() {
 
 # one NUMBER: runs it; leaves its log, and beside that what it counts and how long it took.
 one() {
-	local name log code planned ran command mark left TIMEFORMAT='%0R %0U %0S'
+	local name log code planned ran command mark left TIMEFORMAT='%1R %1U %1S'
 	name=$(name_of "$1")
 	read -ra command <<<"${programs[$1]}"
 	log=$(log_of "$name")
@@ -152,46 +154,67 @@ one() {
 
 # tell NUMBER: what it found; true if nothing failed.
 tell() {
-	local name log failed passed wall user system
+	local name log failed passed skipped wall user system
 	name=$(name_of "$1")
 	log=$(log_of "$name")
 	cat "$log.done" >>"$results"
 	failed=$(grep -c '^fail' "$log.done")
 	passed=$(grep -c '^pass' "$log.done")
+	skipped=$(grep -c '^skip' "$log.done")
 	read -r wall user system <"$log.seconds"
-	echo "$wall $((user + system)) $name" >>"$times"
-	printf '%-44s %3d passed, %d failed (%d s, %d s of processors)\n' "$name" "$passed" "$failed" \
-		"$wall" $((user + system))
+	echo "$wall $(awk "BEGIN { print $user + $system }") $name" >>"$times"
+	told=$((told + 1))
+	printf '[%*d/%d] %-40s %s%s%s (%.1f s)\n' ${#count} $told "$count" "$name" "$passed passed" \
+		"$([ "$failed" -eq 0 ] || echo ", $failed failed")" \
+		"$([ "$skipped" -eq 0 ] || echo ", $skipped skipped")" "$wall"
 	rm -f "$log.done" "$log.seconds"
 	[ "$failed" -gt 0 ] || return 0
 	# What failed may lie far from the end; who died says so at the end.
 	{
-		awk '/^(not )?ok/ { failed = /^not/ && !/# SKIP/ } failed' "$log" | head -n 40
-		grep -v -E '^(not )?ok' "$log" | tail -n 10
-	} | sed 's/^/    /'
-	echo "    whole output: $log"
+		echo "$name failed:"
+		{
+			awk '/^(not )?ok/ { failed = /^not/ && !/# SKIP/ } failed' "$log" | head -n 200
+			grep -v -E '^(not )?ok' "$log" | tail -n 10
+		} | sed 's/^/    /'
+		echo "    whole output: $log"
+	} | tee -a "$failures"
 	return 1
 }
 
+count=${#programs[@]}
 all_well=0
 told=0
 running=0
-# Tells of those that have ended, up to the first that has not.
+# tell_ended: tells of those that have ended.
 tell_ended() {
-	while [ $told -lt ${#programs[@]} ] && [ -e "$(log_of "$(name_of $told)").done" ]; do
-		tell $told || all_well=1
-		told=$((told + 1))
+	local number
+	for number in "${!started[@]}"; do
+		[ -e "$(log_of "$(name_of "$number")").done" ] || continue
+		unset "started[$number]"
+		tell "$number" || all_well=1
 	done
 }
-# wait_until_below NUMBER: no more than that run.
+# wait_until_below NUMBER: waits until fewer than that run. The pulse names what runs when nothing ends.
 wait_until_below() {
+	local ended
 	while [ $running -ge "$1" ]; do
-		wait -n
-		running=$((running - 1))
-		tell_ended
+		wait -n -p ended
+		if [ "$ended" = "$pulse" ]; then
+			printf '  running: %s\n' "$(for number in "${!started[@]}"; do name_of "$number"; done | paste -sd ' ')"
+		else
+			running=$((running - 1))
+			tell_ended
+			kill "$pulse" 2>/dev/null
+			wait "$pulse" 2>/dev/null
+		fi
+		sleep $silence &
+		pulse=$!
 	done
 }
 
+declare -A started # numbers of those that run
+sleep $silence &
+pulse=$!
 for number in "${!programs[@]}"; do
 	rm -f "$(log_of "$(name_of "$number")").done"
 done
@@ -199,9 +222,11 @@ for number in "${!programs[@]}"; do
 	most=${TEST_JOBS:-$(($(nproc) + 1))}
 	[[ $alone != *" $(name_of "$number") "* ]] || most=1
 	wait_until_below "$most"
+	started[$number]=1
 	one "$number" &
 	running=$((running + 1))
 	[ "$most" -gt 1 ] || wait_until_below 1
 done
 wait_until_below 1
+kill "$pulse" 2>/dev/null
 exit $all_well
