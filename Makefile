@@ -263,34 +263,33 @@ picture-installed: walk-installed
 	$(Q)BUILD="$(BUILD)" board/picture.sh board/kiosk.png
 	$(Q)cp walk/walk.jpg board/walk.jpg
 
-## test: install, build, test in ten minutes: everything quick, the whole way on simulated hardware
+## test: install, build, test: everything quick, the whole way on simulated hardware included
 $(eval $(call with_packages,test,test))
 
 RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/inlay-bake" \
 	INLAY_CALIBRATE="$(abspath $(BUILD))/inlay-calibrate" BUILD="$(BUILD)" tests/run.sh
 
-# One queue for all: machines that wait run beside programs that compute. What lasts longest begins.
-TIMED_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(TIMED_UNIT_TESTS)))
-UNIT_QUICK := $(filter-out $(TIMED_PROGRAMS) $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
-test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) $(VM_LIBRARIES) \
-		$(BUILD)/tests/kernels/test_kernels kernel
+# One queue for all: what lasts longest begins.
+UNIT_QUICK := $(filter-out $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
+test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_READY) $(BUILD)/tests/kernels/test_kernels
 	$(Q)tests/run.sh --begin
-	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh --quick
-	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
-	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
-		-- boot "tests/boot/run.sh --picture" \
+	-+$(Q)MAKE="$(MAKE)" $(RUN_TESTS) vm "tests/vm/run.sh quick" \
 		-- accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
-		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
-		-- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh \
-		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
+		-- unit $(UNIT_QUICK) -- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh -- fuzz tests/fuzz/replay.sh
 	$(Q)tests/run.sh --end
+
+## test-stress: make test beside eight busy loops, on one processor, and from TIMES=10 new seeds (an hour)
+test-stress: TIMES = 10
+$(eval $(call with_packages,test-stress,test))
+test-stress-installed:
+	$(Q)MAKE="$(MAKE)" tests/stress.sh $(TIMES)
 
 ## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
 $(eval $(call with_packages,test-deep,deep))
 
 DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-blender test-fuzz \
-	test-sanitize test-vm-rest test-power
-test-deep-installed:
+	test-sanitize test-vm-installed test-vm-qemu-installed test-boot-installed
+test-deep-installed: $(OTHER_PROGRAMS)
 	$(Q)tests/run.sh --begin
 	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(DEEP_GROUPS)
 	$(Q)tests/run.sh --end
@@ -326,7 +325,7 @@ test-emulated: $(BUILD)/tests/kernels/test_kernels
 ## test-cli: the programs as a person calls them (TEST=still: one script)
 test-cli: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(if $(TEST),$(or $(wildcard tests/cli/$(TEST).sh),$(error there is no tests/cli/$(TEST).sh)),\
-		$(CLI_TESTS) $(TIMED_TESTS))
+		$(CLI_TESTS))
 test-cli-deep: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
@@ -367,7 +366,7 @@ accuracy-installed: all $(TEST_PROGRAMS)
 
 ## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
 $(eval $(call with_packages,exposures,test))
-exposures-installed: all $(TEST_PROGRAMS)
+exposures-installed: all $(BUILD)/tests/accuracy/exposures
 	$(Q)BUILD="$(BUILD)" tests/accuracy/exposures.sh
 
 ## blender: mesh files and their materials against Blender's own pictures of them: the table (minutes)

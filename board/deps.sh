@@ -14,18 +14,17 @@ build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev li
 	libopencv-contrib-dev libopencv-video-dev"
 demo="ffmpeg fonts-dejavu-core"
 package="dpkg-dev xz-utils"
-# What builds an image for this machine's own architecture; QEMU boots it.
-image_host="mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd fontconfig binutils
-	dpkg-dev linux-source-6.1 flex bison bc libelf-dev libssl-dev cpio kmod xz-utils
-	qemu-system-x86"
-# Firmware of other machines, their emulators, and the Arm compiler.
-image="$image_host qemu-system-arm ovmf qemu-user-static arch-test
+# What compiles the kernel of the simulated machine, a user-mode Linux.
+kernel="linux-source-6.1 flex bison bc kmod xz-utils"
+# What builds images and boots them: tools, firmware and emulators of other machines, the Arm compiler.
+image="$kernel mmdebstrap uidmap fakeroot e2fsprogs dosfstools mtools fdisk systemd fontconfig binutils
+	dpkg-dev libelf-dev libssl-dev cpio qemu-system-x86 qemu-system-arm ovmf qemu-user-static arch-test
 	gcc-aarch64-linux-gnu g++-aarch64-linux-gnu"
-test="libcmocka-dev libturbojpeg0-dev clang-format shellcheck git python3-minimal busybox-static v4l-utils
-	libcamera-ipa udev poppler-utils"
+test="libcmocka-dev libturbojpeg0-dev clang-format git python3-minimal busybox-static v4l-utils
+	libcamera-ipa udev"
 # For the deep tests alone.
-deep="clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc parallel slurmctld
-	slurmd slurm-client man-db mandoc lintian bash-completion zsh blender python3-numpy"
+deep="shellcheck poppler-utils clang clang-tidy libclang-rt-dev cppcheck valgrind opencv-doc parallel
+	slurmctld slurmd slurm-client man-db mandoc lintian bash-completion zsh blender python3-numpy"
 
 wanted=""
 for purpose in "$@"; do
@@ -34,7 +33,7 @@ for purpose in "$@"; do
 	demo) wanted="$wanted $build $demo" ;;
 	package) wanted="$wanted $build $package" ;;
 	image) wanted="$wanted $build $image" ;;
-	test) wanted="$wanted $build $demo $image_host $test" ;;
+	test) wanted="$wanted $build $demo $kernel $test" ;;
 	deep) wanted="$wanted $build $demo $package $image $test $deep" ;;
 	*)
 		echo "deps: unknown purpose \"$purpose\", expected build, demo, package, image, test or deep" >&2

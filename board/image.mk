@@ -32,17 +32,14 @@ boot: $(if $(wildcard build/image/$(BOARD)/inlay.img),,image)
 	$(known_board)
 	$(Q)board/image/boot.sh $(BOARD)
 
-.PHONY: test-boot test-boot-installed test-power test-boards test-boards-installed
+.PHONY: test-boot test-boot-installed test-boards test-boards-installed
 ## test-boot: boot the image of qemu-x86_64: time to the picture, hangs, power cuts (CUTS=10)
 test-boot:
-	$(Q)board/deps.sh test
+	$(Q)board/deps.sh image test
 	$(AGAIN) test-boot-installed
 test-boot-installed: $(VM_PROGRAMS)
 	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
 	$(Q)$(RUN_TESTS) boot tests/boot/run.sh
-test-power: $(VM_PROGRAMS)
-	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
-	$(Q)$(RUN_TESTS) boot "tests/boot/run.sh --power"
 ## test-boards: the same for the other boards, as far as QEMU can be them (half an hour)
 test-boards:
 	$(Q)board/deps.sh deep

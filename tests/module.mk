@@ -294,6 +294,7 @@ TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/tes
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
 include tests/vm/vm.mk
 
+# TEST_PROGRAMS are what scripts of `make test` call, OTHER_PROGRAMS make tables or data on demand.
 # Measures how far two pictures are apart, for the accuracy table.
 TEST_PROGRAMS += $(BUILD)/tests/accuracy/compare
 $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.a
@@ -302,7 +303,7 @@ $(BUILD)/tests/accuracy/compare: $(BUILD)/tests/accuracy/compare.o $(BUILD)/hal.
 -include $(BUILD)/tests/accuracy/compare.d
 
 # Measures the error of light from one and several exposures: exposures.sh.
-TEST_PROGRAMS += $(BUILD)/tests/accuracy/exposures
+OTHER_PROGRAMS += $(BUILD)/tests/accuracy/exposures
 $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 		$(BUILD)/tests/accuracy/exposures_random.o $(BUILD)/tests/accuracy/exposures_truth.o \
 		$(SUPPORT_LIB) $(addprefix $(BUILD)/,app.a calibrate.a drivers.a config.a bake.a hal.a)
@@ -313,7 +314,7 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 
 # Judges how people are found, beside OpenCV's ways: people/people.sh.
 PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,judge.o filmed.o subtractors.o)
-TEST_PROGRAMS += $(BUILD)/tests/people/judge
+OTHER_PROGRAMS += $(BUILD)/tests/people/judge
 $(BUILD)/tests/people/subtractors.o: OWN_FLAGS = -isystem /usr/include/opencv4
 $(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a hal.a)
 	$(say) LINK $@
@@ -322,7 +323,7 @@ $(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a h
 -include $(PEOPLE_OBJECTS:.o=.d)
 
 # Judges the camera's look in the same studio: people/look.sh.
-TEST_PROGRAMS += $(BUILD)/tests/people/look
+OTHER_PROGRAMS += $(BUILD)/tests/people/look
 $(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) \
 		$(addprefix $(BUILD)/,drivers.a hal.a)
 	$(say) LINK $@
@@ -330,7 +331,7 @@ $(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) 
 -include $(BUILD)/tests/people/look.d
 
 # Measures the time of a camera's calibration; run by hand.
-TEST_PROGRAMS += $(BUILD)/tests/bench/bench_camera
+OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera
 $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
 		$(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)
 	$(say) LINK $@
@@ -338,7 +339,7 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT
 -include $(BUILD)/tests/bench/bench_camera.d
 
 # Writes the seeds of fuzz_basis anew when the format has changed.
-TEST_PROGRAMS += $(BUILD)/tests/fuzz/corpus/basis_seeds
+OTHER_PROGRAMS += $(BUILD)/tests/fuzz/corpus/basis_seeds
 $(BUILD)/tests/fuzz/corpus/basis_seeds: $(BUILD)/tests/fuzz/corpus/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a
 	$(say) LINK $@
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm

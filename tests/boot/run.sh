@@ -2,17 +2,11 @@
 # SPDX-License-Identifier: MIT
 # Boots the images and holds them to what board/image/README.md promises; prints TAP.
 #     INLAY=... BUILD=... tests/boot/run.sh [BOARD...]      (or BOARDS=; else qemu-x86_64)
-#     INLAY=... BUILD=... tests/boot/run.sh --picture       qemu-x86_64 comes to its picture
-#     INLAY=... BUILD=... tests/boot/run.sh --power         its power is cut
 # qemu-x86_64 is taken through everything; of the others it is shown that they come to the picture,
 # or, for what QEMU cannot be, that what they hold is right. Everything left behind is in
 # $BUILD/tests/boot/BOARD.
 set -uo pipefail
 cd "$(dirname "$0")/../.." || exit 1
-case ${1:-} in
---picture) exec tests/boot/test_picture.sh qemu-x86_64 ;;
---power) exec tests/boot/test_power.sh qemu-x86_64 ;;
-esac
 # shellcheck disable=SC2086 # a list of words
 [ $# -gt 0 ] || set -- ${BOARDS:-qemu-x86_64}
 for board in "$@"; do

@@ -32,7 +32,7 @@ scripts() {
 }
 
 formatted() {
-	sources | xargs clang-format --dry-run -Werror
+	sources | xargs -P "$(nproc)" -n 100 clang-format --dry-run -Werror
 }
 analysed() {
 	cppcheck --quiet --error-exitcode=1 --std=c11 --inline-suppr -j "$(nproc)" -I. \
@@ -67,8 +67,11 @@ named() {
 uncircled() { # BUILD
 	tests/lint/circles.sh "$1" hal drivers config app bake
 }
+parsed() {
+	scripts | xargs -n 1 bash -n
+}
 scripted() {
-	scripts | xargs shellcheck -x -S warning
+	scripts | xargs -P "$(nproc)" -n 10 shellcheck -x -S warning
 }
 helped() { # every target with a comment is listed, and the ones that the README names exist
 	make --no-print-directory help >"$scratch/help" &&
@@ -84,10 +87,11 @@ helped() { # every target with a comment is listed, and the ones that the README
 check "formatted as .clang-format says" formatted
 check "rooms: who includes whom, READMEs, files in a folder" tests/lint/rooms.sh
 check "comments are sentences" worded
-check "shellcheck" scripted
+check "bash reads every script" parsed
 check "make help lists what the README names" helped
 check "fuzz targets name functions that exist" named
 if [ "${1:-}" != --quick ]; then
+	check "shellcheck" scripted
 	check "gcc, warnings as errors" built thread objects
 	check "clang, warnings as errors" built fuzz objects
 	check "cppcheck" analysed
