@@ -204,8 +204,8 @@ $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_libcamera.cpp \
 	tests/unit/drivers/test_libcamera_parts.c)
-# The test plays libudev.
-$(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
+# The test plays libudev, and another folder for /dev.
+$(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym -Wl,--wrap=inotify_add_watch
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
 	tests/fuzz/fuzz_basis.c \
