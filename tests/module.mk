@@ -186,8 +186,16 @@ UNIT_TESTS := \
 	tests/unit/hal/people/test_saved.c \
 	tests/unit/hal/optics/test_tsai.c
 # Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
-THOROUGH_TESTS := tests/unit/bake/trace/test_bake_bounce.c tests/unit/bake/tiles/test_bake_determinism.c \
-	tests/unit/bake/calibrate/camera/test_camera_solve.c tests/unit/bake/calibrate/response/test_light_response.c tests/accuracy/test_moving_lamp.c
+THOROUGH_TESTS := \
+	tests/accuracy/test_compositor_accuracy.c \
+	tests/accuracy/test_moving_lamp.c \
+	tests/unit/bake/calibrate/camera/test_camera_edges.c \
+	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
+	tests/unit/bake/calibrate/camera/test_camera_radial.c \
+	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/response/test_light_response.c \
+	tests/unit/bake/tiles/test_bake_determinism.c \
+	tests/unit/bake/trace/test_bake_bounce.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 # Sets each driver's keys, and the array of drivers is the app's.
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
@@ -204,8 +212,8 @@ $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4
 UNIT_TESTS += $(if $(filter 1,$(WITH_LIBCAMERA)),tests/unit/drivers/test_camera_libcamera.cpp \
 	tests/unit/drivers/test_libcamera_parts.c)
-# The test plays libudev.
-$(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym
+# The test plays libudev, and another folder for /dev.
+$(BUILD)/tests/unit/drivers/test_libcamera_parts: override LDFLAGS += -Wl,--wrap=dlsym -Wl,--wrap=inotify_add_watch
 FUZZ_TARGETS := \
 	tests/fuzz/fuzz_angles.c \
 	tests/fuzz/fuzz_basis.c \

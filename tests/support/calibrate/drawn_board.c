@@ -72,7 +72,10 @@ static void drawn_board_blur(double *light, int width, int height, double sigma)
 {
 	const int reach = (int)ceil(4 * sigma);
 	double *line = malloc(sizeof(*line) * (size_t)(width > height ? width : height));
+	double *weight = malloc(sizeof(*weight) * (size_t)(reach + 1));
 
+	for (int k = 0; k <= reach; k++)
+		weight[k] = exp(-0.5 * k * k / (sigma * sigma));
 	for (int pass = 0; pass < 2; pass++) {
 		const int lines = pass ? width : height, length = pass ? height : width;
 		const int step = pass ? width : 1, next = pass ? 1 : width;
@@ -84,7 +87,7 @@ static void drawn_board_blur(double *light, int width, int height, double sigma)
 				double sum = 0, weights = 0;
 
 				for (int k = -reach; k <= reach; k++) {
-					const double w = exp(-0.5 * k * k / (sigma * sigma));
+					const double w = weight[abs(k)];
 
 					if (i + k < 0 || i + k >= length)
 						continue;
@@ -97,6 +100,7 @@ static void drawn_board_blur(double *light, int width, int height, double sigma)
 				at[(ptrdiff_t)i * step] = line[i];
 		}
 	}
+	free(weight);
 	free(line);
 }
 

@@ -441,7 +441,7 @@ static int open_it(void)
 /* A display that stalled is freed later by itself, and cannot be opened before. */
 static int open_after_a_stall(void)
 {
-	const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
+	const int64_t until_ns = clock_now_ns() + 60 * NS_PER_S;
 	int err;
 
 	while ((err = open_it()) == -ETIMEDOUT && clock_now_ns() < until_ns)
@@ -498,7 +498,7 @@ static void assert_shown(int64_t token)
 {
 	struct display_event event;
 
-	assert_int_equal(wait_for(&event, 2 * NS_PER_S), 0);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), 0);
 	assert_int_equal(event.kind, DISPLAY_SHOWN);
 	assert_int_equal(event.token, token);
 	assert_int_equal(event.time_ns, card.flip_ns);
@@ -559,7 +559,7 @@ static void busy_for_ever_is_a_stall(void **state)
 	open_fine();
 	card.busy = 1 << 30;
 	submit(1, 1280, 720);
-	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ETIMEDOUT);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ETIMEDOUT);
 	assert_int_equal(display.situation, DISPLAY_STALLED);
 	assert_true(clock_now_ns() - start_ns >= NS_PER_S);
 }
@@ -575,7 +575,7 @@ static void lost_flips_are_a_stall(void **state)
 	assert_shown(1);
 	card.silent = true;
 	submit(2, 1280, 720);
-	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ETIMEDOUT);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ETIMEDOUT);
 	assert_int_equal(display.situation, DISPLAY_STALLED);
 	assert_true(display_may_return(display.situation));
 	card.blocks = true;
@@ -668,14 +668,14 @@ static void a_changed_screen_is_noticed(void **state)
 	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
 	assert_int_equal(card.probes, 0);
 	kms_timing(1024, 768, 60, &card.modes[0]);
-	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ESTALE);
 	assert_true(display_may_return(display.situation));
 	display_close(&display, NULL);
 	open_fine();
 	assert_int_equal(display.width, 1024);
 	card.connection = DRM_MODE_DISCONNECTED;
 	card.mode_count = 0;
-	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ENOLINK);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ENOLINK);
 	assert_int_equal(display.situation, DISPLAY_NO_SCREEN);
 	display_close(&display, NULL);
 	assert_int_equal(open_it(), -ENOLINK);
@@ -697,7 +697,7 @@ static void a_failed_link_is_set_up_again(void **state)
 	assert_shown(1);
 	assert_int_equal(wait_for(&event, 5 * NS_PER_S / 2), 0);
 	*value_of(CONNECTOR, "link-status") = DRM_MODE_LINK_STATUS_BAD;
-	assert_int_equal(wait_for(&event, 4 * NS_PER_S), -ESTALE);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ESTALE);
 	assert_non_null(strstr(fault.text, "link"));
 	assert_true(display_may_return(display.situation));
 	display_close(&display, NULL);
@@ -970,13 +970,14 @@ static void two_screens_show_one_picture(void **state)
 	}
 }
 
-/* Lets the display look at its screens, while frames go on. */
-static void frames_go_on(int64_t for_ns)
+/* Frames go on until the display has seen that a screen was plugged in or pulled out. */
+static void frames_go_on(uint32_t connector, bool lit)
 {
-	const int64_t until_ns = clock_now_ns() + for_ns;
+	const int64_t until_ns = clock_now_ns() + 60 * NS_PER_S;
 	int token = 100;
 
-	while (clock_now_ns() < until_ns) {
+	while ((*value_of(connector, "CRTC_ID") != 0) != lit) {
+		assert_true(clock_now_ns() < until_ns);
 		frames_are_shown(token, token + 1);
 		token++;
 		poll(NULL, 0, 50);
@@ -994,10 +995,11 @@ static void the_second_comes_and_goes(void **state)
 	frames_are_shown(1, 4);
 	assert_second(false, nowhere);
 	card.connection_2 = DRM_MODE_CONNECTED;
-	frames_go_on(5 * NS_PER_S / 2);
+	frames_go_on(CONNECTOR_2, true);
+	frames_are_shown(4, 8);
 	assert_second(true, whole);
 	card.connection_2 = DRM_MODE_DISCONNECTED;
-	frames_go_on(5 * NS_PER_S / 2);
+	frames_go_on(CONNECTOR_2, false);
 	assert_second(false, nowhere);
 	assert_int_equal(*value_of(CRTC, "ACTIVE"), 1);
 	assert_int_equal(display.situation, DISPLAY_FINE);
@@ -1015,7 +1017,7 @@ static void each_of_the_two_is_enough(void **state)
 	open_fine();
 	frames_are_shown(1, 4);
 	card.connection = DRM_MODE_DISCONNECTED;
-	assert_int_equal(wait_for(&event, 5 * NS_PER_S), -ENOLINK);
+	assert_int_equal(wait_for(&event, 60 * NS_PER_S), -ENOLINK);
 	display_close(&display, NULL);
 	open_fine();
 	frames_are_shown(1, 4);
@@ -1023,8 +1025,8 @@ static void each_of_the_two_is_enough(void **state)
 	assert_true(*value_of(CONNECTOR_2, "CRTC_ID") == CRTC ||
 		    *value_of(CONNECTOR_2, "CRTC_ID") == CRTC_2);
 	card.connection = DRM_MODE_CONNECTED;
-	frames_go_on(5 * NS_PER_S / 2);
-	assert_true(*value_of(CONNECTOR, "CRTC_ID") != 0);
+	frames_go_on(CONNECTOR, true);
+	frames_are_shown(4, 8);
 	assert_int_equal(*value_of(PLANE, "FB_ID"), *value_of(PLANE_2, "FB_ID"));
 	display_close(&display, NULL);
 	card.connection = card.connection_2 = DRM_MODE_DISCONNECTED;

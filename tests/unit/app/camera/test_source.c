@@ -161,7 +161,7 @@ static int opened(void)
 	source_open(&source);
 	assert_false(source_is_open(&source));
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
-	assert_int_equal(poll(&end, 1, 20000), 1);
+	assert_int_equal(poll(&end, 1, 60000), 1);
 	return source_take(&source, clock_now_ns(), &told);
 }
 
@@ -750,7 +750,7 @@ static void another_standard_is_opened_at_once(void **state)
 	assert_true(source.opening);
 	fake.grab_err = 0;
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
-	assert_int_equal(poll(&end, 1, 20000), 1);
+	assert_int_equal(poll(&end, 1, 60000), 1);
 	test_source_take(3);
 	assert_true(source_is_open(&source));
 	/* Until a frame shows that the camera works. */

@@ -188,7 +188,7 @@ static int hang_up(void)
 	struct fault fault = {.text = ""};
 	struct loop loop;
 
-	alarm(20);
+	alarm(60);
 	(void)signal(SIGHUP, SIG_DFL);
 	if (setsid() < 0 || master < 0 || grantpt(master) || unlockpt(master) ||
 	    open(ptsname(master), O_RDWR) < 0 || loop_open(&loop, &fault))
@@ -309,7 +309,7 @@ static int open_stats(struct stats *stats, const char *path)
 {
 	struct fault fault;
 
-	alarm(20); /* it must not wait */
+	alarm(60); /* it must not wait */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGXFSZ, SIG_IGN);
 	return stats_open(stats, path, &fault);

@@ -14,10 +14,19 @@
 
 #include "app/kiosk/reload.h"
 #include "app/pipeline/pipeline_config.h"
+#include "tests/support/own_folder.h"
 
 static const struct config_driver none[] = {{NULL, NULL, 0}};
 static const struct config_drivers drivers = {{none, none, none}};
-static const char path[] = "/tmp/inlay-test-light-config.ini";
+static char path[80];
+
+static int make_folder(void **state)
+{
+	if (own_folder_make(state))
+		return -1;
+	snprintf(path, sizeof(path), "%.70s", own_folder_path("light.ini"));
+	return 0;
+}
 
 #define POWER                                                                                      \
 	"response = 0 .001 .004 .009 .016 .024 .035 .048 .063 .079 .098 .118 .141 .165 .191 .22 "  \
@@ -88,7 +97,7 @@ static void faults_name_the_file(void **state)
 	write_light("gain = loud\nblack_level = 300\n");
 	config_destroy(read_config(text, -EINVAL, &report));
 	assert_int_equal(report.count, 2);
-	assert_non_null(strstr(report.first.text, "inlay-test-light-config.ini:2: [light] gain"));
+	assert_non_null(strstr(report.first.text, "light.ini:2: [light] gain"));
 	unlink(path);
 	report.count = 0;
 	config_destroy(read_config(text, -ENOENT, &report));
@@ -135,5 +144,5 @@ int main(void)
 		cmocka_unit_test(a_reload_sees_another_file),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, make_folder, own_folder_remove);
 }

@@ -33,7 +33,7 @@ static struct config_state settings_for(const char *name, double interval_s)
 /* Waits until the file holds that threshold. */
 static bool comes_to_hold(const char *name, double threshold)
 {
-	int64_t end = clock_now_ns() + 20 * NS_PER_S;
+	int64_t end = clock_now_ns() + 60 * NS_PER_S;
 	struct state_values values = start;
 
 	while (clock_now_ns() < end) {

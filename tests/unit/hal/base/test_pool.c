@@ -126,7 +126,7 @@ struct pool_meeting {
 	int present, most;
 };
 
-/* Waits up to ten seconds until three workers are here at once, which needs real concurrency. */
+/* Waits up to a minute until three workers are here at once, which needs real concurrency. */
 static void meet(void *context, int item, int worker)
 {
 	struct pool_meeting *m = context;
@@ -135,7 +135,7 @@ static void meet(void *context, int item, int worker)
 	(void)item;
 	(void)worker;
 	clock_gettime(CLOCK_REALTIME, &until);
-	until.tv_sec += 10;
+	until.tv_sec += 60;
 	pthread_mutex_lock(&m->lock);
 	m->present++;
 	if (m->present > m->most)

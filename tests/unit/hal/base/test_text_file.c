@@ -116,7 +116,7 @@ static void no_files(void **state)
 	const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
 
 	(void)state;
-	alarm(20);
+	alarm(60);
 	test_text_file_refuse(own_folder(), -EISDIR, "folder");
 	test_text_file_refuse("/dev/zero", -EINVAL, "device");
 	assert_int_equal(mkfifo(own_folder_path("pipe"), 0600), 0);

@@ -13,13 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/base/clock.h"
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/light/light_budget.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
-enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2, MANY = 6486 };
+enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2 };
 
 /* An object over two grounds, pixel by pixel, and what a file declares of it. */
 struct budget_scene {
@@ -315,43 +314,6 @@ static void the_set_does_not_flicker(void **state)
 	scene_end(s);
 }
 
-static void it_takes_little_time(void **state)
-{
-	struct chance chance = chance_begin("time");
-	static struct basis_light all[MANY];
-	static float peak[MANY + 1][3], radiance[MANY][3];
-	static double ground[3][MANY];
-	struct basis_pose pose = {.peak = (const float(*)[3])peak};
-	const struct basis basis = {.info = {.lights = MANY, .grounds = 1, .poses = 1},
-				    .lights = all,
-				    .ground = &ground[0][0],
-				    .poses = &pose};
-	struct light_selection selection;
-	int64_t least = INT64_MAX;
-
-	(void)state;
-	for (int i = 0; i < MANY; i++) {
-		all[i].solid_angle_sr = 2 * M_PI / MANY;
-		for (int c = 0; c < 3; c++) {
-			peak[i][c] = (float)chance_real(&chance, 0, 1e-3);
-			radiance[i][c] = (float)exp(chance_real(&chance, -9, 0));
-			ground[c][i] = chance_real(&chance, 0, 1);
-		}
-	}
-	assert_int_equal(light_selection_create(&selection, &basis), 0);
-	selection.budget = 0.01;
-	for (int k = 0; k < 100; k++) {
-		const int64_t begun = clock_now_ns();
-
-		light_selection_choose(&selection, &basis, 0, (const float(*)[3])radiance, 0,
-				       THRESHOLD_AMBIENT, 1);
-		least = clock_now_ns() - begun < least ? clock_now_ns() - begun : least;
-	}
-	printf("# of %d lights %d are used; %.1f us a frame\n", MANY, selection.used_count,
-	       (double)least / 1000);
-	light_selection_free(&selection);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -360,7 +322,6 @@ int main(void)
 		cmocka_unit_test(ends_of_the_range),
 		cmocka_unit_test(the_cut_is_that_of_sorting),
 		cmocka_unit_test(the_set_does_not_flicker),
-		cmocka_unit_test(it_takes_little_time),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,13 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/base/clock.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/pixel_noise.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
-enum { LIGHTS = 100, MANY = 6486 };
+enum { LIGHTS = 100 };
 
 #define MS INT64_C(1000000)
 #define FOLLOW (100 * MS)
@@ -346,28 +345,6 @@ static void it_begins_anew(void **state)
 	lamp_end(&l);
 }
 
-static void it_takes_little_time(void **state)
-{
-	struct chance chance = chance_begin("time it takes");
-	struct filtered_lamp l = lamp_begin(MANY, 4);
-	int64_t least = INT64_MAX;
-
-	(void)state;
-	for (int k = 0; k < 200; k++) {
-		int64_t begun;
-
-		for (int i = 0; i < MANY; i++)
-			for (int c = 0; c < 3; c++)
-				l.x[i][c] = (float)chance_real(&chance, 0.2, 0.21);
-		begun = clock_now_ns();
-		light_filter_run(l.filter, k * 33 * MS, FOLLOW, l.x);
-		begun = clock_now_ns() - begun;
-		least = begun < least ? begun : least;
-	}
-	printf("# %d lights: %.1f us a frame\n", MANY, (double)least / 1000);
-	lamp_end(&l);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -379,7 +356,6 @@ int main(void)
 		cmocka_unit_test(a_slow_lamp_does_not_stick),
 		cmocka_unit_test(what_all_lights_say_together_is_heard),
 		cmocka_unit_test(it_begins_anew),
-		cmocka_unit_test(it_takes_little_time),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,6 +12,7 @@
 #include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 static void measure(const char *text, double blur_px, double noise, double tilt,
 		    struct camera_edges *edges)
@@ -47,6 +48,8 @@ static void the_spread_of_drawn_boards_is_found(void **state)
 			const double noise = k % 2 ? 2 : 0;
 			struct camera_edges edges;
 
+			if (!thorough() && k % 2 == (size_t)b)
+				continue;
 			measure(boards[b], sigmas[k], noise, 0.1 * (double)k, &edges);
 			print_message("# %s sigma %g noise %g: %.3f +- %.3f px, %d edges\n",
 				      boards[b], sigmas[k], noise, edges.sigma_px,

@@ -15,6 +15,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 #define VIEWS 6
 
@@ -106,7 +107,7 @@ static void one_term_is_enough(void **state)
 	struct chance chance = chance_begin("radial one");
 
 	(void)state;
-	for (int run = 0; run < 12; run++) {
+	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
 		struct camera_solution solution;
@@ -126,7 +127,7 @@ static void too_few_terms_are_said(void **state)
 	struct chance chance = chance_begin("radial few");
 
 	(void)state;
-	for (int run = 0; run < 6; run++) {
+	for (int run = 0; run < (thorough() ? 6 : 2); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
 		struct camera_solution solution;
@@ -151,7 +152,7 @@ static void two_terms(void **state)
 	int count = 0;
 
 	(void)state;
-	for (int run = 0; run < 12; run++) {
+	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
 		struct camera_solution solution;
@@ -176,7 +177,7 @@ static void two_terms(void **state)
 	}
 	print_message("off by %.3g deviations at most, %.3g rms\n", most, sqrt(squares / count));
 	assert_true(most < 4);
-	assert_true(sqrt(squares / count) < 1.4);
+	assert_true(!thorough() || sqrt(squares / count) < 1.4); /* too few for it */
 }
 
 static void three_terms(void **state)

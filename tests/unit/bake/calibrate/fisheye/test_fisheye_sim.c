@@ -53,7 +53,7 @@ static struct image test_sim_take(const char *const *options)
 	if (camera_open(&camera, &camera_sim, &settings, sim, &fault))
 		fail_msg("%s", fault.text);
 	waiting.fd = camera_descriptor(&camera);
-	assert_int_equal(poll(&waiting, 1, 20000), 1);
+	assert_int_equal(poll(&waiting, 1, 60000), 1);
 	assert_int_equal(camera_grab(&camera, &frame, &fault), 0);
 	assert_int_equal(image_create_u8(&image, 640, 480), 0);
 	for (size_t p = 0; p < 640 * 480; p++)

@@ -21,6 +21,7 @@
 #include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/own_folder.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
 {
@@ -517,7 +518,15 @@ static void delay_is_doubted(void **state)
 
 /* ---- files ---- */
 
-static const char path[] = "/tmp/inlay-test-light.ini";
+static char path[80];
+
+static int make_folder(void **state)
+{
+	if (own_folder_make(state))
+		return -1;
+	snprintf(path, sizeof(path), "%.70s", own_folder_path("light.ini"));
+	return 0;
+}
 
 static void write_text(const char *text)
 {
@@ -658,5 +667,5 @@ int main(void)
 		cmocka_unit_test(records_and_patches_are_read),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, make_folder, own_folder_remove);
 }
