@@ -3,12 +3,12 @@
  * Material libraries of OBJ, also with the extension for physically based materials that Blender
  * writes. What a statement means follows its writers:
  *
- *   Kd, map_Kd           the base; a texture without Kd counts as it is
+ *   Kd, map_Kd           the base; a texture without Kd, or with a black one, counts as it is
  *   Ks, Ns               illum 0, 1: nothing. illum 3, 8: a mirror that reflects Ks. Else: highlights
  *                        of plastic, a coat that reflects 0.08 Ks head-on. Ns is Phong's exponent, in
  *                        Blender's libraries 1000 (1 - roughness)^2, and Ka there metalness
  *   Pr, Pm, map_Pr/_Pm   roughness and metalness, as in glTF
- *   d, Tr, map_d         coverage
+ *   d, Tr, map_d         coverage; Tr is 1 - d, or d, as the whole library has it
  *   norm                 normals in tangent space; so is bump, if its picture is blue
  */
 #ifndef INLAY_BAKE_MESH_FORMATS_MTL_H

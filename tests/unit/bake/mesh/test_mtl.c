@@ -236,7 +236,8 @@ static void test_texture_places(void **state)
 	expect_below(fabsf(bsdf.colour.c[1] - 1), 1e-5f, "%d", 0);
 	expect_below(bsdf.colour.c[0], 1e-5f, "%d", 0);
 	mesh_free(&mesh);
-	read_material("newmtl m\nmap_Kd -clamp on check.png\n", &mesh);
+	/* Maya's black is overlooked */
+	read_material("newmtl m\nKd 0 0 0\nmap_Kd -clamp on check.png\n", &mesh);
 	bsdf = material_at(only_material(&mesh), -5, 0.75f);
 	expect_below(fabsf(bsdf.colour.c[0] - 1), 1e-5f, "%d", 1);
 	mesh_free(&mesh);
@@ -251,6 +252,14 @@ static void test_coverage(void **state)
 		{"newmtl m\nd 0.5\n", {0.5f, 0.5f}},
 		{"newmtl m\nTr 0.25\n", {0.75f, 0.75f}},
 		{"newmtl m\nd 1\nTr 1\n", {1, 1}},
+		/* Tr that is d: alone, beside materials that tell, by the comment */
+		{"newmtl m\nKd 1 1 1\nTr 1.000000\n", {1, 1}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nTr 1\n", {0.25f, 0.25f}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nd 0.3\nTr 0.3\n", {0.25f, 0.25f}},
+		{"# Converted by Meshlab Group\nnewmtl m\nTr 0.25\n", {0.25f, 0.25f}},
+		{"# Converted by Meshlab Group\nnewmtl m\nTr 0\n", {1, 1}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nTr 0\nnewmtl o\nTr 1\n", {0.75f, 0.75f}},
+		{"newmtl m\nTr 1\nnewmtl n\nd 1\nTr 0\n", {0, 0}},
 		{"newmtl m\nd -halo 0.5\nmap_d grey.png\n", {0.1f, 0.5f}},
 		{"newmtl m\nmap_d grey.png\nmap_Kd check.png\n", {0.2f, 1}},
 		{"newmtl m\nmap_Kd check.png\n", {1, 1}},
