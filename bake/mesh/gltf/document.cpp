@@ -8,6 +8,7 @@
 #include <limits>
 
 #include <meshoptimizer.h>
+#include <nlohmann/json.hpp>
 
 namespace gltf
 {
@@ -118,13 +119,48 @@ bool truth(const Json &of, const char *name, bool fallback)
 	return member ? member->get<bool>() : fallback;
 }
 
+std::string text_of(const Json &member)
+{
+	if (!member.is_string())
+		fail_at(member, -EBADMSG, "expected a text");
+	return member.get<std::string>();
+}
+
 std::string text(const Json &of, const char *name, const std::string &fallback)
 {
 	const Json *member = find(of, name);
 
-	if (member && !member->is_string())
-		fail_at(*member, -EBADMSG, "expected a text");
-	return member ? member->get<std::string>() : fallback;
+	return member ? text_of(*member) : fallback;
+}
+
+std::vector<const Json *> elements(const Json &of, const char *name)
+{
+	const Json *array = find(of, name);
+	std::vector<const Json *> out;
+
+	if (array && !array->is_array())
+		fail_at(*array, -EBADMSG, "expected an array");
+	for (size_t k = 0; array && k < array->size(); k++)
+		out.push_back(&(*array)[k]);
+	return out;
+}
+
+std::vector<std::string> names(const Json &of)
+{
+	std::vector<std::string> out;
+
+	if (!of.is_object())
+		fail_at(of, -EBADMSG, "expected an object");
+	for (auto member = of.begin(); member != of.end(); ++member)
+		out.push_back(member.key());
+	return out;
+}
+
+const Json &empty()
+{
+	static const Json object = Json::object();
+
+	return object;
 }
 
 /* ---- URIs ---- */
@@ -272,8 +308,14 @@ void Document::parse(Bytes json)
 		from += 3;
 		json.count -= 3;
 	}
-	root = Json::parse(from, from + json.count, check_depth);
-	if (!root.is_object())
+	try {
+		root = std::make_unique<Json>(Json::parse(from, from + json.count, check_depth));
+	} catch (const Json::exception &e) {
+		/* without the number that it begins with */
+		throw Failure(-EBADMSG, strstr(e.what(), "] ") + 2 +
+						std::string(", expected the JSON of a glTF"));
+	}
+	if (!root->is_object())
 		throw Failure(-EBADMSG, "its JSON is no object, expected a glTF");
 }
 
@@ -297,7 +339,7 @@ Document::~Document()
 
 size_t Document::count(const char *array) const
 {
-	const Json *items = find(root, array);
+	const Json *items = find(*root, array);
 
 	if (items && !items->is_array())
 		fail_at(*items, -EBADMSG, "expected an array");
@@ -309,7 +351,7 @@ const Json &Document::item(const char *array, size_t index) const
 	if (index >= count(array))
 		throw Failure(-EBADMSG, std::string("/") + array + "/" + std::to_string(index) +
 						": there are only " + std::to_string(count(array)));
-	return root[array][index];
+	return (*root)[array][index];
 }
 
 size_t Document::index(const Json &member, const char *array) const

@@ -8,12 +8,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #define JSON_DIAGNOSTICS 1 /* errors have paths */
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 extern "C" {
 #include "bake/mesh/plain_file.h"
@@ -22,6 +23,7 @@ extern "C" {
 namespace gltf
 {
 
+/* Only document.cpp knows more of it than its name: the library takes long to compile. */
 using Json = nlohmann::json;
 
 class Failure : public std::runtime_error
@@ -61,6 +63,16 @@ bool numbers(const Json &of, const char *name, double *values, size_t count);
 
 bool truth(const Json &of, const char *name, bool fallback);
 std::string text(const Json &of, const char *name, const std::string &fallback);
+std::string text_of(const Json &member);
+
+/* The elements of an optional array. */
+std::vector<const Json *> elements(const Json &of, const char *name);
+
+/* The names of an object's members. */
+std::vector<std::string> names(const Json &of);
+
+/* An object without members. */
+const Json &empty();
 
 /* ---- bytes ---- */
 
@@ -84,7 +96,7 @@ class Document
 	Document &operator=(const Document &) = delete;
 
 	const std::string path;
-	Json root;
+	std::unique_ptr<Json> root;
 
 	/* Element of one of the root's arrays, such as "accessors". */
 	const Json &item(const char *array, size_t index) const;

@@ -85,10 +85,10 @@ class Attributes
 
 	void add_morph(const std::string &name, Values &to)
 	{
-		const Json *targets = find(primitive, "targets");
+		const std::vector<const Json *> targets = elements(primitive, "targets");
 
-		for (size_t t = 0; targets && t < targets->size() && t < weights.size(); t++) {
-			const Json &target = targets->at(t);
+		for (size_t t = 0; t < targets.size() && t < weights.size(); t++) {
+			const Json &target = *targets[t];
 
 			if (weights[t] == 0 || !find(target, name.c_str()))
 				continue;

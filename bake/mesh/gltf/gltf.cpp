@@ -187,13 +187,10 @@ void Reader::add_part(const Geometry &from, const Matrix &place, int material)
 /* The weights of morph targets: those of the node, or else of the mesh. */
 static std::vector<double> morph_weights(const Json &node, const Json &shape)
 {
-	const Json *weights = find(node, "weights");
 	std::vector<double> out;
 
-	if (!weights)
-		weights = find(shape, "weights");
-	for (size_t k = 0; weights && k < weights->size(); k++)
-		out.push_back(number_of(weights->at(k)));
+	for (const Json *weight : elements(find(node, "weights") ? node : shape, "weights"))
+		out.push_back(number_of(*weight));
 	return out;
 }
 
@@ -241,23 +238,21 @@ void Reader::add_node(const Json &node, const Matrix &global)
 
 	const Json &shape = document.item("meshes", document.index(*index, "meshes"));
 
-	for (const Json &primitive : needed(shape, "primitives"))
-		add_primitive(primitive, node, shape, places);
+	needed(shape, "primitives");
+	for (const Json *primitive : elements(shape, "primitives"))
+		add_primitive(*primitive, node, shape, places);
 }
 
 /* ---- all of it ---- */
 
 static void check_document(const Document &document)
 {
-	const std::string version = text(needed(document.root, "asset"), "version", "");
-	const Json *required = find(document.root, "extensionsRequired");
+	const std::string version = text(needed(*document.root, "asset"), "version", "");
 
 	if (version.compare(0, 2, "2.") != 0)
 		throw Failure(-ENOTSUP, "glTF of version \"" + version + "\", expected 2.0");
-	for (size_t k = 0; required && k < required->size(); k++) {
-		const std::string name = required->at(k).is_string()
-						 ? required->at(k).get<std::string>()
-						 : "";
+	for (const Json *required : elements(*document.root, "extensionsRequired")) {
+		const std::string name = text_of(*required);
 
 		if (std::find(std::begin(extensions), std::end(extensions), name) ==
 		    std::end(extensions))
@@ -317,14 +312,6 @@ static void read_document(mesh *to, const char *path, double crease_deg, bool ma
 	Reader(document, to, crease_deg, materials).read();
 }
 
-/* What an exception of the JSON library says, without its number. */
-static const char *plain_text(const std::exception &e)
-{
-	const char *end = strstr(e.what(), "] ");
-
-	return e.what()[0] == '[' && end ? end + 2 : e.what();
-}
-
 } // namespace gltf
 
 bool gltf_is(const char *path)
@@ -359,9 +346,6 @@ int gltf_read(struct mesh *to, const char *path, double crease_deg, bool materia
 		if (strncmp(e.what(), path, strlen(path)) == 0)
 			return fault_say(why, e.err, "%s", e.what());
 		return fault_say(why, e.err, "%s: %s", path, e.what());
-	} catch (const nlohmann::json::exception &e) {
-		return fault_say(why, -EBADMSG, "%s: %s, expected the JSON of a glTF", path,
-				 gltf::plain_text(e));
 	} catch (const std::bad_alloc &) {
 		return fault_say(why, -ENOMEM, "%s: out of memory", path);
 	} catch (const std::exception &e) {

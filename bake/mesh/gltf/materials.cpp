@@ -226,9 +226,8 @@ static double ior_of(const Json &from)
 
 void Materials::read_metallic(const Json &from, material &to, Used &used)
 {
-	static const Json none = Json::object();
 	const Json *said = find(from, "pbrMetallicRoughness");
-	const Json &model = said ? *said : none;
+	const Json &model = said ? *said : empty();
 	const Json *map = find(model, "metallicRoughnessTexture");
 	const Json *specular = find_extension(from, "KHR_materials_specular");
 	double base[4] = {1, 1, 1, 1};
@@ -358,10 +357,10 @@ void Materials::leave_out(const Json &from)
 		left_out_add(missing, "textures of specular", "material");
 	if (!extensions)
 		return;
-	for (auto it = extensions->begin(); it != extensions->end(); ++it)
-		if (std::find(std::begin(known_extensions), std::end(known_extensions), it.key()) ==
+	for (const std::string &name : names(*extensions))
+		if (std::find(std::begin(known_extensions), std::end(known_extensions), name) ==
 		    std::end(known_extensions))
-			left_out_add(missing, it.key().c_str(), "material");
+			left_out_add(missing, name.c_str(), "material");
 }
 
 void Materials::read(const Json &from, material &to, Used &used)
@@ -399,7 +398,6 @@ Materials::Materials(Document &from, mesh *to, left_out *what, bool read)
 
 Used Materials::use(const Json &primitive)
 {
-	static const Json prescribed = Json::object();
 	const Json *said = find(primitive, "material");
 	const size_t index = said ? document.index(*said, "materials")
 				  : document.count("materials");
@@ -415,7 +413,7 @@ Used Materials::use(const Json &primitive)
 		material &to = into->materials[used.material];
 
 		to = material{};
-		read(said ? document.item("materials", index) : prescribed, to, used);
+		read(said ? document.item("materials", index) : empty(), to, used);
 	}
 	return known[index] = used;
 }

@@ -116,16 +116,6 @@ static Matrix local_matrix(const Json &node)
 
 /* ---- the tree ---- */
 
-static const Json &array_of(const Json &of, const char *name)
-{
-	static const Json none = Json::array();
-	const Json *array = find(of, name);
-
-	if (array && !array->is_array())
-		fail_at(*array, -EBADMSG, "expected an array");
-	return array ? *array : none;
-}
-
 void Nodes::find_globals(const Document &document)
 {
 	const size_t count = parent.size();
@@ -159,10 +149,11 @@ void Nodes::find_visible(const Document &document)
 	std::vector<bool> seen(count, false);
 
 	if (document.count("scenes")) {
-		const size_t scene = whole(document.root, "scene", document.count("scenes") - 1, 0);
+		const size_t scene = whole(*document.root, "scene", document.count("scenes") - 1,
+					   0);
 
-		for (const Json &node : array_of(document.item("scenes", scene), "nodes"))
-			next.push_back(document.index(node, "nodes"));
+		for (const Json *node : elements(document.item("scenes", scene), "nodes"))
+			next.push_back(document.index(*node, "nodes"));
 	} else {
 		for (size_t node = 0; node < count; node++)
 			if (parent[node] == node)
@@ -180,10 +171,10 @@ void Nodes::find_visible(const Document &document)
 		seen[at] = true;
 		visible.push_back(at);
 
-		const Json &children = array_of(node, "children");
+		const std::vector<const Json *> children = elements(node, "children");
 
 		for (size_t k = children.size(); k-- > 0;)
-			next.push_back(document.index(children[k], "nodes"));
+			next.push_back(document.index(*children[k], "nodes"));
 	}
 }
 
@@ -195,11 +186,11 @@ Nodes::Nodes(const Document &document)
 	for (size_t node = 0; node < count; node++)
 		parent.push_back(node);
 	for (size_t node = 0; node < count; node++)
-		for (const Json &child : array_of(document.item("nodes", node), "children")) {
-			const size_t at = document.index(child, "nodes");
+		for (const Json *child : elements(document.item("nodes", node), "children")) {
+			const size_t at = document.index(*child, "nodes");
 
 			if (parent[at] != at || at == node)
-				fail_at(child, -EBADMSG,
+				fail_at(*child, -EBADMSG,
 					"node " + std::to_string(at) +
 						" has two parents, expected a tree");
 			parent[at] = node;
@@ -212,7 +203,7 @@ Nodes::Nodes(const Document &document)
 
 std::vector<Matrix> skin_matrices(Document &document, const Nodes &nodes, const Json &skin)
 {
-	const Json &joints = array_of(skin, "joints");
+	const std::vector<const Json *> joints = elements(skin, "joints");
 	const Json *inverse = find(skin, "inverseBindMatrices");
 	std::vector<Matrix> out;
 	Values bind = {0, 0, {}};
@@ -226,7 +217,7 @@ std::vector<Matrix> skin_matrices(Document &document, const Nodes &nodes, const 
 					std::to_string(joints.size()) + " of 16");
 	}
 	for (size_t k = 0; k < joints.size(); k++) {
-		const size_t joint = document.index(joints[k], "nodes");
+		const size_t joint = document.index(*joints[k], "nodes");
 
 		out.push_back(inverse ? nodes.global[joint] * matrix_of_columns(&bind.value[16 * k])
 				      : nodes.global[joint]);
