@@ -344,7 +344,8 @@ int picture_file_read(const char *path, struct image *image, struct fault *fault
 	if (fstat(fileno(stream), &about) == 0 && S_ISREG(about.st_mode) &&
 	    fread(first, 1, sizeof(first), stream) == sizeof(first)) {
 		rewind(stream);
-		if (!memcmp(first, "II*", 4) || !memcmp(first, "MM\0*", 4))
+		if (!memcmp(first, "II*", 4) || !memcmp(first, "MM\0*", 4) ||
+		    !memcmp(first, "II+", 4) || !memcmp(first, "MM\0+", 4))
 			err = tiff_read(path, (uint64_t)about.st_size, image, fault);
 		else if (!memcmp(first, "BM", 2) || (dot && strcasecmp(dot, ".tga") == 0))
 			err = stb_read(stream, (uint64_t)about.st_size, path, image, fault);

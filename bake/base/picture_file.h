@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of textures: all kinds that hal/image reads, with all 16 bits of PNG, and those of programs
- * for 3D objects: TIFF, BMP and TGA. */
+ * for 3D objects: TIFF (BigTIFF too), BMP and TGA. */
 #ifndef INLAY_BAKE_BASE_PICTURE_FILE_H
 #define INLAY_BAKE_BASE_PICTURE_FILE_H
 

@@ -40,6 +40,7 @@ struct mtl {
 	struct mtl_map map[MAP_COUNT];
 	unsigned left; /* bits of lefts */
 	bool spectral;
+	int since; /* line of the mesh that names the library */
 };
 
 /* ---- statements ---- */
@@ -208,8 +209,10 @@ static int library_add(struct mtl_text *text, struct text_span name, bool blende
 		return mtl_lack(text);
 	library->materials = grown;
 	text->mtl = &grown[library->count++];
-	*text->mtl =
-		(struct mtl){.name = text_copy(name), .by = strdup(text->path), .blender = blender};
+	*text->mtl = (struct mtl){.name = text_copy(name),
+				  .by = strdup(text->path),
+				  .blender = blender,
+				  .since = library->line};
 	for (int k = 0; k < MTL_NUMBERS; k++)
 		text->mtl->number[k] = UNSAID;
 	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text);
@@ -272,15 +275,17 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 	return err;
 }
 
-int mtl_find(const struct mtl_library *library, struct text_span name)
+int mtl_find(const struct mtl_library *library, struct text_span name, int line)
 {
-	for (int k = 0; k < library->count; k++)
-		if (text_is(name, library->materials[k].name))
-			return k;
-	for (int k = 0; k < library->count; k++)
-		if (text_is_any_case(name, library->materials[k].name))
-			return k;
-	return -1;
+	const struct mtl *of = library->materials;
+	int found = -1;
+
+	for (int pass = 0; pass < 2 && found < 0; pass++)
+		for (int k = 0; k < library->count; k++)
+			if ((pass ? text_is_any_case : text_is)(name, of[k].name) &&
+			    (found < 0 || (of[k].since > of[found].since && of[k].since <= line)))
+				found = k;
+	return found;
 }
 
 void mtl_free(struct mtl_library *library)

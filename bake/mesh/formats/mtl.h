@@ -23,15 +23,17 @@ struct mtl;
 struct mtl_library {
 	struct mtl *materials;
 	int count;
+	int line; /* of the statement that names the file which is read next */
 };
 
 /* Adds the materials of a file. -EBADMSG: a statement without its numbers; the fault names file and
  * line. */
 int mtl_read(struct mtl_library *library, const char *path, struct fault *fault);
 
-/* Returns the number of a material; -1: there is none of this name, in any case of letters. The first
- * one counts, and one that is spelt alike before others. */
-int mtl_find(const struct mtl_library *library, struct text_span name);
+/* Returns the number of a material for a line; -1: there is none of this name, in any case of letters. Of
+ * several, one that is spelt alike counts before others, then that of the last file named above the line,
+ * then the first. */
+int mtl_find(const struct mtl_library *library, struct text_span name, int line);
 
 /* Makes a material, reads its textures, and counts what is left out. */
 int mtl_make(const struct mtl_library *library, int number, struct textures *textures,

@@ -42,6 +42,7 @@ struct obj {
 	int current;		    /* material that faces get, in the library */
 	struct soup_corner *corner; /* of a face */
 	size_t corner_room;
+	bool bare;    /* faces with a texture, but without its coordinates */
 	unsigned odd; /* bits of odd_words */
 };
 
@@ -154,6 +155,7 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 		return soup_lack(&obj->soup);
 	found = beside_find(obj->soup.path, text, path);
 	free(text);
+	obj->library.line = obj->soup.lines.line;
 	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
 }
 
@@ -192,7 +194,7 @@ static int obj_use(struct obj *obj, struct text_span line)
 
 	if (!obj->soup.with_materials || !obj->any_library)
 		return 0;
-	obj->current = mtl_find(&obj->library, name);
+	obj->current = mtl_find(&obj->library, name, obj->soup.lines.line);
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
@@ -317,6 +319,7 @@ static int obj_face(struct obj *obj, struct text_span line)
 	if (err)
 		return err;
 	m = &obj->soup.textures.mesh->materials[obj->material[obj->current]];
+	obj->bare |= m->texture && !(has & SOUP_UVS);
 	if (obj->colours.count && !m->texture)
 		has |= SOUP_COLOURS;
 	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has);
@@ -404,6 +407,8 @@ static int obj_read_text(struct obj *obj, double crease_deg)
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		if (obj->odd & 1u << k)
 			left_out_add(&obj->soup.out, odd_names[k], "mesh");
+	if (obj->bare)
+		left_out_add(&obj->soup.out, "textures without coordinates", "mesh");
 	return err ? err : soup_finish(&obj->soup, crease_deg);
 }
 

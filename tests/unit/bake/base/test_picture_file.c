@@ -92,7 +92,7 @@ static void test_bmp_and_tga(void **state)
 
 static void write_tiff(const char *name, int bits, int samples, const void *row)
 {
-	TIFF *tiff = TIFFOpen(small_scene_path(name), "w");
+	TIFF *tiff = TIFFOpen(small_scene_path(name), strstr(name, "big") ? "w8" : "w");
 	const uint16_t unassociated = EXTRASAMPLE_UNASSALPHA;
 
 	assert_non_null(tiff);
@@ -125,6 +125,8 @@ static void test_tiff(void **state)
 	(void)state;
 	write_tiff("rgb.tif", 8, 3, rgb);
 	expect_pair("rgb.tif", false);
+	write_tiff("big.tif", 8, 3, rgb);
+	expect_pair("big.tif", false);
 	write_tiff("rgba.tiff", 8, 4, rgba);
 	read_fine("rgba.tiff", &image);
 	assert_int_equal(image.alpha[1], 51);

@@ -208,6 +208,35 @@ static void test_libraries(void **state)
 	expect_checker("named.obj");
 }
 
+/* Files put together name several libraries that have materials of the same name: the nearest one above
+ * counts. A texture without coordinates is said. */
+static void test_joined_files(void **state)
+{
+	struct captured_log log;
+	char line[512] = "";
+	struct mesh mesh;
+	FILE *said;
+
+	(void)state;
+	write_picture("mesh.png", texels);
+	small_scene_write("a.mtl", "newmtl m\nKd 1 0 0\n");
+	small_scene_write("b.mtl", "newmtl m\nKd 0 0 1\nmap_Kd mesh.png\n");
+	small_scene_write("ab.obj",
+			  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nmtllib a.mtl\nusemtl m\nf 1 2 3\n"
+			  "mtllib b.mtl\nusemtl m\nf 1 3 4\n");
+	log = captured_log_begin();
+	read_fine("ab.obj", &mesh);
+	said = captured_log_end(&log);
+	assert_int_equal(mesh.material_count, 2);
+	for (int k = 0; k < 2; k++)
+		expect_that(mesh.materials[mesh.parts[k].material].colour.c[0] == 1 - (float)k,
+			    "k=%d", k);
+	assert_non_null(fgets(line, sizeof(line), said));
+	assert_non_null(strstr(line, "ab.obj: left out: textures without coordinates of 1 mesh\n"));
+	fclose(said);
+	mesh_free(&mesh);
+}
+
 static void test_missing_texture(void **state)
 {
 	struct fault fault = {.text = ""};
@@ -372,6 +401,7 @@ int main(void)
 		cmocka_unit_test(test_missing_texture), cmocka_unit_test(test_texture_places),
 		cmocka_unit_test(test_coverage),	cmocka_unit_test(test_surface_maps),
 		cmocka_unit_test(test_bumps),		cmocka_unit_test(test_left_out),
+		cmocka_unit_test(test_joined_files),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
