@@ -197,9 +197,11 @@ static void read_text(const struct yaml_reader *r, const char *from, struct word
 }
 
 /* Remembers what says that the picture is not all that the matrix is of. */
-static void note_part(struct yaml_reader *r, const char *key, const char *rest)
+static void note_part(struct yaml_reader *r, int block, const char *key, const char *rest)
 {
-	const int most = !strncmp(key, "binning_", 8) ? 1 : strstr(key, "_offset") ? 0 : INT_MAX;
+	const int most = block == YAML_TOP && !strncmp(key, "binning_", 8) ? 1
+			 : block == YAML_ROI && strstr(key, "_offset")	   ? 0
+									   : INT_MAX;
 
 	if (atoi(rest) > most && !r->words->part.line)
 		read_text(r, key, &r->words->part);
@@ -269,8 +271,7 @@ static int flow_scalar(struct yaml_reader *r, int block, struct words_matrix *m,
 
 	if (block == YAML_MATRIX)
 		return read_member(r, key, text, m);
-	if (block != YAML_OTHER)
-		note_part(r, key, text);
+	note_part(r, block, key, text);
 	if (block != YAML_TOP)
 		return 0;
 	if (place.kind == WORDS_INT)
@@ -396,7 +397,7 @@ static int read_top(struct yaml_reader *r, const char *key, const char *rest)
 {
 	r->begun = true;
 	r->block = YAML_TOP;
-	note_part(r, key, rest);
+	note_part(r, r->block, key, rest);
 	if (is_camera(key) && !*rest)
 		begin_camera(r, key);
 	else if (!strcmp(key, "roi") && !*rest)
@@ -429,7 +430,7 @@ static int read_line(struct yaml_reader *r)
 		return read_top(r, key, rest);
 	if (r->block == YAML_CAMERA)
 		return read_key(r, key, rest);
-	note_part(r, key, rest);
+	note_part(r, r->block, key, rest);
 	return 0;
 }
 

@@ -296,7 +296,7 @@ void Materials::read_coat(const Json &from, material &to)
 		left_out_add(missing, "textures of clear coats", "material");
 }
 
-/* Of a volume, in the world; a texture of it counts by its mean. */
+/* A volume's thickness in the world. A texture of it counts by its mean. */
 double Materials::thickness_of(const Json &from, Used &used)
 {
 	const Json *volume = find_extension(from, "KHR_materials_volume");

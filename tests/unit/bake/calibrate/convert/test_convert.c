@@ -388,7 +388,8 @@ static void test_dialects(void **state)
 		"{image_width: 640, image_height: 480, camera_name: 'a, b', distortion_model: "
 		"plumb_bob,\n camera_matrix: {rows: 3, cols: 3, data: [536, 0, 342, 0, 535, 235, # "
 		"of "
-		"K\n 0, 0, 1]}, other: {a: [{b: 1}, 2]}, roi: {x_offset: 0}, "
+		"K\n 0, 0, 1]}, other: {a: [{b: 1}, 2], x_offset: 3}, t_offset: 1, roi: {x_offset: "
+		"0}, "
 		"distortion_coefficients: "
 		"{rows: 1, cols: 5, data: [-0.25, 0.0625, 0.001, -0.002, 0]}}\n";
 	static const char json[] = "{\"camera_matrix\": [[536.0, 0.0, 342.0], [0.0, 535.0, "
