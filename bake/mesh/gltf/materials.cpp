@@ -340,6 +340,7 @@ void Materials::read_glass(const Json &from, material &to, Used &used)
 	for (double &c : tint)
 		c = std::pow(std::clamp(c, 0.0, 1.0), thickness / std::max(distance, 1e-9) / 2);
 	to.kind = MATERIAL_GLASS;
+	to.map.use.texture = nullptr; /* its colours know nothing of the tint */
 	to.colour = rgb_mul(rgb_add(to.colour, to.metal), rgb_of(tint));
 	to.ior = static_cast<float>(ior_of(from));
 	to.thin = thickness <= 0;
