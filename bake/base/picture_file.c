@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -56,36 +57,115 @@ tiff_on_warning(TIFF *tiff, void *fault, const char *module, const char *format,
 	return 1;
 }
 
-/* Reads rows of 16-bit grey or RGB, perhaps with more samples, which are skipped. */
-static bool tiff_read_deep(TIFF *tiff, struct image *image, size_t samples)
+/* What a TIFF says of its samples. */
+struct tiff_kind {
+	uint32_t width, height;
+	uint16_t bits, samples, planes, light, format, turned;
+	uint16_t
+		alpha; /* EXTRASAMPLE_ASSOCALPHA, _UNASSALPHA; 0: further samples are something else */
+};
+
+static struct tiff_kind tiff_kind_of(TIFF *tiff)
 {
-	const size_t width = (size_t)image->width, count = samples < 3 ? 1 : 3;
-	uint16_t *row = malloc((size_t)TIFFScanlineSize(tiff) + 1);
-	bool fine = row && (size_t)TIFFScanlineSize(tiff) >= 2 * samples * width;
+	struct tiff_kind kind = {.width = 0};
+	uint16_t extras = 0, *extra = NULL;
 
-	for (int y = 0; y < image->height && fine; y++) {
-		uint16_t *to = image->u16 + 3 * width * (size_t)y;
-
-		fine = TIFFReadScanline(tiff, row, (uint32_t)y, 0) == 1;
-		for (size_t k = 0; k < 3 * width && fine; k++)
-			to[k] = row[k / 3 * samples + (count == 3 ? k % 3 : 0)];
-	}
-	free(row);
-	return fine;
+	TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &kind.width);
+	TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &kind.height);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &kind.bits);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &kind.samples);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &kind.planes);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &kind.format);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &kind.turned);
+	TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &extras, &extra);
+	TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &kind.light);
+	if (extras && extra[0] != EXTRASAMPLE_UNSPECIFIED)
+		kind.alpha = extra[0];
+	return kind;
 }
 
-/* libtiff gives colours that are multiplied by alpha. */
-static bool tiff_read_plain(TIFF *tiff, struct image *image)
+static double half_value(uint16_t half)
+{
+	const int exponent = half >> 10 & 31, fraction = half & 1023;
+	const double size = exponent == 31 ? (fraction ? (double)NAN : (double)INFINITY)
+			    : exponent	   ? ldexp(1024 + fraction, exponent - 25)
+					   : ldexp(fraction, -24);
+
+	return half >> 15 ? -size : size;
+}
+
+/* Linear light of a row, whose first pixel is number at, and its alpha if there is some. False: a sample is not
+ * finite. */
+static bool tiff_take_floats(const struct tiff_kind *kind, const void *row, struct image *image,
+			     size_t at)
+{
+	const size_t colours = kind->samples < 3 ? 1 : 3;
+
+	for (size_t x = 0; x < kind->width; x++) {
+		double value[4], a = 1;
+
+		for (size_t c = 0; c <= colours && c < kind->samples; c++) {
+			const size_t k = x * kind->samples + c;
+
+			value[c] = kind->bits == 16 ? half_value(((const uint16_t *)row)[k])
+						    : (double)((const float *)row)[k];
+			if (!isfinite(value[c]))
+				return false;
+		}
+		if (kind->alpha) {
+			a = fmin(fmax(value[colours], 0), 1);
+			image->alpha[at + x] = (uint8_t)(a * 255 + 0.5);
+		}
+		for (size_t c = 0; c < 3; c++)
+			image->f32[3 * (at + x) + c] =
+				(float)(fmax(value[colours == 3 ? c : 0], 0) /
+					(kind->alpha == EXTRASAMPLE_ASSOCALPHA && a > 0 ? a : 1));
+	}
+	return true;
+}
+
+/* Reads rows of 16-bit or float grey or RGB, perhaps with more samples. */
+static int tiff_read_rows(TIFF *tiff, const struct tiff_kind *kind, struct image *image,
+			  struct fault *fault)
+{
+	const size_t width = kind->width, samples = kind->samples, bytes = kind->bits / 8;
+	void *row = malloc((size_t)TIFFScanlineSize(tiff) + 1);
+	int err = row ? 0 : -ENOMEM;
+
+	if (!err && (size_t)TIFFScanlineSize(tiff) < bytes * samples * width)
+		err = -EBADMSG;
+	if (!err && image->f32 && kind->alpha) {
+		image->alpha = malloc(width * kind->height);
+		err = image->alpha ? 0 : -ENOMEM;
+	}
+	for (size_t y = 0; y < kind->height && !err; y++) {
+		const size_t at = width * y;
+
+		if (TIFFReadScanline(tiff, row, (uint32_t)y, 0) != 1)
+			err = -EBADMSG;
+		else if (image->f32 && !tiff_take_floats(kind, row, image, at))
+			err = fault_say(fault, -EDOM, "row %zu has light that is not finite", y);
+		for (size_t k = 0; k < 3 * width && !err && image->u16; k++)
+			image->u16[3 * at + k] =
+				((uint16_t *)row)[k / 3 * samples + (samples < 3 ? 0 : k % 3)];
+	}
+	free(row);
+	return err;
+}
+
+/* libtiff gives colours that are multiplied by alpha, or takes a further sample for it. */
+static int tiff_read_plain(TIFF *tiff, const struct tiff_kind *kind, struct image *image)
 {
 	const size_t pixels = (size_t)image->width * (size_t)image->height;
 	uint32_t *raster = malloc(pixels * sizeof(*raster));
 	uint8_t *rgba = (uint8_t *)raster;
-	bool fine = raster &&
-		    TIFFReadRGBAImageOriented(tiff, (uint32_t)image->width, (uint32_t)image->height,
-					      raster, ORIENTATION_TOPLEFT, 1);
+	int err = raster ? 0 : -ENOMEM;
 
-	for (size_t k = 0; k < pixels && fine; k++) {
-		const uint32_t word = raster[k], a = TIFFGetA(word);
+	if (!err &&
+	    !TIFFReadRGBAImageOriented(tiff, kind->width, kind->height, raster, kind->turned, 1))
+		err = -EBADMSG;
+	for (size_t k = 0; k < pixels && !err; k++) {
+		const uint32_t word = raster[k], a = kind->alpha ? TIFFGetA(word) : 255;
 		const uint32_t c[3] = {TIFFGetR(word), TIFFGetG(word), TIFFGetB(word)};
 
 		for (int i = 0; i < 3; i++)
@@ -94,40 +174,93 @@ static bool tiff_read_plain(TIFF *tiff, struct image *image)
 									  : 0);
 		rgba[4 * k + 3] = (uint8_t)a;
 	}
-	fine = fine && image_take_rgba(image, rgba) == 0;
+	if (!err)
+		err = image_take_rgba(image, rgba);
 	free(raster);
-	return fine;
+	return err;
+}
+
+/* Puts pixels of some bytes where an orientation of TIFF says; array is replaced. -ENOMEM. */
+static int turn_pixels(void *array, size_t bytes, size_t width, size_t height, int turned)
+{
+	const bool aside = turned >= ORIENTATION_LEFTTOP;
+	const bool across = turned == 2 || turned == 3 || turned == 6 || turned == 7;
+	const bool down = turned == 3 || turned == 4 || turned == 7 || turned == 8;
+	const size_t wide = aside ? height : width, high = aside ? width : height;
+	char *from = *(char **)array, *to;
+
+	if (!from)
+		return 0;
+	to = malloc(wide * high * bytes);
+	if (!to)
+		return -ENOMEM;
+	for (size_t y = 0; y < height; y++)
+		for (size_t x = 0; x < width; x++) {
+			const size_t i = aside ? y : x, j = aside ? x : y;
+			const size_t at = (down ? high - 1 - j : j) * wide +
+					  (across ? wide - 1 - i : i);
+
+			memcpy(to + at * bytes, from + (y * width + x) * bytes, bytes);
+		}
+	free(from);
+	*(char **)array = to;
+	return 0;
+}
+
+static int tiff_turn(struct image *image, int turned)
+{
+	const size_t width = (size_t)image->width, height = (size_t)image->height;
+	int err = 0;
+
+	if (turned <= ORIENTATION_TOPLEFT || turned > ORIENTATION_LEFTBOT)
+		return 0;
+	err = turn_pixels(&image->u8, 3, width, height, turned);
+	if (!err)
+		err = turn_pixels(&image->u16, 3 * sizeof(*image->u16), width, height, turned);
+	if (!err)
+		err = turn_pixels(&image->f32, 3 * sizeof(*image->f32), width, height, turned);
+	if (!err)
+		err = turn_pixels(&image->alpha, 1, width, height, turned);
+	if (turned >= ORIENTATION_LEFTTOP) {
+		image->width = (int)height;
+		image->height = (int)width;
+	}
+	return err;
 }
 
 static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct image *image,
 		       struct fault *fault)
 {
-	uint16_t bits = 1, samples = 1, planes = 1, light = 0, turned = ORIENTATION_TOPLEFT;
-	uint32_t width = 0, height = 0;
-	bool deep;
-	int err;
+	const struct tiff_kind kind = tiff_kind_of(tiff);
+	const bool light = kind.format == SAMPLEFORMAT_IEEEFP;
+	const bool rows = kind.planes == PLANARCONFIG_CONTIG && !TIFFIsTiled(tiff) &&
+			  (kind.light == PHOTOMETRIC_RGB
+				   ? kind.samples >= 3
+				   : kind.light == PHOTOMETRIC_MINISBLACK && kind.samples < 3);
+	const bool deep = !light && rows && kind.bits == 16 && !kind.alpha &&
+			  kind.format == SAMPLEFORMAT_UINT;
+	struct fault why = {.text = ""};
+	int err = check_size(path, kind.width, kind.height, bytes, fault);
 
-	TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width);
-	TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height);
-	TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &bits);
-	TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &samples);
-	TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planes);
-	TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &turned);
-	TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &light);
-	err = check_size(path, width, height, bytes, fault);
 	if (err)
 		return err;
-	deep = bits == 16 && planes == PLANARCONFIG_CONTIG && turned == ORIENTATION_TOPLEFT &&
-	       (light == PHOTOMETRIC_RGB ? samples == 3
-					 : light == PHOTOMETRIC_MINISBLACK && samples == 1) &&
-	       !TIFFIsTiled(tiff);
-	err = deep ? image_create_u16(image, (int)width, (int)height)
-		   : image_create_u8(image, (int)width, (int)height);
-	if (err)
+	if (light && (!rows || (kind.bits != 16 && kind.bits != 32)))
+		return fault_say(
+			fault, -EBADMSG,
+			"%s: a TIFF of %d-bit floats in %d samples, planes or tiles, expected "
+			"16 or 32 bits of grey or RGB in rows",
+			path, kind.bits, kind.samples);
+	err = light  ? image_create_f32(image, (int)kind.width, (int)kind.height)
+	      : deep ? image_create_u16(image, (int)kind.width, (int)kind.height)
+		     : image_create_u8(image, (int)kind.width, (int)kind.height);
+	if (!err)
+		err = light || deep ? tiff_read_rows(tiff, &kind, image, &why)
+				    : tiff_read_plain(tiff, &kind, image);
+	if (!err)
+		err = tiff_turn(image, kind.turned);
+	if (err == -ENOMEM)
 		return fault_say(fault, err, "%s: not enough memory for the picture", path);
-	return (deep ? tiff_read_deep(tiff, image, samples) : tiff_read_plain(tiff, image))
-		       ? 0
-		       : -EBADMSG;
+	return why.text[0] ? fault_say(fault, err, "%s: %s", path, why.text) : err;
 }
 
 static int tiff_read(const char *path, uint64_t bytes, struct image *image, struct fault *fault)
@@ -165,7 +298,8 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 
 	if (bytes > INT_MAX || !stbi_info_from_memory(data, (int)bytes, &width, &height, &channels))
 		return fault_say(fault, -EBADMSG, "%s: damaged: no BMP or TGA that is read", path);
-	err = check_size(path, width, height, bytes, fault);
+	/* a BMP whose rows begin at the top has a negative height */
+	err = check_size(path, width, abs(height), bytes, fault);
 	if (err)
 		return err;
 	rgba = stbi_load_from_memory(data, (int)bytes, &width, &height, &channels, 4);
@@ -210,7 +344,8 @@ int picture_file_read(const char *path, struct image *image, struct fault *fault
 	if (fstat(fileno(stream), &about) == 0 && S_ISREG(about.st_mode) &&
 	    fread(first, 1, sizeof(first), stream) == sizeof(first)) {
 		rewind(stream);
-		if (!memcmp(first, "II*", 4) || !memcmp(first, "MM\0*", 4))
+		if (!memcmp(first, "II*", 4) || !memcmp(first, "MM\0*", 4) ||
+		    !memcmp(first, "II+", 4) || !memcmp(first, "MM\0+", 4))
 			err = tiff_read(path, (uint64_t)about.st_size, image, fault);
 		else if (!memcmp(first, "BM", 2) || (dot && strcasecmp(dot, ".tga") == 0))
 			err = stb_read(stream, (uint64_t)about.st_size, path, image, fault);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of textures: all kinds that hal/image reads, with all 16 bits of PNG, and those of programs
- * for 3D objects: TIFF, BMP and TGA. */
+ * for 3D objects: TIFF (BigTIFF too), BMP and TGA. */
 #ifndef INLAY_BAKE_BASE_PICTURE_FILE_H
 #define INLAY_BAKE_BASE_PICTURE_FILE_H
 
 #include "hal/image/image.h"
 
-/* As image_read_deep(). Of a TIFF the first picture counts, and its orientation. TGA has no first bytes
+/* As image_read_deep(). Of a TIFF the first picture counts, and its orientation; its floats are linear light,
+ * also those of 16 bits. TGA has no first bytes
  * of its own, and is told by the ending of its name. */
 int picture_file_read(const char *path, struct image *image, struct fault *fault);
 

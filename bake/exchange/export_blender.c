@@ -7,6 +7,7 @@
 
 /* export_blender_py[]: bake/module.mk makes this header from export_blender.py. */
 #include "bake/exchange/export_blender.py.h"
+#include "bake/exchange/export_mesh.h"
 
 /* ---- camera ---- */
 
@@ -85,12 +86,20 @@ static void write_json_materials(FILE *to, const struct export_job *job)
 		fprintf(to, "%s\n {\"kind\": \"%s\", ", k ? "," : "", material_kind_names[m->kind]);
 		write_colour(to, "colour", &m->colour);
 		write_colour(to, "specular", &m->specular);
-		fprintf(to, "\"roughness\": %.9g, \"ior\": %.9g, \"thin\": %s, \"texture\": ",
-			(double)m->roughness, (double)m->ior, m->thin ? "true" : "false");
+		fprintf(to, "\"roughness\": %.9g, \"ior\": %.9g, \"thin\": %s, \"coloured\": %s, ",
+			(double)m->roughness, (double)m->ior, m->thin ? "true" : "false",
+			export_use_of(job, m).colours ? "true" : "false");
 		if (m->texture)
-			fprintf(to, "\"texture%d.hdr\"}", k);
+			fprintf(to,
+				"\"texture\": \"texture%d.hdr\", \"clamp\": %s, \"nearest\": %s}",
+				k,
+				m->texture->wrap[0] == TEXTURE_CLAMP &&
+						m->texture->wrap[1] == TEXTURE_CLAMP
+					? "true"
+					: "false",
+				m->texture->nearest ? "true" : "false");
 		else
-			fputs("null}", to);
+			fputs("\"texture\": null}", to);
 	}
 	fputs("],\n", to);
 }
@@ -157,7 +166,7 @@ int export_blender(const struct scene *scene, const struct dome *dome, const cha
 				 "others (--lights cells; --radiance takes tents)",
 				 scene->path);
 	if (!err)
-		err = export_job_begin(&job, scene, dome, folder, fault);
+		err = export_job_begin(&job, scene, dome, folder, true, fault);
 	if (err)
 		return err;
 	err = write_scene(&job, fault);

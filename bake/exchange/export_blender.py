@@ -68,13 +68,29 @@ def load_picture(name):
 
 
 def set_colour(socket, values, nodes, links):
-    """Of a texture, which is multiplied by the colour already, or of the colour alone."""
+    """Of a texture, which is multiplied by the colour already, or of the colour alone, and of vertices."""
+    factors = []
     if values["texture"]:
         texture = nodes.new("ShaderNodeTexImage")
         texture.image = load_picture(values["texture"])
-        links.new(texture.outputs["Color"], socket)
-    else:
+        texture.extension = "EXTEND" if values["clamp"] else "REPEAT"
+        texture.interpolation = "Closest" if values["nearest"] else "Linear"
+        factors.append(texture.outputs["Color"])
+    if values.get("coloured"):
+        vertices = nodes.new("ShaderNodeAttribute")
+        vertices.attribute_name = "colour"
+        factors.append(vertices.outputs["Color"])
+    if not factors:
         socket.default_value = (*values["colour"], 1)
+    elif values["texture"] and len(factors) == 1:
+        links.new(factors[0], socket)
+    else:
+        product = nodes.new("ShaderNodeVectorMath")  # of colours as of vectors
+        product.operation = "MULTIPLY"
+        product.inputs[0].default_value = product.inputs[1].default_value = values["colour"]
+        for place, factor in zip(product.inputs, factors):
+            links.new(factor, place)
+        links.new(product.outputs[0], socket)
 
 
 def metal(values, nodes, _links):
@@ -207,14 +223,15 @@ def make_object(name, vertices, faces):
 
 def read_mesh(name, materials):
     """Wavefront OBJ as inlay-bake writes it: triangles with a normal at each corner."""
-    points, normals, places = [], [], []
+    points, normals, places, colours = [], [], [], []
     faces, face_normals, face_places, face_material = [], [], [], []
     material = 0
     with open(os.path.join(HERE, name), encoding="ascii") as lines:
         for line in lines:
             key, *words = line.split() or ("",)
             if key == "v":
-                points.append(tuple(map(float, words)))
+                points.append(tuple(map(float, words[:3])))
+                colours.extend((*map(float, words[3:6] or (1, 1, 1)), 1))
             elif key == "vn":
                 normals.append(tuple(map(float, words)))
             elif key == "vt":
@@ -235,6 +252,8 @@ def read_mesh(name, materials):
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
     uv = mesh.uv_layers.new(name="uv")
     uv.data.foreach_set("uv", [value for place in face_places for value in place])
+    vertices = mesh.attributes.new(name="colour", type="FLOAT_COLOR", domain="POINT")
+    vertices.data.foreach_set("color", colours)
     if hasattr(mesh, "use_auto_smooth"):  # up to Blender 4.0; later ones always do
         mesh.use_auto_smooth = True
     mesh.normals_split_custom_set(face_normals)

@@ -93,17 +93,24 @@ static int write_angles(const struct export_job *job, struct fault *fault)
 static int write_job_texture(const struct export_job *job, int number, struct fault *fault)
 {
 	const struct material *material = job->material[number];
+	const enum texture_wrap *wrap = material->texture->wrap;
 	const struct image *from = &material->texture->image;
-	const size_t pixels = (size_t)from->width * (size_t)from->height;
+	const int width = from->width, height = from->height;
+	const int top = wrap[1] == TEXTURE_MIRROR ? height
+						  : 0; /* rows that the mirrored ones take */
 	char path[PATH_MAX];
 	struct image to;
-	int err = image_create_f32(&to, from->width, from->height);
+	int err = image_create_f32(&to, width << (wrap[0] == TEXTURE_MIRROR), height + top);
 
 	if (err)
 		return fault_say(fault, err, "%s: out of memory", job->folder);
-	for (size_t k = 0; k < 3 * pixels; k++) {
-		const float value = from->f32 ? from->f32[k]
-					      : material->texture->decode[from->u8[k]];
+	for (size_t k = 0; k < 3 * (size_t)to.width * (size_t)to.height; k++) {
+		const int x = (int)(k / 3 % (size_t)to.width), y = (int)(k / 3 / (size_t)to.width);
+		const size_t across = (size_t)(x < width ? x : 2 * width - 1 - x);
+		const size_t down = (size_t)(y < top ? top - 1 - y : y - top);
+		const size_t at = 3 * (down * (size_t)width + across) + k % 3;
+		const float value = from->f32 ? from->f32[at]
+					      : material->texture->decode[from->u8[at]];
 
 		to.f32[k] = fminf(value * material->colour.c[k % 3], 1);
 	}
@@ -172,11 +179,17 @@ static void survey_scene(struct export_job *job)
 /* Warns of what pictures cannot hold, and of what no job tells its renderer. */
 static void say_what_is_lost(const struct export_job *job)
 {
-	bool glass = false, metal = false, fine = false;
+	bool glass = false, metal = false, fine = false, colours = false, edges = false;
 
 	for (int k = 0; k < job->material_count; k++) {
 		const struct material *m = job->material[k];
+		const struct export_use use = export_use_of(job, m);
+		const bool clamp[2] = {m->texture && m->texture->wrap[0] == TEXTURE_CLAMP,
+				       m->texture && m->texture->wrap[1] == TEXTURE_CLAMP};
 
+		colours |= use.colours && !(job->for_blender && rgb_peak(m->metal) <= 0);
+		edges |= use.beyond &&
+			 (job->for_blender ? clamp[0] != clamp[1] : clamp[0] || clamp[1]);
 		glass |= m->kind == MATERIAL_GLASS;
 		fine |= m->map.use.texture || m->bumps.texture || m->alpha_mode != ALPHA_OPAQUE;
 		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
@@ -189,16 +202,23 @@ static void say_what_is_lost(const struct export_job *job)
 		log_warning("%s: textures of roughness and metalness (their means are kept), bumps "
 			    "and alpha are left out",
 			    job->scene->path);
+	if (colours)
+		log_warning("%s: colours of vertices%s are left out", job->scene->path,
+			    job->for_blender ? " of a metal" : "");
+	if (edges)
+		log_warning("%s: a texture that does not repeat%s repeats", job->scene->path,
+			    job->for_blender ? " in one direction" : "");
 	if (metal)
 		log_warning("%s: the texture of a metal is left out", job->scene->path);
 }
 
 int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
-		     const char *folder, struct fault *fault)
+		     const char *folder, bool for_blender, struct fault *fault)
 {
 	int err;
 
-	*job = (struct export_job){.scene = scene, .dome = dome, .folder = folder};
+	*job = (struct export_job){
+		.scene = scene, .dome = dome, .folder = folder, .for_blender = for_blender};
 	survey_scene(job);
 	if (!scene->file->ground.given && !job->has_standins)
 		return fault_say(fault, -EINVAL,

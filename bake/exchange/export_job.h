@@ -6,7 +6,9 @@
  *     angles.txt       the lights, as inlay-bake import --angles reads them
  *     objects.obj      triangles in world coordinates with normals and texture coordinates, of
  *     standins.obj     materials m0, m1 ...; absent where there are no such meshes
- *     texture0.hdr     of material m0, linear, multiplied by its colour
+ *                      Blender's have colours behind positions, where a material has any
+ *     texture0.hdr     of material m0, linear, multiplied by its colour; what is mirrored beyond an edge
+ *                      is in it twice
  *
  * No file in it refers to a path outside the folder.
  */
@@ -30,7 +32,8 @@ struct export_job {
 	const struct material **material;
 	int material_count;
 	bool has_objects, has_standins;
-	double span; /* largest distance of a vertex or of the camera from the origin */
+	bool for_blender; /* which takes colours of vertices and textures that do not repeat */
+	double span;	  /* largest distance of a vertex or of the camera from the origin */
 };
 
 /* Creates the folder unless it exists, and writes the files listed above. scene, dome and folder
@@ -38,7 +41,7 @@ struct export_job {
  * import could show a real surface; -ENOTEMPTY: the folder holds files but no earlier export;
  * -ENOMEM; -errno of the folder. */
 int export_job_begin(struct export_job *job, const struct scene *scene, const struct dome *dome,
-		     const char *folder, struct fault *fault);
+		     const char *folder, bool for_blender, struct fault *fault);
 void export_job_end(struct export_job *job); /* idempotent; zeroed is fine */
 
 /* Opens a file of the folder. The caller commits it. */

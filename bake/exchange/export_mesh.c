@@ -60,6 +60,33 @@ static void find_coordinates(const struct mesh_part *part, const struct material
 		texture_use_place(&material->placed, &point, uv);
 }
 
+struct export_use export_use_of(const struct export_job *job, const struct material *material)
+{
+	const struct scene *scene = job->scene;
+	struct export_use use = {.colours = false};
+
+	for (int k = 0; k < scene->file->mesh_count; k++) {
+		const struct material *named = named_material(scene, k);
+
+		for (int p = 0; p < scene->meshes[k].part_count; p++) {
+			const struct mesh_part *part = &scene->meshes[k].parts[p];
+
+			if ((named ? named : &scene->meshes[k].materials[part->material]) !=
+			    material)
+				continue;
+			use.colours |= part->colour != NULL;
+			for (int v = 0; v < part->vertices && material->texture; v++) {
+				float uv[2];
+
+				find_coordinates(part, material, v, uv);
+				use.beyond |= fminf(uv[0], uv[1]) < -1e-3f ||
+					      fmaxf(uv[0], uv[1]) > 1 + 1e-3f;
+			}
+		}
+	}
+	return use;
+}
+
 /* Writes one part of a mesh. first: number of vertices written before. Returns the number
  * afterwards. */
 static long write_part(const struct export_job *job, FILE *to, const struct mesh_part *part,
@@ -72,9 +99,15 @@ static long write_part(const struct export_job *job, FILE *to, const struct mesh
 		float uv[2];
 
 		find_coordinates(part, material, v, uv);
-		fprintf(to, "v %.9g %.9g %.9g\nvn %.6g %.6g %.6g\nvt %.9g %.9g\n", (double)p[0],
-			(double)p[1], (double)p[2], (double)n.x, (double)n.y, (double)n.z,
-			(double)uv[0], (double)uv[1]);
+		for (int axis = 0; axis < 2 && material->texture; axis++)
+			if (material->texture->wrap[axis] == TEXTURE_MIRROR)
+				uv[axis] /= 2;
+		fprintf(to, "v %.9g %.9g %.9g", (double)p[0], (double)p[1], (double)p[2]);
+		if (job->for_blender && part->colour)
+			for (int c = 0; c < 3; c++)
+				fprintf(to, " %.6g", (double)part->colour[v][c]);
+		fprintf(to, "\nvn %.6g %.6g %.6g\nvt %.9g %.9g\n", (double)n.x, (double)n.y,
+			(double)n.z, (double)uv[0], (double)uv[1]);
 	}
 	for (int t = 0; t < part->triangles; t++) {
 		fputs("f", to);

@@ -14,4 +14,12 @@ int export_materials(struct export_job *job, struct fault *fault);
 /* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for errors. */
 void export_meshes(const struct export_job *job, bool standins, FILE *to);
 
+/* What vertices say about a material. */
+struct export_use {
+	bool colours; /* some have */
+	bool beyond;  /* some are beyond the edges of its texture */
+};
+
+struct export_use export_use_of(const struct export_job *job, const struct material *material);
+
 #endif

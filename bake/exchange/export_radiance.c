@@ -73,11 +73,11 @@ static float rgb_mean(const struct rgb *colour)
 }
 
 /* Texture coordinates of Radiance's pictures run from 0 to 1 along the shorter side. */
-static void write_rad_texture(FILE *to, const struct image *image, int number)
+static void write_rad_texture(FILE *to, const struct texture *texture, int number)
 {
-	const double across = image->width > image->height ? (double)image->width / image->height
-							   : 1;
-	const double up = image->height > image->width ? (double)image->height / image->width : 1;
+	const double width = texture->image.width << (texture->wrap[0] == TEXTURE_MIRROR);
+	const double height = texture->image.height << (texture->wrap[1] == TEXTURE_MIRROR);
+	const double across = fmax(width / height, 1), up = fmax(height / width, 1);
 
 	fprintf(to,
 		"void colorpict t%d 7 red green blue ./texture%d.hdr . %.9g*frac(Lu) "
@@ -108,7 +108,7 @@ static void write_rad_material(FILE *to, const struct material *m, int number)
 		return;
 	}
 	if (m->texture && !metal) {
-		write_rad_texture(to, &m->texture->image, number);
+		write_rad_texture(to, m->texture, number);
 		snprintf(modifier, sizeof(modifier), "t%d", number);
 	}
 	fprintf(to, "%s %s m%d 0 0 5 %.9g %.9g %.9g %.9g %.9g\n", modifier,
@@ -215,7 +215,7 @@ int export_radiance(const struct scene *scene, const struct dome *dome, const ch
 		    const struct export_radiance_settings *settings, struct fault *fault)
 {
 	struct export_job job;
-	int err = export_job_begin(&job, scene, dome, folder, fault);
+	int err = export_job_begin(&job, scene, dome, folder, false, fault);
 
 	if (err)
 		return err;

@@ -14,13 +14,55 @@
 #include "bake/mesh/gltf/gltf.h"
 #include "bake/mesh/mesh_winding.h"
 #include "hal/base/input.h"
+#include "hal/base/log.h"
 #include "hal/optics/vec.h"
 
 /* Largest distance from the origin, as a multiple of the mesh's size: there single precision rounds
- * vertices to 1/100 of the size. */
+ * vertices to 1/100 of the size; and where it is worth a word. */
 #define FAR_MOST (0.01 * (1 << 24))
+#define FAR_SEEN (FAR_MOST / 20)
 #define REACH_MOST 1e9 /* world units: a thousand times what a scene file may say */
 #define FLAT_MOST 1e-6 /* sine of a triangle's angle that rounding alone can make */
+
+/* ---- vertices ---- */
+
+/* Moves the rows of an array to the numbers that they are given, which are not larger; UINT32_MAX: none. */
+static void rows_move(void *array, size_t bytes, const uint32_t *number, int count)
+{
+	char *rows = array;
+
+	for (size_t v = 0; rows && v < (size_t)count; v++)
+		if (number[v] != UINT32_MAX)
+			memmove(rows + number[v] * bytes, rows + v * bytes, bytes);
+}
+
+int mesh_drop_unused(struct mesh_part *part)
+{
+	const size_t corners = 3 * (size_t)part->triangles;
+	const int count = part->vertices;
+	uint32_t *number = malloc(((size_t)count + 1) * sizeof(*number)),
+		 *index = &part->index[0][0];
+
+	if (!number)
+		return -ENOMEM;
+	memset(number, 0xff, (size_t)count * sizeof(*number));
+	for (size_t k = 0; k < corners; k++)
+		number[index[k]] = 0;
+	part->vertices = 0;
+	for (int v = 0; v < count; v++)
+		if (number[v] == 0)
+			number[v] = (uint32_t)part->vertices++;
+	for (size_t k = 0; k < corners; k++)
+		index[k] = number[index[k]];
+	rows_move(part->position, sizeof(*part->position), number, count);
+	rows_move(part->normal, sizeof(*part->normal), number, count);
+	rows_move(part->uv, sizeof(*part->uv), number, count);
+	rows_move(part->uv2, sizeof(*part->uv2), number, count);
+	rows_move(part->tangent, sizeof(*part->tangent), number, count);
+	rows_move(part->colour, sizeof(*part->colour), number, count);
+	free(number);
+	return 0;
+}
 
 /* ---- placement ---- */
 
@@ -65,18 +107,39 @@ static struct affine affine_of(const struct mesh_placement *p)
 
 static struct v3 affine_apply(const struct affine *a, const float p[4], double shift)
 {
-	const double *m = a->m;
+	float out[3];
 
-	return v3_make((float)(m[0] * p[0] + m[1] * p[1] + m[2] * p[2] + shift * a->t[0]),
-		       (float)(m[3] * p[0] + m[4] * p[1] + m[5] * p[2] + shift * a->t[1]),
-		       (float)(m[6] * p[0] + m[7] * p[1] + m[8] * p[2] + shift * a->t[2]));
+	for (int i = 0; i < 3; i++)
+		out[i] = (float)(a->m[3 * i] * (double)p[0] + a->m[3 * i + 1] * (double)p[1] +
+				 a->m[3 * i + 2] * (double)p[2] + shift * a->t[i]);
+	return v3_make(out[0], out[1], out[2]);
+}
+
+/* Moves the origin of positions into t, and the lowest of them to Z = 0 if the mesh stands. */
+static void affine_settle(struct affine *a, const struct mesh *mesh, int stand)
+{
+	const double *m = a->m, *o = mesh->origin;
+	double lowest = INFINITY;
+
+	for (int i = 0; i < 3; i++)
+		a->t[i] += m[3 * i] * o[0] + m[3 * i + 1] * o[1] + m[3 * i + 2] * o[2];
+	for (int k = 0; k < mesh->part_count && stand; k++)
+		for (int i = 0; i < mesh->parts[k].vertices; i++) {
+			const float *p = mesh->parts[k].position[i];
+
+			lowest = fmin(lowest, m[6] * (double)p[0] + m[7] * (double)p[1] +
+						      m[8] * (double)p[2]);
+		}
+	if (stand)
+		a->t[2] = -lowest;
 }
 
 static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement)
 {
-	const struct affine a = affine_of(placement);
-	float lowest = INFINITY;
+	struct affine a = affine_of(placement);
 
+	affine_settle(&a, mesh, placement->stand);
+	memset(mesh->origin, 0, sizeof(mesh->origin));
 	for (int k = 0; k < mesh->part_count; k++) {
 		struct mesh_part *part = &mesh->parts[k];
 
@@ -95,43 +158,55 @@ static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement
 				memcpy(part->tangent[i], (float[]){t.x, t.y, t.z},
 				       3 * sizeof(float));
 			}
-			lowest = fminf(lowest, p.z);
 		}
 	}
-	if (!placement->stand)
-		return;
-	for (int k = 0; k < mesh->part_count; k++)
-		for (int i = 0; i < mesh->parts[k].vertices; i++)
-			mesh->parts[k].position[i][2] -= lowest;
 }
 
 /* ---- checks ---- */
 
-/* Refuses a small mesh far from the origin: single precision rounds its vertices to a coarse
- * grid. */
-static int check_precision(const struct mesh *mesh, const char *path, struct fault *fault)
+/* Refuses a small mesh far from the origin: single precision rounds its vertices to a coarse grid, in the
+ * world or in the file. A file was written in single precision if all its vertices are such numbers. position:
+ * that of the placement; NULL: not placed yet. */
+static int check_precision(const struct mesh *mesh, const double *position, const char *path,
+			   struct fault *fault)
 {
-	float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-	double size = 0, far = 0;
+	double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+	double size = 0, far = 0, middle[3] = {0};
+	char nearer[96] = "nearer";
+	bool single = true;
 
 	for (int k = 0; k < mesh->part_count; k++)
 		for (int i = 0; i < mesh->parts[k].vertices; i++)
 			for (int axis = 0; axis < 3; axis++) {
-				const float at = mesh->parts[k].position[i][axis];
+				const double at = mesh->origin[axis] +
+						  (double)mesh->parts[k].position[i][axis];
 
-				low[axis] = fminf(low[axis], at);
-				high[axis] = fmaxf(high[axis], at);
+				low[axis] = fmin(low[axis], at);
+				high[axis] = fmax(high[axis], at);
+				single &= (double)(float)at == at;
 			}
 	for (int axis = 0; axis < 3; axis++) {
-		size = fmax(size, (double)high[axis] - (double)low[axis]);
-		far = fmax(far, fmax(-(double)low[axis], (double)high[axis]));
+		size = fmax(size, high[axis] - low[axis]);
+		far = fmax(far, fmax(-low[axis], high[axis]));
+		if (position)
+			middle[axis] = position[axis] - (low[axis] + high[axis]) / 2;
 	}
-	if (far < FAR_MOST * size || size == 0)
+	if (far < FAR_SEEN * size || size == 0 || !single)
 		return 0;
-	return fault_say(fault, -ERANGE,
-			 "%s: it is %.4g across and up to %.6g from the origin, where single "
-			 "precision rounds its vertices, expected less than %.3g: move it nearer",
-			 path, size, far, FAR_MOST * size);
+	if (position)
+		snprintf(nearer, sizeof(nearer), "to the origin by position = %.8g %.8g %.8g",
+			 middle[0], middle[1], middle[2]);
+	if (far >= FAR_MOST * size)
+		return fault_say(
+			fault, -ERANGE,
+			"%s: it is %.4g across and up to %.6g from the origin, where single "
+			"precision rounds its vertices, expected less than %.3g: move it %s",
+			path, size, far, FAR_MOST * size, nearer);
+	log_warning_once(
+		"%s: it is %.4g across and up to %.6g from the origin%s, where single precision "
+		"rounds its vertices by 1/%.0f of its size: move it %s",
+		path, size, far, position ? "" : " of its file", size / far * (1 << 25), nearer);
+	return 0;
 }
 
 static bool has_area(const struct mesh_part *part, const uint32_t corner[3])
@@ -162,7 +237,6 @@ static int check_area(const struct mesh *mesh, const char *path, struct fault *f
 static int mesh_check(const struct mesh *mesh, const char *path, struct fault *fault)
 {
 	long triangles = 0;
-	int err;
 
 	for (int k = 0; k < mesh->part_count; k++) {
 		const struct mesh_part *part = &mesh->parts[k];
@@ -189,8 +263,7 @@ static int mesh_check(const struct mesh *mesh, const char *path, struct fault *f
 				 "%s: no faces, expected a mesh of triangles or "
 				 "polygons",
 				 path);
-	err = check_area(mesh, path, fault);
-	return err ? err : check_precision(mesh, path, fault);
+	return check_area(mesh, path, fault);
 }
 
 /* Refuses vertices that a huge scale, of the scene or of the file, has put too far away or made
@@ -246,6 +319,11 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 	err = mesh_import(mesh, path, placement->crease_deg, placement->own_materials, fault);
 	if (!err)
 		err = mesh_check(mesh, path, fault);
+	for (int k = 0; k < mesh->part_count && !err; k++)
+		if (mesh_drop_unused(&mesh->parts[k]) < 0)
+			err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	if (!err)
+		err = check_precision(mesh, NULL, path, fault);
 	if (err) {
 		mesh_free(mesh);
 		return err;
@@ -253,6 +331,8 @@ int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *
 	mesh_place(mesh, placement);
 	mesh_turn_outwards(mesh);
 	err = mesh_check(mesh, path, fault); /* a huge scale may exceed the range of float */
+	if (!err)
+		err = check_precision(mesh, placement->position, path, fault);
 	return err ? err : check_reach(mesh, path, fault);
 }
 

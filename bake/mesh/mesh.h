@@ -5,6 +5,7 @@
 #ifndef INLAY_BAKE_MESH_MESH_H
 #define INLAY_BAKE_MESH_MESH_H
 
+#include <math.h>
 #include <stdint.h>
 
 #include "bake/mesh/material.h"
@@ -34,6 +35,7 @@ static inline struct v3 mesh_corner(const struct mesh_part *part, int triangle, 
 }
 
 struct mesh {
+	double origin[3]; /* of a reader's positions; mesh_read() adds it */
 	struct mesh_part *parts;
 	int part_count;
 	struct material *materials; /* those of the file */
@@ -53,10 +55,21 @@ struct mesh_placement {
 	int own_materials; /* read the file's materials and textures */
 };
 
-/* Reads, checks and places a mesh; one that is closed and wound inwards is turned. -ENOENT ...;
+/* Chooses the origin from which a reader rounds positions to single precision: any vertex that a face has,
+ * in whole units; 0 where it is near. */
+static inline void mesh_set_origin(double origin[3], const double vertex[3])
+{
+	for (int axis = 0; axis < 3; axis++)
+		origin[axis] = fabs(vertex[axis]) < 1024 ? 0 : round(vertex[axis]);
+}
+
+/* Takes out the vertices that no triangle has. -ENOMEM. */
+int mesh_drop_unused(struct mesh_part *part);
+
+/* Reads, checks and places a mesh; vertices that no face has are dropped, and one that is closed and wound inwards is turned. -ENOENT ...;
  * -ENOTSUP: another kind of file; -EBADMSG: not a mesh; -ENODATA: no triangle, or none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
- * the origin, in the file or in the world, that single precision rounds its vertices visibly, or it
- * lies beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */
+ * the origin, in a file of floats or in the world, that single precision rounds its vertices to a hundredth
+ * of its size (from a two-thousandth on it says so), or it lies beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,
 	      struct fault *fault);
 

@@ -8,7 +8,6 @@
 
 #include "hal/basis/basis_format.h"
 
-#define FAR 1e6 /* as in scene_file.c */
 #define TURNS_DEG 36000
 
 _Static_assert(SCENE_POSES_MAX <= BASIS_POSES_MAX, "every pose has room in a basis file");
@@ -64,8 +63,8 @@ const struct ini_key keyframe_keys[] = {
 	 .type = INI_REALS,
 	 .offset = FRAME(position),
 	 .count = 3,
-	 .min = -FAR,
-	 .max = FAR,
+	 .min = -SCENE_MESH_FAR,
+	 .max = SCENE_MESH_FAR,
 	 .fallback = "0 0 0",
 	 .unit = "world units",
 	 .help = "as of the object; left out: not a keyframe of its position"},

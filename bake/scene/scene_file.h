@@ -14,6 +14,7 @@
 #define SCENE_MESHES_MAX 256 /* objects and stand-ins together */
 #define SCENE_MATERIALS_MAX 256
 #define SCENE_NAME_MAX 64
+#define SCENE_MESH_FAR 1e8 /* world units: a file may be in coordinates of a whole country */
 #define SCENE_POSES_MAX 4096
 #define SCENE_KEYFRAMES_MAX 1024
 

@@ -465,11 +465,12 @@ static void tangent_axes(const struct mesh_part *part, const uint32_t corner[3],
 	*along_v = v3_scale(v3_cross(normal, *along_u), part->tangent[corner[0]][3]);
 }
 
-/* Finds the axes of a triangle's texture coordinates. False: it has none. */
-static bool texture_axes(const struct mesh_part *part, int set, const uint32_t corner[3],
-			 struct v3 *along_u, struct v3 *along_v)
+/* Finds the axes of a texture on a triangle, which turn with the place of the texture. False: it has none. */
+static bool texture_axes(const struct mesh_part *part, const struct texture_use *use,
+			 const uint32_t corner[3], struct v3 *along_u, struct v3 *along_v)
 {
-	const float(*uv)[2] = (const float(*)[2])(set ? part->uv2 : part->uv);
+	const float(*uv)[2] = (const float(*)[2])(use->set ? part->uv2 : part->uv);
+	const float *place = use->place;
 	struct v3 edge[2];
 	float d[2][2], area;
 
@@ -480,7 +481,9 @@ static bool texture_axes(const struct mesh_part *part, int set, const uint32_t c
 
 		edge[k] = v3_make(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
 		for (int axis = 0; axis < 2; axis++)
-			d[k][axis] = uv[corner[k + 1]][axis] - uv[corner[0]][axis];
+			d[k][axis] = place[3 * axis] * (uv[corner[k + 1]][0] - uv[corner[0]][0]) +
+				     place[3 * axis + 1] *
+					     (uv[corner[k + 1]][1] - uv[corner[0]][1]);
 	}
 	area = d[0][0] * d[1][1] - d[1][0] * d[0][1];
 	*along_u = v3_scale(v3_mad(v3_scale(edge[0], d[1][1]), -d[0][1], edge[1]),
@@ -504,7 +507,7 @@ static struct v3 bumpy_normal(const struct instance *instance, const uint32_t co
 	normal = v3_unit(normal);
 	if (part->tangent)
 		tangent_axes(part, corner, weight, normal, &along_u, &along_v);
-	else if (!texture_axes(part, m->bumps.set, corner, &along_u, &along_v))
+	else if (!texture_axes(part, &m->bumps, corner, &along_u, &along_v))
 		return normal;
 	return material_bump(m, point, along_u, along_v, normal);
 }

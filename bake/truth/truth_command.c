@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "bake/base/commands.h"
+#include "bake/scene/survey.h"
 #include "bake/truth/photograph.h"
 #include "bake/truth/truth_options.h"
 #include "bake/truth/truth_views.h"
@@ -213,6 +214,8 @@ static int run_truth(const char *path, struct truth_choices *c, struct fault *fa
 	c->truth.bounces = scene->file->render.bounces;
 	err = scene_find_pose(scene, c->pose, fault);
 	if (!err)
+		err = survey_say(scene, NULL, fault);
+	if (!err)
 		err = panorama_read(&picture, c->panorama, fault);
 	panorama.turn_rad = c->turn_deg * (M_PI / 180);
 	panorama.scale = c->exposure;
@@ -232,6 +235,7 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 	};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, truth_command_take, &c);
+	int err;
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -241,11 +245,10 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 		return command_wrong(command, "--panorama is missing");
 	if (!c.output)
 		return command_wrong(command, "-o OUT is missing");
-	if (run_truth(argv[optind], &c, &fault) < 0) {
+	err = run_truth(argv[optind], &c, &fault);
+	if (err)
 		log_error("%s", fault.text);
-		return EXIT_FAILURE;
-	}
-	return EXIT_SUCCESS;
+	return !err ? EXIT_SUCCESS : err == -ENODATA ? EXIT_MISSED : EXIT_FAILURE;
 }
 
 const struct bake_command truth_command = {
@@ -273,6 +276,8 @@ const struct bake_command truth_command = {
 		"  --pose P            of the scene: number, from 0, or name\n"
 		"  --seed K            of all random numbers\n"
 		"  --threads T         default: one for each processor\n"
-		"  --quiet             print nothing but errors\n",
+		"  --quiet             print nothing but errors\n"
+		"\n"
+		"Exit code 3: the camera sees no object, and there is no picture.\n",
 	.run = truth_command_run,
 };

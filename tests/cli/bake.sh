@@ -333,6 +333,9 @@ fi
 	for _ in {1..16}; do printf '\x00\x00\x80\x3e%.0s' 1 2 3 | cat; done
 	for _ in {1..16}; do printf '\x00\x00\x80\x3f%.0s' 1 2 3 | cat; done
 } >"$work/sky.pfm" 2>/dev/null
+rejected "an object out of sight has no truth" 3 "the camera sees no object" "$bake" truth "$work/behind.scene" \
+	--panorama "$work/sky.pfm" -o "$work/behind.png"
+absent "and no picture" "$work/behind.png"
 check "truth" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$work/truth.png" \
 	--samples 4 --background-out "$work/background.png" --fisheye-out "$work/fisheye.pfm" \
 	--fisheye-size 32

@@ -7,6 +7,7 @@
 
 #include "bake/calibrate/convert/convert.h"
 #include "bake/calibrate/convert/convert_words.h"
+#include "hal/base/log.h"
 #include "hal/base/text_file.h"
 
 /* ---- what kind of lens ---- */
@@ -88,6 +89,12 @@ static int take_matrix(struct lens *lens, const struct lens_words *w)
 	lens->focal_px[1] = k[4];
 	lens->centre_px[0] = k[2] + 0.5;
 	lens->centre_px[1] = k[5] + 0.5;
+	if (w->xi.line && (w->xi.count != 1 || !(w->xi.data[0] >= 0)))
+		return fault_say(w->fault, -EINVAL, "%s:%d: xi: expected one number from 0",
+				 w->path, w->xi.line);
+	lens->xi = w->xi.data[0];
+	lens->omni = lens->xi > 0;
+	lens->fisheye &= !lens->omni;
 	return 0;
 }
 
@@ -120,10 +127,32 @@ static int take_intrinsics(struct lens *lens, const struct lens_words *w)
 			 w->path, w->distortion_model.line, w->distortion_model.text);
 }
 
+/* Four coefficients without a word of their model: K and D are what Python programs save of either camera,
+ * while OpenCV's calibration program, with its longer names, says so of a fisheye. */
+static int take_four(const struct lens *lens, const struct lens_words *w)
+{
+	const struct words_matrix *m = &w->distortion;
+	static const char what[] = "4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a "
+				   "fisheye, and nothing says which";
+
+	if (m->count != 4 || lens->fisheye || lens->omni || w->fisheye >= 0 ||
+	    w->distortion_model.line || w->camera_model.line)
+		return 0;
+	if (strlen(m->key) == 1)
+		return fault_say(w->fault, -EINVAL,
+				 "%s:%d: %s: %s: expected --fisheye, or a line distortion_model: "
+				 "plumb_bob",
+				 w->path, m->line, m->key, what);
+	log_warning("%s:%d: %s: %s: a pinhole camera is taken, --fisheye takes the other", w->path,
+		    m->line, m->key, what);
+	return 0;
+}
+
 static int take_distortion(struct lens *lens, const struct lens_words *w)
 {
 	const struct words_matrix *m = &w->distortion;
 	const int most = lens->fisheye ? FISHEYE_TERMS : LENS_TERMS;
+	int err;
 
 	if (!m->line) {
 		if (!strcmp(w->distortion_model.text, "none"))
@@ -135,6 +164,9 @@ static int take_distortion(struct lens *lens, const struct lens_words *w)
 		return fault_say(w->fault, -EINVAL,
 				 "%s:%d: %s: %d x %d of them, expected one row%s", w->path, m->line,
 				 m->key, m->rows, m->columns, lens->fisheye ? " of 4" : "");
+	err = take_four(lens, w);
+	if (err)
+		return err;
 	for (int k = 0; k < m->count; k++) {
 		if (k < most)
 			lens->term[k] = m->data[k];

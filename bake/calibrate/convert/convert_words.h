@@ -30,6 +30,7 @@ struct lens_words {
 	const char *camera; /* name of the camera to read, of several in one file; NULL: any */
 	struct words_matrix matrix, distortion;
 	struct words_matrix intrinsics, resolution; /* Kalibr */
+	struct words_matrix xi;			    /* OpenCV's omnidirectional camera */
 	int width, height, fisheye;		    /* -1: not given */
 	struct words_text distortion_model, camera_model;
 	struct words_text part; /* a key that says that the picture is a part, or smaller */

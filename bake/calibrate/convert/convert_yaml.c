@@ -2,9 +2,11 @@
 /*
  * Reader of the part of YAML in which OpenCV, ROS and Kalibr write lenses: keys in the first column,
  * or below the name of one of several cameras; matrices as blocks of rows, cols and data, or as
- * lists. Unknown keys are ignored; known ones must be complete.
+ * lists. Each may also stand in braces on one line or several, as JSON does. Unknown keys are ignored;
+ * known ones must be complete.
  */
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,9 +23,12 @@ struct yaml_reader {
 	/* why there is no next line, other than the end of the file; the fault says it */
 	int err;
 	int block; /* enum yaml_block */
+	int depth; /* open braces */
 };
 
-enum yaml_block { YAML_TOP, YAML_CAMERA, YAML_ROI, YAML_OTHER };
+enum yaml_block { YAML_TOP, YAML_CAMERA, YAML_ROI, YAML_MATRIX, YAML_OTHER };
+
+#define DEPTH_MAX 16
 
 /* ---- lines ---- */
 
@@ -111,11 +116,25 @@ static int read_items(struct yaml_reader *r, struct words_matrix *m)
 			r->held = true;
 			return 0;
 		}
-		text += 1 + strspn(text + 1, " \t");
+		/* rows of a matrix are items of items */
+		while (*text == '-' && (!text[1] || strchr(" \t", text[1])))
+			text += 1 + strspn(text + 1, " \t");
 		err = *text == '[' ? read_list(r, text, m)
 				   : words_numbers(r->words, r->file.number, &text, '\0', m);
 	}
 	return err ? err : r->err;
+}
+
+static int read_member(struct yaml_reader *r, const char *name, const char *text,
+		       struct words_matrix *m)
+{
+	if (!strcmp(name, "rows"))
+		return words_int(r->words, r->file.number, m->key, text, 1, WORDS_DATA_MAX,
+				 &m->rows);
+	if (!strcmp(name, "cols"))
+		return words_int(r->words, r->file.number, m->key, text, 1, WORDS_DATA_MAX,
+				 &m->columns);
+	return 0;
 }
 
 /* Reads rows, cols and data. */
@@ -132,13 +151,9 @@ static int read_block(struct yaml_reader *r, struct words_matrix *m)
 		}
 		if (!split_line(r->file.line, &name, &rest))
 			return yaml_fault(r, m->key, "rows, cols and data");
-		if (!strcmp(name, "rows"))
-			err = words_int(r->words, r->file.number, m->key, rest, 1, WORDS_DATA_MAX,
-					&m->rows);
-		else if (!strcmp(name, "cols"))
-			err = words_int(r->words, r->file.number, m->key, rest, 1, WORDS_DATA_MAX,
-					&m->columns);
-		else if (!strcmp(name, "data"))
+		if (strcmp(name, "data") != 0)
+			err = read_member(r, name, rest, m);
+		else
 			err = *rest == '[' ? read_list(r, rest, m)
 					   : yaml_fault(r, m->key, "data: [ numbers ]");
 	}
@@ -153,6 +168,9 @@ static int read_matrix(struct yaml_reader *r, const char *key, const char *after
 
 	if (!err && list) {
 		err = read_list(r, after, m);
+	} else if (!err && m == &r->words->xi && *after && *after != '!') {
+		list = true;
+		err = words_numbers(r->words, r->file.number, &after, '\0', m);
 	} else if (!err) {
 		if (*after && *after != '!' && *after != '#')
 			return yaml_fault(r, key,
@@ -178,15 +196,170 @@ static void read_text(const struct yaml_reader *r, const char *from, struct word
 	to->line = r->file.number;
 }
 
+/* Remembers what says that the picture is not all that the matrix is of. */
+static void note_part(struct yaml_reader *r, int block, const char *key, const char *rest)
+{
+	const int most = block == YAML_TOP && !strncmp(key, "binning_", 8) ? 1
+			 : block == YAML_ROI && strstr(key, "_offset")	   ? 0
+									   : INT_MAX;
+
+	if (atoi(rest) > most && !r->words->part.line)
+		read_text(r, key, &r->words->part);
+}
+
+/* ---- values in braces ---- */
+
+static int flow_map(struct yaml_reader *r, int block, struct words_matrix *m, const char **at);
+
+/* Moves to the next character that is no blank, perhaps lines below. */
+static int flow_next(struct yaml_reader *r, const char **at)
+{
+	*at += strspn(*at, " \t");
+	while (!**at || **at == '#') {
+		if (!next_line(r))
+			return r->err ? r->err
+				      : words_fault(r->words, r->file.number, "{",
+						    "} or ] before the end");
+		*at = r->file.line + strspn(r->file.line, " \t");
+	}
+	return 0;
+}
+
+/* Takes a word, perhaps in quotes, up to one of these characters. */
+static void flow_word(const char **at, const char *ends, char word[WORDS_NAME_MAX])
+{
+	const char quote[] = {**at, '\0'};
+	const bool quoted = **at == '"' || **at == '\'';
+	size_t length = strcspn(*at += quoted, quoted ? quote : ends);
+	const char *from = *at;
+
+	*at += length + (quoted && from[length]);
+	while (length && !quoted && strchr(" \t", from[length - 1]))
+		length--;
+	snprintf(word, WORDS_NAME_MAX, "%.*s", (int)length, from);
+}
+
+/* Reads a list, of lists too, into a matrix; NULL: skips it. */
+static int flow_list(struct yaml_reader *r, struct words_matrix *m, const char **at)
+{
+	char word[WORDS_NAME_MAX];
+	int open = 0, err = 0;
+
+	do {
+		err = flow_next(r, at);
+		if (err)
+			return err;
+		if (strchr("[],", **at))
+			open += (**at == '[') - (**at == ']'), ++*at;
+		else if (**at == '{')
+			err = flow_map(r, YAML_OTHER, NULL, at);
+		else if (m)
+			err = words_numbers(r->words, r->file.number, at, ']', m);
+		else
+			flow_word(at, ",[]{}", word);
+		if (!err && open > 0 && **at == '}')
+			err = yaml_fault(r, m ? m->key : "[", "] before }");
+	} while (!err && open > 0);
+	return err;
+}
+
+static int flow_scalar(struct yaml_reader *r, int block, struct words_matrix *m, const char *key,
+		       const char *text)
+{
+	const struct words_place place = words_place(r->words, key);
+	int err;
+
+	if (block == YAML_MATRIX)
+		return read_member(r, key, text, m);
+	note_part(r, block, key, text);
+	if (block != YAML_TOP)
+		return 0;
+	if (place.kind == WORDS_INT)
+		return words_int(r->words, r->file.number, key, text, place.least, place.most,
+				 place.number);
+	if (place.kind == WORDS_TEXT)
+		read_text(r, text, place.text);
+	if (place.kind != WORDS_MATRIX)
+		return 0;
+	err = words_begin(r->words, r->file.number, key, place.matrix);
+	if (!err)
+		err = words_numbers(r->words, r->file.number, &text, '\0', place.matrix);
+	return err ? err : words_end(r->words, place.matrix, true);
+}
+
+/* Reads the value of a key. m: the matrix whose member it is. */
+static int flow_value(struct yaml_reader *r, int block, struct words_matrix *m, const char *key,
+		      const char **at)
+{
+	const struct words_place place = words_place(r->words, key);
+	struct words_matrix *own = block == YAML_TOP && place.kind == WORDS_MATRIX ? place.matrix
+										   : NULL;
+	const bool list = **at == '[';
+	char word[WORDS_NAME_MAX];
+	int err = 0;
+
+	if (!list && **at != '{') {
+		flow_word(at, ",[]{}", word);
+		return flow_scalar(r, block, m, key, word);
+	}
+	if (own)
+		err = words_begin(r->words, r->file.number, key, own);
+	if (err)
+		return err;
+	if (list)
+		err = flow_list(r, block == YAML_MATRIX && !strcmp(key, "data") ? m : own, at);
+	else
+		err = flow_map(r,
+			       own			 ? YAML_MATRIX
+			       : strcmp(key, "roi") != 0 ? YAML_OTHER
+							 : YAML_ROI,
+			       own, at);
+	return err || !own ? err : words_end(r->words, own, list);
+}
+
+static int flow_map(struct yaml_reader *r, int block, struct words_matrix *m, const char **at)
+{
+	char key[WORDS_NAME_MAX];
+	int err = 0;
+
+	if (++r->depth > DEPTH_MAX)
+		return yaml_fault(r, "{", "fewer braces in each other");
+	for (++*at; !err;) {
+		err = flow_next(r, at);
+		if (err || **at == '}')
+			break;
+		if (**at == ',') {
+			++*at;
+			continue;
+		}
+		flow_word(at, ":,[]{}", key);
+		err = flow_next(r, at);
+		if (!err && **at != ':')
+			return yaml_fault(r, key, "a colon and a value");
+		++*at;
+		if (!err)
+			err = flow_next(r, at);
+		if (!err)
+			err = flow_value(r, block, m, key, at);
+	}
+	*at += !err;
+	r->depth--;
+	return err;
+}
+
+/* ---- keys ---- */
+
 static int read_key(struct yaml_reader *r, const char *key, const char *rest)
 {
 	const struct words_place place = words_place(r->words, key);
 	char kept[WORDS_NAME_MAX];
 
+	/* the line that holds the key goes as soon as the next one is read */
+	snprintf(kept, sizeof(kept), "%s", key);
+	if (*rest == '{')
+		return flow_value(r, YAML_TOP, NULL, kept, &rest);
 	switch (place.kind) {
 	case WORDS_MATRIX:
-		/* the line that holds the key goes as soon as the next one is read */
-		snprintf(kept, sizeof(kept), "%s", key);
 		return read_matrix(r, kept, rest, place.matrix);
 	case WORDS_INT:
 		return words_int(r->words, r->file.number, key, rest, place.least, place.most,
@@ -219,24 +392,16 @@ static void begin_camera(struct yaml_reader *r, const char *key)
 	w->chosen |= wanted;
 }
 
-/* Remembers what says that the picture is not all that the matrix is of. */
-static void note_part(struct yaml_reader *r, const char *key, const char *rest, int most)
-{
-	if (atoi(rest) > most && !r->words->part.line)
-		read_text(r, key, &r->words->part);
-}
-
 /* A key in the first column. */
 static int read_top(struct yaml_reader *r, const char *key, const char *rest)
 {
 	r->begun = true;
 	r->block = YAML_TOP;
+	note_part(r, r->block, key, rest);
 	if (is_camera(key) && !*rest)
 		begin_camera(r, key);
-	else if (!strcmp(key, "roi"))
+	else if (!strcmp(key, "roi") && !*rest)
 		r->block = YAML_ROI;
-	else if (!strncmp(key, "binning_", 8))
-		note_part(r, key, rest, 1);
 	else
 		return read_key(r, key, rest);
 	return 0;
@@ -244,8 +409,13 @@ static int read_top(struct yaml_reader *r, const char *key, const char *rest)
 
 static int read_line(struct yaml_reader *r)
 {
+	const char *at = content_of(r);
 	char *key, *rest;
 
+	if (*at == '{' && !r->begun) {
+		r->begun = true;
+		return flow_map(r, YAML_TOP, NULL, &at);
+	}
 	/* part of an unknown key */
 	if (strchr("-[]", *content_of(r)))
 		return 0;
@@ -260,8 +430,7 @@ static int read_line(struct yaml_reader *r)
 		return read_top(r, key, rest);
 	if (r->block == YAML_CAMERA)
 		return read_key(r, key, rest);
-	if (strstr(key, "_offset"))
-		note_part(r, key, rest, 0);
+	note_part(r, r->block, key, rest);
 	return 0;
 }
 

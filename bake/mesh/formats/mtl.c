@@ -40,6 +40,7 @@ struct mtl {
 	struct mtl_map map[MAP_COUNT];
 	unsigned left; /* bits of lefts */
 	bool spectral;
+	int since; /* line of the mesh that names the library */
 };
 
 /* ---- statements ---- */
@@ -208,20 +209,51 @@ static int library_add(struct mtl_text *text, struct text_span name, bool blende
 		return mtl_lack(text);
 	library->materials = grown;
 	text->mtl = &grown[library->count++];
-	*text->mtl =
-		(struct mtl){.name = text_copy(name), .by = strdup(text->path), .blender = blender};
+	*text->mtl = (struct mtl){.name = text_copy(name),
+				  .by = strdup(text->path),
+				  .blender = blender,
+				  .since = library->line};
 	for (int k = 0; k < MTL_NUMBERS; k++)
 		text->mtl->number[k] = UNSAID;
 	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text);
 }
 
+/* Tr should be 1 - d, but MeshLab, OpenMVS and OpenDroneMap have written d. A library tells by materials that
+ * say both, or by a Tr of 0 or 1, since no writer means a surface that is not there. Where it tells nothing, or
+ * both, its comment counts. */
+static void library_settle_tr(struct mtl_library *library, int first, bool meshlab)
+{
+	bool votes[2] = {false, false}; /* for 1 - d, for d */
+	bool is_d = meshlab;
+
+	for (int pass = 0; pass < 2 && votes[0] == votes[1]; pass++)
+		for (int k = first; k < library->count; k++) {
+			const float *number = library->materials[k].number, tr = number[TR];
+			const float d = pass == 0 ? number[D] : 1;
+
+			if (tr < 0 || d < 0 || (pass == 1 && number[D] >= 0))
+				continue;
+			votes[0] |= fabsf(1 - tr - d) < 0.01f && fabsf(tr - d) > 0.01f;
+			votes[1] |= fabsf(tr - d) < 0.01f && fabsf(1 - tr - d) > 0.01f;
+		}
+	if (votes[0] != votes[1])
+		is_d = votes[1];
+	for (int k = first; k < library->count; k++) {
+		float *number = library->materials[k].number;
+
+		if (number[D] < 0 && number[TR] >= 0)
+			number[D] = is_d ? number[TR] : fmaxf(1 - number[TR], 0);
+	}
+}
+
 int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 {
-	static const char mark[] = "# Blender ";
+	static const char mark[] = "# Blender ", other_mark[] = "# Converted by Meshlab";
+	const int first = library->count;
 	struct mtl_text text = {.path = path, .fault = fault, .library = library};
 	struct text_span line;
 	struct plain_map file;
-	bool blender = false;
+	bool blender = false, meshlab = false;
 	int err = plain_file_map(&file, path, LIBRARY_MAX, fault);
 
 	if (err)
@@ -230,7 +262,8 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 	while (!err && text_next_joined(&text.lines, &line)) {
 		struct text_span rest = line;
 
-		blender |= line.end - line.at >= 10 && !memcmp(line.at, mark, 10);
+		blender |= text_begins(line, mark);
+		meshlab |= text_begins(line, other_mark);
 		if (text_is_any_case(text_word(&rest), "newmtl"))
 			err = library_add(&text, text_name(rest), blender);
 		else if (text.mtl)
@@ -238,18 +271,21 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 	}
 	text_end(&text.lines);
 	plain_file_unmap(&file);
+	library_settle_tr(library, first, meshlab);
 	return err;
 }
 
-int mtl_find(const struct mtl_library *library, struct text_span name)
+int mtl_find(const struct mtl_library *library, struct text_span name, int line)
 {
-	for (int k = 0; k < library->count; k++)
-		if (text_is(name, library->materials[k].name))
-			return k;
-	for (int k = 0; k < library->count; k++)
-		if (text_is_any_case(name, library->materials[k].name))
-			return k;
-	return -1;
+	const struct mtl *of = library->materials;
+	int found = -1;
+
+	for (int pass = 0; pass < 2 && found < 0; pass++)
+		for (int k = 0; k < library->count; k++)
+			if ((pass ? text_is_any_case : text_is)(name, of[k].name) &&
+			    (found < 0 || (of[k].since > of[found].since && of[k].since <= line)))
+				found = k;
+	return found;
 }
 
 void mtl_free(struct mtl_library *library)
@@ -429,14 +465,15 @@ int mtl_make(const struct mtl_library *library, int number, struct textures *tex
 	     struct material *m, struct left_out *out)
 {
 	const struct mtl *mtl = &library->materials[number];
-	const float *kd = &mtl->number[KD], d = mtl->number[D], tr = mtl->number[TR];
+	const float *kd = &mtl->number[KD], d = mtl->number[D];
 	int err;
 
 	*m = soup_material(mtl->map[MAP_COLOUR].name);
-	if (kd[0] >= 0)
+	/* beside a picture Maya writes black, which Blender overlooks too */
+	if (kd[0] >= 0 && (mean_of(kd) > 0 || !mtl->map[MAP_COLOUR].name))
 		m->colour = rgb_make(kd[0], kd[1], kd[2]);
-	if (d >= 0 || tr >= 0)
-		m->alpha = within_1(d >= 0 ? d : 1 - tr);
+	if (d >= 0)
+		m->alpha = within_1(d);
 	err = add_surface(mtl, textures, m);
 	if (!m->map.use.texture)
 		set_surface(mtl, m);

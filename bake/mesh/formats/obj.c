@@ -9,12 +9,11 @@
 #include "bake/mesh/formats/soup.h"
 #include "bake/mesh/formats/text.h"
 #include "bake/mesh/plain_file.h"
-#include "hal/colour/transfer.h"
 
-/* Rows of numbers: positions, texture coordinates, normals, colours. */
+/* Rows of numbers: positions in double precision, texture coordinates, normals, colours. */
 struct obj_rows {
-	int width; /* numbers of a row */
-	float *value;
+	size_t bytes; /* of a row */
+	char *value;
 	size_t count, room;
 	size_t seen; /* rows before the face that is being read */
 };
@@ -31,6 +30,7 @@ struct obj {
 	struct soup soup;
 	struct obj_rows rows[OBJ_KINDS];
 	struct obj_rows colours; /* as many as positions; empty: none has one */
+	struct obj_rows painted; /* the same by ZBrush's comments */
 	struct mtl_library library;
 	int *material; /* [library.count + 1]: that of the mesh, -1: not made yet. The last is for
 			  faces without one */
@@ -42,6 +42,7 @@ struct obj {
 	int current;		    /* material that faces get, in the library */
 	struct soup_corner *corner; /* of a face */
 	size_t corner_room;
+	bool bare;    /* faces with a texture, but without its coordinates */
 	unsigned odd; /* bits of odd_words */
 };
 
@@ -51,35 +52,30 @@ static const char *const odd_names[] = {"lines", "points", "curves", "curves", "
 
 /* ---- numbers ---- */
 
-static bool rows_add(struct obj_rows *rows, const float *value)
+static bool rows_add(struct obj_rows *rows, const void *value)
 {
-	const size_t width = (size_t)rows->width;
-
-	if (!soup_room(&rows->value, rows->count, &rows->room, width * sizeof(*value)))
+	if (!soup_room(&rows->value, rows->count, &rows->room, rows->bytes))
 		return false;
-	memcpy(rows->value + rows->count++ * width, value, width * sizeof(*value));
+	memcpy(rows->value + rows->count++ * rows->bytes, value, rows->bytes);
 	return true;
 }
 
 /* Reads the numbers of a line, up to a comment. */
 static int obj_numbers(const struct obj *obj, enum obj_kind kind, struct text_span line,
-		       float *value)
+		       double *value)
 {
 	int count = 0;
 
 	for (; count < kinds[kind].most; count++) {
 		const struct text_span got = text_word(&line);
-		double read;
-
 		if (count >= kinds[kind].least && (text_empty(got) || *got.at == '#'))
 			break;
-		if (!text_number(got, &read))
+		if (!text_number(got, &value[count]))
 			return fault_say(obj->soup.fault, -EBADMSG,
 					 "%s:%d: %s has \"%.*s\", expected a number",
 					 obj->soup.path, obj->soup.lines.line, kinds[kind].name,
 					 text_shown(got), got.at);
-		value[count] = (float)read;
-		if (!isfinite(value[count]) && kind == OBJ_POSITION)
+		if (!isfinite((float)value[count]) && kind == OBJ_POSITION)
 			return fault_say(obj->soup.fault, -EDOM,
 					 "%s:%d: vertex %zu is not finite, expected numbers",
 					 obj->soup.path, obj->soup.lines.line,
@@ -104,14 +100,36 @@ static int obj_colour(struct obj *obj, const float colour[3], bool said)
 
 static int obj_row(struct obj *obj, enum obj_kind kind, struct text_span line)
 {
-	float value[7] = {0};
+	double value[7] = {0};
+	float single[7];
 	const int count = obj_numbers(obj, kind, line, value);
 
 	if (count < 0)
 		return count;
-	if (!rows_add(&obj->rows[kind], value) ||
-	    (kind == OBJ_POSITION && obj_colour(obj, value + count - 3, count >= 6) < 0))
+	for (int k = 0; k < 7; k++)
+		single[k] = (float)value[k];
+	if (!rows_add(&obj->rows[kind], kind == OBJ_POSITION ? (void *)value : single) ||
+	    (kind == OBJ_POSITION && obj_colour(obj, single + count - 3, count >= 6) < 0))
 		return soup_lack(&obj->soup);
+	return 0;
+}
+
+/* ZBrush writes colours in comments, of up to 64 vertices each: two digits of a mask, and R G B. */
+static int obj_painted(struct obj *obj, struct text_span line)
+{
+	const struct text_span word = text_word(&line);
+
+	for (const char *at = word.at; word.end - at >= 8; at += 8) {
+		float colour[3];
+
+		for (int c = 0; c < 3; c++) {
+			const char digits[3] = {at[2 + 2 * c], at[3 + 2 * c], '\0'};
+
+			colour[c] = (float)strtoul(digits, NULL, 16);
+		}
+		if (!rows_add(&obj->painted, colour))
+			return soup_lack(&obj->soup);
+	}
 	return 0;
 }
 
@@ -137,6 +155,7 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 		return soup_lack(&obj->soup);
 	found = beside_find(obj->soup.path, text, path);
 	free(text);
+	obj->library.line = obj->soup.lines.line;
 	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
 }
 
@@ -175,7 +194,7 @@ static int obj_use(struct obj *obj, struct text_span line)
 
 	if (!obj->soup.with_materials || !obj->any_library)
 		return 0;
-	obj->current = mtl_find(&obj->library, name);
+	obj->current = mtl_find(&obj->library, name, obj->soup.lines.line);
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
@@ -209,13 +228,13 @@ static int obj_material(struct obj *obj)
 /* ---- faces ---- */
 
 /* Returns the row that an index names: 1 is the first row of the file, -1 the last before the face. */
-static const float *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index)
+static const void *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index)
 {
 	const struct obj_rows *rows = &obj->rows[kind];
 	const int64_t at = index < 0 ? (int64_t)rows->seen + index : index - 1;
 
 	if (at >= 0 && (uint64_t)at < rows->count)
-		return rows->value + (size_t)at * (size_t)rows->width;
+		return rows->value + (size_t)at * rows->bytes;
 	if (index)
 		fault_say(obj->soup.fault, -EBADMSG,
 			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
@@ -233,7 +252,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 		      unsigned *has)
 {
 	const struct text_span whole = word;
-	const float *row[OBJ_KINDS] = {NULL};
+	const void *row[OBJ_KINDS] = {NULL};
 	bool fine = true;
 
 	for (int kind = 0; kind < OBJ_KINDS && fine && (kind == 0 || !text_empty(word)); kind++) {
@@ -255,7 +274,7 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
 				 "coordinate and a normal, such as 1/1/1",
 				 obj->soup.path, obj->soup.lines.line, text_shown(whole), whole.at);
-	*corner = (struct soup_corner){.colour = {1, 1, 1, 1}};
+	*corner = (struct soup_corner){.colour = {1, 1, 1}};
 	memcpy(corner->position, row[OBJ_POSITION], sizeof(corner->position));
 	if (row[OBJ_UV])
 		memcpy(corner->uv, row[OBJ_UV], sizeof(corner->uv));
@@ -266,9 +285,11 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 	if (row[OBJ_UV])
 		*has |= SOUP_UVS;
 	if (obj->colours.count) {
-		const size_t at = (size_t)(row[OBJ_POSITION] - obj->rows[OBJ_POSITION].value) / 3;
+		const struct obj_rows *rows = &obj->rows[OBJ_POSITION], *colours = &obj->colours;
+		const size_t at = (size_t)((const char *)row[OBJ_POSITION] - rows->value);
 
-		memcpy(corner->colour, obj->colours.value + 3 * at, 3 * sizeof(float));
+		memcpy(corner->colour, colours->value + at / rows->bytes * colours->bytes,
+		       colours->bytes);
 	}
 	return 0;
 }
@@ -298,6 +319,7 @@ static int obj_face(struct obj *obj, struct text_span line)
 	if (err)
 		return err;
 	m = &obj->soup.textures.mesh->materials[obj->material[obj->current]];
+	obj->bare |= m->texture && !(has & SOUP_UVS);
 	if (obj->colours.count && !m->texture)
 		has |= SOUP_COLOURS;
 	return soup_add(&obj->soup, obj->corner, (int)count, obj->material[obj->current], has);
@@ -315,6 +337,8 @@ static int obj_line(struct obj *obj, bool first, struct text_span line)
 			obj->rows[kind].seen += !first;
 			return first ? obj_row(obj, (enum obj_kind)kind, line) : 0;
 		}
+	if (first && text_is(word, "#MRGB"))
+		return obj_painted(obj, line);
 	if (first)
 		return obj->soup.with_materials && text_is_any_case(word, "mtllib")
 			       ? obj_libraries(obj, line)
@@ -352,20 +376,22 @@ static bool obj_begin_materials(struct obj *obj)
 	return obj->material && obj->soup.textures.mesh->materials;
 }
 
-/* Colours are code values of sRGB, 0..1 or, of some programs, 0..255. */
+/* Colours are code values of sRGB. Those of vertices count before ZBrush's. */
 static void obj_decode_colours(struct obj *obj)
 {
-	const size_t values = 3 * obj->colours.count;
-	float most = 1;
+	struct obj_rows *colours = &obj->colours;
+	const bool painted = !colours->count && obj->painted.count >= obj->rows[0].count;
+	const struct obj_rows none = *colours;
+	float *value, most = 0;
 
-	for (size_t k = 0; k < values; k++)
-		most = fmaxf(most, obj->colours.value[k]);
-	for (size_t k = 0; k < values; k++) {
-		const float code = obj->colours.value[k] / (most > 1 ? 255 : 1);
-
-		obj->colours.value[k] = (float)transfer_decode(TRANSFER_SRGB,
-							       (double)fminf(fmaxf(code, 0), 1));
+	if (painted) {
+		*colours = obj->painted;
+		obj->painted = none;
 	}
+	value = (float *)(void *)colours->value;
+	for (size_t k = 0; k < 3 * colours->count; k++)
+		most = fmaxf(most, value[k]);
+	soup_decode_colours(value, 3 * colours->count, painted ? 255 : soup_full_colour(most));
 }
 
 static int obj_read_text(struct obj *obj, double crease_deg)
@@ -381,6 +407,8 @@ static int obj_read_text(struct obj *obj, double crease_deg)
 	for (size_t k = 0; k < sizeof(odd_words) / sizeof(*odd_words); k++)
 		if (obj->odd & 1u << k)
 			left_out_add(&obj->soup.out, odd_names[k], "mesh");
+	if (obj->bare)
+		left_out_add(&obj->soup.out, "textures without coordinates", "mesh");
 	return err ? err : soup_finish(&obj->soup, crease_deg);
 }
 
@@ -389,6 +417,7 @@ static void obj_free(struct obj *obj)
 	for (int k = 0; k < OBJ_KINDS; k++)
 		free(obj->rows[k].value);
 	free(obj->colours.value);
+	free(obj->painted.value);
 	free(obj->material);
 	free(obj->missing);
 	free(obj->corner);
@@ -398,8 +427,11 @@ static void obj_free(struct obj *obj)
 int obj_read(struct mesh *mesh, const char *path, double crease_deg, bool materials,
 	     struct fault *fault)
 {
-	struct obj obj = {.rows = {{.width = 3}, {.width = 2}, {.width = 3}},
-			  .colours = {.width = 3}};
+	struct obj obj = {.rows = {{.bytes = 3 * sizeof(double)},
+				   {.bytes = 2 * sizeof(float)},
+				   {.bytes = 3 * sizeof(float)}},
+			  .colours = {.bytes = 3 * sizeof(float)},
+			  .painted = {.bytes = 3 * sizeof(float)}};
 	int err = soup_open(&obj.soup, mesh, path, materials, fault);
 
 	err = soup_close(&obj.soup, err ? err : obj_read_text(&obj, crease_deg));

@@ -7,7 +7,6 @@
 
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/formats/soup.h"
-#include "hal/colour/transfer.h"
 
 #define ELEMENTS_MAX 32
 #define PROPERTIES_MAX 512
@@ -58,7 +57,9 @@ struct ply_element {
 
 struct ply {
 	struct soup soup;
-	bool ascii, big_endian, colours, see_through;
+	bool ascii, big_endian, colours;
+	int colour_type;
+	double least_alpha, most_alpha;
 	int elements, properties;
 	struct ply_element element[ELEMENTS_MAX];
 	struct ply_property property[PROPERTIES_MAX];
@@ -140,6 +141,8 @@ static int header_property(struct ply *ply, struct text_span line)
 		return header_refuse(ply, at, "property of type \"%.*s\", expected one of %s",
 				     text_shown(word), word.at, types[0]);
 	property->role = role_of(text_word(&line), property->count >= 0);
+	if (property->role >= ROLE_COLOUR && property->role <= ROLE_ALPHA)
+		ply->colour_type = property->type;
 	ply->properties++;
 	ply->element[ply->elements - 1].properties++;
 	ply->element[ply->elements - 1].roles |= 1u << property->role;
@@ -304,8 +307,6 @@ static int ply_take(struct ply *ply, int type, double *value, const char *expect
 
 static int ply_take_property(struct ply *ply, const struct ply_property *p)
 {
-	const bool code = p->role >= ROLE_COLOUR && p->role <= ROLE_ALPHA && p->type < FIRST_FLOAT;
-	const double one = code ? ldexp(1, 8 * bytes_of[p->type] - !(p->type % 2)) - 1 : 1;
 	double count = 1, value;
 	char what[64];
 	int err = p->count >= 0 ? ply_take(ply, p->count, &count, HOW_MANY) : 0;
@@ -323,7 +324,7 @@ static int ply_take_property(struct ply *ply, const struct ply_property *p)
 		if (!soup_room(&ply->value[p->role], ply->values[p->role], &ply->room[p->role],
 			       sizeof(value)))
 			return soup_lack(&ply->soup);
-		ply->value[p->role][ply->values[p->role]++] = value / one;
+		ply->value[p->role][ply->values[p->role]++] = value;
 	}
 	return err;
 }
@@ -349,16 +350,45 @@ static void ply_values(const struct ply *ply, int role, int count, float *to)
 		to[k] = (float)ply->value[role + k][0];
 }
 
-/* Code values are sRGB. */
-static void ply_colour(struct ply *ply, float colour[4])
+/* What white has, and full alpha. A type of more than a byte does not tell. */
+static double ply_full_colour(const struct ply *ply, double most)
 {
-	for (int c = 0; c < 3; c++) {
-		const double code = ply->value[ROLE_COLOUR + c][0];
+	const int type = ply->colour_type;
+	const double range = type < FIRST_FLOAT ? ldexp(1, 8 * bytes_of[type] - !(type % 2)) - 1
+						: most;
 
-		colour[c] = (float)transfer_decode(TRANSFER_SRGB, code > 0 ? fmin(code, 1) : 0);
+	if (bytes_of[type] == 1 || most > 65535)
+		return range;
+	return type < FIRST_FLOAT ? fmin(range, soup_full_colour(fmax(most, 2)))
+				  : soup_full_colour(most);
+}
+
+static void ply_colour(struct ply *ply, float colour[3])
+{
+	ply_values(ply, ROLE_COLOUR, 3, colour);
+	if (has_roles(ply->of, ROLE_ALPHA, 1)) {
+		ply->least_alpha = fmin(ply->least_alpha, ply->value[ROLE_ALPHA][0]);
+		ply->most_alpha = fmax(ply->most_alpha, ply->value[ROLE_ALPHA][0]);
 	}
-	if (has_roles(ply->of, ROLE_ALPHA, 1))
-		ply->see_through |= ply->value[ROLE_ALPHA][0] < 1;
+}
+
+/* Code values are sRGB. */
+static void ply_decode_colours(const struct ply *ply, struct mesh *mesh)
+{
+	float most = 0;
+
+	for (int pass = 0; pass < 2; pass++)
+		for (int p = 0; p < mesh->part_count; p++) {
+			const struct mesh_part *part = &mesh->parts[p];
+
+			for (int v = 0; part->colour && v < part->vertices; v++)
+				if (pass == 0)
+					for (int c = 0; c < 3; c++)
+						most = fmaxf(most, part->colour[v][c]);
+				else
+					soup_decode_colours(part->colour[v], 3,
+							    ply_full_colour(ply, (double)most));
+		}
 }
 
 static int ply_add_vertex(struct ply *ply)
@@ -371,13 +401,14 @@ static int ply_add_vertex(struct ply *ply)
 			  (has_roles(ply->of, ROLE_UV, 2) ? SOUP_UVS : 0) |
 			  (has_roles(ply->of, ROLE_COLOUR, 3) ? SOUP_COLOURS : 0);
 	corner = &ply->vertex[ply->vertices++];
-	*corner = (struct soup_corner){.colour = {1, 1, 1, 1}};
-	ply_values(ply, ROLE_X, 3, corner->position);
-	for (int axis = 0; axis < 3; axis++)
-		if (!isfinite(corner->position[axis]))
+	*corner = (struct soup_corner){.colour = {1, 1, 1}};
+	for (int axis = 0; axis < 3; axis++) {
+		corner->position[axis] = ply->value[ROLE_X + axis][0];
+		if (!isfinite((float)corner->position[axis]))
 			return fault_say(ply->soup.fault, -EDOM,
 					 "%s: vertex %zu is not finite, expected numbers",
 					 ply->soup.path, ply->row + 1);
+	}
 	if (ply->vertex_has & SOUP_NORMALS)
 		ply_values(ply, ROLE_NORMAL, 3, corner->normal);
 	if (ply->vertex_has & SOUP_UVS)
@@ -553,7 +584,7 @@ static int ply_add_materials(struct ply *ply)
 			err = textures_get(&ply->soup.textures, TEXTURE_OF_COLOURS,
 					   &ply->texture[k], NULL, TEXTURE_REPEAT, &m->texture);
 	}
-	if (ply->see_through)
+	if (ply->least_alpha < ply_full_colour(ply, ply->most_alpha))
 		left_out_add(&ply->soup.out, "alpha of vertices", "mesh");
 	return err;
 }
@@ -564,6 +595,8 @@ static int ply_read_file(struct ply *ply, double crease_deg)
 
 	err = err ? err : ply_read_rows(ply);
 	err = err ? err : soup_finish(&ply->soup, crease_deg);
+	if (!err)
+		ply_decode_colours(ply, ply->soup.textures.mesh);
 	return err || !ply->soup.with_materials ? err : ply_add_materials(ply);
 }
 
@@ -586,6 +619,7 @@ int ply_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 
 	if (!ply)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
+	ply->least_alpha = INFINITY;
 	err = soup_open(&ply->soup, mesh, path, materials, fault);
 	err = soup_close(&ply->soup, err ? err : ply_read_file(ply, crease_deg));
 	ply_free(ply);

@@ -10,6 +10,7 @@
 #include <xxhash.h>
 
 #include "bake/mesh/mesh_normals.h"
+#include "hal/colour/transfer.h"
 #include "hal/optics/vec.h"
 
 #define TRIANGLES_MAX (64 << 20)
@@ -56,6 +57,20 @@ struct material soup_material(bool coloured)
 	const float grey = coloured ? 1 : 0.8f;
 
 	return (struct material){.ior = 1.5f, .alpha = 1, .colour = {{grey, grey, grey}}};
+}
+
+double soup_full_colour(double most)
+{
+	return most < 2 ? 1 : most <= 255 ? 255 : 65535;
+}
+
+void soup_decode_colours(float *value, size_t count, double full)
+{
+	for (size_t k = 0; k < count; k++) {
+		const double code = (double)value[k] / full;
+
+		value[k] = (float)transfer_decode(TRANSFER_SRGB, code > 0 ? fmin(code, 1) : 0);
+	}
 }
 
 /* ---- vertices ---- */
@@ -105,13 +120,16 @@ static bool part_grow_slots(struct soup_part *part)
 	return true;
 }
 
-/* Returns NONE when memory is short. */
-static uint32_t part_vertex(struct soup_part *part, const struct soup_corner *from, unsigned has)
+/* Rounds to single precision from the origin, which is near any corner of the mesh. Returns NONE when
+ * memory is short. */
+static uint32_t part_vertex(const double origin[3], struct soup_part *part,
+			    const struct soup_corner *from, unsigned has)
 {
-	struct soup_corner corner = {.colour = {1, 1, 1, 1}};
+	struct soup_corner corner = {.colour = {1, 1, 1}};
 	uint32_t *slot;
 
-	memcpy(corner.position, from->position, sizeof(corner.position));
+	for (int axis = 0; axis < 3; axis++)
+		corner.position[axis] = (double)(float)(from->position[axis] - origin[axis]);
 	if (has & SOUP_NORMALS)
 		memcpy(corner.normal, from->normal, sizeof(corner.normal));
 	for (int k = 0; k < 2 && has & SOUP_UVS; k++)
@@ -157,8 +175,12 @@ static int soup_add_triangle(struct soup *soup, struct soup_part *part, const st
 			     const struct soup_corner *b, const struct soup_corner *c, unsigned has)
 {
 	const struct soup_corner *const corner[3] = {a, b, c};
+	double *origin = soup->textures.mesh->origin;
 	uint32_t(*triangle)[3];
 
+	if (!soup->placed)
+		mesh_set_origin(origin, a->position);
+	soup->placed = true;
 	if (part->triangles >= TRIANGLES_MAX)
 		return fault_say(soup->fault, -EFBIG,
 				 "%s: expected at most %d triangles of a material", soup->path,
@@ -168,7 +190,7 @@ static int soup_add_triangle(struct soup *soup, struct soup_part *part, const st
 		return soup_lack(soup);
 	triangle = &part->triangle[part->triangles];
 	for (int k = 0; k < 3; k++) {
-		(*triangle)[k] = part_vertex(part, corner[k], has);
+		(*triangle)[k] = part_vertex(origin, part, corner[k], has);
 		if ((*triangle)[k] == NONE)
 			return soup_lack(soup);
 	}
@@ -187,12 +209,12 @@ struct polygon {
 
 static double twice_area(const struct polygon *p, int a, int b, int c)
 {
-	const float *pa = p->corner[a].position, *pb = p->corner[b].position,
-		    *pc = p->corner[c].position;
-	const double bx = (double)pb[p->x] - (double)pa[p->x];
-	const double by = (double)pb[p->y] - (double)pa[p->y];
-	const double cx = (double)pc[p->x] - (double)pa[p->x];
-	const double cy = (double)pc[p->y] - (double)pa[p->y];
+	const double *pa = p->corner[a].position, *pb = p->corner[b].position,
+		     *pc = p->corner[c].position;
+	const double bx = pb[p->x] - pa[p->x];
+	const double by = pb[p->y] - pa[p->y];
+	const double cx = pc[p->x] - pa[p->x];
+	const double cy = pc[p->y] - pa[p->y];
 
 	return p->sign * (bx * cy - by * cx);
 }
@@ -207,9 +229,8 @@ static struct polygon polygon_seen(const struct soup_corner *corner, int count)
 		double a[3], b[3], across[3];
 
 		for (int i = 0; i < 3; i++) {
-			a[i] = (double)corner[k].position[i] - (double)corner[0].position[i];
-			b[i] = (double)corner[(k + 1) % count].position[i] -
-			       (double)corner[0].position[i];
+			a[i] = corner[k].position[i] - corner[0].position[i];
+			b[i] = corner[(k + 1) % count].position[i] - corner[0].position[i];
 		}
 		vec_cross(a, b, across);
 		for (int i = 0; i < 3; i++)
@@ -334,12 +355,15 @@ static bool part_move(struct soup_part *from, struct mesh_part *to)
 	for (size_t v = 0; v < vertices; v++) {
 		const struct soup_corner *c = &from->vertex[v];
 
-		memcpy(to->position[v], c->position, sizeof(c->position));
+		for (int axis = 0; axis < 3; axis++)
+			to->position[v][axis] = (float)c->position[axis];
 		to->normal[v] = v3_unit(v3_make(c->normal[0], c->normal[1], c->normal[2]));
 		if (to->uv)
 			memcpy(to->uv[v], c->uv, sizeof(c->uv));
 		if (to->colour)
-			memcpy(to->colour[v], c->colour, sizeof(c->colour));
+			memcpy(to->colour[v],
+			       (float[]){c->colour[0], c->colour[1], c->colour[2], 1},
+			       sizeof(*to->colour));
 	}
 	free(from->vertex);
 	from->vertex = NULL;

@@ -11,8 +11,10 @@
 #include "bake/mesh/left_out.h"
 #include "bake/mesh/plain_file.h"
 
+/* Without padding: corners are compared as bytes. */
 struct soup_corner {
-	float position[3], normal[3], uv[2], colour[4];
+	double position[3];
+	float normal[3], uv[2], colour[3];
 };
 
 /* What corners have, as bits. What they have not is ignored. Texture coordinates that are no numbers, as
@@ -25,6 +27,15 @@ bool soup_has_normal(const struct soup_corner *corner);
 
 /* A matt surface: grey where the file says nothing of colours, white where it has some elsewhere. */
 struct material soup_material(bool coloured);
+
+/*
+ * Returns what colours of vertices are divided by, since programs write them as shares of 1, as bytes or
+ * as 16-bit values in types that could hold more. most: the largest one of the file.
+ */
+double soup_full_colour(double most);
+
+/* Turns code values of sRGB, of which `full` is white, into linear light. */
+void soup_decode_colours(float *value, size_t count, double full);
 
 /* Makes room for one more element of an array that has `used`. False: out of memory. */
 bool soup_room(void *array, size_t used, size_t *room, size_t size);
@@ -42,6 +53,7 @@ struct soup {
 	struct left_out out;
 	struct soup_part *parts;
 	int part_count, last;
+	bool placed;	      /* the mesh has its origin */
 	int *left, left_room; /* corners of the polygon that is being cut */
 };
 

@@ -46,7 +46,7 @@ static int stl_corner(const struct stl *stl, struct soup_corner *corner, int lin
 	char place[16] = "";
 
 	for (int axis = 0; axis < 3; axis++)
-		if (!isfinite(corner->position[axis])) {
+		if (!isfinite((float)corner->position[axis])) {
 			if (line)
 				snprintf(place, sizeof(place), ":%d", line);
 			return fault_say(stl->soup.fault, -EDOM,
@@ -75,7 +75,10 @@ static int stl_read_binary(struct stl *stl, const struct plain_map *file)
 			for (int axis = 0; axis < 3; axis++) {
 				const uint32_t word = stl_word(at + 12 + 12 * k + 4 * axis);
 
-				memcpy(&corner[k].position[axis], &word, sizeof(word));
+				float value;
+
+				memcpy(&value, &word, sizeof(value));
+				corner[k].position[axis] = (double)value;
 			}
 			err = stl_corner(stl, &corner[k], 0, 3 * (uint64_t)t + (uint64_t)k);
 		}
@@ -90,16 +93,13 @@ static int stl_read_binary(struct stl *stl, const struct plain_map *file)
 static int stl_vertex(const struct stl *stl, struct text_span line, int number,
 		      struct soup_corner *corner)
 {
-	double value;
-
 	for (int axis = 0; axis < 3; axis++) {
 		const struct text_span got = text_word(&line);
 
-		if (!text_number(got, &value))
+		if (!text_number(got, &corner->position[axis]))
 			return fault_say(stl->soup.fault, -EBADMSG,
 					 "%s:%d: vertex has \"%.*s\", expected a number",
 					 stl->soup.path, number, text_shown(got), got.at);
-		corner->position[axis] = (float)value;
 	}
 	return stl_corner(stl, corner, number, 0);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/mesh/formats/text.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -126,6 +127,13 @@ bool text_is(struct text_span word, const char *text)
 	return length == strlen(text) && memcmp(word.at, text, length) == 0;
 }
 
+bool text_begins(struct text_span line, const char *text)
+{
+	const size_t length = strlen(text);
+
+	return (size_t)(line.end - line.at) >= length && memcmp(line.at, text, length) == 0;
+}
+
 bool text_is_any_case(struct text_span word, const char *text)
 {
 	const size_t length = (size_t)(word.end - word.at);
@@ -162,6 +170,10 @@ bool text_number(struct text_span word, double *value)
 	memcpy(text, word.at, length);
 	text[length] = '\0';
 	*value = strtod(text, &stop);
+	if (*stop == '#' && stop > text && stop[-1] == '.') {
+		*value = strncmp(stop, "#INF", 4) == 0 ? copysign(INFINITY, *value) : NAN;
+		return isinf(*value) || !strncmp(stop, "#IND", 4) || !strncmp(stop, "#QNAN", 5);
+	}
 	return length && stop == text + length;
 }
 

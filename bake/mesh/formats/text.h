@@ -47,6 +47,7 @@ static inline bool text_empty(struct text_span span)
 int text_shown(struct text_span span);
 
 bool text_is(struct text_span word, const char *text);
+bool text_begins(struct text_span line, const char *text);
 bool text_is_any_case(struct text_span word, const char *text);
 
 /* The place of a word, in any case, in a list of words with a blank between them, from 0; -1: it is none of
@@ -56,7 +57,8 @@ int text_place(struct text_span word, const char *list);
 /* Copies a span; NULL: out of memory. */
 char *text_copy(struct text_span span);
 
-/* Reads a word that is a number, also nan and inf. False: it is none. */
+/* Reads a word that is a number, also nan and inf, which old Windows libraries write as
+ * 1.#QNAN, -1.#IND00 or 1.#INF. False: it is none. */
 bool text_number(struct text_span word, double *value);
 
 /* Reads the whole number at the beginning of a word, with its sign, and moves word past it. False:

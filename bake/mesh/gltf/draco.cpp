@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/mesh/gltf/draco.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <cfloat>
+#include <cmath>
 
 #include <draco/compression/decode.h>
 #include <draco/mesh/mesh.h>
@@ -32,7 +35,26 @@ bool Compressed::has(const std::string &attribute) const
 	return find(attributes, attribute.c_str());
 }
 
-Values Compressed::values(const std::string &attribute) const
+/* What turns the decoder's values into those that the accessor says: its "normalized" counts, which encoders
+ * do not always repeat inside. */
+static float accessor_scale(const draco::PointAttribute &from, const Json &accessor)
+{
+	const bool normalized = truth(accessor, "normalized", false);
+	const size_t type = whole(accessor, "componentType", 65535);
+	const auto most_of = [](int bytes, bool sign) {
+		return static_cast<float>(std::ldexp(1, 8 * bytes - sign) - 1);
+	};
+	const draco::DataType own = from.data_type();
+	const bool sign = own == draco::DT_INT8 || own == draco::DT_INT16 || own == draco::DT_INT32;
+
+	if (normalized == from.normalized() || !draco::IsDataTypeIntegral(own))
+		return 1;
+	if (normalized && type >= 5120 && type <= 5123)
+		return 1 / most_of(type < 5122 ? 1 : 2, type % 2 == 0);
+	return normalized ? 1 : most_of(draco::DataTypeLength(own), sign);
+}
+
+Values Compressed::values(const std::string &attribute, const Json *accessor) const
 {
 	const size_t id = whole(attributes, attribute.c_str(), 65535);
 	const draco::PointAttribute *from = mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id));
@@ -43,6 +65,7 @@ Values Compressed::values(const std::string &attribute) const
 				std::to_string(id));
 
 	const auto components = static_cast<int8_t>(from->num_components());
+	const float scale = accessor ? accessor_scale(*from, *accessor) : 1;
 	Values out = {mesh->num_points(), static_cast<size_t>(components), {}};
 
 	out.value.resize(out.count * out.components);
@@ -53,6 +76,8 @@ Values Compressed::values(const std::string &attribute) const
 		    !from->ConvertValue<float>(at, components, &out.value[k * out.components]))
 			fail_at(attributes, -EBADMSG, attribute + ": damaged");
 	}
+	for (float &value : out.value)
+		value = std::max(value * scale, scale < 1 ? -1 : -FLT_MAX);
 	return out;
 }
 

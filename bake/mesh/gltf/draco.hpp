@@ -24,7 +24,8 @@ class Compressed
 
 	/* Whether an attribute, such as "POSITION", is in the compressed data. */
 	bool has(const std::string &attribute) const;
-	Values values(const std::string &attribute) const;
+	/* accessor: of the attribute; NULL: it has none. */
+	Values values(const std::string &attribute, const Json *accessor) const;
 	std::vector<uint32_t> corners() const; /* of triangles */
 
       private:

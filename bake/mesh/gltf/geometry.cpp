@@ -30,10 +30,13 @@ class Attributes
 
 	Values values(const std::string &name)
 	{
-		Values out = compressed && compressed->has(name)
-				     ? compressed->values(name)
-				     : read_values(document,
-						   index(needed(primitive, "attributes"), name));
+		const Json &said = needed(primitive, "attributes");
+		const bool inside = compressed && compressed->has(name);
+		const Json *accessor = inside && find(said, name.c_str())
+					       ? &document.item("accessors", index(said, name))
+					       : nullptr;
+		Values out = inside ? compressed->values(name, accessor)
+				    : read_values(document, index(said, name));
 
 		add_morph(name, out);
 		return out;

@@ -15,12 +15,15 @@
 extern "C" {
 #include "bake/mesh/gltf/gltf.h"
 #include "bake/mesh/mesh_normals.h"
+#include "hal/optics/vec.h"
 }
 
 namespace gltf
 {
 
 constexpr size_t triangles_max = 64u << 20;
+constexpr double inwards_least = 0.5; /* share of the volume around the middle */
+constexpr double flat_most = 1e-3;    /* height over width that has no inside */
 
 /* Those that may be required: what they say is read, or does not change the picture, or is said to
  * be left out. */
@@ -55,6 +58,7 @@ class Reader
 	void add_primitive(const Json &primitive, const Json &node, const Json &shape,
 			   const std::vector<Matrix> &places);
 	void add_part(const Geometry &from, const Matrix &place, int material);
+	void add_place(const Geometry &from, const Matrix &place, const Used &used);
 	void settle_alpha();
 	void leave_out();
 
@@ -126,12 +130,14 @@ template <size_t N> static float (*copy_values(const std::vector<float> &from))[
 	return to;
 }
 
-static void fill_vertices(mesh_part &to, const Geometry &from, const Matrix &place)
+/* place: of directions; near: of points, which are rounded near the origin. */
+static void fill_vertices(mesh_part &to, const Geometry &from, const Matrix &place,
+			  const Matrix &near)
 {
 	for (size_t v = 0; v < from.vertices; v++) {
 		float n[3];
 
-		move_point(place, &from.position[3 * v], to.position[v]);
+		move_point(near, &from.position[3 * v], to.position[v]);
 		if (from.normal.empty())
 			continue;
 		move_normal(place, &from.normal[3 * v], n);
@@ -143,6 +149,18 @@ static void fill_vertices(mesh_part &to, const Geometry &from, const Matrix &pla
 		if (determinant(place) < 0)
 			to.tangent[v][3] = -to.tangent[v][3];
 	}
+}
+
+static void set_origin(double origin[3], const Matrix &place, const float from[3])
+{
+	double vertex[3];
+
+	for (int i = 0; i < 3; i++) {
+		vertex[i] = place.m[i][3];
+		for (int k = 0; k < 3; k++)
+			vertex[i] += place.m[i][k] * static_cast<double>(from[k]);
+	}
+	mesh_set_origin(origin, vertex);
 }
 
 void Reader::add_part(const Geometry &from, const Matrix &place, int material)
@@ -172,7 +190,14 @@ void Reader::add_part(const Geometry &from, const Matrix &place, int material)
 	to.uv2 = copy_values<2>(from.uv[1]);
 	to.tangent = copy_values<4>(from.tangent);
 	to.colour = copy_values<4>(from.colour);
-	fill_vertices(to, from, place);
+	if (into->part_count == 1 && count)
+		set_origin(into->origin, place, &from.position[3 * from.corners[0]]);
+
+	Matrix near = place;
+
+	for (int i = 0; i < 3; i++)
+		near.m[i][3] -= into->origin[i];
+	fill_vertices(to, from, place, near);
 	for (size_t t = 0; t < count; t++) {
 		to.index[t][0] = from.corners[3 * t];
 		to.index[t][1] = from.corners[3 * t + (mirrored ? 2 : 1)];
@@ -182,7 +207,72 @@ void Reader::add_part(const Geometry &from, const Matrix &place, int material)
 		throw std::bad_alloc();
 }
 
+/* Adds a primitive: what lets light pass, and what does not, by each triangle's middle. */
+void Reader::add_place(const Geometry &from, const Matrix &place, const Used &used)
+{
+	if (used.dull < 0 || from.uv[used.passing.set].empty()) {
+		add_part(from, place, used.material);
+		return;
+	}
+
+	const std::vector<float> &uv = from.uv[used.passing.set];
+	Geometry glass = from, dull = from;
+
+	glass.corners.clear();
+	dull.corners.clear();
+	for (size_t t = 0; t + 2 < from.corners.size(); t += 3) {
+		material_point middle = {};
+		float at[2];
+
+		for (size_t k = 0; k < 6; k++)
+			middle.uv[used.passing.set][k % 2] +=
+				uv[2 * from.corners[t + k / 2] + k % 2] / 3;
+		texture_use_place(&used.passing, &middle, at);
+
+		Geometry &to = texture_at(used.passing.texture, at[0], at[1]).c[0] * used.share <
+					       0.5f
+				       ? dull
+				       : glass;
+
+		to.corners.insert(to.corners.end(), &from.corners[t], &from.corners[t] + 3);
+	}
+	if (!glass.corners.empty())
+		add_part(glass, place, used.material);
+	if (!dull.corners.empty())
+		add_part(dull, place, used.dull);
+}
+
+/* Whether most faces look towards the middle, as those of an outline or of a doll house do. */
+static bool looks_inwards(const Geometry &of)
+{
+	double middle[3] = {0, 0, 0}, sum = 0, all = 0, room = 0;
+
+	for (size_t k = 0; k < 3 * of.corners.size(); k++)
+		middle[k % 3] += static_cast<double>(of.position[3 * of.corners[k / 3] + k % 3]) /
+				 static_cast<double>(of.corners.size());
+	for (size_t t = 0; t + 2 < of.corners.size(); t += 3) {
+		double p[3][3], across[3], volume;
+
+		for (size_t k = 0; k < 9; k++)
+			p[k / 3][k % 3] = static_cast<double>(
+						  of.position[3 * of.corners[t + k / 3] + k % 3]) -
+					  middle[k % 3];
+		vec_cross(p[1], p[2], across);
+		volume = vec_dot(p[0], across);
+		sum += volume;
+		all += std::fabs(volume);
+		room += vec_length(p[0]) * vec_length(across);
+	}
+	return sum < -inwards_least * all && all > flat_most * room;
+}
+
 /* ---- nodes ---- */
+
+/* By how much a place makes lengths larger. */
+static double scale_of(const Matrix &place)
+{
+	return std::cbrt(std::fabs(determinant(place)));
+}
 
 /* The weights of morph targets: those of the node, or else of the mesh. */
 static std::vector<double> morph_weights(const Json &node, const Json &shape)
@@ -205,7 +295,7 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 		return;
 	}
 
-	const Used used = materials.use(primitive);
+	const Used used = materials.use(primitive, places.empty() ? 1 : scale_of(places[0]));
 	Geometry geometry = read_geometry(document, primitive, morph_weights(node, shape),
 					  used.sets);
 
@@ -217,9 +307,13 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 			   skin_matrices(document, nodes,
 					 document.item("skins", document.index(*skin, "skins"))),
 			   primitive);
+	if (used.one_sided && looks_inwards(geometry))
+		left_out_add(&missing, "hiding single-sided faces from behind", "mesh");
 	for (const Matrix &place : places)
-		add_part(geometry, skin && geometry.influences.each ? matrix_identity : place,
-			 used.material);
+		if (skin && geometry.influences.each)
+			add_place(geometry, matrix_identity, used);
+		else
+			add_place(geometry, place, materials.use(primitive, scale_of(place)));
 }
 
 void Reader::add_node(const Json &node, const Matrix &global)

@@ -296,23 +296,41 @@ void Materials::read_coat(const Json &from, material &to)
 		left_out_add(missing, "textures of clear coats", "material");
 }
 
+/* A volume's thickness in the world. A texture of it counts by its mean. */
+double Materials::thickness_of(const Json &from, Used &used)
+{
+	const Json *volume = find_extension(from, "KHR_materials_volume");
+	const Json *map = volume ? find(*volume, "thicknessTexture") : nullptr;
+	double thickness = volume ? number(*volume, "thicknessFactor", 0) * to_world : 0;
+
+	if (map && thickness > 0)
+		thickness *=
+			static_cast<double>(texture_mean(read_use(*map, true, used).texture).c[1]);
+	return thickness;
+}
+
 /* Light is tinted wherever it passes a surface; that which a volume takes is divided between the two
  * surfaces of its said thickness. */
-void Materials::read_glass(const Json &from, material &to)
+void Materials::read_glass(const Json &from, material &to, Used &used)
 {
 	const Json *glass = find_extension(from, "KHR_materials_transmission");
 	const Json *volume = find_extension(from, "KHR_materials_volume");
+	const Json *map = glass ? find(*glass, "transmissionTexture") : nullptr;
 	const double factor = glass ? number(*glass, "transmissionFactor", 0) : 0;
 	double tint[3] = {1, 1, 1};
 
 	if (factor <= 0)
 		return;
-	if (factor < 1 || find(*glass, "transmissionTexture"))
+	if (factor < 1 || map)
 		left_out_add(missing, "partial transmission", "material");
-	if (factor < metal_much)
+	if (factor < metal_much || dull)
 		return;
+	if (map) {
+		used.passing = read_use(*map, true, used);
+		used.share = static_cast<float>(factor);
+	}
 
-	const double thickness = volume ? number(*volume, "thicknessFactor", 0) : 0;
+	const double thickness = thickness_of(from, used);
 	const double distance = volume ? number(*volume, "attenuationDistance", 0) : 0;
 
 	if (to.roughness > glass_rough)
@@ -322,6 +340,7 @@ void Materials::read_glass(const Json &from, material &to)
 	for (double &c : tint)
 		c = std::pow(std::clamp(c, 0.0, 1.0), thickness / std::max(distance, 1e-9) / 2);
 	to.kind = MATERIAL_GLASS;
+	to.map.use.texture = nullptr; /* its colours know nothing of the tint */
 	to.colour = rgb_mul(rgb_add(to.colour, to.metal), rgb_of(tint));
 	to.ior = static_cast<float>(ior_of(from));
 	to.thin = thickness <= 0;
@@ -379,7 +398,7 @@ void Materials::read(const Json &from, material &to, Used &used)
 		to.map.use.texture = nullptr;
 	} else {
 		read_coat(from, to);
-		read_glass(from, to);
+		read_glass(from, to, used);
 	}
 	if (bumps) {
 		to.bumps = read_use(*bumps, true, used);
@@ -396,26 +415,47 @@ Materials::Materials(Document &from, mesh *to, left_out *what, bool read)
 {
 }
 
-Used Materials::use(const Json &primitive)
+int Materials::add(const Json &from, Used &used)
+{
+	const int index = into->material_count;
+
+	into->materials = grow(into->materials, index);
+	into->materials[index] = material{};
+	into->material_count++;
+	read(from, into->materials[index], used);
+	return index;
+}
+
+Used Materials::use(const Json &primitive, double scale)
 {
 	const Json *said = find(primitive, "material");
 	const size_t index = said ? document.index(*said, "materials")
 				  : document.count("materials");
-	const auto at = known.find(index);
-	Used used = {0, {0, 1}, {false, false}};
+	const Json &from = said ? document.item("materials", index) : empty();
+	/* instances whose scales differ by less share a material */
+	const double coarse = std::exp2(std::round(std::log2(scale) * 256) / 256);
+
+	to_world = find_extension(from, "KHR_materials_volume") && std::isfinite(coarse) ? coarse
+											 : 1;
+
+	const auto at = known.find({index, to_world});
+	Used used = {0, {0, 1}, {false, false}, false, -1, {}, 0};
 
 	if (at != known.end())
 		return at->second;
 	if (wanted) {
-		into->materials = grow(into->materials, into->material_count);
-		used.material = into->material_count++;
+		used.one_sided = !truth(from, "doubleSided", false);
+		used.material = add(from, used);
+		if (used.passing.texture) {
+			const left_out once = *missing;
 
-		material &to = into->materials[used.material];
-
-		to = material{};
-		read(said ? document.item("materials", index) : empty(), to, used);
+			dull = true;
+			used.dull = add(from, used);
+			dull = false;
+			*missing = once;
+		}
 	}
-	return known[index] = used;
+	return known[{index, to_world}] = used;
 }
 
 } // namespace gltf

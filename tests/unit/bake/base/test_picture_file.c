@@ -74,19 +74,25 @@ static void test_bmp_and_tga(void **state)
 	/* run-length coded, blue first, rows from below */
 	static const uint8_t tga[] = {0, 0, 10, 0, 0, 0, 0, 0,	 0,   0,    0, 0,   2, 0,
 				      1, 0, 32, 8, 0, 0, 0, 255, 255, 0x80, 0, 128, 0, 51};
+	uint8_t top[sizeof(bmp)];
 
 	(void)state;
 	write_bytes("pair.bmp", bmp, sizeof(bmp));
 	expect_pair("pair.bmp", false);
 	write_bytes("pair.TGA", tga, sizeof(tga));
 	expect_pair("pair.TGA", true);
+	/* the same from the top */
+	memcpy(top, bmp, sizeof(top));
+	memset(top + 22, 255, 4);
+	write_bytes("pair.bmp", top, sizeof(top));
+	expect_pair("pair.bmp", false);
 	cut_anywhere("cut.bmp", bmp, sizeof(bmp));
 	cut_anywhere("cut.tga", tga, sizeof(tga));
 }
 
 static void write_tiff(const char *name, int bits, int samples, const void *row)
 {
-	TIFF *tiff = TIFFOpen(small_scene_path(name), "w");
+	TIFF *tiff = TIFFOpen(small_scene_path(name), strstr(name, "big") ? "w8" : "w");
 	const uint16_t unassociated = EXTRASAMPLE_UNASSALPHA;
 
 	assert_non_null(tiff);
@@ -119,6 +125,8 @@ static void test_tiff(void **state)
 	(void)state;
 	write_tiff("rgb.tif", 8, 3, rgb);
 	expect_pair("rgb.tif", false);
+	write_tiff("big.tif", 8, 3, rgb);
+	expect_pair("big.tif", false);
 	write_tiff("rgba.tiff", 8, 4, rgba);
 	read_fine("rgba.tiff", &image);
 	assert_int_equal(image.alpha[1], 51);
@@ -138,6 +146,135 @@ static void test_tiff(void **state)
 	count = fread(bytes, 1, sizeof(bytes), stream);
 	fclose(stream);
 	cut_anywhere("cut.tif", bytes, count);
+}
+
+struct tiff_case {
+	int width, height, bits, samples, format, turned, extra; /* extra -1: not said */
+	const void *pixels;
+};
+
+static void write_tiff_of(const char *name, const struct tiff_case *of)
+{
+	TIFF *tiff = TIFFOpen(small_scene_path(name), "w");
+	const uint16_t extra = (uint16_t)of->extra;
+	const size_t row = (size_t)(of->width * of->samples * of->bits / 8);
+
+	assert_non_null(tiff);
+	TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, of->width);
+	TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, of->height);
+	TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, of->bits);
+	TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, of->samples);
+	TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, of->format);
+	TIFFSetField(tiff, TIFFTAG_ORIENTATION, of->turned);
+	TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, of->height);
+	TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+		     of->samples > 2 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+	TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+	if (of->extra >= 0)
+		TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &extra);
+	for (int y = 0; y < of->height; y++)
+		assert_int_equal(TIFFWriteScanline(tiff, (char *)of->pixels + (size_t)y * row,
+						   (uint32_t)y, 0),
+				 1);
+	TIFFClose(tiff);
+}
+
+/* Floats of both sizes are linear light. */
+static void test_tiff_floats(void **state)
+{
+	static const uint16_t halves[] = {0x3c00, 0x3400, 0, 0x4000, 0x0001, 0xb800};
+	static const float singles[] = {1, 0.5f, 0, 0.25f, 0.125f, 0, -1, 1}, odd[] = {NAN};
+	static const float expected[2][6] = {{1, 0.25f, 0, 2, 5.9604645e-8f, 0},
+					     {2, 1, 0, 0.125f, 0, 1}};
+	const struct tiff_case cases[] = {
+		{2, 1, 16, 3, SAMPLEFORMAT_IEEEFP, 1, -1, halves},
+		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_ASSOCALPHA,
+		 (float[]){1, 0.5f, 0, 0.5f, 0.125f, -3, 1, 1}},
+		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNSPECIFIED, singles},
+		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd}};
+	struct fault fault = {.text = ""};
+	struct image image;
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		write_tiff_of("f.tif", &cases[k]);
+		read_fine("f.tif", &image);
+		assert_non_null(image.f32);
+		for (int i = 0; i < 6; i++)
+			expect_below(fabsf(image.f32[i] - expected[k][i]), 1e-12f, "k=%d, i=%d", k,
+				     i);
+		assert_int_equal(image.alpha != NULL, k == 1);
+		if (k == 1)
+			assert_int_equal(image.alpha[0], 128);
+		image_free(&image);
+	}
+	write_tiff_of("f.tif", &cases[2]);
+	read_fine("f.tif", &image);
+	assert_null(image.alpha);
+	assert_true(image.f32[0] == 1 && image.f32[3] == 0.125f && image.f32[5] == 0);
+	image_free(&image);
+	write_tiff_of("f.tif", &cases[3]);
+	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EDOM);
+	assert_non_null(strstr(fault.text, "f.tif: row 0 has light that is not finite"));
+}
+
+/* A fourth sample that is no alpha counts for nothing, in 8 and 16 bits. */
+static void test_tiff_further_samples(void **state)
+{
+	static const uint8_t bytes[] = {255, 0, 0, 0, 0, 128, 0, 51};
+	static const uint16_t words[] = {65535, 1, 258, 0, 40000, 3, 4, 7};
+	static const uint16_t deep[] = {65535, 1, 258, 40000, 3, 4};
+	struct image image;
+
+	(void)state;
+	for (int extra = -1; extra <= EXTRASAMPLE_UNSPECIFIED; extra++) {
+		const struct tiff_case plain = {2, 1, 8, 4, SAMPLEFORMAT_UINT, 1, extra, bytes};
+		const struct tiff_case fine = {2, 1, 16, 4, SAMPLEFORMAT_UINT, 1, extra, words};
+
+		write_tiff_of("extra.tif", &plain);
+		expect_pair("extra.tif", false);
+		write_tiff_of("extra.tif", &fine);
+		read_fine("extra.tif", &image);
+		assert_memory_equal(image.u16, deep, sizeof(deep));
+		assert_null(image.alpha);
+		image_free(&image);
+	}
+}
+
+/* All eight orientations, in 8 and 16 bits: what the file has, and the upright picture. */
+static void test_tiff_orientations(void **state)
+{
+	static const char upright[] = "abcdef"; /* 3 x 2 */
+	static const char *const files[] = {"abcdef", "cbafed", "fedcba", "defabc",
+					    "adbecf", "cfbead", "fcebda", "daebfc"};
+	uint16_t words[6];
+	struct image image;
+
+	(void)state;
+	for (int turned = 1; turned <= 8; turned++)
+		for (int bits = 8; bits <= 16; bits += 8) {
+			const char *file = files[turned - 1];
+			const struct tiff_case of = {turned > 4 ? 2 : 3,
+						     turned > 4 ? 3 : 2,
+						     bits,
+						     1,
+						     SAMPLEFORMAT_UINT,
+						     turned,
+						     -1,
+						     bits == 8 ? (const void *)file : words};
+
+			for (int k = 0; k < 6; k++)
+				words[k] = (uint16_t)file[k];
+			write_tiff_of("turned.tif", &of);
+			read_fine("turned.tif", &image);
+			assert_int_equal(image.width, 3);
+			assert_int_equal(image.height, 2);
+			for (int k = 0; k < 6; k++)
+				expect_equal(bits == 8 ? image.u8[3 * k] : image.u16[3 * k],
+					     upright[k], "turned=%d, bits=%d, k=%d", turned, bits,
+					     k);
+			image_free(&image);
+		}
 }
 
 static void write_deep_png(const char *name, int kind, const uint8_t *row)
@@ -193,6 +330,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_bmp_and_tga),
 		cmocka_unit_test(test_tiff),
+		cmocka_unit_test(test_tiff_floats),
+		cmocka_unit_test(test_tiff_further_samples),
+		cmocka_unit_test(test_tiff_orientations),
 		cmocka_unit_test(test_deep_png),
 	};
 

@@ -214,6 +214,59 @@ static void test_placed_texture(void **state)
 	scene_close(scene);
 }
 
+/* Reads a file of an export whole. */
+static void read_text(const char *name, char *text, size_t room)
+{
+	FILE *stream = fopen(small_scene_path(name), "r");
+
+	assert_non_null(stream);
+	text[fread(text, 1, room - 1, stream)] = '\0';
+	fclose(stream);
+}
+
+/* Blender gets colours of vertices, and how a texture goes on beyond its edges; one that is mirrored is
+ * written twice. */
+static void test_blender(void **state)
+{
+	static uint8_t texels[] = {255, 0, 0, 0, 255, 0};
+	struct scene *scene = open_scene(camera);
+	struct mesh_part *part = &scene->meshes[0].parts[0];
+	struct texture texture = {.image = {.width = 2, .height = 1, .u8 = texels},
+				  .wrap = {TEXTURE_MIRROR, TEXTURE_MIRROR},
+				  .nearest = true};
+	struct fault fault = {.text = ""};
+	struct image picture;
+	struct dome dome;
+	static char text[1 << 16];
+
+	(void)state;
+	texture_prepare(&texture);
+	part->colour = calloc((size_t)part->vertices, sizeof(*part->colour));
+	assert_non_null(part->colour);
+	part->colour[0][1] = 0.25f;
+	scene->materials[0].texture = &texture;
+	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	if (export_blender(scene, &dome, small_scene_path("blender"), &fault))
+		fail_msg("%s", fault.text);
+	dome_free(&dome);
+	read_text("blender/scene.json", text, sizeof(text));
+	assert_non_null(strstr(text,
+			       "\"coloured\": true, \"texture\": \"texture0.hdr\", \"clamp\": "
+			       "false, \"nearest\": true"));
+	read_text("blender/objects.obj", text, sizeof(text));
+	assert_non_null(strstr(text, " 0 0.25 0\nvn "));
+	if (image_read(small_scene_path("blender/texture0.hdr"), &picture, &fault))
+		fail_msg("%s", fault.text);
+	assert_int_equal(picture.width, 4);
+	assert_int_equal(picture.height, 2);
+	for (int y = 0; y < 2; y++)
+		for (int x = 0; x < 4; x++)
+			expect_that((picture.f32[3 * (4 * y + x)] > 0) == (x == 0 || x == 3),
+				    "x=%d", x);
+	image_free(&picture);
+	scene_close(scene);
+}
+
 /* The exported angles read back as the same dome. */
 static void test_angles(void **state)
 {
@@ -311,10 +364,10 @@ static void test_shift(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_rays),   cmocka_unit_test(test_coverage),
-		cmocka_unit_test(test_meshes), cmocka_unit_test(test_placed_texture),
-		cmocka_unit_test(test_angles), cmocka_unit_test(test_shift),
-		cmocka_unit_test(test_tents),
+		cmocka_unit_test(test_rays),	cmocka_unit_test(test_coverage),
+		cmocka_unit_test(test_meshes),	cmocka_unit_test(test_placed_texture),
+		cmocka_unit_test(test_blender), cmocka_unit_test(test_angles),
+		cmocka_unit_test(test_shift),	cmocka_unit_test(test_tents),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

@@ -219,6 +219,76 @@ static void test_obj_colours(void **state)
 	mesh_free(&mesh);
 }
 
+/* Colours of ZBrush, in comments behind a mask. */
+static void test_obj_painted(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	small_scene_write("z.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff8000ff00ff00\n"
+				   "#MRGB 00000033\nf 1 2 3\n");
+	read_fine("z.obj", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.2158f, 0);
+	expect_colour(colour_of(&mesh, 0, 0, 1), 0, 1, 0);
+	expect_colour(colour_of(&mesh, 0, 0, 2), 0, 0, 0.0331f);
+	mesh_free(&mesh);
+}
+
+/* Coordinates of a country, in which a float has steps of half a metre: millimetres reach the world where
+ * the placement brings the mesh near, and a word is said where they cannot. */
+static void test_far_positions(void **state)
+{
+	static const char *const names[] = {"far.obj", "far.ply", "far.stl"};
+	struct mesh_placement near = as_it_is;
+	struct captured_log log;
+	struct mesh mesh;
+	char line[512] = "";
+	FILE *said;
+
+	(void)state;
+	near.position[0] = -500000;
+	near.position[1] = -5400100;
+	near.stand = 1;
+	small_scene_write("far.obj", "v -1e9 0 7\nv 500000.125 5400123.001 100\n"
+				     "v 500001.125 5400123.002 101\nv 500000.125 5400124.003 101\n"
+				     "f 2 3 4\n");
+	small_scene_write("far.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\n"
+				     "property double y\nproperty double z\nelement face 1\n"
+				     "property list uchar int vertex_indices\nend_header\n"
+				     "500000.125 5400123.001 100\n500001.125 5400123.002 101\n"
+				     "500000.125 5400124.003 101\n3 0 1 2\n");
+	small_scene_write("far.stl", "solid s\nfacet normal 0 0 1\nouter loop\n"
+				     "vertex 500000.125 5400123.001 100\n"
+				     "vertex 500001.125 5400123.002 101\n"
+				     "vertex 500000.125 5400124.003 101\nendloop\nendfacet\n");
+	for (int k = 0; k < 3; k++) {
+		struct fault fault = {.text = ""};
+		const struct v3 *p;
+
+		if (mesh_read(&mesh, small_scene_path(names[k]), &near, &fault) < 0)
+			fail_msg("%s", fault.text);
+		p = (struct v3[]){mesh_corner(&mesh.parts[0], 0, 0),
+				  mesh_corner(&mesh.parts[0], 0, 2)};
+		expect_below(fabsf(p[0].x - 0.125f), 1e-5f, "k=%d", k);
+		expect_below(fabsf(p[0].y - 23.001f), 1e-5f, "k=%d", k);
+		expect_below(fabsf(p[0].z), 1e-6f, "k=%d", k);
+		expect_below(fabsf(p[1].y - 24.003f), 1e-5f, "k=%d", k);
+		expect_below(fabsf(p[1].z - 1), 1e-6f, "k=%d", k);
+		assert_int_equal(mesh.parts[0].vertices, 3);
+		mesh_free(&mesh);
+	}
+	small_scene_write("far.obj", "v 500000.125 5400123.001 0\nv 500050.1 5400123.002 0\n"
+				     "v 500000.125 5400173 0\nf 1 2 3\n");
+	log = captured_log_begin();
+	read_fine("far.obj", &mesh);
+	said = captured_log_end(&log);
+	assert_true(fread(line, 1, sizeof(line) - 1, said) > 0);
+	fclose(said);
+	if (!strstr(line, "move it to the origin by position = -500025"))
+		fail_msg("%s", line);
+	mesh_free(&mesh);
+}
+
 /* ---- PLY ---- */
 
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
@@ -277,6 +347,17 @@ static void test_ply_binary_line_end(void **state)
 
 static void test_ply_colours(void **state)
 {
+	static const struct {
+		const char *type, *row;
+	} wide[] = {{"int", "255 51 0"},
+		    {"uint", "65535 13107 0"},
+		    {"uint", "4294967295 858993459 0"},
+		    {"ushort", "255 51 0"},
+		    {"ushort", "65535 13107 0"},
+		    {"short", "32767 6553 0"},
+		    {"float", "255.0 51.0 0"},
+		    {"double", "1.0 0.2 0"},
+		    {"float", "65535 13107 0"}};
 	struct mesh mesh;
 
 	(void)state;
@@ -289,6 +370,19 @@ static void test_ply_colours(void **state)
 	expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.0331f, 0);
 	expect_colour(colour_of(&mesh, 0, 0, 1), 0, 0, 0);
 	mesh_free(&mesh);
+	/* types that could hold more than bytes */
+	for (size_t k = 0; k < sizeof(wide) / sizeof(*wide); k++) {
+		small_scene_write("c.ply",
+				  "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ
+				  "property %s red\nproperty %s green\nproperty %s blue\n"
+				  "element face 1\nproperty list uchar int vertex_indices\n"
+				  "end_header\n0 0 0 %s\n1 0 0 0 0 0\n1 1 0 0 0 0\n"
+				  "0 1 0 0 0 0\n4 0 1 2 3\n",
+				  wide[k].type, wide[k].type, wide[k].type, wide[k].row);
+		read_fine("c.ply", &mesh);
+		expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.0331f, 0);
+		mesh_free(&mesh);
+	}
 	/* of faces, and as shares of 1 */
 	small_scene_write("c.ply",
 			  "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element face 2\n"
@@ -434,7 +528,8 @@ int main(void)
 		cmocka_unit_test(test_obj_colours),	    cmocka_unit_test(test_ply_kinds),
 		cmocka_unit_test(test_ply_binary_line_end), cmocka_unit_test(test_ply_colours),
 		cmocka_unit_test(test_ply_textures),	    cmocka_unit_test(test_stl),
-		cmocka_unit_test(test_other_kinds),
+		cmocka_unit_test(test_other_kinds),	    cmocka_unit_test(test_obj_painted),
+		cmocka_unit_test(test_far_positions),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

@@ -337,6 +337,48 @@ static void test_instances(void **state)
 	mesh_free(&mesh);
 }
 
+/* Far translations are not rounded before the origin is known. */
+static void test_far_node(void **state)
+{
+	struct mesh mesh = read_fine(
+		&(struct form){.nodes = "{'mesh':0,'translation':[500000.125,7,-5400000.375]}"});
+	const double expected[3] = {500001.125, 8, -5400000.375};
+
+	(void)state;
+	for (int axis = 0; axis < 3; axis++)
+		expect_below(fabs(mesh.origin[axis] + (double)mesh.parts[0].position[2][axis] -
+				  expected[axis]),
+			     1e-6, "axis=%d", axis);
+	mesh_free(&mesh);
+}
+
+/* A vertex that no triangle has is not what stands on the ground. */
+static void test_unused_vertex(void **state)
+{
+	const struct mesh_placement stand = {.scale = 1, .crease_deg = 60, .stand = 1};
+	struct fault fault = {.text = ""};
+	struct mesh mesh = read_fine(&(struct form){
+		.buffer = "{'byteLength':54,'uri':'data:application/octet-stream;base64,"
+			  "AAAAAAAAAAAAAIA/AACAPwAAAAAAAIA/AACgQAAAoEAAAEDAAAAAAAAAgD8AAABAAAABAA"
+			  "MA'}",
+		.attributes = "'POSITION':0",
+		.primitive = ",'indices':1",
+		.root = ",'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,"
+			"'byteLength':6}],'accessors':[{'bufferView':0,'componentType':5126,'count'"
+			":4,"
+			"'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':3,'type':'"
+			"SCALAR'}]",
+	});
+
+	(void)state;
+	mesh_free(&mesh);
+	expect_success(mesh_read(&mesh, small_scene_path("square.gltf"), &stand, &fault), &fault);
+	assert_int_equal(mesh.parts[0].vertices, 3);
+	corner_at(&mesh.parts[0], 0, 0, 0);
+	corner_at(&mesh.parts[0], 0, 1, 1);
+	mesh_free(&mesh);
+}
+
 /* ---- containers ---- */
 
 static size_t put_chunk(uint8_t *to, const char *type, const void *from, uint32_t length)
@@ -434,6 +476,33 @@ static void test_draco(void **state)
 	assert_int_equal(mesh.parts[0].triangles, 2);
 	for (int k = 0; k < 4; k++)
 		corner_at(&mesh.parts[0], (float)(k & 1), (float)(k >> 1), 0);
+	mesh_free(&mesh);
+}
+
+/* Made by Draco, whose encoder did not say that the colours are normalized; the accessor does. */
+static void test_draco_colours(void **state)
+{
+	struct mesh mesh = read_fine(&(struct form){
+		.buffer = "{'byteLength':115,'uri':'data:application/octet-stream;base64,"
+			  "RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgECAgMAAQEBAQEAAw"
+			  "MBMAEQAwAogpgAAAAAAP8AAAAAAAAAAAAAAAAAAAAAAIA/CAEBAQEBZ1k1VQX/j1UFBLvI"
+			  "jYAAAAAA/wAAAA=='}",
+		.attributes = "'POSITION':0,'COLOR_0':1",
+		.primitive =
+			",'indices':2,'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,"
+			"'attributes':{'POSITION':0,'COLOR_0':1}}}",
+		.root = ",'bufferViews':[{'buffer':0,'byteLength':115}],'accessors':["
+			"{'componentType':5126,'count':4,'type':'VEC3'},"
+			"{'componentType':5121,'count':4,'type':'VEC3','normalized':true},"
+			"{'componentType':5123,'count':6,'type':'SCALAR'}]",
+	});
+
+	(void)state;
+	for (int v = 0; v < 4; v++)
+		for (int c = 0; c < 3; c++)
+			expect_below(
+				fabsf(mesh.parts[0].colour[v][c] - 0.2f * (float)(c ? c == 1 : 5)),
+				1e-5f, "v=%d, c=%d", v, c);
 	mesh_free(&mesh);
 }
 
@@ -664,6 +733,107 @@ static void test_kinds_of_materials(void **state)
 	}
 }
 
+/* Lengths of a volume are those of its mesh, which nodes scale; a texture of it counts by its mean, 0.5. One
+ * of roughness leaves the tint. */
+static void test_volume_scale(void **state)
+{
+	static const char *const maps[] = {"'thicknessFactor':1", "'thicknessFactor':1",
+					   "'thicknessFactor':2,'thicknessTexture':{'index':0}"};
+
+	(void)state;
+	write_texture();
+	for (int k = 0; k < 3; k++) {
+		char root[1024];
+		struct mesh mesh;
+
+		snprintf(root, sizeof(root),
+			 TEXTURED "'samplers':[{}],'materials':[{'extensions':{"
+				  "'KHR_materials_transmission':{'transmissionFactor':1},"
+				  "'KHR_materials_volume':{%s,'attenuationDistance':1,"
+				  "'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':"
+				  "{'metallicFactor':0,'roughnessFactor':0%s}}]",
+			 maps[k], k == 1 ? ",'metallicRoughnessTexture':{'index':0}" : "");
+		mesh = read_fine(&(struct form){
+			.attributes = "'POSITION':1,'TEXCOORD_0':3",
+			.primitive = MATERIAL,
+			.nodes = "{'mesh':0,'scale':[2,2,2]},{'mesh':0,'scale':[4,4,4]},"
+				 "{'mesh':0,'scale':[2,2,-2]}",
+			.root = root});
+		expect_equal(mesh.material_count, 2, "k=%d", k);
+		for (int part = 0; part < 3; part++) {
+			const struct material *m = &mesh.materials[mesh.parts[part].material];
+			const struct bsdf bsdf = material_at(m, 0.25f, 0.25f);
+
+			expect_below(fabsf(bsdf.colour.c[1] - (part == 1 ? 0.25f : 0.5f)), 2e-3f,
+				     "k=%d, part=%d", k, part);
+		}
+		mesh_free(&mesh);
+	}
+}
+
+/* Glass is where its texture lets light pass, by triangle: red is 1 at the right, 0 at the left below. */
+static void test_transmission_texture(void **state)
+{
+	struct mesh mesh;
+
+	(void)state;
+	write_texture();
+	mesh = read_fine(&(struct form){
+		.attributes = "'POSITION':1,'TEXCOORD_0':3",
+		.primitive = MATERIAL,
+		.root = TEXTURED
+		"'samplers':[{}],'materials':[{'extensions':{'KHR_materials_transmission':"
+		"{'transmissionFactor':1,'transmissionTexture':{'index':0,'extensions':"
+		"{'KHR_texture_transform':{'offset':[0,0.2]}}}}},'pbrMetallicRoughness':"
+		"{'metallicFactor':0,'roughnessFactor':0}}]"});
+	assert_int_equal(mesh.part_count, 2);
+	for (int part = 0; part < 2; part++) {
+		expect_equal(mesh.parts[part].triangles, 1, "part=%d", part);
+		expect_equal(mesh.materials[mesh.parts[part].material].kind,
+			     part ? MATERIAL_GLOSSY : MATERIAL_GLASS, "part=%d", part);
+	}
+	assert_int_equal(mesh.parts[0].index[0][1], 1);
+	mesh_free(&mesh);
+}
+
+/* Faces that look inwards are not hidden from outside, which is said, unless both of their sides show. */
+static void test_one_sided(void **state)
+{
+	static const char *const materials[] = {"{}", "{'doubleSided':true}"};
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		const struct captured_log log = captured_log_begin();
+		char root[512], line[512] = "";
+		struct mesh mesh;
+		FILE *said;
+
+		snprintf(root, sizeof(root),
+			 ",'materials':[%s],'bufferViews':[{'buffer':0,'byteLength':144}],'"
+			 "accessors':["
+			 "{'bufferView':0,'componentType':5126,'count':12,'type':'VEC3'}]",
+			 materials[k]);
+		mesh = read_fine(&(struct form){
+			.buffer = "{'byteLength':144,'uri':'data:application/octet-stream;base64,"
+				  "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAA"
+				  "AAAAAA"
+				  "AAAAAAAIA/"
+				  "AACAPwAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
+				  "AIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAA'}",
+			.attributes = "'POSITION':0",
+			.primitive = ",'material':0",
+			.root = root});
+		said = captured_log_end(&log);
+		expect_equal(fgets(line, sizeof(line), said) != NULL, k == 0, "k=%d", k);
+		expect_equal(
+			strstr(line, "left out: hiding single-sided faces from behind of 1 mesh") !=
+				NULL,
+			k == 0, "k=%d", k);
+		fclose(said);
+		mesh_free(&mesh);
+	}
+}
+
 static void test_alpha(void **state)
 {
 	struct mesh mesh = read_fine(&(struct form)WITH_MATERIAL(
@@ -862,6 +1032,12 @@ static void test_damage(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_far_node),
+		cmocka_unit_test(test_unused_vertex),
+		cmocka_unit_test(test_draco_colours),
+		cmocka_unit_test(test_volume_scale),
+		cmocka_unit_test(test_transmission_texture),
+		cmocka_unit_test(test_one_sided),
 		cmocka_unit_test(test_kinds_of_numbers),
 		cmocka_unit_test(test_sparse),
 		cmocka_unit_test(test_nodes),

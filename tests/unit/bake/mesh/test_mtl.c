@@ -208,6 +208,35 @@ static void test_libraries(void **state)
 	expect_checker("named.obj");
 }
 
+/* Files put together name several libraries that have materials of the same name: the nearest one above
+ * counts. A texture without coordinates is said. */
+static void test_joined_files(void **state)
+{
+	struct captured_log log;
+	char line[512] = "";
+	struct mesh mesh;
+	FILE *said;
+
+	(void)state;
+	write_picture("mesh.png", texels);
+	small_scene_write("a.mtl", "newmtl m\nKd 1 0 0\n");
+	small_scene_write("b.mtl", "newmtl m\nKd 0 0 1\nmap_Kd mesh.png\n");
+	small_scene_write("ab.obj",
+			  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nmtllib a.mtl\nusemtl m\nf 1 2 3\n"
+			  "mtllib b.mtl\nusemtl m\nf 1 3 4\n");
+	log = captured_log_begin();
+	read_fine("ab.obj", &mesh);
+	said = captured_log_end(&log);
+	assert_int_equal(mesh.material_count, 2);
+	for (int k = 0; k < 2; k++)
+		expect_that(mesh.materials[mesh.parts[k].material].colour.c[0] == 1 - (float)k,
+			    "k=%d", k);
+	assert_non_null(fgets(line, sizeof(line), said));
+	assert_non_null(strstr(line, "ab.obj: left out: textures without coordinates of 1 mesh\n"));
+	fclose(said);
+	mesh_free(&mesh);
+}
+
 static void test_missing_texture(void **state)
 {
 	struct fault fault = {.text = ""};
@@ -236,7 +265,8 @@ static void test_texture_places(void **state)
 	expect_below(fabsf(bsdf.colour.c[1] - 1), 1e-5f, "%d", 0);
 	expect_below(bsdf.colour.c[0], 1e-5f, "%d", 0);
 	mesh_free(&mesh);
-	read_material("newmtl m\nmap_Kd -clamp on check.png\n", &mesh);
+	/* Maya's black is overlooked */
+	read_material("newmtl m\nKd 0 0 0\nmap_Kd -clamp on check.png\n", &mesh);
 	bsdf = material_at(only_material(&mesh), -5, 0.75f);
 	expect_below(fabsf(bsdf.colour.c[0] - 1), 1e-5f, "%d", 1);
 	mesh_free(&mesh);
@@ -251,6 +281,14 @@ static void test_coverage(void **state)
 		{"newmtl m\nd 0.5\n", {0.5f, 0.5f}},
 		{"newmtl m\nTr 0.25\n", {0.75f, 0.75f}},
 		{"newmtl m\nd 1\nTr 1\n", {1, 1}},
+		/* Tr that is d: alone, beside materials that tell, by the comment */
+		{"newmtl m\nKd 1 1 1\nTr 1.000000\n", {1, 1}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nTr 1\n", {0.25f, 0.25f}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nd 0.3\nTr 0.3\n", {0.25f, 0.25f}},
+		{"# Converted by Meshlab Group\nnewmtl m\nTr 0.25\n", {0.25f, 0.25f}},
+		{"# Converted by Meshlab Group\nnewmtl m\nTr 0\n", {1, 1}},
+		{"newmtl m\nTr 0.25\nnewmtl n\nTr 0\nnewmtl o\nTr 1\n", {0.75f, 0.75f}},
+		{"newmtl m\nTr 1\nnewmtl n\nd 1\nTr 0\n", {0, 0}},
 		{"newmtl m\nd -halo 0.5\nmap_d grey.png\n", {0.1f, 0.5f}},
 		{"newmtl m\nmap_d grey.png\nmap_Kd check.png\n", {0.2f, 1}},
 		{"newmtl m\nmap_Kd check.png\n", {1, 1}},
@@ -363,6 +401,7 @@ int main(void)
 		cmocka_unit_test(test_missing_texture), cmocka_unit_test(test_texture_places),
 		cmocka_unit_test(test_coverage),	cmocka_unit_test(test_surface_maps),
 		cmocka_unit_test(test_bumps),		cmocka_unit_test(test_left_out),
+		cmocka_unit_test(test_joined_files),
 	};
 
 	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);

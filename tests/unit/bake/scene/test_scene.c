@@ -568,6 +568,27 @@ static void test_placement(void **state)
 	mesh_free(&mesh);
 }
 
+/* A scene moves a mesh in coordinates of a country to its origin. */
+static void test_far_mesh(void **state)
+{
+	struct fault fault = {.text = ""};
+	struct scene *scene = NULL;
+	const float *p;
+
+	(void)state;
+	small_scene_write("far.obj",
+			  "v 500000.25 5400123.001 3\nv 500001 5400123 3\nv 500000 5400124 3\n"
+			  "f 1 2 3\n");
+	small_scene_write("far.ini", "%s",
+			  VIEW
+			  "[object a]\nfile = far.obj\nup = z\nposition = -500000 -5400123 0\n");
+	if (scene_open(&scene, small_scene_path("far.ini"), 0, 0, &fault))
+		fail_msg("%s", fault.text);
+	p = scene->meshes[0].parts[0].position[0];
+	assert_true(fabsf(p[0] - 0.25f) < 1e-6f && fabsf(p[1] - 0.001f) < 1e-6f && p[2] == 3);
+	scene_close(scene);
+}
+
 static void write_checker(const char *name)
 {
 	/* red, green above blue, white */
@@ -783,6 +804,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_refused_values),
+		cmocka_unit_test(test_far_mesh),
 		cmocka_unit_test(test_refused_files),
 		cmocka_unit_test(test_refused_indices),
 		cmocka_unit_test(test_refused_mtl),

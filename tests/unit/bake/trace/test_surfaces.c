@@ -151,6 +151,26 @@ static void test_bumps(void **state)
 	world_destroy(world);
 }
 
+/* A texture that is turned by 90 degrees turns its axes: u' = v, v' = -u, so that +u' is -y and +v' is -x. */
+static void test_bumps_turned(void **state)
+{
+	static uint8_t leaning[] = {204, 179, 255};
+	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
+	const struct material material = {.colour = {{1, 1, 1}},
+					  .bumps = {&texture, 0, {0, 1, 0, -1, 0, 1}},
+					  .bump_scale = 1};
+	struct world *world = make_world(&material);
+	struct surface s;
+
+	(void)state;
+	texture_prepare_data(&texture);
+	assert_true(
+		world_nearest(world, WITH_OBJECTS, v3_make(0.3f, 0.3f, 0), v3_make(0, 0, 1), &s));
+	expect_below(fabsf(s.normal.x / -s.normal.z + 0.40392f), 1e-4f, "%d", 0);
+	expect_below(fabsf(s.normal.y / -s.normal.z + 0.6f), 1e-4f, "%d", 0);
+	world_destroy(world);
+}
+
 /* The same with tangents of its own, along +y; along v is then +x, of another sign -x. */
 static void test_tangents(void **state)
 {
@@ -183,9 +203,9 @@ static void test_tangents(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_blend),	 cmocka_unit_test(test_mask),
-		cmocka_unit_test(test_colours),	 cmocka_unit_test(test_bumps),
-		cmocka_unit_test(test_tangents),
+		cmocka_unit_test(test_blend),	     cmocka_unit_test(test_mask),
+		cmocka_unit_test(test_colours),	     cmocka_unit_test(test_bumps),
+		cmocka_unit_test(test_bumps_turned), cmocka_unit_test(test_tangents),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

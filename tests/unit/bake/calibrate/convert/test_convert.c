@@ -383,6 +383,36 @@ static void test_dialects(void **state)
 		"3\n"
 		"  cols: 3\n  data: [300, 0, 320, 0, 301, 240, 0, 0, 1]\ncamera_model: fisheye\n"
 		"distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [0.003, -0.001, 0, 0]\n";
+	/* on one line, and as JSON */
+	static const char flow[] =
+		"{image_width: 640, image_height: 480, camera_name: 'a, b', distortion_model: "
+		"plumb_bob,\n camera_matrix: {rows: 3, cols: 3, data: [536, 0, 342, 0, 535, 235, # "
+		"of "
+		"K\n 0, 0, 1]}, other: {a: [{b: 1}, 2], x_offset: 3}, t_offset: 1, roi: {x_offset: "
+		"0}, "
+		"distortion_coefficients: "
+		"{rows: 1, cols: 5, data: [-0.25, 0.0625, 0.001, -0.002, 0]}}\n";
+	static const char json[] = "{\"camera_matrix\": [[536.0, 0.0, 342.0], [0.0, 535.0, "
+				   "235.0],\n [0.0, 0.0, 1.0]], "
+				   "\"dist_coeff\": [[-0.25, 0.0625, 0.001, -0.002, 0.0]], "
+				   "\"image_size\": [640, 480]}\n";
+	static const char items[] = SIZE
+		"camera_matrix:\n- - 536.0\n  - 0.0\n  - 342.0\n- - 0.0\n  - 535.0\n  - 235.0\n"
+		"- - 0.0\n  - 0.0\n  - 1.0\ndist_coeff:\n- - -0.25\n  - 0.0625\n  - 0.001\n"
+		"  - -0.002\n  - 0.0\n";
+	/* the omnidirectional camera of OpenCV's contributed modules */
+	static const char omnidir[] = OPENCV_HEAD SIZE
+		"camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
+		"   data: [ 300., 0., 320., 0., 301., 240., 0., 0., 1. ]\n"
+		"distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 4\n"
+		"   dt: d\n   data: [ 0.003, -0.001, 0., 0. ]\nxi: 1.2\n";
+	const struct lens omni = {.omni = true,
+				  .xi = 1.2,
+				  .width = 640,
+				  .height = 480,
+				  .focal_px = {300, 301},
+				  .centre_px = {320.5, 240.5},
+				  .term = {0.003, -0.001}};
 	const struct lens pinhole = {.width = 640,
 				     .height = 480,
 				     .focal_px = {536, 535},
@@ -404,6 +434,10 @@ static void test_dialects(void **state)
 	assert_reads(KALIBR_BOTH, "cam0", &pinhole);
 	assert_reads(KALIBR_BOTH, "cam1", &fisheye);
 	assert_reads(melodic, NULL, &fisheye);
+	assert_reads(flow, NULL, &pinhole);
+	assert_reads(json, NULL, &pinhole);
+	assert_reads(items, NULL, &pinhole);
+	assert_reads(omnidir, NULL, &omni);
 }
 
 /* An omni camera with xi = 1 is a stereographic lens of half its focal length, and tangential terms
@@ -474,7 +508,23 @@ static void test_damaged(void **state)
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data:\n  - 1\n",
 		 ":6: camera_matrix: expected data: [ numbers ]"},
 		{SIZE "camera_matrix: {rows: 3}\n",
-		 ":3: camera_matrix: expected rows, cols and data on lines of their own below it"},
+		 ":3: camera_matrix: has 3 rows, 0 columns and 0 numbers, expected as many as rows "
+		 "times columns"},
+		{"{image_width: 640, image_height: 480,\n",
+		 ":1: {: expected } or ] before the end"},
+		{"{camera_matrix: [[1, 2}",
+		 ":1: camera_matrix: expected finite numbers between [ and ]"},
+		{"{a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: 1",
+		 ":1: {: expected fewer braces in each other"},
+		{ROS_1 "roi: {x_offset: 100, y_offset: 50, height: 240, width: 320}\n",
+		 ":13: the picture is binned or cut out (x_offset), but K is of the whole one: "
+		 "expected a message of the whole picture"},
+		{SIZE "K: [5, 0, 3, 0, 5, 3, 0, 0, 1]\nD:\n  rows: 4\n  cols: 1\n  data: [ 1, 0, "
+		      "0, 0 ]\n",
+		 ":4: D: 4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a fisheye, "
+		 "and "
+		 "nothing says which: expected --fisheye, or a line distortion_model: plumb_bob"},
+		{SIZE OPENCV_CAMERA "xi: -1\n", ":9: xi: expected one number from 0"},
 		{SIZE "camera_matrix:\n  rows: 1\n  cols: 1\n  data: [ 0, 0, 0, 0, 0, 0, 0, 0, 0, "
 		      "0, 0, 0, 0, 0, 0, 0, 0, 0 ]\n",
 		 ":6: camera_matrix: expected fewer numbers"},
