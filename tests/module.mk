@@ -68,6 +68,7 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
 	tests/unit/bake/calibrate/camera/test_camera_structure.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
+	tests/unit/bake/calibrate/camera/test_camera_views.c \
 	tests/unit/bake/calibrate/convert/test_convert.c \
 	tests/unit/bake/calibrate/convert/test_convert_opencv.cpp \
 	tests/unit/bake/calibrate/estimate/test_finding.c \

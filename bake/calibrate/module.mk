@@ -41,6 +41,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/convert/convert_write.c \
 	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
+	bake/calibrate/estimate/by_view.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
 	bake/calibrate/estimate/finding.c \

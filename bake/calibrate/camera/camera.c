@@ -261,20 +261,24 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 
 /* Computes the covariances. own->covariance: noise of the points, held centre and held s.
  * own->cautious, for verdicts: noise at least that of the best corners, and widened where few
- * residuals determine sigma (Student's t for one deviation, to 2 %). */
+ * residuals, or few views, determine it (Student's t for one deviation, to 2 %). */
 static void spread_errors(struct camera_private *own)
 {
-	const int n = problem_unknowns(&own->problem), freedom = own->fit.freedom;
+	const struct by_view *by_view = &own->fit.by_view;
+	const int n = problem_unknowns(&own->problem);
+	const int freedom = by_view->views > 1 ? by_view->shared * (by_view->views - 1)
+					       : own->fit.freedom;
 	const double few = freedom > 0 ? 1 + 0.55 / freedom + 0.28 / (freedom * (double)freedom)
 				       : 10;
-	const double least = CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST;
+	/* what noise lacks of that of the best corners */
+	const double lacking =
+		fmax(0, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST - own->fit.sigma * own->fit.sigma);
 
 	for (int k = 0; k < n * n; k++) {
 		own->covariance[k] = own->fit.covariance[k] + own->held[k] + own->held_aspect[k];
 		own->cautious[k] = few * few *
-				   (own->fit.sigma > CAMERA_NOISE_LEAST
-					    ? own->fit.covariance[k]
-					    : least * own->fit.inverse[k]);
+				   (own->fit.covariance[k] +
+				    (lacking > 0 ? lacking * own->fit.inverse[k] : 0));
 	}
 	own->noise_error = camera_object_error(own, own->cautious);
 	for (int k = 0; k < n * n; k++)

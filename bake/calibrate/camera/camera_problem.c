@@ -293,11 +293,31 @@ static void typical_changes(const struct camera_problem *problem, const double *
 							      : 0.01 * problem->shape[v].size;
 }
 
+static int problem_first(const void *context, int view)
+{
+	const struct camera_problem *problem = context;
+
+	return problem->first[view];
+}
+
+static const double *problem_place(const void *context, int group)
+{
+	const struct camera_problem *problem = context;
+
+	return problem->point[group].px;
+}
+
 int problem_descend(const struct camera_problem *problem, double *x, const bool *fixed,
 		    double loss_scale, bool stay, struct least_squares_fit *fit,
 		    struct fault *fault)
 {
 	const int n = problem_unknowns(problem);
+	const struct by_view_layout layout = {.views = problem->views,
+					      .shared = MODEL_SHARED,
+					      .of_view = MODEL_OF_VIEW,
+					      .axis = MODEL_CENTRE_X,
+					      .first = problem_first,
+					      .place = problem_place};
 	struct least_squares_fit own;
 	char(*text)[PARAMETER_NAME_MAX] = calloc((size_t)n, sizeof(*text));
 	const char **name = calloc((size_t)n, sizeof(*name));
@@ -314,6 +334,7 @@ int problem_descend(const struct camera_problem *problem, double *x, const bool 
 		.loss_scale = loss_scale,
 		.group = 2,
 		.stay = stay,
+		.layout = problem->views > 1 && fit && !stay ? &layout : NULL,
 	};
 	int err = -ENOMEM;
 

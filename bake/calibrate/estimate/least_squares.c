@@ -252,9 +252,10 @@ static double descent_reweight(struct descent *work, const double *residual, dou
 	return most;
 }
 
-/* Fills squares, sigma and freedom; returns the factor of (J^T W J)^-1 in the covariance. */
+/* Fills squares, sigma and freedom; returns the factor of (J^T W J)^-1 in the covariance. stretch:
+ * the loss's mean weight over its mean slope, by which all steps are longer than plain squares say. */
 static double residual_spread(const struct descent *work, double width,
-			      struct least_squares_fit *fit)
+			      struct least_squares_fit *fit, double *stretch)
 {
 	const struct least_squares *problem = work->problem;
 	const int groups = problem->residuals / problem->group;
@@ -274,6 +275,7 @@ static double residual_spread(const struct descent *work, double width,
 		slope += w - (width > 0 ? 2 * w * w * r * r / (problem->group * width * width) : 0);
 	}
 	fit->freedom = inliers * problem->group - work->columns;
+	*stretch = problem->loss_scale > 0 ? weights / slope : 1;
 	if (fit->freedom <= 0)
 		return 0;
 	fit->sigma = sqrt(squares / fit->freedom);
@@ -281,6 +283,62 @@ static double residual_spread(const struct descent *work, double width,
 		return fit->sigma * fit->sigma * (weights / inliers) * (psi_squares / squares) /
 		       ((slope / inliers) * (slope / inliers));
 	return fit->sigma * fit->sigma;
+}
+
+/* Computes what the views' differences tell, from the weighted Jacobian. */
+static int fit_compare_views(struct descent *work, struct least_squares_fit *fit)
+{
+	const struct least_squares *problem = work->problem;
+	const struct by_view_task task = {.layout = problem->layout,
+					  .context = problem->context,
+					  .rows = problem->residuals,
+					  .columns = work->columns,
+					  .group = problem->group,
+					  .parameter = work->parameter,
+					  .jacobian = work->jacobian,
+					  .residual = work->residual};
+
+	if (!problem->layout || fit->freedom <= 0)
+		return 0;
+	for (int i = 0; i < problem->residuals; i++)
+		work->residual[i] = fit->residual[i] * work->root[i / problem->group];
+	return by_view_find(&task, &fit->by_view);
+}
+
+/* Fills the covariance from small[columns][columns] = (J^T W J)^-1, of which some may be infinite. */
+static int fit_spread(struct descent *work, double variance, double stretch,
+		      struct least_squares_fit *fit, const double *small, bool known)
+{
+	const struct least_squares *problem = work->problem;
+	const size_t columns = (size_t)work->columns;
+	const double longer = stretch * stretch;
+	const int n = problem->parameters;
+	double *spread = calloc(columns * columns, sizeof(*spread));
+
+	if (!spread)
+		return -ENOMEM;
+	fit->dispersion = 1;
+	if (!known || fit->by_view.views < 2) {
+		for (size_t k = 0; k < columns * columns; k++)
+			spread[k] = isinf(small[k]) ? small[k] : variance * small[k];
+	} else {
+		const double mean = fmax(fit->by_view.mean, variance / longer);
+
+		fit->dispersion = variance > 0 ? sqrt(mean * longer / variance) : 1;
+		by_view_spread(&fit->by_view, mean, small, work->columns, spread);
+		for (size_t k = 0; k < columns * columns; k++)
+			spread[k] *= longer;
+	}
+	for (int a = 0; a < work->columns; a++)
+		for (int b = 0; b < work->columns; b++) {
+			const int i = work->parameter[a], j = work->parameter[b];
+			const double units = problem->scale[i] * problem->scale[j];
+
+			fit->inverse[i * n + j] = small[a * work->columns + b] * units;
+			fit->covariance[i * n + j] = spread[a * work->columns + b] * units;
+		}
+	free(spread);
+	return 0;
 }
 
 static int fit_fill(struct descent *work, double width, struct least_squares_fit *fit,
@@ -296,27 +354,20 @@ static int fit_fill(struct descent *work, double width, struct least_squares_fit
 		.rounding = problem->differentiate ? 1e-13 : 1e-10,
 	};
 	double *small = work->dense;
-	double variance;
+	double variance, stretch = 1;
 	int err, worst[2];
 
 	memcpy(work->x, work->base, (size_t)n * sizeof(*work->x));
 	descent_evaluate(work, work->x, fit->residual);
 	for (int g = 0; g < problem->residuals / problem->group; g++)
 		fit->weight[g] = work->root[g] * work->root[g];
-	variance = residual_spread(work, width, fit);
+	variance = residual_spread(work, width, fit, &stretch);
 	descent_differentiate(work, work->x, work->jacobian);
-	err = covariance_find(&task, small, &fit->condition, worst);
-	if (err && err != -ERANGE)
-		return err;
-	for (int a = 0; a < work->columns; a++)
-		for (int b = 0; b < work->columns; b++) {
-			const int i = work->parameter[a], j = work->parameter[b];
-			const double c = small[a * work->columns + b];
-
-			fit->inverse[i * n + j] = c * problem->scale[i] * problem->scale[j];
-			fit->covariance[i * n + j] = isinf(c) ? c
-							      : variance * fit->inverse[i * n + j];
-		}
+	err = fit_compare_views(work, fit);
+	if (!err)
+		err = covariance_find(&task, small, &fit->condition, worst);
+	if ((err && err != -ERANGE) || fit_spread(work, variance, stretch, fit, small, !err))
+		return err ? err : -ENOMEM;
 	if (err && problem->name)
 		fault_say(fault, err, "what was observed does not tell %s from %s",
 			  problem->name[work->parameter[worst[0]]],
@@ -399,5 +450,6 @@ void least_squares_free(struct least_squares_fit *fit)
 	free(fit->inverse);
 	free(fit->weight);
 	free(fit->residual);
+	by_view_free(&fit->by_view);
 	*fit = (struct least_squares_fit){0};
 }

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 
+#include "bake/calibrate/estimate/by_view.h"
 #include "hal/base/fault.h"
 
 struct least_squares {
@@ -37,6 +38,9 @@ struct least_squares {
 	int group; /* >= 1; residuals is a multiple of it */
 	/* x is the solution already, found in another way: only compute its covariance. */
 	bool stay;
+	/* Views whose residuals go together; NULL: all groups are independent. Its functions get
+	 * the context. */
+	const struct by_view_layout *layout;
 };
 
 struct least_squares_fit {
@@ -45,7 +49,8 @@ struct least_squares_fit {
 	 *     covariance = sigma^2 (J^T W J)^-1
 	 * With a robust loss it is multiplied by
 	 *     mean(w) mean(psi^2) / (sigma mean(psi'))^2
-	 * over the inliers, the price of reweighting (Huber, Robust Statistics, 7.6).
+	 * over the inliers, the price of reweighting (Huber, Robust Statistics, 7.6). With a
+	 * layout of two views or more it is by view (by_view.h), with at least that variance.
 	 */
 	double *covariance;
 	/* [parameters][parameters], (J^T W J)^-1 alone, for callers with their own sigma */
@@ -57,7 +62,11 @@ struct least_squares_fit {
 	double sigma;
 	double squares;	  /* sum of weighted squares */
 	double condition; /* condition of J^T W J, columns scaled to unit length; 1 is best */
-	int freedom;	  /* residuals of the inliers less free parameters */
+	/* If views > 1, what the views' differences tell; at least 1: by how much deviations by
+	 * view are larger than by points, in the mean over the lens's unknowns. */
+	struct by_view by_view;
+	double dispersion;
+	int freedom; /* residuals of the inliers less free parameters */
 	int iterations;
 };
 

@@ -17,6 +17,8 @@
 #define SEEN_SHARE_OF_KNOWN 0.5
 /* Least RMS distance (sine) of directions from one plane. */
 #define FLAT 0.05
+/* Noise of points that counts at least, px, as that of the best corners. */
+#define NOISE_LEAST 0.03
 #define OUTLIERS_SHARE 0.2
 #define OUTLIER_WEIGHT 0.1
 /* A model that was given is refused if another one's rms is so many times smaller. */
@@ -158,6 +160,15 @@ static void doubt_outliers(struct fisheye_result *result)
 			      count, f->seen->count, f->seen->point[first].name);
 }
 
+static void doubt_axis(struct fisheye_result *result, const struct least_squares_fit *fit)
+{
+	const double sigma = fmax(fit->sigma, NOISE_LEAST);
+
+	if (by_view_axis_chance(&fit->by_view, sigma * sigma, fit->freedom) < BY_VIEW_LEVEL)
+		verdict_doubt(&result->finding.verdict, BY_VIEW_REMEDY, BY_VIEW_REASON,
+			      result->finding.seen->view[fit->by_view.odd].name);
+}
+
 static void doubt_reach(struct fisheye_result *result, const struct lens_problem *problem,
 			const struct fisheye_wanted *wanted)
 {
@@ -229,6 +240,7 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 			      "the board was seen in one place only");
 	doubt_model(result, trials, model);
 	doubt_outliers(result);
+	doubt_axis(result, &trials->solution[model].fit);
 	doubt_reach(result, problem, wanted);
 	fisheye_doubt_circle(result, wanted->tolerance_px, more_pictures(problem));
 }

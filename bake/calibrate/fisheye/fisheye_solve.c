@@ -171,6 +171,18 @@ static void lens_differentiate(void *context, const double *x, double *jacobian)
 	}
 }
 
+static int lens_first(const void *context, int view)
+{
+	const struct observations *seen = ((const struct lens_search *)context)->problem->seen;
+
+	return view < seen->views ? seen->view[view].first : seen->count;
+}
+
+static const double *lens_place(const void *context, int group)
+{
+	return ((const struct lens_search *)context)->problem->seen->point[group].px;
+}
+
 /* Buffers of a search. */
 struct lens_scratch {
 	double *x, *scale;
@@ -237,6 +249,12 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 {
 	struct lens_search search = {
 		.problem = problem, .start = solution, .parameters = solution->parameters};
+	const struct by_view_layout layout = {.views = solution->poses,
+					      .shared = OPTICS_COUNT,
+					      .of_view = lens_pose_size(problem),
+					      .axis = OPTICS_CENTRE,
+					      .first = lens_first,
+					      .place = lens_place};
 	const struct least_squares least = {
 		.parameters = solution->parameters,
 		.residuals = 2 * lens_points(problem),
@@ -247,6 +265,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 		.fixed = scratch->fixed,
 		.loss_scale = loss_scale,
 		.group = 2,
+		.layout = problem->directions || problem->step > 1 ? NULL : &layout,
 	};
 	int err;
 

@@ -304,9 +304,22 @@ static void refuses(void **state)
 	least_squares_free(&fit);
 }
 
+/* Quantiles of the F distribution, from tables. */
+static void chance_of_squares(void **state)
+{
+	(void)state;
+	assert_true(fabs(by_view_chance(4 * 3.47805, 4, 10, 10) - 0.05) < 1e-5);
+	assert_true(fabs(by_view_chance(10 * 2.34788, 10, 20, 20) - 0.05) < 1e-5);
+	assert_true(fabs(by_view_chance(24 * 2.11536, 24, 60, 60) - 0.01) < 1e-5);
+	assert_true(by_view_chance(0, 4, 1, 10) == 1);
+	/* powers that no double holds */
+	assert_true(fabs(by_view_chance(2000, 2000, 20000, 20000) - 0.5) < 0.02);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(chance_of_squares),
 		cmocka_unit_test(without_noise),
 		cmocka_unit_test(whatever_the_units),
 		cmocka_unit_test(covariance_of_a_line),
