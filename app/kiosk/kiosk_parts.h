@@ -252,15 +252,16 @@ void kiosk_control_close(struct kiosk *k);
 /* A client has asked for what the screen shows, which the next picture tells it. */
 void kiosk_snapshot_ask(struct kiosk *k);
 
-/* Answers the clients that wait where there is no screen; once a second. */
+/* Answers the clients that wait where there is no screen or no picture comes; once a second. */
 void kiosk_snapshot_check(struct kiosk *k);
 
-/* Whether a client waits: then *aside is memory to draw in instead of the acquired screen, and
- * kiosk_snapshot_end() copies it there and answers. Else *aside is the screen. */
-bool kiosk_snapshot_begin(struct kiosk *k, struct snapshot *snapshot,
-			  const struct display_buffer *screen, struct display_buffer *aside);
+/* Where a client waits: memory to draw in, as *aside, instead of the acquired screen, which
+ * kiosk_snapshot_end() copies there and answers with, or with why drawing failed (NULL: it did not). Else
+ * NULL, and *aside is the screen. */
+struct snapshot *kiosk_snapshot_begin(struct kiosk *k, const struct display_buffer *screen,
+				      struct display_buffer *aside);
 void kiosk_snapshot_end(struct kiosk *k, struct snapshot *snapshot,
-			const struct display_buffer *screen);
+			const struct display_buffer *screen, const struct fault *failed);
 
 /* ---- kiosk_doubt.c ---- */
 

@@ -238,12 +238,11 @@ static int draw_shown(struct kiosk *k, const struct display_buffer *screen,
 		      struct stage_clock *stages, struct fault *fault)
 {
 	struct display_buffer aside;
-	struct snapshot snapshot;
-	const bool taken = kiosk_snapshot_begin(k, &snapshot, screen, &aside);
+	struct snapshot *snapshot = kiosk_snapshot_begin(k, screen, &aside);
 	const int err = draw_screen(k, &aside, stages, fault);
 
-	if (taken)
-		kiosk_snapshot_end(k, &snapshot, screen);
+	if (snapshot)
+		kiosk_snapshot_end(k, snapshot, screen, err ? fault : NULL);
 	return err;
 }
 
