@@ -267,7 +267,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.view)->composite,
 			     k->settings->frames && !k->picture.begun ? fault : NULL);
 	stage_end(&stages, STAGE_DECODE);
-	if (!err && taken.fisheye)
+	if (!err && (taken.fisheye || k->inputs.light_awaited))
 		err = kiosk_measure_light(&k->inputs, &k->picture, fault);
 	if (err)
 		return err;
