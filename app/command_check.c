@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "app/commands.h"
 #include "app/driver_list.h"
@@ -50,9 +51,12 @@ static const struct basis *open_checked_basis(struct basis *basis, const struct 
 static int check_config(const struct config *config, struct ini_report *report)
 {
 	struct basis basis = {.map = NULL};
+	uint8_t *mask = NULL;
 	int err = config_check(config, report), basis_err = 0, more_err;
 
-	more_err = pipeline_config_check(config, open_checked_basis(&basis, config, &basis_err));
+	more_err = pipeline_config_check(config, open_checked_basis(&basis, config, &basis_err),
+					 &mask);
+	free(mask);
 	basis_close(&basis);
 	return err ? err : basis_err ? basis_err : more_err;
 }

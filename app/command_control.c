@@ -2,14 +2,12 @@
 #include <errno.h>
 #include <libyuv.h>
 #include <poll.h>
-#include <stdalign.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include "app/commands.h"
@@ -31,12 +29,21 @@ struct control_options {
 	struct settings settings; /* has to be first: settings_take_config() */
 	const char *socket;
 	const char *words[2]; /* command, value */
+	bool force;
 };
 
 static int take_socket(void *context, const char *argument, const char **expected)
 {
 	(void)expected;
 	((struct control_options *)context)->socket = argument;
+	return 0;
+}
+
+static int take_force(void *context, const char *argument, const char **expected)
+{
+	(void)argument;
+	(void)expected;
+	((struct control_options *)context)->force = true;
 	return 0;
 }
 
@@ -61,6 +68,7 @@ static const struct option_row rows[] = {
 	 .argument = "FILE",
 	 .help = "the kiosk's configuration, which names its socket",
 	 .take = settings_take_config},
+	{.name = "force", .help = "snapshot replaces a file that is there", .take = take_force},
 	{.name = NULL}};
 
 /* Finds the socket's path. A fault elsewhere in the file does not keep anybody from a kiosk that runs:
@@ -106,27 +114,9 @@ static int wait_until(int fd, short events, int64_t until_ns)
 	return ready ? 0 : -ETIMEDOUT;
 }
 
-/* Receives bytes, and a descriptor if one comes with them. */
-static ssize_t receive(int fd, char *bytes, size_t room, int *descriptor)
-{
-	alignas(struct cmsghdr) char beside[CMSG_SPACE(sizeof(int))];
-	struct iovec part = {.iov_base = bytes, .iov_len = room};
-	struct msghdr message = {.msg_iov = &part,
-				 .msg_iovlen = 1,
-				 .msg_control = beside,
-				 .msg_controllen = sizeof(beside)};
-	const ssize_t got = recvmsg(fd, &message, MSG_CMSG_CLOEXEC);
-	const struct cmsghdr *first = got > 0 ? CMSG_FIRSTHDR(&message) : NULL;
-
-	if (first && first->cmsg_level == SOL_SOCKET && first->cmsg_type == SCM_RIGHTS &&
-	    first->cmsg_len == CMSG_LEN(sizeof(int)) && *descriptor < 0)
-		memcpy(descriptor, CMSG_DATA(first), sizeof(int));
-	return got;
-}
-
-/* Sends a line and reads the reply, without its newline, and the descriptor that comes with it, else
- * -1. 0 or -errno; -EPIPE: the kiosk closed the connection. */
-static int send_line(int fd, const char *line, char *reply, size_t room, int *descriptor)
+/* Sends a line and reads the reply, without its newline, and what has come after it: *more bytes. 0 or
+ * -errno; -EPIPE: the kiosk closed the connection. */
+static int send_line(int fd, const char *line, char *reply, size_t room, size_t *more)
 {
 	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
 	size_t length = 0;
@@ -142,7 +132,7 @@ static int send_line(int fd, const char *line, char *reply, size_t room, int *de
 		err = wait_until(fd, POLLIN, until_ns);
 		if (err)
 			return err;
-		bytes = receive(fd, reply + length, room - length, descriptor);
+		bytes = recv(fd, reply + length, room - length, 0);
 		if (bytes < 0)
 			return -errno;
 		if (bytes == 0)
@@ -153,16 +143,50 @@ static int send_line(int fd, const char *line, char *reply, size_t room, int *de
 	if (!newline)
 		return -EMSGSIZE;
 	*newline = '\0';
+	*more = (size_t)(reply + length - newline - 1);
 	return 0;
 }
 
-/* Sends a command and says what is wrong, or reads the reply and the descriptor that comes with it. */
-static int send_command(const char *path, const char *line, char *reply, int *descriptor)
+/* Reads the rest of a picture, of which *done bytes are there. */
+static int receive_picture(int fd, struct snapshot *s, size_t done)
+{
+	while (done < snapshot_bytes(s)) {
+		const int err = wait_until(fd, POLLIN, clock_now_ns() + REPLY_WITHIN_NS);
+		const ssize_t bytes = err ? 0
+					  : recv(fd, s->pixels + done, snapshot_bytes(s) - done, 0);
+
+		if (err || bytes <= 0)
+			return err ? err : bytes ? -errno : -EPIPE;
+		done += (size_t)bytes;
+	}
+	return 0;
+}
+
+/* Makes a picture of the reply and the bytes after it. */
+static int take_picture(int fd, const char *reply, size_t more, struct snapshot **to,
+			struct fault *fault)
+{
+	int err = snapshot_expect(to, reply, fault);
+
+	if (!err && more > snapshot_bytes(*to))
+		more = snapshot_bytes(*to);
+	if (err)
+		return err;
+	memcpy((*to)->pixels, reply + strlen(reply) + 1, more);
+	err = receive_picture(fd, *to, more);
+	return err ? fault_say(fault, err, "the kiosk's picture is cut off: %s", strerror(-err))
+		   : 0;
+}
+
+/* Sends a command and says what is wrong, or reads the reply, and the picture where one is asked for (else
+ * picture is NULL). */
+static int send_command(const char *path, const char *line, char *reply, struct snapshot **picture)
 {
 	const int fd = control_socket_connect(path);
-	int err;
+	struct fault fault = {.text = ""};
+	size_t more = 0;
+	int err, code = EXIT_DONE;
 
-	*descriptor = -1;
 	if (fd == -EACCES || fd == -EPERM) {
 		log_error("control: you may not use the kiosk's socket \"%s\", expected a member "
 			  "of its group (sudo adduser NAME inlay) or root",
@@ -173,36 +197,38 @@ static int send_command(const char *path, const char *line, char *reply, int *de
 		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
 		return EXIT_FAILED;
 	}
-	err = send_line(fd, line, reply, REPLY_MAX, descriptor);
-	close(fd);
+	err = send_line(fd, line, reply, REPLY_MAX, &more);
 	if (err) {
 		log_error("control: the kiosk at \"%s\" does not answer: %s", path, strerror(-err));
-		return EXIT_FAILED;
-	}
-	if (!strncmp(reply, "error: ", 7)) {
+		code = EXIT_FAILED;
+	} else if (!strncmp(reply, "error: ", 7)) {
 		log_error("control: %s", reply + 7);
-		return EXIT_FAILED;
+		code = EXIT_FAILED;
+	} else if (picture && take_picture(fd, reply, more, picture, &fault)) {
+		log_error("control: %s", fault.text);
+		code = EXIT_FAILED;
 	}
-	return EXIT_DONE;
+	close(fd);
+	return code;
 }
 
 /* ---- a picture of the screen ---- */
 
 /* Checks the name before the kiosk is asked. */
-static int check_file(const char *file, struct fault *fault)
+static int check_file(const char *file, bool force, struct fault *fault)
 {
-	const int linear = image_name_linear(file, NULL);
 	struct stat is;
 
-	if (linear)
+	if (image_name_linear(file, NULL))
 		return fault_say(fault, -EINVAL, "%s: expected a name that ends in .png", file);
-	if (lstat(file, &is) == 0)
-		return fault_say(fault, -EEXIST, "%s: is there already, expected another name",
-				 file);
+	if (!force && lstat(file, &is) == 0)
+		return fault_say(fault, -EEXIST,
+				 "%s: is there already, expected another name, or --force", file);
 	return output_check(&file, 1, NULL, 0, fault);
 }
 
-static int write_snapshot(const struct snapshot *s, const char *file, struct fault *fault)
+static int write_snapshot(const struct snapshot *s, const char *file, bool force,
+			  struct fault *fault)
 {
 	struct image picture;
 	int err = image_create_u8(&picture, s->width, s->height);
@@ -211,42 +237,43 @@ static int write_snapshot(const struct snapshot *s, const char *file, struct fau
 		return fault_say(fault, err, "%s: %s", file, strerror(-err));
 	/* libyuv's ARGB is B, G, R, A in memory, its RAW is R, G, B. */
 	ARGBToRAW(s->pixels, (int)s->stride, picture.u8, 3 * s->width, s->width, s->height);
-	err = image_write(file, &picture, fault);
+	if (!strcmp(file, "-"))
+		err = image_write_png(stdout, &picture, "standard output", fault);
+	else if (force)
+		err = image_write(file, &picture, fault);
+	else
+		err = image_write_new(file, &picture, fault);
 	image_free(&picture);
 	return err;
 }
 
-static int take_snapshot(const char *path, const char *file, char *reply)
+static int take_snapshot(const char *path, const char *file, bool force, char *reply)
 {
-	struct snapshot snapshot = {.fd = -1};
+	struct snapshot *snapshot = NULL;
 	struct fault fault = {.text = ""};
-	int code, fd;
+	const bool streamed = !strcmp(file, "-");
+	int code;
 
-	if (check_file(file, &fault)) {
+	if (!streamed && check_file(file, force, &fault)) {
 		log_error("control: %s", fault.text);
 		return EXIT_FAILED;
 	}
-	code = send_command(path, "snapshot\n", reply, &fd);
-	if (code != EXIT_DONE)
-		return code;
-	if (snapshot_open(&snapshot, fd, reply, &fault) ||
-	    write_snapshot(&snapshot, file, &fault)) {
-		log_error("control: %s", fault.text);
+	code = send_command(path, "snapshot\n", reply, &snapshot);
+	if (code == EXIT_DONE && write_snapshot(snapshot, file, force, &fault)) {
+		if (!ferror(stdout)) /* else main() says so */
+			log_error("control: %s", fault.text);
 		code = EXIT_FAILED;
-	} else {
-		printf("%s: %dx%d\n", file, snapshot.width, snapshot.height);
+	} else if (code == EXIT_DONE && !streamed) {
+		printf("%s: %dx%d\n", file, snapshot->width, snapshot->height);
 	}
-	snapshot_close(&snapshot);
+	snapshot_release(snapshot);
 	return code;
 }
 
 static int give_command(const char *path, const char *line, char *reply)
 {
-	int fd;
-	const int code = send_command(path, line, reply, &fd);
+	const int code = send_command(path, line, reply, NULL);
 
-	if (fd >= 0)
-		close(fd);
 	if (code == EXIT_DONE)
 		puts(reply);
 	return code;
@@ -280,18 +307,20 @@ static int control_command(int argc, char **argv)
 	code = find_socket(&options, path, sizeof(path));
 	if (code)
 		return code;
-	return snapshot ? take_snapshot(path, options.words[1], reply)
+	return snapshot ? take_snapshot(path, options.words[1], options.force, reply)
 			: give_command(path, line, reply);
 }
 
 const struct command command_control = {
 	.name = "control",
-	.usage = "[--socket PATH | --config FILE] COMMAND [VALUE]",
+	.usage = "[--socket PATH | --config FILE] [--force] COMMAND [VALUE]",
 	.purpose = "give a running kiosk one command and print its reply",
 	.details =
 		"commands:\n"
 		"  status                what it is doing, as one line of JSON\n"
-		"  snapshot FILE.png     write what the screen shows, upright, to a new file\n"
+		"  snapshot FILE.png     write what the screen shows, upright, to a new file; -: "
+		"to "
+		"standard output\n"
 		"  threshold-up          leave out more of the dim lights\n"
 		"  threshold-down        leave out fewer of them\n"
 		"  threshold-next        up, and from the highest to 0\n"

@@ -354,8 +354,9 @@ $(BUILD)/tests/fuzz/corpus/basis_seeds: $(BUILD)/tests/fuzz/corpus/basis_seeds.o
 	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
 -include $(BUILD)/tests/fuzz/corpus/basis_seeds.d
 
-# Loaded into a program: one counts its heap allocations, one plays the clock on the wall.
-LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so)
+# Loaded into a program: one counts its heap allocations, one plays the clock on the wall, one a file that
+# takes long to read.
+LOADED_TOOLS := $(addprefix $(BUILD)/tests/cli/tools/,allocations.so wall_clock.so held_file.so)
 TEST_PROGRAMS += $(LOADED_TOOLS)
 $(LOADED_TOOLS): $(BUILD)/%.so: %.c
 	@mkdir -p $(@D)

@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <stdalign.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,9 +25,12 @@ struct client {
 	char line[CONTROL_LINE_MAX]; /* the part of a line that has come so far */
 	size_t length;
 	int64_t heard_ns;
-	int64_t second_ns; /* when the counted second began */
-	int lines;	   /* counted in that second */
-	int waiting;	   /* for so many answers of control_answer_waiting() */
+	int64_t second_ns;	  /* when the counted second began */
+	int lines;		  /* counted in that second */
+	bool waiting;		  /* for control_answer_waiting() */
+	struct snapshot *picture; /* that it is being sent; NULL: none */
+	size_t sent;		  /* bytes of it */
+	int64_t moved_ns;	  /* when it began to wait, or last took some of its picture */
 };
 
 struct control {
@@ -113,45 +115,62 @@ static void cut_off(struct control *control, struct client *client)
 	if (control->asking == client)
 		control->asking = NULL;
 	close(client->fd); /* which also removes it from epoll */
+	snapshot_release(client->picture);
 	*client = (struct client){.fd = -1};
 }
 
-/* Sends a line, and a descriptor unless that is -1. 0 or -errno. The kernel having no room for another
- * reply means that the client does not read them. */
-static int client_send(int fd, const char *before, const char *line, int descriptor)
+/* Sends a line. 0 or -errno. The kernel having no room for another reply means that the client does not
+ * read them. */
+static int client_say(int fd, const char *before, const char *line)
 {
-	alignas(struct cmsghdr) char room[CMSG_SPACE(sizeof(int))] = "";
 	const struct iovec parts[] = {
 		{.iov_base = (void *)(uintptr_t)before, .iov_len = strlen(before)},
 		{.iov_base = (void *)(uintptr_t)line, .iov_len = strlen(line)},
 		{.iov_base = (void *)(uintptr_t) "\n", .iov_len = 1},
 	};
-	struct msghdr message = {
+	const struct msghdr message = {
 		.msg_iov = (struct iovec *)(uintptr_t)parts,
 		.msg_iovlen = 3,
 	};
 	const size_t bytes = parts[0].iov_len + parts[1].iov_len + 1;
-	struct cmsghdr *beside;
-	ssize_t sent;
+	const ssize_t sent = sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
 
-	if (descriptor >= 0) {
-		message.msg_control = room;
-		message.msg_controllen = sizeof(room);
-		beside = CMSG_FIRSTHDR(&message);
-		beside->cmsg_level = SOL_SOCKET;
-		beside->cmsg_type = SCM_RIGHTS;
-		beside->cmsg_len = CMSG_LEN(sizeof(int));
-		memcpy(CMSG_DATA(beside), &descriptor, sizeof(int));
-	}
-	sent = sendmsg(fd, &message, MSG_NOSIGNAL | MSG_DONTWAIT);
 	if (sent < 0)
 		return -errno;
 	return (size_t)sent == bytes ? 0 : -EAGAIN;
 }
 
-static int client_say(int fd, const char *before, const char *line)
+/* events 0: only that the client has gone. */
+static void client_await(struct control *control, struct client *client, uint32_t events)
 {
-	return client_send(fd, before, line, -1);
+	struct epoll_event event = {.events = events,
+				    .data.u32 = (uint32_t)(client - control->clients)};
+
+	client->moved_ns = clock_now_ns();
+	if (epoll_ctl(control->epoll, EPOLL_CTL_MOD, client->fd, &event))
+		cut_off(control, client);
+}
+
+/* Sends as much of its picture as the kernel has room for. */
+static void client_send_more(struct control *control, struct client *client)
+{
+	const size_t left = snapshot_bytes(client->picture) - client->sent;
+	const ssize_t sent = send(client->fd, client->picture->pixels + client->sent, left,
+				  MSG_NOSIGNAL | MSG_DONTWAIT);
+
+	if (sent < 0 && errno != EAGAIN && errno != EINTR) {
+		cut_off(control, client);
+		return;
+	}
+	if (sent <= 0)
+		return;
+	client->sent += (size_t)sent;
+	client->moved_ns = clock_now_ns();
+	if ((size_t)sent < left)
+		return;
+	snapshot_release(client->picture);
+	client->picture = NULL;
+	client_await(control, client, EPOLLIN);
 }
 
 static void client_refuse(struct control *control, struct client *client, const char *why)
@@ -285,14 +304,20 @@ static void client_hear(struct control *control, struct client *client,
 void control_next(struct control *control, struct control_request *request)
 {
 	struct epoll_event ready;
+	struct client *client;
 
 	*request = (struct control_request){.kind = CONTROL_NOTHING};
 	while (control->steps < STEPS_AT_ONCE && epoll_wait(control->epoll, &ready, 1, 0) == 1) {
 		control->steps++;
+		client = &control->clients[ready.data.u32 % CONTROL_CLIENTS_MAX];
 		if (ready.data.u32 == LISTENER)
 			take_client(control);
+		else if (client->waiting) /* it has gone */
+			cut_off(control, client);
+		else if (client->picture)
+			client_send_more(control, client);
 		else
-			client_hear(control, &control->clients[ready.data.u32], request);
+			client_hear(control, client, request);
 		if (request->kind != CONTROL_NOTHING)
 			return;
 	}
@@ -310,9 +335,13 @@ void control_answer(struct control *control, const char *line)
 
 void control_postpone(struct control *control)
 {
-	if (control->asking)
-		control->asking->waiting++;
+	struct client *client = control->asking;
+
 	control->asking = NULL;
+	if (!client)
+		return;
+	client->waiting = true;
+	client_await(control, client, 0);
 }
 
 bool control_has_waiting(const struct control *control)
@@ -323,17 +352,57 @@ bool control_has_waiting(const struct control *control)
 	return false;
 }
 
-void control_answer_waiting(struct control *control, const char *line, int fd)
+void control_answer_waiting(struct control *control, const char *line, struct snapshot *snapshot)
 {
 	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
 		struct client *client = &control->clients[i];
 
-		for (; client->waiting; client->waiting--)
-			if (client_send(client->fd, "", line, fd)) {
-				cut_off(control, client);
-				break;
-			}
+		if (!client->waiting)
+			continue;
+		client->waiting = false;
+		if (client_say(client->fd, "", line)) {
+			cut_off(control, client);
+			continue;
+		}
+		client->picture = snapshot;
+		client->sent = 0;
+		if (snapshot)
+			snapshot->holders++;
+		client_await(control, client, snapshot ? EPOLLOUT : EPOLLIN);
 	}
+}
+
+int64_t control_look(struct control *control, int64_t now_ns)
+{
+	int64_t since_ns = INT64_MAX;
+
+	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
+		struct client *client = &control->clients[i];
+
+		if (client->waiting && client->moved_ns < since_ns)
+			since_ns = client->moved_ns;
+		if (client->picture &&
+		    now_ns - client->moved_ns >= CONTROL_PICTURE_SECONDS * NS_PER_S)
+			cut_off(control, client);
+	}
+	return since_ns;
+}
+
+bool control_is_full(const struct control *control)
+{
+	const struct snapshot *seen[CONTROL_CLIENTS_MAX];
+	int count = 0;
+
+	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
+		const struct snapshot *picture = control->clients[i].picture;
+		int k = 0;
+
+		while (k < count && seen[k] != picture)
+			k++;
+		if (picture && k == count)
+			seen[count++] = picture;
+	}
+	return count >= CONTROL_PICTURES_MAX;
 }
 
 int control_descriptor(const struct control *control)
@@ -390,6 +459,7 @@ void control_close(struct control *control)
 {
 	if (!control)
 		return;
+	control_answer_waiting(control, "error: the kiosk ends, or takes another socket", NULL);
 	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++)
 		if (control->clients[i].fd >= 0)
 			cut_off(control, &control->clients[i]);

@@ -6,11 +6,12 @@
  *
  *     threshold-up | threshold-set 40 | view-next | ... any name of enum action    ->  ok
  *     status                                                        ->  one line of JSON
- *     snapshot              ->  snapshot WIDTH HEIGHT, with a descriptor (snapshot.h), when it is made
+ *     snapshot              ->  snapshot WIDTH HEIGHT, and 4 * WIDTH * HEIGHT bytes after it (snapshot.h)
  *     anything else                                                 ->  error: what was expected
  *
  * Nothing blocks, and no client keeps another one from the kiosk: a client that does not read its
- * replies, sends too much or sends a line without end is disconnected. When CONTROL_CLIENTS_MAX are
+ * replies, sends too much or sends a line without end is disconnected. A client that waits for a picture,
+ * or has not read all of it, is not listened to. When CONTROL_CLIENTS_MAX are
  * connected, one more takes the place of the client that has been silent longest.
  */
 #ifndef INLAY_APP_CONTROL_CONTROL_H
@@ -18,13 +19,18 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
+#include "app/control/snapshot.h"
 #include "hal/base/fault.h"
 #include "hal/device/buttons.h"
 
 #define CONTROL_CLIENTS_MAX 8
 #define CONTROL_LINE_MAX 256 /* its newline included */
 #define CONTROL_RATE_MAX 500 /* lines a second from one client; more disconnect it */
+
+#define CONTROL_PICTURES_MAX 2
+#define CONTROL_PICTURE_SECONDS 5
 
 struct control;
 
@@ -55,10 +61,17 @@ void control_next(struct control *control, struct control_request *request);
 void control_answer(struct control *control, const char *line); /* without its newline */
 
 /* Lets the client whose request was taken last wait for control_answer_waiting(), which answers all
- * that wait, with a descriptor that they get, too, unless it is -1. */
+ * that wait. Its line is snapshot's, or snapshot is NULL; the clients become holders of it. */
 void control_postpone(struct control *control);
 bool control_has_waiting(const struct control *control);
-void control_answer_waiting(struct control *control, const char *line, int fd);
+void control_answer_waiting(struct control *control, const char *line, struct snapshot *snapshot);
+
+/* Once a second: disconnects clients that have read nothing of their picture for
+ * CONTROL_PICTURE_SECONDS. Returns since when the longest waiting one waits; INT64_MAX: none does. */
+int64_t control_look(struct control *control, int64_t now_ns);
+
+/* Whether CONTROL_PICTURES_MAX pictures are on their way: a further one has no room. */
+bool control_is_full(const struct control *control);
 
 void control_close(struct control *control); /* removes the socket; NULL is harmless */
 

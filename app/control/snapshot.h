@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture of the screen on its way from the kiosk to a client: plain pixels in a memory file, which
- * the kiosk seals before it hands the descriptor over. The kiosk, which may write no files outside of
- * its own folders, needs no path of the client's, and encodes nothing; the client can change nothing.
+ * A picture of the screen on its way from the kiosk to a client: a line, and the pixels after it, which
+ * the kiosk holds until the client has taken them. The kiosk, which may write no files outside of its own
+ * folders, needs no path of the client's, and encodes nothing.
  */
 #ifndef INLAY_APP_CONTROL_SNAPSHOT_H
 #define INLAY_APP_CONTROL_SNAPSHOT_H
@@ -13,24 +13,27 @@
 #include "hal/base/fault.h"
 
 #define SNAPSHOT_LINE_MAX 64
+#define SNAPSHOT_SIDE_MAX 32768
 
 struct snapshot {
-	int fd; /* -1: closed */
 	int width, height;
+	int holders; /* who call snapshot_release() */
 	size_t stride;
-	uint8_t *pixels; /* BGRX; NULL: not mapped */
+	uint8_t *pixels; /* BGRX */
 };
 
-/* The kiosk's: memory to draw in. 0 or -errno. snapshot_close() is to be called in any case. */
-int snapshot_create(struct snapshot *snapshot, int width, int height, struct fault *fault);
+/* Memory to draw in, with one holder. 0 or -ENOMEM. */
+int snapshot_create(struct snapshot **snapshot, int width, int height, struct fault *fault);
 
-/* Ends drawing: the memory cannot be written any more. Writes the line that goes with snapshot->fd. */
-int snapshot_seal(struct snapshot *snapshot, char line[SNAPSHOT_LINE_MAX], struct fault *fault);
+/* Ends drawing: rows follow each other without gaps. Writes the line that goes before the pixels. */
+void snapshot_finish(struct snapshot *snapshot, char line[SNAPSHOT_LINE_MAX]);
 
-/* The client's: takes over a descriptor (-1: none came) with its line, and maps it. -EBADMSG: it is not what the line
- * says, or is not sealed. snapshot_close() is to be called in any case. */
-int snapshot_open(struct snapshot *snapshot, int fd, const char *line, struct fault *fault);
+/* Bytes after the line. */
+size_t snapshot_bytes(const struct snapshot *snapshot);
 
-void snapshot_close(struct snapshot *snapshot); /* idempotent */
+/* The client's: creates what a line without its newline announces. -EBADMSG: it announces none. */
+int snapshot_expect(struct snapshot **snapshot, const char *line, struct fault *fault);
+
+void snapshot_release(struct snapshot *snapshot); /* NULL is harmless */
 
 #endif

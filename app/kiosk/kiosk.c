@@ -166,6 +166,8 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 		err = kiosk_screen_events(k, fault);
 	if (!err && k->loop.reload)
 		kiosk_reload(k);
+	if (!err && loop_ready(&k->loop, SLOT_READING))
+		kiosk_reload_take(k);
 	if (!err && k->loop.tick)
 		err = kiosk_tick(k, fault);
 	if (!err && k->inputs.settled && (k->loop.tick || k->rest.due))

@@ -149,9 +149,16 @@ int kiosk_measure_light(struct kiosk_inputs *in, const struct kiosk_picture *pic
 	struct fault reason = {.text = ""};
 	int err;
 
-	if (!eye_has_picture(fisheye) || !have_settled(in, picture->pipeline))
+	if (!eye_has_picture(fisheye))
 		return 0;
-	err = measure_fisheye(fisheye, picture->pipeline, &reason);
+	/* Frames on demand wait for it, so that runs do not differ. */
+	err = pipeline_light_prepare(picture->pipeline, fisheye->view.width, fisheye->view.height,
+				     fisheye->source->camera.on_demand, &reason);
+	in->light_awaited = err == -EAGAIN;
+	if (in->light_awaited || (!err && !have_settled(in, picture->pipeline)))
+		return 0;
+	if (!err)
+		err = measure_fisheye(fisheye, picture->pipeline, &reason);
 	if (!err || err == -ESTALE)
 		exposing_judge(&in->exposing, fisheye->source,
 			       pipeline_report(picture->pipeline).level, !err);

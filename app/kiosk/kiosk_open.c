@@ -218,6 +218,7 @@ int kiosk_close(struct kiosk *k, struct fault *fault)
 {
 	int err = display_close(&k->screen.display, fault);
 
+	kiosk_reload_close(k);
 	kiosk_control_close(k);
 	kiosk_buttons_close(k);
 	for (int i = 0; i < k->inputs.source_count; i++)

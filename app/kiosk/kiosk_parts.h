@@ -28,7 +28,7 @@
 #include "hal/device/display.h"
 
 /* Slots of the loop: cameras have the first ones, drivers of buttons the last ones. */
-enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_CONTROL, SLOT_BUTTONS };
+enum { SLOT_DISPLAY = CONFIG_CAMERAS_MAX, SLOT_CONTROL, SLOT_READING, SLOT_BUTTONS };
 
 _Static_assert(SLOT_BUTTONS + CONFIG_DRIVERS_MAX <= LOOP_SLOTS,
 	       "a slot for each driver of buttons");
@@ -50,6 +50,7 @@ struct kiosk_inputs {
 	struct fault unfit[EYES];
 	bool depth_used; /* the last look for people had depths */
 	enum { DEPTH_UNSAID, DEPTH_SAID_UNUSED, DEPTH_SAID_USED } depth_said; /* in the log */
+	bool light_awaited; /* the fisheye's picture is measured once the pipeline is ready for it */
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
 	struct fault doubt_said; /* why the light is not believed; empty: it is */
 	int doubted;		 /* for how many seconds it has not been believed */
@@ -116,6 +117,7 @@ struct kiosk {
 	struct rest rest;
 	int64_t start_ns; /* when the loop began */
 	unsigned owed; /* enum reload_effect of a reload for which memory or threads were short */
+	struct reading *reading; /* kiosk_reload.c; NULL: nothing is being read */
 	bool stop;
 };
 
@@ -168,7 +170,7 @@ int kiosk_fit_eyes(struct kiosk_inputs *inputs, const struct kiosk_picture *pict
 		   bool composited, struct fault *strict);
 
 /* Measures the light in the fisheye's new picture. The light stays as it was where it cannot be
- * measured, or where the picture's exposure is not known. An error only before the first
+ * measured or a thread still prepares for it (in->light_awaited), or where the picture's exposure is not known. An error only before the first
  * picture. */
 int kiosk_measure_light(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
 			struct fault *fault);
@@ -252,15 +254,16 @@ void kiosk_control_close(struct kiosk *k);
 /* A client has asked for what the screen shows, which the next picture tells it. */
 void kiosk_snapshot_ask(struct kiosk *k);
 
-/* Answers the clients that wait where there is no screen; once a second. */
+/* Answers the clients that wait where there is no screen or no picture comes; once a second. */
 void kiosk_snapshot_check(struct kiosk *k);
 
-/* Whether a client waits: then *aside is memory to draw in instead of the acquired screen, and
- * kiosk_snapshot_end() copies it there and answers. Else *aside is the screen. */
-bool kiosk_snapshot_begin(struct kiosk *k, struct snapshot *snapshot,
-			  const struct display_buffer *screen, struct display_buffer *aside);
+/* Where a client waits: memory to draw in, as *aside, instead of the acquired screen, which
+ * kiosk_snapshot_end() copies there and answers with, or with why drawing failed (NULL: it did not). Else
+ * NULL, and *aside is the screen. */
+struct snapshot *kiosk_snapshot_begin(struct kiosk *k, const struct display_buffer *screen,
+				      struct display_buffer *aside);
 void kiosk_snapshot_end(struct kiosk *k, struct snapshot *snapshot,
-			const struct display_buffer *screen);
+			const struct display_buffer *screen, const struct fault *failed);
 
 /* ---- kiosk_doubt.c ---- */
 
@@ -283,7 +286,14 @@ int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TE
 
 /* ---- kiosk_reload.c ---- */
 
-/* SIGHUP. Every fault is logged, and the old configuration stays. */
+/* SIGHUP: a thread begins to read; while it reads, a further one is kept for afterwards. */
 void kiosk_reload(struct kiosk *k);
+
+/* SLOT_READING is ready: takes what the thread has read. With any fault every fault is logged, and the
+ * old configuration stays. */
+void kiosk_reload_take(struct kiosk *k);
+
+/* Waits for the thread and drops what it has read. Idempotent. */
+void kiosk_reload_close(struct kiosk *k);
 
 #endif

@@ -238,12 +238,11 @@ static int draw_shown(struct kiosk *k, const struct display_buffer *screen,
 		      struct stage_clock *stages, struct fault *fault)
 {
 	struct display_buffer aside;
-	struct snapshot snapshot;
-	const bool taken = kiosk_snapshot_begin(k, &snapshot, screen, &aside);
+	struct snapshot *snapshot = kiosk_snapshot_begin(k, screen, &aside);
 	const int err = draw_screen(k, &aside, stages, fault);
 
-	if (taken)
-		kiosk_snapshot_end(k, &snapshot, screen);
+	if (snapshot)
+		kiosk_snapshot_end(k, snapshot, screen, err ? fault : NULL);
 	return err;
 }
 
@@ -268,7 +267,7 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.view)->composite,
 			     k->settings->frames && !k->picture.begun ? fault : NULL);
 	stage_end(&stages, STAGE_DECODE);
-	if (!err && taken.fisheye)
+	if (!err && (taken.fisheye || k->inputs.light_awaited))
 		err = kiosk_measure_light(&k->inputs, &k->picture, fault);
 	if (err)
 		return err;

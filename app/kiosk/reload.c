@@ -91,6 +91,16 @@ static bool is_changeable(void *context, const struct config_change *change)
 	return effects_of(change) != NEXT_START;
 }
 
+static bool is_kept(void *context, const struct config_change *change)
+{
+	return !is_changeable(context, change);
+}
+
+void reload_keep(struct config *fresh, const struct config *config)
+{
+	config_update(fresh, config, is_kept, NULL);
+}
+
 void reload_adopt(struct config *config, const struct config *fresh)
 {
 	config_update(config, fresh, is_changeable, NULL);

@@ -29,6 +29,9 @@ enum reload_effect {
  * start. Changes nothing. */
 unsigned reload_compare(struct config *config, const struct config *fresh);
 
+/* Sets the values in fresh of all keys that wait for the next start to those in force. */
+void reload_keep(struct config *fresh, const struct config *config);
+
 /* Takes over the values of all keys that can be changed. */
 void reload_adopt(struct config *config, const struct config *fresh);
 

@@ -101,6 +101,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 			       .expected = {-1},
 			       .missing = -1};
 	err = pipeline_fill(p, fault);
+	p->settings.mask_pixels = NULL; /* the caller's */
 	if (err)
 		pipeline_destroy(p);
 	else
@@ -164,6 +165,7 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 	/* What the light is measured with does not change here: see pipeline_relight(). */
 	before = p->settings;
 	p->settings = *settings;
+	p->settings.mask_pixels = NULL;
 	p->settings.sampler = before.sampler;
 	p->settings.lens = before.lens;
 	p->settings.exposures = before.exposures;

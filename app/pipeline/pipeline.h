@@ -67,6 +67,9 @@ struct pipeline_settings {
 	/* Picture of the background's size, and nobody is looked for where it is darker than half;
 	 * empty: people are looked for everywhere. */
 	char mask[INI_PATH_MAX];
+	/* Its pixels where pipeline_read_mask() has read them, and needed during the call only; NULL: the
+	 * file is read. */
+	const uint8_t *mask_pixels;
 	struct tsai_camera depth_camera; /* see struct people_settings; width 0: none */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];
@@ -152,19 +155,25 @@ int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *s
 int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *settings,
 		     struct fault *fault);
 
-/* Checks settings of the lens for the size of the fisheye's pictures. 0, also while no picture has
- * come; or what fisheye_prepare() returns. */
-int pipeline_check_lens(const struct pipeline *pipeline, const struct fisheye_settings *lens,
-			struct fault *fault);
+/* Makes ready for fisheye pictures of this size, which takes longer than a frame lasts: a thread does
+ * it, unless wait is true. 0: it is; -EAGAIN: not yet, call again with the next picture; else what
+ * fisheye_prepare() and light_sampler_create() return. The functions below that measure light wait. */
+int pipeline_light_prepare(struct pipeline *pipeline, int width, int height, bool wait,
+			   struct fault *fault);
+
+/* The size of the fisheye's pictures; 0 0: none has come. */
+void pipeline_lens_size(const struct pipeline *pipeline, int *width, int *height);
 
 /* Checks that the patch lies in the basis's picture and has a reflectance. 0, also without a patch,
  * or -EINVAL. */
 int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis *basis,
 			 struct fault *fault);
 
-/* Checks that the file of settings.mask, where there is one, is a picture of the basis's size. 0 or
- * what image_read() returns, -ENOTSUP, -EINVAL. */
-int pipeline_check_mask(const char *path, const struct basis *basis, struct fault *fault);
+/* Reads the file of settings.mask, which has to be a picture of the basis's size: *pixels[height][width],
+ * which the caller frees, is 1 where people are looked for; NULL where path is empty. 0 or what
+ * image_read_sized() returns, -ENOTSUP, -ENOMEM. */
+int pipeline_read_mask(const char *path, const struct basis *basis, uint8_t **pixels,
+		       struct fault *fault);
 
 /* Checks that a background of this size is the basis's. 0 or -EINVAL. */
 int pipeline_fits(const struct pipeline *pipeline, int width, int height, struct fault *fault);

@@ -98,10 +98,10 @@ static int check_config_patch(const struct config *config, const struct basis *b
 	return err;
 }
 
-static int check_config_mask(const struct config *config, const struct basis *basis)
+static int check_config_mask(const struct config *config, const struct basis *basis, uint8_t **mask)
 {
 	struct fault fault = {.text = ""};
-	const int err = pipeline_check_mask(config->people.mask, basis, &fault);
+	const int err = pipeline_read_mask(config->people.mask, basis, mask, &fault);
 
 	if (err)
 		log_error("%s: %s", config->name, fault.text);
@@ -136,13 +136,13 @@ static int check_kernel(const struct config *config)
 	return -ENOTSUP;
 }
 
-int pipeline_config_check(const struct config *config, const struct basis *basis)
+int pipeline_config_check(const struct config *config, const struct basis *basis, uint8_t **mask)
 {
 	const int pose = basis ? check_config_pose(config, basis) : 0;
 	const int patch = basis ? check_config_patch(config, basis) : 0;
-	const int mask = basis ? check_config_mask(config, basis) : 0;
+	const int masked = basis ? check_config_mask(config, basis, mask) : 0;
 	const int size = basis ? check_config_size(config, basis) : 0;
 	const int kernel = check_kernel(config);
 
-	return pose ? pose : patch ? patch : mask ? mask : size ? size : kernel;
+	return pose ? pose : patch ? patch : masked ? masked : size ? size : kernel;
 }

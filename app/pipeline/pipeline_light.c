@@ -9,10 +9,11 @@
 
 #include "app/pipeline/pipeline_parts.h"
 
-/* Making a sampler takes longer than a frame lasts: a thread makes the next one while the pipeline
- * measures with the present one. */
+/* Making a sampler takes longer than a frame lasts: a thread makes the next one. Meanwhile the pipeline
+ * measures with the present one, or waits where there is none for pictures of this size. */
 struct relight {
 	pthread_t thread;
+	bool threaded; /* the thread has to be joined */
 	atomic_bool done;
 	/* Belongs to the thread until done is set, then to the pipeline: */
 	const struct dome *dome;
@@ -37,54 +38,65 @@ static void *make_sampler(void *context)
 	return NULL;
 }
 
+static void relight_join(struct relight *r)
+{
+	if (r->threaded)
+		pthread_join(r->thread, NULL);
+	r->threaded = false;
+}
+
 void pipeline_relight_end(struct pipeline *p)
 {
 	if (!p->relight)
 		return;
-	pthread_join(p->relight->thread, NULL);
+	relight_join(p->relight);
 	light_sampler_destroy(p->relight->sampler);
 	free(p->relight);
 	p->relight = NULL;
 }
 
-int pipeline_relight(struct pipeline *p, const struct pipeline_settings *settings,
-		     struct fault *fault)
+/* Makes a sampler for pictures of the lens's size: in a thread, or before it returns. */
+static int relight_begin(struct pipeline *p, const struct pipeline_settings *settings,
+			 bool threaded, struct fault *fault)
 {
-	struct relight *r;
-	int err;
+	struct relight *r = calloc(1, sizeof(*r));
+	int err = 0;
 
-	pipeline_relight_end(p); /* a later change replaces an earlier one */
-	if (!p->sampler) {	 /* the first measurement will make one */
-		p->settings.sampler = settings->sampler;
-		p->settings.lens = settings->lens;
-		return 0;
-	}
-	r = calloc(1, sizeof(*r));
 	if (!r)
-		return fault_say(fault, -ENOMEM, "not enough memory to measure the light anew");
+		return fault_say(fault, -ENOMEM, "not enough memory to measure the light");
 	r->dome = &p->dome;
 	r->settings = settings->sampler;
 	r->lens_settings = settings->lens;
 	r->width = p->lens_width;
 	r->height = p->lens_height;
-	err = -pthread_create(&r->thread, NULL, make_sampler, r);
+	r->threaded = threaded;
+	if (threaded)
+		err = -pthread_create(&r->thread, NULL, make_sampler, r);
+	else
+		make_sampler(r);
 	if (err) {
 		free(r);
-		return fault_say(fault, err, "no thread to measure the light anew: %s",
-				 strerror(-err));
+		return fault_say(fault, err, "no thread to measure the light: %s", strerror(-err));
 	}
 	p->relight = r;
 	return 0;
 }
 
-int pipeline_check_lens(const struct pipeline *p, const struct fisheye_settings *settings,
-			struct fault *fault)
+int pipeline_relight(struct pipeline *p, const struct pipeline_settings *settings,
+		     struct fault *fault)
 {
-	struct fisheye lens;
+	pipeline_relight_end(p); /* a later change replaces an earlier one */
+	if (p->sampler)
+		return relight_begin(p, settings, true, fault);
+	p->settings.sampler = settings->sampler; /* the first measurement will make one */
+	p->settings.lens = settings->lens;
+	return 0;
+}
 
-	return p->lens_width
-		       ? fisheye_prepare(&lens, settings, p->lens_width, p->lens_height, fault)
-		       : 0;
+void pipeline_lens_size(const struct pipeline *p, int *width, int *height)
+{
+	*width = p->lens_width;
+	*height = p->lens_height;
 }
 
 /* ---- what noise the filter has to expect ---- */
@@ -153,25 +165,31 @@ static int take_over(struct pipeline *p, struct fault *fault)
 }
 
 /* Lens and sampler are made for one size of picture; a camera may come back with another. */
-static int fit_lens(struct pipeline *p, int width, int height, struct fault *fault)
+int pipeline_light_prepare(struct pipeline *p, int width, int height, bool wait,
+			   struct fault *fault)
 {
-	int err;
+	int err = take_over(p, fault);
 
-	err = take_over(p, fault);
-	if (err)
+	if (!err && (width != p->lens_width || height != p->lens_height)) {
+		pipeline_relight_end(p);
+		light_sampler_destroy(p->sampler);
+		p->sampler = NULL;
+		p->lens_width = p->lens_height = 0;
+		err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
+		if (!err) {
+			p->lens_width = width;
+			p->lens_height = height;
+		}
+	}
+	if (err || p->sampler)
 		return err;
-	if (p->sampler && width == p->lens_width && height == p->lens_height)
-		return 0;
-	light_sampler_destroy(p->sampler);
-	p->sampler = NULL;
-	err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
-	if (err)
-		return err;
-	p->lens_width = width;
-	p->lens_height = height;
-	err = light_sampler_create(&p->sampler, &p->dome, &p->lens, width, height,
-				   &p->settings.sampler, fault);
-	return err ? err : expect_noise(p, fault);
+	if (!p->relight)
+		err = relight_begin(p, &p->settings, !wait, fault);
+	if (!err && wait)
+		relight_join(p->relight);
+	if (!err)
+		err = take_over(p, fault);
+	return err || p->sampler ? err : -EAGAIN;
 }
 
 /* ---- a picture ---- */
@@ -228,7 +246,7 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 			 struct fault *fault)
 {
 	const int width = fisheye->view.width, height = fisheye->view.height;
-	int err = fit_lens(p, width, height, fault);
+	int err = pipeline_light_prepare(p, width, height, true, fault);
 
 	if (err)
 		return err;
@@ -279,7 +297,7 @@ static int turn_upright(struct pipeline *p, const struct image *camera, const st
 int pipeline_light_linear(struct pipeline *p, const struct image *camera, const struct view *view,
 			  struct fault *fault)
 {
-	int err = fit_lens(p, view->width, view->height, fault);
+	int err = pipeline_light_prepare(p, view->width, view->height, true, fault);
 
 	if (err)
 		return err;

@@ -20,9 +20,8 @@ struct pipeline_people {
 	bool looked;
 };
 
-/* *out: 1 where people are looked for; NULL without a mask. */
-static int read_mask(const char *path, const struct basis *basis, uint8_t **out,
-		     struct fault *fault)
+int pipeline_read_mask(const char *path, const struct basis *basis, uint8_t **out,
+		       struct fault *fault)
 {
 	const int width = (int)basis->info.width, height = (int)basis->info.height;
 	struct fault reason = {.text = ""};
@@ -33,7 +32,7 @@ static int read_mask(const char *path, const struct basis *basis, uint8_t **out,
 	*out = NULL;
 	if (!*path)
 		return 0;
-	err = image_read(path, &image, &reason);
+	err = image_read_sized(path, width, height, "as the basis was baked", &image, &reason);
 	if (err)
 		return fault_say(fault, err, "[people] mask: %s", reason.text);
 	if (!image.u8)
@@ -41,12 +40,6 @@ static int read_mask(const char *path, const struct basis *basis, uint8_t **out,
 				"[people] mask: %s holds light, expected PNG, JPEG or "
 				"WebP",
 				path);
-	else if (image.width != width || image.height != height)
-		err = fault_say(
-			fault, -EINVAL,
-			"[people] mask: %s is %dx%d pixels, expected %dx%d as the basis was "
-			"baked",
-			path, image.width, image.height, width, height);
 	else if (!(shown = malloc((size_t)width * (size_t)height)))
 		err = fault_say(fault, -ENOMEM, "not enough memory for [people] mask");
 	for (int i = 0; !err && i < width * height; i++) {
@@ -60,13 +53,19 @@ static int read_mask(const char *path, const struct basis *basis, uint8_t **out,
 	return err;
 }
 
-int pipeline_check_mask(const char *path, const struct basis *basis, struct fault *fault)
+/* The mask of settings, read unless its pixels are given. */
+static int take_mask(const struct pipeline_settings *settings, const struct basis *basis,
+		     uint8_t **out, struct fault *fault)
 {
-	uint8_t *shown;
-	const int err = read_mask(path, basis, &shown, fault);
+	const size_t pixels = (size_t)basis->info.width * basis->info.height;
 
-	free(shown);
-	return err;
+	if (!settings->mask_pixels)
+		return pipeline_read_mask(settings->mask, basis, out, fault);
+	*out = malloc(pixels);
+	if (!*out)
+		return fault_say(fault, -ENOMEM, "not enough memory for [people] mask");
+	memcpy(*out, settings->mask_pixels, pixels);
+	return 0;
 }
 
 void pipeline_people_free(struct pipeline *p)
@@ -103,7 +102,7 @@ int pipeline_people_prepare(struct pipeline *p, const struct pipeline_settings *
 	}
 	if (p->people && same && !strcmp(settings->mask, p->settings.mask))
 		return 0;
-	err = read_mask(settings->mask, p->basis, &shown, fault);
+	err = take_mask(settings, p->basis, &shown, fault);
 	if (err)
 		return err;
 	if (p->people && same) {

@@ -201,6 +201,22 @@ static int output_flush(FILE *stream)
 	return 0;
 }
 
+/* Some file systems cannot rename without replacing, but know links. */
+static int output_rename(const struct output *out)
+{
+	int ret;
+
+	if (!out->fresh)
+		return rename(out->temporary, out->path);
+	ret = renameat2(AT_FDCWD, out->temporary, AT_FDCWD, out->path, RENAME_NOREPLACE);
+	if (ret < 0 && (errno == EINVAL || errno == ENOSYS)) {
+		ret = link(out->temporary, out->path);
+		if (!ret)
+			unlink(out->temporary);
+	}
+	return ret;
+}
+
 int output_commit(struct output *out, struct fault *fault)
 {
 	int ret;
@@ -213,7 +229,7 @@ int output_commit(struct output *out, struct fault *fault)
 	if (fclose(out->stream) != 0 && ret == 0)
 		ret = errno ? -errno : -EIO;
 	out->stream = NULL;
-	if (ret == 0 && rename(out->temporary, out->path) < 0)
+	if (ret == 0 && output_rename(out) < 0)
 		ret = -errno;
 	if (ret < 0) {
 		if (*out->temporary)

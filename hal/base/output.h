@@ -8,6 +8,7 @@
 #define INLAY_HAL_BASE_OUTPUT_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "hal/base/fault.h"
@@ -16,6 +17,7 @@ struct output {
 	FILE *stream; /* the caller writes to it; NULL: nothing is open */
 	char path[PATH_MAX];
 	char temporary[PATH_MAX]; /* empty while the file has no name */
+	bool fresh; /* set after output_open(): a file that is at path by then is not replaced */
 };
 
 /*
@@ -30,7 +32,7 @@ int output_check(const char *const *outputs, int count, const char *const *input
  * the path when the folder is missing or cannot be written. */
 int output_open(struct output *out, const char *path, struct fault *fault);
 
-/* Flushes, syncs, renames and closes. 0 or -errno; on failure the old file is untouched and no
+/* Flushes, syncs, renames and closes. 0 or -errno; -EEXIST: see fresh. On failure the old file is untouched and no
  * temporary file is left. */
 int output_commit(struct output *out, struct fault *fault);
 

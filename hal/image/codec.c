@@ -13,6 +13,10 @@ int image_check_size(const struct image_source *source, int64_t width, int64_t h
 	if (width > IMAGE_SIDE_MAX || height > IMAGE_SIDE_MAX)
 		return fault_say(fault, -EFBIG, "%s: %lld x %lld pixels, but a side has at most %d",
 				 source->name, (long long)width, (long long)height, IMAGE_SIDE_MAX);
+	if (source->width && (width != source->width || height != source->height))
+		return fault_say(fault, -EINVAL, "%s: is %lldx%lld pixels, expected %dx%d %s",
+				 source->name, (long long)width, (long long)height, source->width,
+				 source->height, source->why);
 	if ((double)width * (double)height > (double)source->bytes * pixels_per_byte)
 		return fault_say(fault, -EBADMSG,
 				 "%s: the header says %lld x %lld pixels, but a file of %zu bytes "

@@ -19,6 +19,9 @@ struct image_source {
 	size_t bytes;
 	const char *name;
 	bool deep; /* keep 16 bits: fill u16 */
+	/* Another size is refused before its pixels are decoded; 0: any. why: like "as before". */
+	int width, height;
+	const char *why;
 };
 
 struct image_codec {
@@ -49,7 +52,8 @@ extern const struct image_codec image_webp;
 /*
  * Checks the size in a header against the size of the file, so that a tiny file cannot make the
  * reader allocate gigabytes. pixels_per_byte is the densest that this kind of file can be. 0;
- * -EFBIG: a side beyond IMAGE_SIDE_MAX; -EBADMSG: no pixels, or more than the file can hold.
+ * -EFBIG: a side beyond IMAGE_SIDE_MAX; -EBADMSG: no pixels, or more than the file can hold; -EINVAL: not the
+ * source's size.
  */
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
 		     double pixels_per_byte, struct fault *fault);

@@ -141,9 +141,10 @@ static int image_slurp(int fd, uint8_t **data, size_t *bytes)
 	return 0;
 }
 
-static int image_read_file(const char *path, bool deep, struct image *image, struct fault *fault)
+/* source: without its bytes. */
+static int image_read_file(struct image_source source, struct image *image, struct fault *fault)
 {
-	struct image_source source = {.name = path, .deep = deep};
+	const char *path = source.name;
 	uint8_t *data = NULL;
 	int fd, err;
 
@@ -164,12 +165,21 @@ static int image_read_file(const char *path, bool deep, struct image *image, str
 
 int image_read(const char *path, struct image *image, struct fault *fault)
 {
-	return image_read_file(path, false, image, fault);
+	return image_read_file((struct image_source){.name = path}, image, fault);
+}
+
+int image_read_sized(const char *path, int width, int height, const char *why, struct image *image,
+		     struct fault *fault)
+{
+	const struct image_source source = {
+		.name = path, .width = width, .height = height, .why = why};
+
+	return image_read_file(source, image, fault);
 }
 
 int image_read_deep(const char *path, struct image *image, struct fault *fault)
 {
-	return image_read_file(path, true, image, fault);
+	return image_read_file((struct image_source){.name = path, .deep = true}, image, fault);
 }
 
 static const struct image_codec *codec_for_writing(const char *path)
@@ -200,7 +210,16 @@ int image_name_linear(const char *path, struct fault *fault)
 	return err ? err : codec->linear;
 }
 
-int image_write(const char *path, const struct image *image, struct fault *fault)
+int image_write_png(FILE *stream, const struct image *image, const char *name, struct fault *fault)
+{
+	const int err = image_png.write(stream, image);
+
+	return err ? fault_say(fault, err, "%s: cannot write the picture: %s", name, strerror(-err))
+		   : 0;
+}
+
+static int image_write_file(const char *path, const struct image *image, bool fresh,
+			    struct fault *fault)
 {
 	const struct image_codec *codec;
 	struct output out = {0};
@@ -217,6 +236,7 @@ int image_write(const char *path, const struct image *image, struct fault *fault
 	err = output_open(&out, path, fault);
 	if (err)
 		return err;
+	out.fresh = fresh;
 	err = codec->write(out.stream, image);
 	if (err) {
 		output_abandon(&out);
@@ -224,4 +244,14 @@ int image_write(const char *path, const struct image *image, struct fault *fault
 				 strerror(-err));
 	}
 	return output_commit(&out, fault);
+}
+
+int image_write(const char *path, const struct image *image, struct fault *fault)
+{
+	return image_write_file(path, image, false, fault);
+}
+
+int image_write_new(const char *path, const struct image *image, struct fault *fault)
+{
+	return image_write_file(path, image, true, fault);
 }

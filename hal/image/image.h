@@ -15,6 +15,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "hal/base/fault.h"
 #include "hal/image/image_pixels.h"
@@ -23,6 +24,11 @@
  * damaged or truncated; -ENOTSUP: unknown kind; -EFBIG: a side beyond IMAGE_SIDE_MAX; -EDOM: a NaN
  * or an infinity in a float picture (the fault names the pixel). On failure the image is zeroed. */
 int image_read(const char *path, struct image *image, struct fault *fault);
+
+/* The same, but a picture of another size is refused before its pixels are decoded. why ends the fault, like
+ * "as before". -EINVAL. */
+int image_read_sized(const char *path, int width, int height, const char *why, struct image *image,
+		     struct fault *fault);
 
 /* The same, but 16-bit PNG fills u16. */
 int image_read_deep(const char *path, struct image *image, struct fault *fault);
@@ -36,6 +42,12 @@ int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, 
 /* Writes a picture: .png takes u8, .pfm and .hdr take f32. 0; -ENOTSUP: another ending or sample
  * type; other -errno: the file cannot be written. */
 int image_write(const char *path, const struct image *image, struct fault *fault);
+
+/* The same, but a file that is there is left as it is: -EEXIST. */
+int image_write_new(const char *path, const struct image *image, struct fault *fault);
+
+/* Writes u8 to a stream as PNG, which is not flushed; messages call it by name. */
+int image_write_png(FILE *stream, const struct image *image, const char *name, struct fault *fault);
 
 /* Samples that image_write() takes for this name: 1: linear light; 0: code values; -ENOTSUP: it
  * writes none of this kind. Lets programs check a name before long work. */

@@ -71,6 +71,19 @@ check "a picture of the screen" tell snapshot "$work/shown.png"
 equal "in the screen's size" "48 x 32" "$(file "$work/shown.png" | grep -o '[0-9]* x [0-9]*')"
 refused "a picture that is there already" 1 "shown.png: is there already, expected another name" \
 	tell snapshot "$work/shown.png"
+check "unless it may be replaced" tell --force snapshot "$work/shown.png"
+tell snapshot - >"$work/streamed.png"
+equal "to standard output it is a picture alone" "48 x 32" "$(file "$work/streamed.png" | grep -o '[0-9]* x [0-9]*')"
+refused "which has to take it" 1 "cannot write to standard output" sh -c '"$0" control --socket "$1" snapshot - >/dev/full' "$INLAY" "$work/socket"
+two_of_one_name() {
+	local first=0 second=0
+	tell snapshot "$work/one.png" >"$work/a.out" 2>&1 &
+	tell snapshot "$work/one.png" >"$work/b.out" 2>&1 || second=1
+	wait $! || first=1
+	[ $((first + second)) = "$(cat "$work/a.out" "$work/b.out" | grep -cE "is there already|File exists")" ] &&
+		[ "$(cat "$work/a.out" "$work/b.out" | grep -c "48x32")" = 1 ]
+}
+check "of two that write one name one says so" two_of_one_name
 refused "a picture without a name" 2 "expected the name of the picture's file" tell snapshot
 refused "a kind that is not written" 1 "shown.jpg: expected a name that ends in .png" tell snapshot "$work/shown.jpg"
 refused "no such folder" 1 "none/shown.png: cannot be written: No such file" tell snapshot "$work/none/shown.png"

@@ -68,6 +68,7 @@ equal "no picture is made" "$frames" "$(number_of frames)"
 check "nothing is troubled" status_says '"name":"fisheye","situation":"fine"'
 equal "a command is done, and says that nobody sees it" "ok, but the screen is at rest" "$(tell view fisheye)"
 check "which does not wake it" status_says '"view":"fisheye","pose":0'
+refused "nor is there a picture of it" 1 "the screen is at rest" tell snapshot "$work/dark.png"
 check "it still rests" status_says '"rest":true'
 equal "it is woken" ok "$(tell wake)"
 check "and shows frames" frames_come
@@ -157,5 +158,26 @@ while at < len(data):
 sys.exit(any(zlib.decompress(rows).replace(b"\1", b"\0").replace(b"\2", b"\0").replace(b"\4", b"\0")))
 END
 check "wholly" python3 "$work/black.py" "$work/night.png"
+
+# ---- a basis that is replaced by night, and lost ----
+loses_its_basis() { # COMMAND...: what becomes of the file once it has been taken
+	cp "$work/box.inlay" "$work/own.inlay"
+	begin $((saturday + 9 * 3600)) "${hours[@]}" --set "basis.file=$work/own.inlay"
+	check "a kiosk with its own basis" frames_come
+	clock $((saturday + 12 * 3600))
+	check "rests" until_true 60 status_says '"rest":true'
+	cp "$work/box.inlay" "$work/own.new"
+	mv "$work/own.new" "$work/own.inlay"
+	kill -HUP "$inlay"
+	check "another basis is taken by night" until_true 60 says "$work/run.log" "basis of 26 lights, 1 pose"
+	"$@"
+	clock $((saturday + 2 * 86400 + 9 * 3600))
+	check "in the morning it shows frames without: $1" frames_come
+	stop
+	equal "and ends in order" 0 $?
+}
+loses_its_basis truncate -s 100 "$work/own.inlay"
+loses_its_basis cp "$work/studio.conf" "$work/own.inlay"
+loses_its_basis rm "$work/own.inlay"
 
 finish

@@ -213,6 +213,35 @@ taken=$(tail -n 1 "$work/live.jsonl" | grep -oE '"fisheye","situation":"fine","f
 check "of $taken that a camera gave, $shown are shown, and at most two on their way" \
 	test $((taken - shown)) -ge 0 -a $((taken - shown)) -le 2
 
+# ---- what takes long to read is read beside the pictures ----
+goes_on_while_reading() { # NAME TEXT FILE: which the kiosk begins to read
+	local holder
+	holder=$(dirname "$INLAY")/tests/cli/tools/held_file.so
+	printf '%s\n' "$plain" >"$conf"
+	LD_LIBRARY_PATH=$(dirname "$holder") LD_PRELOAD=$(basename "$holder") HELD_FILE=$3 start
+	check "it shows frames before it reads $1" shows_frames
+	printf '%s\n' "$2" >"$conf"
+	hang_up
+	check "while it reads $1 the pictures go on" frames_go_on
+	hang_up
+	check "after a second signal too" frames_go_on
+	equal "nothing is said" 0 "$(said "$work/run.log" "the configuration ")"
+	touch "$3.go"
+	check "it is read in the end" until_true 60 more_said 0
+	check "and once more for the second signal" until_true 60 more_said 1
+	equal "both are in force" 2 "$(said "$work/run.log" "the configuration has been read again")"
+	stop
+	equal "it ends in order" 0 $?
+}
+cp "$work/box.inlay" "$work/long.inlay"
+printf '%s\n' "$plain" >"$conf"
+"$INLAY" run --config "$conf" --frames 1 --set "screen.device=$work/mask.png" 2>/dev/null
+goes_on_while_reading "a mask" "$plain
+[people]
+occlude = yes
+mask = $work/mask.png" "$work/mask.png"
+goes_on_while_reading "a basis" "${plain/box.inlay/long.inlay}" "$work/long.inlay"
+
 # ---- the terminal it was started from goes: that is the end, and no reload ----
 printf '%s\n' "$plain" >"$conf"
 rm "$work/live.jsonl"

@@ -25,6 +25,7 @@
 
 #include "app/control/control.h"
 #include "app/control/control_socket.h"
+#include "hal/base/clock.h"
 
 static char folder[] = "/tmp/inlay-control-XXXXXX";
 static char path[64];
@@ -204,70 +205,122 @@ static void gone_before_the_answer(void **state)
 	control_close(NULL);
 }
 
-/* Receives a reply; the descriptor that comes with it, or -1. */
-static int reply_with(int fd, const char *expected)
+/* Reads a line and so many bytes of value after it, as far as they come. Returns how many bytes came. */
+static size_t take_picture(struct control *control, int fd, const char *line, int value,
+			   size_t most)
 {
-	alignas(struct cmsghdr) char beside[CMSG_SPACE(sizeof(int))];
-	char text[64];
-	struct iovec part = {.iov_base = text, .iov_len = sizeof(text)};
-	struct msghdr message = {.msg_iov = &part,
-				 .msg_iovlen = 1,
-				 .msg_control = beside,
-				 .msg_controllen = sizeof(beside)};
-	const ssize_t bytes = recvmsg(fd, &message, MSG_DONTWAIT);
-	int got = -1;
+	static char bytes[1 << 16];
+	size_t got = 0, skip = strlen(line);
+	ssize_t n;
 
-	assert_int_equal(bytes, strlen(expected));
-	assert_memory_equal(text, expected, strlen(expected));
-	if (CMSG_FIRSTHDR(&message))
-		memcpy(&got, CMSG_DATA(CMSG_FIRSTHDR(&message)), sizeof(int));
-	return got;
+	while (got < skip + most) {
+		const size_t left = (got < skip ? skip : skip + most) - got;
+
+		serve(control, "");
+		n = recv(fd, bytes, left < sizeof(bytes) ? left : sizeof(bytes), MSG_DONTWAIT);
+		if (n <= 0)
+			break;
+		for (ssize_t k = 0; k < n; k++, got++)
+			assert_int_equal(bytes[k], got < skip ? line[got] : value);
+	}
+	return got < skip ? 0 : got - skip;
 }
 
-/* Clients that wait for a picture: others are answered meanwhile, and all that wait get the picture,
- * once for each time that they asked. */
+static struct snapshot *picture_of(int width, int height, int value)
+{
+	struct snapshot *s;
+
+	assert_int_equal(snapshot_create(&s, width, height, NULL), 0);
+	memset(s->pixels, value, s->stride * (size_t)height);
+	return s;
+}
+
+/* The kiosk's part of an answer. */
+static void answer_with(struct control *control, struct snapshot *s)
+{
+	char line[SNAPSHOT_LINE_MAX];
+
+	snapshot_finish(s, line);
+	control_answer_waiting(control, line, s);
+	snapshot_release(s);
+}
+
+/* Clients that wait for a picture: others are answered meanwhile, and what a client asks for while it waits
+ * or reads is done afterwards. */
 static void answers_that_wait(void **state)
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), two = connect_client(), other = connect_client();
-	struct stat file, expected;
-	int fd;
+	const size_t bytes = 4 * 641 * 480;
 
 	(void)state;
 	assert_false(control_has_waiting(control));
+	assert_true(control_look(control, 0) == INT64_MAX);
 	send_text(one, "snapshot\n");
 	send_text(other, "object\n");
 	assert_int_equal(serve(control, ""), 2);
 	assert_true(control_has_waiting(control));
+	assert_true(control_look(control, 0) < INT64_MAX);
 	assert_string_equal(replies(other), "object\n");
-	assert_string_equal(replies(one), "");
 	send_text(two, "snapshot\n");
 	send_text(one, "view-next\nsnapshot\n");
-	assert_int_equal(serve(control, ""), 3);
-	assert_string_equal(replies(one), "view-next\n");
-	assert_int_equal(stat(folder, &expected), 0);
-	fd = open(folder, O_RDONLY | O_DIRECTORY);
-	control_answer_waiting(control, "here", fd);
-	close(fd);
-	assert_false(control_has_waiting(control));
-	for (int k = 0; k < 3; k++) {
-		fd = reply_with(k < 2 ? one : two, "here\n");
-		assert_int_equal(fstat(fd, &file), 0);
-		assert_int_equal(file.st_ino, expected.st_ino);
-		close(fd);
-	}
-	control_answer_waiting(control, "nobody waits", -1);
+	assert_int_equal(serve(control, ""), 1);
 	assert_string_equal(replies(one), "");
-	/* one that goes while it waits, and one that is told that there is nothing */
+	answer_with(control, picture_of(641, 480, 7));
+	assert_false(control_has_waiting(control));
+	assert_int_equal(take_picture(control, one, "snapshot 641 480\n", 7, bytes), bytes);
+	serve(control, "");
+	assert_string_equal(replies(one), "view-next\n");
+	assert_true(control_has_waiting(control));
+	assert_int_equal(take_picture(control, two, "snapshot 641 480\n", 7, bytes), bytes);
+	control_answer_waiting(control, "error: no", NULL);
+	assert_string_equal(replies(one), "error: no\n");
+	/* one that goes while it waits, and one whose kiosk ends */
 	send_text(one, "snapshot\n");
 	send_text(two, "snapshot\n");
 	serve(control, "");
 	close(one);
 	serve(control, "");
-	control_answer_waiting(control, "error: no", -1);
-	assert_int_equal(reply_with(two, "error: no\n"), -1);
+	control_close(control);
+	assert_string_equal(replies(two), "error: the kiosk ends, or takes another socket\nEOF");
 	close(two);
 	close(other);
+}
+
+/* A client that asks without end and takes nothing: the kiosk holds one picture of it, and lets it go. */
+static void pictures_that_nobody_takes(void **state)
+{
+	struct control *control = open_control("");
+	const int64_t late_ns = clock_now_ns() + 3600 * NS_PER_S;
+	int client[3];
+
+	(void)state;
+	for (int k = 0; k < 3; k++)
+		client[k] = connect_client();
+	for (int k = 0; k < 2; k++) {
+		assert_false(control_is_full(control));
+		for (int n = 0; n < 10; n++)
+			send_text(client[k], "snapshot\n");
+		assert_int_equal(serve(control, ""), 1);
+		answer_with(control, picture_of(1000, 1000, k));
+		serve(control, "");
+		assert_false(control_has_waiting(control));
+	}
+	assert_true(control_is_full(control));
+	control_look(control, late_ns);
+	assert_false(control_is_full(control));
+	/* two that wait for the same picture hold it once */
+	for (int k = 0; k < 2; k++) {
+		close(client[k]);
+		client[k] = connect_client();
+		send_text(client[k], "snapshot\n");
+	}
+	assert_int_equal(serve(control, ""), 2);
+	answer_with(control, picture_of(1000, 1000, 9));
+	assert_false(control_is_full(control));
+	for (int k = 0; k < 3; k++)
+		close(client[k]);
+	serve(control, "");
 	control_close(control);
 }
 
@@ -503,6 +556,7 @@ int main(void)
 		cmocka_unit_test(one_after_the_other),
 		cmocka_unit_test(gone_before_the_answer),
 		cmocka_unit_test(answers_that_wait),
+		cmocka_unit_test(pictures_that_nobody_takes),
 		cmocka_unit_test(line_without_end),
 		cmocka_unit_test(flood),
 		cmocka_unit_test(deaf_client),
