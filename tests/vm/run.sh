@@ -28,7 +28,7 @@ one() {
 	job=$jobs/$(IFS=-; echo "$*")
 	mkdir -p "$job"
 	: >"$job/results.tap"
-	tests/vm/boot.sh --seconds $((1200 * $#)) "$job" tests/vm/guest/guest.sh "$@" || code=$?
+	tests/vm/uml.sh --seconds $((1200 * $#)) "$job" tests/vm/guest/guest.sh "$@" || code=$?
 	if [ $code -ne 0 ]; then
 		echo "not ok - $*: the machine stopped with exit code $code" >>"$job/results.tap"
 		tail -n 20 "$job/console.log" 2>/dev/null | sed 's/^/# /' >>"$job/results.tap"

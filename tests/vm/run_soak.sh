@@ -37,7 +37,7 @@ soak() {
 	rm -rf "$job"
 	mkdir -p "$job/soak"
 	echo "soak: $1, $minutes minutes of faults, seed $seed"
-	INLAY=$2 tests/vm/boot.sh --seconds "$(awk "BEGIN { print int($minutes * 180 + 600) }")" "$job" \
+	INLAY=$2 tests/vm/uml.sh --seconds "$(awk "BEGIN { print int($minutes * 180 + 600) }")" "$job" \
 		env VM_OUT=/run/job/soak ASAN_OPTIONS=quarantine_size_mb=4:detect_leaks=1 \
 		LSAN_OPTIONS=suppressions=tests/sanitize/leaks.supp:print_suppressions=0 \
 		UBSAN_OPTIONS=print_stacktrace=1 bash -c \

@@ -25,7 +25,7 @@ $(VM_LIBRARIES): tests/vm/tools/webcam.c
 .PHONY: kernel test-vm test-vm-installed test-vm-rest vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
-	$(Q)board/qemu-x86_64/build-kernel.sh
+	$(Q)board/build-kernel.sh uml
 ## test-vm: the real programs on vivid, vkms, virtio-gpu and gpio-sim in QEMU (FILTER=name: some)
 test-vm:
 	$(Q)board/deps.sh test
@@ -39,7 +39,7 @@ test-vm-rest: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/alloca
 ## vm-shell: a shell in the simulated machine (leave it with exit)
 vm-shell: all $(VM_PROGRAMS) $(VM_LIBRARIES) kernel
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
-	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/boot.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
+	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/uml.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
 
 # The address sanitizer needs a build of its own.
 SOAK_SANITIZED := build/sanitize-address-undefined
