@@ -8,7 +8,7 @@
 . "$(dirname "$0")/boot.sh"
 
 kernel=$("$source_dir/board/build-kernel.sh" uml)
-write_start "$@" >"$job/start"
+VM_PATIENCE=60 write_start "$@" >"$job/start"
 install -m 755 "$here/guest/init" "$scratch/init"
 
 time=(time-travel=inf-cpu)
