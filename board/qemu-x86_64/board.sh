@@ -5,7 +5,7 @@ architecture=amd64
 
 board_files() { # root, boot, out
 	local kernel
-	kernel=$(board/qemu-x86_64/build-kernel.sh)
+	kernel=$(board/build-kernel.sh qemu-x86_64)
 	cp -r "$kernel/modules/lib/modules" "$1/usr/lib/"
 	cp "$kernel/bzImage" "$3/kernel"
 	# What the kiosk's unit has loaded is built in.
