@@ -272,7 +272,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 		-- accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
 		-- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh \
-		-- cli $(TIMED_TESTS) -- unit $(TIMED_PROGRAMS)
+		-- unit $(TIMED_PROGRAMS)
 	$(Q)tests/run.sh --end
 
 ## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
@@ -316,9 +316,9 @@ test-emulated: $(BUILD)/tests/kernels/test_kernels
 ## test-cli: the programs as a person calls them (TEST=still: one script)
 test-cli: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(if $(TEST),$(or $(wildcard tests/cli/$(TEST).sh),$(error there is no tests/cli/$(TEST).sh)),\
-		$(CLI_TESTS) $(TIMED_TESTS))
+		$(CLI_TESTS))
 test-cli-deep: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
+	$(Q)INLAY_THOROUGH=1 $(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
 test-accuracy: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh
