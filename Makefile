@@ -263,11 +263,11 @@ RUN_TESTS = INLAY="$(abspath $(BUILD))/inlay" INLAY_BAKE="$(abspath $(BUILD))/in
 TIMED_PROGRAMS := $(addprefix $(BUILD)/,$(basename $(TIMED_UNIT_TESTS)))
 UNIT_QUICK := $(filter-out $(TIMED_PROGRAMS) $(addprefix $(BUILD)/,$(basename $(DEEP_ONLY_TESTS))),$(UNIT_PROGRAMS))
 test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) $(VM_LIBRARIES) \
-		$(BUILD)/tests/kernels/test_kernels kernel
+		$(BUILD)/tests/kernels/test_kernels $(VM_READY)
 	$(Q)tests/run.sh --begin
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh --quick
 	$(Q)$(MAKE) --no-print-directory image-built BOARD=qemu-x86_64
-	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh --quick" \
+	-+$(Q)MAKE="$(MAKE)" VM_MACHINES=1 $(RUN_TESTS) vm "tests/vm/run.sh quick" \
 		-- boot "tests/boot/run.sh --picture" \
 		-- accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh -- cli $(CLI_TESTS) -- kernels tests/kernels/kernels.sh \
 		-- unit $(UNIT_QUICK) -- fuzz tests/fuzz/replay.sh \
@@ -279,7 +279,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_PROGRAMS) 
 $(eval $(call with_packages,test-deep,deep))
 
 DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-blender test-fuzz \
-	test-sanitize test-vm-rest test-power
+	test-sanitize test-vm-installed test-vm-qemu-installed test-power
 test-deep-installed:
 	$(Q)tests/run.sh --begin
 	+$(Q)MAKE="$(MAKE)" tests/run.sh --make $(DEEP_GROUPS)

@@ -1,10 +1,10 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Makes what the guest's tests show: bakes the small basis files, and takes pictures of a real
-# panorama where there is one. On the host, because the guest's processors are emulated.
+# panorama where there is one. On the host, once for all machines.
 #
 #     bake.sh          into $BUILD/tests/vm/live, .../thesis and, when $INLAY_SHARED_DATA is there, .../spot
-#     bake.sh --quick  without the last, for `run.sh --quick`
+#     bake.sh --quick  without the last, for what does not need it
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 BUILD=${BUILD:-build}

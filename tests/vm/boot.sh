@@ -52,7 +52,7 @@ write_start() {
 	echo "export VM_KERNEL=$(printf %q "$kernel")"
 	echo "export VM_JOB_OUTSIDE=$(printf %q "$job")"
 	echo "export VM_WINDOW=$scratch/window"
-	for name in BUILD INLAY INLAY_BAKE INLAY_CALIBRATE INLAY_SHARED_DATA INLAY_SEED; do
+	for name in BUILD INLAY INLAY_BAKE INLAY_CALIBRATE INLAY_SHARED_DATA INLAY_SEED VM_PATIENCE; do
 		[ -z "${!name:-}" ] || echo "export $name=$(printf %q "${!name}")"
 	done
 	echo "export PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/run"

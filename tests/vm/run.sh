@@ -1,13 +1,12 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Runs tests/vm/test_*.sh, each in a simulated machine of its own, as many at a time as there are
-# processors, and prints their results as TAP when each ends.
+# processors (VM_MACHINES=n: so many), and prints their results as TAP when each ends.
 # Everything they leave is kept in $BUILD/tests/vm/job/NAME/NAME.
 #
-#     tests/vm/run.sh [FILTER]   those whose name contains FILTER (or FILTER in the environment)
-#     tests/vm/run.sh --quick    the few that show the whole way, in as few machines as may be
-#     tests/vm/run.sh --rest     the others
-# VM_MACHINES=n: so many at a time.
+#     tests/vm/run.sh quick            the few that show the whole way, in one machine
+#     tests/vm/run.sh uml [FILTER]     all that run in user-mode Linux, whose names contain FILTER
+#     tests/vm/run.sh qemu [FILTER]    the others: a line "needs qemu:" in the test says why
 set -uo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,11 +15,15 @@ export BUILD=${BUILD:-build}
 export INLAY=${INLAY:-$PWD/$BUILD/inlay} INLAY_BAKE=${INLAY_BAKE:-$PWD/$BUILD/inlay-bake}
 INLAY_SHARED_DATA=$(realpath "${INLAY_SHARED_DATA:-../shared/data}" 2>/dev/null)
 export INLAY_SHARED_DATA
-which=${1:-${FILTER:-}}
-quick=('live thesis' libcamera) # machines; libcamera takes devices away below udevd, so it has one of its own
+which=$1 filter=${2:-}
+quick='live thesis'
 jobs=$BUILD/tests/vm/job
 rm -rf "$jobs"
 mkdir -p "$jobs"
+if [ "$(uname -m)" != x86_64 ]; then
+	printf '1..1\nok 1 - simulated hardware # SKIP its kernel needs an x86_64, this is a %s\n' "$(uname -m)"
+	exit 0
+fi
 
 # one NAME...: boots a machine for them, in this order.
 one() {
@@ -28,7 +31,7 @@ one() {
 	job=$jobs/$(IFS=-; echo "$*")
 	mkdir -p "$job"
 	: >"$job/results.tap"
-	tests/vm/uml.sh --seconds $((1200 * $#)) "$job" tests/vm/guest/guest.sh "$@" || code=$?
+	"tests/vm/${which/quick/uml}.sh" --seconds $((1200 * $#)) "$job" tests/vm/guest/guest.sh "$@" || code=$?
 	if [ $code -ne 0 ]; then
 		echo "not ok - $*: the machine stopped with exit code $code" >>"$job/results.tap"
 		tail -n 20 "$job/console.log" 2>/dev/null | sed 's/^/# /' >>"$job/results.tap"
@@ -58,24 +61,15 @@ report() {
 	done
 }
 
-# chosen NAME
-chosen() {
-	case $which in
-	--rest) [[ " ${quick[*]} " != *" $1 "* ]] ;;
-	*) [[ $1 == *"$which"* ]] ;;
-	esac
-}
-
-# The longest first, so that none is left alone at the end: two that last more than a minute however
-# short they are to read, then by length.
-names=$(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p')
-lasting='soak faults_late'
+# The longest to read first, so that none is left alone at the end.
 machines=() # a line of names each
-if [ "$which" = --quick ]; then
-	machines=("${quick[@]}")
+if [ "$which" = quick ]; then
+	machines=("$quick")
 else
-	for name in $lasting $(grep -vxF "${lasting// /$'\n'}" <<<"$names"); do
-		! chosen "$name" || machines+=("$name")
+	for name in $(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p'); do
+		machine=uml
+		! grep -q '^# needs qemu: ' "tests/vm/test_$name.sh" || machine=qemu
+		[[ $machine != "$which" || $name != *"$filter"* ]] || machines+=("$name")
 	done
 fi
 running=0

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Boots the simulated machine twice and soaks the kiosk in it: as it is, and built with the address
-# and undefined behaviour sanitizers. Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
+# Soaks the kiosk in two simulated machines: as it is in user-mode Linux, and built with the address and
+# undefined behaviour sanitizers in QEMU (they take more addresses than a process has in the former). Prints both tables; their files stay in $BUILD/tests/vm/soak-*.
 # Meanwhile the sanitized one is given actions, reloads and damaged files at random on this machine.
 #
 #     run_soak.sh MINUTES [SEED]      (half of the time each)
@@ -31,13 +31,14 @@ minutes=$(awk "BEGIN { print ${1:-10} / 2 }")
 seed=${2:-$RANDOM}
 code=0
 
-# soak NAME PROGRAM SLACK_KB
+# soak MACHINE NAME PROGRAM SLACK_KB
 soak() {
-	local job=$BUILD/tests/vm/soak-$1
+	local machine=$1 job=$BUILD/tests/vm/soak-$2
+	shift
 	rm -rf "$job"
 	mkdir -p "$job/soak"
 	echo "soak: $1, $minutes minutes of faults, seed $seed"
-	INLAY=$2 tests/vm/uml.sh --seconds "$(awk "BEGIN { print int($minutes * 180 + 600) }")" "$job" \
+	INLAY=$2 "tests/vm/$machine.sh" --seconds "$(awk "BEGIN { print int($minutes * 180 + 600) }")" "$job" \
 		env VM_OUT=/run/job/soak ASAN_OPTIONS=quarantine_size_mb=4:detect_leaks=1 \
 		LSAN_OPTIONS=suppressions=tests/sanitize/leaks.supp:print_suppressions=0 \
 		UBSAN_OPTIONS=print_stacktrace=1 bash -c \
@@ -51,8 +52,8 @@ actions=$BUILD/tests/vm/soak-actions.tap
 INLAY=$PWD/$SANITIZED/inlay INLAY_BAKE=$PWD/$BUILD/inlay-bake INLAY_SEED=$seed \
 	INLAY_ACTIONS=$(awk "BEGIN { print int($minutes * 4000) }") tests/cli/actions.sh >"$actions" 2>&1 &
 random=$!
-soak plain "$PWD/$BUILD/inlay" 1024
-soak sanitized "$PWD/$SANITIZED/inlay" 8192
+soak uml plain "$PWD/$BUILD/inlay" 1024
+soak qemu sanitized "$PWD/$SANITIZED/inlay" 8192
 wait $random || code=1
 cat "$actions"
 exit $code

@@ -70,7 +70,7 @@ refused() { # description, words, command...
 }
 
 kiosk first
-check "root gets an answer" within_seconds 30 answers
+check "root gets an answer" eventually answers
 equal "the socket is the group's" "srw-rw---- daemon games" "$(stat -c '%A %U %G' $socket)"
 
 # ---- who may ----
@@ -105,7 +105,7 @@ refused "and nobody else" "you may not use the kiosk.s socket" as nobody none "$
 # ---- two kiosks ----
 first=$running
 kiosk second
-check "a second kiosk on the same socket ends" within_seconds 30 ended
+check "a second kiosk on the same socket ends" eventually ended
 matches "and says why" "another kiosk listens" "$(cat "$VM_OUT/second.log")"
 running=$first
 check "the first goes on" answers
@@ -152,18 +152,18 @@ END
 for word in "ninth b'{'" "endless cut off" "flood cut off" "deaf cut off" "after b'{'"; do
 	matches "hostile clients: ${word% b*}" "^$word" "$(cat "$VM_OUT/hostile")"
 done
-# shellcheck disable=SC2317 # called by within_seconds
+# shellcheck disable=SC2317 # called by eventually
 more_frames() {
 	[ "$(figure frames)" -gt "$frames" ]
 }
-check "and pictures go on" within_seconds 20 more_frames
+check "and pictures go on" eventually more_frames
 
 # ---- a kiosk that died ----
 kill -KILL $running
-within_seconds 20 ended
+eventually ended
 refused "a dead kiosk is no kiosk" "no kiosk listens .* Connection refused" "${commands[@]}" status
 kiosk third
-check "another takes its socket's place" within_seconds 30 answers
+check "another takes its socket's place" eventually answers
 tell "${commands[@]}" quit
-check "and is told to end" within_seconds 20 ended
+check "and is told to end" eventually ended
 check "which removes the socket" test ! -e $socket

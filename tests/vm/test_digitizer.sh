@@ -32,7 +32,7 @@ capture_and() { # command..., --, then as capture
 	: >"$VM_OUT/said"
 	capture "$@" &
 	local pid=$!
-	within_seconds 10 grep -q '^stride' "$VM_OUT/said"
+	eventually grep -q '^stride' "$VM_OUT/said"
 	"${command[@]}" >"$VM_OUT/command" 2>&1
 	wait $pid
 }
@@ -142,7 +142,7 @@ arrives() { # key
 picture=$VM_OUT/frame.png
 svideo_loop interlaced 576 >/dev/null
 play 0 "$VM_OUT/chart.raw"
-if within_seconds 15 arrives interlaced; then
+if eventually arrives interlaced; then
 	ok "S-Video: our picture, interlaced, arrives woven to the bit"
 else
 	cat "$VM_OUT/said" "$VM_OUT/compared" 2>/dev/null |

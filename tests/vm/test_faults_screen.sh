@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # What goes wrong with the screen, in one run of the kiosk that is never restarted. A flip that
-# never comes cannot be had from vkms or virtio-gpu: the simulated screen does that (tests/cli).
+# never comes cannot be had from vkms: the simulated screen does that (tests/cli).
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh
 . tests/vm/guest/runs.sh
@@ -14,19 +14,19 @@ screen_fine() { [ "$(of_status screen)" = fine ]; }
 # ---- off at the start ----
 screen_unplugged_begin
 kiosk screen
-check "the kiosk starts without a screen" within_seconds 30 no_screen
+check "the kiosk starts without a screen" eventually no_screen
 matches "and says so" "screen" "$(cat "$VM_OUT/screen.log")"
-check "cameras are used meanwhile" within_seconds 30 all_fine
+check "cameras are used meanwhile" eventually all_fine
 screen_unplugged_end
-check "a screen that is plugged in is used" within_seconds 20 screen_fine
+check "a screen that is plugged in is used" eventually screen_fine
 check "pictures go on" pictures_go_on
 
 # ---- unplugged and back ----
 screen_unplugged_begin
-check "unplugged: it is named" within_seconds 20 no_screen
-check "unplugged: the rest goes on" within_seconds 5 act threshold-set 30
+check "unplugged: it is named" eventually no_screen
+check "unplugged: the rest goes on" eventually act threshold-set 30
 screen_unplugged_end
-check "unplugged: it is used again" within_seconds 20 screen_fine
+check "unplugged: it is used again" eventually screen_fine
 check "unplugged: pictures go on" pictures_go_on
 equal "unplugged: nothing is lost" 30 "$(of_status threshold)"
 
@@ -44,22 +44,4 @@ check "two instances: and still listens" act threshold-set 40
 check "the kiosk was never restarted" kill -0 $running
 stop_run
 equal "it ends well" 0 $?
-
-# ---- another screen, of other modes, in place of the first ----
-of_size() { # WIDTHxHEIGHT: that is what is scanned out
-	screendump "$VM_OUT/size.ppm" && head -c 20 "$VM_OUT/size.ppm" | tr '\n' ' ' | grep -q "^P6 ${1/x/ } "
-}
-kiosk modes --set "screen.device=/dev/dri/card$(card_of virtio)"
-check "modes: the kiosk starts" within_seconds 30 screen_fine
-check "modes: in the preferred one" within_seconds 20 of_size 1280x800
-resize_window 1024 768
-check "modes: another screen's preferred mode is set" within_seconds 30 of_size 1024x768
-check "modes: pictures go on" pictures_go_on
-resize_window 0 0
-check "modes: pulled out, it is named" within_seconds 30 no_screen
-resize_window 1280 800
-check "modes: it is used again" within_seconds 30 of_size 1280x800
-check "modes: pictures go on after that" pictures_go_on
-stop_run
-equal "modes: it ends well" 0 $?
 faults_unload

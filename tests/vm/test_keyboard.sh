@@ -15,7 +15,7 @@ plug() {
 	typing[$1]=$fd
 }
 plugged() {
-	within_seconds 20 grep -q ^ready "$VM_OUT/$1.node"
+	eventually grep -q ^ready "$VM_OUT/$1.node"
 }
 unplug() {
 	type_at "$1" unplug
@@ -38,7 +38,7 @@ listen() {
 	: >"$VM_OUT/said-$name"
 	"$tools/presses" keyboard 400 "$@" >"$VM_OUT/said-$name" 2>&1 &
 	listener[$name]=$!
-	within_seconds 60 grep -q -E '^(ready|error)' "$VM_OUT/said-$name"
+	eventually grep -q -E '^(ready|error)' "$VM_OUT/said-$name"
 }
 ignore() {
 	kill "${listener[$1]}" 2>/dev/null
@@ -56,36 +56,37 @@ heard_least() {
 }
 
 # ---- plugged in late ----
+mkdir -p /dev/input # a machine without any device has none; others have a power button at least
 listen all
 matches "no keyboard of ours is needed at the start" '^ready' "$(cat "$VM_OUT/said-all")"
 plug one
 check "a keyboard is plugged in" plugged one
 type_at one press v
-check "and its keys are heard" within_seconds 20 heard all 1 view-next
+check "and its keys are heard" eventually heard all 1 view-next
 plug two
 check "a second one" plugged two
 type_at two press f
-check "is heard, too" within_seconds 20 heard all 1 freeze
+check "is heard, too" eventually heard all 1 freeze
 type_at two press a
 type_at two press equal
 type_at one press minus
-check "plus and minus step" within_seconds 20 heard all 1 threshold-down
-check "one step each" within_seconds 20 heard all 1 threshold-up
+check "plus and minus step" eventually heard all 1 threshold-down
+check "one step each" eventually heard all 1 threshold-up
 
 # ---- held ----
 type_at one down p
 type_at one down right # the kernel repeats the last one
-check "a key that is held for a step goes on" within_seconds 20 heard_least all 4 split-right
+check "a key that is held for a step goes on" eventually heard_least all 4 split-right
 type_at one up right
 type_at one up p
 type_at one press o
-check "until it is let go" within_seconds 20 heard all 1 object
+check "until it is let go" eventually heard all 1 object
 steps=$(count all split-right)
 type_at one down i
 sleep 1
 type_at one up i
 type_at one press o
-check "nothing more comes of it" within_seconds 20 heard all 2 object
+check "nothing more comes of it" eventually heard all 2 object
 equal "of the step" "$steps" "$(count all split-right)"
 check "one that toggles does not repeat" heard all 1 information
 check "nor does the pose" heard all 1 pose-next
@@ -93,29 +94,29 @@ check "nor does the pose" heard all 1 pose-next
 # ---- grabbed ----
 listen other grab=no device="inlay one"
 type_at one press t
-check "a press comes to whoever has grabbed the keyboard" within_seconds 20 heard all 1 threshold-next
+check "a press comes to whoever has grabbed the keyboard" eventually heard all 1 threshold-next
 check "and to nobody else" heard other 0 threshold-next
 ignore all
 type_at one press t
-check "who has it when it was let go" within_seconds 20 heard other 1 threshold-next
+check "who has it when it was let go" eventually heard other 1 threshold-next
 type_at two press t
 type_at one press v
-check "a keyboard is chosen by name" within_seconds 20 heard other 1 view-next
+check "a keyboard is chosen by name" eventually heard other 1 view-next
 check "and no other is heard" heard other 1 threshold-next
 
 # ---- unplugged ----
 listen path device="$(node_of two)" view_next=5 object= threshold_down="left btn_trigger" split_left=
 type_at two press 5
-check "or by its path, with keys of one's own" within_seconds 20 heard path 1 view-next
+check "or by its path, with keys of one's own" eventually heard path 1 view-next
 type_at two press left
-check "and several for one" within_seconds 20 heard path 1 threshold-down
+check "and several for one" eventually heard path 1 threshold-down
 type_at two press o
 unplug two
-check "gone, it is an error that names it" within_seconds 20 grep -q "^error .*$(node_of two).* not connected" \
+check "gone, it is an error that names it" eventually grep -q "^error .*$(node_of two).* not connected" \
 	"$VM_OUT/said-path"
 check "an empty mapping is no key" heard path 0 object
 type_at one press v
-check "the other keyboard stays" within_seconds 20 heard other 2 view-next
+check "the other keyboard stays" eventually heard other 2 view-next
 ignore other
 ignore path
 
@@ -125,17 +126,17 @@ check "a keyboard goes while all are heard" test ! -e "$(node_of one)"
 plug one
 check "and comes back" plugged one
 type_at one press v
-check "and is heard again" within_seconds 20 heard all 1 view-next
+check "and is heard again" eventually heard all 1 view-next
 
 # ---- more than the kernel keeps ----
 kill -STOP "${listener[all]}"
 type_at one flood 2000 o
 type_at one down v
 kill -CONT "${listener[all]}"
-check "a key that went down among dropped events is found" within_seconds 20 heard all 2 view-next
+check "a key that went down among dropped events is found" eventually heard all 2 view-next
 type_at one up v
 type_at one press f
-check "and the keyboard goes on" within_seconds 20 heard all 1 freeze
+check "and the keyboard goes on" eventually heard all 1 freeze
 holds "after some of the flood ($(count all object))" "$(count all object) < 2000"
 
 # ---- a key that is down at the start ----
@@ -145,14 +146,14 @@ sleep 0.5
 listen all
 sleep 1
 type_at one press o
-check "a key that was down at the start" within_seconds 20 heard all 1 object
+check "a key that was down at the start" eventually heard all 1 object
 check "is no press, however long" heard all 0 threshold-up
 type_at one up up
 type_at one press up
-check "until it was let go" within_seconds 20 heard all 1 threshold-up
+check "until it was let go" eventually heard all 1 threshold-up
 listen other grab=no device="inlay one"
 type_at one press v
-check "by then it is grabbed" within_seconds 20 heard all 1 view-next
+check "by then it is grabbed" eventually heard all 1 view-next
 check "so that nobody else hears it" heard other 0 view-next
 ignore all
 ignore other

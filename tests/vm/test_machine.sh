@@ -31,15 +31,14 @@ comes_back() {
 	v4l2-ctl -d "$(video_node vivid-000-vid-cap)" --stream-mmap=3 --stream-count=1 \
 		--stream-to="$VM_OUT/back.raw" && cmp "$VM_OUT/chart.raw" "$VM_OUT/back.raw"
 }
-check "what is played out comes in again, byte by byte" within_seconds 10 comes_back
+check "what is played out comes in again, byte by byte" eventually comes_back
 stop_playing
 unload vivid
 
 check "vkms loads" load vkms
+echo detect >"$(echo "/sys/class/drm/card$(card_of vkms)"-*/status)" # nobody else has asked it yet
 "$tools/scanout" list >"$VM_OUT/screens"
 matches "vkms shows a connected screen" '^[0-9]+ vkms ' "$(cat "$VM_OUT/screens")"
-matches "virtio-gpu shows a connected screen" '^[0-9]+ virtio_gpu ' "$(cat "$VM_OUT/screens")"
-check "QEMU's screen can be photographed" screendump "$VM_OUT/screen.ppm"
 check "vkms unloads" unload vkms
 check "gpio-sim loads" load gpio-sim
 check "gpio-sim unloads" unload gpio-sim

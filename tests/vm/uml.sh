@@ -8,7 +8,7 @@
 . "$(dirname "$0")/boot.sh"
 
 kernel=$("$source_dir/board/build-kernel.sh" uml)
-write_start "$@" >"$job/start"
+VM_PATIENCE=60 write_start "$@" >"$job/start"
 install -m 755 "$here/guest/init" "$scratch/init"
 
 time=(time-travel=inf-cpu)
@@ -25,4 +25,4 @@ for folder in /dev/shm "$scratch"; do
 	rm -f "$folder/inlay-vm-$$"
 done
 TMPDIR=$folder boot "$kernel/linux" mem=1024M "${time[@]}" con=null "con0=$console" quiet panic=-1 \
-	rootfstype=hostfs rootflags=/ ro "init=$scratch/init" -- uml "$job"
+	root=host rootfstype=hostfs rootflags=/ ro "init=$scratch/init" -- uml "$job"

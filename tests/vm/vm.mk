@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The tests on simulated hardware. Debian packages (board/deps.sh installs them): qemu-system-x86
-# linux-source-6.1 busybox-static cpio kmod xz-utils flex bison bc libelf-dev v4l-utils libdrm-dev,
-# and what building needs anyway (gcc, make).
+# The tests on simulated hardware; board/deps.sh names the Debian packages that they need.
 
 VM_PROGRAMS := $(addprefix $(BUILD)/tests/vm/tools/,capture keys picture presses show) \
 	$(if $(filter 1,$(WITH_KMS)),$(BUILD)/tests/vm/tools/scanout)
@@ -22,24 +20,32 @@ $(VM_LIBRARIES): tests/vm/tools/webcam.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-.PHONY: kernel test-vm test-vm-installed test-vm-rest vm-shell
+# What a machine needs that runs the programs just built. (Another processor skips the tests.)
+VM_READY := all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/allocations.so \
+	$(if $(filter x86_64,$(MACHINE)),kernel)
+VM ?= uml
+.PHONY: kernel test-vm test-vm-installed test-vm-qemu test-vm-qemu-installed vm-shell
 ## kernel: build the simulated machine's kernel, once; it is kept in ~/.cache/inlay (some minutes)
 kernel:
 	$(Q)board/build-kernel.sh uml
-## test-vm: the real programs on vivid, vkms, virtio-gpu and gpio-sim in QEMU (FILTER=name: some)
+## test-vm: the real programs on vivid, vkms and gpio-sim in user-mode Linux (FILTER=name: some)
 test-vm:
 	$(Q)board/deps.sh test
 	$(AGAIN) test-vm-installed
-test-vm-installed: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/allocations.so kernel
+test-vm-installed: $(VM_READY)
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
-	$(Q)FILTER="$(FILTER)" $(RUN_TESTS) vm tests/vm/run.sh
-test-vm-rest: all $(VM_PROGRAMS) $(VM_LIBRARIES) $(BUILD)/tests/cli/tools/allocations.so kernel
+	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh uml $(FILTER)"
+## test-vm-qemu: those that need virtio-gpu, in QEMU (FILTER=name: some)
+test-vm-qemu:
+	$(Q)board/deps.sh test
+	$(AGAIN) test-vm-qemu-installed
+test-vm-qemu-installed: $(VM_READY)
+	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh --quick
+	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh qemu $(FILTER)"
+## vm-shell: a shell in the simulated machine (leave it with exit; VM=qemu: in QEMU)
+vm-shell: $(VM_READY)
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
-	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh --rest"
-## vm-shell: a shell in the simulated machine (leave it with exit)
-vm-shell: all $(VM_PROGRAMS) $(VM_LIBRARIES) kernel
-	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
-	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/uml.sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
+	$(Q)BUILD="$(BUILD)" INLAY="$(abspath $(BUILD))/inlay" tests/vm/$(VM).sh --shell "$(BUILD)/tests/vm/shell" setsid --ctty --wait bash -i
 
 # The address sanitizer needs a build of its own.
 SOAK_SANITIZED := build/sanitize-address-undefined
@@ -50,7 +56,7 @@ soak:
 	$(Q)tests/vm/run_soak.sh --check "$(MINUTES)" "$(SEED)"
 	$(Q)board/deps.sh test
 	$(AGAIN) soak-installed
-soak-installed: all $(VM_PROGRAMS) kernel
+soak-installed: $(VM_READY)
 	$(Q)$(MAKE) --no-print-directory SANITIZE=address,undefined OPTIMIZE="-O1 -g1" \
 		BUILD=$(SOAK_SANITIZED) $(SOAK_SANITIZED)/inlay
 	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh

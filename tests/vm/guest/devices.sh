@@ -36,7 +36,7 @@ control() { # node, control=value...
 }
 
 # A vivid with HDMI in and out joined: what is played into the output is what its camera sees.
-# FOURCC is a V4L2 format. As few frames a second as its clock allows: all is emulated.
+# FOURCC is a V4L2 format. As few frames a second as its clock allows.
 #     hdmi_loop INSTANCE FOURCC [WIDTHxHEIGHT, else 640x480]
 hdmi_loop() {
 	local in out size=${3:-640x480}
@@ -68,6 +68,20 @@ stop_playing() {
 	players=()
 }
 
+# A chip of its own for buttons to ground, "panel"; each line's level is in $panel/sim_gpioLINE/pull.
+bank=/sys/kernel/config/gpio-sim/inlay/bank
+make_panel() { # number of lines
+	mkdir -p $bank && echo "$1" >$bank/num_lines && echo panel >$bank/label && plug_panel 1
+}
+plug_panel() { # 1 or 0
+	echo "$1" >${bank%/bank}/live
+	panel=/sys/devices/platform/$(cat ${bank%/bank}/dev_name)/$(cat $bank/chip_name)
+}
+remove_panel() {
+	plug_panel 0
+	rmdir $bank ${bank%/bank}
+}
+
 # Photographs the screen of QEMU's own device from outside.
 #     screendump FILE.ppm [HEAD]     below /run/job; HEAD 1: the second screen of virtio-gpu
 screendump() {
@@ -83,7 +97,7 @@ monitor() {
 	[ -e /run/monitor-ready ] || echo '{"execute": "qmp_capabilities"}' >/dev/ttyS1
 	: >/run/monitor-ready
 	echo "{\"execute\": \"$1\", \"id\": \"$id\", \"arguments\": {${2:-}}}" >/dev/ttyS1
-	within_seconds 10 grep -q "\"id\": \"$id\"" $log && grep "\"id\": \"$id\"" $log | grep -q return
+	eventually grep -q "\"id\": \"$id\"" $log && grep "\"id\": \"$id\"" $log | grep -q return
 }
 
 # Makes the screen of QEMU's own device another one: virtio-gpu names this size as the preferred mode

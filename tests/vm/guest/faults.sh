@@ -12,15 +12,14 @@
 kiosk_conf=/run/kiosk.conf
 state_folder=/run/state
 control_socket=/run/control
-bank=/sys/kernel/config/gpio-sim/inlay/bank
 
 faults_load() {
 	load vivid n_devs=3 num_inputs=1,1,1 input_types=0,0,3
-	v4l2-ctl -d "$(video_node vivid-002-vid-cap)" --set-dv-bt-timings "cvt,width=640,height=480,fps=60"
+	v4l2-ctl -d "$(video_node vivid-002-vid-cap)" --set-dv-bt-timings "cvt,width=640,height=480,fps=38"
 	load vkms
 	load gpio-sim
-	mkdir -p $bank && echo 4 >$bank/num_lines && echo panel >$bank/label
-	gpio_gone_end
+	make_panel 4
+	release_button
 	mkdir -p $state_folder && mount -t tmpfs -o size=4m none $state_folder
 	cp tests/vm/scenes/faults.conf $kiosk_conf
 	sed -i "s|^file = basis|file = $basis|; s|CARD|/dev/dri/card$(card_of vkms)|" $kiosk_conf
@@ -28,8 +27,7 @@ faults_load() {
 
 faults_unload() {
 	umount $state_folder
-	gpio_gone_begin
-	rmdir $bank "${bank%/bank}"
+	remove_panel
 	unload gpio-sim
 	unload vkms
 	unload vivid
@@ -64,7 +62,7 @@ counts() {
 
 # Five more pictures reach the screen than had when this was called.
 pictures_go_on() {
-	within_seconds "${1:-20}" counts frames $(($(stat "$kiosk_name" frames) + 5))
+	eventually counts frames $(($(stat "$kiosk_name" frames) + 5))
 }
 
 status() {
@@ -114,17 +112,18 @@ screen_unplugged_end() { plug detect; }
 
 # ---- buttons ----
 
-gpio_gone_begin() { echo 0 >/sys/kernel/config/gpio-sim/inlay/live; }
+gpio_gone_begin() { plug_panel 0; }
 gpio_gone_end() {
-	echo 1 >/sys/kernel/config/gpio-sim/inlay/live
-	line=/sys/devices/platform/$(cat ${bank%/bank}/dev_name)/$(cat $bank/chip_name)/sim_gpio2/pull
-	echo pull-up >"$line"
+	plug_panel 1
+	release_button
 }
 
+release_button() { echo pull-up >"$panel/sim_gpio2/pull"; }
+
 press_button() {
-	echo pull-down >"$line"
+	echo pull-down >"$panel/sim_gpio2/pull"
 	sleep 0.2 # as long as a finger holds it
-	echo pull-up >"$line"
+	release_button
 }
 
 # ---- the system ----
