@@ -327,7 +327,7 @@ test-cli: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) cli $(if $(TEST),$(or $(wildcard tests/cli/$(TEST).sh),$(error there is no tests/cli/$(TEST).sh)),\
 		$(CLI_TESTS))
 test-cli-deep: all $(TEST_PROGRAMS)
-	$(Q)$(RUN_TESTS) cli $(CLI_DEEP_TESTS)
+	$(Q)INLAY_THOROUGH=1 $(RUN_TESTS) cli $(CLI_DEEP_TESTS)
 ## test-accuracy: the composite against path-traced truth, quick form
 test-accuracy: all $(TEST_PROGRAMS)
 	$(Q)$(RUN_TESTS) accuracy tests/accuracy/quick.sh tests/accuracy/doubts.sh

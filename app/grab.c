@@ -12,7 +12,7 @@
 
 #define SETTLE_NS (3 * NS_PER_S / 2) /* webcams take about a second to find their exposure */
 #define SETTLE_FRAMES 3		     /* of a camera without a clock of its own */
-#define WITHIN_NS (10 * NS_PER_S)    /* without a picture for so long there is none */
+#define WITHIN_NS (60 * NS_PER_S)    /* without a picture for so long there is none */
 
 struct grab {
 	struct source source;

@@ -294,13 +294,12 @@ FUZZ_PARTS := \
 # The longest first, so that none is left alone at the end.
 CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	hours.sh run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
-	control.sh grab.sh bombs.sh)
-# These compare times and run by themselves.
-TIMED_TESTS := $(addprefix tests/cli/,delay.sh bench.sh)
+	control.sh grab.sh bombs.sh bench.sh pace.sh)
 TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
-# These take a minute, or need packages that inlay itself does not need. install.sh and calibrate.sh leave
-# such parts out in the quick tests.
-CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh)
+# These take a minute, or need packages that inlay itself does not need; with INLAY_THOROUGH, which has some that
+# are quick tests too do all that they can.
+CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \
+	actions.sh export.sh import.sh preview.sh reload.sh state.sh) tests/walk/walk.sh tests/accuracy/quick.sh
 include tests/vm/vm.mk
 
 # TEST_PROGRAMS are what scripts of `make test` call, OTHER_PROGRAMS make tables or data on demand.

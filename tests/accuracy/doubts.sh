@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Whether the kiosk says that its cameras are exchanged, and only then: in real panoramas, seen in two directions,
 # through a lens whose circle lies in the picture, and through one whose circle leaves no corners, where only the
-# ground tells (app/kiosk/kiosk_doubt.c). All kiosks run at once, for the ten seconds that a doubt takes.
+# ground tells (app/kiosk/kiosk_doubt.c). All kiosks run at once, for the ten ticks that a doubt takes.
 set -u
 # shellcheck source=tests/cli/tools/scene.sh
 . "$(dirname "$0")/../cli/tools/scene.sh"
@@ -29,7 +29,7 @@ watch() { # NAME OPTIONS...
 	local name=$1
 	shift
 	"$INLAY" run --config "$work/studio.conf" --set basis.file="$work/big.inlay" --set screen.driver=null \
-		--set composite.threads=1 "${cameras[@]}" "$@" 2>"$work/$name.log" &
+		--set composite.threads=1 "${cameras[@]}" "$@" --stats "$work/$name.jsonl" 2>"$work/$name.log" &
 	kiosks+=($!)
 }
 while read -r panorama direction fisheye background gain; do
@@ -68,8 +68,16 @@ all_said() {
 	done
 	exchanged venice_sunset_1k-east-circle-exchanged && exchanged venice_sunset_1k-north-circle-exchanged
 }
-check "exchanged cameras are said: 6 of 6 with a circle, 4 of 4 without where the gain is 9 and more" until_true 60 all_said
-sleep 3
+check "exchanged cameras are said: 6 of 6 with a circle, 4 of 4 without where the gain is 9 and more" until_true all_said
+# Each of the others has had as many seconds, whose lines of statistics tell them.
+all_looked() {
+	local file lines
+	for file in "$work"/*-right.jsonl; do
+		mapfile -t lines <"$file"
+		[ ${#lines[@]} -ge 14 ] || return 1
+	done
+}
+check "as long as the others were looked at" until_true all_looked
 kill "${kiosks[@]}"
 wait "${kiosks[@]}" 2>/dev/null
 false_alarms=0

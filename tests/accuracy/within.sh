@@ -161,9 +161,9 @@ studio 9 cell 1% 1.8 45 1 9"
 	fi
 	panoramas=$(grep sunset <<<"$panoramas")
 	bakes="1 4:2,4:8" thresholds="0 2%" estimators=cell samples_baked=16 samples_true=64
-	whole 1000 64x48 >"$work/out" 2>&1
+	whole 1000000 64x48 >"$work/out" 2>&1
 	equal "a table of four rows is made" 6 "$(wc -l <"$work/table.md")"
-	equal "more lights are nearer, and chosen" "4:2,4:8" "$(chosen 1000 <"$work/rows.txt" | cut -d' ' -f1)"
+	equal "more lights are nearer, and chosen" "4:2,4:8" "$(chosen 1000000 <"$work/rows.txt" | cut -d' ' -f1)"
 	equal "and marked" 1 "$(grep -c '^| \*\*4:2,4:8\*\*' "$work/table.md")"
 	equal "every row has its time" 0 "$(awk '!($5 > 0)' "$work/rows.txt" | wc -l)"
 	echo "1..$count"

@@ -1,15 +1,17 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # A kiosk with 12 poses of which few are in memory, and whatever may be done to it, at random: all
-# actions, other configurations, its file cut short and put back. INLAY_ACTIONS_SECONDS says how long
-# (6), INLAY_SEED what (timing has its part, too).
+# actions, other configurations, its file cut short and put back. INLAY_ACTIONS says how often (200 times in each
+# mode), INLAY_SEED what (when each comes has its part, too, and must not matter).
 set -u
 # shellcheck source=tests/cli/tools/scene.sh
 . "$(dirname "$0")/tools/scene.sh"
 
-seconds=${INLAY_ACTIONS_SECONDS:-6}
+most=200
+[ -z "${INLAY_THOROUGH:-}" ] || most=5000
+times=${INLAY_ACTIONS:-$most}
 seed=${INLAY_SEED:-20261120}
-echo "# actions: INLAY_SEED=$seed, $seconds s"
+echo "# actions: INLAY_SEED=$seed, $times times"
 cat "$work/box.scene" - >"$work/turn.scene" <<'END'
 [poses]
 count = 12
@@ -31,7 +33,7 @@ round() { # MODE
 		--set camera.background.rate=60
 	check "$1: frames are shown" shows_frames
 	check "$1: it answers whatever happens, and shows a pose at the end" python3 "$(dirname "$0")/tools/actions.py" \
-		"$work/socket" "$inlay" "$(awk "BEGIN { print $seconds / 2 }")" "$seed" "$work/studio.conf" \
+		"$work/socket" "$inlay" "$times" "$seed" "$work/studio.conf" \
 		"$work/own.inlay"
 	check "$1: it still runs" alive
 	stop

@@ -203,7 +203,7 @@ rejected "a texture that is not there" 1 "no.png" "$bake" render "$work/untextur
 # cut_ply NAME WORDS, a PLY on stdin: refused in one line, and soon.
 cut_ply() {
 	cat >"$work/cut.ply"
-	rejected "$1" 1 "$2" timeout 20 "$bake" render "$work/cut.scene" -o "$work/none.inlay"
+	rejected "$1" 1 "$2" timeout 120 "$bake" render "$work/cut.scene" -o "$work/none.inlay"
 	equal "$1: one line" 1 "$(grep -c '' "$work/stderr")"
 }
 scene cut <<<$'[object a]\nfile = cut.ply'
@@ -275,8 +275,8 @@ interrupted() {
 	local pid
 	"$bake" render --quiet --samples 65536 "$work/box.scene" -o "$2" &
 	pid=$!
-	until_true 60 runs "$pid" # until then it is this shell, which may swallow a signal
-	until_true 60 test -e "$2"
+	until_true runs "$pid" # until then it is this shell, which may swallow a signal
+	until_true test -e "$2"
 	kill "-$1" $pid
 	wait $pid 2>/dev/null
 	[ $? -gt 128 ]

@@ -13,7 +13,7 @@ mesh() {
 # bomb FILE WORDS [NAME]: is refused with WORDS, by the name of FILE or NAME.
 bomb() {
 	mesh "$1"
-	refused "$1" 1 "${3:-$1}: $2" timeout 10 bash -c 'ulimit -v 4000000; exec "$@"' bash \
+	refused "$1" 1 "${3:-$1}: $2" timeout 120 bash -c 'ulimit -t 10 -v 4000000; exec "$@"' bash \
 		"$INLAY_BAKE" render "$work/$1.scene" -o "$work/none.inlay"
 }
 # repeat COUNT TEXT

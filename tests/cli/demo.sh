@@ -8,7 +8,7 @@ build=$(dirname "$INLAY")
 out=$work/pictures
 
 demo() {
-	BUILD=$build timeout 600 bake/demo/demo.sh "$out" --frequency 1 --samples 1 --quiet \
+	BUILD=$build bake/demo/demo.sh "$out" --frequency 1 --samples 1 --quiet \
 		>"$work/demo.log" 2>&1 || {
 		cat "$work/demo.log"
 		return 1

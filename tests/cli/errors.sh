@@ -28,9 +28,7 @@ still "a truncated basis" "cut.inlay" "${pictures[@]}" --basis "$work/cut.inlay"
 size=$(stat -c %s "$work/box.inlay")
 for at in 0 9 40 5000 $((size / 2)) $((size - 1)); do
 	cp "$work/box.inlay" "$work/flipped.inlay"
-	byte=$(od -An -tu1 -j"$at" -N1 "$work/box.inlay")
-	printf "%b" "\\x$(printf %02x $((byte ^ 16)))" |
-		dd of="$work/flipped.inlay" bs=1 seek="$at" conv=notrunc 2>"$work/dd.log"
+	flip "$work/flipped.inlay" "$at"
 	still "a basis with a bit flipped in byte $at" "flipped.inlay" "${pictures[@]}" \
 		--basis "$work/flipped.inlay"
 done
@@ -108,7 +106,7 @@ rm "$out"
 run() { # NAME WORDS options
 	local name=$1 words=$2
 	shift 2
-	refused "$name" 1 "$words" timeout 20 "$INLAY" run --config "$work/studio.conf" --frames 2 \
+	refused "$name" 1 "$words" timeout 120 "$INLAY" run --config "$work/studio.conf" --frames 2 \
 		--set "screen.device=$out" "$@"
 	absent "$name: nothing is left" "$out"
 }
@@ -138,7 +136,7 @@ run "a camera's picture of the wrong size" "the background is 64x32 pixels, expe
 # ---- a pipe that nobody writes to, where a file should be: nothing waits for it ----
 mkfifo "$work/pipe"
 unfit() { # NAME COMMAND...
-	refused "a pipe as $1" 1 "pipe: not a regular file but a named pipe" timeout -k 1 5 "${@:2}"
+	refused "a pipe as $1" 1 "pipe: not a regular file but a named pipe" timeout -k 1 120 "${@:2}"
 }
 unfit "the configuration" "$INLAY" run --config "$work/pipe"
 unfit "the lens" "$INLAY" run --config "$work/studio.conf" --set "fisheye.lens=$work/pipe"

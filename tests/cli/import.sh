@@ -38,13 +38,16 @@ wrong() { # NAME WORDS OPTIONS...
 far() {
 	"$compare" "$1" "$2" | awk '{ printf "%d", $3 }'
 }
-# Few lights and many samples, so that what is left between both is not their noise.
+# Few lights and many samples, so that little of what is left between both is their noise: a level with 8000 rays a
+# pixel, and the root of eight as much, with a level of rounding, with an eighth of them.
+samples=1000 levels=4
+[ -z "${INLAY_THOROUGH:-}" ] || samples=8000 levels=1
 sed -e 's/^width.*/width = 32/' -e 's/^height.*/height = 24/' -e 's/^frequency.*/frequency = 1/' \
 	-e 's/^file = .*/&\nmaterial = paint/' box.scene >small.scene
 "$bake" dome --frequency 1 --angles >six.txt
 check "pictures, light by light" "$bake" pictures small.scene "${pictures[@]}" --alone 'x%03d.pfm' \
-	--coverage c.pfm --samples 8000 --quiet
-check "our own bake" "$bake" render small.scene --samples 8000 --exact --quiet -o own.inlay
+	--coverage c.pfm --samples $samples --quiet
+check "our own bake" "$bake" render small.scene --samples $samples --exact --quiet -o own.inlay
 { # a byte order mark does not matter
 	printf '\xef\xbb\xbf'
 	cat six.txt
@@ -62,7 +65,7 @@ for light in even mixed; do
 	done
 	most=$(far own.png in.png)
 	echo "# $light: at most ${most:-?} levels"
-	check "$light light: within a level of our own bake" test "${most:-9}" -le 1
+	check "$light light: within $levels levels of our own bake" test "${most:-9}" -le $levels
 done
 
 # ---- more lights, in any order ----

@@ -211,7 +211,7 @@ put_off() { # how long the kiosk ran before each start: by how much each was put
 		echo $(($(cat "$work/now") + ran)) >"$work/now"
 		echo 0 >"$work/now.slept"
 		NOW="$work/now" RUNTIME_DIRECTORY="$work/memory" PATH="$work/fake:$PATH" \
-			timeout 20 "$dest/usr/lib/inlay/back-off.sh" 2>/dev/null || echo failed
+			timeout 120 "$dest/usr/lib/inlay/back-off.sh" 2>/dev/null || echo failed
 		printf '%d ' "$(cat "$work/now.slept")"
 	done
 }

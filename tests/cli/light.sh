@@ -48,7 +48,8 @@ wrong() {
 
 # A wide picture has even places enough.
 sed -e 's/^width = 48/width = 480/; s/^height = 32/height = 320/' "$work/box.scene" >"$work/wide.scene"
-check "a wide scene" "$INLAY_BAKE" render --no-preview "$work/wide.scene" -o "$work/wide.inlay" --quiet
+check "a wide scene" "$INLAY_BAKE" render --no-preview "$work/wide.scene" -o "$work/wide.inlay" --quiet \
+	--frequency 1 --samples 1
 sed -e 's/^width = 48/width = 480/; s/^height = 32/height = 320/; s/box.inlay/wide.inlay/' \
 	"$work/studio.conf" >"$work/wide.conf"
 mv "$work/wide.conf" "$work/studio.conf"

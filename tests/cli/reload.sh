@@ -13,19 +13,10 @@ reload() {
 	printf '%s\n%s\n' "$plain" "$1" >"$conf.new"
 	mv "$conf.new" "$conf"
 	hang_up
-	until_true 20 more_said "$before"
+	until_true more_said "$before"
 }
 more_said() {
 	[ "$(said "$work/run.log" "the configuration ")" -gt "$1" ]
-}
-# A new line of statistics, whose file is open again from then on.
-frames_go_on() {
-	local before
-	before=$(number "$work/live.jsonl" frames)
-	until_true 20 more_frames "$before"
-}
-more_frames() {
-	[ "$(number "$work/live.jsonl" frames)" -gt "$1" ]
 }
 hang_up() {
 	kill -HUP "$inlay"
@@ -38,14 +29,14 @@ start
 check "it shows frames" shows_frames
 check "it is read again" reload "[lights]
 threshold = 90"
-check "another threshold counts" until_true 20 has threshold 90
+check "another threshold counts" until_true has threshold 90
 check "a light's gain, a lens and an estimator are taken" reload "[lights]
 threshold = 100
 [fisheye]
 estimator = node
 field = 85
 black_level = 3"
-check "the kiosk goes on" until_true 20 has threshold 100
+check "the kiosk goes on" until_true has threshold 100
 check "other threads, another kernel, view and scale" reload "[composite]
 threads = 1
 kernel = c
@@ -56,7 +47,7 @@ scale = fit
 information = yes
 [lights]
 threshold = 110"
-check "the kiosk goes on" until_true 20 has threshold 110
+check "the kiosk goes on" until_true has threshold 110
 equal "nothing is complained of" 0 "$(said "$work/run.log" "takes effect")"
 
 # ---- what cannot be changed ----
@@ -74,7 +65,7 @@ for key in "[camera background] rate" "[scene] camera"; do
 	check "$key is named" waits_for "$key"
 done
 check "[screen] width too" waits_for "[screen] width"
-check "the rest counts" until_true 20 has threshold 120
+check "the rest counts" until_true has threshold 120
 
 # ---- what is wrong ----
 check "a wrong file" reload "[lights]
@@ -83,7 +74,7 @@ threshold = 300
 shwo = quad"
 check "every fault is named" says "$work/run.log" "[lights] threshold"
 check "the second too" says "$work/run.log" 'did you mean "show"'
-check "the old one stays" until_true 20 says "$work/run.log" "the old one stays"
+check "the old one stays" until_true says "$work/run.log" "the old one stays"
 check "a lens that is none" reload "[fisheye]
 focal = 5 0"
 check "a pose that is none" reload "[basis]
@@ -101,11 +92,11 @@ ground_patch = 40 2 4000 10
 threads = 4"
 check "is named" says "$work/run.log" "ground_patch: reaches to 4040, 12"
 equal "none of them is said to be in force" 5 "$(said "$work/run.log" "the old one stays")"
-check "it draws on, scaled, by as many threads as before" until_true 20 shows_frames
+check "it draws on, scaled, by as many threads as before" frames_go_on
 equal "the threshold is what it was" 120 "$(number "$work/live.jsonl" threshold)"
 mv "$conf" "$conf.away"
 hang_up
-check "a file that has gone" until_true 20 says "$work/run.log" "No such file"
+check "a file that has gone" until_true says "$work/run.log" "No such file"
 check "it runs on" alive
 mv "$conf.away" "$conf"
 
@@ -114,13 +105,13 @@ printf '0 threshold-set 130\n' >"$work/presses"
 check "buttons can be added" reload "[buttons]
 driver = script
 script.file = $work/presses"
-check "and work" until_true 20 has threshold 130
+check "and work" until_true has threshold 130
 check "a socket and a state file too" reload "[control]
 socket = $work/socket
 [state]
 file = $work/state"
-check "the socket works" until_true 20 "$INLAY" control --socket "$work/socket" threshold-set 140
-check "the state is kept" until_true 20 grep -qsx 'threshold = 140' "$work/state"
+check "the socket works" until_true "$INLAY" control --socket "$work/socket" threshold-set 140
+check "the state is kept" until_true grep -qsx 'threshold = 140' "$work/state"
 check "status is JSON" sh -c '"$1" control --socket "$2" status | python3 -m json.tool' \
 	- "$INLAY" "$work/socket"
 check "the socket goes again" reload ""
@@ -130,7 +121,9 @@ check "from the folder too" test ! -e "$work/socket"
 check "it goes on" frames_go_on
 before=$(descriptors)
 stayed=$(said "$work/run.log" "the old one stays")
-for i in $(seq 25); do
+times=8
+[ -z "${INLAY_THOROUGH:-}" ] || times=25
+for i in $(seq $times); do
 	reload "[lights]
 threshold = $i
 [composite]
@@ -138,11 +131,11 @@ threads = $((1 + i % 3))
 [control]
 socket = $work/socket$((i % 2))" || break
 done
-check "it is read 25 times" until_true 20 has threshold 25
+check "it is read $times times" until_true has threshold $times
 equal "the old one never stayed" "$stayed" "$(said "$work/run.log" "the old one stays")"
 check "the socket goes once more" reload ""
 check "it goes on" frames_go_on
-equal "descriptors do not grow" "$before" "$(descriptors)"
+check "descriptors do not grow" until_true descriptors_are_at_most "$before"
 stop
 equal "it ends in order" 0 $?
 
@@ -151,7 +144,7 @@ again() { # hangs up, and waits until the kiosk has said what it thinks of it
 	local before
 	before=$(said "$work/run.log" "the configuration ")
 	hang_up
-	until_true 20 more_said "$before"
+	until_true more_said "$before"
 }
 lit() {
 	[ "$(number "$work/live.jsonl" lights_used)" -gt 0 ]
@@ -163,10 +156,10 @@ start --set "basis.file=$own"
 check "it shows frames" shows_frames
 check "of a preview" says "$work/run.log" "6 lights, 1 pose, a preview"
 check "the finished bake" "$INLAY_BAKE" render --quiet "$work/box.scene" -o "$own"
-check "it still shows the preview" until_true 20 has lights 6
+check "it still shows the preview" until_true has lights 6
 check "a reload" again
-check "shows the finished bake" until_true 20 has lights 26
-check "whose lights it measures" until_true 20 lit
+check "shows the finished bake" until_true has lights 26
+check "whose lights it measures" until_true lit
 equal "and says so once" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
 check "a reload with the same file" again
 equal "reads it no second time" 1 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
@@ -188,7 +181,7 @@ cp "$work/box.inlay" "$own"
 check "the same again, as another file" again
 equal "counts" 2 "$(said "$work/run.log" "basis of 26 lights, 1 pose")"
 check "and it goes on" frames_go_on
-equal "descriptors do not grow" "$before" "$(descriptors)"
+check "descriptors do not grow" until_true descriptors_are_at_most "$before"
 stop
 equal "it ends in order" 0 $?
 

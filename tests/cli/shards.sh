@@ -59,8 +59,7 @@ cp "$whole" "$work/other.shard"
 "$bake" render --frequency 4 "$work/box.scene" --seed 7 --exact --shard 3/3 -o "$work/seed.shard" >/dev/null
 head -c $(($(stat -c %s "$work/3.shard") - 100)) "$work/3.shard" >"$work/cut.shard"
 cp "$work/3.shard" "$work/flipped.shard"
-printf 'X' | dd of="$work/flipped.shard" bs=1 seek=$(($(stat -c %s "$work/3.shard") / 2)) \
-	conv=notrunc status=none
+flip "$work/flipped.shard" $(($(stat -c %s "$work/3.shard") / 2))
 cp "$work/3.shard" "$work/older.shard"
 printf '\7' | dd of="$work/older.shard" bs=1 seek=40 conv=notrunc status=none
 merge=("$bake" merge -o "$work/no.inlay" "$work/1.shard" "$work/2.shard")
@@ -99,7 +98,10 @@ fi
 slurm=
 slurm_pids=()
 start_slurm() {
-	local host first=$((20000 + $$ % 10000 * 2))
+	local host control daemon # ports that nobody else has
+	read -r control daemon < <(python3 -c 'import socket
+s = [socket.create_server(("127.0.0.1", 0)) for _ in "ab"]
+print(*[x.getsockname()[1] for x in s])')
 	host=$(hostname -s)
 	slurm=$(mktemp -d "${TMPDIR:-/tmp}/inlay-slurm.XXXXXX")
 	mkdir "$slurm/state" "$slurm/spool"
@@ -110,8 +112,8 @@ SlurmctldHost=$host(127.0.0.1)
 AuthType=auth/none
 CredType=cred/none
 SlurmUser=root
-SlurmctldPort=$first
-SlurmdPort=$((first + 1))
+SlurmctldPort=$control
+SlurmdPort=$daemon
 SlurmctldPidFile=$slurm/slurmctld.pid
 SlurmdPidFile=$slurm/slurmd.pid
 StateSaveLocation=$slurm/state
@@ -129,7 +131,7 @@ END
 	slurm_pids+=($!)
 	slurmd -D >>"$slurm/log" 2>&1 &
 	slurm_pids+=($!)
-	until_true 30 eval 'sinfo --noheader --states=idle 2>/dev/null | grep -q all'
+	until_true eval 'sinfo --noheader --states=idle 2>/dev/null | grep -q all'
 }
 stop_slurm() {
 	[ ${#slurm_pids[@]} = 0 ] || kill "${slurm_pids[@]}" 2>/dev/null
@@ -146,7 +148,7 @@ exec "$INLAY_BAKE" render --exact --frequency 4 box.scene --quiet --threads 1 \
 	--shard "$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT" -o "array.$SLURM_ARRAY_TASK_ID.shard"
 END
 	start_slurm || fail "Slurm starts" <"$slurm/log"
-	check "a Slurm array" timeout 120 sbatch --wait --output="$slurm/job.%a" array.sh
+	check "a Slurm array" timeout 600 sbatch --wait --output="$slurm/job.%a" array.sh
 	[ -e array.4.shard ] || sed 's/^/# /' "$slurm"/job.*
 	check "merge of what Slurm made" "$bake" merge array.?.shard -o array.inlay
 	same "Slurm: as one run" "$whole" array.inlay

@@ -46,7 +46,7 @@ for label in address-undefined thread; do
 	# tests/accuracy.
 	# shellcheck disable=SC2086
 	INLAY=$PWD/$flavour/inlay INLAY_BAKE=$PWD/$flavour/inlay-bake BUILD=$flavour \
-		INLAY_ACTIONS_SECONDS=20 \
+		INLAY_ACTIONS=600 \
 		tests/run.sh "$label" tests/sanitize/real_run.sh tests/cli/actions.sh $programs || all_well=1
 done
 

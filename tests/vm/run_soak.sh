@@ -50,7 +50,7 @@ soak() {
 
 actions=$BUILD/tests/vm/soak-actions.tap
 INLAY=$PWD/$SANITIZED/inlay INLAY_BAKE=$PWD/$BUILD/inlay-bake INLAY_SEED=$seed \
-	INLAY_ACTIONS_SECONDS=$(awk "BEGIN { print int($minutes * 120) }") tests/cli/actions.sh >"$actions" 2>&1 &
+	INLAY_ACTIONS=$(awk "BEGIN { print int($minutes * 4000) }") tests/cli/actions.sh >"$actions" 2>&1 &
 random=$!
 soak uml plain "$PWD/$BUILD/inlay" 1024
 soak qemu sanitized "$PWD/$SANITIZED/inlay" 8192

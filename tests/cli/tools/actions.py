@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Does to a running kiosk whatever may be done to it, at random.
 
-    actions.py SOCKET PID SECONDS SEED CONF BASIS
+    actions.py SOCKET PID TIMES SEED CONF BASIS
 
-Sends actions to the control socket, SIGHUPs after another configuration was written to CONF, cuts the
+Sends actions, so many times some, to the control socket, SIGHUPs after another configuration was written to CONF, cuts the
 file BASIS short and puts it back. At the end the file is whole, and a pose is chosen: it has to be
-shown within a minute. Fails, and tells the last commands, when the kiosk does not answer.
+shown within two minutes. Fails, and tells the last commands, when the kiosk does not answer.
 """
 import collections
 import json
@@ -17,13 +17,13 @@ import sys
 import time
 
 POSES = 12
-path, pid, seconds, seed, conf, basis = sys.argv[1:]
+path, pid, times, seed, conf, basis = sys.argv[1:]
 pid = int(pid)
 chance = random.Random(int(seed))
 done = collections.deque(maxlen=60)
 counts = collections.Counter()
 kiosk = socket.socket(socket.AF_UNIX)
-kiosk.settimeout(60)
+kiosk.settimeout(120)
 kiosk.connect(path)
 replies = kiosk.makefile("r")
 with open(conf) as file:
@@ -102,8 +102,7 @@ def put_back():
 
 
 def go_on():
-    until = time.monotonic() + float(seconds)
-    while time.monotonic() < until:
+    for _ in range(int(times)):
         action = draw()
         for _ in range(chance.choice([1, 1, 2, 4, 4, 5])):
             tell(action)
@@ -121,7 +120,7 @@ def settle():
     replace(basis, whole)
     replace(conf, (first_conf + "[poses]\ntimeline = none\n[screen]\nshow = composite\n").encode())
     os.kill(pid, signal.SIGHUP)
-    until = time.monotonic() + 60
+    until = time.monotonic() + 120
     while True:
         tell("pose 7")
         status = json.loads(tell("status"))

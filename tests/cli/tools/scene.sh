@@ -78,21 +78,34 @@ absent() {
 	done
 	equal "$name" "" "$left"
 }
-number() { # FILE KEY: of the last line; the run's own come before those of its cameras
-	tail -n 1 "$1" | grep -oE "\"$2\":[-0-9.e+]*" | head -n 1 | cut -d: -f2
+# number FILE KEY: of the last line; the run's own come before those of its cameras. find_number: in $found, which
+# starts no process.
+found=
+find_number() {
+	local lines=()
+	mapfile -t lines 2>/dev/null <"$1"
+	found=
+	[ ${#lines[@]} -gt 0 ] && [[ ${lines[-1]} =~ \"$2\":([-0-9.e+]*) ]] && found=${BASH_REMATCH[1]}
 }
-# until_true LIMIT COMMAND...: waits for an event, with a limit in seconds.
+number() {
+	find_number "$@"
+	echo "$found"
+}
+# until_true COMMAND...: waits for an event. Whoever waits for what never comes is told after two minutes, on
+# the busiest machine.
+exec {pause}<> <(:)
 until_true() {
-	local limit=$((SECONDS + $1))
-	shift
+	local limit=$((SECONDS + 120))
 	until "$@"; do
 		[ $SECONDS -lt $limit ] || return 1
-		sleep 0.05
+		read -rt 0.1 -u "$pause" || : # a sleep that starts no program
 	done
 }
 # says LOG WORDS...: a line of it holds them; said LOG WORDS: in how many lines.
 says() {
-	grep -qsF -- "$2" "$1"
+	local text=
+	{ read -rd '' text <"$1"; } 2>/dev/null
+	[[ $text == *"$2"* ]]
 }
 said() {
 	grep -cF -- "$2" "$1"
@@ -108,8 +121,17 @@ start() {
 		--stats "$work/live.jsonl" "$@" 2>"$work/run.log" &
 	inlay=$!
 }
+# more_frames NUMBER: it has shown more than so many.
+more_frames() {
+	find_number "$work/live.jsonl" frames
+	[ "${found:-0}" -gt "$1" ]
+}
 shows_frames() {
-	until_true 20 grep -qs '"fps":[1-9]' "$work/live.jsonl"
+	until_true more_frames 0
+}
+frames_go_on() { # it shows more than now
+	find_number "$work/live.jsonl" frames
+	until_true more_frames "${found:-0}"
 }
 alive() {
 	kill -0 "$inlay" 2>/dev/null
@@ -124,18 +146,28 @@ stop() {
 	return $code
 }
 descriptors() {
-	local before now tries=0
-	now=$(find "/proc/$inlay/fd" -mindepth 1 | wc -l)
-	until [ "$now" = "${before:-}" ] || [ $((tries++)) -ge 20 ]; do # files that are read just now come and go
-		before=$now
-		sleep 0.3
-		now=$(find "/proc/$inlay/fd" -mindepth 1 | wc -l)
-	done
-	echo "$now"
+	find "/proc/$inlay/fd" -mindepth 1 | wc -l
+}
+# descriptors_are_at_most NUMBER: files that are read just now come and go.
+descriptors_are_at_most() {
+	[ "$(descriptors)" -le "$1" ]
+}
+# flip FILE BYTE: one bit of it.
+flip() {
+	local byte
+	byte=$(od -An -tu1 -j"$2" -N1 "$1")
+	printf '%b' "\\x$(printf %02x $((byte ^ 16)))" | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
 }
 # has KEY VALUE: the last line of statistics says so.
 has() {
-	[ "$(number "$work/live.jsonl" "$1")" = "$2" ]
+	find_number "$work/live.jsonl" "$1"
+	[ "$found" = "$2" ]
+}
+# has_lines NUMBER: at least so many of statistics.
+has_lines() {
+	local lines=()
+	mapfile -t lines 2>/dev/null <"$work/live.jsonl"
+	[ ${#lines[@]} -ge "$1" ]
 }
 finish() {
 	[ -z "$inlay" ] || kill -KILL "$inlay" 2>/dev/null

@@ -16,7 +16,7 @@ if child == 0:
     os.dup2(stderr, 2)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # nohup leaves it ignored
     os.execv(command[0], command)
-end = time.monotonic() + 20
+end = time.monotonic() + 120
 while not (os.path.exists(file) and os.path.getsize(file)) and time.monotonic() < end:
     time.sleep(0.05)
 os.close(terminal)
