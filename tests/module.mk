@@ -194,6 +194,7 @@ THOROUGH_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/observe/test_boards.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
 	tests/unit/bake/trace/test_bake_bounce.c

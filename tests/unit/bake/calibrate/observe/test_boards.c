@@ -17,6 +17,7 @@
 #include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/thorough.h"
 
 #define PHOTOGRAPHS "/usr/share/doc/opencv-doc/examples/data/"
 
@@ -214,7 +215,7 @@ static void find_drawn(const struct trial *trial)
 static void test_drawn_chess(void **state)
 {
 	(void)state;
-	for (int turn = -180; turn < 180; turn += 60)
+	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 120)
 		find_drawn(
 			&(struct trial){"9x6:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
 	find_drawn(&(struct trial){"9x6:25mm", 640, 480, 0, 0, -0.3, 20, 250, 4.5, 0.05, 0.2, 0});
@@ -242,7 +243,7 @@ static void test_drawn_ambiguous(void **state)
 static void test_drawn_circles(void **state)
 {
 	(void)state;
-	for (int turn = -180; turn < 180; turn += 60)
+	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 120)
 		find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 0, 0, 0, 25, turn, 5,
 					   0.08, 0.3, 0});
 	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 1, 2, -0.2, 20, 240, 5, 0.08, 0.3,
@@ -257,7 +258,7 @@ static void test_drawn_charuco(void **state)
 	static const char board[] = "charuco:8x6:30mm:22mm";
 
 	(void)state;
-	for (int turn = -180; turn < 180; turn += 60)
+	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 120)
 		find_drawn(&(struct trial){board, 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
 	find_drawn(&(struct trial){board, 640, 480, 1, 2, -0.3, 30, 250, 4.5, 0.05, 0.2, 0});
 	find_drawn(&(struct trial){"charuco:7x5:30mm:20mm", 640, 480, 0, 0, 0, 30, 200, 5, 0.05,
@@ -308,7 +309,7 @@ static void test_any_markers(void **state)
 		":legacy", ":4x4:legacy", ":6x6:legacy", ":7x7:legacy", ":original:legacy"};
 
 	(void)state;
-	for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i++)
+	for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i += thorough() ? 1 : 3)
 		find_markers("charuco:8x6:30mm:22mm", words[i], words[i]);
 	find_markers("charuco:8x7:30mm:22mm", ":legacy", "");
 	find_markers("charuco:7x6:30mm:22mm", ":4x4:legacy", ":4x4:legacy");
