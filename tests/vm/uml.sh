@@ -10,6 +10,7 @@
 kernel=$("$source_dir/board/build-kernel.sh" uml)
 VM_PATIENCE=60 write_start "$@" >"$job/start"
 install -m 755 "$here/guest/init" "$scratch/init"
+echo "$job" >"$scratch/job"
 
 time=(time-travel=inf-cpu)
 [ "${VM_CLOCK:-}" != host ] || time=()
@@ -25,4 +26,4 @@ for folder in /dev/shm "$scratch"; do
 	rm -f "$folder/inlay-vm-$$"
 done
 TMPDIR=$folder boot "$kernel/linux" mem=1024M "${time[@]}" con=null "con0=$console" quiet panic=-1 \
-	root=host rootfstype=hostfs rootflags=/ ro "init=$scratch/init" -- uml "$job"
+	root=host rootfstype=hostfs rootflags=/ ro "init=$scratch/init" -- uml
