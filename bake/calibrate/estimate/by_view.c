@@ -72,7 +72,8 @@ static double basis_add(struct basis *basis, const double *column, double *part)
 /* Work of by_view_find(). */
 struct clearing {
 	const struct by_view_task *task;
-	double *cleared; /* [shared + 1][rows]: shared columns and residuals less what poses explain */
+	/* [shared + 1][rows]: shared columns and residuals less what poses explain */
+	double *cleared;
 	struct basis of_view, lens;
 	double *part, *r; /* [shared], [shared][shared]: columns of R */
 	int axis;	  /* its first column; -1: it is held */
@@ -107,8 +108,8 @@ static void fill_smooth(const struct by_view_task *task, int first, int rows, in
 	}
 }
 
-/* Adds what the view's pose and axis leave of smooth errors: squares of the residuals along each, and
- * as degrees of freedom the squares of the errors' own lengths. */
+/* Adds what the view's pose and axis leave of smooth errors: squares of the residuals along each,
+ * and as degrees of freedom the squares of the errors' own lengths. */
 static void weigh_smooth(struct clearing *work, int first, const double *residual,
 			 struct by_view *found)
 {

@@ -9,7 +9,8 @@
  *     Z = sum of z'_v z'_v^T,   z'_v = (I - Q_v^T Q_v)^-1/2 z_v
  * is their covariance, without bias where points are independent after all (Bell and McCaffrey
  * 2002, CR2). As few views scatter, Z is drawn towards its mean diagonal m I by the share rho
- * of Chen, Wiesel and Hero 2010 (OAS). A pose has the lens's covariance and m (B^T B)^-1 of its own.
+ * of Chen, Wiesel and Hero 2010 (OAS). A pose has the lens's covariance and m (B^T B)^-1 of its
+ * own.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
@@ -35,7 +36,8 @@ struct by_view_task {
 };
 
 struct by_view {
-	int views; /* with more residuals than unknowns of their own; below 2 nothing else is found */
+	/* with more residuals than unknowns of their own; below 2 nothing else is found */
+	int views;
 	int shared;	/* columns */
 	double mean;	/* m; sigma^2 where points are independent */
 	double *excess; /* [shared][shared]: (1 - rho) R^T (Z - m I) R, for J = Q R */
@@ -60,9 +62,9 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 		    double *covariance);
 
 /*
- * Returns how often views would by chance disagree about the axis as much, if their errors are noise
- * of this variance (known with so many degrees of freedom) or as smooth as a bent board's, whichever
- * explains more. 1 where the axis was not found. A chance below BY_VIEW_LEVEL is a reason to doubt.
+ * Returns how often views would by chance disagree about the axis as much, if their errors are
+ * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
+ * whichever explains more. 1 where the axis was not found. A chance below BY_VIEW_LEVEL is a reason to doubt.
  */
 #define BY_VIEW_LEVEL 1e-3
 #define BY_VIEW_REASON                                                                             \

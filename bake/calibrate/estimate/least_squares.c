@@ -253,7 +253,7 @@ static double descent_reweight(struct descent *work, const double *residual, dou
 }
 
 /* Fills squares, sigma and freedom; returns the factor of (J^T W J)^-1 in the covariance. stretch:
- * the loss's mean weight over its mean slope, by which all steps are longer than plain squares say. */
+ * the loss's mean weight over its mean slope, by which steps are longer than plain squares say. */
 static double residual_spread(const struct descent *work, double width,
 			      struct least_squares_fit *fit, double *stretch)
 {
@@ -305,7 +305,7 @@ static int fit_compare_views(struct descent *work, struct least_squares_fit *fit
 	return by_view_find(&task, &fit->by_view);
 }
 
-/* Fills the covariance from small[columns][columns] = (J^T W J)^-1, of which some may be infinite. */
+/* Fills the covariance from small[columns][columns] = (J^T W J)^-1; some may be infinite. */
 static int fit_spread(struct descent *work, double variance, double stretch,
 		      struct least_squares_fit *fit, const double *small, bool known)
 {

@@ -293,8 +293,8 @@ static std::vector<double> values_of(const struct estimate &all, const struct es
 	return value;
 }
 
-/* Deviations that leaving out one view after the other shows (jackknife), of the solution's unknowns;
- * NAN where there are none. */
+/* Deviations that leaving out one view after the other shows (jackknife), of the solution's
+ * unknowns; NAN where there are none. */
 static std::vector<double> jackknife_of(const struct observations *seen,
 					const struct camera_task *task, const struct estimate &all)
 {
@@ -333,8 +333,8 @@ static const struct {
 			 {"centre x", 1.64}, {"centre y", 1.27},  {"aspect", 3.65e-4}};
 
 /*
- * Declared deviations are those of the jackknife within a factor of 1.5. A pose also has noise of its
- * own view, which leaving out others cannot show: it may be declared worse.
+ * Declared deviations are those of the jackknife within a factor of 1.5. A pose also has noise of
+ * its own view, which leaving out others cannot show: it may be declared worse.
  */
 static void declared_as_leaving_out_views(const char *side)
 {
@@ -389,7 +389,7 @@ static void two_cameras_are_doubted(void **)
 	task.width = mixed.width = seen[0].width;
 	task.height = mixed.height = seen[0].height;
 	for (int v = 0; v < seen[0].views; v++) {
-		const struct observations *from = &seen[v >= seen[0].views / 2];
+		const struct observations *from = &seen[v % 2];
 		const struct observed_view *view = &from->view[v];
 
 		assert_int_equal(observations_begin_view(&mixed, view->name), 0);

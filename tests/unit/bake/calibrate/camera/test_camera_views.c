@@ -80,8 +80,8 @@ static void excess_add(struct excess *excess, const struct estimate *estimate, i
 }
 
 /*
- * The declared variances are the mean squared errors, to four deviations of that mean, whether points
- * are independent or boards are bent; and such sets are doubted as rarely as the level of one in a
+ * The declared variances are the mean squared errors, to four deviations of that mean, whether
+ * points are independent or boards are bent; and such sets are doubted as rarely as the level of one in a
  * thousand says: more than two of 200 would be chance once in 900.
  */
 static void declared_is_the_spread(void **state)
