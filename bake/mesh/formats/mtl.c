@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "bake/mesh/formats/soup.h"
-#include "bake/mesh/plain_file.h"
+#include "hal/base/input.h"
 #include "hal/base/log.h"
 
 #define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
@@ -220,13 +220,19 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 	static const char mark[] = "# Blender ";
 	struct mtl_text text = {.path = path, .fault = fault, .library = library};
 	struct text_span line;
-	struct plain_map file;
+	uint8_t *file;
+	size_t bytes;
 	bool blender = false;
-	int err = plain_file_map(&file, path, LIBRARY_MAX, fault);
+	int err;
+
+	for (int k = library->count; k-- > 0;)
+		if (strcmp(library->materials[k].by, path) == 0)
+			return 0;
+	err = input_read(path, LIBRARY_MAX, &file, &bytes, fault);
 
 	if (err)
 		return err;
-	text_begin(&text.lines, file.at, file.bytes);
+	text_begin(&text.lines, (const char *)file, bytes);
 	while (!err && text_next_joined(&text.lines, &line)) {
 		struct text_span rest = line;
 
@@ -237,7 +243,7 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 			err = read_statement(&text, line);
 	}
 	text_end(&text.lines);
-	plain_file_unmap(&file);
+	free(file);
 	return err;
 }
 

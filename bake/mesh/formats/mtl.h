@@ -25,7 +25,7 @@ struct mtl_library {
 	int count;
 };
 
-/* Adds the materials of a file. -EBADMSG: a statement without its numbers; the fault names file and
+/* Adds the materials of a file, unless it has done so before. -EBADMSG: a statement without its numbers; the fault names file and
  * line. */
 int mtl_read(struct mtl_library *library, const char *path, struct fault *fault);
 

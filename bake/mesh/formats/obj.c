@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +9,6 @@
 #include "bake/mesh/formats/mtl.h"
 #include "bake/mesh/formats/soup.h"
 #include "bake/mesh/formats/text.h"
-#include "bake/mesh/plain_file.h"
 #include "hal/colour/transfer.h"
 
 /* Rows of numbers: positions, texture coordinates, normals, colours. */
@@ -333,7 +333,7 @@ static int obj_pass(struct obj *obj, bool first)
 	struct text_span line;
 	int err = 0;
 
-	text_begin(&obj->soup.lines, obj->soup.file.at, obj->soup.file.bytes);
+	text_begin(&obj->soup.lines, (const char *)obj->soup.file, obj->soup.bytes);
 	while (!err && text_next_joined(&obj->soup.lines, &line))
 		err = obj_line(obj, first, line);
 	text_end(&obj->soup.lines);

@@ -17,9 +17,6 @@ enum Component : size_t {
 	FLOAT = 5126,
 };
 
-constexpr size_t values_max = 512u << 20; /* numbers of an accessor */
-constexpr size_t zeros_max = 4u << 20;	  /* elements of an accessor without bytes */
-
 static size_t component_bytes(const Json &accessor, size_t type)
 {
 	switch (type) {
@@ -37,11 +34,13 @@ static size_t component_bytes(const Json &accessor, size_t type)
 	}
 }
 
-/* The most elements that an accessor may have: one without bytes costs a hostile file nothing. */
-static size_t count_most(const Json &accessor, size_t components)
+/* How many elements it has: one without bytes costs a hostile file nothing. */
+static size_t element_count(Document &document, const Json &accessor, size_t components)
 {
-	return find(accessor, "bufferView") ? std::min(elements_max, values_max / components)
-					    : zeros_max;
+	const size_t count = whole(accessor, "count", elements_max);
+
+	document.lend(static_cast<double>(count * components * sizeof(float)));
+	return count;
 }
 
 static size_t component_count(const Json &accessor)
@@ -70,7 +69,7 @@ static Elements find_elements(Document &document, const Json &of, size_t count, 
 {
 	const size_t index = document.index(needed(of, "bufferView"), "bufferViews");
 	const View view = document.view(index);
-	const size_t offset = whole(of, "byteOffset", PLAIN_FILE_MAX, 0);
+	const size_t offset = whole(of, "byteOffset", INPUT_MAX, 0);
 	const size_t stride = view.stride ? view.stride : bytes;
 
 	if (offset > view.bytes.count ||
@@ -177,7 +176,7 @@ Values read_values(Document &document, size_t index)
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t components = component_count(accessor);
 	const size_t bytes = component_bytes(accessor, type) * components;
-	const size_t count = whole(accessor, "count", count_most(accessor, components));
+	const size_t count = element_count(document, accessor, components);
 	const bool normalized = truth(accessor, "normalized", false);
 	const Json *sparse = find(accessor, "sparse");
 	Values out = {count, components, {}};
@@ -205,7 +204,7 @@ std::vector<uint32_t> read_indices(Document &document, size_t index)
 	const Json &accessor = document.item("accessors", index);
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t bytes = component_bytes(accessor, type);
-	const size_t count = whole(accessor, "count", count_most(accessor, 1));
+	const size_t count = element_count(document, accessor, 1);
 	const Json *sparse = find(accessor, "sparse");
 	std::vector<uint32_t> out(count);
 
