@@ -368,6 +368,11 @@ if has_command fisheye && [ -x "$photographs" ]; then
 	check "has no world" grep -q 'eye2.png: is to show where the world is.*--reference' \
 		"$work/stderr"
 	absent "and nothing was written" "$work/none.ini"
+	# A photograph that was cut off on its way is left out.
+	head -c 3000 "$work/eye1.png" >"$work/gap/eye2.png"
+	check "a photograph that is cut off" calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm \
+		--field 88 --world eye1.png -o "$work/gap.ini" 2>"$work/stderr"
+	check "is skipped with a line" grep -q 'eye2.png: damaged PNG' "$work/stderr"
 	check "is of the model that it is" grep -q '^model = equidistant$' "$work/photo.ini"
 	check "of its focal lengths" near "$work/photo.ini" focal 220 211 0.1
 	check "and its centre" near "$work/photo.ini" centre 483.2 357.4 0.1
@@ -566,6 +571,17 @@ if has_command sky; then
 	equal "and says how long it was" "watched for 10 s" "$(grep -o 'watched for [0-9a-z ]*' "$work/short.fine")"
 	check "a longer watch" calibrate sky --live "$work/sky.conf" --watch 5min -o "$work/long.fine"
 	check "finds more, as they move" [ "$(wc -l <"$work/long.fine")" -gt "$(wc -l <"$work/short.fine")" ]
+	# the folder goes while it is watched, and comes back
+	mkdir "$work/full"
+	"$INLAY_CALIBRATE" sky --live "$work/sky.conf" --watch 40min -o "$work/full/day.fine" 2>"$work/full.log" &
+	watcher=$!
+	check "a list that is written" until_true 60 test -s "$work/full/day.fine"
+	mv "$work/full" "$work/gone"
+	check "and cannot be later on" until_true 60 grep -q 'tried again in 10 minutes' "$work/full.log"
+	mv "$work/gone" "$work/full"
+	wait $watcher
+	equal "does not end the watch" 0 $?
+	equal "which keeps all that it saw" "watched for 40 min" "$(grep -o 'watched for [0-9a-z ]*' "$work/full/day.fine")"
 	failed_with "a camera that is not there" "camera fisheye" sky --live <(sed \
 		's/^sim.view = fisheye/sim.source = files\nsim.file = none.png/' "$work/sky.conf") -o "$work/none.fine"
 	absent "leaves no list" "$work/none.fine"
