@@ -122,13 +122,13 @@ joints=
 for set in $(seq 0 15); do
 	joints+=",\"JOINTS_$set\":2,\"WEIGHTS_$set\":2"
 done
-claim joints.gltf "MB of memory, expected at most" "\"accessors\":[$zeros,$three,{\"componentType\":5121,\"type\":\"VEC4\",
+claim joints.gltf "it would take" "\"accessors\":[$zeros,$three,{\"componentType\":5121,\"type\":\"VEC4\",
 	\"count\":4194304}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0$joints},\"indices\":1}]}]" ""
-claim copies.gltf "MB of memory, expected at most" "\"accessors\":[$zeros,$three],\"meshes\":[{\"primitives\":[{
+claim copies.gltf "it would take" "\"accessors\":[$zeros,$three],\"meshes\":[{\"primitives\":[{
 	\"attributes\":{\"POSITION\":0}}]}]" ',"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}'
 # Draco: 715827882 faces and points, each number as it is packed
 draco=$(printf 'DRACO\x02\x02\x01\x01\0\0\0\xaa\xd5\xaa\xd5\x02\xaa\xd5\xaa\xd5\x02' | base64 -w 0)
-claim faces.gltf "MB of memory, expected at most" "\"buffers\":[{\"byteLength\":22,\"uri\":\"data:;base64,$draco\"}],
+claim faces.gltf "it would take" "\"buffers\":[{\"byteLength\":22,\"uri\":\"data:;base64,$draco\"}],
 	\"bufferViews\":[{\"buffer\":0,\"byteLength\":22}],\"accessors\":[$zeros],\"meshes\":[{\"primitives\":[{
 	\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{
 	\"POSITION\":0}}}}]}]" ""
@@ -146,7 +146,7 @@ END
 )"
 printf 'newmtl paint\nmap_Kd wide.png\nmap_d tall.png\n' >paint.mtl
 cp texture.obj stretched.obj
-bomb stretched.obj "MB of memory, expected at most"
+bomb stretched.obj "it would take"
 for vertices in 1099511627776 2147483647; do
 	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' $vertices \
 		>$vertices.ply

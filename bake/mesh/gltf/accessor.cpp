@@ -34,13 +34,10 @@ static size_t component_bytes(const Json &accessor, size_t type)
 	}
 }
 
-/* How many elements it has: one without bytes costs a hostile file nothing. */
-static size_t element_count(Document &document, const Json &accessor, size_t components)
+/* Lends the memory of numbers: an accessor without bytes costs a hostile file nothing. */
+static void lend_values(Document &document, size_t count)
 {
-	const size_t count = whole(accessor, "count", elements_max);
-
-	document.lend(static_cast<double>(count * components * sizeof(float)));
-	return count;
+	document.lend(static_cast<double>(count) * sizeof(float));
 }
 
 static size_t component_count(const Json &accessor)
@@ -176,7 +173,7 @@ Values read_values(Document &document, size_t index)
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t components = component_count(accessor);
 	const size_t bytes = component_bytes(accessor, type) * components;
-	const size_t count = element_count(document, accessor, components);
+	const size_t count = whole(accessor, "count", elements_max);
 	const bool normalized = truth(accessor, "normalized", false);
 	const Json *sparse = find(accessor, "sparse");
 	Values out = {count, components, {}};
@@ -184,6 +181,7 @@ Values read_values(Document &document, size_t index)
 
 	if (find(accessor, "bufferView"))
 		from = find_elements(document, accessor, count, bytes);
+	lend_values(document, count * components);
 	out.value.resize(count * components); /* 0 where nothing says otherwise */
 	convert_any(from, type, components, normalized, out.value.data());
 	if (!sparse)
@@ -204,15 +202,17 @@ std::vector<uint32_t> read_indices(Document &document, size_t index)
 	const Json &accessor = document.item("accessors", index);
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t bytes = component_bytes(accessor, type);
-	const size_t count = element_count(document, accessor, 1);
+	const size_t count = whole(accessor, "count", elements_max);
 	const Json *sparse = find(accessor, "sparse");
-	std::vector<uint32_t> out(count);
+	std::vector<uint32_t> out;
 
 	if (component_count(accessor) != 1)
 		fail_at(accessor, -EBADMSG, "expected type \"SCALAR\" for indices");
+	lend_values(document, count);
 	if (find(accessor, "bufferView"))
 		out = whole_elements(accessor, find_elements(document, accessor, count, bytes),
 				     type);
+	out.resize(count);
 	if (!sparse)
 		return out;
 
