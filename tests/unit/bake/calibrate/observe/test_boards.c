@@ -432,8 +432,7 @@ static void test_other_picture(void **state)
 	image_free(&picture);
 }
 
-/* Of photographs of different sizes, the one that most have counts, though another comes first; one that is cut
- * off is left out. */
+/* The size that most photographs have counts, though another one comes first; one that is cut off is left out. */
 static void test_misfits(void **state)
 {
 	static const struct {
