@@ -132,6 +132,15 @@ claim faces.gltf "it would take" "\"buffers\":[{\"byteLength\":22,\"uri\":\"data
 	\"bufferViews\":[{\"buffer\":0,\"byteLength\":22}],\"accessors\":[$zeros],\"meshes\":[{\"primitives\":[{
 	\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{
 	\"POSITION\":0}}}}]}]" ""
+# libraries that are named again and again
+for name in one two; do
+	repeat 20000 'newmtl a\n' >$name.mtl
+done
+{
+	repeat 1000 'mtllib one.mtl\nmtllib two.mtl\n'
+	cat box.obj
+} >again.obj
+bomb again.obj "it would take" one.mtl
 # two pictures of one line each, which are stretched to the size of both
 python3 -c "$(
 	cat <<'END'

@@ -10,6 +10,7 @@
 #include "hal/base/log.h"
 
 #define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
+#define A_BYTE 48.0			 /* memory that a byte of text takes at most */
 #define PLASTIC 0.08f			 /* a coat's reflectance for Ks = 1, as in Blender */
 #define UNSAID (-1.0f)
 
@@ -215,23 +216,26 @@ static int library_add(struct mtl_text *text, struct text_span name, bool blende
 	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text);
 }
 
-int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
+int mtl_read(struct mtl_library *library, const char *path, struct budget *budget,
+	     struct fault *fault)
 {
 	static const char mark[] = "# Blender ";
 	struct mtl_text text = {.path = path, .fault = fault, .library = library};
 	struct text_span line;
 	uint8_t *file;
 	size_t bytes;
-	bool blender = false;
+	bool blender = false, known = false;
 	int err;
 
-	for (int k = library->count; k-- > 0;)
-		if (strcmp(library->materials[k].by, path) == 0)
-			return 0;
+	if (library->count && !strcmp(library->materials[library->count - 1].by, path))
+		return 0;
+	for (int k = 0; k < library->count && !known; k++)
+		known = strcmp(library->materials[k].by, path) == 0;
 	err = input_read(path, LIBRARY_MAX, &file, &bytes, fault);
-
 	if (err)
 		return err;
+	budget->file_bytes += known ? 0 : bytes;
+	err = budget_take(budget, A_BYTE * (double)bytes, path, fault);
 	text_begin(&text.lines, (const char *)file, bytes);
 	while (!err && text_next_joined(&text.lines, &line)) {
 		struct text_span rest = line;

@@ -25,9 +25,10 @@ struct mtl_library {
 	int count;
 };
 
-/* Adds the materials of a file, unless it has done so before. -EBADMSG: a statement without its numbers; the fault names file and
- * line. */
-int mtl_read(struct mtl_library *library, const char *path, struct fault *fault);
+/* Adds the materials of a file, unless it was the last one, too. -EFBIG: all files together take more than
+ * the mesh's budget; -EBADMSG: a statement without its numbers; the fault names file and line. */
+int mtl_read(struct mtl_library *library, const char *path, struct budget *budget,
+	     struct fault *fault);
 
 /* Returns the number of a material; -1: there is none of this name, in any case of letters. The first
  * one counts, and one that is spelt alike before others. */

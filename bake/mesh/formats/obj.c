@@ -137,7 +137,8 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 		return soup_lack(&obj->soup);
 	found = beside_find(obj->soup.path, text, path);
 	free(text);
-	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
+	return found ? mtl_read(&obj->library, path, &obj->soup.textures.budget, obj->soup.fault)
+		     : -ENOENT;
 }
 
 /* The rest of the line is the name of one library, which may have blanks, or of several. In place of
