@@ -52,6 +52,7 @@ BAKE_SOURCES := \
 	bake/judge/shade.c \
 	bake/mesh/coat_energy.c \
 	bake/mesh/formats/beside.c \
+	bake/mesh/formats/ears.c \
 	bake/mesh/formats/mtl.c \
 	bake/mesh/formats/obj.c \
 	bake/mesh/formats/ply.c \
@@ -71,7 +72,7 @@ BAKE_SOURCES := \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_winding.c \
-	bake/mesh/plain_file.c \
+	bake/mesh/normal_sums.c \
 	bake/preview/preview.c \
 	bake/preview/preview_command.c \
 	bake/report/report.c \

@@ -3,6 +3,7 @@ hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR
 	$(if $(filter 1,$(WITH_WEBP)),libwebp)
 hal_LIBS := -lyuv
 HAL_SOURCES := \
+	hal/base/budget.c \
 	hal/base/fault.c \
 	hal/base/input.c \
 	hal/base/log.c \
@@ -74,6 +75,7 @@ HAL_SOURCES := \
 	hal/frame/view.c \
 	hal/image/codec.c \
 	hal/image/image.c \
+	hal/image/image_foreign.c \
 	hal/image/image_hdr.c \
 	hal/image/image_jpeg.c \
 	hal/image/image_pfm.c \

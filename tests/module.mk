@@ -136,6 +136,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_walkers.c \
 	tests/unit/hal/base/test_log_pace.c \
 	tests/unit/hal/base/test_output.c \
+	tests/unit/hal/base/test_input.c \
 	tests/unit/hal/base/test_pool.c \
 	tests/unit/hal/base/test_text_file.c \
 	tests/unit/hal/base/test_utf8.c \
@@ -266,6 +267,7 @@ FUZZ_PARTS := \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
 	bake/mesh/formats/beside.c \
+	bake/mesh/formats/ears.c \
 	bake/mesh/formats/mtl.c \
 	bake/mesh/formats/obj.c \
 	bake/mesh/formats/ply.c \
@@ -285,7 +287,7 @@ FUZZ_PARTS := \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_winding.c \
-	bake/mesh/plain_file.c \
+	bake/mesh/normal_sums.c \
 	bake/scene/keyframes.c \
 	bake/scene/scene_file.c \
 	bake/tiles/coarse.c \

@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 #define STB_IMAGE_IMPLEMENTATION
 #define STBI_NO_STDIO
@@ -18,22 +16,19 @@
 #define STBI_ONLY_TGA
 #include <stb/stb_image.h>
 
+#include "hal/base/budget.h"
 #include "hal/base/input.h"
 #include "hal/colour/transfer.h"
-
-/* The densest that these kinds of files can be: deflated TIFF of 1 bit, see image_png.c. */
-#define PIXELS_PER_BYTE (1032.0 * 8)
 
 static int check_size(const char *path, double width, double height, uint64_t bytes,
 		      struct fault *fault)
 {
-	if (width >= 1 && width <= IMAGE_SIDE_MAX && height >= 1 && height <= IMAGE_SIDE_MAX &&
-	    width * height <= PIXELS_PER_BYTE * (double)bytes)
-		return 0;
-	return fault_say(fault, -EBADMSG,
-			 "%s: %.0f x %.0f pixels, expected sides of 1 to %d, and a file that can "
-			 "hold them",
-			 path, width, height, IMAGE_SIDE_MAX);
+	const struct budget own = {.file_bytes = bytes};
+
+	if (width >= 1 && width <= IMAGE_SIDE_MAX && height >= 1 && height <= IMAGE_SIDE_MAX)
+		return budget_fits(&own, 4 * width * height, path, fault);
+	return fault_say(fault, -EBADMSG, "%s: %.0f x %.0f pixels, expected sides of 1 to %d", path,
+			 width, height, IMAGE_SIDE_MAX);
 }
 
 /* ---- TIFF ---- */
@@ -298,8 +293,7 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 
 	if (bytes > INT_MAX || !stbi_info_from_memory(data, (int)bytes, &width, &height, &channels))
 		return fault_say(fault, -EBADMSG, "%s: damaged: no BMP or TGA that is read", path);
-	/* a BMP whose rows begin at the top has a negative height */
-	err = check_size(path, width, abs(height), bytes, fault);
+	err = check_size(path, width, abs(height), bytes, fault); /* below 0: from the top */
 	if (err)
 		return err;
 	rgba = stbi_load_from_memory(data, (int)bytes, &width, &height, &channels, 4);
@@ -312,51 +306,50 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 	return err ? fault_say(fault, err, "%s: not enough memory for the picture", path) : 0;
 }
 
-static int stb_read(FILE *stream, uint64_t bytes, const char *path, struct image *image,
-		    struct fault *fault)
-{
-	uint8_t *data = malloc(bytes + 1);
-	int err;
+/* ---- which one ---- */
 
-	if (!data)
-		return fault_say(fault, -ENOMEM, "%s: not enough memory for the picture", path);
-	if (fread(data, 1, bytes, stream) == bytes)
-		err = stb_decode(data, bytes, path, image, fault);
-	else
-		err = fault_say(fault, -EIO, "%s: cannot read the picture", path);
-	free(data);
-	return err;
+static bool is_tiff(const uint8_t *data, size_t bytes)
+{
+	static const char marks[][5] = {"II*\0", "MM\0*", "II+\0", "MM\0+"}; /* +: BigTIFF */
+
+	for (int k = 0; k < 4 && bytes >= 4; k++)
+		if (!memcmp(data, marks[k], 4))
+			return true;
+	return false;
 }
 
-/* ---- which one ---- */
+/* TGA has no mark of its own. */
+static bool is_stb(const uint8_t *data, size_t bytes, const char *path)
+{
+	const char *dot = strrchr(path, '.');
+	int width, height, channels;
+
+	return (bytes >= 2 && !memcmp(data, "BM", 2)) || (dot && strcasecmp(dot, ".tga") == 0) ||
+	       (bytes <= INT_MAX &&
+		stbi_info_from_memory(data, (int)bytes, &width, &height, &channels));
+}
 
 int picture_file_read(const char *path, struct image *image, struct fault *fault)
 {
-	const char *dot = strrchr(path, '.');
-	char first[4] = "";
-	struct stat about;
-	FILE *stream;
-	int err = input_stream(path, &stream, fault);
+	struct fault why = {.text = ""};
+	uint8_t *data;
+	int err;
+	size_t bytes;
 
 	*image = (struct image){.width = 0};
+	err = input_read(path, INPUT_MAX, &data, &bytes, fault);
 	if (err)
 		return err;
-	if (fstat(fileno(stream), &about) == 0 && S_ISREG(about.st_mode) &&
-	    fread(first, 1, sizeof(first), stream) == sizeof(first)) {
-		rewind(stream);
-		if (!memcmp(first, "II*", 4) || !memcmp(first, "MM\0*", 4) ||
-		    !memcmp(first, "II+", 4) || !memcmp(first, "MM\0+", 4))
-			err = tiff_read(path, (uint64_t)about.st_size, image, fault);
-		else if (!memcmp(first, "BM", 2) || (dot && strcasecmp(dot, ".tga") == 0))
-			err = stb_read(stream, (uint64_t)about.st_size, path, image, fault);
-		else
-			err = 1;
+	if (is_tiff(data, bytes)) {
+		err = tiff_read(path, bytes, image, fault);
 	} else {
-		err = 1;
+		err = image_read_memory_deep(data, bytes, path, image, &why);
+		if (err == -ENOTSUP && is_stb(data, bytes, path))
+			err = stb_decode(data, bytes, path, image, fault);
+		else if (err)
+			*fault = why;
 	}
-	fclose(stream);
-	if (err == 1)
-		return image_read_deep(path, image, fault);
+	free(data);
 	if (err)
 		image_free(image);
 	return err;

@@ -6,9 +6,8 @@
 
 #include "hal/image/image.h"
 
-/* As image_read_deep(). Of a TIFF the first picture counts, and its orientation; its floats are linear light,
- * also those of 16 bits. TGA has no first bytes
- * of its own, and is told by the ending of its name. */
+/* As image_read_deep(). The first picture of a TIFF counts, and its orientation; its floats are linear light, also
+ * those of 16 bits. */
 int picture_file_read(const char *path, struct image *image, struct fault *fault);
 
 /* Turns 16-bit code values, if the picture has them, into float ones: linear light of sRGB, or of data

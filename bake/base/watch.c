@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <stdalign.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,8 @@
 
 /* Programs write a file in parts, and several files one after the other. */
 #define QUIET_NS (100 * NS_PER_MS)
+#define STORM_NS (1000 * NS_PER_MS) /* and some are never quiet */
+#define LINKS_MAX 40		    /* as many as Linux follows */
 #define CHANGES                                                                                    \
 	(IN_CLOSE_WRITE | IN_CREATE | IN_DELETE | IN_MOVED_FROM | IN_MOVED_TO | IN_ATTRIB |        \
 	 IN_DELETE_SELF | IN_MOVE_SELF)
@@ -106,14 +109,52 @@ static int watch_path(struct watch *watch, const char *path)
 	return -ENOENT;
 }
 
+/* Follows the first symbolic link of a path, of a folder or of the file: writes where it leads. 1; 0: there
+ * is none; -errno. */
+static int watch_link(struct watch *watch, char path[PATH_MAX])
+{
+	char target[PATH_MAX], whole[2 * PATH_MAX];
+
+	for (char *end = path; *end;) {
+		const char *slash;
+		ssize_t length;
+		char rest;
+		int err;
+
+		end += strspn(end, "/");
+		end += strcspn(end, "/");
+		rest = *end;
+		*end = '\0';
+		length = readlink(path, target, sizeof(target));
+		if (length < 0) {
+			*end = rest;
+			continue;
+		}
+		err = watch_path(watch, path);
+		slash = strrchr(path, '/');
+		snprintf(whole, sizeof(whole), "%.*s%.*s%s%s",
+			 *target == '/' || !slash ? 0 : (int)(slash - path) + 1, path, (int)length,
+			 target, rest ? "/" : "", rest ? end + 1 : "");
+		if (!err && strlen(whole) >= PATH_MAX)
+			err = -ENAMETOOLONG;
+		if (!err)
+			memcpy(path, whole, strlen(whole) + 1);
+		return err ? err : 1;
+	}
+	return 0;
+}
+
 static void watch_note(void *context, const char *path)
 {
 	struct watch *watch = context;
-	char target[PATH_MAX];
-	int err = watch_path(watch, path);
+	char followed[PATH_MAX];
+	int err = 1;
 
-	if (!err && realpath(path, target) && strcmp(path, target) != 0)
-		err = watch_path(watch, target);
+	snprintf(followed, sizeof(followed), "%s", path);
+	for (int links = 0; links < LINKS_MAX && err == 1; links++)
+		err = watch_link(watch, followed);
+	if (err >= 0)
+		err = watch_path(watch, followed);
 	if (err && !watch->err) {
 		watch->err = err;
 		snprintf(watch->failed, sizeof(watch->failed), "%s", path);
@@ -172,6 +213,7 @@ int watch_wait(struct watch *watch, int limit_ms, struct fault *fault)
 {
 	struct pollfd ready = {.fd = watch->fd, .events = POLLIN};
 	int64_t until_ns = clock_now_ns() + limit_ms * NS_PER_MS;
+	int64_t storm_ns = INT64_MAX;
 	bool changed = false, limited = limit_ms >= 0;
 	int ret = 0;
 
@@ -186,8 +228,11 @@ int watch_wait(struct watch *watch, int limit_ms, struct fault *fault)
 		else if (ret > 0)
 			ret = watch_read(watch);
 		if (ret > 0) {
+			if (!changed)
+				storm_ns = clock_now_ns() + STORM_NS;
 			changed = limited = true;
 			until_ns = clock_now_ns() + QUIET_NS;
+			until_ns = until_ns < storm_ns ? until_ns : storm_ns;
 		}
 	}
 	return fault_say(fault, ret, "files cannot be watched: %s", strerror(-ret));

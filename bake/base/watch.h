@@ -2,7 +2,7 @@
 /*
  * Waits until a file that was read changes. Folders are watched (inotify), and events are compared by
  * name, because editors often write another file and rename it over the old one; a file that was not
- * there is waited for, and of a symbolic link both the link and its target are.
+ * there is waited for, and of symbolic links, of files and of folders, both the link and its target are.
  */
 #ifndef INLAY_BAKE_BASE_WATCH_H
 #define INLAY_BAKE_BASE_WATCH_H
@@ -21,7 +21,8 @@ void watch_destroy(struct watch *watch); /* NULL is harmless */
 void watch_begin(struct watch *watch);
 int watch_end(struct watch *watch, struct fault *fault);
 
-/* Waits until a file changes, appears or goes, and then until nothing more has for a tenth of a second.
+/* Waits until a file changes, appears or goes, and then until nothing more has for a tenth of a second, or
+ * for a second in all.
  * 1; 0: nothing has within limit_ms (below 0: no limit); errors of poll() and read(). */
 int watch_wait(struct watch *watch, int limit_ms, struct fault *fault);
 

@@ -48,7 +48,7 @@ struct watch {
 	/* By the camera's clock, without gaps: */
 	int64_t last_ns; /* when the last picture was captured; 0: none yet */
 	double seen_s, read_s, moment_s, saved_s;
-	bool saved;
+	bool saved; /* or tried to */
 };
 
 static volatile sig_atomic_t watch_ends;
@@ -82,6 +82,8 @@ static int watch_save(struct watch *w, struct fault *fault)
 	char what[1100], seen[32], whole[32];
 	int err = sky_parts_choose(&parts, &w->need, w->most, fault);
 
+	w->saved = true;
+	w->saved_s = w->seen_s;
 	if (err)
 		return err;
 	watch_time(w->seen_s, seen);
@@ -92,8 +94,6 @@ static int watch_save(struct watch *w, struct fault *fault)
 			 parts.count, parts.count == 1 ? "" : "s", parts.lights,
 			 parts.limited ? ", would be finer with more" : "");
 	sky_parts_free(&parts);
-	w->saved = true;
-	w->saved_s = w->seen_s;
 	return err;
 }
 
@@ -119,7 +119,7 @@ static int watch_picture(struct watch *w, struct sky_eye *eye, const struct imag
 {
 	const double since_s = (double)(captured_ns - w->last_ns) / NS_PER_S;
 	const bool first = !w->last_ns;
-	int err = 0;
+	int err;
 
 	w->last_ns = captured_ns;
 	w->seen_s += !first && since_s > 0 && since_s < GAP_S ? since_s : 0;
@@ -135,9 +135,12 @@ static int watch_picture(struct watch *w, struct sky_eye *eye, const struct imag
 	if (w->seen_s < w->moment_s + MOMENT_S)
 		return 0;
 	watch_finish_moment(w);
-	if (!w->saved || w->seen_s >= w->saved_s + SAVE_S)
-		err = watch_save(w, fault);
-	return err;
+	/* What was seen is worth more than a list: a disk may be full for an hour. */
+	if ((!w->saved || w->seen_s >= w->saved_s + SAVE_S) && watch_save(w, fault) < 0) {
+		log_warning("%s: tried again in %d minutes", fault->text, SAVE_S / 60);
+		*fault = (struct fault){.text = ""};
+	}
+	return 0;
 }
 
 /* Watches until the time is over, the camera is lost, or a signal comes. */

@@ -4,8 +4,12 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
+
+#include "bake/mesh/normal_sums.h"
 
 #define NONE UINT32_MAX
+#define FEW 32		   /* corners of a place: up to here all pairs of them are compared */
 #define CREASE_SLACK 1e-5f /* rounding error between triangles of one plane */
 
 /* A vertex by its position, for sorting. */
@@ -16,19 +20,21 @@ struct vertex_place {
 
 /*
  * State of mesh_smooth(). Corner k of triangle t has the number 3 t + k. A place is a position that
- * one or more old vertices share. Each old vertex becomes one or more new ones, in a linked list.
+ * one or more old vertices share. Each old vertex becomes one or more new ones.
  */
 struct smoother {
 	struct mesh_part *part;
 	size_t corners;
+	uint32_t places;
 	float cos_crease;
 	struct v3 *face;   /* [triangles]: unit normal */
 	float *angle;	   /* [corners], in rad */
 	uint32_t *at;	   /* [old vertices]: place */
 	uint32_t *first;   /* [places + 1]: where the corners of a place begin in list */
 	uint32_t *list;	   /* [corners], sorted by place */
-	uint32_t *head;	   /* [old vertices]: the first new vertex */
-	uint32_t *next;	   /* [new vertices]: the next one of the same old vertex */
+	struct v3 *smooth; /* [corners] */
+	uint32_t *slot;	   /* [slots]: new vertices by old vertex and normal; NONE: empty */
+	size_t slots;	   /* a power of two, at least twice as many as there can be new vertices */
 	uint32_t *source;  /* [new vertices]: the old vertex */
 	struct v3 *normal; /* [new vertices] */
 	uint32_t made;	   /* new vertices so far */
@@ -72,7 +78,7 @@ static int compare_places(const void *a, const void *b)
 
 /* Numbers the places. Several vertices share one when they differ in texture coordinates, or when
  * the file has them twice. */
-static int find_places(struct smoother *s, uint32_t *count)
+static int find_places(struct smoother *s)
 {
 	const size_t vertices = (size_t)s->part->vertices;
 	struct vertex_place *all = malloc((vertices + 1) * sizeof(*all));
@@ -84,14 +90,14 @@ static int find_places(struct smoother *s, uint32_t *count)
 		all[v].vertex = (uint32_t)v;
 	}
 	qsort(all, vertices, sizeof(*all), compare_places);
-	*count = 0;
+	s->places = 0;
 	for (size_t v = 0; v < vertices; v++) {
-		*count += v > 0 &&
-			  (all[v].p[0] != all[v - 1].p[0] || all[v].p[1] != all[v - 1].p[1] ||
-			   all[v].p[2] != all[v - 1].p[2]);
-		s->at[all[v].vertex] = *count;
+		s->places += v > 0 &&
+			     (all[v].p[0] != all[v - 1].p[0] || all[v].p[1] != all[v - 1].p[1] ||
+			      all[v].p[2] != all[v - 1].p[2]);
+		s->at[all[v].vertex] = s->places;
 	}
-	++*count;
+	s->places++;
 	free(all);
 	return 0;
 }
@@ -103,55 +109,101 @@ static uint32_t corner_place(const struct smoother *s, size_t corner)
 
 static int list_corners(struct smoother *s)
 {
-	uint32_t places;
-	int err = find_places(s, &places);
+	const int err = find_places(s);
 
 	if (err)
 		return err;
-	s->first = calloc((size_t)places + 2, sizeof(*s->first));
+	s->first = calloc((size_t)s->places + 2, sizeof(*s->first));
 	if (!s->first)
 		return -ENOMEM;
 	/* Counts are kept two places on: filling then moves first[p + 1] from the start of p's
 	 * list to its end. */
 	for (size_t c = 0; c < s->corners; c++)
 		s->first[corner_place(s, c) + 2]++;
-	for (uint32_t p = 2; p < places + 2; p++)
+	for (uint32_t p = 2; p < s->places + 2; p++)
 		s->first[p] += s->first[p - 1];
 	for (size_t c = 0; c < s->corners; c++)
 		s->list[s->first[corner_place(s, c) + 1]++] = (uint32_t)c;
 	return 0;
 }
 
-static struct v3 corner_normal(const struct smoother *s, size_t corner)
+/* The sum vanishes where a crease of 180 degrees smooths opposite sides of a sheet. */
+static struct v3 normal_of_sum(struct v3 sum, struct v3 own)
 {
-	const struct v3 own = s->face[corner / 3];
-	const uint32_t place = corner_place(s, corner);
-	struct v3 sum = {0, 0, 0};
-
-	for (uint32_t k = s->first[place]; k < s->first[place + 1]; k++) {
-		const struct v3 other = s->face[s->list[k] / 3];
-
-		if (v3_dot(own, other) >= s->cos_crease - CREASE_SLACK)
-			sum = v3_mad(sum, s->angle[s->list[k]], other);
-	}
-	/* the sum vanishes where a crease of 180 degrees smooths opposite sides of a sheet */
 	return v3_length(sum) > CREASE_SLACK ? v3_unit(sum) : own;
+}
+
+static void smooth_few(struct smoother *s, const uint32_t *list, uint32_t count)
+{
+	for (uint32_t c = 0; c < count; c++) {
+		const struct v3 own = s->face[list[c] / 3];
+		struct v3 sum = {0, 0, 0};
+
+		for (uint32_t k = 0; k < count; k++) {
+			const struct v3 other = s->face[list[k] / 3];
+
+			if (v3_dot(own, other) >= s->cos_crease - CREASE_SLACK)
+				sum = v3_mad(sum, s->angle[list[k]], other);
+		}
+		s->smooth[list[c]] = normal_of_sum(sum, own);
+	}
+}
+
+static int smooth_many(struct smoother *s, const uint32_t *list, uint32_t count)
+{
+	struct weighted_normal *all = malloc(count * sizeof(*all));
+	struct normal_box *boxes = malloc(2 * (size_t)count * sizeof(*boxes));
+	const int err = all && boxes ? 0 : -ENOMEM;
+	uint32_t box_count;
+
+	if (!err) {
+		for (uint32_t c = 0; c < count; c++)
+			all[c] = (struct weighted_normal){s->face[list[c] / 3], s->angle[list[c]]};
+		box_count = normal_sums_begin(boxes, all, count);
+		for (uint32_t c = 0; c < count; c++) {
+			const struct v3 own = s->face[list[c] / 3];
+			const struct v3 sum = normal_sums_around(boxes, box_count, all, own,
+								 s->cos_crease - CREASE_SLACK);
+
+			s->smooth[list[c]] = normal_of_sum(sum, own);
+		}
+	}
+	free(all);
+	free(boxes);
+	return err;
+}
+
+/* Computes the normals of all corners, place by place. */
+static int smooth_corners(struct smoother *s)
+{
+	int err = 0;
+
+	for (uint32_t p = 0; p < s->places && !err; p++) {
+		const uint32_t *list = s->list + s->first[p];
+		const uint32_t count = s->first[p + 1] - s->first[p];
+
+		if (count > FEW)
+			err = smooth_many(s, list, count);
+		else
+			smooth_few(s, list, count);
+	}
+	return err;
 }
 
 /* Returns the new vertex of an old one that has this normal, made when there is none. */
 static uint32_t vertex_with(struct smoother *s, uint32_t vertex, struct v3 normal)
 {
-	uint32_t v = s->head[vertex];
+	size_t k = XXH3_64bits_withSeed(&normal, sizeof(normal), vertex) & (s->slots - 1);
+	uint32_t v;
 
-	while (v != NONE && memcmp(&s->normal[v], &normal, sizeof(normal)) != 0)
-		v = s->next[v];
+	while ((v = s->slot[k]) != NONE &&
+	       (s->source[v] != vertex || memcmp(&s->normal[v], &normal, sizeof(normal)) != 0))
+		k = (k + 1) & (s->slots - 1);
 	if (v != NONE)
 		return v;
-	v = s->made++;
+	v = s->slot[k] = s->made++;
 	s->source[v] = vertex;
 	s->normal[v] = normal;
-	s->next[v] = s->head[vertex];
-	s->head[vertex] = v;
 	return v;
 }
 
@@ -204,9 +256,9 @@ static int split_vertices(struct smoother *s)
 
 	if (!became)
 		return -ENOMEM;
-	memset(s->head, 0xff, (size_t)s->part->vertices * sizeof(*s->head));
+	memset(s->slot, 0xff, s->slots * sizeof(*s->slot));
 	for (size_t c = 0; c < s->corners; c++)
-		became[c] = vertex_with(s, s->part->index[c / 3][c % 3], corner_normal(s, c));
+		became[c] = vertex_with(s, s->part->index[c / 3][c % 3], s->smooth[c]);
 	err = replace_vertices(s);
 	for (size_t c = 0; c < s->corners && !err; c++)
 		s->part->index[c / 3][c % 3] = became[c];
@@ -230,19 +282,25 @@ int mesh_smooth(struct mesh_part *part, double crease_deg)
 		.angle = smoother_room(3 * triangles, sizeof(*s.angle)),
 		.at = smoother_room(vertices, sizeof(*s.at)),
 		.list = smoother_room(3 * triangles, sizeof(*s.list)),
-		.head = smoother_room(vertices, sizeof(*s.head)),
-		.next = smoother_room(3 * triangles, sizeof(*s.next)),
+		.smooth = smoother_room(3 * triangles, sizeof(*s.smooth)),
+		.slots = 64,
 		.source = smoother_room(3 * triangles, sizeof(*s.source)),
 		.normal = smoother_room(3 * triangles, sizeof(*s.normal)),
 	};
-	int err = s.face && s.angle && s.at && s.list && s.head && s.next && s.source && s.normal
-			  ? 0
-			  : -ENOMEM;
+	int err;
 
+	while (s.slots < 6 * triangles)
+		s.slots *= 2;
+	s.slot = smoother_room(s.slots, sizeof(*s.slot));
+	err = s.face && s.angle && s.at && s.list && s.smooth && s.slot && s.source && s.normal
+		      ? 0
+		      : -ENOMEM;
 	if (!err) {
 		measure_triangles(&s);
 		err = list_corners(&s);
 	}
+	if (!err)
+		err = smooth_corners(&s);
 	if (!err)
 		err = split_vertices(&s);
 	free(s.face);
@@ -250,8 +308,8 @@ int mesh_smooth(struct mesh_part *part, double crease_deg)
 	free(s.at);
 	free(s.first);
 	free(s.list);
-	free(s.head);
-	free(s.next);
+	free(s.smooth);
+	free(s.slot);
 	free(s.source);
 	free(s.normal);
 	return err;

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <linux/magic.h>
 #include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
@@ -77,6 +78,57 @@ int input_open(const char *path, struct fault *fault)
 	if (err)
 		close(fd);
 	return err ? err : fd;
+}
+
+/* Reads to the end; `room` is what is expected, and one more to see the end. */
+static int read_all(int fd, size_t room, uint64_t most, uint8_t **data, size_t *bytes)
+{
+	uint8_t *buffer = malloc(room);
+	size_t used = 0;
+	ssize_t got = buffer ? 1 : 0;
+	int err = buffer ? 0 : -ENOMEM;
+
+	while (!err && got) {
+		if (used == room) {
+			uint8_t *larger = realloc(buffer, 2 * room);
+
+			err = larger ? 0 : -ENOMEM;
+			buffer = larger ? larger : buffer;
+			room *= larger ? 2 : 1;
+			continue;
+		}
+		got = read(fd, buffer + used, room - used);
+		err = got < 0 && errno != EINTR ? -errno : 0;
+		used += got > 0 ? (size_t)got : 0;
+		if (used > most)
+			err = -EFBIG;
+	}
+	if (err)
+		free(buffer);
+	else
+		*data = buffer;
+	*bytes = used;
+	return err;
+}
+
+int input_read(const char *path, uint64_t most, uint8_t **data, size_t *bytes, struct fault *fault)
+{
+	const int fd = input_open(path, fault);
+	struct stat is = {.st_size = 0};
+	int err;
+
+	*data = NULL;
+	*bytes = 0;
+	if (fd < 0)
+		return fd;
+	err = fstat(fd, &is) ? -errno : (uint64_t)is.st_size > most ? -EFBIG : 0;
+	if (!err)
+		err = read_all(fd, (size_t)is.st_size + 1, most, data, bytes);
+	close(fd);
+	if (err == -EFBIG)
+		return fault_say(fault, err, "%s: more than %llu bytes long", path,
+				 (unsigned long long)most);
+	return err ? fault_say(fault, err, "%s: cannot be read: %s", path, strerror(-err)) : 0;
 }
 
 int input_stream(const char *path, FILE **stream, struct fault *fault)

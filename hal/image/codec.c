@@ -4,9 +4,13 @@
 #include <errno.h>
 #include <math.h>
 
+#include "hal/base/budget.h"
+
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
-		     double pixels_per_byte, struct fault *fault)
+		     size_t pixel_bytes, struct fault *fault)
 {
+	const struct budget own = {.file_bytes = source->bytes};
+
 	if (width < 1 || height < 1)
 		return fault_say(fault, -EBADMSG, "%s: the header says %lld x %lld pixels",
 				 source->name, (long long)width, (long long)height);
@@ -17,12 +21,8 @@ int image_check_size(const struct image_source *source, int64_t width, int64_t h
 		return fault_say(fault, -EINVAL, "%s: is %lldx%lld pixels, expected %dx%d %s",
 				 source->name, (long long)width, (long long)height, source->width,
 				 source->height, source->why);
-	if ((double)width * (double)height > (double)source->bytes * pixels_per_byte)
-		return fault_say(fault, -EBADMSG,
-				 "%s: the header says %lld x %lld pixels, but a file of %zu bytes "
-				 "cannot hold them",
-				 source->name, (long long)width, (long long)height, source->bytes);
-	return 0;
+	return budget_fits(&own, (double)width * (double)height * (double)pixel_bytes, source->name,
+			   fault);
 }
 
 int image_check_primaries(const struct image_source *source, const double xy[8],

@@ -49,14 +49,17 @@ extern const struct image_codec image_exr;
 extern const struct image_codec image_webp;
 #endif
 
+/* Names the kind of a file that no codec reads, and how it becomes one that is read; NULL: it is of none that is
+ * known. */
+const char *image_foreign(const uint8_t *data, size_t bytes, const char **how);
+
 /*
- * Checks the size in a header against the size of the file, so that a tiny file cannot make the
- * reader allocate gigabytes. pixels_per_byte is the densest that this kind of file can be. 0;
- * -EFBIG: a side beyond IMAGE_SIDE_MAX; -EBADMSG: no pixels, or more than the file can hold; -EINVAL: not the
+ * Checks the size in a header. 0; -EBADMSG: no pixels; -EFBIG: a side beyond IMAGE_SIDE_MAX, or more memory
+ * than a file of this length may ask for (hal/base/budget.h), by the bytes of a decoded pixel; -EINVAL: not the
  * source's size.
  */
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
-		     double pixels_per_byte, struct fault *fault);
+		     size_t pixel_bytes, struct fault *fault);
 
 /* Checks the chromaticities of red, green, blue and white (x and y of each) against those of sRGB.
  * 0; -ENOTSUP: other primaries, such as those of ACES or P3. */

@@ -6,14 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include "hal/base/input.h"
 #include "hal/base/output.h"
 #include "hal/image/codec.h"
-
-/* Larger files are refused. */
-#define FILE_BYTES_MAX ((size_t)1 << 32)
 
 static const struct image_codec *const codecs[] = {
 	&image_png,  &image_jpeg, &image_hdr, &image_pfm,
@@ -32,10 +28,13 @@ static const struct image_codec *const codecs[] = {
 #define READABLE_WEBP ""
 #endif
 #if WITH_EXR
-#define READABLE "PNG, JPEG" READABLE_WEBP ", Radiance HDR, PFM and OpenEXR"
+#define READABLE_EXR ", OpenEXR"
 #else
-#define READABLE "PNG, JPEG" READABLE_WEBP ", Radiance HDR and PFM"
+#define READABLE_EXR ""
 #endif
+#define READABLE                                                                                   \
+	"PNG, JPEG" READABLE_WEBP READABLE_EXR                                                     \
+	", Radiance HDR or PFM, or of an object's textures also TIFF, BMP or TGA"
 
 /* Refuses NaN and infinity: one such pixel would spread over the whole composite. Sets negative
  * light to 0: lossy compression and wide gamuts leave it in dark places. */
@@ -66,6 +65,7 @@ static int image_read_source(const struct image_source *source, struct image *im
 {
 	const char *name = source->name;
 	const struct image_codec *codec = NULL;
+	const char *kind, *how;
 	int err;
 
 	*image = (struct image){0};
@@ -75,9 +75,14 @@ static int image_read_source(const struct image_source *source, struct image *im
 	if (!source->bytes)
 		return fault_say(fault, -EBADMSG, "%s: the file is empty, expected a picture",
 				 name);
+	kind = codec ? NULL : image_foreign(source->data, source->bytes, &how);
+	if (kind)
+		return fault_say(fault, -ENOTSUP,
+				 "%s: is %s, expected " READABLE ": convert it, such as by: %s",
+				 name, kind, how);
 	if (!codec)
 		return fault_say(fault, -ENOTSUP,
-				 "%s: not a picture of a known kind (" READABLE ")", name);
+				 "%s: not a picture of a known kind, expected " READABLE, name);
 	err = codec->read(source, image, fault);
 	if (!err && image->f32)
 		err = image_check_light(image, name, fault);
@@ -103,60 +108,17 @@ int image_read_memory_deep(const uint8_t *data, size_t bytes, const char *name, 
 	return image_read_source(&source, image, fault);
 }
 
-/* Reads the whole file. Not mapped: truncation by another program would then raise SIGBUS. */
-static int image_slurp(int fd, uint8_t **data, size_t *bytes)
-{
-	size_t used = 0, room = 1 << 16;
-	uint8_t *buffer = malloc(room);
-	ssize_t got = -1;
-	int err = 0;
-
-	if (!buffer)
-		return -ENOMEM;
-	for (;;) {
-		got = read(fd, buffer + used, room - used);
-		err = got < 0 ? -errno : 0;
-		if (err == -EINTR)
-			continue;
-		if (got <= 0)
-			break;
-		used += (size_t)got;
-		if (used == room) {
-			uint8_t *larger = room < FILE_BYTES_MAX ? realloc(buffer, room * 2) : NULL;
-
-			if (!larger) {
-				err = room < FILE_BYTES_MAX ? -ENOMEM : -EFBIG;
-				break;
-			}
-			buffer = larger;
-			room *= 2;
-		}
-	}
-	if (err) {
-		free(buffer);
-		return err;
-	}
-	*data = buffer;
-	*bytes = used;
-	return 0;
-}
-
 /* source: without its bytes. */
 static int image_read_file(struct image_source source, struct image *image, struct fault *fault)
 {
 	const char *path = source.name;
-	uint8_t *data = NULL;
-	int fd, err;
+	uint8_t *data;
+	int err;
 
 	*image = (struct image){0};
-	fd = input_open(path, fault);
-	if (fd < 0)
-		return fd;
-	err = image_slurp(fd, &data, &source.bytes);
-	close(fd);
+	err = input_read(path, INPUT_MAX, &data, &source.bytes, fault);
 	if (err)
-		return fault_say(fault, err, "%s: cannot read the picture: %s", path,
-				 strerror(-err));
+		return err;
 	source.data = data;
 	err = image_read_source(&source, image, fault);
 	free(data);

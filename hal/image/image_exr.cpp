@@ -28,10 +28,6 @@ extern "C" {
 namespace
 {
 
-/* Far above the compression of real pictures; bounds the memory that a hostile header can ask
- * for. */
-constexpr double pixels_per_byte = 4096;
-
 class MemoryStream : public Imf::IStream
 {
       public:
@@ -135,7 +131,7 @@ int take_shown(const image_source *source, const Imath::Box2i &held, const Imath
 	const int right = std::min(held.max.x, shown.max.x);
 	const size_t pixel = 3 * sizeof(float);
 	struct image whole;
-	int err = image_check_size(source, width, height, pixels_per_byte, fault);
+	int err = image_check_size(source, width, height, 3 * sizeof(float), fault);
 
 	if (err)
 		return err;
@@ -170,7 +166,7 @@ int read_file(const image_source *source, struct image *image, struct fault *fau
 	const int64_t width = (int64_t)window.max.x - window.min.x + 1;
 	const int64_t height = (int64_t)window.max.y - window.min.y + 1;
 	bool grey = false;
-	int err = image_check_size(source, width, height, pixels_per_byte, fault);
+	int err = image_check_size(source, width, height, 3 * sizeof(float), fault);
 
 	if (!err)
 		err = check_channels(source, file.header().channels(), &grey, fault);

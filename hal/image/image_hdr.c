@@ -16,9 +16,6 @@
 
 #include "hal/image/codec.h"
 
-/* In the old coding, three records of four bytes can stand for a whole row. */
-#define PIXELS_PER_BYTE (IMAGE_SIDE_MAX / 12.0)
-
 /* Only rows of these widths may be in the new coding. */
 #define NEW_CODING_MIN 8
 #define NEW_CODING_MAX 32767
@@ -277,7 +274,7 @@ static int hdr_read(const struct image_source *source, struct image *image, stru
 		return err;
 	width = reader.by_column ? reader.rows : reader.length;
 	height = reader.by_column ? reader.length : reader.rows;
-	err = image_check_size(source, width, height, PIXELS_PER_BYTE, fault);
+	err = image_check_size(source, width, height, 3 * sizeof(float), fault);
 	if (err)
 		return err;
 	err = image_create_f32(image, (int)width, (int)height);

@@ -3,10 +3,6 @@
 #include "hal/image/codec.h"
 #include "hal/jpeg/jpeg_decoder.h"
 
-/* Baseline Huffman coding needs at least two bits for a block of 64 pixels, a progressive scan one
- * bit: 512 pixels per byte. Twice that, for pictures whose chroma is finer than their luma. */
-#define PIXELS_PER_BYTE 1024.0
-
 static bool jpeg_probe(const uint8_t *data, size_t bytes)
 {
 	return bytes >= 3 && data[0] == 0xff && data[1] == 0xd8 && data[2] == 0xff;
@@ -21,7 +17,7 @@ static int jpeg_decode(struct jpeg_decoder *jpeg, const struct image_source *sou
 	err = jpeg_decoder_open(jpeg, source->data, source->bytes, &width, &height, &why);
 	if (err)
 		return fault_say(fault, err, "%s: %s", source->name, why.text);
-	err = image_check_size(source, width, height, PIXELS_PER_BYTE, fault);
+	err = image_check_size(source, width, height, 3, fault);
 	if (err)
 		return err;
 	err = image_create_u8(image, width, height);

@@ -88,7 +88,7 @@ static int pfm_read(const struct image_source *source, struct image *image, stru
 				 "%s: damaged PFM header, expected PF or Pf, width, height and a "
 				 "scale that is not 0",
 				 source->name);
-	err = image_check_size(source, header.width, header.height, 0.25 / header.channels, fault);
+	err = image_check_size(source, header.width, header.height, 3 * sizeof(float), fault);
 	if (err)
 		return err;
 	row_bytes = (size_t)header.width * (size_t)header.channels * 4;

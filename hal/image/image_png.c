@@ -12,10 +12,6 @@
 
 #include "hal/image/codec.h"
 
-/* Deflate codes at most 258 bytes in two bits, 1032 to 1; a byte holds at most 8 pixels of 1
- * bit. */
-#define PIXELS_PER_BYTE (1032.0 * 8)
-
 struct png_work {
 	png_structp png;
 	png_infop info;
@@ -107,6 +103,8 @@ static int png_allocate(struct png_work *work, struct image *image)
 
 static int png_decode(struct png_work *work, struct image *image, struct fault *fault)
 {
+	bool deep;
+
 	if (setjmp(png_jmpbuf(work->png)))
 		return fault_say(fault, -EBADMSG, "%s: damaged PNG: %s", work->source->name,
 				 work->message);
@@ -114,8 +112,9 @@ static int png_decode(struct png_work *work, struct image *image, struct fault *
 	/* image_check_size() below checks the sizes, with the project's messages. */
 	png_set_user_limits(work->png, 0x7fffffff, 0x7fffffff);
 	png_read_info(work->png, work->info);
+	deep = work->source->deep && png_get_bit_depth(work->png, work->info) == 16;
 	work->err = image_check_size(work->source, png_get_image_width(work->png, work->info),
-				     png_get_image_height(work->png, work->info), PIXELS_PER_BYTE,
+				     png_get_image_height(work->png, work->info), deep ? 6 : 3,
 				     fault);
 	if (work->err)
 		return work->err;

@@ -7,9 +7,6 @@
 
 #include "hal/image/codec.h"
 
-/* A lossless picture of one colour has a few bytes, whatever its size: up to 16384 x 16384. */
-#define PIXELS_PER_BYTE (16384.0 * 16384.0)
-
 static bool webp_probe(const uint8_t *data, size_t bytes)
 {
 	return bytes >= 12 && memcmp(data, "RIFF", 4) == 0 && memcmp(data + 8, "WEBP", 4) == 0;
@@ -50,7 +47,7 @@ static int webp_read(const struct image_source *source, struct image *image, str
 	if (is.has_animation)
 		return fault_say(fault, -ENOTSUP, "%s: an animation, expected one picture",
 				 source->name);
-	err = image_check_size(source, is.width, is.height, PIXELS_PER_BYTE, fault);
+	err = image_check_size(source, is.width, is.height, 3, fault);
 	if (err)
 		return err;
 	err = webp_decode(source, &is, image);

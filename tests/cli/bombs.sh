@@ -53,13 +53,13 @@ bomb texture.obj "not a regular file" pipe.png
 
 # ---- longer than any ----
 truncate -s 5G long.obj
-bomb long.obj "5368709120 bytes long, expected at most"
+bomb long.obj "more than 4294967296 bytes long"
 truncate -s 5G long.mtl
 {
 	echo "mtllib long.mtl"
 	cat box.obj
 } >long-library.obj
-bomb long-library.obj "5368709120 bytes long, expected at most" long.mtl
+bomb long-library.obj "more than 67108864 bytes long" long.mtl
 
 # ---- numbers and depths that are not meant ----
 deep=$(repeat 200000 '[')
@@ -106,10 +106,56 @@ accessor zeros.gltf "/accessors/0/count: 4000000000" \
 accessor beyond.gltf "/accessors/0: 90000000 elements from byte 0 end after bufferView 0" \
 	'"bufferViews":[{"buffer":0,"byteLength":12}],"accessors":[{"bufferView":0,
 	"componentType":5126,"type":"VEC3","count":90000000}]'
-accessor packed.gltf "/bufferViews/0/extensions/EXT_meshopt_compression: 12 bytes cannot hold 80000000 elements" \
+accessor packed.gltf "it would take 960 MB of memory, expected at most 269 MB" \
 	'"bufferViews":[{"buffer":0,"byteLength":12,"extensions":{"EXT_meshopt_compression":{"buffer":0,
 	"byteLength":12,"byteStride":12,"count":80000000,"mode":"ATTRIBUTES"}}}],"accessors":[{
 	"bufferView":0,"componentType":5126,"type":"VEC3","count":80000000}]'
+# ---- little that would be much ----
+# claim NAME WORDS MEMBERS: a glTF.
+claim() {
+	echo "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0$4}],$3}" >"$1"
+	bomb "$1" "$2"
+}
+zeros='{"componentType":5126,"type":"VEC3","count":4194304}'
+three='{"componentType":5121,"type":"SCALAR","count":3}'
+joints=
+for set in $(seq 0 15); do
+	joints+=",\"JOINTS_$set\":2,\"WEIGHTS_$set\":2"
+done
+claim joints.gltf "it would take" "\"accessors\":[$zeros,$three,{\"componentType\":5121,\"type\":\"VEC4\",
+	\"count\":4194304}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0$joints},\"indices\":1}]}]" ""
+claim copies.gltf "it would take" "\"accessors\":[$zeros,$three],\"meshes\":[{\"primitives\":[{
+	\"attributes\":{\"POSITION\":0}}]}]" ',"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}'
+# Draco: 715827882 faces and points, each number as it is packed
+draco=$(printf 'DRACO\x02\x02\x01\x01\0\0\0\xaa\xd5\xaa\xd5\x02\xaa\xd5\xaa\xd5\x02' | base64 -w 0)
+claim faces.gltf "it would take" "\"buffers\":[{\"byteLength\":22,\"uri\":\"data:;base64,$draco\"}],
+	\"bufferViews\":[{\"buffer\":0,\"byteLength\":22}],\"accessors\":[$zeros],\"meshes\":[{\"primitives\":[{
+	\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{
+	\"POSITION\":0}}}}]}]" ""
+# libraries that are named again and again
+for name in one two; do
+	repeat 20000 'newmtl a\n' >$name.mtl
+done
+{
+	repeat 1000 'mtllib one.mtl\nmtllib two.mtl\n'
+	cat box.obj
+} >again.obj
+bomb again.obj "it would take" one.mtl
+# two pictures of one line each, which are stretched to the size of both
+python3 -c "$(
+	cat <<'END'
+import zlib, struct
+def chunk(kind, data):
+    return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
+for name, w, h in (('wide', 30000, 1), ('tall', 1, 30000)):
+    rows = zlib.compress((b'\0' + b'\0' * w) * h)
+    head = struct.pack('>IIBBBBB', w, h, 8, 0, 0, 0, 0)
+    open(name + '.png', 'wb').write(b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + chunk(b'IDAT', rows) + chunk(b'IEND', b''))
+END
+)"
+printf 'newmtl paint\nmap_Kd wide.png\nmap_d tall.png\n' >paint.mtl
+cp texture.obj stretched.obj
+bomb stretched.obj "it would take"
 for vertices in 1099511627776 2147483647; do
 	printf 'ply\nformat ascii 1.0\nelement vertex %s\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' $vertices \
 		>$vertices.ply

@@ -368,6 +368,12 @@ if has_command fisheye && [ -x "$photographs" ]; then
 	check "has no world" grep -q 'eye2.png: is to show where the world is.*--reference' \
 		"$work/stderr"
 	absent "and nothing was written" "$work/none.ini"
+	# A photograph that was cut off on its way is left out.
+	head -c 3000 "$work/eye1.png" >"$work/gap/eye2.png"
+	calibrate fisheye --images "$work/gap/eye?.png" --board 9x6:20mm --field 88 --world eye1.png \
+		-o "$work/gap.ini" >"$work/stdout" 2>"$work/stderr"
+	equal "a photograph that is cut off" 0 $?
+	check "is skipped with a line" grep -q 'eye2.png: damaged PNG' "$work/stderr"
 	check "is of the model that it is" grep -q '^model = equidistant$' "$work/photo.ini"
 	check "of its focal lengths" near "$work/photo.ini" focal 220 211 0.1
 	check "and its centre" near "$work/photo.ini" centre 483.2 357.4 0.1
@@ -432,8 +438,9 @@ if has_command light; then
 	}' >"$work/record"
 	awk '$1 != "change" && $1 < 3000 || $2 < 3000 && $1 == "change"' "$work/record" >"$work/short"
 	wrong "light of nothing" "usage: inlay-calibrate light" light
+	"$INLAY" grab fisheye --config "$work/studio.conf" -o "$work/grabbed.png" 2>"$work/stderr"
 	failed_with "pictures that say no times" "says no exposure time (EXIF), expected --times" light \
-		response "$work/lit.png" "$work/lit.png" -o "$work/none.ini"
+		response "$work/grabbed.png" "$work/grabbed.png" -o "$work/none.ini"
 	printf '2 0.75 0.25 0\n2 0.75 0.25 0\n2 0.75 0.25 0\n' >"$work/camera.rsp"
 	check "the curve of another program" calibrate light response "$work/camera.rsp" -o "$work/rsp.ini"
 	check "is the response" grep -q '^response = 0 0.00' "$work/rsp.ini"
@@ -566,6 +573,14 @@ if has_command sky; then
 	equal "and says how long it was" "watched for 10 s" "$(grep -o 'watched for [0-9a-z ]*' "$work/short.fine")"
 	check "a longer watch" calibrate sky --live "$work/sky.conf" --watch 5min -o "$work/long.fine"
 	check "finds more, as they move" [ "$(wc -l <"$work/long.fine")" -gt "$(wc -l <"$work/short.fine")" ]
+	# files that may have no byte are as good as a full disk
+	full=$(
+		trap '' XFSZ
+		ulimit -f 0
+		"$INLAY_CALIBRATE" sky --live "$work/sky.conf" --watch 30s -o "$work/full.fine" 2>&1
+	)
+	check "a list that cannot be written does not end the watch" grep -q 'tried again in 10 minutes' <<<"$full"
+	absent "and is not written in parts" "$work/full.fine"
 	failed_with "a camera that is not there" "camera fisheye" sky --live <(sed \
 		's/^sim.view = fisheye/sim.source = files\nsim.file = none.png/' "$work/sky.conf") -o "$work/none.fine"
 	absent "leaves no list" "$work/none.fine"

@@ -152,6 +152,8 @@ unfit "the background" "$INLAY" still --config "$work/studio.conf" --background 
 unfit "a scene" "$INLAY_BAKE" render "$work/pipe" -o "$work/none.inlay"
 sed "1a file = pipe" "$work/box.scene" >"$work/camera.scene"
 unfit "a scene's camera" "$INLAY_BAKE" render "$work/camera.scene" -o "$work/none.inlay"
+cp "$work/background.png" "$work/exposure.png"
+unfit "a photograph" "$INLAY_CALIBRATE" light response "$work/pipe" "$work/exposure.png" -o "$work/none.ini"
 absent "pipes: nothing is left" "$out" "$work/none.inlay"
 check "what a command writes is read all the same" "$INLAY" still \
 	--config <(sed "s|^file = |file = $work/|" "$work/studio.conf") "${pictures[@]}" -o "$out"

@@ -2,9 +2,13 @@
 #include "bake/calibrate/bracket/light_exif.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include <libexif/exif-data.h>
+
+#include "hal/base/input.h"
 
 /* A rational or a short number of a tag; 0: not there. */
 static double number_of(ExifData *data, ExifTag tag)
@@ -25,13 +29,22 @@ static double number_of(ExifData *data, ExifTag tag)
 
 int light_exif_exposure(const char *path, double *exposure, struct fault *fault)
 {
-	ExifData *data = exif_data_new_from_file(path);
-	const double time = data ? number_of(data, EXIF_TAG_EXPOSURE_TIME) : 0;
-	const double iso = data ? number_of(data, EXIF_TAG_ISO_SPEED_RATINGS) : 0;
-	const double f_number = data ? number_of(data, EXIF_TAG_FNUMBER) : 0;
+	double time = 0, iso = 0, f_number = 0;
+	ExifData *data;
+	uint8_t *file;
+	size_t bytes;
+	const int err = input_read(path, UINT_MAX, &file, &bytes, fault);
 
-	if (data)
+	if (err)
+		return err;
+	data = exif_data_new_from_data(file, (unsigned)bytes);
+	free(file);
+	if (data) {
+		time = number_of(data, EXIF_TAG_EXPOSURE_TIME);
+		iso = number_of(data, EXIF_TAG_ISO_SPEED_RATINGS);
+		f_number = number_of(data, EXIF_TAG_FNUMBER);
 		exif_data_unref(data);
+	}
 	if (!(time > 0))
 		return fault_say(fault, -ENODATA,
 				 "%s: says no exposure time (EXIF), expected --times", path);

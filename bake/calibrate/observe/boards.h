@@ -85,7 +85,7 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
  * (r the radius, Z the distance, f in px): some hundredths of a pixel for small circles. Corners
  * have no such bias.
  *
- * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -EINVAL:
+ * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -ERANGE:
  * another size than the pictures before; -ENOMEM. On failure nothing is added.
  */
 int board_find(struct board *board, const struct image *picture, const char *name,

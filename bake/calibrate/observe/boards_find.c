@@ -32,7 +32,7 @@ static int check_size(const struct image *picture, const char *name, const struc
 {
 	if (!all->width || (all->width == picture->width && all->height == picture->height))
 		return 0;
-	return fault_say(fault, -EINVAL, "%s: is %dx%d, expected %dx%d as the pictures before it",
+	return fault_say(fault, -ERANGE, "%s: is %dx%d, expected %dx%d as the others: skipped",
 			 name, picture->width, picture->height, all->width, all->height);
 }
 

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,6 +66,11 @@ static int gather_image(struct gathering *all, const char *path, struct board *b
 		err = fault_say(fault, -EINVAL, "%s: expected an 8-bit picture, PNG or JPEG", path);
 	if (!err)
 		err = board_find(board, &picture, path, &all->seen, fault);
+	if (err == -ERANGE) {
+		all->misfits++;
+		all->misfit_width = picture.width;
+		all->misfit_height = picture.height;
+	}
 	if (!err && gather_keep(all, &picture))
 		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	image_free(&picture);
@@ -85,8 +91,13 @@ static int gather_boardless(struct gathering *all, const char *path)
 	return 0;
 }
 
+static bool is_skipped(int err)
+{
+	return err == -ENOENT || err == -ERANGE || err == -EBADMSG || err == -ENOTSUP;
+}
+
 /* Finds the board in the photographs of a pattern. *none holds the fault of the last photograph
- * without a board; the one before goes to the log. */
+ * that was skipped; the one before goes to the log. */
 static int gather_pattern(struct gathering *all, const char *pattern, struct board *board,
 			  struct fault *none, struct fault *fault)
 {
@@ -100,7 +111,7 @@ static int gather_pattern(struct gathering *all, const char *pattern, struct boa
 		struct fault why = {.text = ""};
 
 		err = gather_image(all, found.gl_pathv[k], board, &why);
-		if (err == -ENOENT) {
+		if (is_skipped(err)) {
 			if (none->text[0])
 				log_warning("%s", none->text);
 			*none = why;
@@ -115,14 +126,33 @@ static int gather_pattern(struct gathering *all, const char *pattern, struct boa
 	return err;
 }
 
+static int gather_patterns(struct gathering *all, char *const *patterns, int count,
+			   struct board *board, struct fault *none, struct fault *fault)
+{
+	int err = 0;
+
+	for (int k = 0; k < count && !err; k++)
+		err = gather_pattern(all, patterns[k], board, none, fault);
+	return err;
+}
+
 int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
 		  struct fault *fault)
 {
 	struct fault none = {.text = ""};
-	int err = 0;
+	int err = gather_patterns(all, patterns, count, board, &none, fault);
 
-	for (int k = 0; k < count && !err; k++)
-		err = gather_pattern(all, patterns[k], board, &none, fault);
+	/* the first with a board may be the one that does not fit the others */
+	if (!err && all->misfits > all->seen.views) {
+		const int width = all->misfit_width, height = all->misfit_height;
+
+		log_info("most photographs are %dx%d: these count", width, height);
+		none = (struct fault){.text = ""};
+		gather_free(all);
+		all->seen.width = width;
+		all->seen.height = height;
+		err = gather_patterns(all, patterns, count, board, &none, fault);
+	}
 	if (!err && !all->seen.count)
 		return fault_say(fault, -ENOENT, "%s", none.text);
 	if (none.text[0])

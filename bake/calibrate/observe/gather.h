@@ -9,8 +9,9 @@
 
 struct gathering {
 	struct observations seen;
-	struct observed_view *boardless; /* [boardlesses]: photographs without the board */
+	struct observed_view *boardless; /* [boardlesses]: photographs that are skipped */
 	int boardlesses;
+	int misfits, misfit_width, misfit_height; /* those of another size; the size of the last */
 	struct image *picture; /* [pictures]: the photograph of each view; NULL for points */
 	int pictures;
 };
@@ -21,9 +22,9 @@ int gather_points(struct gathering *all, char *const *paths, int count,
 
 /*
  * Finds the board in photographs, each as one view. A pattern is a file name or a shell pattern.
- * Photographs without the board are named in the log and skipped, but keep their numbers. -ENOENT: no such file, or the
- * board is in none of them (the fault says why for the last); else as image_read() and
- * board_find().
+ * Photographs without the board, of another size than most, damaged, or of a kind that is not read, are named in
+ * the log and skipped, but keep their numbers. -ENOENT: no such file, or the board is in none of them (the fault
+ * says why for the last); else as image_read() and board_find().
  */
 int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
 		  struct fault *fault);
@@ -40,7 +41,7 @@ int gather_live(struct gathering *all, const char *config, enum live_view view, 
 int gather_keep(struct gathering *all, struct image *picture);
 
 /*
- * Finds the view with this number (from 1, counting photographs without the board, too) or file
+ * Finds the view with this number (from 1, counting those that are skipped, too) or file
  * name. Returns its index; -ENOENT: the photograph of that number or name shows no board, and
  * *boardless becomes its file name; -EINVAL: there is none.
  */

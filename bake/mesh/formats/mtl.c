@@ -6,10 +6,11 @@
 #include <string.h>
 
 #include "bake/mesh/formats/soup.h"
-#include "bake/mesh/plain_file.h"
+#include "hal/base/input.h"
 #include "hal/base/log.h"
 
 #define LIBRARY_MAX ((uint64_t)64 << 20) /* bytes */
+#define A_BYTE 48.0			 /* memory that a byte of text takes at most */
 #define PLASTIC 0.08f			 /* a coat's reflectance for Ks = 1, as in Blender */
 #define UNSAID (-1.0f)
 
@@ -246,19 +247,28 @@ static void library_settle_tr(struct mtl_library *library, int first, bool meshl
 	}
 }
 
-int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
+int mtl_read(struct mtl_library *library, const char *path, struct budget *budget,
+	     struct fault *fault)
 {
 	static const char mark[] = "# Blender ", other_mark[] = "# Converted by Meshlab";
 	const int first = library->count;
 	struct mtl_text text = {.path = path, .fault = fault, .library = library};
 	struct text_span line;
-	struct plain_map file;
-	bool blender = false, meshlab = false;
-	int err = plain_file_map(&file, path, LIBRARY_MAX, fault);
+	uint8_t *file;
+	size_t bytes;
+	bool blender = false, meshlab = false, known = false;
+	int err;
 
+	if (library->count && !strcmp(library->materials[library->count - 1].by, path))
+		return 0;
+	for (int k = 0; k < library->count && !known; k++)
+		known = strcmp(library->materials[k].by, path) == 0;
+	err = input_read(path, LIBRARY_MAX, &file, &bytes, fault);
 	if (err)
 		return err;
-	text_begin(&text.lines, file.at, file.bytes);
+	budget->file_bytes += known ? 0 : bytes;
+	err = budget_take(budget, A_BYTE * (double)bytes, path, fault);
+	text_begin(&text.lines, (const char *)file, bytes);
 	while (!err && text_next_joined(&text.lines, &line)) {
 		struct text_span rest = line;
 
@@ -270,7 +280,7 @@ int mtl_read(struct mtl_library *library, const char *path, struct fault *fault)
 			err = read_statement(&text, line);
 	}
 	text_end(&text.lines);
-	plain_file_unmap(&file);
+	free(file);
 	library_settle_tr(library, first, meshlab);
 	return err;
 }

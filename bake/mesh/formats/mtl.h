@@ -26,9 +26,10 @@ struct mtl_library {
 	int line; /* of the statement that names the file which is read next */
 };
 
-/* Adds the materials of a file. -EBADMSG: a statement without its numbers; the fault names file and
- * line. */
-int mtl_read(struct mtl_library *library, const char *path, struct fault *fault);
+/* Adds the materials of a file, unless it was the last one, too. -EFBIG: all files together take more than
+ * the mesh's budget; -EBADMSG: a statement without its numbers; the fault names file and line. */
+int mtl_read(struct mtl_library *library, const char *path, struct budget *budget,
+	     struct fault *fault);
 
 /* Returns the number of a material for a line; -1: there is none of this name, in any case of letters. Of
  * several, one that is spelt alike counts before others, then that of the last file named above the line,

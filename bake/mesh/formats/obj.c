@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +9,6 @@
 #include "bake/mesh/formats/mtl.h"
 #include "bake/mesh/formats/soup.h"
 #include "bake/mesh/formats/text.h"
-#include "bake/mesh/plain_file.h"
 
 /* Rows of numbers: positions in double precision, texture coordinates, normals, colours. */
 struct obj_rows {
@@ -156,7 +156,8 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 	found = beside_find(obj->soup.path, text, path);
 	free(text);
 	obj->library.line = obj->soup.lines.line;
-	return found ? mtl_read(&obj->library, path, obj->soup.fault) : -ENOENT;
+	return found ? mtl_read(&obj->library, path, &obj->soup.textures.budget, obj->soup.fault)
+		     : -ENOENT;
 }
 
 /* The rest of the line is the name of one library, which may have blanks, or of several. In place of
@@ -357,7 +358,7 @@ static int obj_pass(struct obj *obj, bool first)
 	struct text_span line;
 	int err = 0;
 
-	text_begin(&obj->soup.lines, obj->soup.file.at, obj->soup.file.bytes);
+	text_begin(&obj->soup.lines, (const char *)obj->soup.file, obj->soup.bytes);
 	while (!err && text_next_joined(&obj->soup.lines, &line))
 		err = obj_line(obj, first, line);
 	text_end(&obj->soup.lines);

@@ -9,7 +9,9 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "bake/mesh/formats/ears.h"
 #include "bake/mesh/mesh_normals.h"
+#include "hal/base/input.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/vec.h"
 
@@ -35,8 +37,9 @@ int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool mater
 			      .fault = fault,
 			      .with_materials = materials,
 			      .textures = {.mesh = mesh, .mesh_path = path, .fault = fault}};
-	err = plain_file_map(&soup->file, path, PLAIN_FILE_MAX, fault);
-	text_begin(&soup->lines, soup->file.at, soup->file.bytes);
+	err = input_read(path, INPUT_MAX, &soup->file, &soup->bytes, fault);
+	text_begin(&soup->lines, (const char *)soup->file, soup->bytes);
+	soup->textures.budget.file_bytes = soup->bytes;
 	return err;
 }
 
@@ -200,27 +203,9 @@ static int soup_add_triangle(struct soup *soup, struct soup_part *part, const st
 
 /* ---- polygons ---- */
 
-/* A polygon seen along the axis that its normal is nearest to, turned counter-clockwise. */
-struct polygon {
-	const struct soup_corner *corner;
-	int x, y;    /* axes of the picture */
-	double sign; /* of y */
-};
-
-static double twice_area(const struct polygon *p, int a, int b, int c)
-{
-	const double *pa = p->corner[a].position, *pb = p->corner[b].position,
-		     *pc = p->corner[c].position;
-	const double bx = pb[p->x] - pa[p->x];
-	const double by = pb[p->y] - pa[p->y];
-	const double cx = pc[p->x] - pa[p->x];
-	const double cy = pc[p->y] - pa[p->y];
-
-	return p->sign * (bx * cy - by * cx);
-}
-
-/* Newell's normal, whose length is twice the area. */
-static struct polygon polygon_seen(const struct soup_corner *corner, int count)
+/* Sees a polygon along the axis that its normal is nearest to, turned counter-clockwise. The normal is
+ * Newell's, whose length is twice the area. */
+static void polygon_see(const struct soup_corner *corner, int count, double (*at)[2])
 {
 	double normal[3] = {0, 0, 0};
 	int axis = 2;
@@ -239,96 +224,50 @@ static struct polygon polygon_seen(const struct soup_corner *corner, int count)
 	for (int i = 0; i < 2; i++)
 		if (fabs(normal[i]) > fabs(normal[axis]))
 			axis = i;
-	return (struct polygon){corner, (axis + 1) % 3, (axis + 2) % 3, normal[axis] < 0 ? -1 : 1};
-}
+	for (int k = 0; k < count; k++) {
+		const double y = corner[k].position[(axis + 2) % 3];
 
-static bool same_place(const struct polygon *p, int a, int b)
-{
-	return memcmp(p->corner[a].position, p->corner[b].position,
-		      sizeof(p->corner[a].position)) == 0;
-}
-
-/* Whether no other corner lies in the triangle of corner k and its neighbours. Corners at the place
- * of one of the three do not count: bridges to holes have them. */
-static bool is_ear(const struct polygon *p, const int *left, int count, int k)
-{
-	const int a = left[(k + count - 1) % count], b = left[k], c = left[(k + 1) % count];
-
-	if (twice_area(p, a, b, c) <= 0)
-		return false;
-	for (int i = 0; i < count; i++) {
-		const int q = left[i];
-
-		if (q == a || q == b || q == c || same_place(p, q, a) || same_place(p, q, b) ||
-		    same_place(p, q, c))
-			continue;
-		if (twice_area(p, a, b, q) >= 0 && twice_area(p, b, c, q) >= 0 &&
-		    twice_area(p, c, a, q) >= 0)
-			return false;
+		at[k][0] = corner[k].position[(axis + 1) % 3];
+		at[k][1] = normal[axis] < 0 ? -y : y;
 	}
-	return true;
 }
 
-static bool is_convex(const struct polygon *p, int count)
+static bool polygon_room(struct soup *soup, int count)
 {
-	for (int k = 0; k < count; k++)
-		if (twice_area(p, k, (k + 1) % count, (k + 2) % count) < 0)
-			return false;
-	return true;
-}
+	void *at, *cut;
 
-/* Returns the corner that may be cut off: an ear; where no ear is found, because the polygon crosses
- * itself or has no area, any. */
-static int find_ear(const struct polygon *p, const int *left, int count, int from)
-{
-	for (int k = 0; k < count; k++)
-		if (is_ear(p, left, count, (from + k) % count))
-			return (from + k) % count;
-	return from % count;
-}
-
-static int cut_ears(struct soup *soup, struct soup_part *part, const struct polygon *p, int count,
-		    unsigned has)
-{
-	const struct soup_corner *corner = p->corner;
-	int err = 0, *left, ear = 1;
-
-	if (count > soup->left_room) {
-		left = realloc(soup->left, (size_t)count * sizeof(*left));
-		if (!left)
-			return soup_lack(soup);
-		soup->left = left;
-		soup->left_room = count;
-	}
-	left = soup->left;
-	for (int k = 0; k < count; k++)
-		left[k] = k;
-	for (; count >= 3 && !err; count--) {
-		ear = find_ear(p, left, count, ear);
-		err = soup_add_triangle(soup, part, &corner[left[(ear + count - 1) % count]],
-					&corner[left[ear]], &corner[left[(ear + 1) % count]], has);
-		memmove(left + ear, left + ear + 1, (size_t)(count - ear - 1) * sizeof(*left));
-	}
-	return err;
+	if (count <= soup->polygon_room)
+		return true;
+	at = realloc(soup->at, (size_t)count * sizeof(*soup->at));
+	soup->at = at ? at : soup->at;
+	cut = realloc(soup->cut, (size_t)count * sizeof(*soup->cut));
+	soup->cut = cut ? cut : soup->cut;
+	soup->polygon_room = at && cut ? count : soup->polygon_room;
+	return at && cut;
 }
 
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
 	     unsigned has)
 {
 	struct soup_part *part = soup_part_of(soup, material, has);
-	struct polygon p;
+	bool fan = true;
 	int err = 0;
 
-	if (!part)
+	if (!part || !polygon_room(soup, count))
 		return soup_lack(soup);
 	part->has |= has;
 	if (count > 3) {
-		p = polygon_seen(corners, count);
-		if (!is_convex(&p, count))
-			return cut_ears(soup, part, &p, count, has);
+		polygon_see(corners, count, soup->at);
+		fan = ears_convex((const double(*)[2])soup->at, count);
 	}
-	for (int k = 1; k + 1 < count && !err; k++)
-		err = soup_add_triangle(soup, part, &corners[0], &corners[k], &corners[k + 1], has);
+	if (!fan && ears_cut((const double(*)[2])soup->at, count, soup->cut))
+		return soup_lack(soup);
+	for (int k = 0; k + 2 < count && !err; k++) {
+		const int *cut = fan ? (int[]){0, k + 1, k + 2} : soup->cut[k];
+
+		err = soup_add_triangle(soup, part, &corners[cut[0]], &corners[cut[1]],
+					&corners[cut[2]], has);
+	}
 	return err;
 }
 
@@ -405,9 +344,10 @@ int soup_close(struct soup *soup, int err)
 		free(soup->parts[k].triangle);
 	}
 	free(soup->parts);
-	free(soup->left);
+	free(soup->at);
+	free(soup->cut);
 	textures_free(&soup->textures);
 	text_end(&soup->lines);
-	plain_file_unmap(&soup->file);
+	free(soup->file);
 	return err;
 }

@@ -9,7 +9,6 @@
 #include "bake/mesh/formats/text.h"
 #include "bake/mesh/formats/textures.h"
 #include "bake/mesh/left_out.h"
-#include "bake/mesh/plain_file.h"
 
 /* Without padding: corners are compared as bytes. */
 struct soup_corner {
@@ -47,14 +46,17 @@ struct soup {
 	const char *path; /* for messages */
 	struct fault *fault;
 	bool with_materials;
-	struct plain_map file;
+	uint8_t *file; /* whole */
+	size_t bytes;
 	struct text_lines lines;  /* of the whole file, from the beginning */
 	struct textures textures; /* and the mesh */
 	struct left_out out;
 	struct soup_part *parts;
 	int part_count, last;
-	bool placed;	      /* the mesh has its origin */
-	int *left, left_room; /* corners of the polygon that is being cut */
+	bool placed; /* the mesh has its origin */
+	/* Corners of a polygon in its plane, and its triangles. */
+	double (*at)[2];
+	int (*cut)[3], polygon_room;
 };
 
 /* Opens a file for a zeroed mesh. soup_close() also after a failure. */

@@ -2,6 +2,7 @@
 #include <endian.h>
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -29,16 +30,17 @@ static uint32_t stl_word(const char *at)
 
 /* Binary files may begin with "solid" like text. What counts is whether the triangles that are
  * announced fit; bytes may follow them. */
-static bool stl_is_binary(const struct plain_map *file)
+static bool stl_is_binary(const struct soup *soup)
 {
-	const uint64_t bytes = file->bytes;
+	const char *at = (const char *)soup->file;
+	const uint64_t bytes = soup->bytes;
 
 	if (bytes < HEADER_BYTES)
 		return false;
-	if (strncasecmp(file->at, "solid", 5) != 0)
+	if (strncasecmp(at, "solid", 5) != 0)
 		return true;
-	return HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * stl_word(file->at + 80) <= bytes &&
-	       (memchr(file->at, '\0', HEADER_BYTES) || !memmem(file->at, bytes, "facet", 5));
+	return HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * stl_word(at + 80) <= bytes &&
+	       (memchr(at, '\0', HEADER_BYTES) || !memmem(at, bytes, "facet", 5));
 }
 
 static int stl_corner(const struct stl *stl, struct soup_corner *corner, int line, uint64_t vertex)
@@ -56,18 +58,18 @@ static int stl_corner(const struct stl *stl, struct soup_corner *corner, int lin
 	return 0;
 }
 
-static int stl_read_binary(struct stl *stl, const struct plain_map *file)
+static int stl_read_binary(struct stl *stl)
 {
-	const uint32_t count = stl_word(file->at + 80);
-	const char *at = file->at + HEADER_BYTES;
+	const char *at = (const char *)stl->soup.file + HEADER_BYTES;
+	const uint32_t count = stl_word(at - 4);
 	int err = 0;
 
-	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > file->bytes)
+	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > stl->soup.bytes)
 		return fault_say(stl->soup.fault, -EBADMSG,
 				 "%s: it ends in triangle %zu, expected %u of them: damaged or cut "
 				 "short",
-				 stl->soup.path, (file->bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
-				 count);
+				 stl->soup.path,
+				 (stl->soup.bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1, count);
 	for (uint32_t t = 0; t < count && !err; t++, at += TRIANGLE_BYTES) {
 		struct soup_corner corner[3] = {{.uv = {0}}};
 
@@ -147,8 +149,8 @@ int stl_read(struct mesh *mesh, const char *path, double crease_deg, bool materi
 	int err = soup_open(&stl.soup, mesh, path, materials, fault);
 
 	if (!err)
-		err = stl_is_binary(&stl.soup.file) ? stl_read_binary(&stl, &stl.soup.file)
-						    : stl_read_text(&stl, &stl.soup.lines);
+		err = stl_is_binary(&stl.soup) ? stl_read_binary(&stl)
+					       : stl_read_text(&stl, &stl.soup.lines);
 	err = err ? err : soup_finish(&stl.soup, crease_deg);
 	if (!err && materials) {
 		mesh->materials = calloc(1, sizeof(*mesh->materials));

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "bake/base/picture_file.h"
 #include "bake/mesh/formats/beside.h"
-#include "bake/mesh/plain_file.h"
 
 #define BLUE_LEAST 32 /* of 255: what a map of normals has more of blue than of red, on the mean */
 
@@ -35,17 +35,8 @@ static int texture_find(const struct textures *textures, const struct texture_na
 /* Reads a picture, if there is a path. */
 static int read_picture(const char *path, struct image *image, struct fault *fault)
 {
-	FILE *file;
-	int err;
-
 	*image = (struct image){.width = 0};
-	if (!path[0])
-		return 0;
-	err = plain_file_open(&file, path, PLAIN_FILE_MAX, fault);
-	if (err)
-		return err;
-	fclose(file);
-	return picture_file_read(path, image, fault);
+	return path[0] ? picture_file_read(path, image, fault) : 0;
 }
 
 /* Value of a channel, 0..255. */
@@ -207,6 +198,32 @@ static int texture_fill(struct texture *texture, enum texture_kind kind, struct 
 	return picture_file_decode(&texture->image, kind == TEXTURE_OF_DATA);
 }
 
+/* Reads the pictures of a texture that has just been added, and takes the memory of one as large as both. A
+ * file of several textures counts once. */
+static int textures_read(struct textures *textures, const char path[2][PATH_MAX],
+			 struct image picture[2])
+{
+	double width = 0, height = 0, pixel = 4;
+	struct stat about;
+	int err = 0;
+
+	for (int k = 0; k < 2 && !err; k++) {
+		bool known = !path[k][0];
+
+		for (int other = 0; other + 1 < textures->mesh->texture_count && !known; other++)
+			known = strstr(textures->key[other], path[k]);
+		if (!known && stat(path[k], &about) == 0)
+			textures->budget.file_bytes += (uint64_t)about.st_size;
+		err = read_picture(path[k], &picture[k], textures->fault);
+		width = fmax(width, picture[k].width);
+		height = fmax(height, picture[k].height);
+		pixel = picture[k].u8 || !picture[k].width ? pixel : 3 * sizeof(float) + 1;
+	}
+	return err ? err
+		   : budget_take(&textures->budget, width * height * pixel, textures->mesh_path,
+				 textures->fault);
+}
+
 int textures_get(struct textures *textures, enum texture_kind kind,
 		 const struct texture_name *first, const struct texture_name *second,
 		 enum texture_wrap wrap, const struct texture **texture)
@@ -220,8 +237,8 @@ int textures_get(struct textures *textures, enum texture_kind kind,
 		err = texture_find(textures, second, path[1]);
 	if (!err)
 		err = textures_take(textures, path, kind, wrap, texture, &added);
-	for (int k = 0; k < 2 && added && !err; k++)
-		err = read_picture(path[k], &picture[k], textures->fault);
+	if (added && !err)
+		err = textures_read(textures, path, picture);
 	if (added && !err && texture_fill(added, kind, picture) < 0)
 		err = texture_lack(textures);
 	image_free(&picture[0]);

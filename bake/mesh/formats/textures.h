@@ -4,13 +4,15 @@
 #define INLAY_BAKE_MESH_FORMATS_TEXTURES_H
 
 #include "bake/mesh/mesh.h"
+#include "hal/base/budget.h"
 
 struct textures {
 	struct mesh *mesh; /* which owns them */
 	const char
 		*mesh_path; /* pictures are beside the file that names them, or beside this one */
 	struct fault *fault;
-	char **key; /* [mesh->texture_count]: what each is made of */
+	char **key;	      /* [mesh->texture_count]: what each is made of */
+	struct budget budget; /* of the mesh's file and of its pictures */
 };
 
 /* A name in a file, for messages and to find the picture. */

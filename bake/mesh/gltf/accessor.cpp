@@ -17,9 +17,6 @@ enum Component : size_t {
 	FLOAT = 5126,
 };
 
-constexpr size_t values_max = 512u << 20; /* numbers of an accessor */
-constexpr size_t zeros_max = 4u << 20;	  /* elements of an accessor without bytes */
-
 static size_t component_bytes(const Json &accessor, size_t type)
 {
 	switch (type) {
@@ -37,11 +34,10 @@ static size_t component_bytes(const Json &accessor, size_t type)
 	}
 }
 
-/* The most elements that an accessor may have: one without bytes costs a hostile file nothing. */
-static size_t count_most(const Json &accessor, size_t components)
+/* Lends the memory of numbers: an accessor without bytes costs a hostile file nothing. */
+static void lend_values(Document &document, size_t count)
 {
-	return find(accessor, "bufferView") ? std::min(elements_max, values_max / components)
-					    : zeros_max;
+	document.lend(static_cast<double>(count) * sizeof(float));
 }
 
 static size_t component_count(const Json &accessor)
@@ -70,7 +66,7 @@ static Elements find_elements(Document &document, const Json &of, size_t count, 
 {
 	const size_t index = document.index(needed(of, "bufferView"), "bufferViews");
 	const View view = document.view(index);
-	const size_t offset = whole(of, "byteOffset", PLAIN_FILE_MAX, 0);
+	const size_t offset = whole(of, "byteOffset", INPUT_MAX, 0);
 	const size_t stride = view.stride ? view.stride : bytes;
 
 	if (offset > view.bytes.count ||
@@ -177,7 +173,7 @@ Values read_values(Document &document, size_t index)
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t components = component_count(accessor);
 	const size_t bytes = component_bytes(accessor, type) * components;
-	const size_t count = whole(accessor, "count", count_most(accessor, components));
+	const size_t count = whole(accessor, "count", elements_max);
 	const bool normalized = truth(accessor, "normalized", false);
 	const Json *sparse = find(accessor, "sparse");
 	Values out = {count, components, {}};
@@ -185,6 +181,7 @@ Values read_values(Document &document, size_t index)
 
 	if (find(accessor, "bufferView"))
 		from = find_elements(document, accessor, count, bytes);
+	lend_values(document, count * components);
 	out.value.resize(count * components); /* 0 where nothing says otherwise */
 	convert_any(from, type, components, normalized, out.value.data());
 	if (!sparse)
@@ -205,15 +202,17 @@ std::vector<uint32_t> read_indices(Document &document, size_t index)
 	const Json &accessor = document.item("accessors", index);
 	const size_t type = whole(accessor, "componentType", 65535);
 	const size_t bytes = component_bytes(accessor, type);
-	const size_t count = whole(accessor, "count", count_most(accessor, 1));
+	const size_t count = whole(accessor, "count", elements_max);
 	const Json *sparse = find(accessor, "sparse");
-	std::vector<uint32_t> out(count);
+	std::vector<uint32_t> out;
 
 	if (component_count(accessor) != 1)
 		fail_at(accessor, -EBADMSG, "expected type \"SCALAR\" for indices");
+	lend_values(document, count);
 	if (find(accessor, "bufferView"))
 		out = whole_elements(accessor, find_elements(document, accessor, count, bytes),
 				     type);
+	out.resize(count);
 	if (!sparse)
 		return out;
 

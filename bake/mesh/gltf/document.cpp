@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <limits>
 
@@ -14,9 +15,6 @@ namespace gltf
 {
 
 constexpr int depth_max = 64; /* meshes need about 10, besides their "extras" */
-/* Far above what the codecs of meshoptimizer reach; bounds the memory that a hostile file can ask
- * for. */
-constexpr size_t expansion_max = 256;
 constexpr uint32_t chunk_json = 0x4e4f534a, chunk_binary = 0x004e4942; /* "JSON", "BIN\0" */
 
 /* ---- members ---- */
@@ -235,16 +233,34 @@ static std::vector<uint8_t> data_decode(const Json &uri, const std::string &text
 
 /* ---- the file ---- */
 
-Bytes Document::map(const std::string &file)
+Bytes Document::file(const std::string &name)
 {
 	fault why = {""};
-	plain_map mapped;
-	const int err = plain_file_map(&mapped, file.c_str(), PLAIN_FILE_MAX, &why);
+	const auto added = files.try_emplace(name, nullptr, 0);
+	auto &[data, bytes] = added.first->second;
+	const int err = added.second ? input_read(name.c_str(), INPUT_MAX, &data, &bytes, &why) : 0;
 
 	if (err)
 		throw Failure(err, why.text);
-	maps.push_back(mapped);
-	return {reinterpret_cast<const uint8_t *>(mapped.at), mapped.bytes};
+	if (added.second)
+		memory.file_bytes += bytes;
+	return {data, bytes};
+}
+
+void Document::lend(double bytes)
+{
+	fault why = {""};
+
+	lent += bytes;
+	if (budget_fits(&memory, lent, path.c_str(), &why))
+		throw Failure(-EFBIG, why.text);
+}
+
+void Document::take(double bytes)
+{
+	lend(bytes);
+	lent -= bytes;
+	memory.taken += bytes;
 }
 
 static uint32_t little32(const uint8_t *at)
@@ -261,9 +277,8 @@ static uint32_t little32(const uint8_t *at)
 }
 
 /* Finds the chunks of a GLB: a header of 12 bytes, then chunks, each with its length and type. */
-void Document::read_glb()
+void Document::read_glb(Bytes file)
 {
-	Bytes file = {reinterpret_cast<const uint8_t *>(maps[0].at), maps[0].bytes};
 	Bytes json = {nullptr, 0};
 	size_t at = 12;
 
@@ -319,12 +334,12 @@ void Document::parse(Bytes json)
 		throw Failure(-EBADMSG, "its JSON is no object, expected a glTF");
 }
 
-Document::Document(const std::string &file) : path(file)
+Document::Document(const std::string &name) : path(name)
 {
-	const Bytes whole_file = map(path);
+	const Bytes whole_file = file(path);
 
 	if (whole_file.count >= 4 && memcmp(whole_file.at, "glTF", 4) == 0)
-		read_glb();
+		read_glb(whole_file);
 	else
 		parse(whole_file);
 	buffers.resize(count("buffers"));
@@ -333,8 +348,8 @@ Document::Document(const std::string &file) : path(file)
 
 Document::~Document()
 {
-	for (plain_map &mapped : maps)
-		plain_file_unmap(&mapped);
+	for (auto &read : files)
+		free(read.second.first);
 }
 
 size_t Document::count(const char *array) const
@@ -383,7 +398,7 @@ Bytes Document::resource(const Json &uri, std::vector<uint8_t> &decoded, std::st
 	std::replace(name.begin(), name.end(), '\\', '/');
 	if (name.compare(0, 1, "/") != 0)
 		name.insert(0, path, 0, path.rfind('/') + 1);
-	return map(name);
+	return file(name);
 }
 
 Bytes Document::buffer(size_t index)
@@ -394,7 +409,7 @@ Bytes Document::buffer(size_t index)
 	if (b.loaded)
 		return b.bytes;
 
-	const size_t bytes = whole(what, "byteLength", PLAIN_FILE_MAX);
+	const size_t bytes = whole(what, "byteLength", INPUT_MAX);
 	const Json *uri = find(what, "uri");
 	std::string name = path;
 
@@ -418,8 +433,8 @@ Bytes Document::part(const Json &view)
 {
 	const size_t number = index(needed(view, "buffer"), "buffers");
 	const Bytes all = buffer(number);
-	const size_t offset = whole(view, "byteOffset", PLAIN_FILE_MAX, 0);
-	const size_t bytes = whole(view, "byteLength", PLAIN_FILE_MAX);
+	const size_t offset = whole(view, "byteOffset", INPUT_MAX, 0);
+	const size_t bytes = whole(view, "byteLength", INPUT_MAX);
 
 	if (offset > all.count || bytes > all.count - offset)
 		fail_at(view, -EBADMSG,
@@ -446,10 +461,7 @@ void Document::decompress(const Json &how, std::vector<uint8_t> &out)
 		fail_at(how, -EBADMSG, "byteStride " + std::to_string(stride));
 	if (triangles && elements % 3)
 		fail_at(how, -EBADMSG, "count " + std::to_string(elements) + " of triangles");
-	if (elements * stride / expansion_max > from.count)
-		fail_at(how, -EBADMSG,
-			std::to_string(from.count) + " bytes cannot hold " +
-				std::to_string(elements) + " elements");
+	take(static_cast<double>(elements) * static_cast<double>(stride));
 	out.resize(std::max<size_t>(elements * stride, 1));
 	err = vertices ? meshopt_decodeVertexBuffer(out.data(), elements, stride, from.at,
 						    from.count)

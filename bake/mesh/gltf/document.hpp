@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -17,7 +18,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 extern "C" {
-#include "bake/mesh/plain_file.h"
+#include "hal/base/budget.h"
+#include "hal/base/input.h"
 }
 
 namespace gltf
@@ -106,6 +108,11 @@ class Document
 
 	View view(size_t index);
 
+	/* Takes memory that is kept, or lends some until the caller sets `lent` back. */
+	void take(double bytes);
+	void lend(double bytes);
+	double lent = 0;
+
 	/* The file of an image: its name for messages, and its bytes. */
 	Bytes image(const Json &image, std::string &name);
 
@@ -116,16 +123,17 @@ class Document
 		std::vector<uint8_t> decoded;
 	};
 
-	void read_glb();
+	void read_glb(Bytes whole_file);
 	void parse(Bytes json);
-	Bytes map(const std::string &file);
+	Bytes file(const std::string &name);
 	Bytes resource(const Json &uri, std::vector<uint8_t> &decoded, std::string &name);
 	Bytes buffer(size_t index);
 	Bytes part(const Json &view);
 	void decompress(const Json &how, std::vector<uint8_t> &out);
 
-	std::vector<plain_map> maps; /* of all files; the first is the document */
-	Bytes binary = {nullptr, 0}; /* of a GLB */
+	budget memory = {};
+	std::map<std::string, std::pair<uint8_t *, size_t>> files; /* that are read, by name */
+	Bytes binary = {nullptr, 0};				   /* of a GLB */
 	std::vector<Buffer> buffers;
 	std::vector<std::vector<uint8_t>> decompressed; /* views */
 	std::vector<std::vector<uint8_t>> pictures;	/* of data URIs */

@@ -7,10 +7,35 @@
 #include <cmath>
 
 #include <draco/compression/decode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
+#include <draco/metadata/metadata_decoder.h>
 
 namespace gltf
 {
+
+/* Lends the memory that the decoder allocates by the numbers of faces and points, which it believes. */
+static void lend_claimed(Document &document, const Json &extension, draco::DecoderBuffer buffer)
+{
+	draco::DracoHeader header;
+	draco::GeometryMetadata metadata;
+	uint32_t first = 0, second = 0;
+	uint8_t traversal;
+	bool fine = draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok();
+
+	if (fine && (header.version_major != 2 || header.version_minor != 2))
+		fail_at(extension, -ENOTSUP,
+			"Draco's format " + std::to_string(header.version_major) + "." +
+				std::to_string(header.version_minor) + ", expected 2.2");
+	buffer.set_bitstream_version(DRACO_BITSTREAM_VERSION(2, 2));
+	if (fine && header.flags & METADATA_FLAG_MASK)
+		fine = draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata);
+	if (fine && header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING)
+		fine = buffer.Decode(&traversal);
+	if (fine && draco::DecodeVarint(&first, &buffer) && draco::DecodeVarint(&second, &buffer))
+		document.lend(128.0 * (static_cast<double>(first) + static_cast<double>(second)));
+}
 
 Compressed::Compressed(Document &document, const Json &extension)
     : attributes(needed(extension, "attributes"))
@@ -21,6 +46,7 @@ Compressed::Compressed(Document &document, const Json &extension)
 	draco::Decoder decoder;
 
 	buffer.Init(reinterpret_cast<const char *>(from.at), from.count);
+	lend_claimed(document, extension, buffer);
 	auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
 	if (!decoded.ok())
 		fail_at(extension, -EBADMSG,

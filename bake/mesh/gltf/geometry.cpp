@@ -177,6 +177,10 @@ static Influences read_influences(Attributes &attributes, size_t vertices)
 		weight.push_back(attributes.vertex_values("WEIGHTS_" + number, vertices, 4, 4));
 	}
 	out.each = 4 * joint.size();
+	if (!out.each)
+		return out;
+	out.joint.reserve(vertices * out.each);
+	out.weight.reserve(vertices * out.each);
 	for (size_t k = 0; k < vertices; k++)
 		for (size_t set = 0; set < joint.size(); set++)
 			for (size_t c = 4 * k; c < 4 * k + 4; c++) {
@@ -184,6 +188,40 @@ static Influences read_influences(Attributes &attributes, size_t vertices)
 				out.weight.push_back(weight[set].value[c]);
 			}
 	return out;
+}
+
+/* Moves the values of the vertices that are kept to their new numbers, which are no greater. */
+static void keep_values(std::vector<float> &values, const std::vector<uint32_t> &number,
+			size_t used)
+{
+	const size_t each = values.size() / number.size();
+
+	for (size_t v = 0; v < number.size(); v++)
+		if (number[v] != UINT32_MAX)
+			std::copy_n(values.begin() + static_cast<ptrdiff_t>(v * each), each,
+				    values.begin() + static_cast<ptrdiff_t>(number[v] * each));
+	values.resize(used * each);
+	values.shrink_to_fit();
+}
+
+/* Forgets the vertices that no triangle uses: many primitives may share the arrays of all of them. */
+static void keep_used(Geometry &of)
+{
+	std::vector<uint32_t> number(of.vertices, UINT32_MAX);
+	uint32_t used = 0;
+
+	for (uint32_t corner : of.corners)
+		number[corner] = 0;
+	for (uint32_t &n : number)
+		n = n == UINT32_MAX ? n : used++;
+	if (used == of.vertices)
+		return;
+	for (uint32_t &corner : of.corners)
+		corner = number[corner];
+	for (auto *values : {&of.position, &of.normal, &of.tangent, &of.uv[0], &of.uv[1],
+			     &of.colour, &of.influences.joint, &of.influences.weight})
+		keep_values(*values, number, used);
+	of.vertices = used;
 }
 
 Geometry read_geometry(Document &document, const Json &primitive,
@@ -214,6 +252,7 @@ Geometry read_geometry(Document &document, const Json &primitive,
 		out.colour = read_colour(attributes, out.vertices);
 	out.influences = read_influences(attributes, out.vertices);
 	out.corners = read_triangles(attributes, primitive, out.vertices);
+	keep_used(out);
 	return out;
 }
 

@@ -168,6 +168,8 @@ void Reader::add_part(const Geometry &from, const Matrix &place, int material)
 	const size_t count = from.corners.size() / 3;
 	const bool mirrored = determinant(place) < 0;
 
+	document.take(static_cast<double>(count) * (from.normal.empty() ? 192 : 12) +
+		      static_cast<double>(from.vertices) * 64);
 	triangles += count;
 	if (triangles > triangles_max || from.vertices > INT_MAX / 4)
 		throw Failure(-EFBIG, "more than " + std::to_string(triangles_max) +
@@ -288,6 +290,7 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 			   const std::vector<Matrix> &places)
 {
 	const size_t mode = whole(primitive, "mode", MODE_MOST, TRIANGLES);
+	const double lent = document.lent;
 	const Json *skin = find(node, "skin");
 
 	if (mode < TRIANGLES) {
@@ -314,11 +317,13 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 			add_place(geometry, matrix_identity, used);
 		else
 			add_place(geometry, place, materials.use(primitive, scale_of(place)));
+	document.lent = lent;
 }
 
 void Reader::add_node(const Json &node, const Matrix &global)
 {
 	const Json *index = find(node, "mesh");
+	const double lent = document.lent;
 	std::vector<Matrix> places = instance_matrices(document, node);
 
 	if (find_extension(node, "KHR_lights_punctual"))
@@ -335,6 +340,7 @@ void Reader::add_node(const Json &node, const Matrix &global)
 	needed(shape, "primitives");
 	for (const Json *primitive : elements(shape, "primitives"))
 		add_primitive(*primitive, node, shape, places);
+	document.lent = lent;
 }
 
 /* ---- all of it ---- */
@@ -412,16 +418,17 @@ bool gltf_is(const char *path)
 {
 	const char *dot = strrchr(path, '.');
 	char first[16] = "";
-	FILE *file;
+	FILE *file = nullptr;
 	size_t at = 0;
 
 	if (dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0))
 		return true;
-	if (plain_file_open(&file, path, PLAIN_FILE_MAX, nullptr) < 0)
-		return false;
-	if (!fread(first, 1, sizeof(first) - 1, file))
+	/* what is read from a pipe cannot be read again */
+	if (input_stream(path, &file, nullptr) == 0 && fseek(file, 0, SEEK_SET) == 0 &&
+	    !fread(first, 1, sizeof(first) - 1, file))
 		first[0] = '\0';
-	fclose(file);
+	if (file)
+		fclose(file);
 	if (memcmp(first, "glTF", 4) == 0)
 		return true;
 	if (memcmp(first, "\xef\xbb\xbf", 3) == 0)

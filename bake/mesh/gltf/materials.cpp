@@ -81,6 +81,8 @@ const texture *Materials::load_texture(const TextureKey &key)
 	else
 		texture_prepare(made);
 	into->textures[into->texture_count++] = made;
+	document.take(static_cast<double>(made->image.width) * made->image.height *
+		      (made->image.f32 ? 3 * sizeof(float) + 1 : 4));
 	return made;
 }
 

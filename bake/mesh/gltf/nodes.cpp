@@ -257,6 +257,7 @@ std::vector<Matrix> instance_matrices(Document &document, const Json &node)
 					" numbers");
 		count = given[k].count;
 	}
+	document.lend(static_cast<double>(count * sizeof(Matrix)));
 	for (size_t i = 0; i < count; i++) {
 		double values[3][4];
 

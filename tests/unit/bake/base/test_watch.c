@@ -6,10 +6,13 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bake/base/watch.h"
@@ -176,6 +179,58 @@ static void links_are_followed(void **state)
 	assert_int_equal(rmdir(own_folder_path("store")), 0);
 }
 
+/* So does a link of a folder on the way. */
+static void links_of_folders_are_followed(void **state)
+{
+	char link[PATH_MAX];
+
+	(void)state;
+	assert_int_equal(mkdir(own_folder_path("one"), 0700), 0);
+	assert_int_equal(mkdir(own_folder_path("two"), 0700), 0);
+	write_file("one/a", "1");
+	write_file("two/a", "2");
+	snprintf(link, sizeof(link), "%s", own_folder_path("current"));
+	assert_int_equal(symlink("one", link), 0);
+	follow("current/a");
+	write_file("one/a", "3");
+	assert_true(changed());
+	assert_int_equal(symlink("two", own_folder_path("next")), 0);
+	rename_file("next", "current");
+	assert_true(changed());
+	remove_file("current");
+	remove_file("one/a");
+	remove_file("two/a");
+	assert_int_equal(rmdir(own_folder_path("one")), 0);
+	assert_int_equal(rmdir(own_folder_path("two")), 0);
+}
+
+/* A file that is never left alone is told of all the same. */
+static void storms_end(void **state)
+{
+	struct fault fault = {.text = ""};
+	char path[PATH_MAX];
+	pid_t writer;
+
+	(void)state;
+	write_file("a", "1");
+	follow("a");
+	snprintf(path, sizeof(path), "%s", own_folder_path("a"));
+	writer = fork();
+	assert_true(writer >= 0);
+	if (!writer) {
+		for (int k = 0; k < 6000; k++) { /* a minute */
+			(void)utimensat(AT_FDCWD, path, NULL, 0);
+			usleep(10000);
+		}
+		_exit(0);
+	}
+	assert_int_equal(watch_wait(watch, -1, &fault), 1);
+	assert_int_equal(waitpid(writer, NULL, WNOHANG), 0);
+	kill(writer, SIGKILL);
+	assert_int_equal(waitpid(writer, NULL, 0), writer);
+	remove_file("a");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -183,6 +238,8 @@ int main(void)
 		cmocka_unit_test(only_files_that_were_read_count),
 		cmocka_unit_test(missing_files_are_waited_for),
 		cmocka_unit_test(links_are_followed),
+		cmocka_unit_test(links_of_folders_are_followed),
+		cmocka_unit_test(storms_end),
 	};
 
 	return cmocka_run_group_tests(tests, watch_set_up, watch_tear_down);

@@ -124,6 +124,76 @@ static void test_concave_polygons(void **state)
 	}
 }
 
+/* A star of many points, and a polygon that crosses itself everywhere: with the square of the corners, these
+ * take minutes. */
+static void test_large_polygons(void **state)
+{
+	enum { CORNERS = 40000 };
+	static const char *const names[] = {"star.obj", "crossed.obj"};
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		FILE *file = fopen(small_scene_path(names[k]), "w");
+		uint64_t random = 1;
+		struct mesh mesh;
+
+		assert_non_null(file);
+		for (int c = 0; c < CORNERS; c++) {
+			const double angle = 2 * M_PI * c / CORNERS, radius = c % 2 ? 1 : 0.5;
+
+			random = random * 6364136223846793005u + 1442695040888963407u;
+			if (k == 0)
+				fprintf(file, "v %.9f %.9f 0\n", radius * cos(angle),
+					radius * sin(angle));
+			else
+				fprintf(file, "v %u %u 0\n", (unsigned)(random >> 50),
+					(unsigned)(random >> 36) & 0x3fff);
+		}
+		fprintf(file, "f");
+		for (int c = 1; c <= CORNERS; c++)
+			fprintf(file, " %d", c);
+		fclose(file);
+		read_fine(names[k], &mesh);
+		expect_equal(triangles_of(&mesh), CORNERS - 2, "k=%d", k);
+		if (k == 0)
+			expect_area(&mesh, CORNERS / 4.0 * sin(2 * M_PI / CORNERS));
+		mesh_free(&mesh);
+	}
+}
+
+/* Each corner at the tip of a cone has the mean of the faces within the crease: a quarter of the circle on both
+ * sides, so that the normal is as the face's, but steeper. */
+static void test_large_fan(void **state)
+{
+	enum { SIDES = 200000 };
+	FILE *file = fopen(small_scene_path("cone.obj"), "w");
+	/* faces at an angle t around the axis have a cosine of (1 + cos t) / 2 */
+	const double reach = acos(2 * cos(60 * M_PI / 180) - 1);
+	const double out = sin(reach) / reach, steep = 1 / hypot(1, out);
+	struct mesh mesh;
+
+	(void)state;
+	assert_non_null(file);
+	fprintf(file, "v 0 0 1\n");
+	for (int k = 0; k < SIDES; k++)
+		fprintf(file, "v %.9f %.9f 0\n", cos(2 * M_PI * k / SIDES),
+			sin(2 * M_PI * k / SIDES));
+	for (int k = 0; k < SIDES; k++)
+		fprintf(file, "f 1 %d %d\n", k + 2, (k + 1) % SIDES + 2);
+	fclose(file);
+	read_fine("cone.obj", &mesh);
+	for (int t = 0; t < SIDES; t += 1000) {
+		const struct mesh_part *part = &mesh.parts[0];
+		const struct v3 normal = part->normal[part->index[t][0]];
+		const double angle = 2 * M_PI * (t + 0.5) / SIDES;
+
+		expect_below(fabs((double)normal.z - steep), 5e-3, "t=%d", t);
+		expect_below(fabs((double)normal.x - out * steep * cos(angle)), 5e-3, "t=%d", t);
+		expect_below(fabs((double)normal.y - out * steep * sin(angle)), 5e-3, "t=%d", t);
+	}
+	mesh_free(&mesh);
+}
+
 /* ---- OBJ ---- */
 
 static void test_obj_corners(void **state)
@@ -523,6 +593,7 @@ static void test_other_kinds(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_large_polygons),	    cmocka_unit_test(test_large_fan),
 		cmocka_unit_test(test_concave_polygons),    cmocka_unit_test(test_obj_corners),
 		cmocka_unit_test(test_obj_refused),	    cmocka_unit_test(test_obj_numbers),
 		cmocka_unit_test(test_obj_colours),	    cmocka_unit_test(test_ply_kinds),

@@ -223,7 +223,7 @@ static void hdr_refusals(void **state)
 		CASE(HDR_HEADER "-Y 1 +Y 1\n\x80\x80\x80\x80", -EBADMSG, "-Y 512 +X 1024"),
 		CASE(HDR_HEADER "-Y 0 +X 1\n\x80\x80\x80\x80", -EBADMSG, "1 x 0"),
 		CASE(HDR_HEADER "-Y 40000 +X 1\n\x80\x80\x80\x80", -EFBIG, "32768"),
-		CASE(HDR_HEADER "-Y 30000 +X 30000\n\x80\x80\x80\x80", -EBADMSG, "cannot hold"),
+		CASE(HDR_HEADER "-Y 30000 +X 30000\n\x80\x80\x80\x80", -EFBIG, "of memory"),
 		CASE(HDR_HEADER "-Y 1 +X 2\n\x80\x80\x80\x80", -EBADMSG, "row 1 of 1"),
 		CASE(HDR_HEADER "-Y 1 +X 2\n\x01\x01\x01\x02", -EBADMSG, "row 1 of 1"),
 		CASE(HDR_HEADER "-Y 1 +X 2\n\x80\x80\x80\x80\x01\x01\x01\x09", -EBADMSG, "row 1"),
@@ -406,7 +406,7 @@ static void pfm_refusals(void **state)
 	REFUSED("PF\n1 1\n", -EBADMSG, "header");
 	REFUSED("PF\n1 2\n-1\n" ONE ONE ONE ONE ONE, -EBADMSG, "20 bytes of samples");
 	REFUSED("PF\n-1 2\n-1\n" ONE, -EBADMSG, "-1 x 2");
-	REFUSED("PF\n32768 32768\n-1\n" ONE, -EBADMSG, "cannot hold");
+	REFUSED("PF\n32768 32768\n-1\n" ONE, -EFBIG, "of memory");
 	REFUSED("PF\n32769 1\n-1\n" ONE, -EFBIG, "32768");
 	REFUSED("PF\n99999999999999 99999999999999\n-1\n" ONE, -EFBIG, "32768");
 	/* Quiet NaN, infinity. */
@@ -665,6 +665,17 @@ static void png_kinds(void **state)
 }
 
 #if WITH_WEBP
+/* 16383 pixels each side, with alpha, of one colour. */
+static void webp_hostile_size(void **state)
+{
+	static const char file[] =
+		"\x52\x49\x46\x46\x20\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x14\x00\x00\x00"
+		"\x2f\xfe\xbf\xff\x1f\x28\x48\x81\x0a\x51\xc0\x00\x00\x00\x00\x00\x00\x00\x00\x00";
+
+	(void)state;
+	read_refused(file, sizeof(file) - 1, -EFBIG, "of memory");
+}
+
 static void webp(void **state)
 {
 	static const uint8_t rgba[] = {1, 2, 3, 0, 255, 254, 253, 9};
@@ -736,7 +747,7 @@ static void png_hostile_size(void **state)
 		const char *width;
 		int err;
 		const char *word;
-	} cases[] = {{"\0\0\x80\0", -EBADMSG, "cannot hold"}, {"\0\x01\0\0", -EFBIG, "32768"}};
+	} cases[] = {{"\0\0\x80\0", -EFBIG, "of memory"}, {"\0\x01\0\0", -EFBIG, "32768"}};
 
 	(void)state;
 	for (int i = 0; i < 2; i++) {
@@ -837,10 +848,49 @@ static void jpeg_hostile_size(void **state)
 	(void)state;
 	assert_non_null(frame);
 	memcpy(frame + 5, "\x80\x00\x80\x00", 4);
-	read_refused(file, bytes, -EBADMSG, "cannot hold");
+	read_refused(file, bytes, -EFBIG, "of memory");
 	memcpy(frame + 5, "\x90\x00\x90\x00", 4);
 	read_refused(file, bytes, -EFBIG, "32768");
 	tjFree(file);
+}
+
+/* ---- kinds that are not read ---- */
+
+static void foreign_kinds_are_named(void **state)
+{
+	static const struct {
+		const char *file;
+		size_t bytes;
+		const char *word;
+	} cases[] = {
+#define CASE(text, word) {text, sizeof(text) - 1, word}
+		CASE("\0\0\0\x18"
+		     "ftypheic\0\0\0\0mif1heic",
+		     "is HEIC"),
+		CASE("\0\0\0\x18"
+		     "ftypmif1\0\0\0\0mif1heic",
+		     "is HEIF"),
+		CASE("\0\0\0\x18"
+		     "ftypavif\0\0\0\0mif1avif",
+		     "is AVIF"),
+		CASE("\xff\x0a\x7f\x00", "is JPEG XL"),
+		CASE("\0\0\0\x0cJXL \r\n\x87\n", "is JPEG XL"),
+		CASE("\0\0\0\x0cjP  \r\n\x87\n", "is JPEG 2000"),
+		CASE("\xff\x4f\xff\x51\0", "is JPEG 2000"),
+		CASE("DDS |\0\0\0", "is DDS"),
+		CASE("\xabKTX 20\xbb\r\n\x1a\n", "is KTX2"),
+		CASE("8BPS\0\1", "is PSD"),
+		CASE("GIF89a", "is GIF"),
+		CASE("II*\0\x08\0\0\0", "is TIFF"),
+		CASE("MM\0+\0\x08\0\0", "is BigTIFF"),
+		CASE("BM\0\0", "is BMP"),
+		CASE("nothing", "not a picture of a known kind, expected PNG, JPEG"),
+#undef CASE
+	};
+
+	(void)state;
+	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++)
+		read_refused(cases[k].file, cases[k].bytes, -ENOTSUP, cases[k].word);
 }
 
 /* ---- all of them ---- */
@@ -992,10 +1042,12 @@ int main(void)
 #endif
 		cmocka_unit_test(png_kinds),
 #if WITH_WEBP
+		cmocka_unit_test(webp_hostile_size),
 		cmocka_unit_test(webp),
 #endif
 		cmocka_unit_test(png_interlaced),
 		cmocka_unit_test(png_round_trip),
+		cmocka_unit_test(foreign_kinds_are_named),
 		cmocka_unit_test(png_hostile_size),
 		cmocka_unit_test(jpeg_reads),
 		cmocka_unit_test(jpeg_inks),
