@@ -106,16 +106,13 @@ static int make_table(struct light_sampler *s, const struct dome *dome, const st
 	struct sampler_shares shares;
 	int ret;
 
-	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, settings->estimator);
+	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, settings->estimator,
+				    settings->placed ? &s->placed : NULL);
 	if (ret < 0)
 		return ret;
-	if (settings->placed && settings->estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
-		ret = sampler_shares_divide(&shares, dome, lens, &s->placed);
-	if (ret == 0)
-		ret = sampler_table_create(&s->table, &shares, lens,
-					   s->placed ? DOME_PLACED_THIRDS * dome->count
-						     : dome->count,
-					   s->width, s->height);
+	ret = sampler_table_create(&s->table, &shares, lens,
+				   s->placed ? DOME_PLACED_THIRDS * dome->count : dome->count,
+				   s->width, s->height);
 	sampler_shares_free(&shares);
 	return ret;
 }

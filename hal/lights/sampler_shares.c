@@ -6,8 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/optics/vec.h"
+
 #define SUBPIXELS 8	 /* sub-pixels per side, in pixels that straddle cells */
 #define TENT_SUBPIXELS 2 /* the same for tents, where weights nearly linear in a pixel need few */
+#define EDGE_SLACK 1e-9	 /* larger than all rounding of edges and of the field */
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
 struct shares_builder {
@@ -15,22 +18,50 @@ struct shares_builder {
 	const struct fisheye *lens;
 	int width, height;
 	int *corner_light; /* [height + 1][width + 1]: the cell at each pixel's upper left corner */
+	int *first_edge;   /* [lights + 1] */
+	double (*edge)
+		[3]; /* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
+	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
+	double *third_weight;	    /* [lights * DOME_PLACED_THIRDS]: summed up */
 	struct sampler_shares shares;
 };
 
-static int add_share(struct sampler_shares *list, int light, int x, int y, double weight)
+static struct sampler_share *add_shares(struct sampler_shares *list, size_t count)
 {
-	if (list->count == list->room) {
+	if (list->count + count > list->room) {
 		const size_t room = list->room ? 2 * list->room : 4096;
 		struct sampler_share *items = realloc(list->items, room * sizeof(*items));
 
 		if (!items)
-			return -ENOMEM;
+			return NULL;
 		list->items = items;
 		list->room = room;
 	}
-	list->items[list->count++] = (struct sampler_share){light, (uint16_t)x, (uint16_t)y,
-							    (float)weight};
+	list->count += count;
+	return list->items + list->count - count;
+}
+
+/* dir: of the pixel; NULL: not known. */
+static int add_share(struct shares_builder *b, int light, int x, int y, double weight,
+		     const double *dir)
+{
+	const int parts = b->placed ? DOME_PLACED_THIRDS : 1;
+	struct sampler_share *share = add_shares(&b->shares, (size_t)parts);
+	double part[DOME_PLACED_THIRDS] = {1}, seen[3];
+	const double px[2] = {x + 0.5, y + 0.5};
+
+	if (!share)
+		return -ENOMEM;
+	if (b->placed && !dir)
+		dir = fisheye_ray(b->lens, px, seen) ? seen : b->dome->direction[light];
+	if (b->placed)
+		dome_placed_thirds(b->placed, light, dir, part);
+	for (int k = 0; k < parts; k++) {
+		share[k] = (struct sampler_share){parts * light + k, (uint16_t)x, (uint16_t)y,
+						  (float)weight * (float)part[k]};
+		if (b->placed)
+			b->third_weight[parts * light + k] += (double)share[k].weight;
+	}
 	return 0;
 }
 
@@ -73,6 +104,15 @@ static bool corner_rays(const struct shares_builder *b, int x, int y, double cor
 	return true;
 }
 
+/* Whether a direction surely lies in a cell. */
+static bool is_inside(const struct shares_builder *b, int cell, const double dir[3])
+{
+	for (int k = b->first_edge[cell]; k < b->first_edge[cell + 1]; k++)
+		if (!(vec_dot(b->edge[k], dir) > EDGE_SLACK))
+			return false;
+	return true;
+}
+
 /* Counts sub-pixels by light. Returns the number of lights. Inside a pixel it interpolates the
  * direction bilinearly between the corners (error 1e-3 pixels in a picture of 480 x 480), which is
  * much cheaper than the lens; but not at the rim, where a corner does not see the sky. */
@@ -81,7 +121,7 @@ static int count_subpixels(const struct shares_builder *b, int x, int y,
 {
 	double corner[4][3];
 	const bool whole = corner_rays(b, x, y, corner);
-	int kinds = 0;
+	int kinds = 0, before = -1;
 
 	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
 		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS;
@@ -94,10 +134,13 @@ static int count_subpixels(const struct shares_builder *b, int x, int y,
 			for (int c = 0; c < 3; c++)
 				dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
 					 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
-			found = dome_cell_of(b->dome, dir);
+			found = before >= 0 && is_inside(b, before, dir)
+					? before
+					: dome_cell_of(b->dome, dir);
 		} else {
 			found = light_at(b, x + s, y + t);
 		}
+		before = found;
 		if (found < 0)
 			continue;
 		while (at < kinds && light[at] != found)
@@ -152,8 +195,8 @@ static int share_among_tents(struct shares_builder *b, int x, int y)
 	sr = fisheye_pixel_sr(b->lens, centre);
 	kinds = weigh_subpixels(b, x, y, light, sum);
 	for (int k = 0; k < kinds && ret == 0; k++)
-		ret = add_share(&b->shares, light[k], x, y,
-				sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS));
+		ret = add_share(b, light[k], x, y, sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS),
+				NULL);
 	return ret;
 }
 
@@ -176,19 +219,18 @@ static int share_pixel(struct shares_builder *b, int x, int y)
 			  first == corner_light(b, x, y + 1) &&
 			  first == corner_light(b, x + 1, y + 1);
 	int light[SUBPIXELS * SUBPIXELS], count[SUBPIXELS * SUBPIXELS], kinds;
-	double sr;
+	struct fisheye_pixel pixel;
 
 	if (same && first < 0 && !near_sky(b, x, y))
 		return 0;
-	if (light_at(b, centre[0], centre[1]) < 0)
+	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
 		return 0;
-	sr = fisheye_pixel_sr(b->lens, centre);
 	if (same && first >= 0)
-		return add_share(&b->shares, first, x, y, sr);
+		return add_share(b, first, x, y, pixel.sr, pixel.dir);
 	kinds = count_subpixels(b, x, y, light, count);
 	for (int k = 0; k < kinds; k++) {
-		const int ret = add_share(&b->shares, light[k], x, y,
-					  sr * count[k] / (SUBPIXELS * SUBPIXELS));
+		const int ret = add_share(b, light[k], x, y,
+					  pixel.sr * count[k] / (SUBPIXELS * SUBPIXELS), pixel.dir);
 
 		if (ret < 0)
 			return ret;
@@ -196,16 +238,90 @@ static int share_pixel(struct shares_builder *b, int x, int y)
 	return 0;
 }
 
+/* The planes through the edges of all cells. 0 or -ENOMEM. */
+static int find_edges(struct shares_builder *b)
+{
+	const int lights = b->dome->count;
+	double(*corner)[3];
+	int edges = 0, most = 0;
+
+	b->first_edge = calloc((size_t)lights + 1, sizeof(*b->first_edge));
+	if (!b->first_edge)
+		return -ENOMEM;
+	for (int i = 0; i < lights; i++) {
+		const int count = dome_cell_corners(b->dome, i, NULL, 0);
+
+		b->first_edge[i + 1] = b->first_edge[i] + count;
+		most = count > most ? count : most;
+	}
+	b->edge = calloc((size_t)b->first_edge[lights] + 1, sizeof(*b->edge));
+	corner = calloc((size_t)most + 1, sizeof(*corner));
+	for (int i = 0; b->edge && corner && i < lights; i++) {
+		const int count = dome_cell_corners(b->dome, i, corner, most);
+
+		for (int k = 0; k < count; k++, edges++) {
+			vec_cross(corner[k], corner[(k + 1) % count], b->edge[edges]);
+			vec_normalize(b->edge[edges]);
+		}
+	}
+	free(corner);
+	return edges == b->first_edge[lights] ? 0 : -ENOMEM;
+}
+
+/* How far, in pixels, all directions around one in a cell surely lie in the cell. */
+static double cell_reach_px(const struct shares_builder *b, int cell, const double dir[3],
+			    double turn)
+{
+	double nearest = 1;
+
+	for (int k = b->first_edge[cell]; k < b->first_edge[cell + 1]; k++)
+		nearest = fmin(nearest, vec_dot(b->edge[k], dir));
+	return (nearest - EDGE_SLACK) / turn;
+}
+
+static bool is_in_field(const struct shares_builder *b, double x, double y)
+{
+	const double *centre = b->lens->centre_px, *focal = b->lens->focal_px;
+	const double u = (x - centre[0]) / focal[0], v = (y - centre[1]) / focal[1];
+
+	return u * u + v * v < b->lens->rim * b->lens->rim * (1 - EDGE_SLACK);
+}
+
+/* The cells of a row of corners. Where a corner is far from its cell's edges, those beside it are of the
+ * same cell. */
+static void find_corner_lights(struct shares_builder *b, int y, double turn)
+{
+	int *row = b->corner_light + (size_t)y * (b->width + 1);
+
+	for (int x = 0; x <= b->width; x++) {
+		const double px[2] = {x, y};
+		double dir[3], reach;
+		int last;
+
+		row[x] = fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
+		if (row[x] < 0)
+			continue;
+		reach = fmin(cell_reach_px(b, row[x], dir, turn), b->width - x);
+		last = x + (reach > 0 ? (int)reach : 0);
+		if (last > x && is_in_field(b, last, y))
+			for (const int cell = row[x]; x < last; x++)
+				row[x + 1] = cell;
+	}
+}
+
 static int share_by_cell(struct shares_builder *b)
 {
-	const int columns = b->width + 1;
+	const double turn = fisheye_turn_per_pixel(b->lens);
+	const int err = find_edges(b);
 
-	b->corner_light = calloc((size_t)columns * (b->height + 1), sizeof(*b->corner_light));
+	if (err)
+		return err;
+	b->corner_light = calloc((size_t)(b->width + 1) * (b->height + 1),
+				 sizeof(*b->corner_light));
 	if (!b->corner_light)
 		return -ENOMEM;
 	for (int y = 0; y <= b->height; y++)
-		for (int x = 0; x <= b->width; x++)
-			b->corner_light[(size_t)y * columns + x] = light_at(b, x, y);
+		find_corner_lights(b, y, turn);
 	for (int y = 0; y < b->height; y++)
 		for (int x = 0; x < b->width; x++) {
 			const int ret = share_pixel(b, x, y);
@@ -234,7 +350,7 @@ static int share_nearest(struct shares_builder *b, int light, const double px[2]
 			found[0] = x;
 			found[1] = y;
 		}
-	return best < INFINITY ? add_share(&b->shares, light, found[0], found[1], 1) : 0;
+	return best < INFINITY ? add_share(b, light, found[0], found[1], 1, NULL) : 0;
 }
 
 /* Gives a light the bilinear weights at its node, of the pixels whose centre sees the sky. Adds
@@ -258,7 +374,7 @@ static int share_node(struct shares_builder *b, int light)
 		if (x < 0 || y < 0 || x >= b->width || y >= b->height || !(weight > 0) ||
 		    light_at(b, x + 0.5, y + 0.5) < 0)
 			continue;
-		ret = add_share(&b->shares, light, x, y, weight);
+		ret = add_share(b, light, x, y, weight, NULL);
 		if (ret < 0)
 			return ret;
 		total += weight;
@@ -286,77 +402,54 @@ static int share_missing(struct shares_builder *b)
 	if (!done)
 		return -ENOMEM;
 	for (size_t k = 0; k < b->shares.count; k++)
-		done[b->shares.items[k].light] = true;
+		done[b->shares.items[k].light / (b->placed ? DOME_PLACED_THIRDS : 1)] = true;
 	ret = share_nodes(b, done);
 	free(done);
 	return ret;
 }
 
+/* Begins to share among thirds, unless the dome's cells are too wide. */
+static int begin_thirds(struct shares_builder *b)
+{
+	const int ret = dome_placed_create(&b->placed, b->dome);
+
+	if (ret)
+		return ret == -EINVAL ? 0 : ret;
+	b->third_weight = calloc(DOME_PLACED_THIRDS * (size_t)b->dome->count,
+				 sizeof(*b->third_weight));
+	return b->third_weight ? 0 : -ENOMEM;
+}
+
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator)
+			  enum light_estimator estimator, struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret;
+	int ret = 0;
 
-	if (estimator == ESTIMATOR_NODE) {
+	if (placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
+		ret = begin_thirds(&b);
+	if (ret == 0 && estimator == ESTIMATOR_NODE) {
 		ret = share_nodes(&b, NULL);
-	} else {
+	} else if (ret == 0) {
 		ret = dome->shape == DOME_TENTS ? share_by_tent(&b) : share_by_cell(&b);
 		if (ret == 0)
 			ret = share_missing(&b);
 	}
+	if (ret == 0 && b.placed)
+		dome_placed_even(b.placed, b.third_weight);
 	free(b.corner_light);
+	free(b.first_edge);
+	free(b.edge);
+	free(b.third_weight);
 	*shares = b.shares;
-	if (ret < 0)
+	if (placed)
+		*placed = ret < 0 ? NULL : b.placed;
+	if (ret < 0) {
+		dome_placed_destroy(b.placed);
 		sampler_shares_free(shares);
+	}
 	return ret;
-}
-
-/* weight: of all thirds, summed up */
-static void divide_share(const struct sampler_share *s, const struct dome_placed *placed,
-			 const struct dome *dome, const struct fisheye *lens,
-			 struct sampler_share *third, double *weight)
-{
-	const double px[2] = {s->x + 0.5, s->y + 0.5};
-	double dir[3], part[DOME_PLACED_THIRDS];
-
-	if (!fisheye_ray(lens, px, dir))
-		memcpy(dir, dome->direction[s->light], sizeof(dir));
-	dome_placed_thirds(placed, s->light, dir, part);
-	for (int k = 0; k < DOME_PLACED_THIRDS; k++) {
-		third[k] = *s;
-		third[k].light = DOME_PLACED_THIRDS * s->light + k;
-		third[k].weight = s->weight * (float)part[k];
-		weight[third[k].light] += (double)third[k].weight;
-	}
-}
-
-int sampler_shares_divide(struct sampler_shares *shares, const struct dome *dome,
-			  const struct fisheye *lens, struct dome_placed **placed)
-{
-	const size_t count = DOME_PLACED_THIRDS * shares->count;
-	struct sampler_share *items;
-	double *weight;
-	int ret = dome_placed_create(placed, dome);
-
-	if (ret)
-		return ret == -EINVAL ? 0 : ret;
-	items = malloc((count + 1) * sizeof(*items));
-	weight = calloc(DOME_PLACED_THIRDS * (size_t)dome->count, sizeof(*weight));
-	if (!items || !weight) {
-		free(items);
-		free(weight);
-		return -ENOMEM;
-	}
-	for (size_t n = 0; n < shares->count; n++)
-		divide_share(&shares->items[n], *placed, dome, lens, items + DOME_PLACED_THIRDS * n,
-			     weight);
-	dome_placed_even(*placed, weight);
-	free(weight);
-	free(shares->items);
-	*shares = (struct sampler_shares){items, count, count + 1};
-	return 0;
 }
 
 void sampler_shares_free(struct sampler_shares *shares)

@@ -21,17 +21,12 @@ struct sampler_shares {
 	size_t count, room;
 };
 
-/* 0 or -ENOMEM; empty on failure. */
+/* placed not NULL: the shares of cell i are divided into those of its thirds DOME_PLACED_THIRDS * i + k, so
+ * that light can be placed inside cells; *placed stays NULL, and shares whole, where lights are not cells or
+ * cells are too wide. 0 or -ENOMEM; empty on failure. */
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator);
-/*
- * Divides each share, of cell i, into those of its thirds DOME_PLACED_THIRDS * i + k, so that light can
- * be placed inside cells. 0, *placed NULL and shares as they were: the dome's cells are too wide.
- * -ENOMEM.
- */
-int sampler_shares_divide(struct sampler_shares *shares, const struct dome *dome,
-			  const struct fisheye *lens, struct dome_placed **placed);
+			  enum light_estimator estimator, struct dome_placed **placed);
 void sampler_shares_free(struct sampler_shares *shares); /* idempotent; zeroed is fine */
 
 #endif

@@ -12,6 +12,10 @@
  * horizon under a lens of 90 degrees. */
 #define FIELD_SLACK_RAD 1e-12
 
+/* Slopes of a lens's curve are looked at in steps, between which they change by far less. */
+#define SLOPE_STEPS 1000
+#define SLOPE_SAFETY 1.1
+
 #define FIELD(f) offsetof(struct fisheye_settings, f)
 
 const struct ini_key fisheye_keys[] = {
@@ -229,42 +233,85 @@ static bool angle_of(const struct fisheye *lens, const double px[2], double at[2
 	return true;
 }
 
-bool fisheye_ray(const struct fisheye *lens, const double px[2], double dir[3])
+static void ray_of(const struct fisheye *lens, const double at[2], double radius, double sine,
+		   double cosine, double dir[3])
 {
-	double at[2], radius, theta, across, c[3];
+	const double across = radius > 1e-8 ? sine / radius : 1;
+	const double c[3] = {at[0] * across, at[1] * across, cosine};
 
-	if (!angle_of(lens, px, at, &radius, &theta))
-		return false;
-	across = radius > 1e-8 ? sin(theta) / radius : 1;
-	c[0] = at[0] * across;
-	c[1] = at[1] * across;
-	c[2] = cos(theta);
 	mat_apply_transposed(lens->rotation, c, dir);
 	vec_normalize(dir);
-	return true;
 }
 
-double fisheye_pixel_sr(const struct fisheye *lens, const double px[2])
+static double pixel_sr_of(const struct fisheye *lens, double theta, double sine)
 {
 	const double focal2 = lens->focal_px[0] * lens->focal_px[1];
-	double at[2], radius, theta, sr;
+	double sr = fmax(fisheye_curve_patch_sr(&lens->curve, theta, sine), 0);
 
-	if (!angle_of(lens, px, at, &radius, &theta))
-		return 0;
-	sr = fmax(fisheye_curve_patch_sr(&lens->curve, theta), 0);
 	/* Half a pixel inside the rim cos(theta) = 1 / sqrt(focal): limit sr to sqrt(focal). */
 	if (lens->curve.model == FISHEYE_ORTHOGRAPHIC && !(sr * sr * sr * sr < focal2))
 		sr = sqrt(sqrt(focal2));
 	return sr / focal2;
 }
 
+static double falloff_of(const struct fisheye *lens, double theta)
+{
+	const double *v = lens->falloff, u = theta * theta;
+
+	return 1 + u * (v[0] + u * (v[1] + u * v[2]));
+}
+
+bool fisheye_ray(const struct fisheye *lens, const double px[2], double dir[3])
+{
+	double at[2], radius, theta;
+
+	if (!angle_of(lens, px, at, &radius, &theta))
+		return false;
+	ray_of(lens, at, radius, sin(theta), cos(theta), dir);
+	return true;
+}
+
+bool fisheye_pixel_of(const struct fisheye *lens, const double px[2], struct fisheye_pixel *pixel)
+{
+	double at[2], radius, theta, sine, cosine;
+
+	if (!angle_of(lens, px, at, &radius, &theta))
+		return false;
+	sincos(theta, &sine, &cosine);
+	ray_of(lens, at, radius, sine, cosine, pixel->dir);
+	pixel->sr = pixel_sr_of(lens, theta, sine);
+	pixel->falloff = falloff_of(lens, theta);
+	return true;
+}
+
+double fisheye_pixel_sr(const struct fisheye *lens, const double px[2])
+{
+	double at[2], radius, theta;
+
+	return angle_of(lens, px, at, &radius, &theta) ? pixel_sr_of(lens, theta, sin(theta)) : 0;
+}
+
 double fisheye_falloff(const struct fisheye *lens, const double px[2])
 {
 	const double *v = lens->falloff;
-	double at[2], radius, theta, u;
+	double at[2], radius, theta;
 
 	if ((v[0] == 0 && v[1] == 0 && v[2] == 0) || !angle_of(lens, px, at, &radius, &theta))
 		return 1;
-	u = theta * theta;
-	return 1 + u * (v[0] + u * (v[1] + u * v[2]));
+	return falloff_of(lens, theta);
+}
+
+double fisheye_turn_per_pixel(const struct fisheye *lens)
+{
+	double least = 1, turn = 1;
+
+	for (int k = 0; k <= SLOPE_STEPS; k++) {
+		const double theta = lens->field_rad * k / SLOPE_STEPS;
+		const double radius = fisheye_curve_radius(&lens->curve, theta);
+
+		least = fmin(least, fisheye_curve_slope(&lens->curve, theta));
+		if (theta > 0)
+			turn = fmax(turn, sin(theta) / radius);
+	}
+	return SLOPE_SAFETY * fmax(turn, 1 / least) / fmin(lens->focal_px[0], lens->focal_px[1]);
 }

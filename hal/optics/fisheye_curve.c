@@ -93,14 +93,9 @@ double fisheye_curve_angle(const struct fisheye_curve *curve, double radius, dou
 	return fmin(theta, most);
 }
 
-/* sin(x) / x */
-static double sinc(double x)
+double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta, double sine)
 {
-	return x > 1e-8 ? sin(x) / x : 1;
-}
-
-double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta)
-{
+	const double sinc = theta > 1e-8 ? sine / theta : 1;
 	const double *k = curve->k, u = theta * theta, c = cos(theta / 2);
 
 	switch (curve->model) {
@@ -111,10 +106,10 @@ double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta)
 	case FISHEYE_ORTHOGRAPHIC:
 		return 1 / cos(theta);
 	case FISHEYE_POLYNOMIAL:
-		return sinc(theta) / ((1 + u * (k[0] + u * (k[1] + u * (k[2] + u * k[3])))) *
-				      fisheye_curve_slope(curve, theta));
+		return sinc / ((1 + u * (k[0] + u * (k[1] + u * (k[2] + u * k[3])))) *
+			       fisheye_curve_slope(curve, theta));
 	default:
-		return sinc(theta);
+		return sinc;
 	}
 }
 

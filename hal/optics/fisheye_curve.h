@@ -44,9 +44,9 @@ double fisheye_curve_slope(const struct fisheye_curve *curve, double theta);
 double fisheye_curve_angle(const struct fisheye_curve *curve, double radius, double most);
 
 /* Solid angle per area of the picture in focal lengths squared:
- *     sin(theta) / (radius * slope)        1 on the axis
+ *     sine / (radius * slope)        1 on the axis; sine = sin(theta)
  * For the orthographic curve it has no bound towards 90 degrees. */
-double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta);
+double fisheye_curve_patch_sr(const struct fisheye_curve *curve, double theta, double sine);
 
 /* The fold: the first angle in 0..most beyond which the curve does not rise, or INFINITY. */
 double fisheye_curve_fold(const struct fisheye_curve *curve, double most);
