@@ -7,6 +7,7 @@
 #include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "app/settings.h"
+#include "config/config_hours.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"
 
@@ -61,6 +62,19 @@ static int check_config(const struct config *config, struct ini_report *report)
 	return err ? err : basis_err ? basis_err : more_err;
 }
 
+/* A zone may be a sound one and still not that of the place. */
+static void say_local_time(const struct config *config)
+{
+	char here[HOURS_MOMENT_MAX];
+
+	if (!*config->screen->hours)
+		return;
+	if (*config->screen->time_zone)
+		setenv("TZ", config->screen->time_zone, 1);
+	config_hours_moment(config_hours_minute(time(NULL)), here);
+	printf("[screen] hours: it is %s here\n", here);
+}
+
 static int print_sample(void)
 {
 	struct config *config;
@@ -92,8 +106,10 @@ static int check_command(int argc, char **argv)
 		check_err = check_config(config, &report);
 		if (!err)
 			err = check_err;
-		if (!err)
+		if (!err) {
 			puts("configuration is fine");
+			say_local_time(config);
+		}
 	}
 	config_destroy(config);
 	return err ? EXIT_FAILED : EXIT_DONE;

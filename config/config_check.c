@@ -2,6 +2,7 @@
 /* Checks keys against each other, and against the files and drivers that they name. */
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "config/config_complain.h"
@@ -112,6 +113,40 @@ static void check_buttons(const struct config *config, struct ini_report *report
 	}
 }
 
+static bool same_file(const struct stat *about, const char *path)
+{
+	struct stat other;
+
+	return *path && stat(path, &other) == 0 && other.st_dev == about->st_dev &&
+	       other.st_ino == about->st_ino;
+}
+
+/* A file that the kiosk writes replaces what has its name. */
+static void check_written(const struct config *config, const char *section, const char *path,
+			  struct ini_report *report)
+{
+	const char *const read[] = {
+		config->name,	       config->basis.file,	 config->fisheye.lens_file,
+		config->fisheye.light, config->background.light, config->depth.calibration};
+	struct stat about;
+
+	if (!*path || stat(path, &about))
+		return;
+	if (!S_ISREG(about.st_mode))
+		config_complain(
+			config, report,
+			"[%s] file: \"%s\" is a folder, pipe or device, expected a file that may "
+			"be replaced",
+			section, path);
+	for (size_t i = 0; i < sizeof(read) / sizeof(read[0]); i++)
+		if (same_file(&about, read[i]))
+			config_complain(
+				config, report,
+				"[%s] file: \"%s\" would replace \"%s\", which is read; expected "
+				"a file of its own",
+				section, path, read[i]);
+}
+
 int config_check(const struct config *config, struct ini_report *report)
 {
 	int before = report->count;
@@ -147,5 +182,7 @@ int config_check(const struct config *config, struct ini_report *report)
 			"of a [camera NAME] there");
 	check_driver(config, CONFIG_DISPLAY, "screen", config->screen->driver, report);
 	check_buttons(config, report);
+	check_written(config, "metrics", config->metrics.file, report);
+	check_written(config, "state", config->state.file, report);
 	return report->count > before ? -EINVAL : 0;
 }

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -169,6 +170,30 @@ int config_hours_check(const char *text, struct fault *why)
 	return config_hours_read(text, &hours, why);
 }
 
+/* Refuses rules that mean something else than they seem to. POSIX counts hours west of Greenwich as positive,
+ * and the C library adds the American dates where summer time has none, which are right in America only. */
+static int check_rules(const char *text, size_t letters, struct fault *why)
+{
+	char *end;
+	const long west = strtol(text + letters, &end, 10);
+	const bool greenwich = letters == 3 &&
+			       (!strncmp(text, "UTC", 3) || !strncmp(text, "GMT", 3));
+
+	if (greenwich && west)
+		return fault_say(
+			why, -EINVAL,
+			"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a "
+			"place like Europe/Berlin, or for that very time <%+03ld>%ld",
+			text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
+	if (isalpha((unsigned char)*end) && !strchr(end, ',') && (west < 3 || west > 10))
+		return fault_say(
+			why, -EINVAL,
+			"is \"%.60s\", whose summer time has no dates (American ones would "
+			"be taken), expected them too, as in CET-1CEST,M3.5.0,M10.5.0/3",
+			text);
+	return 0;
+}
+
 int config_zone_check(const char *text, struct fault *why)
 {
 	char path[sizeof(ZONES) + INI_TEXT_MAX];
@@ -178,11 +203,11 @@ int config_zone_check(const char *text, struct fault *why)
 	while (isalpha((unsigned char)text[letters]))
 		letters++;
 	snprintf(path, sizeof(path), ZONES "%s", text);
-	if (!*text || (stat(path, &file) == 0 && S_ISREG(file.st_mode)))
+	if (!*text || !strcmp(text, "UTC") || (stat(path, &file) == 0 && S_ISREG(file.st_mode)))
 		return 0;
 	if (!strpbrk(text, " \t") &&
 	    (*text == '<' || (letters >= 3 && strspn(text + letters, "+-0123456789"))))
-		return 0;
+		return check_rules(text, letters, why);
 	return fault_say(why, -EINVAL,
 			 "is \"%.60s\", which is no time zone of this system, expected one like "
 			 "Europe/Berlin or CET-1CEST,M3.5.0,M10.5.0/3",
@@ -211,6 +236,15 @@ int config_hours_next(const struct config_hours *hours, int minute)
 		if (config_hours_are_on(hours, (minute + i) % HOURS_WEEK) != is_on)
 			return (minute + i) % HOURS_WEEK;
 	return -1;
+}
+
+int config_hours_minute(time_t wall)
+{
+	struct tm local = {.tm_min = 0};
+
+	tzset();
+	localtime_r(&wall, &local);
+	return local.tm_wday * HOURS_DAY + local.tm_hour * 60 + local.tm_min;
 }
 
 void config_hours_moment(int minute, char text[HOURS_MOMENT_MAX])

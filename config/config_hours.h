@@ -13,6 +13,7 @@
 #define INLAY_CONFIG_CONFIG_HOURS_H
 
 #include <stdbool.h>
+#include <time.h>
 
 #include "hal/base/fault.h"
 
@@ -44,6 +45,9 @@ bool config_hours_are_on(const struct config_hours *hours, int minute);
 
 /* Finds the next minute of the week at which it goes on or off. -1: it never does. */
 int config_hours_next(const struct config_hours *hours, int minute);
+
+/* Minute of the week by local time. Asks for the zone again, whose file may have changed. */
+int config_hours_minute(time_t wall);
 
 /* Writes a minute of the week: "mon 09:00". */
 void config_hours_moment(int minute, char text[HOURS_MOMENT_MAX]);

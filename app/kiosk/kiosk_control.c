@@ -39,22 +39,24 @@ static const char *answer_status(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;
 	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
-	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX], next[HOURS_MOMENT_MAX];
+	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX], next[HOURS_MOMENT_MAX],
+		here[HOURS_MOMENT_MAX];
 
 	stats_text(&k->stats, &report, &controls->choice.threshold, k->inputs.sources,
 		   k->inputs.source_count, figures);
 	kiosk_pose_trouble(&k->picture, trouble);
 	rest_next(&k->rest, time(NULL), next);
+	config_hours_moment(config_hours_minute(time(NULL)), here);
 	snprintf(controls->status, sizeof(controls->status),
 		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
 		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,"
-		 "\"hours_next\":\"%s\",%s}",
+		 "\"hours_next\":\"%s\",\"local_time\":\"%s\",%s}",
 		 INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
 		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
 		 controls->split, controls->information ? "true" : "false",
-		 kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next,
+		 kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next, here,
 		 figures);
 	return controls->status;
 }

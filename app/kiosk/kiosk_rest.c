@@ -8,9 +8,15 @@
 
 void kiosk_rest_begin(struct kiosk *k)
 {
+	char here[HOURS_MOMENT_MAX];
+
 	k->rest.built = INLAY_BUILT;
 	rest_take_hours(&k->rest, k->config->screen->hours);
 	k->rest.resting = rest_is_due(&k->rest, time(NULL), clock_now_ns());
+	if (k->rest.hours.count) {
+		config_hours_moment(config_hours_minute(time(NULL)), here);
+		log_info("[screen] hours: it is %s here", here);
+	}
 }
 
 /* A screen that cannot be switched off is drawn black. */

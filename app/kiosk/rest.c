@@ -17,16 +17,6 @@ bool rest_press(struct rest *rest, int64_t now_ns)
 	return rest->resting;
 }
 
-/* Minute of the week by local time. Asks for the zone again, whose file may have changed. */
-static int minute_of_week(time_t wall)
-{
-	struct tm local = {.tm_min = 0};
-
-	tzset();
-	localtime_r(&wall, &local);
-	return local.tm_wday * HOURS_DAY + local.tm_hour * 60 + local.tm_min;
-}
-
 static bool has_hours(const struct rest *rest, time_t wall)
 {
 	return rest->hours.count && wall >= rest->built;
@@ -35,13 +25,13 @@ static bool has_hours(const struct rest *rest, time_t wall)
 bool rest_is_due(const struct rest *rest, time_t wall, int64_t now_ns)
 {
 	return has_hours(rest, wall) && now_ns >= rest->awake_until_ns &&
-	       !config_hours_are_on(&rest->hours, minute_of_week(wall));
+	       !config_hours_are_on(&rest->hours, config_hours_minute(wall));
 }
 
 void rest_next(const struct rest *rest, time_t wall, char text[HOURS_MOMENT_MAX])
 {
 	const int next = has_hours(rest, wall)
-				 ? config_hours_next(&rest->hours, minute_of_week(wall))
+				 ? config_hours_next(&rest->hours, config_hours_minute(wall))
 				 : -1;
 
 	*text = '\0';

@@ -221,8 +221,12 @@ static int write_all(int file, const char *text, size_t length)
 static int replace_file(const char *path, const char *text, size_t length)
 {
 	char temporary[PATH_MAX];
+	struct stat about;
 	int file, err;
 
+	/* A device or a pipe would be replaced for whoever reads it. */
+	if (lstat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISLNK(about.st_mode))
+		return S_ISDIR(about.st_mode) ? -EISDIR : -EEXIST;
 	if ((size_t)snprintf(temporary, sizeof(temporary), "%s" TEMPORARY, path) >=
 	    sizeof(temporary))
 		return -ENAMETOOLONG;

@@ -132,6 +132,15 @@ int v4l2_buffers_start(struct v4l2_buffers *b, int wanted, struct fault *fault)
 	if (err)
 		goto stop;
 	err = device_ioctl(b->fd, VIDIOC_STREAMON, &b->type);
+	if (err == -EINVAL) {
+		/* This is the device's state and not the configuration's mistake: it may pass. */
+		err = fault_say(
+			fault, -EIO,
+			"cannot start the camera: %s (a processor's node gives no pictures of "
+			"its own)",
+			strerror(EINVAL));
+		goto stop;
+	}
 	if (err) {
 		fault_say(fault, err, "cannot start the camera: %s", strerror(-err));
 		goto stop;

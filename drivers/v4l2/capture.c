@@ -15,13 +15,12 @@ const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {
 
 /* ---- one buffer ---- */
 
-/* The time of capture as the driver tells it; now where that cannot be, or where it steps back: light and
- * latency need a time that goes on. */
+/* The time of capture as the driver tells it; now where that cannot be, or where it does not move on: light
+ * and latency need a time that goes on. 0 is what drivers send that fill none in. */
 static int64_t timestamp_ns(struct v4l2_capture *v, const struct v4l2_buffer *buffer)
 {
-	bool back;
-
 	const int64_t now_ns = clock_now_ns(), s = buffer->timestamp.tv_sec;
+	bool moves;
 	int64_t ns;
 
 	if ((buffer->flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
@@ -29,11 +28,11 @@ static int64_t timestamp_ns(struct v4l2_capture *v, const struct v4l2_buffer *bu
 	if (s < 0 || s > now_ns / NS_PER_S)
 		return now_ns;
 	ns = s * NS_PER_S + (int64_t)buffer->timestamp.tv_usec * 1000;
-	if (ns < now_ns - TIME_PAST_NS || ns > now_ns)
+	if (ns == 0 || ns < now_ns - TIME_PAST_NS || ns > now_ns)
 		return now_ns;
-	back = ns < v->stamp_ns;
+	moves = ns > v->stamp_ns;
 	v->stamp_ns = ns;
-	return back ? now_ns : ns;
+	return moves ? ns : now_ns;
 }
 
 static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t offset, size_t used)

@@ -31,9 +31,18 @@ bool device_captures(unsigned caps)
 	       (caps & V4L2_CAP_STREAMING);
 }
 
-bool device_is_part(unsigned caps)
+bool device_is_part(const struct v4l2_capability *capability)
 {
-	return caps & V4L2_CAP_IO_MC;
+	/* Image processors whose drivers do not tell V4L2_CAP_IO_MC. */
+	static const char *const processors[] = {"bcm2835-isp", "bcm2835-codec", "pispbe"};
+
+	for (size_t i = 0; i < sizeof(processors) / sizeof(processors[0]); i++)
+		if (strncmp((const char *)capability->card, processors[i], strlen(processors[i])) ==
+			    0 ||
+		    strncmp((const char *)capability->driver, processors[i],
+			    strlen(processors[i])) == 0)
+			return true;
+	return device_caps(capability) & V4L2_CAP_IO_MC;
 }
 
 unsigned device_buffer_type(const struct v4l2_capability *capability)

@@ -59,7 +59,7 @@ static bool device_is_called(const struct v4l2_capability *capability, int numbe
 	char port[V4L2_PORT_MAX], card[4 * sizeof(capability->card)];
 
 	if (name[0] == '\0')
-		return !device_is_part(device_caps(capability));
+		return !device_is_part(capability);
 	device_name(capability->card, card, sizeof(card));
 	return strcmp((const char *)capability->bus_info, name) == 0 || strcmp(card, name) == 0 ||
 	       (v4l2_port_of_node(number, port) && strcmp(port, name) == 0);

@@ -225,7 +225,7 @@ static bool list_one(int index, void (*found)(void *, const struct camera_listin
 
 	snprintf(listing.device, sizeof(listing.device), "/dev/video%d", index);
 	fd = device_open(listing.device, &capability, &fault);
-	if (fd >= 0 && device_is_part(device_caps(&capability))) {
+	if (fd >= 0 && device_is_part(&capability)) {
 		close(fd);
 		return false;
 	}

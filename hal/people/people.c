@@ -8,8 +8,9 @@
 #include "hal/base/clock.h"
 #include "hal/people/people_parts.h"
 
-#define FINE_CELLS 40000 /* cells of 2x2 pixels up to that many, else of 4x4 */
-#define AROUND 2	 /* tiles around those that the object touches */
+#define FINE_CELLS 40000  /* cells of 2x2 pixels up to that many, else of 4x4 */
+#define AROUND 2	  /* tiles around those that the object touches */
+#define PEOPLE_SIDE_MIN 8 /* pixels; the sensor's noise is measured in blocks of that side */
 #define STEP_MS_MAX 500.0
 #define PLANE_BEYOND 16
 /* Until the noise is measured: 2 levels at mid-grey. */
@@ -105,6 +106,13 @@ int people_create(struct people **people, const struct people_settings *settings
 
 	if (!p)
 		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
+	if (settings->width < PEOPLE_SIDE_MIN || settings->height < PEOPLE_SIDE_MIN) {
+		free(p);
+		return fault_say(
+			fault, -EINVAL,
+			"people cannot be looked for in %dx%d pixels, expected at least %dx%d",
+			settings->width, settings->height, PEOPLE_SIDE_MIN, PEOPLE_SIDE_MIN);
+	}
 	p->settings = *settings;
 	p->settings.camera = p->settings.calibration = NULL;
 	p->settings.depth_camera = NULL;

@@ -55,7 +55,7 @@ struct people_object {
 	const struct basis_footprint *foot;
 };
 
-/* 0 or -ENOMEM, -EINVAL. */
+/* 0, or -ENOMEM, or -EINVAL: a side of the picture is below 8 pixels. */
 int people_create(struct people **people, const struct people_settings *settings,
 		  struct fault *fault);
 void people_destroy(struct people *people); /* NULL is harmless */

@@ -63,8 +63,9 @@ check "which is said too" says "$work/run.log" "view is scene, but no camera"
 
 rm "$state"
 mkfifo "$state"
-check "nor is a pipe, that nobody would write to" run "${keep[@]}" --frames 2
-check "it is named" says "$work/run.log" "$state: not a regular file but a named pipe"
+refused "a pipe, which the state would replace" 1 "\"$state\" is a folder, pipe or device" \
+	"$INLAY" run --config "$work/studio.conf" "${keep[@]}" --frames 2
+check "it is still there" test -p "$state"
 rm "$state"
 
 # ---- folders that are wrong ----

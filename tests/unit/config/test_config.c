@@ -312,6 +312,32 @@ static void write_file(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
+static void what_is_written_replaces_nothing_else(void **state)
+{
+	char path[] = "/tmp/inlay-basis-XXXXXX", text[512];
+	const int fd = mkstemp(path);
+	struct said said = {.count = 0};
+	struct ini_report report = {.say = note, .context = &said};
+	struct config *c;
+
+	(void)state;
+	assert_true(fd >= 0);
+	close(fd);
+	snprintf(text, sizeof(text),
+		 "[basis]\nfile = %s\n[camera fisheye]\ndriver = fake\n[camera background]\n"
+		 "driver = plain\n[state]\nfile = %s\n[metrics]\nfile = /dev/null\n",
+		 path, path);
+	c = read_text(text);
+	assert_int_equal(config_check(c, &report), -EINVAL);
+	assert_int_equal(said.count, 2);
+	assert_non_null(
+		strstr(said.text[0], "[metrics] file: \"/dev/null\" is a folder, pipe or device"));
+	assert_non_null(strstr(said.text[1], "[state] file: "));
+	assert_non_null(strstr(said.text[1], "which is read; expected a file of its own"));
+	config_destroy(c);
+	unlink(path);
+}
+
 /* The results of a calibration replace what the configuration says of the lens. */
 static void a_lens_of_its_own_file(void **state)
 {
@@ -425,6 +451,7 @@ int main(void)
 		cmocka_unit_test(what_no_key_tells_alone),
 		cmocka_unit_test(the_camera_of_depth_measures_depths),
 		cmocka_unit_test(printing_reads_back),
+		cmocka_unit_test(what_is_written_replaces_nothing_else),
 		cmocka_unit_test(a_lens_of_its_own_file),
 		cmocka_unit_test(sample_file_is_what_the_tables_say),
 		cmocka_unit_test(sample_equals_the_defaults),

@@ -131,10 +131,14 @@ static void next_is_found(void **state)
 
 static void zones_are_checked(void **state)
 {
-	static const char *const good[] = {"", "CET-1CEST,M3.5.0,M10.5.0/3", "EST5EDT", "<+03>-3",
-					   "UTC0"};
-	static const char *const bad[] = {"Europe", "Europe/Berln", "Berlin",
-					  "CE-1",   "../passwd",    "CET -1"};
+	static const char *const good[] = {"",	      "CET-1CEST,M3.5.0,M10.5.0/3",
+					   "EST5EDT", "<+03>-3",
+					   "UTC0",    "UTC",
+					   "<+01>-1", "CET-1",
+					   "PST8PDT"};
+	static const char *const bad[] = {"Europe",    "Europe/Berln", "Berlin", "CE-1",
+					  "../passwd", "CET -1",       "UTC+1",	 "GMT-2",
+					  "CET-1CEST", "WET0WEST"};
 	struct fault why;
 
 	(void)state;

@@ -160,6 +160,10 @@ static void times_that_cannot_be_are_replaced(void **state)
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
 	assert_in_range(frame.timestamp_ns, now_ns, clock_now_ns());
 	camera_release(&rig.camera, &frame);
+	played_deliver(0, 11, PLAYED_YUYV_BYTES, 0)->time_ns = now_ns - 11 * NS_PER_S; /* stands */
+	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
+	assert_true(llabs(clock_now_ns() - frame.timestamp_ns) < NS_PER_S);
+	camera_release(&rig.camera, &frame);
 	played_finish(&rig);
 }
 
@@ -314,6 +318,11 @@ static void errors_are_situations(void **state)
 		assert_null(rig.camera.state);
 		played_finish(&rig);
 	}
+	/* A processor's node refuses so, and the program must not end over it. */
+	played_prepare(&rig, played_formats);
+	played.streamon_error = EINVAL;
+	assert_false(camera_is_hopeless(CAMERA_BROKEN, played_start(&rig)));
+	played_finish(&rig);
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
 	played.dequeue_error = ENODEV;

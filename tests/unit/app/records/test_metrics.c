@@ -209,6 +209,23 @@ static void a_failure_is_said_once(void **state)
 	assert_null(strstr(strstr(text, "again") + 1, "again"));
 }
 
+static void a_pipe_is_not_replaced(void **state)
+{
+	const struct metrics_facts facts = facts_of("/nowhere");
+	struct metrics metrics = {.written_ns = 0};
+	struct captured_log log = captured_log_begin();
+	const char *path = own_folder_path("pipe");
+	struct stat about;
+
+	(void)state;
+	assert_int_equal(mkfifo(path, 0600), 0);
+	assert_false(metrics_write(&metrics, path, &facts, 15 * NS_PER_S));
+	fclose(captured_log_end(&log));
+	assert_int_equal(lstat(path, &about), 0);
+	assert_true(S_ISFIFO(about.st_mode));
+	unlink(path);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -216,6 +233,7 @@ int main(void)
 		cmocka_unit_test(the_format_is_prometheus),
 		cmocka_unit_test(the_file_is_replaced_every_15_s),
 		cmocka_unit_test(a_failure_is_said_once),
+		cmocka_unit_test(a_pipe_is_not_replaced),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);

@@ -255,6 +255,17 @@ static struct body walker(double x, double y)
 	return (struct body){x, y, 0.5, 1.7, {0.5, 0.15, 0.1}, .shadow = true};
 }
 
+static void a_picture_too_small_is_said(void **state)
+{
+	const struct people_settings settings = {.width = 640, .height = 7};
+	struct people *people;
+	struct fault fault = {.text = ""};
+
+	(void)state;
+	assert_int_equal(people_create(&people, &settings, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "in 640x7 pixels, expected at least 8x8"));
+}
+
 static void nobody_is_found_where_nobody_is(void **state)
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -758,6 +769,7 @@ static void noise_is_measured_once_a_frame(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_picture_too_small_is_said),
 		cmocka_unit_test(nobody_is_found_where_nobody_is),
 		cmocka_unit_test(light_that_the_dome_does_not_see_is_nobody),
 		cmocka_unit_test(somebody_who_passes_is_found_in_order),
