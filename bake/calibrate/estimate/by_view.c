@@ -3,7 +3,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,8 +74,8 @@ struct clearing {
 	/* [shared + 1][rows]: shared columns and residuals less what poses explain */
 	double *cleared;
 	struct basis of_view, lens;
-	double *part, *r; /* [shared], [shared][shared]: columns of R */
-	int axis;	  /* its first column; -1: it is held */
+	double *r; /* [shared][shared]: columns of R */
+	int axis;  /* its first column; -1: it is held */
 };
 
 static int first_row(const struct by_view_task *task, int view)
