@@ -101,7 +101,7 @@ check_config() {
 }
 
 : >"$log"
-build=(make -C "$work" -s ARCH=$arch KBUILD_BUILD_USER=inlay KBUILD_BUILD_HOST=$board)
+build=(make -C "$work" -s "ARCH=$arch" KBUILD_BUILD_USER=inlay "KBUILD_BUILD_HOST=$board")
 jobs=${KERNEL_JOBS:-$(nproc)}
 step "unpack $package $version" unpack
 step "mend vivid" mend_vivid

@@ -44,6 +44,7 @@ trap stop EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
+kernel= # its folder; the machine sets it
 # Whole, because a configuration elsewhere names files in it, too.
 [ -z "${BUILD:-}" ] || BUILD=$(cd "$source_dir" && realpath -ms "$BUILD")
 

@@ -1,12 +1,12 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# Runs tests/vm/test_*.sh, each in a simulated machine of its own, as many at a time as there are
+# Runs tests/vm/test_*.sh or tests/vm/qemu/test_*.sh, each in a simulated machine of its own, as many at a time as there are
 # processors (VM_MACHINES=n: so many), and prints their results as TAP when each ends.
 # Everything they leave is kept in $BUILD/tests/vm/job/NAME/NAME.
 #
 #     tests/vm/run.sh quick            the few that show the whole way, in one machine
-#     tests/vm/run.sh uml [FILTER]     all that run in user-mode Linux, whose names contain FILTER
-#     tests/vm/run.sh qemu [FILTER]    the others: a line "needs qemu:" in the test says why
+#     tests/vm/run.sh uml [FILTER]     those in user-mode Linux, whose names contain FILTER
+#     tests/vm/run.sh qemu [FILTER]    those in QEMU
 set -uo pipefail
 
 here=$(cd "$(dirname "$0")" && pwd)
@@ -66,10 +66,10 @@ machines=() # a line of names each
 if [ "$which" = quick ]; then
 	machines=("$quick")
 else
-	for name in $(wc -l tests/vm/test_*.sh | sort -rn | sed -n 's|.*tests/vm/test_\(.*\)\.sh$|\1|p'); do
-		machine=uml
-		! grep -q '^# needs qemu: ' "tests/vm/test_$name.sh" || machine=qemu
-		[[ $machine != "$which" || $name != *"$filter"* ]] || machines+=("$name")
+	folder=tests/vm
+	[ "$which" = uml ] || folder=tests/vm/qemu
+	for name in $(wc -l $folder/test_*.sh | sort -rn | sed -n 's|.*/test_\(.*\)\.sh$|\1|p'); do
+		[[ $name != *"$filter"* ]] || machines+=("$name")
 	done
 fi
 running=0

@@ -62,7 +62,7 @@ matches "a line that the chip has not is an error that names it" '^error .*8' "$
 "$tools/presses" gpio 1 chip=gpiochip77 threshold_up=1 >"$VM_OUT/second" 2>&1
 matches "a chip that there is not is an error that names it" gpiochip77 "$(cat "$VM_OUT/second")"
 
-# Under emulation even a bounce takes its time, so the button is said to bounce for long.
+# This button is said to bounce for long.
 listen chip=panel threshold_up=2 threshold_down=3 debounce_ms=800 repeat_after_ms=0
 level 3 pull-down
 level 3 pull-up
@@ -142,7 +142,7 @@ check "a button to the supply works as well" eventually heard 1 threshold-up
 ignore
 
 # ---- a rotary encoder between lines 2 and 3 ----
-# A hand takes as long, and an edge's level is read when the kernel's thread runs: under emulation late.
+# A hand takes as long, and an edge's level is read when the kernel's thread runs.
 quarter() { # line, pull
 	level "$1" "$2"
 	sleep 0.05

@@ -36,7 +36,7 @@ stop_playing
 unload vivid
 
 check "vkms loads" load vkms
-echo detect >"$(echo "/sys/class/drm/card$(card_of vkms)"-*/status)" # nobody else has asked it yet
+echo detect >"$(echo "/sys/class/drm/card$(card_of vkms)"-Virtual-*/status)" # nobody else has asked it yet
 "$tools/scanout" list >"$VM_OUT/screens"
 matches "vkms shows a connected screen" '^[0-9]+ vkms ' "$(cat "$VM_OUT/screens")"
 check "vkms unloads" unload vkms

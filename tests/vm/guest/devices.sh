@@ -60,6 +60,7 @@ play() {
 	v4l2-ctl -d "$out" --stream-out-mmap=3 --stream-from="$2" --stream-loop \
 		</dev/null >"$VM_OUT/play-$1.log" 2>&1 &
 	players+=($!)
+	eventually test -s "$VM_OUT/play-$1.log" # a mark for each picture: the output has its format
 }
 
 stop_playing() {

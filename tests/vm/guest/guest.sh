@@ -3,7 +3,7 @@
 # Inside the simulated machine: runs tests and writes their TAP to the job folder. A test that dies,
 # hangs or says nothing is a failure; what it printed is kept beside.
 #
-#     guest.sh NAME...           tests/vm/test_NAME.sh
+#     guest.sh NAME...           test_NAME.sh in tests/vm or tests/vm/qemu
 set -u
 results=/run/job/results.tap
 limit=900 # a busy host's minute is long
@@ -27,13 +27,15 @@ running() {
 
 # one NAME
 one() {
-	local code line
+	local code line script
 	name=$1
 	export VM_OUT=/run/job/$name
 	mkdir -p "$VM_OUT"
 	# A test that hangs is looked at before its end takes away what it hung on.
 	(sleep $((limit - 10)) && running) >"$VM_OUT/running" 2>/dev/null &
-	timeout $limit bash "tests/vm/test_$name.sh" >"$VM_OUT/output" 2>&1 </dev/null
+	script=tests/vm/test_$name.sh
+	[ -e "$script" ] || script=tests/vm/qemu/test_$name.sh
+	timeout $limit bash "$script" >"$VM_OUT/output" 2>&1 </dev/null
 	code=$?
 	while IFS= read -r line; do
 		case $line in

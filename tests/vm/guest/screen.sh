@@ -18,8 +18,8 @@ show() {
 }
 
 hide() {
-	kill $showing 2>/dev/null
-	wait $showing
+	kill "$showing" 2>/dev/null
+	wait "$showing"
 }
 
 # saw COUNT REGEX: so many lines of it, sooner or later.

@@ -56,7 +56,7 @@ eventually() {
 	local limit=$((SECONDS + ${VM_PATIENCE:-240})) pauses=(0.02 0.05 0.1 0.2 0.5 1) i=0
 	until "$@" >/dev/null 2>&1; do
 		[ $SECONDS -lt $limit ] || return 1
-		read -rt ${pauses[i]} -u "$never"
+		read -rt "${pauses[i]}" -u "$never"
 		[ $i -eq 5 ] || i=$((i + 1))
 	done
 }

@@ -1,6 +1,5 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# needs qemu: virtio-gpu, photographed from outside
 # The KMS driver on the card that holds the text console: what is shown, missing screens, another screen
 # while it is used, and the console's picture given back as it was.
 . tests/vm/guest/tap.sh

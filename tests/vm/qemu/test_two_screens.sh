@@ -1,6 +1,5 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# needs qemu: virtio-gpu, photographed from outside
 # Two screens of one card that show one picture (virtio-gpu, photographed from outside). It has no second screen, so
 # the kernel is told that there is one; it does not scale, and its screens have 1024x768 in common.
 . tests/vm/guest/tap.sh

@@ -1,6 +1,5 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# needs qemu: virtio-gpu and its text consoles
 # The screen and the text consoles on it (virtio-gpu, photographed from outside): what a person sees
 # who switches away and back, and after the program has ended in whatever way.
 . tests/vm/guest/tap.sh

@@ -1,6 +1,5 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# needs qemu: virtio-gpu, photographed from outside, and its text console
 # The whole program on a card of another driver: the picture, the console's picture given back, and another
 # screen in place of the first.
 . tests/vm/guest/tap.sh
