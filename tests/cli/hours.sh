@@ -173,11 +173,11 @@ loses_its_basis() { # COMMAND...: what becomes of the file once it has been take
 	begin $((saturday + 9 * 3600)) "${hours[@]}" --set "basis.file=$work/own.inlay"
 	check "a kiosk with its own basis" frames_come
 	clock $((saturday + 12 * 3600))
-	check "rests" until_true 60 status_says '"rest":true'
+	check "rests" until_true status_says '"rest":true'
 	cp "$work/box.inlay" "$work/own.new"
 	mv "$work/own.new" "$work/own.inlay"
 	kill -HUP "$inlay"
-	check "another basis is taken by night" until_true 60 says "$work/run.log" "basis of 26 lights, 1 pose"
+	check "another basis is taken by night" until_true says "$work/run.log" "basis of 26 lights, 1 pose"
 	"$@"
 	clock $((saturday + 2 * 86400 + 9 * 3600))
 	check "in the morning it shows frames without: $1" frames_come

@@ -220,8 +220,8 @@ goes_on_while_reading() { # NAME TEXT FILE: which the kiosk begins to read
 	check "after a second signal too" frames_go_on
 	equal "nothing is said" 0 "$(said "$work/run.log" "the configuration ")"
 	touch "$3.go"
-	check "it is read in the end" until_true 60 more_said 0
-	check "and once more for the second signal" until_true 60 more_said 1
+	check "it is read in the end" until_true more_said 0
+	check "and once more for the second signal" until_true more_said 1
 	equal "both are in force" 2 "$(said "$work/run.log" "the configuration has been read again")"
 	stop
 	equal "it ends in order" 0 $?

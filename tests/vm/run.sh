@@ -24,6 +24,7 @@ if [ "$(uname -m)" != x86_64 ]; then
 	printf '1..1\nok 1 - simulated hardware # SKIP its kernel needs an x86_64, this is a %s\n' "$(uname -m)"
 	exit 0
 fi
+tests/vm/bake.sh $([ "$which" = uml ] || echo --quick) || exit 1
 
 # one NAME...: boots a machine for them, in this order.
 one() {

@@ -33,14 +33,12 @@ test-vm:
 	$(Q)board/deps.sh test
 	$(AGAIN) test-vm-installed
 test-vm-installed: $(VM_READY)
-	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh
 	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh uml $(FILTER)"
 ## test-vm-qemu: those that need virtio-gpu, in QEMU (FILTER=name: some)
 test-vm-qemu:
-	$(Q)board/deps.sh test
+	$(Q)board/deps.sh image test
 	$(AGAIN) test-vm-qemu-installed
 test-vm-qemu-installed: $(VM_READY)
-	$(Q)BUILD="$(BUILD)" tests/vm/bake.sh --quick
 	$(Q)$(RUN_TESTS) vm "tests/vm/run.sh qemu $(FILTER)"
 ## vm-shell: a shell in the simulated machine (leave it with exit; VM=qemu: in QEMU)
 vm-shell: $(VM_READY)

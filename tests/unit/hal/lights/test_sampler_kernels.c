@@ -331,10 +331,10 @@ static void colours_are_within_the_bound(void **state)
 			struct sampler_shares shares;
 			double worst = 0;
 
-			assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width,
-							       e.height,
-							       (enum light_estimator)estimator),
-					 0);
+			assert_int_equal(
+				sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height,
+						      (enum light_estimator)estimator, NULL),
+				0);
 			for (int sky = 0; sky < SKIES; sky++) {
 				paint(&e, &chance, sky, &shares);
 				worst = fmax(worst, check_colours(&e, &shares));
@@ -419,9 +419,9 @@ static void long_rows(void **state)
 	struct sampler_shares shares;
 
 	(void)state;
-	assert_int_equal(
-		sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height, ESTIMATOR_CELL),
-		0);
+	assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height,
+					       ESTIMATOR_CELL, NULL),
+			 0);
 	paint(&e, &chance, NOISE, &shares);
 	assert_true(check_colours(&e, &shares) <= 1);
 	sampler_shares_free(&shares);
