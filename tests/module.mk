@@ -248,6 +248,7 @@ FUZZ_PARTS := \
 	app/driver_list.c \
 	app/control/control.c \
 	app/control/control_socket.c \
+	app/control/snapshot.c \
 	app/records/state.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
@@ -258,6 +259,7 @@ FUZZ_PARTS := \
 	bake/calibrate/convert/convert_words.c \
 	bake/calibrate/convert/convert_xml.c \
 	bake/calibrate/convert/convert_yaml.c \
+	bake/calibrate/estimate/by_view.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/linear.c \
