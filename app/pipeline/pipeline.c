@@ -315,7 +315,7 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.unfit = p->unfit,
 		.threshold = p->choice.threshold,
 		.lights = p->selection.count,
-		.lights_used = p->selection.used_count,
+		.lights_used = p->lit ? p->selection.used_count : 0,
 		.dropped_error = fmax(fmax(error[0], error[1]), error[2]),
 		.pose = p->choice.pose,
 		.missing = p->missing,
