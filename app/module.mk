@@ -31,6 +31,7 @@ APP_SOURCES := \
 	app/control/snapshot.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
+	app/kiosk/kiosk_basis.c \
 	app/kiosk/kiosk_complain.c \
 	app/kiosk/kiosk_control.c \
 	app/kiosk/kiosk_doubt.c \

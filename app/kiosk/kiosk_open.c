@@ -149,32 +149,6 @@ static int open_pipeline(struct kiosk *k, struct fault *fault)
 	return pipeline_choose(k->picture.pipeline, &k->controls.choice, fault);
 }
 
-int kiosk_basis_open(struct basis **out, struct stat *file, const char *path, enum basis_part part,
-		     struct fault *fault)
-{
-	struct basis *basis = calloc(1, sizeof(*basis));
-	int err;
-
-	if (!basis)
-		return fault_say(fault, -ENOMEM, "not enough memory");
-	/* Asked before it is read: a file that comes in its place meanwhile is noticed later. */
-	if (stat(path, file) < 0)
-		*file = (struct stat){.st_ino = 0};
-	err = pipeline_open_basis(basis, path, part, fault);
-	if (err)
-		free(basis);
-	else
-		*out = basis;
-	return err;
-}
-
-void kiosk_basis_close(struct basis *basis)
-{
-	if (basis)
-		basis_close(basis);
-	free(basis);
-}
-
 int kiosk_open(struct kiosk *k, struct fault *fault)
 {
 	const struct config *config = k->config;

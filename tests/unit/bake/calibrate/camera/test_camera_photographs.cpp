@@ -411,12 +411,9 @@ static void two_cameras_are_doubted(void **)
 int main()
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(no_worse_than_opencv),
-		cmocka_unit_test(in_both_directions),
-		cmocka_unit_test(where_is_the_board_now),
-		cmocka_unit_test(some_are_turned),
-		cmocka_unit_test(deviations_are_by_view),
-		cmocka_unit_test(two_cameras_are_doubted),
+		cmocka_unit_test(no_worse_than_opencv),	  cmocka_unit_test(in_both_directions),
+		cmocka_unit_test(where_is_the_board_now), cmocka_unit_test(some_are_turned),
+		cmocka_unit_test(deviations_are_by_view), cmocka_unit_test(two_cameras_are_doubted),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, forget);
