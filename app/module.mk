@@ -31,12 +31,12 @@ APP_SOURCES := \
 	app/control/snapshot.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
-	app/kiosk/kiosk_basis.c \
 	app/kiosk/kiosk_complain.c \
 	app/kiosk/kiosk_control.c \
 	app/kiosk/kiosk_doubt.c \
 	app/kiosk/kiosk_light.c \
 	app/kiosk/kiosk_open.c \
+	app/kiosk/kiosk_parts.c \
 	app/kiosk/kiosk_picture.c \
 	app/kiosk/kiosk_reload.c \
 	app/kiosk/kiosk_rest.c \

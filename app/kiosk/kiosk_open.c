@@ -37,13 +37,6 @@ static bool is_watched(const struct config *config, const char *camera)
 	       !strcmp(config->depth.view.camera, camera);
 }
 
-struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera)
-{
-	return !strcmp(config->background.view.camera, camera)
-		       ? config_background_curve(&config->background)
-		       : config_fisheye_curve(&config->fisheye);
-}
-
 static int create_source(struct kiosk_inputs *in, const struct config *config,
 			 struct config_camera *camera, bool resting, struct fault *fault)
 {

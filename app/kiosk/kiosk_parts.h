@@ -127,12 +127,18 @@ struct kiosk {
  * what: whose trouble, like "buttons gpio". */
 void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble);
 
-/* ---- kiosk_open.c ---- */
+/* ---- kiosk_parts.c: what opening and reloading share ---- */
+
+/* The transfer curve that encodes a camera's linear radiance: the background's where the background
+ * looks through it, else the fisheye's. */
+struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
 /* Opens a basis, and notes what file that is. */
 int kiosk_basis_open(struct basis **basis, struct stat *file, const char *path,
 		     enum basis_part part, struct fault *fault);
 void kiosk_basis_close(struct basis *basis); /* NULL is harmless */
+
+/* ---- kiosk_open.c ---- */
 
 /* Opens everything but the screen, from k->settings and k->config; the cameras are being opened
  * when it returns. After a failure kiosk_close() cleans up. */
@@ -141,10 +147,6 @@ int kiosk_open(struct kiosk *k, struct fault *fault);
 /* Closes everything; idempotent. -errno where the screen cannot finish, such as a file that cannot
  * be written. */
 int kiosk_close(struct kiosk *k, struct fault *fault);
-
-/* The transfer curve that encodes a camera's linear radiance: the background's where the background
- * looks through it, else the fisheye's. */
-struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera);
 
 /* ---- kiosk_light.c ---- */
 

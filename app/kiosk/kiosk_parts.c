@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "app/kiosk/kiosk_parts.h"
 #include "app/pipeline/pipeline_config.h"
@@ -29,4 +30,11 @@ void kiosk_basis_close(struct basis *basis)
 	if (basis)
 		basis_close(basis);
 	free(basis);
+}
+
+struct transfer_curve kiosk_curve_for(const struct config *config, const char *camera)
+{
+	return !strcmp(config->background.view.camera, camera)
+		       ? config_background_curve(&config->background)
+		       : config_fisheye_curve(&config->fisheye);
 }
