@@ -69,7 +69,7 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 #define BY_VIEW_LEVEL 1e-3
 #define BY_VIEW_REASON                                                                             \
 	"the pictures do not agree on where the lens's axis is, %s the least, by more than noise " \
-	"and bent boards explain"
+	"explains (a bent board may be why)"
 #define BY_VIEW_REMEDY                                                                             \
 	"take all pictures with one camera at one zoom, its stabiliser and autofocus off"
 double by_view_axis_chance(const struct by_view *found, double variance, int freedom);
