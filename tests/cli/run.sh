@@ -138,6 +138,8 @@ equal "it ends as it should" 0 $?
 
 start --set camera.depth.driver=v4l2 --set camera.depth.device=/dev/video250
 check "without the depth camera, feet tell" until_true says "$work/run.log" "$by_feet"
+check "and frames are shown" until_true more_frames 2
+check "the camera is waited for" until_true says "$work/run.log" "camera depth: no device"
 equal "which is said once" 1 "$(said "$work/run.log" "camera depth: no device")"
 stop
 equal "and nothing ends" 0 $?
