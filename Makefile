@@ -279,7 +279,7 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_READY) $(B
 	$(Q)tests/run.sh --end
 
 ## test-stress: make test beside eight busy loops, on one processor, and from TIMES=10 new seeds (an hour)
-test-stress: TIMES = 10
+test-stress-installed: TIMES = 10
 $(eval $(call with_packages,test-stress,test))
 test-stress-installed:
 	$(Q)MAKE="$(MAKE)" tests/stress.sh $(TIMES)
