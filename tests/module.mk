@@ -188,17 +188,7 @@ UNIT_TESTS := \
 	tests/unit/hal/people/test_saved.c \
 	tests/unit/hal/optics/test_tsai.c
 # Tests that try more when INLAY_THOROUGH is set; DEEP_ONLY_TESTS take long in any case.
-THOROUGH_TESTS := \
-	tests/accuracy/test_compositor_accuracy.c \
-	tests/accuracy/test_moving_lamp.c \
-	tests/unit/bake/calibrate/camera/test_camera_edges.c \
-	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
-	tests/unit/bake/calibrate/camera/test_camera_radial.c \
-	tests/unit/bake/calibrate/camera/test_camera_solve.c \
-	tests/unit/bake/calibrate/observe/test_boards.c \
-	tests/unit/bake/calibrate/response/test_light_response.c \
-	tests/unit/bake/tiles/test_bake_determinism.c \
-	tests/unit/bake/trace/test_bake_bounce.c
+THOROUGH_TESTS = $(shell grep -l 'thorough()' $(UNIT_TESTS))
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 # Sets each driver's keys, and the array of drivers is the app's.
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
@@ -300,7 +290,6 @@ FUZZ_PARTS := \
 CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh actions.sh poses.sh import.sh state.sh light.sh calibrate.sh \
 	hours.sh run.sh reload.sh exposures.sh preview.sh bake.sh install.sh export.sh errors.sh still.sh check.sh devices.sh \
 	control.sh grab.sh bombs.sh bench.sh pace.sh)
-TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
 # These take a minute, or need packages that inlay itself does not need; with INLAY_THOROUGH, which has some that
 # are quick tests too do all that they can.
 CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \

@@ -13,6 +13,7 @@
 #include "drivers/sim/studio_people.h"
 #include "drivers/sim/walker_body.h"
 #include "hal/optics/vec.h"
+#include "tests/support/thorough.h"
 
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
 
@@ -54,6 +55,8 @@ static void bodies_cover_what_dense_rays_hit(void **state)
 	struct sim_eye eye;
 	struct studio_view *view = make_view(&eye);
 	double worst = 0, sum = 0;
+	const int step = thorough() ? 1 : 7; /* prime to the width: all columns are met */
+	int count = 0;
 
 	(void)state;
 	for (int style = 0; style < WALKER_STYLES; style++) {
@@ -67,7 +70,7 @@ static void bodies_cover_what_dense_rays_hit(void **state)
 
 		walker_pose(&walker, &body);
 		studio_people_draw(view, &lamps_off, &walker, 1, layer);
-		for (int k = 0; k < PIXELS; k++) {
+		for (int k = style; k < PIXELS; k += step, count++) {
 			const double alpha = dense_alpha(&eye, &body, k % WIDTH, k / WIDTH);
 			const double off = fabs(alpha - layer[k].alpha);
 
@@ -76,7 +79,7 @@ static void bodies_cover_what_dense_rays_hit(void **state)
 			assert_int_equal(layer[k].walker, layer[k].alpha > 0 ? 0 : -1);
 		}
 	}
-	sum = sqrt(sum / (PIXELS * WALKER_STYLES));
+	sum = sqrt(sum / count);
 	print_message("# alpha of 4 x 4 against 16 x 16 rays: RMS %.4f, largest %.3f\n", sum,
 		      worst);
 	assert_true(sum < 0.01);

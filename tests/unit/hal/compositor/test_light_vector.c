@@ -16,6 +16,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 static const struct synthetic_options many = {
 	.width = 20,
@@ -100,7 +101,7 @@ static void what_is_gathered_is_exact(void **state)
 		assert_int_equal(light_selection_create(&s, &file.basis), 0);
 		assert_int_equal(light_terms_create(&terms, &file.basis), 0);
 		assert_int_equal(light_vector_create(&v, &terms), 0);
-		for (int n = 0; n < (coarse ? 30 : 1) * 93; n++) {
+		for (int n = 0; n < (coarse && thorough() ? 30 : 1) * 93; n++) {
 			const int power = n % 93 * 3 - 149;
 
 			for (int kind = 0; kind < BASIS_KIND_COUNT; kind++) {

@@ -16,6 +16,7 @@
 #include "hal/people/people.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 #define WIDTH 320
 #define HEIGHT 240
@@ -378,13 +379,13 @@ static void somebody_who_stands_still_is_not_learned(void **state)
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
-	for (int n = 0; n < 600; n++) {
+	for (int n = 0; n < (thorough() ? 600 : 200); n++) {
 		const struct body b = walker(0.1, -1);
 
 		place_look(p, &b, 1);
 	}
 	assert_int_equal(people_report(p->people).in_front, 1);
-	expect_at_most(wrong_share(p), 0.03, "after standing for 20 s");
+	expect_at_most(wrong_share(p), 0.03, "after standing");
 	place_look(p, NULL, 0);
 	place_look(p, NULL, 0);
 	expect_at_most(wrong_share(p), 0.01, "after leaving");
@@ -539,9 +540,9 @@ static void somebody_who_hides_everything_is_not_learned(void **state)
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
-	for (int n = 0; n < 300; n++)
+	for (int n = 0; n < (thorough() ? 300 : 100); n++)
 		place_look(p, &b, 1);
-	expect_at_most(wrong_share(p), 0.03, "after standing for 10 s");
+	expect_at_most(wrong_share(p), 0.03, "after standing");
 	assert_int_equal(people_report(p->people).in_front, 1);
 	place_look(p, NULL, 0);
 	place_look(p, NULL, 0);

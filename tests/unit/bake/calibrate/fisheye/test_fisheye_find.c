@@ -18,6 +18,7 @@
 #include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
 {
@@ -117,12 +118,12 @@ static void check_coverage(const struct coverage *all, int runs)
 	assert_true(all->within[2] >= 0.99 * all->runs);
 }
 
-/* Number of runs: INLAY_RUNS, else few, with wider bounds. */
+/* Number of runs: INLAY_RUNS, else few, with wider bounds, and a third of them where time matters. */
 static int runs_of(int usual)
 {
 	const char *text = getenv("INLAY_RUNS");
 
-	return text ? (int)strtol(text, NULL, 10) : usual;
+	return text ? (int)strtol(text, NULL, 10) : thorough() ? usual : usual / 3;
 }
 
 static void honest_with_noise(void **state)

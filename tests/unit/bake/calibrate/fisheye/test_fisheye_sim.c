@@ -16,6 +16,7 @@
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/drivers.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 static void *place(void *root, const char *instance)
 {
@@ -141,7 +142,7 @@ static void panoramas(void **state)
 	const char *folder = getenv("INLAY_SHARED_DATA");
 
 	(void)state;
-	for (int k = 0; k < 3; k++)
+	for (int k = 0; k < (thorough() ? 3 : 1); k++)
 		for (int e = 0; e < 2; e++) {
 			char option[520];
 
