@@ -17,6 +17,7 @@
 #include "drivers/v4l2/offers.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 
 enum { BUFFERS = 4 };
@@ -193,16 +194,25 @@ static void the_newest_wins(void **state)
 
 static void unfit_frames_are_skipped(void **state)
 {
+	struct captured_log log;
+	char said[512] = "";
 	struct frame frame;
 	struct played_rig rig;
+	FILE *lines;
 
 	(void)state;
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
+	log = captured_log_begin();
 	played_deliver(0, 0, PLAYED_YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
 	played_deliver(1, 1, PLAYED_YUYV_BYTES - 1, 0);
 	played_deliver(2, 2, 0, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
+	lines = captured_log_end(&log);
+	assert_non_null(fgets(said, sizeof(said), lines));
+	assert_non_null(strstr(said, "frames have 6143 bytes, 64x48 YUYV needs 6144"));
+	assert_null(fgets(said, sizeof(said), lines)); /* once */
+	fclose(lines);
 	assert_int_equal(rig.camera.broken, 3);
 	assert_int_equal(played_queued(), BUFFERS);
 	played_deliver(0, 3, PLAYED_YUYV_BYTES, 0);
