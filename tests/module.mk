@@ -52,6 +52,7 @@ UNIT_TESTS := \
 	tests/unit/app/records/test_metrics.c \
 	tests/unit/app/records/test_state.c \
 	tests/unit/app/test_devices_sample.c \
+	tests/unit/app/test_grab.c \
 	tests/unit/app/view/test_guide.c \
 	tests/unit/app/view/test_layout.c \
 	tests/unit/app/view/test_overlay.c \

@@ -48,6 +48,7 @@ bool settling_take(struct settling *s, unsigned opening, const struct settling_l
 	if (s->opening != opening)
 		*s = (struct settling){.opening = opening,
 				       .left_out = s->left_out,
+				       .most_ns = s->most_ns,
 				       .begun_ns = captured_ns,
 				       .level = -1};
 	if (s->settled)
@@ -56,7 +57,9 @@ bool settling_take(struct settling *s, unsigned opening, const struct settling_l
 		s->level = -1;
 	else
 		s->settled = !metering || is_steady(s, look->level, captured_ns);
-	s->settled |= captured_ns - s->begun_ns >= SETTLING_MOST_NS;
+	s->in_vain = !s->settled && captured_ns - s->begun_ns >=
+					    (s->most_ns && !look->blank ? s->most_ns : SETTLING_MOST_NS);
+	s->settled |= s->in_vain;
 	s->left_out += !s->settled;
 	return s->settled;
 }

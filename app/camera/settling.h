@@ -23,6 +23,8 @@
 struct settling {
 	unsigned opening;  /* the camera's opening that this is about; 0: none yet */
 	bool settled;	   /* its pictures count */
+	bool in_vain;	   /* only because they were waited for long enough */
+	int64_t most_ns;   /* to wait for a level that moves; 0: SETTLING_MOST_NS */
 	uint64_t left_out; /* pictures that did not, of all openings */
 	int64_t begun_ns;  /* when its first picture was captured */
 	int64_t steady_ns; /* since when its level has been steady */
