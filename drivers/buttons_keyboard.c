@@ -105,6 +105,16 @@ static int read_map(struct keymap *map, const struct keyboard_options *options, 
 	return 0;
 }
 
+/* Whether the device is a touch screen that tells of fingers and has no key for a tap. */
+static bool has_contacts(int fd)
+{
+	unsigned char keys[KEYS_BITS_BYTES] = {0}, axes[ABS_CNT / 8] = {0};
+
+	return ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(keys)), keys) >= 0 &&
+	       ioctl(fd, EVIOCGBIT(EV_ABS, sizeof(axes)), axes) >= 0 &&
+	       keys_bit(axes, ABS_MT_TRACKING_ID) && !keys_bit(keys, BTN_TOUCH);
+}
+
 /* Whether the device has a key with an action. */
 static bool has_keys(int fd, const struct keymap *map)
 {
@@ -112,6 +122,8 @@ static bool has_keys(int fd, const struct keymap *map)
 
 	if (ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(bits)), bits) < 0)
 		return false;
+	if (map->actions[BTN_TOUCH] != ACTION_NONE && has_contacts(fd))
+		return true;
 	for (unsigned code = 0; code < KEYMAP_CODES; code++)
 		if (map->actions[code] != ACTION_NONE && keys_bit(bits, code))
 			return true;
@@ -156,6 +168,7 @@ static int keyboard_adopt(struct keyboards *keyboards, int fd, dev_t number)
 			return -errno;
 		keyboards->list[i] = (struct keyboard){.fd = fd, .number = number};
 		keys_start(&keyboards->list[i].keys, down);
+		keyboards->list[i].keys.contacts = has_contacts(fd);
 		return 0;
 	}
 	return -ENOSPC;
