@@ -3,6 +3,7 @@
 #include <errno.h>
 
 #include "app/kiosk/kiosk_parts.h"
+#include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
@@ -19,12 +20,17 @@ void kiosk_rest_begin(struct kiosk *k)
 	}
 }
 
-/* A screen that cannot be switched off is drawn black. */
+/* A screen that cannot be switched off, or is not to be, is drawn black. */
 static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
 {
+	const bool switches = on || k->config->screen->hours_off == HOURS_OFF_SIGNAL;
+	const char *cec = k->config->screen->cec;
 	struct fault reason = {.text = ""};
-	int err = k->screen.display.state ? display_power(&k->screen.display, on, &reason) : 0;
+	int err = k->screen.display.state && switches ? display_power(&k->screen.display, on, &reason)
+						      : 0;
 
+	if (*cec && cec_switch(cec, on, &reason))
+		log_warning_once("[screen] cec: %s", reason.text);
 	k->picture.redraw = true;
 	k->screen.submitted = kiosk_shown(&k->screen); /* pictures on their way are lost */
 	if (!err || err == -ENOTSUP)
@@ -50,7 +56,8 @@ static void say_rest(const struct kiosk *k)
 
 	rest_next(&k->rest, time(NULL), next);
 	if (k->rest.resting)
-		log_info("at rest until %s: the screen is off, the cameras are closed", next);
+		log_info("at rest until %s: the screen is %s, the cameras are closed", next,
+			 k->config->screen->hours_off == HOURS_OFF_BLACK ? "black" : "off");
 	else if (k->rest.awake_until_ns > clock_now_ns())
 		log_info("awake for %d minutes, as a button or a command asks", REST_WAKE_MINUTES);
 	else
