@@ -22,6 +22,7 @@
 #include "app/records/metrics.h"
 #include "app/records/state.h"
 #include "app/records/stats.h"
+#include "app/records/supply.h"
 #include "app/view/overlay.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"

@@ -73,6 +73,8 @@ static void add_axes(void)
 	static const unsigned short axes[] = {ABS_MT_SLOT, ABS_MT_TRACKING_ID, ABS_MT_POSITION_X,
 					      ABS_MT_POSITION_Y};
 
+	if (ioctl(device, UI_SET_EVBIT, EV_ABS))
+		die("event types");
 	for (size_t i = 0; i < sizeof(axes) / sizeof(axes[0]); i++) {
 		struct uinput_abs_setup axis = {
 			.code = axes[i], .absinfo = {.maximum = axes[i] == ABS_MT_SLOT ? 4 : 4095}};
