@@ -102,7 +102,7 @@ static const char *const lines[] = {
 /* Zone 1 has no temperature at present, zone 2 is not there. */
 static void figures_are_told(void **state)
 {
-	char text[METRICS_TEXT_MAX], folder[1024], zone[1100];
+	char text[METRICS_TEXT_MAX], folder[1024], zone[2200];
 	struct metrics_facts facts;
 	size_t length;
 
