@@ -77,8 +77,7 @@ static void read_camera_line(struct sample_camera *camera, const char *line)
 
 	if (format != PIXEL_NONE) {
 		camera->pictures |= format != PIXEL_Z16;
-		camera->colours |= format != PIXEL_Z16 && format != PIXEL_GREY &&
-				   format != PIXEL_Y10 && format != PIXEL_Y16;
+		camera->colours |= format < PIXEL_GREY || format > PIXEL_Z16;
 		if (camera->offer_count < OFFERS)
 			snprintf(camera->offers[camera->offer_count++], LINE, "%s", line);
 		else

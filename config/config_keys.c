@@ -120,7 +120,8 @@ static const struct ini_key camera_keys[] = {
 	 .offset = offsetof(struct config_camera, settings.format),
 	 .choices = pixel_format_names,
 	 .fallback = "none",
-	 .help = "Wanted pixel format; none: the cheapest to convert."},
+	 .help = "Wanted pixel format; none: the cheapest to convert. Y10, Y12, Y14 also read Y16 "
+		 "whose upper bits are empty."},
 	{.name = "buffers",
 	 .type = INI_INT,
 	 .offset = offsetof(struct config_camera, settings.buffers),

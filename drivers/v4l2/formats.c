@@ -19,6 +19,10 @@ static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},     {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
 	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
 	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},   {V4L2_PIX_FMT_Z16, PIXEL_Z16, 1},
+	{V4L2_PIX_FMT_Y12, PIXEL_Y12, 1},     {V4L2_PIX_FMT_Y14, PIXEL_Y14, 1},
+	/* Many sensors of fewer bits send them low in what they call Y16. They have to be wished for. */
+	{V4L2_PIX_FMT_Y16, PIXEL_Y10, 1},     {V4L2_PIX_FMT_Y16, PIXEL_Y12, 1},
+	{V4L2_PIX_FMT_Y16, PIXEL_Y14, 1},
 };
 
 enum { LAYOUTS = sizeof(layouts) / sizeof(layouts[0]) };
@@ -31,13 +35,21 @@ const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc)
 	return NULL;
 }
 
+const struct v4l2_layout *v4l2_layout_as(uint32_t fourcc, enum pixel_format wanted)
+{
+	for (int i = 0; i < LAYOUTS; i++)
+		if (layouts[i].fourcc == fourcc && layouts[i].format == wanted)
+			return &layouts[i];
+	return v4l2_layout_of(fourcc);
+}
+
 int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted)
 {
 	const struct v4l2_layout *best_layout = NULL;
 	int best = -1, best_merit = 0;
 
 	for (int i = 0; i < count; i++) {
-		const struct v4l2_layout *layout = v4l2_layout_of(offers[i].fourcc);
+		const struct v4l2_layout *layout = v4l2_layout_as(offers[i].fourcc, wanted);
 		int merit;
 
 		if (!layout || (wanted != PIXEL_NONE && layout->format != wanted))

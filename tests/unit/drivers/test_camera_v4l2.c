@@ -59,6 +59,35 @@ static void formats_are_chosen(void **state)
 	played_finish(&rig);
 }
 
+/* What a device calls Y16 may fill fewer bits: the configuration says which. */
+static void y16_of_fewer_bits_is_declared(void **state)
+{
+	static const uint32_t only_y16[] = {V4L2_PIX_FMT_Y16, 0};
+	static const uint32_t both[] = {V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_Y12, 0};
+	static const int wanted[] = {PIXEL_NONE, PIXEL_Y10, PIXEL_Y12, PIXEL_Y14, PIXEL_Y16};
+	struct played_rig rig;
+	struct frame frame;
+
+	(void)state;
+	for (int i = 0; i < 5; i++) {
+		played_prepare(&rig, only_y16);
+		rig.settings.format = wanted[i];
+		played_must_start(&rig);
+		assert_int_equal(played.fourcc, V4L2_PIX_FMT_Y16);
+		assert_int_equal(rig.camera.format, i ? wanted[i] : PIXEL_Y16);
+		played_deliver(1, 0, 64 * 2 * 48, 0);
+		assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
+		assert_int_equal(frame.format, i ? wanted[i] : PIXEL_Y16);
+		camera_release(&rig.camera, &frame);
+		played_finish(&rig);
+	}
+	played_prepare(&rig, both);
+	rig.settings.format = PIXEL_Y12;
+	played_must_start(&rig);
+	assert_int_equal(played.fourcc, V4L2_PIX_FMT_Y12);
+	played_finish(&rig);
+}
+
 static void depths_are_taken_where_they_are_wanted(void **state)
 {
 	static const uint32_t both[] = {V4L2_PIX_FMT_Z16, V4L2_PIX_FMT_GREY, 0};
@@ -472,6 +501,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(formats_are_chosen),
+		cmocka_unit_test(y16_of_fewer_bits_is_declared),
 		cmocka_unit_test(depths_are_taken_where_they_are_wanted),
 		cmocka_unit_test(frames_come_and_go_back),
 		cmocka_unit_test(times_that_cannot_be_are_replaced),
