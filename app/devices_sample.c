@@ -12,12 +12,12 @@ enum { CAMERAS = 32, OFFERS = 6, LINE = sizeof(((struct camera_listing *)0)->lin
 struct sample_camera {
 	char driver[32], name[128], bus[128];
 	char device[INI_PATH_MAX]; /* as listed: its number may change */
-	char link[INI_PATH_MAX];   /* path by id, which stays; empty: none, or it may be another's */
-	char path[INI_PATH_MAX];   /* path by socket and node of the device; empty: none */
+	char link[INI_PATH_MAX]; /* path by id, which stays; empty: none, or it may be another's */
+	char path[INI_PATH_MAX]; /* path by socket and node of the device; empty: none */
 	char offers[OFFERS][LINE]; /* the first lines with a format that inlay decodes */
 	int offer_count, offers_left_out;
-	bool pictures; /* it offers them; else depths alone */
-	bool colours;  /* it offers pictures that are not grey */
+	bool pictures;	     /* it offers them; else depths alone */
+	bool colours;	     /* it offers pictures that are not grey */
 	bool one_of_several; /* there are more such nodes on its bus */
 };
 
@@ -88,8 +88,8 @@ static void read_camera_line(struct sample_camera *camera, const char *line)
 	}
 }
 
-/* Whether both are nodes of one device. A link by id that not each of them has tells the device, and leads to
- * the node that udev saw last: it is none. */
+/* Whether both are nodes of one device. A link by id that not each of them has names the device
+ * and leads to the node that udev saw last: it is none. */
 static bool is_sibling(struct sample_camera *a, struct sample_camera *b)
 {
 	if (!*a->bus || strcmp(a->driver, b->driver) != 0 || strcmp(a->bus, b->bus) != 0)

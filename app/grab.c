@@ -15,8 +15,8 @@
 #define SETTLE_NS (3 * NS_PER_S / 2)
 /* Slow cameras take five seconds to find their exposure at night, and nobody waits here in vain. */
 #define SETTLE_MOST_NS (10 * NS_PER_S)
-#define SETTLE_FRAMES 3		     /* of a camera without a clock of its own */
-#define WITHIN_NS (60 * NS_PER_S)    /* without a picture for so long there is none */
+#define SETTLE_FRAMES 3		  /* of a camera without a clock of its own */
+#define WITHIN_NS (60 * NS_PER_S) /* without a picture for so long there is none */
 
 struct grab {
 	struct source source;
@@ -175,7 +175,8 @@ static bool has_settled(struct grab *grab)
 	if (!eye_has_settled(&grab->eye, true))
 		return false;
 	if (settling->in_vain && settling->level >= 0)
-		log_warning("camera %s: its brightness still changes: the picture may be too bright or too dark",
+		log_warning("camera %s: its brightness still changes: the picture may be too "
+			    "bright or too dark",
 			    grab->source.settings.name);
 	return true;
 }

@@ -170,8 +170,8 @@ int config_hours_check(const char *text, struct fault *why)
 	return config_hours_read(text, &hours, why);
 }
 
-/* Refuses names and rules that mean something else than they seem to. POSIX counts hours west of Greenwich as
- * positive, and so do the names of Etc; the C library adds the American dates where summer time has none. */
+/* Refuses what means the opposite of what it seems to: POSIX counts hours west of Greenwich as
+ * positive, and so do the names of Etc. */
 static int check_greenwich(const char *text, const char *rules, struct fault *why)
 {
 	const bool greenwich = !strncmp(rules, "UTC", 3) || !strncmp(rules, "GMT", 3);
@@ -179,12 +179,15 @@ static int check_greenwich(const char *text, const char *rules, struct fault *wh
 
 	if (!west)
 		return 0;
-	return fault_say(why, -EINVAL,
-			 "is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a place like "
-			 "Europe/Berlin, or for that very time <%+03ld>%ld",
-			 text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
+	return fault_say(
+		why, -EINVAL,
+		"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a place like "
+		"Europe/Berlin, or for that very time <%+03ld>%ld",
+		text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
 }
 
+/* Refuses summer time without dates: the C library adds the American ones, which are right in America
+ * only. */
 static int check_rules(const char *text, size_t letters, struct fault *why)
 {
 	char *end;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * HDMI's CEC: a television is told to go to standby, or to wake and show this machine. The adapter needs an
- * address of the kind that a player has; one that another program has claimed is used. Messages and their
- * numbers are those of HDMI 1.4, supplement 1, CEC 15.
+ * HDMI's CEC: a television is told to go to standby, or to wake and show this machine. The adapter
+ * needs an address of the kind that a player has; one that another program has claimed is used. The
+ * messages are those of HDMI 1.4, supplement 1, CEC 15.
  */
 #include <errno.h>
 #include <fcntl.h>

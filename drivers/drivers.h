@@ -19,8 +19,8 @@ extern const struct camera_ops camera_v4l2, camera_libcamera, camera_sim;
 extern const struct display_ops display_kms, display_window, display_file, display_null;
 extern const struct buttons_ops buttons_gpio, buttons_encoder, buttons_keyboard, buttons_script;
 
-/* Tells the television behind a CEC adapter, like /dev/cec0, to wake or to go to standby. Blocks until it has
- * answered, for two seconds at most. 0 or -errno. */
+/* Tells the television behind a CEC adapter, like /dev/cec0, to wake or to go to standby. Blocks until
+ * it has answered, mostly some tenths of a second; the kernel gives up after a few. 0 or -errno. */
 int cec_switch(const char *device, bool on, struct fault *fault);
 
 #endif

@@ -57,8 +57,9 @@ bool settling_take(struct settling *s, unsigned opening, const struct settling_l
 		s->level = -1;
 	else
 		s->settled = !metering || is_steady(s, look->level, captured_ns);
-	s->in_vain = !s->settled && captured_ns - s->begun_ns >=
-					    (s->most_ns && !look->blank ? s->most_ns : SETTLING_MOST_NS);
+	s->in_vain = !s->settled &&
+		     captured_ns - s->begun_ns >=
+			     (s->most_ns && !look->blank ? s->most_ns : SETTLING_MOST_NS);
 	s->settled |= s->in_vain;
 	s->left_out += !s->settled;
 	return s->settled;

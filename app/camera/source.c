@@ -262,7 +262,8 @@ void source_watch(struct source *source, int64_t now_ns)
 	/* A key frame that opening has not brought would only be put off by opening again. */
 	if (camera->keyless_ns && now_ns - camera->keyless_ns < silence_ns && camera->frames == 0) {
 		most_ns = SILENT_MOST_NS;
-		fault_say(&why, 0, "it sends pictures, and the key frame that they need is waited for");
+		fault_say(&why, 0,
+			  "it sends pictures, and the key frame that they need is waited for");
 	}
 	if (source->situation == CAMERA_FINE)
 		source->situation = CAMERA_STALLED;

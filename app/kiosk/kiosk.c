@@ -191,8 +191,9 @@ static int kiosk_settle(struct kiosk *k, struct fault *fault)
 	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
 	err = kiosk_screen_open(k, true, fault);
-	return !err && (k->rest.resting || *k->config->screen->cec) ? kiosk_rest_look(k, true, fault)
-								     : err;
+	return !err && (k->rest.resting || *k->config->screen->cec)
+		       ? kiosk_rest_look(k, true, fault)
+		       : err;
 }
 
 static bool all_submitted(const struct kiosk *k)

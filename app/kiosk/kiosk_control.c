@@ -59,7 +59,8 @@ static const char *answer_status(struct kiosk *k)
 		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
 		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
 		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,"
-		 "\"hours_next\":\"%s\",\"local_time\":\"%s\",\"undervoltage\":%s,\"throttled\":%s,%s}",
+		 "\"hours_next\":\"%s\",\"local_time\":\"%s\",\"undervoltage\":%s,\"throttled\":%s,"
+		 "%s}",
 		 INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
 		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",

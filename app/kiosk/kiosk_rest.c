@@ -26,8 +26,9 @@ static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
 	const bool switches = on || k->config->screen->hours_off == HOURS_OFF_SIGNAL;
 	const char *cec = k->config->screen->cec;
 	struct fault reason = {.text = ""};
-	int err = k->screen.display.state && switches ? display_power(&k->screen.display, on, &reason)
-						      : 0;
+	int err = k->screen.display.state && switches
+			  ? display_power(&k->screen.display, on, &reason)
+			  : 0;
 
 	if (*cec && cec_switch(cec, on, &reason))
 		log_warning_once("[screen] cec: %s", reason.text);

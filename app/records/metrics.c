@@ -152,7 +152,8 @@ static void add_temperatures(struct sheet *s, const char *sysfs)
 
 	for (int zone = 0; zone < ZONES_MAX; zone++) {
 		/* A zone that is off answers with an error. */
-		if (!supply_line(millidegrees, "%s/class/thermal/thermal_zone%d/temp", sysfs, zone) ||
+		if (!supply_line(millidegrees, "%s/class/thermal/thermal_zone%d/temp", sysfs,
+				 zone) ||
 		    sscanf(millidegrees, "%d", &value) != 1)
 			continue;
 		if (!supply_line(type, "%s/class/thermal/thermal_zone%d/type", sysfs, zone))
@@ -173,7 +174,8 @@ static void add_supply(struct sheet *s, const char *sysfs)
 	if (!supply.told)
 		return;
 	sheet_head(s, "undervoltage", "gauge", "Whether the power supply's voltage is too low.");
-	sheet_add(s, "inlay_undervoltage{when=\"now\"} %d\ninlay_undervoltage{when=\"before\"} %d\n",
+	sheet_add(s,
+		  "inlay_undervoltage{when=\"now\"} %d\ninlay_undervoltage{when=\"before\"} %d\n",
 		  supply.undervoltage, supply.undervoltage_before);
 	sheet_head(s, "throttled", "gauge", "Whether the processor is slowed down.");
 	sheet_add(s, "inlay_throttled{when=\"now\"} %d\ninlay_throttled{when=\"before\"} %d\n",

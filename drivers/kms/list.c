@@ -60,7 +60,8 @@ static int list_card(int card, struct display_listing *listing,
 	if (!listing->lines)
 		err = -ENOMEM;
 	else if (node_link("/dev/dri/by-path", listing->device, link, sizeof(link)))
-		snprintf(listing->lines[listing->line_count++], sizeof(listing->lines[0]), "link %s", link);
+		snprintf(listing->lines[listing->line_count++], sizeof(listing->lines[0]),
+			 "link %s", link);
 	for (int i = 0; resources && i < resources->count_connectors && !err; i++) {
 		drmModeConnector *connector = drmModeGetConnector(card, resources->connectors[i]);
 

@@ -45,7 +45,7 @@ static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t 
 	return (struct v4l2_span){mapping->memory + offset, end - offset};
 }
 
-/* Of a driver whose rows are shorter than it tells, no frame would ever come, and nothing else says why. */
+/* A driver whose rows are shorter than it tells gives no frame ever, and nothing else says why. */
 static void say_short(struct v4l2_capture *v, size_t bytes)
 {
 	const enum pixel_format format = v->picture.layout->format;
@@ -58,8 +58,8 @@ static void say_short(struct v4l2_capture *v, size_t bytes)
 		return;
 	v->said_short = true;
 	v4l2_describe(&v->picture, 0, text, sizeof(text));
-	log_warning_paced("%s: frames have %zu bytes, %s needs %zu: they are passed over", v->path, bytes,
-			  text, needed);
+	log_warning_paced("%s: frames have %zu bytes, %s needs %zu: they are passed over", v->path,
+			  bytes, text, needed);
 }
 
 /* Describes the frame in a buffer. False: the driver marked it as damaged, or it is too short. */

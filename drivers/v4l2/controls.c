@@ -136,7 +136,7 @@ static int say_unknown(const char *name, char (*known)[V4L2_CONTROL_NAME_MAX], s
 			 nearest ? "\"" : "");
 }
 
-/* Linux 6.0 gave these controls other names, and what their old names resemble are other controls. */
+/* Linux 6.0 gave these controls other names; what their old names resemble are other controls. */
 static const char *other_name(const char *name)
 {
 	static const char *const renamed[][2] = {
@@ -163,7 +163,8 @@ static int find_control(int fd, struct v4l2_setting *setting, struct fault *faul
 	v4l2_control_name(setting->said.name, wanted);
 	while (count < KNOWN_MAX && v4l2_next_control(fd, &control)) {
 		v4l2_control_name(control.name, known[count]);
-		if (strcmp(known[count], wanted) == 0 || strcmp(known[count], other_name(wanted)) == 0) {
+		if (strcmp(known[count], wanted) == 0 ||
+		    strcmp(known[count], other_name(wanted)) == 0) {
 			setting->control = control;
 			return 0;
 		}

@@ -15,8 +15,8 @@ bool node_link(const char *folder, const char *node, char *link, size_t room)
 	*link = '\0';
 	for (struct dirent *entry; links && (entry = readdir(links));) {
 		snprintf(path, sizeof(path), "%s/%s", folder, entry->d_name);
-		if (strlen(path) < room && (!*link || strcmp(path, link) < 0) && realpath(path, target) &&
-		    strcmp(target, node) == 0)
+		if (strlen(path) < room && (!*link || strcmp(path, link) < 0) &&
+		    realpath(path, target) && strcmp(target, node) == 0)
 			strcpy(link, path);
 	}
 	if (links)

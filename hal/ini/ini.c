@@ -50,9 +50,9 @@ struct ini_reading {
 	int line;
 	const char *comment; /* in the last line fed, behind the value, without its ";" */
 	int comment_bytes;   /* 0: there is none */
-	bool header; /* the last line fed was a section's: its marker comes next */
-	bool marker; /* the last line fed was a marker */
-	bool silent; /* the handler has not yet been called for the last line fed */
+	bool header;	     /* the last line fed was a section's: its marker comes next */
+	bool marker;	     /* the last line fed was a marker */
+	bool silent;	     /* the handler has not yet been called for the last line fed */
 	/* The current section: */
 	char title[2 * TITLE_BYTES_MAX]; /* "camera fisheye", blanks normalised */
 	char section[TITLE_BYTES_MAX];
@@ -222,8 +222,8 @@ static void begin_section(struct ini_reading *r, const char *title)
 	r->lost = open_tables(r) != 0;
 }
 
-/* Whether the comment behind a value of a form of its own goes on with it: "mon-fri 9-18 ; sat 10-14" would lose
- * Saturday without a word. */
+/* Whether the comment behind a value of a form of its own goes on with it: "mon-fri 9-18 ; sat 10-14"
+ * would lose Saturday without a word. */
 static bool value_is_cut(const struct ini_reading *r, const struct ini_key *key, const char *value)
 {
 	char whole[2 * LINE_BYTES_MAX];

@@ -139,13 +139,15 @@ static void a_depth_camera_shows_its_colours(void **state)
 	}
 }
 
-static void add_card(struct devices_sample *sample, int number, const char *first, const char *second)
+static void add_card(struct devices_sample *sample, int number, const char *first,
+		     const char *second)
 {
 	char lines[3][160];
 	struct display_listing listing = {.name = "card", .lines = lines, .line_count = 3};
 
 	snprintf(listing.device, sizeof(listing.device), "/dev/dri/card%d", number);
-	snprintf(lines[0], sizeof(lines[0]), "link /dev/dri/by-path/pci-0000:0%d:00.0-card", number);
+	snprintf(lines[0], sizeof(lines[0]), "link /dev/dri/by-path/pci-0000:0%d:00.0-card",
+		 number);
 	snprintf(lines[1], sizeof(lines[1]), "HDMI-A-1: %s", first);
 	snprintf(lines[2], sizeof(lines[2]), "HDMI-A-2: %s", second);
 	sample_add_screen(sample, "kms", &listing);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A still picture of a camera that finds its exposure while the pictures come. Its time is played. */
+/* A still picture of a camera that finds its exposure while pictures come. Its time is played. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +17,7 @@
 
 enum { SIZE = 8, RATE = 8, BRIGHT = 250, RIGHT = 130 };
 
-/* The level of picture i falls from BRIGHT to RIGHT within so many pictures; < 0: it goes to and fro. */
+/* The level falls from BRIGHT to RIGHT within so many pictures; < 0: it goes to and fro. */
 static struct {
 	int falling, i, since, ready;
 	int64_t begun_ns;
@@ -45,7 +45,7 @@ static int fake_grab(struct camera *camera, struct frame *frame, struct fault *f
 {
 	uint8_t *memory = fake.memory[fake.i % 2];
 	const int i = fake.i++ - fake.since;
-	const int level = i < fake.falling    ? BRIGHT - (BRIGHT - RIGHT) * i / fake.falling
+	const int level = i < fake.falling	      ? BRIGHT - (BRIGHT - RIGHT) * i / fake.falling
 			  : fake.falling < 0 && i % 2 ? BRIGHT
 						      : RIGHT;
 

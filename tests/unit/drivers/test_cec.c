@@ -70,7 +70,8 @@ static void a_television_is_switched(void **state)
 	assert_int_equal(adapter.addresses.log_addr_type[0], CEC_LOG_ADDR_TYPE_PLAYBACK);
 	assert_int_equal(adapter.count, 1);
 	check_sent(0, 2, "\x80\x36");
-	adapter.addresses.log_addr[0] = CEC_LOG_ADDR_PLAYBACK_1; /* another program has claimed it */
+	adapter.addresses.log_addr[0] =
+		CEC_LOG_ADDR_PLAYBACK_1; /* another program has claimed it */
 	assert_int_equal(cec_switch("/dev/null", true, &fault), 0);
 	assert_int_equal(adapter.count, 3);
 	check_sent(1, 2, "\x40\x04");

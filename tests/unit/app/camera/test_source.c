@@ -368,7 +368,7 @@ static void silence_is_named_and_ended(void **state)
 	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
-/* Opening again would begin the wait anew; after a first picture it brings the key frame of a start. */
+/* Opening again would begin the wait anew; after a first picture it brings a start's key frame. */
 static void a_key_frame_is_waited_for(void **state)
 {
 	int64_t start;

@@ -135,7 +135,7 @@ static void figures_are_told(void **state)
 	assert_int_equal(system(zone), 0);
 }
 
-/* Where the firmware is silent the monitor of the voltage tells, wherever it stands among the others. */
+/* Where the firmware is silent the monitor of the voltage tells, whatever its number is. */
 static void the_monitor_tells_of_the_voltage(void **state)
 {
 	char command[1200];
