@@ -13,8 +13,6 @@
 
 /* A control shows within so long. Only then is it watched whether the picture still changes. */
 #define SETTLE_NS (3 * NS_PER_S / 2)
-/* Slow cameras take five seconds to find their exposure at night, and nobody waits here in vain. */
-#define SETTLE_MOST_NS (10 * NS_PER_S)
 #define SETTLE_FRAMES 3		  /* of a camera without a clock of its own */
 #define WITHIN_NS (60 * NS_PER_S) /* without a picture for so long there is none */
 
@@ -167,7 +165,7 @@ static bool has_settled(struct grab *grab)
 
 	if (grab->source.camera.on_demand)
 		return grab->passed > SETTLE_FRAMES;
-	settling->most_ns = SETTLE_MOST_NS;
+	settling->kept = true;
 	if (grab->source.picture_ns - grab->since_ns < SETTLE_NS)
 		return false;
 	if (grab->source.camera.format == PIXEL_Z16)

@@ -25,13 +25,13 @@ static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
 {
 	const bool switches = on || k->config->screen->hours_off == HOURS_OFF_SIGNAL;
 	const char *cec = k->config->screen->cec;
-	struct fault reason = {.text = ""};
+	struct fault reason = {.text = ""}, why = {.text = ""};
 	int err = k->screen.display.state && switches
 			  ? display_power(&k->screen.display, on, &reason)
 			  : 0;
 
-	if (*cec && cec_switch(cec, on, &reason))
-		log_warning_once("[screen] cec: %s", reason.text);
+	if (*cec && cec_switch(cec, on, &why))
+		log_warning_once("[screen] cec: %s", why.text);
 	k->picture.redraw = true;
 	k->screen.submitted = kiosk_shown(&k->screen); /* pictures on their way are lost */
 	if (!err || err == -ENOTSUP)
