@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Outside of [screen] hours: the screen is switched off and the cameras are closed. */
 #include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
 
 #include "app/kiosk/kiosk_parts.h"
 #include "drivers/drivers.h"
@@ -20,18 +22,48 @@ void kiosk_rest_begin(struct kiosk *k)
 	}
 }
 
+struct television {
+	char cec[INI_PATH_MAX];
+	bool on;
+};
+
+/* Runs on a thread of its own: an adapter that hangs takes longer than the service's watchdog waits. */
+static void *television_tell(void *context)
+{
+	struct television *television = context;
+	struct fault why = {.text = ""};
+
+	if (cec_switch(television->cec, television->on, &why))
+		log_warning_once("[screen] cec: %s", why.text);
+	free(television);
+	return NULL;
+}
+
+static void switch_television(const char *cec, bool on)
+{
+	struct television *television = *cec ? malloc(sizeof(*television)) : NULL;
+	pthread_t thread;
+
+	if (!television)
+		return;
+	snprintf(television->cec, sizeof(television->cec), "%s", cec);
+	television->on = on;
+	if (pthread_create(&thread, NULL, television_tell, television))
+		free(television);
+	else
+		pthread_detach(thread);
+}
+
 /* A screen that cannot be switched off, or is not to be, is drawn black. */
 static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
 {
 	const bool switches = on || k->config->screen->hours_off == HOURS_OFF_SIGNAL;
-	const char *cec = k->config->screen->cec;
-	struct fault reason = {.text = ""}, why = {.text = ""};
+	struct fault reason = {.text = ""};
 	int err = k->screen.display.state && switches
 			  ? display_power(&k->screen.display, on, &reason)
 			  : 0;
 
-	if (*cec && cec_switch(cec, on, &why))
-		log_warning_once("[screen] cec: %s", why.text);
+	switch_television(k->config->screen->cec, on);
 	k->picture.redraw = true;
 	k->screen.submitted = kiosk_shown(&k->screen); /* pictures on their way are lost */
 	if (!err || err == -ENOTSUP)

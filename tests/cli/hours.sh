@@ -91,11 +91,11 @@ equal "nothing was complained of" 0 "$(grep -c "camera .*:" "$work/run.log")"
 
 # ---- a television that stays black ----
 begin $((saturday + 9 * 3600)) "${hours[@]}" --set screen.hours_off=black --set "screen.cec=$work/cec"
-check "the television is told to wake" says "$work/run.log" "[screen] cec: $work/cec: the television is not told to wake"
+check "the television is told to wake" until_true says "$work/run.log" "[screen] cec: $work/cec: the television is not told to wake"
 clock $((saturday + 12 * 3600))
 check "after its hours it rests, and the signal stays" until_true status_says '"screen":"fine","rest":true'
 check "as the log says" says "$work/run.log" "the screen is black, the cameras are closed"
-check "the television is told to go to standby" says "$work/run.log" "not told to go to standby"
+check "the television is told to go to standby" until_true says "$work/run.log" "not told to go to standby"
 clock $((saturday + 2 * 86400 + 9 * 3600))
 check "in the morning it shows frames" frames_come
 equal "that no television is there is said once" 1 "$(said "$work/run.log" "not told to wake")"
