@@ -249,18 +249,26 @@ static int64_t silence_of(const struct camera *camera)
 
 void source_watch(struct source *source, int64_t now_ns)
 {
-	static const struct fault nothing = {.text = ""};
-	int64_t silence_ns;
+	const struct camera *camera = &source->camera;
+	struct fault why = {.text = ""};
+	int64_t silence_ns, most_ns;
 
 	if (!source_is_open(source) || source_has_news(source))
 		return;
-	silence_ns = silence_of(&source->camera);
+	silence_ns = silence_of(camera);
 	if (now_ns - source->heard_ns < silence_ns)
 		return;
+	most_ns = GIVE_UP * silence_ns;
+	/* A key frame that opening has not brought would only be put off by opening again. */
+	if (camera->keyless_ns && now_ns - camera->keyless_ns < silence_ns && camera->frames == 0) {
+		most_ns = SILENT_MOST_NS;
+		fault_say(&why, 0,
+			  "it sends pictures, and the key frame that they need is waited for");
+	}
 	if (source->situation == CAMERA_FINE)
 		source->situation = CAMERA_STALLED;
-	source_complain(source, &nothing);
-	if (now_ns - source->heard_ns >= GIVE_UP * silence_ns)
+	source_complain(source, &why);
+	if (now_ns - source->heard_ns >= most_ns)
 		close_camera(source);
 }
 

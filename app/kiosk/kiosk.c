@@ -98,7 +98,7 @@ static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline
 		.screen = kiosk_screen_situation(&k->screen),
 		.screen_is_fine = display->state && !display->off && !display->hidden,
 		.resting = k->rest.resting,
-		.thermal = METRICS_THERMAL,
+		.sysfs = SUPPLY_SYSFS,
 	};
 
 	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
@@ -191,7 +191,9 @@ static int kiosk_settle(struct kiosk *k, struct fault *fault)
 	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
 	err = kiosk_screen_open(k, true, fault);
-	return !err && k->rest.resting ? kiosk_rest_look(k, true, fault) : err;
+	return !err && (k->rest.resting || *k->config->screen->cec)
+		       ? kiosk_rest_look(k, true, fault)
+		       : err;
 }
 
 static bool all_submitted(const struct kiosk *k)

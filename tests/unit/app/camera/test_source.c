@@ -368,6 +368,37 @@ static void silence_is_named_and_ended(void **state)
 	assert_int_equal(source.situation, CAMERA_STALLED);
 }
 
+/* Opening again would begin the wait anew; after a first picture it brings a start's key frame. */
+static void a_key_frame_is_waited_for(void **state)
+{
+	int64_t start;
+
+	(void)state;
+	must_open();
+	start = source.heard_ns;
+	fake.grab_err = -EAGAIN;
+	for (int s = 1; s < 60; s++) {
+		source.camera.keyless_ns = start + s * NS_PER_S;
+		source_watch(&source, start + s * NS_PER_S);
+		assert_true(source_is_open(&source));
+		assert_int_equal(source.situation, s < 2 ? CAMERA_FINE : CAMERA_STALLED);
+	}
+	assert_non_null(strstr(source.why.text, "key frame"));
+	source_watch(&source, start + 60 * NS_PER_S);
+	assert_false(source_is_open(&source));
+	must_open();
+	start = source.heard_ns;
+	source.camera.keyless_ns = start + NS_PER_S; /* and then none any more */
+	source_watch(&source, start + 6 * NS_PER_S);
+	assert_false(source_is_open(&source));
+	must_open();
+	start = source.heard_ns;
+	source.camera.frames = 1;
+	source.camera.keyless_ns = start + 6 * NS_PER_S;
+	source_watch(&source, start + 6 * NS_PER_S);
+	assert_false(source_is_open(&source));
+}
+
 /* An exposure of some seconds at night is not silence. */
 static void a_slow_camera_is_waited_for(void **state)
 {
@@ -806,6 +837,7 @@ int main(void)
 		CASE(losses_are_counted),
 		CASE(which_failures_waiting_can_mend),
 		CASE(silence_is_named_and_ended),
+		CASE(a_key_frame_is_waited_for),
 		CASE(a_slow_camera_is_waited_for),
 		CASE(a_raw_frame_stays_until_the_next),
 		CASE(a_lost_camera_leaves_its_raw_frame),
