@@ -3,7 +3,7 @@
 # What keeps a source readable and can be counted, of the files named, else of all:
 # - no struct of the product has more than 25 members, but those whose members are a table of keys;
 # - no comment is wider than 100 columns;
-# - no string literal is torn where it does not end a line of text.
+# - no string literal is torn whose line of text has at most 160 characters.
 set -u
 root=$(dirname "$0")/../..
 [ $# -gt 0 ] || { cd "$root" && mapfile -t all < <(git ls-files -co --exclude-standard -- '*.c' '*.h' '*.cpp' '*.hpp') && set -- "${all[@]}"; }
@@ -20,16 +20,28 @@ root=$(dirname "$0")/../..
 		gsub(/enum [^;{]*\{[^}]*\}/, "enum ", text)
 		return gsub(/[;,]/, "", text)
 	}
-	FNR == 1 { inside = comment = 0; torn = "" }
+	FNR == 1 { inside = comment = torn = 0 }
 	{
 		line = $0
 		within = comment
 		if (line ~ /\/\*/) within = 1
 		if (within && line !~ /\/\*.*"|".*\/\*/ && columns(line) > 100)
 			print FILENAME ":" FNR ": a comment is wider than 100 columns"
-		if (torn != "" && line ~ /^[ \t]*"/)
-			print FILENAME ":" FNR ": the string of the line before goes on here"
-		torn = !within && line ~ /"$/ && line !~ /\\n"$/ && line !~ /^#/ ? line : ""
+		if (torn > 0 && match(line, /^[ \t]*"([^"\\]|\\.)*"/)) {
+			text = substr(line, RSTART, RLENGTH)
+			sub(/\\n.*/, "", text)
+			torn += length(text) - 2
+			if ((line !~ /"$/ || line ~ /\\n/) && torn <= 160)
+				print FILENAME ":" FNR ": the string of the line before goes on here"
+		}
+		if (within || line !~ /"$/ || line ~ /\\n"$/ || line ~ /^#/)
+			torn = 0
+		else if (torn == 0 || line ~ /\\n/) {
+			match(line, /"([^"\\]|\\.)*"$/)
+			text = substr(line, RSTART, RLENGTH)
+			sub(/.*\\n/, "", text)
+			torn = length(text)
+		}
 		# comments out
 		if (comment) {
 			if (line !~ /\*\//) next
