@@ -84,7 +84,8 @@ static int grab_wait(struct grab *grab, int64_t until_ns, struct fault *fault)
 	    (poll(&wait, 1, (int)(left_ns / NS_PER_MS) + 1) > 0 || errno == EINTR))
 		return 0;
 	return fault_say(fault, -ETIMEDOUT, "camera %s: %s: no picture within %d s",
-			 grab->source.settings.name, camera_situation_names[grab->source.situation],
+			 grab->source.settings.name,
+			 camera_situation_names[grab->source.opening.situation],
 			 (int)(WITHIN_NS / NS_PER_S));
 }
 
@@ -94,7 +95,7 @@ static int grab_finish_opening(struct grab *grab, struct fault *fault)
 	struct fault why = {""};
 	int err = 0;
 
-	while (!err && !grab->source.tried) {
+	while (!err && !grab->source.opening.tried) {
 		err = grab_wait(grab, until_ns, fault);
 		if (err)
 			return err;
@@ -213,8 +214,9 @@ int grab_take(struct grab *grab, struct image *image, struct fault *fault)
 		(void)source_take(source, clock_now_ns(), NULL);
 		if (!source_is_open(source))
 			return fault_say(fault, -ENODEV, "camera %s: %s%s%s", source->settings.name,
-					 camera_situation_names[source->situation],
-					 source->why.text[0] ? ": " : "", source->why.text);
+					 camera_situation_names[source->opening.situation],
+					 source->opening.why.text[0] ? ": " : "",
+					 source->opening.why.text);
 		if (!source_has_news(source) || !source_decode(source, clock_now_ns()))
 			continue;
 		grab->passed++;

@@ -50,7 +50,7 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 {
 	struct source *source = &k->inputs.sources[i];
 	struct fault reason = {.text = ""};
-	bool first = !source->tried;
+	bool first = !source->opening.tried;
 	int err;
 
 	source->kept = k->controls.frozen;
@@ -58,7 +58,7 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 
 	/* Without depths people are told by their feet. */
 	if (err && first && source != k->inputs.eyes.depth.source &&
-	    camera_is_hopeless(source->situation, err))
+	    camera_is_hopeless(source->opening.situation, err))
 		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
 	if (err)
 		source_complain(source, &reason);
@@ -184,7 +184,7 @@ static int kiosk_settle(struct kiosk *k, struct fault *fault)
 	int err;
 
 	for (int i = 0; i < k->inputs.source_count && !k->rest.resting; i++) {
-		if (!k->inputs.sources[i].tried && waits)
+		if (!k->inputs.sources[i].opening.tried && waits)
 			return 0;
 	}
 	k->inputs.settled = true;

@@ -91,7 +91,7 @@ static uint64_t figure_of(const struct source *source, enum camera_figure figure
 
 	switch (figure) {
 	case FINE:
-		return source->situation == CAMERA_FINE;
+		return source->opening.situation == CAMERA_FINE;
 	case FRAMES:
 		return counts.frames;
 	case LOST:
@@ -99,7 +99,7 @@ static uint64_t figure_of(const struct source *source, enum camera_figure figure
 	case BROKEN:
 		return counts.broken;
 	case LOSSES:
-		return source->losses;
+		return source->counts.losses;
 	default:
 		return source->settling.left_out;
 	}
@@ -111,7 +111,8 @@ static void add_cameras(struct sheet *s, const struct source *sources, int count
 		sheet_head(s, camera_heads[figure].name, camera_heads[figure].type,
 			   camera_heads[figure].help);
 		for (int i = 0; i < count; i++) {
-			const char *situation = camera_situation_names[sources[i].situation];
+			const char *situation =
+				camera_situation_names[sources[i].opening.situation];
 
 			sheet_add(s, "inlay_%s{camera=\"%s\"%s%s%s} %llu\n",
 				  camera_heads[figure].name, sources[i].settings.name,

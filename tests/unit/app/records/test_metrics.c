@@ -29,12 +29,12 @@ static struct stats stats = {.frames = 123456789,
 static struct pipeline_report report = {.lights = 406, .lights_used = 32, .clipped = 0.25};
 static struct source sources[2] = {
 	{.settings = {.name = "sky"},
-	 .superseded = 2,
-	 .undecodable = 1,
-	 .losses = 3,
+	 .counts.superseded = 2,
+	 .counts.undecodable = 1,
+	 .counts.losses = 3,
 	 .settling = {.left_out = 9},
 	 .camera = {.frames = 10, .lost = 3, .broken = 4}},
-	{.settings = {.name = "front"}, .situation = CAMERA_STALLED},
+	{.settings = {.name = "front"}, .opening.situation = CAMERA_STALLED},
 };
 
 static struct metrics_facts facts_of(const char *sysfs)
