@@ -83,4 +83,37 @@ rm hal/three.c
 check "what was compiled of a file that has gone does not count" 0 $?
 "$here/circles.sh" empty hal >/dev/null 2>&1
 check "no objects are no proof" 1 $?
+
+# house.sh
+cd "$here" || exit 1
+judge() { # EXPECTED NAME, the source at stdin
+	cat >"$scratch/hal/house.c"
+	"$here/house.sh" "$scratch/hal/house.c" >"$scratch/log" 2>&1
+	check "$2" "$1" $?
+}
+many() { printf '\tint a%d; /* one, of many; and more */\n' $(seq "$1"); }
+judge 0 "a struct of 25 members" < <(echo 'struct large {' && many 25 && echo '};')
+judge 1 "one of 26 is refused" < <(echo 'struct large {' && many 24 && echo '	int b, c;' && echo '};')
+judge 1 "a comment wider than 100 columns is refused" < <(printf '/* %099d */\n' 0)
+judge 0 "one as wide is not" < <(printf '/* %094d */\n' 0)
+judge 1 "a torn string is refused" < <(printf 'f("torn "\n  "text");\n')
+judge 0 "one of two lines is not" < <(printf 'f("a line\\n"\n  "another");\n')
+judge 0 "nor is one that is longer than a line may be" < <(printf 'f("%090d"\n  "%090d");\n' 0 0)
+
+# size.sh
+echo '1 hal' >"$scratch/tests/lint/size"
+rm -f "$scratch"/*/*.c
+echo 'int one;' >"$scratch/hal/one.c"
+"$here/size.sh" "$scratch" >/dev/null 2>&1
+check "a folder within its lines" 0 $?
+echo 'int two;' >>"$scratch/hal/one.c"
+"$here/size.sh" "$scratch" >/dev/null 2>&1
+check "one above them is refused" 1 $?
+echo 'int new;' >"$scratch/app/new.c"
+echo '2 hal' >"$scratch/tests/lint/size"
+"$here/size.sh" "$scratch" >/dev/null 2>&1
+check "a folder without a limit is refused" 1 $?
+"$here/size.sh" --record "$scratch"
+"$here/size.sh" "$scratch" >/dev/null 2>&1
+check "a recorded table holds" 0 $?
 echo "1..$count"
