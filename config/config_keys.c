@@ -336,8 +336,8 @@ static const struct ini_key fisheye_light_keys[] = {
 	 .max = EXPOSURE_DELAY_MAX,
 	 .fallback = "-1",
 	 .unit = "frames",
-	 .help = "So many frames still show the exposure before: inlay-calibrate light delay; -1: "
-		 "as light says, or else measured whenever the camera is opened."},
+	 .help = "So many frames still show the exposure before; -1: as light says, or else "
+		 "measured whenever the camera is opened."},
 	INI_KEYS_END};
 
 static const struct ini_key background_keys[] = {

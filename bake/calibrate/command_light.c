@@ -30,10 +30,7 @@ enum {
 	BACKGROUND_PATCH,
 	FISHEYE,
 	BACKGROUND,
-	REPORT,
-	CONFIG,
-	VIEW,
-	CONTROL
+	REPORT
 };
 
 static const struct option options[] = {
@@ -54,16 +51,11 @@ static const struct option options[] = {
 	{"background-patch", required_argument, NULL, BACKGROUND_PATCH},
 	{"fisheye", required_argument, NULL, FISHEYE},
 	{"background", required_argument, NULL, BACKGROUND},
-	{"config", required_argument, NULL, CONFIG},
-	{"view", required_argument, NULL, VIEW},
-	{"control", required_argument, NULL, CONTROL},
 	{"report", required_argument, NULL, REPORT},
 	{"output", required_argument, NULL, 'o'},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
 };
-
-static const char *const view_names[] = {"background", "fisheye", NULL}; /* enum live_view */
 
 static const struct {
 	const char *name;
@@ -75,7 +67,6 @@ static const struct {
 	{"gain", light_check_gain, light_command_gain},
 	{"colours", light_check_colours, light_command_colours},
 	{"merge", light_check_merge, light_command_merge},
-	{"delay", light_check_delay, light_command_delay},
 };
 #define COMMANDS (int)(sizeof(commands) / sizeof(commands[0]))
 
@@ -128,13 +119,6 @@ static int read_value(struct light_job *job, int option, struct fault *fault)
 				  fault);
 	case REFLECTANCE:
 		return read_reflectance(job, fault);
-	case VIEW:
-		return option_choice("--view", optarg, view_names, &job->view, fault);
-	case CONTROL:
-		if (job->controls == 2)
-			return fault_say(fault, -EINVAL, "--control: expected two of them");
-		job->control[job->controls++] = optarg;
-		return 0;
 	case PATCH:
 		return read_area(job->area, &job->areas, "--patch", fault);
 	case BACKGROUND_PATCH:
@@ -171,9 +155,6 @@ static void read_name(struct light_job *job, int option)
 		break;
 	case BACKGROUND:
 		job->background = optarg;
-		break;
-	case CONFIG:
-		job->config = optarg;
 		break;
 	case REPORT:
 		job->report = optarg;
@@ -228,8 +209,7 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 		return status;
 	if (which < 0)
 		return command_wrong(command,
-				     "expected one of black, response, merge, gain, colours, "
-				     "delay");
+				     "expected one of black, response, merge, gain, colours");
 	job.files = argv + optind;
 	job.file_count = argc - optind;
 	if (commands[which].check(&job, &fault))
@@ -239,8 +219,8 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 
 const struct bake_command light_command = {
 	.name = "light",
-	.usage = "black|response|merge|gain|colours|delay [options] FILES -o LIGHT.ini",
-	.summary = "what a camera's code values mean: black level, response, gain, colours, delay",
+	.usage = "black|response|merge|gain|colours [options] FILES -o LIGHT.ini",
+	.summary = "what a camera's code values mean: black level, response, gain, colours",
 	.help = "Each adds its key to LIGHT.ini and keeps the others; [fisheye] light and "
 		"[background] light of the\n"
 		"kiosk's configuration name such files. Pictures are 8-bit (PNG, JPEG), upright "
@@ -274,13 +254,7 @@ const struct bake_command light_command = {
 		"  colours PATCHES             lines of r g b (fisheye) r g b (background), "
 		"linear\n"
 		"  colours --fisheye F --background B --patch AREA --background-patch AREA ...\n"
-		"      --keep-white            grey stays grey\n"
-		"  delay RECORD                lines of \"time_ms level\" and \"change "
-		"time_ms\"\n"
-		"  delay --config KIOSK.conf --control NAME=A --control NAME=B\n"
-		"                              or the live camera, which is switched between the "
-		"two\n"
-		"      --view VIEW             background (default) or fisheye\n\n"
+		"      --keep-white            grey stays grey\n\n"
 		"  AREA is x,y,width,height or corners \"x,y x,y x,y\", in pixels.\n"
 		"  --report DIR                what was found, as a page; and light.json\n",
 	.run = light_run,

@@ -24,8 +24,6 @@ struct light_job {
 	double misfit_percent; /* 0: the default */
 	bool exposures, keep_white, white_balance;
 	const char *lens, *background_light, *fisheye, *background;
-	const char *config, *control[2];   /* for live pictures */
-	int controls, view;		   /* enum live_view */
 	int transfer, background_transfer; /* enum transfer */
 	int frequency;
 	double reflectance[3];

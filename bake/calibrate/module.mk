@@ -9,7 +9,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/command_light.c \
 	bake/calibrate/command_sky.c \
 	bake/calibrate/lens_job.c \
-	bake/calibrate/light_command_delay.c \
 	bake/calibrate/light_command_match.c \
 	bake/calibrate/light_command_merge.c \
 	bake/calibrate/light_command_pictures.c \
@@ -98,7 +97,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/report/report_views.c \
 	bake/calibrate/response/light_black.c \
 	bake/calibrate/response/light_colours.c \
-	bake/calibrate/response/light_delay.c \
 	bake/calibrate/response/light_file.c \
 	bake/calibrate/response/light_gain.c \
 	bake/calibrate/response/light_patch.c \

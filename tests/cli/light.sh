@@ -120,7 +120,7 @@ check "colours" still colours.png --set "fisheye.light=$work/red.ini" < <(
 	echo)
 differ "are the light's" "$work/colours.png" "$work/without.png"
 
-# ---- colours, delay, wrong use ----
+# ---- colours, wrong use ----
 cat >"$work/patches.txt" <<'END'
 # fisheye, background
 0.5 0.1 0.1  0.45 0.15 0.10
@@ -134,15 +134,8 @@ check "colours from a file of patches" light colours "$work/patches.txt" -o "$wo
 check "are beside the gain" grep -q '^gain = 2.5$' "$work/eye.ini"
 awk '!/^#/ { print $1, $1, $1, $4, $4, $4 }' "$work/patches.txt" >"$work/grey.txt"
 doubted "grey patches" "all grey" light colours "$work/grey.txt" -o "$work/eye.ini"
-awk 'BEGIN { for (k = 0; k < 200; k++) print k * 33, (int((k + 27) / 30) % 2) ? 60 : 140
-	for (k = 1; k < 6; k++) print "change", k * 990 + 5 }' >"$work/record.txt"
-check "delay" light delay "$work/record.txt" -o "$work/eye.ini"
-check "is in the file" grep -q '^delay = 2$' "$work/eye.ini"
-check "that inlay passes over" "$INLAY" check --config "$work/studio.conf" \
+check "inlay reads them" "$INLAY" check --config "$work/studio.conf" \
 	--set "fisheye.light=$work/eye.ini"
-sed 's/^sim.clock = frames/sim.clock = real\nrate = 30/' "$work/studio.conf" >"$work/live.conf"
-doubted "a control that it does not have" "expected exposure" light delay --config "$work/live.conf" \
-	--view fisheye --control shutter=1 --control shutter=2
 wrong "a command that there is not" "expected one of black" white
 wrong "black without a picture" "expected one picture" black
 wrong "black of two pictures" "expected one picture" black "$work/covered.png" "$work/covered.png"
@@ -152,8 +145,6 @@ wrong "pairs that are none" "pairs of pictures" gain "$work/sky.png" --patch 0,0
 wrong "pairs without a patch" "pairs of pictures" gain "$work/sky.png" "$work/at-0.8.png"
 wrong "colours without a background" "expected a file of patches" colours --fisheye "$work/sky.png" \
 	--patch 0,0,9,9
-wrong "a delay of one control" "two --control" delay --config "$work/live.conf" --control exposure=1
-wrong "a delay of nothing" "expected a record" delay
 doubted "a picture that is not there" "none.png" light black "$work/none.png"
 doubted "pictures of two sizes" "$work/sky.png: the picture is 96x96 pixels, that of $work/at-0.8" \
 	light response --times 2,1 "$work/at-0.8.png" "$work/sky.png"

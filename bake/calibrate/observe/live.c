@@ -298,18 +298,3 @@ int live_flush(struct live *live, struct fault *fault)
 		live->newer_than_ns = clock_now_ns();
 	return 0;
 }
-
-int live_control(struct live *live, const char *assignment, struct fault *fault)
-{
-	struct camera_control control;
-	struct fault why = {{0}};
-	const char *text = assignment;
-	const int got = camera_controls_next(&text, &control, &why);
-	int err;
-
-	if (got <= 0)
-		return fault_say(fault, -EINVAL, "\"%s\": expected name=value of a control",
-				 assignment);
-	err = camera_set_control(&live->camera, control.name, control.value, NULL, &why);
-	return err ? fault_say(fault, err, "camera %s: %s", live->name, why.text) : 0;
-}

@@ -40,8 +40,4 @@ int live_lens(struct live *live, struct fisheye_settings *lens, struct transfer_
 /* Drops queued frames, so that the next frame is newer than this call. */
 int live_flush(struct live *live, struct fault *fault);
 
-/* Sets a control of the camera; assignment is "name=value", as in [camera] controls. -ENOTSUP: the
- * camera has no such control. */
-int live_control(struct live *live, const char *assignment, struct fault *fault);
-
 #endif

@@ -62,10 +62,10 @@ static bool is_of(const char *line, const char *key)
 	       (strchr(at, '=') || *line == ';');
 }
 
-/* Whether a block ends here: with the line of a key, or with a comment "; delay: ...". */
+/* Whether a block ends here: with the line of a key. */
 static bool ends_block(const char *line)
 {
-	return (*line != ';' && strchr(line, '=')) || is_of(line, "delay");
+	return *line != ';' && strchr(line, '=');
 }
 
 static bool is_skipped(const char *line)

@@ -223,7 +223,7 @@ int light_report_response(const char *folder, const struct light_response *found
 	return finish_page(&r, "Response");
 }
 
-/* ---- gain, colours, delay ---- */
+/* ---- gain, colours ---- */
 
 int light_report_gain(const char *folder, const struct light_gain *found,
 		      const struct light_pair *pairs, struct fault *fault)
@@ -305,34 +305,4 @@ int light_report_colours(const char *folder, const struct light_colours *found,
 	report_numbers(&r, "colours", found->matrix, 9);
 	report_numbers(&r, "residuals", found->residual, found->patches);
 	return finish_page(&r, "Colours");
-}
-
-int light_report_delay(const char *folder, const struct light_delay *found,
-		       const struct light_record *record, struct fault *fault)
-{
-	struct report_plot plot;
-	struct light_page r;
-
-	begin_page(&r, folder, "Delay", &found->verdict, fault);
-	report_figure(&r, "frames", "Delay in frames", found->frames, "");
-	report_figure(&r, "time_ms", "Delay", found->time_ms, "ms");
-	report_figure(&r, "deviation_ms", "How it spreads, one standard deviation",
-		      found->deviation_ms, "ms");
-	report_figure(&r, "shortest_ms", "Shortest", found->shortest_ms, "ms");
-	report_figure(&r, "longest_ms", "Longest", found->longest_ms, "ms");
-	report_figure(&r, "seen", "Changes seen", found->seen, "");
-	report_figure(&r, "correlation", "Correlation", found->correlation, "");
-	report_plot_begin(&plot, "delay", "time, ms", "brightness of the frame");
-	report_plot_series(&plot, "frames", STYLE_LINE, 1);
-	for (int k = 0; k < record->frames && k < REPORT_POINTS_MAX; k++)
-		report_plot_point(&plot, record->time_ms[k] - record->time_ms[0], record->level[k]);
-	report_plot_series(&plot, "changes", STYLE_POINTS, 2);
-	for (int k = 0; k < record->changes && k < REPORT_POINTS_MAX; k++)
-		if (record->change_ms[k] <=
-		    record->time_ms[record->frames < REPORT_POINTS_MAX ? record->frames - 1
-								       : REPORT_POINTS_MAX - 1])
-			report_plot_point(&plot, record->change_ms[k] - record->time_ms[0],
-					  record->level[0]);
-	show_plot(&r, &plot, "Brightness of the first frames, and when the control was changed.");
-	return finish_page(&r, "Delay");
 }

@@ -6,7 +6,6 @@
 
 #include "bake/calibrate/response/light_black.h"
 #include "bake/calibrate/response/light_colours.h"
-#include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "bake/calibrate/response/light_response.h"
 
@@ -17,7 +16,5 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 		      const struct light_pair *pairs, struct fault *fault);
 int light_report_colours(const char *folder, const struct light_colours *found,
 			 const struct light_colour_pair *pairs, struct fault *fault);
-int light_report_delay(const char *folder, const struct light_delay *found,
-		       const struct light_record *record, struct fault *fault);
 
 #endif

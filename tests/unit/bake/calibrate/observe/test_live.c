@@ -202,48 +202,6 @@ static void test_flush(void **state)
 	clean();
 }
 
-static double mean(const struct image *picture)
-{
-	double sum = 0;
-
-	for (int i = 0; i < 3 * picture->width * picture->height; i++)
-		sum += picture->u8[i];
-	return sum / (3 * picture->width * picture->height);
-}
-
-static void test_control(void **state)
-{
-	struct image picture = {0};
-	struct fault fault = {{0}};
-	struct live *live;
-	double before;
-	int64_t ns;
-
-	(void)state;
-	write_config("[camera one]\ndriver=sim\nwidth=64\nheight=48\nsim.clock=frames\n"
-		     "sim.control_delay=2\n[background]\ncamera=one\n");
-	live = opened(LIVE_BACKGROUND);
-	assert_int_equal(next(live, &picture, &ns), 0);
-	before = mean(&picture);
-	assert_true(before > 20);
-	assert_int_equal(live_control(live, " exposure = 0 ", &fault), 0);
-	for (int i = 0; i < 4; i++) {
-		assert_int_equal(next(live, &picture, &ns), 0);
-		if (i < 2)
-			assert_float_equal(mean(&picture), before, 5);
-		else
-			assert_float_equal(mean(&picture), 0, 0.5);
-	}
-	assert_int_equal(live_control(live, "exposure=-1", &fault), -ERANGE);
-	assert_non_null(strstr(fault.text, "camera one: sim: exposure is -1"));
-	assert_int_equal(live_control(live, "gain=1", &fault), -EINVAL);
-	assert_int_equal(live_control(live, "exposure", &fault), -EINVAL);
-	assert_int_equal(live_control(live, "", &fault), -EINVAL);
-	live_close(live);
-	image_free(&picture);
-	clean();
-}
-
 static void test_trouble(void **state)
 {
 	static const struct {
@@ -306,7 +264,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_upright), cmocka_unit_test(test_lens),
 		cmocka_unit_test(test_light),	cmocka_unit_test(test_flush),
-		cmocka_unit_test(test_control), cmocka_unit_test(test_trouble),
+		cmocka_unit_test(test_trouble),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);

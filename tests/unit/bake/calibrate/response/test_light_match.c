@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Black level, patches, gain, colours, delay, and the file that holds them. */
+/* Black level, patches, gain, colours, and the file that holds them. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +15,6 @@
 
 #include "bake/calibrate/response/light_black.h"
 #include "bake/calibrate/response/light_colours.h"
-#include "bake/calibrate/response/light_delay.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "tests/support/calibrate/patch_chart.h"
@@ -446,76 +445,6 @@ static void white_may_be_kept(void **state)
 	light_colours_free(&found);
 }
 
-/* ---- delay ---- */
-
-static struct light_record record_of(int delay, int changes, double ramp, double noise,
-				     struct chance *chance)
-{
-	struct light_record record = {.frames = 0};
-	const double period = 1000 / 30.0;
-	double level = 60;
-
-	for (int k = 0; k < changes; k++)
-		light_record_change(&record, 500 + 700 * k + chance_real(chance, 0, 30));
-	for (int k = 0; k < 60 + 21 * changes; k++) {
-		const double t = k * period;
-		int past = 0;
-
-		for (int c = 0; c < changes; c++)
-			past += t >= record.change_ms[c] + delay * period;
-		level += (past % 2 ? 140 - level : 60 - level) * ramp;
-		light_record_frame(&record, t, level + noise * chart_noise(chance));
-	}
-	return record;
-}
-
-static void delay_is_found(void **state)
-{
-	struct chance chance = chance_begin("light");
-
-	(void)state;
-	for (int delay = 0; delay < 9; delay++) {
-		struct light_record record = record_of(delay, 8, 1, 5, &chance);
-		struct light_delay found;
-
-		assert_int_equal(light_delay_find(&found, &record, NULL), 0);
-		trusted(&found.verdict);
-		expect_equal(found.frames, delay, "delay=%d", delay);
-		expect_equal(found.seen, 8, "delay=%d", delay);
-		expect_that(found.time_ms >= delay * 1000 / 30.0 &&
-				    found.time_ms <= (delay + 1) * 1000 / 30.0,
-			    "delay=%d", delay);
-		expect_that(found.shortest_ms <= found.time_ms &&
-				    found.longest_ms >= found.time_ms && found.deviation_ms < 20,
-			    "delay=%d", delay);
-		light_record_free(&record);
-	}
-}
-
-static void delay_is_doubted(void **state)
-{
-	struct chance chance = chance_begin("light");
-	struct light_record record = record_of(1000, 8, 1, 5, &chance);
-	struct light_delay found;
-
-	(void)state;
-	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
-	doubted(&found.verdict, "no change is seen within 30 frames");
-	light_record_free(&record);
-	record = record_of(2, 2, 1, 1, &chance);
-	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
-	doubted(&found.verdict, "fewer than three");
-	light_record_free(&record);
-	record = record_of(2, 1, 1, 1, &chance);
-	assert_int_equal(light_delay_find(&found, &record, NULL), -EINVAL);
-	light_record_free(&record);
-	/* a black picture */
-	record = record_of(2, 5, 0, 0, &chance);
-	assert_int_equal(light_delay_find(&found, &record, NULL), 0);
-	doubted(&found.verdict, "no change is seen");
-	light_record_free(&record);
-}
-
 /* ---- files ---- */
 
 static char path[80];
@@ -548,9 +477,7 @@ static void files_keep_other_keys(void **state)
 	assert_int_equal(light_file_set(path, "gain", "1.5", "Gain: once.", NULL), 0);
 	assert_int_equal(light_file_set(path, "black_level", "16.25", "Black.\nTwo lines.", NULL),
 			 0);
-	assert_int_equal(light_file_set(path, "delay", NULL, "delay: 2 frames", NULL), 0);
 	assert_int_equal(light_file_set(path, "gain", "2.5", "Gain: again.", NULL), 0);
-	assert_int_equal(light_file_set(path, "delay", NULL, "delay: 3 frames", NULL), 0);
 	assert_int_equal(light_file_read(path, &response, NULL), 0);
 	assert_true(response.gain == 2.5 && response.black_level == 16.25);
 	assert_true(response.knot[TRANSFER_KNOTS - 1] == 0 && response.colours[0] == 0);
@@ -560,8 +487,6 @@ static void files_keep_other_keys(void **state)
 	assert_non_null(strstr(all, "; Two lines.\nblack_level = 16.25\n"));
 	assert_non_null(strstr(all, "; Gain: again.\ngain = 2.5\n"));
 	assert_null(strstr(all, "once"));
-	assert_non_null(strstr(all, "delay: 3"));
-	assert_null(strstr(all, "delay: 2"));
 	unlink(path);
 }
 
@@ -617,10 +542,9 @@ static void damaged_files_are_refused(void **state)
 	assert_true(response.black_level == -1 && response.gain == 0);
 }
 
-static void records_and_patches_are_read(void **state)
+static void patches_are_read(void **state)
 {
 	struct light_colour_pair pairs[LIGHT_PATCHES_MAX];
-	struct light_record record = {.frames = 0};
 	struct fault fault;
 
 	(void)state;
@@ -630,17 +554,7 @@ static void records_and_patches_are_read(void **state)
 	write_text("1 2 3 4 5 6\n1 2 3 4 5\n");
 	assert_int_equal(light_colours_read(path, pairs, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, ".ini:2: expected six numbers"));
-	write_text("# t level\n0 10\nchange 5.5\n33 10.5 # late\n");
-	assert_int_equal(light_record_read(&record, path, NULL), 0);
-	assert_int_equal(record.frames, 2);
-	assert_int_equal(record.changes, 1);
-	light_record_free(&record);
-	write_text("0 10\n5 11\n5 12\n");
-	assert_int_equal(light_record_read(&record, path, &fault), -EINVAL);
-	assert_non_null(strstr(fault.text, ".ini:3: expected"));
-	light_record_free(&record);
 	unlink(path);
-	assert_int_equal(light_record_read(&record, path, &fault), -ENOENT);
 	assert_int_equal(light_colours_read(path, pairs, &fault), -ENOENT);
 }
 
@@ -659,12 +573,10 @@ int main(void)
 		cmocka_unit_test(colours_are_found_with_deviations),
 		cmocka_unit_test(colours_are_doubted),
 		cmocka_unit_test(white_may_be_kept),
-		cmocka_unit_test(delay_is_found),
-		cmocka_unit_test(delay_is_doubted),
 		cmocka_unit_test(files_keep_other_keys),
 		cmocka_unit_test(files_keep_their_end),
 		cmocka_unit_test(damaged_files_are_refused),
-		cmocka_unit_test(records_and_patches_are_read),
+		cmocka_unit_test(patches_are_read),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, own_folder_remove);
