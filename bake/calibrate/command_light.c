@@ -176,9 +176,8 @@ static int light_take_option(void *job, int option, struct fault *fault)
 static int light_work(struct light_job *job, int which)
 {
 	struct fault fault = {.text = ""};
-	/* what a merged picture or hdrgen's file held before does not matter */
-	const bool keeps = job->output && commands[which].run != light_command_merge &&
-			   !light_is_rsp(job->output);
+	/* what a merged picture held before does not matter */
+	const bool keeps = job->output && commands[which].run != light_command_merge;
 	int ret = keeps ? light_file_read(job->output, &job->measured, &fault) : 0;
 
 	if (!keeps)
@@ -212,6 +211,9 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 				     "expected one of black, response, merge, gain, colours");
 	job.files = argv + optind;
 	job.file_count = argc - optind;
+	if (job.output && light_is_rsp(job.output))
+		return command_wrong(command, "-o %s: hdrgen's files are read, not written",
+				     job.output);
 	if (commands[which].check(&job, &fault))
 		return command_wrong(command, "%s", fault.text);
 	return light_work(&job, which);
@@ -239,7 +241,7 @@ const struct bake_command light_command = {
 		"      --accept-misfit P%      trust a curve that may be off by so much (5): real "
 		"cameras'\n"
 		"                              exposures agree to some per cent\n"
-		"  response FILE.rsp           hdrgen's; and -o FILE.rsp writes one\n"
+		"  response FILE.rsp           hdrgen's\n"
 		"  merge [--times T,T,...] PICTURES -o FILE.hdr\n"
 		"                              exposures as one picture of linear light, or .pfm\n"
 		"      --curve FILE            LIGHT.ini or FILE.rsp; else --transfer (srgb)\n"

@@ -217,23 +217,6 @@ static int import_rsp(const struct light_job *job, struct fault *fault)
 	return light_conclude(job, &found.verdict, "response", text, comment, fault);
 }
 
-/* Writes hdrgen's file, whose polynomial counts from code 0. */
-static int export_rsp(const struct light_job *job, const struct light_response *found,
-		      struct fault *fault)
-{
-	double off;
-	int err = verdict_end(&found->verdict);
-
-	if (!err)
-		err = light_rsp_write(job->output, &found->curve, &off, fault);
-	if (!err)
-		log_info(
-			"%s: the polynomial is off from the curve by at most %.2f %% between 10 %% "
-			"and 90 %%",
-			job->output, 100 * off);
-	return err;
-}
-
 int light_command_response(const struct light_job *job, struct fault *fault)
 {
 	struct light_response found = {.samples = 0};
@@ -250,13 +233,10 @@ int light_command_response(const struct light_job *job, struct fault *fault)
 		err = light_report_response(job->report, &found, fault);
 	write_knots(&found, text, sizeof(text));
 	write_response_comment(&found, comment, sizeof(comment));
-	if (!err && job->output && light_is_rsp(job->output))
-		err = export_rsp(job, &found, fault);
-	else if (!err)
+	if (!err)
 		err = light_conclude(job, &found.verdict, "response", text, comment, fault);
 	/* the response counts from the black level, which nobody has measured */
-	if (!err && job->output && !light_is_rsp(job->output) && job->measured.black_level < 0 &&
-	    found.curve.black > 0) {
+	if (!err && job->output && job->measured.black_level < 0 && found.curve.black > 0) {
 		snprintf(text, sizeof(text), "%g", found.curve.black);
 		err = light_file_set(job->output, "black_level", text,
 				     "Black level: the darkest place of the response's pictures.",

@@ -137,6 +137,7 @@ doubted "grey patches" "all grey" light colours "$work/grey.txt" -o "$work/eye.i
 check "inlay reads them" "$INLAY" check --config "$work/studio.conf" \
 	--set "fisheye.light=$work/eye.ini"
 wrong "a command that there is not" "expected one of black" white
+wrong "a file of hdrgen's to write" "read, not written" response --times 2,1 a.png b.png -o "$work/eye.rsp"
 wrong "black without a picture" "expected one picture" black
 wrong "black of two pictures" "expected one picture" black "$work/covered.png" "$work/covered.png"
 wrong "one exposure" "expected two pictures" black --exposures "$work/covered.png"

@@ -6,15 +6,11 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "bake/calibrate/estimate/linear.h"
 #include "hal/base/number.h"
-#include "hal/base/output.h"
 #include "hal/base/text_file.h"
 
 #define ORDER_MAX 10
-#define ORDER_WRITTEN 5
 #define LAST (TRANSFER_KNOTS - 1)
-#define ROWS 256
 
 struct polynomial {
 	int order;
@@ -29,8 +25,6 @@ static double polynomial_at(const struct polynomial *p, double u)
 		sum = sum * u + p->c[k];
 	return sum;
 }
-
-/* ---- reading ---- */
 
 static int read_polynomial(const struct text_file *file, struct polynomial *p, struct fault *fault)
 {
@@ -103,65 +97,5 @@ int light_rsp_read(const char *path, struct transfer_curve *curve, double *apart
 			curve->knot[k] = curve->knot[k + 1] * k / (k + 1);
 	if (!err && transfer_curve_check(curve, &why))
 		err = fault_say(fault, -EINVAL, "%s: %s", path, why.text);
-	return err;
-}
-
-/* ---- writing ---- */
-
-/* Least squares of relative errors, through 1 at the upper end: with p = 1 + sum c_k (u^k - 1). */
-static double fit_curve(const struct transfer_curve *curve, int order, struct polynomial *p)
-{
-	double a[(ORDER_WRITTEN + 1) * ROWS], c[ORDER_WRITTEN], worst = 0;
-
-	memset(a, 0, sizeof(a));
-	for (int n = 0; n < ROWS; n++) {
-		const double u = 0.03 + 0.97 * n / (ROWS - 1);
-		const double f = transfer_curve_decode(
-			curve, (curve->black + u * (255 - curve->black)) / 255);
-		const double weight = 1 / fmax(f, 1e-3);
-
-		for (int k = 1; k <= order; k++)
-			a[(k - 1) * ROWS + n] = weight * (pow(u, k) - 1);
-		a[order * ROWS + n] = weight * (f - 1);
-	}
-	linear_solve(a, ROWS, order, c);
-	*p = (struct polynomial){.order = order, .c = {1}};
-	for (int k = 1; k <= order; k++) {
-		p->c[k] = c[k - 1];
-		p->c[0] -= c[k - 1];
-	}
-	for (int k = LAST / 10; k <= LAST * 9 / 10; k++)
-		worst = fmax(worst, fabs(polynomial_at(p, (double)k / LAST) / curve->knot[k] - 1));
-	return worst;
-}
-
-int light_rsp_write(const char *path, const struct transfer_curve *curve, double *off,
-		    struct fault *fault)
-{
-	struct output out = {.stream = NULL};
-	struct polynomial best = {.order = 0};
-	int err;
-
-	*off = INFINITY;
-	for (int order = 1; order <= ORDER_WRITTEN; order++) {
-		struct polynomial p;
-		const double worst = fit_curve(curve, order, &p);
-
-		if (worst < *off) {
-			*off = worst;
-			best = p;
-		}
-	}
-	err = output_open(&out, path, fault);
-	if (err)
-		return err;
-	for (int c = 0; c < 3; c++) {
-		fprintf(out.stream, "%d", best.order);
-		for (int k = best.order; k >= 0; k--)
-			fprintf(out.stream, " %.9g", best.c[k]);
-		fputc('\n', out.stream);
-	}
-	err = output_commit(&out, fault);
-	output_abandon(&out);
 	return err;
 }

@@ -16,9 +16,4 @@
 int light_rsp_read(const char *path, struct transfer_curve *curve, double *apart,
 		   struct fault *fault);
 
-/* Writes the curve, above its black level, as the polynomial of order 5 or less that fits it best;
- * *off: its largest relative error between 10 % and 90 %. */
-int light_rsp_write(const char *path, const struct transfer_curve *curve, double *off,
-		    struct fault *fault);
-
 #endif

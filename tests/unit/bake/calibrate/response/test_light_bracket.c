@@ -78,13 +78,13 @@ static void rsp_text(const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-static void reads_and_writes_rsp(void **state)
+static void reads_rsp(void **state)
 {
 	static const char *const wrong[] = {"", "3 1 2\n3 1 2\n3 1 2\n", "1 1 0\n1 1 0\n",
 					    "2 -1 0 1\n2 -1 0 1\n2 -1 0 1\n", "one\n"};
-	struct transfer_curve curve, again;
+	struct transfer_curve curve;
 	struct fault fault;
-	double apart, off;
+	double apart;
 
 	(void)state;
 	/* as hdrgen writes it: the order, then the coefficients from the highest */
@@ -96,11 +96,6 @@ static void reads_and_writes_rsp(void **state)
 
 		expect_at_most(fabs(curve.knot[k] - 0.75 * u * u - 0.25 * u), 1e-12, "k=%d", k);
 	}
-	assert_int_equal(light_rsp_write(own_folder_path("camera.rsp"), &curve, &off, &fault), 0);
-	expect_below(off, 1e-4, "%s", "written");
-	assert_int_equal(light_rsp_read(own_folder_path("camera.rsp"), &again, &apart, &fault), 0);
-	for (int k = 4; k < TRANSFER_KNOTS; k++)
-		expect_at_most(fabs(again.knot[k] / curve.knot[k] - 1), 1e-3, "k=%d", k);
 	for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
 		rsp_text(wrong[i]);
 		expect_equal(light_rsp_read(own_folder_path("camera.rsp"), &curve, &apart, &fault),
@@ -154,8 +149,7 @@ static void reads_times(void **state)
 
 int main(void)
 {
-	const struct CMUnitTest tests[] = {cmocka_unit_test(merges),
-					   cmocka_unit_test(reads_and_writes_rsp),
+	const struct CMUnitTest tests[] = {cmocka_unit_test(merges), cmocka_unit_test(reads_rsp),
 					   cmocka_unit_test(reads_times)};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
