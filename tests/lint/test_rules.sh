@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# The checkers of the rooms themselves: they pass this tree and refuse one that breaks each rule.
+# The checkers of the rooms and READMEs themselves: they pass this tree and refuse one that breaks each rule.
 set -u
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
@@ -61,6 +61,34 @@ rm "$scratch/hal/ini/README.md"
 try 1 hal/ini/x.c hal/base/y.h "a room without a README is refused"
 touch "$scratch/hal/ini/README.md" "$scratch"/hal/ini/{1..30}.txt
 try 1 hal/ini/x.c hal/base/y.h "a folder of more than 30 files is refused"
+
+# words.sh
+words() { # EXPECTED NAME
+	"$here/words.sh" "$scratch" >"$scratch/log" 2>&1
+	check "$2" "$1" $?
+	sed 's/^/# /' "$scratch/log"
+}
+many() { # COUNT: as many words
+	yes word | head -n "$1"
+}
+many 900 >"$scratch/README.md"
+{
+	many 300
+	echo "# a heading"
+	echo "| a table | $(many 99 | xargs) |"
+	echo "    some code, [not](code.c)"
+} >"$scratch/hal/README.md"
+touch "$scratch/hal/code.c"
+words 0 "900 words at the top and 300 of prose in a room are allowed"
+echo word >>"$scratch/hal/README.md"
+words 1 "301 words of prose in a room are refused"
+echo "[code](code.c) [elsewhere](https://example.org/none.c) [there](../README.md#x)" >"$scratch/hal/README.md"
+words 0 "links to what exists are allowed"
+echo "[code](gone.c)" >>"$scratch/hal/README.md"
+words 1 "a link that leads nowhere is refused"
+rm "$scratch/hal/README.md"
+echo word >>"$scratch/README.md"
+words 1 "901 words at the top are refused"
 
 # circles.sh
 cd "$scratch" || exit 1
