@@ -23,7 +23,6 @@ SUPPORT_SOURCES := \
 	tests/support/basis/synthetic_basis.c \
 	tests/support/basis/synthetic_block.c \
 	tests/support/calibrate/drawn_board.c \
-	tests/support/calibrate/drawn_lamps.c \
 	tests/support/calibrate/fisheye_photographs.c \
 	tests/support/calibrate/fisheye_views.c \
 	tests/support/calibrate/known_camera.c \
@@ -78,7 +77,6 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_circle.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_falloff.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
-	tests/unit/bake/calibrate/fisheye/test_fisheye_lamps.c \
 	tests/unit/bake/calibrate/fisheye/test_fisheye_sim.c \
 	tests/unit/bake/calibrate/observe/test_boards.c \
 	tests/unit/bake/calibrate/observe/test_live.c \
@@ -360,7 +358,7 @@ $(LOADED_TOOLS): $(BUILD)/%.so: %.c
 	$(say) LINK $@
 	$(Q)$(CC) -std=gnu17 $(WARNINGS) -D_GNU_SOURCE -O2 -fPIC -shared -o $@ $<
 
-# Draw what the cameras of a calibration see: boards and lamps; a room and boards in it.
+# Draw what the cameras of a calibration see: boards; a room and boards in it.
 PAINTERS := $(addprefix $(BUILD)/tests/,cli/tools/photographs walk/room)
 TEST_PROGRAMS += $(PAINTERS)
 $(PAINTERS): %: %.o $(SUPPORT_LIB) $(addprefix $(BUILD)/,calibrate.a bake.a drivers.a config.a hal.a)

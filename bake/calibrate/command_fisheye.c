@@ -9,7 +9,6 @@
 #include "bake/calibrate/estimate/lens_ini.h"
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "bake/calibrate/fisheye/fisheye_file.h"
-#include "bake/calibrate/fisheye/lamps/fisheye_lamps.h"
 #include "bake/calibrate/lens_job.h"
 
 enum {
@@ -17,8 +16,6 @@ enum {
 	LIVE,
 	CIRCLE,
 	DIRECTIONS,
-	LAMPS,
-	PICTURE,
 	LENS,
 	BOARD,
 	VIEWS,
@@ -37,8 +34,6 @@ static const struct option options[] = {
 	{"live", required_argument, NULL, LIVE},
 	{"circle", required_argument, NULL, CIRCLE},
 	{"directions", required_argument, NULL, DIRECTIONS},
-	{"lamps", required_argument, NULL, LAMPS},
-	{"picture", required_argument, NULL, PICTURE},
 	{"lens", required_argument, NULL, LENS},
 	{"board", required_argument, NULL, BOARD},
 	{"views", required_argument, NULL, VIEWS},
@@ -60,8 +55,8 @@ static const char *const model_names[] = {
 struct fisheye_job {
 	struct lens_job lens;
 	struct fisheye_wanted wanted;
-	int source; /* IMAGES, LIVE, CIRCLE, DIRECTIONS, LAMPS or LENS */
-	const char *board, *world, *picture, *uniform;
+	int source; /* IMAGES, LIVE, CIRCLE, DIRECTIONS or LENS */
+	const char *board, *world, *uniform;
 	int width, height, views;
 	double rim_deg;
 	bool rotation_given;
@@ -79,12 +74,11 @@ static int fisheye_read_option(void *context, int option, struct fault *fault)
 	case LIVE:
 	case CIRCLE:
 	case DIRECTIONS:
-	case LAMPS:
 	case LENS:
 		if (job->source && (job->source != option || option != IMAGES))
 			return fault_say(fault, -EINVAL,
 					 "expected one of --images, --live, --circle, "
-					 "--directions, --lamps and --lens");
+					 "--directions and --lens");
 		job->source = option;
 		job->lens.more = option == IMAGES;
 		job->lens.anew = option == LENS;
@@ -92,9 +86,6 @@ static int fisheye_read_option(void *context, int option, struct fault *fault)
 		return 0;
 	case BOARD:
 		job->board = optarg;
-		return 0;
-	case PICTURE:
-		job->picture = optarg;
 		return 0;
 	case VIEWS:
 		return option_int("--views", optarg, 1, 1000, &job->views, fault);
@@ -132,8 +123,7 @@ static int fisheye_check_options(const void *context, struct fault *fault)
 
 	if (!job->source)
 		return fault_say(fault, -EINVAL,
-				 "expected --images, --live, --circle, --directions, --lamps or "
-				 "--lens");
+				 "expected --images, --live, --circle, --directions or --lens");
 	err = lens_job_check_board(with_board, job->board, fault);
 	if (err)
 		return err;
@@ -143,10 +133,6 @@ static int fisheye_check_options(const void *context, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "--rotation goes with --images, --live or --circle, without "
 				 "--world: else it is found");
-	if ((job->source == LAMPS) != (job->picture != NULL))
-		return fault_say(fault, -EINVAL,
-				 job->picture ? "--picture goes with --lamps"
-					      : "--picture is missing");
 	if (job->source == LENS && !job->uniform)
 		return fault_say(fault, -EINVAL, "--lens goes with --uniform");
 	if (job->source == LENS && job->lens.report)
@@ -159,7 +145,6 @@ static int fisheye_check_options(const void *context, struct fault *fault)
 struct fisheye_work {
 	struct gathering all;
 	struct fisheye_result result;
-	struct lamps_told told;
 	struct falloff falloff;
 	struct lens_ini known;
 };
@@ -177,25 +162,6 @@ static int find_circle(const struct fisheye_job *job, struct fisheye_work *work,
 	if (!err && gather_keep(&work->all, &picture))
 		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	image_free(&picture);
-	return err;
-}
-
-static int find_lamps(const struct fisheye_job *job, struct fisheye_work *work, struct fault *fault)
-{
-	const char *path = job->lens.file[0];
-	struct lamps lamps;
-	struct image picture = {.width = 0};
-	int err = lamps_read(&lamps, path, fault);
-
-	if (!err)
-		err = image_read(job->picture, &picture, fault);
-	if (!err)
-		err = fisheye_lamps(&work->result, &work->all.seen, &work->told, &lamps, path,
-				    &picture, job->picture, &job->wanted, fault);
-	if (!err && gather_keep(&work->all, &picture))
-		err = fault_say(fault, -ENOMEM, "%s: out of memory", job->picture);
-	image_free(&picture);
-	lamps_free(&lamps);
 	return err;
 }
 
@@ -233,8 +199,6 @@ static int find_lens(struct fisheye_job *job, struct fisheye_work *work, struct 
 
 	if (job->source == CIRCLE)
 		return find_circle(job, work, fault);
-	if (job->source == LAMPS)
-		return find_lamps(job, work, fault);
 	if (job->source != LENS)
 		return find_points(job, work, fault);
 	err = lens_read_ini(&work->known, job->lens.file[0], fault);
@@ -301,8 +265,6 @@ static int fisheye_conclude(const struct fisheye_job *job, const struct fisheye_
 	const struct falloff *falloff = job->uniform && has_lens(job, work) ? &work->falloff : NULL;
 	int err = lens_job_report(&job->lens, &work->all, &work->result.finding, fault);
 
-	if (job->source == LAMPS)
-		lamps_print(stdout, "", &work->told, job->lens.file[0]);
 	if (found)
 		fisheye_print(stdout, "", found);
 	if (falloff)
@@ -351,9 +313,7 @@ static int fisheye_run(const struct bake_command *command, int argc, char **argv
 const struct bake_command fisheye_command = {
 	.name = "fisheye",
 	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
-		 "        --directions FILE | --lamps FILE --picture PICTURE | --lens EYE.ini) "
-		 "[options] "
-		 "-o EYE.ini",
+		 "        --directions FILE | --lens EYE.ini) [options] -o EYE.ini",
 	.summary = "the lens that looks at the sky",
 	.help = "\n"
 		"  --images GLOB        photographs of a board, in several places; more may "
@@ -379,10 +339,6 @@ const struct bake_command fisheye_command = {
 		"  --rim-deg DEG        the rim's angle from the axis; 90\n"
 		"  --directions FILE    lines dx dy dz xf yf: what is seen in known directions\n"
 		"  --size WxH           of the picture that those were seen in\n"
-		"  --lamps FILE         lamps in known directions, a line each: azimuth elevation\n"
-		"                       (degrees, from world X towards Y, from the horizon up) or\n"
-		"                       dx dy dz; and, where they look alike, roughly xf yf\n"
-		"  --picture PICTURE    where they are seen, dark but for them\n"
 		"  --lens EYE.ini       a lens that is known, to add its falloff to\n"
 		"  --uniform PICTURE    something equally bright all over: the lens's falloff\n"
 		"  --model MODEL        equidistant, equisolid, stereographic, orthographic,\n"

@@ -65,11 +65,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/fisheye/circle/fisheye_edge.c \
 	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
 	bake/calibrate/fisheye/circle/fisheye_rim.c \
-	bake/calibrate/fisheye/lamps/fisheye_lamps.c \
-	bake/calibrate/fisheye/lamps/lamps_file.c \
-	bake/calibrate/fisheye/lamps/lamps_match.c \
-	bake/calibrate/fisheye/lamps/lamps_spots.c \
-	bake/calibrate/fisheye/lamps/lamps_trace.c \
 	bake/calibrate/observe/boards.c \
 	bake/calibrate/observe/boards_charuco.cpp \
 	bake/calibrate/observe/boards_chess.cpp \

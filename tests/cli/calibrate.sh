@@ -327,7 +327,7 @@ if has_command fisheye; then
 		<(grep -E '^(focal|centre|model)' "$work/eye-again.ini")
 fi
 
-# ---- a fisheye from photographs, from a live camera, from lamps ----
+# ---- a fisheye from photographs, from a live camera ----
 photographs=$(dirname "$INLAY")/tests/cli/tools/photographs
 # near FILE KEY X Y MOST: both numbers of the key within so many pixels
 near() {
@@ -402,21 +402,6 @@ if has_command fisheye && [ -x "$photographs" ]; then
 		-o "$work/held.ini" 2>"$work/stderr"
 	check "is the same" near "$work/held.ini" focal 220 211 0.1
 	check "around the same centre" near "$work/held.ini" centre 483.2 357.4 0.1
-	calibrate fisheye --lamps "$work/lamps.txt" --picture "$work/lamps.png" \
-		--model equidistant --report "$work/lamps-report" -o "$work/lamps.ini" \
-		>"$work/stdout"
-	equal "a fisheye from lamps" 0 $?
-	check "says that it found them" grep -q '^20 of 20 lamps found$' "$work/stdout"
-	check "is the lens" near "$work/lamps.ini" focal 148 139 0.1
-	check "as it is turned" near "$work/lamps.ini" rotation 3 -4 0.1
-	sed 's/^\([^ ]*\) .*/\1 95/' "$work/lamps.txt" >"$work/bad-lamps.txt"
-	failed_with "lamps above the zenith" "bad-lamps.txt:1: expected azimuth and elevation" fisheye \
-		--lamps "$work/bad-lamps.txt" --picture "$work/lamps.png" -o "$work/none.ini"
-	failed_with "lamps in a picture of none" "fewer than 4" fisheye \
-		--lamps "$work/lamps.txt" --picture "$work/eye1.png" -o "$work/none.ini"
-	wrong "lamps without a picture" "--picture is missing" fisheye --lamps "$work/lamps.txt" \
-		-o "$work/none.ini"
-	absent "and nothing was written" "$work/none"
 fi
 
 # ---- light ----
