@@ -198,7 +198,10 @@ THOROUGH_TESTS := \
 	tests/unit/bake/calibrate/observe/test_boards.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
-	tests/unit/bake/trace/test_bake_bounce.c
+	tests/unit/bake/trace/test_bake_bounce.c \
+	tests/unit/hal/lights/test_sampler.c \
+	tests/unit/hal/lights/test_sampler_placed.c \
+	tests/unit/hal/optics/test_dome.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 # Sets each driver's keys, and the array of drivers is the app's.
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
