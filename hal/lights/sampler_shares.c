@@ -13,6 +13,17 @@
 #define EDGE_SLACK 1e-9	 /* larger than all rounding of edges and of the field */
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
+/* A pixel of the row that is being shared out: its weights in a light, or in each of its thirds. */
+struct row_share {
+	int light, x;
+	float weight[DOME_PLACED_THIRDS];
+};
+
+/* The shares of a light in that row: the first one's index by light, and how many are in place. */
+struct row_light {
+	int count, first, placed;
+};
+
 struct shares_builder {
 	const struct dome *dome;
 	const struct fisheye *lens;
@@ -22,45 +33,119 @@ struct shares_builder {
 	double (*edge)
 		[3]; /* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
 	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
-	double *third_weight;	    /* [lights * DOME_PLACED_THIRDS]: summed up */
+	int parts;		    /* of a light: DOME_PLACED_THIRDS, or 1 */
+	int y, row_count, row_room;
+	struct row_share *row;	   /* [row_room]: from left to right */
+	int *column;		   /* [row_room]: their places, light by light */
+	struct row_light *of_light; /* [lights]: 0 between rows */
 	struct sampler_shares shares;
 };
 
-static struct sampler_share *add_shares(struct sampler_shares *list, size_t count)
+/* Makes room for the shares of a row. 0 or -ENOMEM. */
+static int shares_reserve(struct sampler_shares *s, size_t more)
 {
-	if (list->count + count > list->room) {
-		const size_t room = list->room ? 2 * list->room : 4096;
-		struct sampler_share *items = realloc(list->items, room * sizeof(*items));
+	if (s->weights + more > s->weight_room) {
+		const size_t room = 2 * (s->weights + more);
+		float *weight = realloc(s->weight, room * sizeof(*weight));
 
-		if (!items)
-			return NULL;
-		list->items = items;
-		list->room = room;
+		if (!weight)
+			return -ENOMEM;
+		s->weight = weight;
+		s->weight_room = room;
 	}
-	list->count += count;
-	return list->items + list->count - count;
+	if (s->runs + more > s->run_room) {
+		const size_t room = 2 * (s->runs + more);
+		struct sampler_run *run = realloc(s->run, room * sizeof(*run));
+
+		if (!run)
+			return -ENOMEM;
+		s->run = run;
+		s->run_room = room;
+	}
+	return 0;
 }
 
-/* dir: of the pixel; NULL: not known. */
-static int add_share(struct shares_builder *b, int light, int x, int y, double weight,
-		     const double *dir)
+/* Adds the runs of a light in the row, whose first weight this is. */
+static void add_runs(struct shares_builder *b, int light, size_t first)
 {
-	const int parts = b->placed ? DOME_PLACED_THIRDS : 1;
-	struct sampler_share *share = add_shares(&b->shares, (size_t)parts);
-	double part[DOME_PLACED_THIRDS] = {1}, seen[3];
-	const double px[2] = {x + 0.5, y + 0.5};
+	const struct row_light *l = &b->of_light[light];
+	const int *x = b->column + l->first;
 
-	if (!share)
+	for (int from = 0, to; from < l->count; from = to) {
+		to = from + 1;
+		while (to < l->count && x[to] == x[to - 1] + 1)
+			to++;
+		for (int k = 0; k < b->parts; k++)
+			b->shares.run[b->shares.runs++] = (struct sampler_run){
+				.light = b->parts * light + k,
+				.x = (uint16_t)x[from],
+				.y = (uint16_t)b->y,
+				.count = (uint16_t)(to - from),
+				.first = first + (size_t)(k * l->count + from),
+			};
+	}
+}
+
+/* Sorts the row's shares by light into runs. 0 or -ENOMEM. */
+static int finish_row(struct shares_builder *b)
+{
+	const size_t weights = (size_t)b->row_count * (size_t)b->parts;
+	int lit = 0;
+
+	if (shares_reserve(&b->shares, weights) < 0)
 		return -ENOMEM;
-	if (b->placed && !dir)
-		dir = fisheye_ray(b->lens, px, seen) ? seen : b->dome->direction[light];
+	for (int i = 0; i < b->row_count; i++)
+		b->of_light[b->row[i].light].count++;
+	for (int i = 0; i < b->row_count; i++) {
+		const struct row_share *share = &b->row[i];
+		struct row_light *l = &b->of_light[share->light];
+		size_t first;
+
+		if (l->placed == 0) {
+			l->first = lit;
+			lit += l->count;
+		}
+		first = b->shares.weights + (size_t)(l->first * b->parts);
+		b->column[l->first + l->placed] = share->x;
+		for (int k = 0; k < b->parts; k++)
+			b->shares.weight[first + (size_t)(k * l->count + l->placed)] =
+				share->weight[k];
+		if (++l->placed == l->count) {
+			add_runs(b, share->light, first);
+			*l = (struct row_light){.count = 0};
+		}
+	}
+	b->shares.weights += weights;
+	b->row_count = 0;
+	return 0;
+}
+
+/* pixel: what the lens says of it; NULL: not known. */
+static int add_share(struct shares_builder *b, int light, int x, int y, double weight,
+		     const struct fisheye_pixel *pixel)
+{
+	const double px[2] = {x + 0.5, y + 0.5};
+	double part[DOME_PLACED_THIRDS] = {1};
+	struct fisheye_pixel own = {.falloff = 1};
+	struct row_share *share;
+
+	if ((y != b->y || b->row_count == b->row_room) && finish_row(b) < 0)
+		return -ENOMEM;
+	b->y = y;
+	if (!pixel && !fisheye_pixel_of(b->lens, px, &own))
+		memcpy(own.dir, b->dome->direction[light], sizeof(own.dir));
+	if (!pixel)
+		pixel = &own;
 	if (b->placed)
-		dome_placed_thirds(b->placed, light, dir, part);
-	for (int k = 0; k < parts; k++) {
-		share[k] = (struct sampler_share){parts * light + k, (uint16_t)x, (uint16_t)y,
-						  (float)weight * (float)part[k]};
-		if (b->placed)
-			b->third_weight[parts * light + k] += (double)share[k].weight;
+		dome_placed_thirds(b->placed, light, pixel->dir, part);
+	share = &b->row[b->row_count++];
+	share->light = light;
+	share->x = x;
+	for (int k = 0; k < b->parts; k++) {
+		const float whole = (float)weight * (float)part[k];
+
+		b->shares.undimmed[b->parts * light + k] += (double)whole;
+		share->weight[k] = (float)((double)whole / pixel->falloff);
 	}
 	return 0;
 }
@@ -121,33 +206,29 @@ static int count_subpixels(const struct shares_builder *b, int x, int y,
 {
 	double corner[4][3];
 	const bool whole = corner_rays(b, x, y, corner);
-	int kinds = 0, before = -1;
+	int kinds = 0;
 
 	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
 		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS;
 		const double t = (k / SUBPIXELS + 0.5) / SUBPIXELS;
+		double dir[3];
 		int found, at = 0;
 
-		if (whole) {
-			double dir[3];
-
-			for (int c = 0; c < 3; c++)
-				dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
-					 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
-			found = before >= 0 && is_inside(b, before, dir)
-					? before
-					: dome_cell_of(b->dome, dir);
-		} else {
-			found = light_at(b, x + s, y + t);
-		}
-		before = found;
-		if (found < 0)
-			continue;
-		while (at < kinds && light[at] != found)
+		for (int c = 0; whole && c < 3; c++)
+			dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
+				 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
+		while (whole && at < kinds && !is_inside(b, light[at], dir))
 			at++;
-		if (at == kinds) {
-			light[kinds] = found;
-			count[kinds++] = 0;
+		if (!whole || at == kinds) {
+			found = whole ? dome_cell_of(b->dome, dir) : light_at(b, x + s, y + t);
+			if (found < 0)
+				continue;
+			for (at = 0; at < kinds && light[at] != found;)
+				at++;
+			if (at == kinds) {
+				light[kinds] = found;
+				count[kinds++] = 0;
+			}
 		}
 		count[at]++;
 	}
@@ -187,16 +268,16 @@ static int weigh_subpixels(const struct shares_builder *b, int x, int y, int lig
 static int share_among_tents(struct shares_builder *b, int x, int y)
 {
 	const double centre[2] = {x + 0.5, y + 0.5};
-	double sum[TENTS_MAX], sr;
+	struct fisheye_pixel pixel;
+	double sum[TENTS_MAX];
 	int light[TENTS_MAX], kinds, ret = 0;
 
-	if (light_at(b, centre[0], centre[1]) < 0)
+	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
 		return 0;
-	sr = fisheye_pixel_sr(b->lens, centre);
 	kinds = weigh_subpixels(b, x, y, light, sum);
 	for (int k = 0; k < kinds && ret == 0; k++)
-		ret = add_share(b, light[k], x, y, sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS),
-				NULL);
+		ret = add_share(b, light[k], x, y,
+				pixel.sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS), &pixel);
 	return ret;
 }
 
@@ -226,11 +307,11 @@ static int share_pixel(struct shares_builder *b, int x, int y)
 	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
 		return 0;
 	if (same && first >= 0)
-		return add_share(b, first, x, y, pixel.sr, pixel.dir);
+		return add_share(b, first, x, y, pixel.sr, &pixel);
 	kinds = count_subpixels(b, x, y, light, count);
 	for (int k = 0; k < kinds; k++) {
 		const int ret = add_share(b, light[k], x, y,
-					  pixel.sr * count[k] / (SUBPIXELS * SUBPIXELS), pixel.dir);
+					  pixel.sr * count[k] / (SUBPIXELS * SUBPIXELS), &pixel);
 
 		if (ret < 0)
 			return ret;
@@ -397,27 +478,31 @@ static int share_nodes(struct shares_builder *b, const bool *done)
 static int share_missing(struct shares_builder *b)
 {
 	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
-	int ret;
+	int ret = done ? finish_row(b) : -ENOMEM;
 
-	if (!done)
-		return -ENOMEM;
-	for (size_t k = 0; k < b->shares.count; k++)
-		done[b->shares.items[k].light / (b->placed ? DOME_PLACED_THIRDS : 1)] = true;
-	ret = share_nodes(b, done);
+	for (size_t k = 0; ret == 0 && k < b->shares.runs; k++)
+		done[b->shares.run[k].light / b->parts] = true;
+	if (ret == 0)
+		ret = share_nodes(b, done);
 	free(done);
 	return ret;
 }
 
-/* Begins to share among thirds, unless the dome's cells are too wide. */
-static int begin_thirds(struct shares_builder *b)
+/* Begins to share, among thirds unless the dome's cells are too wide. */
+static int shares_begin(struct shares_builder *b, bool placed)
 {
-	const int ret = dome_placed_create(&b->placed, b->dome);
+	const size_t lights = (size_t)b->dome->count;
+	const int ret = placed ? dome_placed_create(&b->placed, b->dome) : 0;
 
-	if (ret)
-		return ret == -EINVAL ? 0 : ret;
-	b->third_weight = calloc(DOME_PLACED_THIRDS * (size_t)b->dome->count,
-				 sizeof(*b->third_weight));
-	return b->third_weight ? 0 : -ENOMEM;
+	if (ret && ret != -EINVAL)
+		return ret;
+	b->parts = b->placed ? DOME_PLACED_THIRDS : 1;
+	b->row_room = SUBPIXELS * SUBPIXELS * b->width;
+	b->row = malloc((size_t)b->row_room * sizeof(*b->row));
+	b->column = malloc((size_t)b->row_room * sizeof(*b->column));
+	b->of_light = calloc(lights, sizeof(*b->of_light));
+	b->shares.undimmed = calloc((size_t)b->parts * lights, sizeof(*b->shares.undimmed));
+	return b->row && b->column && b->of_light && b->shares.undimmed ? 0 : -ENOMEM;
 }
 
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
@@ -425,10 +510,9 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 			  enum light_estimator estimator, struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret = 0;
+	int ret = shares_begin(&b, placed && estimator == ESTIMATOR_CELL &&
+					   dome->shape == DOME_CELLS);
 
-	if (placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
-		ret = begin_thirds(&b);
 	if (ret == 0 && estimator == ESTIMATOR_NODE) {
 		ret = share_nodes(&b, NULL);
 	} else if (ret == 0) {
@@ -436,12 +520,16 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 		if (ret == 0)
 			ret = share_missing(&b);
 	}
+	if (ret == 0)
+		ret = finish_row(&b);
 	if (ret == 0 && b.placed)
-		dome_placed_even(b.placed, b.third_weight);
+		dome_placed_even(b.placed, b.shares.undimmed);
 	free(b.corner_light);
 	free(b.first_edge);
 	free(b.edge);
-	free(b.third_weight);
+	free(b.row);
+	free(b.column);
+	free(b.of_light);
 	*shares = b.shares;
 	if (placed)
 		*placed = ret < 0 ? NULL : b.placed;
@@ -454,6 +542,8 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 
 void sampler_shares_free(struct sampler_shares *shares)
 {
-	free(shares->items);
+	free(shares->run);
+	free(shares->weight);
+	free(shares->undimmed);
 	memset(shares, 0, sizeof(*shares));
 }

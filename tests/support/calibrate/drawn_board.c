@@ -57,8 +57,8 @@ static double drawn_board_light(const struct drawn_board *drawn, const struct bo
 	return drawn->paper > 0 ? drawn->paper : 0.8;
 }
 
-/* Mean light of a pixel from the places of its corners, two upper and two lower. Places between them are
- * interpolated, which in a pixel is off by less than the samples are apart. */
+/* Mean light of a pixel from the places of its corners, two upper and two lower. Places between
+ * them are interpolated, which in a pixel is off by less than the samples are apart. */
 static double drawn_board_pixel(const struct drawn_board *drawn, const struct board_place *upper,
 				const struct board_place *lower)
 {

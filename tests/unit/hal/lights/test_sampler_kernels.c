@@ -261,13 +261,13 @@ static void paint(struct sampled_eye *e, struct chance *chance, int sky,
 				pixel_at(e, x,
 					 y)[c] = (uint8_t)(lit ? chance_int(chance, 0, 255) : 0);
 		}
-	for (size_t k = 0; sky == SMALL_SHARES && k + 1 < shares->count; k++) {
-		const struct sampler_share *a = &shares->items[k], *b = a + 1;
+	for (size_t k = 0; sky == SMALL_SHARES && k < shares->runs; k++) {
+		const struct sampler_run *run = &shares->run[k];
+		const float *weight = shares->weight + run->first;
 
-		/* shares of a pixel that lies in two cells */
-		if (a->x == b->x && a->y == b->y && a->light != b->light &&
-		    (a->weight < b->weight / 4 || b->weight < a->weight / 4))
-			memset(pixel_at(e, a->x, a->y), 255, 3);
+		/* the first pixel of a row in a cell, most of which lies in another one */
+		if (run->count > 1 && weight[0] < weight[1] / 4)
+			memset(pixel_at(e, run->x, run->y), 255, 3);
 	}
 }
 
@@ -279,15 +279,19 @@ static void true_colours(const struct sampled_eye *e, const struct sampler_share
 
 	assert_non_null(whole);
 	memset(colour, 0, (size_t)e->dome.count * sizeof(*colour));
-	for (size_t k = 0; k < shares->count; k++) {
-		const struct sampler_share *s = &shares->items[k];
+	for (size_t k = 0; k < shares->runs; k++) {
+		const struct sampler_run *run = &shares->run[k];
 
-		whole[s->light] += (double)s->weight;
-		for (int c = 0; c < 3; c++)
-			colour[s->light][c] +=
-				(double)s->weight *
-				transfer_decode(TRANSFER_SRGB,
-						(pixel_at(e, s->x, s->y)[2 - c] - 11) / 244.0);
+		for (int i = 0; i < run->count; i++) {
+			const double weight = (double)shares->weight[run->first + (size_t)i];
+			const uint8_t *bgr = pixel_at(e, run->x + i, run->y);
+
+			whole[run->light] += weight;
+			for (int c = 0; c < 3; c++)
+				colour[run->light][c] +=
+					weight *
+					transfer_decode(TRANSFER_SRGB, (bgr[2 - c] - 11) / 244.0);
+		}
 	}
 	for (int i = 0; i < e->dome.count; i++)
 		for (int c = 0; c < 3; c++)
