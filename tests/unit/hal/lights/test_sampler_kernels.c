@@ -353,6 +353,62 @@ static void colours_are_within_the_bound(void **state)
 		}
 }
 
+/* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at some
+ * pixels only; and a light that has a whole pixel is that of its corners (inside all sub-pixels), though
+ * most corners are not looked up. */
+static void pixels_are_shared_out_whole(void **state)
+{
+	enum { SIDE = 480 };
+
+	(void)state;
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		const struct fisheye_settings settings = {
+			.field_deg = 90,
+			.model = model,
+			.rotation_deg = {3, -2, 40},
+			.polynomial = {0.06, -0.02, 0.004, -0.0003}};
+		double *whole = calloc(SIDE * SIDE, sizeof(*whole));
+		struct sampler_shares shares;
+		struct fisheye lens;
+		struct dome dome;
+
+		assert_non_null(whole);
+		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
+		assert_int_equal(sampler_shares_create(&shares, &dome, &lens, SIDE, SIDE,
+						       ESTIMATOR_CELL, NULL),
+				 0);
+		for (size_t k = 0; k < shares.runs; k++)
+			for (int i = 0; i < shares.run[k].count; i++) {
+				const int x = shares.run[k].x + i, y = shares.run[k].y;
+				const double px[2] = {x + 0.5, y + 0.5};
+				const double share =
+					(double)shares.weight[shares.run[k].first + (size_t)i] /
+					fisheye_pixel_sr(&lens, px);
+
+				whole[y * SIDE + x] += share;
+				for (int c = 0; c < 4 && share > 0.999; c++) {
+					const double corner[2] = {x + 0.15 + 0.7 * (c & 1),
+								  y + 0.15 + 0.7 * (c >> 1)};
+					double dir[3];
+
+					if (fisheye_ray(&lens, corner, dir) && dir[2] > 0)
+						expect_equal(dome_cell_of(&dome, dir),
+							     shares.run[k].light,
+							     "model %d, pixel %d %d, corner %d",
+							     model, x, y, c);
+				}
+			}
+		for (int p = 0; p < SIDE * SIDE; p++)
+			if (hypot(p % SIDE - SIDE / 2, p / SIDE - SIDE / 2) < 0.48 * SIDE - 20)
+				expect_below(fabs(whole[p] - 1), 2e-6, "model %d, pixel %d %d",
+					     model, p % SIDE, p / SIDE);
+		sampler_shares_free(&shares);
+		dome_free(&dome);
+		free(whole);
+	}
+}
+
 /* ---- frames ---- */
 
 static void check_frame(struct sampled_eye *e, const struct frame *frame, const struct view *view,
@@ -439,6 +495,7 @@ int main(void)
 		cmocka_unit_test(a_single_clipped_pixel_is_seen),
 		cmocka_unit_test(every_table_adds_alike),
 		cmocka_unit_test(colours_are_within_the_bound),
+		cmocka_unit_test(pixels_are_shared_out_whole),
 		cmocka_unit_test(frames_give_what_pictures_give),
 		cmocka_unit_test(long_rows),
 	};
