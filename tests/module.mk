@@ -66,6 +66,8 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_views.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
 	tests/unit/bake/calibrate/camera/test_camera_structure.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
 	tests/unit/bake/calibrate/camera/test_camera_views.c \
@@ -195,6 +197,8 @@ THOROUGH_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_photographs.cpp \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_views.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
 	tests/unit/bake/calibrate/observe/test_boards.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \

@@ -176,7 +176,8 @@ static void unbend_view(struct clearing *work, int view, int first, const double
 	const int pose = basis->count;
 	double *bend = basis_at(basis, pose + BENDS), normal[3];
 
-	for (int k = 0; task->layout->normal(task->context, task->x, view, normal) && k < BENDS;
+	for (int k = 0; k < BENDS && task->layout->normal &&
+			task->layout->normal(task->context, task->x, view, normal);
 	     k++) {
 		for (int i = 0; i < basis->rows; i++) {
 			double at[2];
@@ -277,7 +278,8 @@ static void add_pull(const struct clearing *work, int view, int shared, double *
 			z[a * shared + b] += pull[a] * pull[b];
 }
 
-/* Shrinks Z, and fills mean and excess. r[b][a]: column b of R. */
+/* Shrinks Z towards its diagonal, and where there are no more views than unknowns the diagonal
+ * towards its mean. Fills mean and excess. r[b][a]: column b of R. */
 static void shrink(struct by_view *found, double *z, const double *r)
 {
 	const int n = found->shared, freedom = found->views - 1;
@@ -292,7 +294,9 @@ static void shrink(struct by_view *found, double *z, const double *r)
 	if (apart > 0)
 		rho = fmin(1, ((1 - 2.0 / n) * squares + trace * trace) / apart);
 	for (int a = 0; a < n; a++)
-		z[a * n + a] -= found->mean;
+		for (int b = 0; b < n; b++)
+			z[a * n + b] = (a == b && freedom >= n ? 1 : 1 - rho) *
+				       (z[a * n + b] - (a == b ? found->mean : 0));
 	for (int a = 0; a < n; a++)
 		for (int b = 0; b < n; b++) {
 			double sum = 0;
@@ -300,7 +304,7 @@ static void shrink(struct by_view *found, double *z, const double *r)
 			for (int i = 0; i < n; i++)
 				for (int j = 0; j < n; j++)
 					sum += r[a * n + i] * z[i * n + j] * r[b * n + j];
-			found->excess[a * n + b] = (1 - rho) * sum;
+			found->excess[a * n + b] = sum;
 		}
 }
 

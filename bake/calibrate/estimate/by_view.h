@@ -8,9 +8,10 @@
  * shared columns of J without what the poses explain, and r the residuals. Then
  *     Z = sum of z'_v z'_v^T,   z'_v = (I - Q_v^T Q_v)^-1/2 z_v
  * is their covariance, without bias where points are independent after all (Bell and McCaffrey
- * 2002, CR2). As few views scatter, Z is drawn towards its mean diagonal m I by the share rho
- * of Chen, Wiesel and Hero 2010 (OAS). A pose has the lens's covariance and m (B^T B)^-1 of its
- * own.
+ * 2002, CR2). As few views scatter, Z is drawn towards its diagonal by the share rho that Chen,
+ * Wiesel and Hero 2010 (OAS) give for its mean m: towards m I, what bent boards do to some unknowns
+ * would be declared of all. With no more views than unknowns the diagonal is too uncertain, and is
+ * drawn towards m, too. A pose has the lens's covariance and m (B^T B)^-1 of its own.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
@@ -27,7 +28,7 @@ struct by_view_layout {
 	/* Finds where a group of residuals is in the picture, px. */
 	const double *(*place)(const void *context, int group);
 	/* Finds the normal of a view's board, in the axes of its translation, which is its last three
-	 * unknowns, of one scale. False: the points do not lie in a plane. */
+	 * unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are flat. */
 	bool (*normal)(const void *context, const double *x, int view, double normal[3]);
 	/* Finds where a group's point is on its board, in any unit. */
 	void (*on_board)(const void *context, int group, double at[2]);
@@ -48,7 +49,7 @@ struct by_view {
 	int views;
 	int shared;	/* columns */
 	double mean;	/* m; sigma^2 where points are independent */
-	double *excess; /* [shared][shared]: (1 - rho) R^T (Z - m I) R, for J = Q R */
+	double *excess; /* [shared][shared]: R^T (shrunk Z - m I) R, for J = Q R */
 	/*
 	 * Squares that vanish if each view has an axis of its own, and what noise leaves of them:
 	 * 2 degrees of freedom for each view, less two. Of as smooth errors that no axis explains

@@ -183,23 +183,6 @@ static const double *lens_place(const void *context, int group)
 	return ((const struct lens_search *)context)->problem->seen->point[group].px;
 }
 
-static bool lens_normal(const void *context, const double *x, int view, double normal[3])
-{
-	const struct lens_search *search = context;
-	const double *rotation = search->turned[view].rotation;
-
-	(void)x; /* lens_differentiate() has taken it */
-	for (int k = 0; k < 3; k++)
-		normal[k] = rotation[3 * k + 2];
-	return true;
-}
-
-static void lens_on_board(const void *context, int group, double at[2])
-{
-	memcpy(at, ((const struct lens_search *)context)->problem->seen->point[group].world,
-	       2 * sizeof(*at));
-}
-
 /* Buffers of a search. */
 struct lens_scratch {
 	double *x, *scale;
@@ -271,9 +254,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 					      .of_view = lens_pose_size(problem),
 					      .axis = OPTICS_CENTRE,
 					      .first = lens_first,
-					      .place = lens_place,
-					      .normal = lens_normal,
-					      .on_board = lens_on_board};
+					      .place = lens_place};
 	const struct least_squares least = {
 		.parameters = solution->parameters,
 		.residuals = 2 * lens_points(problem),
