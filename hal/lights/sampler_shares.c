@@ -39,9 +39,9 @@ struct shares_builder {
 	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
 	int parts;		    /* of a light: DOME_PLACED_THIRDS, or 1 */
 	int y, row_count, row_room;
-	struct row_share *row;	   /* [row_room]: from left to right */
-	int *column;		   /* [row_room]: their places, light by light */
-	struct row_light *of_light; /* [lights]: 0 between rows */
+	struct row_share *row;	     /* [row_room]: from left to right */
+	int *column;		     /* [row_room]: their places, light by light */
+	struct row_light *of_light;  /* [lights]: 0 between rows */
 	struct fisheye_pixel *pixel; /* [width]: of the row; falloff 0: outside the field */
 	double turn;		     /* fisheye_turn_per_pixel() */
 	struct sampler_shares shares;
@@ -575,8 +575,8 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 			  enum light_estimator estimator, struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret = shares_begin(&b, placed && estimator == ESTIMATOR_CELL &&
-					   dome->shape == DOME_CELLS);
+	int ret = shares_begin(&b,
+			       placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS);
 
 	if (ret == 0 && estimator == ESTIMATOR_NODE) {
 		ret = share_nodes(&b, NULL);

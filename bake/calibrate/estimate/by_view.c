@@ -375,8 +375,8 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 	work.r = calloc(n * n, sizeof(double));
 	found->excess = calloc(n * n, sizeof(double));
 	room = calloc((3 * n + 1) * n, sizeof(double));
-	if (work.cleared && work.unbent && work.of_view.column && work.lens.column && work.r && found->excess &&
-	    room) {
+	if (work.cleared && work.unbent && work.of_view.column && work.lens.column && work.r &&
+	    found->excess && room) {
 		err = 0;
 		memcpy(work.cleared, task->jacobian, n * rows * sizeof(double));
 		memcpy(work.cleared + n * rows, task->residual, rows * sizeof(double));

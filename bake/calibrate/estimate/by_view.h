@@ -58,7 +58,7 @@ struct by_view {
 	double axis_squares, smooth_squares;
 	int axis_freedom; /* 0: not known */
 	double smooth_freedom;
-	int odd;   /* view that takes most of axis_squares */
+	int odd; /* view that takes most of axis_squares */
 	bool bent; /* a bend of each board leaves less, by degree of freedom, than an axis of each view */
 };
 

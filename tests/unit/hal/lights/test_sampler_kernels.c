@@ -12,12 +12,14 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
 #include "hal/lights/sampler_shares.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 /* Table number i; NULL: this processor does not support it. */
 static const struct sampler_kernels *table(int i)
@@ -288,9 +290,9 @@ static void true_colours(const struct sampled_eye *e, const struct sampler_share
 
 			whole[run->light] += weight;
 			for (int c = 0; c < 3; c++)
-				colour[run->light][c] +=
-					weight *
-					transfer_decode(TRANSFER_SRGB, (bgr[2 - c] - 11) / 244.0);
+				colour[run->light][c] += weight *
+							 transfer_decode(TRANSFER_SRGB,
+									 (bgr[2 - c] - 11) / 244.0);
 		}
 	}
 	for (int i = 0; i < e->dome.count; i++)
@@ -409,6 +411,34 @@ static void pixels_are_shared_out_whole(void **state)
 	}
 }
 
+/* Says what making the table takes: README.md quotes it. */
+static void tables_are_made(void **state)
+{
+	static const int sides[] = {480, 1024, 2048};
+
+	(void)state;
+	for (int k = 0; k < (thorough() ? 3 : 1); k++) {
+		const struct light_sampler_settings settings = {
+			.placed = true, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
+		struct light_sampler *sampler;
+		struct fisheye lens;
+		struct dome dome;
+		clock_t start;
+
+		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(fisheye_prepare(&lens, &upright, sides[k], sides[k], NULL), 0);
+		start = clock();
+		assert_int_equal(light_sampler_create(&sampler, &dome, &lens, sides[k], sides[k],
+						      &settings, NULL),
+				 0);
+		print_message("# table of %d x %d: %.2f s of processor\n", sides[k], sides[k],
+			      (double)(clock() - start) / CLOCKS_PER_SEC);
+		assert_int_equal(light_sampler_unseen(sampler), 0);
+		light_sampler_destroy(sampler);
+		dome_free(&dome);
+	}
+}
+
 /* ---- frames ---- */
 
 static void check_frame(struct sampled_eye *e, const struct frame *frame, const struct view *view,
@@ -496,6 +526,7 @@ int main(void)
 		cmocka_unit_test(every_table_adds_alike),
 		cmocka_unit_test(colours_are_within_the_bound),
 		cmocka_unit_test(pixels_are_shared_out_whole),
+		cmocka_unit_test(tables_are_made),
 		cmocka_unit_test(frames_give_what_pictures_give),
 		cmocka_unit_test(long_rows),
 	};
