@@ -66,6 +66,8 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/camera/test_camera_published.c \
 	tests/unit/bake/calibrate/camera/test_camera_radial.c \
 	tests/unit/bake/calibrate/camera/test_camera_solve.c \
+	tests/unit/bake/calibrate/camera/test_camera_views.c \
+	tests/unit/bake/calibrate/fisheye/test_fisheye_find.c \
 	tests/unit/bake/calibrate/camera/test_camera_structure.c \
 	tests/unit/bake/calibrate/camera/test_camera_verdict.c \
 	tests/unit/bake/calibrate/camera/test_camera_views.c \

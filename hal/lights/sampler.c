@@ -110,7 +110,7 @@ static int make_table(struct light_sampler *s, const struct dome *dome, const st
 				    settings->placed ? &s->placed : NULL);
 	if (ret < 0)
 		return ret;
-	ret = sampler_table_create(&s->table, &shares, lens,
+	ret = sampler_table_create(&s->table, &shares,
 				   s->placed ? DOME_PLACED_THIRDS * dome->count : dome->count,
 				   s->width, s->height);
 	sampler_shares_free(&shares);

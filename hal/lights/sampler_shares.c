@@ -11,7 +11,22 @@
 #define SUBPIXELS 8	 /* sub-pixels per side, in pixels that straddle cells */
 #define TENT_SUBPIXELS 2 /* the same for tents, where weights nearly linear in a pixel need few */
 #define EDGE_SLACK 1e-9	 /* larger than all rounding of edges and of the field */
+/* What the lens says is smooth: it is asked at four of so many pixels. The cubic between them is off by
+ * 26 times the fourth derivative, 1e-6 where a pixel turns the direction by this at most. */
+#define BLOCK 16
+#define SMOOTH_RAD 0.01
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
+
+/* A pixel of the row that is being shared out: its weights in a light, or in each of its thirds. */
+struct row_share {
+	int light, x;
+	float weight[DOME_PLACED_THIRDS];
+};
+
+/* The shares of a light in that row: the first one's index by light, and how many are in place. */
+struct row_light {
+	int count, first, placed;
+};
 
 struct shares_builder {
 	const struct dome *dome;
@@ -22,45 +37,121 @@ struct shares_builder {
 	double (*edge)
 		[3]; /* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
 	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
-	double *third_weight;	    /* [lights * DOME_PLACED_THIRDS]: summed up */
+	int parts;		    /* of a light: DOME_PLACED_THIRDS, or 1 */
+	int y, row_count, row_room;
+	struct row_share *row;	     /* [row_room]: from left to right */
+	int *column;		     /* [row_room]: their places, light by light */
+	struct row_light *of_light;  /* [lights]: 0 between rows */
+	struct fisheye_pixel *pixel; /* [width]: of the row; falloff 0: outside the field */
+	double turn;		     /* fisheye_turn_per_pixel() */
 	struct sampler_shares shares;
 };
 
-static struct sampler_share *add_shares(struct sampler_shares *list, size_t count)
+/* Makes room for the shares of a row. 0 or -ENOMEM. */
+static int shares_reserve(struct sampler_shares *s, size_t more)
 {
-	if (list->count + count > list->room) {
-		const size_t room = list->room ? 2 * list->room : 4096;
-		struct sampler_share *items = realloc(list->items, room * sizeof(*items));
+	if (s->weights + more > s->weight_room) {
+		const size_t room = 2 * (s->weights + more);
+		float *weight = realloc(s->weight, room * sizeof(*weight));
 
-		if (!items)
-			return NULL;
-		list->items = items;
-		list->room = room;
+		if (!weight)
+			return -ENOMEM;
+		s->weight = weight;
+		s->weight_room = room;
 	}
-	list->count += count;
-	return list->items + list->count - count;
+	if (s->runs + more > s->run_room) {
+		const size_t room = 2 * (s->runs + more);
+		struct sampler_run *run = realloc(s->run, room * sizeof(*run));
+
+		if (!run)
+			return -ENOMEM;
+		s->run = run;
+		s->run_room = room;
+	}
+	return 0;
 }
 
-/* dir: of the pixel; NULL: not known. */
-static int add_share(struct shares_builder *b, int light, int x, int y, double weight,
-		     const double *dir)
+/* Adds the runs of a light in the row, whose first weight this is. */
+static void add_runs(struct shares_builder *b, int light, size_t first)
 {
-	const int parts = b->placed ? DOME_PLACED_THIRDS : 1;
-	struct sampler_share *share = add_shares(&b->shares, (size_t)parts);
-	double part[DOME_PLACED_THIRDS] = {1}, seen[3];
-	const double px[2] = {x + 0.5, y + 0.5};
+	const struct row_light *l = &b->of_light[light];
+	const int *x = b->column + l->first;
 
-	if (!share)
+	for (int from = 0, to; from < l->count; from = to) {
+		to = from + 1;
+		while (to < l->count && x[to] == x[to - 1] + 1)
+			to++;
+		for (int k = 0; k < b->parts; k++)
+			b->shares.run[b->shares.runs++] = (struct sampler_run){
+				.light = b->parts * light + k,
+				.x = (uint16_t)x[from],
+				.y = (uint16_t)b->y,
+				.count = (uint16_t)(to - from),
+				.first = first + (size_t)(k * l->count + from),
+			};
+	}
+}
+
+/* Sorts the row's shares by light into runs. 0 or -ENOMEM. */
+static int finish_row(struct shares_builder *b)
+{
+	const size_t weights = (size_t)b->row_count * (size_t)b->parts;
+	int lit = 0;
+
+	if (shares_reserve(&b->shares, weights) < 0)
 		return -ENOMEM;
-	if (b->placed && !dir)
-		dir = fisheye_ray(b->lens, px, seen) ? seen : b->dome->direction[light];
+	for (int i = 0; i < b->row_count; i++)
+		b->of_light[b->row[i].light].count++;
+	for (int i = 0; i < b->row_count; i++) {
+		const struct row_share *share = &b->row[i];
+		struct row_light *l = &b->of_light[share->light];
+		size_t first;
+
+		if (l->placed == 0) {
+			l->first = lit;
+			lit += l->count;
+		}
+		first = b->shares.weights + (size_t)(l->first * b->parts);
+		b->column[l->first + l->placed] = share->x;
+		for (int k = 0; k < b->parts; k++)
+			b->shares.weight[first + (size_t)(k * l->count + l->placed)] =
+				share->weight[k];
+		if (++l->placed == l->count) {
+			add_runs(b, share->light, first);
+			*l = (struct row_light){.count = 0};
+		}
+	}
+	b->shares.weights += weights;
+	b->row_count = 0;
+	return 0;
+}
+
+/* pixel: what the lens says of it; NULL: not known. */
+static int add_share(struct shares_builder *b, int light, int x, int y, double weight,
+		     const struct fisheye_pixel *pixel)
+{
+	const double px[2] = {x + 0.5, y + 0.5};
+	double part[DOME_PLACED_THIRDS] = {1};
+	struct fisheye_pixel own = {.falloff = 1};
+	struct row_share *share;
+
+	if ((y != b->y || b->row_count == b->row_room) && finish_row(b) < 0)
+		return -ENOMEM;
+	b->y = y;
+	if (!pixel && !fisheye_pixel_of(b->lens, px, &own))
+		memcpy(own.dir, b->dome->direction[light], sizeof(own.dir));
+	if (!pixel)
+		pixel = &own;
 	if (b->placed)
-		dome_placed_thirds(b->placed, light, dir, part);
-	for (int k = 0; k < parts; k++) {
-		share[k] = (struct sampler_share){parts * light + k, (uint16_t)x, (uint16_t)y,
-						  (float)weight * (float)part[k]};
-		if (b->placed)
-			b->third_weight[parts * light + k] += (double)share[k].weight;
+		dome_placed_thirds(b->placed, light, pixel->dir, part);
+	share = &b->row[b->row_count++];
+	share->light = light;
+	share->x = x;
+	for (int k = 0; k < b->parts; k++) {
+		const float whole = (float)weight * (float)part[k];
+
+		b->shares.undimmed[b->parts * light + k] += (double)whole;
+		share->weight[k] = (float)((double)whole / pixel->falloff);
 	}
 	return 0;
 }
@@ -77,18 +168,6 @@ static int light_at(const struct shares_builder *b, double x, double y)
 static int corner_light(const struct shares_builder *b, int x, int y)
 {
 	return b->corner_light[(size_t)y * (b->width + 1) + x];
-}
-
-/* For a pixel none of whose corners sees the sky: whether the rim of the sky may pass through it,
- * which is so if a corner of the pixels around it sees the sky. */
-static bool near_sky(const struct shares_builder *b, int x, int y)
-{
-	for (int j = y - 1; j <= y + 2; j++)
-		for (int i = x - 1; i <= x + 2; i++)
-			if (i >= 0 && j >= 0 && i <= b->width && j <= b->height &&
-			    corner_light(b, i, j) >= 0)
-				return true;
-	return false;
 }
 
 /* Directions of the pixel's four corners. False: a corner does not see the sky. */
@@ -113,45 +192,79 @@ static bool is_inside(const struct shares_builder *b, int cell, const double dir
 	return true;
 }
 
-/* Counts sub-pixels by light. Returns the number of lights. Inside a pixel it interpolates the
- * direction bilinearly between the corners (error 1e-3 pixels in a picture of 480 x 480), which is
- * much cheaper than the lens; but not at the rim, where a corner does not see the sky. */
-static int count_subpixels(const struct shares_builder *b, int x, int y,
-			   int light[SUBPIXELS * SUBPIXELS], int count[SUBPIXELS * SUBPIXELS])
+/* The lights of a pixel's sub-pixels, and how many each has. */
+struct subpixel_tally {
+	int kinds;
+	int light[SUBPIXELS * SUBPIXELS], count[SUBPIXELS * SUBPIXELS];
+};
+
+/* Counts one more sub-pixel of a cell; -1: of none. */
+static void tally_add(struct subpixel_tally *tally, int cell)
+{
+	int at = 0;
+
+	if (cell < 0)
+		return;
+	while (at < tally->kinds && tally->light[at] != cell)
+		at++;
+	if (at == tally->kinds) {
+		tally->light[at] = cell;
+		tally->count[tally->kinds++] = 0;
+	}
+	tally->count[at]++;
+}
+
+/* Counts sub-pixel k of a row from left to right. Returns its place in the tally if the sub-pixel
+ * surely lies in that cell, else -1. */
+static int tally_between(const struct shares_builder *b, struct subpixel_tally *tally,
+			 const double left[3], const double right[3], int k)
+{
+	const double s = (k + 0.5) / SUBPIXELS;
+	double dir[3];
+
+	for (int c = 0; c < 3; c++)
+		dir[c] = (1 - s) * left[c] + s * right[c];
+	for (int at = 0; at < tally->kinds; at++)
+		if (is_inside(b, tally->light[at], dir)) {
+			tally->count[at]++;
+			return at;
+		}
+	tally_add(tally, dome_cell_of(b->dome, dir));
+	return -1;
+}
+
+/* Counts sub-pixels by light. Inside a pixel it interpolates the direction bilinearly between the
+ * corners (error 1e-3 pixels in a picture of 480 x 480), which is much cheaper than the lens; but not
+ * at the rim, where a corner does not see the sky. Cells are convex: what lies between two sub-pixels
+ * of a row in one cell does, too. */
+static void count_subpixels(const struct shares_builder *b, int x, int y,
+			    struct subpixel_tally *tally)
 {
 	double corner[4][3];
 	const bool whole = corner_rays(b, x, y, corner);
-	int kinds = 0, before = -1;
 
-	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
-		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS;
-		const double t = (k / SUBPIXELS + 0.5) / SUBPIXELS;
-		int found, at = 0;
+	tally->kinds = 0;
+	for (int j = 0; j < SUBPIXELS; j++) {
+		const double t = (j + 0.5) / SUBPIXELS;
+		double left[3], right[3];
+		int first, last;
 
-		if (whole) {
-			double dir[3];
-
-			for (int c = 0; c < 3; c++)
-				dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
-					 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
-			found = before >= 0 && is_inside(b, before, dir)
-					? before
-					: dome_cell_of(b->dome, dir);
-		} else {
-			found = light_at(b, x + s, y + t);
-		}
-		before = found;
-		if (found < 0)
+		for (int i = 0; !whole && i < SUBPIXELS; i++)
+			tally_add(tally, light_at(b, x + (i + 0.5) / SUBPIXELS, y + t));
+		if (!whole)
 			continue;
-		while (at < kinds && light[at] != found)
-			at++;
-		if (at == kinds) {
-			light[kinds] = found;
-			count[kinds++] = 0;
+		for (int c = 0; c < 3; c++) {
+			left[c] = (1 - t) * corner[0][c] + t * corner[2][c];
+			right[c] = (1 - t) * corner[1][c] + t * corner[3][c];
 		}
-		count[at]++;
+		first = tally_between(b, tally, left, right, 0);
+		last = tally_between(b, tally, left, right, SUBPIXELS - 1);
+		if (first >= 0 && first == last)
+			tally->count[first] += SUBPIXELS - 2;
+		else
+			for (int i = 1; i < SUBPIXELS - 1; i++)
+				tally_between(b, tally, left, right, i);
 	}
-	return kinds;
 }
 
 /* Adds up the weights of the lights over the sub-pixels that see the sky. Returns the number of
@@ -187,16 +300,16 @@ static int weigh_subpixels(const struct shares_builder *b, int x, int y, int lig
 static int share_among_tents(struct shares_builder *b, int x, int y)
 {
 	const double centre[2] = {x + 0.5, y + 0.5};
-	double sum[TENTS_MAX], sr;
+	struct fisheye_pixel pixel;
+	double sum[TENTS_MAX];
 	int light[TENTS_MAX], kinds, ret = 0;
 
-	if (light_at(b, centre[0], centre[1]) < 0)
+	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
 		return 0;
-	sr = fisheye_pixel_sr(b->lens, centre);
 	kinds = weigh_subpixels(b, x, y, light, sum);
 	for (int k = 0; k < kinds && ret == 0; k++)
-		ret = add_share(b, light[k], x, y, sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS),
-				NULL);
+		ret = add_share(b, light[k], x, y,
+				pixel.sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS), &pixel);
 	return ret;
 }
 
@@ -213,29 +326,21 @@ static int share_by_tent(struct shares_builder *b)
 /* Shares a pixel among cells. Cells are convex: if all four corners lie in one, the pixel does. */
 static int share_pixel(struct shares_builder *b, int x, int y)
 {
-	const double centre[2] = {x + 0.5, y + 0.5};
+	const struct fisheye_pixel *pixel = &b->pixel[x];
 	const int first = corner_light(b, x, y);
-	const bool same = first == corner_light(b, x + 1, y) &&
-			  first == corner_light(b, x, y + 1) &&
-			  first == corner_light(b, x + 1, y + 1);
-	int light[SUBPIXELS * SUBPIXELS], count[SUBPIXELS * SUBPIXELS], kinds;
-	struct fisheye_pixel pixel;
+	struct subpixel_tally tally;
+	int ret = 0;
 
-	if (same && first < 0 && !near_sky(b, x, y))
+	if (pixel->falloff == 0 || !(pixel->dir[2] >= 0))
 		return 0;
-	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
-		return 0;
-	if (same && first >= 0)
-		return add_share(b, first, x, y, pixel.sr, pixel.dir);
-	kinds = count_subpixels(b, x, y, light, count);
-	for (int k = 0; k < kinds; k++) {
-		const int ret = add_share(b, light[k], x, y,
-					  pixel.sr * count[k] / (SUBPIXELS * SUBPIXELS), pixel.dir);
-
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
+	if (first >= 0 && first == corner_light(b, x + 1, y) &&
+	    first == corner_light(b, x, y + 1) && first == corner_light(b, x + 1, y + 1))
+		return add_share(b, first, x, y, pixel->sr, pixel);
+	count_subpixels(b, x, y, &tally);
+	for (int k = 0; k < tally.kinds && ret == 0; k++)
+		ret = add_share(b, tally.light[k], x, y,
+				pixel->sr * tally.count[k] / (SUBPIXELS * SUBPIXELS), pixel);
+	return ret;
 }
 
 /* The planes through the edges of all cells. 0 or -ENOMEM. */
@@ -269,14 +374,13 @@ static int find_edges(struct shares_builder *b)
 }
 
 /* How far, in pixels, all directions around one in a cell surely lie in the cell. */
-static double cell_reach_px(const struct shares_builder *b, int cell, const double dir[3],
-			    double turn)
+static double cell_reach_px(const struct shares_builder *b, int cell, const double dir[3])
 {
 	double nearest = 1;
 
 	for (int k = b->first_edge[cell]; k < b->first_edge[cell + 1]; k++)
 		nearest = fmin(nearest, vec_dot(b->edge[k], dir));
-	return (nearest - EDGE_SLACK) / turn;
+	return (nearest - EDGE_SLACK) / b->turn;
 }
 
 static bool is_in_field(const struct shares_builder *b, double x, double y)
@@ -287,9 +391,48 @@ static bool is_in_field(const struct shares_builder *b, double x, double y)
 	return u * u + v * v < b->lens->rim * b->lens->rim * (1 - EDGE_SLACK);
 }
 
+/* Interpolates pixels of a block between four of them: a cubic in each of their numbers. */
+static void interpolate_block(struct fisheye_pixel *pixel)
+{
+	enum { NUMBERS = sizeof(*pixel) / sizeof(double), STEP = (BLOCK - 1) / 3 };
+	double number[BLOCK][NUMBERS];
+
+	for (int i = 0; i < BLOCK; i += STEP)
+		memcpy(number[i], &pixel[i], sizeof(number[i]));
+	for (int i = 0; i < BLOCK; i++) {
+		const double t = (double)i / STEP;
+		const double w[4] = {(1 - t) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2,
+				     t * (1 - t) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6};
+
+		for (int n = 0; i % STEP && n < NUMBERS; n++)
+			number[i][n] = w[0] * number[0][n] + w[1] * number[STEP][n] +
+				       w[2] * number[2 * STEP][n] + w[3] * number[3 * STEP][n];
+		memcpy(&pixel[i], number[i], sizeof(*pixel));
+	}
+}
+
+static void look_at_row(struct shares_builder *b, int y)
+{
+	for (int x = 0, end; x < b->width; x = end) {
+		const bool smooth = b->turn <= SMOOTH_RAD && x + BLOCK <= b->width &&
+				    is_in_field(b, x + 0.5, y + 0.5) &&
+				    is_in_field(b, x + BLOCK - 0.5, y + 0.5);
+
+		end = x + BLOCK < b->width ? x + BLOCK : b->width;
+		for (int i = x; i < end; i += smooth ? (BLOCK - 1) / 3 : 1) {
+			const double px[2] = {i + 0.5, y + 0.5};
+
+			if (!fisheye_pixel_of(b->lens, px, &b->pixel[i]))
+				b->pixel[i].falloff = 0;
+		}
+		if (smooth)
+			interpolate_block(b->pixel + x);
+	}
+}
+
 /* The cells of a row of corners. Where a corner is far from its cell's edges, those beside it are of the
  * same cell. */
-static void find_corner_lights(struct shares_builder *b, int y, double turn)
+static void find_corner_lights(struct shares_builder *b, int y)
 {
 	int *row = b->corner_light + (size_t)y * (b->width + 1);
 
@@ -301,7 +444,7 @@ static void find_corner_lights(struct shares_builder *b, int y, double turn)
 		row[x] = fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
 		if (row[x] < 0)
 			continue;
-		reach = fmin(cell_reach_px(b, row[x], dir, turn), b->width - x);
+		reach = fmin(cell_reach_px(b, row[x], dir), b->width - x);
 		last = x + (reach > 0 ? (int)reach : 0);
 		if (last > x && is_in_field(b, last, y))
 			for (const int cell = row[x]; x < last; x++)
@@ -311,24 +454,27 @@ static void find_corner_lights(struct shares_builder *b, int y, double turn)
 
 static int share_by_cell(struct shares_builder *b)
 {
-	const double turn = fisheye_turn_per_pixel(b->lens);
 	const int err = find_edges(b);
 
+	b->turn = fisheye_turn_per_pixel(b->lens);
+	b->pixel = malloc((size_t)b->width * sizeof(*b->pixel));
 	if (err)
 		return err;
 	b->corner_light = calloc((size_t)(b->width + 1) * (b->height + 1),
 				 sizeof(*b->corner_light));
-	if (!b->corner_light)
+	if (!b->corner_light || !b->pixel)
 		return -ENOMEM;
 	for (int y = 0; y <= b->height; y++)
-		find_corner_lights(b, y, turn);
-	for (int y = 0; y < b->height; y++)
+		find_corner_lights(b, y);
+	for (int y = 0; y < b->height; y++) {
+		look_at_row(b, y);
 		for (int x = 0; x < b->width; x++) {
 			const int ret = share_pixel(b, x, y);
 
 			if (ret < 0)
 				return ret;
 		}
+	}
 	return 0;
 }
 
@@ -397,27 +543,31 @@ static int share_nodes(struct shares_builder *b, const bool *done)
 static int share_missing(struct shares_builder *b)
 {
 	bool *done = calloc((size_t)b->dome->count, sizeof(*done));
-	int ret;
+	int ret = done ? finish_row(b) : -ENOMEM;
 
-	if (!done)
-		return -ENOMEM;
-	for (size_t k = 0; k < b->shares.count; k++)
-		done[b->shares.items[k].light / (b->placed ? DOME_PLACED_THIRDS : 1)] = true;
-	ret = share_nodes(b, done);
+	for (size_t k = 0; ret == 0 && k < b->shares.runs; k++)
+		done[b->shares.run[k].light / b->parts] = true;
+	if (ret == 0)
+		ret = share_nodes(b, done);
 	free(done);
 	return ret;
 }
 
-/* Begins to share among thirds, unless the dome's cells are too wide. */
-static int begin_thirds(struct shares_builder *b)
+/* Begins to share, among thirds unless the dome's cells are too wide. */
+static int shares_begin(struct shares_builder *b, bool placed)
 {
-	const int ret = dome_placed_create(&b->placed, b->dome);
+	const size_t lights = (size_t)b->dome->count;
+	const int ret = placed ? dome_placed_create(&b->placed, b->dome) : 0;
 
-	if (ret)
-		return ret == -EINVAL ? 0 : ret;
-	b->third_weight = calloc(DOME_PLACED_THIRDS * (size_t)b->dome->count,
-				 sizeof(*b->third_weight));
-	return b->third_weight ? 0 : -ENOMEM;
+	if (ret && ret != -EINVAL)
+		return ret;
+	b->parts = b->placed ? DOME_PLACED_THIRDS : 1;
+	b->row_room = SUBPIXELS * SUBPIXELS * b->width;
+	b->row = malloc((size_t)b->row_room * sizeof(*b->row));
+	b->column = malloc((size_t)b->row_room * sizeof(*b->column));
+	b->of_light = calloc(lights, sizeof(*b->of_light));
+	b->shares.undimmed = calloc((size_t)b->parts * lights, sizeof(*b->shares.undimmed));
+	return b->row && b->column && b->of_light && b->shares.undimmed ? 0 : -ENOMEM;
 }
 
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
@@ -425,10 +575,9 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 			  enum light_estimator estimator, struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret = 0;
+	int ret = shares_begin(&b,
+			       placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS);
 
-	if (placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS)
-		ret = begin_thirds(&b);
 	if (ret == 0 && estimator == ESTIMATOR_NODE) {
 		ret = share_nodes(&b, NULL);
 	} else if (ret == 0) {
@@ -436,12 +585,17 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 		if (ret == 0)
 			ret = share_missing(&b);
 	}
+	if (ret == 0)
+		ret = finish_row(&b);
 	if (ret == 0 && b.placed)
-		dome_placed_even(b.placed, b.third_weight);
+		dome_placed_even(b.placed, b.shares.undimmed);
 	free(b.corner_light);
+	free(b.pixel);
 	free(b.first_edge);
 	free(b.edge);
-	free(b.third_weight);
+	free(b.row);
+	free(b.column);
+	free(b.of_light);
 	*shares = b.shares;
 	if (placed)
 		*placed = ret < 0 ? NULL : b.placed;
@@ -454,6 +608,8 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 
 void sampler_shares_free(struct sampler_shares *shares)
 {
-	free(shares->items);
+	free(shares->run);
+	free(shares->weight);
+	free(shares->undimmed);
 	memset(shares, 0, sizeof(*shares));
 }

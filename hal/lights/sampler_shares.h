@@ -8,17 +8,20 @@
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome_placed.h"
 
-/* Weight of a pixel in the mean of a light. */
-struct sampler_share {
+/* Pixels side by side in a row that have weights in the mean of a light. */
+struct sampler_run {
 	int light;
-	uint16_t x, y;
-	float weight; /* any unit, the same for all pixels of a light */
+	uint16_t x, y, count;
+	size_t first; /* index of its first pixel's weight */
 };
 
-/* The shares of one light are in order: from top to bottom, and from left to right in a row. */
+/* The runs of one light are in order: from top to bottom, and from left to right in a row. */
 struct sampler_shares {
-	struct sampler_share *items;
-	size_t count, room;
+	struct sampler_run *run;
+	/* any unit, the same for all pixels of a light; divided by the lens's falloff */
+	float *weight;
+	double *undimmed; /* [lights]: sums of the weights before that division */
+	size_t runs, run_room, weights, weight_room;
 };
 
 /* placed not NULL: the shares of cell i are divided into those of its thirds DOME_PLACED_THIRDS * i + k, so

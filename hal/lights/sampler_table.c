@@ -16,185 +16,161 @@
 
 struct table_packer {
 	struct sampler_table *table;
-	const struct sampler_share *shares;
-	size_t count;
-	float *weight; /* [count]: weights of the shares, divided by the lens's falloff */
-	int *order;    /* [count]: shares sorted by light, later by strip and light */
+	const struct sampler_shares *shares;
+	size_t *order; /* [runs]: by strip, then light */
 	float *scale;  /* [lights]: from weights to units of the light's largest */
 	int spans, segments;
-	size_t weights, weight_room;
+	size_t weights;
 };
 
-static int share_strip(const struct sampler_share *share)
+static int run_strip(const struct sampler_run *run)
 {
-	return share->y / SAMPLER_STRIP_ROWS;
+	return run->y / SAMPLER_STRIP_ROWS;
 }
 
-static int share_light(const struct sampler_share *share)
+static int run_light(const struct sampler_run *run)
 {
-	return share->light;
+	return run->light;
 }
 
 /* Counting sort of the order by a key in 0..keys - 1; stable. 0 or -ENOMEM. */
-static int sort_by(struct table_packer *p, int (*key)(const struct sampler_share *), int keys)
+static int sort_by(struct table_packer *p, int (*key)(const struct sampler_run *), int keys)
 {
-	int *first = calloc((size_t)keys + 1, sizeof(*first));
-	int *sorted = malloc((p->count + 1) * sizeof(*sorted));
+	const size_t runs = p->shares->runs;
+	size_t *first = calloc((size_t)keys + 1, sizeof(*first));
+	size_t *sorted = malloc((runs + 1) * sizeof(*sorted));
 
 	if (!first || !sorted) {
 		free(first);
 		free(sorted);
 		return -ENOMEM;
 	}
-	for (size_t k = 0; k < p->count; k++)
-		first[key(&p->shares[p->order[k]]) + 1]++;
+	for (size_t k = 0; k < runs; k++)
+		first[key(&p->shares->run[p->order[k]]) + 1]++;
 	for (int i = 0; i < keys; i++)
 		first[i + 1] += first[i];
-	for (size_t k = 0; k < p->count; k++)
-		sorted[first[key(&p->shares[p->order[k]])]++] = p->order[k];
+	for (size_t k = 0; k < runs; k++)
+		sorted[first[key(&p->shares->run[p->order[k]])]++] = p->order[k];
 	free(first);
 	free(p->order);
 	p->order = sorted;
 	return 0;
 }
 
-/* A weight in units of the light's largest: the integer part, and the next SAMPLER_FINE_BITS
- * bits. */
-struct weight_digits {
-	uint16_t whole, fine;
-};
-
-/* The digits of share k; fine is 0 if its light has no fine sum. */
-static struct weight_digits digits_of(const struct table_packer *p, int k)
+/* A weight in whole units of scale; rounding may put the largest above most. */
+static int32_t units_of(float weight, double scale, int32_t most)
 {
-	const int light = p->shares[k].light;
-	const double weight = (double)p->weight[k] * p->scale[light];
-	const double unit = 1 << SAMPLER_FINE_BITS;
-	uint32_t all;
+	const int32_t units = (int32_t)((double)weight * scale + 0.5);
 
-	if (p->table->light[light].fine < 0)
-		return (struct weight_digits){(uint16_t)fmin(rint(weight), SAMPLER_WEIGHT_MAX), 0};
-	all = (uint32_t)fmin(rint(weight * unit), SAMPLER_WEIGHT_MAX * unit);
-	return (struct weight_digits){(uint16_t)(all >> SAMPLER_FINE_BITS),
-				      (uint16_t)(all & ((1U << SAMPLER_FINE_BITS) - 1))};
+	return units < most ? units : most;
 }
 
-/* Sets up a light from its shares, order[first .. first + count - 1]. */
-static void measure_light(struct table_packer *p, int light, size_t first, size_t count)
+/* Finds each light's largest weight, its unit, and whether it has a fine sum. 0 or -ENOMEM. */
+static int measure_lights(struct table_packer *p)
 {
-	struct sampler_light *l = &p->table->light[light];
-	double largest = 0, whole = 0, small = 0, with = 0, without = 0;
+	struct measured {
+		double with, whole, small, count;
+		float largest;
+	} *measured = calloc((size_t)p->table->lights, sizeof(*measured));
 
-	*l = (struct sampler_light){-1, -1, {0, 0}, 1};
-	for (size_t k = first; k < first + count; k++) {
-		with += p->weight[p->order[k]];
-		without += p->shares[p->order[k]].weight;
-		largest = fmax(largest, p->weight[p->order[k]]);
+	if (!measured)
+		return -ENOMEM;
+	for (size_t k = 0; k < p->shares->runs; k++) {
+		const struct sampler_run *run = &p->shares->run[k];
+		const float *weight = p->shares->weight + run->first;
+		struct measured *m = &measured[run->light];
+
+		m->count += run->count;
+		for (int i = 0; i < run->count; i++) {
+			m->with += (double)weight[i];
+			m->largest = weight[i] > m->largest ? weight[i] : m->largest;
+		}
 	}
-	if (count == 0)
-		p->table->unseen++;
-	if (!(largest > 0))
-		return;
-	l->brighter = with / without;
-	p->scale[light] = (float)(SAMPLER_WEIGHT_MAX / largest);
-	l->sum = p->table->sums++;
-	for (size_t k = first; k < first + count; k++) {
-		const double w = digits_of(p, p->order[k]).whole;
+	for (int i = 0; i < p->table->lights; i++)
+		if (measured[i].largest > 0)
+			p->scale[i] = (float)(SAMPLER_WEIGHT_MAX / (double)measured[i].largest);
+	for (size_t k = 0; k < p->shares->runs; k++) {
+		const struct sampler_run *run = &p->shares->run[k];
+		const float *weight = p->shares->weight + run->first;
+		const double scale = (double)p->scale[run->light];
+		int whole = 0, small = 0;
 
-		whole += w;
-		small += w < SMALL_WEIGHT;
+		for (int i = 0; i < run->count; i++) {
+			const int w = units_of(weight[i], scale, SAMPLER_WEIGHT_MAX);
+
+			whole += w;
+			small += w < SMALL_WEIGHT;
+		}
+		measured[run->light].whole += whole;
+		measured[run->light].small += small;
 	}
-	if (whole < (double)SMALL_WEIGHT * (double)count || small * 65536 > whole)
-		l->fine = p->table->sums++;
-	for (size_t k = first; k < first + count; k++) {
-		const struct weight_digits d = digits_of(p, p->order[k]);
-
-		l->whole[0] += d.whole;
-		l->whole[1] += d.fine;
-	}
-}
-
-static void measure_lights(struct table_packer *p)
-{
-	size_t k = 0;
-
 	for (int i = 0; i < p->table->lights; i++) {
-		const size_t first = k;
+		const struct measured *m = &measured[i];
+		struct sampler_light *l = &p->table->light[i];
 
-		while (k < p->count && p->shares[p->order[k]].light == i)
-			k++;
-		measure_light(p, i, first, k - first);
+		*l = (struct sampler_light){-1, -1, {0, 0}, 1};
+		p->table->unseen += m->count == 0;
+		if (!(m->largest > 0))
+			continue;
+		l->brighter = m->with / p->shares->undimmed[i];
+		l->sum = p->table->sums++;
+		if (m->whole < SMALL_WEIGHT * m->count || m->small * 65536 > m->whole)
+			l->fine = p->table->sums++;
 	}
+	free(measured);
+	return 0;
 }
 
-static bool share_continues(const struct sampler_share *before, const struct sampler_share *here)
+/* Writes the weights of a run. Returns their sum. */
+static double write_weights(const struct table_packer *p, const struct sampler_run *run, bool fine,
+			    uint16_t *weight)
 {
-	return before->y == here->y && before->x + 1 == here->x;
+	const float *from = p->shares->weight + run->first;
+	const int bits = p->table->light[run->light].fine < 0 ? 0 : SAMPLER_FINE_BITS;
+	const int shift = fine ? 0 : bits, mask = fine ? (1 << bits) - 1 : UINT16_MAX;
+	const double scale = (double)p->scale[run->light] * (1 << bits);
+	int64_t sum = 0;
+
+	for (int i = 0; i < run->count; i++) {
+		weight[i] = (uint16_t)(units_of(from[i], scale, SAMPLER_WEIGHT_MAX << bits) >>
+					       shift &
+				       mask);
+		sum += weight[i];
+	}
+	return (double)sum;
 }
 
-/* Appends count weights of 0. Returns them; NULL: no memory. */
-static uint16_t *add_weights(struct table_packer *p, size_t count)
+/* Packs order[first .. end - 1], the runs of one light in one strip, into spans, with the whole or
+ * with the fine weights. */
+static void pack_part(struct table_packer *p, size_t first, size_t end, bool fine)
 {
 	struct sampler_table *t = p->table;
-	uint16_t *weights;
+	struct sampler_part *part = &t->part[t->parts++];
+	struct sampler_light *light = &t->light[p->shares->run[p->order[first]].light];
 
-	if (p->weights + count >= p->weight_room) {
-		const size_t room = 2 * (p->weights + count + 4096) / 64 * 64;
-		uint16_t *more = aligned_alloc(64, room * sizeof(*more));
-
-		if (!more)
-			return NULL;
-		memset(more, 0, room * sizeof(*more));
-		if (p->weights)
-			memcpy(more, t->weight, p->weights * sizeof(*more));
-		free(t->weight);
-		t->weight = more;
-		p->weight_room = room;
-	}
-	weights = t->weight + p->weights;
-	p->weights += count;
-	return weights;
-}
-
-/* Packs order[first .. end - 1], the shares of one light in one strip, into spans, with the whole
- * or with the fine weights. */
-static int pack_part(struct table_packer *p, size_t first, size_t end, bool fine)
-{
-	struct sampler_table *t = p->table;
-	const struct sampler_light *light = &t->light[p->shares[p->order[first]].light];
-
-	t->part[t->parts++] = (struct sampler_part){
+	*part = (struct sampler_part){
 		.sum = fine ? light->fine : light->sum,
 		.first_span = p->spans,
 		.first_weight = p->weights,
 	};
-	for (size_t k = first; k < end;) {
-		const struct sampler_share *share = &p->shares[p->order[k]];
-		const int row = share->y % SAMPLER_STRIP_ROWS;
-		size_t count = 1, chunks;
-		uint16_t *weight;
+	for (size_t k = first; k < end; k++) {
+		const struct sampler_run *run = &p->shares->run[p->order[k]];
+		const int row = run->y % SAMPLER_STRIP_ROWS;
+		int chunks = (run->count + SAMPLER_CHUNK - 1) / SAMPLER_CHUNK;
 
-		while (k + count < end && count < SAMPLER_CHUNKS_MAX * SAMPLER_CHUNK &&
-		       share_continues(&p->shares[p->order[k + count - 1]],
-				       &p->shares[p->order[k + count]]))
-			count++;
-		chunks = (count + SAMPLER_CHUNK - 1) / SAMPLER_CHUNK;
-		weight = add_weights(p, chunks * SAMPLER_CHUNK);
-		if (!weight)
-			return -ENOMEM;
-		for (size_t i = 0; i < count; i++) {
-			const struct weight_digits d = digits_of(p, p->order[k + i]);
-
-			weight[i] = fine ? d.fine : d.whole;
+		light->whole[fine] += write_weights(p, run, fine, t->weight + p->weights);
+		p->weights += (size_t)(chunks * SAMPLER_CHUNK);
+		for (int x = run->x; chunks > 0; x += SAMPLER_CHUNKS_MAX * SAMPLER_CHUNK) {
+			t->span[p->spans++] = (struct sampler_span){
+				.offset = (uint32_t)(row * t->row_stride + x),
+				.chunks = (uint32_t)(chunks < SAMPLER_CHUNKS_MAX
+							     ? chunks
+							     : SAMPLER_CHUNKS_MAX),
+			};
+			chunks -= SAMPLER_CHUNKS_MAX;
 		}
-		t->span[p->spans++] = (struct sampler_span){
-			.offset = (uint32_t)(row * t->row_stride + share->x),
-			.chunks = (uint32_t)chunks,
-		};
-		k += count;
 	}
-	t->part[t->parts - 1].spans = p->spans - t->part[t->parts - 1].first_span;
-	return 0;
+	part->spans = p->spans - part->first_span;
 }
 
 /* Packs the needed pixels of a row of a strip into segments, and clears needed[]. */
@@ -214,50 +190,78 @@ static void pack_segments(struct table_packer *p, int row, uint8_t *needed, int 
 	}
 }
 
-/* Packs order[first .. end - 1], the shares of a strip: its parts, then its segments. needed is
+/* Packs order[first .. end - 1], the runs of a strip: its parts, then its segments. needed is
  * scratch of SAMPLER_STRIP_ROWS * width, 0 before and after. */
-static int pack_strip(struct table_packer *p, size_t first, size_t end, uint8_t *needed, int width)
+static void pack_strip(struct table_packer *p, size_t first, size_t end, uint8_t *needed, int width)
 {
 	struct sampler_table *t = p->table;
-	int ret = 0;
 
-	for (size_t k = first; ret == 0 && k < end;) {
-		const int light = p->shares[p->order[k]].light;
-		size_t next = k;
+	for (size_t k = first, next; k < end; k = next) {
+		const int light = p->shares->run[p->order[k]].light;
 
-		while (next < end && p->shares[p->order[next]].light == light)
+		for (next = k; next < end && p->shares->run[p->order[next]].light == light;)
 			next++;
 		if (t->light[light].sum >= 0)
-			ret = pack_part(p, k, next, false);
-		if (ret == 0 && t->light[light].fine >= 0)
-			ret = pack_part(p, k, next, true);
-		k = next;
+			pack_part(p, k, next, false);
+		if (t->light[light].fine >= 0)
+			pack_part(p, k, next, true);
 	}
 	for (size_t k = first; k < end; k++) {
-		const struct sampler_share *share = &p->shares[p->order[k]];
+		const struct sampler_run *run = &p->shares->run[p->order[k]];
 
-		needed[(size_t)(share->y % SAMPLER_STRIP_ROWS) * (size_t)width + share->x] = 1;
+		memset(needed + run->y % SAMPLER_STRIP_ROWS * width + run->x, 1, run->count);
 	}
 	for (int row = 0; row < SAMPLER_STRIP_ROWS; row++)
 		pack_segments(p, row, needed + (size_t)row * (size_t)width, width);
-	return ret;
 }
 
-static int pack_strips(struct table_packer *p, int width)
+/* Makes room for everything that is packed. 0 or -ENOMEM. */
+static int table_reserve(struct table_packer *p)
+{
+	struct sampler_table *t = p->table;
+	size_t weights = 0, spans = 0;
+
+	for (size_t k = 0; k < p->shares->runs; k++) {
+		const struct sampler_run *run = &p->shares->run[k];
+		const struct sampler_light *light = &t->light[run->light];
+		const size_t chunks = (size_t)(run->count + SAMPLER_CHUNK - 1) / SAMPLER_CHUNK;
+		const size_t sums = (size_t)(light->sum >= 0) + (size_t)(light->fine >= 0);
+
+		weights += sums * chunks * SAMPLER_CHUNK;
+		spans += sums * ((chunks + SAMPLER_CHUNKS_MAX - 1) / SAMPLER_CHUNKS_MAX);
+	}
+	weights = (weights + 64) / 32 * 32; /* 64 bytes are 32 weights */
+	t->part = malloc((spans + 1) * sizeof(*t->part));
+	t->span = malloc((spans + 1) * sizeof(*t->span));
+	t->segment = malloc((p->shares->runs + 1) * sizeof(*t->segment));
+	t->weight = aligned_alloc(64, weights * sizeof(*t->weight));
+	if (!t->part || !t->span || !t->segment || !t->weight)
+		return -ENOMEM;
+	memset(t->weight, 0, weights * sizeof(*t->weight));
+	return 0;
+}
+
+static int table_pack(struct table_packer *p, int width)
 {
 	struct sampler_table *t = p->table;
 	uint8_t *needed = calloc((size_t)width, SAMPLER_STRIP_ROWS);
 	size_t k = 0;
-	int ret = needed ? 0 : -ENOMEM;
+	int ret = needed ? measure_lights(p) : -ENOMEM;
 
+	if (ret == 0)
+		ret = table_reserve(p);
+	if (ret == 0)
+		ret = sort_by(p, run_light, t->lights);
+	if (ret == 0)
+		ret = sort_by(p, run_strip, t->strips);
 	for (int s = 0; ret == 0 && s < t->strips; s++) {
 		const size_t first = k;
 
-		while (k < p->count && share_strip(&p->shares[p->order[k]]) == s)
+		while (k < p->shares->runs && run_strip(&p->shares->run[p->order[k]]) == s)
 			k++;
 		t->strip[s].first_part = t->parts;
 		t->strip[s].first_segment = p->segments;
-		ret = pack_strip(p, first, k, needed, width);
+		pack_strip(p, first, k, needed, width);
 		t->strip[s].parts = t->parts - t->strip[s].first_part;
 		t->strip[s].segments = p->segments - t->strip[s].first_segment;
 	}
@@ -265,50 +269,10 @@ static int pack_strips(struct table_packer *p, int width)
 	return ret;
 }
 
-static int table_pack(struct table_packer *p, const struct fisheye *lens, int width)
-{
-	struct sampler_table *t = p->table;
-	int ret;
-
-	for (size_t k = 0; k < p->count; k++) {
-		const double px[2] = {p->shares[k].x + 0.5, p->shares[k].y + 0.5};
-
-		p->order[k] = (int)k;
-		p->weight[k] = (float)((double)p->shares[k].weight / fisheye_falloff(lens, px));
-	}
-	ret = sort_by(p, share_light, t->lights);
-	if (ret < 0)
-		return ret;
-	measure_lights(p);
-	ret = sort_by(p, share_strip, t->strips);
-	return ret < 0 ? ret : pack_strips(p, width);
-}
-
-/* Shrinks memory to bytes; returns it unchanged if that fails. */
-static void *memory_shrunk(void *memory, size_t bytes)
-{
-	void *smaller = realloc(memory, bytes);
-
-	if (!smaller)
-		return memory;
-	return smaller;
-}
-
-static void table_shrink(struct table_packer *p)
-{
-	struct sampler_table *t = p->table;
-
-	t->part = memory_shrunk(t->part, ((size_t)t->parts + 1) * sizeof(*t->part));
-	t->span = memory_shrunk(t->span, ((size_t)p->spans + 1) * sizeof(*t->span));
-	t->segment = memory_shrunk(t->segment, ((size_t)p->segments + 1) * sizeof(*t->segment));
-}
-
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
-			 const struct fisheye *lens, int lights, int width, int height)
+			 int lights, int width, int height)
 {
-	/* Upper bound of parts, spans and segments: each share is one, and has a fine one. */
-	const size_t most = 2 * shares->count + 1;
-	struct table_packer p = {.table = table, .shares = shares->items, .count = shares->count};
+	struct table_packer p = {.table = table, .shares = shares};
 	int ret = -ENOMEM;
 
 	*table = (struct sampler_table){
@@ -319,22 +283,16 @@ int sampler_table_create(struct sampler_table *table, const struct sampler_share
 	};
 	table->light = calloc((size_t)lights, sizeof(*table->light));
 	table->strip = calloc((size_t)table->strips, sizeof(*table->strip));
-	table->part = malloc(most * sizeof(*table->part));
-	table->span = malloc(most * sizeof(*table->span));
-	table->segment = malloc(most * sizeof(*table->segment));
-	p.order = malloc((p.count + 1) * sizeof(*p.order));
-	p.weight = malloc((p.count + 1) * sizeof(*p.weight));
+	p.order = malloc((shares->runs + 1) * sizeof(*p.order));
 	p.scale = calloc((size_t)lights, sizeof(*p.scale));
-	if (table->light && table->strip && table->part && table->span && table->segment &&
-	    p.order && p.weight && p.scale && add_weights(&p, 0))
-		ret = table_pack(&p, lens, width);
+	for (size_t k = 0; p.order && k < shares->runs; k++)
+		p.order[k] = k;
+	if (table->light && table->strip && p.order && p.scale)
+		ret = table_pack(&p, width);
 	free(p.order);
-	free(p.weight);
 	free(p.scale);
 	if (ret < 0)
 		sampler_table_free(table);
-	else
-		table_shrink(&p);
 	return ret;
 }
 

@@ -58,7 +58,7 @@ struct sampler_table {
 
 /* 0 or -ENOMEM; zeroed on failure. */
 int sampler_table_create(struct sampler_table *table, const struct sampler_shares *shares,
-			 const struct fisheye *lens, int lights, int width, int height);
+			 int lights, int width, int height);
 void sampler_table_free(struct sampler_table *table); /* idempotent; zeroed is fine */
 
 #endif

@@ -226,7 +226,7 @@ static bool angle_of(const struct fisheye *lens, const double px[2], double at[2
 {
 	for (int i = 0; i < 2; i++)
 		at[i] = (px[i] - lens->centre_px[i]) / lens->focal_px[i];
-	*radius = hypot(at[0], at[1]);
+	*radius = sqrt(at[0] * at[0] + at[1] * at[1]);
 	if (!(*radius <= lens->rim + FIELD_SLACK_RAD * (1 + lens->rim)))
 		return false;
 	*theta = fisheye_curve_angle(&lens->curve, *radius, lens->field_rad);
@@ -240,7 +240,6 @@ static void ray_of(const struct fisheye *lens, const double at[2], double radius
 	const double c[3] = {at[0] * across, at[1] * across, cosine};
 
 	mat_apply_transposed(lens->rotation, c, dir);
-	vec_normalize(dir);
 }
 
 static double pixel_sr_of(const struct fisheye *lens, double theta, double sine)

@@ -9,6 +9,7 @@
 #include "bake/calibrate/estimate/linear.h"
 
 #define SMOOTH 12      /* both coordinates by 1, x, y, x^2, xy, y^2 */
+#define BENDS 3	       /* of a board: x^2, xy, y^2 */
 #define DEPENDENT 1e-6 /* length left of a unit column that others explain */
 #define LONE 1e-6      /* 1 - leverage of a view that alone tells a direction */
 
@@ -72,7 +73,8 @@ static double basis_add(struct basis *basis, const double *column, double *part)
 struct clearing {
 	const struct by_view_task *task;
 	/* [shared + 1][rows]: shared columns and residuals less what poses explain */
-	double *cleared;
+	double *cleared, *unbent; /* unbent: less what bent boards explain, too */
+	int bends;		  /* columns */
 	struct basis of_view, lens;
 	double *r; /* [shared][shared]: columns of R */
 	int axis;  /* its first column; -1: it is held */
@@ -156,6 +158,42 @@ static void test_view(struct clearing *work, int view, int first, struct by_view
 	weigh_smooth(work, first, residual, found);
 }
 
+/* Subtracts what the basis explains from one view's rows of all shared columns and the residuals. */
+static void clear_rows(const struct clearing *work, int first, int shared, double *columns)
+{
+	for (int k = 0; k <= shared; k++)
+		basis_clear(&work->of_view, columns + (size_t)k * (size_t)work->task->rows + first,
+			    NULL);
+}
+
+/* Fills unbent for a view, whose pose is the basis: its board may be bent along its normal. moved:
+ * the columns of its translation. */
+static void unbend_view(struct clearing *work, int view, int first, const double *const moved[3],
+			int shared)
+{
+	const struct by_view_task *task = work->task;
+	struct basis *basis = &work->of_view;
+	const int pose = basis->count;
+	double *bend = basis_at(basis, pose + BENDS), normal[3];
+
+	for (int k = 0; k < BENDS && task->layout->normal &&
+			task->layout->normal(task->context, task->x, view, normal);
+	     k++) {
+		for (int i = 0; i < basis->rows; i++) {
+			double at[2];
+
+			task->layout->on_board(task->context, (first + i) / task->group, at);
+			bend[i] = at[k / 2] * at[(k + 1) / 2] *
+				  (normal[0] * moved[0][i] + normal[1] * moved[1][i] +
+				   normal[2] * moved[2][i]);
+		}
+		basis_add(basis, bend, NULL);
+	}
+	clear_rows(work, first, shared, work->unbent);
+	work->bends += basis->count - pose;
+	basis->count = pose;
+}
+
 /* Subtracts from all columns of one view what its own unknowns explain. */
 static void clear_view(struct clearing *work, int view, int *column, struct by_view *found,
 		       double *worst)
@@ -165,26 +203,48 @@ static void clear_view(struct clearing *work, int view, int *column, struct by_v
 	const int first = first_row(task, view),
 		  end = layout->shared + (view + 1) * layout->of_view;
 	const size_t rows = (size_t)task->rows;
+	const double *moved[3] = {NULL};
 	struct basis *basis = &work->of_view;
 
 	basis->rows = first_row(task, view + 1) - first;
 	basis->count = 0;
-	for (; *column < task->columns && task->parameter[*column] < end; ++*column)
+	for (; *column < task->columns && task->parameter[*column] < end; ++*column) {
+		moved[0] = moved[1];
+		moved[1] = moved[2];
+		moved[2] = task->jacobian + (size_t)*column * rows + first;
 		if (basis->rows > layout->of_view)
-			basis_add(basis, task->jacobian + (size_t)*column * rows + first, NULL);
-	for (int k = 0; k <= found->shared; k++) {
-		double *own = work->cleared + (size_t)k * rows + first;
-
-		if (basis->rows > layout->of_view)
-			basis_clear(basis, own, NULL);
-		else
-			memset(own, 0, (size_t)basis->rows * sizeof(*own));
+			basis_add(basis, moved[2], NULL);
 	}
-	if (basis->rows <= layout->of_view)
+	if (basis->rows <= layout->of_view) {
+		for (int k = 0; k <= found->shared; k++)
+			memset(work->cleared + (size_t)k * rows + first, 0,
+			       (size_t)basis->rows * sizeof(double));
 		return;
+	}
+	clear_rows(work, first, found->shared, work->cleared);
 	found->views++;
-	if (work->axis >= 0)
-		test_view(work, view, first, found, worst);
+	if (work->axis < 0)
+		return;
+	if (basis->rows > layout->of_view + BENDS)
+		unbend_view(work, view, first, moved, found->shared);
+	test_view(work, view, first, found, worst);
+}
+
+/* Finds whether bent boards explain the residuals better than a moving axis does. */
+static void compare_bends(struct clearing *work, struct by_view *found)
+{
+	const int rows = work->task->rows, left = rows - work->task->columns;
+	const size_t last = (size_t)found->shared * (size_t)rows;
+	const double *by_axis = work->cleared + last;
+	double *by_bends = work->unbent + last;
+
+	for (int k = 0; k < found->shared; k++)
+		basis_add(&work->lens, work->unbent + (size_t)k * (size_t)rows, NULL);
+	basis_clear(&work->lens, by_bends, NULL);
+	work->lens.count = 0;
+	found->bent = product(by_bends, by_bends, rows) * (left - found->axis_freedom) <
+		      (product(by_axis, by_axis, rows) - found->axis_squares) *
+			      (left - work->bends);
 }
 
 /* Adds z' of one view to Z. room: [2 shared + 1][shared]. */
@@ -218,7 +278,8 @@ static void add_pull(const struct clearing *work, int view, int shared, double *
 			z[a * shared + b] += pull[a] * pull[b];
 }
 
-/* Shrinks Z, and fills mean and excess. r[b][a]: column b of R. */
+/* Shrinks Z towards its diagonal, and where there are no more views than unknowns the diagonal
+ * towards its mean. Fills mean and excess. r[b][a]: column b of R. */
 static void shrink(struct by_view *found, double *z, const double *r)
 {
 	const int n = found->shared, freedom = found->views - 1;
@@ -233,7 +294,9 @@ static void shrink(struct by_view *found, double *z, const double *r)
 	if (apart > 0)
 		rho = fmin(1, ((1 - 2.0 / n) * squares + trace * trace) / apart);
 	for (int a = 0; a < n; a++)
-		z[a * n + a] -= found->mean;
+		for (int b = 0; b < n; b++)
+			z[a * n + b] = (a == b && freedom >= n ? 1 : 1 - rho) *
+				       (z[a * n + b] - (a == b ? found->mean : 0));
 	for (int a = 0; a < n; a++)
 		for (int b = 0; b < n; b++) {
 			double sum = 0;
@@ -241,7 +304,7 @@ static void shrink(struct by_view *found, double *z, const double *r)
 			for (int i = 0; i < n; i++)
 				for (int j = 0; j < n; j++)
 					sum += r[a * n + i] * z[i * n + j] * r[b * n + j];
-			found->excess[a * n + b] = (1 - rho) * sum;
+			found->excess[a * n + b] = sum;
 		}
 }
 
@@ -304,6 +367,7 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 	if (!n)
 		return 0;
 	work.cleared = malloc((n + 1) * rows * sizeof(double));
+	work.unbent = malloc((n + 1) * rows * sizeof(double));
 	work.of_view.column =
 		malloc((size_t)(task->layout->of_view + 3 + SMOOTH) * longest * sizeof(double));
 	work.lens.column = malloc(n * rows * sizeof(double));
@@ -311,19 +375,23 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 	work.r = calloc(n * n, sizeof(double));
 	found->excess = calloc(n * n, sizeof(double));
 	room = calloc((3 * n + 1) * n, sizeof(double));
-	if (work.cleared && work.of_view.column && work.lens.column && work.r && found->excess &&
-	    room) {
+	if (work.cleared && work.unbent && work.of_view.column && work.lens.column && work.r &&
+	    found->excess && room) {
 		err = 0;
 		memcpy(work.cleared, task->jacobian, n * rows * sizeof(double));
 		memcpy(work.cleared + n * rows, task->residual, rows * sizeof(double));
+		memcpy(work.unbent, work.cleared, (n + 1) * rows * sizeof(double));
 		column = found->shared;
 		for (int v = 0; v < task->layout->views; v++)
 			clear_view(&work, v, &column, found, &worst);
 		found->axis_freedom = found->axis_freedom > 2 ? found->axis_freedom - 2 : 0;
+		if (work.axis >= 0)
+			compare_bends(&work, found);
 		if (found->views > 1)
 			find_scatter(&work, room, found);
 	}
 	free(work.cleared);
+	free(work.unbent);
 	free(work.of_view.column);
 	free(work.lens.column);
 	free(work.r);
@@ -378,6 +446,8 @@ double by_view_axis_chance(const struct by_view *found, double variance, int fre
 	const double noise = by_view_chance(found->axis_squares, found->axis_freedom,
 					    variance * freedom, freedom);
 
+	if (found->bent)
+		return 1;
 	if (found->smooth_freedom < 1) /* as few points as unknowns */
 		return noise;
 	return fmax(noise, by_view_chance(found->axis_squares, found->axis_freedom,

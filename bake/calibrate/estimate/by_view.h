@@ -8,12 +8,15 @@
  * shared columns of J without what the poses explain, and r the residuals. Then
  *     Z = sum of z'_v z'_v^T,   z'_v = (I - Q_v^T Q_v)^-1/2 z_v
  * is their covariance, without bias where points are independent after all (Bell and McCaffrey
- * 2002, CR2). As few views scatter, Z is drawn towards its mean diagonal m I by the share rho
- * of Chen, Wiesel and Hero 2010 (OAS). A pose has the lens's covariance and m (B^T B)^-1 of its
- * own.
+ * 2002, CR2). As few views scatter, Z is drawn towards its diagonal by the share rho that Chen,
+ * Wiesel and Hero 2010 (OAS) give for its mean m: towards m I, what bent boards do to some unknowns
+ * would be declared of all. With no more views than unknowns the diagonal is too uncertain, and is
+ * drawn towards m, too. A pose has the lens's covariance and m (B^T B)^-1 of its own.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_BY_VIEW_H
+
+#include <stdbool.h>
 
 /* How rows and parameters belong to views. The first parameters are shared by all views; each view
  * then has as many of its own. */
@@ -24,6 +27,11 @@ struct by_view_layout {
 	int (*first)(const void *context, int view);
 	/* Finds where a group of residuals is in the picture, px. */
 	const double *(*place)(const void *context, int group);
+	/* Finds the normal of a view's board, in the axes of its translation, which is its last three
+	 * unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are flat. */
+	bool (*normal)(const void *context, const double *x, int view, double normal[3]);
+	/* Finds where a group's point is on its board, in any unit. */
+	void (*on_board)(const void *context, int group, double at[2]);
 };
 
 struct by_view_task {
@@ -31,6 +39,7 @@ struct by_view_task {
 	const void *context; /* of its functions */
 	int rows, columns, group;
 	const int *parameter;	/* [columns]: rising */
+	const double *x;	/* all unknowns */
 	const double *jacobian; /* [columns][rows], weighted */
 	const double *residual; /* [rows], weighted */
 };
@@ -40,7 +49,7 @@ struct by_view {
 	int views;
 	int shared;	/* columns */
 	double mean;	/* m; sigma^2 where points are independent */
-	double *excess; /* [shared][shared]: (1 - rho) R^T (Z - m I) R, for J = Q R */
+	double *excess; /* [shared][shared]: R^T (shrunk Z - m I) R, for J = Q R */
 	/*
 	 * Squares that vanish if each view has an axis of its own, and what noise leaves of them:
 	 * 2 degrees of freedom for each view, less two. Of as smooth errors that no axis explains
@@ -50,6 +59,7 @@ struct by_view {
 	int axis_freedom; /* 0: not known */
 	double smooth_freedom;
 	int odd; /* view that takes most of axis_squares */
+	bool bent; /* a bend of each board leaves less, by degree of freedom, than an axis of each view */
 };
 
 /* Fills found. Returns 0; -ENOMEM. */
@@ -64,7 +74,7 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 /*
  * Returns how often views would by chance disagree about the axis as much, if their errors are
  * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
- * whichever explains more. 1 where the axis was not found. A chance below BY_VIEW_LEVEL is a reason to doubt.
+ * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance below BY_VIEW_LEVEL is a reason to doubt.
  */
 #define BY_VIEW_LEVEL 1e-3
 #define BY_VIEW_REASON                                                                             \

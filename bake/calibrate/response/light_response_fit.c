@@ -38,7 +38,6 @@ double light_fit_log(const struct light_fit *fit, double u, double *slope, doubl
 	double value[LIGHT_SPLINE_MAX], d[LIGHT_SPLINE_MAX], after[LIGHT_SPLINE_MAX];
 	double log_f = log(u), s = 1 / u, second = -1 / (u * u);
 
-	light_spline_at(&fit->spline, u, value, d);
 	if (bend)
 		light_spline_at(&fit->spline, u + step, value, after);
 	light_spline_at(&fit->spline, u, value, d);

@@ -9,7 +9,7 @@
 
 static double warp(double u)
 {
-	return log1p(u / EDGE) - log1p((1 - u) / EDGE);
+	return log((EDGE + u) / (EDGE + 1 - u));
 }
 
 static double warp_slope(double u)

@@ -2,21 +2,30 @@
 #include "tests/support/calibrate/drawn_board.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 #include "hal/colour/transfer.h"
 #include "tests/support/chance.h"
 
-/* Linear light at a point of the picture, in px. */
-static double drawn_board_light(const struct drawn_board *drawn, const double px[2])
+#define WALL 0.2 /* linear light */
+
+/* A point of the board's plane, in mm. */
+struct board_place {
+	bool seen; /* false: the ray misses the plane's front */
+	double mm[2];
+};
+
+/* What a point of the picture, in px, shows. */
+static struct board_place drawn_board_place(const struct drawn_board *drawn, double x, double y)
 {
 	const struct board *b = drawn->board;
-	const double *r = b->rotation, wall = 0.2;
-	double origin[3], dir[3], at[3], far[3], mm[2];
-	double columns, rows;
+	const double *r = b->rotation, px[2] = {x, y};
+	struct board_place place = {.seen = false};
+	double origin[3], dir[3], at[3], far[3];
 
 	if (tsai_ray(drawn->camera, px, origin, dir))
-		return wall;
+		return place;
 	/* Camera centre and ray in the board's axes. */
 	for (int i = 0; i < 3; i++) {
 		at[i] = far[i] = 0;
@@ -25,44 +34,55 @@ static double drawn_board_light(const struct drawn_board *drawn, const double px
 			far[i] += r[3 * j + i] * dir[j];
 		}
 	}
-	if (fabs(far[2]) < 1e-12 || -at[2] / far[2] <= 0 || at[2] >= 0)
-		return wall;
-	for (int i = 0; i < 2; i++)
-		mm[i] = at[i] - at[2] / far[2] * far[i];
+	place.seen = fabs(far[2]) >= 1e-12 && -at[2] / far[2] > 0 && at[2] < 0;
+	for (int i = 0; place.seen && i < 2; i++)
+		place.mm[i] = at[i] - at[2] / far[2] * far[i];
+	return place;
+}
+
+/* Linear light of a place. */
+static double drawn_board_light(const struct drawn_board *drawn, const struct board_place *place)
+{
+	const struct board *b = drawn->board;
+	const double *mm = place->mm, rows = b->rows + 1;
+	const double columns = b->columns;
+
+	if (!place->seen)
+		return WALL;
 	if (board_ink(b, mm[0], mm[1]))
 		return drawn->paper > 0 ? drawn->ink : 0.03;
-	columns = b->columns;
-	rows = b->rows + 1;
 	if (mm[0] < -2 * b->step_mm || mm[1] < -2 * b->step_mm ||
 	    mm[0] > (columns + 1) * b->step_mm || mm[1] > rows * b->step_mm)
-		return wall;
+		return WALL;
 	return drawn->paper > 0 ? drawn->paper : 0.8;
 }
 
-static double drawn_board_pixel(const struct drawn_board *drawn, int x, int y)
+/* Mean light of a pixel from the places of its corners, two upper and two lower. Places between
+ * them are interpolated, which in a pixel is off by less than the samples are apart. */
+static double drawn_board_pixel(const struct drawn_board *drawn, const struct board_place *upper,
+				const struct board_place *lower)
 {
-	enum { SIDE = 16 };
-	static const double first[5][2] = {
-		{0.5, 0.5}, {0.02, 0.02}, {0.98, 0.02}, {0.02, 0.98}, {0.98, 0.98}};
-	double light = 0, sum = 0;
-	bool even = true;
+	enum { SIDE = 8 };
+	const double first = drawn_board_light(drawn, upper);
+	struct board_place place = {.seen = upper[0].seen && upper[1].seen && lower[0].seen &&
+					    lower[1].seen};
+	double sum = 0;
 
-	for (int i = 0; i < 5; i++) {
-		const double px[2] = {x + first[i][0], y + first[i][1]};
-		const double one = drawn_board_light(drawn, px);
-
-		even = even && (i == 0 || one == light);
-		light = one;
-	}
-	if (even)
-		return light;
+	if (!place.seen || (drawn_board_light(drawn, upper + 1) == first &&
+			    drawn_board_light(drawn, lower) == first &&
+			    drawn_board_light(drawn, lower + 1) == first))
+		return first;
 	for (int i = 0; i < SIDE; i++)
 		for (int j = 0; j < SIDE; j++) {
 			/* The grid is sheared, so that an edge along a row crosses its samples one by one. */
-			const double px[2] = {x + (i + (j + 0.5) / SIDE) / SIDE,
-					      y + (j + (i + 0.5) / SIDE) / SIDE};
+			const double s = (i + (j + 0.5) / SIDE) / SIDE;
+			const double t = (j + (i + 0.5) / SIDE) / SIDE;
 
-			sum += drawn_board_light(drawn, px);
+			for (int k = 0; k < 2; k++)
+				place.mm[k] =
+					(1 - t) * ((1 - s) * upper[0].mm[k] + s * upper[1].mm[k]) +
+					t * ((1 - s) * lower[0].mm[k] + s * lower[1].mm[k]);
+			sum += drawn_board_light(drawn, &place);
 		}
 	return sum / (SIDE * SIDE);
 }
@@ -109,11 +129,20 @@ int drawn_board_draw(const struct drawn_board *drawn, struct image *picture)
 	const int width = drawn->camera->width, height = drawn->camera->height;
 	double *light = malloc(sizeof(*light) * (size_t)width * (size_t)height);
 	struct chance chance = {drawn->seed};
+	struct board_place *corner = calloc(2 * ((size_t)width + 1), sizeof(*corner));
 	int err = image_create_u8(picture, width, height);
 
-	for (int y = 0; !err && y < height; y++)
-		for (int x = 0; x < width; x++)
-			light[(ptrdiff_t)y * width + x] = drawn_board_pixel(drawn, x, y);
+	for (int y = 0; !err && y <= height; y++) {
+		struct board_place *lower = corner + y % 2 * (width + 1);
+		const struct board_place *upper = corner + (y + 1) % 2 * (width + 1);
+
+		for (int x = 0; x <= width; x++)
+			lower[x] = drawn_board_place(drawn, x, y);
+		for (int x = 0; y > 0 && x < width; x++)
+			light[(ptrdiff_t)(y - 1) * width + x] = drawn_board_pixel(drawn, upper + x,
+										  lower + x);
+	}
+	free(corner);
 	if (!err && drawn->blur_px > 0)
 		drawn_board_blur(light, width, height, drawn->blur_px);
 	for (ptrdiff_t i = 0; !err && i < (ptrdiff_t)width * height; i++) {

@@ -68,13 +68,16 @@ void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int
 }
 
 void fisheye_see_board(struct observations *all, const struct fisheye *lens, double theta,
-		       double phi, double sigma, struct chance *c)
+		       double phi, double bend, double sigma, struct chance *c)
 {
 	const double distance = chance_real(c, 0.2, 0.3), step = 0.05;
 	double z[3] = {-sin(theta) * cos(phi), -sin(theta) * sin(phi), -cos(theta)};
 	double x[3], y[3], middle[3], spin = chance_real(c, 0, 6.28);
+	double by[3];
 	char name[32];
 
+	for (int i = 0; i < 3; i++)
+		by[i] = bend > 0 ? bend * chance_normal(c) : 0;
 	for (int i = 0; i < 3; i++) {
 		middle[i] = -distance * z[i];
 		z[i] += chance_real(c, -0.5, 0.5);
@@ -87,11 +90,12 @@ void fisheye_see_board(struct observations *all, const struct fisheye *lens, dou
 	observations_begin_view(all, name);
 	for (int n = 0; n < 30; n++) {
 		const double world[3] = {step * (n % 6), -step * (n / 6), 0};
+		const double u = world[0] - 2.5 * step, v = world[1] + 2 * step;
+		const double out = by[0] * u * u + by[1] * u * v + by[2] * v * v;
 		double c3[3], dir[3], px[2];
 
 		for (int i = 0; i < 3; i++)
-			c3[i] = middle[i] + x[i] * (world[0] - 2.5 * step) +
-				y[i] * (world[1] + 2 * step);
+			c3[i] = middle[i] + x[i] * u + y[i] * v + z[i] * out;
 		mat_apply_transposed(lens->rotation, c3, dir);
 		if (!fisheye_project(lens, dir, px))
 			continue;
@@ -103,8 +107,8 @@ void fisheye_see_board(struct observations *all, const struct fisheye *lens, dou
 void fisheye_see_boards(struct observations *all, const struct fisheye *lens, int count,
 			double theta, double sigma, struct chance *c)
 {
-	fisheye_see_board(all, lens, 0.1, 0.4, sigma, c);
+	fisheye_see_board(all, lens, 0.1, 0.4, 0, sigma, c);
 	for (int k = 1; k < count; k++)
 		fisheye_see_board(all, lens, theta * (k % 2 ? 1 : 0.6), 2 * M_PI * k / (count - 1),
-				  sigma, c);
+				  0, sigma, c);
 }

@@ -20,10 +20,11 @@ void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int
 
 /*
  * Adds a view of a board of 6 x 5 corners, 50 mm apart. Its middle lies 0.2 to 0.3 m from the camera
- * in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at random.
+ * in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at random. bend: standard
+ * deviation of its three second derivatives by 2, 1/m; 0: it is flat.
  */
 void fisheye_see_board(struct observations *all, const struct fisheye *lens, double theta,
-		       double phi, double sigma, struct chance *c);
+		       double phi, double bend, double sigma, struct chance *c);
 
 /* Adds `count` boards: the first near the axis, the others all around it, up to theta. */
 void fisheye_see_boards(struct observations *all, const struct fisheye *lens, int count,

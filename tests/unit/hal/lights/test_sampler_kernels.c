@@ -12,12 +12,14 @@
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "hal/base/processor.h"
 #include "hal/lights/sampler_kernels.h"
 #include "hal/lights/sampler_shares.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 /* Table number i; NULL: this processor does not support it. */
 static const struct sampler_kernels *table(int i)
@@ -261,13 +263,13 @@ static void paint(struct sampled_eye *e, struct chance *chance, int sky,
 				pixel_at(e, x,
 					 y)[c] = (uint8_t)(lit ? chance_int(chance, 0, 255) : 0);
 		}
-	for (size_t k = 0; sky == SMALL_SHARES && k + 1 < shares->count; k++) {
-		const struct sampler_share *a = &shares->items[k], *b = a + 1;
+	for (size_t k = 0; sky == SMALL_SHARES && k < shares->runs; k++) {
+		const struct sampler_run *run = &shares->run[k];
+		const float *weight = shares->weight + run->first;
 
-		/* shares of a pixel that lies in two cells */
-		if (a->x == b->x && a->y == b->y && a->light != b->light &&
-		    (a->weight < b->weight / 4 || b->weight < a->weight / 4))
-			memset(pixel_at(e, a->x, a->y), 255, 3);
+		/* the first pixel of a row in a cell, most of which lies in another one */
+		if (run->count > 1 && weight[0] < weight[1] / 4)
+			memset(pixel_at(e, run->x, run->y), 255, 3);
 	}
 }
 
@@ -279,15 +281,19 @@ static void true_colours(const struct sampled_eye *e, const struct sampler_share
 
 	assert_non_null(whole);
 	memset(colour, 0, (size_t)e->dome.count * sizeof(*colour));
-	for (size_t k = 0; k < shares->count; k++) {
-		const struct sampler_share *s = &shares->items[k];
+	for (size_t k = 0; k < shares->runs; k++) {
+		const struct sampler_run *run = &shares->run[k];
 
-		whole[s->light] += (double)s->weight;
-		for (int c = 0; c < 3; c++)
-			colour[s->light][c] +=
-				(double)s->weight *
-				transfer_decode(TRANSFER_SRGB,
-						(pixel_at(e, s->x, s->y)[2 - c] - 11) / 244.0);
+		for (int i = 0; i < run->count; i++) {
+			const double weight = (double)shares->weight[run->first + (size_t)i];
+			const uint8_t *bgr = pixel_at(e, run->x + i, run->y);
+
+			whole[run->light] += weight;
+			for (int c = 0; c < 3; c++)
+				colour[run->light][c] += weight *
+							 transfer_decode(TRANSFER_SRGB,
+									 (bgr[2 - c] - 11) / 244.0);
+		}
 	}
 	for (int i = 0; i < e->dome.count; i++)
 		for (int c = 0; c < 3; c++)
@@ -347,6 +353,90 @@ static void colours_are_within_the_bound(void **state)
 			sampler_shares_free(&shares);
 			eye_free(&e);
 		}
+}
+
+/* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at some
+ * pixels only; and a light that has a whole pixel is that of its corners (inside all sub-pixels), though
+ * most corners are not looked up. */
+static void pixels_are_shared_out_whole(void **state)
+{
+	enum { SIDE = 480 };
+
+	(void)state;
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		const struct fisheye_settings settings = {
+			.field_deg = 90,
+			.model = model,
+			.rotation_deg = {3, -2, 40},
+			.polynomial = {0.06, -0.02, 0.004, -0.0003}};
+		double *whole = calloc(SIDE * SIDE, sizeof(*whole));
+		struct sampler_shares shares;
+		struct fisheye lens;
+		struct dome dome;
+
+		assert_non_null(whole);
+		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
+		assert_int_equal(sampler_shares_create(&shares, &dome, &lens, SIDE, SIDE,
+						       ESTIMATOR_CELL, NULL),
+				 0);
+		for (size_t k = 0; k < shares.runs; k++)
+			for (int i = 0; i < shares.run[k].count; i++) {
+				const int x = shares.run[k].x + i, y = shares.run[k].y;
+				const double px[2] = {x + 0.5, y + 0.5};
+				const double share =
+					(double)shares.weight[shares.run[k].first + (size_t)i] /
+					fisheye_pixel_sr(&lens, px);
+
+				whole[y * SIDE + x] += share;
+				for (int c = 0; c < 4 && share > 0.999; c++) {
+					const double corner[2] = {x + 0.15 + 0.7 * (c & 1),
+								  y + 0.15 + 0.7 * (c >> 1)};
+					double dir[3];
+
+					if (fisheye_ray(&lens, corner, dir) && dir[2] > 0)
+						expect_equal(dome_cell_of(&dome, dir),
+							     shares.run[k].light,
+							     "model %d, pixel %d %d, corner %d",
+							     model, x, y, c);
+				}
+			}
+		for (int p = 0; p < SIDE * SIDE; p++)
+			if (hypot(p % SIDE - SIDE / 2, p / SIDE - SIDE / 2) < 0.48 * SIDE - 20)
+				expect_below(fabs(whole[p] - 1), 2e-6, "model %d, pixel %d %d",
+					     model, p % SIDE, p / SIDE);
+		sampler_shares_free(&shares);
+		dome_free(&dome);
+		free(whole);
+	}
+}
+
+/* Says what making the table takes: README.md quotes it. */
+static void tables_are_made(void **state)
+{
+	static const int sides[] = {480, 1024, 2048};
+
+	(void)state;
+	for (int k = 0; k < (thorough() ? 3 : 1); k++) {
+		const struct light_sampler_settings settings = {
+			.placed = true, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
+		struct light_sampler *sampler;
+		struct fisheye lens;
+		struct dome dome;
+		clock_t start;
+
+		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(fisheye_prepare(&lens, &upright, sides[k], sides[k], NULL), 0);
+		start = clock();
+		assert_int_equal(light_sampler_create(&sampler, &dome, &lens, sides[k], sides[k],
+						      &settings, NULL),
+				 0);
+		print_message("# table of %d x %d: %.2f s of processor\n", sides[k], sides[k],
+			      (double)(clock() - start) / CLOCKS_PER_SEC);
+		assert_int_equal(light_sampler_unseen(sampler), 0);
+		light_sampler_destroy(sampler);
+		dome_free(&dome);
+	}
 }
 
 /* ---- frames ---- */
@@ -435,6 +525,8 @@ int main(void)
 		cmocka_unit_test(a_single_clipped_pixel_is_seen),
 		cmocka_unit_test(every_table_adds_alike),
 		cmocka_unit_test(colours_are_within_the_bound),
+		cmocka_unit_test(pixels_are_shared_out_whole),
+		cmocka_unit_test(tables_are_made),
 		cmocka_unit_test(frames_give_what_pictures_give),
 		cmocka_unit_test(long_rows),
 	};

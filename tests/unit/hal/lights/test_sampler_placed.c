@@ -16,6 +16,7 @@
 #include "hal/optics/dome_cells.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 #define SKY 0.2	    /* radiance of the even sky, in green */
 #define SUN_TIMES 3 /* the sun gives a level plane so many times the sky's light */
@@ -117,14 +118,15 @@ static double plane_lit(const struct placed_sky *s, const double normal[3], int 
 static void plate_looks_like_the_ground(void **state)
 {
 	static const int frequency[] = {1, 2, 4, 6, 9, 18};
+	const int step = thorough() ? 1 : 3;
 
 	(void)state;
 	for (unsigned n = 0; n < sizeof(frequency) / sizeof(*frequency); n++) {
 		struct placed_sky s = placed_of(frequency[n], side_of(frequency[n]),
 						TRANSFER_LINEAR);
 
-		for (int height = 2; height <= 88; height += height < 20 ? 1 : 7)
-			for (int turn = 0; turn < 360; turn += 47) {
+		for (int height = 2; height <= 88; height += step * (height < 20 ? 1 : 7))
+			for (int turn = 0; turn < 360; turn += step * 47) {
 				const double h = height * M_PI / 180, a = turn * M_PI / 180;
 				const double up[3] = {0, 0, 1};
 				const double sun = SUN_TIMES * M_PI * SKY / sin(h);
@@ -157,6 +159,7 @@ static void planes_that_face_the_sun_are_as_bright(void **state)
 		int f, lowest;
 		double error;
 	} cases[] = {{4, 14, 0.05}, {9, 6, 0.015}, {18, 4, 0.01}};
+	const int step = thorough() ? 1 : 3;
 
 	(void)state;
 	for (unsigned n = 0; n < sizeof(cases) / sizeof(*cases); n++) {
@@ -164,8 +167,8 @@ static void planes_that_face_the_sun_are_as_bright(void **state)
 
 		memset(s.image.f32, 0,
 		       (size_t)s.image.width * (size_t)s.image.height * 3 * sizeof(float));
-		for (int height = cases[n].lowest; height <= 88; height += 5)
-			for (int turn = 0; turn < 360; turn += 47) {
+		for (int height = cases[n].lowest; height <= 88; height += step * 5)
+			for (int turn = 0; turn < 360; turn += step * 47) {
 				const double h = height * M_PI / 180, a = turn * M_PI / 180;
 				double d[3] = {cos(h) * cos(a), cos(h) * sin(a), sin(h)};
 
@@ -201,7 +204,7 @@ static void light_moves_without_steps(void **state)
 			expect_below(fabs(s.radiance[i][c] / (SKY * (0.5 + 0.5 * c)) - 1), 1e-6,
 				     "light %d", i);
 	memset(s.image.f32, 0, (size_t)s.image.width * (size_t)s.image.height * 3 * sizeof(float));
-	for (int step = 0; step <= 600; step++) {
+	for (int step = 0; step <= (thorough() ? 600 : 150); step++) {
 		const double h = (3 + 0.2 * step / 2) * M_PI / 180, a = 0.4 + 0.002 * step;
 		double d[3] = {cos(h) * cos(a), cos(h) * sin(a), sin(h)}, moved = 0, all = 0;
 
@@ -319,6 +322,7 @@ static void a_clipped_lamp_keeps_its_place(void **state)
 {
 	static struct taken_sky t;
 	float(*want)[3], (*now)[3], (*before)[3];
+	const int step = thorough() ? 1 : 3;
 
 	(void)state;
 	taken_begin(&t, 4);
@@ -326,8 +330,8 @@ static void a_clipped_lamp_keeps_its_place(void **state)
 	now = calloc((size_t)t.sky.dome.count, sizeof(*now));
 	before = calloc((size_t)t.sky.dome.count, sizeof(*now));
 	assert_true(now && before);
-	for (int height = 15; height <= 75; height += 6)
-		for (int turn = 0; turn < 360; turn += 47) {
+	for (int height = 15; height <= 75; height += step * 6)
+		for (int turn = 0; turn < 360; turn += step * 47) {
 			const double h = height * M_PI / 180, a = turn * M_PI / 180;
 			double d[3] = {cos(h) * cos(a), cos(h) * sin(a), sin(h)};
 

@@ -17,6 +17,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/thorough.h"
 
 static struct dome dome_of(int frequency, enum dome_division division)
 {
@@ -296,12 +297,13 @@ static void check_sums(int f, enum dome_division division)
 static void weights_sum_to_the_hemisphere(void **state)
 {
 	static const int large[] = {27, 36, 45, 54, 63, 72};
+	const unsigned count = thorough() ? sizeof(large) / sizeof(*large) : 2;
 
 	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		for (int f = 1; f <= 20; f++)
 			check_sums(f, division);
-		for (unsigned i = 0; i < sizeof(large) / sizeof(*large); i++)
+		for (unsigned i = 0; i < count; i++)
 			check_sums(large[i], division);
 	}
 }
@@ -471,15 +473,16 @@ static void check_cell_of(const struct dome *dome, const double dir[3])
 
 static void cell_of_any_direction(void **state)
 {
-	static const int frequency[] = {1, 2, 3, 4, 7, 9, 18, 72};
+	static const int frequency[] = {1, 2, 3, 4, 7, 9, 18, 36, 72};
+	const int most = thorough() ? 100000 : 20000;
 	struct chance chance = chance_begin("dome");
 
 	(void)state;
-	for (int n = 0; n < 2 * 8; n++) {
+	for (int n = 0; n < 2 * (thorough() ? 9 : 8); n++) {
 		const int f = frequency[n / 2];
 		struct dome dome = dome_of(f, n % 2);
 
-		for (int k = 0; k < (f > 32 ? 10000 : 100000); k++) {
+		for (int k = 0; k < (f > 32 ? most / 10 : most); k++) {
 			const double size = pow(10, chance_real(&chance, -100, 100));
 			double dir[3];
 
@@ -622,7 +625,7 @@ static void samples_are_uniform(void **state)
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		struct dome dome = dome_of(4, division);
 
-		for (unsigned i = 0; i < sizeof(lights) / sizeof(*lights); i++)
+		for (unsigned i = 0; i < sizeof(lights) / sizeof(*lights); i += thorough() ? 1 : 4)
 			check_samples(&dome, lights[i], &chance);
 		dome_free(&dome);
 	}

@@ -366,6 +366,51 @@ static void every_model_sees_a_hemisphere(void **state)
 	}
 }
 
+/* What is said of a pixel at once is what is said one by one, and directions of two points are never
+ * farther apart than the bound of the turn says, but for some steps nearly as far. */
+static void pixels_at_once_and_their_turn(void **state)
+{
+	struct chance chance = chance_begin("fisheye");
+
+	(void)state;
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		const struct fisheye_settings settings = {
+			.focal_px = {150, 130},
+			.field_deg = model == FISHEYE_ORTHOGRAPHIC ? 70 : 90,
+			.model = model,
+			.rotation_deg = {5, -8, 30},
+			.polynomial = {0.06, -0.02, 0.004, -0.0003},
+			.falloff = {-0.3, 0.05}};
+		const struct fisheye lens = lens_of(&settings, 480, 480);
+		const double turn = fisheye_turn_per_pixel(&lens);
+		double most = 0;
+
+		for (int k = 0; k < 20000; k++) {
+			const double px[2] = {chance_real(&chance, -5, 485),
+					      chance_real(&chance, -5, 485)};
+			const double step[2] = {chance_real(&chance, -1, 1),
+						chance_real(&chance, -1, 1)};
+			const double there[2] = {px[0] + step[0], px[1] + step[1]};
+			struct fisheye_pixel pixel;
+			double dir[3], beside[3];
+			const bool seen = fisheye_ray(&lens, px, dir);
+
+			expect_equal(fisheye_pixel_of(&lens, px, &pixel), seen, "k=%d", k);
+			if (!seen)
+				continue;
+			expect_that(vec_angle(pixel.dir, dir) < 1e-15 &&
+					    fabs(pixel.sr / fisheye_pixel_sr(&lens, px) - 1) <
+						    1e-14 &&
+					    pixel.falloff == fisheye_falloff(&lens, px),
+				    "model %d, k=%d", model, k);
+			if (fisheye_ray(&lens, there, beside))
+				most = fmax(most, vec_angle(dir, beside) / hypot(step[0], step[1]));
+		}
+		expect_that(most <= turn && most > 0.8 * turn, "model %d: %g of %g", model, most,
+			    turn);
+	}
+}
+
 static void folds_are_named(void **state)
 {
 	/* 1 + 3 k1 u = 0 at u = 1: 57.3 degrees */
@@ -489,6 +534,7 @@ int main(void)
 		cmocka_unit_test(every_model_there_and_back),
 		cmocka_unit_test(every_model_has_its_solid_angles),
 		cmocka_unit_test(every_model_sees_a_hemisphere),
+		cmocka_unit_test(pixels_at_once_and_their_turn),
 		cmocka_unit_test(folds_are_named),
 		cmocka_unit_test(falloff_is_of_the_angle),
 		cmocka_unit_test(refused),

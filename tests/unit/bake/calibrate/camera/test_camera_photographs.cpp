@@ -30,8 +30,8 @@ extern "C" {
 /* What the left camera's photographs show, which several tests use. */
 static struct observations left_seen;
 
-/* Finds the board in all photographs of one camera; there is no tenth. */
-static void photographs_look(const char *side, struct observations *seen)
+/* Finds the board in all photographs of one camera, or in each other one; there is no tenth. */
+static void photographs_look(const char *side, bool all, struct observations *seen)
 {
 	struct fault fault = {""};
 	struct board board;
@@ -42,7 +42,7 @@ static void photographs_look(const char *side, struct observations *seen)
 		skip();
 	}
 	assert_int_equal(board_parse(&board, "9x6:25mm", &fault), 0);
-	for (int k = 1; k <= 14; k++) {
+	for (int k = 1; k <= 14; k += all ? 1 : 2) {
 		struct image picture;
 		char path[256];
 		int err;
@@ -57,14 +57,14 @@ static void photographs_look(const char *side, struct observations *seen)
 		assert_int_equal(err, 0);
 		image_free(&picture);
 	}
-	assert_int_equal(seen->views, 13);
-	assert_int_equal(seen->count, 13 * 54);
+	assert_int_equal(seen->views, all ? 13 : 7);
+	assert_int_equal(seen->count, seen->views * 54);
 }
 
 static struct observations &left_photographs()
 {
 	if (!left_seen.views)
-		photographs_look("left", &left_seen);
+		photographs_look("left", thorough(), &left_seen);
 	return left_seen;
 }
 
@@ -74,8 +74,8 @@ static double opencv(const struct observations *seen, int radial, cv::Mat &matri
 	const int held = (radial < 2 ? cv::CALIB_FIX_K2 : 0) | (radial < 3 ? cv::CALIB_FIX_K3 : 0) |
 			 cv::CALIB_ZERO_TANGENT_DIST;
 
-	std::vector<std::vector<cv::Point3f>> world(13);
-	std::vector<std::vector<cv::Point2f>> px(13);
+	std::vector<std::vector<cv::Point3f>> world(seen->views);
+	std::vector<std::vector<cv::Point2f>> px(seen->views);
 	std::vector<cv::Mat> rotations, translations;
 
 	for (int i = 0; i < seen->count; i++) {
@@ -138,7 +138,7 @@ static void no_worse_than_opencv(void **)
 	as_near_as_opencv("left", left_photographs());
 	if (!thorough())
 		return;
-	photographs_look("right", &right);
+	photographs_look("right", true, &right);
 	as_near_as_opencv("right", right);
 	observations_free(&right);
 }
@@ -343,7 +343,7 @@ static void declared_as_leaving_out_views(const char *side)
 	struct camera_solution all;
 	const struct estimate *estimate = &all.finding.estimate;
 
-	photographs_look(side, &seen);
+	photographs_look(side, true, &seen);
 	task.width = seen.width;
 	task.height = seen.height;
 	task.radial = 2; /* as many as are chosen */
@@ -384,8 +384,8 @@ static void two_cameras_are_doubted(void **)
 	struct camera_task task = camera_task_default();
 	struct camera_solution solution;
 
-	photographs_look("left", &seen[0]);
-	photographs_look("right", &seen[1]);
+	photographs_look("left", true, &seen[0]);
+	photographs_look("right", true, &seen[1]);
 	task.width = mixed.width = seen[0].width;
 	task.height = mixed.height = seen[0].height;
 	for (int v = 0; v < seen[0].views; v++) {

@@ -155,7 +155,7 @@ static void over_cameras(void (*solve)(struct tsai_camera *truth, struct chance 
 {
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++)
-			for (int e = 0; e < 5; e++) {
+			for (int e = 0; e < 5; e += thorough() ? 1 : 2) {
 				struct tsai_camera truth = known_camera(eyes[e], middle, bends[b],
 									distortion);
 
@@ -361,7 +361,7 @@ static void any_plane_any_origin(void **state)
 	struct chance chance = chance_begin("camera planes");
 
 	(void)state;
-	for (int n = 0; n < 200; n++) {
+	for (int n = 0; n < (thorough() ? 200 : 60); n++) {
 		struct tsai_camera truth = known_camera(
 			eyes[n % 5], n % 4 ? middle : (double[]){0, 0, 0}, -0.06, n & 1);
 		struct observations seen = {0}, other = {0};
@@ -484,7 +484,7 @@ static int runs_of_test(void)
 {
 	const char *text = getenv("INLAY_RUNS");
 
-	return text ? atoi(text) : thorough() ? 80 : 20;
+	return text ? atoi(text) : thorough() ? 80 : 12;
 }
 
 static void deviations_are_honest(void **state)
@@ -569,7 +569,7 @@ static void no_wrong_minimum(void **state)
 	struct chance chance = chance_begin("camera minima");
 
 	(void)state;
-	for (int run = 0; run < 12; run++) {
+	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct tsai_camera truth = known_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
 							0, TSAI_UNDISTORTS);
 		struct observations seen = {0};
@@ -603,7 +603,7 @@ static void deviations_of_a_held_centre(void **state)
 					   "rotation x",    "rotation y",    "rotation z",
 					   "translation x", "translation y", "translation z"};
 	struct chance chance = chance_begin("camera held");
-	const int runs = 2 * runs_of_test();
+	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 
 	(void)state;
 	for (int way = 0; way < 4; way++) {
@@ -661,7 +661,7 @@ static void deviations_of_a_held_centre(void **state)
 static void deviations_of_a_held_aspect(void **state)
 {
 	struct chance chance = chance_begin("camera held aspect");
-	const int runs = 2 * runs_of_test();
+	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 
 	(void)state;
 	for (int way = 0; way < 2; way++) {
@@ -759,7 +759,7 @@ static void few_boards_of_squashed_pixels(void **state)
 {
 	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
 	struct chance chance = chance_begin("camera squashed");
-	const int runs = 2 * runs_of_test();
+	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 	int trusted[2][4] = {{0}};
 
 	(void)state;

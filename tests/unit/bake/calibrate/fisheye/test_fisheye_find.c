@@ -232,7 +232,7 @@ static void doubted(void **state)
 	fisheye_see_lamps(&seen, &lens, 60, 86, 6, &chance);
 	test_find_expect(&seen, &lamps, "the lens is known to");
 	fisheye_views_begin(&seen);
-	fisheye_see_board(&seen, &lens, 0.5, 1, 0.2, &chance);
+	fisheye_see_board(&seen, &lens, 0.5, 1, 0, 0.2, &chance);
 	test_find_expect(&seen, &boards, "one place only");
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
@@ -272,12 +272,57 @@ static void doubted(void **state)
 	observations_free(&seen);
 }
 
+/* Finds a lens from boards of which every second one has another axis, or all are bent: whether the
+ * axis is doubted. */
+static bool axis_doubted(double moved_px, double bend, struct chance *chance)
+{
+	struct fisheye_settings settings = fisheye_views_lenses[FISHEYE_EQUIDISTANT];
+	const struct fisheye_wanted wanted = wanted_of(false, FISHEYE_EQUIDISTANT);
+	const struct fisheye still = lens_of(&settings);
+	struct observations seen;
+	struct fisheye_result result;
+	struct fisheye moved;
+	bool doubts;
+
+	settings.centre_px[0] += moved_px;
+	moved = lens_of(&settings);
+	fisheye_views_begin(&seen);
+	for (int k = 0; k < 10; k++)
+		fisheye_see_board(&seen, k % 2 ? &moved : &still, k ? 0.6 + 0.05 * k : 0.1,
+				  2 * M_PI * k / 9, bend, 0.05, chance);
+	assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
+	doubts = strstr(result.finding.verdict.reason, "do not agree on where the lens's axis is");
+	fisheye_result_free(&result);
+	observations_free(&seen);
+	return doubts;
+}
+
+/* A lens that is moved between photographs is doubted, and bent boards are not. */
+static void moved_axis_is_doubted(void **state)
+{
+	const int sets = thorough() ? 60 : 3;
+	struct chance chance = chance_begin("fisheye_find");
+	int doubted[3] = {0};
+
+	(void)state;
+	for (int set = 0; set < sets; set++) {
+		doubted[0] += axis_doubted(0, 0, &chance);
+		doubted[1] += axis_doubted(0, 0.02, &chance);
+		doubted[2] += axis_doubted(3, 0, &chance);
+	}
+	print_message("# of %d: flat %d, bent %d, moved %d\n", sets, doubted[0], doubted[1],
+		      doubted[2]);
+	/* One in a thousand sets is doubted by chance, and one more is not impossible. */
+	assert_true(doubted[0] <= 1 && doubted[1] <= 1 && doubted[2] == sets);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(right_without_noise),
 		cmocka_unit_test(honest_with_noise),
 		cmocka_unit_test(doubted),
+		cmocka_unit_test(moved_axis_is_doubted),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,6 +18,8 @@
 #include "tests/support/thorough.h"
 
 #define EXPOSURES 5
+#define DOUBTED_WIDTH 96
+#define DOUBTED_HEIGHT 64
 
 static const double times[EXPOSURES] = {1, 0.5, 0.25, 0.125, 0.0625};
 
@@ -27,11 +29,12 @@ struct series {
 	struct light_response found;
 };
 
-static void series_take(struct series *s, const struct chart_camera *camera, int width, int height,
+/* Takes pictures of 4 by 3 times side pixels; each patch of 16 by 16 is three samples. */
+static void series_take(struct series *s, const struct chart_camera *camera, int side,
 			struct chance *chance)
 {
 	for (int j = 0; j < EXPOSURES; j++) {
-		assert_int_equal(image_create_u8(&s->picture[j], width, height), 0);
+		assert_int_equal(image_create_u8(&s->picture[j], 4 * side, 3 * side), 0);
 		chart_photograph(camera, 4 * times[j], 2e-3, chance, &s->picture[j]);
 	}
 }
@@ -82,7 +85,7 @@ static void every_shape_is_found(void **state)
 		struct series s = {.found = {.samples = 0}};
 		double worst = 0, wide = 0;
 
-		series_take(&s, &cameras[k], 320, 240, &chance);
+		series_take(&s, &cameras[k], thorough() ? 80 : 32, &chance);
 		series_find(&s, cameras[k].black, &settings);
 		for (int code = 1; code < 255; code++) {
 			const double u = (code - cameras[k].black) / (255 - cameras[k].black);
@@ -123,7 +126,7 @@ static void deviations_are_right(void **state)
 	for (int run = 0; run < runs; run++) {
 		struct series s = {.found = {.samples = 0}};
 
-		series_take(&s, &camera, 160, 128, &chance);
+		series_take(&s, &camera, thorough() ? 40 : 16, &chance);
 		series_find(&s, camera.black, &settings);
 		for (int k = 4; k <= 28; k += 4) {
 			const double truth = chart_curve_decode(camera.curve, k / 32.0);
@@ -152,7 +155,7 @@ static void times_are_refined(void **state)
 	struct series s = {.found = {.samples = 0}};
 
 	(void)state;
-	series_take(&s, &cameras[CHART_LINEAR], 320, 240, &chance);
+	series_take(&s, &cameras[CHART_LINEAR], thorough() ? 80 : 32, &chance);
 	settings.time[1] *= 1.03;
 	settings.time[3] *= 0.98;
 	settings.time_deviation = 0.03;
@@ -185,7 +188,7 @@ static struct series series_of(double factor, double range, struct chance *chanc
 	struct series s = {.found = {.samples = 0}};
 
 	for (int j = 0; j < EXPOSURES; j++) {
-		assert_int_equal(image_create_u8(&s.picture[j], 160, 128), 0);
+		assert_int_equal(image_create_u8(&s.picture[j], DOUBTED_WIDTH, DOUBTED_HEIGHT), 0);
 		chart_photograph(&cameras[CHART_BT709], factor * times[j], range, chance,
 				 &s.picture[j]);
 	}
@@ -226,9 +229,10 @@ static void a_moved_scene_is_doubted(void **state)
 
 	(void)state;
 	/* picture 3 is shifted by half a patch */
-	memmove(s.picture[2].u8, s.picture[2].u8 + 24, 160 * 128 * 3 - 24);
+	memmove(s.picture[2].u8, s.picture[2].u8 + 24, DOUBTED_WIDTH * DOUBTED_HEIGHT * 3 - 24);
 	for (int j = 3; j < EXPOSURES; j++)
-		memmove(s.picture[j].u8, s.picture[j].u8 + 48, 160 * 128 * 3 - 48);
+		memmove(s.picture[j].u8, s.picture[j].u8 + 48,
+			DOUBTED_WIDTH * DOUBTED_HEIGHT * 3 - 48);
 	series_find(&s, 16, &settings);
 	doubted(&s, "do not agree");
 	series_free(&s);
@@ -261,7 +265,7 @@ static void rounded_times_are_refined(void **state)
 	(void)state;
 	for (int j = 0; j < EXPOSURES; j++)
 		settings.time[j] *= rounding[j];
-	series_take(&s, camera, 640, 480, &chance);
+	series_take(&s, camera, thorough() ? 160 : 32, &chance);
 	series_find(&s, camera->black, &settings);
 	for (int k = 4; k <= 28; k++)
 		worst = fmax(worst, fabs(s.found.curve.knot[k] / s.found.curve.knot[16] /
@@ -277,7 +281,7 @@ static void rounded_times_are_refined(void **state)
 	/* who knows may ask for less or accept more */
 	settings.misfit = 1e-4;
 	s = (struct series){.found = {.samples = 0}};
-	series_take(&s, camera, 320, 240, &chance);
+	series_take(&s, camera, 32, &chance);
 	series_find(&s, camera->black, &settings);
 	doubted(&s, "linear light is known to");
 	series_free(&s);
@@ -292,7 +296,7 @@ static void channels_of_their_own_are_doubted(void **state)
 	(void)state;
 	/* blue has a curve of its own, the same in every exposure */
 	for (int j = 0; j < EXPOSURES; j++)
-		for (int k = 2; k < 160 * 128 * 3; k += 3) {
+		for (int k = 2; k < DOUBTED_WIDTH * DOUBTED_HEIGHT * 3; k += 3) {
 			const double u = fmax(s.picture[j].u8[k] - 16, 0) / 239.0;
 
 			s.picture[j].u8[k] = (uint8_t)lrint(16 + 239 * pow(u, 0.8));
