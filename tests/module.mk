@@ -198,7 +198,10 @@ THOROUGH_TESTS := \
 	tests/unit/bake/calibrate/observe/test_boards.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
 	tests/unit/bake/tiles/test_bake_determinism.c \
-	tests/unit/bake/trace/test_bake_bounce.c
+	tests/unit/bake/tiles/test_bake_noise.c \
+	tests/unit/bake/trace/test_bake_bounce.c \
+	tests/unit/bake/trace/test_bake_cache.c \
+	tests/unit/drivers/test_studio.c
 DEEP_ONLY_TESTS := tests/accuracy/test_moving_lamp.c
 # Sets each driver's keys, and the array of drivers is the app's.
 $(BUILD)/tests/unit/config/test_config: $(BUILD)/app.a
@@ -303,7 +306,7 @@ CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh acti
 TIMED_UNIT_TESTS := tests/unit/app/bench/test_bench.c tests/unit/bake/report/test_measure.c
 # These take a minute, or need packages that inlay itself does not need; with INLAY_THOROUGH, which has some that
 # are quick tests too do all that they can.
-CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \
+CLI_DEEP_TESTS := $(addprefix tests/cli/,bake.sh demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \
 	actions.sh export.sh import.sh preview.sh reload.sh state.sh) tests/walk/walk.sh tests/accuracy/quick.sh
 include tests/vm/vm.mk
 
