@@ -296,7 +296,7 @@ CLI_TESTS := tests/walk/walk.sh $(addprefix tests/cli/,faults.sh service.sh acti
 	control.sh grab.sh bombs.sh bench.sh pace.sh)
 # These take a minute, or need packages that inlay itself does not need; with INLAY_THOROUGH, which has some that
 # are quick tests too do all that they can.
-CLI_DEEP_TESTS := $(addprefix tests/cli/,demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \
+CLI_DEEP_TESTS := $(addprefix tests/cli/,bake.sh demo.sh report.sh shards.sh calibrate.sh install.sh deb.sh \
 	actions.sh export.sh import.sh preview.sh reload.sh state.sh) tests/walk/walk.sh tests/accuracy/quick.sh
 include tests/vm/vm.mk
 

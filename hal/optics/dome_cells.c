@@ -9,6 +9,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,16 +35,24 @@ struct near_grid {
 	int *node;
 };
 
-/* Cuts off the part of the polygon where a x + b y + c < 0. */
+/* Cuts off the part of the polygon where a x + b y + c < 0. Most lines cut nothing, and most polygons have
+ * six corners of POLYGON_MAX: neither is copied whole. */
 static void polygon_cut(struct polygon *p, double a, double b, double c)
 {
-	struct polygon out; /* its 8 KB take longer to clear than to cut */
+	double side[POLYGON_MAX];
+	struct polygon out;
+	bool whole = true;
 
+	for (int i = 0; i < p->count; i++) {
+		side[i] = a * p->at[i][0] + b * p->at[i][1] + c;
+		whole &= side[i] >= 0;
+	}
+	if (whole)
+		return;
 	out.count = 0;
 	for (int i = 0; i < p->count; i++) {
-		const double *here = p->at[i], *next = p->at[(i + 1) % p->count];
-		const double h = a * here[0] + b * here[1] + c;
-		const double n = a * next[0] + b * next[1] + c;
+		const int after = (i + 1) % p->count;
+		const double *here = p->at[i], *next = p->at[after], h = side[i], n = side[after];
 
 		if (h >= 0 && out.count < POLYGON_MAX)
 			memcpy(out.at[out.count++], here, sizeof(out.at[0]));
@@ -166,13 +175,13 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 
 	tangent_frame(node[i], e1, e2);
 	for (double reach = 2 * spacing_rad;; reach *= 2) {
-		struct polygon p = {4,
-				    {{-SQUARE, -SQUARE},
-				     {SQUARE, -SQUARE},
-				     {SQUARE, SQUARE},
-				     {-SQUARE, SQUARE}}};
+		static const double square[4][2] = {
+			{-SQUARE, -SQUARE}, {SQUARE, -SQUARE}, {SQUARE, SQUARE}, {-SQUARE, SQUARE}};
+		struct polygon p;
 		int count;
 
+		p.count = 4;
+		memcpy(p.at, square, sizeof(square));
 		polygon_cut(&p, e1[2], e2[2], node[i][2]);
 		cut_by_near(&p, grid, node, i, reach, e1, e2);
 		count = lift_corners(&p, node[i], e1, e2, corner);

@@ -105,9 +105,11 @@ for exposure in 0.2 1; do
 		--set camera.fisheye.sim.exposure=$exposure 2>/dev/null
 done
 check "a bracket" "$bake" sky "$work/at-1.png" "$work/at-0.2.png" --times 5,1 --fisheye "$work/eye.ini" -o "$work/a.fine"
-check "in the other order" "$bake" sky "$work/at-0.2.png" "$work/at-1.png" --times 1,5 --fisheye "$work/eye.ini" \
-	-o "$work/b.fine"
-equal "gives the same parts" "$(grep -v '^#' "$work/a.fine")" "$(grep -v '^#' "$work/b.fine")"
+if [ -n "${INLAY_THOROUGH:-}" ]; then # a list takes most of a second
+	check "in the other order" "$bake" sky "$work/at-0.2.png" "$work/at-1.png" --times 1,5 --fisheye "$work/eye.ini" \
+		-o "$work/b.fine"
+	equal "gives the same parts" "$(grep -v '^#' "$work/a.fine")" "$(grep -v '^#' "$work/b.fine")"
+fi
 check "and there are some" grep -q '^[^#]' "$work/a.fine"
 rejected "a bracket without times" 2 "as many --times as pictures" \
 	"$bake" sky "$work/eye.pfm" "$work/eye.pfm" --fisheye "$work/eye.ini" -o "$work/none.fine"
@@ -120,13 +122,11 @@ rejected "a lens that is none" 1 "expected a [fisheye] section" \
 	"$bake" sky "$work/eye.pfm" --fisheye "$work/no.ini" -o "$work/none.fine"
 rejected "times without a fisheye" 2 "go with --fisheye" "$bake" sky "$work/lamp.pfm" --times 1 -o "$work/none.fine"
 # In midsummer at 50 degrees the noon sun is 63.4 degrees high.
-check "the sun" "$bake" sky --sun 50 --north 90 --dates 06-21..06-21 --hours 11.5..12.5 -o "$work/sun.fine"
-check "is in the south at noon, as high as it should be" awk '!/^#/ { n++; if ($1 > -120 && $1 < -60 && $2 > 58 &&
-	$2 < 69) at++ } END { exit !(n > 0 && at == n) }' "$work/sun.fine"
-check "with a panorama" "$bake" sky "$work/lamp.pfm" --sun 50 --north 90 --dates 06-21..06-21 --hours 11.5..12.5 \
-	-o "$work/both.fine"
-check "both are there" awk '!/^#/ && $2 > 58 { sun++ } !/^#/ && $2 < 40 { lamp++ } END { exit !(sun && lamp) }' \
-	"$work/both.fine"
+check "the sun, with a panorama" "$bake" sky "$work/lamp.pfm" --sun 50 --north 90 --dates 06-21..06-21 \
+	--hours 11.5..12.5 -o "$work/both.fine"
+check "is in the south at noon, as high as it should be" awk '!/^#/ && $2 > 45 { n++; if ($1 > -120 && $1 < -60 &&
+	$2 > 58 && $2 < 69) at++ } END { exit !(n > 0 && at == n) }' "$work/both.fine"
+check "and the lamp is there" grep -qE '^[0-9.-]+ +[23][0-9.]+ ' "$work/both.fine"
 rejected "the sun without north" 2 "--north is missing" "$bake" sky --sun 50 -o "$work/none.fine"
 rejected "north without the sun" 2 "go with --sun" "$bake" sky "$work/lamp.pfm" --north 0 -o "$work/none.fine"
 rejected "a date that is none" 2 'is "02-30..03-01"' "$bake" sky --sun 50 --north 0 --dates 02-30..03-01 -o "$work/none.fine"
@@ -135,10 +135,11 @@ rejected "a sun that does not rise" 1 "below the horizon" \
 	"$bake" sky --sun 80 --north 0 --dates 12-01..12-31 -o "$work/none.fine"
 
 # ---- render ----
+small=(--size 16x16 --samples 1)
 check "render" "$bake" render "$work/box.scene" -o "$out" --threads 2
 check "options after the scene" "$bake" render "$work/box.scene" -o "$work/again.inlay" --threads 1
 same "the same file from another number of threads" "$out" "$work/again.inlay"
-check "tents" "$bake" render --lights tents "$work/box.scene" -o "$work/tents.inlay"
+check "tents" "$bake" render "${small[@]}" --lights tents "$work/box.scene" -o "$work/tents.inlay"
 equal "their file says so" tents "$("$bake" info --json "$work/tents.inlay" |
 	sed -n 's/.*"light_shape": "\([a-z]*\)".*/\1/p')"
 check "another seed" "$bake" render --seed 9 "$work/box.scene" -o "$work/again.inlay"
@@ -158,7 +159,7 @@ equal "is kept to" 1 "$("$bake" info --json "$work/noise.inlay" |
 	grep -o '"noise_levels": [0-9.]*' | awk '{ print ($2 > 0 && $2 <= 3) }')"
 equal "size and dome from the command line" '"width": 40, "height": 30, "lights": 6' \
 	"$("$bake" info --json "$work/noise.inlay" | grep -o '"width.*lights": 6')"
-check "an exact layer, over fewer coarse lights" "$bake" render --exact --coarse 1 --error 1,3 \
+check "an exact layer, over fewer coarse lights" "$bake" render "${small[@]}" --exact --coarse 1 --error 1,3 \
 	--cell-error 4 --column-cut 0.002 "$work/box.scene" -o "$work/exact.inlay"
 equal "the file says how it was encoded" "target_levels = rms 1, max 3, cell 4
 column_cut = 0.002
@@ -170,7 +171,7 @@ equal "a cut that fits their number" "0.0010 0.0005" "$(for file in out many; do
 	"$bake" info "$work/$file.inlay" | sed -n 's/^column_cut = //p'
 done | awk '{ printf "%s%.4f", (NR > 1 ? " " : ""), $1 }')"
 equal "most is twice RMS where nobody says" "target_levels = rms 0.25, max 0.5, cell 1.4" \
-	"$("$bake" render --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
+	"$("$bake" render "${small[@]}" --quiet --error 0.25 "$work/box.scene" -o "$work/fine.inlay" &&
 		"$bake" info "$work/fine.inlay" | grep '^target_levels')"
 rejected "an error that is none" 2 "--error" "$bake" render --error 0.5,no "$work/box.scene" \
 	-o "$work/none.inlay"
@@ -253,7 +254,7 @@ check "says that it is one" is_preview "$quick"
 check "to programs too" grep -q '"preview": true' <("$bake" info --json "$quick")
 equal "it declares its errors" 1 "$("$bake" info --json "$quick" |
 	sed -E 's/.*"sky_rms": ([0-9.]+), "sky_max": ([0-9.]+).*/\1 \2/' | awk '{ print ($1 > 0 && $2 > $1) }')"
-check "options go over it" "$bake" render --preview --samples 6 --exact "$work/box.scene" -o "$work/over.inlay"
+check "options go over it" "$bake" render --preview --size 16x16 --samples 6 --exact "$work/box.scene" -o "$work/over.inlay"
 equal "and it keeps them" "samples = 6
 exact = yes" "$("$bake" info "$work/over.inlay" | grep -E '^(samples|exact) =')"
 check "a bake over a preview" "$bake" render "$work/box.scene" -o "$quick"

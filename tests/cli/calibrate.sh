@@ -542,7 +542,7 @@ if has_command sky; then
 	check "a short watch" calibrate sky --live "$work/sky.conf" --watch 10s -o "$work/short.fine"
 	check "finds the studio's lamps" valid_list "$work/short.fine"
 	equal "and says how long it was" "watched for 10 s" "$(grep -o 'watched for [0-9a-z ]*' "$work/short.fine")"
-	check "a longer watch" calibrate sky --live "$work/sky.conf" --watch 5min -o "$work/long.fine"
+	check "a longer watch" calibrate sky --live "$work/sky.conf" --watch 90s -o "$work/long.fine"
 	check "finds more, as they move" [ "$(wc -l <"$work/long.fine")" -gt "$(wc -l <"$work/short.fine")" ]
 	# files that may have no byte are as good as a full disk
 	full=$(

@@ -16,6 +16,7 @@
 #include "hal/colour/transfer.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
+#include "tests/support/thorough.h"
 
 static const double origin[3] = {0, 0, 0};
 
@@ -247,24 +248,27 @@ static void traced_pixel(const struct sim_eye *eye, int x, int y, const struct s
 static void check_view(const struct sim_eye *eye, double switch_s, const char *name)
 {
 	const struct studio_lamps lamps = studio_lamps(3.7, switch_s);
+	/* Neither side of a picture is a multiple of 7, so that rows begin in all of its columns. */
+	const int stride = thorough() ? 1 : 7;
 	double worst = 0, sum = 0;
 	float *rgb = render(eye, 3.7, switch_s);
+	long count = 0;
 
-	for (int y = 0; y < eye->height; y++)
-		for (int x = 0; x < eye->width; x++) {
-			double want[3];
+	for (int p = 0; p < eye->width * eye->height; p += stride) {
+		const int x = p % eye->width, y = p / eye->width;
+		double want[3];
 
-			traced_pixel(eye, x, y, &lamps, want);
-			for (int c = 0; c < 3; c++) {
-				const double error =
-					fabs(rgb[3 * (y * eye->width + x) + c] - want[c]);
+		traced_pixel(eye, x, y, &lamps, want);
+		for (int c = 0; c < 3; c++) {
+			const double error = fabs((double)rgb[3 * p + c] - want[c]);
 
-				worst = fmax(worst, error);
-				sum += error * error;
-			}
+			worst = fmax(worst, error);
+			sum += error * error;
+			count++;
 		}
+	}
 	free(rgb);
-	sum = sqrt(sum / (3.0 * eye->width * eye->height));
+	sum = sqrt(sum / (double)count);
 	print_message("# %s against traced rays: RMS %.4f, largest %.3f of 5.2\n", name, sum,
 		      worst);
 	/* the driver samples edges less densely; the window's bars are as fine as a pixel */
@@ -337,7 +341,7 @@ static void check_random_sampling(enum dome_shape shape)
 	assert_int_equal(dome_create_shaped(&dome, 3, DOME_ANGLES, shape, NULL), 0);
 	lights = calloc((size_t)dome.count, sizeof(*lights));
 	assert_int_equal(studio_lights(&dome, origin, &lamps, lights), 0);
-	for (int i = 0; i < dome.count; i++) {
+	for (int i = 0; i < dome.count; i += thorough() ? 1 : 3) {
 		double sum[3] = {0, 0, 0};
 
 		for (int j = 0; j < side * side; j++) {
@@ -425,12 +429,12 @@ static void the_light_sampler_finds_the_true_lights(void **state)
 		int frequency, side;
 		double worst, energy;
 	} cases[] = {{2, 480, 0.005, 0.003},
-		     {4, 480, 0.01, 0.003},
 		     {9, 480, 0.03, 0.003},
+		     {4, 480, 0.01, 0.003},
 		     {9, 960, 0.015, 0.002}};
 
 	(void)state;
-	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
+	for (size_t i = 0; i < (thorough() ? 4 : 2); i++) {
 		const struct sampled cell = sample(cases[i].frequency, cases[i].side,
 						   ESTIMATOR_CELL, 2.0);
 		const struct sampled node = sample(cases[i].frequency, cases[i].side,

@@ -22,26 +22,33 @@
 
 static struct image image;
 static const struct panorama panorama = {.image = &image, .scale = 1};
-static struct dome dome; /* the base */
+static struct dome dome;     /* the base */
+static struct sky_need need; /* its domes take seconds to create */
 
-static int test_sky_begin(void **state)
+static int test_sky_begin_all(void **state)
 {
 	struct fault fault;
 
 	(void)state;
-	if (image_create_f32(&image, 1024, 512) ||
-	    dome_create(&dome, FREQUENCY, DOME_ANGLES, &fault))
-		return -1;
+	return image_create_f32(&image, 1024, 512) ||
+	       dome_create(&dome, FREQUENCY, DOME_ANGLES, &fault) ||
+	       sky_need_create(&need, FREQUENCY, &fault);
+}
+
+static int test_sky_begin(void **state)
+{
+	(void)state;
 	for (size_t i = 0; i < (size_t)3 * 1024 * 512; i++)
 		image.f32[i] = 1;
 	return 0;
 }
 
-static int test_sky_end(void **state)
+static int test_sky_end_all(void **state)
 {
 	(void)state;
 	image_free(&image);
 	dome_free(&dome);
+	sky_need_free(&need);
 	return 0;
 }
 
@@ -75,14 +82,11 @@ static void add_disc(int cell, double aside_deg, double diameter_deg, float radi
 static int choose_under(const struct panorama *sky, int most, struct sky_parts *parts)
 {
 	struct fault fault = {.text = ""};
-	struct sky_need need;
-	int err;
 
-	expect_success(sky_need_create(&need, FREQUENCY, &fault), &fault);
+	memset(need.moved, 0, (size_t)dome.count * sizeof(*need.moved));
+	memset(need.share, 0, (size_t)sky_need_pieces(&need)->count * sizeof(*need.share));
 	sky_need_add_panorama(&need, sky);
-	err = sky_parts_choose(parts, &need, most, &fault);
-	sky_need_free(&need);
-	return err;
+	return sky_parts_choose(parts, &need, most, &fault);
 }
 
 static struct sky_parts choose(int most)
@@ -253,17 +257,13 @@ static void test_limit_of_lights_holds(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(test_even_sky_needs_no_part, test_sky_begin,
-						test_sky_end),
-		cmocka_unit_test_setup_teardown(test_sun_is_found, test_sky_begin, test_sky_end),
-		cmocka_unit_test_setup_teardown(test_sun_at_a_border, test_sky_begin, test_sky_end),
-		cmocka_unit_test_setup_teardown(test_turn_turns_parts, test_sky_begin,
-						test_sky_end),
-		cmocka_unit_test_setup_teardown(test_two_lamps_are_two_parts, test_sky_begin,
-						test_sky_end),
-		cmocka_unit_test_setup_teardown(test_limit_of_lights_holds, test_sky_begin,
-						test_sky_end),
+		cmocka_unit_test_setup(test_even_sky_needs_no_part, test_sky_begin),
+		cmocka_unit_test_setup(test_sun_is_found, test_sky_begin),
+		cmocka_unit_test_setup(test_sun_at_a_border, test_sky_begin),
+		cmocka_unit_test_setup(test_turn_turns_parts, test_sky_begin),
+		cmocka_unit_test_setup(test_two_lamps_are_two_parts, test_sky_begin),
+		cmocka_unit_test_setup(test_limit_of_lights_holds, test_sky_begin),
 	};
 
-	return cmocka_run_group_tests(tests, NULL, NULL);
+	return cmocka_run_group_tests(tests, test_sky_begin_all, test_sky_end_all);
 }

@@ -475,7 +475,7 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 
 static void check_scene(const char *what, const char *material, const char *standin)
 {
-	static const int frequencies[] = {1, 3, 9};
+	static const int frequencies[] = {3, 1, 9};
 	struct scene *scene;
 	double log_sum = 0;
 	int log_count = 0;
@@ -490,16 +490,17 @@ static void check_scene(const char *what, const char *material, const char *stan
 		"colour = 0.6 0.5 0.4\n[material b]\n%s",
 		standin, material);
 	scene = small_scene_open("s.ini");
-	for (size_t k = 0; k < (thorough() ? 3 : 2); k++) {
+	for (size_t k = 0; k < (thorough() ? 3 : 1); k++) {
 		struct fault fault;
 		struct cells cells;
 		struct dome dome;
 
 		assert_int_equal(dome_create(&dome, frequencies[k], DOME_ANGLES, &fault), 0);
 		assert_int_equal(cells_create(&cells, &dome), 0);
-		/* the middle of the ball, its edge above the ground */
-		check_tile(scene, &cells, what, 5, &log_sum, &log_count);
+		/* the edge of the ball above the ground, the middle of the ball */
 		check_tile(scene, &cells, what, 10, &log_sum, &log_count);
+		if (thorough())
+			check_tile(scene, &cells, what, 5, &log_sum, &log_count);
 		cells_free(&cells);
 		dome_free(&dome);
 	}
