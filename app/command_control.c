@@ -318,7 +318,7 @@ const struct command command_control = {
 	.details =
 		"commands:\n"
 		"  status                what it is doing, as one line of JSON\n"
-		"  snapshot FILE.png     write what the screen shows, upright, to a new file; -: "
+		"  snapshot FILE.png|-   write what the screen shows, upright, to a new file, or "
 		"to "
 		"standard output\n"
 		"  threshold-up          leave out more of the dim lights\n"

@@ -12,10 +12,13 @@ enum { CAMERAS = 32, OFFERS = 6, LINE = sizeof(((struct camera_listing *)0)->lin
 struct sample_camera {
 	char driver[32], name[128], bus[128];
 	char device[INI_PATH_MAX]; /* as listed: its number may change */
-	char link[INI_PATH_MAX];   /* path by id, which stays; empty: none */
+	char link[INI_PATH_MAX]; /* path by id, which stays; empty: none, or it may be another's */
+	char path[INI_PATH_MAX]; /* path by socket and node of the device; empty: none */
 	char offers[OFFERS][LINE]; /* the first lines with a format that inlay decodes */
 	int offer_count, offers_left_out;
-	bool pictures; /* it offers them; else depths alone */
+	bool pictures;	     /* it offers them; else depths alone */
+	bool colours;	     /* it offers pictures that are not grey */
+	bool one_of_several; /* there are more such nodes on its bus */
 };
 
 struct sample_screen {
@@ -30,6 +33,7 @@ struct devices_sample {
 	int camera_count, cameras_left_out;
 	struct sample_screen screen; /* the first connected one */
 	int screens;		     /* number of connected ones */
+	int cards;		     /* that have one */
 	char chip[128], chip_text[INI_TEXT_MAX];
 	bool keyboard;
 	int refused; /* devices that this user may not open */
@@ -73,36 +77,48 @@ static void read_camera_line(struct sample_camera *camera, const char *line)
 
 	if (format != PIXEL_NONE) {
 		camera->pictures |= format != PIXEL_Z16;
+		camera->colours |= format < PIXEL_GREY || format > PIXEL_Z16;
 		if (camera->offer_count < OFFERS)
 			snprintf(camera->offers[camera->offer_count++], LINE, "%s", line);
 		else
 			camera->offers_left_out++;
-	} else if (strncmp(line, link, strlen(link)) == 0 && strstr(line, "/by-id/")) {
-		snprintf(camera->link, sizeof(camera->link), "%s", line + strlen(link));
+	} else if (strncmp(line, link, strlen(link)) == 0) {
+		snprintf(strstr(line, "/by-id/") ? camera->link : camera->path, INI_PATH_MAX, "%s",
+			 line + strlen(link));
 	}
 }
 
-/* Whether the camera is in the sample: v4l2 and libcamera both list a webcam, and a card with
- * several nodes is listed for each. */
-static bool camera_is_known(const struct devices_sample *sample, const struct sample_camera *camera)
+/* Whether both are nodes of one device. A link by id that not each of them has names the device
+ * and leads to the node that udev saw last: it is none. */
+static bool is_sibling(struct sample_camera *a, struct sample_camera *b)
+{
+	if (!*a->bus || strcmp(a->driver, b->driver) != 0 || strcmp(a->bus, b->bus) != 0)
+		return false;
+	a->one_of_several = b->one_of_several = true;
+	if (!*a->link || !*b->link)
+		*a->link = *b->link = '\0';
+	return true;
+}
+
+/* The camera of the sample that this one is: v4l2 and libcamera both list a webcam, and a card with
+ * several nodes is listed for each. NULL: it is new. */
+static struct sample_camera *find_known(struct devices_sample *sample, struct sample_camera *camera)
 {
 	for (int i = 0; i < sample->camera_count; i++) {
-		const struct sample_camera *other = &sample->cameras[i];
+		struct sample_camera *other = &sample->cameras[i];
 
-		if (strcmp(other->driver, camera->driver) != 0) {
-			if (*camera->name && strstr(other->name, camera->name))
-				return true;
-		} else if (*camera->bus && strcmp(other->bus, camera->bus) == 0) {
-			return true;
-		}
+		if (is_sibling(camera, other) ||
+		    (strcmp(other->driver, camera->driver) != 0 && *camera->name &&
+		     strstr(other->name, camera->name)))
+			return other;
 	}
-	return false;
+	return NULL;
 }
 
 void sample_add_camera(struct devices_sample *sample, const char *driver,
 		       const struct camera_listing *listing)
 {
-	struct sample_camera camera = {.offer_count = 0};
+	struct sample_camera camera = {.offer_count = 0}, *known;
 
 	snprintf(camera.driver, sizeof(camera.driver), "%s", driver);
 	snprintf(camera.name, sizeof(camera.name), "%s", listing->name);
@@ -112,11 +128,19 @@ void sample_add_camera(struct devices_sample *sample, const char *driver,
 		read_camera_line(&camera, listing->lines[i]);
 		sample->refused += says_refused(listing->lines[i]);
 	}
-	if (camera.offer_count > 0 && !camera.pictures && !*sample->depth.driver)
-		sample->depth = camera;
-	if (!camera.pictures || camera_is_known(sample, &camera))
+	if (camera.offer_count == 0)
 		return;
-	if (sample->camera_count < CAMERAS)
+	known = find_known(sample, &camera);
+	(void)is_sibling(&camera, &sample->depth);
+	if (!camera.pictures && !*sample->depth.driver)
+		sample->depth = camera;
+	if (!camera.pictures)
+		return;
+	if (known && strcmp(known->driver, camera.driver) == 0 && camera.colours && !known->colours)
+		*known = camera; /* what is grey is the infrared picture of a depth camera */
+	else if (known)
+		return;
+	else if (sample->camera_count < CAMERAS)
 		sample->cameras[sample->camera_count++] = camera;
 	else
 		sample->cameras_left_out++;
@@ -126,7 +150,9 @@ void sample_add_screen(struct devices_sample *sample, const char *driver,
 		       const struct display_listing *listing)
 {
 	struct sample_screen *screen = &sample->screen;
+	const char *device = listing->device;
 	bool ours = false; /* the lines belong to the connector that was taken */
+	const int before = sample->screens;
 
 	sample->refused += says_refused(listing->name);
 	for (int i = 0; i < listing->line_count; i++) {
@@ -134,12 +160,14 @@ void sample_add_screen(struct devices_sample *sample, const char *driver,
 
 		if (*line != ' ') {
 			ours = false;
+			if (strncmp(line, "link ", 5) == 0)
+				device = line + 5;
 			if (!colon || strcmp(colon, ": connected") != 0 || sample->screens++ > 0)
 				continue;
 			ours = true;
 			snprintf(screen->driver, sizeof(screen->driver), "%s", driver);
 			snprintf(screen->name, sizeof(screen->name), "%s", listing->name);
-			snprintf(screen->device, sizeof(screen->device), "%s", listing->device);
+			snprintf(screen->device, sizeof(screen->device), "%s", device);
 			snprintf(screen->connector, sizeof(screen->connector), "%.*s",
 				 (int)(colon - line), line);
 		} else if (ours && screen->width == 0 && strstr(line, "(preferred)")) {
@@ -148,6 +176,7 @@ void sample_add_screen(struct devices_sample *sample, const char *driver,
 				screen->width = screen->height = 0;
 		}
 	}
+	sample->cards += sample->screens > before;
 }
 
 /* Takes the chip's label, because its number may change. */
@@ -180,12 +209,14 @@ static bool shares_link(const struct devices_sample *sample, const struct sample
 }
 
 /* A name that stays when device numbers change: the link by id, unless it is shared; else the bus where
- * v4l2 knows it, which names the socket. */
+ * v4l2 knows it, which names the socket, and the link by path where there are more nodes at it. */
 static const char *stable_name(const struct devices_sample *sample,
 			       const struct sample_camera *camera)
 {
 	if (*camera->link && strlen(camera->link) < INI_TEXT_MAX && !shares_link(sample, camera))
 		return camera->link;
+	if (*camera->path && (camera->one_of_several || !*camera->bus))
+		return camera->path;
 	return *camera->bus ? camera->bus : camera->device;
 }
 
@@ -284,7 +315,7 @@ static void write_screen(const struct devices_sample *sample, FILE *stream)
 	if (sample->screens > 1)
 		fprintf(stream, "; inlay devices lists %d connected screens", sample->screens);
 	fprintf(stream, "\n[screen]\ndriver = %s\n", screen->driver);
-	if (sample->screens > 1)
+	if (sample->cards > 1)
 		fprintf(stream, "device = %s\n", screen->device);
 	fprintf(stream, "kms.connector = %s\n%s", screen->connector, console);
 	if (screen->width)

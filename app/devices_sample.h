@@ -4,7 +4,8 @@
  * made of what the drivers list; of the lines in a listing it reads these:
  *
  *     cameras   "X FORMAT ...", where FORMAT is a pixel format of inlay; "link /dev/v4l/by-id/..."
- *     screens   "NAME: connected", and after it "  WxH RATE Hz (preferred)"
+ *     screens   "link /dev/dri/by-path/..."; "NAME: connected", and after it
+ *               "  WxH RATE Hz (preferred)"
  *     buttons   "CHIP [LABEL], N lines" of the driver gpio
  *     any       "no permission", "Permission denied", "not for this user"
  */

@@ -9,10 +9,12 @@
 #include "app/camera/eye.h"
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
 
-#define SETTLE_NS (3 * NS_PER_S / 2) /* webcams take about a second to find their exposure */
-#define SETTLE_FRAMES 3		     /* of a camera without a clock of its own */
-#define WITHIN_NS (60 * NS_PER_S)    /* without a picture for so long there is none */
+/* A control shows within so long. Only then is it watched whether the picture still changes. */
+#define SETTLE_NS (3 * NS_PER_S / 2)
+#define SETTLE_FRAMES 3		  /* of a camera without a clock of its own */
+#define WITHIN_NS (60 * NS_PER_S) /* without a picture for so long there is none */
 
 struct grab {
 	struct source source;
@@ -82,7 +84,8 @@ static int grab_wait(struct grab *grab, int64_t until_ns, struct fault *fault)
 	    (poll(&wait, 1, (int)(left_ns / NS_PER_MS) + 1) > 0 || errno == EINTR))
 		return 0;
 	return fault_say(fault, -ETIMEDOUT, "camera %s: %s: no picture within %d s",
-			 grab->source.settings.name, camera_situation_names[grab->source.situation],
+			 grab->source.settings.name,
+			 camera_situation_names[grab->source.opening.situation],
 			 (int)(WITHIN_NS / NS_PER_S));
 }
 
@@ -92,7 +95,7 @@ static int grab_finish_opening(struct grab *grab, struct fault *fault)
 	struct fault why = {""};
 	int err = 0;
 
-	while (!err && !grab->source.tried) {
+	while (!err && !grab->source.opening.tried) {
 		err = grab_wait(grab, until_ns, fault);
 		if (err)
 			return err;
@@ -153,24 +156,35 @@ int grab_control(struct grab *grab, const char *name, const char *value, struct 
 		return fault_say(fault, err, "camera %s: %s", grab->source.settings.name, why.text);
 	grab->since_ns = clock_now_ns();
 	grab->passed = 0;
+	grab->source.settling.opening = 0;
 	return 0;
 }
 
-static bool has_settled(const struct grab *grab, int64_t now_ns)
+static bool has_settled(struct grab *grab)
 {
-	return grab->source.camera.on_demand ? grab->passed > SETTLE_FRAMES
-					     : now_ns - grab->since_ns >= SETTLE_NS;
+	struct settling *settling = &grab->source.settling;
+
+	if (grab->source.camera.on_demand)
+		return grab->passed > SETTLE_FRAMES;
+	settling->kept = true;
+	if (grab->source.picture_ns - grab->since_ns < SETTLE_NS)
+		return false;
+	if (grab->source.camera.format == PIXEL_Z16)
+		return true;
+	if (!eye_has_settled(&grab->eye, true))
+		return false;
+	if (settling->in_vain && settling->level >= 0)
+		log_warning("camera %s: its brightness still changes: the picture may be too "
+			    "bright or too dark",
+			    grab->source.settings.name);
+	return true;
 }
 
 static int copy_picture(struct grab *grab, struct image *image, struct fault *fault)
 {
-	struct picture picture;
-	int err = eye_fit(&grab->eye, fault);
+	const struct picture picture = eye_picture(&grab->eye);
+	int err = image_create_u8(image, picture.width, picture.height);
 
-	if (err)
-		return err;
-	picture = eye_picture(&grab->eye);
-	err = image_create_u8(image, picture.width, picture.height);
 	if (err)
 		return fault_say(fault, err, "no memory for a picture of %dx%d", picture.width,
 				 picture.height);
@@ -200,12 +214,16 @@ int grab_take(struct grab *grab, struct image *image, struct fault *fault)
 		(void)source_take(source, clock_now_ns(), NULL);
 		if (!source_is_open(source))
 			return fault_say(fault, -ENODEV, "camera %s: %s%s%s", source->settings.name,
-					 camera_situation_names[source->situation],
-					 source->why.text[0] ? ": " : "", source->why.text);
+					 camera_situation_names[source->opening.situation],
+					 source->opening.why.text[0] ? ": " : "",
+					 source->opening.why.text);
 		if (!source_has_news(source) || !source_decode(source, clock_now_ns()))
 			continue;
 		grab->passed++;
-		if (has_settled(grab, clock_now_ns()))
+		err = eye_fit(&grab->eye, fault);
+		if (err)
+			return err;
+		if (has_settled(grab))
 			return copy_picture(grab, image, fault);
 	}
 }

@@ -38,10 +38,12 @@ enum config_show {
 };
 enum config_timeline { TIMELINE_NONE, TIMELINE_LOOP, TIMELINE_SWING, TIMELINE_COUNT };
 enum config_scale { SCALE_NONE, SCALE_FIT, SCALE_COUNT };
+enum config_hours_off { HOURS_OFF_SIGNAL, HOURS_OFF_BLACK, HOURS_OFF_COUNT };
 
-extern const char *const config_show_names[];	  /* "composite", "before", ... NULL */
-extern const char *const config_timeline_names[]; /* "none", "loop", "swing", NULL */
-extern const char *const config_scale_names[];	  /* "none", "fit", NULL */
+extern const char *const config_show_names[];	   /* "composite", "before", ... NULL */
+extern const char *const config_timeline_names[];  /* "none", "loop", "swing", NULL */
+extern const char *const config_scale_names[];	   /* "none", "fit", NULL */
+extern const char *const config_hours_off_names[]; /* "signal", "black", NULL */
 
 /* A driver as the configuration knows it: its name and, unless keys is NULL, its own keys. */
 struct config_driver {
@@ -95,6 +97,8 @@ struct config_screen {
 	bool trouble;		  /* faults are named on the screen */
 	double blank_after_s;	  /* the screen goes black without pictures for so long; 0: never */
 	char hours[INI_TEXT_MAX]; /* when it is on: config_hours_read(); empty: always */
+	int hours_off;		  /* enum config_hours_off: what is done at other times */
+	char cec[INI_PATH_MAX]; /* tells a television to go to standby then; empty: nothing does */
 	char time_zone[INI_TEXT_MAX]; /* of hours; empty: the system's */
 };
 

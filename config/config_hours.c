@@ -170,21 +170,29 @@ int config_hours_check(const char *text, struct fault *why)
 	return config_hours_read(text, &hours, why);
 }
 
-/* Refuses rules that mean something else than they seem to. POSIX counts hours west of Greenwich as positive,
- * and the C library adds the American dates where summer time has none, which are right in America only. */
+/* Refuses what means the opposite of what it seems to: POSIX counts hours west of Greenwich as
+ * positive, and so do the names of Etc. */
+static int check_greenwich(const char *text, const char *rules, struct fault *why)
+{
+	const bool greenwich = !strncmp(rules, "UTC", 3) || !strncmp(rules, "GMT", 3);
+	const long west = greenwich ? strtol(rules + 3, NULL, 10) : 0;
+
+	if (!west)
+		return 0;
+	return fault_say(
+		why, -EINVAL,
+		"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a place like "
+		"Europe/Berlin, or for that very time <%+03ld>%ld",
+		text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
+}
+
+/* Refuses summer time without dates: the C library adds the American ones, which are right in America
+ * only. */
 static int check_rules(const char *text, size_t letters, struct fault *why)
 {
 	char *end;
 	const long west = strtol(text + letters, &end, 10);
-	const bool greenwich = letters == 3 &&
-			       (!strncmp(text, "UTC", 3) || !strncmp(text, "GMT", 3));
 
-	if (greenwich && west)
-		return fault_say(
-			why, -EINVAL,
-			"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a "
-			"place like Europe/Berlin, or for that very time <%+03ld>%ld",
-			text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
 	if (isalpha((unsigned char)*end) && !strchr(end, ',') && (west < 3 || west > 10))
 		return fault_say(
 			why, -EINVAL,
@@ -199,7 +207,10 @@ int config_zone_check(const char *text, struct fault *why)
 	char path[sizeof(ZONES) + INI_TEXT_MAX];
 	struct stat file;
 	size_t letters = 0;
+	int err = check_greenwich(text, strncmp(text, "Etc/", 4) ? text : text + 4, why);
 
+	if (err)
+		return err;
 	while (isalpha((unsigned char)text[letters]))
 		letters++;
 	snprintf(path, sizeof(path), ZONES "%s", text);

@@ -17,6 +17,7 @@ const char *const config_show_names[] = {"composite", "before", "fisheye", "scen
 					 "split",     "off",	"guide",   NULL};
 const char *const config_timeline_names[] = {"none", "loop", "swing", NULL};
 const char *const config_scale_names[] = {"none", "fit", NULL};
+const char *const config_hours_off_names[] = {"signal", "black", NULL};
 
 _Static_assert(sizeof(config_show_names) / sizeof(*config_show_names) == SHOW_COUNT + 1,
 	       "a name for each view");
@@ -24,6 +25,9 @@ _Static_assert(sizeof(config_timeline_names) / sizeof(*config_timeline_names) ==
 	       "a name for each timeline");
 _Static_assert(sizeof(config_scale_names) / sizeof(*config_scale_names) == SCALE_COUNT + 1,
 	       "a name for each scale");
+_Static_assert(sizeof(config_hours_off_names) / sizeof(*config_hours_off_names) ==
+		       HOURS_OFF_COUNT + 1,
+	       "a name for each end of the hours");
 
 /* Indexed by the value of the enum plus 1; 0 leaves it to the driver. */
 static const char *const matrix_names[] = {"driver", "bt601", "bt709", NULL};
@@ -116,7 +120,8 @@ static const struct ini_key camera_keys[] = {
 	 .offset = offsetof(struct config_camera, settings.format),
 	 .choices = pixel_format_names,
 	 .fallback = "none",
-	 .help = "Wanted pixel format; none: the cheapest to convert."},
+	 .help = "Wanted pixel format; none: the cheapest to convert. Y10, Y12, Y14 also read Y16 "
+		 "whose upper bits are empty."},
 	{.name = "buffers",
 	 .type = INI_INT,
 	 .offset = offsetof(struct config_camera, settings.buffers),
@@ -593,6 +598,19 @@ static const struct ini_key screen_keys[] = {
 	 .fallback = "",
 	 .help = "When the screen is on, as in \"mon-fri 09:00-12:30, 13:30-18:30, sat "
 		 "20:00-02:00\"; else it is off and the cameras rest. Empty: always."},
+	{.name = "hours_off",
+	 .type = INI_CHOICE,
+	 .offset = offsetof(struct config_screen, hours_off),
+	 .choices = config_hours_off_names,
+	 .fallback = "signal",
+	 .help = "What ends with the hours: the signal; or it stays and is black, for televisions "
+		 "that do not come back by themselves."},
+	{.name = "cec",
+	 .type = INI_PATH,
+	 .offset = offsetof(struct config_screen, cec),
+	 .fallback = "",
+	 .help = "Tells a television by HDMI when hours end and begin, as in /dev/cec0; empty: "
+		 "nothing does."},
 	{.name = "time_zone",
 	 .type = INI_TEXT,
 	 .offset = offsetof(struct config_screen, time_zone),

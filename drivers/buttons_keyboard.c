@@ -24,6 +24,7 @@
 #include "drivers/keyboard/keymap.h"
 #include "drivers/keyboard/keys.h"
 #include "hal/base/log.h"
+#include "hal/device/node_link.h"
 
 #define FOLDER "/dev/input"
 #define KEYBOARDS_MAX 16
@@ -104,6 +105,16 @@ static int read_map(struct keymap *map, const struct keyboard_options *options, 
 	return 0;
 }
 
+/* Whether the device is a touch screen that tells of fingers and has no key for a tap. */
+static bool has_contacts(int fd)
+{
+	unsigned char keys[KEYS_BITS_BYTES] = {0}, axes[ABS_CNT / 8] = {0};
+
+	return ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(keys)), keys) >= 0 &&
+	       ioctl(fd, EVIOCGBIT(EV_ABS, sizeof(axes)), axes) >= 0 &&
+	       keys_bit(axes, ABS_MT_TRACKING_ID) && !keys_bit(keys, BTN_TOUCH);
+}
+
 /* Whether the device has a key with an action. */
 static bool has_keys(int fd, const struct keymap *map)
 {
@@ -111,6 +122,8 @@ static bool has_keys(int fd, const struct keymap *map)
 
 	if (ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(bits)), bits) < 0)
 		return false;
+	if (map->actions[BTN_TOUCH] != ACTION_NONE && has_contacts(fd))
+		return true;
 	for (unsigned code = 0; code < KEYMAP_CODES; code++)
 		if (map->actions[code] != ACTION_NONE && keys_bit(bits, code))
 			return true;
@@ -155,6 +168,7 @@ static int keyboard_adopt(struct keyboards *keyboards, int fd, dev_t number)
 			return -errno;
 		keyboards->list[i] = (struct keyboard){.fd = fd, .number = number};
 		keys_start(&keyboards->list[i].keys, down);
+		keyboards->list[i].keys.contacts = has_contacts(fd);
 		return 0;
 	}
 	return -ENOSPC;
@@ -374,32 +388,12 @@ static void keyboard_close(struct buttons *buttons)
 	buttons->state = NULL;
 }
 
-/* Finds the link below by-id, whose name never changes; empty: there is none. */
-static void find_link(dev_t number, char *link, size_t room)
-{
-	DIR *folder = opendir(FOLDER "/by-id");
-
-	link[0] = '\0';
-	if (!folder)
-		return;
-	for (struct dirent *entry; (entry = readdir(folder));) {
-		char path[sizeof(FOLDER) + sizeof(entry->d_name) + 8];
-		struct stat node;
-
-		snprintf(path, sizeof(path), FOLDER "/by-id/%s", entry->d_name);
-		if (stat(path, &node) == 0 && S_ISCHR(node.st_mode) && node.st_rdev == number)
-			snprintf(link, room, "%s", path);
-	}
-	closedir(folder);
-}
-
 /* Lists a device that has a key with an action by default; lids and power buttons have none. */
 static void list_device(const char *path, const struct keymap *map,
 			void (*found)(void *context, const char *line), void *context)
 {
 	char name[INI_TEXT_MAX] = "", link[INI_PATH_MAX], text[2 * INI_PATH_MAX + INI_TEXT_MAX];
 	const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-	struct stat node;
 
 	if (fd < 0) {
 		snprintf(text, sizeof(text), "%s: %s%s", path, strerror(errno),
@@ -407,9 +401,8 @@ static void list_device(const char *path, const struct keymap *map,
 		found(context, text);
 		return;
 	}
-	if (fstat(fd, &node) == 0 && ioctl(fd, EVIOCGNAME(sizeof(name) - 1), name) >= 0 &&
-	    has_keys(fd, map)) {
-		find_link(node.st_rdev, link, sizeof(link));
+	if (ioctl(fd, EVIOCGNAME(sizeof(name) - 1), name) >= 0 && has_keys(fd, map)) {
+		(void)node_link(FOLDER "/by-id", path, link, sizeof(link));
 		snprintf(text, sizeof(text), "%s [%s]%s%s", path, name, link[0] ? ", " : "", link);
 		found(context, text);
 	}

@@ -78,7 +78,7 @@ static int v4l2_start_once(struct camera *camera, struct v4l2_capture *v,
 			   const struct camera_settings *settings, struct fault *fault)
 {
 	const struct v4l2_options *options = camera->options;
-	int err;
+	int buffers = settings->buffers, err;
 
 	err = v4l2_setup_picture(v->fd, v->buffers.type, settings,
 				 (enum v4l2_field_wish)options->field, &v->source, &v->picture,
@@ -88,10 +88,12 @@ static int v4l2_start_once(struct camera *camera, struct v4l2_capture *v,
 	if (err)
 		return err;
 	v->buffers.memory_planes = v->picture.layout->memory_planes;
-	/* A pair of fields takes two buffers. */
-	return v4l2_buffers_start(
-		&v->buffers, settings->buffers * (v->picture.lines.fields == FIELDS_PAIR ? 2 : 1),
-		fault);
+	/* A pair of fields takes two buffers. Of H.264 a lost frame costs all that follow. */
+	if (v->picture.layout->format == PIXEL_H264)
+		buffers = V4L2_BUFFERS_MAX;
+	else if (v->picture.lines.fields == FIELDS_PAIR)
+		buffers *= 2;
+	return v4l2_buffers_start(&v->buffers, buffers, fault);
 }
 
 /* The message says in plain words that two cameras on one bus share its bandwidth. */

@@ -88,7 +88,7 @@ static bool ask_for_scaling(struct kms_screen *screen, const struct kms_fit *fit
 {
 	struct kms_state trial = screen->ours;
 
-	trial.plane_fb = screen->buffers[screen->on_screen].framebuffer;
+	trial.plane_fb = screen->swap.buffers[screen->swap.shown].framebuffer;
 	kms_screen_set_fit(&trial, fit);
 	return !kms_state_commit(&screen->path, &screen->properties, &trial,
 				 DRM_MODE_ATOMIC_TEST_ONLY);
@@ -99,12 +99,12 @@ static bool can_scale(struct kms_screen *screen, const struct kms_fit *fit, doub
 	struct kms_verdict *verdict;
 
 	for (int i = 0; i < VERDICTS; i++) {
-		verdict = &screen->verdicts[i];
+		verdict = &screen->verdicts.entry[i];
 		if (verdict->width == fit->width && verdict->height == fit->height &&
 		    verdict->squash == squash)
 			return verdict->accepted;
 	}
-	verdict = &screen->verdicts[screen->verdict_next++ % VERDICTS];
+	verdict = &screen->verdicts.entry[screen->verdicts.next++ % VERDICTS];
 	*verdict = (struct kms_verdict){fit->width, fit->height, squash,
 					ask_for_scaling(screen, fit)};
 	log_debug("kms display: %s %s %dx%d to the screen", screen->path.device,
@@ -139,7 +139,8 @@ static int kms_fit(struct display *display, int width, int height, double squash
 
 static uint32_t present_framebuffer(const struct kms_screen *screen)
 {
-	return screen->buffers[screen->on_screen == NONE ? 0 : screen->on_screen].framebuffer;
+	return screen->swap.buffers[screen->swap.shown == NONE ? 0 : screen->swap.shown]
+		.framebuffer;
 }
 
 static void second_show(struct kms_screen *screen, const struct display *display)
@@ -156,9 +157,9 @@ static void kms_go_away(struct display *display)
 	struct kms_screen *screen = display->state;
 
 	kms_second_hide(&screen->second);
-	screen->waiting = NONE;
-	if (screen->flipping == NONE)
-		screen->flip_due_ns = 0;
+	screen->swap.waiting = NONE;
+	if (screen->swap.flipping == NONE)
+		screen->swap.due_ns = 0;
 	drmDropMaster(screen->path.card);
 	kms_console_show_text(&screen->console);
 	screen->master = false;
@@ -174,12 +175,12 @@ static int kms_look(struct kms_screen *screen, const struct display *display, bo
  * so the event of that flip must not change on_screen. */
 static int show_again(struct kms_screen *screen, struct fault *fault)
 {
-	const int index = screen->on_screen == NONE ? 0 : screen->on_screen;
+	const int index = screen->swap.shown == NONE ? 0 : screen->swap.shown;
 	int err = kms_screen_set_mode(screen, index, fault);
 
 	if (!err)
 		err = take_flips(screen);
-	screen->on_screen = index;
+	screen->swap.shown = index;
 	return err;
 }
 
@@ -193,11 +194,11 @@ static int go_dark(struct kms_screen *screen, struct fault *fault)
 	err = kms_screen_set_dark(screen, fault);
 	if (!err)
 		err = take_flips(screen);
-	screen->flipping = screen->waiting = NONE;
-	screen->flip_due_ns = 0;
+	screen->swap.flipping = screen->swap.waiting = NONE;
+	screen->swap.due_ns = 0;
 	screen->shown.kind = DISPLAY_NOTHING;
-	for (int i = 0; i < screen->buffer_count; i++)
-		memset(screen->buffers[i].map, 0, screen->buffers[i].bytes);
+	for (int i = 0; i < screen->swap.count; i++)
+		memset(screen->swap.buffers[i].map, 0, screen->swap.buffers[i].bytes);
 	return err;
 }
 
@@ -326,15 +327,15 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 {
 	struct kms_screen *screen = display->state;
 
-	if (display->hidden || screen->waiting != NONE)
+	if (display->hidden || screen->swap.waiting != NONE)
 		return -EAGAIN;
-	for (int i = 0; i < screen->buffer_count; i++) {
-		if (i == screen->on_screen || i == screen->flipping)
+	for (int i = 0; i < screen->swap.count; i++) {
+		if (i == screen->swap.shown || i == screen->swap.flipping)
 			continue;
-		screen->buffers[i].fit = screen->fit;
+		screen->swap.buffers[i].fit = screen->fit;
 		*buffer = (struct display_buffer){
-			.pixels = screen->buffers[i].map,
-			.stride = screen->buffers[i].stride,
+			.pixels = screen->swap.buffers[i].map,
+			.stride = screen->swap.buffers[i].stride,
 			.width = screen->fit.width,
 			.height = screen->fit.height,
 			.index = i,
@@ -374,23 +375,23 @@ static int kms_flip(struct kms_screen *screen)
 	const struct kms_buffer *buffer;
 	int err;
 
-	if (screen->waiting == NONE || screen->flipping != NONE)
+	if (screen->swap.waiting == NONE || screen->swap.flipping != NONE)
 		return 0;
-	buffer = &screen->buffers[screen->waiting];
+	buffer = &screen->swap.buffers[screen->swap.waiting];
 	ours->plane_fb = buffer->framebuffer;
 	kms_screen_set_fit(ours, &buffer->fit);
 	err = flip_all(screen, ours);
 	if (err == -EBUSY) {
-		if (!screen->flip_due_ns)
-			screen->flip_due_ns = now_ns + FLIP_WITHIN_NS;
+		if (!screen->swap.due_ns)
+			screen->swap.due_ns = now_ns + FLIP_WITHIN_NS;
 		kms_watch_soon(&screen->watch);
 		return 0;
 	}
 	if (err)
 		return err;
-	screen->flipping = screen->waiting;
-	screen->waiting = NONE;
-	screen->flip_due_ns = now_ns + FLIP_WITHIN_NS;
+	screen->swap.flipping = screen->swap.waiting;
+	screen->swap.waiting = NONE;
+	screen->swap.due_ns = now_ns + FLIP_WITHIN_NS;
 	return 0;
 }
 
@@ -408,8 +409,8 @@ static int kms_submit(struct display *display, struct display_buffer *buffer, in
 
 	if (display->hidden)
 		return 0; /* acquired before the console was switched away: dropped */
-	screen->buffers[buffer->index].token = token;
-	screen->waiting = buffer->index;
+	screen->swap.buffers[buffer->index].token = token;
+	screen->swap.waiting = buffer->index;
 	err = kms_flip(screen);
 	return err ? say_lost(screen, err, fault) : 0;
 }
@@ -421,7 +422,7 @@ static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned micr
 
 	(void)card;
 	(void)sequence;
-	if (screen->flipping == NONE)
+	if (screen->swap.flipping == NONE)
 		return;
 	if (!crtc || crtc == screen->path.crtc) /* 0: a kernel before 4.12 */
 		screen->flip_ns = screen->timestamps ? (int64_t)seconds * NS_PER_S +
@@ -429,13 +430,13 @@ static void on_flip(int card, unsigned sequence, unsigned seconds, unsigned micr
 						     : clock_now_ns();
 	if (--screen->flips_due > 0)
 		return;
-	screen->on_screen = screen->flipping;
-	screen->flipping = NONE;
-	screen->flip_due_ns = 0;
+	screen->swap.shown = screen->swap.flipping;
+	screen->swap.flipping = NONE;
+	screen->swap.due_ns = 0;
 	screen->shown = (struct display_event){
 		.kind = DISPLAY_SHOWN,
 		.time_ns = screen->flip_ns,
-		.token = screen->buffers[screen->on_screen].token,
+		.token = screen->swap.buffers[screen->swap.shown].token,
 	};
 }
 
@@ -515,9 +516,9 @@ static int look_if_due(struct display *display, unsigned ready, struct fault *fa
 
 static int check_flip(struct kms_screen *screen, struct fault *fault)
 {
-	if (!screen->flip_due_ns || clock_now_ns() < screen->flip_due_ns)
+	if (!screen->swap.due_ns || clock_now_ns() < screen->swap.due_ns)
 		return 0;
-	screen->stalled = true;
+	screen->swap.stalled = true;
 	return fault_say(fault, -ETIMEDOUT,
 			 "kms display: %s: a frame was not shown within a second",
 			 screen->path.connector_name);
@@ -586,7 +587,7 @@ static int kms_close(struct display *display, struct fault *fault)
 	display->state = NULL;
 	/* Any request to the card waits ten seconds and more for a flip that never comes. A thread
 	 * waits for it, so that the program does not. */
-	if (screen->stalled) {
+	if (screen->swap.stalled) {
 		atomic_fetch_add(&releasing, 1);
 		if (!pthread_create(&thread, NULL, let_go_in_time, screen)) {
 			pthread_detach(thread);

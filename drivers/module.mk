@@ -6,6 +6,7 @@ DRIVER_SOURCES := \
 	drivers/buttons_script.c \
 	drivers/camera_sim.c \
 	drivers/camera_v4l2.c \
+	drivers/cec.c \
 	drivers/display_file.c \
 	drivers/display_null.c \
 	drivers/drivers.c \

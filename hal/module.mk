@@ -63,6 +63,7 @@ HAL_SOURCES := \
 	hal/device/camera_controls.c \
 	hal/device/camera_situation.c \
 	hal/device/display.c \
+	hal/device/node_link.c \
 	hal/frame/depth.c \
 	hal/frame/frame.c \
 	hal/frame/frame_decode.c \

@@ -52,6 +52,7 @@ UNIT_TESTS := \
 	tests/unit/app/records/test_metrics.c \
 	tests/unit/app/records/test_state.c \
 	tests/unit/app/test_devices_sample.c \
+	tests/unit/app/test_grab.c \
 	tests/unit/app/view/test_guide.c \
 	tests/unit/app/view/test_layout.c \
 	tests/unit/app/view/test_overlay.c \
@@ -127,6 +128,7 @@ UNIT_TESTS := \
 	tests/unit/drivers/test_buttons.c \
 	tests/unit/drivers/test_camera_sim.c \
 	tests/unit/drivers/test_camera_v4l2.c \
+	tests/unit/drivers/test_cec.c \
 	tests/unit/drivers/test_display.c \
 	tests/unit/drivers/test_keyboard.c \
 	tests/unit/drivers/test_sim_look.c \
@@ -200,6 +202,8 @@ $(BUILD)/tests/unit/drivers/test_v4l2_h264: override LDFLAGS += -Wl,--wrap=dlope
 # Their V4L2 device is played: see support/played_v4l2.h.
 $(addprefix $(BUILD)/tests/unit/drivers/test_,camera_v4l2 v4l2_digitizer v4l2_h264 v4l2_settings): \
 	override LDFLAGS += -Wl,--wrap=ioctl -Wl,--wrap=epoll_ctl
+# The test plays the adapter.
+$(BUILD)/tests/unit/drivers/test_cec: override LDFLAGS += -Wl,--wrap=ioctl
 # The test plays the graphics card.
 $(BUILD)/tests/unit/drivers/test_kms_card: override LDFLAGS += -Wl,--wrap=mmap
 $(BUILD)/tests/unit/bake/calibrate/camera/test_camera_photographs.o $(BUILD)/tests/unit/bake/calibrate/convert/test_convert_opencv.o: OWN_FLAGS = -isystem /usr/include/opencv4

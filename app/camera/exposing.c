@@ -111,8 +111,8 @@ int exposing_take(struct exposing *e, struct source *source, int64_t now_ns)
 {
 	if (e->count < 2)
 		return 0;
-	if (e->opening != source->openings) {
-		e->opening = source->openings;
+	if (e->opening != source->opening.count) {
+		e->opening = source->opening.count;
 		e->asked = e->single = false;
 		e->least_ns = 0;
 		schedule_begin(e, config_exposure_delay(e->config));

@@ -24,7 +24,7 @@ struct exposing {
 	const struct config_fisheye *config; /* borrowed; NULL: the camera keeps its exposure */
 	int count;
 	struct exposure_schedule schedule;
-	unsigned opening;	     /* source.openings when the schedule began; 0: none yet */
+	unsigned opening;	     /* source.opening.count when the schedule began; 0: none yet */
 	int exposure;		     /* of the last picture; -1: not known */
 	double taken[EXPOSURES_MAX]; /* each one as the camera has taken it; first as asked for */
 	double ratio[EXPOSURES_MAX]; /* taken[k] / taken[0]: share of the light that each lets in */

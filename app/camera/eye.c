@@ -21,7 +21,7 @@ struct source *eyes_leader(const struct eyes *eyes)
 	}
 	for (int i = 0; i < 3; i++) {
 		if (candidates[i] && source_is_open(candidates[i]) &&
-		    candidates[i]->situation == CAMERA_FINE)
+		    candidates[i]->opening.situation == CAMERA_FINE)
 			return candidates[i];
 	}
 	return silent;
@@ -92,10 +92,10 @@ bool eye_has_settled(const struct eye *eye, bool metering)
 	struct settling_look look;
 
 	if (source->camera.on_demand ||
-	    (source->settling.settled && source->settling.opening == source->openings))
+	    (source->settling.settled && source->settling.opening == source->opening.count))
 		return true;
 	reader = eye_reader(eye);
 	look = settling_look_at(&reader);
-	return settling_take(&source->settling, source->openings, &look, metering,
+	return settling_take(&source->settling, source->opening.count, &look, metering,
 			     source->picture_ns);
 }

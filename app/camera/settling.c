@@ -39,15 +39,20 @@ static bool is_steady(struct settling *s, double level, int64_t captured_ns)
 		s->steady = 0;
 	}
 	s->steady++;
-	return s->steady >= STEADY_PICTURES && captured_ns - s->steady_ns >= SETTLING_STEADY_NS;
+	return s->steady >= STEADY_PICTURES &&
+	       captured_ns - s->steady_ns >=
+		       (s->kept ? SETTLING_KEPT_STEADY_NS : SETTLING_STEADY_NS);
 }
 
 bool settling_take(struct settling *s, unsigned opening, const struct settling_look *look,
 		   bool metering, int64_t captured_ns)
 {
+	const int64_t most_ns = s->kept && !look->blank ? SETTLING_KEPT_MOST_NS : SETTLING_MOST_NS;
+
 	if (s->opening != opening)
 		*s = (struct settling){.opening = opening,
 				       .left_out = s->left_out,
+				       .kept = s->kept,
 				       .begun_ns = captured_ns,
 				       .level = -1};
 	if (s->settled)
@@ -56,7 +61,8 @@ bool settling_take(struct settling *s, unsigned opening, const struct settling_l
 		s->level = -1;
 	else
 		s->settled = !metering || is_steady(s, look->level, captured_ns);
-	s->settled |= captured_ns - s->begun_ns >= SETTLING_MOST_NS;
+	s->in_vain = !s->settled && captured_ns - s->begun_ns >= most_ns;
+	s->settled |= s->in_vain;
 	s->left_out += !s->settled;
 	return s->settled;
 }

@@ -29,7 +29,7 @@ int source_create(struct source *source, const struct source_settings *settings)
 	err = frame_decoder_create(&source->decoder, settings->deinterlace, settings->turn);
 	if (err)
 		return err;
-	err = opener_create(&source->opener);
+	err = opener_create(&source->opening.opener);
 	source->tables = malloc(sizeof(*source->tables));
 	if (!err && !source->tables)
 		err = -ENOMEM;
@@ -49,16 +49,16 @@ static void close_camera(struct source *source)
 	camera_close(&source->camera);
 	source->damaged_ns = 0;
 	source->odd_width = source->odd_height = 0;
-	source->earlier_frames += source->camera.frames;
-	source->earlier_lost += source->camera.lost;
-	source->earlier_broken += source->camera.broken;
+	source->counts.frames += source->camera.frames;
+	source->counts.lost += source->camera.lost;
+	source->counts.broken += source->camera.broken;
 	source->camera.frames = source->camera.lost = source->camera.broken = 0;
 }
 
 void source_destroy(struct source *source)
 {
-	opener_destroy(source->opener); /* now the camera belongs to the source */
-	source->opening = false;
+	opener_destroy(source->opening.opener); /* now the camera belongs to the source */
+	source->opening.begun = false;
 	close_camera(source);
 	frame_decoder_destroy(source->decoder);
 	free(source->tables);
@@ -70,36 +70,36 @@ void source_destroy(struct source *source)
 
 void source_complain(struct source *source, const struct fault *fault)
 {
-	if (source->situation == source->said)
+	if (source->opening.situation == source->opening.said)
 		return;
-	source->losses += source->said == CAMERA_FINE && source->fresh_ns;
-	source->said = source->situation;
-	source->why = *fault;
-	if (source->said == CAMERA_FINE)
+	source->counts.losses += source->opening.said == CAMERA_FINE && source->fresh_ns;
+	source->opening.said = source->opening.situation;
+	source->opening.why = *fault;
+	if (source->opening.said == CAMERA_FINE)
 		log_info_paced("camera %s: fine again, %dx%d %s", source->settings.name,
 			       source->camera.width, source->camera.height,
 			       pixel_format_names[source->camera.format]);
 	else
 		log_warning_paced("camera %s: %s%s%s", source->settings.name,
-				  camera_situation_names[source->said], *fault->text ? ": " : "",
-				  fault->text);
+				  camera_situation_names[source->opening.said],
+				  *fault->text ? ": " : "", fault->text);
 }
 
 void source_open(struct source *source)
 {
-	if (source->opening || source->resting || source_is_open(source))
+	if (source->opening.begun || source->opening.resting || source_is_open(source))
 		return;
-	source->opening = true;
-	opener_start(source->opener, &source->camera, source->settings.ops,
+	source->opening.begun = true;
+	opener_start(source->opening.opener, &source->camera, source->settings.ops,
 		     &source->settings.camera, source->settings.options);
 }
 
 void source_rest(struct source *source, bool resting)
 {
-	source->resting = resting;
+	source->opening.resting = resting;
 	if (!resting)
 		return;
-	if (!source->opening)
+	if (!source->opening.begun)
 		close_camera(source);
 	source->whole = source->is_linear = false;
 	canvas_free(&source->canvas);
@@ -107,7 +107,7 @@ void source_rest(struct source *source, bool resting)
 
 bool source_is_open(const struct source *source)
 {
-	return !source->opening && source->camera.state != NULL;
+	return !source->opening.begun && source->camera.state != NULL;
 }
 
 void source_size(const struct source *source, int *width, int *height)
@@ -120,13 +120,13 @@ void source_size(const struct source *source, int *width, int *height)
 
 const char *source_device_name(const struct source *source)
 {
-	return *source->device_name ? source->device_name : source->settings.name;
+	return *source->opening.device_name ? source->opening.device_name : source->settings.name;
 }
 
 int source_descriptor(struct source *source)
 {
-	if (source->opening)
-		return opener_descriptor(source->opener);
+	if (source->opening.begun)
+		return opener_descriptor(source->opening.opener);
 	if (!source_is_open(source) || (source->camera.on_demand && source_has_news(source)))
 		return -1;
 	return camera_descriptor(&source->camera);
@@ -144,18 +144,18 @@ static int take_opening(struct source *source, int64_t now_ns, struct fault *fau
 {
 	int err;
 
-	if (!opener_take(source->opener, &err, fault))
+	if (!opener_take(source->opening.opener, &err, fault))
 		return 0;
-	source->opening = false;
-	source->tried = true;
+	source->opening.begun = false;
+	source->opening.tried = true;
 	source->heard_ns = now_ns;
 	if (err)
-		source->situation = source->camera.situation;
+		source->opening.situation = source->camera.situation;
 	else
-		snprintf(source->device_name, sizeof(source->device_name), "%s",
+		snprintf(source->opening.device_name, sizeof(source->opening.device_name), "%s",
 			 source->camera.name);
-	source->openings += !err;
-	if (source->resting)
+	source->opening.count += !err;
+	if (source->opening.resting)
 		source_rest(source, true);
 	return err;
 }
@@ -183,7 +183,7 @@ static struct frame give_back(struct source *source)
 	struct frame last = {.format = PIXEL_NONE};
 
 	if (source_has_news(source))
-		source->superseded++;
+		source->counts.superseded++;
 	else if (source->camera.on_demand || source->kept)
 		source_make_whole(source);
 	if (!source->whole && source->canvas.width > 0) {
@@ -209,9 +209,9 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 		convert_frame(source, &last);
 	/* -EAGAIN does not mean that a camera which was lost works again, and a frame not that it
 	 * decodes. */
-	damaged = !err && source->situation == CAMERA_DAMAGED;
+	damaged = !err && source->opening.situation == CAMERA_DAMAGED;
 	if (!damaged && (err != -EAGAIN || source->camera.situation != CAMERA_FINE))
-		source->situation = source->camera.situation;
+		source->opening.situation = source->camera.situation;
 	if (err)
 		source_complain(source, &fault);
 	changed = err == -ESTALE && source->camera.frames > 0;
@@ -230,7 +230,7 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 
 int source_take(struct source *source, int64_t now_ns, struct fault *fault)
 {
-	if (!source->opening) {
+	if (!source->opening.begun) {
 		source_take_frame(source, now_ns);
 		return 0;
 	}
@@ -249,18 +249,26 @@ static int64_t silence_of(const struct camera *camera)
 
 void source_watch(struct source *source, int64_t now_ns)
 {
-	static const struct fault nothing = {.text = ""};
-	int64_t silence_ns;
+	const struct camera *camera = &source->camera;
+	struct fault why = {.text = ""};
+	int64_t silence_ns, most_ns;
 
 	if (!source_is_open(source) || source_has_news(source))
 		return;
-	silence_ns = silence_of(&source->camera);
+	silence_ns = silence_of(camera);
 	if (now_ns - source->heard_ns < silence_ns)
 		return;
-	if (source->situation == CAMERA_FINE)
-		source->situation = CAMERA_STALLED;
-	source_complain(source, &nothing);
-	if (now_ns - source->heard_ns >= GIVE_UP * silence_ns)
+	most_ns = GIVE_UP * silence_ns;
+	/* A key frame that opening has not brought would only be put off by opening again. */
+	if (camera->keyless_ns && now_ns - camera->keyless_ns < silence_ns && camera->frames == 0) {
+		most_ns = SILENT_MOST_NS;
+		fault_say(&why, 0,
+			  "it sends pictures, and the key frame that they need is waited for");
+	}
+	if (source->opening.situation == CAMERA_FINE)
+		source->opening.situation = CAMERA_STALLED;
+	source_complain(source, &why);
+	if (now_ns - source->heard_ns >= most_ns)
 		close_camera(source);
 }
 
@@ -431,14 +439,14 @@ static int decode_held(struct source *source, struct fault *fault)
  * silent does not work. */
 static void complain_of_damage(struct source *source, int64_t now_ns, const struct fault *fault)
 {
-	if (!source->undecodable++)
+	if (!source->counts.undecodable++)
 		log_warning_paced("camera %s: a frame does not decode and is passed over: %s",
 				  source->settings.name, fault->text);
 	if (!source->damaged_ns)
 		source->damaged_ns = now_ns;
 	if (now_ns - source->damaged_ns < silence_of(&source->camera))
 		return;
-	source->situation = CAMERA_DAMAGED;
+	source->opening.situation = CAMERA_DAMAGED;
 	source_complain(source, fault);
 }
 
@@ -452,8 +460,8 @@ bool source_decode(struct source *source, int64_t now_ns)
 		complain_of_damage(source, now_ns, &fault);
 	} else {
 		source->damaged_ns = 0;
-		if (source->situation == CAMERA_DAMAGED)
-			source->situation = CAMERA_FINE;
+		if (source->opening.situation == CAMERA_DAMAGED)
+			source->opening.situation = CAMERA_FINE;
 		source_complain(source, &nothing);
 		source->picture_ns = source->held_ns;
 		source->stamp_ns = source->held.timestamp_ns;
@@ -469,11 +477,11 @@ struct source_counts source_counts(const struct source *source)
 {
 	/* While the camera is being opened it belongs to the opener, and it has given no frames. */
 	static const struct camera none;
-	const struct camera *camera = source->opening ? &none : &source->camera;
+	const struct camera *camera = source->opening.begun ? &none : &source->camera;
 
 	return (struct source_counts){
-		.frames = source->earlier_frames + camera->frames,
-		.lost = source->earlier_lost + camera->lost + source->superseded,
-		.broken = source->earlier_broken + camera->broken + source->undecodable,
+		.frames = source->counts.frames + camera->frames,
+		.lost = source->counts.lost + camera->lost + source->counts.superseded,
+		.broken = source->counts.broken + camera->broken + source->counts.undecodable,
 	};
 }

@@ -31,28 +31,36 @@ struct source_settings {
 	struct transfer_curve curve; /* encodes linear radiance as 8-bit code values */
 };
 
-struct source {
-	struct source_settings settings;
-	struct camera camera; /* belongs to the opener while opening */
+/* Opening the camera, and what is known of it. */
+struct source_opening {
 	struct opener *opener;
-	bool opening;
-	bool resting;			 /* it stays closed: source_rest() */
-	unsigned openings;		 /* openings that succeeded */
+	bool begun;			 /* and not ended yet */
+	bool resting;			 /* the camera stays closed: source_rest() */
+	unsigned count;			 /* openings that succeeded */
 	bool tried;			 /* an opening has ended, with or without success */
 	enum camera_situation situation; /* of the camera, as last known */
 	enum camera_situation said;	 /* the situation that was logged last */
 	struct fault why;		 /* its reason, as it was logged; empty: none */
 	char device_name[128]; /* name of the device that was open last; empty: it has none */
-	struct frame held;     /* frame that was grabbed and not given back; PIXEL_NONE: none */
-	bool shown;	       /* the held frame is raw and is the picture */
-	bool kept;	       /* set by the user: pictures outlive their frames (freeze) */
-	int64_t held_ns;       /* when the held frame was captured */
-	int64_t heard_ns;      /* when the camera last gave a frame, or was opened */
-	uint64_t losses;       /* how often it was lost after it had given a picture */
-	uint64_t superseded;   /* held frames that a newer one replaced */
+};
+
+struct source_tallies {
+	uint64_t losses;     /* how often the camera was lost after it had given a picture */
+	uint64_t superseded; /* held frames that a newer one replaced */
 	uint64_t undecodable;
-	/* Counts of the openings before this one. */
-	uint64_t earlier_frames, earlier_lost, earlier_broken;
+	uint64_t frames, lost, broken; /* the camera's own, of the openings before this one */
+};
+
+struct source {
+	struct source_settings settings;
+	struct camera camera; /* belongs to the opener while opening */
+	struct source_opening opening;
+	struct frame held; /* frame that was grabbed and not given back; PIXEL_NONE: none */
+	bool shown;	   /* the held frame is raw and is the picture */
+	bool kept;	   /* set by the user: pictures outlive their frames (freeze) */
+	int64_t held_ns;   /* when the held frame was captured */
+	int64_t heard_ns;  /* when the camera last gave a frame, or was opened */
+	struct source_tallies counts;
 
 	struct frame_decoder *decoder;
 	struct transfer_tables *tables;

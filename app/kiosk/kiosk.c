@@ -50,7 +50,7 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 {
 	struct source *source = &k->inputs.sources[i];
 	struct fault reason = {.text = ""};
-	bool first = !source->tried;
+	bool first = !source->opening.tried;
 	int err;
 
 	source->kept = k->controls.frozen;
@@ -58,7 +58,7 @@ static int take_source(struct kiosk *k, int i, int64_t now, struct fault *fault)
 
 	/* Without depths people are told by their feet. */
 	if (err && first && source != k->inputs.eyes.depth.source &&
-	    camera_is_hopeless(source->situation, err))
+	    camera_is_hopeless(source->opening.situation, err))
 		return fault_say(fault, err, "camera %s: %s", source->settings.name, reason.text);
 	if (err)
 		source_complain(source, &reason);
@@ -98,7 +98,7 @@ static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline
 		.screen = kiosk_screen_situation(&k->screen),
 		.screen_is_fine = display->state && !display->off && !display->hidden,
 		.resting = k->rest.resting,
-		.thermal = METRICS_THERMAL,
+		.sysfs = SUPPLY_SYSFS,
 	};
 
 	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
@@ -184,14 +184,16 @@ static int kiosk_settle(struct kiosk *k, struct fault *fault)
 	int err;
 
 	for (int i = 0; i < k->inputs.source_count && !k->rest.resting; i++) {
-		if (!k->inputs.sources[i].tried && waits)
+		if (!k->inputs.sources[i].opening.tried && waits)
 			return 0;
 	}
 	k->inputs.settled = true;
 	k->picture.redraw = !eyes_leader(&k->inputs.eyes);
 	kiosk_text(k);
 	err = kiosk_screen_open(k, true, fault);
-	return !err && k->rest.resting ? kiosk_rest_look(k, true, fault) : err;
+	return !err && (k->rest.resting || *k->config->screen->cec)
+		       ? kiosk_rest_look(k, true, fault)
+		       : err;
 }
 
 static bool all_submitted(const struct kiosk *k)

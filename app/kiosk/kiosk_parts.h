@@ -22,6 +22,7 @@
 #include "app/records/metrics.h"
 #include "app/records/state.h"
 #include "app/records/stats.h"
+#include "app/records/supply.h"
 #include "app/view/overlay.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"
@@ -80,7 +81,7 @@ struct kiosk_controls {
 	int keypad_count;
 	struct control *control; /* the socket; NULL: none, or not open at present */
 	struct fault control_said;
-	char status[STATS_TEXT_MAX + 512]; /* the socket's answer to "status" */
+	char status[STATS_TEXT_MAX + 768]; /* the socket's answer to "status" */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
 	struct learned *learned;	   /* keeps the place without people; NULL likewise */
 	struct timeline timeline;

@@ -96,7 +96,8 @@ static int choose_picture(struct kiosk *k, struct fault *fault)
 	 * picture. */
 	choice.object = choice.object && pipeline_report(k->picture.pipeline).lit;
 	/* While a camera sets the pace, no picture waits for a pose to be loaded. */
-	choice.hold = leader && leader->situation == CAMERA_FINE && !leader->camera.on_demand;
+	choice.hold = leader && leader->opening.situation == CAMERA_FINE &&
+		      !leader->camera.on_demand;
 	err = pipeline_choose(k->picture.pipeline, &choice, fault);
 	if (!err)
 		complain_of_pose(&k->picture);

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Outside of [screen] hours: the screen is switched off and the cameras are closed. */
 #include <errno.h>
+#include <pthread.h>
+#include <stdlib.h>
 
 #include "app/kiosk/kiosk_parts.h"
+#include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 
@@ -19,12 +22,48 @@ void kiosk_rest_begin(struct kiosk *k)
 	}
 }
 
-/* A screen that cannot be switched off is drawn black. */
+struct television {
+	char cec[INI_PATH_MAX];
+	bool on;
+};
+
+/* Runs on a thread of its own: an adapter that hangs takes longer than the service's watchdog waits. */
+static void *television_tell(void *context)
+{
+	struct television *television = context;
+	struct fault why = {.text = ""};
+
+	if (cec_switch(television->cec, television->on, &why))
+		log_warning_once("[screen] cec: %s", why.text);
+	free(television);
+	return NULL;
+}
+
+static void switch_television(const char *cec, bool on)
+{
+	struct television *television = *cec ? malloc(sizeof(*television)) : NULL;
+	pthread_t thread;
+
+	if (!television)
+		return;
+	snprintf(television->cec, sizeof(television->cec), "%s", cec);
+	television->on = on;
+	if (pthread_create(&thread, NULL, television_tell, television))
+		free(television);
+	else
+		pthread_detach(thread);
+}
+
+/* A screen that cannot be switched off, or is not to be, is drawn black. */
 static int switch_screen(struct kiosk *k, bool on, struct fault *fault)
 {
+	const bool switches = on || k->config->screen->hours_off == HOURS_OFF_SIGNAL;
 	struct fault reason = {.text = ""};
-	int err = k->screen.display.state ? display_power(&k->screen.display, on, &reason) : 0;
+	int err = k->screen.display.state && switches
+			  ? display_power(&k->screen.display, on, &reason)
+			  : 0;
 
+	switch_television(k->config->screen->cec, on);
 	k->picture.redraw = true;
 	k->screen.submitted = kiosk_shown(&k->screen); /* pictures on their way are lost */
 	if (!err || err == -ENOTSUP)
@@ -50,7 +89,8 @@ static void say_rest(const struct kiosk *k)
 
 	rest_next(&k->rest, time(NULL), next);
 	if (k->rest.resting)
-		log_info("at rest until %s: the screen is off, the cameras are closed", next);
+		log_info("at rest until %s: the screen is %s, the cameras are closed", next,
+			 k->config->screen->hours_off == HOURS_OFF_BLACK ? "black" : "off");
 	else if (k->rest.awake_until_ns > clock_now_ns())
 		log_info("awake for %d minutes, as a button or a command asks", REST_WAKE_MINUTES);
 	else

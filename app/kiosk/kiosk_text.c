@@ -37,16 +37,16 @@ static enum camera_situation situation_of(const struct kiosk_inputs *in,
 {
 	const struct eye *eyes[EYES];
 
-	*why = source->why.text;
+	*why = source->opening.why.text;
 	eyes_list(&in->eyes, eyes);
 	for (int i = 0; i < EYES; i++) {
-		if (source->situation != CAMERA_FINE || eyes[i]->source != source ||
+		if (source->opening.situation != CAMERA_FINE || eyes[i]->source != source ||
 		    !eyes[i]->unfit)
 			continue;
 		*why = in->unfit[i].text;
 		return CAMERA_UNSUPPORTED_FORMAT;
 	}
-	return source->situation;
+	return source->opening.situation;
 }
 
 static int list_troubles(const struct kiosk_inputs *in, const struct kiosk_picture *picture,

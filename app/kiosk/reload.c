@@ -49,6 +49,8 @@ static const struct {
 	{"screen", "trouble", RELOAD_DRAWING},
 	{"screen", "blank_after", RELOAD_DRAWING},
 	{"screen", "hours", RELOAD_HOURS},
+	{"screen", "hours_off", RELOAD_HOURS},
+	{"screen", "cec", RELOAD_HOURS},
 	{"buttons", NULL, RELOAD_BUTTONS},
 	{"control", NULL, RELOAD_CONTROL},
 	{"state", NULL, RELOAD_STATE},

@@ -63,16 +63,16 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	err = create_dome(&p->dome, p->basis, fault);
 	if (err)
 		return err;
-	p->radiance = calloc(info->lights, sizeof(*p->radiance));
-	p->merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->merged));
-	p->left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->left));
-	if (!p->radiance || !p->merged || !p->left)
+	p->light.radiance = calloc(info->lights, sizeof(*p->light.radiance));
+	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
+	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
+	if (!p->light.radiance || !p->light.merged || !p->light.left)
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
-		err = light_filter_create(&p->filter, (int)info->lights);
+		err = light_filter_create(&p->light.filter, (int)info->lights);
 	if (!err)
-		err = light_exposures_create(&p->exposures, (int)info->lights);
+		err = light_exposures_create(&p->light.exposures, (int)info->lights);
 	if (err)
 		return fault_say(fault, err, "not enough memory for %u lights", info->lights);
 	err = pipeline_ground_prepare(p, &p->settings, fault);
@@ -97,9 +97,8 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
-			       .shown = {.pose = -1},
-			       .expected = {-1},
-			       .missing = -1};
+			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
+			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);
 	p->settings.mask_pixels = NULL; /* the caller's */
 	if (err)
@@ -121,14 +120,14 @@ void pipeline_destroy(struct pipeline *p)
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
 	light_selection_free(&p->selection);
-	light_sampler_destroy(p->sampler);
-	light_filter_destroy(p->filter);
-	light_exposures_destroy(p->exposures);
+	light_sampler_destroy(p->light.sampler);
+	light_filter_destroy(p->light.filter);
+	light_exposures_destroy(p->light.exposures);
 	pipeline_ground_free(p);
-	image_free(&p->upright);
-	free(p->radiance);
-	free(p->merged);
-	free(p->left);
+	image_free(&p->light.upright);
+	free(p->light.radiance);
+	free(p->light.merged);
+	free(p->light.left);
 	dome_free(&p->dome);
 	free(p);
 }
@@ -194,14 +193,14 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	p->choice = *choice;
 	err = pipeline_take_poses(p, choice);
 	if (err)
-		return fault_say(fault, err, "%s", p->trouble.text);
+		return fault_say(fault, err, "%s", p->pose.trouble.text);
 	p->selection.band = pipeline_band_below(&p->settings.sampler, level);
 	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
 	p->followed = false;
-	light_selection_choose(&p->selection, p->basis,
-			       p->choice.share > 0.5 ? p->choice.next : p->choice.pose, p->radiance,
-			       pipeline_linear_level(&p->settings.sampler, level),
-			       p->settings.threshold_mode, p->settings.gain);
+	light_selection_choose(
+		&p->selection, p->basis, p->choice.share > 0.5 ? p->choice.next : p->choice.pose,
+		p->light.radiance, pipeline_linear_level(&p->settings.sampler, level),
+		p->settings.threshold_mode, p->settings.gain);
 	memset(p->look_ns, 0, sizeof(p->look_ns));
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();
@@ -247,13 +246,13 @@ bool pipeline_looks(const struct pipeline *p)
 void pipeline_look(struct pipeline *p, const struct picture *background,
 		   const struct depth_map *depth, int64_t captured_ns)
 {
-	const bool fresh = !p->looked || p->looked_ns != captured_ns;
+	const bool fresh = p->looked_ns != captured_ns;
 
 	if (!p->choice.object || pipeline_fits(p, background->width, background->height, NULL))
 		return;
-	if (fresh && p->follower && p->lit)
+	if (fresh && p->follower && p->light.lit)
 		pipeline_exposure_look(p, background);
-	if (p->people && p->lit)
+	if (p->people && p->light.lit)
 		pipeline_people_look(p, background, depth, captured_ns, fresh);
 	if (fresh && p->grain) {
 		const int64_t start_ns = clock_now_ns();
@@ -261,7 +260,6 @@ void pipeline_look(struct pipeline *p, const struct picture *background,
 		pipeline_grain_watch(p, background, (uint64_t)captured_ns);
 		p->look_ns[PIPELINE_NOISE] += clock_now_ns() - start_ns;
 	}
-	p->looked = true;
 	p->looked_ns = captured_ns;
 }
 
@@ -306,20 +304,20 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 {
 	const double *error = p->selection.dropped_error;
 	struct pipeline_report report = {
-		.lit = p->lit,
-		.level = p->level,
-		.clipped = p->clipped,
-		.recovered = p->recovery.recovered,
-		.at_bound = p->recovery.at_bound,
+		.lit = p->light.lit,
+		.level = p->light.level,
+		.clipped = p->light.clipped,
+		.recovered = p->light.recovery.recovered,
+		.at_bound = p->light.recovery.at_bound,
 		.exposures = p->settings.exposures ? p->settings.exposures : 1,
-		.unfit = p->unfit,
+		.unfit = p->light.unfit,
 		.threshold = p->choice.threshold,
 		.lights = p->selection.count,
-		.lights_used = p->lit ? p->selection.used_count : 0,
+		.lights_used = p->light.lit ? p->selection.used_count : 0,
 		.dropped_error = fmax(fmax(error[0], error[1]), error[2]),
 		.pose = p->choice.pose,
-		.missing = p->missing,
-		.lamp = p->lamp,
+		.missing = p->pose.missing,
+		.lamp = p->light.lamp,
 		.people = pipeline_people_seen(p),
 	};
 
@@ -329,12 +327,12 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 
 const char *pipeline_trouble(const struct pipeline *p)
 {
-	return p->trouble.text;
+	return p->pose.trouble.text;
 }
 
 bool pipeline_has_patch(const struct pipeline *p)
 {
-	return p->ground != NULL;
+	return p->light.ground != NULL;
 }
 
 struct pool *pipeline_pool(const struct pipeline *p)
@@ -349,7 +347,7 @@ const struct dome *pipeline_dome(const struct pipeline *p)
 
 const struct fisheye *pipeline_lens(const struct pipeline *p)
 {
-	return &p->lens;
+	return &p->light.lens;
 }
 
 const bool *pipeline_used(const struct pipeline *p)
@@ -359,5 +357,5 @@ const bool *pipeline_used(const struct pipeline *p)
 
 const float (*pipeline_radiance(const struct pipeline *p))[3]
 {
-	return (const float(*)[3])p->radiance;
+	return (const float(*)[3])p->light.radiance;
 }

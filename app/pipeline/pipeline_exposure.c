@@ -51,7 +51,7 @@ void pipeline_exposure_look(struct pipeline *p, const struct picture *background
 	const int64_t start_ns = clock_now_ns();
 	int64_t exposed_ns;
 
-	exposure_look(p->follower, background, (const float(*)[3])p->radiance);
+	exposure_look(p->follower, background, (const float(*)[3])p->light.radiance);
 	exposed_ns = clock_now_ns();
 	exposure_expected(p->follower, expected);
 	flicker_look(p->flicker, background, expected);

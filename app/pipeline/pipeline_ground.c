@@ -28,8 +28,8 @@ static void ground_destroy(struct ground *g)
 
 void pipeline_ground_free(struct pipeline *p)
 {
-	ground_destroy(p->ground);
-	p->ground = NULL;
+	ground_destroy(p->light.ground);
+	p->light.ground = NULL;
 }
 
 static bool is_known(const struct pipeline_patch *patch)
@@ -101,7 +101,7 @@ int pipeline_ground_prepare(struct pipeline *p, const struct pipeline_settings *
 	for (int code = 0; code < 256; code++)
 		g->decode[code] = (float)transfer_curve_decode(&settings->background, code / 255.0);
 	pipeline_ground_free(p);
-	p->ground = g;
+	p->light.ground = g;
 	return 0;
 }
 
@@ -121,7 +121,7 @@ static struct light_ground see_patch(const struct ground *g, const struct frame_
 bool pipeline_ground_told(const struct pipeline *p, const struct frame_reader *background,
 			  double seen[3], double told[3])
 {
-	const struct ground *g = p->ground;
+	const struct ground *g = p->light.ground;
 	struct light_ground ground;
 
 	if (!g || !is_known(&g->patch) || !patch_is_within(&g->patch, background))
@@ -131,26 +131,26 @@ bool pipeline_ground_told(const struct pipeline *p, const struct frame_reader *b
 		seen[c] = ground.radiance[c];
 		told[c] = 0;
 		for (int i = 0; i < p->dome.count; i++)
-			told[c] += g->term[c][i] * (double)p->radiance[i][c];
+			told[c] += g->term[c][i] * (double)p->light.radiance[i][c];
 	}
 	return true;
 }
 
 void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 {
-	const struct ground *g = p->ground;
+	const struct ground *g = p->light.ground;
 	struct light_clipping clipping = {.lights = p->dome.count,
 					  .solid_angle_sr = p->dome.solid_angle_sr,
-					  .clipped = p->left,
-					  .white = light_exposures_white(p->exposures)};
+					  .clipped = p->light.left,
+					  .white = light_exposures_white(p->light.exposures)};
 	struct light_ground seen;
 
-	if (!g || !(p->clipped > 0) || !(clipping.white > 0) ||
+	if (!g || !(p->light.clipped > 0) || !(clipping.white > 0) ||
 	    !patch_is_within(&g->patch, background))
 		return;
 	for (int c = 0; c < 3; c++)
 		clipping.term[c] = g->term[c];
-	clipping.piece_sr = clipped_pieces_find(g->pieces, p->left);
+	clipping.piece_sr = clipped_pieces_find(g->pieces, p->light.left);
 	seen = see_patch(g, background);
-	p->recovery = light_recover(&seen, &clipping, p->radiance);
+	p->light.recovery = light_recover(&seen, &clipping, p->light.radiance);
 }

@@ -47,12 +47,12 @@ static void relight_join(struct relight *r)
 
 void pipeline_relight_end(struct pipeline *p)
 {
-	if (!p->relight)
+	if (!p->light.relight)
 		return;
-	relight_join(p->relight);
-	light_sampler_destroy(p->relight->sampler);
-	free(p->relight);
-	p->relight = NULL;
+	relight_join(p->light.relight);
+	light_sampler_destroy(p->light.relight->sampler);
+	free(p->light.relight);
+	p->light.relight = NULL;
 }
 
 /* Makes a sampler for pictures of the lens's size: in a thread, or before it returns. */
@@ -67,8 +67,8 @@ static int relight_begin(struct pipeline *p, const struct pipeline_settings *set
 	r->dome = &p->dome;
 	r->settings = settings->sampler;
 	r->lens_settings = settings->lens;
-	r->width = p->lens_width;
-	r->height = p->lens_height;
+	r->width = p->light.lens_width;
+	r->height = p->light.lens_height;
 	r->threaded = threaded;
 	if (threaded)
 		err = -pthread_create(&r->thread, NULL, make_sampler, r);
@@ -78,7 +78,7 @@ static int relight_begin(struct pipeline *p, const struct pipeline_settings *set
 		free(r);
 		return fault_say(fault, err, "no thread to measure the light: %s", strerror(-err));
 	}
-	p->relight = r;
+	p->light.relight = r;
 	return 0;
 }
 
@@ -86,7 +86,7 @@ int pipeline_relight(struct pipeline *p, const struct pipeline_settings *setting
 		     struct fault *fault)
 {
 	pipeline_relight_end(p); /* a later change replaces an earlier one */
-	if (p->sampler)
+	if (p->light.sampler)
 		return relight_begin(p, settings, true, fault);
 	p->settings.sampler = settings->sampler; /* the first measurement will make one */
 	p->settings.lens = settings->lens;
@@ -95,8 +95,8 @@ int pipeline_relight(struct pipeline *p, const struct pipeline_settings *setting
 
 void pipeline_lens_size(const struct pipeline *p, int *width, int *height)
 {
-	*width = p->lens_width;
-	*height = p->lens_height;
+	*width = p->light.lens_width;
+	*height = p->light.lens_height;
 }
 
 /* ---- what noise the filter has to expect ---- */
@@ -108,9 +108,9 @@ static float light_pixels(const struct pipeline *p, int light)
 	double px[2], pixel_sr;
 
 	if (p->settings.sampler.estimator == ESTIMATOR_NODE ||
-	    !fisheye_project(&p->lens, p->dome.direction[light], px))
+	    !fisheye_project(&p->light.lens, p->dome.direction[light], px))
 		return 1;
-	pixel_sr = fisheye_pixel_sr(&p->lens, px);
+	pixel_sr = fisheye_pixel_sr(&p->light.lens, px);
 	return pixel_sr > 0 ? (float)fmax(1, p->dome.solid_angle_sr[light] / pixel_sr) : 1;
 }
 
@@ -125,13 +125,13 @@ static int expect_noise(struct pipeline *p, struct fault *fault)
 		return fault_say(fault, -ENOMEM, "not enough memory for %d lights", count);
 	for (int i = 0; i < count; i++)
 		pixels[i] = light_pixels(p, i);
-	light_filter_measured(p->filter, &p->settings.sampler.curve,
+	light_filter_measured(p->light.filter, &p->settings.sampler.curve,
 			      pipeline_gain_of_grey(&p->settings.sampler), pixels);
-	light_exposures_parts(p->exposures, light_sampler_parts(p->sampler));
-	light_exposures_measured(p->exposures, p->settings.exposures ? p->settings.exposure : one,
-				 p->settings.exposures ? p->settings.exposures : 1,
-				 &p->settings.sampler.curve,
-				 pipeline_gain_of_grey(&p->settings.sampler), pixels);
+	light_exposures_parts(p->light.exposures, light_sampler_parts(p->light.sampler));
+	light_exposures_measured(
+		p->light.exposures, p->settings.exposures ? p->settings.exposure : one,
+		p->settings.exposures ? p->settings.exposures : 1, &p->settings.sampler.curve,
+		pipeline_gain_of_grey(&p->settings.sampler), pixels);
 	free(pixels);
 	return 0;
 }
@@ -141,7 +141,7 @@ static int expect_noise(struct pipeline *p, struct fault *fault)
 /* Takes over the sampler that the thread has made, if it is ready. */
 static int take_over(struct pipeline *p, struct fault *fault)
 {
-	struct relight *r = p->relight;
+	struct relight *r = p->light.relight;
 	int err;
 
 	if (!r || !atomic_load(&r->done))
@@ -150,11 +150,11 @@ static int take_over(struct pipeline *p, struct fault *fault)
 	if (err) {
 		fault_say(fault, err, "%s", r->fault.text);
 	} else {
-		light_sampler_destroy(p->sampler);
-		p->sampler = r->sampler;
-		p->lens = r->lens;
-		p->lens_width = r->width;
-		p->lens_height = r->height;
+		light_sampler_destroy(p->light.sampler);
+		p->light.sampler = r->sampler;
+		p->light.lens = r->lens;
+		p->light.lens_width = r->width;
+		p->light.lens_height = r->height;
 		p->settings.sampler = r->settings;
 		p->settings.lens = r->lens_settings;
 		r->sampler = NULL;
@@ -170,35 +170,35 @@ int pipeline_light_prepare(struct pipeline *p, int width, int height, bool wait,
 {
 	int err = take_over(p, fault);
 
-	if (!err && (width != p->lens_width || height != p->lens_height)) {
+	if (!err && (width != p->light.lens_width || height != p->light.lens_height)) {
 		pipeline_relight_end(p);
-		light_sampler_destroy(p->sampler);
-		p->sampler = NULL;
-		p->lens_width = p->lens_height = 0;
-		err = fisheye_prepare(&p->lens, &p->settings.lens, width, height, fault);
+		light_sampler_destroy(p->light.sampler);
+		p->light.sampler = NULL;
+		p->light.lens_width = p->light.lens_height = 0;
+		err = fisheye_prepare(&p->light.lens, &p->settings.lens, width, height, fault);
 		if (!err) {
-			p->lens_width = width;
-			p->lens_height = height;
+			p->light.lens_width = width;
+			p->light.lens_height = height;
 		}
 	}
-	if (err || p->sampler)
+	if (err || p->light.sampler)
 		return err;
-	if (!p->relight)
+	if (!p->light.relight)
 		err = relight_begin(p, &p->settings, !wait, fault);
 	if (!err && wait)
-		relight_join(p->relight);
+		relight_join(p->light.relight);
 	if (!err)
 		err = take_over(p, fault);
-	return err || p->sampler ? err : -EAGAIN;
+	return err || p->light.sampler ? err : -EAGAIN;
 }
 
 /* ---- a picture ---- */
 
 static double sampled_level(const struct pipeline *p)
 {
-	const int values = p->dome.count * light_sampler_parts(p->sampler);
+	const int values = p->dome.count * light_sampler_parts(p->light.sampler);
 	const double white = 3 * pipeline_gain_of_grey(&p->settings.sampler) * values;
-	const float(*measured)[3] = light_sampler_measured(p->sampler);
+	const float(*measured)[3] = light_sampler_measured(p->light.sampler);
 	double sum = 0;
 
 	for (int i = 0; i < values; i++)
@@ -209,36 +209,39 @@ static double sampled_level(const struct pipeline *p)
 
 void pipeline_expose(struct pipeline *p, int exposure, const double *ratio)
 {
-	p->exposure = exposure;
+	p->light.exposure = exposure;
 	if (p->settings.exposures < 2)
 		return;
 	memcpy(p->settings.exposure, ratio, sizeof(*ratio) * (size_t)p->settings.exposures);
-	if (p->sampler) /* else they take effect when the sampler is made */
-		light_exposures_ratios(p->exposures, ratio);
+	if (p->light.sampler) /* else they take effect when the sampler is made */
+		light_exposures_ratios(p->light.exposures, ratio);
 }
 
 /* Makes light of what the sampler has read, if the picture's exposure is known and fits. */
 static int take_light(struct pipeline *p)
 {
-	const float(*measured)[3] = light_sampler_measured(p->sampler);
-	const float *clipped = light_sampler_clipped(p->sampler);
+	const float(*measured)[3] = light_sampler_measured(p->light.sampler);
+	const float *clipped = light_sampler_clipped(p->light.sampler);
 
-	p->level = sampled_level(p);
-	if (p->exposure < 0)
+	p->light.level = sampled_level(p);
+	if (p->light.exposure < 0)
 		return -ESTALE;
-	if (!light_exposures_fit(p->exposures, p->exposure, measured, clipped)) {
-		p->unfit++;
+	if (!light_exposures_fit(p->light.exposures, p->light.exposure, measured, clipped)) {
+		p->light.unfit++;
 		return -ESTALE;
 	}
-	light_exposures_take(p->exposures, p->exposure, measured, light_sampler_excess(p->sampler),
-			     clipped, p->merged, p->left);
-	light_sampler_place(p->sampler, (const float(*)[3])p->merged, p->radiance);
-	light_sampler_place_shares(p->sampler, p->left, p->left);
-	p->clipped = 0;
+	light_exposures_take(p->light.exposures, p->light.exposure, measured,
+			     light_sampler_excess(p->light.sampler), clipped, p->light.merged,
+			     p->light.left);
+	light_sampler_place(p->light.sampler, (const float(*)[3])p->light.merged,
+			    p->light.radiance);
+	light_sampler_place_shares(p->light.sampler, p->light.left, p->light.left);
+	p->light.clipped = 0;
 	for (int i = 0; i < p->dome.count; i++)
-		p->clipped += (double)p->left[i] * p->dome.solid_angle_sr[i] / (2 * M_PI);
-	p->recovery = (struct light_recovery){.recovered = false};
-	p->lit = true;
+		p->light.clipped += (double)p->light.left[i] * p->dome.solid_angle_sr[i] /
+				    (2 * M_PI);
+	p->light.recovery = (struct light_recovery){.recovered = false};
+	p->light.lit = true;
 	return 0;
 }
 
@@ -250,9 +253,10 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 
 	if (err)
 		return err;
-	light_sampler_exposure(p->sampler, light_exposures_longer(p->exposures, p->exposure),
-			       light_exposures_shorter(p->exposures, p->exposure));
-	err = light_sampler_read_frame(p->sampler, fisheye, p->pool, NULL, NULL);
+	light_sampler_exposure(p->light.sampler,
+			       light_exposures_longer(p->light.exposures, p->light.exposure),
+			       light_exposures_shorter(p->light.exposures, p->light.exposure));
+	err = light_sampler_read_frame(p->light.sampler, fisheye, p->pool, NULL, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
 				 width, height);
@@ -269,7 +273,7 @@ int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, st
 /* Linear radiance has no reader that could flip and cut it: copies the upright view. */
 static int turn_upright(struct pipeline *p, const struct image *camera, const struct view *view)
 {
-	struct image *to = &p->upright;
+	struct image *to = &p->light.upright;
 	int err;
 
 	if (to->width != view->width || to->height != view->height) {
@@ -303,7 +307,7 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 		return err;
 	err = turn_upright(p, camera, view);
 	if (!err)
-		err = light_sampler_read_linear(p->sampler, &p->upright, NULL);
+		err = light_sampler_read_linear(p->light.sampler, &p->light.upright, NULL);
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
 				 view->width, view->height, strerror(-err));
@@ -312,24 +316,24 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 
 void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
 {
-	memcpy(p->radiance, radiance, p->basis->info.lights * sizeof(*radiance));
-	p->clipped = 0;
-	p->recovery = (struct light_recovery){.recovered = false};
-	p->lit = true;
+	memcpy(p->light.radiance, radiance, p->basis->info.lights * sizeof(*radiance));
+	p->light.clipped = 0;
+	p->light.recovery = (struct light_recovery){.recovered = false};
+	p->light.lit = true;
 }
 
 void pipeline_forget_light(struct pipeline *p)
 {
-	p->lit = false;
+	p->light.lit = false;
 }
 
 void pipeline_find_lamp(struct pipeline *p)
 {
-	if (p->lit)
-		coarse_lamp_find(&p->lamp, &p->dome, (const float(*)[3])p->radiance);
+	if (p->light.lit)
+		coarse_lamp_find(&p->light.lamp, &p->dome, (const float(*)[3])p->light.radiance);
 }
 
 void pipeline_follow(struct pipeline *p, int64_t captured_ns)
 {
-	light_filter_run(p->filter, captured_ns, p->settings.follow_ns, p->radiance);
+	light_filter_run(p->light.filter, captured_ns, p->settings.follow_ns, p->light.radiance);
 }

@@ -13,14 +13,8 @@ struct pipeline_poses {
 	double share;
 };
 
-struct pipeline {
-	struct pipeline_settings settings;
-	struct pipeline_choice choice; /* its poses: those in the picture */
-	const struct basis *basis;     /* borrowed */
-	struct pool *pool;
-	struct dome dome;
-
-	/* pipeline_light.c: measuring the light */
+/* pipeline_light.c, pipeline_ground.c: measuring the light */
+struct pipeline_light {
 	struct fisheye lens; /* for pictures of this size; width 0: none has come */
 	int lens_width, lens_height;
 	struct light_sampler *sampler;
@@ -37,32 +31,42 @@ struct pipeline {
 	bool lit;	      /* radiance has been measured or given */
 	double clipped;	      /* share of the sky's solid angle clipped in every exposure */
 	struct coarse_lamp lamp;
-
-	/* pipeline_ground.c: what clips, found on the ground */
-	struct ground *ground; /* NULL: no patch */
+	struct ground *ground; /* finds on the ground what clips; NULL: no patch */
 	struct light_recovery recovery;
+};
 
-	/* pipeline_pose.c: which poses are in the picture */
+/* pipeline_pose.c: which poses are in the picture */
+struct pipeline_pose {
 	struct pipeline_poses shown;  /* pose -1: none yet */
 	struct pipeline_poses coming; /* shown as soon as they are in memory */
 	int expected[4];	      /* coming and shown, at the last basis_poses_expect() */
-	bool back;		      /* the last step went to the pose before */
-	bool again;		      /* call basis_poses_expect() again */
+	bool backwards;		      /* the last step went to the pose before */
+	bool expect_again;	      /* call basis_poses_expect() again */
 	int missing;		      /* chosen, and cannot be loaded; -1: none */
 	struct fault trouble;	      /* why */
+};
 
-	/* the picture */
+struct pipeline {
+	struct pipeline_settings settings;
+	struct pipeline_choice choice; /* its poses: those in the picture */
+	const struct basis *basis;     /* borrowed */
+	struct pool *pool;
+	struct dome dome;
+	struct pipeline_light light;
+	struct pipeline_pose pose;
+
 	struct light_selection selection;
-	bool followed; /* it has been multiplied by the camera's exposure */
+	bool followed; /* the selection has been multiplied by the camera's exposure */
 	struct compositor *compositor;
-	struct pipeline_fade *fade;	 /* pipeline_fade.c; NULL: no two poses have been mixed */
+	struct pipeline_fade *fade; /* pipeline_fade.c; NULL: no two poses have been mixed */
+
+	/* what is found in the background camera's frames */
+	int64_t looked_ns;		 /* capture time of the last one examined; -1: none */
+	int64_t look_ns[PIPELINE_LOOKS]; /* spent on them since the last choice */
 	struct exposure *follower;	 /* hal/look; NULL: the camera's exposure is not followed */
 	struct flicker *flicker;	 /* of lamps, in its rows; where the exposure is followed */
-	int64_t look_ns[PIPELINE_LOOKS]; /* spent since the last choice */
 	struct pipeline_grain *grain;	 /* pipeline_grain.c; NULL: the object gets no noise */
-	bool looked;			 /* at the frame that was captured at: */
-	int64_t looked_ns;
-	struct pipeline_people *people; /* pipeline_people.c; NULL: nobody is looked for */
+	struct pipeline_people *people;	 /* pipeline_people.c; NULL: nobody is looked for */
 };
 
 /* ---- pipeline_level.c ---- */

@@ -179,7 +179,8 @@ void pipeline_people_look(struct pipeline *p, const struct picture *background,
 		return;
 	if (take_pose(p) || fresh) {
 		people_take_depth(pp->people, depth);
-		people_look(pp->people, background, (const float(*)[3])p->radiance, captured_ns);
+		people_look(pp->people, background, (const float(*)[3])p->light.radiance,
+			    captured_ns);
 	}
 	pp->looked = true;
 }

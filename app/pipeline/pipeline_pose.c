@@ -12,25 +12,25 @@ static bool is_ready(const struct pipeline *p, const struct pipeline_poses *pose
 }
 
 /* Loads all that pictures of these poses need before they are shown, so that no picture fails for
- * want of it. A pose that cannot be loaded changes p->missing only. */
+ * want of it. A pose that cannot be loaded changes p->pose.missing only. */
 static int poses_adopt(struct pipeline *p, const struct pipeline_poses *poses)
 {
 	const int both[] = {poses->pose, poses->next};
 	int err = 0;
 
 	for (int k = 0; k < 2 && !err; k++) {
-		err = compositor_take_pose(p->compositor, both[k], &p->trouble);
+		err = compositor_take_pose(p->compositor, both[k], &p->pose.trouble);
 		if (err)
-			p->missing = both[k];
+			p->pose.missing = both[k];
 	}
 	if (err)
 		return err;
 	if (poses->share > 0 && pipeline_fade_begin(p)) {
-		p->missing = poses->next;
-		return fault_say(&p->trouble, -ENOMEM, "not enough memory to fade poses");
+		p->pose.missing = poses->next;
+		return fault_say(&p->pose.trouble, -ENOMEM, "not enough memory to fade poses");
 	}
-	p->missing = -1;
-	p->shown = *poses;
+	p->pose.missing = -1;
+	p->pose.shown = *poses;
 	return 0;
 }
 
@@ -39,16 +39,16 @@ static int poses_adopt(struct pipeline *p, const struct pipeline_poses *poses)
  * them. */
 static int poses_take(struct pipeline *p, const struct pipeline_poses *wanted, bool hold)
 {
-	const bool wait = !hold || p->shown.pose < 0;
+	const bool wait = !hold || p->pose.shown.pose < 0;
 	int err;
 
 	if (wait || is_ready(p, wanted))
-		p->coming = *wanted;
-	if (!wait && !is_ready(p, &p->coming))
+		p->pose.coming = *wanted;
+	if (!wait && !is_ready(p, &p->pose.coming))
 		return 0;
-	err = poses_adopt(p, &p->coming);
-	p->coming = *wanted;
-	return p->shown.pose < 0 ? err : 0;
+	err = poses_adopt(p, &p->pose.coming);
+	p->pose.coming = *wanted;
+	return p->pose.shown.pose < 0 ? err : 0;
 }
 
 /* Announces poses in the order of their need: those that come, those shown, then neighbours, one
@@ -56,9 +56,11 @@ static int poses_take(struct pipeline *p, const struct pipeline_poses *wanted, b
 static void poses_expect(struct pipeline *p)
 {
 	const int count = (int)p->basis->info.poses;
-	const int now[] = {p->coming.pose, p->coming.next, p->shown.pose, p->shown.next};
-	const bool back = now[0] == p->expected[0] ? p->back
-						   : (now[0] + 1) % count == p->expected[0];
+	const int now[] = {p->pose.coming.pose, p->pose.coming.next, p->pose.shown.pose,
+			   p->pose.shown.next};
+	const bool back = now[0] == p->pose.expected[0]
+				  ? p->pose.backwards
+				  : (now[0] + 1) % count == p->pose.expected[0];
 	const int forth = back ? count - 1 : 1;
 	const int poses[] = {now[0],
 			     now[1],
@@ -69,17 +71,18 @@ static void poses_expect(struct pipeline *p)
 			     (now[0] + count - forth) % count};
 
 	_Static_assert(sizeof(poses) / sizeof(*poses) <= BASIS_EXPECT_MAX, "all are expected");
-	if (count == 1 || (!p->again && memcmp(p->expected, now, sizeof(now)) == 0))
+	if (count == 1 ||
+	    (!p->pose.expect_again && memcmp(p->pose.expected, now, sizeof(now)) == 0))
 		return;
-	p->again = false;
-	memcpy(p->expected, now, sizeof(now));
-	p->back = back;
+	p->pose.expect_again = false;
+	memcpy(p->pose.expected, now, sizeof(now));
+	p->pose.backwards = back;
 	basis_poses_expect(p->basis, poses, (int)(sizeof(poses) / sizeof(*poses)));
 }
 
 void pipeline_try_again(struct pipeline *p)
 {
-	p->again = p->missing >= 0;
+	p->pose.expect_again = p->pose.missing >= 0;
 }
 
 int pipeline_take_poses(struct pipeline *p, const struct pipeline_choice *choice)
@@ -94,8 +97,8 @@ int pipeline_take_poses(struct pipeline *p, const struct pipeline_choice *choice
 	if (err)
 		return err;
 	poses_expect(p);
-	p->choice.pose = p->shown.pose;
-	p->choice.next = p->shown.next;
-	p->choice.share = p->shown.share;
+	p->choice.pose = p->pose.shown.pose;
+	p->choice.next = p->pose.shown.next;
+	p->choice.share = p->pose.shown.share;
 	return 0;
 }

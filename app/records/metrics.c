@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "app/records/supply.h"
 #include "hal/base/clock.h"
 #include "hal/base/fault.h"
 #include "hal/base/log.h"
@@ -90,7 +91,7 @@ static uint64_t figure_of(const struct source *source, enum camera_figure figure
 
 	switch (figure) {
 	case FINE:
-		return source->situation == CAMERA_FINE;
+		return source->opening.situation == CAMERA_FINE;
 	case FRAMES:
 		return counts.frames;
 	case LOST:
@@ -98,7 +99,7 @@ static uint64_t figure_of(const struct source *source, enum camera_figure figure
 	case BROKEN:
 		return counts.broken;
 	case LOSSES:
-		return source->losses;
+		return source->counts.losses;
 	default:
 		return source->settling.left_out;
 	}
@@ -110,7 +111,8 @@ static void add_cameras(struct sheet *s, const struct source *sources, int count
 		sheet_head(s, camera_heads[figure].name, camera_heads[figure].type,
 			   camera_heads[figure].help);
 		for (int i = 0; i < count; i++) {
-			const char *situation = camera_situation_names[sources[i].situation];
+			const char *situation =
+				camera_situation_names[sources[i].opening.situation];
 
 			sheet_add(s, "inlay_%s{camera=\"%s\"%s%s%s} %llu\n",
 				  camera_heads[figure].name, sources[i].settings.name,
@@ -143,25 +145,7 @@ static void add_light(struct sheet *s, const struct pipeline_report *report)
 		     "Share of the sky where the fisheye is at its limit.");
 }
 
-/* First line of a small file, without its end. */
-static bool read_line(const char *folder, int zone, const char *name, char line[64])
-{
-	char path[PATH_MAX];
-	ssize_t bytes;
-	int file;
-
-	snprintf(path, sizeof(path), "%s/thermal_zone%d/%s", folder, zone, name);
-	file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-	if (file < 0)
-		return false;
-	bytes = read(file, line, 63);
-	close(file);
-	line[bytes > 0 ? bytes : 0] = '\0';
-	line[strcspn(line, "\n")] = '\0';
-	return bytes > 0;
-}
-
-static void add_temperatures(struct sheet *s, const char *folder)
+static void add_temperatures(struct sheet *s, const char *sysfs)
 {
 	char millidegrees[64], type[64], label[128];
 	bool begun = false;
@@ -169,10 +153,11 @@ static void add_temperatures(struct sheet *s, const char *folder)
 
 	for (int zone = 0; zone < ZONES_MAX; zone++) {
 		/* A zone that is off answers with an error. */
-		if (!read_line(folder, zone, "temp", millidegrees) ||
+		if (!supply_line(millidegrees, "%s/class/thermal/thermal_zone%d/temp", sysfs,
+				 zone) ||
 		    sscanf(millidegrees, "%d", &value) != 1)
 			continue;
-		if (!read_line(folder, zone, "type", type))
+		if (!supply_line(type, "%s/class/thermal/thermal_zone%d/type", sysfs, zone))
 			*type = '\0';
 		label_of(type, label);
 		if (!begun)
@@ -181,6 +166,21 @@ static void add_temperatures(struct sheet *s, const char *folder)
 		sheet_add(s, "inlay_temperature_celsius{zone=\"%d\",type=\"%s\"} %.3f\n", zone,
 			  label, value / 1000.0);
 	}
+}
+
+static void add_supply(struct sheet *s, const char *sysfs)
+{
+	const struct supply supply = supply_read(sysfs);
+
+	if (!supply.told)
+		return;
+	sheet_head(s, "undervoltage", "gauge", "Whether the power supply's voltage is too low.");
+	sheet_add(s,
+		  "inlay_undervoltage{when=\"now\"} %d\ninlay_undervoltage{when=\"before\"} %d\n",
+		  supply.undervoltage, supply.undervoltage_before);
+	sheet_head(s, "throttled", "gauge", "Whether the processor is slowed down.");
+	sheet_add(s, "inlay_throttled{when=\"now\"} %d\ninlay_throttled{when=\"before\"} %d\n",
+		  supply.throttled, supply.throttled_before);
 }
 
 size_t metrics_text(const struct metrics_facts *facts, char text[METRICS_TEXT_MAX])
@@ -199,7 +199,8 @@ size_t metrics_text(const struct metrics_facts *facts, char text[METRICS_TEXT_MA
 	add_pictures(&s, facts->stats);
 	add_light(&s, facts->report);
 	add_cameras(&s, facts->sources, facts->source_count);
-	add_temperatures(&s, facts->thermal);
+	add_temperatures(&s, facts->sysfs);
+	add_supply(&s, facts->sysfs);
 	return s.length;
 }
 

@@ -17,7 +17,6 @@
 
 #define METRICS_EVERY_S 15
 #define METRICS_TEXT_MAX 16384
-#define METRICS_THERMAL "/sys/class/thermal"
 
 struct metrics {
 	int64_t written_ns; /* when it was written last, or failed to be; 0: never */
@@ -32,7 +31,7 @@ struct metrics_facts {
 	int source_count;
 	const char *screen; /* its situation */
 	bool screen_is_fine, resting;
-	const char *thermal; /* folder of the kernel's thermal zones */
+	const char *sysfs; /* SUPPLY_SYSFS; has the kernel's thermal zones, too */
 };
 
 /* Writes the text; the figures that no longer fit are left out whole. Returns its length. */

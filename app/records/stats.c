@@ -157,9 +157,10 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 		       "\"broken\":%llu,\"losses\":%llu,"
 		       "\"settling\":%s,\"unsettled\":%llu}",
 		       i ? "," : "", sources[i].settings.name,
-		       camera_situation_names[sources[i].situation],
+		       camera_situation_names[sources[i].opening.situation],
 		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
-		       (unsigned long long)counts.broken, (unsigned long long)sources[i].losses,
+		       (unsigned long long)counts.broken,
+		       (unsigned long long)sources[i].counts.losses,
 		       settling->opening && !settling->settled ? "true" : "false",
 		       (unsigned long long)settling->left_out);
 	}

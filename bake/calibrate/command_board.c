@@ -79,7 +79,6 @@ const struct bake_command board_command = {
 		"squares\n"
 		"                 as OpenCV before 4.6 has them\n"
 		"                 chess:COLUMNSxROWS:SQUARE, columns and rows of inner corners\n"
-		"                 circles:COLUMNSxROWS:STEP, asymmetric, an odd number of rows\n"
 		"                 (" DEFAULT_BOARD ")\n"
 		"  --page PAGE    a4, a3, letter (" DEFAULT_PAGE ")\n",
 	.run = board_run,

@@ -403,7 +403,7 @@ const struct bake_command camera_command = {
 		"  --points F ...     files of lines xw yw zw xf yf, each a view\n"
 		"  --images 'G' ...   photographs of a board\n"
 		"  --live CONFIG      the background camera of a kiosk's configuration\n"
-		"  --board BOARD      9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm (its\n"
+		"  --board BOARD      9x6:25mm, charuco:8x6:30mm:22mm (its\n"
 		"                     markers and layout are found, or named as by "
 		"inlay-calibrate\n"
 		"                     board)\n"

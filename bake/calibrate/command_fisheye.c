@@ -362,7 +362,7 @@ const struct bake_command fisheye_command = {
 		"board "
 		"is moved\n"
 		"  --views N            live: pictures of the board at most; 8\n"
-		"  --board SPEC         9x6:25mm, circles:4x11:20mm, charuco:8x6:30mm:22mm (its\n"
+		"  --board SPEC         9x6:25mm, charuco:8x6:30mm:22mm (its\n"
 		"                       markers and layout are found, or named as by "
 		"inlay-calibrate\n"
 		"                       board)\n"

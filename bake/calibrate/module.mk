@@ -74,7 +74,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/boards.c \
 	bake/calibrate/observe/boards_charuco.cpp \
 	bake/calibrate/observe/boards_chess.cpp \
-	bake/calibrate/observe/boards_circles.cpp \
 	bake/calibrate/observe/boards_corner.cpp \
 	bake/calibrate/observe/boards_find.c \
 	bake/calibrate/observe/boards_look.cpp \

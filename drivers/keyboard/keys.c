@@ -29,9 +29,12 @@ bool keys_are_idle(const struct keys *keys)
 
 enum action keys_take(struct keys *keys, const struct keymap *map, const struct input_event *event)
 {
+	struct input_event touch = {.type = EV_KEY, .code = BTN_TOUCH, .value = event->value >= 0};
 	enum action action;
 	bool was_down;
 
+	if (keys->contacts && event->type == EV_ABS && event->code == ABS_MT_TRACKING_ID)
+		event = &touch;
 	if (event->type == EV_SYN) {
 		if (event->code == SYN_DROPPED)
 			keys->dropped = true;

@@ -3,7 +3,8 @@
  * Turns the events of one evdev device into presses. Pure: touches no device. A key that is down at
  * the start is no press, and neither are its repetitions by the kernel. Other repetitions count as
  * presses if the action repeats. After the kernel has dropped events, further events are ignored
- * until the owner has asked the device which keys are down.
+ * until the owner has asked the device which keys are down. A finger on a touch screen without
+ * a key is the key btn_touch.
  */
 #ifndef INLAY_DRIVERS_KEYBOARD_KEYS_H
 #define INLAY_DRIVERS_KEYBOARD_KEYS_H
@@ -20,6 +21,7 @@ struct keys {
 	unsigned char before[KEYS_BITS_BYTES]; /* keys that are down since before the start */
 	bool dropped;			       /* events were dropped; true until SYN_REPORT */
 	bool ask;			       /* the owner must call keys_ask() */
+	bool contacts; /* set by the owner: the device has fingers and no key btn_touch */
 };
 
 static inline bool keys_bit(const unsigned char *bits, unsigned code)

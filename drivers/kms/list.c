@@ -9,6 +9,7 @@
 
 #include "drivers/kms/find.h"
 #include "drivers/kms/timing.h"
+#include "hal/device/node_link.h"
 
 static int list_room(int card, const drmModeRes *resources)
 {
@@ -50,13 +51,17 @@ static int list_card(int card, struct display_listing *listing,
 {
 	drmModeRes *resources = drmModeGetResources(card);
 	drmVersion *version = drmGetVersion(card);
-	const int room = resources ? list_room(card, resources) : 0;
+	const int room = 1 + (resources ? list_room(card, resources) : 0);
+	char link[128]; /* a line with "link " before it */
 	int err = 0;
 
 	snprintf(listing->name, sizeof(listing->name), "%s", version ? version->name : "unknown");
-	listing->lines = calloc((size_t)room + 1, sizeof(*listing->lines));
+	listing->lines = calloc((size_t)room, sizeof(*listing->lines));
 	if (!listing->lines)
 		err = -ENOMEM;
+	else if (node_link("/dev/dri/by-path", listing->device, link, sizeof(link)))
+		snprintf(listing->lines[listing->line_count++], sizeof(listing->lines[0]),
+			 "link %s", link);
 	for (int i = 0; resources && i < resources->count_connectors && !err; i++) {
 		drmModeConnector *connector = drmModeGetConnector(card, resources->connectors[i]);
 

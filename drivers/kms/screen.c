@@ -119,8 +119,8 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 	struct kms_state *ours = &screen->ours;
 	int err;
 
-	ours->plane_fb = screen->buffers[index].framebuffer;
-	kms_screen_set_fit(ours, &screen->buffers[index].fit);
+	ours->plane_fb = screen->swap.buffers[index].framebuffer;
+	kms_screen_set_fit(ours, &screen->swap.buffers[index].fit);
 	kms_state_uncover(&screen->path, ours);
 	err = kms_state_commit(&screen->path, &screen->properties, ours,
 			       DRM_MODE_ATOMIC_TEST_ONLY | DRM_MODE_ATOMIC_ALLOW_MODESET);
@@ -130,7 +130,7 @@ int kms_screen_set_mode(struct kms_screen *screen, int index, struct fault *faul
 	if (err)
 		return kms_screen_refused(screen, err, "set the mode", fault);
 	screen->set = true;
-	screen->on_screen = index;
+	screen->swap.shown = index;
 	return 0;
 }
 
@@ -190,9 +190,9 @@ static enum display_situation find_situation(int err)
 
 static int create_buffers(struct kms_screen *screen, int count, struct fault *fault)
 {
-	screen->buffer_count = count;
+	screen->swap.count = count;
 	for (int i = 0; i < count; i++) {
-		const int err = create_buffer(screen, &screen->buffers[i]);
+		const int err = create_buffer(screen, &screen->swap.buffers[i]);
 
 		if (err)
 			return kms_screen_refused(screen, err, "make a framebuffer", fault);
@@ -211,7 +211,7 @@ int kms_screen_open(struct kms_screen *screen, const struct display_settings *se
 	screen->path.card = -1;
 	screen->watch = (struct kms_watch){-1, -1, -1};
 	screen->console = (struct kms_console){.tty = -1, .told = -1};
-	screen->on_screen = screen->flipping = screen->waiting = NONE;
+	screen->swap.shown = screen->swap.flipping = screen->swap.waiting = NONE;
 	err = kms_find(settings, options, &screen->path, fault);
 	if (err < 0) {
 		*situation = find_situation(err);
@@ -270,7 +270,7 @@ int kms_screen_release(struct kms_screen *screen)
 	kms_console_close(&screen->console);
 	kms_watch_close(&screen->watch);
 	for (int i = 0; i < BUFFERS_MAX; i++)
-		destroy_buffer(screen, &screen->buffers[i]);
+		destroy_buffer(screen, &screen->swap.buffers[i]);
 	kms_state_forget(screen->path.card, &screen->ours);
 	if (screen->kept)
 		kms_state_forget(screen->path.card, &screen->before);

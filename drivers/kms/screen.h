@@ -27,12 +27,28 @@ struct kms_verdict {
 	bool accepted;
 };
 
+struct kms_verdicts {
+	struct kms_verdict entry[VERDICTS];
+	int next; /* the entry that the next verdict replaces */
+};
+
 struct kms_buffer {
 	uint32_t handle, stride, framebuffer;
 	uint64_t bytes;
 	uint8_t *map; /* NULL: not mapped */
 	struct kms_fit fit;
 	int64_t token;
+};
+
+/* The buffers, and which of them is where. */
+struct kms_swap {
+	struct kms_buffer buffers[BUFFERS_MAX];
+	int count;
+	int shown;	/* index of the buffer on the screen, or NONE */
+	int flipping;	/* index of the buffer queued in the kernel, or NONE */
+	int waiting;	/* index of the submitted buffer that is not queued yet, or NONE */
+	int64_t due_ns; /* deadline of the flip that is queued or was refused; 0: none */
+	bool stalled;	/* a flip missed its deadline: close() must not wait for it */
 };
 
 struct kms_screen {
@@ -53,16 +69,9 @@ struct kms_screen {
 	int flips_due;		  /* events that the queued flip still owes, one a screen */
 	int64_t flip_ns;	  /* time of the first screen's */
 
-	struct kms_buffer buffers[BUFFERS_MAX];
-	int buffer_count;
-	int on_screen;	     /* index of the buffer that is shown, or NONE */
-	int flipping;	     /* index of the buffer queued in the kernel, or NONE */
-	int waiting;	     /* index of the submitted buffer that is not queued yet, or NONE */
-	int64_t flip_due_ns; /* deadline of the flip that is queued or was refused; 0: none */
-	struct kms_fit fit;  /* for the buffers acquired next */
-	struct kms_verdict verdicts[VERDICTS];
-	int verdict_next;
-	bool stalled;		    /* a flip missed its deadline: close() must not wait for it */
+	struct kms_swap swap;
+	struct kms_fit fit; /* for the buffers acquired next */
+	struct kms_verdicts verdicts;
 	bool exposed;		    /* DISPLAY_EXPOSED is to be reported */
 	struct display_event shown; /* to be reported, unless DISPLAY_NOTHING */
 };

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "drivers/v4l2/fallback.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 #include "hal/frame/frame_jpeg.h"
@@ -44,6 +45,23 @@ static struct v4l2_span mapping_span(const struct v4l2_mapping *mapping, size_t 
 	return (struct v4l2_span){mapping->memory + offset, end - offset};
 }
 
+/* A driver whose rows are shorter than it tells gives no frame ever, and nothing else says why. */
+static void say_short(struct v4l2_capture *v, size_t bytes)
+{
+	const enum pixel_format format = v->picture.layout->format;
+	size_t needed = 0;
+	char text[80];
+
+	for (int p = 0; p < frame_plane_count(format); p++)
+		needed += frame_plane_bytes(format, p, v->picture.stride[p], v->picture.rows);
+	if (v->said_short || bytes >= needed)
+		return;
+	v->said_short = true;
+	v4l2_describe(&v->picture, 0, text, sizeof(text));
+	log_warning_paced("%s: frames have %zu bytes, %s needs %zu: they are passed over", v->path,
+			  bytes, text, needed);
+}
+
 /* Describes the frame in a buffer. False: the driver marked it as damaged, or it is too short. */
 static bool read_buffer(struct v4l2_capture *v, const struct v4l2_buffer *buffer,
 			struct frame *frame)
@@ -72,7 +90,10 @@ static bool read_buffer(struct v4l2_capture *v, const struct v4l2_buffer *buffer
 		.sequence = buffer->sequence,
 		.buffer = (int)buffer->index,
 	};
-	return v4l2_fill_planes(&v->picture, memory, frame->planes);
+	if (v4l2_fill_planes(&v->picture, memory, frame->planes))
+		return true;
+	say_short(v, memory[0].bytes + memory[1].bytes);
+	return false;
 }
 
 int v4l2_give_back(struct v4l2_capture *v, struct v4l2_taken *t)
@@ -119,6 +140,8 @@ static int decode_h264(struct camera *camera, struct v4l2_capture *v, struct v4l
 	if (camera->settings.range)
 		t->frame.range = v->picture.range;
 	camera->broken += err && err != -EAGAIN;
+	if (err)
+		camera->keyless_ns = clock_now_ns();
 	if (err && err != -EAGAIN && !v->h264_ended) {
 		log_warning_paced("%s: %s; pictures are passed over until the next key frame",
 				  v->path, why.text);

@@ -33,6 +33,7 @@ struct v4l2_capture {
 	struct v4l2_taken waiting; /* the first field of a pair */
 	struct h264_decoder *h264; /* NULL: the device sends something else */
 	bool h264_ended;	   /* no picture until the next key frame */
+	bool said_short;	   /* that a frame was too short */
 	struct v4l2_taken out;	   /* handed to the caller of grab() */
 	struct frame_count count;
 	int64_t signal_checked_ns;

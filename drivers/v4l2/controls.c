@@ -136,6 +136,24 @@ static int say_unknown(const char *name, char (*known)[V4L2_CONTROL_NAME_MAX], s
 			 nearest ? "\"" : "");
 }
 
+/* Linux 6.0 gave these controls other names; what their old names resemble are other controls. */
+static const char *other_name(const char *name)
+{
+	static const char *const renamed[][2] = {
+		{"exposure_auto", "auto_exposure"},
+		{"exposure_absolute", "exposure_time_absolute"},
+		{"exposure_auto_priority", "exposure_dynamic_framerate"},
+		{"white_balance_temperature_auto", "white_balance_automatic"},
+		{"focus_auto", "focus_automatic_continuous"},
+	};
+
+	for (size_t i = 0; i < sizeof(renamed) / sizeof(renamed[0]); i++)
+		for (int k = 0; k < 2; k++)
+			if (strcmp(name, renamed[i][k]) == 0)
+				return renamed[i][1 - k];
+	return "";
+}
+
 static int find_control(int fd, struct v4l2_setting *setting, struct fault *fault)
 {
 	char known[KNOWN_MAX][V4L2_CONTROL_NAME_MAX], wanted[V4L2_CONTROL_NAME_MAX];
@@ -145,7 +163,8 @@ static int find_control(int fd, struct v4l2_setting *setting, struct fault *faul
 	v4l2_control_name(setting->said.name, wanted);
 	while (count < KNOWN_MAX && v4l2_next_control(fd, &control)) {
 		v4l2_control_name(control.name, known[count]);
-		if (strcmp(known[count], wanted) == 0) {
+		if (strcmp(known[count], wanted) == 0 ||
+		    strcmp(known[count], other_name(wanted)) == 0) {
 			setting->control = control;
 			return 0;
 		}

@@ -8,17 +8,34 @@
 
 /* Where two map to one format, the first is preferred. */
 static const struct v4l2_layout layouts[] = {
-	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1}, {V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
-	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},  {V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
-	{V4L2_PIX_FMT_RGB24, PIXEL_RGB24, 1}, {V4L2_PIX_FMT_YUYV, PIXEL_YUYV, 1},
-	{V4L2_PIX_FMT_UYVY, PIXEL_UYVY, 1},   {V4L2_PIX_FMT_YVYU, PIXEL_YVYU, 1},
-	{V4L2_PIX_FMT_NV16, PIXEL_NV16, 1},   {V4L2_PIX_FMT_NV12, PIXEL_NV12, 1},
-	{V4L2_PIX_FMT_NV12M, PIXEL_NV12, 2},  {V4L2_PIX_FMT_NV21, PIXEL_NV21, 1},
-	{V4L2_PIX_FMT_YUV420, PIXEL_YU12, 1}, {V4L2_PIX_FMT_YVU420, PIXEL_YV12, 1},
-	{V4L2_PIX_FMT_P010, PIXEL_P010, 1},   {V4L2_PIX_FMT_Y10, PIXEL_Y10, 1},
-	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},     {V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
-	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},  {V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
-	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},   {V4L2_PIX_FMT_Z16, PIXEL_Z16, 1},
+	{V4L2_PIX_FMT_XBGR32, PIXEL_BGRX, 1},
+	{V4L2_PIX_FMT_ABGR32, PIXEL_BGRX, 1},
+	{V4L2_PIX_FMT_BGR32, PIXEL_BGRX, 1},
+	{V4L2_PIX_FMT_BGR24, PIXEL_BGR24, 1},
+	{V4L2_PIX_FMT_RGB24, PIXEL_RGB24, 1},
+	{V4L2_PIX_FMT_YUYV, PIXEL_YUYV, 1},
+	{V4L2_PIX_FMT_UYVY, PIXEL_UYVY, 1},
+	{V4L2_PIX_FMT_YVYU, PIXEL_YVYU, 1},
+	{V4L2_PIX_FMT_NV16, PIXEL_NV16, 1},
+	{V4L2_PIX_FMT_NV12, PIXEL_NV12, 1},
+	{V4L2_PIX_FMT_NV12M, PIXEL_NV12, 2},
+	{V4L2_PIX_FMT_NV21, PIXEL_NV21, 1},
+	{V4L2_PIX_FMT_YUV420, PIXEL_YU12, 1},
+	{V4L2_PIX_FMT_YVU420, PIXEL_YV12, 1},
+	{V4L2_PIX_FMT_P010, PIXEL_P010, 1},
+	{V4L2_PIX_FMT_Y10, PIXEL_Y10, 1},
+	{V4L2_PIX_FMT_Y16, PIXEL_Y16, 1},
+	{V4L2_PIX_FMT_MJPEG, PIXEL_MJPEG, 1},
+	{V4L2_PIX_FMT_JPEG, PIXEL_MJPEG, 1},
+	{V4L2_PIX_FMT_GREY, PIXEL_GREY, 1},
+	{V4L2_PIX_FMT_H264, PIXEL_H264, 1},
+	{V4L2_PIX_FMT_Z16, PIXEL_Z16, 1},
+	{V4L2_PIX_FMT_Y12, PIXEL_Y12, 1},
+	{V4L2_PIX_FMT_Y14, PIXEL_Y14, 1},
+	/* Many sensors of fewer bits send them low in what they call Y16: these are only wished for. */
+	{V4L2_PIX_FMT_Y16, PIXEL_Y10, 1},
+	{V4L2_PIX_FMT_Y16, PIXEL_Y12, 1},
+	{V4L2_PIX_FMT_Y16, PIXEL_Y14, 1},
 };
 
 enum { LAYOUTS = sizeof(layouts) / sizeof(layouts[0]) };
@@ -31,13 +48,21 @@ const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc)
 	return NULL;
 }
 
+const struct v4l2_layout *v4l2_layout_as(uint32_t fourcc, enum pixel_format wanted)
+{
+	for (int i = 0; i < LAYOUTS; i++)
+		if (layouts[i].fourcc == fourcc && layouts[i].format == wanted)
+			return &layouts[i];
+	return v4l2_layout_of(fourcc);
+}
+
 int v4l2_choose(const struct v4l2_offer *offers, int count, enum pixel_format wanted)
 {
 	const struct v4l2_layout *best_layout = NULL;
 	int best = -1, best_merit = 0;
 
 	for (int i = 0; i < count; i++) {
-		const struct v4l2_layout *layout = v4l2_layout_of(offers[i].fourcc);
+		const struct v4l2_layout *layout = v4l2_layout_as(offers[i].fourcc, wanted);
 		int merit;
 
 		if (!layout || (wanted != PIXEL_NONE && layout->format != wanted))

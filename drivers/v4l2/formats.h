@@ -19,6 +19,9 @@ struct v4l2_layout {
 /* Returns the layout of a format. NULL: inlay does not decode it. */
 const struct v4l2_layout *v4l2_layout_of(uint32_t fourcc);
 
+/* The same, as the wanted format if its bytes can be read as that too. */
+const struct v4l2_layout *v4l2_layout_as(uint32_t fourcc, enum pixel_format wanted);
+
 /* A format that a device offers. */
 struct v4l2_offer {
 	uint32_t fourcc;

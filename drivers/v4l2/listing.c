@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers/v4l2/listing.h"
 
-#include <dirent.h>
 #include <errno.h>
-#include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +13,7 @@
 #include "drivers/v4l2/formats.h"
 #include "drivers/v4l2/offers.h"
 #include "hal/device/camera_situation.h"
+#include "hal/device/node_link.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };
 
@@ -184,23 +183,14 @@ static void add_controls(int fd, struct camera_listing *listing)
 static void add_links(const char *node, struct camera_listing *listing)
 {
 	static const char *const folders[] = {"/dev/v4l/by-id", "/dev/v4l/by-path"};
-	char port[V4L2_PORT_MAX], link[INI_PATH_MAX], target[PATH_MAX];
+	char port[V4L2_PORT_MAX], link[INI_PATH_MAX];
 	int number;
 
 	if (sscanf(node, "/dev/video%d", &number) == 1 && v4l2_port_of_node(number, port))
 		add_line(listing, "USB port %s", port);
-	for (int i = 0; i < 2; i++) {
-		DIR *folder = opendir(folders[i]);
-		const struct dirent *entry;
-
-		while (folder && (entry = readdir(folder))) {
-			snprintf(link, sizeof(link), "%s/%s", folders[i], entry->d_name);
-			if (realpath(link, target) && strcmp(target, node) == 0)
-				add_line(listing, "link %s", link);
-		}
-		if (folder)
-			closedir(folder);
-	}
+	for (int i = 0; i < 2; i++)
+		if (node_link(folders[i], node, link, sizeof(link)))
+			add_line(listing, "link %s", link);
 }
 
 static void listing_describe(int fd, const struct v4l2_capability *capability,

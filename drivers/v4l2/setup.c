@@ -176,6 +176,7 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 	struct format_request request = {.field = v4l2_field_asked(wish, source->standard),
 					 .width = (unsigned)settings->width,
 					 .height = (unsigned)settings->height};
+	const enum pixel_format wanted = (enum pixel_format)settings->format;
 	struct v4l2_format format = {.type = type};
 	int err;
 
@@ -183,13 +184,14 @@ int v4l2_setup_picture(int fd, unsigned type, const struct camera_settings *sett
 	if (!err)
 		err = set_format(fd, &request, &format, fault);
 	if (err == -ENOSPC) /* for v4l2_fallback_step() */
-		*picture = (struct v4l2_picture){.layout = v4l2_layout_of(request.fourcc),
+		*picture = (struct v4l2_picture){.layout = v4l2_layout_as(request.fourcc, wanted),
 						 .width = settings->width,
 						 .height = settings->height};
 	if (!err)
 		err = v4l2_picture_of(&format, source->standard, settings->height, picture, fault);
 	if (err)
 		return err;
+	picture->layout = v4l2_layout_as(picture->layout->fourcc, wanted);
 	if (settings->format && (int)picture->layout->format != settings->format)
 		return fault_say(fault, -ENOTSUP, "the camera answered with %s, expected %s",
 				 pixel_format_names[picture->layout->format],

@@ -62,6 +62,7 @@ struct camera {
 	double rate_hz;
 	bool on_demand; /* each grab() makes the next frame: a late grab() loses none */
 	enum camera_situation situation;
+	int64_t keyless_ns; /* when a picture came last that lacks its key frame; 0: none did */
 	uint64_t frames, lost,
 		broken; /* frames given out; gaps in sequence + superseded; unfit and skipped */
 	void *state;	/* the driver's; NULL when closed */

@@ -4,7 +4,7 @@
 static const enum pixel_format cheapest_first[] = {
 	PIXEL_BGRX,  PIXEL_BGR24, PIXEL_RGB24, PIXEL_YUYV, PIXEL_UYVY, PIXEL_YVYU,
 	PIXEL_NV16,  PIXEL_NV12,  PIXEL_NV21,  PIXEL_YU12, PIXEL_YV12, PIXEL_P010,
-	PIXEL_MJPEG, PIXEL_GREY,  PIXEL_Y16,   PIXEL_Y10,
+	PIXEL_MJPEG, PIXEL_GREY,  PIXEL_Y16,   PIXEL_Y14,  PIXEL_Y12,  PIXEL_Y10,
 };
 
 enum { FORMATS = sizeof(cheapest_first) / sizeof(cheapest_first[0]) };

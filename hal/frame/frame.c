@@ -15,8 +15,9 @@ _Static_assert(sizeof(deinterlace_names) / sizeof(deinterlace_names[0]) == DEINT
 	       "a name for each way to deinterlace");
 
 const char *const pixel_format_names[] = {
-	"none",	 "YUYV", "UYVY", "YVYU", "NV16", "NV12", "NV21",  "YU12", "YV12", "P010", "RGB24",
-	"BGR24", "BGRX", "GREY", "Y10",	 "Y16",	 "Z16",	 "MJPEG", "H264", "RGBF", NULL,
+	"none", "YUYV", "UYVY",	 "YVYU",  "NV16", "NV12", "NV21", "YU12",
+	"YV12", "P010", "RGB24", "BGR24", "BGRX", "GREY", "Y10",  "Y12",
+	"Y14",	"Y16",	"Z16",	 "MJPEG", "H264", "RGBF", NULL,
 };
 
 _Static_assert(sizeof(pixel_format_names) / sizeof(pixel_format_names[0]) == PIXEL_FORMAT_COUNT + 1,
@@ -102,6 +103,8 @@ static const struct plane_layout layouts[PIXEL_FORMAT_COUNT][FRAME_PLANES] = {
 	[PIXEL_BGRX] = {{.pixel = 4}},
 	[PIXEL_GREY] = {{.pixel = 1}},
 	[PIXEL_Y10] = {{.pixel = 2}},
+	[PIXEL_Y12] = {{.pixel = 2}},
+	[PIXEL_Y14] = {{.pixel = 2}},
 	[PIXEL_Y16] = {{.pixel = 2}},
 	[PIXEL_Z16] = {{.pixel = 2}},
 	[PIXEL_RGBF] = {{.pixel = 3 * sizeof(float)}},

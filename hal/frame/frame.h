@@ -30,6 +30,8 @@ enum pixel_format {
 	PIXEL_BGRX, /* V4L2 XBGR32, DRM XRGB8888, libyuv ARGB: the working format */
 	PIXEL_GREY,
 	PIXEL_Y10,   /* grey in the lower ten bits of 16 */
+	PIXEL_Y12,   /* in the lower twelve */
+	PIXEL_Y14,   /* in the lower fourteen */
 	PIXEL_Y16,   /* grey of 16 bits; all words are little-endian */
 	PIXEL_Z16,   /* depth of 16 bits (depth.h); read as grey, 8191 and more are white */
 	PIXEL_MJPEG, /* one JPEG picture; planes[0].bytes is its length */

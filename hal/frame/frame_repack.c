@@ -87,9 +87,12 @@ void frame_repack_ycbcr(const struct frame *frame, int x, int y, int count, uint
 
 void frame_repack_grey(const struct frame *frame, int x, int y, int count, uint8_t *grey)
 {
-	const unsigned white = frame->format == PIXEL_Y10   ? 1023
-			       : frame->format == PIXEL_Z16 ? 8191
-							    : 65535;
+	static const uint16_t whites[PIXEL_FORMAT_COUNT] = {[PIXEL_Y10] = 1023,
+							    [PIXEL_Y12] = 4095,
+							    [PIXEL_Y14] = 16383,
+							    [PIXEL_Y16] = 65535,
+							    [PIXEL_Z16] = 8191};
+	const unsigned white = whites[frame->format];
 	const uint8_t *words = row_of(frame, 0, y) + 2 * (size_t)x;
 
 	for (int i = 0; i < count; i++) {

@@ -10,8 +10,8 @@
 void frame_repack_ycbcr(const struct frame *frame, int x, int y, int count, uint8_t *luma,
 			uint8_t *cbcr);
 
-/* The same of PIXEL_Y10, PIXEL_Y16 and PIXEL_Z16. White stays white: 1023 and 65535 become 255, and
- * depths of 8191 and more. */
+/* The same of PIXEL_Y10 to PIXEL_Y16, and of PIXEL_Z16. White stays white: the greatest word becomes
+ * 255, and depths of 8191 and more. */
 void frame_repack_grey(const struct frame *frame, int x, int y, int count, uint8_t *grey);
 
 #endif

@@ -220,14 +220,14 @@ static void find_true_lights(struct random_bench *b)
 	const struct view view = {.width = SIDE, .height = SIDE, .squash = 1};
 	struct fault fault = {.text = ""};
 
-	light_exposures_begin(b->pipeline->exposures);
+	light_exposures_begin(b->pipeline->light.exposures);
 	must(pipeline_light_linear(b->pipeline, &sky, &view, &fault), &fault);
 	memcpy(b->truth.lights, pipeline_radiance(b->pipeline),
 	       (size_t)pipeline_dome(b->pipeline)->count * sizeof(*b->truth.lights));
 	irradiance_of(pipeline_dome(b->pipeline), (const float(*)[3])b->truth.lights,
 		      b->truth.irradiance);
 	truth_show(&b->truth, b->pipeline);
-	light_exposures_begin(b->pipeline->exposures);
+	light_exposures_begin(b->pipeline->light.exposures);
 }
 
 static double rms_of(struct random_bench *b)

@@ -46,6 +46,12 @@ refused "hours that are none" 1 '[screen] hours: is not understood from "to 5" o
 printf '\n[screen]\nhours = mon-fri 09:00-25:00\n' | cat "$work/studio.conf" - >"$work/odd.conf"
 refused "with the file and its line" 1 "odd.conf:$(grep -n hours "$work/odd.conf" | cut -d: -f1): [screen] hours" \
 	"$INLAY" run --config "$work/odd.conf" --frames 1
+printf '\n[screen]\nhours = mon-fri 09:00-18:00 ; sat 10-14\n' | cat "$work/studio.conf" - >"$work/odd.conf"
+refused "a Saturday that is a comment" 1 \
+	"odd.conf:$(grep -n hours "$work/odd.conf" | cut -d: -f1): [screen] hours: goes on behind \";\"" \
+	"$INLAY" check --config "$work/odd.conf"
+sed -i 's/; sat.*/; Saturdays too?/' "$work/odd.conf"
+equal "any other comment is none" 0 "$("$INLAY" check --config "$work/odd.conf" 2>&1 | grep -c odd.conf:)"
 refused "a zone that is none" 1 '[screen] time_zone: is "Europe/Berln", which is no time zone' \
 	"$INLAY" run --config "$work/studio.conf" --set screen.time_zone=Europe/Berln --frames 1
 
@@ -59,6 +65,7 @@ begin $((saturday + 9 * 3600)) "${hours[@]}"
 check "within its hours it shows frames" frames_come
 check "status says until when" status_says '"rest":false,"hours_next":"sat 14:00","local_time":"sat '
 clock $((saturday + 12 * 3600))
+check "and what a Raspberry Pi says of its power" status_says '"undervoltage":'
 check "after them it rests" until_true status_says '"screen":"off","rest":true,"hours_next":"mon 09:00"'
 check "as the log says" says "$work/run.log" "at rest until mon 09:00: the screen is off, the cameras are closed"
 check "the screen is switched off" says "$work/run.log" "null display: switched off"
@@ -81,6 +88,19 @@ check "and back: it stays awake, as it was woken" frames_come
 stop
 equal "without a fault" 0 $?
 equal "nothing was complained of" 0 "$(grep -c "camera .*:" "$work/run.log")"
+
+# ---- a television that stays black ----
+begin $((saturday + 9 * 3600)) "${hours[@]}" --set screen.hours_off=black --set "screen.cec=$work/cec"
+check "the television is told to wake" until_true says "$work/run.log" "[screen] cec: $work/cec: the television is not told to wake"
+clock $((saturday + 12 * 3600))
+check "after its hours it rests, and the signal stays" until_true status_says '"screen":"fine","rest":true'
+check "as the log says" says "$work/run.log" "the screen is black, the cameras are closed"
+check "the television is told to go to standby" until_true says "$work/run.log" "not told to go to standby"
+clock $((saturday + 2 * 86400 + 9 * 3600))
+check "in the morning it shows frames" frames_come
+equal "that no television is there is said once" 1 "$(said "$work/run.log" "not told to wake")"
+equal "the screen was never switched off" 0 "$(said "$work/run.log" "switched off")"
+stop
 
 # ---- a start by night; the cameras' descriptors ----
 begin $((saturday + 86400)) "${hours[@]}"

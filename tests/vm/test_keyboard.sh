@@ -4,11 +4,11 @@
 . tests/vm/guest/tap.sh
 . tests/vm/guest/devices.sh
 
-# plug NAME: a keyboard that types what type_at tells it. unplug NAME takes it away.
+# plug NAME [touch]: a keyboard that types what type_at tells it, or a touch screen. unplug NAME takes it away.
 declare -A typing feeder
 plug() {
 	mkfifo "/run/$1.keys"
-	"$tools/keys" "inlay $1" <"/run/$1.keys" >"$VM_OUT/$1.node" 2>&1 &
+	"$tools/keys" "inlay $1" "${@:2}" <"/run/$1.keys" >"$VM_OUT/$1.node" 2>&1 &
 	feeder[$1]=$!
 	local fd
 	exec {fd}>"/run/$1.keys"
@@ -157,6 +157,16 @@ check "by then it is grabbed" eventually heard all 1 view-next
 check "so that nobody else hears it" heard other 0 view-next
 ignore all
 ignore other
+
+# ---- a touch screen without a key ----
+listen touched threshold_next=btn_touch
+plug screen touch
+check "a touch screen is plugged in that tells of fingers alone" plugged screen
+type_at screen tap
+type_at screen tap
+check "and each tap is heard" eventually heard touched 2 threshold-next
+unplug screen
+ignore touched
 
 # ---- refusals ----
 said() { # option=value...

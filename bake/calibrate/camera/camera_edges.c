@@ -252,8 +252,6 @@ int camera_edges_measure(const struct observations *seen, const struct image *pi
 	int count = 0, err = 0;
 
 	*edges = (struct camera_edges){.count = 0};
-	if (board->kind == BOARD_CIRCLES)
-		goto out;
 	n.first = calloc(2 * (size_t)all + 1, sizeof(*n.first));
 	if (!edge || !n.first) {
 		err = -ENOMEM;

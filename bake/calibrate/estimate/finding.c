@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/estimate/finding.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -58,8 +59,7 @@ void finding_add(struct finding *finding, const char *key, const char *label, co
 {
 	struct finding_figure *figure = &finding->figure[finding->figures];
 
-	if (finding->figures == FINDING_FIGURES_MAX)
-		return;
+	assert(finding->figures < FINDING_FIGURES_MAX);
 	snprintf(figure->key, sizeof(figure->key), "%s", key);
 	snprintf(figure->label, sizeof(figure->label), "%s", label);
 	snprintf(figure->unit, sizeof(figure->unit), "%s", unit);

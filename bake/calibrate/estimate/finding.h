@@ -63,7 +63,7 @@ void finding_doubt_twins(struct finding *finding);
  * before. */
 void finding_print(FILE *to, const char *before, const struct finding *finding);
 
-/* Adds a figure; more than FINDING_FIGURES_MAX are ignored. */
+/* Adds a figure; more than FINDING_FIGURES_MAX would end the program: that is then too small. */
 void finding_add(struct finding *finding, const char *key, const char *label, const char *unit,
 		 double value);
 

@@ -14,14 +14,12 @@
 #define SIDE_MIN 3
 #define STEP_MIN_MM 0.1
 #define STEP_MAX_MM 1000.0
-#define EXPECTED                                                                                   \
-	"expected a board such as 9x6:25mm, chess:9x6:25mm, circles:4x11:20mm or "                 \
-	"charuco:8x6:30mm:22mm"
+#define EXPECTED "expected a board such as 9x6:25mm, chess:9x6:25mm or charuco:8x6:30mm:22mm"
 #define EXPECTED_MARKERS                                                                           \
 	"expected markers of 4x4, 5x5, 6x6, 7x7, original, apriltag_16h5, apriltag_25h9, "         \
 	"apriltag_36h10 or apriltag_36h11, or legacy"
 
-const char *const board_kind_names[] = {"chess", "circles", "charuco", NULL};
+const char *const board_kind_names[] = {"chess", "charuco", NULL};
 
 _Static_assert(sizeof(board_kind_names) / sizeof(board_kind_names[0]) == BOARD_KIND_COUNT + 1,
 	       "a name for each kind");
@@ -159,12 +157,6 @@ int board_parse(struct board *board, const char *text, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "\"%s\": " EXPECTED " (sides %d to %d, lengths %g to %g mm)", text,
 				 SIDE_MIN, BOARD_SIDE_MAX, STEP_MIN_MM, STEP_MAX_MM);
-	if (board->kind == BOARD_CIRCLES && board->rows % 2 == 0)
-		return fault_say(
-			fault, -EINVAL,
-			"\"%s\": expected an odd number of rows of circles, which do not look "
-			"the same upside down",
-			text);
 	if (board->kind == BOARD_CHARUCO && board->marker_mm >= board->step_mm)
 		return fault_say(fault, -EINVAL,
 				 "\"%s\": expected markers smaller than the squares of %g mm", text,
@@ -206,7 +198,7 @@ void board_place(const struct board *board, int k, double mm[2])
 {
 	const int column = k % board_columns(board), row = k / board_columns(board);
 
-	mm[0] = board->step_mm * (board->kind == BOARD_CIRCLES ? 2 * column + row % 2 : column);
+	mm[0] = board->step_mm * column;
 	mm[1] = board->step_mm * row;
 }
 
@@ -253,19 +245,6 @@ int board_dictionary(const struct board *board)
 	return board->dictionary < 0 ? BOARD_5X5 : board->dictionary;
 }
 
-static bool circle_ink(const struct board *board, double x, double y)
-{
-	const double radius = BOARD_CIRCLE_RADIUS * board->step_mm;
-	const int row = (int)lround(y / board->step_mm);
-	const int column = (int)lround((x / board->step_mm - abs(row % 2)) / 2);
-	double mm[2];
-
-	if (row < 0 || row >= board->rows || column < 0 || column >= board->columns)
-		return false;
-	board_place(board, row * board->columns + column, mm);
-	return hypot(x - mm[0], y - mm[1]) < radius;
-}
-
 /* x, y: from the upper left corner of the marker's square, 0..1. */
 static bool marker_ink(const struct board *board, int marker, double x, double y)
 {
@@ -289,8 +268,6 @@ bool board_ink(const struct board *board, double x_mm, double y_mm)
 	const int more = board->kind == BOARD_CHESS;
 	const int column = (int)floor(x), row = (int)floor(y);
 
-	if (board->kind == BOARD_CIRCLES)
-		return circle_ink(board, x_mm, y_mm);
 	if (column < 0 || row < 0 || column >= board->columns + more || row >= board->rows + more)
 		return false;
 	if ((column + row + first_square(board)) % 2 == 0)

@@ -4,8 +4,7 @@
  * world.
  *
  * A board's own axes: x right, y down as printed and seen from the front, z into the board, so that
- * they are right-handed; the origin is the first inner corner (chessboard, ChArUco) or the first
- * circle. Lengths are in millimetres. The square at the upper left is black, but for some of
+ * they are right-handed; the origin is the first inner corner. Lengths are in millimetres. The square at the upper left is black, but for some of
  * ChArUco's.
  */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_H
@@ -19,12 +18,11 @@
 
 enum board_kind {
 	BOARD_CHESS,   /* columns x rows of inner corners */
-	BOARD_CIRCLES, /* asymmetric circles: columns x rows as OpenCV counts them */
 	BOARD_CHARUCO, /* columns x rows of squares, with markers: may be seen in part */
 	BOARD_KIND_COUNT
 };
 
-extern const char *const board_kind_names[]; /* "chess", "circles", "charuco", NULL */
+extern const char *const board_kind_names[]; /* "chess", "charuco", NULL */
 
 #define BOARD_SIDE_MAX 40
 #define BOARD_NAME_MAX 96
@@ -32,9 +30,7 @@ extern const char *const board_kind_names[]; /* "chess", "circles", "charuco", N
 struct board {
 	enum board_kind kind;
 	int columns, rows;
-	/* side of a square; distance of rows of circles, which is half the distance of neighbours
-	 * in a row */
-	double step_mm;
+	double step_mm;	  /* side of a square */
 	double marker_mm; /* ChArUco: side of a marker */
 	/* ChArUco: index of the dictionary of its markers; whether its squares are those of OpenCV
 	 * before 4.6, which has a white one at the upper left if there is an even number of rows.
@@ -49,9 +45,9 @@ struct board {
 	double rotation[9], position[3], unit;
 };
 
-/* Parses "9x6:25mm", "chess:9x6:25mm", "circles:4x11:20mm" or "charuco:8x6:30mm:22mm", the last
+/* Parses "9x6:25mm", "chess:9x6:25mm" or "charuco:8x6:30mm:22mm", the last
  * perhaps with ":6x6" or ":DICT_6X6_250" for its dictionary and ":legacy" for the squares of OpenCV
- * before 4.6. Sides are 3 to BOARD_SIDE_MAX, circles have an odd number of rows, steps are 0.1 to
+ * before 4.6. Sides are 3 to BOARD_SIDE_MAX, steps are 0.1 to
  * 1000 mm, markers are smaller than squares. -EINVAL. */
 int board_parse(struct board *board, const char *text, struct fault *fault);
 
@@ -78,12 +74,6 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
  * Finds the board in an 8-bit picture and adds its points as a view called name; points are named
  * by column and row, the first being 1,1. Either all points are found or none; of ChArUco six or
  * more suffice, and what the board leaves open of its markers is settled and logged. Boards seen from behind or in a mirror are not found: pictures must be upright.
- *
- * A circle's point is the centroid of its image, which perspective and distortion shift away from
- * the image of its centre, at first order by
- *     f r^2 sin(2 tilt) / (2 Z^2) px
- * (r the radius, Z the distance, f in px): some hundredths of a pixel for small circles. Corners
- * have no such bias.
  *
  * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -ERANGE:
  * another size than the pictures before; -ENOMEM. On failure nothing is added.

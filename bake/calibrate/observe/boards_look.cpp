@@ -26,14 +26,8 @@ void silence_opencv()
 bool find_kind(board &wanted, const cv::Mat &grey, boards::Points &points, std::vector<bool> &seen,
 	       std::string &why)
 {
-	switch (wanted.kind) {
-	case BOARD_CHESS:
-		return boards::find_chess(wanted, grey, points, why);
-	case BOARD_CIRCLES:
-		return boards::find_circles(wanted, grey, points, why);
-	default:
-		return boards::find_charuco(wanted, grey, points, seen, why);
-	}
+	return wanted.kind == BOARD_CHESS ? boards::find_chess(wanted, grey, points, why)
+					  : boards::find_charuco(wanted, grey, points, seen, why);
 }
 
 int look_for_board(board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)

@@ -22,7 +22,6 @@ using Points = std::vector<cv::Point2f>;
 /* Each returns whether it found the board. points: all of them, in the order of board_point();
  * seen: which of them were found (empty: all); why: what was found instead. */
 bool find_chess(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
-bool find_circles(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
 bool find_charuco(board &wanted, const cv::Mat &grey, Points &points, std::vector<bool> &seen,
 		  std::string &why);
 

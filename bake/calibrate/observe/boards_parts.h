@@ -32,9 +32,6 @@ enum {
 
 extern const struct marker_set marker_sets[BOARD_DICTIONARIES];
 
-/* Radius of a circle, in steps. */
-#define BOARD_CIRCLE_RADIUS 0.25
-
 /* Points in a row. Those of a ChArUco board are the corners between its squares. */
 int board_columns(const struct board *board);
 

@@ -52,11 +52,6 @@ struct extent {
 
 static struct extent extent_of(const struct board *board)
 {
-	const double r = BOARD_CIRCLE_RADIUS;
-
-	if (board->kind == BOARD_CIRCLES)
-		return (struct extent){-r, -r, 2 * board->columns - 1 + 2 * r,
-				       board->rows - 1 + 2 * r};
 	if (board->kind == BOARD_CHESS)
 		return (struct extent){-1, -1, board->columns + 1, board->rows + 1};
 	return (struct extent){-1, -1, board->columns, board->rows};
@@ -128,18 +123,6 @@ static void add_squares(cairo_t *cr, const struct board *board)
 		}
 }
 
-static void add_circles(cairo_t *cr, const struct board *board)
-{
-	for (int k = 0; k < board_points(board); k++) {
-		double mm[2];
-
-		board_place(board, k, mm);
-		cairo_new_sub_path(cr);
-		cairo_arc(cr, mm[0] / board->step_mm, mm[1] / board->step_mm, BOARD_CIRCLE_RADIUS,
-			  0, 2 * M_PI);
-	}
-}
-
 /* An arrow head of 2 mm with its letter, whose point is at x, y and points by dx, dy. */
 static void draw_axis(cairo_t *cr, const char *letter, double x, double y, double dx, double dy)
 {
@@ -187,10 +170,7 @@ static void draw_board(cairo_t *cr, const struct board *board, const struct shee
 	cairo_translate(cr, -extent.left * board->step_mm, -extent.top * board->step_mm);
 	draw_axes(cr, &extent, board->step_mm);
 	cairo_scale(cr, board->step_mm, board->step_mm);
-	if (board->kind == BOARD_CIRCLES)
-		add_circles(cr, board);
-	else
-		add_squares(cr, board);
+	add_squares(cr, board);
 	cairo_set_fill_rule(cr, CAIRO_FILL_RULE_EVEN_ODD);
 	cairo_fill(cr);
 	cairo_restore(cr);

@@ -31,7 +31,7 @@ static double drawn_board_light(const struct drawn_board *drawn, const double px
 		mm[i] = at[i] - at[2] / far[2] * far[i];
 	if (board_ink(b, mm[0], mm[1]))
 		return drawn->paper > 0 ? drawn->ink : 0.03;
-	columns = b->kind == BOARD_CIRCLES ? 2 * b->columns : b->columns;
+	columns = b->columns;
 	rows = b->rows + 1;
 	if (mm[0] < -2 * b->step_mm || mm[1] < -2 * b->step_mm ||
 	    mm[0] > (columns + 1) * b->step_mm || mm[1] > rows * b->step_mm)

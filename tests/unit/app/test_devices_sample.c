@@ -103,12 +103,82 @@ static void depths_are_no_picture(void **state)
 	sample_destroy(sample);
 }
 
+static void add_path(struct devices_sample *sample, int node, const char *id, const char *offer)
+{
+	char lines[3][160] = {"", "", ""};
+	struct camera_listing listing = {
+		.name = "D435", .bus = "usb-1", .lines = lines, .line_count = id ? 3 : 2};
+
+	snprintf(listing.device, sizeof(listing.device), "/dev/video%d", node);
+	snprintf(lines[0], sizeof(lines[0]), "link /dev/v4l/by-path/usb-1-video%d", node);
+	snprintf(lines[1], sizeof(lines[1]), "%s", offer);
+	snprintf(lines[2], sizeof(lines[2]), "link /dev/v4l/by-id/%s", id ? id : "");
+	sample_add_camera(sample, "v4l2", &listing);
+}
+
+/* udev's link by id names the device, and any of its three nodes may have it. */
+static void a_depth_camera_shows_its_colours(void **state)
+{
+	(void)state;
+	for (int winner = 0; winner < 3; winner++) {
+		const char *const id = "usb-D435-video-index0";
+		struct devices_sample *sample = sample_create();
+		char *text;
+
+		add_path(sample, 0, winner == 0 ? id : NULL, "Z16 Z16 640x480 30 Hz");
+		add_path(sample, 2, winner == 1 ? id : NULL, "GREY GREY 640x480 30 Hz");
+		add_path(sample, 4, winner == 2 ? id : NULL, "YUYV YUYV 640x480 30 Hz");
+		text = written(sample);
+		assert_non_null(strstr(text, "[camera camera1]\ndriver = v4l2\n"
+					     "device = /dev/v4l/by-path/usb-1-video4\n"));
+		assert_non_null(strstr(text, "[camera depth]\ndriver = v4l2\n"
+					     "device = /dev/v4l/by-path/usb-1-video0\n"));
+		assert_null(strstr(text, "[camera camera2]"));
+		free(text);
+		sample_destroy(sample);
+	}
+}
+
+static void add_card(struct devices_sample *sample, int number, const char *first,
+		     const char *second)
+{
+	char lines[3][160];
+	struct display_listing listing = {.name = "card", .lines = lines, .line_count = 3};
+
+	snprintf(listing.device, sizeof(listing.device), "/dev/dri/card%d", number);
+	snprintf(lines[0], sizeof(lines[0]), "link /dev/dri/by-path/pci-0000:0%d:00.0-card",
+		 number);
+	snprintf(lines[1], sizeof(lines[1]), "HDMI-A-1: %s", first);
+	snprintf(lines[2], sizeof(lines[2]), "HDMI-A-2: %s", second);
+	sample_add_screen(sample, "kms", &listing);
+}
+
+static void a_card_is_named_where_several_have_a_screen(void **state)
+{
+	struct devices_sample *sample = sample_create();
+	char *text;
+
+	(void)state;
+	add_card(sample, 0, "disconnected", "disconnected");
+	add_card(sample, 1, "connected", "connected");
+	text = written(sample);
+	assert_non_null(strstr(text, "[screen]\ndriver = kms\nkms.connector = HDMI-A-1\n"));
+	free(text);
+	add_card(sample, 2, "connected", "disconnected");
+	text = written(sample);
+	assert_non_null(strstr(text, "device = /dev/dri/by-path/pci-0000:01:00.0-card\n"));
+	free(text);
+	sample_destroy(sample);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_serial_number_of_its_own_names_a_camera),
 		cmocka_unit_test(a_shared_serial_number_does_not),
 		cmocka_unit_test(depths_are_no_picture),
+		cmocka_unit_test(a_depth_camera_shows_its_colours),
+		cmocka_unit_test(a_card_is_named_where_several_have_a_screen),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

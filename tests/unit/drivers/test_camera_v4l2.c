@@ -17,6 +17,7 @@
 #include "drivers/v4l2/offers.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 
 enum { BUFFERS = 4 };
@@ -55,6 +56,35 @@ static void formats_are_chosen(void **state)
 	assert_int_equal(played_start(&rig), -ENOTSUP);
 	assert_int_equal(rig.camera.situation, CAMERA_UNSUPPORTED_FORMAT);
 	assert_non_null(strstr(rig.fault.text, "NV12"));
+	played_finish(&rig);
+}
+
+/* What a device calls Y16 may fill fewer bits: the configuration says which. */
+static void y16_of_fewer_bits_is_declared(void **state)
+{
+	static const uint32_t only_y16[] = {V4L2_PIX_FMT_Y16, 0};
+	static const uint32_t both[] = {V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_Y12, 0};
+	static const int wanted[] = {PIXEL_NONE, PIXEL_Y10, PIXEL_Y12, PIXEL_Y14, PIXEL_Y16};
+	struct played_rig rig;
+	struct frame frame;
+
+	(void)state;
+	for (int i = 0; i < 5; i++) {
+		played_prepare(&rig, only_y16);
+		rig.settings.format = wanted[i];
+		played_must_start(&rig);
+		assert_int_equal(played.fourcc, V4L2_PIX_FMT_Y16);
+		assert_int_equal(rig.camera.format, i ? wanted[i] : PIXEL_Y16);
+		played_deliver(1, 0, 64 * 2 * 48, 0);
+		assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), 0);
+		assert_int_equal(frame.format, i ? wanted[i] : PIXEL_Y16);
+		camera_release(&rig.camera, &frame);
+		played_finish(&rig);
+	}
+	played_prepare(&rig, both);
+	rig.settings.format = PIXEL_Y12;
+	played_must_start(&rig);
+	assert_int_equal(played.fourcc, V4L2_PIX_FMT_Y12);
 	played_finish(&rig);
 }
 
@@ -193,16 +223,25 @@ static void the_newest_wins(void **state)
 
 static void unfit_frames_are_skipped(void **state)
 {
+	struct captured_log log;
+	char said[512] = "";
 	struct frame frame;
 	struct played_rig rig;
+	FILE *lines;
 
 	(void)state;
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
+	log = captured_log_begin();
 	played_deliver(0, 0, PLAYED_YUYV_BYTES, V4L2_BUF_FLAG_ERROR);
 	played_deliver(1, 1, PLAYED_YUYV_BYTES - 1, 0);
 	played_deliver(2, 2, 0, 0);
 	assert_int_equal(camera_grab(&rig.camera, &frame, &rig.fault), -EAGAIN);
+	lines = captured_log_end(&log);
+	assert_non_null(fgets(said, sizeof(said), lines));
+	assert_non_null(strstr(said, "frames have 6143 bytes, 64x48 YUYV needs 6144"));
+	assert_null(fgets(said, sizeof(said), lines)); /* once */
+	fclose(lines);
 	assert_int_equal(rig.camera.broken, 3);
 	assert_int_equal(played_queued(), BUFFERS);
 	played_deliver(0, 3, PLAYED_YUYV_BYTES, 0);
@@ -462,6 +501,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(formats_are_chosen),
+		cmocka_unit_test(y16_of_fewer_bits_is_declared),
 		cmocka_unit_test(depths_are_taken_where_they_are_wanted),
 		cmocka_unit_test(frames_come_and_go_back),
 		cmocka_unit_test(times_that_cannot_be_are_replaced),

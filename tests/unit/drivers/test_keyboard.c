@@ -177,6 +177,26 @@ static void a_tap_is_a_press(void **state)
 	}
 }
 
+/* A touch screen without a key: each finger that comes is a tap, unless another is down. */
+static void a_contact_is_a_press(void **state)
+{
+	const unsigned char none[KEYS_BITS_BYTES] = {0};
+	struct keys keys;
+
+	(void)state;
+	keys_start(&keys, none);
+	assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_TRACKING_ID, 0), ACTION_NONE);
+	keys.contacts = true;
+	for (int finger = 0; finger < 3; finger++) {
+		assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_TRACKING_ID, finger),
+				 ACTION_POSE_NEXT);
+		assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_POSITION_X, 9), ACTION_NONE);
+		assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_TRACKING_ID, 9), ACTION_NONE);
+		assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_TRACKING_ID, -1), ACTION_NONE);
+	}
+	assert_true(keys_are_idle(&keys));
+}
+
 static void down_at_the_start(void **state)
 {
 	unsigned char now[KEYS_BITS_BYTES] = {0};
@@ -230,6 +250,7 @@ int main(void)
 		cmocka_unit_test(defaults),
 		cmocka_unit_test(presses),
 		cmocka_unit_test(a_tap_is_a_press),
+		cmocka_unit_test(a_contact_is_a_press),
 		cmocka_unit_test(down_at_the_start),
 		cmocka_unit_test(dropped),
 	};

@@ -96,6 +96,32 @@ static void controls_are_set_by_name(void **state)
 	}
 }
 
+static void a_renamed_control_is_found(void **state)
+{
+	static const char *const names[][2] = {
+		{"White Balance Temperature, Auto", "white_balance_automatic"},
+		{"White Balance, Automatic", "white_balance_temperature_auto"},
+		{"Exposure, Auto Priority", "exposure_dynamic_framerate"},
+		{"Focus, Automatic Continuous", "focus_auto"},
+		{"Exposure Time, Absolute", "exposure_absolute"},
+		{"Auto Exposure", "exposure_auto"},
+	};
+	struct played_rig rig;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
+		char text[80];
+
+		snprintf(text, sizeof(text), "%s=1", names[i][1]);
+		prepare_controls(&rig, text);
+		played.controls[AUTOMATIC].name = names[i][0];
+		assert_int_equal(start_and_listen(&rig), 0);
+		assert_int_equal(played.controls[AUTOMATIC].sets, 1);
+		assert_null(strstr(said, "controls"));
+		played_finish(&rig);
+	}
+}
+
 static void what_is_refused_is_named(void **state)
 {
 	static const struct {
@@ -513,6 +539,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(controls_are_set_by_name),
+		cmocka_unit_test(a_renamed_control_is_found),
 		cmocka_unit_test(what_is_refused_is_named),
 		cmocka_unit_test(what_starting_undoes_is_set_again),
 		cmocka_unit_test(what_another_program_uses_is_left_as_it_is),

@@ -4,6 +4,7 @@
  * ends.
  *
  *     keys NAME <COMMANDS         down KEY | up KEY | press KEY | flood COUNT KEY, one a line
+ *     keys NAME touch <COMMANDS   a touch screen that has no key: tap
  *
  * KEY is a name as in the configuration. Held keys repeat, as the kernel does it for any keyboard.
  * Says "ready /dev/input/eventN" when it is plugged in.
@@ -11,6 +12,7 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <linux/uinput.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,7 +58,33 @@ static int code_of(const char *name)
 	return code;
 }
 
-static void plug_in(const char *name)
+static void tap(void)
+{
+	static int finger;
+
+	emit(EV_ABS, ABS_MT_TRACKING_ID, ++finger);
+	emit(EV_SYN, SYN_REPORT, 0);
+	emit(EV_ABS, ABS_MT_TRACKING_ID, -1);
+	emit(EV_SYN, SYN_REPORT, 0);
+}
+
+static void add_axes(void)
+{
+	static const unsigned short axes[] = {ABS_MT_SLOT, ABS_MT_TRACKING_ID, ABS_MT_POSITION_X,
+					      ABS_MT_POSITION_Y};
+
+	if (ioctl(device, UI_SET_EVBIT, EV_ABS))
+		die("event types");
+	for (size_t i = 0; i < sizeof(axes) / sizeof(axes[0]); i++) {
+		struct uinput_abs_setup axis = {
+			.code = axes[i], .absinfo = {.maximum = axes[i] == ABS_MT_SLOT ? 4 : 4095}};
+
+		if (ioctl(device, UI_SET_ABSBIT, axes[i]) || ioctl(device, UI_ABS_SETUP, &axis))
+			die("axes");
+	}
+}
+
+static void plug_in(const char *name, bool touch)
 {
 	struct uinput_setup setup = {.id = {.bustype = BUS_USB}};
 
@@ -64,9 +92,11 @@ static void plug_in(const char *name)
 	if (device < 0)
 		die("/dev/uinput");
 	snprintf(setup.name, sizeof(setup.name), "%s", name);
-	if (ioctl(device, UI_SET_EVBIT, EV_KEY) || ioctl(device, UI_SET_EVBIT, EV_REP))
+	if (touch)
+		add_axes();
+	else if (ioctl(device, UI_SET_EVBIT, EV_KEY) || ioctl(device, UI_SET_EVBIT, EV_REP))
 		die("event types");
-	for (int code = 1; code < 128; code++)
+	for (int code = 1; code < 128 && !touch; code++)
 		if (ioctl(device, UI_SET_KEYBIT, code))
 			die("keys");
 	if (ioctl(device, UI_DEV_SETUP, &setup) || ioctl(device, UI_DEV_CREATE))
@@ -98,14 +128,16 @@ int main(int argc, char **argv)
 	char line[128], key[64];
 	int count;
 
-	if (argc != 2) {
-		fprintf(stderr, "usage: keys NAME <COMMANDS\n");
+	if (argc != 2 && (argc != 3 || strcmp(argv[2], "touch") != 0)) {
+		fprintf(stderr, "usage: keys NAME [touch] <COMMANDS\n");
 		return 2;
 	}
-	plug_in(argv[1]);
+	plug_in(argv[1], argc == 3);
 	say_node();
 	while (fgets(line, sizeof(line), stdin) && strcmp(line, "unplug\n")) {
-		if (sscanf(line, "down %63s", key) == 1) {
+		if (strcmp(line, "tap\n") == 0) {
+			tap();
+		} else if (sscanf(line, "down %63s", key) == 1) {
 			keys_turn(code_of(key), 1);
 		} else if (sscanf(line, "up %63s", key) == 1) {
 			keys_turn(code_of(key), 0);

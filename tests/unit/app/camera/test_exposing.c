@@ -47,7 +47,7 @@ static void test_exposing_begin(double step, double first, double second, double
 	config = (struct config_fisheye){.exposures = {first, second, third},
 					 .exposure_control = "exposure",
 					 .exposure_delay = 0};
-	source = (struct source){.settings.name = "eye", .openings = 1};
+	source = (struct source){.settings.name = "eye", .opening.count = 1};
 	source.camera = (struct camera){.ops = &fake_ops, .state = &fake, .on_demand = true};
 	exposing_start(&exposing, &config);
 }

@@ -246,8 +246,8 @@ static void a_lost_camera_leaves_its_picture(void **state)
 	test_source_take(2);
 	assert_false(source_is_open(&source));
 	assert_int_equal(source_descriptor(&source), -1);
-	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
-	assert_int_equal(source.losses, 1);
+	assert_int_equal(source.opening.situation, CAMERA_NO_DEVICE);
+	assert_int_equal(source.counts.losses, 1);
 	assert_true(source_has_picture(&source));
 	assert_int_equal(source.canvas.pixels[0], 100);
 	fake.grab_err = 0;
@@ -269,7 +269,7 @@ static void losses_are_counted(void **state)
 	fake.situation = CAMERA_NO_DEVICE;
 	for (int i = 0; i < 3; i++)
 		assert_int_equal(opened(), -ENODEV);
-	assert_int_equal(source.losses, 0);
+	assert_int_equal(source.counts.losses, 0);
 	fake.open_err = 0;
 	for (int i = 1; i <= 5; i++) {
 		must_open();
@@ -278,7 +278,7 @@ static void losses_are_counted(void **state)
 		assert_true(source_decode(&source, 2 * i));
 		fake.grab_err = -ENODEV;
 		test_source_take(2 * i + 1);
-		assert_int_equal(source.losses, i);
+		assert_int_equal(source.counts.losses, i);
 	}
 	fake.grab_err = 0;
 	must_open();
@@ -292,7 +292,7 @@ static void losses_are_counted(void **state)
 	source_rest(&source, false);
 	must_open();
 	test_source_take(21);
-	assert_int_equal(source.losses, 5);
+	assert_int_equal(source.counts.losses, 5);
 	/* Whoever rests while the camera is being opened closes it again. */
 	must_close();
 	fake.gate = eventfd(0, EFD_CLOEXEC);
@@ -337,9 +337,9 @@ static void which_failures_waiting_can_mend(void **state)
 		fake.open_err = cases[i].err;
 		fake.situation = cases[i].situation;
 		assert_int_equal(opened(), cases[i].err);
-		assert_true(source.tried);
+		assert_true(source.opening.tried);
 		assert_string_equal(told.text, "fake: it is broken");
-		if (camera_is_hopeless(source.situation, cases[i].err) != cases[i].hopeless)
+		if (camera_is_hopeless(source.opening.situation, cases[i].err) != cases[i].hopeless)
 			fail_msg("%s, %s", strerror(-cases[i].err),
 				 camera_situation_names[cases[i].situation]);
 	}
@@ -353,19 +353,50 @@ static void silence_is_named_and_ended(void **state)
 	must_open();
 	start = source.heard_ns;
 	source_watch(&source, start + NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	source_watch(&source, start + 3 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_STALLED);
+	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 	assert_true(source_is_open(&source));
 	test_source_take(start + 4 * NS_PER_S); /* the camera is back */
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	/* The program holds its frame, so it is not silent. */
 	source_watch(&source, start + 9 * NS_PER_S);
 	assert_true(source_is_open(&source));
 	assert_true(source_decode(&source, 99));
 	source_watch(&source, start + 11 * NS_PER_S);
 	assert_false(source_is_open(&source));
-	assert_int_equal(source.situation, CAMERA_STALLED);
+	assert_int_equal(source.opening.situation, CAMERA_STALLED);
+}
+
+/* Opening again would begin the wait anew; after a first picture it brings a start's key frame. */
+static void a_key_frame_is_waited_for(void **state)
+{
+	int64_t start;
+
+	(void)state;
+	must_open();
+	start = source.heard_ns;
+	fake.grab_err = -EAGAIN;
+	for (int s = 1; s < 60; s++) {
+		source.camera.keyless_ns = start + s * NS_PER_S;
+		source_watch(&source, start + s * NS_PER_S);
+		assert_true(source_is_open(&source));
+		assert_int_equal(source.opening.situation, s < 2 ? CAMERA_FINE : CAMERA_STALLED);
+	}
+	assert_non_null(strstr(source.opening.why.text, "key frame"));
+	source_watch(&source, start + 60 * NS_PER_S);
+	assert_false(source_is_open(&source));
+	must_open();
+	start = source.heard_ns;
+	source.camera.keyless_ns = start + NS_PER_S; /* and then none any more */
+	source_watch(&source, start + 6 * NS_PER_S);
+	assert_false(source_is_open(&source));
+	must_open();
+	start = source.heard_ns;
+	source.camera.frames = 1;
+	source.camera.keyless_ns = start + 6 * NS_PER_S;
+	source_watch(&source, start + 6 * NS_PER_S);
+	assert_false(source_is_open(&source));
 }
 
 /* An exposure of some seconds at night is not silence. */
@@ -377,9 +408,9 @@ static void a_slow_camera_is_waited_for(void **state)
 	test_source_take(NS_PER_S);
 	assert_true(source_decode(&source, NS_PER_S));
 	source_watch(&source, 15 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	source_watch(&source, 16 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_STALLED);
+	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 	source_watch(&source, 45 * NS_PER_S);
 	assert_true(source_is_open(&source));
 	source_watch(&source, 46 * NS_PER_S);
@@ -390,7 +421,7 @@ static void a_slow_camera_is_waited_for(void **state)
 	test_source_take(100 * NS_PER_S);
 	assert_true(source_decode(&source, 100 * NS_PER_S));
 	source_watch(&source, 160 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_STALLED);
+	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 }
 
 static void a_frame_that_does_not_decode_is_passed_over(void **state)
@@ -456,7 +487,7 @@ static void a_damaged_jpeg_is_never_shown(void **state)
 		send_jpeg(16, 8, 100);
 		assert_true(take_and_decode(3));
 	}
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	assert_int_equal(source_counts(&source).broken, 4);
 }
 
@@ -467,19 +498,19 @@ static void only_damaged_pictures_are_a_situation(void **state)
 	must_open();
 	assert_false(take_and_decode(NS_PER_S));
 	assert_false(take_and_decode(2 * NS_PER_S));
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	assert_false(take_and_decode(4 * NS_PER_S));
-	assert_int_equal(source.situation, CAMERA_DAMAGED);
+	assert_int_equal(source.opening.situation, CAMERA_DAMAGED);
 	assert_false(source_has_picture(&source));
 	test_source_take(5 * NS_PER_S); /* a frame that comes does not show that it decodes */
-	assert_int_equal(source.situation, CAMERA_DAMAGED);
+	assert_int_equal(source.opening.situation, CAMERA_DAMAGED);
 	send_jpeg(16, 8, 100);
 	assert_true(take_and_decode(6 * NS_PER_S));
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	fake.grab_err = -ENODEV;
 	fake.situation = CAMERA_NO_DEVICE;
 	test_source_take(7 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_NO_DEVICE);
+	assert_int_equal(source.opening.situation, CAMERA_NO_DEVICE);
 }
 
 static void a_jpeg_of_another_size_is_shown_when_it_comes_again(void **state)
@@ -726,7 +757,7 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	assert_int_equal(poll(&end, 1, 0), 0);
 	test_source_take(1); /* nothing yet: harmless */
 	assert_false(source_is_open(&source));
-	assert_false(source.tried);
+	assert_false(source.opening.tried);
 	assert_int_equal(source_counts(&source).frames, 0);
 	source_watch(&source, 99 * NS_PER_S);
 	assert_int_equal(eventfd_write(fake.gate, 1), 0);
@@ -747,23 +778,23 @@ static void another_standard_is_opened_at_once(void **state)
 	fake.grab_err = -ESTALE;
 	fake.situation = CAMERA_NO_SIGNAL;
 	test_source_take(2);
-	assert_true(source.opening);
+	assert_true(source.opening.begun);
 	fake.grab_err = 0;
 	end = (struct pollfd){.fd = source_descriptor(&source), .events = POLLIN};
 	assert_int_equal(poll(&end, 1, 60000), 1);
 	test_source_take(3);
 	assert_true(source_is_open(&source));
 	/* Until a frame shows that the camera works. */
-	assert_int_equal(source.situation, CAMERA_NO_SIGNAL);
+	assert_int_equal(source.opening.situation, CAMERA_NO_SIGNAL);
 	test_source_take(4);
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	/* if a camera asks for it before its first frame, the program would only open it again and
 	 * again */
 	must_close();
 	must_open();
 	fake.grab_err = -ESTALE;
 	test_source_take(5);
-	assert_false(source.opening);
+	assert_false(source.opening.begun);
 	assert_false(source_is_open(&source));
 }
 
@@ -777,9 +808,9 @@ static void silence_is_excused_when_nobody_listened(void **state)
 	source_excuse(&source, start + 10 * NS_PER_S);
 	source_watch(&source, start + 11 * NS_PER_S);
 	assert_true(source_is_open(&source));
-	assert_int_equal(source.situation, CAMERA_FINE);
+	assert_int_equal(source.opening.situation, CAMERA_FINE);
 	source_watch(&source, start + 13 * NS_PER_S);
-	assert_int_equal(source.situation, CAMERA_STALLED);
+	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 }
 
 static void a_camera_keeps_its_name_while_it_is_away(void **state)
@@ -806,6 +837,7 @@ int main(void)
 		CASE(losses_are_counted),
 		CASE(which_failures_waiting_can_mend),
 		CASE(silence_is_named_and_ended),
+		CASE(a_key_frame_is_waited_for),
 		CASE(a_slow_camera_is_waited_for),
 		CASE(a_raw_frame_stays_until_the_next),
 		CASE(a_lost_camera_leaves_its_raw_frame),

@@ -228,9 +228,9 @@ static void lines_say_what_was_counted(void **state)
 					 .lights_used = 32,
 					 .dropped_error = 0.003};
 	struct source source = {.settings = {.name = "sky"},
-				.superseded = 2,
-				.undecodable = 1,
-				.losses = 3,
+				.counts.superseded = 2,
+				.counts.undecodable = 1,
+				.counts.losses = 3,
 				.settling = {.opening = 1, .left_out = 9},
 				.camera = {.frames = 10, .lost = 3, .broken = 4}};
 	struct stats stats;
@@ -254,7 +254,7 @@ static void lines_say_what_was_counted(void **state)
 		   (const int64_t[PIPELINE_LOOKS]){0});
 	stats_shown(&stats, 0, 999 * NS_PER_S, 1); /* without a new frame there is no latency */
 	stats_line(&stats, 5 * NS_PER_S + 2 * NS_PER_S, &report, &source, 1);
-	source.situation = CAMERA_STALLED;
+	source.opening.situation = CAMERA_STALLED;
 	report.lamp = (struct coarse_lamp){
 		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
 	report.people = (struct pipeline_people_seen){

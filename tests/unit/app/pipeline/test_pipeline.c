@@ -143,11 +143,11 @@ static void an_even_sky(void **state)
 	static uint8_t out[HEIGHT][WIDTH][4];
 
 	(void)state;
-	assert_false(pipeline->lit);
+	assert_false(pipeline->light.lit);
 	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
-	assert_true(pipeline->lit);
+	assert_true(pipeline->light.lit);
 	for (int i = 0; i < LIGHTS; i++)
-		expect_below(fabs(pipeline->radiance[i][1] - radiance), 1e-3, "i=%d", i);
+		expect_below(fabs(pipeline->light.radiance[i][1] - radiance), 1e-3, "i=%d", i);
 	test_pipeline_choose(pipeline, 0);
 	composite(pipeline, out);
 	is_light(out[2][3], SHARE * radiance, SHARE * radiance, SHARE * radiance);
@@ -278,7 +278,8 @@ static void linear_light_is_read_through_its_view(void **state)
 		double x = pipeline->dome.direction[i][0];
 
 		expect_above(fabs(x), 0.2, "i=%d", i);
-		expect_below(fabs(pipeline->radiance[i][0] - (x < 0 ? 2 : 0)), 1e-3, "i=%d", i);
+		expect_below(fabs(pipeline->light.radiance[i][0] - (x < 0 ? 2 : 0)), 1e-3, "i=%d",
+			     i);
 	}
 	image_free(&camera);
 	pipeline_destroy(pipeline);
@@ -353,9 +354,9 @@ static void another_size_of_sky(void **state)
 		double radiance = transfer_decode(TRANSFER_SRGB, (side + 100) / 255.0);
 
 		assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
-		expect_equal(pipeline->lens_width, side, "side=%d", side);
+		expect_equal(pipeline->light.lens_width, side, "side=%d", side);
 		for (int i = 0; i < LIGHTS; i++)
-			expect_below(fabs(pipeline->radiance[i][2] - radiance), 1e-3,
+			expect_below(fabs(pipeline->light.radiance[i][2] - radiance), 1e-3,
 				     "side=%d, i=%d", side, i);
 		canvas_free(&sky);
 	}
@@ -370,7 +371,7 @@ static double test_pipeline_measure(struct pipeline *pipeline, int side, int cod
 	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
 	pipeline_follow(pipeline, at_ms * 1000000);
 	canvas_free(&sky);
-	return (double)pipeline->radiance[0][1];
+	return (double)pipeline->light.radiance[0][1];
 }
 
 /* Light is filtered over time; the first picture of a size or of other settings is taken as

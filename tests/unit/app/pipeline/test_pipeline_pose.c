@@ -284,8 +284,8 @@ static void stays(struct pipeline_choice choice, int shown, int missing)
 	test_pose_frame(choice);
 	assert_int_equal(pipeline->choice.pose, shown);
 	assert_true(pipeline->choice.share == 0);
-	assert_int_equal(pipeline->missing, missing);
-	assert_non_null(strstr(pipeline->trouble.text, "cut short"));
+	assert_int_equal(pipeline->pose.missing, missing);
+	assert_non_null(strstr(pipeline->pose.trouble.text, "cut short"));
 }
 
 /* Held frames until loading the pose has failed. */
@@ -298,7 +298,7 @@ static void try_in_vain(int pose, int shown)
 		sched_yield();
 		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 		assert_int_equal(pipeline->choice.pose, shown);
-	} while (pipeline->missing != pose);
+	} while (pipeline->pose.missing != pose);
 	stays((struct pipeline_choice){.pose = pose, .hold = true}, shown, pose);
 }
 
@@ -312,7 +312,7 @@ static void come(int pose)
 		sched_yield();
 		test_pose_frame((struct pipeline_choice){.pose = pose, .hold = true});
 	}
-	assert_int_equal(pipeline->missing, -1);
+	assert_int_equal(pipeline->pose.missing, -1);
 }
 
 /* Waits until the thread has unpacked the neighbours of pose 0, and so nothing else any more. */
@@ -334,7 +334,7 @@ static void what_is_shown_stays(void **state)
 
 	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 0});
-	assert_int_equal(pipeline->missing, -1);
+	assert_int_equal(pipeline->pose.missing, -1);
 	wait_for_neighbours();
 	assert_int_equal(truncate(path, 0), 0);
 	try_in_vain(5, 0);
@@ -344,7 +344,7 @@ static void what_is_shown_stays(void **state)
 	stays((struct pipeline_choice){.pose = 6}, 0, 6);
 	try_in_vain(5, 0);
 	test_pose_frame((struct pipeline_choice){.pose = 0, .hold = true});
-	assert_int_equal(pipeline->missing, -1); /* no pose that is wanted is missing */
+	assert_int_equal(pipeline->pose.missing, -1); /* no pose that is wanted is missing */
 	try_in_vain(5, 0);
 	write_basis();
 	stays((struct pipeline_choice){.pose = 5, .hold = true}, 0, 5);

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "app/records/metrics.h"
+#include "app/records/supply.h"
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
@@ -28,15 +29,15 @@ static struct stats stats = {.frames = 123456789,
 static struct pipeline_report report = {.lights = 406, .lights_used = 32, .clipped = 0.25};
 static struct source sources[2] = {
 	{.settings = {.name = "sky"},
-	 .superseded = 2,
-	 .undecodable = 1,
-	 .losses = 3,
+	 .counts.superseded = 2,
+	 .counts.undecodable = 1,
+	 .counts.losses = 3,
 	 .settling = {.left_out = 9},
 	 .camera = {.frames = 10, .lost = 3, .broken = 4}},
-	{.settings = {.name = "front"}, .situation = CAMERA_STALLED},
+	{.settings = {.name = "front"}, .opening.situation = CAMERA_STALLED},
 };
 
-static struct metrics_facts facts_of(const char *thermal)
+static struct metrics_facts facts_of(const char *sysfs)
 {
 	return (struct metrics_facts){.stats = &stats,
 				      .report = &report,
@@ -44,7 +45,7 @@ static struct metrics_facts facts_of(const char *thermal)
 				      .source_count = 2,
 				      .screen = "off",
 				      .resting = true,
-				      .thermal = thermal};
+				      .sysfs = sysfs};
 }
 
 static void put_file(const char *folder, const char *name, const char *text)
@@ -57,6 +58,14 @@ static void put_file(const char *folder, const char *name, const char *text)
 	assert_non_null(file);
 	fputs(text, file);
 	assert_int_equal(fclose(file), 0);
+}
+
+static void make_folders(const char *path)
+{
+	char command[1200];
+
+	snprintf(command, sizeof(command), "mkdir -p '%s/%s'", own_folder(), path);
+	assert_int_equal(system(command), 0);
 }
 
 static const char *const lines[] = {
@@ -84,19 +93,26 @@ static const char *const lines[] = {
 	"inlay_camera_unsettled_frames_total{camera=\"front\"} 0",
 	"inlay_temperature_celsius{zone=\"0\",type=\"cpu \\\"big\\\\\"} 48.500",
 	"inlay_temperature_celsius{zone=\"3\",type=\"\"} -2.000",
+	"inlay_undervoltage{when=\"now\"} 1",
+	"inlay_undervoltage{when=\"before\"} 1",
+	"inlay_throttled{when=\"now\"} 0",
+	"inlay_throttled{when=\"before\"} 1",
 };
 
 /* Zone 1 has no temperature at present, zone 2 is not there. */
 static void figures_are_told(void **state)
 {
-	char text[METRICS_TEXT_MAX], folder[1024], zone[1100];
+	char text[METRICS_TEXT_MAX], folder[1024], zone[2200];
 	struct metrics_facts facts;
 	size_t length;
 
 	(void)state;
 	snprintf(folder, sizeof(folder), "%s", own_folder());
+	make_folders("class/thermal");
+	make_folders("devices/platform/soc/soc:firmware");
+	put_file(own_folder(), "devices/platform/soc/soc:firmware/get_throttled", "50001\n");
 	for (int i = 0; i <= 3; i++) {
-		snprintf(zone, sizeof(zone), "%s/thermal_zone%d", folder, i);
+		snprintf(zone, sizeof(zone), "%s/class/thermal/thermal_zone%d", folder, i);
 		if (i == 2)
 			continue;
 		assert_int_equal(mkdir(zone, 0700), 0);
@@ -115,8 +131,29 @@ static void figures_are_told(void **state)
 			fail_msg("no line \"%s\" in\n%s", lines[i], text);
 	}
 	assert_null(strstr(text, "zone=\"1\""));
-	snprintf(zone, sizeof(zone), "rm -r '%s'/thermal_zone*", folder);
+	snprintf(zone, sizeof(zone), "rm -r '%s'/class '%s'/devices", folder, folder);
 	assert_int_equal(system(zone), 0);
+}
+
+/* Where the firmware is silent the monitor of the voltage tells, whatever its number is. */
+static void the_monitor_tells_of_the_voltage(void **state)
+{
+	char command[1200];
+
+	(void)state;
+	make_folders("class/hwmon/hwmon0");
+	make_folders("class/hwmon/hwmon2");
+	put_file(own_folder(), "class/hwmon/hwmon0/name", "cpu_thermal\n");
+	put_file(own_folder(), "class/hwmon/hwmon0/in0_lcrit_alarm", "0\n");
+	put_file(own_folder(), "class/hwmon/hwmon2/name", "rpi_volt\n");
+	put_file(own_folder(), "class/hwmon/hwmon2/in0_lcrit_alarm", "1\n");
+	assert_true(supply_read(own_folder()).undervoltage);
+	put_file(own_folder(), "class/hwmon/hwmon2/in0_lcrit_alarm", "0\n");
+	assert_true(supply_read(own_folder()).told);
+	assert_false(supply_read(own_folder()).undervoltage);
+	assert_false(supply_read("/nowhere").told);
+	snprintf(command, sizeof(command), "rm -r '%s'/class", own_folder());
+	assert_int_equal(system(command), 0);
 }
 
 /* Each figure follows its HELP and TYPE, each name has one of them, and each line ends. */
@@ -130,6 +167,7 @@ static void the_format_is_prometheus(void **state)
 	assert_true(metrics_text(&facts, text) > 0);
 	assert_int_equal(text[strlen(text) - 1], '\n');
 	assert_null(strstr(text, "temperature"));
+	assert_null(strstr(text, "undervoltage"));
 	for (char *line = strtok_r(text, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest)) {
 		if (!strncmp(line, "# HELP ", 7)) {
 			assert_int_equal(sscanf(line, "# HELP %63s", head), 1);
@@ -230,6 +268,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(figures_are_told),
+		cmocka_unit_test(the_monitor_tells_of_the_voltage),
 		cmocka_unit_test(the_format_is_prometheus),
 		cmocka_unit_test(the_file_is_replaced_every_15_s),
 		cmocka_unit_test(a_failure_is_said_once),

@@ -192,11 +192,13 @@ static void video_formats_match_double_precision(void **state)
 /* Ten and sixteen bits are rounded to eight. */
 static void deep_formats_match_double_precision(void **state)
 {
-	static const enum pixel_format formats[] = {PIXEL_P010, PIXEL_Y10, PIXEL_Y16};
+	static const enum pixel_format formats[] = {PIXEL_P010, PIXEL_Y10, PIXEL_Y12, PIXEL_Y14,
+						    PIXEL_Y16};
+	static const double whites[] = {0, 1023, 4095, 16383, 65535};
 
 	(void)state;
-	for (int i = 0; i < 3; i++) {
-		const double white = formats[i] == PIXEL_Y10 ? 1023 : 65535;
+	for (int i = 0; i < 5; i++) {
+		const double white = whites[i];
 		struct fixture f;
 
 		test_frame_make(&f, formats[i], 61, 33, 6);

@@ -71,21 +71,16 @@ static void sharp_boards_have_no_spread(void **state)
 	expect_that(edges.sigma_px < 0.15, "%g", edges.sigma_px);
 }
 
-/* Circles have no edges between points, and an empty picture has none. */
-static void other_boards_tell_nothing(void **state)
+static void no_points_tell_nothing(void **state)
 {
-	static const char *const boards[] = {"circles:4x11:20mm", "9x6:25mm"};
+	struct observations seen = {.width = 0};
+	struct camera_edges edges = {.count = 3};
+	struct board board;
 
 	(void)state;
-	for (int b = 0; b < 2; b++) {
-		struct observations seen = {.width = 0};
-		struct camera_edges edges = {.count = 3};
-		struct board board;
-
-		assert_int_equal(board_parse(&board, boards[b], NULL), 0);
-		assert_int_equal(camera_edges_measure(&seen, NULL, &board, &edges), 0);
-		assert_int_equal(edges.count, 0);
-	}
+	assert_int_equal(board_parse(&board, "9x6:25mm", NULL), 0);
+	assert_int_equal(camera_edges_measure(&seen, NULL, &board, &edges), 0);
+	assert_int_equal(edges.count, 0);
 }
 
 int main(void)
@@ -93,7 +88,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(the_spread_of_drawn_boards_is_found),
 		cmocka_unit_test(sharp_boards_have_no_spread),
-		cmocka_unit_test(other_boards_tell_nothing),
+		cmocka_unit_test(no_points_tell_nothing),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,8 +7,11 @@
 
 #include <cmocka.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "bake/calibrate/estimate/finding.h"
 
@@ -89,6 +92,8 @@ static void test_finding(void **state)
 	const double world[3] = {1, 2, 3}, px[2] = {4, 5};
 	struct observations seen = {.width = 64, .height = 48};
 	struct finding f;
+	int status;
+	pid_t child;
 
 	(void)state;
 	assert_int_equal(finding_create(&f, "camera", &seen), 0); /* without points */
@@ -100,10 +105,19 @@ static void test_finding(void **state)
 	assert_int_equal(f.width, 64);
 	assert_ptr_equal(f.seen, &seen);
 	assert_string_equal(seen.point[0].name, "point 7");
-	for (int k = 0; k < FINDING_FIGURES_MAX + 5; k++)
+	for (int k = 0; k < FINDING_FIGURES_MAX; k++)
 		finding_add(&f, "key", "a figure", "px", k);
 	assert_int_equal(f.figures, FINDING_FIGURES_MAX);
 	assert_true(f.figure[FINDING_FIGURES_MAX - 1].value == FINDING_FIGURES_MAX - 1);
+	child = fork();
+	if (child == 0) {
+		(void)!freopen("/dev/null", "w", stderr);
+		signal(SIGABRT, SIG_DFL);
+		finding_add(&f, "key", "one too many", "px", 0);
+		_exit(0);
+	}
+	assert_int_equal(waitpid(child, &status, 0), child);
+	assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
 	finding_free(&f);
 	finding_free(&f);
 	observations_free(&seen);

@@ -39,7 +39,6 @@ static void test_parse(void **state)
 	static const char *const right[][2] = {
 		{"9x6:25mm", "chess:9x6:25mm"},
 		{"chess:3x40:0.5mm", "chess:3x40:0.5mm"},
-		{"circles:4x11:20mm", "circles:4x11:20mm"},
 		{"charuco:8x6:30mm:22.5mm", "charuco:8x6:30mm:22.5mm"},
 		{"charuco:8x6:30mm:22mm:DICT_5X5_100", "charuco:8x6:30mm:22mm"},
 		{"charuco:8x6:30mm:22mm:dict_6x6_250:legacy", "charuco:8x6:30mm:22mm:6x6:legacy"},
@@ -75,8 +74,6 @@ static void test_parse(void **state)
 		"charuco:12x10:30mm:22mm:6x6_50",
 		"charuco:9x8:30mm:22mm:apriltag_16h5",
 		"9x6:25mm:legacy",
-		"circles:4x11:20mm:3mm",
-		"circles:4x10:20mm",
 	};
 	char name[BOARD_NAME_MAX];
 	struct fault fault;
@@ -117,9 +114,6 @@ static void test_points(void **state)
 	assert_place("9x6:25mm", 0, 0, 0);
 	assert_place("9x6:25mm", 8, 0.2, 0);
 	assert_place("9x6:25mm", 53, 0.2, -0.125);
-	assert_place("circles:4x11:20mm", 1, 0.04, 0);
-	assert_place("circles:4x11:20mm", 4, 0.02, -0.02);
-	assert_place("circles:4x11:20mm", 43, 0.12, -0.2);
 	assert_place("charuco:8x6:30mm:22mm", 7, 0, -0.03);
 	board = parsed("charuco:8x6:30mm:22mm");
 	assert_int_equal(board_points(&board), 35);
@@ -129,8 +123,6 @@ static void test_points(void **state)
 	assert_false(board_ambiguous(&board));
 	board = parsed("9x7:25mm");
 	assert_true(board_ambiguous(&board));
-	board = parsed("circles:4x11:20mm");
-	assert_false(board_ambiguous(&board));
 }
 
 /* ---- drawn ---- */
@@ -240,20 +232,6 @@ static void test_drawn_ambiguous(void **state)
 	find_drawn(&(struct trial){"6x6:25mm", 640, 480, 0, 0, 0, 30, 250, 5, 0.05, 0.2, 0});
 }
 
-/* The remaining error comes from perspective (boards.h), and has one direction. */
-static void test_drawn_circles(void **state)
-{
-	(void)state;
-	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 120)
-		find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 0, 0, 0, 25, turn, 5,
-					   0.08, 0.3, 0});
-	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 1, 2, -0.2, 20, 240, 5, 0.08, 0.3,
-				   0});
-	/* a blurred picture with noise */
-	find_drawn(&(struct trial){"circles:4x11:20mm", 640, 480, 2, 6, -0.1, 25, 30, 4, 0.08, 0.2,
-				   0});
-}
-
 static void test_drawn_charuco(void **state)
 {
 	static const char board[] = "charuco:8x6:30mm:22mm";
@@ -355,7 +333,6 @@ static void test_other_size(void **state)
 		    &picture);
 	for (size_t i = 0; i < sizeof(wanted) / sizeof(wanted[0]); i++)
 		assert_none(wanted[i], &picture, "holds a chessboard of 9x6 inner corners");
-	assert_none("circles:4x11:20mm", &picture, "no such grid of circles");
 	assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
 	image_free(&picture);
 }
@@ -391,7 +368,6 @@ static void test_no_board(void **state)
 	for (int level = 0; level < 256; level += 255) {
 		memset(picture.u8, level, (size_t)640 * 480 * 3);
 		assert_none("chess:9x6:25mm", &picture, "no chessboard");
-		assert_none("circles:4x11:20mm", &picture, "no such grid");
 		assert_none("charuco:8x6:30mm:22mm", &picture, "no marker");
 	}
 	image_free(&picture);
@@ -400,7 +376,6 @@ static void test_no_board(void **state)
 		assert_int_equal(image_create_u8(&picture, side, side), 0);
 		memset(picture.u8, 99, (size_t)side * (size_t)side * 3);
 		assert_none("chess:9x6:25mm", &picture, "expected");
-		assert_none("circles:4x11:20mm", &picture, "expected");
 		assert_none("charuco:8x6:30mm:22mm", &picture, "expected");
 		image_free(&picture);
 	}
@@ -538,7 +513,6 @@ static void test_printed(void **state)
 	print_and_find("charuco:7x9:26mm:19mm", "a4", 210, 297);
 	print_and_find("9x6:25mm", "a4", 297, 210);
 	print_and_find("6x9:24mm", "letter", 215.9, 279.4);
-	print_and_find("circles:4x11:20mm", "a4", 210, 297);
 	print_and_find("charuco:8x6:40mm:30mm", "a3", 420, 297);
 }
 
@@ -602,12 +576,11 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_parse),	      cmocka_unit_test(test_points),
 		cmocka_unit_test(test_drawn_chess),   cmocka_unit_test(test_drawn_ambiguous),
-		cmocka_unit_test(test_drawn_circles), cmocka_unit_test(test_drawn_charuco),
-		cmocka_unit_test(test_any_markers),   cmocka_unit_test(test_other_markers),
-		cmocka_unit_test(test_other_size),    cmocka_unit_test(test_no_board),
-		cmocka_unit_test(test_other_picture), cmocka_unit_test(test_misfits),
-		cmocka_unit_test(test_printed),	      cmocka_unit_test(test_not_printed),
-		cmocka_unit_test(test_photographs),
+		cmocka_unit_test(test_drawn_charuco), cmocka_unit_test(test_any_markers),
+		cmocka_unit_test(test_other_markers), cmocka_unit_test(test_other_size),
+		cmocka_unit_test(test_no_board),      cmocka_unit_test(test_other_picture),
+		cmocka_unit_test(test_misfits),	      cmocka_unit_test(test_printed),
+		cmocka_unit_test(test_not_printed),   cmocka_unit_test(test_photographs),
 	};
 
 	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
