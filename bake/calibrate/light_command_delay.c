@@ -101,7 +101,7 @@ int light_command_delay(const struct light_job *job, struct fault *fault)
 		       found.frames, found.time_ms, found.deviation_ms, found.shortest_ms,
 		       found.longest_ms, found.seen, record.changes, found.correlation);
 		if (job->report)
-			err = light_report_delay(job->report, &found, &record, fault);
+			err = light_report_delay(job->report, &found, fault);
 	}
 	light_record_free(&record);
 	if (err)

@@ -88,10 +88,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
 	bake/calibrate/report/report_axes.c \
-	bake/calibrate/report/report_directions.c \
 	bake/calibrate/report/report_json.c \
-	bake/calibrate/report/report_maps.c \
-	bake/calibrate/report/report_matrix.c \
 	bake/calibrate/report/report_sheet.c \
 	bake/calibrate/report/report_shown.c \
 	bake/calibrate/report/report_tables.c \
