@@ -6,6 +6,7 @@ HAL_SOURCES := \
 	hal/base/budget.c \
 	hal/base/fault.c \
 	hal/base/input.c \
+	hal/base/json.c \
 	hal/base/log.c \
 	hal/base/log_pace.c \
 	hal/base/number.c \

@@ -45,7 +45,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
 	bake/calibrate/estimate/finding.c \
-	bake/calibrate/estimate/json.c \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/lens_ini.c \
 	bake/calibrate/estimate/linear.c \

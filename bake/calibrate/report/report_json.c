@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 #include "bake/calibrate/report/report_parts.h"
 #include "hal/base/output.h"
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "bake/base/report_page.h"
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 
 struct light_page {
 	struct report_page page;

@@ -17,7 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 #include "bake/calibrate/report/report.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 
 #include <assert.h>
 #include <math.h>

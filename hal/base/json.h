@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A JSON writer: values in order; it adds commas and indentation. */
-#ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H
-#define INLAY_BAKE_CALIBRATE_ESTIMATE_JSON_H
+#ifndef INLAY_HAL_BASE_JSON_H
+#define INLAY_HAL_BASE_JSON_H
 
 #include <stdbool.h>
 #include <stdio.h>
