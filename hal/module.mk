@@ -4,6 +4,7 @@ hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/budget.c \
+	hal/base/csv.c \
 	hal/base/fault.c \
 	hal/base/input.c \
 	hal/base/json.c \

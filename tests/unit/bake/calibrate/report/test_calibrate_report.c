@@ -17,7 +17,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/base/json.h"
 #include "bake/calibrate/report/report.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
@@ -476,41 +475,13 @@ static void test_refused(void **state)
 	observations_free(&seen);
 }
 
-/* ---- JSON ---- */
-
-static void test_json(void **state)
-{
-	static const double numbers[] = {0.1, -3, NAN, 1e300};
-	struct json json;
-	char *text = NULL;
-	size_t bytes;
-	FILE *to = open_memstream(&text, &bytes);
-
-	(void)state;
-	assert_non_null(to);
-	json_begin(&json, to);
-	json_text(&json, "a\"b", "tab\t, back\\slash, \xc3\xa9, \xe9t\xe9, \xed\xa0\x80");
-	json_array(&json, "nested");
-	json_numbers(&json, NULL, numbers, 4);
-	json_object(&json, NULL);
-	json_end(&json);
-	json_bool(&json, NULL, false);
-	json_end(&json);
-	json_end(&json);
-	fclose(to);
-	assert_string_equal(text, "{\n\t\"a\\\"b\": \"tab\\u0009, back\\\\slash, \xc3\xa9, "
-				  "\\ufffdt\\ufffd, \\ufffd\\ufffd\\ufffd\",\n\t\"nested\": [\n\t\t"
-				  "[0.1, -3, null, 1e+300],\n\t\t{},\n\t\tfalse\n\t]\n}\n");
-	free(text);
-}
-
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_five_points), cmocka_unit_test(test_photographs),
 		cmocka_unit_test(test_axes),	    cmocka_unit_test(test_many_views),
 		cmocka_unit_test(test_fisheye),	    cmocka_unit_test(test_without_model),
-		cmocka_unit_test(test_refused),	    cmocka_unit_test(test_json),
+		cmocka_unit_test(test_refused),
 	};
 
 	printf("# seed %d\n", SEED);
