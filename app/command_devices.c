@@ -6,8 +6,8 @@
 #include "app/commands.h"
 #include "app/devices_sample.h"
 #include "drivers/drivers.h"
+#include "hal/base/json.h"
 #include "hal/base/log.h"
-#include "hal/base/utf8.h"
 
 struct devices_options {
 	bool json, sample;
@@ -15,11 +15,11 @@ struct devices_options {
 
 /* Where the listing goes, and its state. */
 struct devices_listing {
-	bool json;
+	bool is_json;
+	struct json json;	       /* what has been written, if it is JSON */
 	struct devices_sample *sample; /* NULL: the listing is printed */
 	const char *driver;
 	int found, failed;
-	bool first; /* the next entry is the first one of its JSON array */
 };
 
 static int take_json(void *context, const char *argument, const char **expected)
@@ -45,44 +45,28 @@ static const struct option_row rows[] = {
 	 .take = take_sample},
 	{.name = NULL}};
 
-static void print_json_pair(const char *key, const char *value)
-{
-	printf("\"%s\":", key);
-	utf8_write_json(stdout, value);
-}
-
-static void begin_item(struct devices_listing *l)
-{
-	l->found++;
-	if (!l->json)
-		return;
-	printf("%s{", l->first ? "" : ",");
-	l->first = false;
-	print_json_pair("driver", l->driver);
-}
-
 static void print_item(struct devices_listing *l, const char *device, const char *name,
 		       const char *bus, char (*lines)[160], int line_count)
 {
-	begin_item(l);
-	if (!l->json) {
+	struct json *json = &l->json;
+
+	l->found++;
+	if (!l->is_json) {
 		printf("  %s: %s (%s)%s%s\n", l->driver, device, name, *bus ? " at " : "", bus);
 		for (int i = 0; i < line_count; i++)
 			printf("      %s\n", lines[i]);
 		return;
 	}
-	putchar(',');
-	print_json_pair("device", device);
-	putchar(',');
-	print_json_pair("name", name);
-	putchar(',');
-	print_json_pair("bus", bus);
-	printf(",\"lines\":[");
-	for (int i = 0; i < line_count; i++) {
-		printf("%s", i ? "," : "");
-		utf8_write_json(stdout, lines[i]);
-	}
-	printf("]}");
+	json_object(json, NULL);
+	json_text(json, "driver", l->driver);
+	json_text(json, "device", device);
+	json_text(json, "name", name);
+	json_text(json, "bus", bus);
+	json_array(json, "lines");
+	for (int i = 0; i < line_count; i++)
+		json_text(json, NULL, lines[i]);
+	json_end(json);
+	json_end(json);
 }
 
 static void found_camera(void *context, const struct camera_listing *c)
@@ -113,24 +97,24 @@ static void found_line(void *context, const char *line)
 		sample_add_buttons(l->sample, l->driver, line);
 		return;
 	}
-	begin_item(l);
-	if (!l->json) {
+	l->found++;
+	if (!l->is_json) {
 		printf("  %s: %s\n", l->driver, line);
 		return;
 	}
-	putchar(',');
-	print_json_pair("line", line);
-	putchar('}');
+	json_object(&l->json, NULL);
+	json_text(&l->json, "driver", l->driver);
+	json_text(&l->json, "line", line);
+	json_end(&l->json);
 }
 
-static void begin_class(struct devices_listing *l, const char *title, const char *key)
+static void begin_class(struct devices_listing *l, const char *title)
 {
 	l->found = 0;
-	l->first = true;
 	if (l->sample)
 		return;
-	if (l->json)
-		printf("%s\"%s\":[", *key == 'c' ? "{" : ",", key);
+	if (l->is_json)
+		json_array(&l->json, title);
 	else
 		printf("%s\n", title);
 }
@@ -139,8 +123,8 @@ static void end_class(struct devices_listing *l)
 {
 	if (l->sample)
 		return;
-	if (l->json)
-		putchar(']');
+	if (l->is_json)
+		json_end(&l->json);
 	else if (!l->found)
 		puts("  none found");
 }
@@ -156,21 +140,21 @@ static void note_failure(struct devices_listing *l, int count)
 
 static void list_all(struct devices_listing *l)
 {
-	begin_class(l, "cameras", "cameras");
+	begin_class(l, "cameras");
 	for (int i = 0; camera_drivers[i]; i++) {
 		l->driver = camera_drivers[i]->name;
 		if (camera_drivers[i]->list)
 			note_failure(l, camera_drivers[i]->list(found_camera, l));
 	}
 	end_class(l);
-	begin_class(l, "screens", "screens");
+	begin_class(l, "screens");
 	for (int i = 0; display_drivers[i]; i++) {
 		l->driver = display_drivers[i]->name;
 		if (display_drivers[i]->list)
 			note_failure(l, display_drivers[i]->list(found_display, l));
 	}
 	end_class(l);
-	begin_class(l, "buttons", "buttons");
+	begin_class(l, "buttons");
 	for (int i = 0; buttons_drivers[i]; i++) {
 		l->driver = buttons_drivers[i]->name;
 		if (buttons_drivers[i]->list)
@@ -181,8 +165,8 @@ static void list_all(struct devices_listing *l)
 
 static void list_drivers(struct devices_listing *l)
 {
-	if (l->json) {
-		puts("}");
+	if (l->is_json) {
+		json_end(&l->json);
 		return;
 	}
 	puts("drivers");
@@ -217,7 +201,7 @@ static int write_sample(void)
 static int devices_command(int argc, char **argv)
 {
 	struct devices_options options = {.json = false};
-	struct devices_listing listing = {.json = false};
+	struct devices_listing listing = {.sample = NULL};
 	int code = options_read(&command_devices, argc, argv, &options);
 
 	if (code != OPTIONS_GO_ON)
@@ -228,7 +212,9 @@ static int devices_command(int argc, char **argv)
 	}
 	if (options.sample)
 		return write_sample();
-	listing.json = options.json;
+	listing.is_json = options.json;
+	if (options.json)
+		json_begin_line(&listing.json, stdout);
 	list_all(&listing);
 	list_drivers(&listing);
 	return listing.failed ? EXIT_FAILED : EXIT_DONE;

@@ -9,6 +9,7 @@
 #include "bake/base/angles.h"
 #include "bake/base/commands.h"
 #include "bake/scene/lights_options.h"
+#include "hal/base/json.h"
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
@@ -37,21 +38,28 @@ static void print_table(const struct dome *dome)
 
 static void print_json(const struct dome *dome)
 {
-	printf("{\"frequency\": %d, \"division\": \"%s\", \"shape\": \"%s\", \"count\": %d, "
-	       "\"lights\": [\n",
-	       dome->frequency, dome_division_names[dome->division], dome_shape_names[dome->shape],
-	       dome->count);
+	struct json json;
+
+	json_begin(&json, stdout);
+	json_number(&json, "frequency", dome->frequency);
+	json_text(&json, "division", dome_division_names[dome->division]);
+	json_text(&json, "shape", dome_shape_names[dome->shape]);
+	json_number(&json, "count", dome->count);
+	json_array(&json, "lights");
 	for (int i = 0; i < dome->count; i++) {
-		const double *d = dome->direction[i];
 		double theta, phi;
 
 		dome_angles(dome, i, &theta, &phi);
-		printf("{\"theta_rad\": %.17g, \"phi_rad\": %.17g, \"direction\": [%.17g, %.17g, "
-		       "%.17g], \"solid_angle_sr\": %.17g, \"projected_sr\": %.17g}%s\n",
-		       theta, phi, d[0], d[1], d[2], dome->solid_angle_sr[i], dome->projected_sr[i],
-		       i + 1 < dome->count ? "," : "");
+		json_object_line(&json, NULL);
+		json_number(&json, "theta_rad", theta);
+		json_number(&json, "phi_rad", phi);
+		json_numbers(&json, "direction", dome->direction[i], 3);
+		json_number(&json, "solid_angle_sr", dome->solid_angle_sr[i]);
+		json_number(&json, "projected_sr", dome->projected_sr[i]);
+		json_end(&json);
 	}
-	printf("]}\n");
+	json_end(&json);
+	json_end(&json);
 }
 
 struct dome_choices {

@@ -9,6 +9,7 @@
 
 #include "bake/base/commands.h"
 #include "bake/info_map.h"
+#include "hal/base/json.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
@@ -269,80 +270,81 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 	printf("%s%s", basis->camera, basis->provenance);
 }
 
-/* Prints text as a JSON string. */
-static void print_string(const char *text)
+static void write_json_sum(struct json *json, const char *name, const struct block_sum *s,
+			   double dense)
 {
-	putchar('"');
-	for (const unsigned char *c = (const unsigned char *)text; *c; c++)
-		if (*c == '"' || *c == '\\')
-			printf("\\%c", *c);
-		else if (*c < 0x20 || *c >= 0x7f)
-			printf("\\u%04x", *c);
-		else
-			putchar(*c);
-	putchar('"');
+	json_object(json, name);
+	json_number(json, "blocks", (double)s->blocks);
+	json_number(json, "blocks_8_bit", (double)s->blocks_of_bytes);
+	json_number(json, "tinted", (double)s->tinted);
+	json_number(json, "pixels", (double)s->pixels);
+	json_number(json, "patterns", s->patterns);
+	json_number(json, "patterns_most", s->patterns_most);
+	json_number(json, "columns", s->columns);
+	json_number(json, "columns_most", s->columns_most);
+	json_number(json, "pixel_patterns", s->pixel_patterns);
+	json_number(json, "pixel_columns", s->pixel_columns);
+	json_number(json, "bytes", (double)s->bytes);
+	json_number(json, "dense_bytes", dense);
+	json_end(json);
 }
 
-static void print_json_sum(const char *name, const struct block_sum *s, double dense)
+static void write_json_layer(struct json *json, const char *name, const struct basis *basis,
+			     const struct layer_sum *layer)
 {
-	printf("\"%s\": {\"blocks\": %ld, \"blocks_8_bit\": %ld, \"tinted\": %ld, \"pixels\": %ld, "
-	       "\"patterns\": %.0f, \"patterns_most\": %d, \"columns\": %.0f, \"columns_most\": "
-	       "%d, \"pixel_patterns\": %.0f, \"pixel_columns\": %.0f, \"bytes\": %" PRIu64
-	       ", \"dense_bytes\": %.0f}",
-	       name, s->blocks, s->blocks_of_bytes, s->tinted, s->pixels, s->patterns,
-	       s->patterns_most, s->columns, s->columns_most, s->pixel_patterns, s->pixel_columns,
-	       s->bytes, dense);
-}
-
-static void print_json_layer(const struct basis *basis, const struct layer_sum *layer)
-{
-	printf("{\"tiles_used\": %ld, ", layer->tiles_used);
-	print_json_sum("all", &layer->all, dense_bytes(basis, layer, BASIS_KIND_COUNT));
-	for (int k = 0; k < BASIS_KIND_COUNT; k++) {
-		printf(", ");
-		print_json_sum(kind_names[k], &layer->kind[k], dense_bytes(basis, layer, k));
-	}
-	printf("}");
+	json_object(json, name);
+	json_number(json, "tiles_used", (double)layer->tiles_used);
+	write_json_sum(json, "all", &layer->all, dense_bytes(basis, layer, BASIS_KIND_COUNT));
+	for (int k = 0; k < BASIS_KIND_COUNT; k++)
+		write_json_sum(json, kind_names[k], &layer->kind[k], dense_bytes(basis, layer, k));
+	json_end(json);
 }
 
 static void print_json(const struct basis *basis, const struct summary *s)
 {
 	const struct basis_info_chunk *info = &basis->info;
+	struct json json;
 	double foot[2];
 
-	printf("{\"preview\": %s, \"width\": %u, \"height\": %u, \"lights\": %u, \"coarse\": %u, "
-	       "\"dome_frequency\": %u, \"dome_division\": \"%s\", \"light_shape\": \"%s\", "
-	       "\"poses\": %u, \"grounds\": %u, "
-	       "\"bytes\": %" PRIu64 ", \"tiles\": %ld, \"covered_pixels\": %ld, "
-	       "\"seen_through_pixels\": %ld, \"shown\": ",
-	       basis_is_preview(basis) ? "true" : "false", info->width, info->height, info->lights,
-	       info->coarse, info->dome_frequency, division_name(basis),
-	       dome_shape_names[info->light_shape], info->poses, info->grounds, s->bytes, s->tiles,
-	       s->covered, s->seen_through);
-	print_json_layer(basis, &s->shown);
-	printf(", \"exact\": ");
+	json_begin_line(&json, stdout);
+	json_bool(&json, "preview", basis_is_preview(basis));
+	json_number(&json, "width", info->width);
+	json_number(&json, "height", info->height);
+	json_number(&json, "lights", info->lights);
+	json_number(&json, "coarse", info->coarse);
+	json_number(&json, "dome_frequency", info->dome_frequency);
+	json_text(&json, "dome_division", division_name(basis));
+	json_text(&json, "light_shape", dome_shape_names[info->light_shape]);
+	json_number(&json, "poses", info->poses);
+	json_number(&json, "grounds", info->grounds);
+	json_number(&json, "bytes", (double)s->bytes);
+	json_number(&json, "tiles", (double)s->tiles);
+	json_number(&json, "covered_pixels", (double)s->covered);
+	json_number(&json, "seen_through_pixels", (double)s->seen_through);
+	write_json_layer(&json, "shown", basis, &s->shown);
 	if (s->has_exact)
-		print_json_layer(basis, &s->exact);
+		write_json_layer(&json, "exact", basis, &s->exact);
 	else
-		printf("null");
-	printf(", \"column_cut\": %.9g, \"object_error\": %.9g, \"ratio_error\": %.9g, "
-	       "\"sky_rms\": %.9g, \"sky_max\": %.9g, \"cell_rms\": %.9g, \"cell_max\": %.9g, "
-	       "\"noise_levels\": %.9g, \"camera\": ",
-	       info->column_cut, info->object_error, info->ratio_error, info->sky_rms,
-	       info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
-	print_string(basis->camera);
+		json_text(&json, "exact", NULL);
+	json_number(&json, "column_cut", info->column_cut);
+	json_number(&json, "object_error", info->object_error);
+	json_number(&json, "ratio_error", info->ratio_error);
+	json_number(&json, "sky_rms", info->sky_rms);
+	json_number(&json, "sky_max", info->sky_max);
+	json_number(&json, "cell_rms", info->cell_rms);
+	json_number(&json, "cell_max", info->cell_max);
+	json_number(&json, "noise_levels", info->noise_levels);
+	json_text(&json, "camera", basis->camera);
 	if (footprint_size(basis, foot))
-		printf(", \"footprint\": [%.6g, %.6g]", foot[0], foot[1]);
+		json_numbers(&json, "footprint", foot, 2);
 	else
-		printf(", \"footprint\": null");
-	printf(", \"pose_names\": [");
-	for (int p = 0; p < (int)info->poses; p++) {
-		fputs(p ? ", " : "", stdout);
-		print_string(basis_pose_name(basis, p));
-	}
-	printf("], \"provenance\": ");
-	print_string(basis->provenance);
-	printf("}\n");
+		json_text(&json, "footprint", NULL);
+	json_array(&json, "pose_names");
+	for (int p = 0; p < (int)info->poses; p++)
+		json_text(&json, NULL, basis_pose_name(basis, p));
+	json_end(&json);
+	json_text(&json, "provenance", basis->provenance);
+	json_end(&json);
 }
 
 struct info_choices {

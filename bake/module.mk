@@ -80,7 +80,6 @@ BAKE_SOURCES := \
 	bake/report/report_choices.c \
 	bake/report/report_command.c \
 	bake/report/report_error.c \
-	bake/report/report_given.c \
 	bake/report/report_lighting.c \
 	bake/report/report_lights.c \
 	bake/report/report_parts.c \
@@ -89,8 +88,6 @@ BAKE_SOURCES := \
 	bake/report/report_samples.c \
 	bake/report/report_sky.c \
 	bake/report/report_summary.c \
-	bake/report/report_thesis.c \
-	bake/report/report_together.c \
 	bake/report/report_trial.c \
 	bake/scene/footprint.c \
 	bake/scene/keyframes.c \

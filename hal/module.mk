@@ -4,8 +4,10 @@ hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/budget.c \
+	hal/base/csv.c \
 	hal/base/fault.c \
 	hal/base/input.c \
+	hal/base/json.c \
 	hal/base/log.c \
 	hal/base/log_pace.c \
 	hal/base/number.c \

@@ -139,6 +139,7 @@ UNIT_TESTS := \
 	tests/unit/hal/base/test_log_pace.c \
 	tests/unit/hal/base/test_output.c \
 	tests/unit/hal/base/test_input.c \
+	tests/unit/hal/base/test_json.c \
 	tests/unit/hal/base/test_pool.c \
 	tests/unit/hal/base/test_text_file.c \
 	tests/unit/hal/base/test_utf8.c \

@@ -5,6 +5,9 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "hal/base/csv.h"
+#include "hal/base/json.h"
+
 /* Share of the time that other programs ran above which times cannot be trusted. */
 #define WAITED_MUCH 0.03
 
@@ -125,72 +128,44 @@ void bench_print_table(const struct bench_report *r, FILE *to)
 
 /* ---- for programs ---- */
 
-static void print_json_text(const char *text, FILE *to)
+static void write_json_row(struct json *json, const struct bench_row *row)
 {
-	fputc('"', to);
-	for (; *text; text++) {
-		const unsigned char c = (unsigned char)*text;
-
-		if (c == '"' || c == '\\')
-			fprintf(to, "\\%c", c);
-		else if (c < 0x20)
-			fprintf(to, "\\u%04x", c);
-		else
-			fputc(c, to);
-	}
-	fputc('"', to);
-}
-
-static void print_json_row(const struct bench_row *row, FILE *to)
-{
+	json_object_line(json, NULL);
 	for (size_t k = 0; k < COLUMN_COUNT; k++) {
 		const struct column *c = &columns[k];
 
-		fprintf(to, "%s\"%s\": ", k ? ", " : "{", c->key);
 		if (c->kind == OF_TEXT)
-			print_json_text(text_of(row, c), to);
-		else if (isnan(field_number(row, c)))
-			fputs("null", to);
+			json_text(json, c->key, text_of(row, c));
 		else
-			fprintf(to, "%.6g", field_number(row, c));
+			json_number(json, c->key, field_number(row, c));
 	}
-	fputc('}', to);
+	json_end(json);
 }
 
 void bench_print_json(const struct bench_report *r, FILE *to)
 {
-	fputs("{\"basis\": ", to);
-	print_json_text(r->basis, to);
-	fprintf(to,
-		", \"width\": %d, \"height\": %d, \"lights\": %d,\n"
-		" \"object_pixels\": %ld, \"shadow_pixels\": %ld,\n"
-		" \"shown_mb\": %.6g, \"exact_mb\": %.6g, \"dense_mb\": %.6g,\n"
-		" \"threads\": %d, \"repeat\": %d, \"vectors\": \"%s\", \"truth\": \"%s\",\n"
-		" \"waited\": %.6g,\n"
-		" \"rows\": [",
-		r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels, r->shown_mb,
-		r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth, r->waited);
-	for (int k = 0; k < r->count; k++) {
-		fputs(k ? ",\n  " : "\n  ", to);
-		print_json_row(&r->row[k], to);
-	}
-	fputs("\n]}\n", to);
-}
+	struct json json;
 
-/* Quotes texts that hold a comma, a quote or a line end. */
-static void print_csv_text(const char *text, FILE *to)
-{
-	if (!strpbrk(text, ",\"\n\r")) {
-		fputs(text, to);
-		return;
-	}
-	fputc('"', to);
-	for (; *text; text++) {
-		if (*text == '"')
-			fputc('"', to);
-		fputc(*text, to);
-	}
-	fputc('"', to);
+	json_begin(&json, to);
+	json_text(&json, "basis", r->basis);
+	json_number(&json, "width", r->width);
+	json_number(&json, "height", r->height);
+	json_number(&json, "lights", r->lights);
+	json_number(&json, "object_pixels", (double)r->object_pixels);
+	json_number(&json, "shadow_pixels", (double)r->shadow_pixels);
+	json_number(&json, "shown_mb", r->shown_mb);
+	json_number(&json, "exact_mb", r->exact_mb);
+	json_number(&json, "dense_mb", r->dense_mb);
+	json_number(&json, "threads", r->threads);
+	json_number(&json, "repeat", r->repeat);
+	json_text(&json, "vectors", r->vectors);
+	json_text(&json, "truth", r->truth);
+	json_number(&json, "waited", r->waited);
+	json_array(&json, "rows");
+	for (int k = 0; k < r->count; k++)
+		write_json_row(&json, &r->row[k]);
+	json_end(&json);
+	json_end(&json);
 }
 
 void bench_print_csv(const struct bench_report *r, FILE *to)
@@ -205,9 +180,9 @@ void bench_print_csv(const struct bench_report *r, FILE *to)
 			if (k)
 				fputc(',', to);
 			if (c->kind == OF_TEXT)
-				print_csv_text(text_of(&r->row[n], c), to);
-			else if (!isnan(field_number(&r->row[n], c)))
-				fprintf(to, "%.6g", field_number(&r->row[n], c));
+				csv_text(to, text_of(&r->row[n], c));
+			else
+				csv_number(to, field_number(&r->row[n], c));
 		}
 		fputc('\n', to);
 	}

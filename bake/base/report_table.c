@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/csv.h"
 #include "hal/base/output.h"
 
 void report_table_begin(struct report_table *t, const char *name)
@@ -115,34 +116,19 @@ void report_rounded(double value, char *text, size_t room)
 
 /* ---- CSV ---- */
 
-static void write_csv_text(FILE *to, const char *text)
-{
-	if (!strpbrk(text, ",\"\n\r")) {
-		fputs(text, to);
-		return;
-	}
-	fputc('"', to);
-	for (; *text; text++) {
-		if (*text == '"')
-			fputc('"', to);
-		fputc(*text, to);
-	}
-	fputc('"', to);
-}
-
 static void write_csv(const struct report_table *t, FILE *to)
 {
 	for (int c = 0; c < t->columns; c++) {
-		write_csv_text(to, t->column[c].key);
+		csv_text(to, t->column[c].key);
 		fputc(c + 1 < t->columns ? ',' : '\n', to);
 	}
 	for (int k = 0; k < t->cells; k++) {
 		const struct report_cell *cell = &t->cell[k];
 
 		if (cell->text)
-			write_csv_text(to, cell->text);
-		else if (isfinite(cell->number))
-			fprintf(to, "%.7g", cell->number);
+			csv_text(to, cell->text);
+		else
+			csv_number(to, cell->number);
 		fputc((k + 1) % t->columns ? ',' : '\n', to);
 	}
 }

@@ -240,7 +240,7 @@ int light_command_colours(const struct light_job *job, struct fault *fault)
 			 "Colours: %d patches, which differ by %.2f %% (before: %.2f %%).",
 			 found.patches, 100 * found.after, 100 * found.before);
 		if (job->report)
-			err = light_report_colours(job->report, &found, pairs, fault);
+			err = light_report_colours(job->report, &found, fault);
 	}
 	if (!err)
 		err = light_conclude(job, &found.verdict, "colours", text, comment, fault);

@@ -44,7 +44,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
 	bake/calibrate/estimate/finding.c \
-	bake/calibrate/estimate/json.c \
 	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/lens_ini.c \
 	bake/calibrate/estimate/linear.c \
@@ -82,10 +81,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
 	bake/calibrate/report/report_axes.c \
-	bake/calibrate/report/report_directions.c \
 	bake/calibrate/report/report_json.c \
-	bake/calibrate/report/report_maps.c \
-	bake/calibrate/report/report_matrix.c \
 	bake/calibrate/report/report_sheet.c \
 	bake/calibrate/report/report_shown.c \
 	bake/calibrate/report/report_tables.c \

@@ -8,6 +8,7 @@
 /* export_blender_py[]: bake/module.mk makes this header from export_blender.py. */
 #include "bake/exchange/export_blender.py.h"
 #include "bake/exchange/export_mesh.h"
+#include "hal/base/json.h"
 
 /* ---- camera ---- */
 
@@ -52,94 +53,116 @@ static int check_camera(const struct scene *scene, struct fault *fault)
 			 scene->path, shift, EXPORT_BLENDER_SHIFT_PX);
 }
 
-static void write_camera(FILE *to, const struct export_job *job)
+static void write_camera(struct json *json, const struct export_job *job)
 {
 	const struct tsai_camera *c = &job->scene->camera;
 	const struct v3 eye = job->scene->eye;
 
-	fprintf(to,
-		"\"camera\": {\"size\": [%d, %d], \"focal\": [%.12g, %.12g], "
-		"\"centre\": [%.12g, %.12g],\n"
-		" \"position\": [%.9g, %.9g, %.9g], \"clip\": [%.9g, %.9g],\n \"rotation\": [",
-		c->width, c->height, c->aspect * c->focal / c->pixel[0], c->focal / c->pixel[1],
-		c->centre_px[0], c->centre_px[1], (double)eye.x, (double)eye.y, (double)eye.z,
-		job->span / 1e4, job->span * 2 * EXPORT_REACH);
-	for (int k = 0; k < 9; k++)
-		fprintf(to, "%s%.17g", k ? ", " : "", c->rotation[k]);
-	fputs("]},\n", to);
+	json_object_line(json, "camera");
+	json_numbers(json, "size", (const double[]){c->width, c->height}, 2);
+	json_numbers(json, "focal",
+		     (const double[]){c->aspect * c->focal / c->pixel[0], c->focal / c->pixel[1]},
+		     2);
+	json_numbers(json, "centre", c->centre_px, 2);
+	json_numbers(json, "position", (const double[]){eye.x, eye.y, eye.z}, 3);
+	json_numbers(json, "clip", (const double[]){job->span / 1e4, job->span * 2 * EXPORT_REACH},
+		     2);
+	json_numbers(json, "rotation", c->rotation, 9);
+	json_end(json);
 }
 
 /* ---- the rest of the scene ---- */
 
-static void write_colour(FILE *to, const char *key, const struct rgb *colour)
+static void write_colour(struct json *json, const char *key, const struct rgb *colour)
 {
-	fprintf(to, "\"%s\": [%.9g, %.9g, %.9g], ", key, (double)colour->c[0], (double)colour->c[1],
-		(double)colour->c[2]);
+	json_numbers(json, key, (const double[]){colour->c[0], colour->c[1], colour->c[2]}, 3);
 }
 
-static void write_json_materials(FILE *to, const struct export_job *job)
+static void write_material(struct json *json, const struct export_job *job, int k)
 {
-	fputs("\"materials\": [", to);
-	for (int k = 0; k < job->material_count; k++) {
-		const struct material *m = job->material[k];
+	const struct material *m = job->material[k];
+	const struct texture *texture = m->texture;
+	char name[32];
 
-		fprintf(to, "%s\n {\"kind\": \"%s\", ", k ? "," : "", material_kind_names[m->kind]);
-		write_colour(to, "colour", &m->colour);
-		write_colour(to, "specular", &m->specular);
-		fprintf(to, "\"roughness\": %.9g, \"ior\": %.9g, \"thin\": %s, \"coloured\": %s, ",
-			(double)m->roughness, (double)m->ior, m->thin ? "true" : "false",
-			export_use_of(job, m).colours ? "true" : "false");
-		if (m->texture)
-			fprintf(to,
-				"\"texture\": \"texture%d.hdr\", \"clamp\": %s, \"nearest\": %s}",
-				k,
-				m->texture->wrap[0] == TEXTURE_CLAMP &&
-						m->texture->wrap[1] == TEXTURE_CLAMP
-					? "true"
-					: "false",
-				m->texture->nearest ? "true" : "false");
-		else
-			fputs("\"texture\": null}", to);
+	json_object_line(json, NULL);
+	json_text(json, "kind", material_kind_names[m->kind]);
+	write_colour(json, "colour", &m->colour);
+	write_colour(json, "specular", &m->specular);
+	json_number(json, "roughness", (double)m->roughness);
+	json_number(json, "ior", (double)m->ior);
+	json_bool(json, "thin", m->thin);
+	json_bool(json, "coloured", export_use_of(job, m).colours);
+	snprintf(name, sizeof(name), "texture%d.hdr", k);
+	json_text(json, "texture", texture ? name : NULL);
+	if (texture) {
+		json_bool(json, "clamp",
+			  texture->wrap[0] == TEXTURE_CLAMP && texture->wrap[1] == TEXTURE_CLAMP);
+		json_bool(json, "nearest", texture->nearest);
 	}
-	fputs("],\n", to);
+	json_end(json);
 }
 
-static void write_ground(FILE *to, const struct export_job *job)
+static void write_ground(struct json *json, const struct export_job *job)
 {
 	const struct scene_ground_values *ground = &job->scene->file->ground;
-	const double *a = job->scene->ground_albedo;
 
 	if (!ground->given) {
-		fputs("\"ground\": null,\n", to);
+		json_text(json, "ground", NULL);
 		return;
 	}
-	fprintf(to,
-		"\"ground\": {\"albedo\": [%.9g, %.9g, %.9g], \"reach\": %.9g, \"round\": %s},\n",
-		a[0], a[1], a[2], export_job_reach(job), ground->extent > 0 ? "true" : "false");
+	json_object_line(json, "ground");
+	json_numbers(json, "albedo", job->scene->ground_albedo, 3);
+	json_number(json, "reach", export_job_reach(job));
+	json_bool(json, "round", ground->extent > 0);
+	json_end(json);
+}
+
+/* Writes the array of one mesh file, or of none. */
+static void write_mesh(struct json *json, const char *key, const char *file)
+{
+	json_line(json, key);
+	if (file)
+		json_text(json, NULL, file);
+	json_end(json);
+}
+
+static void write_pictures(struct json *json, const struct export_job *job)
+{
+	static const char *const keys[] = {"object", "ground", "alone"};
+	char name[16];
+
+	json_object_line(json, "pictures");
+	for (int k = 0; k < 3; k++) {
+		snprintf(name, sizeof(name), "%c%%0%dd", keys[k][0], job->digits);
+		json_text(json, keys[k], name);
+	}
+	json_text(json, "coverage", "coverage");
+	json_end(json);
 }
 
 static int write_scene(const struct export_job *job, struct fault *fault)
 {
-	const int d = job->digits;
 	char command[512];
+	struct json json;
 	struct output out;
 	int err = export_job_open(job, "scene.json", &out, fault);
 
 	if (err)
 		return err;
 	export_job_import(job, "exr", command, sizeof(command));
-	fprintf(out.stream, "{\"bounces\": %d,\n", job->scene->file->render.bounces);
-	write_camera(out.stream, job);
-	write_ground(out.stream, job);
-	write_json_materials(out.stream, job);
-	fprintf(out.stream, "\"objects\": [%s],\n\"standins\": [%s],\n",
-		job->has_objects ? "\"objects.obj\"" : "",
-		job->has_standins ? "\"standins.obj\"" : "");
-	fprintf(out.stream,
-		"\"pictures\": {\"object\": \"o%%0%dd\", \"ground\": \"g%%0%dd\", "
-		"\"alone\": \"a%%0%dd\", \"coverage\": \"coverage\"},\n",
-		d, d, d);
-	fprintf(out.stream, "\"import\": \"%s\"}\n", command);
+	json_begin(&json, out.stream);
+	json_number(&json, "bounces", job->scene->file->render.bounces);
+	write_camera(&json, job);
+	write_ground(&json, job);
+	json_array(&json, "materials");
+	for (int k = 0; k < job->material_count; k++)
+		write_material(&json, job, k);
+	json_end(&json);
+	write_mesh(&json, "objects", job->has_objects ? "objects.obj" : NULL);
+	write_mesh(&json, "standins", job->has_standins ? "standins.obj" : NULL);
+	write_pictures(&json, job);
+	json_text(&json, "import", command);
+	json_end(&json);
 	return output_commit(&out, fault);
 }
 

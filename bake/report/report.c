@@ -21,37 +21,17 @@
 #define REPEAT 9
 #define FISHEYE_SIDE 512
 
-#define FULL_WIDTH 128
-#define FULL_HEIGHT 96
-#define FULL_TRUTH_SAMPLES 1024
-#define FULL_SIDE 1024
-
-#define QUICK_WIDTH 48
-#define QUICK_HEIGHT 36
-#define QUICK_SAMPLES 4
-#define QUICK_TRUTH_SAMPLES 32
-#define QUICK_FREQUENCY 3
-#define QUICK_REPEAT 3
-#define QUICK_SIDE 192
-
 #define SEED 1
 
-/* Domes that are tried. Unless the report is full or quick, they are LEAST_FREQUENCY to
- * MOST_FREQUENCY. */
+/* Domes that are tried, up to --frequency; below LEAST_FREQUENCY only where that is below it. */
 static const int frequencies[] = {1, 2, 3, 4, 6, 9, 18, 36};
 
 #define LEAST_FREQUENCY 4
 #define MOST_FREQUENCY 18
 
-static int given_or(int value, bool quick, int small, int usual)
+static int given_or(int value, int usual)
 {
-	return value > 0 ? value : quick ? small : usual;
-}
-
-static int truth_samples(const struct report_settings *s)
-{
-	return given_or(s->truth_samples, s->quick, QUICK_TRUTH_SAMPLES,
-			s->full ? FULL_TRUTH_SAMPLES : TRUTH_SAMPLES);
+	return value > 0 ? value : usual;
 }
 
 /* ---- surroundings and bakes ---- */
@@ -67,20 +47,16 @@ static int open_lightings(struct report *r)
 		const struct report_lighting_settings lighting = {
 			.path = s->panorama[k],
 			.made = k,
-			.fisheye_side = s->quick  ? QUICK_SIDE
-					: s->full ? FULL_SIDE
-						  : FISHEYE_SIDE,
-			.truth_samples = r->scene ? truth_samples(s) : 0,
+			.fisheye_side = FISHEYE_SIDE,
+			.truth_samples = given_or(s->truth_samples, TRUTH_SAMPLES),
 			.threads = r->threads,
 			.seed = SEED,
 			.quiet = s->quiet};
 
 		report_step(r, "surrounding %d of %d", k + 1, count);
 		r->stage.lightings = k + 1;
-		err = report_lighting_open(&r->stage.lighting[k], r->scene, r->stage.width,
-					   r->stage.height, &lighting, r->fault);
+		err = report_lighting_open(&r->stage.lighting[k], r->scene, &lighting, r->fault);
 	}
-	r->truth = r->scene;
 	return err;
 }
 
@@ -89,10 +65,8 @@ static int open_lightings(struct report *r)
 static int choose_frequencies(const struct report *r, int *to)
 {
 	const struct report_settings *s = r->settings;
-	const int finest = frequencies[sizeof(frequencies) / sizeof(*frequencies) - 1];
-	const int most = given_or(s->most_frequency, s->quick, QUICK_FREQUENCY,
-				  s->full ? finest : MOST_FREQUENCY);
-	const int least = s->full || s->quick ? 1 : LEAST_FREQUENCY;
+	const int most = given_or(s->most_frequency, MOST_FREQUENCY);
+	const int least = most < LEAST_FREQUENCY ? 1 : LEAST_FREQUENCY;
 	const int used = r->render.frequency;
 	bool there = false;
 	int count = 0;
@@ -139,13 +113,9 @@ static int make_bakes(struct report *r)
 static int report_open_scene(struct report *r)
 {
 	const struct report_settings *s = r->settings;
-	int width = s->width, height = s->height, err;
+	int err = scene_open(&r->scene, s->input, given_or(s->width, WIDTH),
+			     given_or(s->height, HEIGHT), r->fault);
 
-	if (!width) {
-		width = s->quick ? QUICK_WIDTH : s->full ? FULL_WIDTH : WIDTH;
-		height = s->quick ? QUICK_HEIGHT : s->full ? FULL_HEIGHT : HEIGHT;
-	}
-	err = scene_open(&r->scene, s->input, width, height, r->fault);
 	if (!err)
 		err = scene_find_pose(r->scene, s->pose, r->fault);
 	if (err)
@@ -153,32 +123,13 @@ static int report_open_scene(struct report *r)
 	r->stage.width = r->scene->camera.width;
 	r->stage.height = r->scene->camera.height;
 	r->render = render_settings_of(r->scene);
-	r->render.samples = given_or(s->samples, s->quick, QUICK_SAMPLES, SAMPLES);
+	r->render.samples = given_or(s->samples, SAMPLES);
 	r->render.noise_levels = 0;
 	r->render.threads = r->threads;
 	r->render.exact = true;
 	r->render.pose = s->pose;
 	r->render.quiet = s->quiet;
-	return s->basis ? report_given_open(r) : 0;
-}
-
-static int report_open_basis(struct report *r)
-{
-	int err;
-
-	if (r->settings->basis || r->settings->pose)
-		return fault_say(r->fault, -EINVAL, "%s: a basis file; --%s goes with a scene",
-				 r->settings->input, r->settings->basis ? "basis" : "pose");
-	r->bakes = 1;
-	r->used = &r->bake[0];
-	err = report_bake_open(r->used, r->settings->input, r->fault);
-	if (err)
-		return err;
-	r->stage.width = (int)r->used->basis.info.width;
-	r->stage.height = (int)r->used->basis.info.height;
-	r->used->settings.frequency = (int)r->used->basis.info.dome_frequency;
-	r->used->report.seconds = NAN;
-	r->used->report.info = r->used->basis.info;
+	r->stage.repeat = given_or(s->repeat, REPEAT);
 	return 0;
 }
 
@@ -191,43 +142,24 @@ static int count_steps(const struct report *r)
 
 	while (!s->panoramas && report_sky_names[steps - 1])
 		steps++;
-	if (r->scene)
-		steps += choose_frequencies(r, frequency) + 1 + report_error_bakes(r) + 1;
-	if (r->scene && s->full)
-		steps += report_thesis_bakes();
-	return steps;
-}
-
-static bool is_basis(const char *path)
-{
-	char magic[sizeof(BASIS_MAGIC) - 1];
-	FILE *file;
-	const bool is = !input_stream(path, &file, NULL) &&
-			fread(magic, sizeof(magic), 1, file) == 1 &&
-			!memcmp(magic, BASIS_MAGIC, sizeof(magic));
-
-	if (file)
-		fclose(file);
-	return is;
+	return steps + choose_frequencies(r, frequency) + 1 + report_error_bakes();
 }
 
 static int report_open_all(struct report *r)
 {
-	int err = is_basis(r->settings->input) ? report_open_basis(r) : report_open_scene(r);
+	int err = report_open_scene(r);
 
 	if (err)
 		return err;
-	r->stage.repeat = given_or(r->settings->repeat, r->settings->quick, QUICK_REPEAT, REPEAT);
 	r->steps = count_steps(r);
 	err = open_lightings(r);
-	if (!err && r->scene)
+	if (!err)
 		err = make_bakes(r);
 	if (!err && scope_create(&r->scope, &r->used->basis, report_bake_layer(r->used)))
 		err = fault_say(r->fault, -ENOMEM, "not enough memory");
-	if (!err && r->scene)
+	if (!err)
 		err = report_samples_measure(r);
-	r->advised = r->render;
-	r->advised_way = report_way_plain(r->used);
+	r->advised_frequency = r->render.frequency;
 	return err;
 }
 
@@ -267,20 +199,18 @@ static int show_method(struct report *r)
 		r->page.body,
 		"inlay-bake %s on %s, kernel %s. Pictures of %d x %d pixels; %ld of them "
 		"changed by the object, of which %ld show shadow alone; times grow with that "
-		"number.%s%s%s%s",
+		"number.%s%s%s",
 		INLAY_VERSION, processor, kernels_choose(NULL)->name, r->stage.width,
 		r->stage.height, r->scope.objects + r->scope.shadows, r->scope.shadows,
 		s->pose ? " Of the scene's poses it is " : "", s->pose ? s->pose : "",
-		s->pose ? "." : "",
-		s->quick ? " This is a quick run: its figures show that it works, no more." : "");
+		s->pose ? "." : "");
 	report_paragraph(
 		r->page.body,
 		"Times are medians of %d frames under each surrounding, with their quartiles: half "
 		"of the frames took a time between these. All ways of a "
-		"section take turns, each after frames that do not count. Of one thread it is "
-		"the time that it had of the processor (%.0f %% of the time it had to wait "
-		"for it); of several it is the clock's, and too long where the machine had "
-		"other work. Times whose quartiles overlap, or whose medians are within 5 %%, "
+		"section take turns, each after frames that do not count, with one thread: a time "
+		"is that which it had of the processor (%.0f %% of the time it had to wait for "
+		"it). Times whose quartiles overlap, or whose medians are within 5 %%, "
 		"count as equal.",
 		r->stage.repeat, waited);
 	report_paragraph(
@@ -290,43 +220,31 @@ static int show_method(struct report *r)
 		"shadow is the mean error of the shadow's ratio, weighted by the light "
 		"behind it. Double precision is not rounded: 8 bits alone are 0.29 levels, "
 		"58.9 dB. PSNR and the surroundings' own figures are in the CSV files.");
-	if (r->truth)
-		report_paragraph(
-			r->page.body,
-			"Truth is path traced without lights, basis or compositor, %d samples a "
-			"pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
-			"and PSNR are without that noise, the largest error holds it. Bakes have "
-			"%d samples a pixel and a noise of %.2g levels in these surroundings, "
-			"measured between two bakes with different random numbers. Errors count "
-			"as equal if their squares differ by no more than the square of the noise "
-			"that the advised samples leave (%.2g levels), plus what truth and bake, "
-			"being noisy, leave uncertain of such a difference.",
-			truth_samples(s), r->truth_noise, r->render.samples, r->bake_noise,
-			r->hidden);
+	report_paragraph(r->page.body,
+			 "Truth is path traced without lights, basis or compositor, %d samples a "
+			 "pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
+			 "and PSNR are without that noise, the largest error holds it. Bakes have "
+			 "%d samples a pixel and a noise of %.2g levels in these surroundings, "
+			 "measured between two bakes with different random numbers. Errors count "
+			 "as equal if their squares differ by no more than the square of the noise "
+			 "that the advised samples leave (%.2g levels), plus what truth and bake, "
+			 "being noisy, leave uncertain of such a difference.",
+			 given_or(s->truth_samples, TRUTH_SAMPLES), r->truth_noise,
+			 r->render.samples, r->bake_noise, r->hidden);
 	return 0;
 }
 
 static int write_sections(struct report *r)
 {
-	static const struct {
-		int (*write)(struct report *r);
-		bool full; /* for full reports alone */
-	} sections[] = {
-		{report_samples, false},	{report_lights, false},
-		{report_declared_error, false}, {report_column_cut, false},
-		{report_threshold, false},	{report_input_bits, true},
-		{report_together, false},	{report_incremental, true},
-		{report_kernels, false},	{report_thread_counts, false},
-		{report_thesis, true},		{report_given, false},
-		{report_pictures, false},	{show_method, false},
-		{report_summary, false},
+	static int (*const sections[])(struct report * r) = {
+		report_samples,	  report_lights,   report_declared_error, report_column_cut,
+		report_threshold, report_pictures, show_method,		  report_summary,
 	};
 	int err = 0;
 
 	report_step(r, "times and errors");
 	for (size_t k = 0; !err && k < sizeof(sections) / sizeof(*sections); k++)
-		if (r->settings->full || !sections[k].full)
-			err = sections[k].write(r);
+		err = sections[k](r);
 	return err;
 }
 
@@ -336,7 +254,6 @@ static void close_all(struct report *r)
 		report_bake_close(&r->bake[k]);
 	for (int l = 0; l < r->stage.lightings; l++)
 		report_lighting_close(&r->stage.lighting[l]);
-	report_bake_close(&r->given);
 	report_bake_close(&r->fewer);
 	scope_free(&r->scope);
 	scene_close(r->scene);

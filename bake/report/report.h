@@ -10,10 +10,7 @@
 #include "hal/base/fault.h"
 
 struct report_settings {
-	/* a scene file; or a basis file, of which not all sections can be made */
-	const char *input;
-	/* basis file in use, of the same scene; NULL: the scene file's settings are in use */
-	const char *basis;
+	const char *input;  /* a scene file */
 	const char *pose;   /* of the scene, by name or number; NULL: its first */
 	const char *folder; /* of the report; appears when it is complete */
 	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: made surroundings (report_sky.h) */
@@ -23,10 +20,7 @@ struct report_settings {
 	int truth_samples;  /* 0: chosen */
 	int most_frequency; /* of the domes that are tried; 0: chosen */
 	int repeat;	    /* of each timing; 0: chosen */
-	/* for baking and tracing, and the most that are tried; 0: one for each processor */
-	int threads;
-	bool full;  /* more domes and errors, less noise, and what a kiosk does not ask */
-	bool quick; /* everything small: to see that it works */
+	int threads;	    /* for baking and tracing; 0: one for each processor */
 	bool quiet;
 };
 

@@ -12,27 +12,6 @@
 #include "hal/compositor/compositor.h"
 #include "hal/measure/lightings.h"
 
-static const struct {
-	enum light_estimator estimator;
-	bool coded; /* in 8 bits */
-	int stops;  /* by which the camera is exposed less */
-} inputs[INPUT_COUNT] = {
-	[INPUT_CELL] = {ESTIMATOR_CELL, false, 0},
-	[INPUT_NODE] = {ESTIMATOR_NODE, false, 0},
-	[INPUT_CELL_8] = {ESTIMATOR_CELL, true, 0},
-	[INPUT_NODE_8] = {ESTIMATOR_NODE, true, 0},
-	[INPUT_CELL_8_DARK] = {ESTIMATOR_CELL, true, 3},
-	[INPUT_CELL_8_DARKER] = {ESTIMATOR_CELL, true, 6},
-};
-
-const char *const report_input_names[] = {"cell, float",
-					  "node, float",
-					  "cell, 8 bits",
-					  "node, 8 bits",
-					  "cell, 8 bits, 3 stops darker",
-					  "cell, 8 bits, 6 stops darker",
-					  NULL};
-
 /* ---- open ---- */
 
 static double layer_mb(const struct basis *basis, const struct basis_layer *layer)
@@ -102,12 +81,11 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 
 void report_bake_close(struct report_bake *bake)
 {
-	for (int k = 0; k < INPUT_COUNT; k++) {
+	for (int k = 0; k < ESTIMATOR_COUNT; k++) {
 		free(bake->radiance[k]);
 		for (int l = 0; l < REPORT_LIGHTINGS_MAX; l++)
 			free(bake->precise[k][l]);
 	}
-	thesis_destroy(bake->thesis);
 	dome_free(&bake->dome);
 	basis_close(&bake->basis);
 	*bake = (struct report_bake){.exact = false};
@@ -129,72 +107,14 @@ double report_bake_seconds(const struct report_bake *bake)
 
 /* ---- light ---- */
 
-/* The fisheye picture as a camera of 8 bits delivers it. */
-static int encode_fisheye(const struct image *linear, double scale, struct canvas *out)
-{
-	const int err = canvas_create(out, linear->width, linear->height);
-
-	if (err)
-		return err;
-	for (int y = 0; y < linear->height; y++) {
-		for (int x = 0; x < linear->width; x++) {
-			const float *v = linear->f32 +
-					 3 * ((size_t)y * (size_t)linear->width + (size_t)x);
-			uint8_t *to = out->pixels + (size_t)y * out->stride + (size_t)x * 4;
-
-			for (int c = 0; c < 3; c++)
-				to[2 - c] = (uint8_t)lround(
-					255 * transfer_encode(TRANSFER_SRGB, scale * (double)v[c]));
-			to[3] = 255;
-		}
-	}
-	return 0;
-}
-
-static int read_coded(struct light_sampler *sampler, const struct image *fisheye, double scale,
-		      float (*radiance)[3], double *clipped)
-{
-	const struct view whole = {.width = fisheye->width, .height = fisheye->height, .squash = 1};
-	struct picture picture;
-	struct canvas coded;
-	int err = encode_fisheye(fisheye, scale, &coded);
-
-	if (err)
-		return err;
-	picture = view_picture(&whole, coded.pixels, coded.stride);
-	err = light_sampler_read(sampler, &picture, radiance, clipped);
-	canvas_free(&coded);
-	return err;
-}
-
-static int read_lights(struct report_bake *bake, const struct report_stage *stage,
-		       enum report_input input, struct light_sampler *sampler)
-{
-	const double stops = pow(2, inputs[input].stops);
-	const size_t lights = bake->basis.info.lights;
-	int err = 0;
-
-	for (int k = 0; !err && k < stage->lightings; k++) {
-		const struct image *fisheye = &stage->lighting[k].fisheye;
-		float(*radiance)[3] = bake->radiance[input] + (size_t)k * lights;
-
-		if (inputs[input].coded)
-			err = read_coded(sampler, fisheye, 1 / stops, radiance,
-					 &bake->clipped[input][k]);
-		else
-			err = light_sampler_read_linear(sampler, fisheye, radiance);
-	}
-	return err;
-}
-
 static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
-			 enum report_input input, struct fault *fault)
+			 enum light_estimator estimator, struct fault *fault)
 {
 	const struct light_sampler_settings settings = {
-		.estimator = inputs[input].estimator,
+		.estimator = estimator,
 		.placed = true,
 		.curve = {.named = TRANSFER_SRGB},
-		.gain = pow(2, inputs[input].stops),
+		.gain = 1,
 	};
 	const struct fisheye_settings lens_settings = {.field_deg = 90};
 	const int side = stage->lighting[0].fisheye.width;
@@ -209,23 +129,28 @@ static int make_radiance(struct report_bake *bake, const struct report_stage *st
 					   fault);
 	if (err)
 		return err;
-	bake->radiance[input] = calloc((size_t)stage->lightings * bake->basis.info.lights,
-				       sizeof(*bake->radiance[input]));
-	err = bake->radiance[input] ? read_lights(bake, stage, input, sampler) : -ENOMEM;
+	bake->radiance[estimator] = calloc((size_t)stage->lightings * bake->basis.info.lights,
+					   sizeof(*bake->radiance[estimator]));
+	err = bake->radiance[estimator] ? 0 : -ENOMEM;
+	for (int k = 0; !err && k < stage->lightings; k++)
+		err = light_sampler_read_linear(sampler, &stage->lighting[k].fisheye,
+						bake->radiance[estimator] +
+							(size_t)k * bake->basis.info.lights);
 	light_sampler_destroy(sampler);
 	if (!err)
 		return 0;
-	free(bake->radiance[input]);
-	bake->radiance[input] = NULL;
+	free(bake->radiance[estimator]);
+	bake->radiance[estimator] = NULL;
 	return fault_say(fault, err, "the lights cannot be read: %s", strerror(-err));
 }
 
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum report_input input, int lighting, struct fault *fault))[3]
+				   enum light_estimator estimator, int lighting,
+				   struct fault *fault))[3]
 {
-	if (!bake->radiance[input] && make_radiance(bake, stage, input, fault))
+	if (!bake->radiance[estimator] && make_radiance(bake, stage, estimator, fault))
 		return NULL;
-	return (const float(*)[3])(bake->radiance[input] +
+	return (const float(*)[3])(bake->radiance[estimator] +
 				   (size_t)lighting * bake->basis.info.lights);
 }
 
@@ -235,7 +160,7 @@ const float (*report_bake_radiance(struct report_bake *bake, const struct report
 struct precision {
 	struct report_bake *bake;
 	const struct report_stage *stage;
-	enum report_input input;
+	enum light_estimator estimator;
 	int err[REPORT_LIGHTINGS_MAX];
 };
 
@@ -257,7 +182,7 @@ static void make_precise(void *context, int k, int worker)
 	p->err[k] = out ? light_selection_create(&lights, &p->bake->basis) : -ENOMEM;
 	if (!p->err[k]) {
 		light_selection_choose(&lights, &p->bake->basis, 0,
-				       (const float(*)[3])(p->bake->radiance[p->input] +
+				       (const float(*)[3])(p->bake->radiance[p->estimator] +
 							   (size_t)k * p->bake->basis.info.lights),
 				       0, THRESHOLD_DROP, 1);
 		p->err[k] = compositor_reference(&p->bake->basis, 0, &settings, &lights,
@@ -267,19 +192,19 @@ static void make_precise(void *context, int k, int worker)
 	if (p->err[k])
 		free(out);
 	else
-		p->bake->precise[p->input][k] = out;
+		p->bake->precise[p->estimator][k] = out;
 }
 
 const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum report_input input, int lighting, struct fault *fault)
+				  enum light_estimator estimator, int lighting, struct fault *fault)
 {
-	struct precision p = {.bake = bake, .stage = stage, .input = input};
+	struct precision p = {.bake = bake, .stage = stage, .estimator = estimator};
 
 	if (bake->reference)
-		return report_bake_precise(bake->reference, stage, input, lighting, fault);
-	if (bake->precise[input][lighting])
-		return bake->precise[input][lighting];
-	if (!report_bake_radiance(bake, stage, input, 0, fault))
+		return report_bake_precise(bake->reference, stage, estimator, lighting, fault);
+	if (bake->precise[estimator][lighting])
+		return bake->precise[estimator][lighting];
+	if (!report_bake_radiance(bake, stage, estimator, 0, fault))
 		return NULL;
 	pool_run(stage->all, stage->lightings, make_precise, &p);
 	for (int k = 0; k < stage->lightings; k++) {
@@ -288,14 +213,5 @@ const double *report_bake_precise(struct report_bake *bake, const struct report_
 		fault_say(fault, p.err[k], "double precision: %s", strerror(-p.err[k]));
 		return NULL;
 	}
-	return bake->precise[input][lighting];
-}
-
-struct thesis *report_bake_thesis(struct report_bake *bake, const struct report_stage *stage,
-				  struct fault *fault)
-{
-	if (!bake->thesis &&
-	    thesis_create(&bake->thesis, &bake->basis, report_bake_layer(bake), stage->all, fault))
-		bake->thesis = NULL;
-	return bake->thesis;
+	return bake->precise[estimator][lighting];
 }

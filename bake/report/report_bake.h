@@ -7,22 +7,8 @@
 #include "bake/tiles/render.h"
 #include "hal/basis/basis.h"
 #include "hal/lights/sampler.h"
-#include "hal/measure/thesis.h"
 
 #define REPORT_LIGHTINGS_MAX 8
-
-/* How lights are read from the fisheye camera's picture. */
-enum report_input {
-	INPUT_CELL, /* mean over the cell, in floating point: a camera that measures any radiance */
-	INPUT_NODE,
-	INPUT_CELL_8, /* of a camera of 8 bits, sRGB, that clips at radiance 1 */
-	INPUT_NODE_8,
-	INPUT_CELL_8_DARK,   /* exposed 3 stops less */
-	INPUT_CELL_8_DARKER, /* 6 stops less */
-	INPUT_COUNT
-};
-
-extern const char *const report_input_names[]; /* "cell", "node", "cell, 8 bits", ... NULL */
 
 /* The surroundings in which pictures are measured, all of one size. */
 struct report_stage {
@@ -45,11 +31,8 @@ struct report_bake {
 	double patterns, columns; /* of the shown layer, means over its pixels */
 	/* made on first use: */
 	struct dome dome;
-	float (*radiance[INPUT_COUNT])[3]; /* [lightings][lights] */
-	/* clipped share of the sky's solid angle */
-	double clipped[INPUT_COUNT][REPORT_LIGHTINGS_MAX];
-	double *precise[INPUT_COUNT][REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
-	struct thesis *thesis;
+	float (*radiance[ESTIMATOR_COUNT])[3];			/* [lightings][lights] */
+	double *precise[ESTIMATOR_COUNT][REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
 };
 
 /* Bakes into a temporary file in folder, which is unlinked before this returns. The open basis
@@ -65,18 +48,16 @@ void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine 
 /* Processor time of the bake, in s. NAN: the report has not made it. */
 double report_bake_seconds(const struct report_bake *bake);
 
-/* Radiance of the lights under a lighting, as the input measures it: [lights], owned by the bake.
+/* Radiance of the lights under a lighting, as the estimator reads it: [lights], owned by the bake.
  * NULL with a fault. */
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum report_input input, int lighting, struct fault *fault))[3];
+				   enum light_estimator estimator, int lighting,
+				   struct fault *fault))[3];
 
 /* The picture of report_bake_layer() in double precision, with all lights: [height][width][3],
  * owned by the bake. NULL with a fault. */
 const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum report_input input, int lighting, struct fault *fault);
-
-/* The thesis's algorithm for this bake, made on first use. NULL with a fault. */
-struct thesis *report_bake_thesis(struct report_bake *bake, const struct report_stage *stage,
+				  enum light_estimator estimator, int lighting,
 				  struct fault *fault);
 
 /* The exact layer, or the shown one where there is no exact one. */

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Choices that need no other bake: threshold, bits of the input, column cut, what is kept from
- * frame to frame, kernel, threads. */
+/* Choices that need no other bake: the threshold and the column cut. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
-#include "hal/compositor/kernels/kernels.h"
 
 #define TRIALS_MAX 64
 
@@ -37,10 +35,10 @@ static struct report_way *sweep_add(struct sweep *s, const char *name)
 	return &trial->way;
 }
 
-static int sweep_run(struct sweep *s, bool errors)
+static int sweep_run(struct sweep *s)
 {
-	return report_trials_run(s->trial, s->count, &s->report->stage,
-				 errors ? &s->report->scope : NULL, s->report->fault);
+	return report_trials_run(s->trial, s->count, &s->report->stage, &s->report->scope,
+				 s->report->fault);
 }
 
 static int sweep_end(struct sweep *s, int err)
@@ -53,16 +51,15 @@ static int sweep_end(struct sweep *s, int err)
 	return err;
 }
 
-/* Chooses one of the trials first, first + step, ..., of which the preferred ones come first
- * (report_trial_choose()). Returns its index. */
-static int sweep_choose(struct sweep *s, int first, int step, const char *order, bool is_alike)
+/* Chooses one of the trials, of which the preferred ones come first (report_trial_choose()). Returns
+ * its index. */
+static int sweep_choose(struct sweep *s, const char *order)
 {
 	const struct report_trial *trial[TRIALS_MAX];
-	int count = 0;
 
-	for (int k = first; k < s->count; k += step)
-		trial[count++] = &s->trial[k];
-	return first + step * report_trial_choose(s->report, trial, count, order, is_alike);
+	for (int k = 0; k < s->count; k++)
+		trial[k] = &s->trial[k];
+	return report_trial_choose(s->report, trial, s->count, order);
 }
 
 static double used_share(const struct report *r, const struct report_trial *trial)
@@ -123,9 +120,7 @@ static void choose_threshold(struct sweep *s)
 		trial[count] = &s->trial[k];
 		index[count++] = k;
 	}
-	found = index[report_trial_choose(r, trial, count, "none", false)];
-	r->advised_way.threshold = s->trial[found].way.threshold;
-	r->advised_way.threshold_mode = s->trial[found].way.threshold_mode;
+	found = index[report_trial_choose(r, trial, count, "none")];
 	snprintf(level, sizeof(level), "%.0f", levels[found % LEVELS]);
 	report_advise(r, REPORT_KIOSK, "lights", "threshold", level, NULL);
 	report_advise(r, REPORT_KIOSK, "lights", "threshold_mode",
@@ -151,7 +146,7 @@ int report_threshold(struct report *r)
 			way->threshold_mode = (enum threshold_mode)mode;
 		}
 	}
-	err = sweep_run(&s, true);
+	err = sweep_run(&s);
 	report_table_column(&s.table, "mode", "mode", NULL);
 	report_table_column(&s.table, "threshold_level", "threshold", "grey level");
 	report_table_column(&s.table, "lights_used_percent", "lights", "% used");
@@ -178,73 +173,9 @@ int report_threshold(struct report *r)
 	if (!err)
 		err = plot_threshold(&s);
 	err = sweep_end(&s, err);
-	if (!err && r->truth)
+	if (!err)
 		choose_threshold(&s);
 	return err;
-}
-
-/* ---- bits of the input ---- */
-
-static int plot_input(struct sweep *s)
-{
-	struct report *r = s->report;
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "input-error", "", "RMS error against truth, 8-bit levels");
-	plot.y_log = true;
-	for (int l = 0; l < r->stage.lightings; l++) {
-		plot.x_tick[plot.x_ticks] = l;
-		plot.x_name[plot.x_ticks++] = r->stage.lighting[l].name;
-	}
-	for (int k = 0; k < INPUT_COUNT; k++) {
-		report_plot_series(&plot, report_input_names[k],
-				   k == INPUT_NODE || k == INPUT_NODE_8 ? STYLE_DASHED : STYLE_LINE,
-				   k + 1);
-		for (int l = 0; l < r->stage.lightings; l++)
-			report_plot_point(&plot, l, s->trial[k].truth.each[l].rms)->ringed =
-				k == INPUT_CELL;
-	}
-	return report_page_plot(&r->page, r->page.body, &plot,
-				"Error by what the fisheye camera can tell, in each surrounding. "
-				"Rings: what all other sections take.",
-				r->fault);
-}
-
-int report_input_bits(struct report *r)
-{
-	static struct sweep s;
-	int err;
-
-	if (!r->truth)
-		return 0;
-	sweep_begin(&s, r, "input");
-	for (int k = 0; k < INPUT_COUNT; k++)
-		sweep_add(&s, report_input_names[k])->input = (enum report_input)k;
-	err = sweep_run(&s, true);
-	report_table_column(&s.table, "input", "lights from", NULL);
-	report_table_column(&s.table, "clipped_percent", "sky clipped", "%");
-	report_result_columns(r, &s.table);
-	for (int k = 0; k < s.count; k++) {
-		double clipped = 0;
-
-		for (int l = 0; l < r->stage.lightings; l++)
-			clipped += 100 * r->used->clipped[k][l] / r->stage.lightings;
-		report_text(&s.table, "%s", report_input_names[k]);
-		report_number(&s.table, clipped);
-		report_result_cells(r, &s.table, &s.trial[k]);
-		if (k == INPUT_CELL)
-			report_table_mark(&s.table);
-	}
-	report_heading(r->page.body, "How many bits must the fisheye camera have?");
-	report_paragraph(
-		r->page.body,
-		"A camera of 8 bits, sRGB, exposed like the other one clips whatever is "
-		"brighter than radiance 1; exposed less, it clips less and tells dim light "
-		"less finely. Floating point stands for a camera that measures all of it. "
-		"Errors against double precision are those of the same input.");
-	if (!err)
-		err = plot_input(&s);
-	return sweep_end(&s, err);
 }
 
 /* ---- column cut ---- */
@@ -266,8 +197,7 @@ static void advise_cut(struct report *r, double factor)
 	const double cut = factor == 1 ? used : cut_times(own, factor);
 	char text[32], in_use[32];
 
-	r->advised_way.column_cut = cut;
-	if (r->advised.frequency != r->render.frequency && factor != 1)
+	if (r->advised_frequency != r->render.frequency && factor != 1)
 		report_paragraph(r->page.body,
 				 "That is %.3g times the cut in use; the line is for the lights "
 				 "that are advised, whose own cut is %.2g.",
@@ -296,7 +226,7 @@ int report_column_cut(struct report *r)
 			 cut);
 		sweep_add(&s, name)->column_cut = cut;
 	}
-	err = sweep_run(&s, true);
+	err = sweep_run(&s);
 	report_table_column(&s.table, "column_cut", "cut", "of white");
 	report_result_columns(r, &s.table);
 	report_plot_begin(&plot, "column-cut", "RMS error against double precision, levels",
@@ -329,208 +259,7 @@ int report_column_cut(struct report *r)
 				       "time's quartiles. Ring: the file's own.",
 				       r->fault);
 	err = sweep_end(&s, err);
-	if (err || !r->truth)
-		return err;
-	advise_cut(r, factors[sweep_choose(&s, 0, 1, "the file's own", false)]);
-	return 0;
-}
-
-/* ---- full or incremental ---- */
-
-static int plot_incremental(struct sweep *s, const double *shares, int count)
-{
-	static const char *const names[] = {"auto", "full", "incremental"};
-	struct report *r = s->report;
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "incremental", "lights that change from frame to frame, %",
-			  "time of a frame, ms");
-	plot.x_log = true;
-	for (int reuse = 0; reuse < REUSE_COUNT; reuse++) {
-		report_plot_series(&plot, names[reuse],
-				   reuse == REUSE_AUTO ? STYLE_DASHED : STYLE_LINE, reuse + 1);
-		for (int k = 0; k < count; k++)
-			report_time_point(&plot, shares[k], &s->trial[reuse * count + k]);
-	}
-	return report_page_plot(&r->page, r->page.body, &plot,
-				"Time by how much of the light changes, exact mode.", r->fault);
-}
-
-int report_incremental(struct report *r)
-{
-	static const char *const modes[] = {"auto", "full", "incremental"};
-	const int lights = (int)r->used->basis.info.lights;
-	const int changes[] = {1, lights / 50 + 1, lights / 10 + 1, lights / 3 + 1,
-			       REPORT_CHANGE_ALL};
-	double shares[5];
-	static struct sweep s;
-	int err;
-
-	report_heading(r->page.body, "All lights anew, or only those that have changed?");
-	if (!r->used->exact) {
-		report_paragraph(r->page.body, "Sums are kept from frame to frame in exact mode "
-					       "alone, and this basis has no exact layer.");
-		return 0;
-	}
-	sweep_begin(&s, r, "incremental");
-	for (int n = 0; n < REUSE_COUNT * 5; n++) {
-		struct report_way *way = sweep_add(&s, "");
-
-		way->mode = COMPOSITOR_EXACT;
-		way->reuse = (enum compositor_reuse)(n / 5);
-		way->changed = changes[n % 5];
-		shares[n % 5] = 100.0 * (changes[n % 5] < 0 ? lights : changes[n % 5]) / lights;
-	}
-	err = sweep_run(&s, false);
-	report_table_column(&s.table, "reuse", "way", NULL);
-	report_table_column(&s.table, "lights_changed_percent", "lights change", "%");
-	report_time_columns(&s.table);
-	report_table_column(&s.table, "read_mb", "read", "MB");
-	for (int n = 0; n < s.count; n++) {
-		report_text(&s.table, "%s", modes[s.trial[n].way.reuse]);
-		report_number(&s.table, shares[n % 5]);
-		report_time_cells(&s.table, &s.trial[n]);
-		report_number(&s.table, s.trial[n].read_mb);
-	}
-	report_paragraph(
-		r->page.body,
-		"Exact mode. The frame before had some lights brighter, spread over the sky. Both "
-		"ways give the same bits; \"auto\" takes what has less to read.");
 	if (!err)
-		err = plot_incremental(&s, shares, 5);
-	return sweep_end(&s, err);
-}
-
-/* ---- kernels and threads ---- */
-
-/* Adds a fast trial and one in exact mode, or two fast ones where there is no exact layer. name: of
- * both. */
-static void add_both(struct sweep *s, const char *name, const char *kernel, int threads)
-{
-	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
-		struct report_way *way = sweep_add(s, name);
-
-		way->kernel = kernel;
-		way->threads = threads;
-		way->mode = s->report->used->exact ? (enum compositor_mode)mode : COMPOSITOR_FAST;
-	}
-}
-
-static int show_both(struct sweep *s, struct report_plot *plot, const char *key,
-		     const char *caption, const char *used, int err)
-{
-	struct report *r = s->report;
-
-	report_table_column(&s->table, key, key, NULL);
-	report_table_column(&s->table, "mode", "mode", NULL);
-	report_time_columns(&s->table);
-	report_table_column(&s->table, "read_mb", "read", "MB");
-	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
-		if (mode && !r->used->exact)
-			break;
-		report_plot_series(plot, compositor_mode_names[mode], STYLE_LINE, mode ? 3 : 1);
-		for (int k = mode; k < s->count; k += COMPOSITOR_MODE_COUNT) {
-			const struct report_trial *trial = &s->trial[k];
-
-			report_time_point(plot, plot->x_tick[k / 2], trial)->ringed =
-				!mode && !strcmp(trial->name, used);
-			report_text(&s->table, "%s", trial->name);
-			report_text(&s->table, "%s", compositor_mode_names[mode]);
-			report_time_cells(&s->table, trial);
-			report_number(&s->table, trial->read_mb);
-			if (!mode && !strcmp(trial->name, used))
-				report_table_mark(&s->table);
-		}
-	}
-	if (err)
-		report_plot_free(plot);
-	else
-		err = report_page_plot(&r->page, r->page.body, plot, caption, r->fault);
-	return sweep_end(s, err);
-}
-
-/* Chooses a kernel, the one in use before others. Returns its trial; -1: the one in use. */
-static int kernel_choose(struct sweep *s, const char *used)
-{
-	const struct report_trial *trial[TRIALS_MAX];
-	int index[TRIALS_MAX] = {0}, count = 1, found;
-
-	for (int k = 0; k < s->count; k += COMPOSITOR_MODE_COUNT) {
-		const int at = strcmp(s->trial[k].name, used) ? count++ : 0;
-
-		trial[at] = &s->trial[k];
-		index[at] = k;
-	}
-	found = report_trial_choose(s->report, trial, count, "what auto takes", true);
-	return found ? index[found] : -1;
-}
-
-int report_kernels(struct report *r)
-{
-	const char *used = kernels_choose(NULL)->name;
-	static struct sweep s;
-	struct report_plot plot;
-	int found, err;
-
-	sweep_begin(&s, r, "kernels");
-	report_plot_begin(&plot, "kernels", "instruction set", "time of a frame, ms");
-	plot.y_log = true;
-	for (int k = 0; kernels_all[k]; k++) {
-		if (!kernels_all[k]->supported())
-			continue;
-		plot.x_tick[plot.x_ticks] = plot.x_ticks;
-		plot.x_name[plot.x_ticks++] = kernels_all[k]->name;
-		add_both(&s, kernels_all[k]->name, kernels_all[k]->name, 1);
-	}
-	err = sweep_run(&s, false);
-	report_heading(r->page.body, "What do the processor's wider instructions bring?");
-	report_paragraph(r->page.body,
-			 "Every kernel gives the same bits, so only time differs. One thread.");
-	err = show_both(&s, &plot, "kernel",
-			"Time by kernel, with its quartiles. Ring: the one that auto takes.", used,
-			err);
-	if (err)
-		return err;
-	found = kernel_choose(&s, used);
-	report_advise(r, REPORT_KIOSK, "composite", "kernel",
-		      found < 0 ? "auto" : s.trial[found].name, NULL);
-	report_advice_show(r);
-	return 0;
-}
-
-int report_thread_counts(struct report *r)
-{
-	static char names[REPORT_TICKS_MAX][24];
-	static struct sweep s;
-	struct report_plot plot;
-	int found, err;
-
-	sweep_begin(&s, r, "threads");
-	report_plot_begin(&plot, "threads", "threads", "time of a frame, ms");
-	for (int n = 1; plot.x_ticks < REPORT_TICKS_MAX; n = n < 4 ? n + 1 : 2 * n) {
-		n = n > r->threads ? r->threads : n;
-		snprintf(names[plot.x_ticks], sizeof(names[0]), "%d", n);
-		plot.x_name[plot.x_ticks] = names[plot.x_ticks];
-		add_both(&s, names[plot.x_ticks], NULL, n);
-		plot.x_tick[plot.x_ticks++] = n;
-		if (n == r->threads)
-			break;
-	}
-	err = sweep_run(&s, false);
-	report_heading(r->page.body, "What do more threads bring?");
-	report_paragraph(
-		r->page.body,
-		"Tiles are divided among a pool's threads by what they took before; the "
-		"picture is the same. What is bound by memory gains least, larger "
-		"pictures gain more. It is this machine's number: on the kiosk, inlay bench "
-		"measures the basis file itself.");
-	err = show_both(&s, &plot, "threads",
-			"Time by number of threads, with its quartiles. Ring: one thread.", "1",
-			err);
-	if (err)
-		return err;
-	found = sweep_choose(&s, 0, COMPOSITOR_MODE_COUNT, "the smallest number", true);
-	report_advise(r, REPORT_KIOSK, "composite", "threads", s.trial[found].name, NULL);
-	report_advice_show(r);
-	return 0;
+		advise_cut(r, factors[sweep_choose(&s, "the file's own")]);
+	return err;
 }

@@ -10,24 +10,10 @@
 #include "hal/base/pool.h"
 #include "hal/optics/dome.h"
 
-enum {
-	BASIS = 1,
-	PANORAMA,
-	SIZE,
-	SAMPLES,
-	TRUTH_SAMPLES,
-	FREQUENCY,
-	POSE,
-	REPEAT,
-	THREADS,
-	FULL,
-	QUICK,
-	QUIET
-};
+enum { PANORAMA = 1, SIZE, SAMPLES, TRUTH_SAMPLES, FREQUENCY, POSE, REPEAT, THREADS, QUIET };
 
 static const struct option options[] = {
 	{"output", required_argument, NULL, 'o'},
-	{"basis", required_argument, NULL, BASIS},
 	{"panorama", required_argument, NULL, PANORAMA},
 	{"size", required_argument, NULL, SIZE},
 	{"samples", required_argument, NULL, SAMPLES},
@@ -36,8 +22,6 @@ static const struct option options[] = {
 	{"pose", required_argument, NULL, POSE},
 	{"repeat", required_argument, NULL, REPEAT},
 	{"threads", required_argument, NULL, THREADS},
-	{"full", no_argument, NULL, FULL},
-	{"quick", no_argument, NULL, QUICK},
 	{"quiet", no_argument, NULL, QUIET},
 	OPTIONS_OF_ALL,
 	{NULL, 0, NULL, 0},
@@ -60,9 +44,6 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 	case 'o':
 		s->folder = optarg;
 		return 0;
-	case BASIS:
-		s->basis = optarg;
-		return 0;
 	case PANORAMA:
 		return take_panorama(s, fault);
 	case SIZE:
@@ -81,12 +62,6 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 		return option_int("--repeat", optarg, 1, 1000, &s->repeat, fault);
 	case THREADS:
 		return option_int("--threads", optarg, 1, POOL_THREADS_MAX, &s->threads, fault);
-	case FULL:
-		s->full = true;
-		return 0;
-	case QUICK:
-		s->quick = true;
-		return 0;
 	default:
 		s->quiet = true;
 		return 0;
@@ -102,7 +77,7 @@ static int report_command_run(const struct bake_command *command, int argc, char
 	if (status != COMMAND_GOES_ON)
 		return status;
 	if (optind + 1 != argc)
-		return command_wrong(command, "expected one scene file or basis file");
+		return command_wrong(command, "expected one scene file");
 	if (!s.folder)
 		return command_wrong(command, "-o DIR is missing");
 	s.input = argv[optind];
@@ -117,46 +92,33 @@ static int report_command_run(const struct bake_command *command, int argc, char
 
 const struct bake_command report_command = {
 	.name = "report",
-	.usage = "SCENE -o DIR [--basis FILE] [--panorama FILE]... [--size WxH]\n"
+	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
-		 "           [--repeat N] [--threads T] [--full] [--quick] [--quiet]",
+		 "           [--repeat N] [--threads T] [--quiet]",
 	.summary = "speed against error of a scene: one page with plots, tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
 		"                     appears when it is whole\n"
-		"  --basis FILE       a basis of this scene, the one in use: it is measured too, "
-		"and\n"
-		"                     what it was baked with stands for what the scene file says\n"
 		"  --panorama FILE    a surrounding, equirectangular in linear light; may be "
 		"given\n"
 		"                     again; else skies and a room that inlay makes itself\n"
-		"  --size WxH         of the pictures that are baked and traced, 96x72; with "
-		"--full\n"
-		"                     128x96\n"
+		"  --size WxH         of the pictures that are baked and traced, 96x72\n"
 		"  --samples S        camera rays a pixel of each bake, 16\n"
-		"  --truth-samples S  of the truth, 256; with --full 1024\n"
-		"  --frequency F      of the finest dome that is tried, 1 to 72; 18; with --full "
-		"36\n"
+		"  --truth-samples S  of the truth, 256\n"
+		"  --frequency F      of the finest dome that is tried, 1 to 72; 18\n"
 		"  --pose P           of the scene: number, from 0, or name; 0\n"
 		"  --repeat N         how often each frame is timed, 9\n"
-		"  --threads T        that bake and trace, and are tried; one for each processor\n"
-		"  --full             also coarser and finer domes, smaller and larger errors, "
-		"bits of\n"
-		"                     the fisheye's picture, full or incremental, and the thesis's "
-		"own\n"
-		"                     measurements made again: about five times as long\n"
-		"  --quick            everything small: only to see that it works\n"
+		"  --threads T        that bake and trace; one for each processor\n"
 		"  --quiet            print nothing but errors\n"
 		"\n"
 		"It says what each choice costs in time and memory, and how far the picture is "
 		"then\n"
 		"from double precision and from path-traced truth: number of lights, estimator,\n"
-		"samples, declared error, column cut, threshold, kernel, threads. What the scene\n"
-		"file says is the setting in use. Choices that differ by no more than the noise "
-		"count\n"
-		"as equal, and each advice is a line to paste into the scene file or the kiosk's\n"
-		"configuration. Of a basis file in place of the scene it tells what needs no other "
-		"bake\n"
-		"and no truth. It takes some minutes.\n",
+		"samples, declared error, column cut, threshold. What the scene file says is the\n"
+		"setting in use. Choices that differ by no more than the noise count as equal, "
+		"and\n"
+		"each advice is a line to paste into the scene file or the kiosk's configuration.\n"
+		"It takes some minutes. `inlay bench` measures a basis file, threads and "
+		"kernels.\n",
 	.run = report_command_run,
 };

@@ -5,34 +5,20 @@
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sections.h"
 
-#define FACTORS_MAX 6
+/* What the errors asked for are multiplied by; 1 is the setting in use. */
+static const double factors[] = {0.5, 1, 2, 4};
 
-/* What the errors asked for are multiplied by; 1 is the setting in use. 0 ends a list. */
-static const double factors[] = {0.5, 1, 2, 4, 0};
-static const double factors_full[] = {0.25, 0.5, 1, 2, 4, 8, 0};
-static const double factors_quick[] = {1, 4, 0};
+#define FACTORS ((int)(sizeof(factors) / sizeof(*factors)))
 
 struct error_sweep {
-	struct report_bake made[FACTORS_MAX];
-	struct report_bake *bake[FACTORS_MAX]; /* those, or the bake of the setting in use */
-	struct report_trial trial[FACTORS_MAX];
-	const double *factor;
-	int count;
+	struct report_bake made[FACTORS];
+	struct report_bake *bake[FACTORS]; /* those, or the bake of the setting in use */
+	struct report_trial trial[FACTORS];
 };
 
-static const double *choose_factors(const struct report *r)
+int report_error_bakes(void)
 {
-	return r->settings->quick ? factors_quick : r->settings->full ? factors_full : factors;
-}
-
-int report_error_bakes(const struct report *r)
-{
-	const double *factor = choose_factors(r);
-	int count = 0;
-
-	for (; *factor > 0; factor++)
-		count += *factor != 1;
-	return count;
+	return FACTORS - 1;
 }
 
 static struct encode_target target_times(const struct report *r, double factor)
@@ -49,14 +35,14 @@ static int make_error_bakes(struct report *r, struct error_sweep *e)
 {
 	int err = 0;
 
-	for (int k = 0; !err && k < e->count; k++) {
+	for (int k = 0; !err && k < FACTORS; k++) {
 		struct render_settings settings = r->used->settings;
 		struct report_bake *bake = &e->made[k];
 
-		settings.target = target_times(r, e->factor[k]);
+		settings.target = target_times(r, factors[k]);
 		settings.exact = false;
 		e->bake[k] = r->used;
-		if (e->factor[k] != 1) {
+		if (factors[k] != 1) {
 			e->bake[k] = bake;
 			report_step(r, "bake with an error of %.3g levels", settings.target.rms);
 			err = report_bake_make(bake, r->scene, &settings, r->page.temporary,
@@ -84,7 +70,7 @@ static void fill_error_table(const struct report *r, const struct error_sweep *e
 	report_table_column(t, "columns", "columns", "mean");
 	report_table_column(t, "basis_mb", "basis", "MB");
 	report_result_columns(r, t);
-	for (int k = 0; k < e->count; k++) {
+	for (int k = 0; k < FACTORS; k++) {
 		const struct report_bake *bake = e->bake[k];
 		const struct basis_info_chunk *info = &bake->basis.info;
 
@@ -98,7 +84,7 @@ static void fill_error_table(const struct report *r, const struct error_sweep *e
 		report_number(t, bake->columns);
 		report_number(t, bake->shown_mb);
 		report_result_cells(r, t, &e->trial[k]);
-		if (e->factor[k] == 1)
+		if (factors[k] == 1)
 			report_table_mark(t);
 	}
 }
@@ -112,7 +98,7 @@ static int plot_error_sweep(struct report *r, const struct error_sweep *e, const
 			  memory ? "size of the basis, MB" : "time of a frame, ms");
 	p.x_log = p.y_log = true;
 	report_plot_series(&p, NULL, STYLE_LINE, memory ? 3 : 1);
-	for (int k = 0; k < e->count; k++) {
+	for (int k = 0; k < FACTORS; k++) {
 		const double rms = e->trial[k].precise.all.rms;
 		struct report_point *point = memory ? report_plot_point(&p, rms,
 									e->bake[k]->shown_mb)
@@ -120,7 +106,7 @@ static int plot_error_sweep(struct report *r, const struct error_sweep *e, const
 
 		snprintf(point->label, sizeof(point->label), "%.3g",
 			 e->bake[k]->settings.target.rms);
-		point->ringed = e->factor[k] == 1;
+		point->ringed = factors[k] == 1;
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &p,
@@ -156,20 +142,19 @@ static int show_error_sweep(struct report *r, const struct error_sweep *e)
 /* Advises an error: larger ones, whose files are smaller, before smaller ones. */
 static void choose_error(struct report *r, const struct error_sweep *e)
 {
-	const struct report_trial *way[FACTORS_MAX];
+	const struct report_trial *way[FACTORS];
 	const struct encode_target *used = &r->render.target;
-	struct encode_target *target = &r->advised.target;
+	struct encode_target target;
 	int found;
 
-	for (int k = 0; k < e->count; k++)
-		way[k] = &e->trial[e->count - 1 - k];
-	found = e->count - 1 - report_trial_choose(r, way, e->count, "the largest error", false);
-	*target = target_times(r, e->factor[found]);
-	report_advise_number(r, REPORT_SCENE, "render", "error", target->rms, used->rms);
+	for (int k = 0; k < FACTORS; k++)
+		way[k] = &e->trial[FACTORS - 1 - k];
+	found = FACTORS - 1 - report_trial_choose(r, way, FACTORS, "the largest error");
+	target = target_times(r, factors[found]);
+	report_advise_number(r, REPORT_SCENE, "render", "error", target.rms, used->rms);
 	if (used->max > 0)
-		report_advise_number(r, REPORT_SCENE, "render", "error_max", target->max,
-				     used->max);
-	report_advise_number(r, REPORT_SCENE, "render", "cell_error", target->cell, used->cell);
+		report_advise_number(r, REPORT_SCENE, "render", "error_max", target.max, used->max);
+	report_advise_number(r, REPORT_SCENE, "render", "cell_error", target.cell, used->cell);
 	report_advice_show(r);
 }
 
@@ -178,20 +163,16 @@ int report_declared_error(struct report *r)
 	static struct error_sweep e;
 	int err;
 
-	if (!r->scene)
-		return 0;
-	e = (struct error_sweep){.factor = choose_factors(r)};
-	while (e.factor[e.count] > 0)
-		e.count++;
+	e = (struct error_sweep){.bake = {NULL}};
 	err = make_error_bakes(r, &e);
 	if (!err)
-		err = report_trials_run(e.trial, e.count, &r->stage, &r->scope, r->fault);
+		err = report_trials_run(e.trial, FACTORS, &r->stage, &r->scope, r->fault);
 	if (!err)
 		err = show_error_sweep(r, &e);
 	if (!err)
 		choose_error(r, &e);
-	for (int k = 0; k < e.count; k++) {
-		if (!err && e.factor[k] != 1)
+	for (int k = 0; k < FACTORS; k++) {
+		if (!err && factors[k] != 1)
 			report_candidate_add(r, &e.trial[k], false);
 		report_bake_close(&e.made[k]);
 	}

@@ -9,7 +9,6 @@
 #include "bake/report/report_sky.h"
 #include "bake/truth/truth.h"
 #include "bake/truth/truth_views.h"
-#include "hal/measure/background.h"
 
 #define MADE_WIDTH 1024 /* pixels across of made panoramas */
 
@@ -159,9 +158,10 @@ static int lighting_trace(struct report_lighting *l, const struct scene *scene,
 	return err;
 }
 
-int report_lighting_open(struct report_lighting *l, const struct scene *scene, int width,
-			 int height, const struct report_lighting_settings *s, struct fault *fault)
+int report_lighting_open(struct report_lighting *l, const struct scene *scene,
+			 const struct report_lighting_settings *s, struct fault *fault)
 {
+	const int width = scene->camera.width, height = scene->camera.height;
 	const struct view whole = {.width = width, .height = height, .squash = 1};
 	struct sky sky = {.width = 0};
 	int err;
@@ -175,17 +175,14 @@ int report_lighting_open(struct report_lighting *l, const struct scene *scene, i
 	err = truth_fisheye(&l->panorama, s->fisheye_side, &l->fisheye);
 	if (!err)
 		err = canvas_create(&l->background, width, height);
-	if (!err && scene)
+	if (!err)
 		err = lighting_photograph(l, scene);
 	if (err) {
 		fault_say(fault, err, "%s: %s", l->name, strerror(-err));
 		goto release;
 	}
-	if (!scene)
-		background_fill(&l->background);
 	l->background_picture = view_picture(&whole, l->background.pixels, l->background.stride);
-	if (scene && s->truth_samples)
-		err = lighting_trace(l, scene, &sky, s, fault);
+	err = lighting_trace(l, scene, &sky, s, fault);
 release:
 	sky_free(&sky);
 	return err;

@@ -21,7 +21,7 @@ struct report_lighting {
 	struct image fisheye;	  /* linear radiance, upright, a square */
 	struct canvas background; /* 8 bits, sRGB */
 	struct picture background_picture;
-	double *truth;	     /* [height][width][3]: 0..255, sRGB, not rounded; NULL: none */
+	double *truth;	     /* [height][width][3]: 0..255, sRGB, not rounded */
 	double *half[2];     /* the same of either half of the samples, whose mean truth is */
 	double noise_levels; /* standard error of truth; 0 until it is measured (report_samples.c) */
 	double seconds;	     /* that truth took */
@@ -31,17 +31,15 @@ struct report_lighting_settings {
 	const char *path; /* of a panorama; NULL: a made one */
 	int made;	  /* its index in report_sky_names */
 	int fisheye_side;
-	int truth_samples; /* 0: no truth */
+	int truth_samples;
 	int threads, seed;
 	bool quiet;
 };
 
-/* scene NULL: there is no truth, and the background is synthetic, of width x height pixels.
- * -EINVAL: the panorama holds code values; or the error of reading or rendering. The caller closes
+/* -EINVAL: the panorama holds code values; or the error of reading or rendering. The caller closes
  * the lighting also after a failure. */
-int report_lighting_open(struct report_lighting *lighting, const struct scene *scene, int width,
-			 int height, const struct report_lighting_settings *settings,
-			 struct fault *fault);
+int report_lighting_open(struct report_lighting *lighting, const struct scene *scene,
+			 const struct report_lighting_settings *settings, struct fault *fault);
 void report_lighting_close(struct report_lighting *lighting); /* idempotent; zeroed is fine */
 
 #endif

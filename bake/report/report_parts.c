@@ -24,11 +24,6 @@ void report_step(struct report *r, const char *format, ...)
 
 /* ---- columns that every table of results has ---- */
 
-const char *report_against(const struct report *r)
-{
-	return r->truth ? "path-traced truth" : "double precision";
-}
-
 /*
  * Noise that makes the errors of two trials equal, in levels. A file that is baked as advised has
  * the noise `hidden`, which hides smaller differences. The noise of truth and bake, one number a
@@ -54,8 +49,8 @@ struct report_result report_result_of(const struct report *r, const struct repor
 		.ms = trial->ms.median,
 		.ms_low = trial->ms.low,
 		.ms_high = trial->ms.high,
-		.rms = r->truth ? trial->truth.all.rms : trial->precise.all.rms,
-		.noise = r->truth ? trial_noise(r, trial) : 0,
+		.rms = trial->truth.all.rms,
+		.noise = trial_noise(r, trial),
 	};
 }
 
@@ -96,17 +91,13 @@ void report_result_columns(const struct report *r, struct report_table *t)
 {
 	report_time_columns(t);
 	report_table_column(t, "read_mb", "read", "MB");
-	if (r->truth)
-		report_error_columns(t, "truth", "to truth", false);
+	report_error_columns(t, "truth", "to truth", false);
 	report_error_columns(t, "double", "to double", true);
 	for (int l = 0; l < r->stage.lightings; l++) {
 		char key[80];
 
-		if (r->truth) {
-			snprintf(key, sizeof(key), "truth_rms_levels:%.60s",
-				 r->stage.lighting[l].name);
-			report_table_column(t, key, NULL, NULL);
-		}
+		snprintf(key, sizeof(key), "truth_rms_levels:%.60s", r->stage.lighting[l].name);
+		report_table_column(t, key, NULL, NULL);
 		snprintf(key, sizeof(key), "double_rms_levels:%.60s", r->stage.lighting[l].name);
 		report_table_column(t, key, NULL, NULL);
 	}
@@ -114,25 +105,21 @@ void report_result_columns(const struct report *r, struct report_table *t)
 
 void report_error_cells(struct report_table *t, const struct composite_error *error)
 {
-	report_number(t, error ? error->rms : NAN);
-	report_number(t, error ? error->psnr_db : NAN);
-	report_number(t, error ? error->max : NAN);
-	report_number(t, error ? 100 * error->contrast : NAN);
+	report_number(t, error->rms);
+	report_number(t, error->psnr_db);
+	report_number(t, error->max);
+	report_number(t, 100 * error->contrast);
 }
 
 void report_result_cells(const struct report *r, struct report_table *t,
 			 const struct report_trial *trial)
 {
-	const bool against_truth = !trial->way.thesis;
-
 	report_time_cells(t, trial);
 	report_number(t, trial->read_mb);
-	if (r->truth)
-		report_error_cells(t, against_truth ? &trial->truth.all : NULL);
+	report_error_cells(t, &trial->truth.all);
 	report_error_cells(t, &trial->precise.all);
 	for (int l = 0; l < r->stage.lightings; l++) {
-		if (r->truth)
-			report_number(t, against_truth ? trial->truth.each[l].rms : NAN);
+		report_number(t, trial->truth.each[l].rms);
 		report_number(t, trial->precise.each[l].rms);
 	}
 }
@@ -203,7 +190,7 @@ static void compare_with_use(struct report *r, const struct report_trial *trial)
 }
 
 int report_trial_choose(struct report *r, const struct report_trial *const *trials, int count,
-			const char *order, bool is_alike)
+			const char *order)
 {
 	struct report_result results[REPORT_CHOICES_MAX] = {{.ms = 0}};
 	bool near[REPORT_CHOICES_MAX];
@@ -211,18 +198,10 @@ int report_trial_choose(struct report *r, const struct report_trial *const *tria
 	int found;
 
 	count = count < REPORT_CHOICES_MAX ? count : REPORT_CHOICES_MAX;
-	for (int k = 0; k < count; k++) {
+	for (int k = 0; k < count; k++)
 		results[k] = report_result_of(r, trials[k]);
-		if (is_alike)
-			results[k].rms = 0;
-	}
 	found = report_choose(results, count, near);
-	if (is_alike)
-		report_paragraph(r->page.body,
-				 "Advised: %s. No other is faster by more than the spread of the "
-				 "times; of those as fast, %s is preferred.",
-				 trials[found]->name, order);
-	else if (list_equals(trials, near, count, list, sizeof(list)) > 1)
+	if (list_equals(trials, near, count, list, sizeof(list)) > 1)
 		report_paragraph(r->page.body,
 				 "Called equal, as their errors differ by no more than the noise "
 				 "(%.2g levels): %s. Advised: %s. No other of these is faster by "
@@ -234,15 +213,14 @@ int report_trial_choose(struct report *r, const struct report_trial *const *tria
 				 "Advised: %s, nearer than all others by more than the noise "
 				 "(%.2g levels).",
 				 trials[found]->name, results[found].noise);
-	if (!is_alike)
-		compare_with_use(r, trials[found]);
+	compare_with_use(r, trials[found]);
 	return found;
 }
 
 struct report_bake *report_advised_dome(struct report *r)
 {
 	for (int b = 0; b < r->bakes; b++)
-		if (r->bake[b].settings.frequency == r->advised.frequency)
+		if (r->bake[b].settings.frequency == r->advised_frequency)
 			return &r->bake[b];
 	return r->used;
 }

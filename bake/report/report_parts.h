@@ -34,18 +34,16 @@ struct report_advice {
 
 struct report {
 	const struct report_settings *settings;
-	struct scene *scene; /* NULL: the report is of a basis file alone */
+	struct scene *scene;
 	struct report_page page;
 	struct report_stage stage;
 	struct scope scope;
-	int threads;				   /* the most that are tried */
-	bool truth;				   /* whether there is path-traced truth */
+	int threads;				   /* for baking and tracing */
 	struct render_settings render;		   /* of the setting in use */
 	struct report_bake bake[REPORT_SWEEP_MAX]; /* by number of lights */
 	int bakes;
 	struct report_bake *used;   /* the bake of the setting in use */
 	struct report_trial in_use; /* the trial of the setting in use */
-	struct report_bake given;   /* the file in use, if there is one */
 	/* A bake like `used` with fewer samples and other random numbers, and the noise that both
 	 * tell (report_samples.c), in levels: of the setting in use in each surrounding, and as
 	 * RMS over the surroundings of bake and truth. */
@@ -55,9 +53,7 @@ struct report {
 	double hidden; /* the bake's noise with the samples that are advised */
 	struct report_candidate candidate[REPORT_CANDIDATES_MAX];
 	int candidates;
-	/* what the sections advise: bake, and way to use it */
-	struct render_settings advised;
-	struct report_way advised_way;
+	int advised_frequency; /* of the dome */
 	struct report_advice advice[REPORT_ADVICE_MAX];
 	int advices, advices_shown;
 	int step, steps;
@@ -76,7 +72,7 @@ void report_result_cells(const struct report *report, struct report_table *table
 
 /* Add the columns of RMS, PSNR, largest error and shadow's error; add their cells. key and against
  * name the reference: "truth" in the CSV, "to truth" in the page. brief: the page shows RMS and
- * largest alone. error NULL: it does not apply. */
+ * largest alone. */
 void report_error_columns(struct report_table *table, const char *key, const char *against,
 			  bool brief);
 void report_error_cells(struct report_table *table, const struct composite_error *error);
@@ -89,22 +85,19 @@ void report_time_cells(struct report_table *table, const struct report_trial *tr
 struct report_point *report_time_point(struct report_plot *plot, double x,
 				       const struct report_trial *trial);
 
-/* A trial's time, and its error against truth, or double precision where there is no truth; the
- * reference's name. */
+/* A trial's time, and its error against truth. */
 struct report_result report_result_of(const struct report *report,
 				      const struct report_trial *trial);
-const char *report_against(const struct report *report);
 
 /* Adds a trial to the settings that the summary compares. */
 void report_candidate_add(struct report *report, const struct report_trial *trial, bool in_use);
 
 /*
  * Chooses one of some trials (report_choose()), the preferred ones first, and writes paragraphs that
- * say why. Returns its index. order: which of those as fast is preferred; is_alike: their pictures
- * are the same, and time decides alone.
+ * say why. Returns its index. order: which of those as fast is preferred.
  */
 int report_trial_choose(struct report *report, const struct report_trial *const *trials, int count,
-			const char *order, bool is_alike);
+			const char *order);
 
 /* The bake with the lights that are advised, as far as it is known: of the setting in use before. */
 struct report_bake *report_advised_dome(struct report *report);

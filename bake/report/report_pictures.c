@@ -46,21 +46,17 @@ static int show_one(struct report *r, const struct report_way *way, int lighting
 		    struct canvas *ours, struct image *out)
 {
 	const struct report_lighting *l = &r->stage.lighting[lighting];
-	const double *truth = l->truth;
 	char name[128], caption[256];
 	int err = report_trial_picture(way, &r->stage, lighting, ours, r->fault);
 
 	if (err)
 		return err;
-	if (!truth)
-		truth = report_bake_precise(r->used, &r->stage, INPUT_CELL, lighting, r->fault);
-	if (!truth)
-		return -ENOMEM;
-	fill_comparison(r, ours, truth, out);
+	fill_comparison(r, ours, l->truth, out);
 	snprintf(name, sizeof(name), "picture-%d", lighting + 1);
 	snprintf(caption, sizeof(caption),
-		 "%s: the setting in use, %s, and %d times their difference (grey: none).", l->name,
-		 report_against(r), GAIN);
+		 "%s: the setting in use, path-traced truth, and %d times their difference (grey: "
+		 "none).",
+		 l->name, GAIN);
 	return report_page_picture(&r->page, r->page.body, name, out, caption, r->fault);
 }
 

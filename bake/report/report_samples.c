@@ -44,10 +44,10 @@ static int find_noise(struct report *r)
 
 	for (int l = 0; l < r->stage.lightings; l++) {
 		struct report_lighting *lighting = &r->stage.lighting[l];
-		const double *more = report_bake_precise(r->used, &r->stage, INPUT_CELL, l,
+		const double *more = report_bake_precise(r->used, &r->stage, ESTIMATOR_CELL, l,
 							 r->fault);
-		const double *fewer = more ? report_bake_precise(&r->fewer, &r->stage, INPUT_CELL,
-								 l, r->fault)
+		const double *fewer = more ? report_bake_precise(&r->fewer, &r->stage,
+								 ESTIMATOR_CELL, l, r->fault)
 					   : NULL;
 
 		if (!fewer)
@@ -174,8 +174,6 @@ int report_samples(struct report *r)
 	struct sample_law law;
 	int enough, err;
 
-	if (!r->scene)
-		return 0;
 	for (int k = 0; k < 2; k++)
 		trial[k].way.mode = COMPOSITOR_EXACT;
 	err = report_trials_run(trial, 2, &r->stage, &r->scope, r->fault);

@@ -43,9 +43,8 @@ static int show_front(struct report *r, const bool *front)
 	const struct report_candidate *used = candidate_in_use(r);
 	struct report_plot plot;
 
-	report_plot_begin(&plot, "pareto", "time of a frame, ms, one thread", "");
-	snprintf(plot.y_label, sizeof(plot.y_label), "RMS error against %s, levels",
-		 report_against(r));
+	report_plot_begin(&plot, "pareto", "time of a frame, ms, one thread",
+			  "RMS error against path-traced truth, levels");
 	plot.x_log = plot.y_log = true;
 	report_plot_series(&plot, NULL, STYLE_POINTS, 0);
 	for (int k = 0; k < r->candidates; k++)
@@ -135,13 +134,14 @@ static void describe_use(struct report *r, const struct report_candidate *used)
 	report_paragraph(
 		r->page.head,
 		"It costs %s ms (quartiles %s to %s) a frame of %u x %u pixels, %.0f ns for each "
-		"pixel that the object changes, and %s MB of memory%s%s%s. It is off from %s by an "
-		"RMS of %s levels over what the object "
+		"pixel that the object changes, and %s MB of memory%s%s%s. It is off from "
+		"path-traced truth by "
+		"an RMS of %s levels over what the object "
 		"changes, all surroundings taken together.",
 		ms, low, high, info->width, info->height,
 		1e6 * used->result.ms / (double)(r->scope.objects + r->scope.shadows), mb,
 		bake->exact ? " (the exact layer " : "", bake->exact ? exact : "",
-		bake->exact ? " MB)" : "", report_against(r), rms);
+		bake->exact ? " MB)" : "", rms);
 }
 
 static int show_surroundings(struct report *r)
@@ -153,24 +153,20 @@ static int show_surroundings(struct report *r)
 	report_table_begin(&t, "surroundings");
 	report_table_column(&t, "surrounding", "surrounding", NULL);
 	report_table_column(&t, "sky_peak_over_mean", "brightest / mean", "of the sky");
-	if (r->truth) {
-		report_error_columns(&t, "truth", "to truth", false);
-		report_table_column(&t, "truth_noise_levels", "noise", "of truth");
-		report_table_column(&t, "bake_noise_levels", "noise", "of the bake");
-		report_table_column(&t, "truth_s", NULL, NULL);
-	}
+	report_error_columns(&t, "truth", "to truth", false);
+	report_table_column(&t, "truth_noise_levels", "noise", "of truth");
+	report_table_column(&t, "bake_noise_levels", "noise", "of the bake");
+	report_table_column(&t, "truth_s", NULL, NULL);
 	report_error_columns(&t, "double", "to double", true);
 	for (int l = 0; l < r->stage.lightings; l++) {
 		const struct report_lighting *lighting = &r->stage.lighting[l];
 
 		report_text(&t, "%s", lighting->name);
 		report_number(&t, lighting->peak_ratio);
-		if (r->truth) {
-			report_error_cells(&t, &r->in_use.truth.each[l]);
-			report_number(&t, lighting->noise_levels);
-			report_number(&t, r->bake_noise_in[l]);
-			report_number(&t, lighting->seconds);
-		}
+		report_error_cells(&t, &r->in_use.truth.each[l]);
+		report_number(&t, lighting->noise_levels);
+		report_number(&t, r->bake_noise_in[l]);
+		report_number(&t, lighting->seconds);
 		report_error_cells(&t, &r->in_use.precise.each[l]);
 	}
 	err = report_page_table(&r->page, r->page.head, &t, r->fault);

@@ -6,18 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/measure/lightings.h"
-
 /* A trial with all that its frames need. */
 struct runner {
 	struct report_trial *trial;
 	struct basis basis; /* copy of the bake's, with the trial's cut; owns nothing */
-	struct pool *pool;
 	struct compositor *compositor;
-	struct thesis *thesis;
 	struct light_selection lights[REPORT_LIGHTINGS_MAX];
-	struct light_selection before;
-	float (*scratch)[3];
 };
 
 struct runners {
@@ -32,12 +26,10 @@ struct runners {
 struct report_way report_way_plain(struct report_bake *bake)
 {
 	return (struct report_way){.bake = bake,
-				   .input = INPUT_CELL,
+				   .estimator = ESTIMATOR_CELL,
 				   .threshold_mode = THRESHOLD_AMBIENT,
 				   .mode = COMPOSITOR_FAST,
-				   .reuse = REUSE_NEVER,
-				   .column_cut = -1,
-				   .threads = 1};
+				   .column_cut = -1};
 }
 
 /* ---- setting up ---- */
@@ -47,8 +39,8 @@ static int choose_lights(struct runner *r, struct report_stage *stage, struct fa
 	const struct report_way *way = &r->trial->way;
 
 	for (int k = 0; k < stage->lightings; k++) {
-		const float(*radiance)[3] = report_bake_radiance(way->bake, stage, way->input, k,
-								 fault);
+		const float(*radiance)[3] = report_bake_radiance(way->bake, stage, way->estimator,
+								 k, fault);
 
 		if (!radiance)
 			return -EIO;
@@ -66,38 +58,23 @@ static int runner_create(struct runner *r, struct report_trial *trial, struct re
 {
 	const struct report_way *way = &trial->way;
 	const struct compositor_settings settings = {.mode = way->mode,
-						     .reuse = way->reuse,
+						     .reuse = REUSE_NEVER,
 						     .background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
 						     .gain = 1,
 						     .object = true};
-	struct compositor_options options = {.kernel = way->kernel};
+	const struct compositor_options options = {.pool = NULL};
 	int err;
 
 	*r = (struct runner){.trial = trial, .basis = way->bake->basis};
 	if (way->column_cut >= 0)
 		r->basis.info.column_cut = way->column_cut;
-	err = pool_create(&r->pool, way->threads);
-	if (err)
-		return fault_say(fault, err, "%d threads: %s", way->threads, strerror(-err));
 	err = choose_lights(r, stage, fault);
-	if (err)
-		return err;
-	if (way->thesis) {
-		r->thesis = report_bake_thesis(way->bake, stage, fault);
-		return r->thesis ? 0 : -ENOMEM;
-	}
-	options.pool = r->pool;
-	err = compositor_create(&r->compositor, &r->basis, &options, fault);
-	if (err)
-		return err;
-	compositor_set(r->compositor, &settings);
-	if (!way->changed)
-		return 0;
-	r->scratch = calloc(r->basis.info.lights, sizeof(*r->scratch));
-	if (!r->scratch || light_selection_create(&r->before, &r->basis))
-		return fault_say(fault, -ENOMEM, "not enough memory for lights");
-	return 0;
+	if (!err)
+		err = compositor_create(&r->compositor, &r->basis, &options, fault);
+	if (!err)
+		compositor_set(r->compositor, &settings);
+	return err;
 }
 
 static void runner_destroy(struct runner *r)
@@ -105,42 +82,20 @@ static void runner_destroy(struct runner *r)
 	compositor_destroy(r->compositor);
 	for (int k = 0; k < REPORT_LIGHTINGS_MAX; k++)
 		light_selection_free(&r->lights[k]);
-	light_selection_free(&r->before);
-	free(r->scratch);
-	pool_destroy(r->pool);
 }
 
 /* ---- frames ---- */
 
 static int runner_composite(struct runner *r, const struct report_stage *stage, int lighting,
-			    const struct light_selection *lights, struct canvas *out,
-			    struct fault *fault)
+			    struct canvas *out, struct fault *fault)
 {
 	const struct report_lighting *l = &stage->lighting[lighting];
 	const struct backdrop backdrop = backdrop_of(&l->background_picture);
 	int err;
 
-	if (r->thesis) {
-		thesis_run(r->thesis, &l->background, out);
-		return 0;
-	}
-	err = compositor_run(r->compositor, 0, lights, &backdrop, out->pixels, out->stride);
+	err = compositor_run(r->compositor, 0, &r->lights[lighting], &backdrop, out->pixels,
+			     out->stride);
 	return err ? fault_say(fault, err, "the compositor fails: %s", strerror(-err)) : 0;
-}
-
-static void light_before(struct runner *r, int lighting, int turn)
-{
-	const struct light_selection *lights = &r->lights[lighting];
-	int changed = r->trial->way.changed;
-
-	if (changed == REPORT_CHANGE_ALL || changed > lights->count)
-		changed = lights->count;
-	for (int i = 0; i < lights->count; i++)
-		for (int c = 0; c < 3; c++)
-			r->scratch[i][c] = (float)lights->radiance[i][c];
-	lighting_change(r->scratch, lights->count, changed, turn);
-	light_selection_choose(&r->before, &r->basis, 0, (const float(*)[3])r->scratch, 0,
-			       THRESHOLD_DROP, 1);
 }
 
 /* Runs an untimed frame of the same trial, so that the timed one finds the caches as it leaves
@@ -148,19 +103,10 @@ static void light_before(struct runner *r, int lighting, int turn)
 static int runner_prepare(void *context, int which, int turn)
 {
 	struct runners *all = context;
-	struct runner *r = &all->runner[which];
-	const struct light_selection *lights = &r->lights[all->lighting];
 
-	if (r->thesis) {
-		if (thesis_share(r->thesis, r->pool))
-			return fault_say(all->fault, -ENOMEM, "not enough memory");
-		thesis_light(r->thesis, lights);
-	}
-	if (r->trial->way.changed) {
-		light_before(r, all->lighting, turn);
-		lights = &r->before;
-	}
-	return runner_composite(r, all->stage, all->lighting, lights, &all->out, all->fault);
+	(void)turn;
+	return runner_composite(&all->runner[which], all->stage, all->lighting, &all->out,
+				all->fault);
 }
 
 static int runner_run(void *context, int which)
@@ -168,22 +114,12 @@ static int runner_run(void *context, int which)
 	struct runners *all = context;
 	struct runner *r = &all->runner[which];
 
-	return runner_composite(r, all->stage, all->lighting, &r->lights[all->lighting], &all->out,
-				all->fault);
+	return runner_composite(r, all->stage, all->lighting, &all->out, all->fault);
 }
 
-static double read_mb(const struct runner *r, int lighting)
+static double read_mb(const struct runner *r)
 {
-	if (r->thesis)
-		return (double)thesis_bytes(r->thesis, r->lights[lighting].used_count) / 1e6;
 	return (double)compositor_last(r->compositor).basis_bytes / 1e6;
-}
-
-static bool runner_is_alone(void *context, int which)
-{
-	const struct runners *all = context;
-
-	return all->runner[which].trial->way.threads == 1;
 }
 
 static int time_all(struct runners *all)
@@ -193,8 +129,7 @@ static int time_all(struct runners *all)
 			      .ways = all->count,
 			      .repeat = repeat,
 			      .prepare = runner_prepare,
-			      .run = runner_run,
-			      .is_alone = runner_is_alone};
+			      .run = runner_run};
 	double *ms = calloc((size_t)all->count * (size_t)repeat, sizeof(*ms));
 	int err = ms ? 0 : fault_say(all->fault, -ENOMEM, "not enough memory");
 
@@ -209,7 +144,7 @@ static int time_all(struct runners *all)
 			trial->ms.low += spread.low / lightings;
 			trial->ms.median += spread.median / lightings;
 			trial->ms.high += spread.high / lightings;
-			trial->read_mb += read_mb(&all->runner[k], all->lighting) / lightings;
+			trial->read_mb += read_mb(&all->runner[k]) / lightings;
 		}
 	}
 	all->stage->timed_ns += turns.timed_ns;
@@ -219,37 +154,6 @@ static int time_all(struct runners *all)
 }
 
 /* ---- errors ---- */
-
-/* The reference for the thesis's algorithm, which has no transfer function: the same sum, with code
- * values taken as linear light. */
-static int linear_truth(const struct runner *r, const struct report_stage *stage, int lighting,
-			double *out)
-{
-	const struct compositor_settings settings = {
-		.mode = r->trial->way.bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = {.named = TRANSFER_LINEAR},
-		.output = {.named = TRANSFER_LINEAR},
-		.gain = 1,
-		.object = true};
-
-	return compositor_reference(&r->basis, 0, &settings, &r->lights[lighting],
-				    &stage->lighting[lighting].background_picture, out);
-}
-
-static int measure_thesis(struct runner *r, struct runners *all, int lighting,
-			  const struct scope *scope)
-{
-	const struct report_stage *stage = all->stage;
-	double *truth = malloc(3 * (size_t)stage->width * (size_t)stage->height * sizeof(*truth));
-	int err = truth ? linear_truth(r, stage, lighting, truth) : -ENOMEM;
-
-	if (!err)
-		r->trial->precise.each[lighting] = error_measure(
-			scope, truth, &all->out, &stage->lighting[lighting].background_picture,
-			TRANSFER_LINEAR);
-	free(truth);
-	return err ? fault_say(all->fault, err, "double precision: %s", strerror(-err)) : 0;
-}
 
 static double psnr_of(double rms)
 {
@@ -273,18 +177,14 @@ static int measure_one(struct runner *r, struct runners *all, int lighting,
 	const struct report_way *way = &r->trial->way;
 	const double *precise;
 
-	if (way->thesis)
-		return measure_thesis(r, all, lighting, scope);
-	precise = report_bake_precise(way->bake, all->stage, way->input, lighting, all->fault);
+	precise = report_bake_precise(way->bake, all->stage, way->estimator, lighting, all->fault);
 	if (!precise)
 		return -ENOMEM;
 	r->trial->precise.each[lighting] = error_measure(scope, precise, &all->out,
 							 &l->background_picture, TRANSFER_SRGB);
-	if (l->truth)
-		r->trial->truth.each[lighting] =
-			without_noise(error_measure(scope, l->truth, &all->out,
-						    &l->background_picture, TRANSFER_SRGB),
-				      l->noise_levels);
+	r->trial->truth.each[lighting] = without_noise(
+		error_measure(scope, l->truth, &all->out, &l->background_picture, TRANSFER_SRGB),
+		l->noise_levels);
 	return 0;
 }
 
@@ -324,7 +224,6 @@ static int measure_all(struct runners *all, const struct scope *scope)
 		}
 		sum_up(&r->trial->truth, all->stage->lightings);
 		sum_up(&r->trial->precise, all->stage->lightings);
-		r->trial->has_errors = true;
 	}
 	return err;
 }
@@ -349,7 +248,7 @@ int report_trials_run(struct report_trial *trials, int count, struct report_stag
 	}
 	if (!err)
 		err = time_all(&all);
-	if (!err && scope)
+	if (!err)
 		err = measure_all(&all, scope);
 release:
 	for (int k = 0; k < all.count; k++)
@@ -367,8 +266,7 @@ int report_trial_picture(const struct report_way *way, struct report_stage *stag
 	int err = runner_create(&runner, &trial, stage, fault);
 
 	if (!err)
-		err = runner_composite(&runner, stage, lighting, &runner.lights[lighting], out,
-				       fault);
+		err = runner_composite(&runner, stage, lighting, out, fault);
 	runner_destroy(&runner);
 	return err;
 }

@@ -8,23 +8,16 @@
 #include "hal/measure/error.h"
 #include "hal/measure/turns.h"
 
-#define REPORT_CHANGE_ALL (-1)
-
 /* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
 #define REPORT_ROUNDING 0.289
 
 struct report_way {
 	struct report_bake *bake;
-	enum report_input input;
+	enum light_estimator estimator;
 	double threshold; /* linear radiance */
 	enum threshold_mode threshold_mode;
-	bool thesis; /* the thesis's algorithm; of the members below only threads apply */
 	enum compositor_mode mode;
-	enum compositor_reuse reuse;
-	int changed;	    /* lights that change from frame to frame; or REPORT_CHANGE_ALL */
-	double column_cut;  /* negative: the file's */
-	const char *kernel; /* NULL: the fastest */
-	int threads;
+	double column_cut; /* negative: the file's */
 };
 
 struct report_errors {
@@ -40,21 +33,16 @@ struct report_trial {
 	struct turns_spread ms;		     /* of a frame; means over the lightings */
 	double read_mb;			     /* of the basis a frame, mean over the lightings */
 	double lights[REPORT_LIGHTINGS_MAX]; /* how many are used */
-	bool has_errors;
-	/* where the stage has truth; RMS and PSNR without its noise */
-	struct report_errors truth;
-	/* of the thesis's algorithm in levels of linear light, as it computes */
-	struct report_errors precise;
+	struct report_errors truth;	     /* RMS and PSNR without its noise */
+	struct report_errors precise;	     /* against double precision */
 };
 
-/* The plain way: float input of cells, no threshold, fast, nothing reused, the file's cut, the
- * fastest kernel, one thread. */
+/* The plain way: means over cells, no threshold, fast mode, the file's cut. */
 struct report_way report_way_plain(struct report_bake *bake);
 
 /*
- * Times all trials in turns (hal/measure/turns.h) under each lighting, and measures the errors of
- * their pictures over the pixels of the scope; scope NULL: times only. -EIO, -ENOMEM, -ENOTSUP (no
- * such kernel).
+ * Times all trials in turns (hal/measure/turns.h) under each lighting with one thread, and measures
+ * the errors of their pictures over the pixels of the scope. -EIO, -ENOMEM.
  */
 int report_trials_run(struct report_trial *trials, int count, struct report_stage *stage,
 		      const struct scope *scope, struct fault *fault);

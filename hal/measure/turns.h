@@ -15,9 +15,9 @@ struct turns {
 	/* Called before each run, untimed. Anything but 0 from prepare() or run() ends all. */
 	int (*prepare)(void *context, int way, int turn);
 	int (*run)(void *context, int way);
-	/* Whether the calling thread does all the work of a way. If so, its processor time counts
-	 * instead of the clock's: other programs interrupt a long run more often than a short one.
-	 * */
+	/* Whether the calling thread does all the work of a way; NULL: of all ways. If so, its
+	 * processor time counts instead of the clock's: other programs interrupt a long run more
+	 * often than a short one. */
 	bool (*is_alone)(void *context, int way);
 	/* Totals of these single-threaded runs: clock time and processor time, added to. */
 	int64_t timed_ns, ran_ns;

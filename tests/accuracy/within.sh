@@ -42,7 +42,7 @@ times() {
 	"$build/inlay" bench --basis "$work/f$1.inlay" --threshold "$2" --thesis no --kernel auto \
 		--repeat 9 --json "${sky[@]}" >"$work/bench.json" 2>>"$log" ||
 		fail "inlay bench with f=$1 failed"
-	sed -n 's/^ *{"lighting": "\([^"]*\)", "what": "whole frame".*"median_ms": \([0-9.]*\).*/\1 \2/p' \
+	sed -n 's/^[[:space:]]*{"lighting": "\([^"]*\)", "what": "whole frame".*"median_ms": \([0-9.]*\).*/\1 \2/p' \
 		"$work/bench.json"
 }
 

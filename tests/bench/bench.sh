@@ -170,7 +170,7 @@ rounded() { # DIGITS VALUE...
 # mode_rows JSON SCENE: a row for each lighting.
 mode_rows() {
 	local json=$1 lighting
-	sed -n 's/^ *{"lighting": "\([^"]*\)".*/\1/p' "$json" | uniq | while read -r lighting; do
+	sed -n 's/^[[:space:]]*{"lighting": "\([^"]*\)".*/\1/p' "$json" | uniq | while read -r lighting; do
 		of() { figure "$json" "$lighting" "$1" "$2"; }
 		printf '| %s, %dx%d, %d lights, threads %d | %s ' "$2" "$(head_figure "$json" width)" \
 			"$(head_figure "$json" height)" "$(head_figure "$json" lights)" \

@@ -56,7 +56,8 @@ if len(rows) != len(table):
 for row, line in zip(rows, table):
     for key in set(row) | set(line):
         text = "" if row.get(key) is None else row[key]
-        same = text == line.get(key) if isinstance(text, str) else float(line[key]) == text
+        same = (text == line.get(key) if isinstance(text, str)
+                else math.isclose(float(line[key]), text, rel_tol=1e-6))  # 7 digits
         if not same:
             wrong.append("%s of %s: %r, %r" % (key, row["what"], row.get(key), line.get(key)))
 ways = ["exact", "exact, 1 light changes", "fast", "fast, 1 light changes",

@@ -150,6 +150,6 @@ equal "devices" 0 $?
 check "lists the drivers" grep -q "camera   sim" "$work/devices"
 "$INLAY" devices --json >"$work/devices.json" 2>&1
 check "and in JSON the three kinds" grep -qxE \
-	'\{"cameras":\[.*\],"screens":\[.*\],"buttons":\[.*\]\}' "$work/devices.json"
+	'\{"cameras": \[.*\], "screens": \[.*\], "buttons": \[.*\]\}' "$work/devices.json"
 
 finish

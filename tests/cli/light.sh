@@ -75,7 +75,7 @@ check "response" light response --times 16,8,4,2,1 "${pictures[@]}" -o "$bg" --r
 sed -n 's/^; //p' "$bg" | sed 's/^/# /'
 check "the file keeps the black level" grep -q '^black_level' "$bg"
 check "and has the response" grep -q '^response = 0 .* 1$' "$bg"
-check "the page is there" test -s "$work/page/report.html" -a -s "$work/page/response.svg"
+check "the page is there" test -s "$work/page/report.html" -a -s "$work/page/exposures.csv"
 check "and JSON, which says that it is trusted" grep -q '"trusted": *true' "$work/page/light.json"
 # BT.709 at the middle of the range is 0.2595.
 middle=$(sed -n 's/^response = //p' "$bg" | cut -d' ' -f17)

@@ -7,7 +7,7 @@ set -u
 . "$(dirname "$0")/tools/scene.sh"
 
 report() {
-	"$INLAY_BAKE" report --quick --quiet --frequency 2 "$@"
+	"$INLAY_BAKE" report --quiet --size 48x36 --samples 4 --truth-samples 32 --frequency 2 --repeat 3 "$@"
 }
 
 check "--help" "$INLAY_BAKE" report --help
@@ -20,13 +20,11 @@ mkdir "$out.part-gone00" "$out.part-alive0"
 : >"$out.part-gone00/cut.csv"
 exec 7<"$out.part-alive0"
 flock 7
-check "full report of a scene" report --full "$work/box.scene" -o "$out"
-for name in settings lights samples threshold input declared-error column-cut together incremental \
-	kernels threads thesis-table thesis-threshold surroundings; do
+check "report of a scene" report "$work/box.scene" -o "$out"
+for name in settings lights samples threshold declared-error column-cut surroundings; do
 	check "table $name" test -s "$out/$name.csv"
 done
-for name in pareto lights-error lights-time samples threshold-error input-error error-memory \
-	error-time column-cut incremental kernels threads thesis-time; do
+for name in pareto lights-error lights-time samples threshold-error error-memory error-time column-cut; do
 	check "plot $name" grep -q '</svg>' "$out/$name.svg"
 done
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
@@ -37,7 +35,7 @@ equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' ! -name '
 
 # Other domes that it tries have no finer parts: 6 is no multiple of the frequencies of all of them.
 sed 's/^\[dome\].*/&\nfine = 0 40 1 6/' "$work/box.scene" >"$work/finer.scene"
-check "full report of a dome that is finer in parts" report --full "$work/finer.scene" -o "$work/finer"
+check "report of a dome that is finer in parts" report "$work/finer.scene" -o "$work/finer"
 equal "which is among the domes" 1 "$(grep -c "^$("$INLAY_BAKE" dome --frequency 2 --fine "0 40 1 6" --angles |
 	grep -c '^[0-9]'),2,fast,cell" "$work/finer/lights.csv")"
 rm -rf "$work/finer"
@@ -172,14 +170,6 @@ if command -v python3 >/dev/null; then
 	sed -i '0,/<\/table>/s///' "$work/broken/report.html"
 	differ "a table without end is noticed" <(judged "$work/broken" 2>&1) <(echo)
 
-	# The figures of the thesis, and what must hold on any machine.
-	equal "the thesis's lights, data, threads and times stand in its table" \
-		"6,0.61,1,90 25,4.9,3,200 88,37,8,330 191,77,7,550 406,200,9,1300" \
-		"$(tail -n +2 "$out/thesis-table.csv" | cut -d, -f1-4 | paste -sd' ')"
-	equal "as many lights reach the threshold as in the thesis" "406 180 406 180 180" \
-		"$(python3 -c 'import csv, sys
-print(*[row["lights_used"] for row in csv.DictReader(open(sys.argv[1]))])' \
-		"$out/thesis-threshold.csv")"
 	equal "the exact layer is rounded and no more" "" "$(python3 -c 'import csv, sys
 for row in csv.DictReader(open(sys.argv[1])):
     if row["way"] == "exact" and float(row["double_max_levels"]) > 1.5:
@@ -187,20 +177,12 @@ for row in csv.DictReader(open(sys.argv[1])):
 fi
 
 # ---- what is advised ----
-plain=$work/plain
-check "report of a scene" report "$work/box.scene" -o "$plain"
-for name in thesis-table thesis-threshold incremental input; do
-	absent "$name is for a full report" "$plain/$name.csv"
-done
-if command -v python3 >/dev/null; then
-	equal "the page is whole" "" "$(judged "$plain" 2>&1)"
-fi
 # The lines of a kind, scene or kiosk, that the summary gathers; each section's own, in their order.
 gathered() {
-	sed -n "/<pre class=\"$1\">/,/<\/pre>/p; /<h2>/q" "$plain/report.html" | sed 's/<[^>]*>//g'
+	sed -n "/<pre class=\"$1\">/,/<\/pre>/p; /<h2>/q" "$out/report.html" | sed 's/<[^>]*>//g'
 }
 each_line() {
-	sed "1,/<h2>/d" "$plain/report.html" | sed -n "/<pre class=\"$1\">/,/<\/pre>/p" |
+	sed "1,/<h2>/d" "$out/report.html" | sed -n "/<pre class=\"$1\">/,/<\/pre>/p" |
 		sed 's/<[^>]*>//g' | grep ' = '
 }
 for kind in scene kiosk; do
@@ -209,17 +191,17 @@ for kind in scene kiosk; do
 done
 equal "keys for the scene" "[render] samples error cell_error column_cut [dome] frequency " \
 	"$(gathered scene | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
-equal "keys for the kiosk" "[fisheye] estimator [lights] threshold threshold_mode [composite] kernel threads " \
+equal "keys for the kiosk" "[fisheye] estimator [lights] threshold threshold_mode " \
 	"$(gathered kiosk | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
 sed '/^frequency/d; /^samples/d' "$work/box.scene" >"$work/pasted.scene"
 gathered scene >>"$work/pasted.scene"
 check "the scene file takes its lines" "$INLAY_BAKE" render --quiet --size 16x12 --samples 1 \
 	"$work/pasted.scene" -o "$work/pasted.inlay"
-sed '/^threads/d' "$work/studio.conf" >"$work/pasted.conf"
+cp "$work/studio.conf" "$work/pasted.conf"
 gathered kiosk >>"$work/pasted.conf"
 check "the configuration takes its lines" "$INLAY" check --config "$work/pasted.conf"
 "$INLAY" check --config "$work/pasted.conf" --print-config >"$work/pasted.print"
-for key in estimator threshold threshold_mode kernel threads; do
+for key in estimator threshold threshold_mode; do
 	check "as its $key" grep -qx "$(gathered kiosk | grep "^$key = ")" "$work/pasted.print"
 done
 
@@ -237,23 +219,6 @@ check "an earlier report is replaced" report "$work/box.scene" -o "$out/" \
 check "by a whole one" test -s "$out/report.html"
 equal "of one surrounding" 1 "$(find "$out" -name 'picture-*.png' | wc -l)"
 check "what is not a report's is kept" grep -rqx mine "$work" --include=notes.txt
-
-# ---- of a basis ----
-check "a basis" "$INLAY_BAKE" render --quiet --exact "$work/box.scene" -o "$work/box.inlay"
-check "report of a basis" report "$work/box.inlay" -o "$work/basis report"
-absent "has no bakes to compare" "$work/basis report/declared-error.csv"
-absent "nor samples" "$work/basis report/samples.csv"
-check "but kernels" test -s "$work/basis report/kernels.csv"
-equal "and advises what needs no truth" "[composite] kernel [composite] threads " \
-	"$(sed '1,/<h2>/d' "$work/basis report/report.html" |
-		sed -n '/<pre/,/<\/pre>/{s/<[^>]*>//g; s/ = .*//; p}' | sed '/^$/d' | tr '\n' ' ')"
-if command -v python3 >/dev/null; then
-	equal "the page is whole" "" "$(judged "$work/basis report" 2>&1)"
-fi
-
-check "report of a scene whose basis is in use" report "$work/box.scene" --basis "$work/box.inlay" \
-	--panorama "$work/sky.pfm" -o "$work/in use"
-check "measures it as it is" grep -q '^exact,1,' "$work/in use/basis-file.csv"
 
 # ---- wrong ----
 wrong() { # NAME CODE WORDS COMMAND...: one sentence on stderr, and no folder
@@ -278,15 +243,11 @@ wrong "no folder" 2 "-o DIR is missing" report "$work/box.scene"
 wrong "no scene" 2 "expected one scene file" report -o "$work/none"
 wrong "an unknown option" 2 "usage: inlay-bake report" report --fast "$work/box.scene" -o "$work/none"
 wrong "a size that is none" 2 "expected a size" report --size 9 "$work/box.scene" -o "$work/none"
-wrong "a value for --full" 2 "--full" report --full=9 "$work/box.scene" -o "$work/none"
+wrong "a value for --quiet" 2 "--quiet" report --quiet=9 "$work/box.scene" -o "$work/none"
 wrong "no repetition" 2 "--repeat" report --repeat 0 "$work/box.scene" -o "$work/none"
 wrong "a scene that is not there" 1 "missing.scene" report "$work/missing.scene" -o "$work/none"
 wrong "a panorama that is not there" 1 "missing.hdr" report --panorama "$work/missing.hdr" \
 	"$work/box.scene" -o "$work/none"
-wrong "a basis in use that is not there" 1 "missing.inlay" report --basis "$work/missing.inlay" \
-	"$work/box.scene" -o "$work/none"
-wrong "a basis of a basis" 1 "goes with a scene" report --basis "$work/box.inlay" \
-	"$work/box.inlay" -o "$work/none"
 wrong "a panorama of code values" 1 "expected linear light" report \
 	--panorama "$out/picture-1.png" "$work/box.scene" -o "$work/none"
 wrong "a folder that cannot be made" 1 "no/none" report "$work/box.scene" -o "$work/no/none"

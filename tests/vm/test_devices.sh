@@ -29,7 +29,7 @@ matches "the chip with buttons" 'panel.*4 lines' "$listed"
 if command -v python3 >/dev/null; then
 	check "the list for programs is JSON" python3 -m json.tool "$VM_OUT/listed.json" /dev/null
 fi
-matches "and names the camera" "\"device\":\"$in\"" "$(cat "$VM_OUT/listed.json")"
+matches "and names the camera" "\"device\": \"$in\"" "$(cat "$VM_OUT/listed.json")"
 
 remove_panel
 unload gpio-sim

@@ -4,7 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 #include "hal/base/log.h"
 
 void verdict_begin(struct verdict *verdict)

@@ -43,9 +43,9 @@ static int write_sections(const struct shown *s, struct fault *fault)
 		int (*write)(const struct shown *s, struct fault *fault);
 		bool of_model; /* needs a model */
 	} sections[] = {
-		{report_figures, true},	   {report_views, false},	{report_residuals, true},
-		{report_directions, true}, {report_maps, true},		{report_coverage, false},
-		{report_parameters, true}, {report_correlations, true}, {report_points, true},
+		{report_figures, true},	   {report_views, false},
+		{report_residuals, true},  {report_parts_of_picture, false},
+		{report_parameters, true}, {report_points, true},
 	};
 	int err = 0;
 

@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "bake/calibrate/estimate/json.h"
 #include "bake/calibrate/report/report_parts.h"
+#include "hal/base/json.h"
 #include "hal/base/output.h"
 
 static void write_estimate(struct json *json, const struct estimate *e)

@@ -49,18 +49,12 @@ double report_axes(struct report_sheet *sheet, const struct sheet_area *area,
 
 int report_views(const struct shown *shown, struct fault *fault);
 int report_residuals(const struct shown *shown, struct fault *fault);
-int report_directions(const struct shown *shown, struct fault *fault);
-int report_maps(const struct shown *shown, struct fault *fault);
-int report_coverage(const struct shown *shown, struct fault *fault);
+int report_parts_of_picture(const struct shown *shown, struct fault *fault);
 int report_parameters(const struct shown *shown, struct fault *fault);
-int report_correlations(const struct shown *shown, struct fault *fault);
 int report_figures(const struct shown *shown, struct fault *fault);
 int report_points(const struct shown *shown, struct fault *fault);
 
 /* Writes FOLDER/calibration.json. */
 int report_json_write(const struct shown *shown, const char *folder, struct fault *fault);
-
-/* Sorts the numbers and returns their quantile; 0 for none. */
-double report_quantile(double *value, int count, double share);
 
 #endif

@@ -14,7 +14,7 @@
 #define MARGIN 1.1	   /* border around points in a picture of unknown size */
 #define ARROW_PX 40.0	   /* largest length of most arrows on the sheet */
 
-double report_quantile(double *value, int count, double share)
+static double quantile(double *value, int count, double share)
 {
 	if (!count)
 		return 0;
@@ -194,7 +194,7 @@ double shown_enlargement(const struct shown *s, int view, double scale)
 	for (int k = 0; k < seen->count; k++)
 		if (!s->outlier[k] && (view < 0 || seen->point[k].view == view))
 			length[count++] = hypot(s->residual[k][0], s->residual[k][1]);
-	most = report_quantile(length, count, 0.9);
+	most = quantile(length, count, 0.9);
 	free(length);
 	return most > 0 ? round_down(fmin(fmax(ARROW_PX / (scale * most), 1e-3), 1e6)) : 1;
 }

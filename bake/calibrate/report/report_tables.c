@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of a calibration's report: figures, parameters, points with the largest residuals. */
+/* Tables of a calibration's report: figures, parts of the picture, parameters, points with the
+ * largest residuals. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +11,7 @@
 
 #define POINTS_SHOWN 20
 
-static int put_number(const struct shown *s, FILE *to, struct report_table *table,
+static int show_table(const struct shown *s, FILE *to, struct report_table *table,
 		      struct fault *fault)
 {
 	const int err = report_page_table(s->page, to, table, fault);
@@ -46,7 +47,66 @@ int report_figures(const struct shown *s, struct fault *fault)
 		report_number(&table, f->figure[k].value);
 		report_text(&table, "%s", f->figure[k].unit);
 	}
-	return put_number(s, s->page->head, &table, fault);
+	return show_table(s, s->page->head, &table, fault);
+}
+
+/* ---- parts of the picture ---- */
+
+/* The picture is divided into this many parts each way: its middle, edges and corners. */
+#define PARTS 3
+
+/* The points in a part; outliers do not count. */
+static int points_in_part(const struct shown *s, int x, int y)
+{
+	int count = 0;
+
+	for (int k = 0; k < s->finding->seen->count; k++) {
+		const double *px = s->finding->seen->point[k].px;
+
+		count += !s->outlier[k] && floor(PARTS * px[0] / s->width) == x &&
+			 floor(PARTS * px[1] / s->height) == y;
+	}
+	return count;
+}
+
+/* A function of the finding at px; NaN where it is not known or px is not seen. */
+static double value_at(const struct shown *s, double (*of)(const void *context, const double px[2]),
+		       const double px[2])
+{
+	const double value = s->modelled && of ? of(s->finding->context, px) : NAN;
+
+	return value >= 0 ? value : NAN;
+}
+
+int report_parts_of_picture(const struct shown *s, struct fault *fault)
+{
+	struct report_table table;
+
+	report_table_begin(&table, "parts");
+	report_table_column(&table, "x_px", "middle x", "px");
+	report_table_column(&table, "y_px", "middle y", "px");
+	report_table_column(&table, "points", "points", NULL);
+	report_table_column(&table, "uncertainty_px", "uncertainty", "px");
+	report_table_column(&table, "halves_px", "odd against even points", "px");
+	for (int k = 0; k < PARTS * PARTS; k++) {
+		const double px[2] = {(k % PARTS + 0.5) * s->width / PARTS,
+				      (k / PARTS + 0.5) * s->height / PARTS};
+
+		report_number(&table, px[0]);
+		report_number(&table, px[1]);
+		report_number(&table, points_in_part(s, k % PARTS, k / PARTS));
+		report_number(&table, value_at(s, s->finding->uncertainty, px));
+		report_number(&table, value_at(s, s->finding->disagreement, px));
+	}
+	report_heading(s->page->body, "How much is known in each part of the picture");
+	report_paragraph(
+		s->page->body,
+		"What lies outside of all points is extrapolated: hold the board where it "
+		"was not yet, into the corners above all. The uncertainty is one standard "
+		"deviation at the part's middle, which trusts the model; the difference of "
+		"models fitted to the odd and to the even points does not. What is empty is "
+		"not known, or not seen by the model.");
+	return show_table(s, s->page->body, &table, fault);
 }
 
 /* ---- parameters ---- */
@@ -131,11 +191,11 @@ int report_parameters(const struct shown *s, struct fault *fault)
 			 "%d numbers were observed, %d are left to judge by: one of them deviates "
 			 "by %.3g px. Deviations are standard deviations, to first order.",
 			 e->residuals, e->freedom, e->sigma);
-	err = put_number(s, s->page->body, &lens, fault);
+	err = show_table(s, s->page->body, &lens, fault);
 	if (!err && report_table_rows(&poses)) {
 		report_paragraph(s->page->body, "Where the camera was in the views that are drawn "
 						"(calibration.json has all):");
-		return put_number(s, s->page->body, &poses, fault);
+		return show_table(s, s->page->body, &poses, fault);
 	}
 	report_table_free(&poses);
 	return err;
@@ -196,5 +256,5 @@ int report_points(const struct shown *s, struct fault *fault)
 	}
 	free(rank);
 	report_heading(s->page->body, "Points that fit worst");
-	return put_number(s, s->page->body, &table, fault);
+	return show_table(s, s->page->body, &table, fault);
 }

@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of points over the photographs, residuals as arrows, and coverage. */
+/* Pictures of points over the photographs, with residuals as arrows. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/surface.h"
 #include "bake/calibrate/report/report_parts.h"
 
 #define NAMED_MOST 12	   /* outliers named in one picture */
 #define OUTLIER_ARROW 60.0 /* longest arrow on the sheet */
-#define COVERAGE_CELLS 12  /* number of cells along the picture's longer side */
 
 /* ---- points and arrows ---- */
 
@@ -224,79 +222,4 @@ int report_residuals(const struct shown *s, struct fault *fault)
 			  "Residuals of all views over the picture; outliers in orange, their "
 			  "arrows cut.",
 			  fault);
-}
-
-/* ---- coverage ---- */
-
-struct coverage_cells {
-	int across, down;
-	int count[COVERAGE_CELLS * COVERAGE_CELLS];
-	int most, filled;
-};
-
-static void count_cells(const struct shown *s, struct coverage_cells *cells)
-{
-	const double side = fmax(s->width, s->height) / (double)COVERAGE_CELLS;
-
-	*cells = (struct coverage_cells){.across = (int)fmax(rint(s->width / side), 1),
-					 .down = (int)fmax(rint(s->height / side), 1)};
-	for (int k = 0; k < s->finding->seen->count; k++) {
-		const double *px = s->finding->seen->point[k].px;
-		const double x = floor(px[0] / s->width * cells->across);
-		const double y = floor(px[1] / s->height * cells->down);
-		int *count;
-
-		if (s->outlier[k] || !(x >= 0 && x < cells->across && y >= 0 && y < cells->down))
-			continue;
-		count = &cells->count[(int)y * cells->across + (int)x];
-		cells->filled += !*count;
-		++*count;
-		cells->most = *count > cells->most ? *count : cells->most;
-	}
-}
-
-static void draw_coverage_cell(struct report_sheet *sheet, const struct sheet_area *area,
-			       const struct coverage_cells *cells, int x, int y)
-{
-	const int count = cells->count[y * cells->across + x];
-	const double wide = area->scale * area->width / cells->across;
-	const double high = area->scale * area->height / cells->down;
-	const double left = area->left + x * wide, top = area->top + y * high;
-	const double share = cells->most > 1 ? (count - 1) / (double)(cells->most - 1) : 1;
-	double rgb[3];
-
-	cairo_rectangle(sheet->c, left + 0.5, top + 0.5, wide - 1, high - 1);
-	surface_ramp(0.15 + 0.85 * share, rgb);
-	if (count)
-		cairo_set_source_rgb(sheet->c, rgb[0], rgb[1], rgb[2]);
-	else
-		sheet_ink(sheet, INK_FAINT, 1);
-	cairo_fill(sheet->c);
-	sheet_ink(sheet, count && share < 0.45 ? INK_WHITE : INK_BLACK, 1);
-	sheet_text(sheet, left + wide / 2, top + high / 2 + 5, 0.5, "%d", count);
-}
-
-int report_coverage(const struct shown *s, struct fault *fault)
-{
-	struct report_sheet sheet;
-	struct sheet_area area;
-	struct coverage_cells cells;
-	char caption[160];
-	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 0);
-
-	if (err)
-		return fault_say(fault, err, "coverage cannot be drawn: %s", strerror(-err));
-	count_cells(s, &cells);
-	for (int y = 0; y < cells.down; y++)
-		for (int x = 0; x < cells.across; x++)
-			draw_coverage_cell(&sheet, &area, &cells, x, y);
-	sheet_frame(&sheet, &area);
-	report_heading(s->page->body, "Where in the picture points were seen");
-	report_paragraph(s->page->body,
-			 "What lies outside of all points is extrapolated: hold the board where "
-			 "it was not yet, into the corners above all.");
-	snprintf(caption, sizeof(caption),
-		 "Points seen in each part of the picture: %d of %d parts hold some.", cells.filled,
-		 cells.across * cells.down);
-	return sheet_show(&sheet, s->page, "coverage", caption, fault);
 }

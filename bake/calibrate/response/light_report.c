@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "bake/base/report_page.h"
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 
 struct light_page {
 	struct report_page page;
@@ -56,14 +56,6 @@ static void report_numbers(struct light_page *r, const char *key, const double *
 		json_numbers(&r->json, key, value, count);
 }
 
-static void show_plot(struct light_page *r, struct report_plot *plot, const char *caption)
-{
-	if (r->err)
-		report_plot_free(plot);
-	else
-		r->err = report_page_plot(&r->page, r->page.body, plot, caption, r->fault);
-}
-
 static void show_table(struct light_page *r, struct report_table *table)
 {
 	if (!r->err)
@@ -104,78 +96,6 @@ int light_report_black(const char *folder, const struct light_black *black, stru
 
 /* ---- response ---- */
 
-#define LAST (TRANSFER_KNOTS - 1)
-
-static void plot_curve(struct light_page *r, const struct light_response *found)
-{
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "response", "code value, from the black level to 255, %",
-			  "linear light, %");
-	for (int t = 0; t < TRANSFER_LINEAR; t++) {
-		report_plot_series(&plot, transfer_names[t], STYLE_DASHED, t ? 3 : 2);
-		for (int k = 0; k <= 100; k += 5)
-			report_plot_point(&plot, k,
-					  100 * transfer_decode((enum transfer)t, k / 100.0));
-	}
-	report_plot_series(&plot, "measured", STYLE_LINE, 1);
-	for (int k = 0; k <= LAST; k++)
-		report_plot_point(&plot, 100.0 * k / LAST, 100 * found->curve.knot[k]);
-	show_plot(r, &plot, "The response, and the standards' curves.");
-}
-
-/* Plots the standards' curves relative to the measured one, and two deviations of the latter. */
-static void plot_difference(struct light_page *r, const struct light_response *found)
-{
-	const double *knot = found->curve.knot;
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "difference", "code value, from the black level to 255, %",
-			  "difference from the measured curve, % of linear light");
-	for (int sign = -1; sign <= 1; sign += 2) {
-		report_plot_series(&plot, sign > 0 ? "two deviations" : NULL, STYLE_LINE, 0);
-		for (int k = 2; k <= LAST; k++)
-			report_plot_point(&plot, 100.0 * k / LAST,
-					  sign * 200 * found->deviation[k] / knot[k]);
-	}
-	for (int t = 0; t < TRANSFER_LINEAR; t++) {
-		report_plot_series(&plot, transfer_names[t], STYLE_DASHED, t ? 3 : 2);
-		for (int k = 2; k <= LAST; k++) {
-			const double named = transfer_decode((enum transfer)t, (double)k / LAST);
-			const double off = 100 * (named / knot[k] - 1);
-
-			if (fabs(off) < 60)
-				report_plot_point(&plot, 100.0 * k / LAST, off);
-		}
-	}
-	show_plot(
-		r, &plot,
-		"How far the standards' curves are from the measured one, where that is less than "
-		"60 %; grey: two standard deviations of the measurement.");
-}
-
-static void plot_residuals(struct light_page *r, const struct light_response *found)
-{
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "residuals", "code value, from the black level to 255, %",
-			  "left over, % of linear light");
-	report_plot_series(&plot, "scatter", STYLE_POINTS, 0);
-	for (int k = 0; k < LIGHT_LEVELS; k++)
-		if (!isnan(found->level_scatter[k]))
-			report_plot_point(&plot, 100 * (k + 0.5) / LIGHT_LEVELS,
-					  100 * found->level_scatter[k]);
-	report_plot_series(&plot, "mean", STYLE_LINE, 1);
-	for (int k = 0; k < LIGHT_LEVELS; k++)
-		if (!isnan(found->level_offset[k]))
-			report_plot_point(&plot, 100 * (k + 0.5) / LIGHT_LEVELS,
-					  100 * found->level_offset[k]);
-	show_plot(r, &plot,
-		  "What linear light differs by from what all exposures of a place say, by code "
-		  "value: "
-		  "a mean that leaves 0 is what the curve does not follow.");
-}
-
 static void tabulate_exposures(struct light_page *r, const struct light_response *found)
 {
 	struct report_table table;
@@ -209,9 +129,6 @@ int light_report_response(const char *folder, const struct light_response *found
 	report_figure(&r, "held_out", "The same of exposures that were held out", found->held_out,
 		      "");
 	report_figure(&r, "pieces", "Pieces of the curve", found->spline.pieces, "");
-	plot_curve(&r, found);
-	plot_difference(&r, found);
-	plot_residuals(&r, found);
 	tabulate_exposures(&r, found);
 	report_numbers(&r, "response", found->curve.knot, TRANSFER_KNOTS);
 	report_numbers(&r, "response_deviation", found->deviation, TRANSFER_KNOTS);
@@ -254,34 +171,7 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 	return finish_page(&r, "Gain");
 }
 
-static void plot_patches(struct light_page *r, const struct light_colours *found,
-			 const struct light_colour_pair *pairs)
-{
-	static const char *const names[] = {"red", "green", "blue"};
-	static const int colours[] = {2, 3, 1};
-	struct report_plot plot;
-
-	report_plot_begin(&plot, "patches", "background camera, linear",
-			  "fisheye after colours, linear");
-	report_plot_series(&plot, "the same", STYLE_DASHED, 0);
-	report_plot_point(&plot, 0, 0);
-	report_plot_point(&plot, 1, 1);
-	for (int c = 0; c < 3; c++) {
-		report_plot_series(&plot, names[c], STYLE_POINTS, colours[c]);
-		for (int k = 0; k < found->patches; k++) {
-			double made = 0;
-
-			for (int i = 0; i < 3; i++)
-				made += found->scale * found->matrix[3 * c + i] *
-					pairs[k].fisheye[i];
-			report_plot_point(&plot, pairs[k].background[c], made);
-		}
-	}
-	show_plot(r, &plot, "Each channel of each patch.");
-}
-
-int light_report_colours(const char *folder, const struct light_colours *found,
-			 const struct light_colour_pair *pairs, struct fault *fault)
+int light_report_colours(const char *folder, const struct light_colours *found, struct fault *fault)
 {
 	struct report_table table;
 	struct light_page r;
@@ -291,7 +181,6 @@ int light_report_colours(const char *folder, const struct light_colours *found,
 	report_figure(&r, "after_percent", "Patches differ, after", 100 * found->after, "%");
 	report_figure(&r, "scale", "Background over fisheye, of grey", found->scale, "");
 	report_figure(&r, "condition", "Condition of the equations", found->condition, "");
-	plot_patches(&r, found, pairs);
 	report_table_begin(&table, "colours");
 	report_table_column(&table, "element", "element", NULL);
 	report_table_column(&table, "value", "value", NULL);

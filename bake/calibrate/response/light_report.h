@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports of the light commands: a page, its plots and tables, and light.json for programs. An
+/* Reports of the light commands: a page, its tables, and light.json for programs. An
  * earlier report in the folder is replaced. Errors are those of bake/base/report_page.h. */
 #ifndef INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_REPORT_H
 #define INLAY_BAKE_CALIBRATE_RESPONSE_LIGHT_REPORT_H
@@ -15,6 +15,6 @@ int light_report_response(const char *folder, const struct light_response *found
 int light_report_gain(const char *folder, const struct light_gain *found,
 		      const struct light_pair *pairs, struct fault *fault);
 int light_report_colours(const char *folder, const struct light_colours *found,
-			 const struct light_colour_pair *pairs, struct fault *fault);
+			 struct fault *fault);
 
 #endif

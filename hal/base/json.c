@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/estimate/json.h"
+#include "hal/base/json.h"
 
 #include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "hal/base/utf8.h"
 
@@ -35,7 +36,7 @@ static void open_level(struct json *json, char opening, char closing, bool on_li
 	assert(json->depth < JSON_DEPTH_MAX);
 	fputc(opening, json->to);
 	json->closing[json->depth] = closing;
-	json->on_line[json->depth] = on_line;
+	json->on_line[json->depth] = on_line || (json->depth && json->on_line[json->depth - 1]);
 	json->filled[json->depth] = false;
 	json->depth++;
 }
@@ -46,6 +47,12 @@ void json_begin(struct json *json, FILE *to)
 {
 	*json = (struct json){.to = to};
 	open_level(json, '{', '}', false);
+}
+
+void json_begin_line(struct json *json, FILE *to)
+{
+	*json = (struct json){.to = to};
+	open_level(json, '{', '}', true);
 }
 
 void json_end(struct json *json)
@@ -66,6 +73,12 @@ void json_object(struct json *json, const char *key)
 	open_level(json, '{', '}', false);
 }
 
+void json_object_line(struct json *json, const char *key)
+{
+	before_value(json, key);
+	open_level(json, '{', '}', true);
+}
+
 void json_array(struct json *json, const char *key)
 {
 	before_value(json, key);
@@ -81,16 +94,22 @@ void json_line(struct json *json, const char *key)
 void json_text(struct json *json, const char *key, const char *text)
 {
 	before_value(json, key);
-	utf8_write_json(json->to, text);
+	if (text)
+		utf8_write_json(json->to, text);
+	else
+		fputs("null", json->to);
 }
 
 void json_number(struct json *json, const char *key, double value)
 {
+	char text[32] = "null";
+
 	before_value(json, key);
-	if (isfinite(value))
-		fprintf(json->to, "%.15g", value);
-	else
-		fputs("null", json->to);
+	/* most doubles come from a decimal number of at most 15 digits, the others need 17 */
+	if (isfinite(value) && snprintf(text, sizeof(text), "%.15g", value) &&
+	    strtod(text, NULL) != value)
+		snprintf(text, sizeof(text), "%.17g", value);
+	fputs(text, json->to);
 }
 
 void json_bool(struct json *json, const char *key, bool value)
