@@ -87,7 +87,6 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/response/test_light_bracket.c \
 	tests/unit/bake/calibrate/response/test_light_match.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
-	tests/unit/bake/demo/test_cow.c \
 	tests/unit/bake/encode/test_basis_groups.c \
 	tests/unit/bake/encode/test_coarse.c \
 	tests/unit/bake/encode/test_compositor_groups.c \
