@@ -214,8 +214,7 @@ static const struct ini_key lights_keys[] = {
 	{"threshold_mode", INI_CHOICE, offsetof(struct config_lights, threshold_mode),
 	 .choices = threshold_mode_names, .fallback = "ambient",
 	 .help = "What becomes of the light left out: ambient returns it from all directions "
-		 "alike, harmonics from about where it came (nine terms, spherical harmonics), "
-		 "drop loses it."},
+		 "alike, drop loses it."},
 	{"follow", INI_REAL, offsetof(struct config_lights, follow_s),
 	 .max = LIGHT_FILTER_FOLLOW_MAX, .fallback = "0.1", .unit = "s",
 	 .help = "By then 90 % of a change of the light are shown; what a camera's noise makes is "

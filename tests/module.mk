@@ -153,7 +153,6 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_compositor_rows.c \
 	tests/unit/hal/compositor/test_compositor_veil.c \
 	tests/unit/hal/compositor/test_light_budget.c \
-	tests/unit/hal/compositor/test_light_return.c \
 	tests/unit/hal/compositor/test_light_vector.c \
 	tests/unit/hal/device/test_camera_wants.c \
 	tests/unit/hal/frame/test_depth.c \
