@@ -123,7 +123,7 @@ $(foreach folder,hal drivers config app bake calibrate tests cmocka,$(eval $(cal
 
 ALL_SOURCES := $(HAL_SOURCES) $(DRIVER_SOURCES) $(CONFIG_SOURCES) $(APP_SOURCES) $(BAKE_SOURCES) \
 	$(CALIBRATE_SOURCES) $(BAKE_MAIN) $(APP_MAIN) $(CALIBRATE_MAIN)
-PROGRAMS := $(addprefix $(BUILD)/,inlay inlay-bake inlay-calibrate) $(EXTRA_PROGRAMS)
+PROGRAMS := $(addprefix $(BUILD)/,inlay inlay-bake inlay-calibrate)
 
 .PHONY: all
 ## all: build inlay, inlay-bake and inlay-calibrate (links to them appear in build/)

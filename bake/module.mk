@@ -139,18 +139,3 @@ $(BUILD)/bake/exchange/%.h: bake/exchange/%
 $(BUILD)/bake/exchange/export_blender.o: $(BUILD)/bake/exchange/export_blender.py.h
 $(BUILD)/bake/exchange/export_radiance.o: $(BUILD)/bake/exchange/export_radiance.mk.h
 $(addprefix $(BUILD)/bake/exchange/,export_blender.o export_radiance.o): OWN_FLAGS = -I$(BUILD)
-
-# The demo's own object. make-cow is a program apart: it needs no ray tracer.
-COW_SOURCES := \
-	bake/demo/atlas.c \
-	bake/demo/cow_coat.c \
-	bake/demo/cow_shape.c \
-	bake/demo/implicit.c \
-	bake/demo/polygonise.c
-BAKE_SOURCES += $(COW_SOURCES)
-COW_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(COW_SOURCES) bake/demo/make_cow.c)
-EXTRA_PROGRAMS += $(BUILD)/make-cow
-$(BUILD)/make-cow: $(COW_OBJECTS) $(BUILD)/hal.a
-	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(hal_LIBRARIES) $(hal_LIBS) -lm
--include $(BUILD)/bake/demo/make_cow.d

@@ -6,7 +6,7 @@
 # picture is the same each time, but for the figures of speed, which are this machine's.
 set -eu
 cd "$(dirname "$0")/.."
-build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
 out=${1:?is missing: expected the name of a PNG file}
 moment=4 # seconds into the demo: both lamps stand well
 rate=25

@@ -60,15 +60,9 @@ struct keyboards {
 
 /* The window driver has the same keys, except for quit. */
 static const struct ini_key keyboard_keys[] = {
-	{.name = "device",
-	 .type = INI_TEXT,
-	 .offset = offsetof(struct keyboard_options, device),
-	 .fallback = "",
+	{"device", INI_TEXT, offsetof(struct keyboard_options, device), .fallback = "",
 	 .help = "Path, link below /dev/input/by-id or name of a keyboard; empty: all there are."},
-	{.name = "grab",
-	 .type = INI_BOOL,
-	 .offset = offsetof(struct keyboard_options, grab),
-	 .fallback = "yes",
+	{"grab", INI_BOOL, offsetof(struct keyboard_options, grab), .fallback = "yes",
 	 .help = "Nobody else gets what is typed: not the console's shell either."},
 	KEYS_OF("threshold_up", ACTION_THRESHOLD_UP, "up equal kpplus"),
 	KEYS_OF("threshold_down", ACTION_THRESHOLD_DOWN, "down minus kpminus"),

@@ -38,10 +38,7 @@ struct script_options {
 
 /* The keys appear in the configuration as [buttons] script.file, checked and with their help. */
 static const struct ini_key script_keys[] = {
-	{.name = "file",
-	 .type = INI_PATH,
-	 .offset = offsetof(struct script_options, file),
-	 .fallback = "",
+	{"file", INI_PATH, offsetof(struct script_options, file), .fallback = "",
 	 .help = "Lines \"seconds action [value]\": presses, timed from the start."},
 	INI_KEYS_END,
 };

@@ -52,7 +52,6 @@ HAL_SOURCES := \
 	hal/compositor/kernels/kernels_c.c \
 	hal/compositor/kernels/kernels_isa.c \
 	hal/compositor/light/light_budget.c \
-	hal/compositor/light/light_return.c \
 	hal/compositor/light/light_terms.c \
 	hal/compositor/light/light_vector.c \
 	hal/compositor/light/selection.c \

@@ -88,7 +88,6 @@ UNIT_TESTS := \
 	tests/unit/bake/calibrate/response/test_light_bracket.c \
 	tests/unit/bake/calibrate/response/test_light_match.c \
 	tests/unit/bake/calibrate/response/test_light_response.c \
-	tests/unit/bake/demo/test_cow.c \
 	tests/unit/bake/encode/test_basis_groups.c \
 	tests/unit/bake/encode/test_coarse.c \
 	tests/unit/bake/encode/test_compositor_groups.c \
@@ -157,7 +156,6 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_compositor_rows.c \
 	tests/unit/hal/compositor/test_compositor_veil.c \
 	tests/unit/hal/compositor/test_light_budget.c \
-	tests/unit/hal/compositor/test_light_return.c \
 	tests/unit/hal/compositor/test_light_vector.c \
 	tests/unit/hal/device/test_camera_wants.c \
 	tests/unit/hal/frame/test_depth.c \

@@ -7,7 +7,7 @@
 # Options are for `inlay-bake render`; the demo's own scene with none of them takes minutes for each side.
 set -eu
 cd "$(dirname "$0")/.."
-build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
 revision=${1:?is missing: expected the revision to compare with}
 shift
 commit=$(git rev-parse --verify "$revision^{commit}")

@@ -11,24 +11,13 @@
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-static const struct ini_key keys[] = {{.name = "threshold",
-				       .type = INI_LEVEL,
-				       .offset = offsetof(struct state_values, threshold),
-				       .min = 0,
-				       .max = 255,
-				       .fallback = "0"},
-				      {.name = "view",
-				       .type = INI_CHOICE,
-				       .offset = offsetof(struct state_values, view),
-				       .choices = config_show_names,
-				       .fallback = "composite"},
-				      {.name = "pose",
-				       .type = INI_INT,
-				       .offset = offsetof(struct state_values, pose),
-				       .min = 0,
-				       .max = 65535,
-				       .fallback = "0"},
-				      INI_KEYS_END};
+static const struct ini_key keys[] = {
+	{"threshold", INI_LEVEL, offsetof(struct state_values, threshold), .max = 255,
+	 .fallback = "0"},
+	{"view", INI_CHOICE, offsetof(struct state_values, view), .choices = config_show_names,
+	 .fallback = "composite"},
+	{"pose", INI_INT, offsetof(struct state_values, pose), .max = 65535, .fallback = "0"},
+	INI_KEYS_END};
 
 static void *put_value(void *root, const char *instance)
 {
@@ -36,7 +25,7 @@ static void *put_value(void *root, const char *instance)
 	return root;
 }
 
-static const struct ini_table tables[] = {{.section = "chosen", .keys = keys, .place = put_value},
+static const struct ini_table tables[] = {{"chosen", .keys = keys, .place = put_value},
 					  INI_TABLES_END};
 
 /* ---- reading ---- */

@@ -6,7 +6,7 @@
 # basis file is newer than all it is made of.
 set -eu
 cd "$(dirname "$0")/../.."
-build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
 out=${1:-demo}
 bake_options=("${@:2}")
 rate=25
@@ -30,18 +30,14 @@ stale() {
 
 prepare() {
 	local file
-	if stale "$out/cow.obj" "$build/make-cow"; then
-		echo "demo: making the cow"
-		"$build/make-cow" "$out"
-	fi
-	for file in cow.scene background.ini; do
+	for file in cow.glb cow.scene background.ini; do
 		cmp -s "bake/demo/$file" "$out/$file" || cp "bake/demo/$file" "$out/$file"
 	done
 }
 
 bake() {
-	if stale "$out/cow.inlay" "$out/cow.obj" "$out/cow.mtl" "$out/cow.scene" \
-		"$out/background.ini" "$build/inlay-bake"; then
+	if stale "$out/cow.inlay" "$out/cow.glb" "$out/cow.scene" "$out/background.ini" \
+		"$build/inlay-bake"; then
 		echo "demo: baking the scene (about a minute on two cores)"
 		# 3: a tile is off by more than was asked for, which it has said; the demo shows that as well
 		"$build/inlay-bake" render --no-preview "${bake_options[@]}" -o "$out/cow.inlay" "$out/cow.scene" ||

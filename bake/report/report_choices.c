@@ -79,8 +79,7 @@ static const double levels[] = {0, 4, 16, 48, 96, 128, 160, 192, 208, 224, 240};
 
 static int plot_threshold(struct sweep *s)
 {
-	static const char *const names[] = {"given back as ambient", "dropped",
-					    "given back as nine terms"};
+	static const char *const names[] = {"given back as ambient", "dropped"};
 	struct report *r = s->report;
 	struct report_plot plot;
 
@@ -166,7 +165,7 @@ int report_threshold(struct report *r)
 		r->page.body,
 		"A light none of whose channels reaches the threshold is left out. "
 		"\"drop\" is the thesis's way; \"ambient\" gives what was left out back as "
-		"even light, \"harmonics\" as nine terms over the sky. Errors are against double "
+		"even light. Errors are against double "
 		"precision with every light; white "
 		"ground has radiance %.2g, 1 is grey level 255 of sRGB.",
 		REPORT_WHITE);

@@ -7,14 +7,14 @@
 #     BUILD=build/x board/image/demo.sh
 set -euo pipefail
 cd "$(dirname "$0")/../.."
-build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
 out=build/image/demo
 rate=10
 width=400
 height=300
 frames=60
 
-key=$(cat "$0" bake/demo/{cow.scene,background.ini,*.[ch]} config/demo.conf \
+key=$(cat "$0" bake/demo/{cow.glb,cow.scene,background.ini} config/demo.conf \
 	hal/basis/basis_format.h | sha256sum)
 [ "$(cat "$out/key" 2>/dev/null)" != "$key" ] || exit 0
 
@@ -26,8 +26,7 @@ trap 'rm -rf "$staging"' EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-"$build/make-cow" "$staging" >/dev/null
-cp bake/demo/cow.scene "$staging/"
+cp bake/demo/cow.{glb,scene} "$staging/"
 # The demo's camera with fewer and larger pixels.
 awk -v width=$width -v height=$height '
 	$1 == "width" { scale = $3 / width; $3 = width }

@@ -5,45 +5,20 @@
 #include <string.h>
 
 const struct ini_key response_keys[] = {
-	{.name = "black_level",
-	 .type = INI_REAL,
-	 .offset = offsetof(struct response, black_level),
-	 .min = -1,
-	 .max = 254,
-	 .fallback = "-1",
-	 .help = "Code value that is no light; -1: not measured."},
-	{.name = "response",
-	 .type = INI_REALS,
-	 .offset = offsetof(struct response, knot),
-	 .count = TRANSFER_KNOTS,
-	 .min = 0,
-	 .max = 1,
+	{"black_level", INI_REAL, offsetof(struct response, black_level), .min = -1, .max = 254,
+	 .fallback = "-1", .help = "Code value that is no light; -1: not measured."},
+	{"response", INI_REALS, offsetof(struct response, knot), TRANSFER_KNOTS, .max = 1,
 	 .fallback = "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
 	 .help = "Linear light at evenly spaced code values from the black level to 255, ascending "
 		 "from 0 to 1; all 0: not measured."},
-	{.name = "gain",
-	 .type = INI_REAL,
-	 .offset = offsetof(struct response, gain),
-	 .min = 0,
-	 .max = 1e6,
-	 .fallback = "0",
+	{"gain", INI_REAL, offsetof(struct response, gain), .max = 1e6, .fallback = "0",
 	 .help = "Linear light of this camera times gain is in the background camera's units; 0: "
 		 "not measured."},
-	{.name = "colours",
-	 .type = INI_REALS,
-	 .offset = offsetof(struct response, colours),
-	 .count = 9,
-	 .min = -100,
-	 .max = 100,
+	{"colours", INI_REALS, offsetof(struct response, colours), 9, .min = -100, .max = 100,
 	 .fallback = "0 0 0 0 0 0 0 0 0",
 	 .help = "This camera's linear R, G, B to the background's, row by row; all 0: not "
 		 "measured."},
-	{.name = "delay",
-	 .type = INI_INT,
-	 .offset = offsetof(struct response, delay),
-	 .min = -1,
-	 .max = 30,
-	 .fallback = "-1",
+	{"delay", INI_INT, offsetof(struct response, delay), .min = -1, .max = 30, .fallback = "-1",
 	 .unit = "frames",
 	 .help = "So many frames still show the exposure before when it is changed; -1: not "
 		 "measured."},
@@ -139,8 +114,7 @@ static int response_check(const struct response *r, const char *path, struct ini
 int response_read(struct response *response, const char *path, struct ini_report *report)
 {
 	const struct ini_table tables[] = {
-		{.section = "light", .keys = response_keys, .place = response_place},
-		INI_TABLES_END};
+		{"light", .keys = response_keys, .place = response_place}, INI_TABLES_END};
 	struct response_reading reading = {.response = response};
 	struct fault fault = {.text = ""};
 	int err;

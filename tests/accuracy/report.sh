@@ -6,7 +6,7 @@
 # Options are for `inlay-bake report`.
 set -eu
 cd "$(dirname "$0")/../.."
-build=${BUILD:?is not set: expected the folder that holds inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay-bake}
 out=${1:?expected the folder that the report goes to}
 data=${INLAY_SHARED_DATA:-../shared/data}
 work=$(mktemp -d)
@@ -22,8 +22,7 @@ if [ -e "$data/mesh/spot.obj" ]; then
 	done
 else
 	scene=$work/cow.scene
-	"$build/make-cow" "$work"
-	cp bake/demo/cow.scene bake/demo/background.ini "$work"
+	cp bake/demo/{cow.glb,cow.scene,background.ini} "$work"
 fi
 mkdir -p "$(dirname "$out")"
 "$build/inlay-bake" report "${options[@]}" "$scene" -o "$out"

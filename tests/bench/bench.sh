@@ -8,7 +8,7 @@
 # 1920x1080, of which object and shadow are a quarter, by one thread and by two.
 set -eu
 cd "$(dirname "$0")/../.."
-build=${BUILD:?is not set: expected the folder that holds inlay, inlay-bake and make-cow}
+build=${BUILD:?is not set: expected the folder that holds inlay and inlay-bake}
 data=${INLAY_SHARED_DATA:-../shared/data}
 work=build/bench
 log=$work/log.txt
@@ -29,8 +29,7 @@ still_pictures() {
 
 scenes() {
 	mkdir -p "$work/cow" "$work/spot"
-	"$build/make-cow" "$work/cow"
-	cp bake/demo/cow.scene bake/demo/background.ini "$work/cow/"
+	cp bake/demo/{cow.glb,cow.scene,background.ini} "$work/cow/"
 	[ -e "$data/mesh/spot.obj" ] || return 0
 	cp tests/accuracy/spot.scene "$work/spot/"
 	ln -sfn "$(realpath "$data/mesh/spot.obj")" "$work/spot/spot.obj"

@@ -18,15 +18,6 @@ videos_frames() {
 	ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "$1"
 }
 
-check "make-cow" "$build/make-cow" "$work/cow"
-check "again, elsewhere" "$build/make-cow" "$work/twin"
-for file in cow.obj cow.mtl cow.png; do
-	same "$file is the same" "$work/cow/$file" "$work/twin/$file"
-done
-"$build/make-cow" /proc/nowhere >"$work/cow.log" 2>&1
-equal "a folder that cannot be made: exit code" 1 $?
-check "a folder that cannot be made: one line" grep -qx 'make-cow: .*/proc/nowhere.*' "$work/cow.log"
-
 check "inlay check takes its configuration" "$INLAY" check --config config/demo.conf \
 	--set "basis.file=$work/box.inlay"
 check "the demo" demo

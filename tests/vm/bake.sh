@@ -27,13 +27,10 @@ bake() {
 	}
 }
 
-mkdir -p "$out/live"
-[ -e "$out/live/cow.obj" ] || "$BUILD/make-cow" "$out/live"
+mkdir -p "$out/live" "$out/thesis"
+cp bake/demo/cow.glb "$out/live/"
+ln -sfn ../live/cow.glb "$out/thesis/"
 bake live
-mkdir -p "$out/thesis"
-for file in cow.obj cow.mtl cow.png; do
-	ln -sfn "../live/$file" "$out/thesis/$file"
-done
 bake thesis
 
 if [ "${1:-}" != --quick ] && [ -r "$data/mesh/spot.obj" ]; then

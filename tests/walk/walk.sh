@@ -114,7 +114,7 @@ END
 
 # ---- placing ----
 # The board's first corner is the world's origin, and the toy stands on its middle.
-check "the object" "$tools/make-cow" .
+cp "$repository/bake/demo/cow.glb" .
 cat >toy.scene <<END
 [camera]
 file = camera.ini
@@ -128,7 +128,7 @@ material = rug
 [material rug]
 colour = 0.68 0.59 0.45
 [object cow]
-file = cow.obj
+file = cow.glb
 position = 0.2 -0.125 0
 rotate = 0 0 -12
 END

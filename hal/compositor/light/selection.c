@@ -7,9 +7,8 @@
 #include <string.h>
 
 #include "hal/compositor/light/light_budget.h"
-#include "hal/compositor/light/light_return.h"
 
-const char *const threshold_mode_names[] = {"ambient", "drop", "harmonics", NULL};
+const char *const threshold_mode_names[] = {"ambient", "drop", NULL};
 
 int light_selection_create(struct light_selection *selection, const struct basis *basis)
 {
@@ -20,10 +19,7 @@ int light_selection_create(struct light_selection *selection, const struct basis
 	selection->used = calloc(n, sizeof(*selection->used));
 	selection->bound = calloc(n, sizeof(*selection->bound));
 	selection->ground = calloc((size_t)basis->info.grounds + 1, sizeof(*selection->ground));
-	selection->term = light_return_terms(basis);
-	selection->returned = calloc(n, sizeof(*selection->returned));
-	if (!selection->radiance || !selection->used || !selection->bound || !selection->ground ||
-	    !selection->term || !selection->returned) {
+	if (!selection->radiance || !selection->used || !selection->bound || !selection->ground) {
 		light_selection_free(selection);
 		return -ENOMEM;
 	}
@@ -37,8 +33,6 @@ void light_selection_free(struct light_selection *selection)
 	free(selection->used);
 	free(selection->bound);
 	free(selection->ground);
-	free(selection->term);
-	free(selection->returned);
 	*selection = (struct light_selection){0};
 }
 
@@ -151,16 +145,6 @@ static struct dropped drop_unused(struct light_selection *selection, const struc
 	return all;
 }
 
-static void add_returned(struct light_selection *selection)
-{
-	for (int i = 0; i < selection->count; i++) {
-		for (int c = 0; c < 3; c++)
-			selection->radiance[i][c] += selection->returned[i][c];
-	}
-	for (int c = 0; c < 3; c++)
-		selection->ambient[c] = 0;
-}
-
 void light_selection_choose(struct light_selection *selection, const struct basis *basis, int pose,
 			    const float (*radiance)[3], double threshold, enum threshold_mode mode,
 			    double gain)
@@ -185,13 +169,7 @@ void light_selection_choose(struct light_selection *selection, const struct basi
 	} else {
 		use_bright(selection, threshold, stays);
 	}
-	if (mode == THRESHOLD_HARMONICS)
-		light_return(selection, basis, peak, gain);
 	dropped = drop_unused(selection, basis, peak);
-	if (mode == THRESHOLD_HARMONICS) {
-		add_returned(selection);
-		return;
-	}
 	for (int c = 0; c < 3; c++) {
 		const double ambient = mode == THRESHOLD_AMBIENT ? dropped.power[c] / (2 * M_PI)
 								 : 0;

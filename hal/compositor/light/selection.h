@@ -8,34 +8,21 @@
 
 #include "hal/basis/basis.h"
 
-enum threshold_mode {
-	THRESHOLD_AMBIENT,
-	THRESHOLD_DROP,
-	THRESHOLD_HARMONICS,
-	THRESHOLD_MODE_COUNT
-};
+enum threshold_mode { THRESHOLD_AMBIENT, THRESHOLD_DROP, THRESHOLD_MODE_COUNT };
 
-extern const char *const threshold_mode_names[]; /* "ambient", "drop", "harmonics", NULL */
-
-/* Real spherical harmonics with l = 1 and 2. */
-#define LIGHT_RETURN_TERMS 8
+extern const char *const threshold_mode_names[]; /* "ambient", "drop", NULL */
 
 /* The lights that a frame uses (thesis 3.2.2). */
 struct light_selection {
 	int count;	       /* N */
-	double (*radiance)[3]; /* [count]: L_i, 0 if light i is dropped; in mode harmonics plus
-				  the radiance that is returned from light i */
+	double (*radiance)[3]; /* [count]: L_i, 0 if light i is dropped */
 	bool *used;	       /* [count] */
 	int used_count;
 	double ambient[3]; /* mode ambient: radiance from every light that replaces the dropped
 			      ones, sum over dropped of w_i L_i / (2 pi); 0 in other modes */
 	/*
 	 * Bound, in each channel, for the error of the object's radiance in any pixel:
-	 *     ambient, drop   E1 = gain max(sum over dropped of L_i peak_i, m peak_total)
-	 *     harmonics       min(E1, gain max(sum of max(r_i, 0) peak_i,
-	 *                                      sum of max(-r_i, 0) peak_i))
-	 * m: the largest radiance that is returned from any light; r_i: radiance returned from
-	 * light i less the radiance that was dropped there.
+	 *     gain max(sum over dropped of L_i peak_i, ambient peak_total)
 	 */
 	double dropped_error[3];
 	/* Set by the owner, 0 as created: hysteresis of the threshold. A light that was used stays
@@ -46,10 +33,8 @@ struct light_selection {
 	 * light, white is 1. */
 	double budget;
 	/* private: */
-	double (*ground)[3];		    /* [grounds]: sum of u */
-	uint64_t *bound;		    /* [count]: b_i (light_budget.h) */
-	double (*term)[LIGHT_RETURN_TERMS]; /* [count]: light_return.h */
-	double (*returned)[3];		    /* [count] */
+	double (*ground)[3]; /* [grounds]: sum of u */
+	uint64_t *bound;     /* [count]: b_i (light_budget.h) */
 	/* of the choice before */
 	double threshold, last_budget;
 	enum threshold_mode mode;
@@ -70,13 +55,7 @@ void light_selection_free(struct light_selection *selection);
  * Return: in each channel, the dropped lights are replaced by this radiance from light j:
  *
  *     drop        0
- *     ambient     m             m = sum over dropped of w_i L_i / (2 pi)
- *     harmonics   m + s q_j
- *
- * q is the least-squares fit of the spherical harmonics with l = 1 and 2 to the dropped light over
- * the sky (light_return.h). s is the largest value in 0..1 that makes no light negative. sum over j
- * of w_j q_j = 0, so harmonics returns the same energy as ambient. The larger s, the nearer is the
- * returned light to the dropped light in the least-squares sense.
+ *     ambient     sum over dropped of w_i L_i / (2 pi)
  *
  * Budget: as many of the weakest lights are dropped as together cannot change any pixel by more
  * than the budget. A light is weak if its bound is small; over channels c and grounds g of the
@@ -98,10 +77,6 @@ void light_selection_free(struct light_selection *selection);
  *         max(D / (K + D), A / (K + A)) <= max(D, A) / (K + D) <= sum of G_i L_i / U.
  *     Where the object also reflects light onto the ground, v >= -n, the limit is 1 + n times that.
  *     Receivers with a u of their own (D and U) are treated as ground.
- *   - Harmonics. At most gain (m + s max q) peak_total comes back to the object, and
- *     sum over j of u_j (m + s q_j) to the ground. Both bounds are convex in s and equal those of
- *     ambient for s = 0. So s is reduced to where the straight line between the bounds at 0 and at
- *     s meets the budget; the bound there is not above the line.
  *   - coverage and the background are at most 1, and clipping moves no two values apart.
  * Bounds are rounded up to multiples of 2^-40 and summed exactly. The declared errors of the basis
  * file add to this.

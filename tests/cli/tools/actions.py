@@ -78,7 +78,7 @@ threshold_mode = %s
        chance.choice(["composite", "before", "fisheye", "split", "quad", "off", "nothing"]),
        chance.choice(["yes", "no"]), chance.randrange(4), chance.choice(["0.5", "1", "3"]),
        chance.choice(["auto", "never", "always"]), chance.choice(["0", "20", "1%"]),
-       chance.choice(["ambient", "drop", "harmonics"]))
+       chance.choice(["ambient", "drop"]))
     replace(conf, text.encode())
     done.append("SIGHUP")
     counts["SIGHUP"] += 1
