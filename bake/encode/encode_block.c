@@ -36,7 +36,7 @@ static int more_places(struct block_list *list)
 	return 0;
 }
 
-/* A payload of zeros with its pixels. */
+/* Adds a block whose payload is 0 but for its list of pixels. */
 static int block_list_add(struct block_list *list, const struct encode_settings *settings,
 			  const struct part *part, struct basis_block_entry entry,
 			  uint8_t **payload)
@@ -105,7 +105,7 @@ static void write_tint(const struct fit *fit, const struct basis_block_entry *en
 		       pixels * sizeof(*fit->tint[c]));
 }
 
-/* Its light and its scale. */
+/* Writes the light and the scale of a column. */
 static void write_heading(const struct basis_block_payload *block, const struct basis_layout *at,
 			  int number, int light, float scale)
 {
@@ -179,7 +179,8 @@ static int columns_count(const struct columns *columns, const struct column *for
 	return count;
 }
 
-/* Adds the block of all columns of one form, with patterns or without. */
+/* Adds one block for the columns that have the form's channels, bits and `second`, with the first
+ * `patterns` patterns. */
 static int build_form(struct block_list *list, const struct fit *fit, const struct columns *columns,
 		      int tile, const struct column *form, int patterns)
 {
@@ -221,7 +222,8 @@ static int build_form(struct block_list *list, const struct fit *fit, const stru
 	return 0;
 }
 
-/* Patterns are in the first block of their channels. */
+/* Builds a block for each form of column that occurs. Patterns are stored in the first block of
+ * their number of channels; if no column has that number, in a block without columns. */
 int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
 		int tile)
 {

@@ -11,20 +11,22 @@
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F
-/* A channel that is tinted darker is as good as black. */
+/* A channel that is tinted darker counts as black: tints are multiples of 2^-15. */
 #define DARKEST_TINT 1e-9F
-/* The largest value of a line of half bytes. */
+/* The largest value of 4 bits. */
 #define HALF_MOST 7.0F
-/* So many values are tried at a time: scales that do not do are mostly found out by the first. */
+/* Values are rounded this many at a time, as the first few mostly show that a scale is too coarse.
+ * It changes time only. */
 #define TRIED_VALUES 32
-/* A scale is a float, and what the compositor multiplies it by as well. */
+/* Reaches are larger by this, so that the compositor's product of two floats, each rounded by
+ * 2^-24, is not below the true reach. */
 #define REACH_ROUNDING 1e-6
 #define REACH_LIMIT (0.9995 * BASIS_VALUE_MAX)
-/* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
- * dim, but not a thousand times dimmer than white, not so much. */
+/* Under a single light X = 1 - O(e), e of compositor.h. 1 % covers lights down to 1/1000 of
+ * white. */
 #define ALONE 1.01
-/* Largest reach of a group's column of 8 bits, times the share of the cut: beyond it rounding would
- * exceed a quarter of the block's cut. */
+/* A group's column that reaches further than this, times the share of the cut, has 16 bits: with 8
+ * bits rounding would exceed a quarter of the block's cut. */
 #define GROUP_NARROW 1.0
 #define LIGHT_COLUMNS_MAX 2
 
@@ -47,21 +49,23 @@ void columns_free(struct columns *columns)
 
 /* ---- one column ---- */
 
-/* Largest magnitude. */
 static double largest_of(const float *from, int count)
 {
 	return (double)part_magnitude(from, count);
 }
 
-/* What each value of a column has to lie between, so that its residual keeps its limits; and where
- * it should be. */
+/* For each value of a column: the value `from` that leaves no residual, and the interval
+ * least..most that leaves a residual within its limits. */
 struct bounds {
 	int count;
 	float from[PART_ROWS], least[PART_ROWS], most[PART_ROWS];
-	float needed[PART_ROWS]; /* magnitude of the value between that is nearest to 0 */
+	float needed
+		[PART_ROWS]; /* smallest magnitude in the interval; negative if 0 is inside it */
 };
 
-/* share: of the limits. A column of one channel has to do for all three, tinted. */
+/* Finds the bounds of a column whose residual may fill `share` of its limits. The interval of a
+ * column of one channel is the intersection of three, as its values are multiplied by three
+ * tints. */
 static void bounds_find(struct bounds *b, const struct fit *fit, int light, int channels,
 			float share, const float *left)
 {
@@ -89,9 +93,9 @@ static void bounds_find(struct bounds *b, const struct fit *fit, int light, int 
 		b->needed[r] = larger(b->least[r], -b->most[r]);
 }
 
-/* The integers that lie between, nearest to where they should be, none beyond limit. False:
- * somewhere there is none; the value is then the nearest. No branch depends on a value, so that
- * compilers make vectors of it. */
+/* Finds, for each value, the integer in by * least..by * most and -limit..limit that is nearest to
+ * by * from. Returns false if there is none for some value, which then takes the nearest. No branch
+ * depends on a value, so that compilers make vectors of it. */
 static bool round_between(const float *restrict least, const float *restrict most,
 			  const float *restrict from, int count, float by, float limit,
 			  int16_t *restrict value)
@@ -128,7 +132,7 @@ static bool column_round(struct column *column, const struct bounds *b, double s
 	return true;
 }
 
-/* What the column leaves of from. */
+/* left = from less the column's values, times the tint if it has one channel. */
 static void column_leave(const struct column *column, const struct fit *fit, const float *from,
 			 float *left)
 {
@@ -145,7 +149,8 @@ static void column_leave(const struct column *column, const struct fit *fit, con
 		}
 }
 
-/* Multiples of the line's own unit that lie between. */
+/* Rounds a line to 4-bit multiples of `factor` steps within its bounds. Returns false, and changes
+ * nothing, if there are none. */
 static bool line_shorten(struct column *column, const struct bounds *b, int first, int count,
 			 int factor)
 {
@@ -160,6 +165,7 @@ static bool line_shorten(struct column *column, const struct bounds *b, int firs
 	return true;
 }
 
+/* Rounds a line to the least factor that keeps its bounds; returns its code (basis_lines.h). */
 static uint8_t line_code(struct column *column, const struct bounds *b, int first, int count)
 {
 	const float needed = part_largest(b->needed + first, count) / (column->scale * HALF_MOST);
@@ -186,6 +192,7 @@ static void column_shorten(struct column *column, const struct bounds *b, int pi
 		}
 }
 
+/* Computes the column's bytes. */
 static void column_measure(struct column *column, int pixels)
 {
 	if (column->bits == 8)
@@ -195,8 +202,8 @@ static void column_measure(struct column *column, int pixels)
 		column->bytes = (size_t)(basis_panels16(pixels) * column->channels) * BASIS_ALIGN;
 }
 
-/* Takes the values nearest to from that keep the limits; left becomes what they leave. False: the
- * column's bits are too few. */
+/* Quantises a column: the values nearest to `from` whose residual, which goes to left, keeps its
+ * limits. Returns false if the column has too few bits for that. */
 static bool column_take(struct column *column, const struct fit *fit, double reach,
 			float short_share, const float *from, float *left)
 {
@@ -211,7 +218,7 @@ static bool column_take(struct column *column, const struct fit *fit, double rea
 	column_leave(column, fit, from, left);
 	if (!part_cell_holds(part, column->number, left))
 		return false;
-	/* U may not become negative, which the limits of residuals do not ensure */
+	/* U may not become negative, which the limits of residuals do not ensure. */
 	if (column->bits == 8 && part->kind != BASIS_KIND_U) {
 		bounds_find(&b, fit, column->number, column->channels, short_share, from);
 		column_shorten(column, &b, part->pixels);
@@ -221,7 +228,7 @@ static bool column_take(struct column *column, const struct fit *fit, double rea
 	return true;
 }
 
-/* As short as it can be without a loss. */
+/* Sets the codes of a column's lines to the shortest that keep its values. */
 static void shorten_exactly(struct column *column, int pixels)
 {
 	for (int c = 0; c < column->channels; c++)
@@ -240,7 +247,7 @@ static void shorten_exactly(struct column *column, int pixels)
 		}
 }
 
-/* To nearest. reach: of the largest value that can be stored. */
+/* Rounds values to nearest; the largest value that can be stored is `reach`. */
 static void column_nearest(struct column *column, const float *from, int count, double reach)
 {
 	const double scale = reach / column_most(column->bits);
@@ -259,7 +266,8 @@ static void column_nearest(struct column *column, const float *from, int count, 
 
 /* ---- the columns of a light ---- */
 
-/* U may come out as 0, not less: the quotient's sign is that of a shadow. */
+/* Tells whether a U decoded without a column falls clearly below 0. It may come out as 0, but no
+ * less, as the ratio 1 - d / u would change its sign. */
 static bool would_be_negative(const struct part *part, int light, const float *left)
 {
 	const float *value = part->value + (size_t)light * (size_t)part->rows;
@@ -274,6 +282,9 @@ static bool would_be_negative(const struct part *part, int light, const float *l
 	return least < -most / 254;
 }
 
+/* Returns the reach of a light's column. It is the largest value, and more if the light's limits
+ * were narrowed, so that more frames read the column. It is at least ALONE times the cut, so that V
+ * under a light alone always reads it. */
 static double reach_for(const struct fit *fit, int light, const float *left)
 {
 	const struct part *part = fit->part;
@@ -281,7 +292,7 @@ static double reach_for(const struct fit *fit, int light, const float *left)
 	const double reach = fmax(largest / (double)part->light_share[light],
 				  ALONE * fit->cut_share * part->column_cut);
 
-	/* a larger value would be refused itself */
+	/* The quotient may exceed what the format allows; no value does (VALUE_MAX of part.c). */
 	return fmin(reach, REACH_LIMIT) * (1 + REACH_ROUNDING);
 }
 
@@ -302,7 +313,7 @@ static struct column *columns_add(struct columns *columns, int number, int chann
 	return column;
 }
 
-/* The nearest column of 8 bits, or of 16, whatever it leaves. */
+/* Quantises a column to nearest, whether or not its residual keeps the limits. */
 static void column_take_nearest(struct column *column, const struct fit *fit, double reach,
 				const float *from, float *left)
 {
@@ -319,7 +330,8 @@ static void column_take_nearest(struct column *column, const struct fit *fit, do
 	column_measure(column, pixels);
 }
 
-/* What the first column leaves takes a second one, which only strong light needs. */
+/* Adds a second column for the residual of a light's first, which only strong light reads. Returns
+ * whether the limits are kept. If they are not, a column of 16 bits stays, one of 8 is dropped. */
 static bool take_second(struct columns *columns, const struct fit *fit, int light, int channels,
 			int bits, float short_share, const float *left)
 {
@@ -336,9 +348,10 @@ static bool take_second(struct columns *columns, const struct fit *fit, int ligh
 	return false;
 }
 
-/* In order of cost: 8 bits, twice 8 bits, each of one channel before three; 16 bits; twice. Lights
- * that shine along the ground need the last: what the object sends there is many times what they
- * do, and its shadow is as dark as any. */
+/* Adds the first of these that keeps a light's limits, in order of cost: nothing; 8 bits; two of 8
+ * bits, each of one channel before three; 16 bits; 16 and 8 bits; two of 16. Lights that shine
+ * along the ground need the last: the object throws many times their own light on the ground, where
+ * its shadow is as dark as any. */
 static void light_columns(struct columns *columns, const struct fit *fit, int light,
 			  float short_share)
 {
@@ -371,7 +384,8 @@ static void light_columns(struct columns *columns, const struct fit *fit, int li
 
 /* ---- the columns of groups ---- */
 
-/* Sums the columns of a group's lights, times their shares. Returns how many lights have some. */
+/* value = sum of q_i column_i over a group's lights that have columns of `channels` channels.
+ * Returns the number of these lights. */
 static int group_sum(const struct columns *columns, int lights, const struct fit *fit, int channels,
 		     int group, float *value, double *reach)
 {
@@ -397,9 +411,9 @@ static int group_sum(const struct columns *columns, int lights, const struct fit
 	return found;
 }
 
-/* A group's column has 8 bits, whatever its lights need, as its light is never large
- * (BASIS_GROUP_MOST); 16 where it reaches beyond GROUP_NARROW, as that of a mirror does, or
- * where the block's cut is fine. */
+/* Adds the column of a group, if enough of its lights have columns and it would ever be read. 8
+ * bits suffice mostly, as the group's light is never large (BASIS_GROUP_MOST). It has 16 if it
+ * reaches beyond GROUP_NARROW, as a mirror's does, or if the block's cut is fine. */
 static void group_column(struct columns *columns, int lights, const struct fit *fit, int channels,
 			 int group)
 {
@@ -413,7 +427,8 @@ static void group_column(struct columns *columns, int lights, const struct fit *
 	    reach < fit->cut_share * COLUMN_GROUP_REACH)
 		return;
 	largest = largest_of(value, count);
-	/* What nearly all lights of a tile are off by together its groups have to put right. */
+	/* With a lowered cut, the group columns carry the error that most lights of a tile share,
+	 * so they reach as far as their lights' columns together. */
 	if (fit->cut_share < 1)
 		largest = fmin(fmax(largest, reach), REACH_LIMIT);
 	column = columns_add(columns, fit->settings->lights + group, channels,

@@ -9,8 +9,11 @@
 
 #include "bake/base/profile.h"
 
+/* Power iteration converges by the ratio of the two largest eigenvalues each round; tints are
+ * rounded to 2^-15, and a tint need not be exact, as colour takes what mono leaves. */
 #define TINT_ROUNDS 16
-/* Patterns of colour, at most: a coefficient of colour is three times as long as one of mono. */
+/* Colour has at most this many patterns, as its coefficients take three times the bytes of
+ * mono's. */
 #define RANK_COLOUR 24
 
 int fit_create(struct fit *fit, const struct encode_settings *settings)
@@ -41,7 +44,8 @@ void fit_free(struct fit *fit)
 
 /* ---- one channel and a tint ---- */
 
-/* The direction in which three channels mostly vary together: power iteration on their products. */
+/* Finds the main eigenvector of the symmetric 3 x 3 matrix with the upper triangle `product`, by
+ * power iteration. */
 static void main_hue(const double product[6], double hue[3])
 {
 	static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -64,7 +68,8 @@ static void main_hue(const double product[6], double hue[3])
 	}
 }
 
-/* value: [lights][3 * pixels]. */
+/* Sets each pixel's tint: the main eigenvector of sum_i W_i a_i a_i^T, divided by its largest
+ * component. value: a_i, [lights][3 * pixels]. */
 static void find_tints(struct fit *fit, const float *value)
 {
 	const struct part *part = fit->part;
@@ -117,8 +122,9 @@ void fit_untint(const struct fit *fit, const float *three, float *one)
 	}
 }
 
-/* Direct light varies most, and where it arrives alone its channels do so together: a shadow has no
- * colour, an object's tint is its own. */
+/* Sets M, the mono part, to direct light, or to all light where nothing bounces: it varies most,
+ * and its channels vary together. T's has the tint of the object; a shadow's direct light has one
+ * channel and needs no tint. */
 static int take_mono(struct fit *fit)
 {
 	const struct part *part = fit->part;
@@ -139,6 +145,7 @@ static int take_mono(struct fit *fit)
 	return err;
 }
 
+/* Sets C, the colour part, to A - tint (x) M. */
 static int take_colour(struct fit *fit)
 {
 	const struct part *part = fit->part;
@@ -212,7 +219,7 @@ int fit_find(struct fit *fit)
 	return 0;
 }
 
-/* left -= patterns from..to - 1, or += where to is smaller. */
+/* Subtracts patterns from..to - 1 from the residual; if to < from, adds patterns to..from - 1. */
 static void fit_subtract(struct fit *fit, const struct rank_patterns *patterns, const float *rows,
 			 int from, int to)
 {
@@ -232,7 +239,8 @@ void fit_set_ranks(struct fit *fit, int mono, int colour)
 
 	mono = mono < fit->mono_patterns.count ? mono : fit->mono_patterns.count;
 	colour = colour < fit->colour_patterns.count ? colour : fit->colour_patterns.count;
-	/* Subtractions that are undone leave rounding errors, so ranks that fall begin anew. */
+	/* Adding what was subtracted leaves rounding errors, so if a rank falls, both begin
+	 * anew. */
 	if (fit->mono_rank < 0 || mono < fit->mono_rank || colour < fit->colour_rank) {
 		memcpy(fit->left, fit->part->value, count * sizeof(*fit->left));
 		fit->mono_rank = fit->colour_rank = 0;

@@ -6,10 +6,11 @@
 #include "bake/base/options.h"
 #include "hal/optics/dome.h"
 
+/* Errors in 8-bit levels: what measurement resolves (LEVELS_ERROR), and black for white. */
 #define LEVELS_MIN 1e-3
 #define LEVELS_MAX 255
 
-/* RMS[,MAX] */
+/* Parses RMS[,MAX]. */
 static int take_error(struct encoding_said *said, char *text, struct fault *fault)
 {
 	char *comma = strchr(text, ',');
