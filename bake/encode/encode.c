@@ -32,7 +32,7 @@ struct encoder {
 	struct levels levels;
 	/* These arrays have one element for each set of samples (part) of the tile. */
 	struct part *part;
-	struct fit *fit;
+	struct low_rank *fit;
 	struct block_reader *reader;
 	struct allowance *allowance;
 	int parts, room; /* elements in use, and elements that there is memory for */
@@ -102,13 +102,13 @@ static bool samples_pair(const struct encode_samples *samples, int count)
 {
 	for (int i = 0; i < count; i++) {
 		const struct encode_samples *s = &samples[i];
-		const bool owed = i && samples[i - 1].kind == BASIS_KIND_D;
+		const bool expects_u = i && samples[i - 1].kind == BASIS_KIND_D;
 
-		if (owed != (s->kind == BASIS_KIND_U))
+		if (expects_u != (s->kind == BASIS_KIND_U))
 			return false;
-		if (owed && (s->pixels != samples[i - 1].pixels ||
-			     memcmp(s->pixel, samples[i - 1].pixel,
-				    (size_t)s->pixels * sizeof(*s->pixel)) != 0))
+		if (expects_u && (s->pixels != samples[i - 1].pixels ||
+				  memcmp(s->pixel, samples[i - 1].pixel,
+					 (size_t)s->pixels * sizeof(*s->pixel)) != 0))
 			return false;
 	}
 	return !count || samples[count - 1].kind != BASIS_KIND_D;
@@ -139,7 +139,7 @@ static int encoder_reserve(struct encoder *e, int room)
 		err = grow(&e->allowance, sizeof(*e->allowance), room);
 	for (; e->room < room && !err; e->room++) {
 		e->reader[e->room] = (struct block_reader){.count = 0};
-		e->fit[e->room] = (struct fit){.settings = NULL};
+		e->fit[e->room] = (struct low_rank){.settings = NULL};
 		err = part_create(&e->part[e->room], &e->settings);
 		if (!err)
 			err = fit_create(&e->fit[e->room], &e->settings);
@@ -278,7 +278,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 	int err = first ? encoder_begin(e) : -ENOMEM;
 	double nearest = INFINITY;
 
-	allow_all(&allowed);
+	allow_target(&allowed);
 	for (int k = 0; k < ATTEMPTS && !err; k++) {
 		struct encode_result own = *result;
 		double worst;

@@ -25,7 +25,7 @@
 #define ATTEMPTS_ALIKE 5
 #define FINER 0.75F
 
-void allow_all(const struct allowed *a)
+void allow_target(const struct allowed *a)
 {
 	for (int k = 0; k < a->count; k++)
 		a->allowance[k] = (struct allowance){.asked = a->settings->target,

@@ -18,7 +18,7 @@ struct allowance {
 /* The parts of a tile, with their allowances. */
 struct allowed {
 	struct part *part;
-	const struct fit *fit;
+	const struct low_rank *fit;
 	struct allowance *allowance;
 	int count;
 	const struct encode_settings *settings;
@@ -26,7 +26,7 @@ struct allowed {
 };
 
 /* Sets the allowances of the first attempt. */
-void allow_all(const struct allowed *allowed);
+void allow_target(const struct allowed *allowed);
 
 /* Lowers the allowances after an attempt (0, 1, ...) whose errors are too large. */
 void allow_less(const struct allowed *allowed, const struct measure *measure, int attempt);

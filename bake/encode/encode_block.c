@@ -71,8 +71,8 @@ static int block_list_add(struct block_list *list, const struct encode_settings 
 
 /* ---- writing ---- */
 
-static void write_patterns(const struct fit *fit, bool mono, const struct basis_block_entry *entry,
-			   uint8_t *payload)
+static void write_patterns(const struct low_rank *fit, bool mono,
+			   const struct basis_block_entry *entry, uint8_t *payload)
 {
 	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
 	const struct rank_patterns *from = mono ? &fit->mono_patterns : &fit->colour_patterns;
@@ -94,7 +94,7 @@ static void write_patterns(const struct fit *fit, bool mono, const struct basis_
 			}
 }
 
-static void write_tint(const struct fit *fit, const struct basis_block_entry *entry,
+static void write_tint(const struct low_rank *fit, const struct basis_block_entry *entry,
 		       uint8_t *payload)
 {
 	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
@@ -181,8 +181,9 @@ static int columns_count(const struct columns *columns, const struct column *for
 
 /* Adds one block for the columns that have the form's channels, bits and `second`, with the first
  * `patterns` patterns. */
-static int build_form(struct block_list *list, const struct fit *fit, const struct columns *columns,
-		      int tile, const struct column *form, int patterns)
+static int build_form(struct block_list *list, const struct low_rank *fit,
+		      const struct columns *columns, int tile, const struct column *form,
+		      int patterns)
 {
 	const bool mono = form->channels == 1;
 	struct basis_block_entry entry = {
@@ -224,7 +225,7 @@ static int build_form(struct block_list *list, const struct fit *fit, const stru
 
 /* Builds a block for each form of column that occurs. Patterns are stored in the first block of
  * their number of channels; if no column has that number, in a block without columns. */
-int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
+int block_build(struct block_list *list, const struct low_rank *fit, const struct columns *columns,
 		int tile)
 {
 	for (int channels = 1; channels <= 3; channels += 2) {

@@ -19,7 +19,7 @@ struct block_list {
 void block_list_free(struct block_list *list); /* zeroed is fine */
 
 /* Adds the blocks that hold a fit's patterns, at its ranks, and the columns. -ENOMEM. */
-int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
+int block_build(struct block_list *list, const struct low_rank *fit, const struct columns *columns,
 		int tile);
 
 /* Adds one block that has every light's column in 16 bits, for the exact layer. Adds none for a

@@ -113,7 +113,7 @@ static float line_estimate(float miss)
 }
 
 /* Tells whether a column of one channel suffices: its residual is within the limits. */
-static bool is_mono(const struct fit *fit, const float *left, const float *tight)
+static bool mono_suffices(const struct low_rank *fit, const float *left, const float *tight)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -162,7 +162,7 @@ static float estimate_bytes(const struct part *part, const float *left, const fl
 }
 
 /* Estimates the bytes of a light's column, or returns 0 if it needs none. */
-static float estimate_light(const struct fit *fit, int light, struct estimate_column *column)
+static float estimate_light(const struct low_rank *fit, int light, struct estimate_column *column)
 {
 	const struct part *part = fit->part;
 	const size_t first = (size_t)light * (size_t)part->rows;
@@ -179,7 +179,7 @@ static float estimate_light(const struct fit *fit, int light, struct estimate_co
 	if (most <= 1)
 		return 0;
 	column->reach = part_magnitude(left, part->rows);
-	column->mono = is_mono(fit, left, tight);
+	column->mono = mono_suffices(fit, left, tight);
 	return estimate_bytes(part, left, tight, column, miss);
 }
 
@@ -198,7 +198,7 @@ static double pattern_bytes(const struct choose *s, const struct part *part, boo
 
 /* Estimates the cost of a fit but for the columns that frames read, and lists its columns. It stops
  * where the cost reaches `bound`. */
-static double estimate_cost(struct choose *s, struct fit *fit, double bound)
+static double estimate_cost(struct choose *s, struct low_rank *fit, double bound)
 {
 	const double patterns = pattern_bytes(s, fit->part, true, fit->mono_rank) +
 				pattern_bytes(s, fit->part, false, fit->colour_rank);
@@ -341,8 +341,8 @@ static void subtract_patterns(const struct part *part, const float *rows, int ra
 
 /* Subtracts the columns that become active when the share of the cut falls from `before` to
  * `cut_share`. */
-static void subtract_columns(const struct choose *s, const struct fit *fit, int t, double before,
-			     double cut_share, float *sum)
+static void subtract_columns(const struct choose *s, const struct low_rank *fit, int t,
+			     double before, double cut_share, float *sum)
 {
 	const float was = (float)before, is = (float)cut_share;
 
@@ -389,7 +389,8 @@ static double sky_excess(const struct choose *s, const struct part *part, int t,
 /* Lowers the plan's share of the cut until a sky holds; returns the sky's excess. Skies that held
  * at a larger share are not checked again: with a smaller one more columns are read, and the
  * finished blocks are measured anyway. */
-static double sky_lower_cut(const struct choose *s, const struct fit *fit, int t, double *cut_share)
+static double sky_lower_cut(const struct choose *s, const struct low_rank *fit, int t,
+			    double *cut_share)
 {
 	const struct part *part = fit->part;
 	const int sky = s->shade->tried[t];
@@ -415,11 +416,11 @@ static double sky_lower_cut(const struct choose *s, const struct fit *fit, int t
 
 /* Estimates a plan with these ranks. It is given up, with an infinite excess, once its cost reaches
  * `bound`, or once a sky does not hold while another plan does (bound is finite). */
-static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mono, int colour,
+static struct rank_plan plan_estimate(struct choose *s, struct low_rank *fit, int mono, int colour,
 				      double bound)
 {
 	const struct part *part = fit->part;
-	struct estimate e = {.excess = INFINITY, .cut_share = part->cut_share};
+	struct rank_plan e = {.excess = INFINITY, .cut_share = part->cut_share};
 	double cost, worst = 0;
 
 	profile_enter(PROFILE_BASIS);
@@ -453,7 +454,7 @@ static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mon
 }
 
 /* Of plans that hold the cheaper one is better, of others the one with less excess. */
-static bool is_better(const struct estimate *a, const struct estimate *b)
+static bool plan_is_better(const struct rank_plan *a, const struct rank_plan *b)
 {
 	if ((a->excess <= 1) != (b->excess <= 1))
 		return a->excess <= 1;
@@ -462,11 +463,11 @@ static bool is_better(const struct estimate *a, const struct estimate *b)
 
 /* Replaces *best by better plans that differ from it in one of the two ranks, by at most `steps`
  * entries of the list. */
-static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
-		      struct estimate *best)
+static void scan_rank(struct choose *s, struct low_rank *fit, bool mono, int steps,
+		      struct rank_plan *best)
 {
 	const int found = mono ? fit->mono_patterns.count : fit->colour_patterns.count;
-	const struct estimate from = *best;
+	const struct rank_plan from = *best;
 	const int is = mono ? from.mono_rank : from.colour_rank;
 	int at = 0;
 
@@ -474,14 +475,14 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 		at++;
 	for (int k = at > steps ? at - steps : 0; k < RANKS && k <= at + steps; k++) {
 		const double bound = best->excess <= 1 ? best->cost : INFINITY;
-		struct estimate e;
+		struct rank_plan e;
 
 		if ((1 + READ_WEIGHT) * pattern_bytes(s, fit->part, mono, ranks[k]) >= bound)
 			break;
 		if (ranks[k] != is) {
-			e = estimate_ranks(s, fit, mono ? ranks[k] : from.mono_rank,
-					   mono ? from.colour_rank : ranks[k], bound);
-			if (is_better(&e, best))
+			e = plan_estimate(s, fit, mono ? ranks[k] : from.mono_rank,
+					  mono ? from.colour_rank : ranks[k], bound);
+			if (plan_is_better(&e, best))
 				*best = e;
 		}
 		if (ranks[k] >= found)
@@ -521,10 +522,10 @@ static void sum_patterns(const struct choose *s, const struct part *part,
 			    patterns->at_light, n, 0, sum + t * 3 * RANK_MOST, RANK_MOST);
 }
 
-int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
+int choose_ranks(struct choose *s, struct low_rank *fit, const struct shade *shade,
 		 const struct encode_target *asked)
 {
-	struct estimate best;
+	struct rank_plan best;
 	int err = 0, before;
 
 	profile_enter(PROFILE_SKIES);
@@ -534,7 +535,7 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 		s->order[t] = t;
 	find_gains(s, fit->part);
 	/* A part of which hardly anything is seen needs neither patterns nor columns. */
-	best = estimate_ranks(s, fit, 0, 0, LEAST_COST);
+	best = plan_estimate(s, fit, 0, 0, LEAST_COST);
 	if (best.excess > 1) {
 		profile_enter(PROFILE_BASIS);
 		if (!fit->found)
@@ -544,7 +545,7 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 		profile_enter(PROFILE_SKIES);
 		sum_patterns(s, fit->part, &fit->mono_patterns, s->mono_sky);
 		sum_patterns(s, fit->part, &fit->colour_patterns, s->colour_sky);
-		best = estimate_ranks(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);
+		best = plan_estimate(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);
 		if (fit->colour)
 			scan_rank(s, fit, false, RANKS, &best);
 		before = best.mono_rank;

@@ -8,7 +8,7 @@
 #include "bake/judge/shade.h"
 
 /* A plan: a pair of ranks and a share of the cut, with the estimates for it. */
-struct estimate {
+struct rank_plan {
 	int mono_rank, colour_rank;
 	double cost;	  /* bytes of the file plus weighted bytes that a frame reads */
 	double excess;	  /* largest error under a sky, as a multiple of the target */
@@ -57,7 +57,7 @@ void choose_free(struct choose *choose); /* zeroed is fine */
 
 /* Finds the fit's patterns and sets its ranks. asked: the errors to keep under the skies that shade
  * tries. -EDOM: weights are not finite. */
-int choose_ranks(struct choose *choose, struct fit *fit, const struct shade *shade,
+int choose_ranks(struct choose *choose, struct low_rank *fit, const struct shade *shade,
 		 const struct encode_target *asked);
 
 #endif

@@ -45,6 +45,6 @@ void columns_free(struct columns *columns); /* zeroed is fine */
  * limits, else the cheapest that bring it there, or the finest. The residuals of short lines may
  * fill short_share (0..1) of their limits; 0: no short lines.
  */
-void columns_find(struct columns *columns, const struct fit *fit, float short_share);
+void columns_find(struct columns *columns, const struct low_rank *fit, float short_share);
 
 #endif

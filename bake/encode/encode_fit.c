@@ -16,11 +16,11 @@
  * mono's. */
 #define RANK_COLOUR 24
 
-int fit_create(struct fit *fit, const struct encode_settings *settings)
+int fit_create(struct low_rank *fit, const struct encode_settings *settings)
 {
 	int err;
 
-	*fit = (struct fit){.settings = settings};
+	*fit = (struct low_rank){.settings = settings};
 	err = rank_patterns_create(&fit->mono_patterns, settings);
 	if (!err)
 		err = rank_patterns_create(&fit->colour_patterns, settings);
@@ -30,7 +30,7 @@ int fit_create(struct fit *fit, const struct encode_settings *settings)
 	return err || fit->tinted_rows ? err : -ENOMEM;
 }
 
-void fit_free(struct fit *fit)
+void fit_free(struct low_rank *fit)
 {
 	rank_patterns_free(&fit->mono_patterns);
 	rank_patterns_free(&fit->colour_patterns);
@@ -39,14 +39,14 @@ void fit_free(struct fit *fit)
 	free(fit->own_colour);
 	free(fit->tinted_rows);
 	free(fit->left);
-	*fit = (struct fit){.settings = NULL};
+	*fit = (struct low_rank){.settings = NULL};
 }
 
 /* ---- one channel and a tint ---- */
 
 /* Finds the main eigenvector of the symmetric 3 x 3 matrix with the upper triangle `product`, by
  * power iteration. */
-static void main_hue(const double product[6], double hue[3])
+static void main_eigenvector(const double product[6], double hue[3])
 {
 	static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
@@ -70,7 +70,7 @@ static void main_hue(const double product[6], double hue[3])
 
 /* Sets each pixel's tint: the main eigenvector of sum_i W_i a_i a_i^T, divided by its largest
  * component. value: a_i, [lights][3 * pixels]. */
-static void find_tints(struct fit *fit, const float *value)
+static void find_tints(struct low_rank *fit, const float *value)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -96,7 +96,7 @@ static void find_tints(struct fit *fit, const float *value)
 
 		for (int k = 0; k < 6; k++)
 			own[k] = (double)product[k][p];
-		main_hue(own, hue);
+		main_eigenvector(own, hue);
 		for (int c = 0; c < 3; c++)
 			most = fmax(most, hue[c]);
 		for (int c = 0; c < 3; c++) {
@@ -108,7 +108,7 @@ static void find_tints(struct fit *fit, const float *value)
 	}
 }
 
-void fit_untint(const struct fit *fit, const float *three, float *one)
+void fit_untint(const struct low_rank *fit, const float *three, float *one)
 {
 	const int pixels = fit->part->pixels;
 
@@ -125,7 +125,7 @@ void fit_untint(const struct fit *fit, const float *three, float *one)
 /* Sets M, the mono part, to direct light, or to all light where nothing bounces: it varies most,
  * and its channels vary together. T's has the tint of the object; a shadow's direct light has one
  * channel and needs no tint. */
-static int take_mono(struct fit *fit)
+static int fit_split_mono(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const size_t n = (size_t)fit->settings->lights, pixels = (size_t)part->pixels;
@@ -146,7 +146,7 @@ static int take_mono(struct fit *fit)
 }
 
 /* Sets C, the colour part, to A - tint (x) M. */
-static int take_colour(struct fit *fit)
+static int fit_split_colour(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const size_t n = (size_t)fit->settings->lights, rows = (size_t)part->rows;
@@ -167,7 +167,7 @@ static int take_colour(struct fit *fit)
 	return err;
 }
 
-int fit_begin(struct fit *fit, const struct part *part)
+int fit_begin(struct low_rank *fit, const struct part *part)
 {
 	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 	int err;
@@ -187,13 +187,13 @@ int fit_begin(struct fit *fit, const struct part *part)
 			    (size_t)fit->settings->lights * (size_t)part->rows);
 	if (err || pair || !fit->mono || !fit->colour)
 		return err;
-	err = take_mono(fit);
-	return err ? err : take_colour(fit);
+	err = fit_split_mono(fit);
+	return err ? err : fit_split_colour(fit);
 }
 
 /* ---- patterns ---- */
 
-int fit_find(struct fit *fit)
+int fit_find(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -220,8 +220,8 @@ int fit_find(struct fit *fit)
 }
 
 /* Subtracts patterns from..to - 1 from the residual; if to < from, adds patterns to..from - 1. */
-static void fit_subtract(struct fit *fit, const struct rank_patterns *patterns, const float *rows,
-			 int from, int to)
+static void fit_subtract(struct low_rank *fit, const struct rank_patterns *patterns,
+			 const float *rows, int from, int to)
 {
 	const int n = fit->settings->lights, first = from < to ? from : to;
 
@@ -233,7 +233,7 @@ static void fit_subtract(struct fit *fit, const struct rank_patterns *patterns, 
 		    fit->part->rows);
 }
 
-void fit_set_ranks(struct fit *fit, int mono, int colour)
+void fit_set_ranks(struct low_rank *fit, int mono, int colour)
 {
 	const size_t count = (size_t)fit->settings->lights * (size_t)fit->part->rows;
 

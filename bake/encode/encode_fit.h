@@ -9,7 +9,7 @@
 
 #include "bake/encode/encode_rank.h"
 
-struct fit {
+struct low_rank {
 	const struct encode_settings *settings;
 	const struct part *part;
 	bool mono, colour; /* which of the two exist */
@@ -30,26 +30,26 @@ struct fit {
 	size_t mono_room, colour_room, left_room;
 };
 
-int fit_create(struct fit *fit, const struct encode_settings *settings);
-void fit_free(struct fit *fit); /* zeroed is fine */
+int fit_create(struct low_rank *fit, const struct encode_settings *settings);
+void fit_free(struct low_rank *fit); /* zeroed is fine */
 
 /* Splits a part into mono and colour. -ENOMEM. */
-int fit_begin(struct fit *fit, const struct part *part);
+int fit_begin(struct low_rank *fit, const struct part *part);
 
 /* Finds the patterns that leave the least weighted squared error. -EDOM: weights are not finite. */
-int fit_find(struct fit *fit);
+int fit_find(struct low_rank *fit);
 
 /* Sets the ranks, lowered to the number of patterns found, and computes the residual. */
-void fit_set_ranks(struct fit *fit, int mono_rank, int colour_rank);
+void fit_set_ranks(struct low_rank *fit, int mono_rank, int colour_rank);
 
 /* Returns the residual [rows] of a light. */
-static inline const float *fit_left(const struct fit *fit, int light)
+static inline const float *fit_left(const struct low_rank *fit, int light)
 {
 	return fit->left + (size_t)light * (size_t)fit->part->rows;
 }
 
 /* Finds the channel one[pixels] that, times the tint, is nearest to three[3 * pixels] (least
  * squares). */
-void fit_untint(const struct fit *fit, const float *three, float *one);
+void fit_untint(const struct low_rank *fit, const float *three, float *one);
 
 #endif

@@ -14,11 +14,11 @@
 #define LEAST_WEIGHT 0.01F
 
 /* Sets the limits of one row's residuals l = left, so that the light shown, offset + slope (base -
- * l), rises and falls by at most what levels allow: -rise <= slope l <= fall. again: intersects
+ * l), rises and falls by at most what levels allow: -rise <= slope l <= fall. intersect: intersects
  * them with the limits that are there. */
 static void limit_row(const struct levels *levels, const struct part *part, float offset,
 		      float slope, float share, const float *base, float *least, float *most,
-		      bool again)
+		      bool intersect)
 {
 	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
@@ -29,8 +29,8 @@ static void limit_row(const struct levels *levels, const struct part *part, floa
 		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
-		least[p] = again ? larger(least[p], low) : low;
-		most[p] = again ? smaller(most[p], high) : high;
+		least[p] = intersect ? larger(least[p], low) : low;
+		most[p] = intersect ? smaller(most[p], high) : high;
 	}
 }
 
@@ -41,14 +41,14 @@ static void limit_cells(struct part *part, const struct levels *levels, int ligh
 			const size_t k = (size_t)c * (size_t)lights + (size_t)i;
 			const size_t at = (size_t)i * (size_t)part->rows +
 					  (size_t)(part->channels == 3 ? c * part->pixels : 0);
-			const bool again = part->channels == 1 && c;
+			const bool intersect = part->channels == 1 && c;
 
-			if (again && part->cell_offset[c] == part->cell_offset[0] &&
+			if (intersect && part->cell_offset[c] == part->cell_offset[0] &&
 			    part->cell_slope[k] == part->cell_slope[i])
 				continue;
 			limit_row(levels, part, part->cell_offset[c], part->cell_slope[k],
 				  part->light_share[i], part->base + at, part->least_left + at,
-				  part->most_left + at, again);
+				  part->most_left + at, intersect);
 		}
 }
 
@@ -103,10 +103,10 @@ bool part_cell_holds(const struct part *part, int light, const float *left)
 void part_limit(struct part *part, const struct encode_settings *settings,
 		const struct levels *levels)
 {
-	const bool used = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
+	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 
 	part->levels = levels;
-	part->column_cut = used ? 0 : settings->column_cut;
+	part->column_cut = pair ? 0 : settings->column_cut;
 	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
 	/* As a light fades, its column is left out. No pixel may then be off by more than was asked
 	 * for, and black ones may be off by least: cut_share * column_cut <= rise(0). V is a ratio,

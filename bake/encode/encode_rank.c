@@ -223,7 +223,7 @@ static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 
 /* Rotates both sides to the singular vectors, in order of falling singular value: the eigenvectors
  * of right right^T. */
-static void sort_out(struct rank_finder *s, int k, int rows, int count)
+static void rank_sort(struct rank_finder *s, int k, int rows, int count)
 {
 	float gram[WIDTH * WIDTH], size[WIDTH], turned[WIDTH * WIDTH];
 
@@ -321,7 +321,7 @@ void rank_find(struct rank_patterns *p, struct rank_finder *f, const float *valu
 	if (!(size > 0))
 		return;
 	rank_iterate(f, k, rows, count);
-	sort_out(f, k, rows, count);
+	rank_sort(f, k, rows, count);
 	rank_unweigh(f, rows, count);
 	while (p->count < count && p->count < most &&
 	       rank_quantise(p, f->settings, p->count, f->right + (size_t)p->count * (size_t)rows,

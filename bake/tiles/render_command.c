@@ -58,7 +58,7 @@ struct render_choices {
 	struct scene_lights lights;
 	int width, height, samples, seed, threads;
 	double noise;
-	struct encoding_said encoding;
+	struct encoding_choices encoding;
 	struct shard_place shard;
 	const char *pose;
 	bool quiet, profile, print_scene, preview, no_preview;
@@ -124,7 +124,7 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 		c->print_scene = true;
 		return 0;
 	default:
-		return encoding_option_take(&c->encoding, option, optarg, fault);
+		return encoding_option_parse(&c->encoding, option, optarg, fault);
 	}
 }
 
@@ -144,7 +144,7 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 		s->noise_levels = c->noise;
 	if (c->seed >= 0)
 		s->seed = c->seed;
-	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
+	encoding_choices_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
 	s->shard = c->shard;
 	s->pose = c->pose;
 	s->threads = c->threads;
@@ -314,7 +314,7 @@ static int render_command_run(const struct bake_command *command, int argc, char
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,
-				   .encoding = ENCODING_UNSAID};
+				   .encoding = ENCODING_UNCHOSEN};
 	const int status = command_options(command, argc, argv, options, render_take_option, &c);
 
 	if (status != COMMAND_GOES_ON)
