@@ -52,7 +52,7 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-/* Options of the command line; numbers are negative where not given. */
+/* Options of the command line; a number that was not given is negative. */
 struct render_choices {
 	const char *output;
 	struct scene_lights lights;
@@ -202,7 +202,8 @@ static int check_output(const struct scene_file *file, const char *path, const c
 	return output_check(&output, 1, read, count, fault);
 }
 
-/* Whether a finished basis file, or another file, stands at path: no preview may replace that. */
+/* Tells whether there is a finished basis file or another file at path, which no preview may
+ * replace. */
 static bool keeps_other(const char *path)
 {
 	struct basis basis;
@@ -225,8 +226,8 @@ static void warn_of_nothing(const char *path, const struct render_report *report
 			    path);
 }
 
-/* Says what the camera sees in the first pose that is baked. Only a scene that has no other is refused
- * where that is nothing. */
+/* Prints how much the camera sees of each object in the first pose that is baked. If it sees
+ * nothing, a scene with one pose is refused. */
 static int survey_first(struct scene *scene, const struct render_choices *c, struct fault *fault)
 {
 	int err = scene_find_pose(scene, c->pose, fault);
@@ -237,8 +238,8 @@ static int survey_first(struct scene *scene, const struct render_choices *c, str
 	return c->pose || scene->file->poses.count == 1 ? err : 0;
 }
 
-/* Leaves a preview at the output for as long as the bake takes. Returns 1; 0: there is another
- * file, which stays; or an error. */
+/* Leaves a preview at the output for as long as the bake takes. Returns 1, 0 if there is another
+ * file, which stays, or an error. */
 static int leave_preview(struct scene *scene, const char *path, const struct render_choices *c,
 			 const struct render_settings *settings, struct fault *fault)
 {
