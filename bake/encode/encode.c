@@ -17,11 +17,12 @@
 #include "bake/judge/reader.h"
 #include "bake/judge/shade.h"
 
-/* What the arithmetic between samples and values may be off by, against the largest of them. */
+/* Bound of single precision's error between samples and values, relative to the largest |direct| +
+ * |bounce|: four roundings of 2^-24. */
 #define FLOAT_ERROR 0x1p-22
-/* How often a tile is encoded until the errors hold. */
+/* A tile is encoded at most this often until its errors hold. Chosen by trial. */
 #define ATTEMPTS 10
-/* Watched skies with too large an error that become tried ones after an attempt, at most. */
+/* At most this many watched skies become tried ones after an attempt. */
 #define TRIED_AT_ONCE 4
 
 struct encoder {
@@ -29,16 +30,18 @@ struct encoder {
 	struct basis_groups groups;
 	struct shade shade;
 	struct levels levels;
-	/* [parts]: of each set of samples */
+	/* These arrays have one element for each set of samples (part) of the tile. */
 	struct part *part;
-	struct fit *fit;
+	struct low_rank *fit;
 	struct block_reader *reader;
 	struct allowance *allowance;
-	int parts, room;
+	int parts, room; /* elements in use, and elements that there is memory for */
 	struct choose choose;
 	struct columns columns;
 	struct measure measure;
-	struct block_list shown, nearest, exact; /* of an attempt, of the nearest one */
+	struct block_list shown;   /* blocks of the present attempt */
+	struct block_list nearest; /* blocks of the attempt with the least error so far */
+	struct block_list exact;   /* the exact layer */
 };
 
 int encoder_create(struct encoder **encoder, const struct encode_settings *settings)
@@ -94,17 +97,18 @@ void encoder_destroy(struct encoder *e)
 	free(e);
 }
 
+/* Tells whether each D is followed by a U of the same pixels, and each U preceded by its D. */
 static bool samples_pair(const struct encode_samples *samples, int count)
 {
 	for (int i = 0; i < count; i++) {
 		const struct encode_samples *s = &samples[i];
-		const bool owed = i && samples[i - 1].kind == BASIS_KIND_D;
+		const bool expects_u = i && samples[i - 1].kind == BASIS_KIND_D;
 
-		if (owed != (s->kind == BASIS_KIND_U))
+		if (expects_u != (s->kind == BASIS_KIND_U))
 			return false;
-		if (owed && (s->pixels != samples[i - 1].pixels ||
-			     memcmp(s->pixel, samples[i - 1].pixel,
-				    (size_t)s->pixels * sizeof(*s->pixel)) != 0))
+		if (expects_u && (s->pixels != samples[i - 1].pixels ||
+				  memcmp(s->pixel, samples[i - 1].pixel,
+					 (size_t)s->pixels * sizeof(*s->pixel)) != 0))
 			return false;
 	}
 	return !count || samples[count - 1].kind != BASIS_KIND_D;
@@ -135,7 +139,7 @@ static int encoder_reserve(struct encoder *e, int room)
 		err = grow(&e->allowance, sizeof(*e->allowance), room);
 	for (; e->room < room && !err; e->room++) {
 		e->reader[e->room] = (struct block_reader){.count = 0};
-		e->fit[e->room] = (struct fit){.settings = NULL};
+		e->fit[e->room] = (struct low_rank){.settings = NULL};
 		err = part_create(&e->part[e->room], &e->settings);
 		if (!err)
 			err = fit_create(&e->fit[e->room], &e->settings);
@@ -157,6 +161,7 @@ static int encoder_load(struct encoder *e, const struct encode_samples *samples,
 	return err;
 }
 
+/* Adds the blocks of part k to the shown ones; chooses its ranks first where they are not kept. */
 static int build_part(struct encoder *e, int tile, int k)
 {
 	struct allowance *allowance = &e->allowance[k];
@@ -173,7 +178,8 @@ static int build_part(struct encoder *e, int tile, int k)
 	return block_build(&e->shown, &e->fit[k], &e->columns, tile);
 }
 
-/* Blocks first[k]..first[k + 1] - 1 are the part's. */
+/* Builds all parts; blocks first[k]..first[k + 1] - 1 are part k's. A U needs no blocks where its D
+ * has none, and at least one where its D has some. */
 static int encoder_build(struct encoder *e, int tile, int *first)
 {
 	int err = 0;
@@ -219,8 +225,8 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, const in
 	return err;
 }
 
-/* The worst of the watched skies are tried from now on, a few at a time: their neighbours are mostly
- * off for the same reason. */
+/* Adds the watched skies with the largest errors above the target to the tried ones. Only a few are
+ * added at a time, as skies like them mostly miss the target for the same reason. */
 static void try_watched(struct encoder *e)
 {
 	double over[ENSEMBLE_SKIES_MAX];
@@ -248,7 +254,7 @@ static void encoder_limit(struct encoder *e)
 		part_limit(&e->part[k], &e->settings, &e->levels);
 }
 
-/* What is the same for all attempts: exposures, and what mono and colour are. */
+/* Computes what all attempts share: exposures, and the division into mono and colour. */
 static int encoder_begin(struct encoder *e)
 {
 	int err = 0;
@@ -261,8 +267,8 @@ static int encoder_begin(struct encoder *e)
 	return err;
 }
 
-/* The measured errors decide. Where no attempt holds what is asked for, one that asks for too much
- * may be far worse than those before it: the nearest is taken. */
+/* Builds, measures and repairs the tile until its measured errors hold. If no attempt holds, the
+ * one with the least error is kept: a later attempt may be far worse than those before it. */
 static int build_until_held(struct encoder *e, int tile, const uint16_t *coverage,
 			    struct encode_result *result)
 {
@@ -272,7 +278,7 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 	int err = first ? encoder_begin(e) : -ENOMEM;
 	double nearest = INFINITY;
 
-	allow_all(&allowed);
+	allow_target(&allowed);
 	for (int k = 0; k < ATTEMPTS && !err; k++) {
 		struct encode_result own = *result;
 		double worst;
@@ -299,11 +305,11 @@ static int build_until_held(struct encoder *e, int tile, const uint16_t *coverag
 	return err;
 }
 
-/* The exact layer has all pixels. */
+/* Builds the exact layer, which has all samples, also those that the shown layer does without. */
 static int build_exact(struct encoder *e, int tile, const struct encode_samples *samples, int count)
 {
 	struct part *whole = e->part;
-	bool nothing = false; /* in the D of a pair */
+	bool nothing = false; /* the D before this part is 0 everywhere */
 	int err = 0;
 
 	for (int k = 0; k < count && !err; k++) {

@@ -5,32 +5,35 @@
 
 #include "bake/encode/encode_limit.h"
 
-/* The share of a residual's limit that short lines may use up, at first, and how it falls. */
+/* Residuals of short lines may fill this share of their limits at first, and SHORTER of it after
+ * each attempt whose skies miss their target. */
 #define SHORT_SHARE 0.9F
 #define SHORTER 0.6F
-/* How far inside what was asked for the next attempt goes: for a light's limits, which leave most
- * values as they were, and for ranks. */
+/* The next attempt aims below the target by these factors: NARROWER for the limits of a light, as
+ * most of its residuals stay as they were, TIGHTER for the errors that ranks are chosen for. Chosen
+ * by trial. */
 #define NARROWER 0.85
 #define TIGHTER 0.97
-/* A light dominates a sky if it gives so much of what makes white. Lamps of three colours add up to
- * so many times what one light may be off by; they are tried first, so often. */
+/* DOMINANT: share of white above which one light dominates a sky. A sky that misses its target by
+ * less than LAMPS_OVER (three lamps, each at its limit) is repaired first by narrowing the limits
+ * of its dominant lights, at most LAMPS_TRIED times. */
 #define DOMINANT 0.2F
 #define LAMPS_OVER 3
 #define LAMPS_TRIED 2
-/* From this attempt on everything becomes finer, and by how much: noisy tiles may be off under a sky that no
- * single light is to blame for. */
+/* From this attempt on the limits of all lights become FINER each time: a noisy tile may miss its
+ * target under a sky that no light dominates. Chosen by trial. */
 #define ATTEMPTS_ALIKE 5
 #define FINER 0.75F
 
-void allow_all(const struct allowed *a)
+void allow_target(const struct allowed *a)
 {
 	for (int k = 0; k < a->count; k++)
 		a->allowance[k] = (struct allowance){.asked = a->settings->target,
 						     .short_share = SHORT_SHARE};
 }
 
-/* Lights alone whose error is too large: mostly along an object's edge, where that of the shadow
- * behind it is added. */
+/* Narrows the limits of lights whose error is too large when they shine alone. It mostly is along
+ * the object's edge, where the errors of the object and of the shadow behind it add up. */
 static void allow_less_alone(const struct allowed *a, const struct measure *m)
 {
 	for (int i = 0; i < a->settings->lights; i++)
@@ -38,7 +41,7 @@ static void allow_less_alone(const struct allowed *a, const struct measure *m)
 			a->part[k].light_share[i] *= (float)NARROWER / m->cell_most[i];
 }
 
-/* How much of the light that makes white this one gives under a sky, at most 1. */
+/* Returns the share of white that a light gives under a sky, in the channel where it is largest. */
 static float light_dominance(const struct part *part, int lights, int sky, int light)
 {
 	float most = 0;
@@ -52,7 +55,8 @@ static float light_dominance(const struct part *part, int lights, int sky, int l
 	return most;
 }
 
-/* The error of the worst of the skies that a light dominates, as a multiple of that asked for. */
+/* Returns the largest error, as a multiple of the target, of the tried skies that a light
+ * dominates; 0 if none of them misses its target. */
 static double light_over(const struct allowed *a, const struct measure *m, int part, int light)
 {
 	double worst = 0;
@@ -68,7 +72,8 @@ static double light_over(const struct allowed *a, const struct measure *m, int p
 	return worst;
 }
 
-/* Under a sky of lamps the error is that of a few lights alone. False: no light dominates. */
+/* Narrows the limits of lights that dominate a sky which misses its target, as lamps do. Returns
+ * false if there is no such light. */
 static bool allow_lamps_less(const struct allowed *a, const struct measure *m)
 {
 	bool any = false;
@@ -85,8 +90,8 @@ static bool allow_lamps_less(const struct allowed *a, const struct measure *m)
 	return any;
 }
 
-/* Short lines use up less, and ranks are chosen again: of the part that was expected to be off by most, so that what it was expected to be
- * off by is too much. */
+/* Tightens every part's target by TIGHTER / worst, and has its ranks chosen anew. The part with the
+ * largest predicted error is tightened so far that its present ranks fail. */
 static void allow_ranks_less(const struct allowed *a, double worst)
 {
 	double most = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How much of the error asked for each part of a tile may use up: all of it at first, less where
- * the measured errors are too large. Private to the encoder. */
+/* The allowance of each part of a tile: the errors that its ranks and columns aim at. They are the
+ * target at first, and smaller where the measured errors are too large. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_ALLOW_H
 #define INLAY_BAKE_ENCODE_ENCODE_ALLOW_H
 
@@ -10,15 +10,15 @@
 
 struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */
-	float short_share;	    /* of columns_find() */
-	bool chosen;		    /* the ranks stay as they are */
-	int lamps;		    /* how often only the limits of a few lights were narrowed */
+	float short_share;	    /* columns_find()'s argument */
+	bool chosen;		    /* the ranks are chosen and stay as they are */
+	int lamps; /* number of attempts that were repaired; only part 0's counts */
 };
 
-/* The parts of a tile. */
+/* The parts of a tile, with their allowances. */
 struct allowed {
 	struct part *part;
-	const struct fit *fit;
+	const struct low_rank *fit;
 	struct allowance *allowance;
 	int count;
 	const struct encode_settings *settings;
@@ -26,9 +26,9 @@ struct allowed {
 };
 
 /* Sets the allowances of the first attempt. */
-void allow_all(const struct allowed *allowed);
+void allow_target(const struct allowed *allowed);
 
-/* Lowers them after an attempt (0, 1, ...) whose errors are too large. */
+/* Lowers the allowances after an attempt (0, 1, ...) whose errors are too large. */
 void allow_less(const struct allowed *allowed, const struct measure *measure, int attempt);
 
 #endif

@@ -36,7 +36,7 @@ static int more_places(struct block_list *list)
 	return 0;
 }
 
-/* A payload of zeros with its pixels. */
+/* Adds a block whose payload is 0 but for its list of pixels. */
 static int block_list_add(struct block_list *list, const struct encode_settings *settings,
 			  const struct part *part, struct basis_block_entry entry,
 			  uint8_t **payload)
@@ -71,8 +71,8 @@ static int block_list_add(struct block_list *list, const struct encode_settings 
 
 /* ---- writing ---- */
 
-static void write_patterns(const struct fit *fit, bool mono, const struct basis_block_entry *entry,
-			   uint8_t *payload)
+static void write_patterns(const struct low_rank *fit, bool mono,
+			   const struct basis_block_entry *entry, uint8_t *payload)
 {
 	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
 	const struct rank_patterns *from = mono ? &fit->mono_patterns : &fit->colour_patterns;
@@ -94,7 +94,7 @@ static void write_patterns(const struct fit *fit, bool mono, const struct basis_
 			}
 }
 
-static void write_tint(const struct fit *fit, const struct basis_block_entry *entry,
+static void write_tint(const struct low_rank *fit, const struct basis_block_entry *entry,
 		       uint8_t *payload)
 {
 	const struct basis_layout at = basis_layout(entry, fit->settings->coarse);
@@ -105,7 +105,7 @@ static void write_tint(const struct fit *fit, const struct basis_block_entry *en
 		       pixels * sizeof(*fit->tint[c]));
 }
 
-/* Its light and its scale. */
+/* Writes the light and the scale of a column. */
 static void write_heading(const struct basis_block_payload *block, const struct basis_layout *at,
 			  int number, int light, float scale)
 {
@@ -179,9 +179,11 @@ static int columns_count(const struct columns *columns, const struct column *for
 	return count;
 }
 
-/* Adds the block of all columns of one form, with patterns or without. */
-static int build_form(struct block_list *list, const struct fit *fit, const struct columns *columns,
-		      int tile, const struct column *form, int patterns)
+/* Adds one block for the columns that have the form's channels, bits and `second`, with the first
+ * `patterns` patterns. */
+static int build_form(struct block_list *list, const struct low_rank *fit,
+		      const struct columns *columns, int tile, const struct column *form,
+		      int patterns)
 {
 	const bool mono = form->channels == 1;
 	struct basis_block_entry entry = {
@@ -221,8 +223,9 @@ static int build_form(struct block_list *list, const struct fit *fit, const stru
 	return 0;
 }
 
-/* Patterns are in the first block of their channels. */
-int block_build(struct block_list *list, const struct fit *fit, const struct columns *columns,
+/* Builds a block for each form of column that occurs. Patterns are stored in the first block of
+ * their number of channels; if no column has that number, in a block without columns. */
+int block_build(struct block_list *list, const struct low_rank *fit, const struct columns *columns,
 		int tile)
 {
 	for (int channels = 1; channels <= 3; channels += 2) {

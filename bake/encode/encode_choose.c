@@ -14,34 +14,40 @@
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 
-/* The ranks that are tried. */
+/* These ranks are tried: each is 1.3 to 2 times the one before it. */
 static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define RANKS ((int)(sizeof(ranks) / sizeof(*ranks)))
+/* Both ranks begin here; all others are tried after it. */
 #define FIRST_RANK 4
-/* A second scan tries so many steps of the list to either side. */
+/* The second scan tries this many ranks of the list to either side of the best. */
 #define NEAR 2
-/* Bytes below which there is no column. */
+/* A plan that costs less than this many bytes has no column. */
 #define LEAST_COST 1
 #define PANELS (PART_PIXELS / BASIS_LINE8)
-/* How much more a byte that a frame reads counts than one of the file. */
+/* A byte that a frame reads costs as much as this many bytes of the file. Chosen: with half of it
+ * spot (f = 9, 112x84) takes 0.95 of the bytes, and a frame reads 1.03 of them. */
 #define READ_WEIGHT 2
-/* What a block costs a frame besides its bytes, in bytes: some 150 ns at 10 GB/s. */
+/* A block costs a frame as much time as this many bytes: some 150 ns at 10 GB/s. With half of it
+ * the same file comes out. */
 #define BLOCK_COST 1500
-/* Bytes of a column besides its lines. */
+/* A column has this many bytes besides its lines: light, scale, place, and codes of lines. */
 #define COLUMN_BYTES 22
-/* Lines whose values are at most so many times their limits are mostly absent; of half bytes. */
+/* Estimates of what columns_find() makes of a line, whose largest value is `miss` times its limit:
+ * up to LINE_ABSENT the line is mostly absent, up to LINE_HALF it mostly has half bytes. */
 #define LINE_ABSENT 0.6F
 #define LINE_HALF 5
-/* So many times its limit half a step of 8 bits mostly still does, as few values come near it. */
+/* Half a step of 8 bits may be this many times the limit until a second column is needed. */
 #define STEP_FINE 1
-/* A column of one channel mostly does where it leaves so much of the limits. */
+/* A column of one channel mostly suffices if its residual fills at most this share of the
+ * limits. */
 #define MONO_LEAVES 0.9F
-/* The least share of the cut that is tried. */
+/* Shares of the cut are lowered by SHARE_STEP at a time, down to LEAST_SHARE. */
 #define LEAST_SHARE (1.0 / 4096)
 #define SHARE_STEP 0.7
-/* A share of the cut at which no column is read that could be left out. */
+/* At this share of the cut no column is read that may be left out: no `use` is as large. */
 #define NEVER 1e38
-/* Change of linear light over which the steepness of levels is taken. */
+/* The slope of levels is the difference quotient over this step of linear light: three levels in
+ * black, where a level is 1 / (12.92 * 255), and less elsewhere. */
 #define LIGHT_STEP 0.001F
 
 int choose_create(struct choose *s, const struct encode_settings *settings,
@@ -77,7 +83,7 @@ void choose_free(struct choose *s)
 
 /* ---- columns ---- */
 
-/* Largest magnitude of left times tight. */
+/* Returns the largest residual of a line as a multiple of its limit: max |left| tight. */
 static float line_miss(const float *left, const float *tight, int count)
 {
 	float both[PART_ROWS];
@@ -87,7 +93,7 @@ static float line_miss(const float *left, const float *tight, int count)
 	return part_magnitude(both, count);
 }
 
-/* A line of a column: rows of a channel in one panel. */
+/* A line of a column: the rows first..first + count - 1, of one channel in one panel. */
 struct part_line {
 	int first, count;
 };
@@ -100,14 +106,14 @@ static struct part_line line_at(const struct part *part, int channel, int panel)
 				  rest < BASIS_LINE8 ? rest : BASIS_LINE8};
 }
 
-/* Bytes of a line whose values are so many times what they may be off by. */
+/* Estimates the bytes of a line whose largest residual is `miss` times its limit. */
 static float line_estimate(float miss)
 {
 	return miss <= LINE_ABSENT ? 0 : miss <= LINE_HALF ? BASIS_LINE_HALF : BASIS_LINE8;
 }
 
-/* Whether a column of one channel does: what it leaves is within the limits. */
-static bool is_mono(const struct fit *fit, const float *left, const float *tight)
+/* Tells whether a column of one channel suffices: its residual is within the limits. */
+static bool mono_suffices(const struct low_rank *fit, const float *left, const float *tight)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -123,8 +129,8 @@ static bool is_mono(const struct fit *fit, const float *left, const float *tight
 	return line_miss(rest, tight, part->rows) <= MONO_LEAVES;
 }
 
-/* Bytes of a column of 8 bits, and of a second one where its steps are too coarse for the limits.
- * miss: the largest value of each line over what it may be off by. */
+/* Estimates the bytes of a column of 8 bits, and of a second one if the steps of the first are too
+ * coarse for the limits. miss: line_miss() of each channel and panel. */
 static float estimate_bytes(const struct part *part, const float *left, const float *tight,
 			    const struct estimate_column *column, float (*miss)[PANELS])
 {
@@ -137,7 +143,7 @@ static float estimate_bytes(const struct part *part, const float *left, const fl
 		for (int c = 0; c < channels; c++) {
 			float own = 0, rest = 0, steps = 0;
 
-			/* a column of one channel has to do for all of them */
+			/* A column of one channel has to satisfy the limits of all three. */
 			for (int d = c; d < (column->mono ? part->channels : c + 1); d++) {
 				const struct part_line at = line_at(part, d, k);
 
@@ -155,8 +161,8 @@ static float estimate_bytes(const struct part *part, const float *left, const fl
 	return most > STEP_FINE ? nearest + second : first;
 }
 
-/* Bytes of a light's column; 0: it needs none. */
-static float estimate_light(const struct fit *fit, int light, struct estimate_column *column)
+/* Estimates the bytes of a light's column, or returns 0 if it needs none. */
+static float estimate_light(const struct low_rank *fit, int light, struct estimate_column *column)
 {
 	const struct part *part = fit->part;
 	const size_t first = (size_t)light * (size_t)part->rows;
@@ -173,7 +179,7 @@ static float estimate_light(const struct fit *fit, int light, struct estimate_co
 	if (most <= 1)
 		return 0;
 	column->reach = part_magnitude(left, part->rows);
-	column->mono = is_mono(fit, left, tight);
+	column->mono = mono_suffices(fit, left, tight);
 	return estimate_bytes(part, left, tight, column, miss);
 }
 
@@ -190,7 +196,9 @@ static double pattern_bytes(const struct choose *s, const struct part *part, boo
 	return rank ? (double)(at.light - at.pattern) : 0;
 }
 
-static double estimate_cost(struct choose *s, struct fit *fit, double bound)
+/* Estimates the cost of a fit but for the columns that frames read, and lists its columns. It stops
+ * where the cost reaches `bound`. */
+static double estimate_cost(struct choose *s, struct low_rank *fit, double bound)
 {
 	const double patterns = pattern_bytes(s, fit->part, true, fit->mono_rank) +
 				pattern_bytes(s, fit->part, false, fit->colour_rank);
@@ -210,7 +218,7 @@ static double estimate_cost(struct choose *s, struct fit *fit, double bound)
 	return cost;
 }
 
-/* The groups of the lights that have columns. */
+/* Sums the columns of each group's lights. */
 static void find_groups(struct choose *s, const struct part *part)
 {
 	const struct basis_groups *groups = s->settings->groups;
@@ -234,6 +242,7 @@ static float largest_of_three(const float x[3])
 	return larger(larger(fabsf(x[0]), fabsf(x[1])), fabsf(x[2]));
 }
 
+/* Returns the group whose column would hold part of this one, or NULL if there is none. */
 static const struct estimate_group *group_of(const struct choose *s, const struct part *part,
 					     const struct estimate_column *column)
 {
@@ -246,8 +255,8 @@ static const struct estimate_group *group_of(const struct choose *s, const struc
 	return group->columns >= COLUMN_GROUP_LIGHTS ? group : NULL;
 }
 
-/* The light of a column under a sky: its own, beside what its group has in common, and the group's
- * common light. */
+/* Computes a column's light under a sky: even = S of its group, 0 without one, and own = X - q
+ * S. */
 static void column_light(const struct choose *s, const struct part *part, int sky,
 			 const struct estimate_column *column, float own[3], float even[3])
 {
@@ -264,6 +273,7 @@ static void column_light(const struct choose *s, const struct part *part, int sk
 	}
 }
 
+/* Computes at which shares of the cut each column is read under each sky. */
 static void find_uses(struct choose *s, const struct part *part)
 {
 	for (int t = 0; t < s->shade->skies.tried; t++)
@@ -283,7 +293,9 @@ static void find_uses(struct choose *s, const struct part *part)
 		}
 }
 
-/* Mean bytes of columns that a frame reads at this share of the cuts. */
+/* Returns the bytes of columns that a frame reads at this share of the cut, in the mean over the
+ * skies. The column of a group of n lights counts as a mean column of theirs, 1 / n of it with each
+ * of them. */
 static double read_bytes(const struct choose *s, const struct part *part, double cut_share)
 {
 	const float is = (float)cut_share;
@@ -327,9 +339,10 @@ static void subtract_patterns(const struct part *part, const float *rows, int ra
 			     (float[]){light[0][j], light[1][j], light[2][j]}, sum);
 }
 
-/* Subtracts what columns put right that are read at this share of the cuts, and were not before. */
-static void subtract_columns(const struct choose *s, const struct fit *fit, int t, double before,
-			     double cut_share, float *sum)
+/* Subtracts the columns that become active when the share of the cut falls from `before` to
+ * `cut_share`. */
+static void subtract_columns(const struct choose *s, const struct low_rank *fit, int t,
+			     double before, double cut_share, float *sum)
 {
 	const float was = (float)before, is = (float)cut_share;
 
@@ -350,7 +363,8 @@ static void subtract_columns(const struct choose *s, const struct fit *fit, int 
 	}
 }
 
-/* The largest error under a sky over that asked for. left: sum of X times residuals. */
+/* Returns the larger of RMS and largest error under a sky, as multiples of those asked for.
+ * left: sum over lights of X times the residual, [3][pixels]. */
 static double sky_excess(const struct choose *s, const struct part *part, int t, const float *left)
 {
 	const int rows = 3 * part->pixels;
@@ -372,9 +386,11 @@ static double sky_excess(const struct choose *s, const struct part *part, int t,
 	return fmax(sqrt(square / rows) / s->asked.rms, (double)part_magnitude(by, rows) / most);
 }
 
-/* Lowers the plan's share of the cut until a sky holds. A sky that has held at a larger share is
- * not looked at again: more columns are read, and the blocks are measured at the end. */
-static double sky_lower_cut(const struct choose *s, const struct fit *fit, int t, double *cut_share)
+/* Lowers the plan's share of the cut until a sky holds; returns the sky's excess. Skies that held
+ * at a larger share are not checked again: with a smaller one more columns are read, and the
+ * finished blocks are measured anyway. */
+static double sky_lower_cut(const struct choose *s, const struct low_rank *fit, int t,
+			    double *cut_share)
 {
 	const struct part *part = fit->part;
 	const int sky = s->shade->tried[t];
@@ -398,11 +414,13 @@ static double sky_lower_cut(const struct choose *s, const struct fit *fit, int t
 
 /* ---- plans ---- */
 
-static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mono, int colour,
+/* Estimates a plan with these ranks. It is given up, with an infinite excess, once its cost reaches
+ * `bound`, or once a sky does not hold while another plan does (bound is finite). */
+static struct rank_plan plan_estimate(struct choose *s, struct low_rank *fit, int mono, int colour,
 				      double bound)
 {
 	const struct part *part = fit->part;
-	struct estimate e = {.excess = INFINITY, .cut_share = part->cut_share};
+	struct rank_plan e = {.excess = INFINITY, .cut_share = part->cut_share};
 	double cost, worst = 0;
 
 	profile_enter(PROFILE_BASIS);
@@ -435,19 +453,21 @@ static struct estimate estimate_ranks(struct choose *s, struct fit *fit, int mon
 	return e;
 }
 
-static bool is_better(const struct estimate *a, const struct estimate *b)
+/* Of plans that hold the cheaper one is better, of others the one with less excess. */
+static bool plan_is_better(const struct rank_plan *a, const struct rank_plan *b)
 {
 	if ((a->excess <= 1) != (b->excess <= 1))
 		return a->excess <= 1;
 	return a->excess <= 1 ? a->cost < b->cost : a->excess < b->excess;
 }
 
-/* Improves one of the two ranks, within so many steps of the list. */
-static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
-		      struct estimate *best)
+/* Replaces *best by better plans that differ from it in one of the two ranks, by at most `steps`
+ * entries of the list. */
+static void scan_rank(struct choose *s, struct low_rank *fit, bool mono, int steps,
+		      struct rank_plan *best)
 {
 	const int found = mono ? fit->mono_patterns.count : fit->colour_patterns.count;
-	const struct estimate from = *best;
+	const struct rank_plan from = *best;
 	const int is = mono ? from.mono_rank : from.colour_rank;
 	int at = 0;
 
@@ -455,14 +475,14 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 		at++;
 	for (int k = at > steps ? at - steps : 0; k < RANKS && k <= at + steps; k++) {
 		const double bound = best->excess <= 1 ? best->cost : INFINITY;
-		struct estimate e;
+		struct rank_plan e;
 
 		if ((1 + READ_WEIGHT) * pattern_bytes(s, fit->part, mono, ranks[k]) >= bound)
 			break;
 		if (ranks[k] != is) {
-			e = estimate_ranks(s, fit, mono ? ranks[k] : from.mono_rank,
-					   mono ? from.colour_rank : ranks[k], bound);
-			if (is_better(&e, best))
+			e = plan_estimate(s, fit, mono ? ranks[k] : from.mono_rank,
+					  mono ? from.colour_rank : ranks[k], bound);
+			if (plan_is_better(&e, best))
 				*best = e;
 		}
 		if (ranks[k] >= found)
@@ -470,7 +490,7 @@ static void scan_rank(struct choose *s, struct fit *fit, bool mono, int steps,
 	}
 }
 
-/* How many levels a pixel changes by per unit of the sum of X times what is left. */
+/* Computes by how many levels each pixel changes per unit of the sum of X times residual. */
 static void find_gains(struct choose *s, const struct part *part)
 {
 	const int pixels = part->pixels;
@@ -490,7 +510,7 @@ static void find_gains(struct choose *s, const struct part *part)
 	}
 }
 
-/* The light of the skies times each pattern. */
+/* Computes y_j, the product of each tried sky's light and each pattern. */
 static void sum_patterns(const struct choose *s, const struct part *part,
 			 const struct rank_patterns *patterns, float *sum)
 {
@@ -502,10 +522,10 @@ static void sum_patterns(const struct choose *s, const struct part *part,
 			    patterns->at_light, n, 0, sum + t * 3 * RANK_MOST, RANK_MOST);
 }
 
-int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
+int choose_ranks(struct choose *s, struct low_rank *fit, const struct shade *shade,
 		 const struct encode_target *asked)
 {
-	struct estimate best;
+	struct rank_plan best;
 	int err = 0, before;
 
 	profile_enter(PROFILE_SKIES);
@@ -514,8 +534,8 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 	for (int t = 0; t < shade->skies.tried; t++)
 		s->order[t] = t;
 	find_gains(s, fit->part);
-	/* Without patterns and columns, as where hardly anything is seen. */
-	best = estimate_ranks(s, fit, 0, 0, LEAST_COST);
+	/* A part of which hardly anything is seen needs neither patterns nor columns. */
+	best = plan_estimate(s, fit, 0, 0, LEAST_COST);
 	if (best.excess > 1) {
 		profile_enter(PROFILE_BASIS);
 		if (!fit->found)
@@ -525,7 +545,7 @@ int choose_ranks(struct choose *s, struct fit *fit, const struct shade *shade,
 		profile_enter(PROFILE_SKIES);
 		sum_patterns(s, fit->part, &fit->mono_patterns, s->mono_sky);
 		sum_patterns(s, fit->part, &fit->colour_patterns, s->colour_sky);
-		best = estimate_ranks(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);
+		best = plan_estimate(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);
 		if (fit->colour)
 			scan_rank(s, fit, false, RANKS, &best);
 		before = best.mono_rank;

@@ -1,37 +1,37 @@
 /* SPDX-License-Identifier: MIT */
-/* Chooses the ranks of a fit: those of the least estimated cost whose estimated errors under the
- * skies are within what is asked for. Private to the encoder. */
+/* Chooses the ranks of a fit: the cheapest, by estimates, whose estimated errors under the tried
+ * skies are within those asked for. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_CHOOSE_H
 #define INLAY_BAKE_ENCODE_ENCODE_CHOOSE_H
 
 #include "bake/encode/encode_fit.h"
 #include "bake/judge/shade.h"
 
-/* What is expected of a pair of ranks. */
-struct estimate {
+/* A plan: a pair of ranks and a share of the cut, with the estimates for it. */
+struct rank_plan {
 	int mono_rank, colour_rank;
-	double cost;	  /* bytes of the file, plus bytes that a frame reads */
-	double excess;	  /* largest error under a sky over that asked for */
-	double cut_share; /* of the blocks (basis_format.h) */
+	double cost;	  /* bytes of the file plus weighted bytes that a frame reads */
+	double excess;	  /* largest error under a sky, as a multiple of the target */
+	double cut_share; /* the blocks' share of the cut (basis_format.h) */
 };
 
-/* A light whose residual is beyond its limits. */
+/* A column of a light whose residual is beyond its limits. */
 struct estimate_column {
 	int light;
-	bool mono;
-	float reach;
+	bool mono;   /* it has one channel */
+	float reach; /* largest |residual| */
 	float bytes;
 };
 
-/* The columns of a group's lights, of one channel or of three. */
+/* Sums over the columns of a group's lights that have the same number of channels. */
 struct estimate_group {
-	int columns;
-	float reach; /* of the group's column */
+	int columns; /* number of these columns */
+	float reach; /* largest |value| that the group's column can have: sum of q_i reach_i */
 	float bytes;
 };
 
-/* Largest shares of the cut at which a column is read under a sky, and its group's, 0 where there
- * is none. */
+/* The largest shares of the cut at which a frame reads a column under a sky, and its group's
+ * column; 0 where there is none. */
 struct estimate_use {
 	float own, group;
 };
@@ -43,10 +43,10 @@ struct choose {
 	struct encode_target asked;
 	struct estimate_column *column; /* [lights] */
 	int columns;
-	struct estimate_use *use;	 /* [tried][lights]: of each column under each sky */
-	struct estimate_group *group[2]; /* [groups], of colour and of mono */
+	struct estimate_use *use;	 /* [tried][lights]: by sky and place in column */
+	struct estimate_group *group[2]; /* [groups]: sums of colour columns, of mono columns */
 	/* These are about the skies that are tried. */
-	int order[ENSEMBLE_SKIES_MAX]; /* that for which the cut was lowered last is first */
+	int order[ENSEMBLE_SKIES_MAX]; /* the sky for which the cut was lowered last is first */
 	float *gain;		       /* [tried][3][pixels]: levels per unit of a residual sum */
 	float *mono_sky, *colour_sky;  /* [tried][3][RANK_MOST]: the sky's light times a pattern */
 };
@@ -57,7 +57,7 @@ void choose_free(struct choose *choose); /* zeroed is fine */
 
 /* Finds the fit's patterns and sets its ranks. asked: the errors to keep under the skies that shade
  * tries. -EDOM: weights are not finite. */
-int choose_ranks(struct choose *choose, struct fit *fit, const struct shade *shade,
+int choose_ranks(struct choose *choose, struct low_rank *fit, const struct shade *shade,
 		 const struct encode_target *asked);
 
 #endif

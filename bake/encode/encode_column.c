@@ -11,20 +11,22 @@
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F
-/* A channel that is tinted darker is as good as black. */
+/* A channel that is tinted darker counts as black: tints are multiples of 2^-15. */
 #define DARKEST_TINT 1e-9F
-/* The largest value of a line of half bytes. */
+/* The largest value of 4 bits. */
 #define HALF_MOST 7.0F
-/* So many values are tried at a time: scales that do not do are mostly found out by the first. */
+/* Values are rounded this many at a time, as the first few mostly show that a scale is too coarse.
+ * It changes time only. */
 #define TRIED_VALUES 32
-/* A scale is a float, and what the compositor multiplies it by as well. */
+/* Reaches are larger by this, so that the compositor's product of two floats, each rounded by
+ * 2^-24, is not below the true reach. */
 #define REACH_ROUNDING 1e-6
 #define REACH_LIMIT (0.9995 * BASIS_VALUE_MAX)
-/* A light alone is nearly all of the ground's, less what e of compositor.h adds: of light that is
- * dim, but not a thousand times dimmer than white, not so much. */
+/* Under a single light X = 1 - O(e), e of compositor.h. 1 % covers lights down to 1/1000 of
+ * white. */
 #define ALONE 1.01
-/* Largest reach of a group's column of 8 bits, times the share of the cut: beyond it rounding would
- * exceed a quarter of the block's cut. */
+/* A group's column that reaches further than this, times the share of the cut, has 16 bits: with 8
+ * bits rounding would exceed a quarter of the block's cut. */
 #define GROUP_NARROW 1.0
 #define LIGHT_COLUMNS_MAX 2
 
@@ -47,23 +49,25 @@ void columns_free(struct columns *columns)
 
 /* ---- one column ---- */
 
-/* Largest magnitude. */
-static double largest_of(const float *from, int count)
+static double largest_magnitude(const float *from, int count)
 {
 	return (double)part_magnitude(from, count);
 }
 
-/* What each value of a column has to lie between, so that its residual keeps its limits; and where
- * it should be. */
-struct bounds {
+/* For each value of a column: the value `from` that leaves no residual, and the interval
+ * least..most that leaves a residual within its limits. */
+struct column_bounds {
 	int count;
 	float from[PART_ROWS], least[PART_ROWS], most[PART_ROWS];
-	float needed[PART_ROWS]; /* magnitude of the value between that is nearest to 0 */
+	float needed
+		[PART_ROWS]; /* smallest magnitude in the interval; negative if 0 is inside it */
 };
 
-/* share: of the limits. A column of one channel has to do for all three, tinted. */
-static void bounds_find(struct bounds *b, const struct fit *fit, int light, int channels,
-			float share, const float *left)
+/* Finds the bounds of a column whose residual may fill `share` of its limits. The interval of a
+ * column of one channel is the intersection of three, as its values are multiplied by three
+ * tints. */
+static void bounds_find(struct column_bounds *b, const struct low_rank *fit, int light,
+			int channels, float share, const float *left)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -89,9 +93,9 @@ static void bounds_find(struct bounds *b, const struct fit *fit, int light, int 
 		b->needed[r] = larger(b->least[r], -b->most[r]);
 }
 
-/* The integers that lie between, nearest to where they should be, none beyond limit. False:
- * somewhere there is none; the value is then the nearest. No branch depends on a value, so that
- * compilers make vectors of it. */
+/* Finds, for each value, the integer in by * least..by * most and -limit..limit that is nearest to
+ * by * from. Returns false if there is none for some value, which then takes the nearest. No branch
+ * depends on a value, so that compilers make vectors of it. */
 static bool round_between(const float *restrict least, const float *restrict most,
 			  const float *restrict from, int count, float by, float limit,
 			  int16_t *restrict value)
@@ -113,7 +117,7 @@ static bool round_between(const float *restrict least, const float *restrict mos
 	return !beyond;
 }
 
-static bool column_round(struct column *column, const struct bounds *b, double scale)
+static bool column_round(struct column *column, const struct column_bounds *b, double scale)
 {
 	const float by = (float)(1 / scale), limit = (float)column_most(column->bits);
 
@@ -128,9 +132,9 @@ static bool column_round(struct column *column, const struct bounds *b, double s
 	return true;
 }
 
-/* What the column leaves of from. */
-static void column_leave(const struct column *column, const struct fit *fit, const float *from,
-			 float *left)
+/* left = from less the column's values, times the tint if it has one channel. */
+static void column_subtract(const struct column *column, const struct low_rank *fit,
+			    const float *from, float *left)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -145,8 +149,9 @@ static void column_leave(const struct column *column, const struct fit *fit, con
 		}
 }
 
-/* Multiples of the line's own unit that lie between. */
-static bool line_shorten(struct column *column, const struct bounds *b, int first, int count,
+/* Rounds a line to 4-bit multiples of `factor` steps within its bounds. Returns false, and changes
+ * nothing, if there are none. */
+static bool line_shorten(struct column *column, const struct column_bounds *b, int first, int count,
 			 int factor)
 {
 	const float by = 1 / (column->scale * (float)factor);
@@ -160,7 +165,8 @@ static bool line_shorten(struct column *column, const struct bounds *b, int firs
 	return true;
 }
 
-static uint8_t line_code(struct column *column, const struct bounds *b, int first, int count)
+/* Rounds a line to the least factor that keeps its bounds; returns its code (basis_lines.h). */
+static uint8_t line_code(struct column *column, const struct column_bounds *b, int first, int count)
 {
 	const float needed = part_largest(b->needed + first, count) / (column->scale * HALF_MOST);
 
@@ -175,7 +181,7 @@ static uint8_t line_code(struct column *column, const struct bounds *b, int firs
 }
 
 /* Stores each line of a column of 8 bits as shortly as the bounds allow. */
-static void column_shorten(struct column *column, const struct bounds *b, int pixels)
+static void column_shorten(struct column *column, const struct column_bounds *b, int pixels)
 {
 	for (int c = 0; c < column->channels; c++)
 		for (int p = 0; p < pixels; p += BASIS_LINE8) {
@@ -186,6 +192,7 @@ static void column_shorten(struct column *column, const struct bounds *b, int pi
 		}
 }
 
+/* Computes the column's bytes. */
 static void column_measure(struct column *column, int pixels)
 {
 	if (column->bits == 8)
@@ -195,33 +202,33 @@ static void column_measure(struct column *column, int pixels)
 		column->bytes = (size_t)(basis_panels16(pixels) * column->channels) * BASIS_ALIGN;
 }
 
-/* Takes the values nearest to from that keep the limits; left becomes what they leave. False: the
- * column's bits are too few. */
-static bool column_take(struct column *column, const struct fit *fit, double reach,
-			float short_share, const float *from, float *left)
+/* Quantises a column: the values nearest to `from` whose residual, which goes to left, keeps its
+ * limits. Returns false if the column has too few bits for that. */
+static bool column_quantise(struct column *column, const struct low_rank *fit, double reach,
+			    float short_share, const float *from, float *left)
 {
 	const struct part *part = fit->part;
-	struct bounds b;
+	struct column_bounds b;
 	double scale;
 
 	bounds_find(&b, fit, column->number, column->channels, 1, from);
 	scale = fmax(reach, (double)part_largest(b.needed, b.count)) / column_most(column->bits);
 	if (scale < (double)FLT_MIN || !column_round(column, &b, scale))
 		return false;
-	column_leave(column, fit, from, left);
+	column_subtract(column, fit, from, left);
 	if (!part_cell_holds(part, column->number, left))
 		return false;
-	/* U may not become negative, which the limits of residuals do not ensure */
+	/* U may not become negative, which the limits of residuals do not ensure. */
 	if (column->bits == 8 && part->kind != BASIS_KIND_U) {
 		bounds_find(&b, fit, column->number, column->channels, short_share, from);
 		column_shorten(column, &b, part->pixels);
-		column_leave(column, fit, from, left);
+		column_subtract(column, fit, from, left);
 	}
 	column_measure(column, part->pixels);
 	return true;
 }
 
-/* As short as it can be without a loss. */
+/* Sets the codes of a column's lines to the shortest that keep its values. */
 static void shorten_exactly(struct column *column, int pixels)
 {
 	for (int c = 0; c < column->channels; c++)
@@ -240,8 +247,8 @@ static void shorten_exactly(struct column *column, int pixels)
 		}
 }
 
-/* To nearest. reach: of the largest value that can be stored. */
-static void column_nearest(struct column *column, const float *from, int count, double reach)
+/* Rounds values to nearest; the largest value that can be stored is `reach`. */
+static void column_round_nearest(struct column *column, const float *from, int count, double reach)
 {
 	const double scale = reach / column_most(column->bits);
 	const double by = scale >= (double)FLT_MIN ? 1 / scale : 0;
@@ -259,7 +266,8 @@ static void column_nearest(struct column *column, const float *from, int count, 
 
 /* ---- the columns of a light ---- */
 
-/* U may come out as 0, not less: the quotient's sign is that of a shadow. */
+/* Tells whether a U decoded without a column falls clearly below 0. It may come out as 0, but no
+ * less, as the ratio 1 - d / u would change its sign. */
 static bool would_be_negative(const struct part *part, int light, const float *left)
 {
 	const float *value = part->value + (size_t)light * (size_t)part->rows;
@@ -274,14 +282,17 @@ static bool would_be_negative(const struct part *part, int light, const float *l
 	return least < -most / 254;
 }
 
-static double reach_for(const struct fit *fit, int light, const float *left)
+/* Returns the reach of a light's column. It is the largest value, and more if the light's limits
+ * were narrowed, so that more frames read the column. It is at least ALONE times the cut, so that V
+ * under a light alone always reads it. */
+static double reach_for(const struct low_rank *fit, int light, const float *left)
 {
 	const struct part *part = fit->part;
-	const double largest = largest_of(left, part->rows);
+	const double largest = largest_magnitude(left, part->rows);
 	const double reach = fmax(largest / (double)part->light_share[light],
 				  ALONE * fit->cut_share * part->column_cut);
 
-	/* a larger value would be refused itself */
+	/* The quotient may exceed what the format allows; no value does (VALUE_MAX of part.c). */
 	return fmin(reach, REACH_LIMIT) * (1 + REACH_ROUNDING);
 }
 
@@ -302,9 +313,9 @@ static struct column *columns_add(struct columns *columns, int number, int chann
 	return column;
 }
 
-/* The nearest column of 8 bits, or of 16, whatever it leaves. */
-static void column_take_nearest(struct column *column, const struct fit *fit, double reach,
-				const float *from, float *left)
+/* Quantises a column to nearest, whether or not its residual keeps the limits. */
+static void column_quantise_nearest(struct column *column, const struct low_rank *fit, double reach,
+				    const float *from, float *left)
 {
 	const int pixels = fit->part->pixels, count = column->channels * pixels;
 	float one[PART_ROWS];
@@ -314,32 +325,34 @@ static void column_take_nearest(struct column *column, const struct fit *fit, do
 		fit_untint(fit, from, one);
 		value = one;
 	}
-	column_nearest(column, value, count, fmax(reach, largest_of(value, count)));
-	column_leave(column, fit, from, left);
+	column_round_nearest(column, value, count, fmax(reach, largest_magnitude(value, count)));
+	column_subtract(column, fit, from, left);
 	column_measure(column, pixels);
 }
 
-/* What the first column leaves takes a second one, which only strong light needs. */
-static bool take_second(struct columns *columns, const struct fit *fit, int light, int channels,
-			int bits, float short_share, const float *left)
+/* Adds a second column for the residual of a light's first, which only strong light reads. Returns
+ * whether the limits are kept. If they are not, a column of 16 bits stays, one of 8 is dropped. */
+static bool add_second_column(struct columns *columns, const struct low_rank *fit, int light,
+			      int channels, int bits, float short_share, const float *left)
 {
 	const double reach = reach_for(fit, light, left);
 	struct column *column = columns_add(columns, light, channels, bits, true);
 	float rest[PART_ROWS];
 
-	if (column_take(column, fit, reach, short_share, left, rest))
+	if (column_quantise(column, fit, reach, short_share, left, rest))
 		return true;
 	if (bits == 16)
-		column_take_nearest(column, fit, reach, left, rest);
+		column_quantise_nearest(column, fit, reach, left, rest);
 	else
 		columns->count--;
 	return false;
 }
 
-/* In order of cost: 8 bits, twice 8 bits, each of one channel before three; 16 bits; twice. Lights
- * that shine along the ground need the last: what the object sends there is many times what they
- * do, and its shadow is as dark as any. */
-static void light_columns(struct columns *columns, const struct fit *fit, int light,
+/* Adds the first of these that keeps a light's limits, in order of cost: nothing; 8 bits; two of 8
+ * bits, each of one channel before three; 16 bits; 16 and 8 bits; two of 16. Lights that shine
+ * along the ground need the last: the object throws many times their own light on the ground, where
+ * its shadow is as dark as any. */
+static void light_columns(struct columns *columns, const struct low_rank *fit, int light,
 			  float short_share)
 {
 	const struct part *part = fit->part;
@@ -353,27 +366,28 @@ static void light_columns(struct columns *columns, const struct fit *fit, int li
 	reach = reach_for(fit, light, from);
 	for (int channels = fit->mono ? 1 : 3; channels <= part->channels; channels += 2) {
 		column = columns_add(columns, light, channels, 8, false);
-		if (column_take(column, fit, reach, short_share, from, left))
+		if (column_quantise(column, fit, reach, short_share, from, left))
 			return;
-		column_take_nearest(column, fit, reach, from, left);
+		column_quantise_nearest(column, fit, reach, from, left);
 		if (part->column_cut > 0 &&
-		    take_second(columns, fit, light, channels, 8, short_share, left))
+		    add_second_column(columns, fit, light, channels, 8, short_share, left))
 			return;
 		columns->count--;
 	}
 	column = columns_add(columns, light, part->channels, 16, false);
-	if (column_take(column, fit, reach, 0, from, left))
+	if (column_quantise(column, fit, reach, 0, from, left))
 		return;
-	column_take_nearest(column, fit, reach, from, left);
-	if (!take_second(columns, fit, light, part->channels, 8, short_share, left))
-		take_second(columns, fit, light, part->channels, 16, 0, left);
+	column_quantise_nearest(column, fit, reach, from, left);
+	if (!add_second_column(columns, fit, light, part->channels, 8, short_share, left))
+		add_second_column(columns, fit, light, part->channels, 16, 0, left);
 }
 
 /* ---- the columns of groups ---- */
 
-/* Sums the columns of a group's lights, times their shares. Returns how many lights have some. */
-static int group_sum(const struct columns *columns, int lights, const struct fit *fit, int channels,
-		     int group, float *value, double *reach)
+/* value = sum of q_i column_i over a group's lights that have columns of `channels` channels.
+ * Returns the number of these lights. */
+static int group_sum(const struct columns *columns, int lights, const struct low_rank *fit,
+		     int channels, int group, float *value, double *reach)
 {
 	const struct part *part = fit->part;
 	const int count = channels * part->pixels;
@@ -397,11 +411,11 @@ static int group_sum(const struct columns *columns, int lights, const struct fit
 	return found;
 }
 
-/* A group's column has 8 bits, whatever its lights need, as its light is never large
- * (BASIS_GROUP_MOST); 16 where it reaches beyond GROUP_NARROW, as that of a mirror does, or
- * where the block's cut is fine. */
-static void group_column(struct columns *columns, int lights, const struct fit *fit, int channels,
-			 int group)
+/* Adds the column of a group, if enough of its lights have columns and it would ever be read. 8
+ * bits suffice mostly, as the group's light is never large (BASIS_GROUP_MOST). It has 16 if it
+ * reaches beyond GROUP_NARROW, as a mirror's does, or if the block's cut is fine. */
+static void group_column(struct columns *columns, int lights, const struct low_rank *fit,
+			 int channels, int group)
 {
 	const struct part *part = fit->part;
 	const int count = channels * part->pixels;
@@ -412,17 +426,18 @@ static void group_column(struct columns *columns, int lights, const struct fit *
 	if (group_sum(columns, lights, fit, channels, group, value, &reach) < COLUMN_GROUP_LIGHTS ||
 	    reach < fit->cut_share * COLUMN_GROUP_REACH)
 		return;
-	largest = largest_of(value, count);
-	/* What nearly all lights of a tile are off by together its groups have to put right. */
+	largest = largest_magnitude(value, count);
+	/* With a lowered cut, the group columns carry the error that most lights of a tile share,
+	 * so they reach as far as their lights' columns together. */
 	if (fit->cut_share < 1)
 		largest = fmin(fmax(largest, reach), REACH_LIMIT);
 	column = columns_add(columns, fit->settings->lights + group, channels,
 			     largest > fit->cut_share * GROUP_NARROW ? 16 : 8, false);
-	column_nearest(column, value, count, largest);
+	column_round_nearest(column, value, count, largest);
 	column_measure(column, part->pixels);
 }
 
-void columns_find(struct columns *columns, const struct fit *fit, float short_share)
+void columns_find(struct columns *columns, const struct low_rank *fit, float short_share)
 {
 	const int groups = fit->part->share ? fit->settings->groups->count : 0;
 	int lights;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Residual columns: what the patterns of a fit leave of single lights, and of groups of lights,
- * quantised as in the file. Private to the encoder. */
+/* Residual columns: the residuals that a fit's patterns leave of single lights, and of groups of
+ * lights, quantised as in the file. Private to the encoder. */
 #ifndef INLAY_BAKE_ENCODE_ENCODE_COLUMN_H
 #define INLAY_BAKE_ENCODE_ENCODE_COLUMN_H
 
@@ -9,12 +9,12 @@
 
 /* One column as stored: scale * value. */
 struct column {
-	int number; /* of a light, or number of lights + that of a group */
+	int number; /* index of its light, or number of lights + index of its group */
 	int channels, bits;
-	bool second; /* of what the light's column before it leaves */
+	bool second; /* it holds the residual that the light's column before it leaves */
 	float scale;
-	size_t bytes;			  /* of the values in a file */
-	uint8_t code[BASIS_RECORD_LINES]; /* of 8 bits: how its lines are stored (basis_lines.h) */
+	size_t bytes;			  /* bytes that its values take in a file */
+	uint8_t code[BASIS_RECORD_LINES]; /* if bits is 8: codes of its lines (basis_lines.h) */
 	int16_t *value;			  /* [channels * pixels] */
 };
 
@@ -25,13 +25,13 @@ struct columns {
 	int16_t *value; /* memory of the columns' values */
 };
 
-/* Least lights with columns, and least reach (times the block's share of the cut), of a group that
- * has a column. Fewer columns have nothing in common; with less reach it is never read, as S is
- * small. */
+/* A group has a column only if this many of its lights have one, as otherwise there is nothing in
+ * common, and if it reaches at least this far, times the block's share of the cut: S is at most
+ * BASIS_GROUP_MOST times the cut, so that it would never be read. */
 #define COLUMN_GROUP_LIGHTS 2
 #define COLUMN_GROUP_REACH (1.0 / BASIS_GROUP_MOST)
 
-/* Largest integer that a column of so many bits stores. */
+/* Returns the largest integer that a column of 8 or 16 bits stores. */
 static inline int column_most(int bits)
 {
 	return bits == 8 ? INT8_MAX : INT16_MAX;
@@ -42,9 +42,9 @@ void columns_free(struct columns *columns); /* zeroed is fine */
 
 /*
  * Finds the columns that a fit needs at its ranks: none for a light whose residual is within its
- * limits, else the cheapest that bring it there, or the finest. short_share: the share of a
- * residual's limit that values of short lines may use up, 0..1; 0: no short lines.
+ * limits, else the cheapest that bring it there, or the finest. The residuals of short lines may
+ * fill short_share (0..1) of their limits; 0: no short lines.
  */
-void columns_find(struct columns *columns, const struct fit *fit, float short_share);
+void columns_find(struct columns *columns, const struct low_rank *fit, float short_share);
 
 #endif

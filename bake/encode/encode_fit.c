@@ -9,15 +9,18 @@
 
 #include "bake/base/profile.h"
 
+/* Power iteration converges by the ratio of the two largest eigenvalues each round; tints are
+ * rounded to 2^-15, and a tint need not be exact, as colour takes what mono leaves. */
 #define TINT_ROUNDS 16
-/* Patterns of colour, at most: a coefficient of colour is three times as long as one of mono. */
+/* Colour has at most this many patterns, as its coefficients take three times the bytes of
+ * mono's. */
 #define RANK_COLOUR 24
 
-int fit_create(struct fit *fit, const struct encode_settings *settings)
+int fit_create(struct low_rank *fit, const struct encode_settings *settings)
 {
 	int err;
 
-	*fit = (struct fit){.settings = settings};
+	*fit = (struct low_rank){.settings = settings};
 	err = rank_patterns_create(&fit->mono_patterns, settings);
 	if (!err)
 		err = rank_patterns_create(&fit->colour_patterns, settings);
@@ -27,7 +30,7 @@ int fit_create(struct fit *fit, const struct encode_settings *settings)
 	return err || fit->tinted_rows ? err : -ENOMEM;
 }
 
-void fit_free(struct fit *fit)
+void fit_free(struct low_rank *fit)
 {
 	rank_patterns_free(&fit->mono_patterns);
 	rank_patterns_free(&fit->colour_patterns);
@@ -36,13 +39,14 @@ void fit_free(struct fit *fit)
 	free(fit->own_colour);
 	free(fit->tinted_rows);
 	free(fit->left);
-	*fit = (struct fit){.settings = NULL};
+	*fit = (struct low_rank){.settings = NULL};
 }
 
 /* ---- one channel and a tint ---- */
 
-/* The direction in which three channels mostly vary together: power iteration on their products. */
-static void main_hue(const double product[6], double hue[3])
+/* Finds the main eigenvector of the symmetric 3 x 3 matrix with the upper triangle `product`, by
+ * power iteration. */
+static void main_eigenvector(const double product[6], double hue[3])
 {
 	static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
@@ -64,8 +68,9 @@ static void main_hue(const double product[6], double hue[3])
 	}
 }
 
-/* value: [lights][3 * pixels]. */
-static void find_tints(struct fit *fit, const float *value)
+/* Sets each pixel's tint: the main eigenvector of sum_i W_i a_i a_i^T, divided by its largest
+ * component. value: a_i, [lights][3 * pixels]. */
+static void find_tints(struct low_rank *fit, const float *value)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -91,7 +96,7 @@ static void find_tints(struct fit *fit, const float *value)
 
 		for (int k = 0; k < 6; k++)
 			own[k] = (double)product[k][p];
-		main_hue(own, hue);
+		main_eigenvector(own, hue);
 		for (int c = 0; c < 3; c++)
 			most = fmax(most, hue[c]);
 		for (int c = 0; c < 3; c++) {
@@ -103,7 +108,7 @@ static void find_tints(struct fit *fit, const float *value)
 	}
 }
 
-void fit_untint(const struct fit *fit, const float *three, float *one)
+void fit_untint(const struct low_rank *fit, const float *three, float *one)
 {
 	const int pixels = fit->part->pixels;
 
@@ -117,9 +122,10 @@ void fit_untint(const struct fit *fit, const float *three, float *one)
 	}
 }
 
-/* Direct light varies most, and where it arrives alone its channels do so together: a shadow has no
- * colour, an object's tint is its own. */
-static int take_mono(struct fit *fit)
+/* Sets M, the mono part, to direct light, or to all light where nothing bounces: it varies most,
+ * and its channels vary together. T's has the tint of the object; a shadow's direct light has one
+ * channel and needs no tint. */
+static int fit_split_mono(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const size_t n = (size_t)fit->settings->lights, pixels = (size_t)part->pixels;
@@ -139,7 +145,8 @@ static int take_mono(struct fit *fit)
 	return err;
 }
 
-static int take_colour(struct fit *fit)
+/* Sets C, the colour part, to A - tint (x) M. */
+static int fit_split_colour(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const size_t n = (size_t)fit->settings->lights, rows = (size_t)part->rows;
@@ -160,7 +167,7 @@ static int take_colour(struct fit *fit)
 	return err;
 }
 
-int fit_begin(struct fit *fit, const struct part *part)
+int fit_begin(struct low_rank *fit, const struct part *part)
 {
 	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 	int err;
@@ -180,13 +187,13 @@ int fit_begin(struct fit *fit, const struct part *part)
 			    (size_t)fit->settings->lights * (size_t)part->rows);
 	if (err || pair || !fit->mono || !fit->colour)
 		return err;
-	err = take_mono(fit);
-	return err ? err : take_colour(fit);
+	err = fit_split_mono(fit);
+	return err ? err : fit_split_colour(fit);
 }
 
 /* ---- patterns ---- */
 
-int fit_find(struct fit *fit)
+int fit_find(struct low_rank *fit)
 {
 	const struct part *part = fit->part;
 	const int pixels = part->pixels;
@@ -212,9 +219,9 @@ int fit_find(struct fit *fit)
 	return 0;
 }
 
-/* left -= patterns from..to - 1, or += where to is smaller. */
-static void fit_subtract(struct fit *fit, const struct rank_patterns *patterns, const float *rows,
-			 int from, int to)
+/* Subtracts patterns from..to - 1 from the residual; if to < from, adds patterns to..from - 1. */
+static void fit_subtract(struct low_rank *fit, const struct rank_patterns *patterns,
+			 const float *rows, int from, int to)
 {
 	const int n = fit->settings->lights, first = from < to ? from : to;
 
@@ -226,13 +233,14 @@ static void fit_subtract(struct fit *fit, const struct rank_patterns *patterns, 
 		    fit->part->rows);
 }
 
-void fit_set_ranks(struct fit *fit, int mono, int colour)
+void fit_set_ranks(struct low_rank *fit, int mono, int colour)
 {
 	const size_t count = (size_t)fit->settings->lights * (size_t)fit->part->rows;
 
 	mono = mono < fit->mono_patterns.count ? mono : fit->mono_patterns.count;
 	colour = colour < fit->colour_patterns.count ? colour : fit->colour_patterns.count;
-	/* Subtractions that are undone leave rounding errors, so ranks that fall begin anew. */
+	/* Adding what was subtracted leaves rounding errors, so if a rank falls, both begin
+	 * anew. */
 	if (fit->mono_rank < 0 || mono < fit->mono_rank || colour < fit->colour_rank) {
 		memcpy(fit->left, fit->part->value, count * sizeof(*fit->left));
 		fit->mono_rank = fit->colour_rank = 0;

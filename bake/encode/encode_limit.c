@@ -4,18 +4,21 @@
 #include <float.h>
 #include <math.h>
 
-/* The narrowest error that is told from others, against the largest value. */
+/* Limits narrower than this share of the largest value weigh as if they were as wide: some 16
+ * roundings of single precision (2^-24) amount to it. */
 #define NARROWEST 1e-6F
-/* The widest: where a light is not seen at all. */
+/* The limit where a light is not seen at all; it is far beyond any value (SAMPLE_MAX of part.c). */
 #define WIDEST 1e30F
-/* Weight of a light or pixel whose error nobody sees, relative to the mean; not 0, so that none is
- * ignored. */
+/* Added to each weight, of which the mean is 1, so that no light or pixel is ignored. Chosen by
+ * trial. */
 #define LEAST_WEIGHT 0.01F
 
-/* Shown light less what is left of it, within rise and fall: slope * left in -rise..fall. */
+/* Sets the limits of one row's residuals l = left, so that the light shown, offset + slope (base -
+ * l), rises and falls by at most what levels allow: -rise <= slope l <= fall. intersect: intersects
+ * them with the limits that are there. */
 static void limit_row(const struct levels *levels, const struct part *part, float offset,
 		      float slope, float share, const float *base, float *least, float *most,
-		      bool again)
+		      bool intersect)
 {
 	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
@@ -26,8 +29,8 @@ static void limit_row(const struct levels *levels, const struct part *part, floa
 		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
-		least[p] = again ? larger(least[p], low) : low;
-		most[p] = again ? smaller(most[p], high) : high;
+		least[p] = intersect ? larger(least[p], low) : low;
+		most[p] = intersect ? smaller(most[p], high) : high;
 	}
 }
 
@@ -38,19 +41,20 @@ static void limit_cells(struct part *part, const struct levels *levels, int ligh
 			const size_t k = (size_t)c * (size_t)lights + (size_t)i;
 			const size_t at = (size_t)i * (size_t)part->rows +
 					  (size_t)(part->channels == 3 ? c * part->pixels : 0);
-			const bool again = part->channels == 1 && c;
+			const bool intersect = part->channels == 1 && c;
 
-			if (again && part->cell_offset[c] == part->cell_offset[0] &&
+			if (intersect && part->cell_offset[c] == part->cell_offset[0] &&
 			    part->cell_slope[k] == part->cell_slope[i])
 				continue;
 			limit_row(levels, part, part->cell_offset[c], part->cell_slope[k],
 				  part->light_share[i], part->base + at, part->least_left + at,
-				  part->most_left + at, again);
+				  part->most_left + at, intersect);
 		}
 }
 
-/* Lights and pixels that allow little error count more: lights by the mean of what is allowed,
- * inverted, pixels by its square. */
+/* Computes the weights of README.md, section 2, from tight = 1 / m: W_i is the mean over a light's
+ * rows, h_p the square of the mean over a pixel's rows and lights, both relative to the overall
+ * mean. */
 static void weigh_values(struct part *part, int lights)
 {
 	const float narrowest = NARROWEST * part->largest + FLT_MIN;
@@ -99,14 +103,14 @@ bool part_cell_holds(const struct part *part, int light, const float *left)
 void part_limit(struct part *part, const struct encode_settings *settings,
 		const struct levels *levels)
 {
-	const bool used = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
+	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 
 	part->levels = levels;
-	part->column_cut = used ? 0 : settings->column_cut;
+	part->column_cut = pair ? 0 : settings->column_cut;
 	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
-	/* As a light fades, its column may be left out when no pixel is off by more than is asked
-	 * for, and dark pixels may be off by least. Shares of the ground's light do not fade with a
-	 * light that is alone. */
+	/* As a light fades, its column is left out. No pixel may then be off by more than was asked
+	 * for, and black ones may be off by least: cut_share * column_cut <= rise(0). V is a ratio,
+	 * which does not fade with a light that is alone. */
 	part->cut_share = 1;
 	if (part->kind == BASIS_KIND_T && part->column_cut > 0)
 		part->cut_share = fmin(1, fmin((double)levels->rise[0], (double)levels->fall[0]) /

@@ -12,17 +12,22 @@
 #include "bake/base/random.h"
 #include "hal/basis/basis_layout.h"
 
-/* Directions beyond those wanted, and rounds: the found space then holds the wanted ones. */
+/* Subspace iteration finds SPARE directions more than are wanted, in ROUNDS rounds, so that the
+ * space found holds the wanted ones. Halko, Martinsson and Tropp 2011 recommend 5 to 10 and 1 to
+ * 2. */
 #define SPARE 8
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2
-/* A column whose square falls to this share of it is one of those before it, up to rounding. */
+/* A column is linearly dependent on earlier ones if less than this share of its squared length
+ * remains: the columns are of single precision, whose roundings squared are 2^-48 = 4e-15 a
+ * term. */
 #define LEAST_REST 1e-10
-#define LANES 8	   /* terms side by side, as compilers do not take a sum apart */
-#define RIDGE 1e-5 /* of the mean of the diagonal: coarse lights that few others meet */
+/* Ridge relative to the mean diagonal. It keeps P W P^T positive definite where a coarse light
+ * gathers few lights. */
+#define RIDGE 1e-5
 /* Coefficients and patterns are stored as multiples of this, as their lowest bit is noise, which
- * does not compress. With a coarser unit the search misses the error asked for so often that its
- * results are larger. */
+ * does not compress. A coarser unit misses the error asked for so often that files become larger
+ * (README.md, "Tried and left out"). */
 #define UNIT 2
 
 static int coarse_stride(int coarse)
@@ -82,7 +87,8 @@ void rank_finder_free(struct rank_finder *f)
 
 /* ---- finding ---- */
 
-/* Makes P W P^T, and its Cholesky factor. The scale of weights is arbitrary. */
+/* Computes the Cholesky factor of P W P^T. The scale of W is arbitrary, which 2^-30 makes use
+ * of. */
 int rank_weigh(struct rank_finder *f, const struct part *part)
 {
 	const struct encode_settings *settings = f->settings;
@@ -111,7 +117,7 @@ int rank_weigh(struct rank_finder *f, const struct part *part)
 	return LAPACKE_spotrf(LAPACK_ROW_MAJOR, 'L', (int)k, f->factor, (int)k) == 0 ? 0 : -EDOM;
 }
 
-/* to[row] += by * from[row], as much as the row's pixel counts. */
+/* to[row] += by * sqrt(h) * from[row], with h the weight of the row's pixel. */
 static void add_rows(const struct rank_finder *f, float by, const float *from, float *to, int rows)
 {
 	for (int first = 0; first < rows; first += f->part->pixels)
@@ -119,8 +125,8 @@ static void add_rows(const struct rank_finder *f, float by, const float *from, f
 			to[first + p] += by * f->root[p] * from[first + p];
 }
 
-/* Columns over the coarse lights in which a sum of squares is the weighted sum of squared errors.
- */
+/* Computes Z = L^-1 P W A^T H^(1/2), A^T = value: a sum of squares of Z is the weighted sum of
+ * squared errors. */
 static void rank_project(struct rank_finder *f, const float *value, int rows)
 {
 	const struct encode_settings *settings = f->settings;
@@ -147,7 +153,8 @@ static void rank_project(struct rank_finder *f, const float *value, int rows)
 			    rows);
 }
 
-/* So that squares neither overflow nor vanish. */
+/* Divides by the largest magnitude, so that squares neither overflow nor vanish. Returns it, or 0
+ * if it is 0. */
 static float rank_normalise(float *value, size_t count)
 {
 	float most = 0;
@@ -161,9 +168,9 @@ static float rank_normalise(float *value, size_t count)
 	return most;
 }
 
-/* Orthonormal columns of the same span, by the Cholesky factor L of their products, Q = A L^-T. The
- * factor is in double precision, as squares need twice the digits. A column becomes 0 where what it has
- * beside those before it is lost in rounding. */
+/* Replaces the columns A by orthonormal ones of the same span: Q = A L^-T with the Cholesky factor
+ * L L^T = A^T A. L is in double precision, as squares need twice the digits. A column that depends
+ * on earlier ones up to rounding becomes 0. */
 static void rank_orthonormalise(float *columns, int length, int count)
 {
 	double factor[WIDTH][WIDTH];
@@ -192,8 +199,9 @@ static void rank_orthonormalise(float *columns, int length, int count)
 }
 
 /*
- * Subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4): left [count][K] becomes an
- * orthonormal basis of what the matrix mostly is, right [count][rows] the matrix in it.
+ * Subspace iteration (Halko, Martinsson and Tropp 2011, algorithm 4.4) on Z = coarse: left
+ * [count][K] becomes an orthonormal basis Q of Z's dominant column space, right [count][rows] = Z^T
+ * Q.
  */
 static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 {
@@ -202,7 +210,7 @@ static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 	for (int i = 0; i < count * rows; i++)
 		s->right[i] = random_next(&random) - 0.5F;
 	for (int round = 0; round < ROUNDS; round++) {
-		/* random numbers are nearly orthogonal */
+		/* The first round has random numbers, which are nearly orthogonal. */
 		if (round)
 			rank_orthonormalise(s->right, rows, count);
 		cblas_sgemm(CblasColMajor, CblasTrans, CblasNoTrans, k, count, rows, 1, s->coarse,
@@ -213,8 +221,9 @@ static void rank_iterate(struct rank_finder *s, int k, int rows, int count)
 	}
 }
 
-/* Turns both sides so that the strongest come first. */
-static void sort_out(struct rank_finder *s, int k, int rows, int count)
+/* Rotates both sides to the singular vectors, in order of falling singular value: the eigenvectors
+ * of right right^T. */
+static void rank_sort(struct rank_finder *s, int k, int rows, int count)
 {
 	float gram[WIDTH * WIDTH], size[WIDTH], turned[WIDTH * WIDTH];
 
@@ -233,7 +242,8 @@ static void sort_out(struct rank_finder *s, int k, int rows, int count)
 	memcpy(s->left, s->mixed, (size_t)k * (size_t)count * sizeof(*s->left));
 }
 
-/* As multiples of UNIT; returns what 1 stands for. */
+/* Rounds values to multiples of UNIT in 16 bits. Returns the value that the integer 1 stands
+ * for. */
 static double rank_store(const float *from, int count, int16_t *to)
 {
 	double most = 0, step;
@@ -246,7 +256,8 @@ static double rank_store(const float *from, int count, int16_t *to)
 	return step;
 }
 
-/* False when it is nothing, or more than the format allows. */
+/* Quantises pattern j and its coefficients. Returns false if they are 0, or larger than the format
+ * allows. */
 static bool rank_quantise(struct rank_patterns *p, const struct encode_settings *settings, int j,
 			  const float *coefficient, const float *pattern, double size)
 {
@@ -277,7 +288,7 @@ static bool rank_quantise(struct rank_patterns *p, const struct encode_settings 
 	return true;
 }
 
-/* Back from where a sum of squares was the weighted one. */
+/* Undoes rank_project(): pattern = L^-T left, row = H^(-1/2) right. */
 static void rank_unweigh(struct rank_finder *f, int rows, int count)
 {
 	const int k = f->settings->coarse;
@@ -310,7 +321,7 @@ void rank_find(struct rank_patterns *p, struct rank_finder *f, const float *valu
 	if (!(size > 0))
 		return;
 	rank_iterate(f, k, rows, count);
-	sort_out(f, k, rows, count);
+	rank_sort(f, k, rows, count);
 	rank_unweigh(f, rows, count);
 	while (p->count < count && p->count < most &&
 	       rank_quantise(p, f->settings, p->count, f->right + (size_t)p->count * (size_t)rows,

@@ -8,25 +8,25 @@
 #include "bake/judge/part.h"
 
 struct rank_patterns {
-	int count; /* in order of falling singular value */
+	int count; /* of patterns, in order of falling singular value */
 	int rows;
-	int stride;	    /* of pattern, in values */
+	int stride;	    /* values from one pattern to the next */
 	float *at_light;    /* [RANK_MOST][lights]: pattern times its step */
 	float *coefficient; /* [RANK_MOST][rows]: as stored, times its step */
 	int16_t *pattern;   /* [RANK_MOST][stride]: as stored, over the coarse lights */
-	int16_t *stored;    /* [RANK_MOST][rows]: coefficients, as stored */
+	int16_t *stored;    /* [RANK_MOST][PART_ROWS]: coefficients as stored */
 	float scale[RANK_MOST];
 };
 
-/* Weights of squared errors, and memory. */
+/* State and memory of rank_find(). */
 struct rank_finder {
 	const struct encode_settings *settings;
 	const struct part *part;
 	float root[PART_PIXELS]; /* square root of each pixel's weight, > 0 */
 	float *factor; /* [K][K], row by row: lower Cholesky factor of P W P^T; NULL where K is N */
-	float *coarse; /* [K][rows] */
-	float *left, *right; /* [K or rows][RANK_MOST + more] */
-	float *mixed;
+	float *coarse; /* Z, [K][rows] */
+	float *left, *right; /* [RANK_MOST + spare] of [K] and of [rows]: left and right vectors */
+	float *mixed;	     /* room to multiply either of them in */
 };
 
 int rank_patterns_create(struct rank_patterns *patterns, const struct encode_settings *settings);
@@ -35,11 +35,11 @@ void rank_patterns_free(struct rank_patterns *patterns);
 int rank_finder_create(struct rank_finder *finder, const struct encode_settings *settings);
 void rank_finder_free(struct rank_finder *finder); /* zeroed is fine */
 
-/* Takes the weights of a part, which must stay in memory. -EDOM: they are not finite. */
+/* Prepares the finder for a part's weights; the part is borrowed. -EDOM: they are not finite. */
 int rank_weigh(struct rank_finder *finder, const struct part *part);
 
-/* Finds the `most` leading patterns of value [lights][rows], up to RANK_MOST; fewer where the rest
- * is 0 or cannot be stored. */
+/* Finds the `most` (at most RANK_MOST) leading patterns of value [lights][rows]. There are fewer if
+ * the rest is 0 or cannot be stored. */
 void rank_find(struct rank_patterns *patterns, struct rank_finder *finder, const float *value,
 	       int rows, int most);
 

@@ -16,7 +16,7 @@ enum encoding_option {
 	ENCODING_EXACT
 };
 
-/* For getopt_long(). */
+/* Entries of getopt_long()'s table. */
 #define ENCODING_OPTIONS                                                                           \
 	{"error", required_argument, NULL, ENCODING_ERROR},                                        \
 		{"cell-error", required_argument, NULL, ENCODING_CELL_ERROR},                      \
@@ -38,24 +38,25 @@ enum encoding_option {
 	"  --coarse F      frequency of the dome over which smooth light is gathered\n"            \
 	"  --exact         store every light in 16 bits as well, for the exact mode\n"
 
-/* Options that a command line gives; numbers are negative where not given. */
-struct encoding_said {
+/* Options as a command line gives them; a number that was not given is negative. */
+struct encoding_choices {
 	double rms, max, cell, column_cut;
 	int coarse;
 	bool exact;
 };
 
-#define ENCODING_UNSAID                                                                            \
+#define ENCODING_UNCHOSEN                                                                          \
 	{                                                                                          \
 		.rms = -1, .max = -1, .cell = -1, .column_cut = -1, .coarse = -1                   \
 	}
 
-/* Takes an option with its argument; text is changed. -EINVAL. */
-int encoding_option_take(struct encoding_said *said, int option, char *text, struct fault *fault);
+/* Parses one option and its argument; text is changed. -EINVAL. */
+int encoding_option_parse(struct encoding_choices *choices, int option, char *text,
+			  struct fault *fault);
 
-/* Replaces settings by the options that were given. An RMS error without a largest one sets
- * target->max to 0, by which the caller chooses it. */
-void encoding_said_apply(const struct encoding_said *said, struct encode_target *target,
-			 double *column_cut, int *coarse, bool *exact);
+/* Replaces settings by the options that were given. If an RMS error was given without a largest
+ * one, target->max becomes 0, and the caller has to choose it. */
+void encoding_choices_apply(const struct encoding_choices *choices, struct encode_target *target,
+			    double *column_cut, int *coarse, bool *exact);
 
 #endif

@@ -60,7 +60,7 @@ struct import_choices {
 	int transfer, receivers;
 	bool of_pictures; /* options of pictures alone were given */
 	double rate;	  /* 0: not given */
-	struct encoding_said encoding;
+	struct encoding_choices encoding;
 	struct import_settings import;
 };
 
@@ -124,7 +124,7 @@ static int import_command_take(void *choices, int option, struct fault *fault)
 		c->import.quiet = true;
 		return 0;
 	default:
-		return encoding_option_take(&c->encoding, option, optarg, fault);
+		return encoding_option_parse(&c->encoding, option, optarg, fault);
 	}
 }
 
@@ -205,7 +205,7 @@ static void set_encoding(struct import_choices *c)
 	s->column_cut = scene.column_cut;
 	s->coarse = scene.coarse;
 	s->exact = scene.exact;
-	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
+	encoding_choices_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
 }
 
 static int run_import(const struct import_choices *c, struct assembly_report *report,
@@ -249,7 +249,7 @@ static const char *wrong_usage(const struct import_choices *c)
 
 static int import_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNSAID};
+	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNCHOSEN};
 	struct fault fault = {.text = ""};
 	struct assembly_report report;
 	const int status = command_options(command, argc, argv, options, import_command_take, &c);

@@ -12,7 +12,7 @@ enum { EVEN = 2, SUN_HEIGHTS = 4, SUN_SIZES = 2, LAMPS = 4, WINDOWS = 12, RANDOM
 enum { STRONG_SUNS = SUN_HEIGHTS, DUSKS = 4, ROOMS = 4 };
 #define BRIGHT                                                                                     \
 	(EVEN + SUN_HEIGHTS * SUN_SIZES + LAMPS + WINDOWS + RANDOM + STRONG_SUNS + DUSKS + ROOMS)
-/* Every DIM_STEP-th sky occurs again at this exposure. */
+/* Every DIM_STEP-th sky occurs again at an eighth of the exposure. */
 #define DIM_STEP 5
 #define DIM_EXPOSURE 0.125F
 #define TRIED (BRIGHT + (BRIGHT + DIM_STEP - 1) / DIM_STEP)
@@ -21,10 +21,11 @@ enum { WATCHED_WINDOWS = 144, WATCHED_DUSKS = 24, WATCHED_SUNS = 48 };
 #define STRONG_SIZE 16
 #define ROOM_LIGHTS 5
 
-/* Heights and azimuths of suns and lamps are multiples of the golden ratio, so that no two
- * agree. */
+/* Azimuths of suns, and directions of lamps, are multiples of the inverse golden ratio (modulo 1),
+ * so that no two agree. */
 #define GOLDEN 0.6180339887498949
-/* The same in two dimensions: the inverse of the plastic number, and its square. */
+/* Multiples of the plastic number's inverse and of its square cover a square evenly (R2 of Roberts
+ * 2018). */
 #define PLASTIC 0.7548776662466927
 
 const double ensemble_blue[3] = {0.8, 1, 1.25};
@@ -34,7 +35,7 @@ double ensemble_projected_sr(const struct basis_light *light)
 	return light->solid_angle_sr * fmax(light->direction[2], ENSEMBLE_LOWEST);
 }
 
-static void direction_of(double height_rad, double azimuth_turns, double out[3])
+static void direction_from(double height_rad, double azimuth_turns, double out[3])
 {
 	out[0] = cos(height_rad) * cos(2 * M_PI * azimuth_turns);
 	out[1] = cos(height_rad) * sin(2 * M_PI * azimuth_turns);
@@ -57,7 +58,7 @@ static int nearest_light(const struct basis_light *lights, int count, const doub
 	return best;
 }
 
-/* Irradiance of level ground under a sky of radiance 1. */
+/* Returns the irradiance of level ground under a sky of radiance 1. */
 static double level_light(const struct basis_light *lights, int count)
 {
 	double sum = 0;
@@ -97,6 +98,7 @@ void ensemble_sun(const struct basis_light *lights, int count, int cell, double 
 	}
 }
 
+/* Makes a sun over the blue sky, and notes it in *sun. */
 static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sky,
 		    double height_deg, double size, struct ensemble_sun *sun)
 {
@@ -104,7 +106,7 @@ static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sk
 	double dir[3];
 	int cell;
 
-	direction_of(height_deg * M_PI / 180, sky * GOLDEN, dir);
+	direction_from(height_deg * M_PI / 180, sky * GOLDEN, dir);
 	cell = nearest_light(lights, e->lights, dir);
 	ensemble_sun(lights, e->lights, cell, size, sky_channel(e, sky, 0));
 	*sun = (struct ensemble_sun){
@@ -114,26 +116,26 @@ static void sky_sun(struct ensemble *e, const struct basis_light *lights, int sk
 	};
 }
 
-/* A strong sun over a white background, anywhere down to the horizon. */
+/* Makes a strong sun over a white background, at any height down to the horizon. */
 static void sky_strong(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	double dir[3];
 
-	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
+	direction_from(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
 	ensemble_sun(lights, e->lights, nearest_light(lights, e->lights, dir), STRONG_SIZE,
 		     sky_channel(e, sky, 0));
 	e->strong[sky] = true;
 }
 
-/* Three small lamps of red, green and blue in a dim room. */
+/* Makes three small lamps, red, green and blue, in a dim room. */
 static void sky_lamps(struct ensemble *e, const struct basis_light *lights, int sky)
 {
 	for (int c = 0; c < 3; c++) {
 		double dir[3];
 		int cell;
 
-		direction_of(M_PI / 2 * fmod((sky + 1) * GOLDEN + c / 3.0, 1),
-			     (sky * 3 + c) * GOLDEN, dir);
+		direction_from(M_PI / 2 * fmod((sky + 1) * GOLDEN + c / 3.0, 1),
+			       (sky * 3 + c) * GOLDEN, dir);
 		cell = nearest_light(lights, e->lights, dir);
 		for (int k = 0; k < 3; k++) {
 			for (int i = 0; !c && i < e->lights; i++)
@@ -146,18 +148,18 @@ static void sky_lamps(struct ensemble *e, const struct basis_light *lights, int 
 }
 
 /*
- * A window: a lobe that sends several times as much light as the dim sky around it. What
- * neighbouring lights throw on the ground by way of the object is alike, and of each light too
- * little for its column to be read. It adds up where many of them are bright at once, as under a
- * window. So there are windows of several sizes all around, placed by a sequence that fills the
- * hemisphere evenly wherever it ends.
+ * Makes a window: a lobe that sends several times as much light as the dim sky around it. The
+ * object reflects the light of neighbouring cells to the same places of the ground. Each of them
+ * reflects too little for its column to be read, but many together add up, as under a window. So
+ * there are windows of several sizes all around, placed by a sequence that fills the hemisphere
+ * evenly wherever it ends.
  */
 static void sky_window(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	const int sharpness = 2 << 2 * (number % 3);
 	double dir[3];
 
-	direction_of(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
+	direction_from(M_PI / 2 * fmod(number * PLASTIC, 1), number * PLASTIC * PLASTIC, dir);
 	for (int i = 0; i < e->lights; i++) {
 		const double lobe = sharpness *
 				    pow(fmax(light_towards(&lights[i], dir), 0), sharpness);
@@ -167,14 +169,14 @@ static void sky_window(struct ensemble *e, const struct basis_light *lights, int
 	}
 }
 
-/* Dusk: a sky bright along the horizon, up to a height whose sine is `thick`, brightest in one
- * direction. */
+/* Makes a dusk: a sky that is bright along the horizon, falls to 1/e where the sine of the height
+ * is `thick`, and is brightest in one direction. */
 static void sky_dusk(struct ensemble *e, const struct basis_light *lights, int sky, int number)
 {
 	const double thick = 0.1 * (1 << number % 3);
 	double dir[3];
 
-	direction_of(0, number * GOLDEN, dir);
+	direction_from(0, number * GOLDEN, dir);
 	for (int i = 0; i < e->lights; i++) {
 		const double low = exp(-fmax(lights[i].direction[2], 0) / thick);
 		const double lobe = pow((1 + light_towards(&lights[i], dir)) / 2, 3);
@@ -185,7 +187,7 @@ static void sky_dusk(struct ensemble *e, const struct basis_light *lights, int s
 	}
 }
 
-/* A room with windows and lamps of random sizes. */
+/* Makes a room with windows and lamps of random sizes and directions. */
 static void sky_room(struct ensemble *e, const struct basis_light *lights, int sky)
 {
 	struct random random = {random_hash(0x6669656c64, (uint64_t)sky, 0)};
@@ -197,7 +199,7 @@ static void sky_room(struct ensemble *e, const struct basis_light *lights, int s
 		const double height_rad = M_PI / 2 * (double)random_next(&random);
 		double dir[3];
 
-		direction_of(height_rad, (double)random_next(&random), dir);
+		direction_from(height_rad, (double)random_next(&random), dir);
 		for (int i = 0; i < e->lights; i++) {
 			const double lobe = pow(fmax(light_towards(&lights[i], dir), 0), sharpness);
 
@@ -207,7 +209,7 @@ static void sky_room(struct ensemble *e, const struct basis_light *lights, int s
 	}
 }
 
-/* A random radiance in every cell and channel: most are dim, few are bright. */
+/* Makes a random radiance in every cell and channel; most are dim, few are bright. */
 static void sky_unlike(struct ensemble *e, int sky)
 {
 	struct random random = {random_hash(0x656e73656d626c65, (uint64_t)sky, 0)};
@@ -219,6 +221,7 @@ static void sky_unlike(struct ensemble *e, int sky)
 				(float)pow(-log1p(-(double)random_next(&random)), power);
 }
 
+/* Sets the exposures, and copies every DIM_STEP-th sky to the dim ones. */
 static void ensemble_dim(struct ensemble *e)
 {
 	const size_t each = 3 * (size_t)e->lights;

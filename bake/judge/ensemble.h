@@ -3,23 +3,22 @@
  * The ensemble of lightings under which the error of an encoding is measured.
  *
  * Skies: uniform, overcast (CIE: three times brighter at the zenith), suns of 1, 4 and 16 times the
- * sky's light in a single cell at several heights, coloured lamps, windows, dusk, rooms, and random
- * ones. They are the same for every scene and seed. Panoramas are not among them, so that the
- * report can test with panoramas that the encoder has not seen. Each tile adds suns that leave it
- * dark (shade.h). Besides the skies, every cell is lit alone. Exposure is that of a camera:
- * white ground, or the brightest spot of the object, becomes 1. Some skies occur again with much
- * less light on the object: there frames leave out most columns, and 8-bit levels are closest
- * together.
+ * sky's light in a single cell at several heights, coloured lamps, windows, dusks, rooms, and
+ * random ones. They are the same for every scene and seed. Panoramas are not among them, so that
+ * the report tests with lightings that the encoder has not met. Each tile adds suns that leave it
+ * dark (shade.h). Besides the skies, every cell is lit alone. The exposure makes white ground, or
+ * the brightest spot of the object, 1. Some skies occur again at an eighth of it: there frames
+ * leave out most columns, and 8-bit levels are closest together.
  *
- * Most windows and dusks are only watched: ranks are chosen without them, but blocks are
- * measured under them too, and where one shows too large an error the tile tries it from then on.
- * Columns that should not be left out show under few of these skies, and few tiles need any of
- * them. So are suns in many other cells, over a white background, where what is left out of the rest
- * of the sky shows most: in the deepest shadow.
+ * The first skies are tried: ranks are chosen so that their errors hold. The others are watched:
+ * the finished blocks are measured under them too, and if the error of one is too large, the tile
+ * tries it from then on. Watched are most windows and dusks, as each of them matters to few tiles,
+ * and strong suns in many other cells over a white background, where the deepest shadow shows the
+ * errors of the dim rest of the sky.
  *
- * Errors are in 8-bit sRGB levels of the composite, against the transport before any cut, over the
- * pixels of the blocks: the object's own light over a background, which is the ground's under skies
- * and white under a single cell.
+ * Errors are in 8-bit sRGB levels of the composite, against the exact transport, over the pixels of
+ * the blocks. The composite is the object's own light over a background: the lit ground under
+ * skies, white under a single cell.
  */
 #ifndef INLAY_BAKE_JUDGE_ENSEMBLE_H
 #define INLAY_BAKE_JUDGE_ENSEMBLE_H
@@ -29,10 +28,10 @@
 #include "hal/basis/basis_format.h"
 
 #define ENSEMBLE_SKIES_MAX 288
-#define ENSEMBLE_OWN_MAX 8 /* how many of these a tile adds */
+#define ENSEMBLE_OWN_MAX 8 /* a tile adds at most this many of them */
 
-/* Least sine of a cell's height, where its light on level ground sets the exposure: with a lamp on
- * the horizon a camera has something upright in view. */
+/* The exposure for a cell's light on level ground takes at least this sine of its height: with a
+ * lamp on the horizon a camera has something upright in view. */
 #define ENSEMBLE_LOWEST 0.05
 
 #define ENSEMBLE_SUNS 12
@@ -40,7 +39,7 @@
 /* One of the skies of ensemble_sun(). */
 struct ensemble_sun {
 	int cell;
-	double radiance; /* of the cell, beside the sky's own */
+	double radiance; /* the cell's, added to the sky's own */
 	double white;	 /* radiance of white level ground, in its brightest channel */
 };
 
@@ -48,10 +47,11 @@ struct ensemble {
 	int lights, skies;
 	int tried;	 /* ranks are chosen for the first `tried` skies; the others are watched */
 	float *radiance; /* [skies][3][lights]: L_i */
-	/* Linear light of the object's brightest spot, or of white ground, in the picture. */
+	/* Linear light that the picture shows of the object's brightest spot, or of white
+	 * ground. */
 	float exposure[ENSEMBLE_SKIES_MAX];
-	/* Nearly all light is from one cell: the background is white, as under a cell alone, and
-	 * errors count as those of a cell alone. */
+	/* True if nearly all light comes from one cell. The background is then white, and errors
+	 * count as those of a cell alone. */
 	bool strong[ENSEMBLE_SKIES_MAX];
 	struct ensemble_sun sun[ENSEMBLE_SUNS]; /* among the skies */
 };
@@ -67,23 +67,23 @@ struct ensemble_error {
 int ensemble_create(struct ensemble *ensemble, const struct basis_light *lights, int count);
 void ensemble_free(struct ensemble *ensemble); /* idempotent; zeroed is fine */
 
-/* Solid angle of a cell times the sine of its height, at least ENSEMBLE_LOWEST: its irradiance on
- * level ground per radiance. */
+/* Returns a cell's irradiance on level ground per radiance: its solid angle times the sine of its
+ * height, which counts as at least ENSEMBLE_LOWEST. */
 double ensemble_projected_sr(const struct basis_light *light);
 
-/* Blue of the sky around a sun, by channel. */
+/* Radiance R, G, B of the sky around a sun. */
 extern const double ensemble_blue[3];
 
-/* Sets radiance [3][count] to a sky of ensemble_blue with a sun in one cell, which sends `size` times as much
- * light to level ground as the rest of the sky. */
+/* Sets radiance [3][count] to a sky of ensemble_blue with a sun in one cell, which sends `size`
+ * times as much light to level ground as the rest of the sky. */
 void ensemble_sun(const struct basis_light *lights, int count, int cell, double size,
 		  float *radiance);
 
 void ensemble_error_add(struct ensemble_error *to, const struct ensemble_error *more);
 
-/* RMS error of the worst sky. */
+/* Returns the RMS error of the worst sky. */
 double ensemble_sky_rms(const struct ensemble_error *error);
-/* RMS error over all cells. */
+/* Returns the RMS error over all cells. */
 double ensemble_cell_rms(const struct ensemble_error *error);
 
 #endif

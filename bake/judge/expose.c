@@ -6,9 +6,10 @@
 
 #include "hal/colour/transfer.h"
 
-/* What tables and single precision may cost of the error asked for. */
+/* Limits are this share of the error asked for; the rest is for tables and single precision. */
 #define MARGIN 0.99
-/* sRGB's own formulas, below black and beyond white too. */
+
+/* Decodes sRGB by its own formulas, which continue below black and beyond white. */
 static double light_of_level(double level)
 {
 	const double encoded = level / 255;
@@ -18,7 +19,8 @@ static double light_of_level(double level)
 
 void levels_fill(struct levels *levels, double cell_error)
 {
-	/* The least of a step's two ends, so that what lies between is not beyond either. */
+	/* Each table entry is the smaller limit of a step's two ends, so that interpolation inside
+	 * the step never exceeds the true limit. */
 	float rise[LEVELS_STEPS + 2], fall[LEVELS_STEPS + 2];
 
 	for (int k = 0; k <= LEVELS_STEPS + 1; k++) {
@@ -50,7 +52,7 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 {
 	const int n = settings->lights;
 
-	/* What a camera sees of the ground may be as bright as white. */
+	/* The ground may be as bright as white. */
 	for (int c = 0; c < 3; c++)
 		part->cell_offset[c] = part->kind == BASIS_KIND_V ? 1 : 0;
 	for (int i = 0; i < n; i++) {
@@ -69,7 +71,8 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 	}
 }
 
-/* V: X as shares of all light, the ground's own light as offset. */
+/* Exposes a V: X_i = u_i L_i / sum of u L, the share of the ground's light, and the offset is the
+ * ground's light in the picture. */
 static void expose_ground(struct part *part, const struct encode_settings *settings, int sky)
 {
 	const int n = settings->lights;
@@ -102,7 +105,7 @@ static void expose_ground(struct part *part, const struct encode_settings *setti
 	}
 }
 
-/* The others: X = w L, at first. */
+/* Sets X = w L of the other kinds, not yet exposed. */
 static void expose_light(struct part *part, const struct encode_settings *settings)
 {
 	const size_t n = (size_t)settings->lights, rows = 3 * (size_t)settings->ensemble->skies;
@@ -114,7 +117,7 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 					settings->light[i].solid_angle_sr);
 }
 
-/* Sums of the values under all skies. */
+/* Computes the sum of X times value under all skies. */
 static void sum_skies(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights, skies = settings->ensemble->skies;
@@ -126,14 +129,15 @@ static void sum_skies(struct part *part, const struct encode_settings *settings)
 			    0, part->sky_value + c * part->pixels, 3 * part->pixels);
 }
 
-/* What a pair shows is u - d. */
+/* Computes what a pair shows: u - d. */
 static void subtract_sums(const struct part *difference, struct part *whole, int skies)
 {
 	for (int k = 0; k < skies * 3 * whole->pixels; k++)
 		whole->own_sky[k] = whole->sky_value[k] - difference->sky_value[k];
 }
 
-/* Radiance that is shown as 1 under a sky: white ground and the brightest pixel are at most that. */
+/* Returns the radiance that is shown as 1 under a sky: that of white ground or of the brightest
+ * pixel, whichever is brighter. */
 static double white_of(const struct part *part, const struct encode_settings *settings, int sky)
 {
 	const int n = settings->lights, rows = 3 * part->pixels;
@@ -157,7 +161,7 @@ static void scale_sky(float *value, int sky, int count, float by)
 		value[(size_t)sky * (size_t)count + (size_t)k] *= by;
 }
 
-/* Brings X and sums down to the exposure of each sky. */
+/* Multiplies X and sums by each sky's exposure. */
 static void scale_light(struct part *part, const struct encode_settings *settings)
 {
 	for (int s = 0; s < settings->ensemble->skies; s++) {
@@ -177,6 +181,7 @@ static void scale_light(struct part *part, const struct encode_settings *setting
 	}
 }
 
+/* Sets q of each light in its group. */
 static void share_groups(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights;
@@ -190,7 +195,8 @@ static void share_groups(struct part *part, const struct encode_settings *settin
 	basis_groups_share(settings->groups, of, of);
 }
 
-/* What lights of a group have in common, in units in which cuts are as in settings. */
+/* Computes S of each group under each sky, at the sky's exposure, so that cuts are those of the
+ * settings. */
 static void even_skies(struct part *part, const struct encode_settings *settings)
 {
 	const size_t n = (size_t)settings->lights, groups = (size_t)settings->groups->count;
@@ -237,7 +243,7 @@ void parts_expose(struct part *parts, int count, const struct encode_settings *s
 	for (int k = 0; k < count; k++) {
 		for (int s = 0; s < skies && parts[k].kind != BASIS_KIND_V; s++)
 			parts[k].sky_white[s] = white_of(&parts[k], settings, s);
-		/* sums of a pair are brought down with its U */
+		/* A pair's D takes the exposure of its U. */
 		if (parts[k].kind == BASIS_KIND_U)
 			scale_light(&parts[k - 1], settings);
 		if (parts[k].kind == BASIS_KIND_T || parts[k].kind == BASIS_KIND_U)

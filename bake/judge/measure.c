@@ -7,10 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As the compositor has it: beyond this a ratio is not shown. */
+/* The compositor clamps ratios to this (bake/judge/README.md, Measurement). */
 #define RATIO_MAX 16.0F
-/* Error of the difference of two levels, each read from the table. Measured errors include it, so
- * that exact levels, too, are within what was asked for. */
+/* Two levels read from the table differ by at most this much more than exact ones. It is added to
+ * measured errors, so that the target holds for exact levels too. */
 #define DIFFERENCE_ERROR (2 * LEVELS_ERROR)
 
 void measure_free(struct measure *m)
@@ -53,7 +53,7 @@ static inline float ratio_shown(float ratio)
 	return smaller(larger(ratio, 0), RATIO_MAX);
 }
 
-/* sum: of shares of the ground's light, which is back. */
+/* Adds a V: the ground's light `back` times the ratio 1 - sum. */
 static void add_ground(const struct measure *m, const struct part *part,
 		       const float (*sum)[PART_PIXELS], const float back[3],
 		       float (*to)[PART_PIXELS])
@@ -66,7 +66,7 @@ static void add_ground(const struct measure *m, const struct part *part,
 		}
 }
 
-/* The receiver of a pair; back: sum of its light without the object, as it is. */
+/* Adds a pair's receiver: its light without the object, `back`, times the ratio 1 - d / u. */
 static void add_receiver(const struct measure *m, const struct part *part,
 			 const float (*d)[PART_PIXELS], const float (*u)[PART_PIXELS],
 			 const float (*back)[PART_PIXELS], float factor, float (*to)[PART_PIXELS])
@@ -81,8 +81,8 @@ static void add_receiver(const struct measure *m, const struct part *part,
 		}
 }
 
-/* Makes the picture of all parts under a lighting. factor: what a part's sums are multiplied by;
- * back: light of the ground that a V is a share of. */
+/* Adds part k to the picture under a lighting. Its sums are multiplied by factor; back is the light
+ * of the ground that a V is a share of. */
 static void add_part(struct measure *m, const struct part *parts, int k, float factor,
 		     const float back[3])
 {
@@ -101,7 +101,7 @@ static void add_part(struct measure *m, const struct part *parts, int k, float f
 	}
 }
 
-/* Sum of squared differences over the picture; *most: the largest one. */
+/* Returns the sum of squared differences over the picture; *most becomes the largest difference. */
 static double measure_compare(const struct measure *m, double *most)
 {
 	double square = 0;
@@ -122,6 +122,7 @@ static double measure_compare(const struct measure *m, double *most)
 
 /* ---- lightings ---- */
 
+/* Makes the picture under a sky; returns its sum of squared errors, and the largest in *most. */
 static double sky_error(struct measure *m, const struct part *parts,
 			const struct block_reader *readers, int count, int sky, double *most)
 {
@@ -147,8 +148,8 @@ static double sky_error(struct measure *m, const struct part *parts,
 	return measure_compare(m, most);
 }
 
-/* Values of a light, as sums of a sky in which it is alone, in units of L = 1 (of its shares, for
- * V). Compared in double precision, as what they are off by is a bound for all skies. */
+/* Computes the sums under a light alone, with L = 1 (V: X = 1). Values are compared in double
+ * precision, as their largest error bounds the error under all skies. */
 static void sum_cell(struct measure *m, const struct part *part, const struct block_reader *reader,
 		     int light, struct measure_sums *sums, double *bound)
 {
@@ -170,6 +171,8 @@ static void sum_cell(struct measure *m, const struct part *part, const struct bl
 	}
 }
 
+/* Makes the picture under a light alone; returns its sum of squared errors, and the largest in
+ * *most. */
 static double cell_error(struct measure *m, const struct part *parts,
 			 const struct block_reader *readers, int count, int light, double *most)
 {
@@ -203,7 +206,7 @@ static void measure_skies(struct measure *m, const struct part *parts,
 		const double square = sky_error(m, parts, readers, count, s, &most);
 
 		error->sky_square[s] = square;
-		/* where a light alone may be off by more, a strong one counts as alone */
+		/* A strong sun may have the larger error of a light alone, and counts as one. */
 		if (limit > target->max)
 			error->cell_max = fmax(error->cell_max, most);
 		else
@@ -214,7 +217,7 @@ static void measure_skies(struct measure *m, const struct part *parts,
 	}
 }
 
-/* The pixels that any part lists. */
+/* Numbers the pixels that any part lists. */
 static void find_places(struct measure *m, const struct part *parts, int count,
 			const uint16_t *coverage)
 {

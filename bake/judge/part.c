@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SAMPLE_MAX 1e30F /* so that no sum of a few overflows */
-/* Below BASIS_VALUE_MAX by more than any rounding in the encoder. */
+#define SAMPLE_MAX 1e30F /* a float holds 1e8 times as much, so that no sum overflows */
+/* Values may be this large; rounding in the encoder adds far less than the thousandth that is
+ * left. */
 #define VALUE_MAX (0.999F * (float)BASIS_VALUE_MAX)
-#define BLOCK 64 /* lights that are transposed at once */
-/* Values side by side, as compilers do not take a maximum apart. */
+#define BLOCK 64 /* number of lights that are transposed at once */
+/* Maxima are taken in this many lanes (a vector of AVX), as compilers do not reorder them. */
 #define LANES 8
 
 int part_create(struct part *part, const struct encode_settings *settings)
@@ -113,7 +114,7 @@ static bool samples_are_sane(const struct encode_samples *s, const float *row, i
 	return good;
 }
 
-/* to[light][row] = from[light] / X's factor, or += it. */
+/* to[light][row] = from[light] / w, or += it if `add`. V is not divided. */
 static void scatter_row(const struct encode_settings *settings, enum basis_kind kind,
 			const float *from, float *to, int rows, bool add)
 {
@@ -156,7 +157,7 @@ static bool scatter_pixel(const struct encode_settings *settings, const struct e
 	return true;
 }
 
-/* False where a value is larger than the file may hold. */
+/* Computes largest and rounded. Returns false if a value is larger than the file may hold. */
 static bool part_measure(struct part *part, int lights)
 {
 	bool fits = true;

@@ -44,6 +44,7 @@ static int reader_reserve(struct block_reader *reader, int count, size_t at_ligh
 	return reader->grouped ? part_room_for(&reader->rows, &reader->rows_room, rows) : -ENOMEM;
 }
 
+/* Returns the flags of groups for blocks with as many channels as this one. */
 static bool *grouped_of(const struct block_reader *reader, const struct basis_block_entry *e)
 {
 	return reader->grouped + (e->channels == 3 ? reader->settings->groups->count : 0);
@@ -138,7 +139,7 @@ static void read_block(struct block_reader *reader, const struct read_block *blo
 	}
 }
 
-/* Where a block's arrays are; the sizes of all arrays grow by its own. */
+/* Points a block to its arrays, and adds its sizes to those of the arrays. */
 static void place_block(struct read_block *block, const struct encode_settings *settings,
 			const struct basis_block_payload *from, size_t *at_light, size_t *rows)
 {
@@ -186,7 +187,7 @@ int block_reader_open(struct block_reader *reader, const struct encode_settings 
 
 /* ---- sums ---- */
 
-/* Coefficients of a pattern, or, after those of all patterns, values of a column. */
+/* Returns row n of a block: the coefficients of pattern n, or the values of column n - patterns. */
 static const float *row_of(const struct block_reader *reader, const struct read_block *block, int n)
 {
 	const struct basis_block_entry *e = &block->from->entry;
@@ -194,6 +195,7 @@ static const float *row_of(const struct block_reader *reader, const struct read_
 	return reader->rows + block->row + (size_t)n * (size_t)(e->channels * e->pixels);
 }
 
+/* Returns the index of a light's or group's column in a block, or -1. */
 static int reader_find(const struct read_block *block, int number)
 {
 	int low = 0, high = (int)block->from->entry.columns;
@@ -242,8 +244,8 @@ void block_reader_light(const struct block_reader *reader, int light, double (*v
 	}
 }
 
-/* The light of a column under a sky, as the compositor has it: the part's blocks have all the same
- * pixels, and follow each other. */
+/* Computes a column's light under a sky as the compositor does: X - q S of a light whose group has
+ * a column in any of the part's blocks with as many channels, S of a group. */
 static void column_light(const struct block_reader *reader, const struct read_block *block, int sky,
 			 int number, double light[3])
 {
@@ -269,7 +271,7 @@ static double largest_of_three(const double x[3])
 	return fmax(fmax(fabs(x[0]), fabs(x[1])), fabs(x[2]));
 }
 
-/* sum[c] += by[c] * a row of a block, in each channel. */
+/* sum[c] += by[c] * row, for each channel. */
 static void add_lit(const struct basis_block_entry *e, const float *row, const double by[3],
 		    float (*sum)[PART_PIXELS])
 {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the encoder is given: the transport of a tile's pixels, the lights, and the errors asked
- * for. */
+/* The encoder's input: the transport of a tile's pixels, the lights, and the errors asked for. */
 #ifndef INLAY_BAKE_JUDGE_SAMPLES_H
 #define INLAY_BAKE_JUDGE_SAMPLES_H
 
@@ -17,17 +16,18 @@ struct encode_samples {
 	int ground; /* index of the ground, for kind V; else 0 */
 	int pixels;
 	const uint16_t *pixel; /* y * BASIS_TILE + x, ascending */
-	int channels;	       /* of direct: 3, or 1 where all three are alike */
+	int channels;	       /* channels of direct: 3, or 1 if all three are alike */
 	const float *direct;   /* [pixels][channels][lights]: light of one surface; U: >= 0 */
 	const float *bounce;   /* [pixels][3][lights]: light of several surfaces; NULL: none */
 };
 
-/* Largest error of the shown layer, in 8-bit sRGB levels. */
+/* The errors that the shown layer may have in each tile, in 8-bit sRGB levels. */
 struct encode_target {
-	double rms, max; /* under each sky of the ensemble, in each tile: RMS, and of any pixel */
-	double cell;	 /* of any pixel under any single cell, alone or strong */
+	double rms, max; /* RMS and largest error under each sky of the ensemble */
+	double cell;	 /* largest error under any single cell, alone or strong */
 };
 
+/* All that is pointed to must outlive the encoder. */
 struct encode_settings {
 	int lights;
 	const struct basis_light *light; /* [lights] */
@@ -38,12 +38,11 @@ struct encode_settings {
 	const struct basis_groups *groups; /* set by the encoder, from gather */
 	const struct ensemble *ensemble;
 	struct encode_target target;
-	double column_cut; /* of struct basis_info_chunk */
-	bool exact;	   /* make the exact layer too */
-			   /* All that is pointed to must outlive the encoder. */
+	double column_cut; /* as in struct basis_info_chunk */
+	bool exact;	   /* the exact layer is made too */
 };
 
-/* What a pixel may be off by under a sky, in levels. */
+/* Returns the largest error that a pixel may have under a sky, in levels. */
 static inline double encode_sky_most(const struct encode_settings *settings, int sky)
 {
 	const struct encode_target *target = &settings->target;

@@ -5,12 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sun in the cell that leaves the object darkest, one in that of the deepest shadow, each of
- * these sizes. */
+/* There is a sun of each of these sizes, in multiples of the sky's light, in the cell that leaves
+ * the object darkest, and in the one that makes the deepest shadow. */
 static const double sizes[] = {3, 10};
 #define SIZES ((int)(sizeof(sizes) / sizeof(*sizes)))
 #define OWN (2 * SIZES)
-_Static_assert(OWN <= ENSEMBLE_OWN_MAX, "there is room for them");
+_Static_assert(OWN <= ENSEMBLE_OWN_MAX, "there is room for the tile's own suns");
 
 int shade_create(struct shade *shade, const struct encode_settings *settings)
 {
@@ -33,7 +33,8 @@ void shade_free(struct shade *shade)
 	*shade = (struct shade){.common = NULL};
 }
 
-/* The light whose values come to least (of an object), or to most (of what a shadow takes). */
+/* Returns the light that leaves a part darkest: the sum of its values is least for an object (T),
+ * and largest for a shadow (V, D), as these are what the object takes away. */
 static int darkest_cell(const struct part *part, int lights)
 {
 	const double sign = part->kind == BASIS_KIND_T ? -1 : 1;

@@ -4,9 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-#define CORNERS_MAX 7 /* of a triangle after four cuts */
-#define ROOM 1.0001   /* by which the squares are larger, so that rounding leaves nothing outside */
-#define SQUARE_LEAST 1e-6 /* of the largest coordinate, which single precision resolves */
+#define CORNERS_MAX 7 /* a triangle has so many corners after four cuts: each cut adds one */
+/* Squares are larger by this factor, so that rounding leaves nothing outside. */
+#define ROOM 1.0001
+/* A square's side is at least this share of the largest coordinate: single precision resolves
+ * it. */
+#define SQUARE_LEAST 1e-6
 
 /* A convex polygon. */
 struct outline {
@@ -14,7 +17,7 @@ struct outline {
 	double at[CORNERS_MAX][3];
 };
 
-/* Keeps what lies where sign * at[axis] <= sign * limit. */
+/* Cuts off the part of a polygon where sign * at[axis] > sign * limit. */
 static void outline_cut(struct outline *o, int axis, double sign, double limit)
 {
 	const struct outline from = *o;
@@ -36,7 +39,7 @@ static void outline_cut(struct outline *o, int axis, double sign, double limit)
 	}
 }
 
-/* What of the objects counts. */
+/* The part of the objects that counts: between low and high. */
 struct footprint_range {
 	const struct mesh *const *meshes;
 	int count;
@@ -45,7 +48,7 @@ struct footprint_range {
 
 typedef void outline_take(void *context, const struct outline *outline);
 
-/* Tells the outline of each triangle between low and high. */
+/* Calls take() with the part of each triangle that is between low and high. */
 static void walk_triangles(const struct footprint_range *range, outline_take *take, void *context)
 {
 	for (int m = 0; m < range->count; m++)
@@ -94,8 +97,7 @@ static int square_of(double at, double corner, double side)
 						 : (int)square;
 }
 
-/* Marks each square that the outline touches: row by row, from its lowest X in that row to its
- * highest. */
+/* Marks each square that the outline touches: in each row from its lowest X to its highest. */
 static void take_squares(void *context, const struct outline *outline)
 {
 	struct basis_footprint *foot = context;

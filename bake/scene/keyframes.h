@@ -25,11 +25,11 @@ int keyframes_settle(struct scene_file *file, const char *path, struct fault *fa
  */
 struct scene_mesh_values keyframe_mesh(const struct scene_file *file, int mesh, int pose);
 
-/* Keyframe that names the mesh's file in a pose; NULL: its own section does. */
+/* Returns the keyframe that names the mesh's file in a pose, or NULL if the mesh's section does. */
 const struct scene_keyframe_values *keyframe_of_file(const struct scene_file *file, int mesh,
 						     int pose);
 
-/* Name of a pose: that of the first keyframe at it; "": there is none. */
+/* Returns the name of the first keyframe at a pose, or "" if there is none. */
 const char *keyframe_pose_name(const struct scene_file *file, int pose);
 
 /* Returns the pose of this name or number, or -EINVAL. */

@@ -12,7 +12,7 @@ enum lights_option {
 	LIGHTS_FINE
 };
 
-/* For getopt_long(). */
+/* Entries of getopt_long()'s table. */
 #define LIGHTS_OPTIONS                                                                             \
 	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
 		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
@@ -21,7 +21,7 @@ enum lights_option {
 		"fine", required_argument, NULL, LIGHTS_FINE                                       \
 	}
 
-/* Takes one of these options with its argument. -EINVAL. */
+/* Parses one of these options and its argument. -EINVAL. */
 int lights_option_take(struct scene_lights *lights, int option, const char *text,
 		       struct fault *fault);
 

@@ -139,7 +139,7 @@ static int load_material(struct scene *scene, int k, struct fault *fault)
 	return 0;
 }
 
-/* Names an open mesh of glass that bends light: the path of light inside of it has no end. */
+/* Warns of an open mesh of glass that bends light: light inside of it has no way out. */
 static void warn_of_open_glass(const struct mesh *mesh, const struct material *material,
 			       const char *path)
 {
@@ -223,7 +223,7 @@ static void hash_file(const char *path, XXH3_state_t *state)
 		fclose(stream);
 }
 
-/* Adds what makes the poses of a scene differ, if it has several. */
+/* Adds the values by which poses differ, if there are several poses. */
 static void hash_poses(const struct scene_file *file, XXH3_state_t *state)
 {
 	for (int p = 0; p < file->poses.count && file->poses.count > 1; p++) {
@@ -243,7 +243,7 @@ static void hash_poses(const struct scene_file *file, XXH3_state_t *state)
 			hash_file(file->keyframe[k].file, state);
 }
 
-/* Hashes what was read, not paths: a scene that moves to another folder stays the same scene. */
+/* Hashes the contents of files, not their paths, so that a scene may move to another folder. */
 static uint64_t hash_scene(const struct scene *scene)
 {
 	const struct scene_file *file = scene->file;

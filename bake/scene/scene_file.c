@@ -8,7 +8,8 @@
 #include "bake/scene/keyframes.h"
 #include "hal/optics/dome.h"
 
-#define FAR 1e6 /* world units: beyond it single precision cannot resolve millimetres */
+/* Coordinates are at most this, in world units: single precision resolves 0.06 there (2^-24). */
+#define FAR 1e6
 
 #define CAMERA(f) offsetof(struct scene_camera_values, f)
 static const struct ini_key camera_keys[] = {

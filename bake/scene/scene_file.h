@@ -34,12 +34,12 @@ struct scene_render_values {
 	int samples;	     /* camera rays a pixel */
 	double noise_levels; /* above 0: target for the noise, which replaces samples */
 	int bounces, seed;
-	/* error of the encoding, in 8-bit levels; error_max 0: twice error_rms */
+	/* The encoding's errors, in 8-bit levels; error_max 0: twice error_rms. */
 	double error_rms, error_max, error_cell;
-	double column_cut; /* of struct basis_info_chunk; below 0: the program chooses */
+	double column_cut; /* as in struct basis_info_chunk; below 0: the program chooses */
 	int coarse;	   /* frequency of the coarse dome; 0: the program chooses */
 	bool exact;
-	bool cache; /* bounced light from a cache */
+	bool cache; /* bounced light comes from a cache */
 };
 
 struct scene_ground_values {
@@ -62,7 +62,7 @@ struct scene_poses_values {
 	int count; /* >= 1 */
 };
 
-/* Values of a mesh at one pose (keyframes.h). NAN: not given. */
+/* Values of a mesh at one pose (keyframes.h). A number that was not given is NAN. */
 struct scene_keyframe_values {
 	char name[SCENE_NAME_MAX];
 	char object[INI_TEXT_MAX];
@@ -99,7 +99,7 @@ struct scene_file {
 /* Reads a scene file. -ENOENT ..., -EINVAL. Faults name the file and, if the parser found them,
  * line, section and key. struct scene_file is large: put it on the heap. */
 int scene_file_read(struct scene_file *file, const char *path, struct fault *fault);
-/* The same from bytes of text, for tests; name stands for the path in faults. */
+/* Reads a scene file from memory, for tests; `name` stands for the path in faults. */
 int scene_file_read_memory(struct scene_file *file, const char *text, size_t bytes,
 			   const char *name, struct fault *fault);
 

@@ -6,10 +6,15 @@
 
 #include "hal/base/log.h"
 
+/* The survey is to take a moment only: it sends at most this many rays through the picture, and
+ * tries at most this many triangles of a mesh that they missed. */
 #define RAYS_MOST 65536
-#define TRIES_MOST 4096 /* triangles of a mesh that rays have missed */
-#define GLASS_MAX 32	/* surfaces of glass that a ray passes */
+#define TRIES_MOST 4096
+#define GLASS_MAX 32 /* a ray passes at most this many surfaces of glass */
+/* The winding number around a camera inside a closed mesh is 1, or -1; the tenth is for small
+ * holes. */
 #define INSIDE_LEAST 0.9
+/* Objects are warned of if more than this share of their height is below the ground. */
 #define SUNK_MUCH 0.5
 
 static int mesh_number(const struct scene *scene, const struct mesh *mesh)
@@ -53,7 +58,7 @@ static void count_pixels(const struct scene *scene, struct survey_mesh *mesh)
 		mesh[k].share /= rays;
 }
 
-/* Whether a ray to the middle of a triangle of mesh k meets the mesh. */
+/* Tells whether a ray to the middle of a triangle of mesh k meets the mesh. */
 static bool is_triangle_seen(const struct scene *scene, int k, const struct mesh_part *part, int t)
 {
 	const struct v3 sum = v3_add(v3_add(mesh_corner(part, t, 0), mesh_corner(part, t, 1)),
@@ -69,7 +74,7 @@ static bool is_triangle_seen(const struct scene *scene, int k, const struct mesh
 	return seen[k];
 }
 
-/* Whether anything is seen of a mesh that lies between the rays of the grid. */
+/* Tells whether any part of mesh k is seen, by rays to its triangles. */
 static bool is_seen(const struct scene *scene, int k)
 {
 	const struct mesh *mesh = &scene->meshes[k];
@@ -85,8 +90,8 @@ static bool is_seen(const struct scene *scene, int k)
 }
 
 /*
- * How often a mesh winds around the camera: the sum of its triangles' solid angles over 4 pi, with
- * sides a, b, c (van Oosterom and Strackee 1983)
+ * Returns the mesh's winding number around the camera: the sum of its triangles' solid angles over
+ * 4 pi. With a, b, c from the camera to the corners (van Oosterom and Strackee 1983),
  *     tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|)
  */
 static double winding(const struct mesh *mesh, struct v3 eye)

@@ -14,20 +14,21 @@ struct assembly {
 	const struct plan *plan;
 	struct basis_writer *writer;
 	uint16_t *coverage;	   /* [height][width] */
-	struct basis_glass *glass; /* of the open pose */
+	struct basis_glass *glass; /* the open pose's */
 	size_t glass_count, glass_room;
 	struct basis_footprint *feet; /* [info.poses] */
 	int poses_done;
-	bool footless; /* a pose has come without a footprint: none is written */
+	bool footless; /* a pose came without a footprint, so none is written */
 	struct ensemble_error error;
 	double noise_square;
 	int64_t noise_count;
 	struct encode_target target;
-	double worst; /* of all tiles: largest error / target */
+	double worst; /* largest error / target of all tiles so far */
 	struct assembly_report report;
 };
 
-/* Errors up to this multiple of the target hold it: the provenance has its numbers in six digits. */
+/* Errors up to this multiple of the target hold it, as the provenance has six digits of the
+ * target. */
 #define HELD 1.00001
 
 int assembly_open(struct assembly **assembly, const struct plan *plan, const char *path,

@@ -5,8 +5,10 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Nearest coarse nodes that are tried as corners; the triangle around a direction is among them. */
+/* The triangle around a direction has its corners among this many nearest coarse nodes: a node has
+ * at most six neighbours. */
 #define NEAR 8
+/* Weights and volumes below this are 0, but for rounding. */
 #define ROUNDING 1e-9
 
 struct corners {
@@ -33,7 +35,7 @@ static double chord(const double a[3], const double b[3])
 	return sqrt(fmax(2 - 2 * coarse_dot(a, b), 0));
 }
 
-/* Finds the NEAR nearest nodes, nearest first. Returns how many. */
+/* Finds the NEAR nearest nodes, nearest first. Returns their number. */
 static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR])
 {
 	double closeness[NEAR];
@@ -59,7 +61,8 @@ static int near_nodes(const struct dome *dome, const double dir[3], int out[NEAR
 	return count;
 }
 
-/* Computes the weights of three nodes, and their miss. False: they lie on one great circle. */
+/* Computes the weights of three nodes, and their miss. Returns false if they lie on one great
+ * circle. */
 static bool weigh_triangle(const struct dome *dome, const double dir[3], struct corners *c)
 {
 	const double *a = dome->direction[c->node[0]], *b = dome->direction[c->node[1]];

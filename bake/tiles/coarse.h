@@ -14,8 +14,9 @@
 
 /*
  * Sets gather [fine->count]. The weights are barycentric in the plane triangle of coarse nodes
- * around the light. A light outside all triangles, near the horizon, where the coarse dome may end
- * above it, has the weights of the nearest point of a triangle. Weights sum to BASIS_COARSE_ONE.
+ * around the light. Near the horizon the coarse dome may end above a light, which is then outside
+ * of all triangles and has the weights of the nearest point of one. Weights sum to
+ * BASIS_COARSE_ONE.
  */
 void coarse_fill(const struct dome *fine, const struct dome *coarse, struct basis_coarse *gather);
 

@@ -11,7 +11,7 @@ struct tile_account {
 	struct ensemble_error error;
 	double object_error, ratio_error; /* bounds, as in struct basis_info_chunk */
 	double noise_square;		  /* sum of squared standard errors, in 8-bit levels */
-	int64_t noise_count;		  /* how many these are */
+	int64_t noise_count;		  /* number of these */
 	uint64_t rays;
 	uint16_t coverage[BASIS_TILE * BASIS_TILE]; /* [y][BASIS_TILE]; 65535 = 1 */
 };
@@ -23,10 +23,10 @@ struct finished_tile {
 	int glass_count;
 	struct basis_glass *glass;
 	struct tile_account account;
-	double seconds; /* that it took; of this run alone, no file has it */
+	double seconds; /* time it took to make in this run; files do not have it */
 };
 
-/* Bytes of the payloads of count blocks. */
+/* Returns the bytes of the payloads of count blocks. */
 size_t finished_tile_bytes(const struct basis_block_payload *blocks, int count);
 
 /* Copies the blocks of both layers into one piece of memory. -ENOMEM. */

@@ -7,7 +7,8 @@
 #include "bake/base/strata.h"
 #include "hal/base/clock.h"
 
-/* How far a tile may be ahead of the one whose turn it is, unless it is of the sample. */
+/* A tile that is not of the sample is begun at most this far ahead of the one whose turn it is,
+ * which bounds the memory of those that wait. */
 #define WINDOW 64
 
 struct waiting_tile {
@@ -22,7 +23,7 @@ struct tile_queue {
 	struct strata strata;
 	struct waiting_tile waiting[WINDOW], sample[STRATA_MAX];
 	int next, err; /* the tile whose turn it is; the first error */
-	uint64_t rays; /* of all finished tiles */
+	uint64_t rays; /* rays of all finished tiles */
 	struct fault *fault;
 };
 
@@ -56,8 +57,9 @@ static void queue_hand_on(struct tile_queue *q)
 	pthread_cond_broadcast(&q->turned);
 }
 
-/* Waits until the tile is inside the window. False when a call has failed. Other tiles than the
- * sample, which is begun before them, are begun in order, so some thread is always at work on the one whose turn it is, and the wait ends. */
+/* Waits until the tile is inside the window. Returns false if a call has failed. The sample is
+ * begun first, and all other tiles in order, so some thread is always at work on the tile whose
+ * turn it is, and the wait ends. */
 static bool queue_wait(struct tile_queue *q, int index)
 {
 	bool go_on;

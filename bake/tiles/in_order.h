@@ -12,7 +12,7 @@
 struct in_order {
 	int tiles;
 	int tiles_after; /* tiles of later runs, which the progress includes */
-	/* of earlier runs: sums of rays, and of struct finished_tile.seconds */
+	/* Sums over earlier runs of rays and of struct finished_tile.seconds. */
 	uint64_t rays_before;
 	double seconds_before;
 	void *context;

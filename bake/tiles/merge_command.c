@@ -106,7 +106,7 @@ static int merge_pose(struct shards *all, int pose, struct assembly *assembly, s
 	for (int t = 0; t < tiles && more == 1; t++)
 		more = pass_on(&all->shard[((int64_t)pose * tiles + t) % all->count], assembly,
 			       fault);
-	/* once more for each shard: a pose ends with its peaks */
+	/* Each shard is asked once more than it has tiles, as a pose ends with its peaks. */
 	for (int k = 0; k < all->count && more >= 0; k++)
 		more = pass_on(&all->shard[k], assembly, fault);
 	if (more < 0)

@@ -17,8 +17,8 @@
 _Static_assert((int)BASIS_LIGHT_CELL == (int)DOME_CELLS && (int)BASIS_LIGHT_TENT == (int)DOME_TENTS,
 	       "files name shapes as the dome does");
 
-/* The coarse lights are those of a whole dome, even where the lights are finer in parts. Where they
- * would be all lights, there are none. */
+/* Sets the coarse lights: the nodes of a whole dome, even if the lights are finer in parts. There
+ * are none if they would be as many as the lights. */
 static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 		      struct fault *fault)
 {

@@ -17,12 +17,13 @@
 
 /* In scenes with stand-ins, a pixel whose ratio no lighting changes by more than RATIO_SHARE of the
  * error asked for is not stored. Near white, a change of the ratio by 1 is at most LEVELS_OF_RATIO
- * 8-bit levels. */
+ * 8-bit levels: 255 times the slope of sRGB at 1, 1.055 / 2.4 = 0.44. */
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
-/* Camera rays for each record of the cache, so that making it takes a small part of the bake; and
- * how many a pixel has, at least, where the noise decides. */
+/* There is a record of the cache for each RECORD_RAYS camera rays, so that making it takes a small
+ * part of the bake. If the noise decides, a pixel counts as RECORD_SAMPLES rays, the least it
+ * has. */
 #define RECORD_RAYS 128
 #define RECORD_SAMPLES 16
 /*
@@ -54,15 +55,15 @@ struct render_job {
 	struct render_worker *workers;
 	int worker_count;
 	struct cache *cache; /* of the current pose; NULL: none */
-	/* where finished tiles go; the other is NULL */
+	/* Finished tiles go to one of these; the other is NULL. */
 	struct assembly *assembly;
 	struct shard_writer *shard;
 	struct progress progress;
 	struct profile *profile; /* NULL: not asked for */
 	int first_pose, pose; /* poses of the scene: the first and the current one of this bake */
-	/* tiles of the current pose that this bake makes: first + k * step, k = 0..tiles-1 */
+	/* This bake makes the tiles first + k * step, k = 0..tiles-1, of the current pose. */
 	int tiles, first, step;
-	int tiles_all, done; /* tiles of all poses, of earlier poses */
+	int tiles_all, done; /* numbers of tiles of all poses, and of earlier poses */
 	double seconds;	     /* sum over finished tiles */
 	uint64_t rays;
 	bool object_seen;
@@ -132,7 +133,7 @@ static int create_tiles(struct render_job *job)
 	return err;
 }
 
-/* First surface at a point of the picture, 0..1 each, for the cache. */
+/* Finds the first surface at a point of the picture, 0..1 each, for the cache. */
 static bool render_look(void *context, double x, double y, struct surface *surface,
 			struct v3 *direction)
 {
@@ -370,7 +371,7 @@ static int render_start_workers(struct render_job *job)
 	return err;
 }
 
-/* Writes what determines the file: program, scene, options. */
+/* Writes all that determines the file: program, scene, options. */
 static void write_provenance(struct render_job *job)
 {
 	const struct render_settings *s = &job->settings;
@@ -472,7 +473,7 @@ static int render_set_up(struct render_job *job, const char *path, struct fault 
 	return render_open_file(job, path, fault);
 }
 
-/* The provenance is the same in each run, unless it holds a profile. */
+/* Adds the profile to the provenance, which is the same in each run only without one. */
 static void render_write_profile(struct render_job *job, const struct render_report *report)
 {
 	const size_t room = sizeof(job->plan.provenance);

@@ -19,10 +19,10 @@ struct render_settings {
 	double noise_levels; /* above 0: target for the noise, which replaces samples */
 	int bounces, seed;
 	struct encode_target target; /* max 0: RENDER_MAX_OF_RMS times rms */
-	double column_cut;	     /* of struct basis_info_chunk; below 0: chosen by plan.c */
+	double column_cut;	     /* as in struct basis_info_chunk; below 0: chosen by plan.c */
 	int coarse;		     /* frequency of the coarse dome; 0: chosen by plan.c */
 	bool exact;		     /* store the exact layer too */
-	bool cache;		     /* bounced light from a cache (bake/trace/cache.h) */
+	bool cache;		     /* bounced light comes from a cache (bake/trace/cache.h) */
 	struct shard_place shard;    /* count 0: the whole bake */
 	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
 	bool preview;		     /* the provenance says so (basis_is_preview()) */
@@ -34,18 +34,18 @@ struct render_settings {
 struct render_report {
 	uint64_t rays;
 	double seconds;
-	struct basis_info_chunk info;	   /* with the declared errors, but not for a shard */
-	uint64_t shown_bytes, exact_bytes; /* of all blocks */
+	struct basis_info_chunk info;	   /* has the declared errors, unless this is a shard */
+	uint64_t shown_bytes, exact_bytes; /* sizes of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
-	struct assembly_miss miss;	   /* but not for a shard */
-	double stage_s[PROFILE_STAGES];	   /* processor time by stage, if asked for; of the tiles */
+	struct assembly_miss miss;	   /* not set for a shard */
+	double stage_s[PROFILE_STAGES];	   /* processor time of the tiles by stage, if asked for */
 };
 
-/* Settings of the scene file. */
+/* Returns the settings of the scene file. */
 struct render_settings render_settings_of(const struct scene *scene);
 
 /*
- * Settings of a preview of the same picture, a few hundredths of the work of a bake. It has the size,
+ * Returns settings of a preview of the same picture: a few hundredths of the work. It has the size,
  * poses and seed of the bake, but not more than 46 lights, 4 samples a pixel and one bounce, errors
  * of at least 8 levels, and no exact layer. It holds no error that is asked for, but declares its
  * own, measured like any bake's.

@@ -52,13 +52,13 @@ static const struct option options[] = {
 	{NULL, 0, NULL, 0},
 };
 
-/* Options of the command line; numbers are negative where not given. */
+/* Options of the command line; a number that was not given is negative. */
 struct render_choices {
 	const char *output;
 	struct scene_lights lights;
 	int width, height, samples, seed, threads;
 	double noise;
-	struct encoding_said encoding;
+	struct encoding_choices encoding;
 	struct shard_place shard;
 	const char *pose;
 	bool quiet, profile, print_scene, preview, no_preview;
@@ -124,7 +124,7 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 		c->print_scene = true;
 		return 0;
 	default:
-		return encoding_option_take(&c->encoding, option, optarg, fault);
+		return encoding_option_parse(&c->encoding, option, optarg, fault);
 	}
 }
 
@@ -144,7 +144,7 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 		s->noise_levels = c->noise;
 	if (c->seed >= 0)
 		s->seed = c->seed;
-	encoding_said_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
+	encoding_choices_apply(&c->encoding, &s->target, &s->column_cut, &s->coarse, &s->exact);
 	s->shard = c->shard;
 	s->pose = c->pose;
 	s->threads = c->threads;
@@ -202,7 +202,8 @@ static int check_output(const struct scene_file *file, const char *path, const c
 	return output_check(&output, 1, read, count, fault);
 }
 
-/* Whether a finished basis file, or another file, stands at path: no preview may replace that. */
+/* Tells whether there is a finished basis file or another file at path, which no preview may
+ * replace. */
 static bool keeps_other(const char *path)
 {
 	struct basis basis;
@@ -225,8 +226,8 @@ static void warn_of_nothing(const char *path, const struct render_report *report
 			    path);
 }
 
-/* Says what the camera sees in the first pose that is baked. Only a scene that has no other is refused
- * where that is nothing. */
+/* Prints how much the camera sees of each object in the first pose that is baked. If it sees
+ * nothing, a scene with one pose is refused. */
 static int survey_first(struct scene *scene, const struct render_choices *c, struct fault *fault)
 {
 	int err = scene_find_pose(scene, c->pose, fault);
@@ -237,8 +238,8 @@ static int survey_first(struct scene *scene, const struct render_choices *c, str
 	return c->pose || scene->file->poses.count == 1 ? err : 0;
 }
 
-/* Leaves a preview at the output for as long as the bake takes. Returns 1; 0: there is another
- * file, which stays; or an error. */
+/* Leaves a preview at the output for as long as the bake takes. Returns 1, 0 if there is another
+ * file, which stays, or an error. */
 static int leave_preview(struct scene *scene, const char *path, const struct render_choices *c,
 			 const struct render_settings *settings, struct fault *fault)
 {
@@ -314,7 +315,7 @@ static int render_command_run(const struct bake_command *command, int argc, char
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,
-				   .encoding = ENCODING_UNSAID};
+				   .encoding = ENCODING_UNCHOSEN};
 	const int status = command_options(command, argc, argv, options, render_take_option, &c);
 
 	if (status != COMMAND_GOES_ON)

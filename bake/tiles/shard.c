@@ -66,7 +66,7 @@ int shard_first(const struct shard_place *place, int tiles, int pose)
 struct shard_writer {
 	struct output output;
 	size_t lights;
-	int pose; /* that is written at the moment */
+	int pose; /* the pose that is being written */
 };
 
 static int shard_put(struct shard_writer *w, const void *data, size_t bytes, struct fault *fault)
@@ -252,10 +252,10 @@ static int shard_check_header(const struct shard_stream *s, const struct shard_h
 	return 0;
 }
 
-/* Sum of the bytes that list_pieces() will list. */
+/* Returns the sum of the bytes that list_pieces() will list. */
 static uint64_t plan_bytes(const struct shard_header *h)
 {
-	const struct plan *plan = NULL; /* only for sizeof */
+	const struct plan *plan = NULL; /* used in sizeof alone */
 	const uint64_t n = h->info.lights;
 
 	return n * sizeof(*plan->light) + h->info.grounds * 3 * n * sizeof(*plan->ground) +
@@ -350,7 +350,8 @@ void shard_close(struct shard *shard)
 	*shard = (struct shard){.stream = NULL};
 }
 
-/* Reads the body of a record and checks it; the caller frees it. NULL: damaged or cut off. */
+/* Reads the body of a record and checks it; the caller frees it. Returns NULL if it is damaged or
+ * cut off. */
 static uint8_t *read_body(struct shard_stream *s, const struct shard_record *record,
 			  struct fault *fault)
 {

@@ -52,19 +52,19 @@ void shard_writer_abandon(struct shard_writer *writer);
 struct shard {
 	struct plan plan;
 	struct shard_place place;
-	/* These are of the pose that was read to its end last. */
+	/* Peaks and footprint of the last pose that was read to its end. */
 	float (*peak)[3]; /* [lights + 1]; NULL: there is none yet */
 	struct basis_footprint foot;
 	/* private */
 	struct shard_stream *stream;
 };
 
-/* Opens a shard and reads its plan. -EBADMSG: no shard, damaged, or cut off; -ENOTSUP: of another
- * version; -ENOENT ... On failure nothing stays open. */
+/* Opens a shard and reads its plan. -EBADMSG: it is no shard, damaged, or cut off; -ENOTSUP: it is
+ * of another version; -ENOENT ... On failure nothing stays open. */
 int shard_open(struct shard *shard, const char *path, struct fault *fault);
 
-/* Reads the next tile, which the caller frees. Returns 1; 0: the pose has no more tiles, and peak
- * and foot are set; -EBADMSG: damaged, or after the last pose; -ENOMEM. */
+/* Reads the next tile, which the caller frees. Returns 1, or 0 if the pose has no more tiles; peak
+ * and foot are then set. -EBADMSG: the shard is damaged, or has no more poses; -ENOMEM. */
 int shard_next(struct shard *shard, struct finished_tile *tile, struct fault *fault);
 
 /* Tells whether two shards belong to the same bake. */

@@ -12,8 +12,8 @@
 
 #define SHARD_MAGIC "INLAYSHD"
 #define SHARD_PROGRAM_MAX 32
-#define SHARD_NO_TILE                                                                              \
-	UINT32_MAX /* tile number of a pose's last record, which holds its peaks and footprint */
+/* A pose's last record has this tile number; it holds the pose's peaks and footprint. */
+#define SHARD_NO_TILE UINT32_MAX
 
 struct shard_header {
 	char magic[8];
@@ -26,14 +26,15 @@ struct shard_header {
 	uint64_t checksum; /* XXH3-64 of this header, with this field 0, and the plan */
 };
 
-/* Head of a record. The tile's account, pixels of glass, block entries and payloads follow. */
+/* The head of a record. The tile's account, pixels of glass, block entries and payloads follow
+ * it. */
 struct shard_record {
 	uint32_t tile;
 	uint32_t shown, exact;
 	uint32_t pose;
 	uint32_t glass; /* number of pixels of glass */
 	uint32_t reserved;
-	uint64_t bytes;	   /* that follow */
+	uint64_t bytes;	   /* number of bytes that follow */
 	uint64_t checksum; /* XXH3-64 of this struct, with this field 0, and what follows */
 };
 

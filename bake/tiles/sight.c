@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/tiles/sight.h"
 
-#define GLASS_MAX 32	 /* glass surfaces in a row */
-#define SAME_PLACE 1e-3f /* distance of two points taken as one, as a share of that to the camera */
+#define GLASS_MAX 32 /* a path passes at most this many surfaces of glass in a row */
+/* Two points count as one if they are nearer than this share of their distance to the camera: about
+ * a pixel of a picture 1,000 pixels wide. */
+#define SAME_PLACE 1e-3f
+/* The sky is taken to be this far away, in world units. */
 #define FAR_AWAY 1e6f
 
 static bool is_glass(const struct surface *s)
@@ -14,7 +17,7 @@ static bool is_glass(const struct surface *s)
 struct chosen_mirror {
 	struct surface at;
 	struct v3 direction;
-	struct rgb weight; /* of the chosen ray alone */
+	struct rgb weight; /* weight of the chosen ray alone */
 	float share, sum;  /* largest channel of its weight; sum of these over all rays */
 };
 

@@ -11,7 +11,7 @@
 
 #include "bake/scene/scene.h"
 
-/* End of a path through glass: the sky, a real surface, or a part of the object that is not
+/* The end of a path through glass: the sky, a real surface, or a part of the object that is not
  * glass. */
 struct sight {
 	struct rgb weight;	/* transmission of the path; 0: the path has ended */
@@ -33,8 +33,9 @@ static inline bool sight_is_real(const struct sight *sight)
 	return !sight->met || sight->surface.kind != SURFACE_OBJECT;
 }
 
-/* Finds the place, in pixels, at which the picture of the world without objects shows that real
- * surface, or what lies far away in that direction. False: it does not show it. */
+/* Finds the place, in pixels, at which the picture of the world without objects shows the end of
+ * the path: a real surface, or the sky far away in the path's direction. Returns false if it does
+ * not. */
 bool sight_place(const struct scene *scene, const struct sight *sight, double place[2]);
 
 #endif

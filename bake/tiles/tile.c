@@ -10,8 +10,10 @@
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
 
-#define BATCH_SAMPLES 4	   /* samples a pixel and batch, when there is a target for the noise */
-#define SAMPLES_MOST 16384 /* samples a pixel at which the target for the noise is given up */
+/* If there is a target for the noise, each batch has this many samples a pixel, and the target is
+ * given up at SAMPLES_MOST. */
+#define BATCH_SAMPLES 4
+#define SAMPLES_MOST 16384
 
 /* ---- memory ---- */
 

@@ -16,10 +16,10 @@ struct tile_settings {
 	double noise_levels; /* above 0: render until the noise is below this, in 8-bit levels */
 	double ratio_cut;    /* with stand-ins, pixels whose ratio changes less are left out */
 	uint64_t seed;
-	const struct ensemble *ensemble; /* noise is under its suns; NULL: not known */
+	const struct ensemble *ensemble; /* noise is measured under its suns; NULL: not at all */
 };
 
-/* The kinds of transport that a tile gathers. CHANGE and WITHOUT are of the real surfaces. */
+/* The kinds of transport that a tile gathers. CHANGE and WITHOUT belong to the real surfaces. */
 enum tile_kind {
 	TILE_OBJECT,  /* t */
 	TILE_CHANGE,  /* on flat ground (u - s) / u; with stand-ins s, finally u - s */
@@ -28,25 +28,26 @@ enum tile_kind {
 };
 
 /* Rows of one kind: sums over a pixel's samples, finally means. Samples are made in batches.
- * Bounced light of even and of odd batches is summed apart, as the two halves of struct
+ * Bounced light of even batches and that of odd ones have separate sums, the two halves of struct
  * bounce_halves. */
 struct tile_rows {
-	int channels;	  /* of direct */
+	int channels;	  /* channels of direct */
 	float *direct;	  /* [pixels][channels][lights]; NULL: this kind does not occur */
 	float *bounce[2]; /* [pixels][3][lights] */
 };
 
 /* Sums over a pixel's samples. */
 struct tile_pixel {
-	int object, receiver; /* samples that met an object; that saw a real surface */
-	/* Weight of the background, and of the real surfaces in it. A sample beside the object
-	 * counts 1, one through glass its transmission, the mean of three channels. */
+	int object, receiver; /* samples that met an object; samples that saw a real surface */
+	/* Weights of the background, and of the real surfaces in it. The weight of a sample beside
+	 * the object is 1, that of one through glass its transmission, the mean of three
+	 * channels. */
 	double other_weight, receiver_weight;
-	double through[3]; /* transmission of glass, to the background */
+	double through[3]; /* transmission of samples that see the background through glass */
 	double offset[2];  /* displacement by glass, in pixels, times weight */
-	/* Place seen through glass, from the pixel's centre, and its square, times weight: */
+	/* The place seen through glass, from the pixel's centre, and its square, times weight. */
 	double seen[2], seen_square[2];
-	double through_weight; /* sum of these weights */
+	double through_weight; /* weights of samples through glass */
 	bool changed;	       /* the object changes this pixel */
 };
 
@@ -59,13 +60,13 @@ struct tile {
 	const struct scene *scene;
 	const struct cells *cells;
 	struct tile_settings settings;
-	float *even_sky;		     /* [lights]: 1 */
+	float *even_sky;		     /* [lights]: all 1 */
 	float *radiance_scale, *ratio_scale; /* [lights]: scale of struct bounce_halves */
-	int x, y, width, height;	     /* of the tile in the picture, in pixels */
+	int x, y, width, height;	     /* the tile's rectangle in the picture, in pixels */
 	struct tile_pixel pixels[TILE_PIXELS];
 	struct tile_rows rows[TILE_KINDS];
 	int batches, samples, half_samples[2];
-	/* the result, ready for the encoder: */
+	/* The result, ready for the encoder. */
 	uint16_t object_pixel[TILE_PIXELS], change_pixel[TILE_PIXELS];
 	struct encode_samples part[TILE_KINDS];
 	int part_count;
@@ -73,7 +74,7 @@ struct tile {
 	uint16_t opaque[TILE_PIXELS];	/* coverage minus the largest transmission of glass */
 	struct basis_glass glass[TILE_PIXELS];
 	int glass_count;
-	double ratio_error; /* largest change of the ratio that was left out */
+	double ratio_error; /* the largest change of a ratio that was left out */
 	struct tile_noise *noise;
 };
 
@@ -86,7 +87,7 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 		const struct tile_settings *settings, int bounces);
 void tile_free(struct tile *tile); /* idempotent; zeroed is fine */
 
-/* Floats of one pixel's row. */
+/* Return the number of floats of one pixel's row. */
 static inline size_t tile_direct_size(const struct tile *tile, enum tile_kind kind)
 {
 	return (size_t)tile->rows[kind].channels * (size_t)tile->cells->count;
@@ -97,7 +98,7 @@ static inline size_t tile_bounce_size(const struct tile *tile)
 	return 3 * (size_t)tile->cells->count;
 }
 
-/* Index of the bounce rows to which the current batch adds, 0 or 1. */
+/* Returns the index, 0 or 1, of the bounce rows to which the current batch adds. */
 static inline int tile_half_of_batch(const struct tile *tile)
 {
 	return (tile->batches - 1) & 1;

@@ -4,8 +4,9 @@
 #include "bake/tiles/sight.h"
 
 #define OFFSET_MAX 2047.0 /* largest displacement, in pixels, that 16 bits hold */
-#define SPREAD_MAX 24.0	  /* in pixels: a frame reads at most this + 1 for one pixel */
-/* Light of less weight is not seen: half a step of 16 bits. */
+#define SPREAD_MAX                                                                                 \
+	24.0 /* a pixel is spread over at most this many pixels; bounds a frame's reads */
+/* Light of less weight than half a step of 16 bits is not seen. */
 #define WEIGHT_LEAST (0.5f / 65535)
 
 static void glass_add_background(struct tile *tile, const struct tile_sample *s,
@@ -67,9 +68,9 @@ static uint16_t glass_share(double sum, int samples)
 	return (uint16_t)lround(fmin(65535 * sum / samples, 65535));
 }
 
-/* Side of the rectangle whose points have the same variance as the places that were seen:
+/* Returns the side of the rectangle that has the variance of the places seen:
  *     side = sqrt(12 * variance)
- * The background is blurred by the camera already: its own spread is taken away. */
+ * The variance of the camera's own blur is subtracted, as the background has it already. */
 static uint8_t glass_spread(const struct tile_pixel *p, double edge_spread_px, int axis)
 {
 	const double mean = p->seen[axis] / p->through_weight;

@@ -5,9 +5,9 @@
 
 #include "bake/tiles/tile_sample.h"
 
-/* Adds a sample that met glass of the object. Light that passes, straight or refracted, from a
- * place that the picture shows counts as background; all other light is the object's, and goes to
- * rows. */
+/* Adds a sample that met glass of the object. Light that passes through, straight or refracted,
+ * counts as background if it comes from a place that the picture shows. All other light is the
+ * object's and goes to rows. */
 void tile_glass_add(struct tile *tile, const struct tile_sample *sample,
 		    const struct transport_rows *rows);
 

@@ -8,10 +8,12 @@
 
 #include "hal/colour/transfer.h"
 
-#define LANES 8		/* partial sums of a row, so that additions do not wait for each other */
-#define BLOCKS_FEWEST 4 /* runs below which their differences say little */
-#define SCALES 3	/* lengths at which runs are compared: 1, 2 and 4 blocks */
-#define FALL_LEAST 0.25 /* least q: the mean of smooth light is off by 1 / n^1.5 */
+#define LANES 8		/* a row has this many partial sums, so that additions do not wait */
+#define BLOCKS_FEWEST 4 /* fewer runs have too few differences for an estimate */
+#define SCALES 3	/* runs are compared at three lengths: 1, 2 and 4 blocks */
+/* The least q: the mean of n samples of smooth light is off by 1 / n^1.5, so V falls to a
+ * quarter. */
+#define FALL_LEAST 0.25
 
 int tile_noise_create(struct tile *tile)
 {
@@ -31,7 +33,7 @@ static void join_sums(float *sum)
 		sum[k] = k < TILE_NOISE_BLOCKS / 2 ? sum[2 * k] + sum[2 * k + 1] : 0;
 }
 
-/* Makes one run of each two. */
+/* Joins the runs in pairs. */
 static void join_blocks(struct tile_noise *n)
 {
 	struct tile_noise_value *v = n->value[0][0];
@@ -79,16 +81,16 @@ static double sum_row(const float *row, const float *weight, int count)
 	return sum;
 }
 
-/* Factors [lights] of a kind's direct values under a uniform sky of radiance 1: blocked light on
- * flat ground is counted in whole cells, all other values are radiance. */
+/* Returns the factors [lights] of a kind's direct values under a uniform sky of radiance 1. Blocked
+ * light on flat ground is counted in whole cells; all other values are radiance. */
 static const float *direct_sky(const struct tile *tile, enum tile_kind kind)
 {
 	return kind == TILE_CHANGE && !tile_has_standins(tile) ? tile->cells->share
 							       : tile->even_sky;
 }
 
-/* A kind's light in one pixel and channel, of the last batch, under each sun: [0] all, [1] what the
- * sun gives of bounced light. */
+/* Computes a kind's light of the last batch in one pixel and channel, under each sun: [0] is all of
+ * it, [1] the bounced light of the sun's cell. */
 static void sum_kind(struct tile *tile, enum tile_kind kind, int at, int c,
 		     double sum[ENSEMBLE_SUNS][TILE_KINDS][2])
 {
@@ -124,7 +126,7 @@ static void sum_kind(struct tile *tile, enum tile_kind kind, int at, int c,
 /* Weights of the background in the last batch. */
 struct batch_weight {
 	double other, receiver; /* as in struct tile_pixel */
-	double shown[3];	/* of what is seen of the background in each channel */
+	double shown[3];	/* weight of the background in each channel */
 };
 
 static struct batch_weight weigh_batch(struct tile *tile, int at)
@@ -141,14 +143,14 @@ static struct batch_weight weigh_batch(struct tile *tile, int at)
 	return (struct batch_weight){
 		.other = fresh[0],
 		.receiver = fresh[1],
-		/* what lies beside the object, and through it */
+		/* The weight beside the object, plus the transmission through it. */
 		.shown = {fresh[0] - fresh[2] + fresh[3], fresh[0] - fresh[2] + fresh[4],
 			  fresh[0] - fresh[2] + fresh[5]},
 	};
 }
 
-/* The ground's light with the object over that without, less 1; *bounce: what bounced light has in
- * it. ground: what white ground sends back. */
+/* Returns (ground's light with the object) / (without) - 1, and in *bounce the part of it that is
+ * bounced light. ground is the light that white ground sends back. */
 static double ground_change(const struct tile *tile, const struct batch_weight *w,
 			    const double sum[TILE_KINDS][2], double ground, double *bounce)
 {
@@ -202,7 +204,8 @@ void tile_noise_add(struct tile *tile, int at)
 
 /* ---- the filter ---- */
 
-/* What a value of bounced light in a kind's row, at the sun's cell, adds to the picture. */
+/* Returns the factor by which bounced light in a kind's row, at the cell of sun k, adds to the
+ * picture. */
 static double shown_bounce(const struct tile *tile, enum tile_kind kind, int at, int c, int k)
 {
 	const struct tile_noise *n = tile->noise;
@@ -227,7 +230,8 @@ void tile_noise_filtered(struct tile *tile, enum tile_kind kind, const uint16_t 
 	const struct ensemble *ensemble = tile->settings.ensemble;
 	const size_t count = (size_t)tile->cells->count;
 
-	/* light without the object counts by as much as the object changes it: little */
+	/* The noise of light without the object counts only as far as the object changes it:
+	 * little. */
 	if (!ensemble || kind == TILE_WITHOUT)
 		return;
 	tile->noise->filtered = true;
@@ -248,7 +252,8 @@ void tile_noise_filtered(struct tile *tile, enum tile_kind kind, const uint16_t 
 
 /* ---- the estimate ---- */
 
-/* Four, six or eight runs: an odd one would bring little, as it is no net with the others. */
+/* Accepts even numbers of runs only: two runs together form a (t, m, 2)-net, an odd run stays
+ * alone. */
 bool tile_noise_ready(const struct tile *tile)
 {
 	const struct tile_noise *n = tile->noise;
@@ -256,7 +261,7 @@ bool tile_noise_ready(const struct tile *tile)
 	return n->blocks >= BLOCKS_FEWEST && n->blocks % 2 == 0 && n->batches == n->batches_each;
 }
 
-/* Mean square of what an error up and one down change in the picture, in levels. */
+/* Returns the mean square of the changes, in levels, by an error up and by one down. */
 static double level_square(double mean, double error)
 {
 	const double is = transfer_encode(TRANSFER_SRGB, mean);
@@ -266,15 +271,14 @@ static double level_square(double mean, double error)
 	return (up * up + down * down) / 2;
 }
 
-/* D by the length of runs, 2^s blocks. */
+/* D of runs of 2^s blocks. */
 struct noise_law {
-	double square
-		[SCALES];  /* squared errors that it would mean, in levels; summed over values */
-	int pairs[SCALES]; /* of runs that are compared */
-	double filtered;   /* squared errors in filtered light */
+	double square[SCALES]; /* D as squared errors in levels, summed over values */
+	int pairs[SCALES];     /* number of pairs of runs that are compared */
+	double filtered;       /* squared errors of filtered light, summed over values */
 };
 
-/* D of runs of so many blocks: a mean over their pairs. */
+/* Returns D of runs of `length` blocks: the mean over their pairs. */
 static double run_difference(const struct tile_noise *n, const float *sum, int length, int *pairs)
 {
 	double square = 0;
@@ -293,7 +297,7 @@ static double run_difference(const struct tile_noise *n, const float *sum, int l
 	return *pairs ? square / *pairs : 0;
 }
 
-/* all: samples. */
+/* Adds the errors of one value to the law. all is the number of samples. */
 static void add_value(struct tile_noise *n, const struct tile_noise_value *v, double all,
 		      struct noise_law *law)
 {
@@ -315,7 +319,8 @@ static void add_value(struct tile_noise *n, const struct tile_noise_value *v, do
 		law->square[s] += scale * found[s];
 }
 
-/* V of so many blocks, over that of one. They are runs of powers of two, each a net by itself. */
+/* Returns V of `blocks` blocks / V of one. The blocks divide into runs of powers of two, each a net
+ * by itself. */
 static double fall_of(int blocks, double q)
 {
 	double sum = 0;
@@ -326,7 +331,7 @@ static double fall_of(int blocks, double q)
 	return sum / blocks;
 }
 
-/* Squared error of all samples, from D at each length by their law. */
+/* Returns the squared error of all samples: q is fitted to D at all lengths, and V extrapolated. */
 static double law_at(const struct noise_law *law, int blocks)
 {
 	double q = 1, sum = 0;

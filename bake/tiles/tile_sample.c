@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Rows are cleared when they are first used, as most tiles do not use most of them. */
+/* Rows are cleared only when they are first used, as most tiles do not use most of them. */
 struct transport_rows tile_rows_for(struct tile *tile, enum tile_kind kind, int at, bool first)
 {
 	const struct tile_rows *rows = &tile->rows[kind];

@@ -10,34 +10,40 @@
 
 enum {
 	BANDS = 32,
-	EACH = 128,	   /* points of a band */
-	ENOUGH = EACH / 4, /* that have to count */
-	MEMORY = 16,	   /* frames that means are over */
-	BEGIN = 6	   /* frames after which M is one, gains are, and flicker is found */
+	POINTS = 128,		   /* in each band */
+	POINTS_LEAST = POINTS / 4, /* usable points that a band's gain needs */
+	MEMORY = 16,		   /* frames over which means are taken */
+	/* A point's M is usable after this many frames, the powers after one more, and flicker is
+	 * found once it was there in this many successive frames. */
+	BEGIN = 6
 };
 
-/* Code values between which a point counts. */
+/* A point is used if its code value lies between these: darker ones are mostly noise, brighter ones
+ * may be clipped. These and the constants above and below were chosen by trial; make look shows
+ * their effect. */
 #define DARKEST 12
 #define BRIGHTEST 249
-/* RMS of gains - 1 from which rows are followed, and below which no more. */
+/* Rows are followed once the RMS of gain - 1 exceeds FOUND, until it falls below LOST. */
 #define FOUND 0.012f
 #define LOST 0.008f
-#define ALIKE 0.7f /* share of the power that successive frames may have together */
+/* Flicker's covariance between successive frames is below this share of its power. */
+#define ALIKE 0.7f
 
 struct flicker {
 	int height;
 	float decode[256];
 	struct {
 		int x, y;
-		float mean[3]; /* linear light, R, G, B */
-		int seen[3];   /* frames in it, at most MEMORY */
-	} point[BANDS][EACH];
-	int frames;		 /* looked at, at most MEMORY */
-	float gain[2][BANDS][3]; /* - 1; of this frame and the one before */
-	float still[BANDS][3];	 /* mean of gains - 1, taken from them */
-	float power, together;	 /* of gains in adjacent bands; of these in successive frames */
-	int told;		 /* successive frames in which it is flicker */
-	bool found;
+		float mean[3]; /* M, linear light, R, G, B */
+		int usable[3]; /* frames that M is the mean of, at most MEMORY */
+	} point[BANDS][POINTS];
+	int frames;		  /* number of frames so far, at most MEMORY */
+	float gain[2][BANDS][3];  /* gain - 1 less standing, of this frame and of the one before */
+	float standing[BANDS][3]; /* running mean of gain - 1: a pattern that does not move */
+	float power;		  /* mean product of gains in adjacent bands */
+	float covariance;	  /* mean product of gains in successive frames */
+	int streak;		  /* successive frames that look like flicker */
+	bool found;		  /* the streak is long enough */
 	int32_t (*rows)[3];
 };
 
@@ -55,11 +61,12 @@ int flicker_create(struct flicker **flicker, int width, int height,
 	f->height = height;
 	for (int i = 0; i < 256; i++)
 		f->decode[i] = (float)transfer_curve_decode(curve, i / 255.0);
-	/* A sequence of low discrepancy: multiples of the plastic number's powers (Roberts 2018). */
+	/* Multiples of the plastic number's inverse powers are a low-discrepancy sequence, R2 of
+	 * Roberts 2018: they cover each band evenly. */
 	for (int b = 0; b < BANDS; b++)
-		for (int i = 0; i < EACH; i++) {
-			const double x = fmod(0.5 + (b * EACH + i) * 0.7548776662466927, 1);
-			const double y = fmod(0.5 + (b * EACH + i) * 0.5698402909980532, 1);
+		for (int i = 0; i < POINTS; i++) {
+			const double x = fmod(0.5 + (b * POINTS + i) * 0.7548776662466927, 1);
+			const double y = fmod(0.5 + (b * POINTS + i) * 0.5698402909980532, 1);
 
 			f->point[b][i].x = (int)(x * width);
 			f->point[b][i].y = (int)((b + y) * height / BANDS);
@@ -75,55 +82,56 @@ void flicker_destroy(struct flicker *flicker)
 	free(flicker);
 }
 
-/* B / M of the points of a band that count, and makes them part of M. Returns how many. */
-static int band_look(struct flicker *f, int b, int c, const struct picture *picture, float scale,
-		     float *ratio)
+/* Computes B / (s M), scale = 1 / s, at a band's usable points, and updates each M. Returns the
+ * number of ratios. */
+static int band_ratios(struct flicker *f, int b, int c, const struct picture *picture, float scale,
+		       float *ratio)
 {
 	int count = 0;
 
-	for (int i = 0; i < EACH; i++) {
+	for (int i = 0; i < POINTS; i++) {
 		const uint8_t code = picture->origin[f->point[b][i].y * picture->y_step +
 						     f->point[b][i].x * picture->x_step + 2 - c];
 		float *mean = &f->point[b][i].mean[c];
-		int *seen = &f->point[b][i].seen[c];
-		float seen_light;
+		int *usable = &f->point[b][i].usable[c];
+		const float light = f->decode[code] * scale;
 
-		seen_light = f->decode[code] * scale;
-		if (code < DARKEST || code > BRIGHTEST || !(seen_light > 0))
+		if (code < DARKEST || code > BRIGHTEST || !(light > 0))
 			continue;
-		if (*seen >= BEGIN)
-			ratio[count++] = seen_light / *mean;
-		*seen += *seen < MEMORY;
-		*mean = *seen == 1 ? seen_light : *mean + (seen_light - *mean) / (float)*seen;
+		if (*usable >= BEGIN)
+			ratio[count++] = light / *mean;
+		*usable += *usable < MEMORY;
+		*mean = *usable == 1 ? light : *mean + (light - *mean) / (float)*usable;
 	}
 	return count;
 }
 
-/* Gains of a channel's bands; where too few points tell one, it is that of the band above. */
-static void channel_look(struct flicker *f, int c, const struct picture *picture, float scale)
+/* Measures the gain of a channel's bands. A band with too few usable points takes the gain of the
+ * band above it. */
+static void channel_gains(struct flicker *f, int c, const struct picture *picture, float scale)
 {
 	float(*gain)[3] = f->gain[0];
-	float ratio[EACH];
+	float ratio[POINTS];
 
 	for (int b = 0; b < BANDS; b++) {
-		const int n = band_look(f, b, c, picture, scale, ratio);
+		const int n = band_ratios(f, b, c, picture, scale, ratio);
 
-		if (n >= ENOUGH) {
+		if (n >= POINTS_LEAST) {
 			const float off = select_median(ratio, n) - 1;
 
-			f->still[b][c] += (off - f->still[b][c]) / (float)f->frames;
-			gain[b][c] = fminf(fmaxf(off - f->still[b][c], -0.75f), 3);
+			f->standing[b][c] += (off - f->standing[b][c]) / (float)f->frames;
+			gain[b][c] = fminf(fmaxf(off - f->standing[b][c], -0.75f), 3);
 		} else {
 			gain[b][c] = b ? gain[b - 1][c] : 0;
 		}
 	}
 }
 
-/* Adds the frame to the powers, and finds whether lamps flicker. What all bands have in common may be
- * people or exposure. */
+/* Updates power and covariance by this frame, and decides whether lamps flicker. The mean over all
+ * bands is subtracted, as people or exposure may change it. */
 static void flicker_judge(struct flicker *f)
 {
-	float power = 0, together = 0;
+	float power = 0, covariance = 0;
 
 	for (int c = 0; c < 3; c++) {
 		float mean[2] = {0, 0};
@@ -135,19 +143,20 @@ static void flicker_judge(struct flicker *f)
 			const float off = f->gain[0][b][c] - mean[0];
 
 			power += off * (f->gain[0][b + 1][c] - mean[0]) / (3 * (BANDS - 1));
-			together += off * (f->gain[1][b][c] - mean[1]) / (3 * (BANDS - 1));
+			covariance += off * (f->gain[1][b][c] - mean[1]) / (3 * (BANDS - 1));
 		}
 	}
 	f->power += (power - f->power) / MEMORY;
-	f->together += (together - f->together) / MEMORY;
-	f->told = f->power > (f->found ? LOST * LOST : FOUND * FOUND) &&
-				  f->together < ALIKE * f->power
-			  ? f->told + 1
-			  : 0;
-	f->found = f->told >= BEGIN;
+	f->covariance += (covariance - f->covariance) / MEMORY;
+	f->streak = f->power > (f->found ? LOST * LOST : FOUND * FOUND) &&
+				    f->covariance < ALIKE * f->power
+			    ? f->streak + 1
+			    : 0;
+	f->found = f->streak >= BEGIN;
 }
 
-/* Interpolates the bands' gains; above the first middle and below the last they are constant. */
+/* Interpolates the bands' gains, which hold at the bands' middles. Rows above the first middle and
+ * below the last take the gain of that band. */
 static void rows_fill(struct flicker *f)
 {
 	for (int y = 0; y < f->height; y++) {
@@ -170,7 +179,7 @@ void flicker_look(struct flicker *f, const struct picture *background, const flo
 	f->frames += f->frames < MEMORY;
 	memcpy(f->gain[1], f->gain[0], sizeof(f->gain[0]));
 	for (int c = 0; c < 3; c++)
-		channel_look(f, c, background, 1 / expected[c]);
+		channel_gains(f, c, background, 1 / expected[c]);
 	if (f->frames > BEGIN + 1)
 		flicker_judge(f);
 	if (f->found)

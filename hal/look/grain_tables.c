@@ -3,7 +3,9 @@
 
 #include <math.h>
 
-#define MOVED 0.05
+/* Tables are made anew once a correlation has moved by this; chosen, as a change of a twentieth
+ * cannot be seen in the picture. */
+#define CORRELATION_MOVED 0.05
 
 static uint64_t random_bits(uint64_t *state)
 {
@@ -14,7 +16,8 @@ static uint64_t random_bits(uint64_t *state)
 	return x ^ (x >> 31);
 }
 
-/* Normal to within what eyes see: the sum of twelve uniform numbers, in exact arithmetic. */
+/* Returns a nearly normal number of mean 0 and variance 1: the sum of twelve uniform numbers, less
+ * 6. Integers keep it exact, so that it is the same on every machine. */
 static double random_normal(uint64_t *state)
 {
 	int64_t sum = 0;
@@ -28,9 +31,9 @@ static double random_normal(uint64_t *state)
 	return (double)sum * 0x1p-21 - 6;
 }
 
-/* Noise that is correlated with its neighbour to the left and above: autoregressive of order one in
- * both directions, v = r v' + sqrt(1 - r^2) w, which keeps the variance. */
-static void correlated(double across, double down, uint64_t *state, float (*to)[GRAIN_SIDE])
+/* Makes noise of variance 1 that is correlated with its neighbours to the left and above. It is
+ * autoregressive of order one in both directions: v = r v' + sqrt(1 - r^2) w, with w white. */
+static void make_correlated(double across, double down, uint64_t *state, float (*to)[GRAIN_SIDE])
 {
 	const double w_across = sqrt(1 - across * across), w_down = sqrt(1 - down * down);
 
@@ -57,9 +60,9 @@ static void make_tables(struct grain_tables *t, const struct sensor_noise_model 
 	const double shared = sqrt(m->channels), alone = sqrt(1 - m->channels);
 	uint64_t state = 1;
 
-	correlated(m->across, m->down, &state, common);
+	make_correlated(m->across, m->down, &state, common);
 	for (int c = 0; c < 3; c++) {
-		correlated(m->across, m->down, &state, own);
+		make_correlated(m->across, m->down, &state, own);
 		for (int y = 0; y < GRAIN_SIDE; y++)
 			for (int x = 0; x < GRAIN_SIDE; x++)
 				t->n[c][y][x] = table_value(shared * (double)common[y][x] +
@@ -74,8 +77,9 @@ static void make_tables(struct grain_tables *t, const struct sensor_noise_model 
 void grain_tables_fit(struct grain_tables *t, const struct sensor_noise_model *m,
 		      struct grain *grain)
 {
-	if (!t->made || fabs(t->across - m->across) > MOVED || fabs(t->down - m->down) > MOVED ||
-	    fabs(t->channels - m->channels) > MOVED)
+	if (!t->made || fabs(t->across - m->across) > CORRELATION_MOVED ||
+	    fabs(t->down - m->down) > CORRELATION_MOVED ||
+	    fabs(t->channels - m->channels) > CORRELATION_MOVED)
 		make_tables(t, m);
 	for (int c = 0; c < 3; c++) {
 		grain->floor[c] = (float)m->floor[c];

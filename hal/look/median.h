@@ -2,7 +2,7 @@
 #ifndef INLAY_HAL_LOOK_MEDIAN_H
 #define INLAY_HAL_LOOK_MEDIAN_H
 
-/* Median of count > 0 values, which are put into another order (Hoare's selection). */
+/* Returns the median of count > 0 values (Hoare's selection). Their order changes. */
 float select_median(float *value, int count);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A share of neutral light, for objects whose colours must be recognised: of a brand, say. */
+/* Mixes grey into the light, so that colours that must be recognised (a brand's) stay
+ * themselves. */
 #ifndef INLAY_HAL_LOOK_NEUTRAL_LIGHT_H
 #define INLAY_HAL_LOOK_NEUTRAL_LIGHT_H
 
@@ -8,7 +9,7 @@
  *
  *     L' = (1 - share) L + share Y (1, 1, 1)    Y = 0.2126 R + 0.7152 G + 0.0722 B
  *
- * radiance[count]: R, G, B in linear light; share: 0..1. The luminance stays.
+ * radiance[count] holds R, G, B in linear light; share is 0..1. The luminance does not change.
  */
 void neutral_light(double (*radiance)[3], int count, double share);
 

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Measures a camera's noise from differences of successive frames, in small blocks spread over the
- * picture. In each block the mean difference, which a change of light makes, is taken away; a block
- * in which something moves is an outlier, and what counts is the median over blocks of one level.
- * From code values to linear light by the slope of the transfer function; rounding to code values
- * adds 1/12 and is taken away. Fitted is
+ * picture. The mean difference of a block is subtracted, as a change of light makes it. The median
+ * of the blocks' variances is taken at each level of brightness, so that blocks in which something
+ * moves do not matter. Rounding to code values adds 1/12, which is subtracted; the slope of the
+ * transfer function converts code values to linear light L, of which white is 1. The model is
  *
- *     sigma^2(L) = floor + slope L        L: linear light, white is 1
+ *     sigma^2(L) = floor + slope L
  *
- * and how far neighbouring pixels, and channels, have their noise in common.
+ * with the correlations of neighbouring pixels and of channels.
  */
 #ifndef INLAY_HAL_LOOK_SENSOR_NOISE_H
 #define INLAY_HAL_LOOK_SENSOR_NOISE_H
@@ -21,12 +21,12 @@
 
 struct sensor_noise;
 
-/* width, height: of the pictures, at least 8. -ENOMEM, -EINVAL. */
+/* width and height are the pictures' size, at least 8. -ENOMEM, -EINVAL. */
 int sensor_noise_create(struct sensor_noise **noise, int width, int height,
 			const struct transfer_curve *curve);
 void sensor_noise_destroy(struct sensor_noise *noise); /* NULL is harmless */
 
-/* Looks at the next frame. */
+/* Adds the next frame to the measurement. */
 void sensor_noise_watch(struct sensor_noise *noise, const struct picture *picture);
 
 struct sensor_noise_model {
@@ -35,7 +35,7 @@ struct sensor_noise_model {
 	double channels;	   /* correlation of two channels, 0..1 */
 };
 
-/* Fits the model. False: too few frames were seen yet, and *model is unchanged. */
+/* Fits the model. Returns false and leaves *model if there were too few frames yet. */
 bool sensor_noise_fit(const struct sensor_noise *noise, struct sensor_noise_model *model);
 
 #endif
