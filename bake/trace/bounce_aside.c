@@ -7,7 +7,8 @@
 
 #include "hal/basis/basis_format.h"
 
-/* A plane counts as linearly dependent when the others leave less than this of it, in pixels. */
+/* A plane counts as linearly dependent if less than this length of it, in pixels, remains beside
+ * the others. Three pixels that are nearly in line leave 0.04. */
 #define PLANE_LEAST 1e-3
 
 size_t bounce_aside_floats(size_t lights)
@@ -38,8 +39,8 @@ static double mean_sum(const struct bounce_aside *aside, const struct bounce_hal
 	return in->share[0] * aside->sum[row][0] + in->share[1] * aside->sum[row][1];
 }
 
-/* Finds the profile of sum 1 whose multiples, by the rows' sums, fit all rows of the mean best
- * (least squares). False: there is no light, or it is not finite. */
+/* Finds the profile of sum 1 that, times each row's sum, fits the rows of the mean best (least
+ * squares). Returns false if there is no light, or it is not finite. */
 static bool find_profile(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const size_t lights = aside->lights, rows = (size_t)in->rows;
@@ -58,8 +59,8 @@ static bool find_profile(struct bounce_aside *aside, const struct bounce_halves 
 	return true;
 }
 
-/* Subtracts sums times profile, and scales. Returns the squared difference between the halves'
- * sums; *apart: that between the halves. */
+/* Subtracts sums times profile, and scales. Returns the squared difference of the halves' sums
+ * times profile; *apart becomes that of the halves themselves. */
 static double set_sums_aside(const struct bounce_aside *aside, const struct bounce_halves *in,
 			     double *apart)
 {
@@ -116,8 +117,8 @@ static void find_planes(struct bounce_aside *aside, const struct bounce_halves *
 	}
 }
 
-/* Wiener weight of a slope of which halves a and b are given. Adds the squared error to *error: of
- * the noise that stays, and of the light that is lost. */
+/* Returns the Wiener weight of a slope, given by halves a and b. Adds to *error the squared noise
+ * that stays and the squared light that is lost. */
 static float weigh_slope(const float *a, const float *b, size_t count, double *error)
 {
 	const double both = bounce_dot(a, b, count), light = fmax(both, 0);
@@ -129,8 +130,8 @@ static float weigh_slope(const float *a, const float *b, size_t count, double *e
 	return (float)weight;
 }
 
-/* Subtracts planes. Means keep weight 1; slopes are weighted by what the halves agree on. Returns
- * the squared error. */
+/* Subtracts planes. Means keep weight 1; slopes have the Wiener weight of their halves. Returns the
+ * squared error of the weighted planes. */
 static double set_planes_aside(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const int pixels = in->rows / BOUNCE_CHANNELS;
@@ -172,7 +173,7 @@ bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *in
 	return true;
 }
 
-/* to: becomes what it stands for, with so much of each half's sums and planes. */
+/* Restores `to`: removes its scale and adds share[h] times the sums and planes of half h. */
 static void put_back(const struct bounce_aside *aside, const struct bounce_halves *in,
 		     const double share[2], float *to)
 {
