@@ -223,17 +223,17 @@ static double filtered_error(const struct bounce_scratch *s, float *const half[2
 			     const struct bounce_verdict *v, double aside)
 {
 	const size_t count = (size_t)s->rows * (size_t)s->lights;
-	const double together = filtered_dot(s, v);
-	double lost = bounce_dot(half[0], half[1], count) + together, apart = -2 * together;
+	const double shared = filtered_dot(s, v);
+	double lost = bounce_dot(half[0], half[1], count) + shared, difference = -2 * shared;
 
 	for (int k = 0; k < v->kept; k++)
 		for (int h = 0; h < 2; h++) {
 			const double value = v->weight[k] * (double)s->of[h].value[k];
 
 			lost -= value * v->found[h][k];
-			apart += value * value;
+			difference += value * value;
 		}
-	return fmax(lost, 0) + apart / 4 + aside;
+	return fmax(lost, 0) + difference / 4 + aside;
 }
 
 /* Decomposes both halves and sets the verdict. Returns 0 or LAPACK's error. */
@@ -260,16 +260,16 @@ static int bounce_judge(struct bounce_scratch *s, float *const half[2], struct b
 /* ---- the filter ---- */
 
 /* Sets half[0] to the mean, half[1] to its noise. */
-static void take_mean(const struct bounce_halves *in, size_t lights)
+static void set_mean(const struct bounce_halves *in, size_t lights)
 {
 	const float share[2] = {(float)in->share[0], (float)in->share[1]};
-	const float apart = (float)sqrt(in->share[0] * in->share[1]);
+	const float noise_scale = (float)sqrt(in->share[0] * in->share[1]);
 
 	for (size_t i = 0; i < (size_t)in->rows * lights; i++) {
 		const float a = in->half[0][i], b = in->half[1][i];
 
 		in->half[0][i] = share[0] * a + share[1] * b;
-		in->half[1][i] = apart * (a - b);
+		in->half[1][i] = noise_scale * (a - b);
 	}
 }
 
@@ -297,11 +297,11 @@ static void add_leading(const struct bounce_scratch *s, struct bounce_factors *f
 static int filter_mean(struct bounce_scratch *s, const struct bounce_halves *in,
 		       const struct bounce_verdict *v)
 {
-	const float apart = (float)sqrt(in->share[0] * in->share[1]);
+	const float noise_scale = (float)sqrt(in->share[0] * in->share[1]);
 	int info;
 
-	add_leading(s, &s->of[0], v, apart, true, in->half[1]);
-	add_leading(s, &s->of[1], v, -apart, false, in->half[1]);
+	add_leading(s, &s->of[0], v, noise_scale, true, in->half[1]);
+	add_leading(s, &s->of[1], v, -noise_scale, false, in->half[1]);
 	info = bounce_factorise(s, in->half[0], &s->of[0]);
 	if (!info)
 		add_leading(s, &s->of[0], v, 1, true, in->half[0]);
@@ -319,12 +319,12 @@ int bounce_filter(struct bounce *bounce, const struct bounce_halves *in)
 
 	s.rows = in->rows;
 	if (!bounce_set_aside(&s.aside, in, &noise, &aside)) {
-		take_mean(in, lights);
+		set_mean(in, lights);
 		return -1;
 	}
 	if (!bounce_judge(&s, in->half, &v) && filtered_error(&s, in->half, &v, aside) < noise)
 		kept = v.kept;
-	take_mean(in, lights);
+	set_mean(in, lights);
 	for (int h = 0; h < 2 && kept == 0; h++)
 		memset(in->half[h], 0, bytes);
 	if (kept > 0 && filter_mean(&s, in, &v))

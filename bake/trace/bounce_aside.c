@@ -60,14 +60,14 @@ static bool find_profile(struct bounce_aside *aside, const struct bounce_halves 
 }
 
 /* Subtracts sums times profile, and scales. Returns the squared difference of the halves' sums
- * times profile; *apart becomes that of the halves themselves. */
+ * times profile; *difference becomes that of the halves themselves. */
 static double set_sums_aside(const struct bounce_aside *aside, const struct bounce_halves *in,
-			     double *apart)
+			     double *difference)
 {
 	const size_t lights = aside->lights;
-	double profile_square = 0, sums_apart = 0;
+	double profile_square = 0, sums_difference = 0;
 
-	*apart = 0;
+	*difference = 0;
 	for (size_t i = 0; i < lights; i++)
 		profile_square += pow((double)aside->profile[i] * (double)in->scale[i], 2);
 	for (size_t row = 0; row < (size_t)in->rows; row++) {
@@ -77,13 +77,13 @@ static double set_sums_aside(const struct bounce_aside *aside, const struct boun
 		for (size_t i = 0; i < lights; i++) {
 			const float d = (a[i] - b[i]) * in->scale[i];
 
-			*apart += (double)d * (double)d;
+			*difference += (double)d * (double)d;
 			a[i] = (a[i] - (float)sum[0] * aside->profile[i]) * in->scale[i];
 			b[i] = (b[i] - (float)sum[1] * aside->profile[i]) * in->scale[i];
 		}
-		sums_apart += pow(sum[0] - sum[1], 2) * profile_square;
+		sums_difference += pow(sum[0] - sum[1], 2) * profile_square;
 	}
-	return sums_apart;
+	return sums_difference;
 }
 
 /* ---- planes ---- */
@@ -122,8 +122,8 @@ static void find_planes(struct bounce_aside *aside, const struct bounce_halves *
 static float weigh_slope(const float *a, const float *b, size_t count, double *error)
 {
 	const double both = bounce_dot(a, b, count), light = fmax(both, 0);
-	const double apart = bounce_dot(a, a, count) + bounce_dot(b, b, count) - 2 * both;
-	const double noise = fmax(apart, 0) / 4;
+	const double difference = bounce_dot(a, a, count) + bounce_dot(b, b, count) - 2 * both;
+	const double noise = fmax(difference, 0) / 4;
 	const double weight = light > 0 ? light / (light + noise) : 0;
 
 	*error += weight * weight * noise + (1 - weight) * (1 - weight) * light;
@@ -162,14 +162,14 @@ static double set_planes_aside(struct bounce_aside *aside, const struct bounce_h
 bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *in, double *noise,
 		      double *error)
 {
-	double apart;
+	double difference;
 
 	sum_rows(aside, in);
 	if (!find_profile(aside, in))
 		return false;
-	*error = set_sums_aside(aside, in, &apart) / 4;
+	*error = set_sums_aside(aside, in, &difference) / 4;
 	*error += set_planes_aside(aside, in);
-	*noise = apart / 4;
+	*noise = difference / 4;
 	return true;
 }
 
@@ -195,10 +195,10 @@ static void put_back(const struct bounce_aside *aside, const struct bounce_halve
 
 void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *in, bool filtered)
 {
-	const double apart = sqrt(in->share[0] * in->share[1]);
+	const double noise_share = sqrt(in->share[0] * in->share[1]);
 
 	for (int k = 0; filtered && k < aside->planes; k++)
 		cblas_sscal(in->rows / BOUNCE_CHANNELS, aside->weight[k], aside->plane[k], 1);
 	put_back(aside, in, in->share, in->half[0]);
-	put_back(aside, in, (const double[2]){apart, -apart}, in->half[1]);
+	put_back(aside, in, (const double[2]){noise_share, -noise_share}, in->half[1]);
 }

@@ -76,7 +76,7 @@ static double reach_share(const double sum[SQUARES + 1], double x, int *square)
 	return fmin((k + (want - sum[k]) / (sum[k + 1] - sum[k])) / SQUARES, 0x1.fffffep-1);
 }
 
-static void take_warped(const struct dome *dome, int light, const struct warp *warp,
+static void draw_warped(const struct dome *dome, int light, const struct warp *warp,
 			const double point[2], double d[3])
 {
 	int strip, square;
@@ -101,9 +101,9 @@ static void fill_directions(struct cells *cells, int place)
 		if (cells->dome->shape == DOME_CELLS) /* uniform without a warp */
 			dome_light_sample(cells->dome, cell, point[0], point[1], d);
 		else
-			take_warped(cells->dome, cell, &even, point, d);
+			draw_warped(cells->dome, cell, &even, point, d);
 		cells->uniform[at] = cells_narrow(d);
-		take_warped(cells->dome, cell, &ground, point, d);
+		draw_warped(cells->dome, cell, &ground, point, d);
 		cells->ground[at] = cells_narrow(d);
 	}
 }

@@ -806,10 +806,10 @@ static bool add_blocked(struct transport *t, struct v3 position, int at, float w
 	bool any = false;
 
 	for (int c = 0; c < channels && t->rays.blocked[at]; c++) {
-		const float taken = p.bent ? 1 : 1 - p.passed.c[c];
+		const float lost = p.bent ? 1 : 1 - p.passed.c[c];
 
-		rows->direct[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight * taken;
-		any |= taken > 0;
+		rows->direct[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight * lost;
+		any |= lost > 0;
 	}
 	t->value[cell] = t->cells->share[cell];
 	if (p.bent)
