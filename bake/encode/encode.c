@@ -22,7 +22,7 @@
 #define FLOAT_ERROR 0x1p-22
 /* A tile is encoded at most this often until its errors hold. Chosen by trial. */
 #define ATTEMPTS 10
-/* At most this many watched skies become tried ones after an attempt. */
+/* At most this many watched skies become tried ones after an attempt (README.md, "Constants"). */
 #define TRIED_AT_ONCE 4
 
 struct encoder {

@@ -6,7 +6,7 @@
 #include "bake/encode/encode_limit.h"
 
 /* Residuals of short lines may fill this share of their limits at first, and SHORTER of it after
- * each attempt whose skies miss their target. */
+ * each attempt whose skies miss their target. Tuned (README.md, "Constants"). */
 #define SHORT_SHARE 0.9F
 #define SHORTER 0.6F
 /* The next attempt aims below the target by these factors: NARROWER for the limits of a light, as
@@ -16,7 +16,7 @@
 #define TIGHTER 0.97
 /* DOMINANT: share of white above which one light dominates a sky. A sky that misses its target by
  * less than LAMPS_OVER (three lamps, each at its limit) is repaired first by narrowing the limits
- * of its dominant lights, at most LAMPS_TRIED times. */
+ * of its dominant lights, at most LAMPS_TRIED times. Tuned (README.md, "Constants"). */
 #define DOMINANT 0.2F
 #define LAMPS_OVER 3
 #define LAMPS_TRIED 2

@@ -14,34 +14,34 @@
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 
+/* What halving a constant marked "Tuned" changes stands in README.md, "Constants". */
+
 /* These ranks are tried: each is 1.3 to 2 times the one before it. */
 static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define RANKS ((int)(sizeof(ranks) / sizeof(*ranks)))
 /* Both ranks begin here; all others are tried after it. */
 #define FIRST_RANK 4
-/* The second scan tries this many ranks of the list to either side of the best. */
+/* The second scan tries this many ranks of the list to either side of the best. Tuned. */
 #define NEAR 2
 /* A plan that costs less than this many bytes has no column. */
 #define LEAST_COST 1
 #define PANELS (PART_PIXELS / BASIS_LINE8)
-/* A byte that a frame reads costs as much as this many bytes of the file. Chosen: with half of it
- * spot (f = 9, 112x84) takes 0.95 of the bytes, and a frame reads 1.03 of them. */
+/* A byte that a frame reads costs as much as this many bytes of the file. Tuned. */
 #define READ_WEIGHT 2
-/* A block costs a frame as much time as this many bytes: some 150 ns at 10 GB/s. With half of it
- * the same file comes out. */
+/* A block costs a frame as much time as this many bytes: some 150 ns at 10 GB/s. */
 #define BLOCK_COST 1500
 /* A column has this many bytes besides its lines: light, scale, place, and codes of lines. */
 #define COLUMN_BYTES 22
 /* Estimates of what columns_find() makes of a line, whose largest value is `miss` times its limit:
- * up to LINE_ABSENT the line is mostly absent, up to LINE_HALF it mostly has half bytes. */
+ * up to LINE_ABSENT the line is mostly absent, up to LINE_HALF it mostly has half bytes. Tuned. */
 #define LINE_ABSENT 0.6F
 #define LINE_HALF 5
-/* Half a step of 8 bits may be this many times the limit until a second column is needed. */
+/* Half a step of 8 bits may be this many times the limit until a second column is needed. Tuned. */
 #define STEP_FINE 1
 /* A column of one channel mostly suffices if its residual fills at most this share of the
- * limits. */
+ * limits. Tuned. */
 #define MONO_LEAVES 0.9F
-/* Shares of the cut are lowered by SHARE_STEP at a time, down to LEAST_SHARE. */
+/* Shares of the cut are lowered by SHARE_STEP at a time, down to LEAST_SHARE. Tuned. */
 #define LEAST_SHARE (1.0 / 4096)
 #define SHARE_STEP 0.7
 /* At this share of the cut no column is read that may be left out: no `use` is as large. */

@@ -13,7 +13,8 @@
  * rounded to 2^-15, and a tint need not be exact, as colour takes what mono leaves. */
 #define TINT_ROUNDS 16
 /* Colour has at most this many patterns, as its coefficients take three times the bytes of
- * mono's. */
+ * mono's. Tuned
+ * (README.md, "Constants"). */
 #define RANK_COLOUR 24
 
 int fit_create(struct low_rank *fit, const struct encode_settings *settings)

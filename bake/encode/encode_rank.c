@@ -13,8 +13,8 @@
 #include "hal/basis/basis_layout.h"
 
 /* Subspace iteration finds SPARE directions more than are wanted, in ROUNDS rounds, so that the
- * space found holds the wanted ones. Halko, Martinsson and Tropp 2011 recommend 5 to 10 and 1 to
- * 2. */
+ * space found holds the wanted ones. Halko, Martinsson and Tropp 2011 recommend 5 to 10 and 1 to 2
+ * (README.md, "Constants", for what half of them costs). */
 #define SPARE 8
 #define WIDTH (RANK_MOST + SPARE)
 #define ROUNDS 2

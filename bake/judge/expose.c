@@ -214,12 +214,12 @@ static void even_skies(struct part *part, const struct encode_settings *settings
 	for (size_t s = 0; s < (size_t)settings->ensemble->skies; s++) {
 		for (size_t c = 0; c < 3; c++)
 			for (size_t i = 0; i < n; i++)
-				part->beside[i][c] = (double)part->sky_x[(s * 3 + c) * n + i];
+				part->sky_light[i][c] = (double)part->sky_x[(s * 3 + c) * n + i];
 		for (size_t k = 0; k < groups; k++) {
 			double even[3];
 
 			basis_group_even(settings->groups, (int)k, part->own_share,
-					 (const double(*)[4])part->beside, most, even);
+					 (const double(*)[4])part->sky_light, most, even);
 			for (size_t c = 0; c < 3; c++)
 				part->own_even[(s * 3 + c) * groups + k] = (float)even[c];
 		}

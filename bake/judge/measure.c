@@ -90,14 +90,16 @@ static void add_part(struct measure *m, const struct part *parts, int k, float f
 	struct measure_sums *q = &m->picture;
 
 	if (parts[k].kind == BASIS_KIND_T) {
-		add_object(m, &parts[k], sums->is, factor, q->is);
-		add_object(m, &parts[k], sums->got, factor, q->got);
+		add_object(m, &parts[k], sums->truth, factor, q->truth);
+		add_object(m, &parts[k], sums->decoded, factor, q->decoded);
 	} else if (parts[k].kind == BASIS_KIND_V) {
-		add_ground(m, &parts[k], sums->is, back, q->is);
-		add_ground(m, &parts[k], sums->got, back, q->got);
+		add_ground(m, &parts[k], sums->truth, back, q->truth);
+		add_ground(m, &parts[k], sums->decoded, back, q->decoded);
 	} else if (parts[k].kind == BASIS_KIND_U) {
-		add_receiver(m, &parts[k], sums[-1].is, sums->is, sums->is, factor, q->is);
-		add_receiver(m, &parts[k], sums[-1].got, sums->got, sums->is, factor, q->got);
+		add_receiver(m, &parts[k], sums[-1].truth, sums->truth, sums->truth, factor,
+			     q->truth);
+		add_receiver(m, &parts[k], sums[-1].decoded, sums->decoded, sums->truth, factor,
+			     q->decoded);
 	}
 }
 
@@ -108,11 +110,11 @@ static double measure_compare(const struct measure *m, double *most)
 
 	*most = 0;
 	for (int c = 0; c < 3; c++) {
-		const float *is = m->picture.is[c], *got = m->picture.got[c];
+		const float *truth = m->picture.truth[c], *decoded = m->picture.decoded[c];
 		float by[PART_PIXELS];
 
 		for (int k = 0; k < m->places; k++)
-			by[k] = levels_at(m->levels, got[k]) - levels_at(m->levels, is[k]);
+			by[k] = levels_at(m->levels, decoded[k]) - levels_at(m->levels, truth[k]);
 		for (int k = 0; k < m->places; k++)
 			square += (double)(by[k] * by[k]);
 		*most = fmax(*most, (double)part_magnitude(by, m->places));
@@ -134,14 +136,14 @@ static double sky_error(struct measure *m, const struct part *parts,
 		white = fmax(white, parts[k].sky_white[sky]);
 	for (int k = 0; k < count && white > 0; k++) {
 		const size_t pixels = (size_t)parts[k].pixels;
-		const float *is = parts[k].sky_value + (size_t)sky * 3 * pixels;
+		const float *truth = parts[k].sky_value + (size_t)sky * 3 * pixels;
 		const float factor = (float)(parts[k].sky_white[sky] / white);
 		float back[3];
 
-		block_reader_sky(&readers[k], sky, m->sums[k].got);
+		block_reader_sky(&readers[k], sky, m->sums[k].decoded);
 		for (size_t c = 0; c < 3; c++) {
 			back[c] = (strong ? 1 : factor) * parts[k].sky_offset[sky][c];
-			memcpy(m->sums[k].is[c], is + c * pixels, pixels * sizeof(*is));
+			memcpy(m->sums[k].truth[c], truth + c * pixels, pixels * sizeof(*truth));
 		}
 		add_part(m, parts, k, factor, back);
 	}
@@ -154,18 +156,18 @@ static void sum_cell(struct measure *m, const struct part *part, const struct bl
 		     int light, struct measure_sums *sums, double *bound)
 {
 	const double w = part->kind == BASIS_KIND_V ? 1 : m->settings->light[light].solid_angle_sr;
-	double got[3][PART_PIXELS];
+	double decoded[3][PART_PIXELS];
 
-	block_reader_light(reader, light, got);
+	block_reader_light(reader, light, decoded);
 	for (int c = 0; c < 3; c++) {
 		const float *value = part->value + (size_t)light * (size_t)part->rows +
 				     (part->channels == 3 ? c * part->pixels : 0);
 		float off[PART_PIXELS];
 
 		for (int p = 0; p < part->pixels; p++) {
-			off[p] = (float)((double)value[p] - got[c][p]);
-			sums->is[c][p] = (float)(w * (double)value[p]);
-			sums->got[c][p] = (float)(w * got[c][p]);
+			off[p] = (float)((double)value[p] - decoded[c][p]);
+			sums->truth[c][p] = (float)(w * (double)value[p]);
+			sums->decoded[c][p] = (float)(w * decoded[c][p]);
 		}
 		*bound = fmax(*bound, (double)part_magnitude(off, part->pixels));
 	}

@@ -7,17 +7,17 @@
 #include "bake/judge/expose.h"
 #include "bake/judge/reader.h"
 
-/* Sums of one part under one lighting, in a common exposure. `is` comes from the transport, `got`
- * from the decoded blocks. */
+/* Sums of one part under one lighting, in a common exposure. `truth` comes from the transport,
+ * `decoded` from the decoded blocks. */
 struct measure_sums {
-	float is[3][PART_PIXELS], got[3][PART_PIXELS];
+	float truth[3][PART_PIXELS], decoded[3][PART_PIXELS];
 };
 
 struct measure {
 	const struct encode_settings *settings;
 	const struct levels *levels;
 	struct measure_sums *sums; /* [parts] */
-	double *bound;		   /* [parts]: largest |is - got| of any light */
+	double *bound;		   /* [parts]: largest |truth - decoded| of any light */
 	int room;		   /* number of parts that there is memory for */
 	float *cell_most; /* [lights]: largest error of any pixel, as a multiple of the target */
 	/* RMS and largest error of each sky, as multiples of the target. */

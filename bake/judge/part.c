@@ -27,8 +27,8 @@ int part_create(struct part *part, const struct encode_settings *settings)
 	part->sky_value = calloc(skies * PART_ROWS, sizeof(*part->sky_value));
 	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
 	part->own_share = calloc(n, sizeof(*part->own_share));
-	part->beside = calloc(n, sizeof(*part->beside));
-	return part->own_even && part->light_share && part->own_share && part->beside &&
+	part->sky_light = calloc(n, sizeof(*part->sky_light));
+	return part->own_even && part->light_share && part->own_share && part->sky_light &&
 			       part->cell_slope && part->cell_white && part->weight &&
 			       part->sky_x && part->sky_value
 		       ? 0
@@ -52,7 +52,7 @@ void part_free(struct part *part)
 	free(part->own_sky);
 	free(part->own_even);
 	free(part->own_share);
-	free(part->beside);
+	free(part->sky_light);
 	*part = (struct part){.pixels = 0};
 }
 

@@ -80,7 +80,7 @@ struct part {
 	float *own_base, *own_sky; /* u - d: memory of base and sky_base of a pair, kept by its U */
 	float *own_even;	   /* memory of sky_even */
 	double *own_share;	   /* memory of share */
-	double (*beside)[4];	   /* [lights]: X of one sky, for basis_group_even() */
+	double (*sky_light)[4];	   /* [lights]: X of one sky, for basis_group_even() */
 };
 
 /* Makes an array at least `count` long; its contents are undefined then. -ENOMEM: it stays as it

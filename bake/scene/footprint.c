@@ -46,10 +46,10 @@ struct footprint_range {
 	double low, high; /* Z */
 };
 
-typedef void outline_take(void *context, const struct outline *outline);
+typedef void outline_visit(void *context, const struct outline *outline);
 
-/* Calls take() with the part of each triangle that is between low and high. */
-static void walk_triangles(const struct footprint_range *range, outline_take *take, void *context)
+/* Calls visit() with the part of each triangle that is between low and high. */
+static void walk_triangles(const struct footprint_range *range, outline_visit *visit, void *context)
 {
 	for (int m = 0; m < range->count; m++)
 		for (int p = 0; p < range->meshes[m]->part_count; p++) {
@@ -68,7 +68,7 @@ static void walk_triangles(const struct footprint_range *range, outline_take *ta
 				outline_cut(&o, 2, -1, range->low);
 				outline_cut(&o, 2, 1, range->high);
 				if (o.count)
-					take(context, &o);
+					visit(context, &o);
 			}
 		}
 }
@@ -77,7 +77,7 @@ struct bounds_above {
 	double low[2], high[2];
 };
 
-static void take_bounds(void *context, const struct outline *o)
+static void add_bounds(void *context, const struct outline *o)
 {
 	struct bounds_above *bounds = context;
 
@@ -88,7 +88,7 @@ static void take_bounds(void *context, const struct outline *o)
 		}
 }
 
-static int square_of(double at, double corner, double side)
+static int square_index(double at, double corner, double side)
 {
 	const double square = floor((at - corner) / side);
 
@@ -98,15 +98,15 @@ static int square_of(double at, double corner, double side)
 }
 
 /* Marks each square that the outline touches: in each row from its lowest X to its highest. */
-static void take_squares(void *context, const struct outline *outline)
+static void mark_squares(void *context, const struct outline *outline)
 {
 	struct basis_footprint *foot = context;
 	const double side = (double)foot->side;
 	struct bounds_above all = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
 
-	take_bounds(&all, outline);
-	for (int j = square_of(all.low[1], (double)foot->corner[1], side),
-		 last = square_of(all.high[1], (double)foot->corner[1], side);
+	add_bounds(&all, outline);
+	for (int j = square_index(all.low[1], (double)foot->corner[1], side),
+		 last = square_index(all.high[1], (double)foot->corner[1], side);
 	     j <= last; j++) {
 		struct bounds_above row = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
 		struct outline o = *outline;
@@ -114,11 +114,11 @@ static void take_squares(void *context, const struct outline *outline)
 
 		outline_cut(&o, 1, -1, (double)foot->corner[1] + j * side);
 		outline_cut(&o, 1, 1, (double)foot->corner[1] + (j + 1) * side);
-		take_bounds(&row, &o);
+		add_bounds(&row, &o);
 		if (!o.count)
 			continue;
-		from = square_of(row.low[0], (double)foot->corner[0], side);
-		to = square_of(row.high[0], (double)foot->corner[0], side);
+		from = square_index(row.low[0], (double)foot->corner[0], side);
+		to = square_index(row.high[0], (double)foot->corner[0], side);
 		foot->row[j] |= UINT64_MAX >> (63 - to + from) << from;
 	}
 }
@@ -135,7 +135,7 @@ void footprint_measure(const struct mesh *const *meshes, int count, double heigh
 	memset(foot, 0, sizeof(*foot));
 	for (int n = 0; n < 2 && !(bounds.low[0] <= bounds.high[0]); n++) {
 		range = &ranges[n];
-		walk_triangles(range, take_bounds, &bounds);
+		walk_triangles(range, add_bounds, &bounds);
 	}
 	if (!(bounds.low[0] <= bounds.high[0]))
 		return;
@@ -147,7 +147,7 @@ void footprint_measure(const struct mesh *const *meshes, int count, double heigh
 	for (int k = 0; k < 2; k++)
 		foot->corner[k] = (float)(0.5 * (bounds.low[k] + bounds.high[k]) -
 					  0.5 * BASIS_FOOT_SQUARES * (double)foot->side);
-	walk_triangles(range, take_squares, foot);
+	walk_triangles(range, mark_squares, foot);
 }
 
 void footprint_of_scene(const struct scene *scene, struct basis_footprint *foot)

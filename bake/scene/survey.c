@@ -23,15 +23,16 @@ static int mesh_number(const struct scene *scene, const struct mesh *mesh)
 }
 
 /* Marks the meshes that are seen through a point of the picture. */
-static void look_at(const struct scene *scene, double x, double y, bool seen[SCENE_MESHES_MAX])
+static void find_visible(const struct scene *scene, double x, double y,
+			 bool visible[SCENE_MESHES_MAX])
 {
 	struct v3 direction;
 	struct surface s;
 	bool met = scene_look(scene, WITH_OBJECTS, x, y, &s, &direction);
 
-	memset(seen, 0, SCENE_MESHES_MAX * sizeof(*seen));
+	memset(visible, 0, SCENE_MESHES_MAX * sizeof(*visible));
 	for (int k = 0; met && s.mesh && k < GLASS_MAX; k++) {
-		seen[mesh_number(scene, s.mesh)] = true;
+		visible[mesh_number(scene, s.mesh)] = true;
 		if (s.bsdf.kind != MATERIAL_GLASS)
 			break;
 		met = world_nearest(scene->world, WITH_OBJECTS, surface_leave(&s, direction),
@@ -42,17 +43,17 @@ static void look_at(const struct scene *scene, double x, double y, bool seen[SCE
 static void count_pixels(const struct scene *scene, struct survey_mesh *mesh)
 {
 	const int width = scene->camera.width, height = scene->camera.height;
-	bool seen[SCENE_MESHES_MAX];
+	bool visible[SCENE_MESHES_MAX];
 	int step = 1, rays = 0;
 
 	while ((width / step + 1) * (height / step + 1) > RAYS_MOST)
 		step++;
 	for (int y = 0; y < height; y += step)
 		for (int x = 0; x < width; x += step, rays++) {
-			look_at(scene, fmin(x + 0.5 * step, width - 0.5),
-				fmin(y + 0.5 * step, height - 0.5), seen);
+			find_visible(scene, fmin(x + 0.5 * step, width - 0.5),
+				     fmin(y + 0.5 * step, height - 0.5), visible);
 			for (int k = 0; k < scene->file->mesh_count; k++)
-				mesh[k].share += seen[k];
+				mesh[k].share += visible[k];
 		}
 	for (int k = 0; k < scene->file->mesh_count; k++)
 		mesh[k].share /= rays;
@@ -64,14 +65,14 @@ static bool is_triangle_seen(const struct scene *scene, int k, const struct mesh
 	const struct v3 sum = v3_add(v3_add(mesh_corner(part, t, 0), mesh_corner(part, t, 1)),
 				     mesh_corner(part, t, 2));
 	const double middle[3] = {(double)sum.x / 3, (double)sum.y / 3, (double)sum.z / 3};
-	bool seen[SCENE_MESHES_MAX];
+	bool visible[SCENE_MESHES_MAX];
 	double at[2];
 
 	if (tsai_project(&scene->camera, middle, at) < 0 || !(at[0] >= 0) || !(at[1] >= 0) ||
 	    at[0] >= scene->camera.width || at[1] >= scene->camera.height)
 		return false;
-	look_at(scene, at[0], at[1], seen);
-	return seen[k];
+	find_visible(scene, at[0], at[1], visible);
+	return visible[k];
 }
 
 /* Tells whether any part of mesh k is seen, by rays to its triangles. */
@@ -145,45 +146,45 @@ void survey_scene(const struct scene *scene, struct survey_mesh mesh[SCENE_MESHE
 	}
 }
 
-static void say_object(const char *name, const struct survey_mesh *is, FILE *to)
+static void say_object(const char *name, const struct survey_mesh *object, FILE *to)
 {
-	fprintf(to, "%s: %.4g x %.4g x %.4g world units, %.3g %% of the picture", name, is->size[0],
-		is->size[1], is->size[2], 100 * is->share);
-	if (is->sunk > 0)
-		fprintf(to, ", %.0f %% of its height below the ground", 100 * is->sunk);
+	fprintf(to, "%s: %.4g x %.4g x %.4g world units, %.3g %% of the picture", name,
+		object->size[0], object->size[1], object->size[2], 100 * object->share);
+	if (object->sunk > 0)
+		fprintf(to, ", %.0f %% of its height below the ground", 100 * object->sunk);
 	fputs("\n", to);
 }
 
-static void warn_of_object(const char *path, const char *name, const struct survey_mesh *is)
+static void warn_of_object(const char *path, const char *name, const struct survey_mesh *object)
 {
-	if (is->inside)
+	if (object->inside)
 		log_warning("%s: [object %s]: the camera is inside of it, expected it outside: "
 			    "look at [camera], and at position and scale",
 			    path, name);
-	else if (is->share == 0)
+	else if (object->share == 0)
 		log_warning("%s: [object %s]: nothing of it is seen in the picture", path, name);
-	if (is->sunk >= SUNK_MUCH)
+	if (object->sunk >= SUNK_MUCH)
 		log_warning("%s: [object %s]: %.0f %% of its height is below the ground; stand = "
 			    "yes puts it onto the ground",
-			    path, name, 100 * is->sunk);
+			    path, name, 100 * object->sunk);
 }
 
 int survey_say(const struct scene *scene, FILE *to, struct fault *fault)
 {
 	const struct scene_file *file = scene->file;
 	struct survey_mesh mesh[SCENE_MESHES_MAX];
-	int objects = 0, seen = 0;
+	int objects = 0, visible = 0;
 
 	survey_scene(scene, mesh);
 	for (int k = 0; k < file->mesh_count; k++) {
 		if (file->mesh[k].standin)
 			continue;
 		objects++;
-		seen += mesh[k].share > 0;
+		visible += mesh[k].share > 0;
 		if (to)
 			say_object(file->mesh[k].name, &mesh[k], to);
 	}
-	if (objects && !seen)
+	if (objects && !visible)
 		return fault_say(fault, -ENODATA,
 				 "%s: the camera sees no object; expected one in the picture: look "
 				 "at [camera], and at position, scale and up of [object]",

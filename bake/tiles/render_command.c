@@ -65,7 +65,7 @@ struct render_choices {
 };
 
 /* Reads --shard I/N, where I counts from 1. */
-static int take_shard(struct render_choices *c, const char *text, struct fault *fault)
+static int parse_shard(struct render_choices *c, const char *text, struct fault *fault)
 {
 	int index, count;
 	char rest;
@@ -104,7 +104,7 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 	case THREADS:
 		return option_int("--threads", optarg, 1, 1024, &c->threads, fault);
 	case SHARD:
-		return take_shard(c, optarg, fault);
+		return parse_shard(c, optarg, fault);
 	case POSE:
 		c->pose = optarg;
 		return 0;

@@ -79,15 +79,15 @@ bool sight_place(const struct scene *scene, const struct sight *sight, double pl
 	const double point[3] = {(double)scene->eye.x + (double)to.x,
 				 (double)scene->eye.y + (double)to.y,
 				 (double)scene->eye.z + (double)to.z};
-	struct surface seen;
+	struct surface shown;
 	bool met;
 
 	if (distance <= 0 || tsai_project(camera, point, place) < 0 || !(place[0] >= 0) ||
 	    !(place[1] >= 0) || place[0] >= camera->width || place[1] >= camera->height)
 		return false;
 	met = world_nearest(scene->world, WITHOUT_OBJECTS, scene->eye, v3_scale(to, 1 / distance),
-			    &seen);
+			    &shown);
 	if (!met || !sight->met)
 		return !met && !sight->met;
-	return v3_length(v3_sub(seen.position, sight->surface.position)) <= SAME_PLACE * distance;
+	return v3_length(v3_sub(shown.position, sight->surface.position)) <= SAME_PLACE * distance;
 }

@@ -46,7 +46,7 @@ struct tile_pixel {
 	double through[3]; /* transmission of samples that see the background through glass */
 	double offset[2];  /* displacement by glass, in pixels, times weight */
 	/* The place seen through glass, from the pixel's centre, and its square, times weight. */
-	double seen[2], seen_square[2];
+	double place_sum[2], place_square[2];
 	double through_weight; /* weights of samples through glass */
 	bool changed;	       /* the object changes this pixel */
 };

@@ -25,8 +25,8 @@ static void glass_add_background(struct tile *tile, const struct tile_sample *s,
 		const double from_middle = place[axis] - corner[axis] - 0.5;
 
 		p->offset[axis] += (double)weight * (place[axis] - s->place[axis]);
-		p->seen[axis] += (double)weight * from_middle;
-		p->seen_square[axis] += (double)weight * from_middle * from_middle;
+		p->place_sum[axis] += (double)weight * from_middle;
+		p->place_square[axis] += (double)weight * from_middle * from_middle;
 	}
 	if (sight->met)
 		tile_add_receiver(tile, s, &sight->surface, sight->direction, weight);
@@ -73,8 +73,8 @@ static uint16_t glass_share(double sum, int samples)
  * The variance of the camera's own blur is subtracted, as the background has it already. */
 static uint8_t glass_spread(const struct tile_pixel *p, double edge_spread_px, int axis)
 {
-	const double mean = p->seen[axis] / p->through_weight;
-	const double variance = p->seen_square[axis] / p->through_weight - mean * mean -
+	const double mean = p->place_sum[axis] / p->through_weight;
+	const double variance = p->place_square[axis] / p->through_weight - mean * mean -
 				edge_spread_px * edge_spread_px;
 	const double side = sqrt(fmax(12 * variance, 0));
 

@@ -321,7 +321,7 @@ static void add_value(struct tile_noise *n, const struct tile_noise_value *v, do
 
 /* Returns V of `blocks` blocks / V of one. The blocks divide into runs of powers of two, each a net
  * by itself. */
-static double fall_of(int blocks, double q)
+static double variance_ratio(int blocks, double q)
 {
 	double sum = 0;
 
@@ -332,7 +332,7 @@ static double fall_of(int blocks, double q)
 }
 
 /* Returns the squared error of all samples: q is fitted to D at all lengths, and V extrapolated. */
-static double law_at(const struct noise_law *law, int blocks)
+static double law_error(const struct noise_law *law, int blocks)
 {
 	double q = 1, sum = 0;
 	int scales = 0, pairs = 0;
@@ -346,7 +346,7 @@ static double law_at(const struct noise_law *law, int blocks)
 		sum += law->pairs[s] * law->square[s] / ((2 - q) * pow(q, s));
 		pairs += law->pairs[s];
 	}
-	return law->filtered + (pairs ? sum / pairs * fall_of(blocks, q) : 0);
+	return law->filtered + (pairs ? sum / pairs * variance_ratio(blocks, q) : 0);
 }
 
 double tile_noise_judge(struct tile *tile)
@@ -362,6 +362,6 @@ double tile_noise_judge(struct tile *tile)
 		for (int c = 0; tile->pixels[at].changed && c < 3; c++)
 			for (int k = 0; k < ENSEMBLE_SUNS; k++)
 				add_value(n, &n->value[at][c][k], all, &law);
-	n->square = law_at(&law, n->blocks);
+	n->square = law_error(&law, n->blocks);
 	return n->count ? sqrt(n->square / (double)n->count) : 0;
 }

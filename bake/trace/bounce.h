@@ -26,7 +26,7 @@ struct bounce {
 	float *memory;
 };
 
-/* Input of the filter. No value of sky or scale is 0. */
+/* The filter's input. No value of sky or scale is 0. */
 struct bounce_halves {
 	int rows;	       /* three channels of each pixel */
 	const uint16_t *pixel; /* [rows / 3]: y * BASIS_TILE + x, all different */
@@ -41,10 +41,10 @@ int bounce_create(struct bounce *bounce, int lights);
 void bounce_free(struct bounce *bounce); /* idempotent; zeroed is fine */
 
 /*
- * half[0] becomes the filtered mean of both, half[1] an example of its noise: the difference between
- * both when filtered, scaled to the standard error. Returns how many singular
- * vectors were kept besides sums and means, or -1 when the mean is not filtered: the halves do not
- * show that the filter would remove more noise than light.
+ * half[0] becomes the filtered mean of both, half[1] an example of its noise: the difference of the
+ * filtered halves, scaled to the standard error. Returns the number of singular vectors kept
+ * besides sums and means, or -1 if the mean is not filtered, as the halves do not show that the
+ * filter would remove more noise than light.
  */
 int bounce_filter(struct bounce *bounce, const struct bounce_halves *halves);
 

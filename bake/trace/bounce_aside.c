@@ -7,7 +7,8 @@
 
 #include "hal/basis/basis_format.h"
 
-/* A plane counts as linearly dependent when the others leave less than this of it, in pixels. */
+/* A plane counts as linearly dependent if less than this length of it, in pixels, remains beside
+ * the others. Three pixels that are nearly in line leave 0.04. */
 #define PLANE_LEAST 1e-3
 
 size_t bounce_aside_floats(size_t lights)
@@ -38,8 +39,8 @@ static double mean_sum(const struct bounce_aside *aside, const struct bounce_hal
 	return in->share[0] * aside->sum[row][0] + in->share[1] * aside->sum[row][1];
 }
 
-/* Finds the profile of sum 1 whose multiples, by the rows' sums, fit all rows of the mean best
- * (least squares). False: there is no light, or it is not finite. */
+/* Finds the profile of sum 1 that, times each row's sum, fits the rows of the mean best (least
+ * squares). Returns false if there is no light, or it is not finite. */
 static bool find_profile(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const size_t lights = aside->lights, rows = (size_t)in->rows;
@@ -58,15 +59,15 @@ static bool find_profile(struct bounce_aside *aside, const struct bounce_halves 
 	return true;
 }
 
-/* Subtracts sums times profile, and scales. Returns the squared difference between the halves'
- * sums; *apart: that between the halves. */
+/* Subtracts sums times profile, and scales. Returns the squared difference of the halves' sums
+ * times profile; *difference becomes that of the halves themselves. */
 static double set_sums_aside(const struct bounce_aside *aside, const struct bounce_halves *in,
-			     double *apart)
+			     double *difference)
 {
 	const size_t lights = aside->lights;
-	double profile_square = 0, sums_apart = 0;
+	double profile_square = 0, sums_difference = 0;
 
-	*apart = 0;
+	*difference = 0;
 	for (size_t i = 0; i < lights; i++)
 		profile_square += pow((double)aside->profile[i] * (double)in->scale[i], 2);
 	for (size_t row = 0; row < (size_t)in->rows; row++) {
@@ -76,13 +77,13 @@ static double set_sums_aside(const struct bounce_aside *aside, const struct boun
 		for (size_t i = 0; i < lights; i++) {
 			const float d = (a[i] - b[i]) * in->scale[i];
 
-			*apart += (double)d * (double)d;
+			*difference += (double)d * (double)d;
 			a[i] = (a[i] - (float)sum[0] * aside->profile[i]) * in->scale[i];
 			b[i] = (b[i] - (float)sum[1] * aside->profile[i]) * in->scale[i];
 		}
-		sums_apart += pow(sum[0] - sum[1], 2) * profile_square;
+		sums_difference += pow(sum[0] - sum[1], 2) * profile_square;
 	}
-	return sums_apart;
+	return sums_difference;
 }
 
 /* ---- planes ---- */
@@ -116,21 +117,21 @@ static void find_planes(struct bounce_aside *aside, const struct bounce_halves *
 	}
 }
 
-/* Wiener weight of a slope of which halves a and b are given. Adds the squared error to *error: of
- * the noise that stays, and of the light that is lost. */
+/* Returns the Wiener weight of a slope, given by halves a and b. Adds to *error the squared noise
+ * that stays and the squared light that is lost. */
 static float weigh_slope(const float *a, const float *b, size_t count, double *error)
 {
 	const double both = bounce_dot(a, b, count), light = fmax(both, 0);
-	const double apart = bounce_dot(a, a, count) + bounce_dot(b, b, count) - 2 * both;
-	const double noise = fmax(apart, 0) / 4;
+	const double difference = bounce_dot(a, a, count) + bounce_dot(b, b, count) - 2 * both;
+	const double noise = fmax(difference, 0) / 4;
 	const double weight = light > 0 ? light / (light + noise) : 0;
 
 	*error += weight * weight * noise + (1 - weight) * (1 - weight) * light;
 	return (float)weight;
 }
 
-/* Subtracts planes. Means keep weight 1; slopes are weighted by what the halves agree on. Returns
- * the squared error. */
+/* Subtracts planes. Means keep weight 1; slopes have the Wiener weight of their halves. Returns the
+ * squared error of the weighted planes. */
 static double set_planes_aside(struct bounce_aside *aside, const struct bounce_halves *in)
 {
 	const int pixels = in->rows / BOUNCE_CHANNELS;
@@ -161,18 +162,18 @@ static double set_planes_aside(struct bounce_aside *aside, const struct bounce_h
 bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *in, double *noise,
 		      double *error)
 {
-	double apart;
+	double difference;
 
 	sum_rows(aside, in);
 	if (!find_profile(aside, in))
 		return false;
-	*error = set_sums_aside(aside, in, &apart) / 4;
+	*error = set_sums_aside(aside, in, &difference) / 4;
 	*error += set_planes_aside(aside, in);
-	*noise = apart / 4;
+	*noise = difference / 4;
 	return true;
 }
 
-/* to: becomes what it stands for, with so much of each half's sums and planes. */
+/* Restores `to`: removes its scale and adds share[h] times the sums and planes of half h. */
 static void put_back(const struct bounce_aside *aside, const struct bounce_halves *in,
 		     const double share[2], float *to)
 {
@@ -194,10 +195,10 @@ static void put_back(const struct bounce_aside *aside, const struct bounce_halve
 
 void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *in, bool filtered)
 {
-	const double apart = sqrt(in->share[0] * in->share[1]);
+	const double noise_share = sqrt(in->share[0] * in->share[1]);
 
 	for (int k = 0; filtered && k < aside->planes; k++)
 		cblas_sscal(in->rows / BOUNCE_CHANNELS, aside->weight[k], aside->plane[k], 1);
 	put_back(aside, in, in->share, in->half[0]);
-	put_back(aside, in, (const double[2]){apart, -apart}, in->half[1]);
+	put_back(aside, in, (const double[2]){noise_share, -noise_share}, in->half[1]);
 }

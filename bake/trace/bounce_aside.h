@@ -19,27 +19,27 @@
 struct bounce_aside {
 	size_t lights;
 	double sum[BOUNCE_ROWS_MAX][2]; /* each row's sum under the sky, by half */
-	float *profile;			/* [lights]: row that stands for a sum of 1 */
-	int planes;			/* linearly independent over the pixels */
+	float *profile;			/* [lights]: a row of sum 1 */
+	int planes;			/* number of planes that are linearly independent */
 	float plane[BOUNCE_PLANES][BOUNCE_PIXELS_MAX]; /* orthonormal */
 	float weight[BOUNCE_PLANES];		       /* share of each that is kept */
 	float *column[2];			       /* [planes][channels][lights], by half */
 };
 
-/* Floats of memory that it needs; the caller owns them. */
+/* Returns the number of floats that bounce_aside_open() needs; the caller owns them. */
 size_t bounce_aside_floats(size_t lights);
 void bounce_aside_open(struct bounce_aside *aside, size_t lights, float *memory);
 
 /*
- * Subtracts sums and planes; both halves become the rest, scaled. *noise: estimated squared error
- * of the unfiltered mean; *error: that of what was set aside. False: there is no light, or it is
- * not finite; the halves stay as they were.
+ * Subtracts sums and planes; both halves become the rest, scaled. *noise becomes the estimated
+ * squared error of the unfiltered mean, *error that of the sums and planes. Returns false, and
+ * leaves the halves, if there is no light, or it is not finite.
  */
 bool bounce_set_aside(struct bounce_aside *aside, const struct bounce_halves *halves, double *noise,
 		      double *error);
 
-/* Adds sums and planes to half[0], the mean of both rests, and to half[1], its noise, and undoes the
- * scale. filtered: slopes are weighted by what the halves agree on. */
+/* Removes the scale and adds sums and planes to half[0], the mean of both rests, and to half[1],
+ * its noise. If `filtered`, slopes have their Wiener weights. */
 void bounce_put_back(struct bounce_aside *aside, const struct bounce_halves *halves, bool filtered);
 
 static inline double bounce_dot(const float *a, const float *b, size_t count)

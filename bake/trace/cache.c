@@ -3,7 +3,8 @@
 
 #include <stdlib.h>
 
-/* A normal that turns by one radian is as far away as this many radii of the bounding sphere. */
+/* A turn of the normal by one radian counts as a distance of this many radii of the bounding
+ * sphere. Chosen by trial. */
 #define NORMAL_SCALE 0.25f
 
 struct cache_key cache_key_of(const struct cache *cache, const struct surface *s)

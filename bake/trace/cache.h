@@ -3,8 +3,8 @@
  * Cache of light transport for the surfaces that paths reach after a diffuse bounce.
  *
  * A record stands for points on surfaces that are near to each other and have similar normals. Its
- * row E is the mean over these points of what a white Lambertian surface sends back per unit
- * radiance of each light, by way of as many further surfaces as the bake allows:
+ * row E is the mean over these points of the radiance that leaves a white Lambertian surface per
+ * unit radiance of each light, with as many further bounces as the bake allows:
  *
  *     E[r][c][i] = open[r][i] + sum over links l of r: weight[l][c] * E[to[l]][c][i]
  *
@@ -21,8 +21,9 @@
 
 #include "bake/trace/world.h"
 
-/* Key of a surface point in the tree of records: place relative to the objects' bounding sphere,
- * where distances beyond it are compressed to at most 2; normal; kind of surface. */
+/* The key of a surface point in the tree of records: its place relative to the objects' bounding
+ * sphere (distances beyond that are compressed to at most 2), its normal, and its kind of
+ * surface. */
 #define CACHE_AXES 7
 
 struct cache_key {
@@ -40,7 +41,7 @@ struct cache {
 	struct bounds bounds; /* of the objects */
 	int lights, records;
 	struct cache_split *split; /* [records - 1]: the first one is the root */
-	float *spread;		   /* [records] */
+	float *spread;		   /* [records]: cache_spread() */
 	float *row;		   /* [records][3][lights] */
 };
 
@@ -49,11 +50,11 @@ struct cache_key cache_key_of(const struct cache *cache, const struct surface *s
 /* Finds the record of a point of a surface. */
 int cache_find(const struct cache *cache, const struct surface *surface);
 
-/* E of a record: [3][lights]. */
+/* Returns E of a record: [3][lights]. */
 const float *cache_row(const struct cache *cache, int record);
 
-/* RMS distance of a record's points from their mean. Closer than a few of these, a row says too
- * little of how light changes over the surface. */
+/* Returns the RMS distance of a record's points from their mean. Within a few of these distances
+ * light may change more over the surface than the record's one row can show. */
 float cache_spread(const struct cache *cache, int record);
 
 /* Frees what cache_create() has made (cache_make.h). NULL is harmless. */

@@ -7,17 +7,20 @@
 
 #include "bake/base/profile.h"
 
-#define CACHE_POINTS 16	     /* most points of a record; as many rays go to each cell */
-#define POINTS_A_RECORD 10   /* of a record on average */
-#define RECORDS_LEAST 500    /* fewer records say too little of how light changes */
-#define FLOATS_MAX (1 << 25) /* of all rows */
-/* Ends of paths from a record: four from each point, and some more where a coat divides a path. */
+#define CACHE_POINTS 16	     /* a record has at most this many points, and as many rays to a cell */
+#define POINTS_A_RECORD 10   /* a record has about this many points on average */
+#define RECORDS_LEAST 500    /* fewer records are too coarse: no cache is made. Chosen by trial. */
+#define FLOATS_MAX (1 << 25) /* all rows together have at most this many floats: 128 MB */
+/* A record has at most this many links: four from each point, and some more where a coat divides a
+ * path. */
 #define LINKS_MAX (6 * CACHE_POINTS)
-/* Looking for points: */
-#define DIRECTIONS 8	 /* tried from each first surface */
-#define WALK_MAX 6	 /* surfaces on the way from the first one */
-#define LOOKS_A_POINT 16 /* camera rays for each point wanted, after which the search ends */
-/* Columns of all rows in which light is passed on at once: a few MB, which stay in the cache. */
+/* The search for points tries DIRECTIONS from each first surface, walks over at most WALK_MAX
+ * surfaces from there, and ends after LOOKS_A_POINT camera rays for each point wanted. */
+#define DIRECTIONS 8
+#define WALK_MAX 6
+#define LOOKS_A_POINT 16
+/* Light is passed on in strips of this many columns of all rows: a few MB, which stay in the
+ * processor's cache. */
 #define STRIP 64
 /* Passes end when no value changes by more than this share of the largest. */
 #define SETTLED 1e-4f
@@ -52,12 +55,12 @@ static void job_add_point(struct cache_job *job, const struct surface *s)
 	job->key[job->count] = cache_key_of(job->cache, s);
 	job->order[job->count] = job->count;
 	*to = *s;
-	/* rows are those of a white Lambertian surface */
+	/* Rows are those of a white Lambertian surface. */
 	to->bsdf = (struct bsdf){.kind = MATERIAL_DIFFUSE, .colour = {{1, 1, 1}}};
 	job->count++;
 }
 
-/* Uniform direction in the cone in which the objects are seen from a point. */
+/* Draws a uniform direction in the cone in which the objects are seen from a point. */
 static struct v3 towards_objects(const struct cache *cache, struct v3 from, struct random *random)
 {
 	const struct v3 to = v3_sub(cache->bounds.centre, from);
@@ -73,7 +76,7 @@ static struct v3 towards_objects(const struct cache *cache, struct v3 from, stru
 			     axis);
 }
 
-/* Goes on from a surface as paths do. first: nothing was passed before it. */
+/* Draws the direction in which a path goes on from a surface; first: it is the path's first. */
 static struct v3 walk_direction(const struct cache *cache, const struct surface *s, struct v3 wo,
 				bool first, struct random *random)
 {
@@ -168,9 +171,9 @@ static int widest_axis(const struct cache_job *job, const int *order, int count)
 }
 
 /*
- * Chooses where to divide sorted points: in the middle of their extent, but so that neither part
- * has less than an eighth of them, and between different keys, as flat surfaces have many equal
- * normals. Returns how many points are in the first part; 0: all keys are equal.
+ * Chooses where to divide sorted points: in the middle of their extent, but so that each part has
+ * at least an eighth of them, and between different keys, as flat surfaces have many equal normals.
+ * Returns the number of points in the first part, or 0 if all keys are equal.
  */
 static int divide_at(const struct cache_sorted *sorted, int count)
 {
@@ -292,7 +295,7 @@ static float larger(float a, float b)
 	return a > b ? a : b;
 }
 
-/* One pass over a strip: to = open + links * from. Returns whether it has settled. */
+/* Makes one pass over a strip: to = open + links * from. Returns whether it has settled. */
 static bool pass_strip(const struct cache_job *job, int channel, const float *open, size_t stride,
 		       int width, const float *from, float *to)
 {
@@ -342,7 +345,7 @@ static void job_settle_strip(void *context, int item, int worker)
 	for (int r = 0; r < cache->records; r++)
 		memcpy(from + (size_t)r * STRIP, open + (size_t)r * stride,
 		       (size_t)width * sizeof(*from));
-	/* the first of the bounces is that of the surface whose light a row is */
+	/* A row is light that leaves a surface, which is the first of the bounces. */
 	for (int pass = 1; pass < job->settings->bounces; pass++) {
 		float *const swap = from;
 		const bool settled = pass_strip(job, channel, open, stride, width, from, to);
@@ -398,7 +401,8 @@ static int job_reserve(struct cache_job *job, int threads)
 	return 0;
 }
 
-/* Number of points to look for: less where there are so many lights that rows would fill memory. */
+/* Returns the number of points to look for: fewer if there are so many lights that rows would take
+ * more than FLOATS_MAX. */
 static int points_wanted(const struct cache_settings *settings)
 {
 	int records = FLOATS_MAX / (3 * settings->cells->count);

@@ -8,20 +8,20 @@
 #include "bake/trace/transport.h"
 #include "hal/base/pool.h"
 
-/* Records of a large bake; half as many are hardly worse. */
+/* A large bake has this many records; half as many are hardly worse. */
 #define CACHE_RECORDS_MAX 2048
 
 struct cache_settings {
 	const struct world *world;
 	const struct cells *cells;
-	int bounces; /* as of transport_create() */
+	int bounces; /* as in transport_create() */
 	uint64_t seed;
-	int records; /* to make, about; at most CACHE_RECORDS_MAX */
-	/* Finds the first surface at a point of the picture, 0..1 each; *direction: of the ray, unit.
-	 * Called on one thread. False: none. */
+	int records; /* about as many are made; at most CACHE_RECORDS_MAX */
+	/* Finds the first surface at a point of the picture, 0..1 each; *direction becomes the
+	 * ray's unit direction. Returns false if there is none. It is called on one thread. */
 	bool (*look)(void *context, double x, double y, struct surface *surface,
 		     struct v3 *direction);
-	/* Called on each thread before it works; may be NULL. */
+	/* It is called on each thread before it works; may be NULL. */
 	void (*watch)(void *context, int worker);
 	void *context;
 };

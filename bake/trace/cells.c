@@ -7,10 +7,10 @@
 
 #include "bake/base/random.h"
 
-/* Directions in a table, which should stay in the cache. */
+/* A table has at most this many directions, 3 MB, so that it stays in the processor's cache. */
 #define TABLE_MAX (1 << 18)
-/* Directions in a cell. All pixels share them, so the visible share of a partly hidden cell is
- * wrong by about 1 / depth, in all pixels alike. */
+/* Least and largest depth, the number of directions in a cell. All pixels share them, so the
+ * visible share of a partly hidden cell is wrong by about 1 / depth, in all pixels alike. */
 #define DEPTH_MIN 32
 #define DEPTH_MAX (1 << 15)
 
@@ -28,8 +28,8 @@ static float reach_of(const struct dome *dome, int light)
 
 /* ---- directions ---- */
 
-/* Squares on each side of the unit square; the density within one is taken as constant, as it
- * varies little within a cell. */
+/* The unit square is divided into this many strips each way. The density within a square is taken
+ * as constant, as it varies little even within a cell. */
 #define SQUARES 16
 
 /*
@@ -42,8 +42,8 @@ struct warp {
 	double part[SQUARES][SQUARES + 1];
 };
 
-/* Density of the warp: the light's weight by solid angle or, projected, by projected solid
- * angle. */
+/* Makes a warp whose density is the light's weight by solid angle or, if `projected`, by projected
+ * solid angle. */
 static void make_warp(const struct dome *dome, int light, bool projected, struct warp *warp)
 {
 	warp->all[0] = 0;
@@ -63,8 +63,8 @@ static void make_warp(const struct dome *dome, int light, bool projected, struct
 	}
 }
 
-/* Inverts the cumulative sums: place in 0..1 at which they reach the share x of their total.
- * *square: index of the square it lies in. */
+/* Inverts the cumulative sums: returns the place in 0..1 at which they reach the share x of their
+ * total. *square becomes the index of the square in which it lies. */
 static double reach_share(const double sum[SQUARES + 1], double x, int *square)
 {
 	const double want = x * sum[SQUARES];
@@ -76,7 +76,7 @@ static double reach_share(const double sum[SQUARES + 1], double x, int *square)
 	return fmin((k + (want - sum[k]) / (sum[k + 1] - sum[k])) / SQUARES, 0x1.fffffep-1);
 }
 
-static void take_warped(const struct dome *dome, int light, const struct warp *warp,
+static void draw_warped(const struct dome *dome, int light, const struct warp *warp,
 			const double point[2], double d[3])
 {
 	int strip, square;
@@ -101,9 +101,9 @@ static void fill_directions(struct cells *cells, int place)
 		if (cells->dome->shape == DOME_CELLS) /* uniform without a warp */
 			dome_light_sample(cells->dome, cell, point[0], point[1], d);
 		else
-			take_warped(cells->dome, cell, &even, point, d);
+			draw_warped(cells->dome, cell, &even, point, d);
 		cells->uniform[at] = cells_narrow(d);
-		take_warped(cells->dome, cell, &ground, point, d);
+		draw_warped(cells->dome, cell, &ground, point, d);
 		cells->ground[at] = cells_narrow(d);
 	}
 }
@@ -124,7 +124,7 @@ static int compare_places(const void *a, const void *b)
 	return left->cell < right->cell ? -1 : 1;
 }
 
-/* Place along Hilbert's curve of a point of a grid of 2^15 x 2^15. */
+/* Returns the place along Hilbert's curve of a point of a grid of 2^15 x 2^15. */
 static uint32_t hilbert_key(uint32_t x, uint32_t y)
 {
 	const uint32_t last = (UINT32_C(1) << 15) - 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The dome as the tracer uses it: a table of directions in each light, drawn once with the light's
- * weight as density. What is said of cells here holds for tents, too.
+ * weight as density. A cell is any light here, also a tent.
  *
  * Sample s of a pixel takes direction `s ^ key` of every cell, where key is a hash of the pixel.
  * Samples of one pixel then fill each cell evenly, as the directions are a (0,m,2)-net, scrambled
@@ -35,7 +35,8 @@ struct cells {
 int cells_create(struct cells *cells, const struct dome *dome);
 void cells_free(struct cells *cells); /* idempotent; zeroed is fine */
 
-/* Row of directions of a sample. table: uniform or ground; pixel: a hash of the pixel. */
+/* Returns a sample's row of directions. table is uniform or ground; pixel is a hash of the
+ * pixel. */
 static inline const struct v3 *cells_pick(const struct cells *cells, const struct v3 *table,
 					  uint32_t pixel, uint32_t sample)
 {
@@ -43,8 +44,8 @@ static inline const struct v3 *cells_pick(const struct cells *cells, const struc
 	       (size_t)((sample ^ pixel) & (uint32_t)(cells->depth - 1)) * (size_t)cells->count;
 }
 
-/* Lights that share a direction, and the weight of each. Returns how many, 0..3; 0 below the
- * horizon. */
+/* Finds the lights that share a direction, and the weight of each. Returns their number, 0..3; it
+ * is 0 below the horizon. */
 static inline int cells_weights(const struct cells *cells, struct v3 direction, int light[3],
 				float weight[3])
 {
@@ -57,7 +58,7 @@ static inline int cells_weights(const struct cells *cells, struct v3 direction, 
 	return count;
 }
 
-/* Weight of one light in a direction. */
+/* Returns the weight of one light in a direction. */
 static inline float cells_weight(const struct cells *cells, int light, struct v3 direction)
 {
 	const double d[3] = {direction.x, direction.y, direction.z};

@@ -5,15 +5,15 @@
 
 #include "bake/mesh/mesh_winding.h"
 
-#define CANDIDATES 512
+#define CANDIDATES 512 /* number of chords that are tried; chosen by trial */
 /* Balls are made smaller by this factor, and count only for rays from less than FAR radii away, so
  * that rounding does not matter. */
 #define SHRINK 0.98f
 #define FAR 100.0f
-#define OUTSIDE_MAX 8 /* candidates found outside, after which the others are not tried */
+#define OUTSIDE_MAX 8 /* after this many candidates outside the object the others are not tried */
 /* A ball is left out if its centre is nearer to that of a larger ball than this share of the
  * larger one's radius. */
-#define APART 0.6f
+#define CENTRES_APART 0.6f
 
 struct candidate {
 	struct v3 centre;
@@ -22,7 +22,7 @@ struct candidate {
 
 /* ---- distances ---- */
 
-/* Squared distance from the origin to a segment. */
+/* Returns the squared distance from the origin to a segment. */
 static float segment_distance2(struct v3 a, struct v3 b)
 {
 	const struct v3 along = v3_sub(b, a);
@@ -33,7 +33,7 @@ static float segment_distance2(struct v3 a, struct v3 b)
 	return v3_dot(near, near);
 }
 
-/* Squared distance from the origin to a triangle. */
+/* Returns the squared distance from the origin to a triangle. */
 static float triangle_distance2(struct v3 a, struct v3 b, struct v3 c)
 {
 	const struct v3 n = v3_cross(v3_sub(b, a), v3_sub(c, a));
@@ -82,7 +82,7 @@ static bool triangles_make(struct triangles *all, const struct mesh_part *parts,
 	return true;
 }
 
-/* Distance from a point to the nearest triangle, or `most` if that is less. */
+/* Returns the distance from a point to the nearest triangle, or `most` if that is less. */
 static float triangles_distance(const struct triangles *all, struct v3 from, float most)
 {
 	float least = most;
@@ -101,8 +101,9 @@ static float triangles_distance(const struct triangles *all, struct v3 from, flo
 }
 
 /*
- * Winding number of a closed surface around a point, from the solid angles of its triangles (van
- * Oosterom and Strackee 1983). Other than 0: every way from there to infinity crosses the surface.
+ * Returns the winding number of a closed surface around a point, from the solid angles of its
+ * triangles (van Oosterom and Strackee 1983). If it is not 0, every way from there to infinity
+ * crosses the surface.
  */
 static int winding_number(const struct triangles *all, struct v3 from)
 {
@@ -187,7 +188,7 @@ static void add_balls(struct inside *inside, const struct triangles *all, int mo
 		const struct candidate c = {found[k].centre, found[k].radius * SHRINK};
 		bool overlaps;
 
-		if (nearest_ball(inside, first, &c, &overlaps) < APART)
+		if (nearest_ball(inside, first, &c, &overlaps) < CENTRES_APART)
 			continue;
 		if (!overlaps && !winding_number(all, c.centre)) {
 			outside++;

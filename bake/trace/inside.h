@@ -11,7 +11,7 @@
 
 #include "bake/mesh/mesh.h"
 
-#define INSIDE_MAX 64 /* balls of a world */
+#define INSIDE_MAX 64 /* a world has at most this many balls */
 
 struct inside {
 	int count;
@@ -19,7 +19,8 @@ struct inside {
 	float radius2[INSIDE_MAX];			   /* squared; 0 beyond count */
 };
 
-/* Sets the distance from a point to the next triangle in a direction. False: there is none. */
+/* Finds the distance from a point to the next triangle in a direction. Returns false if there is
+ * none. */
 typedef bool (*inside_chord)(const void *context, struct v3 from, struct v3 direction,
 			     float *length);
 
@@ -49,7 +50,7 @@ static inline bool inside_meets(const struct inside_view *view, int k, struct v3
 	return (along > 0) & (along * along > view->least[k]);
 }
 
-/* Finds a ball that a ray (unit direction) meets. Below 0: none. */
+/* Returns a ball that a ray (unit direction) meets, or a number below 0. */
 int inside_find(const struct inside_view *view, struct v3 direction);
 
 #endif

@@ -9,20 +9,25 @@
 #include "bake/trace/cache.h"
 
 #define PIXEL_STEP UINT32_C(0x632be5ab) /* separates the keys of one path's surfaces */
+/* A fan has an eighth as many directions as there are lights, or up to twice that, within these.
+ * Chosen by trial. */
 #define DIRECTIONS_MIN 32
 #define DIRECTIONS_MAX 256
 /* Surfaces up to this depth send a ray to every cell; a fan of fewer rays misses most small
  * lamps. */
 #define ALL_CELLS_DEPTH 1
-#define GLASS_MAX 32 /* glass surfaces in a row */
-/* Russian roulette: a path of less weight goes on with a probability in proportion to it. */
+#define GLASS_MAX 32 /* a path passes at most this many surfaces of glass in a row */
+/* Russian roulette: a path of less weight goes on with a probability in proportion to it. Chosen by
+ * trial. */
 #define WEIGHT_SURE 0.02f
-/* A surface nearer than this many spreads of its record is traced as without a cache, as in corners
+/* A surface nearer than this many spreads of its record is traced as without a cache: in corners
  * light changes too much over a record. */
 #define CACHE_NEAR 2
-/* With a cache, paths that go on from a first surface: as they end at the next, they are cheap. */
+/* With a cache, this many paths go on from a first surface. They end at the next surface, so that
+ * they are cheap. */
 #define PATHS_MAX 4
-/* Steps of the sequence R2 (Roberts 2018), for several directions below the horizon. */
+/* Steps of the low-discrepancy sequence R2 (Roberts 2018), which places several directions below
+ * the horizon. */
 #define PLASTIC_1 0.7548777f
 #define PLASTIC_2 0.5698403f
 
@@ -218,7 +223,7 @@ static void onward_offer(struct onward *onward, struct v3 direction, float weigh
 		onward->direction[0] = direction;
 }
 
-/* Place of a stratified draw in the sum of all candidates' weights. */
+/* Returns the place of a stratified draw in the sum of all candidates' weights. */
 static float onward_place(const struct onward *onward, int k, float choice, float total)
 {
 	return ((float)k + choice) / (float)onward->count * total;
@@ -299,7 +304,7 @@ static float fract(float x)
 	return x - floorf(x);
 }
 
-/* Share of a cosine-weighted hemisphere around n that lies below the horizon. */
+/* Returns the share of a cosine-weighted hemisphere around n that lies below the horizon. */
 static float share_below(struct v3 n)
 {
 	return n.z < 1 - 1e-6f ? 0.5f * (1 - n.z) : 0;
@@ -357,8 +362,8 @@ static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 
 /* ---- the first surfaces: a ray to every cell ---- */
 
-/* Takes one direction in each cell above the surface. value[] becomes what a white surface reflects
- * of the cell's light, rays the directions that may be blocked. */
+/* Takes one direction in each cell above the surface. value[] becomes the light that a white
+ * surface reflects from each cell; rays becomes the directions that may be blocked. */
 static void aim_at_cells(struct transport *t, const struct surface *s, float cos_o,
 			 const struct cone *cone, int depth)
 {
@@ -391,7 +396,8 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 	}
 }
 
-/* What passes a ray of the batch through glass. */
+/* Returns the light that reaches the origin along a ray of the batch through glass, if it is in the
+ * way. */
 static struct passage ray_passage(const struct transport *t, enum presence presence,
 				  struct v3 origin, int at)
 {
@@ -400,8 +406,9 @@ static struct passage ray_passage(const struct transport *t, enum presence prese
 	return (struct passage){.open = false};
 }
 
-/* Adds the light that glass lets through to a surface of this colour: from the ray's own cell, or
- * bent, which is noisy. What is left of value[] is what glass mirrors. */
+/* Adds the light that glass lets through to a surface of this colour. Straight light comes from the
+ * ray's own cell; bent light comes from other cells, is noisy, and goes to bounce. value[] keeps
+ * the share that glass mirrors. */
 static void pass_rays(struct transport *t, enum presence presence, struct v3 origin,
 		      struct rgb colour, float *row, float *bounce)
 {
@@ -492,7 +499,8 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 
 /* ---- further surfaces: a few rays ---- */
 
-/* The same by a fan of a few directions, turned at random around the normal. */
+/* Adds the light seen in a fan of a few directions, turned at random around the normal, and draws
+ * the ray that goes on. */
 static struct onward spread_fan(struct transport *t, enum presence presence,
 				const struct surface *s, struct v3 wo, struct rgb weight,
 				float *row)
@@ -546,8 +554,8 @@ static struct onward spread_fan(struct transport *t, enum presence presence,
 
 /* ---- going on ---- */
 
-/* What glass lets through, where a ray that has left s meets some first. Not open: all light is left
- * for the path that goes on. */
+/* Returns the light that glass lets through if a ray from s meets glass first. If it is not open,
+ * all light is left for the path that goes on. */
 static struct passage next_passage(const struct transport *t, enum presence presence,
 				   const struct surface *s, struct v3 direction,
 				   const struct surface *next)
@@ -600,9 +608,9 @@ static void follow_onward(struct transport *t, enum presence presence, const str
 		follow_path(t, presence, s, onward->direction[k], each, depth, rows);
 }
 
-/* Draws a ray from the coat, and adds the light of the sky that it sees, also through glass. False
- * when nothing is left to follow; else *next is the surface it meets and *onward its weight. shared:
- * add_coat_by_cells() adds the other part of the balance heuristic. */
+/* Draws a ray from the coat, and adds the light of the sky that it sees, also through glass.
+ * Returns false if nothing is left to follow; else *next is the surface it meets and *onward its
+ * weight. If `shared`, add_coat_by_cells() adds the other part of the balance heuristic. */
 static bool sample_coat(struct transport *t, enum presence presence, const struct surface *s,
 			struct v3 wo, struct rgb weight, bool shared, struct surface *next,
 			struct v3 *wi, struct rgb *onward, float *row)
@@ -643,8 +651,9 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 }
 
 /*
- * Chooses how the path goes on at glass. *mirrored: the probability with which this surface or one
- * behind it mirrors, if light that passes all of them does not count; becomes that of the ones behind.
+ * Chooses how the path goes on at glass. If the light that passes all surfaces of glass is added
+ * already, *mirrored is m, the probability that this surface or one behind it mirrors, and becomes
+ * m', that of the ones behind. With R the reflectance of this surface,
  *     m = 1 - (1 - R) (1 - m'),  mirrored here with probability R / m
  */
 static struct v3 choose_way(struct transport *t, const struct surface *s, struct v3 wo,
@@ -665,7 +674,8 @@ static struct v3 choose_way(struct transport *t, const struct surface *s, struct
 	return ways.passed;
 }
 
-/* Follows the path through glass to the next other surface. False when the path has ended. */
+/* Follows the path through glass to the next surface of another kind. Returns false if it has
+ * ended. */
 static bool pass_glass(struct transport *t, enum presence presence, struct surface *s,
 		       struct v3 *wo, struct rgb *weight, float *row)
 {
@@ -692,8 +702,8 @@ static bool pass_glass(struct transport *t, enum presence presence, struct surfa
 }
 
 /*
- * Adds the light of a surface's diffuse base from the cache. False: the path has to go on.
- * The base of a coated surface is taken as Lambertian with the same albedo towards wo:
+ * Adds the light of a surface's diffuse base from the cache. Returns false if the path has to go
+ * on. The base of a coated surface is taken as Lambertian with the same albedo towards wo:
  *     f = colour / pi * bsdf_base_mean(cos_o)
  * Differences between both presences of a sample are not taken from the cache, as the objects
  * change rows that hardly see them.
@@ -720,8 +730,8 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 	return true;
 }
 
-/* Adds the light that leaves a surface towards wo, and goes on. depth: surfaces before this one,
- * glass not counted. */
+/* Adds the light that leaves a surface towards wo, and goes on. depth is the number of surfaces
+ * before this one, without glass. */
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
 		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
 {
@@ -747,7 +757,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 		follow_onward(t, presence, &s, &onward, base, depth + 1, rows);
 		return;
 	}
-	/* two ways on: both are followed from the first surface, one of them at random later */
+	/* There are two ways on. Both are followed from the first surface, one at random later. */
 	if (depth > 0) {
 		const float share = rgb_peak(coat) / fmaxf(rgb_peak(coat) + rgb_peak(base), 1e-30f);
 
@@ -786,8 +796,8 @@ int transport_shadow_channels(const struct world *world)
 	return world_has_tinted_panes(world) ? 3 : 1;
 }
 
-/* Adds what objects take of the light of a ray's cell. Returns whether that is anything. What is left
- * of value[] is what goes on by way of objects. */
+/* Adds the light of a ray's cell that objects block, and returns whether there is any. value[]
+ * keeps the light that objects may reflect to the ground instead. */
 static bool add_blocked(struct transport *t, struct v3 position, int at, float weight,
 			const struct transport_rows *rows)
 {
@@ -796,10 +806,10 @@ static bool add_blocked(struct transport *t, struct v3 position, int at, float w
 	bool any = false;
 
 	for (int c = 0; c < channels && t->rays.blocked[at]; c++) {
-		const float taken = p.bent ? 1 : 1 - p.passed.c[c];
+		const float lost = p.bent ? 1 : 1 - p.passed.c[c];
 
-		rows->direct[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight * taken;
-		any |= taken > 0;
+		rows->direct[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight * lost;
+		any |= lost > 0;
 	}
 	t->value[cell] = t->cells->share[cell];
 	if (p.bent)

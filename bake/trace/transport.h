@@ -8,7 +8,8 @@
  * its weight, is followed and carries the weight of all blocked ones. So blocked and bounced light
  * balance in each sample, and a white object in a white furnace vanishes at any number of samples.
  * A ray to a cell goes on through glass, straight or bent, and gets the light of the sky that it
- * reaches; only what the glass mirrors counts as blocked. At further surfaces the same is done with a few cosine-weighted, stratified directions.
+ * reaches; only the share that the glass mirrors counts as blocked. At further surfaces the same is
+ * done with a few cosine-weighted, stratified directions.
  */
 #ifndef INLAY_BAKE_TRACE_TRANSPORT_H
 #define INLAY_BAKE_TRACE_TRANSPORT_H
@@ -18,7 +19,7 @@
 
 struct cache;
 
-/* End of a path in a record of the cache (cache.h). */
+/* The end of a path in a record of the cache (cache.h). */
 struct transport_link {
 	int record;
 	struct rgb weight;
@@ -32,7 +33,7 @@ struct transport {
 	int directions; /* rays at a further surface; a power of two */
 	struct v3 *fan; /* [TRANSPORT_FANS][directions]: cosine-weighted around +Z */
 	struct ray_batch rays;
-	/* Guesses by which rays to cells are found blocked; the result does not depend on them: */
+	/* These guesses tell sooner that a ray is blocked; the result does not depend on them. */
 	struct ray_batch unsure; /* rays that meet no ball inside an object (inside.h) */
 	int *unsure_at;		 /* [WORLD_RAYS_MAX]: index of each in rays */
 	uint8_t *ball;		 /* [count]: the ball that an earlier ray to this cell met */
@@ -40,17 +41,17 @@ struct transport {
 	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of each ray in the batch */
 	float *value; /* [count]: weight of each cell's ray */
 	struct random random;
-	/* State of the current camera sample: */
+	/* State of the current camera sample. */
 	uint32_t pixel, sample; /* choose one of a cell's directions */
 	float choice;		/* chooses the blocked ray to follow from the first surface, 0..1 */
 	double below[2];	/* chooses the direction below the horizon, 0..1 */
 	bool compared;		/* the sample is traced with either presence, and subtracted */
-	/* The path is about to meet glass, and the light that passes it is added already: only light
-	 * that it mirrors, altogether this share, is left. 0: all light. */
+	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
+	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
 	float mirrored;
 	uint64_t ray_count; /* rays so far */
-	/* Light of surfaces that a path reaches after a diffuse bounce; NULL: the path goes on. The caller
-	 * sets it, and owns the cache. */
+	/* The cache gives the light of surfaces that a path reaches after a diffuse bounce; NULL:
+	 * the path goes on. The caller sets and owns it. */
 	const struct cache *cache;
 	bool gathered;		     /* the path has had a diffuse bounce ... */
 	struct v3 gathered_at;	     /* ... the last of them here */
@@ -68,9 +69,9 @@ void transport_free(struct transport *transport); /* idempotent; zeroed is fine 
 /* Begins a camera sample: all its random numbers follow from these three. */
 void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel, uint32_t sample);
 
-/* The rows that a sample adds to. Light that met exactly one surface is kept apart, as it is sharp
- * and almost without noise, while the rest is smooth and noisy. Clear glass before the first other
- * surface does not count. */
+/* The rows that a sample adds to. Light that met exactly one surface has a row of its own, as it is
+ * sharp and almost without noise, while the rest is smooth and noisy. Clear glass before the first
+ * other surface does not count. */
 struct transport_rows {
 	float *direct; /* [3][count]: one surface; for a shadow [transport_shadow_channels()][count] */
 	float *bounce; /* [3][count]: several surfaces */
@@ -89,12 +90,13 @@ void transport_add(struct transport *transport, enum presence presence,
 void transport_add_sky(struct transport *transport, struct v3 direction, struct rgb weight,
 		       const struct transport_rows *rows);
 
-/* Channels of the direct light that a shadow takes: 3 where panes are tinted, else 1. */
+/* Returns the number of channels of direct light that a shadow takes away: 3 if panes are tinted,
+ * else 1. */
 int transport_shadow_channels(const struct world *world);
 
 /*
- * Adds weight times what the objects take from each cell's light on flat ground, in scenes without
- * stand-ins:
+ * Adds weight times the light of each cell that objects take away from flat ground, in scenes
+ * without stand-ins:
  *     direct[c][i] += 1 for each cell that is blocked; 1 - transmission behind panes
  *     bounce[c][i] += (u - s) / albedo of the light that objects throw on the ground (<= 0)
  * Cells that no path over an object reaches stay unchanged. Returns false when nothing was added.

@@ -13,9 +13,9 @@
 #include "bake/base/random.h"
 
 #define PACKET 16
-#define GLASS_MAX 32 /* glass surfaces in a row; more let nothing through */
-/* Offset of leaving rays as a share of the world's largest coordinate: a few units in the last
- * place. */
+#define GLASS_MAX 32 /* more surfaces of glass in a row let nothing through */
+/* Rays start this far from the surface that they leave, as a share of the world's largest
+ * coordinate: 34 units in the last place (2^-23). */
 #define OFFSET_SCALE 4e-6f
 
 struct instance {
@@ -28,7 +28,8 @@ struct instance {
 struct world {
 	RTCDevice device;
 	RTCScene scene[PRESENCE_COUNT];
-	/* The scene's glass and all else, where there is some; else NULL. */
+	/* If there is glass, each scene is divided into glass and all else; without glass these are
+	 * NULL. */
 	RTCScene glass[PRESENCE_COUNT], solid[PRESENCE_COUNT];
 	struct bounds bounds[PRESENCE_COUNT];
 	struct instance *instances; /* by geometry number, the same in all scenes */
@@ -108,7 +109,7 @@ int world_create(struct world **out, struct fault *fault)
 
 	if (!world)
 		return fault_say(fault, -ENOMEM, "out of memory for the scene");
-	/* built by one thread, so that the same meshes make the same tree */
+	/* One thread builds the tree, so that the same meshes make the same tree. */
 	world->device = rtcNewDevice("threads=1");
 	if (!world->device) {
 		free(world);
@@ -123,8 +124,8 @@ int world_create(struct world **out, struct fault *fault)
 	return 0;
 }
 
-/* One ray and its hit, of the N of a filter. Embree names the members for C++ alone; one after the
- * other, each an array of N, they are those of RTCRay and RTCHit. */
+/* One of the N rays of a filter's call, with its hit. Embree passes the members of RTCRay and
+ * RTCHit one after the other, each as an array of N, and has accessors for C++ alone. */
 struct filtered {
 	float ray[8]; /* origin, tnear, direction, time */
 	float u, v;
@@ -147,7 +148,8 @@ static struct filtered filtered_of(const struct RTCFilterFunctionNArguments *a, 
 	return f;
 }
 
-/* A number for each ray and triangle, which the same ray always gets anew. */
+/* Returns a random number that is a function of ray and triangle, so that a ray traced again gets
+ * the same. */
 static float chance_of(const struct filtered *f)
 {
 	uint64_t pairs[4];
@@ -284,7 +286,7 @@ static struct bounds bounds_of(RTCScene scene)
 	return b;
 }
 
-/* most: length of the ray */
+/* Sets up a ray of length `most`. */
 static void aim_ray(struct RTCRayHit *r, struct v3 origin, struct v3 direction, float most)
 {
 	memset(r, 0, sizeof(*r));
@@ -310,7 +312,7 @@ static bool world_chord(const void *context, struct v3 from, struct v3 direction
 	return r.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
-/* Light passes an object with glass or holes, whatever is inside of it. */
+/* Tells whether light may pass an object, as it has glass or holes: no ball inside of it blocks. */
 static bool light_passes(const struct world *world, const struct mesh *mesh)
 {
 	for (unsigned k = 0; k < world->instance_count; k++)
@@ -347,7 +349,7 @@ static bool casts_coloured_shadow(const struct instance *instance)
 	       (material->texture || instance->part->colour || !is_grey(material->colour));
 }
 
-/* Parts each scene into glass and all else, if there is glass. */
+/* Divides each scene into glass and all else, if there is glass. */
 static void world_part_glass(struct world *world)
 {
 	bool any = false;
@@ -423,8 +425,8 @@ struct bounds world_bounds(const struct world *world, enum presence presence)
 
 /* ---- one ray ---- */
 
-/* Distance to the ground, or infinity. A ray that leaves the underside of a mesh on the ground
- * starts a little below the ground; its distance is 0. */
+/* Returns the distance to the ground, or infinity. A ray that leaves the underside of a mesh on the
+ * ground starts a little below the ground; its distance is 0. */
 static float ground_distance(const struct world *world, struct v3 origin, struct v3 direction)
 {
 	float t, x, y;
@@ -465,7 +467,8 @@ static void tangent_axes(const struct mesh_part *part, const uint32_t corner[3],
 	*along_v = v3_scale(v3_cross(normal, *along_u), part->tangent[corner[0]][3]);
 }
 
-/* Finds the axes of a texture on a triangle, which turn with the place of the texture. False: it has none. */
+/* Finds the axes of a texture on a triangle, which turn with the texture. Returns false if it has
+ * none. */
 static bool texture_axes(const struct mesh_part *part, const struct texture_use *use,
 			 const uint32_t corner[3], struct v3 *along_u, struct v3 *along_v)
 {
@@ -493,7 +496,7 @@ static bool texture_axes(const struct mesh_part *part, const struct texture_use 
 	return area != 0;
 }
 
-/* The normal of a material with bumps, from that of the smoothed surface. */
+/* Returns the normal of a material with bumps, given that of the smoothed surface. */
 static struct v3 bumpy_normal(const struct instance *instance, const uint32_t corner[3],
 			      const float weight[3], const struct material_point *point,
 			      struct v3 normal)
@@ -542,7 +545,7 @@ static void mesh_surface(const struct world *world, struct v3 direction, const s
 	if (v3_dot(normal, s->geometric) < 0)
 		normal = v3_scale(normal, -1);
 	s->normal = v3_unit(normal);
-	/* a smoothed normal that points away from the viewer would leave the surface black */
+	/* A smoothed normal that points away from the viewer would make the surface black. */
 	if (v3_dot(s->normal, direction) >= -1e-4f || v3_dot(normal, normal) == 0)
 		s->normal = s->geometric;
 	s->offset = OFFSET_SCALE * world->size;
@@ -621,7 +624,7 @@ struct passage world_passage(const struct world *world, enum presence presence, 
 
 /* ---- many rays ---- */
 
-/* Gives the result to those rays, not blocked so far, which meet the scene. */
+/* Sets the result of those rays that meet the scene and were not blocked so far. */
 static void occlude_batch(RTCScene scene, struct v3 origin, struct ray_batch *batch,
 			  enum ray_result result)
 {

@@ -30,7 +30,7 @@ struct surface {
 	struct bsdf bsdf;
 };
 
-/* Sphere around all meshes of one version of the world; radius < 0: there are none. */
+/* A sphere around all meshes of one version of the world; radius < 0: there are none. */
 struct bounds {
 	struct v3 centre;
 	float radius;
@@ -42,7 +42,7 @@ struct bounds {
 struct ray_batch {
 	int count;
 	float *x, *y, *z; /* [WORLD_RAYS_MAX] */
-	uint8_t *blocked; /* [WORLD_RAYS_MAX]: the result, of enum ray_result */
+	uint8_t *blocked; /* [WORLD_RAYS_MAX]: the results, enum ray_result */
 };
 
 enum ray_result {
@@ -51,25 +51,26 @@ enum ray_result {
 	RAY_GLASS /* only glass is in the way of the straight ray: world_through_glass() */
 };
 
-/* What glass leaves of the light that comes along a ray from the sky. Light that it mirrors is not
+/* The light from the sky that glass lets pass along a ray. Light that it mirrors is not
  * followed. */
 struct passage {
 	bool open;	   /* the ray leaves all glass towards the sky; else the rest is 0 */
-	bool bent;	   /* some of it is no pane (bsdf_is_pane) */
+	bool bent;	   /* some of the glass is no pane (bsdf_is_pane) */
 	struct v3 sky;	   /* direction in which the ray leaves */
-	struct rgb passed; /* share that passes */
-	float mirrored;	   /* share that is mirrored, but for tints */
+	struct rgb passed; /* share of the light that passes */
+	float mirrored;	   /* share that is mirrored, without tints */
 };
 
 struct world;
 
 int world_create(struct world **world, struct fault *fault);
 
-/* Adds a mesh, which must outlive the world. material: NULL for the mesh's own. */
+/* Adds a mesh, which must outlive the world. If material is NULL, the mesh's own are used. */
 int world_add(struct world *world, const struct mesh *mesh, const struct material *material,
 	      enum surface_kind kind, struct fault *fault);
 
-/* Sets the ground, a Lambertian plane. extent: radius of a disc around the origin; 0: infinite. */
+/* Sets the ground, a Lambertian plane. extent is its radius around the origin; 0: it is
+ * infinite. */
 void world_ground(struct world *world, struct rgb albedo, double extent);
 
 /* Builds the ray tracer's structures, after all meshes and the ground. -ENOMEM, -EIO. */
@@ -79,19 +80,20 @@ bool world_has_ground(const struct world *world);
 bool world_has_standins(const struct world *world);
 bool world_has_tinted_panes(const struct world *world); /* their shadows are coloured */
 struct rgb world_ground_albedo(const struct world *world);
-const struct inside *world_inside(const struct world *world); /* of the objects */
+const struct inside *world_inside(const struct world *world); /* balls inside the objects */
 struct bounds world_bounds(const struct world *world, enum presence presence);
 
-/* Finds the nearest surface along a ray (unit direction), the ground included. False: none. */
+/* Finds the nearest surface along a ray (unit direction), the ground included. Returns false if
+ * there is none. */
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface);
 
-/* Follows a ray from the sky, backwards. Open: nothing but glass is in its straight way, and the ray
- * reaches the sky by passing that. Direction: upwards. */
+/* Follows a ray, which points upwards, through glass to the sky. The passage is open if only glass
+ * is in its straight way, and the ray reaches the sky by passing that. */
 struct passage world_passage(const struct world *world, enum presence presence, struct v3 origin,
 			     struct v3 direction);
 
-/* The same of a ray in whose straight way there is nothing but glass. */
+/* Does the same for a ray that is known to have only glass in its straight way. */
 struct passage world_through_glass(const struct world *world, enum presence presence,
 				   struct v3 origin, struct v3 direction);
 
@@ -100,7 +102,8 @@ struct passage world_through_glass(const struct world *world, enum presence pres
 void world_occluded(const struct world *world, enum presence presence, struct v3 origin,
 		    struct ray_batch *batch);
 
-/* Start of a ray that leaves the surface: off by s->offset, on the side of its direction. */
+/* Returns the start of a ray that leaves the surface: s->offset away from it, on the side of the
+ * direction. */
 static inline struct v3 surface_leave(const struct surface *s, struct v3 direction)
 {
 	const float side = v3_dot(s->geometric, direction) < 0 ? -s->offset : s->offset;
