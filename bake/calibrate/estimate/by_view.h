@@ -74,7 +74,8 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 /*
  * Returns how often views would by chance disagree about the axis as much, if their errors are
  * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
- * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance below BY_VIEW_LEVEL is a reason to doubt.
+ * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance below
+ * BY_VIEW_LEVEL is a reason to doubt.
  */
 #define BY_VIEW_LEVEL 1e-3
 #define BY_VIEW_REASON                                                                             \
