@@ -126,12 +126,27 @@ claim joints.gltf "it would take" "\"accessors\":[$zeros,$three,{\"componentType
 	\"count\":4194304}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0$joints},\"indices\":1}]}]" ""
 claim copies.gltf "it would take" "\"accessors\":[$zeros,$three],\"meshes\":[{\"primitives\":[{
 	\"attributes\":{\"POSITION\":0}}]}]" ',"extensions":{"EXT_mesh_gpu_instancing":{"attributes":{"TRANSLATION":0}}}'
-# Draco: 715827882 faces and points, each number as it is packed
-draco=$(printf 'DRACO\x02\x02\x01\x01\0\0\0\xaa\xd5\xaa\xd5\x02\xaa\xd5\xaa\xd5\x02' | base64 -w 0)
-claim faces.gltf "it would take" "\"buffers\":[{\"byteLength\":22,\"uri\":\"data:;base64,$draco\"}],
-	\"bufferViews\":[{\"buffer\":0,\"byteLength\":22}],\"accessors\":[$zeros],\"meshes\":[{\"primitives\":[{
-	\"attributes\":{\"POSITION\":0},\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{
-	\"POSITION\":0}}}}]}]" ""
+# draco NAME: a primitive of what is on stdin
+draco() {
+	cat >packed
+	claim "$1" "it would take" "\"buffers\":[{\"byteLength\":$(stat -c %s packed),\"uri\":\"data:;base64,$(
+		base64 -w 0 packed)\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":$(stat -c %s packed)}],\"accessors\":[
+	$zeros],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"extensions\":{
+	\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}}]}]" ""
+}
+# 715827882 faces and points, each number as it is packed
+draco faces.gltf < <(printf 'DRACO\x02\x02\x01\x01\0\0\0\xaa\xd5\xaa\xd5\x02\xaa\xd5\xaa\xd5\x02')
+# 20000 faces and 60000 points, whose indices are there, with 8 attributes of 255 doubles each
+{
+	printf 'DRACO\x02\x02\x01\0\0\0\xa0\x9c\x01\xe0\xd4\x03\x01'
+	head -c 120000 /dev/zero
+	printf '\x01\x08'
+	for id in 0 1 2 3 4 5 6 7; do
+		printf '%b' "\x04\x0a\xff\0\x0$id"
+	done
+	head -c 8 /dev/zero
+} >attributes.drc
+draco attributes.gltf <attributes.drc
 # libraries that are named again and again
 for name in one two; do
 	repeat 20000 'newmtl a\n' >$name.mtl

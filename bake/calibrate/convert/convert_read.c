@@ -72,8 +72,6 @@ static int take_matrix(struct lens *lens, const struct lens_words *w)
 	const struct words_matrix *m = &w->matrix;
 	const double *k = m->data;
 
-	if (!m->line)
-		return fault_say(w->fault, -EINVAL, "%s: has no camera_matrix", w->path);
 	if (m->rows != 3 || m->columns != 3 || !(k[0] > 0) || !(k[4] > 0) || k[3] != 0 ||
 	    k[6] != 0 || k[7] != 0 || k[8] != 1)
 		return fault_say(w->fault, -EINVAL,
@@ -179,6 +177,16 @@ static int take_distortion(struct lens *lens, const struct lens_words *w)
 	return 0;
 }
 
+/* Without them it is a file of another program. */
+static int take_kind(const struct lens_words *w)
+{
+	if (w->matrix.line || w->intrinsics.line)
+		return 0;
+	return fault_say(w->fault, -EINVAL,
+			 "%s: has no camera_matrix of OpenCV, K of ROS or intrinsics of Kalibr",
+			 w->path);
+}
+
 static int take_size(struct lens *lens, const struct lens_words *w)
 {
 	const struct words_matrix *m = &w->resolution;
@@ -239,6 +247,8 @@ int lens_read_foreign(struct lens *lens, const char *path, const char *camera, s
 		err = take_choice(&w);
 	if (!err)
 		err = take_part(&w);
+	if (!err)
+		err = take_kind(&w);
 	if (!err)
 		err = take_size(lens, &w);
 	if (!err)

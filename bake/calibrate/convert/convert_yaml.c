@@ -22,8 +22,9 @@ struct yaml_reader {
 	bool ended; /* there was such a document */
 	/* why there is no next line, other than the end of the file; the fault says it */
 	int err;
-	int block; /* enum yaml_block */
-	int depth; /* open braces */
+	int block;		  /* enum yaml_block */
+	char top[WORDS_NAME_MAX]; /* the key in the first column that holds the block */
+	int depth;		  /* open braces */
 };
 
 enum yaml_block { YAML_TOP, YAML_CAMERA, YAML_ROI, YAML_MATRIX, YAML_OTHER };
@@ -397,6 +398,7 @@ static int read_top(struct yaml_reader *r, const char *key, const char *rest)
 {
 	r->begun = true;
 	r->block = YAML_TOP;
+	snprintf(r->top, sizeof(r->top), "%s", key);
 	note_part(r, r->block, key, rest);
 	if (is_camera(key) && !*rest)
 		begin_camera(r, key);
@@ -419,6 +421,10 @@ static int read_line(struct yaml_reader *r)
 	/* part of an unknown key */
 	if (strchr("-[]", *content_of(r)))
 		return 0;
+	/* Kalibr's cameras may have other names, and their first key of ours is this one. */
+	if (is_indented(r) && *r->top && !strncmp(at, "camera_model:", 13) &&
+	    r->block != YAML_CAMERA)
+		begin_camera(r, r->top);
 	if (is_indented(r) && r->block != YAML_CAMERA && r->block != YAML_ROI)
 		return 0;
 	if (!split_line(r->file.line, &key, &rest))

@@ -5,8 +5,10 @@
 #include <cerrno>
 #include <cfloat>
 #include <cmath>
+#include <exception>
 
-#include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
@@ -15,10 +17,11 @@
 namespace gltf
 {
 
-/* Lends the memory that the decoder allocates by the numbers of faces and points, which it believes. */
-static void lend_claimed(Document &document, const Json &extension, draco::DecoderBuffer buffer)
+/* Lends the memory that a decoder allocates, which believes all numbers: of faces and points here, of
+ * attributes below. Returns the kind of its mesh. */
+static uint8_t lend_claimed(Document &document, const Json &extension, draco::DecoderBuffer buffer)
 {
-	draco::DracoHeader header;
+	draco::DracoHeader header = {};
 	draco::GeometryMetadata metadata;
 	uint32_t first = 0, second = 0;
 	uint8_t traversal;
@@ -35,6 +38,54 @@ static void lend_claimed(Document &document, const Json &extension, draco::Decod
 		fine = buffer.Decode(&traversal);
 	if (fine && draco::DecodeVarint(&first, &buffer) && draco::DecodeVarint(&second, &buffer))
 		document.lend(128.0 * (static_cast<double>(first) + static_cast<double>(second)));
+	return header.encoder_method;
+}
+
+/* A decoder of the library that lends the memory of its attributes before it reads their values. */
+template <typename Kind> class Lending : public Kind
+{
+      public:
+	explicit Lending(Document &of) : document(of)
+	{
+	}
+
+	std::exception_ptr refusal;
+
+      protected:
+	/* Nothing is thrown through the library. */
+	bool DecodeAllAttributes() override
+	try {
+		const draco::PointCloud &cloud = *this->point_cloud();
+
+		/* each value as it is packed, in whole numbers, and in float; its number for each point */
+		for (int k = 0; k < cloud.num_attributes(); k++)
+			document.lend(static_cast<double>(cloud.num_points()) *
+				      (static_cast<double>(cloud.attribute(k)->byte_stride()) +
+				       8.0 * cloud.attribute(k)->num_components() + 4));
+		return Kind::DecodeAllAttributes();
+	} catch (const Failure &) {
+		refusal = std::current_exception();
+		return false;
+	}
+
+      private:
+	Document &document;
+};
+
+template <typename Kind>
+static std::unique_ptr<draco::Mesh> decode(Document &document, const Json &extension,
+					   draco::DecoderBuffer &buffer)
+{
+	auto mesh = std::make_unique<draco::Mesh>();
+	Lending<Kind> decoder(document);
+	const draco::Status status = decoder.Decode(draco::DecoderOptions(), &buffer, mesh.get());
+
+	if (decoder.refusal)
+		std::rethrow_exception(decoder.refusal);
+	if (!status.ok())
+		fail_at(extension, -EBADMSG,
+			"Draco cannot decompress it: " + status.error_msg_string());
+	return mesh;
 }
 
 Compressed::Compressed(Document &document, const Json &extension)
@@ -43,15 +94,11 @@ Compressed::Compressed(Document &document, const Json &extension)
 	const size_t view = document.index(needed(extension, "bufferView"), "bufferViews");
 	const Bytes from = document.view(view).bytes;
 	draco::DecoderBuffer buffer;
-	draco::Decoder decoder;
 
 	buffer.Init(reinterpret_cast<const char *>(from.at), from.count);
-	lend_claimed(document, extension, buffer);
-	auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-	if (!decoded.ok())
-		fail_at(extension, -EBADMSG,
-			"Draco cannot decompress it: " + decoded.status().error_msg_string());
-	mesh = std::move(decoded).value();
+	mesh = lend_claimed(document, extension, buffer) == draco::MESH_EDGEBREAKER_ENCODING
+		       ? decode<draco::MeshEdgebreakerDecoder>(document, extension, buffer)
+		       : decode<draco::MeshSequentialDecoder>(document, extension, buffer);
 }
 
 Compressed::~Compressed() = default;
@@ -89,6 +136,11 @@ Values Compressed::values(const std::string &attribute, const Json *accessor) co
 		fail_at(attributes, -EBADMSG,
 			attribute + ": the compressed data have no attribute " +
 				std::to_string(id));
+
+	if (from->num_components() > 4)
+		fail_at(attributes, -EBADMSG,
+			attribute + ": " + std::to_string(from->num_components()) +
+				" numbers an element");
 
 	const auto components = static_cast<int8_t>(from->num_components());
 	const float scale = accessor ? accessor_scale(*from, *accessor) : 1;

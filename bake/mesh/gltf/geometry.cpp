@@ -6,6 +6,10 @@
 
 #include "bake/mesh/gltf/draco.hpp"
 
+extern "C" {
+#include "bake/mesh/mesh.h"
+}
+
 namespace gltf
 {
 
@@ -190,37 +194,21 @@ static Influences read_influences(Attributes &attributes, size_t vertices)
 	return out;
 }
 
-/* Moves the values of the vertices that are kept to their new numbers, which are no greater. */
-static void keep_values(std::vector<float> &values, const std::vector<uint32_t> &number,
-			size_t used)
-{
-	const size_t each = values.size() / number.size();
-
-	for (size_t v = 0; v < number.size(); v++)
-		if (number[v] != UINT32_MAX)
-			std::copy_n(values.begin() + static_cast<ptrdiff_t>(v * each), each,
-				    values.begin() + static_cast<ptrdiff_t>(number[v] * each));
-	values.resize(used * each);
-	values.shrink_to_fit();
-}
-
 /* Forgets the vertices that no triangle uses: many primitives may share the arrays of all of them. */
 static void keep_used(Geometry &of)
 {
-	std::vector<uint32_t> number(of.vertices, UINT32_MAX);
-	uint32_t used = 0;
+	std::vector<uint32_t> number(of.vertices);
+	const size_t used = mesh_number_used(of.corners.data(), of.corners.size(), number.data(),
+					     of.vertices);
 
-	for (uint32_t corner : of.corners)
-		number[corner] = 0;
-	for (uint32_t &n : number)
-		n = n == UINT32_MAX ? n : used++;
-	if (used == of.vertices)
-		return;
-	for (uint32_t &corner : of.corners)
-		corner = number[corner];
 	for (auto *values : {&of.position, &of.normal, &of.tangent, &of.uv[0], &of.uv[1],
-			     &of.colour, &of.influences.joint, &of.influences.weight})
-		keep_values(*values, number, used);
+			     &of.colour, &of.influences.joint, &of.influences.weight}) {
+		const size_t each = values->size() / std::max<size_t>(of.vertices, 1);
+
+		mesh_move_rows(values->data(), each * sizeof(float), number.data(), of.vertices);
+		values->resize(used * each);
+		values->shrink_to_fit();
+	}
 	of.vertices = used;
 }
 

@@ -330,12 +330,14 @@ static void test_files(void **state)
 #define ROS_1_END                                                                                  \
 	"P: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]\nbinning_x: 0\nbinning_y: 0\nroi: \n"             \
 	"  x_offset: 0\n  y_offset: 0\n  height: 0\n  width: 0\n  do_rectify: False\n"
-#define KALIBR                                                                                     \
-	"cam0:\n  T_cam_imu:\n  - [0.01, -0.9, 0.2, 0.0]\n  - [0.9, 0.01, 0.1, 0.0]\n"             \
+#define KALIBR_LENS                                                                                \
+	"  T_cam_imu:\n  - [0.01, -0.9, 0.2, 0.0]\n  - [0.9, 0.01, 0.1, 0.0]\n"                    \
 	"  - [0.0, 0.0, 0.0, 1.0]\n  cam_overlaps: [1]\n  camera_model: pinhole\n"                 \
 	"  distortion_coeffs: [-0.25, 0.0625, 0.001, -0.002]\n  distortion_model: radtan\n"        \
 	"  intrinsics: [536.0, 535.0, 342.0, 235.0]\n  resolution: [640, 480]\n"                   \
 	"  rostopic: /cam0/image_raw\n  timeshift_cam_imu: 0.001\n"
+#define KALIBR "cam0:\n" KALIBR_LENS
+#define KALIBR_NAMED "left:\n" KALIBR_LENS
 #define KALIBR_BOTH                                                                                \
 	KALIBR "cam1:\n  camera_model: pinhole\n  intrinsics:\n  - 300.0\n  - 301.0\n  - 320.0\n"  \
 	       "  - 240.0\n  distortion_model: equidistant\n"                                      \
@@ -434,6 +436,8 @@ static void test_dialects(void **state)
 	assert_reads(KALIBR, NULL, &pinhole);
 	assert_reads(KALIBR_BOTH, "cam0", &pinhole);
 	assert_reads(KALIBR_BOTH, "cam1", &fisheye);
+	assert_reads(KALIBR_NAMED, NULL, &pinhole);
+	assert_reads("header:\n  frame_id: left\n" KALIBR_NAMED KALIBR, "left", &pinhole);
 	assert_reads(melodic, NULL, &fisheye);
 	assert_reads(flow, NULL, &pinhole);
 	assert_reads(json, NULL, &pinhole);
@@ -483,8 +487,12 @@ static void test_damaged(void **state)
 	static const struct {
 		const char *text, *fault; /* fault: the message behind the file's name */
 	} cases[] = {
-		{"", ": has no image_width and image_height, expected them here or by --size"},
-		{SIZE, ": has no camera_matrix"},
+		{"", ": has no camera_matrix of OpenCV, K of ROS or intrinsics of Kalibr"},
+		{"Camera.fx: 500.0\nCamera.width: 640\n",
+		 ": has no camera_matrix of OpenCV, K of ROS or intrinsics of Kalibr"},
+		{SIZE, ": has no camera_matrix of OpenCV, K of ROS or intrinsics of Kalibr"},
+		{"intrinsics: [1, 2, 3, 4]\n",
+		 ": has no image_width and image_height, expected them here or by --size"},
 		{SIZE OPENCV_CAMERA, ": has no distortion_coefficients"},
 		{"\x89PNG\r\n",
 		 ":1: \x89PNG: expected KEY: VALUE, as OpenCV, ROS and Kalibr write lenses"},
