@@ -79,7 +79,6 @@ struct axis {
 	double low, high; /* range of the values; of their log10 where log */
 	double from, to;  /* the same in the picture, in pixels */
 	double tick[REPORT_TICKS_MAX];
-	const char *name[REPORT_TICKS_MAX];
 	int ticks;
 };
 
@@ -98,14 +97,13 @@ static void axis_include(struct axis *a, double value)
 	a->high = fmax(a->high, v);
 }
 
-/* Adds a tick inside the range. name NULL: the number is its label. */
-static void axis_add_tick(struct axis *a, double value, const char *name)
+/* Adds a tick inside the range. */
+static void axis_add_tick(struct axis *a, double value)
 {
 	const double v = a->log ? log10(value) : value;
 
 	if (a->ticks == REPORT_TICKS_MAX || v < a->low - 1e-9 || v > a->high + 1e-9)
 		return;
-	a->name[a->ticks] = name;
 	a->tick[a->ticks++] = value;
 }
 
@@ -118,7 +116,7 @@ static void choose_log_ticks(struct axis *a)
 
 	for (int e = (int)floor(a->low); e <= (int)ceil(a->high); e++)
 		for (int k = 0; k < count; k++)
-			axis_add_tick(a, steps[k] * pow(10, e), NULL);
+			axis_add_tick(a, steps[k] * pow(10, e));
 }
 
 static void choose_linear_ticks(struct axis *a)
@@ -133,7 +131,7 @@ static void choose_linear_ticks(struct axis *a)
 		k++;
 	/* + 0.0: ceil() of a number just below 0 is -0, which would be printed with its sign */
 	for (double v = ceil(low / (steps[k] * decade)) + 0.0; v * steps[k] * decade <= high; v++)
-		axis_add_tick(a, v * steps[k] * decade, NULL);
+		axis_add_tick(a, v * steps[k] * decade);
 }
 
 /* Widens the range to leave room around the points, and chooses the ticks. ticks: number of the
@@ -151,7 +149,7 @@ static void finish_axis(struct axis *a, const struct report_plot *p, int ticks)
 		a->low -= room;
 	a->high += room;
 	for (int k = 0; k < ticks; k++)
-		axis_add_tick(a, p->x_tick[k], p->x_name[k]);
+		axis_add_tick(a, p->x_tick[k]);
 	if (ticks)
 		return;
 	if (a->log && a->high - a->low > 0.8)
@@ -203,10 +201,7 @@ static void draw_tick(const struct plot_drawing *d, const struct axis *a, int k,
 	const double value = a->tick[k], at = rint(axis_place(a, value)) + 0.5;
 	char text[32];
 
-	if (a->name[k])
-		snprintf(text, sizeof(text), "%s", a->name[k]);
-	else
-		snprintf(text, sizeof(text), fabs(value) < 1e5 ? "%.4g" : "%.0f", value);
+	snprintf(text, sizeof(text), fabs(value) < 1e5 ? "%.4g" : "%.0f", value);
 	cairo_set_source_rgb(d->c, 0.9, 0.9, 0.9);
 	if (across) {
 		cairo_move_to(d->c, at, d->y.from);
@@ -247,7 +242,6 @@ static void draw_axes(const struct plot_drawing *d, const struct report_plot *p)
 static void draw_lines(const struct plot_drawing *d, const struct report_series *s)
 {
 	static const double dashes[] = {6, 4};
-	double before = 0;
 
 	cairo_set_line_width(d->c, 2);
 	if (s->style == STYLE_DASHED)
@@ -256,13 +250,10 @@ static void draw_lines(const struct plot_drawing *d, const struct report_series 
 		const double x = axis_place(&d->x, s->point[k].x),
 			     y = axis_place(&d->y, s->point[k].y);
 
-		if (k && s->style == STYLE_STEPS)
-			cairo_line_to(d->c, x, before);
 		if (k)
 			cairo_line_to(d->c, x, y);
 		else
 			cairo_move_to(d->c, x, y);
-		before = y;
 	}
 	cairo_stroke(d->c);
 	cairo_set_dash(d->c, NULL, 0, 0);

@@ -11,7 +11,7 @@
 #define REPORT_POINTS_MAX 256
 #define REPORT_TICKS_MAX 16
 
-enum report_style { STYLE_LINE, STYLE_DASHED, STYLE_POINTS, STYLE_STEPS };
+enum report_style { STYLE_LINE, STYLE_DASHED, STYLE_POINTS };
 
 struct report_point {
 	double x, y;
@@ -33,7 +33,6 @@ struct report_plot {
 	char x_label[96], y_label[96];
 	bool x_log, y_log;		 /* logarithmic; points not above 0 are left out */
 	double x_tick[REPORT_TICKS_MAX]; /* values of the ticks, where round numbers do not fit */
-	const char *x_name[REPORT_TICKS_MAX]; /* labels in place of the numbers; NULL: the number */
 	int x_ticks;
 	struct report_series series[REPORT_SERIES_MAX];
 	int count;

@@ -84,14 +84,6 @@ int report_table_rows(const struct report_table *t)
 	return t->columns ? t->cells / t->columns : 0;
 }
 
-double report_table_value(const struct report_table *t, int row, const char *key)
-{
-	for (int c = 0; c < t->columns; c++)
-		if (!strcmp(t->column[c].key, key))
-			return t->cell[row * t->columns + c].number;
-	return NAN;
-}
-
 void report_table_mark(struct report_table *t)
 {
 	if (t->cells && t->columns)

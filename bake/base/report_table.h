@@ -46,9 +46,6 @@ void report_number(struct report_table *table, double value);
 
 int report_table_rows(const struct report_table *table);
 
-/* The number in a row and column; NaN for texts and unknown keys. */
-double report_table_value(const struct report_table *table, int row, const char *key);
-
 /* Marks the row of the last cell as that of the setting in use. */
 void report_table_mark(struct report_table *table);
 

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 #include "bake/report/report_sky.h"
 #include "hal/base/input.h"
 #include "hal/compositor/kernels/kernels.h"

@@ -39,7 +39,7 @@ static void count_encodings(struct report_bake *bake)
 	bake->columns = pixels > 0 ? columns / pixels : 0;
 }
 
-int report_bake_open(struct report_bake *bake, const char *path, struct fault *fault)
+static int report_bake_open(struct report_bake *bake, const char *path, struct fault *fault)
 {
 	int err;
 

@@ -41,8 +41,6 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 		     const struct render_settings *settings, const char *folder,
 		     struct fault *fault);
 
-int report_bake_open(struct report_bake *bake, const char *path, struct fault *fault);
-
 void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine */
 
 /* Processor time of the bake, in s. NAN: the report has not made it. */

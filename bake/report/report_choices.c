@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 #define TRIALS_MAX 64
 

@@ -3,7 +3,6 @@
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 /* What the errors asked for are multiplied by; 1 is the setting in use. */
 static const double factors[] = {0.5, 1, 2, 4};

@@ -3,7 +3,6 @@
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 enum { CELL, NODE, EXACT, WAYS };
 

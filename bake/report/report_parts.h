@@ -112,4 +112,23 @@ void report_advice_show(struct report *report);
 /* Writes all lines for a file into the summary, by section. */
 void report_advice_gather(struct report *report, enum report_file file);
 
+/* ---- sections ---- */
+
+/* Makes the bake of fewer samples and sets the noise of bakes and truth in *report. */
+int report_samples_measure(struct report *report);
+
+/* The number of bakes that report_declared_error() makes. */
+int report_error_bakes(void);
+
+/* Write one section each, in the order of the page. 0, or -errno with report->fault. */
+int report_lights(struct report *report);
+int report_samples(struct report *report);
+int report_threshold(struct report *report);
+int report_declared_error(struct report *report);
+int report_column_cut(struct report *report);
+int report_pictures(struct report *report);
+
+/* Writes the summary. It stands first in the page, but needs the results of all sections. */
+int report_summary(struct report *report);
+
 #endif

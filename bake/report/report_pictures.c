@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 #define PANELS 3
 #define GAP 4  /* pixels between them */

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 #define FEWER 4 /* factor between the samples of both bakes */
 

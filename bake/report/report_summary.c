@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sections.h"
 
 static int faster_first(const void *a, const void *b)
 {

@@ -27,6 +27,7 @@ done
 for name in pareto lights-error lights-time samples threshold-error error-memory error-time column-cut; do
 	check "plot $name" grep -q '</svg>' "$out/$name.svg"
 done
+equal "each dome up to --frequency is tried" "1 2" "$(tail -n +2 "$out/lights.csv" | cut -d, -f2 | sort -nu | xargs)"
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
 check "what another writes is" rmdir "$out.part-alive0"
 exec 7<&-

@@ -20,13 +20,11 @@ struct shown {
 	double (*residual)[2];
 	bool *outlier;		 /* [points]: low weight, or no image */
 	struct shown_view *view; /* [views] */
-	/* of the lengths of residuals, without outliers; 0 without points */
-	double rms, worst;
 	int outliers;
 };
 
 struct shown_view {
-	double rms, worst; /* as above; NaN without a model */
+	double rms, worst; /* of the lengths of residuals, without outliers; NaN without a model */
 	int outliers;
 	bool drawn; /* has its own picture in the report */
 };

@@ -25,7 +25,8 @@ static const double inks[][3] = {
 
 /* ---- sheets ---- */
 
-int sheet_begin(struct report_sheet *sheet, int width, int height)
+/* Creates a white sheet. -ENOMEM, -EFBIG. */
+static int sheet_begin(struct report_sheet *sheet, int width, int height)
 {
 	cairo_status_t status;
 

@@ -41,8 +41,6 @@ struct sheet_area {
 	int width, height;	 /* of the camera's picture, px */
 };
 
-/* Creates a white sheet. -ENOMEM, -EFBIG. */
-int sheet_begin(struct report_sheet *sheet, int width, int height);
 void sheet_free(struct report_sheet *sheet); /* idempotent; zeroed is fine */
 
 /* Writes the sheet as NAME.png, shows it in the page, and frees it. */

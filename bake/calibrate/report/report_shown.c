@@ -101,9 +101,7 @@ static void measure_view(struct shown *s, int v)
 		view->rms = view->worst = NAN;
 	else if (seen->count > view->outliers)
 		view->rms = sqrt(squares / (seen->count - view->outliers));
-	s->worst = fmax(s->worst, view->worst); /* ignores NaN */
 	s->outliers += view->outliers;
-	s->rms += squares;
 }
 
 static int worst_undrawn(const struct shown *s)
@@ -138,7 +136,6 @@ int shown_begin(struct shown *s, const struct finding *finding, const struct ima
 {
 	const struct observations *seen = finding->seen;
 	const size_t points = (size_t)seen->count + 1, views = (size_t)seen->views + 1;
-	int kept;
 
 	*s = (struct shown){.finding = finding, .pictures = pictures, .page = page};
 	s->modelled = finding->estimate.count > 0;
@@ -156,8 +153,6 @@ int shown_begin(struct shown *s, const struct finding *finding, const struct ima
 		measure_point(s, k);
 	for (int v = 0; v < seen->views; v++)
 		measure_view(s, v);
-	kept = seen->count - s->outliers;
-	s->rms = kept ? sqrt(s->rms / kept) : 0;
 	choose_views(s);
 	return 0;
 }

@@ -146,59 +146,30 @@ static void add_parameter(struct report_table *table, const struct estimate *e, 
 						 : "cannot be told from the others");
 }
 
-static void begin_parameters(struct report_table *table, const char *name)
-{
-	report_table_begin(table, name);
-	report_table_column(table, "name", "parameter", NULL);
-	report_table_column(table, "value_rounded", "value", NULL);
-	report_table_column(table, "value", NULL, NULL);
-	report_table_column(table, "deviation", "deviation", NULL);
-	report_table_column(table, "unit", "unit", NULL);
-	report_table_column(table, "deviation_percent", "deviation", "%");
-	report_table_column(table, "note", "note", NULL);
-}
-
-/* Returns the index of the view of a parameter; -1: it is the lens's. */
-static int view_of_parameter(const struct observations *seen, const struct parameter *p)
-{
-	int number, view = 0;
-
-	if (sscanf(p->name, "view %d ", &number) != 1)
-		return -1;
-	while (view < seen->views && seen->view[view].number != number)
-		view++;
-	return view;
-}
-
 int report_parameters(const struct shown *s, struct fault *fault)
 {
 	const struct estimate *e = &s->finding->estimate;
-	struct report_table lens, poses;
-	int err;
+	struct report_table table;
 
-	begin_parameters(&lens, "parameters");
-	begin_parameters(&poses, "poses");
-	for (int k = 0; k < e->count; k++) {
-		const int view = view_of_parameter(s->finding->seen, &e->parameter[k]);
-
-		if (view < 0)
-			add_parameter(&lens, e, k);
-		else if (view == s->finding->seen->views || s->view[view].drawn)
-			add_parameter(&poses, e, k);
-	}
+	report_table_begin(&table, "parameters");
+	report_table_column(&table, "name", "parameter", NULL);
+	report_table_column(&table, "value_rounded", "value", NULL);
+	report_table_column(&table, "value", NULL, NULL);
+	report_table_column(&table, "deviation", "deviation", NULL);
+	report_table_column(&table, "unit", "unit", NULL);
+	report_table_column(&table, "deviation_percent", "deviation", "%");
+	report_table_column(&table, "note", "note", NULL);
+	for (int k = 0; k < e->count; k++)
+		if (strncmp(e->parameter[k].name, "view ", 5) != 0)
+			add_parameter(&table, e, k);
 	report_heading(s->page->body, "What was found");
-	report_paragraph(s->page->body,
-			 "%d numbers were observed, %d are left to judge by: one of them deviates "
-			 "by %.3g px. Deviations are standard deviations, to first order.",
-			 e->residuals, e->freedom, e->sigma);
-	err = show_table(s, s->page->body, &lens, fault);
-	if (!err && report_table_rows(&poses)) {
-		report_paragraph(s->page->body, "Where the camera was in the views that are drawn "
-						"(calibration.json has all):");
-		return show_table(s, s->page->body, &poses, fault);
-	}
-	report_table_free(&poses);
-	return err;
+	report_paragraph(
+		s->page->body,
+		"%d numbers were observed, %d are left to judge by: one of them deviates "
+		"by %.3g px. Deviations are standard deviations, to first order. Where the "
+		"camera was in each view is in calibration.json.",
+		e->residuals, e->freedom, e->sigma);
+	return show_table(s, s->page->body, &table, fault);
 }
 
 /* ---- points ---- */
