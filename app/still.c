@@ -240,7 +240,6 @@ static int make_still(struct still *s, struct fault *fault)
 	if (err)
 		return err;
 	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
-	pipeline.reuse = REUSE_NEVER; /* there is one picture only */
 	err = pipeline_create(&s->pipeline, &s->basis, &pipeline, fault);
 	if (err)
 		return err;

@@ -182,7 +182,6 @@ struct config_composite {
 	double gain;
 	int threads;		/* 0: one per processor */
 	int mode;		/* enum compositor_mode */
-	int reuse;		/* enum compositor_reuse */
 	double neutral_percent; /* of the light that is grey */
 	bool follow_exposure;	/* the object follows the background camera's exposure */
 	bool grain;		/* the object gets the background camera's noise */

@@ -230,11 +230,6 @@ static const struct ini_key composite_keys[] = {
 	 .choices = compositor_mode_names, .fallback = "fast",
 	 .help = "fast: within the errors that the basis declares; exact: every light's own "
 		 "picture, where the basis holds them, with all of the file in memory."},
-	{"reuse", INI_CHOICE, offsetof(struct config_composite, reuse),
-	 .choices = compositor_reuse_names, .fallback = "auto",
-	 .help = "Whether a picture of exact mode starts from the sums of the one before it and "
-		 "adds what has changed; auto: where that is less to read. The picture is the "
-		 "same. Fast mode makes each anew, which is quicker there."},
 	{"follow_exposure", INI_BOOL, offsetof(struct config_composite, follow_exposure),
 	 .fallback = "no",
 	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "

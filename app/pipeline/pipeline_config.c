@@ -35,7 +35,6 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.gain = config->composite.gain,
 		.threads = config->composite.threads,
 		.mode = (enum compositor_mode)config->composite.mode,
-		.reuse = (enum compositor_reuse)config->composite.reuse,
 		.occlude = config->people.occlude,
 		.depth_camera = config->depth.camera,
 		.follow_exposure = config->composite.follow_exposure,

@@ -315,11 +315,10 @@ static int write_sections(struct report *r)
 		{report_samples, false},	{report_lights, false},
 		{report_declared_error, false}, {report_column_cut, false},
 		{report_threshold, false},	{report_input_bits, true},
-		{report_together, false},	{report_incremental, true},
-		{report_kernels, false},	{report_thread_counts, false},
-		{report_thesis, true},		{report_given, false},
-		{report_pictures, false},	{show_method, false},
-		{report_summary, false},
+		{report_together, false},	{report_kernels, false},
+		{report_thread_counts, false},	{report_thesis, true},
+		{report_given, false},		{report_pictures, false},
+		{show_method, false},		{report_summary, false},
 	};
 	int err = 0;
 

@@ -142,7 +142,7 @@ const struct bake_command report_command = {
 		"  --threads T        that bake and trace, and are tried; one for each processor\n"
 		"  --full             also coarser and finer domes, smaller and larger errors, "
 		"bits of\n"
-		"                     the fisheye's picture, full or incremental, and the thesis's "
+		"                     the fisheye's picture, and the thesis's "
 		"own\n"
 		"                     measurements made again: about five times as long\n"
 		"  --quick            everything small: only to see that it works\n"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The sections of a report. Those that vary a single choice (threshold, input bits, column cut,
- * incremental, kernels, threads) are in report_choices.c, report_declared_error() is in
+ * kernels, threads) are in report_choices.c, report_declared_error() is in
  * report_error.c, and each other one in the file of its name. Sections do not call each other. Those
  * that advise something choose by report_trial_choose().
  */
@@ -27,7 +27,6 @@ int report_threshold(struct report *report);
 int report_input_bits(struct report *report);
 int report_declared_error(struct report *report);
 int report_column_cut(struct report *report);
-int report_incremental(struct report *report);
 int report_kernels(struct report *report);
 int report_thread_counts(struct report *report);
 int report_together(struct report *report);

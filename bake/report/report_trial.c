@@ -35,7 +35,6 @@ struct report_way report_way_plain(struct report_bake *bake)
 				   .input = INPUT_CELL,
 				   .threshold_mode = THRESHOLD_AMBIENT,
 				   .mode = COMPOSITOR_FAST,
-				   .reuse = REUSE_NEVER,
 				   .column_cut = -1,
 				   .threads = 1};
 }
@@ -66,7 +65,6 @@ static int runner_create(struct runner *r, struct report_trial *trial, struct re
 {
 	const struct report_way *way = &trial->way;
 	const struct compositor_settings settings = {.mode = way->mode,
-						     .reuse = way->reuse,
 						     .background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
 						     .gain = 1,

@@ -20,7 +20,6 @@ struct report_way {
 	enum threshold_mode threshold_mode;
 	bool thesis; /* the thesis's algorithm; of the members below only threads apply */
 	enum compositor_mode mode;
-	enum compositor_reuse reuse;
 	int changed;	    /* lights that change from frame to frame; or REPORT_CHANGE_ALL */
 	double column_cut;  /* negative: the file's */
 	const char *kernel; /* NULL: the fastest */
@@ -47,7 +46,7 @@ struct report_trial {
 	struct report_errors precise;
 };
 
-/* The plain way: float input of cells, no threshold, fast, nothing reused, the file's cut, the
+/* The plain way: float input of cells, no threshold, fast, the file's cut, the
  * fastest kernel, one thread. */
 struct report_way report_way_plain(struct report_bake *bake);
 
