@@ -27,7 +27,6 @@ struct light_job {
 	const char *config, *control[2];   /* for live pictures */
 	int controls, view;		   /* enum live_view */
 	int transfer, background_transfer; /* enum transfer */
-	int frequency;
 	double reflectance[3];
 	struct light_area area[LIGHT_AREAS_MAX];
 	int areas;
