@@ -131,8 +131,6 @@ static const struct ini_key view_keys[] = {
 	 .help = "Left and right are swapped in the camera's picture."},
 	{"vflip", INI_BOOL, offsetof(struct config_view, view.vflip), .fallback = "no",
 	 .help = "The camera's picture is upside down, but not mirrored."},
-	{"rotate180", INI_BOOL, offsetof(struct config_view, rotate180), .fallback = "no",
-	 .help = "The camera hangs upside down: both flips, on top of those."},
 	{"squash", INI_REAL, offsetof(struct config_view, view.squash), .min = 0.1, .max = 10,
 	 .fallback = "1",
 	 .help = "Height of a pixel over its width; 2 where every other line was lost. Stretches "
