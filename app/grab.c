@@ -126,8 +126,7 @@ int grab_open(struct grab **grab, struct config *config, const char *name, bool 
 		return fault_say(fault, -ENOMEM, "no memory for a picture");
 	g->eye = (struct eye){.section = name,
 			      .source = &g->source,
-			      .wanted = view && !as_sent ? config_view(view)
-							 : (struct view){.squash = 1}};
+			      .wanted = view && !as_sent ? view->view : (struct view){.squash = 1}};
 	err = start_source(g, config, camera, fault);
 	if (!err)
 		err = grab_finish_opening(g, fault);

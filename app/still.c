@@ -69,7 +69,7 @@ static int light_from_file(struct still *s, struct fault *fault)
 static int light_from_fisheye(struct still *s, struct fault *fault)
 {
 	const char *path = s->settings->fisheye;
-	struct view view = config_view(&s->settings->config->fisheye.view);
+	struct view view = s->settings->config->fisheye.view.view;
 	struct fault reason = {.text = ""};
 	struct picture picture;
 	int err = image_read(path, &s->fisheye, fault);
@@ -109,7 +109,7 @@ static int find_light(struct still *s, struct fault *fault)
 static int read_background(struct still *s, struct picture *picture, struct fault *fault)
 {
 	const char *path = s->settings->background;
-	struct view view = config_view(&s->settings->config->background.view);
+	struct view view = s->settings->config->background.view.view;
 	struct fault reason = {.text = ""};
 	struct image image;
 	int err = image_read(path, &image, fault);
@@ -240,7 +240,6 @@ static int make_still(struct still *s, struct fault *fault)
 	if (err)
 		return err;
 	pipeline.mode = settings->mode == STILL_EXACT ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
-	pipeline.reuse = REUSE_NEVER; /* there is one picture only */
 	err = pipeline_create(&s->pipeline, &s->basis, &pipeline, fault);
 	if (err)
 		return err;

@@ -167,15 +167,6 @@ struct transfer_curve config_background_curve(const struct config_background *ba
 	return response_curve(&background->measured, (enum transfer)background->transfer, 0);
 }
 
-struct view config_view(const struct config_view *view)
-{
-	struct view turned = view->view;
-
-	turned.hflip ^= view->rotate180;
-	turned.vflip ^= view->rotate180;
-	return turned;
-}
-
 /* ---- printing ---- */
 
 static void print_section(const struct config *config, const char *section, const char *instance,

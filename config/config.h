@@ -123,11 +123,10 @@ struct config_metrics {
 	char file[INI_PATH_MAX]; /* empty: none */
 };
 
-/* A rectangle of a camera's picture: config_view() makes a struct view of it. */
+/* A rectangle of a camera's picture. */
 struct config_view {
 	char camera[INI_TEXT_MAX]; /* [camera NAME]; empty: none */
 	struct view view;
-	bool rotate180;
 };
 
 struct config_fisheye {
@@ -186,7 +185,6 @@ struct config_composite {
 	double gain;
 	int threads;		/* 0: one per processor */
 	int mode;		/* enum compositor_mode */
-	int reuse;		/* enum compositor_reuse */
 	double neutral_percent; /* of the light that is grey */
 	bool follow_exposure;	/* the object follows the background camera's exposure */
 	bool grain;		/* the object gets the background camera's noise */
@@ -293,8 +291,5 @@ struct config_camera *config_camera_named(const struct config *config, const cha
  * are read where the driver puts them. */
 struct camera_settings config_camera_settings(const struct config *config,
 					      const struct config_camera *camera);
-
-/* Returns the view with rotate180 applied to its flips. */
-struct view config_view(const struct config_view *view);
 
 #endif

@@ -136,8 +136,6 @@ static const struct ini_key view_keys[] = {
 	 .help = "Left and right are swapped in the camera's picture."},
 	{"vflip", INI_BOOL, offsetof(struct config_view, view.vflip), .fallback = "no",
 	 .help = "The camera's picture is upside down, but not mirrored."},
-	{"rotate180", INI_BOOL, offsetof(struct config_view, rotate180), .fallback = "no",
-	 .help = "The camera hangs upside down: both flips, on top of those."},
 	{"squash", INI_REAL, offsetof(struct config_view, view.squash), .min = 0.1, .max = 10,
 	 .fallback = "1",
 	 .help = "Height of a pixel over its width; 2 where every other line was lost. Stretches "
@@ -235,11 +233,6 @@ static const struct ini_key composite_keys[] = {
 	 .choices = compositor_mode_names, .fallback = "fast",
 	 .help = "fast: within the errors that the basis declares; exact: every light's own "
 		 "picture, where the basis holds them, with all of the file in memory."},
-	{"reuse", INI_CHOICE, offsetof(struct config_composite, reuse),
-	 .choices = compositor_reuse_names, .fallback = "auto",
-	 .help = "Whether a picture of exact mode starts from the sums of the one before it and "
-		 "adds what has changed; auto: where that is less to read. The picture is the "
-		 "same. Fast mode makes each anew, which is quicker there."},
 	{"follow_exposure", INI_BOOL, offsetof(struct config_composite, follow_exposure),
 	 .fallback = "no",
 	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "

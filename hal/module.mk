@@ -42,7 +42,6 @@ HAL_SOURCES := \
 	hal/compositor/fetch.c \
 	hal/compositor/frame.c \
 	hal/compositor/glass.c \
-	hal/compositor/kept_sums.c \
 	hal/compositor/lines.c \
 	hal/compositor/plan.c \
 	hal/compositor/reference.c \

@@ -152,7 +152,6 @@ UNIT_TESTS := \
 	tests/unit/hal/compositor/test_compositor_glass.c \
 	tests/unit/hal/compositor/test_compositor_lines.c \
 	tests/unit/hal/compositor/test_compositor_parts.c \
-	tests/unit/hal/compositor/test_compositor_reuse.c \
 	tests/unit/hal/compositor/test_compositor_rows.c \
 	tests/unit/hal/compositor/test_compositor_veil.c \
 	tests/unit/hal/compositor/test_light_budget.c \

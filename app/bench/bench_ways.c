@@ -16,7 +16,6 @@ static const struct {
 	int changed;
 } sequences[] = {
 	{"exact", COMPOSITOR_EXACT, 0},
-	{"exact, 1 light changes", COMPOSITOR_EXACT, 1},
 	{"fast", COMPOSITOR_FAST, 0},
 	{"fast, 1 light changes", COMPOSITOR_FAST, 1},
 	{"fast, 10 lights change", COMPOSITOR_FAST, 10},
@@ -47,11 +46,10 @@ static int add_compositor(struct bench_ways *ways, const struct bench_stage *sta
 	return err;
 }
 
-static struct compositor_settings settings_of(enum compositor_mode mode, bool sequence)
+static struct compositor_settings settings_of(enum compositor_mode mode)
 {
 	return (struct compositor_settings){
 		.mode = mode,
-		.reuse = sequence ? REUSE_AUTO : REUSE_NEVER,
 		.background = {.named = TRANSFER_SRGB},
 		.output = {.named = TRANSFER_SRGB},
 		.gain = 1,
@@ -59,8 +57,7 @@ static struct compositor_settings settings_of(enum compositor_mode mode, bool se
 	};
 }
 
-/* Adds all ways of one kernel. Ways that keep sums from frame to frame have a compositor of their
- * own. */
+/* Adds all ways of one kernel. */
 static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, const char *kernel,
 		      struct fault *fault)
 {
@@ -81,19 +78,19 @@ static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, 
 		way = way_add(ways, BENCH_COMPOSITE, sequences[k].what, kernel);
 		way->compositor = *with;
 		way->changed = sequences[k].changed;
-		way->composite = settings_of(mode, way->changed != 0);
+		way->composite = settings_of(mode);
 	}
 	way = way_add(ways, BENCH_GRAIN, "fast, with grain", kernel);
 	way->compositor = own[COMPOSITOR_FAST][0];
-	way->composite = settings_of(COMPOSITOR_FAST, false);
+	way->composite = settings_of(COMPOSITOR_FAST);
 	way->composite.grain = bench_look_grain(stage->look);
 	if (stage->cameras) {
 		way = way_add(ways, BENCH_FRAME, "whole frame", kernel);
 		way->compositor = own[COMPOSITOR_FAST][0];
-		way->composite = settings_of(COMPOSITOR_FAST, false);
+		way->composite = settings_of(COMPOSITOR_FAST);
 		way = way_add(ways, BENCH_VISITED, "whole frame, with people", kernel);
 		way->compositor = own[COMPOSITOR_FAST][0];
-		way->composite = settings_of(COMPOSITOR_FAST, false);
+		way->composite = settings_of(COMPOSITOR_FAST);
 	}
 	return 0;
 }

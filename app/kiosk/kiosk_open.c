@@ -24,7 +24,7 @@ static struct eye eye_of(struct kiosk_inputs *in, const char *section,
 	return (struct eye){
 		.section = section,
 		.source = source_named(in, view->camera),
-		.wanted = config_view(view),
+		.wanted = view->view,
 	};
 }
 

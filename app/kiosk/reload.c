@@ -23,7 +23,6 @@ static const struct {
 	{"fisheye", "height", NEXT_START},
 	{"fisheye", "hflip", NEXT_START},
 	{"fisheye", "vflip", NEXT_START},
-	{"fisheye", "rotate180", NEXT_START},
 	{"fisheye", "squash", NEXT_START},
 	{"fisheye", "exposures", NEXT_START},
 	{"fisheye", "exposure_control", NEXT_START},

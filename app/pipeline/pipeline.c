@@ -216,7 +216,6 @@ static struct compositor_settings compositor_settings_of(const struct pipeline *
 {
 	return (struct compositor_settings){
 		.mode = p->settings.mode,
-		.reuse = p->settings.reuse,
 		.background = p->settings.background,
 		.output = p->settings.background,
 		.gain = p->settings.gain,

@@ -56,7 +56,6 @@ struct pipeline_settings {
 	double gain;
 	int threads;		   /* 0: one for each processor */
 	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
-	enum compositor_reuse reuse;
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
 	/* The object follows the background camera's exposure and white balance, and lamps that flicker
 	 * in its rows (hal/look). */

@@ -14,11 +14,11 @@ static void name_camera(const struct config *config, char text[PIPELINE_CAMERA_M
 	const struct config_view *view = &config->background.view;
 	const struct config_camera *camera = config_camera_named(config, view->camera);
 
-	snprintf(text, PIPELINE_CAMERA_MAX, "%s %s %s %d %d %d,%d %dx%d %d %d %d", view->camera,
+	snprintf(text, PIPELINE_CAMERA_MAX, "%s %s %s %d %d %d,%d %dx%d %d %d", view->camera,
 		 camera ? camera->driver : "", camera ? camera->settings.device : "",
 		 camera ? camera->turn : 0, camera ? camera->deinterlace : 0, view->view.x,
 		 view->view.y, view->view.width, view->view.height, view->view.hflip,
-		 view->view.vflip, view->rotate180);
+		 view->view.vflip);
 }
 
 struct pipeline_settings pipeline_settings_of(const struct config *config)
@@ -35,7 +35,6 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.gain = config->composite.gain,
 		.threads = config->composite.threads,
 		.mode = (enum compositor_mode)config->composite.mode,
-		.reuse = (enum compositor_reuse)config->composite.reuse,
 		.occlude = config->people.occlude,
 		.depth_camera = config->depth.camera,
 		.follow_exposure = config->composite.follow_exposure,
@@ -113,7 +112,7 @@ static int check_config_size(const struct config *config, const struct basis *ba
 {
 	const struct config_camera *camera = config_camera_named(config,
 								 config->background.view.camera);
-	struct view view = config_view(&config->background.view);
+	struct view view = config->background.view.view;
 
 	if (!camera || !camera->settings.width || !camera->settings.height ||
 	    view_resolve(&view, camera->settings.width, camera->settings.height, NULL) ||

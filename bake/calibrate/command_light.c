@@ -10,7 +10,6 @@
 #include "bake/calibrate/light_commands.h"
 #include "bake/calibrate/response/light_file.h"
 #include "hal/base/log.h"
-#include "hal/optics/dome.h"
 
 enum {
 	TIMES = 1,
@@ -24,7 +23,6 @@ enum {
 	BACKGROUND_LIGHT,
 	TRANSFER,
 	BACKGROUND_TRANSFER,
-	FREQUENCY,
 	REFLECTANCE,
 	PATCH,
 	BACKGROUND_PATCH,
@@ -45,7 +43,6 @@ static const struct option options[] = {
 	{"background-light", required_argument, NULL, BACKGROUND_LIGHT},
 	{"transfer", required_argument, NULL, TRANSFER},
 	{"background-transfer", required_argument, NULL, BACKGROUND_TRANSFER},
-	{"frequency", required_argument, NULL, FREQUENCY},
 	{"reflectance", required_argument, NULL, REFLECTANCE},
 	{"patch", required_argument, NULL, PATCH},
 	{"background-patch", required_argument, NULL, BACKGROUND_PATCH},
@@ -114,9 +111,6 @@ static int read_value(struct light_job *job, int option, struct fault *fault)
 	case BACKGROUND_TRANSFER:
 		return option_choice("--background-transfer", optarg, transfer_names,
 				     &job->background_transfer, fault);
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &job->frequency,
-				  fault);
 	case REFLECTANCE:
 		return read_reflectance(job, fault);
 	case PATCH:
@@ -191,7 +185,7 @@ static int light_work(struct light_job *job, int which)
 
 static int light_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct light_job job = {.frequency = 24, .reflectance = {0.5, 0.5, 0.5}};
+	struct light_job job = {.reflectance = {0.5, 0.5, 0.5}};
 	struct fault fault = {.text = ""};
 	int which = 0, status;
 
@@ -251,7 +245,6 @@ const struct bake_command light_command = {
 		"      --background-light FILE --background-transfer T --transfer T\n"
 		"                              how the code values are decoded (srgb)\n"
 		"      --reflectance X[,G,B]   of the area: 0.5\n"
-		"      --frequency F           of the dome that light is measured by: 24\n"
 		"      --white-balance         each channel's own gain becomes colours\n"
 		"  colours PATCHES             lines of r g b (fisheye) r g b (background), "
 		"linear\n"

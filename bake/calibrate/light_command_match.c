@@ -12,6 +12,10 @@
 #include "bake/calibrate/response/light_report.h"
 #include "bake/sky/sky_eye.h"
 
+/* The frequency of the dome that the sky is measured by. Its 2,886 cells are sqrt(2 pi / 2886) =
+ * 2.7 degrees wide. */
+#define SKY_FREQUENCY 24
+
 /* ---- the sky ---- */
 
 struct measured_sky {
@@ -37,7 +41,7 @@ static int sky_create(struct measured_sky *sky, const struct light_job *job, str
 	};
 	if (!job->white_balance)
 		memcpy(sky->sampler.colours, job->measured.colours, sizeof(sky->sampler.colours));
-	err = dome_create(&sky->dome, job->frequency, DOME_ANGLES, fault);
+	err = dome_create(&sky->dome, SKY_FREQUENCY, DOME_ANGLES, fault);
 	if (err)
 		return err;
 	sky->radiance = calloc((size_t)sky->dome.count, sizeof(*sky->radiance));

@@ -25,7 +25,6 @@ struct light_job {
 	bool exposures, keep_white, white_balance;
 	const char *lens, *background_light, *fisheye, *background;
 	int transfer, background_transfer; /* enum transfer */
-	int frequency;
 	double reflectance[3];
 	struct light_area area[LIGHT_AREAS_MAX];
 	int areas;

@@ -58,7 +58,6 @@ static int runner_create(struct runner *r, struct report_trial *trial, struct re
 {
 	const struct report_way *way = &trial->way;
 	const struct compositor_settings settings = {.mode = way->mode,
-						     .reuse = REUSE_NEVER,
 						     .background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
 						     .gain = 1,

@@ -7,7 +7,6 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/compositor/column_choice.h"
-#include "hal/compositor/kept_sums.h"
 #include "hal/compositor/kernels/fixed.h"
 
 /* Lines of each channel to prefetch before they are streamed; after these the processor prefetches
@@ -16,17 +15,13 @@
 
 int block_work_create(struct block_work *work, const struct basis *basis)
 {
-	const size_t n = basis->info.lights, most = n + BASIS_PATTERNS_MAX;
-	const size_t columns = n + basis->info.coarse; /* of lights, and of groups */
+	const size_t columns = basis->info.lights +
+			       basis->info.coarse; /* of lights, and of groups */
 	bool fine;
 
 	work->y = calloc(BASIS_PATTERNS_MAX, sizeof(*work->y));
 	fine = work->y && line_set_create(&work->patterns, BASIS_PATTERNS_MAX, false) == 0 &&
 	       line_set_create(&work->columns, columns, true) == 0;
-	for (int c = 0; c < 3; c++) {
-		work->now[c] = calloc(most, sizeof(*work->now[c]));
-		fine = fine && work->now[c];
-	}
 	if (!fine)
 		block_work_free(work);
 	return fine ? 0 : -ENOMEM;
@@ -37,8 +32,6 @@ void block_work_free(struct block_work *work)
 	free(work->y);
 	line_set_free(&work->patterns);
 	line_set_free(&work->columns);
-	for (int c = 0; c < 3; c++)
-		free(work->now[c]);
 	memset(work, 0, sizeof(*work));
 }
 
@@ -174,17 +167,11 @@ static void block_add_lines(struct block_work *work, const struct block_plan *pl
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3])
 {
-	const bool kept = plan->kept && request->kept->values;
 	const double unit = power_of_two(fraction), one[3] = {unit, unit, unit};
-	struct line_target to = {.sum = {work->sum[0], work->sum[1], work->sum[2]}};
+	const struct line_target to = {.sum = {work->sum[0], work->sum[1], work->sum[2]}};
 
-	if (!kept || !kept_sums_step(work, plan, request, fraction, to.sum)) {
-		weigh_lines(work, plan, request, one, plan->column_shift);
-		if (kept)
-			kept_sums_take(work, plan, request, fraction, to.sum);
-		else
-			block_add_lines(work, plan, request, &to);
-	}
+	weigh_lines(work, plan, request, one, plan->column_shift);
+	block_add_lines(work, plan, request, &to);
 	for (int c = 0; c < 3; c++)
 		sum[c] = to.sum[c];
 }

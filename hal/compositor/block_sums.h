@@ -20,7 +20,6 @@
 struct block_work {
 	int64_t (*y)[3]; /* [patterns]: y_j */
 	struct line_set patterns, columns;
-	int64_t *now[3]; /* [patterns + columns]: new weights of the lines of a kept block */
 	int64_t sum[3][BLOCK_PIXELS] __attribute__((aligned(64)));
 	struct fetch next;
 	struct compositor_frame counts;
@@ -32,33 +31,18 @@ void block_work_free(struct block_work *work); /* zeroed is fine */
 /* Resets the counts. Call it before each frame. */
 void block_work_begin(struct block_work *work);
 
-/* A block that keeps its sums from frame to frame. */
-struct kept_block {
-	bool valid;   /* it holds sums of the frame before */
-	int fraction; /* fraction bits of these sums */
-};
-
-/* The kept sums of a layer. */
-struct kept_sums {
-	int64_t *values;	   /* [layer_plan.kept_size]; NULL: nothing is kept */
-	struct kept_block *blocks; /* [blocks of the layer] */
-	bool always;		   /* start from kept sums even if that reads more */
-};
-
 /* Input of the functions below, besides the block's plan. */
 struct block_request {
 	const struct kernels *kernels;
 	const struct light_vector *light;
-	const struct kept_sums *kept;
 	const struct block_plan *next; /* the next block that will be summed; NULL: unknown */
-	int kept_index;		       /* of this block in kept->blocks */
 	bool fresh; /* overwrite sums or values; false: add to those of the block before */
 };
 
 /*
  * Computes the exact sums over the lines of a block for each channel c and listed pixel p:
  *     sum[c][p] = 2^fraction * sum over lines of value * light
- * They are in work->sum, or for a kept block in its own memory.
+ * They are in work->sum.
  */
 void block_sums(struct block_work *work, const struct block_plan *plan,
 		const struct block_request *request, int fraction, const int64_t *sum[3]);
@@ -67,7 +51,7 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
  * Adds the rounded sums of a block of which at most KERNEL_RUN lines of 16 bits count, and at most
  * KERNEL_VALUE_LINES8 of 8 bits, times the light's factor, to value[c][p] (fresh: overwrites). In int32, with this number of fraction bits:
  *     fraction - KERNEL_VALUE_SHIFT16
- * The values must stay below 2^31 in magnitude. Nothing is kept.
+ * The values must stay below 2^31 in magnitude.
  */
 void block_values(struct block_work *work, const struct block_plan *plan,
 		  const struct block_request *request, int fraction, int32_t *const value[3]);

@@ -6,7 +6,6 @@
 #include <string.h>
 
 const char *const compositor_mode_names[] = {"fast", "exact", NULL};
-const char *const compositor_reuse_names[] = {"auto", "never", "always", NULL};
 
 /* Runs for each thread: several, so that other threads take over from one that is delayed. */
 #define RUNS_A_THREAD 8
@@ -76,7 +75,7 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 	layer->basis = basis;
 	if (!basis->tiles)
 		return 0;
-	ret = layer_plan_create(&layer->plan, c->basis, pose, basis, cut);
+	ret = layer_plan_create(&layer->plan, c->basis, pose, basis);
 	if (ret < 0)
 		return ret;
 	layer->light = calloc(BASIS_KIND_COUNT + (size_t)c->basis->info.grounds,
@@ -90,14 +89,12 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 	return ret < 0 ? ret : layer_divide(c, layer);
 }
 
-static void forget_pose(struct compositor *c, struct pose *pose)
+static void forget_pose(struct pose *pose)
 {
 	glass_plan_free(&pose->glass);
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 		struct layer *l = &pose->layer[mode];
 
-		if (c->kept_of == l)
-			c->kept_of = NULL;
 		for (int k = 0; k < l->light_count; k++)
 			column_choice_free(&l->light[k].choice);
 		layer_plan_free(&l->plan);
@@ -119,7 +116,7 @@ static int make_pose(struct compositor *c, int index)
 	for (int mode = 0; ret == 0 && mode < COMPOSITOR_MODE_COUNT; mode++)
 		ret = create_layer(c, &pose->layer[mode], basis, (enum compositor_mode)mode);
 	if (ret < 0)
-		forget_pose(c, pose);
+		forget_pose(pose);
 	return ret;
 }
 
@@ -199,7 +196,7 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->pool = options->pool;
 	c->workers = c->pool ? pool_threads(c->pool) : 1;
 	c->tiles = basis->tiles_across * basis->tiles_down;
-	c->settings = (struct compositor_settings){.reuse = REUSE_NEVER, .gain = 1, .object = true};
+	c->settings = (struct compositor_settings){.gain = 1, .object = true};
 	ret = light_terms_create(&c->terms, basis);
 	if (ret == 0)
 		ret = create_poses(c);
@@ -216,38 +213,6 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	return 0;
 }
 
-/* Reserves memory for the kept sums of any planned pose. If there is none, no sums are kept; the
- * pictures are the same. */
-static void kept_reserve(struct compositor *c)
-{
-	size_t size = 0, blocks = 0;
-
-	for (uint32_t p = 0; p < c->basis->info.poses; p++) {
-		const struct layer *l = &c->poses[p].layer[COMPOSITOR_EXACT];
-
-		if (!c->poses[p].made)
-			continue;
-		size = l->plan.kept_size > size ? l->plan.kept_size : size;
-		if (l->plan.kept_blocks && (size_t)l->basis->block_count > blocks)
-			blocks = (size_t)l->basis->block_count;
-	}
-	if (size <= c->kept_size && blocks <= c->kept_count)
-		return;
-	free(c->kept);
-	free(c->kept_blocks);
-	c->kept_of = NULL;
-	c->kept_size = size;
-	c->kept_count = blocks;
-	c->kept = aligned_alloc(BASIS_ALIGN, size * sizeof(*c->kept));
-	c->kept_blocks = calloc(blocks, sizeof(*c->kept_blocks));
-	if (!c->before)
-		c->before = calloc(c->basis->info.lights, sizeof(*c->before));
-	if (!c->kept || !c->kept_blocks || !c->before) {
-		free(c->kept);
-		c->kept = NULL;
-	}
-}
-
 void compositor_set(struct compositor *c, const struct compositor_settings *settings)
 {
 	const bool same = transfer_curve_same(&settings->background, &c->settings.background) &&
@@ -256,9 +221,6 @@ void compositor_set(struct compositor *c, const struct compositor_settings *sett
 	c->settings = *settings;
 	if (!same)
 		kernel_curves_fill(&c->curves, &settings->background, &settings->output);
-	c->keeps = settings->reuse != REUSE_NEVER && settings->mode == COMPOSITOR_EXACT;
-	if (c->keeps)
-		kept_reserve(c);
 }
 
 static void forget_others(struct compositor *c)
@@ -267,7 +229,7 @@ static void forget_others(struct compositor *c)
 		const struct basis_pose *basis = &c->basis->poses[p];
 
 		if (c->poses[p].made && (!basis->shown.tiles || basis->turn != c->poses[p].turn))
-			forget_pose(c, &c->poses[p]);
+			forget_pose(&c->poses[p]);
 	}
 }
 
@@ -284,8 +246,6 @@ int compositor_take_pose(struct compositor *c, int pose, struct fault *fault)
 	forget_others(c);
 	if (!c->poses[pose].made)
 		ret = make_pose(c, pose);
-	if (ret == 0 && c->keeps)
-		kept_reserve(c);
 	c->pose = ret < 0 ? -1 : pose;
 	return ret < 0 ? fault_say(fault, ret, "the compositor is out of memory") : 0;
 }
@@ -310,7 +270,7 @@ void compositor_destroy(struct compositor *c)
 	if (!c)
 		return;
 	for (uint32_t p = 0; c->poses && p < c->basis->info.poses; p++)
-		forget_pose(c, &c->poses[p]);
+		forget_pose(&c->poses[p]);
 	free(c->poses);
 	for (int k = 0; k < BASIS_KIND_COUNT; k++)
 		light_vector_free(&c->vector[k]);
@@ -325,8 +285,5 @@ void compositor_destroy(struct compositor *c)
 	}
 	free(c->worker);
 	free(c->behind);
-	free(c->kept);
-	free(c->kept_blocks);
-	free(c->before);
 	free(c);
 }

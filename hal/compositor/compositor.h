@@ -44,20 +44,8 @@ enum compositor_mode {
 
 extern const char *const compositor_mode_names[]; /* "fast", "exact", NULL */
 
-/* Whether a frame in exact mode starts from the sums of the frame before and adds only what has
- * changed. The result has the same bits. Fast mode never does: it would cost more than it saves. */
-enum compositor_reuse {
-	REUSE_AUTO, /* the way that reads less; sums are kept while few lights change */
-	REUSE_NEVER,
-	REUSE_ALWAYS, /* if the frame before was exact and of the same pose */
-	REUSE_COUNT
-};
-
-extern const char *const compositor_reuse_names[]; /* "auto", "never", "always", NULL */
-
 struct compositor_settings {
 	enum compositor_mode mode;
-	enum compositor_reuse reuse;
 	struct transfer_curve background; /* transfer function of the background's code values */
 	struct transfer_curve output;
 	double gain;		   /* 0..COMPOSITOR_GAIN_MAX */
@@ -85,8 +73,7 @@ const char *compositor_kernel(const struct compositor *compositor); /* name of t
 /* Whether compositor_create() accepts a kernel of this name. */
 bool compositor_has_kernel(const char *name);
 
-/* Settings for the next frames. Allocates memory for kept sums when the settings first allow them
- * and the file has blocks that keep sums. Without that memory no sums are reused. */
+/* Settings for the next frames. */
 void compositor_set(struct compositor *compositor, const struct compositor_settings *settings);
 
 /*
@@ -126,7 +113,6 @@ struct compositor_frame {
 	uint64_t basis_bytes; /* read of the basis: patterns, coefficients, columns */
 	int columns;	      /* used, over all blocks */
 	int columns_left_out; /* below the cut */
-	bool reused;	      /* it started from sums of the frame before */
 };
 
 struct compositor_frame compositor_last(const struct compositor *compositor);

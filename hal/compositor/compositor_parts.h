@@ -60,13 +60,6 @@ struct compositor {
 	struct compositor_worker **worker;
 	struct kernel_curves curves;
 	struct compositor_frame last;
-	/* Sums kept from the frame before, for one layer of one pose. */
-	bool keeps; /* the settings allow it */
-	int64_t *kept;
-	struct kept_block *kept_blocks;
-	size_t kept_size, kept_count;
-	const struct layer *kept_of; /* layer of the kept sums; NULL: none are kept */
-	double (*before)[3];	     /* [lights]: light of the last frame that could keep sums */
 	/* Copy of a background that is made piece by piece, where the object shows it:
 	 * [height][width] BGRX. NULL: no pose has glass. */
 	uint8_t *behind;

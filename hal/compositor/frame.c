@@ -8,8 +8,6 @@
 #include "hal/compositor/compositor_parts.h"
 #include "hal/compositor/live/lit_rows.h"
 
-/* Sums are kept while at most 1 / CHANGED_SHARE of the lights change from frame to frame. */
-#define CHANGED_SHARE 4
 /* Total lights of all vectors from which several threads are faster, waking them included. */
 #define SHARED_LIGHTS 12000
 
@@ -212,52 +210,6 @@ static void make_lights(struct compositor *c)
 		make_light(c, k, 0);
 }
 
-/* Returns how many lights have changed since the frame before. */
-static int changed_lights(struct compositor *c, const struct light_selection *lights)
-{
-	int changed = 0;
-
-	for (int i = 0; i < lights->count; i++) {
-		bool same = true;
-
-		for (int k = 0; k < 3; k++) {
-			const double now = lights->radiance[i][k] + lights->ambient[k];
-
-			same = same && c->before[i][k] == now;
-			c->before[i][k] = now;
-		}
-		changed += !same;
-	}
-	return changed;
-}
-
-/*
- * Returns the kept sums to start from. Keeping sums costs time, so none are kept while many lights
- * change from frame to frame, as they do under a camera's noise. Sums of another pose or mode are
- * invalid.
- */
-static struct kept_sums frame_keep_sums(struct compositor *c, const struct light_selection *lights)
-{
-	const bool able = c->keeps && c->kept && c->layer->plan.kept_blocks > 0;
-	const bool always = c->settings.reuse == REUSE_ALWAYS;
-
-	if (!able || (changed_lights(c, lights) * CHANGED_SHARE > lights->count && !always)) {
-		c->kept_of = NULL;
-		return (struct kept_sums){.values = NULL};
-	}
-	if (c->kept_of != c->layer)
-		memset(c->kept_blocks, 0, sizeof(*c->kept_blocks) * c->kept_count);
-	c->kept_of = c->layer;
-	return (struct kept_sums){c->kept, c->kept_blocks, always};
-}
-
-/* Finds the changed lights, for kept_sums_step(). */
-static void track_light(struct compositor *c)
-{
-	for (int k = 0; k < c->layer->light_count; k++)
-		light_vector_track(c->layer->light[k].vector);
-}
-
 static void begin_frame(struct compositor *c, const struct light_selection *lights)
 {
 	c->lights = lights;
@@ -269,12 +221,8 @@ static void begin_frame(struct compositor *c, const struct light_selection *ligh
 		.own = &c->vector[BASIS_KIND_U],
 		.ground = c->ground,
 		.gain_bits = gain_bits(c->settings.gain),
-		.kept = frame_keep_sums(c, lights),
-		.first = c->layer->plan.blocks,
 		.end = c->layer->plan.blocks + c->layer->basis->block_count,
 	};
-	if (c->light.kept.values)
-		track_light(c);
 	for (int w = 0; w < c->workers; w++)
 		block_work_begin(&c->worker[w]->tile.block);
 }
@@ -286,7 +234,6 @@ static void end_frame(struct compositor *c)
 
 		c->last.basis_bytes += counts->basis_bytes;
 		c->last.columns += counts->columns;
-		c->last.reused |= counts->reused;
 	}
 	for (int k = 0; k < c->layer->light_count; k++)
 		c->last.columns_left_out += c->layer->light[k].choice.left_out;

@@ -16,8 +16,6 @@
  *     sum |X - q S| + sum S <= sum X + sum q S + sum S <= 3 sum X
  */
 #define GROUPED 3
-/* Blocks with fewer lines keep no sums: reading and writing the sums would cost more. */
-#define KEPT_LINES 64
 
 static float value_of_one(const struct basis_block *b)
 {
@@ -68,13 +66,11 @@ static bool block_has_groups(const struct basis *basis, const struct basis_block
 	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
 }
 
-static struct block_plan plan_block(const struct basis *basis, const struct basis_block *b,
-				    bool cut)
+static struct block_plan plan_block(const struct basis *basis, const struct basis_block *b)
 {
 	struct block_plan plan = {
 		.block = b,
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
-		.kept = !cut && b->patterns + b->columns >= KEPT_LINES,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
 		.grouped = block_has_groups(basis, b),
 		.reach = value_of_one(b) / b->cut_share,
@@ -135,8 +131,8 @@ static void plan_group(struct block_plan *plan, int count)
 
 		bound += block_bound(&plan[n]) * (b->tint ? 2 : 1);
 		lines += b->patterns + b->columns;
-		plan[n].joins = n > 0 && !plan[n].kept && !plan[n - 1].kept && !b->tint &&
-				!plan[n - 1].block->tint && same_pixels(b, plan[n - 1].block);
+		plan[n].joins = n > 0 && !b->tint && !plan[n - 1].block->tint &&
+				same_pixels(b, plan[n - 1].block);
 		shares += plan[n].joins;
 	}
 	for (int n = 0; n < count; n++) {
@@ -161,18 +157,8 @@ static void plan_tile(struct tile_plan *tile, struct block_plan *plan, int count
 	}
 }
 
-static void place_kept(struct layer_plan *plan, struct block_plan *b)
-{
-	if (!b->kept)
-		return;
-	b->state = plan->kept_size;
-	plan->kept_size += 3 * ((size_t)plan_lines(b) + (size_t)plan_sums(b));
-	plan->kept_size = (plan->kept_size + 7) / 8 * 8; /* a cache line */
-	plan->kept_blocks++;
-}
-
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
-		      const struct basis_pose *pose, const struct basis_layer *layer, bool cut)
+		      const struct basis_pose *pose, const struct basis_layer *layer)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
 
@@ -183,10 +169,8 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		layer_plan_free(plan);
 		return -ENOMEM;
 	}
-	for (int n = 0; n < layer->block_count; n++) {
-		plan->blocks[n] = plan_block(basis, &layer->blocks[n], cut);
-		place_kept(plan, &plan->blocks[n]);
-	}
+	for (int n = 0; n < layer->block_count; n++)
+		plan->blocks[n] = plan_block(basis, &layer->blocks[n]);
 	for (int t = 0; t < tiles; t++) {
 		const struct basis_tile *tile = &layer->tiles[t];
 		const bool covered = is_covered(basis, pose->coverage, tile);

@@ -30,7 +30,6 @@ struct block_plan {
 	int bound;    /* of the group: most <= 2^bound */
 	bool whole;   /* lists all BASIS_TILE^2 pixels of its tile */
 	uint16_t row[BASIS_TILE]; /* bit x of row[y]: the pixel is listed */
-	bool kept;		  /* keeps its sums from frame to frame */
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
 	bool follows;	  /* groups of lights span it and the block before */
 	bool grouped;	  /* it, or a block that groups of lights span with it, has their columns */
@@ -39,7 +38,6 @@ struct block_plan {
 	 * block's number there (column_choice.h). NULL: all columns count whose light is not 0. */
 	const struct column_choice *choice;
 	int number;
-	size_t state; /* kept blocks: index of their first int64 in kept_sums.values */
 };
 
 /* The plans of a tile's blocks, in their order. */
@@ -54,29 +52,12 @@ struct tile_plan {
 /* The plans of all blocks and tiles of a layer. */
 struct layer_plan {
 	struct tile_plan *tiles;
-	size_t kept_size; /* int64s */
-	int kept_blocks;
 	struct block_plan *blocks; /* in the layer's order */
 };
 
-/* cut: columns may be left out, and then no sums are kept. -ENOMEM. */
+/* -ENOMEM. */
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
-		      const struct basis_pose *pose, const struct basis_layer *layer, bool cut);
+		      const struct basis_pose *pose, const struct basis_layer *layer);
 void layer_plan_free(struct layer_plan *plan); /* zeroed is fine */
-
-/* Number of lines in one panel and channel: patterns and columns. */
-static inline int plan_lines(const struct block_plan *p)
-{
-	return p->block->patterns + p->block->columns;
-}
-
-/* A kept block keeps the weights of its lines, and its sums, padded to a multiple of PLAN_PANEL
- * pixels. */
-#define PLAN_PANEL 64
-
-static inline int plan_sums(const struct block_plan *p)
-{
-	return (p->block->pixels + PLAN_PANEL - 1) / PLAN_PANEL * PLAN_PANEL;
-}
 
 #endif

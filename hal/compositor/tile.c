@@ -49,8 +49,6 @@ static struct block_request request_for(const struct frame_light *f, const struc
 	return (struct block_request){
 		.kernels = f->kernels,
 		.light = block_light(f, plan->block),
-		.kept = &f->kept,
-		.kept_index = (int)(plan - f->first),
 		.fresh = fresh,
 		.next = block_next(f, plan),
 	};

@@ -14,9 +14,7 @@ struct frame_light {
 	const struct light_vector *taken, *own; /* of D; of U */
 	const struct light_vector *ground;	/* [grounds] */
 	int gain_bits;
-	struct kept_sums kept;
-	const struct block_plan *first,
-		*end; /* the layer's blocks; kept.blocks has the same order */
+	const struct block_plan *end; /* of the layer's blocks */
 };
 
 /* O and 1 - ratio in Q24 (kernels.h), [c][y * BASIS_TILE + x]. If tile_plan.object or .taken is

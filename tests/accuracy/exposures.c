@@ -127,7 +127,7 @@ static void exposures_start(struct exposures_rig *rig, const struct table *t)
 	must(source_create(&rig->source, &source), &fault);
 	rig->eye = (struct eye){.section = "fisheye",
 				.source = &rig->source,
-				.wanted = config_view(&rig->config->fisheye.view)};
+				.wanted = rig->config->fisheye.view.view};
 	exposing_start(&rig->exposing, &rig->config->fisheye);
 	source_open(&rig->source);
 }

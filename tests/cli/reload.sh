@@ -40,7 +40,6 @@ check "the kiosk goes on" until_true has threshold 100
 check "other threads, another kernel, view and scale" reload "[composite]
 threads = 1
 kernel = c
-reuse = never
 [screen]
 show = quad
 scale = fit

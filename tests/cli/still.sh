@@ -101,12 +101,13 @@ check "and the same light (${worst:-not compared})" awk "BEGIN { exit !($worst <
 check "into Radiance too" still still.hdr "${pictures[@]}"
 
 # A camera that hangs upside down gives both pictures turned.
-run turned-background.png --set screen.show=before --set background.rotate180=yes
-run turned-fisheye.png --set screen.show=before "${sky[@]}" --set background.rotate180=yes
+down=(--set background.hflip=yes --set background.vflip=yes)
+run turned-background.png --set screen.show=before "${down[@]}"
+run turned-fisheye.png --set screen.show=before "${sky[@]}" "${down[@]}"
 differ "turned pictures are others" "$work/background.png" "$work/turned-background.png"
 check "are turned back" still turned.png --background "$work/turned-background.png" \
-	--fisheye "$work/turned-fisheye.png" --set background.rotate180=yes \
-	--set fisheye.rotate180=yes
+	--fisheye "$work/turned-fisheye.png" "${down[@]}" \
+	--set fisheye.hflip=yes --set fisheye.vflip=yes
 same "into the same picture" "$work/still.png" "$work/turned.png"
 
 # Linear light: what the fisheye's picture stands for, as a float file.

@@ -108,7 +108,7 @@ static int open_view(struct live *live, const char *path, enum live_view which, 
 				 which == LIVE_FISHEYE ? "fisheye" : "background",
 				 *view->camera ? "there is no [camera " : "it names no camera",
 				 view->camera, *view->camera ? "]" : "");
-	live->view = config_view(view);
+	live->view = view->view;
 	err = open_camera(live, camera, fault);
 	return err ? err : prepare_pictures(live, camera, &curve, fault);
 }

@@ -46,10 +46,8 @@ int light_vector_create(struct light_vector *v, const struct light_terms *terms)
 	*v = (struct light_vector){
 		.lights = (int)n, .coarse = (int)k, .stride = stride, .terms = terms};
 	v->sent = lines_of(terms->groups.count ? 2 * n + k : n, sizeof(*v->sent));
-	v->changed = calloc(n, sizeof(*v->changed));
-	v->before = calloc(n, sizeof(*v->before));
 	v->digits = lines_of(3 * KERNEL_DIGITS * (size_t)stride, sizeof(*v->digits));
-	fine = v->sent && v->changed && v->before && v->digits;
+	fine = v->sent && v->digits;
 	for (int c = 0; c < 3; c++) {
 		v->y[c] = lines_of(k, sizeof(*v->y[c]));
 		fine = fine && v->y[c];
@@ -68,8 +66,6 @@ int light_vector_create(struct light_vector *v, const struct light_terms *terms)
 void light_vector_free(struct light_vector *v)
 {
 	free(v->sent);
-	free(v->changed);
-	free(v->before);
 	free(v->digits);
 	for (int c = 0; c < 3; c++)
 		free(v->y[c]);
@@ -397,18 +393,4 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 		part_groups(v, order, &how);
 	if (order->patterns)
 		make_planes(v, x_bits + 1); /* + 1: for N roundings of 1/2 */
-}
-
-void light_vector_track(struct light_vector *v)
-{
-	v->changed_count = v->lit = 0;
-	for (int i = 0; i < v->lights; i++) {
-		const double *now = v->sent[i].amount;
-		double *before = v->before[i];
-
-		v->lit += now[0] > 0 || now[1] > 0 || now[2] > 0;
-		if (now[0] != before[0] || now[1] != before[1] || now[2] != before[2])
-			v->changed[v->changed_count++] = i;
-		memcpy(before, now, sizeof(v->before[i]));
-	}
 }

@@ -61,15 +61,10 @@ struct light_vector {
 	/* T and V: largest O, or 1 - ratio, that lines with values up to 1 can make. */
 	double strongest;
 	struct kernel_vector planes[3]; /* Y */
-	/* From light_vector_track(): lights whose X has changed since its last call. */
-	int *changed;
-	int changed_count;
-	int lit; /* number of lights with X > 0 in any channel */
 	/* private */
 	const struct light_terms *terms;
-	double (*before)[3]; /* [lights] */
-	int64_t *y[3];	     /* [coarse] */
-	int16_t *digits;     /* [3][KERNEL_DIGITS][stride] */
+	int64_t *y[3];	 /* [coarse] */
+	int16_t *digits; /* [3][KERNEL_DIGITS][stride] */
 };
 
 /* terms must outlive the vector. -ENOMEM. */
@@ -79,10 +74,6 @@ void light_vector_free(struct light_vector *vector); /* zeroed is fine */
 /* Computes the vector of one frame. Threads may make different vectors at the same time. */
 void light_vector_make(struct light_vector *vector, const struct light_order *order,
 		       const struct light_selection *lights);
-
-/* Finds the lights whose X has changed since the last call. Only meaningful if that was in the
- * frame before. */
-void light_vector_track(struct light_vector *vector);
 
 /* Smallest integer >= 0 with gain <= 2^gain_bits(gain). */
 int gain_bits(double gain);

@@ -69,7 +69,6 @@ information = %s
 [composite]
 threads = %d
 gain = %s
-reuse = %s
 [lights]
 threshold = %s
 threshold_mode = %s
@@ -77,7 +76,7 @@ threshold_mode = %s
        chance.choice(["yes", "no"]),
        chance.choice(["composite", "before", "fisheye", "split", "quad", "off", "nothing"]),
        chance.choice(["yes", "no"]), chance.randrange(4), chance.choice(["0.5", "1", "3"]),
-       chance.choice(["auto", "never", "always"]), chance.choice(["0", "20", "1%"]),
+       chance.choice(["0", "20", "1%"]),
        chance.choice(["ambient", "drop"]))
     replace(conf, text.encode())
     done.append("SIGHUP")

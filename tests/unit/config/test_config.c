@@ -174,21 +174,6 @@ static void one_camera_too_many_is_said(void **state)
 	config_destroy(c);
 }
 
-static void views_turn(void **state)
-{
-	struct config *c = read_text("[fisheye]\nrotate180 = yes\n[background]\nrotate180 = yes\n"
-				     "hflip = yes\n[scene]\nvflip = yes\n");
-	struct view fisheye = config_view(&c->fisheye.view);
-	struct view background = config_view(&c->background.view);
-	struct view scene = config_view(&c->scene.view);
-
-	(void)state;
-	assert_true(fisheye.hflip && fisheye.vflip);
-	assert_true(!background.hflip && background.vflip);
-	assert_true(!scene.hflip && scene.vflip);
-	config_destroy(c);
-}
-
 static void what_no_key_tells_alone(void **state)
 {
 	static const char text[] = "[camera sky]\ndriver = fak\n[camera bg]\ndriver = fake\n"
@@ -268,7 +253,7 @@ static void printing_reads_back(void **state)
 	struct config *c = read_text(
 		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n[camera "
 		"two]\n"
-		"rate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nrotate180 = yes\n[lights]\n"
+		"rate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nhflip = yes\n[lights]\n"
 		"threshold = 33.5%\nfollow = 0.25\nthreshold_mode = drop\n[screen]\nscale = "
 		"fit\nshow = quad\n");
 	char *text = printed(c, config_print), *again;
@@ -447,7 +432,6 @@ int main(void)
 		cmocka_unit_test(drivers_keys_reach_their_own_options),
 		cmocka_unit_test(without_drivers_their_sections_are_skipped),
 		cmocka_unit_test(one_camera_too_many_is_said),
-		cmocka_unit_test(views_turn),
 		cmocka_unit_test(what_no_key_tells_alone),
 		cmocka_unit_test(the_camera_of_depth_measures_depths),
 		cmocka_unit_test(printing_reads_back),

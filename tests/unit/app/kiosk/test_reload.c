@@ -62,7 +62,6 @@ static void each_key_has_its_effect(void **state)
 		{"[background]\nwidth = 9\n", 0},
 		{"[composite]\nthreads = 3\n", RELOAD_PIPELINE | RELOAD_DRAWING},
 		{"[composite]\nkernel = c\n", RELOAD_PIPELINE | RELOAD_DRAWING},
-		{"[composite]\nreuse = never\n", RELOAD_PIPELINE | RELOAD_DRAWING},
 		{"[composite]\nmode = exact\n", 0},
 		{"[screen]\nshow = quad\n", RELOAD_VIEW | RELOAD_DRAWING},
 		{"[screen]\nsplit = 0.25\n", RELOAD_SPLIT | RELOAD_DRAWING},

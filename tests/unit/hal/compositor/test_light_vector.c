@@ -196,8 +196,7 @@ static void threads_share_vectors_and_change_nothing(void **state)
 	synthetic_open(&file, &many);
 	random_frame_begin(&alone, &file.basis, NULL, &chance);
 	for (int t = 0; t < 4; t++) {
-		const struct compositor_settings settings = {
-			.gain = 1, .object = true, .reuse = REUSE_ALWAYS};
+		const struct compositor_settings settings = {.gain = 1, .object = true};
 		struct chance same = {1};
 		struct random_frame shared;
 		struct pool *pool;

@@ -79,7 +79,7 @@ static void test_upright(void **state)
 	write_config("[camera one]\ndriver=sim\nsim.source=files\nsim.file=p.png\n"
 		     "sim.clock=frames\nrate=10\n"
 		     "[background]\ncamera=one\nx=2\ny=1\nwidth=4\nheight=3\nhflip=yes\n"
-		     "[fisheye]\ncamera=one\nrotate180=yes\n");
+		     "[fisheye]\ncamera=one\nhflip=yes\nvflip=yes\n");
 	live = opened(LIVE_BACKGROUND);
 	assert_int_equal(live_width(live), 4);
 	assert_int_equal(live_height(live), 3);
