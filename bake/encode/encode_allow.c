@@ -38,7 +38,7 @@ static void allow_less_alone(const struct allowed *a, const struct measure *m)
 {
 	for (int i = 0; i < a->settings->lights; i++)
 		for (int k = 0; k < a->count && m->cell_most[i] > 1; k++)
-			a->part[k].light_share[i] *= (float)NARROWER / m->cell_most[i];
+			a->part[k].limit.light_share[i] *= (float)NARROWER / m->cell_most[i];
 }
 
 /* Returns the share of white that a light gives under a sky, in the channel where it is largest. */
@@ -47,8 +47,8 @@ static float light_dominance(const struct part *part, int lights, int sky, int l
 	float most = 0;
 
 	for (int c = 0; c < 3; c++) {
-		const float x = part->sky_x[(sky * 3 + c) * lights + light];
-		const float alone = fabsf(part->cell_slope[c * lights + light]);
+		const float x = part->sky.x[(sky * 3 + c) * lights + light];
+		const float alone = fabsf(part->cell.slope[c * lights + light]);
 
 		most = larger(most, alone > 0 ? x / alone : 0);
 	}
@@ -83,7 +83,7 @@ static bool allow_lamps_less(const struct allowed *a, const struct measure *m)
 			const double over = light_over(a, m, k, i);
 
 			if (over > 1) {
-				a->part[k].light_share[i] *= (float)(NARROWER / over);
+				a->part[k].limit.light_share[i] *= (float)(NARROWER / over);
 				any = true;
 			}
 		}
@@ -122,5 +122,5 @@ void allow_less(const struct allowed *a, const struct measure *m, int attempt)
 	a->allowance->lamps++;
 	for (int k = 0; k < a->count && attempt >= ATTEMPTS_ALIKE; k++)
 		for (int i = 0; i < a->settings->lights; i++)
-			a->part[k].light_share[i] *= FINER;
+			a->part[k].limit.light_share[i] *= FINER;
 }

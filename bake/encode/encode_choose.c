@@ -166,7 +166,7 @@ static float estimate_light(const struct low_rank *fit, int light, struct estima
 {
 	const struct part *part = fit->part;
 	const size_t first = (size_t)light * (size_t)part->rows;
-	const float *left = fit->left + first, *tight = part->tight + first;
+	const float *left = fit->left + first, *tight = part->limit.tight + first;
 	float miss[3][PANELS], most = 0;
 
 	for (int c = 0; c < part->channels; c++)
@@ -223,14 +223,14 @@ static void find_groups(struct choose *s, const struct part *part)
 {
 	const struct basis_groups *groups = s->settings->groups;
 
-	for (int k = 0; k < 2 && part->share; k++)
+	for (int k = 0; k < 2 && part->sky.share; k++)
 		memset(s->group[k], 0, (size_t)groups->count * sizeof(*s->group[k]));
-	for (int j = 0; j < s->columns && part->share; j++) {
+	for (int j = 0; j < s->columns && part->sky.share; j++) {
 		const struct estimate_column *column = &s->column[j];
 		struct estimate_group *group = &s->group[column->mono][groups->of[column->light]];
 
 		group->columns++;
-		group->reach += (float)part->share[column->light] * column->reach;
+		group->reach += (float)part->sky.share[column->light] * column->reach;
 		group->bytes += column->bytes;
 	}
 }
@@ -249,7 +249,7 @@ static const struct estimate_group *group_of(const struct choose *s, const struc
 	const struct basis_groups *groups = s->settings->groups;
 	const struct estimate_group *group;
 
-	if (!part->share)
+	if (!part->sky.share)
 		return NULL;
 	group = &s->group[column->mono][groups->of[column->light]];
 	return group->columns >= COLUMN_GROUP_LIGHTS ? group : NULL;
@@ -266,10 +266,10 @@ static void column_light(const struct choose *s, const struct part *part, int sk
 	for (int c = 0; c < 3; c++) {
 		const int row = sky * 3 + c;
 
-		even[c] = grouped ? part->sky_even[row * groups->count + groups->of[column->light]]
+		even[c] = grouped ? part->sky.even[row * groups->count + groups->of[column->light]]
 				  : 0;
-		own[c] = part->sky_x[row * s->settings->lights + column->light];
-		own[c] -= grouped ? (float)part->share[column->light] * even[c] : 0;
+		own[c] = part->sky.x[row * s->settings->lights + column->light];
+		own[c] -= grouped ? (float)part->sky.share[column->light] * even[c] : 0;
 	}
 }
 
@@ -284,11 +284,12 @@ static void find_uses(struct choose *s, const struct part *part)
 			float own[3], even[3];
 
 			column_light(s, part, s->shade->tried[t], column, own, even);
-			use->own = part->column_cut > 0 ? largest_of_three(own) * column->reach /
-								  (float)part->column_cut
-							: 1;
+			use->own = part->limit.column_cut > 0
+					   ? largest_of_three(own) * column->reach /
+						     (float)part->limit.column_cut
+					   : 1;
 			use->group = group ? largest_of_three(even) * group->reach /
-						     (float)part->group_cut
+						     (float)part->limit.group_cut
 					   : 0;
 		}
 }
@@ -358,7 +359,7 @@ static void subtract_columns(const struct choose *s, const struct low_rank *fit,
 		column_light(s, fit->part, s->shade->tried[t], &s->column[j], own, even);
 		for (int c = 0; c < 3; c++)
 			by[c] = (more ? own[c] : 0) +
-				(more_group ? (float)fit->part->share[light] * even[c] : 0);
+				(more_group ? (float)fit->part->sky.share[light] * even[c] : 0);
 		subtract_row(fit->part, fit_left(fit, light), by, sum);
 	}
 }
@@ -397,7 +398,7 @@ static double sky_lower_cut(const struct choose *s, const struct low_rank *fit, 
 	float left[PART_ROWS];
 	double excess;
 
-	memcpy(left, part->sky_value + (size_t)sky * 3 * (size_t)part->pixels,
+	memcpy(left, part->sky.value + (size_t)sky * 3 * (size_t)part->pixels,
 	       3 * (size_t)part->pixels * sizeof(*left));
 	subtract_patterns(part, fit->tinted_rows, fit->mono_rank,
 			  (const float(*)[RANK_MOST])s->mono_sky + t * 3, left);
@@ -405,7 +406,7 @@ static double sky_lower_cut(const struct choose *s, const struct low_rank *fit, 
 			  (const float(*)[RANK_MOST])s->colour_sky + t * 3, left);
 	subtract_columns(s, fit, t, NEVER, *cut_share, left);
 	while ((excess = sky_excess(s, part, t, left)) > 1 && *cut_share > LEAST_SHARE &&
-	       part->column_cut > 0) {
+	       part->limit.column_cut > 0) {
 		subtract_columns(s, fit, t, *cut_share, *cut_share * SHARE_STEP, left);
 		*cut_share *= SHARE_STEP;
 	}
@@ -420,7 +421,7 @@ static struct rank_plan plan_estimate(struct choose *s, struct low_rank *fit, in
 				      double bound)
 {
 	const struct part *part = fit->part;
-	struct rank_plan e = {.excess = INFINITY, .cut_share = part->cut_share};
+	struct rank_plan e = {.excess = INFINITY, .cut_share = part->limit.cut_share};
 	double cost, worst = 0;
 
 	profile_enter(PROFILE_BASIS);
@@ -497,11 +498,11 @@ static void find_gains(struct choose *s, const struct part *part)
 
 	for (int k = 0; k < 3 * s->shade->skies.tried; k++) {
 		const int sky = s->shade->tried[k / 3], c = k % 3;
-		const float slope = part->sky_slope[sky][c];
-		const float *base = part->sky_base + (size_t)(sky * 3 + c) * (size_t)pixels;
+		const float slope = part->sky.slope[sky][c];
+		const float *base = part->sky.base + (size_t)(sky * 3 + c) * (size_t)pixels;
 
 		for (int p = 0; p < pixels; p++) {
-			const float is = part->sky_offset[sky][c] + slope * base[p];
+			const float is = part->sky.offset[sky][c] + slope * base[p];
 			const float steepness = levels_at(s->levels, is + LIGHT_STEP / 2) -
 						levels_at(s->levels, is - LIGHT_STEP / 2);
 
@@ -518,7 +519,7 @@ static void sum_patterns(const struct choose *s, const struct part *part,
 
 	for (int t = 0; t < s->shade->skies.tried && patterns->count; t++)
 		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, 3, patterns->count, n, 1,
-			    part->sky_x + (size_t)s->shade->tried[t] * 3 * (size_t)n, n,
+			    part->sky.x + (size_t)s->shade->tried[t] * 3 * (size_t)n, n,
 			    patterns->at_light, n, 0, sum + t * 3 * RANK_MOST, RANK_MOST);
 }
 

@@ -73,7 +73,7 @@ static void bounds_find(struct column_bounds *b, const struct low_rank *fit, int
 	const int pixels = part->pixels;
 	const bool mono = channels < part->channels;
 	const size_t first = (size_t)light * (size_t)part->rows;
-	const float *least_left = part->least_left + first, *most_left = part->most_left + first;
+	const float *least_left = part->limit.least + first, *most_left = part->limit.most + first;
 
 	b->count = channels * pixels;
 	if (mono)
@@ -289,8 +289,8 @@ static double reach_for(const struct low_rank *fit, int light, const float *left
 {
 	const struct part *part = fit->part;
 	const double largest = largest_magnitude(left, part->rows);
-	const double reach = fmax(largest / (double)part->light_share[light],
-				  ALONE * fit->cut_share * part->column_cut);
+	const double reach = fmax(largest / (double)part->limit.light_share[light],
+				  ALONE * fit->cut_share * part->limit.column_cut);
 
 	/* The quotient may exceed what the format allows; no value does (VALUE_MAX of part.c). */
 	return fmin(reach, REACH_LIMIT) * (1 + REACH_ROUNDING);
@@ -369,7 +369,7 @@ static void light_columns(struct columns *columns, const struct low_rank *fit, i
 		if (column_quantise(column, fit, reach, short_share, from, left))
 			return;
 		column_quantise_nearest(column, fit, reach, from, left);
-		if (part->column_cut > 0 &&
+		if (part->limit.column_cut > 0 &&
 		    add_second_column(columns, fit, light, channels, 8, short_share, left))
 			return;
 		columns->count--;
@@ -402,7 +402,7 @@ static int group_sum(const struct columns *columns, int lights, const struct low
 		if (fit->settings->groups->of[column->number] != group ||
 		    column->channels != channels)
 			continue;
-		by = (float)part->share[column->number] * column->scale;
+		by = (float)part->sky.share[column->number] * column->scale;
 		found += !column->second;
 		*reach += column->second ? 0 : (double)by * column_most(column->bits);
 		for (int r = 0; r < count; r++)
@@ -439,7 +439,7 @@ static void group_column(struct columns *columns, int lights, const struct low_r
 
 void columns_find(struct columns *columns, const struct low_rank *fit, float short_share)
 {
-	const int groups = fit->part->share ? fit->settings->groups->count : 0;
+	const int groups = fit->part->sky.share ? fit->settings->groups->count : 0;
 	int lights;
 
 	columns->count = 0;

@@ -79,7 +79,7 @@ static void find_tints(struct low_rank *fit, const float *value)
 
 	for (int i = 0; i < fit->settings->lights; i++) {
 		const float *v = value + (size_t)i * (size_t)part->rows;
-		const float weight = part->weight[i];
+		const float weight = part->limit.weight[i];
 
 		for (int p = 0; p < pixels; p++) {
 			const float r = v[p], g = v[pixels + p], b = v[2 * pixels + p];

@@ -43,12 +43,12 @@ static void limit_cells(struct part *part, const struct levels *levels, int ligh
 					  (size_t)(part->channels == 3 ? c * part->pixels : 0);
 			const bool intersect = part->channels == 1 && c;
 
-			if (intersect && part->cell_offset[c] == part->cell_offset[0] &&
-			    part->cell_slope[k] == part->cell_slope[i])
+			if (intersect && part->cell.offset[c] == part->cell.offset[0] &&
+			    part->cell.slope[k] == part->cell.slope[i])
 				continue;
-			limit_row(levels, part, part->cell_offset[c], part->cell_slope[k],
-				  part->light_share[i], part->base + at, part->least_left + at,
-				  part->most_left + at, intersect);
+			limit_row(levels, part, part->cell.offset[c], part->cell.slope[k],
+				  part->limit.light_share[i], part->base + at,
+				  part->limit.least + at, part->limit.most + at, intersect);
 		}
 }
 
@@ -61,9 +61,9 @@ static void weigh_values(struct part *part, int lights)
 	double all = 0, all_pixels = 0, pixel[PART_PIXELS] = {0};
 
 	for (int i = 0; i < lights; i++) {
-		const float *least = part->least_left + (size_t)i * (size_t)part->rows;
-		const float *most = part->most_left + (size_t)i * (size_t)part->rows;
-		float *tight = part->tight + (size_t)i * (size_t)part->rows;
+		const float *least = part->limit.least + (size_t)i * (size_t)part->rows;
+		const float *most = part->limit.most + (size_t)i * (size_t)part->rows;
+		float *tight = part->limit.tight + (size_t)i * (size_t)part->rows;
 		float sum = 0;
 
 		for (int r = 0; r < part->rows; r++)
@@ -73,26 +73,27 @@ static void weigh_values(struct part *part, int lights)
 				sum += tight[c * part->pixels + p];
 				pixel[p] += (double)tight[c * part->pixels + p];
 			}
-		part->weight[i] = sum;
+		part->limit.weight[i] = sum;
 		all += (double)sum;
 	}
 	for (int i = 0; i < lights; i++)
-		part->weight[i] = all > 0 ? (float)((double)part->weight[i] * lights / all) +
-						    LEAST_WEIGHT
-					  : 1;
+		part->limit.weight[i] =
+			all > 0 ? (float)((double)part->limit.weight[i] * lights / all) +
+					  LEAST_WEIGHT
+				: 1;
 	for (int p = 0; p < part->pixels; p++)
 		all_pixels += pixel[p];
 	for (int p = 0; p < part->pixels; p++) {
 		const double share = pixel[p] * part->pixels / all_pixels;
 
-		part->pixel_weight[p] = (float)(share * share) + LEAST_WEIGHT;
+		part->limit.pixel_weight[p] = (float)(share * share) + LEAST_WEIGHT;
 	}
 }
 
 bool part_cell_holds(const struct part *part, int light, const float *left)
 {
 	const size_t first = (size_t)light * (size_t)part->rows;
-	const float *least = part->least_left + first, *most = part->most_left + first;
+	const float *least = part->limit.least + first, *most = part->limit.most + first;
 	int beyond = 0;
 
 	for (int r = 0; r < part->rows; r++)
@@ -105,16 +106,16 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 {
 	const bool pair = part->kind == BASIS_KIND_D || part->kind == BASIS_KIND_U;
 
-	part->levels = levels;
-	part->column_cut = pair ? 0 : settings->column_cut;
-	part->group_cut = basis_group_cut(settings->groups, part->column_cut);
+	part->limit.column_cut = pair ? 0 : settings->column_cut;
+	part->limit.group_cut = basis_group_cut(settings->groups, part->limit.column_cut);
 	/* As a light fades, its column is left out. No pixel may then be off by more than was asked
 	 * for, and black ones may be off by least: cut_share * column_cut <= rise(0). V is a ratio,
 	 * which does not fade with a light that is alone. */
-	part->cut_share = 1;
-	if (part->kind == BASIS_KIND_T && part->column_cut > 0)
-		part->cut_share = fmin(1, fmin((double)levels->rise[0], (double)levels->fall[0]) /
-						  part->column_cut);
+	part->limit.cut_share = 1;
+	if (part->kind == BASIS_KIND_T && part->limit.column_cut > 0)
+		part->limit.cut_share =
+			fmin(1, fmin((double)levels->rise[0], (double)levels->fall[0]) /
+					part->limit.column_cut);
 	limit_cells(part, levels, settings->lights);
 	weigh_values(part, settings->lights);
 }

@@ -97,7 +97,7 @@ int rank_weigh(struct rank_finder *f, const struct part *part)
 
 	f->part = part;
 	for (int p = 0; p < part->pixels; p++)
-		f->root[p] = sqrtf(part->pixel_weight[p]);
+		f->root[p] = sqrtf(part->limit.pixel_weight[p]);
 	if (!f->factor)
 		return 0;
 	memset(f->factor, 0, k * k * sizeof(*f->factor));
@@ -107,7 +107,7 @@ int rank_weigh(struct rank_finder *f, const struct part *part)
 		for (int a = 0; a < 3; a++)
 			for (int b = 0; b < 3; b++)
 				f->factor[g->index[a] * k + g->index[b]] +=
-					part->weight[i] * (float)g->weight[a] *
+					part->limit.weight[i] * (float)g->weight[a] *
 					(float)g->weight[b] * 0x1p-30F;
 	}
 	for (size_t a = 0; a < k; a++)
@@ -134,7 +134,7 @@ static void rank_project(struct rank_finder *f, const float *value, int rows)
 	memset(f->coarse, 0, (size_t)settings->coarse * (size_t)rows * sizeof(*f->coarse));
 	for (int i = 0; i < settings->lights; i++) {
 		const float *from = value + (size_t)i * (size_t)rows;
-		const float weight = f->part->weight[i];
+		const float weight = f->part->limit.weight[i];
 
 		if (!f->factor)
 			add_rows(f, sqrtf(weight), from, f->coarse + (size_t)i * (size_t)rows,
@@ -301,7 +301,7 @@ static void rank_unweigh(struct rank_finder *f, int rows, int count)
 		float *row = f->right + (size_t)j * (size_t)rows;
 
 		for (int i = 0; !f->factor && i < k; i++)
-			pattern[i] /= sqrtf(f->part->weight[i]);
+			pattern[i] /= sqrtf(f->part->limit.weight[i]);
 		for (int r = 0; r < rows; r++)
 			row[r] /= f->root[r % f->part->pixels];
 	}

@@ -54,7 +54,7 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 
 	/* The ground may be as bright as white. */
 	for (int c = 0; c < 3; c++)
-		part->cell_offset[c] = part->kind == BASIS_KIND_V ? 1 : 0;
+		part->cell.offset[c] = part->kind == BASIS_KIND_V ? 1 : 0;
 	for (int i = 0; i < n; i++) {
 		const float *base = part->base + (size_t)i * (size_t)part->rows;
 		const double w = settings->light[i].solid_angle_sr;
@@ -62,10 +62,10 @@ static void expose_cells(struct part *part, const struct encode_settings *settin
 
 		if (part->kind != BASIS_KIND_V)
 			white = fmax(white, w * (double)part_largest(base, part->rows));
-		part->cell_white[i] = (float)white;
+		part->cell.white[i] = (float)white;
 		for (int c = 0; c < 3; c++)
-			part->cell_slope[(size_t)c * (size_t)n + (size_t)i] =
-				part->kind == BASIS_KIND_V ? -part->cell_offset[c]
+			part->cell.slope[(size_t)c * (size_t)n + (size_t)i] =
+				part->kind == BASIS_KIND_V ? -part->cell.offset[c]
 				: white > 0		   ? (float)(w / white)
 							   : 0;
 	}
@@ -90,18 +90,18 @@ static void expose_ground(struct part *part, const struct encode_settings *setti
 		}
 		white = fmax(white, fmax(level, all[c]));
 	}
-	part->sky_white[sky] = white;
+	part->sky.white[sky] = white;
 	for (int c = 0; c < 3; c++) {
 		const float *l = settings->ensemble->radiance + (size_t)(sky * 3 + c) * (size_t)n;
 		const double *u = ground_of(settings, part, c);
-		float *x = part->sky_x + (size_t)(sky * 3 + c) * (size_t)n;
+		float *x = part->sky.x + (size_t)(sky * 3 + c) * (size_t)n;
 
 		for (int i = 0; i < n; i++)
 			x[i] = all[c] > 0 ? (float)(u[i] * (double)l[i] / all[c]) : 0;
-		part->sky_offset[sky][c] = settings->ensemble->strong[sky] ? 1
+		part->sky.offset[sky][c] = settings->ensemble->strong[sky] ? 1
 					   : white > 0			   ? (float)(all[c] / white)
 									   : 0;
-		part->sky_slope[sky][c] = -part->sky_offset[sky][c];
+		part->sky.slope[sky][c] = -part->sky.offset[sky][c];
 	}
 }
 
@@ -112,7 +112,7 @@ static void expose_light(struct part *part, const struct encode_settings *settin
 
 	for (size_t k = 0; k < rows; k++)
 		for (size_t i = 0; i < n; i++)
-			part->sky_x[k * n + i] =
+			part->sky.x[k * n + i] =
 				(float)((double)settings->ensemble->radiance[k * n + i] *
 					settings->light[i].solid_angle_sr);
 }
@@ -124,16 +124,16 @@ static void sum_skies(struct part *part, const struct encode_settings *settings)
 
 	for (int c = 0; c < 3; c++)
 		cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, skies, part->pixels, n, 1,
-			    part->sky_x + (size_t)c * (size_t)n, 3 * n,
+			    part->sky.x + (size_t)c * (size_t)n, 3 * n,
 			    part->value + (part->channels == 3 ? c * part->pixels : 0), part->rows,
-			    0, part->sky_value + c * part->pixels, 3 * part->pixels);
+			    0, part->sky.value + c * part->pixels, 3 * part->pixels);
 }
 
 /* Computes what a pair shows: u - d. */
 static void subtract_sums(const struct part *difference, struct part *whole, int skies)
 {
 	for (int k = 0; k < skies * 3 * whole->pixels; k++)
-		whole->own_sky[k] = whole->sky_value[k] - difference->sky_value[k];
+		whole->sky.own_base[k] = whole->sky.value[k] - difference->sky.value[k];
 }
 
 /* Returns the radiance that is shown as 1 under a sky: that of white ground or of the brightest
@@ -141,10 +141,10 @@ static void subtract_sums(const struct part *difference, struct part *whole, int
 static double white_of(const struct part *part, const struct encode_settings *settings, int sky)
 {
 	const int n = settings->lights, rows = 3 * part->pixels;
-	double white = (double)part_largest(part->sky_base + (size_t)sky * (size_t)rows, rows);
+	double white = (double)part_largest(part->sky.base + (size_t)sky * (size_t)rows, rows);
 
 	for (int c = 0; c < 3; c++) {
-		const float *x = part->sky_x + (size_t)(sky * 3 + c) * (size_t)n;
+		const float *x = part->sky.x + (size_t)(sky * 3 + c) * (size_t)n;
 		double level = 0;
 
 		for (int i = 0; i < n; i++)
@@ -165,18 +165,18 @@ static void scale_sky(float *value, int sky, int count, float by)
 static void scale_light(struct part *part, const struct encode_settings *settings)
 {
 	for (int s = 0; s < settings->ensemble->skies; s++) {
-		const double white = part->sky_white[s];
+		const double white = part->sky.white[s];
 		const float by = white > 0
 					 ? (float)((double)settings->ensemble->exposure[s] / white)
 					 : 0;
 
-		scale_sky(part->sky_x, s, 3 * settings->lights, by);
-		scale_sky(part->sky_value, s, 3 * part->pixels, by);
+		scale_sky(part->sky.x, s, 3 * settings->lights, by);
+		scale_sky(part->sky.value, s, 3 * part->pixels, by);
 		if (part->kind == BASIS_KIND_U)
-			scale_sky(part->own_sky, s, 3 * part->pixels, by);
+			scale_sky(part->sky.own_base, s, 3 * part->pixels, by);
 		for (int c = 0; c < 3; c++) {
-			part->sky_offset[s][c] = 0;
-			part->sky_slope[s][c] = 1;
+			part->sky.offset[s][c] = 0;
+			part->sky.slope[s][c] = 1;
 		}
 	}
 }
@@ -185,7 +185,7 @@ static void scale_light(struct part *part, const struct encode_settings *setting
 static void share_groups(struct part *part, const struct encode_settings *settings)
 {
 	const int n = settings->lights;
-	double *of = part->own_share;
+	double *of = part->sky.own_share;
 
 	for (int i = 0; i < n; i++)
 		of[i] = part->kind == BASIS_KIND_V ? ground_of(settings, part, 0)[i] +
@@ -206,22 +206,22 @@ static void even_skies(struct part *part, const struct encode_settings *settings
 	const bool used = (part->kind == BASIS_KIND_T || part->kind == BASIS_KIND_V) && groups &&
 			  settings->column_cut > 0;
 
-	part->sky_even = used ? part->own_even : NULL;
-	part->share = used ? part->own_share : NULL;
+	part->sky.even = used ? part->sky.own_even : NULL;
+	part->sky.share = used ? part->sky.own_share : NULL;
 	if (!used)
 		return;
 	share_groups(part, settings);
 	for (size_t s = 0; s < (size_t)settings->ensemble->skies; s++) {
 		for (size_t c = 0; c < 3; c++)
 			for (size_t i = 0; i < n; i++)
-				part->sky_light[i][c] = (double)part->sky_x[(s * 3 + c) * n + i];
+				part->sky.light[i][c] = (double)part->sky.x[(s * 3 + c) * n + i];
 		for (size_t k = 0; k < groups; k++) {
 			double even[3];
 
-			basis_group_even(settings->groups, (int)k, part->own_share,
-					 (const double(*)[4])part->sky_light, most, even);
+			basis_group_even(settings->groups, (int)k, part->sky.own_share,
+					 (const double(*)[4])part->sky.light, most, even);
 			for (size_t c = 0; c < 3; c++)
-				part->own_even[(s * 3 + c) * groups + k] = (float)even[c];
+				part->sky.own_even[(s * 3 + c) * groups + k] = (float)even[c];
 		}
 	}
 }
@@ -242,7 +242,7 @@ void parts_expose(struct part *parts, int count, const struct encode_settings *s
 	}
 	for (int k = 0; k < count; k++) {
 		for (int s = 0; s < skies && parts[k].kind != BASIS_KIND_V; s++)
-			parts[k].sky_white[s] = white_of(&parts[k], settings, s);
+			parts[k].sky.white[s] = white_of(&parts[k], settings, s);
 		/* A pair's D takes the exposure of its U. */
 		if (parts[k].kind == BASIS_KIND_U)
 			scale_light(&parts[k - 1], settings);

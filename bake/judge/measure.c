@@ -133,16 +133,16 @@ static double sky_error(struct measure *m, const struct part *parts,
 
 	memset(&m->picture, 0, sizeof(m->picture));
 	for (int k = 0; k < count; k++)
-		white = fmax(white, parts[k].sky_white[sky]);
+		white = fmax(white, parts[k].sky.white[sky]);
 	for (int k = 0; k < count && white > 0; k++) {
 		const size_t pixels = (size_t)parts[k].pixels;
-		const float *truth = parts[k].sky_value + (size_t)sky * 3 * pixels;
-		const float factor = (float)(parts[k].sky_white[sky] / white);
+		const float *truth = parts[k].sky.value + (size_t)sky * 3 * pixels;
+		const float factor = (float)(parts[k].sky.white[sky] / white);
 		float back[3];
 
 		block_reader_sky(&readers[k], sky, m->sums[k].decoded);
 		for (size_t c = 0; c < 3; c++) {
-			back[c] = (strong ? 1 : factor) * parts[k].sky_offset[sky][c];
+			back[c] = (strong ? 1 : factor) * parts[k].sky.offset[sky][c];
 			memcpy(m->sums[k].truth[c], truth + c * pixels, pixels * sizeof(*truth));
 		}
 		add_part(m, parts, k, factor, back);
@@ -182,14 +182,14 @@ static double cell_error(struct measure *m, const struct part *parts,
 
 	memset(&m->picture, 0, sizeof(m->picture));
 	for (int k = 0; k < count; k++)
-		white = fmax(white, (double)parts[k].cell_white[light]);
+		white = fmax(white, (double)parts[k].cell.white[light]);
 	for (int k = 0; k < count; k++) {
-		const double own = (double)parts[k].cell_white[light];
+		const double own = (double)parts[k].cell.white[light];
 		float back[3];
 
 		sum_cell(m, &parts[k], &readers[k], light, &m->sums[k], &m->bound[k]);
 		for (int c = 0; c < 3 && white > 0; c++)
-			back[c] = (float)((double)parts[k].cell_offset[c] * own / white);
+			back[c] = (float)((double)parts[k].cell.offset[c] * own / white);
 		if (white > 0)
 			add_part(m, parts, k, (float)(1 / white), back);
 	}

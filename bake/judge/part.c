@@ -19,18 +19,19 @@ int part_create(struct part *part, const struct encode_settings *settings)
 	const size_t n = (size_t)settings->lights, skies = (size_t)settings->ensemble->skies;
 
 	*part = (struct part){.pixels = 0};
-	part->cell_slope = calloc(3 * n, sizeof(*part->cell_slope));
-	part->sky_x = calloc(skies * 3 * n, sizeof(*part->sky_x));
-	part->cell_white = calloc(n, sizeof(*part->cell_white));
-	part->weight = calloc(n, sizeof(*part->weight));
-	part->light_share = calloc(n, sizeof(*part->light_share));
-	part->sky_value = calloc(skies * PART_ROWS, sizeof(*part->sky_value));
-	part->own_even = calloc(skies * 3 * (size_t)settings->coarse, sizeof(*part->own_even));
-	part->own_share = calloc(n, sizeof(*part->own_share));
-	part->sky_light = calloc(n, sizeof(*part->sky_light));
-	return part->own_even && part->light_share && part->own_share && part->sky_light &&
-			       part->cell_slope && part->cell_white && part->weight &&
-			       part->sky_x && part->sky_value
+	part->cell.slope = calloc(3 * n, sizeof(*part->cell.slope));
+	part->sky.x = calloc(skies * 3 * n, sizeof(*part->sky.x));
+	part->cell.white = calloc(n, sizeof(*part->cell.white));
+	part->limit.weight = calloc(n, sizeof(*part->limit.weight));
+	part->limit.light_share = calloc(n, sizeof(*part->limit.light_share));
+	part->sky.value = calloc(skies * PART_ROWS, sizeof(*part->sky.value));
+	part->sky.own_even = calloc(skies * 3 * (size_t)settings->coarse,
+				    sizeof(*part->sky.own_even));
+	part->sky.own_share = calloc(n, sizeof(*part->sky.own_share));
+	part->sky.light = calloc(n, sizeof(*part->sky.light));
+	return part->sky.own_even && part->limit.light_share && part->sky.own_share &&
+			       part->sky.light && part->cell.slope && part->cell.white &&
+			       part->limit.weight && part->sky.x && part->sky.value
 		       ? 0
 		       : -ENOMEM;
 }
@@ -40,19 +41,19 @@ void part_free(struct part *part)
 	free(part->value);
 	free(part->direct);
 	free(part->own_base);
-	free(part->least_left);
-	free(part->most_left);
-	free(part->tight);
-	free(part->cell_white);
-	free(part->weight);
-	free(part->light_share);
-	free(part->cell_slope);
-	free(part->sky_x);
-	free(part->sky_value);
-	free(part->own_sky);
-	free(part->own_even);
-	free(part->own_share);
-	free(part->sky_light);
+	free(part->limit.least);
+	free(part->limit.most);
+	free(part->limit.tight);
+	free(part->cell.white);
+	free(part->limit.weight);
+	free(part->limit.light_share);
+	free(part->cell.slope);
+	free(part->sky.x);
+	free(part->sky.value);
+	free(part->sky.own_base);
+	free(part->sky.own_even);
+	free(part->sky.own_share);
+	free(part->sky.light);
 	*part = (struct part){.pixels = 0};
 }
 
@@ -200,11 +201,14 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	part->rows = part->channels * part->pixels;
 	err = part_room_for(&part->value, &part->value_room, n * (size_t)part->rows);
 	if (!err)
-		err = part_room_for(&part->least_left, &part->least_room, n * (size_t)part->rows);
+		err = part_room_for(&part->limit.least, &part->limit.least_room,
+				    n * (size_t)part->rows);
 	if (!err)
-		err = part_room_for(&part->most_left, &part->most_room, n * (size_t)part->rows);
+		err = part_room_for(&part->limit.most, &part->limit.most_room,
+				    n * (size_t)part->rows);
 	if (!err)
-		err = part_room_for(&part->tight, &part->tight_room, n * (size_t)part->rows);
+		err = part_room_for(&part->limit.tight, &part->limit.tight_room,
+				    n * (size_t)part->rows);
 	if (!err && s->bounce)
 		err = part_room_for(&part->direct, &part->direct_room,
 				    n * (size_t)(s->channels * part->pixels));
@@ -221,9 +225,9 @@ int part_load(struct part *part, const struct encode_settings *settings,
 	if (!part_measure(part, settings->lights))
 		return -EDOM;
 	part->base = part->value;
-	part->sky_base = part->sky_value;
+	part->sky.base = part->sky.value;
 	for (int i = 0; i < settings->lights; i++)
-		part->light_share[i] = 1;
+		part->limit.light_share[i] = 1;
 	return 0;
 }
 
@@ -238,12 +242,12 @@ int part_pair(struct part *difference, struct part *whole, const struct encode_s
 		return -EINVAL;
 	err = part_room_for(&whole->own_base, &whole->base_room, count);
 	if (!err)
-		err = part_room_for(&whole->own_sky, &whole->sky_room, sums);
+		err = part_room_for(&whole->sky.own_base, &whole->sky.room, sums);
 	if (err)
 		return err;
 	for (size_t k = 0; k < count; k++)
 		whole->own_base[k] = whole->value[k] - difference->value[k];
 	difference->base = whole->base = whole->own_base;
-	difference->sky_base = whole->sky_base = whole->own_sky;
+	difference->sky.base = whole->sky.base = whole->sky.own_base;
 	return 0;
 }

@@ -27,7 +27,49 @@ static inline float smaller(float a, float b)
 	return a < b ? a : b;
 }
 
-struct levels; /* expose.h */
+/* Under a cell alone the picture shows offset + slope * base; X is in the slope. An error e of value
+ * shows as slope * e. */
+struct part_cell {
+	float offset[3];
+	float *slope; /* [3][lights] */
+	float *white; /* [lights]: radiance that is shown as 1, at a cell's radiance of 1 */
+};
+
+/* Under a sky the picture shows offset + slope * (sum over lights of X base). */
+struct part_sky {
+	float *x;	   /* X of each light, [skies][3][lights] */
+	float *value;	   /* [skies][3 * pixels]: sum over lights of X value */
+	const float *base; /* [skies][3 * pixels]: sum over lights of X base */
+	float offset[ENSEMBLE_SKIES_MAX][3], slope[ENSEMBLE_SKIES_MAX][3];
+	double white[ENSEMBLE_SKIES_MAX]; /* radiance that is shown as 1 */
+	/* S of each group under each sky, [skies][3][coarse], and q of each light, [lights]
+	 * (hal/basis/basis_groups.h). NULL for D and U, and where columns are never left out. */
+	const float *even;
+	const double *share;
+	float *own_even;   /* memory of even */
+	double *own_share; /* memory of share */
+	float *own_base;   /* memory of base, for a U; its D borrows it */
+	size_t room;
+	double (*light)[4]; /* [lights]: X of one sky, for basis_group_even() */
+};
+
+/* Errors that residuals may have, and what they weigh; set by part_limit() of the encoder. */
+struct part_limit {
+	/* [lights]: the part's residual may use up this share of the error asked for; it is 1 until
+	 * the measured error is too large. */
+	float *light_share;
+	/* [lights][rows]: the limits of a residual, least <= 0 <= most, within which the error under
+	 * its cell alone is at most that asked for. */
+	float *least, *most;
+	float *tight; /* [lights][rows]: 1 / min(most, -least) */
+	/* Weights of a squared error, by light and by pixel (W and h of bake/encode/README.md). */
+	float *weight; /* [lights] */
+	float pixel_weight[PART_PIXELS];
+	double column_cut; /* frames leave out columns below this; 0: none */
+	double group_cut;  /* the same for columns of groups */
+	double cut_share;  /* largest share of the cuts that a block may have */
+	size_t least_room, most_room, tight_room;
+};
 
 struct part {
 	enum basis_kind kind;
@@ -37,50 +79,17 @@ struct part {
 	int channels; /* channels of value: 3, or 1 if all three are alike */
 	int rows;     /* channels * pixels; row = channel * pixels + place in pixel */
 	int direct_channels;
-	/* [lights]: the part's residual may use up this share of the error asked for; it is 1 until
-	 * the measured error is too large. */
-	float *light_share;
 	float largest; /* maximum of |value| */
 	float rounded; /* maximum of |direct| + |bounce|: rounding errors are relative to it */
 	float *value;  /* [lights][rows], per unit of X */
 	float *direct; /* [lights][direct_channels * pixels]; NULL where there is no bounce */
 	const float
-		*base; /* [lights][rows]: the value shown, to which errors add: value or u - d */
-	const struct levels *levels;
-	double column_cut; /* frames leave out columns below this; 0: none */
-	double group_cut;  /* the same for columns of groups */
-	double cut_share;  /* largest share of the cuts that a block may have */
-	/*
-	 * The light that is shown under a cell (X is in the slope) and under a sky (X is sky_x):
-	 *     cell:  shown = offset + slope * base
-	 *     sky:   shown = offset + slope * (sum over lights of X * base)
-	 * An error of e in value is shown as slope * e.
-	 */
-	float cell_offset[3];
-	float *cell_slope; /* [3][lights] */
-	/* [lights][rows]: the limits of a residual, least <= 0 <= most, within which the error
-	 * under its cell alone is at most that asked for. */
-	float *least_left, *most_left;
-	float *tight; /* [lights][rows]: 1 / min(most, -least) */
-	/* Weights of a squared error, by light and by pixel (W and h of bake/encode/README.md). */
-	float *weight; /* [lights] */
-	float pixel_weight[PART_PIXELS];
-	float *sky_x;	  /* [skies][3][lights] */
-	float *sky_value; /* [skies][3 * pixels]: sum over lights of X value */
-	/* S of each group under each sky, [skies][3][coarse], and q of each light, [lights]
-	 * (hal/basis/basis_groups.h). NULL for D and U, and where columns are never left out. */
-	const float *sky_even;
-	const double *share;
-	float sky_offset[ENSEMBLE_SKIES_MAX][3], sky_slope[ENSEMBLE_SKIES_MAX][3];
-	const float *sky_base; /* [skies][3 * pixels]: sum over lights of X base */
-	/* Radiance that is shown as 1: under a cell of radiance 1, and under each sky. */
-	float *cell_white; /* [lights] */
-	double sky_white[ENSEMBLE_SKIES_MAX];
-	size_t value_room, direct_room, base_room, sky_room, least_room, most_room, tight_room;
-	float *own_base, *own_sky; /* u - d: memory of base and sky_base of a pair, kept by its U */
-	float *own_even;	   /* memory of sky_even */
-	double *own_share;	   /* memory of share */
-	double (*sky_light)[4];	   /* [lights]: X of one sky, for basis_group_even() */
+		*base;	 /* [lights][rows]: the value shown, to which errors add: value or u - d */
+	float *own_base; /* memory of base, for a U; its D borrows it */
+	size_t value_room, direct_room, base_room;
+	struct part_cell cell;
+	struct part_sky sky;
+	struct part_limit limit;
 };
 
 /* Makes an array at least `count` long; its contents are undefined then. -ENOMEM: it stays as it

@@ -259,10 +259,10 @@ static void column_light(const struct block_reader *reader, const struct read_bl
 	for (int c = 0; c < 3; c++) {
 		const int row = sky * 3 + c;
 
-		light[c] = single ? (double)part->sky_x[row * n + number] : 0;
+		light[c] = single ? (double)part->sky.x[row * n + number] : 0;
 		if (groups->count && grouped[group])
-			light[c] += (single ? -part->share[number] : 1) *
-				    (double)part->sky_even[row * groups->count + group];
+			light[c] += (single ? -part->sky.share[number] : 1) *
+				    (double)part->sky.even[row * groups->count + group];
 	}
 }
 
@@ -288,7 +288,7 @@ static void add_patterns(const struct block_reader *reader, const struct read_bl
 			 float (*sum)[PART_PIXELS])
 {
 	const int n = reader->settings->lights, patterns = block->from->entry.patterns;
-	const float *x = reader->part->sky_x + (size_t)sky * 3 * (size_t)n;
+	const float *x = reader->part->sky.x + (size_t)sky * 3 * (size_t)n;
 	const double *light = reader->at_light + block->at_light;
 	double y[3][RANK_MOST] = {{0}};
 
@@ -310,8 +310,9 @@ static void add_columns(const struct block_reader *reader, const struct read_blo
 	for (int n = 0; n < (int)e->columns; n++) {
 		const double scale = (double)block->scale[n];
 		const double cut = (double)e->cut_share *
-				   (block->number[n] < reader->settings->lights ? part->column_cut
-										: part->group_cut);
+				   (block->number[n] < reader->settings->lights
+					    ? part->limit.column_cut
+					    : part->limit.group_cut);
 		double light[3];
 
 		column_light(reader, block, sky, block->number[n], light);

@@ -183,12 +183,12 @@ static void account_for(const struct tile *tile, const struct encode_result *res
 	*account = (struct tile_account){
 		.error = result->error,
 		.object_error = result->object_error,
-		.ratio_error = fmax(result->ratio_error, tile->ratio_error),
+		.ratio_error = fmax(result->ratio_error, tile->result.ratio_error),
 		.noise_square = tile->noise->square,
 		.noise_count = tile->noise->count,
 		.rays = tile->transport.ray_count,
 	};
-	memcpy(account->coverage, tile->coverage, sizeof(account->coverage));
+	memcpy(account->coverage, tile->result.coverage, sizeof(account->coverage));
 }
 
 /* Renders and encodes a tile. The encoder's blocks live until its next tile, so they are copied. */
@@ -205,16 +205,17 @@ static int render_make_tile(void *context, int index, int number, struct finishe
 	profile_watch(job->profile, number);
 	tile->transport.ray_count = 0;
 	tile_render(tile, place);
-	for (int k = 0; k < tile->part_count; k++)
-		peaks_grow(worker->peak, &tile->part[k], job->dome.count);
-	err = encode_tile(worker->encoder, place, tile->opaque, tile->part, tile->part_count,
-			  &result);
+	for (int k = 0; k < tile->result.part_count; k++)
+		peaks_grow(worker->peak, &tile->result.part[k], job->dome.count);
+	err = encode_tile(worker->encoder, place, tile->result.opaque, tile->result.part,
+			  tile->result.part_count, &result);
 	profile_enter(PROFILE_WRITE);
 	if (!err)
 		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
 					 result.exact_count);
 	if (!err)
-		err = finished_tile_keep_glass(finished, tile->glass, tile->glass_count);
+		err = finished_tile_keep_glass(finished, tile->result.glass,
+					       tile->result.glass_count);
 	if (err)
 		return fault_say(fault, err, "a tile cannot be encoded: %s",
 				 err == -EDOM ? "its light transport is not finite, or a cell's "

@@ -252,7 +252,7 @@ static void tile_add_part(struct tile *tile, enum tile_kind kind, enum basis_kin
 		return;
 	if (bounces)
 		finish_bounce(tile, kind, pixel, pixels);
-	tile->part[tile->part_count++] = (struct encode_samples){
+	tile->result.part[tile->result.part_count++] = (struct encode_samples){
 		.kind = basis_kind,
 		.pixels = pixels,
 		.pixel = pixel,
@@ -277,11 +277,12 @@ static void finish_object(struct tile *tile)
 		if (!tile->pixels[at].object)
 			continue;
 		move_rows(tile, TILE_OBJECT, at, kept, tile->samples, NULL);
-		tile->object_pixel[kept++] = (uint16_t)at;
+		tile->result.object_pixel[kept++] = (uint16_t)at;
 	}
-	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->object_pixel, kept);
+	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->result.object_pixel, kept);
 	if (kept)
-		keep_positive(&tile->part[tile->part_count - 1], tile->rows[TILE_OBJECT].bounce[0],
+		keep_positive(&tile->result.part[tile->result.part_count - 1],
+			      tile->rows[TILE_OBJECT].bounce[0],
 			      (size_t)kept * tile_bounce_size(tile));
 }
 
@@ -297,9 +298,9 @@ static void finish_shadow(struct tile *tile)
 		if (!p->receiver || !p->changed)
 			continue;
 		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, tile->cells->share);
-		tile->change_pixel[kept++] = (uint16_t)at;
+		tile->result.change_pixel[kept++] = (uint16_t)at;
 	}
-	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->change_pixel, kept);
+	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->result.change_pixel, kept);
 }
 
 /* with = without - with */
@@ -352,18 +353,18 @@ static void finish_difference(struct tile *tile)
 		}
 		change = largest_change(tile, at);
 		if (change <= tile->settings.ratio_cut) {
-			tile->ratio_error = fmax(tile->ratio_error, change);
+			tile->result.ratio_error = fmax(tile->result.ratio_error, change);
 			p->changed = p->object > 0;
 			continue;
 		}
 		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, NULL);
 		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight, NULL);
-		tile->change_pixel[kept++] = (uint16_t)at;
+		tile->result.change_pixel[kept++] = (uint16_t)at;
 	}
-	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->change_pixel, kept);
-	tile_add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->change_pixel, kept);
+	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->result.change_pixel, kept);
+	tile_add_part(tile, TILE_WITHOUT, BASIS_KIND_U, tile->result.change_pixel, kept);
 	if (kept)
-		keep_positive(&tile->part[tile->part_count - 1], without->bounce[0],
+		keep_positive(&tile->result.part[tile->result.part_count - 1], without->bounce[0],
 			      (size_t)kept * size);
 }
 
@@ -371,9 +372,9 @@ static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile_noise_clear(tile);
-	tile->batches = tile->samples = tile->part_count = 0;
+	tile->batches = tile->samples = tile->result.part_count = 0;
 	tile->half_samples[0] = tile->half_samples[1] = 0;
-	tile->ratio_error = 0;
+	tile->result.ratio_error = 0;
 }
 
 void tile_render(struct tile *tile, int index)
@@ -389,7 +390,7 @@ void tile_render(struct tile *tile, int index)
 	tile_clear(tile);
 	run_batches(tile);
 	for (int at = 0; at < TILE_PIXELS; at++)
-		tile->coverage[at] =
+		tile->result.coverage[at] =
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
 	tile_glass_finish(tile);
 	finish_object(tile);

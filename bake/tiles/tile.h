@@ -53,6 +53,18 @@ struct tile_pixel {
 
 struct tile_noise; /* tile_noise.h */
 
+/* A rendered tile, ready for the encoder. */
+struct tile_result {
+	uint16_t object_pixel[TILE_PIXELS], change_pixel[TILE_PIXELS];
+	struct encode_samples part[TILE_KINDS];
+	int part_count;
+	uint16_t coverage[TILE_PIXELS]; /* share of the object in the pixel; 65535 = 1 */
+	uint16_t opaque[TILE_PIXELS];	/* coverage minus the largest transmission of glass */
+	struct basis_glass glass[TILE_PIXELS];
+	int glass_count;
+	double ratio_error; /* the largest change of a ratio that was left out */
+};
+
 /* State of one thread, and the tile it has rendered. */
 struct tile {
 	struct transport transport;
@@ -66,15 +78,7 @@ struct tile {
 	struct tile_pixel pixels[TILE_PIXELS];
 	struct tile_rows rows[TILE_KINDS];
 	int batches, samples, half_samples[2];
-	/* The result, ready for the encoder. */
-	uint16_t object_pixel[TILE_PIXELS], change_pixel[TILE_PIXELS];
-	struct encode_samples part[TILE_KINDS];
-	int part_count;
-	uint16_t coverage[TILE_PIXELS]; /* share of the object in the pixel; 65535 = 1 */
-	uint16_t opaque[TILE_PIXELS];	/* coverage minus the largest transmission of glass */
-	struct basis_glass glass[TILE_PIXELS];
-	int glass_count;
-	double ratio_error; /* the largest change of a ratio that was left out */
+	struct tile_result result;
 	struct tile_noise *noise;
 };
 

@@ -84,7 +84,7 @@ static uint8_t glass_spread(const struct tile_pixel *p, double edge_spread_px, i
 static void glass_finish_pixel(struct tile *tile, int at)
 {
 	const struct tile_pixel *p = &tile->pixels[at];
-	struct basis_glass *g = &tile->glass[tile->glass_count];
+	struct basis_glass *g = &tile->result.glass[tile->result.glass_count];
 	uint16_t most = 0;
 
 	*g = (struct basis_glass){.x = (uint16_t)(tile->x + at % BASIS_TILE),
@@ -97,15 +97,16 @@ static void glass_finish_pixel(struct tile *tile, int at)
 	g->dy = (int16_t)lround(BASIS_GLASS_STEP * p->offset[1] / p->through_weight);
 	for (int axis = 0; axis < 2; axis++)
 		g->spread[axis] = glass_spread(p, tile->scene->camera.edge_spread_px, axis);
-	tile->opaque[at] = (uint16_t)(most < tile->coverage[at] ? tile->coverage[at] - most : 0);
-	tile->glass_count += most > 0;
+	tile->result.opaque[at] =
+		(uint16_t)(most < tile->result.coverage[at] ? tile->result.coverage[at] - most : 0);
+	tile->result.glass_count += most > 0;
 }
 
 void tile_glass_finish(struct tile *tile)
 {
-	tile->glass_count = 0;
+	tile->result.glass_count = 0;
 	for (int at = 0; at < TILE_PIXELS; at++) {
-		tile->opaque[at] = tile->coverage[at];
+		tile->result.opaque[at] = tile->result.coverage[at];
 		if (tile->pixels[at].through_weight > 0)
 			glass_finish_pixel(tile, at);
 	}

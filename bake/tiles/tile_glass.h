@@ -11,7 +11,7 @@
 void tile_glass_add(struct tile *tile, const struct tile_sample *sample,
 		    const struct transport_rows *rows);
 
-/* Fills tile->glass and tile->opaque. tile->coverage must be known. */
+/* Fills tile->result.glass and tile->result.opaque. tile->result.coverage must be known. */
 void tile_glass_finish(struct tile *tile);
 
 #endif

@@ -75,18 +75,19 @@ int transport_create(struct transport *t, const struct world *world, const struc
 		t->directions *= 2;
 	err = ray_batch_create(&t->rays);
 	if (!err)
-		err = ray_batch_create(&t->unsure);
+		err = ray_batch_create(&t->guess.rays);
 	if (err) {
 		transport_free(t);
 		return err;
 	}
-	t->unsure_at = malloc(WORLD_RAYS_MAX * sizeof(*t->unsure_at));
-	t->ball = calloc((size_t)cells->count, sizeof(*t->ball));
-	t->stopped = calloc((size_t)cells->count, sizeof(*t->stopped));
+	t->guess.index = malloc(WORLD_RAYS_MAX * sizeof(*t->guess.index));
+	t->guess.ball = calloc((size_t)cells->count, sizeof(*t->guess.ball));
+	t->guess.stopped = calloc((size_t)cells->count, sizeof(*t->guess.stopped));
 	t->cell = malloc(WORLD_RAYS_MAX * sizeof(*t->cell));
 	t->value = malloc((size_t)cells->count * sizeof(*t->value));
 	t->fan = malloc((size_t)TRANSPORT_FANS * (size_t)t->directions * sizeof(*t->fan));
-	if (!t->unsure_at || !t->ball || !t->stopped || !t->cell || !t->value || !t->fan) {
+	if (!t->guess.index || !t->guess.ball || !t->guess.stopped || !t->cell || !t->value ||
+	    !t->fan) {
 		transport_free(t);
 		return -ENOMEM;
 	}
@@ -97,10 +98,10 @@ int transport_create(struct transport *t, const struct world *world, const struc
 void transport_free(struct transport *t)
 {
 	ray_batch_free(&t->rays);
-	ray_batch_free(&t->unsure);
-	free(t->unsure_at);
-	free(t->ball);
-	free(t->stopped);
+	ray_batch_free(&t->guess.rays);
+	free(t->guess.index);
+	free(t->guess.ball);
+	free(t->guess.stopped);
 	free(t->cell);
 	free(t->value);
 	free(t->fan);
@@ -164,7 +165,7 @@ static void trace_rays(struct transport *t, enum presence presence, struct v3 or
  * that an earlier ray to the same cell met and, if the last of these was blocked otherwise, all. */
 static void pass_balls(struct transport *t, const struct inside *inside, struct v3 origin)
 {
-	struct ray_batch *rest = &t->unsure;
+	struct ray_batch *rest = &t->guess.rays;
 	struct inside_view view;
 
 	inside_see(inside, origin, &view);
@@ -172,20 +173,20 @@ static void pass_balls(struct transport *t, const struct inside *inside, struct 
 	for (int k = 0; k < t->rays.count; k++) {
 		const struct v3 d = pushed_ray(t, k);
 		const int cell = t->cell[k];
-		bool stopped = inside_meets(&view, t->ball[cell], d);
+		bool stopped = inside_meets(&view, t->guess.ball[cell], d);
 
-		if (!stopped && t->stopped[cell]) {
+		if (!stopped && t->guess.stopped[cell]) {
 			const int ball = inside_find(&view, d);
 
 			stopped = ball >= 0;
 			if (stopped)
-				t->ball[cell] = (uint8_t)ball;
+				t->guess.ball[cell] = (uint8_t)ball;
 		}
 		t->rays.blocked[k] = stopped;
 		rest->x[rest->count] = d.x;
 		rest->y[rest->count] = d.y;
 		rest->z[rest->count] = d.z;
-		t->unsure_at[rest->count] = k;
+		t->guess.index[rest->count] = k;
 		rest->count += !stopped;
 	}
 }
@@ -201,12 +202,12 @@ static void trace_cells(struct transport *t, enum presence presence, struct v3 o
 	}
 	t->ray_count += (uint64_t)t->rays.count;
 	pass_balls(t, inside, origin);
-	world_occluded(t->world, presence, origin, &t->unsure);
-	for (int n = 0; n < t->unsure.count; n++) {
-		const int k = t->unsure_at[n];
+	world_occluded(t->world, presence, origin, &t->guess.rays);
+	for (int n = 0; n < t->guess.rays.count; n++) {
+		const int k = t->guess.index[n];
 
-		t->rays.blocked[k] = t->unsure.blocked[n];
-		t->stopped[t->cell[k]] = t->unsure.blocked[n];
+		t->rays.blocked[k] = t->guess.rays.blocked[n];
+		t->guess.stopped[t->cell[k]] = t->guess.rays.blocked[n];
 	}
 }
 

@@ -25,6 +25,14 @@ struct transport_link {
 	struct rgb weight;
 };
 
+/* Guesses that find blocked rays sooner; the result does not depend on them. */
+struct transport_guess {
+	struct ray_batch rays; /* rays that meet no ball inside an object (inside.h) */
+	int *index;	       /* [WORLD_RAYS_MAX]: index of each in struct transport's rays */
+	uint8_t *ball;	       /* [count]: the ball that an earlier ray to this cell met */
+	uint8_t *stopped;      /* [count]: the last ray to this cell that met none was blocked */
+};
+
 /* State of one thread. */
 struct transport {
 	const struct world *world;
@@ -33,11 +41,7 @@ struct transport {
 	int directions; /* rays at a further surface; a power of two */
 	struct v3 *fan; /* [TRANSPORT_FANS][directions]: cosine-weighted around +Z */
 	struct ray_batch rays;
-	/* These guesses tell sooner that a ray is blocked; the result does not depend on them. */
-	struct ray_batch unsure; /* rays that meet no ball inside an object (inside.h) */
-	int *unsure_at;		 /* [WORLD_RAYS_MAX]: index of each in rays */
-	uint8_t *ball;		 /* [count]: the ball that an earlier ray to this cell met */
-	uint8_t *stopped;	 /* [count]: the last ray to this cell that met none was blocked */
+	struct transport_guess guess;
 	int *cell;    /* [WORLD_RAYS_MAX]: the cell or fan direction of each ray in the batch */
 	float *value; /* [count]: weight of each cell's ray */
 	struct random random;

@@ -35,14 +35,14 @@ static void rank_fit_begin(struct rank_fit *f, struct chance *chance, int freque
 	s = &f->e.settings;
 	n = (size_t)s->lights;
 	f->part.pixels = PIXELS;
-	f->part.weight = calloc(n, sizeof(float));
+	f->part.limit.weight = calloc(n, sizeof(float));
 	f->value = calloc(n * PIXELS, sizeof(*f->value));
 	f->left = calloc(n * PIXELS, sizeof(*f->left));
-	assert_true(f->part.weight && f->value && f->left);
+	assert_true(f->part.limit.weight && f->value && f->left);
 	for (int p = 0; p < PIXELS; p++)
-		f->part.pixel_weight[p] = (float)chance_real(chance, 0.5, 2);
+		f->part.limit.pixel_weight[p] = (float)chance_real(chance, 0.5, 2);
 	for (size_t i = 0; i < n; i++) {
-		f->part.weight[i] = (float)chance_real(chance, 0.5, 2);
+		f->part.limit.weight[i] = (float)chance_real(chance, 0.5, 2);
 		for (int p = 0; p < PIXELS; p++)
 			f->value[i * PIXELS + (size_t)p] = (float)chance_real(chance, -1, 1);
 	}
@@ -54,7 +54,7 @@ static void rank_fit_end(struct rank_fit *f)
 {
 	rank_patterns_free(&f->patterns);
 	rank_finder_free(&f->finder);
-	free(f->part.weight);
+	free(f->part.limit.weight);
 	free(f->value);
 	free(f->left);
 	encode_rig_end(&f->e);
@@ -78,7 +78,9 @@ static double rank_fit_find(struct rank_fit *f, int most)
 				is -= (double)f->patterns.at_light[j * n + i] *
 				      (double)f->patterns.coefficient[j * PIXELS + p];
 			f->left[i * PIXELS + p] = is;
-			square += (double)(f->part.weight[i] * f->part.pixel_weight[p]) * is * is;
+			square +=
+				(double)(f->part.limit.weight[i] * f->part.limit.pixel_weight[p]) *
+				is * is;
 		}
 	return square;
 }
@@ -98,7 +100,7 @@ static void full_rank_is_least_squares(void **state)
 		double slope[64] = {0}, size = 0;
 
 		for (int i = 0; i < s->lights; i++) {
-			const double by = (double)f.part.weight[i] * f.left[i * PIXELS + p];
+			const double by = (double)f.part.limit.weight[i] * f.left[i * PIXELS + p];
 
 			for (int a = 0; a < 3; a++)
 				slope[s->gather[i].index[a]] += by * s->gather[i].weight[a] /
@@ -124,7 +126,7 @@ static void patterns_come_in_order(void **state)
 	rank_fit_begin(&f, &chance, 2, 2);
 	for (int i = 0; i < f.e.settings.lights; i++)
 		for (int p = 0; p < PIXELS; p++)
-			all += (double)(f.part.weight[i] * f.part.pixel_weight[p] *
+			all += (double)(f.part.limit.weight[i] * f.part.limit.pixel_weight[p] *
 					f.value[i * PIXELS + p] * f.value[i * PIXELS + p]);
 	before = all;
 	for (int j = 1; j <= f.e.settings.coarse; j++) {

@@ -372,8 +372,8 @@ static void add_tiles(const struct scene *scene, const struct cells *cells, int 
 	for (int s = 0; s < samples; s++) {
 		tile->settings.seed = (uint64_t)(seed + s);
 		tile_render(tile, index);
-		for (int k = 0; k < tile->part_count; k++) {
-			const struct encode_samples *part = &tile->part[k];
+		for (int k = 0; k < tile->result.part_count; k++) {
+			const struct encode_samples *part = &tile->result.part[k];
 
 			sums->seen[part->kind] = true;
 			for (size_t p = 0; p < (size_t)part->pixels; p++)
