@@ -102,6 +102,59 @@ int command_options(const struct bake_command *command, int argc, char **argv,
 	return COMMAND_GOES_ON;
 }
 
+struct row_reader {
+	const struct option_row *rows;
+	struct option options[OPTION_ROWS_MAX + 3]; /* help, version, end */
+	char *values;
+};
+
+static int option_row_take(void *context, int option, struct fault *fault)
+{
+	const struct row_reader *reader = context;
+	const struct option_row *row = reader->rows;
+	char name[64];
+	void *to;
+
+	while (reader->options[row - reader->rows].val != option)
+		row++;
+	to = reader->values + row->place;
+	snprintf(name, sizeof(name), "--%s", row->name);
+	switch (row->kind) {
+	case OPTION_TEXT:
+		*(const char **)to = optarg;
+		return 0;
+	case OPTION_FLAG:
+		*(bool *)to = true;
+		return 0;
+	case OPTION_INT:
+		return option_int(name, optarg, (int)row->min, (int)row->max, to, fault);
+	case OPTION_REAL:
+		return option_real(name, optarg, row->min, row->max, to, fault);
+	case OPTION_SIZE:
+		return option_size(name, optarg, to, (int *)to + 1, fault);
+	case OPTION_CHOICE:
+		return option_choice(name, optarg, row->choices, to, fault);
+	default:
+		return row->take(reader->values, optarg, fault);
+	}
+}
+
+int command_read(const struct bake_command *command, int argc, char **argv,
+		 const struct option_row *rows, void *values)
+{
+	static const struct option all[] = {OPTIONS_OF_ALL, {NULL, 0, NULL, 0}};
+	struct row_reader reader = {.rows = rows, .values = values};
+	int count = 0;
+
+	for (; rows[count].name && count < OPTION_ROWS_MAX; count++)
+		reader.options[count] = (struct option){
+			rows[count].name,
+			rows[count].kind == OPTION_FLAG ? no_argument : required_argument, NULL,
+			strcmp(rows[count].name, "output") ? count + 1 : 'o'};
+	memcpy(reader.options + count, all, sizeof(all));
+	return command_options(command, argc, argv, reader.options, option_row_take, &reader);
+}
+
 int command_wrong(const struct bake_command *command, const char *format, ...)
 {
 	char text[FAULT_TEXT_MAX];

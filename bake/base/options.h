@@ -3,6 +3,8 @@
 #ifndef INLAY_BAKE_BASE_OPTIONS_H
 #define INLAY_BAKE_BASE_OPTIONS_H
 
+#include <stddef.h>
+
 #include "hal/base/fault.h"
 
 #define EXIT_USAGE 2
@@ -48,6 +50,32 @@ struct option;
 int command_options(const struct bake_command *command, int argc, char **argv,
 		    const struct option *options,
 		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
+
+enum option_kind {
+	OPTION_TEXT,   /* const char * */
+	OPTION_FLAG,   /* bool; without an argument */
+	OPTION_INT,    /* int, min..max */
+	OPTION_REAL,   /* double, min..max */
+	OPTION_SIZE,   /* two ints: width, height */
+	OPTION_CHOICE, /* int: index into choices */
+	OPTION_OTHER   /* take() reads it */
+};
+
+/* An option whose argument goes into a field of the command's struct. */
+struct option_row {
+	const char *name; /* "output" may also be written -o */
+	enum option_kind kind;
+	size_t place; /* of the field */
+	double min, max;
+	const char *const *choices; /* NULL at the end */
+	int (*take)(void *values, const char *text, struct fault *fault);
+};
+
+#define OPTION_ROWS_MAX 32
+
+/* Does what command_options() does, by rows that end with a NULL name. */
+int command_read(const struct bake_command *command, int argc, char **argv,
+		 const struct option_row *rows, void *values);
 
 /* Prints what is wrong with the usage, and the usage. Returns the exit status. */
 int command_wrong(const struct bake_command *command, const char *format, ...)

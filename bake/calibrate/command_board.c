@@ -11,40 +11,25 @@
 #define DEFAULT_BOARD "charuco:7x9:26mm:19mm"
 #define DEFAULT_PAGE "a4"
 
-enum { BOARD = 1, PAGE };
-
-static const struct option options[] = {
-	{"board", required_argument, NULL, BOARD},
-	{"page", required_argument, NULL, PAGE},
-	{"output", required_argument, NULL, 'o'},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct board_choices {
 	const char *board, *page, *output;
 };
 
-static int board_take_option(void *choices, int option, struct fault *fault)
-{
-	struct board_choices *c = choices;
+#define AT(field) .place = offsetof(struct board_choices, field)
 
-	(void)fault;
-	if (option == BOARD)
-		c->board = optarg;
-	else if (option == PAGE)
-		c->page = optarg;
-	else
-		c->output = optarg;
-	return 0;
-}
+static const struct option_row options[] = {
+	{"board", OPTION_TEXT, AT(board)},
+	{"page", OPTION_TEXT, AT(page)},
+	{"output", OPTION_TEXT, AT(output)},
+	{.name = NULL},
+};
 
 static int board_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct board_choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
 	struct fault fault = {.text = ""};
 	struct board board;
-	const int status = command_options(command, argc, argv, options, board_take_option, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;

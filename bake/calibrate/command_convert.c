@@ -12,22 +12,10 @@
 
 #define TOLERANCE_PX 0.1
 
-enum { AS = 1, SIZE, FISHEYE, CAMERA, TOLERANCE };
-
-static const struct option options[] = {
-	{"as", required_argument, NULL, AS},
-	{"size", required_argument, NULL, SIZE},
-	{"fisheye", no_argument, NULL, FISHEYE},
-	{"camera", required_argument, NULL, CAMERA},
-	{"tolerance", required_argument, NULL, TOLERANCE},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct convert_job {
 	const char *in, *out, *camera;
-	int as; /* enum lens_file; -1: by the ending of out */
-	int width, height;
+	int as;		   /* enum lens_file; -1: by the ending of out */
+	int width, height; /* side by side: --size */
 	bool fisheye;
 	double tolerance_px, error_px, turn_deg;
 };
@@ -143,25 +131,16 @@ static int write_out(const struct convert_job *job, const struct lens *lens,
 
 /* ---- the command ---- */
 
-static int convert_take_option(void *into, int option, struct fault *fault)
-{
-	struct convert_job *job = into;
+#define AT(field) .place = offsetof(struct convert_job, field)
 
-	switch (option) {
-	case AS:
-		return option_choice("--as", optarg, lens_file_names, &job->as, fault);
-	case SIZE:
-		return option_size("--size", optarg, &job->width, &job->height, fault);
-	case CAMERA:
-		job->camera = optarg;
-		return 0;
-	case TOLERANCE:
-		return option_real("--tolerance", optarg, 0, 1e6, &job->tolerance_px, fault);
-	default:
-		job->fisheye = true;
-		return 0;
-	}
-}
+static const struct option_row options[] = {
+	{"as", OPTION_CHOICE, AT(as), .choices = lens_file_names},
+	{"size", OPTION_SIZE, AT(width)},
+	{"fisheye", OPTION_FLAG, AT(fisheye)},
+	{"camera", OPTION_TEXT, AT(camera)},
+	{"tolerance", OPTION_REAL, AT(tolerance_px), .min = 0, .max = 1e6},
+	{.name = NULL},
+};
 
 static int convert_run(const struct bake_command *command, int argc, char **argv)
 {
@@ -169,7 +148,7 @@ static int convert_run(const struct bake_command *command, int argc, char **argv
 	struct fault fault = {.text = ""};
 	struct lens_ini ini = {.camera_given = false};
 	struct lens lens;
-	const int status = command_options(command, argc, argv, options, convert_take_option, &job);
+	const int status = command_read(command, argc, argv, options, &job);
 	int err;
 
 	if (status != COMMAND_GOES_ON)

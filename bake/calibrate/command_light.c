@@ -11,49 +11,6 @@
 #include "bake/calibrate/response/light_file.h"
 #include "hal/base/log.h"
 
-enum {
-	TIMES = 1,
-	TIME_DEVIATION,
-	ACCEPT_MISFIT,
-	EXPOSURES,
-	KEEP_WHITE,
-	WHITE_BALANCE,
-	CURVE,
-	LENS,
-	BACKGROUND_LIGHT,
-	TRANSFER,
-	BACKGROUND_TRANSFER,
-	REFLECTANCE,
-	PATCH,
-	BACKGROUND_PATCH,
-	FISHEYE,
-	BACKGROUND,
-	REPORT
-};
-
-static const struct option options[] = {
-	{"times", required_argument, NULL, TIMES},
-	{"time-deviation", required_argument, NULL, TIME_DEVIATION},
-	{"accept-misfit", required_argument, NULL, ACCEPT_MISFIT},
-	{"exposures", no_argument, NULL, EXPOSURES},
-	{"keep-white", no_argument, NULL, KEEP_WHITE},
-	{"white-balance", no_argument, NULL, WHITE_BALANCE},
-	{"curve", required_argument, NULL, CURVE},
-	{"lens", required_argument, NULL, LENS},
-	{"background-light", required_argument, NULL, BACKGROUND_LIGHT},
-	{"transfer", required_argument, NULL, TRANSFER},
-	{"background-transfer", required_argument, NULL, BACKGROUND_TRANSFER},
-	{"reflectance", required_argument, NULL, REFLECTANCE},
-	{"patch", required_argument, NULL, PATCH},
-	{"background-patch", required_argument, NULL, BACKGROUND_PATCH},
-	{"fisheye", required_argument, NULL, FISHEYE},
-	{"background", required_argument, NULL, BACKGROUND},
-	{"report", required_argument, NULL, REPORT},
-	{"output", required_argument, NULL, 'o'},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 static const struct {
 	const char *name;
 	int (*check)(const struct light_job *job, struct fault *fault);
@@ -67,10 +24,10 @@ static const struct {
 };
 #define COMMANDS (int)(sizeof(commands) / sizeof(commands[0]))
 
-static int read_reflectance(struct light_job *job, struct fault *fault)
+static int read_reflectance(void *values, const char *text, struct fault *fault)
 {
-	const int count = option_reals("--reflectance", optarg, 1, 3, 0, 1, job->reflectance,
-				       fault);
+	struct light_job *job = values;
+	const int count = option_reals("--reflectance", text, 1, 3, 0, 1, job->reflectance, fault);
 
 	if (count == 1)
 		job->reflectance[1] = job->reflectance[2] = job->reflectance[0];
@@ -82,90 +39,66 @@ static int read_reflectance(struct light_job *job, struct fault *fault)
 	return count < 0 ? count : 0;
 }
 
-static int read_area(struct light_area *list, int *count, const char *option, struct fault *fault)
+static int read_area(struct light_area *list, int *count, const char *option, const char *text,
+		     struct fault *fault)
 {
 	struct fault why = {.text = ""};
 
 	if (*count == LIGHT_AREAS_MAX)
 		return fault_say(fault, -EINVAL, "%s: expected at most %d of them", option,
 				 LIGHT_AREAS_MAX);
-	if (light_area_parse(&list[(*count)++], optarg, &why) < 0)
+	if (light_area_parse(&list[(*count)++], text, &why) < 0)
 		return fault_say(fault, -EINVAL, "%s: %s", option, why.text);
 	return 0;
 }
 
-static int read_value(struct light_job *job, int option, struct fault *fault)
+static int read_patch(void *values, const char *text, struct fault *fault)
 {
-	switch (option) {
-	case TIMES:
-		job->times = option_reals("--times", optarg, 1, LIGHT_EXPOSURES_MAX, 0, 1e12,
-					  job->time, fault);
-		return job->times < 0 ? job->times : 0;
-	case TIME_DEVIATION:
-		return option_real("--time-deviation", optarg, 0, 0.5, &job->time_deviation, fault);
-	case ACCEPT_MISFIT:
-		return option_real("--accept-misfit", optarg, 0.01, 100, &job->misfit_percent,
-				   fault);
-	case TRANSFER:
-		return option_choice("--transfer", optarg, transfer_names, &job->transfer, fault);
-	case BACKGROUND_TRANSFER:
-		return option_choice("--background-transfer", optarg, transfer_names,
-				     &job->background_transfer, fault);
-	case REFLECTANCE:
-		return read_reflectance(job, fault);
-	case PATCH:
-		return read_area(job->area, &job->areas, "--patch", fault);
-	case BACKGROUND_PATCH:
-		return read_area(job->background_area, &job->background_areas, "--background-patch",
-				 fault);
-	default:
-		return 0;
-	}
+	struct light_job *job = values;
+
+	return read_area(job->area, &job->areas, "--patch", text, fault);
 }
 
-static void read_name(struct light_job *job, int option)
+static int read_background_patch(void *values, const char *text, struct fault *fault)
 {
-	switch (option) {
-	case EXPOSURES:
-		job->exposures = true;
-		break;
-	case KEEP_WHITE:
-		job->keep_white = true;
-		break;
-	case WHITE_BALANCE:
-		job->white_balance = true;
-		break;
-	case CURVE:
-		job->curve = optarg;
-		break;
-	case LENS:
-		job->lens = optarg;
-		break;
-	case BACKGROUND_LIGHT:
-		job->background_light = optarg;
-		break;
-	case FISHEYE:
-		job->fisheye = optarg;
-		break;
-	case BACKGROUND:
-		job->background = optarg;
-		break;
-	case REPORT:
-		job->report = optarg;
-		break;
-	case 'o':
-		job->output = optarg;
-		break;
-	default:
-		break;
-	}
+	struct light_job *job = values;
+
+	return read_area(job->background_area, &job->background_areas, "--background-patch", text,
+			 fault);
 }
 
-static int light_take_option(void *job, int option, struct fault *fault)
+static int read_times(void *values, const char *text, struct fault *fault)
 {
-	read_name(job, option);
-	return read_value(job, option, fault);
+	struct light_job *job = values;
+
+	job->times = option_reals("--times", text, 1, LIGHT_EXPOSURES_MAX, 0, 1e12, job->time,
+				  fault);
+	return job->times < 0 ? job->times : 0;
 }
+
+#define AT(field) .place = offsetof(struct light_job, field)
+
+static const struct option_row options[] = {
+	{"times", OPTION_OTHER, .take = read_times},
+	{"time-deviation", OPTION_REAL, AT(time_deviation), .min = 0, .max = 0.5},
+	{"accept-misfit", OPTION_REAL, AT(misfit_percent), .min = 0.01, .max = 100},
+	{"exposures", OPTION_FLAG, AT(exposures)},
+	{"keep-white", OPTION_FLAG, AT(keep_white)},
+	{"white-balance", OPTION_FLAG, AT(white_balance)},
+	{"curve", OPTION_TEXT, AT(curve)},
+	{"lens", OPTION_TEXT, AT(lens)},
+	{"background-light", OPTION_TEXT, AT(background_light)},
+	{"transfer", OPTION_CHOICE, AT(transfer), .choices = transfer_names},
+	{"background-transfer", OPTION_CHOICE, AT(background_transfer), .choices = transfer_names},
+	{"reflectance", OPTION_OTHER, .take = read_reflectance},
+	{"patch", OPTION_OTHER, .take = read_patch},
+	{"background-patch", OPTION_OTHER, .take = read_background_patch},
+	{"fisheye", OPTION_TEXT, AT(fisheye)},
+	{"background", OPTION_TEXT, AT(background)},
+	{"report", OPTION_TEXT, AT(report)},
+	{"output", OPTION_TEXT, AT(output)},
+	{.name = NULL},
+};
 
 static int light_work(struct light_job *job, int which)
 {
@@ -197,7 +130,7 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 	} else {
 		which = -1;
 	}
-	status = command_options(command, argc, argv, options, light_take_option, &job);
+	status = command_read(command, argc, argv, options, &job);
 	if (status != COMMAND_GOES_ON)
 		return status;
 	if (which < 0)

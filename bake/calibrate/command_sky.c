@@ -26,18 +26,6 @@
 #define GAP_S 60 /* a longer gap between two pictures is none of the watch */
 #define WATCH_S (24 * 3600)
 
-enum { LIVE = 1, WATCH, FREQUENCY, MOST };
-
-static const struct option options[] = {
-	{"live", required_argument, NULL, LIVE},
-	{"watch", required_argument, NULL, WATCH},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"most", required_argument, NULL, MOST},
-	{"output", required_argument, NULL, 'o'},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct watch {
 	const char *output, *config;
 	int frequency, most;
@@ -229,16 +217,17 @@ static int watch_work(struct watch *w, struct fault *fault)
 /* ---- the command ---- */
 
 /* Reads a time such as 24h, 90min or 30s. */
-static int watch_read_time(double *seconds, struct fault *fault)
+static int watch_read_time(void *values, const char *given, struct fault *fault)
 {
 	static const struct {
 		const char *name;
 		double seconds;
 	} units[] = {{"h", 3600}, {"min", 60}, {"s", 1}};
-	const char *text = optarg + strspn(optarg, "+-.0123456789");
+	double *seconds = &((struct watch *)values)->watch_s;
+	const char *text = given + strspn(given, "+-.0123456789");
 	char number[32];
 
-	snprintf(number, sizeof(number), "%.*s", (int)(text - optarg), optarg);
+	snprintf(number, sizeof(number), "%.*s", (int)(text - given), given);
 	for (size_t k = 0; k < sizeof(units) / sizeof(*units); k++)
 		if (strcmp(text, units[k].name) == 0 && !number_of(number, seconds) &&
 		    *seconds > 0) {
@@ -248,35 +237,25 @@ static int watch_read_time(double *seconds, struct fault *fault)
 	return fault_say(fault, -EINVAL,
 			 "--watch: is \"%s\", expected a time with its unit, such as 24h, 90min or "
 			 "30s",
-			 optarg);
+			 given);
 }
 
-static int watch_take(void *choices, int option, struct fault *fault)
-{
-	struct watch *w = choices;
+#define AT(field) .place = offsetof(struct watch, field)
 
-	switch (option) {
-	case LIVE:
-		w->config = optarg;
-		return 0;
-	case WATCH:
-		return watch_read_time(&w->watch_s, fault);
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX / 2, &w->frequency,
-				  fault);
-	case MOST:
-		return option_int("--most", optarg, 1, DOME_LIGHTS_MAX, &w->most, fault);
-	default:
-		w->output = optarg;
-		return 0;
-	}
-}
+static const struct option_row options[] = {
+	{"live", OPTION_TEXT, AT(config)},
+	{"watch", OPTION_OTHER, .take = watch_read_time},
+	{"frequency", OPTION_INT, AT(frequency), .min = 1, .max = DOME_FREQUENCY_MAX / 2},
+	{"most", OPTION_INT, AT(most), .min = 1, .max = DOME_LIGHTS_MAX},
+	{"output", OPTION_TEXT, AT(output)},
+	{.name = NULL},
+};
 
 static int watch_run(const struct bake_command *command, int argc, char **argv)
 {
 	struct watch w = {.frequency = 9, .most = 1000, .watch_s = WATCH_S};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, watch_take, &w);
+	const int status = command_read(command, argc, argv, options, &w);
 	int err;
 
 	if (status != COMMAND_GOES_ON)

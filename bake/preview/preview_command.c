@@ -13,83 +13,28 @@
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
-enum {
-	BACKGROUND = 1,
-	CONFIG,
-	LIGHTS,
-	FISHEYE,
-	FREQUENCY,
-	EXPOSURE,
-	SAMPLES,
-	POSE,
-	THREADS,
-	WATCH,
-	QUIET
-};
-
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	{"background", required_argument, NULL, BACKGROUND},
-	{"config", required_argument, NULL, CONFIG},
-	{"lights", required_argument, NULL, LIGHTS},
-	{"fisheye", required_argument, NULL, FISHEYE},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"exposure", required_argument, NULL, EXPOSURE},
-	{"samples", required_argument, NULL, SAMPLES},
-	{"pose", required_argument, NULL, POSE},
-	{"threads", required_argument, NULL, THREADS},
-	{"watch", no_argument, NULL, WATCH},
-	{"quiet", no_argument, NULL, QUIET},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct preview_choices {
 	struct preview_settings preview;
 	bool watch;
 };
 
-static int preview_command_take(void *choices, int option, struct fault *fault)
-{
-	struct preview_choices *c = choices;
-	struct preview_settings *s = &c->preview;
+#define AT(field) .place = offsetof(struct preview_choices, field)
 
-	switch (option) {
-	case 'o':
-		s->output = optarg;
-		return 0;
-	case BACKGROUND:
-		s->background = optarg;
-		return 0;
-	case CONFIG:
-		s->config = optarg;
-		return 0;
-	case LIGHTS:
-		s->lights = optarg;
-		return 0;
-	case FISHEYE:
-		s->fisheye = optarg;
-		return 0;
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &s->frequency,
-				  fault);
-	case EXPOSURE:
-		return option_real("--exposure", optarg, 1e-9, 1e9, &s->exposure, fault);
-	case SAMPLES:
-		return option_int("--samples", optarg, 1, 65536, &s->samples, fault);
-	case POSE:
-		s->pose = optarg;
-		return 0;
-	case THREADS:
-		return option_int("--threads", optarg, 1, 1024, &s->threads, fault);
-	case WATCH:
-		c->watch = true;
-		return 0;
-	default:
-		s->quiet = true;
-		return 0;
-	}
-}
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(preview.output)},
+	{"background", OPTION_TEXT, AT(preview.background)},
+	{"config", OPTION_TEXT, AT(preview.config)},
+	{"lights", OPTION_TEXT, AT(preview.lights)},
+	{"fisheye", OPTION_TEXT, AT(preview.fisheye)},
+	{"frequency", OPTION_INT, AT(preview.frequency), .min = 1, .max = DOME_FREQUENCY_MAX},
+	{"exposure", OPTION_REAL, AT(preview.exposure), .min = 1e-9, .max = 1e9},
+	{"samples", OPTION_INT, AT(preview.samples), .min = 1, .max = 65536},
+	{"pose", OPTION_TEXT, AT(preview.pose)},
+	{"threads", OPTION_INT, AT(preview.threads), .min = 1, .max = 1024},
+	{"watch", OPTION_FLAG, AT(watch)},
+	{"quiet", OPTION_FLAG, AT(preview.quiet)},
+	{.name = NULL},
+};
 
 /* Makes one picture. Returns the exit code. */
 static int preview_once(const struct preview_settings *settings)
@@ -132,7 +77,7 @@ static int preview_command_run(const struct bake_command *command, int argc, cha
 {
 	struct preview_choices c = {.preview = {.frequency = -1, .exposure = 1}};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, preview_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
