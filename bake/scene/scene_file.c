@@ -97,8 +97,7 @@ static const struct ini_key dome_keys[] = {
 	 .offset = DOME(fine),
 	 .fallback = "",
 	 .help = "where lights are finer, as there are lamps, windows or the sun: \"azimuth height "
-		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated "
-		 "by "
+		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated by "
 		 "commas; or a file of such lines, as inlay-bake sky writes it"},
 	INI_KEYS_END,
 };
@@ -118,8 +117,7 @@ static const struct ini_key render_keys[] = {
 	 .max = 255,
 	 .fallback = "0",
 	 .unit = "8-bit levels",
-	 .help = "when above 0: as many rays as it takes to bring the estimated standard error "
-		 "below this"},
+	 .help = "when above 0: as many rays as it takes to bring the estimated standard error below this"},
 	{.name = "bounces",
 	 .type = INI_INT,
 	 .offset = RENDER(bounces),
@@ -139,9 +137,7 @@ static const struct ini_key render_keys[] = {
 	 .max = 255,
 	 .fallback = "0.6",
 	 .unit = "8-bit levels, RMS",
-	 .help = "what the encoding may be off by under a sky, in each tile; the file declares "
-		 "what "
-		 "it is"},
+	 .help = "what the encoding may be off by under a sky, in each tile; the file declares what it is"},
 	{.name = "error_max",
 	 .type = INI_REAL,
 	 .offset = RENDER(error_max),
@@ -171,8 +167,7 @@ static const struct ini_key render_keys[] = {
 	 .offset = RENDER(coarse),
 	 .max = DOME_FREQUENCY_MAX,
 	 .fallback = "0",
-	 .help = "frequency of the dome over which smooth light is gathered, at most that of "
-		 "[dome]; 0: 9 at most"},
+	 .help = "frequency of the dome over which smooth light is gathered, at most that of [dome]; 0: 9 at most"},
 	{.name = "exact",
 	 .type = INI_BOOL,
 	 .offset = RENDER(exact),
@@ -288,8 +283,7 @@ static const struct ini_key material_keys[] = {
 	 .max = 1,
 	 .fallback = "0.04 0.04 0.04",
 	 .unit = "r g b, linear",
-	 .help = "of glossy: what the coat mirrors at normal incidence; 0.04 is varnish, 0.5 and "
-		 "more is metal"},
+	 .help = "of glossy: what the coat mirrors at normal incidence; 0.04 is varnish, 0.5 and more is metal"},
 	{.name = "roughness",
 	 .type = INI_REAL,
 	 .offset = MATERIAL(roughness),
@@ -461,8 +455,7 @@ static int scene_check_camera(const struct scene_file *file, const char *path, s
 	if (file->tsai_given && c->file[0])
 		return fault_say(
 			fault, -EINVAL,
-			"%s: [camera] file: there is a section [tsai] as well, expected one "
-			"of them",
+			"%s: [camera] file: there is a section [tsai] as well, expected one of them",
 			path);
 	if (file->tsai_given || c->file[0])
 		return 0;
@@ -486,11 +479,10 @@ static int scene_check_ground(const struct scene_file *file, const char *path, s
 		return err;
 	m = scene_file_material(file, file->ground.material);
 	if (m->kind != MATERIAL_DIFFUSE || m->texture[0])
-		return fault_say(fault, -EINVAL,
-				 "%s: [ground] material: %s is %s, expected a diffuse material "
-				 "without texture",
-				 path, m->name,
-				 m->texture[0] ? "textured" : material_kind_names[m->kind]);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: [ground] material: %s is %s, expected a diffuse material without texture",
+			path, m->name, m->texture[0] ? "textured" : material_kind_names[m->kind]);
 	for (int c = 0; c < 3; c++)
 		if (m->colour[c] < 1e-3)
 			return fault_say(fault, -EINVAL,
