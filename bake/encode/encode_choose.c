@@ -454,7 +454,7 @@ static struct rank_plan plan_estimate(struct choose *s, struct low_rank *fit, in
 	return e;
 }
 
-/* Of plans that hold the cheaper one is better, of others the one with less excess. */
+/* The cheaper of two plans that hold is better; if neither holds, the one with less excess. */
 static bool plan_is_better(const struct rank_plan *a, const struct rank_plan *b)
 {
 	if ((a->excess <= 1) != (b->excess <= 1))

@@ -164,8 +164,9 @@ static void check_corner(const char *what, const char *materials)
 	for (int index = 0; index < TILES; index++) {
 		for (int k = 0; k < 2; k++)
 			tile_render(&tile[k], index);
-		if (tile[0].part_count && tile[0].part[0].kind == BASIS_KIND_T) {
-			const struct encode_samples part[2] = {tile[0].part[0], tile[1].part[0]};
+		if (tile[0].result.part_count && tile[0].result.part[0].kind == BASIS_KIND_T) {
+			const struct encode_samples part[2] = {tile[0].result.part[0],
+							       tile[1].result.part[0]};
 
 			compare_object(&cells, part, &sum);
 		}
