@@ -16,7 +16,7 @@
 #define TIGHTER 0.97
 /* DOMINANT: share of white above which one light dominates a sky. A sky that misses its target by
  * less than LAMPS_OVER (three lamps, each at its limit) is repaired first by narrowing the limits
- * of its dominant lights, at most LAMPS_TRIED times. Tuned (README.md, "Constants"). */
+ * of its dominant lights, after the first LAMPS_TRIED attempts. Tuned (README.md, "Constants"). */
 #define DOMINANT 0.2F
 #define LAMPS_OVER 3
 #define LAMPS_TRIED 2
@@ -116,10 +116,8 @@ void allow_less(const struct allowed *a, const struct measure *m, int attempt)
 	const double sky = measure_worst_sky(m);
 
 	allow_less_alone(a, m);
-	if (sky > 1 &&
-	    !(sky < LAMPS_OVER && a->allowance->lamps < LAMPS_TRIED && allow_lamps_less(a, m)))
+	if (sky > 1 && !(sky < LAMPS_OVER && attempt < LAMPS_TRIED && allow_lamps_less(a, m)))
 		allow_ranks_less(a, sky);
-	a->allowance->lamps++;
 	for (int k = 0; k < a->count && attempt >= ATTEMPTS_ALIKE; k++)
 		for (int i = 0; i < a->settings->lights; i++)
 			a->part[k].limit.light_share[i] *= FINER;

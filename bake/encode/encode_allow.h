@@ -12,7 +12,6 @@ struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */
 	float short_share;	    /* columns_find()'s argument */
 	bool chosen;		    /* the ranks are chosen and stay as they are */
-	int lamps; /* number of attempts that were repaired; only part 0's counts */
 };
 
 /* The parts of a tile, with their allowances. */

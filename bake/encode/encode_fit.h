@@ -12,7 +12,7 @@
 struct low_rank {
 	const struct encode_settings *settings;
 	const struct part *part;
-	bool mono, colour; /* which of the two exist */
+	bool mono, colour; /* tell which of the two exist */
 	bool tinted;	   /* mono has a tint */
 	bool found;	   /* fit_find() was called for this part */
 	uint16_t tint[3][PART_PIXELS];

@@ -7,7 +7,8 @@
 /* Limits narrower than this share of the largest value weigh as if they were as wide: some 16
  * roundings of single precision (2^-24) amount to it. */
 #define NARROWEST 1e-6F
-/* The limit where a light is not seen at all; it is far beyond any value (SAMPLE_MAX of part.c). */
+/* A light that a pixel does not show has these limits, which no residual exceeds (VALUE_MAX of
+ * part.c). */
 #define WIDEST 1e30F
 /* Added to each weight, of which the mean is 1, so that no light or pixel is ignored. Chosen by
  * trial. */
@@ -23,10 +24,10 @@ static void limit_row(const struct levels *levels, const struct part *part, floa
 	const float per = fabsf(slope) > FLT_MIN ? 1 / fabsf(slope) : WIDEST;
 
 	for (int p = 0; p < part->pixels; p++) {
-		const float to = share * per;
-		const float is = offset + slope * base[p];
-		const float rise = smaller(levels_read(levels->rise, is) * to, WIDEST);
-		const float fall = smaller(levels_read(levels->fall, is) * to, WIDEST);
+		const float scale = share * per;
+		const float shown = offset + slope * base[p];
+		const float rise = smaller(levels_read(levels->rise, shown) * scale, WIDEST);
+		const float fall = smaller(levels_read(levels->fall, shown) * scale, WIDEST);
 		const float low = slope < 0 ? -fall : -rise, high = slope < 0 ? rise : fall;
 
 		least[p] = intersect ? larger(least[p], low) : low;
@@ -108,9 +109,9 @@ void part_limit(struct part *part, const struct encode_settings *settings,
 
 	part->limit.column_cut = pair ? 0 : settings->column_cut;
 	part->limit.group_cut = basis_group_cut(settings->groups, part->limit.column_cut);
-	/* As a light fades, its column is left out. No pixel may then be off by more than was asked
-	 * for, and black ones may be off by least: cut_share * column_cut <= rise(0). V is a ratio,
-	 * which does not fade with a light that is alone. */
+	/* A frame leaves out the columns of a light that fades. For T no pixel may then miss the
+	 * error asked for, not even a black one: cut_share * column_cut <= rise(0). V needs no such
+	 * limit, as a ratio does not fade with a light that is alone. */
 	part->limit.cut_share = 1;
 	if (part->kind == BASIS_KIND_T && part->limit.column_cut > 0)
 		part->limit.cut_share =

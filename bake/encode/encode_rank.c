@@ -87,8 +87,8 @@ void rank_finder_free(struct rank_finder *f)
 
 /* ---- finding ---- */
 
-/* Computes the Cholesky factor of P W P^T. The scale of W is arbitrary, which 2^-30 makes use
- * of. */
+/* Computes the Cholesky factor of P W P^T. P is stored in units of 2^-15, so that a product of two
+ * has 2^-30. */
 int rank_weigh(struct rank_finder *f, const struct part *part)
 {
 	const struct encode_settings *settings = f->settings;
@@ -191,7 +191,7 @@ static void rank_orthonormalise(float *columns, int length, int count)
 			for (int k = 0; k < length; k++)
 				own[k] -= (float)factor[a][b] * columns[b * length + k];
 		}
-		/* the diagonal is inverted */
+		/* The diagonal is stored inverted. */
 		factor[a][a] = rest > LEAST_REST * factor[a][a] ? 1 / sqrt(rest) : 0;
 		for (int k = 0; k < length; k++)
 			own[k] *= (float)factor[a][a];

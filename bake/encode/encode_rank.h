@@ -8,7 +8,7 @@
 #include "bake/judge/part.h"
 
 struct rank_patterns {
-	int count; /* of patterns, in order of falling singular value */
+	int count; /* number of patterns; their singular values fall */
 	int rows;
 	int stride;	    /* values from one pattern to the next */
 	float *at_light;    /* [RANK_MOST][lights]: pattern times its step */

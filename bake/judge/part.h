@@ -27,8 +27,8 @@ static inline float smaller(float a, float b)
 	return a < b ? a : b;
 }
 
-/* Under a cell alone the picture shows offset + slope * base; X is in the slope. An error e of value
- * shows as slope * e. */
+/* Under a cell alone the picture shows offset + slope * base; X is in the slope. An error e of
+ * value shows as slope * e. */
 struct part_cell {
 	float offset[3];
 	float *slope; /* [3][lights] */
@@ -58,8 +58,8 @@ struct part_limit {
 	/* [lights]: the part's residual may use up this share of the error asked for; it is 1 until
 	 * the measured error is too large. */
 	float *light_share;
-	/* [lights][rows]: the limits of a residual, least <= 0 <= most, within which the error under
-	 * its cell alone is at most that asked for. */
+	/* [lights][rows]: the limits of a residual, least <= 0 <= most, within which the error
+	 * under its cell alone is at most that asked for. */
 	float *least, *most;
 	float *tight; /* [lights][rows]: 1 / min(most, -least) */
 	/* Weights of a squared error, by light and by pixel (W and h of bake/encode/README.md). */

@@ -76,11 +76,11 @@ static int say_mesh(const struct scene_file *file, const char *path,
 	for (int k = 0; k < file->mesh_count; k++)
 		names[k] = file->mesh[k].name;
 	nearest = ini_nearest(frame->object, names, (size_t)file->mesh_count);
-	return fault_say(fault, -EINVAL,
-			 "%s: [keyframe %s] object: there is no section [object %.64s], expected "
-			 "%s%s",
-			 path, frame->name, frame->object, nearest ? "perhaps " : "the name of one",
-			 nearest ? nearest : "");
+	return fault_say(
+		fault, -EINVAL,
+		"%s: [keyframe %s] object: there is no section [object %.64s], expected %s%s", path,
+		frame->name, frame->object, nearest ? "perhaps " : "the name of one",
+		nearest ? nearest : "");
 }
 
 static int by_pose(const void *a, const void *b)
@@ -98,10 +98,10 @@ static int check_keyframe(const struct scene_file *file, const char *path, int i
 	const struct scene_keyframe_values *frame = &file->keyframe[index];
 
 	if (frame->pose > file->poses.count)
-		return fault_say(fault, -EINVAL,
-				 "%s: [keyframe %s] pose: %g, expected at most %d, the count of "
-				 "[poses]",
-				 path, frame->name, frame->pose, file->poses.count);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: [keyframe %s] pose: %g, expected at most %d, the count of [poses]",
+			path, frame->name, frame->pose, file->poses.count);
 	if (strspn(frame->name, "0123456789") == strlen(frame->name))
 		return fault_say(fault, -EINVAL,
 				 "%s: [keyframe %s]: a number, expected a name that no pose's "

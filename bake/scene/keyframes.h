@@ -6,8 +6,8 @@
 
 #include "bake/scene/scene_file.h"
 
-extern const struct ini_key keyframe_poses_keys[]; /* of struct scene_poses_values */
-extern const struct ini_key keyframe_keys[];	   /* of struct scene_keyframe_values */
+extern const struct ini_key keyframe_poses_keys[]; /* keys of struct scene_poses_values */
+extern const struct ini_key keyframe_keys[];	   /* keys of struct scene_keyframe_values */
 
 /* Returns the keyframe of this name, a new one with no value given if there is none: place() of an
  * INI table. NULL: no room. */

@@ -155,8 +155,7 @@ static void warn_of_open_glass(const struct mesh *mesh, const struct material *m
 	}
 	if (bends && !mesh_is_closed(mesh->parts, mesh->part_count))
 		log_warning_once(
-			"%s: glass that is not closed: light enters and never leaves; thin = "
-			"yes is meant?",
+			"%s: glass that is not closed: light enters and never leaves; thin = yes is meant?",
 			path);
 }
 

@@ -288,8 +288,7 @@ static int scene_check_camera(const struct scene_file *file, const char *path, s
 	if (file->tsai_given && c->file[0])
 		return fault_say(
 			fault, -EINVAL,
-			"%s: [camera] file: there is a section [tsai] as well, expected one "
-			"of them",
+			"%s: [camera] file: there is a section [tsai] as well, expected one of them",
 			path);
 	if (file->tsai_given || c->file[0])
 		return 0;
@@ -313,11 +312,10 @@ static int scene_check_ground(const struct scene_file *file, const char *path, s
 		return err;
 	m = scene_file_material(file, file->ground.material);
 	if (m->kind != MATERIAL_DIFFUSE || m->texture[0])
-		return fault_say(fault, -EINVAL,
-				 "%s: [ground] material: %s is %s, expected a diffuse material "
-				 "without texture",
-				 path, m->name,
-				 m->texture[0] ? "textured" : material_kind_names[m->kind]);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: [ground] material: %s is %s, expected a diffuse material without texture",
+			path, m->name, m->texture[0] ? "textured" : material_kind_names[m->kind]);
 	for (int c = 0; c < 3; c++)
 		if (m->colour[c] < 1e-3)
 			return fault_say(fault, -EINVAL,

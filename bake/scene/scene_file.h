@@ -21,7 +21,7 @@
 struct scene_camera_values {
 	char file[INI_PATH_MAX];
 	double position[3], look_at[3], field_deg;
-	int width, height; /* in pixels; 0: not given */
+	int width, height; /* pixels; 0: not given */
 	double edge_spread_px;
 };
 
@@ -90,7 +90,7 @@ struct scene_file {
 	struct scene_mesh_values mesh[SCENE_MESHES_MAX];
 	int mesh_count;
 	struct scene_poses_values poses;
-	struct scene_keyframe_values keyframe[SCENE_KEYFRAMES_MAX]; /* in the order of poses */
+	struct scene_keyframe_values keyframe[SCENE_KEYFRAMES_MAX]; /* sorted by pose */
 	int keyframe_count;
 	struct scene_material_values material[SCENE_MATERIALS_MAX];
 	int material_count;

@@ -8,7 +8,7 @@
 #include "bake/scene/scene.h"
 
 struct survey_mesh {
-	double size[3]; /* in world units */
+	double size[3]; /* extent along X, Y and Z, in world units */
 	double share;	/* share of the picture that it fills, 0..1; above 0 if any of it is seen */
 	double sunk;	/* share of its height that is below the ground, 0..1 */
 	bool inside;	/* the camera is inside of it */

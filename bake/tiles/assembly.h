@@ -19,7 +19,7 @@ struct assembly_miss {
 
 struct assembly_report {
 	uint64_t rays;
-	struct basis_info_chunk info;	   /* with the declared errors */
+	struct basis_info_chunk info;	   /* includes the declared errors */
 	uint64_t shown_bytes, exact_bytes; /* sizes of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
 	struct assembly_miss miss;

@@ -187,10 +187,8 @@ const struct bake_command merge_command = {
 	.help = "\n"
 		"  -o FILE         the basis file; appears when it is whole\n"
 		"\n"
-		"All shards of one bake (inlay-bake render --shard 1/n ... n/n), in any order. The "
-		"file is\n"
-		"the same, bit for bit, as one run without shards makes. Exit code 3: done, but "
-		"some tile is\n"
+		"All shards of one bake (inlay-bake render --shard 1/n ... n/n), in any order. The file is\n"
+		"the same, bit for bit, as one run without shards makes. Exit code 3: done, but some tile is\n"
 		"off by more than was asked for; the file is kept.\n",
 	.run = merge_command_run,
 };

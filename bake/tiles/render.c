@@ -54,7 +54,7 @@ struct render_job {
 	struct pool *pool;
 	struct render_worker *workers;
 	int worker_count;
-	struct cache *cache; /* of the current pose; NULL: none */
+	struct cache *cache; /* the current pose's; NULL: none */
 	/* Finished tiles go to one of these; the other is NULL. */
 	struct assembly *assembly;
 	struct shard_writer *shard;
@@ -380,8 +380,7 @@ static void write_provenance(struct render_job *job)
 
 	snprintf(job->plan.provenance, sizeof(job->plan.provenance),
 		 "program = inlay-bake %s\n"
-		 "%s"
-		 "scene_xxh3 = %016llx\n"
+		 "%sscene_xxh3 = %016llx\n"
 		 "size = %u x %u\n"
 		 "dome = frequency %d, division %s, %u lights%s\n"
 		 "samples = %d\n"

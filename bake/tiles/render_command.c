@@ -204,7 +204,7 @@ static int check_output(const struct scene_file *file, const char *path, const c
 
 /* Tells whether there is a finished basis file or another file at path, which no preview may
  * replace. */
-static bool keeps_other(const char *path)
+static bool file_must_stay(const char *path)
 {
 	struct basis basis;
 	bool preview;
@@ -247,7 +247,7 @@ static int leave_preview(struct scene *scene, const char *path, const struct ren
 	struct render_report report = {.rays = 0};
 	int err;
 
-	if (keeps_other(c->output)) {
+	if (file_must_stay(c->output)) {
 		if (!c->quiet)
 			printf("%s: stays as it is until the bake is done\n", c->output);
 		return 0;
@@ -345,33 +345,25 @@ const struct bake_command render_command = {
 		 "           [--threads T] [--profile] [--quiet]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
-		"  -o FILE         the basis file: first a preview, in place of which the finished "
-		"file\n"
+		"  -o FILE         the basis file: first a preview, in place of which the finished file\n"
 		"                  appears when it is whole; a finished file stays until then\n"
-		"  --frequency F   of the dome, 1 to 72; 9 makes 406 lights\n"
+		"  --frequency F   the dome's frequency, 1 to 72; 9 makes 406 lights\n"
 		"  --division D    angles or chords\n"
-		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps "
-		"move\n"
+		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"
 		"                  without steps\n"
-		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" "
-		"for "
-		"nowhere\n"
-		"  --size WxH      of the picture\n"
+		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" for nowhere\n"
+		"  --size WxH      size of the picture, in pixels\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"
 		"                  in 8-bit levels under suns\n" ENCODING_HELP
-		"  --seed K        of all random numbers; the same file whatever the threads\n"
-		"  --pose P        only this one of the scene's poses: its number, from 0, or "
-		"name\n"
-		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts "
-		"all N together\n"
+		"  --seed K        seed of all random numbers; threads do not change the file\n"
+		"  --pose P        only this one of the scene's poses: its number, from 0, or name\n"
+		"  --shard I/N     only every N-th tile, from the I-th on: inlay-bake merge puts all N together\n"
 		"  --threads T     default: one for each processor\n"
-		"  --preview       a preview alone: few lights and samples, one bounce, unless "
-		"other\n"
+		"  --preview       a preview alone: few lights and samples, one bounce, unless other\n"
 		"                  options say otherwise; some seconds\n"
 		"  --no-preview    nothing before the finished file: for scripts\n"
-		"  --profile       print the processor time of each stage, and keep it in the "
-		"file\n"
+		"  --profile       print the processor time of each stage, and keep it in the file\n"
 		"  --quiet         print nothing but errors\n"
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"

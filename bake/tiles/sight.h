@@ -17,7 +17,7 @@ struct sight {
 	struct rgb weight;	/* transmission of the path; 0: the path has ended */
 	bool met;		/* it meets a surface */
 	struct surface surface; /* if met */
-	struct v3 direction;	/* of the path's last ray, unit */
+	struct v3 direction;	/* unit direction of the path's last ray */
 };
 
 /* Follows a camera ray of this direction from `surface`, which is glass of the object.

@@ -28,7 +28,8 @@
 
 /* The picture in one channel under one sun. */
 struct tile_noise_value {
-	/* Sums over the samples of each run: of all light, and of all but the sun's bounced light. */
+	/* Sums over the samples of each run: of all light, and of all but the sun's bounced
+	 * light. */
 	float all[TILE_NOISE_BLOCKS], rest[TILE_NOISE_BLOCKS];
 	float filtered[2]; /* the sun's bounced light as filtered, and an example of its noise */
 };

@@ -10,7 +10,7 @@ struct tile_sample {
 	int at;		 /* place of the pixel in the tile: y * BASIS_TILE + x */
 	uint32_t pixel;	 /* place of the pixel in the picture: y * width + x */
 	uint32_t sample; /* number of the sample in its pixel */
-	double place[2]; /* where the ray passes through the picture, in pixels */
+	double place[2]; /* the point of the picture that the ray passes, in pixels */
 	struct surface surface;
 	struct v3 direction;
 };

@@ -38,7 +38,7 @@ struct cache_split {
 };
 
 struct cache {
-	struct bounds bounds; /* of the objects */
+	struct bounds bounds; /* a sphere around the objects */
 	int lights, records;
 	struct cache_split *split; /* [records - 1]: the first one is the root */
 	float *spread;		   /* [records]: cache_spread() */

@@ -36,7 +36,8 @@ void inside_add(struct inside *inside, const struct mesh_part *parts, int count,
  *     dot(to, d) > 0  and  dot(to, d)^2 > |to|^2 - radius^2
  */
 struct inside_view {
-	float x[INSIDE_MAX], y[INSIDE_MAX], z[INSIDE_MAX]; /* to */
+	float x[INSIDE_MAX], y[INSIDE_MAX],
+		z[INSIDE_MAX]; /* `to` of the formula above: from the point to the ball's centre */
 	float least[INSIDE_MAX]; /* |to|^2 - radius^2; infinity: too far away, or no ball */
 };
 

@@ -77,8 +77,9 @@ void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel,
  * sharp and almost without noise, while the rest is smooth and noisy. Clear glass before the first
  * other surface does not count. */
 struct transport_rows {
-	float *direct; /* [3][count]: one surface; for a shadow [transport_shadow_channels()][count] */
-	float *bounce; /* [3][count]: several surfaces */
+	/* [3][count]: light of one surface; for a shadow [transport_shadow_channels()][count] */
+	float *direct;
+	float *bounce; /* [3][count]: light of several surfaces */
 };
 
 /*

@@ -32,7 +32,7 @@ struct world {
 	 * NULL. */
 	RTCScene glass[PRESENCE_COUNT], solid[PRESENCE_COUNT];
 	struct bounds bounds[PRESENCE_COUNT];
-	struct instance *instances; /* by geometry number, the same in all scenes */
+	struct instance *instances; /* indexed by geometry number, the same in all scenes */
 	unsigned instance_count;
 	struct inside inside; /* the objects */
 	float size;	      /* largest coordinate of any mesh */

@@ -23,7 +23,7 @@ struct surface {
 	enum surface_kind kind;
 	const struct mesh *mesh; /* NULL: the ground */
 	struct v3 position;
-	struct v3 normal;    /* of the smoothed surface, on the side the ray came from */
+	struct v3 normal;    /* the smoothed normal, on the side that the ray came from */
 	struct v3 geometric; /* unit normal of the triangle, on that side */
 	bool outer;	     /* that side is outside by the triangle's winding */
 	float offset;	     /* distance from the surface at which leaving rays start */

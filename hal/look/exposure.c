@@ -9,23 +9,23 @@
 #include "hal/look/median.h"
 
 /* The gain is measured at POINTS points, at least POINTS_LEAST of which must be usable. Both, and
- * START_FRAMES (a second at 25 frames a second), were chosen by trial; make look shows their effect. */
+ * START_FRAMES (a second at 25 frames a second), were chosen by trial; make look shows their
+ * effect. */
 enum { POINTS = 2048, POINTS_LEAST = POINTS / 16, START_FRAMES = 25 };
 enum { MOMENTS = 6, STATE = 1 + MOMENTS };
 
 /* A pixel is used if its code value lies between these: darker ones are mostly noise, brighter
- * ones may be clipped. They were chosen by trial;
- * make look shows their effect. */
+ * ones may be clipped. They were chosen by trial; make look shows their effect. */
 #define DARKEST 12
 #define BRIGHTEST 249
 /* A channel with less irradiance (white is 1) is skipped: its logarithm would be noise. */
 #define LIGHT_LEAST 1e-4
 
 /* Standard deviations of the Kalman filter, chosen by trial; make look shows their effect. */
-#define Y_NOISE 0.004	/* of one measurement of y */
-#define GAIN_DRIFT 2e-4 /* by which ln gain changes from frame to frame */
-#define B_START 0.3	/* of b before anything is learned */
-#define B_DRIFT 1e-5	/* by which b changes from frame to frame */
+#define Y_NOISE 0.004	/* error of one measurement of y */
+#define GAIN_DRIFT 2e-4 /* change of ln gain from frame to frame */
+#define B_START 0.3	/* uncertainty of b before anything is learned */
+#define B_DRIFT 1e-5	/* change of b from frame to frame */
 #define JUMP 4.0	/* y is this many deviations off: the camera has changed its exposure */
 /* Where ln E changes by more than this in one frame, a lamp was switched; y then tells little about
  * the camera, so that its gain may not jump. */

@@ -10,7 +10,7 @@
 
 enum {
 	BANDS = 32,
-	POINTS = 128,		   /* in each band */
+	POINTS = 128,		   /* points of a band */
 	POINTS_LEAST = POINTS / 4, /* usable points that a band's gain needs */
 	MEMORY = 16,		   /* frames over which means are taken */
 	/* A point's M is usable after this many frames, the powers after one more, and flicker is

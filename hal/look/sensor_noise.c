@@ -25,7 +25,7 @@ struct sensor_noise {
 	struct block blocks[BLOCKS];
 	bool begun;
 	float histogram[3][LEVELS][STEPS]; /* number of blocks by level and variance */
-	double median[3][LEVELS];	   /* of each histogram, before the present frame */
+	double median[3][LEVELS];	   /* each histogram's median before the present frame */
 	/* Sums over ordinary blocks of variances, of covariances with the pixel to the right and
 	 * the one below, of covariances of two channels, and of the product of their deviations. */
 	double variance, across, down, channels, channel_scale;
