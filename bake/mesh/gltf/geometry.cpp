@@ -8,6 +8,7 @@
 
 extern "C" {
 #include "bake/mesh/mesh.h"
+#include "bake/mesh/mesh_unused.h"
 }
 
 namespace gltf
