@@ -119,6 +119,15 @@ static bool tiff_take_floats(const struct tiff_kind *kind, const void *row, stru
 	return true;
 }
 
+static bool alpha_is_full(const struct image *image)
+{
+	size_t left = (size_t)image->width * (size_t)image->height;
+
+	while (left && image->alpha[left - 1] == 255)
+		left--;
+	return !left;
+}
+
 /* Reads rows of 16-bit or float grey or RGB, perhaps with more samples. */
 static int tiff_read_rows(TIFF *tiff, const struct tiff_kind *kind, struct image *image,
 			  struct fault *fault)
@@ -145,6 +154,10 @@ static int tiff_read_rows(TIFF *tiff, const struct tiff_kind *kind, struct image
 				((uint16_t *)row)[k / 3 * samples + (samples < 3 ? 0 : k % 3)];
 	}
 	free(row);
+	if (!err && image->alpha && alpha_is_full(image)) {
+		free(image->alpha);
+		image->alpha = NULL;
+	}
 	return err;
 }
 

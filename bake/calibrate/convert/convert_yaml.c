@@ -421,9 +421,9 @@ static int read_line(struct yaml_reader *r)
 	/* part of an unknown key */
 	if (strchr("-[]", *content_of(r)))
 		return 0;
-	/* Kalibr's cameras may have other names, and their first key of ours is this one. */
-	if (is_indented(r) && *r->top && !strncmp(at, "camera_model:", 13) &&
-	    r->block != YAML_CAMERA)
+	/* Kalibr's cameras may have other names, and ROS's parameters that of a node. */
+	if (is_indented(r) && *r->top && r->block != YAML_CAMERA &&
+	    (!strncmp(at, "camera_model:", 13) || !strncmp(at, "image_width:", 12)))
 		begin_camera(r, r->top);
 	if (is_indented(r) && r->block != YAML_CAMERA && r->block != YAML_ROI)
 		return 0;

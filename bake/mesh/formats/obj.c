@@ -397,8 +397,14 @@ static void obj_decode_colours(struct obj *obj)
 
 static int obj_read_text(struct obj *obj, double crease_deg)
 {
-	int err = obj_pass(obj, true);
+	int err;
 
+	/* Lines that are not known do not count: a picture, an archive or UTF-16 would be a mesh without faces. */
+	if (obj->soup.bytes && memchr(obj->soup.file, '\0', obj->soup.bytes))
+		return fault_say(obj->soup.fault, -EBADMSG,
+				 "%s: holds a zero byte, expected the text of an OBJ",
+				 obj->soup.path);
+	err = obj_pass(obj, true);
 	if (!err && !obj_begin_materials(obj))
 		err = soup_lack(&obj->soup);
 	if (err)

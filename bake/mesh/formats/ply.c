@@ -59,7 +59,7 @@ struct ply_element {
 struct ply {
 	struct soup soup;
 	bool ascii, big_endian, colours;
-	int colour_type;
+	int type[ROLE_COUNT]; /* of each role's numbers */
 	double least_alpha, most_alpha;
 	int elements, properties;
 	struct ply_element element[ELEMENTS_MAX];
@@ -142,8 +142,7 @@ static int header_property(struct ply *ply, struct text_span line)
 		return header_refuse(ply, at, "property of type \"%.*s\", expected one of %s",
 				     text_shown(word), word.at, types[0]);
 	property->role = role_of(text_word(&line), property->count >= 0);
-	if (property->role >= ROLE_COLOUR && property->role <= ROLE_ALPHA)
-		ply->colour_type = property->type;
+	ply->type[property->role] = property->type;
 	ply->properties++;
 	ply->element[ply->elements - 1].properties++;
 	ply->element[ply->elements - 1].roles |= 1u << property->role;
@@ -351,10 +350,9 @@ static void ply_values(const struct ply *ply, int role, int count, float *to)
 		to[k] = (float)ply->value[role + k][0];
 }
 
-/* What white has, and full alpha. A type of more than a byte does not tell. */
-static double ply_full_colour(const struct ply *ply, double most)
+/* What white has, or full alpha. A type of more than a byte does not tell. */
+static double ply_full_colour(int type, double most)
 {
-	const int type = ply->colour_type;
 	const double range = type < FIRST_FLOAT ? ldexp(1, 8 * bytes_of[type] - !(type % 2)) - 1
 						: most;
 
@@ -388,7 +386,8 @@ static void ply_decode_colours(const struct ply *ply, struct mesh *mesh)
 						most = fmaxf(most, part->colour[v][c]);
 				else
 					soup_decode_colours(part->colour[v], 3,
-							    ply_full_colour(ply, (double)most));
+							    ply_full_colour(ply->type[ROLE_COLOUR],
+									    (double)most));
 		}
 }
 
@@ -585,7 +584,7 @@ static int ply_add_materials(struct ply *ply)
 			err = textures_get(&ply->soup.textures, TEXTURE_OF_COLOURS,
 					   &ply->texture[k], NULL, TEXTURE_REPEAT, &m->texture);
 	}
-	if (ply->least_alpha < ply_full_colour(ply, ply->most_alpha))
+	if (ply->least_alpha < ply_full_colour(ply->type[ROLE_ALPHA], ply->most_alpha))
 		left_out_add(&ply->soup.out, "alpha of vertices", "mesh");
 	return err;
 }

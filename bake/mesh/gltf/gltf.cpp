@@ -291,14 +291,21 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 {
 	const size_t mode = whole(primitive, "mode", MODE_MOST, TRIANGLES);
 	const double lent = document.lent;
-	const Json *skin = find(node, "skin");
+	const Json *skin = find(needed(primitive, "attributes"), "JOINTS_0") ? find(node, "skin")
+									     : nullptr;
 
 	if (mode < TRIANGLES) {
 		left_out_add(&missing, mode == 0 ? "points" : "lines", "mesh");
 		return;
 	}
 
-	const Used used = materials.use(primitive, places.empty() ? 1 : scale_of(places[0]));
+	/* joints, and not the node, say where a skin is, and how large */
+	const std::vector<Matrix> joints =
+		skin ? skin_matrices(document, nodes,
+				     document.item("skins", document.index(*skin, "skins")))
+		     : std::vector<Matrix>();
+	const std::vector<Matrix> &moved = skin ? joints : places;
+	const Used used = materials.use(primitive, moved.empty() ? 1 : scale_of(moved[0]));
 	Geometry geometry = read_geometry(document, primitive, morph_weights(node, shape),
 					  used.sets);
 
@@ -306,10 +313,7 @@ void Reader::add_primitive(const Json &primitive, const Json &node, const Json &
 		if (used.textured[k] && geometry.uv[k].empty())
 			left_out_add(&missing, "textures without coordinates", "mesh");
 	if (skin && geometry.influences.each)
-		apply_skin(geometry,
-			   skin_matrices(document, nodes,
-					 document.item("skins", document.index(*skin, "skins"))),
-			   primitive);
+		apply_skin(geometry, joints, primitive);
 	if (used.one_sided && looks_inwards(geometry))
 		left_out_add(&missing, "hiding single-sided faces from behind", "mesh");
 	for (const Matrix &place : places)

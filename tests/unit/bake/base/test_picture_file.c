@@ -184,6 +184,7 @@ static void test_tiff_floats(void **state)
 {
 	static const uint16_t halves[] = {0x3c00, 0x3400, 0, 0x4000, 0x0001, 0xb800};
 	static const float singles[] = {1, 0.5f, 0, 0.25f, 0.125f, 0, -1, 1}, odd[] = {NAN};
+	static const float opaque[] = {1, 0.5f, 0, 1, 0.125f, 0, 1, 1};
 	static const float expected[2][6] = {{1, 0.25f, 0, 2, 5.9604645e-8f, 0},
 					     {2, 1, 0, 0.125f, 0, 1}};
 	const struct tiff_case cases[] = {
@@ -191,6 +192,7 @@ static void test_tiff_floats(void **state)
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_ASSOCALPHA,
 		 (float[]){1, 0.5f, 0, 0.5f, 0.125f, -3, 1, 1}},
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNSPECIFIED, singles},
+		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNASSALPHA, opaque},
 		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd}};
 	struct fault fault = {.text = ""};
 	struct image image;
@@ -208,12 +210,15 @@ static void test_tiff_floats(void **state)
 			assert_int_equal(image.alpha[0], 128);
 		image_free(&image);
 	}
-	write_tiff_of("f.tif", &cases[2]);
-	read_fine("f.tif", &image);
-	assert_null(image.alpha);
-	assert_true(image.f32[0] == 1 && image.f32[3] == 0.125f && image.f32[5] == 0);
-	image_free(&image);
-	write_tiff_of("f.tif", &cases[3]);
+	/* of a further sample that is none, and of alpha that is full everywhere */
+	for (int k = 2; k < 4; k++) {
+		write_tiff_of("f.tif", &cases[k]);
+		read_fine("f.tif", &image);
+		expect_that(!image.alpha, "k=%d", k);
+		assert_true(image.f32[0] == 1 && image.f32[3] == 0.125f && image.f32[5] >= 0);
+		image_free(&image);
+	}
+	write_tiff_of("f.tif", &cases[4]);
 	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EDOM);
 	assert_non_null(strstr(fault.text, "f.tif: row 0 has light that is not finite"));
 }

@@ -247,6 +247,9 @@ static void test_obj_refused(void **state)
 	/* joined lines count as many */
 	small_scene_write("bad.obj", "v 0 0 \\\n0\nv 1 0 0\nv 0 1 x\n");
 	refuse("bad.obj", -EBADMSG, "bad.obj:4: vertex has \"x\"");
+	/* an archive that holds an OBJ as it is */
+	small_scene_write("bad.obj", "PK%c\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", '\0');
+	refuse("bad.obj", -EBADMSG, "bad.obj: holds a zero byte, expected the text of an OBJ");
 }
 
 /* Digits of a coordinate are read as strtod() does. */
@@ -453,6 +456,16 @@ static void test_ply_colours(void **state)
 		expect_colour(colour_of(&mesh, 0, 0, 0), 1, 0.0331f, 0);
 		mesh_free(&mesh);
 	}
+	/* alpha of another type, which is full */
+	small_scene_write("c.ply",
+			  "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ
+			  "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+			  "property float alpha\nelement face 1\n"
+			  "property list uchar int vertex_indices\nend_header\n0 0 0 1 1 1 1\n"
+			  "1 0 0 0 0 0 1\n1 1 0 0 0 0 1\n0 1 0 0 0 0 1\n4 0 1 2 3\n");
+	read_fine("c.ply", &mesh);
+	expect_colour(colour_of(&mesh, 0, 0, 0), 0.0003f, 0.0003f, 0.0003f);
+	mesh_free(&mesh);
 	/* of faces, and as shares of 1 */
 	small_scene_write("c.ply",
 			  "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element face 2\n"

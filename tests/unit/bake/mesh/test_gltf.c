@@ -277,14 +277,19 @@ static void test_morph(void **state)
 }
 
 /* Joint 0 scales by 2, joint 1 moves up by 10 from its bind pose at x = 1. The node of the skin
- * itself does not count. */
+ * itself does not count, for the lengths of a volume neither. */
 static void test_skin(void **state)
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'NORMAL':2,'JOINTS_0':11,'WEIGHTS_0':12",
+		.primitive = ",'indices':0,'material':0",
 		.nodes = "{'mesh':0,'skin':0,'translation':[100,0,0]},{'scale':[2,2,2]},"
 			 "{'translation':[1,0,10]}",
-		.root = ",'skins':[{'joints':[1,2],'inverseBindMatrices':13}]",
+		.root = ",'skins':[{'joints':[1,2],'inverseBindMatrices':13}],'materials':[{"
+			"'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
+			"'KHR_materials_volume':{'thicknessFactor':1,'attenuationDistance':1,"
+			"'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':"
+			"{'metallicFactor':0,'roughnessFactor':0}}]",
 	});
 	const struct mesh_part *part = &mesh.parts[0];
 
@@ -294,6 +299,8 @@ static void test_skin(void **state)
 	/* a fifth of (2, 2, 0) and four fifths of (1, 1, 10) */
 	corner_at(part, 1.2f, 1.2f, 8);
 	expect_below(fabsf(part->normal[2].z - 1), 1e-6f, "normal");
+	assert_int_equal(mesh.material_count, 1);
+	expect_below(fabsf(mesh.materials[0].colour.c[1] - 0.5f), 2e-3f, "volume");
 	mesh_free(&mesh);
 }
 

@@ -438,6 +438,11 @@ static void test_dialects(void **state)
 	assert_reads(KALIBR_BOTH, "cam1", &fisheye);
 	assert_reads(KALIBR_NAMED, NULL, &pinhole);
 	assert_reads("header:\n  frame_id: left\n" KALIBR_NAMED KALIBR, "left", &pinhole);
+	assert_reads(
+		"/camera:\n  image_width: 640\n  image_height: 480\n  camera_model: plumb_bob\n"
+		"  K: [536.0, 0, 342.0, 0, 535.0, 235.0, 0, 0, 1]\n"
+		"  D: [-0.25, 0.0625, 0.001, -0.002]\n",
+		NULL, &pinhole);
 	assert_reads(melodic, NULL, &fisheye);
 	assert_reads(flow, NULL, &pinhole);
 	assert_reads(json, NULL, &pinhole);
