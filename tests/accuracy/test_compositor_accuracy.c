@@ -6,12 +6,6 @@
  * measured, at the extremes. "max" is the largest distance of an 8-bit result from the exact value,
  * of which the final rounding alone makes up to 0.5.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,6 +15,7 @@
 #include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define LEVELS_MOST 1.0
@@ -240,25 +235,23 @@ static const struct synthetic_options usual = {
 	.seed = 3,
 };
 
-static void over_lights_and_thresholds(void **state)
+TEST("over lights and thresholds")
 {
 	struct chance chance = chance_begin("lights and thresholds");
 	struct accuracy_bench b;
 
-	(void)state;
 	bench_open(&b, &usual, &chance);
 	all_patterns(&b, "406 lights", &chance);
 	report(&b, "406 lights, all patterns");
 	bench_close(&b);
 }
 
-static void over_numbers_of_lights(void **state)
+TEST("over numbers of lights")
 {
 	static const int counts[] = {1, 6, 26, 33, 6500, 20000};
 	struct chance chance = chance_begin("numbers of lights");
 	struct accuracy_bench b;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(counts) / sizeof(counts[0]); k++) {
 		struct synthetic_options o = usual;
 		char name[40];
@@ -279,14 +272,13 @@ static void over_numbers_of_lights(void **state)
 	}
 }
 
-static void over_transfers_and_gains(void **state)
+TEST("over transfers and gains")
 {
 	static const double gains[] = {0, 1e-3, 0.7, 5, COMPOSITOR_GAIN_MAX};
 	struct chance chance = chance_begin("transfers and gains");
 	struct synthetic_options o = usual;
 	struct accuracy_bench b;
 
-	(void)state;
 	o.lights = 46;
 	o.coarse = 20;
 	bench_open(&b, &o, &chance);
@@ -316,12 +308,11 @@ static void over_transfers_and_gains(void **state)
 }
 
 /* Ratios up to their limit, with v far below -1. */
-static void over_added_light(void **state)
+TEST("over added light")
 {
 	static const double bounces[] = {1, 5, 15, 16, 100};
 	struct chance chance = chance_begin("added light");
 
-	(void)state;
 	for (int k = 0; k < 5; k++) {
 		struct synthetic_options o = usual;
 		struct accuracy_bench b;
@@ -339,12 +330,11 @@ static void over_added_light(void **state)
 	}
 }
 
-static void over_sizes(void **state)
+TEST("over sizes")
 {
 	struct chance chance = chance_begin("sizes");
 	struct accuracy_difference all = {.max = 0};
 
-	(void)state;
 	for (int width = 1; width <= 65; width++) {
 		struct synthetic_options o = usual;
 		struct accuracy_bench b;
@@ -365,12 +355,11 @@ static void over_sizes(void **state)
 
 /* Objects and shadows in single pixels, on both sides of the borders of tiles and in tiles that the
  * edge of the picture cuts. Lists have length one, so that kernels work mostly on padding. */
-static void single_pixels(void **state)
+TEST("single pixels")
 {
 	struct chance chance = chance_begin("single pixels");
 	struct accuracy_difference all = {.max = 0};
 
-	(void)state;
 	for (int k = 0; k < 12; k++) {
 		struct synthetic_options o = usual;
 		struct accuracy_bench b;
@@ -392,7 +381,7 @@ static void single_pixels(void **state)
 }
 
 /* While all light goes out in small steps, neither result may jump. */
-static void darkness_comes_without_a_jump(void **state)
+TEST("darkness comes without a jump")
 {
 	struct chance chance = chance_begin("darkness");
 	struct synthetic_options o = usual;
@@ -402,7 +391,6 @@ static void darkness_comes_without_a_jump(void **state)
 	int byte_jump = 0;
 	size_t values;
 
-	(void)state;
 	o.lights = 46;
 	o.coarse = 20;
 	o.object_share = 0; /* only the ratio is left */
@@ -442,13 +430,12 @@ static void darkness_comes_without_a_jump(void **state)
 
 /* The same picture in light a million times dimmer. Only ratios count, so nothing may change except
  * by e, and the integers must follow the exact values there as well. */
-static void dimness_loses_no_precision(void **state)
+TEST("dimness loses no precision")
 {
 	struct chance chance = chance_begin("dimness");
 	struct synthetic_options o = usual;
 	struct accuracy_bench b;
 
-	(void)state;
 	o.object_share = 0;
 	o.stand_in_share = 0.5;
 	bench_open(&b, &o, &chance);
@@ -467,13 +454,12 @@ static void dimness_loses_no_precision(void **state)
 
 /* v near 1 everywhere: the result is a small difference of large sums. A bright background makes
  * its errors visible. */
-static void deficits_may_nearly_cancel(void **state)
+TEST("deficits may nearly cancel")
 {
 	struct chance chance = chance_begin("cancellation");
 	struct synthetic_options o = usual;
 	struct accuracy_bench b;
 
-	(void)state;
 	o.bounce = -0.995; /* v in 0.995..1 */
 	o.object_share = 0;
 	bench_open(&b, &o, &chance);
@@ -498,7 +484,7 @@ static void make_constant(const struct basis_block *b, int16_t *lines)
 
 /* Patterns that are copies of each other, lines that are equal for all pixels, scales of 0 and
  * below the smallest normal float: each of these is a valid file. */
-static void duplicate_and_constant_lines(void **state)
+TEST("duplicate and constant lines")
 {
 	struct chance chance = chance_begin("degenerate lines");
 	struct synthetic_options o = usual;
@@ -507,7 +493,6 @@ static void duplicate_and_constant_lines(void **state)
 	struct accuracy_bench b;
 	uint8_t *copy;
 
-	(void)state;
 	bench_open(&b, &o, &chance);
 	copy = aligned_alloc(BASIS_PAGE, (b.file.basis.map_bytes / BASIS_PAGE + 1) * BASIS_PAGE);
 	assert_non_null(copy);
@@ -587,11 +572,10 @@ static double leave_out(double cut, double share, struct chance *chance)
 	return most;
 }
 
-static void left_out_columns_change_no_more_than_declared(void **state)
+TEST("left out columns change no more than declared")
 {
 	struct chance chance = chance_begin("left out");
 
-	(void)state;
 	assert_true(leave_out(0.004, 1, &chance) > 0.55); /* else no column was left out */
 	leave_out(0.064, 1.0 / 16, &chance);
 }
@@ -610,14 +594,13 @@ static int change(struct accuracy_bench *b, uint8_t *before)
 }
 
 /* Camera noise: one cell of the sky flickers by one level. */
-static void a_flicker_does_not_crawl(void **state)
+TEST("a flicker does not crawl")
 {
 	struct chance chance = chance_begin("flicker");
 	struct synthetic_options o = usual;
 	uint8_t *before;
 	struct accuracy_bench b;
 
-	(void)state;
 	o.column_cut = 0.002;
 	bench_open(&b, &o, &chance);
 	before = malloc((size_t)b.width * (size_t)b.height * 4);
@@ -649,7 +632,7 @@ static double exact_of(const struct accuracy_bench *b, size_t i)
 }
 
 /* A level that does not change, as the ground's, may lie on a border of two codes. */
-static void slow_fades_show_no_steps(void **state)
+TEST("slow fades show no steps")
 {
 	struct chance chance = {77};
 	struct synthetic_options o = usual;
@@ -657,7 +640,6 @@ static void slow_fades_show_no_steps(void **state)
 	struct accuracy_bench b;
 	size_t bytes;
 
-	(void)state;
 	o.stand_in_share = 0;
 	o.bounce = 0.1;
 	o.exact = false;
@@ -683,7 +665,7 @@ static void slow_fades_show_no_steps(void **state)
 /* One light at its threshold, a level above and below in turn. Without a band of hysteresis the
  * whole cell would come and go with each frame, and the object would flicker (light_selection has
  * the band). The bound is the change of the level itself. */
-static void the_threshold_crosses_its_own_light(void **state)
+TEST("the threshold crosses its own light")
 {
 	enum { GREY = 200, FRAMES = 40 };
 	const double at = transfer_decode(TRANSFER_SRGB, GREY / 255.0);
@@ -694,7 +676,6 @@ static void the_threshold_crosses_its_own_light(void **state)
 	uint8_t *before;
 	struct accuracy_bench b;
 
-	(void)state;
 	o.lights = 26;
 	o.coarse = 12;
 	o.columns = 11;
@@ -726,12 +707,11 @@ static void the_threshold_crosses_its_own_light(void **state)
 
 /* Partial coverage where a wrong share of the background shows most, and a dark background under so
  * much light that the object saturates. */
-static void edges_over_black_and_white(void **state)
+TEST("edges over black and white")
 {
 	struct chance chance = chance_begin("edges");
 	struct accuracy_bench b;
 
-	(void)state;
 	bench_open(&b, &usual, &chance);
 	for (int white = 0; white < 2; white++) {
 		memset(b.background, white ? 255 : 0, (size_t)b.width * (size_t)b.height * 4);
@@ -743,7 +723,7 @@ static void edges_over_black_and_white(void **state)
 
 /* A compositor that is wrong by a little must fail. Here it reads a file in which the first block
  * of a kind is 5 % too strong. */
-static void a_wrong_compositor_is_noticed(void **state)
+TEST("a wrong compositor is noticed")
 {
 	struct chance chance = chance_begin("wrong compositor");
 	struct synthetic_options o = usual;
@@ -752,7 +732,6 @@ static void a_wrong_compositor_is_noticed(void **state)
 	struct accuracy_bench b;
 	uint8_t *copy;
 
-	(void)state;
 	o.vary = false;
 	bench_open(&b, &o, &chance);
 	fill_lights(&b, LIGHTS_RANDOM, &chance);
@@ -780,28 +759,4 @@ static void a_wrong_compositor_is_noticed(void **state)
 	basis_close(&wrong);
 	free(copy);
 	bench_close(&b);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_lights_and_thresholds),
-		cmocka_unit_test(over_numbers_of_lights),
-		cmocka_unit_test(over_transfers_and_gains),
-		cmocka_unit_test(over_added_light),
-		cmocka_unit_test(over_sizes),
-		cmocka_unit_test(single_pixels),
-		cmocka_unit_test(darkness_comes_without_a_jump),
-		cmocka_unit_test(dimness_loses_no_precision),
-		cmocka_unit_test(deficits_may_nearly_cancel),
-		cmocka_unit_test(duplicate_and_constant_lines),
-		cmocka_unit_test(left_out_columns_change_no_more_than_declared),
-		cmocka_unit_test(a_flicker_does_not_crawl),
-		cmocka_unit_test(the_threshold_crosses_its_own_light),
-		cmocka_unit_test(slow_fades_show_no_steps),
-		cmocka_unit_test(edges_over_black_and_white),
-		cmocka_unit_test(a_wrong_compositor_is_noticed),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The purpose of all calibration: an object of the material of the ground, flat on it and
  * composited with two calibrated cameras, cannot be told from the ground. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include <stdlib.h>
@@ -19,6 +13,7 @@
 #include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define EYE 240 /* side of the fisheye picture, px */
 #define EXPOSURES 5
@@ -271,7 +266,7 @@ static double find_gain(const struct transfer_curve curves[2], const struct fish
 	return found.gain;
 }
 
-static void the_slab_is_the_ground(void **state)
+TEST("the slab is the ground")
 {
 	const struct fisheye_settings settings = {.field_deg = 90};
 	struct chance chance = chance_begin("light");
@@ -279,7 +274,6 @@ static void the_slab_is_the_ground(void **state)
 	struct fisheye lens;
 	struct slab s;
 
-	(void)state;
 	assert_int_equal(fisheye_prepare(&lens, &settings, EYE, EYE, NULL), 0);
 	curves[0] = calibrate(&fisheye, &chance);
 	curves[1] = calibrate(&background, &chance);
@@ -306,11 +300,4 @@ static void the_slab_is_the_ground(void **state)
 	basis_close(&s.basis);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_slab_is_the_ground),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -2,12 +2,6 @@
 /* A small bright lamp crosses the sky. How much does a picture change from one frame to the next,
  * compared with path tracing of the same lamp? Plain cells hand the lamp over at their border, all at
  * once as far as its size allows; placed light and tents hand it over gradually. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,6 +18,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 /* Under a sanitizer there is less of everything: it sees every step all the same, and the figures
@@ -317,7 +312,7 @@ static void print(const char *what, const struct lamp_change *change)
 		what, change->most, change->rms, change->off);
 }
 
-static void a_lamp_moves_without_steps(void **state)
+TEST("a lamp moves without steps")
 {
 	static struct path path;
 	static struct lamp_kiosk kiosk;
@@ -325,7 +320,6 @@ static void a_lamp_moves_without_steps(void **state)
 	struct lamp_change truth, fine, plain = {0, 0, 0}, shown[DOME_SHAPE_COUNT][2];
 	struct scene *scene;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.3, 16);
 	small_scene_write("cube.obj",
 			  "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 -1 1\nv 1 -1 1\n"
@@ -382,9 +376,4 @@ static void a_lamp_moves_without_steps(void **state)
 	scene_close(scene);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {cmocka_unit_test(a_lamp_moves_without_steps)};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

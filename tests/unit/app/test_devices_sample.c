@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The configuration that is written for what is plugged in. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/devices_sample.h"
+#include "tests/support/test.h"
 
 static void add_node(struct devices_sample *sample, const char *name, const char *bus,
 		     const char *link, const char *offer)
@@ -45,12 +40,11 @@ static char *written(const struct devices_sample *sample)
 	return text;
 }
 
-static void a_serial_number_of_its_own_names_a_camera(void **state)
+TEST("a serial number of its own names a camera")
 {
 	struct devices_sample *sample = sample_create();
 	char *text;
 
-	(void)state;
 	add_camera(sample, "C920", "usb-1", "usb-C920_A-video-index0");
 	add_camera(sample, "C920", "usb-2", "usb-C920_B-video-index0");
 	text = written(sample);
@@ -61,12 +55,11 @@ static void a_serial_number_of_its_own_names_a_camera(void **state)
 }
 
 /* The only link leads to one of the two, which may be the other one after the next start. */
-static void a_shared_serial_number_does_not(void **state)
+TEST("a shared serial number does not")
 {
 	struct devices_sample *sample = sample_create();
 	char *text;
 
-	(void)state;
 	add_camera(sample, "UVC", "usb-1", NULL);
 	add_camera(sample, "UVC", "usb-2", "usb-UVC_0001-video-index0");
 	add_camera(sample, "Other", "usb-3", "usb-Other-video-index0");
@@ -79,12 +72,11 @@ static void a_shared_serial_number_does_not(void **state)
 }
 
 /* A depth camera has a node for depths and others for pictures, all on one bus. */
-static void depths_are_no_picture(void **state)
+TEST("depths are no picture")
 {
 	struct devices_sample *sample = sample_create();
 	char *text;
 
-	(void)state;
 	add_node(sample, "D435", "usb-1", NULL, "Z16 Z16 640x480 30 Hz");
 	add_node(sample, "D435", "usb-1", NULL, "YUYV YUYV 640x480 30 Hz");
 	for (int i = 2; i < 6; i++) {
@@ -117,9 +109,8 @@ static void add_path(struct devices_sample *sample, int node, const char *id, co
 }
 
 /* udev's link by id names the device, and any of its three nodes may have it. */
-static void a_depth_camera_shows_its_colours(void **state)
+TEST("a depth camera shows its colours")
 {
-	(void)state;
 	for (int winner = 0; winner < 3; winner++) {
 		const char *const id = "usb-D435-video-index0";
 		struct devices_sample *sample = sample_create();
@@ -153,12 +144,11 @@ static void add_card(struct devices_sample *sample, int number, const char *firs
 	sample_add_screen(sample, "kms", &listing);
 }
 
-static void a_card_is_named_where_several_have_a_screen(void **state)
+TEST("a card is named where several have a screen")
 {
 	struct devices_sample *sample = sample_create();
 	char *text;
 
-	(void)state;
 	add_card(sample, 0, "disconnected", "disconnected");
 	add_card(sample, 1, "connected", "connected");
 	text = written(sample);
@@ -169,17 +159,4 @@ static void a_card_is_named_where_several_have_a_screen(void **state)
 	assert_non_null(strstr(text, "device = /dev/dri/by-path/pci-0000:01:00.0-card\n"));
 	free(text);
 	sample_destroy(sample);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_serial_number_of_its_own_names_a_camera),
-		cmocka_unit_test(a_shared_serial_number_does_not),
-		cmocka_unit_test(depths_are_no_picture),
-		cmocka_unit_test(a_depth_camera_shows_its_colours),
-		cmocka_unit_test(a_card_is_named_where_several_have_a_screen),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A still picture of a camera that finds its exposure while pictures come. Its time is played. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
@@ -14,6 +8,7 @@
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
+#include "tests/support/test.h"
 
 enum { SIZE = 8, RATE = 8, BRIGHT = 250, RIGHT = 130 };
 
@@ -145,12 +140,11 @@ static int level_taken(char said[512])
 	return level;
 }
 
-static void an_exposure_that_moves_is_waited_for(void **state)
+TEST("an exposure that moves is waited for")
 {
 	struct fault fault;
 	char said[512];
 
-	(void)state;
 	begin(60);
 	assert_in_range(level_taken(said), RIGHT, RIGHT + RIGHT / 20);
 	assert_string_equal(said, "");
@@ -160,24 +154,13 @@ static void an_exposure_that_moves_is_waited_for(void **state)
 	end();
 }
 
-static void a_picture_that_never_rests_is_named(void **state)
+TEST("a picture that never rests is named")
 {
 	char said[512];
 
-	(void)state;
 	begin(-1);
 	assert_true(level_taken(said) > 0);
 	assert_non_null(strstr(said, "camera c: its brightness still changes"));
 	assert_in_range(fake.i, 11 * RATE, 12 * RATE);
 	end();
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(an_exposure_that_moves_is_waited_for),
-		cmocka_unit_test(a_picture_that_never_rests_is_named),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The configuration: defaults, drivers' own keys, checks that concern several keys, printing. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +10,7 @@
 #include "config/config.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/sampler.h"
+#include "tests/support/test.h"
 
 struct fake_options {
 	double noise;
@@ -78,11 +73,10 @@ static struct config *read_text(const char *text)
 	return config;
 }
 
-static void defaults_are_those_of_the_keys(void **state)
+TEST("defaults are those of the keys")
 {
 	struct config *c = fresh(&fakes);
 
-	(void)state;
 	assert_string_equal(c->basis.file, "");
 	assert_int_equal(c->camera_count, 0);
 	assert_string_equal(c->fisheye.view.camera, "fisheye");
@@ -105,7 +99,7 @@ static void defaults_are_those_of_the_keys(void **state)
 	config_destroy(c);
 }
 
-static void drivers_keys_reach_their_own_options(void **state)
+TEST("drivers keys reach their own options")
 {
 	struct config *c = read_text(
 		"[camera sky]\ndriver = fake\nfake.noise = 0.5\nwidth = 320\n"
@@ -114,7 +108,6 @@ static void drivers_keys_reach_their_own_options(void **state)
 	struct config_camera *sky = config_camera_named(c, "sky");
 	struct fake_options *options;
 
-	(void)state;
 	assert_int_equal(c->camera_count, 2);
 	assert_non_null(sky);
 	assert_int_equal(sky->settings.width, 320);
@@ -136,7 +129,7 @@ static void drivers_keys_reach_their_own_options(void **state)
 }
 
 /* A program that opens no device reads the rest, and faults there are still said. */
-static void without_drivers_their_sections_are_skipped(void **state)
+TEST("without drivers their sections are skipped")
 {
 	static const char text[] =
 		"[camera sky]\ndriver = fake\nfake.noise = 0.5\n[screen]\nx.y = 1\n"
@@ -145,7 +138,6 @@ static void without_drivers_their_sections_are_skipped(void **state)
 	struct ini_report report = {.count = 0};
 	struct config *c = fresh(NULL);
 
-	(void)state;
 	assert_true(c->composite.gain == 1);
 	assert_int_equal(config_read_memory(c, text, strlen(text), "k.conf", &report), 0);
 	assert_true(c->composite.gain == 2);
@@ -160,13 +152,12 @@ static void without_drivers_their_sections_are_skipped(void **state)
 	config_destroy(c);
 }
 
-static void one_camera_too_many_is_said(void **state)
+TEST("one camera too many is said")
 {
 	static const char text[] = "[camera a]\n[camera b]\n[camera c]\n[camera d]\n[camera e]\n";
 	struct config *c = fresh(&fakes);
 	struct ini_report report = {.count = 0};
 
-	(void)state;
 	assert_int_equal(config_read_memory(c, text, strlen(text), "k.conf", &report), -EINVAL);
 	assert_string_equal(report.first.text,
 			    "k.conf:5: [camera e] is one section [camera NAME] more "
@@ -174,7 +165,7 @@ static void one_camera_too_many_is_said(void **state)
 	config_destroy(c);
 }
 
-static void what_no_key_tells_alone(void **state)
+TEST("what no key tells alone")
 {
 	static const char text[] = "[camera sky]\ndriver = fak\n[camera bg]\ndriver = fake\n"
 				   "fake.file = missing.hdr\n[camera many]\ndriver = fake\n"
@@ -201,7 +192,6 @@ static void what_no_key_tells_alone(void **state)
 	struct said said = {.count = 0};
 	struct ini_report report = {.say = note, .context = &said};
 
-	(void)state;
 	assert_int_equal(config_check(c, &report), -EINVAL);
 	assert_int_equal(said.count, sizeof(expected) / sizeof(*expected));
 	for (int i = 0; i < said.count; i++)
@@ -213,7 +203,7 @@ static void what_no_key_tells_alone(void **state)
 	config_destroy(c);
 }
 
-static void the_camera_of_depth_measures_depths(void **state)
+TEST("the camera of depth measures depths")
 {
 	struct config *c = read_text("[basis]\nfile = x.inlay\n[camera fisheye]\ndriver = fake\n"
 				     "[camera background]\ndriver = plain\n"
@@ -224,7 +214,6 @@ static void the_camera_of_depth_measures_depths(void **state)
 	const struct camera_settings other =
 		config_camera_settings(c, config_camera_named(c, "background"));
 
-	(void)state;
 	assert_int_equal(config_check(c, &report), 0);
 	assert_true(c->depth.view.view.hflip);
 	assert_true(c->depth.unit_mm == 0.1);
@@ -248,7 +237,7 @@ static char *printed(const struct config *config, void (*print)(const struct con
 	return text;
 }
 
-static void printing_reads_back(void **state)
+TEST("printing reads back")
 {
 	struct config *c = read_text(
 		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n[camera "
@@ -259,7 +248,6 @@ static void printing_reads_back(void **state)
 	char *text = printed(c, config_print), *again;
 	struct config *other = read_text(text);
 
-	(void)state;
 	assert_non_null(strstr(text, "[camera two]\n"));
 	assert_non_null(strstr(text, "rate = 29.97\n"));
 	assert_non_null(strstr(text, "focal = 74.8 66.845\n"));
@@ -297,7 +285,7 @@ static void write_file(const char *path, const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-static void what_is_written_replaces_nothing_else(void **state)
+TEST("what is written replaces nothing else")
 {
 	char path[] = "/tmp/inlay-basis-XXXXXX", text[512];
 	const int fd = mkstemp(path);
@@ -305,7 +293,6 @@ static void what_is_written_replaces_nothing_else(void **state)
 	struct ini_report report = {.say = note, .context = &said};
 	struct config *c;
 
-	(void)state;
 	assert_true(fd >= 0);
 	close(fd);
 	snprintf(text, sizeof(text),
@@ -324,14 +311,13 @@ static void what_is_written_replaces_nothing_else(void **state)
 }
 
 /* The results of a calibration replace what the configuration says of the lens. */
-static void a_lens_of_its_own_file(void **state)
+TEST("a lens of its own file")
 {
 	char path[] = "/tmp/inlay-lens-XXXXXX", text[256];
 	const int fd = mkstemp(path);
 	struct ini_report report = {.count = 0};
 	struct config *c;
 
-	(void)state;
 	assert_true(fd >= 0);
 	close(fd);
 	write_file(path, "[fisheye]\nfocal = 151 140\nmodel = equisolid\n");
@@ -362,13 +348,12 @@ static void a_lens_of_its_own_file(void **state)
 }
 
 /* Every key is in the sample, at its default, with help and range as the tables say. */
-static void sample_file_is_what_the_tables_say(void **state)
+TEST("sample file is what the tables say")
 {
 	struct config *c = fresh(driver_list());
 	char *now = printed(c, config_write_sample);
 	char *file = file_text("config/kiosk.conf");
 
-	(void)state;
 #if WITH_KMS && WITH_SDL && WITH_GPIO
 	assert_string_equal(file, now);
 #else
@@ -380,7 +365,7 @@ static void sample_file_is_what_the_tables_say(void **state)
 }
 
 /* As many drivers as there is room for, and one more. */
-static void too_many_drivers_are_refused(void **state)
+TEST("too many drivers are refused")
 {
 	static const struct camera_ops camera = {.name = "one"};
 	static const struct display_ops *const no_displays[] = {NULL};
@@ -390,7 +375,6 @@ static void too_many_drivers_are_refused(void **state)
 	struct config_drivers drivers;
 	struct config *c;
 
-	(void)state;
 	for (int i = 0; i < CONFIG_DRIVERS_MAX; i++)
 		cameras[i] = &camera;
 	drivers = config_drivers_of(&room, cameras, no_displays, no_buttons);
@@ -402,13 +386,12 @@ static void too_many_drivers_are_refused(void **state)
 	assert_int_equal(config_create(&c, &drivers), -E2BIG);
 }
 
-static void sample_equals_the_defaults(void **state)
+TEST("sample equals the defaults")
 {
 	struct config *bare = fresh(driver_list()), *sample = fresh(driver_list());
 	struct ini_report report = {.count = 0};
 	char *text = printed(bare, config_write_sample), *bare_text, *sample_text;
 
-	(void)state;
 	/* the sample defines two cameras; the other file defines them empty */
 	assert_int_equal(config_read_memory(bare, "[camera fisheye]\n[camera background]\n", 36,
 					    "b", &report),
@@ -423,24 +406,4 @@ static void sample_equals_the_defaults(void **state)
 	free(sample_text);
 	config_destroy(bare);
 	config_destroy(sample);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(defaults_are_those_of_the_keys),
-		cmocka_unit_test(drivers_keys_reach_their_own_options),
-		cmocka_unit_test(without_drivers_their_sections_are_skipped),
-		cmocka_unit_test(one_camera_too_many_is_said),
-		cmocka_unit_test(what_no_key_tells_alone),
-		cmocka_unit_test(the_camera_of_depth_measures_depths),
-		cmocka_unit_test(printing_reads_back),
-		cmocka_unit_test(what_is_written_replaces_nothing_else),
-		cmocka_unit_test(a_lens_of_its_own_file),
-		cmocka_unit_test(sample_file_is_what_the_tables_say),
-		cmocka_unit_test(sample_equals_the_defaults),
-		cmocka_unit_test(too_many_drivers_are_refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

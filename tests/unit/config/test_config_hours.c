@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Hours of the week: each case is the hours that are on, written minute by minute by hand. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <string.h>
 
 #include "config/config_hours.h"
+#include "tests/support/test.h"
 
 enum { SUN, MON, TUE, WED, THU, FRI, SAT };
 
@@ -47,9 +42,8 @@ static void check_hours(const char *text, const struct span *spans, size_t count
 		check_hours(text, spans, sizeof(spans) / sizeof(*spans));                          \
 	} while (0)
 
-static void hours_are_read(void **state)
+TEST("hours are read")
 {
-	(void)state;
 	CHECK_HOURS("", {0, HOURS_WEEK});
 	CHECK_HOURS("0:00-24:00", {0, HOURS_WEEK});
 	CHECK_HOURS("09:00-18:30", {at(SUN, 9, 0), at(SUN, 18, 30)},
@@ -71,7 +65,7 @@ static void hours_are_read(void **state)
 	CHECK_HOURS("tue 8:00-12:00, tue 11:00-13:00", {at(TUE, 8, 0), at(TUE, 13, 0)});
 }
 
-static void mistakes_are_named(void **state)
+TEST("mistakes are named")
 {
 	static const struct {
 		const char *text, *says;
@@ -96,7 +90,6 @@ static void mistakes_are_named(void **state)
 	struct config_hours hours;
 	char many[600] = "0-1";
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		struct fault why = {.text = ""};
 
@@ -112,12 +105,11 @@ static void mistakes_are_named(void **state)
 	assert_int_equal(config_hours_read(many, &hours, NULL), -EINVAL);
 }
 
-static void next_is_found(void **state)
+TEST("next is found")
 {
 	struct config_hours hours;
 	char text[HOURS_MOMENT_MAX];
 
-	(void)state;
 	assert_int_equal(config_hours_read("mon-fri 9-18, fri 20-2", &hours, NULL), 0);
 	assert_int_equal(config_hours_next(&hours, at(SUN, 0, 0)), at(MON, 9, 0));
 	assert_int_equal(config_hours_next(&hours, at(MON, 9, 0)), at(MON, 18, 0));
@@ -129,7 +121,7 @@ static void next_is_found(void **state)
 	assert_int_equal(config_hours_next(&hours, 0), -1);
 }
 
-static void zones_are_checked(void **state)
+TEST("zones are checked")
 {
 	static const char *const good[] = {"",	      "CET-1CEST,M3.5.0,M10.5.0/3",
 					   "EST5EDT", "<+03>-3",
@@ -141,23 +133,10 @@ static void zones_are_checked(void **state)
 					  "CET-1CEST", "WET0WEST",     "Etc/GMT+1", "Etc/GMT-14"};
 	struct fault why;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(good) / sizeof(*good); i++)
 		if (config_zone_check(good[i], &why))
 			fail_msg("\"%s\" is refused: %s", good[i], why.text);
 	for (size_t i = 0; i < sizeof(bad) / sizeof(*bad); i++)
 		if (!config_zone_check(bad[i], &why))
 			fail_msg("\"%s\" is taken", bad[i]);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(hours_are_read),
-		cmocka_unit_test(mistakes_are_named),
-		cmocka_unit_test(next_is_found),
-		cmocka_unit_test(zones_are_checked),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

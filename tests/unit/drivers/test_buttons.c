@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Buttons: the wrappers, timed scripts, the message for every mistake in a script, what counts as a
  * press of a line, and what the GPIO driver refuses. The simulated machine presses real lines. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <poll.h>
 #include <stdio.h>
@@ -19,6 +13,7 @@
 #include "drivers/gpio/edge_order.h"
 #include "drivers/gpio/quadrature.h"
 #include "hal/base/clock.h"
+#include "tests/support/test.h"
 
 static char folder[] = "/tmp/inlay-buttons-XXXXXX";
 static char script[64];
@@ -37,7 +32,7 @@ static int open_script(struct buttons *buttons, const char *text, struct fault *
 	return buttons_open(buttons, &buttons_script, option, fault);
 }
 
-static void script_in_time(void **state)
+TEST("script in time")
 {
 	static const struct {
 		int64_t at_ms;
@@ -54,7 +49,6 @@ static void script_in_time(void **state)
 	struct pollfd ready = {.events = POLLIN};
 	const int64_t start_ns = clock_now_ns();
 
-	(void)state;
 	if (open_script(&buttons,
 			"# later lines may come first\n"
 			"\n"
@@ -87,19 +81,18 @@ static void script_in_time(void **state)
 	assert_int_equal(buttons_descriptor(&buttons), -EBADF);
 }
 
-static void script_empty(void **state)
+TEST("script empty")
 {
 	struct buttons buttons;
 	struct button_press press;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(open_script(&buttons, "# nothing\n", &fault), 0);
 	assert_int_equal(buttons_read(&buttons, &press, &fault), -EAGAIN);
 	buttons_close(&buttons);
 }
 
-static void script_mistakes(void **state)
+TEST("script mistakes")
 {
 	static const struct {
 		const char *text, *words;
@@ -126,7 +119,6 @@ static void script_mistakes(void **state)
 	struct buttons buttons;
 	struct fault fault;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		assert_int_equal(open_script(&buttons, cases[i].text, &fault), -EINVAL);
 		if (strncmp(fault.text, script, strlen(script)) ||
@@ -139,12 +131,11 @@ static void script_mistakes(void **state)
 	assert_non_null(strstr(fault.text, ":1: the line is too long"));
 }
 
-static void script_missing(void **state)
+TEST("script missing")
 {
 	struct buttons buttons;
 	struct fault fault;
 
-	(void)state;
 	snprintf(option, sizeof(option), "%s/none", folder);
 	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, option));
@@ -155,12 +146,11 @@ static void script_missing(void **state)
 	assert_int_equal(buttons_open(&buttons, &buttons_script, option, &fault), -EISDIR);
 }
 
-static void wrappers(void **state)
+TEST("wrappers")
 {
 	struct buttons buttons = {0};
 	struct fault fault;
 
-	(void)state;
 	buttons_close(&buttons);
 	assert_int_equal(buttons_open(&buttons, NULL, option, &fault), -EINVAL);
 	assert_int_equal(buttons_open(&buttons, &buttons_script, NULL, &fault), -EINVAL);
@@ -169,13 +159,12 @@ static void wrappers(void **state)
 }
 
 /* Each action's name is a press; actions that step repeat. */
-static void every_action(void **state)
+TEST("every action")
 {
 	struct button_press press;
 	struct fault fault;
 	int repeating = 0;
 
-	(void)state;
 	for (int i = ACTION_NONE + 1; i < ACTION_COUNT; i++) {
 		const bool level = i == ACTION_THRESHOLD_SET;
 		const bool pose = i == ACTION_POSE_SET || i == ACTION_VIEW_SET;
@@ -198,12 +187,11 @@ static void every_action(void **state)
 	assert_non_null(strstr(fault.text, "0..255 or a percentage 0%..100%"));
 }
 
-static void poses(void **state)
+TEST("poses")
 {
 	struct button_press press;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(button_press_parse("pose", "next", &press, &fault), 0);
 	assert_int_equal(press.action, ACTION_POSE_NEXT);
 	assert_int_equal(button_press_parse("pose", "prev", &press, &fault), 0);
@@ -219,13 +207,12 @@ static void poses(void **state)
 	assert_int_equal(button_press_parse("pose-next", "2", &press, &fault), -EINVAL);
 }
 
-static void views_and_switches(void **state)
+TEST("views and switches")
 {
 	static const char *const switches[] = {"object", "information", "freeze"};
 	struct button_press press;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(button_press_parse("view", "fisheye", &press, &fault), 0);
 	assert_int_equal(press.action, ACTION_VIEW_SET);
 	assert_string_equal(press.name, "fisheye");
@@ -273,13 +260,12 @@ static int64_t take_all(struct edge_order *order, int64_t now_ns, char *text)
 }
 
 /* In whatever order the kernel delivers edges, they come out in the order of their times. */
-static void edges_in_order(void **state)
+TEST("edges in order")
 {
 	static const int64_t ms = 1000000;
 	struct edge_order order = {0};
 	char text[2 * EDGE_ORDER_MAX + 1] = "";
 
-	(void)state;
 	assert_int_equal(take_all(&order, 5 * ms, text), INT64_MAX);
 	/* The second line's edge arrives first, and an earlier edge of the first line only later. */
 	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 11 * ms});
@@ -304,11 +290,10 @@ static void edges_in_order(void **state)
 	assert_string_equal(text, "b");
 }
 
-static void encoder(void **state)
+TEST("encoder")
 {
 	struct quadrature q;
 
-	(void)state;
 	quadrature_start(&q, 4, false, false);
 	assert_int_equal(test_buttons_turn(&q, "aba"), 0); /* not there yet */
 	assert_int_equal(test_buttons_turn(&q, "b"), 1);
@@ -369,11 +354,10 @@ static int presses_between(struct button *button, int from_ms, int to_ms)
 	return count;
 }
 
-static void line_bounces(void **state)
+TEST("line bounces")
 {
 	struct button button;
 
-	(void)state;
 	button_start(&button, false, false);
 	assert_true(button_deadline_ns(&button, &timing) == BUTTON_NEVER);
 	for (int ms = 1000; ms < 1010; ms += 2) {
@@ -400,11 +384,10 @@ static void line_bounces(void **state)
 }
 
 /* The program looks late: edges count by their own times. */
-static void line_seen_late(void **state)
+TEST("line seen late")
 {
 	struct button button;
 
-	(void)state;
 	button_start(&button, false, true);
 	assert_false(edge(&button, 1000, true));
 	assert_true(edge(&button, 1100, false));
@@ -419,12 +402,11 @@ static void line_seen_late(void **state)
 	assert_true(settled(&button, 15100));
 }
 
-static void line_repeats(void **state)
+TEST("line repeats")
 {
 	const struct button_timing never = {.settle_ns = timing.settle_ns, .repeat_every_ns = 1};
 	struct button button;
 
-	(void)state;
 	button_start(&button, false, true);
 	assert_false(edge(&button, 1000, true));
 	assert_int_equal(presses_between(&button, 1000, 1520), 1);
@@ -446,11 +428,10 @@ static void line_repeats(void **state)
 	assert_true(button_deadline_ns(&button, &never) == BUTTON_NEVER);
 }
 
-static void line_pressed_at_the_start(void **state)
+TEST("line pressed at the start")
 {
 	struct button button;
 
-	(void)state;
 	button_start(&button, true, true);
 	assert_int_equal(presses_between(&button, 0, 30000), 0);
 	assert_false(edge(&button, 30000, true)); /* an edge was lost before this one */
@@ -462,14 +443,13 @@ static void line_pressed_at_the_start(void **state)
 }
 
 #if WITH_GPIO
-static void gpio_missing(void **state)
+TEST("gpio missing")
 {
 	/* through the key table, as the program does, because the driver's struct is private */
 	void *options = calloc(1, buttons_gpio.options_size);
 	struct buttons buttons;
 	struct fault fault;
 
-	(void)state;
 	assert_non_null(options);
 	ini_defaults(buttons_gpio.keys, options);
 	for (const struct ini_key *key = buttons_gpio.keys; key->name; key++)
@@ -497,27 +477,4 @@ static int remove_folder(void **state)
 	return rmdir(folder);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(script_in_time),
-		cmocka_unit_test(script_empty),
-		cmocka_unit_test(script_mistakes),
-		cmocka_unit_test(script_missing),
-		cmocka_unit_test(wrappers),
-		cmocka_unit_test(every_action),
-		cmocka_unit_test(poses),
-		cmocka_unit_test(views_and_switches),
-		cmocka_unit_test(edges_in_order),
-		cmocka_unit_test(encoder),
-		cmocka_unit_test(line_bounces),
-		cmocka_unit_test(line_seen_late),
-		cmocka_unit_test(line_repeats),
-		cmocka_unit_test(line_pressed_at_the_start),
-#if WITH_GPIO
-		cmocka_unit_test(gpio_missing),
-#endif
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_GROUP(make_folder, remove_folder);

@@ -23,6 +23,7 @@
 #include "drivers/libcamera/configuration.hpp"
 #include "drivers/libcamera/library_controls.hpp"
 #include "drivers/libcamera/log_stream.hpp"
+#include "tests/support/test.h"
 
 extern "C" {
 #include <cmocka.h> /* after C++ headers, because it defines a macro named fail */
@@ -143,7 +144,7 @@ struct Asked {
 	double rate;
 };
 
-void test_values(void **)
+TEST("values")
 {
 	assert_string_equal(sent(lc::controls::AeEnable, "no").c_str(), "no");
 	assert_string_equal(sent(lc::controls::AeEnable, " ON ").c_str(), "yes");
@@ -155,7 +156,7 @@ void test_values(void **)
 			    "33333 33333");
 }
 
-void test_values_that_cannot_be(void **)
+TEST("values that cannot be")
 {
 	assert_string_equal(sent(lc::controls::ExposureTime, "99").c_str(),
 			    "refused: 99 is out of its range 100..66666");
@@ -179,7 +180,7 @@ void test_values_that_cannot_be(void **)
 			    "refused: its kind cannot be set from a configuration");
 }
 
-void test_wishes(void **)
+TEST("wishes")
 {
 	lc::ControlList carried(lc::controls::controls), later(lc::controls::controls);
 	const Said said;
@@ -198,7 +199,7 @@ void test_wishes(void **)
 	assert_true(holds(said.text(), "control AnalogueGain is not set: expected 1 value"));
 }
 
-void test_arrays(void **)
+TEST("arrays")
 {
 	lc::ControlList carried(lc::controls::controls);
 	Asked asked("ColourGains=1.5 2", 30);
@@ -213,7 +214,7 @@ void test_arrays(void **)
 
 /* A camera that refuses one control refuses the whole request, so each is tried alone, and one is
  * named. */
-void test_refusals_are_told_apart(void **)
+TEST("refusals are told apart")
 {
 	lc::ControlList all(lc::controls::controls);
 	const Said said;
@@ -238,7 +239,7 @@ void test_refusals_are_told_apart(void **)
 }
 
 /* A change goes with the next request, and once more after what had already been queued. */
-void test_changes(void **)
+TEST("changes")
 {
 	const Said said;
 	Asked asked("ExposureTime=10000, AnalogueGain=2");
@@ -275,7 +276,7 @@ void test_changes(void **)
 	assert_int_equal(said.lines(), 0);
 }
 
-void test_reading_back(void **)
+TEST("reading back")
 {
 	lc::ControlList metadata(lc::controls::controls);
 	const Said said;
@@ -293,7 +294,7 @@ void test_reading_back(void **)
 	assert_true(holds(said.text(), "control AnalogueGain: asked for 2, it uses 1"));
 }
 
-void test_rates(void **)
+TEST("rates")
 {
 	libcamera_wishes wishes;
 
@@ -303,7 +304,7 @@ void test_rates(void **)
 	assert_true(libcamera_wishes_read(&wishes, "cam", nullptr, 0, "", 30) == 0);
 }
 
-void test_choice_of_format(void **)
+TEST("choice of format")
 {
 	const lc::Size small(640, 480), large(1920, 1080);
 	const lc::StreamFormats formats({
@@ -327,7 +328,7 @@ void test_choice_of_format(void **)
 }
 
 /* A camera that does not list its formats is tried with all that inlay reads. */
-void test_untold_formats(void **)
+TEST("untold formats")
 {
 	const auto all = candidates(lc::StreamFormats(), PIXEL_NONE, lc::Size(640, 480));
 	const auto ways = [&](pixel_format format) {
@@ -346,7 +347,7 @@ void test_untold_formats(void **)
 	assert_int_equal(format_of(lc::formats::SRGGB10), PIXEL_NONE);
 }
 
-void test_colours(void **)
+TEST("colours")
 {
 	lc::StreamConfiguration stream;
 	camera_settings settings = {};
@@ -377,7 +378,7 @@ void test_colours(void **)
 }
 
 /* All frames of a stream have its properties. */
-void test_blank_frame(void **)
+TEST("blank frame")
 {
 	lc::StreamConfiguration stream;
 
@@ -392,7 +393,7 @@ void test_blank_frame(void **)
 }
 
 /* libcamera writes a message in one piece. */
-void test_messages(void **)
+TEST("messages")
 {
 	const Said said;
 	Messages messages;
@@ -405,7 +406,7 @@ void test_messages(void **)
 }
 
 /* Who waits for a semaphore destroys it as soon as he has the lock. */
-void test_semaphores_notify_while_locked(void **)
+TEST("semaphores notify while locked")
 {
 	lc::Semaphore semaphore;
 	Dl_info used, own;
@@ -419,30 +420,8 @@ void test_semaphores_notify_while_locked(void **)
 	assert_int_equal(semaphore.available(), 1);
 	/* libcamera calls this function, too. */
 	assert_true(dladdr(dlsym(RTLD_DEFAULT, "_ZN9libcamera9Semaphore7releaseEj"), &used));
-	assert_true(dladdr(reinterpret_cast<void *>(test_semaphores_notify_while_locked), &own));
+	assert_true(dladdr(reinterpret_cast<void *>(test_group), &own));
 	assert_ptr_equal(used.dli_fbase, own.dli_fbase);
 }
 
 } // namespace
-
-int main()
-{
-	const CMUnitTest tests[] = {
-		cmocka_unit_test(test_values),
-		cmocka_unit_test(test_values_that_cannot_be),
-		cmocka_unit_test(test_wishes),
-		cmocka_unit_test(test_arrays),
-		cmocka_unit_test(test_refusals_are_told_apart),
-		cmocka_unit_test(test_changes),
-		cmocka_unit_test(test_reading_back),
-		cmocka_unit_test(test_rates),
-		cmocka_unit_test(test_choice_of_format),
-		cmocka_unit_test(test_untold_formats),
-		cmocka_unit_test(test_colours),
-		cmocka_unit_test(test_blank_frame),
-		cmocka_unit_test(test_messages),
-		cmocka_unit_test(test_semaphores_notify_while_locked),
-	};
-
-	return cmocka_run_group_tests(tests, nullptr, nullptr);
-}

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The simulated camera through the camera contract: clocks, faults, sensor, panorama, files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -26,6 +20,7 @@
 #include "hal/optics/panorama.h"
 #include "hal/optics/tsai.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static char folder[] = "/tmp/inlay-sim.XXXXXX";
 
@@ -112,12 +107,11 @@ static uint64_t checksum(const struct frame *frame)
 	return h;
 }
 
-static void defaults_are_sound(void **state)
+TEST("defaults are sound")
 {
 	struct frame frame;
 	struct sim_rig rig;
 
-	(void)state;
 	test_sim_prepare(&rig, NULL);
 	rig.settings.width = rig.settings.height = 0;
 	must_start(&rig);
@@ -134,12 +128,11 @@ static void defaults_are_sound(void **state)
 	finish(&rig);
 }
 
-static void same_frames_every_time(void **state)
+TEST("same frames every time")
 {
 	uint64_t sums[2][4], others = 0;
 	int64_t last_ns = 0;
 
-	(void)state;
 	for (int run = 0; run < 2; run++) {
 		struct frame frame;
 		struct sim_rig rig;
@@ -165,7 +158,7 @@ static void same_frames_every_time(void **state)
 	assert_int_equal(others, 4);
 }
 
-static void the_real_clock_keeps_time(void **state)
+TEST("the real clock keeps time")
 {
 	const struct timespec nap = {0, 130 * 1000 * 1000};
 	struct frame frame;
@@ -173,7 +166,6 @@ static void the_real_clock_keeps_time(void **state)
 	uint32_t first;
 	int64_t first_ns;
 
-	(void)state;
 	test_sim_prepare(&rig, NULL);
 	rig.settings.rate_hz = 50;
 	must_start(&rig);
@@ -193,11 +185,10 @@ static void the_real_clock_keeps_time(void **state)
 	finish(&rig);
 }
 
-static void a_camera_stalls_and_vanishes(void **state)
+TEST("a camera stalls and vanishes")
 {
 	static const char *const clocks[] = {"clock=real", "clock=frames"};
 
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		struct frame frame;
 		struct pollfd p = {.events = POLLIN};
@@ -231,12 +222,11 @@ static void a_camera_stalls_and_vanishes(void **state)
 	}
 }
 
-static void corrupt_frames_are_skipped(void **state)
+TEST("corrupt frames are skipped")
 {
 	struct frame frame;
 	struct sim_rig rig;
 
-	(void)state;
 	test_sim_prepare(&rig, "clock=frames", "corrupt_every=3", NULL);
 	must_start(&rig);
 	for (uint32_t i = 0; i < 6; i++) {
@@ -273,7 +263,7 @@ static uint8_t middle_code(const struct frame *frame)
 	return frame->planes[0].data[(size_t)24 * frame->planes[0].stride + 32 * 4];
 }
 
-static void the_sensor_encodes(void **state)
+TEST("the sensor encodes")
 {
 	static const struct {
 		const char *transfer, *exposure, *black;
@@ -289,7 +279,6 @@ static void the_sensor_encodes(void **state)
 	};
 	char file[300];
 
-	(void)state;
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct frame frame;
@@ -305,7 +294,7 @@ static void the_sensor_encodes(void **state)
 }
 
 /* Each key changes the studio's picture; automatic exposure brings a flat one to its level at once. */
-static void the_look_has_keys(void **state)
+TEST("the look has keys")
 {
 	static const char *const keys[] = {"edge_spread=1", "auto_exposure=0.3", "auto_white=yes",
 					   "flicker=0.5"};
@@ -314,7 +303,6 @@ static void the_look_has_keys(void **state)
 	struct sim_rig rig;
 	uint64_t plain;
 
-	(void)state;
 	option(file, "file", flat_panorama(0.25f));
 	test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
 			 "view=perspective", "exposure=3", "auto_exposure=0.6", "edge_spread=2",
@@ -341,12 +329,11 @@ static void the_look_has_keys(void **state)
 }
 
 /* Linear light of 0.25: code 64 at an exposure of 1, 128 at 2, 0 at 0. */
-static void the_exposure_changes_after_its_delay(void **state)
+TEST("the exposure changes after its delay")
 {
 	static const int delays[] = {0, 1, 5, 30};
 	char file[300], delay[64];
 
-	(void)state;
 	option(file, "file", flat_panorama(0.25f));
 	for (size_t i = 0; i < sizeof(delays) / sizeof(delays[0]); i++) {
 		struct frame frame;
@@ -382,13 +369,12 @@ static void the_exposure_changes_after_its_delay(void **state)
 }
 
 /* Many more changes of exposure than frames. */
-static void the_last_of_many_exposures_counts(void **state)
+TEST("the last of many exposures counts")
 {
 	struct frame frame;
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	option(file, "file", flat_panorama(0.25f));
 	test_sim_prepare(&rig, "clock=frames", "source=panorama", "transfer=linear", file,
 			 "control_delay=30", NULL);
@@ -405,7 +391,7 @@ static void the_last_of_many_exposures_counts(void **state)
 	finish(&rig);
 }
 
-static void wrong_controls_are_named(void **state)
+TEST("wrong controls are named")
 {
 	static const struct {
 		const char *name, *value;
@@ -425,7 +411,6 @@ static void wrong_controls_are_named(void **state)
 	struct frame frame;
 	struct sim_rig rig;
 
-	(void)state;
 	test_sim_prepare(&rig, "clock=frames", NULL);
 	assert_int_equal(camera_set_control(&rig.camera, "exposure", "1", NULL, &rig.fault),
 			 -EBADF);
@@ -441,12 +426,11 @@ static void wrong_controls_are_named(void **state)
 	finish(&rig);
 }
 
-static void a_driver_without_controls_says_so(void **state)
+TEST("a driver without controls says so")
 {
 	struct camera_ops without = camera_sim;
 	struct sim_rig rig;
 
-	(void)state;
 	without.control = NULL;
 	test_sim_prepare(&rig, "clock=frames", NULL);
 	must_start(&rig);
@@ -458,7 +442,7 @@ static void a_driver_without_controls_says_so(void **state)
 	finish(&rig);
 }
 
-static void noise_is_as_strong_as_said(void **state)
+TEST("noise is as strong as said")
 {
 	double sum = 0, squares = 0;
 	struct frame frame;
@@ -466,7 +450,6 @@ static void noise_is_as_strong_as_said(void **state)
 	char file[300];
 	const int count = 200 * 200 * 3;
 
-	(void)state;
 	option(file, "file", flat_panorama(0.25f));
 	test_sim_prepare(&rig, "clock=frames", "source=panorama", "view=perspective",
 			 "transfer=linear", "read_noise=6", "shot_noise=16", file, NULL);
@@ -506,7 +489,7 @@ static const char *coloured_panorama(struct image *image)
 	return path;
 }
 
-static void panoramas_show_what_is_there(void **state)
+TEST("panoramas show what is there")
 {
 	struct panorama panorama = {.scale = 1};
 	struct fisheye_settings settings = {.field_deg = 90};
@@ -517,7 +500,6 @@ static void panoramas_show_what_is_there(void **state)
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	option(file, "file", coloured_panorama(&image));
 	panorama.image = &image;
 	assert_int_equal(fisheye_prepare(&lens, &settings, 128, 128, NULL), 0);
@@ -556,9 +538,8 @@ static void panoramas_show_what_is_there(void **state)
 	finish(&rig);
 }
 
-static void yuyv_holds_the_same_picture(void **state)
+TEST("yuyv holds the same picture")
 {
-	(void)state;
 	for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
 		for (int range = 0; range < RANGE_COUNT; range++) {
 			struct frame_decoder *decoder;
@@ -612,14 +593,13 @@ static void write_picture(const char *name, int width, int height, int value)
 	image_free(&image);
 }
 
-static void pictures_play_in_order(void **state)
+TEST("pictures play in order")
 {
 	static const int looped[] = {10, 20, 30, 10, 20};
 	struct frame frame;
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	write_picture("p001.png", 20, 10, 10);
 	write_picture("p002.png", 20, 10, 20);
 	write_picture("p003.png", 20, 10, 30);
@@ -658,13 +638,12 @@ static void pictures_play_in_order(void **state)
 	finish(&rig);
 }
 
-static void a_picture_stays(void **state)
+TEST("a picture stays")
 {
 	struct frame frame;
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	write_picture("one.png", 8, 8, 99);
 	option(file, "file", in_folder("one.png"));
 	test_sim_prepare(&rig, "clock=frames", "source=files", file, NULL);
@@ -699,14 +678,13 @@ static int luma_code(int y)
 	return (int)lrint((y - 16) * 255.0 / 219);
 }
 
-static void video_plays(void **state)
+TEST("video plays")
 {
 	static const struct {
 		const char *name;
 		size_t chroma_bytes;
 	} kinds[] = {{"420jpeg", 64}, {"422", 128}, {"444", 256}, {"mono", 0}};
 
-	(void)state;
 	for (size_t k = 0; k < 4; k++) {
 		FILE *f = fopen(in_folder("clip.y4m"), "w");
 		struct frame frame;
@@ -731,7 +709,7 @@ static void video_plays(void **state)
 	}
 }
 
-static void a_pipe_plays_as_it_comes(void **state)
+TEST("a pipe plays as it comes")
 {
 	struct frame frame;
 	struct sim_rig rig;
@@ -739,7 +717,6 @@ static void a_pipe_plays_as_it_comes(void **state)
 	int hold;
 	FILE *f;
 
-	(void)state;
 	assert_int_equal(mkfifo(in_folder("pipe"), 0600), 0);
 	option(file, "file", in_folder("pipe"));
 	/* both ends are open, so that neither side waits for the other */
@@ -772,7 +749,7 @@ static void write_text(const char *name, const char *text)
 	fclose(f);
 }
 
-static void bad_files_are_named(void **state)
+TEST("bad files are named")
 {
 	static const struct {
 		const char *source, *name, *text;
@@ -789,7 +766,6 @@ static void bad_files_are_named(void **state)
 		{"source=panorama", "missing.hdr", NULL, -ENOENT},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct sim_rig rig;
 		char file[300];
@@ -810,13 +786,12 @@ static void bad_files_are_named(void **state)
 	}
 }
 
-static void a_square_panorama_is_refused(void **state)
+TEST("a square panorama is refused")
 {
 	struct image image;
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	assert_int_equal(image_create_f32(&image, 8, 8), 0);
 	assert_int_equal(image_write(in_folder("square.pfm"), &image, NULL), 0);
 	image_free(&image);
@@ -832,14 +807,13 @@ static const char camera_text[] = "[camera]\nwidth = 64\nheight = 48\n"
 				  "focal = 4\nkappa1 = 0\ncentre = 32 24\npixel = 0.1 0.1\n"
 				  "aspect = 1\n";
 
-static void a_camera_file_sets_the_view(void **state)
+TEST("a camera file sets the view")
 {
 	const uint8_t *middle;
 	struct frame frame;
 	struct sim_rig rig;
 	char file[300];
 
-	(void)state;
 	write_text("camera.ini", camera_text);
 	option(file, "camera", in_folder("camera.ini"));
 	test_sim_prepare(&rig, "clock=frames", "view=perspective", file, NULL);
@@ -865,11 +839,10 @@ static void a_camera_file_sets_the_view(void **state)
 	finish(&rig);
 }
 
-static void other_formats_are_refused(void **state)
+TEST("other formats are refused")
 {
 	struct sim_rig rig;
 
-	(void)state;
 	test_sim_prepare(&rig, NULL);
 	rig.settings.format = PIXEL_MJPEG;
 	assert_int_equal(test_sim_start(&rig), -EINVAL);
@@ -903,13 +876,12 @@ static double depth_off(const struct tsai_camera *camera, const struct frame *fr
 	return word[0] | word[1] ? (word[0] | word[1] << 8) / 1000.0 - *depth : NAN;
 }
 
-static void depths_are_where_walls_are(void **state)
+TEST("depths are where walls are")
 {
 	const double eye[3] = {0, -1.7, 0.95}, target[3] = {0, 0, 0.12};
 	const double noise_mm[2] = {0, 4};
 	struct tsai_camera camera;
 
-	(void)state;
 	assert_int_equal(tsai_look_at(&camera, 64, 48, eye, target, 46, NULL), 0);
 	for (int n = 0; n < 2; n++) {
 		struct frame frame;
@@ -946,14 +918,13 @@ static void depths_are_where_walls_are(void **state)
 }
 
 /* Walkers are nearer than the room; at their outlines nothing is known. */
-static void depths_have_holes_at_edges(void **state)
+TEST("depths have holes at edges")
 {
 	const double eye[3] = {0, -1.7, 0.95}, target[3] = {0, 0, 0.12};
 	struct tsai_camera camera;
 	struct sim_rig rig;
 	int nearer = 0, jumps = 0, holes = 0;
 
-	(void)state;
 	assert_int_equal(tsai_look_at(&camera, 64, 48, eye, target, 46, NULL), 0);
 	test_sim_prepare(&rig, "view=perspective", "clock=frames", "walkers=4", NULL);
 	rig.settings.format = PIXEL_Z16;
@@ -984,12 +955,11 @@ static void depths_have_holes_at_edges(void **state)
 	expect_equal(jumps, 0, "edges without a hole");
 }
 
-static void a_closed_camera_is_harmless(void **state)
+TEST("a closed camera is harmless")
 {
 	struct camera camera = {0};
 	struct frame frame;
 
-	(void)state;
 	camera_close(&camera);
 	assert_int_equal(camera_descriptor(&camera), -EBADF);
 	assert_int_equal(camera_grab(&camera, &frame, NULL), -EBADF);
@@ -1016,35 +986,4 @@ static int remove_folder(void **state)
 	return rmdir(folder);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_closed_camera_is_harmless),
-		cmocka_unit_test(defaults_are_sound),
-		cmocka_unit_test(same_frames_every_time),
-		cmocka_unit_test(the_real_clock_keeps_time),
-		cmocka_unit_test(a_camera_stalls_and_vanishes),
-		cmocka_unit_test(corrupt_frames_are_skipped),
-		cmocka_unit_test(the_sensor_encodes),
-		cmocka_unit_test(the_look_has_keys),
-		cmocka_unit_test(the_exposure_changes_after_its_delay),
-		cmocka_unit_test(the_last_of_many_exposures_counts),
-		cmocka_unit_test(wrong_controls_are_named),
-		cmocka_unit_test(a_driver_without_controls_says_so),
-		cmocka_unit_test(noise_is_as_strong_as_said),
-		cmocka_unit_test(panoramas_show_what_is_there),
-		cmocka_unit_test(yuyv_holds_the_same_picture),
-		cmocka_unit_test(pictures_play_in_order),
-		cmocka_unit_test(a_picture_stays),
-		cmocka_unit_test(video_plays),
-		cmocka_unit_test(a_pipe_plays_as_it_comes),
-		cmocka_unit_test(bad_files_are_named),
-		cmocka_unit_test(a_square_panorama_is_refused),
-		cmocka_unit_test(a_camera_file_sets_the_view),
-		cmocka_unit_test(other_formats_are_refused),
-		cmocka_unit_test(depths_are_where_walls_are),
-		cmocka_unit_test(depths_have_holes_at_edges),
-	};
-
-	return cmocka_run_group_tests_name("camera_sim", tests, make_folder, remove_folder);
-}
+TEST_GROUP(make_folder, remove_folder);

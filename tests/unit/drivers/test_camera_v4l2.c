@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The V4L2 driver against a played device: formats, frames, faults. test_v4l2_digitizer.c has
  * digitizers; test_v4l2_settings.c has controls, and what is given up when the bus is full. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,15 +13,15 @@
 #include "hal/device/camera_situation.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
+#include "tests/support/test.h"
 
 enum { BUFFERS = 4 };
 
-static void formats_are_chosen(void **state)
+TEST("formats are chosen")
 {
 	static const uint32_t only_yuyv[] = {V4L2_PIX_FMT_YUYV, 0};
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, played_formats); /* the cheapest format that inlay reads */
 	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_YUYV);
@@ -60,7 +54,7 @@ static void formats_are_chosen(void **state)
 }
 
 /* What a device calls Y16 may fill fewer bits: the configuration says which. */
-static void y16_of_fewer_bits_is_declared(void **state)
+TEST("y16 of fewer bits is declared")
 {
 	static const uint32_t only_y16[] = {V4L2_PIX_FMT_Y16, 0};
 	static const uint32_t both[] = {V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_Y12, 0};
@@ -68,7 +62,6 @@ static void y16_of_fewer_bits_is_declared(void **state)
 	struct played_rig rig;
 	struct frame frame;
 
-	(void)state;
 	for (int i = 0; i < 5; i++) {
 		played_prepare(&rig, only_y16);
 		rig.settings.format = wanted[i];
@@ -88,14 +81,13 @@ static void y16_of_fewer_bits_is_declared(void **state)
 	played_finish(&rig);
 }
 
-static void depths_are_taken_where_they_are_wanted(void **state)
+TEST("depths are taken where they are wanted")
 {
 	static const uint32_t both[] = {V4L2_PIX_FMT_Z16, V4L2_PIX_FMT_GREY, 0};
 	static const uint32_t depths[] = {V4L2_PIX_FMT_Z16, 0}, none[] = {0};
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, both);
 	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
 	assert_true(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, false));
@@ -129,13 +121,12 @@ static void depths_are_taken_where_they_are_wanted(void **state)
 	assert_false(v4l2_offers_kind(played_file, V4L2_BUF_TYPE_VIDEO_CAPTURE, true));
 }
 
-static void frames_come_and_go_back(void **state)
+TEST("frames come and go back")
 {
 	const int64_t now_ns = clock_now_ns(), shot_ns = now_ns - 5000000;
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, played_formats);
 	played.stride_extra = 32;
 	played.interrupts = 3; /* signals do not matter */
@@ -163,7 +154,7 @@ static void frames_come_and_go_back(void **state)
 }
 
 /* A clock that has wrapped around, or another clock, would make latency meaningless. */
-static void times_that_cannot_be_are_replaced(void **state)
+TEST("times that cannot be are replaced")
 {
 	const int64_t now_ns = clock_now_ns();
 	const int64_t times_ns[] = {now_ns + 3600 * NS_PER_S, INT64_MAX, 1, -5 * NS_PER_S,
@@ -171,7 +162,6 @@ static void times_that_cannot_be_are_replaced(void **state)
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
 	for (uint32_t i = 0; i < sizeof(times_ns) / sizeof(times_ns[0]); i++) {
@@ -197,12 +187,11 @@ static void times_that_cannot_be_are_replaced(void **state)
 	played_finish(&rig);
 }
 
-static void the_newest_wins(void **state)
+TEST("the newest wins")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
 	played_deliver(0, UINT32_MAX - 1, PLAYED_YUYV_BYTES, 0);
@@ -221,7 +210,7 @@ static void the_newest_wins(void **state)
 	played_finish(&rig);
 }
 
-static void unfit_frames_are_skipped(void **state)
+TEST("unfit frames are skipped")
 {
 	struct captured_log log;
 	char said[512] = "";
@@ -229,7 +218,6 @@ static void unfit_frames_are_skipped(void **state)
 	struct played_rig rig;
 	FILE *lines;
 
-	(void)state;
 	played_prepare(&rig, played_formats);
 	played_must_start(&rig);
 	log = captured_log_begin();
@@ -254,13 +242,12 @@ static void unfit_frames_are_skipped(void **state)
 }
 
 /* A driver that claims more bytes than its buffer has. */
-static void no_byte_beyond_the_buffer(void **state)
+TEST("no byte beyond the buffer")
 {
 	static const uint32_t raw[] = {V4L2_PIX_FMT_YUYV, 0};
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, raw);
 	played_must_start(&rig);
 	played_deliver(0, 0, UINT32_MAX, 0);
@@ -285,13 +272,12 @@ static int grab_jpeg(struct played_rig *rig, const void *bytes, size_t count, st
 }
 
 /* Decoding tells whether a picture is whole; only an empty buffer is no picture. */
-static void jpeg_buffers_are_given_out_as_they_came(void **state)
+TEST("jpeg buffers are given out as they came")
 {
 	static const uint32_t jpeg[] = {V4L2_PIX_FMT_MJPEG, 0};
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, jpeg);
 	played_must_start(&rig);
 	assert_int_equal(grab_jpeg(&rig, "zz\xff\xd8zzzz\xff\xd9stray", 15, &frame), 0);
@@ -304,13 +290,12 @@ static void jpeg_buffers_are_given_out_as_they_came(void **state)
 	played_finish(&rig);
 }
 
-static void planes_of_their_own(void **state)
+TEST("planes of their own")
 {
 	static const uint32_t two[] = {V4L2_PIX_FMT_NV12M, 0}, one[] = {V4L2_PIX_FMT_NV12, 0};
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, two);
 	played.multiplanar = true;
 	played_must_start(&rig);
@@ -338,7 +323,7 @@ static void planes_of_their_own(void **state)
 	played_finish(&rig);
 }
 
-static void errors_are_situations(void **state)
+TEST("errors are situations")
 {
 	static const struct {
 		int err, situation;
@@ -347,7 +332,6 @@ static void errors_are_situations(void **state)
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		played_prepare(&rig, played_formats);
 		played.streamon_error = cases[i].err;
@@ -401,7 +385,7 @@ static void errors_are_situations(void **state)
 	assert_int_equal(camera_situation_of(-EPERM), CAMERA_NO_PERMISSION);
 }
 
-static void what_is_no_camera_is_refused(void **state)
+TEST("what is no camera is refused")
 {
 	static const struct {
 		const char *device;
@@ -410,7 +394,6 @@ static void what_is_no_camera_is_refused(void **state)
 		     {"/nowhere/video0", -ENOENT, CAMERA_NO_DEVICE},
 		     {"no such bus", -ENODEV, CAMERA_NO_DEVICE}};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct played_rig rig;
 
@@ -424,7 +407,7 @@ static void what_is_no_camera_is_refused(void **state)
 }
 
 /* The defaults of the kernel's documentation, "Colorspaces" and "Defining Colorspaces". */
-static void colours_follow_the_kernel(void **state)
+TEST("colours follow the kernel")
 {
 	static const struct {
 		uint32_t fourcc, colorspace, encoding, quantization, height;
@@ -444,7 +427,6 @@ static void colours_follow_the_kernel(void **state)
 		{V4L2_PIX_FMT_GREY, V4L2_COLORSPACE_SRGB, 0, 0, 480, MATRIX_BT601, RANGE_FULL},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		const struct v4l2_pix_format format = {.pixelformat = cases[i].fourcc,
 						       .height = cases[i].height,
@@ -460,12 +442,11 @@ static void colours_follow_the_kernel(void **state)
 	}
 }
 
-static void settings_overrule_the_driver(void **state)
+TEST("settings overrule the driver")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, played_formats);
 	played.colorspace = V4L2_COLORSPACE_REC709;
 	rig.settings.matrix = MATRIX_BT601 + 1;
@@ -479,12 +460,11 @@ static void settings_overrule_the_driver(void **state)
 	played_finish(&rig);
 }
 
-static void a_stride_too_small_is_refused(void **state)
+TEST("a stride too small is refused")
 {
 	struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
 	struct v4l2_picture picture;
 
-	(void)state;
 	format.fmt.pix = (struct v4l2_pix_format){
 		.width = 64, .height = 48, .pixelformat = V4L2_PIX_FMT_YUYV, .bytesperline = 127};
 	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), -EINVAL);
@@ -497,26 +477,4 @@ static void a_stride_too_small_is_refused(void **state)
 	assert_int_equal(v4l2_picture_of(&format, 0, 0, &picture, NULL), -EINVAL);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(formats_are_chosen),
-		cmocka_unit_test(y16_of_fewer_bits_is_declared),
-		cmocka_unit_test(depths_are_taken_where_they_are_wanted),
-		cmocka_unit_test(frames_come_and_go_back),
-		cmocka_unit_test(times_that_cannot_be_are_replaced),
-		cmocka_unit_test(the_newest_wins),
-		cmocka_unit_test(unfit_frames_are_skipped),
-		cmocka_unit_test(no_byte_beyond_the_buffer),
-		cmocka_unit_test(jpeg_buffers_are_given_out_as_they_came),
-		cmocka_unit_test(planes_of_their_own),
-		cmocka_unit_test(errors_are_situations),
-		cmocka_unit_test(what_is_no_camera_is_refused),
-		cmocka_unit_test(colours_follow_the_kernel),
-		cmocka_unit_test(settings_overrule_the_driver),
-		cmocka_unit_test(a_stride_too_small_is_refused),
-	};
-
-	return cmocka_run_group_tests_name("camera_v4l2", tests, played_make_file,
-					   played_remove_file);
-}
+TEST_GROUP(played_make_file, played_remove_file);

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* What a television is told by CEC, by an adapter that is played. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <linux/cec.h>
 #include <string.h>
 #include <sys/ioctl.h>
 
 #include "drivers/drivers.h"
+#include "tests/support/test.h"
 
 static struct {
 	struct cec_log_addrs addresses;
@@ -60,11 +55,10 @@ static void check_sent(int i, unsigned length, const char *bytes)
 	assert_memory_equal(adapter.sent[i].msg, bytes, length);
 }
 
-static void a_television_is_switched(void **state)
+TEST("a television is switched")
 {
 	struct fault fault = {""};
 
-	(void)state;
 	memset(&adapter, 0, sizeof(adapter));
 	assert_int_equal(cec_switch("/dev/null", false, &fault), 0);
 	assert_int_equal(adapter.addresses.log_addr_type[0], CEC_LOG_ADDR_TYPE_PLAYBACK);
@@ -78,11 +72,10 @@ static void a_television_is_switched(void **state)
 	check_sent(2, 4, "\x4f\x82\x21\x00");
 }
 
-static void what_fails_is_said(void **state)
+TEST("what fails is said")
 {
 	struct fault fault = {""};
 
-	(void)state;
 	memset(&adapter, 0, sizeof(adapter));
 	assert_int_equal(cec_switch("/dev/null/none", true, &fault), -ENOTDIR);
 	assert_string_equal(fault.text, "/dev/null/none: the television is not told to wake: "
@@ -91,14 +84,4 @@ static void what_fails_is_said(void **state)
 	assert_int_equal(cec_switch("/dev/null", false, &fault), -ENOTCONN);
 	assert_string_equal(fault.text, "/dev/null: the television is not told to go to standby: "
 					"none answers");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_television_is_switched),
-		cmocka_unit_test(what_fails_is_said),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Screens: the wrappers' rules on a screen that records calls, the clock of the null screen, the
  * files of the file screen, the window on SDL's dummy desktop, and the choice of a KMS mode. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <glob.h>
 #include <math.h>
@@ -31,6 +25,7 @@
 #include "drivers/kms/mode.h"
 #include "drivers/kms/options.h"
 #include "drivers/kms/timing.h"
+#include "tests/support/test.h"
 #endif
 
 /* ---- the wrappers ---- */
@@ -150,11 +145,10 @@ static const struct display_ops turned = {
 
 /* The first pixel of each corner of the upright picture, clockwise from the upper left, is 1 to 4. Turned
  * by a quarter clockwise, what was at the upper left stands at the upper right. */
-static void pictures_are_turned_within_margins(void **state)
+TEST("pictures are turned within margins")
 {
 	struct display_settings settings = {.margins = {1, 1, 2, 1}};
 
-	(void)state;
 	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
 		const int width = turn % 2 ? 4 : 5, height = turn % 2 ? 5 : 4;
 		struct display_buffer b;
@@ -200,7 +194,7 @@ static void pictures_are_turned_within_margins(void **state)
 	}
 }
 
-static void wrappers_refuse(void **state)
+TEST("wrappers refuse")
 {
 	const struct display_settings settings = {.width = 4};
 	struct display_record record = {.open_result = -ENODEV};
@@ -209,7 +203,6 @@ static void wrappers_refuse(void **state)
 	struct display_event event;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(display_open(&display, NULL, &settings, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, NULL, &record, &fault), -EINVAL);
 	assert_int_equal(display_open(&display, &recorder, &settings, NULL, &fault), -EINVAL);
@@ -225,7 +218,7 @@ static void wrappers_refuse(void **state)
 	assert_int_equal(record.closed, 1);
 }
 
-static void wrappers_lend(void **state)
+TEST("wrappers lend")
 {
 	const struct display_settings settings = {.width = 4};
 	struct display_record record = {.close_result = -ENOSPC};
@@ -234,7 +227,6 @@ static void wrappers_lend(void **state)
 	struct display_event event;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(display_open(&display, &recorder, &settings, &record, &fault), 0);
 	assert_int_equal(display_descriptor(&display), 7);
 	buffer = (struct display_buffer){(uint8_t *)&fault, 16, 4, 4, 3};
@@ -267,7 +259,7 @@ static void wrappers_lend(void **state)
 }
 
 /* A driver that returns only an error gets its situation from the wrapper. */
-static void wrappers_name_situations(void **state)
+TEST("wrappers name situations")
 {
 	static const struct {
 		int err;
@@ -285,7 +277,6 @@ static void wrappers_name_situations(void **state)
 	};
 	const struct display_settings settings = {.width = 4};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct display_record record = {.open_result = cases[i].err};
 		struct display display;
@@ -377,7 +368,7 @@ struct null_choice {
 	int vanish_after, stall_after, hide_after;
 };
 
-static void null_flips_on_time(void **state)
+TEST("null flips on time")
 {
 	const struct display_settings settings = {.picture_width = 64, .picture_height = 48};
 	struct null_choice choice = {.rate_hz = 125}; /* 8 ms */
@@ -388,7 +379,6 @@ static void null_flips_on_time(void **state)
 	int64_t first_ns = 0;
 	int last_index = -1;
 
-	(void)state;
 	open_fine(&display, &display_null, &settings, &choice);
 	assert_int_equal(display.width, 64);
 	assert_int_equal(display.height, 48);
@@ -424,7 +414,7 @@ static void null_flips_on_time(void **state)
 	close_fine(&display);
 }
 
-static void null_without_rate(void **state)
+TEST("null without rate")
 {
 	const struct display_settings settings = {.width = 8, .height = 8};
 	struct null_choice choice = {.rate_hz = 0};
@@ -432,7 +422,6 @@ static void null_without_rate(void **state)
 	struct display display;
 	struct fault fault;
 
-	(void)state;
 	open_fine(&display, &display_null, &settings, &choice);
 	for (int i = 0; i < 200; i++) {
 		int64_t after_ns;
@@ -447,21 +436,20 @@ static void null_without_rate(void **state)
 	close_fine(&display);
 }
 
-static void null_without_size(void **state)
+TEST("null without size")
 {
 	const struct display_settings settings = {.rate_hz = 50};
 	struct null_choice choice = {.rate_hz = 60};
 	struct display display;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(display_open(&display, &display_null, &settings, &choice, &fault),
 			 -EINVAL);
 	assert_non_null(strstr(fault.text, "size"));
 }
 
 /* Each time that it is opened it shows so many frames, then the fault, and not before. */
-static void null_fails_when_told(void **state)
+TEST("null fails when told")
 {
 	static const struct {
 		struct null_choice choice;
@@ -474,7 +462,6 @@ static void null_fails_when_told(void **state)
 	};
 	const struct display_settings settings = {.width = 8, .height = 8};
 
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		struct null_choice choice = cases[i / 2].choice;
 		struct pollfd ready = {.events = POLLIN};
@@ -501,7 +488,7 @@ static void null_fails_when_told(void **state)
 }
 
 /* The console is switched away during a frame, and back. */
-static void null_hides_when_told(void **state)
+TEST("null hides when told")
 {
 	const struct display_settings settings = {.width = 8, .height = 8};
 	struct null_choice choice = {.hide_after = 3};
@@ -511,7 +498,6 @@ static void null_hides_when_told(void **state)
 	struct display_event event;
 	struct fault fault;
 
-	(void)state;
 	open_fine(&display, &display_null, &settings, &choice);
 	for (int n = 0; n < 3; n++)
 		test_display_show(&display, n);
@@ -565,7 +551,7 @@ static void bt601(const double rgb[3], double yuv[3])
 	yuv[2] = 128 + (rgb[0] - y) / 1.402 * 224 / 255;
 }
 
-static void file_video(void **state)
+TEST("file video")
 {
 	static const char header[] = "YUV4MPEG2 W33 H17 F25:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
 	struct display_settings settings;
@@ -574,7 +560,6 @@ static void file_video(void **state)
 	const size_t plane = 33 * 17, frame = 6 + 3 * plane;
 	FILE *stream;
 
-	(void)state;
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 25;
 	open_fine(&display, &display_file, &settings, NULL);
@@ -605,14 +590,13 @@ static void file_video(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-static void file_video_fraction(void **state)
+TEST("file video fraction")
 {
 	struct display_settings settings;
 	struct display display;
 	char line[128];
 	FILE *stream;
 
-	(void)state;
 	file_settings(&settings, "clip.y4m");
 	settings.rate_hz = 30000.0 / 1001;
 	open_fine(&display, &display_file, &settings, NULL);
@@ -647,11 +631,10 @@ static void check_picture(const char *path, int number)
 	image_free(&image);
 }
 
-static void file_pictures(void **state)
+TEST("file pictures")
 {
 	static const char *const names[] = {"out%03d.png", "a%dz.png", "now.png"};
 
-	(void)state;
 	for (int k = 0; k < 3; k++) {
 		struct display_settings settings;
 		struct display display;
@@ -684,12 +667,11 @@ static void file_pictures(void **state)
 	}
 }
 
-static void file_bad_names(void **state)
+TEST("file bad names")
 {
 	static const char *const names[] = {"clip.avi",	   "out",	  "%s.png",   "%d%d.png",
 					    "out%04n.png", "out%.3d.png", "100%.png", "a%99d.png"};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
 		struct display_settings settings;
 		struct display display;
@@ -714,7 +696,7 @@ static void file_bad_names(void **state)
 }
 
 /* A full disk: no file may grow beyond 64 kB. */
-static void file_disk_full(void **state)
+TEST("file disk full")
 {
 	struct rlimit old, small;
 	struct display_settings settings;
@@ -724,7 +706,6 @@ static void file_disk_full(void **state)
 	struct fault fault = {0};
 	int err = 0;
 
-	(void)state;
 	signal(SIGXFSZ, SIG_IGN);
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
 	small = old;
@@ -750,14 +731,13 @@ static void file_disk_full(void **state)
 /* ---- window ---- */
 
 #if WITH_SDL
-static void window_shows(void **state)
+TEST("window shows")
 {
 	const struct display_settings settings = {.picture_width = 40, .picture_height = 30};
 	struct display display;
 	SDL_Renderer *renderer = NULL;
 	uint8_t pixels[40 * 30 * 4];
 
-	(void)state;
 	setenv("SDL_VIDEODRIVER", "dummy", 1);
 	open_fine(&display, &display_window, &settings, NULL);
 	for (int n = 0; n < 3; n++)
@@ -787,7 +767,7 @@ static struct display_event next_event(struct display *display)
 	return event;
 }
 
-static void window_keys(void **state)
+TEST("window keys")
 {
 	static const struct {
 		SDL_Keycode key;
@@ -806,7 +786,6 @@ static void window_keys(void **state)
 	struct display display;
 	SDL_Event press = {.type = SDL_KEYDOWN};
 
-	(void)state;
 	setenv("SDL_VIDEODRIVER", "dummy", 1);
 	open_fine(&display, &display_window, &settings, NULL);
 	while (next_event(&display).kind != DISPLAY_NOTHING)
@@ -855,17 +834,16 @@ static const drmModeModeInfo modes[] = {
 	{.clock = 25175, .hdisplay = 640, .vdisplay = 480, .htotal = 800, .vtotal = 525},
 };
 
-static void kms_rates(void **state)
+TEST("kms rates")
 {
 	static const double expected[] = {60, 50, 60, 59.940, 60, 50, 59.940};
 
-	(void)state;
 	for (int i = 0; i < 7; i++)
 		assert_true(fabs(kms_mode_rate(&modes[i]) - expected[i]) < 1e-3);
 	assert_true(kms_mode_rate(&(drmModeModeInfo){0}) == 0);
 }
 
-static void kms_modes(void **state)
+TEST("kms modes")
 {
 	static const struct {
 		int width, height;
@@ -880,7 +858,6 @@ static void kms_modes(void **state)
 		{1280, 720, 0, 4},   {1024, 768, 0, -1},     {1920, 720, 0, -1},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
 		assert_int_equal(kms_mode_choose(modes, 7, cases[i].width, cases[i].height,
 						 cases[i].rate_hz),
@@ -891,7 +868,7 @@ static void kms_modes(void **state)
 	assert_int_equal(kms_mode_choose(modes, 0, 0, 0, 0), -1);
 }
 
-static void kms_refusals(void **state)
+TEST("kms refusals")
 {
 	static const struct {
 		const char *device;
@@ -901,7 +878,6 @@ static void kms_refusals(void **state)
 		     {"/dev/null", -ENOTSUP, "not a graphics card"}};
 	struct kms_options options = {.buffers = 2};
 
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		struct display_settings settings = {0};
 		struct display display;
@@ -915,33 +891,4 @@ static void kms_refusals(void **state)
 }
 #endif
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pictures_are_turned_within_margins),
-		cmocka_unit_test(wrappers_refuse),
-		cmocka_unit_test(wrappers_lend),
-		cmocka_unit_test(wrappers_name_situations),
-		cmocka_unit_test(null_flips_on_time),
-		cmocka_unit_test(null_without_rate),
-		cmocka_unit_test(null_without_size),
-		cmocka_unit_test(null_fails_when_told),
-		cmocka_unit_test(null_hides_when_told),
-		cmocka_unit_test(file_video),
-		cmocka_unit_test(file_video_fraction),
-		cmocka_unit_test(file_pictures),
-		cmocka_unit_test(file_bad_names),
-		cmocka_unit_test(file_disk_full),
-#if WITH_SDL
-		cmocka_unit_test(window_shows),
-		cmocka_unit_test(window_keys),
-#endif
-#if WITH_KMS
-		cmocka_unit_test(kms_rates),
-		cmocka_unit_test(kms_modes),
-		cmocka_unit_test(kms_refusals),
-#endif
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

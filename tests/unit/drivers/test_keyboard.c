@@ -1,25 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Keyboards: names of keys, and what the kernel's events mean. tests/vm/test_keyboard.sh plugs
  * devices into the simulated machine. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "drivers/drivers.h"
 #include "drivers/keyboard/keys.h"
+#include "tests/support/test.h"
 
-static void names(void **state)
+TEST("names")
 {
 	struct keymap map = {0};
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(keymap_add(&map, ACTION_THRESHOLD_UP, " up  kpplus\t", "x", &fault), 0);
 	assert_int_equal(keymap_add(&map, ACTION_FREEZE, "", "x", &fault), 0);
 	assert_int_equal(keymap_add(&map, ACTION_QUIT, "btn_trigger", "x", &fault), 0);
@@ -37,7 +31,7 @@ static void names(void **state)
 }
 
 /* The names are the kernel's: a wrong code in the table would be another key. */
-static void codes(void **state)
+TEST("codes")
 {
 	static const struct {
 		const char *name;
@@ -60,7 +54,6 @@ static void codes(void **state)
 		{"playpause", KEY_PLAYPAUSE},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(some) / sizeof(*some); i++)
 		assert_int_equal(keymap_code(some[i].name), some[i].code);
 	assert_int_equal(keymap_code("UP"), -1);
@@ -69,13 +62,12 @@ static void codes(void **state)
 
 /* Each default names keys, and no key twice. Every action has one except threshold-set, pose, wake and
  * quit: keys typed at a kiosk must not end it. */
-static void defaults(void **state)
+TEST("defaults")
 {
 	unsigned char *options = calloc(1, buttons_keyboard.options_size);
 	struct keymap map = {0};
 	int actions = 0;
 
-	(void)state;
 	assert_non_null(options);
 	ini_defaults(buttons_keyboard.keys, options);
 	for (const struct ini_key *key = buttons_keyboard.keys; key->name; key++) {
@@ -116,11 +108,10 @@ static enum action keyboard_take(struct keys *keys, unsigned type, unsigned code
 	return keys_take(keys, &steps, &event);
 }
 
-static void presses(void **state)
+TEST("presses")
 {
 	struct keys keys = {0};
 
-	(void)state;
 	assert_int_equal(keyboard_take(&keys, EV_MSC, MSC_SCAN, 47), ACTION_NONE);
 	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
 	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_REPORT, 0), ACTION_NONE);
@@ -137,7 +128,7 @@ static void presses(void **state)
 }
 
 /* A touch screen as the kernel reports it: two fingers come and go, which is one tap; then another. */
-static void a_tap_is_a_press(void **state)
+TEST("a tap is a press")
 {
 	static const struct {
 		unsigned type, code;
@@ -166,7 +157,6 @@ static void a_tap_is_a_press(void **state)
 	struct keys keys;
 	int taps = 0;
 
-	(void)state;
 	assert_int_equal(keymap_add(&steps, ACTION_POSE_NEXT, "btn_touch", "x", NULL), 0);
 	keys_start(&keys, none);
 	for (size_t i = 0; i < sizeof(events) / sizeof(*events); i++) {
@@ -178,12 +168,11 @@ static void a_tap_is_a_press(void **state)
 }
 
 /* A touch screen without a key: each finger that comes is a tap, unless another is down. */
-static void a_contact_is_a_press(void **state)
+TEST("a contact is a press")
 {
 	const unsigned char none[KEYS_BITS_BYTES] = {0};
 	struct keys keys;
 
-	(void)state;
 	keys_start(&keys, none);
 	assert_int_equal(keyboard_take(&keys, EV_ABS, ABS_MT_TRACKING_ID, 0), ACTION_NONE);
 	keys.contacts = true;
@@ -197,12 +186,11 @@ static void a_contact_is_a_press(void **state)
 	assert_true(keys_are_idle(&keys));
 }
 
-static void down_at_the_start(void **state)
+TEST("down at the start")
 {
 	unsigned char now[KEYS_BITS_BYTES] = {0};
 	struct keys keys;
 
-	(void)state;
 	keys_start(&keys, now);
 	assert_true(keys_are_idle(&keys));
 	now[KEY_UP / 8] = 1U << (KEY_UP % 8);
@@ -221,12 +209,11 @@ static void down_at_the_start(void **state)
 }
 
 /* While V is held, the kernel drops events, among them its release and a press of the arrow. */
-static void dropped(void **state)
+TEST("dropped")
 {
 	unsigned char now[KEYS_BITS_BYTES] = {0};
 	struct keys keys = {0};
 
-	(void)state;
 	assert_int_equal(keyboard_take(&keys, EV_KEY, KEY_V, 1), ACTION_VIEW_NEXT);
 	assert_int_equal(keyboard_take(&keys, EV_SYN, SYN_DROPPED, 0), ACTION_NONE);
 	/* An event that is not to be trusted. */
@@ -242,18 +229,4 @@ static void dropped(void **state)
 	assert_int_equal(keys_ask(&keys, &steps, now), ACTION_NONE); /* no new event */
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(names),
-		cmocka_unit_test(codes),
-		cmocka_unit_test(defaults),
-		cmocka_unit_test(presses),
-		cmocka_unit_test(a_tap_is_a_press),
-		cmocka_unit_test(a_contact_is_a_press),
-		cmocka_unit_test(down_at_the_start),
-		cmocka_unit_test(dropped),
-	};
-
-	return cmocka_run_group_tests(tests, make_map, NULL);
-}
+TEST_GROUP(make_map, NULL);

@@ -6,12 +6,6 @@
  * is busy, one whose flips never come, one whose screen changes its modes, one whose link fails, one
  * on which an earlier program left a cursor.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <drm_fourcc.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -32,6 +26,7 @@
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 enum {
 	CONNECTOR = 10,
@@ -514,9 +509,8 @@ static void assert_plane(int source_width, int source_height, struct kms_box box
 	assert_int_equal(*value_of(PLANE, "CRTC_H"), box.height);
 }
 
-static void frames_are_shown_at_the_flips_time(void **state)
+TEST_BETWEEN("frames are shown at the flips time", plug_in, take_out)
 {
-	(void)state;
 	for (int buffers = 2; buffers <= 3; buffers++) {
 		options.buffers = buffers;
 		open_fine();
@@ -532,11 +526,10 @@ static void frames_are_shown_at_the_flips_time(void **state)
 	}
 }
 
-static void busy_flips_are_tried_again(void **state)
+TEST_BETWEEN("busy flips are tried again", plug_in, take_out)
 {
 	struct display_buffer buffer;
 
-	(void)state;
 	options.buffers = 3;
 	open_fine();
 	card.busy = 5;
@@ -550,12 +543,11 @@ static void busy_flips_are_tried_again(void **state)
 	assert_shown(2);
 }
 
-static void busy_for_ever_is_a_stall(void **state)
+TEST_BETWEEN("busy for ever is a stall", plug_in, take_out)
 {
 	struct display_event event;
 	const int64_t start_ns = clock_now_ns();
 
-	(void)state;
 	open_fine();
 	card.busy = 1 << 30;
 	submit(1, 1280, 720);
@@ -565,11 +557,10 @@ static void busy_for_ever_is_a_stall(void **state)
 }
 
 /* The kernel lets nobody go while it waits for a flip; the program must not wait with it. */
-static void lost_flips_are_a_stall(void **state)
+TEST_BETWEEN("lost flips are a stall", plug_in, take_out)
 {
 	struct display_event event;
 
-	(void)state;
 	open_fine();
 	submit(1, 1280, 720);
 	assert_shown(1);
@@ -596,11 +587,10 @@ static void lost_flips_are_a_stall(void **state)
 	assert_shown(3);
 }
 
-static void a_card_that_scales_scales(void **state)
+TEST_BETWEEN("a card that scales scales", plug_in, take_out)
 {
 	int trials;
 
-	(void)state;
 	card.scales = true;
 	open_fine();
 	submit(1, 1280, 720);
@@ -639,11 +629,10 @@ static void a_card_that_scales_scales(void **state)
 	assert_shown(1);
 }
 
-static void a_card_that_does_not_scale_is_believed(void **state)
+TEST_BETWEEN("a card that does not scale is believed", plug_in, take_out)
 {
 	int commits;
 
-	(void)state;
 	open_fine();
 	commits = card.commits;
 	for (int i = 1; i < 4; i++) {
@@ -655,11 +644,10 @@ static void a_card_that_does_not_scale_is_believed(void **state)
 	assert_int_equal(card.commits, commits);
 }
 
-static void a_changed_screen_is_noticed(void **state)
+TEST_BETWEEN("a changed screen is noticed", plug_in, take_out)
 {
 	struct display_event event;
 
-	(void)state;
 	open_fine();
 	/* another name and one mode more: the choice stays the same */
 	card.probes = 0;
@@ -683,11 +671,10 @@ static void a_changed_screen_is_noticed(void **state)
 }
 
 /* A screen whose link failed stays black until its mode is set and the link is requested again. */
-static void a_failed_link_is_set_up_again(void **state)
+TEST_BETWEEN("a failed link is set up again", plug_in, take_out)
 {
 	struct display_event event;
 
-	(void)state;
 	card.has_link = true;
 	*value_of(CONNECTOR,
 		  "link-status") = DRM_MODE_LINK_STATUS_BAD; /* left by an earlier program */
@@ -711,11 +698,10 @@ static void a_failed_link_is_set_up_again(void **state)
 }
 
 /* An earlier program may have left more on the screen than a picture. */
-static void what_was_left_is_put_away_and_back(void **state)
+TEST_BETWEEN("what was left is put away and back", plug_in, take_out)
 {
 	static const char *const colours[] = {"CTM", "DEGAMMA_LUT", "GAMMA_LUT"};
 
-	(void)state;
 	for (int gone = 0; gone < 2; gone++) {
 		card.cursor_is_gone = gone;
 		*value_of(PLANE, "FB_ID") = 500;
@@ -746,12 +732,11 @@ static void what_was_left_is_put_away_and_back(void **state)
 }
 
 /* By ACTIVE, with everything else kept, and with no trace of the picture that was shown. */
-static void a_screen_is_switched_off_and_on(void **state)
+TEST_BETWEEN("a screen is switched off and on", plug_in, take_out)
 {
 	struct display_buffer buffer;
 	struct display_event event;
 
-	(void)state;
 	open_fine();
 	submit(1, 1280, 720);
 	assert_shown(1);
@@ -790,7 +775,7 @@ static void a_screen_is_switched_off_and_on(void **state)
 	assert_int_equal(card.buffers, 0);
 }
 
-static void the_range_is_chosen_and_restored(void **state)
+TEST_BETWEEN("the range is chosen and restored", plug_in, take_out)
 {
 	static const uint64_t values[] = {
 		[KMS_RANGE_AUTO] = 7, [KMS_RANGE_FULL] = 3, [KMS_RANGE_LIMITED] = 5};
@@ -798,7 +783,6 @@ static void the_range_is_chosen_and_restored(void **state)
 	char text[1000] = "";
 	FILE *said;
 
-	(void)state;
 	card.has_panel = true;
 	for (int range = KMS_RANGE_AUTO; range <= KMS_RANGE_LIMITED; range++) {
 		*value_of(CONNECTOR, "Broadcast RGB") = 5;
@@ -826,7 +810,7 @@ static void the_range_is_chosen_and_restored(void **state)
 }
 
 /* A picture that is white in its upper left corner: where that comes to lie in the card's buffer. */
-static void panels_that_are_turned_turn_the_picture(void **state)
+TEST_BETWEEN("panels that are turned turn the picture", plug_in, take_out)
 {
 	static const struct {
 		int orientation, rotate, x, y;
@@ -837,7 +821,6 @@ static void panels_that_are_turned_turn_the_picture(void **state)
 		{2, PICTURE_TURN_90, 0, 0},
 	};
 
-	(void)state;
 	card.has_panel = true;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		struct display_buffer buffer;
@@ -864,9 +847,8 @@ static void panels_that_are_turned_turn_the_picture(void **state)
 	rotate = PICTURE_UPRIGHT;
 }
 
-static void what_cannot_be_opened(void **state)
+TEST_BETWEEN("what cannot be opened", plug_in, take_out)
 {
-	(void)state;
 	card.held = true;
 	assert_int_equal(open_it(), -EBUSY);
 	assert_int_equal(display.situation, DISPLAY_BUSY);
@@ -939,7 +921,7 @@ static void frames_are_shown(int from, int to)
 	}
 }
 
-static void two_screens_show_one_picture(void **state)
+TEST_BETWEEN("two screens show one picture", plug_in, take_out)
 {
 	static const struct {
 		int width, height;
@@ -953,7 +935,6 @@ static void two_screens_show_one_picture(void **state)
 		{1024, 768, false, false, {0}},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		second_plug(cases[i].width, cases[i].height);
 		card.scales = cases[i].scales;
@@ -984,11 +965,10 @@ static void frames_go_on(uint32_t connector, bool lit)
 	}
 }
 
-static void the_second_comes_and_goes(void **state)
+TEST_BETWEEN("the second comes and goes", plug_in, take_out)
 {
 	const struct kms_box whole = {0, 0, 1280, 720};
 
-	(void)state;
 	second_plug(1280, 720);
 	card.connection_2 = DRM_MODE_DISCONNECTED;
 	open_fine();
@@ -1008,11 +988,10 @@ static void the_second_comes_and_goes(void **state)
 }
 
 /* The first one unplugged ends the display, as ever; opened again, it shows on the other one. */
-static void each_of_the_two_is_enough(void **state)
+TEST_BETWEEN("each of the two is enough", plug_in, take_out)
 {
 	struct display_event event;
 
-	(void)state;
 	second_plug(1280, 720);
 	open_fine();
 	frames_are_shown(1, 4);
@@ -1034,9 +1013,8 @@ static void each_of_the_two_is_enough(void **state)
 	assert_non_null(strstr(fault.text, "HDMI-A-1 or HDMI-A-2"));
 }
 
-static void both_are_switched_off_and_on(void **state)
+TEST_BETWEEN("both are switched off and on", plug_in, take_out)
 {
-	(void)state;
 	second_plug(1280, 720);
 	open_fine();
 	frames_are_shown(1, 4);
@@ -1051,32 +1029,4 @@ static void both_are_switched_off_and_on(void **state)
 	assert_int_equal(card.blobs, 0);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(frames_are_shown_at_the_flips_time, plug_in,
-						take_out),
-		cmocka_unit_test_setup_teardown(busy_flips_are_tried_again, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(busy_for_ever_is_a_stall, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(lost_flips_are_a_stall, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(a_card_that_scales_scales, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(a_card_that_does_not_scale_is_believed, plug_in,
-						take_out),
-		cmocka_unit_test_setup_teardown(a_changed_screen_is_noticed, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(a_failed_link_is_set_up_again, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(what_was_left_is_put_away_and_back, plug_in,
-						take_out),
-		cmocka_unit_test_setup_teardown(a_screen_is_switched_off_and_on, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(the_range_is_chosen_and_restored, plug_in,
-						take_out),
-		cmocka_unit_test_setup_teardown(panels_that_are_turned_turn_the_picture, plug_in,
-						take_out),
-		cmocka_unit_test_setup_teardown(what_cannot_be_opened, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(two_screens_show_one_picture, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(the_second_comes_and_goes, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(each_of_the_two_is_enough, plug_in, take_out),
-		cmocka_unit_test_setup_teardown(both_are_switched_off_and_on, plug_in, take_out),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the KMS display decides without a card: timings against published ones, the mode of a
  * connector, the place of a picture, and which kernel messages are about screens. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "drivers/kms/mode.h"
 #include "drivers/kms/timing.h"
 #include "drivers/kms/watch.h"
+#include "tests/support/test.h"
 
 #define P_P (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)
 #define N_N (DRM_MODE_FLAG_NHSYNC | DRM_MODE_FLAG_NVSYNC)
@@ -37,7 +32,7 @@ static void assert_timing(const drmModeModeInfo *mode, uint32_t clock, const int
 
 /* The first three are printed in VESA's DMT and CTA-861; the others come from VESA's generator for
  * reduced blanking (the last two are also DMT's 44h and 57h). */
-static void timings_are_the_standards(void **state)
+TEST("timings are the standards")
 {
 	static const struct {
 		double rate_hz;
@@ -55,7 +50,6 @@ static void timings_are_the_standards(void **state)
 	};
 	drmModeModeInfo mode;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		kms_timing(cases[i].across[0], cases[i].down[0], cases[i].rate_hz, &mode);
 		assert_timing(&mode, cases[i].clock, cases[i].across, cases[i].down,
@@ -65,11 +59,10 @@ static void timings_are_the_standards(void **state)
 }
 
 /* Whatever is asked for, blanking surrounds the picture and the rate is the one that was meant. */
-static void timings_are_whole(void **state)
+TEST("timings are whole")
 {
 	drmModeModeInfo mode;
 
-	(void)state;
 	for (int width = 320; width <= 4096; width += 8)
 		for (double rate_hz = 24; rate_hz <= 120; rate_hz += 24) {
 			const int height = width * 5 / 8;
@@ -88,7 +81,7 @@ static void timings_are_whole(void **state)
 		}
 }
 
-static void modes_are_read(void **state)
+TEST("modes are read")
 {
 	static const char *const sizes[] = {"1280x800", "1280x800@60"};
 	static const char *const lines[] = {
@@ -121,7 +114,6 @@ static void modes_are_read(void **state)
 	drmModeModeInfo mode;
 	bool exact;
 
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		assert_int_equal(kms_timing_parse(sizes[i], &mode, &exact), 0);
 		assert_false(exact);
@@ -136,12 +128,11 @@ static void modes_are_read(void **state)
 		assert_int_equal(kms_timing_parse(wrong[i], &mode, &exact), -EINVAL);
 }
 
-static void connectors_are_ranked(void **state)
+TEST("connectors are ranked")
 {
 	const struct kms_options plain = {.buffers = 2}, forced = {.force = true},
 				 told = {.mode = "640x480"};
 
-	(void)state;
 	assert_int_equal(kms_mode_rank(DRM_MODE_CONNECTED, 5, &plain), KMS_RANK_BEST);
 	assert_int_equal(kms_mode_rank(DRM_MODE_CONNECTED, 0, &plain), KMS_RANK_BEST);
 	/* an analogue connector often does not know whether it has a screen */
@@ -165,7 +156,7 @@ static const drmModeModeInfo own[] = {
 	{.clock = 25175, .hdisplay = 640, .vdisplay = 480, .htotal = 800, .vtotal = 525},
 };
 
-static void modes_are_picked(void **state)
+TEST("modes are picked")
 {
 	static const struct {
 		const char *mode;
@@ -194,7 +185,6 @@ static void modes_are_picked(void **state)
 		{"", true, 0, 0, DRM_MODE_CONNECTED, 2, 0, 1920, false},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		const struct display_settings settings = {.width = cases[i].wanted_width,
 							  .height = cases[i].wanted_height};
@@ -213,11 +203,10 @@ static void modes_are_picked(void **state)
 	}
 }
 
-static void same_modes(void **state)
+TEST("same modes")
 {
 	drmModeModeInfo other = own[0];
 
-	(void)state;
 	strcpy(other.name, "another name");
 	other.type = 0;
 	assert_true(kms_mode_same(&own[0], &other));
@@ -226,7 +215,7 @@ static void same_modes(void **state)
 	assert_false(kms_mode_same(&own[0], &own[1]));
 }
 
-static void pictures_are_fitted(void **state)
+TEST("pictures are fitted")
 {
 	static const struct {
 		int width, height;
@@ -246,7 +235,6 @@ static void pictures_are_fitted(void **state)
 		{1, 4000, 1, 640, 480, {319, 0, 1, 480}},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		const struct kms_box box = kms_fit_box(cases[i].width, cases[i].height,
 						       cases[i].squash, cases[i].screen_width,
@@ -257,9 +245,8 @@ static void pictures_are_fitted(void **state)
 }
 
 /* On any screen a picture touches two opposite edges, leaves equal borders and keeps its shape. */
-static void fits_keep_the_shape(void **state)
+TEST("fits keep the shape")
 {
-	(void)state;
 	for (int i = 0; i < 20000; i++) {
 		const int width = 16 + i * 7 % 1900, height = 16 + i * 13 % 1200;
 		const int across = 320 + i * 17 % 3600, down = 240 + i * 29 % 2000;
@@ -278,9 +265,8 @@ static void fits_keep_the_shape(void **state)
 
 #define MESSAGE(text) text, sizeof(text) - 1
 
-static void messages_about_screens(void **state)
+TEST("messages about screens")
 {
-	(void)state;
 	assert_true(kms_watch_concerns(
 		MESSAGE("change@/devices/x/drm/card0\0ACTION=change\0SUBSYSTEM=drm\0HOTPLUG=1\0")));
 	assert_true(kms_watch_concerns(MESSAGE("SUBSYSTEM=drm")));
@@ -289,21 +275,4 @@ static void messages_about_screens(void **state)
 	assert_false(kms_watch_concerns(MESSAGE("SUBSYSTEM=dr")));
 	assert_false(kms_watch_concerns(MESSAGE("\0\0\0")));
 	assert_false(kms_watch_concerns(MESSAGE("")));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(timings_are_the_standards),
-		cmocka_unit_test(timings_are_whole),
-		cmocka_unit_test(modes_are_read),
-		cmocka_unit_test(connectors_are_ranked),
-		cmocka_unit_test(modes_are_picked),
-		cmocka_unit_test(same_modes),
-		cmocka_unit_test(pictures_are_fitted),
-		cmocka_unit_test(fits_keep_the_shape),
-		cmocka_unit_test(messages_about_screens),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

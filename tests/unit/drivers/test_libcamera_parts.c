@@ -5,16 +5,10 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "drivers/libcamera/controls.h"
 #include "drivers/libcamera/events.h"
@@ -25,10 +19,11 @@
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 /* ---- names ---- */
 
-static void cameras_are_found_by_name(void **state)
+TEST("cameras are found by name")
 {
 	static const struct libcamera_name cameras[] = {
 		{"platform/isp imx219 0", "imx219"},
@@ -54,7 +49,6 @@ static void cameras_are_found_by_name(void **state)
 	};
 	struct fault fault;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
 		assert_int_equal(libcamera_find(cameras, 5, cases[i].wanted, &fault),
 				 cases[i].expected);
@@ -68,12 +62,11 @@ static void cameras_are_found_by_name(void **state)
 			    "platform/isp imx219 0 (imx219), platform/isp imx219 1 (imx219)");
 }
 
-static void names_that_do_not_fit_are_cut(void **state)
+TEST("names that do not fit are cut")
 {
 	struct libcamera_name cameras[40];
 	struct fault fault;
 
-	(void)state;
 	for (int i = 0; i < 40; i++)
 		cameras[i] = (struct libcamera_name){"platform/a path as long as such paths are",
 						     "a model"};
@@ -83,7 +76,7 @@ static void names_that_do_not_fit_are_cut(void **state)
 
 /* ---- values ---- */
 
-static void elements_are_packed_as_they_were_unpacked(void **state)
+TEST("elements are packed as they were unpacked")
 {
 	static const struct {
 		enum libcamera_kind kind;
@@ -100,7 +93,6 @@ static void elements_are_packed_as_they_were_unpacked(void **state)
 		{LIBCAMERA_OTHER, {42}, 0, 0, {0}},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct libcamera_value value;
 		int64_t memory[2] = {0, 0};
@@ -114,13 +106,12 @@ static void elements_are_packed_as_they_were_unpacked(void **state)
 	}
 }
 
-static void long_arrays_are_cut(void **state)
+TEST("long arrays are cut")
 {
 	float elements[LIBCAMERA_NUMBERS_MAX + 4];
 	struct libcamera_value value;
 	char text[LIBCAMERA_VALUE_TEXT_MAX];
 
-	(void)state;
 	for (int i = 0; i < LIBCAMERA_NUMBERS_MAX + 4; i++)
 		elements[i] = -1.23456789e-30f;
 	libcamera_value_unpack(&value, LIBCAMERA_FLOAT, LIBCAMERA_NUMBERS_MAX + 4, elements);
@@ -146,12 +137,11 @@ static void *all_done(void *events)
 	return NULL;
 }
 
-static void requests_are_taken_in_the_order_in_which_they_were_done(void **state)
+TEST("requests are taken in the order in which they were done")
 {
 	struct libcamera_events events;
 	pthread_t thread;
 
-	(void)state;
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	assert_false(readable(&events));
 	assert_int_equal(libcamera_events_take(&events), -EAGAIN);
@@ -167,11 +157,10 @@ static void requests_are_taken_in_the_order_in_which_they_were_done(void **state
 	libcamera_events_close(&events);
 }
 
-static void the_end_stays(void **state)
+TEST("the end stays")
 {
 	struct libcamera_events events;
 
-	(void)state;
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	libcamera_events_done(&events, 3);
 	libcamera_events_end(&events);
@@ -193,7 +182,7 @@ static void *end_later(void *events)
 	return NULL;
 }
 
-static void the_end_is_waited_for_a_moment(void **state)
+TEST("the end is waited for a moment")
 {
 	struct libcamera_events events;
 	bool ended = false;
@@ -201,7 +190,6 @@ static void the_end_is_waited_for_a_moment(void **state)
 	int64_t start_ns;
 	int moments = 0;
 
-	(void)state;
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	start_ns = clock_now_ns();
 	libcamera_events_done(&events, 2);
@@ -234,12 +222,11 @@ int __wrap_inotify_add_watch(int fd, const char *path, uint32_t mask)
 }
 
 /* The kernel reports names; a file stands for a node. */
-static void a_node_that_goes_is_noticed(void **state)
+TEST("a node that goes is noticed")
 {
 	struct libcamera_events events;
 	FILE *file;
 
-	(void)state;
 	assert_int_equal(libcamera_events_open(&events, NULL), 0);
 	assert_int_equal(libcamera_events_watch(&events, none, NULL, NULL), 0);
 	events.nodes[253] = true;
@@ -290,13 +277,12 @@ static int map_into(size_t bytes, size_t stride, struct libcamera_picture *pictu
 	return libcamera_picture_map(picture, stride, spans, count);
 }
 
-static void planes_lie_where_they_are_said_to(void **state)
+TEST("planes lie where they are said to")
 {
 	struct libcamera_span apart[2] = {{-1, 64, LUMA}, {-1, 64 + LUMA, CHROMA}};
 	struct libcamera_span together[1] = {{-1, 0, LUMA + CHROMA}};
 	struct libcamera_picture p;
 
-	(void)state;
 	p = picture_of(PIXEL_NV12);
 	assert_int_equal(map_into(64 + LUMA + CHROMA, STRIDE, &p, apart, 2), 0);
 	assert_int_equal(p.mapping_count, 1); /* two planes share a descriptor */
@@ -316,7 +302,7 @@ static void planes_lie_where_they_are_said_to(void **state)
 	libcamera_picture_unmap(&p);
 }
 
-static void memory_that_is_too_small_is_refused(void **state)
+TEST("memory that is too small is refused")
 {
 	static const struct {
 		enum pixel_format format;
@@ -336,7 +322,6 @@ static void memory_that_is_too_small_is_refused(void **state)
 		{PIXEL_MJPEG, 0, 0, 0, 0, -EINVAL},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct libcamera_picture p = picture_of(cases[i].format);
 		struct libcamera_span span = {-1, cases[i].offset, cases[i].bytes};
@@ -347,14 +332,13 @@ static void memory_that_is_too_small_is_refused(void **state)
 	}
 }
 
-static void a_part_of_a_picture_is_none(void **state)
+TEST("a part of a picture is none")
 {
 	struct libcamera_span span = {-1, 0, LUMA};
 	struct libcamera_picture p = picture_of(PIXEL_GREY);
 	struct frame_plane planes[FRAME_PLANES];
 	size_t used = LUMA - STRIDE + WIDTH;
 
-	(void)state;
 	assert_int_equal(map_into(LUMA, STRIDE, &p, &span, 1), 0);
 	assert_true(libcamera_picture_planes(&p, &used, 1, planes));
 	assert_int_equal(planes[0].bytes, LUMA);
@@ -372,12 +356,11 @@ static void a_part_of_a_picture_is_none(void **state)
 	libcamera_picture_unmap(&p);
 }
 
-static void times_are_monotonic(void **state)
+TEST("times are monotonic")
 {
 	const int64_t now_ns = clock_now_ns();
 	struct timespec boot;
 
-	(void)state;
 	assert_true(libcamera_picture_time_ns(now_ns - 5 * NS_PER_MS) == now_ns - 5 * NS_PER_MS);
 	assert_in_range(libcamera_picture_time_ns(0), now_ns, clock_now_ns() + NS_PER_S);
 	assert_in_range(libcamera_picture_time_ns(now_ns + 1000 * NS_PER_S), now_ns,
@@ -389,7 +372,7 @@ static void times_are_monotonic(void **state)
 
 /* ---- messages ---- */
 
-static void messages_lose_their_head_and_are_said_once(void **state)
+TEST("messages lose their head and are said once")
 {
 	static const char *const lines[] = {
 		"[0:01:02.000000000] [42] ERROR V4L2 v4l2.cpp:1 /dev/video0: Failed\n",
@@ -404,7 +387,6 @@ static void messages_lose_their_head_and_are_said_once(void **state)
 	char said[1024];
 	size_t length;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(lines) / sizeof(lines[0]); i++)
 		libcamera_message(lines[i], strlen(lines[i]));
 	stream = captured_log_end(&log);
@@ -445,13 +427,12 @@ void *__wrap_dlsym(void *handle, const char *name)
 	return *(void *const *)&found;
 }
 
-static void a_remove_that_is_late_is_none(void **state)
+TEST("a remove that is late is none")
 {
 	struct udev_device back = {"remove", "/dev/null"};
 	struct udev_device gone = {"remove", "/dev/there-is-no-such-node"};
 	const unsigned kept = libcamera_hotplug_kept();
 
-	(void)state;
 	assert_string_equal(udev_device_get_action(&back), "change");
 	assert_string_equal(udev_device_get_devnode(&back), "/dev/null");
 	assert_string_equal(udev_device_get_action(&gone), "remove");
@@ -459,13 +440,12 @@ static void a_remove_that_is_late_is_none(void **state)
 	assert_int_equal(libcamera_hotplug_kept(), kept);
 }
 
-static void what_is_new_is_kept(void **state)
+TEST("what is new is kept")
 {
 	struct udev_device fresh = {"add", "/dev/null"};
 	struct udev_device other = {"bind", "/dev/null"};
 	const unsigned kept = libcamera_hotplug_kept();
 
-	(void)state;
 	assert_string_equal(udev_device_get_action(&other), "bind");
 	assert_int_equal(libcamera_hotplug_kept(), kept);
 	assert_string_equal(udev_device_get_action(&fresh), "change");
@@ -473,12 +453,11 @@ static void what_is_new_is_kept(void **state)
 }
 
 /* udev returns NULL when it has said more than the socket holds. */
-static void no_device_is_no_string_of_null(void **state)
+TEST("no device is no string of null")
 {
 	struct udev_device nameless = {NULL, NULL};
 	const unsigned kept = libcamera_hotplug_kept();
 
-	(void)state;
 	assert_string_equal(udev_device_get_action(&nameless), "");
 	assert_string_equal(udev_device_get_devnode(&nameless), "");
 	assert_int_equal(libcamera_hotplug_kept(), kept);
@@ -487,27 +466,4 @@ static void no_device_is_no_string_of_null(void **state)
 	assert_int_equal(libcamera_hotplug_kept(), kept + 1);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(cameras_are_found_by_name),
-		cmocka_unit_test(names_that_do_not_fit_are_cut),
-		cmocka_unit_test(elements_are_packed_as_they_were_unpacked),
-		cmocka_unit_test(long_arrays_are_cut),
-		cmocka_unit_test(requests_are_taken_in_the_order_in_which_they_were_done),
-		cmocka_unit_test(the_end_stays),
-		cmocka_unit_test(the_end_is_waited_for_a_moment),
-		cmocka_unit_test(a_node_that_goes_is_noticed),
-		cmocka_unit_test(planes_lie_where_they_are_said_to),
-		cmocka_unit_test(memory_that_is_too_small_is_refused),
-		cmocka_unit_test(a_part_of_a_picture_is_none),
-		cmocka_unit_test(times_are_monotonic),
-		cmocka_unit_test(a_remove_that_is_late_is_none),
-		cmocka_unit_test(what_is_new_is_kept),
-		cmocka_unit_test(no_device_is_no_string_of_null),
-		cmocka_unit_test(messages_lose_their_head_and_are_said_once),
-	};
-
-	return cmocka_run_group_tests_name("libcamera_parts", tests, own_folder_make,
-					   own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

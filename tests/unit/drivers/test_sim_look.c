@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* What makes a simulated camera's picture a camera's, against closed forms. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,6 +8,7 @@
 #include "drivers/sim/spread.h"
 #include "drivers/sim/studio_view.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static void fill(float *rgb, size_t count, const double colour[3])
 {
@@ -22,14 +17,13 @@ static void fill(float *rgb, size_t count, const double colour[3])
 }
 
 /* A scene that changes at frame 0: s(n) = wanted + (s(-1) - wanted) exp(-n period / time). */
-static void automatics_settle_with_their_time_constant(void **state)
+TEST("automatics settle with their time constant")
 {
 	static const double before[3] = {0.2, 0.1, 0.05}, after[3] = {0.4, 0.4, 0.1};
 	static const double level = 0.18, exposure = 2, period = 0.04, time = 0.5;
 	struct automatic a = {.settings = {level, true, time, 0}};
 	float rgb[8 * 3], gain[3];
 
-	(void)state;
 	fill(rgb, 8, before);
 	for (int n = 0; n < 3; n++) {
 		automatic_gain(&a, rgb, 8, exposure, period, gain);
@@ -52,13 +46,12 @@ static void automatics_settle_with_their_time_constant(void **state)
 	}
 }
 
-static void automatics_move_in_steps(void **state)
+TEST("automatics move in steps")
 {
 	static const double before[3] = {0.1, 0.1, 0.1}, after[3] = {0.4, 0.4, 0.4};
 	struct automatic a = {.settings = {0.1, false, 1, 0.25}};
 	float rgb[3], gain[3];
 
-	(void)state;
 	fill(rgb, 1, before);
 	automatic_gain(&a, rgb, 1, 1, 0.1, gain);
 	assert_true(gain[0] == 1 && gain[1] == 1 && gain[2] == 1);
@@ -76,13 +69,12 @@ static void automatics_move_in_steps(void **state)
 }
 
 /* The slope of a blurred edge between two pixels has the Gaussian's second moment. */
-static void an_edge_spreads_as_a_gaussian(void **state)
+TEST("an edge spreads as a gaussian")
 {
 	static const double sigmas[] = {0.5, 0.8, 1.5, 4};
 	enum { WIDTH = 80, HEIGHT = 3, EDGE = 40 };
 	static float rgb[3 * WIDTH * HEIGHT], scratch[3 * WIDTH * HEIGHT], to[3 * WIDTH * HEIGHT];
 
-	(void)state;
 	for (int i = 0; i < 3 * WIDTH * HEIGHT; i++)
 		rgb[i] = i / 3 % WIDTH < EDGE ? 1 : 3;
 	for (size_t k = 0; k < sizeof(sigmas) / sizeof(*sigmas); k++) {
@@ -106,11 +98,10 @@ static void an_edge_spreads_as_a_gaussian(void **state)
 }
 
 /* Rows against the lamp's light, summed in small steps over the time that a row is exposed. */
-static void rows_see_the_lamp_while_they_are_exposed(void **state)
+TEST("rows see the lamp while they are exposed")
 {
 	const struct mains mains = {.depth = 0.4, .hz = 60, .shutter_s = 0.003, .readout_s = 0.025};
 
-	(void)state;
 	for (int y = 0; y < 48; y += 5) {
 		const double begin = 3.21 + mains.readout_s * y / 48;
 		double sum = 0;
@@ -123,7 +114,7 @@ static void rows_see_the_lamp_while_they_are_exposed(void **state)
 }
 
 /* A view's row is linear in the panels: flicker of 1 + d in a row makes it on + d (on - off). */
-static void panels_flicker_in_rows(void **state)
+TEST("panels flicker in rows")
 {
 	enum { SIDE = 24 };
 	static float on[SIDE][SIDE][3], off[SIDE][SIDE][3], flickering[SIDE][SIDE][3];
@@ -133,7 +124,6 @@ static void panels_flicker_in_rows(void **state)
 	struct studio_view *view;
 	double swing = 0;
 
-	(void)state;
 	assert_int_equal(tsai_look_at(&eye.camera, SIDE, SIDE, from, at, 46, NULL), 0);
 	assert_int_equal(studio_view_create(&view, &eye), 0);
 	studio_view_render(view, &lamps, on[0][0]);
@@ -156,17 +146,4 @@ static void panels_flicker_in_rows(void **state)
 	}
 	assert_true(swing > 0.4);
 	studio_view_destroy(view);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(automatics_settle_with_their_time_constant),
-		cmocka_unit_test(automatics_move_in_steps),
-		cmocka_unit_test(an_edge_spreads_as_a_gaussian),
-		cmocka_unit_test(rows_see_the_lamp_while_they_are_exposed),
-		cmocka_unit_test(panels_flicker_in_rows),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

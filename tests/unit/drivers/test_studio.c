@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The studio: its closed forms, its picture, its true light, and what the light sampler measures.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +10,7 @@
 #include "hal/colour/transfer.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static const double origin[3] = {0, 0, 0};
@@ -43,12 +38,11 @@ static void brute_irradiance(const double point[3], double rgb[3])
 }
 
 /* The constant part cancels in the difference between two places. */
-static void rectangles_irradiate_as_they_shine(void **state)
+TEST("rectangles irradiate as they shine")
 {
 	const double places[3][3] = {{0, 0, 0}, {-2.0, -0.4, 0}, {1.2, 0.3, 0}};
 	double closed[3][3], brute[3][3];
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		studio_steady_irradiance(places[i], STUDIO_FLOOR, 1, closed[i]);
 		brute_irradiance(places[i], brute[i]);
@@ -64,7 +58,7 @@ static void rectangles_irradiate_as_they_shine(void **state)
 		}
 }
 
-static void lanterns_irradiate_as_they_shine(void **state)
+TEST("lanterns irradiate as they shine")
 {
 	const struct studio_lantern lantern = {{0.7, -0.4, 1.6}, 0.3, {1, 1, 1}};
 	const double normal[3] = {0, 0, 1};
@@ -72,7 +66,6 @@ static void lanterns_irradiate_as_they_shine(void **state)
 	const int steps = 1500;
 	double sum = 0;
 
-	(void)state;
 	for (int i = 0; i < steps; i++)
 		for (int j = 0; j < 2 * steps; j++) {
 			const double theta = (i + 0.5) * M_PI / 2 / steps;
@@ -88,11 +81,10 @@ static void lanterns_irradiate_as_they_shine(void **state)
 	assert_true(fabs(studio_lantern_irradiance(&lantern, origin, normal) / sum - 1) < 0.003);
 }
 
-static void lanterns_keep_their_distance(void **state)
+TEST("lanterns keep their distance")
 {
 	struct studio_lamps before = studio_lamps(0, 0);
 
-	(void)state;
 	for (int step = 1; step < 24000; step++) {
 		const struct studio_lamps lamps = studio_lamps(step * 0.01, 0);
 		const struct studio_lantern *now = lamps.lantern;
@@ -189,13 +181,12 @@ static void warm_place(const struct sim_eye *eye, double time_s, double place[2]
 	free(rgb);
 }
 
-static void nothing_is_mirrored(void **state)
+TEST("nothing is mirrored")
 {
 	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
 	struct sim_eye eye;
 	double place[2];
 
-	(void)state;
 	prepare_fisheye(&eye, 200);
 	warm_place(&eye, moment(0), place); /* +X: to the right */
 	assert_true(place[0] > 20 && fabs(place[1]) < 0.15 * place[0]);
@@ -207,14 +198,13 @@ static void nothing_is_mirrored(void **state)
 }
 
 /* The perspective view is upright: floor below, ceiling above, the window on the left. */
-static void nothing_is_upside_down(void **state)
+TEST("nothing is upside down")
 {
 	const double from[3] = {0, -2.4, 1.5}, to[3] = {0, 2, 1.5};
 	struct studio_hit hit;
 	double start[3], dir[3];
 	struct sim_eye eye;
 
-	(void)state;
 	prepare_camera(&eye, 200, 150, from, to, 100);
 	assert_true(eye_ray(&eye, (double[2]){100, 2}, start, dir));
 	assert_true(studio_hit(start, dir, &hit) && hit.surface == STUDIO_CEILING);
@@ -276,12 +266,11 @@ static void check_view(const struct sim_eye *eye, double switch_s, const char *n
 	assert_true(worst < 0.8);
 }
 
-static void views_match_traced_rays(void **state)
+TEST("views match traced rays")
 {
 	const double from[3] = {0.3, -1.9, 1.4}, to[3] = {0.1, 0.5, 1.1};
 	struct sim_eye eye;
 
-	(void)state;
 	prepare_fisheye(&eye, 240);
 	check_view(&eye, 0, "fisheye");
 	prepare_camera(&eye, 240, 180, from, to, 70);
@@ -289,11 +278,10 @@ static void views_match_traced_rays(void **state)
 	check_view(&eye, 3, "perspective, the panels off");
 }
 
-static void panels_are_switched(void **state)
+TEST("panels are switched")
 {
 	double on[3], off[3];
 
-	(void)state;
 	assert_true(studio_lamps(2.9, 3).panels == 1 && studio_lamps(3, 3).panels == 0);
 	assert_true(studio_lamps(6, 3).panels == 1 && studio_lamps(3, 0).panels == 1);
 	studio_steady_irradiance(origin, STUDIO_FLOOR, 1, on);
@@ -302,11 +290,10 @@ static void panels_are_switched(void **state)
 		assert_true(off[c] < 0.8 * on[c] && off[c] > 0.3);
 }
 
-static void exposure_suits_a_camera(void **state)
+TEST("exposure suits a camera")
 {
 	static const double eye[3] = {0, -1.7, 0.95};
 
-	(void)state;
 	for (double t = 0; t < 60; t += 1.3) {
 		const struct studio_lamps lamps = studio_lamps(t, 0);
 
@@ -367,9 +354,8 @@ static void check_random_sampling(enum dome_shape shape)
 	dome_free(&dome);
 }
 
-static void lights_match_random_sampling(void **state)
+TEST("lights match random sampling")
 {
-	(void)state;
 	check_random_sampling(DOME_CELLS);
 	check_random_sampling(DOME_TENTS);
 }
@@ -423,7 +409,7 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 }
 
 /* The light sampler on the studio's fisheye picture, against the true light. */
-static void the_light_sampler_finds_the_true_lights(void **state)
+TEST("the light sampler finds the true lights")
 {
 	static const struct {
 		int frequency, side;
@@ -433,7 +419,6 @@ static void the_light_sampler_finds_the_true_lights(void **state)
 		     {4, 480, 0.01, 0.003},
 		     {9, 960, 0.015, 0.002}};
 
-	(void)state;
 	for (size_t i = 0; i < (thorough() ? 4 : 2); i++) {
 		const struct sampled cell = sample(cases[i].frequency, cases[i].side,
 						   ESTIMATOR_CELL, 2.0);
@@ -448,22 +433,4 @@ static void the_light_sampler_finds_the_true_lights(void **state)
 		assert_true(cell.worst < cases[i].worst);
 		assert_true(fabs(cell.energy) < cases[i].energy);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rectangles_irradiate_as_they_shine),
-		cmocka_unit_test(lanterns_irradiate_as_they_shine),
-		cmocka_unit_test(lanterns_keep_their_distance),
-		cmocka_unit_test(nothing_is_mirrored),
-		cmocka_unit_test(nothing_is_upside_down),
-		cmocka_unit_test(views_match_traced_rays),
-		cmocka_unit_test(panels_are_switched),
-		cmocka_unit_test(exposure_suits_a_camera),
-		cmocka_unit_test(lights_match_random_sampling),
-		cmocka_unit_test(the_light_sampler_finds_the_true_lights),
-	};
-
-	return cmocka_run_group_tests_name("studio", tests, NULL, NULL);
 }

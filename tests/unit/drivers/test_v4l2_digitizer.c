@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The V4L2 driver against a played digitizer: inputs, standards, fields, signal. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <poll.h>
 #include <string.h>
@@ -14,6 +8,7 @@
 #include "drivers/v4l2/formats.h"
 #include "hal/base/clock.h"
 #include "tests/support/played_v4l2.h"
+#include "tests/support/test.h"
 
 enum { FIELD_BYTES = PLAYED_YUYV_BYTES / 2 };
 
@@ -42,7 +37,7 @@ static void nothing_comes(struct played_rig *rig)
 
 /* ---- inputs and standards ---- */
 
-static void inputs_by_number_and_name(void **state)
+TEST("inputs by number and name")
 {
 	static const struct {
 		const char *text;
@@ -51,7 +46,6 @@ static void inputs_by_number_and_name(void **state)
 		     {"s-video", 1}, {"SVIDEO", 1}, {"HDMI", -1}, {"2", -1}, {"1x", -1}};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		int err;
 
@@ -70,7 +64,7 @@ static void inputs_by_number_and_name(void **state)
 	}
 }
 
-static void standards_by_name(void **state)
+TEST("standards by name")
 {
 	static const struct {
 		const char *text;
@@ -90,7 +84,6 @@ static void standards_by_name(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		int err;
 
@@ -115,7 +108,7 @@ static void standards_by_name(void **state)
 
 /* ---- fields ---- */
 
-static void fields_of_formats(void **state)
+TEST("fields of formats")
 {
 	static const struct {
 		uint32_t field;
@@ -141,7 +134,6 @@ static void fields_of_formats(void **state)
 		{V4L2_FIELD_BOTTOM, V4L2_STD_PAL, FIELDS_BOTTOM, true, true},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		const struct v4l2_lines lines = v4l2_lines_of(cases[i].field, cases[i].standard);
 
@@ -152,7 +144,7 @@ static void fields_of_formats(void **state)
 	}
 }
 
-static void fields_are_asked_for(void **state)
+TEST("fields are asked for")
 {
 	static const struct {
 		enum v4l2_field_wish wish;
@@ -172,7 +164,6 @@ static void fields_are_asked_for(void **state)
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]) * 2; i++) {
 		const size_t c = i / 2;
 
@@ -196,12 +187,11 @@ static void fields_are_asked_for(void **state)
 	}
 }
 
-static void a_buffer_may_say_more(void **state)
+TEST("a buffer may say more")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
 	played_must_start(&rig);
 	played_deliver(0, 0, PLAYED_YUYV_BYTES, 0)->field = V4L2_FIELD_INTERLACED_BT;
@@ -222,11 +212,10 @@ static void a_buffer_may_say_more(void **state)
 	played_finish(&rig);
 }
 
-static void heights_without_halves_are_refused(void **state)
+TEST("heights without halves are refused")
 {
 	struct played_rig rig;
 
-	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
 	played.height = 47;
 	assert_int_equal(played_start(&rig), -EINVAL);
@@ -235,12 +224,11 @@ static void heights_without_halves_are_refused(void **state)
 }
 
 /* A squeezed picture of one field has the height that was asked for. */
-static void a_field_of_the_wanted_height_is_a_picture(void **state)
+TEST("a field of the wanted height is a picture")
 {
 	struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_CAPTURE};
 	struct v4l2_picture picture;
 
-	(void)state;
 	format.fmt.pix = (struct v4l2_pix_format){.width = 64,
 						  .height = 24,
 						  .pixelformat = V4L2_PIX_FMT_YUYV,
@@ -271,12 +259,11 @@ static void field_comes(int buffer, uint32_t sequence, bool bottom, uint32_t fla
 									     : V4L2_FIELD_TOP;
 }
 
-static void two_fields_are_a_picture(void **state)
+TEST("two fields are a picture")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	for (int bottom_first = 0; bottom_first < 2; bottom_first++) {
 		start_pairs(&rig, bottom_first ? V4L2_STD_NTSC_M : V4L2_STD_PAL_BG);
 		field_comes(2, 7, bottom_first, 0);
@@ -299,12 +286,11 @@ static void two_fields_are_a_picture(void **state)
 	}
 }
 
-static void the_newest_pair_wins(void **state)
+TEST("the newest pair wins")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
 	for (int i = 0; i < 7; i++) /* three pairs and a half */
 		field_comes(i, (uint32_t)i / 2, i % 2, 0);
@@ -323,12 +309,11 @@ static void the_newest_pair_wins(void **state)
 	played_finish(&rig);
 }
 
-static void an_orphan_is_broken(void **state)
+TEST("an orphan is broken")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
 	field_comes(0, 0, false, 0); /* its other field is lost */
 	field_comes(1, 1, false, 0);
@@ -354,12 +339,11 @@ static void an_orphan_is_broken(void **state)
 	played_finish(&rig);
 }
 
-static void a_picture_with_an_unfit_field_is_broken_once(void **state)
+TEST("a picture with an unfit field is broken once")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	for (int unfit = 0; unfit < 2; unfit++) {
 		start_pairs(&rig, V4L2_STD_PAL_BG);
 		field_comes(0, 0, false, unfit == 0 ? V4L2_BUF_FLAG_ERROR : 0);
@@ -382,12 +366,11 @@ static void a_picture_with_an_unfit_field_is_broken_once(void **state)
 	played_finish(&rig);
 }
 
-static void sequence_numbers_of_pairs_wrap(void **state)
+TEST("sequence numbers of pairs wrap")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	start_pairs(&rig, V4L2_STD_PAL_BG);
 	for (uint32_t i = 0; i < 6; i++) {
 		const uint32_t sequence = UINT32_MAX - 1 + i / 2;
@@ -405,13 +388,12 @@ static void sequence_numbers_of_pairs_wrap(void **state)
 }
 
 /* Some drivers number fields; V4L2 says that both fields of a frame have the same number. */
-static void a_driver_that_counts_fields_is_understood(void **state)
+TEST("a driver that counts fields is understood")
 {
 	struct frame frame;
 	struct played_rig rig;
 	uint32_t pictures = 0;
 
-	(void)state;
 	start_pairs(&rig, V4L2_STD_NTSC_M);
 	for (uint32_t i = 0; i < 20; i++) {
 		field_comes((int)i % 8, i, i % 2 == 1, 0); /* bottom fields have odd numbers */
@@ -428,7 +410,7 @@ static void a_driver_that_counts_fields_is_understood(void **state)
 
 /* ---- signal and changes ---- */
 
-static void no_signal_is_a_situation(void **state)
+TEST("no signal is a situation")
 {
 	static const struct {
 		uint32_t status;
@@ -438,7 +420,6 @@ static void no_signal_is_a_situation(void **state)
 		     {V4L2_IN_ST_NO_H_LOCK, -ENOLCK}};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_television(&rig, 0);
 		played.status = cases[i].status;
@@ -456,14 +437,13 @@ static void no_signal_is_a_situation(void **state)
 }
 
 /* A device that sends events is trusted; any other is asked each second. */
-static void a_signal_that_is_lost_is_noticed(void **state)
+TEST("a signal that is lost is noticed")
 {
 	const int64_t limit_ns = clock_now_ns() + 60 * NS_PER_S;
 	struct frame frame;
 	struct played_rig rig;
 	int err;
 
-	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
 	played_must_start(&rig);
 	played.status = V4L2_IN_ST_NO_SIGNAL;
@@ -476,12 +456,11 @@ static void a_signal_that_is_lost_is_noticed(void **state)
 	played_finish(&rig);
 }
 
-static void a_changed_source_is_stale(void **state)
+TEST("a changed source is stale")
 {
 	struct frame frame;
 	struct played_rig rig;
 
-	(void)state;
 	prepare_television(&rig, V4L2_STD_PAL_BG);
 	played.tells = true;
 	played_must_start(&rig);
@@ -495,27 +474,4 @@ static void a_changed_source_is_stale(void **state)
 	played_finish(&rig);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(inputs_by_number_and_name),
-		cmocka_unit_test(standards_by_name),
-		cmocka_unit_test(fields_of_formats),
-		cmocka_unit_test(fields_are_asked_for),
-		cmocka_unit_test(a_buffer_may_say_more),
-		cmocka_unit_test(heights_without_halves_are_refused),
-		cmocka_unit_test(a_field_of_the_wanted_height_is_a_picture),
-		cmocka_unit_test(two_fields_are_a_picture),
-		cmocka_unit_test(the_newest_pair_wins),
-		cmocka_unit_test(an_orphan_is_broken),
-		cmocka_unit_test(a_picture_with_an_unfit_field_is_broken_once),
-		cmocka_unit_test(sequence_numbers_of_pairs_wrap),
-		cmocka_unit_test(a_driver_that_counts_fields_is_understood),
-		cmocka_unit_test(no_signal_is_a_situation),
-		cmocka_unit_test(a_signal_that_is_lost_is_noticed),
-		cmocka_unit_test(a_changed_source_is_stale),
-	};
-
-	return cmocka_run_group_tests_name("v4l2_digitizer", tests, played_make_file,
-					   played_remove_file);
-}
+TEST_GROUP(played_make_file, played_remove_file);

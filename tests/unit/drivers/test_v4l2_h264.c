@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* H.264 from a played device: each stream is encoded here, by FFmpeg's program, and compared with its source. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <dlfcn.h>
 #include <errno.h>
 #include <math.h>
@@ -18,6 +12,7 @@
 #include "drivers/v4l2/h264_unit.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 64, HEIGHT = 48, PICTURES = 30, KEY = 10, UNITS_MAX = 64 };
 enum { PICTURE_BYTES = WIDTH * HEIGHT * 3 / 2, STREAM_MAX = 1 << 20 };
@@ -152,11 +147,10 @@ static void rig_start(struct played_rig *rig, const uint32_t *formats)
 /* ---- tests ---- */
 
 /* First of all: the library stays loaded once it is. */
-static void a_missing_library_is_named(void **state)
+TEST("a missing library is named")
 {
 	struct played_rig rig;
 
-	(void)state;
 	library_is_missing = true;
 	played_prepare(&rig, h264_and_grey);
 	rig.settings.format = PIXEL_H264;
@@ -172,11 +166,10 @@ static void a_missing_library_is_named(void **state)
 	library_is_missing = false;
 }
 
-static void others_are_preferred(void **state)
+TEST("others are preferred")
 {
 	struct played_rig rig;
 
-	(void)state;
 	played_prepare(&rig, h264_and_jpeg);
 	played_must_start(&rig);
 	assert_int_equal(rig.camera.format, PIXEL_MJPEG);
@@ -207,9 +200,8 @@ static void pictures_come_at_once(const char *options)
 	free(s);
 }
 
-static void each_profile_is_decoded(void **state)
+TEST("each profile is decoded")
 {
-	(void)state;
 	pictures_come_at_once(PICTURE ENCODER X264);
 	pictures_come_at_once(PICTURE ENCODER "-profile:v baseline " X264 ":slices=3");
 	pictures_come_at_once(PICTURE ENCODER "-profile:v main " X264 ":ref=3:weightp=2");
@@ -217,13 +209,12 @@ static void each_profile_is_decoded(void **state)
 }
 
 /* The newest picture needs those that it overtakes. */
-static void overtaken_pictures_are_decoded(void **state)
+TEST("overtaken pictures are decoded")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264);
 	struct played_rig rig;
 	struct frame frame;
 
-	(void)state;
 	rig_start(&rig, only_h264);
 	for (int i = 0; i < 3; i++) {
 		const size_t bytes = s->at[i + 1] - s->at[i];
@@ -311,11 +302,10 @@ static void check_wrong(const struct stream *s, int unit, enum wrong wrong)
 	played_finish(&rig);
 }
 
-static void nothing_damaged_is_shown(void **state)
+TEST("nothing damaged is shown")
 {
 	static const char *const kinds[] = {X264, "-profile:v baseline " X264 ":slices=3"};
 
-	(void)state;
 	told = 0;
 	for (int k = 0; k < 2; k++) {
 		char options[512];
@@ -334,13 +324,12 @@ static void nothing_damaged_is_shown(void **state)
 	assert_in_range(told, 3, 12);
 }
 
-static void a_stream_is_joined_in_its_middle(void **state)
+TEST("a stream is joined in its middle")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264);
 	struct played_rig rig;
 	struct frame frame;
 
-	(void)state;
 	rig_start(&rig, only_h264);
 	for (int i = 4; i < s->count; i++) {
 		const int err = camera_send_unit(&rig, (uint32_t)i, s, i, &frame);
@@ -357,14 +346,13 @@ static void a_stream_is_joined_in_its_middle(void **state)
 
 /* Some encoders never send a key frame, and refresh a column of blocks in each picture: pictures are shown
  * again once the whole picture is new. */
-static void a_gradual_refresh_ends_the_wait(void **state)
+TEST("a gradual refresh ends the wait")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264 ":intra-refresh=1");
 	struct played_rig rig;
 	struct frame frame;
 	int shown = 0;
 
-	(void)state;
 	rig_start(&rig, only_h264);
 	for (int i = 0; i < s->count; i++) {
 		if (i == 3)
@@ -380,13 +368,12 @@ static void a_gradual_refresh_ends_the_wait(void **state)
 	free(s);
 }
 
-static void the_size_may_change(void **state)
+TEST("the size may change")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264);
 	struct played_rig rig;
 	struct frame frame;
 
-	(void)state;
 	stream_append(
 		s, "-f lavfi -i testsrc2=size=128x96:rate=10 -frames:v 5 -pix_fmt yuv420p " ENCODER
 			   X264);
@@ -403,13 +390,12 @@ static void the_size_may_change(void **state)
 }
 
 /* 1080 lines are 1088 to the encoder; here 48 of 50. */
-static void padding_is_cut_off(void **state)
+TEST("padding is cut off")
 {
 	struct stream *s = calloc(1, sizeof(*s));
 	struct played_rig rig;
 	struct frame frame;
 
-	(void)state;
 	stream_append(
 		s, "-f lavfi -i testsrc2=size=68x50:rate=10 -frames:v 2 -pix_fmt yuv420p " ENCODER
 			   X264);
@@ -444,9 +430,8 @@ static void check_colours(const char *vui, int range_set, enum colour_matrix mat
 	free(s);
 }
 
-static void colours_are_those_of_the_stream(void **state)
+TEST("colours are those of the stream")
 {
-	(void)state;
 	check_colours("", 0, MATRIX_BT601, RANGE_LIMITED); /* the kernel's rule */
 	check_colours(":colormatrix=bt709", 0, MATRIX_BT709, RANGE_LIMITED);
 	check_colours(":fullrange=on:colormatrix=smpte170m", 0, MATRIX_BT601, RANGE_FULL);
@@ -454,7 +439,7 @@ static void colours_are_those_of_the_stream(void **state)
 	check_colours(":fullrange=on", RANGE_LIMITED + 1, MATRIX_BT601, RANGE_LIMITED);
 }
 
-static void other_pixels_are_refused(void **state)
+TEST("other pixels are refused")
 {
 	struct stream *s = stream_make("-f lavfi -i testsrc2=size=64x48:rate=10 -frames:v 30 "
 				       "-pix_fmt yuv422p " ENCODER X264);
@@ -464,7 +449,6 @@ static void other_pixels_are_refused(void **state)
 	char line[512] = "";
 	FILE *said;
 
-	(void)state;
 	rig_start(&rig, only_h264);
 	assert_int_equal(camera_send_unit(&rig, 0, s, 0, &frame), -EAGAIN);
 	assert_int_equal(rig.camera.broken, 1);
@@ -478,7 +462,7 @@ static void other_pixels_are_refused(void **state)
 }
 
 /* Parameter sets that come in a buffer of their own are no picture. */
-static void parameter_sets_are_no_picture(void **state)
+TEST("parameter sets are no picture")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264);
 	struct h264_count count = {0};
@@ -486,7 +470,6 @@ static void parameter_sets_are_no_picture(void **state)
 	struct frame frame;
 	size_t sets = 5;
 
-	(void)state;
 	while ((s->data[sets] & 31) != 5 || s->data[sets - 1] != 1)
 		sets++;
 	sets -= 4;
@@ -515,7 +498,7 @@ static bool gap_before(struct h264_count *count, unsigned header, unsigned numbe
 
 /* The parameter set has scaling lists of each kind: whole, cut short, by default. FFmpeg's trace_headers reads
  * log2_max_frame_num_minus4 = 3 in it. */
-static void lost_pictures_are_counted(void **state)
+TEST("lost pictures are counted")
 {
 	static const uint8_t set[] = {
 		0x00, 0x00, 0x01, 0x67, 0x64, 0x00, 0x0a, 0xad, 0xc6, 0x0a, 0x64, 0x18, 0x20,
@@ -529,7 +512,6 @@ static void lost_pictures_are_counted(void **state)
 	struct h264_count count = {0};
 	const struct h264_unit sets = h264_unit_read(&count, set, sizeof(set));
 
-	(void)state;
 	assert_int_equal(count.bits, 7);
 	assert_true(sets.sequence && !sets.picture);
 	assert_int_equal(sets.sets_at, 0);
@@ -555,23 +537,4 @@ static int setup(void **state)
 	return bytes == sizeof(source) ? played_make_file(state) : -1;
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_missing_library_is_named),
-		cmocka_unit_test(others_are_preferred),
-		cmocka_unit_test(each_profile_is_decoded),
-		cmocka_unit_test(overtaken_pictures_are_decoded),
-		cmocka_unit_test(nothing_damaged_is_shown),
-		cmocka_unit_test(a_stream_is_joined_in_its_middle),
-		cmocka_unit_test(a_gradual_refresh_ends_the_wait),
-		cmocka_unit_test(the_size_may_change),
-		cmocka_unit_test(padding_is_cut_off),
-		cmocka_unit_test(colours_are_those_of_the_stream),
-		cmocka_unit_test(other_pixels_are_refused),
-		cmocka_unit_test(parameter_sets_are_no_picture),
-		cmocka_unit_test(lost_pictures_are_counted),
-	};
-
-	return cmocka_run_group_tests_name("v4l2_h264", tests, setup, played_remove_file);
-}
+TEST_GROUP(setup, played_remove_file);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The V4L2 driver against a played device: controls, and what is given up when the bus is full. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -16,6 +10,7 @@
 #include "drivers/v4l2/find.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
+#include "tests/support/test.h"
 
 /* ---- controls; what is logged goes to a file ---- */
 
@@ -67,7 +62,7 @@ static void prepare_controls(struct played_rig *rig, const char *controls)
 	strcpy(rig->settings.controls, controls);
 }
 
-static void controls_are_set_by_name(void **state)
+TEST("controls are set by name")
 {
 	static const struct {
 		const char *text;
@@ -85,7 +80,6 @@ static void controls_are_set_by_name(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_controls(&rig, cases[i].text);
 		assert_int_equal(start_and_listen(&rig), 0);
@@ -96,7 +90,7 @@ static void controls_are_set_by_name(void **state)
 	}
 }
 
-static void a_renamed_control_is_found(void **state)
+TEST("a renamed control is found")
 {
 	static const char *const names[][2] = {
 		{"White Balance Temperature, Auto", "white_balance_automatic"},
@@ -108,7 +102,6 @@ static void a_renamed_control_is_found(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
 		char text[80];
 
@@ -122,7 +115,7 @@ static void a_renamed_control_is_found(void **state)
 	}
 }
 
-static void what_is_refused_is_named(void **state)
+TEST("what is refused is named")
 {
 	static const struct {
 		const char *text, *expected;
@@ -136,7 +129,6 @@ static void what_is_refused_is_named(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_controls(&rig, cases[i].text);
 		played.controls[BALANCE].refuse = EACCES;
@@ -159,11 +151,10 @@ static void what_is_refused_is_named(void **state)
 }
 
 /* Some webcams reset a control when they start to stream. */
-static void what_starting_undoes_is_set_again(void **state)
+TEST("what starting undoes is set again")
 {
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "gain=99, power_line_frequency=1");
 	played.resets = true;
 	assert_int_equal(start_and_listen(&rig), 0);
@@ -186,11 +177,10 @@ static int wait_for_it(struct played_rig *rig)
 	return err;
 }
 
-static void what_another_program_uses_is_left_as_it_is(void **state)
+TEST("what another program uses is left as it is")
 {
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "gain=99, power_line_frequency=1, nonsense=1");
 	played.television = played.held = true;
 	played.input = 1;
@@ -210,12 +200,11 @@ static void what_another_program_uses_is_left_as_it_is(void **state)
 	played_finish(&rig);
 }
 
-static void what_is_refused_is_said_once(void **state)
+TEST("what is refused is said once")
 {
 	const char *first;
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "gainn=99");
 	played.streamon_error = EPROTO;
 	assert_int_equal(listen_to(wait_for_it, &rig), -EPROTO);
@@ -225,12 +214,11 @@ static void what_is_refused_is_said_once(void **state)
 	played_finish(&rig);
 }
 
-static void controls_that_cannot_be_read_are_errors(void **state)
+TEST("controls that cannot be read are errors")
 {
 	static const char *const cases[] = {"gain", "gain=", "=3", "gain 3, brightness=2"};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_controls(&rig, cases[i]);
 		assert_int_equal(start_and_listen(&rig), -EINVAL);
@@ -240,7 +228,7 @@ static void controls_that_cannot_be_read_are_errors(void **state)
 	}
 }
 
-static void names_are_those_of_v4l2_ctl(void **state)
+TEST("names are those of v4l2 ctl")
 {
 	static const char *const cases[][2] = {
 		{"Exposure Time, Absolute", "exposure_time_absolute"},
@@ -251,7 +239,6 @@ static void names_are_those_of_v4l2_ctl(void **state)
 	};
 	char name[V4L2_CONTROL_NAME_MAX];
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		v4l2_control_name(cases[i][0], name);
 		assert_string_equal(name, cases[i][1]);
@@ -260,7 +247,7 @@ static void names_are_those_of_v4l2_ctl(void **state)
 
 /* ---- controls on the way ---- */
 
-static void controls_change_while_it_streams(void **state)
+TEST("controls change while it streams")
 {
 	static const struct {
 		const char *name, *value;
@@ -275,7 +262,6 @@ static void controls_change_while_it_streams(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "");
 	assert_int_equal(camera_set_control(&rig.camera, "gain", "1", NULL, &rig.fault), -EBADF);
 	assert_int_equal(start_and_listen(&rig), 0);
@@ -304,12 +290,11 @@ static int change_many_times(struct played_rig *rig)
 	return 0;
 }
 
-static void what_is_rounded_is_told_and_said_once(void **state)
+TEST("what is rounded is told and said once")
 {
 	const char *first;
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "");
 	played.controls[GAIN].step = 5;
 	played_must_start(&rig);
@@ -335,12 +320,11 @@ static int change_in_vain(struct played_rig *rig)
 	return 0;
 }
 
-static void what_has_no_effect_is_said_once(void **state)
+TEST("what has no effect is said once")
 {
 	const char *first;
 	struct played_rig rig;
 
-	(void)state;
 	prepare_controls(&rig, "");
 	played.controls[GAIN].flags = V4L2_CTRL_FLAG_INACTIVE;
 	played_must_start(&rig);
@@ -351,7 +335,7 @@ static void what_has_no_effect_is_said_once(void **state)
 	played_finish(&rig);
 }
 
-static void what_cannot_be_changed_is_named(void **state)
+TEST("what cannot be changed is named")
 {
 	static char endless[2 * INI_TEXT_MAX];
 	const struct {
@@ -373,7 +357,6 @@ static void what_cannot_be_changed_is_named(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	memset(endless, '1', sizeof(endless) - 1);
 	prepare_controls(&rig, "");
 	played.controls[BALANCE].refuse = EACCES;
@@ -408,7 +391,7 @@ static void prepare_room(struct played_rig *rig, double room, const char *give_u
 	strcpy(rig->settings.give_up, give_up);
 }
 
-static void what_goes_goes_in_order(void **state)
+TEST("what goes goes in order")
 {
 	static const struct {
 		int format, rate; /* wanted */
@@ -429,7 +412,6 @@ static void what_goes_goes_in_order(void **state)
 	};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < 2 * sizeof(cases) / sizeof(cases[0]); i++) {
 		const size_t c = i / 2;
 		int err;
@@ -466,12 +448,11 @@ static void what_goes_goes_in_order(void **state)
 	}
 }
 
-static void unknown_words_are_errors(void **state)
+TEST("unknown words are errors")
 {
 	static const char *const cases[] = {"colour", "format, frames", "rate rate"};
 	struct played_rig rig;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		prepare_room(&rig, 0, cases[i]);
 		assert_int_equal(played_start(&rig), -EINVAL);
@@ -480,11 +461,10 @@ static void unknown_words_are_errors(void **state)
 	}
 }
 
-static void usb_ports(void **state)
+TEST("usb ports")
 {
 	char port[V4L2_PORT_MAX];
 
-	(void)state;
 	assert_true(v4l2_usb_port("1-2:1.0", port));
 	assert_string_equal(port, "1-2");
 	assert_true(v4l2_usb_port("3-1.4.2:1.1", port));
@@ -496,7 +476,7 @@ static void usb_ports(void **state)
 }
 
 /* The kernel cuts names at 31 bytes: a character that it cut through is left out. */
-static void names_are_whole_characters(void **state)
+TEST("names are whole characters")
 {
 	static const struct {
 		const char *card, *name;
@@ -510,7 +490,6 @@ static void names_are_whole_characters(void **state)
 		{"Cam\xe9ra", "Cam?ra"}, /* Latin-1 */
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		uint8_t card[32] = "";
 		char name[128];
@@ -521,12 +500,11 @@ static void names_are_whole_characters(void **state)
 	}
 }
 
-static void parts_of_a_pipeline_are_no_cameras(void **state)
+TEST("parts of a pipeline are no cameras")
 {
 	struct v4l2_capability node = {.card = "Webcam",
 				       .capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING};
 
-	(void)state;
 	assert_false(device_is_part(&node));
 	node.capabilities |= V4L2_CAP_IO_MC;
 	assert_true(device_is_part(&node));
@@ -535,28 +513,4 @@ static void parts_of_a_pipeline_are_no_cameras(void **state)
 	assert_true(device_is_part(&node));
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(controls_are_set_by_name),
-		cmocka_unit_test(a_renamed_control_is_found),
-		cmocka_unit_test(what_is_refused_is_named),
-		cmocka_unit_test(what_starting_undoes_is_set_again),
-		cmocka_unit_test(what_another_program_uses_is_left_as_it_is),
-		cmocka_unit_test(what_is_refused_is_said_once),
-		cmocka_unit_test(controls_that_cannot_be_read_are_errors),
-		cmocka_unit_test(controls_change_while_it_streams),
-		cmocka_unit_test(what_is_rounded_is_told_and_said_once),
-		cmocka_unit_test(what_has_no_effect_is_said_once),
-		cmocka_unit_test(what_cannot_be_changed_is_named),
-		cmocka_unit_test(names_are_those_of_v4l2_ctl),
-		cmocka_unit_test(what_goes_goes_in_order),
-		cmocka_unit_test(unknown_words_are_errors),
-		cmocka_unit_test(usb_ports),
-		cmocka_unit_test(names_are_whole_characters),
-		cmocka_unit_test(parts_of_a_pipeline_are_no_cameras),
-	};
-
-	return cmocka_run_group_tests_name("v4l2_settings", tests, played_make_file,
-					   played_remove_file);
-}
+TEST_GROUP(played_make_file, played_remove_file);

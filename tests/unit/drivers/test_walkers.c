@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Walkers in the studio: their bodies against rays cast much more densely, their shadows, their feet. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "drivers/sim/studio_people.h"
 #include "drivers/sim/walker_body.h"
 #include "hal/optics/vec.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 enum { WIDTH = 160, HEIGHT = 120, PIXELS = WIDTH * HEIGHT };
@@ -49,7 +44,7 @@ static double dense_alpha(const struct sim_eye *eye, const struct walker_body *b
 	return (double)hits / (side * side);
 }
 
-static void bodies_cover_what_dense_rays_hit(void **state)
+TEST("bodies cover what dense rays hit")
 {
 	static struct studio_layer layer[PIXELS];
 	struct sim_eye eye;
@@ -58,7 +53,6 @@ static void bodies_cover_what_dense_rays_hit(void **state)
 	const int step = thorough() ? 1 : 7; /* prime to the width: all columns are met */
 	int count = 0;
 
-	(void)state;
 	for (int style = 0; style < WALKER_STYLES; style++) {
 		const struct walker walker = {.style = (enum walker_style)style,
 					      .place = {0.1 * style - 0.2, 0.3},
@@ -88,7 +82,7 @@ static void bodies_cover_what_dense_rays_hit(void **state)
 }
 
 /* A single lantern to the left: ground to the right is darker, ground to the left is as before. */
-static void shadows_fall_away_from_the_light(void **state)
+TEST("shadows fall away from the light")
 {
 	static float empty[PIXELS * 3], shaded[PIXELS * 3];
 	struct studio_lamps lamps = studio_lamps(0, 0);
@@ -97,7 +91,6 @@ static void shadows_fall_away_from_the_light(void **state)
 	struct studio_view *view = make_view(&eye);
 	double kept[2] = {0, 0}, had[2] = {0, 0};
 
-	(void)state;
 	lamps.panels = 0;
 	for (int i = 0; i < STUDIO_LANTERNS; i++) {
 		lamps.lantern[i].centre[0] = -1.2;
@@ -160,7 +153,7 @@ static double dense_hidden(const struct walker_body *body, const double point[3]
 }
 
 /* What stands in for the rays of a lamp is off by this. */
-static void shadows_are_as_deep_as_dense_rays_say(void **state)
+TEST("shadows are as deep as dense rays say")
 {
 	const struct walker walker = {.style = WALKER_CHECKS, .walked = 0.2, .pace = 1};
 	const double lamp[3] = {-1.2, 0.2, 1.6}, radius = 0.3;
@@ -168,7 +161,6 @@ static void shadows_are_as_deep_as_dense_rays_say(void **state)
 	double sum = 0, mean = 0, truth = 0;
 	int count = 0;
 
-	(void)state;
 	walker_pose(&walker, &body);
 	for (double x = -0.8; x < 1.6; x += 0.05)
 		for (double y = -0.8; y < 0.8; y += 0.05) {
@@ -188,7 +180,7 @@ static void shadows_are_as_deep_as_dense_rays_say(void **state)
 	assert_true(fabs(mean - truth) < 0.15 * truth);
 }
 
-static void nobody_changes_nothing(void **state)
+TEST("nobody changes nothing")
 {
 	static float before[PIXELS * 3], after[PIXELS * 3];
 	static struct studio_layer layer[PIXELS];
@@ -197,7 +189,6 @@ static void nobody_changes_nothing(void **state)
 	struct sim_eye eye;
 	struct studio_view *view = make_view(&eye);
 
-	(void)state;
 	assert_int_equal(walkers_at(3, 0, list), 0);
 	studio_view_render(view, &lamps, before);
 	memcpy(after, before, sizeof(after));
@@ -215,9 +206,8 @@ static double shoe_bottom(const struct walker_part *shoe)
 }
 
 /* One foot is on the ground at any time, none is below it, and the one that stands does not slide. */
-static void feet_stand_on_the_ground(void **state)
+TEST("feet stand on the ground")
 {
-	(void)state;
 	for (double walked = 0; walked < 2; walked += 0.01) {
 		const struct walker walker = {
 			.walked = walked, .place = {walked * WALKER_STRIDE_M, 0}, .pace = 1};
@@ -232,13 +222,12 @@ static void feet_stand_on_the_ground(void **state)
 	}
 }
 
-static void walkers_walk_without_jumps(void **state)
+TEST("walkers walk without jumps")
 {
 	struct walker before[WALKER_STYLES], now[WALKER_STYLES];
 	const double step_s = 0.02;
 	int count = walkers_at(0, WALKER_STYLES, before), seen = 0;
 
-	(void)state;
 	for (double t = step_s; t < 60; t += step_s) {
 		const int present = walkers_at(t, WALKER_STYLES, now);
 
@@ -257,18 +246,4 @@ static void walkers_walk_without_jumps(void **state)
 		count = present;
 	}
 	assert_true(seen > 3000);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(bodies_cover_what_dense_rays_hit),
-		cmocka_unit_test(shadows_fall_away_from_the_light),
-		cmocka_unit_test(shadows_are_as_deep_as_dense_rays_say),
-		cmocka_unit_test(nobody_changes_nothing),
-		cmocka_unit_test(feet_stand_on_the_ground),
-		cmocka_unit_test(walkers_walk_without_jumps),
-	};
-
-	return cmocka_run_group_tests_name("walkers", tests, NULL, NULL);
 }

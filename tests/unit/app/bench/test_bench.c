@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What `inlay bench` compares frames with: transport light by light, the thesis's algorithm,
  * errors, lightings. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,6 +15,7 @@
 #include "hal/measure/unpacked.h"
 #include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
+#include "tests/support/test.h"
 
 static struct synthetic_options every_encoding(struct chance *chance)
 {
@@ -100,11 +95,10 @@ static void check_tile(const struct basis *basis, const struct basis_tile *tile,
 	free(is);
 }
 
-static void transport_is_what_blocks_say(void **state)
+TEST("transport is what blocks say")
 {
 	struct chance chance = chance_begin("transport");
 
-	(void)state;
 	for (int round = 0; round < 4; round++) {
 		const struct synthetic_options options = every_encoding(&chance);
 		struct synthetic s;
@@ -231,11 +225,10 @@ static double brightest(const struct basis *basis)
 	return most;
 }
 
-static void thesis_composites(void **state)
+TEST("thesis composites")
 {
 	struct chance chance = chance_begin("thesis");
 
-	(void)state;
 	for (int threads = 1; threads < 4; threads++) {
 		struct synthetic_options options = every_encoding(&chance);
 		struct fault fault = {""};
@@ -268,7 +261,7 @@ static void thesis_composites(void **state)
 
 /* ---- errors ---- */
 
-static void errors_are_those_that_were_made(void **state)
+TEST("errors are those that were made")
 {
 	struct chance chance = chance_begin("errors");
 	struct synthetic_options options = every_encoding(&chance);
@@ -280,7 +273,6 @@ static void errors_are_those_that_were_made(void **state)
 	double *truth;
 	const struct view whole = {.width = 37, .height = 21, .squash = 1};
 
-	(void)state;
 	options.object_share = options.ground_share = 0.2;
 	options.stand_in_share = 0;
 	synthetic_open(&s, &options);
@@ -324,7 +316,7 @@ static double white_ground(const struct basis *basis, const float (*radiance)[3]
 	return sum;
 }
 
-static void lightings_are_exposed(void **state)
+TEST("lightings are exposed")
 {
 	struct chance chance = chance_begin("lightings");
 	const struct synthetic_options options = every_encoding(&chance);
@@ -332,7 +324,6 @@ static void lightings_are_exposed(void **state)
 	struct fault fault = {""};
 	struct synthetic s;
 
-	(void)state;
 	synthetic_open(&s, &options);
 	assert_int_equal(lightings_add_built_in(&l, &s.basis, 1000, &fault), 0);
 	assert_int_equal(l.count, 4);
@@ -359,13 +350,12 @@ static void lightings_are_exposed(void **state)
 
 /* ---- memory ---- */
 
-static void every_byte_is_read(void **state)
+TEST("every byte is read")
 {
 	struct chance chance = chance_begin("reading");
 	struct bench_reading reading;
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 2), 0);
 	assert_int_equal(reading_create(&reading, 100000), 0);
 	for (int round = 0; round < 50; round++) {
@@ -380,17 +370,4 @@ static void every_byte_is_read(void **state)
 	}
 	reading_free(&reading);
 	pool_destroy(pool);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(transport_is_what_blocks_say),
-		cmocka_unit_test(thesis_composites),
-		cmocka_unit_test(errors_are_those_that_were_made),
-		cmocka_unit_test(lightings_are_exposed),
-		cmocka_unit_test(every_byte_is_read),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Exposures in turn, with a camera that rounds the numbers it is given. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/camera/exposing.h"
+#include "tests/support/test.h"
 
 static struct {
 	double step; /* it rounds to multiples of this; 0: it takes any number */
@@ -65,9 +60,8 @@ static void is_about(double value, double expected)
 		fail_msg("%g, expected %g", value, expected);
 }
 
-static void what_is_taken_as_it_is_keeps_its_ratio(void **state)
+TEST("what is taken as it is keeps its ratio")
 {
-	(void)state;
 	test_exposing_begin(0, 16, 5, 2);
 	for (uint32_t n = 0; n < 9; n++)
 		(void)picture(n);
@@ -78,12 +72,11 @@ static void what_is_taken_as_it_is_keeps_its_ratio(void **state)
 }
 
 /* 17, 7 and 2 become 18, 6 and 3. No picture is measured with the ratio of another one. */
-static void what_is_rounded_has_another_ratio(void **state)
+TEST("what is rounded has another ratio")
 {
 	static const double taken[] = {18, 6, 3};
 	int seen = 0;
 
-	(void)state;
 	test_exposing_begin(3, 17, 7, 2);
 	for (uint32_t n = 0; n < 12; n++) {
 		const int exposure = picture(n);
@@ -99,9 +92,8 @@ static void what_is_rounded_has_another_ratio(void **state)
 		is_about(exposing.ratio[k], taken[k] / 18);
 }
 
-static void two_that_become_one_are_given_up(void **state)
+TEST("two that become one are given up")
 {
-	(void)state;
 	for (int which = 0; which < 2; which++) {
 		test_exposing_begin(10, which ? 40 : 11, which ? 11 : 7, which ? 4 : 1);
 		for (uint32_t n = 0; n < 9; n++)
@@ -112,15 +104,4 @@ static void two_that_become_one_are_given_up(void **state)
 		for (int k = 1; k < 3; k++)
 			assert_true(exposing.ratio[k] < exposing.ratio[k - 1]);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_taken_as_it_is_keeps_its_ratio),
-		cmocka_unit_test(what_is_rounded_has_another_ratio),
-		cmocka_unit_test(two_that_become_one_are_given_up),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Says which pictures of a camera that was just opened count, by times that are played. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
 #include "app/camera/settling.h"
+#include "tests/support/test.h"
 
 #define WIDTH 64
 #define HEIGHT 48
@@ -44,11 +39,10 @@ static struct settling_look look_at(enum pixel_format format)
 	return settling_look_at(&reader);
 }
 
-static void blank_pictures_are_known(void **state)
+TEST("blank pictures are known")
 {
 	struct settling_look look;
 
-	(void)state;
 	memset(memory, 0, sizeof(memory));
 	look = look_at(PIXEL_BGRX);
 	assert_true(look.blank);
@@ -86,11 +80,10 @@ static bool settling_check(struct settling *s, unsigned opening, double level, i
 	return settling_take(s, opening, &look, true, at(i));
 }
 
-static void a_steady_camera_takes_a_third_of_a_second(void **state)
+TEST("a steady camera takes a third of a second")
 {
 	struct settling s = {.opening = 0};
 
-	(void)state;
 	for (int i = 0; i < 9; i++)
 		assert_false(settling_check(&s, 1, 100 + 3 * sin(i), i));
 	assert_true(settling_check(&s, 1, 100, 9));
@@ -99,12 +92,11 @@ static void a_steady_camera_takes_a_third_of_a_second(void **state)
 }
 
 /* Ten black frames, then an exposure that approaches its own slowly. */
-static void what_changes_is_waited_for(void **state)
+TEST("what changes is waited for")
 {
 	struct settling s = {.opening = 0};
 	int i;
 
-	(void)state;
 	for (i = 0; i < 10; i++)
 		assert_false(settling_check(&s, 1, 0, i));
 	for (; !settling_check(&s, 1, 120 * (1 - 0.9 * exp(-(i - 10) / 10.0)), i); i++)
@@ -114,12 +106,11 @@ static void what_changes_is_waited_for(void **state)
 	assert_true(s.settled);
 }
 
-static void a_night_is_not_waited_for_for_ever(void **state)
+TEST("a night is not waited for for ever")
 {
 	struct settling s = {.opening = 0};
 	int i = 0;
 
-	(void)state;
 	while (!settling_check(&s, 1, 0, i))
 		i++;
 	assert_int_equal(i, 90);
@@ -130,12 +121,11 @@ static void a_night_is_not_waited_for_for_ever(void **state)
 	assert_int_equal(i, 90);
 }
 
-static void each_opening_settles_anew(void **state)
+TEST("each opening settles anew")
 {
 	struct settling s = {.opening = 0};
 	int i = 0;
 
-	(void)state;
 	while (!settling_check(&s, 1, 100, i))
 		i++;
 	assert_int_equal(s.left_out, 9);
@@ -146,40 +136,23 @@ static void each_opening_settles_anew(void **state)
 }
 
 /* Two pictures a second: three of them, not one. */
-static void slow_cameras_show_three_pictures(void **state)
+TEST("slow cameras show three pictures")
 {
 	struct settling s = {.opening = 0};
 
-	(void)state;
 	assert_false(settling_check(&s, 1, 100, 0));
 	assert_false(settling_check(&s, 1, 100, 15));
 	assert_true(settling_check(&s, 1, 100, 30));
 }
 
-static void fixed_exposures_leave_out_blank_pictures_alone(void **state)
+TEST("fixed exposures leave out blank pictures alone")
 {
 	const struct settling_look black = {.blank = true}, bright = {.level = 200},
 				   dim = {.level = 20};
 	struct settling s = {.opening = 0};
 
-	(void)state;
 	assert_false(settling_take(&s, 1, &black, false, at(0)));
 	assert_true(settling_take(&s, 1, &bright, false, at(1)));
 	assert_true(settling_take(&s, 1, &dim, false, at(2)));
 	assert_true(settling_take(&s, 1, &black, false, at(3)));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(blank_pictures_are_known),
-		cmocka_unit_test(a_steady_camera_takes_a_third_of_a_second),
-		cmocka_unit_test(what_changes_is_waited_for),
-		cmocka_unit_test(a_night_is_not_waited_for_for_ever),
-		cmocka_unit_test(each_opening_settles_anew),
-		cmocka_unit_test(slow_cameras_show_three_pictures),
-		cmocka_unit_test(fixed_exposures_leave_out_blank_pictures_alone),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A camera as the program uses it, driven by a fake camera that the test controls. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <poll.h>
@@ -19,6 +13,7 @@
 #include "app/camera/source.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
+#include "tests/support/test.h"
 
 /* What the fake camera does next, and what was done to it. */
 static struct {
@@ -187,9 +182,8 @@ static void must_close(void)
 	fake.grab_err = before;
 }
 
-static void newest_frame_is_held(void **state)
+TEST_BETWEEN("newest frame is held", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	assert_false(source_has_news(&source));
 	assert_false(source_has_picture(&source));
@@ -209,9 +203,8 @@ static void newest_frame_is_held(void **state)
 	source_drop(&source);			   /* without a held frame: harmless */
 }
 
-static void no_frame_is_no_trouble(void **state)
+TEST_BETWEEN("no frame is no trouble", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	fake.grab_err = -EAGAIN;
 	test_source_take(5);
@@ -220,9 +213,9 @@ static void no_frame_is_no_trouble(void **state)
 	assert_int_equal(source_descriptor(&source), 42);
 }
 
-static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **state)
+TEST_BETWEEN("a camera on demand is left alone while its frame is held", test_source_begin,
+	     test_source_end)
 {
-	(void)state;
 	fake.on_demand = true;
 	assert_int_equal(source_descriptor(&source), -1);
 	must_open();
@@ -235,9 +228,8 @@ static void a_camera_on_demand_is_left_alone_while_its_frame_is_held(void **stat
 	assert_int_equal(source_counts(&source).lost, 0);
 }
 
-static void a_lost_camera_leaves_its_picture(void **state)
+TEST_BETWEEN("a lost camera leaves its picture", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	test_source_take(1);
 	assert_true(source_decode(&source, 99));
@@ -262,9 +254,8 @@ static void a_lost_camera_leaves_its_picture(void **state)
 /* A camera whose driver reports no situation is broken; its error says whether waiting can mend it.
  */
 /* A camera that was never there was not lost; nor is one that rests. */
-static void losses_are_counted(void **state)
+TEST_BETWEEN("losses are counted", test_source_begin, test_source_end)
 {
-	(void)state;
 	fake.open_err = -ENODEV;
 	fake.situation = CAMERA_NO_DEVICE;
 	for (int i = 0; i < 3; i++)
@@ -305,7 +296,7 @@ static void losses_are_counted(void **state)
 	close(fake.gate);
 }
 
-static void which_failures_waiting_can_mend(void **state)
+TEST_BETWEEN("which failures waiting can mend", test_source_begin, test_source_end)
 {
 	static const struct {
 		int err;
@@ -332,7 +323,6 @@ static void which_failures_waiting_can_mend(void **state)
 		     {-EREMOTEIO, CAMERA_BROKEN, false},
 		     {-ENOMEM, CAMERA_BROKEN, false}};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		fake.open_err = cases[i].err;
 		fake.situation = cases[i].situation;
@@ -345,11 +335,10 @@ static void which_failures_waiting_can_mend(void **state)
 	}
 }
 
-static void silence_is_named_and_ended(void **state)
+TEST_BETWEEN("silence is named and ended", test_source_begin, test_source_end)
 {
 	int64_t start;
 
-	(void)state;
 	must_open();
 	start = source.heard_ns;
 	source_watch(&source, start + NS_PER_S);
@@ -369,11 +358,10 @@ static void silence_is_named_and_ended(void **state)
 }
 
 /* Opening again would begin the wait anew; after a first picture it brings a start's key frame. */
-static void a_key_frame_is_waited_for(void **state)
+TEST_BETWEEN("a key frame is waited for", test_source_begin, test_source_end)
 {
 	int64_t start;
 
-	(void)state;
 	must_open();
 	start = source.heard_ns;
 	fake.grab_err = -EAGAIN;
@@ -400,9 +388,8 @@ static void a_key_frame_is_waited_for(void **state)
 }
 
 /* An exposure of some seconds at night is not silence. */
-static void a_slow_camera_is_waited_for(void **state)
+TEST_BETWEEN("a slow camera is waited for", test_source_begin, test_source_end)
 {
-	(void)state;
 	fake.rate_hz = 0.2;
 	must_open();
 	test_source_take(NS_PER_S);
@@ -424,9 +411,8 @@ static void a_slow_camera_is_waited_for(void **state)
 	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 }
 
-static void a_frame_that_does_not_decode_is_passed_over(void **state)
+TEST_BETWEEN("a frame that does not decode is passed over", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	test_source_take(1);
 	assert_true(source_decode(&source, 99));
@@ -472,9 +458,8 @@ static bool take_and_decode(int64_t now_ns)
 	return source_decode(&source, now_ns);
 }
 
-static void a_damaged_jpeg_is_never_shown(void **state)
+TEST_BETWEEN("a damaged jpeg is never shown", test_source_begin, test_source_end)
 {
-	(void)state;
 	send_jpeg(16, 8, 100);
 	must_open();
 	assert_true(take_and_decode(1));
@@ -491,9 +476,8 @@ static void a_damaged_jpeg_is_never_shown(void **state)
 	assert_int_equal(source_counts(&source).broken, 4);
 }
 
-static void only_damaged_pictures_are_a_situation(void **state)
+TEST_BETWEEN("only damaged pictures are a situation", test_source_begin, test_source_end)
 {
-	(void)state;
 	send_damaged_jpeg(100);
 	must_open();
 	assert_false(take_and_decode(NS_PER_S));
@@ -513,9 +497,9 @@ static void only_damaged_pictures_are_a_situation(void **state)
 	assert_int_equal(source.opening.situation, CAMERA_NO_DEVICE);
 }
 
-static void a_jpeg_of_another_size_is_shown_when_it_comes_again(void **state)
+TEST_BETWEEN("a jpeg of another size is shown when it comes again", test_source_begin,
+	     test_source_end)
 {
-	(void)state;
 	must_open();
 	send_jpeg(16, 8, 100);
 	assert_true(take_and_decode(1));
@@ -552,13 +536,12 @@ static void show_raw(int level)
 	assert_false(source.whole);
 }
 
-static void a_raw_frame_stays_until_the_next(void **state)
+TEST_BETWEEN("a raw frame stays until the next", test_source_begin, test_source_end)
 {
 	struct eye eye = {.section = "background", .source = &source, .wanted = all};
 	struct frame_reader reader;
 	uint32_t pixel;
 
-	(void)state;
 	must_open();
 	show_raw(33);
 	assert_int_equal(eye_fit(&eye, NULL), 0);
@@ -582,9 +565,8 @@ static void a_raw_frame_stays_until_the_next(void **state)
 	assert_int_equal(source_counts(&source).lost, 0);
 }
 
-static void a_lost_camera_leaves_its_raw_frame(void **state)
+TEST_BETWEEN("a lost camera leaves its raw frame", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	show_raw(60);
 	fake.grab_err = -EAGAIN; /* a wake-up without a frame */
@@ -609,9 +591,8 @@ static void a_lost_camera_leaves_its_raw_frame(void **state)
 	assert_true(source_has_picture(&source));
 }
 
-static void a_raw_frame_that_is_short_is_passed_over(void **state)
+TEST_BETWEEN("a raw frame that is short is passed over", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	show_raw(70);
 	fake.bytes = 10;
@@ -625,9 +606,8 @@ static void a_raw_frame_that_is_short_is_passed_over(void **state)
 }
 
 /* The picture of a frozen camera, and of a camera that others wait for. */
-static void a_kept_picture_outlives_its_frame(void **state)
+TEST_BETWEEN("a kept picture outlives its frame", test_source_begin, test_source_end)
 {
-	(void)state;
 	must_open();
 	for (int way = 0; way < 2; way++) {
 		show_raw(80 + way);
@@ -646,11 +626,10 @@ static void a_kept_picture_outlives_its_frame(void **state)
 }
 
 /* By IEC 61966-2-1: 0.214041 is code 127.5. */
-static void linear_light_is_kept_and_encoded(void **state)
+TEST_BETWEEN("linear light is kept and encoded", test_source_begin, test_source_end)
 {
 	const uint8_t *p = NULL;
 
-	(void)state;
 	fake.format = PIXEL_RGBF;
 	fake.linear[0] = 3.5f;
 	fake.linear[1] = 0.2158605f; /* code 128 */
@@ -671,9 +650,8 @@ static void linear_light_is_kept_and_encoded(void **state)
 }
 
 /* Depths stay in the camera's memory, turned or not, and there are none of a camera that is lost. */
-static void depths_are_read_in_place(void **state)
+TEST_BETWEEN("depths are read in place", test_source_begin, test_source_end)
 {
-	(void)state;
 	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
 		struct eye eye = {.section = "depth", .source = &source, .wanted = {.squash = 1}};
 		struct frame_reader reader;
@@ -707,21 +685,19 @@ static void depths_are_read_in_place(void **state)
 	}
 }
 
-static void a_depth_camera_sets_no_pace(void **state)
+TEST_BETWEEN("a depth camera sets no pace", test_source_begin, test_source_end)
 {
 	const struct eyes eyes = {.depth = {.section = "depth", .source = &source}};
 
-	(void)state;
 	must_open();
 	assert_null(eyes_leader(&eyes));
 }
 
-static void the_picture_follows_the_cameras_size(void **state)
+TEST_BETWEEN("the picture follows the cameras size", test_source_begin, test_source_end)
 {
 	struct eye eye = {.section = "fisheye", .source = &source, .wanted = {.squash = 1}};
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	assert_int_equal(eye_fit(&eye, &fault), 0); /* no picture yet */
 	must_open();
 	test_source_take(1);
@@ -744,11 +720,10 @@ static void the_picture_follows_the_cameras_size(void **state)
 }
 
 /* A device that opens slowly delays nothing except the end of the program. */
-static void opening_is_waited_for_by_nobody_but_the_end(void **state)
+TEST_BETWEEN("opening is waited for by nobody but the end", test_source_begin, test_source_end)
 {
 	struct pollfd end;
 
-	(void)state;
 	fake.gate = eventfd(0, EFD_CLOEXEC);
 	assert_true(fake.gate >= 0);
 	source_open(&source);
@@ -767,11 +742,10 @@ static void opening_is_waited_for_by_nobody_but_the_end(void **state)
 	close(fake.gate);
 }
 
-static void another_standard_is_opened_at_once(void **state)
+TEST_BETWEEN("another standard is opened at once", test_source_begin, test_source_end)
 {
 	struct pollfd end;
 
-	(void)state;
 	must_open();
 	test_source_take(1);
 	assert_true(source_decode(&source, 99));
@@ -798,11 +772,10 @@ static void another_standard_is_opened_at_once(void **state)
 	assert_false(source_is_open(&source));
 }
 
-static void silence_is_excused_when_nobody_listened(void **state)
+TEST_BETWEEN("silence is excused when nobody listened", test_source_begin, test_source_end)
 {
 	int64_t start;
 
-	(void)state;
 	must_open();
 	start = source.heard_ns;
 	source_excuse(&source, start + 10 * NS_PER_S);
@@ -813,9 +786,8 @@ static void silence_is_excused_when_nobody_listened(void **state)
 	assert_int_equal(source.opening.situation, CAMERA_STALLED);
 }
 
-static void a_camera_keeps_its_name_while_it_is_away(void **state)
+TEST_BETWEEN("a camera keeps its name while it is away", test_source_begin, test_source_end)
 {
-	(void)state;
 	assert_string_equal(source_device_name(&source), "front");
 	fake.name = "C920";
 	must_open();
@@ -824,38 +796,4 @@ static void a_camera_keeps_its_name_while_it_is_away(void **state)
 	fake.open_err = -ENODEV;
 	assert_int_equal(opened(), -ENODEV);
 	assert_string_equal(source_device_name(&source), "C920");
-}
-
-int main(void)
-{
-#define CASE(name) cmocka_unit_test_setup_teardown(name, test_source_begin, test_source_end)
-	const struct CMUnitTest tests[] = {
-		CASE(newest_frame_is_held),
-		CASE(no_frame_is_no_trouble),
-		CASE(a_camera_on_demand_is_left_alone_while_its_frame_is_held),
-		CASE(a_lost_camera_leaves_its_picture),
-		CASE(losses_are_counted),
-		CASE(which_failures_waiting_can_mend),
-		CASE(silence_is_named_and_ended),
-		CASE(a_key_frame_is_waited_for),
-		CASE(a_slow_camera_is_waited_for),
-		CASE(a_raw_frame_stays_until_the_next),
-		CASE(a_lost_camera_leaves_its_raw_frame),
-		CASE(a_raw_frame_that_is_short_is_passed_over),
-		CASE(a_kept_picture_outlives_its_frame),
-		CASE(a_frame_that_does_not_decode_is_passed_over),
-		CASE(a_damaged_jpeg_is_never_shown),
-		CASE(only_damaged_pictures_are_a_situation),
-		CASE(a_jpeg_of_another_size_is_shown_when_it_comes_again),
-		CASE(linear_light_is_kept_and_encoded),
-		CASE(depths_are_read_in_place),
-		CASE(a_depth_camera_sets_no_pace),
-		CASE(the_picture_follows_the_cameras_size),
-		CASE(opening_is_waited_for_by_nobody_but_the_end),
-		CASE(another_standard_is_opened_at_once),
-		CASE(silence_is_excused_when_nobody_listened),
-		CASE(a_camera_keeps_its_name_while_it_is_away),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The control socket: the commands, and that no client can harm the kiosk or other clients.
  * tests/vm/test_control.sh adds other users. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <grp.h>
@@ -26,11 +20,12 @@
 #include "app/control/control.h"
 #include "app/control/control_socket.h"
 #include "hal/base/clock.h"
+#include "tests/support/test.h"
 
 static char folder[] = "/tmp/inlay-control-XXXXXX";
 static char path[64];
 
-static void lines(void **state)
+TEST("lines")
 {
 	static const struct {
 		const char *line;
@@ -63,7 +58,6 @@ static void lines(void **state)
 	struct control_request request;
 	struct fault fault;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		const int err = control_parse(cases[i].line, strlen(cases[i].line), &request,
 					      &fault);
@@ -152,12 +146,11 @@ static const char *replies(int fd)
 	return text;
 }
 
-static void one_after_the_other(void **state)
+TEST("one after the other")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), other = connect_client();
 
-	(void)state;
 	assert_int_equal(serve(control, ""), 0);
 	assert_false(is_waiting(control));
 	send_text(one, "view-next\nstatus\nfoo\nthreshold-set 12\n");
@@ -185,13 +178,12 @@ static void one_after_the_other(void **state)
 }
 
 /* A client that goes between its command and the answer. */
-static void gone_before_the_answer(void **state)
+TEST("gone before the answer")
 {
 	struct control *control = open_control("");
 	struct control_request request;
 	const int one = connect_client();
 
-	(void)state;
 	send_text(one, "freeze\n");
 	do
 		control_next(control, &request);
@@ -247,13 +239,12 @@ static void answer_with(struct control *control, struct snapshot *s)
 
 /* Clients that wait for a picture: others are answered meanwhile, and what a client asks for while it waits
  * or reads is done afterwards. */
-static void answers_that_wait(void **state)
+TEST("answers that wait")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), two = connect_client(), other = connect_client();
 	const size_t bytes = 4 * 641 * 480;
 
-	(void)state;
 	assert_false(control_has_waiting(control));
 	assert_true(control_look(control, 0) == INT64_MAX);
 	send_text(one, "snapshot\n");
@@ -288,13 +279,12 @@ static void answers_that_wait(void **state)
 }
 
 /* A client that asks without end and takes nothing: the kiosk holds one picture of it, and lets it go. */
-static void pictures_that_nobody_takes(void **state)
+TEST("pictures that nobody takes")
 {
 	struct control *control = open_control("");
 	const int64_t late_ns = clock_now_ns() + 3600 * NS_PER_S;
 	int client[3];
 
-	(void)state;
 	for (int k = 0; k < 3; k++)
 		client[k] = connect_client();
 	for (int k = 0; k < 2; k++) {
@@ -324,13 +314,12 @@ static void pictures_that_nobody_takes(void **state)
 	control_close(control);
 }
 
-static void line_without_end(void **state)
+TEST("line without end")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), other = connect_client();
 	char text[CONTROL_LINE_MAX + 1];
 
-	(void)state;
 	memset(text, ' ', sizeof(text));
 	memcpy(text, "quit", 4);
 	text[CONTROL_LINE_MAX - 1] = '\n';
@@ -350,13 +339,12 @@ static void line_without_end(void **state)
 	control_close(control);
 }
 
-static void flood(void **state)
+TEST("flood")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), other = connect_client();
 	const char *end;
 
-	(void)state;
 	for (int i = 0; i <= CONTROL_RATE_MAX; i++) {
 		send_text(one, "object\n");
 		if (i % 100 == 0 && i < CONTROL_RATE_MAX) {
@@ -375,14 +363,13 @@ static void flood(void **state)
 	control_close(control);
 }
 
-static void deaf_client(void **state)
+TEST("deaf client")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), other = connect_client();
 	static char status[4096];
 	int sent = 0;
 
-	(void)state;
 	memset(status, 'x', sizeof(status) - 1);
 	while (sent < CONTROL_RATE_MAX && send(one, "status\n", 7, MSG_NOSIGNAL) == 7) {
 		serve(control, status);
@@ -397,12 +384,11 @@ static void deaf_client(void **state)
 	control_close(control);
 }
 
-static void one_client_more(void **state)
+TEST("one client more")
 {
 	struct control *control = open_control("");
 	int clients[CONTROL_CLIENTS_MAX + 1];
 
-	(void)state;
 	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
 		clients[i] = connect_client();
 		serve(control, "");
@@ -422,14 +408,13 @@ static void one_client_more(void **state)
 	control_close(control);
 }
 
-static void out_of_descriptors(void **state)
+TEST("out of descriptors")
 {
 	struct control *control = open_control("");
 	const int one = connect_client(), other = connect_client();
 	const int free_one = dup(0);
 	struct rlimit limit, none;
 
-	(void)state;
 	assert_true(free_one >= 0);
 	close(free_one);
 	assert_int_equal(getrlimit(RLIMIT_NOFILE, &limit), 0);
@@ -463,7 +448,7 @@ static int refusal(const char *at, const char *group, const char *words)
 	return err;
 }
 
-static void place(void **state)
+TEST("place")
 {
 	const struct group *own = getgrgid(getegid());
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
@@ -472,7 +457,6 @@ static void place(void **state)
 	char long_path[200];
 	int dead, plain;
 
-	(void)state;
 	control = open_control("");
 	assert_int_equal(stat(path, &file), 0);
 	assert_int_equal(file.st_mode & 07777, 0600);
@@ -509,7 +493,7 @@ static void place(void **state)
 }
 
 /* Whoever can read the folder can lock it. That must not keep a kiosk from starting. */
-static void locks(void **state)
+TEST("locks")
 {
 	const int reader = open(folder, O_RDONLY | O_DIRECTORY);
 	struct control *control;
@@ -517,7 +501,6 @@ static void locks(void **state)
 	struct stat file;
 	int other;
 
-	(void)state;
 	assert_int_equal(flock(reader, LOCK_EX | LOCK_NB), 0);
 	control = open_control("");
 	control_close(control);
@@ -549,22 +532,4 @@ static int remove_folder(void **state)
 	return rmdir(folder); /* works, because the folder is empty */
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(lines),
-		cmocka_unit_test(one_after_the_other),
-		cmocka_unit_test(gone_before_the_answer),
-		cmocka_unit_test(answers_that_wait),
-		cmocka_unit_test(pictures_that_nobody_takes),
-		cmocka_unit_test(line_without_end),
-		cmocka_unit_test(flood),
-		cmocka_unit_test(deaf_client),
-		cmocka_unit_test(one_client_more),
-		cmocka_unit_test(out_of_descriptors),
-		cmocka_unit_test(place),
-		cmocka_unit_test(locks),
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_GROUP(make_folder, remove_folder);

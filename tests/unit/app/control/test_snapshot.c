@@ -1,24 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* A picture that goes from the kiosk to a client: its line and its rows. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <string.h>
 
 #include "app/control/snapshot.h"
+#include "tests/support/test.h"
 
-static void rows_follow_each_other(void **state)
+TEST("rows follow each other")
 {
 	static const int size[][2] = {{1, 1}, {641, 3}, {48, 32}};
 	char line[SNAPSHOT_LINE_MAX];
 	struct snapshot *kiosk, *client;
 	struct fault fault;
 
-	(void)state;
 	for (int k = 0; k < 3; k++) {
 		const int width = size[k][0], height = size[k][1];
 
@@ -40,7 +34,7 @@ static void rows_follow_each_other(void **state)
 }
 
 /* Whoever listens at the socket is not trusted to be a kiosk. */
-static void what_is_no_picture(void **state)
+TEST("what is no picture")
 {
 	static const char *const lines[] = {"ok",
 					    "snapshot 8",
@@ -51,20 +45,9 @@ static void what_is_no_picture(void **state)
 	struct snapshot *client;
 	struct fault fault;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(lines) / sizeof(*lines); k++) {
 		assert_int_equal(snapshot_expect(&client, lines[k], &fault), -EBADMSG);
 		assert_non_null(strstr(fault.text, lines[k]));
 		assert_non_null(strstr(fault.text, "expected a picture"));
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rows_follow_each_other),
-		cmocka_unit_test(what_is_no_picture),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Options, event loop and statistics. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -24,6 +18,7 @@
 #include "app/records/stats.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 /* ---- options ---- */
 
@@ -70,11 +65,10 @@ static int read_words(struct taken_actions *taken, const char *first, ...)
 	return options_read(&command, argc, argv, taken);
 }
 
-static void options_are_read(void **state)
+TEST("options are read")
 {
 	struct taken_actions taken;
 
-	(void)state;
 	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
 	assert_int_equal(read_words(&taken, "--word", "a b", "--word=c=d", "-w", "--x", "-we",
 				    "--word=", "--flag", "--number", "9", NULL),
@@ -89,11 +83,10 @@ static void options_are_read(void **state)
 	assert_int_equal(taken.number, 9);
 }
 
-static void wrong_options_are_wrong_usage(void **state)
+TEST("wrong options are wrong usage")
 {
 	struct taken_actions taken;
 
-	(void)state;
 	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);
 	assert_int_equal(read_words(&taken, "--wor", "a", NULL), EXIT_USAGE);
 	assert_int_equal(read_words(&taken, "--word", NULL), EXIT_USAGE);
@@ -107,11 +100,10 @@ static void wrong_options_are_wrong_usage(void **state)
 	assert_int_equal(read_words(&taken, "-q", NULL), EXIT_USAGE);
 }
 
-static void numbers_are_whole_and_finite(void **state)
+TEST("numbers are whole and finite")
 {
 	double v;
 
-	(void)state;
 	assert_int_equal(option_number("12.5", 0, 255, &v), 0);
 	assert_true(v == 12.5);
 	assert_int_equal(option_number("nan", 0, 255, &v), -EINVAL);
@@ -122,13 +114,12 @@ static void numbers_are_whole_and_finite(void **state)
 
 /* ---- loop ---- */
 
-static void slots_are_polled(void **state)
+TEST("slots are polled")
 {
 	struct fault fault = {.text = ""};
 	struct loop loop;
 	int a = eventfd(0, EFD_NONBLOCK), b = eventfd(1, EFD_NONBLOCK);
 
-	(void)state;
 	assert_int_equal(loop_open(&loop, &fault), 0);
 	assert_int_equal(loop_watch(&loop, 0, a, &fault), 0);
 	assert_int_equal(loop_watch(&loop, 3, b, &fault), 0);
@@ -155,13 +146,12 @@ static void slots_are_polled(void **state)
 	close(b);
 }
 
-static void signals_end_it_and_seconds_tick(void **state)
+TEST("signals end it and seconds tick")
 {
 	struct fault fault = {.text = ""};
 	struct loop loop;
 	int64_t start;
 
-	(void)state;
 	(void)signal(SIGHUP, SIG_DFL); /* nohup leaves the signal ignored */
 	assert_int_equal(loop_open(&loop, &fault), 0);
 	start = clock_now_ns();
@@ -203,12 +193,11 @@ static int hang_up(void)
 }
 
 /* A reload while no descriptor is free is not a hang-up. */
-static void only_a_terminal_that_goes_ends_it(void **state)
+TEST("only a terminal that goes ends it")
 {
 	const pid_t child = fork();
 	int status;
 
-	(void)state;
 	if (!child)
 		_exit(hang_up());
 	assert_int_equal(waitpid(child, &status, 0), child);
@@ -217,7 +206,7 @@ static void only_a_terminal_that_goes_ends_it(void **state)
 
 /* ---- statistics ---- */
 
-static void lines_say_what_was_counted(void **state)
+TEST("lines say what was counted")
 {
 	char path[] = "/tmp/test_app_stats_XXXXXX", text[2000] = "";
 	int file = mkstemp(path);
@@ -236,7 +225,6 @@ static void lines_say_what_was_counted(void **state)
 	struct stats stats;
 	FILE *stream;
 
-	(void)state;
 	assert_true(file >= 0);
 	assert_int_equal(stats_open(&stats, path, NULL), 0);
 	stats_start(&stats, 5 * NS_PER_S);
@@ -315,11 +303,10 @@ static int open_stats(struct stats *stats, const char *path)
 	return stats_open(stats, path, &fault);
 }
 
-static void a_full_disk_takes_lines_only(void **state)
+TEST("a full disk takes lines only")
 {
 	struct stats stats;
 
-	(void)state;
 	if (access("/dev/full", W_OK))
 		skip();
 	assert_int_equal(open_stats(&stats, "/dev/full"), 0);
@@ -350,13 +337,12 @@ static int count_lines(int file, int lost)
 	return lines;
 }
 
-static void a_pipe_is_not_waited_for(void **state)
+TEST("a pipe is not waited for")
 {
 	const char *path = own_folder_path("pipe");
 	struct stats stats;
 	int reader, lines;
 
-	(void)state;
 	assert_int_equal(mkfifo(path, 0600), 0);
 	assert_int_equal(open_stats(&stats, path), 0);
 	stats_start(&stats, 0);
@@ -382,13 +368,12 @@ static void a_pipe_is_not_waited_for(void **state)
 	unlink(path);
 }
 
-static void files_are_cut_short_and_moved_away(void **state)
+TEST("files are cut short and moved away")
 {
 	char path[PATH_MAX], old[PATH_MAX];
 	struct stats stats;
 	int reader;
 
-	(void)state;
 	snprintf(path, sizeof(path), "%s", own_folder_path("stats"));
 	snprintf(old, sizeof(old), "%s", own_folder_path("stats.1"));
 	assert_int_equal(open_stats(&stats, path), 0);
@@ -411,7 +396,7 @@ static void files_are_cut_short_and_moved_away(void **state)
 	}
 }
 
-static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
+TEST("a file as large as it may be has whole lines")
 {
 	const char *path = own_folder_path("stats");
 	const struct rlimit small = {1000, RLIM_INFINITY};
@@ -419,7 +404,6 @@ static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 	struct stats stats;
 	int reader;
 
-	(void)state;
 	assert_int_equal(mknod(path, S_IFREG | 0600, 0), 0);
 	assert_int_equal(truncate(path, 100), 0); /* a file of another run */
 	assert_int_equal(open_stats(&stats, path), 0);
@@ -437,21 +421,4 @@ static void a_file_as_large_as_it_may_be_has_whole_lines(void **state)
 	unlink(path);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(options_are_read),
-		cmocka_unit_test(wrong_options_are_wrong_usage),
-		cmocka_unit_test(numbers_are_whole_and_finite),
-		cmocka_unit_test(slots_are_polled),
-		cmocka_unit_test(signals_end_it_and_seconds_tick),
-		cmocka_unit_test(only_a_terminal_that_goes_ends_it),
-		cmocka_unit_test(lines_say_what_was_counted),
-		cmocka_unit_test(a_full_disk_takes_lines_only),
-		cmocka_unit_test(a_pipe_is_not_waited_for),
-		cmocka_unit_test(files_are_cut_short_and_moved_away),
-		cmocka_unit_test(a_file_as_large_as_it_may_be_has_whole_lines),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

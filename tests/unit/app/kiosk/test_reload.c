@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What reading the configuration again changes, key by key. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "app/driver_list.h"
 #include "app/kiosk/reload.h"
+#include "tests/support/test.h"
 
 static struct config *running, *fresh;
 
@@ -35,17 +30,16 @@ static void test_reload_end(void)
 	config_destroy(fresh);
 }
 
-static void the_same_changes_nothing(void **state)
+TEST("the same changes nothing")
 {
 	static const char text[] = "[camera a]\ndriver = sim\nsim.eye = 1 2 3\n[basis]\nfile = b\n";
 
-	(void)state;
 	test_reload_begin(text, text);
 	assert_int_equal(reload_compare(running, fresh), 0);
 	test_reload_end();
 }
 
-static void each_key_has_its_effect(void **state)
+TEST("each key has its effect")
 {
 	static const struct {
 		const char *text;
@@ -77,7 +71,6 @@ static void each_key_has_its_effect(void **state)
 		 RELOAD_THRESHOLD | RELOAD_DRAWING | RELOAD_STATE},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		test_reload_begin("", cases[i].text);
 		assert_int_equal(reload_compare(running, fresh), cases[i].effects);
@@ -85,9 +78,8 @@ static void each_key_has_its_effect(void **state)
 	}
 }
 
-static void what_can_change_is_taken_over_and_nothing_else(void **state)
+TEST("what can change is taken over and nothing else")
 {
-	(void)state;
 	test_reload_begin(
 		"[camera a]\ndevice = one\n[screen]\nwidth = 100\n[basis]\nfile = old\n",
 		"[camera a]\ndevice = two\n[camera b]\n[screen]\nwidth = 200\nshow = split\n"
@@ -104,15 +96,4 @@ static void what_can_change_is_taken_over_and_nothing_else(void **state)
 	/* The remaining keys wait for the next start, and have no effect now. */
 	assert_int_equal(reload_compare(running, fresh), 0);
 	test_reload_end();
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_same_changes_nothing),
-		cmocka_unit_test(each_key_has_its_effect),
-		cmocka_unit_test(what_can_change_is_taken_over_and_nothing_else),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* When a kiosk rests, by a clock that is played. Times are given in UTC and checked by hand. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdlib.h>
 
 #include "app/kiosk/rest.h"
 #include "hal/base/clock.h"
+#include "tests/support/test.h"
 
 #define BERLIN "CET-1CEST,M3.5.0,M10.5.0/3"
 #define MINUTE 60
@@ -36,12 +31,11 @@ static void check_rest(const struct rest *rest, time_t wall, bool rests)
 		fail_msg("at %lld it %s", (long long)wall, rests ? "does not rest" : "rests");
 }
 
-static void hours_are_kept(void **state)
+TEST("hours are kept")
 {
 	const struct rest rest = resting_by("sat 09:00-18:30", BERLIN);
 	const struct rest always = resting_by("", BERLIN);
 
-	(void)state;
 	check_rest(&rest, SATURDAY + 8 * HOUR - 1, true);
 	check_rest(&rest, SATURDAY + 8 * HOUR, false);
 	check_rest(&rest, SATURDAY + 17 * HOUR + 30 * MINUTE - 1, false);
@@ -51,11 +45,10 @@ static void hours_are_kept(void **state)
 }
 
 /* Until the clock is set the screen is on, whatever hours its time would mean. */
-static void a_clock_that_is_not_set_does_not_count(void **state)
+TEST("a clock that is not set does not count")
 {
 	const struct rest rest = resting_by("sat 09:00-18:30", "UTC0");
 
-	(void)state;
 	check_rest(&rest, 0, false);
 	check_rest(&rest, 3 * HOUR, false);
 	check_rest(&rest, rest.built - 1, false);
@@ -66,12 +59,11 @@ static void a_clock_that_is_not_set_does_not_count(void **state)
 	check_rest(&rest, SATURDAY + 18 * HOUR, false);
 }
 
-static void summer_time_moves_hours(void **state)
+TEST("summer time moves hours")
 {
 	const struct rest day = resting_by("09:00-18:00", BERLIN);
 	struct rest night;
 
-	(void)state;
 	check_rest(&day, SATURDAY + 8 * HOUR - 1, true);
 	check_rest(&day, SATURDAY + 8 * HOUR, false);
 	check_rest(&day, SUNDAY + 7 * HOUR - 1, true);
@@ -88,12 +80,11 @@ static void summer_time_moves_hours(void **state)
 	check_rest(&night, OCTOBER + 90 * MINUTE, false);
 }
 
-static void a_press_wakes_it_for_a_while(void **state)
+TEST("a press wakes it for a while")
 {
 	struct rest rest = resting_by("sat 09:00-18:30", "UTC0");
 	const int64_t while_ns = REST_WAKE_MINUTES * 60 * NS_PER_S;
 
-	(void)state;
 	assert_true(rest_is_due(&rest, SUNDAY, NS_PER_S));
 	rest.resting = true;
 	rest.due = false;
@@ -113,13 +104,12 @@ static void a_press_wakes_it_for_a_while(void **state)
 	assert_false(rest_is_due(&rest, SUNDAY + 9 * HOUR, 2 * while_ns + 1));
 }
 
-static void what_comes_next_is_said(void **state)
+TEST("what comes next is said")
 {
 	const struct rest rest = resting_by("mon-fri 09:00-18:30", BERLIN);
 	const struct rest always = resting_by("", BERLIN);
 	char text[HOURS_MOMENT_MAX];
 
-	(void)state;
 	rest_next(&rest, SATURDAY, text);
 	assert_string_equal(text, "mon 09:00");
 	rest_next(&rest, SUNDAY + 31 * HOUR, text); /* Monday, 9:00 */
@@ -128,17 +118,4 @@ static void what_comes_next_is_said(void **state)
 	assert_string_equal(text, "");
 	rest_next(&always, SUNDAY, text);
 	assert_string_equal(text, "");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(hours_are_kept),
-		cmocka_unit_test(a_clock_that_is_not_set_does_not_count),
-		cmocka_unit_test(summer_time_moves_hours),
-		cmocka_unit_test(a_press_wakes_it_for_a_while),
-		cmocka_unit_test(what_comes_next_is_said),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

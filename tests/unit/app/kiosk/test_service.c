@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* What the service manager is told; the test plays the manager. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +12,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static int manager = -1;
 
@@ -55,11 +50,10 @@ static const char *heard(void)
 	return text;
 }
 
-static void each_thing_is_told_once(void **state)
+TEST_BETWEEN("each thing is told once", test_service_begin, test_service_end)
 {
 	struct service service;
 
-	(void)state;
 #if !WITH_SYSTEMD
 	skip();
 #endif
@@ -86,12 +80,11 @@ static void each_thing_is_told_once(void **state)
 	assert_string_equal(heard(), "STOPPING=1");
 }
 
-static void the_watchdog_is_fed_four_times_an_interval(void **state)
+TEST_BETWEEN("the watchdog is fed four times an interval", test_service_begin, test_service_end)
 {
 	struct service service;
 	int fed = 0;
 
-	(void)state;
 #if !WITH_SYSTEMD
 	skip();
 #endif
@@ -105,11 +98,10 @@ static void the_watchdog_is_fed_four_times_an_interval(void **state)
 	assert_int_equal(fed, 4);
 }
 
-static void without_a_watchdog_nothing_is_fed(void **state)
+TEST_BETWEEN("without a watchdog nothing is fed", test_service_begin, test_service_end)
 {
 	struct service service;
 
-	(void)state;
 	unsetenv("WATCHDOG_USEC");
 	service_start(&service);
 	service_alive(&service, 100 * NS_PER_S);
@@ -117,13 +109,12 @@ static void without_a_watchdog_nothing_is_fed(void **state)
 }
 
 /* The journal gets a level, everybody else the program's name. */
-static void messages_carry_a_level_for_the_journal(void **state)
+TEST("messages carry a level for the journal")
 {
 	char text[512] = "", name[64];
 	int ends[2], before = dup(STDERR_FILENO);
 	struct stat s;
 
-	(void)state;
 	assert_int_equal(pipe(ends), 0);
 	assert_true(dup2(ends[1], STDERR_FILENO) >= 0);
 	assert_int_equal(fstat(STDERR_FILENO, &s), 0);
@@ -148,17 +139,4 @@ static void messages_carry_a_level_for_the_journal(void **state)
 	close(before);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(each_thing_is_told_once, test_service_begin,
-						test_service_end),
-		cmocka_unit_test_setup_teardown(the_watchdog_is_fed_four_times_an_interval,
-						test_service_begin, test_service_end),
-		cmocka_unit_test_setup_teardown(without_a_watchdog_nothing_is_fed,
-						test_service_begin, test_service_end),
-		cmocka_unit_test(messages_carry_a_level_for_the_journal),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The pose that is shown at a time. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "app/kiosk/timeline.h"
 #include "hal/base/clock.h"
+#include "tests/support/test.h"
 
 static struct timeline begun(enum config_timeline kind, double rate, int count, int pose)
 {
@@ -31,12 +26,11 @@ static void test_timeline_check(const struct timeline *t, double after_s, int po
 			 at.pose, at.next, at.share, pose, next, share);
 }
 
-static void loops(void **state)
+TEST("loops")
 {
 	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 0);
 	const struct timeline from = begun(TIMELINE_LOOP, 2, 3, 2);
 
-	(void)state;
 	test_timeline_check(&t, 0, 0, 1, 0);
 	test_timeline_check(&t, 1 / 24.0, 0, 1, 0.5);
 	test_timeline_check(&t, 1, 12, 13, 0);
@@ -46,22 +40,20 @@ static void loops(void **state)
 	test_timeline_check(&from, 0.5, 0, 1, 0);
 }
 
-static void swings(void **state)
+TEST("swings")
 {
 	static const int poses[] = {0, 1, 2, 3, 2, 1, 0, 1};
 	const struct timeline t = begun(TIMELINE_SWING, 1, 4, 0);
 	const struct timeline two = begun(TIMELINE_SWING, 10, 2, 1);
 
-	(void)state;
 	for (int k = 0; k < 7; k++)
 		test_timeline_check(&t, k + 0.25, poses[k], poses[k + 1], 0.25);
 	test_timeline_check(&two, 0.05, 1, 0, 0.5);
 	test_timeline_check(&two, 0.15, 0, 1, 0.5);
 }
 
-static void one_pose_stays(void **state)
+TEST("one pose stays")
 {
-	(void)state;
 	for (int kind = TIMELINE_NONE; kind < TIMELINE_COUNT; kind++) {
 		const struct timeline t = begun((enum config_timeline)kind, 12, 1, 0);
 
@@ -70,44 +62,30 @@ static void one_pose_stays(void **state)
 	}
 }
 
-static void none_stays(void **state)
+TEST("none stays")
 {
 	const struct timeline t = begun(TIMELINE_NONE, 12, 36, 7);
 
-	(void)state;
 	test_timeline_check(&t, 100, 7, 7, 0);
 }
 
 /* Late frames skip poses, and no error adds up, even over years. */
-static void keeps_time(void **state)
+TEST("keeps time")
 {
 	const double year = 365.25 * 24 * 3600;
 	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 0);
 	const struct timeline slow = begun(TIMELINE_SWING, 0.001, 5, 0);
 
-	(void)state;
 	test_timeline_check(&t, 10 * year, 0, 1,
 			    0); /* whole seconds; a round of poses takes three */
 	test_timeline_check(&t, 10 * year + 1.125, 13, 14, 0.5);
 	test_timeline_check(&slow, 8e3 * 1e4 + 1500, 1, 2, 0.5);
 }
 
-static void time_that_goes_back_waits(void **state)
+TEST("time that goes back waits")
 {
 	const struct timeline t = begun(TIMELINE_LOOP, 12, 36, 5);
 
-	(void)state;
 	test_timeline_check(&t, -100, 5, 6, 0);
 	test_timeline_check(&t, 0.25, 8, 9, 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(loops),	  cmocka_unit_test(swings),
-		cmocka_unit_test(one_pose_stays), cmocka_unit_test(none_stays),
-		cmocka_unit_test(keeps_time),	  cmocka_unit_test(time_that_goes_back_waits),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

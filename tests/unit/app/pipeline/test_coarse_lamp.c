@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Lamps where the dome is coarse: what counts as one, where finer lights would not help, and that what
  * is said does not flicker. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "app/pipeline/coarse_lamp.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define DEGREE (M_PI / 180)
 
@@ -61,9 +56,8 @@ static struct coarse_lamp found(void)
 	return lamp;
 }
 
-static void test_even_skies_have_none(void **state)
+TEST("even skies have none")
 {
-	(void)state;
 	for (int f = 1; f <= 9; f++) {
 		begin(f, NULL);
 		assert_false(found().there);
@@ -73,13 +67,12 @@ static void test_even_skies_have_none(void **state)
 	}
 }
 
-static void test_lamp_is_found(void **state)
+TEST("lamp is found")
 {
 	struct coarse_lamp lamp;
 	double lamp_at[3], cell[3];
 	int light;
 
-	(void)state;
 	begin(9, NULL);
 	light = add_lamp(134, 22, 0.5);
 	lamp = found();
@@ -94,11 +87,10 @@ static void test_lamp_is_found(void **state)
 }
 
 /* A window that fills a cell and all around it is no lamp: nothing would be sharper. */
-static void test_wide_light_is_none(void **state)
+TEST("wide light is none")
 {
 	double d[3];
 
-	(void)state;
 	begin(3, NULL);
 	towards(40, 50, d);
 	for (int i = 0; i < dome.count; i++)
@@ -107,11 +99,10 @@ static void test_wide_light_is_none(void **state)
 	assert_false(found().there);
 }
 
-static void test_fine_parts_need_nothing(void **state)
+TEST("fine parts need nothing")
 {
 	struct dome_fine fine = {.radius_rad = 3 * DEGREE, .frequency = 36};
 
-	(void)state;
 	towards(134, 22, fine.direction);
 	begin(9, &fine);
 	add_lamp(134, 22, 0.5);
@@ -130,11 +121,10 @@ static void test_fine_parts_need_nothing(void **state)
 	}
 }
 
-static void test_does_not_flicker(void **state)
+TEST("does not flicker")
 {
 	struct coarse_lamp lamp = {.there = false};
 
-	(void)state;
 	begin(9, NULL);
 	for (int k = 0; k < 20; k++) {
 		add_lamp(134, 22, k % 2 ? 0.19 : 0.16);
@@ -151,17 +141,4 @@ static void test_does_not_flicker(void **state)
 	assert_false(lamp.there);
 	assert_true(lamp.share == 0);
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_even_skies_have_none),
-		cmocka_unit_test(test_lamp_is_found),
-		cmocka_unit_test(test_wide_light_is_none),
-		cmocka_unit_test(test_fine_parts_need_nothing),
-		cmocka_unit_test(test_does_not_flicker),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

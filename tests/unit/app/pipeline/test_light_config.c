@@ -1,12 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Files of measured light that the configuration names: read, counted, and watched for changes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,6 +8,7 @@
 #include "app/kiosk/reload.h"
 #include "app/pipeline/pipeline_config.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static const struct config_driver none[] = {{NULL, NULL, 0}};
 static const struct config_drivers drivers = {{none, none, none}};
@@ -51,14 +45,13 @@ static struct config *read_config(const char *text, int expected, struct ini_rep
 	return config;
 }
 
-static void what_is_measured_goes_first(void **state)
+TEST("what is measured goes first")
 {
 	struct ini_report report = {.count = 0};
 	struct pipeline_settings settings;
 	struct config *config;
 	char text[512];
 
-	(void)state;
 	snprintf(text, sizeof(text),
 		 "[fisheye]\nlight = %s\ntransfer = bt709\nblack_level = 9\ngain = 3\n"
 		 "[background]\nlight = %s\n",
@@ -87,12 +80,11 @@ static void what_is_measured_goes_first(void **state)
 	unlink(path);
 }
 
-static void faults_name_the_file(void **state)
+TEST("faults name the file")
 {
 	struct ini_report report = {.count = 0};
 	char text[256];
 
-	(void)state;
 	snprintf(text, sizeof(text), "[background]\nlight = %s\n", path);
 	write_light("gain = loud\nblack_level = 300\n");
 	config_destroy(read_config(text, -EINVAL, &report));
@@ -105,13 +97,12 @@ static void faults_name_the_file(void **state)
 }
 
 /* The file changes under its name: a reload reads it again. */
-static void a_reload_sees_another_file(void **state)
+TEST("a reload sees another file")
 {
 	struct ini_report report = {.count = 0};
 	struct config *config, *fresh;
 	char text[256];
 
-	(void)state;
 	snprintf(text, sizeof(text), "[fisheye]\nlight = %s\n", path);
 	write_light("gain = 2\n");
 	config = read_config(text, 0, &report);
@@ -136,13 +127,4 @@ static void a_reload_sees_another_file(void **state)
 	unlink(path);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_measured_goes_first),
-		cmocka_unit_test(faults_name_the_file),
-		cmocka_unit_test(a_reload_sees_another_file),
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, own_folder_remove);
-}
+TEST_GROUP(make_folder, own_folder_remove);

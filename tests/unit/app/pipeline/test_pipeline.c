@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The pipeline on a basis made by hand: six lights; one object pixel sees only the zenith's light
  * and one only another light; the rest is background. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +14,7 @@
 #include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
 #include "tests/support/plain_pipeline.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 20, HEIGHT = 18, LIGHTS = 6, SKY = 64 };
 
@@ -133,7 +128,7 @@ static void is_light(const uint8_t bgr[4], double red, double green, double blue
 }
 
 /* An even sky of code 150: each light has its radiance, and the object half of it. */
-static void an_even_sky(void **state)
+TEST("an even sky")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
@@ -142,7 +137,6 @@ static void an_even_sky(void **state)
 	double radiance = transfer_decode(TRANSFER_SRGB, 150 / 255.0);
 	static uint8_t out[HEIGHT][WIDTH][4];
 
-	(void)state;
 	assert_false(pipeline->light.lit);
 	assert_int_equal(pipeline_light_picture(pipeline, &picture, NULL), 0);
 	assert_true(pipeline->light.lit);
@@ -161,7 +155,7 @@ static void an_even_sky(void **state)
 	pipeline_destroy(NULL);
 }
 
-static void given_lights_reach_their_pixels(void **state)
+TEST("given lights reach their pixels")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
@@ -171,7 +165,6 @@ static void given_lights_reach_their_pixels(void **state)
 	struct canvas background = flat(WIDTH, HEIGHT, 90);
 	struct picture picture = whole(&background);
 
-	(void)state;
 	pipeline_light_given(pipeline, radiance);
 	test_pipeline_choose(pipeline, 0);
 	composite(pipeline, out);
@@ -187,13 +180,12 @@ static void given_lights_reach_their_pixels(void **state)
 }
 
 /* A share of the light becomes grey of its luminance; all of it: the object is grey. */
-static void neutral_light_keeps_luminance(void **state)
+TEST("neutral light keeps luminance")
 {
 	static const double shares[] = {0, 0.2, 1};
 	const float radiance[LIGHTS][3] = {[0] = {0.2f, 0.4f, 0.6f}};
 	const double grey = 0.2126 * 0.1 + 0.7152 * 0.2 + 0.0722 * 0.3;
 
-	(void)state;
 	for (int k = 0; k < 3; k++) {
 		struct pipeline_settings settings = plain_pipeline(1);
 		static uint8_t out[HEIGHT][WIDTH][4];
@@ -214,14 +206,13 @@ static void neutral_light_keeps_luminance(void **state)
 
 /* A light that reaches the threshold is used. The threshold is a level of the camera's picture,
  * whatever its black level and gain. */
-static void threshold_is_a_level_of_the_picture(void **state)
+TEST("threshold is a level of the picture")
 {
 	static const struct {
 		int black;
 		double gain;
 	} cases[] = {{0, 1}, {19, 1}, {0, 10}, {19, 0.25}};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		struct pipeline_settings settings = plain_pipeline(1);
 		struct canvas sky = flat(SKY, SKY, 100);
@@ -245,7 +236,7 @@ static void threshold_is_a_level_of_the_picture(void **state)
 
 /* A view inside a camera's picture of linear light, turned by 180 degrees. Upright, its left half
  * is lit; the light around the view must not be read. */
-static void linear_light_is_read_through_its_view(void **state)
+TEST("linear light is read through its view")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct view view = {.x = 10,
@@ -258,7 +249,6 @@ static void linear_light_is_read_through_its_view(void **state)
 	struct pipeline *pipeline;
 	struct image camera;
 
-	(void)state;
 	settings.sampler.estimator = ESTIMATOR_NODE;
 	pipeline = made(&settings);
 	assert_int_equal(image_create_f32(&camera, SKY + 15, SKY + 9), 0);
@@ -285,14 +275,13 @@ static void linear_light_is_read_through_its_view(void **state)
 	pipeline_destroy(pipeline);
 }
 
-static void without_the_object_it_is_the_background(void **state)
+TEST("without the object it is the background")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 	struct pipeline_choice choice = {.object = false};
 	static uint8_t out[HEIGHT][WIDTH][4];
 
-	(void)state;
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
 	composite(pipeline, out);
 	for (int i = 0; i < WIDTH * HEIGHT; i++) {
@@ -302,7 +291,7 @@ static void without_the_object_it_is_the_background(void **state)
 	pipeline_destroy(pipeline);
 }
 
-static void what_does_not_fit_is_said(void **state)
+TEST("what does not fit is said")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
@@ -316,7 +305,6 @@ static void what_does_not_fit_is_said(void **state)
 	static uint8_t out[HEIGHT][WIDTH][4];
 	static double exact[HEIGHT][WIDTH][3];
 
-	(void)state;
 	assert_int_equal(pipeline_choose(pipeline, &choice, &fault), -EINVAL);
 	assert_string_equal(fault.text, "pose 1 is not in the basis, expected 0..0");
 	choice.pose = -1;
@@ -342,12 +330,11 @@ static void what_does_not_fit_is_said(void **state)
 }
 
 /* A camera may come back with another size; the light stays right. */
-static void another_size_of_sky(void **state)
+TEST("another size of sky")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
 
-	(void)state;
 	for (int side = 40; side <= 60; side += 10) {
 		struct canvas sky = flat(side, side, side + 100);
 		struct picture picture = whole(&sky);
@@ -376,7 +363,7 @@ static double test_pipeline_measure(struct pipeline *pipeline, int side, int cod
 
 /* Light is filtered over time; the first picture of a size or of other settings is taken as
  * measured. */
-static void light_is_followed(void **state)
+TEST("light is followed")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	const double bright = transfer_decode(TRANSFER_SRGB, 200 / 255.0);
@@ -384,7 +371,6 @@ static void light_is_followed(void **state)
 	struct pipeline *pipeline;
 	double first;
 
-	(void)state;
 	settings.follow_ns = 100000000;
 	pipeline = made(&settings);
 	first = test_pipeline_measure(pipeline, SKY, 200, 1000);
@@ -470,11 +456,10 @@ static void expect_follows(const struct lit_place *first, const struct lit_place
 }
 
 /* What the background's camera alone sees is exposure, and the object follows it. */
-static void the_object_follows_the_exposure(void **state)
+TEST("the object follows the exposure")
 {
 	const struct lit_place first = {.radiance = 0.5, .exposure = 0.8};
 
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		const struct lit_place then = {0.5, 0.8 * (0.7 + 0.15 * k), 0};
 
@@ -483,13 +468,12 @@ static void the_object_follows_the_exposure(void **state)
 }
 
 /* Rows of lamps that flicker are the object's, too. */
-static void the_object_flickers_with_its_row(void **state)
+TEST("the object flickers with its row")
 {
 	const struct lit_place place = {.radiance = 0.5, .exposure = 0.8, .flicker = 0.2};
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline;
 
-	(void)state;
 	settings.follow_exposure = true;
 	pipeline = made(&settings);
 	for (int frame = 0; frame < 60; frame++) {
@@ -508,12 +492,11 @@ static void the_object_flickers_with_its_row(void **state)
 }
 
 /* What both cameras see is light: the object changes by it, and not by it twice. */
-static void light_is_not_followed_twice(void **state)
+TEST("light is not followed twice")
 {
 	const struct lit_place first = {.radiance = 0.5, .exposure = 0.8};
 	static const double steps[] = {0.3, 0.8, 1.25, 1.6};
 
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		const struct lit_place then = {0.5 * steps[k], 0.8, 0};
 
@@ -522,7 +505,7 @@ static void light_is_not_followed_twice(void **state)
 }
 
 /* Threads, kernel and ground patch change together or not at all. */
-static void a_change_that_fails_changes_nothing(void **state)
+TEST("a change that fails changes nothing")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	struct pipeline *pipeline = made(&settings);
@@ -530,7 +513,6 @@ static void a_change_that_fails_changes_nothing(void **state)
 	const struct pool *const pool = pipeline->pool;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	settings.threads = 3;
 	settings.gain = 2;
 	settings.patch = (struct pipeline_patch){.x = 4000, .width = 8, .height = 8};
@@ -548,14 +530,13 @@ static void a_change_that_fails_changes_nothing(void **state)
 
 /* Two pixels, each lit by half of one light: lights are left out as long as neither pixel changes
  * by more than the budget. */
-static void a_percentage_of_white_may_change(void **state)
+TEST("a percentage of white may change")
 {
 	struct pipeline_settings settings = plain_pipeline(1);
 	const float radiance[LIGHTS][3] = {[0] = {0.016f, 0.016f, 0.016f}, [3] = {1, 1, 1}};
 	struct pipeline_choice choice = {.object = true, .threshold = {.percent = true}};
 	struct pipeline *pipeline = made(&settings);
 
-	(void)state;
 	pipeline_light_given(pipeline, radiance);
 	assert_int_equal(pipeline_choose(pipeline, &choice, NULL), 0);
 	assert_int_equal(pipeline->selection.used_count, LIGHTS); /* 0 %: all lights are used */
@@ -573,24 +554,4 @@ static void a_percentage_of_white_may_change(void **state)
 	pipeline_destroy(pipeline);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(an_even_sky),
-		cmocka_unit_test(given_lights_reach_their_pixels),
-		cmocka_unit_test(neutral_light_keeps_luminance),
-		cmocka_unit_test(threshold_is_a_level_of_the_picture),
-		cmocka_unit_test(linear_light_is_read_through_its_view),
-		cmocka_unit_test(without_the_object_it_is_the_background),
-		cmocka_unit_test(what_does_not_fit_is_said),
-		cmocka_unit_test(another_size_of_sky),
-		cmocka_unit_test(light_is_followed),
-		cmocka_unit_test(the_object_follows_the_exposure),
-		cmocka_unit_test(the_object_flickers_with_its_row),
-		cmocka_unit_test(light_is_not_followed_twice),
-		cmocka_unit_test(a_change_that_fails_changes_nothing),
-		cmocka_unit_test(a_percentage_of_white_may_change),
-	};
-
-	return cmocka_run_group_tests(tests, open_basis, close_basis);
-}
+TEST_GROUP(open_basis, close_basis);

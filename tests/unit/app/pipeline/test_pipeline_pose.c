@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The pose that is shown while others are being unpacked. The basis is made by hand: each pose is a
  * plane of one grey. No result depends on how long unpacking takes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <sched.h>
@@ -20,6 +14,7 @@
 #include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
 #include "tests/support/plain_pipeline.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 320, HEIGHT = 256, LIGHTS = 6, POSES = 10, TILES = WIDTH * HEIGHT / 256 };
 
@@ -174,11 +169,10 @@ static void jump(struct pipeline_choice choice)
 	assert_true(choice.share == 0 || pipeline->choice.next == choice.next);
 }
 
-static void no_frame_waits_for_a_jump(void **state)
+TEST_BETWEEN("no frame waits for a jump", test_pose_begin, test_pose_end)
 {
 	static const int order[] = {4, 8, 2, 6, 0, 5};
 
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(order) / sizeof(*order); k++)
 		jump((struct pipeline_choice){.pose = order[k]});
@@ -199,11 +193,10 @@ static void wait_for(int pose)
 
 /* All poses in order, either way round, each with time to unpack the next: each is ready at once.
  */
-static void a_neighbour_is_there_at_once(void **state)
+TEST_BETWEEN("a neighbour is there at once", test_pose_begin, test_pose_end)
 {
 	int pose = 3;
 
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = pose});
 	for (int k = 0; k < 3 * POSES; k++) {
 		pose = (pose + (k < 2 * POSES ? 1 : POSES - 1)) % POSES;
@@ -214,9 +207,8 @@ static void a_neighbour_is_there_at_once(void **state)
 }
 
 /* A held choice waits when there is no pose to show; a choice that does not hold waits always. */
-static void others_wait(void **state)
+TEST_BETWEEN("others wait", test_pose_begin, test_pose_end)
 {
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 7});
 	assert_int_equal(pipeline->choice.pose, 7);
 	test_pose_frame((struct pipeline_choice){.pose = 3});
@@ -228,12 +220,11 @@ static void others_wait(void **state)
 }
 
 /* The choice changes before it can be shown: some of the choices are shown all the same. */
-static void a_restless_choice_is_followed(void **state)
+TEST_BETWEEN("a restless choice is followed", test_pose_begin, test_pose_end)
 {
 	const int64_t start = clock_now_ns();
 	int seen = 0, last = 0;
 
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (int k = 1; seen < 10; k++) {
 		expect_below(clock_now_ns() - start, LONGEST_NS, "k=%d", k);
@@ -265,11 +256,10 @@ static void choose_unseen(int pose)
 }
 
 /* The pose of the last picture has left memory and come back to another address. */
-static void a_pose_comes_back_unseen(void **state)
+TEST_BETWEEN("a pose comes back unseen", test_pose_begin, test_pose_end)
 {
 	static const int unseen[] = {1, 2, 3, 4, 3, 2, 1, 0};
 
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 0});
 	for (size_t k = 0; k < sizeof(unseen) / sizeof(*unseen); k++)
 		choose_unseen(unseen[k]);
@@ -328,11 +318,10 @@ static void wait_for_neighbours(void)
 }
 
 /* The file is cut short, and whole again at the end. */
-static void what_is_shown_stays(void **state)
+TEST_BETWEEN("what is shown stays", test_pose_begin, test_pose_end)
 {
 	struct pipeline_choice fade = {.pose = 0, .next = 6, .share = 0.5};
 
-	(void)state;
 	test_pose_frame((struct pipeline_choice){.pose = 0});
 	assert_int_equal(pipeline->pose.missing, -1);
 	wait_for_neighbours();
@@ -354,12 +343,11 @@ static void what_is_shown_stays(void **state)
 }
 
 /* Before anything has been shown a missing pose is an error, and the next choice starts anew. */
-static void without_a_picture_it_is_an_error(void **state)
+TEST_BETWEEN("without a picture it is an error", test_pose_begin, test_pose_end)
 {
 	struct fault fault = {.text = ""};
 	const struct pipeline_choice choice = {.pose = 5, .object = true};
 
-	(void)state;
 	basis_poses_expect(&basis, NULL, 0);
 	assert_int_equal(truncate(path, 0), 0);
 	assert_int_equal(pipeline_choose(pipeline, &choice, &fault), -EBADMSG);
@@ -369,23 +357,4 @@ static void without_a_picture_it_is_an_error(void **state)
 	test_pose_frame(choice);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(a_pose_comes_back_unseen, test_pose_begin,
-						test_pose_end),
-		cmocka_unit_test_setup_teardown(no_frame_waits_for_a_jump, test_pose_begin,
-						test_pose_end),
-		cmocka_unit_test_setup_teardown(a_neighbour_is_there_at_once, test_pose_begin,
-						test_pose_end),
-		cmocka_unit_test_setup_teardown(others_wait, test_pose_begin, test_pose_end),
-		cmocka_unit_test_setup_teardown(a_restless_choice_is_followed, test_pose_begin,
-						test_pose_end),
-		cmocka_unit_test_setup_teardown(what_is_shown_stays, test_pose_begin,
-						test_pose_end),
-		cmocka_unit_test_setup_teardown(without_a_picture_it_is_an_error, test_pose_begin,
-						test_pose_end),
-	};
-
-	return cmocka_run_group_tests(tests, open_basis, close_basis);
-}
+TEST_GROUP(open_basis, close_basis);

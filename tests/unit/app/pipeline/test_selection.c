@@ -2,12 +2,6 @@
 /* The lights that a frame uses, from frame to frame. A light at the threshold must not come and go
  * with the noise of a camera, a light that falls must go, and a picture without a frame before it
  * is chosen by the threshold alone. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +13,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { COUNT = 1500, FRAMES = 1000 };
 
@@ -135,11 +130,10 @@ static struct crossing flicker(struct choice *c, int lights)
 	return found;
 }
 
-static void a_light_at_the_threshold_does_not_flicker(void **state)
+TEST("a light at the threshold does not flicker")
 {
 	struct choice c;
 
-	(void)state;
 	for (int mode = 0; mode < THRESHOLD_MODE_COUNT; mode++) {
 		struct crossing found;
 
@@ -169,11 +163,10 @@ static void a_light_at_the_threshold_does_not_flicker(void **state)
 	}
 }
 
-static void a_light_that_falls_goes_out(void **state)
+TEST("a light that falls goes out")
 {
 	struct choice c;
 
-	(void)state;
 	choice_begin(&c, one_level());
 	assert_false(uses(&c, 7, 39.5)); /* not used before, so the threshold decides */
 	assert_true(uses(&c, 7, 40));
@@ -196,11 +189,10 @@ static void a_light_that_falls_goes_out(void **state)
 }
 
 /* Another threshold or mode starts anew; threshold 0 uses all lights. */
-static void another_threshold_begins_anew(void **state)
+TEST("another threshold begins anew")
 {
 	struct choice c;
 
-	(void)state;
 	choice_begin(&c, one_level());
 	assert_true(uses(&c, 7, 40));
 	assert_true(uses(&c, 7, 39.5));
@@ -219,12 +211,11 @@ static void another_threshold_begins_anew(void **state)
 }
 
 /* A picture before any light was measured does not influence later choices. */
-static void darkness_is_no_state(void **state)
+TEST("darkness is no state")
 {
 	bool fresh[COUNT];
 	struct choice c;
 
-	(void)state;
 	for (int dark = 0; dark < 2; dark++) {
 		choice_begin(&c, 0);
 		c.f.lights.budget = 0.5;
@@ -245,11 +236,10 @@ static void darkness_is_no_state(void **state)
 }
 
 /* What the selection reports of dropped light agrees with the lights that were dropped. */
-static void what_is_said_is_of_what_was_chosen(void **state)
+TEST("what is said is of what was chosen")
 {
 	struct choice c;
 
-	(void)state;
 	choice_begin(&c, one_level());
 	c.mode = THRESHOLD_AMBIENT;
 	assert_true(uses(&c, 7, 40));
@@ -325,14 +315,13 @@ static void check_levels(struct pipeline *p, int black)
 }
 
 /* Whatever the curve, black level and gain of the camera, the band is one level of its picture. */
-static void the_band_is_a_level_of_the_picture(void **state)
+TEST("the band is a level of the picture")
 {
 	static const double gains[] = {0.02, 1, 9};
 	char folder[] = "/tmp/inlay-selection-XXXXXX", path[64];
 	struct fault fault = {""};
 	struct basis basis;
 
-	(void)state;
 	assert_non_null(mkdtemp(folder));
 	snprintf(path, sizeof(path), "%s/dome.inlay", folder);
 	write_dome(path);
@@ -357,18 +346,4 @@ static void the_band_is_a_level_of_the_picture(void **state)
 	basis_close(&basis);
 	unlink(path);
 	rmdir(folder);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_light_at_the_threshold_does_not_flicker),
-		cmocka_unit_test(a_light_that_falls_goes_out),
-		cmocka_unit_test(another_threshold_begins_anew),
-		cmocka_unit_test(darkness_is_no_state),
-		cmocka_unit_test(what_is_said_is_of_what_was_chosen),
-		cmocka_unit_test(the_band_is_a_level_of_the_picture),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

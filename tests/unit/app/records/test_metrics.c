@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The text file for Prometheus' node exporter: its format, its figures, and how it is replaced. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <ctype.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -19,6 +13,7 @@
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static struct stats stats = {.frames = 123456789,
 			     .late_total = 7,
@@ -100,13 +95,12 @@ static const char *const lines[] = {
 };
 
 /* Zone 1 has no temperature at present, zone 2 is not there. */
-static void figures_are_told(void **state)
+TEST("figures are told")
 {
 	char text[METRICS_TEXT_MAX], folder[1024], zone[2200];
 	struct metrics_facts facts;
 	size_t length;
 
-	(void)state;
 	snprintf(folder, sizeof(folder), "%s", own_folder());
 	make_folders("class/thermal");
 	make_folders("devices/platform/soc/soc:firmware");
@@ -136,11 +130,10 @@ static void figures_are_told(void **state)
 }
 
 /* Where the firmware is silent the monitor of the voltage tells, whatever its number is. */
-static void the_monitor_tells_of_the_voltage(void **state)
+TEST("the monitor tells of the voltage")
 {
 	char command[1200];
 
-	(void)state;
 	make_folders("class/hwmon/hwmon0");
 	make_folders("class/hwmon/hwmon2");
 	put_file(own_folder(), "class/hwmon/hwmon0/name", "cpu_thermal\n");
@@ -157,13 +150,12 @@ static void the_monitor_tells_of_the_voltage(void **state)
 }
 
 /* Each figure follows its HELP and TYPE, each name has one of them, and each line ends. */
-static void the_format_is_prometheus(void **state)
+TEST("the format is prometheus")
 {
 	char text[METRICS_TEXT_MAX], head[64] = "", type[64], name[64], *rest = NULL;
 	struct metrics_facts facts = facts_of("/nowhere");
 	int count = 0;
 
-	(void)state;
 	assert_true(metrics_text(&facts, text) > 0);
 	assert_int_equal(text[strlen(text) - 1], '\n');
 	assert_null(strstr(text, "temperature"));
@@ -193,7 +185,7 @@ static ino_t number_of(const char *path)
 	return stat(path, &file) ? 0 : file.st_ino;
 }
 
-static void the_file_is_replaced_every_15_s(void **state)
+TEST("the file is replaced every 15 s")
 {
 	const struct metrics_facts facts = facts_of("/nowhere");
 	struct metrics metrics = {.written_ns = 0};
@@ -201,7 +193,6 @@ static void the_file_is_replaced_every_15_s(void **state)
 	struct stat file;
 	ino_t first;
 
-	(void)state;
 	snprintf(path, sizeof(path), "%s", own_folder_path("inlay.prom"));
 	snprintf(temporary, sizeof(temporary), "%s.new", path);
 	/* What lies in its way, even a link to another's file. */
@@ -221,7 +212,7 @@ static void the_file_is_replaced_every_15_s(void **state)
 	unlink(path);
 }
 
-static void a_failure_is_said_once(void **state)
+TEST("a failure is said once")
 {
 	const struct metrics_facts facts = facts_of("/nowhere");
 	struct metrics metrics = {.written_ns = 0};
@@ -229,7 +220,6 @@ static void a_failure_is_said_once(void **state)
 	char path[1024], text[2000] = "";
 	FILE *stream;
 
-	(void)state;
 	snprintf(path, sizeof(path), "%s/later/inlay.prom", own_folder());
 	for (int i = 1; i < 5; i++)
 		assert_false(metrics_write(&metrics, path, &facts, i * 15 * NS_PER_S));
@@ -247,7 +237,7 @@ static void a_failure_is_said_once(void **state)
 	assert_null(strstr(strstr(text, "again") + 1, "again"));
 }
 
-static void a_pipe_is_not_replaced(void **state)
+TEST("a pipe is not replaced")
 {
 	const struct metrics_facts facts = facts_of("/nowhere");
 	struct metrics metrics = {.written_ns = 0};
@@ -255,7 +245,6 @@ static void a_pipe_is_not_replaced(void **state)
 	const char *path = own_folder_path("pipe");
 	struct stat about;
 
-	(void)state;
 	assert_int_equal(mkfifo(path, 0600), 0);
 	assert_false(metrics_write(&metrics, path, &facts, 15 * NS_PER_S));
 	fclose(captured_log_end(&log));
@@ -264,16 +253,4 @@ static void a_pipe_is_not_replaced(void **state)
 	unlink(path);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(figures_are_told),
-		cmocka_unit_test(the_monitor_tells_of_the_voltage),
-		cmocka_unit_test(the_format_is_prometheus),
-		cmocka_unit_test(the_file_is_replaced_every_15_s),
-		cmocka_unit_test(a_failure_is_said_once),
-		cmocka_unit_test(a_pipe_is_not_replaced),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The operator's choices, kept in a file. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <limits.h>
 #include <signal.h>
@@ -19,6 +13,7 @@
 #include "app/records/state.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static const struct state_values start = {{0, false}, SHOW_COMPOSITE, 0};
 
@@ -45,7 +40,7 @@ static bool comes_to_hold(const char *name, double threshold)
 	return false;
 }
 
-static void what_is_kept_reads_back(void **state)
+TEST("what is kept reads back")
 {
 	const struct config_state settings = settings_for("state", 0);
 	const struct state_values chosen = {{40.5, false}, SHOW_SPLIT, 3};
@@ -53,7 +48,6 @@ static void what_is_kept_reads_back(void **state)
 	struct fault fault = {.text = ""};
 	struct state *keeper;
 
-	(void)state;
 	assert_int_equal(state_read(settings.file, &values, &fault), -ENOENT);
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
 	state_keep(keeper, &chosen);
@@ -66,13 +60,12 @@ static void what_is_kept_reads_back(void **state)
 	unlink(settings.file);
 }
 
-static void nothing_chosen_writes_nothing(void **state)
+TEST("nothing chosen writes nothing")
 {
 	const struct config_state settings = settings_for("state", 0);
 	const struct config_state none = {.interval_s = 0};
 	struct state *keeper;
 
-	(void)state;
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
 	state_keep(keeper, &start);
 	state_destroy(keeper);
@@ -87,14 +80,13 @@ static void nothing_chosen_writes_nothing(void **state)
 
 /* The first choice is written at once, the next after an interval that never passes in this test,
  * and the last at the end. */
-static void the_interval_is_kept_and_the_end_writes_the_last(void **state)
+TEST("the interval is kept and the end writes the last")
 {
 	const struct config_state settings = settings_for("state", 86400);
 	struct state_values values = start;
 	struct state *keeper;
 	struct stat before, after;
 
-	(void)state;
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
 	state_keep(keeper, &(struct state_values){{1, false}, SHOW_COMPOSITE, 0});
 	assert_true(comes_to_hold("state", 1));
@@ -110,13 +102,12 @@ static void the_interval_is_kept_and_the_end_writes_the_last(void **state)
 	unlink(settings.file);
 }
 
-static void a_missing_folder_is_tried_again(void **state)
+TEST("a missing folder is tried again")
 {
 	struct config_state settings = settings_for("gone", 0);
 	struct state *keeper;
 	char folder[PATH_MAX];
 
-	(void)state;
 	snprintf(folder, sizeof(folder), "%s", settings.file);
 	strcat(settings.file, "/state");
 	assert_int_equal(state_create(&keeper, &settings, &start), 0);
@@ -130,7 +121,7 @@ static void a_missing_folder_is_tried_again(void **state)
 }
 
 /* A limit on the size of files stands for a full disk. */
-static void what_cannot_be_written_leaves_the_old_file(void **state)
+TEST("what cannot be written leaves the old file")
 {
 	const struct config_state settings = settings_for("state", 0);
 	struct state_values values = start;
@@ -138,7 +129,6 @@ static void what_cannot_be_written_leaves_the_old_file(void **state)
 	struct state *keeper;
 	FILE *stream = fopen(settings.file, "w");
 
-	(void)state;
 	assert_non_null(stream);
 	fputs("[chosen]\nthreshold = 12\n", stream);
 	fclose(stream);
@@ -155,13 +145,12 @@ static void what_cannot_be_written_leaves_the_old_file(void **state)
 	unlink(settings.file);
 }
 
-static void another_file_gets_all_of_it(void **state)
+TEST("another file gets all of it")
 {
 	const struct config_state first = settings_for("state", 0);
 	const struct config_state second = settings_for("other", 0);
 	struct state *keeper;
 
-	(void)state;
 	assert_int_equal(state_create(&keeper, &first, &start), 0);
 	state_keep(keeper, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
 	assert_true(comes_to_hold("state", 9));
@@ -172,7 +161,7 @@ static void another_file_gets_all_of_it(void **state)
 	unlink(second.file);
 }
 
-static void damage_is_named_and_leaves_all_alone(void **state)
+TEST("damage is named and leaves all alone")
 {
 	static const struct {
 		const char *text, *said;
@@ -184,7 +173,6 @@ static void damage_is_named_and_leaves_all_alone(void **state)
 		{"[other]\na = 1\n", "x:1:"},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		struct state_values values = {{5, false}, SHOW_QUAD, 6};
 		struct fault fault = {.text = ""};
@@ -198,28 +186,13 @@ static void damage_is_named_and_leaves_all_alone(void **state)
 	}
 }
 
-static void missing_keys_leave_their_value(void **state)
+TEST("missing keys leave their value")
 {
 	struct state_values values = {{5, false}, SHOW_QUAD, 6};
 
-	(void)state;
 	assert_int_equal(state_read_memory("", 0, "x", &values, NULL), 0);
 	assert_int_equal(state_read_memory("[chosen]\npose = 2\n", 18, "x", &values, NULL), 0);
 	assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD && values.pose == 2);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_kept_reads_back),
-		cmocka_unit_test(nothing_chosen_writes_nothing),
-		cmocka_unit_test(the_interval_is_kept_and_the_end_writes_the_last),
-		cmocka_unit_test(a_missing_folder_is_tried_again),
-		cmocka_unit_test(what_cannot_be_written_leaves_the_old_file),
-		cmocka_unit_test(another_file_gets_all_of_it),
-		cmocka_unit_test(damage_is_named_and_leaves_all_alone),
-		cmocka_unit_test(missing_keys_leave_their_value),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

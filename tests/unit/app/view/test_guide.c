@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The view that helps to set up: lines lie where the calibration says, and a torch is found where it is
  * held. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +8,7 @@
 
 #include "app/view/guide.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 320, HEIGHT = 240 };
 
@@ -27,9 +22,8 @@ static struct tsai_camera camera_at(double x, double y, double z)
 }
 
 /* Lines are 1, 2 or 5 times a power of ten apart, and six to sixteen cross the picture's middle row. */
-static void spacing_follows_the_scene(void **state)
+TEST("spacing follows the scene")
 {
-	(void)state;
 	for (double scale = 0.01; scale < 2000; scale *= 1.37) {
 		struct tsai_camera camera = camera_at(scale, -1.3 * scale, 0.8 * scale);
 		const double spacing = guide_spacing(&camera);
@@ -44,14 +38,13 @@ static void spacing_follows_the_scene(void **state)
 	}
 }
 
-static void a_camera_is_read_from_a_basis(void **state)
+TEST("a camera is read from a basis")
 {
 	static const char text[] =
 		"[camera]\nwidth = 640\nheight = 480\nrotation = 1 0 0 0 1 0 0 0 1\n"
 		"translation = 0 0 5\nfocal = 4\ncentre = 320 240\npixel = 0.01 0.01\n";
 	struct tsai_camera camera;
 
-	(void)state;
 	assert_int_equal(tsai_read_text(text, &camera, NULL), 0);
 	assert_int_equal(camera.width, 640);
 	assert_int_equal(tsai_read_text("", &camera, NULL), -EINVAL);
@@ -64,7 +57,7 @@ static const uint8_t *pixel_at(const struct canvas *canvas, const double px[2])
 	return canvas->pixels + (size_t)px[1] * canvas->stride + 4 * (size_t)px[0];
 }
 
-static void axes_lie_where_the_camera_sees_them(void **state)
+TEST("axes lie where the camera sees them")
 {
 	const struct tsai_camera camera = camera_at(2, 2.5, 1.5);
 	const double length = 2 * guide_spacing(&camera);
@@ -72,7 +65,6 @@ static void axes_lie_where_the_camera_sees_them(void **state)
 	int outlined = 0, within = 0;
 	struct canvas canvas;
 
-	(void)state;
 	assert_int_equal(canvas_create(&canvas, WIDTH, HEIGHT), 0);
 	for (int y = 200; y < 210; y++)
 		for (int x = 20; x < 40; x++)
@@ -99,13 +91,12 @@ static void axes_lie_where_the_camera_sees_them(void **state)
 }
 #endif
 
-static void a_torch_is_found_where_it_is_held(void **state)
+TEST("a torch is found where it is held")
 {
 	static float radiance[DOME_LIGHTS_MAX][3];
 	struct guide_light found[GUIDE_LIGHTS];
 	struct dome dome;
 
-	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 9, DOME_ANGLES, DOME_CELLS, NULL), 0);
 	for (int i = 0; i < dome.count; i++)
 		radiance[i][0] = radiance[i][1] = radiance[i][2] = 1;
@@ -126,18 +117,4 @@ static void a_torch_is_found_where_it_is_held(void **state)
 		radiance[torch][1] = 1;
 	}
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(spacing_follows_the_scene),
-		cmocka_unit_test(a_camera_is_read_from_a_basis),
-#if WITH_CAIRO
-		cmocka_unit_test(axes_lie_where_the_camera_sees_them),
-#endif
-		cmocka_unit_test(a_torch_is_found_where_it_is_held),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

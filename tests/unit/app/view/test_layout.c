@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Where pictures and marks are placed: every pixel of a cell is written, and none outside. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,14 +7,14 @@
 #include "app/view/marks.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define UNTOUCHED 77
 
-static void quarters_tile_the_screen(void **state)
+TEST("quarters tile the screen")
 {
 	static const int sizes[][2] = {{640, 480}, {641, 481}, {1, 1}, {2, 1}, {1280, 801}};
 
-	(void)state;
 	for (size_t s = 0; s < sizeof(sizes) / sizeof(*sizes); s++) {
 		struct display_buffer screen = {.width = sizes[s][0], .height = sizes[s][1]};
 		int area = 0;
@@ -38,12 +32,11 @@ static void quarters_tile_the_screen(void **state)
 	}
 }
 
-static void boxes_keep_the_shape(void **state)
+TEST("boxes keep the shape")
 {
 	static const struct layout_box cell = {100, 50, 800, 600};
 	struct layout_box box = layout_box(&cell, 640, 480, 1, SCALE_NONE);
 
-	(void)state;
 	assert_int_equal(box.x, 180);
 	assert_int_equal(box.y, 110);
 	assert_int_equal(box.width, 640);
@@ -91,7 +84,7 @@ static struct canvas coordinates(int width, int height)
 	return canvas;
 }
 
-static void each_pixel_of_a_cell_is_written(void **state)
+TEST("each pixel of a cell is written")
 {
 	struct chance chance = chance_begin("each_pixel_of_a_cell_is_written");
 	enum { WIDTH = 90, HEIGHT = 70 };
@@ -99,7 +92,6 @@ static void each_pixel_of_a_cell_is_written(void **state)
 	const struct display_buffer screen = {&pixels[0][0][0], sizeof(pixels[0]), WIDTH, HEIGHT,
 					      0};
 
-	(void)state;
 	for (int run = 0; run < 300; run++) {
 		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
 					  chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
@@ -144,11 +136,10 @@ static void each_pixel_of_a_cell_is_written(void **state)
 
 /* ---- the line of a split picture ---- */
 
-static void a_line_is_always_seen(void **state)
+TEST("a line is always seen")
 {
 	struct chance chance = chance_begin("a_line_is_always_seen");
 
-	(void)state;
 	for (int run = 0; run < 1000; run++) {
 		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
 					  chance_int(&chance, 1, 2000),
@@ -172,7 +163,7 @@ static void a_line_is_always_seen(void **state)
 }
 
 /* Two halves and the line between them write what the whole would write, except for the line. */
-static void two_halves_are_the_whole(void **state)
+TEST("two halves are the whole")
 {
 	struct chance chance = chance_begin("two_halves_are_the_whole");
 	enum { WIDTH = 90, HEIGHT = 70 };
@@ -180,7 +171,6 @@ static void two_halves_are_the_whole(void **state)
 	const struct display_buffer one = {&all[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
 	const struct display_buffer two = {&halves[0][0][0], sizeof(all[0]), WIDTH, HEIGHT, 0};
 
-	(void)state;
 	for (int run = 0; run < 300; run++) {
 		struct layout_box cell = {chance_int(&chance, 0, 40), chance_int(&chance, 0, 30),
 					  chance_int(&chance, 1, 50), chance_int(&chance, 1, 40)};
@@ -255,7 +245,7 @@ static bool is_colour(const struct canvas *canvas, int x, int y, const uint8_t b
 }
 
 /* By r = f theta, computed here independently: a dot lies on each light. */
-static void marks_lie_on_the_lights(void **state)
+TEST("marks lie on the lights")
 {
 	static const uint8_t used_bgr[3] = MARK_USED_BGR, unused_bgr[3] = MARK_UNUSED_BGR;
 	enum { SIDE = 480 };
@@ -265,7 +255,6 @@ static void marks_lie_on_the_lights(void **state)
 	bool used[46];
 	double focal = SIDE / 2 / (M_PI / 2);
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
 	assert_int_equal(dome.count, 46);
 	for (int i = 0; i < 46; i++)
@@ -288,12 +277,11 @@ static void marks_lie_on_the_lights(void **state)
 	dome_free(&dome);
 }
 
-static void marks_are_squares_of_their_size(void **state)
+TEST("marks are squares of their size")
 {
 	static const uint8_t used_bgr[3] = MARK_USED_BGR;
 	static const int sides[] = {40, 243, 480, 1080};
 
-	(void)state;
 	assert_int_equal(mark_side_px(243, 1000), 2);
 	assert_int_equal(mark_side_px(480, 480), 4);
 	assert_int_equal(mark_side_px(480, 120), 12); /* 3 pixels of the screen */
@@ -320,19 +308,4 @@ static void marks_are_squares_of_their_size(void **state)
 		dome.count = 6;
 		dome_free(&dome);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(quarters_tile_the_screen),
-		cmocka_unit_test(boxes_keep_the_shape),
-		cmocka_unit_test(each_pixel_of_a_cell_is_written),
-		cmocka_unit_test(a_line_is_always_seen),
-		cmocka_unit_test(two_halves_are_the_whole),
-		cmocka_unit_test(marks_lie_on_the_lights),
-		cmocka_unit_test(marks_are_squares_of_their_size),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

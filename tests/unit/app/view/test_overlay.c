@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Text over the picture: where it is drawn, when it is drawn anew, and that it can be read. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <dlfcn.h>
 #include <math.h>
 #include <stdbool.h>
@@ -17,6 +11,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/guarded_screen.h"
+#include "tests/support/test.h"
 
 #if WITH_CAIRO
 
@@ -96,12 +91,11 @@ static void done(struct drawn *d)
 	guarded_screen_free(&d->other);
 }
 
-static void nothing_to_say_draws_nothing(void **state)
+TEST("nothing to say draws nothing")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct drawn d = test_overlay_draw(&overlay, 320, 240);
 
-	(void)state;
 	assert_int_equal(text_pixels(&d, 0, 240), 0);
 	done(&d);
 	overlay_information(&overlay, NULL);
@@ -113,7 +107,7 @@ static void nothing_to_say_draws_nothing(void **state)
 
 /* Boxes of whole rows: problems at the top, figures at the bottom, the middle third free, at every
  * size. */
-static void keeps_to_its_edges(void **state)
+TEST("keeps to its edges")
 {
 	struct chance chance = chance_begin("keeps_to_its_edges");
 	static const int sizes[][2] = {{160, 120}, {320, 240},	 {640, 480},   {720, 486},
@@ -121,7 +115,6 @@ static void keeps_to_its_edges(void **state)
 				       {40, 480},  {3840, 2160}, {1, 1},       {2000, 30}};
 	const int listed = sizeof(sizes) / sizeof(*sizes);
 
-	(void)state;
 	for (int run = 0; run < listed + 60; run++) {
 		int width = run < listed ? sizes[run][0] : chance_int(&chance, 1, 400);
 		int height = run < listed ? sizes[run][1] : chance_int(&chance, 1, 400);
@@ -147,14 +140,13 @@ static void keeps_to_its_edges(void **state)
 	}
 }
 
-static void is_drawn_only_when_it_changes(void **state)
+TEST("is drawn only when it changes")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct guarded_screen screen = guarded_screen_create(640, 480, 0);
 	struct guarded_screen larger = guarded_screen_create(1280, 720, 0);
 	int before;
 
-	(void)state;
 	overlay_information(&overlay, figures);
 	give_troubles(&overlay, 3);
 	lines_drawn = 0;
@@ -180,12 +172,11 @@ static void is_drawn_only_when_it_changes(void **state)
 	overlay_free(&overlay);
 }
 
-static void goes_when_it_is_taken_back(void **state)
+TEST("goes when it is taken back")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct drawn d;
 
-	(void)state;
 	overlay_information(&overlay, figures);
 	give_troubles(&overlay, 2);
 	d = test_overlay_draw(&overlay, 640, 480);
@@ -205,11 +196,10 @@ static void goes_when_it_is_taken_back(void **state)
 }
 
 /* The upper edge of the strip and its number of lines stay while figures get longer and shorter. */
-static void figures_do_not_make_it_jump(void **state)
+TEST("figures do not make it jump")
 {
 	static const int sizes[][2] = {{320, 240}, {640, 480}, {1024, 600}, {1920, 1080}};
 
-	(void)state;
 	for (int s = 0; s < 4; s++) {
 		struct overlay overlay = {.trouble_count = 0};
 		int width = sizes[s][0], height = sizes[s][1], top = 0;
@@ -256,7 +246,7 @@ static const char *behind(const char *text, int letters)
 
 /* Figures break only at " · ", which is then left out; sentences break between words; other texts
  * break anywhere. */
-static void lines_end_where_they_may(void **state)
+TEST("lines end where they may")
 {
 	static const struct {
 		const char *text, *end;
@@ -267,7 +257,6 @@ static void lines_end_where_they_may(void **state)
 		 ""},
 	};
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		struct overlay overlay = {.trouble_count = 0};
 		struct guarded_screen screen = guarded_screen_create(320, 240, 0);
@@ -291,13 +280,12 @@ static void lines_end_where_they_may(void **state)
 }
 
 /* Sentences for which there is no room are counted, and a last line says how many there are. */
-static void what_is_left_out_is_counted(void **state)
+TEST("what is left out is counted")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct guarded_screen screen = guarded_screen_create(240, 180, 0);
 	static char texts[6][OVERLAY_TEXT_MAX];
 
-	(void)state;
 	for (int i = 0; i < 6; i++)
 		memcpy(texts[i], "a camera is gone", 17); /* each on a line of its own */
 	overlay_troubles(&overlay, (const char(*)[OVERLAY_TEXT_MAX])texts, 6);
@@ -325,11 +313,10 @@ static double luminance(const uint8_t bgr[4])
 
 /* Contrast by the Web Content Accessibility Guidelines, whose strictest limit is 7. Letters are as
  * high as promised, counted in rows with bright pixels. */
-static void can_be_read(void **state)
+TEST("can be read")
 {
 	static const int sizes[][2] = {{160, 120}, {640, 480}, {1920, 1080}, {3840, 2160}};
 
-	(void)state;
 	for (int s = 0; s < 4; s++) {
 		struct overlay overlay = {.trouble_count = 0};
 		int width = sizes[s][0], height = sizes[s][1], rows = 0, bright_pixels = 0;
@@ -361,12 +348,11 @@ static void can_be_read(void **state)
 }
 
 /* Names of devices may be any bytes: they are cut, made valid and drawn. */
-static void any_bytes(void **state)
+TEST("any bytes")
 {
 	struct chance chance = chance_begin("any_bytes");
 	static const int sizes[][2] = {{640, 480}, {160, 120}, {37, 90}};
 
-	(void)state;
 	for (int run = 0; run < 150; run++) {
 		char texts[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
 		struct overlay overlay = {.trouble_count = 0};
@@ -395,12 +381,11 @@ static void any_bytes(void **state)
 }
 
 /* The font has few of these characters; none may keep the others from being drawn. */
-static void every_character(void **state)
+TEST("every character")
 {
 	struct guarded_screen screen = guarded_screen_create(320, 240, 0);
 	struct overlay overlay = {.trouble_count = 0};
 
-	(void)state;
 	for (uint32_t code = 0x80; code < 0x110000; code += 40) {
 		char text[OVERLAY_TEXT_MAX];
 		int length = 0;
@@ -426,13 +411,12 @@ static void every_character(void **state)
 	overlay_free(&overlay);
 }
 
-static void longer_than_there_is_room_for(void **state)
+TEST("longer than there is room for")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	char text[4 * OVERLAY_TEXT_MAX];
 	struct drawn d;
 
-	(void)state;
 	for (size_t i = 0; i + 2 < sizeof(text); i += 2)
 		memcpy(text + i, "ä", 3);
 	overlay_information(&overlay, text); /* without a blank */
@@ -446,12 +430,11 @@ static void longer_than_there_is_room_for(void **state)
 #else
 
 /* Without cairo nothing is drawn, and nothing fails. */
-static void without_cairo(void **state)
+TEST("without cairo")
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct guarded_screen screen = guarded_screen_create(64, 48, 0x11);
 
-	(void)state;
 	overlay_information(&overlay, "lights 1 of 2");
 	for (int i = 0; i < 3; i++)
 		assert_int_equal(overlay_draw(&overlay, &screen.buffer), 0);
@@ -465,26 +448,3 @@ static void without_cairo(void **state)
 }
 
 #endif
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-#if WITH_CAIRO
-		cmocka_unit_test(nothing_to_say_draws_nothing),
-		cmocka_unit_test(keeps_to_its_edges),
-		cmocka_unit_test(is_drawn_only_when_it_changes),
-		cmocka_unit_test(goes_when_it_is_taken_back),
-		cmocka_unit_test(figures_do_not_make_it_jump),
-		cmocka_unit_test(lines_end_where_they_may),
-		cmocka_unit_test(what_is_left_out_is_counted),
-		cmocka_unit_test(can_be_read),
-		cmocka_unit_test(any_bytes),
-		cmocka_unit_test(every_character),
-		cmocka_unit_test(longer_than_there_is_room_for),
-#else
-		cmocka_unit_test(without_cairo),
-#endif
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
-}

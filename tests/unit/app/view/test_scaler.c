@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Scaling pictures: against the filter in double precision, and properties of any scaler. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -13,6 +7,7 @@
 #include "hal/frame/frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static struct canvas noise(struct chance *chance, int width, int height)
 {
@@ -80,11 +75,10 @@ static void scale(const struct picture *from, struct canvas *to, struct pool *po
 }
 
 /* Two roundings to 8 bits and weights of 14 bits: within 1.5 levels of the exact filter. */
-static void is_the_filter_it_says(void **state)
+TEST("is the filter it says")
 {
 	struct chance chance = chance_begin("is_the_filter_it_says");
 
-	(void)state;
 	for (int run = 0; run < 60; run++) {
 		struct canvas from = noise(&chance, chance_int(&chance, 1, 23),
 					   chance_int(&chance, 1, 23));
@@ -111,12 +105,11 @@ static void is_the_filter_it_says(void **state)
 	}
 }
 
-static void equal_sizes_are_a_copy(void **state)
+TEST("equal sizes are a copy")
 {
 	struct chance chance = chance_begin("equal_sizes_are_a_copy");
 	struct canvas from = noise(&chance, 37, 11), to = noise(&chance, 37, 11);
 
-	(void)state;
 	for (int flips = 0; flips < 4; flips++) {
 		struct picture picture = whole(&from, flips & 1, flips & 2);
 
@@ -134,11 +127,10 @@ static void equal_sizes_are_a_copy(void **state)
 }
 
 /* A flat picture stays flat to the last bit at any size. */
-static void flat_stays_flat(void **state)
+TEST("flat stays flat")
 {
 	static const int sizes[] = {1, 2, 3, 7, 64, 65, 243, 486};
 
-	(void)state;
 	for (size_t a = 0; a < sizeof(sizes) / sizeof(*sizes); a++) {
 		for (size_t b = 0; b < sizeof(sizes) / sizeof(*sizes); b++) {
 			struct canvas from, to;
@@ -160,7 +152,7 @@ static void flat_stays_flat(void **state)
 	}
 }
 
-static void threads_change_nothing(void **state)
+TEST("threads change nothing")
 {
 	struct chance chance = chance_begin("threads_change_nothing");
 	struct canvas from = noise(&chance, 101, 57), one = noise(&chance, 233, 199),
@@ -168,7 +160,6 @@ static void threads_change_nothing(void **state)
 	struct picture picture = whole(&from, true, false);
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 4), 0);
 	scale(&picture, &one, NULL);
 	scale(&picture, &many, pool);
@@ -183,11 +174,10 @@ static void threads_change_nothing(void **state)
 }
 
 /* Columns made alone are the same as in the whole picture, and nothing beside them is written. */
-static void columns_are_those_of_the_whole(void **state)
+TEST("columns are those of the whole")
 {
 	struct chance chance = chance_begin("columns_are_those_of_the_whole");
 
-	(void)state;
 	for (int run = 0; run < 60; run++) {
 		struct canvas from = noise(&chance, chance_int(&chance, 1, 40),
 					   chance_int(&chance, 1, 40));
@@ -223,7 +213,7 @@ static void columns_are_those_of_the_whole(void **state)
 }
 
 /* Nothing outside the rectangle is written. */
-static void writes_no_further(void **state)
+TEST("writes no further")
 {
 	struct chance chance = chance_begin("writes_no_further");
 	struct canvas from = noise(&chance, 9, 9);
@@ -231,7 +221,6 @@ static void writes_no_further(void **state)
 	struct scaler scaler = {.scratch = NULL};
 	uint8_t out[40 * 200];
 
-	(void)state;
 	memset(out, 77, sizeof(out));
 	assert_int_equal(scaler_fit(&scaler, 9, 9, 30, 30, NULL), 0);
 	scaler_run(&scaler, NULL, &picture, 0, 30, out + 5 * 200 + 8, 200);
@@ -247,7 +236,7 @@ static void writes_no_further(void **state)
 
 /* A pool with more threads than the one the scaler was prepared for: each thread has its own
  * scratch memory. */
-static void has_room_for_more_threads(void **state)
+TEST("has room for more threads")
 {
 	struct chance chance = chance_begin("has_room_for_more_threads");
 	struct canvas from = noise(&chance, 40, 300), to = noise(&chance, 50, 290);
@@ -255,7 +244,6 @@ static void has_room_for_more_threads(void **state)
 	struct scaler scaler = {.scratch = NULL};
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 5), 0);
 	assert_int_equal(scaler_fit(&scaler, 40, 300, 50, 290, NULL), 0);
 	assert_int_equal(scaler.workers, 1);
@@ -266,19 +254,4 @@ static void has_room_for_more_threads(void **state)
 	pool_destroy(pool);
 	canvas_free(&from);
 	canvas_free(&to);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(is_the_filter_it_says),
-		cmocka_unit_test(equal_sizes_are_a_copy),
-		cmocka_unit_test(flat_stays_flat),
-		cmocka_unit_test(threads_change_nothing),
-		cmocka_unit_test(columns_are_those_of_the_whole),
-		cmocka_unit_test(writes_no_further),
-		cmocka_unit_test(has_room_for_more_threads),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

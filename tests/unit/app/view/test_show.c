@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What each way of showing puts on the screen: a basis made by hand, pictures without cameras,
  * screens with guard pages. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +16,7 @@
 #include "tests/support/guarded_screen.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/plain_pipeline.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 50, HEIGHT = 38, LIGHTS = 46, SKY = 61, SCENE_WIDTH = 33, SCENE_HEIGHT = 47 };
 
@@ -199,14 +194,13 @@ static bool is_code(const struct guarded_screen *s, int x, int y, int blue, int 
 
 /* Whatever the memory held before, the picture is the same, so each pixel is written; the guards
  * prove that no other byte is. Squashed, cut, fitted, on screens down to one pixel. */
-static void every_pixel_and_no_other(void **state)
+TEST_BETWEEN("every pixel and no other", test_show_begin, NULL)
 {
 	struct chance chance = chance_begin("every_pixel_and_no_other");
 	static const int sizes[][2] = {{1, 1},	 {2, 1},   {1, 7},  {31, 23}, {50, 38},	 {100, 76},
 				       {51, 39}, {160, 9}, {9, 91}, {97, 61}, {161, 119}};
 	static const double squashes[] = {1, 2, 0.5, 1.37};
 
-	(void)state;
 	for (int run = 0; run < 40 * SHOW_COUNT; run++) {
 		const int *size = sizes[run % (int)(sizeof(sizes) / sizeof(*sizes))];
 		struct overlay overlay = {.trouble_count = 0};
@@ -236,7 +230,7 @@ static void every_pixel_and_no_other(void **state)
 }
 
 /* The picture is the pipeline's, pixel by pixel, to the last bit. */
-static void composite_is_the_composite(void **state)
+TEST_BETWEEN("composite is the composite", test_show_begin, NULL)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen exact = shown(&request, WIDTH, HEIGHT);
@@ -246,7 +240,6 @@ static void composite_is_the_composite(void **state)
 	struct backdrop backdrop = backdrop_of(&background);
 	int changed = 0;
 
-	(void)state;
 	request.scale = SCALE_NONE;
 	framed = shown(&request, WIDTH + 31, HEIGHT + 7);
 	assert_int_equal(pipeline_composite(pipeline, &backdrop, &made[0][0][0], WIDTH * 4, NULL),
@@ -269,13 +262,12 @@ static void composite_is_the_composite(void **state)
 }
 
 /* Left of the line is the view before, right of it the view after, at any scale. */
-static void split_is_before_and_after(void **state)
+TEST_BETWEEN("split is before and after", test_show_begin, NULL)
 {
 	struct chance chance = chance_begin("split_is_before_and_after");
 	static const int sizes[][2] = {
 		{WIDTH, HEIGHT}, {211, 101}, {40, 90}, {31, 23}, {3 * WIDTH, 3 * HEIGHT}};
 
-	(void)state;
 	for (int run = 0; run < 60; run++) {
 		const int *size = sizes[run % 5];
 		struct show_request request = plain(SHOW_BEFORE);
@@ -312,12 +304,11 @@ static void split_is_before_and_after(void **state)
 }
 
 /* White between black, as high as the picture, at its share of the picture's width. */
-static void a_line_parts_them(void **state)
+TEST_BETWEEN("a line parts them", test_show_begin, NULL)
 {
 	struct show_request request = plain(SHOW_SPLIT);
 	struct guarded_screen screen;
 
-	(void)state;
 	request.split = 0.25;
 	screen = shown(&request, 3 * WIDTH, HEIGHT); /* the picture covers columns 50 to 99 */
 	for (int y = 0; y < HEIGHT; y++) {
@@ -331,13 +322,12 @@ static void a_line_parts_them(void **state)
 }
 
 /* A screen without pictures still says what is wrong. */
-static void off_keeps_the_text(void **state)
+TEST_BETWEEN("off keeps the text", test_show_begin, NULL)
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_OFF);
 	struct guarded_screen screen, black = guarded_screen_create(320, 240, 0);
 
-	(void)state;
 	screen = shown(&request, 320, 240);
 	for (int y = 0; y < 240; y++) {
 		for (int x = 0; x < 320; x++)
@@ -358,7 +348,7 @@ static void off_keeps_the_text(void **state)
 }
 
 /* Outside its boxes nothing changes. */
-static void text_lies_over_the_picture(void **state)
+TEST_BETWEEN("text lies over the picture", test_show_begin, NULL)
 {
 	struct overlay overlay = {.trouble_count = 0};
 	struct show_request request = plain(SHOW_COMPOSITE);
@@ -366,7 +356,6 @@ static void text_lies_over_the_picture(void **state)
 	struct guarded_screen ink = guarded_screen_create(320, 240, 0x11);
 	int covered = 0;
 
-	(void)state;
 	overlay_information(&overlay, "lights 1 of 2");
 	request.overlay = &overlay;
 	with = shown(&request, 320, 240);
@@ -388,13 +377,12 @@ static void text_lies_over_the_picture(void **state)
 }
 
 /* Each quarter shows what its view shows on a screen of that size. */
-static void quad_is_its_four_views(void **state)
+TEST_BETWEEN("quad is its four views", test_show_begin, NULL)
 {
 	static const enum config_show views[4] = {SHOW_SCENE, SHOW_FISHEYE, SHOW_BEFORE,
 						  SHOW_COMPOSITE};
 	static const int sizes[][2] = {{100, 76}, {321, 243}, {160, 121}, {60, 40}};
 
-	(void)state;
 	for (int s = 0; s < 4; s++) {
 		struct show_request request = plain(SHOW_QUAD);
 		struct guarded_screen quad = shown(&request, sizes[s][0], sizes[s][1]);
@@ -419,11 +407,10 @@ static void quad_is_its_four_views(void **state)
 
 /* Used lights are red and the others blue where r = f theta puts them, on a small quarter of the
  * screen, too. */
-static void lights_are_marked(void **state)
+TEST_BETWEEN("lights are marked", test_show_begin, NULL)
 {
 	static const int sides[] = {120, 240, 480, 960};
 
-	(void)state;
 	for (int s = 0; s < 4; s++) {
 		struct show_request request = plain(SHOW_QUAD);
 		struct guarded_screen quad = shown(&request, sides[s] * 4 / 3, sides[s]);
@@ -454,14 +441,13 @@ static void lights_are_marked(void **state)
 }
 
 /* Where the screen's hardware scales, nothing else does: pixels are copied one by one. */
-static void hardware_that_scales_gets_the_plain_pixels(void **state)
+TEST_BETWEEN("hardware that scales gets the plain pixels", test_show_begin, NULL)
 {
 	struct show_request request = plain(SHOW_COMPOSITE);
 	struct guarded_screen straight = shown(&request, WIDTH, HEIGHT), fitted;
 	struct show_fit fit;
 	struct layout_box after = {WIDTH, HEIGHT, WIDTH, HEIGHT};
 
-	(void)state;
 	eyes.background.wanted.squash = eyes.background.view.squash = 2;
 	fit = show_fit(SHOW_COMPOSITE, &eyes, &basis);
 	assert_int_equal(fit.width, WIDTH);
@@ -488,11 +474,10 @@ static void hardware_that_scales_gets_the_plain_pixels(void **state)
 	guarded_screen_free(&straight);
 }
 
-static void sizes_are_those_of_what_is_shown(void **state)
+TEST_BETWEEN("sizes are those of what is shown", test_show_begin, NULL)
 {
 	int width, height;
 
-	(void)state;
 	eyes.background.wanted.squash = 2;
 	show_size(SHOW_SPLIT, &eyes, &basis, &width, &height);
 	assert_int_equal(width, WIDTH);
@@ -503,11 +488,10 @@ static void sizes_are_those_of_what_is_shown(void **state)
 }
 
 /* Cameras without a picture are black, and nothing fails. */
-static void no_pictures(void **state)
+TEST_BETWEEN("no pictures", test_show_begin, NULL)
 {
 	struct source none = {.canvas = {.width = 0}};
 
-	(void)state;
 	eyes.fisheye.source = eyes.background.source = &none;
 	eyes.scene.source = NULL;
 	for (int what = 0; what < SHOW_COUNT; what++) {
@@ -523,23 +507,4 @@ static void no_pictures(void **state)
 	}
 }
 
-#define SHOW_TEST(test) cmocka_unit_test_setup(test, test_show_begin)
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		SHOW_TEST(every_pixel_and_no_other),
-		SHOW_TEST(composite_is_the_composite),
-		SHOW_TEST(split_is_before_and_after),
-		SHOW_TEST(a_line_parts_them),
-		SHOW_TEST(off_keeps_the_text),
-		SHOW_TEST(text_lies_over_the_picture),
-		SHOW_TEST(quad_is_its_four_views),
-		SHOW_TEST(lights_are_marked),
-		SHOW_TEST(hardware_that_scales_gets_the_plain_pixels),
-		SHOW_TEST(sizes_are_those_of_what_is_shown),
-		SHOW_TEST(no_pictures),
-	};
-
-	return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+TEST_GROUP(set_up, tear_down);

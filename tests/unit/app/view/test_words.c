@@ -1,27 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* Texts that the program shows on the screen. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "app/view/words.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define NAME "C920"
 
 static const char *const roles[] = {"Fisheye", "Background", "Scene", "Fisheye and background"};
 
-static void each_situation_has_a_sentence(void **state)
+TEST("each situation has a sentence")
 {
 	char text[CAMERA_SITUATION_COUNT][256], start[80];
 
-	(void)state;
 	for (int r = 0; r < 4; r++) {
 		for (int s = CAMERA_FINE + 1; s < CAMERA_SITUATION_COUNT; s++) {
 			int length = words_camera(text[s], sizeof(text[s]), roles[r], NAME,
@@ -44,12 +38,11 @@ static void each_situation_has_a_sentence(void **state)
 	}
 }
 
-static void names_a_pose(void **state)
+TEST("names a pose")
 {
 	char text[256];
 	int length;
 
-	(void)state;
 	length = words_pose(text, sizeof(text), 3, "left");
 	assert_int_equal(length, strlen(text));
 	assert_string_equal(text, "Pose 3 'left' cannot be loaded: waiting, the log says why");
@@ -57,7 +50,7 @@ static void names_a_pose(void **state)
 	assert_string_equal(text, "Pose 12 cannot be loaded: waiting, the log says why");
 }
 
-static void says_what_is_wrong(void **state)
+TEST("says what is wrong")
 {
 	static const struct {
 		enum camera_situation situation;
@@ -75,7 +68,6 @@ static void says_what_is_wrong(void **state)
 	};
 	char text[256];
 
-	(void)state;
 	assert_int_equal(sizeof(cases) / sizeof(*cases), CAMERA_SITUATION_COUNT - 1);
 	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
 		words_camera(text, sizeof(text), "Scene", NAME, cases[i].situation, "");
@@ -90,11 +82,10 @@ static void says_what_is_wrong(void **state)
 			    "camera offers H264, expected MJPEG");
 }
 
-static void nothing_to_say(void **state)
+TEST("nothing to say")
 {
 	char text[8] = "before";
 
-	(void)state;
 	assert_int_equal(words_camera(text, sizeof(text), "Scene", NAME, CAMERA_FINE, ""), 0);
 	assert_string_equal(text, "");
 	assert_int_equal(
@@ -102,7 +93,7 @@ static void nothing_to_say(void **state)
 }
 
 /* A long name does not push out what is wrong, and no buffer overflows. */
-static void long_names_and_little_room(void **state)
+TEST("long names and little room")
 {
 	static const char *const names[] = {
 		"/dev/v4l/by-path/pci-0000:00:14.0-usb-0:1.4.3.2.1:1.0-video-index0",
@@ -112,7 +103,6 @@ static void long_names_and_little_room(void **state)
 	};
 	char whole[256], cut[300];
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(names) / sizeof(*names); n++) {
 		int length = words_camera(whole, sizeof(whole), "Fisheye and background", names[n],
 					  CAMERA_NO_DEVICE, "");
@@ -138,7 +128,7 @@ static void long_names_and_little_room(void **state)
 	}
 }
 
-static void figures(void **state)
+TEST("figures")
 {
 	struct words_figures f = {.lights_used = 212,
 				  .lights = 406,
@@ -151,7 +141,6 @@ static void figures(void **state)
 	char text[512];
 	int length = words_information(text, sizeof(text), &f);
 
-	(void)state;
 	assert_int_equal(length, strlen(text));
 	assert_string_equal(text, "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · "
 				  "29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %");
@@ -200,11 +189,10 @@ static void figures(void **state)
 }
 
 /* "at most" stays true when the number is rounded. */
-static void a_bound_is_rounded_up(void **state)
+TEST("a bound is rounded up")
 {
 	char text[256], expected[64];
 
-	(void)state;
 	for (int i = 0; i < 3000; i++) {
 		const struct words_figures f = {.error = i / 10000.0};
 		int tenths = (i + 9) / 10;
@@ -220,7 +208,7 @@ static void a_bound_is_rounded_up(void **state)
 	}
 }
 
-static void figures_out_of_all_bounds(void **state)
+TEST("figures out of all bounds")
 {
 	const struct words_figures wild[] = {
 		{.error = INFINITY, .latency_ms = 1e300, .frames_a_second = -1e300},
@@ -229,27 +217,10 @@ static void figures_out_of_all_bounds(void **state)
 	};
 	char text[64];
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(wild) / sizeof(*wild); i++) {
 		memset(text, '#', sizeof(text));
 		expect_above(words_information(text, 60, &wild[i]), 0, "i=%zu", i);
 		expect_below(strlen(text), 60, "i=%zu", i);
 		expect_equal(text[60], '#', "i=%zu", i);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(each_situation_has_a_sentence),
-		cmocka_unit_test(names_a_pose),
-		cmocka_unit_test(says_what_is_wrong),
-		cmocka_unit_test(nothing_to_say),
-		cmocka_unit_test(long_names_and_little_room),
-		cmocka_unit_test(figures),
-		cmocka_unit_test(a_bound_is_rounded_up),
-		cmocka_unit_test(figures_out_of_all_bounds),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

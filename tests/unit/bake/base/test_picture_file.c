@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures of textures in the kinds that programs for 3D objects write. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <png.h>
@@ -17,6 +11,7 @@
 #include "bake/base/picture_file.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static void write_bytes(const char *name, const uint8_t *bytes, size_t count)
 {
@@ -65,7 +60,7 @@ static void cut_anywhere(const char *name, const uint8_t *bytes, size_t count)
 	}
 }
 
-static void test_bmp_and_tga(void **state)
+TEST("bmp and tga")
 {
 	static const uint8_t bmp[] = {'B', 'M', 62, 0, 0, 0, 0, 0, 0,	0, 54,	0, 0,  0, 40, 0,
 				      0,   0,	2,  0, 0, 0, 1, 0, 0,	0, 1,	0, 24, 0, 0,  0,
@@ -76,7 +71,6 @@ static void test_bmp_and_tga(void **state)
 				      1, 0, 32, 8, 0, 0, 0, 255, 255, 0x80, 0, 128, 0, 51};
 	uint8_t top[sizeof(bmp)];
 
-	(void)state;
 	write_bytes("pair.bmp", bmp, sizeof(bmp));
 	expect_pair("pair.bmp", false);
 	write_bytes("pair.TGA", tga, sizeof(tga));
@@ -111,7 +105,7 @@ static void write_tiff(const char *name, int bits, int samples, const void *row)
 	TIFFClose(tiff);
 }
 
-static void test_tiff(void **state)
+TEST("tiff")
 {
 	static const uint8_t rgb[] = {255, 0, 0, 0, 128, 0};
 	static const uint8_t rgba[] = {255, 0, 0, 255, 0, 128, 0, 51};
@@ -122,7 +116,6 @@ static void test_tiff(void **state)
 	size_t count;
 	FILE *stream;
 
-	(void)state;
 	write_tiff("rgb.tif", 8, 3, rgb);
 	expect_pair("rgb.tif", false);
 	write_tiff("big.tif", 8, 3, rgb);
@@ -180,7 +173,7 @@ static void write_tiff_of(const char *name, const struct tiff_case *of)
 }
 
 /* Floats of both sizes are linear light. */
-static void test_tiff_floats(void **state)
+TEST("tiff floats")
 {
 	static const uint16_t halves[] = {0x3c00, 0x3400, 0, 0x4000, 0x0001, 0xb800};
 	static const float singles[] = {1, 0.5f, 0, 0.25f, 0.125f, 0, -1, 1}, odd[] = {NAN};
@@ -197,7 +190,6 @@ static void test_tiff_floats(void **state)
 	struct fault fault = {.text = ""};
 	struct image image;
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		write_tiff_of("f.tif", &cases[k]);
 		read_fine("f.tif", &image);
@@ -224,14 +216,13 @@ static void test_tiff_floats(void **state)
 }
 
 /* A fourth sample that is no alpha counts for nothing, in 8 and 16 bits. */
-static void test_tiff_further_samples(void **state)
+TEST("tiff further samples")
 {
 	static const uint8_t bytes[] = {255, 0, 0, 0, 0, 128, 0, 51};
 	static const uint16_t words[] = {65535, 1, 258, 0, 40000, 3, 4, 7};
 	static const uint16_t deep[] = {65535, 1, 258, 40000, 3, 4};
 	struct image image;
 
-	(void)state;
 	for (int extra = -1; extra <= EXTRASAMPLE_UNSPECIFIED; extra++) {
 		const struct tiff_case plain = {2, 1, 8, 4, SAMPLEFORMAT_UINT, 1, extra, bytes};
 		const struct tiff_case fine = {2, 1, 16, 4, SAMPLEFORMAT_UINT, 1, extra, words};
@@ -247,7 +238,7 @@ static void test_tiff_further_samples(void **state)
 }
 
 /* All eight orientations, in 8 and 16 bits: what the file has, and the upright picture. */
-static void test_tiff_orientations(void **state)
+TEST("tiff orientations")
 {
 	static const char upright[] = "abcdef"; /* 3 x 2 */
 	static const char *const files[] = {"abcdef", "cbafed", "fedcba", "defabc",
@@ -255,7 +246,6 @@ static void test_tiff_orientations(void **state)
 	uint16_t words[6];
 	struct image image;
 
-	(void)state;
 	for (int turned = 1; turned <= 8; turned++)
 		for (int bits = 8; bits <= 16; bits += 8) {
 			const char *file = files[turned - 1];
@@ -302,14 +292,13 @@ static void write_deep_png(const char *name, int kind, const uint8_t *row)
 }
 
 /* All 16 bits reach the float values: two code values that 8 bits would make one. */
-static void test_deep_png(void **state)
+TEST("deep png")
 {
 	static const uint8_t grey[] = {0x01, 0x00, 0x01, 0x20};
 	static const uint8_t rgba[] = {0, 1, 0, 2, 0, 3, 255, 255, 0, 4, 0, 5, 0, 6, 51, 51};
 	static const uint16_t expected[] = {1, 2, 3, 4, 5, 6};
 	struct image image;
 
-	(void)state;
 	write_deep_png("grey.png", PNG_COLOR_TYPE_GRAY, grey);
 	read_fine("grey.png", &image);
 	assert_non_null(image.u16);
@@ -330,16 +319,4 @@ static void test_deep_png(void **state)
 	image_free(&image);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_bmp_and_tga),
-		cmocka_unit_test(test_tiff),
-		cmocka_unit_test(test_tiff_floats),
-		cmocka_unit_test(test_tiff_further_samples),
-		cmocka_unit_test(test_tiff_orientations),
-		cmocka_unit_test(test_deep_png),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

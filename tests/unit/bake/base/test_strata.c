@@ -1,28 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 /* Each piece of work is done once, and what is left is known long before the end. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "bake/base/strata.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define ACROSS 40
 #define DOWN 30
 #define TILES (ACROSS * DOWN)
 #define DRAWS 400
 
-static void test_each_piece_once(void **state)
+TEST("each piece once")
 {
 	static const int pieces[] = {0, 1, 2, 3, 4, 7, 48, 80, 191, 192, 193, 1200, 3072};
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(pieces) / sizeof(*pieces); n++) {
 		int *times = calloc((size_t)pieces[n] + 1, sizeof(*times)), last = -1;
 		struct strata strata;
@@ -48,11 +42,10 @@ static void test_each_piece_once(void **state)
 	}
 }
 
-static void test_equal_pieces(void **state)
+TEST("equal pieces")
 {
 	struct strata strata;
 
-	(void)state;
 	strata_begin(&strata, 100);
 	expect_equal(strata_left(&strata, 50), 0, "nothing is known yet");
 	for (int place = 0; place < 100; place++) {
@@ -81,13 +74,12 @@ static void draw_costs(struct chance *c, double cost[TILES])
 }
 
 /* At a quarter of the work, what is left is right within a third in nearly all draws. */
-static void test_a_quarter_tells_the_rest(void **state)
+TEST("a quarter tells the rest")
 {
 	struct chance c = chance_begin(__func__);
 	double cost[TILES], square = 0;
 	int wrong = 0;
 
-	(void)state;
 	for (int draw = 0; draw < DRAWS; draw++) {
 		double all = 0, done = 0, off;
 		struct strata strata;
@@ -108,15 +100,4 @@ static void test_a_quarter_tells_the_rest(void **state)
 	}
 	expect_at_most(wrong, DRAWS / 20, "of %d draws", DRAWS);
 	expect_below(sqrt(square / DRAWS), 0.2, "RMS over %d draws", DRAWS);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_each_piece_once),
-		cmocka_unit_test(test_equal_pieces),
-		cmocka_unit_test(test_a_quarter_tells_the_rest),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

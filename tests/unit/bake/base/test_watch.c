@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Files that are followed: written in place, renamed over, linked, missing at first. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
@@ -18,6 +12,7 @@
 #include "bake/base/watch.h"
 #include "hal/base/input.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static struct watch *watch;
 
@@ -78,9 +73,8 @@ static int watch_tear_down(void **state)
 	return own_folder_remove(state);
 }
 
-static void files_written_in_place_and_renamed_over(void **state)
+TEST("files written in place and renamed over")
 {
-	(void)state;
 	write_file("scene", "1");
 	follow("scene");
 	assert_false(changed());
@@ -105,9 +99,8 @@ static void files_written_in_place_and_renamed_over(void **state)
 	assert_true(changed());
 }
 
-static void only_files_that_were_read_count(void **state)
+TEST("only files that were read count")
 {
-	(void)state;
 	write_file("mesh", "1");
 	write_file("other", "1");
 	follow("mesh");
@@ -125,9 +118,8 @@ static void only_files_that_were_read_count(void **state)
 }
 
 /* A file that is missing, and one whose folder is: they are read when they come. */
-static void missing_files_are_waited_for(void **state)
+TEST("missing files are waited for")
 {
-	(void)state;
 	follow("texture");
 	assert_false(changed());
 	write_file("texture", "1");
@@ -152,11 +144,10 @@ static void missing_files_are_waited_for(void **state)
 }
 
 /* A symbolic link changes with the file that it leads to, and when it leads to another. */
-static void links_are_followed(void **state)
+TEST("links are followed")
 {
 	char link[PATH_MAX];
 
-	(void)state;
 	assert_int_equal(mkdir(own_folder_path("store"), 0700), 0);
 	write_file("store/a", "1");
 	write_file("store/b", "1");
@@ -180,11 +171,10 @@ static void links_are_followed(void **state)
 }
 
 /* So does a link of a folder on the way. */
-static void links_of_folders_are_followed(void **state)
+TEST("links of folders are followed")
 {
 	char link[PATH_MAX];
 
-	(void)state;
 	assert_int_equal(mkdir(own_folder_path("one"), 0700), 0);
 	assert_int_equal(mkdir(own_folder_path("two"), 0700), 0);
 	write_file("one/a", "1");
@@ -205,13 +195,12 @@ static void links_of_folders_are_followed(void **state)
 }
 
 /* A file that is never left alone is told of all the same. */
-static void storms_end(void **state)
+TEST("storms end")
 {
 	struct fault fault = {.text = ""};
 	char path[PATH_MAX];
 	pid_t writer;
 
-	(void)state;
 	write_file("a", "1");
 	follow("a");
 	snprintf(path, sizeof(path), "%s", own_folder_path("a"));
@@ -231,16 +220,4 @@ static void storms_end(void **state)
 	remove_file("a");
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(files_written_in_place_and_renamed_over),
-		cmocka_unit_test(only_files_that_were_read_count),
-		cmocka_unit_test(missing_files_are_waited_for),
-		cmocka_unit_test(links_are_followed),
-		cmocka_unit_test(links_of_folders_are_followed),
-		cmocka_unit_test(storms_end),
-	};
-
-	return cmocka_run_group_tests(tests, watch_set_up, watch_tear_down);
-}
+TEST_GROUP(watch_set_up, watch_tear_down);

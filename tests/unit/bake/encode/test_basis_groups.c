@@ -1,19 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Groups of lights: which lights are in a group, and what counts as common to them. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "bake/tiles/coarse.h"
 #include "hal/basis/basis_groups.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define FINE 8
 #define COARSE 3
@@ -65,7 +60,7 @@ static int groups_end(void **state)
 }
 
 /* Each light is in exactly one group: that of the coarse light with its largest weight. */
-static void all_lights_are_in_groups(void **state)
+TEST_BETWEEN("all lights are in groups", groups_begin, groups_end)
 {
 	const struct domes *d = *state;
 	const struct basis_groups *g = &d->groups;
@@ -97,11 +92,10 @@ static void all_lights_are_in_groups(void **state)
 	assert_int_equal(met, d->fine.count);
 }
 
-static void own_lights_have_no_groups(void **state)
+TEST("own lights have no groups")
 {
 	struct basis_groups none;
 
-	(void)state;
 	assert_int_equal(basis_groups_create(&none, NULL, 6, 6), 0);
 	assert_int_equal(none.count, 0);
 	basis_groups_free(&none);
@@ -117,7 +111,7 @@ static int size_of(const struct domes *d, int k)
 
 /* An even sky is common to all lights. A lamp or two among three or more lights change nothing, and
  * one light has nothing in common with dark ones. */
-static void a_lamp_is_not_common(void **state)
+TEST_BETWEEN("a lamp is not common", groups_begin, groups_end)
 {
 	struct domes *d = *state;
 	double even[3];
@@ -146,7 +140,7 @@ static void a_lamp_is_not_common(void **state)
 }
 
 /* In any light, S is not negative, at most what the whole group sends, and within its limit. */
-static void even_light_is_bounded(void **state)
+TEST_BETWEEN("even light is bounded", groups_begin, groups_end)
 {
 	struct chance chance = chance_begin("groups");
 	struct domes *d = *state;
@@ -172,7 +166,7 @@ static void even_light_is_bounded(void **state)
 }
 
 /* Where no light of a group can arrive, no light has a share, and nothing is divided by zero. */
-static void groups_without_weight(void **state)
+TEST_BETWEEN("groups without weight", groups_begin, groups_end)
 {
 	struct domes *d = *state;
 	double even[3];
@@ -188,28 +182,13 @@ static void groups_without_weight(void **state)
 }
 
 /* cut_group = max(cut, min(cut * sqrt(N / K), BASIS_GROUP_CUT)) */
-static void cuts_of_groups(void **state)
+TEST("cuts of groups")
 {
 	const struct basis_groups many = {.lights = 6400, .count = 400}, none = {.lights = 400};
 
-	(void)state;
 	assert_true(fabs(basis_group_cut(&many, 0.0001) - 0.0004) < 1e-15);
 	assert_true(basis_group_cut(&many, 0.0005) == BASIS_GROUP_CUT);
 	assert_true(basis_group_cut(&many, 0.003) == 0.003);
 	assert_true(basis_group_cut(&many, 0) == 0);
 	assert_true(basis_group_cut(&none, 0.0005) == 0.0005);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(all_lights_are_in_groups, groups_begin, groups_end),
-		cmocka_unit_test(own_lights_have_no_groups),
-		cmocka_unit_test_setup_teardown(a_lamp_is_not_common, groups_begin, groups_end),
-		cmocka_unit_test_setup_teardown(even_light_is_bounded, groups_begin, groups_end),
-		cmocka_unit_test_setup_teardown(groups_without_weight, groups_begin, groups_end),
-		cmocka_unit_test(cuts_of_groups),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

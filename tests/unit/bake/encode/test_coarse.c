@@ -1,21 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* The lights of a dome gathered in those of a coarser dome. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "tests/support/bake/encode_rig.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
-static void over_coarse(void **state)
+TEST("over coarse")
 {
 	static const int fine[] = {2, 5, 9, 12, 20, 36}, coarse[] = {1, 2, 3, 4, 9};
 
-	(void)state;
 	for (size_t a = 0; a < 6; a++)
 		for (size_t b = 0; b < 5; b++) {
 			struct encode_rig e, few;
@@ -54,13 +48,4 @@ static void over_coarse(void **state)
 			encode_rig_end(&e);
 			encode_rig_end(&few);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_coarse),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

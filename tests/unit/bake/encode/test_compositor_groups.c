@@ -2,13 +2,8 @@
 /* A bake under many lights, with columns of groups, composited in fast mode: as near to double
  * precision as the file declares. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <stdlib.h>
 
 #include "bake/judge/ensemble.h"
@@ -16,6 +11,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define COLUMN_CUT 0.0004
@@ -157,7 +153,7 @@ static double farthest(const struct random_frame *f, const double *truth, int wi
 #define RUNS_STRONG 300 /* few lights are worst */
 enum { SKY, ALONE, STRONG };
 
-static void fast_is_near_exact(void **state)
+TEST_BETWEEN("fast is near exact", small_scene_begin, small_scene_end)
 {
 	static void (*const light[])(const struct basis *, struct chance *,
 				     float(*)[3]) = {light_up, light_up_one, light_up_strongly};
@@ -173,7 +169,6 @@ static void fast_is_near_exact(void **state)
 	struct column_counts counts;
 	int most_columns = 0;
 
-	(void)state;
 	write_ball();
 	basis = small_scene_bake("ball.ini");
 	counts = count_columns(&basis);
@@ -222,11 +217,10 @@ static void fast_is_near_exact(void **state)
 }
 
 /* Without a cut no column may be left out, so there are no groups. */
-static void without_a_cut(void **state)
+TEST_BETWEEN("without a cut", small_scene_begin, small_scene_end)
 {
 	struct basis basis;
 
-	(void)state;
 	write_ball();
 	small_scene_write(
 		"whole.ini",
@@ -237,15 +231,4 @@ static void without_a_cut(void **state)
 	basis = small_scene_bake("whole.ini");
 	assert_int_equal(count_columns(&basis).groups, 0);
 	basis_close(&basis);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(fast_is_near_exact, small_scene_begin,
-						small_scene_end),
-		cmocka_unit_test_setup_teardown(without_a_cut, small_scene_begin, small_scene_end),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,22 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* The encoder keeps and declares its errors: checked on blocks decoded in double precision. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
-static void over_scenes(void **state)
+TEST("over scenes")
 {
 	struct chance chance = chance_begin("scenes");
 
-	(void)state;
 	for (int k = 0; k < 8; k++) {
 		struct encode_rig e = encode_rig_dome(k & 1 ? 8 : 5, k & 2 ? 4 : 9);
 		const enum basis_kind kind = k & 4 ? BASIS_KIND_T : BASIS_KIND_V;
@@ -38,11 +32,10 @@ static void over_scenes(void **state)
 }
 
 /* The error that is asked for is kept; a smaller one costs more bytes. */
-static void over_targets(void **state)
+TEST("over targets")
 {
 	uint64_t before = UINT64_MAX;
 
-	(void)state;
 	for (double cell = 0.25; cell < 20; cell *= 3) {
 		struct encode_rig e = encode_rig_dome(6, 6);
 		struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_V, 256, 1, true);
@@ -67,13 +60,12 @@ static void over_targets(void **state)
 }
 
 /* An error in T and V at once, in a half-covered pixel, is measured as it is seen. */
-static void together(void **state)
+TEST("together")
 {
 	struct encode_rig e = encode_rig_dome(5, 5);
 	struct encode_rig_part *part[2];
 	struct encode_result both;
 
-	(void)state;
 	encode_rig_start(&e);
 	part[0] = encode_rig_part_new(&e, BASIS_KIND_T, 64, 3, true);
 	part[1] = encode_rig_part_new(&e, BASIS_KIND_V, 64, 1, true);
@@ -97,9 +89,8 @@ static void together(void **state)
 
 /* ---- receivers with a u of their own ---- */
 
-static void over_pairs(void **state)
+TEST("over pairs")
 {
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		struct encode_rig e = encode_rig_dome(k & 1 ? 6 : 3, k & 1 ? 4 : 3);
 		struct encode_rig_part *part[2];
@@ -133,9 +124,8 @@ static void over_pairs(void **state)
 
 /* ---- the exact layer, and sameness ---- */
 
-static void exact(void **state)
+TEST("exact")
 {
-	(void)state;
 	for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
 		struct encode_rig e = encode_rig_dome(5, 3);
 		struct encode_rig_part *part = encode_rig_part_new(&e, (enum basis_kind)kind, 97,
@@ -170,14 +160,13 @@ static void exact(void **state)
 }
 
 /* Earlier tiles leave no trace in the encoder. */
-static void repeats(void **state)
+TEST("repeats")
 {
 	struct encode_rig e = encode_rig_dome(6, 4), other = encode_rig_dome(6, 4);
 	struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_T, 200, 3, true);
 	struct encode_rig_part *before = encode_rig_part_new(&e, BASIS_KIND_V, 256, 1, false);
 	struct encode_result first, second;
 
-	(void)state;
 	encode_rig_start(&e);
 	encode_rig_start(&other);
 	encode_rig_fill(&e, part);
@@ -197,15 +186,4 @@ static void repeats(void **state)
 	encode_rig_part_free(before);
 	encode_rig_end(&e);
 	encode_rig_end(&other);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_scenes), cmocka_unit_test(over_targets),
-		cmocka_unit_test(together),    cmocka_unit_test(over_pairs),
-		cmocka_unit_test(exact),       cmocka_unit_test(repeats),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

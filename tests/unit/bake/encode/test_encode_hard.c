@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Hard cases of the encoder: values that no pattern fits, sizes that fill no line, and what it
  * refuses. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,13 +9,13 @@
 #include "tests/support/bake/encode_promises.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* Noise has full rank, so that no pattern helps. */
-static void over_noise(void **state)
+TEST("over noise")
 {
 	struct chance chance = chance_begin("noise");
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct encode_rig e = encode_rig_dome(4, 4);
 		struct encode_rig_part *part = encode_rig_part_new(
@@ -43,11 +37,10 @@ static void over_noise(void **state)
 }
 
 /* With many lights nearly each column is too dim to be used alone, but together they matter. */
-static void over_many_lights(void **state)
+TEST("over many lights")
 {
 	struct chance chance = chance_begin("many lights");
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct encode_rig e = encode_rig_dome(12, 3);
 		struct encode_rig_part *part = encode_rig_part_new(
@@ -69,11 +62,10 @@ static void over_many_lights(void **state)
 
 /* Lights near the horizon: an object that faces them throws many times their light on the ground,
  * beside a dark shadow. */
-static void over_low_lights(void **state)
+TEST("over low lights")
 {
 	struct chance chance = chance_begin("low lights");
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct encode_rig e = encode_rig_dome(12, 3);
 		struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_V, 100, k ? 3 : 1,
@@ -95,13 +87,12 @@ static void over_low_lights(void **state)
 
 /* Near mirrors: each pixel sees a few lights many times brighter than diffuse ones, and nearly
  * nothing of the others. Columns of groups reach as far. */
-static void over_mirrors(void **state)
+TEST("over mirrors")
 {
 	struct encode_rig e = encode_rig_dome(12, 6);
 	struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_T, 256, 3, false);
 	const int n = e.settings.lights;
 
-	(void)state;
 	encode_rig_start(&e);
 	for (int p = 0; p < 256; p++) {
 		const double x = (p % 16 - 7.5) / 16, y = (p / 16 - 7.5) / 16;
@@ -121,7 +112,7 @@ static void over_mirrors(void **state)
 }
 
 /* A tile's blocks do not depend on the tile before it, of which the encoder keeps nothing. */
-static void each_tile_begins_anew(void **state)
+TEST("each tile begins anew")
 {
 	struct encode_rig e = encode_rig_dome(3, 2);
 	const int n = e.settings.lights;
@@ -130,7 +121,6 @@ static void each_tile_begins_anew(void **state)
 	struct shade fresh, used;
 	size_t bytes;
 
-	(void)state;
 	assert_non_null(part.value);
 	e.settings.ensemble = &e.ensemble;
 	assert_int_equal(shade_create(&fresh, &e.settings), 0);
@@ -152,11 +142,10 @@ static void each_tile_begins_anew(void **state)
 	encode_rig_end(&e);
 }
 
-static void over_sizes(void **state)
+TEST("over sizes")
 {
 	static const int pixels[] = {1, 2, 31, 32, 33, 64, 65, 255, 256};
 
-	(void)state;
 	for (int lights = 0; lights < 2; lights++)
 		for (size_t k = 0; k < sizeof(pixels) / sizeof(*pixels); k++)
 			for (int kind = BASIS_KIND_T; kind <= BASIS_KIND_V; kind++) {
@@ -174,9 +163,8 @@ static void over_sizes(void **state)
 }
 
 /* All zeros, all equal, one light a million times the others, and denormal values. */
-static void over_values(void **state)
+TEST("over values")
 {
-	(void)state;
 	for (int k = 0; k < 6; k++) {
 		struct encode_rig e = encode_rig_dome(4, 4);
 		struct encode_rig_part *part =
@@ -216,7 +204,7 @@ static int encode_one(struct encode_rig *e, struct encode_rig_part *part, float 
 	return encode_tile(e->encoder, 0, e->coverage, &part->samples, 1, &result);
 }
 
-static void refuses(void **state)
+TEST("refuses")
 {
 	struct encode_rig e = encode_rig_dome(2, 2);
 	struct encode_rig_part *part = encode_rig_part_new(&e, BASIS_KIND_T, 5, 3, true);
@@ -224,7 +212,6 @@ static void refuses(void **state)
 	struct encode_samples samples[2];
 	struct encode_result result;
 
-	(void)state;
 	encode_rig_start(&e);
 	encode_rig_fill(&e, part);
 	assert_int_equal(encode_tile(e.encoder, 0, e.coverage, NULL, 0, &result), 0);
@@ -254,20 +241,4 @@ static void refuses(void **state)
 	for (int k = 0; k < 2; k++)
 		encode_rig_part_free(pair[k]);
 	encode_rig_end(&e);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(over_noise),
-		cmocka_unit_test(over_many_lights),
-		cmocka_unit_test(over_low_lights),
-		cmocka_unit_test(over_mirrors),
-		cmocka_unit_test(each_tile_begins_anew),
-		cmocka_unit_test(over_sizes),
-		cmocka_unit_test(over_values),
-		cmocka_unit_test(refuses),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Patterns of full rank solve weighted least squares over the coarse lights, and fewer patterns
  * leave what truncating the weighted decomposition must leave. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,6 +8,7 @@
 #include "tests/support/bake/encode_rig.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define PIXELS 40 /* more than coarse lights, so that nothing is cut off */
 
@@ -86,13 +81,12 @@ static double rank_fit_find(struct rank_fit *f, int most)
 }
 
 /* At the minimum of the weighted squares their slope is 0, along every coarse light. */
-static void full_rank_is_least_squares(void **state)
+TEST("full rank is least squares")
 {
 	struct chance chance = chance_begin("ranks");
 	const struct encode_settings *s;
 	struct rank_fit f;
 
-	(void)state;
 	rank_fit_begin(&f, &chance, 6, 2);
 	s = &f.e.settings;
 	rank_fit_find(&f, RANK_MOST);
@@ -116,13 +110,12 @@ static void full_rank_is_least_squares(void **state)
 
 /* Each pattern takes away at least its share of what is left: the first j of m leave at most
  * 1 - j / m of all, as singular values fall. */
-static void patterns_come_in_order(void **state)
+TEST("patterns come in order")
 {
 	struct chance chance = chance_begin("ranks in order");
 	struct rank_fit f;
 	double all = 0, before;
 
-	(void)state;
 	rank_fit_begin(&f, &chance, 2, 2);
 	for (int i = 0; i < f.e.settings.lights; i++)
 		for (int p = 0; p < PIXELS; p++)
@@ -139,14 +132,4 @@ static void patterns_come_in_order(void **state)
 		before = square;
 	}
 	rank_fit_end(&f);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(full_rank_is_least_squares),
-		cmocka_unit_test(patterns_come_in_order),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Jobs for other renderers: meshes read back, rays of the camera, and coverage. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +14,7 @@
 #include "bake/scene/scene.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define WIDTH 24
 #define HEIGHT 18
@@ -80,13 +76,12 @@ static float *read_rays(const char *name)
 
 /* Each ray is the camera's, through its lens, or empty. No ray meets two things, and each ray below
  * the horizon meets one. */
-static void test_rays(void **state)
+TEST("rays")
 {
 	struct scene *scene = open_scene(lens);
 	float *object, *seen, *ground;
 	long met = 0;
 
-	(void)state;
 	export_to(scene, "rays");
 	object = read_rays("rays/object.rays");
 	seen = read_rays("rays/seen.rays");
@@ -123,14 +118,13 @@ static void test_rays(void **state)
 }
 
 /* Coverage of a pixel is the share of its rays that meet an object. */
-static void test_coverage(void **state)
+TEST("coverage")
 {
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
 	struct image coverage;
 	float *object;
 
-	(void)state;
 	export_to(scene, "cover");
 	object = read_rays("cover/object.rays");
 	if (image_read(small_scene_path("cover/coverage.hdr"), &coverage, &fault))
@@ -152,14 +146,13 @@ static void test_coverage(void **state)
 }
 
 /* The exported meshes are the scene's, in their places. */
-static void test_meshes(void **state)
+TEST("meshes")
 {
 	const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 180};
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
 	struct mesh mesh;
 
-	(void)state;
 	export_to(scene, "mesh");
 	for (int k = 0; k < 2; k++) {
 		const struct mesh_part *own = &scene->meshes[k].parts[0];
@@ -186,7 +179,7 @@ static void test_meshes(void **state)
 }
 
 /* Coordinates of a texture that is moved are exported where it is looked up. */
-static void test_placed_texture(void **state)
+TEST("placed texture")
 {
 	struct scene *scene = open_scene(camera);
 	struct mesh_part *part = &scene->meshes[0].parts[0];
@@ -195,7 +188,6 @@ static void test_placed_texture(void **state)
 	float u = 0, v = 0;
 	FILE *stream;
 
-	(void)state;
 	texture_prepare(&texture);
 	part->uv2 = calloc((size_t)part->vertices, sizeof(*part->uv2));
 	assert_non_null(part->uv2);
@@ -226,7 +218,7 @@ static void read_text(const char *name, char *text, size_t room)
 
 /* Blender gets colours of vertices, and how a texture goes on beyond its edges; one that is mirrored is
  * written twice. */
-static void test_blender(void **state)
+TEST("blender")
 {
 	static uint8_t texels[] = {255, 0, 0, 0, 255, 0};
 	struct scene *scene = open_scene(camera);
@@ -239,7 +231,6 @@ static void test_blender(void **state)
 	struct dome dome;
 	static char text[1 << 16];
 
-	(void)state;
 	texture_prepare(&texture);
 	part->colour = calloc((size_t)part->vertices, sizeof(*part->colour));
 	assert_non_null(part->colour);
@@ -268,14 +259,13 @@ static void test_blender(void **state)
 }
 
 /* The exported angles read back as the same dome. */
-static void test_angles(void **state)
+TEST("angles")
 {
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
 	struct dome dome;
 	int *light;
 
-	(void)state;
 	export_to(scene, "angles");
 	if (angles_read(small_scene_path("angles/angles.txt"), &dome, &light, &fault))
 		fail_msg("%s", fault.text);
@@ -304,7 +294,7 @@ static double suns_sr(const char *path)
 }
 
 /* A tent is exported as its file of angles, and as suns whose density is its brightness. */
-static void test_tents(void **state)
+TEST("tents")
 {
 	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
 	struct scene *scene = open_scene(camera);
@@ -312,7 +302,6 @@ static void test_tents(void **state)
 	struct dome dome, found;
 	int *light;
 
-	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
 	assert_int_equal(
 		export_radiance(scene, &dome, small_scene_path("tents"), &settings, &fault), 0);
@@ -336,7 +325,7 @@ static void test_tents(void **state)
 }
 
 /* A lens without distortion, one with a known distortion, and one that Blender does not have. */
-static void test_shift(void **state)
+TEST("shift")
 {
 	struct scene *scene = open_scene(lens);
 	struct tsai_camera straight = scene->camera;
@@ -346,7 +335,6 @@ static void test_shift(void **state)
 	double undistorted, expected;
 	struct dome dome;
 
-	(void)state;
 	straight.kappa1 = 0;
 	assert_float_equal(export_camera_shift(&straight), 0, 1e-9);
 	assert_int_equal(tsai_straight_radius(scene->camera.kappa1, radius, &undistorted), 0);
@@ -361,14 +349,4 @@ static void test_shift(void **state)
 	scene_close(scene);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_rays),	cmocka_unit_test(test_coverage),
-		cmocka_unit_test(test_meshes),	cmocka_unit_test(test_placed_texture),
-		cmocka_unit_test(test_blender), cmocka_unit_test(test_angles),
-		cmocka_unit_test(test_shift),	cmocka_unit_test(test_tents),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

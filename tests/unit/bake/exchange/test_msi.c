@@ -2,12 +2,7 @@
 /* Files of the thesis's program: written, read back in every variant, damaged; and the thesis's own
  * loop over both. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +11,7 @@
 #include "bake/exchange/msi.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define WIDTH 40
 #define HEIGHT 30
@@ -91,12 +87,11 @@ static void check_same(const struct msi *msi)
 	}
 }
 
-static void test_variants(void **state)
+TEST("variants")
 {
 	struct fault fault = {.text = ""};
 	struct msi msi;
 
-	(void)state;
 	for (size_t k = 0; k < 4; k++) {
 		write_msi("a.msi", &variants[k]);
 		assert_int_equal(msi_open(&msi, small_scene_path("a.msi"), &fault), 0);
@@ -200,12 +195,11 @@ static int loop_difference(struct thesis *other, const struct basis *basis, int 
 	return most;
 }
 
-static void test_loop(void **state)
+TEST("loop")
 {
 	struct thesis *other;
 	struct basis basis;
 
-	(void)state;
 	write_msi("a.msi", &variants[2]);
 	basis = import("a.msi");
 	other = thesis_of(&basis, own.pool);
@@ -236,14 +230,13 @@ static void refused(const uint8_t *data, size_t bytes, const char *words)
 	assert_null(msi.data);
 }
 
-static void test_damage(void **state)
+TEST("damage")
 {
 	static const uint8_t tiny[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 24, 0, 0, 0, 1, 9, 9, 9};
 	uint8_t *data = malloc(4 << 20);
 	size_t bytes, first;
 	FILE *file;
 
-	(void)state;
 	assert_non_null(data);
 	for (size_t k = 0; k < 4; k++) {
 		const bool big = variants[k].big_endian;
@@ -275,13 +268,4 @@ static void test_damage(void **state)
 	free(data);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_variants),
-		cmocka_unit_test(test_loop),
-		cmocka_unit_test(test_damage),
-	};
-
-	return cmocka_run_group_tests(tests, test_msi_begin, test_msi_end);
-}
+TEST_GROUP(test_msi_begin, test_msi_end);

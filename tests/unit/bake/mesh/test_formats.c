@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The geometry of OBJ, PLY and STL as various programs write them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 60, .own_materials = 1};
 
@@ -91,7 +86,7 @@ static void expect_colour(struct rgb got, float r, float g, float b)
 
 /* ---- polygons ---- */
 
-static void test_concave_polygons(void **state)
+TEST("concave polygons")
 {
 	static const struct {
 		const char *corners, *face;
@@ -112,7 +107,6 @@ static void test_concave_polygons(void **state)
 		{"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n", "1 2 3 4", 2, 1},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct mesh mesh;
 
@@ -126,12 +120,11 @@ static void test_concave_polygons(void **state)
 
 /* A star of many points, and a polygon that crosses itself everywhere: with the square of the corners, these
  * take minutes. */
-static void test_large_polygons(void **state)
+TEST("large polygons")
 {
 	enum { CORNERS = 40000 };
 	static const char *const names[] = {"star.obj", "crossed.obj"};
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		FILE *file = fopen(small_scene_path(names[k]), "w");
 		uint64_t random = 1;
@@ -163,7 +156,7 @@ static void test_large_polygons(void **state)
 
 /* Each corner at the tip of a cone has the mean of the faces within the crease: a quarter of the circle on both
  * sides, so that the normal is as the face's, but steeper. */
-static void test_large_fan(void **state)
+TEST("large fan")
 {
 	enum { SIDES = 200000 };
 	FILE *file = fopen(small_scene_path("cone.obj"), "w");
@@ -172,7 +165,6 @@ static void test_large_fan(void **state)
 	const double out = sin(reach) / reach, steep = 1 / hypot(1, out);
 	struct mesh mesh;
 
-	(void)state;
 	assert_non_null(file);
 	fprintf(file, "v 0 0 1\n");
 	for (int k = 0; k < SIDES; k++)
@@ -196,11 +188,10 @@ static void test_large_fan(void **state)
 
 /* ---- OBJ ---- */
 
-static void test_obj_corners(void **state)
+TEST("obj corners")
 {
 	struct mesh mesh;
 
-	(void)state;
 	/* a byte order mark, faces before their vertices, comments, some corners without normals */
 	small_scene_write("corners.obj",
 			  "\xef\xbb\xbf"
@@ -218,7 +209,7 @@ static void test_obj_corners(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_obj_refused(void **state)
+TEST("obj refused")
 {
 	static const struct {
 		const char *lines, *words;
@@ -238,7 +229,6 @@ static void test_obj_refused(void **state)
 		{"v 1 2 inf", "bad.obj:4: vertex 4 is not finite", -EDOM},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		small_scene_write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n%s\nf 1 2 3\n",
 				  cases[k].lines);
@@ -253,13 +243,12 @@ static void test_obj_refused(void **state)
 }
 
 /* Digits of a coordinate are read as strtod() does. */
-static void test_obj_numbers(void **state)
+TEST("obj numbers")
 {
 	static const char *const numbers[] = {
 		"0.1",		 "123456.789",	  "-1e-3", "3.14159265358979323846",
 		"1.17549435e-3", ".000123456789", "+2.5",  "1000000000000000e-15"};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(numbers) / sizeof(*numbers); k++) {
 		const float expected = strtof(numbers[k], NULL);
 		struct mesh mesh;
@@ -274,11 +263,10 @@ static void test_obj_numbers(void **state)
 	}
 }
 
-static void test_obj_colours(void **state)
+TEST("obj colours")
 {
 	struct mesh mesh;
 
-	(void)state;
 	small_scene_write("scan.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\n"
 				      "v 1 1 0\nf 1 2 3\nf 2 3 4\n");
 	read_fine("scan.obj", &mesh);
@@ -293,11 +281,10 @@ static void test_obj_colours(void **state)
 }
 
 /* Colours of ZBrush, in comments behind a mask. */
-static void test_obj_painted(void **state)
+TEST("obj painted")
 {
 	struct mesh mesh;
 
-	(void)state;
 	small_scene_write("z.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff8000ff00ff00\n"
 				   "#MRGB 00000033\nf 1 2 3\n");
 	read_fine("z.obj", &mesh);
@@ -309,7 +296,7 @@ static void test_obj_painted(void **state)
 
 /* Coordinates of a country, in which a float has steps of half a metre: millimetres reach the world where
  * the placement brings the mesh near, and a word is said where they cannot. */
-static void test_far_positions(void **state)
+TEST("far positions")
 {
 	static const char *const names[] = {"far.obj", "far.ply", "far.stl"};
 	struct mesh_placement near = as_it_is;
@@ -318,7 +305,6 @@ static void test_far_positions(void **state)
 	char line[512] = "";
 	FILE *said;
 
-	(void)state;
 	near.position[0] = -500000;
 	near.position[1] = -5400100;
 	near.stand = 1;
@@ -367,7 +353,7 @@ static void test_far_positions(void **state)
 #define XYZ "property float x\nproperty float y\nproperty float z\n"
 #define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
 
-static void test_ply_kinds(void **state)
+TEST("ply kinds")
 {
 	static const char *const texts[] = {
 		/* faces first, comments anywhere, another element between */
@@ -385,7 +371,6 @@ static void test_ply_kinds(void **state)
 		"end_header\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
 		struct mesh mesh;
 
@@ -398,13 +383,12 @@ static void test_ply_kinds(void **state)
 }
 
 /* Data that begin with the byte of a line's end, after a header whose lines end in "\r". */
-static void test_ply_binary_line_end(void **state)
+TEST("ply binary line end")
 {
 	static const uint8_t corners[] = {10, 0, 0, 1, 0, 0, 0, 1, 10, 3, 0, 1, 2};
 	struct mesh mesh;
 	FILE *stream = fopen(small_scene_path("end.ply"), "wb");
 
-	(void)state;
 	assert_non_null(stream);
 	fputs("ply\rformat binary_big_endian 1.0\relement vertex 3\rproperty char x\r"
 	      "property uchar y\rproperty int8 z\relement face 1\r"
@@ -418,7 +402,7 @@ static void test_ply_binary_line_end(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_ply_colours(void **state)
+TEST("ply colours")
 {
 	static const struct {
 		const char *type, *row;
@@ -433,7 +417,6 @@ static void test_ply_colours(void **state)
 		    {"float", "65535 13107 0"}};
 	struct mesh mesh;
 
-	(void)state;
 	small_scene_write("c.ply", "ply\nformat ascii 1.0\nelement vertex 4\n" XYZ
 				   "property uchar red\nproperty uchar green\nproperty uchar blue\n"
 				   "element face 1\nproperty list uchar int vertex_indices\n"
@@ -489,11 +472,10 @@ static void write_halves(const char *name)
 }
 
 /* Texture coordinates of faces, of vertices, and several textures. */
-static void test_ply_textures(void **state)
+TEST("ply textures")
 {
 	struct mesh mesh;
 
-	(void)state;
 	write_halves("halves.png");
 	small_scene_write("w.ply",
 			  "ply\nformat ascii 1.0\ncomment TextureFile C:\\scan\\Halves.PNG\n"
@@ -550,7 +532,7 @@ static void write_stl(const char *name, const char *header, uint32_t count, uint
 	fclose(stream);
 }
 
-static void test_stl(void **state)
+TEST("stl")
 {
 	static const struct {
 		const char *header, *tail;
@@ -560,7 +542,6 @@ static void test_stl(void **state)
 	struct mesh mesh;
 	FILE *said;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		write_stl("two.stl", cases[k].header, 2, 2, cases[k].tail);
 		log = captured_log_begin();
@@ -591,30 +572,15 @@ static void test_stl(void **state)
 
 /* ---- other kinds ---- */
 
-static void test_other_kinds(void **state)
+TEST("other kinds")
 {
 	static const char *const names[] = {"a.fbx", "a.dae", "a.3ds", "a.blend",
 					    "a.3mf", "a.x3d", "a.usd", "a"};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(names) / sizeof(*names); k++) {
 		small_scene_write(names[k], "something");
 		refuse(names[k], -ENOTSUP, "expected glTF (.gltf, .glb), OBJ, PLY or STL: Blender");
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_large_polygons),	    cmocka_unit_test(test_large_fan),
-		cmocka_unit_test(test_concave_polygons),    cmocka_unit_test(test_obj_corners),
-		cmocka_unit_test(test_obj_refused),	    cmocka_unit_test(test_obj_numbers),
-		cmocka_unit_test(test_obj_colours),	    cmocka_unit_test(test_ply_kinds),
-		cmocka_unit_test(test_ply_binary_line_end), cmocka_unit_test(test_ply_colours),
-		cmocka_unit_test(test_ply_textures),	    cmocka_unit_test(test_stl),
-		cmocka_unit_test(test_other_kinds),	    cmocka_unit_test(test_obj_painted),
-		cmocka_unit_test(test_far_positions),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

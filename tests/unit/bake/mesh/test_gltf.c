@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A small glTF in many forms: each kind of number, of primitive, of node, of material, and what is
  * wrong with damaged ones. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <meshoptimizer.h>
@@ -19,6 +13,7 @@
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* All bytes that the accessors below name: a unit square, and what may happen to it. */
 static const struct bytes {
@@ -183,7 +178,7 @@ static int corner_at(const struct mesh_part *part, float x, float y, float z)
 
 /* ---- geometry ---- */
 
-static void test_kinds_of_numbers(void **state)
+TEST("kinds of numbers")
 {
 	static const struct form forms[] = {
 		{.attributes = "'POSITION':1,'TEXCOORD_0':3"},
@@ -199,7 +194,6 @@ static void test_kinds_of_numbers(void **state)
 		{.attributes = "'POSITION':1,'TEXCOORD_0':3", .primitive = ",'mode':6"},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(forms) / sizeof(*forms); k++) {
 		struct mesh mesh = read_fine(&forms[k]);
 		const struct mesh_part *part = &mesh.parts[0];
@@ -221,18 +215,17 @@ static void test_kinds_of_numbers(void **state)
 	}
 }
 
-static void test_sparse(void **state)
+TEST("sparse")
 {
 	struct mesh mesh = read_fine(&(struct form){.attributes = "'POSITION':8"});
 
-	(void)state;
 	corner_at(&mesh.parts[0], 5, 6, 7);
 	corner_at(&mesh.parts[0], 1, 0, 0);
 	mesh_free(&mesh);
 }
 
 /* A node within another; mirrored, so that winding and normals must be turned. */
-static void test_nodes(void **state)
+TEST("nodes")
 {
 	static const struct form forms[] = {
 		{.nodes = "{'mesh':0},{'children':[2],'translation':[10,0,0]},{'mesh':0,"
@@ -243,7 +236,6 @@ static void test_nodes(void **state)
 		 .attributes = "'POSITION':1,'NORMAL':2"},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < 2; k++) {
 		struct mesh mesh = read_fine(&forms[k]);
 		const struct mesh_part *part = &mesh.parts[0];
@@ -258,7 +250,7 @@ static void test_nodes(void **state)
 	}
 }
 
-static void test_morph(void **state)
+TEST("morph")
 {
 	static const struct form forms[] = {
 		{.primitive = ",'indices':0,'targets':[{'POSITION':10}]", .mesh = ",'weights':[1]"},
@@ -267,7 +259,6 @@ static void test_morph(void **state)
 		 .nodes = "{'mesh':0,'weights':[0.5]}"},
 	};
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct mesh mesh = read_fine(&forms[k]);
 
@@ -278,7 +269,7 @@ static void test_morph(void **state)
 
 /* Joint 0 scales by 2, joint 1 moves up by 10 from its bind pose at x = 1. The node of the skin
  * itself does not count, for the lengths of a volume neither. */
-static void test_skin(void **state)
+TEST("skin")
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'NORMAL':2,'JOINTS_0':11,'WEIGHTS_0':12",
@@ -293,7 +284,6 @@ static void test_skin(void **state)
 	});
 	const struct mesh_part *part = &mesh.parts[0];
 
-	(void)state;
 	corner_at(part, 2, 0, 0);
 	corner_at(part, 0, 1, 10);
 	/* a fifth of (2, 2, 0) and four fifths of (1, 1, 10) */
@@ -306,7 +296,7 @@ static void test_skin(void **state)
 
 /* They move as what lies in the surface: not with the node's place, scaled as it is, mirrored by a
  * change of sign; a morph target moves three of their numbers. Without normals they do not count. */
-static void test_tangents(void **state)
+TEST("tangents")
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'NORMAL':2,'TANGENT':17",
@@ -316,7 +306,6 @@ static void test_tangents(void **state)
 	});
 	const float *first = mesh.parts[0].tangent[0], *last = mesh.parts[0].tangent[3];
 
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		static const float expected[4] = {-1, 0, 4, -1};
 
@@ -329,7 +318,7 @@ static void test_tangents(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_instances(void **state)
+TEST("instances")
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.nodes = "{'mesh':0,'scale':[2,2,2],'extensions':{'EXT_mesh_gpu_instancing':"
@@ -337,7 +326,6 @@ static void test_instances(void **state)
 		.root = ",'extensionsRequired':['EXT_mesh_gpu_instancing']",
 	});
 
-	(void)state;
 	assert_int_equal(mesh.part_count, 2);
 	corner_at(&mesh.parts[0], 8, 2, 0);
 	corner_at(&mesh.parts[1], 2, 2, -8);
@@ -345,13 +333,12 @@ static void test_instances(void **state)
 }
 
 /* Far translations are not rounded before the origin is known. */
-static void test_far_node(void **state)
+TEST("far node")
 {
 	struct mesh mesh = read_fine(
 		&(struct form){.nodes = "{'mesh':0,'translation':[500000.125,7,-5400000.375]}"});
 	const double expected[3] = {500001.125, 8, -5400000.375};
 
-	(void)state;
 	for (int axis = 0; axis < 3; axis++)
 		expect_below(fabs(mesh.origin[axis] + (double)mesh.parts[0].position[2][axis] -
 				  expected[axis]),
@@ -360,7 +347,7 @@ static void test_far_node(void **state)
 }
 
 /* A vertex that no triangle has is not what stands on the ground. */
-static void test_unused_vertex(void **state)
+TEST("unused vertex")
 {
 	const struct mesh_placement stand = {.scale = 1, .crease_deg = 60, .stand = 1};
 	struct fault fault = {.text = ""};
@@ -377,7 +364,6 @@ static void test_unused_vertex(void **state)
 			"SCALAR'}]",
 	});
 
-	(void)state;
 	mesh_free(&mesh);
 	expect_success(mesh_read(&mesh, small_scene_path("square.gltf"), &stand, &fault), &fault);
 	assert_int_equal(mesh.parts[0].vertices, 3);
@@ -425,11 +411,10 @@ static void expect_square(const char *name)
 	mesh_free(&mesh);
 }
 
-static void test_glb(void **state)
+TEST("glb")
 {
 	char buffer[64];
 
-	(void)state;
 	snprintf(buffer, sizeof(buffer), "{'byteLength':%zu}", sizeof(bytes));
 	write_glb("square.glb", &(struct form){.buffer = buffer}, &bytes, sizeof(bytes));
 	expect_square("square.glb");
@@ -437,7 +422,7 @@ static void test_glb(void **state)
 
 /* Positions and triangles compressed by meshoptimizer. What is not compressed would be in a second
  * buffer, which has no bytes. */
-static void test_meshopt(void **state)
+TEST("meshopt")
 {
 	uint8_t packed[512];
 	char root[1024], buffer[256];
@@ -446,7 +431,6 @@ static void test_meshopt(void **state)
 	const size_t triangles = meshopt_encodeIndexBuffer(
 		packed + vertices, sizeof(packed) - vertices, bytes.index32, 6);
 
-	(void)state;
 	assert_true(vertices && triangles);
 	snprintf(buffer, sizeof(buffer),
 		 "{'byteLength':%zu},{'byteLength':100000,'extensions':"
@@ -472,12 +456,11 @@ static void test_meshopt(void **state)
 }
 
 /* Made by Draco; the accessors have no bytes. */
-static void test_draco(void **state)
+TEST("draco")
 {
 	struct fault fault = {.text = ""};
 	struct mesh mesh = {.part_count = 0};
 
-	(void)state;
 	expect_success(gltf_read(&mesh, "tests/fuzz/corpus/gltf/draco.glb", 60, true, &fault),
 		       &fault);
 	assert_int_equal(mesh.parts[0].triangles, 2);
@@ -487,7 +470,7 @@ static void test_draco(void **state)
 }
 
 /* Made by Draco, whose encoder did not say that the colours are normalized; the accessor does. */
-static void test_draco_colours(void **state)
+TEST("draco colours")
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.buffer = "{'byteLength':115,'uri':'data:application/octet-stream;base64,"
@@ -504,7 +487,6 @@ static void test_draco_colours(void **state)
 			"{'componentType':5123,'count':6,'type':'SCALAR'}]",
 	});
 
-	(void)state;
 	for (int v = 0; v < 4; v++)
 		for (int c = 0; c < 3; c++)
 			expect_below(
@@ -513,7 +495,7 @@ static void test_draco_colours(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_data_uri(void **state)
+TEST("data uri")
 {
 	/* three corners: (0, 0, 0), (1, 0, 0), (1, 1, 0) */
 	struct mesh mesh = read_fine(&(struct form){
@@ -524,7 +506,6 @@ static void test_data_uri(void **state)
 			"{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}]",
 	});
 
-	(void)state;
 	assert_int_equal(mesh.parts[0].triangles, 1);
 	corner_at(&mesh.parts[0], 1, 1, 0);
 	mesh_free(&mesh);
@@ -572,7 +553,7 @@ static void expect_rgb(struct rgb is, float r, float g, float b, const char *nam
 }
 
 /* Scale, then rotation anticlockwise as seen with v downwards, then offset. */
-static void test_texture_transform(void **state)
+TEST("texture transform")
 {
 	static const struct {
 		const char *transform, *sampler;
@@ -593,7 +574,6 @@ static void test_texture_transform(void **state)
 		{"'offset':[0.2,0.2]", "'magFilter':9728", 0.25f, 0.25f, 1, 0, 0},
 	};
 
-	(void)state;
 	write_texture();
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		char root[1024], name[32];
@@ -614,7 +594,7 @@ static void test_texture_transform(void **state)
 }
 
 /* A picture of one grey texel of 16 bits, 300: 8 bits would make it 257. */
-static void test_deep_texture(void **state)
+TEST("deep texture")
 {
 	static const char root[] =
 		",'images':[{'uri':'data:image/png;base64,"
@@ -624,7 +604,6 @@ static void test_deep_texture(void **state)
 		"'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1}}}]";
 	const float grey = 300 / 65535.0f / 12.92f;
 
-	(void)state;
 	expect_below(fabsf(look_up(&(struct form){.primitive = MATERIAL, .root = root}, 0.5f, 0.5f)
 				   .colour.c[0] -
 			   grey),
@@ -632,7 +611,7 @@ static void test_deep_texture(void **state)
 }
 
 /* The set that a material names becomes the part's first. */
-static void test_texture_sets(void **state)
+TEST("texture sets")
 {
 	struct mesh mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'TEXCOORD_2':3,'TEXCOORD_5':4,'COLOR_0':9",
@@ -644,7 +623,6 @@ static void test_texture_sets(void **state)
 	});
 	const struct mesh_part *part = &mesh.parts[0];
 
-	(void)state;
 	assert_non_null(mesh.materials[0].bumps.texture);
 	assert_int_equal(mesh.materials[0].bumps.set, 1);
 	assert_int_equal(mesh.materials[0].map.use.set, 0);
@@ -658,7 +636,7 @@ static void test_texture_sets(void **state)
 
 #if WITH_WEBP
 /* A picture of one texel, (0, 255, 0), within the JSON, named by the extension for WebP alone. */
-static void test_data_picture(void **state)
+TEST("data picture")
 {
 	const struct bsdf bsdf = look_up(
 		&(struct form){
@@ -673,7 +651,6 @@ static void test_data_picture(void **state)
 		},
 		0.5f, 0.5f);
 
-	(void)state;
 	expect_rgb(bsdf.colour, 0, 1, 0, "green");
 }
 #endif
@@ -683,7 +660,7 @@ static void test_data_picture(void **state)
 		.primitive = MATERIAL, .root = ",'materials':[{" text "}]"                         \
 	}
 
-static void test_kinds_of_materials(void **state)
+TEST("kinds of materials")
 {
 	static const struct {
 		struct form form;
@@ -728,7 +705,6 @@ static void test_kinds_of_materials(void **state)
 		 MATERIAL_GLASS, 0.5f, 0.04f, 0.001f},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		const struct bsdf bsdf = look_up(&cases[k].form, 0, 0);
 
@@ -742,12 +718,11 @@ static void test_kinds_of_materials(void **state)
 
 /* Lengths of a volume are those of its mesh, which nodes scale; a texture of it counts by its mean, 0.5. One
  * of roughness leaves the tint. */
-static void test_volume_scale(void **state)
+TEST("volume scale")
 {
 	static const char *const maps[] = {"'thicknessFactor':1", "'thicknessFactor':1",
 					   "'thicknessFactor':2,'thicknessTexture':{'index':0}"};
 
-	(void)state;
 	write_texture();
 	for (int k = 0; k < 3; k++) {
 		char root[1024];
@@ -779,11 +754,10 @@ static void test_volume_scale(void **state)
 }
 
 /* Glass is where its texture lets light pass, by triangle: red is 1 at the right, 0 at the left below. */
-static void test_transmission_texture(void **state)
+TEST("transmission texture")
 {
 	struct mesh mesh;
 
-	(void)state;
 	write_texture();
 	mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'TEXCOORD_0':3",
@@ -804,11 +778,10 @@ static void test_transmission_texture(void **state)
 }
 
 /* Faces that look inwards are not hidden from outside, which is said, unless both of their sides show. */
-static void test_one_sided(void **state)
+TEST("one sided")
 {
 	static const char *const materials[] = {"{}", "{'doubleSided':true}"};
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		const struct captured_log log = captured_log_begin();
 		char root[512], line[512] = "";
@@ -841,14 +814,13 @@ static void test_one_sided(void **state)
 	}
 }
 
-static void test_alpha(void **state)
+TEST("alpha")
 {
 	struct mesh mesh = read_fine(&(struct form)WITH_MATERIAL(
 		"'alphaMode':'MASK','alphaCutoff':0.7,'pbrMetallicRoughness':{'baseColorFactor':"
 		"[1,1,1,0.6]}"));
 	const struct material_point point = {.alpha = 1};
 
-	(void)state;
 	assert_true(material_coverage(&mesh.materials[0], &point) == 0);
 	mesh.materials[0].alpha_cut = 0.5f;
 	assert_true(material_coverage(&mesh.materials[0], &point) == 1);
@@ -856,11 +828,10 @@ static void test_alpha(void **state)
 }
 
 /* Blending where nothing is transparent costs nothing. */
-static void test_settled_alpha(void **state)
+TEST("settled alpha")
 {
 	static const char *const attributes[] = {"'POSITION':1", "'POSITION':1,'COLOR_0':9"};
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct mesh mesh = read_fine(&(struct form){
 			.attributes = attributes[k],
@@ -874,7 +845,7 @@ static void test_settled_alpha(void **state)
 	}
 }
 
-static void test_left_out(void **state)
+TEST("left out")
 {
 	const struct captured_log log = captured_log_begin();
 	struct mesh mesh = read_fine(&(struct form)WITH_MATERIAL(
@@ -883,7 +854,6 @@ static void test_left_out(void **state)
 	char line[512] = "";
 	FILE *said = captured_log_end(&log);
 
-	(void)state;
 	assert_non_null(fgets(line, sizeof(line), said));
 	assert_non_null(strstr(line, "square.gltf: left out: emission of 1 material, brightness "
 				     "without light of 1, KHR_materials_sheen of 1\n"));
@@ -892,14 +862,13 @@ static void test_left_out(void **state)
 }
 
 /* Lines are left out, and said. */
-static void test_lines(void **state)
+TEST("lines")
 {
 	struct captured_log log;
 	struct mesh mesh;
 	char line[512] = "";
 	FILE *said;
 
-	(void)state;
 	write_texture();
 	log = captured_log_begin();
 	mesh = read_fine(&(struct form){
@@ -922,7 +891,7 @@ static void test_lines(void **state)
 
 /* ---- what is wrong ---- */
 
-static void test_refusals(void **state)
+TEST("refusals")
 {
 	static const struct {
 		struct form form;
@@ -992,7 +961,6 @@ static void test_refusals(void **state)
 		 "it would take 288 MB of memory, expected at most 269 MB"},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct fault fault;
 		struct mesh mesh;
@@ -1007,14 +975,13 @@ static void test_refusals(void **state)
 }
 
 /* A file that is cut anywhere, or has a byte changed, is read or refused; a sanitizer sees the rest. */
-static void test_damage(void **state)
+TEST("damage")
 {
 	struct fault fault;
 	struct mesh mesh;
 	char text[16384];
 	size_t length;
 
-	(void)state;
 	put_gltf(text,
 		 &(struct form){.attributes = "'POSITION':8,'TEXCOORD_0':5,'JOINTS_0':11,"
 					      "'WEIGHTS_0':12",
@@ -1036,40 +1003,4 @@ static void test_damage(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_far_node),
-		cmocka_unit_test(test_unused_vertex),
-		cmocka_unit_test(test_draco_colours),
-		cmocka_unit_test(test_volume_scale),
-		cmocka_unit_test(test_transmission_texture),
-		cmocka_unit_test(test_one_sided),
-		cmocka_unit_test(test_kinds_of_numbers),
-		cmocka_unit_test(test_sparse),
-		cmocka_unit_test(test_nodes),
-		cmocka_unit_test(test_morph),
-		cmocka_unit_test(test_skin),
-		cmocka_unit_test(test_tangents),
-		cmocka_unit_test(test_instances),
-		cmocka_unit_test(test_lines),
-		cmocka_unit_test(test_glb),
-		cmocka_unit_test(test_meshopt),
-		cmocka_unit_test(test_draco),
-		cmocka_unit_test(test_data_uri),
-		cmocka_unit_test(test_texture_transform),
-		cmocka_unit_test(test_deep_texture),
-		cmocka_unit_test(test_texture_sets),
-#if WITH_WEBP
-		cmocka_unit_test(test_data_picture),
-#endif
-		cmocka_unit_test(test_kinds_of_materials),
-		cmocka_unit_test(test_alpha),
-		cmocka_unit_test(test_settled_alpha),
-		cmocka_unit_test(test_left_out),
-		cmocka_unit_test(test_refusals),
-		cmocka_unit_test(test_damage),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

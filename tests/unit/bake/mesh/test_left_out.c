@@ -1,23 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* The line that says what of a mesh file the bake leaves out. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "bake/mesh/left_out.h"
 #include "tests/support/captured_log.h"
+#include "tests/support/test.h"
 
-static void test_line(void **state)
+TEST("line")
 {
 	struct left_out out = {.count = 0};
 	char text[256];
 
-	(void)state;
 	assert_string_equal(left_out_text(&out, "a.glb", text, sizeof(text)), "");
 	left_out_add(&out, "normal maps", "material");
 	left_out_add(&out, "emission", "material");
@@ -31,12 +25,11 @@ static void test_line(void **state)
 	assert_string_equal(left_out_text(&out, "a.glb", text, 12), "a.glb: left");
 }
 
-static void test_many_kinds(void **state)
+TEST("many kinds")
 {
 	struct left_out out = {.count = 0};
 	char text[4096], what[LEFT_OUT_WORD];
 
-	(void)state;
 	for (int k = 0; k < 100; k++) {
 		snprintf(what, sizeof(what), "kind %d", k);
 		left_out_add(&out, what, "material");
@@ -45,14 +38,13 @@ static void test_many_kinds(void **state)
 	assert_non_null(strstr(text, ", kind 30 of 1, other things of 69 parts"));
 }
 
-static void test_said_once(void **state)
+TEST("said once")
 {
 	struct left_out out = {.count = 0};
 	struct captured_log log;
 	char line[256] = "";
 	FILE *said;
 
-	(void)state;
 	log = captured_log_begin();
 	left_out_say(&out, "b.glb");
 	left_out_add(&out, "emission", "material");
@@ -63,15 +55,4 @@ static void test_said_once(void **state)
 	assert_non_null(strstr(line, "b.glb: left out: emission of 1 material\n"));
 	assert_null(fgets(line, sizeof(line), said));
 	fclose(said);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_line),
-		cmocka_unit_test(test_many_kinds),
-		cmocka_unit_test(test_said_once),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

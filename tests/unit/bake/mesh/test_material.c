@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Glossy materials by themselves: what they reflect of light from everywhere, and how directions
  * are drawn from them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "bake/base/random.h"
 #include "bake/mesh/material.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define COUNT(a) (int)(sizeof(a) / sizeof(*(a)))
 
@@ -83,11 +77,10 @@ static double base_reflects(const struct bsdf *bsdf, struct v3 wo)
 }
 
 /* A white metal reflects all light, seen from everywhere. */
-static void a_white_metal_stays_white(void **state)
+TEST("a white metal stays white")
 {
 	double worst = 0;
 
-	(void)state;
 	for (int r = 1; r <= 20; r++)
 		for (int k = 0; k < COUNT(cosines); k++) {
 			const struct bsdf bsdf = glossy(1, 0.05f * (float)r);
@@ -104,12 +97,11 @@ static void a_white_metal_stays_white(void **state)
 }
 
 /* A white base under any coat gives all light back, and never more. */
-static void a_coat_over_white_conserves(void **state)
+TEST("a coat over white conserves")
 {
 	static const float specular[] = {0.02f, 0.04f, 0.08f, 0.3f, 0.6f, 0.95f};
 	double least = 1, most = 1;
 
-	(void)state;
 	for (int s = 0; s < COUNT(specular); s++)
 		for (int r = 0; r <= 10; r++)
 			for (int k = 0; k < COUNT(cosines); k++) {
@@ -134,11 +126,10 @@ static void a_coat_over_white_conserves(void **state)
 }
 
 /* The base scatters alike both ways. */
-static void a_base_is_reciprocal(void **state)
+TEST("a base is reciprocal")
 {
 	const struct bsdf bsdf = glossy(0.3f, 0.6f);
 
-	(void)state;
 	for (int k = 0; k < COUNT(cosines); k++)
 		for (int j = 0; j < k; j++) {
 			const float a = (float)cosines[j], b = (float)cosines[k];
@@ -149,7 +140,7 @@ static void a_base_is_reciprocal(void **state)
 }
 
 /* Samples follow the density: the mean of f / density is the integral of f. */
-static void samples_follow_the_density(void **state)
+TEST("samples follow the density")
 {
 	const struct bsdf bsdf = glossy(1, 0.55f);
 	const struct v3 n = v3_unit(v3_make(0.3f, -0.5f, 0.7f));
@@ -159,7 +150,6 @@ static void samples_follow_the_density(void **state)
 	double mean = 0, exact = 0;
 	struct v3 s, t;
 
-	(void)state;
 	v3_frame(n, &s, &t);
 	for (int k = 0; k < count; k++) {
 		struct v3 wi;
@@ -185,16 +175,4 @@ static void samples_follow_the_density(void **state)
 				 M_PI / steps / steps;
 		}
 	expect_below(fabs(mean - exact), 0.005 * exact, "mean=%g", mean);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_white_metal_stays_white),
-		cmocka_unit_test(a_coat_over_white_conserves),
-		cmocka_unit_test(a_base_is_reciprocal),
-		cmocka_unit_test(samples_follow_the_density),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

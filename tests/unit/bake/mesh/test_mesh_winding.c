@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes that are closed or not, wound outwards or inwards. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <string.h>
 
 #include "bake/mesh/mesh_winding.h"
@@ -13,6 +7,7 @@
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define CORNERS "v -1 -1 4\nv 1 -1 4\nv 1 1 4\nv -1 1 4\nv -1 -1 6\nv 1 -1 6\nv 1 1 6\nv -1 1 6\n"
 #define OUTWARDS "f 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
@@ -43,11 +38,10 @@ static int facing_outwards(const char *faces, bool *closed)
 	return outwards;
 }
 
-static void a_closed_mesh_faces_outwards(void **state)
+TEST("a closed mesh faces outwards")
 {
 	bool closed;
 
-	(void)state;
 	assert_int_equal(facing_outwards(OUTWARDS FLOOR_OUTWARDS, &closed), 12);
 	assert_true(closed);
 	assert_int_equal(facing_outwards(INWARDS FLOOR_INWARDS, &closed), 12);
@@ -55,11 +49,10 @@ static void a_closed_mesh_faces_outwards(void **state)
 }
 
 /* An open mesh, or one whose faces disagree, has no outer side: it stays. */
-static void an_open_mesh_stays(void **state)
+TEST("an open mesh stays")
 {
 	bool closed;
 
-	(void)state;
 	assert_int_equal(facing_outwards(INWARDS, &closed), 0);
 	assert_false(closed);
 	assert_int_equal(facing_outwards(OUTWARDS FLOOR_INWARDS, &closed), 10);
@@ -89,9 +82,8 @@ static bool is_named(const char *file, const char *faces, const char *material)
 	return length > 0;
 }
 
-static void open_glass_is_named(void **state)
+TEST("open glass is named")
 {
-	(void)state;
 	assert_true(is_named("a.obj", OUTWARDS, "kind = glass"));
 	assert_false(is_named("b.obj", OUTWARDS, "kind = glass\nthin = yes"));
 	assert_false(is_named("c.obj", OUTWARDS, "kind = glass\nior = 1"));
@@ -99,13 +91,4 @@ static void open_glass_is_named(void **state)
 	assert_false(is_named("e.obj", OUTWARDS FLOOR_OUTWARDS, "kind = glass"));
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_closed_mesh_faces_outwards),
-		cmocka_unit_test(an_open_mesh_stays),
-		cmocka_unit_test(open_glass_is_named),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Materials and textures of OBJ, as their writers mean them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const struct mesh_placement as_it_is = {.scale = 1, .crease_deg = 60, .own_materials = 1};
 
@@ -44,7 +39,7 @@ static const struct material *only_material(const struct mesh *mesh)
 }
 
 /* What a material reflects under an even white sky, seen at a cosine of 1: base and coat. */
-static void test_reflectance(void **state)
+TEST("reflectance")
 {
 	static const struct {
 		const char *lines;
@@ -82,7 +77,6 @@ static void test_reflectance(void **state)
 		{"newmtl m\nKd 0.4 0.4 0.4\nPm .5\nPr 1\n", 0.2f, 0.22f, 1},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		const struct material *m;
 		struct mesh mesh;
@@ -98,11 +92,10 @@ static void test_reflectance(void **state)
 	}
 }
 
-static void test_refused(void **state)
+TEST("refused")
 {
 	static const char *const lines[] = {"Kd", "Kd red", "Ks 1 1", "Ns", "d x", "Pr nan"};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(lines) / sizeof(*lines); k++) {
 		struct fault fault = {.text = ""};
 		struct mesh mesh;
@@ -158,7 +151,7 @@ static void expect_checker(const char *obj)
 	"f 1/1 2/2 3/3 4/4\n"
 
 /* A texture without Kd counts as it is; names and folders of other computers are found. */
-static void test_texture_names(void **state)
+TEST("texture names")
 {
 	static const char *const maps[] = {
 		"map_Kd Check er.png",
@@ -174,7 +167,6 @@ static void test_texture_names(void **state)
 		"Kd 1 1 1\nillum 0\nMAP_KD Check er.png",
 	};
 
-	(void)state;
 	write_picture("Check er.png", texels);
 	for (size_t k = 0; k < sizeof(maps) / sizeof(*maps); k++) {
 		small_scene_write("t.mtl", "\xef\xbb\xbfnewmtl m\n%s\n", maps[k]);
@@ -184,9 +176,8 @@ static void test_texture_names(void **state)
 }
 
 /* Libraries in folders of their own, several in a line, and one of another name. */
-static void test_libraries(void **state)
+TEST("libraries")
 {
-	(void)state;
 	assert_int_equal(folder("lib"), 0);
 	write_picture("lib/own.png", texels);
 	write_picture("mesh.png", texels);
@@ -210,14 +201,13 @@ static void test_libraries(void **state)
 
 /* Files put together name several libraries that have materials of the same name: the nearest one above
  * counts. A texture without coordinates is said. */
-static void test_joined_files(void **state)
+TEST("joined files")
 {
 	struct captured_log log;
 	char line[512] = "";
 	struct mesh mesh;
 	FILE *said;
 
-	(void)state;
 	write_picture("mesh.png", texels);
 	small_scene_write("a.mtl", "newmtl m\nKd 1 0 0\n");
 	small_scene_write("b.mtl", "newmtl m\nKd 0 0 1\nmap_Kd mesh.png\n");
@@ -237,12 +227,11 @@ static void test_joined_files(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_missing_texture(void **state)
+TEST("missing texture")
 {
 	struct fault fault = {.text = ""};
 	struct mesh mesh;
 
-	(void)state;
 	small_scene_write("gone.mtl",
 			  "newmtl unused\nmap_Kd none.png\nnewmtl m\nmap_Kd gone.png\n");
 	small_scene_write("gone.obj", "mtllib gone.mtl\n" SQUARE);
@@ -252,12 +241,11 @@ static void test_missing_texture(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_texture_places(void **state)
+TEST("texture places")
 {
 	struct mesh mesh;
 	struct bsdf bsdf;
 
-	(void)state;
 	write_picture("check.png", texels);
 	read_material("newmtl m\nmap_Kd -s 2 1 -o 0.5 0 check.png\n", &mesh);
 	/* (0.125, 0.75) is looked up at (0.75, 0.75) */
@@ -272,7 +260,7 @@ static void test_texture_places(void **state)
 	mesh_free(&mesh);
 }
 
-static void test_coverage(void **state)
+TEST("coverage")
 {
 	static const struct {
 		const char *lines;
@@ -294,7 +282,6 @@ static void test_coverage(void **state)
 		{"newmtl m\nmap_Kd check.png\n", {1, 1}},
 	};
 
-	(void)state;
 	write_picture("check.png", texels);
 	write_picture("grey.png", greys);
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
@@ -313,12 +300,11 @@ static void test_coverage(void **state)
 	}
 }
 
-static void test_surface_maps(void **state)
+TEST("surface maps")
 {
 	struct mesh mesh;
 	struct bsdf bsdf;
 
-	(void)state;
 	write_picture("grey.png", greys);
 	read_material("newmtl m\nKd 0.5 0.5 0.5\nmap_Pr grey.png\nmap_Pm grey.png\n", &mesh);
 	bsdf = material_at(only_material(&mesh), 0.75f, 0.75f);
@@ -334,7 +320,7 @@ static void test_surface_maps(void **state)
 }
 
 /* A map of normals is read under each of its names; heights, which are grey, are left out. */
-static void test_bumps(void **state)
+TEST("bumps")
 {
 	static uint8_t normals[12] = {128, 128, 255, 204, 128, 230, 128, 204, 230, 128, 128, 255};
 	static const struct {
@@ -350,7 +336,6 @@ static void test_bumps(void **state)
 		{"norm -bm 2 blue.png\nbump -bm 3 blue.png", 2},
 	};
 
-	(void)state;
 	write_picture("blue.png", normals);
 	write_picture("grey.png", greys);
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
@@ -367,14 +352,13 @@ static void test_bumps(void **state)
 }
 
 /* What is left out is said in one line, and only of materials that are used. */
-static void test_left_out(void **state)
+TEST("left out")
 {
 	struct captured_log log;
 	char line[512] = "";
 	struct mesh mesh;
 	FILE *said;
 
-	(void)state;
 	small_scene_write(
 		"out.mtl",
 		"newmtl a\nmap_Bump -bm 1 none.png\nKe 1 1 1\nnewmtl b\n"
@@ -393,16 +377,4 @@ static void test_left_out(void **state)
 	mesh_free(&mesh);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_reflectance),	cmocka_unit_test(test_refused),
-		cmocka_unit_test(test_texture_names),	cmocka_unit_test(test_libraries),
-		cmocka_unit_test(test_missing_texture), cmocka_unit_test(test_texture_places),
-		cmocka_unit_test(test_coverage),	cmocka_unit_test(test_surface_maps),
-		cmocka_unit_test(test_bumps),		cmocka_unit_test(test_left_out),
-		cmocka_unit_test(test_joined_files),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,14 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What a texture shows at a place, and what it changes of a material. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "bake/mesh/material.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static uint8_t row[] = {0, 0, 0, 255, 255, 255, 51, 102, 153, 0, 0, 0};
 static uint8_t alpha[] = {0, 255, 51, 204};
@@ -24,7 +18,7 @@ static struct texture make_row(void)
 	return texture;
 }
 
-static void test_wrap(void **state)
+TEST("wrap")
 {
 	/* places in texels from the left edge; the red value there, linear between centres */
 	static const struct {
@@ -42,7 +36,6 @@ static void test_wrap(void **state)
 		{TEXTURE_REPEAT, true, 3.99f, 0},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct texture texture = make_row();
 
@@ -54,7 +47,7 @@ static void test_wrap(void **state)
 	}
 }
 
-static void test_coverage(void **state)
+TEST("coverage")
 {
 	const struct texture texture = make_row();
 	struct material m = {.alpha = 0.5f, .alpha_cut = 0.3f, .texture = &texture};
@@ -63,7 +56,6 @@ static void test_coverage(void **state)
 		{{{0.875f, 0}}, {{1, 1, 1}}, 0.5f}, /* texel 3, of vertices with alpha 0.5 */
 	};
 
-	(void)state;
 	assert_true(material_coverage(&m, &at[1]) == 1);
 	m.alpha_mode = ALPHA_BLEND;
 	expect_below(fabsf(material_coverage(&m, &at[0]) - 0.5f), 1e-6f, "texel 1");
@@ -74,7 +66,7 @@ static void test_coverage(void **state)
 }
 
 /* The second coordinates, turned and moved. */
-static void test_placed(void **state)
+TEST("placed")
 {
 	const struct texture texture = make_row();
 	const struct material m = {
@@ -84,12 +76,11 @@ static void test_placed(void **state)
 	const struct material_point at = {{{0.6f, 0.9f}, {0.5f, 0.125f}}, {{1, 0.5f, 1}}, 1};
 	const struct bsdf bsdf = material_at_point(&m, &at);
 
-	(void)state;
 	expect_below(fabsf(bsdf.colour.c[0] - 1), 1e-6f, "red");
 	expect_below(fabsf(bsdf.colour.c[1] - 0.5f), 1e-6f, "green, of the vertices");
 }
 
-static void test_surface_map(void **state)
+TEST("surface map")
 {
 	const struct texture texture = make_row();
 	const struct texture_use use = {&texture, 0, {1, 0, 0, 0, 1, 0}};
@@ -103,7 +94,6 @@ static void test_surface_map(void **state)
 	};
 	struct bsdf bsdf = material_at(&m, 0.625f, 0); /* texel 2: green 0.4, blue 0.6 */
 
-	(void)state;
 	expect_below(fabsf(bsdf.alpha - 0.04f), 1e-6f, "roughness 0.2");
 	expect_below(fabsf(bsdf.colour.c[1] - 0.6f * 0.7f), 1e-6f, "base of metalness 0.3");
 	expect_below(fabsf(bsdf.specular.c[1] - (0.04f * 0.7f + 0.6f * 0.3f)), 1e-6f, "coat");
@@ -117,7 +107,7 @@ static void test_surface_map(void **state)
 }
 
 /* A texel that leans towards +u and -v, on a surface whose axes are skewed and mirrored. */
-static void test_bump(void **state)
+TEST("bump")
 {
 	uint8_t leaning[] = {204, 51, 255};
 	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
@@ -128,21 +118,9 @@ static void test_bump(void **state)
 	const struct material_point at = {.alpha = 1};
 	struct v3 n;
 
-	(void)state;
 	texture_prepare_data(&texture);
 	n = material_bump(&m, &at, v3_make(2, 0, 1), v3_make(0.1f, -3, 0), v3_make(0, 0, 1));
 	/* (0.3, -0.3, 1) with v along -y */
 	expect_below(fabsf(n.x / n.z - 0.3f), 1e-5f, "along u");
 	expect_below(fabsf(n.y / n.z - 0.3f), 1e-5f, "along -v");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_wrap),   cmocka_unit_test(test_coverage),
-		cmocka_unit_test(test_placed), cmocka_unit_test(test_surface_map),
-		cmocka_unit_test(test_bump),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

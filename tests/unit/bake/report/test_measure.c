@@ -2,21 +2,17 @@
 /* What bench and report measure with, and how a report prints it: runs in turn, medians, cells of
  * tables. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "bake/base/report_table.h"
 #include "hal/base/clock.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* ---- turns ---- */
 
@@ -69,13 +65,12 @@ static struct turns turns_of(struct log *log)
 			      .is_alone = is_alone};
 }
 
-static void ways_take_turns(void **state)
+TEST("ways take turns")
 {
 	struct log log = {.fails_at = -1};
 	struct turns turns = turns_of(&log);
 	double ms[WAYS * REPEAT];
 
-	(void)state;
 	for (int k = 0; k < WAYS * REPEAT; k++)
 		ms[k] = -1;
 	assert_int_equal(turns_time(&turns, ms), 0);
@@ -92,35 +87,32 @@ static void ways_take_turns(void **state)
 	assert_true(turns_median(ms + (ptrdiff_t)2 * REPEAT, REPEAT) < 2);
 }
 
-static void a_failure_ends_all(void **state)
+TEST("a failure ends all")
 {
 	struct log log = {.fails_at = 1};
 	struct turns turns = turns_of(&log);
 	double ms[WAYS * REPEAT];
 
-	(void)state;
 	assert_int_equal(turns_time(&turns, ms), -5);
 	assert_int_equal(log.ran[1], 1);
 	assert_int_equal(log.ran[2], 0);
 }
 
-static void the_median_is_in_the_middle(void **state)
+TEST("the median is in the middle")
 {
 	double odd[] = {9, 1, 5}, even[] = {8, 2, 100, 4}, one[] = {7};
 
-	(void)state;
 	assert_true(turns_median(odd, 3) == 5);
 	assert_true(turns_median(even, 4) == 6);
 	assert_true(turns_median(one, 1) == 7);
 }
 
-static void half_of_the_times_are_between_the_quartiles(void **state)
+TEST("half of the times are between the quartiles")
 {
 	double nine[] = {5, 9, 1, 7, 3, 2, 8, 6, 4}, four[] = {40, 10, 30, 20}, one[] = {7};
 	const struct turns_spread of_nine = turns_spread(nine, 9), of_four = turns_spread(four, 4),
 				  of_one = turns_spread(one, 1);
 
-	(void)state;
 	assert_true(of_nine.low == 3 && of_nine.median == 5 && of_nine.high == 7);
 	assert_true(of_four.low == 17.5 && of_four.median == 25 && of_four.high == 32.5);
 	assert_true(of_one.low == 7 && of_one.median == 7 && of_one.high == 7);
@@ -128,11 +120,10 @@ static void half_of_the_times_are_between_the_quartiles(void **state)
 
 /* ---- lights that change ---- */
 
-static void as_many_lights_change_as_asked(void **state)
+TEST("as many lights change as asked")
 {
 	static const int counts[] = {6, 406, 6486};
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(counts) / sizeof(*counts); n++) {
 		const int lights = counts[n];
 		float(*radiance)[3] = malloc((size_t)lights * sizeof(*radiance));
@@ -156,7 +147,7 @@ static void as_many_lights_change_as_asked(void **state)
 
 /* ---- tables ---- */
 
-static void numbers_are_rounded_for_readers(void **state)
+TEST("numbers are rounded for readers")
 {
 	static const struct {
 		double value;
@@ -168,7 +159,6 @@ static void numbers_are_rounded_for_readers(void **state)
 		{12.34, "12.3"},   {NAN, ""},	       {INFINITY, ""},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		char text[32];
 
@@ -192,7 +182,7 @@ static void test_measure_fill(struct report_table *table)
 	report_table_mark(table);
 }
 
-static void tables_keep_what_they_are_given(void **state)
+TEST("tables keep what they are given")
 {
 	struct report_table table;
 	struct fault fault;
@@ -200,7 +190,6 @@ static void tables_keep_what_they_are_given(void **state)
 	size_t got;
 	FILE *file;
 
-	(void)state;
 	test_measure_fill(&table);
 	assert_int_equal(report_table_rows(&table), 2);
 	assert_int_equal(table.marked, 1);
@@ -220,14 +209,13 @@ static void tables_keep_what_they_are_given(void **state)
 	report_table_free(&table);
 }
 
-static void tables_are_safe_in_html(void **state)
+TEST("tables are safe in html")
 {
 	struct report_table table;
 	char *text = NULL;
 	size_t bytes = 0;
 	FILE *file = open_memstream(&text, &bytes);
 
-	(void)state;
 	assert_non_null(file);
 	test_measure_fill(&table);
 	report_table_write_html(&table, file);
@@ -241,33 +229,15 @@ static void tables_are_safe_in_html(void **state)
 	report_table_free(&table);
 }
 
-static void too_many_columns_are_an_error(void **state)
+TEST("too many columns are an error")
 {
 	struct report_table table;
 	struct fault fault;
 
-	(void)state;
 	report_table_begin(&table, "wide");
 	for (int k = 0; k <= REPORT_COLUMNS_MAX; k++)
 		report_table_column(&table, "x", NULL, NULL);
 	assert_true(report_table_write_csv(&table, "/tmp", &fault) < 0);
 	assert_non_null(strstr(fault.text, "wide"));
 	report_table_free(&table);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(ways_take_turns),
-		cmocka_unit_test(a_failure_ends_all),
-		cmocka_unit_test(the_median_is_in_the_middle),
-		cmocka_unit_test(half_of_the_times_are_between_the_quartiles),
-		cmocka_unit_test(as_many_lights_change_as_asked),
-		cmocka_unit_test(numbers_are_rounded_for_readers),
-		cmocka_unit_test(tables_keep_what_they_are_given),
-		cmocka_unit_test(tables_are_safe_in_html),
-		cmocka_unit_test(too_many_columns_are_an_error),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

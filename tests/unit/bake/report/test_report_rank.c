@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* A report calls one choice better than another, or both equal: by noise, spread of times, order. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
-
 #include "bake/report/report_rank.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* A result whose quartiles are 2 % from its median. */
 static struct report_result result(double ms, double rms, double noise)
@@ -16,14 +11,13 @@ static struct report_result result(double ms, double rms, double noise)
 		.ms = ms, .ms_low = 0.98 * ms, .ms_high = 1.02 * ms, .rms = rms, .noise = noise};
 }
 
-static void errors_within_the_noise_are_equal(void **state)
+TEST("errors within the noise are equal")
 {
 	/* 1.3^2 - 1.2^2 = 0.25 = 0.5^2 */
 	const struct report_result a = result(1, 1.2, 0.49), b = result(1, 1.3, 0.49);
 	const struct report_result c = result(1, 1.2, 0.51), d = result(1, 1.3, 0.51);
 	const struct report_result quiet = result(1, 1.2, 0), loud = result(1, 1.3, 0.51);
 
-	(void)state;
 	assert_true(report_is_nearer(&a, &b));
 	assert_false(report_is_nearer(&b, &a));
 	assert_false(report_is_nearer(&c, &d));
@@ -33,22 +27,20 @@ static void errors_within_the_noise_are_equal(void **state)
 }
 
 /* Without noise, errors are equal up to 1 %. */
-static void errors_without_noise_are_told_apart(void **state)
+TEST("errors without noise are told apart")
 {
 	const struct report_result a = result(1, 1, 0), b = result(1, 1.009, 0),
 				   c = result(1, 1.011, 0);
 
-	(void)state;
 	assert_false(report_is_nearer(&a, &b));
 	assert_true(report_is_nearer(&a, &c));
 }
 
-static void times_within_their_spread_are_equal(void **state)
+TEST("times within their spread are equal")
 {
 	const struct report_result a = result(1, 1, 0), b = result(1.06, 1, 0);
 	struct report_result wide = b, close = result(1.045, 1, 0);
 
-	(void)state;
 	assert_true(report_is_faster(&a, &b));
 	assert_false(report_is_faster(&b, &a));
 	wide.ms_low = 1.01; /* the quartiles overlap */
@@ -57,7 +49,7 @@ static void times_within_their_spread_are_equal(void **state)
 	assert_false(report_is_faster(&a, &close));
 }
 
-static void what_is_better_in_nothing_is_not_in_front(void **state)
+TEST("what is better in nothing is not in front")
 {
 	const struct report_result results[] = {
 		result(1, 3, 0.2),	  /* the fastest */
@@ -69,12 +61,11 @@ static void what_is_better_in_nothing_is_not_in_front(void **state)
 	};
 	static const bool front[] = {true, true, false, true, true, false};
 
-	(void)state;
 	for (int k = 0; k < 6; k++)
 		expect_equal(report_is_front(results, 6, k), front[k], "k=%d", k);
 }
 
-static void chosen_is_the_fastest_of_the_nearest(void **state)
+TEST("chosen is the fastest of the nearest")
 {
 	/* 2.1^2 - 2^2 = 0.41 < 0.7^2 < 2.3^2 - 2^2: the first three are equally near */
 	const struct report_result results[] = {result(3, 2, 0.7), result(2, 2.1, 0.7),
@@ -82,7 +73,6 @@ static void chosen_is_the_fastest_of_the_nearest(void **state)
 	static const bool expected[] = {true, true, true, false};
 	bool near[4];
 
-	(void)state;
 	assert_int_equal(report_choose(results, 4, near), 1);
 	for (int k = 0; k < 4; k++)
 		expect_equal(near[k], expected[k], "k=%d", k);
@@ -90,17 +80,4 @@ static void chosen_is_the_fastest_of_the_nearest(void **state)
 	assert_int_equal(report_choose(results + 1, 2, near), 0);
 	assert_int_equal(report_choose(results, 1, near), 0);
 	assert_int_equal(report_choose(results, 0, near), -1);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(errors_within_the_noise_are_equal),
-		cmocka_unit_test(errors_without_noise_are_told_apart),
-		cmocka_unit_test(times_within_their_spread_are_equal),
-		cmocka_unit_test(what_is_better_in_nothing_is_not_in_front),
-		cmocka_unit_test(chosen_is_the_fastest_of_the_nearest),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

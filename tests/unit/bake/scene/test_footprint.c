@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Footprints of bodies whose outline from above has a closed form. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "bake/scene/footprint.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define TRIANGLES_MAX 4096
 #define EYE 1.6 /* height of the camera */
@@ -171,12 +166,11 @@ static double off_two(double x, double y)
 /* A square prism has its corners at sqrt(2) of its half side, at 45 degrees. */
 static const double corner = M_PI / 4;
 
-static void a_box_turned_and_straight(void **state)
+TEST("a box turned and straight")
 {
 	struct body *b = body_begin();
 	struct basis_footprint foot;
 
-	(void)state;
 	add_prism(b, 0, 0, 0.5 * M_SQRT2, 4, 0.3 + corner, 0, 0.6);
 	foot = measure(b);
 	expect_outline(&foot, 1, off_turned);
@@ -189,9 +183,8 @@ static void a_box_turned_and_straight(void **state)
 	free(b);
 }
 
-static void a_cylinder_that_stands_or_floats(void **state)
+TEST("a cylinder that stands or floats")
 {
-	(void)state;
 	for (int floats = 0; floats < 2; floats++) {
 		struct body *b = body_begin();
 		struct basis_footprint foot;
@@ -203,12 +196,11 @@ static void a_cylinder_that_stands_or_floats(void **state)
 	}
 }
 
-static void two_parts_have_a_gap(void **state)
+TEST("two parts have a gap")
 {
 	struct body *b = body_begin();
 	struct basis_footprint foot;
 
-	(void)state;
 	add_prism(b, 1, 0, 0.2 * M_SQRT2, 4, 0.3 + corner, 0, 0.6);
 	add_prism(b, -1, 0.4, 0.3, 400, 0, 0, 0.6);
 	foot = measure(b);
@@ -217,12 +209,11 @@ static void two_parts_have_a_gap(void **state)
 }
 
 /* People walk below what is above the camera's height: of a parasol counts its pole. */
-static void what_is_high_does_not_count(void **state)
+TEST("what is high does not count")
 {
 	struct body *b = body_begin();
 	struct basis_footprint foot;
 
-	(void)state;
 	add_prism(b, 0, 0, 0.05, 100, 0, 0, 2.4);
 	add_prism(b, 0, 0, 0.7, 400, 0, 2.2, 2.4);
 	foot = measure(b);
@@ -231,9 +222,8 @@ static void what_is_high_does_not_count(void **state)
 }
 
 /* All of it counts where it is high up or below the ground. */
-static void what_is_all_high_or_low_counts(void **state)
+TEST("what is all high or low counts")
 {
-	(void)state;
 	for (int low = 0; low < 2; low++) {
 		struct body *b = body_begin();
 		struct basis_footprint foot;
@@ -245,13 +235,12 @@ static void what_is_all_high_or_low_counts(void **state)
 	}
 }
 
-static void what_is_thin_is_not_lost(void **state)
+TEST("what is thin is not lost")
 {
 	static const double wall[3][3] = {{0, -1, 0}, {0, 1, 0}, {0, 0, 1}};
 	struct body *b = body_begin();
 	struct basis_footprint foot;
 
-	(void)state;
 	add_triangle(b, wall);
 	foot = measure(b);
 	for (int n = 0; n <= 20; n++)
@@ -279,13 +268,12 @@ static void write_scene(int poses)
 	small_scene_write_sphere("ball.obj", 0.4, 12);
 }
 
-static void each_pose_of_a_bake_has_its_own(void **state)
+TEST("each pose of a bake has its own")
 {
 	struct fault fault = {.text = ""};
 	struct basis basis;
 	struct scene *scene;
 
-	(void)state;
 	write_scene(2);
 	scene = small_scene_open("ball.scene");
 	small_scene_render(scene, "ball.inlay", 1);
@@ -306,17 +294,4 @@ static void each_pose_of_a_bake_has_its_own(void **state)
 	basis_close(&basis);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_box_turned_and_straight),
-		cmocka_unit_test(a_cylinder_that_stands_or_floats),
-		cmocka_unit_test(two_parts_have_a_gap),
-		cmocka_unit_test(what_is_high_does_not_count),
-		cmocka_unit_test(what_is_all_high_or_low_counts),
-		cmocka_unit_test(what_is_thin_is_not_lost),
-		cmocka_unit_test(each_pose_of_a_bake_has_its_own),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

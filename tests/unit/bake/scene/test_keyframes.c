@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* [poses] and [keyframe NAME] of a scene file. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/scene/keyframes.h"
+#include "tests/support/test.h"
 
 #define SCENE                                                                                      \
 	"[camera]\nposition = 1 2 3\n[object cow]\nfile = a.obj\nscale = 2\nrotate = 0 0 9\n"      \
@@ -61,18 +56,16 @@ static void test_keyframes_check(int pose, double scale, double rotate, double x
 			 v.scale, v.rotate_deg[2], v.position[0], v.file, scale, rotate, x, mesh);
 }
 
-static void one_pose_without_keyframes(void **state)
+TEST("one pose without keyframes")
 {
-	(void)state;
 	read_scene(SCENE);
 	assert_int_equal(file->poses.count, 1);
 	test_keyframes_check(0, 2, 9, 0, "a.obj");
 	assert_string_equal(keyframe_pose_name(file, 0), "");
 }
 
-static void a_turn(void **state)
+TEST("a turn")
 {
-	(void)state;
 	read_scene(SCENE "[poses]\ncount = 36\n[keyframe end]\nobject = cow\npose = 36\n"
 			 "rotate = 0 0 348\n[keyframe front]\nobject = cow\nrotate = 0 0 -12\n");
 	for (int p = 0; p < 36; p++)
@@ -84,9 +77,8 @@ static void a_turn(void **state)
 }
 
 /* Each attribute has keyframes of its own; a file stays until the next keyframe that names one. */
-static void each_attribute_by_itself(void **state)
+TEST("each attribute by itself")
 {
-	(void)state;
 	read_scene(SCENE
 		   "[poses]\ncount = 8\n[keyframe a]\nobject = cow\npose = 1\nposition = 1 0 0\n"
 		   "[keyframe b]\nobject = cow\npose = 3\nfile = b.obj\nscale = 4\n"
@@ -101,11 +93,10 @@ static void each_attribute_by_itself(void **state)
 	test_keyframes_check(7, 1, 90, 3, "c.obj");
 }
 
-static void poses_are_found(void **state)
+TEST("poses are found")
 {
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	read_scene(SCENE "[poses]\ncount = 3\n[keyframe side-2]\nobject = cow\npose = 2\n");
 	assert_int_equal(keyframe_find_pose(file, "1", &fault), 1);
 	assert_int_equal(keyframe_find_pose(file, "side-2", &fault), 2);
@@ -116,9 +107,8 @@ static void poses_are_found(void **state)
 	assert_non_null(strstr(fault.text, "\"side\", expected a number 0..2"));
 }
 
-static void faults_are_named(void **state)
+TEST("faults are named")
 {
-	(void)state;
 	test_keyframes_refuse(SCENE "[poses]\ncount = 0\n", "s.scene:10: [poses] count");
 	test_keyframes_refuse(SCENE "[poses]\ncount = 4097\n", "count");
 	test_keyframes_refuse(SCENE "[keyframe a]\npose = 0\n", "s.scene:9: [keyframe a] object");
@@ -134,13 +124,4 @@ static void faults_are_named(void **state)
 			      "keyframe");
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(one_pose_without_keyframes), cmocka_unit_test(a_turn),
-		cmocka_unit_test(each_attribute_by_itself),   cmocka_unit_test(poses_are_found),
-		cmocka_unit_test(faults_are_named),
-	};
-
-	return cmocka_run_group_tests(tests, test_keyframes_begin, test_keyframes_end);
-}
+TEST_GROUP(test_keyframes_begin, test_keyframes_end);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Scene files: their meaning, and the messages about what is wrong. Meshes of three formats. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <endian.h>
 #include <errno.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define VIEW "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0\nwidth = 16\nheight = 16\n"
 
@@ -42,9 +37,8 @@ static void test_scene_refuse(const char *text, const char *words)
 		fail_msg("said \"%s\", expected \"%s\"", fault.text, words);
 }
 
-static void test_refused_values(void **state)
+TEST("refused values")
 {
-	(void)state;
 	write_triangle();
 	test_scene_refuse(VIEW, "no section [object NAME]");
 	test_scene_refuse(VIEW "[object a]\n", "file");
@@ -66,9 +60,8 @@ static void test_refused_values(void **state)
 			  "at least 0.001");
 }
 
-static void test_refused_files(void **state)
+TEST("refused files")
 {
-	(void)state;
 	test_scene_refuse(VIEW "[object a]\nfile = none.obj\n", "none.obj");
 	small_scene_write("empty.obj", "v 0 0 0\nv 1 0 0\n");
 	test_scene_refuse(VIEW "[object a]\nfile = empty.obj\n", "empty.obj");
@@ -120,9 +113,8 @@ static void write_scaled(const char *name, const char *scale)
 }
 
 /* Meshes without area, and places too far away. */
-static void test_refused_shapes(void **state)
+TEST("refused shapes")
 {
-	(void)state;
 	small_scene_write("line.obj",
 			  "v 0 0 0\nv 0.1 0.1 0.1\nv 0.3 0.3 0.3\nv 1 1 1\nf 1 2 3\nf 2 3 4\n"
 			  "f 1 1 4\n");
@@ -148,7 +140,7 @@ static void test_refused_shapes(void **state)
 	scene_close(small_scene_open("wide.ini"));
 }
 
-static void test_refused_indices(void **state)
+TEST("refused indices")
 {
 	static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
 				   "property float x\nproperty float y\nproperty float z\n"
@@ -158,7 +150,6 @@ static void test_refused_indices(void **state)
 	const uint8_t faces[26] = {3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0,
 				   3, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0};
 
-	(void)state;
 	small_scene_write("strange.ply",
 			  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
 			  "property float y\nproperty float z\nelement face 1\n"
@@ -188,7 +179,7 @@ static void refuse_ply(const char *text, const char *words)
 	test_scene_refuse(VIEW "[object a]\nfile = bad.ply\n", words);
 }
 
-static void test_refused_ply_faces(void **state)
+TEST("refused ply faces")
 {
 	static const struct {
 		const char *line, *words;
@@ -209,7 +200,6 @@ static void test_refused_ply_faces(void **state)
 		{"3 0 1 -1\n", "bad.ply:14: face 2 names vertex -1, expected less than 3"},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		char text[512];
 
@@ -220,13 +210,12 @@ static void test_refused_ply_faces(void **state)
 	refuse_ply(PLY(1) "0 0 0\n1 zero 0\n0 0 1\n3 0 1 2\n", "vertex 2 has \"zero\"");
 }
 
-static void test_refused_ply_headers(void **state)
+TEST("refused ply headers")
 {
 	static const char whole[] = PLY(1) PLY_CORNERS "3 0 1 2\n";
 	const size_t header = sizeof(PLY(1)) - 1;
 	char text[512];
 
-	(void)state;
 	for (size_t bytes = 4; bytes < header - 1; bytes++) {
 		snprintf(text, sizeof(text), "%.*s", (int)bytes, whole);
 		refuse_ply(text, bytes < strlen("ply\nformat ascii") ? "expected format ascii"
@@ -255,9 +244,8 @@ static void test_refused_ply_headers(void **state)
 	test_scene_refuse(VIEW "[object a]\nfile = zeros.ply\n", "zeros.ply:10: vertex 1 has");
 }
 
-static void test_refused_mtl(void **state)
+TEST("refused mtl")
 {
-	(void)state;
 	small_scene_write("dyes.mtl", "newmtl red\nKd 1 0 0\nnewmtl light blue \r\nKd 0 0 1\n");
 	small_scene_write("lost.obj",
 			  "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl red\nf 1 2 3\n");
@@ -308,13 +296,12 @@ static void expect_triangle(const char *file)
 	mesh_free(&mesh);
 }
 
-static void test_formats(void **state)
+TEST("formats")
 {
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
 	const uint16_t index[4] = {0, 1, 2, 0};
 	FILE *stream;
 
-	(void)state;
 	write_triangle();
 	expect_triangle("tri.obj");
 	small_scene_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
@@ -342,7 +329,7 @@ static void test_formats(void **state)
 
 /* OBJ files of other programs: no digit before the point, all kinds of blanks and line ends,
  * comments, and points that are no vertices. */
-static void test_obj_variants(void **state)
+TEST("obj variants")
 {
 	static const char *const texts[] = {
 		"v .0 .0 .0\nv 1. .0 .0\nv .0 0. 1.\nf 1 2 3\n",
@@ -353,7 +340,6 @@ static void test_obj_variants(void **state)
 		".v .1\nv 0 0 .0\nv 1 0 0\nv 0 0 1\nusemtl .1\nf 1 2 3\n",
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
 		small_scene_write("variant.obj", "%s", texts[k]);
 		expect_triangle("variant.obj");
@@ -361,7 +347,7 @@ static void test_obj_variants(void **state)
 }
 
 /* PLY files of other programs: other types, elements, line ends and byte orders. */
-static void test_ply_variants(void **state)
+TEST("ply variants")
 {
 	static const char *const texts[] = {
 		"ply\r\nformat ascii 1.0\r\ncomment by hand\r\nobj_info a 1\r\n"
@@ -379,7 +365,6 @@ static void test_ply_variants(void **state)
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
 	const uint8_t colour = 7;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
 		small_scene_write("other.ply", "%s", texts[k]);
 		expect_triangle("other.ply");
@@ -445,9 +430,8 @@ static void expect_fold(const char *file, double crease_deg, bool smooth)
 }
 
 /* Without normals in the file, crease_deg means the same in every format. */
-static void test_creases(void **state)
+TEST("creases")
 {
-	(void)state;
 	small_scene_write("fold.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n"
 				      "f 1 2 3\nf 1 3 4\nf 1 5 2\nf 2 5 6\n");
 	small_scene_write("fold.ply", "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n"
@@ -465,7 +449,7 @@ static void test_creases(void **state)
 
 /* The normals of a smooth ball without normals are the ball's, whether vertices are shared or not.
  */
-static void test_smooth_ball(void **state)
+TEST("smooth ball")
 {
 	const struct mesh_placement placement = {.scale = 1e-4, .crease_deg = 60};
 	const int rings = 12;
@@ -473,7 +457,6 @@ static void test_smooth_ball(void **state)
 	struct mesh mesh;
 	FILE *stream;
 
-	(void)state;
 	stream = fopen(small_scene_path("ball.ply"), "w");
 	assert_non_null(stream);
 	fprintf(stream,
@@ -512,13 +495,12 @@ static void test_smooth_ball(void **state)
 }
 
 /* Without materials in the file, every format has the same grey. */
-static void test_plain_grey(void **state)
+TEST("plain grey")
 {
 	static const char *const files[] = {"tri.obj", "tri.ply", "tri.stl"};
 	const struct mesh_placement placement = {
 		.scale = 1, .crease_deg = 60, .own_materials = true};
 
-	(void)state;
 	write_triangle();
 	small_scene_write("tri.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
 				     "property float y\nproperty float z\nelement face 1\n"
@@ -542,7 +524,7 @@ static void test_plain_grey(void **state)
 }
 
 /* One vertex followed by hand: y up to z up, turned, scaled, moved, stood on the ground. */
-static void test_placement(void **state)
+TEST("placement")
 {
 	const struct mesh_placement placement = {
 		.scale = 2,
@@ -556,7 +538,6 @@ static void test_placement(void **state)
 	struct mesh mesh;
 	const float *p;
 
-	(void)state;
 	small_scene_write("p.obj", "v 1 5 3\nv 1 6 3\nv 2 5 3\nf 1 2 3\n");
 	assert_int_equal(mesh_read(&mesh, small_scene_path("p.obj"), &placement, &fault), 0);
 	p = mesh.parts[0].position[mesh.parts[0].index[0][1]];
@@ -569,13 +550,12 @@ static void test_placement(void **state)
 }
 
 /* A scene moves a mesh in coordinates of a country to its origin. */
-static void test_far_mesh(void **state)
+TEST("far mesh")
 {
 	struct fault fault = {.text = ""};
 	struct scene *scene = NULL;
 	const float *p;
 
-	(void)state;
 	small_scene_write("far.obj",
 			  "v 500000.25 5400123.001 3\nv 500001 5400123 3\nv 500000 5400124 3\n"
 			  "f 1 2 3\n");
@@ -604,12 +584,11 @@ static void write_checker(const char *name)
 
 /* A square seen from the front, with v upwards as in OBJ: red is at the upper left. Material from
  * MTL. */
-static void test_texture_upright(void **state)
+TEST("texture upright")
 {
 	static const int expect[4][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
 	struct basis basis;
 
-	(void)state;
 	write_checker("checker.png");
 	small_scene_write("sign.mtl", "newmtl sign\nKd 1 1 1\nmap_Kd checker.png\n");
 	small_scene_write("sign.obj", "mtllib sign.mtl\nv -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\n"
@@ -633,7 +612,7 @@ static void test_texture_upright(void **state)
 
 /* The texture of a metal is its reflectance; metalness and roughness come from their own texture.
  */
-static void test_gltf_materials(void **state)
+TEST("gltf materials")
 {
 	static const char gltf[] =
 		"{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
@@ -649,7 +628,6 @@ static void test_gltf_materials(void **state)
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
 	FILE *stream = fopen(small_scene_path("corners.bin"), "wb");
 
-	(void)state;
 	assert_non_null(stream);
 	fwrite(corners, sizeof(corners), 1, stream);
 	fclose(stream);
@@ -675,7 +653,7 @@ static void test_gltf_materials(void **state)
 	}
 }
 
-static void test_mtl_materials(void **state)
+TEST("mtl materials")
 {
 	const struct mesh_placement placement = {
 		.scale = 1, .crease_deg = 60, .own_materials = true};
@@ -683,7 +661,6 @@ static void test_mtl_materials(void **state)
 	struct mesh mesh;
 	int matt = 0, shiny = 0;
 
-	(void)state;
 	small_scene_write("m.mtl", "newmtl matt\nKd 0.1 0.2 0.3\nnewmtl shiny\nKd 0.5 0.4 0.3\n"
 				   "Ks 0.2 0.2 0.2\nNs 100\nillum 2\n");
 	small_scene_write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nusemtl matt\n"
@@ -717,12 +694,11 @@ static void expect_camera(const struct tsai_camera *a, const struct tsai_camera 
 			    sizeof(*a) - offsetof(struct tsai_camera, translation));
 }
 
-static void test_camera_kinds(void **state)
+TEST("camera kinds")
 {
 	struct scene *look, *tsai, *file;
 	char text[4096];
 
-	(void)state;
 	write_triangle();
 	small_scene_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
 	look = small_scene_open("look.ini");
@@ -743,11 +719,10 @@ static void test_camera_kinds(void **state)
 }
 
 /* The hash depends on what the scene contains, not on where its files lie. */
-static void test_hash(void **state)
+TEST("hash")
 {
 	struct scene *a, *b, *c;
 
-	(void)state;
 	write_triangle();
 	small_scene_write("a.ini", VIEW "[object a]\nfile = tri.obj\n");
 	small_scene_write("b.ini", "; a comment\n" VIEW "[object a]\nfile = ./tri.obj\n");
@@ -764,7 +739,7 @@ static void test_hash(void **state)
 
 /* A camera of one kappa is written and hashed as before there were more terms; more terms are part of
  * both, and come back. */
-static void test_terms(void **state)
+TEST("terms")
 {
 	static const char *const more[] = {"", "kappa2 = 0\ntangential = 0 0\n", "kappa2 = 1e-6\n",
 					   "kappa3 = 1e-9\n", "tangential = 0 1e-6\n"};
@@ -772,7 +747,6 @@ static void test_terms(void **state)
 	struct scene *scene[COUNT];
 	char plain[4096], text[4096];
 
-	(void)state;
 	write_triangle();
 	small_scene_write("look.ini", VIEW "[object a]\nfile = tri.obj\n");
 	scene[0] = small_scene_open("look.ini");
@@ -800,31 +774,4 @@ static void test_terms(void **state)
 			  "cam.ini: camera: kappa1, kappa2, kappa3 and tangential fold");
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_refused_values),
-		cmocka_unit_test(test_far_mesh),
-		cmocka_unit_test(test_refused_files),
-		cmocka_unit_test(test_refused_indices),
-		cmocka_unit_test(test_refused_mtl),
-		cmocka_unit_test(test_refused_ply_faces),
-		cmocka_unit_test(test_refused_ply_headers),
-		cmocka_unit_test(test_refused_shapes),
-		cmocka_unit_test(test_obj_variants),
-		cmocka_unit_test(test_ply_variants),
-		cmocka_unit_test(test_creases),
-		cmocka_unit_test(test_smooth_ball),
-		cmocka_unit_test(test_plain_grey),
-		cmocka_unit_test(test_formats),
-		cmocka_unit_test(test_placement),
-		cmocka_unit_test(test_texture_upright),
-		cmocka_unit_test(test_mtl_materials),
-		cmocka_unit_test(test_gltf_materials),
-		cmocka_unit_test(test_camera_kinds),
-		cmocka_unit_test(test_hash),
-		cmocka_unit_test(test_terms),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists of finer parts of the sky: what is read, and what is refused, by line. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,6 +9,7 @@
 #include "bake/sky/fine_list.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static char folder[] = "/tmp/test_fine_list_XXXXXX";
 
@@ -47,12 +42,11 @@ static int read_text(const char *text, struct fine_list *list, struct fault *fau
 	return err;
 }
 
-static void a_file_and_a_text(void **state)
+TEST("a file and a text")
 {
 	struct fine_list file, text;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	expect_success(
 		read_text("# lamps\n\n90 0 1.5 18  # a window\n-30 45 0.25 72\r\n", &file, &fault),
 		&fault);
@@ -72,7 +66,7 @@ static void a_file_and_a_text(void **state)
 }
 
 /* What is written is read again. */
-static void written(void **state)
+TEST("written")
 {
 	char *text = NULL;
 	size_t size;
@@ -80,7 +74,6 @@ static void written(void **state)
 	struct fault fault = {.text = ""};
 	struct fine_list list, again;
 
-	(void)state;
 	expect_success(fine_list_read(&list, "--fine", "-170.25 33.5 2.75 36", NULL, &fault),
 		       &fault);
 	fine_list_write(stream, &list.part[0]);
@@ -93,7 +86,7 @@ static void written(void **state)
 	fine_list_free(&again);
 }
 
-static void refused_by_line(void **state)
+TEST("refused by line")
 {
 	static const struct {
 		const char *text, *message;
@@ -112,7 +105,6 @@ static void refused_by_line(void **state)
 	struct fine_list list;
 	char expected[256];
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct fault fault = {.text = ""};
 
@@ -124,13 +116,12 @@ static void refused_by_line(void **state)
 }
 
 /* What the dome refuses is told by the list's place, too. */
-static void refused_by_the_dome(void **state)
+TEST("refused by the dome")
 {
 	struct fault fault = {.text = ""};
 	struct fine_list list;
 	struct dome dome;
 
-	(void)state;
 	expect_success(fine_list_read(&list, "--fine", "0 20 1 18, 90 20 1 20", NULL, &fault),
 		       &fault);
 	assert_int_equal(fine_list_dome(&list, 9, DOME_ANGLES, DOME_CELLS, &dome, &fault), -EINVAL);
@@ -141,14 +132,4 @@ static void refused_by_the_dome(void **state)
 			 -ENOENT);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_file_and_a_text),
-		cmocka_unit_test(written),
-		cmocka_unit_test(refused_by_line),
-		cmocka_unit_test(refused_by_the_dome),
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_GROUP(make_folder, remove_folder);

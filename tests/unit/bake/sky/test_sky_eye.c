@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lamps in pictures of a fisheye: linear, in several exposures, over-exposed, and noise. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +12,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define DEGREE (M_PI / 180)
@@ -109,11 +104,10 @@ static bool has_lamp(const struct sky_parts *parts)
 	return false;
 }
 
-static void test_linear(void **state)
+TEST_BETWEEN("linear", test_eye_begin, test_eye_end)
 {
 	struct sky_parts parts;
 
-	(void)state;
 	write_eye("even.pfm", 1, 1, 1, 0);
 	parts = parts_of((const char *const[]){"even.pfm"});
 	assert_int_equal(parts.count, 0);
@@ -127,7 +121,7 @@ static void test_linear(void **state)
 
 /* A lamp of 8 times white in one picture: brackets measure it, as the linear picture does, and
  * leave out what is only a little brighter than the sky. */
-static void test_bracket(void **state)
+TEST_BETWEEN("bracket", test_eye_begin, test_eye_end)
 {
 	struct sky_need linear;
 	struct fault fault = {.text = ""};
@@ -135,7 +129,6 @@ static void test_bracket(void **state)
 	char *path[1];
 	double most = 0, worst = 0;
 
-	(void)state;
 	settings.exposures = 3;
 	settings.ratio[1] = 0.25;
 	settings.ratio[2] = 0.0625;
@@ -158,11 +151,10 @@ static void test_bracket(void **state)
 }
 
 /* A lamp that all pictures clip counts for more than its white. */
-static void test_over_exposed(void **state)
+TEST_BETWEEN("over exposed", test_eye_begin, test_eye_end)
 {
 	struct sky_parts parts;
 
-	(void)state;
 	write_eye("clipped.png", 0.3, 1, 1, 0);
 	parts = parts_of((const char *const[]){"clipped.png"});
 	assert_true(has_lamp(&parts));
@@ -170,11 +162,10 @@ static void test_over_exposed(void **state)
 }
 
 /* In the dark there is noise of a few code values alone. */
-static void test_noise_is_no_lamp(void **state)
+TEST_BETWEEN("noise is no lamp", test_eye_begin, test_eye_end)
 {
 	struct sky_parts parts;
 
-	(void)state;
 	write_eye("dark.png", 0.002, 0.002, 1, 0.002);
 	parts = parts_of((const char *const[]){"dark.png"});
 	assert_int_equal(parts.count, 0);
@@ -182,11 +173,10 @@ static void test_noise_is_no_lamp(void **state)
 }
 
 /* A lamp that shone at one moment stays a part. */
-static void test_moments(void **state)
+TEST_BETWEEN("moments", test_eye_begin, test_eye_end)
 {
 	struct sky_parts parts;
 
-	(void)state;
 	write_eye("on.pfm", 1, 2000, 1, 0);
 	parts = parts_of((const char *const[]){"on.pfm"});
 	sky_parts_free(&parts);
@@ -198,13 +188,12 @@ static void test_moments(void **state)
 	}
 }
 
-static void test_wrong_pictures(void **state)
+TEST_BETWEEN("wrong pictures", test_eye_begin, test_eye_end)
 {
 	struct fault fault = {.text = ""};
 	struct image small;
 	char first[512], second[512], *path[2] = {first, second};
 
-	(void)state;
 	settings.exposures = 2;
 	settings.ratio[1] = 0.5;
 	snprintf(first, sizeof(first), "%s", write_eye("a.pfm", 1, 1, 1, 0));
@@ -223,17 +212,4 @@ static void test_wrong_pictures(void **state)
 	unlink(second);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup_teardown(test_linear, test_eye_begin, test_eye_end),
-		cmocka_unit_test_setup_teardown(test_bracket, test_eye_begin, test_eye_end),
-		cmocka_unit_test_setup_teardown(test_over_exposed, test_eye_begin, test_eye_end),
-		cmocka_unit_test_setup_teardown(test_noise_is_no_lamp, test_eye_begin,
-						test_eye_end),
-		cmocka_unit_test_setup_teardown(test_moments, test_eye_begin, test_eye_end),
-		cmocka_unit_test_setup_teardown(test_wrong_pictures, test_eye_begin, test_eye_end),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Parts of synthetic skies: an even one, a sun, two lamps, and the limit of lights. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "bake/sky/sky_parts.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define DEGREE (M_PI / 180)
 #define FREQUENCY 9
@@ -106,18 +101,17 @@ static int frequency_at(const struct sky_parts *parts, int cell)
 	return 0;
 }
 
-static void test_even_sky_needs_no_part(void **state)
+TEST_BETWEEN("even sky needs no part", test_sky_begin, NULL)
 {
 	struct sky_parts parts = choose(1000);
 
-	(void)state;
 	assert_int_equal(parts.count, 0);
 	assert_int_equal(parts.lights, dome.count);
 	assert_false(parts.limited);
 	sky_parts_free(&parts);
 }
 
-static void test_sun_is_found(void **state)
+TEST_BETWEEN("sun is found", test_sky_begin, NULL)
 {
 	struct fault fault;
 	struct sky_parts parts;
@@ -126,7 +120,6 @@ static void test_sun_is_found(void **state)
 	int light;
 	int wrong;
 
-	(void)state;
 	add_disc(100, 1, 0.5, 20000, sun);
 	parts = choose(1000);
 	assert_int_equal(parts.count, 1);
@@ -144,7 +137,7 @@ static void test_sun_is_found(void **state)
 }
 
 /* On the border of two cells lights are fine on both sides, also by the list as it is written. */
-static void test_sun_at_a_border(void **state)
+TEST_BETWEEN("sun at a border", test_sky_begin, NULL)
 {
 	const double *from = dome.direction[100];
 	struct fault fault = {.text = ""};
@@ -157,7 +150,6 @@ static void test_sun_at_a_border(void **state)
 	FILE *stream;
 	int nearest = 0;
 
-	(void)state;
 	for (int i = 0; i < dome.count; i++)
 		if (i != 100 && vec_dot(dome.direction[i], from) > best) {
 			best = vec_dot(dome.direction[i], from);
@@ -195,13 +187,12 @@ static void test_sun_at_a_border(void **state)
 	free(text);
 }
 
-static void test_turn_turns_parts(void **state)
+TEST_BETWEEN("turn turns parts", test_sky_begin, NULL)
 {
 	struct panorama turned = panorama;
 	struct sky_parts parts;
 	double sun[3], to[3];
 
-	(void)state;
 	add_disc(100, 1, 0.5, 20000, sun);
 	turned.turn_rad = 72 * DEGREE; /* the dome's own symmetry */
 	assert_int_equal(choose_under(&turned, 1000, &parts), 0);
@@ -214,13 +205,12 @@ static void test_turn_turns_parts(void **state)
 }
 
 /* A lamp nearly as large as its cell needs fewer lights than one that is smaller than the finest. */
-static void test_two_lamps_are_two_parts(void **state)
+TEST_BETWEEN("two lamps are two parts", test_sky_begin, NULL)
 {
 	struct sky_parts parts;
 	double unused[3];
 	int large, small;
 
-	(void)state;
 	add_disc(60, 0, 5, 30, unused);
 	add_disc(150, 0, 0.5, 4000, unused);
 	parts = choose(1000);
@@ -233,12 +223,11 @@ static void test_two_lamps_are_two_parts(void **state)
 	sky_parts_free(&parts);
 }
 
-static void test_limit_of_lights_holds(void **state)
+TEST_BETWEEN("limit of lights holds", test_sky_begin, NULL)
 {
 	struct sky_parts parts;
 	double unused[3];
 
-	(void)state;
 	add_disc(60, 0, 0.5, 30000, unused);
 	add_disc(150, 0, 0.5, 20000, unused);
 	parts = choose(1000);
@@ -254,16 +243,4 @@ static void test_limit_of_lights_holds(void **state)
 	assert_null(parts.part);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup(test_even_sky_needs_no_part, test_sky_begin),
-		cmocka_unit_test_setup(test_sun_is_found, test_sky_begin),
-		cmocka_unit_test_setup(test_sun_at_a_border, test_sky_begin),
-		cmocka_unit_test_setup(test_turn_turns_parts, test_sky_begin),
-		cmocka_unit_test_setup(test_two_lamps_are_two_parts, test_sky_begin),
-		cmocka_unit_test_setup(test_limit_of_lights_holds, test_sky_begin),
-	};
-
-	return cmocka_run_group_tests(tests, test_sky_begin_all, test_sky_end_all);
-}
+TEST_GROUP(test_sky_begin_all, test_sky_end_all);

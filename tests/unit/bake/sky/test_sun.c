@@ -1,24 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* The sun's place against known values, and the parts that it needs. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "bake/sky/sky_parts.h"
 #include "bake/sky/sun.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define DEGREE (M_PI / 180)
 #define close_to(is, should, within, ...) expect_below(fabs((is) - (should)), within, __VA_ARGS__)
 
-static void test_days(void **state)
+TEST("days")
 {
-	(void)state;
 	assert_int_equal(sun_day((struct sun_date){1, 1}), 0);
 	assert_int_equal(sun_day((struct sun_date){3, 1}), 59);
 	assert_int_equal(sun_day((struct sun_date){2, 29}), 58);
@@ -31,7 +25,7 @@ static void test_days(void **state)
 }
 
 /* Declinations at noon UT of 2023, from an almanac. */
-static void test_declination(void **state)
+TEST("declination")
 {
 	static const struct {
 		struct sun_date date;
@@ -41,7 +35,6 @@ static void test_declination(void **state)
 		{{6, 21}, 23.44}, {{8, 15}, 14.00},  {{9, 23}, -0.02}, {{12, 21}, -23.44},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(known) / sizeof(*known); k++)
 		close_to(sun_declination_rad(sun_day(known[k].date)) / DEGREE, known[k].deg, 0.5,
 			 "k=%zu", k);
@@ -50,9 +43,8 @@ static void test_declination(void **state)
 /* At noon the height is 90 - |latitude - declination|, and the sun is in the south or north. At
  * sunrise and sunset the azimuth is acos(sin declination / cos latitude) from north, and the hour
  * angle acos(-tan latitude tan declination). */
-static void test_noon_and_sunrise(void **state)
+TEST("noon and sunrise")
 {
-	(void)state;
 	for (int latitude = -60; latitude <= 60; latitude += 15)
 		for (int day = 0; day < 365; day += 13) {
 			const double l = latitude * DEGREE, d = sun_declination_rad(day);
@@ -88,7 +80,7 @@ static bool part_near(const struct sky_parts *parts, double azimuth_deg, double 
 
 /* North at 90 degrees is +Y: east is +X, south -Y. At the equinox and latitude 50 the sun rises in
  * the east, stands 40 degrees high in the south, and sets in the west. */
-static void test_parts_of_a_day(void **state)
+TEST("parts of a day")
 {
 	struct sun_path path = {.latitude_deg = 50,
 				.north_deg = 90,
@@ -99,7 +91,6 @@ static void test_parts_of_a_day(void **state)
 	struct sky_parts parts;
 	struct sky_need need;
 
-	(void)state;
 	expect_success(sky_need_create(&need, 9, &fault), &fault);
 	expect_above(sky_need_add_sun(&need, &path), 100, "pieces");
 	expect_success(sky_parts_choose(&parts, &need, 2000, &fault), &fault);
@@ -114,7 +105,7 @@ static void test_parts_of_a_day(void **state)
 }
 
 /* Over the turn of the year; only in the hours given; never in a polar night. */
-static void test_dates_and_hours(void **state)
+TEST("dates and hours")
 {
 	struct sun_path path = {.latitude_deg = 50,
 				.north_deg = 90,
@@ -125,7 +116,6 @@ static void test_dates_and_hours(void **state)
 	struct sky_parts parts;
 	struct sky_need need;
 
-	(void)state;
 	expect_success(sky_need_create(&need, 9, &fault), &fault);
 	expect_above(sky_need_add_sun(&need, &path), 10, "pieces");
 	expect_success(sky_parts_choose(&parts, &need, 2000, &fault), &fault);
@@ -137,17 +127,4 @@ static void test_dates_and_hours(void **state)
 	path.hours[0] = 0;
 	assert_int_equal(sky_need_add_sun(&need, &path), 0);
 	sky_need_free(&need);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_days),
-		cmocka_unit_test(test_declination),
-		cmocka_unit_test(test_noon_and_sunrise),
-		cmocka_unit_test(test_parts_of_a_day),
-		cmocka_unit_test(test_dates_and_hours),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The same scene and seed give the same file, byte by byte, with any number of threads. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/scene/scene.h"
 #include "tests/support/bake/small_scene.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH (thorough() ? 70 : 40)
@@ -63,9 +58,8 @@ static void bake(const char *scene_name, const char *out, int threads)
 	scene_close(scene);
 }
 
-static void test_threads(void **state)
+TEST("threads")
 {
-	(void)state;
 	write_scene("a.ini", "samples = 3", 5);
 	bake("a.ini", "1.inlay", 1);
 	bake("a.ini", "3.inlay", 3);
@@ -75,9 +69,8 @@ static void test_threads(void **state)
 }
 
 /* A bake of enough camera rays to have a cache. */
-static void test_cache(void **state)
+TEST("cache")
 {
-	(void)state;
 	write_scene("c.ini", thorough() ? "samples = 64" : "samples = 16", 5);
 	bake("c.ini", "c1.inlay", 1);
 	bake("c.ini", "c3.inlay", 3);
@@ -88,18 +81,16 @@ static void test_cache(void **state)
 	assert_false(same("c1.inlay", "c0.inlay"));
 }
 
-static void test_noise_mode(void **state)
+TEST("noise mode")
 {
-	(void)state;
 	write_scene("n.ini", "noise = 5", 5);
 	bake("n.ini", "n1.inlay", 1);
 	bake("n.ini", "n4.inlay", 4);
 	assert_true(same("n1.inlay", "n4.inlay"));
 }
 
-static void test_seed(void **state)
+TEST("seed")
 {
-	(void)state;
 	write_scene("a.ini", "samples = 2", 5);
 	write_scene("b.ini", "samples = 2", 6);
 	bake("a.ini", "a.inlay", 2);
@@ -107,14 +98,13 @@ static void test_seed(void **state)
 	assert_false(same("a.inlay", "b.inlay"));
 }
 
-static void test_failure_leaves_nothing(void **state)
+TEST("failure leaves nothing")
 {
 	struct scene *scene;
 	struct render_settings settings;
 	struct render_report report;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	write_scene("a.ini", "samples = 1", 1);
 	scene = small_scene_open("a.ini");
 	settings = render_settings_of(scene);
@@ -125,15 +115,4 @@ static void test_failure_leaves_nothing(void **state)
 	scene_close(scene);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_threads),
-		cmocka_unit_test(test_cache),
-		cmocka_unit_test(test_noise_mode),
-		cmocka_unit_test(test_seed),
-		cmocka_unit_test(test_failure_leaves_nothing),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

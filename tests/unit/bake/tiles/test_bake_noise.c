@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The noise that a bake declares is that of its pictures under suns: pictures of bakes with
  * different seeds differ by as much. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +11,7 @@
 #include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH 48
@@ -158,9 +153,8 @@ static void compare(const char *material, const char *how, int frequency)
 #define COATED "kind = glossy\ncolour = 0.5 0.4 0.3\nroughness = 0.3"
 #define CHROME "kind = glossy\ncolour = 0.1 0.1 0.1\nspecular = 0.8 0.8 0.8\nroughness = 0.2"
 
-static void of_diffuse(void **state)
+TEST("of diffuse")
 {
-	(void)state;
 	compare("colour = 0.6 0.5 0.4", "samples = 16", 3);
 	if (!thorough())
 		return;
@@ -168,9 +162,8 @@ static void of_diffuse(void **state)
 	compare("colour = 0.6 0.5 0.4", "noise = 2", 3);
 }
 
-static void of_coats(void **state)
+TEST("of coats")
 {
-	(void)state;
 	compare(COATED, "noise = 3", 3);
 	if (!thorough())
 		return;
@@ -179,9 +172,8 @@ static void of_coats(void **state)
 }
 
 /* Small suns: most of their noise is in bounced light, and filtered. */
-static void of_fine_domes(void **state)
+TEST("of fine domes")
 {
-	(void)state;
 	compare(CHROME, "samples = 16", 6);
 	if (!thorough())
 		return;
@@ -189,22 +181,11 @@ static void of_fine_domes(void **state)
 	compare(COATED, "samples = 16", 9);
 }
 
-static void of_glass(void **state)
+TEST("of glass")
 {
-	(void)state;
 	compare("kind = glass", "samples = 16", 3);
 	if (thorough())
 		compare("kind = glass", "noise = 4", 3);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(of_diffuse),
-		cmocka_unit_test(of_coats),
-		cmocka_unit_test(of_fine_domes),
-		cmocka_unit_test(of_glass),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Edges of a bake, and of truth, are as soft as the camera's, against the closed form of a straight edge. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,6 +10,7 @@
 #include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 32, HEIGHT = 32, MIDDLE = 16 };
 
@@ -33,12 +28,11 @@ static double share_left(double sigma, double t)
 	return sum / SLICES;
 }
 
-static void samples_have_the_filters_distribution(void **state)
+TEST("samples have the filters distribution")
 {
 	static const double sigmas[] = {0, 1e-3, 0.1, 0.5, 0.8, 2, TSAI_EDGE_SPREAD_MAX};
 	enum { SAMPLES = 4096 };
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(sigmas) / sizeof(*sigmas); k++) {
 		const double s = sigmas[k];
 		double mean = 0, square = 0, last = -INFINITY;
@@ -86,11 +80,10 @@ static double wall_edge(const struct scene *scene)
 	return px[0];
 }
 
-static void an_edge_of_the_bake_is_that_soft(void **state)
+TEST("an edge of the bake is that soft")
 {
 	static const double sigmas[] = {0, 0.5, 1.2};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(sigmas) / sizeof(*sigmas); k++) {
 		struct scene *scene = wall_open(sigmas[k]);
 		const double edge = wall_edge(scene);
@@ -113,7 +106,7 @@ static void an_edge_of_the_bake_is_that_soft(void **state)
 	}
 }
 
-static void an_edge_of_truth_is_that_soft(void **state)
+TEST("an edge of truth is that soft")
 {
 	const struct truth_settings settings = {.samples = 256, .threads = 1, .quiet = true};
 	struct scene *scene = wall_open(0.8);
@@ -123,7 +116,6 @@ static void an_edge_of_truth_is_that_soft(void **state)
 	struct sky sky;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
 	sky_of_light(&sky, &dome, 0);
 	assert_int_equal(truth_pictures(scene, &sky, &settings, &pictures, &fault), 0);
@@ -138,13 +130,12 @@ static void an_edge_of_truth_is_that_soft(void **state)
 }
 
 /* The same view in half as many pixels has half the spread; a camera file's is kept. */
-static void the_spread_is_of_the_pictures_pixels(void **state)
+TEST("the spread is of the pictures pixels")
 {
 	struct fault fault;
 	struct scene *scene = wall_open(1.2), *small, *filed;
 	char text[4096];
 
-	(void)state;
 	assert_int_equal(
 		scene_open(&small, small_scene_path("edge.ini"), WIDTH / 2, HEIGHT / 2, &fault), 0);
 	assert_true(fabs(small->camera.edge_spread_px - 0.6) < 1e-12);
@@ -159,14 +150,4 @@ static void the_spread_is_of_the_pictures_pixels(void **state)
 	scene_close(scene);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(samples_have_the_filters_distribution),
-		cmocka_unit_test(an_edge_of_the_bake_is_that_soft),
-		cmocka_unit_test(an_edge_of_truth_is_that_soft),
-		cmocka_unit_test(the_spread_is_of_the_pictures_pixels),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

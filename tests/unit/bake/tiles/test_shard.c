@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A shard is read as it was written. One with a wrong number in it, but right checksums, is refused
  * before that number is used. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +14,7 @@
 #include "bake/tiles/shard_format.h"
 #include "tests/support/bake/reseal_shard.h"
 #include "tests/support/chance.h"
+#include "tests/support/test.h"
 
 struct shard_sample {
 	char folder[64], path[80];
@@ -147,7 +142,7 @@ static int read_changed(const struct shard_sample *sample, struct fault *fault)
 	return next;
 }
 
-static void comes_back(void **state)
+TEST("comes back")
 {
 	const struct shard_sample *sample = *state;
 	struct fault fault = {""};
@@ -179,7 +174,7 @@ static void comes_back(void **state)
 		assert_memory_equal(fault.text, s->path, strlen(s->path));                         \
 	} while (0)
 
-static void refuses_wrong_numbers(void **state)
+TEST("refuses wrong numbers")
 {
 	struct shard_sample *s = *state;
 	struct basis_block_entry *last = s->entry + s->record->shown + s->record->exact - 1;
@@ -223,7 +218,7 @@ static void refuses_wrong_numbers(void **state)
 }
 
 /* Any single wrong bit: refused with a message, or the tiles are valid. */
-static void survives_any_bit(void **state)
+TEST("survives any bit")
 {
 	struct shard_sample *s = *state;
 	struct chance chance = chance_begin("shard");
@@ -239,13 +234,4 @@ static void survives_any_bit(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(comes_back),
-		cmocka_unit_test(refuses_wrong_numbers),
-		cmocka_unit_test(survives_any_bit),
-	};
-
-	return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_GROUP(setup, teardown);

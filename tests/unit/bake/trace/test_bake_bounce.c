@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The filter of bounced light takes noise away, and never light. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -14,6 +8,7 @@
 #include "bake/tiles/tile.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define SEED 20
@@ -167,7 +162,7 @@ static double example_of(const struct made *m)
 
 /* Few and many lights, low and higher rank, little and much noise, halves of equal and of different
  * size. */
-static void test_made(void **state)
+TEST("made")
 {
 	static const struct {
 		int rows, lights, rank;
@@ -181,7 +176,6 @@ static void test_made(void **state)
 		{768, 406, 0, 1, 1, 0.5, 0.2},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(cases[0]); k++) {
 		struct made m = bake_bounce_make(cases[k].rows, cases[k].lights, cases[k].rank,
 						 cases[k].fall, cases[k].noise, cases[k].share);
@@ -202,9 +196,8 @@ static void test_made(void **state)
 }
 
 /* Light without noise, or of full rank, stays the same but for rounding. */
-static void test_nothing_to_gain(void **state)
+TEST("nothing to gain")
 {
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct made m = bake_bounce_make(300, 200, 200, 1, k ? 1.0 : 0.0, 0.5);
 		const size_t count = (size_t)m.rows * (size_t)m.lights;
@@ -216,11 +209,10 @@ static void test_nothing_to_gain(void **state)
 }
 
 /* Differences have both signs: rows whose sums are only noise must not grow. */
-static void test_sums_that_cancel(void **state)
+TEST("sums that cancel")
 {
 	struct made m = bake_bounce_make(300, 200, 3, 0.7, 1, 0.5);
 
-	(void)state;
 	for (int row = 0; row < m.rows; row++) {
 		double sum = 0;
 
@@ -241,12 +233,11 @@ static void test_sums_that_cancel(void **state)
 	unmake(&m);
 }
 
-static void test_odd_values(void **state)
+TEST("odd values")
 {
 	static const float odd[] = {NAN, INFINITY, 1e30F, 1e-40F};
 	struct made m;
 
-	(void)state;
 	m = bake_bounce_make(30, 20, 0, 1, 0, 0.5);
 	assert_int_equal(filter(&m), -1);
 	for (int k = 0; k < 600; k++)
@@ -301,11 +292,10 @@ static double step_at(const float *const tile[2], int x)
 
 /* Tiles are filtered independently. Their common edge shows no more than the noise of means and
  * slopes; where noise is loudest, a filter that keeps means alone exceeds that. */
-static void test_seam(void **state)
+TEST("seam")
 {
 	static const double noises[] = {0.02, 0.3, 0.5};
 
-	(void)state;
 	for (size_t k = 0; k < 3; k++) {
 		struct random random = {SEED + k};
 		struct made m[2];
@@ -509,43 +499,30 @@ static void check_scene(const char *what, const char *material, const char *stan
 	scene_close(scene);
 }
 
-static void test_diffuse(void **state)
+TEST("diffuse")
 {
-	(void)state;
 	check_scene("diffuse", "colour = 0.8 0.6 0.3\n", "");
 }
 
-static void test_glossy(void **state)
+TEST("glossy")
 {
-	(void)state;
 	check_scene("glossy",
 		    "kind = glossy\ncolour = 0.3 0.4 0.6\nspecular = 0.3 0.3 0.3\n"
 		    "roughness = 0.3\n",
 		    "");
 }
 
-static void test_standin(void **state)
+TEST("standin")
 {
-	(void)state;
 	check_scene("stand-in", "colour = 0.8 0.6 0.3\n",
 		    "[standin wall]\nfile = plane.obj\nup = z\nmaterial = m\n");
 }
 
-int main(void)
+static int begin_group(void **state)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_made),
-		cmocka_unit_test(test_nothing_to_gain),
-		cmocka_unit_test(test_sums_that_cancel),
-		cmocka_unit_test(test_odd_values),
-		cmocka_unit_test(test_seam),
-		cmocka_unit_test(test_diffuse),
-		cmocka_unit_test(test_glossy),
-		cmocka_unit_test(test_standin),
-	};
-
 	for (int p = 0; p < TILE_PIXELS; p++)
 		every_pixel[p] = (uint16_t)p;
-	print_message("# seed %d\n", SEED);
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
+	return small_scene_begin(state);
 }
+
+TEST_GROUP(begin_group, small_scene_end);

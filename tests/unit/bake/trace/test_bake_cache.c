@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The cache of bounced light against paths that are followed to their ends, in a corner of coloured
  * walls, where most light is bounced. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdlib.h>
 
 #include "bake/tiles/tile.h"
 #include "bake/trace/cache_make.h"
 #include "hal/colour/transfer.h"
 #include "tests/support/bake/small_scene.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define SAMPLES 256
@@ -192,15 +187,13 @@ static void check_corner(const char *what, const char *materials)
 	scene_close(scene);
 }
 
-static void test_diffuse(void **state)
+TEST("diffuse")
 {
-	(void)state;
 	check_corner("diffuse", "[material red]\ncolour = 0.8 0.1 0.08\n[material white]\n");
 }
 
-static void test_glossy(void **state)
+TEST("glossy")
 {
-	(void)state;
 	check_corner("glossy", "[material red]\nkind = glossy\ncolour = 0.8 0.1 0.08\n"
 			       "[material white]\nkind = glossy\nroughness = 0.2\n");
 }
@@ -208,7 +201,7 @@ static void test_glossy(void **state)
 /* ---- the cache alone ---- */
 
 /* White walls and white ground send back all light: each row sums to 1. */
-static void test_furnace(void **state)
+TEST("furnace")
 {
 	struct scene *scene = open_corner("material = white\n[material red]\ncolour = 1 1 1\n"
 					  "[material white]\ncolour = 1 1 1\n");
@@ -218,7 +211,6 @@ static void test_furnace(void **state)
 	struct cells cells;
 	struct dome dome;
 
-	(void)state;
 	make_cells(&dome, &cells);
 	cache = make_cache(scene, &cells, 64, 1);
 	assert_non_null(cache);
@@ -237,7 +229,7 @@ static void test_furnace(void **state)
 	scene_close(scene);
 }
 
-static void test_threads(void **state)
+TEST("threads")
 {
 	struct scene *scene = open_corner("[material red]\n[material white]\n");
 	struct surface surface;
@@ -246,7 +238,6 @@ static void test_threads(void **state)
 	struct cells cells;
 	struct dome dome;
 
-	(void)state;
 	make_cells(&dome, &cells);
 	cache[0] = make_cache(scene, &cells, BOUNCES, 1);
 	cache[1] = make_cache(scene, &cells, BOUNCES, 5);
@@ -270,13 +261,12 @@ static void test_threads(void **state)
 }
 
 /* A ball in the air: no path meets a second surface. */
-static void test_nothing_to_cache(void **state)
+TEST("nothing to cache")
 {
 	struct scene *scene;
 	struct cells cells;
 	struct dome dome;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.5, 12);
 	small_scene_write("ball.ini", "[camera]\nposition = 0 -4 2\nlook_at = 0 0 1\nwidth = 16\n"
 				      "height = 16\n[object ball]\nfile = ball.obj\nup = z\n"
@@ -289,13 +279,4 @@ static void test_nothing_to_cache(void **state)
 	scene_close(scene);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_diffuse),		 cmocka_unit_test(test_glossy),
-		cmocka_unit_test(test_furnace),		 cmocka_unit_test(test_threads),
-		cmocka_unit_test(test_nothing_to_cache),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,16 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Balls inside objects: a ray that meets one is blocked by the object's triangles. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "bake/base/random.h"
 #include "bake/scene/scene.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define RINGS 24
 #define RAYS 200000
@@ -70,14 +64,13 @@ static struct v3 random_point(struct random *random, float size)
 }
 
 /* Rays from near and far, and from inside. */
-static void test_rays(void **state)
+TEST("rays")
 {
 	struct random random = {1};
 	const struct inside *inside;
 	struct scene *scene;
 	int met = 0;
 
-	(void)state;
 	write_dumbbell("dumbbell.obj", false, 0);
 	small_scene_write_sphere("ball.obj", 0.4, 12);
 	scene = open_objects("dumbbell.obj", "ball.obj");
@@ -107,9 +100,8 @@ static int balls_of(const char *object)
 	return count;
 }
 
-static void test_not_closed(void **state)
+TEST("not closed")
 {
-	(void)state;
 	write_dumbbell("closed.obj", false, 0);
 	write_dumbbell("turned.obj", true, 0);
 	write_dumbbell("hole.obj", false, 1);
@@ -118,12 +110,4 @@ static void test_not_closed(void **state)
 	expect_equal(balls_of("hole.obj"), 0, "one face is missing");
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_rays),
-		cmocka_unit_test(test_not_closed),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* What rays meet on a square whose material has alpha, colours of vertices or bumps. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "bake/base/random.h"
 #include "bake/trace/world.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define RAYS 16000
 
@@ -46,7 +41,7 @@ static struct v3 towards(float x, float y)
 }
 
 /* A quarter of the rays meets a surface of alpha 0.25, alone and in batches. */
-static void test_blend(void **state)
+TEST("blend")
 {
 	const struct material veil = {
 		.colour = {{1, 1, 1}}, .alpha_mode = ALPHA_BLEND, .alpha = 0.25f};
@@ -56,7 +51,6 @@ static void test_blend(void **state)
 	struct ray_batch batch;
 	double alone = 0, together = 0;
 
-	(void)state;
 	assert_int_equal(ray_batch_create(&batch), 0);
 	batch.count = RAYS;
 	for (int k = 0; k < RAYS; k++) {
@@ -82,7 +76,7 @@ static void test_blend(void **state)
 }
 
 /* The left half is a hole. */
-static void test_mask(void **state)
+TEST("mask")
 {
 	static uint8_t white[] = {255, 255, 255, 255, 255, 255}, alpha[] = {0, 255};
 	struct texture texture = {.image = {.width = 2, .height = 1, .u8 = white, .alpha = alpha},
@@ -94,7 +88,6 @@ static void test_mask(void **state)
 					  .alpha_cut = 0.5f};
 	struct world *world = make_world(&material);
 
-	(void)state;
 	texture_prepare(&texture);
 	for (int k = 0; k < 100; k++) {
 		const float x = ((float)k + 0.5f) / 100;
@@ -107,14 +100,13 @@ static void test_mask(void **state)
 	world_destroy(world);
 }
 
-static void test_colours(void **state)
+TEST("colours")
 {
 	static float colour[4][4] = {{0, 0, 0, 1}, {1, 0, 0, 1}, {1, 1, 0, 1}, {0, 1, 0, 1}};
 	const struct material material = {.colour = {{0.5f, 1, 1}}};
 	struct world *world = make_world(&material);
 	struct surface s;
 
-	(void)state;
 	square.colour = colour;
 	assert_true(world_nearest(world, WITH_OBJECTS, v3_make(0.5f, 0.5f, 0), towards(0.3f, 0.8f),
 				  &s));
@@ -127,7 +119,7 @@ static void test_colours(void **state)
 }
 
 /* A texel leans towards +u, +x, and towards +v, -y; the surface faces down. */
-static void test_bumps(void **state)
+TEST("bumps")
 {
 	static uint8_t leaning[] = {204, 179, 255}; /* (0.6, 0.404, 1) */
 	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
@@ -136,7 +128,6 @@ static void test_bumps(void **state)
 	struct world *world = make_world(&material);
 	struct surface s;
 
-	(void)state;
 	texture_prepare_data(&texture);
 	for (int side = -1; side <= 1;
 	     side += 2) { /* a face seen from behind leans the other way */
@@ -152,7 +143,7 @@ static void test_bumps(void **state)
 }
 
 /* A texture that is turned by 90 degrees turns its axes: u' = v, v' = -u, so that +u' is -y and +v' is -x. */
-static void test_bumps_turned(void **state)
+TEST("bumps turned")
 {
 	static uint8_t leaning[] = {204, 179, 255};
 	struct texture texture = {.image = {.width = 1, .height = 1, .u8 = leaning}};
@@ -162,7 +153,6 @@ static void test_bumps_turned(void **state)
 	struct world *world = make_world(&material);
 	struct surface s;
 
-	(void)state;
 	texture_prepare_data(&texture);
 	assert_true(
 		world_nearest(world, WITH_OBJECTS, v3_make(0.3f, 0.3f, 0), v3_make(0, 0, 1), &s));
@@ -172,7 +162,7 @@ static void test_bumps_turned(void **state)
 }
 
 /* The same with tangents of its own, along +y; along v is then +x, of another sign -x. */
-static void test_tangents(void **state)
+TEST("tangents")
 {
 	static uint8_t leaning[] = {204, 179, 255};
 	static float tangent[4][4] = {{0, 2, 0, 1}, {0, 2, 0, 1}, {0, 2, 0, 1}, {0, 2, 0, 1}};
@@ -181,7 +171,6 @@ static void test_tangents(void **state)
 		.colour = {{1, 1, 1}}, .bumps = {&texture, 0, {1, 0, 0, 0, 1, 0}}, .bump_scale = 1};
 	struct surface s;
 
-	(void)state;
 	texture_prepare_data(&texture);
 	square.tangent = tangent;
 	for (int sign = -1; sign <= 1; sign += 2) {
@@ -198,15 +187,4 @@ static void test_tangents(void **state)
 		world_destroy(world);
 	}
 	square.tangent = NULL;
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_blend),	     cmocka_unit_test(test_mask),
-		cmocka_unit_test(test_colours),	     cmocka_unit_test(test_bumps),
-		cmocka_unit_test(test_bumps_turned), cmocka_unit_test(test_tangents),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The baked transport against closed forms, and against path-traced truth. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "bake/base/random.h"
@@ -17,6 +11,7 @@
 #include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define VIEW                                                                                       \
@@ -74,18 +69,16 @@ static void check_white_furnace(const char *what, const char *lights)
 	check_furnace(what, 0.005, 0.001);
 }
 
-static void test_white_furnace(void **state)
+TEST("white furnace")
 {
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.8, 32);
 	check_white_furnace("white", "");
 	if (thorough())
 		check_white_furnace("white, tents", "lights = tents\n");
 }
 
-static void test_glass_furnace(void **state)
+TEST("glass furnace")
 {
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.8, 32);
 	small_scene_write(
 		"furnace.ini",
@@ -110,12 +103,11 @@ static void check_pane_furnace(const char *what, const char *glass, const char *
 	check_furnace(what, limit, limit / 10);
 }
 
-static void test_pane_furnace(void **state)
+TEST("pane furnace")
 {
 	const char *const metal = "[object metal]\nfile = small.obj\nup = z\nmaterial = metal\n"
 				  "position = 0 0 0.8\n";
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.8, 32);
 	small_scene_write_sphere("small.obj", 0.5, 32);
 	check_pane_furnace("metal behind panes", "thin = yes", metal, 0.03);
@@ -126,11 +118,10 @@ static void test_pane_furnace(void **state)
 }
 
 /* A convex object over nothing has radiance albedo * (1 + n_z) / 2, with n_z from geometry. */
-static void test_half_sky(void **state)
+TEST("half sky")
 {
 	struct basis basis;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 1, 64);
 	small_scene_write(
 		"half.ini",
@@ -159,11 +150,10 @@ static void test_half_sky(void **state)
 
 /* ---- ground ---- */
 
-static void test_ground_term(void **state)
+TEST("ground term")
 {
 	struct basis basis;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.5, 8);
 	/* The ground's share of each light does not depend on pixels: the smallest possible
 	 * picture, and the finest dome. */
@@ -185,13 +175,12 @@ static void test_ground_term(void **state)
 }
 
 /* Ground right below a black sphere sees the sphere with form factor (R / h)^2. */
-static void test_form_factor(void **state)
+TEST("form factor")
 {
 	const double radius = 0.5, height = 1.25;
 	struct basis basis;
 	double v[512];
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", radius, 64);
 	small_scene_write(
 		"f.ini",
@@ -238,12 +227,11 @@ static double below_a_plate(double half_side, double height, double albedo)
 
 /* A surface that faces straight down has no downhill direction. Tilted by next to nothing it must
  * give the same light. */
-static void test_looks_straight_down(void **state)
+TEST("looks straight down")
 {
 	static const char *const tilts[] = {"0 0 0", "0.01 0 0", "0 0.00001 0"};
 	const double want = below_a_plate(0.8, 0.5, 0.8);
 
-	(void)state;
 	small_scene_write("plate.obj", "v -0.8 -0.8 0\nv 0.8 -0.8 0\nv 0.8 0.8 0\nv -0.8 0.8 0\n"
 				       "f 4 3 2 1\n");
 	for (int k = 0; k < 3; k++) {
@@ -272,7 +260,7 @@ static void test_looks_straight_down(void **state)
 /* ---- directions ---- */
 
 /* Each pixel of a mirroring sphere shows the cell that the law of reflection gives. */
-static void test_mirror(void **state)
+TEST("mirror")
 {
 	struct fault fault = {.text = ""};
 	struct basis basis;
@@ -280,7 +268,6 @@ static void test_mirror(void **state)
 	double all = 0;
 	int checked = 0, strays = 0;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 6, DOME_ANGLES, &fault), 0);
 	small_scene_write_sphere("ball.obj", 1, 128);
 	small_scene_write(
@@ -335,14 +322,13 @@ static void test_mirror(void **state)
 /* ---- stand-ins ---- */
 
 /* A stand-in in place of the ground receives the same shadow, through D and U instead of V. */
-static void test_standin_is_ground(void **state)
+TEST("standin is ground")
 {
 	static double of_ground[32][32];
 	struct basis basis;
 	double worst = 0, sum = 0;
 	int count = 0;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.8, 24);
 	small_scene_write("plane.obj",
 			  "v -40 -40 0\nv 40 -40 0\nv 40 40 0\nv -40 40 0\nf 1 2 3 4\n");
@@ -373,12 +359,11 @@ static void test_standin_is_ground(void **state)
 	assert_true(count > 500 && fabs(sum / count) < 0.002 && worst < 0.03);
 }
 
-static void test_standin_hides(void **state)
+TEST("standin hides")
 {
 	struct basis basis;
 	int seen = 0;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.8, 12);
 	/* a wall before the right half */
 	small_scene_write("wall.obj", "v 0 -3 0\nv 9 -3 0\nv 9 -3 9\nv 0 -3 9\nf 1 2 3 4\n");
@@ -484,16 +469,15 @@ static void check_truth_agrees(enum dome_shape shape)
 	dome_free(&dome);
 }
 
-static void test_truth_agrees(void **state)
+TEST("truth agrees")
 {
-	(void)state;
 	check_truth_agrees(DOME_CELLS);
 	if (thorough())
 		check_truth_agrees(DOME_TENTS);
 }
 
 /* The fisheye picture of a panorama holds the same light as its upper half. */
-static void test_fisheye_energy(void **state)
+TEST("fisheye energy")
 {
 	const int width = 256, height = 128, side = 100;
 	const struct fisheye_settings lens_settings = {.field_deg = 90};
@@ -504,7 +488,6 @@ static void test_fisheye_energy(void **state)
 	struct fisheye lens;
 	struct sky sky;
 
-	(void)state;
 	assert_int_equal(image_create_f32(&image, width, height), 0);
 	for (int y = 0; y < height; y++)
 		for (int x = 0; x < width; x++)
@@ -535,16 +518,4 @@ static void test_fisheye_energy(void **state)
 	sky_free(&sky);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_white_furnace),	    cmocka_unit_test(test_glass_furnace),
-		cmocka_unit_test(test_pane_furnace),	    cmocka_unit_test(test_half_sky),
-		cmocka_unit_test(test_ground_term),	    cmocka_unit_test(test_form_factor),
-		cmocka_unit_test(test_looks_straight_down), cmocka_unit_test(test_mirror),
-		cmocka_unit_test(test_standin_is_ground),   cmocka_unit_test(test_standin_hides),
-		cmocka_unit_test(test_truth_agrees),	    cmocka_unit_test(test_fisheye_energy),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Glass objects and stand-ins for real things: baked, composited and compared with path tracing,
  * over a background whose pattern shows where light comes from. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -17,6 +11,7 @@
 #include "tests/support/bake/baked_rows.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH 40
@@ -195,13 +190,12 @@ static void write_box(const char *name, double x, double y, double z)
 
 /* Flat glass shows each pixel its own background, times the colour once for each of two surfaces.
  */
-static void a_tinted_pane_lets_its_own_background_through(void **state)
+TEST("a tinted pane lets its own background through")
 {
 	const double tint[3] = {0.95, 0.7, 0.4};
 	struct glass_comparison c;
 	int whole = 0, foot = 0;
 
-	(void)state;
 	write_box("pane.obj", 0.55, 0.04, 1.1);
 	small_scene_write(
 		"pane.ini",
@@ -233,12 +227,11 @@ static void a_tinted_pane_lets_its_own_background_through(void **state)
 }
 
 /* A pane of one surface, an open mesh: it reflects 2 F / (1 + F). */
-static void a_thin_pane_mirrors_on_both_sides(void **state)
+TEST("a thin pane mirrors on both sides")
 {
 	const double once = 0.04, both = 2 * once / (1 + once);
 	struct glass_comparison c;
 
-	(void)state;
 	small_scene_write("sheet.obj",
 			  "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
 	small_scene_write(
@@ -258,12 +251,11 @@ static void a_thin_pane_mirrors_on_both_sides(void **state)
 }
 
 /* A glass ball shows the background upside down. */
-static void a_ball_bends_the_background(void **state)
+TEST("a ball bends the background")
 {
 	struct glass_comparison c;
 	int below = 0;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.5, 32);
 	small_scene_write(
 		"ball.ini",
@@ -344,9 +336,8 @@ static void check_invisible(const char *mesh, const char *material)
 	image_free(&c.truth);
 }
 
-static void an_invisible_pane_throws_no_shadow(void **state)
+TEST("an invisible pane throws no shadow")
 {
-	(void)state;
 	write_panes();
 	small_scene_write_sphere("ball.obj", 0.2, 24);
 	check_invisible("roof.obj", "thin = yes\nior = 1\ncolour = 1 1 1");
@@ -358,12 +349,11 @@ static void an_invisible_pane_throws_no_shadow(void **state)
 
 /* The zenith's cell, which spans 7 degrees at f = 9, through a pane over ground that is almost black:
  * what is taken is 1 - tint (1 - 2 F / (1 + F)), F = 0.04. */
-static void a_tinted_roof_takes_by_fresnel(void **state)
+TEST("a tinted roof takes by fresnel")
 {
 	static const double tint[3] = {0.9, 0.6, 0.3};
 	struct basis basis;
 
-	(void)state;
 	small_scene_write("roof.obj", "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n");
 	small_scene_write(
 		"roof.ini",
@@ -416,7 +406,7 @@ static void check_shadow(const char *what, const char *mesh, const char *materia
 	compared(&c);
 }
 
-static void shadows_of_glass_agree_with_truth(void **state)
+TEST("shadows of glass agree with truth")
 {
 	const char *const metal = "[object ball]\nfile = ball.obj\nup = z\nposition = 0 0.1 0.4\n"
 				  "material = metal\n[material metal]\nkind = glossy\n"
@@ -424,7 +414,6 @@ static void shadows_of_glass_agree_with_truth(void **state)
 	const char *const floor = "[standin floor]\nfile = floor.obj\nup = z\nmaterial = grey\n"
 				  "position = 0 0 0.05\n[material grey]\ncolour = 0.6 0.6 0.6\n";
 
-	(void)state;
 	write_panes();
 	small_scene_write("floor.obj", "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n");
 	small_scene_write_sphere("ball.obj", 0.35, 24);
@@ -444,13 +433,12 @@ static void shadows_of_glass_agree_with_truth(void **state)
 
 /* How much the ground's ratio under a single cell differs between two seeds. A single path through
  * the ball for each sample would make it 0.116. */
-static void light_bent_by_a_ball_has_little_noise(void **state)
+TEST("light bent by a ball has little noise")
 {
 	struct basis basis[2];
 	double square = 0, noise;
 	int count = 0;
 
-	(void)state;
 	small_scene_write_sphere("ball.obj", 0.5, 32);
 	for (int k = 0; k < 2; k++) {
 		small_scene_write("seed.ini",
@@ -484,12 +472,11 @@ static void light_bent_by_a_ball_has_little_noise(void **state)
 
 /* A real box in front of the object hides it, and there the picture does not change; a real step
  * receives the object's shadow. */
-static void real_things_hide_and_receive(void **state)
+TEST("real things hide and receive")
 {
 	struct glass_comparison c;
 	int hidden = 0, shown = 0, dark = 0, wrong = 0;
 
-	(void)state;
 	write_box("box.obj", 0.3, 0.2, 0.45);
 	write_box("step.obj", 1.2, 0.5, 0.25);
 	small_scene_write_sphere("ball.obj", 0.45, 24);
@@ -527,18 +514,4 @@ static void real_things_hide_and_receive(void **state)
 	compared(&c);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_tinted_pane_lets_its_own_background_through),
-		cmocka_unit_test(a_thin_pane_mirrors_on_both_sides),
-		cmocka_unit_test(a_ball_bends_the_background),
-		cmocka_unit_test(an_invisible_pane_throws_no_shadow),
-		cmocka_unit_test(a_tinted_roof_takes_by_fresnel),
-		cmocka_unit_test(shadows_of_glass_agree_with_truth),
-		cmocka_unit_test(light_bent_by_a_ball_has_little_noise),
-		cmocka_unit_test(real_things_hide_and_receive),
-	};
-
-	return cmocka_run_group_tests(tests, small_scene_begin, small_scene_end);
-}
+TEST_GROUP(small_scene_begin, small_scene_end);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Files that are read whole, and what a document of them may ask for. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +9,7 @@
 #include "hal/base/budget.h"
 #include "hal/base/input.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static void write_file(size_t bytes)
 {
@@ -26,14 +21,13 @@ static void write_file(size_t bytes)
 	assert_int_equal(fclose(file), 0);
 }
 
-static void files_are_read_whole(void **state)
+TEST("files are read whole")
 {
 	static const size_t lengths[] = {0, 1, 4096, 100000};
 	struct fault fault = {.text = ""};
 	uint8_t *data;
 	size_t bytes;
 
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		write_file(lengths[k]);
 		assert_int_equal(input_read(own_folder_path("a"), 100000, &data, &bytes, &fault),
@@ -52,12 +46,11 @@ static void files_are_read_whole(void **state)
 	assert_int_equal(input_read(own_folder_path("a"), 100000, &data, &bytes, &fault), -ENOENT);
 }
 
-static void budgets_are_of_all_files(void **state)
+TEST("budgets are of all files")
 {
 	struct budget budget = {.file_bytes = 1 << 20};
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	assert_int_equal(budget_take(&budget, 0x1p28, "a", &fault), 0);
 	assert_int_equal(budget_fits(&budget, 0x1p28, "a", &fault), 0);
 	assert_int_equal(budget_take(&budget, 0x1p28, "a", &fault), 0);
@@ -69,12 +62,4 @@ static void budgets_are_of_all_files(void **state)
 	assert_int_equal(budget_take(&budget, 256, "a", &fault), 0);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(files_are_read_whole),
-		cmocka_unit_test(budgets_are_of_all_files),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The writers of JSON and CSV: what stands between values, what is quoted, and that no digit is lost. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,8 +7,9 @@
 
 #include "hal/base/csv.h"
 #include "hal/base/json.h"
+#include "tests/support/test.h"
 
-static void json_is_indented_and_quoted(void **state)
+TEST("json is indented and quoted")
 {
 	static const double numbers[] = {0.1, -3, NAN, 1e300};
 	struct json json;
@@ -22,7 +17,6 @@ static void json_is_indented_and_quoted(void **state)
 	size_t bytes;
 	FILE *to = open_memstream(&text, &bytes);
 
-	(void)state;
 	assert_non_null(to);
 	json_begin(&json, to);
 	json_text(&json, "a\"b", "tab\t, back\\slash, \xc3\xa9, \xe9t\xe9, \xed\xa0\x80");
@@ -48,11 +42,10 @@ static void json_is_indented_and_quoted(void **state)
 	free(text);
 }
 
-static void json_keeps_every_digit(void **state)
+TEST("json keeps every digit")
 {
 	static const double numbers[] = {1.0 / 3, 0.1 + 0.2, 5e-324, 9007199254740993.0, -M_PI};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(numbers) / sizeof(*numbers); k++) {
 		struct json json;
 		char *text = NULL;
@@ -69,13 +62,12 @@ static void json_keeps_every_digit(void **state)
 	}
 }
 
-static void csv_is_quoted_where_it_must_be(void **state)
+TEST("csv is quoted where it must be")
 {
 	char *text = NULL;
 	size_t bytes;
 	FILE *to = open_memstream(&text, &bytes);
 
-	(void)state;
 	assert_non_null(to);
 	csv_text(to, "plain words");
 	csv_text(to, "a \"b\", c");
@@ -84,15 +76,4 @@ static void csv_is_quoted_where_it_must_be(void **state)
 	fclose(to);
 	assert_string_equal(text, "plain words\"a \"\"b\"\", c\"1.234568");
 	free(text);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(json_is_indented_and_quoted),
-		cmocka_unit_test(json_keeps_every_digit),
-		cmocka_unit_test(csv_is_quoted_where_it_must_be),
-	};
-
-	return cmocka_run_group_tests_name("JSON and CSV", tests, NULL, NULL);
 }

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Messages that come again and again, by a clock that is played. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "hal/base/clock.h"
 #include "hal/base/log_pace.h"
+#include "tests/support/test.h"
 
 static struct log_pace pace;
 
@@ -27,7 +22,7 @@ static bool take(const char *text, int64_t second)
 }
 
 /* A camera that comes and goes each second for ten hours: few lines, and none is lost. */
-static void ten_hours_are_few_lines(void **state)
+TEST_BETWEEN("ten hours are few lines", start, NULL)
 {
 	static const int expected_s[] = {63, 183, 423, 903, 1863, 3783, 7383, 10983, 14583};
 	char line[LOG_PACE_TEXT_MAX + 64];
@@ -35,7 +30,6 @@ static void ten_hours_are_few_lines(void **state)
 	unsigned written = 0, counted = 0, counts = 0, times;
 	size_t summaries = 0;
 
-	(void)state;
 	for (int s = 0; s < 36000; s++) {
 		written += take("camera c: unplugged", s);
 		while (log_pace_due(&pace, s * NS_PER_S, &level, line)) {
@@ -70,12 +64,11 @@ static void ten_hours_are_few_lines(void **state)
 }
 
 /* What is written last is how it is. */
-static void the_last_state_comes_last(void **state)
+TEST_BETWEEN("the last state comes last", start, NULL)
 {
 	char line[LOG_PACE_TEXT_MAX + 64];
 	enum log_level level;
 
-	(void)state;
 	for (int s = 0; s < 10; s++) {
 		take("fine again", 2 * s + 10);
 		take("unplugged", 2 * s + 11);
@@ -87,9 +80,8 @@ static void the_last_state_comes_last(void **state)
 	assert_false(log_pace_due(&pace, 200 * NS_PER_S, &level, line));
 }
 
-static void what_is_rare_is_written_each_time(void **state)
+TEST_BETWEEN("what is rare is written each time", start, NULL)
 {
-	(void)state;
 	for (int i = 0; i < 20; i++)
 		assert_true(take("once an hour", i * 3600));
 	for (int i = 0; i < LOG_PACE_FIRST; i++)
@@ -99,13 +91,12 @@ static void what_is_rare_is_written_each_time(void **state)
 }
 
 /* Whatever the number of texts, one that is counted is forgotten last. */
-static void many_texts_forget_the_oldest(void **state)
+TEST_BETWEEN("many texts forget the oldest", start, NULL)
 {
 	char text[40], line[LOG_PACE_TEXT_MAX + 64];
 	char longest[2 * LOG_PACE_TEXT_MAX];
 	enum log_level level;
 
-	(void)state;
 	for (int i = 0; i <= LOG_PACE_FIRST; i++)
 		take("counted", i);
 	for (int i = 0; i < 10 * LOG_PACE_TEXTS; i++) {
@@ -119,16 +110,4 @@ static void many_texts_forget_the_oldest(void **state)
 	for (int i = 0; i < LOG_PACE_FIRST; i++)
 		assert_true(take(longest, 1000 + i));
 	assert_false(take(longest, 1010));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test_setup(ten_hours_are_few_lines, start),
-		cmocka_unit_test_setup(the_last_state_comes_last, start),
-		cmocka_unit_test_setup(what_is_rare_is_written_each_time, start),
-		cmocka_unit_test_setup(many_texts_forget_the_oldest, start),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Output files appear complete or not at all, and each message is a whole line. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
@@ -24,6 +18,7 @@
 #include "tests/support/captured_log.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static int files_in_folder(void)
 {
@@ -48,14 +43,13 @@ static void check_content(const char *path, const char *want)
 	assert_string_equal(text, want);
 }
 
-static void appears_by_rename(void **state)
+TEST("appears by rename")
 {
 	const char *path = own_folder_path("a");
 	struct output out;
 	struct stat s;
 	mode_t before;
 
-	(void)state;
 	assert_int_equal(output_open(&out, path, NULL), 0);
 	fputs("one", out.stream);
 	fflush(out.stream);
@@ -80,11 +74,10 @@ static void appears_by_rename(void **state)
 	unlink(path);
 }
 
-static void abandoned_without_trace(void **state)
+TEST("abandoned without trace")
 {
 	struct output zeroed = {.stream = NULL}, out;
 
-	(void)state;
 	output_abandon(&zeroed);
 	assert_int_equal(output_open(&out, own_folder_path("a"), NULL), 0);
 	fputs("one", out.stream);
@@ -93,11 +86,10 @@ static void abandoned_without_trace(void **state)
 	assert_int_equal(files_in_folder(), 0);
 }
 
-static void two_at_once(void **state)
+TEST("two at once")
 {
 	struct output a, b;
 
-	(void)state;
 	assert_int_equal(output_open(&a, own_folder_path("a"), NULL), 0);
 	assert_int_equal(output_open(&b, own_folder_path("a"), NULL), 0);
 	fputs("first", a.stream);
@@ -110,7 +102,7 @@ static void two_at_once(void **state)
 }
 
 /* A full disk, simulated by a limit on the size of files. */
-static void full_disk_leaves_the_old_file(void **state)
+TEST("full disk leaves the old file")
 {
 	static char block[65536];
 	const char *path = own_folder_path("a");
@@ -118,7 +110,6 @@ static void full_disk_leaves_the_old_file(void **state)
 	struct rlimit before, tight;
 	struct output out;
 
-	(void)state;
 	assert_int_equal(output_open(&out, path, NULL), 0);
 	fputs("old", out.stream);
 	assert_int_equal(output_commit(&out, NULL), 0);
@@ -140,13 +131,12 @@ static void full_disk_leaves_the_old_file(void **state)
 	unlink(path);
 }
 
-static void links_are_followed(void **state)
+TEST("links are followed")
 {
 	char target[PATH_MAX], name[PATH_MAX];
 	struct output out;
 	struct stat s;
 
-	(void)state;
 	strcpy(target, own_folder_path("target"));
 	strcpy(name, own_folder_path("link"));
 	assert_int_equal(symlink("target", name), 0);
@@ -161,13 +151,12 @@ static void links_are_followed(void **state)
 	unlink(target);
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	char path[2 * PATH_MAX];
 	struct fault fault = {""};
 	struct output out;
 
-	(void)state;
 	assert_int_equal(output_open(&out, own_folder_path("no/such"), &fault), -ENOENT);
 	assert_non_null(strstr(fault.text, "no/such"));
 	assert_int_equal(output_open(&out, own_folder(), &fault), -EISDIR);
@@ -211,13 +200,12 @@ static void two_threads_say(void)
 	pthread_join(other, NULL);
 }
 
-static void lines_stay_whole(void **state)
+TEST("lines stay whole")
 {
 	FILE *stream;
 	char line[512], want[512], name;
 	int count = 0, number;
 
-	(void)state;
 	log_setup("inlay-test", LOG_LEVEL_WARNING);
 	stream = captured(two_threads_say);
 	for (; fgets(line, sizeof(line), stream); count++) {
@@ -243,12 +231,11 @@ static void speak_at_all_levels(void)
 	log_error("%s", endless);
 }
 
-static void levels_and_long_lines(void **state)
+TEST("levels and long lines")
 {
 	FILE *stream;
 	char line[8192];
 
-	(void)state;
 	log_setup("p", LOG_LEVEL_INFO);
 	stream = captured(speak_at_all_levels);
 	assert_non_null(fgets(line, sizeof(line), stream));
@@ -271,12 +258,11 @@ static void speak_in_controls(void)
 
 /* One message is one line, and control characters cannot reach the terminal. UTF-8 stays as it is.
  */
-static void controls_are_replaced(void **state)
+TEST("controls are replaced")
 {
 	FILE *stream;
 	char line[256];
 
-	(void)state;
 	log_setup("p", LOG_LEVEL_INFO);
 	stream = captured(speak_in_controls);
 	assert_non_null(fgets(line, sizeof(line), stream));
@@ -288,12 +274,11 @@ static void controls_are_replaced(void **state)
 }
 
 /* However the program ends, it leaves no temporary file. */
-static void killed_without_trace(void **state)
+TEST("killed without trace")
 {
 	const pid_t child = fork();
 	int status;
 
-	(void)state;
 	assert_true(child >= 0);
 	if (child == 0) {
 		struct output out;
@@ -310,14 +295,13 @@ static void killed_without_trace(void **state)
 }
 
 /* Checked before any work: no output may replace an input or another output. */
-static void checked_before(void **state)
+TEST("checked before")
 {
 	char input[PATH_MAX], hard[PATH_MAX], soft[PATH_MAX], fresh[PATH_MAX], again[PATH_MAX];
 	struct fault fault = {.text = ""};
 	const char *const read[] = {NULL, input};
 	FILE *stream;
 
-	(void)state;
 	strcpy(input, own_folder_path("in"));
 	strcpy(hard, own_folder_path("hard"));
 	strcpy(soft, own_folder_path("soft"));
@@ -346,21 +330,4 @@ static void checked_before(void **state)
 	unlink(soft);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(appears_by_rename),
-		cmocka_unit_test(abandoned_without_trace),
-		cmocka_unit_test(two_at_once),
-		cmocka_unit_test(full_disk_leaves_the_old_file),
-		cmocka_unit_test(killed_without_trace),
-		cmocka_unit_test(links_are_followed),
-		cmocka_unit_test(refused),
-		cmocka_unit_test(checked_before),
-		cmocka_unit_test(lines_stay_whole),
-		cmocka_unit_test(levels_and_long_lines),
-		cmocka_unit_test(controls_are_replaced),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

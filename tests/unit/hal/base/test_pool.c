@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The pool runs every item once, one item at a time on each worker, and loses nothing between jobs.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <pthread.h>
 #include <signal.h>
@@ -17,6 +11,7 @@
 #include "hal/base/clock.h"
 #include "hal/base/pool.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define ITEMS 5000
 
@@ -44,12 +39,11 @@ static void note(void *context, int item, int worker)
 	atomic_fetch_sub(&r->busy[worker], 1);
 }
 
-static void every_item_once(void **state)
+TEST("every item once")
 {
 	static const int counts[] = {0, 1, 2, 3, 7, 64, ITEMS};
 	static struct pool_record r;
 
-	(void)state;
 	for (int threads = 1; threads <= 8; threads++) {
 		struct pool *pool;
 
@@ -75,12 +69,11 @@ static void every_item_once(void **state)
 	}
 }
 
-static void many_short_jobs(void **state)
+TEST("many short jobs")
 {
 	static struct pool_record r;
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 4), 0);
 	memset(&r, 0, sizeof(r));
 	r.threads = 4;
@@ -104,11 +97,10 @@ static void finish_late(void *context, int item, int worker)
 	finished[item] = 1; /* not atomic: only the end of the job may make it visible */
 }
 
-static void returns_when_all_are_done(void **state)
+TEST("returns when all are done")
 {
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 4), 0);
 	for (int round = 0; round < 100; round++) {
 		int finished[7] = {0};
@@ -147,12 +139,11 @@ static void meet(void *context, int item, int worker)
 	pthread_mutex_unlock(&m->lock);
 }
 
-static void works_side_by_side(void **state)
+TEST("works side by side")
 {
 	struct pool_meeting m = {PTHREAD_MUTEX_INITIALIZER, PTHREAD_COND_INITIALIZER, 0, 0};
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 3), 0);
 	pool_run(pool, 3, meet, &m);
 	pool_destroy(pool);
@@ -168,12 +159,11 @@ static void check_caller(void *context, int item, int worker)
 	assert_true(pthread_equal(*caller, pthread_self()));
 }
 
-static void one_thread_is_the_caller(void **state)
+TEST("one thread is the caller")
 {
 	pthread_t self = pthread_self();
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 1), 0);
 	pool_run(pool, 100, check_caller, &self);
 	pool_destroy(pool);
@@ -190,13 +180,12 @@ static void check_signals(void *context, int item, int worker)
 		(*open)++;
 }
 
-static void workers_leave_signals_alone(void **state)
+TEST("workers leave signals alone")
 {
 	atomic_int open = 0;
 	struct pool *pool;
 	sigset_t blocked;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 4), 0);
 	pool_run(pool, 1000, check_signals, &open);
 	pool_destroy(pool);
@@ -213,14 +202,13 @@ static void nothing(void *context, int item, int worker)
 }
 
 /* Between jobs the workers sleep: process time stands still while wall time passes. */
-static void sleeps_between_jobs(void **state)
+TEST("sleeps between jobs")
 {
 	const struct timespec nap = {0, 200 * NS_PER_MS};
 	struct timespec before, after;
 	struct pool *pool;
 	int64_t spent_ns;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 8), 0);
 	pool_run(pool, 100, nothing, NULL);
 	clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &before);
@@ -231,11 +219,10 @@ static void sleeps_between_jobs(void **state)
 	assert_true(spent_ns < 50 * NS_PER_MS);
 }
 
-static void limits(void **state)
+TEST("limits")
 {
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, -1), -EINVAL);
 	assert_null(pool);
 	assert_int_equal(pool_create(&pool, POOL_THREADS_MAX + 1), -EINVAL);
@@ -243,20 +230,4 @@ static void limits(void **state)
 	assert_int_equal(pool_threads(pool), sysconf(_SC_NPROCESSORS_ONLN));
 	pool_destroy(pool);
 	pool_destroy(NULL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_item_once),
-		cmocka_unit_test(many_short_jobs),
-		cmocka_unit_test(returns_when_all_are_done),
-		cmocka_unit_test(works_side_by_side),
-		cmocka_unit_test(one_thread_is_the_caller),
-		cmocka_unit_test(workers_leave_signals_alone),
-		cmocka_unit_test(sleeps_between_jobs),
-		cmocka_unit_test(limits),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

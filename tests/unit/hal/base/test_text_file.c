@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Text files line by line, and the numbers in them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -20,6 +14,7 @@
 #include "hal/base/text_file.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static void write_text(const char *text, size_t bytes)
 {
@@ -30,13 +25,12 @@ static void write_text(const char *text, size_t bytes)
 	assert_int_equal(fclose(stream), 0);
 }
 
-static void lines_without_their_breaks(void **state)
+TEST("lines without their breaks")
 {
 	static const char text[] = "\xef\xbb\xbfone\r\n\n\xef\xbb\xbfthree \r\r\nfour";
 	static const char *const want[] = {"one", "", "\xef\xbb\xbfthree \r", "four"};
 	struct text_file file;
 
-	(void)state;
 	write_text(text, sizeof(text) - 1);
 	assert_int_equal(text_file_open(&file, own_folder_path("text"), NULL), 0);
 	assert_int_equal(file.number, 0);
@@ -72,13 +66,12 @@ static void test_text_file_expect(const char *path, int lines, int err, const ch
 	text_file_close(&file);
 }
 
-static void no_text(void **state)
+TEST("no text")
 {
 	static char wide[TEXT_LINE_BYTES_MAX + 2];
 	struct fault fault = {""};
 	struct text_file file;
 
-	(void)state;
 	write_text("one\nt\0o\n", 8);
 	test_text_file_expect(own_folder_path("text"), 2, -EINVAL,
 			      ":2: holds a zero byte, expected a text file");
@@ -110,12 +103,11 @@ static void test_text_file_refuse(const char *path, int err, const char *what)
 }
 
 /* Files that a reader would wait for, or read, for ever. */
-static void no_files(void **state)
+TEST("no files")
 {
 	struct sockaddr_un address = {.sun_family = AF_UNIX};
 	const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
 
-	(void)state;
 	alarm(60);
 	test_text_file_refuse(own_folder(), -EISDIR, "folder");
 	test_text_file_refuse("/dev/zero", -EINVAL, "device");
@@ -132,14 +124,13 @@ static void no_files(void **state)
 }
 
 /* A pipe as a shell's <(command) gives it; the command may be slow. */
-static void the_pipe_of_a_command(void **state)
+TEST("the pipe of a command")
 {
 	char path[40];
 	struct text_file file;
 	int ends[2];
 	pid_t command;
 
-	(void)state;
 	assert_int_equal(pipe(ends), 0);
 	command = fork();
 	if (!command) {
@@ -159,14 +150,13 @@ static void the_pipe_of_a_command(void **state)
 }
 
 /* Endless blank lines, which no limit on a line stops. */
-static void large_files(void **state)
+TEST("large files")
 {
 	struct fault fault = {""};
 	struct text_file file;
 	FILE *stream = fopen(own_folder_path("text"), "wb");
 	int ret, lines = 0;
 
-	(void)state;
 	assert_non_null(stream);
 	for (int k = 0; k < TEXT_FILE_BYTES_MAX; k++)
 		putc_unlocked('\n', stream);
@@ -186,7 +176,7 @@ static void large_files(void **state)
 	unlink(own_folder_path("text"));
 }
 
-static void numbers(void **state)
+TEST("numbers")
 {
 	static const struct {
 		const char *text;
@@ -201,7 +191,6 @@ static void numbers(void **state)
 	const char *at;
 	double value;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(right) / sizeof(*right); k++) {
 		at = right[k].text;
 		assert_int_equal(number_read(&at, &value), 0);
@@ -220,16 +209,4 @@ static void numbers(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(lines_without_their_breaks),
-		cmocka_unit_test(no_text),
-		cmocka_unit_test(no_files),
-		cmocka_unit_test(the_pipe_of_a_command),
-		cmocka_unit_test(large_files),
-		cmocka_unit_test(numbers),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

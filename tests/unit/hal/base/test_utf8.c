@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Tells which bytes are UTF-8, held against an encoder for every code point. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "hal/base/utf8.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* Encodes a code point by the table of RFC 3629. */
 static int test_utf8_encode(uint32_t code, char out[5])
@@ -27,9 +22,8 @@ static int test_utf8_encode(uint32_t code, char out[5])
 	return bytes;
 }
 
-static void every_code_point(void **state)
+TEST("every code point")
 {
-	(void)state;
 	for (uint32_t code = 1; code < 0x120000; code++) {
 		bool surrogate = code >= 0xd800 && code < 0xe000;
 		char text[5];
@@ -45,7 +39,7 @@ static void every_code_point(void **state)
 	assert_int_equal(utf8_bytes(""), 0);
 }
 
-static void what_is_none(void **state)
+TEST("what is none")
 {
 	static const char *const bad[] = {
 		"\x80",	    "\xbf",	    "\xc0\x80",
@@ -55,16 +49,14 @@ static void what_is_none(void **state)
 		"\xe2\x82", "\xc3(",
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(bad) / sizeof(*bad); i++)
 		assert_int_equal(utf8_bytes(bad[i]), 0);
 }
 
-static void copies_are_clean(void **state)
+TEST("copies are clean")
 {
 	char to[32];
 
-	(void)state;
 	assert_int_equal(utf8_copy(to, sizeof(to), "Müller 20 µm"), 14);
 	assert_string_equal(to, "Müller 20 µm");
 	utf8_copy(to, sizeof(to), "a\tb\nc\x1b[0m\x7f\xc2\x85z");
@@ -83,12 +75,11 @@ static void copies_are_clean(void **state)
 }
 
 /* Cut at any length: whole characters from the start of the text, and nothing after them. */
-static void cut_between_characters(void **state)
+TEST("cut between characters")
 {
 	const char *text = "aä€😀bç";
 	char to[32];
 
-	(void)state;
 	for (size_t room = 0; room < 20; room++) {
 		size_t length;
 
@@ -108,11 +99,10 @@ static void cut_between_characters(void **state)
 	}
 }
 
-static void bytes_at_random(void **state)
+TEST("bytes at random")
 {
 	struct chance chance = chance_begin("bytes_at_random");
 
-	(void)state;
 	for (int run = 0; run < 20000; run++) {
 		char from[24], to[24];
 		int length = chance_int(&chance, 0, 23), room = chance_int(&chance, 1, 24);
@@ -127,15 +117,4 @@ static void bytes_at_random(void **state)
 			expect_that((uint8_t)*at >= 0x20 && *at != 0x7f, "run=%d", run);
 		}
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_code_point), cmocka_unit_test(what_is_none),
-		cmocka_unit_test(copies_are_clean), cmocka_unit_test(cut_between_characters),
-		cmocka_unit_test(bytes_at_random),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The basis file: the reader returns what the writer wrote, and a writer that fails leaves no file.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,6 +16,7 @@
 #include "tests/support/basis/copied_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 3, POSES = 2, PAYLOAD = 8192 };
 
@@ -177,7 +172,7 @@ static void check_exact(const struct basis_layer *layer)
 	}
 }
 
-static void writes_and_reads_back(void **state)
+TEST("writes and reads back")
 {
 	uint16_t coverage[17 * 3];
 	const float peak[LIGHTS + 1][3] = {{0.5F, 0.25F, 0}, {1, 2, 3}, {0, 0, 0}, {9, 8, 7}};
@@ -228,7 +223,7 @@ static void writes_and_reads_back(void **state)
 }
 
 /* The file in which the writer collects the exact layer starts anew with each pose. */
-static void each_pose_has_its_own_exact_layer(void **state)
+TEST("each pose has its own exact layer")
 {
 	static const int tiles[3][2] = {{0, 1}, {-1, -1}, {1, -1}};
 	const struct basis_info_chunk info = {
@@ -267,7 +262,7 @@ static void each_pose_has_its_own_exact_layer(void **state)
 }
 
 /* A kiosk in mode exact shows what it has checked, even when the file changes afterwards. */
-static void the_exact_layer_outlives_its_file(void **state)
+TEST("the exact layer outlives its file")
 {
 	const struct synthetic *s = *state;
 	const struct basis_layer *expected = &s->basis.poses[0].exact, *layer;
@@ -295,12 +290,11 @@ static void the_exact_layer_outlives_its_file(void **state)
 }
 
 /* The reader accepts files of every valid shape, and both layers say the same. */
-static void accepts_what_may_be(void **state)
+TEST("accepts what may be")
 {
 	static const int lights[] = {1, 2, 6, 33, 50, 129};
 	struct chance chance = chance_begin("shapes");
 
-	(void)state;
 	for (int n = 0; n < 60; n++) {
 		struct synthetic_options o = copied_small;
 		struct fault fault = {""};
@@ -350,7 +344,7 @@ static double *tile_values(const struct basis *basis, const struct basis_tile *t
 	return all;
 }
 
-static void both_layers_say_the_same(void **state)
+TEST("both layers say the same")
 {
 	struct synthetic *s = *state;
 	const struct basis *basis = &s->basis;
@@ -386,7 +380,7 @@ static void is_empty_but_for(const struct synthetic *s)
 	synthetic_write((struct synthetic *)s, &copied_small);
 }
 
-static void a_failed_writer_leaves_nothing(void **state)
+TEST("a failed writer leaves nothing")
 {
 	struct basis_info_chunk info = {
 		.width = 1, .height = 1, .lights = LIGHTS, .grounds = 0, .poses = 2, .coarse = 2};
@@ -417,7 +411,7 @@ static void a_failed_writer_leaves_nothing(void **state)
 	is_empty_but_for(s);
 }
 
-static void the_writer_refuses_what_cannot_be(void **state)
+TEST("the writer refuses what cannot be")
 {
 	struct basis_info_chunk info = {
 		.width = 1, .height = 1, .lights = LIGHTS, .grounds = 0, .poses = 1, .coarse = 2};
@@ -462,7 +456,7 @@ static void the_writer_refuses_what_cannot_be(void **state)
 }
 
 /* The disk is full when the file itself is written, or the temporary file beside it. */
-static void a_full_disk_leaves_nothing(void **state)
+TEST("a full disk leaves nothing")
 {
 	const struct rlimit little = {1 << 17, RLIM_INFINITY};
 	struct basis_info_chunk info = {
@@ -497,7 +491,7 @@ static void a_full_disk_leaves_nothing(void **state)
 	is_empty_but_for(s);
 }
 
-static void writing_twice_gives_the_same_bytes(void **state)
+TEST("writing twice gives the same bytes")
 {
 	struct synthetic *s = *state;
 	struct copied first = copied_file(s->path), second;
@@ -519,7 +513,7 @@ static void write_file(const char *path, const void *data, size_t bytes)
 	assert_int_equal(fclose(stream), 0);
 }
 
-static void names_what_is_not_a_basis(void **state)
+TEST("names what is not a basis")
 {
 	struct synthetic *s = *state;
 	struct fault fault = {""};
@@ -546,14 +540,13 @@ static void names_what_is_not_a_basis(void **state)
 	unlink(path);
 }
 
-static void the_exact_layer_may_be_absent(void **state)
+TEST("the exact layer may be absent")
 {
 	struct synthetic_options o = copied_small;
 	struct fault fault = {""};
 	struct basis basis;
 	struct synthetic s;
 
-	(void)state;
 	o.exact = false;
 	synthetic_open(&s, &o);
 	assert_null(s.basis.poses[0].exact.tiles);
@@ -563,7 +556,7 @@ static void the_exact_layer_may_be_absent(void **state)
 	synthetic_close(&s);
 }
 
-static void unknown_chunks_are_passed_over(void **state)
+TEST("unknown chunks are passed over")
 {
 	struct synthetic *s = *state;
 	struct copied copy = copied_file(s->path);
@@ -576,11 +569,10 @@ static void unknown_chunks_are_passed_over(void **state)
 }
 
 /* Packed lines of every code unpack to the same values, and take the bytes that the format says. */
-static void lines_come_back(void **state)
+TEST("lines come back")
 {
 	struct chance chance = chance_begin("lines");
 
-	(void)state;
 	for (int code = 0; code <= UINT8_MAX; code++) {
 		const bool whole = code == BASIS_LINE_WHOLE;
 		const int unit = whole ? 1 : code, top = whole ? 127 : code ? 7 : 0;
@@ -602,23 +594,4 @@ static void lines_come_back(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(lines_come_back),
-		cmocka_unit_test(writes_and_reads_back),
-		cmocka_unit_test(each_pose_has_its_own_exact_layer),
-		cmocka_unit_test(the_exact_layer_outlives_its_file),
-		cmocka_unit_test(accepts_what_may_be),
-		cmocka_unit_test(both_layers_say_the_same),
-		cmocka_unit_test(a_failed_writer_leaves_nothing),
-		cmocka_unit_test(the_writer_refuses_what_cannot_be),
-		cmocka_unit_test(a_full_disk_leaves_nothing),
-		cmocka_unit_test(writing_twice_gives_the_same_bytes),
-		cmocka_unit_test(names_what_is_not_a_basis),
-		cmocka_unit_test(the_exact_layer_may_be_absent),
-		cmocka_unit_test(unknown_chunks_are_passed_over),
-	};
-
-	return cmocka_run_group_tests(tests, copied_setup, copied_teardown);
-}
+TEST_GROUP(copied_setup, copied_teardown);

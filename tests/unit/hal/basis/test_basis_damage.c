@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The basis file: any damage is refused, with a message that says what is wrong and where. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,8 +12,9 @@
 #include "tests/support/basis/copied_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
-static void refuses_every_truncation(void **state)
+TEST("refuses every truncation")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path);
@@ -51,7 +46,7 @@ static bool is_inside(const struct basis_chunk_entry *chunk, size_t byte)
 	return byte >= chunk->offset && byte < chunk->offset + chunk->bytes;
 }
 
-static void refuses_every_flipped_bit(void **state)
+TEST("refuses every flipped bit")
 {
 	struct chance chance = chance_begin("flipped bits");
 	struct synthetic *s = *state;
@@ -84,7 +79,7 @@ static void refuses_every_flipped_bit(void **state)
 }
 
 /* Where the exact layer is not asked for, none of its bytes are read. */
-static void leaves_the_exact_layer_alone(void **state)
+TEST("leaves the exact layer alone")
 {
 	struct synthetic *s = *state;
 	struct copied copy = copied_file(s->path);
@@ -163,7 +158,7 @@ static void refused(struct copied *broken, const struct copied *whole, int line,
 		refused(&c, &whole, __LINE__, text);                                               \
 	} while (0)
 
-static void refuses_broken_numbers(void **state)
+TEST("refuses broken numbers")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -220,7 +215,7 @@ static void refuses_broken_numbers(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_gathers(void **state)
+TEST("refuses broken gathers")
 {
 	static const struct {
 		const char *text;
@@ -250,7 +245,7 @@ static void refuses_broken_gathers(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_chunks(void **state)
+TEST("refuses broken chunks")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -285,7 +280,7 @@ static void refuses_broken_chunks(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_glass(void **state)
+TEST("refuses broken glass")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -306,7 +301,7 @@ static void refuses_broken_glass(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_entries(void **state)
+TEST("refuses broken entries")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -367,7 +362,7 @@ static void remove_last_block(const struct copied *c)
 
 /* Blocks of one tile that contradict each other. The first tile of `copied_small` has T T V V V' V'
  * D D U; each second block lies over the first. */
-static void refuses_what_does_not_add_up(void **state)
+TEST("refuses what does not add up")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -413,7 +408,7 @@ static uint8_t *find_line(const struct parts *b, bool whole, bool last)
 	return NULL;
 }
 
-static void refuses_broken_records(void **state)
+TEST("refuses broken records")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -443,7 +438,7 @@ static void refuses_broken_records(void **state)
 
 /* Columns of groups are valid only where columns may be left out: in the shown layer, of T and V.
  */
-static void refuses_groups_elsewhere(void **state)
+TEST("refuses groups elsewhere")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -469,7 +464,7 @@ static void refuses_groups_elsewhere(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_arrays(void **state)
+TEST("refuses broken arrays")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -504,7 +499,7 @@ static void refuses_broken_arrays(void **state)
 	copied_free(&c);
 }
 
-static void refuses_broken_tints(void **state)
+TEST("refuses broken tints")
 {
 	struct synthetic_options o = copied_small;
 	struct synthetic s;
@@ -512,7 +507,6 @@ static void refuses_broken_tints(void **state)
 	struct fault fault;
 	struct parts t;
 
-	(void)state;
 	o.grey = o.tinted = true;
 	synthetic_open(&s, &o);
 	whole = copied_file(s.path);
@@ -530,7 +524,7 @@ static void refuses_broken_tints(void **state)
 }
 
 /* Scales up to the largest that keeps values in bounds are valid, the next float is not. */
-static void bounds_values(void **state)
+TEST("bounds values")
 {
 	struct synthetic *s = *state;
 	struct copied whole = copied_file(s->path), c = copied_file(s->path);
@@ -567,24 +561,4 @@ static void bounds_values(void **state)
 	copied_free(&c);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(refuses_every_truncation),
-		cmocka_unit_test(refuses_every_flipped_bit),
-		cmocka_unit_test(leaves_the_exact_layer_alone),
-		cmocka_unit_test(refuses_broken_numbers),
-		cmocka_unit_test(refuses_broken_gathers),
-		cmocka_unit_test(refuses_broken_chunks),
-		cmocka_unit_test(refuses_broken_glass),
-		cmocka_unit_test(refuses_broken_entries),
-		cmocka_unit_test(refuses_what_does_not_add_up),
-		cmocka_unit_test(refuses_broken_records),
-		cmocka_unit_test(refuses_groups_elsewhere),
-		cmocka_unit_test(refuses_broken_arrays),
-		cmocka_unit_test(refuses_broken_tints),
-		cmocka_unit_test(bounds_values),
-	};
-
-	return cmocka_run_group_tests(tests, copied_setup, copied_teardown);
-}
+TEST_GROUP(copied_setup, copied_teardown);

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A file of several poses: each pose is the same as in a file of its own, whichever poses are in
  * memory. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,6 +14,7 @@
 #include "tests/support/expect.h"
 
 #include "tests/support/basis/random_frame.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 enum { POSES = 7 };
@@ -97,7 +92,7 @@ static void same_pose(const struct basis *basis, int pose, const struct basis *a
 
 /* Steps and jumps in any order, with and without announced neighbours: the picture is that of the
  * pose's own file, bit for bit. */
-static void each_is_as_alone(void **state)
+TEST("each is as alone")
 {
 	static const int order[] = {0, 1, 2, 1, 0, 6, 5, 3, 3, 6, 0, 4};
 	struct chance chance = chance_begin("poses");
@@ -148,7 +143,7 @@ static int in_memory(const struct basis *basis)
 	return count;
 }
 
-static void only_those_in_use_are_there(void **state)
+TEST("only those in use are there")
 {
 	const struct synthetic *s = *state;
 	struct fault fault = {""};
@@ -184,7 +179,7 @@ static void only_those_in_use_are_there(void **state)
 
 /* The file of a running kiosk is overwritten, or its medium is pulled out: poses in memory stay as
  * they are, others are refused. */
-static void outlives_its_file(void **state)
+TEST("outlives its file")
 {
 	const struct synthetic *s = *state;
 	struct basis joint, alone, before;
@@ -243,7 +238,7 @@ static void can_be_loaded(const struct basis *basis, int pose)
 
 /* A pose whose bytes are not those that were checked is refused. It loads again when they are back,
  * in whichever way the file was restored. */
-static void is_loaded_when_its_file_is_back(void **state)
+TEST("is loaded when its file is back")
 {
 	const struct synthetic *s = *state;
 	struct fault fault = {""};
@@ -287,7 +282,7 @@ static void is_loaded_when_its_file_is_back(void **state)
 }
 
 /* The thread that loads ahead reports the reason of a failure, too. */
-static void tells_why_it_was_not_there_ahead(void **state)
+TEST("tells why it was not there ahead")
 {
 	const struct synthetic *s = *state;
 	struct fault fault = {""};
@@ -306,7 +301,7 @@ static void tells_why_it_was_not_there_ahead(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
-static void names(void **state)
+TEST("names")
 {
 	static const struct basis_pose_name good[3] = {{"front"}, {""}, {"side-2_b"}};
 	static const struct basis_pose_name bad[][3] = {
@@ -350,7 +345,7 @@ static void names(void **state)
 	unlink(path_of(s, "joint.inlay"));
 }
 
-static void footprints(void **state)
+TEST("footprints")
 {
 	static const struct basis_footprint good[2] = {
 		{.corner = {-1, 2}, .side = 0.125F, .row = {[3] = 5}}, {.side = 0}};
@@ -424,7 +419,7 @@ static void poses_refuse(struct damaged *d, const char *words)
 		poses_refuse(&d, words);                                                           \
 	} while (0)
 
-static void refuses_a_broken_pack(void **state)
+TEST("refuses a broken pack")
 {
 	const struct synthetic *s = *state;
 	struct chance chance = chance_begin("broken packs");
@@ -474,7 +469,7 @@ static void refuses_a_broken_pack(void **state)
 }
 
 /* The checks of packed poses know the largest number of columns. */
-static void may_have_groups(void **state)
+TEST("may have groups")
 {
 	const struct synthetic_options options = {.width = 9,
 						  .height = 7,
@@ -493,7 +488,6 @@ static void may_have_groups(void **state)
 	struct synthetic s;
 	struct basis basis;
 
-	(void)state;
 	synthetic_open(&s, &options);
 	write_poses(&s, path_of(&s, "joint.inlay"), 1, 2, NULL, NULL);
 	open_basis(&basis, path_of(&s, "joint.inlay"));
@@ -570,7 +564,7 @@ static void open_bomb(const struct synthetic *s, enum basis_part part, const cha
 		fail_msg("%d, \"%s\", expected \"%s\"", ret, fault.text, words ? words : "");
 }
 
-static void refuses_bombs(void **state)
+TEST("refuses bombs")
 {
 	const struct synthetic *s = *state;
 
@@ -588,20 +582,4 @@ static void refuses_bombs(void **state)
 	unlink(path_of(s, "bomb.inlay"));
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(each_is_as_alone),
-		cmocka_unit_test(only_those_in_use_are_there),
-		cmocka_unit_test(outlives_its_file),
-		cmocka_unit_test(is_loaded_when_its_file_is_back),
-		cmocka_unit_test(tells_why_it_was_not_there_ahead),
-		cmocka_unit_test(names),
-		cmocka_unit_test(footprints),
-		cmocka_unit_test(refuses_a_broken_pack),
-		cmocka_unit_test(may_have_groups),
-		cmocka_unit_test(refuses_bombs),
-	};
-
-	return cmocka_run_group_tests(tests, copied_setup, copied_teardown);
-}
+TEST_GROUP(copied_setup, copied_teardown);

@@ -1,25 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows of code values: linear light to codes, and two pictures mixed in linear light, by brute force. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "hal/colour/crossfade.h"
 #include "hal/colour/encode_row.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
-static void linear_light_becomes_codes(void **state)
+TEST("linear light becomes codes")
 {
 	static struct transfer_tables tables;
 	const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 	const float odd[] = {-1, NAN, -0.0F, 2, INFINITY, 1e-9F};
 	const int codes[] = {0, 0, 0, 255, 255, 0};
 
-	(void)state;
 	transfer_tables_fill(&tables, &curve);
 	for (int i = 0; i <= 4000; i++) {
 		const float linear = (float)i / 4000;
@@ -60,13 +54,12 @@ static int nearest_code(const struct transfer_curve *curve, double wanted)
 	return best;
 }
 
-static void pictures_are_mixed_in_linear_light(void **state)
+TEST("pictures are mixed in linear light")
 {
 	static const double shares[] = {0, 0.25, 0.5, 0.9, 1};
 	static const enum transfer curves[] = {TRANSFER_SRGB, TRANSFER_BT709, TRANSFER_LINEAR};
 	static struct crossfade fade;
 
-	(void)state;
 	crossfade_init(&fade);
 	for (size_t n = 0; n < sizeof(curves) / sizeof(*curves); n++)
 		for (size_t k = 0; k < sizeof(shares) / sizeof(*shares); k++) {
@@ -86,14 +79,4 @@ static void pictures_are_mixed_in_linear_light(void **state)
 					     a, b);
 			}
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(linear_light_becomes_codes),
-		cmocka_unit_test(pictures_are_mixed_in_linear_light),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

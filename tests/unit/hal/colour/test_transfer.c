@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Transfer curves against the printed standards, and as exact inverses. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "hal/colour/transfer.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* As printed in IEC 61966-2-1 and BT.709-6, with rounded constants at the knee. */
 static double printed_decode(enum transfer t, double e)
@@ -41,9 +36,8 @@ static double printed_encode(enum transfer t, double l)
 
 static const double printed_step[] = {1e-7, 3e-4, 0}; /* jump at the rounded knee */
 
-static void agrees_with_the_standards(void **state)
+TEST("agrees with the standards")
 {
-	(void)state;
 	for (int t = 0; t < TRANSFER_COUNT; t++)
 		for (int i = 0; i <= 100000; i++) {
 			const double x = i / 1e5;
@@ -61,12 +55,11 @@ static void check_inverse(enum transfer t, double x)
 	assert_true(fabs(transfer_decode(t, transfer_encode(t, x)) - x) <= 1e-12);
 }
 
-static void inverse_pair(void **state)
+TEST("inverse pair")
 {
 	const double knees[] = {0.0031308, 0.0031306684425006, 0.04045, 0.0404482362771082,
 				0.018,	   0.0180539685108078, 0.081,	0.0812428582986351};
 
-	(void)state;
 	for (int t = 0; t < TRANSFER_COUNT; t++) {
 		for (int i = 0; i <= 1000000; i++)
 			check_inverse(t, i / 1e6);
@@ -78,9 +71,8 @@ static void inverse_pair(void **state)
 	}
 }
 
-static void clamped_and_monotonic(void **state)
+TEST("clamped and monotonic")
 {
-	(void)state;
 	for (int t = 0; t < TRANSFER_COUNT; t++) {
 		double decoded = -1, encoded = -1;
 
@@ -101,11 +93,10 @@ static void clamped_and_monotonic(void **state)
 	}
 }
 
-static void tables(void **state)
+TEST("tables")
 {
 	static struct transfer_tables tables;
 
-	(void)state;
 	for (int t = 0; t < TRANSFER_COUNT; t++) {
 		const struct transfer_curve curve = {.named = (enum transfer)t};
 
@@ -155,11 +146,10 @@ static struct transfer_curve measured_of(double (*decode)(double), double black)
 }
 
 /* Between its knots a smooth curve is right to a thousandth, and decoding inverts encoding. */
-static void measured_curves_keep_their_shape(void **state)
+TEST("measured curves keep their shape")
 {
 	double (*const shapes[])(double) = {power, srgb, linear};
 
-	(void)state;
 	for (int k = 0; k < 3; k++) {
 		const struct transfer_curve curve = measured_of(shapes[k], 0);
 		double before = -1;
@@ -183,11 +173,10 @@ static void measured_curves_keep_their_shape(void **state)
 }
 
 /* Any ascending knots, with steps of every size. */
-static void measured_curves_ascend(void **state)
+TEST("measured curves ascend")
 {
 	struct chance chance = chance_begin("transfer");
 
-	(void)state;
 	for (int run = 0; run < 300; run++) {
 		struct transfer_curve curve = {.measured = true};
 		double before = -1;
@@ -211,7 +200,7 @@ static void measured_curves_ascend(void **state)
 	}
 }
 
-static void tables_go_round(void **state)
+TEST("tables go round")
 {
 	const struct transfer_curve curves[] = {
 		{.named = TRANSFER_BT709, .black = 16},
@@ -221,7 +210,6 @@ static void tables_go_round(void **state)
 	};
 	static struct transfer_tables t;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(curves) / sizeof(*curves); k++) {
 		const int black = (int)ceil(curves[k].black);
 		int off = 0;
@@ -240,12 +228,11 @@ static void tables_go_round(void **state)
 	}
 }
 
-static void wrong_curves_are_told(void **state)
+TEST("wrong curves are told")
 {
 	struct transfer_curve curve = measured_of(srgb, 0);
 	struct fault fault;
 
-	(void)state;
 	curve.knot[7] = curve.knot[6];
 	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "from number 7"));
@@ -258,20 +245,4 @@ static void wrong_curves_are_told(void **state)
 	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
 	curve = (struct transfer_curve){.named = TRANSFER_COUNT};
 	assert_int_equal(transfer_curve_check(&curve, &fault), -EINVAL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(agrees_with_the_standards),
-		cmocka_unit_test(inverse_pair),
-		cmocka_unit_test(clamped_and_monotonic),
-		cmocka_unit_test(tables),
-		cmocka_unit_test(measured_curves_keep_their_shape),
-		cmocka_unit_test(measured_curves_ascend),
-		cmocka_unit_test(tables_go_round),
-		cmocka_unit_test(wrong_curves_are_told),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

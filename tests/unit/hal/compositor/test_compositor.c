@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The compositor: its formula against closed forms, and proof that only the light decides a
  * picture, not threads, kernels or the way in which the background is read. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static struct light_selection selection_of(int count)
 {
@@ -48,7 +43,7 @@ static const struct synthetic_options plain = {
 	.seed = 11,
 };
 
-static void selection_keeps_what_reaches_the_threshold(void **state)
+TEST("selection keeps what reaches the threshold")
 {
 	struct synthetic *s = *state;
 	struct light_selection sel;
@@ -82,7 +77,7 @@ static void selection_keeps_what_reaches_the_threshold(void **state)
 }
 
 /* Checks the bound for dropped light against every value of the object in a file. */
-static void dropped_light_errs_no_more_than_said(void **state)
+TEST("dropped light errs no more than said")
 {
 	struct chance chance = chance_begin("dropped light");
 	struct synthetic *s = *state;
@@ -337,11 +332,10 @@ static void closed_forms(struct one *one)
 	one_expect(one, 0, 0, 0, 1, b);
 }
 
-static void formula_gives_the_closed_forms(void **state)
+TEST("formula gives the closed forms")
 {
 	static struct one one;
 
-	(void)state;
 	for (int patterns = 0; patterns < 2; patterns++) {
 		one.patterns = patterns;
 		closed_forms(&one);
@@ -349,12 +343,11 @@ static void formula_gives_the_closed_forms(void **state)
 }
 
 /* k times the light gives k times the object, and the same shadow. */
-static void brighter_light_scales_the_object_alone(void **state)
+TEST("brighter light scales the object alone")
 {
 	const double b = 128 / 255.0;
 	static struct one object, shadow;
 
-	(void)state;
 	one_begin(&object);
 	object.coverage = 65535;
 	one_add(&object, BASIS_KIND_T, 0.25, 0.5);
@@ -371,7 +364,7 @@ static void brighter_light_scales_the_object_alone(void **state)
 
 /* ---- pictures ---- */
 
-static void background_alone_is_copied(void **state)
+TEST("background alone is copied")
 {
 	struct chance chance = chance_begin("background");
 	struct synthetic *s = *state;
@@ -415,7 +408,7 @@ static void background_alone_is_copied(void **state)
 	random_frame_end(&f);
 }
 
-static void untouched_pixels_are_copied(void **state)
+TEST("untouched pixels are copied")
 {
 	struct chance chance = chance_begin("untouched");
 	struct synthetic *s = *state;
@@ -452,7 +445,7 @@ static void untouched_pixels_are_copied(void **state)
 	random_frame_end(&f);
 }
 
-static void flips_are_only_reading_order(void **state)
+TEST("flips are only reading order")
 {
 	struct chance chance = chance_begin("flips");
 	struct synthetic *s = *state;
@@ -499,7 +492,7 @@ static void flips_are_only_reading_order(void **state)
 }
 
 /* A file without D blocks needs no weights for them. */
-static void a_file_without_receivers_is_composited(void **state)
+TEST("a file without receivers is composited")
 {
 	struct synthetic_options o = plain;
 	struct chance chance = {5};
@@ -507,7 +500,6 @@ static void a_file_without_receivers_is_composited(void **state)
 	struct random_frame f;
 	double *exact;
 
-	(void)state;
 	o.stand_in_share = 0;
 	synthetic_open(&s, &o);
 	random_frame_begin(&f, &s.basis, NULL, &chance);
@@ -529,7 +521,7 @@ static void a_file_without_receivers_is_composited(void **state)
 	synthetic_close(&s);
 }
 
-static void threads_do_not_change_a_byte(void **state)
+TEST("threads do not change a byte")
 {
 	struct synthetic *s = *state;
 	uint8_t *alone = NULL;
@@ -557,7 +549,7 @@ static void threads_do_not_change_a_byte(void **state)
 	free(alone);
 }
 
-static void kernels_do_not_change_a_byte(void **state)
+TEST("kernels do not change a byte")
 {
 	struct synthetic *s = *state;
 	int others = 0;
@@ -628,7 +620,7 @@ static void make_part(const void *context, int x, int y, int width, int height, 
 	}
 }
 
-static void a_made_background_gives_the_same_and_is_made_once(void **state)
+TEST("a made background gives the same and is made once")
 {
 	static _Atomic int made[23 * 40];
 	struct synthetic *s = *state;
@@ -666,7 +658,7 @@ static void a_made_background_gives_the_same_and_is_made_once(void **state)
 	pool_destroy(pool);
 }
 
-static void wrong_sizes_are_refused(void **state)
+TEST("wrong sizes are refused")
 {
 	struct compositor_settings settings = {.gain = 1, .object = true};
 	struct chance chance = {5};
@@ -723,9 +715,8 @@ static void wrong_sizes_are_refused(void **state)
 }
 
 /* A block may have a column for every light and every group, and a frame may use all of them. */
-static void every_column_may_be_used(void **state)
+TEST("every column may be used")
 {
-	(void)state;
 	for (int bits = 8; bits <= 16; bits += 8) {
 		struct synthetic_options o = plain;
 		struct chance chance = {6};
@@ -766,23 +757,4 @@ static int teardown(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(selection_keeps_what_reaches_the_threshold),
-		cmocka_unit_test(dropped_light_errs_no_more_than_said),
-		cmocka_unit_test(formula_gives_the_closed_forms),
-		cmocka_unit_test(brighter_light_scales_the_object_alone),
-		cmocka_unit_test(background_alone_is_copied),
-		cmocka_unit_test(untouched_pixels_are_copied),
-		cmocka_unit_test(flips_are_only_reading_order),
-		cmocka_unit_test(a_file_without_receivers_is_composited),
-		cmocka_unit_test(every_column_may_be_used),
-		cmocka_unit_test(threads_do_not_change_a_byte),
-		cmocka_unit_test(kernels_do_not_change_a_byte),
-		cmocka_unit_test(a_made_background_gives_the_same_and_is_made_once),
-		cmocka_unit_test(wrong_sizes_are_refused),
-	};
-
-	return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_GROUP(setup, teardown);

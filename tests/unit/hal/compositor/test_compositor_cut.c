@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Fast mode reads the columns at or above their block's share of the cut (basis_format.h), and no
  * others. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -20,6 +14,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* ---- one pixel ---- */
 
@@ -89,12 +84,11 @@ static int green_of(const char *path, double radiance, double gain, int *columns
 }
 
 /* A column counts from cut_share * column_cut on, also where it is below column_cut. */
-static void a_column_counts_from_its_share_of_the_cut(void **state)
+TEST("a column counts from its share of the cut")
 {
 	static const float shares[] = {1, 0.7F, 0.5F, 0.125F, 1.0F / 4096};
 	char folder[] = "/tmp/test_compositor_cut_XXXXXX", path[80];
 
-	(void)state;
 	assert_non_null(mkdtemp(folder));
 	snprintf(path, sizeof(path), "%s/one.inlay", folder);
 	for (size_t k = 0; k < sizeof(shares) / sizeof(*shares); k++) {
@@ -123,12 +117,11 @@ static void a_column_counts_from_its_share_of_the_cut(void **state)
 
 /* A share so small that dividing by it overflows: every column whose light changes anything counts,
  * no other. */
-static void the_smallest_share_leaves_out_nothing(void **state)
+TEST("the smallest share leaves out nothing")
 {
 	char folder[] = "/tmp/test_compositor_cut_XXXXXX", path[80];
 	int columns;
 
-	(void)state;
 	assert_non_null(mkdtemp(folder));
 	snprintf(path, sizeof(path), "%s/one.inlay", folder);
 	write_pixel(path, FLT_TRUE_MIN);
@@ -233,7 +226,7 @@ static void count_kind(const struct basis *basis, const struct light_selection *
 }
 
 /* Columns of lights and of groups, of blocks with various shares of the cut. */
-static void shares_decide_which_columns_are_read(void **state)
+TEST("shares decide which columns are read")
 {
 	struct synthetic_options o = {.width = 40,
 				      .height = 23,
@@ -250,7 +243,6 @@ static void shares_decide_which_columns_are_read(void **state)
 				      .bounce = 0.3,
 				      .seed = 21};
 
-	(void)state;
 	for (int k = 0; k < 12; k++) {
 		const double gain = k % 2 ? 1 : 1.7;
 		const struct compositor_settings settings = {
@@ -289,15 +281,4 @@ static void shares_decide_which_columns_are_read(void **state)
 		random_frame_end(&f);
 		synthetic_close(&s);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_column_counts_from_its_share_of_the_cut),
-		cmocka_unit_test(the_smallest_share_leaves_out_nothing),
-		cmocka_unit_test(shares_decide_which_columns_are_read),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

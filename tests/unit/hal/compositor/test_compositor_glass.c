@@ -2,12 +2,6 @@
 /* The background seen through the object: against double precision at every offset and
  * transmission, against closed forms, and proof that neither threads nor a background that is made
  * piece by piece change a byte. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +11,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static struct synthetic_options see_through(int width, int height, uint64_t seed)
 {
@@ -71,11 +66,10 @@ static double farthest_of(const struct synthetic *s, uint64_t seed)
 
 /* All widths, so that tiles are cut everywhere and offsets lead out of the picture on every side.
  */
-static void agrees_with_double_precision(void **state)
+TEST("agrees with double precision")
 {
 	double most = 0;
 
-	(void)state;
 	for (int width = 1; width <= 65; width++) {
 		const struct synthetic_options options = see_through(width, 1 + width * 7 % 33,
 								     (uint64_t)width);
@@ -121,7 +115,7 @@ static void open_glass(struct synthetic *s, const struct basis_glass *glass, siz
 	assert_int_equal(s->basis.poses[0].glass_count, count);
 }
 
-static void shows_the_place_it_says(void **state)
+TEST("shows the place it says")
 {
 	static const struct basis_glass glass[] = {
 		{2, 1, {65535, 65535, 65535}, 0, 0, {0, 0}},	       /* straight and clear */
@@ -135,7 +129,6 @@ static void shows_the_place_it_says(void **state)
 	struct random_frame f;
 	const uint8_t *row, *in;
 
-	(void)state;
 	open_glass(&s, glass, sizeof(glass) / sizeof(*glass));
 	random_frame_begin(&f, &s.basis, NULL, &chance);
 	compositor_set(f.compositor, &plain);
@@ -177,7 +170,7 @@ static void make_part(const void *context, int x, int y, int width, int height, 
 		       (size_t)width * 4);
 }
 
-static void threads_and_made_backgrounds_change_nothing(void **state)
+TEST("threads and made backgrounds change nothing")
 {
 	const struct synthetic_options options = see_through(300, 70, 4);
 	struct chance chance = {8};
@@ -186,7 +179,6 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 	struct synthetic s;
 	struct pool *pool;
 
-	(void)state;
 	synthetic_open(&s, &options);
 	assert_int_equal(pool_create(&pool, 3), 0);
 	random_frame_begin(&one, &s.basis, NULL, &chance);
@@ -218,15 +210,4 @@ static void threads_and_made_backgrounds_change_nothing(void **state)
 	random_frame_end(&f);
 	pool_destroy(pool);
 	synthetic_close(&s);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(agrees_with_double_precision),
-		cmocka_unit_test(shows_the_place_it_says),
-		cmocka_unit_test(threads_and_made_backgrounds_change_nothing),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,12 +2,6 @@
 /* A tile under lights that all send the same, so that every weight ends in the same digits. The
  * sums are as large as they can be with that many lights, below and above the number of columns
  * from which the compositor converts them to Q24 at once. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,6 +14,7 @@
 #include "hal/optics/dome.h"
 #include "tests/support/basis/hand_block.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 46, FREQUENCY = 3, PIXELS = BASIS_TILE * BASIS_TILE };
 
@@ -107,7 +102,7 @@ static void test_lines_check(struct compositor *compositor, struct light_selecti
 				 k / 4, out[k], level);
 }
 
-static void lines_add_up_however_many_count(void **state)
+TEST("lines add up however many count")
 {
 	const struct compositor_settings settings = {.mode = COMPOSITOR_FAST,
 						     .background = {.named = TRANSFER_SRGB},
@@ -115,7 +110,6 @@ static void lines_add_up_however_many_count(void **state)
 						     .gain = 1,
 						     .object = true};
 
-	(void)state;
 	for (int k = 0; kernels_all[k]; k++) {
 		const struct compositor_options options = {.kernel = kernels_all[k]->name};
 		struct light_selection selection;
@@ -135,11 +129,4 @@ static void lines_add_up_however_many_count(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(lines_add_up_however_many_count),
-	};
-
-	return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_GROUP(setup, teardown);

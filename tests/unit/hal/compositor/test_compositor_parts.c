@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The parts of the compositor (integer arithmetic, light as integers, choice of columns, division
  * of work) against exact numbers. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +14,7 @@
 #include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 typedef __int128 wide;
 
@@ -30,12 +25,11 @@ static wide exact_round_shift(wide x, int n)
 	return (x + ((wide)1 << (n - 1))) >> n;
 }
 
-static void tints_round_like_exact_products(void **state)
+TEST("tints round like exact products")
 {
 	struct chance chance = chance_begin("tints");
 	const int64_t edge[] = {0, 1, -1, 32767, -32768, INT64_C(1) << 60, -(INT64_C(1) << 60)};
 
-	(void)state;
 	for (int k = 0; k < 1000000; k++) {
 		const int64_t x = k % 3 ? (int64_t)chance_bits(&chance) >>
 						  chance_int(&chance, 3, 62)
@@ -47,11 +41,10 @@ static void tints_round_like_exact_products(void **state)
 	}
 }
 
-static void quotients_are_near_exact_ones(void **state)
+TEST("quotients are near exact ones")
 {
 	struct chance chance = chance_begin("quotients");
 
-	(void)state;
 	for (int k = 0; k < 1000000; k++) {
 		const int64_t n = (int64_t)chance_bits(&chance) >> chance_int(&chance, 0, 62);
 		const int64_t d = (int64_t)(chance_bits(&chance) >> chance_int(&chance, 1, 63)) + 1;
@@ -68,11 +61,10 @@ static void quotients_are_near_exact_ones(void **state)
 	assert_int_equal(quotient_q24(INT64_MIN + 1, 1, 0, KERNEL_LIMIT), -KERNEL_LIMIT);
 }
 
-static void digits_hold_what_was_split(void **state)
+TEST("digits hold what was split")
 {
 	struct chance chance = chance_begin("digits");
 
-	(void)state;
 	for (int k = 0; k < 1000000; k++) {
 		const int64_t half = (INT64_C(1) << 46) >> chance_int(&chance, 0, 46);
 		const int64_t x = k % 4 == 0   ? half
@@ -97,9 +89,8 @@ static void digits_hold_what_was_split(void **state)
 	assert_int_equal(digits_of(2047 * 4097 + 1), 3);
 }
 
-static void exponents_are_the_least(void **state)
+TEST("exponents are the least")
 {
-	(void)state;
 	for (int e = -140; e < 140; e++) {
 		expect_equal(exponent_above(ldexp(1, e)), e, "2^%d", e);
 		expect_equal(exponent_above(ldexp(1.0001, e)), e + 1, "1.0001 * 2^%d", e);
@@ -123,7 +114,7 @@ static int64_t y_of(const struct light_vector *v, int c, int k)
 
 /* X is the rounded light, Y what the coarse lights gather of X. Both keep to their ranges in any
  * light. */
-static void light_is_rounded_once(void **state)
+TEST("light is rounded once")
 {
 	static const struct synthetic_options o = {.width = 1,
 						   .height = 1,
@@ -139,7 +130,6 @@ static void light_is_rounded_once(void **state)
 	struct light_vector v;
 	struct synthetic file;
 
-	(void)state;
 	synthetic_open(&file, &o);
 	assert_int_equal(light_selection_create(&s, &file.basis), 0);
 	assert_int_equal(light_terms_create(&terms, &file.basis), 0);
@@ -314,7 +304,7 @@ static void check_choice(const struct choosing *c, const struct column_choice *c
 }
 
 /* A block gets exactly the columns that count by the definition, in their order. */
-static void columns_that_count_are_chosen(void **state)
+TEST("columns that count are chosen")
 {
 	struct chance chance = chance_begin("columns");
 	struct choosing *c = calloc(1, sizeof(*c));
@@ -323,7 +313,6 @@ static void columns_that_count_are_chosen(void **state)
 	const struct basis_groups groups = {.lights = CHOICE_LIGHTS};
 	long counted[2] = {0};
 
-	(void)state;
 	for (int file = 0; file < 10; file++) {
 		fill_choosing(c, &chance);
 		for (int k = 0; k < 3; k++)
@@ -363,14 +352,13 @@ static void check_division(const struct division *d)
 }
 
 /* A quarter of the tiles takes ten times as long, and the division must adapt. */
-static void runs_are_divided_by_what_they_took(void **state)
+TEST("runs are divided by what they took")
 {
 	enum { TILES = 100, RUNS = 8 };
 	double cost[TILES];
 	struct division d;
 	int64_t worst = 0;
 
-	(void)state;
 	for (int t = 0; t < TILES; t++)
 		cost[t] = 1;
 	for (int runs = 1; runs <= TILES; runs++) {
@@ -395,19 +383,4 @@ static void runs_are_divided_by_what_they_took(void **state)
 	assert_true(worst <= 32500 / RUNS + 1000);
 	division_free(&d);
 	division_free(&d);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(tints_round_like_exact_products),
-		cmocka_unit_test(quotients_are_near_exact_ones),
-		cmocka_unit_test(digits_hold_what_was_split),
-		cmocka_unit_test(exponents_are_the_least),
-		cmocka_unit_test(light_is_rounded_once),
-		cmocka_unit_test(columns_that_count_are_chosen),
-		cmocka_unit_test(runs_are_divided_by_what_they_took),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An object that flickers with its rows: against double precision; the ground and what is seen
  * through the object, which have their rows already, stay to the bit. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { MOST_ROWS = 64 };
 
@@ -74,12 +69,11 @@ static void lit_run(struct lit *l, bool rows)
 	random_frame_run(&l->f, 0);
 }
 
-static void agrees_with_double_precision(void **state)
+TEST("agrees with double precision")
 {
 	struct chance chance = chance_begin("rows");
 	double most = 0;
 
-	(void)state;
 	for (int width = 1; width <= 50; width++) {
 		const int height = 1 + width * 7 % 33;
 		double *exact = calloc((size_t)(width * height * 3), sizeof(*exact));
@@ -107,12 +101,11 @@ static void agrees_with_double_precision(void **state)
 
 /* Rows of 1 change nothing, and rows of anything nothing of a picture without an object; the object
  * does change. */
-static void changes_the_object_alone(void **state)
+TEST("changes the object alone")
 {
 	static const double object[] = {0, 0.6};
 	struct chance chance = chance_begin("rows");
 
-	(void)state;
 	for (int k = 0; k < 2; k++) {
 		struct lit l;
 		uint8_t *bare;
@@ -137,13 +130,12 @@ static void changes_the_object_alone(void **state)
 	}
 }
 
-static void same_bytes_by_threads(void **state)
+TEST("same bytes by threads")
 {
 	struct chance one = chance_begin("rows"), other = one;
 	struct lit a, b;
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 3), 0);
 	lit_begin(&a, 133, 60, 0.6, NULL, &one);
 	lit_run(&a, true);
@@ -156,14 +148,13 @@ static void same_bytes_by_threads(void **state)
 }
 
 /* Values at the limit stay there. */
-static void values_are_clamped(void **state)
+TEST("values are clamped")
 {
 	static int32_t values[3][BASIS_TILE * BASIS_TILE];
 	static const int32_t rows[2][3] = {{4 * LIT_ROWS_ONE, 32768, 0},
 					   {LIT_ROWS_ONE + 1, 65537, 1}};
 	const int32_t most = INT32_C(127) << 24;
 
-	(void)state;
 	for (int c = 0; c < 3; c++)
 		for (int p = 0; p < BASIS_TILE * BASIS_TILE; p++)
 			values[c][p] = p % 2 ? -most : most - p / 2 % 2;
@@ -176,16 +167,4 @@ static void values_are_clamped(void **state)
 	assert_int_equal(values[0][BASIS_TILE], most);
 	assert_int_equal(values[2][BASIS_TILE], (most + 32768) >> 16);
 	assert_int_equal(values[0][2 * BASIS_TILE + 1], -most); /* beyond the tile's height */
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(agrees_with_double_precision),
-		cmocka_unit_test(changes_the_object_alone),
-		cmocka_unit_test(same_bytes_by_threads),
-		cmocka_unit_test(values_are_clamped),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

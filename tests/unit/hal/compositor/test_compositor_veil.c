@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* People before the object: against double precision; where they are and are not, to the bit. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* A scene with object, ground, stand-ins and glass, and planes for a veil of its size. */
 struct veiled {
@@ -102,12 +97,11 @@ static void veiled_run(struct veiled *v, const struct veil *veil)
 	random_frame_run(&v->f, 0);
 }
 
-static void agrees_with_double_precision(void **state)
+TEST("agrees with double precision")
 {
 	struct chance chance = chance_begin("veil");
 	double most = 0;
 
-	(void)state;
 	for (int width = 1; width <= 50; width++) {
 		const int height = 1 + width * 7 % 33;
 		double *exact = calloc((size_t)(width * height * 3), sizeof(*exact));
@@ -136,13 +130,12 @@ static void agrees_with_double_precision(void **state)
 
 /* Where nobody is, the bytes are those of a frame without people; where somebody hides the object,
  * those of the camera. */
-static void changes_only_what_is_hidden(void **state)
+TEST("changes only what is hidden")
 {
 	struct chance chance = chance_begin("veil");
 	struct veiled v;
 	uint8_t *bare;
 
-	(void)state;
 	veiled_begin(&v, 61, 45, NULL, &chance);
 	veiled_run(&v, NULL);
 	bare = malloc(v.f.bytes);
@@ -166,13 +159,12 @@ static void changes_only_what_is_hidden(void **state)
 	veiled_end(&v);
 }
 
-static void same_bytes_by_threads(void **state)
+TEST("same bytes by threads")
 {
 	struct chance one = chance_begin("veil"), other = one;
 	struct veiled a, b;
 	struct pool *pool;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 3), 0);
 	veiled_begin(&a, 133, 70, NULL, &one);
 	veiled_fill(&a, &one);
@@ -184,15 +176,4 @@ static void same_bytes_by_threads(void **state)
 	veiled_end(&a);
 	veiled_end(&b);
 	pool_destroy(pool);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(agrees_with_double_precision),
-		cmocka_unit_test(changes_only_what_is_hidden),
-		cmocka_unit_test(same_bytes_by_threads),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights left out by a budget: no pixel changes by more than the budget, in double precision, in
  * any light; as many lights are left out as the bound allows; and the set does not flicker. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +11,7 @@
 #include "hal/compositor/light/light_budget.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 120, PIXELS = 40, GROUNDS = 2 };
 
@@ -172,13 +167,12 @@ static void budget_light(struct chance *chance, struct budget_scene *s, enum lig
 	}
 }
 
-static void no_pixel_changes_by_more(void **state)
+TEST("no pixel changes by more")
 {
 	static const double budgets[] = {1e-9, 0.001, 0.01, 0.1, 0.5, 1};
 	struct chance chance = chance_begin("budget");
 	double closest = 0;
 
-	(void)state;
 	for (int n = 0; n < 4 * LIGHTINGS * THRESHOLD_MODE_COUNT; n++) {
 		struct budget_scene *s = scene_begin(&chance);
 		const enum threshold_mode mode =
@@ -204,12 +198,11 @@ static void no_pixel_changes_by_more(void **state)
 }
 
 /* Each light's bound, computed from the formula of the header. */
-static void the_bound_is_what_the_header_says(void **state)
+TEST("the bound is what the header says")
 {
 	struct chance chance = chance_begin("bound");
 	struct budget_scene *s = scene_begin(&chance);
 
-	(void)state;
 	budget_light(&chance, s, RANDOM);
 	budget_choose(s, 0.01, THRESHOLD_DROP);
 	for (int i = 0; i < LIGHTS; i++) {
@@ -236,12 +229,11 @@ static void the_bound_is_what_the_header_says(void **state)
 	scene_end(s);
 }
 
-static void ends_of_the_range(void **state)
+TEST("ends of the range")
 {
 	struct chance chance = chance_begin("ends");
 	struct budget_scene *s = scene_begin(&chance);
 
-	(void)state;
 	budget_light(&chance, s, EQUAL);
 	budget_choose(s, 0, THRESHOLD_DROP); /* by threshold 0: all lights are used */
 	assert_int_equal(s->selection.used_count, LIGHTS);
@@ -261,12 +253,11 @@ static void ends_of_the_range(void **state)
 	scene_end(s);
 }
 
-static void the_cut_is_that_of_sorting(void **state)
+TEST("the cut is that of sorting")
 {
 	struct chance chance = chance_begin("cut");
 	uint64_t bound[500], sorted[500];
 
-	(void)state;
 	for (int n = 0; n < 2000; n++) {
 		const int count = chance_int(&chance, 1, 500), bits = chance_int(&chance, 1, 41);
 		uint64_t room = chance_bits(&chance) >> chance_int(&chance, 16, 63), sum = 0;
@@ -287,7 +278,7 @@ static void the_cut_is_that_of_sorting(void **state)
 }
 
 /* Noise of two per cent in all lights. */
-static void the_set_does_not_flicker(void **state)
+TEST("the set does not flicker")
 {
 	struct chance chance = chance_begin("flicker");
 	struct budget_scene *s = scene_begin(&chance);
@@ -295,7 +286,6 @@ static void the_set_does_not_flicker(void **state)
 	bool used[LIGHTS];
 	int changes = 0;
 
-	(void)state;
 	budget_light(&chance, s, STEEP);
 	memcpy(still, s->radiance, sizeof(still));
 	for (int k = 0; k < 1000; k++) {
@@ -312,17 +302,4 @@ static void the_set_does_not_flicker(void **state)
 	budget_choose(s, 0.03, THRESHOLD_DROP); /* another threshold chooses anew */
 	assert_int_equal(LIGHTS - s->selection.used_count, most_possible(s, 0.03));
 	scene_end(s);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(no_pixel_changes_by_more),
-		cmocka_unit_test(the_bound_is_what_the_header_says),
-		cmocka_unit_test(ends_of_the_range),
-		cmocka_unit_test(the_cut_is_that_of_sorting),
-		cmocka_unit_test(the_set_does_not_flicker),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

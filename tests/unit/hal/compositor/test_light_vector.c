@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Light vectors of many lights: Y, what coarse lights gather, is exact in any order of sums; other
  * sums run in the order that is written down; and threads that share the work change nothing. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -16,6 +10,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static const struct synthetic_options many = {
@@ -83,11 +78,10 @@ static void check_gathered(const struct light_vector *v, const struct basis *bas
 
 /* From light that is rounded to nothing up to integers that double cannot hold. Few of them would
  * show a wrong result, so there are many rounds. */
-static void what_is_gathered_is_exact(void **state)
+TEST("what is gathered is exact")
 {
 	struct chance chance = chance_begin("gathering");
 
-	(void)state;
 	for (int coarse = 0; coarse < 2; coarse++) {
 		struct synthetic_options o = many;
 		struct light_selection s;
@@ -138,7 +132,7 @@ static double sum_as_written(const double *term, int count)
 
 /* The sum of u is the same to the last bit, and so is the light's as far as any result depends on
  * it. */
-static void sums_run_in_the_order_that_is_written_down(void **state)
+TEST("sums run in the order that is written down")
 {
 	struct chance chance = chance_begin("order of sums");
 	const struct light_order order = {.kind = BASIS_KIND_V, .ground = 2};
@@ -148,7 +142,6 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 	struct synthetic file;
 	struct light_vector v;
 
-	(void)state;
 	synthetic_open(&file, &many);
 	assert_int_equal(light_selection_create(&s, &file.basis), 0);
 	assert_int_equal(light_terms_create(&terms, &file.basis), 0);
@@ -185,14 +178,13 @@ static void sums_run_in_the_order_that_is_written_down(void **state)
 }
 
 /* All kinds and three grounds, so that there is work to share. */
-static void threads_share_vectors_and_change_nothing(void **state)
+TEST("threads share vectors and change nothing")
 {
 	static const int threads[] = {2, 3, 5, 16};
 	struct chance chance = chance_begin("threads");
 	struct synthetic file;
 	struct random_frame alone;
 
-	(void)state;
 	synthetic_open(&file, &many);
 	random_frame_begin(&alone, &file.basis, NULL, &chance);
 	for (int t = 0; t < 4; t++) {
@@ -222,15 +214,4 @@ static void threads_share_vectors_and_change_nothing(void **state)
 	}
 	random_frame_end(&alone);
 	synthetic_close(&file);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_gathered_is_exact),
-		cmocka_unit_test(sums_run_in_the_order_that_is_written_down),
-		cmocka_unit_test(threads_share_vectors_and_change_nothing),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,20 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* What settings ask of a camera, whichever driver it has: controls and formats. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
-
-#include <cmocka.h>
 
 #include "hal/device/camera_choice.h"
 #include "hal/device/camera_controls.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
-static void assignments_are_taken_one_by_one(void **state)
+TEST("assignments are taken one by one")
 {
 	const char *text = ",, gain = 17 ,White Balance=off,\tgains=1.5 2,focus=a=b , ";
 	static const struct camera_control expected[] = {
@@ -22,7 +17,6 @@ static void assignments_are_taken_one_by_one(void **state)
 	struct camera_control got;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		expect_equal(camera_controls_next(&text, &got, &fault), 1, "i=%d", i);
 		assert_string_equal(got.name, expected[i].name);
@@ -33,7 +27,7 @@ static void assignments_are_taken_one_by_one(void **state)
 	assert_string_equal(fault.text, "");
 }
 
-static void what_is_no_assignment_is_quoted(void **state)
+TEST("what is no assignment is quoted")
 {
 	static const char *const wrong[] = {"gain", "gain=", "=3", "gain = ", " = ", "="};
 	struct camera_control got;
@@ -41,7 +35,6 @@ static void what_is_no_assignment_is_quoted(void **state)
 	const char *text;
 	struct fault fault;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(wrong) / sizeof(wrong[0]); i++) {
 		char both[64];
 
@@ -71,12 +64,11 @@ static void what_is_no_assignment_is_quoted(void **state)
 	}
 }
 
-static void rate_goes_before_size_and_size_before_cost(void **state)
+TEST("rate goes before size and size before cost")
 {
 	static const enum pixel_format order[] = {PIXEL_BGRX, PIXEL_BGR24, PIXEL_RGB24, PIXEL_YUYV,
 						  PIXEL_UYVY, PIXEL_NV12,  PIXEL_MJPEG, PIXEL_GREY};
 
-	(void)state;
 	for (int i = 1; i < 8; i++)
 		for (int has = 0; has < 3; has++)
 			expect_below(camera_format_merit(order[i], has > 0, has > 1),
@@ -94,15 +86,4 @@ static void rate_goes_before_size_and_size_before_cost(void **state)
 	assert_true(camera_format_merit(PIXEL_Z16, false, false) > 0);
 	assert_int_equal(camera_format_merit(PIXEL_NONE, true, true), 0);
 	assert_int_equal(camera_format_merit(PIXEL_RGBF, true, true), 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(assignments_are_taken_one_by_one),
-		cmocka_unit_test(what_is_no_assignment_is_quoted),
-		cmocka_unit_test(rate_goes_before_size_and_size_before_cost),
-	};
-
-	return cmocka_run_group_tests_name("camera_wants", tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Interlaced frames into BGRX: every order of fields, every format and every method, against a
  * woven picture that the test takes apart and puts together again in double precision. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "hal/frame/frame_decode.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { SIDE_MAX = 64, ROOM = SIDE_MAX * SIDE_MAX * 4 };
 
@@ -199,11 +194,10 @@ static void decodes_as_expected(struct field_rig *r, enum deinterlace way)
 	frame_decoder_destroy(decoder);
 }
 
-static void every_order_and_way(void **state)
+TEST("every order and way")
 {
 	static struct field_rig rig;
 
-	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int height = pixel_format_halves_rows(format) ? 4 : 2; height <= 36;
 		     height += pixel_format_halves_rows(format) ? 16 : 2) {
@@ -218,13 +212,12 @@ static void every_order_and_way(void **state)
 }
 
 /* The check above must fail on a wrong picture. */
-static void a_field_in_the_wrong_place_is_noticed(void **state)
+TEST("a field in the wrong place is noticed")
 {
 	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	int differing = 0;
 
-	(void)state;
 	deinterlace_make(&rig, PIXEL_BGRX, 16, 16);
 	lay_out(&rig, FIELDS_TOP_BOTTOM, false);
 	rig.frame.fields = FIELDS_BOTTOM_TOP;
@@ -238,11 +231,10 @@ static void a_field_in_the_wrong_place_is_noticed(void **state)
 }
 
 /* A vertical gradient stays in place, in any field and method: no bobbing by half a line. */
-static void nothing_moves_by_half_a_line(void **state)
+TEST("nothing moves by half a line")
 {
 	static struct field_rig rig;
 
-	(void)state;
 	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, 4 * y, 8);
@@ -263,12 +255,11 @@ static void nothing_moves_by_half_a_line(void **state)
 }
 
 /* White in one field and black in the other, as a moving object leaves them. */
-static void blending_leaves_no_comb(void **state)
+TEST("blending leaves no comb")
 {
 	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
-	(void)state;
 	deinterlace_make(&rig, PIXEL_GREY, 8, 48);
 	for (int y = 0; y < 48; y++)
 		memset(rig.whole[0] + (size_t)y * rig.woven.planes[0].stride, y % 2 ? 0 : 255, 8);
@@ -281,13 +272,12 @@ static void blending_leaves_no_comb(void **state)
 	deinterlace_drop(&rig);
 }
 
-static void odd_heights_are_refused(void **state)
+TEST("odd heights are refused")
 {
 	static struct field_rig rig;
 	struct frame_decoder *decoder;
 	struct fault fault = {""};
 
-	(void)state;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++) {
 		deinterlace_make(&rig, PIXEL_YUYV, 16, 16);
@@ -307,12 +297,11 @@ static void odd_heights_are_refused(void **state)
 	frame_decoder_destroy(decoder);
 }
 
-static void short_fields_are_refused(void **state)
+TEST("short fields are refused")
 {
 	static struct field_rig rig;
 	struct frame_decoder *decoder;
 
-	(void)state;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int fields = FIELDS_INTERLACED; fields < FIELDS_COUNT; fields++)
@@ -378,13 +367,12 @@ static void jpeg_holds(struct field_rig *r, enum deinterlace way, int top, int b
 	frame_decoder_destroy(decoder);
 }
 
-static void jpeg_in_fields(void **state)
+TEST("jpeg in fields")
 {
 	static struct field_rig rig;
 	static uint8_t pair[ROOM * 2];
 	size_t bytes, second;
 
-	(void)state;
 	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG, .width = 32, .height = 32};
 
@@ -428,7 +416,7 @@ static void jpeg_in_fields(void **state)
 	deinterlace_drop(&rig);
 }
 
-static void jpeg_without_its_second_field_is_refused(void **state)
+TEST("jpeg without its second field is refused")
 {
 	static struct field_rig rig;
 	static uint8_t one[ROOM * 2];
@@ -436,7 +424,6 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	struct fault fault = {""};
 	size_t bytes;
 
-	(void)state;
 	deinterlace_make(&rig, PIXEL_BGRX, 32, 32);
 	bytes = compress(32, 16, 60, 60, one);
 	rig.frame = (struct frame){.format = PIXEL_MJPEG,
@@ -458,19 +445,10 @@ static void jpeg_without_its_second_field_is_refused(void **state)
 	deinterlace_drop(&rig);
 }
 
-int main(void)
+static int begin_group(__attribute__((unused)) void **state)
 {
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_order_and_way),
-		cmocka_unit_test(a_field_in_the_wrong_place_is_noticed),
-		cmocka_unit_test(nothing_moves_by_half_a_line),
-		cmocka_unit_test(blending_leaves_no_comb),
-		cmocka_unit_test(odd_heights_are_refused),
-		cmocka_unit_test(short_fields_are_refused),
-		cmocka_unit_test(jpeg_in_fields),
-		cmocka_unit_test(jpeg_without_its_second_field_is_refused),
-	};
-
 	chance = chance_begin("deinterlace");
-	return cmocka_run_group_tests_name("deinterlace", tests, NULL, NULL);
+	return 0;
 }
+
+TEST_GROUP(begin_group, NULL);

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Depth pictures: upright pixels of turned, flipped and cut frames; what is refused. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <string.h>
 
 #include "hal/frame/depth.h"
 #include "hal/frame/frame_decode.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 5, HEIGHT = 3, STRIDE = 2 * WIDTH + 4 };
 
@@ -38,12 +33,11 @@ static int mm_at(const struct depth_map *map, int x, int y)
 	return (int)(1000 * depth_map_at(map, x, y) + 0.5);
 }
 
-static void pixels_are_found_however_the_camera_hangs(void **state)
+TEST("pixels are found however the camera hangs")
 {
 	uint8_t bytes[STRIDE * HEIGHT];
 	struct frame frame;
 
-	(void)state;
 	make_frame(&frame, bytes);
 	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++)
 		for (int flips = 0; flips < 4; flips++) {
@@ -82,7 +76,7 @@ static void pixels_are_found_however_the_camera_hangs(void **state)
 }
 
 /* The turns are those of pictures that are decoded. */
-static void turns_are_those_of_pictures(void **state)
+TEST("turns are those of pictures")
 {
 	const struct view view = {.width = HEIGHT, .height = WIDTH, .squash = 1};
 	uint8_t bytes[STRIDE * HEIGHT];
@@ -91,7 +85,6 @@ static void turns_are_those_of_pictures(void **state)
 	struct depth_map map;
 	struct frame frame;
 
-	(void)state;
 	make_frame(&frame, bytes);
 	for (int i = 0; i < STRIDE * HEIGHT; i += 2) { /* 32 mm are a level */
 		const int word = 32 * (i % 97);
@@ -116,7 +109,7 @@ static void turns_are_those_of_pictures(void **state)
 	}
 }
 
-static void depths_for_eyes_end_in_white(void **state)
+TEST("depths for eyes end in white")
 {
 	static const uint8_t words[] = {0, 0, 0xff, 0x1f, 0, 0x20, 0xff, 0xff, 0, 0x10};
 	const struct frame frame = {.format = PIXEL_Z16,
@@ -127,7 +120,6 @@ static void depths_for_eyes_end_in_white(void **state)
 	struct frame_decoder *decoder;
 	struct canvas canvas;
 
-	(void)state;
 	assert_int_equal(frame_decoder_create(&decoder, DEINTERLACE_WEAVE, PICTURE_UPRIGHT), 0);
 	assert_int_equal(canvas_create(&canvas, 5, 1), 0);
 	assert_int_equal(frame_decode(decoder, &frame, &canvas, NULL), 0);
@@ -139,7 +131,7 @@ static void depths_for_eyes_end_in_white(void **state)
 	frame_decoder_destroy(decoder);
 }
 
-static void what_has_no_depths_is_refused(void **state)
+TEST("what has no depths is refused")
 {
 	const struct view whole = {.width = WIDTH, .height = HEIGHT, .squash = 1};
 	const struct view beyond = {.x = 1, .width = WIDTH, .height = HEIGHT, .squash = 1};
@@ -148,7 +140,6 @@ static void what_has_no_depths_is_refused(void **state)
 	struct depth_map map;
 	struct frame frame;
 
-	(void)state;
 	make_frame(&frame, bytes);
 	assert_int_equal(depth_map_of(&map, &frame, 0, &beyond, 1, &fault), -EINVAL);
 	assert_int_equal(depth_map_of(&map, &frame, PICTURE_TURN_90, &whole, 1, &fault), -EINVAL);
@@ -157,16 +148,4 @@ static void what_has_no_depths_is_refused(void **state)
 	frame.format = PIXEL_YUYV;
 	assert_int_equal(depth_map_of(&map, &frame, 0, &whole, 1, &fault), -ENOTSUP);
 	assert_string_equal(fault.text, "the camera sends YUYV, expected Z16");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pixels_are_found_however_the_camera_hangs),
-		cmocka_unit_test(turns_are_those_of_pictures),
-		cmocka_unit_test(depths_for_eyes_end_in_white),
-		cmocka_unit_test(what_has_no_depths_is_refused),
-	};
-
-	return cmocka_run_group_tests_name("depth", tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Frames into BGRX: every format against conversion in double precision, every check on sizes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,6 +9,7 @@
 
 #include "hal/frame/frame_decode.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static uint32_t random_state = 20261120;
 
@@ -160,13 +155,12 @@ static double worst_error(const struct fixture *f, double *rms)
 /* Half a level for rounding, and a little for single precision. */
 static const double error_max = 0.501;
 
-static void video_formats_match_double_precision(void **state)
+TEST("video formats match double precision")
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_YVYU,
 						    PIXEL_NV16, PIXEL_NV12, PIXEL_NV21,
 						    PIXEL_YU12, PIXEL_YV12, PIXEL_GREY};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(formats) / sizeof(formats[0]); i++)
 		for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
 			for (int range = 0; range < RANGE_COUNT; range++) {
@@ -190,13 +184,12 @@ static void video_formats_match_double_precision(void **state)
 }
 
 /* Ten and sixteen bits are rounded to eight. */
-static void deep_formats_match_double_precision(void **state)
+TEST("deep formats match double precision")
 {
 	static const enum pixel_format formats[] = {PIXEL_P010, PIXEL_Y10, PIXEL_Y12, PIXEL_Y14,
 						    PIXEL_Y16};
 	static const double whites[] = {0, 1023, 4095, 16383, 65535};
 
-	(void)state;
 	for (int i = 0; i < 5; i++) {
 		const double white = whites[i];
 		struct fixture f;
@@ -239,9 +232,8 @@ static void deep_formats_match_double_precision(void **state)
 }
 
 /* Grey stays grey; black and white are exact. */
-static void grey_stays_grey(void **state)
+TEST("grey stays grey")
 {
-	(void)state;
 	for (int matrix = 0; matrix < MATRIX_COUNT; matrix++)
 		for (int range = 0; range < RANGE_COUNT; range++) {
 			struct fixture f;
@@ -270,14 +262,13 @@ static void grey_stays_grey(void **state)
 		}
 }
 
-static void rgb_formats_are_exact(void **state)
+TEST("rgb formats are exact")
 {
 	static const struct {
 		enum pixel_format format;
 		int bytes, red, blue;
 	} cases[] = {{PIXEL_RGB24, 3, 0, 2}, {PIXEL_BGR24, 3, 2, 0}, {PIXEL_BGRX, 4, 2, 0}};
 
-	(void)state;
 	for (size_t i = 0; i < 3; i++)
 		for (int width = 1; width <= 65; width++) {
 			struct fixture f;
@@ -310,11 +301,10 @@ static void rgb_formats_are_exact(void **state)
 }
 
 /* 16 is black and 235 white; values beyond are clipped. */
-static void limited_rgb_is_expanded(void **state)
+TEST("limited rgb is expanded")
 {
 	static const enum pixel_format formats[] = {PIXEL_RGB24, PIXEL_BGR24, PIXEL_BGRX};
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		const int bytes = formats[i] == PIXEL_BGRX ? 4 : 3;
 		struct fixture f;
@@ -339,12 +329,11 @@ static void limited_rgb_is_expanded(void **state)
 
 /* Odd sizes: the last chroma sample belongs to a pixel that does not exist, and memory ends right
  * behind the picture. */
-static void odd_sizes_decode(void **state)
+TEST("odd sizes decode")
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_UYVY, PIXEL_YVYU, PIXEL_NV16,
 						    PIXEL_NV12, PIXEL_NV21, PIXEL_YU12, PIXEL_YV12};
 
-	(void)state;
 	for (size_t i = 0; i < 8; i++)
 		for (int width = 1; width <= 35; width++)
 			for (int height = 1; height <= 35; height += 2) {
@@ -360,9 +349,8 @@ static void odd_sizes_decode(void **state)
 			}
 }
 
-static void sizes_are_known(void **state)
+TEST("sizes are known")
 {
-	(void)state;
 	assert_int_equal(frame_plane_stride(PIXEL_YUYV, 0, 5), 12);
 	assert_int_equal(frame_plane_stride(PIXEL_NV12, 0, 5), 5);
 	assert_int_equal(frame_plane_stride(PIXEL_NV12, 1, 5), 6);
@@ -378,9 +366,8 @@ static void sizes_are_known(void **state)
 		assert_non_null(pixel_format_names[i]);
 }
 
-static void short_planes_are_refused(void **state)
+TEST("short planes are refused")
 {
-	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int p = 0; p < frame_plane_count(format); p++) {
 			struct frame_plane whole;
@@ -410,11 +397,10 @@ static void short_planes_are_refused(void **state)
 		}
 }
 
-static void other_sizes_and_kinds_are_refused(void **state)
+TEST("other sizes and kinds are refused")
 {
 	struct fixture f;
 
-	(void)state;
 	test_frame_make(&f, PIXEL_BGRX, 16, 16, 0);
 	f.frame.width = 15;
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), -EINVAL);
@@ -430,9 +416,8 @@ static void other_sizes_and_kinds_are_refused(void **state)
 }
 
 /* A camera that hangs on its side: pixel (x, y) of the frame goes where its turn says. */
-static void pictures_are_turned(void **state)
+TEST("pictures are turned")
 {
-	(void)state;
 	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {
 		const bool sideways = turn % 2;
 		struct frame_decoder *decoder;
@@ -497,12 +482,11 @@ static void make_jpeg_frame(struct fixture *f, int subsampling, uint8_t *rgb, ui
 	f->frame.planes[0] = (struct frame_plane){*jpeg, 0, bytes};
 }
 
-static void jpeg_decodes(void **state)
+TEST("jpeg decodes")
 {
 	static const int subsamplings[] = {TJSAMP_444, TJSAMP_422, TJSAMP_420};
 	uint8_t rgb[64 * 48 * 3];
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		struct fixture f;
 		uint8_t *jpeg;
@@ -528,14 +512,13 @@ static void jpeg_decodes(void **state)
 }
 
 /* Motion JPEG may leave out the Huffman tables, which are always the same. */
-static void jpeg_without_huffman_tables_decodes(void **state)
+TEST("jpeg without huffman tables decodes")
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg;
 	struct canvas whole;
 	struct fixture f;
 	size_t kept = 2, bytes;
 
-	(void)state;
 	make_jpeg_frame(&f, TJSAMP_422, rgb, &jpeg);
 	assert_int_equal(frame_decode(f.decoder, &f.frame, &f.canvas, NULL), 0);
 	whole = f.canvas;
@@ -567,14 +550,13 @@ static void jpeg_without_huffman_tables_decodes(void **state)
 	tjFree(jpeg);
 }
 
-static void damaged_jpeg_is_refused(void **state)
+TEST("damaged jpeg is refused")
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg;
 	struct fault fault = {""};
 	struct fixture f;
 	size_t bytes;
 
-	(void)state;
 	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
 	bytes = f.frame.planes[0].bytes;
 	f.frame.planes[0].bytes = 0;
@@ -603,13 +585,12 @@ static void damaged_jpeg_is_refused(void **state)
 }
 
 /* Some webcams send stray bytes in every picture; the picture is complete all the same. */
-static void stray_bytes_before_the_end_are_forgiven(void **state)
+TEST("stray bytes before the end are forgiven")
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg, *longer;
 	struct fixture f;
 	size_t bytes;
 
-	(void)state;
 	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
 	bytes = f.frame.planes[0].bytes;
 	longer = malloc(bytes + 6);
@@ -622,13 +603,12 @@ static void stray_bytes_before_the_end_are_forgiven(void **state)
 	tjFree(jpeg);
 }
 
-static void jpeg_of_another_size_is_refused(void **state)
+TEST("jpeg of another size is refused")
 {
 	uint8_t rgb[64 * 48 * 3], *jpeg;
 	struct fault fault = {""};
 	struct fixture f;
 
-	(void)state;
 	make_jpeg_frame(&f, TJSAMP_420, rgb, &jpeg);
 	canvas_free(&f.canvas);
 	assert_int_equal(canvas_create(&f.canvas, 32, 48), 0);
@@ -639,11 +619,10 @@ static void jpeg_of_another_size_is_refused(void **state)
 	tjFree(jpeg);
 }
 
-static void canvases(void **state)
+TEST("canvases")
 {
 	struct canvas canvas;
 
-	(void)state;
 	assert_int_equal(canvas_create(&canvas, 0, 4), -EINVAL);
 	assert_int_equal(canvas_create(&canvas, 4, 40000), -EINVAL);
 	assert_null(canvas.pixels);
@@ -653,29 +632,4 @@ static void canvases(void **state)
 	assert_int_equal(canvas.pixels[3], 255);
 	canvas_free(&canvas);
 	canvas_free(&canvas);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(sizes_are_known),
-		cmocka_unit_test(canvases),
-		cmocka_unit_test(video_formats_match_double_precision),
-		cmocka_unit_test(deep_formats_match_double_precision),
-		cmocka_unit_test(grey_stays_grey),
-		cmocka_unit_test(rgb_formats_are_exact),
-		cmocka_unit_test(limited_rgb_is_expanded),
-		cmocka_unit_test(odd_sizes_decode),
-		cmocka_unit_test(short_planes_are_refused),
-		cmocka_unit_test(other_sizes_and_kinds_are_refused),
-		cmocka_unit_test(pictures_are_turned),
-		cmocka_unit_test(jpeg_decodes),
-		cmocka_unit_test(jpeg_without_huffman_tables_decodes),
-		cmocka_unit_test(damaged_jpeg_is_refused),
-		cmocka_unit_test(stray_bytes_before_the_end_are_forgiven),
-		cmocka_unit_test(jpeg_of_another_size_is_refused),
-	};
-
-	print_message("# seed %u\n", random_state);
-	return cmocka_run_group_tests_name("frame", tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Row conversions of each instruction set against the C ones, and parts of frames against whole
  * frames. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "hal/frame/frame_reader.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH_MAX = 131, GUARD = 16 };
 
@@ -83,11 +78,10 @@ static void check_row(struct chance *chance, const struct frame_rows *rows,
 	free(cbcr);
 }
 
-static void every_table_gives_the_same_bits(void **state)
+TEST("every table gives the same bits")
 {
 	struct chance chance = chance_begin("frame_rows");
 
-	(void)state;
 	for (int i = 1; frame_rows_all[i]; i++) {
 		if (!table(i)) {
 			print_message("# %s: not on this processor\n", frame_rows_all[i]->name);
@@ -129,9 +123,8 @@ static void every_colour(const struct frame_rows *rows, const struct ycbcr *k)
 	}
 }
 
-static void every_colour_is_the_same(void **state)
+TEST("every colour is the same")
 {
-	(void)state;
 	for (int i = 1; frame_rows_all[i]; i++)
 		for (int kind = 0; table(i) && kind < 4; kind++) {
 			struct ycbcr k;
@@ -142,11 +135,10 @@ static void every_colour_is_the_same(void **state)
 		}
 }
 
-static void rows_are_reversed(void **state)
+TEST("rows are reversed")
 {
 	uint32_t row[WIDTH_MAX + 2];
 
-	(void)state;
 	for (int i = 0; frame_rows_all[i]; i++)
 		for (int count = 0; table(i) && count <= WIDTH_MAX; count++) {
 			for (int x = 0; x < WIDTH_MAX + 2; x++)
@@ -166,14 +158,13 @@ static void wrong_yuyv(const struct ycbcr *k, const uint8_t *from, int count, ui
 		bgrx[count - 1] ^= 1;
 }
 
-static void a_wrong_table_is_caught(void **state)
+TEST("a wrong table is caught")
 {
 	struct frame_rows wrong = *frame_rows_all[0];
 	struct ycbcr k;
 	const uint8_t packed[4] = {90, 120, 91, 140};
 	uint32_t want[2], got[2];
 
-	(void)state;
 	wrong.yuyv = wrong_yuyv;
 	ycbcr_prepare(&k, MATRIX_BT709, RANGE_LIMITED);
 	convert(frame_rows_all[0], PIXEL_YUYV, &k, packed, NULL, 2, want);
@@ -181,9 +172,8 @@ static void a_wrong_table_is_caught(void **state)
 	assert_memory_not_equal(got, want, sizeof(want));
 }
 
-static void the_environment_masks(void **state)
+TEST("the environment masks")
 {
-	(void)state;
 	setenv("INLAY_KERNEL", "c", 1);
 	assert_string_equal(frame_rows_choose()->name, "c");
 	setenv("INLAY_KERNEL", "avx2", 1);
@@ -294,11 +284,10 @@ static void check_views(struct chance *chance, const struct picture_fixture *f)
 }
 
 /* Odd corners, flips and odd strides: a part shows the same as the whole picture. */
-static void parts_are_those_of_the_whole(void **state)
+TEST("parts are those of the whole")
 {
 	struct chance chance = chance_begin("frame_reader");
 
-	(void)state;
 	for (int format = PIXEL_YUYV; format <= PIXEL_GREY; format++)
 		for (int width = 1; width <= 67; width += 1 + width / 9)
 			for (int height = 1; height <= 9; height += 4) {
@@ -311,7 +300,7 @@ static void parts_are_those_of_the_whole(void **state)
 			}
 }
 
-static void what_is_not_raw_is_refused(void **state)
+TEST("what is not raw is refused")
 {
 	const struct view view = {.width = 16, .height = 4, .squash = 1};
 	const struct view beyond = {.x = 1, .width = 16, .height = 4, .squash = 1};
@@ -319,7 +308,6 @@ static void what_is_not_raw_is_refused(void **state)
 	struct picture_fixture f;
 	struct frame_reader reader;
 
-	(void)state;
 	make_frame(&f, &chance, PIXEL_YUYV, 16, 4, 0);
 	assert_true(frame_is_raw(&f.frame));
 	assert_int_equal(frame_reader_open(&reader, &f.frame, &beyond, NULL), -EINVAL);
@@ -334,19 +322,4 @@ static void what_is_not_raw_is_refused(void **state)
 	f.frame.format = PIXEL_RGBF;
 	assert_false(frame_is_raw(&f.frame));
 	drop_frame(&f);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_table_gives_the_same_bits),
-		cmocka_unit_test(every_colour_is_the_same),
-		cmocka_unit_test(rows_are_reversed),
-		cmocka_unit_test(a_wrong_table_is_caught),
-		cmocka_unit_test(the_environment_masks),
-		cmocka_unit_test(parts_are_those_of_the_whole),
-		cmocka_unit_test(what_is_not_raw_is_refused),
-	};
-
-	return cmocka_run_group_tests_name("frame rows", tests, NULL, NULL);
 }

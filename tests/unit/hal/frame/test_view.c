@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Views: from which place each pixel of an upright picture is read. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -14,6 +8,7 @@
 #include "hal/frame/view.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define WIDTH 37
 #define HEIGHT 23
@@ -54,12 +49,11 @@ static void check_view(const struct view *view, const uint8_t *pixels)
 		}
 }
 
-static void pixels_and_coordinates_agree(void **state)
+TEST("pixels and coordinates agree")
 {
 	static uint8_t pixels[HEIGHT * STRIDE];
 	struct chance chance = chance_begin("view");
 
-	(void)state;
 	test_view_fill(pixels);
 	for (int k = 0; k < 400; k++) {
 		struct view view = {.squash = 1, .hflip = k & 1, .vflip = k & 2};
@@ -73,11 +67,10 @@ static void pixels_and_coordinates_agree(void **state)
 	}
 }
 
-static void quadrants_of_a_composer(void **state)
+TEST("quadrants of a composer")
 {
 	struct view right = {.x = 320, .squash = 2}, whole = {.squash = 1};
 
-	(void)state;
 	assert_int_equal(view_resolve(&right, 640, 240, NULL), 0);
 	assert_int_equal(right.width, 320);
 	assert_int_equal(right.height, 240);
@@ -85,7 +78,7 @@ static void quadrants_of_a_composer(void **state)
 	assert_int_equal(whole.width, 640);
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	const struct view bad[] = {
 		{.x = -1, .squash = 1},
@@ -101,7 +94,6 @@ static void refused(void **state)
 		{.squash = INFINITY},
 	};
 
-	(void)state;
 	for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
 		struct view view = bad[i];
 		struct fault fault = {""};
@@ -111,15 +103,4 @@ static void refused(void **state)
 		assert_memory_equal(&view.x, &bad[i].x, 4 * sizeof(int)); /* unchanged */
 	}
 	assert_int_equal(view_resolve(&(struct view){.squash = 1}, 0, 240, NULL), -EINVAL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(pixels_and_coordinates_agree),
-		cmocka_unit_test(quadrants_of_a_composer),
-		cmocka_unit_test(refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

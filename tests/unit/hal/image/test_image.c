@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Picture files, against bytes assembled by hand, files that other programs wrote, and closed
  * forms; and every refusal. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <png.h>
@@ -23,6 +17,7 @@
 #include "hal/image/image.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define SAMPLES "tests/fuzz/corpus/image/"
 
@@ -71,7 +66,7 @@ static void assert_pixel(const struct image *image, int x, int y, double r, doub
 
 #define HDR_HEADER "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
 
-static void hdr_flat(void **state)
+TEST("hdr flat")
 {
 	/* 128 * 2^(129-136) = 1; 255 * 2^(136-136) = 255; exponent 0 is black. */
 	static const char file[] = HDR_HEADER "-Y 2 +X 2\n"
@@ -81,7 +76,6 @@ static void hdr_flat(void **state)
 					      "\x80\x80\x80\x80";
 	struct image image;
 
-	(void)state;
 	read_fine(file, sizeof(file) - 1, &image);
 	assert_int_equal(image.width, 2);
 	assert_int_equal(image.height, 2);
@@ -93,21 +87,20 @@ static void hdr_flat(void **state)
 	image_free(&image);
 }
 
-static void hdr_exposure(void **state)
+TEST("hdr exposure")
 {
 	static const char file[] = "#?RADIANCE\r\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n"
 				   "COLORCORR= 1 2 4\nEXPOSURE= 0.25\n\n-Y 1 +X 1\n"
 				   "\x80\x80\x80\x81";
 	struct image image;
 
-	(void)state;
 	read_fine(file, sizeof(file) - 1, &image);
 	assert_pixel(&image, 0, 0, 2, 1, 0.5);
 	image_free(&image);
 }
 
 /* Blanks around a value, and primaries that are nearly Radiance's own. */
-static void hdr_header_words(void **state)
+TEST("hdr header words")
 {
 	static const char file[] =
 		"#?RGBE\nFORMAT=  32-bit_rle_rgbe \nPRIMARIES= 0.640 0.330 0.290 "
@@ -127,7 +120,6 @@ static void hdr_header_words(void **state)
 	};
 	struct image image;
 
-	(void)state;
 	read_fine(file, sizeof(file) - 1, &image);
 	assert_pixel(&image, 0, 0, 1, 1, 1);
 	image_free(&image);
@@ -140,7 +132,7 @@ static void hdr_header_words(void **state)
 }
 
 /* A 2 x 3 picture, numbered in reading order, stored in each of the eight orientations. */
-static void hdr_orientations(void **state)
+TEST("hdr orientations")
 {
 	static const struct {
 		const char *line, *order;
@@ -150,7 +142,6 @@ static void hdr_orientations(void **state)
 		{"-X 2 -Y 3", "246135"}, {"-X 2 +Y 3", "642531"},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(ways) / sizeof(ways[0]); i++) {
 		char file[128];
 		struct image image;
@@ -171,7 +162,7 @@ static void hdr_orientations(void **state)
 	}
 }
 
-static void hdr_new_coding(void **state)
+TEST("hdr new coding")
 {
 	static const char file[] = HDR_HEADER "-Y 1 +X 8\n"
 					      "\x02\x02\x00\x08"
@@ -182,14 +173,13 @@ static void hdr_new_coding(void **state)
 	static const double blue[8] = {16, 16, 16, 32, 33, 48, 48, 48};
 	struct image image;
 
-	(void)state;
 	read_fine(file, sizeof(file) - 1, &image);
 	for (int x = 0; x < 8; x++)
 		assert_pixel(&image, x, 0, 128, x + 1, blue[x]);
 	image_free(&image);
 }
 
-static void hdr_old_coding(void **state)
+TEST("hdr old coding")
 {
 	/* One pixel, 43 copies, then 1 << 8 copies: 300 in all. */
 	static const char file[] = HDR_HEADER "-Y 1 +X 300\n"
@@ -198,14 +188,13 @@ static void hdr_old_coding(void **state)
 					      "\x01\x01\x01\x01";
 	struct image image;
 
-	(void)state;
 	read_fine(file, sizeof(file) - 1, &image);
 	for (int x = 0; x < 300; x++)
 		assert_pixel(&image, x, 0, 10, 20, 30);
 	image_free(&image);
 }
 
-static void hdr_refusals(void **state)
+TEST("hdr refusals")
 {
 	static const struct {
 		const char *text;
@@ -233,18 +222,16 @@ static void hdr_refusals(void **state)
 #undef CASE
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
 		read_refused(cases[i].text, cases[i].bytes, cases[i].err, cases[i].word);
 }
 
 /* Written and read again: the error is at most half a step of a mantissa of 127.75 or more. */
-static void hdr_round_trip(void **state)
+TEST("hdr round trip")
 {
 	static const int widths[] = {1, 7, 8, 127, 128, 129, 300};
 	struct chance chance = chance_begin("hdr");
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(widths) / sizeof(widths[0]); i++) {
 		struct image out, in;
 		struct fault fault;
@@ -279,7 +266,7 @@ static void hdr_round_trip(void **state)
 }
 
 /* Means and one pixel as an independent decoder reads them (RGBE bytes times 2^(e-136)). */
-static void hdr_real(void **state)
+TEST("hdr real")
 {
 	static const struct {
 		const char *name;
@@ -301,7 +288,6 @@ static void hdr_real(void **state)
 	};
 	const char *shared = getenv("INLAY_SHARED_DATA");
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		char path[512];
 		struct fault fault;
@@ -335,7 +321,7 @@ static void hdr_real(void **state)
 
 /* ---- PFM ---- */
 
-static void pfm_by_hand(void **state)
+TEST("pfm by hand")
 {
 	/* Rows are stored from the bottom up. 1 is 3f800000, 2 is 40000000, 0.5 is 3f000000. */
 	static const char little[] = "PF\n1 2\n-1.0\n"
@@ -348,7 +334,6 @@ static void pfm_by_hand(void **state)
 	static const char returns[] = "Pf\r\n2 1\r\n-0.5\r\n\0\0\x80\x3f\0\0\0\x40";
 	struct image image;
 
-	(void)state;
 	read_fine(little, sizeof(little) - 1, &image);
 	assert_pixel(&image, 0, 1, 1, 2, 0.5);
 	assert_pixel(&image, 0, 0, 0, 0.5, 1);
@@ -368,7 +353,7 @@ static void pfm_by_hand(void **state)
 	image_free(&image);
 }
 
-static void pfm_round_trip(void **state)
+TEST("pfm round trip")
 {
 	static const char start[] = "PF\n3 2\n-1.0\n";
 	const float samples[18] = {0,	 1,	 2,  3e38f, 1e-45f, 0.1f, 6,  7,  8,
@@ -378,7 +363,6 @@ static void pfm_round_trip(void **state)
 	char file[128];
 	FILE *stream;
 
-	(void)state;
 	assert_int_equal(image_create_f32(&out, 3, 2), 0);
 	memcpy(out.f32, samples, sizeof(samples));
 	assert_int_equal(image_write(in_folder("x.pfm"), &out, &fault), 0);
@@ -396,11 +380,10 @@ static void pfm_round_trip(void **state)
 	image_free(&in);
 }
 
-static void pfm_refusals(void **state)
+TEST("pfm refusals")
 {
 #define ONE "\0\0\x80\x3f"
 #define REFUSED(text, err, word) read_refused(text, sizeof(text) - 1, err, word)
-	(void)state;
 	REFUSED("PF\n1 1\n0\n" ONE ONE ONE, -EBADMSG, "scale");
 	REFUSED("PF\n1 x\n1\n" ONE ONE ONE, -EBADMSG, "header");
 	REFUSED("PF\n1 1\n", -EBADMSG, "header");
@@ -417,11 +400,10 @@ static void pfm_refusals(void **state)
 }
 
 /* -1, and minus zero. */
-static void negative_light_is_none(void **state)
+TEST("negative light is none")
 {
 	struct image image;
 
-	(void)state;
 	read_fine("Pf\n2 1\n-1\n\0\0\x80\xbf\0\0\0\x80", 18, &image);
 	for (int i = 0; i < 6; i++)
 		expect_that(image.f32[i] == 0 && !signbit(image.f32[i]), "i=%d", i);
@@ -431,11 +413,10 @@ static void negative_light_is_none(void **state)
 /* ---- OpenEXR: files written by OpenEXR's C++ library ---- */
 
 #if WITH_EXR
-static void exr_samples(void **state)
+TEST("exr samples")
 {
 	static const char *const names[] = {"lines_piz.exr", "tiles_zip.exr", "lines_dwaa.exr"};
 
-	(void)state;
 	for (int i = 0; i < 3; i++) {
 		/* DWAA is lossy. */
 		const double tolerance = i == 2 ? 0.02 : 0;
@@ -464,12 +445,11 @@ static void exr_samples(void **state)
 }
 
 /* The data window: pixels from (-3, 5) on, of a picture of 20 x 20. */
-static void exr_window(void **state)
+TEST("exr window")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_read(SAMPLES "lines_window.exr", &image, &fault), 0);
 	assert_int_equal(image.width, 20);
 	assert_int_equal(image.height, 20);
@@ -485,7 +465,7 @@ static void exr_window(void **state)
 }
 
 /* One pixel with the primaries of ACES, computed by hand. */
-static void exr_primaries(void **state)
+TEST("exr primaries")
 {
 	static const char file[] =
 		"\x76\x2f\x31\x01\x02\0\0\0"
@@ -504,7 +484,6 @@ static void exr_primaries(void **state)
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(
 		image_read_memory((const uint8_t *)file, sizeof(file) - 1, "aces", &image, &fault),
 		-ENOTSUP);
@@ -512,12 +491,11 @@ static void exr_primaries(void **state)
 }
 
 /* Large enough to be compressed; DWAB is lossy. */
-static void exr_dwab(void **state)
+TEST("exr dwab")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	if (image_read(SAMPLES "smooth_dwab.exr", &image, &fault))
 		fail_msg("%s", fault.text);
 	assert_int_equal(image.width, 128);
@@ -534,12 +512,11 @@ static void exr_dwab(void **state)
 	image_free(&image);
 }
 
-static void exr_grey(void **state)
+TEST("exr grey")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_read(SAMPLES "grey_float.exr", &image, &fault), 0);
 	for (int i = 0; i < 13 * 9; i++)
 		assert_pixel(&image, i % 13, i / 13, i * 0.25, i * 0.25, i * 0.25);
@@ -547,12 +524,11 @@ static void exr_grey(void **state)
 }
 
 /* Noise does not compress and is stored as it is. Half floats of all exponents, up to 2. */
-static void exr_noise(void **state)
+TEST("exr noise")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_read(SAMPLES "noise_zip.exr", &image, &fault), 0);
 	for (unsigned i = 0; i < 13 * 9 * 3; i++) {
 		uint32_t h = (i / 3 % 13) * 0x9e3779b1U ^ (i / 39) * 0x85ebca77U ^
@@ -570,12 +546,11 @@ static void exr_noise(void **state)
 	image_free(&image);
 }
 
-static void exr_refusals(void **state)
+TEST("exr refusals")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_read(SAMPLES "luma_chroma.exr", &image, &fault), -ENOTSUP);
 	assert_non_null(strstr(fault.text, "subsampled"));
 }
@@ -619,7 +594,7 @@ static size_t make_png(uint8_t *out, size_t room, int width, int height, int dep
 	return bytes;
 }
 
-static void png_kinds(void **state)
+TEST("png kinds")
 {
 	static const uint8_t rgb[] = {1, 2, 3, 255, 254, 253};
 	static const uint8_t rgba[] = {1, 2, 3, 0, 255, 254, 253, 9};
@@ -645,7 +620,6 @@ static void png_kinds(void **state)
 		{16, PNG_COLOR_TYPE_RGB, deep, {1, 128, 254, 255, 0, 1}, {0}},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		uint8_t file[1024];
 		struct image image;
@@ -666,22 +640,20 @@ static void png_kinds(void **state)
 
 #if WITH_WEBP
 /* 16383 pixels each side, with alpha, of one colour. */
-static void webp_hostile_size(void **state)
+TEST("webp hostile size")
 {
 	static const char file[] =
 		"\x52\x49\x46\x46\x20\x00\x00\x00\x57\x45\x42\x50\x56\x50\x38\x4c\x14\x00\x00\x00"
 		"\x2f\xfe\xbf\xff\x1f\x28\x48\x81\x0a\x51\xc0\x00\x00\x00\x00\x00\x00\x00\x00\x00";
 
-	(void)state;
 	read_refused(file, sizeof(file) - 1, -EFBIG, "of memory");
 }
 
-static void webp(void **state)
+TEST("webp")
 {
 	static const uint8_t rgba[] = {1, 2, 3, 0, 255, 254, 253, 9};
 	static const uint8_t rgb[] = {1, 2, 3, 255, 254, 253};
 
-	(void)state;
 	for (int alpha = 0; alpha < 2; alpha++) {
 		struct fault fault = {.text = ""};
 		struct image image;
@@ -707,13 +679,12 @@ static void webp(void **state)
 }
 #endif
 
-static void png_interlaced(void **state)
+TEST("png interlaced")
 {
 	uint8_t rows[11 * 9 * 3], file[2048];
 	struct image image;
 	size_t bytes;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(rows); i++)
 		rows[i] = (uint8_t)(i * 37);
 	bytes = make_png(file, sizeof(file), 11, 9, 8, PNG_COLOR_TYPE_RGB, true, rows, 33);
@@ -723,12 +694,11 @@ static void png_interlaced(void **state)
 	image_free(&image);
 }
 
-static void png_round_trip(void **state)
+TEST("png round trip")
 {
 	struct image out, in;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_create_u8(&out, 61, 47), 0);
 	for (int i = 0; i < 61 * 47 * 3; i++)
 		out.u8[i] = (uint8_t)(i * i >> 3);
@@ -741,7 +711,7 @@ static void png_round_trip(void **state)
 }
 
 /* The header alone, with its right checksum, and an empty IDAT. */
-static void png_hostile_size(void **state)
+TEST("png hostile size")
 {
 	static const struct {
 		const char *width;
@@ -749,7 +719,6 @@ static void png_hostile_size(void **state)
 		const char *word;
 	} cases[] = {{"\0\0\x80\0", -EFBIG, "of memory"}, {"\0\x01\0\0", -EFBIG, "32768"}};
 
-	(void)state;
 	for (int i = 0; i < 2; i++) {
 		uint8_t file[64] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x80\0\0\0\x80\0\x08\x02";
 		uint32_t crc = 0xffffffff;
@@ -788,13 +757,12 @@ static size_t make_jpeg(unsigned char **out, int width, int height, int subsampl
 	return bytes;
 }
 
-static void jpeg_reads(void **state)
+TEST("jpeg reads")
 {
 	unsigned char *file;
 	struct image image;
 	const size_t bytes = make_jpeg(&file, 64, 48, TJSAMP_444);
 
-	(void)state;
 	read_fine(file, bytes, &image);
 	assert_int_equal(image.width, 64);
 	assert_int_equal(image.height, 48);
@@ -811,14 +779,13 @@ static void jpeg_reads(void **state)
 }
 
 /* Four inks as Adobe's programs write them, 255 for none: black halves what the others leave. */
-static void jpeg_inks(void **state)
+TEST("jpeg inks")
 {
 	unsigned char *file = NULL, inks[16 * 16 * 4];
 	tjhandle jpeg = tjInitCompress();
 	unsigned long bytes = 0;
 	struct image image;
 
-	(void)state;
 	for (int i = 0; i < 16 * 16; i++) {
 		inks[4 * i] = 255;
 		inks[4 * i + 1] = 128;
@@ -839,13 +806,12 @@ static void jpeg_inks(void **state)
 	tjFree(file);
 }
 
-static void jpeg_hostile_size(void **state)
+TEST("jpeg hostile size")
 {
 	unsigned char *file;
 	const size_t bytes = make_jpeg(&file, 64, 48, TJSAMP_GRAY);
 	unsigned char *frame = memmem(file, bytes, "\xff\xc0", 2);
 
-	(void)state;
 	assert_non_null(frame);
 	memcpy(frame + 5, "\x80\x00\x80\x00", 4);
 	read_refused(file, bytes, -EFBIG, "of memory");
@@ -856,7 +822,7 @@ static void jpeg_hostile_size(void **state)
 
 /* ---- kinds that are not read ---- */
 
-static void foreign_kinds_are_named(void **state)
+TEST("foreign kinds are named")
 {
 	static const struct {
 		const char *file;
@@ -888,7 +854,6 @@ static void foreign_kinds_are_named(void **state)
 #undef CASE
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++)
 		read_refused(cases[k].file, cases[k].bytes, -ENOTSUP, cases[k].word);
 }
@@ -908,7 +873,7 @@ static uint8_t *slurp(const char *path, size_t *bytes)
 }
 
 /* Cut anywhere: refused with a message, and nothing leaks (the address sanitizer checks). */
-static void cut_short(void **state)
+TEST("cut short")
 {
 	/* A tiled picture without its lower levels is complete. */
 	static const size_t levels_at = 1000;
@@ -929,7 +894,6 @@ static void cut_short(void **state)
 #endif
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(names) / sizeof(names[0]); i++) {
 		char path[128];
 		uint8_t *data;
@@ -963,12 +927,11 @@ static void cut_short(void **state)
 	}
 }
 
-static void not_pictures(void **state)
+TEST("not pictures")
 {
 	struct image image;
 	struct fault fault;
 
-	(void)state;
 	read_refused("", 0, -EBADMSG, "empty");
 	read_refused("hello", 5, -ENOTSUP, "not a picture");
 	assert_int_equal(image_read(in_folder("missing.png"), &image, &fault), -ENOENT);
@@ -977,12 +940,11 @@ static void not_pictures(void **state)
 	assert_int_equal(image_read("/dev/null", &image, &fault), -EINVAL);
 }
 
-static void not_written(void **state)
+TEST("not written")
 {
 	struct image light, codes, none = {0};
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(image_create_f32(&light, 4, 4), 0);
 	assert_int_equal(image_create_u8(&codes, 4, 4), 0);
 	assert_int_equal(image_write(in_folder("y.png"), &light, &fault), -ENOTSUP);
@@ -1015,47 +977,4 @@ static int remove_folder(void **state)
 	return rmdir(folder);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(hdr_flat),
-		cmocka_unit_test(hdr_exposure),
-		cmocka_unit_test(hdr_header_words),
-		cmocka_unit_test(hdr_orientations),
-		cmocka_unit_test(hdr_new_coding),
-		cmocka_unit_test(hdr_old_coding),
-		cmocka_unit_test(hdr_refusals),
-		cmocka_unit_test(hdr_round_trip),
-		cmocka_unit_test(hdr_real),
-		cmocka_unit_test(pfm_by_hand),
-		cmocka_unit_test(pfm_round_trip),
-		cmocka_unit_test(pfm_refusals),
-		cmocka_unit_test(negative_light_is_none),
-#if WITH_EXR
-		cmocka_unit_test(exr_samples),
-		cmocka_unit_test(exr_window),
-		cmocka_unit_test(exr_primaries),
-		cmocka_unit_test(exr_dwab),
-		cmocka_unit_test(exr_grey),
-		cmocka_unit_test(exr_noise),
-		cmocka_unit_test(exr_refusals),
-#endif
-		cmocka_unit_test(png_kinds),
-#if WITH_WEBP
-		cmocka_unit_test(webp_hostile_size),
-		cmocka_unit_test(webp),
-#endif
-		cmocka_unit_test(png_interlaced),
-		cmocka_unit_test(png_round_trip),
-		cmocka_unit_test(foreign_kinds_are_named),
-		cmocka_unit_test(png_hostile_size),
-		cmocka_unit_test(jpeg_reads),
-		cmocka_unit_test(jpeg_inks),
-		cmocka_unit_test(jpeg_hostile_size),
-		cmocka_unit_test(cut_short),
-		cmocka_unit_test(not_pictures),
-		cmocka_unit_test(not_written),
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_GROUP(make_folder, remove_folder);

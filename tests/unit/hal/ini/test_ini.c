@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* INI files read by tables of keys: what is accepted, and the exact message for what is not. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -18,6 +12,7 @@
 #include "hal/ini/ini.h"
 #include "hal/ini/ini_value.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const char *const colours[] = {"red", "green", "blue", NULL};
 
@@ -199,7 +194,7 @@ static void expect_faults(const char *text, ...)
 	free(o);
 }
 
-static void every_type_is_read(void **state)
+TEST("every type is read")
 {
 	struct outcome *o = parse(
 		"; a comment\n# another\n\n[lamp]\non = off\ncount=12 ; twelve\n"
@@ -209,7 +204,6 @@ static void every_type_is_read(void **state)
 		"width=4096\n");
 	const struct ini_lamp *lamp = &o->root.lamp;
 
-	(void)state;
 	assert_int_equal(o->said_count, 0);
 	assert_false(lamp->on);
 	assert_int_equal(lamp->count, 12);
@@ -227,12 +221,11 @@ static void every_type_is_read(void **state)
 	free(o);
 }
 
-static void defaults_fill_every_field(void **state)
+TEST("defaults fill every field")
 {
 	struct outcome *o = outcome_fresh();
 	const struct ini_lamp *lamp = &o->root.lamp;
 
-	(void)state;
 	assert_true(lamp->on);
 	assert_int_equal(lamp->count, 7);
 	assert_true(lamp->power == 0.1);
@@ -243,22 +236,20 @@ static void defaults_fill_every_field(void **state)
 	free(o);
 }
 
-static void windows_text_is_tolerated(void **state)
+TEST("windows text is tolerated")
 {
 	struct outcome *o = parse("\xef\xbb\xbf[lamp]\r\ncount = 9\r\n\r\nlabel = x\r\n");
 
-	(void)state;
 	assert_int_equal(o->said_count, 0);
 	assert_int_equal(o->root.lamp.count, 9);
 	assert_string_equal(o->root.lamp.label, "x");
 	free(o);
 }
 
-static void paths_start_at_the_files_folder(void **state)
+TEST("paths start at the files folder")
 {
 	struct outcome *o = parse("[lamp]\nfile = /abs\n");
 
-	(void)state;
 	assert_string_equal(o->root.lamp.file, "/abs");
 	free(o);
 	o = parse("[lamp]\nfile =\n");
@@ -267,9 +258,8 @@ static void paths_start_at_the_files_folder(void **state)
 	free(o);
 }
 
-static void names_are_checked(void **state)
+TEST("names are checked")
 {
-	(void)state;
 	expect_faults("[lamp]\n\ncuont = 5\n",
 		      "k.conf:3: [lamp] cuont: unknown key, did you mean \"count\"?", NULL);
 	expect_faults("[lamp]\nspin.sped = 5\n",
@@ -289,9 +279,8 @@ static void names_are_checked(void **state)
 		NULL);
 }
 
-static void values_are_checked(void **state)
+TEST("values are checked")
 {
-	(void)state;
 	expect_faults("[lamp]\ncount = 300\n",
 		      "k.conf:2: [lamp] count: is \"300\", expected a whole number 0..255 lamps",
 		      NULL);
@@ -330,7 +319,7 @@ static void values_are_checked(void **state)
 }
 
 /* Lists with a limited number of numbers. */
-static void lists_end_where_they_end(void **state)
+TEST("lists end where they end")
 {
 	struct shutter {
 		double times[3];
@@ -351,7 +340,6 @@ static void lists_end_where_they_end(void **state)
 	static const char *const bad[] = {"0", "4, 0", "4 2 1 0.5", "4,", ",4", "4;2", "x", "101"};
 	char why[INI_WHY_MAX], text[64];
 
-	(void)state;
 	ini_defaults(keys, &shutter);
 	assert_true(shutter.times[0] == 0 && shutter.times[2] == 0);
 	for (size_t k = 0; k < sizeof(good) / sizeof(*good); k++) {
@@ -369,12 +357,11 @@ static void lists_end_where_they_end(void **state)
 	}
 }
 
-static void long_values_are_refused(void **state)
+TEST("long values are refused")
 {
 	char text[4096];
 	struct outcome *o;
 
-	(void)state;
 	snprintf(text, sizeof(text), "[lamp]\nlabel = %0*d\n", INI_TEXT_MAX - 1, 1);
 	o = parse(text);
 	assert_int_equal(o->said_count, 0);
@@ -404,9 +391,8 @@ static void long_values_are_refused(void **state)
 	free(o);
 }
 
-static void structure_is_checked(void **state)
+TEST("structure is checked")
 {
-	(void)state;
 	expect_faults("count = 1\n[lamp]\n",
 		      "k.conf:1: key \"count\" stands before the first section, expected [section]",
 		      NULL);
@@ -434,9 +420,8 @@ static void structure_is_checked(void **state)
 	expect_faults("[strict]\nmust = 3\n", NULL);
 }
 
-static void everything_wrong_is_said(void **state)
+TEST("everything wrong is said")
 {
-	(void)state;
 	expect_faults("[lamp]\ncuont = 5\npower = 1e9\nwords\n[nope]\n[strict]\n",
 		      "k.conf:2: [lamp] cuont: unknown key, did you mean \"count\"?",
 		      "k.conf:3: [lamp] power: is \"1e9\", expected a number -1..1000 W",
@@ -446,7 +431,7 @@ static void everything_wrong_is_said(void **state)
 }
 
 /* What an editor put in, and nobody sees, is called by its name. */
-static void invisible_oddities_are_named(void **state)
+TEST("invisible oddities are named")
 {
 	static const char *const utf16[] = {"\xff\xfe[\0l\0", "\xfe\xff\0[\0l", "[\0l\0", "\0[\0l"};
 	static const char *const inside = "[lamp]\nlabel = a\u00a0b \"c\"\n";
@@ -465,7 +450,6 @@ static void invisible_oddities_are_named(void **state)
 		 "k.conf:2: [lamp] label: stands in quotation"},
 	};
 
-	(void)state;
 	for (int i = 0; i < 4; i++) {
 		struct outcome *o = parse_bytes(utf16[i], (size_t)bytes[i]);
 
@@ -483,12 +467,11 @@ static void invisible_oddities_are_named(void **state)
 	assert_int_equal(parse_bytes(inside, strlen(inside))->said_count, 0);
 }
 
-static void binary_data_is_refused(void **state)
+TEST("binary data is refused")
 {
 	static const char nul[] = "[lamp]\ncount\0 = 5\n";
 	struct outcome *o = parse_bytes(nul, sizeof(nul) - 1);
 
-	(void)state;
 	assert_int_equal(o->said_count, 1);
 	assert_string_equal(o->said[0],
 			    "k.conf:2: holds a control character, expected a text file");
@@ -505,12 +488,11 @@ static void binary_data_is_refused(void **state)
 	free(o);
 }
 
-static void thousands_of_faults_are_cut(void **state)
+TEST("thousands of faults are cut")
 {
 	char *text = malloc(200000);
 	struct outcome *o;
 
-	(void)state;
 	assert_non_null(text);
 	memset(text, 'x', 199999);
 	for (int i = 10; i < 199999; i += 11)
@@ -523,7 +505,7 @@ static void thousands_of_faults_are_cut(void **state)
 	free(text);
 }
 
-static void assignments_are_read(void **state)
+TEST("assignments are read")
 {
 	static const struct {
 		const char *assignment, *fault;
@@ -550,7 +532,6 @@ static void assignments_are_read(void **state)
 	};
 	struct outcome *o = outcome_fresh();
 
-	(void)state;
 	assert_int_equal(ini_set(" lamp.count = 31 ", tables, &o->root, &o->report), 0);
 	assert_int_equal(ini_set("lamp.count=32", tables, &o->root, &o->report), 0);
 	assert_int_equal(ini_set("lamp.label=a = b", tables, &o->root, &o->report), 0);
@@ -575,12 +556,11 @@ static void assignments_are_read(void **state)
 	free(o);
 }
 
-static void long_assignments_do_no_harm(void **state)
+TEST("long assignments do no harm")
 {
 	char text[5000];
 	struct outcome *o = outcome_fresh();
 
-	(void)state;
 	for (size_t length = 40; length < sizeof(text); length += 17) {
 		memset(text, 'n', length);
 		memcpy(text, "camera.", 7);
@@ -592,14 +572,13 @@ static void long_assignments_do_no_harm(void **state)
 	free(o);
 }
 
-static void text_of_values_reads_back(void **state)
+TEST("text of values reads back")
 {
 	struct outcome *o = parse("[lamp]\non=no\ncount=3\npower=0.30000000000000004\n"
 				  "place=1e-7 -3.25 123456.789\nlabel=x y\nfile=/p\ncolour=red\n");
 	char all[4096] = "[lamp]\n";
 	struct outcome *again;
 
-	(void)state;
 	for (const struct ini_key *key = lamp_keys; key->name; key++) {
 		char value[INI_PATH_MAX];
 		int n = ini_value_text(key, &o->root.lamp, value, sizeof(value));
@@ -616,14 +595,13 @@ static void text_of_values_reads_back(void **state)
 	free(again);
 }
 
-static void sample_equals_the_defaults(void **state)
+TEST("sample equals the defaults")
 {
 	char *text = NULL;
 	size_t bytes;
 	FILE *stream = open_memstream(&text, &bytes);
 	struct outcome *o, *fresh = outcome_fresh();
 
-	(void)state;
 	assert_non_null(stream);
 	ini_write_sample(stream, tables);
 	fclose(stream);
@@ -647,13 +625,12 @@ static void sample_equals_the_defaults(void **state)
 	free(fresh);
 }
 
-static void files_that_cannot_be_read(void **state)
+TEST("files that cannot be read")
 {
 	char folder[] = "/tmp/test_ini_XXXXXX", path[64], big[64];
 	struct outcome *o = outcome_fresh();
 	FILE *f;
 
-	(void)state;
 	assert_non_null(mkdtemp(folder));
 	snprintf(path, sizeof(path), "%s/x.conf", folder);
 	snprintf(big, sizeof(big), "%s/big.conf", folder);
@@ -682,11 +659,10 @@ static void files_that_cannot_be_read(void **state)
 	free(o);
 }
 
-static void nearest_is_near(void **state)
+TEST("nearest is near")
 {
 	static const char *const names[] = {"threshold", "transfer", "gain", "x", "y"};
 
-	(void)state;
 	assert_string_equal(ini_nearest("treshold", names, 5), "threshold");
 	assert_string_equal(ini_nearest("THRESHOLD", names, 5), "threshold");
 	assert_string_equal(ini_nearest("gian", names, 5), "gain");
@@ -695,31 +671,4 @@ static void nearest_is_near(void **state)
 	assert_null(ini_nearest("elephant", names, 5));
 	assert_null(ini_nearest("", names, 5));
 	assert_null(ini_nearest("gain", names, 0));
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_type_is_read),
-		cmocka_unit_test(defaults_fill_every_field),
-		cmocka_unit_test(windows_text_is_tolerated),
-		cmocka_unit_test(paths_start_at_the_files_folder),
-		cmocka_unit_test(names_are_checked),
-		cmocka_unit_test(values_are_checked),
-		cmocka_unit_test(lists_end_where_they_end),
-		cmocka_unit_test(long_values_are_refused),
-		cmocka_unit_test(structure_is_checked),
-		cmocka_unit_test(everything_wrong_is_said),
-		cmocka_unit_test(invisible_oddities_are_named),
-		cmocka_unit_test(binary_data_is_refused),
-		cmocka_unit_test(thousands_of_faults_are_cut),
-		cmocka_unit_test(assignments_are_read),
-		cmocka_unit_test(long_assignments_do_no_harm),
-		cmocka_unit_test(text_of_values_reads_back),
-		cmocka_unit_test(sample_equals_the_defaults),
-		cmocka_unit_test(files_that_cannot_be_read),
-		cmocka_unit_test(nearest_is_near),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

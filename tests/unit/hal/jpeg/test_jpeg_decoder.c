@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* JPEG pictures as cameras and programs write them: which oddities are forgiven, and which damage is
  * seen. */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +12,7 @@
 
 #include "hal/jpeg/jpeg_decoder.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 80, HEIGHT = 64, ROOM = 1 << 16 };
 
@@ -126,7 +122,7 @@ static size_t with_bytes(const uint8_t *from, size_t bytes, size_t at, const voi
 	return bytes + count;
 }
 
-static void oddities_are_forgiven(void **state)
+TEST("oddities are forgiven")
 {
 	static uint8_t whole[ROOM], odd[2 * ROOM], pixels[HEIGHT * WIDTH * 3], filler[512];
 	struct written progressive = {.space = JCS_RGB, .progressive = true};
@@ -176,7 +172,7 @@ static void expect_damaged(struct jpeg_decoder *jpeg, const uint8_t *data, size_
 	expect_above(strlen(fault.text), 20, "%s", what);
 }
 
-static void damage_is_seen(void **state)
+TEST("damage is seen")
 {
 	static uint8_t whole[ROOM], odd[2 * ROOM], pixels[HEIGHT * WIDTH * 3];
 	struct written progressive = {.space = JCS_RGB, .progressive = true};
@@ -208,7 +204,7 @@ static void damage_is_seen(void **state)
 }
 
 /* Adobe's programs store CMYK inverted; libjpeg writes their marker with it. */
-static void cmyk_becomes_rgb(void **state)
+TEST("cmyk becomes rgb")
 {
 	static uint8_t bytes[ROOM], pixels[HEIGHT * WIDTH * 3];
 	const struct written cmyk = {.space = JCS_CMYK};
@@ -219,7 +215,7 @@ static void cmyk_becomes_rgb(void **state)
 }
 
 /* Pictures are cut to what is wanted; the bytes beside it stay. */
-static void a_part_is_read(void **state)
+TEST("a part is read")
 {
 	static uint8_t bytes[ROOM], whole[HEIGHT * WIDTH * 3], part[50 * 256];
 	const size_t length = write_jpeg(&baseline, bytes);
@@ -260,14 +256,4 @@ static int test_jpeg_end(void **state)
 	return 0;
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(oddities_are_forgiven),
-		cmocka_unit_test(damage_is_seen),
-		cmocka_unit_test(cmyk_becomes_rgb),
-		cmocka_unit_test(a_part_is_read),
-	};
-
-	return cmocka_run_group_tests(tests, test_jpeg_begin, test_jpeg_end);
-}
+TEST_GROUP(test_jpeg_begin, test_jpeg_end);

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The exposure that a frame has, for a played camera that obeys some frames later and loses some. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdbool.h>
 
 #include "hal/lights/exposure_schedule.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { COUNT = 3, FRAMES = 400 };
 
@@ -52,9 +47,8 @@ static int schedule_step(struct exposure_schedule *s, struct scheduled_camera *c
 	return exposure;
 }
 
-static void every_delay_is_kept_track_of(void **state)
+TEST("every delay is kept track of")
 {
-	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
 		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
@@ -74,11 +68,10 @@ static void every_delay_is_kept_track_of(void **state)
 	}
 }
 
-static void lost_and_late_frames_shift_nothing(void **state)
+TEST("lost and late frames shift nothing")
 {
 	struct chance chance = chance_begin("lost frames");
 
-	(void)state;
 	for (int delay = 0; delay <= 6; delay++) {
 		struct scheduled_camera camera = {.delay = delay};
 		struct exposure_schedule s;
@@ -93,11 +86,10 @@ static void lost_and_late_frames_shift_nothing(void **state)
 }
 
 /* A source that does not number its frames: they follow each other. */
-static void numbers_that_stand_still(void **state)
+TEST("numbers that stand still")
 {
 	struct exposure_schedule s;
 
-	(void)state;
 	exposure_schedule_begin(&s, 2, 1);
 	for (int k = 0; k < 20; k++) {
 		const int exposure = exposure_schedule_take(&s, 0);
@@ -126,11 +118,10 @@ static int schedule_measure(struct scheduled_camera *camera, struct chance *chan
 	return err ? err : s.delay;
 }
 
-static void a_delay_is_measured(void **state)
+TEST("a delay is measured")
 {
 	struct chance chance = chance_begin("measured");
 
-	(void)state;
 	for (int delay = 0; delay <= EXPOSURE_DELAY_MAX; delay++) {
 		struct scheduled_camera camera = {.delay = delay};
 
@@ -142,12 +133,11 @@ static void a_delay_is_measured(void **state)
 
 /* Whatever frames are lost, the measured delay is right, or the schedule says that it cannot tell.
  */
-static void lost_frames_do_not_spoil_the_measurement(void **state)
+TEST("lost frames do not spoil the measurement")
 {
 	struct chance chance = chance_begin("measured with losses");
 	int right = 0;
 
-	(void)state;
 	for (int n = 0; n < 50; n++) {
 		struct scheduled_camera camera = {.delay = n % 7};
 		const int found = schedule_measure(&camera, &chance, true, true);
@@ -158,27 +148,12 @@ static void lost_frames_do_not_spoil_the_measurement(void **state)
 	assert_true(right >= 40);
 }
 
-static void what_is_not_seen_is_said(void **state)
+TEST("what is not seen is said")
 {
 	struct chance chance = chance_begin("not seen");
 	struct scheduled_camera camera = {.delay = 2},
 				slow = {.delay = EXPOSURE_DELAY_MAX + 3, .beyond = true};
 
-	(void)state;
 	assert_int_equal(schedule_measure(&camera, &chance, false, false), -ENODATA);
 	assert_int_equal(schedule_measure(&slow, &chance, false, true), -ENODATA);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_delay_is_kept_track_of),
-		cmocka_unit_test(lost_and_late_frames_shift_nothing),
-		cmocka_unit_test(numbers_that_stand_still),
-		cmocka_unit_test(a_delay_is_measured),
-		cmocka_unit_test(lost_frames_do_not_spoil_the_measurement),
-		cmocka_unit_test(what_is_not_seen_is_said),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Several exposures of one sky merged into one light: the sampler's part, the merge, and which
  * exposure a frame has. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +10,7 @@
 #include "hal/lights/sampler.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 40, COUNT = 3, PIXELS = 64 };
 
@@ -107,13 +102,12 @@ static void exposures_fill(struct cell *cell, double dim, double lamp, double sh
 /* ---- the merge ---- */
 
 /* Exposure times are powers of two, so that nothing rounds: the merge must not either. */
-static void a_constant_sky_is_exact(void **state)
+TEST("a constant sky is exact")
 {
 	static const double levels[] = {0, 0.0009765625, 0.125, 0.75, 2, 24, 200};
 	struct cell cell[LIGHTS];
 	struct merged m;
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(levels) / sizeof(*levels); n++) {
 		struct light_exposures *e = create(1);
 
@@ -140,14 +134,13 @@ static void a_constant_sky_is_exact(void **state)
 
 /* A camera whose exposures differ from those it was asked for reports them with its first pictures.
  */
-static void other_ratios_count_from_the_next_frame(void **state)
+TEST("other ratios count from the next frame")
 {
 	static const double wanted[COUNT] = {1, 0.3, 0.03};
 	struct light_exposures *e = create(1);
 	struct cell cell[LIGHTS];
 	struct merged m;
 
-	(void)state;
 	exposures_fill(cell, 2, 0, 0); /* the first exposure clips */
 	light_exposures_ratios(e, wanted);
 	exposures_show(e, 1, cell, &m);
@@ -159,7 +152,7 @@ static void other_ratios_count_from_the_next_frame(void **state)
 }
 
 /* One exposure passes unchanged, bit by bit. */
-static void one_exposure_is_untouched(void **state)
+TEST("one exposure is untouched")
 {
 	static const double one[] = {1};
 	struct light_exposures *e;
@@ -168,7 +161,6 @@ static void one_exposure_is_untouched(void **state)
 	struct taken_lights f;
 	struct merged m;
 
-	(void)state;
 	assert_int_equal(light_exposures_create(&e, LIGHTS), 0);
 	for (int i = 0; i < LIGHTS; i++) {
 		pixels[i] = 9;
@@ -187,13 +179,12 @@ static void one_exposure_is_untouched(void **state)
 }
 
 /* A small lamp in a dim cell, from brightnesses that no exposure clips to those that all clip. */
-static void a_lamp_is_found_in_the_shortest(void **state)
+TEST("a lamp is found in the shortest")
 {
 	struct cell cell[LIGHTS];
 	struct merged m;
 	struct light_exposures *e = create(1);
 
-	(void)state;
 	exposures_fill(cell, 0.1, 0.1, 0);
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++) {
@@ -233,7 +224,7 @@ static double noisy(struct chance *chance, double light, int k)
 }
 
 /* The merge is no worse than the best exposure alone, and has no bias. */
-static void weights_follow_the_noise(void **state)
+TEST("weights follow the noise")
 {
 	enum { TURNS = 200 };
 	struct chance chance = chance_begin("weights");
@@ -241,7 +232,6 @@ static void weights_follow_the_noise(void **state)
 	double squares = 0, alone = 0, sum = 0;
 	int count = 0;
 
-	(void)state;
 	for (int turn = 0; turn < TURNS; turn++) {
 		struct light_exposures *e = create(1);
 		struct taken_lights f = {.clipped = {0}};
@@ -278,12 +268,11 @@ static void must_be(const struct merged *m, const struct cell *cell)
 
 /* A switched lamp is followed at once where the frame shows it unclipped, else within one round of
  * exposures. */
-static void a_switched_lamp_is_followed(void **state)
+TEST("a switched lamp is followed")
 {
 	struct cell off[LIGHTS], on[LIGHTS];
 	struct merged m;
 
-	(void)state;
 	exposures_fill(off, 0.3, 0.3, 0);
 	exposures_fill(on, 0.3, 40, 0.1);
 	for (int first = 0; first < COUNT; first++) {
@@ -307,13 +296,12 @@ static void a_switched_lamp_is_followed(void **state)
 }
 
 /* Exposure times that are 5 % wrong still give steady light. */
-static void exposures_that_are_off_do_not_flicker(void **state)
+TEST("exposures that are off do not flicker")
 {
 	struct light_exposures *e = create(1);
 	struct cell cell[LIGHTS], seen[LIGHTS];
 	struct merged before = {.left = {0}}, m;
 
-	(void)state;
 	for (int i = 0; i < LIGHTS; i++)
 		cell[i] = (struct cell){{0.02 * i, 0.5, 3}, {0.02 * i, 0.5, 3}, 0};
 	for (int turn = 0; turn < 4; turn++) {
@@ -334,11 +322,10 @@ static void exposures_that_are_off_do_not_flicker(void **state)
 
 /* ---- whose frame it is ---- */
 
-static void wrong_exposures_are_noticed(void **state)
+TEST("wrong exposures are noticed")
 {
 	static const double dims[] = {0.02, 0.2, 0.6, 3};
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(dims) / sizeof(*dims); n++) {
 		for (int lamp = 0; lamp < 2; lamp++) {
 			struct light_exposures *e = create(1);
@@ -377,11 +364,10 @@ static void wrong_exposures_are_noticed(void **state)
 
 /* Until a shorter exposure has been seen, a lamp that clips in the longest may have any brightness
  * in it. Every exposure fits that shows the unclipped cells as they are. */
-static void a_clipped_lamp_may_be_of_any_brightness(void **state)
+TEST("a clipped lamp may be of any brightness")
 {
 	static const double lamps[] = {2, 20, 300};
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(lamps) / sizeof(*lamps); n++) {
 		const double l = lamps[n];
 
@@ -408,9 +394,8 @@ static void a_clipped_lamp_may_be_of_any_brightness(void **state)
 
 /* The room gets four times brighter or darker. The exposures follow within two rounds, and none is
  * mistaken for another. */
-static void a_change_of_the_whole_room_is_taken(void **state)
+TEST("a change of the whole room is taken")
 {
-	(void)state;
 	for (int up = 0; up < 2; up++) {
 		struct light_exposures *e = create(1);
 		struct cell cell[LIGHTS];
@@ -439,7 +424,7 @@ static void a_change_of_the_whole_room_is_taken(void **state)
 
 /* Light that is believed, that which a longer exposure does not believe, and clipped light, against
  * sums over the pixels. */
-static void the_sampler_tells_what_is_believed(void **state)
+TEST("the sampler tells what is believed")
 {
 	enum { SIDE = 96 };
 	const struct light_sampler_settings settings = {.curve = curve, .gain = 2};
@@ -456,7 +441,6 @@ static void the_sampler_tells_what_is_believed(void **state)
 	double clipped;
 	const double longer = 0.25;
 
-	(void)state;
 	pixel_white_fill(&white, &curve);
 	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SIDE, SIDE, NULL), 0);
@@ -524,12 +508,11 @@ static void the_sampler_tells_what_is_believed(void **state)
 
 /* Code values are believed up to code 217, and not at all from 248 on; in between soft() grows ever
  * more slowly. */
-static void soft_white_is_smooth(void **state)
+TEST("soft white is smooth")
 {
 	struct pixel_white white;
 	double before = 1;
 
-	(void)state;
 	pixel_white_fill(&white, &curve);
 	assert_in_range(white.code, 216, 218);
 	for (int c = 1; c < 256; c++) {
@@ -586,7 +569,7 @@ static double mean_light(const struct dome *dome, float (*radiance)[3])
 }
 
 /* Three exposures of a camera that compresses near white, with noise: the merged irradiance. */
-static void light_near_white_is_not_lost(void **state)
+TEST("light near white is not lost")
 {
 	static const struct {
 		double even, peak; /* the sky's light and the lamp's */
@@ -604,7 +587,6 @@ static void light_near_white_is_not_lost(void **state)
 	struct dome dome;
 	struct image image;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 4, DOME_ANGLES, NULL), 0);
 	assert_in_range(dome.count, 1, 200);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SKY, SKY, NULL), 0);
@@ -649,25 +631,4 @@ static void light_near_white_is_not_lost(void **state)
 	light_exposures_destroy(e);
 	light_sampler_destroy(sampler);
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_constant_sky_is_exact),
-		cmocka_unit_test(other_ratios_count_from_the_next_frame),
-		cmocka_unit_test(one_exposure_is_untouched),
-		cmocka_unit_test(a_lamp_is_found_in_the_shortest),
-		cmocka_unit_test(weights_follow_the_noise),
-		cmocka_unit_test(a_switched_lamp_is_followed),
-		cmocka_unit_test(exposures_that_are_off_do_not_flicker),
-		cmocka_unit_test(wrong_exposures_are_noticed),
-		cmocka_unit_test(a_clipped_lamp_may_be_of_any_brightness),
-		cmocka_unit_test(a_change_of_the_whole_room_is_taken),
-		cmocka_unit_test(the_sampler_tells_what_is_believed),
-		cmocka_unit_test(soft_white_is_smooth),
-		cmocka_unit_test(light_near_white_is_not_lost),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Light over time: constant light passes unchanged, switched light arrives within the set time and
  * does not overshoot, noise does not crawl, and nothing sticks. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "hal/lights/pixel_noise.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 100 };
 
@@ -76,13 +71,12 @@ static double filter_frame(struct filtered_lamp *l, int64_t at_ns, double light)
 	return (double)l->x[l->count / 2][1];
 }
 
-static void constant_light_comes_out_as_it_went_in(void **state)
+TEST("constant light comes out as it went in")
 {
 	struct chance chance = chance_begin("constant light");
 	struct filtered_lamp l = lamp_begin(LIGHTS, 20);
 	float given[LIGHTS][3];
 
-	(void)state;
 	for (int i = 0; i < LIGHTS; i++)
 		for (int c = 0; c < 3; c++)
 			given[i][c] = i ? (float)exp(chance_real(&chance, -90, 60)) : 0;
@@ -95,12 +89,11 @@ static void constant_light_comes_out_as_it_went_in(void **state)
 }
 
 /* One light switches, from dark or half, up or down, at several rates. */
-static void a_switched_lamp_is_there_in_time(void **state)
+TEST("a switched lamp is there in time")
 {
 	static const double from[] = {0, 0.2, 1, 1, 0.5}, to[] = {1, 0.25, 0, 0.9, 400};
 	static const int64_t dt[] = {FOLLOW / 12, 33366667, 40 * MS, 100 * MS, 900 * MS};
 
-	(void)state;
 	for (int n = 0; n < 25; n++) {
 		const double a = from[n % 5], b = to[n % 5];
 		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
@@ -136,12 +129,11 @@ static void a_switched_lamp_is_there_in_time(void **state)
 }
 
 /* The output at a time does not depend on the number of frames before it. */
-static void time_counts_and_not_frames(void **state)
+TEST("time counts and not frames")
 {
 	struct chance chance = chance_begin("time");
 	double at_50[20];
 
-	(void)state;
 	for (int n = 0; n < 20; n++) {
 		struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 		int64_t at = 1;
@@ -219,11 +211,10 @@ static struct crawl crawl_of(struct chance *chance, int64_t follow_ns, int pixel
 	return found;
 }
 
-static void noise_moves_no_pixel_by_more_than_a_level(void **state)
+TEST("noise moves no pixel by more than a level")
 {
 	struct chance chance = chance_begin("noise");
 
-	(void)state;
 	for (int pixels = 2; pixels <= 32; pixels *= 4) {
 		const struct crawl found = crawl_of(&chance, FOLLOW, pixels, 33 * MS);
 		const struct crawl without = crawl_of(&chance, 0, pixels, 33 * MS);
@@ -239,13 +230,12 @@ static void noise_moves_no_pixel_by_more_than_a_level(void **state)
 }
 
 /* The sum over time of a flash, or of several, is kept. */
-static void energy_is_kept(void **state)
+TEST("energy is kept")
 {
 	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	double in = 0, out = 0;
 	int64_t at = 0;
 
-	(void)state;
 	filter_frame(&l, 0, 0);
 	for (int k = 0; k < 4000; k++) {
 		const double light = k < 300 && k % 60 < 30 ? 1 : 0;
@@ -261,13 +251,12 @@ static void energy_is_kept(void **state)
 /* ---- what noise hides ---- */
 
 /* A light that grows by one code in ten seconds, in steps far below the camera's noise. */
-static void a_slow_lamp_does_not_stick(void **state)
+TEST("a slow lamp does not stick")
 {
 	struct filtered_lamp l = lamp_begin(1, 4);
 	double light = level(120), now = 0;
 	int64_t at = 0;
 
-	(void)state;
 	for (int speed = 0; speed < 3; speed++) { /* 0.1, 1 and 10 codes a second */
 		double before = filter_frame(&l, at, light);
 
@@ -293,13 +282,12 @@ static void a_slow_lamp_does_not_stick(void **state)
 }
 
 /* The whole room changes by five per cent, which no single light shows. */
-static void what_all_lights_say_together_is_heard(void **state)
+TEST("what all lights say together is heard")
 {
 	struct chance chance = chance_begin("together");
 	struct filtered_lamp l = lamp_begin(LIGHTS, 2);
 	double sum = 0;
 
-	(void)state;
 	for (int k = 0; k < 64; k++) {
 		const double share = k < 60 ? 1 : 0.95;
 
@@ -317,13 +305,12 @@ static void what_all_lights_say_together_is_heard(void **state)
 
 /* ---- beginnings ---- */
 
-static void it_begins_anew(void **state)
+TEST("it begins anew")
 {
 	struct filtered_lamp l = lamp_begin(LIGHTS, 50);
 	float pixels[LIGHTS];
 	const double half = (double)0.5f;
 
-	(void)state;
 	assert_true(filter_frame(&l, 5000 * MS, 1) == 1);
 	assert_true(filter_frame(&l, 5033 * MS, half) > half);
 	assert_true(filter_frame(&l, 5000 * MS, half) == half); /* an older frame */
@@ -343,20 +330,4 @@ static void it_begins_anew(void **state)
 	assert_true(l.x[3][2] == 0.5f);
 	assert_true(filter_frame(&l, 6566 * MS, 1) < 1); /* on again, from the last light */
 	lamp_end(&l);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(constant_light_comes_out_as_it_went_in),
-		cmocka_unit_test(a_switched_lamp_is_there_in_time),
-		cmocka_unit_test(time_counts_and_not_frames),
-		cmocka_unit_test(noise_moves_no_pixel_by_more_than_a_level),
-		cmocka_unit_test(energy_is_kept),
-		cmocka_unit_test(a_slow_lamp_does_not_stick),
-		cmocka_unit_test(what_all_lights_say_together_is_heard),
-		cmocka_unit_test(it_begins_anew),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights files: values come back to the bit, and messages name what is wrong. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
@@ -19,6 +13,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static void write_text(const char *path, const char *text, size_t bytes)
 {
@@ -29,13 +24,12 @@ static void write_text(const char *path, const char *text, size_t bytes)
 	assert_int_equal(fclose(stream), 0);
 }
 
-static void to_the_bit_and_back(void **state)
+TEST("to the bit and back")
 {
 	static float lights[1000][3], back[1000][3];
 	struct chance chance = chance_begin("lights_file");
 	const char *path = own_folder_path("lights.txt");
 
-	(void)state;
 	for (int i = 0; i < 1000; i++)
 		for (int c = 0; c < 3; c++)
 			lights[i][c] = (float)pow(10, chance_real(&chance, -45, 38));
@@ -48,7 +42,7 @@ static void to_the_bit_and_back(void **state)
 	unlink(path);
 }
 
-static void comments_and_blanks(void **state)
+TEST("comments and blanks")
 {
 	static const char text[] =
 		"\xef\xbb\xbf# lights\n\n  1 2 3  # the sun\r\n\t\n0.5\t.25 1e-3\n7 8 9";
@@ -56,7 +50,6 @@ static void comments_and_blanks(void **state)
 	const float want[3][3] = {{1, 2, 3}, {0.5f, 0.25f, 1e-3f}, {7, 8, 9}};
 	float lights[3][3];
 
-	(void)state;
 	write_text(path, text, strlen(text));
 	assert_int_equal(lights_file_read(path, lights, 3, NULL), 0);
 	assert_memory_equal(lights, want, sizeof(want));
@@ -66,7 +59,7 @@ static void comments_and_blanks(void **state)
 }
 
 /* The message names the line. */
-static void refused(void **state)
+TEST("refused")
 {
 	static const struct {
 		const char *text, *place, *what;
@@ -90,7 +83,6 @@ static void refused(void **state)
 	const char *path = own_folder_path("lights.txt");
 	float lights[2][3];
 
-	(void)state;
 	for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
 		struct fault fault = {""};
 
@@ -105,13 +97,12 @@ static void refused(void **state)
 	unlink(path);
 }
 
-static void files_that_cannot_be(void **state)
+TEST("files that cannot be")
 {
 	const float lights[1][3] = {{1, 2, 3}};
 	struct fault fault = {""};
 	float back[1][3];
 
-	(void)state;
 	assert_int_equal(lights_file_read(own_folder_path("missing.txt"), back, 1, &fault),
 			 -ENOENT);
 	assert_non_null(strstr(fault.text, "missing.txt"));
@@ -121,14 +112,4 @@ static void files_that_cannot_be(void **state)
 	assert_non_null(strstr(fault.text, "such.txt"));
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(to_the_bit_and_back),
-		cmocka_unit_test(comments_and_blanks),
-		cmocka_unit_test(refused),
-		cmocka_unit_test(files_that_cannot_be),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,16 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Light that clips in the sky is recovered from the light on the ground. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
 #include "hal/lights/recovery.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { LIGHTS = 20 };
 
@@ -70,12 +65,11 @@ static double ground_of(const struct recovery_sky *sky, int c)
 	return sum;
 }
 
-static void what_is_lost_is_found(void **state)
+TEST("what is lost is found")
 {
 	static const double lost[] = {3, 10, 1000, 100000};
 	struct recovery_sky sky, before;
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(lost) / sizeof(*lost); n++) {
 		struct light_recovery r;
 
@@ -108,12 +102,11 @@ static void what_is_lost_is_found(void **state)
 }
 
 /* Two pieces of very different size give the ground the same light. */
-static void pieces_have_like_powers(void **state)
+TEST("pieces have like powers")
 {
 	struct recovery_sky sky, before;
 	double small, large;
 
-	(void)state;
 	recovery_fill(&sky, 0, 0);
 	/* Light 9 alone, and lights 10 to 19, all at one height. */
 	for (int i = 0; i < LIGHTS; i++) {
@@ -148,11 +141,10 @@ static void pieces_have_like_powers(void **state)
 }
 
 /* A clipped pixel near the horizon gets less, on the horizon nothing. */
-static void what_lies_low_gets_less(void **state)
+TEST("what lies low gets less")
 {
 	struct recovery_sky sky;
 
-	(void)state;
 	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < 3; i++) {
 		sky.clipped[i] = 1;
@@ -178,11 +170,10 @@ static void what_lies_low_gets_less(void **state)
 }
 
 /* A blue sky clips in blue only; the missing red goes to the lamp. */
-static void colours_clip_by_themselves(void **state)
+TEST("colours clip by themselves")
 {
 	struct recovery_sky sky;
 
-	(void)state;
 	recovery_fill(&sky, 0, 0);
 	for (int i = 18; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
@@ -199,12 +190,11 @@ static void colours_clip_by_themselves(void **state)
 	assert_true(fabs((double)(sky.radiance[18][2] / sky.radiance[19][2]) - 1) < 1e-5);
 }
 
-static void all_may_be_clipped(void **state)
+TEST("all may be clipped")
 {
 	struct light_recovery r;
 	struct recovery_sky sky;
 
-	(void)state;
 	recovery_fill(&sky, 0, 0);
 	for (int i = 0; i < LIGHTS; i++) {
 		sky.clipped[i] = 1;
@@ -222,11 +212,10 @@ static void all_may_be_clipped(void **state)
 }
 
 /* A patch or lights that are NaN change nothing. */
-static void no_number_adds_nothing(void **state)
+TEST("no number adds nothing")
 {
 	struct recovery_sky sky, before;
 
-	(void)state;
 	recovery_fill(&sky, 3, 10);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] = c == 0 ? (double)NAN : c == 1 ? -1 : 0;
@@ -248,11 +237,10 @@ static void no_number_adds_nothing(void **state)
 }
 
 /* One light, one equation: it gets exactly the missing light. */
-static void one_light_is_exact(void **state)
+TEST("one light is exact")
 {
 	struct recovery_sky sky;
 
-	(void)state;
 	for (int which = 0; which < LIGHTS; which++) {
 		recovery_fill(&sky, 0, 0);
 		sky.clipped[which] = 0.3f;
@@ -266,12 +254,11 @@ static void one_light_is_exact(void **state)
 	}
 }
 
-static void where_nothing_clips_nothing_is_done(void **state)
+TEST("where nothing clips nothing is done")
 {
 	struct light_recovery r;
 	struct recovery_sky sky, before;
 
-	(void)state;
 	recovery_fill(&sky, 0, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 5;
@@ -282,12 +269,11 @@ static void where_nothing_clips_nothing_is_done(void **state)
 }
 
 /* If nothing is missing, or less than nothing, no light is taken away. */
-static void light_is_not_taken_away(void **state)
+TEST("light is not taken away")
 {
 	struct light_recovery r;
 	struct recovery_sky sky, before;
 
-	(void)state;
 	recovery_fill(&sky, 3, 0);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 0.7;
@@ -300,11 +286,10 @@ static void light_is_not_taken_away(void **state)
 
 /* A calibration that is wrong by a per cent makes no lamp of a clipped pixel, and the correction
  * has no step. */
-static void small_differences_stay_small(void **state)
+TEST("small differences stay small")
 {
 	double last = 0;
 
-	(void)state;
 	for (int n = 0; n <= 300; n++) {
 		const double off = n / 1000.0;
 		double more;
@@ -325,12 +310,11 @@ static void small_differences_stay_small(void **state)
 	}
 }
 
-static void bounds_are_said(void **state)
+TEST("bounds are said")
 {
 	struct light_recovery r;
 	struct recovery_sky sky;
 
-	(void)state;
 	recovery_fill(&sky, 2, 100);
 	for (int c = 0; c < 3; c++)
 		sky.ground.radiance[c] *= 1e7;
@@ -344,7 +328,7 @@ static void bounds_are_said(void **state)
 	assert_true(r.recovered && r.at_bound);
 }
 
-static void a_patch_is_its_mean(void **state)
+TEST("a patch is its mean")
 {
 	enum { WIDTH = 24, HEIGHT = 10 };
 	static uint8_t pixels[HEIGHT][WIDTH][4];
@@ -355,7 +339,6 @@ static void a_patch_is_its_mean(void **state)
 	uint32_t row[WIDTH];
 	float decode[256];
 
-	(void)state;
 	for (int code = 0; code < 256; code++)
 		decode[code] = (float)code / 255;
 	memset(pixels, 77, sizeof(pixels));
@@ -372,24 +355,4 @@ static void a_patch_is_its_mean(void **state)
 	assert_true(ground.clipped == 1);
 	ground = light_ground_see(&reader, 3, 6, 8, 4, decode, row);
 	assert_true(ground.clipped == 0 && fabs(ground.radiance[0] - 77 / 255.0) < 1e-6);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_is_lost_is_found),
-		cmocka_unit_test(pieces_have_like_powers),
-		cmocka_unit_test(what_lies_low_gets_less),
-		cmocka_unit_test(colours_clip_by_themselves),
-		cmocka_unit_test(all_may_be_clipped),
-		cmocka_unit_test(no_number_adds_nothing),
-		cmocka_unit_test(one_light_is_exact),
-		cmocka_unit_test(where_nothing_clips_nothing_is_done),
-		cmocka_unit_test(light_is_not_taken_away),
-		cmocka_unit_test(small_differences_stay_small),
-		cmocka_unit_test(bounds_are_said),
-		cmocka_unit_test(a_patch_is_its_mean),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The clipped lights that belong to one piece. */
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "hal/lights/recovery_pieces.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static int at(const struct dome *dome, double height_deg, double azimuth_deg)
 {
@@ -32,7 +28,7 @@ static bool is_on_horizon(const struct dome *dome, int light)
 	return false;
 }
 
-static void what_touches_is_one_piece(void **state)
+TEST("what touches is one piece")
 {
 	static const int frequencies[] = {1, 4, 9};
 	struct clipped_pieces *pieces;
@@ -40,7 +36,6 @@ static void what_touches_is_one_piece(void **state)
 	struct dome dome;
 	float *clipped;
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(frequencies) / sizeof(*frequencies); n++) {
 		const double *size;
 		double ring = 0;
@@ -79,7 +74,7 @@ static void what_touches_is_one_piece(void **state)
 	}
 }
 
-static void two_lamps_are_two_pieces(void **state)
+TEST("two lamps are two pieces")
 {
 	struct clipped_pieces *pieces;
 	struct fault fault = {.text = ""};
@@ -88,7 +83,6 @@ static void two_lamps_are_two_pieces(void **state)
 	struct dome dome;
 	int a, b, c;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, &fault), 0);
 	assert_int_equal(clipped_pieces_create(&pieces, &dome), 0);
 	a = at(&dome, 40, 0);
@@ -109,14 +103,4 @@ static void two_lamps_are_two_pieces(void **state)
 	clipped_pieces_destroy(pieces);
 	clipped_pieces_destroy(NULL);
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(what_touches_is_one_piece),
-		cmocka_unit_test(two_lamps_are_two_pieces),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

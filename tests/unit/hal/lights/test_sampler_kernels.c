@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Kernels of the light sampler: each instruction set against the C ones, colours against double
  * precision over the same pixels, and camera frames against pictures. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -19,6 +13,7 @@
 #include "hal/lights/sampler_shares.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 /* Table number i; NULL: this processor does not support it. */
@@ -76,14 +71,13 @@ static void check_decode(struct chance *chance, const struct sampler_kernels *ke
 }
 
 /* A single clipped pixel, anywhere in rows of any length. */
-static void a_single_clipped_pixel_is_seen(void **state)
+TEST("a single clipped pixel is seen")
 {
 	static int16_t planes[SAMPLER_PLANES * PLANE];
 	struct chance chance = chance_begin("sampler_kernels");
 	struct sampler_decode decode = random_decode(&chance);
 	uint32_t bgrx[WIDTH_MAX] = {0};
 
-	(void)state;
 	decode.white = 255;
 	for (int i = 0; sampler_kernels_all[i]; i++) {
 		if (!table(i))
@@ -99,11 +93,10 @@ static void a_single_clipped_pixel_is_seen(void **state)
 	}
 }
 
-static void every_table_decodes_alike(void **state)
+TEST("every table decodes alike")
 {
 	struct chance chance = chance_begin("sampler_kernels");
 
-	(void)state;
 	for (int i = 1; sampler_kernels_all[i]; i++) {
 		if (!table(i)) {
 			print_message("# %s: not on this processor\n",
@@ -168,11 +161,10 @@ static void true_sums(const struct sums_case *s, int planes, int64_t sum[SAMPLER
 	}
 }
 
-static void every_table_adds_alike(void **state)
+TEST("every table adds alike")
 {
 	struct chance chance = chance_begin("sampler_kernels");
 
-	(void)state;
 	for (int i = 0; sampler_kernels_all[i]; i++)
 		for (int n = 0; table(i) && n < 60; n++) {
 			struct sums_case s = make_sums(&chance, n == 0);
@@ -321,14 +313,13 @@ static double check_colours(struct sampled_eye *e, const struct sampler_shares *
 	return worst;
 }
 
-static void colours_are_within_the_bound(void **state)
+TEST("colours are within the bound")
 {
 	static const struct {
 		int f, width, height;
 	} cases[] = {{4, 480, 480}, {9, 200, 150}, {18, 320, 240}, {36, 320, 320}, {24, 33, 65}};
 	struct chance chance = chance_begin("sampler_kernels");
 
-	(void)state;
 	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
 		for (int estimator = 0; estimator < ESTIMATOR_COUNT; estimator++) {
 			struct sampled_eye e = eye_of(cases[k].f, &upright, cases[k].width,
@@ -358,11 +349,10 @@ static void colours_are_within_the_bound(void **state)
 /* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at some
  * pixels only; and a light that has a whole pixel is that of its corners (inside all sub-pixels), though
  * most corners are not looked up. */
-static void pixels_are_shared_out_whole(void **state)
+TEST("pixels are shared out whole")
 {
 	enum { SIDE = 480 };
 
-	(void)state;
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
 		const struct fisheye_settings settings = {
 			.field_deg = 90,
@@ -412,11 +402,10 @@ static void pixels_are_shared_out_whole(void **state)
 }
 
 /* Says what making the table takes: README.md quotes it. */
-static void tables_are_made(void **state)
+TEST("tables are made")
 {
 	static const int sides[] = {480, 1024, 2048};
 
-	(void)state;
 	for (int k = 0; k < (thorough() ? 3 : 1); k++) {
 		const struct light_sampler_settings settings = {
 			.placed = true, .curve = {.named = TRANSFER_SRGB}, .gain = 1};
@@ -467,7 +456,7 @@ static void check_frame(struct sampled_eye *e, const struct frame *frame, const 
 
 /* A camera's frame, mounted in any way, gives the same light as the picture made of it, with any
  * number of threads. */
-static void frames_give_what_pictures_give(void **state)
+TEST("frames give what pictures give")
 {
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_NV12, PIXEL_BGR24, PIXEL_BGRX,
 						    PIXEL_GREY};
@@ -475,7 +464,6 @@ static void frames_give_what_pictures_give(void **state)
 	struct sampled_eye e = eye_of(9, &upright, 181, 143, ESTIMATOR_CELL);
 	uint8_t *memory = malloc(4 * 200 * 150);
 
-	(void)state;
 	assert_non_null(memory);
 	for (size_t i = 0; i < 4 * 200 * 150; i++)
 		memory[i] = (uint8_t)chance_int(&chance, 0, 255);
@@ -501,14 +489,13 @@ static void frames_give_what_pictures_give(void **state)
 }
 
 /* A wide picture under few lights: a light's rows are longer than the longest span. */
-static void long_rows(void **state)
+TEST("long rows")
 {
 	struct chance chance = chance_begin("sampler_kernels");
 	const struct fisheye_settings wide = {.focal_px = {1600, 5}, .field_deg = 90};
 	struct sampled_eye e = eye_of(1, &wide, 5040, 17, ESTIMATOR_CELL);
 	struct sampler_shares shares;
 
-	(void)state;
 	assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height,
 					       ESTIMATOR_CELL, NULL),
 			 0);
@@ -516,20 +503,4 @@ static void long_rows(void **state)
 	assert_true(check_colours(&e, &shares) <= 1);
 	sampler_shares_free(&shares);
 	eye_free(&e);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_table_decodes_alike),
-		cmocka_unit_test(a_single_clipped_pixel_is_seen),
-		cmocka_unit_test(every_table_adds_alike),
-		cmocka_unit_test(colours_are_within_the_bound),
-		cmocka_unit_test(pixels_are_shared_out_whole),
-		cmocka_unit_test(tables_are_made),
-		cmocka_unit_test(frames_give_what_pictures_give),
-		cmocka_unit_test(long_rows),
-	};
-
-	return cmocka_run_group_tests_name("sampler kernels", tests, NULL, NULL);
 }

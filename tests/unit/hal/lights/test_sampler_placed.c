@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Placed light: planes have the irradiance of the sky that the picture shows. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "hal/optics/dome_cells.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define SKY 0.2	    /* radiance of the even sky, in green */
@@ -115,12 +110,11 @@ static double plane_lit(const struct placed_sky *s, const double normal[3], int 
 }
 
 /* A plate that lies on the ground is as bright as the ground, which shows what is true. */
-static void plate_looks_like_the_ground(void **state)
+TEST("plate looks like the ground")
 {
 	static const int frequency[] = {1, 2, 4, 6, 9, 18};
 	const int step = thorough() ? 1 : 3;
 
-	(void)state;
 	for (unsigned n = 0; n < sizeof(frequency) / sizeof(*frequency); n++) {
 		struct placed_sky s = placed_of(frequency[n], side_of(frequency[n]),
 						TRANSFER_LINEAR);
@@ -153,7 +147,7 @@ static void plate_looks_like_the_ground(void **state)
 
 /* Planes that face the sun have its light, wherever in a cell it stands, above the middles of the
  * lowest cells. */
-static void planes_that_face_the_sun_are_as_bright(void **state)
+TEST("planes that face the sun are as bright")
 {
 	static const struct {
 		int f, lowest;
@@ -161,7 +155,6 @@ static void planes_that_face_the_sun_are_as_bright(void **state)
 	} cases[] = {{4, 14, 0.05}, {9, 6, 0.015}, {18, 4, 0.01}};
 	const int step = thorough() ? 1 : 3;
 
-	(void)state;
 	for (unsigned n = 0; n < sizeof(cases) / sizeof(*cases); n++) {
 		struct placed_sky s = placed_of(cases[n].f, side_of(cases[n].f), TRANSFER_LINEAR);
 
@@ -190,12 +183,11 @@ static void planes_that_face_the_sun_are_as_bright(void **state)
 }
 
 /* Even light stays even to the bit, and a sun that moves moves its light without steps. */
-static void light_moves_without_steps(void **state)
+TEST("light moves without steps")
 {
 	struct placed_sky s = placed_of(4, side_of(4), TRANSFER_LINEAR);
 	float(*before)[3] = calloc((size_t)s.dome.count, sizeof(*before));
 
-	(void)state;
 	assert_non_null(before);
 	paint_even(&s);
 	assert_int_equal(light_sampler_read_linear(s.sampler, &s.image, s.radiance), 0);
@@ -318,13 +310,12 @@ static double lights_apart(const struct placed_sky *s, const float (*a)[3], cons
 
 /* A lamp that clips in the long exposures is placed as by a camera that never clips, and its light
  * stays where it is from one exposure to the next. */
-static void a_clipped_lamp_keeps_its_place(void **state)
+TEST("a clipped lamp keeps its place")
 {
 	static struct taken_sky t;
 	float(*want)[3], (*now)[3], (*before)[3];
 	const int step = thorough() ? 1 : 3;
 
-	(void)state;
 	taken_begin(&t, 4);
 	want = t.sky.radiance;
 	now = calloc((size_t)t.sky.dome.count, sizeof(*now));
@@ -361,16 +352,4 @@ static void a_clipped_lamp_keeps_its_place(void **state)
 	free(now);
 	free(before);
 	taken_end(&t);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(plate_looks_like_the_ground),
-		cmocka_unit_test(planes_that_face_the_sun_are_as_bright),
-		cmocka_unit_test(light_moves_without_steps),
-		cmocka_unit_test(a_clipped_lamp_keeps_its_place),
-	};
-
-	return cmocka_run_group_tests_name("placed light", tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A camera's exposure is followed, and light is not taken for it, in a room whose lamps light the
  * picture not quite as they light the fisheye. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 80, HEIGHT = 60, FREQUENCY = 3 };
 
@@ -94,13 +89,12 @@ static void expect_gain(const double found[3], const double gain[3], double with
 }
 
 /* Ten minutes' worth of turns at a constant exposure: lamps are not taken for it, nor does it drift. */
-static void light_is_not_exposure(void **state)
+TEST("light is not exposure")
 {
 	static const double one[3] = {1, 1, 1};
 	struct filmed_room r;
 	double found[3];
 
-	(void)state;
 	room_open(&r);
 	for (int n = 0; n < 1500; n++) {
 		room_film(&r, n * 0.05, 0.8 + 0.4 * sin(n * 0.013), 0.1, 0, one, found);
@@ -110,14 +104,13 @@ static void light_is_not_exposure(void **state)
 }
 
 /* Steps are followed within two frames, while a lamp moves and somebody hides a quarter. */
-static void steps_are_followed(void **state)
+TEST("steps are followed")
 {
 	static const double steps[][3] = {{1, 1, 1},	   {1.16, 1.16, 1.16}, {1.1, 1, 0.92},
 					  {0.7, 0.7, 0.7}, {1.3, 1.1, 1.5},    {1, 1, 1}};
 	struct filmed_room r;
 	double found[3];
 
-	(void)state;
 	room_open(&r);
 	for (int n = 0; n < 400; n++)
 		room_film(&r, n * 0.05, 0.8, 0.1, 0, steps[0], found);
@@ -131,12 +124,11 @@ static void steps_are_followed(void **state)
 }
 
 /* A slow change is followed, too. */
-static void drift_is_followed(void **state)
+TEST("drift is followed")
 {
 	struct filmed_room r;
 	double found[3];
 
-	(void)state;
 	room_open(&r);
 	for (int n = 0; n < 900; n++) {
 		const double g = n < 300 ? 1 : 1 + 0.3 * (n - 300) / 600.0;
@@ -149,14 +141,13 @@ static void drift_is_followed(void **state)
 }
 
 /* Points at the camera's black level tell nothing. */
-static void black_is_not_seen(void **state)
+TEST("black is not seen")
 {
 	static const double one[3] = {1, 1, 1}, step[3] = {1.2, 1.2, 1.2};
 	const struct transfer_curve raised = {.named = TRANSFER_SRGB, .black = 90};
 	struct filmed_room r;
 	double found[3];
 
-	(void)state;
 	room_open(&r);
 	exposure_destroy(r.exposure);
 	assert_int_equal(exposure_create(&r.exposure, WIDTH, HEIGHT, &raised, &r.dome), 0);
@@ -168,13 +159,12 @@ static void black_is_not_seen(void **state)
 }
 
 /* In the dark, and where all is clipped, there is nothing to follow. */
-static void nothing_is_followed_where_nothing_is_seen(void **state)
+TEST("nothing is followed where nothing is seen")
 {
 	static const double one[3] = {1, 1, 1}, clipped[3] = {50, 50, 50}, dark[3] = {0, 0, 0};
 	struct filmed_room r;
 	double found[3];
 
-	(void)state;
 	room_open(&r);
 	for (int n = 0; n < 50; n++)
 		room_film(&r, 0, 0.8, 0, 0, one, found);
@@ -192,17 +182,4 @@ static void nothing_is_followed_where_nothing_is_seen(void **state)
 	exposure_gain(r.exposure, found);
 	expect_gain(found, one, 0.01, 101);
 	room_close(&r);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(light_is_not_exposure),
-		cmocka_unit_test(steps_are_followed),
-		cmocka_unit_test(drift_is_followed),
-		cmocka_unit_test(black_is_not_seen),
-		cmocka_unit_test(nothing_is_followed_where_nothing_is_seen),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

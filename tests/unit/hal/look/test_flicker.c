@@ -1,18 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Rows of lamps that flicker are found in pictures with known ones, and nothing else is taken for
  * them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
 #include "hal/look/flicker.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 enum { WIDTH = 160, HEIGHT = 96, SHADES = 4096, NOISES = 8191 };
 
@@ -102,7 +97,7 @@ static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 
 /* At the rates of cameras and mains, while light changes slowly and in a step, and somebody walks by:
  * what is left of the flicker is a quarter at most, and a fiftieth of the light. */
-static void rows_are_followed(void **state)
+TEST("rows are followed")
 {
 	static const struct {
 		double depth, hz, fps, readout_s, walker;
@@ -112,7 +107,6 @@ static void rows_are_followed(void **state)
 		{0.2, 100, 15, 0.016, 0.25},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct filmed_rows r = {.depth = cases[k].depth,
 					.hz = cases[k].hz,
@@ -139,13 +133,12 @@ static void rows_are_followed(void **state)
 }
 
 /* Neither noise, nor people, nor lamps that move or are switched, nor exposure that is not expected. */
-static void nothing_else_is_flicker(void **state)
+TEST("nothing else is flicker")
 {
 	static const struct {
 		double walker, lamp, step;
 	} cases[] = {{0, 0, 1}, {0.35, 0, 1}, {0.2, 0.8, 1}, {0.2, 0.1, 2}};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct filmed_rows r = {
 			.fps = 30, .walker = cases[k].walker, .lamp = cases[k].lamp};
@@ -163,12 +156,11 @@ static void nothing_else_is_flicker(void **state)
 }
 
 /* A pattern that stands still cannot be told from the place; when flicker ends, so do the rows. */
-static void what_stands_still_is_the_place(void **state)
+TEST("what stands still is the place")
 {
 	static const double light[3] = {0.8, 0.8, 0.8};
 	struct filmed_rows r = {.depth = 0.2, .hz = 100, .fps = 25, .readout_s = 0.016};
 
-	(void)state;
 	rows_open(&r, &srgb);
 	for (int n = 0; n < 100; n++) {
 		rows_film(&r, n, light);
@@ -189,7 +181,7 @@ static void what_stands_still_is_the_place(void **state)
 }
 
 /* A camera whose black is above the darkest code that counts; and a picture lower than its bands. */
-static void odd_pictures(void **state)
+TEST("odd pictures")
 {
 	static const struct transfer_curve raised = {.named = TRANSFER_SRGB, .black = 60};
 	static const double light[3] = {0.1, 0.1, 0.1};
@@ -198,7 +190,6 @@ static void odd_pictures(void **state)
 	struct filmed_rows r = {.depth = 0.3, .hz = 100, .fps = 30, .readout_s = 0.016};
 	struct flicker *low;
 
-	(void)state;
 	rows_open(&r, &raised);
 	for (int n = 0; n < 100; n++)
 		rows_film(&r, n, light);
@@ -211,16 +202,4 @@ static void odd_pictures(void **state)
 	}
 	flicker_destroy(low);
 	flicker_destroy(NULL);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(rows_are_followed),
-		cmocka_unit_test(nothing_else_is_flicker),
-		cmocka_unit_test(what_stands_still_is_the_place),
-		cmocka_unit_test(odd_pictures),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A camera's noise, measured: against noise that was put in; and the object's, against the camera's. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define WIDTH 160
 #define HEIGHT 120
@@ -77,12 +72,11 @@ static struct sensor_noise_model measure(const struct camera *camera, int frames
 	return model;
 }
 
-static void finds_what_was_put_in(void **state)
+TEST("finds what was put in")
 {
 	static const struct camera cameras[] = {
 		{1e-5, 2e-4, 0, 1}, {4e-5, 0, 0, 1}, {1e-6, 5e-4, 0, 1}, {1e-5, 2e-4, 0.5, 1}};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cameras) / sizeof(*cameras); k++) {
 		const struct sensor_noise_model m = measure(&cameras[k], 150, 0.3);
 
@@ -102,33 +96,30 @@ static void finds_what_was_put_in(void **state)
 	}
 }
 
-static void waits_for_frames(void **state)
+TEST("waits for frames")
 {
 	const struct camera camera = {1e-5, 2e-4, 0, 1};
 
-	(void)state;
 	assert_true(measure(&camera, 1, 0).floor[0] == -1);
 }
 
-static void a_picture_without_noise_gives_none(void **state)
+TEST("a picture without noise gives none")
 {
 	const struct camera camera = {0, 0, 0, 1};
 	const struct sensor_noise_model m = measure(&camera, 20, 0);
 
-	(void)state;
 	assert_true(m.floor[0] == 0 && m.slope[0] == 0);
 }
 
 /* ---- the object's grain ---- */
 
-static void tables_have_the_correlations(void **state)
+TEST("tables have the correlations")
 {
 	static struct grain_tables tables;
 	const struct sensor_noise_model m = {.across = 0.5, .down = 0.3, .channels = 0.4};
 	struct grain grain = {.seed = 1};
 	double sum = 0, own = 0, across = 0, down = 0, pair = 0;
 
-	(void)state;
 	grain_tables_fit(&tables, &m, &grain);
 	for (int y = 1; y < GRAIN_SIDE; y++)
 		for (int x = 1; x < GRAIN_SIDE; x++) {
@@ -151,7 +142,7 @@ static void tables_have_the_correlations(void **state)
 
 /* Composites the same noisy background many times, and compares, pixel by pixel, the variance of
  * the result with that of a camera that sees the same light. */
-static void object_has_the_cameras_noise(void **state)
+TEST("object has the cameras noise")
 {
 	const struct synthetic_options options = {.width = 80,
 						  .height = 48,
@@ -174,7 +165,6 @@ static void object_has_the_cameras_noise(void **state)
 	struct random_frame f;
 	double *scene;
 
-	(void)state;
 	synthetic_open(&s, &options);
 	random_frame_begin(&f, &s.basis, NULL, &chance);
 	grain_tables_fit(&tables, &m, &grain);
@@ -238,7 +228,7 @@ static void object_has_the_cameras_noise(void **state)
 	synthetic_close(&s);
 }
 
-static void same_frame_same_bytes(void **state)
+TEST("same frame same bytes")
 {
 	const struct synthetic_options options = {.width = 61,
 						  .height = 50,
@@ -258,7 +248,6 @@ static void same_frame_same_bytes(void **state)
 	struct pool *pool;
 	uint8_t *first;
 
-	(void)state;
 	assert_int_equal(pool_create(&pool, 3), 0);
 	synthetic_open(&s, &options);
 	grain_tables_fit(&tables, &m, &grain);
@@ -278,18 +267,4 @@ static void same_frame_same_bytes(void **state)
 	random_frame_end(&f);
 	synthetic_close(&s);
 	pool_destroy(pool);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(finds_what_was_put_in),
-		cmocka_unit_test(waits_for_frames),
-		cmocka_unit_test(a_picture_without_noise_gives_none),
-		cmocka_unit_test(tables_have_the_correlations),
-		cmocka_unit_test(object_has_the_cameras_noise),
-		cmocka_unit_test(same_frame_same_bytes),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The radial polynomial with tangential terms: formula, inverse, fold. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 
 #include "hal/optics/distortion.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* As OpenCV prints its formula, with x, y in units of the focal length, which is 1 here. */
 static void printed_formula(const struct distortion *d, const double p[2], double bent[2])
@@ -36,11 +31,10 @@ static struct distortion some_distortion(struct chance *chance, double tangentia
 	return d;
 }
 
-static void bends_as_printed(void **state)
+TEST("bends as printed")
 {
 	struct chance chance = chance_begin("distortion");
 
-	(void)state;
 	for (int n = 0; n < 5000; n++) {
 		const struct distortion d = some_distortion(&chance, n % 2 ? 0.01 : 0);
 		const double p[2] = {chance_real(&chance, -0.6, 0.6),
@@ -70,12 +64,11 @@ static void bends_as_printed(void **state)
 
 /* Each point inside of the circle comes back, and each point of the circle that is covered has an
  * inverse. */
-static void straightens(void **state)
+TEST("straightens")
 {
 	struct chance chance = chance_begin("distortion");
 	int folded = 0;
 
-	(void)state;
 	for (int n = 0; n < 20000; n++) {
 		const struct distortion d = some_distortion(&chance, n % 2 ? 0.02 : 0);
 		const double fold = distortion_fold(&d), covers = distortion_covers(&d);
@@ -99,11 +92,10 @@ static void straightens(void **state)
 }
 
 /* The fold is where the radius first stops growing, found here by small steps. */
-static void folds_where_it_stops_growing(void **state)
+TEST("folds where it stops growing")
 {
 	struct chance chance = chance_begin("distortion");
 
-	(void)state;
 	for (int n = 0; n < 2000; n++) {
 		const struct distortion d = some_distortion(&chance, 0);
 		const double fold = distortion_fold(&d), step = 1e-3;
@@ -125,11 +117,10 @@ static void folds_where_it_stops_growing(void **state)
 }
 
 /* With tangential terms the circle is smaller: the Jacobian's determinant is positive in it. */
-static void circle_of_tangential_terms(void **state)
+TEST("circle of tangential terms")
 {
 	struct chance chance = chance_begin("distortion");
 
-	(void)state;
 	for (int n = 0; n < 300; n++) {
 		const struct distortion d = some_distortion(&chance, 0.05);
 		const double fold = fmin(distortion_fold(&d), 3);
@@ -147,12 +138,11 @@ static void circle_of_tangential_terms(void **state)
 	}
 }
 
-static void extremes(void **state)
+TEST("extremes")
 {
 	static const double values[] = {0, -1e-300, 1e300, -1e300, INFINITY, NAN, 1, -1, 1e6, -1e6};
 	enum { COUNT = sizeof(values) / sizeof(*values) };
 
-	(void)state;
 	for (int a = 0; a < COUNT; a++)
 		for (int b = 0; b < COUNT; b++)
 			for (int c = 0; c < COUNT; c++)
@@ -169,17 +159,4 @@ static void extremes(void **state)
 					if (!distortion_straighten(&d, point, there))
 						assert_true(isfinite(there[0] + there[1]));
 				}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(bends_as_printed),
-		cmocka_unit_test(straightens),
-		cmocka_unit_test(folds_where_it_stops_growing),
-		cmocka_unit_test(circle_of_tangential_terms),
-		cmocka_unit_test(extremes),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The dome: counts, nodes, exact cells and samples of them, each against brute force. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -17,6 +11,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static struct dome dome_of(int frequency, enum dome_division division)
@@ -29,13 +24,12 @@ static struct dome dome_of(int frequency, enum dome_division division)
 
 /* ---- nodes ---- */
 
-static void published_counts(void **state)
+TEST("published counts")
 {
 	static const int frequency[] = {1, 2, 3, 4, 6, 9};
 	static const int angles[] = {6, 26, 46, 86, 186, 406};
 	static const int chords[] = {6, 26, 46, 91, 196, 406};
 
-	(void)state;
 	for (int i = 0; i < 6; i++) {
 		struct dome a = dome_of(frequency[i], DOME_ANGLES);
 		struct dome c = dome_of(frequency[i], DOME_CHORDS);
@@ -97,9 +91,8 @@ static void check_order(int f, enum dome_division division, const double (*node)
 		assert_int_equal(rows, 1 + f + f / 2);
 }
 
-static void counts_and_order_of_all_frequencies(void **state)
+TEST("counts and order of all frequencies")
 {
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
 		for (int f = 1; f <= DOME_FREQUENCY_MAX; f++) {
 			const int count = dome_node_count(f, division);
@@ -237,11 +230,10 @@ static void check_against_all_faces(int f, enum dome_division division)
 	dome_free(&dome);
 }
 
-static void nodes_of_all_faces(void **state)
+TEST("nodes of all faces")
 {
 	static const int frequency[] = {1, 2, 3, 4, 5, 6, 9, 12};
 
-	(void)state;
 	for (unsigned i = 0; i < sizeof(frequency) / sizeof(*frequency); i++) {
 		check_against_all_faces(frequency[i], DOME_ANGLES);
 		check_against_all_faces(frequency[i], DOME_CHORDS);
@@ -249,12 +241,11 @@ static void nodes_of_all_faces(void **state)
 }
 
 /* Along an edge from the zenith down: equal steps of angle, or equal steps along the chord. */
-static void division_of_an_edge(void **state)
+TEST("division of an edge")
 {
 	const int f = 6;
 	struct dome angles = dome_of(f, DOME_ANGLES), chords = dome_of(f, DOME_CHORDS);
 
-	(void)state;
 	for (int row = 1; row <= f; row++) {
 		const int first = 1 + 5 * row * (row - 1) / 2; /* at azimuth 0 */
 		const double *d = angles.direction[first];
@@ -294,12 +285,11 @@ static void check_sums(int f, enum dome_division division)
 	dome_free(&dome);
 }
 
-static void weights_sum_to_the_hemisphere(void **state)
+TEST("weights sum to the hemisphere")
 {
 	static const int large[] = {27, 36, 45, 54, 63, 72};
 	const unsigned count = thorough() ? sizeof(large) / sizeof(*large) : 2;
 
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		for (int f = 1; f <= 20; f++)
 			check_sums(f, division);
@@ -310,11 +300,10 @@ static void weights_sum_to_the_hemisphere(void **state)
 
 /* f = 1: the cell of the zenith is a twelfth of the sphere; by symmetry the other five, cut at the
  * horizon, share the rest. */
-static void weights_of_the_icosahedron(void **state)
+TEST("weights of the icosahedron")
 {
 	struct dome dome = dome_of(1, DOME_ANGLES);
 
-	(void)state;
 	for (int i = 0; i < 6; i++)
 		expect_below(fabs(dome.solid_angle_sr[i] - M_PI / 3), 1e-14, "i=%d", i);
 	dome_free(&dome);
@@ -336,12 +325,11 @@ static int brute_force(const struct dome *dome, const double dir[3])
 	return found;
 }
 
-static void weights_against_counting(void **state)
+TEST("weights against counting")
 {
 	const int samples = 2000000;
 	struct chance chance = chance_begin("dome");
 
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		struct dome dome = dome_of(4, division);
 		double *hits = calloc((size_t)dome.count, sizeof(*hits));
@@ -374,11 +362,10 @@ static void weights_against_counting(void **state)
 }
 
 /* The areas of cells vary less when edges are divided by angles. */
-static void variation_of_areas(void **state)
+TEST("variation of areas")
 {
 	double rms[DOME_DIVISION_COUNT];
 
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		struct dome dome = dome_of(9, division);
 		double sum = 0;
@@ -395,12 +382,11 @@ static void variation_of_areas(void **state)
 }
 
 /* Turned by a fifth of a turn, or mirrored in y = 0, the dome is the same, weights included. */
-static void five_fold_symmetry(void **state)
+TEST("five fold symmetry")
 {
 	static const int frequency[] = {2, 5, 9, 18};
 	const double c = cos(2 * M_PI / 5), s = sin(2 * M_PI / 5);
 
-	(void)state;
 	for (int n = 0; n < 2 * 4; n++) {
 		struct dome dome = dome_of(frequency[n / 2], n % 2);
 
@@ -425,9 +411,8 @@ static void five_fold_symmetry(void **state)
 
 /* A corner is as far from its own node as from the nearest of all nodes, and lies on the horizon
  * unless three nodes are that near. */
-static void corners_lie_between_nodes(void **state)
+TEST("corners lie between nodes")
 {
-	(void)state;
 	for (int n = 0; n < 2 * 12; n++) {
 		struct dome dome = dome_of(1 + n / 2, n % 2);
 
@@ -471,13 +456,12 @@ static void check_cell_of(const struct dome *dome, const double dir[3])
 	assert_int_equal(dome_cell_of(dome, dir), dir[2] >= 0 ? brute_force(dome, dir) : -1);
 }
 
-static void cell_of_any_direction(void **state)
+TEST("cell of any direction")
 {
 	static const int frequency[] = {1, 2, 3, 4, 7, 9, 18, 36, 72};
 	const int most = thorough() ? 100000 : 20000;
 	struct chance chance = chance_begin("dome");
 
-	(void)state;
 	for (int n = 0; n < 2 * (thorough() ? 9 : 8); n++) {
 		const int f = frequency[n / 2];
 		struct dome dome = dome_of(f, n % 2);
@@ -496,11 +480,10 @@ static void cell_of_any_direction(void **state)
 }
 
 /* Directions where cells, cells of the lookup grid, quadrants and the horizon meet. */
-static void cell_of_borders(void **state)
+TEST("cell of borders")
 {
 	struct chance chance = chance_begin("dome");
 
-	(void)state;
 	for (int n = 0; n < 2 * 10; n++) {
 		struct dome dome = dome_of(1 + n / 2, n % 2);
 
@@ -545,11 +528,10 @@ static void cell_of_borders(void **state)
 	}
 }
 
-static void cell_of_no_direction(void **state)
+TEST("cell of no direction")
 {
 	struct dome dome = dome_of(4, DOME_ANGLES);
 
-	(void)state;
 	assert_int_equal(dome_cell_of(&dome, (double[]){0, 0, 0}), -1);
 	assert_int_equal(dome_cell_of(&dome, (double[]){NAN, 0, 1}), -1);
 	assert_int_equal(dome_cell_of(&dome, (double[]){0, 0, NAN}), -1);
@@ -616,12 +598,11 @@ static void check_samples(const struct dome *dome, int light, struct chance *cha
 	assert_true(chi < BINS + 8 * sqrt(2.0 * BINS));
 }
 
-static void samples_are_uniform(void **state)
+TEST("samples are uniform")
 {
 	static const int lights[] = {0, 1, 5, 20, 40, 60, 76, 80, 85};
 	struct chance chance = chance_begin("dome");
 
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		struct dome dome = dome_of(4, division);
 
@@ -633,12 +614,11 @@ static void samples_are_uniform(void **state)
 
 /* Samples on a grid integrate smooth functions far better than random ones: the mean direction of a
  * cell, against its exact vector area. */
-static void samples_keep_their_order(void **state)
+TEST("samples keep their order")
 {
 	struct dome dome = dome_of(9, DOME_ANGLES);
 	const int side = 32;
 
-	(void)state;
 	for (int i = 0; i < dome.count; i++) {
 		double sum = 0;
 
@@ -656,12 +636,11 @@ static void samples_keep_their_order(void **state)
 	dome_free(&dome);
 }
 
-static void samples_at_the_limits(void **state)
+TEST("samples at the limits")
 {
 	static const double limits[] = {0, 5e-324, 1e-17, 0.5, 0.9999999999999999};
 	struct dome dome = dome_of(12, DOME_CHORDS);
 
-	(void)state;
 	for (int i = 0; i < dome.count; i++)
 		for (int k = 0; k < 25; k++) {
 			double dir[3];
@@ -673,12 +652,11 @@ static void samples_at_the_limits(void **state)
 	dome_free(&dome);
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	struct fault fault = {""};
 	struct dome dome;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 0, DOME_ANGLES, &fault), -EINVAL);
 	assert_true(strlen(fault.text) > 0);
 	assert_int_equal(dome_create(&dome, 73, DOME_ANGLES, NULL), -EINVAL);
@@ -686,29 +664,4 @@ static void refused(void **state)
 	assert_null(dome.direction);
 	dome_free(&dome);
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(published_counts),
-		cmocka_unit_test(counts_and_order_of_all_frequencies),
-		cmocka_unit_test(nodes_of_all_faces),
-		cmocka_unit_test(division_of_an_edge),
-		cmocka_unit_test(weights_sum_to_the_hemisphere),
-		cmocka_unit_test(weights_of_the_icosahedron),
-		cmocka_unit_test(weights_against_counting),
-		cmocka_unit_test(variation_of_areas),
-		cmocka_unit_test(five_fold_symmetry),
-		cmocka_unit_test(corners_lie_between_nodes),
-		cmocka_unit_test(cell_of_any_direction),
-		cmocka_unit_test(cell_of_borders),
-		cmocka_unit_test(cell_of_no_direction),
-		cmocka_unit_test(samples_are_uniform),
-		cmocka_unit_test(samples_keep_their_order),
-		cmocka_unit_test(samples_at_the_limits),
-		cmocka_unit_test(refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Domes that are finer in parts: their nodes are those of whole domes, their cells and tents divide
  * the hemisphere. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -18,6 +12,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define DEGREE (M_PI / 180)
@@ -53,14 +48,13 @@ static int node_at(const double (*node)[3], int count, const double d[3])
 	return -1;
 }
 
-static void nodes_are_those_of_whole_domes(void **state)
+TEST("nodes are those of whole domes")
 {
 	const struct dome_fine fine[] = {part_at(120, 35, 2, 18), part_at(-20, 8, 1, 72)};
 	struct dome base = made(9, DOME_ANGLES, DOME_CELLS, NULL, 0);
 	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, fine, 2);
 	int of[2] = {0, 0};
 
-	(void)state;
 	for (int i = 0; i < base.count; i++)
 		expect_equal(memcmp(dome.direction[i], base.direction[i], sizeof(*base.direction)),
 			     0, "i=%d", i);
@@ -82,7 +76,7 @@ static void nodes_are_those_of_whole_domes(void **state)
 }
 
 /* Cells far from a part stay as they are; around its middle they are those of the finer dome. */
-static void cells_are_fine_where_asked(void **state)
+TEST("cells are fine where asked")
 {
 	const struct dome_fine fine[] = {part_at(200, 40, 5, 36)};
 	struct dome base = made(9, DOME_ANGLES, DOME_CELLS, NULL, 0);
@@ -90,7 +84,6 @@ static void cells_are_fine_where_asked(void **state)
 	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, fine, 1);
 	struct chance chance = chance_begin("cells_are_fine_where_asked");
 
-	(void)state;
 	for (int i = 0; i < base.count; i++)
 		if (vec_angle(base.direction[i], fine[0].direction) > 30 * DEGREE)
 			expect_below(fabs(dome.solid_angle_sr[i] / base.solid_angle_sr[i] - 1),
@@ -142,7 +135,7 @@ static void check_whole(const struct dome *dome, struct chance *chance)
 	}
 }
 
-static void all_shapes_divide_the_hemisphere(void **state)
+TEST("all shapes divide the hemisphere")
 {
 	const struct dome_fine fine[] = {
 		part_at(0, 90, 3, 18),	 part_at(30, 0, 2, 72),	  part_at(-90, 3, 8, 36),
@@ -150,7 +143,6 @@ static void all_shapes_divide_the_hemisphere(void **state)
 	};
 	struct chance chance = chance_begin("all_shapes_divide_the_hemisphere");
 
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
 		for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++)
 			for (int n = 1; n <= 6; n++) {
@@ -163,14 +155,13 @@ static void all_shapes_divide_the_hemisphere(void **state)
 }
 
 /* A coarse cell among fine ones has hundreds of corners. */
-static void a_coarse_cell_among_fine_ones(void **state)
+TEST("a coarse cell among fine ones")
 {
 	const struct dome_fine around[] = {part_at(0, 60, 20, 72), part_at(120, 60, 20, 72),
 					   part_at(-120, 60, 20, 72)};
 	struct dome_fine ring[5];
 	struct chance chance = chance_begin("a_coarse_cell_among_fine_ones");
 
-	(void)state;
 	for (int k = 0; k < 5; k++)
 		ring[k] = part_at(72 * k, 26, 0, 72);
 	for (int base = 1; base <= (thorough() ? 3 : 1); base += 2) {
@@ -183,13 +174,12 @@ static void a_coarse_cell_among_fine_ones(void **state)
 }
 
 /* A part that is the whole sky gives all nodes of the finer dome. */
-static void a_whole_sky(void **state)
+TEST("a whole sky")
 {
 	const struct dome_fine fine = part_at(0, 90, 90, 18);
 	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, &fine, 1);
 	struct dome whole = made(18, DOME_ANGLES, DOME_CELLS, NULL, 0);
 
-	(void)state;
 	assert_int_equal(dome.count, whole.count);
 	for (int i = 0; i < whole.count; i++) {
 		const int own = dome_cell_of(&dome, whole.direction[i]);
@@ -202,12 +192,11 @@ static void a_whole_sky(void **state)
 }
 
 /* A reader of a file makes the same dome from its nodes, to the bit. */
-static void the_same_from_its_nodes(void **state)
+TEST("the same from its nodes")
 {
 	const struct dome_fine fine[] = {part_at(77, 5, 3, 72)};
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++) {
 		struct dome dome = made(9, DOME_CHORDS, (enum dome_shape)shape, fine, 1), again;
 
@@ -224,7 +213,7 @@ static void the_same_from_its_nodes(void **state)
 	}
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	const struct dome_fine fine[] = {part_at(0, 40, 2, 18), part_at(50, 40, 2, 20)};
 	const struct dome_fine below = part_at(0, -1, 2, 18);
@@ -233,7 +222,6 @@ static void refused(void **state)
 	struct dome dome;
 	int wrong;
 
-	(void)state;
 	assert_int_equal(
 		dome_create_fine(&dome, 9, DOME_ANGLES, DOME_CELLS, fine, 2, &wrong, &fault),
 		-EINVAL);
@@ -259,19 +247,4 @@ static void refused(void **state)
 			-EINVAL, "k=%d", k);
 		expect_equal(dome.count, 0, "k=%d", k);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(nodes_are_those_of_whole_domes),
-		cmocka_unit_test(cells_are_fine_where_asked),
-		cmocka_unit_test(all_shapes_divide_the_hemisphere),
-		cmocka_unit_test(a_coarse_cell_among_fine_ones),
-		cmocka_unit_test(a_whole_sky),
-		cmocka_unit_test(the_same_from_its_nodes),
-		cmocka_unit_test(refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

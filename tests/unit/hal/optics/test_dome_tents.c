@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Tents (lights that fall off linearly): their cover, their continuity, and their samples. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -16,6 +10,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static struct dome tents_of(int frequency, enum dome_division division)
 {
@@ -42,9 +37,8 @@ static void check_sums(int f, enum dome_division division)
 	dome_free(&dome);
 }
 
-static void weights_sum_to_the_hemisphere(void **state)
+TEST("weights sum to the hemisphere")
 {
-	(void)state;
 	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 		for (int f = 1; f <= 12; f++)
 			check_sums(f, division);
@@ -95,12 +89,11 @@ static void check_step(const struct dome *dome, struct chance *chance, double *h
 			     i);
 }
 
-static void continuous_everywhere(void **state)
+TEST("continuous everywhere")
 {
 	static const int frequency[] = {1, 2, 3, 4, 5, 8, 9, 12};
 	struct chance chance = chance_begin("tents");
 
-	(void)state;
 	for (int n = 0; n < 16; n++) {
 		struct dome dome = tents_of(frequency[n / 2], n % 2);
 		double *here = calloc((size_t)dome.count, sizeof(*here));
@@ -116,11 +109,10 @@ static void continuous_everywhere(void **state)
 }
 
 /* In the flat triangle of its lights' nodes, the ray of a direction meets their weighted mean. */
-static void linear_between_nodes(void **state)
+TEST("linear between nodes")
 {
 	struct chance chance = chance_begin("tents");
 
-	(void)state;
 	for (int f = 3; f <= 9; f++) {
 		struct dome dome = tents_of(f, f % 2);
 		int inside = 0;
@@ -147,9 +139,8 @@ static void linear_between_nodes(void **state)
 	}
 }
 
-static void whole_at_the_nodes(void **state)
+TEST("whole at the nodes")
 {
-	(void)state;
 	for (int f = 1; f <= 12; f++) {
 		struct dome dome = tents_of(f, f % 2 ? DOME_ANGLES : DOME_CHORDS);
 
@@ -160,7 +151,7 @@ static void whole_at_the_nodes(void **state)
 	}
 }
 
-static void no_direction(void **state)
+TEST("no direction")
 {
 	static const double none[][3] = {
 		{0, 0, 0}, {NAN, 0, 1}, {0, 0, NAN}, {INFINITY, 0, 1}, {1, 0, -1e-300}};
@@ -168,7 +159,6 @@ static void no_direction(void **state)
 	int light[3];
 	double weight[3];
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(none) / sizeof(*none); k++)
 		assert_int_equal(dome_weights(&dome, none[k], light, weight), 0);
 	assert_true(dome_weights(&dome, (double[]){1, 0, -0.0}, light, weight) > 0);
@@ -199,9 +189,8 @@ static void check_samples(const struct dome *dome, int light, double tolerance)
 		    tolerance * dome->solid_angle_sr[light]);
 }
 
-static void samples_keep_their_order(void **state)
+TEST("samples keep their order")
 {
-	(void)state;
 	for (int f = 1; f <= 9; f += 2)
 		for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
 			struct dome dome = tents_of(f + (f > 3), division);
@@ -214,12 +203,11 @@ static void samples_keep_their_order(void **state)
 
 /* Evenly spaced directions of the hemisphere, against the solid angles and densities that each
  * light declares. */
-static void weights_and_densities_against_counting(void **state)
+TEST("weights and densities against counting")
 {
 	static const int frequency[] = {1, 2, 5};
 	const int count = 200000;
 
-	(void)state;
 	for (int n = 0; n < 3; n++) {
 		struct dome dome = tents_of(frequency[n], DOME_ANGLES);
 		double *sum = calloc(2 * (size_t)dome.count, sizeof(*sum));
@@ -250,12 +238,11 @@ static void weights_and_densities_against_counting(void **state)
 	}
 }
 
-static void samples_at_the_limits(void **state)
+TEST("samples at the limits")
 {
 	static const double limits[] = {0, 5e-324, 1e-17, 0.5, 0.9999999999999999};
 	struct dome dome = tents_of(9, DOME_CHORDS);
 
-	(void)state;
 	for (int i = 0; i < dome.count; i++)
 		for (int k = 0; k < 25; k++) {
 			double dir[3];
@@ -273,12 +260,11 @@ static void samples_at_the_limits(void **state)
 }
 
 /* What the tests above check of tents holds of cells. */
-static void cells_are_the_other_shape(void **state)
+TEST("cells are the other shape")
 {
 	struct chance chance = chance_begin("tents");
 	struct dome dome;
 
-	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 4, DOME_ANGLES, DOME_CELLS, NULL), 0);
 	for (int k = 0; k < 1000; k++) {
 		double dir[3], weight[3], drawn[3];
@@ -300,32 +286,13 @@ static void cells_are_the_other_shape(void **state)
 	dome_free(&dome);
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	struct fault fault = {""};
 	struct dome dome;
 
-	(void)state;
 	assert_int_equal(dome_create_shaped(&dome, 4, DOME_ANGLES, DOME_SHAPE_COUNT, &fault),
 			 -EINVAL);
 	assert_non_null(strstr(fault.text, "expected cells or tents"));
 	assert_null(dome.direction);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(weights_sum_to_the_hemisphere),
-		cmocka_unit_test(continuous_everywhere),
-		cmocka_unit_test(linear_between_nodes),
-		cmocka_unit_test(whole_at_the_nodes),
-		cmocka_unit_test(no_direction),
-		cmocka_unit_test(samples_keep_their_order),
-		cmocka_unit_test(weights_and_densities_against_counting),
-		cmocka_unit_test(samples_at_the_limits),
-		cmocka_unit_test(cells_are_the_other_shape),
-		cmocka_unit_test(refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The fisheye lens: projection and its inverse, and solid angles against triangles on the sphere.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -15,6 +9,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static struct fisheye lens_of(const struct fisheye_settings *settings, int width, int height)
 {
@@ -24,14 +19,13 @@ static struct fisheye lens_of(const struct fisheye_settings *settings, int width
 	return lens;
 }
 
-static void unrotated_lies_on_its_back(void **state)
+TEST("unrotated lies on its back")
 {
 	const struct fisheye lens = lens_of(&(struct fisheye_settings){.field_deg = 90}, 640, 480);
 	const double along_x[3] = {1, 0, 1}, along_y[3] = {0, 2, 2}, up[3] = {0, 0, 5};
 	const double horizon[3] = {-1, 0, 0}, below[3] = {1, 0, -0.01}, none[3] = {0, 0, 0};
 	double px[2];
 
-	(void)state;
 	assert_true(fisheye_project(&lens, up, px));
 	assert_true(px[0] == 320 && px[1] == 240);
 	assert_true(fisheye_project(&lens, along_x, px)); /* 45 degrees: half way to the rim */
@@ -45,7 +39,7 @@ static void unrotated_lies_on_its_back(void **state)
 	assert_false(fisheye_project(&lens, (double[]){NAN, 0, 1}, px));
 }
 
-static void separate_focal_lengths(void **state)
+TEST("separate focal lengths")
 {
 	const struct fisheye_settings settings = {
 		.focal_px = {150, 75}, .centre_px = {100, 60}, .field_deg = 90};
@@ -54,7 +48,6 @@ static void separate_focal_lengths(void **state)
 	const double dir[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
 	double px[2];
 
-	(void)state;
 	assert_true(fisheye_project(&lens, dir, px));
 	assert_true(fabs(px[0] - (100 + 150 * theta * cos(phi))) < 1e-12);
 	assert_true(fabs(px[1] - (60 + 75 * theta * sin(phi))) < 1e-12);
@@ -71,7 +64,7 @@ static void test_fisheye_turn(double v[3], int axis, double deg)
 	v[b] = s * x + c * y;
 }
 
-static void rotates_about_x_then_y_then_z(void **state)
+TEST("rotates about x then y then z")
 {
 	const struct fisheye_settings settings = {.rotation_deg = {20, -35, 110}, .field_deg = 180};
 	const struct fisheye lens = lens_of(&settings, 400, 400);
@@ -79,7 +72,6 @@ static void rotates_about_x_then_y_then_z(void **state)
 					     400);
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (int k = 0; k < 1000; k++) {
 		double dir[3], turned[3], px[2], want[2];
 
@@ -93,11 +85,10 @@ static void rotates_about_x_then_y_then_z(void **state)
 	}
 }
 
-static void round_trip(void **state)
+TEST("round trip")
 {
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (int k = 0; k < 100; k++) {
 		struct fisheye_settings settings = {.model = FISHEYE_EQUIDISTANT};
 		struct fisheye lens;
@@ -134,14 +125,13 @@ static void round_trip(void **state)
 	}
 }
 
-static void nothing_outside_the_field(void **state)
+TEST("nothing outside the field")
 {
 	const struct fisheye_settings settings = {.focal_px = {100, 100}, .field_deg = 60};
 	const struct fisheye lens = lens_of(&settings, 400, 400);
 	const double rim = 100 * M_PI / 3;
 	double dir[3], px[2];
 
-	(void)state;
 	for (int k = 0; k < 360; k++) {
 		const double c = cos(k * M_PI / 180), s = sin(k * M_PI / 180);
 		const double inside[2] = {200 + c * (rim - 1e-6), 200 + s * (rim - 1e-6)};
@@ -158,11 +148,10 @@ static void nothing_outside_the_field(void **state)
 }
 
 /* A light on the horizon is on the rim of a lens of 90 degrees, not beyond it. */
-static void the_horizon_is_in_the_field(void **state)
+TEST("the horizon is in the field")
 {
 	struct fisheye_settings settings = {.field_deg = 90};
 
-	(void)state;
 	for (int turned = 0; turned < 360; turned += 7) {
 		struct fisheye lens;
 
@@ -195,14 +184,13 @@ static double triangle_sr(const double a[3], const double b[3], const double c[3
 	return 4 * atan(sqrt(fmax(t, 0)));
 }
 
-static void pixel_solid_angle(void **state)
+TEST("pixel solid angle")
 {
 	const struct fisheye_settings settings = {
 		.focal_px = {200, 130}, .rotation_deg = {10, 20, 30}, .field_deg = 170};
 	const struct fisheye lens = lens_of(&settings, 1400, 1000);
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (int n = 0; n < 5000; n++) {
 		const double px[2] = {700 + chance_real(&chance, -380, 380),
 				      500 + chance_real(&chance, -240, 240)};
@@ -222,14 +210,13 @@ static void pixel_solid_angle(void **state)
 	assert_true(fabs(fisheye_pixel_sr(&lens, lens.centre_px) - 1 / (200.0 * 130)) < 1e-18);
 }
 
-static void a_hemisphere_is_two_pi(void **state)
+TEST("a hemisphere is two pi")
 {
 	const struct fisheye_settings settings = {.focal_px = {140, 90}, .field_deg = 90};
 	const struct fisheye lens = lens_of(&settings, 480, 320);
 	const int parts = 4;
 	double sum = 0;
 
-	(void)state;
 	for (int y = 0; y < 320 * parts; y++)
 		for (int x = 0; x < 480 * parts; x++)
 			sum += fisheye_pixel_sr(&lens,
@@ -270,11 +257,10 @@ static double printed_radius(const struct fisheye_settings *s, double t)
 	}
 }
 
-static void every_model_there_and_back(void **state)
+TEST("every model there and back")
 {
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (unsigned m = 0; m < MODELS; m++) {
 		const struct fisheye_settings *s = &of_models[m];
 		const struct fisheye lens = lens_of(s, 1400, 1000);
@@ -317,11 +303,10 @@ static double quad_sr(const struct fisheye *lens, const double px[2], double sid
 	       (side * side);
 }
 
-static void every_model_has_its_solid_angles(void **state)
+TEST("every model has its solid angles")
 {
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (unsigned m = 0; m < MODELS; m++) {
 		const struct fisheye lens = lens_of(&of_models[m], 2400, 1800);
 		const double span = lens.rim * fmin(lens.focal_px[0], lens.focal_px[1]) * 0.95;
@@ -342,9 +327,8 @@ static void every_model_has_its_solid_angles(void **state)
 	}
 }
 
-static void every_model_sees_a_hemisphere(void **state)
+TEST("every model sees a hemisphere")
 {
-	(void)state;
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
 		const struct fisheye_settings settings = {
 			.field_deg = 90, .model = model, .polynomial = {0.05, -0.01, 0.001, 0}};
@@ -368,11 +352,10 @@ static void every_model_sees_a_hemisphere(void **state)
 
 /* What is said of a pixel at once is what is said one by one, and directions of two points are never
  * farther apart than the bound of the turn says, but for some steps nearly as far. */
-static void pixels_at_once_and_their_turn(void **state)
+TEST("pixels at once and their turn")
 {
 	struct chance chance = chance_begin("fisheye");
 
-	(void)state;
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
 		const struct fisheye_settings settings = {
 			.focal_px = {150, 130},
@@ -411,7 +394,7 @@ static void pixels_at_once_and_their_turn(void **state)
 	}
 }
 
-static void folds_are_named(void **state)
+TEST("folds are named")
 {
 	/* 1 + 3 k1 u = 0 at u = 1: 57.3 degrees */
 	const struct fisheye_settings fold = {
@@ -426,7 +409,6 @@ static void folds_are_named(void **state)
 	struct fault fault = {""};
 	struct fisheye lens;
 
-	(void)state;
 	before.field_deg = 57.2;
 	assert_int_equal(fisheye_prepare(&lens, &before, 480, 480, &fault), 0);
 	assert_int_equal(fisheye_prepare(&lens, &fold, 480, 480, &fault), -EINVAL);
@@ -440,7 +422,7 @@ static void folds_are_named(void **state)
 	assert_non_null(strstr(fault.text, "no light 57.3 degrees"));
 }
 
-static void falloff_is_of_the_angle(void **state)
+TEST("falloff is of the angle")
 {
 	const struct fisheye_settings settings = {.focal_px = {200, 100},
 						  .field_deg = 90,
@@ -450,14 +432,13 @@ static void falloff_is_of_the_angle(void **state)
 	const double t = 0.9, u = t * t, r = 2 * sin(t / 2);
 	const double px[2] = {320 + 200 * r * cos(0.4), 160 + 100 * r * sin(0.4)};
 
-	(void)state;
 	assert_true(fisheye_falloff(&lens, lens.centre_px) == 1);
 	assert_true(fabs(fisheye_falloff(&lens, px) -
 			 (1 - 0.2 * u + 0.03 * u * u - 0.004 * u * u * u)) < 1e-12);
 	assert_true(fisheye_falloff(&lens, (double[]){0, 0}) == 1);
 }
 
-static void refused(void **state)
+TEST("refused")
 {
 	const struct fisheye_settings bad[] = {
 		{.field_deg = 0},
@@ -475,7 +456,6 @@ static void refused(void **state)
 	};
 	struct fisheye lens;
 
-	(void)state;
 	for (unsigned i = 0; i < sizeof(bad) / sizeof(*bad); i++) {
 		struct fault fault = {""};
 
@@ -493,7 +473,7 @@ static void *place(void *root, const char *instance)
 	return root;
 }
 
-static void keys_fill_every_field(void **state)
+TEST("keys fill every field")
 {
 	static const char text[] =
 		"[fisheye]\nfocal = 150 75\ncentre = 161 99\n"
@@ -504,7 +484,6 @@ static void keys_fill_every_field(void **state)
 	struct ini_report report = {.count = 0};
 	struct fisheye_settings settings = {.field_deg = 1};
 
-	(void)state;
 	ini_defaults(fisheye_keys, &settings);
 	assert_true(settings.field_deg == 90);
 	assert_int_equal(settings.model, FISHEYE_EQUIDISTANT);
@@ -518,28 +497,4 @@ static void keys_fill_every_field(void **state)
 	assert_int_equal(settings.model, FISHEYE_POLYNOMIAL);
 	assert_true(settings.polynomial[0] == 0.1 && settings.polynomial[3] == -0.0004);
 	assert_true(settings.falloff[0] == -0.1 && settings.falloff[2] == 0.001);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(unrotated_lies_on_its_back),
-		cmocka_unit_test(separate_focal_lengths),
-		cmocka_unit_test(rotates_about_x_then_y_then_z),
-		cmocka_unit_test(round_trip),
-		cmocka_unit_test(nothing_outside_the_field),
-		cmocka_unit_test(the_horizon_is_in_the_field),
-		cmocka_unit_test(pixel_solid_angle),
-		cmocka_unit_test(a_hemisphere_is_two_pi),
-		cmocka_unit_test(every_model_there_and_back),
-		cmocka_unit_test(every_model_has_its_solid_angles),
-		cmocka_unit_test(every_model_sees_a_hemisphere),
-		cmocka_unit_test(pixels_at_once_and_their_turn),
-		cmocka_unit_test(folds_are_named),
-		cmocka_unit_test(falloff_is_of_the_angle),
-		cmocka_unit_test(refused),
-		cmocka_unit_test(keys_fill_every_field),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

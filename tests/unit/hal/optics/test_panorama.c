@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The panorama: its orientation, and the solid angle of a row. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -18,6 +12,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 #define WIDTH 64
 #define HEIGHT 32
@@ -43,11 +38,10 @@ static void check_direction(const struct panorama *p, double x, double y, double
 		    fabs(dir[2] - dz) < 1e-15);
 }
 
-static void seen_from_inside(void **state)
+TEST("seen from inside")
 {
 	struct panorama p = {&image, 0, 1};
 
-	(void)state;
 	check_direction(&p, WIDTH / 2, HEIGHT / 2, 1, 0, 0);
 	check_direction(&p, 3 * WIDTH / 4, HEIGHT / 2, 0, -1, 0); /* to the right of +X */
 	check_direction(&p, WIDTH / 4, HEIGHT / 2, 0, 1, 0);
@@ -59,11 +53,10 @@ static void seen_from_inside(void **state)
 	check_direction(&p, WIDTH / 2, HEIGHT / 2, 0, 1, 0);
 }
 
-static void pixel_centres_are_exact(void **state)
+TEST("pixel centres are exact")
 {
 	struct chance chance = chance_begin("panorama");
 
-	(void)state;
 	fill_random(&chance);
 	for (int n = 0; n < 20; n++) {
 		const struct panorama p = {&image, chance_real(&chance, -20, 20), 2.5};
@@ -83,12 +76,11 @@ static void pixel_centres_are_exact(void **state)
 	}
 }
 
-static void bilinear_across_the_seam(void **state)
+TEST("bilinear across the seam")
 {
 	const struct panorama p = {&image, 0, 1};
 	struct chance chance = chance_begin("panorama");
 
-	(void)state;
 	fill_random(&chance);
 	for (int n = 0; n < 5000; n++) {
 		const double x = chance_real(&chance, -0.5,
@@ -112,12 +104,11 @@ static void bilinear_across_the_seam(void **state)
 	}
 }
 
-static void poles_are_clamped(void **state)
+TEST("poles are clamped")
 {
 	const struct panorama p = {&image, 0, 1};
 	double rgb[3];
 
-	(void)state;
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < WIDTH; x++)
 			pixels[y][x][0] = pixels[y][x][1] = pixels[y][x][2] = (float)y;
@@ -129,12 +120,11 @@ static void poles_are_clamped(void **state)
 	assert_true(rgb[2] == 0);
 }
 
-static void rows_sum_to_the_sphere(void **state)
+TEST("rows sum to the sphere")
 {
 	const struct panorama p = {&image, 0, 1};
 	double sum = 0, upper = 0;
 
-	(void)state;
 	for (int y = 0; y < HEIGHT; y++) {
 		const double want = 2 * M_PI *
 				    (cos(M_PI * y / HEIGHT) - cos(M_PI * (y + 1) / HEIGHT));
@@ -148,12 +138,11 @@ static void rows_sum_to_the_sphere(void **state)
 	assert_true(fabs(upper - 2 * M_PI) < 1e-12);
 }
 
-static void no_direction_is_dark(void **state)
+TEST("no direction is dark")
 {
 	const struct panorama p = {&image, 0, 1}, spun = {&image, 1e300, 1};
 	double rgb[3] = {1, 1, 1};
 
-	(void)state;
 	panorama_radiance(&p, (double[]){NAN, 0, 1}, rgb);
 	assert_true(rgb[0] == 0 && rgb[1] == 0 && rgb[2] == 0);
 	panorama_radiance(&spun, (double[]){1, 0, 1}, rgb);
@@ -161,7 +150,7 @@ static void no_direction_is_dark(void **state)
 }
 
 /* The message names what makes a picture no panorama. */
-static void read_from_files(void **state)
+TEST("read from files")
 {
 	static const struct {
 		int width, height;
@@ -174,7 +163,6 @@ static void read_from_files(void **state)
 		{64, 32, false, "expected linear light"},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		const char *path = own_folder_path(cases[k].linear ? "p.pfm" : "p.png");
 		struct fault fault = {.text = ""};
@@ -194,17 +182,4 @@ static void read_from_files(void **state)
 	}
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(seen_from_inside),
-		cmocka_unit_test(pixel_centres_are_exact),
-		cmocka_unit_test(bilinear_across_the_seam),
-		cmocka_unit_test(poles_are_clamped),
-		cmocka_unit_test(rows_sum_to_the_sphere),
-		cmocka_unit_test(no_direction_is_dark),
-		cmocka_unit_test(read_from_files),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

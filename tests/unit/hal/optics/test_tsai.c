@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Tsai's camera: the equations of the thesis, their inverse, and invalid arguments. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <float.h>
 #include <math.h>
@@ -16,6 +10,7 @@
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const double eye[3] = {3, -4, 2}, target[3] = {0.2, 0.1, 0.5};
 
@@ -46,12 +41,11 @@ static void printed_equations(const struct tsai_camera *c, const double w[3], do
 	px[1] = c->height - (c->centre_px[1] - uy * bend / c->pixel[1]);
 }
 
-static void projects_as_printed(void **state)
+TEST("projects as printed")
 {
 	const struct tsai_camera c = example(2e-4);
 	struct chance chance = chance_begin("tsai");
 
-	(void)state;
 	for (int k = 0; k < 10000; k++) {
 		double w[3], px[2], want[2];
 
@@ -63,13 +57,12 @@ static void projects_as_printed(void **state)
 	}
 }
 
-static void looks_at_its_target(void **state)
+TEST("looks at its target")
 {
 	const double above[3] = {0.2, 0.1, 1}, right[3] = {0.2 + 0.4, 0.1 + 0.3, 0.5};
 	struct tsai_camera c;
 	double px[2], origin[3], dir[3];
 
-	(void)state;
 	assert_int_equal(tsai_look_at(&c, 640, 480, eye, target, 40, NULL), 0);
 	assert_int_equal(tsai_project(&c, target, px), 0);
 	assert_true(hypot(px[0] - 320, px[1] - 240) < 1e-9);
@@ -84,12 +77,11 @@ static void looks_at_its_target(void **state)
 		expect_below(fabs(origin[i] - eye[i]), 1e-12, "i=%d", i);
 }
 
-static void round_trip(void **state)
+TEST("round trip")
 {
 	static const double kappas[] = {0, 1e-300, 1e-9, 1e-4, 0.1, 100, -1e-300, -1e-9, -2e-4};
 	struct chance chance = chance_begin("tsai");
 
-	(void)state;
 	for (unsigned k = 0; k < 2 * sizeof(kappas) / sizeof(*kappas); k++) {
 		struct tsai_camera c = example(kappas[k / 2]);
 
@@ -115,11 +107,10 @@ static void round_trip(void **state)
 }
 
 /* More terms, in both directions; the thesis's is OpenCV's formula. */
-static void more_terms(void **state)
+TEST("more terms")
 {
 	struct chance chance = chance_begin("tsai terms");
 
-	(void)state;
 	for (int n = 0; n < 2000; n++) {
 		struct tsai_camera c = example(chance_real(&chance, -3e-4, 3e-4));
 		const double px[2] = {chance_real(&chance, 0, 640), chance_real(&chance, 0, 480)};
@@ -153,14 +144,13 @@ static void more_terms(void **state)
 }
 
 /* Several terms that fold over inside of the picture are refused, in either direction. */
-static void refuses_what_folds(void **state)
+TEST("refuses what folds")
 {
 	struct tsai_camera c = example(0);
 	const struct distortion d = tsai_distortion_of(&c);
 	const double corner = d.reach;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	for (int way = 0; way < 2; way++) {
 		c.distortion = way;
 		c.kappa2 = -1 / (5 * pow(corner * (way ? 1.01 : 1.26), 4)); /* 1.26 covers 1.008 */
@@ -171,13 +161,12 @@ static void refuses_what_folds(void **state)
 	}
 }
 
-static void has_no_image(void **state)
+TEST("has no image")
 {
 	const double behind[3] = {6, -8, 3};
 	struct tsai_camera c = example(0);
 	double px[2] = {-1, -1}, origin[3], dir[3], w[3];
 
-	(void)state;
 	assert_int_equal(tsai_project(&c, behind, px), -ERANGE);
 	assert_int_equal(tsai_project(&c, eye, px), -ERANGE);
 	w[0] = w[1] = w[2] = NAN;
@@ -213,12 +202,11 @@ static void has_no_image(void **state)
 }
 
 /* Tsai's own direction: the equation gives the undistorted point from the distorted one. */
-static void projects_as_tsai_printed(void **state)
+TEST("projects as tsai printed")
 {
 	static const double kappas[] = {0, 2e-4, 0.1, -2e-4};
 	struct chance chance = chance_begin("tsai");
 
-	(void)state;
 	for (int k = 0; k < 4; k++)
 		for (int n = 0; n < 5000; n++) {
 			struct tsai_camera c = example(kappas[k]);
@@ -243,12 +231,11 @@ static void projects_as_tsai_printed(void **state)
 
 /* A fold at radius 10 of the distorted picture: no ray beyond it, and points whose image would lie
  * beyond it have none. */
-static void has_no_image_as_tsai_printed(void **state)
+TEST("has no image as tsai printed")
 {
 	struct tsai_camera c = example(-1 / (3 * 10.0 * 10.0));
 	double px[2], origin[3], dir[3], w[3];
 
-	(void)state;
 	c.distortion = TSAI_UNDISTORTS;
 	for (int k = 0; k < 200; k++) {
 		const double radius = k * 0.1;
@@ -293,11 +280,10 @@ static long double bisected(double kappa1, double distorted)
 	return low;
 }
 
-static void undistorts_as_bisection_does(void **state)
+TEST("undistorts as bisection does")
 {
 	struct chance chance = chance_begin("undistort");
 
-	(void)state;
 	for (int n = 0; n < 20000; n++) {
 		const double size = pow(10, chance_real(&chance, -30, 30));
 		const double kappa1 = n & 1 ? size : -size;
@@ -312,13 +298,12 @@ static void undistorts_as_bisection_does(void **state)
 	}
 }
 
-static void undistorts_extremes(void **state)
+TEST("undistorts extremes")
 {
 	static const double values[] = {0,   5e-324, 2.3e-308, 1e-300, 1e-150,	1e-16,	  1e-3, 1,
 					1e3, 1e16,   1e150,    1e300,  1.7e308, INFINITY, NAN};
 	const int count = sizeof(values) / sizeof(*values);
 
-	(void)state;
 	for (int i = 0; i < 2 * count; i++)
 		for (int j = 0; j < 2 * count; j++) {
 			const double kappa1 = i < count ? values[i] : -values[i - count];
@@ -343,9 +328,8 @@ static void undistorts_extremes(void **state)
 		}
 }
 
-static void at_the_fold(void **state)
+TEST("at the fold")
 {
-	(void)state;
 	for (int e = -200; e <= 200; e += 7) {
 		const double kappa1 = -pow(10, e), fold = 1 / sqrt(-3 * kappa1);
 		double r;
@@ -356,12 +340,11 @@ static void at_the_fold(void **state)
 	}
 }
 
-static void checks_its_fields(void **state)
+TEST("checks its fields")
 {
 	const struct tsai_camera good = example(1e-4);
 	struct tsai_camera c = good;
 
-	(void)state;
 	assert_int_equal(tsai_check(&c, NULL), 0);
 #define REFUSES(field, value)                                                                      \
 	do {                                                                                       \
@@ -405,12 +388,11 @@ static void checks_its_fields(void **state)
 		expect_below(fabs(c.rotation[i] - good.rotation[i]), 1e-7, "i=%d", i);
 }
 
-static void look_at_refuses(void **state)
+TEST("look at refuses")
 {
 	const double up[3] = {3, -4, 9}, nowhere[3] = {NAN, 0, 0};
 	struct tsai_camera c;
 
-	(void)state;
 	assert_int_equal(tsai_look_at(&c, 640, 480, eye, eye, 40, NULL), -EINVAL);
 	assert_int_equal(tsai_look_at(&c, 640, 480, eye, up, 40, NULL), -EINVAL);
 	assert_int_equal(tsai_look_at(&c, 640, 480, eye, nowhere, 40, NULL), -EINVAL);
@@ -426,7 +408,7 @@ static void *place(void *root, const char *instance)
 }
 
 /* Each key of a file sets the field that it names. */
-static void keys_fill_every_field(void **state)
+TEST("keys fill every field")
 {
 	static const char text[] =
 		"[camera]\n"
@@ -455,7 +437,6 @@ static void keys_fill_every_field(void **state)
 	struct ini_report report = {.count = 0};
 	struct tsai_camera c;
 
-	(void)state;
 	memset(&c, 0, sizeof(c));
 	ini_defaults(tsai_keys, &c);
 	/* older files give no direction of distortion, and mean the thesis's */
@@ -483,26 +464,4 @@ static void keys_fill_every_field(void **state)
 	assert_true(c.focal == want.focal && c.kappa1 == want.kappa1 && c.aspect == want.aspect);
 	assert_true(c.edge_spread_px == want.edge_spread_px);
 	assert_int_equal(tsai_check(&c, NULL), 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(projects_as_printed),
-		cmocka_unit_test(projects_as_tsai_printed),
-		cmocka_unit_test(looks_at_its_target),
-		cmocka_unit_test(round_trip),
-		cmocka_unit_test(more_terms),
-		cmocka_unit_test(refuses_what_folds),
-		cmocka_unit_test(has_no_image),
-		cmocka_unit_test(has_no_image_as_tsai_printed),
-		cmocka_unit_test(undistorts_as_bisection_does),
-		cmocka_unit_test(undistorts_extremes),
-		cmocka_unit_test(at_the_fold),
-		cmocka_unit_test(checks_its_fields),
-		cmocka_unit_test(look_at_refuses),
-		cmocka_unit_test(keys_fill_every_field),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

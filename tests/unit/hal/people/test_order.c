@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Who stands before the object: walkers all around objects whose place on the ground has a closed form. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "hal/people/people_parts.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define WIDTH 640
 #define HEIGHT 480
@@ -153,57 +148,51 @@ static void all_around(struct stage *s, const double eye[3], double size)
 
 static const double ahead[3] = {0, -5, 1.8}, aside[3] = {4, -4, 2.5};
 
-static void around_a_wide_wall(void **state)
+TEST("around a wide wall")
 {
 	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
 
-	(void)state;
 	all_around(&s, ahead, 4.2);
 }
 
-static void around_a_turned_wall(void **state)
+TEST("around a turned wall")
 {
 	struct stage s = {.slabs = {{0, 0, 0.6, 3, 0.4}}, .count = 1};
 
-	(void)state;
 	all_around(&s, aside, 3.4);
 }
 
-static void around_two_parts(void **state)
+TEST("around two parts")
 {
 	struct stage s = {.slabs = {{-1, 0.4, 0, 0.5, 0.5}, {1.1, -0.5, 0.3, 0.6, 0.4}},
 			  .count = 2};
 
-	(void)state;
 	all_around(&s, ahead, 3.2);
 }
 
 /* An L, open away from the camera: who stands in its corner is behind it. */
-static void in_the_corner_of_an_l(void **state)
+TEST("in the corner of an l")
 {
 	struct stage s = {.slabs = {{0, -0.9, 0, 2, 0.2}, {-0.9, 0, 0, 0.2, 2}}, .count = 2};
 
-	(void)state;
 	all_around(&s, ahead, 2.2);
 }
 
 /* The camera stands inside of a ring's outline, as under an arch. */
-static void from_within(void **state)
+TEST("from within")
 {
 	struct stage s = {.slabs = {{0, 2, 0, 5, 0.3}, {0, -6, 0, 5, 0.3}}, .count = 2};
 	const double eye[3] = {0, -2, 1.8};
 
-	(void)state;
 	all_around(&s, eye, 13);
 }
 
 /* Beside the object, that part of it counts which is nearest in direction. */
-static void beside_a_wall_its_end_counts(void **state)
+TEST("beside a wall its end counts")
 {
 	struct stage s = {.slabs = {{0, 0, 0.5, 2, 0.2}}, .count = 1};
 	int front[2] = {0, 0}, all[2] = {0, 0};
 
-	(void)state;
 	stage_begin(&s, ahead, 2.2);
 	for (int y = 0; y < s.people->down - 1; y++)
 		for (int x = 0; x < s.people->across; x++) {
@@ -228,12 +217,11 @@ static void beside_a_wall_its_end_counts(void **state)
 }
 
 /* The coverage's lower edge counts for files without a footprint. */
-static void without_a_footprint_the_lower_edge_counts(void **state)
+TEST("without a footprint the lower edge counts")
 {
 	struct stage s = {.count = 0};
 	struct people_object object;
 
-	(void)state;
 	stage_begin(&s, ahead, 1);
 	for (int y = 200; y < 320; y++)
 		for (int x = 240; x < 400; x++)
@@ -375,55 +363,50 @@ static struct placed_count place_all(struct standing body, bool depth)
 	return place_by(body, depth, NULL, false);
 }
 
-static void feet_that_a_low_wall_hides_do_not_matter_to_depth(void **state)
+TEST("feet that a low wall hides do not matter to depth")
 {
 	const struct standing body = {.hidden_m = 0.9};
 	const struct placed_count feet = place_all(body, false), depth = place_all(body, true);
 
-	(void)state;
 	expect_above(feet.all, 25, "bodies");
 	expect_above(feet.front_taken_for_behind, 12, "by the feet");
 	expect_equal(depth.wrong, 0, "by depth");
 }
 
-static void feet_that_are_seen_tell_the_same(void **state)
+TEST("feet that are seen tell the same")
 {
 	const struct standing body = {.hidden_m = 0};
 
-	(void)state;
 	expect_equal(place_all(body, false).wrong, 0, "by the feet");
 	expect_equal(place_all(body, true).wrong, 0, "by depth");
 }
 
 /* Holes, and a depth camera a little beside, with the wall of a room behind the outline. */
-static void holes_and_a_shift_do_not_matter(void **state)
+TEST("holes and a shift do not matter")
 {
 	const struct standing holes = {.hidden_m = 0.9, .unknown = 0.7};
 	const struct standing beside = {.hidden_m = 0.9, .shift = 4.0 / WIDTH, .flying = 9000};
 
-	(void)state;
 	expect_equal(place_all(holes, true).wrong, 0, "7 of 10 unknown");
 	expect_equal(place_all(beside, true).wrong, 0, "4 pixels beside");
 }
 
-static void where_depths_are_not_known_the_feet_count(void **state)
+TEST("where depths are not known the feet count")
 {
 	struct standing body = {.hidden_m = 0.9, .unknown = 0.9};
 
-	(void)state;
 	expect_equal(place_all(body, true).wrong, place_all(body, false).wrong, "9 of 10 unknown");
 	body.hidden_m = 0;
 	expect_equal(place_all(body, true).wrong, 0, "feet that are seen");
 }
 
 /* Cameras that stand elsewhere, of another size and lens, and what they show behind people. */
-static void a_depth_camera_elsewhere_is_calibrated(void **state)
+TEST("a depth camera elsewhere is calibrated")
 {
 	static const double eyes[][3] = {{0.5, -5, 1.8}, {-2.5, -4.5, 2.4}, {0, -3.5, 2.6}};
 	const struct standing body = {.hidden_m = 0.9, .flying = 9000};
 	const double target[3] = {0, 0, 0.6};
 
-	(void)state;
 	for (size_t n = 0; n < sizeof(eyes) / sizeof(*eyes); n++) {
 		struct tsai_camera camera;
 
@@ -436,7 +419,7 @@ static void a_depth_camera_elsewhere_is_calibrated(void **state)
 }
 
 /* A group that was before the object stays there until it is farther than the far side by a share. */
-static void a_group_keeps_its_side_by_depth(void **state)
+TEST("a group keeps its side by depth")
 {
 	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
 	struct chance chance = chance_begin("holes");
@@ -445,7 +428,6 @@ static void a_group_keeps_its_side_by_depth(void **state)
 	struct standing body = {.y = 0.2, .hidden_m = 0.9}; /* the far side is at 0.15 */
 	struct group *g;
 
-	(void)state;
 	assert_non_null(words);
 	stage_begin(&s, ahead, 4.2);
 	measure_body(&s.camera, &body, &chance, words);
@@ -461,25 +443,4 @@ static void a_group_keeps_its_side_by_depth(void **state)
 	assert_false(order_is_front(s.people, g));
 	stage_end(&s);
 	free(words);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(around_a_wide_wall),
-		cmocka_unit_test(around_a_turned_wall),
-		cmocka_unit_test(around_two_parts),
-		cmocka_unit_test(in_the_corner_of_an_l),
-		cmocka_unit_test(from_within),
-		cmocka_unit_test(beside_a_wall_its_end_counts),
-		cmocka_unit_test(without_a_footprint_the_lower_edge_counts),
-		cmocka_unit_test(feet_that_a_low_wall_hides_do_not_matter_to_depth),
-		cmocka_unit_test(feet_that_are_seen_tell_the_same),
-		cmocka_unit_test(holes_and_a_shift_do_not_matter),
-		cmocka_unit_test(where_depths_are_not_known_the_feet_count),
-		cmocka_unit_test(a_depth_camera_elsewhere_is_calibrated),
-		cmocka_unit_test(a_group_keeps_its_side_by_depth),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

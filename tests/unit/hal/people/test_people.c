@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* People are found, and put in order, in pictures of a floor with a block on it, whose truth is known:
  * while lamps are switched, the camera's exposure jumps, shadows pass, and somebody stands still. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "hal/people/people.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define WIDTH 320
@@ -256,22 +251,20 @@ static struct body walker(double x, double y)
 	return (struct body){x, y, 0.5, 1.7, {0.5, 0.15, 0.1}, .shadow = true};
 }
 
-static void a_picture_too_small_is_said(void **state)
+TEST("a picture too small is said")
 {
 	const struct people_settings settings = {.width = 640, .height = 7};
 	struct people *people;
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	assert_int_equal(people_create(&people, &settings, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "in 640x7 pixels, expected at least 8x8"));
 }
 
-static void nobody_is_found_where_nobody_is(void **state)
+TEST("nobody is found where nobody is")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	place_look(p, NULL, 0);
@@ -290,11 +283,10 @@ static void nobody_is_found_where_nobody_is(void **state)
 }
 
 /* Its colour is nothing's that the place has, but it fades, and who stands there ends. */
-static void light_that_the_dome_does_not_see_is_nobody(void **state)
+TEST("light that the dome does not see is nobody")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -307,13 +299,12 @@ static void light_that_the_dome_does_not_see_is_nobody(void **state)
 	free(p);
 }
 
-static void somebody_who_passes_is_found_in_order(void **state)
+TEST("somebody who passes is found in order")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	double sum = 0;
 	int frames = 0;
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -340,12 +331,11 @@ static void somebody_who_passes_is_found_in_order(void **state)
 }
 
 /* Cells that the edge cuts, and the shadow at the feet, make nobody wider. */
-static void an_outline_is_neither_wide_nor_narrow(void **state)
+TEST("an outline is neither wide nor narrow")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	int found = 0, there = 0;
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -371,11 +361,10 @@ static void an_outline_is_neither_wide_nor_narrow(void **state)
 	free(p);
 }
 
-static void somebody_who_stands_still_is_not_learned(void **state)
+TEST("somebody who stands still is not learned")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -411,19 +400,17 @@ static void ghost_goes(double exposure)
 	free(p);
 }
 
-static void a_ghost_goes(void **state)
+TEST("a ghost goes")
 {
-	(void)state;
 	ghost_goes(1);
 	ghost_goes(0.4);
 	ghost_goes(1.4);
 }
 
-static void exposure_is_followed(void **state)
+TEST("exposure is followed")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -463,14 +450,13 @@ static uint8_t *save(const struct people *people, size_t *bytes)
 	return saved;
 }
 
-static void what_was_learned_survives(void **state)
+TEST("what was learned survives")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	struct fault fault = {.text = ""};
 	uint8_t *saved;
 	size_t bytes;
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -494,11 +480,10 @@ static void what_was_learned_survives(void **state)
 	free(p);
 }
 
-static void learn_and_forget_act_at_once(void **state)
+TEST("learn and forget act at once")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	people_learn(p->people);
@@ -511,12 +496,11 @@ static void learn_and_forget_act_at_once(void **state)
 	free(p);
 }
 
-static void nobody_is_reported_in_the_dark(void **state)
+TEST("nobody is reported in the dark")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	const struct body b = walker(0.1, -1);
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -531,12 +515,11 @@ static void nobody_is_reported_in_the_dark(void **state)
 	free(p);
 }
 
-static void somebody_who_hides_everything_is_not_learned(void **state)
+TEST("somebody who hides everything is not learned")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	const struct body b = {0, -2, 1.6, 1.9, {0.5, 0.15, 0.1}, .shadow = false};
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -552,12 +535,11 @@ static void somebody_who_hides_everything_is_not_learned(void **state)
 }
 
 /* Light changes while somebody stands there: the ground that he hid is known when it comes back. */
-static void hidden_ground_follows_its_surroundings(void **state)
+TEST("hidden ground follows its surroundings")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	const struct body b = walker(0.3, -0.7);
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -573,11 +555,10 @@ static void hidden_ground_follows_its_surroundings(void **state)
 	free(p);
 }
 
-static void a_body_keeps_the_order_of_its_feet(void **state)
+TEST("a body keeps the order of its feet")
 {
 	struct place *p = calloc(1, sizeof(*p));
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -595,14 +576,13 @@ static void a_body_keeps_the_order_of_its_feet(void **state)
 	free(p);
 }
 
-static void somebody_cut_by_the_lower_edge_is_in_front(void **state)
+TEST("somebody cut by the lower edge is in front")
 {
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -3.9f}, .side = 0.2f, .row = {7}};
 	struct place *p = calloc(1, sizeof(*p));
 	struct people_object object = {.foot = &foot};
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	memset(p->touched, 1, sizeof(p->touched));
@@ -627,7 +607,7 @@ static void somebody_cut_by_the_lower_edge_is_in_front(void **state)
 	free(p);
 }
 
-static void another_place_is_refused(void **state)
+TEST("another place is refused")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
@@ -636,7 +616,6 @@ static void another_place_is_refused(void **state)
 	uint8_t *saved;
 	size_t bytes;
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	place_look(p, NULL, 0);
@@ -661,14 +640,13 @@ static void another_place_is_refused(void **state)
 /* Somebody stands where the object is, which goes elsewhere; meanwhile he goes. Where it comes back
  * nobody is, from the first look on; and a second look at a frame, as after a pose has come, tells the
  * same. */
-static void cells_that_come_back_are_judged_anew(void **state)
+TEST("cells that come back are judged anew")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	static uint8_t elsewhere[sizeof(p->touched)] = {[0] = 1};
 	struct people_object object = {.camera = &p->camera};
 	const struct body b = walker(0.1, -1);
 
-	(void)state;
 	assert_non_null(p);
 	place_begin(p);
 	learn(p);
@@ -709,13 +687,12 @@ static void see_sides(struct place *p, int first, bool *before, bool *after)
 				*(x < first ? before : after) = true;
 }
 
-static void nobody_is_looked_for_in_a_mask(void **state)
+TEST("nobody is looked for in a mask")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	uint8_t *shown = calloc(WIDTH * HEIGHT, 1);
 	bool left, right;
 
-	(void)state;
 	assert_non_null(p);
 	assert_non_null(shown);
 	place_begin(p);
@@ -741,12 +718,11 @@ static void nobody_is_looked_for_in_a_mask(void **state)
 	free(p);
 }
 
-static void noise_is_measured_once_a_frame(void **state)
+TEST("noise is measured once a frame")
 {
 	struct place *p = calloc(1, sizeof(*p));
 	struct sensor_noise_model model[2];
 
-	(void)state;
 	for (int twice = 0; twice < 2; twice++) {
 		memset(p, 0, sizeof(*p));
 		place_begin(p);
@@ -765,31 +741,4 @@ static void noise_is_measured_once_a_frame(void **state)
 		expect_equal(model[1].slope[c], model[0].slope[c], "channel %d", c);
 	}
 	free(p);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_picture_too_small_is_said),
-		cmocka_unit_test(nobody_is_found_where_nobody_is),
-		cmocka_unit_test(light_that_the_dome_does_not_see_is_nobody),
-		cmocka_unit_test(somebody_who_passes_is_found_in_order),
-		cmocka_unit_test(an_outline_is_neither_wide_nor_narrow),
-		cmocka_unit_test(somebody_who_stands_still_is_not_learned),
-		cmocka_unit_test(a_ghost_goes),
-		cmocka_unit_test(exposure_is_followed),
-		cmocka_unit_test(what_was_learned_survives),
-		cmocka_unit_test(learn_and_forget_act_at_once),
-		cmocka_unit_test(nobody_is_reported_in_the_dark),
-		cmocka_unit_test(somebody_who_hides_everything_is_not_learned),
-		cmocka_unit_test(hidden_ground_follows_its_surroundings),
-		cmocka_unit_test(a_body_keeps_the_order_of_its_feet),
-		cmocka_unit_test(somebody_cut_by_the_lower_edge_is_in_front),
-		cmocka_unit_test(another_place_is_refused),
-		cmocka_unit_test(cells_that_come_back_are_judged_anew),
-		cmocka_unit_test(nobody_is_looked_for_in_a_mask),
-		cmocka_unit_test(noise_is_measured_once_a_frame),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

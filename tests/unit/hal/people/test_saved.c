@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* What was learned, as bytes: of pictures of any size, and never taken when a number is impossible. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/people/people_parts.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define MOST 20000000
 
@@ -98,20 +93,18 @@ static void comes_back(int width, int height, int terms)
 	dome_free(&dome);
 }
 
-static void all_terms_of_common_pictures_come_back(void **state)
+TEST("all terms of common pictures come back")
 {
-	(void)state;
 	comes_back(320, 240, PLACE_TERMS);
 	comes_back(1920, 1080, PLACE_TERMS);
 }
 
-static void a_large_picture_keeps_its_first_terms(void **state)
+TEST("a large picture keeps its first terms")
 {
-	(void)state;
 	comes_back(3840, 2160, 3);
 }
 
-static void impossible_numbers_are_refused(void **state)
+TEST("impossible numbers are refused")
 {
 	static const float wrong[] = {__builtin_nanf(""), __builtin_inff(), -2e9f};
 	struct fault fault = {.text = ""};
@@ -120,7 +113,6 @@ static void impossible_numbers_are_refused(void **state)
 	uint8_t *saved;
 	size_t bytes;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
 	p = people_of(64, 48, &dome);
 	fill(p);
@@ -147,15 +139,4 @@ static void impossible_numbers_are_refused(void **state)
 	free(saved);
 	people_destroy(p);
 	dome_free(&dome);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(all_terms_of_common_pictures_come_back),
-		cmocka_unit_test(a_large_picture_keeps_its_first_terms),
-		cmocka_unit_test(impossible_numbers_are_refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* The edge spread that a camera's calibration finds, on boards drawn with a known one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include "bake/calibrate/camera/camera_edges.h"
 #include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static void measure(const char *text, double blur_px, double noise, double tilt,
@@ -35,14 +30,13 @@ static void measure(const char *text, double blur_px, double noise, double tilt,
 	image_free(&picture);
 }
 
-static void the_spread_of_drawn_boards_is_found(void **state)
+TEST("the spread of drawn boards is found")
 {
 	/* The drawing's Gaussian has samples at whole pixels, which is right from 0.6 px on. Markers
 	 * of this size are not found at 2 px. */
 	static const double sigmas[] = {0.6, 0.8, 1.2, 2};
 	static const char *const boards[] = {"8x5:25mm", "charuco:9x6:25mm:18mm"};
 
-	(void)state;
 	for (int b = 0; b < 2; b++)
 		for (size_t k = 0; k < sizeof(sigmas) / sizeof(*sigmas) - (size_t)b; k++) {
 			const double noise = k % 2 ? 2 : 0;
@@ -61,35 +55,22 @@ static void the_spread_of_drawn_boards_is_found(void **state)
 		}
 }
 
-static void sharp_boards_have_no_spread(void **state)
+TEST("sharp boards have no spread")
 {
 	struct camera_edges edges;
 
-	(void)state;
 	measure("8x5:25mm", 0, 1, 0.1, &edges);
 	assert_true(edges.count >= 40);
 	expect_that(edges.sigma_px < 0.15, "%g", edges.sigma_px);
 }
 
-static void no_points_tell_nothing(void **state)
+TEST("no points tell nothing")
 {
 	struct observations seen = {.width = 0};
 	struct camera_edges edges = {.count = 3};
 	struct board board;
 
-	(void)state;
 	assert_int_equal(board_parse(&board, "9x6:25mm", NULL), 0);
 	assert_int_equal(camera_edges_measure(&seen, NULL, &board, &edges), 0);
 	assert_int_equal(edges.count, 0);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(the_spread_of_drawn_boards_is_found),
-		cmocka_unit_test(sharp_boards_have_no_spread),
-		cmocka_unit_test(no_points_tell_nothing),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

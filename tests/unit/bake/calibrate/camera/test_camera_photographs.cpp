@@ -17,11 +17,11 @@
 
 /* cmocka's macros are words that C++ headers use. */
 extern "C" {
-#include <cmocka.h>
 
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/observe/boards.h"
 #include "hal/image/image.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 }
 
@@ -131,7 +131,7 @@ static void as_near_as_opencv(const char *side, const struct observations &seen)
 	}
 }
 
-static void no_worse_than_opencv(void **)
+TEST("no worse than opencv")
 {
 	struct observations right = {};
 
@@ -144,7 +144,7 @@ static void no_worse_than_opencv(void **)
 }
 
 /* Tsai's own direction of the distortion models the same lens, and fits about as well. */
-static void in_both_directions(void **)
+TEST("in both directions")
 {
 	const struct observations &seen = left_photographs();
 	double rms[2];
@@ -167,7 +167,7 @@ static void in_both_directions(void **)
 }
 
 /* With the lens from all photographs, one photograph alone tells where its board is. */
-static void where_is_the_board_now(void **)
+TEST("where is the board now")
 {
 	const struct observations &seen = left_photographs();
 	struct observations one = {};
@@ -200,7 +200,7 @@ static void where_is_the_board_now(void **)
 
 /* Photographs that a program has turned by 180 degrees are recognised, and the result is that of
  * the photographs as they were. */
-static void some_are_turned(void **)
+TEST("some are turned")
 {
 	struct observations &seen = left_photographs();
 	const std::vector<observation> as_they_were(seen.point, seen.point + seen.count);
@@ -370,7 +370,7 @@ static void declared_as_leaving_out_views(const char *side)
 	observations_free(&seen);
 }
 
-static void deviations_are_by_view(void **)
+TEST("deviations are by view")
 {
 	declared_as_leaving_out_views("left");
 	if (thorough())
@@ -378,7 +378,7 @@ static void deviations_are_by_view(void **)
 }
 
 /* Photographs of two cameras are no photographs of one, however well each fits. */
-static void two_cameras_are_doubted(void **)
+TEST("two cameras are doubted")
 {
 	struct observations seen[2] = {}, mixed = {};
 	struct camera_task task = camera_task_default();
@@ -408,13 +408,4 @@ static void two_cameras_are_doubted(void **)
 	observations_free(&seen[1]);
 }
 
-int main()
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(no_worse_than_opencv),	  cmocka_unit_test(in_both_directions),
-		cmocka_unit_test(where_is_the_board_now), cmocka_unit_test(some_are_turned),
-		cmocka_unit_test(deviations_are_by_view), cmocka_unit_test(two_cameras_are_doubted),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, forget);
-}
+TEST_GROUP(NULL, forget);

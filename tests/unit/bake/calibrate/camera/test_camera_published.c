@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* R. Willson's coplanar data and the results that he published: a hard case, because f and Tz can
  * hardly be told apart. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,6 +9,7 @@
 
 #include "bake/calibrate/camera/camera.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* The camera that made the data. */
 static const struct {
@@ -67,14 +62,13 @@ static double figure(const struct finding *finding, const char *key)
 	return NAN;
 }
 
-static void full(void **state)
+TEST("full")
 {
 	struct observations seen = {0};
 	struct camera_solution solution;
 	const struct estimate *estimate = &solution.finding.estimate;
 	const struct parameter *p;
 
-	(void)state;
 	calibrate(CAMERA_FULL, &seen, &solution);
 	assert_true(figure(&solution.finding, "normalised_calibration_error") <= 0.231899);
 	assert_true(figure(&solution.finding, "distorted_error_mean") <= 0.096750);
@@ -100,12 +94,11 @@ static void full(void **state)
 	observations_free(&seen);
 }
 
-static void three(void **state)
+TEST("three")
 {
 	struct observations seen = {0};
 	struct camera_solution solution;
 
-	(void)state;
 	calibrate(CAMERA_THREE, &seen, &solution);
 	assert_true(figure(&solution.finding, "normalised_calibration_error") <= 0.314343);
 	assert_true(figure(&solution.finding, "focal_depth_correlation") > 0.999);
@@ -113,14 +106,4 @@ static void three(void **state)
 		    solution.camera.centre_px[1] == 480 - 204);
 	camera_solution_free(&solution);
 	observations_free(&seen);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(full),
-		cmocka_unit_test(three),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lenses of one and more radial terms: how many are found, and what is said of too few. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +9,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define VIEWS 6
@@ -102,11 +97,10 @@ static double picture_error(const struct tsai_camera *found, const struct tsai_c
 	return worst;
 }
 
-static void one_term_is_enough(void **state)
+TEST("one term is enough")
 {
 	struct chance chance = chance_begin("radial one");
 
-	(void)state;
 	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
@@ -122,11 +116,10 @@ static void one_term_is_enough(void **state)
 	}
 }
 
-static void too_few_terms_are_said(void **state)
+TEST("too few terms are said")
 {
 	struct chance chance = chance_begin("radial few");
 
-	(void)state;
 	for (int run = 0; run < (thorough() ? 6 : 2); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
@@ -145,13 +138,12 @@ static void too_few_terms_are_said(void **state)
 }
 
 /* Two terms, given or found, are trusted; centre and kappas are as near as they say. */
-static void two_terms(void **state)
+TEST("two terms")
 {
 	struct chance chance = chance_begin("radial two");
 	double most = 0, squares = 0;
 	int count = 0;
 
-	(void)state;
 	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct observations seen;
 		struct tsai_camera truth[VIEWS];
@@ -180,7 +172,7 @@ static void two_terms(void **state)
 	assert_true(!thorough() || sqrt(squares / count) < 1.4); /* too few for it */
 }
 
-static void three_terms(void **state)
+TEST("three terms")
 {
 	static const struct bends wave = {{-0.3, 0.5, -0.25}};
 	struct chance chance = chance_begin("radial three");
@@ -188,7 +180,6 @@ static void three_terms(void **state)
 	struct tsai_camera truth[VIEWS];
 	struct camera_solution solution;
 
-	(void)state;
 	see_boards(&seen, truth, &wave, TSAI_DISTORTS, 0.05, &chance);
 	solution = calibrate(&seen, &truth[0], 0);
 	assert_true(known_camera_trusted(&solution));
@@ -200,7 +191,7 @@ static void three_terms(void **state)
 }
 
 /* A pose alone, with a known lens of all terms. */
-static void known_lens(void **state)
+TEST("known lens")
 {
 	struct chance chance = chance_begin("radial known");
 	struct tsai_camera truth[VIEWS], lens;
@@ -208,7 +199,6 @@ static void known_lens(void **state)
 	struct camera_task task = camera_task_default();
 	struct camera_solution solution;
 
-	(void)state;
 	for (int way = 0; way < 2; way++) {
 		truth[0] = lens_at(0, &mustache, way);
 		truth[0].tangential[0] = 2e-4;
@@ -226,15 +216,4 @@ static void known_lens(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(one_term_is_enough), cmocka_unit_test(too_few_terms_are_said),
-		cmocka_unit_test(two_terms),	      cmocka_unit_test(three_terms),
-		cmocka_unit_test(known_lens),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

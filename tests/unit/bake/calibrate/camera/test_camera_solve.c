@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Calibration of Tsai's camera: known cameras come back, and the reported deviations are true. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +12,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static const double eyes[5][3] = {{0.12, -0.38, 0.42},
@@ -29,11 +24,10 @@ static const double middle[3] = {0.01, 0.005, 0};
 
 /* ---- the model's slopes ---- */
 
-static void slopes_are_differences(void **state)
+TEST("slopes are differences")
 {
 	struct chance chance = chance_begin("camera slopes");
 
-	(void)state;
 	for (int n = 0; n < 400; n++) {
 		const bool more = n & 4; /* of terms */
 		const struct camera_model model = {.pixel = {0.01, 0.012},
@@ -84,11 +78,10 @@ static void slopes_are_differences(void **state)
 	}
 }
 
-static void vectors_of_rotations(void **state)
+TEST("vectors of rotations")
 {
 	struct chance chance = chance_begin("camera rotations");
 
-	(void)state;
 	for (int n = 0; n < 3000; n++) {
 		static const double sizes[] = {0, 1e-12, 1e-6, 0.009, 0.011, 1, 3.1415, M_PI};
 		double vector[3], rotation[9], slope[3][9], back[3], again[9];
@@ -178,11 +171,10 @@ static void solve_one_plane(struct tsai_camera *truth, struct chance *chance)
 	assert_solved(&seen, &task, truth);
 }
 
-static void one_plane(void **state)
+TEST("one plane")
 {
 	struct chance chance = chance_begin("camera plane");
 
-	(void)state;
 	over_cameras(solve_one_plane, &chance);
 }
 
@@ -199,19 +191,17 @@ static void solve_points_in_space(struct tsai_camera *truth, struct chance *chan
 	assert_solved(&seen, &task, truth);
 }
 
-static void points_in_space(void **state)
+TEST("points in space")
 {
 	struct chance chance = chance_begin("camera space");
 
-	(void)state;
 	over_cameras(solve_points_in_space, &chance);
 }
 
-static void several_boards(void **state)
+TEST("several boards")
 {
 	struct chance chance = chance_begin("camera boards");
 
-	(void)state;
 	for (int distortion = 0; distortion < 2; distortion++)
 		for (unsigned b = 0; b < sizeof(bends) / sizeof(*bends); b++) {
 			struct tsai_camera truth[5];
@@ -256,18 +246,17 @@ static void solve_pose(struct tsai_camera *truth, struct chance *chance)
 }
 
 /* With the lens known, one board says where the camera is; the smallest board, too. */
-static void pose_alone(void **state)
+TEST("pose alone")
 {
 	struct chance chance = chance_begin("camera pose");
 
-	(void)state;
 	over_cameras(solve_pose, &chance);
 }
 
 /* ---- the world's units and axes ---- */
 
 /* The same picture from a world that is scaled and shifted. */
-static void units_and_places_do_not_matter(void **state)
+TEST("units and places do not matter")
 {
 	static const double scales[] = {1e-9, 1e-3, 1, 1000, 1e6};
 	const double offset[3] = {1e6, -2e6, 5e5};
@@ -277,7 +266,6 @@ static void units_and_places_do_not_matter(void **state)
 	struct camera_solution first;
 	struct camera_task task = known_camera_task(&truth);
 
-	(void)state;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	assert_int_equal(camera_calibrate(&seen, &task, &first, NULL), 0);
 	for (unsigned s = 0; s < 5; s++)
@@ -316,7 +304,7 @@ static void units_and_places_do_not_matter(void **state)
 }
 
 /* A file with y upwards and pixel centres at whole numbers describes the same picture. */
-static void y_up_is_the_same_picture(void **state)
+TEST("y up is the same picture")
 {
 	static const struct points_convention down = {.pixel_centre = 0.5};
 	static const struct points_convention up = {
@@ -327,7 +315,6 @@ static void y_up_is_the_same_picture(void **state)
 	struct observations seen = {0};
 	struct camera_solution solution[2];
 
-	(void)state;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.2, &chance);
 	for (int way = 0; way < 2; way++) {
 		char path[] = "/tmp/inlay-points-XXXXXX";
@@ -356,11 +343,10 @@ static void y_up_is_the_same_picture(void **state)
 }
 
 /* Any plane in space, with the origin anywhere: on the axis, where Ty is 0, and far away. */
-static void any_plane_any_origin(void **state)
+TEST("any plane any origin")
 {
 	struct chance chance = chance_begin("camera planes");
 
-	(void)state;
 	for (int n = 0; n < (thorough() ? 200 : 60); n++) {
 		struct tsai_camera truth = known_camera(
 			eyes[n % 5], n % 4 ? middle : (double[]){0, 0, 0}, -0.06, n & 1);
@@ -487,13 +473,12 @@ static int runs_of_test(void)
 	return text ? atoi(text) : thorough() ? 80 : 12;
 }
 
-static void deviations_are_honest(void **state)
+TEST("deviations are honest")
 {
 	static const double noises[] = {0.02, 0.3, 1, 2};
 	struct chance chance = chance_begin("camera noise");
 	const int runs = runs_of_test();
 
-	(void)state;
 	for (int n = 0; n < 4; n++) {
 		struct deviation_tally tally[TALLIES] = {{0}};
 
@@ -527,12 +512,11 @@ static void deviations_are_honest(void **state)
 }
 
 /* The same for points in space, and for a pose alone. */
-static void deviations_of_space_and_pose(void **state)
+TEST("deviations of space and pose")
 {
 	struct chance chance = chance_begin("camera noise");
 	const int runs = runs_of_test();
 
-	(void)state;
 	for (int known = 0; known < 2; known++) {
 		struct deviation_tally tally[TALLIES] = {{0}};
 
@@ -564,11 +548,10 @@ static void deviations_of_space_and_pose(void **state)
 
 /* From afar, with outliers: the result fits as well as the truth, in spite of wrong minima on the
  * way. */
-static void no_wrong_minimum(void **state)
+TEST("no wrong minimum")
 {
 	struct chance chance = chance_begin("camera minima");
 
-	(void)state;
 	for (int run = 0; run < (thorough() ? 12 : 4); run++) {
 		struct tsai_camera truth = known_camera((double[]){3, -5, 6}, (double[]){0, 0, 0},
 							0, TSAI_UNDISTORTS);
@@ -597,7 +580,7 @@ static void no_wrong_minimum(void **state)
 /* One plane and a lens without distortion do not tell the axis. Its error must be as large as
  * assumed: by default, by an option, and with pixels that are not square. The whole pose must
  * include that uncertainty. */
-static void deviations_of_a_held_centre(void **state)
+TEST("deviations of a held centre")
 {
 	static const char *const name[] = {"focal",	    "centre x",	     "centre y",
 					   "rotation x",    "rotation y",    "rotation z",
@@ -605,7 +588,6 @@ static void deviations_of_a_held_centre(void **state)
 	struct chance chance = chance_begin("camera held");
 	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 
-	(void)state;
 	for (int way = 0; way < 4; way++) {
 		struct deviation_tally tally[9] = {{0}};
 
@@ -658,12 +640,11 @@ static void deviations_of_a_held_centre(void **state)
 
 /* One plane does not tell s. Its error must be as large as assumed: by default, and by an option.
  */
-static void deviations_of_a_held_aspect(void **state)
+TEST("deviations of a held aspect")
 {
 	struct chance chance = chance_begin("camera held aspect");
 	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 
-	(void)state;
 	for (int way = 0; way < 2; way++) {
 		struct deviation_tally tally[TALLIES] = {{0}};
 
@@ -698,11 +679,10 @@ static void deviations_of_a_held_aspect(void **state)
 }
 
 /* What is given is not estimated, neither from points in space nor from many boards. */
-static void known_aspect(void **state)
+TEST("known aspect")
 {
 	struct chance chance = chance_begin("camera known aspect");
 
-	(void)state;
 	for (int way = 0; way < 4; way++) {
 		struct tsai_camera truth[5];
 		struct observations seen = {0};
@@ -755,14 +735,13 @@ static double off_by(const struct camera_solution *solution, const struct camera
 
 /* Few boards, seen by cameras whose pixels may not be square: a trusted result is right, and where
  * squareness is known enough results are trusted. */
-static void few_boards_of_squashed_pixels(void **state)
+TEST("few boards of squashed pixels")
 {
 	static const double aspects[] = {1, 1.005, 1.02, 0.95, 0.9};
 	struct chance chance = chance_begin("camera squashed");
 	const int runs = (thorough() ? 2 : 1) * runs_of_test();
 	int trusted[2][4] = {{0}};
 
-	(void)state;
 	for (int run = 0; run < runs; run++)
 		for (int views = 1; views <= 3; views++) {
 			struct tsai_camera truth[3];
@@ -811,14 +790,13 @@ static void few_boards_of_squashed_pixels(void **state)
 }
 
 /* The error of each point against the uncertainty that is reported for its place. */
-static void uncertainty_is_honest(void **state)
+TEST("uncertainty is honest")
 {
 	const double px[2] = {250, 300}, place[3] = {0.03, -0.02, 0.04};
 	struct chance chance = chance_begin("camera uncertainty");
 	const int runs = 4 * runs_of_test();
 	double squares = 0, expected = 0, at_px = 0, halves = 0;
 
-	(void)state;
 	for (int run = 0; run < runs; run++) {
 		const struct tsai_camera truth = known_camera(eyes[0], middle, -0.08, run & 1);
 		struct observations seen = {0};
@@ -847,29 +825,4 @@ static void uncertainty_is_honest(void **state)
 	assert_true(squares > 0.85 * expected && squares < 2.2 * expected);
 	/* each half is worse by sqrt 2, and the difference of two halves by sqrt 2 again */
 	assert_true(halves > at_px && halves < 4 * at_px);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(slopes_are_differences),
-		cmocka_unit_test(vectors_of_rotations),
-		cmocka_unit_test(one_plane),
-		cmocka_unit_test(points_in_space),
-		cmocka_unit_test(several_boards),
-		cmocka_unit_test(pose_alone),
-		cmocka_unit_test(units_and_places_do_not_matter),
-		cmocka_unit_test(y_up_is_the_same_picture),
-		cmocka_unit_test(any_plane_any_origin),
-		cmocka_unit_test(deviations_are_honest),
-		cmocka_unit_test(deviations_of_space_and_pose),
-		cmocka_unit_test(no_wrong_minimum),
-		cmocka_unit_test(deviations_of_a_held_centre),
-		cmocka_unit_test(deviations_of_a_held_aspect),
-		cmocka_unit_test(known_aspect),
-		cmocka_unit_test(few_boards_of_squashed_pixels),
-		cmocka_unit_test(uncertainty_is_honest),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Patterns in residuals, and pictures that were turned by 180 degrees. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -14,6 +8,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define VIEWS 6
@@ -68,12 +63,11 @@ static double axis_off(const struct camera_solution *solution, double x, double 
 }
 
 /* Whichever pictures are turned, the axis is that of the reference view's picture. */
-static void turned_pictures(void **state)
+TEST("turned pictures")
 {
 	static const unsigned turned[] = {0, 4, 2 | 16, 2 | 4 | 8, 2 | 4 | 8 | 16 | 32, 1, 1 | 8};
 	struct chance chance = chance_begin("camera turned");
 
-	(void)state;
 	for (unsigned k = 0; k < 2 * sizeof(turned) / sizeof(*turned); k += thorough() ? 1 : 3) {
 		const unsigned views = turned[k / 2];
 		struct tsai_camera truth;
@@ -107,7 +101,7 @@ static void turned_pictures(void **state)
 
 /* A board that looks the same upside down is numbered from its other end: another pose, no turned
  * picture. */
-static void symmetrical_boards(void **state)
+TEST("symmetrical boards")
 {
 	struct chance chance = chance_begin("camera symmetrical");
 	struct tsai_camera truth;
@@ -115,7 +109,6 @@ static void symmetrical_boards(void **state)
 	struct camera_task task;
 	struct camera_solution solution;
 
-	(void)state;
 	see_boards(&seen, &truth, 0, 0.2, &chance);
 	for (int i = 0; i < seen.count; i++)
 		for (int k = 0; k < 2; k++)
@@ -131,12 +124,11 @@ static void symmetrical_boards(void **state)
 }
 
 /* Noise alone makes no pattern and turns no picture, also where the axis is in the middle. */
-static void noise_is_no_pattern(void **state)
+TEST("noise is no pattern")
 {
 	struct chance chance = chance_begin("camera pattern");
 	double most = 0;
 
-	(void)state;
 	for (int run = 0; run < 20; run++) {
 		struct tsai_camera truth;
 		struct observations seen;
@@ -157,11 +149,10 @@ static void noise_is_no_pattern(void **state)
 }
 
 /* A window before the lens that shifts a part of every picture: no such lens is known. */
-static void pattern_is_said(void **state)
+TEST("pattern is said")
 {
 	struct chance chance = chance_begin("camera window");
 
-	(void)state;
 	for (int known = 0; known < 2; known++) {
 		struct tsai_camera truth;
 		struct observations seen;
@@ -181,16 +172,4 @@ static void pattern_is_said(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(turned_pictures),
-		cmocka_unit_test(symmetrical_boards),
-		cmocka_unit_test(noise_is_no_pattern),
-		cmocka_unit_test(pattern_is_said),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Cases in which a camera's calibration fails: each must get its verdict. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -17,6 +11,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const double eye[3] = {0.12, -0.38, 0.42}, middle[3] = {0.01, 0.005, 0};
 static const double above[3] = {0.0, -1e-4, 0.6};
@@ -42,14 +37,13 @@ static void test_verdict_expect(struct observations *seen, const struct camera_t
 
 /* ---- how many ---- */
 
-static void fewest_points(void **state)
+TEST("fewest points")
 {
 	struct chance chance = chance_begin("fewest");
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task(&truth);
 	const double wide[6][2] = {{-0.1, -0.1}, {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}, {0, 0.02}};
 
-	(void)state;
 	task.method = CAMERA_THREE;
 	task.centre_deviation_px = 0;
 	for (int count = 4; count <= 5; count++) {
@@ -78,18 +72,17 @@ static void fewest_points(void **state)
 	}
 }
 
-static void no_points(void **state)
+TEST("no points")
 {
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
-	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "none"), 0);
 	test_verdict_expect(&seen, &task, "no points");
 }
 
-static void no_such_reference(void **state)
+TEST("no such reference")
 {
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task(&truth);
@@ -97,7 +90,6 @@ static void no_such_reference(void **state)
 	struct observations seen = {0};
 	struct fault fault = {""};
 
-	(void)state;
 	task.reference = 1;
 	known_camera_see_board(&seen, &truth, 9, 6, 0, NULL);
 	assert_int_equal(camera_calibrate(&seen, &task, &solution, &fault), -EINVAL);
@@ -109,12 +101,11 @@ static void no_such_reference(void **state)
 /* ---- how they lie ---- */
 
 /* With and without noise. A nearly parallel board is as bad as its noise makes it. */
-static void board_parallel_to_the_picture(void **state)
+TEST("board parallel to the picture")
 {
 	static const double noises[] = {0, 0.4, 1};
 	struct chance chance = chance_begin("parallel");
 
-	(void)state;
 	for (int n = 0; n < 9; n++)
 		for (int tilt = 0; tilt < 2; tilt++) {
 			const double from[3] = {tilt ? 0.01 : 0, tilt ? -0.01 : -1e-9, 0.6};
@@ -130,11 +121,10 @@ static void board_parallel_to_the_picture(void **state)
 		}
 }
 
-static void nearly_orthographic(void **state)
+TEST("nearly orthographic")
 {
 	struct chance chance = chance_begin("orthographic");
 
-	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 3; n++) {
 			struct tsai_camera truth = known_camera((double[]){100, -300, 350}, middle,
@@ -153,13 +143,12 @@ static void nearly_orthographic(void **state)
 		}
 }
 
-static void points_on_a_line(void **state)
+TEST("points on a line")
 {
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
-	(void)state;
 	assert_int_equal(observations_begin_view(&seen, "line"), 0);
 	for (int i = 0; i < 20; i++)
 		known_camera_see(&seen, &truth, (double[]){0.01 * i - 0.1, 0.004 * i - 0.04, 0}, 0,
@@ -167,13 +156,12 @@ static void points_on_a_line(void **state)
 	test_verdict_expect(&seen, &task, "on a line");
 }
 
-static void points_in_a_corner(void **state)
+TEST("points in a corner")
 {
 	struct chance chance = chance_begin("corner");
 	const struct tsai_camera truth = known_camera(eye, middle, 0.05, TSAI_DISTORTS);
 	const struct camera_task task = known_camera_task(&truth);
 
-	(void)state;
 	for (int n = 0; n < 2; n++) {
 		struct observations seen = {0};
 
@@ -189,14 +177,13 @@ static void points_in_a_corner(void **state)
 
 /* s is held at 1: what lies on the board is drawn right all the same, but what stands up from it
  * only where pixels are known to be square. */
-static void aspect_does_not_show_in_a_plane(void **state)
+TEST("aspect does not show in a plane")
 {
 	struct chance chance = chance_begin("aspect");
 	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
-	(void)state;
 	task.aspect_deviation = 0.05;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	test_verdict_expect(&seen, &task, "do not tell whether the pixels are square");
@@ -230,14 +217,13 @@ static struct observations board_seen(const struct tsai_camera *truth, double no
 	return seen;
 }
 
-static void outliers(void **state)
+TEST("outliers")
 {
 	struct chance chance = chance_begin("outliers");
 	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task(&truth);
 	struct observations seen;
 
-	(void)state;
 	/* one outlier: named, with advice how to go on */
 	seen = board_seen(&truth, 0.1, &chance);
 	seen.point[17].px[0] += 30;
@@ -269,14 +255,13 @@ static void outliers(void **state)
 	test_verdict_expect(&seen, &task, "do not fit the others");
 }
 
-static void points_in_another_order(void **state)
+TEST("points in another order")
 {
 	struct chance chance = chance_begin("order");
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
-	(void)state;
 	for (int i = 0; i < seen.count; i++) {
 		const int j = (i * 37) % seen.count;
 		double swap[2];
@@ -289,11 +274,10 @@ static void points_in_another_order(void **state)
 }
 
 /* A mirrored board is one seen from behind; mirrored points in space fit no camera. */
-static void mirrored(void **state)
+TEST("mirrored")
 {
 	struct chance chance = chance_begin("mirrored");
 
-	(void)state;
 	for (int space = 0; space < 2; space++)
 		for (int n = 0; n < 4; n++) {
 			const struct tsai_camera truth = known_camera(eye, middle,
@@ -313,12 +297,11 @@ static void mirrored(void **state)
 
 /* With much noise the best camera of mirrored points is one at infinity, which fits them badly, but
  * not so badly as without noise. */
-static void mirrored_with_noise(void **state)
+TEST("mirrored with noise")
 {
 	const double far[3] = {4 * eye[0], 4 * eye[1], 4 * eye[2]};
 	struct chance chance = chance_begin("mirrored with noise");
 
-	(void)state;
 	for (int n = 0; n < 12; n++) {
 		struct tsai_camera truth = known_camera(far, middle, 0, TSAI_DISTORTS);
 		struct camera_task task = known_camera_task(&truth);
@@ -334,11 +317,10 @@ static void mirrored_with_noise(void **state)
 
 /* From afar a mirrored picture fits a known lens, with near and far exchanged. The mirror image
  * fits as well or better, and that is why the verdict does not trust. */
-static void mirrored_from_afar(void **state)
+TEST("mirrored from afar")
 {
 	struct chance chance = chance_begin("afar");
 
-	(void)state;
 	for (int far = 10; far <= 1000; far *= 10)
 		for (int n = 0; n < 3; n++) {
 			struct tsai_camera truth =
@@ -356,7 +338,7 @@ static void mirrored_from_afar(void **state)
 		}
 }
 
-static void listed_twice(void **state)
+TEST("listed twice")
 {
 	struct chance chance = chance_begin("twice");
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
@@ -364,13 +346,12 @@ static void listed_twice(void **state)
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 	const struct observation first = seen.point[3];
 
-	(void)state;
 	assert_int_equal(observations_add(&seen, first.world, first.px, "again"), 0);
 	test_verdict_expect(&seen, &task, "point 4 and again are one point listed twice");
 }
 
 /* A view of something else has no pose, however well the other views fit. */
-static void view_of_outliers(void **state)
+TEST("view of outliers")
 {
 	const struct tsai_camera truth = known_camera(eye, middle, -0.1, TSAI_DISTORTS);
 	const double other[5][3] = {{0.3, -0.2, 0.4},
@@ -382,7 +363,6 @@ static void view_of_outliers(void **state)
 	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
-	(void)state;
 	known_camera_see_board(&seen, &truth, 5, 5, 0.1, &chance);
 	for (int i = 0; i < seen.count; i++)
 		for (int k = 0; k < 2 && i % 5 < 3; k++)
@@ -397,11 +377,10 @@ static void view_of_outliers(void **state)
 }
 
 /* A dozen points with much noise are not taken for a mirror image. */
-static void noise_is_no_mirror(void **state)
+TEST("noise is no mirror")
 {
 	struct chance chance = chance_begin("noise");
 
-	(void)state;
 	for (int n = 0; n < 30; n++) {
 		struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 		const struct camera_task task = known_camera_task(&truth);
@@ -418,14 +397,13 @@ static void noise_is_no_mirror(void **state)
 }
 
 /* A plane alone does not tell the axis: what stands up from it may be wrong. */
-static void axis_does_not_show(void **state)
+TEST("axis does not show")
 {
 	struct chance chance = chance_begin("axis");
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task_of_plane(&truth);
 	struct observations seen = board_seen(&truth, 0.1, &chance);
 
-	(void)state;
 	task.object_given = true;
 	task.object_radius = 0.1;
 	task.tolerance_px = 0.3;
@@ -436,12 +414,11 @@ static void axis_does_not_show(void **state)
 }
 
 /* The reader refuses points that are NaN. */
-static void not_a_number(void **state)
+TEST("not a number")
 {
 	static const char *const lines[] = {"0 0 0 nan 4\n", "0 0 inf 3 4\n", "0 0 0 3\n"};
 	const struct points_convention convention = {.pixel_centre = 0.5};
 
-	(void)state;
 	for (int k = 0; k < 3; k++) {
 		char path[] = "/tmp/inlay-points-XXXXXX";
 		struct observations seen = {0};
@@ -462,11 +439,10 @@ static void not_a_number(void **state)
 /* ---- distortion ---- */
 
 /* Up to just before the fold all is well; points that no kappa1 explains are refused. */
-static void folds_over(void **state)
+TEST("folds over")
 {
 	struct chance chance = chance_begin("fold");
 
-	(void)state;
 	for (int distortion = 0; distortion < 2; distortion++) {
 		/* radius of the board's outermost point, as a share of the fold's radius */
 		static const double parts[] = {0.5, 0.8, 0.9};
@@ -498,14 +474,13 @@ static void folds_over(void **state)
 	}
 }
 
-static void lens_beyond_its_model(void **state)
+TEST("lens beyond its model")
 {
 	struct chance chance = chance_begin("beyond");
 	const struct tsai_camera truth = known_camera(eye, middle, 0, TSAI_DISTORTS);
 	const struct camera_task task = known_camera_task(&truth);
 	struct observations seen = board_seen(&truth, 0.05, &chance);
 
-	(void)state;
 	/* an equidistant fisheye of half the focal length is no Tsai camera */
 	for (int i = 0; i < seen.count; i++) {
 		double *px = seen.point[i].px;
@@ -520,14 +495,13 @@ static void lens_beyond_its_model(void **state)
 
 /* ---- the object ---- */
 
-static void object_beyond_the_points(void **state)
+TEST("object beyond the points")
 {
 	struct chance chance = chance_begin("object");
 	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
 	struct camera_task task = known_camera_task(&truth);
 	struct observations seen = {0};
 
-	(void)state;
 	task.object_given = true;
 	/* on the board, then far beside it, then behind the camera */
 	known_camera_see_board(&seen, &truth, 9, 6, 0.02, &chance);
@@ -542,7 +516,7 @@ static void object_beyond_the_points(void **state)
 	test_verdict_expect(&seen, &task, "no image of the object's place");
 }
 
-static void object_too_uncertain(void **state)
+TEST("object too uncertain")
 {
 	struct chance chance = chance_begin("uncertain");
 	const struct tsai_camera truth = known_camera(eye, middle, -0.05, TSAI_DISTORTS);
@@ -551,7 +525,6 @@ static void object_too_uncertain(void **state)
 	struct observations seen = {0};
 	char sentence[600];
 
-	(void)state;
 	task.centre_deviation_px = 0;
 	task.tolerance_px = 0.01;
 	known_camera_see_board(&seen, &truth, 9, 6, 0.5, &chance);
@@ -570,46 +543,14 @@ static void object_too_uncertain(void **state)
 
 /* With a known lens, a board parallel to the picture is as good as any; only its tilt is less
  * certain. */
-static void parallel_is_no_matter_for_a_known_lens(void **state)
+TEST("parallel is no matter for a known lens")
 {
 	struct chance chance = chance_begin("known");
 	const struct tsai_camera truth = known_camera(above, (double[]){0, 0, 0}, 0, TSAI_DISTORTS);
 	struct camera_task task = camera_task_default();
 	struct observations seen = {0};
 
-	(void)state;
 	task.intrinsics = &truth;
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	test_verdict_expect(&seen, &task, "");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(fewest_points),
-		cmocka_unit_test(no_points),
-		cmocka_unit_test(no_such_reference),
-		cmocka_unit_test(board_parallel_to_the_picture),
-		cmocka_unit_test(nearly_orthographic),
-		cmocka_unit_test(points_on_a_line),
-		cmocka_unit_test(points_in_a_corner),
-		cmocka_unit_test(aspect_does_not_show_in_a_plane),
-		cmocka_unit_test(outliers),
-		cmocka_unit_test(points_in_another_order),
-		cmocka_unit_test(mirrored),
-		cmocka_unit_test(mirrored_with_noise),
-		cmocka_unit_test(mirrored_from_afar),
-		cmocka_unit_test(listed_twice),
-		cmocka_unit_test(view_of_outliers),
-		cmocka_unit_test(noise_is_no_mirror),
-		cmocka_unit_test(axis_does_not_show),
-		cmocka_unit_test(not_a_number),
-		cmocka_unit_test(folds_over),
-		cmocka_unit_test(lens_beyond_its_model),
-		cmocka_unit_test(object_beyond_the_points),
-		cmocka_unit_test(object_too_uncertain),
-		cmocka_unit_test(parallel_is_no_matter_for_a_known_lens),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Views whose errors go together, and views that do not agree on where the axis is. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <string.h>
 
@@ -15,6 +9,7 @@
 #include "tests/support/calibrate/known_camera.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define VIEWS 10
@@ -84,12 +79,11 @@ static void excess_add(struct excess *excess, const struct estimate *estimate, i
  * points are independent or boards are bent; and such sets are doubted as rarely as the level of one in a
  * thousand says: more than two of 200 would be chance once in 900.
  */
-static void declared_is_the_spread(void **state)
+TEST("declared is the spread")
 {
 	const int sets = thorough() ? 200 : 8;
 	struct chance chance = chance_begin("camera views");
 
-	(void)state;
 	for (int bent = 0; bent < 2; bent++) {
 		struct excess excess[MODEL_SHARED] = {{0}};
 		int doubted = 0;
@@ -138,12 +132,11 @@ static void declared_is_the_spread(void **state)
 }
 
 /* A stabiliser, or a second camera: half of the pictures have another axis. */
-static void moved_axis_is_doubted(void **state)
+TEST("moved axis is doubted")
 {
 	const int sets = thorough() ? 40 : 4;
 	struct chance chance = chance_begin("camera moved axis");
 
-	(void)state;
 	for (int set = 0; set < sets; set++) {
 		struct tsai_camera truth;
 		struct observations seen;
@@ -158,14 +151,4 @@ static void moved_axis_is_doubted(void **state)
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(declared_is_the_spread),
-		cmocka_unit_test(moved_axis_is_doubted),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,12 +2,6 @@
 /* Lenses to and from the files of OpenCV and ROS: exact where possible, otherwise with the error
  * that is reported; whole files and damaged ones. test_convert_opencv checks what OpenCV makes of
  * them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -18,6 +12,7 @@
 #include "bake/calibrate/convert/convert.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define TOLERANCE_PX 0.1
@@ -83,11 +78,10 @@ static struct lens again(const struct lens *lens, bool ros, double error_px)
 	return read;
 }
 
-static void test_distorts(void **state)
+TEST("distorts")
 {
 	static const double kappa1[] = {0, -0.004, 0.002};
 
-	(void)state;
 	for (int k = 0; k < 12; k++) {
 		struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_DISTORTS);
 		struct tsai_camera back;
@@ -110,11 +104,10 @@ static void test_distorts(void **state)
 	}
 }
 
-static void test_undistorts(void **state)
+TEST("undistorts")
 {
 	static const double kappa1[] = {0.004, -0.002, 0.012};
 
-	(void)state;
 	for (int k = 0; k < 6; k += thorough() ? 1 : 5) {
 		struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_UNDISTORTS);
 		struct tsai_camera back;
@@ -147,7 +140,7 @@ static void test_undistorts(void **state)
 }
 
 /* Terms that Tsai's camera lacks: the error is that of the resulting camera. */
-static void test_terms(void **state)
+TEST("terms")
 {
 	static const struct {
 		double term[LENS_TERMS];
@@ -161,7 +154,6 @@ static void test_terms(void **state)
 		{{-0.1, 0.02, 0.001, -0.0006, 0, 0.1, 0, 0}, 1e-6, 0.1},
 	};
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct lens lens = {.width = 640,
 				    .height = 480,
@@ -182,7 +174,7 @@ static void test_terms(void **state)
 }
 
 /* Terms that fold over inside of the picture are no lens: two points would be seen at one place. */
-static void test_folds(void **state)
+TEST("folds")
 {
 	struct lens lens = {.width = 640,
 			    .height = 480,
@@ -193,16 +185,14 @@ static void test_folds(void **state)
 	struct fault fault = {.text = ""};
 	double error_px, turn_deg;
 
-	(void)state;
 	assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "fold the picture over"));
 }
 
 /* ---- fisheyes ---- */
 
-static void test_fisheyes(void **state)
+TEST("fisheyes")
 {
-	(void)state;
 	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
 		const struct fisheye_settings settings = {
 			.focal_px = {230, 228},
@@ -243,7 +233,7 @@ static void test_fisheyes(void **state)
 	}
 }
 
-static void test_fields(void **state)
+TEST("fields")
 {
 	struct lens lens = {.fisheye = true,
 			    .width = 640,
@@ -254,7 +244,6 @@ static void test_fields(void **state)
 	struct tsai_camera camera;
 	double error_px, turn_deg;
 
-	(void)state;
 	/* the corner of the picture is at 400 / 600 rad */
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
 	assert_true(fabs(settings.field_deg - 400 / 600.0 * 180 / M_PI) < 1e-9);
@@ -283,7 +272,7 @@ static void test_fields(void **state)
 	"]\n"
 #define SIZE "image_width: 640\nimage_height: 480\n"
 
-static void test_files(void **state)
+TEST("files")
 {
 	/* as the calibration programs of OpenCV and of ROS write it */
 	static const char opencv[] = OPENCV_HEAD
@@ -306,7 +295,6 @@ static void test_files(void **state)
 	struct lens a = {.width = 0}, b = {.width = 0};
 	struct fault fault = {.text = ""};
 
-	(void)state;
 	write_file("opencv.yml", opencv);
 	write_file("ros.yaml", ros);
 	if (lens_read_foreign(&a, own_folder_path("opencv.yml"), NULL, &fault) ||
@@ -355,7 +343,7 @@ static void assert_reads(const char *text, const char *camera, const struct lens
 	assert_int_equal(remove(own_folder_path("their.yaml")), 0);
 }
 
-static void test_dialects(void **state)
+TEST("dialects")
 {
 	static const char ros_2[] =
 		"header:\n  stamp:\n    sec: 3\n    nanosec: 0\n  frame_id: eye\nheight: 480\n"
@@ -428,7 +416,6 @@ static void test_dialects(void **state)
 				     .centre_px = {320.5, 240.5},
 				     .term = {0.003, -0.001}};
 
-	(void)state;
 	assert_reads(ROS_1 ROS_1_END "---\n" ROS_1, NULL, &pinhole);
 	assert_reads(ros_2, NULL, &pinhole);
 	assert_reads(xml, NULL, &pinhole);
@@ -452,7 +439,7 @@ static void test_dialects(void **state)
 
 /* An omni camera with xi = 1 is a stereographic lens of half its focal length, and tangential terms
  * are a shift of the centre as far as a fit can say. */
-static void test_omni(void **state)
+TEST("omni")
 {
 	const struct fisheye_curve curve = {.model = FISHEYE_STEREOGRAPHIC};
 	struct lens lens = {.omni = true,
@@ -465,7 +452,6 @@ static void test_omni(void **state)
 	double error_px;
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(lens_of_omni(&lens, 0.1, &error_px, &fault), 0);
 	assert_true(error_px < 0.01 && lens.fisheye && !lens.omni);
 	memcpy(found.k, lens.term, sizeof(found.k));
@@ -487,7 +473,7 @@ static void test_omni(void **state)
 	assert_non_null(strstr(fault.text, "--tolerance"));
 }
 
-static void test_damaged(void **state)
+TEST("damaged")
 {
 	static const struct {
 		const char *text, *fault; /* fault: the message behind the file's name */
@@ -582,7 +568,6 @@ static void test_damaged(void **state)
 	};
 	struct fault fault;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		char expected[PATH_MAX + FAULT_TEXT_MAX];
 		struct lens lens = {.width = 0};
@@ -602,11 +587,10 @@ static void test_damaged(void **state)
 
 /* A file that is cut anywhere is refused or, when only the end behind its last number is missing,
  * read. */
-static void test_truncated(void **state)
+TEST("truncated")
 {
 	static const char whole[] = OPENCV_HEAD SIZE OPENCV_CAMERA OPENCV_DISTORTION;
 
-	(void)state;
 	for (size_t bytes = 0; bytes < sizeof(whole) - 3; bytes++) {
 		struct lens lens = {.width = 0};
 		char part[sizeof(whole)];
@@ -620,7 +604,7 @@ static void test_truncated(void **state)
 	assert_int_equal(remove(own_folder_path("cut.yml")), 0);
 }
 
-static void test_ini(void **state)
+TEST("ini")
 {
 	struct lens_ini ini = {.camera_given = true,
 			       .camera = some_camera(-0.004, TSAI_UNDISTORTS)};
@@ -628,7 +612,6 @@ static void test_ini(void **state)
 	struct fault fault = {.text = ""};
 	FILE *file = fopen(own_folder_path("camera.ini"), "w");
 
-	(void)state;
 	assert_non_null(file);
 	lens_write_ini(file, &ini, "a test", 0.01, 0.2);
 	assert_int_equal(fclose(file), 0);
@@ -642,16 +625,4 @@ static void test_ini(void **state)
 	assert_int_equal(remove(own_folder_path("camera.ini")), 0);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_distorts),  cmocka_unit_test(test_undistorts),
-		cmocka_unit_test(test_terms),	  cmocka_unit_test(test_folds),
-		cmocka_unit_test(test_fisheyes),  cmocka_unit_test(test_fields),
-		cmocka_unit_test(test_files),	  cmocka_unit_test(test_dialects),
-		cmocka_unit_test(test_omni),	  cmocka_unit_test(test_damaged),
-		cmocka_unit_test(test_truncated), cmocka_unit_test(test_ini),
-	};
-
-	return cmocka_run_group_tests_name("convert", tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

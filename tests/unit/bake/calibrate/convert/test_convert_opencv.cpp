@@ -14,10 +14,10 @@
 #include <opencv2/core.hpp>
 
 extern "C" {
-#include <cmocka.h>
 
 #include "bake/calibrate/convert/convert.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 }
 
 namespace
@@ -81,7 +81,7 @@ void write_ours(const lens &ours)
 	assert_int_equal(std::fclose(file), 0);
 }
 
-void test_camera_read(void **)
+TEST("camera read")
 {
 	const tsai_camera camera = some_camera();
 	const std::vector<cv::Point3d> world = points();
@@ -105,7 +105,7 @@ void test_camera_read(void **)
 	assert_int_equal(std::remove(own_folder_path("ours.yml")), 0);
 }
 
-void test_fisheye_read(void **)
+TEST("fisheye read")
 {
 	const std::vector<cv::Point3d> world = points();
 	std::vector<cv::Point2d> seen;
@@ -164,7 +164,7 @@ void write_theirs(const char *path, const cv::Mat &matrix, const cv::Mat &distor
 	     << "]";
 }
 
-void test_written_by_opencv(void **)
+TEST("written by opencv")
 {
 	for (int terms : {4, 5, 8, 14})
 		for (int type : {CV_64F, CV_32F})
@@ -197,14 +197,4 @@ void test_written_by_opencv(void **)
 
 } // namespace
 
-int main()
-{
-	const CMUnitTest tests[] = {
-		cmocka_unit_test(test_camera_read),
-		cmocka_unit_test(test_fisheye_read),
-		cmocka_unit_test(test_written_by_opencv),
-	};
-
-	return cmocka_run_group_tests_name("convert, with OpenCV", tests, own_folder_make,
-					   own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

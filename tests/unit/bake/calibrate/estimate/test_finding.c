@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Estimates, verdicts and findings, which all calibrations hand to their reports. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -14,6 +8,7 @@
 #include <unistd.h>
 
 #include "bake/calibrate/estimate/finding.h"
+#include "tests/support/test.h"
 
 /* f and Tz with correlation 0.9; a held parameter; one that cannot be told. */
 static struct estimate some_estimate(void)
@@ -32,13 +27,12 @@ static struct estimate some_estimate(void)
 	return e;
 }
 
-static void test_estimate(void **state)
+TEST("estimate")
 {
 	static const double difference[4] = {1, -1, 0, 0}, held[4] = {0, 0, 5, 0},
 			    unknown[4] = {1, 0, 0, 1};
 	struct estimate e = some_estimate();
 
-	(void)state;
 	assert_int_equal(estimate_find(&e, "aspect"), 2);
 	assert_int_equal(estimate_find(&e, "focal length"), -1);
 	assert_true(estimate_deviation(&e, 0) == 2 && estimate_deviation(&e, 1) == 3);
@@ -61,13 +55,12 @@ static void test_estimate(void **state)
 	estimate_free(&e);
 }
 
-static void test_verdict(void **state)
+TEST("verdict")
 {
 	struct verdict v;
 	char text[600], little[10];
 	char endless[1000];
 
-	(void)state;
 	verdict_begin(&v);
 	verdict_sentence(&v, text, sizeof(text));
 	assert_true(v.trusted);
@@ -87,7 +80,7 @@ static void test_verdict(void **state)
 	assert_int_equal(strlen(v.remedy), sizeof(v.remedy) - 1);
 }
 
-static void test_finding(void **state)
+TEST("finding")
 {
 	const double world[3] = {1, 2, 3}, px[2] = {4, 5};
 	struct observations seen = {.width = 64, .height = 48};
@@ -95,7 +88,6 @@ static void test_finding(void **state)
 	int status;
 	pid_t child;
 
-	(void)state;
 	assert_int_equal(finding_create(&f, "camera", &seen), 0); /* without points */
 	finding_free(&f);
 	assert_int_equal(observations_begin_view(&seen, "here"), 0);
@@ -121,15 +113,4 @@ static void test_finding(void **state)
 	finding_free(&f);
 	finding_free(&f);
 	observations_free(&seen);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_estimate),
-		cmocka_unit_test(test_verdict),
-		cmocka_unit_test(test_finding),
-	};
-
-	return cmocka_run_group_tests_name("finding", tests, NULL, NULL);
 }

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Least squares: problems with known solution and known uncertainty. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <string.h>
@@ -13,6 +7,7 @@
 #include "bake/calibrate/estimate/least_squares.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 #define POINTS_MAX 400
 
@@ -82,11 +77,10 @@ static void observe(struct decay *d, int count, double noise, struct chance *cha
 		d->seen[i] += noise > 0 ? noise * gauss(chance) : 0;
 }
 
-static void without_noise(void **state)
+TEST("without noise")
 {
 	struct chance chance = chance_begin("least squares");
 
-	(void)state;
 	for (int way = 0; way < 4; way++) {
 		struct least_squares_fit fit;
 		struct decay d;
@@ -112,7 +106,7 @@ static void without_noise(void **state)
 }
 
 /* Far from 0 and in tiny units the result must be the same. */
-static void whatever_the_units(void **state)
+TEST("whatever the units")
 {
 	static const double small[] = {1e-9, 1, 1e-9};
 	struct chance chance = chance_begin("least squares");
@@ -121,7 +115,6 @@ static void whatever_the_units(void **state)
 	struct decay d;
 	double x[3] = {1e-9, -0.5, 0};
 
-	(void)state;
 	observe(&d, 50, 0, &chance);
 	for (int i = 0; i < d.count; i++)
 		d.seen[i] *= 1e-9;
@@ -133,7 +126,7 @@ static void whatever_the_units(void **state)
 }
 
 /* A straight line, whose covariance has a closed form. */
-static void covariance_of_a_line(void **state)
+TEST("covariance of a line")
 {
 	static const bool fixed[] = {false, true, false};
 	struct chance chance = chance_begin("least squares");
@@ -142,7 +135,6 @@ static void covariance_of_a_line(void **state)
 	struct decay d;
 	double x[3] = {1, -2, 0}, s = 0, se = 0, see = 0;
 
-	(void)state;
 	observe(&d, 40, 0.1, &chance);
 	problem = decay_problem(&d);
 	problem.fixed = fixed; /* b is held: a and c are linear */
@@ -168,12 +160,11 @@ static void covariance_of_a_line(void **state)
 }
 
 /* The right shares of 1,000 runs lie within one and two deviations. */
-static void deviations_are_honest(void **state)
+TEST("deviations are honest")
 {
 	struct chance chance = chance_begin("least squares");
 	const int runs = 1000;
 
-	(void)state;
 	for (int robust = 0; robust < 2; robust++) {
 		int one = 0, two = 0;
 
@@ -200,7 +191,7 @@ static void deviations_are_honest(void **state)
 	}
 }
 
-static void names_outliers(void **state)
+TEST("names outliers")
 {
 	struct chance chance = chance_begin("least squares");
 	struct least_squares problem;
@@ -208,7 +199,6 @@ static void names_outliers(void **state)
 	struct decay d;
 	double x[3] = {1, -0.5, 0};
 
-	(void)state;
 	observe(&d, 100, 0.01, &chance);
 	for (int i = 0; i < 100; i += 7)
 		d.seen[i] += i & 1 ? 2 : 5;
@@ -223,7 +213,7 @@ static void names_outliers(void **state)
 	least_squares_free(&fit);
 }
 
-static void steps_back_from_where_nothing_is(void **state)
+TEST("steps back from where nothing is")
 {
 	struct chance chance = chance_begin("least squares");
 	struct least_squares problem;
@@ -231,7 +221,6 @@ static void steps_back_from_where_nothing_is(void **state)
 	struct decay d;
 	double x[3] = {1, -1e-9, 0};
 
-	(void)state;
 	observe(&d, 50, 0, &chance);
 	d.given_b_negative = true;
 	problem = decay_problem(&d);
@@ -247,7 +236,7 @@ static void steps_back_from_where_nothing_is(void **state)
 	least_squares_free(&fit);
 }
 
-static void says_what_cannot_be_told_apart(void **state)
+TEST("says what cannot be told apart")
 {
 	static const char *const names[] = {"height", "rate", "ground"};
 	struct chance chance = chance_begin("least squares");
@@ -258,7 +247,6 @@ static void says_what_cannot_be_told_apart(void **state)
 	double x[3] = {3, 0, 0.5};
 	static const bool fixed[] = {false, true, false};
 
-	(void)state;
 	observe(&d, 50, 0.1, &chance);
 	problem = decay_problem(&d);
 	problem.name = names;
@@ -280,7 +268,7 @@ static void says_what_cannot_be_told_apart(void **state)
 	least_squares_free(&fit);
 }
 
-static void refuses(void **state)
+TEST("refuses")
 {
 	struct chance chance = chance_begin("least squares");
 	struct least_squares problem;
@@ -288,7 +276,6 @@ static void refuses(void **state)
 	struct decay d;
 	double x[3] = {1, -1, 0};
 
-	(void)state;
 	observe(&d, 2, 0, &chance);
 	problem = decay_problem(&d);
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), -EINVAL);
@@ -305,30 +292,12 @@ static void refuses(void **state)
 }
 
 /* Quantiles of the F distribution, from tables. */
-static void chance_of_squares(void **state)
+TEST("chance of squares")
 {
-	(void)state;
 	assert_true(fabs(by_view_chance(4 * 3.47805, 4, 10, 10) - 0.05) < 1e-5);
 	assert_true(fabs(by_view_chance(10 * 2.34788, 10, 20, 20) - 0.05) < 1e-5);
 	assert_true(fabs(by_view_chance(24 * 2.11536, 24, 60, 60) - 0.01) < 1e-5);
 	assert_true(by_view_chance(0, 4, 1, 10) == 1);
 	/* powers that no double holds */
 	assert_true(fabs(by_view_chance(2000, 2000, 20000, 20000) - 0.5) < 0.02);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(chance_of_squares),
-		cmocka_unit_test(without_noise),
-		cmocka_unit_test(whatever_the_units),
-		cmocka_unit_test(covariance_of_a_line),
-		cmocka_unit_test(deviations_are_honest),
-		cmocka_unit_test(names_outliers),
-		cmocka_unit_test(steps_back_from_where_nothing_is),
-		cmocka_unit_test(says_what_cannot_be_told_apart),
-		cmocka_unit_test(refuses),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

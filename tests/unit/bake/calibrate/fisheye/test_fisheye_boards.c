@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Photographs of a board through a fisheye: found, solved, and right where corners were seen. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -16,6 +10,7 @@
 #include "tests/support/calibrate/fisheye_photographs.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 /* Largest angle from the axis at which a corner was seen, rad. */
 static double seen_to(const struct observations *seen, const struct fisheye *lens)
@@ -98,24 +93,12 @@ static void photographs(enum fisheye_model model, double focal_px)
 	observations_free(&seen);
 }
 
-static void equidistant(void **state)
+TEST("equidistant")
 {
-	(void)state;
 	photographs(FISHEYE_EQUIDISTANT, 220);
 }
 
-static void stereographic(void **state)
+TEST("stereographic")
 {
-	(void)state;
 	photographs(FISHEYE_STEREOGRAPHIC, 175);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(equidistant),
-		cmocka_unit_test(stereographic),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The image circle of a fisheye in one picture: right to a part of a pixel, and doubted where the
  * circle cannot be seen. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -20,6 +14,7 @@
 #include "hal/optics/panorama.h"
 #include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 /* A scene through a lens, as an 8-bit camera takes it. */
@@ -181,9 +176,8 @@ static void circle_check(const char *name, const struct circle_scene *scene, con
 static const struct fisheye_settings whole = {
 	.focal_px = {140, 134}, .centre_px = {322.3, 238.6}, .field_deg = 90};
 
-static void every_model(void **state)
+TEST("every model")
 {
-	(void)state;
 	for (int model = 0; model < FISHEYE_POLYNOMIAL;
 	     model += thorough() ? 1 : FISHEYE_STEREOGRAPHIC) {
 		struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
@@ -197,11 +191,10 @@ static void every_model(void **state)
 	}
 }
 
-static void hard_pictures(void **state)
+TEST("hard pictures")
 {
 	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1};
 
-	(void)state;
 	scene.lamp = true;
 	circle_check("lamp at the rim", &scene, "", 0.2);
 	scene.lamp = false;
@@ -234,18 +227,17 @@ static void hard_pictures(void **state)
 	circle_check("squashed", &scene, "", 0.2);
 }
 
-static void no_circle(void **state)
+TEST("no circle")
 {
 	struct circle_scene scene = {.lens = whole, .exposure = 1, .noise = 1, .open = true};
 
-	(void)state;
 	circle_check("no circle", &scene, "no image circle was found", 0);
 	scene = (struct circle_scene){.lens = whole, .exposure = 0, .noise = 2};
 	circle_check("lens cap", &scene, "no image circle was found", 0);
 }
 
 /* Real rooms: walls, windows and furniture at the rim. */
-static void studio_and_panoramas(void **state)
+TEST("studio and panoramas")
 {
 	static const char *const names[] = {"studio_small_03_1k", "venice_sunset_1k",
 					    "st_fagans_interior_1k"};
@@ -254,7 +246,6 @@ static void studio_and_panoramas(void **state)
 	const char *folder = getenv("INLAY_SHARED_DATA");
 	struct circle_scene scene = {.lens = whole, .exposure = 0.8, .noise = 1, .studio = true};
 
-	(void)state;
 	circle_check("studio", &scene, "", 0.2);
 	scene.studio = false;
 	for (int k = 0; k < (thorough() ? 3 : 1); k++) {
@@ -273,16 +264,4 @@ static void studio_and_panoramas(void **state)
 		circle_check(names[k], &scene, "", 0.2);
 		image_free(&image);
 	}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_model),
-		cmocka_unit_test(hard_pictures),
-		cmocka_unit_test(no_circle),
-		cmocka_unit_test(studio_and_panoramas),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

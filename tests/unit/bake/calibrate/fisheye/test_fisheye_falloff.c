@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Vignetting (falloff of light towards the rim) from a picture of something uniform. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -17,6 +11,7 @@
 #include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 
 static const double truth[FISHEYE_FALLOFF_TERMS] = {-0.22, 0.05, -0.012};
 
@@ -79,27 +74,15 @@ static void fisheye_falloff_check(double level, double slope, bool thing, const 
 	}
 }
 
-static void uniform_views(void **state)
+TEST("uniform views")
 {
-	(void)state;
 	fisheye_falloff_check(0.6, 0, false, "");
 	fisheye_falloff_check(0.6, 0, true, ""); /* something dark in a corner */
 }
 
-static void doubted(void **state)
+TEST("doubted")
 {
-	(void)state;
 	fisheye_falloff_check(0.5, 0.4, false, "not equally bright");
 	fisheye_falloff_check(3, 0, false, "over-exposed");
 	fisheye_falloff_check(0, 0, false, "no uniform view");
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(uniform_views),
-		cmocka_unit_test(doubted),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

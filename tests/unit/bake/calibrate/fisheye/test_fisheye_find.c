@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Fisheye lenses from boards and from lamps: right without noise, with honest uncertainty under
  * noise, and doubted where they should be. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -18,6 +12,7 @@
 #include "tests/support/calibrate/fisheye_views.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static struct fisheye_wanted wanted_of(bool directions, int model)
@@ -61,11 +56,10 @@ static int truths(const struct fisheye_settings *s, bool lamps, double number[11
 	return lamps ? 11 : 8;
 }
 
-static void right_without_noise(void **state)
+TEST("right without noise")
 {
 	struct chance chance = chance_begin("fisheye_find");
 
-	(void)state;
 	for (int k = 0; k < 4 * FISHEYE_MODEL_COUNT; k++) {
 		const bool lamps = k & 1;
 		const int model = k / 4;
@@ -126,7 +120,7 @@ static int runs_of(int usual)
 	return text ? (int)strtol(text, NULL, 10) : thorough() ? usual : usual / 3;
 }
 
-static void honest_with_noise(void **state)
+TEST("honest with noise")
 {
 	enum { LAMP_RUNS = 178, BOARD_RUNS = 15, ORTHOGRAPHIC_RUNS = 50 };
 	const double sigma = 0.3;
@@ -135,7 +129,6 @@ static void honest_with_noise(void **state)
 	struct coverage total = {.runs = 0};
 	int runs = 0;
 
-	(void)state;
 	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
 		const bool lamps = k & 1;
 		const int model = k / 2;
@@ -204,7 +197,7 @@ static void test_find_expect(struct observations *seen, const struct fisheye_wan
 	observations_free(seen);
 }
 
-static void doubted(void **state)
+TEST("doubted")
 {
 	struct chance chance = chance_begin("fisheye_find");
 	const struct fisheye lens = lens_of(&fisheye_views_lenses[FISHEYE_EQUIDISTANT]);
@@ -215,7 +208,6 @@ static void doubted(void **state)
 	struct observations seen;
 	struct fault fault = {""};
 
-	(void)state;
 	fisheye_views_begin(&seen);
 	fisheye_see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
 	test_find_expect(&seen, &lamps, "there are 4 points, fewer than");
@@ -298,13 +290,12 @@ static bool axis_doubted(double moved_px, double bend, struct chance *chance)
 }
 
 /* A lens that is moved between photographs is doubted, and bent boards are not. */
-static void moved_axis_is_doubted(void **state)
+TEST("moved axis is doubted")
 {
 	const int sets = thorough() ? 60 : 3;
 	struct chance chance = chance_begin("fisheye_find");
 	int doubted[3] = {0};
 
-	(void)state;
 	for (int set = 0; set < sets; set++) {
 		doubted[0] += axis_doubted(0, 0, &chance);
 		doubted[1] += axis_doubted(0, 0.02, &chance);
@@ -314,16 +305,4 @@ static void moved_axis_is_doubted(void **state)
 		      doubted[2]);
 	/* One in a thousand sets is doubted by chance, and one more is not impossible. */
 	assert_true(doubted[0] <= 1 && doubted[1] <= 1 && doubted[2] == sets);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(right_without_noise),
-		cmocka_unit_test(honest_with_noise),
-		cmocka_unit_test(doubted),
-		cmocka_unit_test(moved_axis_is_doubted),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

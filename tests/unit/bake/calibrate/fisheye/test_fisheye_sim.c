@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The image circle as the simulated camera draws it, with noise, in 8 bits. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 #include <poll.h>
 #include <stdio.h>
@@ -16,6 +10,7 @@
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
 #include "drivers/drivers.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 static void *place(void *root, const char *instance)
@@ -125,14 +120,13 @@ static void test_sim_check(const char *name, const char *source, const char *exp
 	image_free(&image);
 }
 
-static void studio(void **state)
+TEST("studio")
 {
-	(void)state;
 	test_sim_check("studio", NULL, "exposure=0.8");
 	test_sim_check("studio", NULL, "exposure=0.2");
 }
 
-static void panoramas(void **state)
+TEST("panoramas")
 {
 	static const char *const names[] = {"studio_small_03_1k", "venice_sunset_1k",
 					    "st_fagans_interior_1k"};
@@ -141,7 +135,6 @@ static void panoramas(void **state)
 						   {"exposure=0.6", "exposure=0.2"}};
 	const char *folder = getenv("INLAY_SHARED_DATA");
 
-	(void)state;
 	for (int k = 0; k < (thorough() ? 3 : 1); k++)
 		for (int e = 0; e < 2; e++) {
 			char option[520];
@@ -153,14 +146,4 @@ static void panoramas(void **state)
 			else
 				test_sim_check(names[k], option, exposures[k][e]);
 		}
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(studio),
-		cmocka_unit_test(panoramas),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Boards: drawn through known cameras and found again; photographs from Debian. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +13,7 @@
 #include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define PHOTOGRAPHS "/usr/share/doc/opencv-doc/examples/data/"
@@ -34,7 +30,7 @@ static struct board parsed(const char *text)
 
 /* ---- words and points ---- */
 
-static void test_parse(void **state)
+TEST("parse")
 {
 	static const char *const right[][2] = {
 		{"9x6:25mm", "chess:9x6:25mm"},
@@ -78,7 +74,6 @@ static void test_parse(void **state)
 	char name[BOARD_NAME_MAX];
 	struct fault fault;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(right) / sizeof(right[0]); i++) {
 		struct board board = parsed(right[i][0]);
 
@@ -106,11 +101,10 @@ static void assert_place(const char *spec, int k, double x, double y)
 }
 
 /* On the ground, face up: rows along X, columns against Y. */
-static void test_points(void **state)
+TEST("points")
 {
 	struct board board;
 
-	(void)state;
 	assert_place("9x6:25mm", 0, 0, 0);
 	assert_place("9x6:25mm", 8, 0.2, 0);
 	assert_place("9x6:25mm", 53, 0.2, -0.125);
@@ -205,9 +199,8 @@ static void find_drawn(const struct trial *trial)
 	image_free(&picture);
 }
 
-static void test_drawn_chess(void **state)
+TEST("drawn chess")
 {
-	(void)state;
 	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 180)
 		find_drawn(
 			&(struct trial){"9x6:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
@@ -219,9 +212,8 @@ static void test_drawn_chess(void **state)
 }
 
 /* Boards that look the same upside down, seen upright and turned to either side. */
-static void test_drawn_ambiguous(void **state)
+TEST("drawn ambiguous")
 {
-	(void)state;
 	for (int turn = 200; turn <= 340; turn += thorough() ? 70 : 140) {
 		find_drawn(
 			&(struct trial){"9x7:25mm", 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
@@ -232,11 +224,10 @@ static void test_drawn_ambiguous(void **state)
 	find_drawn(&(struct trial){"6x6:25mm", 640, 480, 0, 0, 0, 30, 250, 5, 0.05, 0.2, 0});
 }
 
-static void test_drawn_charuco(void **state)
+TEST("drawn charuco")
 {
 	static const char board[] = "charuco:8x6:30mm:22mm";
 
-	(void)state;
 	for (int turn = -180; turn < 180; turn += thorough() ? 60 : 180)
 		find_drawn(&(struct trial){board, 640, 480, 0, 0, 0, 30, turn, 5, 0.05, 0.2, 0});
 	find_drawn(&(struct trial){board, 640, 480, 1, 2, -0.3, 30, 250, 4.5, 0.05, 0.2, 0});
@@ -281,13 +272,12 @@ static void find_markers(const char *size, const char *words, const char *found)
 
 /* The dictionary and the layout of the squares are found, whatever they are; with an odd number of
  * rows both layouts are the same. */
-static void test_any_markers(void **state)
+TEST("any markers")
 {
 	static const char *const words[] = {
 		"",	   ":4x4",	  ":6x6",	 ":7x7",	":original",
 		":legacy", ":4x4:legacy", ":6x6:legacy", ":7x7:legacy", ":original:legacy"};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(words) / sizeof(words[0]); i += thorough() ? 1 : 4)
 		find_markers("charuco:8x6:30mm:22mm", words[i], words[i]);
 	find_markers("charuco:8x7:30mm:22mm", ":legacy", "");
@@ -321,13 +311,12 @@ static void boards_draw(const struct trial *trial, struct image *picture)
 	assert_int_equal(drawn_board_draw(&drawn, picture), 0);
 }
 
-static void test_other_size(void **state)
+TEST("other size")
 {
 	static const char *const wanted[] = {"chess:8x5:25mm", "chess:10x7:25mm", "chess:9x5:25mm",
 					     "chess:8x6:25mm", "chess:10x6:25mm", "chess:5x4:25mm"};
 	struct image picture;
 
-	(void)state;
 	boards_draw(&(struct trial){"9x6:25mm", 640, 480, .blur_px = 0.7, .tilt_deg = 20,
 				    .turn_deg = 260, .away = 5},
 		    &picture);
@@ -338,7 +327,7 @@ static void test_other_size(void **state)
 }
 
 /* A board whose markers are named otherwise than they are says which ones they are. */
-static void test_other_markers(void **state)
+TEST("other markers")
 {
 	static const char *const cases[][3] = {
 		{"charuco:8x6:30mm:22mm:4x4", "charuco:8x6:30mm:22mm:6x6", "a board of 4x4"},
@@ -349,7 +338,6 @@ static void test_other_markers(void **state)
 		 "24 markers of 6x6 are to be seen, but not beside each other"},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct image picture;
 
@@ -359,11 +347,10 @@ static void test_other_markers(void **state)
 	}
 }
 
-static void test_no_board(void **state)
+TEST("no board")
 {
 	struct image picture;
 
-	(void)state;
 	assert_int_equal(image_create_u8(&picture, 640, 480), 0);
 	for (int level = 0; level < 256; level += 255) {
 		memset(picture.u8, level, (size_t)640 * 480 * 3);
@@ -393,14 +380,13 @@ static void test_no_board(void **state)
 }
 
 /* A picture of another size cannot be of the same camera. */
-static void test_other_picture(void **state)
+TEST("other picture")
 {
 	struct board board = parsed("9x6:25mm");
 	struct observations all = {.width = 640, .height = 480};
 	struct fault fault = {{0}};
 	struct image picture;
 
-	(void)state;
 	assert_int_equal(image_create_u8(&picture, 320, 240), 0);
 	assert_int_equal(board_find(&board, &picture, "b.png", &all, &fault), -ERANGE);
 	assert_string_equal(fault.text,
@@ -409,7 +395,7 @@ static void test_other_picture(void **state)
 }
 
 /* The size that most photographs have counts, though another one comes first; one that is cut off is left out. */
-static void test_misfits(void **state)
+TEST("misfits")
 {
 	static const struct {
 		const char *name;
@@ -424,7 +410,6 @@ static void test_misfits(void **state)
 	struct fault fault = {{0}};
 	char pattern[PATH_MAX], *patterns[] = {pattern};
 
-	(void)state;
 	for (int k = 0; k < 4; k++) {
 		const struct trial trial = {
 			"9x6:25mm",	photographs[k].width, photographs[k].height,
@@ -507,21 +492,19 @@ static void print_and_find(const char *spec, const char *page, double width_mm, 
 	unlink(png);
 }
 
-static void test_printed(void **state)
+TEST("printed")
 {
-	(void)state;
 	print_and_find("charuco:7x9:26mm:19mm", "a4", 210, 297);
 	print_and_find("6x9:24mm", "letter", 215.9, 279.4);
 	if (thorough())
 		print_and_find("charuco:8x6:40mm:30mm", "a3", 420, 297);
 }
 
-static void test_not_printed(void **state)
+TEST("not printed")
 {
 	struct board board = parsed("9x6:30mm");
 	struct fault fault;
 
-	(void)state;
 	assert_int_equal(board_print(&board, "a4", own_folder_path("b.pdf"), &fault), -E2BIG);
 	assert_string_equal(fault.text, "chess:9x6:30mm does not fit on a4: expected a step of at "
 					"most 25.7 mm");
@@ -533,7 +516,7 @@ static void test_not_printed(void **state)
 
 /* ---- photographs ---- */
 
-static void test_photographs(void **state)
+TEST("photographs")
 {
 	static const char *const sides[] = {"left", "right"};
 	struct board board = parsed("9x6:25mm");
@@ -542,7 +525,6 @@ static void test_photographs(void **state)
 	struct image picture;
 	const int cameras = thorough() ? 2 : 1;
 
-	(void)state;
 	if (access(PHOTOGRAPHS, R_OK)) {
 		print_message("# no " PHOTOGRAPHS " (Debian's opencv-doc)\n");
 		skip();
@@ -572,17 +554,4 @@ static void test_photographs(void **state)
 	image_free(&picture);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_parse),	      cmocka_unit_test(test_points),
-		cmocka_unit_test(test_drawn_chess),   cmocka_unit_test(test_drawn_ambiguous),
-		cmocka_unit_test(test_drawn_charuco), cmocka_unit_test(test_any_markers),
-		cmocka_unit_test(test_other_markers), cmocka_unit_test(test_other_size),
-		cmocka_unit_test(test_no_board),      cmocka_unit_test(test_other_picture),
-		cmocka_unit_test(test_misfits),	      cmocka_unit_test(test_printed),
-		cmocka_unit_test(test_not_printed),   cmocka_unit_test(test_photographs),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Live pictures for calibration: through a kiosk's configuration, from the simulated camera. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -15,6 +10,7 @@
 #include "hal/base/clock.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static void write_config(const char *text)
 {
@@ -68,13 +64,12 @@ static int next(struct live *live, struct image *picture, int64_t *captured_ns)
 }
 
 /* A rectangle of the picture, turned upright. */
-static void test_upright(void **state)
+TEST("upright")
 {
 	struct image picture = {0};
 	int64_t ns[2];
 	struct live *live;
 
-	(void)state;
 	write_picture();
 	write_config("[camera one]\ndriver=sim\nsim.source=files\nsim.file=p.png\n"
 		     "sim.clock=frames\nrate=10\n"
@@ -117,7 +112,7 @@ static void write_text(const char *name, const char *text)
 }
 
 /* The lens and the black level are those of the files that the configuration names. */
-static void test_lens(void **state)
+TEST("lens")
 {
 	struct fisheye_settings lens;
 	struct transfer_curve curve;
@@ -125,7 +120,6 @@ static void test_lens(void **state)
 	struct live *live;
 	char config[1024];
 
-	(void)state;
 	write_picture();
 	write_text("eye.ini", "[fisheye]\nfield = 80\n");
 	write_text("light.ini", "[light]\nblack_level = 12\n");
@@ -150,14 +144,13 @@ static void test_lens(void **state)
 }
 
 /* Linear light is shown with the curve of the view. */
-static void test_light(void **state)
+TEST("light")
 {
 	struct image light, picture = {0};
 	struct fault fault = {{0}};
 	struct live *live;
 	int64_t ns;
 
-	(void)state;
 	assert_int_equal(image_create_f32(&light, 2, 1), 0);
 	for (int i = 0; i < 3; i++) {
 		light.f32[i] = 0.5F;
@@ -178,14 +171,13 @@ static void test_light(void **state)
 }
 
 /* With a clock, a picture taken before a flush does not arrive after it. */
-static void test_flush(void **state)
+TEST("flush")
 {
 	const struct timespec wait = {0, 100 * NS_PER_MS};
 	struct image picture = {0};
 	struct live *live;
 	int64_t ns, now_ns;
 
-	(void)state;
 	write_config("[camera one]\ndriver=sim\nwidth=64\nheight=48\nrate=50\n"
 		     "[background]\ncamera=one\n");
 	live = opened(LIVE_BACKGROUND);
@@ -202,7 +194,7 @@ static void test_flush(void **state)
 	clean();
 }
 
-static void test_trouble(void **state)
+TEST("trouble")
 {
 	static const struct {
 		const char *text;
@@ -226,7 +218,6 @@ static void test_trouble(void **state)
 	struct live *live;
 	int64_t ns;
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		write_config(cases[i].text);
 		expect_equal(
@@ -259,13 +250,4 @@ static void test_trouble(void **state)
 	clean();
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_upright), cmocka_unit_test(test_lens),
-		cmocka_unit_test(test_light),	cmocka_unit_test(test_flush),
-		cmocka_unit_test(test_trouble),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -2,13 +2,8 @@
 /* Pictures of a board that is drawn in several places and shown by the simulated camera. */
 #include <errno.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +13,7 @@
 #include "tests/support/calibrate/drawn_board.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 #define HELD 6 /* pictures of each place, 10 a second: 0.5 s from the first to the last */
 #define PLACES 6
@@ -128,7 +124,7 @@ static void check_marks(const struct image *shown, const struct observations *al
 	}
 }
 
-static void test_collect(void **state)
+TEST("collect")
 {
 	struct observations all = {0};
 	struct fault fault = {{0}};
@@ -136,7 +132,6 @@ static void test_collect(void **state)
 	struct board board;
 	int count, drawn;
 
-	(void)state;
 	assert_int_equal(board_parse(&board, "9x6:25mm", &fault), 0);
 	drawn = draw_all(&board);
 	write_config("driver=file\ndevice=now.png\n");
@@ -182,7 +177,7 @@ static void test_collect(void **state)
 
 /* A board that turns about its middle is in a new place each time, but not when it turns back. Its
  * screen does not open, which does not stop the collection. */
-static void test_tilts(void **state)
+TEST("tilts")
 {
 	/* angle of the eye around the board's middle, in degrees; 0 is above */
 	static const double tilts[] = {0, 30, 2, -30, 28, 0};
@@ -193,7 +188,6 @@ static void test_tilts(void **state)
 	struct board board;
 	int count, drawn = 0;
 
-	(void)state;
 	assert_int_equal(board_parse(&board, "9x6:25mm", &fault), 0);
 	for (size_t k = 0; k < sizeof(tilts) / sizeof(tilts[0]); k++) {
 		const double angle = tilts[k] * M_PI / 180;
@@ -214,10 +208,4 @@ static void test_tilts(void **state)
 	unlink(config);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {cmocka_unit_test(test_collect),
-					   cmocka_unit_test(test_tilts)};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,19 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* What a calibration sees: views with their points, and files of points. */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
 #include <stdio.h>
 #include <unistd.h>
 
 #include "bake/calibrate/observe/observations.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static const struct points_convention ours = {.pixel_centre = 0.5};
 
@@ -38,11 +34,10 @@ static int read_points(struct observations *all, const char *text,
 }
 
 /* The points of a view follow each other, however many there are. */
-static void test_views(void **state)
+TEST("views")
 {
 	struct observations all = {0};
 
-	(void)state;
 	for (int v = 0; v < 100; v++) {
 		char name[16];
 
@@ -70,12 +65,11 @@ static void test_views(void **state)
 	assert_int_equal(all.count, 0);
 }
 
-static void test_long_names(void **state)
+TEST("long names")
 {
 	struct observations all = {0};
 	char name[600];
 
-	(void)state;
 	memset(name, 'n', sizeof(name) - 1);
 	name[sizeof(name) - 1] = 0;
 	assert_int_equal(observations_begin_view(&all, name), 0);
@@ -85,7 +79,7 @@ static void test_long_names(void **state)
 	observations_free(&all);
 }
 
-static void test_files(void **state)
+TEST("files")
 {
 	static const char text[] = "# board\n"
 				   "\n"
@@ -96,7 +90,6 @@ static void test_files(void **state)
 	struct observations all = {0};
 	struct fault fault = {{0}};
 
-	(void)state;
 	assert_int_equal(read_points(&all, text, &ours, &fault), 0);
 	assert_int_equal(all.views, 1);
 	assert_int_equal(all.count, 3);
@@ -114,7 +107,7 @@ static void test_files(void **state)
 
 /* The middle of the upper left pixel in a picture of 480 lines, in the conventions of different
  * programs. */
-static void test_conventions(void **state)
+TEST("conventions")
 {
 	static const struct {
 		struct points_convention convention;
@@ -126,7 +119,6 @@ static void test_conventions(void **state)
 		{{.height = 480, .y_up = 1, .pixel_centre = 0}, "0 0 0 0 479"},
 	};
 
-	(void)state;
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
 		struct observations all = {0};
 		struct fault fault = {{0}};
@@ -137,7 +129,7 @@ static void test_conventions(void **state)
 	}
 }
 
-static void test_wrong_files(void **state)
+TEST("wrong files")
 {
 	static const struct {
 		const char *text, *says;
@@ -158,7 +150,6 @@ static void test_wrong_files(void **state)
 	struct observations all = {0};
 	struct fault fault = {{0}};
 
-	(void)state;
 	assert_int_equal(read_points(&all, "1 2 3 4 5", &ours, &fault), 0);
 	/* a byte order mark, which some editors write */
 	assert_int_equal(read_points(&all,
@@ -185,13 +176,4 @@ static void test_wrong_files(void **state)
 	observations_free(&all);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_views),	    cmocka_unit_test(test_long_names),
-		cmocka_unit_test(test_files),	    cmocka_unit_test(test_conventions),
-		cmocka_unit_test(test_wrong_files),
-	};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

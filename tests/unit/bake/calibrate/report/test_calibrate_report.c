@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports of calibrations: few points, many views, unknown values, and what is refused. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -21,6 +15,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 /* ---- findings that are made up ---- */
 
@@ -275,12 +270,11 @@ static void take_away(const char *folder)
 
 /* ---- the tests ---- */
 
-static void test_five_points(void **state)
+TEST("five points")
 {
 	struct observations seen = {.count = 0};
 	struct finding f;
 
-	(void)state;
 	make_points(&seen, 1, 5, 1, 0, 0);
 	for (int k = 0; k < 5; k++) {
 		seen.point[k].px[0] = 100 + 40 * k;
@@ -304,14 +298,13 @@ static void test_five_points(void **state)
 	observations_free(&seen);
 }
 
-static void test_photographs(void **state)
+TEST("photographs")
 {
 	const struct image *pictures[3] = {NULL};
 	struct observations seen = {.count = 0};
 	struct image picture, image;
 	struct finding f;
 
-	(void)state;
 	assert_int_equal(image_create_u8(&picture, 640, 480), 0);
 	for (int k = 0; k < 3 * 640 * 480; k++)
 		picture.u8[k] = (uint8_t)((k / 60 + k / 38400) % 2 ? 40 : 220);
@@ -351,13 +344,12 @@ static void test_photographs(void **state)
 	observations_free(&seen);
 }
 
-static void test_axes(void **state)
+TEST("axes")
 {
 	struct observations seen = {.count = 0};
 	struct image image;
 	struct finding f;
 
-	(void)state;
 	make_points(&seen, 3, 9, 6, 640, 480);
 	make_finding(&f, &seen, 0.1);
 	f.project = plain_axes;
@@ -381,12 +373,11 @@ static void test_axes(void **state)
 	observations_free(&seen);
 }
 
-static void test_many_views(void **state)
+TEST("many views")
 {
 	struct observations seen = {.count = 0};
 	struct finding f;
 
-	(void)state;
 	make_points(&seen, 100, 10, 10, 1920, 1080);
 	make_finding(&f, &seen, 0.3);
 	for (int k = 7000; k < 7100; k++)
@@ -403,12 +394,11 @@ static void test_many_views(void **state)
 	observations_free(&seen);
 }
 
-static void test_fisheye(void **state)
+TEST("fisheye")
 {
 	struct observations seen = {.count = 0};
 	struct finding f;
 
-	(void)state;
 	make_points(&seen, 8, 7, 5, 720, 576);
 	make_finding(&f, &seen, 0);
 	f.what = "fisheye";
@@ -423,12 +413,11 @@ static void test_fisheye(void **state)
 }
 
 /* Nothing could be solved: the points are shown all the same. */
-static void test_without_model(void **state)
+TEST("without model")
 {
 	struct observations seen = {.count = 0};
 	struct finding f;
 
-	(void)state;
 	make_points(&seen, 2, 4, 3, 640, 480);
 	assert_int_equal(finding_create(&f, "camera", &seen), 0);
 	verdict_doubt(&f.verdict, "spread them", "all points lie on a line");
@@ -444,7 +433,7 @@ static void test_without_model(void **state)
 	observations_free(&seen);
 }
 
-static void test_refused(void **state)
+TEST("refused")
 {
 	const struct image *pictures[1];
 	struct observations seen = {.count = 0};
@@ -453,7 +442,6 @@ static void test_refused(void **state)
 	struct finding f;
 	FILE *file;
 
-	(void)state;
 	make_points(&seen, 1, 4, 3, 640, 480);
 	make_finding(&f, &seen, 0.1);
 	assert_int_equal(image_create_u8(&picture, 64, 48), 0);
@@ -475,16 +463,4 @@ static void test_refused(void **state)
 	observations_free(&seen);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_five_points), cmocka_unit_test(test_photographs),
-		cmocka_unit_test(test_axes),	    cmocka_unit_test(test_many_views),
-		cmocka_unit_test(test_fisheye),	    cmocka_unit_test(test_without_model),
-		cmocka_unit_test(test_refused),
-	};
-
-	printf("# seed %d\n", SEED);
-	return cmocka_run_group_tests_name("calibrate report", tests, own_folder_make,
-					   own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Brackets as people have them: merging, hdrgen's files, exposure times that pictures say. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include <errno.h>
@@ -20,6 +14,7 @@
 #include "bake/calibrate/bracket/light_rsp.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 #define WIDTH 64
 #define HEIGHT 16
@@ -42,14 +37,13 @@ static uint8_t code_of(double linear)
 
 /* Within rounding of the code values, also where one exposure is near white: weights that end at 255
  * lose 2 % there. */
-static void merges(void **state)
+TEST("merges")
 {
 	const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 	struct image picture[EXPOSURES];
 	double time[EXPOSURES];
 	struct light_merged merged;
 
-	(void)state;
 	for (int j = 0; j < EXPOSURES; j++) {
 		time[j] = 40 * pow(0.25, j);
 		assert_int_equal(image_create_u8(&picture[j], WIDTH, HEIGHT), 0);
@@ -78,7 +72,7 @@ static void rsp_text(const char *text)
 	assert_int_equal(fclose(file), 0);
 }
 
-static void reads_rsp(void **state)
+TEST("reads rsp")
 {
 	static const char *const wrong[] = {"", "3 1 2\n3 1 2\n3 1 2\n", "1 1 0\n1 1 0\n",
 					    "2 -1 0 1\n2 -1 0 1\n2 -1 0 1\n", "one\n"};
@@ -86,7 +80,6 @@ static void reads_rsp(void **state)
 	struct fault fault;
 	double apart;
 
-	(void)state;
 	/* as hdrgen writes it: the order, then the coefficients from the highest */
 	rsp_text("2 0.75 0.25 0\n2 0.75 0.25 0\n2 0.75 0.25 0\n");
 	assert_int_equal(light_rsp_read(own_folder_path("camera.rsp"), &curve, &apart, &fault), 0);
@@ -130,12 +123,11 @@ static void write_exif(unsigned over, unsigned under)
 	exif_data_unref(data);
 }
 
-static void reads_times(void **state)
+TEST("reads times")
 {
 	struct fault fault;
 	double exposure;
 
-	(void)state;
 	write_exif(1, 60);
 	assert_int_equal(light_exif_exposure(own_folder_path("a.jpg"), &exposure, &fault), 0);
 	assert_float_equal(exposure, 1 / 60.0, 1e-12);
@@ -147,10 +139,4 @@ static void reads_times(void **state)
 	assert_int_equal(light_exif_exposure(own_folder_path("a.jpg"), &exposure, &fault), -ENOENT);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {cmocka_unit_test(merges), cmocka_unit_test(reads_rsp),
-					   cmocka_unit_test(reads_times)};
-
-	return cmocka_run_group_tests(tests, own_folder_make, own_folder_remove);
-}
+TEST_GROUP(own_folder_make, own_folder_remove);

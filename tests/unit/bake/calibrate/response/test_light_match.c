@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Black level, patches, gain, colours, and the file that holds them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include <errno.h>
@@ -21,6 +15,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
+#include "tests/support/test.h"
 
 static void doubted(const struct verdict *verdict, const char *words)
 {
@@ -48,13 +43,12 @@ static struct image dark(double level, double noise, struct chance *chance)
 	return picture;
 }
 
-static void black_is_found_with_its_deviation(void **state)
+TEST("black is found with its deviation")
 {
 	struct chance chance = chance_begin("light");
 	int within[2] = {0};
 	const int runs = 200;
 
-	(void)state;
 	for (int k = 0; k < runs; k++) {
 		const double level = chance_real(&chance, 8, 40);
 		struct image picture = dark(level, 1.5, &chance);
@@ -76,13 +70,12 @@ static void black_is_found_with_its_deviation(void **state)
 }
 
 /* Noise that the camera clips at black raises the mean, but not the black level found. */
-static void cut_off_noise_is_seen(void **state)
+TEST("cut off noise is seen")
 {
 	struct chance chance = chance_begin("light");
 	struct image picture = dark(16, 1.5, &chance);
 	struct light_black black;
 
-	(void)state;
 	for (int k = 0; k < 160 * 128 * 3; k++)
 		picture.u8[k] = picture.u8[k] < 16 ? 16 : picture.u8[k];
 	assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
@@ -91,14 +84,13 @@ static void cut_off_noise_is_seen(void **state)
 	image_free(&picture);
 }
 
-static void black_is_doubted(void **state)
+TEST("black is doubted")
 {
 	struct chance chance = chance_begin("light");
 	struct image picture = dark(90, 2, &chance), leak = dark(16, 1, &chance), small;
 	struct image longer = dark(60, 1, &chance);
 	struct light_black black;
 
-	(void)state;
 	assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
 	doubted(&black.verdict, "not dark");
 	for (int y = 0; y < 16; y++)
@@ -145,7 +137,7 @@ static struct image steps(double more)
 	return picture;
 }
 
-static void darkest_places_are_black(void **state)
+TEST("darkest places are black")
 {
 	struct chance chance = chance_begin("light");
 	struct image shorter = ramp(16, 0.5, &chance), longer = ramp(16, 1, &chance);
@@ -172,7 +164,6 @@ static void darkest_places_are_black(void **state)
 	struct light_black black;
 	struct fault fault = {""};
 
-	(void)state;
 	assert_int_equal(light_black_darkest(&black, &shorter, &longer, NULL), 0);
 	trusted(&black.verdict);
 	assert_true(fabs(black.level - 16) < 0.7 && black.deviation < 1);
@@ -197,13 +188,12 @@ static void darkest_places_are_black(void **state)
 
 /* ---- patches ---- */
 
-static void areas_are_parsed(void **state)
+TEST("areas are parsed")
 {
 	static const char *const wrong[] = {"",	       "1,2,3",	    "1,2,3,4,5",   "1,2,0,4",
 					    "1,2 3,4", "1,2,3,nan", "1,2 3,4 5,x", "a"};
 	struct light_area area;
 
-	(void)state;
 	assert_int_equal(light_area_parse(&area, "10,20,30,40", NULL), 0);
 	assert_int_equal(area.corners, 4);
 	assert_true(area.corner[2][0] == 40 && area.corner[2][1] == 60);
@@ -213,14 +203,13 @@ static void areas_are_parsed(void **state)
 		expect_equal(light_area_parse(&area, wrong[k], NULL), -EINVAL, "k=%zu", k);
 }
 
-static void patches_are_measured(void **state)
+TEST("patches are measured")
 {
 	const struct transfer_curve curve = {.named = TRANSFER_BT709, .black = 16};
 	struct light_area area;
 	struct light_patch patch;
 	struct image picture;
 
-	(void)state;
 	assert_int_equal(image_create_u8(&picture, 64, 48), 0);
 	memset(picture.u8, 255, (size_t)64 * 48 * 3);
 	for (int y = 8; y < 40; y++)
@@ -262,13 +251,12 @@ static struct light_pair pair_of(double gain, double noise, struct chance *chanc
 	return pair;
 }
 
-static void gain_is_found_with_its_deviation(void **state)
+TEST("gain is found with its deviation")
 {
 	struct chance chance = chance_begin("light");
 	int within[2] = {0};
 	const int runs = 1000, pairs = 8;
 
-	(void)state;
 	for (int k = 0; k < runs; k++) {
 		struct light_pair pair[8];
 		struct light_gain found;
@@ -286,13 +274,12 @@ static void gain_is_found_with_its_deviation(void **state)
 	assert_true(fabs(within[1] - 0.95 * runs) < 5 * sqrt(0.95 * 0.05 * runs));
 }
 
-static void gain_is_doubted(void **state)
+TEST("gain is doubted")
 {
 	struct chance chance = chance_begin("light");
 	struct light_pair pair[6];
 	struct light_gain found;
 
-	(void)state;
 	for (int i = 0; i < 6; i++)
 		pair[i] = pair_of(0.8, 0.002 * chart_noise(&chance), &chance);
 	assert_int_equal(light_gain_find(&found, pair, 6, NULL), 0);
@@ -325,14 +312,13 @@ static void gain_is_doubted(void **state)
 }
 
 /* A level patch under an even sky gives off its reflectance times the sky. */
-static void an_even_sky_is_predicted(void **state)
+TEST("an even sky is predicted")
 {
 	static const double reflectance[3] = {0.5, 0.25, 1};
 	float radiance[406][3];
 	double predicted[3];
 	struct dome dome;
 
-	(void)state;
 	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
 	for (int i = 0; i < dome.count; i++)
 		for (int c = 0; c < 3; c++)
@@ -371,13 +357,12 @@ static void fill_patches(struct light_colour_pair *pairs, int count, double satu
 	}
 }
 
-static void colours_are_found_with_deviations(void **state)
+TEST("colours are found with deviations")
 {
 	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[24];
 	int within[2] = {0}, all = 0;
 
-	(void)state;
 	for (int run = 0; run < 200; run++) {
 		struct light_colours found;
 
@@ -401,13 +386,12 @@ static void colours_are_found_with_deviations(void **state)
 	assert_true(fabs((double)within[1] / all - 0.954) < 0.03);
 }
 
-static void colours_are_doubted(void **state)
+TEST("colours are doubted")
 {
 	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[24];
 	struct light_colours found;
 
-	(void)state;
 	fill_patches(pairs, 24, 0, 0, &chance);
 	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
 	doubted(&found.verdict, "all grey");
@@ -429,13 +413,12 @@ static void colours_are_doubted(void **state)
 	assert_int_equal(light_colours_find(&found, pairs, 3, false, NULL), -EINVAL);
 }
 
-static void white_may_be_kept(void **state)
+TEST("white may be kept")
 {
 	struct chance chance = chance_begin("light");
 	struct light_colour_pair pairs[12];
 	struct light_colours found;
 
-	(void)state;
 	fill_patches(pairs, 12, 1, 0.001, &chance);
 	assert_int_equal(light_colours_find(&found, pairs, 12, true, NULL), 0);
 	for (int r = 0; r < 3; r++)
@@ -466,13 +449,12 @@ static void write_text(const char *text)
 	fclose(file);
 }
 
-static void files_keep_other_keys(void **state)
+TEST("files keep other keys")
 {
 	struct response response;
 	char all[2048] = "";
 	FILE *file;
 
-	(void)state;
 	unlink(path);
 	assert_int_equal(light_file_set(path, "gain", "1.5", "Gain: once.", NULL), 0);
 	assert_int_equal(light_file_set(path, "black_level", "16.25", "Black.\nTwo lines.", NULL),
@@ -491,7 +473,7 @@ static void files_keep_other_keys(void **state)
 }
 
 /* Text that somebody wrote at the end of the file stays when it is measured again. */
-static void files_keep_their_end(void **state)
+TEST("files keep their end")
 {
 	static const char expected[] =
 		"; What a camera's code values mean: inlay-calibrate light.\n"
@@ -499,7 +481,6 @@ static void files_keep_their_end(void **state)
 	char all[2048] = "";
 	FILE *file;
 
-	(void)state;
 	write_text("[light]\n; Of the left camera.\n");
 	assert_int_equal(light_file_set(path, "gain", "2.5", "Gain.", NULL), 0);
 	assert_int_equal(light_file_set(path, "gain", "3.5", "Gain.", NULL), 0);
@@ -510,7 +491,7 @@ static void files_keep_their_end(void **state)
 	unlink(path);
 }
 
-static void damaged_files_are_refused(void **state)
+TEST("damaged files are refused")
 {
 	static const struct {
 		const char *text, *words;
@@ -527,7 +508,6 @@ static void damaged_files_are_refused(void **state)
 	};
 	struct response response;
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct fault fault = {.text = ""};
 
@@ -542,12 +522,11 @@ static void damaged_files_are_refused(void **state)
 	assert_true(response.black_level == -1 && response.gain == 0);
 }
 
-static void patches_are_read(void **state)
+TEST("patches are read")
 {
 	struct light_colour_pair pairs[LIGHT_PATCHES_MAX];
 	struct fault fault;
 
-	(void)state;
 	write_text("# colours\n.1 .2 .3  .4 .5 .6 # one\n\n1,1,1,2,2,2\n");
 	assert_int_equal(light_colours_read(path, pairs, NULL), 2);
 	assert_true(pairs[0].background[1] == 0.5 && pairs[1].fisheye[2] == 1);
@@ -558,26 +537,4 @@ static void patches_are_read(void **state)
 	assert_int_equal(light_colours_read(path, pairs, &fault), -ENOENT);
 }
 
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(black_is_found_with_its_deviation),
-		cmocka_unit_test(cut_off_noise_is_seen),
-		cmocka_unit_test(black_is_doubted),
-		cmocka_unit_test(darkest_places_are_black),
-		cmocka_unit_test(areas_are_parsed),
-		cmocka_unit_test(patches_are_measured),
-		cmocka_unit_test(gain_is_found_with_its_deviation),
-		cmocka_unit_test(gain_is_doubted),
-		cmocka_unit_test(an_even_sky_is_predicted),
-		cmocka_unit_test(colours_are_found_with_deviations),
-		cmocka_unit_test(colours_are_doubted),
-		cmocka_unit_test(white_may_be_kept),
-		cmocka_unit_test(files_keep_other_keys),
-		cmocka_unit_test(files_keep_their_end),
-		cmocka_unit_test(damaged_files_are_refused),
-		cmocka_unit_test(patches_are_read),
-	};
-
-	return cmocka_run_group_tests(tests, make_folder, own_folder_remove);
-}
+TEST_GROUP(make_folder, own_folder_remove);

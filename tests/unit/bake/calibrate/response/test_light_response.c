@@ -1,11 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A camera's response curve, found from simulated exposures. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <math.h>
 
 #include <errno.h>
@@ -15,6 +9,7 @@
 #include "tests/support/calibrate/patch_chart.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
+#include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
 #define EXPOSURES 5
@@ -75,12 +70,11 @@ static const struct chart_camera cameras[CHART_COUNT] = {
 };
 
 /* Within 1 % over 80 % of the code values, from 5 exposures with noise and clipping. */
-static void every_shape_is_found(void **state)
+TEST("every shape is found")
 {
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 
-	(void)state;
 	for (int k = 0; k < CHART_COUNT; k++) {
 		struct series s = {.found = {.samples = 0}};
 		double worst = 0, wide = 0;
@@ -113,7 +107,7 @@ static void every_shape_is_found(void **state)
 /* ---- how sure it is ---- */
 
 /* Knots between 10 % and 90 %, from small pictures: the shares of truths within the deviations. */
-static void deviations_are_right(void **state)
+TEST("deviations are right")
 {
 	const struct chart_camera camera = {CHART_SRGB, 0, 0.0005, 0.008};
 	const struct light_response_settings settings = exact_times();
@@ -122,7 +116,6 @@ static void deviations_are_right(void **state)
 	double worst = 0;
 	int within[2] = {0}, all = 0;
 
-	(void)state;
 	for (int run = 0; run < runs; run++) {
 		struct series s = {.found = {.samples = 0}};
 
@@ -148,13 +141,12 @@ static void deviations_are_right(void **state)
 }
 
 /* Exposure times that are wrong by up to 3 % are corrected. */
-static void times_are_refined(void **state)
+TEST("times are refined")
 {
 	struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 	struct series s = {.found = {.samples = 0}};
 
-	(void)state;
 	series_take(&s, &cameras[CHART_LINEAR], thorough() ? 80 : 32, &chance);
 	settings.time[1] *= 1.03;
 	settings.time[3] *= 0.98;
@@ -195,7 +187,7 @@ static struct series series_of(double factor, double range, struct chance *chanc
 	return s;
 }
 
-static void clipped_and_dark_are_doubted(void **state)
+TEST("clipped and dark are doubted")
 {
 	static const struct {
 		double factor, range;
@@ -209,7 +201,6 @@ static void clipped_and_dark_are_doubted(void **state)
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 
-	(void)state;
 	for (size_t k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
 		struct series s = series_of(cases[k].factor, cases[k].range, &chance);
 
@@ -221,13 +212,12 @@ static void clipped_and_dark_are_doubted(void **state)
 	}
 }
 
-static void a_moved_scene_is_doubted(void **state)
+TEST("a moved scene is doubted")
 {
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
-	(void)state;
 	/* picture 3 is shifted by half a patch */
 	memmove(s.picture[2].u8, s.picture[2].u8 + 24, DOUBTED_WIDTH * DOUBTED_HEIGHT * 3 - 24);
 	for (int j = 3; j < EXPOSURES; j++)
@@ -238,13 +228,12 @@ static void a_moved_scene_is_doubted(void **state)
 	series_free(&s);
 }
 
-static void a_wrong_time_is_named(void **state)
+TEST("a wrong time is named")
 {
 	struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
-	(void)state;
 	settings.time[2] *= 1.5;
 	series_find(&s, 16, &settings);
 	doubted(&s, "picture 3 looks as if");
@@ -253,7 +242,7 @@ static void a_wrong_time_is_named(void **state)
 
 /* Shutters run in steps of a third of a stop, which are named by round numbers: 1/60 s is 1/64 s.
  * Such times are refined, and the curve is as right as with the true ones. */
-static void rounded_times_are_refined(void **state)
+TEST("rounded times are refined")
 {
 	static const double rounding[EXPOSURES] = {1, 0.95, 1.055, 1.06, 0.97};
 	const struct chart_camera *camera = &cameras[CHART_SRGB];
@@ -262,7 +251,6 @@ static void rounded_times_are_refined(void **state)
 	struct series s = {.found = {.samples = 0}};
 	double worst = 0;
 
-	(void)state;
 	for (int j = 0; j < EXPOSURES; j++)
 		settings.time[j] *= rounding[j];
 	series_take(&s, camera, thorough() ? 160 : 32, &chance);
@@ -287,13 +275,12 @@ static void rounded_times_are_refined(void **state)
 	series_free(&s);
 }
 
-static void channels_of_their_own_are_doubted(void **state)
+TEST("channels of their own are doubted")
 {
 	const struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
 	struct series s = series_of(4, 2e-3, &chance);
 
-	(void)state;
 	/* blue has a curve of its own, the same in every exposure */
 	for (int j = 0; j < EXPOSURES; j++)
 		for (int k = 2; k < DOUBTED_WIDTH * DOUBTED_HEIGHT * 3; k += 3) {
@@ -307,7 +294,7 @@ static void channels_of_their_own_are_doubted(void **state)
 	series_free(&s);
 }
 
-static void wrong_use_is_refused(void **state)
+TEST("wrong use is refused")
 {
 	struct light_response_settings settings = exact_times();
 	struct chance chance = chance_begin("light");
@@ -315,7 +302,6 @@ static void wrong_use_is_refused(void **state)
 	const struct image *pictures[EXPOSURES];
 	struct image small;
 
-	(void)state;
 	for (int j = 0; j < EXPOSURES; j++)
 		pictures[j] = &s.picture[j];
 	assert_int_equal(light_samples_create(&s.samples, pictures, 1, 16, NULL), 0);
@@ -336,21 +322,4 @@ static void wrong_use_is_refused(void **state)
 	assert_int_equal(light_samples_create(&s.samples, pictures, 2, 16, NULL), -EINVAL);
 	image_free(&small);
 	series_free(&s);
-}
-
-int main(void)
-{
-	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(every_shape_is_found),
-		cmocka_unit_test(deviations_are_right),
-		cmocka_unit_test(times_are_refined),
-		cmocka_unit_test(clipped_and_dark_are_doubted),
-		cmocka_unit_test(a_moved_scene_is_doubted),
-		cmocka_unit_test(rounded_times_are_refined),
-		cmocka_unit_test(a_wrong_time_is_named),
-		cmocka_unit_test(channels_of_their_own_are_doubted),
-		cmocka_unit_test(wrong_use_is_refused),
-	};
-
-	return cmocka_run_group_tests(tests, NULL, NULL);
 }
