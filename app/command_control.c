@@ -71,8 +71,8 @@ static const struct option_row rows[] = {
 	{.name = "force", .help = "snapshot replaces a file that is there", .take = take_force},
 	{.name = NULL}};
 
-/* Finds the socket's path. A fault elsewhere in the file does not keep anybody from a kiosk that runs:
- * the socket is read all the same. */
+/* Finds the socket's path. A fault elsewhere in the file does not keep anybody from a kiosk that
+ * runs: the socket is read all the same. */
 static int find_socket(const struct control_options *options, char *path, size_t room)
 {
 	const char *file = settings_file(&options->settings);
@@ -114,8 +114,8 @@ static int wait_until(int fd, short events, int64_t until_ns)
 	return ready ? 0 : -ETIMEDOUT;
 }
 
-/* Sends a line and reads the reply, without its newline, and what has come after it: *more bytes. 0 or
- * -errno; -EPIPE: the kiosk closed the connection. */
+/* Sends a line and reads the reply, without its newline, and what has come after it: *more bytes. 0
+ * or -errno; -EPIPE: the kiosk closed the connection. */
 static int send_line(int fd, const char *line, char *reply, size_t room, size_t *more)
 {
 	const int64_t until_ns = clock_now_ns() + REPLY_WITHIN_NS;
@@ -178,8 +178,8 @@ static int take_picture(int fd, const char *reply, size_t more, struct snapshot 
 		   : 0;
 }
 
-/* Sends a command and says what is wrong, or reads the reply, and the picture where one is asked for (else
- * picture is NULL). */
+/* Sends a command and says what is wrong, or reads the reply, and the picture where one is asked
+ * for (else picture is NULL). */
 static int send_command(const char *path, const char *line, char *reply, struct snapshot **picture)
 {
 	const int fd = control_socket_connect(path);
@@ -188,9 +188,9 @@ static int send_command(const char *path, const char *line, char *reply, struct 
 	int err, code = EXIT_DONE;
 
 	if (fd == -EACCES || fd == -EPERM) {
-		log_error("control: you may not use the kiosk's socket \"%s\", expected a member "
-			  "of its group (sudo adduser NAME inlay) or root",
-			  path);
+		log_error(
+			"control: you may not use the kiosk's socket \"%s\", expected a member of its group (sudo adduser NAME inlay) or root",
+			path);
 		return EXIT_FAILED;
 	}
 	if (fd < 0) {
@@ -316,16 +316,12 @@ const struct command command_control = {
 	.usage = "[--socket PATH | --config FILE] [--force] COMMAND [VALUE]",
 	.purpose = "give a running kiosk one command and print its reply",
 	.details =
-		"commands:\n"
-		"  status                what it is doing, as one line of JSON\n"
-		"  snapshot FILE.png|-   write what the screen shows, upright, to a new file, or "
-		"to "
-		"standard output\n"
+		"commands:\n  status                what it is doing, as one line of JSON\n"
+		"  snapshot FILE.png|-   write what the screen shows, upright, to a new file, or to standard output\n"
 		"  threshold-up          leave out more of the dim lights\n"
 		"  threshold-down        leave out fewer of them\n"
 		"  threshold-next        up, and from the highest to 0\n"
-		"  threshold-set LEVEL   leave out lights below this grey level, 0..255, or "
-		"what changes no\n"
+		"  threshold-set LEVEL   leave out lights below this grey level, 0..255, or what changes no\n"
 		"                        pixel by more of white: 1%\n"
 		"  view-next             show the next view\n"
 		"  view NAME             show this view: composite, before, fisheye ...\n"
@@ -337,8 +333,7 @@ const struct command command_control = {
 		"  split-left            move the line between before and after\n"
 		"  split-right           move it the other way\n"
 		"  freeze [on|off]       hold the picture, or let it go on\n"
-		"  wake                  switch the screen on for ten minutes outside of its "
-		"hours\n"
+		"  wake                  switch the screen on for ten minutes outside of its hours\n"
 		"  learn                 nobody is in the picture: it shows the empty place\n"
 		"  forget                learn the empty place anew\n"
 		"  quit                  end the kiosk",

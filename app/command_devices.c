@@ -192,8 +192,8 @@ static int write_sample(void)
 	list_all(&listing);
 	sample_write(listing.sample, stdout);
 	if (sample_refused(listing.sample))
-		log_warning("devices: some devices are not for this user and are left out: inlay "
-			    "devices names them, as root it sees them");
+		log_warning(
+			"devices: some devices are not for this user and are left out: inlay devices names them, as root it sees them");
 	sample_destroy(listing.sample);
 	return listing.failed ? EXIT_FAILED : EXIT_DONE;
 }
@@ -224,16 +224,14 @@ const struct command command_devices = {
 	.name = "devices",
 	.usage = "[--json | --sample]",
 	.purpose = "list the cameras, screens and buttons that there are",
-	.details = "What stands first after a driver's name is what the configuration calls its "
-		   "device:\n"
-		   "    cameras   driver = v4l2, device = /dev/video0; better a link, the name or "
-		   "the bus,\n"
-		   "              which stay when numbers change\n"
-		   "    screens   driver = kms, device = /dev/dri/card0, kms.connector = HDMI-A-1\n"
-		   "    buttons   driver = gpio, gpio.chip = gpiochip0 or its label\n"
-		   "Formats, sizes and controls are written as they are listed. A first "
-		   "configuration\n"
-		   "comes from inlay devices --sample > kiosk.conf.",
+	.details =
+		"What stands first after a driver's name is what the configuration calls its device:\n"
+		"    cameras   driver = v4l2, device = /dev/video0; better a link, the name or the bus,\n"
+		"              which stay when numbers change\n"
+		"    screens   driver = kms, device = /dev/dri/card0, kms.connector = HDMI-A-1\n"
+		"    buttons   driver = gpio, gpio.chip = gpiochip0 or its label\n"
+		"Formats, sizes and controls are written as they are listed. A first configuration\n"
+		"comes from inlay devices --sample > kiosk.conf.",
 	.options = rows,
 	.run = devices_command,
 };

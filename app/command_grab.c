@@ -63,8 +63,7 @@ static const struct option_row rows[] = {
 	SETTINGS_ROWS,
 	{.name = "control",
 	 .argument = "NAME=VALUE",
-	 .help = "set a control of the camera first, as inlay devices lists them; with several "
-		 "values, separated by commas, a picture is taken of each",
+	 .help = "set a control of the camera first, as inlay devices lists them; with several values, separated by commas, a picture is taken of each",
 	 .take = take_control},
 	{.name = "as-sent",
 	 .help = "the camera's whole picture, not turned upright",
@@ -179,8 +178,8 @@ static int usage_fault(const struct grab_options *options)
 	for (int i = 0; i < options->control_count; i++)
 		series += strchr(options->controls[i], ',') != NULL;
 	if (!options->name)
-		log_error("grab: no view, expected fisheye, background, scene, depth or a camera's "
-			  "name");
+		log_error(
+			"grab: no view, expected fisheye, background, scene, depth or a camera's name");
 	else if (!options->out)
 		log_error("grab: no file, expected -o FILE.png");
 	else if (series > 1)
@@ -211,12 +210,11 @@ static int grab_command(int argc, char **argv)
 
 const struct command command_grab = {
 	.name = "grab",
-	.usage = "fisheye|background|scene|depth|CAMERA -o FILE.png [--as-sent] [--control "
-		 "NAME=VALUE]...",
+	.usage =
+		"fisheye|background|scene|depth|CAMERA -o FILE.png [--as-sent] [--control NAME=VALUE]...",
 	.purpose = "take a still picture of a camera, upright as the kiosk sees it",
 	.details =
-		"For calibration and for placing the object, on the kiosk while inlay run does not "
-		"use the camera:\n"
+		"For calibration and for placing the object, on the kiosk while inlay run does not use the camera:\n"
 		"  inlay grab background -o background.png\n"
 		"  inlay grab fisheye --control auto_exposure=1 \\\n"
 		"      --control exposure_time_absolute=160,80,40,20 -o sky-%d.png",

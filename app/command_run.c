@@ -97,10 +97,9 @@ const struct command command_run = {
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]... [--frames N] [--stats FILE.jsonl]",
 	.purpose = "cameras to screen, until a signal, a button or --frames ends it",
 	.details =
-		"SIGINT and SIGTERM end it in order; SIGHUP has the configuration read again, and "
-		"the file of --stats\nopened again. A camera, a screen or buttons that are absent "
-		"are waited for; what is not a camera, or a\nscreen that another program holds at "
-		"the start, ends it with exit code 1.",
+		"SIGINT and SIGTERM end it in order; SIGHUP has the configuration read again, and the file of --stats\n"
+		"opened again. A camera, a screen or buttons that are absent are waited for; what is not a camera, or a\n"
+		"screen that another program holds at the start, ends it with exit code 1.",
 	.options = rows,
 	.run = run_command,
 };

@@ -81,8 +81,7 @@ static const struct option_row rows[] = {
 	 .take = take_fisheye},
 	{.name = "lights",
 	 .argument = "FILE",
-	 .help = "light colours instead of a fisheye: a line of \"r g b\" for each light, in dome "
-		 "order",
+	 .help = "light colours instead of a fisheye: a line of \"r g b\" for each light, in dome order",
 	 .take = take_lights},
 	{.name = "lights-out",
 	 .argument = "FILE",
@@ -90,8 +89,7 @@ static const struct option_row rows[] = {
 	 .take = take_lights_out},
 	{.name = "threshold",
 	 .argument = "LEVEL",
-	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more "
-		 "of white: 1%",
+	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more of white: 1%",
 	 .take = take_threshold},
 	{.name = "pose",
 	 .argument = "N",
@@ -99,8 +97,7 @@ static const struct option_row rows[] = {
 	 .take = take_pose},
 	{.name = "mode",
 	 .argument = "MODE",
-	 .help = "fast or exact, as [composite] mode; reference: in double precision, exact where "
-		 "the basis is",
+	 .help = "fast or exact, as [composite] mode; reference: in double precision, exact where the basis is",
 	 .take = take_mode},
 	{.name = "out",
 	 .letter = 'o',
@@ -145,8 +142,7 @@ static int run_config(const struct still_options *o, const struct config *config
 	if (!*settings.basis)
 		return fault_say(
 			fault, -EINVAL,
-			"still: no basis file, expected --basis FILE or [basis] file in the "
-			"configuration");
+			"still: no basis file, expected --basis FILE or [basis] file in the configuration");
 	return still_run(&settings, fault);
 }
 
@@ -175,9 +171,9 @@ const struct command command_still = {
 	.usage = "--basis FILE --background IMG (--fisheye IMG | --lights FILE) -o OUT",
 	.purpose = "one picture through the pipeline, from files to a file",
 	.details =
-		"A .png holds 8-bit code values; a .pfm or .hdr the linear light that they stand "
-		"for, not\nrounded in reference mode. [fisheye] and [background] of the "
-		"configuration say how the\npictures are to be read: lens, view, transfer.",
+		"A .png holds 8-bit code values; a .pfm or .hdr the linear light that they stand for, not\n"
+		"rounded in reference mode. [fisheye] and [background] of the configuration say how the\n"
+		"pictures are to be read: lens, view, transfer.",
 	.options = rows,
 	.run = still_command,
 };

@@ -194,8 +194,9 @@ void sample_add_buttons(struct devices_sample *sample, const char *driver, const
 	snprintf(sample->chip_text, sizeof(sample->chip_text), "%s", line);
 }
 
-/* Whether a camera's link by id may be another camera's after the next start: cameras with one serial
- * number share their link, which then leads to one of them, and the others seem to have none. */
+/* Whether a camera's link by id may be another camera's after the next start: cameras with one
+ * serial number share their link, which then leads to one of them, and the others seem to have
+ * none. */
 static bool shares_link(const struct devices_sample *sample, const struct sample_camera *camera)
 {
 	for (int i = 0; i < sample->camera_count; i++) {
@@ -208,8 +209,9 @@ static bool shares_link(const struct devices_sample *sample, const struct sample
 	return false;
 }
 
-/* A name that stays when device numbers change: the link by id, unless it is shared; else the bus where
- * v4l2 knows it, which names the socket, and the link by path where there are more nodes at it. */
+/* A name that stays when device numbers change: the link by id, unless it is shared; else the bus
+ * where v4l2 knows it, which names the socket, and the link by path where there are more nodes at
+ * it. */
 static const char *stable_name(const struct devices_sample *sample,
 			       const struct sample_camera *camera)
 {
@@ -252,33 +254,30 @@ static void write_cameras(const struct devices_sample *sample, FILE *stream)
 		fprintf(stream, "; %d more cameras: see inlay devices\n\n",
 			sample->cameras_left_out);
 	if (count == 0)
-		fputs("; No camera was found when this was written: this is the first one that "
-		      "comes.\n[camera camera1]\n\n",
+		fputs("; No camera was found when this was written: this is the first one that comes.\n"
+		      "[camera camera1]\n\n",
 		      stream);
 	if (count < 2)
-		fputs("; Both views are of one camera, until there is another: x, y, width and "
-		      "height say\n; which part of its picture each is (inlay check --sample).\n\n",
+		fputs("; Both views are of one camera, until there is another: x, y, width and height say\n"
+		      "; which part of its picture each is (inlay check --sample).\n\n",
 		      stream);
 	else
-		fputs("; Which camera looks at the sky? If it is the other one, exchange the two "
-		      "names.\n\n",
+		fputs("; Which camera looks at the sky? If it is the other one, exchange the two names.\n"
+		      "\n",
 		      stream);
-	fputs("; The camera that measures the light, on its back beside the object.\n"
-	      "[fisheye]\ncamera = camera1\n"
+	fputs("; The camera that measures the light, on its back beside the object.\n[fisheye]\n"
+	      "camera = camera1\n"
 	      "; The middle of its circle of light, in pixels; 0 0: the middle of the picture.\n"
 	      "centre = 0 0\n"
-	      "; Half of what it sees, in degrees; focal = 0 0: that fills the picture's smaller "
-	      "side.\n"
-	      "field = 90\nfocal = 0 0\n\n"
-	      "; The camera in whose picture the object stands.\n",
+	      "; Half of what it sees, in degrees; focal = 0 0: that fills the picture's smaller side.\n"
+	      "field = 90\nfocal = 0 0\n\n; The camera in whose picture the object stands.\n",
 	      stream);
 	fprintf(stream, "[background]\ncamera = camera%d\n\n", count < 2 ? 1 : 2);
 	if (!*sample->depth.driver)
 		return;
 	write_camera(sample, &sample->depth, "depth", "", stream);
-	fputs("; How far people are, for [people] occlude = yes; it has to show what the "
-	      "background "
-	      "shows.\n[depth]\ncamera = depth\n\n",
+	fputs("; How far people are, for [people] occlude = yes; it has to show what the background shows.\n"
+	      "[depth]\ncamera = depth\n\n",
 	      stream);
 }
 
@@ -290,11 +289,10 @@ static bool is_installed(void)
 
 static void write_service(FILE *stream)
 {
-	fputs("\n; For the installed service: inlay control reaches it, and what was chosen "
-	      "outlasts "
-	      "a power cut.\n"
-	      "[control]\nsocket = /run/inlay/control\ngroup = inlay\n\n"
-	      "[state]\nfile = /var/lib/inlay/state\n",
+	fputs("\n"
+	      "; For the installed service: inlay control reaches it, and what was chosen outlasts a power cut.\n"
+	      "[control]\nsocket = /run/inlay/control\ngroup = inlay\n\n[state]\n"
+	      "file = /var/lib/inlay/state\n",
 	      stream);
 }
 
@@ -306,8 +304,8 @@ static void write_screen(const struct devices_sample *sample, FILE *stream)
 
 	if (sample->screens == 0) {
 		fprintf(stream,
-			"; No connected screen was found when this was written: this is the first "
-			"one that comes.\n[screen]\n%s\n",
+			"; No connected screen was found when this was written: this is the first one that comes.\n"
+			"[screen]\n%s\n",
 			console);
 		return;
 	}
@@ -352,9 +350,8 @@ int sample_refused(const struct devices_sample *sample)
 void sample_write(const struct devices_sample *sample, FILE *stream)
 {
 	fputs("; A configuration for what was plugged in when inlay devices --sample wrote it.\n"
-	      "; inlay check --config FILE says what is wrong with it; inlay check --sample shows "
-	      "every key.\n\n"
-	      "[basis]\n; What inlay-bake made for the place of the background camera.\n"
+	      "; inlay check --config FILE says what is wrong with it; inlay check --sample shows every key.\n"
+	      "\n[basis]\n; What inlay-bake made for the place of the background camera.\n"
 	      "file = object.inlay\n\n",
 	      stream);
 	write_cameras(sample, stream);

@@ -118,8 +118,7 @@ int grab_open(struct grab **grab, struct config *config, const char *name, bool 
 	if (!camera)
 		return fault_say(
 			fault, -EINVAL,
-			"no camera \"%s\", expected fisheye, background, scene, depth or the "
-			"name of a [camera NAME] of the configuration",
+			"no camera \"%s\", expected fisheye, background, scene, depth or the name of a [camera NAME] of the configuration",
 			name);
 	g = calloc(1, sizeof(*g));
 	if (!g)
@@ -173,9 +172,9 @@ static bool has_settled(struct grab *grab)
 	if (!eye_has_settled(&grab->eye, true))
 		return false;
 	if (settling->in_vain && settling->level >= 0)
-		log_warning("camera %s: its brightness still changes: the picture may be too "
-			    "bright or too dark",
-			    grab->source.settings.name);
+		log_warning(
+			"camera %s: its brightness still changes: the picture may be too bright or too dark",
+			grab->source.settings.name);
 	return true;
 }
 

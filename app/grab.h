@@ -9,9 +9,10 @@
 struct grab;
 
 /*
- * Opens a camera. name: fisheye, background or scene, which is the upright view of its camera as the kiosk
- * cuts it out, or the name of a [camera NAME]; as_sent: its whole picture, as the camera sends it. The
- * configuration is borrowed. 0; -EINVAL: there is no such view or camera; or why it cannot be opened.
+ * Opens a camera. name: fisheye, background or scene, which is the upright view of its camera as
+ * the kiosk cuts it out, or the name of a [camera NAME]; as_sent: its whole picture, as the camera
+ * sends it. The configuration is borrowed. 0; -EINVAL: there is no such view or camera; or why it
+ * cannot be opened.
  */
 int grab_open(struct grab **grab, struct config *config, const char *name, bool as_sent,
 	      struct fault *fault);

@@ -161,9 +161,9 @@ static int read_word(const struct command *command, int argc, char **argv, int *
 	if (word[0] == '-' && word[1] && word[1] != '-') {
 		row = find_letter(command->options, word[1]);
 		if (!row) {
-			log_error("%s: unknown option %.20s, expected one of those that inlay %s "
-				  "--help lists",
-				  command->name, word, command->name);
+			log_error(
+				"%s: unknown option %.20s, expected one of those that inlay %s --help lists",
+				command->name, word, command->name);
 			return EXIT_USAGE;
 		}
 		return take_option(command, row, word[2] ? word + 2 : NULL, argc, argv, at,

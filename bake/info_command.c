@@ -150,8 +150,7 @@ static void print_kind(const struct basis *basis, const struct layer_sum *layer,
 	const struct block_sum *s = &layer->kind[kind];
 	const double dense = dense_bytes(basis, layer, kind);
 
-	printf("%s%s (%s): %ld blocks, %ld pixels, %.1f patterns a block (largest %d), "
-	       "%.1f columns (largest %d",
+	printf("%s%s (%s): %ld blocks, %ld pixels, %.1f patterns a block (largest %d), %.1f columns (largest %d",
 	       before, kind_names[kind], kind_meanings[kind], s->blocks, s->pixels,
 	       safe_ratio(s->patterns, (double)s->blocks), s->patterns_most,
 	       safe_ratio(s->columns, (double)s->blocks), s->columns_most);
@@ -170,8 +169,7 @@ static void print_layer(const struct basis *basis, const struct summary *all, bo
 	const struct layer_sum *layer = exact ? &all->exact : &all->shown;
 	const double dense = dense_bytes(basis, layer, BASIS_KIND_COUNT);
 
-	printf("%s layer: %ld of %ld tiles hold something, %ld pixels, %.2f MB; dense 8-bit %.2f "
-	       "MB, %.1f times as much\n",
+	printf("%s layer: %ld of %ld tiles hold something, %ld pixels, %.2f MB; dense 8-bit %.2f MB, %.1f times as much\n",
 	       exact ? "exact" : "shown", layer->tiles_used, all->tiles, layer->all.pixels,
 	       (double)layer->all.bytes * 1e-6, dense * 1e-6,
 	       safe_ratio(dense, (double)layer->all.bytes));
@@ -193,8 +191,8 @@ static void print_poses(const struct basis *basis)
 	printf("\n");
 }
 
-/* What the objects of all poses cover of the ground, as a rectangle: width and depth. False: unknown, or
- * nothing. */
+/* What the objects of all poses cover of the ground, as a rectangle: width and depth. False:
+ * unknown, or nothing. */
 static bool footprint_size(const struct basis *basis, double size[2])
 {
 	double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
@@ -234,12 +232,9 @@ static void print_footprint(const struct basis *basis)
 
 static void print_errors(const struct basis_info_chunk *info)
 {
-	printf("measured error in 8-bit levels, nothing overexposed: skies %.3g RMS, %.3g at most; "
-	       "single cells %.3g "
-	       "RMS, %.3g at most; noise %.3g\n",
+	printf("measured error in 8-bit levels, nothing overexposed: skies %.3g RMS, %.3g at most; single cells %.3g RMS, %.3g at most; noise %.3g\n",
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max, info->noise_levels);
-	printf("bounds under any lighting: object %.3g of the light sent, ratio %.3g; columns that "
-	       "change less than %.3g may be left out\n",
+	printf("bounds under any lighting: object %.3g of the light sent, ratio %.3g; columns that change less than %.3g may be left out\n",
 	       info->object_error, info->ratio_error, info->column_cut);
 }
 
@@ -247,9 +242,7 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %s%u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u "
-	       "ground "
-	       "term%s, %.2f MB\n",
+	printf("%s: %s%u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u ground term%s, %.2f MB\n",
 	       path, basis_is_preview(basis) ? "preview, " : "", info->width, info->height,
 	       info->lights, info->dome_frequency, division_name(basis),
 	       dome_shape_names[info->light_shape], info->coarse, info->poses,
@@ -399,9 +392,7 @@ const struct bake_command info_command = {
 	.name = "info",
 	.usage = "FILE [--json] [--map OUT.png]",
 	.summary = "say what a basis file holds",
-	.help = "\n"
-		"  --json      everything, for programs\n"
-		"  --map F     a picture: patterns, columns and bytes of each pixel, side by "
-		"side\n",
+	.help = "\n  --json      everything, for programs\n"
+		"  --map F     a picture: patterns, columns and bytes of each pixel, side by side\n",
 	.run = info_command_run,
 };

@@ -75,7 +75,8 @@ static int tables_create(struct config *config)
 	return 0;
 }
 
-/* Skips named sections, which have no struct until the file names them, and those that are not read. */
+/* Skips named sections, which have no struct until the file names them, and those that are not
+ * read. */
 static void defaults_fill(struct config *config)
 {
 	for (const struct ini_table *t = config->tables; t->section; t++) {

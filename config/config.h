@@ -222,9 +222,9 @@ struct config {
 	char prefix[CONFIG_CLASS_COUNT][CONFIG_DRIVERS_MAX][CONFIG_NAME_MAX];
 };
 
-/* Creates a configuration with every key at its default; config_destroy() frees it. drivers NULL: for
- * a program that opens no device; it can only be read, has no camera, and screen and buttons are NULL.
- * 0, -ENOMEM, or -E2BIG: more than CONFIG_DRIVERS_MAX drivers of a class. */
+/* Creates a configuration with every key at its default; config_destroy() frees it. drivers NULL:
+ * for a program that opens no device; it can only be read, has no camera, and screen and buttons
+ * are NULL. 0, -ENOMEM, or -E2BIG: more than CONFIG_DRIVERS_MAX drivers of a class. */
 int config_create(struct config **config, const struct config_drivers *drivers);
 void config_destroy(struct config *config); /* NULL is harmless */
 
@@ -234,9 +234,10 @@ int config_read_memory(struct config *config, const char *text, size_t bytes, co
 		       struct ini_report *report);
 int config_set(struct config *config, const char *assignment, struct ini_report *report);
 
-/* Reads the files that [fisheye], [background] and [depth] name: the light files, where the depth camera
- * stands, and the lens file, whose keys replace those of the configuration. Call it after all keys are read and set. Faults go to
- * the report, with the file's name and line. 0 or the first negative errno. */
+/* Reads the files that [fisheye], [background] and [depth] name: the light files, where the depth
+ * camera stands, and the lens file, whose keys replace those of the configuration. Call it after
+ * all keys are read and set. Faults go to the report, with the file's name and line. 0 or the first
+ * negative errno. */
 int config_read_files(struct config *config, struct ini_report *report);
 
 /* Return the transfer function of a view's code values: as measured, else as configured. */
@@ -287,8 +288,8 @@ void *config_options(const struct config *config, enum config_class kind, void *
 /* Returns the camera of this name, or NULL. */
 struct config_camera *config_camera_named(const struct config *config, const char *name);
 
-/* Returns what a camera's driver is asked for: as configured, and depths of the camera of [depth], which
- * are read where the driver puts them. */
+/* Returns what a camera's driver is asked for: as configured, and depths of the camera of [depth],
+ * which are read where the driver puts them. */
 struct camera_settings config_camera_settings(const struct config *config,
 					      const struct config_camera *camera);
 

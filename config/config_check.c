@@ -89,15 +89,15 @@ static void check_depth(const struct config *config, struct ini_report *report)
 	if (*name && (!strcmp(name, config->fisheye.view.camera) ||
 		      !strcmp(name, config->background.view.camera) ||
 		      !strcmp(name, config->scene.view.camera)))
-		config_complain(config, report,
-				"[depth] camera: camera %.60s is seen by another view too, "
-				"expected a camera of its own",
-				name);
+		config_complain(
+			config, report,
+			"[depth] camera: camera %.60s is seen by another view too, expected a camera of its own",
+			name);
 	if (format != PIXEL_NONE && format != PIXEL_Z16)
-		config_complain(config, report,
-				"[camera %.60s] format: is %s, but [depth] looks through it; "
-				"expected Z16 or none",
-				name, pixel_format_names[format]);
+		config_complain(
+			config, report,
+			"[camera %.60s] format: is %s, but [depth] looks through it; expected Z16 or none",
+			name, pixel_format_names[format]);
 }
 
 static void check_buttons(const struct config *config, struct ini_report *report)
@@ -135,15 +135,13 @@ static void check_written(const struct config *config, const char *section, cons
 	if (!S_ISREG(about.st_mode))
 		config_complain(
 			config, report,
-			"[%s] file: \"%s\" is a folder, pipe or device, expected a file that may "
-			"be replaced",
+			"[%s] file: \"%s\" is a folder, pipe or device, expected a file that may be replaced",
 			section, path);
 	for (size_t i = 0; i < sizeof(read) / sizeof(read[0]); i++)
 		if (same_file(&about, read[i]))
 			config_complain(
 				config, report,
-				"[%s] file: \"%s\" would replace \"%s\", which is read; expected "
-				"a file of its own",
+				"[%s] file: \"%s\" would replace \"%s\", which is read; expected a file of its own",
 				section, path, read[i]);
 }
 
@@ -165,8 +163,7 @@ int config_check(const struct config *config, struct ini_report *report)
 		if (camera->turn != PICTURE_UPRIGHT && camera->settings.format == PIXEL_RGBF)
 			config_complain(
 				config, report,
-				"[%s] rotate: pictures of linear light (format = RGBF) are not "
-				"turned, expected 0 or another format",
+				"[%s] rotate: pictures of linear light (format = RGBF) are not turned, expected 0 or another format",
 				title);
 	}
 	check_view_camera(config, "fisheye", &config->fisheye.view, true, report);
@@ -178,8 +175,7 @@ int config_check(const struct config *config, struct ini_report *report)
 	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
 		config_complain(
 			config, report,
-			"[screen] show: is scene, but [scene] camera is empty; expected the name "
-			"of a [camera NAME] there");
+			"[screen] show: is scene, but [scene] camera is empty; expected the name of a [camera NAME] there");
 	check_driver(config, CONFIG_DISPLAY, "screen", config->screen->driver, report);
 	check_buttons(config, report);
 	check_written(config, "metrics", config->metrics.file, report);

@@ -123,10 +123,10 @@ static int take_range(struct reading *r, unsigned days, struct fault *why)
 	if (err)
 		return err;
 	if (begin == HOURS_DAY || begin == end)
-		return fault_say(why, -EINVAL,
-				 "holds a range without any time, %d:%02d-%d:%02d, expected one "
-				 "like 09:00-18:30 (all day is 0:00-24:00)",
-				 begin / 60, begin % 60, end / 60, end % 60);
+		return fault_say(
+			why, -EINVAL,
+			"holds a range without any time, %d:%02d-%d:%02d, expected one like 09:00-18:30 (all day is 0:00-24:00)",
+			begin / 60, begin % 60, end / 60, end % 60);
 	if (hours->count == HOURS_RANGES_MAX)
 		return fault_say(why, -EINVAL, "holds too many ranges, expected at most %d",
 				 HOURS_RANGES_MAX);
@@ -181,13 +181,12 @@ static int check_greenwich(const char *text, const char *rules, struct fault *wh
 		return 0;
 	return fault_say(
 		why, -EINVAL,
-		"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a place like "
-		"Europe/Berlin, or for that very time <%+03ld>%ld",
+		"is \"%.60s\", which by POSIX means %ld h %s Greenwich; expected a place like Europe/Berlin, or for that very time <%+03ld>%ld",
 		text, labs(west), west > 0 ? "behind" : "ahead of", -west, west);
 }
 
-/* Refuses summer time without dates: the C library adds the American ones, which are right in America
- * only. */
+/* Refuses summer time without dates: the C library adds the American ones, which are right in
+ * America only. */
 static int check_rules(const char *text, size_t letters, struct fault *why)
 {
 	char *end;
@@ -196,8 +195,7 @@ static int check_rules(const char *text, size_t letters, struct fault *why)
 	if (isalpha((unsigned char)*end) && !strchr(end, ',') && (west < 3 || west > 10))
 		return fault_say(
 			why, -EINVAL,
-			"is \"%.60s\", whose summer time has no dates (American ones would "
-			"be taken), expected them too, as in CET-1CEST,M3.5.0,M10.5.0/3",
+			"is \"%.60s\", whose summer time has no dates (American ones would be taken), expected them too, as in CET-1CEST,M3.5.0,M10.5.0/3",
 			text);
 	return 0;
 }
@@ -219,10 +217,10 @@ int config_zone_check(const char *text, struct fault *why)
 	if (!strpbrk(text, " \t") &&
 	    (*text == '<' || (letters >= 3 && strspn(text + letters, "+-0123456789"))))
 		return check_rules(text, letters, why);
-	return fault_say(why, -EINVAL,
-			 "is \"%.60s\", which is no time zone of this system, expected one like "
-			 "Europe/Berlin or CET-1CEST,M3.5.0,M10.5.0/3",
-			 text);
+	return fault_say(
+		why, -EINVAL,
+		"is \"%.60s\", which is no time zone of this system, expected one like Europe/Berlin or CET-1CEST,M3.5.0,M10.5.0/3",
+		text);
 }
 
 bool config_hours_are_on(const struct config_hours *hours, int minute)

@@ -37,8 +37,7 @@ static void check_exposures(const struct config *config, struct ini_report *repo
 		if (!(fisheye->exposures[k] <= fisheye->exposures[k - 1] / 1.5))
 			config_complain(
 				config, report,
-				"[fisheye] exposures: %g comes after %g, expected each to be at "
-				"most two thirds of the one before it",
+				"[fisheye] exposures: %g comes after %g, expected each to be at most two thirds of the one before it",
 				fisheye->exposures[k], fisheye->exposures[k - 1]);
 	if (count && !*fisheye->exposure_control)
 		config_complain(
@@ -48,8 +47,7 @@ static void check_exposures(const struct config *config, struct ini_report *repo
 		      !strcmp(fisheye->view.camera, config->scene.view.camera)))
 		config_complain(
 			config, report,
-			"[fisheye] exposures: camera %.60s is seen by another view too, expected a "
-			"camera of its own",
+			"[fisheye] exposures: camera %.60s is seen by another view too, expected a camera of its own",
 			fisheye->view.camera);
 }
 
@@ -61,8 +59,7 @@ static void check_patch(const struct config *config, struct ini_report *report)
 		if (patch[k] != floor(patch[k]) || (patch[2] > 0) != (patch[3] > 0)) {
 			config_complain(
 				config, report,
-				"[background] ground_patch: is %g %g %g %g, expected whole pixels, "
-				"and a width and a height",
+				"[background] ground_patch: is %g %g %g %g, expected whole pixels, and a width and a height",
 				patch[0], patch[1], patch[2], patch[3]);
 			return;
 		}

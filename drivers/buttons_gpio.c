@@ -144,9 +144,9 @@ static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *opti
 		lines++;
 	}
 	if (!lines)
-		return fault_say(fault, -EINVAL,
-				 "gpio buttons: no button has a line, expected at least one, like "
-				 "gpio.view_next = 17");
+		return fault_say(
+			fault, -EINVAL,
+			"gpio buttons: no button has a line, expected at least one, like gpio.view_next = 17");
 	return 0;
 }
 

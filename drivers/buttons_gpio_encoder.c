@@ -77,9 +77,9 @@ static int open_line(struct encoder_buttons *encoder, const struct encoder_optio
 	int err;
 
 	if (options->offsets[index] < 0)
-		return fault_say(fault, -EINVAL,
-				 "encoder: no line, expected encoder.a and encoder.b, like 17 and "
-				 "27");
+		return fault_say(
+			fault, -EINVAL,
+			"encoder: no line, expected encoder.a and encoder.b, like 17 and 27");
 	err = gpio_line_open(line, encoder->chip, (unsigned)options->offsets[index], &settings);
 	if (!err && epoll_ctl(encoder->epoll, EPOLL_CTL_ADD, gpio_line_descriptor(line), &event))
 		err = -errno;

@@ -142,9 +142,9 @@ static int choose_format(struct camera *camera, struct sim *sim, struct fault *f
 	if (camera->format == PIXEL_Z16 &&
 	    (!sim->studio || studio_view_eye(sim->studio)->fisheye)) {
 		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
-		return fault_say(fault, -EINVAL,
-				 "sim: format Z16, expected sim.source = studio and sim.view = "
-				 "perspective, or another format");
+		return fault_say(
+			fault, -EINVAL,
+			"sim: format Z16, expected sim.source = studio and sim.view = perspective, or another format");
 	}
 	if (camera->format == PIXEL_YUYV && camera->width % 2) {
 		camera->situation = CAMERA_UNSUPPORTED_FORMAT;
@@ -489,8 +489,9 @@ static void apply_changes(struct sim *sim, uint64_t sequence)
 		(size_t)sim->change_count * sizeof(*sim->changes));
 }
 
-/* The first frames after it was opened: zeros in the camera's own format, as in a buffer that nobody has
- * filled (green in YUV), then an exposure that falls from the fourfold to the right one. */
+/* The first frames after it was opened: zeros in the camera's own format, as in a buffer that
+ * nobody has filled (green in YUV), then an exposure that falls from the fourfold to the right
+ * one. */
 static void output_warming(const struct camera *camera, struct sim *sim, uint64_t sequence,
 			   struct frame *frame)
 {

@@ -34,8 +34,7 @@ static const struct ini_key v4l2_keys[] = {
 	{"input", INI_TEXT, offsetof(struct v4l2_options, input), .fallback = "",
 	 .help = "Which input of the device, by number or name; empty: the one that is selected."},
 	{"standard", INI_TEXT, offsetof(struct v4l2_options, standard), .fallback = "",
-	 .help = "Television standard: PAL, NTSC, SECAM or as the device names it; empty: as "
-		 "detected."},
+	 .help = "Television standard: PAL, NTSC, SECAM or as the device names it; empty: as detected."},
 	{"field", INI_CHOICE, offsetof(struct v4l2_options, field),
 	 .choices = v4l2_field_wish_names, .fallback = "driver",
 	 .help = "How the two fields of interlaced video are asked for; driver: as it likes."},
@@ -101,13 +100,13 @@ static int no_room(const struct camera *camera, const char *wanted, struct fault
 {
 	const char *give_up = camera->settings.give_up;
 
-	return fault_say(fault, -ENOSPC,
-			 "the USB bus has no room for %s: cameras on one bus share its bandwidth; "
-			 "%s%s%s, or move a camera to another USB controller",
-			 wanted,
-			 give_up[0] ? "nothing smaller is offered that give_up = \""
-				    : "give_up is empty and forbids anything smaller",
-			 give_up, give_up[0] ? "\" allows: ask for less" : "");
+	return fault_say(
+		fault, -ENOSPC,
+		"the USB bus has no room for %s: cameras on one bus share its bandwidth; %s%s%s, or move a camera to another USB controller",
+		wanted,
+		give_up[0] ? "nothing smaller is offered that give_up = \""
+			   : "give_up is empty and forbids anything smaller",
+		give_up, give_up[0] ? "\" allows: ask for less" : "");
 }
 
 static int v4l2_start(struct camera *camera, struct v4l2_capture *v, struct v4l2_fallback *fallback,
@@ -135,8 +134,7 @@ static int v4l2_start(struct camera *camera, struct v4l2_capture *v, struct v4l2
 		return err;
 	v4l2_describe(&v->picture, camera->rate_hz, instead, sizeof(instead));
 	log_warning_paced(
-		"%s: the USB bus has no room for %s: cameras on one bus share its bandwidth. "
-		"Taken instead: %s (give_up = \"%s\" allows it)",
+		"%s: the USB bus has no room for %s: cameras on one bus share its bandwidth. Taken instead: %s (give_up = \"%s\" allows it)",
 		v->path, wanted, instead, camera->settings.give_up);
 	return 0;
 }

@@ -76,10 +76,10 @@ static int choose_kind(struct file_screen *screen, const char *path, struct faul
 	else if (png && find_number(screen, path))
 		screen->kind = FILE_SEQUENCE;
 	else
-		return fault_say(fault, -EINVAL,
-				 "file display: cannot tell what to write from the name \"%s\", "
-				 "expected clip.y4m, out%%04d.png or now.png",
-				 path);
+		return fault_say(
+			fault, -EINVAL,
+			"file display: cannot tell what to write from the name \"%s\", expected clip.y4m, out%%04d.png or now.png",
+			path);
 	return 0;
 }
 

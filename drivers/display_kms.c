@@ -33,11 +33,9 @@ static const struct ini_key kms_keys[] = {
 	{"connector", INI_TEXT, offsetof(struct kms_options, connector), .fallback = "",
 	 .help = "Connector to use, like HDMI-A-1; empty: the first that has a screen."},
 	{"second", INI_TEXT, offsetof(struct kms_options, second), .fallback = "",
-	 .help = "Connector of a second screen, on the same card, that shows the same picture; "
-		 "empty: none."},
+	 .help = "Connector of a second screen, on the same card, that shows the same picture; empty: none."},
 	{"mode", INI_TEXT, offsetof(struct kms_options, mode), .fallback = "",
-	 .help = "For screens that name no modes or wrong ones: 1920x1080@60, or a modeline as cvt "
-		 "prints it."},
+	 .help = "For screens that name no modes or wrong ones: 1920x1080@60, or a modeline as cvt prints it."},
 	{"force", INI_BOOL, offsetof(struct kms_options, force), .fallback = "no",
 	 .help = "Use the connector even if it knows of no screen; without a mode: 1024x768@60."},
 	{"buffers", INI_INT, offsetof(struct kms_options, buffers), .min = 2, .max = BUFFERS_MAX,
@@ -48,11 +46,9 @@ static const struct ini_key kms_keys[] = {
 	 .help = "Whether the graphics card may scale pictures to the screen, where it can."},
 	{"range", INI_CHOICE, offsetof(struct kms_options, range), .choices = range_choices,
 	 .fallback = "auto",
-	 .help = "Code values that HDMI sends for black and white, 0 and 255 or 16 and 235, where "
-		 "the screen looks washed out or loses its shadows; auto: by the mode."},
+	 .help = "Code values that HDMI sends for black and white, 0 and 255 or 16 and 235, where the screen looks washed out or loses its shadows; auto: by the mode."},
 	{"vt", INI_TEXT, offsetof(struct kms_options, vt), .fallback = "",
-	 .help = "Text console to take, so that switching to another shows it: /dev/tty1, or auto "
-		 "for the present one; empty: none."},
+	 .help = "Text console to take, so that switching to another shows it: /dev/tty1, or auto for the present one; empty: none."},
 	INI_KEYS_END,
 };
 
@@ -261,9 +257,9 @@ static int kms_open(struct display *display, struct fault *fault)
 	int err;
 
 	if (atomic_load(&releasing))
-		return fault_say(fault, -ETIMEDOUT,
-				 "kms display: the card still waits for the frame that was not "
-				 "shown, and shows nothing before it gives up");
+		return fault_say(
+			fault, -ETIMEDOUT,
+			"kms display: the card still waits for the frame that was not shown, and shows nothing before it gives up");
 	screen = calloc(1, sizeof(*screen));
 	if (!screen)
 		return fault_say(fault, -ENOMEM, "kms display: not enough memory");
@@ -284,8 +280,7 @@ static int kms_open(struct display *display, struct fault *fault)
 		second_show(screen, display);
 	if (screen->path.computed)
 		log_info_paced(
-			"kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not "
-			"named",
+			"kms display: %s: %dx%d at %.2f Hz, a timing that the screen has not named",
 			screen->path.connector_name, display->width, display->height,
 			display->rate_hz);
 	return 0;
@@ -320,8 +315,8 @@ static int kms_acquire(struct display *display, struct display_buffer *buffer)
 	return -EAGAIN;
 }
 
-/* Flips both screens at once, so that they show the same and none overtakes the other. A second one that
- * cannot any more does not stop the first. */
+/* Flips both screens at once, so that they show the same and none overtakes the other. A second one
+ * that cannot any more does not stop the first. */
 static int flip_all(struct kms_screen *screen, const struct kms_state *ours)
 {
 	struct kms_second *second = &screen->second;
@@ -461,8 +456,7 @@ static int kms_look(struct kms_screen *screen, const struct display *display, bo
 	if (connector->link_failed)
 		return fault_say(
 			fault, -ESTALE,
-			"kms display: the link to the screen at %s has failed and is to be "
-			"set up anew",
+			"kms display: the link to the screen at %s has failed and is to be set up anew",
 			screen->path.connector_name);
 	return 0;
 }

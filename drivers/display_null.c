@@ -46,12 +46,10 @@ static const struct ini_key null_keys[] = {
 	 .help = "Frames after which it is pulled out, each time that it is opened; 0: never."},
 	{"stall_after", INI_INT, offsetof(struct null_options, stall_after), .max = 2147483647,
 	 .fallback = "0",
-	 .help = "Frames after which a refresh never comes, each time that it is opened; 0: "
-		 "never."},
+	 .help = "Frames after which a refresh never comes, each time that it is opened; 0: never."},
 	{"hide_after", INI_INT, offsetof(struct null_options, hide_after), .max = 2147483647,
 	 .fallback = "0",
-	 .help = "Frames after which another console is switched to for half a second, each time "
-		 "that it is opened; 0: never. The frame under way is lost."},
+	 .help = "Frames after which another console is switched to for half a second, each time that it is opened; 0: never. The frame under way is lost."},
 	INI_KEYS_END,
 };
 

@@ -206,8 +206,8 @@ static uint8_t with_noise(uint8_t code, uint32_t *state)
 	return (uint8_t)(noisy < 0 ? 0 : noisy > 255 ? 255 : noisy);
 }
 
-/* Whether one of two visitors hides a pixel: each is a tenth of the picture wide, and two thirds of it
- * high. */
+/* Whether one of two visitors hides a pixel: each is a tenth of the picture wide, and two thirds of
+ * it high. */
 static bool is_visitor(const struct canvas *picture, int x, int y)
 {
 	const int across = 20 * x / picture->width, down = 20 * y / picture->height;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What looks at the background's picture besides the compositor: people, the camera's exposure and noise. For
- * bench alone.
+ * What looks at the background's picture besides the compositor: people, the camera's exposure and
+ * noise. For bench alone.
  */
 #ifndef INLAY_APP_BENCH_BENCH_LOOK_H
 #define INLAY_APP_BENCH_BENCH_LOOK_H
@@ -15,8 +15,9 @@
 
 struct bench_look;
 
-/* Learns the place, around the object of pose 0, from 100 pictures of the visitors' camera, and then lets
- * visitors in. cameras NULL: the basis's lights are no dome's, and nobody is looked for. 0 or -ENOMEM. */
+/* Learns the place, around the object of pose 0, from 100 pictures of the visitors' camera, and
+ * then lets visitors in. cameras NULL: the basis's lights are no dome's, and nobody is looked for.
+ * 0 or -ENOMEM. */
 int bench_look_create(struct bench_look **look, const struct basis *basis,
 		      struct bench_frame *cameras, const struct canvas *background,
 		      struct fault *fault);

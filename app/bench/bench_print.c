@@ -104,18 +104,13 @@ void bench_print_table(const struct bench_report *r, FILE *to)
 		"%s: %dx%d, %d lights; %ld pixels of the object, %ld of its shadow\n"
 		"fast layer %.2f MB, exact layer %.2f MB; a byte for each value would be %.2f MB\n"
 		"threads: %d; repeated: %d times; read bound: %s vectors\n"
-		"errors: against the %s layer in double precision, 8-bit levels, of the pixels "
-		"that "
-		"the object changes\n",
+		"errors: against the %s layer in double precision, 8-bit levels, of the pixels that the object changes\n",
 		r->basis, r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels,
 		r->shown_mb, r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth);
 	if (r->threads == 1 && r->waited > WAITED_MUCH)
 		fprintf(to,
-			"the machine was busy: others had the processor in %.0f %% of the time; "
-			"that is not "
-			"counted, but they\nuse caches and memory too, so that times are longer "
-			"than on an idle "
-			"machine\n",
+			"the machine was busy: others had the processor in %.0f %% of the time; that is not counted, but they\n"
+			"use caches and memory too, so that times are longer than on an idle machine\n",
 			100 * r->waited);
 	for (int k = 0; k < r->count; k++) {
 		if (!k || strcmp(r->row[k].lighting, r->row[k - 1].lighting) != 0) {

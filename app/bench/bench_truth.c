@@ -112,11 +112,11 @@ static int picture_compare(const struct bench_way *way, const struct bench_stage
 
 	if (!memcmp(picture->pixels, stage->out.pixels, picture->stride * (size_t)picture->height))
 		return 0;
-	return fault_say(fault, -EIO,
-			 "the picture of \"%s\" by kernel %s is not the same as that of \"%s\" by "
-			 "%s under %s: this is a fault in inlay",
-			 way->row.what, way->row.kernel, firsts->way[which]->row.what,
-			 firsts->way[which]->row.kernel, stage->lighting->name);
+	return fault_say(
+		fault, -EIO,
+		"the picture of \"%s\" by kernel %s is not the same as that of \"%s\" by %s under %s: this is a fault in inlay",
+		way->row.what, way->row.kernel, firsts->way[which]->row.what,
+		firsts->way[which]->row.kernel, stage->lighting->name);
 }
 
 static int firsts_keep(struct firsts *firsts, const struct bench_way *way,

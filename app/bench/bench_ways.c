@@ -263,7 +263,8 @@ static int way_composite(struct bench_way *way, struct bench_stage *stage,
 		   : 0;
 }
 
-/* A whole frame of a kiosk that looks for people: as in app/pipeline, the background is read before. */
+/* A whole frame of a kiosk that looks for people: as in app/pipeline, the background is read
+ * before. */
 static int way_visited(struct bench_way *way, struct bench_stage *stage, struct fault *fault)
 {
 	const int err = bench_frame_measure(stage->cameras, stage->settings->threshold, fault);

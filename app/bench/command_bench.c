@@ -135,8 +135,7 @@ static const struct option_row rows[] = {
 	 .take = take_kernel},
 	{.name = "lights",
 	 .argument = "FILE",
-	 .help = "a lighting: a line of \"r g b\" for each light, in dome order; may be given "
-		 "again",
+	 .help = "a lighting: a line of \"r g b\" for each light, in dome order; may be given again",
 	 .take = take_lights},
 	{.name = "panorama",
 	 .argument = "FILE",
@@ -148,8 +147,7 @@ static const struct option_row rows[] = {
 	 .take = take_cells},
 	{.name = "threshold",
 	 .argument = "LEVEL",
-	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more "
-		 "of white: 1%; 0 takes all",
+	 .help = "leave out lights below this grey level, 0..255, or what changes no pixel by more of white: 1%; 0 takes all",
 	 .take = take_threshold},
 	{.name = "threads",
 	 .argument = "N",
@@ -217,27 +215,18 @@ const struct command command_bench = {
 	.usage = "--basis FILE [--lights FILE]... [--panorama FILE]... [options]",
 	.purpose = "what a picture of a basis takes, and how exact it is, beside the thesis's way",
 	.details =
-		"One row each, timed in turns on the same pixels under the same lights: the "
-		"thesis's "
-		"algorithm in\ndouble precision; the exact layer; the fast one, whole and where "
-		"lights "
-		"change from picture to\npicture; a whole frame from two YUYV cameras of the "
-		"basis's "
-		"size; only reading as much memory as\nthese did; copying the picture. Errors are "
-		"the "
-		"worst of all that the lighting holds.\n"
+		"One row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in\n"
+		"double precision; the exact layer; the fast one, whole and where lights change from picture to\n"
+		"picture; a whole frame from two YUYV cameras of the basis's size; only reading as much memory as\n"
+		"these did; copying the picture. Errors are the worst of all that the lighting holds.\n"
 		"    x thesis  the thesis's median time over this one\n"
 		"    x bound   the least time over that of only reading as many bytes\n"
 		"    x copy    the least time over that of copying the picture\n"
-		"    PSNR, RMS, max   against double precision, not rounded: 8 bits alone are 58.9 "
-		"dB\n"
-		"    contrast  mean over the shadow of |ratio - true ratio|, weighted by the light "
-		"behind it\n"
-		"Errors are in 8-bit levels of sRGB, over the pixels that the object changes; the "
-		"thesis's in\nlevels of linear light, as it has no transfer function. Without "
-		"lightings: overcast, a sun, random\nones, and single cells, of which the worst "
-		"counts. "
-		"White ground has radiance 1, in a panorama 0.6.",
+		"    PSNR, RMS, max   against double precision, not rounded: 8 bits alone are 58.9 dB\n"
+		"    contrast  mean over the shadow of |ratio - true ratio|, weighted by the light behind it\n"
+		"Errors are in 8-bit levels of sRGB, over the pixels that the object changes; the thesis's in\n"
+		"levels of linear light, as it has no transfer function. Without lightings: overcast, a sun, random\n"
+		"ones, and single cells, of which the worst counts. White ground has radiance 1, in a panorama 0.6.",
 	.options = rows,
 	.run = bench_command,
 };

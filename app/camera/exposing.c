@@ -142,8 +142,7 @@ void exposing_judge(struct exposing *e, struct source *source, double level, boo
 		return;
 	if (e->unfit * 3 >= e->judged) {
 		log_info_paced(
-			"camera %s: %d of %d pictures have another exposure than they should; how "
-			"long it takes is measured",
+			"camera %s: %d of %d pictures have another exposure than they should; how long it takes is measured",
 			source->settings.name, e->unfit, e->judged);
 		schedule_begin(e, -1);
 	}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A view of a camera's picture: fisheye, background, scene or depth look through an eye, which says which
- * part of which camera they see upright. */
+/* A view of a camera's picture: fisheye, background, scene or depth look through an eye, which says
+ * which part of which camera they see upright. */
 #ifndef INLAY_APP_CAMERA_EYE_H
 #define INLAY_APP_CAMERA_EYE_H
 
@@ -50,12 +50,12 @@ struct picture eye_picture(const struct eye *eye);
 /* The same by a reader, whichever way suits. */
 struct frame_reader eye_reader(const struct eye *eye);
 
-/* The depths of a frame that is the picture, in memory that the camera filled; valid as eye_read()'s. False:
- * there are none. */
+/* The depths of a frame that is the picture, in memory that the camera filled; valid as
+ * eye_read()'s. False: there are none. */
 bool eye_depth(const struct eye *eye, double unit_m, struct depth_map *map);
 
-/* Takes a new picture: whether its light counts already, after its camera was opened. metering: as for
- * settling_take(). Frames on demand have nothing to settle. */
+/* Takes a new picture: whether its light counts already, after its camera was opened. metering: as
+ * for settling_take(). Frames on demand have nothing to settle. */
 bool eye_has_settled(const struct eye *eye, bool metering);
 
 #endif

@@ -4,8 +4,8 @@
  * frames, green ones (YUV buffers of zeros, which nobody has filled), and frames whose exposure and
  * white balance are still being found. They are left out of the light.
  *
- * A picture is blank where no pixel has red or blue. Pictures count once their mean level has stayed
- * within 4 % (or one code value) for SETTLING_STEADY_NS and three pictures, and in any case
+ * A picture is blank where no pixel has red or blue. Pictures count once their mean level has
+ * stayed within 4 % (or one code value) for SETTLING_STEADY_NS and three pictures, and in any case
  * SETTLING_MOST_NS after the first one: a dark night is black for ever. Pure: asks no clock.
  */
 #ifndef INLAY_APP_CAMERA_SETTLING_H
@@ -19,8 +19,8 @@
 
 #define SETTLING_STEADY_NS (300 * NS_PER_MS)
 #define SETTLING_MOST_NS (3 * NS_PER_S)
-/* For a picture that is kept: at 8 Hz an exposure that takes five seconds changes by less than 4 % in
- * a third of a second. */
+/* For a picture that is kept: at 8 Hz an exposure that takes five seconds changes by less than 4 %
+ * in a third of a second. */
 #define SETTLING_KEPT_STEADY_NS NS_PER_S
 #define SETTLING_KEPT_MOST_NS (10 * NS_PER_S)
 
@@ -44,8 +44,9 @@ struct settling_look {
 
 struct settling_look settling_look_at(const struct frame_reader *picture);
 
-/* Takes a picture of this opening (1 or more) that was captured at a time. metering: the camera finds
- * its exposure itself; else only blank pictures are left out. Returns whether the picture counts. */
+/* Takes a picture of this opening (1 or more) that was captured at a time. metering: the camera
+ * finds its exposure itself; else only blank pictures are left out. Returns whether the picture
+ * counts. */
 bool settling_take(struct settling *settling, unsigned opening, const struct settling_look *look,
 		   bool metering, int64_t captured_ns);
 

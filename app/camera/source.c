@@ -398,8 +398,7 @@ static int accept_size(struct source *source, struct fault *fault)
 				 height, frame->width, frame->height);
 	if (source->canvas.width + source->canvas.height != width + height)
 		log_warning_paced(
-			"camera %s: it sends pictures of %dx%d in place of the %dx%d that it "
-			"agreed to",
+			"camera %s: it sends pictures of %dx%d in place of the %dx%d that it agreed to",
 			source->settings.name, width, height, frame->width, frame->height);
 	frame->width = width;
 	frame->height = height;

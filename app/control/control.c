@@ -119,8 +119,8 @@ static void cut_off(struct control *control, struct client *client)
 	*client = (struct client){.fd = -1};
 }
 
-/* Sends a line. 0 or -errno. The kernel having no room for another reply means that the client does not
- * read them. */
+/* Sends a line. 0 or -errno. The kernel having no room for another reply means that the client does
+ * not read them. */
 static int client_say(int fd, const char *before, const char *line)
 {
 	const struct iovec parts[] = {
@@ -223,8 +223,7 @@ static void take_client(struct control *control)
 	if (!may_command(control, fd)) {
 		(void)client_say(
 			fd, "error: ",
-			"this user may not, expected root, the kiosk's own or a member of the "
-			"group of [control]");
+			"this user may not, expected root, the kiosk's own or a member of the group of [control]");
 		close(fd);
 		return;
 	}

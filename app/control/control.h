@@ -4,15 +4,15 @@
  * reply. The socket's file belongs to the group that [control] names; the kiosk also checks who
  * connects, by the credentials that the kernel gives (SO_PEERCRED).
  *
- *     threshold-up | threshold-set 40 | view-next | ... any name of enum action    ->  ok
- *     status                                                        ->  one line of JSON
- *     snapshot              ->  snapshot WIDTH HEIGHT, and 4 * WIDTH * HEIGHT bytes after it (snapshot.h)
- *     anything else                                                 ->  error: what was expected
+ *     threshold-up | threshold-set 40 | ... any name of enum action    ->  ok
+ *     status                                                           ->  one line of JSON
+ *     snapshot    ->  snapshot WIDTH HEIGHT, and 4 * WIDTH * HEIGHT bytes after it (snapshot.h)
+ *     anything else                                                    ->  error: what was expected
  *
  * Nothing blocks, and no client keeps another one from the kiosk: a client that does not read its
- * replies, sends too much or sends a line without end is disconnected. A client that waits for a picture,
- * or has not read all of it, is not listened to. When CONTROL_CLIENTS_MAX are
- * connected, one more takes the place of the client that has been silent longest.
+ * replies, sends too much or sends a line without end is disconnected. A client that waits for a
+ * picture, or has not read all of it, is not listened to. When CONTROL_CLIENTS_MAX are connected,
+ * one more takes the place of the client that has been silent longest.
  */
 #ifndef INLAY_APP_CONTROL_CONTROL_H
 #define INLAY_APP_CONTROL_CONTROL_H
@@ -54,9 +54,10 @@ int control_open(struct control **control, const char *path, const char *group,
 /* Polls readable when control_next() has something to do. */
 int control_descriptor(const struct control *control);
 
-/* Takes the next request, in order. Each one but CONTROL_NOTHING must be answered or postponed before
- * the next call. CONTROL_NOTHING also comes after some requests although more are waiting (the descriptor
- * stays readable), so that a caller who reads until then still gets to its other work. */
+/* Takes the next request, in order. Each one but CONTROL_NOTHING must be answered or postponed
+ * before the next call. CONTROL_NOTHING also comes after some requests although more are waiting
+ * (the descriptor stays readable), so that a caller who reads until then still gets to its other
+ * work. */
 void control_next(struct control *control, struct control_request *request);
 void control_answer(struct control *control, const char *line); /* without its newline */
 
@@ -67,7 +68,8 @@ bool control_has_waiting(const struct control *control);
 void control_answer_waiting(struct control *control, const char *line, struct snapshot *snapshot);
 
 /* Once a second: disconnects clients that have read nothing of their picture for
- * CONTROL_PICTURE_SECONDS. Returns since when the longest waiting one waits; INT64_MAX: none does. */
+ * CONTROL_PICTURE_SECONDS. Returns since when the longest waiting one waits; INT64_MAX: none
+ * does. */
 int64_t control_look(struct control *control, int64_t now_ns);
 
 /* Whether CONTROL_PICTURES_MAX pictures are on their way: a further one has no room. */

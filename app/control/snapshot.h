@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture of the screen on its way from the kiosk to a client: a line, and the pixels after it, which
- * the kiosk holds until the client has taken them. The kiosk, which may write no files outside of its own
- * folders, needs no path of the client's, and encodes nothing.
+ * A picture of the screen on its way from the kiosk to a client: a line, and the pixels after it,
+ * which the kiosk holds until the client has taken them. The kiosk, which may write no files
+ * outside of its own folders, needs no path of the client's, and encodes nothing.
  */
 #ifndef INLAY_APP_CONTROL_SNAPSHOT_H
 #define INLAY_APP_CONTROL_SNAPSHOT_H
@@ -25,7 +25,8 @@ struct snapshot {
 /* Memory to draw in, with one holder. 0 or -ENOMEM. */
 int snapshot_create(struct snapshot **snapshot, int width, int height, struct fault *fault);
 
-/* Ends drawing: rows follow each other without gaps. Writes the line that goes before the pixels. */
+/* Ends drawing: rows follow each other without gaps. Writes the line that goes before the
+ * pixels. */
 void snapshot_finish(struct snapshot *snapshot, char line[SNAPSHOT_LINE_MAX]);
 
 /* Bytes after the line. */

@@ -176,8 +176,8 @@ static int handle_events(struct kiosk *k, struct fault *fault)
 }
 
 /* Opens the screen once each camera has been tried, so that the first picture holds all of them and
- * a screen without a size of its own takes theirs. A run of so many frames waits for as long as that takes: its
- * pictures must not depend on how busy the machine is. */
+ * a screen without a size of its own takes theirs. A run of so many frames waits for as long as
+ * that takes: its pictures must not depend on how busy the machine is. */
 static int kiosk_settle(struct kiosk *k, struct fault *fault)
 {
 	const bool waits = k->settings->frames || clock_now_ns() - k->start_ns < SETTLE_NS;

@@ -154,8 +154,7 @@ int kiosk_act(struct kiosk *k, const struct button_press *press, struct fault *f
 	case ACTION_FORGET:
 		if (!pipeline_report(k->picture.pipeline).people.on)
 			return fault_say(fault, -EINVAL,
-					 "nobody is looked for, expected [people] occlude "
-					 "= yes");
+					 "nobody is looked for, expected [people] occlude = yes");
 		if (press->action == ACTION_LEARN) {
 			pipeline_learn(k->picture.pipeline);
 			learned_soon(controls->learned);

@@ -55,19 +55,18 @@ static const char *answer_status(struct kiosk *k)
 	kiosk_pose_trouble(&k->picture, trouble);
 	rest_next(&k->rest, time(NULL), next);
 	config_hours_moment(config_hours_minute(time(NULL)), here);
-	snprintf(controls->status, sizeof(controls->status),
-		 "{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
-		 "\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
-		 "\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,"
-		 "\"hours_next\":\"%s\",\"local_time\":\"%s\",\"undervoltage\":%s,\"throttled\":%s,"
-		 "%s}",
-		 INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
-		 basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
-		 controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
-		 controls->split, controls->information ? "true" : "false",
-		 kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next, here,
-		 word_of(&supply, supply.undervoltage, supply.undervoltage_before),
-		 word_of(&supply, supply.throttled, supply.throttled_before), figures);
+	snprintf(
+		controls->status, sizeof(controls->status),
+		"{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
+		"\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
+		"\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,\"hours_next\":\"%s\",\"local_time\":\"%s\",\"undervoltage\":%s,\"throttled\":%s,%s}",
+		INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
+		basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
+		controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
+		controls->split, controls->information ? "true" : "false",
+		kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next, here,
+		word_of(&supply, supply.undervoltage, supply.undervoltage_before),
+		word_of(&supply, supply.throttled, supply.throttled_before), figures);
 	return controls->status;
 }
 

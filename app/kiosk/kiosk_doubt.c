@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Whether the light that is measured can be believed: the lens has to see its lights, outside of its image
- * circle a fisheye's picture is black, and ground of known reflectance is as bright as the light makes it. */
+/* Whether the light that is measured can be believed: the lens has to see its lights, outside of
+ * its image circle a fisheye's picture is black, and ground of known reflectance is as bright as
+ * the light makes it. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,8 +48,8 @@ static int level_at(const struct frame_reader *reader, int x, int y)
 	return (int)((pixel & 255) + 2 * (pixel >> 8 & 255) + (pixel >> 16 & 255)) / 4;
 }
 
-/* Whether the picture is lit where it lies outside of the image circle. False also where the circle leaves
- * no corners. */
+/* Whether the picture is lit where it lies outside of the image circle. False also where the circle
+ * leaves no corners. */
 static bool is_lit_outside(const struct frame_reader *reader, const struct fisheye *lens)
 {
 	const int width = reader->view.width, height = reader->view.height;
@@ -70,9 +71,9 @@ static bool is_lit_outside(const struct frame_reader *reader, const struct fishe
 	return points >= CORNER_POINTS_MIN && 2 * lit > points;
 }
 
-/* How much brighter the ground is than the measured light makes it, in the channel in which it is nearest:
- * above GROUND_FACTOR, or below 1 / GROUND_FACTOR; 0: nearer, or not known. Only a gain that was measured ties
- * one camera's light to the other's. */
+/* How much brighter the ground is than the measured light makes it, in the channel in which it is
+ * nearest: above GROUND_FACTOR, or below 1 / GROUND_FACTOR; 0: nearer, or not known. Only a gain
+ * that was measured ties one camera's light to the other's. */
 static double ground_off(const struct kiosk *k)
 {
 	const struct eye *background = &k->inputs.eyes.background;
@@ -101,28 +102,25 @@ static int find_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
 	int outside;
 
 	if (is_lit_outside(&reader, pipeline_lens(pipeline)))
-		return snprintf(text, OVERLAY_TEXT_MAX,
-				"The fisheye's picture has no image circle where its lens has one: "
-				"are the cameras exchanged, or centre and focal length wrong?");
+		return snprintf(
+			text, OVERLAY_TEXT_MAX,
+			"The fisheye's picture has no image circle where its lens has one: are the cameras exchanged, or centre and focal length wrong?");
 	if (off > 1)
 		return snprintf(
 			text, OVERLAY_TEXT_MAX,
-			"The ground is over %d times brighter than the measured light makes "
-			"it: is the fisheye covered, or an exposure not the calibrated one?",
+			"The ground is over %d times brighter than the measured light makes it: is the fisheye covered, or an exposure not the calibrated one?",
 			GROUND_FACTOR);
 	if (off > 0)
 		return snprintf(
 			text, OVERLAY_TEXT_MAX,
-			"The ground is over %d times darker than the measured light makes it: "
-			"are the cameras exchanged, or an exposure not the calibrated one?",
+			"The ground is over %d times darker than the measured light makes it: are the cameras exchanged, or an exposure not the calibrated one?",
 			GROUND_FACTOR);
 	if (outside_share(pipeline_dome(pipeline), pipeline_lens(pipeline), reader.view.width,
 			  reader.view.height, &outside) >= OUTSIDE_SHARE)
-		return snprintf(text, OVERLAY_TEXT_MAX,
-				"%d of %d lights lie outside of the fisheye's picture and count as "
-				"dark: is "
-				"its circle cut off, or its centre or focal length wrong?",
-				outside, pipeline_dome(pipeline)->count);
+		return snprintf(
+			text, OVERLAY_TEXT_MAX,
+			"%d of %d lights lie outside of the fisheye's picture and count as dark: is its circle cut off, or its centre or focal length wrong?",
+			outside, pipeline_dome(pipeline)->count);
 	return 0;
 }
 

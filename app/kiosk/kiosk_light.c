@@ -54,8 +54,9 @@ struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *in, struct pipeline *p
 
 /* ---- views of the pictures ---- */
 
-/* A view that does not fit is said, on the screen too: the camera may send something else later, and
- * cameras that were exchanged are seen at once. strict: it is an error, which that fault tells; else NULL. */
+/* A view that does not fit is said, on the screen too: the camera may send something else later,
+ * and cameras that were exchanged are seen at once. strict: it is an error, which that fault tells;
+ * else NULL. */
 static int say_fit(const struct eye *eye, int err, const struct fault *reason, struct fault *said,
 		   struct fault *strict)
 {
@@ -130,8 +131,9 @@ static void recover_from_ground(const struct eye *background, struct pipeline *p
 	pipeline_recover(pipeline, &reader);
 }
 
-/* Whether the pictures that light is measured in can be believed: the fisheye's, and the background's
- * where its ground tells of the light. Cameras that take several exposures do not meter. */
+/* Whether the pictures that light is measured in can be believed: the fisheye's, and the
+ * background's where its ground tells of the light. Cameras that take several exposures do not
+ * meter. */
 static bool have_settled(const struct kiosk_inputs *in, const struct pipeline *pipeline)
 {
 	const struct eye *background = &in->eyes.background;

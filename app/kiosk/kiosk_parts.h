@@ -51,7 +51,8 @@ struct kiosk_inputs {
 	struct fault unfit[EYES];
 	bool depth_used; /* the last look for people had depths */
 	enum { DEPTH_UNSAID, DEPTH_SAID_UNUSED, DEPTH_SAID_USED } depth_said; /* in the log */
-	bool light_awaited; /* the fisheye's picture is measured once the pipeline is ready for it */
+	/* the fisheye's picture is measured once the pipeline is ready for it */
+	bool light_awaited;
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
 	struct fault doubt_said; /* why the light is not believed; empty: it is */
 	int doubted;		 /* for how many seconds it has not been believed */
@@ -167,14 +168,14 @@ struct kiosk_taken {
 struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
 				     bool frames, bool frozen);
 
-/* Fits each view to its camera's picture. composited: the background has to have the basis's size. A
- * view that does not fit is logged and has no picture; strict not NULL: it is an error. */
+/* Fits each view to its camera's picture. composited: the background has to have the basis's size.
+ * A view that does not fit is logged and has no picture; strict not NULL: it is an error. */
 int kiosk_fit_eyes(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
 		   bool composited, struct fault *strict);
 
 /* Measures the light in the fisheye's new picture. The light stays as it was where it cannot be
- * measured or a thread still prepares for it (in->light_awaited), or where the picture's exposure is not known. An error only before the first
- * picture. */
+ * measured or a thread still prepares for it (in->light_awaited), or where the picture's exposure
+ * is not known. An error only before the first picture. */
 int kiosk_measure_light(struct kiosk_inputs *inputs, const struct kiosk_picture *picture,
 			struct fault *fault);
 
@@ -261,8 +262,8 @@ void kiosk_snapshot_ask(struct kiosk *k);
 void kiosk_snapshot_check(struct kiosk *k);
 
 /* Where a client waits: memory to draw in, as *aside, instead of the acquired screen, which
- * kiosk_snapshot_end() copies there and answers with, or with why drawing failed (NULL: it did not). Else
- * NULL, and *aside is the screen. */
+ * kiosk_snapshot_end() copies there and answers with, or with why drawing failed (NULL: it did
+ * not). Else NULL, and *aside is the screen. */
 struct snapshot *kiosk_snapshot_begin(struct kiosk *k, const struct display_buffer *screen,
 				      struct display_buffer *aside);
 void kiosk_snapshot_end(struct kiosk *k, struct snapshot *snapshot,
@@ -273,8 +274,8 @@ void kiosk_snapshot_end(struct kiosk *k, struct snapshot *snapshot,
 /* Looks at a picture whose light was just measured, once a second. */
 void kiosk_look_for_doubt(struct kiosk *k);
 
-/* Once a second: writes a sentence on why the light that is measured cannot be right, and logs it when it has
- * been so for ten seconds. Returns 1; 0: there is no doubt. */
+/* Once a second: writes a sentence on why the light that is measured cannot be right, and logs it
+ * when it has been so for ten seconds. Returns 1; 0: there is no doubt. */
 int kiosk_doubt(struct kiosk *k, char text[OVERLAY_TEXT_MAX]);
 
 /* ---- kiosk_text.c ---- */
@@ -292,8 +293,8 @@ int kiosk_pose_trouble(const struct kiosk_picture *picture, char text[OVERLAY_TE
 /* SIGHUP: a thread begins to read; while it reads, a further one is kept for afterwards. */
 void kiosk_reload(struct kiosk *k);
 
-/* SLOT_READING is ready: takes what the thread has read. With any fault every fault is logged, and the
- * old configuration stays. */
+/* SLOT_READING is ready: takes what the thread has read. With any fault every fault is logged, and
+ * the old configuration stays. */
 void kiosk_reload_take(struct kiosk *k);
 
 /* Waits for the thread and drops what it has read. Idempotent. */

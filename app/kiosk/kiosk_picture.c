@@ -113,7 +113,8 @@ static struct show_picture eye_shown(const struct eye *eye, bool needed)
 	return (struct show_picture){eye_picture(eye), eye->view.squash};
 }
 
-/* What SHOW_GUIDE draws; the camera is read again for each of its pictures, as the basis may change. */
+/* What SHOW_GUIDE draws; the camera is read again for each of its pictures, as the basis may
+ * change. */
 static struct show_guide guide_for(struct kiosk_picture *picture)
 {
 	const int pose = pipeline_report(picture->pipeline).pose;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* SIGHUP: reads the configuration again and opens the statistics' file again, while the kiosk goes
- * on. A thread reads what may take long: the configuration, its mask, another basis with a pose and what
- * measures its light. */
+ * on. A thread reads what may take long: the configuration, its mask, another basis with a pose and
+ * what measures its light. */
 #include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
@@ -19,8 +19,8 @@ struct reading {
 	pthread_t thread;
 	int done;   /* eventfd; readable: the thread has ended */
 	bool again; /* another SIGHUP has come meanwhile */
-	/* The thread reads of it what stays as it is until the thread has ended: settings, configuration in
-	 * force, basis. */
+	/* The thread reads of it what stays as it is until the thread has ended: settings,
+	 * configuration in force, basis. */
 	const struct kiosk *kiosk;
 	int pose;			   /* chosen at SIGHUP */
 	int fisheye_width, fisheye_height; /* of its pictures; 0 0: none has come */
@@ -94,8 +94,8 @@ static int reading_check(struct reading *r)
 	return err;
 }
 
-/* Makes the pipeline of another basis, which has to show a pose: its file may be cut or copied over at any
- * time afterwards. fresh has the settings that will be in force. */
+/* Makes the pipeline of another basis, which has to show a pose: its file may be cut or copied over
+ * at any time afterwards. fresh has the settings that will be in force. */
 static int reading_make_pipeline(struct reading *r)
 {
 	const struct config *fresh = r->fresh;
@@ -322,8 +322,8 @@ static void say_outcome(const struct kiosk *k, int err)
 		log_error("the configuration %s; the old one stays",
 			  err == -EINVAL ? "is wrong" : "cannot be read");
 	else if (k->owed)
-		log_error("the configuration has been read again, but not all of it is in force: "
-			  "reload it once more");
+		log_error(
+			"the configuration has been read again, but not all of it is in force: reload it once more");
 	else
 		log_info("the configuration has been read again");
 }

@@ -27,7 +27,8 @@ struct television {
 	bool on;
 };
 
-/* Runs on a thread of its own: an adapter that hangs takes longer than the service's watchdog waits. */
+/* Runs on a thread of its own: an adapter that hangs takes longer than the service's watchdog
+ * waits. */
 static void *television_tell(void *context)
 {
 	struct television *television = context;

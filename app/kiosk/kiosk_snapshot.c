@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What the screen shows, for clients of the control socket. The next picture is drawn in memory and
- * copied to the screen, because the screen's own memory must not be read: it costs a copy, and the video
- * goes on.
+ * copied to the screen, because the screen's own memory must not be read: it costs a copy, and the
+ * video goes on.
  */
 #include <string.h>
 

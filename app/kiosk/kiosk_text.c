@@ -120,9 +120,9 @@ static void say_depth(struct kiosk_inputs *in, const struct pipeline *pipeline)
 		return;
 	in->depth_said = now;
 	log_info_paced("people: who is in front is told by %s",
-		       in->depth_used ? "depth"
-				      : "their feet, as no depth has come within 0.2 s of the "
-					"picture");
+		       in->depth_used
+			       ? "depth"
+			       : "their feet, as no depth has come within 0.2 s of the picture");
 }
 
 void kiosk_text(struct kiosk *k)

@@ -26,8 +26,8 @@ struct rest {
 /* Takes hours that have been checked. Whoever woke it is forgotten. */
 void rest_take_hours(struct rest *rest, const char *hours);
 
-/* A button or a command: it does not rest for the next REST_WAKE_MINUTES. Returns whether it rested.
- * A button then does nothing else, because nobody could see what it does. */
+/* A button or a command: it does not rest for the next REST_WAKE_MINUTES. Returns whether it
+ * rested. A button then does nothing else, because nobody could see what it does. */
 bool rest_press(struct rest *rest, int64_t now_ns);
 
 /* Whether it has to rest now. Never while the clock shows a time before the program was built. */

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finds a lamp that shines where the dome is coarse, so that its shadow is softer than it is. A cell
- * i of radiance L holds a lamp if it gives the ground much more light than its neighbours would:
+ * Finds a lamp that shines where the dome is coarse, so that its shadow is softer than it is. A
+ * cell i of radiance L holds a lamp if it gives the ground much more light than its neighbours
+ * would:
  *
  *     share = (L_i - mean L of the neighbours) * projected solid angle_i / E
  *
- * with the irradiance E of a level ground. A lamp is there from a share of COARSE_LAMP_FROM on, until
- * less than COARSE_LAMP_UNTIL is left. Only where finer lights help: nodes farther apart than
+ * with the irradiance E of a level ground. A lamp is there from a share of COARSE_LAMP_FROM on,
+ * until less than COARSE_LAMP_UNTIL is left. Only where finer lights help: nodes farther apart than
  * COARSE_LAMP_APART_RAD, between those of the frequencies 18 and 36.
  */
 #ifndef INLAY_APP_PIPELINE_COARSE_LAMP_H

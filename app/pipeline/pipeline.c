@@ -29,8 +29,7 @@ static int create_dome(struct dome *dome, const struct basis *basis, struct faul
 		if (!(fabs(is - own) <= SOLID_ANGLE_OFF * own))
 			err = fault_say(
 				fault, -EINVAL,
-				"light %d of the basis has a solid angle of %g sr, expected "
-				"%g by the lights around it",
+				"light %d of the basis has a solid angle of %g sr, expected %g by the lights around it",
 				i, is, own);
 	}
 	return err;

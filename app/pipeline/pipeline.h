@@ -4,9 +4,9 @@
  * knows no cameras, screens or files, so that `run` and `still` make the same picture.
  *
  * For each frame call pipeline_light_*(), pipeline_recover(), and pipeline_follow() where frames
- * follow each other; then pipeline_choose(), pipeline_look(), then pipeline_composite(). Light stays until it is
- * measured again. Nothing is allocated after the first frame of a size. All calls come from one
- * thread; the pipeline has threads of its own.
+ * follow each other; then pipeline_choose(), pipeline_look(), then pipeline_composite(). Light
+ * stays until it is measured again. Nothing is allocated after the first frame of a size. All calls
+ * come from one thread; the pipeline has threads of its own.
  *
  * pipeline_light.c measures light, pipeline_ground.c recovers what is clipped, pipeline_pose.c
  * loads poses; everything else is in pipeline.c.
@@ -57,8 +57,8 @@ struct pipeline_settings {
 	int threads;		   /* 0: one for each processor */
 	enum compositor_mode mode; /* exact only where the basis was opened with that layer */
 	char kernel[PIPELINE_KERNEL_MAX]; /* struct compositor_options; empty: auto */
-	/* The object follows the background camera's exposure and white balance, and lamps that flicker
-	 * in its rows (hal/look). */
+	/* The object follows the background camera's exposure and white balance, and lamps that
+	 * flicker in its rows (hal/look). */
 	bool follow_exposure;
 	double neutral; /* share of the light that is grey of the same luminance, 0..1 */
 	bool grain;	/* the object gets the background camera's noise (hal/look) */
@@ -66,8 +66,8 @@ struct pipeline_settings {
 	/* Picture of the background's size, and nobody is looked for where it is darker than half;
 	 * empty: people are looked for everywhere. */
 	char mask[INI_PATH_MAX];
-	/* Its pixels where pipeline_read_mask() has read them, and needed during the call only; NULL: the
-	 * file is read. */
+	/* Its pixels where pipeline_read_mask() has read them, and needed during the call only;
+	 * NULL: the file is read. */
 	const uint8_t *mask_pixels;
 	struct tsai_camera depth_camera; /* see struct people_settings; width 0: none */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
@@ -154,9 +154,10 @@ int pipeline_change(struct pipeline *pipeline, const struct pipeline_settings *s
 int pipeline_relight(struct pipeline *pipeline, const struct pipeline_settings *settings,
 		     struct fault *fault);
 
-/* Makes ready for fisheye pictures of this size, which takes longer than a frame lasts: a thread does
- * it, unless wait is true. 0: it is; -EAGAIN: not yet, call again with the next picture; else what
- * fisheye_prepare() and light_sampler_create() return. The functions below that measure light wait. */
+/* Makes ready for fisheye pictures of this size, which takes longer than a frame lasts: a thread
+ * does it, unless wait is true. 0: it is; -EAGAIN: not yet, call again with the next picture; else
+ * what fisheye_prepare() and light_sampler_create() return. The functions below that measure light
+ * wait. */
 int pipeline_light_prepare(struct pipeline *pipeline, int width, int height, bool wait,
 			   struct fault *fault);
 
@@ -168,9 +169,9 @@ void pipeline_lens_size(const struct pipeline *pipeline, int *width, int *height
 int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis *basis,
 			 struct fault *fault);
 
-/* Reads the file of settings.mask, which has to be a picture of the basis's size: *pixels[height][width],
- * which the caller frees, is 1 where people are looked for; NULL where path is empty. 0 or what
- * image_read_sized() returns, -ENOTSUP, -ENOMEM. */
+/* Reads the file of settings.mask, which has to be a picture of the basis's size:
+ * *pixels[height][width], which the caller frees, is 1 where people are looked for; NULL where path
+ * is empty. 0 or what image_read_sized() returns, -ENOTSUP, -ENOMEM. */
 int pipeline_read_mask(const char *path, const struct basis *basis, uint8_t **pixels,
 		       struct fault *fault);
 
@@ -206,8 +207,9 @@ void pipeline_find_lamp(struct pipeline *pipeline);
  * there is no patch. */
 void pipeline_recover(struct pipeline *pipeline, const struct frame_reader *background);
 
-/* The radiance of the patch of ground as seen in background, and as the measured light and the patch's
- * given reflectance tell it. False: there is no patch of given reflectance, or it is outside. */
+/* The radiance of the patch of ground as seen in background, and as the measured light and the
+ * patch's given reflectance tell it. False: there is no patch of given reflectance, or it is
+ * outside. */
 bool pipeline_ground_told(const struct pipeline *pipeline, const struct frame_reader *background,
 			  double seen[3], double told[3]);
 
@@ -237,8 +239,8 @@ void pipeline_look(struct pipeline *pipeline, const struct picture *background,
 void pipeline_learn(struct pipeline *pipeline);
 void pipeline_forget(struct pipeline *pipeline);
 
-/* What was learned of the place, as people_save() and people_restore() have it (hal/people/people.h).
- * 0 bytes: nobody is looked for, or the picture is too large. */
+/* What was learned of the place, as people_save() and people_restore() have it
+ * (hal/people/people.h). 0 bytes: nobody is looked for, or the picture is too large. */
 size_t pipeline_learned_bytes(const struct pipeline *pipeline);
 size_t pipeline_learned_save(const struct pipeline *pipeline, void *to, size_t done);
 int pipeline_learned_restore(struct pipeline *pipeline, const void *from, size_t bytes,

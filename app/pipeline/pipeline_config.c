@@ -119,9 +119,9 @@ static int check_config_size(const struct config *config, const struct basis *ba
 	    ((uint32_t)view.width == basis->info.width &&
 	     (uint32_t)view.height == basis->info.height))
 		return 0;
-	log_error("%s: [background] the picture is %dx%d pixels, expected %ux%u as the basis was "
-		  "baked",
-		  config->name, view.width, view.height, basis->info.width, basis->info.height);
+	log_error(
+		"%s: [background] the picture is %dx%d pixels, expected %ux%u as the basis was baked",
+		config->name, view.width, view.height, basis->info.width, basis->info.height);
 	return -EINVAL;
 }
 
@@ -129,9 +129,9 @@ static int check_kernel(const struct config *config)
 {
 	if (compositor_has_kernel(config->composite.kernel))
 		return 0;
-	log_error("%s: [composite] kernel: this processor has none called \"%s\", expected auto "
-		  "or one that inlay bench lists",
-		  config->name, config->composite.kernel);
+	log_error(
+		"%s: [composite] kernel: this processor has none called \"%s\", expected auto or one that inlay bench lists",
+		config->name, config->composite.kernel);
 	return -ENOTSUP;
 }
 

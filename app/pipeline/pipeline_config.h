@@ -17,8 +17,8 @@ int pipeline_open_basis(struct basis *basis, const char *path, enum basis_part p
 			struct fault *fault);
 
 /* Checks what depends on the basis (NULL: left out) and the processor. Logs each fault. 0; -EINVAL:
- * the basis has no such pose or patch; -ENOTSUP: the processor has no such kernel. *mask is set where
- * there is a basis, as pipeline_read_mask() has it. */
+ * the basis has no such pose or patch; -ENOTSUP: the processor has no such kernel. *mask is set
+ * where there is a basis, as pipeline_read_mask() has it. */
 int pipeline_config_check(const struct config *config, const struct basis *basis, uint8_t **mask);
 
 #endif

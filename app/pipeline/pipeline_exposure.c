@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The object follows the background camera's exposure and white balance, and lamps that flicker in its rows
- * (hal/look). */
+/* The object follows the background camera's exposure and white balance, and lamps that flicker in
+ * its rows (hal/look). */
 #include <errno.h>
 
 #include "app/pipeline/pipeline_parts.h"

@@ -44,11 +44,11 @@ int pipeline_grain_prepare(struct pipeline *p, const struct pipeline_settings *s
 		: -ENOMEM;
 	if (err) {
 		free(g);
-		return fault_say(fault, err,
-				 err == -EINVAL
-					 ? "[composite] grain: the picture is too small to "
-					   "measure its noise, expected 8x8 pixels"
-					 : "not enough memory to measure the camera's noise");
+		return fault_say(
+			fault, err,
+			err == -EINVAL
+				? "[composite] grain: the picture is too small to measure its noise, expected 8x8 pixels"
+				: "not enough memory to measure the camera's noise");
 	}
 	pipeline_grain_free(p);
 	p->grain = g;

@@ -62,15 +62,15 @@ int pipeline_check_patch(const struct pipeline_patch *patch, const struct basis 
 		return 0;
 	if (patch->x + patch->width > (int)info->width ||
 	    patch->y + patch->height > (int)info->height)
-		return fault_say(fault, -EINVAL,
-				 "[background] ground_patch: reaches to %d, %d, expected at most "
-				 "%u, %u as the basis was baked",
-				 patch->x + patch->width, patch->y + patch->height, info->width,
-				 info->height);
+		return fault_say(
+			fault, -EINVAL,
+			"[background] ground_patch: reaches to %d, %d, expected at most %u, %u as the basis was baked",
+			patch->x + patch->width, patch->y + patch->height, info->width,
+			info->height);
 	if (!is_known(patch) && !info->grounds)
-		return fault_say(fault, -EINVAL,
-				 "[background] ground_reflectance: the basis was baked without a "
-				 "ground, expected the patch's reflectance");
+		return fault_say(
+			fault, -EINVAL,
+			"[background] ground_reflectance: the basis was baked without a ground, expected the patch's reflectance");
 	return 0;
 }
 

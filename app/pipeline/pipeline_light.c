@@ -9,8 +9,9 @@
 
 #include "app/pipeline/pipeline_parts.h"
 
-/* Making a sampler takes longer than a frame lasts: a thread makes the next one. Meanwhile the pipeline
- * measures with the present one, or waits where there is none for pictures of this size. */
+/* Making a sampler takes longer than a frame lasts: a thread makes the next one. Meanwhile the
+ * pipeline measures with the present one, or waits where there is none for pictures of this
+ * size. */
 struct relight {
 	pthread_t thread;
 	bool threaded; /* the thread has to be joined */

@@ -37,9 +37,7 @@ int pipeline_read_mask(const char *path, const struct basis *basis, uint8_t **ou
 		return fault_say(fault, err, "[people] mask: %s", reason.text);
 	if (!image.u8)
 		err = fault_say(fault, -ENOTSUP,
-				"[people] mask: %s holds light, expected PNG, JPEG or "
-				"WebP",
-				path);
+				"[people] mask: %s holds light, expected PNG, JPEG or WebP", path);
 	else if (!(shown = malloc((size_t)width * (size_t)height)))
 		err = fault_say(fault, -ENOMEM, "not enough memory for [people] mask");
 	for (int i = 0; !err && i < width * height; i++) {

@@ -192,8 +192,8 @@ void learned_forget(struct learned *l)
 
 /* ---- reading ---- */
 
-/* Reads a file of exactly that many bytes, which the caller frees. One of another length is read as far,
- * so that its header tells what it is. */
+/* Reads a file of exactly that many bytes, which the caller frees. One of another length is read as
+ * far, so that its header tells what it is. */
 static int read_file(const char *path, size_t bytes, uint8_t **out, size_t *count,
 		     struct fault *fault)
 {

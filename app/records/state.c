@@ -81,8 +81,7 @@ static int write_state(const char *path, const struct state_values *values, stru
 
 	if (err)
 		return err;
-	fputs("; What was chosen last, written by inlay. Without this file the configuration "
-	      "counts.\n"
+	fputs("; What was chosen last, written by inlay. Without this file the configuration counts.\n"
 	      "[chosen]\n",
 	      out.stream);
 	for (const struct ini_key *key = keys; key->name; key++) {

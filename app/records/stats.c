@@ -153,9 +153,7 @@ static void append_cameras(struct writing *w, const struct source *sources, int 
 		const struct settling *settling = &sources[i].settling;
 
 		append(w,
-		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,"
-		       "\"broken\":%llu,\"losses\":%llu,"
-		       "\"settling\":%s,\"unsettled\":%llu}",
+		       "%s{\"name\":\"%s\",\"situation\":\"%s\",\"frames\":%llu,\"lost\":%llu,\"broken\":%llu,\"losses\":%llu,\"settling\":%s,\"unsettled\":%llu}",
 		       i ? "," : "", sources[i].settings.name,
 		       camera_situation_names[sources[i].opening.situation],
 		       (unsigned long long)counts.frames, (unsigned long long)counts.lost,
@@ -213,9 +211,7 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 		append(&w, "%s\"%s\":%.4f", i ? "," : "", look_names[i], last->look_ms[i]);
 	append(&w,
 	       "},\"lights_used\":%d,\"lights\":%d,\"threshold\":%g,\"threshold_unit\":\"%s\","
-	       "\"dropped_error\":%.6g,"
-	       "\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu,"
-	       "\"lines_lost\":%llu",
+	       "\"dropped_error\":%.6g,\"clipped\":%.6f,\"recovered\":\"%s\",\"exposures\":%d,\"unfit\":%llu,\"lines_lost\":%llu",
 	       report->lights_used, report->lights, threshold->value,
 	       threshold->percent ? "percent" : "grey level", report->dropped_error,
 	       report->clipped,

@@ -12,8 +12,8 @@
 #define MONITORS_MAX 32
 
 /* Bits of get_throttled, as Raspberry Pi's documentation of vcgencmd lists them. The same bits 16
- * higher stay set once they have been. Throttled means all that makes the processor slower: a capped
- * frequency, throttling, a soft limit of the temperature. */
+ * higher stay set once they have been. Throttled means all that makes the processor slower: a
+ * capped frequency, throttling, a soft limit of the temperature. */
 #define UNDERVOLTAGE 0x1UL
 #define THROTTLED 0xeUL
 #define BEFORE_SHIFT 16

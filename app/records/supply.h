@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What a Raspberry Pi says of its power supply and its heat: either makes it slower and pictures late. */
+/* What a Raspberry Pi says of its power supply and its heat: either makes it slower and pictures
+ * late. */
 #ifndef INLAY_APP_RECORDS_SUPPLY_H
 #define INLAY_APP_RECORDS_SUPPLY_H
 

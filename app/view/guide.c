@@ -36,8 +36,8 @@ static bool ground_at(const struct tsai_camera *camera, double x, double y, doub
 	return true;
 }
 
-/* The ground in the middle of the picture, or below it where the middle shows the sky; and how wide a
- * row of the picture is there. */
+/* The ground in the middle of the picture, or below it where the middle shows the sky; and how wide
+ * a row of the picture is there. */
 static bool find_middle(const struct tsai_camera *camera, double middle[2], double *across)
 {
 	for (int eighth = 4; eighth < 8; eighth++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What helps to set a kiosk up by eye: the calibrated ground drawn into the background's picture, and the
- * directions of the world into the fisheye's.
+ * What helps to set a kiosk up by eye: the calibrated ground drawn into the background's picture,
+ * and the directions of the world into the fisheye's.
  */
 #ifndef INLAY_APP_VIEW_GUIDE_H
 #define INLAY_APP_VIEW_GUIDE_H
@@ -15,8 +15,8 @@
 
 #define GUIDE_LIGHTS 3 /* brightest lights that are named */
 
-/* Distance of the grid's lines, in the scene's units: 1, 2 or 5 times a power of ten, of which about
- * eight cross the middle of the picture. 0: the ground is not in the picture. */
+/* Distance of the grid's lines, in the scene's units: 1, 2 or 5 times a power of ten, of which
+ * about eight cross the middle of the picture. 0: the ground is not in the picture. */
 double guide_spacing(const struct tsai_camera *camera);
 
 /*
@@ -33,13 +33,14 @@ struct guide_light {
 	double height_deg;
 };
 
-/* The brightest lights: at least three times as bright as the mean, and 20 degrees apart. Returns their
- * number, at most GUIDE_LIGHTS; 0 under an even sky. radiance[dome->count]. */
+/* The brightest lights: at least three times as bright as the mean, and 20 degrees apart. Returns
+ * their number, at most GUIDE_LIGHTS; 0 under an even sky. radiance[dome->count]. */
 int guide_find_lights(const struct dome *dome, const float (*radiance)[3],
 		      struct guide_light found[GUIDE_LIGHTS]);
 
-/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, and the brightest lights with
- * azimuth and height. lens is prepared for the canvas's size; radiance NULL: no lights. */
+/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, and the brightest
+ * lights with azimuth and height. lens is prepared for the canvas's size; radiance NULL: no
+ * lights. */
 void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const struct dome *dome,
 		    const float (*radiance)[3], double letter_px);
 

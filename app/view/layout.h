@@ -23,8 +23,8 @@ struct layout_span {
 	int from, to;
 };
 
-/* The whole screen; its halves, 0 and 1, beside each other or, where it is higher than wide, one above
- * the other; its quarters: 0 up left, 1 up right, 2 down left, 3 down right. */
+/* The whole screen; its halves, 0 and 1, beside each other or, where it is higher than wide, one
+ * above the other; its quarters: 0 up left, 1 up right, 2 down left, 3 down right. */
 struct layout_box layout_whole(const struct display_buffer *screen);
 struct layout_box layout_half(const struct display_buffer *screen, int half);
 struct layout_box layout_quarter(const struct display_buffer *screen, int quarter);

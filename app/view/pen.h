@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lines and short texts in a picture, drawn with cairo. What is drawn has a dark edge, to be seen on every
- * picture. */
+/* Lines and short texts in a picture, drawn with cairo. What is drawn has a dark edge, to be seen
+ * on every picture. */
 #ifndef INLAY_APP_VIEW_PEN_H
 #define INLAY_APP_VIEW_PEN_H
 
@@ -13,8 +13,8 @@ struct pen;
 struct pen *pen_take(const struct canvas *canvas, double letter_px);
 void pen_drop(struct pen *pen);
 
-/* A line through points, in pixels (x right, y down, corner of the picture at 0); a point that is not
- * finite interrupts it. width: 1 is the usual one. */
+/* A line through points, in pixels (x right, y down, corner of the picture at 0); a point that is
+ * not finite interrupts it. width: 1 is the usual one. */
 void pen_line(struct pen *pen, const double (*points)[2], int count, const double rgb[3],
 	      double width);
 

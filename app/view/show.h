@@ -7,8 +7,8 @@
  *     scene   fisheye
  *     before  after
  *
- * guide is for setting up: composite and fisheye in halves, with ground and directions drawn in (guide.h).
- * A view that has no picture is black.
+ * guide is for setting up: composite and fisheye in halves, with ground and directions drawn in
+ * (guide.h). A view that has no picture is black.
  *
  * Pictures are made elsewhere and only placed here. For each picture of the screen: take the
  * pictures that show_needs() names, ask show_room() where the composite goes, make it there, then

@@ -18,8 +18,8 @@ static const char *const wrong[CAMERA_SITUATION_COUNT] = {
 	[CAMERA_DAMAGED] = "sends only damaged pictures: try another cable, port or picture format",
 	[CAMERA_UNSUPPORTED_FORMAT] = "sends no picture that can be used",
 	[CAMERA_BUSY] = "is used by another program: waiting",
-	[CAMERA_NO_BANDWIDTH] = "has no room on its USB bus: plug it into another port, or choose "
-				"MJPEG, a smaller picture or a lower rate",
+	[CAMERA_NO_BANDWIDTH] =
+		"has no room on its USB bus: plug it into another port, or choose MJPEG, a smaller picture or a lower rate",
 	[CAMERA_NO_PERMISSION] = "may not be opened by this user: add the user to the group video",
 	[CAMERA_BROKEN] = "does not work: the log says why",
 };
@@ -82,27 +82,26 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 	char whole[768], error[32], clipped[32], lamp[128] = "", people[96] = "";
 
 	if (f->lamp)
-		snprintf(lamp, sizeof(lamp),
-			 " · lamp at azimuth %.0f°, height %.0f°: shadow too soft, the dome is "
-			 "coarse "
-			 "there",
-			 f->lamp_azimuth_deg, f->lamp_height_deg);
+		snprintf(
+			lamp, sizeof(lamp),
+			" · lamp at azimuth %.0f°, height %.0f°: shadow too soft, the dome is coarse there",
+			f->lamp_azimuth_deg, f->lamp_height_deg);
 	if (f->people)
 		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front%s",
 			 floor(100 * f->learned), f->in_front,
 			 !f->depth     ? ""
 			 : f->by_depth ? " by depth"
 				       : " by feet");
-	snprintf(whole, sizeof(whole),
-		 "lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · "
-		 "latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",
-		 f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
-		 f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
-		 f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
-		 say_share(clipped, sizeof(clipped), f->clipped),
-		 !f->recovered ? ""
-		 : f->at_bound ? ", recovered in part"
-			       : ", recovered",
-		 lamp, people);
+	snprintf(
+		whole, sizeof(whole),
+		"lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",
+		f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
+		f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
+		f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
+		say_share(clipped, sizeof(clipped), f->clipped),
+		!f->recovered ? ""
+		: f->at_bound ? ", recovered in part"
+			      : ", recovered",
+		lamp, people);
 	return copy_whole(text, room, whole);
 }

@@ -12,7 +12,8 @@
 /*
  * "Fisheye camera 'C920' is not connected: waiting". role: "Fisheye", "Background", "Scene", or
  * "Fisheye and background" for a camera that several views share. name: of the device, else the
- * configuration's. why: what does not fit, for CAMERA_UNSUPPORTED_FORMAT; empty: not known. Returns the text's length, as snprintf(); 0 for CAMERA_FINE.
+ * configuration's. why: what does not fit, for CAMERA_UNSUPPORTED_FORMAT; empty: not known. Returns
+ * the text's length, as snprintf(); 0 for CAMERA_FINE.
  */
 int words_camera(char *text, size_t room, const char *role, const char *name,
 		 enum camera_situation situation, const char *why);
@@ -42,9 +43,10 @@ struct words_figures {
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it ends in " · lamp at azimuth
- * 134°, height 22°: shadow too soft, the dome is coarse there". Where people are looked for: " · place learned 98 %, 1 in
- * front", and with a depth camera " by depth" or " by feet". */
+ * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it
+ * ends in " · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there". Where
+ * people are looked for: " · place learned 98 %, 1 in front", and with a depth camera " by depth"
+ * or " by feet". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

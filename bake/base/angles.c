@@ -73,8 +73,7 @@ static int angles_read_line(struct angle_lines *all, const struct text_file *fil
 	if (!read_angles(text, &theta, &phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
 		return fault_say(
 			fault, -EINVAL,
-			"%s:%d: expected theta and phi in radians, theta from 0 (zenith) to "
-			"1.571 (horizon)",
+			"%s:%d: expected theta and phi in radians, theta from 0 (zenith) to 1.571 (horizon)",
 			file->path, file->number);
 	if (all->count == BASIS_LIGHTS_MAX)
 		return fault_say(fault, -EINVAL, "%s:%d: one light too many, expected at most %d",
@@ -185,13 +184,11 @@ static int find_dome(const struct angle_lines *all, const char *path, struct dom
 	if (stray)
 		return fault_say(
 			fault, -EINVAL,
-			"%s:%d: is no light of a dome of %d lights, or is there twice, expected "
-			"those that inlay-bake dome --angles prints, in any order",
+			"%s:%d: is no light of a dome of %d lights, or is there twice, expected those that inlay-bake dome --angles prints, in any order",
 			path, stray, all->count);
 	return fault_say(
 		fault, -EINVAL,
-		"%s: %d lights, expected as many as a dome has: 6, 26, 46, 86, 186, 406 ... "
-		"(inlay-bake dome)",
+		"%s: %d lights, expected as many as a dome has: 6, 26, 46, 86, 186, 406 ... (inlay-bake dome)",
 		path, all->count);
 }
 

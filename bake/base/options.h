@@ -8,8 +8,8 @@
 #include "hal/base/fault.h"
 
 #define EXIT_USAGE 2
-/* Done, the file is kept, but an error is larger than asked for; or the camera sees no object, and there
- * is no file. */
+/* Done, the file is kept, but an error is larger than asked for; or the camera sees no object, and
+ * there is no file. */
 #define EXIT_MISSED 3
 
 /* One entry of the command table. run() gets argv from the command's own name on, and returns the

@@ -57,7 +57,8 @@ struct tiff_kind {
 	uint32_t width, height;
 	uint16_t bits, samples, planes, light, format, turned;
 	uint16_t
-		alpha; /* EXTRASAMPLE_ASSOCALPHA, _UNASSALPHA; 0: further samples are something else */
+		/* EXTRASAMPLE_ASSOCALPHA, _UNASSALPHA; 0: further samples are something else */
+		alpha;
 };
 
 static struct tiff_kind tiff_kind_of(TIFF *tiff)
@@ -89,8 +90,8 @@ static double half_value(uint16_t half)
 	return half >> 15 ? -size : size;
 }
 
-/* Linear light of a row, whose first pixel is number at, and its alpha if there is some. False: a sample is not
- * finite. */
+/* Linear light of a row, whose first pixel is number at, and its alpha if there is some. False: a
+ * sample is not finite. */
 static bool tiff_take_floats(const struct tiff_kind *kind, const void *row, struct image *image,
 			     size_t at)
 {
@@ -255,8 +256,7 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 	if (light && (!rows || (kind.bits != 16 && kind.bits != 32)))
 		return fault_say(
 			fault, -EBADMSG,
-			"%s: a TIFF of %d-bit floats in %d samples, planes or tiles, expected "
-			"16 or 32 bits of grey or RGB in rows",
+			"%s: a TIFF of %d-bit floats in %d samples, planes or tiles, expected 16 or 32 bits of grey or RGB in rows",
 			path, kind.bits, kind.samples);
 	err = light  ? image_create_f32(image, (int)kind.width, (int)kind.height)
 	      : deep ? image_create_u16(image, (int)kind.width, (int)kind.height)

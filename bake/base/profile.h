@@ -2,9 +2,9 @@
 /*
  * Processor time of a bake by stage, found by sampling.
  *
- * Each thread that works keeps its stage in a variable of its own, which profile_enter() sets. A thread
- * of the profile reads these every millisecond. The processor time of each thread, which is exact, is
- * shared out by how often each stage was read:
+ * Each thread that works keeps its stage in a variable of its own, which profile_enter() sets. A
+ * thread of the profile reads these every millisecond. The processor time of each thread, which is
+ * exact, is shared out by how often each stage was read:
  *
  *     seconds[stage] = sum over threads of (processor time * samples in stage / samples)
  *
@@ -53,8 +53,8 @@ struct profile;
 /* Starts sampling threads, none at first. -ENOMEM, -EAGAIN. */
 int profile_begin(struct profile **profile, int threads_max);
 
-/* Watches the calling thread as number 0..threads_max - 1, once; it has to live until profile_end().
- * NULL is harmless. */
+/* Watches the calling thread as number 0..threads_max - 1, once; it has to live until
+ * profile_end(). NULL is harmless. */
 void profile_watch(struct profile *profile, int number);
 
 /* Stops, and sets the processor time of each stage so far, in seconds. NULL is harmless. */

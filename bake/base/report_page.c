@@ -282,22 +282,15 @@ int report_page_picture(struct report_page *page, FILE *to, const char *name,
 /* ---- the whole ---- */
 
 static const char style[] =
-	"body{font:16px/1.45 sans-serif;color:#1a1a1a;background:#fff;max-width:62em;"
-	"margin:2em auto;padding:0 1em}\n"
-	"h1{font-size:1.7em;margin:0 0 .4em}h2{font-size:1.25em;margin:2.2em 0 .4em;"
-	"border-top:1px solid #bbb;padding-top:.8em}\n"
+	"body{font:16px/1.45 sans-serif;color:#1a1a1a;background:#fff;max-width:62em;margin:2em auto;padding:0 1em}\n"
+	"h1{font-size:1.7em;margin:0 0 .4em}h2{font-size:1.25em;margin:2.2em 0 .4em;border-top:1px solid #bbb;padding-top:.8em}\n"
 	"p{max-width:46em;margin:.5em 0}.source,figcaption{font-size:.85em;color:#555}\n"
 	"table{border-collapse:collapse;font-size:.85em;margin:.8em 0 .2em}\n"
-	"th{text-align:right;vertical-align:bottom;border-bottom:2px solid #888;padding:.2em .6em}"
-	"th:first-child{text-align:left}.unit{font-weight:normal;color:#555}\n"
-	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}"
-	"td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
+	"th{text-align:right;vertical-align:bottom;border-bottom:2px solid #888;padding:.2em .6em}th:first-child{text-align:left}.unit{font-weight:normal;color:#555}\n"
+	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
 	"tr.used td{background:#dcebf7;font-weight:bold}\n"
-	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}"
-	"figure{margin:.8em 0}img{max-width:100%;display:block}"
-	"img.png{width:100%;image-rendering:pixelated}\n"
-	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}"
-	"figure,table{page-break-inside:avoid}}\n";
+	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}figure{margin:.8em 0}img{max-width:100%;display:block}img.png{width:100%;image-rendering:pixelated}\n"
+	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}figure,table{page-break-inside:avoid}}\n";
 
 static int write_page(struct report_page *page, const char *title, struct fault *fault)
 {

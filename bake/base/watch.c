@@ -85,8 +85,8 @@ static int watch_add(struct watch *watch, int folder, const char *name)
 	return 0;
 }
 
-/* Watches the name in its folder; where there is no such folder, the folder's own name in the one above,
- * and so on. */
+/* Watches the name in its folder; where there is no such folder, the folder's own name in the one
+ * above, and so on. */
 static int watch_path(struct watch *watch, const char *path)
 {
 	char folder[PATH_MAX], *slash, *name;
@@ -109,8 +109,8 @@ static int watch_path(struct watch *watch, const char *path)
 	return -ENOENT;
 }
 
-/* Follows the first symbolic link of a path, of a folder or of the file: writes where it leads. 1; 0: there
- * is none; -errno. */
+/* Follows the first symbolic link of a path, of a folder or of the file: writes where it leads. 1;
+ * 0: there is none; -errno. */
 static int watch_link(struct watch *watch, char path[PATH_MAX])
 {
 	char target[PATH_MAX], whole[2 * PATH_MAX];

@@ -54,14 +54,10 @@ const struct bake_command board_command = {
 	.usage = "[--board BOARD] [--page PAGE] -o FILE.pdf",
 	.summary = "a board to print, at its true size",
 	.help = "\n"
-		"Print it at 100 % (not fitted to the page), measure the ruler on it, and fix it "
-		"to\n"
-		"something flat.\n"
-		"\n"
-		"  --board BOARD  charuco:COLUMNSxROWS:SQUARE:MARKER, squares with markers: may be "
-		"seen in part;\n"
-		"                 more words: :6x6 or :DICT_6X6_250 for other markers, :legacy for "
-		"squares\n"
+		"Print it at 100 % (not fitted to the page), measure the ruler on it, and fix it to\n"
+		"something flat.\n\n"
+		"  --board BOARD  charuco:COLUMNSxROWS:SQUARE:MARKER, squares with markers: may be seen in part;\n"
+		"                 more words: :6x6 or :DICT_6X6_250 for other markers, :legacy for squares\n"
 		"                 as OpenCV before 4.6 has them\n"
 		"                 chess:COLUMNSxROWS:SQUARE, columns and rows of inner corners\n"
 		"                 (" DEFAULT_BOARD ")\n"

@@ -230,17 +230,17 @@ static int camera_check_options(const void *context, struct fault *fault)
 						 : "pictures themselves say");
 	if (job->intrinsics &&
 	    (job->pixel_given || job->task.centre_given || job->task.centre_deviation_px >= 0))
-		return fault_say(fault, -EINVAL,
-				 "--pixel, --centre and --centre-deviation: the file of "
-				 "--intrinsics says them");
+		return fault_say(
+			fault, -EINVAL,
+			"--pixel, --centre and --centre-deviation: the file of --intrinsics says them");
 	if (job->task.radial && (job->intrinsics || job->task.method == CAMERA_THREE))
 		return fault_say(fault, -EINVAL, "--radial: %s",
 				 job->intrinsics ? "the file of --intrinsics says the distortion"
 						 : "--method three has one term");
 	if (job->intrinsics && (job->task.aspect_given || job->task.aspect_deviation >= 0))
-		return fault_say(fault, -EINVAL,
-				 "--aspect and --aspect-deviation: the file of --intrinsics says "
-				 "them");
+		return fault_say(
+			fault, -EINVAL,
+			"--aspect and --aspect-deviation: the file of --intrinsics says them");
 	return 0;
 }
 
@@ -399,39 +399,31 @@ const struct bake_command camera_command = {
 	.usage = "(--points FILE ... | --images 'GLOB' ... --board BOARD |\n"
 		 "        --live CONFIG --board BOARD [--views N]) [options] -o CAM.ini",
 	.summary = "where the background camera stands, and what its lens does",
-	.help = "\n"
-		"  --points F ...     files of lines xw yw zw xf yf, each a view\n"
+	.help = "\n  --points F ...     files of lines xw yw zw xf yf, each a view\n"
 		"  --images 'G' ...   photographs of a board\n"
 		"  --live CONFIG      the background camera of a kiosk's configuration\n"
 		"  --board BOARD      9x6:25mm, charuco:8x6:30mm:22mm (its\n"
-		"                     markers and layout are found, or named as by "
-		"inlay-calibrate\n"
+		"                     markers and layout are found, or named as by inlay-calibrate\n"
 		"                     board)\n"
-		"  --views N          live: pictures of the board at most (1); the screen says "
-		"where\n"
+		"  --views N          live: pictures of the board at most (1); the screen says where\n"
 		"  --size WxH         of the picture the points are in\n"
 		"  --y-up             their y counts upwards from the lower edge\n"
 		"  --pixel-centre P   where they have a pixel's centre: 0.5 (default) or 0\n"
 		"  --centre X,Y       first guess of the axis, counted as the points (the middle)\n"
-		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % "
-		"of\n"
+		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % of\n"
 		"                     the picture's diagonal)\n"
-		"  --aspect S         s is known: 1 where pixels are square, or as --pixel says; "
-		"else\n"
+		"  --aspect S         s is known: 1 where pixels are square, or as --pixel says; else\n"
 		"                     found, or held at 1 where the points do not tell it\n"
-		"  --aspect-deviation D  of an s that is held, one standard deviation (0.002; "
-		"with\n"
+		"  --aspect-deviation D  of an s that is held, one standard deviation (0.002; with\n"
 		"                     --aspect 0: it is exact)\n"
 		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
 		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
-		"  --radial N         terms of its polynomial, 1 to 3: kappa1, kappa2, kappa3 (as "
-		"many\n"
+		"  --radial N         terms of its polynomial, 1 to 3: kappa1, kappa2, kappa3 (as many\n"
 		"                     as predict best what was left out)\n"
 		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
-		"  --reference VIEW   photograph, or its number, whose board is the world (1): "
-		"one without\n"
+		"  --reference VIEW   photograph, or its number, whose board is the world (1): one without\n"
 		"                     the board is refused\n"
 		"  --object X,Y,Z[,R] where the object stands, and its radius (the points' box)\n"
 		"  --tolerance PX     how uncertain its place in the picture may be (1)\n"
@@ -439,9 +431,7 @@ const struct bake_command camera_command = {
 		"  --z-down           the board's Z points away from the camera\n"
 		"  --report DIR       a page that shows how well it fits\n"
 		"  --force            write CAM.ini whatever the verdict\n"
-		"  -o, --output FILE  the camera\n"
-		"\n"
-		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
-		"given.\n",
+		"  -o, --output FILE  the camera\n\n"
+		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason given.\n",
 	.run = camera_run,
 };

@@ -45,9 +45,9 @@ static int lens_of_ini(struct convert_job *job, const struct lens_ini *ini, stru
 	if (ini->camera_given)
 		return lens_of_tsai(lens, &ini->camera, job->tolerance_px, &job->error_px, fault);
 	if (!job->width)
-		return fault_say(fault, -EINVAL,
-				 "a [fisheye] section does not say how large the picture is, "
-				 "expected --size WIDTHxHEIGHT");
+		return fault_say(
+			fault, -EINVAL,
+			"a [fisheye] section does not say how large the picture is, expected --size WIDTHxHEIGHT");
 	return lens_of_fisheye(lens, &ini->fisheye, job->width, job->height, job->tolerance_px,
 			       &job->error_px, fault);
 }
@@ -184,22 +184,16 @@ const struct bake_command convert_command = {
 	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--camera NAME] [--tolerance PX]",
 	.summary = "lenses to and from the files of OpenCV and ROS, from Kalibr's",
 	.help = "\n"
-		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that "
-		"end in\n"
-		".yml are OpenCV's, in .yaml ROS's camera_info. Read are, whatever their names, "
-		"OpenCV's YAML\n"
-		"and XML, ROS's files and camera_info messages as its tools print them, and "
-		"Kalibr's camchain.\n"
-		"What it says is the lens alone: where the camera is comes from inlay-calibrate "
-		"camera\n"
-		"--intrinsics OUT.ini, how a fisheye is turned from inlay-calibrate fisheye.\n"
-		"\n"
+		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that end in\n"
+		".yml are OpenCV's, in .yaml ROS's camera_info. Read are, whatever their names, OpenCV's YAML\n"
+		"and XML, ROS's files and camera_info messages as its tools print them, and Kalibr's camchain.\n"
+		"What it says is the lens alone: where the camera is comes from inlay-calibrate camera\n"
+		"--intrinsics OUT.ini, how a fisheye is turned from inlay-calibrate fisheye.\n\n"
 		"  --as F          write ini, opencv or ros, whatever the name of OUT\n"
 		"  --size WxH      of the picture, where IN does not say\n"
 		"  --fisheye       IN is a fisheye's, where it does not say\n"
 		"  --camera NAME   which of several cameras in IN: cam0, cam1 ...\n"
-		"  --tolerance PX  what has no exact counterpart is fitted, and refused when that "
-		"is off by\n"
+		"  --tolerance PX  what has no exact counterpart is fitted, and refused when that is off by\n"
 		"                  more than this anywhere in the picture (0.1)\n",
 	.run = convert_run,
 };

@@ -76,9 +76,9 @@ static int fisheye_read_option(void *context, int option, struct fault *fault)
 	case DIRECTIONS:
 	case LENS:
 		if (job->source && (job->source != option || option != IMAGES))
-			return fault_say(fault, -EINVAL,
-					 "expected one of --images, --live, --circle, "
-					 "--directions and --lens");
+			return fault_say(
+				fault, -EINVAL,
+				"expected one of --images, --live, --circle, --directions and --lens");
 		job->source = option;
 		job->lens.more = option == IMAGES;
 		job->lens.anew = option == LENS;
@@ -130,9 +130,9 @@ static int fisheye_check_options(const void *context, struct fault *fault)
 	if (job->world && !with_board)
 		return fault_say(fault, -EINVAL, "--world goes with --images or --live");
 	if (job->rotation_given && (job->world || (!with_board && job->source != CIRCLE)))
-		return fault_say(fault, -EINVAL,
-				 "--rotation goes with --images, --live or --circle, without "
-				 "--world: else it is found");
+		return fault_say(
+			fault, -EINVAL,
+			"--rotation goes with --images, --live or --circle, without --world: else it is found");
 	if (job->source == LENS && !job->uniform)
 		return fault_say(fault, -EINVAL, "--lens goes with --uniform");
 	if (job->source == LENS && job->lens.report)
@@ -221,15 +221,12 @@ static void turn_lens(const struct fisheye_job *job, struct fisheye_result *resu
 		result->oriented = true;
 	}
 	if (!result->oriented)
-		verdict_doubt(&result->finding.verdict,
-			      job->source == CIRCLE
-				      ? "give --rotation 0,0,0 if it lies on its back with the "
-					"picture's right towards world X, or what it is"
-				      : "name the photograph of a board that is level, its rows "
-					"along world X, by --world, or give --rotation if it is "
-					"known",
-			      "the lens is known, but not how it is turned towards the world: "
-			      "light would come from elsewhere");
+		verdict_doubt(
+			&result->finding.verdict,
+			job->source == CIRCLE
+				? "give --rotation 0,0,0 if it lies on its back with the picture's right towards world X, or what it is"
+				: "name the photograph of a board that is level, its rows along world X, by --world, or give --rotation if it is known",
+			"the lens is known, but not how it is turned towards the world: light would come from elsewhere");
 }
 
 static bool has_lens(const struct fisheye_job *job, const struct fisheye_work *work)
@@ -316,25 +313,16 @@ const struct bake_command fisheye_command = {
 		 "        --directions FILE | --lens EYE.ini) [options] -o EYE.ini",
 	.summary = "the lens that looks at the sky",
 	.help = "\n"
-		"  --images GLOB        photographs of a board, in several places; more may "
-		"follow\n"
-		"  --live CONFIG        the fisheye of a kiosk's configuration, before which a "
-		"board "
-		"is moved\n"
+		"  --images GLOB        photographs of a board, in several places; more may follow\n"
+		"  --live CONFIG        the fisheye of a kiosk's configuration, before which a board is moved\n"
 		"  --views N            live: pictures of the board at most; 8\n"
 		"  --board SPEC         9x6:25mm, charuco:8x6:30mm:22mm (its\n"
-		"                       markers and layout are found, or named as by "
-		"inlay-calibrate\n"
+		"                       markers and layout are found, or named as by inlay-calibrate\n"
 		"                       board)\n"
-		"  --world VIEW         where the board is level, its rows along world X (face "
-		"down "
-		"over a\n"
-		"                       lens that looks up): a file, or its number among all "
-		"photographs\n"
-		"  --rotation X,Y,Z     how the lens is turned, where that is known, as [fisheye] "
-		"rotation\n"
-		"                       (degrees); 0,0,0: on its back, the picture's right towards "
-		"world X\n"
+		"  --world VIEW         where the board is level, its rows along world X (face down over a\n"
+		"                       lens that looks up): a file, or its number among all photographs\n"
+		"  --rotation X,Y,Z     how the lens is turned, where that is known, as [fisheye] rotation\n"
+		"                       (degrees); 0,0,0: on its back, the picture's right towards world X\n"
 		"  --circle PICTURE     a picture whose image circle is bright to its rim\n"
 		"  --rim-deg DEG        the rim's angle from the axis; 90\n"
 		"  --directions FILE    lines dx dy dz xf yf: what is seen in known directions\n"
@@ -347,9 +335,7 @@ const struct bake_command fisheye_command = {
 		"  --tolerance PX       one standard deviation, anywhere in the circle; 0.5\n"
 		"  --report DIR         pictures, maps and tables\n"
 		"  --force              write also what cannot be trusted\n"
-		"  -o, --output FILE    the lens, for [fisheye] lens of the configuration\n"
-		"\n"
-		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason "
-		"given.\n",
+		"  -o, --output FILE    the lens, for [fisheye] lens of the configuration\n\n"
+		"Exit 0: the result can be trusted, and is written. 1: it cannot, for the reason given.\n",
 	.run = fisheye_run,
 };

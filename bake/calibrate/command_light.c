@@ -33,9 +33,9 @@ static int read_reflectance(void *values, const char *text, struct fault *fault)
 		job->reflectance[1] = job->reflectance[2] = job->reflectance[0];
 	for (int c = 0; count > 0 && c < 3; c++)
 		if (count == 2 || !(job->reflectance[c] > 0 && job->reflectance[c] <= 1))
-			return fault_say(fault, -EINVAL,
-					 "--reflectance: expected one number or three, above 0 and "
-					 "at most 1");
+			return fault_say(
+				fault, -EINVAL,
+				"--reflectance: expected one number or three, above 0 and at most 1");
 	return count < 0 ? count : 0;
 }
 
@@ -150,37 +150,27 @@ const struct bake_command light_command = {
 	.name = "light",
 	.usage = "black|response|merge|gain|colours [options] FILES -o LIGHT.ini",
 	.summary = "what a camera's code values mean: black level, response, gain, colours",
-	.help = "Each adds its key to LIGHT.ini and keeps the others; [fisheye] light and "
-		"[background] light of the\n"
-		"kiosk's configuration name such files. Pictures are 8-bit (PNG, JPEG), upright "
-		"and "
-		"cut as the view is.\n\n"
-		"  black COVERED               the lens covered\n"
-		"  black --exposures A B       or the darkest places of two exposures, the shorter "
-		"first\n"
+	.help = "Each adds its key to LIGHT.ini and keeps the others; [fisheye] light and [background] light of the\n"
+		"kiosk's configuration name such files. Pictures are 8-bit (PNG, JPEG), upright and cut as the view is.\n"
+		"\n  black COVERED               the lens covered\n"
+		"  black --exposures A B       or the darkest places of two exposures, the shorter first\n"
 		"  response [--times T,T,...] PICTURES\n"
-		"                              one static scene; times in any unit, in the "
-		"pictures' "
-		"order;\n"
+		"                              one static scene; times in any unit, in the pictures' order;\n"
 		"                              without, as the pictures say (EXIF)\n"
-		"      --time-deviation X      times may be off by so much of themselves (0.02): "
-		"refined\n"
-		"      --accept-misfit P%      trust a curve that may be off by so much (5): real "
-		"cameras'\n"
+		"      --time-deviation X      times may be off by so much of themselves (0.02): refined\n"
+		"      --accept-misfit P%      trust a curve that may be off by so much (5): real cameras'\n"
 		"                              exposures agree to some per cent\n"
 		"  response FILE.rsp           hdrgen's\n"
 		"  merge [--times T,T,...] PICTURES -o FILE.hdr\n"
 		"                              exposures as one picture of linear light, or .pfm\n"
 		"      --curve FILE            LIGHT.ini or FILE.rsp; else --transfer (srgb)\n"
 		"  gain --lens EYE.ini --patch AREA FISHEYE BACKGROUND [FISHEYE BACKGROUND]...\n"
-		"                              LIGHT.ini is the fisheye's; AREA lies level in the "
-		"background\n"
+		"                              LIGHT.ini is the fisheye's; AREA lies level in the background\n"
 		"      --background-light FILE --background-transfer T --transfer T\n"
 		"                              how the code values are decoded (srgb)\n"
 		"      --reflectance X[,G,B]   of the area: 0.5\n"
 		"      --white-balance         each channel's own gain becomes colours\n"
-		"  colours PATCHES             lines of r g b (fisheye) r g b (background), "
-		"linear\n"
+		"  colours PATCHES             lines of r g b (fisheye) r g b (background), linear\n"
 		"  colours --fisheye F --background B --patch AREA --background-patch AREA ...\n"
 		"      --keep-white            grey stays grey\n\n"
 		"  AREA is x,y,width,height or corners \"x,y x,y x,y\", in pixels.\n"

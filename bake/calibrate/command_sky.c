@@ -234,10 +234,10 @@ static int watch_read_time(void *values, const char *given, struct fault *fault)
 			*seconds *= units[k].seconds;
 			return 0;
 		}
-	return fault_say(fault, -EINVAL,
-			 "--watch: is \"%s\", expected a time with its unit, such as 24h, 90min or "
-			 "30s",
-			 given);
+	return fault_say(
+		fault, -EINVAL,
+		"--watch: is \"%s\", expected a time with its unit, such as 24h, 90min or 30s",
+		given);
 }
 
 #define AT(field) .place = offsetof(struct watch, field)
@@ -278,18 +278,13 @@ const struct bake_command watch_command = {
 	.name = "sky",
 	.usage = "--live KIOSK.conf [--watch TIME] [--frequency F] [--most N] -o FINE",
 	.summary = "watch the sky for lamps and the sun: where lights should be finer",
-	.help = "Watches the fisheye of a kiosk's configuration, with the lens and light files "
-		"that "
-		"it names.\n"
-		"Wherever light is strong and small at any time, what is over-exposed included, "
-		"FINE gets a part.\n"
+	.help = "Watches the fisheye of a kiosk's configuration, with the lens and light files that it names.\n"
+		"Wherever light is strong and small at any time, what is over-exposed included, FINE gets a part.\n"
 		"The kiosk must not run meanwhile: it holds the camera.\n\n"
-		"  --watch TIME    with a unit, such as 24h (default), 90min or 30s; Ctrl-C ends "
-		"it, too\n"
+		"  --watch TIME    with a unit, such as 24h (default), 90min or 30s; Ctrl-C ends it, too\n"
 		"  --frequency F   of the dome elsewhere, 1 to 36; 9\n"
 		"  --most N        lights in all; 1000\n"
-		"  -o FINE         the list of parts, for \"fine\" in [dome] and for --fine of "
-		"inlay-bake;\n"
+		"  -o FINE         the list of parts, for \"fine\" in [dome] and for --fine of inlay-bake;\n"
 		"                  written anew every 10 minutes, always whole\n",
 	.run = watch_run,
 };

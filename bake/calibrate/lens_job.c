@@ -115,10 +115,10 @@ int lens_job_view(const char *option, const char *value, const struct gathering 
 	const int view = gather_view(all, value, &boardless);
 
 	if (view == -ENOENT)
-		return fault_say(fault, view,
-				 "%s: is to show where the world is, but shows no board: expected "
-				 "another photograph by %s",
-				 boardless, option);
+		return fault_say(
+			fault, view,
+			"%s: is to show where the world is, but shows no board: expected another photograph by %s",
+			boardless, option);
 	if (view < 0)
 		return fault_say(fault, view,
 				 "%s: \"%s\", expected a file, or its number of 1 to %d", option,

@@ -140,10 +140,10 @@ int light_check_gain(const struct light_job *job, struct fault *fault)
 	    job->file_count <= 2 * LIGHT_PAIRS_MAX && job->areas >= 1 &&
 	    job->areas <= job->file_count / 2)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "there are %d pictures and %d --patch, expected pairs of pictures, "
-			 "fisheye and background, and one patch for all or one for each",
-			 job->file_count, job->areas);
+	return fault_say(
+		fault, -EINVAL,
+		"there are %d pictures and %d --patch, expected pairs of pictures, fisheye and background, and one patch for all or one for each",
+		job->file_count, job->areas);
 }
 
 int light_command_gain(const struct light_job *job, struct fault *fault)
@@ -217,9 +217,9 @@ int light_check_colours(const struct light_job *job, struct fault *fault)
 	if (!job->file_count && job->fisheye && job->background && job->areas >= 1 &&
 	    job->areas == job->background_areas)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "expected a file of patches, or --fisheye, --background and as many "
-			 "--patch as --background-patch");
+	return fault_say(
+		fault, -EINVAL,
+		"expected a file of patches, or --fisheye, --background and as many --patch as --background-patch");
 }
 
 int light_command_colours(const struct light_job *job, struct fault *fault)

@@ -83,8 +83,7 @@ int light_command_black(const struct light_job *job, struct fault *fault)
 	err = find_black(job, &black, fault);
 	if (err)
 		return err;
-	printf("black level %.3f, deviation %.3f; a pixel's noise %.2f codes; R G B %.2f %.2f "
-	       "%.2f\n",
+	printf("black level %.3f, deviation %.3f; a pixel's noise %.2f codes; R G B %.2f %.2f %.2f\n",
 	       black.level, black.deviation, black.noise, black.channel[0], black.channel[1],
 	       black.channel[2]);
 	if (job->report) {
@@ -94,9 +93,9 @@ int light_command_black(const struct light_job *job, struct fault *fault)
 	}
 	if (black.verdict.trusted && job->measured.knot[TRANSFER_KNOTS - 1] > 0 &&
 	    !(job->measured.black_level == black.level))
-		log_warning("%s: its response was measured with another black level; measure it "
-			    "again",
-			    job->output);
+		log_warning(
+			"%s: its response was measured with another black level; measure it again",
+			job->output);
 	snprintf(text, sizeof(text), "%.4g", black.level);
 	snprintf(comment, sizeof(comment),
 		 "Black level: deviation %.3f, a pixel's noise %.2f codes.", black.deviation,
@@ -117,13 +116,12 @@ static void write_knots(const struct light_response *found, char *text, size_t r
 
 static void write_response_comment(const struct light_response *found, char *text, size_t room)
 {
-	snprintf(text, room,
-		 "Response: %d places in %d exposures, codes from %.0f %% to %.0f %%; off by at "
-		 "most %.2f %%\n"
-		 "between 10 %% and 90 %% (one deviation); what is left is %.2f times what noise "
-		 "explains.",
-		 found->samples, found->exposures, 100 * found->from, 100 * found->to,
-		 100 * found->misfit, found->sigma);
+	snprintf(
+		text, room,
+		"Response: %d places in %d exposures, codes from %.0f %% to %.0f %%; off by at most %.2f %%\n"
+		"between 10 %% and 90 %% (one deviation); what is left is %.2f times what noise explains.",
+		found->samples, found->exposures, 100 * found->from, 100 * found->to,
+		100 * found->misfit, found->sigma);
 }
 
 static int shortest_exposure(const double *time, int count)
@@ -155,9 +153,9 @@ static int find_response(const struct light_job *job, struct light_response *fou
 		black = light_darkest_code(
 			&pictures[shortest_exposure(settings.time, job->file_count)]);
 		if (black > 0)
-			log_info("the black level is taken for %g, the darkest place of the "
-				 "shortest exposure; inlay-calibrate light black measures it",
-				 black);
+			log_info(
+				"the black level is taken for %g, the darkest place of the shortest exposure; inlay-calibrate light black measures it",
+				black);
 	}
 	if (!err)
 		err = light_samples_create(&samples, list, job->file_count, black > 0 ? black : 0,
@@ -173,8 +171,7 @@ static void say_response(const struct light_response *found)
 {
 	printf("%d places, %d pieces; left over %.2f of what noise explains; held out %.2f\n",
 	       found->samples, found->spline.pieces, found->sigma, found->held_out);
-	printf("off by at most %.2f %% of linear light between 10 %% and 90 %% (one deviation); "
-	       "exposures differ by %.2f %%%s\n",
+	printf("off by at most %.2f %% of linear light between 10 %% and 90 %% (one deviation); exposures differ by %.2f %%%s\n",
 	       100 * found->misfit, 100 * found->disagreement,
 	       found->refined ? "; times in steps of a third of a stop, as shutters have them"
 			      : "");
@@ -210,10 +207,10 @@ static int import_rsp(const struct light_job *job, struct fault *fault)
 	printf("%s\n", comment);
 	verdict_begin(&found.verdict);
 	if (apart > LIGHT_MISFIT && !(100 * apart <= job->misfit_percent))
-		verdict_doubt(&found.verdict, "give --accept-misfit if that is good enough",
-			      "%s: its channels differ by %.1f %% from their mean, which is one "
-			      "curve here",
-			      job->files[0], 100 * apart);
+		verdict_doubt(
+			&found.verdict, "give --accept-misfit if that is good enough",
+			"%s: its channels differ by %.1f %% from their mean, which is one curve here",
+			job->files[0], 100 * apart);
 	return light_conclude(job, &found.verdict, "response", text, comment, fault);
 }
 

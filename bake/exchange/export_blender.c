@@ -42,15 +42,14 @@ static int check_camera(const struct scene *scene, struct fault *fault)
 	if (shift <= EXPORT_BLENDER_SHIFT_PX)
 		return 0;
 	if (isinf(shift))
-		return fault_say(fault, -EINVAL,
-				 "%s: the camera's distortion leaves pixels that see nothing, "
-				 "expected at most %g pixels of distortion: Blender's camera has "
-				 "none (--radiance takes it)",
-				 scene->path, EXPORT_BLENDER_SHIFT_PX);
-	return fault_say(fault, -EINVAL,
-			 "%s: the camera's distortion moves pixels by up to %.2f, expected at "
-			 "most %g: Blender's camera has no such distortion (--radiance takes it)",
-			 scene->path, shift, EXPORT_BLENDER_SHIFT_PX);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: the camera's distortion leaves pixels that see nothing, expected at most %g pixels of distortion: Blender's camera has none (--radiance takes it)",
+			scene->path, EXPORT_BLENDER_SHIFT_PX);
+	return fault_say(
+		fault, -EINVAL,
+		"%s: the camera's distortion moves pixels by up to %.2f, expected at most %g: Blender's camera has no such distortion (--radiance takes it)",
+		scene->path, shift, EXPORT_BLENDER_SHIFT_PX);
 }
 
 static void write_camera(struct json *json, const struct export_job *job)
@@ -184,10 +183,10 @@ int export_blender(const struct scene *scene, const struct dome *dome, const cha
 	int err = check_camera(scene, fault);
 
 	if (dome->shape != DOME_CELLS)
-		return fault_say(fault, -ENOTSUP,
-				 "%s: the lights are tents, expected cells: Blender's job knows no "
-				 "others (--lights cells; --radiance takes tents)",
-				 scene->path);
+		return fault_say(
+			fault, -ENOTSUP,
+			"%s: the lights are tents, expected cells: Blender's job knows no others (--lights cells; --radiance takes tents)",
+			scene->path);
 	if (!err)
 		err = export_job_begin(&job, scene, dome, folder, true, fault);
 	if (err)

@@ -171,8 +171,7 @@ static const char *wrong_usage(const struct export_choices *c)
 	if (c->of_msi && c->what != MSI)
 		return "--endian, --long and --threads are of --msi";
 	if (c->of_scene && c->what == MSI)
-		return "--frequency, --division, --lights, --size and --pose are of a scene, not "
-		       "of --msi";
+		return "--frequency, --division, --lights, --size and --pose are of a scene, not of --msi";
 	if (c->of_radiance && c->what != RADIANCE)
 		return "--rays and --suns are of --radiance";
 	return NULL;
@@ -203,24 +202,19 @@ static int export_command_run(const struct bake_command *command, int argc, char
 
 const struct bake_command export_command = {
 	.name = "export",
-	.usage = "BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
-		 "           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F] "
-		 "[--division D] [--lights L]\n"
-		 "           [--size WxH] [--pose P]\n"
-		 "           SCENE --blender DIR [--frequency F] [--division D] [--size WxH] "
-		 "[--pose P]",
+	.usage =
+		"BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
+		"           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F] [--division D] [--lights L]\n"
+		"           [--size WxH] [--pose P]\n"
+		"           SCENE --blender DIR [--frequency F] [--division D] [--size WxH] [--pose P]",
 	.summary = "write a basis as the thesis's program reads it, or a job for a renderer",
 	.help = "\n"
-		"  --msi FILE      a byte for each light and channel of each pixel of object or "
-		"shadow\n"
+		"  --msi FILE      a byte for each light and channel of each pixel of object or shadow\n"
 		"  --endian E      of the machine that will read it: little or big\n"
 		"  --long N        bytes of its long: 4 or 8\n"
-		"  --threads T     default: one for each processor\n"
-		"\n"
-		"Prints the light rate that belongs to it. The angles are those of inlay-bake "
-		"dome\n"
-		"--angles. Of the exact layer, where the file has one.\n"
-		"\n"
+		"  --threads T     default: one for each processor\n\n"
+		"Prints the light rate that belongs to it. The angles are those of inlay-bake dome\n"
+		"--angles. Of the exact layer, where the file has one.\n\n"
 		"  --radiance DIR  a folder in which \"make -j4\" renders all pictures of import\n"
 		"  --rays K        K x K rays a pixel; 4\n"
 		"  --suns S        a cell is made of so many small suns; 64\n"
@@ -230,9 +224,7 @@ const struct bake_command export_command = {
 		"  --lights L      cells or tents; Blender's are cells\n"
 		"  --fine PARTS    where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --size WxH      of the pictures\n"
-		"  --pose P        of the scene: number, from 0, or name; 0\n"
-		"\n"
-		"Both jobs keep pictures that are there, and say at last how inlay-bake import "
-		"takes them.\n",
+		"  --pose P        of the scene: number, from 0, or name; 0\n\n"
+		"Both jobs keep pictures that are there, and say at last how inlay-bake import takes them.\n",
 	.run = export_command_run,
 };

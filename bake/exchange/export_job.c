@@ -36,10 +36,10 @@ void export_job_import(const struct export_job *job, const char *ending, char *t
 {
 	const int d = job->digits;
 
-	snprintf(text, room,
-		 "inlay-bake import --angles angles.txt --object 'o%%0%dd.%s' "
-		 "--ground 'g%%0%dd.%s' --alone 'a%%0%dd.%s' --coverage coverage.%s -o out.inlay",
-		 d, ending, d, ending, d, ending, ending);
+	snprintf(
+		text, room,
+		"inlay-bake import --angles angles.txt --object 'o%%0%dd.%s' --ground 'g%%0%dd.%s' --alone 'a%%0%dd.%s' --coverage coverage.%s -o out.inlay",
+		d, ending, d, ending, d, ending, ending);
 }
 
 /* Every job has this file: it marks a folder as an earlier export. */
@@ -62,10 +62,11 @@ static int check_job_folder(const char *folder, struct fault *fault)
 	closedir(open);
 	if (empty || job)
 		return 0;
-	return fault_say(fault, -ENOTEMPTY,
-			 "%s: has other files in it, expected a new folder, an empty one, or one "
-			 "with the " ANGLES " of an earlier export, which is written over",
-			 folder);
+	return fault_say(
+		fault, -ENOTEMPTY,
+		"%s: has other files in it, expected a new folder, an empty one, or one with the " ANGLES
+		" of an earlier export, which is written over",
+		folder);
 }
 
 static int make_job_folder(const char *folder, struct fault *fault)
@@ -195,13 +196,13 @@ static void say_what_is_lost(const struct export_job *job)
 		metal |= m->kind == MATERIAL_GLOSSY && m->texture && rgb_peak(m->metal) > 0;
 	}
 	if (glass)
-		log_warning("%s: what is seen through glass will be the scene's own surfaces, as "
-			    "they are in the pictures; render shows the background's picture there",
-			    job->scene->path);
+		log_warning(
+			"%s: what is seen through glass will be the scene's own surfaces, as they are in the pictures; render shows the background's picture there",
+			job->scene->path);
 	if (fine)
-		log_warning("%s: textures of roughness and metalness (their means are kept), bumps "
-			    "and alpha are left out",
-			    job->scene->path);
+		log_warning(
+			"%s: textures of roughness and metalness (their means are kept), bumps and alpha are left out",
+			job->scene->path);
 	if (colours)
 		log_warning("%s: colours of vertices%s are left out", job->scene->path,
 			    job->for_blender ? " of a metal" : "");
@@ -221,10 +222,10 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 		.scene = scene, .dome = dome, .folder = folder, .for_blender = for_blender};
 	survey_scene(job);
 	if (!scene->file->ground.given && !job->has_standins)
-		return fault_say(fault, -EINVAL,
-				 "%s: no [ground] and no [standin], expected something real that "
-				 "pictures can show",
-				 scene->path);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: no [ground] and no [standin], expected something real that pictures can show",
+			scene->path);
 	err = make_job_folder(folder, fault);
 	if (!err)
 		err = export_materials(job, fault);

@@ -7,8 +7,8 @@
  *     objects.obj      triangles in world coordinates with normals and texture coordinates, of
  *     standins.obj     materials m0, m1 ...; absent where there are no such meshes
  *                      Blender's have colours behind positions, where a material has any
- *     texture0.hdr     of material m0, linear, multiplied by its colour; what is mirrored beyond an edge
- *                      is in it twice
+ *     texture0.hdr     of material m0, linear, multiplied by its colour; what is mirrored
+ *                      beyond an edge is in it twice
  *
  * No file in it refers to a path outside the folder.
  */

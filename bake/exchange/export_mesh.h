@@ -11,7 +11,8 @@
 /* Fills job->material: the scene's own materials, then those of the meshes' files. -ENOMEM. */
 int export_materials(struct export_job *job, struct fault *fault);
 
-/* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for errors. */
+/* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for
+ * errors. */
 void export_meshes(const struct export_job *job, bool standins, FILE *to);
 
 /* What vertices say about a material. */

@@ -80,8 +80,7 @@ static void write_rad_texture(FILE *to, const struct texture *texture, int numbe
 	const double across = fmax(width / height, 1), up = fmax(height / width, 1);
 
 	fprintf(to,
-		"void colorpict t%d 7 red green blue ./texture%d.hdr . %.9g*frac(Lu) "
-		"%.9g*frac(Lv) 0 0\n",
+		"void colorpict t%d 7 red green blue ./texture%d.hdr . %.9g*frac(Lu) %.9g*frac(Lv) 0 0\n",
 		number, number, across, up);
 }
 
@@ -156,13 +155,11 @@ static void note_material(FILE *to, const struct material *m, int number)
 {
 	if (m->kind == MATERIAL_GLASS && !m->thin)
 		fprintf(to,
-			"m%d: glass is a dielectric without tint, and light does not reach "
-			"through it straight from a cell\n",
+			"m%d: glass is a dielectric without tint, and light does not reach through it straight from a cell\n",
 			number);
 	else if (m->kind == MATERIAL_GLOSSY)
 		fprintf(to,
-			"m%d: the coat is Ward's, not GGX, with one reflectance for all channels "
-			"unless it is a metal%s\n",
+			"m%d: the coat is Ward's, not GGX, with one reflectance for all channels unless it is a metal%s\n",
 			number, m->roughness < 0.1F ? "; a smooth one mirrors single suns" : "");
 }
 
@@ -173,8 +170,7 @@ static int write_notes(const struct export_job *job, struct fault *fault)
 
 	if (err)
 		return err;
-	fputs("What Radiance does not take as the scene has it (m0, m1 ... as in materials.rad). "
-	      "Diffuse materials, textures and the camera's distortion are the same.\n",
+	fputs("What Radiance does not take as the scene has it (m0, m1 ... as in materials.rad). Diffuse materials, textures and the camera's distortion are the same.\n",
 	      out.stream);
 	for (int k = 0; k < job->material_count; k++)
 		note_material(out.stream, job->material[k], k);

@@ -122,12 +122,12 @@ static int import_make_tile(void *context, int index, int number, struct finishe
 		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
 					 result.exact_count);
 	if (err)
-		return fault_say(fault, err, "the tile at %d, %d cannot be encoded: %s", w->tile.x,
-				 w->tile.y,
-				 err == -EDOM
-					 ? "a value is not finite, negative where light comes from "
-					   "a real surface, or beyond 65,000"
-					 : strerror(-err));
+		return fault_say(
+			fault, err, "the tile at %d, %d cannot be encoded: %s", w->tile.x,
+			w->tile.y,
+			err == -EDOM
+				? "a value is not finite, negative where light comes from a real surface, or beyond 65,000"
+				: strerror(-err));
 	finished->tile = index;
 	finished->account.error = result.error;
 	finished->account.object_error = result.object_error;
@@ -198,8 +198,10 @@ static int set_plan(struct import_job *job, const struct import_settings *settin
 	if (source->ground)
 		memcpy(plan->ground, source->ground, numbers * sizeof(*plan->ground));
 	snprintf(plan->provenance, sizeof(plan->provenance),
-		 "program = inlay-bake %s\n%ssize = %d x %d\ndome = frequency %d, division %s, %d "
-		 "lights%s\n" PLAN_TARGET_LINE "column_cut = %.9g\ncoarse_lights = %u\n"
+		 "program = inlay-bake %s\n"
+		 "%ssize = %d x %d\n"
+		 "dome = frequency %d, division %s, %d lights%s\n" PLAN_TARGET_LINE
+		 "column_cut = %.9g\ncoarse_lights = %u\n"
 		 "exact = %s\n",
 		 INLAY_VERSION, source->provenance, source->width, source->height,
 		 source->dome->frequency, dome_division_names[source->dome->division],

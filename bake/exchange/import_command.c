@@ -270,42 +270,32 @@ static int import_command_run(const struct bake_command *command, int argc, char
 
 const struct bake_command import_command = {
 	.name = "import",
-	.usage = "--angles A.txt -o OUT.inlay\n"
-		 "           (--object 'o%03d.hdr' --ground 'g%03d.hdr' [--alone 'a%03d.hdr'] "
-		 "(--coverage C.png | --mask "
-		 "M.png) |\n"
-		 "            --msi F.msi [--rate R])\n"
-		 "           [--transfer T] [--scale X] [--receivers auto|flat|own]\n"
-		 "           " ENCODING_USAGE " [--threads T] [--quiet]",
+	.usage =
+		"--angles A.txt -o OUT.inlay\n"
+		"           (--object 'o%03d.hdr' --ground 'g%03d.hdr' [--alone 'a%03d.hdr'] (--coverage C.png | --mask M.png) |\n"
+		"            --msi F.msi [--rate R])\n"
+		"           [--transfer T] [--scale X] [--receivers auto|flat|own]\n"
+		"           " ENCODING_USAGE " [--threads T] [--quiet]",
 	.summary = "make a basis of other renderers' pictures, or of an .msi",
 	.help = "\n"
-		"  --angles FILE       the lights, one a line: theta phi in radians, a dome's in "
-		"any order\n"
-		"  --object PATTERN    objects and ground under each light, in the order of the "
-		"angles\n"
+		"  --angles FILE       the lights, one a line: theta phi in radians, a dome's in any order\n"
+		"  --object PATTERN    objects and ground under each light, in the order of the angles\n"
 		"  --ground PATTERN    ground alone\n"
-		"  --alone PATTERN     what is seen of the objects, over black; without it, what "
-		"their edge\n"
+		"  --alone PATTERN     what is seen of the objects, over black; without it, what their edge\n"
 		"                      shows of the ground is taken from beside it\n"
 		"  --coverage FILE     the objects' share of each pixel, black to white\n"
 		"  --mask FILE         the same without shares: at least half white is object\n"
 		"  --transfer T        of 8-bit pictures: srgb, bt709, linear\n"
 		"  --scale X           multiplies all pictures: to lights of radiance 1\n"
-		"  --receivers R       flat: level ground, lit alike; own: each pixel by itself; "
-		"auto: as "
-		"the\n"
+		"  --receivers R       flat: level ground, lit alike; own: each pixel by itself; auto: as the\n"
 		"                      pictures show it\n"
 		"  --msi FILE          the thesis's format, of either byte order and size of long\n"
 		"  --rate R            its light rate: light that 255 of an object stands for; 1\n"
 		"  -o FILE             the basis file; appears when it is whole\n" ENCODING_HELP
 		"  --threads T         default: one for each processor\n"
-		"  --quiet             print nothing but errors\n"
-		"\n"
-		"Pictures are .hdr, .pfm, .exr, .png or .jpg. Each light is its cell of the dome, "
-		"of "
-		"radiance\n"
-		"1, and nothing else shines. Exit code 3: done, but some tile is off by more than "
-		"was asked\n"
+		"  --quiet             print nothing but errors\n\n"
+		"Pictures are .hdr, .pfm, .exr, .png or .jpg. Each light is its cell of the dome, of radiance\n"
+		"1, and nothing else shines. Exit code 3: done, but some tile is off by more than was asked\n"
 		"for; the file is kept.\n",
 	.run = import_command_run,
 };

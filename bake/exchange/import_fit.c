@@ -7,9 +7,10 @@
 
 /*
  * Thresholds for what is judged below. Measured on pictures of boxes of 26 lights: what fits gives
- * ratios of 0.04 to 0.65 where a wrong one gives 1.4 to 23, and of 0.05 to 0.16 where an inverted one
- * gives 6 to 22. Of boxes black, grey, white, mirroring and of glass, at three places and with 4 samples,
- * none is refused, and of 45 wrong coverages 41 are: the others differ by a few pixels of the edge.
+ * ratios of 0.04 to 0.65 where a wrong one gives 1.4 to 23, and of 0.05 to 0.16 where an inverted
+ * one gives 6 to 22. Of boxes black, grey, white, mirroring and of glass, at three places and with
+ * 4 samples, none is refused, and of 45 wrong coverages 41 are: the others differ by a few pixels
+ * of the edge.
  */
 #define PAIRS_LEAST 8	  /* fewer edges tell nothing */
 #define EDGES_BETTER 1.25 /* ratio of edges that are edges of the pictures */
@@ -142,9 +143,9 @@ static void fit_compare_pixel(const struct fit *f, enum fit_turn turn, int x, in
 	}
 }
 
-/* Tells how much better another coverage fits, by their edges; 1 of an inverted one, which has the same;
- * 0: not decidedly. Objects send light back where the
- * ground under a shadow only loses it, and their edges are edges of the pictures. */
+/* Tells how much better another coverage fits, by their edges; 1 of an inverted one, which has the
+ * same; 0: not decidedly. Objects send light back where the ground under a shadow only loses it,
+ * and their edges are edges of the pictures. */
 static double fits_better(const struct fit *f, enum fit_turn turn)
 {
 	struct fit_sums sums[2] = {{0}};
@@ -195,10 +196,10 @@ static int fit_judge(const struct fit *f, const struct import_pictures_settings 
 	double most = 0;
 
 	if (is_interchanged(f))
-		return fault_say(fault, -EINVAL,
-				 "%s: the objects that are covered are seen in %s, expected them "
-				 "here: interchanged",
-				 settings->object, settings->ground);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: the objects that are covered are seen in %s, expected them here: interchanged",
+			settings->object, settings->ground);
 	for (int turn = AS_IT_IS + 1; turn < TURNS; turn++) {
 		const double better = fits_better(f, turn);
 
@@ -209,11 +210,10 @@ static int fit_judge(const struct fit *f, const struct import_pictures_settings 
 	}
 	if (best == AS_IT_IS)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "%s: it fits the pictures better if it is %s, expected white where they "
-			 "show objects",
-			 settings->coverage ? settings->coverage : settings->mask,
-			 turn_names[best]);
+	return fault_say(
+		fault, -EINVAL,
+		"%s: it fits the pictures better if it is %s, expected white where they show objects",
+		settings->coverage ? settings->coverage : settings->mask, turn_names[best]);
 }
 
 int import_fit_check(const struct import_pictures *pictures,

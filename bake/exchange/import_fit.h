@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whether pictures of objects, pictures of the ground and coverage belong together. The edges of the
- * coverage must be edges of the pictures with objects, not of those without. A coverage that is
+ * Whether pictures of objects, pictures of the ground and coverage belong together. The edges of
+ * the coverage must be edges of the pictures with objects, not of those without. A coverage that is
  * mirrored, upside down or inverted is told by its fitting better when that is undone.
  */
 #ifndef INLAY_BAKE_EXCHANGE_IMPORT_FIT_H

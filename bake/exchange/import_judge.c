@@ -85,9 +85,7 @@ static int check_flat_ground(const struct import_pictures *p, const char *name, 
 	if (!(albedo >= ALBEDO_MIN && albedo <= ALBEDO_MAX))
 		return fault_say(
 			fault, -EINVAL,
-			"%s: all lights together make the ground %.4g bright, expected its "
-			"albedo, %g to 1, as of lights of radiance 1 (--scale multiplies all "
-			"pictures)",
+			"%s: all lights together make the ground %.4g bright, expected its albedo, %g to 1, as of lights of radiance 1 (--scale multiplies all pictures)",
 			name, albedo, ALBEDO_MIN);
 	for (int i = 0; i < dome->count; i++) {
 		const double expected = albedo / M_PI * dome->projected_sr[i];
@@ -105,8 +103,7 @@ static int check_flat_ground(const struct import_pictures *p, const char *name, 
 	return fault_say(
 		fault, -EINVAL,
 		"%s: the light at %.1f degrees from the zenith makes the ground %.3g bright, "
-		"expected %.3g of %.3g in all, as its cell of radiance 1 does: pictures in "
-		"another order than the angles, or of lights that are no cells of radiance 1",
+		"expected %.3g of %.3g in all, as its cell of radiance 1 does: pictures in another order than the angles, or of lights that are no cells of radiance 1",
 		name, acos(fmin(dome->direction[light][2], 1)) * (180 / M_PI),
 		p->ground[dome->count + light], albedo / M_PI * dome->projected_sr[light], albedo);
 }
@@ -188,10 +185,10 @@ static int check_order(const struct import_pictures *p, const char *name, struct
 	free(look);
 	if (most < DIFFERENCE_LEAST || alike >= ALIKE_LEAST * tried)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "%s: of %d pictures only %d are most like one of a neighbouring light: "
-			 "expected them in the order of the angles",
-			 name, tried, alike);
+	return fault_say(
+		fault, -EINVAL,
+		"%s: of %d pictures only %d are most like one of a neighbouring light: expected them in the order of the angles",
+		name, tried, alike);
 }
 
 /* ---- which picture is which ---- */
@@ -256,16 +253,15 @@ static int check_roles(const struct import_pictures *p,
 				 "%s: the same pictures as %s, expected objects in one of them",
 				 settings->object, settings->ground);
 	if (b.gained > 2 * b.lost && b.gained - b.lost > BRIGHTER_MOST * b.without)
-		return fault_say(fault, -EINVAL,
-				 "%s: %.3g times as bright as %s where objects cover nothing, "
-				 "expected it darker: interchanged, or a coverage that is inverted",
-				 settings->object, 1 + (b.gained - b.lost) / b.without,
-				 settings->ground);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: %.3g times as bright as %s where objects cover nothing, expected it darker: interchanged, or a coverage that is inverted",
+			settings->object, 1 + (b.gained - b.lost) / b.without, settings->ground);
 	if (b.alone > ALONE_MOST * b.without)
-		return fault_say(fault, -EINVAL,
-				 "%s: light where objects cover nothing, expected what is seen of "
-				 "them, over black",
-				 settings->alone);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: light where objects cover nothing, expected what is seen of them, over black",
+			settings->alone);
 	return 0;
 }
 
@@ -280,9 +276,9 @@ static void warn_no_object(const struct import_pictures *p,
 	while (k < pixels && !(p->coverage[k] > 0))
 		k++;
 	if (k == pixels)
-		log_warning("%s: no pixel is of an object; expected some that are not black (alpha "
-			    "is not looked at)",
-			    settings->coverage ? settings->coverage : settings->mask);
+		log_warning(
+			"%s: no pixel is of an object; expected some that are not black (alpha is not looked at)",
+			settings->coverage ? settings->coverage : settings->mask);
 }
 
 int import_judge(struct import_pictures *p, const struct import_pictures_settings *settings,

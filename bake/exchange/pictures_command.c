@@ -132,10 +132,10 @@ static int check_names(const char *path, const struct pictures_choices *c, struc
 		if (kind < 0)
 			return kind;
 		if (!kind)
-			return fault_say(fault, -ENOTSUP,
-					 "%s: would round what lights do alone, expected an ending "
-					 "of .pfm or .hdr",
-					 names[i]);
+			return fault_say(
+				fault, -ENOTSUP,
+				"%s: would round what lights do alone, expected an ending of .pfm or .hdr",
+				names[i]);
 	}
 	for (int i = 0; i < 3; i++) {
 		if (names[i] && picture_name(names[i], 0, first[i], sizeof(first[i])))
@@ -189,31 +189,24 @@ static int pictures_command_run(const struct bake_command *command, int argc, ch
 
 const struct bake_command pictures_command = {
 	.name = "pictures",
-	.usage = "SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
-		 "           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] "
-		 "[--samples S] "
-		 "[--size WxH] [--pose P]\n"
-		 "           [--seed K] [--threads T] [--quiet]",
+	.usage =
+		"SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
+		"           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] [--samples S] [--size WxH] [--pose P]\n"
+		"           [--seed K] [--threads T] [--quiet]",
 	.summary = "path trace the scene under each light alone, for import",
-	.help = "\n"
-		"  --object PATTERN    objects and ground, one picture a light, from 0\n"
+	.help = "\n  --object PATTERN    objects and ground, one picture a light, from 0\n"
 		"  --ground PATTERN    ground alone\n"
 		"  --alone PATTERN     what is seen of the objects, over black\n"
 		"  --coverage FILE     the objects' share of each pixel\n"
 		"  --frequency F       of the dome; default: as the scene says\n"
-		"  --division D        angles or chords\n"
-		"  --lights L          cells or tents\n"
+		"  --division D        angles or chords\n  --lights L          cells or tents\n"
 		"  --fine PARTS        where lights are finer: a file or a list (inlay-scene(5))\n"
-		"  --samples S         a pixel; 64\n"
-		"  --size WxH          of the pictures\n"
+		"  --samples S         a pixel; 64\n  --size WxH          of the pictures\n"
 		"  --pose P            of the scene: number, from 0, or name; 0\n"
 		"  --seed K            of all random numbers\n"
 		"  --threads T         default: one for each processor\n"
-		"  --quiet             print nothing but errors\n"
-		"\n"
-		"Linear light (.pfm, .hdr) of lights of radiance 1. Shares nothing with render but "
-		"meshes,\n"
-		"materials and camera: what inlay-bake import makes of the pictures is held "
-		"against it.\n",
+		"  --quiet             print nothing but errors\n\n"
+		"Linear light (.pfm, .hdr) of lights of radiance 1. Shares nothing with render but meshes,\n"
+		"materials and camera: what inlay-bake import makes of the pictures is held against it.\n",
 	.run = pictures_command_run,
 };

@@ -30,8 +30,8 @@ extern const char *const material_kind_names[]; /* "diffuse", "glossy", "glass",
 /* What a texture shows beyond its edges. */
 enum texture_wrap { TEXTURE_REPEAT, TEXTURE_CLAMP, TEXTURE_MIRROR };
 
-/* A picture that is interpolated bilinearly. 8-bit code values are sRGB, unless they are data; float
- * ones are linear. Row 0 is at the top, texture coordinate v runs upwards. */
+/* A picture that is interpolated bilinearly. 8-bit code values are sRGB, unless they are data;
+ * float ones are linear. Row 0 is at the top, texture coordinate v runs upwards. */
 struct texture {
 	struct image image;
 	enum texture_wrap wrap[2]; /* across and down */

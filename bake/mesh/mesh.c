@@ -147,9 +147,9 @@ static void mesh_place(struct mesh *mesh, const struct mesh_placement *placement
 
 /* ---- checks ---- */
 
-/* Refuses a small mesh far from the origin: single precision rounds its vertices to a coarse grid, in the
- * world or in the file. A file was written in single precision if all its vertices are such numbers. position:
- * that of the placement; NULL: not placed yet. */
+/* Refuses a small mesh far from the origin: single precision rounds its vertices to a coarse grid,
+ * in the world or in the file. A file was written in single precision if all its vertices are such
+ * numbers. position: that of the placement; NULL: not placed yet. */
 static int check_precision(const struct mesh *mesh, const double *position, const char *path,
 			   struct fault *fault)
 {
@@ -182,12 +182,10 @@ static int check_precision(const struct mesh *mesh, const double *position, cons
 	if (far >= FAR_MOST * size)
 		return fault_say(
 			fault, -ERANGE,
-			"%s: it is %.4g across and up to %.6g from the origin, where single "
-			"precision rounds its vertices, expected less than %.3g: move it %s",
+			"%s: it is %.4g across and up to %.6g from the origin, where single precision rounds its vertices, expected less than %.3g: move it %s",
 			path, size, far, FAR_MOST * size, nearer);
 	log_warning_once(
-		"%s: it is %.4g across and up to %.6g from the origin%s, where single precision "
-		"rounds its vertices by 1/%.0f of its size: move it %s",
+		"%s: it is %.4g across and up to %.6g from the origin%s, where single precision rounds its vertices by 1/%.0f of its size: move it %s",
 		path, size, far, position ? "" : " of its file", size / far * (1 << 25), nearer);
 	return 0;
 }
@@ -228,24 +226,21 @@ static int mesh_check(const struct mesh *mesh, const char *path, struct fault *f
 		for (int i = 0; i < part->vertices; i++)
 			for (int axis = 0; axis < 3; axis++)
 				if (!isfinite(part->position[i][axis]))
-					return fault_say(fault, -EDOM,
-							 "%s: vertex %d is not finite, expected "
-							 "numbers",
-							 path, i + 1);
+					return fault_say(
+						fault, -EDOM,
+						"%s: vertex %d is not finite, expected numbers",
+						path, i + 1);
 		for (int i = 0; i < part->triangles; i++)
 			for (int corner = 0; corner < 3; corner++)
 				if (part->index[i][corner] >= (uint32_t)part->vertices)
 					return fault_say(
 						fault, -EBADMSG,
-						"%s: triangle %d names vertex %u, expected "
-						"less than %d",
+						"%s: triangle %d names vertex %u, expected less than %d",
 						path, i, part->index[i][corner], part->vertices);
 	}
 	if (!triangles)
 		return fault_say(fault, -ENODATA,
-				 "%s: no faces, expected a mesh of triangles or "
-				 "polygons",
-				 path);
+				 "%s: no faces, expected a mesh of triangles or polygons", path);
 	return check_area(mesh, path, fault);
 }
 
@@ -261,10 +256,10 @@ static int check_reach(const struct mesh *mesh, const char *path, struct fault *
 				far = fmax(far, fabs((double)mesh->parts[k].position[i][axis]));
 	if (far <= REACH_MOST)
 		return 0;
-	return fault_say(fault, -ERANGE,
-			 "%s: it reaches %.3g world units from the origin, expected at most %g: "
-			 "look at its vertices and its scale",
-			 path, far, REACH_MOST);
+	return fault_say(
+		fault, -ERANGE,
+		"%s: it reaches %.3g world units from the origin, expected at most %g: look at its vertices and its scale",
+		path, far, REACH_MOST);
 }
 
 /* Reads a file by the reader of its kind. */
@@ -283,8 +278,7 @@ static int mesh_import(struct mesh *mesh, const char *path, double crease_deg, b
 		return stl_read(mesh, path, crease_deg, materials, fault);
 	return fault_say(
 		fault, -ENOTSUP,
-		"%s: by its ending no kind of mesh that is read, expected glTF (.gltf, .glb), "
-		"OBJ, PLY or STL: Blender opens most other kinds and exports glTF",
+		"%s: by its ending no kind of mesh that is read, expected glTF (.gltf, .glb), OBJ, PLY or STL: Blender opens most other kinds and exports glTF",
 		path);
 }
 

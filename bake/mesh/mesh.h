@@ -55,18 +55,20 @@ struct mesh_placement {
 	int own_materials; /* read the file's materials and textures */
 };
 
-/* Chooses the origin from which a reader rounds positions to single precision: any vertex that a face has,
- * in whole units; 0 where it is near. */
+/* Chooses the origin from which a reader rounds positions to single precision: any vertex that a
+ * face has, in whole units; 0 where it is near. */
 static inline void mesh_set_origin(double origin[3], const double vertex[3])
 {
 	for (int axis = 0; axis < 3; axis++)
 		origin[axis] = fabs(vertex[axis]) < 1024 ? 0 : round(vertex[axis]);
 }
 
-/* Reads, checks and places a mesh; vertices that no face has are dropped, and one that is closed and wound inwards is turned. -ENOENT ...;
- * -ENOTSUP: another kind of file; -EBADMSG: not a mesh; -ENODATA: no triangle, or none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
- * the origin, in a file of floats or in the world, that single precision rounds its vertices to a hundredth
- * of its size (from a two-thousandth on it says so), or it lies beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */
+/* Reads, checks and places a mesh; vertices that no face has are dropped, and one that is closed
+ * and wound inwards is turned. -ENOENT ...; -ENOTSUP: another kind of file; -EBADMSG: not a mesh;
+ * -ENODATA: no triangle, or none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh
+ * is so small and far from the origin, in a file of floats or in the world, that single precision
+ * rounds its vertices to a hundredth of its size (from a two-thousandth on it says so), or it lies
+ * beyond 1e9 world units. The fault names the file. mesh_free() also after a failure. */
 int mesh_read(struct mesh *mesh, const char *path, const struct mesh_placement *placement,
 	      struct fault *fault);
 

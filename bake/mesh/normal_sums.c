@@ -30,7 +30,8 @@ static struct normal_box box_around(const struct weighted_normal *all, uint32_t 
 	return box;
 }
 
-/* Puts the normals of the lower half of a box before those of the upper half. Returns where these begin. */
+/* Puts the normals of the lower half of a box before those of the upper half. Returns where these
+ * begin. */
 static uint32_t box_split(const struct normal_box *box, struct weighted_normal *all)
 {
 	const struct v3 size = v3_sub(box->high, box->low);
@@ -52,8 +53,8 @@ static uint32_t box_split(const struct normal_box *box, struct weighted_normal *
 	return upper;
 }
 
-/* Adds the boxes of a range, a box before those in it. The depth is bounded: each axis can be halved as often
- * as a float has values. */
+/* Adds the boxes of a range, a box before those in it. The depth is bounded: each axis can be
+ * halved as often as a float has values. */
 static uint32_t boxes_add(struct normal_box *boxes, uint32_t at, struct weighted_normal *all,
 			  uint32_t from, uint32_t to)
 {
@@ -73,7 +74,8 @@ uint32_t normal_sums_begin(struct normal_box *boxes, struct weighted_normal *all
 	return boxes_add(boxes, 0, all, 0, count);
 }
 
-/* Rounding keeps the order of products and of sums, so a box is judged as each normal in it would be. */
+/* Rounding keeps the order of products and of sums, so a box is judged as each normal in it would
+ * be. */
 struct v3 normal_sums_around(const struct normal_box *boxes, uint32_t box_count,
 			     const struct weighted_normal *all, struct v3 d, float bound)
 {

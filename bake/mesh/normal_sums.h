@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sums of unit normals around directions. Boxes around normals, halved again and again, let a box that
- * lies wholly on one side of the bound count as one: n sums around n directions take about n log n where the
- * normals lie on a line, as those of a cone do, and n^1.5 where they fill the sphere.
+ * Sums of unit normals around directions. Boxes around normals, halved again and again, let a box
+ * that lies wholly on one side of the bound count as one: n sums around n directions take about n
+ * log n where the normals lie on a line, as those of a cone do, and n^1.5 where they fill the
+ * sphere.
  */
 #ifndef INLAY_BAKE_MESH_NORMAL_SUMS_H
 #define INLAY_BAKE_MESH_NORMAL_SUMS_H

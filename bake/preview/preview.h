@@ -11,8 +11,8 @@
 struct preview_settings {
 	const char *scene, *background, *output;
 	const char *config; /* of the kiosk; NULL: none */
-	/* Light colours of a dome, or a picture of the kiosk's fisheye (needs config); both NULL: an even
-	 * sky. */
+	/* Light colours of a dome, or a picture of the kiosk's fisheye (needs config); both NULL:
+	 * an even sky. */
 	const char *lights, *fisheye;
 	int frequency;	 /* of that dome; -1: the scene's */
 	double exposure; /* radiance of the even sky, or of 1 in lights */
@@ -28,9 +28,9 @@ struct preview_settings {
 /* Checks that the output can be written and is none of the files that the settings name. */
 int preview_check(const struct preview_settings *settings, struct fault *fault);
 
-/* Makes the picture, which appears whole or not at all. Prints a line for each object and one for the
- * picture. Errors of its files; -EINVAL: a picture or lights that do not fit the scene; -ENODATA: the
- * camera sees no object. */
+/* Makes the picture, which appears whole or not at all. Prints a line for each object and one for
+ * the picture. Errors of its files; -EINVAL: a picture or lights that do not fit the scene;
+ * -ENODATA: the camera sees no object. */
 int preview_run(const struct preview_settings *settings, struct fault *fault);
 
 #endif

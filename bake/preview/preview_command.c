@@ -108,17 +108,12 @@ const struct bake_command preview_command = {
 		 "           [--samples S] [--pose P] [--threads T] [--quiet]",
 	.summary = "show the object in a photograph of the place, within seconds",
 	.help = "\n"
-		"  --background IMG  what the camera sees: upright, as inlay grab takes it, and "
-		"of\n"
+		"  --background IMG  what the camera sees: upright, as inlay grab takes it, and of\n"
 		"                    the camera's size\n"
-		"  -o FILE           .png: code values like the photograph's; .pfm, .hdr: linear "
-		"light\n"
-		"  --watch           make it again whenever the scene file or a file that it names "
-		"changes,\n"
+		"  -o FILE           .png: code values like the photograph's; .pfm, .hdr: linear light\n"
+		"  --watch           make it again whenever the scene file or a file that it names changes,\n"
 		"                    until ended; the picture is replaced whole\n"
-		"  --config FILE     the kiosk's: [fisheye] and [background] without their views, "
-		"and "
-		"[composite]\n"
+		"  --config FILE     the kiosk's: [fisheye] and [background] without their views, and [composite]\n"
 		"                    gain; else sRGB and 1\n"
 		"  --lights FILE     light colours, as inlay still --lights-out writes them\n"
 		"  --fisheye IMG     or what the fisheye sees, upright; else the sky is even\n"
@@ -127,8 +122,7 @@ const struct bake_command preview_command = {
 		"  --samples S       camera rays a pixel; else as many as take seconds\n"
 		"  --pose P          of the scene: number, from 0, or name\n"
 		"  --threads T       default: one for each processor\n"
-		"  --quiet           print nothing but errors\n"
-		"\n"
+		"  --quiet           print nothing but errors\n\n"
 		"Exit code 3: the camera sees no object, and there is no picture.\n",
 	.run = preview_command_run,
 };

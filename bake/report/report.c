@@ -197,8 +197,7 @@ static int show_method(struct report *r)
 	report_paragraph(
 		r->page.body,
 		"inlay-bake %s on %s, kernel %s. Pictures of %d x %d pixels; %ld of them "
-		"changed by the object, of which %ld show shadow alone; times grow with that "
-		"number.%s%s%s",
+		"changed by the object, of which %ld show shadow alone; times grow with that number.%s%s%s",
 		INLAY_VERSION, processor, kernels_choose(NULL)->name, r->stage.width,
 		r->stage.height, r->scope.objects + r->scope.shadows, r->scope.shadows,
 		s->pose ? " Of the scene's poses it is " : "", s->pose ? s->pose : "",
@@ -209,27 +208,25 @@ static int show_method(struct report *r)
 		"of the frames took a time between these. All ways of a "
 		"section take turns, each after frames that do not count, with one thread: a time "
 		"is that which it had of the processor (%.0f %% of the time it had to wait for "
-		"it). Times whose quartiles overlap, or whose medians are within 5 %%, "
-		"count as equal.",
+		"it). Times whose quartiles overlap, or whose medians are within 5 %%, count as equal.",
 		r->stage.repeat, waited);
 	report_paragraph(
 		r->page.body,
 		"Errors are in 8-bit sRGB levels over the pixels that the object changes. "
 		"RMS and PSNR are over all surroundings' pixels, the largest is of all, and "
 		"shadow is the mean error of the shadow's ratio, weighted by the light "
-		"behind it. Double precision is not rounded: 8 bits alone are 0.29 levels, "
-		"58.9 dB. PSNR and the surroundings' own figures are in the CSV files.");
-	report_paragraph(r->page.body,
-			 "Truth is path traced without lights, basis or compositor, %d samples a "
-			 "pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
-			 "and PSNR are without that noise, the largest error holds it. Bakes have "
-			 "%d samples a pixel and a noise of %.2g levels in these surroundings, "
-			 "measured between two bakes with different random numbers. Errors count "
-			 "as equal if their squares differ by no more than the square of the noise "
-			 "that the advised samples leave (%.2g levels), plus what truth and bake, "
-			 "being noisy, leave uncertain of such a difference.",
-			 given_or(s->truth_samples, TRUTH_SAMPLES), r->truth_noise,
-			 r->render.samples, r->bake_noise, r->hidden);
+		"behind it. Double precision is not rounded: 8 bits alone are 0.29 levels, 58.9 dB. PSNR and the surroundings' own figures are in the CSV files.");
+	report_paragraph(
+		r->page.body,
+		"Truth is path traced without lights, basis or compositor, %d samples a "
+		"pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
+		"and PSNR are without that noise, the largest error holds it. Bakes have "
+		"%d samples a pixel and a noise of %.2g levels in these surroundings, "
+		"measured between two bakes with different random numbers. Errors count "
+		"as equal if their squares differ by no more than the square of the noise "
+		"that the advised samples leave (%.2g levels), plus what truth and bake, being noisy, leave uncertain of such a difference.",
+		given_or(s->truth_samples, TRUTH_SAMPLES), r->truth_noise, r->render.samples,
+		r->bake_noise, r->hidden);
 	return 0;
 }
 

@@ -50,8 +50,8 @@ static int sweep_end(struct sweep *s, int err)
 	return err;
 }
 
-/* Chooses one of the trials, of which the preferred ones come first (report_trial_choose()). Returns
- * its index. */
+/* Chooses one of the trials, of which the preferred ones come first (report_trial_choose()).
+ * Returns its index. */
 static int sweep_choose(struct sweep *s, const char *order)
 {
 	const struct report_trial *trial[TRIALS_MAX];
@@ -97,10 +97,10 @@ static int plot_threshold(struct sweep *s)
 			point->ringed = k == 0 && mode == THRESHOLD_AMBIENT;
 		}
 	}
-	return report_page_plot(&r->page, r->page.body, &plot,
-				"Error by share of lights that reach the threshold (its grey level "
-				"beside each point). Ring: the setting in use, no threshold.",
-				r->fault);
+	return report_page_plot(
+		&r->page, r->page.body, &plot,
+		"Error by share of lights that reach the threshold (its grey level beside each point). Ring: the setting in use, no threshold.",
+		r->fault);
 }
 
 /* Advises a threshold, but none that drops light: what that darkens depends on the surroundings. */
@@ -164,9 +164,7 @@ int report_threshold(struct report *r)
 		r->page.body,
 		"A light none of whose channels reaches the threshold is left out. "
 		"\"drop\" is the thesis's way; \"ambient\" gives what was left out back as "
-		"even light. Errors are against double "
-		"precision with every light; white "
-		"ground has radiance %.2g, 1 is grey level 255 of sRGB.",
+		"even light. Errors are against double precision with every light; white ground has radiance %.2g, 1 is grey level 255 of sRGB.",
 		REPORT_WHITE);
 	if (!err)
 		err = plot_threshold(&s);
@@ -196,10 +194,10 @@ static void advise_cut(struct report *r, double factor)
 	char text[32], in_use[32];
 
 	if (r->advised_frequency != r->render.frequency && factor != 1)
-		report_paragraph(r->page.body,
-				 "That is %.3g times the cut in use; the line is for the lights "
-				 "that are advised, whose own cut is %.2g.",
-				 factor, own);
+		report_paragraph(
+			r->page.body,
+			"That is %.3g times the cut in use; the line is for the lights that are advised, whose own cut is %.2g.",
+			factor, own);
 	snprintf(text, sizeof(text), "%.2g", cut);
 	snprintf(in_use, sizeof(in_use), "%.2g", used);
 	report_advise(r, REPORT_SCENE, "render", "column_cut", text, in_use);
@@ -247,15 +245,14 @@ int report_column_cut(struct report *r)
 	report_heading(r->page.body, "What does leaving out small columns bring?");
 	report_paragraph(
 		r->page.body,
-		"A column of a single light that changes no pixel by more than its block's share "
-		"of the cut, as linear light or in the shadow's ratio, is left out of that frame.");
+		"A column of a single light that changes no pixel by more than its block's share of the cut, as linear light or in the shadow's ratio, is left out of that frame.");
 	if (err)
 		report_plot_free(&plot);
 	else
-		err = report_page_plot(&r->page, r->page.body, &plot,
-				       "Time against error, the cut beside each point, and the "
-				       "time's quartiles. Ring: the file's own.",
-				       r->fault);
+		err = report_page_plot(
+			&r->page, r->page.body, &plot,
+			"Time against error, the cut beside each point, and the time's quartiles. Ring: the file's own.",
+			r->fault);
 	err = sweep_end(&s, err);
 	if (!err)
 		advise_cut(r, factors[sweep_choose(&s, "the file's own")]);

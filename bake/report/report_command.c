@@ -99,8 +99,7 @@ const struct bake_command report_command = {
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
 		"                     appears when it is whole\n"
-		"  --panorama FILE    a surrounding, equirectangular in linear light; may be "
-		"given\n"
+		"  --panorama FILE    a surrounding, equirectangular in linear light; may be given\n"
 		"                     again; else skies and a room that inlay makes itself\n"
 		"  --size WxH         of the pictures that are baked and traced, 96x72\n"
 		"  --samples S        camera rays a pixel of each bake, 16\n"
@@ -109,16 +108,12 @@ const struct bake_command report_command = {
 		"  --pose P           of the scene: number, from 0, or name; 0\n"
 		"  --repeat N         how often each frame is timed, 9\n"
 		"  --threads T        that bake and trace; one for each processor\n"
-		"  --quiet            print nothing but errors\n"
-		"\n"
-		"It says what each choice costs in time and memory, and how far the picture is "
-		"then\n"
+		"  --quiet            print nothing but errors\n\n"
+		"It says what each choice costs in time and memory, and how far the picture is then\n"
 		"from double precision and from path-traced truth: number of lights, estimator,\n"
 		"samples, declared error, column cut, threshold. What the scene file says is the\n"
-		"setting in use. Choices that differ by no more than the noise count as equal, "
-		"and\n"
+		"setting in use. Choices that differ by no more than the noise count as equal, and\n"
 		"each advice is a line to paste into the scene file or the kiosk's configuration.\n"
-		"It takes some minutes. `inlay bench` measures a basis file, threads and "
-		"kernels.\n",
+		"It takes some minutes. `inlay bench` measures a basis file, threads and kernels.\n",
 	.run = report_command_run,
 };

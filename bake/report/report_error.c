@@ -109,8 +109,7 @@ static int plot_error_sweep(struct report *r, const struct error_sweep *e, const
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &p,
-		memory ? "Size of the fast basis against the error that it makes; the "
-			 "RMS asked for beside each point. Ring: the setting in use."
+		memory ? "Size of the fast basis against the error that it makes; the RMS asked for beside each point. Ring: the setting in use."
 		       : "Time of a frame against the same, with its quartiles.",
 		r->fault);
 }
@@ -125,8 +124,7 @@ static int show_error_sweep(struct report *r, const struct error_sweep *e)
 		r->page.body,
 		"The bake keeps as many patterns and columns in each tile as the error "
 		"asked for needs, under skies and single cells that are the same for every "
-		"scene; the surroundings here are none of those. Errors are against the "
-		"exact layer of the setting in use in double precision, from the same rays.");
+		"scene; the surroundings here are none of those. Errors are against the exact layer of the setting in use in double precision, from the same rays.");
 	err = plot_error_sweep(r, e, "error-memory", true);
 	if (!err)
 		err = plot_error_sweep(r, e, "error-time", false);

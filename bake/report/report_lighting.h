@@ -21,10 +21,11 @@ struct report_lighting {
 	struct image fisheye;	  /* linear radiance, upright, a square */
 	struct canvas background; /* 8 bits, sRGB */
 	struct picture background_picture;
-	double *truth;	     /* [height][width][3]: 0..255, sRGB, not rounded */
-	double *half[2];     /* the same of either half of the samples, whose mean truth is */
-	double noise_levels; /* standard error of truth; 0 until it is measured (report_samples.c) */
-	double seconds;	     /* that truth took */
+	double *truth;	 /* [height][width][3]: 0..255, sRGB, not rounded */
+	double *half[2]; /* the same of either half of the samples, whose mean truth is */
+	/* standard error of truth; 0 until it is measured (report_samples.c) */
+	double noise_levels;
+	double seconds; /* that truth took */
 };
 
 struct report_lighting_settings {

@@ -84,9 +84,7 @@ static int plot_errors(struct report *r, const struct report_trial *trials)
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &plot,
-		"Error of the finished picture by number of lights. Solid: the mean "
-		"over each light's cell; dashed: the picture at its node. Rings: the "
-		"setting in use.",
+		"Error of the finished picture by number of lights. Solid: the mean over each light's cell; dashed: the picture at its node. Rings: the setting in use.",
 		r->fault);
 }
 
@@ -112,8 +110,7 @@ static int plot_times(struct report *r, const struct report_trial *trials)
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &plot,
-		"Time of a frame by number of lights, one thread, with its quartiles. Ring: the "
-		"setting in use.",
+		"Time of a frame by number of lights, one thread, with its quartiles. Ring: the setting in use.",
 		r->fault);
 }
 
@@ -123,10 +120,10 @@ static int show_lights(struct report *r, const struct report_trial *trials)
 	int err;
 
 	report_heading(r->page.body, "How many lights, and how are they sampled?");
-	report_paragraph(r->page.body,
-			 "Each number of lights is a bake of its own. The fisheye picture gives "
-			 "each light the mean over its cell of the sky, or what it shows at the "
-			 "cell's node. Times are of one thread.");
+	report_paragraph(
+		r->page.body,
+		"Each number of lights is a bake of its own. The fisheye picture gives "
+		"each light the mean over its cell of the sky, or what it shows at the cell's node. Times are of one thread.");
 	err = plot_errors(r, trials);
 	if (!err)
 		err = plot_times(r, trials);
@@ -148,14 +145,15 @@ static void choose_lights(struct report *r, const struct report_trial *trials)
 		way[b] = &trials[WAYS * b + CELL];
 	found = report_trial_choose(r, way, r->bakes, "the coarsest dome");
 	if (found == r->bakes - 1)
-		report_paragraph(r->page.body, "It is the finest dome that was tried; "
-					       "--frequency tries finer ones.");
+		report_paragraph(
+			r->page.body,
+			"It is the finest dome that was tried; --frequency tries finer ones.");
 	r->advised_frequency = r->bake[found].settings.frequency;
 	report_advise_number(r, REPORT_SCENE, "dome", "frequency", r->advised_frequency,
 			     r->render.frequency);
 	report_advice_show(r);
-	report_paragraph(r->page.body, "Means over cells or the nodes alone, with the lights in "
-				       "use:");
+	report_paragraph(r->page.body,
+			 "Means over cells or the nodes alone, with the lights in use:");
 	for (int k = CELL; k <= NODE; k++)
 		way[k] = &trials[WAYS * (r->used - r->bake) + k];
 	found = report_trial_choose(r, way, 2, "the mean over cells");

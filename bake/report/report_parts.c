@@ -182,11 +182,10 @@ static void compare_with_use(struct report *r, const struct report_trial *trial)
 
 	if (of.rms == used.rms)
 		return;
-	report_paragraph(r->page.body,
-			 "Beside the setting in use: %.3g ms in place of %.3g, a basis of %.3g MB "
-			 "in place of %.3g, RMS %.3g in place of %.3g.",
-			 of.ms, used.ms, trial->way.bake->shown_mb, r->used->shown_mb, of.rms,
-			 used.rms);
+	report_paragraph(
+		r->page.body,
+		"Beside the setting in use: %.3g ms in place of %.3g, a basis of %.3g MB in place of %.3g, RMS %.3g in place of %.3g.",
+		of.ms, used.ms, trial->way.bake->shown_mb, r->used->shown_mb, of.rms, used.rms);
 }
 
 int report_trial_choose(struct report *r, const struct report_trial *const *trials, int count,
@@ -202,17 +201,16 @@ int report_trial_choose(struct report *r, const struct report_trial *const *tria
 		results[k] = report_result_of(r, trials[k]);
 	found = report_choose(results, count, near);
 	if (list_equals(trials, near, count, list, sizeof(list)) > 1)
-		report_paragraph(r->page.body,
-				 "Called equal, as their errors differ by no more than the noise "
-				 "(%.2g levels): %s. Advised: %s. No other of these is faster by "
-				 "more than the spread of the times; of those as fast, %s is "
-				 "preferred.",
-				 results[found].noise, list, trials[found]->name, order);
+		report_paragraph(
+			r->page.body,
+			"Called equal, as their errors differ by no more than the noise "
+			"(%.2g levels): %s. Advised: %s. No other of these is faster by more than the spread of the times; of those as fast, %s is preferred.",
+			results[found].noise, list, trials[found]->name, order);
 	else
-		report_paragraph(r->page.body,
-				 "Advised: %s, nearer than all others by more than the noise "
-				 "(%.2g levels).",
-				 trials[found]->name, results[found].noise);
+		report_paragraph(
+			r->page.body,
+			"Advised: %s, nearer than all others by more than the noise (%.2g levels).",
+			trials[found]->name, results[found].noise);
 	compare_with_use(r, trials[found]);
 	return found;
 }

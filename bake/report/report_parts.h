@@ -93,13 +93,14 @@ struct report_result report_result_of(const struct report *report,
 void report_candidate_add(struct report *report, const struct report_trial *trial, bool in_use);
 
 /*
- * Chooses one of some trials (report_choose()), the preferred ones first, and writes paragraphs that
- * say why. Returns its index. order: which of those as fast is preferred.
+ * Chooses one of some trials (report_choose()), the preferred ones first, and writes paragraphs
+ * that say why. Returns its index. order: which of those as fast is preferred.
  */
 int report_trial_choose(struct report *report, const struct report_trial *const *trials, int count,
 			const char *order);
 
-/* The bake with the lights that are advised, as far as it is known: of the setting in use before. */
+/* The bake with the lights that are advised, as far as it is known: of the setting in use
+ * before. */
 struct report_bake *report_advised_dome(struct report *report);
 
 /* Adds a line to paste. used NULL: not known. */

@@ -52,10 +52,10 @@ static int show_one(struct report *r, const struct report_way *way, int lighting
 		return err;
 	fill_comparison(r, ours, l->truth, out);
 	snprintf(name, sizeof(name), "picture-%d", lighting + 1);
-	snprintf(caption, sizeof(caption),
-		 "%s: the setting in use, path-traced truth, and %d times their difference (grey: "
-		 "none).",
-		 l->name, GAIN);
+	snprintf(
+		caption, sizeof(caption),
+		"%s: the setting in use, path-traced truth, and %d times their difference (grey: none).",
+		l->name, GAIN);
 	return report_page_picture(&r->page, r->page.body, name, out, caption, r->fault);
 }
 

@@ -10,8 +10,9 @@
 
 #define FEWER 4 /* factor between the samples of both bakes */
 
-/* The bake with fewer samples is looked at in its exact layer alone, so its encoding may be coarser;
- * but not much, as the error that is asked for also decides which dim pixels are left out. */
+/* The bake with fewer samples is looked at in its exact layer alone, so its encoding may be
+ * coarser; but not much, as the error that is asked for also decides which dim pixels are left
+ * out. */
 #define COARSER 2
 
 #define SAMPLES_MOST 4096
@@ -187,16 +188,14 @@ int report_samples(struct report *r)
 		"Bakes of %d and of %d samples with other random numbers differ as far as their "
 		"noise goes: %.2g levels for %d samples, mean over the surroundings. Noise falls "
 		"with the root of the samples, and adds to the rest of the error by squares; "
-		"that is what is expected. Errors are of the exact layers. Processor time of a "
-		"bake grows with the samples only as far as tracing goes.",
+		"that is what is expected. Errors are of the exact layers. Processor time of a bake grows with the samples only as far as tracing goes.",
 		r->render.samples, r->fewer.settings.samples, r->bake_noise, r->render.samples);
 	err = show_samples(r, trial, &law, enough);
-	report_paragraph(r->page.body,
-			 "Advised: %d, the fewest (a power of two) with which noise is no larger "
-			 "than the rest of the error. They leave a noise of %.2g levels, which "
-			 "hides smaller differences: where choices below differ by less, they are "
-			 "called equal.",
-			 enough, r->hidden);
+	report_paragraph(
+		r->page.body,
+		"Advised: %d, the fewest (a power of two) with which noise is no larger "
+		"than the rest of the error. They leave a noise of %.2g levels, which hides smaller differences: where choices below differ by less, they are called equal.",
+		enough, r->hidden);
 	used = &r->scene->file->render;
 	if (used->noise_levels > 0)
 		report_advise_number(r, REPORT_SCENE, "render", "noise", 0, used->noise_levels);

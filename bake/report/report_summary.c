@@ -68,12 +68,11 @@ static int show_front(struct report *r, const bool *front)
 		point->ringed = true;
 		snprintf(point->label, sizeof(point->label), "in use");
 	}
-	return report_page_plot(&r->page, r->page.head, &plot,
-				"Every setting that was tried. Blue: the Pareto front, that is, no "
-				"other is faster and as near, or nearer and as fast; as fast and "
-				"as near is what noise and spread cannot tell apart. Ring: the "
-				"setting in use.",
-				r->fault);
+	return report_page_plot(
+		&r->page, r->page.head, &plot,
+		"Every setting that was tried. Blue: the Pareto front, that is, no "
+		"other is faster and as near, or nearer and as fast; as fast and as near is what noise and spread cannot tell apart. Ring: the setting in use.",
+		r->fault);
 }
 
 static int show_candidates(struct report *r, const bool *front)
@@ -126,17 +125,14 @@ static void describe_use(struct report *r, const struct report_candidate *used)
 	report_paragraph(
 		r->page.head,
 		"In use: %u lights (frequency %u) read as means over their cells, no "
-		"threshold, fast mode, columns cut at %.2g, one thread. It declares an RMS "
-		"error of %.2g levels under skies and %.2g under single cells.",
+		"threshold, fast mode, columns cut at %.2g, one thread. It declares an RMS error of %.2g levels under skies and %.2g under single cells.",
 		info->lights, info->dome_frequency, info->column_cut, info->sky_rms,
 		info->cell_rms);
 	report_paragraph(
 		r->page.head,
 		"It costs %s ms (quartiles %s to %s) a frame of %u x %u pixels, %.0f ns for each "
 		"pixel that the object changes, and %s MB of memory%s%s%s. It is off from "
-		"path-traced truth by "
-		"an RMS of %s levels over what the object "
-		"changes, all surroundings taken together.",
+		"path-traced truth by an RMS of %s levels over what the object changes, all surroundings taken together.",
 		ms, low, high, info->width, info->height,
 		1e6 * used->result.ms / (double)(r->scope.objects + r->scope.shadows), mb,
 		bake->exact ? " (the exact layer " : "", bake->exact ? exact : "",

@@ -24,16 +24,14 @@ const struct ini_key keyframe_keys[] = {
 	{"object", INI_TEXT, FRAME(object),
 	 .help = "name of the [object] or [standin] that it is about"},
 	{"pose", INI_REAL, FRAME(pose), .max = SCENE_POSES_MAX, .fallback = "0",
-	 .help = "when: the number of a pose, from 0, or between two; up to count, where the first "
-		 "one comes again"},
+	 .help = "when: the number of a pose, from 0, or between two; up to count, where the first one comes again"},
 	{"file", INI_PATH, FRAME(file), .fallback = "",
 	 .help = "another mesh from here on, until a keyframe names the next; empty: the same"},
 	{"scale", INI_REAL, FRAME(scale), .min = 1e-6, .max = 1e6, .fallback = "1",
 	 .help = "as of the object; left out: not a keyframe of its scale"},
 	{"rotate", INI_REALS, FRAME(rotate_deg), 3, .min = -TURNS_DEG, .max = TURNS_DEG,
 	 .fallback = "0 0 0", .unit = "deg",
-	 .help = "as of the object, more than one turn too; left out: not a keyframe of its "
-		 "rotation"},
+	 .help = "as of the object, more than one turn too; left out: not a keyframe of its rotation"},
 	{"position", INI_REALS, FRAME(position), 3, .min = -SCENE_MESH_FAR, .max = SCENE_MESH_FAR,
 	 .fallback = "0 0 0", .unit = "world units",
 	 .help = "as of the object; left out: not a keyframe of its position"},
@@ -103,16 +101,16 @@ static int check_keyframe(const struct scene_file *file, const char *path, int i
 			"%s: [keyframe %s] pose: %g, expected at most %d, the count of [poses]",
 			path, frame->name, frame->pose, file->poses.count);
 	if (strspn(frame->name, "0123456789") == strlen(frame->name))
-		return fault_say(fault, -EINVAL,
-				 "%s: [keyframe %s]: a number, expected a name that no pose's "
-				 "number can be taken for",
-				 path, frame->name);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: [keyframe %s]: a number, expected a name that no pose's number can be taken for",
+			path, frame->name);
 	for (int k = 0; k < index; k++)
 		if (file->keyframe[k].mesh == frame->mesh && file->keyframe[k].pose == frame->pose)
-			return fault_say(fault, -EINVAL,
-					 "%s: [keyframe %s] pose: %g, as [keyframe %s] of the same "
-					 "object; expected another",
-					 path, frame->name, frame->pose, file->keyframe[k].name);
+			return fault_say(
+				fault, -EINVAL,
+				"%s: [keyframe %s] pose: %g, as [keyframe %s] of the same object; expected another",
+				path, frame->name, frame->pose, file->keyframe[k].name);
 	return 0;
 }
 
@@ -223,8 +221,8 @@ int keyframe_find_pose(const struct scene_file *file, const char *text, struct f
 		if (digits ? pose == number
 			   : *text && !strcmp(text, keyframe_pose_name(file, pose)))
 			return pose;
-	return fault_say(fault, -EINVAL,
-			 "the scene has no pose \"%.64s\", expected a number 0..%d, or the name of "
-			 "a keyframe that stands at one",
-			 text, count - 1);
+	return fault_say(
+		fault, -EINVAL,
+		"the scene has no pose \"%.64s\", expected a number 0..%d, or the name of a keyframe that stands at one",
+		text, count - 1);
 }

@@ -14,8 +14,7 @@
 #define CAMERA(f) offsetof(struct scene_camera_values, f)
 static const struct ini_key camera_keys[] = {
 	{"file", INI_PATH, CAMERA(file), .fallback = "",
-	 .help = "a calibrated camera: an INI file with Tsai's keys in its section [camera]; then "
-		 "no other key here is needed"},
+	 .help = "a calibrated camera: an INI file with Tsai's keys in its section [camera]; then no other key here is needed"},
 	{"position", INI_REALS, CAMERA(position), 3, .min = -FAR, .max = FAR, .fallback = "0 0 0",
 	 .unit = "world units", .help = "where the camera is"},
 	{"look_at", INI_REALS, CAMERA(look_at), 3, .min = -FAR, .max = FAR, .fallback = "0 0 0",
@@ -39,12 +38,10 @@ static const struct ini_key dome_keys[] = {
 	{"division", INI_CHOICE, DOME(division), .choices = dome_division_names,
 	 .fallback = "angles", .help = "how the dome's triangles are divided"},
 	{"lights", INI_CHOICE, DOME(shape), .choices = dome_shape_names, .fallback = "cells",
-	 .help = "cells: each light is the part of the sky nearest to it; tents: it fades towards "
-		 "its neighbours, so that a lamp moves without steps"},
+	 .help = "cells: each light is the part of the sky nearest to it; tents: it fades towards its neighbours, so that a lamp moves without steps"},
 	{"fine", INI_TEXT, DOME(fine), .fallback = "",
 	 .help = "where lights are finer, as there are lamps, windows or the sun: \"azimuth height "
-		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated "
-		 "by commas; or a file of such lines, as inlay-bake sky writes it"},
+		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated by commas; or a file of such lines, as inlay-bake sky writes it"},
 	INI_KEYS_END,
 };
 
@@ -54,16 +51,14 @@ static const struct ini_key render_keys[] = {
 	 .help = "camera rays a pixel"},
 	{"noise", INI_REAL, RENDER(noise_levels), .max = 255, .fallback = "0",
 	 .unit = "8-bit levels",
-	 .help = "when above 0: as many rays as it takes to bring the estimated standard error "
-		 "below this"},
+	 .help = "when above 0: as many rays as it takes to bring the estimated standard error below this"},
 	{"bounces", INI_INT, RENDER(bounces), .max = 64, .fallback = "32",
 	 .help = "surfaces after the first that light may come over; 0: direct light alone"},
 	{"seed", INI_INT, RENDER(seed), .max = 2147483647, .fallback = "1",
 	 .help = "of all random numbers: the same seed gives the same file"},
 	{"error", INI_REAL, RENDER(error_rms), .min = 1e-3, .max = 255, .fallback = "0.6",
 	 .unit = "8-bit levels, RMS",
-	 .help = "what the encoding may be off by under a sky, in each tile; the file declares "
-		 "what it is"},
+	 .help = "what the encoding may be off by under a sky, in each tile; the file declares what it is"},
 	{"error_max", INI_REAL, RENDER(error_max), .max = 255, .fallback = "0",
 	 .unit = "8-bit levels", .help = "the same of any pixel; 0: twice error"},
 	{"cell_error", INI_REAL, RENDER(error_cell), .min = 1e-3, .max = 255, .fallback = "1.4",
@@ -71,16 +66,13 @@ static const struct ini_key render_keys[] = {
 	 .help = "what any pixel may be off by where a single cell gives all light"},
 	{"column_cut", INI_REAL, RENDER(column_cut), .min = -1, .max = 0.1, .fallback = "-1",
 	 .unit = "linear light, white is 1",
-	 .help = "what a single light's own correction may change and yet be left out of a frame; "
-		 "below 0: 0.001, and less of more lights than 406, by the root of their number"},
+	 .help = "what a single light's own correction may change and yet be left out of a frame; below 0: 0.001, and less of more lights than 406, by the root of their number"},
 	{"coarse", INI_INT, RENDER(coarse), .max = DOME_FREQUENCY_MAX, .fallback = "0",
-	 .help = "frequency of the dome over which smooth light is gathered, at most that of "
-		 "[dome]; 0: 9 at most"},
+	 .help = "frequency of the dome over which smooth light is gathered, at most that of [dome]; 0: 9 at most"},
 	{"exact", INI_BOOL, RENDER(exact), .fallback = "no",
 	 .help = "store every light in 16 bits as well, for the exact mode"},
 	{"cache", INI_BOOL, RENDER(cache), .fallback = "yes",
-	 .help = "take light that met several surfaces from a cache of points, traced once a pose: "
-		 "less time and noise for a small error; no: follow every path to its end"},
+	 .help = "take light that met several surfaces from a cache of points, traced once a pose: less time and noise for a small error; no: follow every path to its end"},
 	INI_KEYS_END,
 };
 
@@ -127,8 +119,7 @@ static const struct ini_key material_keys[] = {
 	 .help = "a picture that multiplies colour, by the mesh's texture coordinates"},
 	{"specular", INI_REALS, MATERIAL(specular), 3, .max = 1, .fallback = "0.04 0.04 0.04",
 	 .unit = "r g b, linear",
-	 .help = "of glossy: what the coat mirrors at normal incidence; 0.04 is varnish, 0.5 and "
-		 "more is metal"},
+	 .help = "of glossy: what the coat mirrors at normal incidence; 0.04 is varnish, 0.5 and more is metal"},
 	{"roughness", INI_REAL, MATERIAL(roughness), .max = 1, .fallback = "0.3",
 	 .help = "of glossy: 0 is a mirror, 1 is dull"},
 	{"ior", INI_REAL, MATERIAL(ior), .min = 1, .max = 4, .fallback = "1.5",
@@ -293,10 +284,10 @@ static int scene_check_camera(const struct scene_file *file, const char *path, s
 	if (file->tsai_given || c->file[0])
 		return 0;
 	if (!memcmp(c->position, c->look_at, sizeof(c->position)))
-		return fault_say(fault, -EINVAL,
-				 "%s: [camera] position: the same as look_at, expected two points, "
-				 "a file, or a section [tsai]",
-				 path);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: [camera] position: the same as look_at, expected two points, a file, or a section [tsai]",
+			path);
 	return 0;
 }
 
@@ -318,10 +309,10 @@ static int scene_check_ground(const struct scene_file *file, const char *path, s
 			path, m->name, m->texture[0] ? "textured" : material_kind_names[m->kind]);
 	for (int c = 0; c < 3; c++)
 		if (m->colour[c] < 1e-3)
-			return fault_say(fault, -EINVAL,
-					 "%s: [material %s] colour: %g, expected at least 0.001 in "
-					 "every channel, since [ground] uses it",
-					 path, m->name, m->colour[c]);
+			return fault_say(
+				fault, -EINVAL,
+				"%s: [material %s] colour: %g, expected at least 0.001 in every channel, since [ground] uses it",
+				path, m->name, m->colour[c]);
 	return 0;
 }
 

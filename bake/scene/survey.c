@@ -158,15 +158,15 @@ static void say_object(const char *name, const struct survey_mesh *object, FILE 
 static void warn_of_object(const char *path, const char *name, const struct survey_mesh *object)
 {
 	if (object->inside)
-		log_warning("%s: [object %s]: the camera is inside of it, expected it outside: "
-			    "look at [camera], and at position and scale",
-			    path, name);
+		log_warning(
+			"%s: [object %s]: the camera is inside of it, expected it outside: look at [camera], and at position and scale",
+			path, name);
 	else if (object->share == 0)
 		log_warning("%s: [object %s]: nothing of it is seen in the picture", path, name);
 	if (object->sunk >= SUNK_MUCH)
-		log_warning("%s: [object %s]: %.0f %% of its height is below the ground; stand = "
-			    "yes puts it onto the ground",
-			    path, name, 100 * object->sunk);
+		log_warning(
+			"%s: [object %s]: %.0f %% of its height is below the ground; stand = yes puts it onto the ground",
+			path, name, 100 * object->sunk);
 }
 
 int survey_say(const struct scene *scene, FILE *to, struct fault *fault)
@@ -185,10 +185,10 @@ int survey_say(const struct scene *scene, FILE *to, struct fault *fault)
 			say_object(file->mesh[k].name, &mesh[k], to);
 	}
 	if (objects && !visible)
-		return fault_say(fault, -ENODATA,
-				 "%s: the camera sees no object; expected one in the picture: look "
-				 "at [camera], and at position, scale and up of [object]",
-				 scene->path);
+		return fault_say(
+			fault, -ENODATA,
+			"%s: the camera sees no object; expected one in the picture: look at [camera], and at position, scale and up of [object]",
+			scene->path);
 	for (int k = 0; k < file->mesh_count; k++)
 		if (!file->mesh[k].standin)
 			warn_of_object(scene->path, file->mesh[k].name, &mesh[k]);

@@ -55,15 +55,15 @@ static int fine_list_add(struct fine_list *list, const char *text, int place, st
 		return fault_say(fault, -ENOMEM, "%s%d: out of memory", list->name, place);
 	if (!read_numbers(text, number) || number[3] != floor(number[3]) || number[3] < 1 ||
 	    number[3] > DOME_FREQUENCY_MAX)
-		return fine_list_wrong(list, place,
-				       "expected \"azimuth height radius frequency\", in degrees, "
-				       "such as \"120 35 2 36\"",
-				       fault);
+		return fine_list_wrong(
+			list, place,
+			"expected \"azimuth height radius frequency\", in degrees, such as \"120 35 2 36\"",
+			fault);
 	if (number[1] < 0 || number[1] > 90)
-		return fine_list_wrong(list, place,
-				       "the direction is below the horizon or beyond the zenith, "
-				       "expected a height of 0 to 90 degrees",
-				       fault);
+		return fine_list_wrong(
+			list, place,
+			"the direction is below the horizon or beyond the zenith, expected a height of 0 to 90 degrees",
+			fault);
 	if (number[2] < 0 || number[2] > 90)
 		return fine_list_wrong(list, place, "expected a radius of 0 to 90 degrees", fault);
 	part += list->count;

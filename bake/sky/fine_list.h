@@ -6,8 +6,8 @@
  *     azimuth height radius frequency
  *
  * azimuth and height of its middle in degrees, the azimuth from +X towards +Y, the height above the
- * horizon; the radius in degrees; the dome's frequency there. A file has one part a line and remarks
- * after #; in a text parts are separated by commas.
+ * horizon; the radius in degrees; the dome's frequency there. A file has one part a line and
+ * remarks after #; in a text parts are separated by commas.
  */
 #ifndef INLAY_BAKE_SKY_FINE_LIST_H
 #define INLAY_BAKE_SKY_FINE_LIST_H

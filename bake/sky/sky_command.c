@@ -53,10 +53,10 @@ static int read_dates(struct sun_path *path, struct fault *fault)
 	(void)sscanf(optarg, "%2d-%2d..%2d-%2d%n", &path->from.month, &path->from.day,
 		     &path->to.month, &path->to.day, &end);
 	if (end < 0 || optarg[end] || sun_day(path->from) < 0 || sun_day(path->to) < 0)
-		return fault_say(fault, -EINVAL,
-				 "--dates: is \"%s\", expected month-day..month-day, such as "
-				 "04-01..09-30",
-				 optarg);
+		return fault_say(
+			fault, -EINVAL,
+			"--dates: is \"%s\", expected month-day..month-day, such as 04-01..09-30",
+			optarg);
 	return 0;
 }
 
@@ -267,11 +267,10 @@ static int sky_command_run(const struct bake_command *command, int argc, char **
 
 const struct bake_command sky_command = {
 	.name = "sky",
-	.usage = "[PANORAMA | PICTURES --fisheye EYE.ini] [--sun LATITUDE --north DEG] [options] "
-		 "-o FINE",
+	.usage =
+		"[PANORAMA | PICTURES --fisheye EYE.ini] [--sun LATITUDE --north DEG] [options] -o FINE",
 	.summary = "choose where lights should be finer under a sky",
-	.help = "\n"
-		"  -o FINE         the list of parts, for \"fine\" in [dome] and for --fine\n"
+	.help = "\n  -o FINE         the list of parts, for \"fine\" in [dome] and for --fine\n"
 		"  --frequency F   of the dome elsewhere, 1 to 36; 9\n"
 		"  --most N        lights in all; 1000\n"
 		"  --turn DEG      turn the panorama about the vertical, counter-clockwise\n\n"
@@ -279,8 +278,7 @@ const struct bake_command sky_command = {
 		"8-bit ones of one scene in different exposures. What all of them clip is a lamp.\n"
 		"  --fisheye EYE.ini   its lens, as inlay-calibrate fisheye writes it\n"
 		"  --times T,T,...     exposure of each, in any unit\n"
-		"  --light LIGHT.ini   response and black level, as inlay-calibrate light writes "
-		"them\n"
+		"  --light LIGHT.ini   response and black level, as inlay-calibrate light writes them\n"
 		"  --transfer T        where they are not measured; srgb\n\n"
 		"Parts that the sun passes, with a picture or alone:\n"
 		"  --sun LATITUDE      of the place, in degrees; south is negative\n"

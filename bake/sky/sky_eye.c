@@ -204,9 +204,9 @@ static int add_picture(struct sky_need *need, const struct sky_eye_settings *set
 		return err;
 	*linear = picture.f32;
 	if (*linear && settings->exposures > 1)
-		err = fault_say(&why, -EINVAL,
-				"is linear light, which needs no other exposure; expected 8-bit "
-				"pictures, or this one alone");
+		err = fault_say(
+			&why, -EINVAL,
+			"is linear light, which needs no other exposure; expected 8-bit pictures, or this one alone");
 	if (!err && !*eye)
 		err = sky_eye_create(eye, sky_need_pieces(need), settings, picture.width,
 				     picture.height, &why);

@@ -2,9 +2,9 @@
 /*
  * The light of the sky's pieces (sky_need.h) in pictures of a calibrated fisheye.
  *
- * One scene in several exposures is merged (hal/lights/exposures.h). Light that is clipped in all of
- * them is brighter than the picture says by an unknown factor: it counts as SKY_EYE_CLIPPED times
- * the white of the shortest one, as it is a lamp or the sun.
+ * One scene in several exposures is merged (hal/lights/exposures.h). Light that is clipped in all
+ * of them is brighter than the picture says by an unknown factor: it counts as SKY_EYE_CLIPPED
+ * times the white of the shortest one, as it is a lamp or the sun.
  */
 #ifndef INLAY_BAKE_SKY_SKY_EYE_H
 #define INLAY_BAKE_SKY_SKY_EYE_H
@@ -23,8 +23,8 @@
 struct sky_eye_settings {
 	struct fisheye_settings lens;
 	struct transfer_curve curve; /* of 8-bit pictures */
-	/* Exposures of 8-bit pictures, at most EXPOSURES_MAX, the longest first: the light that each
-	 * lets in as a share of the first one's. */
+	/* Exposures of 8-bit pictures, at most EXPOSURES_MAX, the longest first: the light that
+	 * each lets in as a share of the first one's. */
 	double ratio[EXPOSURES_MAX];
 	int exposures;
 };
@@ -45,16 +45,16 @@ int sky_eye_read(struct sky_eye *eye, const struct image *picture, int exposure)
 void sky_eye_gather(const struct sky_eye *eye, const struct sky_need *need, double scale,
 		    double *irradiance);
 
-/* Reads an 8-bit picture as light_sampler_read() does, or a linear one, of which nothing is clipped.
- * clipped may be NULL. -EINVAL: another size; -ENOMEM. */
+/* Reads an 8-bit picture as light_sampler_read() does, or a linear one, of which nothing is
+ * clipped. clipped may be NULL. -EINVAL: another size; -ENOMEM. */
 int sky_eye_sample(struct light_sampler *sampler, const struct image *image, float (*radiance)[3],
 		   double *clipped);
 
 /* The E below which a sky of 8-bit pictures is noise. */
 double sky_eye_least(void);
 
-/* Reads a lens file as `inlay-calibrate fisheye` writes it. Errors of ini_read(); -EINVAL: it has no
- * section [fisheye]. */
+/* Reads a lens file as `inlay-calibrate fisheye` writes it. Errors of ini_read(); -EINVAL: it has
+ * no section [fisheye]. */
 int sky_eye_lens(struct fisheye_settings *lens, const char *path, struct fault *fault);
 
 /* Reads pictures of one scene, in the settings' order of exposures, or a linear one, and adds them

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How finely a sky has to be divided: where its light is not spread evenly over the cells of a dome,
- * as that of a sun or of small lamps.
+ * How finely a sky has to be divided: where its light is not spread evenly over the cells of a
+ * dome, as that of a sun or of small lamps.
  *
  * A dome spreads the light of each cell evenly. How far that moves light is estimated as
  *

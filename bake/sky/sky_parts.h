@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Chooses the parts of a dome that are finer, by what the sky needs (sky_need.h). A cell of the base
- * dome is divided where that lessens m by enough, and those cells come first where it does so by the
- * most for each light.
+ * Chooses the parts of a dome that are finer, by what the sky needs (sky_need.h). A cell of the
+ * base dome is divided where that lessens m by enough, and those cells come first where it does so
+ * by the most for each light.
  */
 #ifndef INLAY_BAKE_SKY_SKY_PARTS_H
 #define INLAY_BAKE_SKY_SKY_PARTS_H

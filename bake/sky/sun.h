@@ -10,9 +10,9 @@
  *     lambda = L + 1.915 sin g + 0.020 sin 2 g
  *     sin declination = sin 23.44 sin lambda                          degrees
  *
- * A date has no year here: leap years shift it by up to 0.3 degrees. Refraction, up to 0.5 degrees at
- * the horizon, is left out. True solar time is the hour angle / 15 degrees + 12; it differs from a
- * clock's by the longitude and the equation of time.
+ * A date has no year here: leap years shift it by up to 0.3 degrees. Refraction, up to 0.5 degrees
+ * at the horizon, is left out. True solar time is the hour angle / 15 degrees + 12; it differs from
+ * a clock's by the longitude and the equation of time.
  */
 #ifndef INLAY_BAKE_SKY_SUN_H
 #define INLAY_BAKE_SKY_SUN_H

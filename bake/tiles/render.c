@@ -217,10 +217,11 @@ static int render_make_tile(void *context, int index, int number, struct finishe
 		err = finished_tile_keep_glass(finished, tile->result.glass,
 					       tile->result.glass_count);
 	if (err)
-		return fault_say(fault, err, "a tile cannot be encoded: %s",
-				 err == -EDOM ? "its light transport is not finite, or a cell's "
-						"light comes back more than 65,000 times as strong"
-					      : strerror(-err));
+		return fault_say(
+			fault, err, "a tile cannot be encoded: %s",
+			err == -EDOM
+				? "its light transport is not finite, or a cell's light comes back more than 65,000 times as strong"
+				: strerror(-err));
 	finished->tile = place;
 	finished->pose = job->pose - job->first_pose;
 	account_for(tile, &result, &finished->account);

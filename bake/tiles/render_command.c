@@ -221,9 +221,9 @@ static bool file_must_stay(const char *path)
 static void warn_of_nothing(const char *path, const struct render_report *report)
 {
 	if (!report->object_seen)
-		log_warning("%s: the camera sees no object; expected one in the picture: look at "
-			    "[camera], and at position, scale and up of [object]",
-			    path);
+		log_warning(
+			"%s: the camera sees no object; expected one in the picture: look at [camera], and at position, scale and up of [object]",
+			path);
 }
 
 /* Prints how much the camera sees of each object in the first pose that is baked. If it sees

@@ -238,8 +238,7 @@ static int shard_check_header(const struct shard_stream *s, const struct shard_h
 	    h->basis_version != BASIS_VERSION || h->account_bytes != sizeof(struct tile_account))
 		return fault_say(
 			fault, -ENOTSUP,
-			"%s: was made by inlay-bake %.*s for basis files of version %u, expected "
-			"one made by this program, inlay-bake %s for version %d",
+			"%s: was made by inlay-bake %.*s for basis files of version %u, expected one made by this program, inlay-bake %s for version %d",
 			s->path, SHARD_PROGRAM_MAX - 1, h->program, h->basis_version, INLAY_VERSION,
 			BASIS_VERSION);
 	if (h->count < 1 || h->count > SHARDS_MAX || h->index >= h->count || info->width < 1 ||

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Photographs of a scene's camera, as they are read for truth and preview, and pictures like them. */
+/* Photographs of a scene's camera, as they are read for truth and preview, and pictures like
+ * them. */
 #ifndef INLAY_BAKE_TRUTH_PHOTOGRAPH_H
 #define INLAY_BAKE_TRUTH_PHOTOGRAPH_H
 

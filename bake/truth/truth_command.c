@@ -253,22 +253,17 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 
 const struct bake_command truth_command = {
 	.name = "truth",
-	.usage = "SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
-		 "           [--background IMG] [--samples S] [--size WxH] [--background-out "
-		 "B.png]\n"
-		 "           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] "
-		 "[--threads T] "
-		 "[--quiet]",
+	.usage =
+		"SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
+		"           [--background IMG] [--samples S] [--size WxH] [--background-out B.png]\n"
+		"           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] [--threads T] [--quiet]",
 	.summary = "path trace the finished composite under a panorama",
-	.help = "\n"
-		"  --panorama P        equirectangular, linear light; its upper half shines\n"
+	.help = "\n  --panorama P        equirectangular, linear light; its upper half shines\n"
 		"  -o FILE             .png: 8-bit sRGB; .pfm, .hdr: linear light\n"
 		"  --turn DEG          turn the panorama about the vertical, counter-clockwise\n"
 		"  --exposure E        radiance of 1 in the panorama; 1\n"
-		"  --background IMG    the real picture; default: the panorama through the "
-		"camera,\n"
-		"                      in 8-bit code values\n"
-		"  --samples S         a pixel; 256\n"
+		"  --background IMG    the real picture; default: the panorama through the camera,\n"
+		"                      in 8-bit code values\n  --samples S         a pixel; 256\n"
 		"  --size WxH          of the picture\n"
 		"  --background-out F  write the background that was used\n"
 		"  --fisheye-out F     what a perfect fisheye camera at the origin sees\n"
@@ -276,8 +271,7 @@ const struct bake_command truth_command = {
 		"  --pose P            of the scene: number, from 0, or name\n"
 		"  --seed K            of all random numbers\n"
 		"  --threads T         default: one for each processor\n"
-		"  --quiet             print nothing but errors\n"
-		"\n"
+		"  --quiet             print nothing but errors\n\n"
 		"Exit code 3: the camera sees no object, and there is no picture.\n",
 	.run = truth_command_run,
 };

@@ -155,10 +155,11 @@ int kms_console_open(struct kms_console *console, const char *vt, struct fault *
 		if (!err)
 			err = console_take(console);
 		if (err)
-			fault_say(fault, err, "console %s: %s%s", vt, strerror(-err),
-				  err == -EPERM ? " (is it this program's own terminal, as a "
-						  "service's TTYPath= makes it?)"
-						: "");
+			fault_say(
+				fault, err, "console %s: %s%s", vt, strerror(-err),
+				err == -EPERM
+					? " (is it this program's own terminal, as a service's TTYPath= makes it?)"
+					: "");
 	}
 	if (err) {
 		close_pipe(console);

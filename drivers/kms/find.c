@@ -143,11 +143,10 @@ static int say_no_mode(const struct display_settings *settings, const struct kms
 	size_t used = 0;
 
 	if (options->mode[0])
-		return fault_say(fault, -EINVAL,
-				 "kms.mode: is \"%s\", expected a size and rate as in "
-				 "1920x1080@60, or a modeline (clock and eight numbers, as cvt "
-				 "prints it)",
-				 options->mode);
+		return fault_say(
+			fault, -EINVAL,
+			"kms.mode: is \"%s\", expected a size and rate as in 1920x1080@60, or a modeline (clock and eight numbers, as cvt prints it)",
+			options->mode);
 	for (int i = 0; i < connector->count_modes && used < sizeof(sizes) - 24; i++) {
 		const drmModeModeInfo *mode = &connector->modes[i];
 
@@ -157,18 +156,18 @@ static int say_no_mode(const struct display_settings *settings, const struct kms
 					 used ? ", " : "", mode->hdisplay, mode->vdisplay);
 	}
 	if (!connector->count_modes)
-		return fault_say(fault, -EINVAL,
-				 "kms display: %s has a screen that offers no modes; kms.mode can "
-				 "say one",
-				 path->connector_name);
+		return fault_say(
+			fault, -EINVAL,
+			"kms display: %s has a screen that offers no modes; kms.mode can say one",
+			path->connector_name);
 	snprintf(asked, sizeof(asked), settings->width ? "%dx" : "any x ", settings->width);
 	used = strlen(asked);
 	snprintf(asked + used, sizeof(asked) - used, settings->height ? "%d" : "any",
 		 settings->height);
-	return fault_say(fault, -EINVAL,
-			 "kms display: %s has no progressive mode of %s, expected one of %s (or "
-			 "kms.mode)",
-			 path->connector_name, asked, sizes);
+	return fault_say(
+		fault, -EINVAL,
+		"kms display: %s has no progressive mode of %s, expected one of %s (or kms.mode)",
+		path->connector_name, asked, sizes);
 }
 
 static int use_connector(const struct display_settings *settings, const struct kms_options *options,
@@ -268,16 +267,16 @@ static int try_card(const struct display_settings *settings, const struct kms_op
 				 strerror(-err), remedy);
 	}
 	if (drmGetCap(path->card, DRM_CAP_DUMB_BUFFER, &dumb) || !dumb)
-		err = fault_say(fault, -ENOTSUP,
-				"kms display: %s is not a graphics card with simple (dumb) "
-				"framebuffers",
-				device);
+		err = fault_say(
+			fault, -ENOTSUP,
+			"kms display: %s is not a graphics card with simple (dumb) framebuffers",
+			device);
 	else if (drmSetClientCap(path->card, DRM_CLIENT_CAP_UNIVERSAL_PLANES, 1) ||
 		 drmSetClientCap(path->card, DRM_CLIENT_CAP_ATOMIC, 1))
-		err = fault_say(fault, -ENOTSUP,
-				"kms display: the driver of %s is of the old kind without atomic "
-				"modesetting, which is needed",
-				device);
+		err = fault_say(
+			fault, -ENOTSUP,
+			"kms display: the driver of %s is of the old kind without atomic modesetting, which is needed",
+			device);
 	else
 		err = search_card(settings, options, rank, path, fault);
 	if (err) {
@@ -327,9 +326,9 @@ static int find_ranked(const struct display_settings *settings, const struct kms
 			err = fault_say(fault, trial, "%s", trouble.text);
 	}
 	return err ? err
-		   : fault_say(fault, -ENODEV,
-			       "kms display: no graphics card found, expected one as "
-			       "/dev/dri/card0 (is its driver loaded?)");
+		   : fault_say(
+			     fault, -ENODEV,
+			     "kms display: no graphics card found, expected one as /dev/dri/card0 (is its driver loaded?)");
 }
 
 int kms_find_second(const struct kms_options *options, const struct kms_path *first,

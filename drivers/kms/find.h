@@ -44,9 +44,9 @@ void kms_connector_name(const drmModeConnector *connector, char *name, size_t ro
 int kms_find(const struct display_settings *settings, const struct kms_options *options,
 	     struct kms_path *path, struct fault *fault);
 
-/* Fills in the path to that screen of the options' two which *first is not, on the same card: with a mode of the
- * first one's size where it has one. *path keeps the connector even if there is no screen. 0 or -errno as
- * above. */
+/* Fills in the path to that screen of the options' two which *first is not, on the same card: with
+ * a mode of the first one's size where it has one. *path keeps the connector even if there is no
+ * screen. 0 or -errno as above. */
 int kms_find_second(const struct kms_options *options, const struct kms_path *first,
 		    struct kms_path *path, struct fault *fault);
 

@@ -26,10 +26,10 @@ int kms_screen_held(const struct kms_screen *screen, struct fault *fault)
 	const int count = kms_holders(screen->path.device, holders, sizeof(holders));
 
 	if (!count)
-		return fault_say(fault, -EBUSY,
-				 "kms display: another program (a desktop or another inlay) holds "
-				 "the screen %s: stop it (as root, fuser -v %s tells its name)",
-				 screen->path.connector_name, screen->path.device);
+		return fault_say(
+			fault, -EBUSY,
+			"kms display: another program (a desktop or another inlay) holds the screen %s: stop it (as root, fuser -v %s tells its name)",
+			screen->path.connector_name, screen->path.device);
 	return fault_say(fault, -EBUSY,
 			 "kms display: another program holds the screen %s of %s: stop %s",
 			 screen->path.connector_name, screen->path.device, holders);
@@ -174,9 +174,9 @@ static void choose_range(struct kms_screen *screen, enum kms_range range)
 	if ((!property ||
 	     kms_panel_value(screen->path.card, property, name, &screen->ours.connector_range)) &&
 	    range != KMS_RANGE_AUTO)
-		log_warning_paced("kms display: %s: the card cannot choose the range \"%s\"; its "
-				  "driver decides",
-				  screen->path.connector_name, name);
+		log_warning_paced(
+			"kms display: %s: the card cannot choose the range \"%s\"; its driver decides",
+			screen->path.connector_name, name);
 }
 
 /* ---- open and release ---- */

@@ -30,7 +30,8 @@ static int second_commit(struct kms_second *second, const struct kms_state *stat
 				flags | DRM_MODE_ATOMIC_ALLOW_MODESET);
 }
 
-/* A card that does not scale may still show the picture as it is, where the screen is not smaller. */
+/* A card that does not scale may still show the picture as it is, where the screen is not
+ * smaller. */
 static int second_aim(struct kms_second *second, const drmModeModeInfo *first)
 {
 	const drmModeModeInfo *mode = &second->path.mode;
@@ -49,10 +50,9 @@ static void second_complain(const struct kms_second *second, int err)
 {
 	const drmModeModeInfo *mode = &second->path.mode;
 
-	log_warning_paced("kms display: the second screen at %s stays dark: the card cannot show "
-			  "the first one's picture at its %ux%u: %s",
-			  second->path.connector_name, mode->hdisplay, mode->vdisplay,
-			  strerror(-err));
+	log_warning_paced(
+		"kms display: the second screen at %s stays dark: the card cannot show the first one's picture at its %ux%u: %s",
+		second->path.connector_name, mode->hdisplay, mode->vdisplay, strerror(-err));
 }
 
 /* What was found is read once: later it is the driver's own. */
@@ -162,9 +162,9 @@ void kms_second_look(struct kms_second *second, const struct kms_options *option
 	if (err == -E2BIG)
 		return;
 	if (second->shown && (err || !second_is_same(second))) {
-		log_warning_paced("kms display: the second screen at %s was unplugged, is off or "
-				  "has other modes now",
-				  second->path.connector_name);
+		log_warning_paced(
+			"kms display: the second screen at %s was unplugged, is off or has other modes now",
+			second->path.connector_name);
 		kms_second_hide(second);
 	}
 	if (!second->shown && (probe || (!err && second->connector.connection != known)))

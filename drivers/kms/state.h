@@ -58,8 +58,9 @@ struct kms_flip {
 	const struct kms_state *state;
 };
 
-/* Page flip of one or two screens of a card: sets framebuffer, source and target only, without waiting. The
- * kernel reports it as an event for each screen that carries user. Does not allocate. 0 or -errno. */
+/* Page flip of one or two screens of a card: sets framebuffer, source and target only, without
+ * waiting. The kernel reports it as an event for each screen that carries user. Does not allocate.
+ * 0 or -errno. */
 int kms_state_flip(const struct kms_flip *flips, int count, void *user);
 
 #endif

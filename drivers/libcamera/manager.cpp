@@ -20,9 +20,9 @@ extern "C" {
 }
 
 /*
- * This replaces libcamera's function of the same name, which notifies after it has unlocked. The one who
- * waits has the semaphore on its stack and may be gone by then: whoever notifies waits forever in memory
- * that is something else, and with it everybody who waits for him.
+ * This replaces libcamera's function of the same name, which notifies after it has unlocked. The
+ * one who waits has the semaphore on its stack and may be gone by then: whoever notifies waits
+ * forever in memory that is something else, and with it everybody who waits for him.
  */
 void libcamera::Semaphore::release(unsigned int n)
 {

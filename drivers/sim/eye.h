@@ -27,8 +27,8 @@ double eye_pixel_rad(const struct sim_eye *eye, const double px[2]);
 /* Whether the rim of a fisheye's image circle crosses a pixel, part of which then sees nothing. */
 bool eye_on_rim(const struct sim_eye *eye, int x, int y);
 
-/* The ray of a pixel's middle of a camera that is no fisheye; returns how much farther along the camera's axis
- * it is for each metre along the ray, 0: there is no ray. */
+/* The ray of a pixel's middle of a camera that is no fisheye; returns how much farther along the
+ * camera's axis it is for each metre along the ray, 0: there is no ray. */
 double eye_along_axis(const struct sim_eye *eye, int x, int y, double origin[3], double dir[3]);
 
 #endif

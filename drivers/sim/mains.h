@@ -4,7 +4,8 @@
  * light of a lamp over its mean, and what a row that is exposed from t to t + shutter sees of it:
  *
  *     l(t)   = 1 + depth cos(4 pi f t)
- *     row(t) = 1 + depth sinc(2 f shutter) cos(4 pi f (t + shutter / 2))    sinc(x) = sin(pi x) / (pi x)
+ *     row(t) = 1 + depth sinc(2 f shutter) cos(4 pi f (t + shutter / 2))
+ *     sinc(x) = sin(pi x) / (pi x)
  *
  * Row y of `height` begins to be exposed readout * y / height after the frame.
  */

@@ -159,9 +159,9 @@ static int open_kind(struct player *player, struct fault *fault)
 	const char *path = player->settings.path;
 
 	if (*path == '\0')
-		return fault_say(fault, -EINVAL,
-				 "sim.file: missing: expected pictures (img%%03d.png) or video "
-				 "(clip.y4m) for the source \"files\"");
+		return fault_say(
+			fault, -EINVAL,
+			"sim.file: missing: expected pictures (img%%03d.png) or video (clip.y4m) for the source \"files\"");
 	if (is_video(path)) {
 		player->kind = KIND_VIDEO;
 		return open_video(player, fault);

@@ -47,8 +47,8 @@ void sensor_pack_yuyv(const uint8_t *bgrx, size_t pixels, enum colour_matrix mat
  *
  *     measured = z + noise z^2 gauss    rounded; noise: the standard deviation in mm at 1 m
  *
- * 0, not known: where z is 0 or beyond 65.534 m, and where a neighbour is nearer or farther by a tenth,
- * because at edges one of the two eyes sees something else.
+ * 0, not known: where z is 0 or beyond 65.534 m, and where a neighbour is nearer or farther by a
+ * tenth, because at edges one of the two eyes sees something else.
  */
 struct sensor_depth {
 	double noise_mm;

@@ -5,8 +5,8 @@
  *
  *     w(n) = exp(-sigma^2) I_n(sigma^2)    I_n: modified Bessel function
  *
- * Pixels are means over their squares already, so that a straight edge becomes
- * their box convolved with the Gaussian, as `edge_spread` of a camera file means it (hal/optics/tsai.h). Beyond the
+ * Pixels are means over their squares already, so that a straight edge becomes their box convolved
+ * with the Gaussian, as `edge_spread` of a camera file means it (hal/optics/tsai.h). Beyond the
  * picture's border its outermost pixels go on.
  */
 #ifndef INLAY_DRIVERS_SIM_SPREAD_H

@@ -4,9 +4,9 @@
  * serves as ground truth for tests.
  *
  * World units are metres. The room is the box |x| <= 3, |y| <= 2.5, 0 <= z <= 3. Its floor is the
- * ground z = 0; the object stands at the origin. Two ceiling panels, which can be switched, and a window
- * are steady light sources; two paper lanterns, one warm and one cool, move on smooth paths. Emitters have constant
- * radiance L. A diffuse surface has the radiance
+ * ground z = 0; the object stands at the origin. Two ceiling panels, which can be switched, and a
+ * window are steady light sources; two paper lanterns, one warm and one cool, move on smooth paths.
+ * Emitters have constant radiance L. A diffuse surface has the radiance
  *
  *     L_out = albedo / pi * (sum of E over all emitters + constant)
  *
@@ -17,8 +17,8 @@
  *
  * d is the distance and theta the angle of incidence. The edge normal is the unit normal of the
  * plane through the point and an edge, n that of the surface. The constant stands for light from
- * all other surfaces. Nothing in the room casts shadows; walkers.h adds what does. Radiance 1 is white at exposure 1: the floor is
- * mid-grey, lanterns are about 4.
+ * all other surfaces. Nothing in the room casts shadows; walkers.h adds what does. Radiance 1 is
+ * white at exposure 1: the floor is mid-grey, lanterns are about 4.
  */
 #ifndef INLAY_DRIVERS_SIM_STUDIO_H
 #define INLAY_DRIVERS_SIM_STUDIO_H

@@ -5,8 +5,9 @@
  * A body is drawn by SIDE x SIDE rays a pixel; its light is that of all pieces of lamps
  * (studio_pieces()) and the ambient one, with its own normal. Approximations:
  *   - shadows fall on the room only, not on bodies; a body sends no light back to the room;
- *   - a shadow is the share of each piece that walker_hides() gives, so its edges are as soft as the
- *     lamp but not exact; it is computed for every other pixel and row; of the ambient light seven wide beams are tested;
+ *   - a shadow is the share of each piece that walker_hides() gives, so its edges are as soft as
+ *     the lamp but not exact; it is computed for every other pixel and row; of the ambient light
+ *     seven wide beams are tested;
  *   - a walker does not hide or darken the lanterns that shine behind.
  */
 #ifndef INLAY_DRIVERS_SIM_STUDIO_PEOPLE_H

@@ -200,8 +200,8 @@ static void prepare_glow(const struct studio_lantern *lantern, const double orig
 	glow->cosine = glow->distance > lantern->radius ? sqrtf(1 - glow->sine * glow->sine) : -2;
 }
 
-/* Adds the lanterns' light on the surfaces; dark is the share of the panels that is off. The loop has no branches and no calls but sqrtf(), so
- * that compilers vectorise it. */
+/* Adds the lanterns' light on the surfaces; dark is the share of the panels that is off. The loop
+ * has no branches and no calls but sqrtf(), so that compilers vectorise it. */
 static void light_row(const float *restrict lanes, int width, const struct glow *glows, float dark,
 		      float *restrict rgb)
 {

@@ -29,8 +29,8 @@ const struct sim_eye *studio_view_eye(const struct studio_view *view);
 
 void studio_view_destroy(struct studio_view *view); /* NULL is harmless */
 
-/* Computes the depth of the empty room along the axis of a camera that is no fisheye, z[height][width] in m; 0:
- * a lantern, which blinds a depth camera. */
+/* Computes the depth of the empty room along the axis of a camera that is no fisheye,
+ * z[height][width] in m; 0: a lantern, which blinds a depth camera. */
 void studio_view_depth(const struct studio_view *view, const struct studio_lamps *lamps, float *z);
 
 #endif

@@ -423,7 +423,8 @@ unsigned walker_in_cone(const struct walker_body *body, const double origin[3], 
 	return parts;
 }
 
-/* Overlap of a beam of half-width w with a strip of half-width r at a distance, as a share of it. */
+/* Overlap of a beam of half-width w with a strip of half-width r at a distance, as a share of
+ * it. */
 static double strip_share(double w, double r, double apart)
 {
 	return fmax(fmin(w, apart + r) - fmax(-w, apart - r), 0) / (2 * w);

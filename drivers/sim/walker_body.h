@@ -47,10 +47,11 @@ unsigned walker_in_cone(const struct walker_body *body, const double origin[3], 
 			double angle_rad);
 
 /*
- * The share of a round piece of a lamp, of this radius, that the body hides from a point: 0..1. Each
- * part hides of the beam's width what its own width covers. Parts overlap in part: the result is the
- * mean of the largest share and of 1 - product of (1 - share). Edges of the shadow are so as soft as
- * the lamp is wide, without samples; against dense rays it is off by 0.1 (RMS) in the penumbra.
+ * The share of a round piece of a lamp, of this radius, that the body hides from a point: 0..1.
+ * Each part hides of the beam's width what its own width covers. Parts overlap in part: the result
+ * is the mean of the largest share and of 1 - product of (1 - share). Edges of the shadow are so as
+ * soft as the lamp is wide, without samples; against dense rays it is off by 0.1 (RMS) in the
+ * penumbra.
  */
 double walker_hides(const struct walker_body *body, const double point[3], const double lamp[3],
 		    double radius);

@@ -93,8 +93,8 @@ static bool crossing_follow(const struct crossing *c, double t, struct walker *w
 	return walked < length;
 }
 
-/* The bag is put down in the middle of the stop of an even crossing, and taken up in that of the next
- * one. */
+/* The bag is put down in the middle of the stop of an even crossing, and taken up in that of the
+ * next one. */
 static void carry_bag(const struct crossing *c, int number, double t, struct walker *walker)
 {
 	const bool before = t < c->stop_m / c->speed + c->stop_s / 2;

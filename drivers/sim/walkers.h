@@ -3,9 +3,9 @@
  * People who walk through the studio: who they are and where they go. Bodies are made of capsules
  * (walker_body.h); studio_people.h draws them.
  *
- * Each walker crosses the room along x every 10 to 12 s, before the object, behind it or through its
- * place, and is not there in between: it comes and goes through the walls, out of sight of a camera
- * that looks along y. All is a function of time.
+ * Each walker crosses the room along x every 10 to 12 s, before the object, behind it or through
+ * its place, and is not there in between: it comes and goes through the walls, out of sight of a
+ * camera that looks along y. All is a function of time.
  */
 #ifndef INLAY_DRIVERS_SIM_WALKERS_H
 #define INLAY_DRIVERS_SIM_WALKERS_H

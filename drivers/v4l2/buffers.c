@@ -136,8 +136,7 @@ int v4l2_buffers_start(struct v4l2_buffers *b, int wanted, struct fault *fault)
 		/* This is the device's state and not the configuration's mistake: it may pass. */
 		err = fault_say(
 			fault, -EIO,
-			"cannot start the camera: %s (a processor's node gives no pictures of "
-			"its own)",
+			"cannot start the camera: %s (a processor's node gives no pictures of its own)",
 			strerror(EINVAL));
 		goto stop;
 	}

@@ -16,8 +16,8 @@ const struct v4l2_taken v4l2_nothing = {.frame.format = PIXEL_NONE, .buffers = {
 
 /* ---- one buffer ---- */
 
-/* The time of capture as the driver tells it; now where that cannot be, or where it does not move on: light
- * and latency need a time that goes on. 0 is what drivers send that fill none in. */
+/* The time of capture as the driver tells it; now where that cannot be, or where it does not move
+ * on: light and latency need a time that goes on. 0 is what drivers send that fill none in. */
 static int64_t timestamp_ns(struct v4l2_capture *v, const struct v4l2_buffer *buffer)
 {
 	const int64_t now_ns = clock_now_ns(), s = buffer->timestamp.tv_sec;
@@ -120,8 +120,8 @@ static void ask_for_key_frame(int fd)
 	(void)device_ioctl(fd, VIDIOC_S_CTRL, &control);
 }
 
-/* Replaces the frame in *t by its decoded picture and gives the buffer back. *t becomes empty if none comes
- * out. The first that is missing is told, and those that need it are only counted. */
+/* Replaces the frame in *t by its decoded picture and gives the buffer back. *t becomes empty if
+ * none comes out. The first that is missing is told, and those that need it are only counted. */
 static int decode_h264(struct camera *camera, struct v4l2_capture *v, struct v4l2_taken *t)
 {
 	const int buffer = t->buffers[0];

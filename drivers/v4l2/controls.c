@@ -239,8 +239,7 @@ static const char *refusal_reason(const struct v4l2_query_ext_ctrl *control, int
 	case EBUSY:
 		return "it cannot be changed now";
 	case EACCES:
-		return "it cannot be set, perhaps because its automatic is on: switch that off "
-		       "before it";
+		return "it cannot be set, perhaps because its automatic is on: switch that off before it";
 	default:
 		return strerror(-err);
 	}
@@ -251,9 +250,9 @@ static const char *refusal_reason(const struct v4l2_query_ext_ctrl *control, int
 static void say_other(const char *path, const struct v4l2_setting *s)
 {
 	if (s->control.flags & V4L2_CTRL_FLAG_INACTIVE)
-		log_warning_once("%s: controls: %s=%s was set, but it has no effect now: is its "
-				 "automatic on?",
-				 path, s->said.name, s->said.value);
+		log_warning_once(
+			"%s: controls: %s=%s was set, but it has no effect now: is its automatic on?",
+			path, s->said.name, s->said.value);
 	else
 		log_warning_once("%s: controls: %s=%s was set, but the camera says %lld", path,
 				 s->said.name, s->said.value, (long long)s->taken);

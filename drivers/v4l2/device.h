@@ -19,8 +19,8 @@ unsigned device_caps(const struct v4l2_capability *capability);
 /* Whether a node of these capabilities captures pictures and streams. */
 bool device_captures(unsigned caps);
 
-/* Whether the node is one of many in the pipeline of a media controller, or an image processor's. It gives
- * pictures only after another program has set the pipeline up, as libcamera does. */
+/* Whether the node is one of many in the pipeline of a media controller, or an image processor's.
+ * It gives pictures only after another program has set the pipeline up, as libcamera does. */
 bool device_is_part(const struct v4l2_capability *capability);
 
 /* The name on a device's card, valid UTF-8. */

@@ -37,10 +37,10 @@ int v4l2_fallback_read(struct v4l2_fallback *f, const char *give_up, struct faul
 			return 0;
 		length = strcspn(word, between);
 		if (add_word(f, word, length))
-			return fault_say(fault, -EINVAL,
-					 "give_up: \"%.*s\", expected each of format, size, rate "
-					 "at most once",
-					 (int)length, word);
+			return fault_say(
+				fault, -EINVAL,
+				"give_up: \"%.*s\", expected each of format, size, rate at most once",
+				(int)length, word);
 		word += length;
 	}
 }

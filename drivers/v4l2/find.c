@@ -68,10 +68,10 @@ static bool device_is_called(const struct v4l2_capability *capability, int numbe
 static int not_found(const char *name, struct fault *fault)
 {
 	if (name[0])
-		return fault_say(fault, -ENODEV,
-				 "no camera \"%s\": expected /dev/videoN, a link in /dev/v4l, or a "
-				 "name, bus or USB port that `inlay devices` prints",
-				 name);
+		return fault_say(
+			fault, -ENODEV,
+			"no camera \"%s\": expected /dev/videoN, a link in /dev/v4l, or a name, bus or USB port that `inlay devices` prints",
+			name);
 	return fault_say(fault, -ENODEV, "no camera found: expected a capturing /dev/video*");
 }
 

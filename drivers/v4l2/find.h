@@ -16,9 +16,9 @@ enum { V4L2_DEVICES_MAX = 256, V4L2_PORT_MAX = 32 };
  * /dev/v4l/by-path; the driver's name for the card or the bus ("usb-0000:00:14.0-2"); a USB port
  * ("1-2"); empty: the first node that captures. All forms but a path stay valid when the kernel
  * renumbers nodes; the search is made at each call. If several cards have the name, the first is
- * opened and the others are logged. A depth camera has several nodes: of those that the name fits, one
- * that offers depths (depth) or pictures goes before one that does not. path receives the node. Returns a descriptor or -errno, as
- * device_open().
+ * opened and the others are logged. A depth camera has several nodes: of those that the name fits,
+ * one that offers depths (depth) or pictures goes before one that does not. path receives the node.
+ * Returns a descriptor or -errno, as device_open().
  */
 int v4l2_find(const char *name, bool depth, char path[INI_PATH_MAX],
 	      struct v4l2_capability *capability, struct fault *fault);

@@ -32,7 +32,8 @@ static const struct v4l2_layout layouts[] = {
 	{V4L2_PIX_FMT_Z16, PIXEL_Z16, 1},
 	{V4L2_PIX_FMT_Y12, PIXEL_Y12, 1},
 	{V4L2_PIX_FMT_Y14, PIXEL_Y14, 1},
-	/* Many sensors of fewer bits send them low in what they call Y16: these are only wished for. */
+	/* Many sensors of fewer bits send them low in what they call Y16: these are only wished
+	 * for. */
 	{V4L2_PIX_FMT_Y16, PIXEL_Y10, 1},
 	{V4L2_PIX_FMT_Y16, PIXEL_Y12, 1},
 	{V4L2_PIX_FMT_Y16, PIXEL_Y14, 1},
@@ -148,11 +149,11 @@ static int picture_read_strides(const struct v4l2_format *format, const struct v
 		if (picture->stride[i] == 0)
 			picture->stride[i] = least;
 		if (picture->stride[i] < least)
-			return fault_say(fault, -EINVAL,
-					 "the camera answered with rows of %zu bytes for %d pixels "
-					 "of %s",
-					 picture->stride[i], picture->width,
-					 pixel_format_names[layout->format]);
+			return fault_say(
+				fault, -EINVAL,
+				"the camera answered with rows of %zu bytes for %d pixels of %s",
+				picture->stride[i], picture->width,
+				pixel_format_names[layout->format]);
 	}
 	return 0;
 }

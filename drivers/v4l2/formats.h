@@ -54,8 +54,8 @@ struct v4l2_picture {
 /* Reads a format that the driver returned, under this television standard (0: none). If a single
  * field has the height that was asked for the whole picture (wanted_height; 0: none), the picture
  * counts as progressive: the device has squeezed it. 0; -ENOTSUP: inlay does not decode the format;
- * -EINVAL: no size, a stride (0: not told) too small for the width, or a height that cannot be split into
- * fields. */
+ * -EINVAL: no size, a stride (0: not told) too small for the width, or a height that cannot be
+ * split into fields. */
 int v4l2_picture_of(const struct v4l2_format *format, v4l2_std_id standard, int wanted_height,
 		    struct v4l2_picture *picture, struct fault *fault);
 
@@ -69,7 +69,8 @@ struct v4l2_span {
 bool v4l2_fill_planes(const struct v4l2_picture *picture, const struct v4l2_span memory[2],
 		      struct frame_plane planes[FRAME_PLANES]);
 
-/* Returns the bits of a pixel on the bus; for JPEG and H.264 an estimate. 0: inlay does not decode it. */
+/* Returns the bits of a pixel on the bus; for JPEG and H.264 an estimate. 0: inlay does not decode
+ * it. */
 int v4l2_bits(uint32_t fourcc);
 
 /* Writes the four characters of a format, like "YUYV"; unprintable ones become dots. */

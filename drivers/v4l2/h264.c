@@ -96,8 +96,9 @@ static int library_load(struct fault *fault)
 	return 0;
 }
 
-/* One thread: with more, libavcodec does not notice that slices of a picture are missing. Concealment
- * stays on for the same reason, as only concealed pictures are marked; none of them is handed out. */
+/* One thread: with more, libavcodec does not notice that slices of a picture are missing.
+ * Concealment stays on for the same reason, as only concealed pictures are marked; none of them is
+ * handed out. */
 static int context_open(struct h264_decoder *d, struct fault *fault)
 {
 	const AVCodec *codec = library.find_decoder(AV_CODEC_ID_H264);
@@ -169,8 +170,9 @@ void h264_destroy(struct h264_decoder *decoder)
 	free(decoder);
 }
 
-/* The next picture is decoded in a new context, which hands out none that needs earlier ones. Flushing the
- * old one is not enough: after a picture that broke off, it filters the edges in later ones wrongly. */
+/* The next picture is decoded in a new context, which hands out none that needs earlier ones.
+ * Flushing the old one is not enough: after a picture that broke off, it filters the edges in later
+ * ones wrongly. */
 void h264_skip(struct h264_decoder *decoder)
 {
 	decoder->stale = true;
@@ -187,7 +189,8 @@ static void sets_keep(struct h264_decoder *d, const struct h264_unit *unit, cons
 	d->sets_bytes = before + unit->sets_bytes;
 }
 
-/* Copies the access unit, behind the parameter sets if there are any that the context may not know. */
+/* Copies the access unit, behind the parameter sets if there are any that the context may not
+ * know. */
 static int unit_copy(struct h264_decoder *d, size_t sets, const uint8_t *data, size_t bytes)
 {
 	const size_t room = sets + bytes + AV_INPUT_BUFFER_PADDING_SIZE;
@@ -226,8 +229,8 @@ static int picture_refuse(struct h264_decoder *d, int code, bool gap, struct fau
 	return fault_say(fault, -EBADMSG, "a damaged H.264 picture: %s", why);
 }
 
-/* A stream may leave out colours, or tell some that inlay lacks: those of BT.2020 and SMPTE 240M become
- * the nearest, BT.709. */
+/* A stream may leave out colours, or tell some that inlay lacks: those of BT.2020 and SMPTE 240M
+ * become the nearest, BT.709. */
 static void picture_colours(const AVFrame *picture, struct frame *frame)
 {
 	switch (picture->colorspace) {
@@ -251,9 +254,9 @@ static void picture_colours(const AVFrame *picture, struct frame *frame)
 static int picture_describe(const AVFrame *picture, struct frame *frame, struct fault *fault)
 {
 	if (picture->format != AV_PIX_FMT_YUV420P && picture->format != AV_PIX_FMT_YUVJ420P)
-		return fault_say(fault, -ENOTSUP,
-				 "the camera's H.264 has pixels of another kind, expected 4:2:0 "
-				 "of 8 bits");
+		return fault_say(
+			fault, -ENOTSUP,
+			"the camera's H.264 has pixels of another kind, expected 4:2:0 of 8 bits");
 	frame->format = PIXEL_YU12;
 	frame->width = picture->width;
 	frame->height = picture->height;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Looks into an access unit of H.264 for what libavcodec does not tell: where its parameter sets are, and whether
- * one that it is decoded from is missing. Reference pictures are counted by frame_num (H.264 7.4.3); libavcodec
- * makes a missing one up. Pure.
+ * Looks into an access unit of H.264 for what libavcodec does not tell: where its parameter sets
+ * are, and whether one that it is decoded from is missing. Reference pictures are counted by
+ * frame_num (H.264 7.4.3); libavcodec makes a missing one up. Pure.
  */
 #ifndef INLAY_DRIVERS_V4L2_H264_UNIT_H
 #define INLAY_DRIVERS_V4L2_H264_UNIT_H

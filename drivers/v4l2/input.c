@@ -60,10 +60,10 @@ static int find_input(int fd, const char *wanted, struct fault *fault)
 			return (int)input.index;
 		add_name(names, name);
 	}
-	return fault_say(fault, -EINVAL,
-			 "v4l2.input: the camera has no input \"%s\", expected a number below %u "
-			 "or one of %s",
-			 wanted, input.index, names[0] ? names : "none");
+	return fault_say(
+		fault, -EINVAL,
+		"v4l2.input: the camera has no input \"%s\", expected a number below %u or one of %s",
+		wanted, input.index, names[0] ? names : "none");
 }
 
 /* Selects an input by number or name. Empty, or "-1" in old configurations, keeps the present
@@ -162,10 +162,10 @@ static int standard_called(int fd, const char *name, v4l2_std_id offered, v4l2_s
 		}
 		add_name(names, (const char *)listed.name);
 	}
-	return fault_say(fault, -EINVAL,
-			 "v4l2.standard: the input does not know \"%s\", expected PAL, NTSC, SECAM "
-			 "or one of %s",
-			 name, names[0] ? names : "none");
+	return fault_say(
+		fault, -EINVAL,
+		"v4l2.standard: the input does not know \"%s\", expected PAL, NTSC, SECAM or one of %s",
+		name, names[0] ? names : "none");
 }
 
 /* Sets a standard unless it is set already: a device that is set restarts and must settle. */

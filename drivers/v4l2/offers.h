@@ -10,8 +10,8 @@
 /* Converts a frame interval to a rate in Hz; 0: the device does not know it. */
 double v4l2_rate_of(const struct v4l2_fract *interval);
 
-/* Whether a node offers depths, or (depth false) anything else. The nodes of a depth camera have one name
- * and one bus. A node that lists no formats may have pictures. */
+/* Whether a node offers depths, or (depth false) anything else. The nodes of a depth camera have
+ * one name and one bus. A node that lists no formats may have pictures. */
 bool v4l2_offers_kind(int fd, unsigned type, bool depth);
 
 /* Whether the device offers a size or rate; 0 means any. A device that does not enumerate them may

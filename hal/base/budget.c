@@ -12,11 +12,11 @@ int budget_fits(const struct budget *budget, double bytes, const char *name, str
 
 	if (budget->taken + bytes <= most)
 		return 0;
-	return fault_say(fault, -EFBIG,
-			 "%s: it would take %.0f MB of memory, expected at most %.0f MB of %llu "
-			 "bytes in files",
-			 name, (budget->taken + bytes) / 1e6, most / 1e6,
-			 (unsigned long long)budget->file_bytes);
+	return fault_say(
+		fault, -EFBIG,
+		"%s: it would take %.0f MB of memory, expected at most %.0f MB of %llu bytes in files",
+		name, (budget->taken + bytes) / 1e6, most / 1e6,
+		(unsigned long long)budget->file_bytes);
 }
 
 int budget_take(struct budget *budget, double bytes, const char *name, struct fault *fault)

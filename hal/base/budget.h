@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Memory that a document may ask for: 256 MiB, and 256 bytes for each byte of its files. Few files of any
- * use come near it; a small one that says to be large is refused before anything is allocated.
+ * Memory that a document may ask for: 256 MiB, and 256 bytes for each byte of its files. Few files
+ * of any use come near it; a small one that says to be large is refused before anything is
+ * allocated.
  */
 #ifndef INLAY_HAL_BASE_BUDGET_H
 #define INLAY_HAL_BASE_BUDGET_H
@@ -15,8 +16,8 @@ struct budget {
 	double taken;
 };
 
-/* Takes memory for something that is kept, or that lives shortly: then it only has to fit. 0; -EFBIG: it is
- * more than is left; the fault begins with the name. */
+/* Takes memory for something that is kept, or that lives shortly: then it only has to fit. 0;
+ * -EFBIG: it is more than is left; the fault begins with the name. */
 int budget_take(struct budget *budget, double bytes, const char *name, struct fault *fault);
 int budget_fits(const struct budget *budget, double bytes, const char *name, struct fault *fault);
 

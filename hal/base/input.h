@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Opens and reads files that are read to their end. Named pipes, devices, sockets and folders are refused,
- * because reading them may never end or never begin. The pipe of a shell's <(command) is accepted:
- * it has a writer.
+ * Opens and reads files that are read to their end. Named pipes, devices, sockets and folders are
+ * refused, because reading them may never end or never begin. The pipe of a shell's <(command) is
+ * accepted: it has a writer.
  */
 #ifndef INLAY_HAL_BASE_INPUT_H
 #define INLAY_HAL_BASE_INPUT_H
@@ -17,8 +17,9 @@
  * names the path. Never blocks. */
 int input_open(const char *path, struct fault *fault);
 
-/* Has the paths of files told to seen(), each before it is opened, whether or not it is there; NULL ends
- * that. Of one thread, and for programs that follow their files: seen() must not open others. */
+/* Has the paths of files told to seen(), each before it is opened, whether or not it is there; NULL
+ * ends that. Of one thread, and for programs that follow their files: seen() must not open
+ * others. */
 void input_observe(void (*seen)(void *context, const char *path), void *context);
 
 /* Tells of a path that is looked at in another way, and opened only if a file is there. */
@@ -26,9 +27,9 @@ void input_note(const char *path);
 
 #define INPUT_MAX ((uint64_t)4 << 30) /* bytes of any file that is read whole */
 
-/* Reads the whole file, which the caller frees; an empty one is not NULL. Not mapped: of a file that another
- * program cuts short, a map raises SIGBUS. 0; -errno as input_open() and read(); -EFBIG: longer than most
- * bytes. */
+/* Reads the whole file, which the caller frees; an empty one is not NULL. Not mapped: of a file
+ * that another program cuts short, a map raises SIGBUS. 0; -errno as input_open() and read();
+ * -EFBIG: longer than most bytes. */
 int input_read(const char *path, uint64_t most, uint8_t **data, size_t *bytes, struct fault *fault);
 
 /* Opens the file as a stream that the caller closes. 0 or -errno as input_open(). */

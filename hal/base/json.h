@@ -16,7 +16,8 @@ struct json {
 	char closing[JSON_DEPTH_MAX];
 };
 
-/* json_begin() opens the outermost object, json_begin_line() one on a single line; json_end() closes the innermost open object or array. */
+/* json_begin() opens the outermost object, json_begin_line() one on a single line; json_end()
+ * closes the innermost open object or array. */
 void json_begin(struct json *json, FILE *to);
 void json_begin_line(struct json *json, FILE *to);
 void json_end(struct json *json);

@@ -25,8 +25,8 @@ void log_say(enum log_level level, const char *format, ...) __attribute__((forma
 void log_say_once(enum log_level level, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
-/* For what may come again and again, such as the troubles of a device that comes and goes: the first
- * few of a text are written, later ones are counted (log_pace.h). */
+/* For what may come again and again, such as the troubles of a device that comes and goes: the
+ * first few of a text are written, later ones are counted (log_pace.h). */
 void log_say_paced(enum log_level level, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 

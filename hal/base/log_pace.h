@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Messages that come again and again: the first LOG_PACE_FIRST of a text are written, later ones are
- * counted, and the count is written after a minute, after two more, four, and so on up to an hour. A
- * text that has not come for an hour is new. Pure: asks no clock, writes nothing.
+ * Messages that come again and again: the first LOG_PACE_FIRST of a text are written, later ones
+ * are counted, and the count is written after a minute, after two more, four, and so on up to an
+ * hour. A text that has not come for an hour is new. Pure: asks no clock, writes nothing.
  */
 #ifndef INLAY_HAL_BASE_LOG_PACE_H
 #define INLAY_HAL_BASE_LOG_PACE_H

@@ -32,8 +32,8 @@ int output_check(const char *const *outputs, int count, const char *const *input
  * the path when the folder is missing or cannot be written. */
 int output_open(struct output *out, const char *path, struct fault *fault);
 
-/* Flushes, syncs, renames and closes. 0 or -errno; -EEXIST: see fresh. On failure the old file is untouched and no
- * temporary file is left. */
+/* Flushes, syncs, renames and closes. 0 or -errno; -EEXIST: see fresh. On failure the old file is
+ * untouched and no temporary file is left. */
 int output_commit(struct output *out, struct fault *fault);
 
 /* Discards everything written. Harmless on a zeroed, committed or abandoned output. */

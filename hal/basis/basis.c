@@ -37,10 +37,9 @@ static int check_errors(const struct basis_reader *r)
 
 	for (size_t i = 0; i < sizeof(errors) / sizeof(errors[0]); i++) {
 		if (!(errors[i] >= 0 && isfinite(errors[i])))
-			return basis_damaged(r,
-					     "declared error %zu is %g, expected a finite number, "
-					     "0 or more",
-					     i, errors[i]);
+			return basis_damaged(
+				r, "declared error %zu is %g, expected a finite number, 0 or more",
+				i, errors[i]);
 	}
 	return 0;
 }
@@ -148,12 +147,10 @@ static int check_coarse(const struct basis_reader *r)
 					      : c->index[k] >= basis->info.coarse ||
 							(k && (c->weight[k - 1] == 0 ||
 							       c->index[k] <= c->index[k - 1])))
-				return basis_damaged(r,
-						     "coarse light %u (weight %u) of light %u, "
-						     "expected ascending numbers below %u, or 0 "
-						     "where there are no more",
-						     c->index[k], c->weight[k], i,
-						     basis->info.coarse);
+				return basis_damaged(
+					r,
+					"coarse light %u (weight %u) of light %u, expected ascending numbers below %u, or 0 where there are no more",
+					c->index[k], c->weight[k], i, basis->info.coarse);
 		}
 		if (sum != BASIS_COARSE_ONE)
 			return basis_damaged(r, "weights of light %u sum to %d, expected %d", i,
@@ -176,8 +173,9 @@ static int read_names(const struct basis_reader *r, const struct basis_chunk_map
 	r->basis->names = names;
 	ret = basis_names_check(names, poses);
 	return ret == -EINVAL
-		       ? basis_damaged(r, "names of poses, expected letters, digits, - and _, not "
-					  "digits alone, and no two alike")
+		       ? basis_damaged(
+				 r,
+				 "names of poses, expected letters, digits, - and _, not digits alone, and no two alike")
 		       : ret;
 }
 
@@ -198,8 +196,7 @@ static int read_feet(const struct basis_reader *r, const struct basis_chunk_map 
 		       ? 0
 		       : basis_damaged(
 				 r,
-				 "footprint of pose %u, expected a finite corner, and squares "
-				 "above 0 where one is set",
+				 "footprint of pose %u, expected a finite corner, and squares above 0 where one is set",
 				 bad);
 }
 
@@ -208,10 +205,9 @@ static int check_peaks(const struct basis_reader *r, const float (*peak)[3])
 	for (uint32_t i = 0; i <= r->basis->info.lights; i++) {
 		for (int c = 0; c < 3; c++) {
 			if (!(peak[i][c] >= 0 && isfinite(peak[i][c])))
-				return basis_damaged(r,
-						     "peak %u is %g, expected a finite number, "
-						     "0 or more",
-						     i, (double)peak[i][c]);
+				return basis_damaged(
+					r, "peak %u is %g, expected a finite number, 0 or more", i,
+					(double)peak[i][c]);
 		}
 	}
 	return 0;
@@ -325,11 +321,11 @@ static int check_made(const struct basis_reader *r, const struct basis_chunk_map
 	}
 	made += layers * tiles * sizeof(struct basis_tile);
 	return basis_is_bomb(made, r->bytes)
-		       ? basis_damaged(r,
-				       "%u poses of %ux%u pixels take %llu bytes of memory, "
-				       "expected at most %d times the file's %zu",
-				       info->poses, info->width, info->height,
-				       (unsigned long long)made, BASIS_MADE_TIMES, r->bytes)
+		       ? basis_damaged(
+				 r,
+				 "%u poses of %ux%u pixels take %llu bytes of memory, expected at most %d times the file's %zu",
+				 info->poses, info->width, info->height, (unsigned long long)made,
+				 BASIS_MADE_TIMES, r->bytes)
 		       : 0;
 }
 

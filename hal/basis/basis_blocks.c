@@ -82,11 +82,11 @@ static int check_shape(const struct block_place *at, const struct basis_block_en
 		return DAMAGED(at, "%u bits, expected 16, or 8 where there are columns", e->bits);
 	if (at->chunk->exact &&
 	    (e->patterns || e->columns != basis->info.lights || e->bits != 16 || e->tinted))
-		return DAMAGED(at,
-			       "%u patterns and %u columns of %u bits%s, expected the %u lights' "
-			       "columns of 16 bits alone",
-			       e->patterns, e->columns, e->bits, e->tinted ? ", tinted" : "",
-			       basis->info.lights);
+		return DAMAGED(
+			at,
+			"%u patterns and %u columns of %u bits%s, expected the %u lights' columns of 16 bits alone",
+			e->patterns, e->columns, e->bits, e->tinted ? ", tinted" : "",
+			basis->info.lights);
 	if (!(e->cut_share > 0 && e->cut_share <= 1))
 		return DAMAGED(at, "a share %g of the cut, expected above 0, at most 1",
 			       (double)e->cut_share);
@@ -110,19 +110,19 @@ static int check_lies(const struct block_place *at, const struct basis_block_ent
 	if (e->tile >= tiles)
 		return DAMAGED(at, "tile %u, expected less than %u", e->tile, tiles);
 	if (at->index && (e->tile < e[-1].tile || (e->tile == e[-1].tile && e->kind < e[-1].kind)))
-		return DAMAGED(at,
-			       "tile %u, kind %s after tile %u, kind %s, expected the order of "
-			       "tiles, then of kinds",
-			       e->tile, kind_names[e->kind], e[-1].tile, kind_names[e[-1].kind]);
+		return DAMAGED(
+			at,
+			"tile %u, kind %s after tile %u, kind %s, expected the order of tiles, then of kinds",
+			e->tile, kind_names[e->kind], e[-1].tile, kind_names[e[-1].kind]);
 	if (e->bytes != expected)
 		return DAMAGED(at, "%llu bytes, expected %llu", (unsigned long long)e->bytes,
 			       (unsigned long long)expected);
 	if (e->offset % BASIS_ALIGN || e->offset < free_from || e->offset > chunk->data_bytes ||
 	    e->bytes > chunk->data_bytes - e->offset)
-		return DAMAGED(at,
-			       "lies at byte %llu, expected a multiple of %d after the block "
-			       "before it and inside the chunk of %zu bytes",
-			       (unsigned long long)e->offset, BASIS_ALIGN, chunk->data_bytes);
+		return DAMAGED(
+			at,
+			"lies at byte %llu, expected a multiple of %d after the block before it and inside the chunk of %zu bytes",
+			(unsigned long long)e->offset, BASIS_ALIGN, chunk->data_bytes);
 	if (!basis_all_zero(chunk->data + free_from, chunk->data + e->offset))
 		return DAMAGED(at, "bytes before it are not %d", 0);
 	return 0;
@@ -141,12 +141,12 @@ int basis_check_shapes(const struct basis_reader *reader, const struct basis_blo
 			return ret;
 		if (e->offset != end ||
 		    e->bytes != basis_layout(e, (int)reader->basis->info.coarse).bytes)
-			return DAMAGED(&at,
-				       "%llu bytes at byte %llu, expected %zu at %llu, behind the "
-				       "block before it",
-				       (unsigned long long)e->bytes, (unsigned long long)e->offset,
-				       basis_layout(e, (int)reader->basis->info.coarse).bytes,
-				       (unsigned long long)end);
+			return DAMAGED(
+				&at,
+				"%llu bytes at byte %llu, expected %zu at %llu, behind the block before it",
+				(unsigned long long)e->bytes, (unsigned long long)e->offset,
+				basis_layout(e, (int)reader->basis->info.coarse).bytes,
+				(unsigned long long)end);
 		end += e->bytes;
 	}
 	return end == chunk->data_bytes
@@ -247,10 +247,10 @@ static int check_pixels(const struct block_place *at, const struct basis_block *
 
 		if (pixel % BASIS_TILE >= tile->width || pixel / BASIS_TILE >= tile->height ||
 		    (p && pixel <= b->pixel[p - 1]))
-			return DAMAGED(at,
-				       "pixel %d, expected ascending numbers inside a tile of "
-				       "%dx%d pixels",
-				       pixel, tile->width, tile->height);
+			return DAMAGED(
+				at,
+				"pixel %d, expected ascending numbers inside a tile of %dx%d pixels",
+				pixel, tile->width, tile->height);
 		ret = use_pixel(at, b, pixel, use);
 		if (ret < 0)
 			return ret;

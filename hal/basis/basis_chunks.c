@@ -37,10 +37,10 @@ static int check_header(const struct basis_reader *r, struct basis_chunk_map *ma
 	if (ret < 0)
 		return ret;
 	if (r->bytes < sizeof(header) || memcmp(r->data, BASIS_MAGIC, sizeof(header.magic)) != 0)
-		return fault_say(r->fault, -EBADMSG,
-				 "%s: not a basis file (%zu bytes): expected one made by "
-				 "inlay-bake, which begins with \"%s\"",
-				 r->name, r->bytes, BASIS_MAGIC);
+		return fault_say(
+			r->fault, -EBADMSG,
+			"%s: not a basis file (%zu bytes): expected one made by inlay-bake, which begins with \"%s\"",
+			r->name, r->bytes, BASIS_MAGIC);
 	memcpy(&header, r->data, sizeof(header));
 	if (header.version != BASIS_VERSION)
 		return fault_say(r->fault, -ENOTSUP,
@@ -112,12 +112,11 @@ static int check_chunks(const struct basis_reader *r, const struct basis_chunk_m
 
 		if (c->offset % BASIS_PAGE || c->offset < end || c->offset > r->bytes ||
 		    c->bytes > r->bytes - c->offset)
-			return basis_damaged(r,
-					     "chunk %u of %llu bytes lies at byte %llu, expected a "
-					     "multiple of %d after the chunk before it and inside "
-					     "the file",
-					     i, (unsigned long long)c->bytes,
-					     (unsigned long long)c->offset, BASIS_PAGE);
+			return basis_damaged(
+				r,
+				"chunk %u of %llu bytes lies at byte %llu, expected a multiple of %d after the chunk before it and inside the file",
+				i, (unsigned long long)c->bytes, (unsigned long long)c->offset,
+				BASIS_PAGE);
 		ret = check_gap(r, end, c->offset);
 		if (ret)
 			return ret < 0 ? ret

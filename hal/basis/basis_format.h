@@ -238,13 +238,14 @@ struct basis_pose_name {
 };
 
 /*
- * What the object covers of the ground Z = 0, seen from above, for telling who stands before it and who
- * behind: of its parts between the ground and the camera's height, or of all where there is nothing
- * between, because people walk below what is higher. Square (i, j), bit i of row[j], covers
+ * What the object covers of the ground Z = 0, seen from above, for telling who stands before it and
+ * who behind: of its parts between the ground and the camera's height, or of all where there is
+ * nothing between, because people walk below what is higher. Square (i, j), bit i of row[j], covers
  *
  *     corner + side * (i..i+1, j..j+1)        in the scene's X and Y
  *
- * and is set where any surface of the object is above it; what is hollow may be unset inside. side 0, and no bit: there is no object.
+ * and is set where any surface of the object is above it; what is hollow may be unset inside. side
+ * 0, and no bit: there is no object.
  */
 #define BASIS_FOOT_SQUARES 64
 #define BASIS_FOOT_MOST 1e9F /* of |corner| and side */

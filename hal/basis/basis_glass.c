@@ -26,15 +26,15 @@ int basis_read_glass(const struct basis_reader *r, const struct basis_chunk_entr
 		const struct basis_glass *g = &glass[i];
 
 		if (g->x >= info->width || g->y >= info->height)
-			return basis_damaged(r,
-					     "pixel %zu that is seen through is %u, %u, expected "
-					     "one of %ux%u",
-					     i, g->x, g->y, info->width, info->height);
+			return basis_damaged(
+				r,
+				"pixel %zu that is seen through is %u, %u, expected one of %ux%u",
+				i, g->x, g->y, info->width, info->height);
 		if (i && glass_rank(r->basis, g) <= glass_rank(r->basis, g - 1))
-			return basis_damaged(r,
-					     "pixel %zu that is seen through, %u, %u, follows %u, "
-					     "%u, expected the order of tiles, rows and columns",
-					     i, g->x, g->y, g[-1].x, g[-1].y);
+			return basis_damaged(
+				r,
+				"pixel %zu that is seen through, %u, %u, follows %u, %u, expected the order of tiles, rows and columns",
+				i, g->x, g->y, g[-1].x, g[-1].y);
 	}
 	pose->glass = glass;
 	return 0;

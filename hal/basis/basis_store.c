@@ -266,11 +266,11 @@ int basis_store_add(struct basis_store *store, const struct basis_reader *reader
 	memcpy(&head, at, sizeof(head));
 	free(owned);
 	if (head.data_bytes > SMALL && head.data_bytes / EXPANDS_MOST > pack->bytes)
-		return basis_damaged(reader,
-				     "PACK chunk of %llu bytes unpacks to %llu, expected less than "
-				     "%d times as many",
-				     (unsigned long long)pack->bytes,
-				     (unsigned long long)head.data_bytes, EXPANDS_MOST);
+		return basis_damaged(
+			reader,
+			"PACK chunk of %llu bytes unpacks to %llu, expected less than %d times as many",
+			(unsigned long long)pack->bytes, (unsigned long long)head.data_bytes,
+			EXPANDS_MOST);
 	slot->state = SLOT_ABSENT;
 	slot->blocks = (struct basis_blocks_chunk){
 		.entries = (const void *)(reader->data + blocks->offset),

@@ -230,10 +230,10 @@ static int list_note(const struct basis_writer *w, struct writer_blocks *list,
 
 	if (last &&
 	    (entry->tile < last->tile || (entry->tile == last->tile && entry->kind < last->kind)))
-		return fault_say(fault, -EINVAL,
-				 "%s: a block of tile %u, kind %d follows one of tile %u, kind %d, "
-				 "expected the order of tiles, then of kinds",
-				 w->output.path, entry->tile, entry->kind, last->tile, last->kind);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: a block of tile %u, kind %d follows one of tile %u, kind %d, expected the order of tiles, then of kinds",
+			w->output.path, entry->tile, entry->kind, last->tile, last->kind);
 	if (list->count == list->room) {
 		const size_t room = list->room ? 2 * list->room : 1024;
 		struct basis_block_entry *entries = realloc(list->entries, room * sizeof(*entries));
@@ -436,10 +436,10 @@ int basis_writer_glass(struct basis_writer *w, const struct basis_glass *glass, 
 
 	if (w->in_pose || !w->poses_done || !count ||
 	    w->chunks[w->chunk_count - 1].type == BASIS_CHUNK_GLASS)
-		return fault_say(fault, -EINVAL,
-				 "%s: %zu pixels that are seen through, expected some, once, after "
-				 "the end of their pose",
-				 w->output.path, count);
+		return fault_say(
+			fault, -EINVAL,
+			"%s: %zu pixels that are seen through, expected some, once, after the end of their pose",
+			w->output.path, count);
 	ret = chunk_write(w, BASIS_CHUNK_GLASS, w->poses_done - 1, glass, count * sizeof(*glass));
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
@@ -478,10 +478,10 @@ int basis_writer_names(struct basis_writer *w, const struct basis_pose_name *nam
 	int ret = basis_names_check(names, poses);
 
 	if (ret == -EINVAL)
-		return fault_say(fault, ret,
-				 "%s: names of poses, expected letters, digits, - and _, not "
-				 "digits alone, and no two alike",
-				 w->output.path);
+		return fault_say(
+			fault, ret,
+			"%s: names of poses, expected letters, digits, - and _, not digits alone, and no two alike",
+			w->output.path);
 	if (ret == 0)
 		ret = chunk_write(w, BASIS_CHUNK_POSES, 0, names, poses * sizeof(*names));
 	return ret < 0 ? say_write(w, ret, fault) : 0;

@@ -45,7 +45,8 @@ int basis_writer_glass(struct basis_writer *writer, const struct basis_glass *gl
 int basis_writer_names(struct basis_writer *writer, const struct basis_pose_name *names,
 		       struct fault *fault);
 
-/* Footprints of the poses, [info->poses]; optional, once, before the end. -EINVAL: impossible ones. */
+/* Footprints of the poses, [info->poses]; optional, once, before the end. -EINVAL: impossible
+ * ones. */
 int basis_writer_feet(struct basis_writer *writer, const struct basis_footprint *feet,
 		      struct fault *fault);
 

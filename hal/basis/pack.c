@@ -376,25 +376,22 @@ static int place_parts(struct pack *pack, const struct basis_reader *reader, con
 
 		pack->place[k] = (struct pack_place){block, at};
 		if (part->blocks < 1 || part->blocks > blocks - block || part->reserved)
-			return basis_damaged(reader,
-					     "part %d of a pose holds %u blocks, expected "
-					     "1 or more of the %zu that are left",
-					     k, part->blocks, blocks - block);
+			return basis_damaged(
+				reader,
+				"part %d of a pose holds %u blocks, expected 1 or more of the %zu that are left",
+				k, part->blocks, blocks - block);
 		block += part->blocks;
 		for (int s = 0; s < BASIS_PACK_STREAMS; s++) {
 			if (part->bytes[s] > (size_t)(end - at))
-				return basis_damaged(reader,
-						     "part %d of a pose is longer than its "
-						     "chunk",
-						     k);
+				return basis_damaged(
+					reader, "part %d of a pose is longer than its chunk", k);
 			at += part->bytes[s];
 		}
 	}
 	if (block != blocks || at != end)
 		return basis_damaged(
 			reader,
-			"parts of a pose hold %zu blocks and leave %zu bytes, expected "
-			"%zu and 0",
+			"parts of a pose hold %zu blocks and leave %zu bytes, expected %zu and 0",
 			block, (size_t)(end - at), blocks);
 	return 0;
 }
@@ -413,15 +410,15 @@ int pack_open(struct pack *pack, const struct basis_reader *reader, const void *
 	    head->coverage_bytes >
 		    bytes - sizeof(*head) - head->parts * sizeof(struct basis_pack_part) ||
 	    head->data_bytes != blocks->data_bytes)
-		return basis_damaged(reader,
-				     "PACK chunk of pose %d, expected a table, and payloads "
-				     "of %zu bytes",
-				     blocks->pose, blocks->data_bytes);
+		return basis_damaged(
+			reader,
+			"PACK chunk of pose %d, expected a table, and payloads of %zu bytes",
+			blocks->pose, blocks->data_bytes);
 	if (basis_is_bomb(head->data_bytes, bytes))
-		return basis_damaged(reader,
-				     "PACK chunk of pose %d, %zu bytes, unpacks to %zu, expected "
-				     "at most %d times as many",
-				     blocks->pose, bytes, blocks->data_bytes, BASIS_MADE_TIMES);
+		return basis_damaged(
+			reader,
+			"PACK chunk of pose %d, %zu bytes, unpacks to %zu, expected at most %d times as many",
+			blocks->pose, bytes, blocks->data_bytes, BASIS_MADE_TIMES);
 	pack->parts = (int)head->parts;
 	pack->part = (const void *)(at + sizeof(*head));
 	pack->data_bytes = head->data_bytes;

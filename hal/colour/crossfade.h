@@ -2,7 +2,8 @@
 /*
  * Two pictures of code values mixed in linear light, by a table:
  *
- *     mixed[a][b] = argmin over codes c of |linear(c) - ((1 - share) * linear(a) + share * linear(b))|
+ *     mixed[a][b] = argmin over codes c of
+ *                   |linear(c) - ((1 - share) * linear(a) + share * linear(b))|
  *     mixed[a][a] = a
  *
  * with linear(c) = transfer_curve_decode(curve, c / 255). Of two codes that are equally near, the

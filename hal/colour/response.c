@@ -9,19 +9,15 @@ const struct ini_key response_keys[] = {
 	 .fallback = "-1", .help = "Code value that is no light; -1: not measured."},
 	{"response", INI_REALS, offsetof(struct response, knot), TRANSFER_KNOTS, .max = 1,
 	 .fallback = "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0",
-	 .help = "Linear light at evenly spaced code values from the black level to 255, ascending "
-		 "from 0 to 1; all 0: not measured."},
+	 .help = "Linear light at evenly spaced code values from the black level to 255, ascending from 0 to 1; all 0: not measured."},
 	{"gain", INI_REAL, offsetof(struct response, gain), .max = 1e6, .fallback = "0",
-	 .help = "Linear light of this camera times gain is in the background camera's units; 0: "
-		 "not measured."},
+	 .help = "Linear light of this camera times gain is in the background camera's units; 0: not measured."},
 	{"colours", INI_REALS, offsetof(struct response, colours), 9, .min = -100, .max = 100,
 	 .fallback = "0 0 0 0 0 0 0 0 0",
-	 .help = "This camera's linear R, G, B to the background's, row by row; all 0: not "
-		 "measured."},
+	 .help = "This camera's linear R, G, B to the background's, row by row; all 0: not measured."},
 	{"delay", INI_INT, offsetof(struct response, delay), .min = -1, .max = 30, .fallback = "-1",
 	 .unit = "frames",
-	 .help = "So many frames still show the exposure before when it is changed; -1: not "
-		 "measured."},
+	 .help = "So many frames still show the exposure before when it is changed; -1: not measured."},
 	INI_KEYS_END};
 
 struct response_reading {
@@ -122,10 +118,10 @@ int response_read(struct response *response, const char *path, struct ini_report
 	response_begin(response);
 	err = ini_read(path, tables, &reading, report);
 	if (!err && !reading.found) {
-		fault_say(&fault, -EINVAL,
-			  "%.500s:1: has no section [light], expected a file that inlay-calibrate "
-			  "light wrote",
-			  path);
+		fault_say(
+			&fault, -EINVAL,
+			"%.500s:1: has no section [light], expected a file that inlay-calibrate light wrote",
+			path);
 		err = response_complain(report, &fault);
 	}
 	if (!err)

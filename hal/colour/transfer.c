@@ -209,10 +209,10 @@ int transfer_curve_check(const struct transfer_curve *curve, struct fault *fault
 				 curve->knot[0], curve->knot[LAST]);
 	for (int k = 1; k < TRANSFER_KNOTS; k++)
 		if (!(curve->knot[k] > curve->knot[k - 1]))
-			return fault_say(fault, -EINVAL,
-					 "response does not rise from number %d (%g) to number %d "
-					 "(%g), expected ascending numbers",
-					 k, curve->knot[k - 1], k + 1, curve->knot[k]);
+			return fault_say(
+				fault, -EINVAL,
+				"response does not rise from number %d (%g) to number %d (%g), expected ascending numbers",
+				k, curve->knot[k - 1], k + 1, curve->knot[k]);
 	return 0;
 }
 

@@ -49,7 +49,8 @@ void block_sums(struct block_work *work, const struct block_plan *plan,
 
 /*
  * Adds the rounded sums of a block of which at most KERNEL_RUN lines of 16 bits count, and at most
- * KERNEL_VALUE_LINES8 of 8 bits, times the light's factor, to value[c][p] (fresh: overwrites). In int32, with this number of fraction bits:
+ * KERNEL_VALUE_LINES8 of 8 bits, times the light's factor, to value[c][p] (fresh: overwrites). In
+ * int32, with this number of fraction bits:
  *     fraction - KERNEL_VALUE_SHIFT16
  * The values must stay below 2^31 in magnitude.
  */

@@ -52,8 +52,8 @@ struct compositor_settings {
 	bool object;		   /* false: the background alone, by the same transfer functions */
 	const struct veil *veil;   /* borrowed: people before the object; NULL: nobody */
 	const struct grain *grain; /* borrowed: noise for the object; NULL: none */
-	/* Borrowed, [height] of R, G, B: what O of each row is multiplied by (live/lit_rows.h); NULL:
-	 * 1. */
+	/* Borrowed, [height] of R, G, B: what O of each row is multiplied by (live/lit_rows.h);
+	 * NULL: 1. */
 	const int32_t (*rows)[3];
 };
 
@@ -120,10 +120,10 @@ struct compositor_frame compositor_last(const struct compositor *compositor);
 void compositor_destroy(struct compositor *compositor);
 
 /*
- * Computes the frame in double precision, without settings->grain, from the layer that settings->mode names, with every
- * column. out[height][width][3] gets R, G, B as encoded values 0..255, not rounded. background has
- * the basis's size. Slow; for tests, reports and `--mode reference`. -EINVAL, -ENODATA, -ENOMEM and
- * -EBADMSG as compositor_run().
+ * Computes the frame in double precision, without settings->grain, from the layer that
+ * settings->mode names, with every column. out[height][width][3] gets R, G, B as encoded values
+ * 0..255, not rounded. background has the basis's size. Slow; for tests, reports and `--mode
+ * reference`. -EINVAL, -ENODATA, -ENOMEM and -EBADMSG as compositor_run().
  */
 int compositor_reference(const struct basis *basis, int pose,
 			 const struct compositor_settings *settings,

@@ -42,9 +42,10 @@ struct line_target {
 };
 
 /* Adds patterns and columns of a block to its pixels. fresh: overwrites them instead. Weights of
- * columns have `shift` fraction bits less than those of patterns if sums are asked for. Values allow
- * at most KERNEL_RUN patterns and as many columns, or KERNEL_VALUE_LINES8 of 8 bits, whose weights
- * have KERNEL_VALUE_SHIFT16 - KERNEL_VALUE_SHIFT8 fraction bits less, whatever `shift`. Prefetches meanwhile. Returns the number of bytes read. */
+ * columns have `shift` fraction bits less than those of patterns if sums are asked for. Values
+ * allow at most KERNEL_RUN patterns and as many columns, or KERNEL_VALUE_LINES8 of 8 bits, whose
+ * weights have KERNEL_VALUE_SHIFT16 - KERNEL_VALUE_SHIFT8 fraction bits less, whatever `shift`.
+ * Prefetches meanwhile. Returns the number of bytes read. */
 size_t lines_add(const struct kernels *kernels, const struct basis_block *b,
 		 struct line_set *patterns, struct line_set *columns, int shift, bool fresh,
 		 struct fetch *fetch, const struct line_target *to);

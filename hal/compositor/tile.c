@@ -169,8 +169,8 @@ static void place_values(const struct frame_light *f, const struct block_plan *p
 	}
 }
 
-/* The same as group_add(), with rounded values instead of exact sums. A block of a whole tile writes
- * its values directly to the tile; if it is tinted, only where there are no others. */
+/* The same as group_add(), with rounded values instead of exact sums. A block of a whole tile
+ * writes its values directly to the tile; if it is tinted, only where there are no others. */
 static bool group_add_values(const struct frame_light *f, const struct block_plan *group,
 			     int fraction, bool fresh, struct tile_work *work,
 			     int32_t (*values)[BLOCK_PIXELS])

@@ -58,8 +58,7 @@ static int parse_pose(const char *text, struct button_press *press, struct fault
 	if (parse_name(text, press))
 		return fault_say(
 			fault, -EINVAL,
-			"pose needs a value, expected next, prev, or the number or name of "
-			"a pose");
+			"pose needs a value, expected next, prev, or the number or name of a pose");
 	if (!strcmp(text, "next"))
 		*press = (struct button_press){.action = ACTION_POSE_NEXT};
 	else if (!strcmp(text, "prev"))
@@ -104,10 +103,10 @@ int button_press_parse(const char *name, const char *value, struct button_press 
 	case ACTION_THRESHOLD_SET:
 		if (value && !parse_level(value, press))
 			return 0;
-		return fault_say(fault, -EINVAL,
-				 "threshold-set needs a level, expected one number 0..%.0f or a "
-				 "percentage 0%%..100%%",
-				 ACTION_LEVEL_MAX);
+		return fault_say(
+			fault, -EINVAL,
+			"threshold-set needs a level, expected one number 0..%.0f or a percentage 0%%..100%%",
+			ACTION_LEVEL_MAX);
 	case ACTION_POSE_SET:
 		return parse_pose(value, press, fault);
 	case ACTION_VIEW_SET:

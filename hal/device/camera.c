@@ -78,10 +78,10 @@ int camera_set_control(struct camera *camera, const char *name, const char *valu
 	if (!camera->state)
 		return fault_say(fault, -EBADF, "a camera that is not open");
 	if (!camera->ops->control)
-		return fault_say(fault, -ENOTSUP,
-				 "%s: cameras of this driver have no control that could be changed "
-				 "while they stream",
-				 camera->ops->name);
+		return fault_say(
+			fault, -ENOTSUP,
+			"%s: cameras of this driver have no control that could be changed while they stream",
+			camera->ops->name);
 	return camera->ops->control(camera, name, value, taken ? taken : &unwanted, fault);
 }
 

@@ -124,8 +124,8 @@ struct display_ops {
 	int (*fit)(struct display *display, int width, int height, double squash);
 
 	/* Optional. Switches the screen off, or on again; what was on it and submitted frames
-	 * without DISPLAY_SHOWN are lost. display->off still tells how it is. 0 or -errno: the screen
-	 * is gone, close it. */
+	 * without DISPLAY_SHOWN are lost. display->off still tells how it is. 0 or -errno: the
+	 * screen is gone, close it. */
 	int (*power)(struct display *display, bool on, struct fault *fault);
 
 	/* Mandatory, never blocks. Returns a buffer to draw in, the same one until it is submitted.
@@ -150,10 +150,11 @@ struct display_ops {
 };
 
 /*
- * The wrappers that callers use. Drivers say how the panel is mounted, and know nothing of turn and margins: a buffer that
- * display_acquire() gives is the upright part of the screen within them, and display_submit() turns it
- * (3 to 7 ms of one core for 1920x1080). display_fit() is refused then. -EBADF: not open; -EINVAL: a buffer that was not acquired, or no
- * ops table. A display that failed to open is closed and zeroed except for ops and situation.
+ * The wrappers that callers use. Drivers say how the panel is mounted, and know nothing of turn and
+ * margins: a buffer that display_acquire() gives is the upright part of the screen within them, and
+ * display_submit() turns it (3 to 7 ms of one core for 1920x1080). display_fit() is refused then.
+ * -EBADF: not open; -EINVAL: a buffer that was not acquired, or no ops table. A display that failed
+ * to open is closed and zeroed except for ops and situation.
  */
 int display_open(struct display *display, const struct display_ops *ops,
 		 const struct display_settings *settings, void *options, struct fault *fault);

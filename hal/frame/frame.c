@@ -159,12 +159,11 @@ static int frame_check_plane(const struct frame *frame, int plane, struct fault 
 
 	if (!p->data || p->stride < row || p->stride > INT_MAX ||
 	    p->bytes < p->stride * (rows - 1) + row)
-		return fault_say(fault, -EINVAL,
-				 "frame: plane %d of %s at %dx%d has stride %zu and %zu bytes, "
-				 "expected a stride of at least %zu and %zu bytes",
-				 plane, pixel_format_names[frame->format], frame->width,
-				 frame->height, p->stride, p->bytes, row,
-				 p->stride * (rows - 1) + row);
+		return fault_say(
+			fault, -EINVAL,
+			"frame: plane %d of %s at %dx%d has stride %zu and %zu bytes, expected a stride of at least %zu and %zu bytes",
+			plane, pixel_format_names[frame->format], frame->width, frame->height,
+			p->stride, p->bytes, row, p->stride * (rows - 1) + row);
 	return 0;
 }
 

@@ -69,8 +69,8 @@ enum deinterlace {
 
 extern const char *const deinterlace_names[]; /* "weave", "bob", "blend", NULL */
 
-/* How far a picture is turned clockwise: that of a camera that hangs on its side, to become upright; or an
- * upright one, for a screen that does. */
+/* How far a picture is turned clockwise: that of a camera that hangs on its side, to become
+ * upright; or an upright one, for a screen that does. */
 enum picture_turn {
 	PICTURE_UPRIGHT,
 	PICTURE_TURN_90,

@@ -41,8 +41,9 @@ int frame_jpeg_decode(struct jpeg_decoder *jpeg, const struct frame_plane *plane
 
 enum { MARK = 0xff, START = 0xd8, END = 0xd9, SCAN = 0xda };
 
-/* Offset of the first scan from a place in the picture's header on; bytes if there is none. Skips the segments before it by
- * their lengths, because a thumbnail in one of them may hold markers of its own. */
+/* Offset of the first scan from a place in the picture's header on; bytes if there is none. Skips
+ * the segments before it by their lengths, because a thumbnail in one of them may hold markers of
+ * its own. */
 static size_t find_scan(const uint8_t *data, size_t from, size_t bytes)
 {
 	size_t i = from;

@@ -6,8 +6,8 @@
 #include "hal/frame/frame.h"
 #include "hal/jpeg/jpeg_decoder.h"
 
-/* Decodes the first JPEG picture in a plane. It has the canvas's size, or is larger by less than a block
- * of 16 pixels at the right and below, which encoders add and some cameras do not cut off. 0,
+/* Decodes the first JPEG picture in a plane. It has the canvas's size, or is larger by less than a
+ * block of 16 pixels at the right and below, which encoders add and some cameras do not cut off. 0,
  * -EBADMSG, -ENOMEM. */
 int frame_jpeg_decode(struct jpeg_decoder *jpeg, const struct frame_plane *plane,
 		      struct canvas *canvas, struct fault *fault);

@@ -5,13 +5,13 @@
 
 #include "hal/frame/frame.h"
 
-/* Repacks a part of a row of any Y'CbCr format: count bytes of luma, and as many of Cb and Cr in turn
- * (one more if count is odd). x is even. Ten bits are rounded to eight. */
+/* Repacks a part of a row of any Y'CbCr format: count bytes of luma, and as many of Cb and Cr in
+ * turn (one more if count is odd). x is even. Ten bits are rounded to eight. */
 void frame_repack_ycbcr(const struct frame *frame, int x, int y, int count, uint8_t *luma,
 			uint8_t *cbcr);
 
-/* The same of PIXEL_Y10 to PIXEL_Y16, and of PIXEL_Z16. White stays white: the greatest word becomes
- * 255, and depths of 8191 and more. */
+/* The same of PIXEL_Y10 to PIXEL_Y16, and of PIXEL_Z16. White stays white: the greatest word
+ * becomes 255, and depths of 8191 and more. */
 void frame_repack_grey(const struct frame *frame, int x, int y, int count, uint8_t *grey);
 
 #endif

@@ -34,10 +34,10 @@ int image_check_primaries(const struct image_source *source, const double xy[8],
 		/* 0.03 admits Radiance's default primaries, whose white is that of equal energy.
 		 * The negated comparison refuses NaN. */
 		if (!(fabs(xy[k] - srgb[k]) < 0.03))
-			return fault_say(fault, -ENOTSUP,
-					 "%s: its colours are of other primaries: red %g %g, green "
-					 "%g %g, blue %g %g, white %g %g, expected those of sRGB",
-					 source->name, xy[0], xy[1], xy[2], xy[3], xy[4], xy[5],
-					 xy[6], xy[7]);
+			return fault_say(
+				fault, -ENOTSUP,
+				"%s: its colours are of other primaries: red %g %g, green %g %g, blue %g %g, white %g %g, expected those of sRGB",
+				source->name, xy[0], xy[1], xy[2], xy[3], xy[4], xy[5], xy[6],
+				xy[7]);
 	return 0;
 }

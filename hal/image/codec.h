@@ -49,14 +49,14 @@ extern const struct image_codec image_exr;
 extern const struct image_codec image_webp;
 #endif
 
-/* Names the kind of a file that no codec reads, and how it becomes one that is read; NULL: it is of none that is
- * known. */
+/* Names the kind of a file that no codec reads, and how it becomes one that is read; NULL: it is of
+ * none that is known. */
 const char *image_foreign(const uint8_t *data, size_t bytes, const char **how);
 
 /*
- * Checks the size in a header. 0; -EBADMSG: no pixels; -EFBIG: a side beyond IMAGE_SIDE_MAX, or more memory
- * than a file of this length may ask for (hal/base/budget.h), by the bytes of a decoded pixel; -EINVAL: not the
- * source's size.
+ * Checks the size in a header. 0; -EBADMSG: no pixels; -EFBIG: a side beyond IMAGE_SIDE_MAX, or
+ * more memory than a file of this length may ask for (hal/base/budget.h), by the bytes of a decoded
+ * pixel; -EINVAL: not the source's size.
  */
 int image_check_size(const struct image_source *source, int64_t width, int64_t height,
 		     size_t pixel_bytes, struct fault *fault);

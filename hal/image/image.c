@@ -158,10 +158,10 @@ static int find_codec(const char *path, const struct image_codec **codec, struct
 {
 	*codec = codec_for_writing(path);
 	return *codec ? 0
-		      : fault_say(fault, -ENOTSUP,
-				  "%s: cannot tell the kind of picture from the name, expected an "
-				  "ending of .png, .pfm or .hdr",
-				  path);
+		      : fault_say(
+				fault, -ENOTSUP,
+				"%s: cannot tell the kind of picture from the name, expected an ending of .png, .pfm or .hdr",
+				path);
 }
 
 int image_name_linear(const char *path, struct fault *fault)

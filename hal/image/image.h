@@ -25,8 +25,8 @@
  * or an infinity in a float picture (the fault names the pixel). On failure the image is zeroed. */
 int image_read(const char *path, struct image *image, struct fault *fault);
 
-/* The same, but a picture of another size is refused before its pixels are decoded. why ends the fault, like
- * "as before". -EINVAL. */
+/* The same, but a picture of another size is refused before its pixels are decoded. why ends the
+ * fault, like "as before". -EINVAL. */
 int image_read_sized(const char *path, int width, int height, const char *why, struct image *image,
 		     struct fault *fault);
 

@@ -91,10 +91,10 @@ static int hdr_take_primaries(const struct image_source *source, const char *tex
 
 		xy[k] = strtod(text, &stop);
 		if (stop == text)
-			return fault_say(fault, -EBADMSG,
-					 "%s: the HDR header says PRIMARIES and %d numbers, "
-					 "expected 8",
-					 source->name, k);
+			return fault_say(
+				fault, -EBADMSG,
+				"%s: the HDR header says PRIMARIES and %d numbers, expected 8",
+				source->name, k);
 		said |= xy[k] != 0;
 		text = stop;
 	}
@@ -115,10 +115,10 @@ static int hdr_take_header(struct hdr_reader *reader, const struct image_source 
 		if (!hdr_take_line(reader, line, sizeof(line)))
 			return fault_say(fault, -EBADMSG, "%s: the HDR header has no end", name);
 		if (!strncmp(line, "FORMAT=", 7) && !is_rgbe(line + 7))
-			return fault_say(fault, -ENOTSUP,
-					 "%s: the HDR is of format \"%.40s\", expected "
-					 "32-bit_rle_rgbe",
-					 name, line + 7);
+			return fault_say(
+				fault, -ENOTSUP,
+				"%s: the HDR is of format \"%.40s\", expected 32-bit_rle_rgbe",
+				name, line + 7);
 		if (!strncmp(line, "EXPOSURE=", 9))
 			fine = hdr_take_scale(reader, line + 9, 1);
 		else if (!strncmp(line, "COLORCORR=", 10))
@@ -128,10 +128,10 @@ static int hdr_take_header(struct hdr_reader *reader, const struct image_source 
 		if (err)
 			return err;
 		if (!fine)
-			return fault_say(fault, -EBADMSG,
-					 "%s: the HDR header says \"%.60s\", expected numbers "
-					 "above 0",
-					 name, line);
+			return fault_say(
+				fault, -EBADMSG,
+				"%s: the HDR header says \"%.60s\", expected numbers above 0", name,
+				line);
 	} while (line[0]);
 	return 0;
 }
@@ -148,10 +148,10 @@ static int hdr_take_resolution(struct hdr_reader *reader, const char *name, stru
 		   &axis[1], &reader->length, &rest) != 6 ||
 	    !((axis[0] == 'Y' && axis[1] == 'X') || (axis[0] == 'X' && axis[1] == 'Y')) ||
 	    !strchr("+-", sign[0]) || !strchr("+-", sign[1]))
-		return fault_say(fault, -EBADMSG,
-				 "%s: damaged HDR: expected a line like \"-Y 512 +X 1024\" after "
-				 "the header",
-				 name);
+		return fault_say(
+			fault, -EBADMSG,
+			"%s: damaged HDR: expected a line like \"-Y 512 +X 1024\" after the header",
+			name);
 	reader->by_column = axis[0] == 'X';
 	/* X grows to the right, Y upwards. */
 	for (int i = 0; i < 2; i++)

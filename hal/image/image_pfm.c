@@ -84,10 +84,10 @@ static int pfm_read(const struct image_source *source, struct image *image, stru
 	int err;
 
 	if (!pfm_take_header(source, &header))
-		return fault_say(fault, -EBADMSG,
-				 "%s: damaged PFM header, expected PF or Pf, width, height and a "
-				 "scale that is not 0",
-				 source->name);
+		return fault_say(
+			fault, -EBADMSG,
+			"%s: damaged PFM header, expected PF or Pf, width, height and a scale that is not 0",
+			source->name);
 	err = image_check_size(source, header.width, header.height, 3 * sizeof(float), fault);
 	if (err)
 		return err;

@@ -27,7 +27,8 @@ int image_create_u8(struct image *image, int width, int height);
 int image_create_u16(struct image *image, int width, int height);
 int image_create_f32(struct image *image, int width, int height);
 
-/* Fills a u8 picture from four channels R, G, B, A, the colours not multiplied by alpha. -ENOMEM. */
+/* Fills a u8 picture from four channels R, G, B, A, the colours not multiplied by alpha.
+ * -ENOMEM. */
 int image_take_rgba(struct image *image, const uint8_t *rgba);
 
 /* The same of a u16 picture; alpha is rounded. */

@@ -64,8 +64,8 @@ static int png_allocate_rows(struct png_work *work, void *pixels, const struct i
 	return 0;
 }
 
-/* Asks libpng to convert every kind of PNG to RGB or RGBA, of 8 bits unless 16 are wanted and there,
- * without gamma correction. */
+/* Asks libpng to convert every kind of PNG to RGB or RGBA, of 8 bits unless 16 are wanted and
+ * there, without gamma correction. */
 static void ask_for_rgb(struct png_work *work)
 {
 	if (png_get_valid(work->png, work->info, PNG_INFO_tRNS))

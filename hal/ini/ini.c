@@ -222,8 +222,8 @@ static void begin_section(struct ini_reading *r, const char *title)
 	r->lost = open_tables(r) != 0;
 }
 
-/* Whether the comment behind a value of a form of its own goes on with it: "mon-fri 9-18 ; sat 10-14"
- * would lose Saturday without a word. */
+/* Whether the comment behind a value of a form of its own goes on with it: "mon-fri 9-18 ; sat
+ * 10-14" would lose Saturday without a word. */
 static bool value_is_cut(const struct ini_reading *r, const struct ini_key *key, const char *value)
 {
 	char whole[2 * LINE_BYTES_MAX];
@@ -313,14 +313,12 @@ static bool header_is_sound(struct ini_reading *r, const char *line)
 	if (*rest != ']') {
 		ini_complain(
 			r, r->line, "", NULL,
-			"not a section, expected [section] or [section name] of letters, digits, "
-			"\"-\" and \"_\"");
+			"not a section, expected [section] or [section name] of letters, digits, \"-\" and \"_\"");
 		return false;
 	}
 	if (length >= TITLE_BYTES_MAX) {
 		ini_complain(r, r->line, "", NULL,
-			     "the section's title is too long, expected at most %d "
-			     "bytes",
+			     "the section's title is too long, expected at most %d bytes",
 			     TITLE_BYTES_MAX - 1);
 		return false;
 	}
@@ -596,8 +594,7 @@ static int split_assignment(struct ini_reading *r, const char *left, const char 
 	    strspn(*key, TITLE_CHARACTERS) != length) {
 		ini_complain(
 			r, 0, r->title, NULL,
-			"has named sections, expected %s.NAME.key=value, NAME of letters, digits, "
-			"\"-\" and \"_\"",
+			"has named sections, expected %s.NAME.key=value, NAME of letters, digits, \"-\" and \"_\"",
 			r->section);
 		return r->err;
 	}

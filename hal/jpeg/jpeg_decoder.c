@@ -122,7 +122,8 @@ static int jpeg_refuse(const struct jpeg_decoder *jpeg, const char *what, struct
 	return fault_say(fault, memory ? -ENOMEM : -EBADMSG, "%s: %s", what, jpeg->damage);
 }
 
-/* data begins with the start marker. A function of its own: longjmp() may spoil variables that change. */
+/* data begins with the start marker. A function of its own: longjmp() may spoil variables that
+ * change. */
 static int jpeg_decoder_read_header(struct jpeg_decoder *jpeg, const uint8_t *data, size_t bytes,
 				    int *width, int *height, struct fault *fault)
 {

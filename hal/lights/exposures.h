@@ -115,8 +115,8 @@ bool light_exposures_shorter(const struct light_exposures *exposures, int which)
 /*
  * Merges a frame of exposure which; all arrays are [lights * parts]. sampled: the sampler's values;
  * excess: their part x_l that the longer exposure does not believe (ignored for exposure 0);
- * clipped: share of the pixels that is clipped, 0..1. Writes the result to radiance, and to left the
- * share that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
+ * clipped: share of the pixels that is clipped, 0..1. Writes the result to radiance, and to left
+ * the share that is clipped in every exposure. Outputs may be the input arrays. Allocates nothing.
  */
 void light_exposures_take(struct light_exposures *exposures, int which, const float (*sampled)[3],
 			  const float (*excess)[3], const float *clipped, float (*radiance)[3],

@@ -59,10 +59,10 @@ static int lights_read_lines(struct text_file *file, float (*radiance)[3], int c
 					 "%s:%d: more than the %d lights of the dome", file->path,
 					 file->number, count);
 		if (parse_colour(text, radiance[found]) < 0)
-			return fault_say(fault, -EINVAL,
-					 "%s:%d: \"%.60s\" is not a colour, expected three finite "
-					 "numbers of at least 0: r g b",
-					 file->path, file->number, text);
+			return fault_say(
+				fault, -EINVAL,
+				"%s:%d: \"%.60s\" is not a colour, expected three finite numbers of at least 0: r g b",
+				file->path, file->number, text);
 		found++;
 	}
 	if (ret < 0 || found == count)

@@ -24,8 +24,9 @@ struct pixel_noise {
  * linear light that is at no code below it. */
 struct pixel_noise pixel_noise_of(const struct transfer_curve *curve);
 
-/* Share of the range of codes, from black to 255, from which a pixel is believed less, and from which
- * it says nothing (code 247): cameras compress before 255, and clip the noise of single pixels. */
+/* Share of the range of codes, from black to 255, from which a pixel is believed less, and from
+ * which it says nothing (code 247): cameras compress before 255, and clip the noise of single
+ * pixels. */
 #define PIXEL_NEAR 0.85
 #define PIXEL_WHITE 0.97
 

@@ -33,10 +33,10 @@ static int sampler_check_settings(const struct light_sampler_settings *s, int wi
 				 s->gain);
 	for (int k = 0; k < 9; k++)
 		if (!isfinite(s->colours[k]))
-			return fault_say(fault, -EINVAL,
-					 "fisheye: number %d of colours is %g, expected a finite "
-					 "number",
-					 k + 1, s->colours[k]);
+			return fault_say(
+				fault, -EINVAL,
+				"fisheye: number %d of colours is %g, expected a finite number",
+				k + 1, s->colours[k]);
 	return 0;
 }
 
@@ -74,30 +74,30 @@ static void fill_decode(struct light_sampler *s, const struct transfer_curve *cu
 {
 	pixel_white_fill(&s->white, curve);
 	s->decode.white = 255;
-	s->soft.white = (uint8_t)s->white.code;
+	s->exposure.soft.white = (uint8_t)s->white.code;
 	for (int c = 0; c < 256; c++) {
 		set_decode(&s->decode, c, s->white.light[c]);
-		set_decode(&s->soft, c, s->white.soft[c]);
+		set_decode(&s->exposure.soft, c, s->white.soft[c]);
 	}
 }
 
 void light_sampler_exposure(struct light_sampler *s, double longer, bool shorter)
 {
-	if (longer != s->longer)
+	if (longer != s->exposure.longer)
 		for (int c = 0; c < 256; c++) {
 			const double light = s->white.light[c];
 
-			set_decode(&s->above, c,
+			set_decode(&s->exposure.above, c,
 				   light - longer * pixel_white_soft(&s->white, light / longer));
 		}
-	s->above.white = 255;
-	s->longer = longer;
-	s->shorter = shorter;
+	s->exposure.above.white = 255;
+	s->exposure.longer = longer;
+	s->exposure.shorter = shorter;
 }
 
 const float (*light_sampler_excess(const struct light_sampler *s))[3]
 {
-	return (const float(*)[3])s->excess;
+	return (const float(*)[3])s->exposure.excess;
 }
 
 static int make_table(struct light_sampler *s, const struct dome *dome, const struct fisheye *lens,
@@ -130,16 +130,17 @@ static int fill_sampler(struct light_sampler *s, const struct dome *dome,
 	s->folded = calloc((size_t)s->lights, sizeof(*s->folded));
 	s->sky_share = calloc((size_t)dome->count, sizeof(*s->sky_share));
 	s->clipped = calloc((size_t)s->table.lights, sizeof(*s->clipped));
-	s->excess = calloc((size_t)s->table.lights, sizeof(*s->excess));
-	s->above_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->above_parts));
-	s->above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->above_all));
-	s->longer = 1;
+	s->exposure.excess = calloc((size_t)s->table.lights, sizeof(*s->exposure.excess));
+	s->exposure.above_parts = calloc((size_t)s->table.parts + 1,
+					 sizeof(*s->exposure.above_parts));
+	s->exposure.above_all = calloc((size_t)s->table.sums + 1, sizeof(*s->exposure.above_all));
+	s->exposure.longer = 1;
 	s->of_parts = calloc((size_t)s->table.parts + 1, sizeof(*s->of_parts));
 	s->of_all = calloc((size_t)s->table.sums + 1, sizeof(*s->of_all));
 	s->linear = calloc((size_t)s->table.sums + 1, sizeof(*s->linear));
-	if (!s->measured || !s->third || !s->folded || !s->excess || !s->above_parts ||
-	    !s->above_all || !s->sky_share || !s->clipped || !s->of_parts || !s->of_all ||
-	    !s->linear)
+	if (!s->measured || !s->third || !s->folded || !s->exposure.excess ||
+	    !s->exposure.above_parts || !s->exposure.above_all || !s->sky_share || !s->clipped ||
+	    !s->of_parts || !s->of_all || !s->linear)
 		return -ENOMEM;
 	for (int i = 0; i < dome->count; i++)
 		s->sky_share[i] = dome->solid_angle_sr[i] / (2 * M_PI) / light_sampler_parts(s);
@@ -280,8 +281,8 @@ int light_sampler_read_frame(struct light_sampler *s, const struct frame_reader 
 		return ret;
 	read_sums(s, s->of_all, s->measured);
 	share = read_clipped(s);
-	if (s->longer < 1)
-		read_sums(s, s->above_all, s->excess);
+	if (s->exposure.longer < 1)
+		read_sums(s, s->exposure.above_all, s->exposure.excess);
 	if (radiance)
 		light_sampler_place(s, (const float(*)[3])s->measured, radiance);
 	if (clipped)
@@ -331,7 +332,7 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 		return -EINVAL;
 	memset(s->linear, 0, (size_t)t->sums * sizeof(*s->linear));
 	memset(s->clipped, 0, (size_t)t->lights * sizeof(*s->clipped));
-	memset(s->excess, 0, (size_t)t->lights * sizeof(*s->excess));
+	memset(s->exposure.excess, 0, (size_t)t->lights * sizeof(*s->exposure.excess));
 	for (int strip = 0; strip < t->strips; strip++) {
 		for (int k = 0; k < t->strip[strip].parts; k++)
 			add_linear(s, picture, strip, &t->part[t->strip[strip].first_part + k]);
@@ -381,9 +382,9 @@ void light_sampler_destroy(struct light_sampler *s)
 	free(s->linear);
 	free(s->of_all);
 	free(s->of_parts);
-	free(s->excess);
-	free(s->above_parts);
-	free(s->above_all);
+	free(s->exposure.excess);
+	free(s->exposure.above_parts);
+	free(s->exposure.above_all);
 	free(s->clipped);
 	free(s->sky_share);
 	free(s);

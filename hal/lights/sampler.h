@@ -81,8 +81,8 @@ int light_sampler_read_linear(struct light_sampler *sampler, const struct image 
 			      float (*radiance)[3]);
 
 /*
- * What other exposures a frame of one exposure is merged with (exposures.h), from the next frame on.
- * With soft() of pixel_noise.h:
+ * What other exposures a frame of one exposure is merged with (exposures.h), from the next frame
+ * on. With soft() of pixel_noise.h:
  *     shorter   there is one that is shorter: a pixel x counts as soft(x), and as clipped where
  *               that is less than x
  *     longer    light that this exposure gathers as a share of the next longer one's, which is

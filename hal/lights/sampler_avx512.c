@@ -85,8 +85,8 @@ avx512_decode_pixels(const struct lookup *low, const struct lookup *high, const 
 	}
 	avx512_store(planes + 3 * plane_stride, _mm512_maskz_set1_epi8(full, 1),
 		     _mm512_setzero_si512(), which);
-	/* Codes are in the order of the gathering, the mask in that of pixels; pixels outside it are 0,
-	 * and white is not. */
+	/* Codes are in the order of the gathering, the mask in that of pixels; pixels outside it
+	 * are 0, and white is not. */
 	return full;
 }
 

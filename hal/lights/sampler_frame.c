@@ -90,11 +90,14 @@ static void read_strip(void *context, int strip, int worker)
 	const struct sampler_scratch *scratch = &s->scratch[worker];
 
 	add_strip(s, strip, scratch,
-		  decode_strip(pass, strip, s->shorter ? &s->soft : &s->decode, scratch) ? 4 : 3,
+		  decode_strip(pass, strip, s->exposure.shorter ? &s->exposure.soft : &s->decode,
+			       scratch)
+			  ? 4
+			  : 3,
 		  s->of_parts);
-	if (s->longer < 1) {
-		decode_strip(pass, strip, &s->above, scratch);
-		add_strip(s, strip, scratch, 3, s->above_parts);
+	if (s->exposure.longer < 1) {
+		decode_strip(pass, strip, &s->exposure.above, scratch);
+		add_strip(s, strip, scratch, 3, s->exposure.above_parts);
 	}
 }
 
@@ -124,7 +127,7 @@ int sampler_frame_sum(struct light_sampler *s, const struct frame_reader *reader
 			read_strip(&pass, strip, 0);
 	}
 	sampler_add_parts(s, s->of_parts, s->of_all);
-	if (s->longer < 1)
-		sampler_add_parts(s, s->above_parts, s->above_all);
+	if (s->exposure.longer < 1)
+		sampler_add_parts(s, s->exposure.above_parts, s->exposure.above_all);
 	return 0;
 }

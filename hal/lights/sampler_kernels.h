@@ -40,8 +40,8 @@ struct sampler_kernels {
 	unsigned needs; /* enum processor_feature, or'ed */
 
 	/* Decodes count pixels into planes that lie plane_stride values apart: R, G, B, and
-	 * clipped, which is 1 if a channel is table->white or more, else 0. Returns whether any pixel is clipped.
-	 * Ignores X. */
+	 * clipped, which is 1 if a channel is table->white or more, else 0. Returns whether any
+	 * pixel is clipped. Ignores X. */
 	bool (*decode)(const struct sampler_decode *table, const uint32_t *bgrx, int count,
 		       int16_t *planes, size_t plane_stride);
 

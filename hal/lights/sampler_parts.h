@@ -22,6 +22,16 @@ struct sampler_scratch {
 	uint32_t *row;
 };
 
+/* What one of several exposures needs besides. */
+struct sampler_exposure {
+	struct sampler_decode soft;  /* what is believed of each code */
+	struct sampler_decode above; /* what the longer exposure does not believe */
+	bool shorter;	    /* there is a shorter exposure: soft is used in place of decode */
+	double longer;	    /* ratio to the longer exposure; 1: none, above is off */
+	float (*excess)[3]; /* [table.lights]: what the longer exposure does not believe */
+	struct sampler_sums *above_parts, *above_all; /* as of_parts and of_all, above the level */
+};
+
 struct light_sampler {
 	int lights; /* of the dome */
 	/* NULL: the table's lights are the dome's; else they are thirds */
@@ -34,17 +44,13 @@ struct light_sampler {
 	int width, height;
 	double colours[3][3];	  /* gain included */
 	struct pixel_white white; /* of the camera's curve */
-	/* soft: what is believed of each code; above: what the longer exposure does not believe */
-	struct sampler_decode decode, soft, above;
-	bool shorter;	    /* there is a shorter exposure: soft is used in place of decode */
-	double longer;	    /* ratio to the longer exposure; 1: none, above is off */
-	float (*excess)[3]; /* [table.lights]: what the longer exposure does not believe */
-	struct sampler_sums *above_parts, *above_all; /* as of_parts and of_all, above the level */
-	double *sky_share;			      /* [lights]: solid angle / 2 pi, by parts */
-	float *clipped;				      /* [table.lights] */
-	struct sampler_sums *of_parts;		      /* [parts] */
-	struct sampler_sums *of_all;		      /* [sums]: of_parts added up */
-	double (*linear)[3];			      /* [sums] of a float picture */
+	struct sampler_decode decode;
+	struct sampler_exposure exposure;
+	double *sky_share;	       /* [lights]: solid angle / 2 pi, by parts */
+	float *clipped;		       /* [table.lights] */
+	struct sampler_sums *of_parts; /* [parts] */
+	struct sampler_sums *of_all;   /* [sums]: of_parts added up */
+	double (*linear)[3];	       /* [sums] of a float picture */
 	struct sampler_scratch *scratch;
 	int scratches;
 };

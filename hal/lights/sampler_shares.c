@@ -11,8 +11,8 @@
 #define SUBPIXELS 8	 /* sub-pixels per side, in pixels that straddle cells */
 #define TENT_SUBPIXELS 2 /* the same for tents, where weights nearly linear in a pixel need few */
 #define EDGE_SLACK 1e-9	 /* larger than all rounding of edges and of the field */
-/* What the lens says is smooth: it is asked at four of so many pixels. The cubic between them is off by
- * 26 times the fourth derivative, 1e-6 where a pixel turns the direction by this at most. */
+/* What the lens says is smooth: it is asked at four of so many pixels. The cubic between them is
+ * off by 26 times the fourth derivative, 1e-6 where a pixel turns the direction by this at most. */
 #define BLOCK 16
 #define SMOOTH_RAD 0.01
 #define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
@@ -34,8 +34,9 @@ struct shares_builder {
 	int width, height;
 	int *corner_light; /* [height + 1][width + 1]: the cell at each pixel's upper left corner */
 	int *first_edge;   /* [lights + 1] */
-	double (*edge)
-		[3]; /* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
+	double(*edge)
+		/* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
+		[3];
 	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
 	int parts;		    /* of a light: DOME_PLACED_THIRDS, or 1 */
 	int y, row_count, row_room;
@@ -234,9 +235,9 @@ static int tally_between(const struct shares_builder *b, struct subpixel_tally *
 }
 
 /* Counts sub-pixels by light. Inside a pixel it interpolates the direction bilinearly between the
- * corners (error 1e-3 pixels in a picture of 480 x 480), which is much cheaper than the lens; but not
- * at the rim, where a corner does not see the sky. Cells are convex: what lies between two sub-pixels
- * of a row in one cell does, too. */
+ * corners (error 1e-3 pixels in a picture of 480 x 480), which is much cheaper than the lens; but
+ * not at the rim, where a corner does not see the sky. Cells are convex: what lies between two
+ * sub-pixels of a row in one cell does, too. */
 static void count_subpixels(const struct shares_builder *b, int x, int y,
 			    struct subpixel_tally *tally)
 {
@@ -430,8 +431,8 @@ static void look_at_row(struct shares_builder *b, int y)
 	}
 }
 
-/* The cells of a row of corners. Where a corner is far from its cell's edges, those beside it are of the
- * same cell. */
+/* The cells of a row of corners. Where a corner is far from its cell's edges, those beside it are
+ * of the same cell. */
 static void find_corner_lights(struct shares_builder *b, int y)
 {
 	int *row = b->corner_light + (size_t)y * (b->width + 1);

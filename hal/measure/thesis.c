@@ -81,19 +81,19 @@ static int allocate_rows(struct thesis *t, struct fault *fault)
 
 	/* plus the overhead of each row, and room for other programs */
 	if (needed + thesis_pixels(t) * 32 + (UINT64_C(256) << 20) > there)
-		return fault_say(fault, -ENOMEM,
-				 "the thesis's basis takes %.1f GB of memory and %.1f GB are free: "
-				 "--thesis no leaves it out",
-				 (double)needed / 1e9, (double)there / 1e9);
+		return fault_say(
+			fault, -ENOMEM,
+			"the thesis's basis takes %.1f GB of memory and %.1f GB are free: --thesis no leaves it out",
+			(double)needed / 1e9, (double)there / 1e9);
 	for (size_t at = 0; at < thesis_pixels(t); at++) {
 		if (t->role[at] == THESIS_PICTURE)
 			continue;
 		t->row[at] = calloc((size_t)t->role[at] * 3, (size_t)t->lights);
 		if (!t->row[at])
-			return fault_say(fault, -ENOMEM,
-					 "the thesis's basis takes %.1f GB of memory, more than "
-					 "there is: --thesis no leaves it out",
-					 (double)needed / 1e9);
+			return fault_say(
+				fault, -ENOMEM,
+				"the thesis's basis takes %.1f GB of memory, more than there is: --thesis no leaves it out",
+				(double)needed / 1e9);
 	}
 	return 0;
 }

@@ -32,8 +32,8 @@ static double cubic_root_between(const double c[CUBIC], double low, double high)
 	return low;
 }
 
-/* Smallest s > 0 where a cubic, which is c[0] > 0 at 0, is no longer positive; infinite: none. It is
- * monotonic between the roots of its derivative. */
+/* Smallest s > 0 where a cubic, which is c[0] > 0 at 0, is no longer positive; infinite: none. It
+ * is monotonic between the roots of its derivative. */
 static double cubic_first_root(const double c[CUBIC])
 {
 	const double a = 3 * c[3], b = c[2], square = b * b - a * c[1];

@@ -16,8 +16,8 @@
 const char *const dome_division_names[] = {"angles", "chords", NULL};
 const char *const dome_shape_names[] = {"cells", "tents", NULL};
 
-/* Relative tolerance of the sum of all solid angles. Nodes of a file may be such that cells reach too
- * far, or have too many corners. */
+/* Relative tolerance of the sum of all solid angles. Nodes of a file may be such that cells reach
+ * too far, or have too many corners. */
 #define COVERED 1e-9
 
 static int corners_of(const struct dome *dome, int light)
@@ -65,8 +65,7 @@ static int dome_begin(struct dome *dome, int frequency, enum dome_division divis
 	*dome = (struct dome){.frequency = frequency, .division = division, .shape = shape};
 	if (division < 0 || division >= DOME_DIVISION_COUNT)
 		return fault_say(fault, -EINVAL,
-				 "dome: division %d is unknown, expected angles "
-				 "or chords",
+				 "dome: division %d is unknown, expected angles or chords",
 				 (int)division);
 	if (shape < 0 || shape >= DOME_SHAPE_COUNT)
 		return fault_say(fault, -EINVAL,
@@ -122,10 +121,10 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
 	for (int k = 0; k < count; k++) {
 		*wrong = k;
 		if (!frequency_fits(fine[k].frequency) || fine[k].frequency % frequency)
-			return fault_say(fault, -EINVAL,
-					 "frequency is %d, expected a multiple of the dome's %d up "
-					 "to %d",
-					 fine[k].frequency, frequency, DOME_FREQUENCY_MAX);
+			return fault_say(
+				fault, -EINVAL,
+				"frequency is %d, expected a multiple of the dome's %d up to %d",
+				fine[k].frequency, frequency, DOME_FREQUENCY_MAX);
 		if (!(fine[k].direction[2] >= 0))
 			return fault_say(fault, -EINVAL, "is below the horizon");
 	}

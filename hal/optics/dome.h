@@ -27,8 +27,8 @@
  *
  * Parts of the sky may be finer: cells of this base dome are divided into those of a dome of a
  * multiple of its frequency, whose nodes contain the base dome's. Lights are then all nodes of the
- * base dome in their order, followed by the further nodes of each finer frequency, ascending, in the
- * order of that dome. Cells and tents are those of all these nodes.
+ * base dome in their order, followed by the further nodes of each finer frequency, ascending, in
+ * the order of that dome. Cells and tents are those of all these nodes.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_H
 #define INLAY_HAL_OPTICS_DOME_H
@@ -89,8 +89,8 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
  * Creates a dome of given nodes, as a file lists them: node k is node[k * stride] and the two
  * numbers after it. frequency and division are for information: the base dome's; frequency 0:
  * unknown. -EINVAL: no node or more than DOME_LIGHTS_MAX, a node that is not unit or is below the
- * horizon, two that are less than DOME_NODES_APART apart, or cells that reach 83 degrees or have 512
- * corners.
+ * horizon, two that are less than DOME_NODES_APART apart, or cells that reach 83 degrees or have
+ * 512 corners.
  */
 int dome_create_nodes(struct dome *dome, const double *node, int stride, int count, int frequency,
 		      enum dome_division division, enum dome_shape shape, struct fault *fault);

@@ -16,8 +16,8 @@
 #include "hal/optics/dome_map.h"
 #include "hal/optics/vec.h"
 
-/* Corners of a cell. A cell of frequency 1 among those of DOME_FREQUENCY_MAX has that many along each
- * of its five or six sides. What does not fit makes the sum of all solid angles wrong, which
+/* Corners of a cell. A cell of frequency 1 among those of DOME_FREQUENCY_MAX has that many along
+ * each of its five or six sides. What does not fit makes the sum of all solid angles wrong, which
  * dome.c refuses. */
 #define POLYGON_MAX 512
 #define SQUARE 8.0 /* half the side of the first square: cells reach less than atan(8) = 83 deg */
@@ -35,8 +35,8 @@ struct near_grid {
 	int *node;
 };
 
-/* Cuts off the part of the polygon where a x + b y + c < 0. Most lines cut nothing, and most polygons have
- * six corners of POLYGON_MAX: neither is copied whole. */
+/* Cuts off the part of the polygon where a x + b y + c < 0. Most lines cut nothing, and most
+ * polygons have six corners of POLYGON_MAX: neither is copied whole. */
 static void polygon_cut(struct polygon *p, double a, double b, double c)
 {
 	double side[POLYGON_MAX];

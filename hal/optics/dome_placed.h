@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Keeps the place of light inside cells: a small lamp that is off the middle of its cell lights what
- * faces it as it does, and not as the even cell would.
+ * Keeps the place of light inside cells: a small lamp that is off the middle of its cell lights
+ * what faces it as it does, and not as the even cell would.
  *
  * The sampler measures cell i in three thirds: pixel p in the direction d counts for third k with
  *     w_p edge_ik . d          edge_i: dual basis of the corners a_i0, a_i1, a_i2
- * The corners are those of a triangle around the cell, in the plane through the cell's mean direction
- * m_i (not unit) that is perpendicular to it. The radiance L_ik of a third is the mean with these
- * weights, W_ik is their sum. Per channel
+ * The corners are those of a triangle around the cell, in the plane through the cell's mean
+ * direction m_i (not unit) that is perpendicular to it. The radiance L_ik of a third is the mean
+ * with these weights, W_ik is their sum. Per channel
  *     q_ik = W_ik L_ik / sum_k W_ik L_ik        e_ik = W_ik / sum_k W_ik
  *     c_i = m_i + sum_k (q_ik - e_ik) a_ik                        centroid of the light in the cell
- * Light with the centroid c_i is shared among the cells j around it by their barycentric weights b_j
- * at c_i in the triangles between the directions of all m_j (tents, dome_tents.h):
+ * Light with the centroid c_i is shared among the cells j around it by their barycentric weights
+ * b_j at c_i in the triangles between the directions of all m_j (tents, dome_tents.h):
  *     L_j w_j = sum_i b_ij F_i,      F_i = w_i sum_k W_ik L_ik / sum_k W_ik
  * Even light in a cell stays where it is, because c_i = m_i then. All lights are then multiplied by
  *     sum_i F_i c_iz / sum_i F_i m_iz(after)
- * so that a plane that faces the zenith has exactly the irradiance of the picture. This factor differs
- * from 1 where c_i is below the lowest m_j, which leaves no cell to share with, and by the curvature of
- * the sphere within cells.
+ * so that a plane that faces the zenith has exactly the irradiance of the picture. This factor
+ * differs from 1 where c_i is below the lowest m_j, which leaves no cell to share with, and by the
+ * curvature of the sphere within cells.
  */
 #ifndef INLAY_HAL_OPTICS_DOME_PLACED_H
 #define INLAY_HAL_OPTICS_DOME_PLACED_H

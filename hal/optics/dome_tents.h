@@ -27,8 +27,8 @@ void dome_tents_destroy(struct dome_tents *tents); /* NULL is harmless */
 int dome_tents_weights(const struct dome_tents *tents, const double dir[3], int light[3],
 		       double weight[3]);
 
-/* The same, faster for a direction in a triangle around that node. *facet is tried first, and becomes
- * the triangle that was found; -1: none is known. */
+/* The same, faster for a direction in a triangle around that node. *facet is tried first, and
+ * becomes the triangle that was found; -1: none is known. */
 int dome_tents_weights_near(const struct dome_tents *tents, int node, int *facet,
 			    const double dir[3], int light[3], double weight[3]);
 

@@ -23,25 +23,21 @@ const struct ini_key fisheye_keys[] = {
 	 .help = "Horizontal and vertical focal length; 0 0: the field fills the smaller side."},
 	{"centre", INI_REALS, FIELD(centre_px), 2, .min = -1e6, .max = 1e6, .fallback = "0 0",
 	 .unit = "px",
-	 .help = "The lens's axis in the upright picture, from its upper left corner; 0 0: the "
-		 "middle."},
+	 .help = "The lens's axis in the upright picture, from its upper left corner; 0 0: the middle."},
 	{"rotation", INI_REALS, FIELD(rotation_deg), 3, .min = -360, .max = 360,
 	 .fallback = "0 0 0", .unit = "deg",
-	 .help = "Turn of the world into the camera, about X, then Y, then Z; 0 0 0: it lies on "
-		 "its back, picture right is world X, picture down is world Y."},
+	 .help = "Turn of the world into the camera, about X, then Y, then Z; 0 0 0: it lies on its back, picture right is world X, picture down is world Y."},
 	{"field", INI_REAL, FIELD(field_deg), .min = 1, .max = 180, .fallback = "90", .unit = "deg",
 	 .help = "Half the field of view: 90 sees a hemisphere."},
 	{"model", INI_CHOICE, FIELD(model), .choices = fisheye_model_names,
 	 .fallback = "equidistant",
-	 .help = "How far from the axis the angle t from it is seen, in focal lengths: t; 2 "
-		 "sin(t/2); 2 tan(t/2); sin(t); the polynomial below."},
+	 .help = "How far from the axis the angle t from it is seen, in focal lengths: t; 2 sin(t/2); 2 tan(t/2); sin(t); the polynomial below."},
 	{"polynomial", INI_REALS, FIELD(polynomial), FISHEYE_TERMS, .min = -1e3, .max = 1e3,
 	 .fallback = "0 0 0 0",
 	 .help = "k1 k2 k3 k4 of that model: t + k1 t^3 + k2 t^5 + k3 t^7 + k4 t^9, t in radians."},
 	{"falloff", INI_REALS, FIELD(falloff), FISHEYE_FALLOFF_TERMS, .min = -1e3, .max = 1e3,
 	 .fallback = "0 0 0",
-	 .help = "v1 v2 v3: of the light on its axis the lens passes 1 + v1 t^2 + v2 t^4 + v3 t^6 "
-		 "at the angle t; what is measured is divided by it."},
+	 .help = "v1 v2 v3: of the light on its axis the lens passes 1 + v1 t^2 + v2 t^4 + v3 t^6 at the angle t; what is measured is divided by it."},
 	INI_KEYS_END,
 };
 
@@ -71,10 +67,10 @@ static int fisheye_check_settings(const struct fisheye_settings *s, struct fault
 	for (int i = 0; i < 2; i++) {
 		if (!(s->focal_px[i] >= 0) || !isfinite(s->focal_px[i]) ||
 		    (s->focal_px[i] == 0) != (s->focal_px[1 - i] == 0))
-			return fault_say(fault, -EINVAL,
-					 "fisheye: focal is %g %g, expected two numbers above 0 "
-					 "(or 0 0: from the size of the picture)",
-					 s->focal_px[0], s->focal_px[1]);
+			return fault_say(
+				fault, -EINVAL,
+				"fisheye: focal is %g %g, expected two numbers above 0 (or 0 0: from the size of the picture)",
+				s->focal_px[0], s->focal_px[1]);
 		if (!isfinite(s->centre_px[i]))
 			return fault_say(fault, -EINVAL,
 					 "fisheye: centre is %g %g, expected finite numbers",
@@ -116,16 +112,15 @@ static int fisheye_check_curve(const struct fisheye *lens, double field_deg, str
 	if (fold < INFINITY)
 		return fault_say(
 			fault, -EINVAL,
-			"fisheye: field is %g degrees, but the %s model folds over at %.4g; "
-			"expected a smaller field or another polynomial",
+			"fisheye: field is %g degrees, but the %s model folds over at %.4g; expected a smaller field or another polynomial",
 			field_deg, fisheye_model_names[lens->curve.model], fold * (180 / M_PI));
 	if (!(lens->rim < INFINITY))
 		return fault_say(fault, -EINVAL, "fisheye: the rim of the field has no place");
 	if (dark < INFINITY)
-		return fault_say(fault, -EINVAL,
-				 "fisheye: falloff is %g %g %g, which leaves no light %.4g degrees "
-				 "from the axis; expected some in all of the field of %g",
-				 v[0], v[1], v[2], dark * (180 / M_PI), field_deg);
+		return fault_say(
+			fault, -EINVAL,
+			"fisheye: falloff is %g %g %g, which leaves no light %.4g degrees from the axis; expected some in all of the field of %g",
+			v[0], v[1], v[2], dark * (180 / M_PI), field_deg);
 	return 0;
 }
 

@@ -74,14 +74,15 @@ bool fisheye_ray(const struct fisheye *lens, const double px[2], double dir[3]);
  * half a pixel inside the rim. */
 double fisheye_pixel_sr(const struct fisheye *lens, const double px[2]);
 
-/* Direction, solid angle and falloff at px at once, the same as one by one. False: outside the field. */
+/* Direction, solid angle and falloff at px at once, the same as one by one. False: outside the
+ * field. */
 struct fisheye_pixel {
 	double dir[3], sr, falloff;
 };
 bool fisheye_pixel_of(const struct fisheye *lens, const double px[2], struct fisheye_pixel *pixel);
 
-/* Bound of the angle by which the direction turns from one point of the picture to another, rad per pixel of
- * their distance; infinite where the curve becomes flat. */
+/* Bound of the angle by which the direction turns from one point of the picture to another, rad per
+ * pixel of their distance; infinite where the curve becomes flat. */
 double fisheye_turn_per_pixel(const struct fisheye *lens);
 
 /* The falloff at px: the share of light that the lens passes, > 0; 1 on the axis and outside the

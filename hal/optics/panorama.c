@@ -13,15 +13,15 @@ int panorama_read(struct image *image, const char *path, struct fault *fault)
 	if (err)
 		return err;
 	if (!image->f32)
-		err = fault_say(fault, -EINVAL,
-				"%s: 8-bit code values, expected linear light: a panorama in .hdr, "
-				".pfm or .exr",
-				path);
+		err = fault_say(
+			fault, -EINVAL,
+			"%s: 8-bit code values, expected linear light: a panorama in .hdr, .pfm or .exr",
+			path);
 	else if (fabs((double)image->width / image->height - 2) > ASPECT_SLACK)
-		err = fault_say(fault, -EINVAL,
-				"%s: %d x %d pixels, expected twice as wide as high: the whole "
-				"sphere, equirectangular",
-				path, image->width, image->height);
+		err = fault_say(
+			fault, -EINVAL,
+			"%s: %d x %d pixels, expected twice as wide as high: the whole sphere, equirectangular",
+			path, image->width, image->height);
 	if (err)
 		image_free(image);
 	return err;

@@ -32,13 +32,11 @@ const struct ini_key tsai_keys[] = {
 	 .unit = "1/mm^6", .rare = true, .help = "third radial term: ... + kappa3 r^6"},
 	{"tangential", INI_REALS, FIELD(tangential), 2, .min = -1e6, .max = 1e6, .fallback = "0 0",
 	 .unit = "1/mm", .rare = true,
-	 .help = "q: moves a point P by q r^2 + 2 P (q . P), y down; OpenCV's p2 and p1, divided "
-		 "by the focal length"},
+	 .help = "q: moves a point P by q r^2 + 2 P (q . P), y down; OpenCV's p2 and p1, divided by the focal length"},
 	{"distortion", INI_CHOICE, FIELD(distortion), .choices = tsai_distortion_names,
 	 .fallback = "distorts",
 	 .help = "what kappa1 (and kappa2 ...) means; distorts: distorted = undistorted (1 + "
-		 "kappa1 r^2), r undistorted; undistorts (Tsai's papers): undistorted = distorted "
-		 "(1 + kappa1 r^2), r distorted"},
+		 "kappa1 r^2), r undistorted; undistorts (Tsai's papers): undistorted = distorted (1 + kappa1 r^2), r distorted"},
 	{"centre", INI_REALS, FIELD(centre_px), 2, .min = -1e6, .max = 1e6, .unit = "px",
 	 .help = "C: the axis in the picture, from the lower left corner, x right, y up"},
 	{"pixel", INI_REALS, FIELD(pixel), 2, .min = 1e-9, .max = 1e6, .unit = "mm",
@@ -47,8 +45,7 @@ const struct ini_key tsai_keys[] = {
 	 .help = "s: horizontal stretch between sensor and frame grabber"},
 	{"edge_spread", INI_REAL, FIELD(edge_spread_px), .max = TSAI_EDGE_SPREAD_MAX,
 	 .fallback = "0", .unit = "px", .rare = true,
-	 .help = "sigma of the Gaussian by which edges are blurred beyond a pixel's square; the "
-		 "bake blurs the object's alike"},
+	 .help = "sigma of the Gaussian by which edges are blurred beyond a pixel's square; the bake blurs the object's alike"},
 	INI_KEYS_END,
 };
 
@@ -133,11 +130,11 @@ static int check_fold(const struct tsai_camera *c, struct fault *fault)
 	covered = c->distortion == TSAI_DISTORTS ? distortion_covers(&d) : distortion_fold(&d);
 	if (covered >= d.reach)
 		return 0;
-	return fault_say(fault, -EINVAL,
-			 "camera: kappa1, kappa2, kappa3 and tangential fold the picture over at "
-			 "%.4g of the way from the axis to its farthest corner, expected a "
-			 "distortion that grows over the whole picture",
-			 covered / d.reach);
+	return fault_say(
+		fault, -EINVAL,
+		"camera: kappa1, kappa2, kappa3 and tangential fold the picture over at "
+		"%.4g of the way from the axis to its farthest corner, expected a distortion that grows over the whole picture",
+		covered / d.reach);
 }
 
 int tsai_check(struct tsai_camera *c, struct fault *fault)
@@ -163,18 +160,18 @@ int tsai_check(struct tsai_camera *c, struct fault *fault)
 		return fault_say(fault, -EINVAL,
 				 "camera: kappa2, kappa3 and tangential must be finite numbers");
 	if (c->distortion != TSAI_DISTORTS && c->distortion != TSAI_UNDISTORTS)
-		return fault_say(fault, -EINVAL,
-				 "camera: distortion is %d, expected %d (distorts) or %d "
-				 "(undistorts)",
-				 c->distortion, TSAI_DISTORTS, TSAI_UNDISTORTS);
+		return fault_say(
+			fault, -EINVAL,
+			"camera: distortion is %d, expected %d (distorts) or %d (undistorts)",
+			c->distortion, TSAI_DISTORTS, TSAI_UNDISTORTS);
 	if (!all_finite(c->translation, 3) || !all_finite(c->centre_px, 2))
 		return fault_say(fault, -EINVAL,
 				 "camera: translation and centre must be finite numbers");
 	if (!(rotation_error(c->rotation) <= 1e-6))
-		return fault_say(fault, -EINVAL,
-				 "camera: rotation is off by %.3g from a right-handed rotation, "
-				 "expected at most 1e-6",
-				 rotation_error(c->rotation));
+		return fault_say(
+			fault, -EINVAL,
+			"camera: rotation is off by %.3g from a right-handed rotation, expected at most 1e-6",
+			rotation_error(c->rotation));
 	make_orthogonal(c->rotation);
 	return check_fold(c, fault);
 }
@@ -188,10 +185,10 @@ int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[
 	double away[3];
 
 	if (!(field_deg > 0 && field_deg < 180))
-		return fault_say(fault, -EINVAL,
-				 "camera: field of view is %g, expected above 0 and below 180 "
-				 "degrees",
-				 field_deg);
+		return fault_say(
+			fault, -EINVAL,
+			"camera: field of view is %g, expected above 0 and below 180 degrees",
+			field_deg);
 	if (!all_finite(eye, 3) || !all_finite(target, 3))
 		return fault_say(fault, -EINVAL, "camera: eye and target must be finite numbers");
 	*c = (struct tsai_camera){.width = width, .height = height, .aspect = 1};
@@ -201,9 +198,9 @@ int tsai_look_at(struct tsai_camera *c, int width, int height, const double eye[
 		return fault_say(fault, -EINVAL, "camera: eye and target coincide");
 	vec_cross(view, up, right);
 	if (!(vec_normalize(right) > 1e-9))
-		return fault_say(fault, -EINVAL,
-				 "camera: the view is straight up or down, so that no side of the "
-				 "picture is up; move eye or target a little");
+		return fault_say(
+			fault, -EINVAL,
+			"camera: the view is straight up or down, so that no side of the picture is up; move eye or target a little");
 	vec_cross(view, right, down);
 	mat_apply(c->rotation, eye, away);
 	for (int i = 0; i < 3; i++)

@@ -50,7 +50,8 @@ struct tsai_camera {
 	double centre_px[2]; /* C, in image axes (x right, y up) */
 	double pixel[2];     /* D */
 	double aspect;	     /* s */
-	/* The terms that most cameras have not, last: without them a scene's hash leaves them out. */
+	/* The terms that most cameras have not, last: without them a scene's hash leaves them
+	 * out. */
 	double kappa2, kappa3;
 	double tangential[2]; /* q */
 	/* Sigma of the Gaussian with which the lens, and sharpening, spread an edge beyond its

@@ -10,8 +10,8 @@
 #define SCATTER 0.15f  /* width of the densest half of ratios, over their middle */
 #define GAIN_BINS 2048 /* of seen / place, 0..4 */
 
-/* Sums the code values of n = wide * high pixels: blue and red in the halves of sum[0], green in the
- * lower half of sum[1]. At most 16 pixels, so no half overflows. */
+/* Sums the code values of n = wide * high pixels: blue and red in the halves of sum[0], green in
+ * the lower half of sum[1]. At most 16 pixels, so no half overflows. */
 static inline void sum_codes(const uint8_t *in, ptrdiff_t x_step, ptrdiff_t y_step, int wide,
 			     int high, uint32_t sum[2])
 {

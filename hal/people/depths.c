@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Depths of a camera that stands elsewhere, as the background's camera would measure them: some of its
- * pixels, each at its place in the world, in a coarse picture of the background's view, in which the
- * nearest counts. It is made when the first group of a frame asks.
+ * Depths of a camera that stands elsewhere, as the background's camera would measure them: some of
+ * its pixels, each at its place in the world, in a coarse picture of the background's view, in
+ * which the nearest counts. It is made when the first group of a frame asks.
  */
 #include <errno.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The edge of a person. A cell or pixel C beside the edge mixes a person's colour F with the place's,
- * B: by least squares over the channels, each over its variance, its share is
+ * The edge of a person. A cell or pixel C beside the edge mixes a person's colour F with the
+ * place's, B: by least squares over the channels, each over its variance, its share is
  *
  *     alpha = <C - B, F - B> / <F - B, F - B>
  *
@@ -17,7 +17,8 @@
 
 enum { SIDE_NONE, SIDE_OTHER, SIDE_PERSON }; /* none: it touches the edge, or is not known */
 
-/* Marks cells x..end - 1 of a row that has one above and one below, none of them at the picture's edge. */
+/* Marks cells x..end - 1 of a row that has one above and one below, none of them at the picture's
+ * edge. */
 static void mark_row(const struct people *p, const uint8_t *verdict, int y, int x, int end)
 {
 	const int row = y * p->across;

@@ -48,8 +48,8 @@ static void join_rows(struct run *runs, int from, int first, int end, int reach)
 	}
 }
 
-/* Finds the runs of watched cells in the box that are people (or not) and joins them; label: of each
- * cell. */
+/* Finds the runs of watched cells in the box that are people (or not) and joins them; label: of
+ * each cell. */
 static void find_runs(struct people *p, bool people, int reach)
 {
 	const struct box *box = &p->box;
@@ -207,8 +207,8 @@ static void fill_holes(struct people *p)
 
 /* ---- ghosts ---- */
 
-/* Contrast between a cell and its neighbour, in what is seen and in the place, and what is seen of it
- * that the place in the cell's own light does not explain. */
+/* Contrast between a cell and its neighbour, in what is seen and in the place, and what is seen of
+ * it that the place in the cell's own light does not explain. */
 static void add_edge(const struct people *p, struct group *g, int at, int other)
 {
 	if (!p->known[other])
@@ -232,9 +232,9 @@ static int label_at(const struct people *p, int x, int y)
 		       : p->label[y * p->across + x];
 }
 
-/* A ghost is where the place was learned while somebody stood there: the place has an edge along the
- * group's outline, and what is seen has none. Light has no edge of its own: what is seen goes on there
- * as the place does. */
+/* A ghost is where the place was learned while somebody stood there: the place has an edge along
+ * the group's outline, and what is seen has none. Light has no edge of its own: what is seen goes
+ * on there as the place does. */
 static void find_ghosts(struct people *p)
 {
 	const struct box *box = &p->box;
@@ -272,8 +272,8 @@ static void count_before(struct people *p)
 }
 
 /* Whether a group that clothes like the ground behind them have detached from its feet has them in
- * another below: no farther down than the higher of both is high, and under half of the narrower one's
- * width at least. */
+ * another below: no farther down than the higher of both is high, and under half of the narrower
+ * one's width at least. */
 static bool stands_on(const struct group *g, const struct group *feet)
 {
 	const int left = g->left > feet->left ? g->left : feet->left;
@@ -286,7 +286,8 @@ static bool stands_on(const struct group *g, const struct group *feet)
 	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1;
 }
 
-/* Groups are listed by their tops, so those below have their feet already when asked from the end. */
+/* Groups are listed by their tops, so those below have their feet already when asked from the
+ * end. */
 static void find_feet(struct people *p)
 {
 	for (int n = p->group_count - 1; n >= 0; n--) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What hides behind people, or lies in their shadow, cannot be followed; but lamps move meanwhile, and
- * it would come back in a light that is not the place's. So its drift takes the factor that the cells
- * around take in which nobody is, 1 + rate (mean of seen / place - 1).
+ * What hides behind people, or lies in their shadow, cannot be followed; but lamps move meanwhile,
+ * and it would come back in a light that is not the place's. So its drift takes the factor that the
+ * cells around take in which nobody is, 1 + rate (mean of seen / place - 1).
  */
 #include "hal/people/people_parts.h"
 

@@ -2,10 +2,11 @@
 /*
  * Empty, shaded or a person. A cell differs from the place where, over the channels,
  *
- *     sum of (seen - place)^2 / s^2 > WEAK,   s^2 = sigma^2 + (MODEL place)^2 + (SHIFT |grad place|)^2
+ *     sum of (seen - place)^2 / s^2 > WEAK
+ *     s^2 = sigma^2 + (MODEL place)^2 + (SHIFT |grad place|)^2
  *
- * s has the camera's noise, what the light's model is off by, and what a camera that shakes a little
- * makes of edges. Cells that differ are the place in other light where
+ * s has the camera's noise, what the light's model is off by, and what a camera that shakes a
+ * little makes of edges. Cells that differ are the place in other light where
  *
  * - one ratio explains the cell's own three channels, but for COLOUR of its light; and around it
  * - most cells that differ are such ones,

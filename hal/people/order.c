@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Whether a group is before the object: by its depths where they are measured, else by the ground under
- * its feet, seen from the camera. A group keeps its order while it overlaps itself, unless it passes the
- * object by more than MARGIN.
+ * Whether a group is before the object: by its depths where they are measured, else by the ground
+ * under its feet, seen from the camera. A group keeps its order while it overlaps itself, unless it
+ * passes the object by more than MARGIN.
  */
 #include <math.h>
 
@@ -13,8 +13,8 @@
 #define KNOWN_LEAST 4	/* with fewer known ones, or */
 #define KNOWN_SHARE 0.2 /* a smaller share of those asked, depths tell nothing */
 
-/* Where a point of the picture, in cells, lies on the ground, seen from above: its direction and its
- * distance from below the camera. False: above the horizon. */
+/* Where a point of the picture, in cells, lies on the ground, seen from above: its direction and
+ * its distance from below the camera. False: above the horizon. */
 static bool on_ground(const struct people *p, double x, double y, double *direction_rad, float *far)
 {
 	const double px[2] = {x * p->side, y * p->side};
@@ -177,8 +177,8 @@ static float nearest_far(const float *far, int count, int n)
 	return -1;
 }
 
-/* The object's far side in a direction, or in that nearest to it where the object is; x: in cells, for an
- * object whose footprint is not known. */
+/* The object's far side in a direction, or in that nearest to it where the object is; x: in cells,
+ * for an object whose footprint is not known. */
 static float far_side(const struct people *p, double x, double direction_rad)
 {
 	if (!p->around)
@@ -199,8 +199,8 @@ static float leaning(const struct group *g, float border)
 
 /* ---- by depth ---- */
 
-/* Where what a cell shows is, seen from above: its direction and its distance from the camera. False: its
- * depth is not known. */
+/* Where what a cell shows is, seen from above: its direction and its distance from the camera.
+ * False: its depth is not known. */
 static bool cell_by_depth(const struct people *p, const struct depth_map *map, int x, int y,
 			  double *direction_rad, float *far)
 {
@@ -222,7 +222,8 @@ static bool cell_by_depth(const struct people *p, const struct depth_map *map, i
 
 enum told { TOLD_NOTHING, TOLD_BEHIND, TOLD_FRONT };
 
-/* On which side of the object most of a group's cells are: at its outline the cameras may differ. */
+/* On which side of the object most of a group's cells are: at its outline the cameras may
+ * differ. */
 static enum told ask_depth(const struct people *p, const struct depth_map *map,
 			   const struct group *g)
 {

@@ -22,7 +22,8 @@ static inline float clamp_share(float f)
 	return least < 1 ? least : 1;
 }
 
-/* What pixels at the edge of a person need to know, of which those in a quarter of a cell have the same. */
+/* What pixels at the edge of a person need to know, of which those in a quarter of a cell have the
+ * same. */
 struct edge {
 	struct sides sides;
 	bool front;	   /* he is before the object */
@@ -30,8 +31,8 @@ struct edge {
 	float place[3][4]; /* and the place, in the light beside the edge */
 };
 
-/* Finds the four cells around the pixels of a quarter: right, low: which one. Cells that are not watched
- * are as that in which the pixels are. */
+/* Finds the four cells around the pixels of a quarter: right, low: which one. Cells that are not
+ * watched are as that in which the pixels are. */
 static void edge_ask(struct edge *edge, const struct people *p, int cx, int cy, int right, int low)
 {
 	for (int n = 0; n < 4; n++) {
@@ -56,8 +57,8 @@ struct pixels {
 	float share[PIXEL_LANES];
 };
 
-/* x, y: in the picture; across, down: the pixel's middle from that of the upper left one of the four
- * cells, in cells. */
+/* x, y: in the picture; across, down: the pixel's middle from that of the upper left one of the
+ * four cells, in cells. */
 static void add_pixel(struct pixels *px, const struct people *p, const struct picture *picture,
 		      int x, int y, float across, float down)
 {
@@ -177,8 +178,8 @@ static void fill_tile(struct people *p, const struct picture *picture, int tx, i
 	}
 }
 
-/* Whether all cells around have the cell's order: then so have all its pixels. Else *front: groups do
- * not touch, so one order is there. */
+/* Whether all cells around have the cell's order: then so have all its pixels. Else *front: groups
+ * do not touch, so one order is there. */
 static bool is_inside(const struct people *p, int x, int y, bool *front)
 {
 	const int at = y * p->across + x;

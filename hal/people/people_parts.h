@@ -42,7 +42,8 @@ struct place_fit {
 /* A connected group of cells. */
 struct group {
 	int cells, left, right, top, bottom; /* inclusive */
-	double foot_x; /* middle of its lowest row, or of that of the group that it stands on; cells */
+	/* middle of its lowest row, or of that of the group that it stands on; cells */
+	double foot_x;
 	int foot_y;
 	bool front;	     /* before the object */
 	bool dropped, ghost; /* dropped: too small, or a ghost */
@@ -91,7 +92,8 @@ struct people {
 
 	/* cells.c */
 	/* Linear light of a mean of code values, in sixteenths: light does not become another
-	 * multiple of the place where the cell has texture, as transfer functions are nearly powers. */
+	 * multiple of the place where the cell has texture, as transfer functions are nearly
+	 * powers. */
 	float linear[255 * CODE_STEPS + 1];
 	float *seen[3];
 	struct sensor_noise *sensor;
@@ -123,8 +125,8 @@ struct people {
 	/* judge.c */
 	uint8_t *verdict, *raw;
 	uint8_t *before; /* the verdict of the frame before one in which a lamp was switched */
-	/* Products of cells that may be the place in other light, else 0: see cell_products(). 0 between
-	 * frames. */
+	/* Products of cells that may be the place in other light, else 0: see cell_products(). 0
+	 * between frames. */
 	float *product[3][3];
 	int *last_differs;   /* [down]: last such cell of the row; -1: none */
 	float *column[3][3]; /* [across]: sums of a few rows */
@@ -138,9 +140,9 @@ struct people {
 	struct group *groups;
 	int group_count;
 	uint8_t *order, *order_before; /* 0 nobody, 1 behind, 2 in front */
-	/* order.c: distance over ground from the camera to the object's far side; < 0: there is none.
-	 * By direction where its footprint is known, in equal steps from first to last, which turn from
-	 * the middle; else by columns of cells. */
+	/* order.c: distance over ground from the camera to the object's far side; < 0: there is
+	 * none. By direction where its footprint is known, in equal steps from first to last, which
+	 * turn from the middle; else by columns of cells. */
 	float around_far[ORDER_DIRECTIONS];
 	double around_middle_rad, around_first_rad, around_last_rad;
 	bool around;		       /* the footprint is known */
@@ -229,7 +231,8 @@ void edges_refine(struct people *people);
 void edges_mark(struct people *people, const uint8_t *verdict);
 /* What is around a cell of the box, or beside it, of those that are marked. */
 struct sides edges_around(const struct people *people, int x, int y);
-/* The share of a person in what is seen before a place in that light, not clamped: of PIXEL_LANES. */
+/* The share of a person in what is seen before a place in that light, not clamped: of
+ * PIXEL_LANES. */
 void edges_share(const struct people *people, const struct sides *sides,
 		 const float seen[3][PIXEL_LANES], const float place[3][PIXEL_LANES], float *share);
 

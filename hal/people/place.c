@@ -279,8 +279,8 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* rate_of() (hidden.c) of a span's known cells for any channel that is neither dim nor clipped, where it is lighter
- * than the place and where it is darker. */
+/* rate_of() (hidden.c) of a span's known cells for any channel that is neither dim nor clipped,
+ * where it is lighter than the place and where it is darker. */
 static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
 		       float *restrict darker)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What was learned, over a restart: header, covariances, coefficients of all cells, what is known. Of
- * large pictures only the first terms are kept, as many as SAVED_MOST has room for; then the others,
- * and the covariances, begin anew.
+ * What was learned, over a restart: header, covariances, coefficients of all cells, what is known.
+ * Of large pictures only the first terms are kept, as many as SAVED_MOST has room for; then the
+ * others, and the covariances, begin anew.
  */
 #include <errno.h>
 #include <math.h>

@@ -278,9 +278,7 @@ int main(int argc, char **argv)
 			&fault),
 	     &fault);
 	must(scope_create(&t.scope, &t.basis, &t.basis.poses[0].shown), &fault);
-	puts("| place | light from | error of irradiance, % R G B | sky clipped, % | against "
-	     "double "
-	     "precision: RMS | max | against truth: RMS | unfit pictures |\n"
+	puts("| place | light from | error of irradiance, % R G B | sky clipped, % | against double precision: RMS | max | against truth: RMS | unfit pictures |\n"
 	     "|---|---|---|---|---|---|---|---|");
 	for (size_t k = 0; k < sizeof(places) / sizeof(*places); k++)
 		if (!t.quick || k == 1 || k == 2)

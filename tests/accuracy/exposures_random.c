@@ -301,9 +301,9 @@ bool random_places(const struct table *t)
 		count_in(&f[3], rms);
 	}
 	exposures_random_end(&b);
-	puts("\n| random places | how many | mean RMS: one exposure | one, recovered | worse for "
-	     "it, "
-	     "% | by at most |\n|---|---|---|---|---|---|");
+	puts("\n"
+	     "| random places | how many | mean RMS: one exposure | one, recovered | worse for it, % | by at most |\n"
+	     "|---|---|---|---|---|---|");
 	for (int k = 0; k < 4; k++)
 		print_row(names[k], &f[k]);
 	return f[3].rises <= ALLOWED * f[3].places;

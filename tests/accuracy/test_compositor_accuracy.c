@@ -155,7 +155,8 @@ enum light_pattern {
 	LIGHTS_FAINT_LAMP, /* the same, the others at the first code of a camera */
 	LIGHTS_NEAR_E,	   /* as much light as e, where the ratio turns to 1 */
 	LIGHTS_WIDE,	   /* spread over twelve decades */
-	LIGHTS_SATURATED, /* every cell at the limit of the camera: all alike, and the object white */
+	/* every cell at the limit of the camera: all alike, and the object white */
+	LIGHTS_SATURATED,
 	LIGHTS_DENORMAL, /* below the smallest normal float: dark where a processor flushes these */
 	LIGHTS_PATTERNS
 };
@@ -697,8 +698,7 @@ TEST("the threshold crosses its own light")
 		expect_equal(b.lights.used[9], k % 2 == 0 || banded, "n=%d", n);
 		accuracy_measure(&b, "threshold");
 	}
-	printf("# a light that crosses its threshold by a level: change %d with a band, %d "
-	       "without\n",
+	printf("# a light that crosses its threshold by a level: change %d with a band, %d without\n",
 	       most[1], most[0]);
 	assert_true(most[1] <= 1 && most[0] > 3);
 	free(before);

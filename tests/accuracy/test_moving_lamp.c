@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A small bright lamp crosses the sky. How much does a picture change from one frame to the next,
- * compared with path tracing of the same lamp? Plain cells hand the lamp over at their border, all at
- * once as far as its size allows; placed light and tents hand it over gradually. */
+ * compared with path tracing of the same lamp? Plain cells hand the lamp over at their border, all
+ * at once as far as its size allows; placed light and tents hand it over gradually. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -32,7 +32,8 @@ struct packed_chunk {
 
 static void *aligned_copy(const void *data, size_t bytes)
 {
-	/* at the end of its memory, so that a sanitizer sees a read beyond where the size allows it */
+	/* at the end of its memory, so that a sanitizer sees a read beyond where the size allows
+	 * it */
 	void *copy = aligned_alloc(BASIS_ALIGN,
 				   bytes ? (bytes + BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN
 					 : BASIS_ALIGN);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Any bytes as a glTF: read, or refused in a sentence.
  *
- * reaches: document.cpp:read_glb document.cpp:parse document.cpp:data_decode document.cpp:decompress
- * document.cpp:part accessor.cpp:find_elements accessor.cpp:find_replaced geometry.cpp:read_triangles
- * geometry.cpp:add_morph nodes.cpp:skin_matrices nodes.cpp:instance_matrices gltf.cpp:apply_skin
- * materials.cpp:read_use input.c:input_read
+ * reaches: document.cpp:read_glb document.cpp:parse document.cpp:data_decode
+ * document.cpp:decompress document.cpp:part accessor.cpp:find_elements accessor.cpp:find_replaced
+ * geometry.cpp:read_triangles geometry.cpp:add_morph nodes.cpp:skin_matrices
+ * nodes.cpp:instance_matrices gltf.cpp:apply_skin materials.cpp:read_use input.c:input_read
  */
 #include <stdlib.h>
 

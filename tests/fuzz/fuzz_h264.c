@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Any bytes as what a camera calls H.264, one access unit for each delimiter in them: a picture that can be
- * read, none yet, or a clear refusal; a good stream is decoded after either.
+ * Any bytes as what a camera calls H.264, one access unit for each delimiter in them: a picture
+ * that can be read, none yet, or a clear refusal; a good stream is decoded after either.
  *
  * reaches: h264_unit.c:read_sequence_set h264_unit.c:skip_scaling_list h264_unit.c:read_slice
  * h264.c:h264_decode h264.c:picture_refuse

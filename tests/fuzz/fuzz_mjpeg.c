@@ -3,8 +3,8 @@
  * Any bytes as what a camera calls a Motion JPEG frame, progressive and in each order of fields: a
  * picture or a clear refusal, and the decoder goes on after either.
  *
- * reaches: frame_jpeg.c:frame_jpeg_decode frame_jpeg.c:frame_jpeg_after jpeg_decoder.c:jpeg_decoder_read
- * frame_decode.c:decode_jpeg_fields frame_decode.c:decode_fields
+ * reaches: frame_jpeg.c:frame_jpeg_decode frame_jpeg.c:frame_jpeg_after
+ * jpeg_decoder.c:jpeg_decoder_read frame_decode.c:decode_jpeg_fields frame_decode.c:decode_fields
  */
 #include <stdint.h>
 #include <stdlib.h>

@@ -2,7 +2,8 @@
 /* Any bytes as the thesis's file: refused in a sentence with nothing kept, or every pixel inside
  * it, and every value that import takes of it finite.
  *
- * reaches: msi.c:msi_find_pixels msi.c:try_variant msi.c:is_flat msi.c:fill_shadow msi.c:fill_object
+ * reaches: msi.c:msi_find_pixels msi.c:try_variant msi.c:is_flat msi.c:fill_shadow
+ * msi.c:fill_object
  */
 #include <math.h>
 #include <stdint.h>

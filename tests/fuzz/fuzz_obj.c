@@ -24,7 +24,8 @@ static void clean_up(void)
 	rmdir(folder);
 }
 
-/* In place of any library that does not exist, fuzz.mtl is read; a picture may be one of the two files. */
+/* In place of any library that does not exist, fuzz.mtl is read; a picture may be one of the two
+ * files. */
 static void fuzz_obj_begin(void)
 {
 	if (!mkdtemp(folder))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as a picture of a texture: read, or refused in a sentence. The name ends in .tga, so that
- * what is of no other kind is read as TGA.
+/* Any bytes as a picture of a texture: read, or refused in a sentence. The name ends in .tga, so
+ * that what is of no other kind is read as TGA.
  *
  * reaches: picture_file.c:tiff_read_rows picture_file.c:tiff_read_plain picture_file.c:stb_decode
  * picture_file.c:picture_file_decode

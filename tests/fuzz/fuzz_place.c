@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Any bytes as what was learned of a place, as they are and with a right checksum: refused in a sentence
- * that leaves everything alone, or numbers that a look at a picture can use.
+/* Any bytes as what was learned of a place, as they are and with a right checksum: refused in a
+ * sentence that leaves everything alone, or numbers that a look at a picture can use.
  *
  * reaches: saved.c:are_possible saved.c:take_parts
  */

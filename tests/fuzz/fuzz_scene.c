@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* The scene file: any bytes give a scene or a fault, never a crash. Nothing it names is opened.
  *
- * reaches: scene_file.c:scene_check_camera scene_file.c:scene_check_ground scene_file.c:check_material_name
- * scene_file.c:scene_place_tsai scene_file.c:scene_place_standin scene_file.c:scene_place_keyframe
- * keyframes.c:keyframes_settle
+ * reaches: scene_file.c:scene_check_camera scene_file.c:scene_check_ground
+ * scene_file.c:check_material_name scene_file.c:scene_place_tsai scene_file.c:scene_place_standin
+ * scene_file.c:scene_place_keyframe keyframes.c:keyframes_settle
  */
 #include <stdint.h>
 #include <stdlib.h>

@@ -25,7 +25,8 @@ struct filmed_moment {
 	struct mains mains;    /* the panels flicker in its picture; */
 	bool all_flicker;      /* or all lamps do */
 	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
-	double depth_noise_mm; /* of a depth camera beside the background's, at 1 m; 0: there is none */
+	/* of a depth camera beside the background's, at 1 m; 0: there is none */
+	double depth_noise_mm;
 };
 
 struct filmed {

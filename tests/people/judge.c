@@ -586,9 +586,7 @@ static void print_case(const struct judged_case *of, const struct tally *t)
 		       t->wrong[m] / t->frames, t->missed[m] / t->frames);
 	printf("\n  order: %d wrong of %d before or behind the object, %d more unseen\n",
 	       t->order_wrong, t->placed, t->unseen);
-	printf("  RMS in levels, with and without the veil: outside %.2f %.2f, inside %.2f %.2f, "
-	       "edge "
-	       "%.2f %.2f\n",
+	printf("  RMS in levels, with and without the veil: outside %.2f %.2f, inside %.2f %.2f, edge %.2f %.2f\n",
 	       rms(t->outside[0], t->outside_count), rms(t->outside[1], t->outside_count),
 	       rms(t->inside[0], t->inside_count), rms(t->inside[1], t->inside_count),
 	       rms(t->edge[0], t->edge_count), rms(t->edge[1], t->edge_count));

@@ -362,8 +362,7 @@ static void print_edges(const struct look *l, const struct still *s)
 		qsort(ratio[m], (size_t)count, sizeof(double), by_size);
 	if (!count)
 		die("no row crosses the outline");
-	printf("| width of its edges / width if it were there (median of %d) | %.2f | 0.9 to 1.1 | "
-	       "baked sharp: %.2f |\n",
+	printf("| width of its edges / width if it were there (median of %d) | %.2f | 0.9 to 1.1 | baked sharp: %.2f |\n",
 	       count, ratio[0][count / 2], ratio[1][count / 2]);
 }
 
@@ -479,8 +478,7 @@ static void judge_lamps(struct look *l, int from)
 			off = fmax(off, colour_off(l));
 		}
 	}
-	printf("| lamps switched off and on: gain taken for exposure, and colour | %.3f to %.3f, "
-	       "%.2f levels | 1, 1 level | |\n",
+	printf("| lamps switched off and on: gain taken for exposure, and colour | %.3f to %.3f, %.2f levels | 1, 1 level | |\n",
 	       least, most, off);
 }
 
@@ -561,8 +559,7 @@ static void judge_flicker(struct look *l, int from, const struct flickering *f)
 		composite(l, &l->soft, still, true, l->ours);
 		rows_off(l, &fixed, &same);
 	}
-	printf("| %s flicker by %g, rows exposed for 1/%.0f s: 8 rows' colour, levels RMS | %.2f "
-	       "| 1.5 | not followed: %.2f |\n",
+	printf("| %s flicker by %g, rows exposed for 1/%.0f s: 8 rows' colour, levels RMS | %.2f | 1.5 | not followed: %.2f |\n",
 	       f->panels ? "the panels" : "all lamps", f->mains.depth, 1 / f->mains.shutter_s,
 	       sqrt(followed / count), sqrt(fixed / same));
 }
@@ -581,8 +578,7 @@ static void judge_no_flicker(struct look *l, int from)
 		see(l, &moment, gain);
 		found += l->rows != NULL;
 	}
-	printf("| frames in which they seem to flicker, while two people walk and lamps are "
-	       "switched | %d of %d | 0 | |\n",
+	printf("| frames in which they seem to flicker, while two people walk and lamps are switched | %d of %d | 0 | |\n",
 	       found, QUIET);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A screen buffer that catches writes outside of it. Each row is longer than the screen is wide, and
- * its excess bytes are checked; the buffer ends at a page that may not be touched, and before the
- * page with its first byte lies another.
+ * A screen buffer that catches writes outside of it. Each row is longer than the screen is wide,
+ * and its excess bytes are checked; the buffer ends at a page that may not be touched, and before
+ * the page with its first byte lies another.
  */
 #ifndef INLAY_TESTS_SUPPORT_GUARDED_SCREEN_H
 #define INLAY_TESTS_SUPPORT_GUARDED_SCREEN_H

@@ -8,8 +8,8 @@
  *	}
  *
  * Every TEST of the file runs, in the order of the file; `state` is cmocka's, a void **. A
- * TEST_BETWEEN has a setup and a teardown of its own; TEST_GROUP(begin, end); at the end of the file
- * names those of the whole program. Each may be NULL.
+ * TEST_BETWEEN has a setup and a teardown of its own; TEST_GROUP(begin, end); at the end of the
+ * file names those of the whole program. Each may be NULL.
  */
 #ifndef INLAY_TESTS_SUPPORT_TEST_H
 #define INLAY_TESTS_SUPPORT_TEST_H

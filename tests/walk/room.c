@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What two cameras see in the simulated studio, at one moment, as linear light for camera_sim.c to play:
+ * What two cameras see in the simulated studio, at one moment, as linear light for camera_sim.c to
+ * play:
  *     room CAMERA.ini EYE.ini FOLDER
- * CAMERA.ini is the background camera, EYE.ini the lens of a fisheye of 480 x 480 px that lies at the
- * studio's origin. Writes
+ * CAMERA.ini is the background camera, EYE.ini the lens of a fisheye of 480 x 480 px that lies at
+ * the studio's origin. Writes
  *     background.pfm, fisheye.pfm       the room
- *     background-1.pfm ... -9.pfm       a board 9x6:50mm, first on the ground around the origin, then
- *                                       held in front of the camera
+ *     background-1.pfm ... -9.pfm       a board 9x6:50mm, first on the ground around the
+ *                                       origin, then held in front of the camera
  *     fisheye-1.pfm ... -9.pfm          a board 9x6:20mm, first level over the lens, then around it
  *     panorama.pfm                      the light that arrives at the origin
  */
@@ -80,7 +81,8 @@ static double light_at(const struct sim_eye *eye, const struct board *board, dou
 	return eye_ray(eye, px, origin, dir) ? board_light(board, origin, dir) : -1;
 }
 
-/* Puts the board into a pixel of the room: the mean over it, or its first corner where all are equal. */
+/* Puts the board into a pixel of the room: the mean over it, or its first corner where all are
+ * equal. */
 static void cover(const struct sim_eye *eye, const struct board *board, int x, int y, float rgb[3])
 {
 	const double first = light_at(eye, board, x, y);
@@ -120,7 +122,8 @@ static int photograph(const struct sim_eye *eye, const struct image *room,
 	return keep(name, number, &image);
 }
 
-/* Places the middle of the board, whose back looks along `away`, its rows as near to `right` as can be. */
+/* Places the middle of the board, whose back looks along `away`, its rows as near to `right` as can
+ * be. */
 static void place(struct board *b, const double middle[3], const double away[3],
 		  const double right[3])
 {
@@ -141,8 +144,8 @@ static void place(struct board *b, const double middle[3], const double away[3],
 	}
 }
 
-/* A board held in front of the camera: its middle is seen at px, in m from the camera; tilted about the
- * picture's rows and columns, in rad. */
+/* A board held in front of the camera: its middle is seen at px, in m from the camera; tilted about
+ * the picture's rows and columns, in rad. */
 static void hold(struct board *board, const struct sim_eye *eye, const double px[2],
 		 double distance, double tilt_x, double tilt_y)
 {

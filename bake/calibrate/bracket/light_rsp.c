@@ -34,16 +34,16 @@ static int read_polynomial(const struct text_file *file, struct polynomial *p, s
 
 	for (at += strspn(at, " \t\r"); *at && *at != '#'; at += strspn(at, " \t\r"))
 		if (count == ORDER_MAX + 2 || number_read(&at, &number[count++]))
-			return fault_say(fault, -EINVAL,
-					 "%s:%d: expected the order of a polynomial, up to %d, and "
-					 "its coefficients",
-					 file->path, file->number, ORDER_MAX);
+			return fault_say(
+				fault, -EINVAL,
+				"%s:%d: expected the order of a polynomial, up to %d, and its coefficients",
+				file->path, file->number, ORDER_MAX);
 	p->order = count > 0 && number[0] >= 1 && number[0] <= ORDER_MAX ? (int)number[0] : 0;
 	if (count && (p->order != number[0] || count != p->order + 2))
-		return fault_say(fault, -EINVAL,
-				 "%s:%d: %d numbers, expected an order and one coefficient more "
-				 "than it",
-				 file->path, file->number, count);
+		return fault_say(
+			fault, -EINVAL,
+			"%s:%d: %d numbers, expected an order and one coefficient more than it",
+			file->path, file->number, count);
 	for (int k = 0; count && k <= p->order; k++)
 		p->c[p->order - k] = number[1 + k];
 	return count > 0;

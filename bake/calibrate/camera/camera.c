@@ -68,17 +68,17 @@ static void place_centre(struct camera_private *own)
 
 	for (int i = 0; i < own->seen->count; i++)
 		box_widen(own->seen->point[i].px, 2, low, high);
-	own->diagonal = 2 * M_SQRT2 * half_of(low, high, 2, own->centre);
+	own->diagonal = 2 * M_SQRT2 * half_of(low, high, 2, own->guess.centre);
 	if (task->width && task->height) {
 		own->diagonal = hypot(task->width, task->height);
-		own->centre[0] = task->width / 2.0;
-		own->centre[1] = task->height / 2.0;
+		own->guess.centre[0] = task->width / 2.0;
+		own->guess.centre[1] = task->height / 2.0;
 	}
 	if (task->centre_given)
-		memcpy(own->centre, task->centre_px, sizeof(own->centre));
+		memcpy(own->guess.centre, task->centre_px, sizeof(own->guess.centre));
 	if (task->intrinsics) {
-		own->centre[0] = task->intrinsics->centre_px[0];
-		own->centre[1] = task->intrinsics->height - task->intrinsics->centre_px[1];
+		own->guess.centre[0] = task->intrinsics->centre_px[0];
+		own->guess.centre[1] = task->intrinsics->height - task->intrinsics->centre_px[1];
 	}
 }
 
@@ -94,7 +94,7 @@ static void place_deviation(struct camera_private *own)
 	else if (across < 0)
 		across = CAMERA_CENTRE_DEVIATION * own->diagonal * task->pixel[0];
 	for (int k = 0; k < 2; k++)
-		own->centre_deviation[k] = task->intrinsics ? 0 : across / task->pixel[k];
+		own->guess.centre_deviation[k] = task->intrinsics ? 0 : across / task->pixel[k];
 }
 
 static void place_aspect(struct camera_private *own)
@@ -102,10 +102,10 @@ static void place_aspect(struct camera_private *own)
 	const struct camera_task *task = &own->task;
 	const bool known = task->intrinsics || (task->aspect_given && task->aspect_deviation < 0);
 
-	own->aspect = task->intrinsics ? task->intrinsics->aspect : task->aspect;
-	own->aspect_deviation = known			     ? 0
-				: task->aspect_deviation < 0 ? CAMERA_ASPECT_DEVIATION
-							     : task->aspect_deviation;
+	own->guess.aspect = task->intrinsics ? task->intrinsics->aspect : task->aspect;
+	own->guess.aspect_deviation = known			   ? 0
+				      : task->aspect_deviation < 0 ? CAMERA_ASPECT_DEVIATION
+								   : task->aspect_deviation;
 }
 
 /* Known intrinsics determine picture size, pixels and direction of distortion. */
@@ -137,19 +137,20 @@ static int calibration_prepare(struct camera_private *own, const struct observat
 	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
 	if (task->intrinsics)
 		memcpy(model.tangential, task->intrinsics->tangential, sizeof(model.tangential));
-	err = problem_create(&own->problem, seen, &model, own->centre);
+	err = problem_create(&own->problem, seen, &model, own->guess.centre);
 	if (err)
 		return err;
 	n = (size_t)problem_unknowns(&own->problem);
 	own->turned = calloc((size_t)seen->views, sizeof(*own->turned));
 	own->x = calloc(n, sizeof(*own->x));
 	own->fixed = calloc(n, sizeof(*own->fixed));
-	own->held = calloc(n * n, sizeof(*own->held));
-	own->held_aspect = calloc(n * n, sizeof(*own->held_aspect));
-	own->covariance = calloc(n * n, sizeof(*own->covariance));
-	own->cautious = calloc(n * n, sizeof(*own->cautious));
-	if (!own->turned || !own->x || !own->fixed || !own->held || !own->held_aspect ||
-	    !own->covariance || !own->cautious)
+	own->uncertainty.held = calloc(n * n, sizeof(*own->uncertainty.held));
+	own->uncertainty.held_aspect = calloc(n * n, sizeof(*own->uncertainty.held_aspect));
+	own->uncertainty.covariance = calloc(n * n, sizeof(*own->uncertainty.covariance));
+	own->uncertainty.cautious = calloc(n * n, sizeof(*own->uncertainty.cautious));
+	if (!own->turned || !own->x || !own->fixed || !own->uncertainty.held ||
+	    !own->uncertainty.held_aspect || !own->uncertainty.covariance ||
+	    !own->uncertainty.cautious)
 		return -ENOMEM;
 	return 0;
 }
@@ -225,7 +226,7 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 
 	if (err)
 		return err;
-	memcpy(estimate->covariance, own->covariance,
+	memcpy(estimate->covariance, own->uncertainty.covariance,
 	       (size_t)n * (size_t)n * sizeof(*estimate->covariance));
 	for (int v = 0; v < own->problem.views; v++) {
 		double by[3][3];
@@ -259,9 +260,9 @@ static int report_estimate(const struct camera_private *own, struct camera_solut
 	return 0;
 }
 
-/* Computes the covariances. own->covariance: noise of the points, held centre and held s.
- * own->cautious, for verdicts: noise at least that of the best corners, and widened where few
- * residuals, or few views, determine it (Student's t for one deviation, to 2 %). */
+/* Computes the covariances. own->uncertainty.covariance: noise of the points, held centre and held
+ * s. own->uncertainty.cautious, for verdicts: noise at least that of the best corners, and widened
+ * where few residuals, or few views, determine it (Student's t for one deviation, to 2 %). */
 static void spread_errors(struct camera_private *own)
 {
 	const struct by_view *by_view = &own->fit.by_view;
@@ -275,15 +276,17 @@ static void spread_errors(struct camera_private *own)
 		fmax(0, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST - own->fit.sigma * own->fit.sigma);
 
 	for (int k = 0; k < n * n; k++) {
-		own->covariance[k] = own->fit.covariance[k] + own->held[k] + own->held_aspect[k];
-		own->cautious[k] = few * few *
-				   (own->fit.covariance[k] +
-				    (lacking > 0 ? lacking * own->fit.inverse[k] : 0));
+		own->uncertainty.covariance[k] = own->fit.covariance[k] + own->uncertainty.held[k] +
+						 own->uncertainty.held_aspect[k];
+		own->uncertainty.cautious[k] = few * few *
+					       (own->fit.covariance[k] +
+						(lacking > 0 ? lacking * own->fit.inverse[k] : 0));
 	}
-	own->noise_error = camera_object_error(own, own->cautious);
+	own->uncertainty.noise_error = camera_object_error(own, own->uncertainty.cautious);
 	for (int k = 0; k < n * n; k++)
-		own->cautious[k] += own->held[k] + own->held_aspect[k];
-	own->object_error = camera_object_error(own, own->cautious);
+		own->uncertainty.cautious[k] += own->uncertainty.held[k] +
+						own->uncertainty.held_aspect[k];
+	own->uncertainty.object_error = camera_object_error(own, own->uncertainty.cautious);
 }
 
 static void mean_depth(struct camera_private *own)
@@ -414,10 +417,10 @@ void camera_solution_free(struct camera_solution *solution)
 		free(own->turned_point);
 		free(own->x);
 		free(own->fixed);
-		free(own->held);
-		free(own->held_aspect);
-		free(own->covariance);
-		free(own->cautious);
+		free(own->uncertainty.held);
+		free(own->uncertainty.held_aspect);
+		free(own->uncertainty.covariance);
+		free(own->uncertainty.cautious);
 		free(own->half[0]);
 		free(own->half[1]);
 		free(own);

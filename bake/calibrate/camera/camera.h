@@ -40,7 +40,8 @@ struct camera_task {
 	 * CAMERA_ASPECT_DEVIATION. */
 	double aspect_deviation;
 	int distortion; /* enum tsai_distortion */
-	int radial; /* terms of its polynomial, 1 to 3; 0: as many as predict best; three: always 1 */
+	/* terms of its polynomial, 1 to 3; 0: as many as predict best; three: always 1 */
+	int radial;
 	enum camera_method method;
 	bool robust;
 	/* known f, distortion, centre, D and s; NULL: found. Its size is the picture's. */

@@ -28,8 +28,9 @@ struct edge_sample {
 };
 
 struct edge {
-	double a, b;   /* projections of a pixel's sides on the edge's normal, px */
-	double marker; /* distance of a marker's ink inside the paper, px, about; 0: there is none */
+	double a, b; /* projections of a pixel's sides on the edge's normal, px */
+	/* distance of a marker's ink inside the paper, px, about; 0: there is none */
+	double marker;
 	int count;
 	struct edge_sample sample[SAMPLES_MOST];
 };

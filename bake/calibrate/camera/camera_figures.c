@@ -112,7 +112,7 @@ double camera_uncertainty(const void *context, const double px[2])
 	if (!model_place(&own->problem.model, own->x, &view, px, own->depth, place) ||
 	    !model_see(&own->problem.model, own->x, &view, place, again, gradient))
 		return -1;
-	return propagate_to_px(own, own->covariance, gradient, spread)
+	return propagate_to_px(own, own->uncertainty.covariance, gradient, spread)
 		       ? camera_spread_length(spread)
 		       : INFINITY;
 }
@@ -249,7 +249,7 @@ static double ground_error(const struct camera_private *own)
 	place_from_middle(own, world, place);
 	turn_reference(own, own->x, &view);
 	if (!model_see(&own->problem.model, own->x, &view, place, px, gradient) ||
-	    !propagate_to_px(own, own->cautious, gradient, spread))
+	    !propagate_to_px(own, own->uncertainty.cautious, gradient, spread))
 		return -1;
 	for (int i = 0; i < 2; i++)
 		for (int k = 0; k < 2; k++) /* a step of the world is a step of T, rotated */
@@ -331,10 +331,11 @@ void camera_figures(struct camera_solution *solution)
 	int outliers = 0, turned = 0;
 
 	figures_measure(solution, &sum);
-	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px", own->object_error);
+	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px",
+		    own->uncertainty.object_error);
 	finding_add(finding, "object_deviation_px",
 		    "standard deviation of this estimate at the object's place", "px",
-		    camera_object_error(own, own->covariance));
+		    camera_object_error(own, own->uncertainty.covariance));
 	ground = ground_error(own);
 	if (ground >= 0)
 		finding_add(finding, "ground_error_mm",

@@ -63,10 +63,10 @@ int camera_hold(struct camera_private *own)
 	if (jacobian && by) {
 		problem_slopes(&own->problem, own->x, jacobian);
 		for (int k = 0; k < 2; k++)
-			hold_unknown(own, jacobian, MODEL_CENTRE_X + k, own->centre_deviation[k],
-				     by, own->held);
-		hold_unknown(own, jacobian, MODEL_ASPECT, own->aspect_deviation, by,
-			     own->held_aspect);
+			hold_unknown(own, jacobian, MODEL_CENTRE_X + k,
+				     own->guess.centre_deviation[k], by, own->uncertainty.held);
+		hold_unknown(own, jacobian, MODEL_ASPECT, own->guess.aspect_deviation, by,
+			     own->uncertainty.held_aspect);
 	}
 	free(jacobian);
 	free(by);

@@ -12,16 +12,32 @@
 /* Name of the figure that --tolerance limits, in reports and verdicts. */
 #define CAMERA_OBJECT_ERROR "uncertainty at the object's place"
 
-struct camera_private {
-	const struct observations *seen;
-	struct camera_task task;
-	struct camera_problem problem;
+/* What is known of the axis and of s before the points are looked at. */
+struct camera_guess {
 	double centre[2];	    /* first guess of the axis, px, y down */
 	double centre_deviation[2]; /* its standard deviation, px, used where the centre is held */
 	double aspect;		    /* first guess of s */
 	double aspect_deviation;    /* its standard deviation, used where s is held */
-	double diagonal;	    /* of the picture, or of the points' bounding box, px */
-	int radial;		    /* terms of the radial polynomial in use, 1 to MODEL_RADIAL */
+};
+
+struct camera_uncertainty {
+	/* Covariances [unknowns][unknowns]: from a held centre; from a held s; total, with the
+	 * points' noise. */
+	double *held, *held_aspect, *covariance;
+	/* Total covariance with at least CAMERA_NOISE_LEAST of noise, and widened for few
+	 * points. */
+	double *cautious;
+	double object_error; /* uncertainty at the object by cautious, px: --tolerance limits it */
+	double noise_error;  /* the same if everything held were exact */
+};
+
+struct camera_private {
+	const struct observations *seen;
+	struct camera_task task;
+	struct camera_problem problem;
+	struct camera_guess guess;
+	double diagonal; /* of the picture, or of the points' bounding box, px */
+	int radial;	 /* terms of the radial polynomial in use, 1 to MODEL_RADIAL */
 	/* Terms that describe the lens better (camera_radial.c), and the rms of points that were
 	 * left out and predicted with so many terms, px; 0: not tried. */
 	int radial_wanted;
@@ -40,14 +56,7 @@ struct camera_private {
 	double *half[2]; /* solutions of odd and even points, or NULL */
 	double depth;	 /* mean depth of the reference view's points */
 	double object[3], radius;
-	/* Covariances [unknowns][unknowns]: from a held centre; from a held s; total, with the
-	 * points' noise. */
-	double *held, *held_aspect, *covariance;
-	/* Total covariance with at least CAMERA_NOISE_LEAST of noise, and widened for few
-	 * points. */
-	double *cautious;
-	double object_error; /* uncertainty at the object by cautious, px: --tolerance limits it */
-	double noise_error;  /* the same if everything held were exact */
+	struct camera_uncertainty uncertainty;
 };
 
 /* First guess and descents; fills x, fixed, fit, errors and halves. Returns 0 whatever is found;
@@ -58,8 +67,8 @@ int camera_solve(struct camera_private *own);
  * bring to first order. -ENOMEM. */
 int camera_radial_gain(const struct camera_private *own, double *gain);
 
-/* What the solution predicts of points that it was not fitted to: their loss (squared distance, less
- * for outliers), by view, or by fold where there are few views. */
+/* What the solution predicts of points that it was not fitted to: their loss (squared distance,
+ * less for outliers), by view, or by fold where there are few views. */
 struct camera_left_out {
 	double *loss;
 	int count;  /* views or folds */
@@ -75,15 +84,15 @@ int camera_leave_out(const struct camera_private *own, double width, struct came
 bool camera_predicts_better(const struct camera_left_out *a, const struct camera_left_out *b,
 			    double least);
 
-/* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or point);
- * sensor units. */
+/* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or
+ * point); sensor units. */
 double camera_grows_to(const struct camera_private *own, double *reach);
 
 /*
  * Finds pictures whose axis is on the other side of the middle than the reference view's, from a
  * solution that takes all as alike, and turns them in own->turned. gain: decrease of the sum of
- * squares if they are turned, to first order. variance: of a residual, more where the views disagree
- * about the axis by more than their residuals explain. -ENOMEM.
+ * squares if they are turned, to first order. variance: of a residual, more where the views
+ * disagree about the axis by more than their residuals explain. -ENOMEM.
  */
 int camera_tell_turned(struct camera_private *own, double *gain, double *variance);
 

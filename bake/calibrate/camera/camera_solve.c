@@ -72,7 +72,7 @@ static bool aspect_shows(const struct camera_private *own)
 {
 	int planes = 0;
 
-	if (!(own->aspect_deviation > 0))
+	if (!(own->guess.aspect_deviation > 0))
 		return false;
 	for (int v = 0; v < own->problem.views; v++) {
 		if (own->problem.first[v + 1] == own->problem.first[v])
@@ -92,19 +92,20 @@ static double deviation_of(const struct camera_private *own, int unknown)
 /* Whether the points determine s worse than it is known beforehand, without contradicting that. */
 static bool aspect_lost(const struct camera_private *own, const double *x)
 {
-	const double told = deviation_of(own, MODEL_ASPECT), known = own->aspect_deviation;
+	const double told = deviation_of(own, MODEL_ASPECT), known = own->guess.aspect_deviation;
 
 	if (!(told < ASPECT_LOST))
 		return true;
-	return told > known && fabs(x[MODEL_ASPECT] - own->aspect) < 3 * hypot(told, known);
+	return told > known && fabs(x[MODEL_ASPECT] - own->guess.aspect) < 3 * hypot(told, known);
 }
 
 static bool centre_lost(const struct camera_private *own, const double *x)
 {
 	for (int k = 0; k < 2; k++)
 		if (!(deviation_of(own, MODEL_CENTRE_X + k) <
-		      fmin(own->centre_deviation[k], CENTRE_LOST * own->diagonal)) ||
-		    !(fabs(x[MODEL_CENTRE_X + k] - own->centre[k]) < CENTRE_FAR * own->diagonal))
+		      fmin(own->guess.centre_deviation[k], CENTRE_LOST * own->diagonal)) ||
+		    !(fabs(x[MODEL_CENTRE_X + k] - own->guess.centre[k]) <
+		      CENTRE_FAR * own->diagonal))
 			return true;
 	return false;
 }
@@ -208,9 +209,9 @@ static int solve_held(struct camera_private *own)
 }
 
 /*
- * Finds f, the kappas and the poses first; then the centre, and s where it is observable. What is not
- * determined well enough is held at its first guess, and the rest found again; a centre that was
- * lost only because s was is tried again.
+ * Finds f, the kappas and the poses first; then the centre, and s where it is observable. What is
+ * not determined well enough is held at its first guess, and the rest found again; a centre that
+ * was lost only because s was is tried again.
  */
 static int solve_full(struct camera_private *own, double *tried)
 {
@@ -220,7 +221,7 @@ static int solve_full(struct camera_private *own, double *tried)
 	int err;
 
 	if (aspect) /* the closed form of points in space found another one */
-		own->x[MODEL_ASPECT] = own->aspect;
+		own->x[MODEL_ASPECT] = own->guess.aspect;
 	err = solve_held(own);
 	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
 		return err;
@@ -232,7 +233,7 @@ static int solve_full(struct camera_private *own, double *tried)
 			centre = aspect = true;
 		}
 		if (aspect)
-			tried[MODEL_ASPECT] = own->aspect;
+			tried[MODEL_ASPECT] = own->guess.aspect;
 		err = solver_descend(own, tried, own->fixed, false);
 		if (!err && !centre && own->problem.views == 1)
 			err = try_other_centres(own, tried);
@@ -263,11 +264,11 @@ static bool is_in_space(const struct camera_problem *problem)
  * covariance is that of finding all together. */
 static int solve_three(struct camera_private *own)
 {
-	const bool aspect = !is_in_space(&own->problem) || !(own->aspect_deviation > 0);
+	const bool aspect = !is_in_space(&own->problem) || !(own->guess.aspect_deviation > 0);
 	int err;
 
 	if (aspect)
-		own->x[MODEL_ASPECT] = own->aspect;
+		own->x[MODEL_ASPECT] = own->guess.aspect;
 	hold_shared(own, true, true, own->fixed);
 	for (int v = 0; v < own->problem.views; v++)
 		for (int k = 0; k < MODEL_TRANSLATION + 2; k++)
@@ -381,7 +382,7 @@ static int fit_mirrored(const struct camera_private *own, const struct camera_st
 		return -ENOMEM;
 	memcpy(turned, problem.point, (size_t)problem.count * sizeof(*turned));
 	for (int i = 0; i < problem.count; i++)
-		turned[i].px[1] = 2 * own->centre[1] - turned[i].px[1];
+		turned[i].px[1] = 2 * own->guess.centre[1] - turned[i].px[1];
 	problem.point = turned;
 	err = camera_guess(&problem, start, x);
 	if (!err) {
@@ -409,9 +410,10 @@ static void exchange_depths(const struct camera_problem *problem, double *x)
 
 /*
  * For points in space that do not fit: finds whether they fit far better once their picture is
- * mirrored (own->mirrored); where the fit went to an infinite f, better is enough. If exchanging near and far fits about as well, the points are seen from
- * afar and noise alone chose the first guess: *elsewhere is then true, and x the new start. With a
- * known lens the mirror image may fit so well that only other_tilt tells.
+ * mirrored (own->mirrored); where the fit went to an infinite f, better is enough. If exchanging
+ * near and far fits about as well, the points are seen from afar and noise alone chose the first
+ * guess: *elsewhere is then true, and x the new start. With a known lens the mirror image may fit
+ * so well that only other_tilt tells.
  */
 static int try_mirrored(struct camera_private *own, const struct camera_start *start,
 			bool *elsewhere)
@@ -605,9 +607,9 @@ static int solve_all(struct camera_private *own)
 	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
 	start.shared[MODEL_KAPPA1 + 1] = known ? known->kappa2 : 0;
 	start.shared[MODEL_KAPPA1 + 2] = known ? known->kappa3 : 0;
-	start.shared[MODEL_CENTRE_X] = own->centre[0];
-	start.shared[MODEL_CENTRE_Y] = own->centre[1];
-	start.shared[MODEL_ASPECT] = own->aspect;
+	start.shared[MODEL_CENTRE_X] = own->guess.centre[0];
+	start.shared[MODEL_CENTRE_Y] = own->guess.centre[1];
+	start.shared[MODEL_ASPECT] = own->guess.aspect;
 	own->guess_error = camera_guess(&own->problem, &start, own->x);
 	if (own->guess_error == -ENOMEM)
 		return -ENOMEM;

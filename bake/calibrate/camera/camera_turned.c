@@ -160,8 +160,8 @@ static double choose_sides(struct camera_private *own, const struct axis_told *t
 	return alike - turned;
 }
 
-/* Variance of what the views tell of the axis, in units of a residual's: that of noise, or more where
- * boards that are not flat make them disagree. */
+/* Variance of what the views tell of the axis, in units of a residual's: that of noise, or more
+ * where boards that are not flat make them disagree. */
 static double axis_variance(const struct camera_private *own, const struct axis_told *told,
 			    double *sign)
 {

@@ -30,11 +30,10 @@ static void judge_guess(struct camera_solution *solution)
 	const struct camera_private *own = solution->own;
 
 	if (own->mirrored)
-		verdict_doubt(&solution->finding.verdict,
-			      "check the order of the points, whether y counts upwards (--y-up), "
-			      "and that "
-			      "the world's axes are right-handed",
-			      "the points are mirrored: only their mirror image fits a camera");
+		verdict_doubt(
+			&solution->finding.verdict,
+			"check the order of the points, whether y counts upwards (--y-up), and that the world's axes are right-handed",
+			"the points are mirrored: only their mirror image fits a camera");
 	if (own->guess_error == -EDOM)
 		verdict_doubt(&solution->finding.verdict, "check which point is which",
 			      "no camera sees the points in this order");
@@ -69,14 +68,12 @@ static void doubt_focal(struct camera_solution *solution)
 	if (all_parallel(solution->own))
 		verdict_doubt(
 			&solution->finding.verdict, "tilt it by 30 degrees or more",
-			"the board is parallel to the image plane: f and distance cannot be told "
-			"apart");
+			"the board is parallel to the image plane: f and distance cannot be told apart");
 	else
 		verdict_doubt(
 			&solution->finding.verdict,
 			"come closer, use a larger or more tilted board, or give --intrinsics",
-			"the points are so far away for their extent that the picture is nearly "
-			"orthographic: f and distance cannot be told apart");
+			"the points are so far away for their extent that the picture is nearly orthographic: f and distance cannot be told apart");
 }
 
 static bool focal_lost(const struct camera_private *own, double variance)
@@ -197,16 +194,14 @@ static void judge_outliers(struct camera_solution *solution)
 	else if (!own->task.robust && pull > OUTLIERS_PULL * squares)
 		verdict_doubt(
 			&solution->finding.verdict, "measure it again, or use --robust",
-			"%s is %.3g px from where the others say it should be, which are off by "
-			"%.2g px",
+			"%s is %.3g px from where the others say it should be, which are off by %.2g px",
 			own->problem.point[worst].name, distance_px(solution, worst), sigma);
 	if (finding->rms_px > MISFIT * extent_px(&own->problem))
-		verdict_doubt(&solution->finding.verdict,
-			      "check which point is which, the board's numbers, and --distortion",
-			      "the points are %.3g px off on average: they are no picture of such "
-			      "a board "
-			      "by such a lens",
-			      finding->rms_px);
+		verdict_doubt(
+			&solution->finding.verdict,
+			"check which point is which, the board's numbers, and --distortion",
+			"the points are %.3g px off on average: they are no picture of such a board by such a lens",
+			finding->rms_px);
 }
 
 /* A plane seen from behind looks like one whose points are mirrored; only the side tells, because
@@ -222,15 +217,13 @@ static void judge_side(struct camera_solution *solution)
 	if (!problem_flat(&own->problem, own->task.reference) || fabs(shape->axes[8]) < 0.5 ||
 	    (-eye[2] < shape->middle[2]) == own->task.z_down)
 		return;
-	verdict_doubt(&solution->finding.verdict,
-		      own->task.z_down
-			      ? "check the order of the points and --y-up, or leave --z-down away"
-			      : "check the order of the points and --y-up, or say --z-down if Z "
-				"points into the board",
-		      "the board is seen from behind, the camera at Z = %.4g: the points are "
-		      "mirrored, or "
-		      "Z is not up",
-		      -eye[2]);
+	verdict_doubt(
+		&solution->finding.verdict,
+		own->task.z_down
+			? "check the order of the points and --y-up, or leave --z-down away"
+			: "check the order of the points and --y-up, or say --z-down if Z points into the board",
+		"the board is seen from behind, the camera at Z = %.4g: the points are mirrored, or Z is not up",
+		-eye[2]);
 }
 
 static void judge_fold(struct camera_solution *solution)
@@ -250,11 +243,11 @@ static void judge_fold(struct camera_solution *solution)
 		farthest = fmax(farthest, hypot(dx / x[MODEL_ASPECT], dy));
 	}
 	if (farthest > 0.995 * most)
-		verdict_doubt(&solution->finding.verdict,
-			      "leave out the outermost points, or try the other --distortion",
-			      "the distortion folds over at the outermost points: the lens bends "
-			      "more than %d radial term%s can say",
-			      own->radial, own->radial > 1 ? "s" : "");
+		verdict_doubt(
+			&solution->finding.verdict,
+			"leave out the outermost points, or try the other --distortion",
+			"the distortion folds over at the outermost points: the lens bends more than %d radial term%s can say",
+			own->radial, own->radial > 1 ? "s" : "");
 	if (!camera_sees(own, own->object, seen))
 		verdict_doubt(&solution->finding.verdict,
 			      "say where the object stands with --object, or cover its place",
@@ -272,21 +265,20 @@ static void judge_radial(struct camera_solution *solution)
 	double reach, grows = camera_grows_to(own, &reach);
 
 	if (own->radial > 1 && !(grows > reach))
-		verdict_doubt(&solution->finding.verdict,
-			      "put points near the corners, or give a smaller --radial",
-			      "the distortion folds over inside of the picture, at %.3g of the way "
-			      "from the axis to the farthest corner",
-			      grows / reach);
+		verdict_doubt(
+			&solution->finding.verdict,
+			"put points near the corners, or give a smaller --radial",
+			"the distortion folds over inside of the picture, at %.3g of the way from the axis to the farthest corner",
+			grows / reach);
 	if (wanted > now && left_out[now] * left_out[now] - left_out[wanted] * left_out[wanted] >
 				    CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) {
 		char remedy[64];
 
 		snprintf(remedy, sizeof(remedy), "give --radial %d, or leave --radial out", wanted);
-		verdict_doubt(&solution->finding.verdict, remedy,
-			      "the lens bends in another way than %d radial term%s can say: %d "
-			      "predict points that were left out to %.3g px, %d to %.3g px",
-			      now, now > 1 ? "s" : "", wanted, left_out[wanted], now,
-			      left_out[now]);
+		verdict_doubt(
+			&solution->finding.verdict, remedy,
+			"the lens bends in another way than %d radial term%s can say: %d predict points that were left out to %.3g px, %d to %.3g px",
+			now, now > 1 ? "s" : "", wanted, left_out[wanted], now, left_out[now]);
 	}
 }
 
@@ -320,12 +312,9 @@ static void judge_structure(struct camera_solution *solution)
 	verdict_doubt(
 		&solution->finding.verdict,
 		own->task.intrinsics
-			? "check that the lens is the one of --intrinsics, at the same focus and "
-			  "zoom, and that the board is flat"
-			: "check that the board is flat, and that all pictures are of one camera "
-			  "at one focus and zoom",
-		"the points do not lie where such a lens shows them: %s they are %.3g px off "
-		"on average, where noise explains %.2g px",
+			? "check that the lens is the one of --intrinsics, at the same focus and zoom, and that the board is flat"
+			: "check that the board is flat, and that all pictures are of one camera at one focus and zoom",
+		"the points do not lie where such a lens shows them: %s they are %.3g px off on average, where noise explains %.2g px",
 		place, fabs(found.mean_px), found.deviation_px);
 }
 
@@ -335,7 +324,8 @@ static void judge_focal(struct camera_solution *solution)
 	const double rms = solution->finding.rms_px;
 
 	/* the effect of a wrong s on f does not depend on the distance */
-	if (focal_lost(own, own->cautious[MODEL_FOCAL] - own->held_aspect[MODEL_FOCAL]))
+	if (focal_lost(own, own->uncertainty.cautious[MODEL_FOCAL] -
+				    own->uncertainty.held_aspect[MODEL_FOCAL]))
 		doubt_focal(solution);
 	if (own->other_tilt * own->other_tilt - rms * rms >=
 	    9 * fmax(rms * rms, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) / own->problem.count)
@@ -344,13 +334,12 @@ static void judge_focal(struct camera_solution *solution)
 		verdict_doubt(
 			&solution->finding.verdict,
 			"come closer, tilt the board by 30 degrees or more, or use points in space",
-			"the board looks the same tilted the other way: the picture is nearly "
-			"orthographic");
+			"the board looks the same tilted the other way: the picture is nearly orthographic");
 	else
-		verdict_doubt(&solution->finding.verdict,
-			      "come closer, or use points farther apart in depth",
-			      "the mirror image of the points fits as well: the picture is nearly "
-			      "orthographic");
+		verdict_doubt(
+			&solution->finding.verdict,
+			"come closer, or use points farther apart in depth",
+			"the mirror image of the points fits as well: the picture is nearly orthographic");
 }
 
 /* Doubts the held axis or s, whichever is worse, if it leaves the object more uncertain than noise
@@ -358,25 +347,24 @@ static void judge_focal(struct camera_solution *solution)
 static void judge_held(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
-	const double axis = camera_object_error(own, own->held);
-	const double aspect = camera_object_error(own, own->held_aspect);
+	const double axis = camera_object_error(own, own->uncertainty.held);
+	const double aspect = camera_object_error(own, own->uncertainty.held_aspect);
 
-	if (own->noise_error > own->task.tolerance_px && !(fmax(axis, aspect) > own->noise_error))
+	if (own->uncertainty.noise_error > own->task.tolerance_px &&
+	    !(fmax(axis, aspect) > own->uncertainty.noise_error))
 		return;
 	if (aspect > axis)
-		verdict_doubt(&solution->finding.verdict,
-			      "give --aspect 1 if they are, or add points in depth or views of the "
-			      "board, tilted otherwise, or give --intrinsics",
-			      "the points do not tell whether the pixels are square: were s %.3g "
-			      "from the %g where it is held, the object's picture would be off by "
-			      "%.3g px",
-			      own->aspect_deviation, own->aspect, own->object_error);
-	verdict_doubt(&solution->finding.verdict,
-		      "add points in depth or views of the board, tilted otherwise, or give "
-		      "--intrinsics, or --centre and --centre-deviation",
-		      "the points do not tell where the lens's axis is: were it %.3g px from where "
-		      "it is held, the object's picture would be off by %.3g px",
-		      own->centre_deviation[0], own->object_error);
+		verdict_doubt(
+			&solution->finding.verdict,
+			"give --aspect 1 if they are, or add points in depth or views of the board, tilted otherwise, or give --intrinsics",
+			"the points do not tell whether the pixels are square: were s %.3g from the %g where it is held, the object's picture would be off by %.3g px",
+			own->guess.aspect_deviation, own->guess.aspect,
+			own->uncertainty.object_error);
+	verdict_doubt(
+		&solution->finding.verdict,
+		"add points in depth or views of the board, tilted otherwise, or give --intrinsics, or --centre and --centre-deviation",
+		"the points do not tell where the lens's axis is: were it %.3g px from where it is held, the object's picture would be off by %.3g px",
+		own->guess.centre_deviation[0], own->uncertainty.object_error);
 }
 
 static void judge_object(struct camera_solution *solution)
@@ -384,10 +372,10 @@ static void judge_object(struct camera_solution *solution)
 	const struct camera_private *own = solution->own;
 
 	if (own->fit.freedom <= 0)
-		verdict_doubt(&solution->finding.verdict, "add points",
-			      "there are as many unknowns as measurements: nothing says how well "
-			      "they fit");
-	if (own->object_error <= own->task.tolerance_px)
+		verdict_doubt(
+			&solution->finding.verdict, "add points",
+			"there are as many unknowns as measurements: nothing says how well they fit");
+	if (own->uncertainty.object_error <= own->task.tolerance_px)
 		return;
 	if (!own->task.intrinsics && all_parallel(own))
 		doubt_focal(solution);
@@ -395,7 +383,7 @@ static void judge_object(struct camera_solution *solution)
 	verdict_doubt(&solution->finding.verdict,
 		      "add points around that place, in depth too, or more views of the board",
 		      "the " CAMERA_OBJECT_ERROR " is %.6g px, more than the %g px of --tolerance",
-		      own->object_error, own->task.tolerance_px);
+		      own->uncertainty.object_error, own->task.tolerance_px);
 }
 
 /* Doubts an object outside of the points' extent: nothing was checked there, whatever the
@@ -423,8 +411,7 @@ static void judge_reach(struct camera_solution *solution)
 		verdict_doubt(
 			&solution->finding.verdict,
 			"put points, or the board, where the object will stand",
-			"the object's place is outside of what the points cover: it is seen at "
-			"%.0f, %.0f px",
+			"the object's place is outside of what the points cover: it is seen at %.0f, %.0f px",
 			px[0], px[1]);
 }
 

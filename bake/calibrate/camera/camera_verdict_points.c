@@ -40,12 +40,11 @@ static void judge_shape(struct camera_solution *solution)
 	for (int v = 0; v < problem->views; v++)
 		if (problem->first[v + 1] - problem->first[v] > 1 &&
 		    problem->shape[v].across < SHAPE_FLAT)
-			verdict_doubt(&solution->finding.verdict,
-				      "add points beside the line, as far from it as the picture "
-				      "allows",
-				      "all points%s%s are on a line",
-				      problem->views > 1 ? " of " : "",
-				      problem->views > 1 ? solution->own->seen->view[v].name : "");
+			verdict_doubt(
+				&solution->finding.verdict,
+				"add points beside the line, as far from it as the picture allows",
+				"all points%s%s are on a line", problem->views > 1 ? " of " : "",
+				problem->views > 1 ? solution->own->seen->view[v].name : "");
 }
 
 void camera_judge_points(struct camera_solution *solution)
@@ -103,8 +102,6 @@ void camera_judge_coverage(struct camera_solution *solution)
 		verdict_doubt(
 			&solution->finding.verdict,
 			"spread the points over the picture, or come closer to the board",
-			"the points cover only %.2g %% of the picture: they are all in one corner, "
-			"or "
-			"on a line",
+			"the points cover only %.2g %% of the picture: they are all in one corner, or on a line",
 			100 * covered / picture);
 }

@@ -157,11 +157,10 @@ int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tol
 	if (err)
 		return fault_say(fault, err, "not enough memory");
 	if (!(*error_px <= tolerance_px))
-		return fault_say(fault, -ERANGE,
-				 "the distortion undistorts, which k1 to k6 meet to %.3g px only, "
-				 "expected at most %.3g; calibrate with --distortion distorts, or "
-				 "allow more by --tolerance",
-				 *error_px, tolerance_px);
+		return fault_say(
+			fault, -ERANGE,
+			"the distortion undistorts, which k1 to k6 meet to %.3g px only, expected at most %.3g; calibrate with --distortion distorts, or allow more by --tolerance",
+			*error_px, tolerance_px);
 	return 0;
 }
 
@@ -212,10 +211,10 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 	else if (ours.curve.model != FISHEYE_EQUIDISTANT)
 		fit_polynomial(lens, &ours, error_px);
 	if (!(*error_px <= tolerance_px))
-		return fault_say(fault, -ERANGE,
-				 "the polynomial meets this %s lens to %.3g px only, expected at "
-				 "most %.3g; allow more by --tolerance, or take a smaller field",
-				 fisheye_model_names[ours.curve.model], *error_px, tolerance_px);
+		return fault_say(
+			fault, -ERANGE,
+			"the polynomial meets this %s lens to %.3g px only, expected at most %.3g; allow more by --tolerance, or take a smaller field",
+			fisheye_model_names[ours.curve.model], *error_px, tolerance_px);
 	return 0;
 }
 

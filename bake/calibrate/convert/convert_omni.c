@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The unified camera of Mei and Rives (Kalibr's omni) as a polynomial fisheye. A ray at theta from the
- * axis is seen at
+ * The unified camera of Mei and Rives (Kalibr's omni) as a polynomial fisheye. A ray at theta from
+ * the axis is seen at
  *     m = sin(theta) / (cos(theta) + xi)
  * in focal lengths before lens_bend() distorts it.
  */
@@ -112,8 +112,7 @@ int lens_of_omni(struct lens *lens, double tolerance_px, double *error_px, struc
 	if (!(*error_px <= tolerance_px) || !(found[0] > 0))
 		return fault_say(
 			fault, -ERANGE,
-			"the polynomial meets this omni camera to %.3g px only, expected at "
-			"most %.3g; allow more by --tolerance",
+			"the polynomial meets this omni camera to %.3g px only, expected at most %.3g; allow more by --tolerance",
 			*error_px, tolerance_px);
 	lens->fisheye = true;
 	lens->omni = false;

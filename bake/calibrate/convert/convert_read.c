@@ -24,7 +24,8 @@ static int take_model(struct lens *lens, const struct lens_words *w)
 	static const char *const fisheyes[] = {"equidistant", "fisheye", NULL};
 	static const char *const pinholes[] = {
 		"plumb_bob", "rational_polynomial", "radtan", "none", "pinhole", "", NULL};
-	/* ROS's older files name the distortion by camera_model; Kalibr names the projection by it */
+	/* ROS's older files name the distortion by camera_model; Kalibr names the projection by
+	 * it */
 	const struct words_text *model = w->distortion_model.line ? &w->distortion_model
 								  : &w->camera_model;
 	const char *const key = model == &w->camera_model ? "camera_model" : "distortion_model";
@@ -36,20 +37,20 @@ static int take_model(struct lens *lens, const struct lens_words *w)
 	lens->fisheye = is_one_of(model->text, fisheyes);
 	if (lens->fisheye || is_one_of(model->text, pinholes))
 		return 0;
-	return fault_say(w->fault, -EINVAL,
-			 "%s:%d: %s: %s, expected plumb_bob, radtan, rational_polynomial, "
-			 "equidistant or fisheye",
-			 w->path, model->line, key, model->text);
+	return fault_say(
+		w->fault, -EINVAL,
+		"%s:%d: %s: %s, expected plumb_bob, radtan, rational_polynomial, equidistant or fisheye",
+		w->path, model->line, key, model->text);
 }
 
 static int take_part(const struct lens_words *w)
 {
 	if (!w->part.line)
 		return 0;
-	return fault_say(w->fault, -EINVAL,
-			 "%s:%d: the picture is binned or cut out (%s), but K is of the whole one: "
-			 "expected a message of the whole picture",
-			 w->path, w->part.line, w->part.text);
+	return fault_say(
+		w->fault, -EINVAL,
+		"%s:%d: the picture is binned or cut out (%s), but K is of the whole one: expected a message of the whole picture",
+		w->path, w->part.line, w->part.text);
 }
 
 /* One of several cameras has to be named. */
@@ -58,10 +59,10 @@ static int take_choice(const struct lens_words *w)
 	if (w->camera && !w->chosen)
 		return fault_say(w->fault, -EINVAL, "%s: has no camera %s", w->path, w->camera);
 	if (!w->camera && w->second.line)
-		return fault_say(w->fault, -EINVAL,
-				 "%s:%d: holds several cameras, %s and %s: expected one of them by "
-				 "--camera",
-				 w->path, w->second.line, w->first.text, w->second.text);
+		return fault_say(
+			w->fault, -EINVAL,
+			"%s:%d: holds several cameras, %s and %s: expected one of them by --camera",
+			w->path, w->second.line, w->first.text, w->second.text);
 	return 0;
 }
 
@@ -74,15 +75,15 @@ static int take_matrix(struct lens *lens, const struct lens_words *w)
 
 	if (m->rows != 3 || m->columns != 3 || !(k[0] > 0) || !(k[4] > 0) || k[3] != 0 ||
 	    k[6] != 0 || k[7] != 0 || k[8] != 1)
-		return fault_say(w->fault, -EINVAL,
-				 "%s:%d: %s: expected fx 0 cx, 0 fy cy, 0 0 1 with fx and fy above "
-				 "0",
-				 w->path, m->line, m->key);
+		return fault_say(
+			w->fault, -EINVAL,
+			"%s:%d: %s: expected fx 0 cx, 0 fy cy, 0 0 1 with fx and fy above 0",
+			w->path, m->line, m->key);
 	if (k[1] != 0)
-		return fault_say(w->fault, -EINVAL,
-				 "%s:%d: %s: a skew of %g, expected 0: rows and columns of pixels "
-				 "are at right angles here",
-				 w->path, m->line, m->key, k[1]);
+		return fault_say(
+			w->fault, -EINVAL,
+			"%s:%d: %s: a skew of %g, expected 0: rows and columns of pixels are at right angles here",
+			w->path, m->line, m->key, k[1]);
 	lens->focal_px[0] = k[0];
 	lens->focal_px[1] = k[4];
 	lens->centre_px[0] = k[2] + 0.5;
@@ -125,22 +126,22 @@ static int take_intrinsics(struct lens *lens, const struct lens_words *w)
 			 w->path, w->distortion_model.line, w->distortion_model.text);
 }
 
-/* Four coefficients without a word of their model: K and D are what Python programs save of either camera,
- * while OpenCV's calibration program, with its longer names, says so of a fisheye. */
+/* Four coefficients without a word of their model: K and D are what Python programs save of either
+ * camera, while OpenCV's calibration program, with its longer names, says so of a fisheye. */
 static int take_four(const struct lens *lens, const struct lens_words *w)
 {
 	const struct words_matrix *m = &w->distortion;
-	static const char what[] = "4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a "
-				   "fisheye, and nothing says which";
+	static const char what[] =
+		"4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a fisheye, and nothing says which";
 
 	if (m->count != 4 || lens->fisheye || lens->omni || w->fisheye >= 0 ||
 	    w->distortion_model.line || w->camera_model.line)
 		return 0;
 	if (strlen(m->key) == 1)
-		return fault_say(w->fault, -EINVAL,
-				 "%s:%d: %s: %s: expected --fisheye, or a line distortion_model: "
-				 "plumb_bob",
-				 w->path, m->line, m->key, what);
+		return fault_say(
+			w->fault, -EINVAL,
+			"%s:%d: %s: %s: expected --fisheye, or a line distortion_model: plumb_bob",
+			w->path, m->line, m->key, what);
 	log_warning("%s:%d: %s: %s: a pinhole camera is taken, --fisheye takes the other", w->path,
 		    m->line, m->key, what);
 	return 0;
@@ -169,10 +170,10 @@ static int take_distortion(struct lens *lens, const struct lens_words *w)
 		if (k < most)
 			lens->term[k] = m->data[k];
 		else if (m->data[k] != 0)
-			return fault_say(w->fault, -EINVAL,
-					 "%s:%d: %s: number %d is %g, expected 0: neither thin "
-					 "prisms nor tilted sensors are known here",
-					 w->path, m->line, m->key, k + 1, m->data[k]);
+			return fault_say(
+				w->fault, -EINVAL,
+				"%s:%d: %s: number %d is %g, expected 0: neither thin prisms nor tilted sensors are known here",
+				w->path, m->line, m->key, k + 1, m->data[k]);
 	}
 	return 0;
 }

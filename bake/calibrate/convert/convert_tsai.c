@@ -252,10 +252,9 @@ int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tol
 	if (err)
 		return fault_say(fault, err, "not enough memory");
 	if (!(*error_px <= tolerance_px))
-		return fault_say(fault, -ERANGE,
-				 "its distortion is more than three kappas can say, which would be "
-				 "off by %.3g px, expected at most %.3g; allow more by "
-				 "--tolerance, or calibrate anew",
-				 *error_px, tolerance_px);
+		return fault_say(
+			fault, -ERANGE,
+			"its distortion is more than three kappas can say, which would be off by %.3g px, expected at most %.3g; allow more by --tolerance, or calibrate anew",
+			*error_px, tolerance_px);
 	return tsai_check(camera, fault);
 }

@@ -113,8 +113,8 @@ int words_end(const struct lens_words *words, struct words_matrix *m, bool list)
 	}
 	if (m->count && m->count == m->rows * m->columns)
 		return 0;
-	return fault_say(words->fault, -EINVAL,
-			 "%s:%d: %s: has %d rows, %d columns and %d numbers, expected as many as "
-			 "rows times columns",
-			 words->path, m->line, m->key, m->rows, m->columns, m->count);
+	return fault_say(
+		words->fault, -EINVAL,
+		"%s:%d: %s: has %d rows, %d columns and %d numbers, expected as many as rows times columns",
+		words->path, m->line, m->key, m->rows, m->columns, m->count);
 }

@@ -105,18 +105,17 @@ void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, doub
 {
 	fprintf(to, "; From %s, which knows the lens alone.\n", from);
 	if (ini->camera_given)
-		fputs("; Where the camera is stands here as none (rotation, translation), and "
-		      "pixel is that of\n; a sensor of 36 mm: use it as inlay-calibrate camera "
-		      "--intrinsics.\n",
+		fputs("; Where the camera is stands here as none (rotation, translation), and pixel is that of\n"
+		      "; a sensor of 36 mm: use it as inlay-calibrate camera --intrinsics.\n",
 		      to);
 	else
-		fputs("; How the camera is turned stands here as not at all (rotation), and what "
-		      "the lens loses\n; to the rim as nothing (falloff).\n",
+		fputs("; How the camera is turned stands here as not at all (rotation), and what the lens loses\n"
+		      "; to the rim as nothing (falloff).\n",
 		      to);
 	if (error_px > 0)
 		fprintf(to,
-			"; Fitted: it is off from what it was made of by at most %.3g px, besides "
-			"a turn of\n; the camera by %.3g degrees.\n",
+			"; Fitted: it is off from what it was made of by at most %.3g px, besides a turn of\n"
+			"; the camera by %.3g degrees.\n",
 			error_px, turn_deg);
 	if (ini->camera_given)
 		lens_write_keys(to, "camera", tsai_keys, &ini->camera);

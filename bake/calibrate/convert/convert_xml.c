@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reader of the XML of OpenCV's FileStorage: elements below opencv_storage are the keys, a matrix is
- * one with the elements rows, cols and data. */
+/* Reader of the XML of OpenCV's FileStorage: elements below opencv_storage are the keys, a matrix
+ * is one with the elements rows, cols and data. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reader of the part of YAML in which OpenCV, ROS and Kalibr write lenses: keys in the first column,
- * or below the name of one of several cameras; matrices as blocks of rows, cols and data, or as
- * lists. Each may also stand in braces on one line or several, as JSON does. Unknown keys are ignored;
- * known ones must be complete.
+ * Reader of the part of YAML in which OpenCV, ROS and Kalibr write lenses: keys in the first
+ * column, or below the name of one of several cameras; matrices as blocks of rows, cols and data,
+ * or as lists. Each may also stand in braces on one line or several, as JSON does. Unknown keys are
+ * ignored; known ones must be complete.
  */
 #include <errno.h>
 #include <limits.h>
@@ -428,10 +428,10 @@ static int read_line(struct yaml_reader *r)
 	if (is_indented(r) && r->block != YAML_CAMERA && r->block != YAML_ROI)
 		return 0;
 	if (!split_line(r->file.line, &key, &rest))
-		return is_indented(r) ? 0
-				      : yaml_fault(r, r->file.line,
-						   "KEY: VALUE, as OpenCV, ROS and Kalibr write "
-						   "lenses");
+		return is_indented(r)
+			       ? 0
+			       : yaml_fault(r, r->file.line,
+					    "KEY: VALUE, as OpenCV, ROS and Kalibr write lenses");
 	if (key == r->file.line)
 		return read_top(r, key, rest);
 	if (r->block == YAML_CAMERA)

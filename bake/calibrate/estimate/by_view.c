@@ -158,7 +158,8 @@ static void test_view(struct clearing *work, int view, int first, struct by_view
 	weigh_smooth(work, first, residual, found);
 }
 
-/* Subtracts what the basis explains from one view's rows of all shared columns and the residuals. */
+/* Subtracts what the basis explains from one view's rows of all shared columns and the
+ * residuals. */
 static void clear_rows(const struct clearing *work, int first, int shared, double *columns)
 {
 	for (int k = 0; k <= shared; k++)

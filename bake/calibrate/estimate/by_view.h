@@ -27,8 +27,9 @@ struct by_view_layout {
 	int (*first)(const void *context, int view);
 	/* Finds where a group of residuals is in the picture, px. */
 	const double *(*place)(const void *context, int group);
-	/* Finds the normal of a view's board, in the axes of its translation, which is its last three
-	 * unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are flat. */
+	/* Finds the normal of a view's board, in the axes of its translation, which is its last
+	 * three unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are
+	 * flat. */
 	bool (*normal)(const void *context, const double *x, int view, double normal[3]);
 	/* Finds where a group's point is on its board, in any unit. */
 	void (*on_board)(const void *context, int group, double at[2]);
@@ -59,7 +60,8 @@ struct by_view {
 	int axis_freedom; /* 0: not known */
 	double smooth_freedom;
 	int odd; /* view that takes most of axis_squares */
-	bool bent; /* a bend of each board leaves less, by degree of freedom, than an axis of each view */
+	/* a bend of each board leaves less, by degree of freedom, than an axis of each view */
+	bool bent;
 };
 
 /* Fills found. Returns 0; -ENOMEM. */
@@ -74,8 +76,8 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 /*
  * Returns how often views would by chance disagree about the axis as much, if their errors are
  * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
- * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance below
- * BY_VIEW_LEVEL is a reason to doubt.
+ * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance
+ * below BY_VIEW_LEVEL is a reason to doubt.
  */
 #define BY_VIEW_LEVEL 1e-3
 #define BY_VIEW_REASON                                                                             \

@@ -86,8 +86,7 @@ void finding_doubt_twins(struct finding *finding)
 					continue;
 				verdict_doubt(
 					&finding->verdict, "list every point once",
-					"%s and %s are one point listed twice, which makes the "
-					"result look surer than it is",
+					"%s and %s are one point listed twice, which makes the result look surer than it is",
 					point[j].name, point[i].name);
 				return;
 			}

@@ -138,8 +138,7 @@ static void doubt_model(struct fisheye_result *result, const struct model_trials
 		return;
 	verdict_doubt(
 		&result->finding.verdict, "let the model be chosen, or look for wrong points",
-		"the points are not where a lens of the %s model shows them (%.2f px); one of the "
-		"%s model is nearer (%.2f px)",
+		"the points are not where a lens of the %s model shows them (%.2f px); one of the %s model is nearer (%.2f px)",
 		fisheye_model_names[model], trials->rms_px[model], fisheye_model_names[best],
 		trials->rms_px[best]);
 }
@@ -182,14 +181,12 @@ static void doubt_reach(struct fisheye_result *result, const struct lens_problem
 	if (seen < NEAR_AXIS_DEG && !known)
 		verdict_doubt(
 			&result->finding.verdict, more_pictures(problem),
-			"all points lie within %.0f degrees of the axis: focal length and model "
-			"cannot be told apart",
+			"all points lie within %.0f degrees of the axis: focal length and model cannot be told apart",
 			seen);
 	if (seen < share * wanted->field_deg)
 		verdict_doubt(
 			&result->finding.verdict, more_pictures(problem),
-			"nothing was seen beyond %.0f degrees from the axis: the lens is a guess "
-			"from there to the rim at %.0f",
+			"nothing was seen beyond %.0f degrees from the axis: the lens is a guess from there to the rim at %.0f",
 			seen, wanted->field_deg);
 }
 
@@ -204,17 +201,15 @@ void fisheye_doubt_circle(struct fisheye_result *result, double tolerance_px, co
 	if (fisheye_prepare(&lens, &result->lens, width, height, &why))
 		verdict_doubt(&result->finding.verdict, remedy, "%s", why.text);
 	if (!(errors.most_px <= tolerance_px))
-		verdict_doubt(&result->finding.verdict, remedy,
-			      "the lens is known to %.2g px only (one standard deviation, at its "
-			      "worst in "
-			      "the image circle), not to %.2g",
-			      errors.most_px, tolerance_px);
+		verdict_doubt(
+			&result->finding.verdict, remedy,
+			"the lens is known to %.2g px only (one standard deviation, at its worst in the image circle), not to %.2g",
+			errors.most_px, tolerance_px);
 	if (result->knowledge.halved && errors.halves_px > 6 * errors.most_px + tolerance_px)
-		verdict_doubt(&result->finding.verdict, remedy,
-			      "lenses from odd and from even points differ by %.2g px, far more "
-			      "than their "
-			      "residuals explain",
-			      errors.halves_px);
+		verdict_doubt(
+			&result->finding.verdict, remedy,
+			"lenses from odd and from even points differ by %.2g px, far more than their residuals explain",
+			errors.halves_px);
 }
 
 void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *problem,

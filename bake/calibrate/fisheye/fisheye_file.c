@@ -41,8 +41,7 @@ int fisheye_file_write(const char *path, const struct fisheye_settings *lens,
 
 	if (err)
 		return err;
-	fputs("; A fisheye lens, by inlay-calibrate fisheye. After +- stands one standard "
-	      "deviation.\n",
+	fputs("; A fisheye lens, by inlay-calibrate fisheye. After +- stands one standard deviation.\n",
 	      out.stream);
 	if (result)
 		fisheye_print(out.stream, "; ", result);

@@ -230,9 +230,9 @@ void fisheye_result_settings(struct fisheye_result *result, double field_deg)
 }
 
 /*
- * A level board is seen from above if it lies on the ground, as board_point() has it, and from below
- * if it is held over the lens: turned over about its rows, with Y and Z the other way. The one that
- * has the lens look up is taken, because a lens that looks down sees no sky.
+ * A level board is seen from above if it lies on the ground, as board_point() has it, and from
+ * below if it is held over the lens: turned over about its rows, with Y and Z the other way. The
+ * one that has the lens look up is taken, because a lens that looks down sees no sky.
  */
 static void look_up(struct lens_knowledge *knowledge)
 {

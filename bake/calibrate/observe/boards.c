@@ -130,10 +130,10 @@ static int take_words(struct board *board, const char *text, const char *at, str
 			if (!markers)
 				return fault_say(fault, -EINVAL, "\"%s\": " EXPECTED_MARKERS, text);
 			if (markers < board_markers(board))
-				return fault_say(fault, -EINVAL,
-						 "\"%s\": %d markers, expected a dictionary that "
-						 "has as many as the board, %d",
-						 text, markers, board_markers(board));
+				return fault_say(
+					fault, -EINVAL,
+					"\"%s\": %d markers, expected a dictionary that has as many as the board, %d",
+					text, markers, board_markers(board));
 		}
 		at += length + (at[length] == ':');
 	}

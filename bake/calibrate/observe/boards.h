@@ -4,8 +4,8 @@
  * world.
  *
  * A board's own axes: x right, y down as printed and seen from the front, z into the board, so that
- * they are right-handed; the origin is the first inner corner. Lengths are in millimetres. The square at the upper left is black, but for some of
- * ChArUco's.
+ * they are right-handed; the origin is the first inner corner. Lengths are in millimetres. The
+ * square at the upper left is black, but for some of ChArUco's.
  */
 #ifndef INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_H
 #define INLAY_BAKE_CALIBRATE_OBSERVE_BOARDS_H
@@ -73,7 +73,8 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
 /*
  * Finds the board in an 8-bit picture and adds its points as a view called name; points are named
  * by column and row, the first being 1,1. Either all points are found or none; of ChArUco six or
- * more suffice, and what the board leaves open of its markers is settled and logged. Boards seen from behind or in a mirror are not found: pictures must be upright.
+ * more suffice, and what the board leaves open of its markers is settled and logged. Boards seen
+ * from behind or in a mirror are not found: pictures must be upright.
  *
  * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -ERANGE:
  * another size than the pictures before; -ENOMEM. On failure nothing is added.

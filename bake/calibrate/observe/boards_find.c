@@ -36,7 +36,8 @@ static int check_size(const struct image *picture, const char *name, const struc
 			 name, picture->width, picture->height, all->width, all->height);
 }
 
-/* Says what was found of a board whose text left it open, unless it is as a board is printed here. */
+/* Says what was found of a board whose text left it open, unless it is as a board is printed
+ * here. */
 static void say_settled(const struct board *board, const char *name, int dictionary, int legacy)
 {
 	char found[BOARD_NAME_MAX];

@@ -9,7 +9,8 @@
 
 #define BOARD_POINTS_MAX (BOARD_SIDE_MAX * BOARD_SIDE_MAX)
 
-/* A dictionary of markers. Those of OpenCV with as many bits and fewer markers are its beginning. */
+/* A dictionary of markers. Those of OpenCV with as many bits and fewer markers are its
+ * beginning. */
 struct marker_set {
 	const char *name;
 	int bits; /* of a side, without the black border of one bit */
@@ -51,7 +52,8 @@ bool board_marker_bit(int dictionary, int marker, int column, int row);
 
 /*
  * Finds the board by OpenCV. px[board_points()] are our pixels; seen[] says which points were
- * found; a ChArUco board's dictionary and squares are settled. Returns 0; -ENOENT with a fault that continues the picture's name; -ENOMEM.
+ * found; a ChArUco board's dictionary and squares are settled. Returns 0; -ENOENT with a fault that
+ * continues the picture's name; -ENOMEM.
  */
 int board_look(struct board *board, const struct image *picture, double (*px)[2], bool *seen,
 	       struct fault *fault);

@@ -22,17 +22,17 @@ int gather_points(struct gathering *all, char *const *paths, int count,
 
 /*
  * Finds the board in photographs, each as one view. A pattern is a file name or a shell pattern.
- * Photographs without the board, of another size than most, damaged, or of a kind that is not read, are named in
- * the log and skipped, but keep their numbers. -ENOENT: no such file, or the board is in none of them (the fault
- * says why for the last); else as image_read() and board_find().
+ * Photographs without the board, of another size than most, damaged, or of a kind that is not read,
+ * are named in the log and skipped, but keep their numbers. -ENOENT: no such file, or the board is
+ * in none of them (the fault says why for the last); else as image_read() and board_find().
  */
 int gather_images(struct gathering *all, char *const *patterns, int count, struct board *board,
 		  struct fault *fault);
 
 /*
  * Collects views from a camera of a kiosk's configuration until there are as many as views, or
- * nothing is missing any more. world: number of the view that shows where the world is; 0: none. Returns what live_open() and live_collect() return; the patience is
- * a minute.
+ * nothing is missing any more. world: number of the view that shows where the world is; 0: none.
+ * Returns what live_open() and live_collect() return; the patience is a minute.
  */
 int gather_live(struct gathering *all, const char *config, enum live_view view, struct board *board,
 		int views, int world, struct fault *fault);

@@ -32,8 +32,8 @@ int live_height(const struct live *live);
 int live_next(struct live *live, int timeout_ms, struct image *picture, int64_t *captured_ns,
 	      struct fault *fault);
 
-/* The fisheye's lens, and the curve of the pictures that live_next() gives, by the configuration and
- * the calibration files that it names. Faults name the file. */
+/* The fisheye's lens, and the curve of the pictures that live_next() gives, by the configuration
+ * and the calibration files that it names. Faults name the file. */
 int live_lens(struct live *live, struct fisheye_settings *lens, struct transfer_curve *curve,
 	      struct fault *fault);
 

@@ -361,10 +361,10 @@ static int collect_views(struct collecting *c, struct live *live, struct fault *
 			err = look_at_picture(c, &picture, captured_ns, fault);
 		if (!err && (double)(captured_ns - c->taken_ns) >
 				    c->settings->patience_s * (double)NS_PER_S)
-			err = fault_say(fault, -ETIMEDOUT,
-					"the board was seen in %d of %d places, and nothing new "
-					"for %g s",
-					c->count, c->settings->views, c->settings->patience_s);
+			err = fault_say(
+				fault, -ETIMEDOUT,
+				"the board was seen in %d of %d places, and nothing new for %g s",
+				c->count, c->settings->views, c->settings->patience_s);
 	}
 	image_free(&picture);
 	return err;

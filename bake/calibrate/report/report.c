@@ -12,8 +12,7 @@ static void write_verdict(FILE *to, const struct verdict *verdict)
 
 	verdict_sentence(verdict, sentence, sizeof(sentence));
 	fprintf(to,
-		"<p style=\"font-size:1.2em;border-left:.5em solid %s;padding-left:.7em\">"
-		"<strong>%s</strong> ",
+		"<p style=\"font-size:1.2em;border-left:.5em solid %s;padding-left:.7em\"><strong>%s</strong> ",
 		verdict->trusted ? "#0072b2" : "#d55e00",
 		verdict->trusted ? "Trusted." : "Not trusted.");
 	if (verdict->trusted)

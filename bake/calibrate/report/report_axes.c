@@ -7,7 +7,8 @@
 
 #define STEPS 24 /* of an axis, which the lens may bend */
 
-/* Returns 1, 2 or 5 times a power of ten, about a third of the longest side of the view's points. */
+/* Returns 1, 2 or 5 times a power of ten, about a third of the longest side of the view's
+ * points. */
 static double axis_length(const struct observations *seen, int view)
 {
 	const struct observation *point = seen->point + seen->view[view].first;

@@ -33,8 +33,8 @@ int report_figures(const struct shown *s, struct fault *fault)
 	report_table_column(&table, "value", "value", NULL);
 	report_table_column(&table, "unit", "unit", NULL);
 	report_text(&table, "rms_px");
-	report_text(&table, "distance of points from where they are expected, RMS without "
-			    "outliers");
+	report_text(&table,
+		    "distance of points from where they are expected, RMS without outliers");
 	report_number(&table, f->rms_px);
 	report_text(&table, "px");
 	report_text(&table, "worst_px");
@@ -104,8 +104,7 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 		"What lies outside of all points is extrapolated: hold the board where it "
 		"was not yet, into the corners above all. The uncertainty is one standard "
 		"deviation at the part's middle, which trusts the model; the difference of "
-		"models fitted to the odd and to the even points does not. What is empty is "
-		"not known, or not seen by the model.");
+		"models fitted to the odd and to the even points does not. What is empty is not known, or not seen by the model.");
 	return show_table(s, s->page->body, &table, fault);
 }
 
@@ -166,8 +165,7 @@ int report_parameters(const struct shown *s, struct fault *fault)
 	report_paragraph(
 		s->page->body,
 		"%d numbers were observed, %d are left to judge by: one of them deviates "
-		"by %.3g px. Deviations are standard deviations, to first order. Where the "
-		"camera was in each view is in calibration.json.",
+		"by %.3g px. Deviations are standard deviations, to first order. Where the camera was in each view is in calibration.json.",
 		e->residuals, e->freedom, e->sigma);
 	return show_table(s, s->page->body, &table, fault);
 }

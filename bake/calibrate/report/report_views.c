@@ -185,8 +185,7 @@ int report_views(const struct shown *s, struct fault *fault)
 		report_paragraph(
 			s->page->body,
 			"The axes start where the board has its origin. Of the view that "
-			"says where the world is they are the scene's: X and Y have to lie "
-			"on the ground as they were meant, and Z has to point up.");
+			"says where the world is they are the scene's: X and Y have to lie on the ground as they were meant, and Z has to point up.");
 	err = write_view_table(s, fault);
 	for (int v = 0; v < views && !err; v++)
 		if (s->view[v].drawn)
@@ -214,12 +213,11 @@ int report_residuals(const struct shown *s, struct fault *fault)
 	sheet_frame(&sheet, &area);
 	draw_legend(&sheet, &area, enlargement, false);
 	report_heading(s->page->body, "What is left over");
-	report_paragraph(s->page->body,
-			 "Residuals of a model that fits point every way. Arrows that agree with "
-			 "their neighbours show what the model cannot do, or a board that is not "
-			 "flat.");
-	return sheet_show(&sheet, s->page, "residuals",
-			  "Residuals of all views over the picture; outliers in orange, their "
-			  "arrows cut.",
-			  fault);
+	report_paragraph(
+		s->page->body,
+		"Residuals of a model that fits point every way. Arrows that agree with their neighbours show what the model cannot do, or a board that is not flat.");
+	return sheet_show(
+		&sheet, s->page, "residuals",
+		"Residuals of all views over the picture; outliers in orange, their arrows cut.",
+		fault);
 }

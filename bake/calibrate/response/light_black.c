@@ -114,10 +114,10 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 	}
 	for (int c = 0; c < 3; c++)
 		if (fabs(b->channel[c] - b->level) > 2)
-			verdict_doubt(&b->verdict,
-				      "cover the lens tightly, or switch off the camera's white "
-				      "balance",
-				      "the channels have different black levels");
+			verdict_doubt(
+				&b->verdict,
+				"cover the lens tightly, or switch off the camera's white balance",
+				"the channels have different black levels");
 	return 0;
 }
 
@@ -199,10 +199,10 @@ static void doubt_darkest(struct light_black *b, const struct rise *rise)
 		verdict_doubt(&b->verdict, "let nothing move between the exposures",
 			      "the darkest places become darker with a longer exposure");
 	if (b->deviation > SURE)
-		verdict_doubt(&b->verdict, cover,
-			      "the darkest places differ among themselves: the level is known to "
-			      "%.1f codes only",
-			      b->deviation);
+		verdict_doubt(
+			&b->verdict, cover,
+			"the darkest places differ among themselves: the level is known to %.1f codes only",
+			b->deviation);
 }
 
 int light_black_darkest(struct light_black *b, const struct image *shorter,

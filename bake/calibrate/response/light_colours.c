@@ -173,9 +173,9 @@ static void doubt_colours(struct light_colours *found, bool keep_white)
 	for (int e = 0; e < ELEMENTS; e++)
 		worst = fmax(worst, estimate_deviation(&found->estimate, e));
 	if (!(found->condition < 1e8))
-		verdict_doubt(&found->verdict, "show red, green, blue and yellow too",
-			      "the patches are all grey, or of few colours: the matrix cannot be "
-			      "told from them");
+		verdict_doubt(
+			&found->verdict, "show red, green, blue and yellow too",
+			"the patches are all grey, or of few colours: the matrix cannot be told from them");
 	if (found->patches < (keep_white ? 3 : 4))
 		verdict_doubt(&found->verdict, "show six patches of different colours or more",
 			      "so few patches fit any matrix");
@@ -251,8 +251,7 @@ static int read_pairs(struct text_file *file, struct light_colour_pair *pairs, s
 		if (got < 0)
 			return fault_say(
 				fault, -EINVAL,
-				"%s:%d: expected six numbers of at least 0: r g b of the fisheye, "
-				"r g b of the background, linear",
+				"%s:%d: expected six numbers of at least 0: r g b of the fisheye, r g b of the background, linear",
 				file->path, file->number);
 		if (!got)
 			continue;

@@ -133,16 +133,14 @@ static void doubt_pair(struct light_gain *found, const struct light_pair *pair, 
 			      "expose the background camera longer, or choose a lighter patch",
 			      "the patch of pair %d is nearly black", k + 1);
 	if (pair->patch.uneven > 0.05)
-		verdict_doubt(&found->verdict,
-			      "choose a smaller one, outside of every shadow's edge",
-			      "the patch of pair %d is not of one brightness: parts differ "
-			      "by %.0f %%",
-			      k + 1, 100 * pair->patch.uneven);
+		verdict_doubt(
+			&found->verdict, "choose a smaller one, outside of every shadow's edge",
+			"the patch of pair %d is not of one brightness: parts differ by %.0f %%",
+			k + 1, 100 * pair->patch.uneven);
 	if (pair->clipped_sky > 1e-4)
 		verdict_doubt(&found->verdict,
 			      "expose the fisheye shorter, or wait until sun and lamps are away",
-			      "%.2g %% of the sky of pair %d is clipped: its light is not "
-			      "known",
+			      "%.2g %% of the sky of pair %d is clipped: its light is not known",
 			      100 * pair->clipped_sky, k + 1);
 }
 
@@ -155,15 +153,13 @@ static void doubt_gain(struct light_gain *found, const struct light_pair *pairs)
 	if (count_outliers(found, &which))
 		verdict_doubt(
 			&found->verdict,
-			"see whether something casts a shadow on its patch, or its pictures are "
-			"of different moments",
+			"see whether something casts a shadow on its patch, or its pictures are of different moments",
 			"pair %d gives %.3g, the others %.3g", which + 1, found->ratio[which],
 			found->gain);
 	if (found->deviation > DIFFERS * found->gain)
 		verdict_doubt(
 			&found->verdict,
-			"keep shadows, the object's too, off the patch, and take both pictures "
-			"at one moment",
+			"keep shadows, the object's too, off the patch, and take both pictures at one moment",
 			"the pairs differ: gain is known to %.0f %% only",
 			100 * found->deviation / found->gain);
 }

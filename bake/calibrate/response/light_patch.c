@@ -29,8 +29,7 @@ int light_area_parse(struct light_area *area, const char *text, struct fault *fa
 	    (!corners && !(number[2] > 0 && number[3] > 0)))
 		return fault_say(
 			fault, -EINVAL,
-			"\"%s\", expected a rectangle x,y,width,height or three corners or "
-			"more, x,y x,y x,y, in pixels",
+			"\"%s\", expected a rectangle x,y,width,height or three corners or more, x,y x,y x,y, in pixels",
 			text);
 	area->corners = corners ? count / 2 : 4;
 	for (int k = 0; k < area->corners; k++)
@@ -123,10 +122,10 @@ int light_patch_measure(struct light_patch *patch, const struct image *picture,
 			high[c] = fmax(high[c], area->corner[k][c]);
 		}
 	if (low[0] < -0.5 || low[1] < -0.5 || high[0] > size[0] + 0.5 || high[1] > size[1] + 0.5)
-		return fault_say(fault, -EINVAL,
-				 "the patch from %.0f,%.0f to %.0f,%.0f reaches beyond the picture "
-				 "of %dx%d",
-				 low[0], low[1], high[0], high[1], size[0], size[1]);
+		return fault_say(
+			fault, -EINVAL,
+			"the patch from %.0f,%.0f to %.0f,%.0f reaches beyond the picture of %dx%d",
+			low[0], low[1], high[0], high[1], size[0], size[1]);
 	for (int c = 0; c < 2; c++) {
 		low[c] = floor(fmax(low[c], 0));
 		high[c] = fmin(high[c], size[c]);

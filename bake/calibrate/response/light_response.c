@@ -325,7 +325,8 @@ static void make_straight(struct light_response *found)
 
 /*
  * Fits a series that noise does not explain, as those of real cameras are: the errors of each level
- * are what they are seen to be, and times may be those of a shutter's steps. The pieces are chosen again, because the first choice followed errors near black.
+ * are what they are seen to be, and times may be those of a shutter's steps. The pieces are chosen
+ * again, because the first choice followed errors near black.
  */
 static int fit_real(struct light_response *found, struct light_fit_task *task,
 		    struct light_samples *own, double *time, struct light_fit *fit,

@@ -40,8 +40,8 @@ struct light_response {
 	/* For codes from k / LIGHT_LEVELS: relative difference of linear light from what all
 	 * exposures of the sample say, mean and rms; NaN: no samples. */
 	double level_offset[LIGHT_LEVELS], level_scatter[LIGHT_LEVELS];
-	/* For each exposure: the same difference over its samples from 10 % to 90 % of the codes, mean
-	 * and rms. */
+	/* For each exposure: the same difference over its samples from 10 % to 90 % of the codes,
+	 * mean and rms. */
 	double offset[LIGHT_EXPOSURES_MAX], scatter[LIGHT_EXPOSURES_MAX];
 	/* largest relative difference between code values of 10 % and 90 % of a channel's own curve
 	 * from the common one, both scaled to 1 in the middle of what it covers */

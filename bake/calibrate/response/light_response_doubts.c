@@ -46,8 +46,7 @@ void light_doubt_pictures(struct light_response *found, const struct light_sampl
 		verdict_doubt(
 			&found->verdict,
 			"show a scene of many brightnesses, and change the times by less",
-			"only %d places are neither clipped nor black in two exposures, %d are "
-			"needed",
+			"only %d places are neither clipped nor black in two exposures, %d are needed",
 			samples->count, SAMPLES_MIN);
 	}
 	if (found->from > 0.15 || found->to < 0.85) {
@@ -114,8 +113,7 @@ static bool blame_times(struct light_response *found, const struct light_fit_tas
 	verdict_doubt(
 		&found->verdict,
 		"check the times, or give --time-deviation so that they are refined",
-		"the times do not agree with the pictures: picture %d looks as if it had %.3g "
-		"times its time",
+		"the times do not agree with the pictures: picture %d looks as if it had %.3g times its time",
 		which + 1, exp(by));
 	return true;
 }
@@ -150,10 +148,8 @@ void light_doubt_fit(struct light_response *found, const struct light_fit_task *
 	    !blame_times(found, task))
 		verdict_doubt(
 			&found->verdict,
-			"keep scene, light and camera still, and white balance and gain of the "
-			"camera fixed, or give --accept-misfit if that is good enough",
-			"the exposures do not agree: they differ by %.1f times what noise "
-			"explains, by %.1f %% of linear light; the curve may be off by %.1f %%",
+			"keep scene, light and camera still, and white balance and gain of the camera fixed, or give --accept-misfit if that is good enough",
+			"the exposures do not agree: they differ by %.1f times what noise explains, by %.1f %% of linear light; the curve may be off by %.1f %%",
 			found->sigma, 100 * found->disagreement, 100 * found->misfit);
 	for (int k = 1; k <= LAST; k++)
 		if (!(knot[k] > knot[k - 1]))
@@ -161,8 +157,8 @@ void light_doubt_fit(struct light_response *found, const struct light_fit_task *
 				      "keep scene and light still, and take more exposures",
 				      "the response does not rise everywhere");
 	if (found->misfit > misfit)
-		verdict_doubt(&found->verdict,
-			      "take more exposures, of a scene with larger even surfaces, or give "
-			      "--accept-misfit if that is good enough",
-			      "linear light is known to %.1f %% only", 100 * found->misfit);
+		verdict_doubt(
+			&found->verdict,
+			"take more exposures, of a scene with larger even surfaces, or give --accept-misfit if that is good enough",
+			"linear light is known to %.1f %% only", 100 * found->misfit);
 }

@@ -36,8 +36,7 @@ static int check_sample_pictures(const struct image *const *pictures, int exposu
 		    pictures[j]->height != pictures[0]->height)
 			return fault_say(
 				fault, -EINVAL,
-				"picture %d is %dx%d pixels, the first one %dx%d; expected "
-				"one size",
+				"picture %d is %dx%d pixels, the first one %dx%d; expected one size",
 				j + 1, pictures[j]->width, pictures[j]->height, pictures[0]->width,
 				pictures[0]->height);
 	}

@@ -36,10 +36,11 @@ struct light_samples {
 
 /*
  * Collects samples from pictures[exposures], 8-bit and of one size. Blocks with a pixel at 255, or
- * in a plateau at the upper end of what the camera gives, are clipped; those whose mean is within three deviations of a pixel of the black level are dark. Of
- * the blocks that are good in two exposures or more the most uniform ones of each channel are kept,
- * over all code values. -EINVAL: different sizes, a picture that is not 8-bit, a number of
- * exposures or a black level out of range; -ENOMEM.
+ * in a plateau at the upper end of what the camera gives, are clipped; those whose mean is within
+ * three deviations of a pixel of the black level are dark. Of the blocks that are good in two
+ * exposures or more the most uniform ones of each channel are kept, over all code values. -EINVAL:
+ * different sizes, a picture that is not 8-bit, a number of exposures or a black level out of
+ * range; -ENOMEM.
  */
 int light_samples_create(struct light_samples *samples, const struct image *const *pictures,
 			 int exposures, double black, struct fault *fault);

@@ -8,10 +8,10 @@
 #include <stdbool.h>
 
 /*
- * Looks for a file by the name that another one gives it, in this order: by that name, seen from the
- * other's folder; in any case of letters; and by its last part alone beside the other, in any case.
- * Backslashes part folders, too. What is not found under its own name is logged, once. Writes the
- * path. False: there is none.
+ * Looks for a file by the name that another one gives it, in this order: by that name, seen from
+ * the other's folder; in any case of letters; and by its last part alone beside the other, in any
+ * case. Backslashes part folders, too. What is not found under its own name is logged, once. Writes
+ * the path. False: there is none.
  */
 bool beside_find(const char *other, const char *name, char path[PATH_MAX]);
 

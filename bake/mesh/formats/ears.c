@@ -10,8 +10,8 @@
 #define SECOND_LOOKS 16 /* a corner, at polygons that cross themselves */
 #define BITS 64
 
-/* Corners of the polygon that is left are a ring; those of a cell of the grid begin at cell[k] and are
- * cell_count[k]. */
+/* Corners of the polygon that is left are a ring; those of a cell of the grid begin at cell[k] and
+ * are cell_count[k]. */
 struct ears {
 	const double (*at)[2];
 	int count; /* of the ring */
@@ -106,8 +106,8 @@ static bool stands_in(const struct ears *e, int q, const int ear[3])
 	return true;
 }
 
-/* The columns that a triangle may touch between two heights. Its sides are cut at both, and a column more
- * on each side makes up for rounding. */
+/* The columns that a triangle may touch between two heights. Its sides are cut at both, and a
+ * column more on each side makes up for rounding. */
 static void find_columns(const struct ears *e, const int ear[3], double bottom, double top,
 			 int column[2])
 {

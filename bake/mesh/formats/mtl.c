@@ -115,8 +115,8 @@ static int read_numbers(struct mtl_text *text, float *to, int most, struct text_
 	return 0;
 }
 
-/* Takes an option and what follows it: numbers as far as there are some, or one word. The last word of a
- * line is the name. False: there is no option. */
+/* Takes an option and what follows it: numbers as far as there are some, or one word. The last word
+ * of a line is the name. False: there is no option. */
 static bool map_take_option(struct mtl_map *map, struct text_span *line)
 {
 	/* those that numbers follow: none, 1, 2, 3 */
@@ -219,9 +219,9 @@ static int library_add(struct mtl_text *text, struct text_span name, bool blende
 	return text->mtl->name && text->mtl->by ? 0 : mtl_lack(text);
 }
 
-/* Tr should be 1 - d, but MeshLab, OpenMVS and OpenDroneMap have written d. A library tells by materials that
- * say both, or by a Tr of 0 or 1, since no writer means a surface that is not there. Where it tells nothing, or
- * both, its comment counts. */
+/* Tr should be 1 - d, but MeshLab, OpenMVS and OpenDroneMap have written d. A library tells by
+ * materials that say both, or by a Tr of 0 or 1, since no writer means a surface that is not there.
+ * Where it tells nothing, or both, its comment counts. */
 static void library_settle_tr(struct mtl_library *library, int first, bool meshlab)
 {
 	bool votes[2] = {false, false}; /* for 1 - d, for d */
@@ -428,8 +428,8 @@ static int add_surface(const struct mtl *mtl, struct textures *textures, struct 
 	return 0;
 }
 
-/* Many programs, Blender among them, write maps of normals as bump maps. Heights of the format have no
- * unit, so they are left out, as is a bump map that is missing. */
+/* Many programs, Blender among them, write maps of normals as bump maps. Heights of the format have
+ * no unit, so they are left out, as is a bump map that is missing. */
 static int add_normals(const struct mtl *mtl, struct textures *textures, struct material *m,
 		       struct left_out *out)
 {

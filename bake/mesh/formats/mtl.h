@@ -4,9 +4,10 @@
  * writes. What a statement means follows its writers:
  *
  *   Kd, map_Kd           the base; a texture without Kd, or with a black one, counts as it is
- *   Ks, Ns               illum 0, 1: nothing. illum 3, 8: a mirror that reflects Ks. Else: highlights
- *                        of plastic, a coat that reflects 0.08 Ks head-on. Ns is Phong's exponent, in
- *                        Blender's libraries 1000 (1 - roughness)^2, and Ka there metalness
+ *   Ks, Ns               illum 0, 1: nothing. illum 3, 8: a mirror that reflects Ks. Else:
+ *                        highlights of plastic, a coat that reflects 0.08 Ks head-on. Ns is
+ *                        Phong's exponent, in Blender's libraries 1000 (1 - roughness)^2, and Ka
+ *                        there metalness
  *   Pr, Pm, map_Pr/_Pm   roughness and metalness, as in glTF
  *   d, Tr, map_d         coverage; Tr is 1 - d, or d, as the whole library has it
  *   norm                 normals in tangent space; so is bump, if its picture is blue
@@ -26,14 +27,15 @@ struct mtl_library {
 	int line; /* of the statement that names the file which is read next */
 };
 
-/* Adds the materials of a file, unless it was the last one, too. -EFBIG: all files together take more than
- * the mesh's budget; -EBADMSG: a statement without its numbers; the fault names file and line. */
+/* Adds the materials of a file, unless it was the last one, too. -EFBIG: all files together take
+ * more than the mesh's budget; -EBADMSG: a statement without its numbers; the fault names file and
+ * line. */
 int mtl_read(struct mtl_library *library, const char *path, struct budget *budget,
 	     struct fault *fault);
 
-/* Returns the number of a material for a line; -1: there is none of this name, in any case of letters. Of
- * several, one that is spelt alike counts before others, then that of the last file named above the line,
- * then the first. */
+/* Returns the number of a material for a line; -1: there is none of this name, in any case of
+ * letters. Of several, one that is spelt alike counts before others, then that of the last file
+ * named above the line, then the first. */
 int mtl_find(const struct mtl_library *library, struct text_span name, int line);
 
 /* Makes a material, reads its textures, and counts what is left out. */

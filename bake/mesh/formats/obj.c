@@ -160,8 +160,8 @@ static int obj_open_library(struct obj *obj, struct text_span name)
 		     : -ENOENT;
 }
 
-/* The rest of the line is the name of one library, which may have blanks, or of several. In place of
- * those that are missing counts the one that is named as the mesh. */
+/* The rest of the line is the name of one library, which may have blanks, or of several. In place
+ * of those that are missing counts the one that is named as the mesh. */
 static int obj_libraries(struct obj *obj, struct text_span line)
 {
 	const struct text_span all = text_name(line);
@@ -199,15 +199,15 @@ static int obj_use(struct obj *obj, struct text_span line)
 	if (obj->current >= 0)
 		return 0;
 	if (obj->missing)
-		return fault_say(obj->soup.fault, -ENOENT,
-				 "%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, "
-				 "or a material in the scene file",
-				 obj->soup.path, obj->missing_line, obj->missing);
-	return fault_say(obj->soup.fault, -EINVAL,
-			 "%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl "
-			 "%.*s in one, or a material in the scene file",
-			 obj->soup.path, obj->soup.lines.line, text_shown(name), name.at,
-			 text_shown(name), name.at);
+		return fault_say(
+			obj->soup.fault, -ENOENT,
+			"%s:%d: mtllib %s: cannot be opened, expected it beside the mesh, or a material in the scene file",
+			obj->soup.path, obj->missing_line, obj->missing);
+	return fault_say(
+		obj->soup.fault, -EINVAL,
+		"%s:%d: usemtl %.*s: its libraries have no such material, expected newmtl %.*s in one, or a material in the scene file",
+		obj->soup.path, obj->soup.lines.line, text_shown(name), name.at, text_shown(name),
+		name.at);
 }
 
 /* Makes the material of the next faces when it is used first. */
@@ -228,7 +228,8 @@ static int obj_material(struct obj *obj)
 
 /* ---- faces ---- */
 
-/* Returns the row that an index names: 1 is the first row of the file, -1 the last before the face. */
+/* Returns the row that an index names: 1 is the first row of the file, -1 the last before the
+ * face. */
 static const void *obj_find(const struct obj *obj, enum obj_kind kind, int64_t index)
 {
 	const struct obj_rows *rows = &obj->rows[kind];
@@ -237,11 +238,11 @@ static const void *obj_find(const struct obj *obj, enum obj_kind kind, int64_t i
 	if (at >= 0 && (uint64_t)at < rows->count)
 		return rows->value + (size_t)at * rows->bytes;
 	if (index)
-		fault_say(obj->soup.fault, -EBADMSG,
-			  "%s:%d: face names %s %lld, but there are %zu %s, expected one of these: "
-			  "damaged or cut short",
-			  obj->soup.path, obj->soup.lines.line, kinds[kind].name, (long long)index,
-			  index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
+		fault_say(
+			obj->soup.fault, -EBADMSG,
+			"%s:%d: face names %s %lld, but there are %zu %s, expected one of these: damaged or cut short",
+			obj->soup.path, obj->soup.lines.line, kinds[kind].name, (long long)index,
+			index < 0 ? rows->seen : rows->count, index < 0 ? "before it" : "in all");
 	else
 		fault_say(obj->soup.fault, -EBADMSG, "%s:%d: face names %s 0, expected 1 or more",
 			  obj->soup.path, obj->soup.lines.line, kinds[kind].name);
@@ -271,10 +272,10 @@ static int obj_corner(struct obj *obj, struct text_span word, struct soup_corner
 			return -EBADMSG;
 	}
 	if (!fine || !text_empty(word))
-		return fault_say(obj->soup.fault, -EBADMSG,
-				 "%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture "
-				 "coordinate and a normal, such as 1/1/1",
-				 obj->soup.path, obj->soup.lines.line, text_shown(whole), whole.at);
+		return fault_say(
+			obj->soup.fault, -EBADMSG,
+			"%s:%d: f has \"%.*s\", expected numbers of a vertex, a texture coordinate and a normal, such as 1/1/1",
+			obj->soup.path, obj->soup.lines.line, text_shown(whole), whole.at);
 	*corner = (struct soup_corner){.colour = {1, 1, 1}};
 	memcpy(corner->position, row[OBJ_POSITION], sizeof(corner->position));
 	if (row[OBJ_UV])
@@ -399,7 +400,8 @@ static int obj_read_text(struct obj *obj, double crease_deg)
 {
 	int err;
 
-	/* Lines that are not known do not count: a picture, an archive or UTF-16 would be a mesh without faces. */
+	/* Lines that are not known do not count: a picture, an archive or UTF-16 would be a mesh
+	 * without faces. */
 	if (obj->soup.bytes && memchr(obj->soup.file, '\0', obj->soup.bytes))
 		return fault_say(obj->soup.fault, -EBADMSG,
 				 "%s: holds a zero byte, expected the text of an OBJ",

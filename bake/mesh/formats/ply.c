@@ -223,17 +223,18 @@ static int ply_read_header(struct ply *ply)
 			return 0;
 		}
 		format |= text_is(word, "format");
-		/* the last line of a file that is cut is not whole; of a format that does not matter */
+		/* the last line of a file that is cut is not whole; of a format that does not
+		 * matter */
 		for (size_t k = 0; k < (line_end < end ? LENGTH(lines) : 1) && !err; k++)
 			if (text_is(word, lines[k].word))
 				err = lines[k].read(ply, line);
 	}
 	if (err || !format)
 		return err ? err : header_refuse(ply, ply->soup.lines.line, FORMATS);
-	return fault_say(ply->soup.fault, -EBADMSG,
-			 "%s: no line end_header, expected one at the end of the header: damaged "
-			 "or cut short",
-			 ply->soup.path);
+	return fault_say(
+		ply->soup.fault, -EBADMSG,
+		"%s: no line end_header, expected one at the end of the header: damaged or cut short",
+		ply->soup.path);
 }
 
 /* ---- rows ---- */
@@ -428,8 +429,8 @@ static int ply_texture(const struct ply *ply)
 	return said >= 0 && said < ply->texture_count ? (int)said : -1;
 }
 
-/* Adds the corners of the list first .. first + count, which are in range. turned: in the order of a
- * strip's second triangle. */
+/* Adds the corners of the list first .. first + count, which are in range. turned: in the order of
+ * a strip's second triangle. */
 static int ply_add_polygon(struct ply *ply, size_t first, size_t count, bool turned)
 {
 	const bool wedges = has_roles(ply->of, ROLE_UVS, 1) &&

@@ -123,8 +123,8 @@ static bool part_grow_slots(struct soup_part *part)
 	return true;
 }
 
-/* Rounds to single precision from the origin, which is near any corner of the mesh. Returns NONE when
- * memory is short. */
+/* Rounds to single precision from the origin, which is near any corner of the mesh. Returns NONE
+ * when memory is short. */
 static uint32_t part_vertex(const double origin[3], struct soup_part *part,
 			    const struct soup_corner *from, unsigned has)
 {
@@ -203,8 +203,8 @@ static int soup_add_triangle(struct soup *soup, struct soup_part *part, const st
 
 /* ---- polygons ---- */
 
-/* Sees a polygon along the axis that its normal is nearest to, turned counter-clockwise. The normal is
- * Newell's, whose length is twice the area. */
+/* Sees a polygon along the axis that its normal is nearest to, turned counter-clockwise. The normal
+ * is Newell's, whose length is twice the area. */
 static void polygon_see(const struct soup_corner *corner, int count, double (*at)[2])
 {
 	double normal[3] = {0, 0, 0};

@@ -16,20 +16,21 @@ struct soup_corner {
 	float normal[3], uv[2], colour[3];
 };
 
-/* What corners have, as bits. What they have not is ignored. Texture coordinates that are no numbers, as
- * some programs write them of faces without area, become 0; such a normal is none. */
+/* What corners have, as bits. What they have not is ignored. Texture coordinates that are no
+ * numbers, as some programs write them of faces without area, become 0; such a normal is none. */
 #define SOUP_NORMALS 1u
 #define SOUP_UVS 2u
 #define SOUP_COLOURS 4u
 
 bool soup_has_normal(const struct soup_corner *corner);
 
-/* A matt surface: grey where the file says nothing of colours, white where it has some elsewhere. */
+/* A matt surface: grey where the file says nothing of colours, white where it has some
+ * elsewhere. */
 struct material soup_material(bool coloured);
 
 /*
- * Returns what colours of vertices are divided by, since programs write them as shares of 1, as bytes or
- * as 16-bit values in types that could hold more. most: the largest one of the file.
+ * Returns what colours of vertices are divided by, since programs write them as shares of 1, as
+ * bytes or as 16-bit values in types that could hold more. most: the largest one of the file.
  */
 double soup_full_colour(double most);
 
@@ -66,9 +67,9 @@ int soup_open(struct soup *soup, struct mesh *mesh, const char *path, bool mater
 int soup_lack(const struct soup *soup); /* -ENOMEM */
 
 /*
- * Adds a polygon, which may be concave and is cut in its plane, by ears (Meisters 1975). Its corners
- * must have normals all of them, or none. One with fewer than 3 corners is left out. -ENOMEM; -EFBIG:
- * too many triangles. material: index in the mesh's own list.
+ * Adds a polygon, which may be concave and is cut in its plane, by ears (Meisters 1975). Its
+ * corners must have normals all of them, or none. One with fewer than 3 corners is left out.
+ * -ENOMEM; -EFBIG: too many triangles. material: index in the mesh's own list.
  */
 int soup_add(struct soup *soup, const struct soup_corner *corners, int count, int material,
 	     unsigned has);

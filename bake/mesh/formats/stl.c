@@ -10,8 +10,8 @@
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/formats/soup.h"
 
-/* A binary file: a header, the number of triangles, and for each a normal, three corners and two bytes
- * that some programs use for a colour. */
+/* A binary file: a header, the number of triangles, and for each a normal, three corners and two
+ * bytes that some programs use for a colour. */
 #define HEADER_BYTES 84
 #define TRIANGLE_BYTES 50
 
@@ -65,11 +65,11 @@ static int stl_read_binary(struct stl *stl)
 	int err = 0;
 
 	if (HEADER_BYTES + (uint64_t)TRIANGLE_BYTES * count > stl->soup.bytes)
-		return fault_say(stl->soup.fault, -EBADMSG,
-				 "%s: it ends in triangle %zu, expected %u of them: damaged or cut "
-				 "short",
-				 stl->soup.path,
-				 (stl->soup.bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1, count);
+		return fault_say(
+			stl->soup.fault, -EBADMSG,
+			"%s: it ends in triangle %zu, expected %u of them: damaged or cut short",
+			stl->soup.path, (stl->soup.bytes - HEADER_BYTES) / TRIANGLE_BYTES + 1,
+			count);
 	for (uint32_t t = 0; t < count && !err; t++, at += TRIANGLE_BYTES) {
 		struct soup_corner corner[3] = {{.uv = {0}}};
 

@@ -50,8 +50,8 @@ bool text_is(struct text_span word, const char *text);
 bool text_begins(struct text_span line, const char *text);
 bool text_is_any_case(struct text_span word, const char *text);
 
-/* The place of a word, in any case, in a list of words with a blank between them, from 0; -1: it is none of
- * them. */
+/* The place of a word, in any case, in a list of words with a blank between them, from 0; -1: it is
+ * none of them. */
 int text_place(struct text_span word, const char *list);
 
 /* Copies a span; NULL: out of memory. */

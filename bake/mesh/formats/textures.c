@@ -26,10 +26,10 @@ static int texture_find(const struct textures *textures, const struct texture_na
 	if (!name || !name->by || beside_find(name->by, name->name, path) ||
 	    beside_find(textures->mesh_path, name->name, path))
 		return 0;
-	return fault_say(textures->fault, -ENOENT,
-			 "%s:%d: there is no picture %s, expected it there or, by its bare name, "
-			 "beside this file",
-			 name->by, name->line, name->name);
+	return fault_say(
+		textures->fault, -ENOENT,
+		"%s:%d: there is no picture %s, expected it there or, by its bare name, beside this file",
+		name->by, name->line, name->name);
 }
 
 /* Reads a picture, if there is a path. */
@@ -198,8 +198,8 @@ static int texture_fill(struct texture *texture, enum texture_kind kind, struct 
 	return picture_file_decode(&texture->image, kind == TEXTURE_OF_DATA);
 }
 
-/* Reads the pictures of a texture that has just been added, and takes the memory of one as large as both. A
- * file of several textures counts once. */
+/* Reads the pictures of a texture that has just been added, and takes the memory of one as large as
+ * both. A file of several textures counts once. */
 static int textures_read(struct textures *textures, const char path[2][PATH_MAX],
 			 struct image picture[2])
 {

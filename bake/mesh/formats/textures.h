@@ -24,8 +24,9 @@ struct texture_name {
 
 /* What two pictures become, either of which may be missing. */
 enum texture_kind {
-	TEXTURE_OF_COLOURS, /* the second is coverage: its alpha if it has one, else its grey. Without a
-				first it is white */
+	/* the second is coverage: its alpha if it has one, else its grey; without a first it is
+	 * white */
+	TEXTURE_OF_COLOURS,
 	TEXTURE_OF_SURFACES, /* data: their red values are green and blue, as glTF has roughness and
 				metalness; 1 where there is no picture */
 	TEXTURE_OF_DATA,     /* the first as it is */
@@ -36,7 +37,8 @@ int textures_get(struct textures *textures, enum texture_kind kind,
 		 const struct texture_name *first, const struct texture_name *second,
 		 enum texture_wrap wrap, const struct texture **texture);
 
-/* Whether a texture of data is one of normals, which is blue, or of something else, such as heights. */
+/* Whether a texture of data is one of normals, which is blue, or of something else, such as
+ * heights. */
 bool texture_has_normals(const struct texture *texture);
 
 void textures_free(struct textures *textures); /* idempotent; leaves the mesh's textures */

@@ -17,8 +17,8 @@
 namespace gltf
 {
 
-/* Lends the memory that a decoder allocates, which believes all numbers: of faces and points here, of
- * attributes below. Returns the kind of its mesh. */
+/* Lends the memory that a decoder allocates, which believes all numbers: of faces and points here,
+ * of attributes below. Returns the kind of its mesh. */
 static uint8_t lend_claimed(Document &document, const Json &extension, draco::DecoderBuffer buffer)
 {
 	draco::DracoHeader header = {};
@@ -57,7 +57,8 @@ template <typename Kind> class Lending : public Kind
 	try {
 		const draco::PointCloud &cloud = *this->point_cloud();
 
-		/* each value as it is packed, in whole numbers, and in float; its number for each point */
+		/* each value as it is packed, in whole numbers, and in float; its number for each
+		 * point */
 		for (int k = 0; k < cloud.num_attributes(); k++)
 			document.lend(static_cast<double>(cloud.num_points()) *
 				      (static_cast<double>(cloud.attribute(k)->byte_stride()) +
@@ -108,8 +109,8 @@ bool Compressed::has(const std::string &attribute) const
 	return find(attributes, attribute.c_str());
 }
 
-/* What turns the decoder's values into those that the accessor says: its "normalized" counts, which encoders
- * do not always repeat inside. */
+/* What turns the decoder's values into those that the accessor says: its "normalized" counts, which
+ * encoders do not always repeat inside. */
 static float accessor_scale(const draco::PointAttribute &from, const Json &accessor)
 {
 	const bool normalized = truth(accessor, "normalized", false);

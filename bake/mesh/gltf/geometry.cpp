@@ -195,7 +195,8 @@ static Influences read_influences(Attributes &attributes, size_t vertices)
 	return out;
 }
 
-/* Forgets the vertices that no triangle uses: many primitives may share the arrays of all of them. */
+/* Forgets the vertices that no triangle uses: many primitives may share the arrays of all of
+ * them. */
 static void keep_used(Geometry &of)
 {
 	std::vector<uint32_t> number(of.vertices);

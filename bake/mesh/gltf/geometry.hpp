@@ -27,8 +27,8 @@ struct Geometry {
 
 enum Mode : size_t { TRIANGLES = 4, TRIANGLE_STRIP = 5, TRIANGLE_FAN = 6, MODE_MOST = 6 };
 
-/* weights: of the morph targets. sets: which texture coordinates become uv. The primitive's mode has
- * triangles. */
+/* weights: of the morph targets. sets: which texture coordinates become uv. The primitive's mode
+ * has triangles. */
 Geometry read_geometry(Document &document, const Json &primitive,
 		       const std::vector<double> &weights, const size_t sets[2]);
 

@@ -123,8 +123,8 @@ const texture *Materials::read_texture(const Json &info, bool data)
 }
 
 /*
- * Where a texture is looked up. With (u, v) of the file, whose v runs downwards, KHR_texture_transform
- * says
+ * Where a texture is looked up. With (u, v) of the file, whose v runs downwards,
+ * KHR_texture_transform says
  *     u' = c sx u + s sy v + ox,  v' = -s sx u + c sy v + oy,  c, s: of the rotation
  * and the mesh has v upwards, 1 - v, before and after.
  */
@@ -311,8 +311,8 @@ double Materials::thickness_of(const Json &from, Used &used)
 	return thickness;
 }
 
-/* Light is tinted wherever it passes a surface; that which a volume takes is divided between the two
- * surfaces of its said thickness. */
+/* Light is tinted wherever it passes a surface; that which a volume takes is divided between the
+ * two surfaces of its said thickness. */
 void Materials::read_glass(const Json &from, material &to, Used &used)
 {
 	const Json *glass = find_extension(from, "KHR_materials_transmission");

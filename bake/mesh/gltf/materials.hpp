@@ -23,8 +23,8 @@ struct Used {
 	size_t sets[2];
 	bool textured[2]; /* which of them textures use */
 	bool one_sided;
-	/* Where a texture says how much light passes: what the surface is made of where that is little,
-	 * in red times the share; -1: there is no such texture. */
+	/* Where a texture says how much light passes: what the surface is made of where that is
+	 * little, in red times the share; -1: there is no such texture. */
 	int dull;
 	texture_use passing;
 	float share;
@@ -37,8 +37,8 @@ class Materials
 	 * any; if not, all materials are the mesh's first. */
 	Materials(Document &from, mesh *to, left_out *missing, bool read);
 
-	/* The material of a primitive, which is read when it is first used. scale: of lengths from the mesh
-	 * to the world, which a volume's thickness has too. */
+	/* The material of a primitive, which is read when it is first used. scale: of lengths from
+	 * the mesh to the world, which a volume's thickness has too. */
 	Used use(const Json &primitive, double scale);
 
       private:

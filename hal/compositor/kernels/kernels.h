@@ -77,9 +77,9 @@ struct kernel_vector {
 struct kernel_curves {
 	_Alignas(64) uint16_t decode[256]; /* linear light, 65535 = 1 */
 	_Alignas(64) float linear[256];	   /* the same numbers */
-	/* Linear light, white is 1, of a code v: light[0] + light[1] v + light[2] v^2 + light[3] v^3, the
-	 * cubic through four codes; for the strength of noise. Off by 0.004 of white at most for named
-	 * curves, by 0.07 for a film's toe and shoulder. */
+	/* Linear light, white is 1, of a code v: light[0] + light[1] v + light[2] v^2 + light[3]
+	 * v^3, the cubic through four codes; for the strength of noise. Off by 0.004 of white at
+	 * most for named curves, by 0.07 for a film's toe and shoulder. */
 	float light[4];
 	/* Code of piece i at t in 0..1/2, in 1/256 of a level, plus 1/2 level for the rounding:
 	 *     a[i] + b[i] t + c[i] t^2        |b| + |c| / 2 < 32767
@@ -207,9 +207,9 @@ struct kernels {
 	void (*mix)(const struct kernel_row *row);
 
 	/*
-	 * Adds grain to the rows of a tile, in single precision (rounded to the nearest, never contracted,
-	 * in this order), with B = light[0] + v (light[1] + v (light[2] + v light[3])) of the background's
-	 * code v:
+	 * Adds grain to the rows of a tile, in single precision (rounded to the nearest, never
+	 * contracted, in this order), with B = light[0] + v (light[1] + v (light[2] + v light[3]))
+	 * of the background's code v:
 	 *     k        = max(1 - taken, 0) (1 - coverage),    L = min(O + k B, 1)
 	 *     variance = max(floor (1 - k^2) + slope (L - k^2 B), 0)
 	 *     to       = object + sqrt(variance) noise        cut towards 0

@@ -34,7 +34,8 @@ static bool is_faint(const struct kernel_row *row)
 
 _Static_assert((int)BASIS_TILE == (int)KERNEL_GRAIN, "kernels take the rows of a tile");
 
-/* Copies coverage and background of a tile that the picture's edge cuts, as kernels read whole rows. */
+/* Copies coverage and background of a tile that the picture's edge cuts, as kernels read whole
+ * rows. */
 static void complete_rows(const struct kernel_row *row, struct kernel_grain *tile,
 			  struct grain_tile *scratch)
 {

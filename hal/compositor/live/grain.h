@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The camera's noise, added to the object. A camera's noise has, in linear light L (white is 1), the
- * variance
+ * The camera's noise, added to the object. A camera's noise has, in linear light L (white is 1),
+ * the variance
  *
  *     sigma^2(L) = floor + slope L          (read noise and shot noise)
  *

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lamps that flicker light each row of a rolling shutter otherwise. The object's light is multiplied
- * by the same,
+ * Lamps that flicker light each row of a rolling shutter otherwise. The object's light is
+ * multiplied by the same,
  *
  *     O' = clamp(floor(O row / 2^16 + 1/2))        clamp() is to +-KERNEL_LIMIT
  *

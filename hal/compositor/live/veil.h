@@ -14,9 +14,10 @@
  *     1 - ratio' = (1 - a) (1 - ratio)
  *     B         = C + coverage (F - C)      in code values
  *
- * in the formula of compositor.h; what the object shows of the background counts as O. f = 1 shows the camera's own pixel, to the bit. a hides the ground
- * that the object shadows, so a person who stands in the shadow, or behind the object, is not
- * darkened by it; that is so for every a, whatever the order.
+ * in the formula of compositor.h; what the object shows of the background counts as O. f = 1 shows
+ * the camera's own pixel, to the bit. a hides the ground that the object shadows, so a person who
+ * stands in the shadow, or behind the object, is not darkened by it; that is so for every a,
+ * whatever the order.
  */
 #ifndef INLAY_HAL_COMPOSITOR_VEIL_H
 #define INLAY_HAL_COMPOSITOR_VEIL_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Takes from a tile what people hide (veil.h), before it is mixed. The mixing kernel has no case for
- * it.
+ * Takes from a tile what people hide (veil.h), before it is mixed. The mixing kernel has no case
+ * for it.
  */
 #ifndef INLAY_HAL_COMPOSITOR_LIVE_VEILED_TILE_H
 #define INLAY_HAL_COMPOSITOR_LIVE_VEILED_TILE_H
@@ -12,7 +12,8 @@
 
 #define VEILED_PIXELS (BASIS_TILE * BASIS_TILE)
 
-/* A tile's part of the veil, and scratch memory for its pixels. All arrays have rows of BASIS_TILE. */
+/* A tile's part of the veil, and scratch memory for its pixels. All arrays have rows of
+ * BASIS_TILE. */
 struct veiled_tile {
 	uint8_t front[VEILED_PIXELS], anybody[VEILED_PIXELS];
 	uint8_t foremost[VEILED_PIXELS * 4];

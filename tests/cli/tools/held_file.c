@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Loaded before a program (LD_PRELOAD), plays a file that takes long to read: who opens the file that
- * HELD_FILE names waits until it has another name, too, with .go at its end.
+ * Loaded before a program (LD_PRELOAD), plays a file that takes long to read: who opens the file
+ * that HELD_FILE names waits until it has another name, too, with .go at its end.
  */
 #include <dlfcn.h>
 #include <fcntl.h>

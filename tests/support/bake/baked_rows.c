@@ -11,7 +11,8 @@
 
 #include "hal/basis/basis_layout.h"
 
-/* out[i] += what a block says of light i at its p-th pixel, channel c. The block has no patterns. */
+/* out[i] += what a block says of light i at its p-th pixel, channel c. The block has no
+ * patterns. */
 static void baked_add(const struct basis *basis, const struct basis_block *block, int p, int c,
 		      double *out)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows of a bake's exact layer, read back in double precision from basis_format.h alone. Pixel (x, y)
- * is of pose 0, c is a channel, and `light` is the radiance of each light; NULL: 1 for all.
+ * Rows of a bake's exact layer, read back in double precision from basis_format.h alone. Pixel (x,
+ * y) is of pose 0, c is a channel, and `light` is the radiance of each light; NULL: 1 for all.
  */
 #ifndef INLAY_TESTS_SUPPORT_BAKE_BAKED_ROWS_H
 #define INLAY_TESTS_SUPPORT_BAKE_BAKED_ROWS_H

@@ -164,7 +164,8 @@ static void promise_unseen(const struct encode_rig *e, const struct encode_rig_p
 
 		promise_unseen_light(e, chance, radiance);
 		seen = promise_seen_under(e, part, radiance, false);
-		/* The encoder has not tried this light: its largest error may be half as large again. */
+		/* The encoder has not tried this light: its largest error may be half as large
+		 * again. */
 		if (seen.rms > e->settings.target.cell || seen.most > 1.5 * e->settings.target.max)
 			fail_msg("unseen light %d: RMS %g, most %g levels", k, seen.rms, seen.most);
 	}
@@ -260,7 +261,8 @@ static double promise_weight(const struct encode_rig *e, enum basis_kind kind, i
 		       : e->light[light].solid_angle_sr;
 }
 
-/* Whether block k shares its columns of groups with the block before it, as basis_format.h defines. */
+/* Whether block k shares its columns of groups with the block before it, as basis_format.h
+ * defines. */
 static bool promise_follows(const struct encode_rig *e, const struct encode_result *result, int k)
 {
 	const struct basis_block_payload *now = &result->shown[k], *before = now - (k > 0);

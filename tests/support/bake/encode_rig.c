@@ -129,7 +129,8 @@ double encode_rig_dot(const double a[3], const double b[3])
 	return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Share of a light's cell that the ball hides from a pixel, 0..1, with an edge as wide as a cell. */
+/* Share of a light's cell that the ball hides from a pixel, 0..1, with an edge as wide as a
+ * cell. */
 static double encode_rig_hidden(const struct encode_rig *e, int pixel, int light)
 {
 	const double w = e->light[light].solid_angle_sr, width = sqrt(w / M_PI);
@@ -293,7 +294,8 @@ static void encode_rig_decode(const struct encode_rig *e, struct encode_rig_part
 								    (int)i) *
 						 encode_rig_unit(e, b->kind, (int)i);
 			}
-			/* Columns of groups repeat what the lights' own columns say, and are left out. */
+			/* Columns of groups repeat what the lights' own columns say, and are left
+			 * out. */
 			for (uint32_t k = 0; k < b->columns && a.light[k] < n; k++)
 				to[a.light[k]] += tint * encode_rig_column(b, &a, q, row, k) *
 						  encode_rig_unit(e, b->kind, a.light[k]);

@@ -27,8 +27,8 @@ struct encode_rig {
 	uint16_t coverage[ENCODE_RIG_PIXELS_MAX];
 };
 
-/* Samples of one kind with memory of their own, and what the encoded blocks say of them, per unit of
- * L. */
+/* Samples of one kind with memory of their own, and what the encoded blocks say of them, per unit
+ * of L. */
 struct encode_rig_part {
 	struct encode_samples samples;
 	uint16_t pixel[ENCODE_RIG_PIXELS_MAX];

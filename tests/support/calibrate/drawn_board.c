@@ -74,7 +74,8 @@ static double drawn_board_pixel(const struct drawn_board *drawn, const struct bo
 		return first;
 	for (int i = 0; i < SIDE; i++)
 		for (int j = 0; j < SIDE; j++) {
-			/* The grid is sheared, so that an edge along a row crosses its samples one by one. */
+			/* The grid is sheared, so that an edge along a row crosses its samples one
+			 * by one. */
 			const double s = (i + (j + 0.5) / SIDE) / SIDE;
 			const double t = (j + (i + 0.5) / SIDE) / SIDE;
 

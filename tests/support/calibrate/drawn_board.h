@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Draws pictures of a calibration board through a known camera. board_ink() says where the ink is;
- * the paper is one square wider than the ink, and behind the board is a grey wall. Light is averaged
- * over each pixel before it is encoded in sRGB.
+ * the paper is one square wider than the ink, and behind the board is a grey wall. Light is
+ * averaged over each pixel before it is encoded in sRGB.
  */
 #ifndef INLAY_TESTS_SUPPORT_CALIBRATE_DRAWN_BOARD_H
 #define INLAY_TESTS_SUPPORT_CALIBRATE_DRAWN_BOARD_H

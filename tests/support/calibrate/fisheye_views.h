@@ -14,14 +14,15 @@ extern const struct fisheye_settings fisheye_views_lenses[FISHEYE_MODEL_COUNT];
 void fisheye_views_begin(struct observations *all);
 
 /* Adds a view of lamps all over the field, up to most_deg from the axis. Places have noise of
- * standard deviation sigma, in px. The directions have length 2.5, because length must not matter. */
+ * standard deviation sigma, in px. The directions have length 2.5, because length must not
+ * matter. */
 void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int count,
 		       double most_deg, double sigma, struct chance *c);
 
 /*
- * Adds a view of a board of 6 x 5 corners, 50 mm apart. Its middle lies 0.2 to 0.3 m from the camera
- * in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at random. bend: standard
- * deviation of its three second derivatives by 2, 1/m; 0: it is flat.
+ * Adds a view of a board of 6 x 5 corners, 50 mm apart. Its middle lies 0.2 to 0.3 m from the
+ * camera in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at
+ * random. bend: standard deviation of its three second derivatives by 2, 1/m; 0: it is flat.
  */
 void fisheye_see_board(struct observations *all, const struct fisheye *lens, double theta,
 		       double phi, double bend, double sigma, struct chance *c);

@@ -13,8 +13,8 @@
 #define KNOWN_CAMERA_STEP 0.03 /* between the corners of a board, in m */
 
 /*
- * A camera at `eye` that looks at `target`, both in m. `bend` is kappa1 in units of the sensor's half
- * diagonal: 0.1 moves the corner of the picture by a tenth.
+ * A camera at `eye` that looks at `target`, both in m. `bend` is kappa1 in units of the sensor's
+ * half diagonal: 0.1 moves the corner of the picture by a tenth.
  */
 struct tsai_camera known_camera(const double eye[3], const double target[3], double bend,
 				int distortion);

@@ -35,8 +35,8 @@ uint8_t chart_code(const struct chart_camera *camera, double linear, struct chan
 
 /*
  * Fills a picture of 8 bits and three channels: patches of 16 x 16 px whose light falls
- * geometrically from 1 to `range`, times the exposure time `time`. Each channel has another order of
- * patches.
+ * geometrically from 1 to `range`, times the exposure time `time`. Each channel has another order
+ * of patches.
  */
 void chart_photograph(const struct chart_camera *camera, double time, double range,
 		      struct chance *chance, struct image *picture);

@@ -147,8 +147,9 @@ TEST("without drivers their sections are skipped")
 	c = fresh(NULL);
 	assert_int_equal(config_read_memory(c, wrong, strlen(wrong), "k.conf", &report), -EINVAL);
 	assert_int_equal(report.count, 1);
-	assert_string_equal(report.first.text, "k.conf:4: [background] transfr: unknown key, did "
-					       "you mean \"transfer\"?");
+	assert_string_equal(
+		report.first.text,
+		"k.conf:4: [background] transfr: unknown key, did you mean \"transfer\"?");
 	config_destroy(c);
 }
 
@@ -159,9 +160,9 @@ TEST("one camera too many is said")
 	struct ini_report report = {.count = 0};
 
 	assert_int_equal(config_read_memory(c, text, strlen(text), "k.conf", &report), -EINVAL);
-	assert_string_equal(report.first.text,
-			    "k.conf:5: [camera e] is one section [camera NAME] more "
-			    "than there is room for");
+	assert_string_equal(
+		report.first.text,
+		"k.conf:5: [camera e] is one section [camera NAME] more than there is room for");
 	config_destroy(c);
 }
 
@@ -174,17 +175,11 @@ TEST("what no key tells alone")
 				   "[buttons]\ndriver = gpio\n";
 	static const char *const expected[] = {
 		"k.conf: [basis] file: is empty, expected the basis file that inlay-bake made",
-		"k.conf: [camera sky] driver: is \"fak\", expected one of plain, fake; did you "
-		"mean "
-		"\"fake\"?",
-		"k.conf: [camera bg] fake.file: cannot read \"missing.hdr\": No such file or "
-		"directory",
-		"k.conf: [fisheye] camera: there is no section [camera skyy]; did you mean "
-		"\"sky\"?",
+		"k.conf: [camera sky] driver: is \"fak\", expected one of plain, fake; did you mean \"fake\"?",
+		"k.conf: [camera bg] fake.file: cannot read \"missing.hdr\": No such file or directory",
+		"k.conf: [fisheye] camera: there is no section [camera skyy]; did you mean \"sky\"?",
 		"k.conf: [background] camera: is empty, expected the name of a [camera NAME]",
-		"k.conf: [screen] show: is scene, but [scene] camera is empty; expected the name "
-		"of a "
-		"[camera NAME] there",
+		"k.conf: [screen] show: is scene, but [scene] camera is empty; expected the name of a [camera NAME] there",
 		"k.conf: [screen] driver: is \"kns\", expected one of kms; did you mean \"kms\"?",
 		"k.conf: [buttons] driver: is \"gpio\", expected one of none, fake",
 	};
@@ -240,11 +235,10 @@ static char *printed(const struct config *config, void (*print)(const struct con
 TEST("printing reads back")
 {
 	struct config *c = read_text(
-		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n[camera "
-		"two]\n"
-		"rate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nhflip = yes\n[lights]\n"
-		"threshold = 33.5%\nfollow = 0.25\nthreshold_mode = drop\n[screen]\nscale = "
-		"fit\nshow = quad\n");
+		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n"
+		"[camera two]\nrate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nhflip = yes\n"
+		"[lights]\nthreshold = 33.5%\nfollow = 0.25\nthreshold_mode = drop\n[screen]\n"
+		"scale = fit\nshow = quad\n");
 	char *text = printed(c, config_print), *again;
 	struct config *other = read_text(text);
 

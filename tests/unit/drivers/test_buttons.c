@@ -267,7 +267,8 @@ TEST("edges in order")
 	char text[2 * EDGE_ORDER_MAX + 1] = "";
 
 	assert_int_equal(take_all(&order, 5 * ms, text), INT64_MAX);
-	/* The second line's edge arrives first, and an earlier edge of the first line only later. */
+	/* The second line's edge arrives first, and an earlier edge of the first line only
+	 * later. */
 	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 11 * ms});
 	edge_order_add(&order, 1, (struct gpio_edge){.at_ns = 13 * ms});
 	assert_int_equal(take_all(&order, 14 * ms, text), 11 * ms + EDGE_ORDER_NS);

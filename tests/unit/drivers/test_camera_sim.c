@@ -293,7 +293,8 @@ TEST("the sensor encodes")
 	}
 }
 
-/* Each key changes the studio's picture; automatic exposure brings a flat one to its level at once. */
+/* Each key changes the studio's picture; automatic exposure brings a flat one to its level at
+ * once. */
 TEST("the look has keys")
 {
 	static const char *const keys[] = {"edge_spread=1", "auto_exposure=0.3", "auto_white=yes",

@@ -78,10 +78,10 @@ TEST("what fails is said")
 
 	memset(&adapter, 0, sizeof(adapter));
 	assert_int_equal(cec_switch("/dev/null/none", true, &fault), -ENOTDIR);
-	assert_string_equal(fault.text, "/dev/null/none: the television is not told to wake: "
-					"Not a directory");
+	assert_string_equal(fault.text,
+			    "/dev/null/none: the television is not told to wake: Not a directory");
 	adapter.deaf = true;
 	assert_int_equal(cec_switch("/dev/null", false, &fault), -ENOTCONN);
-	assert_string_equal(fault.text, "/dev/null: the television is not told to go to standby: "
-					"none answers");
+	assert_string_equal(fault.text,
+			    "/dev/null: the television is not told to go to standby: none answers");
 }

@@ -143,8 +143,8 @@ static const struct display_ops turned = {
 	.close = turned_close,
 };
 
-/* The first pixel of each corner of the upright picture, clockwise from the upper left, is 1 to 4. Turned
- * by a quarter clockwise, what was at the upper left stands at the upper right. */
+/* The first pixel of each corner of the upright picture, clockwise from the upper left, is 1 to 4.
+ * Turned by a quarter clockwise, what was at the upper left stands at the upper right. */
 TEST("pictures are turned within margins")
 {
 	struct display_settings settings = {.margins = {1, 1, 2, 1}};

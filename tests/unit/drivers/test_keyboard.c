@@ -26,8 +26,9 @@ TEST("names")
 	assert_string_equal(fault.text,
 			    "keyboard.quit: unknown key \"spcae\", did you mean \"space\"?");
 	assert_int_equal(keymap_add(&map, ACTION_QUIT, "q up", "keyboard.quit", &fault), -EINVAL);
-	assert_string_equal(fault.text, "keyboard.quit: the key \"up\" is taken by threshold-up, "
-					"expected one that is free");
+	assert_string_equal(
+		fault.text,
+		"keyboard.quit: the key \"up\" is taken by threshold-up, expected one that is free");
 }
 
 /* The names are the kernel's: a wrong code in the table would be another key. */
@@ -60,8 +61,8 @@ TEST("codes")
 	assert_int_equal(keymap_code(""), -1);
 }
 
-/* Each default names keys, and no key twice. Every action has one except threshold-set, pose, wake and
- * quit: keys typed at a kiosk must not end it. */
+/* Each default names keys, and no key twice. Every action has one except threshold-set, pose, wake
+ * and quit: keys typed at a kiosk must not end it. */
 TEST("defaults")
 {
 	unsigned char *options = calloc(1, buttons_keyboard.options_size);
@@ -127,7 +128,8 @@ TEST("presses")
 	assert_false(keys.ask);
 }
 
-/* A touch screen as the kernel reports it: two fingers come and go, which is one tap; then another. */
+/* A touch screen as the kernel reports it: two fingers come and go, which is one tap; then
+ * another. */
 TEST("a tap is a press")
 {
 	static const struct {

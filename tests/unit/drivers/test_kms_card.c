@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The KMS display against a graphics card that this program plays: a FIFO is opened as the card, and
- * ioctl() and mmap() are answered here instead of by a kernel. tests/vm is about what a real kernel
- * answers; this is about cards that the simulated machine does not have: one that scales, one that
- * is busy, one whose flips never come, one whose screen changes its modes, one whose link fails, one
- * on which an earlier program left a cursor.
+ * The KMS display against a graphics card that this program plays: a FIFO is opened as the card,
+ * and ioctl() and mmap() are answered here instead of by a kernel. tests/vm is about what a real
+ * kernel answers; this is about cards that the simulated machine does not have: one that scales,
+ * one that is busy, one whose flips never come, one whose screen changes its modes, one whose link
+ * fails, one on which an earlier program left a cursor.
  */
 #include <drm_fourcc.h>
 #include <errno.h>
@@ -809,7 +809,8 @@ TEST_BETWEEN("the range is chosen and restored", plug_in, take_out)
 	assert_null(strstr(text, "Automatic"));
 }
 
-/* A picture that is white in its upper left corner: where that comes to lie in the card's buffer. */
+/* A picture that is white in its upper left corner: where that comes to lie in the card's
+ * buffer. */
 TEST_BETWEEN("panels that are turned turn the picture", plug_in, take_out)
 {
 	static const struct {

@@ -171,7 +171,8 @@ TEST("modes are picked")
 		{"", false, 800, 600, DRM_MODE_CONNECTED, 2, -EINVAL, 0, false},
 		{"", false, 0, 0, DRM_MODE_DISCONNECTED, 2, -ENOLINK, 0, false},
 		{"", false, 0, 0, DRM_MODE_CONNECTED, 0, -EINVAL, 0, false},
-		/* the screen's own timing for that size and rate, if it has one, else the standard */
+		/* the screen's own timing for that size and rate, if it has one, else the
+		 * standard */
 		{"1920x1080@60", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 1920, false},
 		{"1920x1080@50", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 1920, true},
 		{"800x600", false, 0, 0, DRM_MODE_CONNECTED, 2, 0, 800, true},

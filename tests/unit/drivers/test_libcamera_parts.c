@@ -52,14 +52,14 @@ TEST("cameras are found by name")
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++)
 		assert_int_equal(libcamera_find(cameras, 5, cases[i].wanted, &fault),
 				 cases[i].expected);
-	assert_string_equal(fault.text,
-			    "no camera \"ov5647\"; there is platform/isp imx219 0 (imx219), "
-			    "platform/isp imx219 1 (imx219), usb-1.2 046d (Webcam of imx708), "
-			    "platform/isp imx708 (imx708), imx708 (another)");
+	assert_string_equal(
+		fault.text,
+		"no camera \"ov5647\"; there is platform/isp imx219 0 (imx219), "
+		"platform/isp imx219 1 (imx219), usb-1.2 046d (Webcam of imx708), platform/isp imx708 (imx708), imx708 (another)");
 	libcamera_find(cameras, 5, "imx219", &fault);
-	assert_string_equal(fault.text,
-			    "\"imx219\" fits more than one camera, expected one of "
-			    "platform/isp imx219 0 (imx219), platform/isp imx219 1 (imx219)");
+	assert_string_equal(
+		fault.text,
+		"\"imx219\" fits more than one camera, expected one of platform/isp imx219 0 (imx219), platform/isp imx219 1 (imx219)");
 }
 
 TEST("names that do not fit are cut")

@@ -238,7 +238,8 @@ static void traced_pixel(const struct sim_eye *eye, int x, int y, const struct s
 static void check_view(const struct sim_eye *eye, double switch_s, const char *name)
 {
 	const struct studio_lamps lamps = studio_lamps(3.7, switch_s);
-	/* Neither side of a picture is a multiple of 7, so that rows begin in all of its columns. */
+	/* Neither side of a picture is a multiple of 7, so that rows begin in all of its
+	 * columns. */
 	const int stride = thorough() ? 1 : 7;
 	double worst = 0, sum = 0;
 	float *rgb = render(eye, 3.7, switch_s);
@@ -425,11 +426,10 @@ TEST("the light sampler finds the true lights")
 		const struct sampled node = sample(cases[i].frequency, cases[i].side,
 						   ESTIMATOR_NODE, 2.0);
 
-		print_message("# f %d, fisheye %d px: cell RMS %.2f %% largest %.2f %% irradiance "
-			      "%+.3f %%; node RMS %.1f %% largest %.0f %% irradiance %+.1f %%\n",
-			      cases[i].frequency, cases[i].side, 100 * cell.rms, 100 * cell.worst,
-			      100 * cell.energy, 100 * node.rms, 100 * node.worst,
-			      100 * node.energy);
+		print_message(
+			"# f %d, fisheye %d px: cell RMS %.2f %% largest %.2f %% irradiance %+.3f %%; node RMS %.1f %% largest %.0f %% irradiance %+.1f %%\n",
+			cases[i].frequency, cases[i].side, 100 * cell.rms, 100 * cell.worst,
+			100 * cell.energy, 100 * node.rms, 100 * node.worst, 100 * node.energy);
 		assert_true(cell.worst < cases[i].worst);
 		assert_true(fabs(cell.energy) < cases[i].energy);
 	}

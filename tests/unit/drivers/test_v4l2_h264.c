@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* H.264 from a played device: each stream is encoded here, by FFmpeg's program, and compared with its source. */
+/* H.264 from a played device: each stream is encoded here, by FFmpeg's program, and compared with
+ * its source. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <math.h>
@@ -344,8 +345,8 @@ TEST("a stream is joined in its middle")
 	free(s);
 }
 
-/* Some encoders never send a key frame, and refresh a column of blocks in each picture: pictures are shown
- * again once the whole picture is new. */
+/* Some encoders never send a key frame, and refresh a column of blocks in each picture: pictures
+ * are shown again once the whole picture is new. */
 TEST("a gradual refresh ends the wait")
 {
 	struct stream *s = stream_make(PICTURE ENCODER X264 ":intra-refresh=1");
@@ -441,8 +442,9 @@ TEST("colours are those of the stream")
 
 TEST("other pixels are refused")
 {
-	struct stream *s = stream_make("-f lavfi -i testsrc2=size=64x48:rate=10 -frames:v 30 "
-				       "-pix_fmt yuv422p " ENCODER X264);
+	struct stream *s = stream_make(
+		"-f lavfi -i testsrc2=size=64x48:rate=10 -frames:v 30 -pix_fmt yuv422p " ENCODER
+			X264);
 	struct captured_log log = captured_log_begin();
 	struct played_rig rig;
 	struct frame frame;
@@ -496,8 +498,8 @@ static bool gap_before(struct h264_count *count, unsigned header, unsigned numbe
 	return read.gap;
 }
 
-/* The parameter set has scaling lists of each kind: whole, cut short, by default. FFmpeg's trace_headers reads
- * log2_max_frame_num_minus4 = 3 in it. */
+/* The parameter set has scaling lists of each kind: whole, cut short, by default. FFmpeg's
+ * trace_headers reads log2_max_frame_num_minus4 = 3 in it. */
 TEST("lost pictures are counted")
 {
 	static const uint8_t set[] = {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Walkers in the studio: their bodies against rays cast much more densely, their shadows, their feet. */
+/* Walkers in the studio: their bodies against rays cast much more densely, their shadows, their
+ * feet. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -205,7 +206,8 @@ static double shoe_bottom(const struct walker_part *shoe)
 	return fmin(shoe->from[2], shoe->from[2] + shoe->along[2]) - shoe->radius;
 }
 
-/* One foot is on the ground at any time, none is below it, and the one that stands does not slide. */
+/* One foot is on the ground at any time, none is below it, and the one that stands does not
+ * slide. */
 TEST("feet stand on the ground")
 {
 	for (double walked = 0; walked < 2; walked += 0.01) {

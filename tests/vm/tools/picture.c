@@ -277,8 +277,7 @@ static int compare(int argc, char **argv)
 		}
 	const uint8_t *e = expected.u8 + ((size_t)worst_y * expected.width + worst_x) * 3;
 	const uint8_t *a = actual.u8 + ((size_t)(worst_y + y0) * actual.width + worst_x + x0) * 3;
-	printf("largest difference %d at (%d, %d): expected %d %d %d, is %d %d %d; RMS %.4f; "
-	       "%ld pixels beyond %d\n",
+	printf("largest difference %d at (%d, %d): expected %d %d %d, is %d %d %d; RMS %.4f; %ld pixels beyond %d\n",
 	       worst, worst_x, worst_y, e[0], e[1], e[2], a[0], a[1], a[2],
 	       sqrt(squares / (3.0 * expected.width * expected.height)), beyond, within);
 	image_free(&expected);

@@ -159,8 +159,7 @@ static void doubt_rim(struct fisheye_result *result, const struct rim *rim,
 	if (sectors < SECTORS_SHARE * SECTORS && rim->cut * 4 > rim->rays)
 		verdict_doubt(
 			verdict, "show more of the circle, or calibrate with a board",
-			"the picture's edge cuts the image circle: its rim is seen in %.0f %% "
-			"of its length only",
+			"the picture's edge cuts the image circle: its rim is seen in %.0f %% of its length only",
 			100.0 * sectors / SECTORS);
 	else if (sectors < SECTORS_SHARE * SECTORS)
 		verdict_doubt(verdict, "take the picture where light comes from all around",
@@ -273,9 +272,9 @@ int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 
 	*result = (struct fisheye_result){.oriented = false};
 	if (wanted->model == FISHEYE_POLYNOMIAL)
-		return fault_say(fault, -EINVAL,
-				 "the image circle alone does not tell a polynomial; expected "
-				 "another model, or points");
+		return fault_say(
+			fault, -EINVAL,
+			"the image circle alone does not tell a polynomial; expected another model, or points");
 	if (wanted->model == FISHEYE_ORTHOGRAPHIC && rim_deg > 90)
 		return fault_say(
 			fault, -EINVAL,

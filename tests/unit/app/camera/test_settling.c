@@ -101,7 +101,8 @@ TEST("what changes is waited for")
 		assert_false(settling_check(&s, 1, 0, i));
 	for (; !settling_check(&s, 1, 120 * (1 - 0.9 * exp(-(i - 10) / 10.0)), i); i++)
 		assert_true(i < 70);
-	/* From then on the level changes by less than 4 % in 0.3 s: 0.9 exp(-t/10) (1 - exp(-0.9)) */
+	/* From then on the level changes by less than 4 % in 0.3 s: 0.9 exp(-t/10) (1 -
+	 * exp(-0.9)) */
 	assert_true(0.9 * exp(-(i - 9 - 10) / 10.0) * (1 - exp(-0.9)) < 0.041);
 	assert_true(s.settled);
 }

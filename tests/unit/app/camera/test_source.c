@@ -649,7 +649,8 @@ TEST_BETWEEN("linear light is kept and encoded", test_source_begin, test_source_
 	assert_false(source_decode(&source, 99));
 }
 
-/* Depths stay in the camera's memory, turned or not, and there are none of a camera that is lost. */
+/* Depths stay in the camera's memory, turned or not, and there are none of a camera that is
+ * lost. */
 TEST_BETWEEN("depths are read in place", test_source_begin, test_source_end)
 {
 	for (int turn = 0; turn < PICTURE_TURN_COUNT; turn++) {

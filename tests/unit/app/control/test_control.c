@@ -197,7 +197,8 @@ TEST("gone before the answer")
 	control_close(NULL);
 }
 
-/* Reads a line and so many bytes of value after it, as far as they come. Returns how many bytes came. */
+/* Reads a line and so many bytes of value after it, as far as they come. Returns how many bytes
+ * came. */
 static size_t take_picture(struct control *control, int fd, const char *line, int value,
 			   size_t most)
 {
@@ -237,8 +238,8 @@ static void answer_with(struct control *control, struct snapshot *s)
 	snapshot_release(s);
 }
 
-/* Clients that wait for a picture: others are answered meanwhile, and what a client asks for while it waits
- * or reads is done afterwards. */
+/* Clients that wait for a picture: others are answered meanwhile, and what a client asks for while
+ * it waits or reads is done afterwards. */
 TEST("answers that wait")
 {
 	struct control *control = open_control("");
@@ -278,7 +279,8 @@ TEST("answers that wait")
 	close(other);
 }
 
-/* A client that asks without end and takes nothing: the kiosk holds one picture of it, and lets it go. */
+/* A client that asks without end and takes nothing: the kiosk holds one picture of it, and lets it
+ * go. */
 TEST("pictures that nobody takes")
 {
 	struct control *control = open_control("");

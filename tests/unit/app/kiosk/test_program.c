@@ -255,35 +255,34 @@ TEST("lines say what was counted")
 	assert_true(fread(text, 1, sizeof(text) - 1, stream) > 0);
 	fclose(stream);
 	unlink(path);
-	assert_string_equal(text,
-			    "{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
-			    "\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
-			    "\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"people\":0.000,"
-			    "\"composite\":7.000,\"show\":0.000},"
-			    "\"look_ms\":{\"exposure\":0.0300,\"flicker\":0.0000,"
-			    "\"noise\":0.7500,\"neutral\":0.0003},"
-			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
-			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-			    "\"lines_lost\":0,\"coarse_lamp\":null,\"people\":null,\"cameras\":"
-			    "[{\"name\":\"sky\",\"situation\":\"fine\","
-			    "\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
-			    "\"unsettled\":9}]}\n"
-			    "{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
-			    "\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
-			    "\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"people\":0.000,"
-			    "\"composite\":0.000,\"show\":0.000},"
-			    "\"look_ms\":{\"exposure\":0.0000,\"flicker\":0.0000,"
-			    "\"noise\":0.0000,\"neutral\":0.0000},"
-			    "\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
-			    "\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
-			    "\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-			    "\"lines_lost\":0,"
-			    "\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
-			    "\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1},\"cameras\":"
-			    "[{\"name\":\"sky\",\"situation\":\"stalled\","
-			    "\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
-			    "\"unsettled\":9}]}\n");
+	assert_string_equal(
+		text,
+		"{\"t\":2.000,\"frames\":4,\"fps\":2.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":20.000,\"max\":30.000},\"late\":1,"
+		"\"stage_ms\":{\"decode\":2.000,\"sample\":2.000,\"people\":0.000,"
+		"\"composite\":7.000,\"show\":0.000},"
+		"\"look_ms\":{\"exposure\":0.0300,\"flicker\":0.0000,"
+		"\"noise\":0.7500,\"neutral\":0.0003},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,\"coarse_lamp\":null,\"people\":null,\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"fine\","
+		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
+		"\"unsettled\":9}]}\n"
+		"{\"t\":3.000,\"frames\":4,\"fps\":0.00,\"drops\":5,"
+		"\"latency_ms\":{\"mean\":0.000,\"max\":0.000},\"late\":0,"
+		"\"stage_ms\":{\"decode\":0.000,\"sample\":0.000,\"people\":0.000,"
+		"\"composite\":0.000,\"show\":0.000},"
+		"\"look_ms\":{\"exposure\":0.0000,\"flicker\":0.0000,"
+		"\"noise\":0.0000,\"neutral\":0.0000},"
+		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
+		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
+		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
+		"\"lines_lost\":0,"
+		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
+		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1},\"cameras\":"
+		"[{\"name\":\"sky\",\"situation\":\"stalled\",\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,\"unsettled\":9}]}\n");
 }
 
 static void line(struct stats *stats, int second)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lamps where the dome is coarse: what counts as one, where finer lights would not help, and that what
- * is said does not flicker. */
+/* Lamps where the dome is coarse: what counts as one, where finer lights would not help, and that
+ * what is said does not flicker. */
 #include <math.h>
 
 #include "app/pipeline/coarse_lamp.h"

@@ -322,9 +322,9 @@ TEST("what does not fit is said")
 	write_basis(off, true);
 	expect_success(basis_open(&other, off, BASIS_SHOWN, &fault), &fault);
 	assert_int_equal(pipeline_create(&pipeline, &other, &settings, &fault), -EINVAL);
-	assert_string_equal(fault.text,
-			    "light 1 of the basis has a solid angle of 1.05767 sr, expected "
-			    "1.0472 by the lights around it");
+	assert_string_equal(
+		fault.text,
+		"light 1 of the basis has a solid angle of 1.05767 sr, expected 1.0472 by the lights around it");
 	basis_close(&other);
 	unlink(off);
 }
@@ -388,8 +388,8 @@ TEST("light is followed")
 
 /* ---- the background camera's exposure ---- */
 
-/* A place of many greys in an even sky of that radiance, by a camera of that exposure; lamps flicker
- * by a share of all light. */
+/* A place of many greys in an even sky of that radiance, by a camera of that exposure; lamps
+ * flicker by a share of all light. */
 struct lit_place {
 	double radiance, exposure, flicker;
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The view that helps to set up: lines lie where the calibration says, and a torch is found where it is
- * held. */
+/* The view that helps to set up: lines lie where the calibration says, and a torch is found where
+ * it is held. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -21,7 +21,8 @@ static struct tsai_camera camera_at(double x, double y, double z)
 	return camera;
 }
 
-/* Lines are 1, 2 or 5 times a power of ten apart, and six to sixteen cross the picture's middle row. */
+/* Lines are 1, 2 or 5 times a power of ten apart, and six to sixteen cross the picture's middle
+ * row. */
 TEST("spacing follows the scene")
 {
 	for (double scale = 0.01; scale < 2000; scale *= 1.37) {

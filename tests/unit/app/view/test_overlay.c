@@ -32,8 +32,8 @@ void cairo_show_glyphs(void *cairo, const void *glyphs, int count)
 	real(cairo, glyphs, count);
 }
 
-static const char figures[] = "lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · "
-			      "29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %";
+static const char figures[] =
+	"lights 212 of 406 · threshold 32 · error ≤ 1.4 levels · 29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %";
 
 static void give_troubles(struct overlay *overlay, int count)
 {
@@ -339,7 +339,8 @@ TEST("can be read")
 			rows += seen;
 		}
 		expect_at_least((bright + 0.05) / (dark + 0.05), 7, "s=%d", s);
-		/* a capital is 0.73 of the size, which is a thirtieth of the height, or 14 pixels */
+		/* a capital is 0.73 of the size, which is a thirtieth of the height, or 14
+		 * pixels */
 		expect_at_least(rows, fmax(height / 30.0, 14) * 0.73 - 1.5, "s=%d", s);
 		expect_above(bright_pixels, rows * 4, "s=%d", s);
 		done(&d);

@@ -77,9 +77,9 @@ TEST("says what is wrong")
 	assert_string_equal(text, "Fisheye camera 'C920' is not connected: waiting");
 	words_camera(text, sizeof(text), "Scene", "", CAMERA_UNSUPPORTED_FORMAT,
 		     "/dev/video2: the camera offers H264, expected MJPEG");
-	assert_string_equal(text,
-			    "Scene camera sends no picture that can be used: /dev/video2: the "
-			    "camera offers H264, expected MJPEG");
+	assert_string_equal(
+		text,
+		"Scene camera sends no picture that can be used: /dev/video2: the camera offers H264, expected MJPEG");
 }
 
 TEST("nothing to say")
@@ -142,8 +142,9 @@ TEST("figures")
 	int length = words_information(text, sizeof(text), &f);
 
 	assert_int_equal(length, strlen(text));
-	assert_string_equal(text, "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · "
-				  "29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %");
+	assert_string_equal(
+		text,
+		"lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12 dropped · sky clipped 0.3 %");
 	f.threshold = 12.5;
 	f.clipped = 0;
 	f.error = 0;
@@ -183,8 +184,7 @@ TEST("figures")
 	words_information(text, sizeof(text), &f);
 	assert_string_equal(
 		strstr(text, " · lamp"),
-		" · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse "
-		"there");
+		" · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there");
 	expect_below(strlen(text), 256, "what the overlay takes");
 }
 

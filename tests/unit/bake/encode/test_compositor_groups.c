@@ -200,10 +200,10 @@ TEST_BETWEEN("fast is near exact", small_scene_begin, small_scene_end)
 				       ? compositor_last(f.compositor).columns
 				       : most_columns;
 	}
-	print_message("# %d columns of groups, %d beside, %d across; %d used at most; %.2f levels "
-		      "off, %.2f by one light, %.2f by a strong one\n",
-		      counts.groups, counts.beside, counts.across, most_columns, worst[SKY],
-		      worst[ALONE], worst[STRONG]);
+	print_message(
+		"# %d columns of groups, %d beside, %d across; %d used at most; %.2f levels off, %.2f by one light, %.2f by a strong one\n",
+		counts.groups, counts.beside, counts.across, most_columns, worst[SKY], worst[ALONE],
+		worst[STRONG]);
 	/* The declared errors, half as much again and more where these skies are others, and
 	 * rounding. */
 	expect_at_most(worst[SKY], 1.5 * basis.info.sky_max + COMPOSITING, "skies");

@@ -216,8 +216,8 @@ static void read_text(const char *name, char *text, size_t room)
 	fclose(stream);
 }
 
-/* Blender gets colours of vertices, and how a texture goes on beyond its edges; one that is mirrored is
- * written twice. */
+/* Blender gets colours of vertices, and how a texture goes on beyond its edges; one that is
+ * mirrored is written twice. */
 TEST("blender")
 {
 	static uint8_t texels[] = {255, 0, 0, 0, 255, 0};
@@ -241,9 +241,9 @@ TEST("blender")
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 	read_text("blender/scene.json", text, sizeof(text));
-	assert_non_null(strstr(text,
-			       "\"coloured\": true, \"texture\": \"texture0.hdr\", \"clamp\": "
-			       "false, \"nearest\": true"));
+	assert_non_null(strstr(
+		text,
+		"\"coloured\": true, \"texture\": \"texture0.hdr\", \"clamp\": false, \"nearest\": true"));
 	read_text("blender/objects.obj", text, sizeof(text));
 	assert_non_null(strstr(text, " 0 0.25 0\nvn "));
 	if (image_read(small_scene_path("blender/texture0.hdr"), &picture, &fault))

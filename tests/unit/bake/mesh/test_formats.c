@@ -34,8 +34,8 @@ static void refuse(const char *name, int err, const char *words)
 	mesh_free(&mesh);
 }
 
-/* Sums of the areas of triangles, with their signs along Z: no overlap and no hole where both are the
- * polygon's. */
+/* Sums of the areas of triangles, with their signs along Z: no overlap and no hole where both are
+ * the polygon's. */
 static void expect_area(const struct mesh *mesh, double area)
 {
 	double all = 0, signs = 0;
@@ -118,8 +118,8 @@ TEST("concave polygons")
 	}
 }
 
-/* A star of many points, and a polygon that crosses itself everywhere: with the square of the corners, these
- * take minutes. */
+/* A star of many points, and a polygon that crosses itself everywhere: with the square of the
+ * corners, these take minutes. */
 TEST("large polygons")
 {
 	enum { CORNERS = 40000 };
@@ -154,8 +154,8 @@ TEST("large polygons")
 	}
 }
 
-/* Each corner at the tip of a cone has the mean of the faces within the crease: a quarter of the circle on both
- * sides, so that the normal is as the face's, but steeper. */
+/* Each corner at the tip of a cone has the mean of the faces within the crease: a quarter of the
+ * circle on both sides, so that the normal is as the face's, but steeper. */
 TEST("large fan")
 {
 	enum { SIDES = 200000 };
@@ -294,8 +294,8 @@ TEST("obj painted")
 	mesh_free(&mesh);
 }
 
-/* Coordinates of a country, in which a float has steps of half a metre: millimetres reach the world where
- * the placement brings the mesh near, and a word is said where they cannot. */
+/* Coordinates of a country, in which a float has steps of half a metre: millimetres reach the world
+ * where the placement brings the mesh near, and a word is said where they cannot. */
 TEST("far positions")
 {
 	static const char *const names[] = {"far.obj", "far.ply", "far.stl"};
@@ -367,8 +367,7 @@ TEST("ply kinds")
 		"ply\nformat ascii 1.0\nelement vertex 4\n" XYZ "element tristrips 1\n"
 		"property list int int vertex_indices\nend_header\n" SQUARE "7 0 1 3 -1 3 1 2\n",
 		"ply\rformat ascii 1.0\relement vertex 4\rproperty double x\rproperty double y\r"
-		"property double z\relement face 1\rproperty list uint ushort vertex_indices\r"
-		"end_header\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
+		"property double z\relement face 1\rproperty list uint ushort vertex_indices\rend_header\r0 0 0\r1 0 0\r1 1 0\r0 1 0\r4 0 1 2 3\r",
 	};
 
 	for (size_t k = 0; k < sizeof(texts) / sizeof(*texts); k++) {
@@ -391,8 +390,7 @@ TEST("ply binary line end")
 
 	assert_non_null(stream);
 	fputs("ply\rformat binary_big_endian 1.0\relement vertex 3\rproperty char x\r"
-	      "property uchar y\rproperty int8 z\relement face 1\r"
-	      "property list uchar uchar vertex_indices\rend_header\r",
+	      "property uchar y\rproperty int8 z\relement face 1\rproperty list uchar uchar vertex_indices\rend_header\r",
 	      stream);
 	fwrite(corners, sizeof(corners), 1, stream);
 	fclose(stream);

@@ -85,8 +85,7 @@ static const char accessors[] =
 	"{'bufferView':13,'componentType':5126,'count':2,'type':'VEC3'},"
 	"{'bufferView':14,'componentType':5121,'count':4,'type':'SCALAR'},"
 	"{'bufferView':17,'componentType':5125,'count':6,'type':'SCALAR'},"
-	"{'bufferView':18,'componentType':5126,'count':4,'type':'VEC4'},"
-	"{'bufferView':19,'componentType':5126,'count':4,'type':'VEC3'}";
+	"{'bufferView':18,'componentType':5126,'count':4,'type':'VEC4'},{'bufferView':19,'componentType':5126,'count':4,'type':'VEC3'}";
 
 /* What a test changes of the file; NULL: as it is. */
 struct form {
@@ -228,11 +227,11 @@ TEST("sparse")
 TEST("nodes")
 {
 	static const struct form forms[] = {
-		{.nodes = "{'mesh':0},{'children':[2],'translation':[10,0,0]},{'mesh':0,"
-			  "'rotation':[0,0,0.70710678,0.70710678],'scale':[-2,1,1]}",
+		{.nodes =
+			 "{'mesh':0},{'children':[2],'translation':[10,0,0]},{'mesh':0,'rotation':[0,0,0.70710678,0.70710678],'scale':[-2,1,1]}",
 		 .root = ",'scene':1,'scenes':[{'nodes':[0]},{'nodes':[1]}]"},
-		{.nodes = "{'children':[1],'matrix':[0,1,0,0,-1,0,0,0,0,0,1,0,10,0,0,1]},"
-			  "{'mesh':0,'scale':[-2,1,1]}",
+		{.nodes =
+			 "{'children':[1],'matrix':[0,1,0,0,-1,0,0,0,0,0,1,0,10,0,0,1]},{'mesh':0,'scale':[-2,1,1]}",
 		 .attributes = "'POSITION':1,'NORMAL':2"},
 	};
 
@@ -274,13 +273,12 @@ TEST("skin")
 	struct mesh mesh = read_fine(&(struct form){
 		.attributes = "'POSITION':1,'NORMAL':2,'JOINTS_0':11,'WEIGHTS_0':12",
 		.primitive = ",'indices':0,'material':0",
-		.nodes = "{'mesh':0,'skin':0,'translation':[100,0,0]},{'scale':[2,2,2]},"
-			 "{'translation':[1,0,10]}",
+		.nodes =
+			"{'mesh':0,'skin':0,'translation':[100,0,0]},{'scale':[2,2,2]},{'translation':[1,0,10]}",
 		.root = ",'skins':[{'joints':[1,2],'inverseBindMatrices':13}],'materials':[{"
 			"'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
 			"'KHR_materials_volume':{'thicknessFactor':1,'attenuationDistance':1,"
-			"'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':"
-			"{'metallicFactor':0,'roughnessFactor':0}}]",
+			"'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}}]",
 	});
 	const struct mesh_part *part = &mesh.parts[0];
 
@@ -295,7 +293,8 @@ TEST("skin")
 }
 
 /* They move as what lies in the surface: not with the node's place, scaled as it is, mirrored by a
- * change of sign; a morph target moves three of their numbers. Without normals they do not count. */
+ * change of sign; a morph target moves three of their numbers. Without normals they do not
+ * count. */
 TEST("tangents")
 {
 	struct mesh mesh = read_fine(&(struct form){
@@ -321,8 +320,8 @@ TEST("tangents")
 TEST("instances")
 {
 	struct mesh mesh = read_fine(&(struct form){
-		.nodes = "{'mesh':0,'scale':[2,2,2],'extensions':{'EXT_mesh_gpu_instancing':"
-			 "{'attributes':{'TRANSLATION':14}}}}",
+		.nodes =
+			"{'mesh':0,'scale':[2,2,2],'extensions':{'EXT_mesh_gpu_instancing':{'attributes':{'TRANSLATION':14}}}}",
 		.root = ",'extensionsRequired':['EXT_mesh_gpu_instancing']",
 	});
 
@@ -352,16 +351,12 @@ TEST("unused vertex")
 	const struct mesh_placement stand = {.scale = 1, .crease_deg = 60, .stand = 1};
 	struct fault fault = {.text = ""};
 	struct mesh mesh = read_fine(&(struct form){
-		.buffer = "{'byteLength':54,'uri':'data:application/octet-stream;base64,"
-			  "AAAAAAAAAAAAAIA/AACAPwAAAAAAAIA/AACgQAAAoEAAAEDAAAAAAAAAgD8AAABAAAABAA"
-			  "MA'}",
+		.buffer =
+			"{'byteLength':54,'uri':'data:application/octet-stream;base64,AAAAAAAAAAAAAIA/AACAPwAAAAAAAIA/AACgQAAAoEAAAEDAAAAAAAAAgD8AAABAAAABAAMA'}",
 		.attributes = "'POSITION':0",
 		.primitive = ",'indices':1",
 		.root = ",'bufferViews':[{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':48,"
-			"'byteLength':6}],'accessors':[{'bufferView':0,'componentType':5126,'count'"
-			":4,"
-			"'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':3,'type':'"
-			"SCALAR'}]",
+			"'byteLength':6}],'accessors':[{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},{'bufferView':1,'componentType':5123,'count':3,'type':'SCALAR'}]",
 	});
 
 	mesh_free(&mesh);
@@ -432,20 +427,20 @@ TEST("meshopt")
 		packed + vertices, sizeof(packed) - vertices, bytes.index32, 6);
 
 	assert_true(vertices && triangles);
-	snprintf(buffer, sizeof(buffer),
-		 "{'byteLength':%zu},{'byteLength':100000,'extensions':"
-		 "{'EXT_meshopt_compression':{'fallback':true}}}",
-		 vertices + triangles);
+	snprintf(
+		buffer, sizeof(buffer),
+		"{'byteLength':%zu},{'byteLength':100000,'extensions':{'EXT_meshopt_compression':{'fallback':true}}}",
+		vertices + triangles);
 	/* of two members of the same name, the last counts */
-	snprintf(root, sizeof(root),
-		 ",'extensionsRequired':['EXT_meshopt_compression'],'bufferViews':[{'buffer':1,"
-		 "'byteLength':48,'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteLength':"
-		 "%zu,'byteStride':12,'count':4,'mode':'ATTRIBUTES'}}},{'buffer':1,'byteLength':24,"
-		 "'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteOffset':%zu,"
-		 "'byteLength':%zu,'byteStride':4,'count':6,'mode':'TRIANGLES'}}}],'accessors':["
-		 "{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},"
-		 "{'bufferView':1,'componentType':5125,'count':6,'type':'SCALAR'}]",
-		 vertices, vertices, triangles);
+	snprintf(
+		root, sizeof(root),
+		",'extensionsRequired':['EXT_meshopt_compression'],'bufferViews':[{'buffer':1,"
+		"'byteLength':48,'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteLength':"
+		"%zu,'byteStride':12,'count':4,'mode':'ATTRIBUTES'}}},{'buffer':1,'byteLength':24,"
+		"'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteOffset':%zu,"
+		"'byteLength':%zu,'byteStride':4,'count':6,'mode':'TRIANGLES'}}}],'accessors':["
+		"{'bufferView':0,'componentType':5126,'count':4,'type':'VEC3'},{'bufferView':1,'componentType':5125,'count':6,'type':'SCALAR'}]",
+		vertices, vertices, triangles);
 	write_glb("packed.glb",
 		  &(struct form){.attributes = "'POSITION':0",
 				 .primitive = ",'indices':1",
@@ -473,18 +468,15 @@ TEST("draco")
 TEST("draco colours")
 {
 	struct mesh mesh = read_fine(&(struct form){
-		.buffer = "{'byteLength':115,'uri':'data:application/octet-stream;base64,"
-			  "RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgECAgMAAQEBAQEAAw"
-			  "MBMAEQAwAogpgAAAAAAP8AAAAAAAAAAAAAAAAAAAAAAIA/CAEBAQEBZ1k1VQX/j1UFBLvI"
-			  "jYAAAAAA/wAAAA=='}",
+		.buffer =
+			"{'byteLength':115,'uri':'data:application/octet-stream;base64,"
+			"RFJBQ08CAgEBAAAABAIBAgAAAR//ARH/AREC/wAAAAAAAQAJAwAAAgECAgMAAQEBAQEAAwMBMAEQAwAogpgAAAAAAP8AAAAAAAAAAAAAAAAAAAAAAIA/CAEBAQEBZ1k1VQX/j1UFBLvIjYAAAAAA/wAAAA=='}",
 		.attributes = "'POSITION':0,'COLOR_0':1",
 		.primitive =
-			",'indices':2,'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,"
-			"'attributes':{'POSITION':0,'COLOR_0':1}}}",
+			",'indices':2,'extensions':{'KHR_draco_mesh_compression':{'bufferView':0,'attributes':{'POSITION':0,'COLOR_0':1}}}",
 		.root = ",'bufferViews':[{'buffer':0,'byteLength':115}],'accessors':["
 			"{'componentType':5126,'count':4,'type':'VEC3'},"
-			"{'componentType':5121,'count':4,'type':'VEC3','normalized':true},"
-			"{'componentType':5123,'count':6,'type':'SCALAR'}]",
+			"{'componentType':5121,'count':4,'type':'VEC3','normalized':true},{'componentType':5123,'count':6,'type':'SCALAR'}]",
 	});
 
 	for (int v = 0; v < 4; v++)
@@ -499,11 +491,10 @@ TEST("data uri")
 {
 	/* three corners: (0, 0, 0), (1, 0, 0), (1, 1, 0) */
 	struct mesh mesh = read_fine(&(struct form){
-		.buffer = "{'byteLength':36,'uri':'data:application/octet-stream;base64,"
-			  "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA'}",
+		.buffer =
+			"{'byteLength':36,'uri':'data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAA'}",
 		.primitive = "",
-		.root = ",'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{},"
-			"{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}]",
+		.root = ",'bufferViews':[{'buffer':0,'byteLength':36}],'accessors':[{},{'bufferView':0,'componentType':5126,'count':3,'type':'VEC3'}]",
 	});
 
 	assert_int_equal(mesh.parts[0].triangles, 1);
@@ -579,11 +570,12 @@ TEST("texture transform")
 		char root[1024], name[32];
 		struct bsdf bsdf;
 
-		snprintf(root, sizeof(root),
-			 TEXTURED "'samplers':[{%s}],'materials':[{'pbrMetallicRoughness':{"
-				  "'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1,"
-				  "'extensions':{'KHR_texture_transform':{%s}}}}}]",
-			 cases[k].sampler, cases[k].transform);
+		snprintf(
+			root, sizeof(root),
+			TEXTURED
+			"'samplers':[{%s}],'materials':[{'pbrMetallicRoughness':{"
+			"'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1,'extensions':{'KHR_texture_transform':{%s}}}}}]",
+			cases[k].sampler, cases[k].transform);
 		snprintf(name, sizeof(name), "k=%zu", k);
 		bsdf = look_up(&(struct form){.attributes = "'POSITION':1,'TEXCOORD_1':3",
 					      .primitive = MATERIAL,
@@ -599,9 +591,7 @@ TEST("deep texture")
 	static const char root[] =
 		",'images':[{'uri':'data:image/png;base64,"
 		"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABEAAAAABq7kcWAAAAC0lEQVR42mNg1AEAADEALrhR+TUAAAAA"
-		"SUVORK5CYII="
-		"'}],'textures':[{'source':0}],'materials':[{'pbrMetallicRoughness':{"
-		"'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1}}}]";
+		"SUVORK5CYII='}],'textures':[{'source':0}],'materials':[{'pbrMetallicRoughness':{'metallicFactor':0,'baseColorTexture':{'index':0,'texCoord':1}}}]";
 	const float grey = 300 / 65535.0f / 12.92f;
 
 	expect_below(fabsf(look_up(&(struct form){.primitive = MATERIAL, .root = root}, 0.5f, 0.5f)
@@ -618,8 +608,7 @@ TEST("texture sets")
 		.primitive = MATERIAL,
 		.root = TEXTURED
 		"'samplers':[{}],'materials':[{'normalTexture':{'index':0,'texCoord':5},"
-		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':2},"
-		"'metallicRoughnessTexture':{'index':0,'texCoord':2}}}]",
+		"'pbrMetallicRoughness':{'baseColorTexture':{'index':0,'texCoord':2},'metallicRoughnessTexture':{'index':0,'texCoord':2}}}]",
 	});
 	const struct mesh_part *part = &mesh.parts[0];
 
@@ -645,9 +634,7 @@ TEST("data picture")
 			.root = ",'images':[{},{'uri':'data:image/png;base64,"
 				"iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNg+"
 				"M8AAAICAQB7CYF4AAAAAElFTkSuQmCC'}],'textures':"
-				"[{'extensions':{'EXT_texture_webp':{'source':1}}}],'materials':[{"
-				"'pbrMetallicRoughness':{'metallicFactor':0,'baseColorTexture':"
-				"{'index':0}}}]",
+				"[{'extensions':{'EXT_texture_webp':{'source':1}}}],'materials':[{'pbrMetallicRoughness':{'metallicFactor':0,'baseColorTexture':{'index':0}}}]",
 		},
 		0.5f, 0.5f);
 
@@ -669,39 +656,34 @@ TEST("kinds of materials")
 	} cases[] = {
 		/* without any: a rough white metal */
 		{{.root = ""}, MATERIAL_GLOSSY, 0, 1, 1},
-		{WITH_MATERIAL("'pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],"
-			       "'metallicFactor':0.25,'roughnessFactor':0.5}"),
+		{WITH_MATERIAL(
+			 "'pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],'metallicFactor':0.25,'roughnessFactor':0.5}"),
 		 MATERIAL_GLOSSY, 0.375f, 0.155f, 0.25f},
-		{WITH_MATERIAL("'extensions':{'KHR_materials_unlit':{}},'pbrMetallicRoughness':{"
-			       "'baseColorFactor':[0.5,0.5,0.5,1],'metallicFactor':0}"),
+		{WITH_MATERIAL(
+			 "'extensions':{'KHR_materials_unlit':{}},'pbrMetallicRoughness':{'baseColorFactor':[0.5,0.5,0.5,1],'metallicFactor':0}"),
 		 MATERIAL_DIFFUSE, 0.5f, 0.04f, 1},
 		/* (2 - 1)^2 / (2 + 1)^2 */
 		{WITH_MATERIAL(
-			 "'extensions':{'KHR_materials_ior':{'ior':2},'KHR_materials_specular':"
-			 "{'specularFactor':0.9}},'pbrMetallicRoughness':{'metallicFactor':0}"),
+			 "'extensions':{'KHR_materials_ior':{'ior':2},'KHR_materials_specular':{'specularFactor':0.9}},'pbrMetallicRoughness':{'metallicFactor':0}"),
 		 MATERIAL_GLOSSY, 1, 0.1f, 1},
 		/* no coat at all, at grazing angles neither; a black coat still has one there */
-		{WITH_MATERIAL("'extensions':{'KHR_materials_specular':{'specularFactor':0}},"
-			       "'pbrMetallicRoughness':{'metallicFactor':0}"),
+		{WITH_MATERIAL(
+			 "'extensions':{'KHR_materials_specular':{'specularFactor':0}},'pbrMetallicRoughness':{'metallicFactor':0}"),
 		 MATERIAL_DIFFUSE, 1, 0, 1},
-		{WITH_MATERIAL("'extensions':{'KHR_materials_specular':{'specularColorFactor':"
-			       "[0,0,0]}},'pbrMetallicRoughness':{'metallicFactor':0}"),
+		{WITH_MATERIAL(
+			 "'extensions':{'KHR_materials_specular':{'specularColorFactor':[0,0,0]}},'pbrMetallicRoughness':{'metallicFactor':0}"),
 		 MATERIAL_GLOSSY, 1, 0, 1},
 		{WITH_MATERIAL(
-			 "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':"
-			 "[0.5,0.5,0.5,1],'specularFactor':[0.2,0.2,0.2],'glossinessFactor':"
-			 "0.5}}"),
+			 "'extensions':{'KHR_materials_pbrSpecularGlossiness':{'diffuseFactor':[0.5,0.5,0.5,1],'specularFactor':[0.2,0.2,0.2],'glossinessFactor':0.5}}"),
 		 MATERIAL_GLOSSY, 0.4f, 0.2f, 0.25f},
-		{WITH_MATERIAL("'extensions':{'KHR_materials_clearcoat':{'clearcoatFactor':1,"
-			       "'clearcoatRoughnessFactor':0.1}},'pbrMetallicRoughness':"
-			       "{'metallicFactor':0}"),
+		{WITH_MATERIAL(
+			 "'extensions':{'KHR_materials_clearcoat':{'clearcoatFactor':1,'clearcoatRoughnessFactor':0.1}},'pbrMetallicRoughness':{'metallicFactor':0}"),
 		 MATERIAL_GLOSSY, 1, 0.04f, 0.01f},
 		/* the volume takes 0.25, its two surfaces half of that each */
 		{WITH_MATERIAL(
 			 "'extensions':{'KHR_materials_transmission':{'transmissionFactor':1},"
 			 "'KHR_materials_volume':{'thicknessFactor':2,'attenuationDistance':1,"
-			 "'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':"
-			 "{'metallicFactor':0,'roughnessFactor':0}"),
+			 "'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}"),
 		 MATERIAL_GLASS, 0.5f, 0.04f, 0.001f},
 	};
 
@@ -716,8 +698,8 @@ TEST("kinds of materials")
 	}
 }
 
-/* Lengths of a volume are those of its mesh, which nodes scale; a texture of it counts by its mean, 0.5. One
- * of roughness leaves the tint. */
+/* Lengths of a volume are those of its mesh, which nodes scale; a texture of it counts by its mean,
+ * 0.5. One of roughness leaves the tint. */
 TEST("volume scale")
 {
 	static const char *const maps[] = {"'thicknessFactor':1", "'thicknessFactor':1",
@@ -728,18 +710,18 @@ TEST("volume scale")
 		char root[1024];
 		struct mesh mesh;
 
-		snprintf(root, sizeof(root),
-			 TEXTURED "'samplers':[{}],'materials':[{'extensions':{"
-				  "'KHR_materials_transmission':{'transmissionFactor':1},"
-				  "'KHR_materials_volume':{%s,'attenuationDistance':1,"
-				  "'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':"
-				  "{'metallicFactor':0,'roughnessFactor':0%s}}]",
-			 maps[k], k == 1 ? ",'metallicRoughnessTexture':{'index':0}" : "");
+		snprintf(
+			root, sizeof(root),
+			TEXTURED
+			"'samplers':[{}],'materials':[{'extensions':{"
+			"'KHR_materials_transmission':{'transmissionFactor':1},"
+			"'KHR_materials_volume':{%s,'attenuationDistance':1,'attenuationColor':[0.5,0.5,0.5]}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0%s}}]",
+			maps[k], k == 1 ? ",'metallicRoughnessTexture':{'index':0}" : "");
 		mesh = read_fine(&(struct form){
 			.attributes = "'POSITION':1,'TEXCOORD_0':3",
 			.primitive = MATERIAL,
-			.nodes = "{'mesh':0,'scale':[2,2,2]},{'mesh':0,'scale':[4,4,4]},"
-				 "{'mesh':0,'scale':[2,2,-2]}",
+			.nodes =
+				"{'mesh':0,'scale':[2,2,2]},{'mesh':0,'scale':[4,4,4]},{'mesh':0,'scale':[2,2,-2]}",
 			.root = root});
 		expect_equal(mesh.material_count, 2, "k=%d", k);
 		for (int part = 0; part < 3; part++) {
@@ -753,7 +735,8 @@ TEST("volume scale")
 	}
 }
 
-/* Glass is where its texture lets light pass, by triangle: red is 1 at the right, 0 at the left below. */
+/* Glass is where its texture lets light pass, by triangle: red is 1 at the right, 0 at the left
+ * below. */
 TEST("transmission texture")
 {
 	struct mesh mesh;
@@ -765,8 +748,7 @@ TEST("transmission texture")
 		.root = TEXTURED
 		"'samplers':[{}],'materials':[{'extensions':{'KHR_materials_transmission':"
 		"{'transmissionFactor':1,'transmissionTexture':{'index':0,'extensions':"
-		"{'KHR_texture_transform':{'offset':[0,0.2]}}}}},'pbrMetallicRoughness':"
-		"{'metallicFactor':0,'roughnessFactor':0}}]"});
+		"{'KHR_texture_transform':{'offset':[0,0.2]}}}}},'pbrMetallicRoughness':{'metallicFactor':0,'roughnessFactor':0}}]"});
 	assert_int_equal(mesh.part_count, 2);
 	for (int part = 0; part < 2; part++) {
 		expect_equal(mesh.parts[part].triangles, 1, "part=%d", part);
@@ -777,7 +759,8 @@ TEST("transmission texture")
 	mesh_free(&mesh);
 }
 
-/* Faces that look inwards are not hidden from outside, which is said, unless both of their sides show. */
+/* Faces that look inwards are not hidden from outside, which is said, unless both of their sides
+ * show. */
 TEST("one sided")
 {
 	static const char *const materials[] = {"{}", "{'doubleSided':true}"};
@@ -788,18 +771,15 @@ TEST("one sided")
 		struct mesh mesh;
 		FILE *said;
 
-		snprintf(root, sizeof(root),
-			 ",'materials':[%s],'bufferViews':[{'buffer':0,'byteLength':144}],'"
-			 "accessors':["
-			 "{'bufferView':0,'componentType':5126,'count':12,'type':'VEC3'}]",
-			 materials[k]);
+		snprintf(
+			root, sizeof(root),
+			",'materials':[%s],'bufferViews':[{'buffer':0,'byteLength':144}],'accessors':[{'bufferView':0,'componentType':5126,'count':12,'type':'VEC3'}]",
+			materials[k]);
 		mesh = read_fine(&(struct form){
-			.buffer = "{'byteLength':144,'uri':'data:application/octet-stream;base64,"
-				  "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAA"
-				  "AAAAAA"
-				  "AAAAAAAIA/"
-				  "AACAPwAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAA"
-				  "AIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAA'}",
+			.buffer =
+				"{'byteLength':144,'uri':'data:application/octet-stream;base64,"
+				"AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAAAA"
+				"AAAAAAAAAAAAAIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AACAPwAAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAA'}",
 			.attributes = "'POSITION':0",
 			.primitive = ",'material':0",
 			.root = root});
@@ -817,8 +797,7 @@ TEST("one sided")
 TEST("alpha")
 {
 	struct mesh mesh = read_fine(&(struct form)WITH_MATERIAL(
-		"'alphaMode':'MASK','alphaCutoff':0.7,'pbrMetallicRoughness':{'baseColorFactor':"
-		"[1,1,1,0.6]}"));
+		"'alphaMode':'MASK','alphaCutoff':0.7,'pbrMetallicRoughness':{'baseColorFactor':[1,1,1,0.6]}"));
 	const struct material_point point = {.alpha = 1};
 
 	assert_true(material_coverage(&mesh.materials[0], &point) == 0);
@@ -849,14 +828,14 @@ TEST("left out")
 {
 	const struct captured_log log = captured_log_begin();
 	struct mesh mesh = read_fine(&(struct form)WITH_MATERIAL(
-		"'emissiveFactor':[0,1,0],'extensions':{'KHR_materials_sheen':{},"
-		"'KHR_materials_unlit':{}}"));
+		"'emissiveFactor':[0,1,0],'extensions':{'KHR_materials_sheen':{},'KHR_materials_unlit':{}}"));
 	char line[512] = "";
 	FILE *said = captured_log_end(&log);
 
 	assert_non_null(fgets(line, sizeof(line), said));
-	assert_non_null(strstr(line, "square.gltf: left out: emission of 1 material, brightness "
-				     "without light of 1, KHR_materials_sheen of 1\n"));
+	assert_non_null(strstr(
+		line,
+		"square.gltf: left out: emission of 1 material, brightness without light of 1, KHR_materials_sheen of 1\n"));
 	fclose(said);
 	mesh_free(&mesh);
 }
@@ -873,18 +852,17 @@ TEST("lines")
 	log = captured_log_begin();
 	mesh = read_fine(&(struct form){
 		.nodes = "{'mesh':0},{'mesh':1},{'extensions':{'KHR_lights_punctual':{'light':0}}}",
-		.mesh = "},{'primitives':[{'attributes':{'POSITION':1},'indices':0,'material':0},"
-			"{'attributes':{'POSITION':1},'mode':1}]",
+		.mesh = "},{'primitives':[{'attributes':{'POSITION':1},'indices':0,'material':0},{'attributes':{'POSITION':1},'mode':1}]",
 		.primitive = ",'mode':0",
-		.root = TEXTURED "'samplers':[{}],'materials':[{'normalTexture':{'index':0}}],"
-				 "'animations':[{},{}]",
+		.root = TEXTURED
+		"'samplers':[{}],'materials':[{'normalTexture':{'index':0}}],'animations':[{},{}]",
 	});
 	said = captured_log_end(&log);
 	assert_int_equal(mesh.part_count, 1);
 	assert_non_null(fgets(line, sizeof(line), said));
-	assert_non_null(strstr(line, "square.gltf: left out: points of 1 mesh, textures without "
-				     "coordinates of 1, lines of 1, light of 1 lamp, movement "
-				     "of 2 animations\n"));
+	assert_non_null(strstr(
+		line,
+		"square.gltf: left out: points of 1 mesh, textures without coordinates of 1, lines of 1, light of 1 lamp, movement of 2 animations\n"));
 	fclose(said);
 	mesh_free(&mesh);
 }
@@ -911,25 +889,19 @@ TEST("refusals")
 		{{.primitive = ",'indices':3"}, "expected type \"SCALAR\""},
 		{{.primitive = ",'indices':0,'mode':7"}, "/meshes/0/primitives/0/mode: 7"},
 		{{.primitive = ",'indices':17",
-		  .root = ",'accessors':[{},{'bufferView':1,"
-			  "'componentType':5126,'count':4,'type':"
-			  "'VEC3'}]"},
+		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5126,'count':4,'type':'VEC3'}]"},
 		 "/meshes/0/primitives/0/indices: 17, expected a whole number from 0 to 1"},
 		{{.primitive = "",
-		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5126,"
-			  "'count':5,'type':'VEC3'}]"},
+		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5126,'count':5,'type':'VEC3'}]"},
 		 "/accessors/1: 5 elements from byte 0 end after bufferView 1"},
 		{{.primitive = "",
-		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5126,"
-			  "'count':1e18,'type':'VEC3'}]"},
+		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5126,'count':1e18,'type':'VEC3'}]"},
 		 "/accessors/1/count: 1e+18"},
 		{{.primitive = "",
-		  .root = ",'accessors':[{},{'componentType':5126,"
-			  "'count':60000000,'type':'VEC3'}]"},
+		  .root = ",'accessors':[{},{'componentType':5126,'count':60000000,'type':'VEC3'}]"},
 		 "it would take 720 MB of memory"},
 		{{.primitive = "",
-		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5124,"
-			  "'count':3,'type':'VEC3'}]"},
+		  .root = ",'accessors':[{},{'bufferView':1,'componentType':5124,'count':3,'type':'VEC3'}]"},
 		 "/accessors/1: componentType 5124"},
 		{{.buffer = "{'byteLength':10000,'uri':'the%20square.bin'}"}, "expected 10000"},
 		{{.buffer = "{'byteLength':36}"}, "/buffers/0: it has no bytes"},
@@ -948,16 +920,13 @@ TEST("refusals")
 		{WITH_MATERIAL("'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}"),
 		 "there are no textures"},
 		{{.primitive = MATERIAL,
-		  .root = ",'images':[{'bufferView':0}],'textures':[{'source':0}],'materials':"
-			  "[{'normalTexture':{'index':0}}]"},
+		  .root = ",'images':[{'bufferView':0}],'textures':[{'source':0}],'materials':[{'normalTexture':{'index':0}}]"},
 		 "/images/0: not a picture"},
 		{{.primitive = MATERIAL,
-		  .root = ",'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}],"
-			  "'materials':[{'normalTexture':{'index':0}}]"},
+		  .root = ",'textures':[{'extensions':{'KHR_texture_basisu':{'source':0}}}],'materials':[{'normalTexture':{'index':0}}]"},
 		 "/textures/0: it has no \"source\""},
 		{{.root = ",'bufferViews':[{},{'buffer':0,'byteLength':36,'extensions':"
-			  "{'EXT_meshopt_compression':{'buffer':0,'byteLength':20,'byteStride':12,"
-			  "'count':24000000,'mode':'ATTRIBUTES'}}}]"},
+			  "{'EXT_meshopt_compression':{'buffer':0,'byteLength':20,'byteStride':12,'count':24000000,'mode':'ATTRIBUTES'}}}]"},
 		 "it would take 288 MB of memory, expected at most 269 MB"},
 	};
 
@@ -974,7 +943,8 @@ TEST("refusals")
 	}
 }
 
-/* A file that is cut anywhere, or has a byte changed, is read or refused; a sanitizer sees the rest. */
+/* A file that is cut anywhere, or has a byte changed, is read or refused; a sanitizer sees the
+ * rest. */
 TEST("damage")
 {
 	struct fault fault;
@@ -983,10 +953,10 @@ TEST("damage")
 	size_t length;
 
 	put_gltf(text,
-		 &(struct form){.attributes = "'POSITION':8,'TEXCOORD_0':5,'JOINTS_0':11,"
-					      "'WEIGHTS_0':12",
-				.nodes = "{'mesh':0,'skin':0},{}",
-				.root = ",'skins':[{'joints':[0,1],'inverseBindMatrices':13}]"});
+		 &(struct form){
+			 .attributes = "'POSITION':8,'TEXCOORD_0':5,'JOINTS_0':11,'WEIGHTS_0':12",
+			 .nodes = "{'mesh':0,'skin':0},{}",
+			 .root = ",'skins':[{'joints':[0,1],'inverseBindMatrices':13}]"});
 	length = strlen(text);
 	for (size_t k = 0; k < length; k += 3) {
 		char kept = text[k];

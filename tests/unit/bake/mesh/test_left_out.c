@@ -17,9 +17,9 @@ TEST("line")
 	left_out_add(&out, "emission", "material");
 	left_out_add(&out, "lines", "mesh");
 	left_out_add(&out, "normal maps", "material");
-	assert_string_equal(left_out_text(&out, "a.glb", text, sizeof(text)),
-			    "a.glb: left out: normal maps of 2 materials, emission of 1, lines of "
-			    "1 mesh");
+	assert_string_equal(
+		left_out_text(&out, "a.glb", text, sizeof(text)),
+		"a.glb: left out: normal maps of 2 materials, emission of 1, lines of 1 mesh");
 	left_out_add(&out, "lines", "mesh");
 	assert_non_null(strstr(left_out_text(&out, "a.glb", text, sizeof(text)), "of 2 meshes"));
 	assert_string_equal(left_out_text(&out, "a.glb", text, 12), "a.glb: left");

@@ -199,8 +199,8 @@ TEST("libraries")
 	expect_checker("named.obj");
 }
 
-/* Files put together name several libraries that have materials of the same name: the nearest one above
- * counts. A texture without coordinates is said. */
+/* Files put together name several libraries that have materials of the same name: the nearest one
+ * above counts. A texture without coordinates is said. */
 TEST("joined files")
 {
 	struct captured_log log;
@@ -370,8 +370,9 @@ TEST("left out")
 	read_fine("out.obj", &mesh);
 	said = captured_log_end(&log);
 	assert_non_null(fgets(line, sizeof(line), said));
-	assert_non_null(strstr(line, "out.obj: left out: bump maps of 2 materials, emission of 1, "
-				     "clear coats of 1, refraction of 1, lines of 1 mesh\n"));
+	assert_non_null(strstr(
+		line,
+		"out.obj: left out: bump maps of 2 materials, emission of 1, clear coats of 1, refraction of 1, lines of 1 mesh\n"));
 	assert_null(fgets(line, sizeof(line), said));
 	fclose(said);
 	mesh_free(&mesh);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A report calls one choice better than another, or both equal: by noise, spread of times, order. */
+/* A report calls one choice better than another, or both equal: by noise, spread of times,
+ * order. */
 #include "bake/report/report_rank.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"

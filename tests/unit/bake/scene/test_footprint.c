@@ -105,9 +105,9 @@ static bool is_near_set(const struct basis_footprint *foot, double x, double y)
 	return false;
 }
 
-/* Compares a footprint with an outline: signed distance of a point of the ground, negative inside. Each
- * point inside by less than half a square is at one that is set, none farther outside than a square's diagonal. reach: how
- * far to look. */
+/* Compares a footprint with an outline: signed distance of a point of the ground, negative inside.
+ * Each point inside by less than half a square is at one that is set, none farther outside than a
+ * square's diagonal. reach: how far to look. */
 static void expect_outline(const struct basis_footprint *foot, double reach,
 			   double (*outside)(double x, double y))
 {
@@ -257,11 +257,11 @@ TEST("what is thin is not lost")
 static void write_scene(int poses)
 {
 	small_scene_write("ball.scene",
-			  "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0.5\nfield_deg = 40\nwidth = "
-			  "48\nheight = 32\n[dome]\nfrequency = 1\n[render]\nsamples = 1\nbounces "
-			  "= 0\n[ground]\n[poses]\ncount = %d\n[object ball]\nfile = ball.obj\n"
-			  "material = white\nstand = yes\n[standin table]\nfile = ball.obj\n"
-			  "material = white\nposition = 3 3 0\n[material white]\n"
+			  "[camera]\nposition = 0 -5 2\nlook_at = 0 0 0.5\nfield_deg = 40\n"
+			  "width = 48\nheight = 32\n[dome]\nfrequency = 1\n[render]\nsamples = 1\n"
+			  "bounces = 0\n[ground]\n[poses]\ncount = %d\n[object ball]\n"
+			  "file = ball.obj\nmaterial = white\nstand = yes\n[standin table]\n"
+			  "file = ball.obj\nmaterial = white\nposition = 3 3 0\n[material white]\n"
 			  "[keyframe a]\nobject = ball\npose = 0\nposition = 0 0 0\nscale = 1\n"
 			  "[keyframe b]\nobject = ball\npose = 1\nposition = 2 1 0\nscale = 0.5\n",
 			  poses);

@@ -107,8 +107,7 @@ static void write_scaled(const char *name, const char *scale)
 		"\"nodes\":[{\"mesh\":0,\"scale\":[%s,%s,%s]}],\"meshes\":[{\"primitives\":"
 		"[{\"attributes\":{\"POSITION\":0}}]}],\"buffers\":[{\"uri\":\"scaled.bin\","
 		"\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
-		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
-		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}]}",
+		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}]}",
 		scale, scale, scale);
 }
 
@@ -322,8 +321,7 @@ TEST("formats")
 		"\"byteLength\":44}],\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,"
 		"\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}],"
 		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
-		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,"
-		"\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
+		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]},{\"bufferView\":1,\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}]}");
 	expect_triangle("tri.gltf");
 }
 
@@ -621,8 +619,7 @@ TEST("gltf materials")
 		"\"byteLength\":36}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
 		"\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":"
 		"\"VEC3\",\"min\":[0,0,0],\"max\":[1,0,1]}],\"images\":[{\"uri\":\"checker.png\"}],"
-		"\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":"
-		"{\"baseColorTexture\":{\"index\":0}%s}}]}";
+		"\"textures\":[{\"source\":0}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}%s}}]}";
 	const struct mesh_placement placement = {
 		.scale = 1, .crease_deg = 60, .own_materials = true};
 	const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -737,8 +734,8 @@ TEST("hash")
 	scene_close(c);
 }
 
-/* A camera of one kappa is written and hashed as before there were more terms; more terms are part of
- * both, and come back. */
+/* A camera of one kappa is written and hashed as before there were more terms; more terms are part
+ * of both, and come back. */
 TEST("terms")
 {
 	static const char *const more[] = {"", "kappa2 = 0\ntangential = 0 0\n", "kappa2 = 1e-6\n",

@@ -92,14 +92,14 @@ TEST("refused by line")
 		const char *text, *message;
 	} cases[] = {
 		{"10 20 1 18\n10 20 3 36\n", "fine.txt:2: this direction is there twice"},
-		{"10 -2 1 18\n", "fine.txt:1: the direction is below the horizon or beyond the "
-				 "zenith, expected a height of 0 to 90 degrees"},
-		{"\n10 20 1\n", "fine.txt:2: expected \"azimuth height radius frequency\", in "
-				"degrees, such as \"120 35 2 36\""},
-		{"10 20 1 18 5\n", "fine.txt:1: expected \"azimuth height radius frequency\", in "
-				   "degrees, such as \"120 35 2 36\""},
-		{"10 20 1 73\n", "fine.txt:1: expected \"azimuth height radius frequency\", in "
-				 "degrees, such as \"120 35 2 36\""},
+		{"10 -2 1 18\n",
+		 "fine.txt:1: the direction is below the horizon or beyond the zenith, expected a height of 0 to 90 degrees"},
+		{"\n10 20 1\n",
+		 "fine.txt:2: expected \"azimuth height radius frequency\", in degrees, such as \"120 35 2 36\""},
+		{"10 20 1 18 5\n",
+		 "fine.txt:1: expected \"azimuth height radius frequency\", in degrees, such as \"120 35 2 36\""},
+		{"10 20 1 73\n",
+		 "fine.txt:1: expected \"azimuth height radius frequency\", in degrees, such as \"120 35 2 36\""},
 		{"10 20 100 18\n", "fine.txt:1: expected a radius of 0 to 90 degrees"},
 	};
 	struct fine_list list;
@@ -125,8 +125,9 @@ TEST("refused by the dome")
 	expect_success(fine_list_read(&list, "--fine", "0 20 1 18, 90 20 1 20", NULL, &fault),
 		       &fault);
 	assert_int_equal(fine_list_dome(&list, 9, DOME_ANGLES, DOME_CELLS, &dome, &fault), -EINVAL);
-	assert_string_equal(fault.text, "--fine: part 2: frequency is 20, expected a multiple of "
-					"the dome's 9 up to 72");
+	assert_string_equal(
+		fault.text,
+		"--fine: part 2: frequency is 20, expected a multiple of the dome's 9 up to 72");
 	fine_list_free(&list);
 	assert_int_equal(fine_list_read(&list, "--fine", "/nowhere/fine.txt", NULL, &fault),
 			 -ENOENT);

@@ -204,7 +204,8 @@ TEST_BETWEEN("turn turns parts", test_sky_begin, NULL)
 	sky_parts_free(&parts);
 }
 
-/* A lamp nearly as large as its cell needs fewer lights than one that is smaller than the finest. */
+/* A lamp nearly as large as its cell needs fewer lights than one that is smaller than the
+ * finest. */
 TEST_BETWEEN("two lamps are two parts", test_sky_begin, NULL)
 {
 	struct sky_parts parts;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Edges of a bake, and of truth, are as soft as the camera's, against the closed form of a straight edge. */
+/* Edges of a bake, and of truth, are as soft as the camera's, against the closed form of a straight
+ * edge. */
 #include <math.h>
 #include <string.h>
 

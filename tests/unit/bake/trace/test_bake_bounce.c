@@ -182,10 +182,10 @@ TEST("made")
 		const int kept = filter(&m);
 		const double error = error_of(&m);
 
-		print_message("# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's, "
-			      "example %.3f of that\n",
-			      m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error,
-			      example_of(&m));
+		print_message(
+			"# %d x %d, rank %d, noise %g: kept %d, error %.3f of the mean's, example %.3f of that\n",
+			m.rows, m.lights, cases[k].rank, cases[k].noise, kept, error,
+			example_of(&m));
 		expect_at_most(error, cases[k].most, "k=%zu", k);
 		/* a few values have any size by chance */
 		expect_that(m.rows * m.lights < 100 || fabs(example_of(&m) - 0.95) < 0.15, "k=%zu",
@@ -326,9 +326,9 @@ TEST("seam")
 		edge = step_at((const float *const[]){m[0].half[0], m[1].half[0]}, BASIS_TILE);
 		inside = step_at((const float *const[]){m[0].half[0], m[1].half[0]},
 				 BASIS_TILE / 2);
-		print_message("# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the "
-			      "edge, %.4f inside, %.4f unfiltered\n",
-			      noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
+		print_message(
+			"# noise %g: errors %.3f and %.3f of the mean's; step %.4f at the edge, %.4f inside, %.4f unfiltered\n",
+			noises[k], error_of(&m[0]), error_of(&m[1]), edge, inside, before);
 		/* the variance of a plane at the edge is (1 + 3) / 256 of a pixel's */
 		expect_below(edge, inside + 1.2 * noises[k] * sqrt(2 * 4 / 256.0) + 0.002, "k=%zu",
 			     k);
@@ -444,10 +444,10 @@ static void check_tile(const struct scene *scene, const struct cells *cells, con
 		step = step_of(mean, reference.value[kind], cells->count, sky);
 		kept = bounce_filter(&bounce, &in);
 		after = distance(in.half[0], reference.value[kind], count);
-		print_message("# %s, %d lights, %s: kept %d, error %.3f of the mean's; step %.4f "
-			      "of it, before %.4f\n",
-			      what, cells->count, names[kind], kept, after / before,
-			      step_of(in.half[0], reference.value[kind], cells->count, sky), step);
+		print_message(
+			"# %s, %d lights, %s: kept %d, error %.3f of the mean's; step %.4f of it, before %.4f\n",
+			what, cells->count, names[kind], kept, after / before,
+			step_of(in.half[0], reference.value[kind], cells->count, sky), step);
 		expect_below(step_of(in.half[0], reference.value[kind], cells->count, sky),
 			     step + 1e-4, "kind=%d", kind);
 		expect_at_most(after, before * 1.005, "kind=%d", kind);

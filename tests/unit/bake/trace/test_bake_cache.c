@@ -28,15 +28,12 @@ static struct scene *open_corner(const char *materials)
 	small_scene_write_sphere("ball.obj", 0.35, 16);
 	small_scene_write("corner.ini",
 			  "[camera]\nposition = 3 -4 2.6\nlook_at = 0 0 0.6\nfield_deg = 36\n"
-			  "width = %d\nheight = %d\n[render]\n[ground]\n%s"
-			  "[object floor]\nfile = floor.obj\nup = z\nmaterial = white\n"
-			  "position = 0 0 0.02\n"
+			  "width = %d\nheight = %d\n[render]\n[ground]\n%s[object floor]\n"
+			  "file = floor.obj\nup = z\nmaterial = white\nposition = 0 0 0.02\n"
 			  "[object left]\nfile = left.obj\nup = z\nmaterial = red\n"
-			  "position = 0 0 0.02\n"
-			  "[object back]\nfile = back.obj\nup = z\nmaterial = white\n"
-			  "position = 0 0 0.02\n"
-			  "[object ball]\nfile = ball.obj\nup = z\nmaterial = white\n"
-			  "position = -0.35 0.3 0.37\n",
+			  "position = 0 0 0.02\n[object back]\nfile = back.obj\nup = z\n"
+			  "material = white\nposition = 0 0 0.02\n[object ball]\nfile = ball.obj\n"
+			  "up = z\nmaterial = white\nposition = -0.35 0.3 0.37\n",
 			  SIZE, SIZE, materials);
 	return small_scene_open("corner.ini");
 }
@@ -172,9 +169,9 @@ static void check_corner(const char *what, const char *materials)
 	assert_true(sum.evens > 12 * tiles);
 	sum.even = sqrt(sum.even / (double)sum.evens);
 	sum.cell = sqrt(sum.cell / (double)sum.cells);
-	print_message("# %s: off by %.3f levels under an even sky, %.3f under single cells; "
-		      "bounced light %+.2f %%\n",
-		      what, sum.even, sum.cell, 100 * (sum.bounced[1] / sum.bounced[0] - 1));
+	print_message(
+		"# %s: off by %.3f levels under an even sky, %.3f under single cells; bounced light %+.2f %%\n",
+		what, sum.even, sum.cell, 100 * (sum.bounced[1] / sum.bounced[0] - 1));
 	assert_true(sum.even < EVEN_LEVELS);
 	assert_true(sum.cell < CELL_LEVELS);
 	assert_true(fabs(sum.bounced[1] / sum.bounced[0] - 1) < MEAN_SHARE);

@@ -142,7 +142,8 @@ TEST("bumps")
 	world_destroy(world);
 }
 
-/* A texture that is turned by 90 degrees turns its axes: u' = v, v' = -u, so that +u' is -y and +v' is -x. */
+/* A texture that is turned by 90 degrees turns its axes: u' = v, v' = -u, so that +u' is -y and +v'
+ * is -x. */
 TEST("bumps turned")
 {
 	static uint8_t leaning[] = {204, 179, 255};

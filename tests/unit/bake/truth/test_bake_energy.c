@@ -335,8 +335,8 @@ TEST("standin is ground")
 	for (int k = 0; k < 2; k++) {
 		small_scene_write(
 			"s.ini",
-			"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0\nfield_deg = 40\nwidth = "
-			"32\nheight = 32\n[dome]\nfrequency = 4\n[render]\nsamples = 64\n"
+			"[camera]\nposition = 0 -6 4\nlook_at = 0 0 0\nfield_deg = 40\n"
+			"width = 32\nheight = 32\n[dome]\nfrequency = 4\n[render]\nsamples = 64\n"
 			"%s[object ball]\nfile = ball.obj\nup = z\nmaterial = m\n"
 			"position = 0 0 1.2\n[material m]\ncolour = 0.5 0.5 0.5\n",
 			k ? "[standin floor]\nfile = plane.obj\nup = z\nmaterial = m\n"
@@ -456,9 +456,9 @@ static void check_truth_agrees(enum dome_shape shape)
 				worst = fmax(worst, fabs(off));
 			}
 	square = sqrt(square / (3 * side * side));
-	print_message("# bake against truth, %s: RMS %.5f, worst %.4f (linear), truth's noise "
-		      "%.2f levels\n",
-		      dome_shape_names[shape], square, worst, report.noise_levels);
+	print_message(
+		"# bake against truth, %s: RMS %.5f, worst %.4f (linear), truth's noise %.2f levels\n",
+		dome_shape_names[shape], square, worst, report.noise_levels);
 	assert_true(square < 0.006);
 	basis_close(&basis);
 	scene_close(scene);

@@ -166,9 +166,9 @@ static void compare(struct glass_comparison *to, const char *name)
 			}
 	to->rms = sqrt(square);
 	to->psnr = 20 * log10(255 / to->rms);
-	print_message("# %s: %.1f dB, RMS %.2f levels, mean %+.3f, %.1f at most (%d, %d); truth's "
-		      "noise %.2f\n",
-		      name, to->psnr, to->rms, to->mean, to->most, to->x, to->y, noise);
+	print_message(
+		"# %s: %.1f dB, RMS %.2f levels, mean %+.3f, %.1f at most (%d, %d); truth's noise %.2f\n",
+		name, to->psnr, to->rms, to->mean, to->most, to->x, to->y, noise);
 }
 
 static void compared(struct glass_comparison *c)
@@ -199,12 +199,11 @@ TEST("a tinted pane lets its own background through")
 	write_box("pane.obj", 0.55, 0.04, 1.1);
 	small_scene_write(
 		"pane.ini",
-		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object pane]\nfile = "
-								       "pane.obj\nup = z\nmaterial "
-								       "= tint\n[material tint]\n"
-								       "kind = glass\nior = "
-								       "1\ncolour = 0.95 0.7 "
-								       "0.4\n");
+		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object pane]\n"
+								       "file = pane.obj\nup = z\n"
+								       "material = tint\n[material tint]\n"
+								       "kind = glass\nior = 1\n"
+								       "colour = 0.95 0.7 0.4\n");
 	compare(&c, "pane.ini");
 	for (size_t k = 0; k < c.basis.poses[0].glass_count; k++) {
 		const struct basis_glass *g = &c.basis.poses[0].glass[k];
@@ -236,11 +235,11 @@ TEST("a thin pane mirrors on both sides")
 			  "v -0.5 0 0\nv 0.5 0 0\nv 0.5 0 1.1\nv -0.5 0 1.1\nf 1 2 3 4\n");
 	small_scene_write(
 		"thin.ini",
-		SCENE("position = 0 -3.5 0.5\nlook_at = 0 0 0.5\n") "[object pane]\nfile = "
-								    "sheet.obj\nup = z\nmaterial = "
-								    "g\n[material g]\n"
-								    "kind = glass\nthin = "
-								    "yes\ncolour = 0.9 0.9 0.9\n");
+		SCENE("position = 0 -3.5 0.5\nlook_at = 0 0 0.5\n") "[object pane]\n"
+								    "file = sheet.obj\nup = z\n"
+								    "material = g\n[material g]\n"
+								    "kind = glass\nthin = yes\n"
+								    "colour = 0.9 0.9 0.9\n");
 	compare(&c, "thin.ini");
 	for (int channel = 0; channel < 3; channel++)
 		expect_below(fabs(baked_through(&c.basis, WIDTH / 2, HEIGHT / 2, channel) -
@@ -259,12 +258,11 @@ TEST("a ball bends the background")
 	small_scene_write_sphere("ball.obj", 0.5, 32);
 	small_scene_write(
 		"ball.ini",
-		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object ball]\nfile = "
-								       "ball.obj\nup = z\nposition "
-								       "= 0 0 0.5\nmaterial = g\n"
-								       "[material g]\nkind = "
-								       "glass\ncolour = 0.98 0.98 "
-								       "0.98\n");
+		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "[object ball]\n"
+								       "file = ball.obj\nup = z\n"
+								       "position = 0 0 0.5\nmaterial = g\n"
+								       "[material g]\nkind = glass\n"
+								       "colour = 0.98 0.98 0.98\n");
 	compare(&c, "ball.ini");
 	for (size_t k = 0; k < c.basis.poses[0].glass_count; k++)
 		below += c.basis.poses[0].glass[k].dy > 2 * BASIS_GLASS_STEP;
@@ -283,9 +281,8 @@ static void write_glass(const char *name, const char *mesh, const char *material
 	small_scene_write(
 		name,
 		SCENE("position = 0.6 -3.2 1.6\nlook_at = 0 0 0.45\n") "%s[object glass]\n"
-								       "file = %s\nup = "
-								       "z\nmaterial = g\n[material "
-								       "g]\nkind = glass\n%s\n",
+								       "file = %s\nup = z\nmaterial = g\n"
+								       "[material g]\nkind = glass\n%s\n",
 		others, mesh, material);
 }
 
@@ -347,8 +344,8 @@ TEST("an invisible pane throws no shadow")
 	check_invisible("box.obj", "ior = 1\ncolour = 1 1 1");
 }
 
-/* The zenith's cell, which spans 7 degrees at f = 9, through a pane over ground that is almost black:
- * what is taken is 1 - tint (1 - 2 F / (1 + F)), F = 0.04. */
+/* The zenith's cell, which spans 7 degrees at f = 9, through a pane over ground that is almost
+ * black: what is taken is 1 - tint (1 - 2 F / (1 + F)), F = 0.04. */
 TEST("a tinted roof takes by fresnel")
 {
 	static const double tint[3] = {0.9, 0.6, 0.3};
@@ -374,8 +371,8 @@ TEST("a tinted roof takes by fresnel")
 	basis_close(&basis);
 }
 
-/* Baked and traced light agree wherever glass lies on its way. At the outline of glass a pixel has one
- * ratio for what is beside the glass and behind it; those pixels are left out. */
+/* Baked and traced light agree wherever glass lies on its way. At the outline of glass a pixel has
+ * one ratio for what is beside the glass and behind it; those pixels are left out. */
 static void check_shadow(const char *what, const char *mesh, const char *material,
 			 const char *others, double most)
 {
@@ -482,20 +479,16 @@ TEST("real things hide and receive")
 	small_scene_write_sphere("ball.obj", 0.45, 24);
 	small_scene_write(
 		"real.ini",
-		SCENE("position = 0.6 -3.6 1.6\nlook_at = 0 0 0.4\n") "[object ball]\nfile = "
-								      "ball.obj\nup = z\nposition "
-								      "= 0 0 0.45\n"
-								      "material = red\n[material "
-								      "red]\ncolour = 0.8 0.2 0.1\n"
-								      "[standin box]\nfile = "
-								      "box.obj\nup = z\nposition = "
-								      "-0.3 -0.9 0\n"
-								      "material = grey\n[standin "
-								      "step]\nfile = step.obj\nup "
-								      "= z\n"
-								      "position = 0.2 1.1 "
-								      "0\nmaterial = "
-								      "grey\n[material grey]\n"
+		SCENE("position = 0.6 -3.6 1.6\nlook_at = 0 0 0.4\n") "[object ball]\n"
+								      "file = ball.obj\nup = z\n"
+								      "position = 0 0 0.45\nmaterial = red\n"
+								      "[material red]\ncolour = 0.8 0.2 0.1\n"
+								      "[standin box]\nfile = box.obj\n"
+								      "up = z\nposition = -0.3 -0.9 0\n"
+								      "material = grey\n[standin step]\n"
+								      "file = step.obj\nup = z\n"
+								      "position = 0.2 1.1 0\n"
+								      "material = grey\n[material grey]\n"
 								      "colour = 0.6 0.6 0.6\n");
 	compare(&c, "real.ini");
 	for (int y = 0; y < HEIGHT; y++)

@@ -55,9 +55,9 @@ TEST("budgets are of all files")
 	assert_int_equal(budget_fits(&budget, 0x1p28, "a", &fault), 0);
 	assert_int_equal(budget_take(&budget, 0x1p28, "a", &fault), 0);
 	assert_int_equal(budget_take(&budget, 1, "a", &fault), -EFBIG);
-	assert_string_equal(fault.text,
-			    "a: it would take 537 MB of memory, expected at most 537 MB "
-			    "of 1048576 bytes in files");
+	assert_string_equal(
+		fault.text,
+		"a: it would take 537 MB of memory, expected at most 537 MB of 1048576 bytes in files");
 	budget.file_bytes++;
 	assert_int_equal(budget_take(&budget, 256, "a", &fault), 0);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The writers of JSON and CSV: what stands between values, what is quoted, and that no digit is lost. */
+/* The writers of JSON and CSV: what stands between values, what is quoted, and that no digit is
+ * lost. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,10 +36,13 @@ TEST("json is indented and quoted")
 	json_end(&json);
 	json_end(&json);
 	fclose(to);
-	assert_string_equal(text, "{\n\t\"a\\\"b\": \"tab\\u0009, back\\\\slash, \xc3\xa9, "
-				  "\\ufffdt\\ufffd, \\ufffd\\ufffd\\ufffd\",\n\t\"nested\": [\n\t\t"
-				  "[0.1, -3, null, 1e+300],\n\t\t{},\n\t\t{\"none\": null, "
-				  "\"on the same line\": [1, 2]},\n\t\tfalse\n\t]\n}\n");
+	assert_string_equal(
+		text,
+		"{\n"
+		"\t\"a\\\"b\": \"tab\\u0009, back\\\\slash, \xc3\xa9, \\ufffdt\\ufffd, \\ufffd\\ufffd\\ufffd\",\n"
+		"\t\"nested\": [\n\t\t[0.1, -3, null, 1e+300],\n\t\t{},\n"
+		"\t\t{\"none\": null, \"on the same line\": [1, 2]},\n"
+		"\t\tfalse\n\t]\n}\n");
 	free(text);
 }
 

@@ -533,8 +533,9 @@ TEST("names what is not a basis")
 	assert_non_null(strstr(fault.text, "not a basis file"));
 	write_file(path, BASIS_MAGIC "\11\0\0\0abcdefghijklmnopqrstuvwxyz", 36);
 	assert_int_equal(basis_open(&basis, path, BASIS_SHOWN, &fault), -ENOTSUP);
-	assert_non_null(strstr(fault.text, "bad.inlay: basis file of version 9, expected version "
-					   "10: bake it again"));
+	assert_non_null(
+		strstr(fault.text,
+		       "bad.inlay: basis file of version 9, expected version 10: bake it again"));
 	assert_null(strchr(fault.text, '\n'));
 	basis_close(&basis); /* after a failure, closing does no harm */
 	unlink(path);

@@ -22,7 +22,8 @@ TEST("refuses every truncation")
 
 	assert_int_equal(copied_open(&whole, &fault), 0);
 	for (size_t bytes = 0; bytes < whole.bytes; bytes += bytes < 16384 ? 64 : 1024) {
-		/* Memory of exactly the remaining length, so that a sanitizer sees any read beyond. */
+		/* Memory of exactly the remaining length, so that a sanitizer sees any read
+		 * beyond. */
 		struct copied cut = {aligned_alloc(BASIS_ALIGN, bytes + BASIS_ALIGN), bytes};
 
 		assert_non_null(cut.data);

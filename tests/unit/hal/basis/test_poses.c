@@ -325,8 +325,9 @@ TEST("names")
 	assert_int_equal(basis_find_pose(&basis, "3", &fault), -EINVAL);
 	assert_int_equal(basis_find_pose(&basis, "", &fault), -EINVAL);
 	assert_int_equal(basis_find_pose(&basis, "back", &fault), -EINVAL);
-	assert_string_equal(fault.text, "the basis has no pose \"back\", expected a number 0..2 or "
-					"a name that it has");
+	assert_string_equal(
+		fault.text,
+		"the basis has no pose \"back\", expected a number 0..2 or a name that it has");
 	basis_close(&basis);
 	copy = copied_file(path_of(s, "joint.inlay"));
 	at = copied_data(&copy, BASIS_CHUNK_POSES);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Rows of code values: linear light to codes, and two pictures mixed in linear light, by brute force. */
+/* Rows of code values: linear light to codes, and two pictures mixed in linear light, by brute
+ * force. */
 #include <math.h>
 
 #include "hal/colour/crossfade.h"

@@ -325,7 +325,9 @@ TEST("columns that count are chosen")
 				c->sent[i].strength =
 					frame % 10 == 9 &&
 							i % 4 ==
-								0 /* in some frames no column may be left out */
+								/* in some frames no column may be
+								 * left out */
+								0
 						? 0x1p900
 						: fabs(any_size(&chance, 0, 20));
 			for (int k = 0; k < 3; k++) {

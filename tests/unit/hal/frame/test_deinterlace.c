@@ -184,11 +184,11 @@ static void decodes_as_expected(struct field_rig *r, enum deinterlace way)
 				const double exact = expected_at(r, way, x, y, c);
 
 				if (got[c] != floor(exact + 0.5))
-					fail_msg("%s, %s, fields %d: line %d, column %d is %d, "
-						 "expected %.2f",
-						 pixel_format_names[r->frame.format],
-						 deinterlace_names[way], r->frame.fields, y, x,
-						 got[c], exact);
+					fail_msg(
+						"%s, %s, fields %d: line %d, column %d is %d, expected %.2f",
+						pixel_format_names[r->frame.format],
+						deinterlace_names[way], r->frame.fields, y, x,
+						got[c], exact);
 			}
 		}
 	frame_decoder_destroy(decoder);

@@ -103,8 +103,9 @@ TEST("hdr exposure")
 TEST("hdr header words")
 {
 	static const char file[] =
-		"#?RGBE\nFORMAT=  32-bit_rle_rgbe \nPRIMARIES= 0.640 0.330 0.290 "
-		"0.600 0.150 0.060 0.333 0.333\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+		"#?RGBE\nFORMAT=  32-bit_rle_rgbe \n"
+		"PRIMARIES= 0.640 0.330 0.290 0.600 0.150 0.060 0.333 0.333\n\n-Y 1 +X 1\n"
+		"\x80\x80\x80\x81";
 	static const char unsaid[] = "#?RADIANCE\nPRIMARIES=0 0 0 0 0 0 0 0\n\n-Y 1 +X 1\n"
 				     "\x80\x80\x80\x81";
 	static const struct {

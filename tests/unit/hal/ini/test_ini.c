@@ -292,8 +292,7 @@ TEST("values are checked")
 		      NULL);
 	expect_faults(
 		"[lamp]\ncount = 99999999999999999999\n",
-		"k.conf:2: [lamp] count: is \"99999999999999999999\", expected a whole number "
-		"0..255 lamps",
+		"k.conf:2: [lamp] count: is \"99999999999999999999\", expected a whole number 0..255 lamps",
 		NULL);
 	expect_faults("[lamp]\npower = nan\n",
 		      "k.conf:2: [lamp] power: is \"nan\", expected a number -1..1000 W", NULL);
@@ -313,8 +312,7 @@ TEST("values are checked")
 		      "k.conf:2: [lamp] on: is \"maybe\", expected yes or no", NULL);
 	expect_faults(
 		"[lamp]\ncolour = gren\n",
-		"k.conf:2: [lamp] colour: is \"gren\", expected one of red, green, blue; did you "
-		"mean \"green\"?",
+		"k.conf:2: [lamp] colour: is \"gren\", expected one of red, green, blue; did you mean \"green\"?",
 		NULL);
 }
 
@@ -405,10 +403,10 @@ TEST("structure is checked")
 	expect_faults("[lamp]\ncount = 1\n[lamp]\n\ncount = 2\n",
 		      "k.conf:5: [lamp] count: is given twice, first in line 2; expected once",
 		      NULL);
-	expect_faults("[lamp\ncount = 999\n",
-		      "k.conf:1: not a section, expected [section] or [section name] of letters, "
-		      "digits, \"-\" and \"_\"",
-		      NULL);
+	expect_faults(
+		"[lamp\ncount = 999\n",
+		"k.conf:1: not a section, expected [section] or [section name] of letters, digits, \"-\" and \"_\"",
+		NULL);
 	expect_faults("[lamp] count = 1\n",
 		      "k.conf:1: text follows the section's \"]\", expected nothing", NULL);
 	expect_faults("[lamp]junk\n",
@@ -511,24 +509,20 @@ TEST("assignments are read")
 		const char *assignment, *fault;
 	} wrong[] = {
 		{"lamp.count=300",
-		 "--set lamp.count=300: [lamp] count: is \"300\", expected a whole "
-		 "number 0..255 lamps"},
+		 "--set lamp.count=300: [lamp] count: is \"300\", expected a whole number 0..255 lamps"},
 		{"lamp.cout=3",
 		 "--set lamp.cout=3: [lamp] cout: unknown key, did you mean \"count\"?"},
 		{"lmp.count=3", "--set lmp.count=3: [lmp] unknown section, did you mean \"lamp\"?"},
 		{"camera.width=3",
-		 "--set camera.width=3: [camera] has named sections, expected "
-		 "camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
+		 "--set camera.width=3: [camera] has named sections, expected camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
 		{"camera.o\"o.width=3",
-		 "--set camera.o\"o.width=3: [camera] has named sections, expected "
-		 "camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
+		 "--set camera.o\"o.width=3: [camera] has named sections, expected camera.NAME.key=value, NAME of letters, digits, \"-\" and \"_\""},
 		{"lamp.count", "--set lamp.count: expected section.key=value"},
 		{"count=3", "--set count=3: expected section.key=value"},
 		{"=", "--set =: expected section.key=value"},
 		{"", "--set : expected section.key=value"},
 		{"camera.three.width=3",
-		 "--set camera.three.width=3: [camera three] is one section "
-		 "[camera NAME] more than there is room for"},
+		 "--set camera.three.width=3: [camera three] is one section [camera NAME] more than there is room for"},
 	};
 	struct outcome *o = outcome_fresh();
 

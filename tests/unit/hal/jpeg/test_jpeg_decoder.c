@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* JPEG pictures as cameras and programs write them: which oddities are forgiven, and which damage is
- * seen. */
+/* JPEG pictures as cameras and programs write them: which oddities are forgiven, and which damage
+ * is seen. */
 #include <stdbool.h>
 
 #include <errno.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The exposure that a frame has, for a played camera that obeys some frames later and loses some. */
+/* The exposure that a frame has, for a played camera that obeys some frames later and loses
+ * some. */
 #include <errno.h>
 #include <stdbool.h>
 

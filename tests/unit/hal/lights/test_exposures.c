@@ -548,7 +548,8 @@ static double sky_light(double even, double peak, int x, int y)
 	return even + peak * exp(-far * far / 0.02);
 }
 
-/* A camera of 8 bits with noise, which compresses light from code 247 on, and delivers none above top. */
+/* A camera of 8 bits with noise, which compresses light from code 247 on, and delivers none above
+ * top. */
 static uint8_t camera_code(struct chance *chance, double light, double top)
 {
 	double code = 255 * transfer_encode(TRANSFER_SRGB, fmin(light, 1.2));

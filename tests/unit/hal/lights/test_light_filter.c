@@ -219,8 +219,7 @@ TEST("noise moves no pixel by more than a level")
 		const struct crawl found = crawl_of(&chance, FOLLOW, pixels, 33 * MS);
 		const struct crawl without = crawl_of(&chance, 0, pixels, 33 * MS);
 
-		printf("# cells of %d pixels, noise 1.5 codes: a mirror changes by %d levels "
-		       "(unfiltered %d), white by %d; mean %+.1e of what was given\n",
+		printf("# cells of %d pixels, noise 1.5 codes: a mirror changes by %d levels (unfiltered %d), white by %d; mean %+.1e of what was given\n",
 		       pixels, found.mirror, without.mirror, found.diffuse,
 		       found.mean / found.given - 1);
 		expect_that(found.mirror <= 1 && found.diffuse <= 1, "pixels=%d", pixels);

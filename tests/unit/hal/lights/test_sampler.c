@@ -127,14 +127,14 @@ static void constant_sky_is_exact(void **state)
 					const double want = transfer_decode(TRANSFER_SRGB,
 									    bgr[2 - c] / 255.0);
 
-					expect_below(fabs(s.radiance[i][c] - want), code_error,
-						     "light %d of %d, channel %d, case %zu, "
-						     "estimator %d",
-						     i, s.dome.count, c, (size_t)k, e);
-					expect_equal(s.radiance[i][c], s.radiance[0][c],
-						     "light %d of %d, channel %d, case %zu, "
-						     "estimator %d",
-						     i, s.dome.count, c, (size_t)k, e);
+					expect_below(
+						fabs(s.radiance[i][c] - want), code_error,
+						"light %d of %d, channel %d, case %zu, estimator %d",
+						i, s.dome.count, c, (size_t)k, e);
+					expect_equal(
+						s.radiance[i][c], s.radiance[0][c],
+						"light %d of %d, channel %d, case %zu, estimator %d",
+						i, s.dome.count, c, (size_t)k, e);
 				}
 			sky_free(&s);
 		}
@@ -277,7 +277,8 @@ static void every_model_is_exact(void **state)
 				pixels += sr * transfer_decode(TRANSFER_SRGB,
 							       s.pixels[4 * p + 1] / 255.0);
 		}
-		/* Half-covered pixels are left out; at an orthographic rim they hold many degrees. */
+		/* Half-covered pixels are left out; at an orthographic rim they hold many
+		 * degrees. */
 		expect_that(k % 2 == 0 || fabs(lights / pixels - 1) <
 						  (k / 2 == FISHEYE_ORTHOGRAPHIC ? 0.05 : 2e-3),
 			    "k=%d", k);

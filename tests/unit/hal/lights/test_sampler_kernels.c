@@ -346,9 +346,9 @@ TEST("colours are within the bound")
 		}
 }
 
-/* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at some
- * pixels only; and a light that has a whole pixel is that of its corners (inside all sub-pixels), though
- * most corners are not looked up. */
+/* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at
+ * some pixels only; and a light that has a whole pixel is that of its corners (inside all
+ * sub-pixels), though most corners are not looked up. */
 TEST("pixels are shared out whole")
 {
 	enum { SIDE = 480 };

@@ -67,8 +67,8 @@ static void paint_even(struct placed_sky *s)
 			s->image.f32[3 * p + c] = (float)(SKY * (0.5 + 0.5 * c));
 }
 
-/* Adds a sun to the four pixels around its place, by bilinear weights: its irradiance of a plane that
- * it meets at a right angle. Its direction becomes that of the four together. */
+/* Adds a sun to the four pixels around its place, by bilinear weights: its irradiance of a plane
+ * that it meets at a right angle. Its direction becomes that of the four together. */
 static void paint_sun(struct placed_sky *s, double dir[3], double irradiance)
 {
 	double px[2], moment[3] = {0};
@@ -94,8 +94,8 @@ static void paint_sun(struct placed_sky *s, double dir[3], double irradiance)
 	memcpy(dir, moment, sizeof(moment));
 }
 
-/* Irradiance of a plane by the lights, each of which fills its cell evenly. No plane here sees a cell
- * only in part. */
+/* Irradiance of a plane by the lights, each of which fills its cell evenly. No plane here sees a
+ * cell only in part. */
 static double plane_lit(const struct placed_sky *s, const double normal[3], int channel)
 {
 	double sum = 0;

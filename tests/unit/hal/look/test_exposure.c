@@ -88,7 +88,8 @@ static void expect_gain(const double found[3], const double gain[3], double with
 			    frame, c, found[c], gain[c]);
 }
 
-/* Ten minutes' worth of turns at a constant exposure: lamps are not taken for it, nor does it drift. */
+/* Ten minutes' worth of turns at a constant exposure: lamps are not taken for it, nor does it
+ * drift. */
 TEST("light is not exposure")
 {
 	static const double one[3] = {1, 1, 1};

@@ -95,8 +95,8 @@ static double rows_off(const struct filmed_rows *r, int frame)
 
 static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 
-/* At the rates of cameras and mains, while light changes slowly and in a step, and somebody walks by:
- * what is left of the flicker is a quarter at most, and a fiftieth of the light. */
+/* At the rates of cameras and mains, while light changes slowly and in a step, and somebody walks
+ * by: what is left of the flicker is a quarter at most, and a fiftieth of the light. */
 TEST("rows are followed")
 {
 	static const struct {
@@ -132,7 +132,8 @@ TEST("rows are followed")
 	}
 }
 
-/* Neither noise, nor people, nor lamps that move or are switched, nor exposure that is not expected. */
+/* Neither noise, nor people, nor lamps that move or are switched, nor exposure that is not
+ * expected. */
 TEST("nothing else is flicker")
 {
 	static const struct {
@@ -180,7 +181,8 @@ TEST("what stands still is the place")
 	flicker_destroy(r.flicker);
 }
 
-/* A camera whose black is above the darkest code that counts; and a picture lower than its bands. */
+/* A camera whose black is above the darkest code that counts; and a picture lower than its
+ * bands. */
 TEST("odd pictures")
 {
 	static const struct transfer_curve raised = {.named = TRANSFER_SRGB, .black = 60};

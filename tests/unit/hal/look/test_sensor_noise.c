@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A camera's noise, measured: against noise that was put in; and the object's, against the camera's. */
+/* A camera's noise, measured: against noise that was put in; and the object's, against the
+ * camera's. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -350,8 +350,8 @@ TEST("every model sees a hemisphere")
 	}
 }
 
-/* What is said of a pixel at once is what is said one by one, and directions of two points are never
- * farther apart than the bound of the turn says, but for some steps nearly as far. */
+/* What is said of a pixel at once is what is said one by one, and directions of two points are
+ * never farther apart than the bound of the turn says, but for some steps nearly as far. */
 TEST("pixels at once and their turn")
 {
 	struct chance chance = chance_begin("fisheye");

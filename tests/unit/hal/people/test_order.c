@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Who stands before the object: walkers all around objects whose place on the ground has a closed form. */
+/* Who stands before the object: walkers all around objects whose place on the ground has a closed
+ * form. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -111,8 +112,8 @@ static bool is_front(const struct stage *s, int x, int y)
 	return order_is_front(s->people, &group);
 }
 
-/* Walkers on all cells of the ground whose direction meets the object: those nearer than its far side
- * are in front. Near the border, by the squares' size and a cell's, either is right. */
+/* Walkers on all cells of the ground whose direction meets the object: those nearer than its far
+ * side are in front. Near the border, by the squares' size and a cell's, either is right. */
 static void all_around(struct stage *s, const double eye[3], double size)
 {
 	const double unsure = 2.5 * size / BASIS_FOOT_SQUARES;
@@ -204,7 +205,8 @@ TEST("beside a wall its end counts")
 				continue;
 			for (int k = 0; k < 2; k++)
 				at[k] = origin[k] - origin[2] / dir[2] * dir[k];
-			/* The wall's right end is 0.48 m farther than its middle, the left nearer. */
+			/* The wall's right end is 0.48 m farther than its middle, the left
+			 * nearer. */
 			if (fabs(at[1]) > 0.25 || fabs(at[0]) < 1.1 || fabs(at[0]) > 1.6)
 				continue;
 			all[at[0] > 0]++;
@@ -256,8 +258,8 @@ struct standing {
 	uint16_t flying; /* what is measured around it, mm: what is behind */
 };
 
-/* Where the ray through a point of the picture, as shares of it, meets the body: its depth in m; 0: it
- * does not. */
+/* Where the ray through a point of the picture, as shares of it, meets the body: its depth in m; 0:
+ * it does not. */
 static double depth_of_body(const struct tsai_camera *camera, const struct standing *b, double u,
 			    double v)
 {
@@ -322,8 +324,8 @@ struct placed_count {
 	int all, wrong, front_taken_for_behind;
 };
 
-/* Bodies before and behind a wall of 4 m by 0.3 m, with and without depths, which another camera measures
- * where `by` is one; told: people_create() knows where it stands. */
+/* Bodies before and behind a wall of 4 m by 0.3 m, with and without depths, which another camera
+ * measures where `by` is one; told: people_create() knows where it stands. */
 static struct placed_count place_by(struct standing body, bool depth, const struct tsai_camera *by,
 				    bool told)
 {
@@ -418,7 +420,8 @@ TEST("a depth camera elsewhere is calibrated")
 	}
 }
 
-/* A group that was before the object stays there until it is farther than the far side by a share. */
+/* A group that was before the object stays there until it is farther than the far side by a
+ * share. */
 TEST("a group keeps its side by depth")
 {
 	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* People are found, and put in order, in pictures of a floor with a block on it, whose truth is known:
- * while lamps are switched, the camera's exposure jumps, shadows pass, and somebody stands still. */
+/* People are found, and put in order, in pictures of a floor with a block on it, whose truth is
+ * known: while lamps are switched, the camera's exposure jumps, shadows pass, and somebody stands
+ * still. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -45,7 +46,8 @@ struct place {
 	double exposure[3];
 	double lamp; /* strength of a lamp in the east */
 	double glow; /* of a red lamp close above the object's place, which the dome does not see */
-	double warm; /* how much redder the light becomes to the east, which the fisheye does not see */
+	/* how much redder the light becomes to the east, which the fisheye does not see */
+	double warm;
 	struct chance chance;
 	float normal[NORMALS]; /* normal deviates, from which each row takes a stretch */
 	struct transfer_tables tables;
@@ -638,8 +640,8 @@ TEST("another place is refused")
 }
 
 /* Somebody stands where the object is, which goes elsewhere; meanwhile he goes. Where it comes back
- * nobody is, from the first look on; and a second look at a frame, as after a pose has come, tells the
- * same. */
+ * nobody is, from the first look on; and a second look at a frame, as after a pose has come, tells
+ * the same. */
 TEST("cells that come back are judged anew")
 {
 	struct place *p = calloc(1, sizeof(*p));
@@ -670,7 +672,8 @@ TEST("cells that come back are judged anew")
 }
 
 /* The noise that is measured is the camera's, also where frames are looked at twice. */
-/* Looks as somebody stands before the object; whether anybody is seen at x from first on, and before. */
+/* Looks as somebody stands before the object; whether anybody is seen at x from first on, and
+ * before. */
 static void see_sides(struct place *p, int first, bool *before, bool *after)
 {
 	const struct body body = walker(0, -1);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What was learned, as bytes: of pictures of any size, and never taken when a number is impossible. */
+/* What was learned, as bytes: of pictures of any size, and never taken when a number is
+ * impossible. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>

@@ -32,8 +32,8 @@ static void measure(const char *text, double blur_px, double noise, double tilt,
 
 TEST("the spread of drawn boards is found")
 {
-	/* The drawing's Gaussian has samples at whole pixels, which is right from 0.6 px on. Markers
-	 * of this size are not found at 2 px. */
+	/* The drawing's Gaussian has samples at whole pixels, which is right from 0.6 px on.
+	 * Markers of this size are not found at 2 px. */
 	static const double sigmas[] = {0.6, 0.8, 1.2, 2};
 	static const char *const boards[] = {"8x5:25mm", "charuco:9x6:25mm:18mm"};
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Photographs of a board, from Debian's opencv-doc: the calibration fits at least as well as
- * OpenCV's own with the same distortion (its k1 is kappa1 f^2, its k2 kappa2 f^4 ...), from the same
- * corners. */
+ * OpenCV's own with the same distortion (its k1 is kappa1 f^2, its k2 kappa2 f^4 ...), from the
+ * same corners. */
 #include <algorithm>
 #include <cmath>
 #include <csetjmp>

@@ -76,8 +76,8 @@ static void excess_add(struct excess *excess, const struct estimate *estimate, i
 
 /*
  * The declared variances are the mean squared errors, to four deviations of that mean, whether
- * points are independent or boards are bent; and such sets are doubted as rarely as the level of one in a
- * thousand says: more than two of 200 would be chance once in 900.
+ * points are independent or boards are bent; and such sets are doubted as rarely as the level of
+ * one in a thousand says: more than two of 200 would be chance once in 900.
  */
 TEST("declared is the spread")
 {
@@ -122,9 +122,9 @@ TEST("declared is the spread")
 
 			if (e->sets < sets / 2)
 				continue;
-			print_message("# bent %d, unknown %d: %d sets, errors are %.3f of what is "
-				      "declared\n",
-				      bent, k, e->sets, sqrt(1 + e->sum / e->variance));
+			print_message(
+				"# bent %d, unknown %d: %d sets, errors are %.3f of what is declared\n",
+				bent, k, e->sets, sqrt(1 + e->sum / e->variance));
 			expect_below(fabs(e->sum), 4 * sqrt(e->squares), "bent=%d, unknown=%d",
 				     bent, k);
 		}

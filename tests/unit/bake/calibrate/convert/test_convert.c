@@ -285,13 +285,12 @@ TEST("files")
 		"image_width: 640\r\nimage_height: 480\r\ncamera_name: narrow_stereo\r\n"
 		"camera_matrix:\r\n  rows: 3\r\n  cols: 3\r\n"
 		"  data: [536.07, 0, 342.37, 0, 536.02, 235.54, 0, 0, 1]\r\n"
-		"distortion_model: plumb_bob  # five of them\r\n"
-		"distortion_coefficients:\r\n  rows: 1\r\n  cols: 5\r\n  data: "
-		"[-2.6637260909660682e-01, -3.8588898922304653e-02, 1.7831947042852964e-03, "
-		"-2.8122100441115472e-04, 2.3839153080878486e-01]\r\n"
-		"rectification_matrix:\r\n  rows: 3\r\n  cols: 3\r\n  data: [1, 0, 0, 0, 1, 0, 0, "
-		"0, 1]\r\nprojection_matrix:\r\n  rows: 3\r\n  cols: 4\r\n  data: [1, 0, 0, 0, 0, "
-		"1, 0, 0, 0, 0, 1, 0]\r\n";
+		"distortion_model: plumb_bob  # five of them\r\ndistortion_coefficients:\r\n"
+		"  rows: 1\r\n  cols: 5\r\n"
+		"  data: [-2.6637260909660682e-01, -3.8588898922304653e-02, 1.7831947042852964e-03, -2.8122100441115472e-04, 2.3839153080878486e-01]\r\n"
+		"rectification_matrix:\r\n  rows: 3\r\n  cols: 3\r\n"
+		"  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\r\nprojection_matrix:\r\n  rows: 3\r\n"
+		"  cols: 4\r\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]\r\n";
 	struct lens a = {.width = 0}, b = {.width = 0};
 	struct fault fault = {.text = ""};
 
@@ -347,46 +346,40 @@ TEST("dialects")
 {
 	static const char ros_2[] =
 		"header:\n  stamp:\n    sec: 3\n    nanosec: 0\n  frame_id: eye\nheight: 480\n"
-		"width: 640\ndistortion_model: plumb_bob\nd:\n- -0.25\n- 0.0625\n- 0.001\n- "
-		"-0.002\n- 0.0\nk:\n- 536.0\n- 0.0\n- 342.0\n- 0.0\n- 535.0\n- 235.0\n- 0.0\n- "
-		"0.0\n- 1.0\nr:\n- 1.0\nbinning_x: 0\nroi:\n  x_offset: 0\n  width: 0\n---\n"
+		"width: 640\ndistortion_model: plumb_bob\nd:\n- -0.25\n- 0.0625\n- 0.001\n"
+		"- -0.002\n- 0.0\nk:\n- 536.0\n- 0.0\n- 342.0\n- 0.0\n- 535.0\n- 235.0\n- 0.0\n"
+		"- 0.0\n- 1.0\nr:\n- 1.0\nbinning_x: 0\nroi:\n  x_offset: 0\n  width: 0\n---\n"
 		"height: 1\nk:\n- 1\n---\n";
 	static const char xml[] =
 		"<?xml version=\"1.0\"?>\n<opencv_storage>\n<!-- made by\n hand -->\n"
-		"<calibration_time>\"Fri 20 "
-		"Nov\"</calibration_time>\n<image_Width>640</image_Width>"
-		"\n<image_Height>480</image_Height>\n<Camera_Matrix type_id=\"opencv-matrix\">\n"
-		"  <rows>3</rows>\n  <cols>3</cols>\n  <dt>d</dt>\n  <data>\n    5.36e+02 0. "
-		"3.42e+02 "
-		"0.\n    5.35e+02 235. 0. 0. 1.</data></Camera_Matrix>\n<grid><_>\n    1. "
-		"2.</_></grid>\n"
-		"<Distortion_Coefficients type_id=\"opencv-matrix\">\n  <rows>5</rows>\n"
-		"  <cols>1</cols>\n  <dt>d</dt>\n  <data>-0.25 0.0625 0.001 -0.002 0.</data>\n"
-		"</Distortion_Coefficients>\n</opencv_storage>\n";
+		"<calibration_time>\"Fri 20 Nov\"</calibration_time>\n"
+		"<image_Width>640</image_Width>\n<image_Height>480</image_Height>\n"
+		"<Camera_Matrix type_id=\"opencv-matrix\">\n  <rows>3</rows>\n  <cols>3</cols>\n"
+		"  <dt>d</dt>\n  <data>\n    5.36e+02 0. 3.42e+02 0.\n"
+		"    5.35e+02 235. 0. 0. 1.</data></Camera_Matrix>\n<grid><_>\n"
+		"    1. 2.</_></grid>\n<Distortion_Coefficients type_id=\"opencv-matrix\">\n"
+		"  <rows>5</rows>\n  <cols>1</cols>\n  <dt>d</dt>\n"
+		"  <data>-0.25 0.0625 0.001 -0.002 0.</data>\n</Distortion_Coefficients>\n"
+		"</opencv_storage>\n";
 	static const char stored[] =
-		"%YAML:1.0\n---\nimage_size: [ 640, 480 ]\ncameraMatrix: !!opencv-matrix\n   rows: "
-		"3\n"
-		"   cols: 3\n   dt: d\n   data: [ 536., 0., 342., 0., 535., 235., 0., 0., 1. ]\n"
+		"%YAML:1.0\n---\nimage_size: [ 640, 480 ]\ncameraMatrix: !!opencv-matrix\n"
+		"   rows: 3\n   cols: 3\n   dt: d\n"
+		"   data: [ 536., 0., 342., 0., 535., 235., 0., 0., 1. ]\n"
 		"distCoeffs: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
 		"   data: [ -0.25, 0.0625, 0.001, -0.002, 0. ]\n";
 	static const char melodic[] =
-		"image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix:\n  rows: "
-		"3\n"
-		"  cols: 3\n  data: [300, 0, 320, 0, 301, 240, 0, 0, 1]\ncamera_model: fisheye\n"
-		"distortion_coefficients:\n  rows: 1\n  cols: 4\n  data: [0.003, -0.001, 0, 0]\n";
+		"image_width: 640\nimage_height: 480\ncamera_name: narrow\ncamera_matrix:\n"
+		"  rows: 3\n  cols: 3\n  data: [300, 0, 320, 0, 301, 240, 0, 0, 1]\n"
+		"camera_model: fisheye\ndistortion_coefficients:\n  rows: 1\n  cols: 4\n"
+		"  data: [0.003, -0.001, 0, 0]\n";
 	/* on one line, and as JSON */
 	static const char flow[] =
-		"{image_width: 640, image_height: 480, camera_name: 'a, b', distortion_model: "
-		"plumb_bob,\n camera_matrix: {rows: 3, cols: 3, data: [536, 0, 342, 0, 535, 235, # "
-		"of "
-		"K\n 0, 0, 1]}, other: {a: [{b: 1}, 2], x_offset: 3}, t_offset: 1, roi: {x_offset: "
-		"0}, "
-		"distortion_coefficients: "
-		"{rows: 1, cols: 5, data: [-0.25, 0.0625, 0.001, -0.002, 0]}}\n";
-	static const char json[] = "{\"camera_matrix\": [[536.0, 0.0, 342.0], [0.0, 535.0, "
-				   "235.0],\n [0.0, 0.0, 1.0]], "
-				   "\"dist_coeff\": [[-0.25, 0.0625, 0.001, -0.002, 0.0]], "
-				   "\"image_size\": [640, 480]}\n";
+		"{image_width: 640, image_height: 480, camera_name: 'a, b', distortion_model: plumb_bob,\n"
+		" camera_matrix: {rows: 3, cols: 3, data: [536, 0, 342, 0, 535, 235, # of K\n"
+		" 0, 0, 1]}, other: {a: [{b: 1}, 2], x_offset: 3}, t_offset: 1, roi: {x_offset: 0}, distortion_coefficients: {rows: 1, cols: 5, data: [-0.25, 0.0625, 0.001, -0.002, 0]}}\n";
+	static const char json[] =
+		"{\"camera_matrix\": [[536.0, 0.0, 342.0], [0.0, 535.0, 235.0],\n"
+		" [0.0, 0.0, 1.0]], \"dist_coeff\": [[-0.25, 0.0625, 0.001, -0.002, 0.0]], \"image_size\": [640, 480]}\n";
 	static const char items[] = SIZE
 		"camera_matrix:\n- - 536.0\n  - 0.0\n  - 342.0\n- - 0.0\n  - 535.0\n  - 235.0\n"
 		"- - 0.0\n  - 0.0\n  - 1.0\ndist_coeff:\n- - -0.25\n  - 0.0625\n  - 0.001\n"
@@ -490,8 +483,7 @@ TEST("damaged")
 		{"image_width: wide\n", ":1: image_width: expected a whole number from 1 to 32768"},
 		{"image_width: 0\n", ":1: image_width: expected a whole number from 1 to 32768"},
 		{SIZE "distortion_model: omni\n" OPENCV_CAMERA OPENCV_DISTORTION,
-		 ":3: distortion_model: omni, expected plumb_bob, radtan, rational_polynomial, "
-		 "equidistant or fisheye"},
+		 ":3: distortion_model: omni, expected plumb_bob, radtan, rational_polynomial, equidistant or fisheye"},
 		{SIZE "distortion_model: equidistant\n" OPENCV_CAMERA OPENCV_DISTORTION,
 		 ":10: distortion_coefficients: 5 x 1 of them, expected one row of 4"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2,\n",
@@ -503,13 +495,11 @@ TEST("damaged")
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, nan ]\n",
 		 ":6: camera_matrix: expected finite numbers between [ and ]"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 1, 2 ]\n",
-		 ":3: camera_matrix: has 3 rows, 3 columns and 2 numbers, expected as many as rows "
-		 "times columns"},
+		 ":3: camera_matrix: has 3 rows, 3 columns and 2 numbers, expected as many as rows times columns"},
 		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data:\n  - 1\n",
 		 ":6: camera_matrix: expected data: [ numbers ]"},
 		{SIZE "camera_matrix: {rows: 3}\n",
-		 ":3: camera_matrix: has 3 rows, 0 columns and 0 numbers, expected as many as rows "
-		 "times columns"},
+		 ":3: camera_matrix: has 3 rows, 0 columns and 0 numbers, expected as many as rows times columns"},
 		{"{image_width: 640, image_height: 480,\n",
 		 ":1: {: expected } or ] before the end"},
 		{"{camera_matrix: [[1, 2}",
@@ -517,54 +507,46 @@ TEST("damaged")
 		{"{a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: {a: 1",
 		 ":1: {: expected fewer braces in each other"},
 		{ROS_1 "roi: {x_offset: 100, y_offset: 50, height: 240, width: 320}\n",
-		 ":13: the picture is binned or cut out (x_offset), but K is of the whole one: "
-		 "expected a message of the whole picture"},
-		{SIZE "K: [5, 0, 3, 0, 5, 3, 0, 0, 1]\nD:\n  rows: 4\n  cols: 1\n  data: [ 1, 0, "
-		      "0, 0 ]\n",
-		 ":4: D: 4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a fisheye, "
-		 "and "
-		 "nothing says which: expected --fisheye, or a line distortion_model: plumb_bob"},
+		 ":13: the picture is binned or cut out (x_offset), but K is of the whole one: expected a message of the whole picture"},
+		{SIZE "K: [5, 0, 3, 0, 5, 3, 0, 0, 1]\nD:\n  rows: 4\n  cols: 1\n"
+		      "  data: [ 1, 0, 0, 0 ]\n",
+		 ":4: D: 4 of them are k1 k2 p1 p2 of a pinhole camera or k1 to k4 of a fisheye, and nothing says which: expected --fisheye, or a line distortion_model: plumb_bob"},
 		{SIZE OPENCV_CAMERA "xi: -1\n", ":9: xi: expected one number from 0"},
-		{SIZE "camera_matrix:\n  rows: 1\n  cols: 1\n  data: [ 0, 0, 0, 0, 0, 0, 0, 0, 0, "
-		      "0, 0, 0, 0, 0, 0, 0, 0, 0 ]\n",
+		{SIZE "camera_matrix:\n  rows: 1\n  cols: 1\n"
+		      "  data: [ 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 ]\n",
 		 ":6: camera_matrix: expected fewer numbers"},
-		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ 5, 1, 3, 0, 5, 3, 0, 0, 1 "
-		      "]\n",
-		 ":3: camera_matrix: a skew of 1, expected 0: rows and columns of pixels are at "
-		 "right angles here"},
-		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n  data: [ -5, 0, 3, 0, 5, 3, 0, 0, 1 "
-		      "]\n",
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n"
+		      "  data: [ 5, 1, 3, 0, 5, 3, 0, 0, 1 ]\n",
+		 ":3: camera_matrix: a skew of 1, expected 0: rows and columns of pixels are at right angles here"},
+		{SIZE "camera_matrix:\n  rows: 3\n  cols: 3\n"
+		      "  data: [ -5, 0, 3, 0, 5, 3, 0, 0, 1 ]\n",
 		 ":3: camera_matrix: expected fx 0 cx, 0 fy cy, 0 0 1 with fx and fy above 0"},
 		{SIZE OPENCV_CAMERA OPENCV_CAMERA, ":9: camera_matrix: expected to be there once"},
-		{SIZE OPENCV_CAMERA "distortion_coefficients:\n  rows: 9\n  cols: 1\n  data: [ 1, "
-				    "0, 0, 0, 0, 0, 0, 0, 0.5 ]\n",
-		 ":9: distortion_coefficients: number 9 is 0.5, expected 0: neither thin prisms "
-		 "nor "
-		 "tilted sensors are known here"},
+		{SIZE OPENCV_CAMERA "distortion_coefficients:\n  rows: 9\n  cols: 1\n"
+				    "  data: [ 1, 0, 0, 0, 0, 0, 0, 0, 0.5 ]\n",
+		 ":9: distortion_coefficients: number 9 is 0.5, expected 0: neither thin prisms nor tilted sensors are known here"},
 		{"<opencv_storage>\n<camera_matrix><rows>3</rows>\n",
 		 ":2: camera_matrix: expected its end before the file's"},
 		{"<storage>\n", ":1: storage: expected <opencv_storage>, as OpenCV writes XML"},
 		{"<opencv_storage><image_width>640</image_height>\n",
 		 ":1: image_height: expected the end of the element that began last"},
-		{KALIBR_BOTH, ":14: holds several cameras, cam0 and cam1: expected one of them by "
-			      "--camera"},
-		{"cam0:\n  camera_model: ds\n  intrinsics: [1, 2, 3, 4, 5, 6]\n  distortion_model: "
-		 "none\n  resolution: [640, 480]\n",
+		{KALIBR_BOTH,
+		 ":14: holds several cameras, cam0 and cam1: expected one of them by --camera"},
+		{"cam0:\n  camera_model: ds\n  intrinsics: [1, 2, 3, 4, 5, 6]\n"
+		 "  distortion_model: none\n  resolution: [640, 480]\n",
 		 ":2: camera_model: ds, expected pinhole or omni"},
-		{"cam0:\n  camera_model: pinhole\n  intrinsics: [1, 2, 3, 4]\n  distortion_model: "
-		 "fov\n  distortion_coeffs: [0.9]\n  resolution: [640, 480]\n",
-		 ":4: distortion_model: fov, expected plumb_bob, radtan, rational_polynomial, "
-		 "equidistant or fisheye"},
-		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4]\n  distortion_model: "
-		 "none\n  resolution: [640, 480]\n",
+		{"cam0:\n  camera_model: pinhole\n  intrinsics: [1, 2, 3, 4]\n"
+		 "  distortion_model: fov\n  distortion_coeffs: [0.9]\n  resolution: [640, 480]\n",
+		 ":4: distortion_model: fov, expected plumb_bob, radtan, rational_polynomial, equidistant or fisheye"},
+		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4]\n"
+		 "  distortion_model: none\n  resolution: [640, 480]\n",
 		 ":3: intrinsics: expected [xi, fu, fv, pu, pv] with fu and fv above 0"},
-		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4, 5]\n  "
-		 "distortion_model: equidistant\n  distortion_coeffs: [0, 0, 0, 0]\n  "
-		 "resolution: [640, 480]\n",
+		{"cam0:\n  camera_model: omni\n  intrinsics: [1, 2, 3, 4, 5]\n"
+		 "  distortion_model: equidistant\n  distortion_coeffs: [0, 0, 0, 0]\n"
+		 "  resolution: [640, 480]\n",
 		 ":4: distortion_model: equidistant of an omni camera, expected radtan or none"},
-		{ROS_1 "binning_x: 2\n", ":13: the picture is binned or cut out (binning_x), but K "
-					 "is of the whole one: expected a "
-					 "message of the whole picture"},
+		{ROS_1 "binning_x: 2\n",
+		 ":13: the picture is binned or cut out (binning_x), but K is of the whole one: expected a message of the whole picture"},
 	};
 	struct fault fault;
 

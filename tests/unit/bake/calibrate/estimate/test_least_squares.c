@@ -98,7 +98,9 @@ TEST("without noise")
 			expect_below(fabs(x[k] - truth[k]), 1e-11, "way=%d, k=%d", way, k);
 		expect_below(fit.sigma, 1e-12, "way=%d", way);
 		if (way <
-		    2) /* the residuals are rounding errors, of which a robust loss may leave out some */
+		    /* the residuals are rounding errors, of which a robust loss may leave out
+		     * some */
+		    2)
 			expect_equal(fit.freedom, 47, "way=%d", way);
 		least_squares_free(&fit);
 		least_squares_free(&fit);

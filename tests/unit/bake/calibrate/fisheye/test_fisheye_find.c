@@ -112,7 +112,8 @@ static void check_coverage(const struct coverage *all, int runs)
 	assert_true(all->within[2] >= 0.99 * all->runs);
 }
 
-/* Number of runs: INLAY_RUNS, else few, with wider bounds, and a third of them where time matters. */
+/* Number of runs: INLAY_RUNS, else few, with wider bounds, and a third of them where time
+ * matters. */
 static int runs_of(int usual)
 {
 	const char *text = getenv("INLAY_RUNS");

@@ -188,11 +188,11 @@ static void find_drawn(const struct trial *trial)
 		squares += away * away;
 		worst = fmax(worst, away);
 	}
-	print_message("# %s %dx%d blur %g noise %g kappa %g tilt %g turn %g: RMS %.4f px, worst "
-		      "%.3f px, %d points\n",
-		      trial->board, trial->width, trial->height, trial->blur_px, trial->noise,
-		      trial->kappa, trial->tilt_deg, trial->turn_deg, sqrt(squares / all.count),
-		      worst, all.count);
+	print_message(
+		"# %s %dx%d blur %g noise %g kappa %g tilt %g turn %g: RMS %.4f px, worst %.3f px, %d points\n",
+		trial->board, trial->width, trial->height, trial->blur_px, trial->noise,
+		trial->kappa, trial->tilt_deg, trial->turn_deg, sqrt(squares / all.count), worst,
+		all.count);
 	assert_true(sqrt(squares / all.count) < trial->rms_px);
 	assert_true(worst < trial->worst_px);
 	observations_free(&all);
@@ -394,7 +394,8 @@ TEST("other picture")
 	image_free(&picture);
 }
 
-/* The size that most photographs have counts, though another one comes first; one that is cut off is left out. */
+/* The size that most photographs have counts, though another one comes first; one that is cut off
+ * is left out. */
 TEST("misfits")
 {
 	static const struct {
@@ -506,8 +507,9 @@ TEST("not printed")
 	struct fault fault;
 
 	assert_int_equal(board_print(&board, "a4", own_folder_path("b.pdf"), &fault), -E2BIG);
-	assert_string_equal(fault.text, "chess:9x6:30mm does not fit on a4: expected a step of at "
-					"most 25.7 mm");
+	assert_string_equal(
+		fault.text,
+		"chess:9x6:30mm does not fit on a4: expected a step of at most 25.7 mm");
 	print_and_find("9x6:25.7mm", "a4", 297, 210);
 	assert_int_equal(board_print(&board, "a5", own_folder_path("b.pdf"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "expected a4, a3 or letter"));

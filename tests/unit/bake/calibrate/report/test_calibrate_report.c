@@ -241,8 +241,8 @@ static int brightness(const struct image *image, int x, int y)
 	return pixel[0] + pixel[1] + pixel[2];
 }
 
-/* Returns the channel that is by far the strongest at this place of the camera's picture of 640 x 480;
- * -1: there is none. */
+/* Returns the channel that is by far the strongest at this place of the camera's picture of 640 x
+ * 480; -1: there is none. */
 static int colour_at(const struct image *sheet, double x, double y)
 {
 	const double scale = (960 - 2 * 16) / 640.0;
@@ -286,9 +286,9 @@ TEST("five points")
 	f.disagreement = NULL;
 	verdict_doubt(&f.verdict, "spread them & \"turn\" <the board>", "all points lie on a line");
 	write_report("five", &f, NULL);
-	assert_holds("five", "report.html",
-		     "<strong>Not trusted.</strong> all points lie on a line; "
-		     "spread them &amp; &quot;turn&quot; &lt;the board&gt;");
+	assert_holds(
+		"five", "report.html",
+		"<strong>Not trusted.</strong> all points lie on a line; spread them &amp; &quot;turn&quot; &lt;the board&gt;");
 	assert_counts("five", 5);
 	assert_holds("five", "calibration.json", "\"trusted\": false");
 	assert_holds("five", "calibration.json", "spread them & \\\"turn\\\" <the board>");
@@ -448,8 +448,8 @@ TEST("refused")
 	pictures[0] = &picture;
 	assert_int_equal(calibration_report_write(own_folder_path("none"), &f, pictures, &fault),
 			 -EINVAL);
-	assert_string_equal(fault.text, "board<0>&.png: a picture of 64 x 48, expected 8 bits and "
-					"640 x 480");
+	assert_string_equal(fault.text,
+			    "board<0>&.png: a picture of 64 x 48, expected 8 bits and 640 x 480");
 	assert_int_equal(access(own_folder_path("none"), F_OK), -1);
 	assert_int_equal(mkdir(own_folder_path("full"), 0755), 0);
 	file = fopen(own_folder_path("full/letter.txt"), "w");

@@ -35,8 +35,8 @@ static uint8_t code_of(double linear)
 	return (uint8_t)lrint(code > 250 ? 250 + (code - 250) / 2 : code);
 }
 
-/* Within rounding of the code values, also where one exposure is near white: weights that end at 255
- * lose 2 % there. */
+/* Within rounding of the code values, also where one exposure is near white: weights that end at
+ * 255 lose 2 % there. */
 TEST("merges")
 {
 	const struct transfer_curve curve = {.named = TRANSFER_SRGB};

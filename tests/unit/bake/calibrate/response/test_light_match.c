@@ -500,8 +500,8 @@ TEST("damaged files are refused")
 		{"[light]\ngain = 1\n\ngain = 2\n", ":4: [light] gain: is given twice"},
 		{"[light]\nblack_level = 300\n", ":2: [light] black_level: is \"300\""},
 		{"[light]\nresponse = 0 1\n", ":2: [light] response: is \"0 1\", expected 33"},
-		{"[light]\n\nresponse = 0 .1 .1 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 "
-		 ".2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 1\n",
+		{"[light]\n\n"
+		 "response = 0 .1 .1 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 .2 1\n",
 		 ":3: [light] response: response does not rise from number 2 (0.1)"},
 		{"[light]\ngian = 1\n", "did you mean \"gain\"?"},
 		{"[light]\ncolours = 1 0 0 0 1 0 0 0 nan\n", ":2: [light] colours"},

@@ -93,8 +93,7 @@ TEST("every shape is found")
 				wide = fmax(wide, off);
 		}
 		print_message(
-			"# %s: %d samples, %d pieces, held out %.2f, sigma %.2f, seen %.3f to "
-			"%.3f; off by %.2f %% (from 5 %% on %.2f %%); %s\n",
+			"# %s: %d samples, %d pieces, held out %.2f, sigma %.2f, seen %.3f to %.3f; off by %.2f %% (from 5 %% on %.2f %%); %s\n",
 			chart_curve_names[k], s.found.samples, s.found.spline.pieces,
 			s.found.held_out, s.found.sigma, s.found.from, s.found.to, 100 * worst,
 			100 * wide, s.found.verdict.trusted ? "trusted" : s.found.verdict.reason);
