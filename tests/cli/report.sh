@@ -21,12 +21,12 @@ mkdir "$out.part-gone00" "$out.part-alive0"
 exec 7<"$out.part-alive0"
 flock 7
 check "full report of a scene" report --full "$work/box.scene" -o "$out"
-for name in settings lights samples threshold input declared-error column-cut together incremental \
+for name in settings lights samples threshold input declared-error column-cut together \
 	kernels threads thesis-table thesis-threshold surroundings; do
 	check "table $name" test -s "$out/$name.csv"
 done
 for name in pareto lights-error lights-time samples threshold-error input-error error-memory \
-	error-time column-cut incremental kernels threads thesis-time; do
+	error-time column-cut kernels threads thesis-time; do
 	check "plot $name" grep -q '</svg>' "$out/$name.svg"
 done
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
@@ -189,7 +189,7 @@ fi
 # ---- what is advised ----
 plain=$work/plain
 check "report of a scene" report "$work/box.scene" -o "$plain"
-for name in thesis-table thesis-threshold incremental input; do
+for name in thesis-table thesis-threshold input; do
 	absent "$name is for a full report" "$plain/$name.csv"
 done
 if command -v python3 >/dev/null; then
