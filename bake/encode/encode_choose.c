@@ -535,7 +535,7 @@ int choose_ranks(struct choose *s, struct low_rank *fit, const struct shade *sha
 	for (int t = 0; t < shade->skies.tried; t++)
 		s->order[t] = t;
 	find_gains(s, fit->part);
-	/* A part of which hardly anything is seen needs neither patterns nor columns. */
+	/* A part that is hardly seen needs neither patterns nor columns. */
 	best = plan_estimate(s, fit, 0, 0, LEAST_COST);
 	if (best.excess > 1) {
 		profile_enter(PROFILE_BASIS);

@@ -10,8 +10,8 @@
 /* A light that a pixel does not show has these limits, which no residual exceeds (VALUE_MAX of
  * part.c). */
 #define WIDEST 1e30F
-/* Added to each weight, of which the mean is 1, so that no light or pixel is ignored. Chosen by
- * trial. */
+/* This is added to each weight, so that no light or pixel is ignored. The mean weight is 1. Chosen
+ * by trial. */
 #define LEAST_WEIGHT 0.01F
 
 /* Sets the limits of one row's residuals l = left, so that the light shown, offset + slope (base -

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#define CORNERS_MAX 7 /* a triangle has so many corners after four cuts: each cut adds one */
+#define CORNERS_MAX 7 /* a triangle after four cuts, each of which adds a corner */
 /* Squares are larger by this factor, so that rounding leaves nothing outside. */
 #define ROOM 1.0001
 /* A square's side is at least this share of the largest coordinate: single precision resolves

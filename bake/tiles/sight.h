@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the camera sees through the object's glass, and where the picture shows that.
+ * Finds the surfaces that the camera sees through the object's glass, and their places in the
+ * picture.
  *
  * A camera ray that meets glass splits. The part that passes all surfaces of glass is always
  * followed, so that what is seen through glass has no noise. Each surface on its way also mirrors a

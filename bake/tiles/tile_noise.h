@@ -2,7 +2,7 @@
 /*
  * Estimates the noise of a tile: the standard error of its picture under the suns of the ensemble
  * (bake/judge/ensemble.h), as the RMS over these, over channels and over the pixels that the object
- * changes, in 8-bit sRGB levels. White level ground is 1 in the picture, what is brighter is
+ * changes, in 8-bit sRGB levels. White level ground is 1 in the picture, brighter light is
  * clipped, and the scene's ground is the background.
  *
  * Samples lie evenly (Sobol), so the error of their mean is smaller than that of independent
