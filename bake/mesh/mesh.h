@@ -63,12 +63,6 @@ static inline void mesh_set_origin(double origin[3], const double vertex[3])
 		origin[axis] = fabs(vertex[axis]) < 1024 ? 0 : round(vertex[axis]);
 }
 
-/* Numbers the vertices that corners name, in their order; the others' number is UINT32_MAX. Corners get the new
- * numbers, which are not larger. Returns how many vertices are used. */
-size_t mesh_number_used(uint32_t *corner, size_t corners, uint32_t *number, size_t vertices);
-/* Moves the rows of an array to such numbers. */
-void mesh_move_rows(void *array, size_t bytes, const uint32_t *number, size_t count);
-
 /* Reads, checks and places a mesh; vertices that no face has are dropped, and one that is closed and wound inwards is turned. -ENOENT ...;
  * -ENOTSUP: another kind of file; -EBADMSG: not a mesh; -ENODATA: no triangle, or none that has an area; -EDOM: a vertex is not finite; -ERANGE: the mesh is so small and far from
  * the origin, in a file of floats or in the world, that single precision rounds its vertices to a hundredth

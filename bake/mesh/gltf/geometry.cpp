@@ -7,7 +7,7 @@
 #include "bake/mesh/gltf/draco.hpp"
 
 extern "C" {
-#include "bake/mesh/mesh.h"
+#include "bake/mesh/mesh_used.h"
 }
 
 namespace gltf

@@ -74,6 +74,8 @@ static void test_bmp_and_tga(void **state)
 	/* run-length coded, blue first, rows from below */
 	static const uint8_t tga[] = {0, 0, 10, 0, 0, 0, 0, 0,	 0,   0,    0, 0,   2, 0,
 				      1, 0, 32, 8, 0, 0, 0, 255, 255, 0x80, 0, 128, 0, 51};
+	static const uint8_t from_right[] = {0, 0, 2, 0, 0,  0,	   0, 0,   0, 0, 0, 0,
+					     2, 0, 1, 0, 24, 0x10, 0, 128, 0, 0, 0, 255};
 	uint8_t top[sizeof(bmp)];
 
 	(void)state;
@@ -81,6 +83,8 @@ static void test_bmp_and_tga(void **state)
 	expect_pair("pair.bmp", false);
 	write_bytes("pair.TGA", tga, sizeof(tga));
 	expect_pair("pair.TGA", true);
+	write_bytes("pair.TGA", from_right, sizeof(from_right));
+	expect_pair("pair.TGA", false);
 	/* the same from the top */
 	memcpy(top, bmp, sizeof(top));
 	memset(top + 22, 255, 4);
