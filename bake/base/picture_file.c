@@ -252,6 +252,11 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 
 	if (err)
 		return err;
+	if (!light && kind.format != SAMPLEFORMAT_UINT && kind.format != SAMPLEFORMAT_VOID)
+		return fault_say(fault, -EBADMSG,
+				 "%s: a TIFF of signed or complex numbers, expected whole ones "
+				 "from 0, or floats",
+				 path);
 	if (light && (!rows || (kind.bits != 16 && kind.bits != 32)))
 		return fault_say(
 			fault, -EBADMSG,

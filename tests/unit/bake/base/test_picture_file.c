@@ -197,7 +197,8 @@ static void test_tiff_floats(void **state)
 		 (float[]){1, 0.5f, 0, 0.5f, 0.125f, -3, 1, 1}},
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNSPECIFIED, singles},
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNASSALPHA, opaque},
-		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd}};
+		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd},
+		{2, 1, 16, 3, SAMPLEFORMAT_INT, 1, -1, halves}};
 	struct fault fault = {.text = ""};
 	struct image image;
 
@@ -225,6 +226,9 @@ static void test_tiff_floats(void **state)
 	write_tiff_of("f.tif", &cases[4]);
 	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EDOM);
 	assert_non_null(strstr(fault.text, "f.tif: row 0 has light that is not finite"));
+	write_tiff_of("f.tif", &cases[5]);
+	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "f.tif: a TIFF of signed or complex numbers"));
 }
 
 /* A fourth sample that is no alpha counts for nothing, in 8 and 16 bits. */
