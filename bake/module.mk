@@ -71,7 +71,7 @@ BAKE_SOURCES := \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_normals.c \
-	bake/mesh/mesh_unused.c \
+	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/normal_sums.c \
 	bake/preview/preview.c \

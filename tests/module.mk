@@ -281,6 +281,7 @@ FUZZ_PARTS := \
 	bake/mesh/material.c \
 	bake/mesh/mesh.c \
 	bake/mesh/mesh_normals.c \
+	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
 	bake/mesh/normal_sums.c \
 	bake/scene/keyframes.c \

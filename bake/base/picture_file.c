@@ -216,7 +216,7 @@ static int turn_pixels(void *array, size_t bytes, size_t width, size_t height, i
 	return 0;
 }
 
-static int tiff_turn(struct image *image, int turned)
+static int picture_turn(struct image *image, int turned)
 {
 	const size_t width = (size_t)image->width, height = (size_t)image->height;
 	int err = 0;
@@ -253,6 +253,11 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 
 	if (err)
 		return err;
+	if (!light && kind.format != SAMPLEFORMAT_UINT && kind.format != SAMPLEFORMAT_VOID)
+		return fault_say(
+			fault, -EBADMSG,
+			"%s: a TIFF of signed or complex numbers, expected whole ones from 0, or floats",
+			path);
 	if (light && (!rows || (kind.bits != 16 && kind.bits != 32)))
 		return fault_say(
 			fault, -EBADMSG,
@@ -265,7 +270,7 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 		err = light || deep ? tiff_read_rows(tiff, &kind, image, &why)
 				    : tiff_read_plain(tiff, &kind, image);
 	if (!err)
-		err = tiff_turn(image, kind.turned);
+		err = picture_turn(image, kind.turned);
 	if (err == -ENOMEM)
 		return fault_say(fault, err, "%s: not enough memory for the picture", path);
 	return why.text[0] ? fault_say(fault, err, "%s: %s", path, why.text) : err;
@@ -298,6 +303,8 @@ static int tiff_read(const char *path, uint64_t bytes, struct image *image, stru
 
 /* ---- BMP and TGA ---- */
 
+#define TGA_FROM_RIGHT 0x10 /* in byte 17 of a TGA */
+
 static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struct image *image,
 		      struct fault *fault)
 {
@@ -315,6 +322,9 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 	err = image_create_u8(image, width, height);
 	if (!err)
 		err = image_take_rgba(image, rgba);
+	/* the library minds only whether a TGA begins at the top */
+	if (!err && bytes > 17 && data[0] != 'B' && data[17] & TGA_FROM_RIGHT)
+		err = picture_turn(image, ORIENTATION_TOPRIGHT);
 	stbi_image_free(rgba);
 	return err ? fault_say(fault, err, "%s: not enough memory for the picture", path) : 0;
 }

@@ -12,7 +12,7 @@
 
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/gltf/gltf.h"
-#include "bake/mesh/mesh_unused.h"
+#include "bake/mesh/mesh_used.h"
 #include "bake/mesh/mesh_winding.h"
 #include "hal/base/input.h"
 #include "hal/base/log.h"
@@ -24,28 +24,6 @@
 #define FAR_SEEN (FAR_MOST / 20)
 #define REACH_MOST 1e9 /* world units: a thousand times what a scene file may say */
 #define FLAT_MOST 1e-6 /* sine of a triangle's angle that rounding alone can make */
-
-/* ---- vertices ---- */
-
-/* Takes out the vertices that no triangle has. -ENOMEM. */
-static int mesh_drop_unused(struct mesh_part *part)
-{
-	const size_t count = (size_t)part->vertices;
-	uint32_t *number = malloc((count + 1) * sizeof(*number));
-
-	if (!number)
-		return -ENOMEM;
-	part->vertices = (int)mesh_number_used(&part->index[0][0], 3 * (size_t)part->triangles,
-					       number, count);
-	mesh_move_rows(part->position, sizeof(*part->position), number, count);
-	mesh_move_rows(part->normal, sizeof(*part->normal), number, count);
-	mesh_move_rows(part->uv, sizeof(*part->uv), number, count);
-	mesh_move_rows(part->uv2, sizeof(*part->uv2), number, count);
-	mesh_move_rows(part->tangent, sizeof(*part->tangent), number, count);
-	mesh_move_rows(part->colour, sizeof(*part->colour), number, count);
-	free(number);
-	return 0;
-}
 
 /* ---- placement ---- */
 

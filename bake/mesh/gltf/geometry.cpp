@@ -7,8 +7,7 @@
 #include "bake/mesh/gltf/draco.hpp"
 
 extern "C" {
-#include "bake/mesh/mesh.h"
-#include "bake/mesh/mesh_unused.h"
+#include "bake/mesh/mesh_used.h"
 }
 
 namespace gltf

@@ -69,12 +69,16 @@ TEST("bmp and tga")
 	/* run-length coded, blue first, rows from below */
 	static const uint8_t tga[] = {0, 0, 10, 0, 0, 0, 0, 0,	 0,   0,    0, 0,   2, 0,
 				      1, 0, 32, 8, 0, 0, 0, 255, 255, 0x80, 0, 128, 0, 51};
+	static const uint8_t from_right[] = {0, 0, 2, 0, 0,  0,	   0, 0,   0, 0, 0, 0,
+					     2, 0, 1, 0, 24, 0x10, 0, 128, 0, 0, 0, 255};
 	uint8_t top[sizeof(bmp)];
 
 	write_bytes("pair.bmp", bmp, sizeof(bmp));
 	expect_pair("pair.bmp", false);
 	write_bytes("pair.TGA", tga, sizeof(tga));
 	expect_pair("pair.TGA", true);
+	write_bytes("pair.TGA", from_right, sizeof(from_right));
+	expect_pair("pair.TGA", false);
 	/* the same from the top */
 	memcpy(top, bmp, sizeof(top));
 	memset(top + 22, 255, 4);
@@ -186,7 +190,8 @@ TEST("tiff floats")
 		 (float[]){1, 0.5f, 0, 0.5f, 0.125f, -3, 1, 1}},
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNSPECIFIED, singles},
 		{2, 1, 32, 4, SAMPLEFORMAT_IEEEFP, 1, EXTRASAMPLE_UNASSALPHA, opaque},
-		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd}};
+		{1, 1, 32, 1, SAMPLEFORMAT_IEEEFP, 1, -1, odd},
+		{2, 1, 16, 3, SAMPLEFORMAT_INT, 1, -1, halves}};
 	struct fault fault = {.text = ""};
 	struct image image;
 
@@ -213,6 +218,9 @@ TEST("tiff floats")
 	write_tiff_of("f.tif", &cases[4]);
 	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EDOM);
 	assert_non_null(strstr(fault.text, "f.tif: row 0 has light that is not finite"));
+	write_tiff_of("f.tif", &cases[5]);
+	assert_int_equal(picture_file_read(small_scene_path("f.tif"), &image, &fault), -EBADMSG);
+	assert_non_null(strstr(fault.text, "f.tif: a TIFF of signed or complex numbers"));
 }
 
 /* A fourth sample that is no alpha counts for nothing, in 8 and 16 bits. */
