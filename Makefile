@@ -302,6 +302,11 @@ release-check:
 	$(Q)$(MAKE) --no-print-directory test-boards
 	$(Q)$(MAKE) --no-print-directory soak MINUTES=10
 
+.PHONY: size
+## size: lines of each folder beside what it may hold, and words of the documentation
+size:
+	$(Q)tests/lint/size.sh --table
+
 # Groups of tests alone; what each counts is added to the results of this run.
 .PHONY: test-lint test-unit test-thorough test-kernels test-emulated test-cli test-cli-deep \
 	test-accuracy test-registration test-blender test-fuzz test-sanitize

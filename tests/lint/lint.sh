@@ -87,6 +87,8 @@ helped() { # every target with a comment is listed, and the ones that the README
 check "formatted as .clang-format says" formatted
 check "rooms: who includes whom, READMEs, files in a folder" tests/lint/rooms.sh
 check "comments are sentences" worded
+check "structs, comments and strings: their members, columns, lines" tests/lint/house.sh
+check "folders within the lines that tests/lint/size gives them" tests/lint/size.sh
 check "READMEs: their words, and where links lead" tests/lint/words.sh
 check "bash reads every script" parsed
 check "make help lists what the README names" helped
