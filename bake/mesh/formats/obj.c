@@ -9,6 +9,7 @@
 #include "bake/mesh/formats/mtl.h"
 #include "bake/mesh/formats/soup.h"
 #include "bake/mesh/formats/text.h"
+#include "hal/base/log.h"
 
 /* Rows of numbers: positions in double precision, texture coordinates, normals, colours. */
 struct obj_rows {
@@ -186,6 +187,9 @@ static int obj_libraries(struct obj *obj, struct text_span line)
 			     bare) >= (int)sizeof(own))
 		return 0;
 	err = obj_open_library(obj, (struct text_span){own, own + strlen(own)});
+	if (!err)
+		log_say_once(LOG_LEVEL_INFO, "%s: %.*s is taken from %s", obj->soup.path,
+			     text_shown(all), all.at, own);
 	return err == -ENOENT ? 0 : err;
 }
 

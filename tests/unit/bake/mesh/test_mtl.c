@@ -175,9 +175,13 @@ TEST("texture names")
 	}
 }
 
-/* Libraries in folders of their own, several in a line, and one of another name. */
+/* Libraries in folders of their own, several in a line, and one of another name, which is said. */
 TEST("libraries")
 {
+	struct captured_log log;
+	char line[512] = "";
+	FILE *said;
+
 	assert_int_equal(folder("lib"), 0);
 	write_picture("lib/own.png", texels);
 	write_picture("mesh.png", texels);
@@ -196,7 +200,12 @@ TEST("libraries")
 	expect_checker("l.obj");
 	small_scene_write("named.mtl", "newmtl m\nmap_Kd mesh.png\n");
 	small_scene_write("named.obj", "mtllib lost.mtl\n" SQUARE);
+	log = captured_log_begin();
 	expect_checker("named.obj");
+	said = captured_log_end(&log);
+	assert_non_null(fgets(line, sizeof(line), said));
+	assert_non_null(strstr(line, "named.obj: lost.mtl is taken from named.mtl"));
+	fclose(said);
 }
 
 /* Files put together name several libraries that have materials of the same name: the nearest one
