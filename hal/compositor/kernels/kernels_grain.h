@@ -24,7 +24,12 @@ static inline void kernel_grain_channel(const struct kernel_grain *g, int c, int
 
 	for (int x = 0; x < KERNEL_GRAIN; x++)
 		noise[x] = (float)table[x] * (0x1p24f / KERNEL_GRAIN_ONE);
+/* `to` may be `object`: no pixel reads what another writes. */
+#ifdef __clang__
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
 	for (int x = 0; x < KERNEL_GRAIN; x++) {
 		const float code = (float)(int32_t)(pixel[x] >> shift & 255);
 		const float b = light[0] + code * (light[1] + code * (light[2] + code * light[3]));
