@@ -278,13 +278,13 @@ test-installed: all programs-unit programs-fuzz $(TEST_PROGRAMS) $(VM_READY) $(B
 		-- unit $(UNIT_QUICK) -- lint "tests/lint/lint.sh --quick" tests/lint/test_rules.sh -- fuzz tests/fuzz/replay.sh
 	$(Q)tests/run.sh --end
 
-## test-stress: make test beside eight busy loops, on one processor, and from TIMES=10 new seeds (an hour)
+## test-stress: make test beside eight busy loops, on one processor, and from TIMES=10 new seeds (hours)
 test-stress-installed: TIMES = 10
 $(eval $(call with_packages,test-stress,test))
 test-stress-installed:
 	$(Q)MAKE="$(MAKE)" tests/stress.sh $(TIMES)
 
-## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (an hour)
+## test-deep: what make test leaves out: sanitizers, fuzzing, other processors, every fault (hours)
 $(eval $(call with_packages,test-deep,deep))
 
 DEEP_GROUPS := test-lint test-thorough test-emulated test-cli-deep test-registration test-blender test-fuzz \
@@ -295,7 +295,7 @@ test-deep-installed: $(OTHER_PROGRAMS)
 	$(Q)tests/run.sh --end
 
 .PHONY: release-check
-## release-check: test, test-deep, the images of the other boards, ten minutes of soak (two hours)
+## release-check: test, test-deep, the images of the other boards, ten minutes of soak (hours)
 release-check:
 	$(Q)$(MAKE) --no-print-directory test
 	$(Q)$(MAKE) --no-print-directory test-deep
