@@ -24,10 +24,8 @@ static inline void kernel_grain_channel(const struct kernel_grain *g, int c, int
 
 	for (int x = 0; x < KERNEL_GRAIN; x++)
 		noise[x] = (float)table[x] * (0x1p24f / KERNEL_GRAIN_ONE);
-/* `to` may be `object`: no pixel reads what another writes. */
-#ifdef __clang__
-#pragma clang loop vectorize(assume_safety)
-#else
+/* `to` may be `object`: no pixel reads what another writes. clang finds that out in running. */
+#ifndef __clang__
 #pragma GCC ivdep
 #endif
 	for (int x = 0; x < KERNEL_GRAIN; x++) {
