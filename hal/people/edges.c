@@ -33,8 +33,9 @@ static void mark_row(const struct people *p, const uint8_t *verdict, int y, int 
 				  ((above[x] == VERDICT_PERSON) == person) &
 				  ((below[x] == VERDICT_PERSON) == person);
 
-		side[x] = (uint8_t)(alike & (watch[x] != 0) & (known[x] != 0) ? SIDE_OTHER + person
-									      : SIDE_NONE);
+		side[x] = (uint8_t)((alike & (watch[x] != 0) & (known[x] != 0))
+					    ? SIDE_OTHER + person
+					    : SIDE_NONE);
 	}
 }
 

@@ -289,7 +289,7 @@ static void span_rates(const struct people *p, const struct span *span, float *r
 	const float light_rate = p->light_rate;
 
 	for (int x = 0; x < count; x++) {
-		lighter[x] = known[x] & (verdict[x] != VERDICT_PERSON) ? light_rate : 0;
+		lighter[x] = (known[x] & (verdict[x] != VERDICT_PERSON)) ? light_rate : 0;
 		darker[x] = verdict[x] == VERDICT_SHADED ? 0 : lighter[x];
 	}
 	for (int x = 0; p->jumped && x < count; x++)
