@@ -236,15 +236,19 @@ static std::vector<uint8_t> data_decode(const Json &uri, const std::string &text
 Bytes Document::file(const std::string &name)
 {
 	fault why = {""};
-	const auto added = files.try_emplace(name, nullptr, 0);
-	auto &[data, bytes] = added.first->second;
-	const int err = added.second ? input_read(name.c_str(), INPUT_MAX, &data, &bytes, &why) : 0;
+	const auto added = files.try_emplace(name);
+	Held &held = added.first->second;
+	uint8_t *data = nullptr;
 
-	if (err)
-		throw Failure(err, why.text);
-	if (added.second)
-		memory.file_bytes += bytes;
-	return {data, bytes};
+	if (added.second) {
+		const int err = input_read(name.c_str(), INPUT_MAX, &data, &held.bytes, &why);
+
+		held.data.reset(data);
+		if (err)
+			throw Failure(err, why.text);
+		memory.file_bytes += held.bytes;
+	}
+	return {held.data.get(), held.bytes};
 }
 
 void Document::lend(double bytes)
@@ -346,11 +350,7 @@ Document::Document(const std::string &name) : path(name)
 	decompressed.resize(count("bufferViews"));
 }
 
-Document::~Document()
-{
-	for (auto &read : files)
-		free(read.second.first);
-}
+Document::~Document() = default;
 
 size_t Document::count(const char *array) const
 {

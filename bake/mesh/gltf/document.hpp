@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <map>
 #include <memory>
 #include <stdexcept>
@@ -93,7 +94,7 @@ class Document
 {
       public:
 	explicit Document(const std::string &path);
-	~Document();
+	~Document(); /* where Json is complete */
 	Document(const Document &) = delete;
 	Document &operator=(const Document &) = delete;
 
@@ -132,8 +133,13 @@ class Document
 	void decompress(const Json &how, std::vector<uint8_t> &out);
 
 	budget memory = {};
-	std::map<std::string, std::pair<uint8_t *, size_t>> files; /* that are read, by name */
-	Bytes binary = {nullptr, 0};				   /* of a GLB */
+	/* A file's bytes, which are freed also where the constructor throws. */
+	struct Held {
+		std::unique_ptr<uint8_t, void (*)(void *)> data{nullptr, free};
+		size_t bytes = 0;
+	};
+	std::map<std::string, Held> files; /* that are read, by name */
+	Bytes binary = {nullptr, 0};	   /* of a GLB */
 	std::vector<Buffer> buffers;
 	std::vector<std::vector<uint8_t>> decompressed; /* views */
 	std::vector<std::vector<uint8_t>> pictures;	/* of data URIs */
