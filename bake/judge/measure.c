@@ -81,8 +81,8 @@ static void add_receiver(const struct measure *m, const struct part *part,
 		}
 }
 
-/* Adds part k to the picture under a lighting. Its sums are multiplied by factor; back is the light
- * of the ground that a V is a share of. */
+/* Adds part k to the picture under a lighting. Its sums are multiplied by factor. A V
+ * is a share of the ground's light, back. */
 static void add_part(struct measure *m, const struct part *parts, int k, float factor,
 		     const float back[3])
 {
