@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* From the picture to cells, and what the camera does to them: noise and exposure. */
+/* From the picture to cells, their noise, and for how long they have shown the same. */
 #include <math.h>
 #include <string.h>
 
 #include "hal/people/people_parts.h"
 
 #define FIT_EVERY 16 /* frames */
-#define GAIN_CELLS 2000
-#define SCATTER 0.15f  /* width of the densest half of ratios, over their middle */
-#define GAIN_BINS 2048 /* of seen / place, 0..4 */
+#define CHANGED 25.0f /* chi-square of three channels: one cell in 10^5 by noise alone */
+#define STEADY 0.012f /* of its light, by which a still cell of a compressed film varies */
+#define RECENT 0.125f /* share of a frame in the mean of what a cell shows */
+#define STILL_MOST 60000
+#define STILL_LEAST 6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
 /* Sums the code values of n = wide * high pixels: blue and red in the halves of sum[0], green in
  * the lower half of sum[1]. At most 16 pixels, so no half overflows. */
@@ -29,22 +31,22 @@ static inline void sum_codes(const uint8_t *in, ptrdiff_t x_step, ptrdiff_t y_st
 static inline void read_cell(struct people *p, const struct picture *picture, int x, int y,
 			     int wide, int high, int each)
 {
-	const int at = y * p->across + x;
-	const uint8_t *in = picture->origin + y * p->side * picture->y_step +
-			    x * p->side * picture->x_step;
+	const int at = y * p->cells.across + x;
+	const uint8_t *in = picture->origin + y * p->cells.side * picture->y_step +
+			    x * p->cells.side * picture->x_step;
 	uint32_t sum[2];
 
 	sum_codes(in, picture->x_step, picture->y_step, wide, high, sum);
-	p->seen[0][at] = p->linear[(sum[0] >> 16) * (uint32_t)each];
-	p->seen[1][at] = p->linear[sum[1] * (uint32_t)each];
-	p->seen[2][at] = p->linear[(sum[0] & 0xffff) * (uint32_t)each];
+	p->cells.seen[0][at] = p->cells.linear[(sum[0] >> 16) * (uint32_t)each];
+	p->cells.seen[1][at] = p->cells.linear[sum[1] * (uint32_t)each];
+	p->cells.seen[2][at] = p->cells.linear[(sum[0] & 0xffff) * (uint32_t)each];
 }
 
 /* A cell that the picture's edge may cut. */
 static void read_edge_cell(struct people *p, const struct picture *picture, int x, int y)
 {
-	const int wide = picture->width - x * p->side, high = picture->height - y * p->side;
-	const int cut = wide < high ? wide : high, side = cut < p->side ? 1 : p->side;
+	const int wide = picture->width - x * p->cells.side, high = picture->height - y * p->cells.side;
+	const int cut = wide < high ? wide : high, side = cut < p->cells.side ? 1 : p->cells.side;
 
 	read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
 }
@@ -64,9 +66,9 @@ static inline void read_adjacent(struct people *p, const struct picture *picture
 				 int end, int side)
 {
 	const uint32_t each = (uint32_t)(CODE_STEPS / (side * side));
-	const float *linear = p->linear;
-	float *red = p->seen[0] + y * p->across, *green = p->seen[1] + y * p->across;
-	float *blue = p->seen[2] + y * p->across;
+	const float *linear = p->cells.linear;
+	float *red = p->cells.seen[0] + y * p->cells.across, *green = p->cells.seen[1] + y * p->cells.across;
+	float *blue = p->cells.seen[2] + y * p->cells.across;
 	const uint8_t *in = picture->origin + y * side * picture->y_step + x * side * 4;
 
 	for (; x < end; x++, in += side * 4) {
@@ -85,7 +87,7 @@ static inline void read_adjacent(struct people *p, const struct picture *picture
 
 static void read_cells(struct people *p, const struct picture *picture, int y, int x, int end)
 {
-	const int side = p->side;
+	const int side = p->cells.side;
 
 	if (picture->x_step == 4 && side == 2)
 		read_adjacent(p, picture, y, x, end, 2);
@@ -98,10 +100,10 @@ static void read_cells(struct people *p, const struct picture *picture, int y, i
 
 void cells_read(struct people *p, const struct picture *picture)
 {
-	const int whole_across = picture->width / p->side, whole_down = picture->height / p->side;
+	const int whole_across = picture->width / p->cells.side, whole_down = picture->height / p->cells.side;
 
-	for (int s = 0; s < p->span_count; s++) {
-		const struct span *span = &p->spans[s];
+	for (int s = 0; s < p->cells.span_count; s++) {
+		const struct span *span = &p->cells.spans[s];
 		const int end = span->x + span->count;
 		const int inner = span->y < whole_down ? end < whole_across ? end : whole_across
 						       : span->x;
@@ -130,93 +132,57 @@ void cells_follow_noise(struct people *p, const struct picture *picture)
 	struct sensor_noise_model model;
 	double share;
 
-	sensor_noise_watch(p->sensor, picture);
-	if (p->frame % FIT_EVERY || !sensor_noise_fit(p->sensor, &model))
+	sensor_noise_watch(p->cells.sensor, picture);
+	if (p->frame % FIT_EVERY || !sensor_noise_fit(p->cells.sensor, &model))
 		return;
-	share = mean_share(p->side, model.across) * mean_share(p->side, model.down);
+	share = mean_share(p->cells.side, model.across) * mean_share(p->cells.side, model.down);
 	for (int c = 0; c < 3; c++) {
-		p->still[c] = (float)(share * model.floor[c]) * WHITE * WHITE + STILL_LEAST;
-		p->shot[c] = (float)(share * model.slope[c]) * WHITE;
+		p->cells.still[c] = (float)(share * model.floor[c]) * WHITE * WHITE + STILL_LEAST;
+		p->cells.shot[c] = (float)(share * model.slope[c]) * WHITE;
 	}
 }
 
-/* Mean ratio of bins from..to. */
-static float mean_ratio(const int bins[GAIN_BINS], int from, int to)
+/* Whether a cell shows what it showed, by the noise of both. */
+static bool is_same(const struct people *p, int at)
 {
-	float sum = 0, count = 0;
+	float chi = 0;
 
-	for (int b = from; b <= to; b++) {
-		sum += (float)bins[b] * ((float)b + 0.5f);
-		count += (float)bins[b];
-	}
-	return sum / count * (4.0f / GAIN_BINS);
-}
-
-/* The camera's exposure changes all cells alike, so half of them lie close together. Where they do
- * not, something hides the place, and the exposure of before is kept. */
-static void take_gain(struct people *p, int c, const int bins[GAIN_BINS], int count)
-{
-	float narrowest = SCATTER;
-	int held = 0, from = 0, best_from = 0, best_to = -1;
-
-	for (int to = 0; to < GAIN_BINS; to++) {
-		for (held += bins[to]; 2 * (held - bins[from]) >= count; from++)
-			held -= bins[from];
-		const float wide = (float)(to + 1 - from) / (0.5f * (float)(to + 1 + from));
-
-		if (2 * held >= count && wide < narrowest) {
-			narrowest = wide;
-			best_from = from;
-			best_to = to;
-		}
-	}
-	if (best_to >= 0)
-		p->gain[c] = fminf(fmaxf(mean_ratio(bins, best_from, best_to), 0.125f), 3.9f);
-}
-
-static void follow_channel(struct people *p, int c)
-{
-	const float light = p->light[c][0];
-	const int step = p->watched / GAIN_CELLS + 1;
-	int bins[GAIN_BINS] = {0}, count = 0;
-
-	for (int s = 0; s < p->span_count; s++) {
-		const struct span *span = &p->spans[s];
-
-		for (int x = span->x + span->y % step; x < span->x + span->count; x += step) {
-			const int at = span->y * p->across + x;
-			const float place = p->lit[c][at] * p->drift[c][at] * light;
-			float ratio;
-
-			if (!p->known[at] || p->verdict[at] == VERDICT_PERSON ||
-			    place < 0.004f * WHITE || p->seen[c][at] > 0.97f * WHITE)
-				continue;
-			ratio = p->seen[c][at] / place * (GAIN_BINS / 4.0f);
-			bins[ratio < GAIN_BINS - 1 ? (int)ratio : GAIN_BINS - 1]++;
-			count++;
-		}
-	}
-	if (count > 100)
-		take_gain(p, c, bins, count);
-}
-
-void cells_follow_gain(struct people *p)
-{
 	for (int c = 0; c < 3; c++) {
-		follow_channel(p, c);
-		for (int s = 0; s < p->span_count; s++) {
-			const struct span *span = &p->spans[s];
-			const int at = span->y * p->across + span->x, count = span->count;
-			const float *restrict lit = p->lit[c] + at, *restrict drift = p->drift[c] +
-										      at;
-			const float light = p->light[c][0], gain = p->gain[c];
-			float *restrict place = p->place[c] + at;
+		const float unit = p->place.gain[c] * p->place.light[c][0];
+		const float was = p->cells.recent[c][at] * unit, seen = p->cells.seen[c][at];
+		const float variance = cells_variance(&p->cells, c, was) +
+				       (STEADY * STEADY + p->place.model_variance) * was * was;
 
-			for (int x = 0; x < count; x++) {
-				const float exposed = lit[x] * drift[x] * light * gain;
+		chi += (seen - was) * (seen - was) / variance;
+	}
+	return chi <= CHANGED;
+}
 
-				place[x] = exposed < WHITE ? exposed : WHITE;
-			}
-		}
+static void follow_cell(struct people *p, int at, const float per_unit[3])
+{
+	const bool same = is_same(p, at);
+	const int ms = same ? p->cells.still_ms[at] + (int)p->step_ms : 0;
+
+	for (int c = 0; c < 3; c++) {
+		const float now = p->cells.seen[c][at] * per_unit[c];
+		float *recent = &p->cells.recent[c][at];
+
+		*recent = same ? *recent + (now - *recent) * RECENT : now;
+	}
+	p->cells.still_ms[at] = (uint16_t)(ms < STILL_MOST ? ms : STILL_MOST);
+}
+
+void cells_follow_stillness(struct people *p)
+{
+	float per_unit[3];
+
+	for (int c = 0; c < 3; c++)
+		per_unit[c] = 1 / (p->place.gain[c] * p->place.light[c][0]);
+	for (int s = 0; s < p->cells.span_count; s++) {
+		const struct span *span = &p->cells.spans[s];
+		const int at = span->y * p->cells.across + span->x;
+
+		for (int x = 0; x < span->count; x++)
+			follow_cell(p, at + x, per_unit);
 	}
 }

@@ -2,7 +2,7 @@
 /*
  * Depths of a camera that stands elsewhere, as the background's camera would measure them: some of
  * its pixels, each at its place in the world, in a coarse picture of the background's view, in
- * which the nearest counts. It is made when the first group of a frame asks.
+ * which the nearest counts.
  */
 #include <errno.h>
 #include <math.h>
@@ -10,6 +10,10 @@
 #include <string.h>
 
 #include "hal/people/people_parts.h"
+
+#define ASKED_MOST 1024 /* so many cells of a person's box, about, are asked for their depth */
+#define KNOWN_LEAST 4	/* with fewer known ones, or */
+#define KNOWN_SHARE 0.2 /* a smaller share of those asked, depths tell nothing */
 
 enum {
 	SAMPLES_ACROSS = 160,
@@ -51,7 +55,7 @@ int depths_create(struct people *p, const struct tsai_camera *camera)
 	if (d)
 		d->moved = (struct depth_map){d->words,	    2,		2 * MOVED_ACROSS,
 					      MOVED_ACROSS, MOVED_DOWN, 0.001};
-	p->depths = d;
+	p->crowd.depths = d;
 	return 0;
 }
 
@@ -83,7 +87,7 @@ static void move_place(struct depths *d, const struct people *p, const double wo
 
 static void move_depths(struct depths *d, const struct people *p)
 {
-	const struct depth_map *map = p->depth;
+	const struct depth_map *map = p->crowd.depth;
 
 	memset(d->words, 0, sizeof(d->words));
 	for (int k = 0; k < SAMPLES; k++) {
@@ -100,17 +104,67 @@ static void move_depths(struct depths *d, const struct people *p)
 	}
 }
 
-const struct depth_map *depths_of_background(struct people *p)
+void depths_move(struct people *p)
 {
-	if (p->depths && p->depth && p->depth != &p->depths->moved) {
-		move_depths(p->depths, p);
-		p->depth = &p->depths->moved;
+	struct depths *d = p->crowd.depths;
+
+	if (d && p->crowd.depth && p->crowd.depth != &d->moved) {
+		move_depths(d, p);
+		p->crowd.depth = &d->moved;
 	}
-	return p->depth;
 }
 
 void depths_free(struct people *p)
 {
-	free(p->depths);
-	p->depths = NULL;
+	free(p->crowd.depths);
+	p->crowd.depths = NULL;
+}
+
+/* ---- order ---- */
+
+/* Where what a cell shows is, seen from above: its direction and its distance from the camera.
+ * False: its depth is not known. */
+static bool cell_by_depth(const struct people *p, const struct depth_map *map, int x, int y,
+			  double *direction_rad, float *far)
+{
+	const double *axis = &p->object.camera->rotation[6];
+	const double px[2] = {(x + 0.5) * p->cells.side, (y + 0.5) * p->cells.side};
+	const int u = (int)(px[0] * map->width / p->settings.width);
+	const int v = (int)(px[1] * map->height / p->settings.height);
+	const double depth = depth_map_at(map, u < map->width ? u : map->width - 1,
+					  v < map->height ? v : map->height - 1);
+	double origin[3], dir[3], t;
+
+	if (!(depth > 0) || tsai_ray(p->object.camera, px, origin, dir))
+		return false;
+	t = depth / (axis[0] * dir[0] + axis[1] * dir[1] + axis[2] * dir[2]);
+	*direction_rad = atan2(dir[1], dir[0]);
+	*far = (float)(t * hypot(dir[0], dir[1]));
+	return true;
+}
+
+enum told depths_ask(const struct people *p, int person, const struct box *box, float lean)
+{
+	const struct depth_map *map = p->crowd.depth;
+	const int area = (box->right + 1 - box->left) * (box->bottom + 1 - box->top);
+	int step = 1, asked = 0, known = 0, nearer = 0;
+
+	while (map && step * step * ASKED_MOST < area)
+		step++;
+	for (int y = box->top; map && y <= box->bottom; y += step)
+		for (int x = box->left; x <= box->right; x += step) {
+			double direction;
+			float far;
+
+			if (p->crowd.label[y * p->cells.across + x] != person)
+				continue;
+			asked++;
+			if (!cell_by_depth(p, map, x, y, &direction, &far))
+				continue;
+			known++;
+			nearer += far < far_side_at(p, x, direction) * (1 + lean);
+		}
+	if (known < KNOWN_LEAST || known < KNOWN_SHARE * asked)
+		return TOLD_NOTHING;
+	return 2 * nearer > known ? TOLD_FRONT : TOLD_BEHIND;
 }

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Connected groups of people, and ghosts. */
+/* Connected groups of cells that are people's; and what is taken for people and is nobody. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "hal/people/people_parts.h"
 
 #define HAND 40		/* a group of fewer than (cells down / HAND)^2 cells is dropped */
 #define HOLE 40		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
+#define GAP 6		/* shadows between a person's cells, up to cells down / GAP high, are his */
 #define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
 #define LIGHT_SHARE 0.2 /* edge of its own along the outline of mere light, over the level there */
-#define LOST_SHARE 0.7	/* of the watched cells: the camera has been moved */
-#define LOST_MS 900e3	/* longer than visitors stand so near that they hide everything */
+#define CROWDED 0.7	/* of the watched cells: the camera has been moved */
+#define CROWDED_MS 900e3 /* longer than visitors stand so near that they hide everything */
 
 /* ---- connected cells ---- */
 
@@ -52,127 +52,79 @@ static void join_rows(struct run *runs, int from, int first, int end, int reach)
  * each cell. */
 static void find_runs(struct people *p, bool people, int reach)
 {
-	const struct box *box = &p->box;
+	const struct box *box = &p->verdict.box;
 	int from = 0, first = 0, count = 0;
 
 	for (int y = box->top; y <= box->bottom; y++) {
-		const int row = y * p->across;
+		const int row = y * p->cells.across;
 
 		for (int x = box->left; x <= box->right; x++) {
-			const bool is = p->watch[row + x] &&
-					(p->verdict[row + x] == VERDICT_PERSON) == people;
+			const bool is = p->cells.watch[row + x] &&
+					(p->verdict.of[row + x] == WHOSE_PERSON) == people;
 			const bool goes_on = is && count > first &&
-					     p->runs[count - 1].right == x - 1;
+					     p->crowd.runs[count - 1].right == x - 1;
 
-			p->label[row + x] = -1;
+			p->crowd.label[row + x] = -1;
 			if (!is)
 				continue;
 			if (!goes_on) {
-				p->runs[count] = (struct run){y, x, x, count};
+				p->crowd.runs[count] = (struct run){y, x, x, count};
 				count++;
 			}
-			p->runs[count - 1].right = x;
-			p->label[row + x] = count - 1;
+			p->crowd.runs[count - 1].right = x;
+			p->crowd.label[row + x] = count - 1;
 		}
-		join_rows(p->runs, from, first, count, reach);
+		join_rows(p->crowd.runs, from, first, count, reach);
 		from = first;
 		first = count;
 	}
-	p->run_count = count;
+	p->crowd.run_count = count;
 }
 
 /* Numbers the groups and measures them; label becomes the group. */
 static void measure_groups(struct people *p)
 {
-	p->group_count = 0;
-	for (int n = 0; n < p->run_count; n++) {
-		const struct run *run = &p->runs[n];
-		const int root = run_root(p->runs, n);
+	p->crowd.group_count = 0;
+	for (int n = 0; n < p->crowd.run_count; n++) {
+		const struct run *run = &p->crowd.runs[n];
+		const int root = run_root(p->crowd.runs, n);
 		struct group *g;
 		int number;
 
 		if (root == n)
-			p->groups[p->group_count++] = (struct group){.left = p->across,
+			p->crowd.groups[p->crowd.group_count++] = (struct group){.left = p->cells.across,
 								     .top = run->y};
-		number = root == n ? p->group_count - 1
-				   : p->label[p->runs[root].y * p->across + p->runs[root].left];
-		g = &p->groups[number];
+		number = root == n ? p->crowd.group_count - 1
+				   : p->crowd.label[p->crowd.runs[root].y * p->cells.across + p->crowd.runs[root].left];
+		g = &p->crowd.groups[number];
 		for (int x = run->left; x <= run->right; x++)
-			p->label[run->y * p->across + x] = number;
+			p->crowd.label[run->y * p->cells.across + x] = number;
 		g->cells += run->right - run->left + 1;
 		g->left = run->left < g->left ? run->left : g->left;
 		g->right = run->right > g->right ? run->right : g->right;
 		g->bottom = run->y;
-		g->foot_x = 0.5 * (run->left + run->right + 1);
+		g->bottom_x = (run->left + run->right) / 2;
 	}
 }
 
 /* ---- cleaning ---- */
 
-/* Counts, in each column of three rows, the cells that are people. */
-static void count_columns(const uint8_t *raw, int across, uint8_t *restrict count)
+/* Cloth like the ground in other light is between a person's other parts: above it and below. */
+static void fill_column(struct people *p, int x)
 {
-	const uint8_t *above = raw - across, *below = raw + across;
+	const struct box *box = &p->verdict.box;
+	const int most = p->cells.down / GAP;
+	int last = -1; /* row of the last cell that is a person's, while what follows differs */
 
-	for (int x = 0; x < across; x++)
-		count[x] = (uint8_t)((above[x] == VERDICT_PERSON) + (raw[x] == VERDICT_PERSON) +
-				     (below[x] == VERDICT_PERSON));
-}
+	for (int y = box->top; y <= box->bottom; y++) {
+		uint8_t *whose = p->verdict.of + y * p->cells.across + x;
 
-static void smooth_span(struct people *p, const struct span *span, const uint8_t *count)
-{
-	const int first = span->x ? span->x : 1;
-	const int end = span->x + span->count < p->across ? span->x + span->count : p->across - 1;
-	const uint8_t *raw = p->raw + span->y * p->across;
-	uint8_t *verdict = p->verdict + span->y * p->across;
-
-	for (int x = first; x < end; x++) {
-		const int people = count[x - 1] + count[x] + count[x + 1];
-
-		if (people >= 6)
-			verdict[x] = VERDICT_PERSON;
-		else if (people <= 2 && raw[x] == VERDICT_PERSON)
-			verdict[x] = VERDICT_EMPTY;
-	}
-}
-
-static void grow_box(struct box *box, const struct span *span, const uint8_t *verdict)
-{
-	for (int x = span->x; x < span->x + span->count; x++) {
-		if (verdict[x] != VERDICT_PERSON)
-			continue;
-		box->left = x < box->left ? x : box->left;
-		box->right = x > box->right ? x : box->right;
-		box->top = span->y < box->top ? span->y : box->top;
-		box->bottom = span->y;
-	}
-}
-
-/* Whether a cell of three rows differs from the place, or there are no three. */
-static bool may_hold_people(const struct people *p, int y)
-{
-	const int *last = p->last_differs;
-
-	return y == 0 || y == p->down - 1 || (last[y - 1] & last[y] & last[y + 1]) >= 0;
-}
-
-/* A cell becomes what most of the nine around it are; the picture's first and last rows stay. Finds
- * the box of those that are people. */
-static void smooth(struct people *p)
-{
-	p->box = (struct box){p->across, -1, p->down, -1};
-	memcpy(p->raw, p->verdict, (size_t)p->cells);
-	for (int y = 0; y < p->down; y++) {
-		const bool inner = y > 0 && y < p->down - 1;
-
-		if (!may_hold_people(p, y))
-			continue;
-		if (inner)
-			count_columns(p->raw + y * p->across, p->across, p->count);
-		for (int s = p->row_span[y]; s < p->row_span[y + 1]; s++) {
-			if (inner)
-				smooth_span(p, &p->spans[s], p->count);
-			grow_box(&p->box, &p->spans[s], p->verdict + y * p->across);
+		if (*whose == WHOSE_PERSON) {
+			for (int v = y - 1; last >= 0 && v > last; v--)
+				p->verdict.of[v * p->cells.across + x] = WHOSE_PERSON;
+			last = y;
+		} else if (*whose == WHOSE_PLACE || y - last > most) {
+			last = -1;
 		}
 	}
 }
@@ -180,28 +132,29 @@ static void smooth(struct people *p)
 /* Fills holes that are small and do not reach the edge of the box, or of what is watched. */
 static void fill_holes(struct people *p)
 {
-	const int most = (p->down / HOLE) * (p->down / HOLE);
-	const struct box *box = &p->box;
+	const int most = (p->cells.down / HOLE) * (p->cells.down / HOLE), across = p->cells.across;
+	const struct box *box = &p->verdict.box;
+	const uint8_t *watch = p->cells.watch;
 
 	find_runs(p, false, 0);
 	measure_groups(p);
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * p->across + x;
+			const int at = y * across + x;
 			const bool edge = y == box->top || y == box->bottom || x == box->left ||
-					  x == box->right || !p->watch[at - 1] ||
-					  !p->watch[at + 1] || !p->watch[at - p->across] ||
-					  !p->watch[at + p->across];
+					  x == box->right || !watch[at - 1] || !watch[at + 1] ||
+					  !watch[at - across] || !watch[at + across];
 
-			if (edge && p->label[at] >= 0)
-				p->groups[p->label[at]].cells += most;
+			if (edge && p->crowd.label[at] >= 0)
+				p->crowd.groups[p->crowd.label[at]].cells += most;
 		}
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * p->across + x;
+			const int at = y * across + x;
 
-			if (p->label[at] >= 0 && p->groups[p->label[at]].cells < most)
-				p->verdict[at] = VERDICT_PERSON;
+			if (p->crowd.label[at] >= 0 &&
+			    p->crowd.groups[p->crowd.label[at]].cells < most)
+				p->verdict.of[at] = WHOSE_PERSON;
 		}
 }
 
@@ -211,165 +164,134 @@ static void fill_holes(struct people *p)
  * it that the place in the cell's own light does not explain. */
 static void add_edge(const struct people *p, struct group *g, int at, int other)
 {
-	if (!p->known[other])
+	if (!p->place.known[other])
 		return;
 	for (int c = 0; c < 3; c++) {
-		g->edge_now += (double)fabsf(p->seen[c][at] - p->seen[c][other]);
-		g->edge_place += (double)fabsf(p->place[c][at] - p->place[c][other]);
-		g->edge_own += (double)fabsf(p->seen[c][other] - p->place[c][other] *
-									 p->seen[c][at] /
-									 (p->place[c][at] + 1));
-		g->edge_level += (double)p->seen[c][other];
+		const float *seen = p->cells.seen[c], *place = p->place.expected[c];
+
+		g->edge_now += (double)fabsf(seen[at] - seen[other]);
+		g->edge_place += (double)fabsf(place[at] - place[other]);
+		g->edge_own += (double)fabsf(seen[other] - place[other] * seen[at] / (place[at] + 1));
+		g->edge_level += (double)seen[other];
 	}
 }
 
 static int label_at(const struct people *p, int x, int y)
 {
-	const struct box *box = &p->box;
+	const struct box *box = &p->verdict.box;
 
 	return x < box->left || x > box->right || y < box->top || y > box->bottom
 		       ? -1
-		       : p->label[y * p->across + x];
+		       : p->crowd.label[y * p->cells.across + x];
 }
 
 /* A ghost is where the place was learned while somebody stood there: the place has an edge along
  * the group's outline, and what is seen has none. Light has no edge of its own: what is seen goes
  * on there as the place does. */
-static void find_ghosts(struct people *p)
+static void measure_edges(struct people *p)
 {
-	const struct box *box = &p->box;
+	const struct box *box = &p->verdict.box;
 
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * p->across + x, own = p->label[at];
+			const int at = y * p->cells.across + x, own = p->crowd.label[at];
 
 			if (own < 0)
 				continue;
 			for (int n = 0; n < 4; n++) {
 				const int u = x + (n == 0) - (n == 1), v = y + (n == 2) - (n == 3);
-				const int next = v * p->across + u;
+				const int next = v * p->cells.across + u;
 
-				if (u >= 0 && v >= 0 && u < p->across && v < p->down &&
-				    p->watch[next] && label_at(p, u, v) != own)
-					add_edge(p, &p->groups[own], at, next);
+				if (u >= 0 && v >= 0 && u < p->cells.across && v < p->cells.down &&
+				    p->cells.watch[next] && label_at(p, u, v) != own)
+					add_edge(p, &p->crowd.groups[own], at, next);
 			}
 		}
 }
 
-/* ---- all of it ---- */
-
-static void count_before(struct people *p)
+static void drop_nobody(struct people *p)
 {
-	const struct box *box = &p->box;
+	const int least = (p->cells.down / HAND + 1) * (p->cells.down / HAND + 1);
 
-	for (int y = box->top; y <= box->bottom; y++)
-		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * p->across + x;
-
-			if (p->label[at] >= 0 && p->order_before[at])
-				p->groups[p->label[at]].before[p->order_before[at] - 1]++;
-		}
-}
-
-/* Whether a group that clothes like the ground behind them have detached from its feet has them in
- * another below: no farther down than the higher of both is high, and under half of the narrower
- * one's width at least. */
-static bool stands_on(const struct group *g, const struct group *feet)
-{
-	const int left = g->left > feet->left ? g->left : feet->left;
-	const int right = g->right < feet->right ? g->right : feet->right;
-	const int wide = g->right - g->left, feet_wide = feet->right - feet->left;
-	const int high = g->bottom - g->top, feet_high = feet->bottom - feet->top;
-
-	return !feet->dropped && feet->top > g->bottom &&
-	       feet->top - g->bottom <= (high > feet_high ? high : feet_high) + 1 &&
-	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1;
-}
-
-/* Groups are listed by their tops, so those below have their feet already when asked from the
- * end. */
-static void find_feet(struct people *p)
-{
-	for (int n = p->group_count - 1; n >= 0; n--) {
-		struct group *g = &p->groups[n];
-
-		g->foot_y = g->bottom;
-		for (int m = n + 1; m < p->group_count; m++)
-			if (stands_on(g, &p->groups[m]) && p->groups[m].foot_y > g->foot_y) {
-				g->foot_y = p->groups[m].foot_y;
-				g->foot_x = p->groups[m].foot_x;
-			}
-	}
-}
-
-static void settle_groups(struct people *p)
-{
-	const int least = (p->down / HAND + 1) * (p->down / HAND + 1);
-
-	for (int n = 0; n < p->group_count; n++) {
-		struct group *g = &p->groups[n];
+	for (int n = 0; n < p->crowd.group_count; n++) {
+		struct group *g = &p->crowd.groups[n];
 
 		g->ghost = g->edge_now < GHOST_SHARE * g->edge_place;
 		g->dropped = g->cells < least || g->ghost ||
 			     g->edge_own < LIGHT_SHARE * g->edge_level;
 	}
-	find_feet(p);
-	for (int n = 0; n < p->group_count; n++) {
-		struct group *g = &p->groups[n];
-
-		g->front = !g->dropped && order_is_front(p, g);
-		p->report.parts += !g->dropped;
-		p->report.in_front += g->front;
-	}
 }
 
-/* Writes the order of each cell; a ghost's cells become the empty place, small groups nothing. */
-static int write_order(struct people *p)
+/* A ghost's cells become the empty place, and those of other dropped groups nobody's. */
+static int clear_dropped(struct people *p)
 {
-	const struct box *box = &p->box;
+	const struct box *box = &p->verdict.box;
 	int people = 0;
 
-	memset(p->order, 0, (size_t)p->cells);
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * p->across + x;
-			const struct group *g = p->label[at] < 0 ? NULL : &p->groups[p->label[at]];
+			const int at = y * p->cells.across + x;
+			const struct group *g;
 
-			if (!g)
+			if (p->crowd.label[at] < 0)
 				continue;
-			p->order[at] = g->dropped ? 0 : g->front ? 2 : 1;
+			g = &p->crowd.groups[p->crowd.label[at]];
 			people += !g->dropped;
+			if (!g->dropped)
+				continue;
+			p->crowd.label[at] = -1;
+			p->verdict.of[at] = WHOSE_PLACE;
 			if (g->ghost)
 				place_adopt(p, at);
-			else if (g->dropped)
-				p->verdict[at] = VERDICT_EMPTY;
 		}
 	return people;
 }
 
+/* ---- all of it ---- */
+
 void groups_find(struct people *p)
 {
-	uint8_t *before = p->order_before;
-	int people = 0;
+	const struct box *box = &p->verdict.box;
+	int people;
 
-	p->order_before = p->order;
-	p->order = before;
-	smooth(p);
-	if (p->box.right >= 0) {
-		fill_holes(p);
-		edges_refine(p);
+	p->crowd.group_count = 0;
+	if (box->right < 0) {
+		p->crowd.crowded_ms = 0;
+		return;
 	}
+	for (int x = box->left; x <= box->right; x++)
+		fill_column(p, x);
+	fill_holes(p);
+	edges_refine(p);
 	find_runs(p, true, 1);
 	measure_groups(p);
-	count_before(p);
-	find_ghosts(p);
-	settle_groups(p);
-	people = write_order(p);
+	measure_edges(p);
+	drop_nobody(p);
+	people = clear_dropped(p);
 	p->visited = people > 0;
-	p->still_ms = people > LOST_SHARE * p->watched ? p->still_ms + p->step_ms : 0;
-	if (p->still_ms > LOST_MS) {
+	p->crowd.crowded_ms = people > CROWDED * p->cells.watched
+				      ? p->crowd.crowded_ms + p->step_ms
+				      : 0;
+	if (p->crowd.crowded_ms > CROWDED_MS) {
 		place_forget(p);
-		p->still_ms = 0;
+		p->crowd.crowded_ms = 0;
+		p->crowd.group_count = 0;
 		p->visited = false;
 	}
+}
+
+void groups_order(struct people *p)
+{
+	const struct box *box = &p->verdict.box;
+
+	memset(p->crowd.order, 0, (size_t)p->cells.count);
+	if (!p->visited)
+		return;
+	for (int y = box->top; y <= box->bottom; y++)
+		for (int x = box->left; x <= box->right; x++) {
+			const int at = y * p->cells.across + x, person = p->crowd.label[at];
+
+			if (person >= 0)
+				p->crowd.order[at] = p->crowd.person[person].front ? 2 : 1;
+		}
 }

@@ -6,44 +6,40 @@
  */
 #include "hal/people/people_parts.h"
 
+
 #define EACH 2	 /* a row and column of so many is asked */
 #define CELLS 32 /* that many must be seen around a tile */
 #define AROUND 5 /* tiles on each side, at most */
 
-/* A person's shadow only takes light away, and goes with him: light that came is the place's. */
+/* The rate at which a channel of a cell follows what it shows. */
 static float rate_of(const struct people *p, int c, int at)
 {
-	const float seen = p->seen[c][at], place = p->place[c][at];
+	const float seen = p->cells.seen[c][at], place = p->place.expected[c][at];
 
-	if (place < DIM * WHITE || seen > CLIPPED * WHITE)
-		return 0;
-	if (p->jumped && p->before[at] == VERDICT_EMPTY && !p->order[at])
-		return 1;
-	if (p->verdict[at] == VERDICT_PERSON || (p->verdict[at] == VERDICT_SHADED && seen < place))
-		return 0;
-	return p->light_rate;
+	return place < DIM * WHITE || seen > CLIPPED * WHITE ? 0
+							     : place_rate(p, at, seen < place);
 }
 
 /* Nobody is in the cell, and its channels tell how bright it is. */
 static bool is_seen(const struct people *p, int at)
 {
-	return p->known[at] && p->verdict[at] == VERDICT_EMPTY && rate_of(p, 0, at) > 0 &&
+	return p->place.known[at] && p->verdict.of[at] == WHOSE_PLACE && rate_of(p, 0, at) > 0 &&
 	       rate_of(p, 1, at) > 0 && rate_of(p, 2, at) > 0;
 }
 
 static void sum_tile(const struct people *p, int tx, int ty, struct ratios *tile)
 {
-	const int side = BASIS_TILE / p->side;
+	const int side = BASIS_TILE / p->cells.side;
 
 	*tile = (struct ratios){.count = 0};
-	for (int y = ty * side; y < (ty + 1) * side && y < p->down; y += EACH)
-		for (int x = tx * side; x < (tx + 1) * side && x < p->across; x += EACH) {
-			const int at = y * p->across + x;
+	for (int y = ty * side; y < (ty + 1) * side && y < p->cells.down; y += EACH)
+		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x += EACH) {
+			const int at = y * p->cells.across + x;
 
-			if (!p->watch[at] || !is_seen(p, at))
+			if (!p->cells.watch[at] || !is_seen(p, at))
 				continue;
 			for (int c = 0; c < 3; c++)
-				tile->sum[c] += p->seen[c][at] / p->place[c][at];
+				tile->sum[c] += p->cells.seen[c][at] / p->place.expected[c][at];
 			tile->count++;
 		}
 }
@@ -61,7 +57,7 @@ static struct ratios sum_around(const struct people *p, int tx, int ty)
 
 				if (x < 0 || y < 0 || x >= p->tiles_across || y >= p->tiles_down)
 					continue;
-				tile = &p->ratios[y * p->tiles_across + x];
+				tile = &p->place.ratios[y * p->tiles_across + x];
 				for (int c = 0; c < 3; c++)
 					sum.sum[c] += tile->sum[c];
 				sum.count += tile->count;
@@ -72,9 +68,9 @@ static struct ratios sum_around(const struct people *p, int tx, int ty)
 
 static void follow_cell(struct people *p, int at, const struct ratios *sum)
 {
-	const float rate = p->jumped ? 1 : p->light_rate;
+	const float rate = p->place.jumped ? 1 : place_light_rate(p);
 
-	if (!p->known[at] || p->verdict[at] == VERDICT_EMPTY)
+	if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
 		return;
 	for (int c = 0; c < 3; c++)
 		if (rate_of(p, c, at) == 0)
@@ -83,11 +79,11 @@ static void follow_cell(struct people *p, int at, const struct ratios *sum)
 
 static bool hides(const struct people *p, int tx, int ty)
 {
-	const int side = BASIS_TILE / p->side;
+	const int side = BASIS_TILE / p->cells.side;
 
-	for (int y = ty * side; y < (ty + 1) * side && y < p->down; y++)
-		for (int x = tx * side; x < (tx + 1) * side && x < p->across; x++)
-			if (p->verdict[y * p->across + x] != VERDICT_EMPTY)
+	for (int y = ty * side; y < (ty + 1) * side && y < p->cells.down; y++)
+		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x++)
+			if (p->verdict.of[y * p->cells.across + x] != WHOSE_PLACE)
 				return true;
 	return false;
 }
@@ -95,26 +91,22 @@ static bool hides(const struct people *p, int tx, int ty)
 static void follow_tile(struct people *p, int tx, int ty)
 {
 	const struct ratios sum = sum_around(p, tx, ty);
-	const int side = BASIS_TILE / p->side;
+	const int side = BASIS_TILE / p->cells.side;
 
 	if (sum.count < CELLS)
 		return;
-	for (int y = ty * side; y < (ty + 1) * side && y < p->down; y++)
-		for (int x = tx * side; x < (tx + 1) * side && x < p->across; x++)
-			follow_cell(p, y * p->across + x, &sum);
+	for (int y = ty * side; y < (ty + 1) * side && y < p->cells.down; y++)
+		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x++)
+			follow_cell(p, y * p->cells.across + x, &sum);
 }
 
 void hidden_follow(struct people *p)
 {
-	bool any = false;
-
-	for (int y = 0; y < p->down; y++)
-		any |= p->last_differs[y] >= 0;
-	if (!any)
+	if (p->verdict.differing.right < 0)
 		return;
 	for (int ty = 0; ty < p->tiles_down; ty++)
 		for (int tx = 0; tx < p->tiles_across; tx++)
-			sum_tile(p, tx, ty, &p->ratios[ty * p->tiles_across + tx]);
+			sum_tile(p, tx, ty, &p->place.ratios[ty * p->tiles_across + tx]);
 	for (int ty = 0; ty < p->tiles_down; ty++)
 		for (int tx = 0; tx < p->tiles_across; tx++)
 			if (hides(p, tx, ty))

@@ -37,15 +37,15 @@ static void edge_ask(struct edge *edge, const struct people *p, int cx, int cy, 
 {
 	for (int n = 0; n < 4; n++) {
 		const int u = cx - 1 + right + (n & 1), v = cy - 1 + low + (n >> 1);
-		const int x = u < 0 ? 0 : u >= p->across ? p->across - 1 : u;
-		const int y = v < 0 ? 0 : v >= p->down ? p->down - 1 : v;
-		const int beside = y * p->across + x;
-		const int at = p->watch[beside] ? beside : cy * p->across + cx;
+		const int x = u < 0 ? 0 : u >= p->cells.across ? p->cells.across - 1 : u;
+		const int y = v < 0 ? 0 : v >= p->cells.down ? p->cells.down - 1 : v;
+		const int beside = y * p->cells.across + x;
+		const int at = p->cells.watch[beside] ? beside : cy * p->cells.across + cx;
 
-		edge->share[n] = p->order[at] > 0;
+		edge->share[n] = p->crowd.order[at] > 0;
 		for (int c = 0; c < 3; c++)
-			edge->place[c][n] = p->place[c][at] *
-					    (edge->sides.told ? edge->sides.light[c] : 1);
+			edge->place[c][n] = p->place.expected[c][at] *
+					    (edge->sides.both ? edge->sides.light[c] : 1);
 	}
 }
 
@@ -78,9 +78,9 @@ static void add_pixel(struct pixels *px, const struct people *p, const struct pi
 static struct pixels quarter_read(const struct people *p, const struct picture *picture, int cx,
 				  int cy, int right, int low)
 {
-	const int half = p->side / 2;
-	const int left = cx * p->side + right * half, top = cy * p->side + low * half;
-	const float step = 1 / (float)p->side;
+	const int half = p->cells.side / 2;
+	const int left = cx * p->cells.side + right * half, top = cy * p->cells.side + low * half;
+	const float step = 1 / (float)p->cells.side;
 	struct pixels px = {.count = 0};
 
 	for (int y = top; y < top + half && y < picture->height; y++)
@@ -106,7 +106,7 @@ static void quarter_share(struct pixels *px, const struct people *p, const struc
 	lanes_between(px->weight, edge->share, px->share);
 	for (int c = 0; c < 3; c++)
 		lanes_between(px->weight, edge->place[c], px->place[c]);
-	if (edge->sides.told) {
+	if (edge->sides.both) {
 		edges_share(p, &edge->sides, px->seen, px->place, own);
 		for (int k = 0; k < PIXEL_LANES; k++)
 			px->share[k] += OWN * (clamp_share(own[k]) - px->share[k]);
@@ -139,10 +139,10 @@ static void draw_quarter(struct people *p, const struct picture *picture, struct
 	for (int k = 0; k < px.count; k++) {
 		const uint8_t code = (uint8_t)(px.share[k] * 255 + 0.5f);
 
-		p->anybody[px.at[k]] = code;
-		p->front[px.at[k]] = edge->front ? code : 0;
+		p->outline.anybody[px.at[k]] = code;
+		p->outline.front[px.at[k]] = edge->front ? code : 0;
 		if (edge->front && code > 0 && code < 255)
-			draw_foremost(p, &px, k, p->foremost + 4 * px.at[k]);
+			draw_foremost(p, &px, k, p->outline.foremost + 4 * px.at[k]);
 	}
 }
 
@@ -151,14 +151,14 @@ enum presence { NOBODY, ALL_ALIKE, SOME };
 /* Who is in a tile's cells and those beside them. */
 static enum presence tile_presence(const struct people *p, int tx, int ty)
 {
-	const int cells = BASIS_TILE / p->side;
+	const int cells = BASIS_TILE / p->cells.side;
 	int count[3] = {0}, all = 0;
 
 	for (int y = ty * cells - 1; y <= (ty + 1) * cells; y++)
 		for (int x = tx * cells - 1; x <= (tx + 1) * cells; x++) {
-			if (y < 0 || x < 0 || y >= p->down || x >= p->across)
+			if (y < 0 || x < 0 || y >= p->cells.down || x >= p->cells.across)
 				continue;
-			count[p->order[y * p->across + x]]++;
+			count[p->crowd.order[y * p->cells.across + x]]++;
 			all++;
 		}
 	return count[0] == all ? NOBODY : count[1] == all || count[2] == all ? ALL_ALIKE : SOME;
@@ -166,15 +166,15 @@ static enum presence tile_presence(const struct people *p, int tx, int ty)
 
 static void fill_tile(struct people *p, const struct picture *picture, int tx, int ty)
 {
-	const int x = tx * BASIS_TILE, side = BASIS_TILE / p->side;
+	const int x = tx * BASIS_TILE, side = BASIS_TILE / p->cells.side;
 	const int width = picture->width - x < BASIS_TILE ? picture->width - x : BASIS_TILE;
-	const uint8_t order = p->order[ty * side * p->across + tx * side];
+	const uint8_t order = p->crowd.order[ty * side * p->cells.across + tx * side];
 
 	for (int y = ty * BASIS_TILE; y < (ty + 1) * BASIS_TILE && y < picture->height; y++) {
 		const size_t at = (size_t)y * (size_t)picture->width + (size_t)x;
 
-		memset(p->front + at, order == 2 ? 255 : 0, (size_t)width);
-		memset(p->anybody + at, 255, (size_t)width);
+		memset(p->outline.front + at, order == 2 ? 255 : 0, (size_t)width);
+		memset(p->outline.anybody + at, 255, (size_t)width);
 	}
 }
 
@@ -182,18 +182,18 @@ static void fill_tile(struct people *p, const struct picture *picture, int tx, i
  * do not touch, so one order is there. */
 static bool is_inside(const struct people *p, int x, int y, bool *front)
 {
-	const int at = y * p->across + x;
+	const int at = y * p->cells.across + x;
 	bool alike = true;
 
 	*front = false;
-	for (int v = y ? y - 1 : y; v <= y + 1 && v < p->down; v++)
-		for (int u = x ? x - 1 : x; u <= x + 1 && u < p->across; u++) {
-			const int beside = v * p->across + u;
+	for (int v = y ? y - 1 : y; v <= y + 1 && v < p->cells.down; v++)
+		for (int u = x ? x - 1 : x; u <= x + 1 && u < p->cells.across; u++) {
+			const int beside = v * p->cells.across + u;
 
-			if (!p->watch[beside])
+			if (!p->cells.watch[beside])
 				continue;
-			alike &= p->order[beside] == p->order[at];
-			*front |= p->order[beside] == 2;
+			alike &= p->crowd.order[beside] == p->crowd.order[at];
+			*front |= p->crowd.order[beside] == 2;
 		}
 	return alike;
 }
@@ -201,47 +201,47 @@ static bool is_inside(const struct people *p, int x, int y, bool *front)
 /* A cell whose pixels all are as it is. */
 static void fill_cell(struct people *p, const struct picture *picture, int cx, int cy)
 {
-	const uint8_t order = p->order[cy * p->across + cx];
-	const int x = cx * p->side;
-	const int wide = picture->width - x < p->side ? picture->width - x : p->side;
+	const uint8_t order = p->crowd.order[cy * p->cells.across + cx];
+	const int x = cx * p->cells.side;
+	const int wide = picture->width - x < p->cells.side ? picture->width - x : p->cells.side;
 
-	for (int y = cy * p->side; y < (cy + 1) * p->side && y < picture->height; y++) {
+	for (int y = cy * p->cells.side; y < (cy + 1) * p->cells.side && y < picture->height; y++) {
 		const size_t at = (size_t)y * (size_t)picture->width + (size_t)x;
 
-		memset(p->front + at, order == 2 ? 255 : 0, (size_t)wide);
-		memset(p->anybody + at, order ? 255 : 0, (size_t)wide);
+		memset(p->outline.front + at, order == 2 ? 255 : 0, (size_t)wide);
+		memset(p->outline.anybody + at, order ? 255 : 0, (size_t)wide);
 	}
 }
 
 static void draw_cell(struct people *p, const struct picture *picture, int cx, int cy)
 {
-	const int cell = cy * p->across + cx;
+	const int cell = cy * p->cells.across + cx;
 	struct edge edge;
 
-	if (is_inside(p, cx, cy, &edge.front) || !p->watch[cell]) {
+	if (is_inside(p, cx, cy, &edge.front) || !p->cells.watch[cell]) {
 		fill_cell(p, picture, cx, cy);
 		return;
 	}
 	edge.sides = edges_around(p, cx, cy);
-	edge.sides.told &= p->known[cell] != 0;
+	edge.sides.both &= p->place.known[cell] != 0;
 	for (int quarter = 0; quarter < 4; quarter++)
 		draw_quarter(p, picture, &edge, cx, cy, quarter);
 }
 
 static void draw_tile(struct people *p, const struct picture *picture, int tx, int ty)
 {
-	const int cells = BASIS_TILE / p->side;
+	const int cells = BASIS_TILE / p->cells.side;
 
-	for (int y = ty * cells; y < (ty + 1) * cells && y < p->down; y++)
-		for (int x = tx * cells; x < (tx + 1) * cells && x < p->across; x++)
+	for (int y = ty * cells; y < (ty + 1) * cells && y < p->cells.down; y++)
+		for (int x = tx * cells; x < (tx + 1) * cells && x < p->cells.across; x++)
 			draw_cell(p, picture, x, y);
 }
 
 /* Whether a tile, or the cells beside it, reach into the box of all people. */
 static bool is_near_box(const struct people *p, int tx, int ty)
 {
-	const int cells = BASIS_TILE / p->side;
-	const struct box *box = &p->box;
+	const int cells = BASIS_TILE / p->cells.side;
+	const struct box *box = &p->verdict.box;
 
 	return tx * cells - 1 <= box->right && (tx + 1) * cells >= box->left &&
 	       ty * cells - 1 <= box->bottom && (ty + 1) * cells >= box->top;
@@ -251,10 +251,10 @@ void outline_draw(struct people *p, const struct picture *picture)
 {
 	if (!p->visited)
 		return;
-	edges_mark(p, p->verdict);
+	edges_mark(p, p->verdict.of);
 	for (int ty = 0; ty < p->tiles_down; ty++)
 		for (int tx = 0; tx < p->tiles_across; tx++) {
-			uint8_t *tile = &p->tile[ty * p->tiles_across + tx];
+			uint8_t *tile = &p->outline.tile[ty * p->tiles_across + tx];
 
 			const enum presence presence =
 				p->object.touched[ty * p->tiles_across + tx] &&

@@ -17,130 +17,141 @@
 #define STILL_FIRST 40000.0f
 #define SHOT_FIRST 3.0f
 
-/* Cells that may be read, and a row and a bit beyond their ends, too. */
-static int create_cells(const struct people *p, int cells, float **plane)
-{
-	const size_t beyond = (size_t)p->across + PLANE_BEYOND;
+/* ---- memory: one block, which is measured first and then divided ---- */
 
-	*plane = calloc((size_t)cells + 2 * beyond, sizeof(**plane));
-	if (!*plane)
-		return -ENOMEM;
-	*plane += beyond;
-	return 0;
+struct block {
+	uint8_t *begin; /* NULL: it is being measured */
+	size_t used;
+};
+
+static void *take(struct block *block, size_t bytes)
+{
+	void *at = block->begin ? block->begin + block->used : NULL;
+
+	block->used += (bytes + 63) & ~(size_t)63;
+	return at;
 }
 
-static int create_plane(const struct people *p, float **plane)
+/* A plane whose cells may be read a row and a bit beyond both ends, too. */
+static float *take_plane(struct block *block, const struct cells *cells)
 {
-	return create_cells(p, p->cells, plane);
+	const size_t beyond = (size_t)cells->across + PLANE_BEYOND;
+	float *plane = take(block, ((size_t)cells->count + 2 * beyond) * sizeof(*plane));
+
+	return plane ? plane + beyond : NULL;
 }
 
-static void free_plane(const struct people *p, float *plane)
+static void divide_planes(struct people *p, struct block *block)
 {
-	if (plane)
-		free(plane - p->across - PLANE_BEYOND);
-}
-
-static int create_planes(struct people *p)
-{
-	int err = 0;
+	const struct cells *cells = &p->cells;
 
 	for (int c = 0; c < 3; c++) {
-		err |= create_plane(p, &p->seen[c]) | create_plane(p, &p->place[c]) |
-		       create_plane(p, &p->lit[c]) | create_plane(p, &p->drift[c]);
+		p->cells.seen[c] = take_plane(block, cells);
+		p->cells.recent[c] = take_plane(block, cells);
+		p->place.expected[c] = take_plane(block, cells);
+		p->place.lit[c] = take_plane(block, cells);
+		p->place.drift[c] = take_plane(block, cells);
 		for (int k = 0; k < PLACE_TERMS; k++)
-			err |= create_plane(p, &p->coefficient[c][k]);
-		for (int n = 0; n < 3; n++)
-			err |= create_plane(p, &p->product[c][n]) |
-			       create_cells(p, p->across, &p->column[c][n]);
+			p->place.coefficient[c][k] = take_plane(block, cells);
 	}
-	return err;
+	p->place.spread = take_plane(block, cells);
+	p->verdict.chi = take_plane(block, cells);
+	p->verdict.evidence = take_plane(block, cells);
+	p->verdict.opinion = take_plane(block, cells);
+	p->verdict.revised = take_plane(block, cells);
 }
 
-static int create_lists(struct people *p)
+static void divide(struct people *p, struct block *block)
 {
-	const size_t cells = (size_t)p->cells, tiles = (size_t)(p->tiles_across * p->tiles_down);
+	const size_t cells = (size_t)p->cells.count, down = (size_t)p->cells.down;
+	const size_t tiles = (size_t)(p->tiles_across * p->tiles_down);
 	const size_t pixels = (size_t)p->settings.width * (size_t)p->settings.height;
-	/* Cells above and below may be asked for, too. */
-	const size_t beyond = (size_t)p->across + 1;
+	const size_t beyond = (size_t)p->cells.across + 1;
+	struct crowd *crowd = &p->crowd;
+	struct outline *outline = &p->outline;
 
-	p->watch = calloc(cells + 2 * beyond, 1);
-	if (p->watch)
-		p->watch += beyond;
-	p->known = calloc(cells, 1);
-	p->unknown = calloc((size_t)p->down, sizeof(*p->unknown));
-	p->verdict = calloc(cells, 1);
-	p->raw = calloc(cells, 1);
-	p->before = calloc(cells, 1);
-	p->side_of = calloc(cells, 1);
-	p->last_differs = calloc((size_t)p->down, sizeof(*p->last_differs));
-	p->count = calloc((size_t)p->across + 2 * PLANE_BEYOND, 1);
-	if (p->count)
-		p->count += PLANE_BEYOND;
-	p->order = calloc(cells, 1);
-	p->order_before = calloc(cells, 1);
-	p->stable_ms = calloc(cells, sizeof(*p->stable_ms));
-	p->label = calloc(cells, sizeof(*p->label));
-	p->runs = calloc(cells, sizeof(*p->runs));
-	p->groups = calloc(cells, sizeof(*p->groups));
-	p->spans = calloc(cells, sizeof(*p->spans));
-	p->row_span = calloc((size_t)p->down + 1, sizeof(*p->row_span));
-	p->object_far = calloc((size_t)p->across, sizeof(float));
-	p->tile = calloc(tiles, 1);
-	p->front = calloc(pixels, 1);
-	p->anybody = calloc(pixels, 1);
-	p->foremost = calloc(pixels, 4);
-	return p->watch && p->known && p->unknown && p->verdict && p->raw && p->before &&
-			       p->side_of && p->last_differs && p->count && p->order &&
-			       p->order_before && p->stable_ms && p->label && p->runs &&
-			       p->groups && p->spans && p->row_span && p->object_far && p->tile &&
-			       p->front && p->anybody && p->foremost
-		       ? 0
-		       : -ENOMEM;
+	divide_planes(p, block);
+	p->cells.spans = take(block, cells * sizeof(*p->cells.spans));
+	p->cells.row_span = take(block, (down + 1) * sizeof(*p->cells.row_span));
+	p->cells.watch = take(block, cells + 2 * beyond);
+	if (p->cells.watch)
+		p->cells.watch += beyond;
+	p->cells.still_ms = take(block, cells * sizeof(*p->cells.still_ms));
+	p->place.term = take(block, (size_t)p->settings.dome->count * sizeof(*p->place.term));
+	p->place.known = take(block, cells);
+	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
+	p->verdict.of = take(block, cells);
+	p->verdict.before = take(block, cells);
+	crowd->runs = take(block, cells * sizeof(*crowd->runs));
+	crowd->label = take(block, cells * sizeof(*crowd->label));
+	crowd->groups = take(block, cells * sizeof(*crowd->groups));
+	crowd->order = take(block, cells);
+	crowd->covered = take(block, cells);
+	crowd->far_side.column = take(block, (size_t)p->cells.across * sizeof(float));
+	outline->side_of = take(block, cells);
+	outline->tile = take(block, tiles);
+	outline->front = take(block, pixels);
+	outline->anybody = take(block, pixels);
+	outline->foremost = take(block, 4 * pixels);
+}
+
+static int create_memory(struct people *p)
+{
+	struct block block = {NULL, 0};
+
+	divide(p, &block);
+	p->memory = calloc(block.used, 1);
+	block = (struct block){p->memory, 0};
+	if (!p->memory)
+		return -ENOMEM;
+	divide(p, &block);
+	return 0;
 }
 
 int people_create(struct people **people, const struct people_settings *settings,
 		  struct fault *fault)
 {
-	struct people *p = calloc(1, sizeof(*p));
 	const int fine = (settings->width + 1) / 2 * ((settings->height + 1) / 2);
+	struct people *p;
 
-	if (!p)
-		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
-	if (settings->width < PEOPLE_SIDE_MIN || settings->height < PEOPLE_SIDE_MIN) {
-		free(p);
+	if (settings->width < PEOPLE_SIDE_MIN || settings->height < PEOPLE_SIDE_MIN)
 		return fault_say(
 			fault, -EINVAL,
 			"people cannot be looked for in %dx%d pixels, expected at least %dx%d",
 			settings->width, settings->height, PEOPLE_SIDE_MIN, PEOPLE_SIDE_MIN);
-	}
+	p = calloc(1, sizeof(*p));
+	if (!p)
+		return fault_say(fault, -ENOMEM, "not enough memory to look for people");
 	p->settings = *settings;
 	p->settings.camera = p->settings.calibration = NULL;
 	p->settings.depth_camera = NULL;
 	p->camera = saved_camera(settings);
-	p->side = fine <= FINE_CELLS ? 2 : 4;
-	p->across = (settings->width + p->side - 1) / p->side;
-	p->down = (settings->height + p->side - 1) / p->side;
-	p->cells = p->across * p->down;
+	p->cells.side = fine <= FINE_CELLS ? 2 : 4;
+	p->cells.across = (settings->width + p->cells.side - 1) / p->cells.side;
+	p->cells.down = (settings->height + p->cells.side - 1) / p->cells.side;
+	p->cells.count = p->cells.across * p->cells.down;
 	p->tiles_across = (settings->width + BASIS_TILE - 1) / BASIS_TILE;
 	p->tiles_down = (settings->height + BASIS_TILE - 1) / BASIS_TILE;
 	transfer_tables_fill(&p->tables, &settings->curve);
 	for (int n = 0; n <= 255 * CODE_STEPS; n++)
-		p->linear[n] = (float)transfer_curve_decode(&settings->curve,
-							    n / (255.0 * CODE_STEPS)) *
-			       WHITE;
+		p->cells.linear[n] = (float)transfer_curve_decode(&settings->curve,
+								  n / (255.0 * CODE_STEPS)) *
+				     WHITE;
 	for (int c = 0; c < 3; c++) {
-		p->still[c] = STILL_FIRST;
-		p->shot[c] = SHOT_FIRST;
+		p->cells.still[c] = STILL_FIRST;
+		p->cells.shot[c] = SHOT_FIRST;
 	}
-	if (create_planes(p) || create_lists(p) || place_create(p) ||
-	    depths_create(p, settings->depth_camera) ||
-	    sensor_noise_create(&p->sensor, settings->width, settings->height, &settings->curve)) {
+	if (create_memory(p) || depths_create(p, settings->depth_camera) ||
+	    sensor_noise_create(&p->cells.sensor, settings->width, settings->height,
+				&settings->curve)) {
 		people_destroy(p);
 		return fault_say(fault, -ENOMEM,
 				 "not enough memory to look for people in %dx%d pixels",
 				 settings->width, settings->height);
 	}
-	p->veil = (struct veil){p->tile, p->front, p->anybody, p->foremost};
+	p->outline.veil = (struct veil){p->outline.tile, p->outline.front, p->outline.anybody,
+					p->outline.foremost};
+	place_create(p);
 	place_forget(p);
 	*people = p;
 	return 0;
@@ -150,48 +161,13 @@ void people_destroy(struct people *p)
 {
 	if (!p)
 		return;
-	for (int c = 0; c < 3; c++) {
-		free_plane(p, p->seen[c]);
-		free_plane(p, p->place[c]);
-		free_plane(p, p->lit[c]);
-		free_plane(p, p->drift[c]);
-		for (int k = 0; k < PLACE_TERMS; k++)
-			free_plane(p, p->coefficient[c][k]);
-		for (int n = 0; n < 3; n++) {
-			free_plane(p, p->product[c][n]);
-			free_plane(p, p->column[c][n]);
-		}
-	}
-	sensor_noise_destroy(p->sensor);
+	sensor_noise_destroy(p->cells.sensor);
 	depths_free(p);
-	free(p->term);
-	free(p->ratios);
-	if (p->watch)
-		free(p->watch - p->across - 1);
-	free(p->unknown);
-	free(p->last_differs);
-	if (p->count)
-		free(p->count - PLANE_BEYOND);
-	free(p->known);
-	free(p->verdict);
-	free(p->raw);
-	free(p->before);
-	free(p->side_of);
-	free(p->order);
-	free(p->order_before);
-	free(p->stable_ms);
-	free(p->label);
-	free(p->runs);
-	free(p->groups);
-	free(p->spans);
-	free(p->row_span);
-	free(p->object_far);
-	free(p->tile);
-	free(p->front);
-	free(p->anybody);
-	free(p->foremost);
+	free(p->memory);
 	free(p);
 }
+
+/* ---- what is watched ---- */
 
 static bool is_near(const struct people *p, const uint8_t *touched, int tx, int ty)
 {
@@ -206,79 +182,89 @@ static bool is_near(const struct people *p, const uint8_t *touched, int tx, int 
 /* Marks the cells of tiles that are near the object's. */
 static void watch_tiles(struct people *p)
 {
-	const int per_tile = BASIS_TILE / p->side;
+	const int per_tile = BASIS_TILE / p->cells.side, across = p->cells.across;
+	uint8_t *watch = p->cells.watch;
 
-	for (int y = 0; y < p->down; y++)
-		for (int x = 0; x < p->across; x++) {
-			const int at = y * p->across + x;
+	for (int y = 0; y < p->cells.down; y++)
+		for (int x = 0; x < across; x++) {
+			const int at = y * across + x;
 
 			/* Asked once a tile; the row above in the same tile knows, too. */
 			if (x % per_tile)
-				p->watch[at] = p->watch[at - 1];
+				watch[at] = watch[at - 1];
 			else if (y % per_tile)
-				p->watch[at] = p->watch[at - p->across];
+				watch[at] = watch[at - across];
 			else
-				p->watch[at] = is_near(p, p->object.touched, x / per_tile,
-						       y / per_tile);
+				watch[at] = is_near(p, p->object.touched, x / per_tile,
+						    y / per_tile);
 		}
 }
 
-/* Leaves out the cells whose first pixel cannot show a person. */
-static void leave_out_masked(struct people *p)
+/* Leaves out the cells whose first pixel cannot show a person, and finds those that the object
+ * covers. */
+static void ask_pixels(struct people *p)
 {
-	const size_t side = (size_t)p->side, width = (size_t)p->settings.width;
+	const size_t side = (size_t)p->cells.side, width = (size_t)p->settings.width;
 
-	for (int y = 0; p->object.shown && y < p->down; y++) {
-		const uint8_t *shown = p->object.shown + (size_t)y * side * width;
+	for (int y = 0; y < p->cells.down; y++)
+		for (int x = 0; x < p->cells.across; x++) {
+			const size_t pixel = (size_t)y * side * width + (size_t)x * side;
+			const int at = y * p->cells.across + x;
 
-		for (int x = 0; x < p->across; x++)
-			p->watch[y * p->across + x] &= shown[(size_t)x * side];
+			if (p->object.shown)
+				p->cells.watch[at] &= p->object.shown[pixel];
+			p->crowd.covered[at] = p->object.coverage[pixel] > 32767;
+		}
+}
+
+static void list_spans(struct people *p)
+{
+	struct cells *cells = &p->cells;
+
+	cells->span_count = cells->watched = 0;
+	for (int y = 0; y < cells->down; y++) {
+		bool open = false;
+
+		cells->row_span[y] = cells->span_count;
+		for (int x = 0; x < cells->across; x++) {
+			const bool watched = cells->watch[y * cells->across + x];
+
+			if (watched && !open)
+				cells->spans[cells->span_count++] = (struct span){y, x, 0};
+			open = watched;
+			if (open)
+				cells->spans[cells->span_count - 1].count++;
+			else
+				p->crowd.order[y * cells->across + x] = 0;
+			cells->watched += open;
+		}
 	}
+	cells->row_span[cells->down] = cells->span_count;
 }
 
 void people_place(struct people *p, const struct people_object *object)
 {
 	p->object = *object;
 	watch_tiles(p);
-	leave_out_masked(p);
-	p->span_count = p->watched = 0;
-	for (int y = 0; y < p->down; y++) {
-		bool open = false;
-
-		p->row_span[y] = p->span_count;
-		for (int x = 0; x < p->across; x++) {
-			const bool watched = p->watch[y * p->across + x];
-
-			if (watched && !open)
-				p->spans[p->span_count++] = (struct span){y, x, 0};
-			open = watched;
-			if (open)
-				p->spans[p->span_count - 1].count++;
-			else
-				p->order[y * p->across + x] = 0;
-			p->watched += open;
-		}
-	}
-	p->row_span[p->down] = p->span_count;
+	ask_pixels(p);
+	list_spans(p);
 	place_count_unknown(p);
-	memset(p->light_then, 0, sizeof(p->light_then)); /* nothing is predicted of new cells */
-	order_measure_object(p);
+	memset(p->place.light_then, 0, sizeof(p->place.light_then)); /* nothing is predicted of new cells */
+	far_side_measure(p);
 }
 
 void people_take_depth(struct people *p, const struct depth_map *depth)
 {
-	p->depth = depth;
+	p->crowd.depth = depth;
 }
 
-static void report_learned(struct people *p)
-{
-	int unknown = 0;
+/* ---- a frame ---- */
 
-	for (int y = 0; y < p->down; y++)
-		unknown += p->unknown[y];
-	p->report.learned = p->watched ? 1 - (double)unknown / p->watched : 1;
+static void report(struct people *p)
+{
+	p->report.learned = p->cells.watched ? 1 - (double)p->place.unknown / p->cells.watched : 1;
 	for (int c = 0; c < 3; c++)
-		p->report.gain[c] = (double)p->gain[c];
+		p->report.gain[c] = (double)p->place.gain[c];
 }
 
 static void look_at_frame(struct people *p, const struct picture *background,
@@ -294,9 +280,12 @@ static void look_at_frame(struct people *p, const struct picture *background,
 		return;
 	cells_read(p, background);
 	place_predict(p);
-	cells_follow_gain(p);
-	judge_cells(p);
+	gain_follow(p);
+	cells_follow_stillness(p);
+	verdict_judge(p);
 	groups_find(p);
+	persons_follow(p);
+	groups_order(p);
 	outline_draw(p, background);
 	/* A frame that is looked at again, as another pose has come, teaches nothing twice. */
 	if (p->step_ms > 0) {
@@ -304,24 +293,24 @@ static void look_at_frame(struct people *p, const struct picture *background,
 		place_learn(p);
 		p->frame++;
 	}
-	report_learned(p);
+	report(p);
 }
 
 void people_look(struct people *p, const struct picture *background, const float (*radiance)[3],
 		 int64_t captured_ns)
 {
 	look_at_frame(p, background, radiance, captured_ns);
-	p->depth = NULL;
+	p->crowd.depth = NULL;
 }
 
 const struct veil *people_veil(const struct people *p)
 {
-	return p->visited ? &p->veil : NULL;
+	return p->visited ? &p->outline.veil : NULL;
 }
 
 void people_learn(struct people *p)
 {
-	p->learn_now = true;
+	p->place.learn_now = true;
 }
 
 void people_forget(struct people *p)
@@ -332,7 +321,7 @@ void people_forget(struct people *p)
 
 const struct sensor_noise *people_noise(const struct people *p)
 {
-	return p->sensor;
+	return p->cells.sensor;
 }
 
 struct people_report people_report(const struct people *p)

@@ -15,43 +15,15 @@
 #define PLACE_BANDS 30 /* rows that learn together: y % PLACE_BANDS; one learns in each frame */
 #define WHITE 65535.0f
 #define CODE_STEPS 16
-#define ORDER_DIRECTIONS 512
-#define DIM 0.002f	/* of white: darker cells do not drift */
-#define CLIPPED 0.97f	/* of white: brighter cells teach nothing */
-#define DRIFT_MOST 3.0f /* and its inverse */
-#define PIXEL_LANES 4	/* a quarter of a cell, 4x4 at most: pixels computed side by side */
-#define STILL_LEAST                                                                                \
-	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
+#define FAR_DIRECTIONS 512
+#define PERSONS_MAX 32
+#define DIM 0.002f     /* of white: one code of sRGB is an eighth of the light there */
+#define CLIPPED 0.97f  /* of white: the camera's curve bends, and brighter cells teach nothing */
+#define PIXEL_LANES 4  /* a quarter of a cell, 4x4 at most: pixels computed side by side */
 
 /* Cells of a row that are watched. */
 struct span {
 	int y, x, count;
-};
-
-enum verdict {
-	VERDICT_EMPTY,
-	VERDICT_SHADED, /* the place in other light: a person's shadow, or light not learned yet */
-	VERDICT_PERSON,
-};
-
-/* Recursive least squares of the terms' coefficients, common to a band and channel. */
-struct place_fit {
-	double covariance[PLACE_TERMS][PLACE_TERMS];
-};
-
-/* A connected group of cells. */
-struct group {
-	int cells, left, right, top, bottom; /* inclusive */
-	/* middle of its lowest row, or of that of the group that it stands on; cells */
-	double foot_x;
-	int foot_y;
-	bool front;	     /* before the object */
-	bool dropped, ghost; /* dropped: too small, or a ghost */
-	int before[2];	     /* cells that were of a group behind, in front, in the frame before */
-	double edge_now;     /* contrast along its outline, in the frame and in the empty place */
-	double edge_place;
-	double edge_own,
-		edge_level; /* contrast that the place's in the light beside it does not explain */
 };
 
 /* Cells left..right, top..bottom, inclusive; right < left: none. */
@@ -59,17 +31,86 @@ struct box {
 	int left, right, top, bottom;
 };
 
-/* Sums of seen / place, R, G, B, over the cells of a tile in which nobody is. */
+/* ---- the picture, in cells (cells.c) ---- */
+
+struct cells {
+	int side, across, down, count;
+	struct span *spans;
+	int *row_span; /* [down + 1]: first span of each row */
+	int span_count, watched;
+	uint8_t *watch; /* [count], and a row and a cell beyond both ends */
+	/* Linear light of a mean of code values, in sixteenths. Codes are averaged before they are
+	 * decoded: for a power law, seen / place is then independent of texture. */
+	float linear[255 * CODE_STEPS + 1];
+	float *seen[3];
+	float *recent[3];   /* what a cell has shown since it last changed, in the place's units */
+	uint16_t *still_ms; /* for how long */
+	struct sensor_noise *sensor;
+	float still[3], shot[3]; /* the variance of a cell of light L is still[c] + shot[c] L */
+};
+
+/* ---- the empty place (place.c) ---- */
+
+/* Recursive least squares of the terms' coefficients, common to a band and channel. */
+struct place_fit {
+	double covariance[PLACE_TERMS][PLACE_TERMS];
+};
+
+/* Sums of seen / expected over the cells of a tile in which nobody is. */
 struct ratios {
 	float sum[3];
 	int count;
 };
 
-/* What the cells around one tell that do not touch the edge. */
-struct sides {
-	bool told;	 /* there are some on both sides */
-	float person[3]; /* mean light of people */
-	float light[3];	 /* beside them, over that of the empty place */
+struct place {
+	double (*term)[PLACE_TERMS];	 /* [dome->count] */
+	double first[3];		 /* ground irradiance when learning began; 0: not yet */
+	float light[3][PLACE_TERMS];	 /* of this frame, over the ground irradiance of the first */
+	float light_then[3][PLACE_TERMS]; /* of the last whole prediction */
+	float gain[3];			 /* the camera's exposure, over that when learning began */
+	float *coefficient[3][PLACE_TERMS];
+	float *drift[3];    /* the factor by which the prediction is off at present */
+	float *lit[3];	    /* predicted for light_then, per unit of ground irradiance */
+	float *expected[3]; /* in the light of now, with drift and gain */
+	float *spread;	    /* variance of seen - expected over that of the camera's noise */
+	uint8_t *known;
+	int unknown;	       /* watched cells that are not known */
+	struct place_fit fit[PLACE_BANDS][3];
+	float model_variance; /* relative; of the prediction, where the light has just turned */
+	float shared[3];      /* of the known cells where nobody is: expected / seen in the mean */
+	struct ratios *ratios; /* hidden.c: [tiles] */
+	bool jumped;	      /* a lamp was switched in this frame */
+	bool learn_now;
+};
+
+/* ---- whose each cell is (verdict.c) ---- */
+
+enum whose {
+	WHOSE_PLACE,
+	WHOSE_SHADOW, /* the place in other light: a person's shadow, or light not learned yet */
+	WHOSE_PERSON,
+};
+
+struct verdict {
+	float *chi;		  /* deviation from the place, squared, in standard deviations */
+	float *evidence;	  /* for a person, -1..1 */
+	float *opinion, *revised; /* the same with the neighbours' weighed in; padded with -1 */
+	uint8_t *of;		  /* enum whose */
+	uint8_t *before;
+	struct box differing, box; /* of cells that differ; of all people */
+};
+
+/* ---- who it is (groups.c, persons.c) ---- */
+
+/* A connected group of cells. */
+struct group {
+	int cells, left, right, top, bottom; /* inclusive */
+	int bottom_x;			     /* of a cell of its lowest row */
+	bool dropped;			     /* too small, a ghost, or only light */
+	bool ghost;
+	double edge_now, edge_place; /* contrast along its outline: seen, and in the empty place */
+	double edge_own;	     /* what of it the place in other light does not explain */
+	double edge_level;
 };
 
 /* Horizontal run of cells of equal value, for finding connected groups. */
@@ -77,162 +118,178 @@ struct run {
 	int y, left, right, parent;
 };
 
-struct people {
-	struct people_settings settings;
-	int side, across, down, cells; /* cells */
-	int tiles_across, tiles_down;
-	struct transfer_tables tables;
-	uint64_t camera; /* XXH3-64 of the settings' camera and calibration */
-	struct people_object object;
-
-	struct span *spans;
-	int *row_span; /* [down + 1]: first span of each row */
-	int span_count, watched;
-	uint8_t *watch; /* [cells] */
-
-	/* cells.c */
-	/* Linear light of a mean of code values, in sixteenths: light does not become another
-	 * multiple of the place where the cell has texture, as transfer functions are nearly
-	 * powers. */
-	float linear[255 * CODE_STEPS + 1];
-	float *seen[3];
-	struct sensor_noise *sensor;
-	/* Variance of a cell of light L: still[c] + shot[c] L. */
-	float still[3], shot[3];
-	float gain[3];
-	int64_t frame, captured_ns;
-	double step_ms; /* since the frame before, at most 500 */
-
-	/* place.c */
-	double (*term)[PLACE_TERMS]; /* [dome->count] */
-	float light[3][PLACE_TERMS]; /* of this frame, over that of the first */
-	double first[3];	     /* ground irradiance when learning began; 0: not yet */
-	float *coefficient[3][PLACE_TERMS];
-	float light_then[3][PLACE_TERMS]; /* of the last whole prediction */
-	float *drift[3];		  /* what the model is off by at present, as a factor */
-	float light_rate; /* share of what is seen that it takes over in this frame */
-	bool jumped;	  /* a lamp was switched in this frame */
-	float *lit[3];	  /* predicted for light_then, per unit of light_0 */
-	float *place[3];  /* in the light of now, gain applied */
-	struct place_fit fit[PLACE_BANDS][3];
-	uint16_t *stable_ms; /* how long a cell that is not known has been stable */
-	uint8_t *known;
-	int *unknown; /* [down]: watched cells of the row that are not known */
-	bool learn_now;
-
-	struct ratios *ratios; /* hidden.c: [tiles] */
-
-	/* judge.c */
-	uint8_t *verdict, *raw;
-	uint8_t *before; /* the verdict of the frame before one in which a lamp was switched */
-	/* Products of cells that may be the place in other light, else 0: see cell_products(). 0
-	 * between frames. */
-	float *product[3][3];
-	int *last_differs;   /* [down]: last such cell of the row; -1: none */
-	float *column[3][3]; /* [across]: sums of a few rows */
-	uint8_t *count;	     /* [across]: of cells in them, two counts in one */
-
-	/* groups.c */
-	struct run *runs;
-	int run_count;
-	int *label;	/* [cells]: run of the cell, then group; -1: none; in the box alone */
-	struct box box; /* of all people in this frame */
-	struct group *groups;
-	int group_count;
-	uint8_t *order, *order_before; /* 0 nobody, 1 behind, 2 in front */
-	/* order.c: distance over ground from the camera to the object's far side; < 0: there is
-	 * none. By direction where its footprint is known, in equal steps from first to last, which
-	 * turn from the middle; else by columns of cells. */
-	float around_far[ORDER_DIRECTIONS];
-	double around_middle_rad, around_first_rad, around_last_rad;
-	bool around;		       /* the footprint is known */
-	float *object_far;	       /* [across] */
-	const struct depth_map *depth; /* of this frame; NULL: there is none */
-	struct depths *depths; /* depths.c; NULL: the depth camera is in the background's place */
-	double still_ms;       /* for how long nearly everything has been foreground */
-
-	uint8_t *side_of; /* edges.c: [cells] */
-
-	/* outline.c */
-	uint8_t *tile, *front, *anybody, *foremost;
-	struct veil veil;
-	bool visited; /* veil shows somebody */
-	struct people_report report;
+/* Somebody who is followed from frame to frame. In cells. */
+struct person {
+	float x, half;	 /* middle, and half the width */
+	float top, foot; /* rows */
+	float speed[2];	 /* of middle and foot, cells a second */
+	float height_m;	 /* 0: not known */
+	float begun_x;	 /* where he was first seen */
+	int missed_ms;	 /* since he was last seen */
+	int opposed_ms;	 /* for how long his feet have been on the other side of the object */
+	int group;	 /* of this frame; -1: none */
+	bool front;	 /* before the object */
+	bool placed;	 /* front is known */
+	bool moved;	 /* he has walked */
+	bool over_object;
 };
 
-/* A cell's drift becomes so many times as large. */
-static inline void place_drift(struct people *people, int channel, int cell, float factor)
-{
-	float *drift = &people->drift[channel][cell];
-	const float is = *drift * factor;
+/* ---- how far the object is (footprint.c) ---- */
 
-	*drift = is < DRIFT_MOST ? is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST : DRIFT_MOST;
-}
+/* Distance over ground from the camera to the object's far side; < 0: there is none. By direction
+ * where its footprint is known, in equal steps from first to last, which turn from the middle; else
+ * by columns of cells. */
+struct far_side {
+	float around[FAR_DIRECTIONS];
+	double middle_rad, first_rad, last_rad;
+	bool is_known;
+	float *column; /* [across] */
+};
 
-static inline float of_white(double share)
-{
-	return (float)(share * (double)WHITE);
-}
+struct crowd {
+	struct run *runs;
+	int run_count;
+	int *label; /* [cells]: run, then group, then person; -1: none; in the verdict's box alone */
+	struct group *groups;
+	int group_count;
+	struct person person[PERSONS_MAX];
+	int persons;
+	uint8_t *order; /* [cells]: 0 nobody, 1 behind, 2 in front */
+	uint8_t *covered; /* [cells]: the object covers the cell's middle */
+	struct far_side far_side;
+	const struct depth_map *depth; /* of this frame; NULL: there is none */
+	struct depths *depths; /* depths.c; NULL: the depth camera is in the background's place */
+	double crowded_ms;     /* for how long nearly everything has been a person */
+};
+
+/* ---- how much of each pixel (edges.c, outline.c) ---- */
+
+/* The cells around one that do not touch the edge of a person. */
+struct sides {
+	bool both;	 /* some are a person's, some are not */
+	float person[3]; /* mean light of the former */
+	float light[3];	 /* of the others, over that of the empty place */
+};
+
+struct outline {
+	uint8_t *side_of; /* [cells] */
+	uint8_t *tile, *front, *anybody, *foremost;
+	struct veil veil;
+};
+
+struct people {
+	struct people_settings settings;
+	struct people_object object;
+	uint64_t camera; /* XXH3-64 of the settings' camera and calibration */
+	struct transfer_tables tables;
+	int tiles_across, tiles_down;
+	int64_t frame, captured_ns;
+	double step_ms; /* since the frame before, at most 500 */
+	void *memory;	/* of all planes */
+	struct cells cells;
+	struct place place;
+	struct verdict verdict;
+	struct crowd crowd;
+	struct outline outline;
+	bool visited; /* the veil shows somebody */
+	struct people_report report;
+};
 
 /* ---- cells.c ---- */
 
 void cells_read(struct people *people, const struct picture *picture);
-/* Follows the camera's exposure, where seen / place lies densest over cells that are known and were
- * empty, and makes the place from what is predicted. */
-void cells_follow_gain(struct people *people);
+/* Follows for how long each cell has shown the same. Before place_learn(). */
+void cells_follow_stillness(struct people *people);
 /* Follows the camera's noise. */
 void cells_follow_noise(struct people *people, const struct picture *picture);
 
+static inline float cells_variance(const struct cells *cells, int channel, float light)
+{
+	return cells->still[channel] + cells->shot[channel] * light;
+}
+
+/* ---- gain.c ---- */
+
+/* Follows the camera's exposure, where seen / place lies densest over cells that are known and were
+ * empty, and makes place.expected from what is predicted. */
+void gain_follow(struct people *people);
+
 /* ---- place.c ---- */
 
-int place_create(struct people *people);
+void place_create(struct people *people);
 /* Takes the frame's light. False: it is too dark to tell anything. */
 bool place_light(struct people *people, const float (*radiance)[3]);
-/* Predicts the place per unit of light_0, where light or coefficients have changed. */
+/* Predicts the place per unit of ground irradiance, where light or coefficients have changed. */
 void place_predict(struct people *people);
 void place_learn(struct people *people);
-/* Takes what is seen in a cell as the empty place. */
+/* Takes what a cell has shown since it changed as the empty place. */
 void place_adopt(struct people *people, int cell);
 void place_forget(struct people *people);
-/* Counts, row by row, the watched cells that are not known. */
+/* Counts the watched cells that are not known. */
 void place_count_unknown(struct people *people);
+/* The share of a change of light that cells follow in this frame. */
+float place_light_rate(const struct people *people);
+/* The share of what a cell shows that its drift takes over in this frame. */
+float place_rate(const struct people *people, int cell, bool darker);
+/* A cell's drift becomes so many times as large. */
+void place_drift(struct people *people, int channel, int cell, float factor);
 
 /* ---- hidden.c ---- */
 
-/* Before the others drift: what hides follows as its surroundings do. */
+/* Scales the drift of hidden cells by the mean ratio of the visible cells around them. Call before
+ * the others drift. */
 void hidden_follow(struct people *people);
 
-/* ---- judge.c ---- */
+/* ---- verdict.c ---- */
 
-void judge_cells(struct people *people);
+void verdict_judge(struct people *people);
 
-/* ---- order.c ---- */
+/* ---- groups.c ---- */
 
-/* Measures how far the object is over ground, column by column. */
-void order_measure_object(struct people *people);
-bool order_is_front(struct people *people, const struct group *group);
+/* Finds the groups and drops what is nobody. */
+void groups_find(struct people *people);
+/* Writes crowd.order from the persons that the groups' cells are labelled with. */
+void groups_order(struct people *people);
+
+/* ---- persons.c ---- */
+
+void persons_follow(struct people *people);
+
+/* ---- footprint.c ---- */
+
+void far_side_measure(struct people *people);
+/* Where a point of the picture, in cells, lies at this height above the ground, seen from above:
+ * its direction and its distance from the camera. False: it is beyond the horizon. */
+bool far_side_point(const struct people *people, double x, double y, double height,
+		    double *direction_rad, float *far);
+/* The height above the ground, in metres, of what a point of the picture shows at a distance. */
+double far_side_height(const struct people *people, double x, double y, double far);
+/* The row of a point at this height over the ground. NAN: the picture does not show it. */
+double far_side_row(const struct people *people, double direction_rad, double far, double height);
+/* The object's far side in a direction; x: in cells. < 0: there is none. */
+float far_side_at(const struct people *people, double x, double direction_rad);
 
 /* ---- depths.c ---- */
 
 /* camera: the depth camera; NULL: it sees what the background's sees. 0 or -ENOMEM. */
 int depths_create(struct people *people, const struct tsai_camera *camera);
 void depths_free(struct people *people); /* idempotent */
-/* This frame's depths, as the background's camera would measure them; NULL: there are none. */
-const struct depth_map *depths_of_background(struct people *people);
-
-/* ---- groups.c ---- */
-
-void groups_find(struct people *people);
+/* Makes crowd.depth what the background's camera would measure. */
+void depths_move(struct people *people);
+enum told { TOLD_NOTHING, TOLD_BEHIND, TOLD_FRONT };
+/* On which side of the object most of a person's cells are by their depth; lean: share of the
+ * object's distance by which its far side is moved away. */
+enum told depths_ask(const struct people *people, int person, const struct box *box, float lean);
 
 /* ---- edges.c ---- */
 
 void edges_refine(struct people *people);
 /* Finds the cells of the box and around it that do not touch the edge. */
-void edges_mark(struct people *people, const uint8_t *verdict);
+void edges_mark(struct people *people, const uint8_t *whose);
 /* What is around a cell of the box, or beside it, of those that are marked. */
 struct sides edges_around(const struct people *people, int x, int y);
-/* The share of a person in what is seen before a place in that light, not clamped: of
- * PIXEL_LANES. */
+/* alpha = <seen - place, F - place> / |F - place|^2 of PIXEL_LANES pixels, F the person's colour;
+ * not clamped. */
 void edges_share(const struct people *people, const struct sides *sides,
 		 const float seen[3][PIXEL_LANES], const float place[3][PIXEL_LANES], float *share);
 

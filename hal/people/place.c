@@ -2,15 +2,22 @@
 /*
  * The empty place. In each cell and channel
  *
- *     place = sum_k coefficient_k light_k,    light_k = sum_i w_i phi_k(d_i) L_i / E_0
+ *     expected = gain drift sum_k coefficient_k light_k,   light_k = sum_i w_i phi_k(d_i) L_i / E_0
  *
  * with phi_0 = z, so that light_0 is the irradiance of level ground over that of the first frame,
  * E_0, and the other phi z times harmonics of the light's direction d. A cell begins with
  * coefficient_0 = seen / light_0; the others are learned by recursive least squares with
- * forgetting. As all cells of a band see the same light, they share its covariance.
+ * forgetting. As all cells of a band see the same light, they share its covariance. drift follows
+ * within half a second what the model is off by: lamps so near that each place sees them elsewhere.
+ *
+ * A cell's deviations have the variance
+ *
+ *     s^2 = spread (still + shot expected) + model_variance expected^2
+ *
+ * of which spread is learned from what is seen, cell by cell: cameras that shake, leaves, and what
+ * compression does to edges.
  */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "hal/people/people_parts.h"
@@ -20,11 +27,18 @@
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
 #define DARK 1e-5	  /* light_0 below which nothing can be told */
-#define CLOSE_SHARE 0.03f /* of its light, by which a stable cell may differ */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define LIGHT_MS 470.0	  /* in which a cell follows light */
+#define LEAK_MS 30e3	  /* in which drift is handed on to the coefficients */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
+#define DRIFT_MOST 3.0f	  /* and its inverse */
+#define MODEL 0.02f	  /* of its light, by which a cell is off until its spread is learned, */
+#define SHIFT 0.15f	  /* and the cells by which the camera shakes */
+#define SPREAD_MS 4000.0  /* in which spread is learned */
+#define SPREAD_FIRST 4.0f  /* of a place that was restored */
+#define SPREAD_LEAST 0.5f
+#define SPREAD_MOST 200.0f
 
 static void sky_terms(const double d[3], double term[PLACE_TERMS])
 {
@@ -43,101 +57,121 @@ static void sky_terms(const double d[3], double term[PLACE_TERMS])
 		term[k] = z * harmonic[k];
 }
 
-int place_create(struct people *p)
+void place_create(struct people *p)
 {
 	const struct dome *dome = p->settings.dome;
 
-	p->term = calloc((size_t)dome->count, sizeof(*p->term));
-	p->ratios = calloc((size_t)(p->tiles_across * p->tiles_down), sizeof(*p->ratios));
-	if (!p->term || !p->ratios)
-		return -1;
 	for (int i = 0; i < dome->count; i++) {
-		sky_terms(dome->direction[i], p->term[i]);
+		sky_terms(dome->direction[i], p->place.term[i]);
 		for (int k = 0; k < PLACE_TERMS; k++)
-			p->term[i][k] *= dome->solid_angle_sr[i];
+			p->place.term[i][k] *= dome->solid_angle_sr[i];
 	}
-	return 0;
 }
 
 void place_count_unknown(struct people *p)
 {
-	memset(p->unknown, 0, (size_t)p->down * sizeof(*p->unknown));
-	for (int s = 0; s < p->span_count; s++) {
-		const struct span *span = &p->spans[s];
+	p->place.unknown = 0;
+	for (int s = 0; s < p->cells.span_count; s++) {
+		const struct span *span = &p->cells.spans[s];
+		const uint8_t *known = p->place.known + span->y * p->cells.across + span->x;
 
 		for (int x = 0; x < span->count; x++)
-			p->unknown[span->y] += !p->known[span->y * p->across + span->x + x];
+			p->place.unknown += !known[x];
 	}
 }
 
 void place_forget(struct people *p)
 {
-	memset(p->first, 0, sizeof(p->first));
-	memset(p->light_then, 0, sizeof(p->light_then));
-	for (int c = 0; c < 3; c++)
-		for (int at = 0; at < p->cells; at++)
-			p->drift[c][at] = 1;
-	memset(p->known, 0, (size_t)p->cells);
-	place_count_unknown(p);
-	memset(p->stable_ms, 0, (size_t)p->cells * sizeof(*p->stable_ms));
-	memset(p->verdict, 0, (size_t)p->cells);
-	memset(p->order, 0, (size_t)p->cells);
-	memset(p->order_before, 0, (size_t)p->cells);
-	memset(p->fit, 0, sizeof(p->fit));
+	const size_t cells = (size_t)p->cells.count;
+	struct place *place = &p->place;
+
+	memset(place->first, 0, sizeof(place->first));
+	memset(place->light_then, 0, sizeof(place->light_then));
+	memset(place->known, 0, cells);
+	memset(place->fit, 0, sizeof(place->fit));
+	memset(p->cells.still_ms, 0, cells * sizeof(*p->cells.still_ms));
+	memset(p->verdict.of, WHOSE_PLACE, cells);
+	memset(p->crowd.order, 0, cells);
+	p->crowd.persons = 0;
 	for (int c = 0; c < 3; c++) {
-		p->gain[c] = 1;
+		place->gain[c] = 1;
+		for (int at = 0; at < p->cells.count; at++)
+			place->drift[c][at] = 1;
 		for (int band = 0; band < PLACE_BANDS; band++)
 			for (int k = 0; k < PLACE_TERMS; k++)
-				p->fit[band][c].covariance[k][k] = k ? PRIOR : NOISE;
+				place->fit[band][c].covariance[k][k] = k ? PRIOR : NOISE;
 	}
+	for (int at = 0; at < p->cells.count; at++) {
+		place->spread[at] = SPREAD_FIRST;
+		p->verdict.opinion[at] = -1;
+	}
+	place_count_unknown(p);
 }
 
-/* Whether two lights differ by more than their strength. */
-static bool lights_differ(float a[3][PLACE_TERMS], float b[3][PLACE_TERMS], float most)
+/* ---- light ---- */
+
+/* The sum over channels and terms of the squares of how much two lights differ, over their
+ * strength; *most: the largest of them. */
+static float light_change(float a[3][PLACE_TERMS], float b[3][PLACE_TERMS], float *most)
 {
+	float sum = 0;
+
+	*most = 0;
 	for (int c = 0; c < 3; c++)
-		for (int k = 1; k < PLACE_TERMS; k++)
-			if (!(fabsf(a[c][k] / a[c][0] - b[c][k] / b[c][0]) <= most))
-				return true;
-	return false;
+		for (int k = 1; k < PLACE_TERMS; k++) {
+			const float change = a[c][k] / a[c][0] - b[c][k] / b[c][0];
+
+			sum += change * change;
+			*most = fabsf(change) <= *most ? *most : fabsf(change);
+		}
+	return sum;
+}
+
+float place_light_rate(const struct people *p)
+{
+	return (float)(p->step_ms / (p->step_ms + LIGHT_MS));
 }
 
 bool place_light(struct people *p, const float (*radiance)[3])
 {
-	float before[3][PLACE_TERMS];
+	struct place *place = &p->place;
+	float before[3][PLACE_TERMS], most, change;
 
-	memcpy(before, p->light, sizeof(before));
+	memcpy(before, place->light, sizeof(before));
 	for (int c = 0; c < 3; c++) {
 		double sum[PLACE_TERMS] = {0};
 
 		for (int i = 0; i < p->settings.dome->count; i++)
 			for (int k = 0; k < PLACE_TERMS; k++)
-				sum[k] += p->term[i][k] * (double)radiance[i][c];
+				sum[k] += place->term[i][k] * (double)radiance[i][c];
 		if (!(sum[0] > DARK))
 			return false;
-		if (!(p->first[c] > 0))
-			p->first[c] = sum[0];
+		if (!(place->first[c] > 0))
+			place->first[c] = sum[0];
 		for (int k = 0; k < PLACE_TERMS; k++)
-			p->light[c][k] = (float)(sum[k] / p->first[c]);
+			place->light[c][k] = (float)(sum[k] / place->first[c]);
 	}
-	p->jumped = lights_differ(p->light, before, JUMPED) ||
-		    fabsf(p->light[1][0] - before[1][0]) > JUMPED * p->light[1][0];
+	if (!(before[0][0] > 0))
+		return true;
+	change = light_change(place->light, before, &most) / 3;
+	place->jumped = !(most <= JUMPED) ||
+			fabsf(place->light[1][0] - before[1][0]) > JUMPED * place->light[1][0];
+	place->model_variance += (float)PRIOR * change - place_light_rate(p) * place->model_variance;
 	return true;
 }
 
 /* The place in the light of the last prediction, per unit of ground irradiance. */
 static void predict_span(struct people *p, const struct span *span)
 {
-	const int at = span->y * p->across + span->x;
+	const int at = span->y * p->cells.across + span->x, count = span->count;
 
 	for (int c = 0; c < 3; c++) {
-		float *restrict lit = p->lit[c] + at;
-		const int count = span->count;
+		float *restrict lit = p->place.lit[c] + at;
 
-		memset(lit, 0, (size_t)span->count * sizeof(*lit));
+		memset(lit, 0, (size_t)count * sizeof(*lit));
 		for (int k = 0; k < PLACE_TERMS; k++) {
-			const float *restrict coefficient = p->coefficient[c][k] + at;
-			const float light = p->light_then[c][k] / p->light_then[c][0];
+			const float *restrict coefficient = p->place.coefficient[c][k] + at;
+			const float light = p->place.light_then[c][k] / p->place.light_then[c][0];
 
 			for (int x = 0; x < count; x++)
 				lit[x] += coefficient[x] * light;
@@ -150,69 +184,58 @@ static void predict_span(struct people *p, const struct span *span)
 void place_predict(struct people *p)
 {
 	const int band = (int)(p->frame % PLACE_BANDS);
-	const bool turned = lights_differ(p->light, p->light_then, TURNED);
+	float most;
+	bool turned;
 
+	light_change(p->place.light, p->place.light_then, &most);
+	turned = !(most <= TURNED);
 	if (turned)
-		memcpy(p->light_then, p->light, sizeof(p->light));
-	for (int s = 0; s < p->span_count; s++) {
-		const struct span *span = &p->spans[s];
+		memcpy(p->place.light_then, p->place.light, sizeof(p->place.light));
+	for (int s = 0; s < p->cells.span_count; s++) {
+		const struct span *span = &p->cells.spans[s];
 
-		/* What the band has learned in the frame before, or the row was begun with. */
-		if (turned || (span->y + 1) % PLACE_BANDS == band || p->unknown[span->y])
+		/* The band that has learned in the frame before. */
+		if (turned || (span->y + 1) % PLACE_BANDS == band)
 			predict_span(p, span);
 	}
 }
 
-void place_adopt(struct people *p, int cell)
+/* ---- cells that become known ---- */
+
+/* The spread of a cell of which only its light and its slope are known. */
+static float first_spread(const struct people *p, int at)
 {
-	for (int c = 0; c < 3; c++) {
-		for (int k = 1; k < PLACE_TERMS; k++)
-			p->coefficient[c][k][cell] = 0;
-		p->coefficient[c][0][cell] = p->seen[c][cell] / (p->gain[c] * p->light[c][0]);
-		p->place[c][cell] = p->seen[c][cell];
-	}
-	for (int c = 0; c < 3; c++) {
-		p->lit[c][cell] = p->coefficient[c][0][cell];
-		p->drift[c][cell] = 1;
-	}
-	p->unknown[cell / p->across] -= !p->known[cell];
-	p->known[cell] = 1;
-	p->verdict[cell] = VERDICT_EMPTY;
+	const int across = p->cells.across;
+	const uint8_t *watch = p->cells.watch;
+	const float *recent = p->cells.recent[1];
+	const float unit = p->place.gain[1] * p->place.light[1][0], light = recent[at] * unit;
+	const float dx = watch[at - 1] & watch[at + 1] ? recent[at + 1] - recent[at - 1] : 0;
+	const float dy = watch[at - across] & watch[at + across]
+				 ? recent[at + across] - recent[at - across]
+				 : 0;
+	const float slope = SHIFT * 0.5f * unit;
+
+	return 1 + (MODEL * MODEL * light * light + slope * slope * (dx * dx + dy * dy)) /
+			   cells_variance(&p->cells, 1, light);
 }
 
-/* ---- cells that are not known yet ---- */
-
-/* Whether a cell shows what it showed, in the light of now. */
-static bool is_stable(const struct people *p, int cell)
+void place_adopt(struct people *p, int at)
 {
 	for (int c = 0; c < 3; c++) {
-		const float was = p->place[c][cell];
-		const float room = 4 * sqrtf(p->still[c] + p->shot[c] * was) + CLOSE_SHARE * was;
+		const float recent = p->cells.recent[c][at];
 
-		if (fabsf(p->seen[c][cell] - was) > room)
-			return false;
-	}
-	return true;
-}
-
-static void watch_cell(struct people *p, int cell)
-{
-	const bool stable = is_stable(p, cell);
-
-	for (int c = 0; c < 3; c++) {
-		const float is = p->seen[c][cell] / (p->gain[c] * p->light[c][0]);
-		float *was = &p->coefficient[c][0][cell];
-
-		*was = stable ? *was + (is - *was) * 0.125f : is;
+		p->place.coefficient[c][0][at] = recent;
 		for (int k = 1; k < PLACE_TERMS; k++)
-			p->coefficient[c][k][cell] = 0;
-		p->drift[c][cell] = 1;
+			p->place.coefficient[c][k][at] = 0;
+		p->place.lit[c][at] = recent;
+		p->place.drift[c][at] = 1;
+		p->place.expected[c][at] = recent * p->place.gain[c] * p->place.light[c][0];
 	}
-	p->stable_ms[cell] = stable ? (uint16_t)(p->stable_ms[cell] + (int)p->step_ms) : 0;
-	if (p->stable_ms[cell] >= STABLE_MS) {
-		p->known[cell] = 1;
-		p->unknown[cell / p->across]--;
-	}
+	p->place.spread[at] = first_spread(p, at);
+	p->place.unknown -= !p->place.known[at];
+	p->place.known[at] = 1;
+	p->verdict.of[at] = WHOSE_PLACE;
+	p->verdict.opinion[at] = -1;
 }
 
 /* ---- recursive least squares ---- */
@@ -240,21 +263,21 @@ static void fit_step(struct place_fit *fit, const float light[PLACE_TERMS], floa
 				fit->covariance[j][k] /= FORGETTING;
 }
 
-/* What a span's cells teach: how far they are off, at most LESSON_SHARE; 0 for cells that teach
- * nothing. */
+/* How far a span's cells are off, at most LESSON_SHARE, less what all cells share; 0 for cells that
+ * teach nothing. */
 static void span_lessons(const struct people *p, const struct span *span, int c,
 			 float *restrict off)
 {
-	const int at = span->y * p->across + span->x, count = span->count;
-	const float *seen = p->seen[c] + at, *place = p->place[c] + at;
-	const float *drift = p->drift[c] + at;
-	const uint8_t *known = p->known + at, *verdict = p->verdict + at;
-	const float per_gain = 1 / p->gain[c];
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float *seen = p->cells.seen[c] + at, *expected = p->place.expected[c] + at;
+	const float *drift = p->place.drift[c] + at;
+	const uint8_t *known = p->place.known + at, *whose = p->verdict.of + at;
+	const float per_gain = 1 / p->place.gain[c], shared = p->place.shared[c];
 
 	for (int x = 0; x < count; x++) {
-		const float learned = place[x] / drift[x];
-		const float room = LESSON_SHARE * learned, is = seen[x] - learned;
-		const bool teaches = known[x] && verdict[x] != VERDICT_PERSON &&
+		const float learned = expected[x] / drift[x];
+		const float room = LESSON_SHARE * learned, is = seen[x] * shared - learned;
+		const bool teaches = known[x] && whose[x] != WHOSE_PERSON &&
 				     seen[x] <= CLIPPED * WHITE;
 		const float most = is > room ? room : is < -room ? -room : is;
 
@@ -264,13 +287,13 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 
 static void teach_span(struct people *p, const struct span *span, float step[3][PLACE_TERMS])
 {
-	const int at = span->y * p->across + span->x, count = span->count;
-	float *restrict off = p->column[0][0];
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	float *restrict off = p->verdict.evidence;
 
 	for (int c = 0; c < 3; c++) {
 		span_lessons(p, span, c, off);
 		for (int k = 0; k < PLACE_TERMS; k++) {
-			float *restrict coefficient = p->coefficient[c][k] + at;
+			float *restrict coefficient = p->place.coefficient[c][k] + at;
 			const float share = step[c][k];
 
 			for (int x = 0; x < count; x++)
@@ -279,73 +302,94 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* rate_of() (hidden.c) of a span's known cells for any channel that is neither dim nor clipped,
- * where it is lighter than the place and where it is darker. */
-static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
-		       float *restrict darker)
-{
-	const int at = span->y * p->across + span->x, count = span->count;
-	const uint8_t *known = p->known + at, *verdict = p->verdict + at;
-	const float light_rate = p->light_rate;
+/* ---- drift and spread ---- */
 
-	for (int x = 0; x < count; x++) {
-		lighter[x] = (known[x] & (verdict[x] != VERDICT_PERSON)) ? light_rate : 0;
-		darker[x] = verdict[x] == VERDICT_SHADED ? 0 : lighter[x];
-	}
-	for (int x = 0; p->jumped && x < count; x++)
-		if (known[x] && p->before[at + x] == VERDICT_EMPTY && !p->order[at + x])
-			lighter[x] = darker[x] = 1;
+float place_rate(const struct people *p, int at, bool darker)
+{
+	const uint8_t whose = p->verdict.of[at];
+
+	if (!p->place.known[at] || whose == WHOSE_PERSON)
+		return 0;
+	if (whose == WHOSE_SHADOW && darker)
+		return 0;
+	return p->place.jumped && whose == WHOSE_PLACE ? 1 : place_light_rate(p);
 }
 
-/* Follows, in the cells where nobody is, what the light's model is off by: lamps that are so near
- * that each place sees them elsewhere. */
-static void drift_span(struct people *p, const struct span *span)
+static void drift_cell(struct people *p, int at, int c, float leak)
 {
-	const float *restrict lighter = p->column[1][0], *restrict darker = p->column[1][1];
-	const int at = span->y * p->across + span->x, count = span->count;
+	const float seen = p->cells.seen[c][at] * p->place.shared[c];
+	const float expected = p->place.expected[c][at];
+	float *drift = &p->place.drift[c][at];
 
-	span_rates(p, span, p->column[1][0], p->column[1][1]);
-	for (int c = 0; c < 3; c++) {
-		const float *restrict seen = p->seen[c] + at, *restrict place = p->place[c] + at;
-		float *restrict drift = p->drift[c] + at;
+	if (expected < DIM * WHITE || seen > CLIPPED * WHITE)
+		return;
+	place_drift(p, c, at, 1 + place_rate(p, at, seen < expected) * (fminf(seen / expected, 2) - 1));
+	*drift += (1 - *drift) * leak;
+}
 
-		for (int x = 0; x < count; x++) {
-			const float in_light = lighter[x], in_shade = darker[x];
-			const float ratio = seen[x] / place[x], most = ratio < 2 ? ratio : 2;
-			const float told = ratio < 1 ? in_shade : in_light;
-			const float rate = place[x] < DIM * WHITE ? 0 : told;
-			const float taken = seen[x] > CLIPPED * WHITE ? 0 : rate;
-			float is = drift[x] * (1 + taken * (most - 1));
+void place_drift(struct people *p, int c, int at, float factor)
+{
+	float *drift = &p->place.drift[c][at];
+	const float is = *drift * factor;
 
-			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
-			drift[x] = is < DRIFT_MOST ? is : DRIFT_MOST;
-		}
+	*drift = is < DRIFT_MOST ? is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST : DRIFT_MOST;
+}
+
+/* chi has a mean of 3 where spread is right. */
+static void spread_span(struct people *p, const struct span *span)
+{
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float rate = (float)(p->step_ms / (p->step_ms + SPREAD_MS));
+	const float *restrict chi = p->verdict.chi + at;
+	const uint8_t *whose = p->verdict.of + at, *known = p->place.known + at;
+	float *restrict spread = p->place.spread + at;
+
+	for (int x = 0; x < count; x++) {
+		const float told = chi[x] < 12 ? chi[x] : 12;
+		const float rate_here = (whose[x] == WHOSE_PLACE) & known[x] ? rate : 0;
+		const float is = spread[x] * (1 + rate_here * (told * (1 / 3.0f) - 1));
+		const float least = is > SPREAD_LEAST ? is : SPREAD_LEAST;
+
+		spread[x] = least < SPREAD_MOST ? least : SPREAD_MOST;
+	}
+}
+
+/* ---- all of it ---- */
+
+static void learn_cell(struct people *p, int at)
+{
+	if (p->place.learn_now) {
+		for (int c = 0; c < 3; c++)
+			p->cells.recent[c][at] = p->cells.seen[c][at] /
+						 (p->place.gain[c] * p->place.light[c][0]);
+		place_adopt(p, at);
+	} else if (!p->place.known[at] && p->cells.still_ms[at] >= STABLE_MS) {
+		place_adopt(p, at);
 	}
 }
 
 void place_learn(struct people *p)
 {
 	const int band = (int)(p->frame % PLACE_BANDS);
+	const float leak = (float)(p->step_ms / LEAK_MS);
 	float step[3][PLACE_TERMS];
 
-	p->light_rate = (float)(p->step_ms / (p->step_ms + LIGHT_MS));
 	hidden_follow(p);
 	for (int c = 0; c < 3; c++)
-		fit_step(&p->fit[band][c], p->light[c], step[c]);
-	for (int s = 0; s < p->span_count; s++) {
-		const struct span *span = &p->spans[s];
-		const int at = span->y * p->across;
+		fit_step(&p->place.fit[band][c], p->place.light[c], step[c]);
+	for (int s = 0; s < p->cells.span_count; s++) {
+		const struct span *span = &p->cells.spans[s];
+		const int at = span->y * p->cells.across + span->x;
 
-		if (span->y % PLACE_BANDS == band && !p->learn_now)
+		if (span->y % PLACE_BANDS == band && !p->place.learn_now)
 			teach_span(p, span, step);
-		drift_span(p, span);
-		for (int x = span->x;
-		     (p->learn_now || p->unknown[span->y]) && x < span->x + span->count; x++) {
-			if (p->learn_now)
-				place_adopt(p, at + x);
-			else if (!p->known[at + x])
-				watch_cell(p, at + x);
+		spread_span(p, span);
+		for (int x = 0; x < span->count; x++) {
+			for (int c = 0; c < 3; c++)
+				drift_cell(p, at + x, c, leak);
+			if (p->place.learn_now || !p->place.known[at + x])
+				learn_cell(p, at + x);
 		}
 	}
-	p->learn_now = false;
+	p->place.learn_now = false;
 }

@@ -11,7 +11,7 @@
 
 #include "hal/people/people_parts.h"
 
-#define MAGIC "INLAYPL3"
+#define MAGIC "INLAYPL4"
 #define SAVED_MOST 20000000 /* bytes */
 #define SLICE 262144	    /* bytes that a call of people_save() copies */
 #define COEFFICIENT_MOST 1e9f
@@ -32,13 +32,13 @@ struct saved_header {
 
 static size_t plane_bytes(const struct people *p)
 {
-	return (size_t)p->cells * sizeof(float);
+	return (size_t)p->cells.count * sizeof(float);
 }
 
 /* How many terms of each cell are kept; 0: the picture is too large for any. */
 static int saved_terms(const struct people *p)
 {
-	const size_t fixed = sizeof(struct saved_header) + sizeof(p->fit) + (size_t)p->cells;
+	const size_t fixed = sizeof(struct saved_header) + sizeof(p->place.fit) + (size_t)p->cells.count;
 	const size_t fit = fixed < SAVED_MOST ? (SAVED_MOST - fixed) / (3 * plane_bytes(p)) : 0;
 
 	return fit < PLACE_TERMS ? (int)fit : PLACE_TERMS;
@@ -56,12 +56,12 @@ static struct saved_part saved_part(const struct people *p, int n)
 	const int planes = 3 * saved_terms(p);
 
 	if (n == 0)
-		return (struct saved_part){(void *)p->fit, sizeof(p->fit)};
+		return (struct saved_part){(void *)p->place.fit, sizeof(p->place.fit)};
 	if (n <= planes)
-		return (struct saved_part){p->coefficient[(n - 1) % 3][(n - 1) / 3],
+		return (struct saved_part){p->place.coefficient[(n - 1) % 3][(n - 1) / 3],
 					   plane_bytes(p)};
 	if (n == planes + 1)
-		return (struct saved_part){p->known, (size_t)p->cells};
+		return (struct saved_part){p->place.known, (size_t)p->cells.count};
 	return (struct saved_part){NULL, 0};
 }
 
@@ -79,7 +79,7 @@ static uint64_t saved_made_of(const struct people *p)
 {
 	const size_t lights = (size_t)p->settings.dome->count;
 
-	return XXH3_64bits_withSeed(p->term, lights * sizeof(*p->term),
+	return XXH3_64bits_withSeed(p->place.term, lights * sizeof(*p->place.term),
 				    XXH3_64bits(p->tables.decode, sizeof(p->tables.decode)));
 }
 
@@ -105,15 +105,15 @@ static struct saved_header header_of(const struct people *p)
 {
 	struct saved_header header = {.width = p->settings.width,
 				      .height = p->settings.height,
-				      .side = p->side,
+				      .side = p->cells.side,
 				      .lights = p->settings.dome->count,
 				      .terms = saved_terms(p),
 				      .camera = p->camera,
 				      .made_of = saved_made_of(p)};
 
 	memcpy(header.magic, MAGIC, sizeof(header.magic));
-	memcpy(header.first, p->first, sizeof(header.first));
-	memcpy(header.gain, p->gain, sizeof(header.gain));
+	memcpy(header.first, p->place.first, sizeof(header.first));
+	memcpy(header.gain, p->place.gain, sizeof(header.gain));
 	return header;
 }
 
@@ -160,7 +160,7 @@ static int check_header(const struct people *p, const struct saved_header *heade
 	if (memcmp(header->magic, MAGIC, sizeof(header->magic)) != 0)
 		return fault_say(fault, -EBADMSG, "is not the picture of a place");
 	if (header->width != settings->width || header->height != settings->height ||
-	    header->side != p->side || header->terms != saved_terms(p))
+	    header->side != p->cells.side || header->terms != saved_terms(p))
 		return fault_say(fault, -EBADMSG, "is of %dx%d pixels, expected %dx%d",
 				 header->width, header->height, settings->width, settings->height);
 	if (header->camera != p->camera)
@@ -197,16 +197,16 @@ static bool are_finite(const double *values, size_t count)
 static bool are_possible(const struct people *p, const struct saved_header *header,
 			 const uint8_t *body)
 {
-	const size_t values = (size_t)(3 * saved_terms(p)) * (size_t)p->cells;
-	const uint8_t *planes = body + sizeof(p->fit), *known = planes + values * sizeof(float);
+	const size_t values = (size_t)(3 * saved_terms(p)) * (size_t)p->cells.count;
+	const uint8_t *planes = body + sizeof(p->place.fit), *known = planes + values * sizeof(float);
 	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
 		    are_finite(header->first, 3) &&
-		    are_finite((const void *)body, sizeof(p->fit) / sizeof(double)) &&
+		    are_finite((const void *)body, sizeof(p->place.fit) / sizeof(double)) &&
 		    are_in_range((const void *)planes, values, -COEFFICIENT_MOST, COEFFICIENT_MOST);
 
 	for (int c = 0; c < 3; c++)
 		fine = fine && header->first[c] >= 0;
-	for (int at = 0; at < p->cells && fine; at++)
+	for (int at = 0; at < p->cells.count && fine; at++)
 		fine = known[at] <= 1;
 	return fine;
 }
@@ -226,7 +226,7 @@ static void take_parts(struct people *p, const uint8_t *body)
 	}
 	for (int c = 0; c < 3; c++)
 		for (int k = terms; k < PLACE_TERMS; k++)
-			memset(p->coefficient[c][k], 0, plane_bytes(p));
+			memset(p->place.coefficient[c][k], 0, plane_bytes(p));
 	place_count_unknown(p);
 }
 
@@ -248,7 +248,7 @@ int people_restore(struct people *p, const void *from, size_t bytes, struct faul
 	if (!are_possible(p, &header, body))
 		return fault_say(fault, -EBADMSG, "is damaged, a number in it is impossible");
 	take_parts(p, body);
-	memcpy(p->first, header.first, sizeof(header.first));
-	memcpy(p->gain, header.gain, sizeof(header.gain));
+	memcpy(p->place.first, header.first, sizeof(header.first));
+	memcpy(p->place.gain, header.gain, sizeof(header.gain));
 	return 0;
 }

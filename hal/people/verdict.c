@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Whose each cell is: the place's, a shadow's, or a person's. A cell is explained
+ *
+ * - by the place, as well as its deviation chi^2 = sum over the channels of
+ *   (seen - expected)^2 / s^2 is small, with s^2 of place.c;
+ * - by the place in other light, as well as one ratio in each channel, r = sum(seen expected) /
+ *   sum(expected^2), explains those cells around it that are about as much darker or lighter as it
+ *   is: texture is kept in a shadow, and not under cloth. At a shadow's rim these are the cells on
+ *   its own side;
+ * - by a person at a fixed price, as he may have any colour.
+ *
+ * The better of the first two against the third is the cell's evidence, -1..1. A person is
+ * connected, so each cell then weighs in the opinions of the four beside it (the mean-field
+ * solution of an Ising model), and its own of the frame before, if it still shows the same.
+ */
+#include <math.h>
+#include <string.h>
+
+#include "hal/people/people_parts.h"
+
+#define DIFFERS 12.0f /* chi-square of three channels: 0.7 % of empty cells are above */
+#define PRICE 20.0f   /* of a person, in units of chi-square */
+#define SHADOW 6.0f   /* price of other light */
+#define SHADOW_STEEP 12.0f
+#define STEEP 0.06f  /* evidence per chi-square */
+#define AROUND 2     /* cells on each side that tell of other light */
+#define ALIKE 0.12f  /* of its ratio, by which a cell around may differ and is asked */
+#define MOST 0.35f   /* of those around that must be alike */
+#define DARKEST 0.2f /* ratio of a shadow's core, and of light that came on */
+#define BRIGHTEST 1.5f
+#define SAME_COLOUR 1.6f /* ratio of two channels' ratios */
+#define UNEVEN 0.04f	 /* of its light, by which the ratio may vary among those asked */
+#define NEIGHBOUR 0.3f	 /* weight of each of the four opinions beside */
+#define MEMORY 0.3f	 /* and of the frame before */
+#define SHARP 1.6f
+#define PASSES 6
+
+/* ---- deviation ---- */
+
+static void span_deviations(struct people *p, const struct span *span)
+{
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float *restrict spread = p->place.spread + at;
+	float *restrict chi = p->verdict.chi + at;
+
+	memset(chi, 0, (size_t)count * sizeof(*chi));
+	for (int c = 0; c < 3; c++) {
+		const float *restrict expected = p->place.expected[c] + at;
+		const float *restrict seen = p->cells.seen[c] + at;
+		const float still = p->cells.still[c], shot = p->cells.shot[c];
+		const float model = p->place.model_variance;
+
+		for (int x = 0; x < count; x++) {
+			const float place = expected[x], off = seen[x] - place;
+
+			chi[x] += off * off /
+				  (spread[x] * (still + shot * place) + model * place * place);
+		}
+	}
+}
+
+static void grow_box(struct box *box, int left, int right, int y)
+{
+	box->left = left < box->left ? left : box->left;
+	box->right = right > box->right ? right : box->right;
+	box->top = y < box->top ? y : box->top;
+	box->bottom = y > box->bottom ? y : box->bottom;
+}
+
+/* Cells that differ are a shadow's until they are found to be a person's. */
+static void mark_span(struct people *p, const struct span *span)
+{
+	const int at = span->y * p->cells.across + span->x;
+	const float *chi = p->verdict.chi + at;
+	const uint8_t *known = p->place.known + at;
+	uint8_t *whose = p->verdict.of + at;
+	int first = -1, last = -1;
+
+	for (int x = 0; x < span->count; x++) {
+		whose[x] = known[x] && chi[x] > DIFFERS ? WHOSE_SHADOW : WHOSE_PLACE;
+		if (whose[x] == WHOSE_PLACE)
+			continue;
+		first = first < 0 ? x : first;
+		last = x;
+	}
+	if (first >= 0)
+		grow_box(&p->verdict.differing, span->x + first, span->x + last, span->y);
+}
+
+/* ---- other light ---- */
+
+struct alike {
+	float ss[3], sp[3], pp[3]; /* sums of seen^2, seen expected, expected^2, over s^2 */
+	int asked, count;
+};
+
+static float weight_at(const struct people *p, int c, int at)
+{
+	const float place = p->place.expected[c][at];
+
+	return 1 / (p->place.spread[at] * cells_variance(&p->cells, c, place) +
+		    p->place.model_variance * place * place);
+}
+
+static float luminance(float *const plane[3], int at)
+{
+	return plane[0][at] + plane[1][at] + plane[2][at];
+}
+
+static void add_alike(const struct people *p, int at, struct alike *sums)
+{
+	for (int c = 0; c < 3; c++) {
+		const float w = weight_at(p, c, at);
+		const float seen = p->cells.seen[c][at], place = p->place.expected[c][at];
+
+		sums->ss[c] += w * seen * seen;
+		sums->sp[c] += w * seen * place;
+		sums->pp[c] += w * place * place;
+	}
+	sums->count++;
+}
+
+static struct alike sum_alike(const struct people *p, int x, int y)
+{
+	const int across = p->cells.across, at = y * across + x;
+	const float seen = luminance(p->cells.seen, at), place = luminance(p->place.expected, at);
+	struct alike sums = {.count = 0};
+
+	for (int v = y - AROUND; v <= y + AROUND; v++)
+		for (int u = x - AROUND; u <= x + AROUND; u++) {
+			const int there = v * across + u;
+			float s, b;
+
+			if (v < 0 || u < 0 || v >= p->cells.down || u >= across ||
+			    !p->cells.watch[there] || !p->place.known[there])
+				continue;
+			s = luminance(p->cells.seen, there) * place;
+			b = luminance(p->place.expected, there) * seen;
+			sums.asked++;
+			if (fabsf(s - b) <= ALIKE * b)
+				add_alike(p, there, &sums);
+		}
+	return sums;
+}
+
+/* What a cell deviates from the place in other light, in units of chi-square, with the price of
+ * it; INFINITY: it cannot be. */
+static float other_light(const struct people *p, int x, int y)
+{
+	const int at = y * p->cells.across + x;
+	const struct alike sums = sum_alike(p, x, y);
+	float left = 0, own = 0, room = 0, low = INFINITY, high = 0, excess;
+
+	if ((float)sums.count < MOST * (float)sums.asked)
+		return INFINITY;
+	for (int c = 0; c < 3; c++) {
+		const float ratio = sums.sp[c] / sums.pp[c];
+		const float off = p->cells.seen[c][at] - ratio * p->place.expected[c][at];
+
+		left += sums.ss[c] - ratio * sums.sp[c];
+		room += UNEVEN * UNEVEN * ratio * ratio * sums.pp[c];
+		own += weight_at(p, c, at) * off * off;
+		low = ratio < low ? ratio : low;
+		high = ratio > high ? ratio : high;
+	}
+	if (low < DARKEST || high > BRIGHTEST || high > SAME_COLOUR * low)
+		return INFINITY;
+	/* Each cell that was asked leaves 3 of it to noise, but for the 3 that the ratios took. */
+	excess = left / (room + 3.0f * (float)(sums.count > 1 ? sums.count - 1 : 1)) - 1;
+	own = own / (1 + room / (3 * (float)sums.count));
+	return SHADOW + fmaxf(SHADOW_STEEP * fmaxf(excess, 0), own);
+}
+
+/* ---- evidence and opinion ---- */
+
+static float clamp_one(float x)
+{
+	const float least = x > -1 ? x : -1; /* in two steps, as processors do it */
+
+	return least < 1 ? least : 1;
+}
+
+static float evidence_of(const struct people *p, int x, int y)
+{
+	const int at = y * p->cells.across + x;
+	float chi = p->verdict.chi[at];
+
+	if (!p->place.known[at])
+		return -1;
+	if (p->verdict.of[at] == WHOSE_SHADOW && chi > SHADOW)
+		chi = fminf(chi, other_light(p, x, y));
+	return clamp_one((chi - PRICE) * STEEP);
+}
+
+/* Calls for each stretch of watched cells in a box, row by row. */
+static void walk_box(struct people *p, const struct box *box,
+		     void (*take)(struct people *p, int y, int x, int end))
+{
+	for (int y = box->top; y <= box->bottom; y++)
+		for (int s = p->cells.row_span[y]; s < p->cells.row_span[y + 1]; s++) {
+			const struct span *span = &p->cells.spans[s];
+			const int x = span->x > box->left ? span->x : box->left;
+			const int end = span->x + span->count;
+
+			take(p, y, x, end <= box->right ? end : box->right + 1);
+		}
+}
+
+static void gather_evidence(struct people *p, int y, int x, int end)
+{
+	for (; x < end; x++) {
+		const int at = y * p->cells.across + x;
+		float evidence = evidence_of(p, x, y);
+
+		if (p->cells.still_ms[at] > 0)
+			evidence += MEMORY * p->verdict.opinion[at];
+		p->verdict.evidence[at] = evidence;
+	}
+}
+
+static void begin_opinions(struct people *p, int y, int x, int end)
+{
+	for (; x < end; x++) {
+		const int at = y * p->cells.across + x;
+
+		p->verdict.opinion[at] = clamp_one(p->verdict.evidence[at]);
+	}
+}
+
+static void revise(struct people *p, int y, int x, int end)
+{
+	const int across = p->cells.across, row = y * across;
+	const float *restrict evidence = p->verdict.evidence + row;
+	const float *restrict own = p->verdict.opinion + row;
+	const float *above = own - across, *below = own + across;
+	float *restrict revised = p->verdict.revised + row;
+
+	for (; x < end; x++)
+		revised[x] = clamp_one(SHARP * (evidence[x] +
+						NEIGHBOUR * (own[x - 1] + own[x + 1] + above[x] +
+							     below[x])));
+}
+
+static void decide(struct people *p, int y, int x, int end)
+{
+	for (; x < end; x++) {
+		const int at = y * p->cells.across + x;
+
+		if (p->verdict.opinion[at] <= 0)
+			continue;
+		p->verdict.of[at] = WHOSE_PERSON;
+		grow_box(&p->verdict.box, x, x, y);
+	}
+}
+
+static void form_opinions(struct people *p, const struct box *box)
+{
+	walk_box(p, box, gather_evidence);
+	for (int at = 0; at < p->cells.count; at++)
+		p->verdict.opinion[at] = p->verdict.revised[at] = -1;
+	walk_box(p, box, begin_opinions);
+	for (int pass = 0; pass < PASSES; pass++) {
+		float *revised = p->verdict.revised;
+
+		walk_box(p, box, revise);
+		p->verdict.revised = p->verdict.opinion;
+		p->verdict.opinion = revised;
+	}
+	walk_box(p, box, decide);
+}
+
+/* A box with two cells around it, as a person may be a little wider than what differs. */
+static struct box around(const struct people *p, const struct box *box)
+{
+	const struct box grown = {box->left > AROUND ? box->left - AROUND : 0,
+				  box->right + AROUND < p->cells.across ? box->right + AROUND
+									: p->cells.across - 1,
+				  box->top > AROUND ? box->top - AROUND : 0,
+				  box->bottom + AROUND < p->cells.down ? box->bottom + AROUND
+								       : p->cells.down - 1};
+
+	return grown;
+}
+
+/* In a frame in which a lamp was switched the prediction is off, and people have hardly moved:
+ * everybody is where he was. */
+static void keep_verdict(struct people *p)
+{
+	memcpy(p->verdict.of, p->verdict.before, (size_t)p->cells.count);
+	for (int at = 0; at < p->cells.count; at++)
+		if (p->verdict.of[at] == WHOSE_PERSON)
+			grow_box(&p->verdict.box, at % p->cells.across, at % p->cells.across,
+				 at / p->cells.across);
+}
+
+void verdict_judge(struct people *p)
+{
+	const struct box none = {p->cells.across, -1, p->cells.down, -1};
+
+	memcpy(p->verdict.before, p->verdict.of, (size_t)p->cells.count);
+	p->verdict.differing = p->verdict.box = none;
+	for (int s = 0; s < p->cells.span_count; s++) {
+		span_deviations(p, &p->cells.spans[s]);
+		mark_span(p, &p->cells.spans[s]);
+	}
+	if (p->place.jumped) {
+		keep_verdict(p);
+	} else if (p->verdict.differing.right >= 0) {
+		const struct box box = around(p, &p->verdict.differing);
+
+		form_opinions(p, &box);
+	} else {
+		for (int at = 0; at < p->cells.count; at++)
+			p->verdict.opinion[at] = -1;
+	}
+}
