@@ -126,14 +126,16 @@ HAL_SOURCES := \
 	hal/people/cells.c \
 	hal/people/depths.c \
 	hal/people/edges.c \
+	hal/people/footprint.c \
+	hal/people/gain.c \
 	hal/people/groups.c \
 	hal/people/hidden.c \
-	hal/people/judge.c \
-	hal/people/order.c \
 	hal/people/outline.c \
 	hal/people/people.c \
+	hal/people/persons.c \
 	hal/people/place.c \
 	hal/people/saved.c \
+	hal/people/verdict.c \
 	hal/optics/tsai.c
 # The compositor's inner loops: only these files are built for more than every processor has.
 HAL_SOURCES += $(addprefix hal/compositor/kernels/kernels_,$(if $(filter x86_64,$(MACHINE)),\
@@ -146,7 +148,7 @@ $(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp) \
 	$(if $(filter 1,$(WITH_WEBP)),hal/image/image_webp.c)
 # Without this gcc makes branches of choices between floats, and no vectors. It changes no result.
-$(addprefix $(BUILD)/hal/people/,cells.o judge.o place.o): OWN_FLAGS := -fno-trapping-math
+$(addprefix $(BUILD)/hal/people/,cells.o gain.o place.o verdict.o): OWN_FLAGS := -fno-trapping-math
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)

@@ -9,7 +9,7 @@
 #define HOLE 40		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
 #define GAP 6		/* shadows between a person's cells, up to cells down / GAP high, are his */
 #define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
-#define LIGHT_SHARE 0.2 /* edge of its own along the outline of mere light, over the level there */
+#define LIGHT_SHARE 0.1 /* edge of its own along the outline of mere light, over the level there */
 #define CROWDED 0.7	/* of the watched cells: the camera has been moved */
 #define CROWDED_MS 900e3 /* longer than visitors stand so near that they hide everything */
 
@@ -240,7 +240,7 @@ static int clear_dropped(struct people *p)
 			if (!g->dropped)
 				continue;
 			p->crowd.label[at] = -1;
-			p->verdict.of[at] = WHOSE_PLACE;
+			p->verdict.of[at] = WHOSE_SHADOW; /* which teaches nothing */
 			if (g->ghost)
 				place_adopt(p, at);
 		}

@@ -78,6 +78,7 @@ static void divide(struct people *p, struct block *block)
 		p->cells.watch += beyond;
 	p->cells.still_ms = take(block, cells * sizeof(*p->cells.still_ms));
 	p->place.term = take(block, (size_t)p->settings.dome->count * sizeof(*p->place.term));
+	p->place.left = take(block, (size_t)p->settings.dome->count);
 	p->place.known = take(block, cells);
 	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
 	p->verdict.of = take(block, cells);

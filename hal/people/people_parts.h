@@ -76,6 +76,8 @@ struct place {
 	uint8_t *known;
 	int unknown;	       /* watched cells that are not known */
 	struct place_fit fit[PLACE_BANDS][3];
+	bool *left;	       /* [dome->count]: scratch of place_light() */
+	float darkest;	       /* ratio of the darkest shadow in this light */
 	float model_variance; /* relative; of the prediction, where the light has just turned */
 	float shared[3];      /* of the known cells where nobody is: expected / seen in the mean */
 	struct ratios *ratios; /* hidden.c: [tiles] */

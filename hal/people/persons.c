@@ -120,6 +120,74 @@ static struct body measure(const struct people *p, int group, const struct box *
 	return body;
 }
 
+/* The row of the head of somebody of BODY_M whose feet are in these columns and this row. */
+static double head_row(const struct people *p, int left, int right, int bottom)
+{
+	double direction;
+	float far;
+
+	if (!far_side_point(p, 0.5 * (left + right + 1), bottom + 1, 0, &direction, &far))
+		return NAN;
+	return far_side_row(p, direction, (double)far, BODY_M);
+}
+
+/* The width of a body that stands where this one does. */
+static float usual_width(const struct people *p, const struct body *body)
+{
+	const double top = head_row(p, body->left, body->right, body->bottom);
+
+	return SLENDER * (float)(top < body->bottom ? body->bottom + 1 - top
+						    : body->bottom + 1 - body->top);
+}
+
+/* ---- bodies in pieces ---- */
+
+/* Whether a group that cloth like the ground has detached from its feet has them in another: below
+ * it, under half of the narrower one's width at least, and not farther than a body is high. */
+static bool stands_on(const struct people *p, const struct group *g, const struct group *feet)
+{
+	const int left = g->left > feet->left ? g->left : feet->left;
+	const int right = g->right < feet->right ? g->right : feet->right;
+	const int wide = g->right - g->left, feet_wide = feet->right - feet->left;
+
+	return !feet->dropped && feet->top > g->bottom &&
+	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1 &&
+	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom);
+}
+
+static void join_groups(struct people *p, int upper, int lower)
+{
+	struct group *g = &p->crowd.groups[upper], *feet = &p->crowd.groups[lower];
+
+	for (int y = g->top; y <= g->bottom; y++)
+		for (int x = g->left; x <= g->right; x++) {
+			int *label = &p->crowd.label[y * p->cells.across + x];
+
+			*label = *label == upper ? lower : *label;
+		}
+	feet->top = g->top;
+	feet->left = g->left < feet->left ? g->left : feet->left;
+	feet->right = g->right > feet->right ? g->right : feet->right;
+	feet->cells += g->cells;
+	g->dropped = true;
+}
+
+/* Groups are listed by their tops: each is joined to the lowest that it stands on. */
+static void join_bodies(struct people *p)
+{
+	for (int n = p->crowd.group_count - 1; n >= 0; n--) {
+		int lowest = -1;
+
+		for (int m = n + 1; m < p->crowd.group_count && !p->crowd.groups[n].dropped; m++)
+			if (stands_on(p, &p->crowd.groups[n], &p->crowd.groups[m]) &&
+			    (lowest < 0 ||
+			     p->crowd.groups[m].bottom > p->crowd.groups[lowest].bottom))
+				lowest = m;
+		if (lowest >= 0)
+			join_groups(p, n, lowest);
+	}
+}
+
 /* ---- on the ground ---- */
 
 static bool is_watched(const struct people *p, int x, int y)
@@ -219,19 +287,6 @@ static void begin_person(struct people *p, int group, const struct body *body)
 			       .group = group};
 	who->begun_x = who->x;
 	p->crowd.persons++;
-}
-
-/* The width of a body that stands where this one does. */
-static float usual_width(const struct people *p, const struct body *body)
-{
-	const double x = 0.5 * (body->left + body->right + 1);
-	double direction, top = NAN;
-	float far;
-
-	if (far_side_point(p, x, body->bottom + 1, 0, &direction, &far))
-		top = far_side_row(p, direction, (double)far, BODY_M);
-	return SLENDER * (float)(top < body->bottom ? body->bottom + 1 - top
-						    : body->bottom + 1 - body->top);
 }
 
 /* Cells that are nobody's are as many persons side by side as they are wide. */
@@ -456,6 +511,7 @@ void persons_follow(struct people *p)
 	if (!p->visited)
 		return;
 	depths_move(p);
+	join_bodies(p);
 	for (int n = 0; n < p->crowd.persons; n++)
 		find_group(p, &p->crowd.person[n]);
 	meet_groups(p, body);

@@ -23,6 +23,7 @@
 #include "hal/people/people_parts.h"
 
 #define STABLE_MS 2000	  /* a cell that has not changed for so long is known */
+#define SHADOW_MS 5000	  /* a shadow that lies still for so long is the place's */
 #define FORGETTING 0.999  /* at each lesson of a band, about once a second */
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
@@ -30,6 +31,10 @@
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define LIGHT_MS 470.0	  /* in which a cell follows light */
 #define LEAK_MS 30e3	  /* in which drift is handed on to the coefficients */
+#define CONE 0.95	  /* cosine of 18 degrees: what a body hides of a lamp and its glow */
+#define SKY 0.5	  /* of the rest of the sky that a body hides where he stands */
+#define DARKEST 0.1	  /* a share of light comes by way of walls */
+#define STEADY 0.01f	  /* of its light, by which each cell is off at any time */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
 #define DRIFT_MOST 3.0f	  /* and its inverse */
@@ -132,6 +137,45 @@ float place_light_rate(const struct people *p)
 	return (float)(p->step_ms / (p->step_ms + LIGHT_MS));
 }
 
+/* The share of the ground's irradiance that comes from within CONE of the light that gives most, of
+ * those that are `left`, which it takes out. */
+static double take_cone(const struct people *p, const float (*radiance)[3], bool *left)
+{
+	const struct dome *dome = p->settings.dome;
+	double most = 0, all = 0, cone = 0;
+	int middle = -1;
+
+	for (int i = 0; i < dome->count; i++) {
+		const double gives = p->place.term[i][0] * (double)radiance[i][1];
+
+		all += gives;
+		if (left[i] && gives > most) {
+			most = gives;
+			middle = i;
+		}
+	}
+	for (int i = 0; i < dome->count && middle >= 0; i++) {
+		const double *a = dome->direction[i], *b = dome->direction[middle];
+
+		if (!left[i] || a[0] * b[0] + a[1] * b[1] + a[2] * b[2] < CONE)
+			continue;
+		cone += p->place.term[i][0] * (double)radiance[i][1];
+		left[i] = false;
+	}
+	return all > 0 ? cone / all : 0;
+}
+
+/* The ratio of the darkest shadow: a person hides the two strongest lamps, and SKY of the rest. */
+static float darkest_shadow(const struct people *p, const float (*radiance)[3])
+{
+	bool *left = p->place.left;
+	double hidden;
+
+	memset(left, true, (size_t)p->settings.dome->count);
+	hidden = take_cone(p, radiance, left) + take_cone(p, radiance, left);
+	return (float)fmax((1 - hidden) * (1 - SKY), DARKEST);
+}
+
 bool place_light(struct people *p, const float (*radiance)[3])
 {
 	struct place *place = &p->place;
@@ -151,12 +195,14 @@ bool place_light(struct people *p, const float (*radiance)[3])
 		for (int k = 0; k < PLACE_TERMS; k++)
 			place->light[c][k] = (float)(sum[k] / place->first[c]);
 	}
+	place->darkest = darkest_shadow(p, radiance);
 	if (!(before[0][0] > 0))
 		return true;
 	change = light_change(place->light, before, &most) / 3;
 	place->jumped = !(most <= JUMPED) ||
 			fabsf(place->light[1][0] - before[1][0]) > JUMPED * place->light[1][0];
-	place->model_variance += (float)PRIOR * change - place_light_rate(p) * place->model_variance;
+	place->model_variance += (float)PRIOR * change -
+				 place_light_rate(p) * (place->model_variance - STEADY * STEADY);
 	return true;
 }
 
@@ -272,13 +318,15 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 	const float *seen = p->cells.seen[c] + at, *expected = p->place.expected[c] + at;
 	const float *drift = p->place.drift[c] + at;
 	const uint8_t *known = p->place.known + at, *whose = p->verdict.of + at;
+	const uint16_t *still_ms = p->cells.still_ms + at;
 	const float per_gain = 1 / p->place.gain[c], shared = p->place.shared[c];
 
 	for (int x = 0; x < count; x++) {
 		const float learned = expected[x] / drift[x];
 		const float room = LESSON_SHARE * learned, is = seen[x] * shared - learned;
-		const bool teaches = known[x] && whose[x] != WHOSE_PERSON &&
-				     seen[x] <= CLIPPED * WHITE;
+		const bool teaches = known[x] && seen[x] <= CLIPPED * WHITE &&
+				     (whose[x] == WHOSE_PLACE ||
+				      (whose[x] == WHOSE_SHADOW && still_ms[x] > SHADOW_MS));
 		const float most = is > room ? room : is < -room ? -room : is;
 
 		off[x] = teaches ? most * per_gain : 0;
@@ -310,7 +358,7 @@ float place_rate(const struct people *p, int at, bool darker)
 
 	if (!p->place.known[at] || whose == WHOSE_PERSON)
 		return 0;
-	if (whose == WHOSE_SHADOW && darker)
+	if (whose == WHOSE_SHADOW && p->cells.still_ms[at] < (darker ? SHADOW_MS : STABLE_MS))
 		return 0;
 	return p->place.jumped && whose == WHOSE_PLACE ? 1 : place_light_rate(p);
 }
@@ -342,11 +390,15 @@ static void spread_span(struct people *p, const struct span *span)
 	const float rate = (float)(p->step_ms / (p->step_ms + SPREAD_MS));
 	const float *restrict chi = p->verdict.chi + at;
 	const uint8_t *whose = p->verdict.of + at, *known = p->place.known + at;
+	const uint16_t *still_ms = p->cells.still_ms + at;
 	float *restrict spread = p->place.spread + at;
 
 	for (int x = 0; x < count; x++) {
 		const float told = chi[x] < 12 ? chi[x] : 12;
-		const float rate_here = (whose[x] == WHOSE_PLACE) & known[x] ? rate : 0;
+		const bool teaches = known[x] && (whose[x] == WHOSE_PLACE ||
+						  (whose[x] == WHOSE_SHADOW &&
+						   still_ms[x] > STABLE_MS));
+		const float rate_here = teaches ? rate : 0;
 		const float is = spread[x] * (1 + rate_here * (told * (1 / 3.0f) - 1));
 		const float least = is > SPREAD_LEAST ? is : SPREAD_LEAST;
 

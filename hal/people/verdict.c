@@ -4,10 +4,9 @@
  *
  * - by the place, as well as its deviation chi^2 = sum over the channels of
  *   (seen - expected)^2 / s^2 is small, with s^2 of place.c;
- * - by the place in other light, as well as one ratio in each channel, r = sum(seen expected) /
- *   sum(expected^2), explains those cells around it that are about as much darker or lighter as it
- *   is: texture is kept in a shadow, and not under cloth. At a shadow's rim these are the cells on
- *   its own side;
+ * - by the place in other light, as well as seen / expected has an even slope over those cells
+ *   around it that are about as much darker or lighter as it is: texture is kept in a shadow, and
+ *   not under cloth. At a shadow's rim these are the cells on its own side;
  * - by a person at a fixed price, as he may have any colour.
  *
  * The better of the first two against the third is the cell's evidence, -1..1. A person is
@@ -22,15 +21,15 @@
 #define DIFFERS 12.0f /* chi-square of three channels: 0.7 % of empty cells are above */
 #define PRICE 20.0f   /* of a person, in units of chi-square */
 #define SHADOW 6.0f   /* price of other light */
-#define SHADOW_STEEP 12.0f
+#define SHADOW_STEEP 8.0f
 #define STEEP 0.06f  /* evidence per chi-square */
 #define AROUND 2     /* cells on each side that tell of other light */
-#define ALIKE 0.12f  /* of its ratio, by which a cell around may differ and is asked */
+#define ALIKE 0.3f   /* of its ratio, by which a cell around may differ and is asked */
+#define FLAT 2.0f    /* cells on a line tell no slope beside it */
 #define MOST 0.35f   /* of those around that must be alike */
-#define DARKEST 0.2f /* ratio of a shadow's core, and of light that came on */
-#define BRIGHTEST 1.5f
+#define BRIGHTEST 1.5f   /* ratio of light that came on */
 #define SAME_COLOUR 1.6f /* ratio of two channels' ratios */
-#define UNEVEN 0.04f	 /* of its light, by which the ratio may vary among those asked */
+#define UNEVEN 0.08f	 /* of its light, by which a shadow may be off its slope */
 #define NEIGHBOUR 0.3f	 /* weight of each of the four opinions beside */
 #define MEMORY 0.3f	 /* and of the frame before */
 #define SHARP 1.6f
@@ -90,11 +89,6 @@ static void mark_span(struct people *p, const struct span *span)
 
 /* ---- other light ---- */
 
-struct alike {
-	float ss[3], sp[3], pp[3]; /* sums of seen^2, seen expected, expected^2, over s^2 */
-	int asked, count;
-};
-
 static float weight_at(const struct people *p, int c, int at)
 {
 	const float place = p->place.expected[c][at];
@@ -103,43 +97,104 @@ static float weight_at(const struct people *p, int c, int at)
 		    p->place.model_variance * place * place);
 }
 
-static float luminance(float *const plane[3], int at)
+/* seen / expected around a cell, summed over the channels: an even slope by least squares over
+ * those cells that are about as bright as it is. */
+struct slope {
+	int asked, count;
+	float middle, across, down; /* of the ratio */
+	uint32_t alike;		    /* bit of each cell that is */
+};
+
+static float ratio_at(const struct people *p, int at)
 {
-	return plane[0][at] + plane[1][at] + plane[2][at];
+	const float *const *seen = (const float *const *)p->cells.seen;
+	const float *const *place = (const float *const *)p->place.expected;
+
+	return (seen[0][at] + seen[1][at] + seen[2][at]) /
+	       (place[0][at] + place[1][at] + place[2][at] + 1);
 }
 
-static void add_alike(const struct people *p, int at, struct alike *sums)
-{
-	for (int c = 0; c < 3; c++) {
-		const float w = weight_at(p, c, at);
-		const float seen = p->cells.seen[c][at], place = p->place.expected[c][at];
+/* Sums of a least-squares fit of a plane. */
+struct plane_sums {
+	float n, x, y, xx, xy, yy, r, rx, ry;
+};
 
-		sums->ss[c] += w * seen * seen;
-		sums->sp[c] += w * seen * place;
-		sums->pp[c] += w * place * place;
+static void fit_slope(struct slope *slope, const struct plane_sums *sums)
+{
+	const float n = sums->n, mx = sums->x / n, my = sums->y / n, mr = sums->r / n;
+	const float xx = sums->xx - n * mx * mx, yy = sums->yy - n * my * my;
+	const float xy = sums->xy - n * mx * my;
+	const float rx = sums->rx - n * mr * mx, ry = sums->ry - n * mr * my;
+	const float whole = xx * yy - xy * xy;
+
+	if (whole > FLAT) {
+		slope->across = (rx * yy - ry * xy) / whole;
+		slope->down = (ry * xx - rx * xy) / whole;
 	}
-	sums->count++;
+	slope->middle = mr - slope->across * mx - slope->down * my;
 }
 
-static struct alike sum_alike(const struct people *p, int x, int y)
+static struct slope slope_around(const struct people *p, int x, int y)
 {
-	const int across = p->cells.across, at = y * across + x;
-	const float seen = luminance(p->cells.seen, at), place = luminance(p->place.expected, at);
-	struct alike sums = {.count = 0};
+	const float own = ratio_at(p, y * p->cells.across + x);
+	struct slope slope = {.middle = own};
+	struct plane_sums sums = {.n = 0};
+	uint32_t bit = 1;
 
-	for (int v = y - AROUND; v <= y + AROUND; v++)
-		for (int u = x - AROUND; u <= x + AROUND; u++) {
-			const int there = v * across + u;
-			float s, b;
+	for (int v = -AROUND; v <= AROUND; v++)
+		for (int u = -AROUND; u <= AROUND; u++, bit <<= 1) {
+			const int there = (y + v) * p->cells.across + x + u;
+			float ratio;
 
-			if (v < 0 || u < 0 || v >= p->cells.down || u >= across ||
-			    !p->cells.watch[there] || !p->place.known[there])
+			if (y + v < 0 || x + u < 0 || y + v >= p->cells.down ||
+			    x + u >= p->cells.across || !p->cells.watch[there] ||
+			    !p->place.known[there])
 				continue;
-			s = luminance(p->cells.seen, there) * place;
-			b = luminance(p->place.expected, there) * seen;
-			sums.asked++;
-			if (fabsf(s - b) <= ALIKE * b)
-				add_alike(p, there, &sums);
+			slope.asked++;
+			ratio = ratio_at(p, there);
+			if (fabsf(ratio - own) > ALIKE * own)
+				continue;
+			slope.alike |= bit;
+			slope.count++;
+			sums.n++;
+			sums.x += (float)u;
+			sums.y += (float)v;
+			sums.xx += (float)(u * u);
+			sums.xy += (float)(u * v);
+			sums.yy += (float)(v * v);
+			sums.r += ratio;
+			sums.rx += ratio * (float)u;
+			sums.ry += ratio * (float)v;
+		}
+	if (slope.count > 0)
+		fit_slope(&slope, &sums);
+	return slope;
+}
+
+/* In one channel, over the cells that are alike: s = seen, b = expected times the slope. */
+struct alike {
+	float ss, sb, bb; /* over s^2 of the place */
+};
+
+static struct alike sum_alike(const struct people *p, int x, int y, int c, const struct slope *slope)
+{
+	struct alike sums = {0, 0, 0};
+	uint32_t bit = 1;
+
+	for (int v = -AROUND; v <= AROUND; v++)
+		for (int u = -AROUND; u <= AROUND; u++, bit <<= 1) {
+			const int at = (y + v) * p->cells.across + x + u;
+			float seen, lit, w;
+
+			if (!(slope->alike & bit))
+				continue;
+			w = weight_at(p, c, at);
+			seen = p->cells.seen[c][at];
+			lit = p->place.expected[c][at] *
+			      (slope->middle + slope->across * (float)u + slope->down * (float)v);
+			sums.ss += w * seen * seen;
+			sums.sb += w * seen * lit;
+			sums.bb += w * lit * lit;
 		}
 	return sums;
 }
@@ -149,26 +204,27 @@ static struct alike sum_alike(const struct people *p, int x, int y)
 static float other_light(const struct people *p, int x, int y)
 {
 	const int at = y * p->cells.across + x;
-	const struct alike sums = sum_alike(p, x, y);
+	const struct slope slope = slope_around(p, x, y);
 	float left = 0, own = 0, room = 0, low = INFINITY, high = 0, excess;
 
-	if ((float)sums.count < MOST * (float)sums.asked)
+	if ((float)slope.count < MOST * (float)slope.asked)
 		return INFINITY;
 	for (int c = 0; c < 3; c++) {
-		const float ratio = sums.sp[c] / sums.pp[c];
+		const struct alike sums = sum_alike(p, x, y, c, &slope);
+		const float colour = sums.sb / sums.bb, ratio = colour * slope.middle;
 		const float off = p->cells.seen[c][at] - ratio * p->place.expected[c][at];
 
-		left += sums.ss[c] - ratio * sums.sp[c];
-		room += UNEVEN * UNEVEN * ratio * ratio * sums.pp[c];
+		left += sums.ss - colour * sums.sb;
+		room += UNEVEN * UNEVEN * sums.ss;
 		own += weight_at(p, c, at) * off * off;
 		low = ratio < low ? ratio : low;
 		high = ratio > high ? ratio : high;
 	}
-	if (low < DARKEST || high > BRIGHTEST || high > SAME_COLOUR * low)
+	if (!(low >= p->place.darkest && high <= BRIGHTEST && high <= SAME_COLOUR * low))
 		return INFINITY;
-	/* Each cell that was asked leaves 3 of it to noise, but for the 3 that the ratios took. */
-	excess = left / (room + 3.0f * (float)(sums.count > 1 ? sums.count - 1 : 1)) - 1;
-	own = own / (1 + room / (3 * (float)sums.count));
+	/* Each cell that was asked leaves 3 of it to noise, but for what the fit took. */
+	excess = left / (room + 3.0f * (float)(slope.count > 2 ? slope.count - 2 : 1)) - 1;
+	own = own / (1 + room / (3 * (float)slope.count));
 	return SHADOW + fmaxf(SHADOW_STEEP * fmaxf(excess, 0), own);
 }
 
