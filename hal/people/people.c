@@ -57,6 +57,7 @@ static void divide_planes(struct people *p, struct block *block)
 	p->place.spread = take_plane(block, cells);
 	p->verdict.chi = take_plane(block, cells);
 	p->verdict.evidence = take_plane(block, cells);
+	p->verdict.last = take_plane(block, cells);
 	p->verdict.opinion = take_plane(block, cells);
 	p->verdict.revised = take_plane(block, cells);
 }

@@ -96,6 +96,7 @@ enum whose {
 struct verdict {
 	float *chi;		  /* deviation from the place, squared, in standard deviations */
 	float *evidence;	  /* for a person, -1..1 */
+	float *last; /* the opinion of the frame before */
 	float *opinion, *revised; /* the same with the neighbours' weighed in; padded with -1 */
 	uint8_t *of;		  /* enum whose */
 	uint8_t *before;
@@ -244,6 +245,9 @@ void hidden_follow(struct people *people);
 
 /* ---- verdict.c ---- */
 
+#define VERDICT_CLUES 16
+extern float verdict_weight[VERDICT_CLUES];
+void verdict_clues(const struct people *people, int x, int y, float clue[VERDICT_CLUES]);
 void verdict_judge(struct people *people);
 
 /* ---- groups.c ---- */

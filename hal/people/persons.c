@@ -155,6 +155,12 @@ static bool stands_on(const struct people *p, const struct group *g, const struc
 	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom);
 }
 
+static bool is_watched(const struct people *p, int x, int y)
+{
+	return x >= 0 && y >= 0 && x < p->cells.across && y < p->cells.down &&
+	       p->cells.watch[y * p->cells.across + x];
+}
+
 static void join_groups(struct people *p, int upper, int lower)
 {
 	struct group *g = &p->crowd.groups[upper], *feet = &p->crowd.groups[lower];
@@ -165,7 +171,8 @@ static void join_groups(struct people *p, int upper, int lower)
 
 			*label = *label == upper ? lower : *label;
 		}
-	feet->top = g->top;
+	feet->top = g->top < feet->top ? g->top : feet->top;
+	feet->bottom = g->bottom > feet->bottom ? g->bottom : feet->bottom;
 	feet->left = g->left < feet->left ? g->left : feet->left;
 	feet->right = g->right > feet->right ? g->right : feet->right;
 	feet->cells += g->cells;
@@ -189,12 +196,6 @@ static void join_bodies(struct people *p)
 }
 
 /* ---- on the ground ---- */
-
-static bool is_watched(const struct people *p, int x, int y)
-{
-	return x >= 0 && y >= 0 && x < p->cells.across && y < p->cells.down &&
-	       p->cells.watch[y * p->cells.across + x];
-}
 
 /* Where a body stands: by its lower end, or by its head where that tells more. */
 struct stand {
@@ -294,7 +295,7 @@ static void begin_persons(struct people *p, int group, const struct box *in)
 {
 	const struct body body = measure(p, group, in);
 	const float wide = (float)(body.right + 1 - body.left) / usual_width(p, &body);
-	const int count = wide < 1.6f ? 1 : wide > 8 ? 8 : (int)(wide + 0.5f);
+	const int count = wide < 2 ? 1 : wide > 8 ? 8 : (int)(wide + 0.5f);
 
 	for (int n = 0; n < count && body.right >= body.left; n++) {
 		const struct box columns = {
@@ -378,6 +379,15 @@ static bool is_somebody(const struct people *p, const struct body *body, float w
 	       (float)body->cells > PART * PART * usual * high;
 }
 
+/* How far from his middle a person's hands and feet reach, in a wide step, too. */
+static float reach_of(const struct people *p, const struct person *who)
+{
+	const struct body body = {(int)(who->x - who->half), (int)(who->x + who->half),
+				  (int)who->top, (int)who->foot - 1, 0};
+
+	return fmaxf(1.4f * who->half, 0.8f * usual_width(p, &body));
+}
+
 /* What of a group is beyond all its persons, left, right or above, begins new ones. */
 static void begin_beside(struct people *p, int group)
 {
@@ -389,8 +399,8 @@ static void begin_beside(struct people *p, int group)
 		if (p->crowd.person[n].group == group) {
 			const struct person *who = &p->crowd.person[n];
 
-			left = fminf(left, who->x - 1.4f * who->half);
-			right = fmaxf(right, who->x + 1.4f * who->half);
+			left = fminf(left, who->x - reach_of(p, who));
+			right = fmaxf(right, who->x + reach_of(p, who));
 			top = fminf(top, who->top - STACKED * (who->foot - who->top));
 		}
 	beyond[0] = (struct box){g->left, (int)left - 1, g->top, g->bottom};

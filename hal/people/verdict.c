@@ -22,7 +22,7 @@
 #define PRICE 20.0f   /* of a person, in units of chi-square */
 #define SHADOW 6.0f   /* price of other light */
 #define SHADOW_STEEP 8.0f
-#define STEEP 0.06f  /* evidence per chi-square */
+#define STEEP 0.3f  /* evidence per chi-square */
 #define AROUND 2     /* cells on each side that tell of other light */
 #define ALIKE 0.3f   /* of its ratio, by which a cell around may differ and is asked */
 #define FLAT 2.0f    /* cells on a line tell no slope beside it */
@@ -34,6 +34,8 @@
 #define MEMORY 0.3f	 /* and of the frame before */
 #define SHARP 1.6f
 #define PASSES 6
+
+float verdict_weight[VERDICT_CLUES] = {-5.606f, 0.3728f, 0.8022f, 1.755f, 0.7283f, 7.125f, 1.794f, 7.932f, 0.359f, 0.468f, 0.8418f, 0.4727f, -1.156f, -0.3865f, 1.924f, -1.063f};
 
 /* ---- deviation ---- */
 
@@ -199,19 +201,64 @@ static struct alike sum_alike(const struct people *p, int x, int y, int c, const
 	return sums;
 }
 
-/* What a cell deviates from the place in other light, in units of chi-square, with the price of
- * it; INFINITY: it cannot be. */
-static float other_light(const struct people *p, int x, int y)
+static float clamp_one(float x)
+{
+	const float least = x > -1 ? x : -1; /* in two steps, as processors do it */
+
+	return least < 1 ? least : 1;
+}
+
+/* How the brightness of all known cells around follows that of the place: sums over them. */
+struct texture {
+	float n, s, b, ss, sb, bb;
+};
+
+static struct texture texture_around(const struct people *p, int x, int y)
+{
+	struct texture sums = {.n = 0};
+
+	for (int v = y - AROUND; v <= y + AROUND; v++)
+		for (int u = x - AROUND; u <= x + AROUND; u++) {
+			const int at = v * p->cells.across + u;
+			float s, b;
+
+			if (v < 0 || u < 0 || v >= p->cells.down || u >= p->cells.across ||
+			    !p->cells.watch[at] || !p->place.known[at])
+				continue;
+			s = p->cells.seen[0][at] + p->cells.seen[1][at] + p->cells.seen[2][at];
+			b = p->place.expected[0][at] + p->place.expected[1][at] +
+			    p->place.expected[2][at];
+			sums.n++;
+			sums.s += s;
+			sums.b += b;
+			sums.ss += s * s;
+			sums.sb += s * b;
+			sums.bb += b * b;
+		}
+	return sums;
+}
+
+static float log_of(float x)
+{
+	return logf(1 + fmaxf(x, 0));
+}
+
+void verdict_clues(const struct people *p, int x, int y, float clue[VERDICT_CLUES])
 {
 	const int at = y * p->cells.across + x;
 	const struct slope slope = slope_around(p, x, y);
-	float left = 0, own = 0, room = 0, low = INFINITY, high = 0, excess;
+	const struct texture t = texture_around(p, x, y);
+	const float mean_s = t.s / t.n, mean_b = t.b / t.n, ratio_all = mean_s / (mean_b + 1);
+	const float var_b = fmaxf(t.bb / t.n - mean_b * mean_b, 0);
+	const float var_s = fmaxf(t.ss / t.n - mean_s * mean_s, 0);
+	const float cov = t.sb / t.n - mean_s * mean_b;
+	const float noise = 3 * (p->place.spread[at] * cells_variance(&p->cells, 1, mean_b / 3) +
+				 p->place.model_variance * mean_b * mean_b / 9);
+	float left = 0, own = 0, room = 0, low = INFINITY, high = 0;
 
-	if ((float)slope.count < MOST * (float)slope.asked)
-		return INFINITY;
 	for (int c = 0; c < 3; c++) {
 		const struct alike sums = sum_alike(p, x, y, c, &slope);
-		const float colour = sums.sb / sums.bb, ratio = colour * slope.middle;
+		const float colour = sums.sb / (sums.bb + 1e-6f), ratio = colour * slope.middle;
 		const float off = p->cells.seen[c][at] - ratio * p->place.expected[c][at];
 
 		left += sums.ss - colour * sums.sb;
@@ -220,33 +267,38 @@ static float other_light(const struct people *p, int x, int y)
 		low = ratio < low ? ratio : low;
 		high = ratio > high ? ratio : high;
 	}
-	if (!(low >= p->place.darkest && high <= BRIGHTEST && high <= SAME_COLOUR * low))
-		return INFINITY;
-	/* Each cell that was asked leaves 3 of it to noise, but for what the fit took. */
-	excess = left / (room + 3.0f * (float)(slope.count > 2 ? slope.count - 2 : 1)) - 1;
-	own = own / (1 + room / (3 * (float)slope.count));
-	return SHADOW + fmaxf(SHADOW_STEEP * fmaxf(excess, 0), own);
+	clue[0] = 1;
+	clue[1] = logf(p->verdict.chi[at] / DIFFERS);
+	clue[2] = (float)slope.count / (float)slope.asked;
+	clue[3] = log_of(left / (room + 3.0f * (float)(slope.count > 2 ? slope.count - 2 : 1)) - 1);
+	clue[4] = log_of(own / (1 + room / (3 * (float)slope.count)));
+	clue[5] = fmaxf(logf(p->place.darkest / fmaxf(slope.middle, 0.01f)), 0);
+	clue[6] = fmaxf(logf(fmaxf(slope.middle, 0.01f)), 0);
+	clue[7] = logf((high + 0.01f) / (fmaxf(low, 0) + 0.01f));
+	clue[8] = log_of(var_b / noise) *
+		  clamp_one(1 - cov / (ratio_all * var_b + noise + 1));
+	clue[9] = log_of((var_s - cov * cov / (var_b + 1)) / noise);
+	clue[10] = log_of(10 * (fabsf(slope.across) + fabsf(slope.down)) / slope.middle);
+	clue[11] = p->cells.still_ms[at] > 0 ? p->verdict.last[at] : 0;
+	clue[12] = p->cells.still_ms[at] > 0;
+	clue[13] = log_of(var_b / noise);
+	clue[14] = fabsf(logf(fmaxf(slope.middle, 0.01f)));
+	clue[15] = clue[3] * clue[3];
 }
 
 /* ---- evidence and opinion ---- */
 
-static float clamp_one(float x)
-{
-	const float least = x > -1 ? x : -1; /* in two steps, as processors do it */
-
-	return least < 1 ? least : 1;
-}
-
 static float evidence_of(const struct people *p, int x, int y)
 {
 	const int at = y * p->cells.across + x;
-	float chi = p->verdict.chi[at];
+	float clue[VERDICT_CLUES], sum = 0;
 
-	if (!p->place.known[at])
+	if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
 		return -1;
-	if (p->verdict.of[at] == WHOSE_SHADOW && chi > SHADOW)
-		chi = fminf(chi, other_light(p, x, y));
-	return clamp_one((chi - PRICE) * STEEP);
+	verdict_clues(p, x, y, clue);
+	for (int n = 0; n < VERDICT_CLUES; n++)
+		sum += clue[n] * verdict_weight[n];
+	return clamp_one(sum * STEEP);
 }
 
 /* Calls for each stretch of watched cells in a box, row by row. */
@@ -267,11 +319,8 @@ static void gather_evidence(struct people *p, int y, int x, int end)
 {
 	for (; x < end; x++) {
 		const int at = y * p->cells.across + x;
-		float evidence = evidence_of(p, x, y);
 
-		if (p->cells.still_ms[at] > 0)
-			evidence += MEMORY * p->verdict.opinion[at];
-		p->verdict.evidence[at] = evidence;
+		p->verdict.evidence[at] = evidence_of(p, x, y);
 	}
 }
 
@@ -312,6 +361,7 @@ static void decide(struct people *p, int y, int x, int end)
 
 static void form_opinions(struct people *p, const struct box *box)
 {
+	memcpy(p->verdict.last, p->verdict.opinion, (size_t)p->cells.count * sizeof(float));
 	walk_box(p, box, gather_evidence);
 	for (int at = 0; at < p->cells.count; at++)
 		p->verdict.opinion[at] = p->verdict.revised[at] = -1;
