@@ -142,47 +142,52 @@ void cells_follow_noise(struct people *p, const struct picture *picture)
 	}
 }
 
-/* Whether a cell shows what it showed, by the noise of both. */
-static bool is_same(const struct people *p, int at)
+/* The cells of a span against what they showed: chi-square by the noise of both. */
+static void span_changes(const struct people *p, const struct span *span, float *restrict chi)
 {
-	float chi = 0;
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float model = STEADY * STEADY + p->place.model_variance;
 
+	memset(chi, 0, (size_t)count * sizeof(*chi));
 	for (int c = 0; c < 3; c++) {
 		const float unit = p->place.gain[c] * p->place.light[c][0];
-		const float was = p->cells.recent[c][at] * unit, seen = p->cells.seen[c][at];
-		const float variance = cells_variance(&p->cells, c, was) +
-				       (STEADY * STEADY + p->place.model_variance) * was * was;
+		const float still = p->cells.still[c], shot = p->cells.shot[c];
+		const float *restrict seen = p->cells.seen[c] + at;
+		const float *restrict recent = p->cells.recent[c] + at;
 
-		chi += (seen - was) * (seen - was) / variance;
+		for (int x = 0; x < count; x++) {
+			const float was = recent[x] * unit, off = seen[x] - was;
+
+			chi[x] += off * off / (still + shot * was + model * was * was);
+		}
 	}
-	return chi <= CHANGED;
-}
-
-static void follow_cell(struct people *p, int at, const float per_unit[3])
-{
-	const bool same = is_same(p, at);
-	const int ms = same ? p->cells.still_ms[at] + (int)p->step_ms : 0;
-
-	for (int c = 0; c < 3; c++) {
-		const float now = p->cells.seen[c][at] * per_unit[c];
-		float *recent = &p->cells.recent[c][at];
-
-		*recent = same ? *recent + (now - *recent) * RECENT : now;
-	}
-	p->cells.still_ms[at] = (uint16_t)(ms < STILL_MOST ? ms : STILL_MOST);
 }
 
 void cells_follow_stillness(struct people *p)
 {
-	float per_unit[3];
-
-	for (int c = 0; c < 3; c++)
-		per_unit[c] = 1 / (p->place.gain[c] * p->place.light[c][0]);
 	for (int s = 0; s < p->cells.span_count; s++) {
 		const struct span *span = &p->cells.spans[s];
-		const int at = span->y * p->cells.across + span->x;
+		const int at = span->y * p->cells.across + span->x, count = span->count;
+		uint16_t *restrict still_ms = p->cells.still_ms + at;
+		float *chi = p->verdict.chi + at; /* which is made anew after this */
 
-		for (int x = 0; x < span->count; x++)
-			follow_cell(p, at + x, per_unit);
+		span_changes(p, span, chi);
+		for (int c = 0; c < 3; c++) {
+			const float per_unit = 1 / (p->place.gain[c] * p->place.light[c][0]);
+			const float *restrict seen = p->cells.seen[c] + at;
+			float *restrict recent = p->cells.recent[c] + at;
+
+			for (int x = 0; x < count; x++) {
+				const float share = chi[x] <= CHANGED ? RECENT : 1;
+
+				recent[x] += share * (seen[x] * per_unit - recent[x]);
+			}
+		}
+		for (int x = 0; x < count; x++) {
+			const int ms = still_ms[x] + (int)p->step_ms;
+
+			still_ms[x] = (uint16_t)(chi[x] <= CHANGED ? ms < STILL_MOST ? ms : STILL_MOST
+								   : 0);
+		}
 	}
 }

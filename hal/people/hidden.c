@@ -70,10 +70,10 @@ static void follow_cell(struct people *p, int at, const struct ratios *sum)
 {
 	const float rate = p->place.jumped ? 1 : place_light_rate(p);
 
-	if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
+	if (!p->place.known[at] || (p->verdict.of[at] == WHOSE_PLACE && !p->place.jumped))
 		return;
 	for (int c = 0; c < 3; c++)
-		if (rate_of(p, c, at) == 0)
+		if (p->place.jumped || rate_of(p, c, at) == 0)
 			place_drift(p, c, at, 1 + rate * (sum->sum[c] / (float)sum->count - 1));
 }
 
@@ -85,7 +85,7 @@ static bool hides(const struct people *p, int tx, int ty)
 		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x++)
 			if (p->verdict.of[y * p->cells.across + x] != WHOSE_PLACE)
 				return true;
-	return false;
+	return p->place.jumped;
 }
 
 static void follow_tile(struct people *p, int tx, int ty)

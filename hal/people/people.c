@@ -51,10 +51,13 @@ static void divide_planes(struct people *p, struct block *block)
 		p->place.expected[c] = take_plane(block, cells);
 		p->place.lit[c] = take_plane(block, cells);
 		p->place.drift[c] = take_plane(block, cells);
+		p->verdict.weight[c] = take_plane(block, cells);
 		for (int k = 0; k < PLACE_TERMS; k++)
 			p->place.coefficient[c][k] = take_plane(block, cells);
 	}
 	p->place.spread = take_plane(block, cells);
+	p->verdict.bright = take_plane(block, cells);
+	p->verdict.lit = take_plane(block, cells);
 	p->verdict.chi = take_plane(block, cells);
 	p->verdict.evidence = take_plane(block, cells);
 	p->verdict.last = take_plane(block, cells);

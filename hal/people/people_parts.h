@@ -95,6 +95,8 @@ enum whose {
 
 struct verdict {
 	float *chi;		  /* deviation from the place, squared, in standard deviations */
+	float *weight[3];	  /* 1 / s^2 */
+	float *bright, *lit;	  /* seen, expected: sums of the channels */
 	float *evidence;	  /* for a person, -1..1 */
 	float *last; /* the opinion of the frame before */
 	float *opinion, *revised; /* the same with the neighbours' weighed in; padded with -1 */

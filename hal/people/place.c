@@ -23,7 +23,7 @@
 #include "hal/people/people_parts.h"
 
 #define STABLE_MS 2000	  /* a cell that has not changed for so long is known */
-#define SHADOW_MS 5000	  /* a shadow that lies still for so long is the place's */
+#define SHADOW_MS 3000.0  /* in which a cell follows a shadow */
 #define FORGETTING 0.999  /* at each lesson of a band, about once a second */
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
@@ -326,7 +326,7 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 		const float room = LESSON_SHARE * learned, is = seen[x] * shared - learned;
 		const bool teaches = known[x] && seen[x] <= CLIPPED * WHITE &&
 				     (whose[x] == WHOSE_PLACE ||
-				      (whose[x] == WHOSE_SHADOW && still_ms[x] > SHADOW_MS));
+				      (whose[x] == WHOSE_SHADOW && still_ms[x] > STABLE_MS));
 		const float most = is > room ? room : is < -room ? -room : is;
 
 		off[x] = teaches ? most * per_gain : 0;
@@ -358,21 +358,51 @@ float place_rate(const struct people *p, int at, bool darker)
 
 	if (!p->place.known[at] || whose == WHOSE_PERSON)
 		return 0;
-	if (whose == WHOSE_SHADOW && p->cells.still_ms[at] < (darker ? SHADOW_MS : STABLE_MS))
-		return 0;
-	return p->place.jumped && whose == WHOSE_PLACE ? 1 : place_light_rate(p);
+	/* A person's shadow goes with him: what is darker is followed slowly, and what was taken for
+	 * the place in it comes back at once. */
+	if (whose == WHOSE_SHADOW && darker)
+		return (float)(p->step_ms / (p->step_ms + SHADOW_MS));
+	return place_light_rate(p);
 }
 
-static void drift_cell(struct people *p, int at, int c, float leak)
+/* The rates of a span's cells where they are lighter than the place and where they are darker. */
+static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
+		       float *restrict darker)
 {
-	const float seen = p->cells.seen[c][at] * p->place.shared[c];
-	const float expected = p->place.expected[c][at];
-	float *drift = &p->place.drift[c][at];
+	const int at = span->y * p->cells.across + span->x;
 
-	if (expected < DIM * WHITE || seen > CLIPPED * WHITE)
-		return;
-	place_drift(p, c, at, 1 + place_rate(p, at, seen < expected) * (fminf(seen / expected, 2) - 1));
-	*drift += (1 - *drift) * leak;
+	for (int x = 0; x < span->count; x++) {
+		lighter[x] = place_rate(p, at + x, false);
+		darker[x] = place_rate(p, at + x, true);
+	}
+}
+
+static void drift_span(struct people *p, const struct span *span, float leak)
+{
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float *restrict lighter = p->verdict.evidence + at, *restrict darker =
+		p->verdict.revised + at;
+
+	span_rates(p, span, p->verdict.evidence + at, p->verdict.revised + at);
+	for (int c = 0; c < 3; c++) {
+		const float *restrict all = p->cells.seen[c] + at;
+		const float *restrict expected = p->place.expected[c] + at;
+		const float shared = p->place.shared[c];
+		float *restrict drift = p->place.drift[c] + at;
+
+		for (int x = 0; x < count; x++) {
+			const float place = expected[x], ratio = all[x] * shared / (place + 1);
+			const float most = ratio < 2 ? ratio : 2;
+			const float in_light = lighter[x], in_shade = darker[x];
+			const float told = ratio < 1 ? in_shade : in_light;
+			const float rate = place < DIM * WHITE || all[x] > CLIPPED * WHITE ? 0 : told;
+			float is = drift[x] * (1 + rate * (most - 1));
+
+			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
+			is = is < DRIFT_MOST ? is : DRIFT_MOST;
+			drift[x] = is + (1 - is) * leak;
+		}
+	}
 }
 
 void place_drift(struct people *p, int c, int at, float factor)
@@ -436,12 +466,11 @@ void place_learn(struct people *p)
 		if (span->y % PLACE_BANDS == band && !p->place.learn_now)
 			teach_span(p, span, step);
 		spread_span(p, span);
-		for (int x = 0; x < span->count; x++) {
-			for (int c = 0; c < 3; c++)
-				drift_cell(p, at + x, c, leak);
+		if (!p->place.jumped)
+			drift_span(p, span, leak);
+		for (int x = 0; x < span->count && (p->place.learn_now || p->place.unknown); x++)
 			if (p->place.learn_now || !p->place.known[at + x])
 				learn_cell(p, at + x);
-		}
 	}
 	p->place.learn_now = false;
 }

@@ -19,44 +19,47 @@
 #include "hal/people/people_parts.h"
 
 #define DIFFERS 12.0f /* chi-square of three channels: 0.7 % of empty cells are above */
-#define PRICE 20.0f   /* of a person, in units of chi-square */
-#define SHADOW 6.0f   /* price of other light */
-#define SHADOW_STEEP 8.0f
-#define STEEP 0.3f  /* evidence per chi-square */
-#define AROUND 2     /* cells on each side that tell of other light */
-#define ALIKE 0.3f   /* of its ratio, by which a cell around may differ and is asked */
-#define FLAT 2.0f    /* cells on a line tell no slope beside it */
-#define MOST 0.35f   /* of those around that must be alike */
-#define BRIGHTEST 1.5f   /* ratio of light that came on */
-#define SAME_COLOUR 1.6f /* ratio of two channels' ratios */
-#define UNEVEN 0.08f	 /* of its light, by which a shadow may be off its slope */
-#define NEIGHBOUR 0.3f	 /* weight of each of the four opinions beside */
-#define MEMORY 0.3f	 /* and of the frame before */
+#define AROUND 2      /* cells on each side that tell of other light */
+#define WINDOW 25     /* (2 AROUND + 1)^2 */
+#define ALIKE 0.3f    /* of its ratio, by which a cell around may differ and is asked */
+#define FLAT 2.0f     /* cells on a line tell no slope beside it */
+#define UNEVEN 0.08f  /* of its light, by which a shadow may be off its slope */
+#define STEEP 0.3f    /* evidence per logit */
+#define NEIGHBOUR 0.3f /* weight of each of the four opinions beside */
 #define SHARP 1.6f
 #define PASSES 6
+#define CHANGED_SHARE 0.3f
 
-float verdict_weight[VERDICT_CLUES] = {-5.606f, 0.3728f, 0.8022f, 1.755f, 0.7283f, 7.125f, 1.794f, 7.932f, 0.359f, 0.468f, 0.8418f, 0.4727f, -1.156f, -0.3865f, 1.924f, -1.063f};
+float verdict_weight[VERDICT_CLUES] = {-6.352f, -0.2619f, 1.668f, 0.73f, 3.945f, -0.2377f, 0.3304f, 0.4384f, 5.345f, 6.577f, 3.271f, -1.655f, 0.1011f, 1.36f, 2.18f, -0.8221f};
 
 /* ---- deviation ---- */
 
+/* Also prepares what other cells will ask about these: weights, and brightness. */
 static void span_deviations(struct people *p, const struct span *span)
 {
 	const int at = span->y * p->cells.across + span->x, count = span->count;
 	const float *restrict spread = p->place.spread + at;
 	float *restrict chi = p->verdict.chi + at;
+	float *restrict bright = p->verdict.bright + at, *restrict lit = p->verdict.lit + at;
 
 	memset(chi, 0, (size_t)count * sizeof(*chi));
+	memset(bright, 0, (size_t)count * sizeof(*bright));
+	memset(lit, 0, (size_t)count * sizeof(*lit));
 	for (int c = 0; c < 3; c++) {
 		const float *restrict expected = p->place.expected[c] + at;
 		const float *restrict seen = p->cells.seen[c] + at;
 		const float still = p->cells.still[c], shot = p->cells.shot[c];
 		const float model = p->place.model_variance;
+		float *restrict weight = p->verdict.weight[c] + at;
 
 		for (int x = 0; x < count; x++) {
 			const float place = expected[x], off = seen[x] - place;
+			const float w = 1 / (spread[x] * (still + shot * place) + model * place * place);
 
-			chi[x] += off * off /
-				  (spread[x] * (still + shot * place) + model * place * place);
+			weight[x] = w;
+			chi[x] += off * off * w;
+			bright[x] += seen[x];
+			lit[x] += place;
 		}
 	}
 }
@@ -89,116 +92,133 @@ static void mark_span(struct people *p, const struct span *span)
 		grow_box(&p->verdict.differing, span->x + first, span->x + last, span->y);
 }
 
-/* ---- other light ---- */
+/* ---- clues ---- */
 
-static float weight_at(const struct people *p, int c, int at)
-{
-	const float place = p->place.expected[c][at];
-
-	return 1 / (p->place.spread[at] * cells_variance(&p->cells, c, place) +
-		    p->place.model_variance * place * place);
-}
-
-/* seen / expected around a cell, summed over the channels: an even slope by least squares over
- * those cells that are about as bright as it is. */
-struct slope {
-	int asked, count;
-	float middle, across, down; /* of the ratio */
-	uint32_t alike;		    /* bit of each cell that is */
+/* The known cells around one, and of them those that are about as bright against the place. */
+struct window {
+	int known, alike;
+	int at[WINDOW]; /* of those that are alike */
+	float across[WINDOW], down[WINDOW];
+	float middle, slope_across, slope_down; /* of seen / place, by least squares over these */
+	/* Moments of seen and place, over all known ones. */
+	float mean_seen, mean_place, seen2, seen_place, place2;
 };
-
-static float ratio_at(const struct people *p, int at)
-{
-	const float *const *seen = (const float *const *)p->cells.seen;
-	const float *const *place = (const float *const *)p->place.expected;
-
-	return (seen[0][at] + seen[1][at] + seen[2][at]) /
-	       (place[0][at] + place[1][at] + place[2][at] + 1);
-}
 
 /* Sums of a least-squares fit of a plane. */
 struct plane_sums {
-	float n, x, y, xx, xy, yy, r, rx, ry;
+	float x, y, xx, xy, yy, r, rx, ry;
 };
 
-static void fit_slope(struct slope *slope, const struct plane_sums *sums)
+static void fit_slope(struct window *w, const struct plane_sums *sums)
 {
-	const float n = sums->n, mx = sums->x / n, my = sums->y / n, mr = sums->r / n;
+	const float n = (float)w->alike, mx = sums->x / n, my = sums->y / n, mr = sums->r / n;
 	const float xx = sums->xx - n * mx * mx, yy = sums->yy - n * my * my;
 	const float xy = sums->xy - n * mx * my;
 	const float rx = sums->rx - n * mr * mx, ry = sums->ry - n * mr * my;
 	const float whole = xx * yy - xy * xy;
 
 	if (whole > FLAT) {
-		slope->across = (rx * yy - ry * xy) / whole;
-		slope->down = (ry * xx - rx * xy) / whole;
+		w->slope_across = (rx * yy - ry * xy) / whole;
+		w->slope_down = (ry * xx - rx * xy) / whole;
 	}
-	slope->middle = mr - slope->across * mx - slope->down * my;
+	w->middle = mr - w->slope_across * mx - w->slope_down * my;
+	w->middle = w->middle > 0.01f ? w->middle : 0.01f;
 }
 
-static struct slope slope_around(const struct people *p, int x, int y)
+static void add_to_window(struct window *w, struct plane_sums *sums, const struct people *p, int at,
+			  float u, float v, float own)
 {
-	const float own = ratio_at(p, y * p->cells.across + x);
-	struct slope slope = {.middle = own};
-	struct plane_sums sums = {.n = 0};
-	uint32_t bit = 1;
+	const float seen = p->verdict.bright[at], place = p->verdict.lit[at];
+	const float ratio = seen / (place + 1);
 
+	w->known++;
+	w->mean_seen += seen;
+	w->mean_place += place;
+	w->seen2 += seen * seen;
+	w->seen_place += seen * place;
+	w->place2 += place * place;
+	if (fabsf(ratio - own) > ALIKE * own)
+		return;
+	w->at[w->alike] = at;
+	w->across[w->alike] = u;
+	w->down[w->alike] = v;
+	w->alike++;
+	sums->x += u;
+	sums->y += v;
+	sums->xx += u * u;
+	sums->xy += u * v;
+	sums->yy += v * v;
+	sums->r += ratio;
+	sums->rx += ratio * u;
+	sums->ry += ratio * v;
+}
+
+static void look_around(const struct people *p, int x, int y, struct window *w)
+{
+	const int middle = y * p->cells.across + x;
+	const float own = p->verdict.bright[middle] / (p->verdict.lit[middle] + 1);
+	struct plane_sums sums = {0};
+	float n;
+
+	memset(w, 0, offsetof(struct window, at));
+	w->slope_across = w->slope_down = 0;
+	w->mean_seen = w->mean_place = w->seen2 = w->seen_place = w->place2 = 0;
 	for (int v = -AROUND; v <= AROUND; v++)
-		for (int u = -AROUND; u <= AROUND; u++, bit <<= 1) {
-			const int there = (y + v) * p->cells.across + x + u;
-			float ratio;
+		for (int u = -AROUND; u <= AROUND; u++) {
+			const int at = middle + v * p->cells.across + u;
 
 			if (y + v < 0 || x + u < 0 || y + v >= p->cells.down ||
-			    x + u >= p->cells.across || !p->cells.watch[there] ||
-			    !p->place.known[there])
+			    x + u >= p->cells.across || !p->cells.watch[at] || !p->place.known[at])
 				continue;
-			slope.asked++;
-			ratio = ratio_at(p, there);
-			if (fabsf(ratio - own) > ALIKE * own)
-				continue;
-			slope.alike |= bit;
-			slope.count++;
-			sums.n++;
-			sums.x += (float)u;
-			sums.y += (float)v;
-			sums.xx += (float)(u * u);
-			sums.xy += (float)(u * v);
-			sums.yy += (float)(v * v);
-			sums.r += ratio;
-			sums.rx += ratio * (float)u;
-			sums.ry += ratio * (float)v;
+			add_to_window(w, &sums, p, at, (float)u, (float)v, own);
 		}
-	if (slope.count > 0)
-		fit_slope(&slope, &sums);
-	return slope;
+	fit_slope(w, &sums);
+	n = (float)w->known;
+	w->mean_seen /= n;
+	w->mean_place /= n;
+	w->seen2 = w->seen2 / n - w->mean_seen * w->mean_seen;
+	w->seen_place = w->seen_place / n - w->mean_seen * w->mean_place;
+	w->place2 = w->place2 / n - w->mean_place * w->mean_place;
 }
 
-/* In one channel, over the cells that are alike: s = seen, b = expected times the slope. */
-struct alike {
-	float ss, sb, bb; /* over s^2 of the place */
+/* What the place in other light, of an even slope and one colour, leaves of what is seen. */
+struct residue {
+	float around, own; /* of the cells that are alike, of the cell: chi-square over its mean */
+	float colour;	   /* ratio of the two channels that changed most differently */
 };
 
-static struct alike sum_alike(const struct people *p, int x, int y, int c, const struct slope *slope)
+static struct residue find_residue(const struct people *p, int middle, const struct window *w)
 {
-	struct alike sums = {0, 0, 0};
-	uint32_t bit = 1;
+	const float count = (float)w->alike;
+	float left = 0, own = 0, room = 0, low = INFINITY, high = 0;
 
-	for (int v = -AROUND; v <= AROUND; v++)
-		for (int u = -AROUND; u <= AROUND; u++, bit <<= 1) {
-			const int at = (y + v) * p->cells.across + x + u;
-			float seen, lit, w;
+	for (int c = 0; c < 3; c++) {
+		const float *seen = p->cells.seen[c], *expected = p->place.expected[c];
+		const float *weight = p->verdict.weight[c];
+		float ss = 0, sb = 0, bb = 1e-6f, ratio, off;
 
-			if (!(slope->alike & bit))
-				continue;
-			w = weight_at(p, c, at);
-			seen = p->cells.seen[c][at];
-			lit = p->place.expected[c][at] *
-			      (slope->middle + slope->across * (float)u + slope->down * (float)v);
-			sums.ss += w * seen * seen;
-			sums.sb += w * seen * lit;
-			sums.bb += w * lit * lit;
+		for (int n = 0; n < w->alike; n++) {
+			const int at = w->at[n];
+			const float s = seen[at], share = weight[at];
+			const float b = expected[at] * (w->middle + w->slope_across * w->across[n] +
+							w->slope_down * w->down[n]);
+
+			ss += share * s * s;
+			sb += share * s * b;
+			bb += share * b * b;
 		}
-	return sums;
+		ratio = sb / bb * w->middle;
+		off = seen[middle] - ratio * expected[middle];
+		left += ss - sb * sb / bb;
+		room += UNEVEN * UNEVEN * ss;
+		own += weight[middle] * off * off;
+		low = ratio < low ? ratio : low;
+		high = ratio > high ? ratio : high;
+	}
+	/* Each cell leaves 3 of it to noise, but for what the fit took. */
+	return (struct residue){left / (room + 3 * (count > 2 ? count - 2 : 1)) - 1,
+				own / (1 + room / (3 * count)),
+				(high + 0.01f) / ((low > 0 ? low : 0) + 0.01f)};
 }
 
 static float clamp_one(float x)
@@ -208,82 +228,41 @@ static float clamp_one(float x)
 	return least < 1 ? least : 1;
 }
 
-/* How the brightness of all known cells around follows that of the place: sums over them. */
-struct texture {
-	float n, s, b, ss, sb, bb;
-};
-
-static struct texture texture_around(const struct people *p, int x, int y)
-{
-	struct texture sums = {.n = 0};
-
-	for (int v = y - AROUND; v <= y + AROUND; v++)
-		for (int u = x - AROUND; u <= x + AROUND; u++) {
-			const int at = v * p->cells.across + u;
-			float s, b;
-
-			if (v < 0 || u < 0 || v >= p->cells.down || u >= p->cells.across ||
-			    !p->cells.watch[at] || !p->place.known[at])
-				continue;
-			s = p->cells.seen[0][at] + p->cells.seen[1][at] + p->cells.seen[2][at];
-			b = p->place.expected[0][at] + p->place.expected[1][at] +
-			    p->place.expected[2][at];
-			sums.n++;
-			sums.s += s;
-			sums.b += b;
-			sums.ss += s * s;
-			sums.sb += s * b;
-			sums.bb += b * b;
-		}
-	return sums;
-}
-
 static float log_of(float x)
 {
-	return logf(1 + fmaxf(x, 0));
+	return logf(1 + (x > 0 ? x : 0));
 }
 
 void verdict_clues(const struct people *p, int x, int y, float clue[VERDICT_CLUES])
 {
 	const int at = y * p->cells.across + x;
-	const struct slope slope = slope_around(p, x, y);
-	const struct texture t = texture_around(p, x, y);
-	const float mean_s = t.s / t.n, mean_b = t.b / t.n, ratio_all = mean_s / (mean_b + 1);
-	const float var_b = fmaxf(t.bb / t.n - mean_b * mean_b, 0);
-	const float var_s = fmaxf(t.ss / t.n - mean_s * mean_s, 0);
-	const float cov = t.sb / t.n - mean_s * mean_b;
-	const float noise = 3 * (p->place.spread[at] * cells_variance(&p->cells, 1, mean_b / 3) +
-				 p->place.model_variance * mean_b * mean_b / 9);
-	float left = 0, own = 0, room = 0, low = INFINITY, high = 0;
+	const bool still = p->cells.still_ms[at] > 0;
+	struct window w;
+	struct residue left;
+	float noise, light, texture, kept;
 
-	for (int c = 0; c < 3; c++) {
-		const struct alike sums = sum_alike(p, x, y, c, &slope);
-		const float colour = sums.sb / (sums.bb + 1e-6f), ratio = colour * slope.middle;
-		const float off = p->cells.seen[c][at] - ratio * p->place.expected[c][at];
-
-		left += sums.ss - colour * sums.sb;
-		room += UNEVEN * UNEVEN * sums.ss;
-		own += weight_at(p, c, at) * off * off;
-		low = ratio < low ? ratio : low;
-		high = ratio > high ? ratio : high;
-	}
+	look_around(p, x, y, &w);
+	left = find_residue(p, at, &w);
+	light = logf(w.middle);
+	noise = 3 / p->verdict.weight[1][at];
+	texture = log_of(w.place2 / noise);
+	kept = w.seen_place / (w.mean_seen / (w.mean_place + 1) * w.place2 + noise);
 	clue[0] = 1;
 	clue[1] = logf(p->verdict.chi[at] / DIFFERS);
-	clue[2] = (float)slope.count / (float)slope.asked;
-	clue[3] = log_of(left / (room + 3.0f * (float)(slope.count > 2 ? slope.count - 2 : 1)) - 1);
-	clue[4] = log_of(own / (1 + room / (3 * (float)slope.count)));
-	clue[5] = fmaxf(logf(p->place.darkest / fmaxf(slope.middle, 0.01f)), 0);
-	clue[6] = fmaxf(logf(fmaxf(slope.middle, 0.01f)), 0);
-	clue[7] = logf((high + 0.01f) / (fmaxf(low, 0) + 0.01f));
-	clue[8] = log_of(var_b / noise) *
-		  clamp_one(1 - cov / (ratio_all * var_b + noise + 1));
-	clue[9] = log_of((var_s - cov * cov / (var_b + 1)) / noise);
-	clue[10] = log_of(10 * (fabsf(slope.across) + fabsf(slope.down)) / slope.middle);
-	clue[11] = p->cells.still_ms[at] > 0 ? p->verdict.last[at] : 0;
-	clue[12] = p->cells.still_ms[at] > 0;
-	clue[13] = log_of(var_b / noise);
-	clue[14] = fabsf(logf(fmaxf(slope.middle, 0.01f)));
-	clue[15] = clue[3] * clue[3];
+	clue[2] = log_of(left.around);
+	clue[3] = log_of(left.own);
+	clue[4] = logf(left.colour);
+	clue[5] = texture;
+	clue[6] = texture * clamp_one(1 - kept);
+	clue[7] = log_of((w.seen2 - w.seen_place * w.seen_place / (w.place2 + 1)) / noise);
+	clue[8] = light > 0 ? light : 0;
+	clue[9] = light < 0 ? -light : 0;
+	clue[10] = logf(p->place.darkest) > light ? logf(p->place.darkest) - light : 0;
+	clue[11] = still;
+	clue[12] = still ? p->verdict.last[at] : 0;
+	clue[13] = (float)w.alike / (float)w.known;
+	clue[14] = log_of(10 * (fabsf(w.slope_across) + fabsf(w.slope_down)) / w.middle);
+	clue[15] = clue[2] * clue[2];
 }
 
 /* ---- evidence and opinion ---- */
@@ -400,6 +379,21 @@ static void keep_verdict(struct people *p)
 				 at / p->cells.across);
 }
 
+/* Whether so much of the empty place differs that the light of the room changed, and not only
+ * what the fisheye saw, as somebody passed by. */
+static bool is_changed(const struct people *p)
+{
+	int places = 0, differ = 0;
+
+	for (int at = 0; at < p->cells.count; at++)
+		if (p->cells.watch[at] && p->verdict.before[at] == WHOSE_PLACE &&
+		    p->place.known[at]) {
+			places++;
+			differ += p->verdict.of[at] != WHOSE_PLACE;
+		}
+	return differ > CHANGED_SHARE * places;
+}
+
 void verdict_judge(struct people *p)
 {
 	const struct box none = {p->cells.across, -1, p->cells.down, -1};
@@ -410,6 +404,7 @@ void verdict_judge(struct people *p)
 		span_deviations(p, &p->cells.spans[s]);
 		mark_span(p, &p->cells.spans[s]);
 	}
+	p->place.jumped = p->place.jumped && is_changed(p);
 	if (p->place.jumped) {
 		keep_verdict(p);
 	} else if (p->verdict.differing.right >= 0) {
