@@ -77,7 +77,7 @@ struct place {
 	int unknown;	       /* watched cells that are not known */
 	struct place_fit fit[PLACE_BANDS][3];
 	bool *left;	       /* [dome->count]: scratch of place_light() */
-	float darkest;	       /* ratio of the darkest shadow in this light */
+	float log_darkest;     /* logarithm of the darkest shadow's ratio in this light */
 	float model_variance; /* relative; of the prediction, where the light has just turned */
 	float shared[3];      /* of the known cells where nobody is: expected / seen in the mean */
 	struct ratios *ratios; /* hidden.c: [tiles] */

@@ -195,7 +195,7 @@ bool place_light(struct people *p, const float (*radiance)[3])
 		for (int k = 0; k < PLACE_TERMS; k++)
 			place->light[c][k] = (float)(sum[k] / place->first[c]);
 	}
-	place->darkest = darkest_shadow(p, radiance);
+	place->log_darkest = logf(darkest_shadow(p, radiance));
 	if (!(before[0][0] > 0))
 		return true;
 	change = light_change(place->light, before, &most) / 3;

@@ -34,34 +34,49 @@ float verdict_weight[VERDICT_CLUES] = {-6.352f, -0.2619f, 1.668f, 0.73f, 3.945f,
 
 /* ---- deviation ---- */
 
+static void channel_weights(const struct people *p, const struct span *span, int c)
+{
+	const int at = span->y * p->cells.across + span->x, count = span->count;
+	const float *restrict spread = p->place.spread + at;
+	const float *restrict expected = p->place.expected[c] + at;
+	const float still = p->cells.still[c], shot = p->cells.shot[c];
+	const float model = p->place.model_variance;
+	float *restrict weight = p->verdict.weight[c] + at;
+
+	for (int x = 0; x < count; x++) {
+		const float place = expected[x];
+
+		weight[x] = 1 / (spread[x] * (still + shot * place) + model * place * place);
+	}
+}
+
+static void sum_channels(float *const plane[3], int at, int count, float *restrict sum)
+{
+	const float *restrict r = plane[0] + at, *restrict g = plane[1] + at;
+	const float *restrict b = plane[2] + at;
+
+	for (int x = 0; x < count; x++)
+		sum[x] = r[x] + g[x] + b[x];
+}
+
 /* Also prepares what other cells will ask about these: weights, and brightness. */
 static void span_deviations(struct people *p, const struct span *span)
 {
 	const int at = span->y * p->cells.across + span->x, count = span->count;
-	const float *restrict spread = p->place.spread + at;
 	float *restrict chi = p->verdict.chi + at;
-	float *restrict bright = p->verdict.bright + at, *restrict lit = p->verdict.lit + at;
 
 	memset(chi, 0, (size_t)count * sizeof(*chi));
-	memset(bright, 0, (size_t)count * sizeof(*bright));
-	memset(lit, 0, (size_t)count * sizeof(*lit));
 	for (int c = 0; c < 3; c++) {
 		const float *restrict expected = p->place.expected[c] + at;
 		const float *restrict seen = p->cells.seen[c] + at;
-		const float still = p->cells.still[c], shot = p->cells.shot[c];
-		const float model = p->place.model_variance;
-		float *restrict weight = p->verdict.weight[c] + at;
+		const float *restrict weight = p->verdict.weight[c] + at;
 
-		for (int x = 0; x < count; x++) {
-			const float place = expected[x], off = seen[x] - place;
-			const float w = 1 / (spread[x] * (still + shot * place) + model * place * place);
-
-			weight[x] = w;
-			chi[x] += off * off * w;
-			bright[x] += seen[x];
-			lit[x] += place;
-		}
+		channel_weights(p, span, c);
+		for (int x = 0; x < count; x++)
+			chi[x] += (seen[x] - expected[x]) * (seen[x] - expected[x]) * weight[x];
 	}
+	sum_channels(p->cells.seen, at, count, p->verdict.bright + at);
+	sum_channels(p->place.expected, at, count, p->verdict.lit + at);
 }
 
 static void grow_box(struct box *box, int left, int right, int y)
@@ -257,7 +272,7 @@ void verdict_clues(const struct people *p, int x, int y, float clue[VERDICT_CLUE
 	clue[7] = log_of((w.seen2 - w.seen_place * w.seen_place / (w.place2 + 1)) / noise);
 	clue[8] = light > 0 ? light : 0;
 	clue[9] = light < 0 ? -light : 0;
-	clue[10] = logf(p->place.darkest) > light ? logf(p->place.darkest) - light : 0;
+	clue[10] = p->place.log_darkest > light ? p->place.log_darkest - light : 0;
 	clue[11] = still;
 	clue[12] = still ? p->verdict.last[at] : 0;
 	clue[13] = (float)w.alike / (float)w.known;
