@@ -127,6 +127,7 @@ struct run {
 struct person {
 	float x, half;	 /* middle, and half the width */
 	float top, foot; /* rows */
+	float reach;	 /* columns beside his middle that may be his */
 	float speed[2];	 /* of middle and foot, cells a second */
 	float height_m;	 /* 0: not known */
 	float begun_x;	 /* where he was first seen */

@@ -416,7 +416,7 @@ static void begin_beside(struct people *p, int group)
 
 static bool holds(const struct person *who, float x, float y)
 {
-	return fabsf(x - who->x) <= who->half * 1.15f && y >= who->top - 1 && y <= who->foot;
+	return fabsf(x - who->x) <= who->reach && y >= who->top - 1 && y <= who->foot;
 }
 
 /* Whose a cell of a group is: the nearest person's whose box holds it, or else the one's beside
@@ -446,6 +446,9 @@ static int owner_of(const struct people *p, int group, int x, int y)
 static void label_owners(struct people *p)
 {
 	const struct box *box = &p->verdict.box;
+
+	for (int n = 0; n < p->crowd.persons; n++)
+		p->crowd.person[n].reach = 0.8f * reach_of(p, &p->crowd.person[n]);
 
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
