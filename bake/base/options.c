@@ -118,6 +118,8 @@ static int option_row_take(void *context, int option, struct fault *fault)
 	while (reader->options[row - reader->rows].val != option)
 		row++;
 	to = reader->values + row->place;
+	if (row->given)
+		*(bool *)(reader->values + row->given) = true;
 	snprintf(name, sizeof(name), "--%s", row->name);
 	switch (row->kind) {
 	case OPTION_TEXT:
@@ -135,7 +137,7 @@ static int option_row_take(void *context, int option, struct fault *fault)
 	case OPTION_CHOICE:
 		return option_choice(name, optarg, row->choices, to, fault);
 	default:
-		return row->take(reader->values, optarg, fault);
+		return row->take(to, name, optarg, fault);
 	}
 }
 

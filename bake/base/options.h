@@ -58,7 +58,7 @@ enum option_kind {
 	OPTION_REAL,   /* double, min..max */
 	OPTION_SIZE,   /* two ints: width, height */
 	OPTION_CHOICE, /* int: index into choices */
-	OPTION_OTHER   /* take() reads it */
+	OPTION_OTHER   /* take() reads it into what lies at place */
 };
 
 /* An option whose argument goes into a field of the command's struct. */
@@ -68,7 +68,9 @@ struct option_row {
 	size_t place; /* of the field */
 	double min, max;
 	const char *const *choices; /* NULL at the end */
-	int (*take)(void *values, const char *text, struct fault *fault);
+	/* option: its name with the dashes, for the fault */
+	int (*take)(void *field, const char *option, const char *text, struct fault *fault);
+	size_t given; /* of a bool that becomes true where the option is given; 0: of none */
 };
 
 #define OPTION_ROWS_MAX 32

@@ -217,13 +217,13 @@ static int watch_work(struct watch *w, struct fault *fault)
 /* ---- the command ---- */
 
 /* Reads a time such as 24h, 90min or 30s. */
-static int watch_read_time(void *values, const char *given, struct fault *fault)
+static int watch_read_time(void *field, const char *option, const char *given, struct fault *fault)
 {
 	static const struct {
 		const char *name;
 		double seconds;
 	} units[] = {{"h", 3600}, {"min", 60}, {"s", 1}};
-	double *seconds = &((struct watch *)values)->watch_s;
+	double *seconds = field;
 	const char *text = given + strspn(given, "+-.0123456789");
 	char number[32];
 
@@ -234,17 +234,16 @@ static int watch_read_time(void *values, const char *given, struct fault *fault)
 			*seconds *= units[k].seconds;
 			return 0;
 		}
-	return fault_say(
-		fault, -EINVAL,
-		"--watch: is \"%s\", expected a time with its unit, such as 24h, 90min or 30s",
-		given);
+	return fault_say(fault, -EINVAL,
+			 "%s: is \"%s\", expected a time with its unit, such as 24h, 90min or 30s",
+			 option, given);
 }
 
 #define AT(field) .place = offsetof(struct watch, field)
 
 static const struct option_row options[] = {
 	{"live", OPTION_TEXT, AT(config)},
-	{"watch", OPTION_OTHER, .take = watch_read_time},
+	{"watch", OPTION_OTHER, AT(watch_s), .take = watch_read_time},
 	{"frequency", OPTION_INT, AT(frequency), .min = 1, .max = DOME_FREQUENCY_MAX / 2},
 	{"most", OPTION_INT, AT(most), .min = 1, .max = DOME_LIGHTS_MAX},
 	{"output", OPTION_TEXT, AT(output)},
