@@ -65,8 +65,10 @@ static int lens_run_parsed(const struct bake_command *command, int argc, char **
 			   const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, calls->options, lens_take_option,
-					   &(struct lens_choices){lens, calls, job});
+	const int status = calls->rows ? command_read(command, argc, argv, calls->rows, job)
+				       : command_options(command, argc, argv, calls->options,
+							 lens_take_option,
+							 &(struct lens_choices){lens, calls, job});
 	int err;
 
 	if (status != COMMAND_GOES_ON)

@@ -9,6 +9,15 @@
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/observe/gather.h"
 
+/* Last rows of a command whose AT(lens) is a struct lens_job. */
+/* clang-format off */
+#define LENS_ROWS										   \
+	{"report", OPTION_TEXT, AT(lens.report)},						   \
+	{"force", OPTION_FLAG, AT(lens.force)},							   \
+	{"output", OPTION_TEXT, AT(lens.output)},						   \
+	{.name = NULL}
+/* clang-format on */
+
 /* Last entries of their tables of options. */
 #define LENS_REPORT 900
 #define LENS_FORCE 901
@@ -36,8 +45,9 @@ struct lens_calls {
 	/* reads one of the command's own options, from optarg */
 	int (*take)(void *job, int option, struct fault *fault);
 	/* checks whether the options go together */
-	int (*check)(const void *job, struct fault *fault);
+	int (*check)(void *job, struct fault *fault);
 	int (*work)(void *job, struct fault *fault); /* calibrates: 0; 1: not trusted; -errno */
+	const struct option_row *rows;		     /* NULL: options and take() */
 };
 
 /* Runs a command and returns its exit status. */
