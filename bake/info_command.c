@@ -14,15 +14,6 @@
 #include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
 
-enum { JSON = 1, MAP };
-
-static const struct option options[] = {
-	{"json", no_argument, NULL, JSON},
-	{"map", required_argument, NULL, MAP},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 static const char *const kind_names[BASIS_KIND_COUNT] = {"T", "V", "D", "U"};
 static const char *const kind_meanings[BASIS_KIND_COUNT] = {
 	"object", "shadow on shared ground", "change of own surfaces", "light of own surfaces"};
@@ -345,17 +336,13 @@ struct info_choices {
 	bool json;
 };
 
-static int info_command_take(void *choices, int option, struct fault *fault)
-{
-	struct info_choices *c = choices;
+#define AT(field) .place = offsetof(struct info_choices, field)
 
-	(void)fault;
-	if (option == MAP)
-		c->map = optarg;
-	else
-		c->json = true;
-	return 0;
-}
+static const struct option_row options[] = {
+	{"json", OPTION_FLAG, AT(json)},
+	{"map", OPTION_TEXT, AT(map)},
+	{.name = NULL},
+};
 
 static int info_command_run(const struct bake_command *command, int argc, char **argv)
 {
@@ -363,7 +350,7 @@ static int info_command_run(const struct bake_command *command, int argc, char *
 	struct fault fault = {.text = ""};
 	struct summary summary;
 	struct basis basis;
-	const int status = command_options(command, argc, argv, options, info_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 	int err;
 
 	if (status != COMMAND_GOES_ON)

@@ -92,7 +92,6 @@ BAKE_SOURCES := \
 	bake/report/report_trial.c \
 	bake/scene/footprint.c \
 	bake/scene/keyframes.c \
-	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
 	bake/scene/survey.c \
@@ -129,7 +128,6 @@ BAKE_SOURCES := \
 	bake/truth/sky.c \
 	bake/truth/truth.c \
 	bake/truth/truth_command.c \
-	bake/truth/truth_options.c \
 	bake/truth/truth_paths.c \
 	bake/truth/truth_views.c
 BAKE_MAIN := bake/main.c

@@ -3,26 +3,16 @@
 #ifndef INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
 #define INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
 
+#include "bake/base/options.h"
 #include "bake/scene/scene.h"
 
-enum lights_option {
-	LIGHTS_FREQUENCY = 300, /* above the commands' own and those of an encoding */
-	LIGHTS_DIVISION,
-	LIGHTS_SHAPE,
-	LIGHTS_FINE
-};
-
-/* Entries of getopt_long()'s table. */
-#define LIGHTS_OPTIONS                                                                             \
-	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
-		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
-		{"lights", required_argument, NULL, LIGHTS_SHAPE},                                 \
-	{                                                                                          \
-		"fine", required_argument, NULL, LIGHTS_FINE                                       \
-	}
-
-/* Parses one of these options and its argument. -EINVAL. */
-int lights_option_take(struct scene_lights *lights, int option, const char *text,
-		       struct fault *fault);
+/* Rows of a command whose AT(lights) is a struct scene_lights. */
+/* clang-format off */
+#define LIGHTS_ROWS										   \
+	{"frequency", OPTION_INT, AT(lights.frequency), .min = 1, .max = DOME_FREQUENCY_MAX},	   \
+	{"division", OPTION_CHOICE, AT(lights.division), .choices = dome_division_names},	   \
+	{"lights", OPTION_CHOICE, AT(lights.shape), .choices = dome_shape_names},		   \
+	{"fine", OPTION_TEXT, AT(lights.fine)}
+/* clang-format on */
 
 #endif
