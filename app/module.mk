@@ -10,7 +10,6 @@ APP_SOURCES := \
 	app/devices_sample.c \
 	app/driver_list.c \
 	app/grab.c \
-	app/options.c \
 	app/settings.c \
 	app/still.c \
 	app/bench/bench.c \

@@ -80,7 +80,7 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	return err;
 }
 
-static int dome_command_run(const struct bake_command *command, int argc, char **argv)
+static int dome_command_run(const struct command *command, int argc, char **argv)
 {
 	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS, NULL}};
 	struct fault fault = {.text = ""};
@@ -109,7 +109,7 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command dome_command = {
+const struct command dome_command = {
 	.name = "dome",
 	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
 		 "           [--fine PARTS] [--angles | --json]",

@@ -344,7 +344,7 @@ static const struct option_row options[] = {
 	{.name = NULL},
 };
 
-static int info_command_run(const struct bake_command *command, int argc, char **argv)
+static int info_command_run(const struct command *command, int argc, char **argv)
 {
 	struct info_choices c = {.map = NULL};
 	struct fault fault = {.text = ""};
@@ -375,7 +375,7 @@ static int info_command_run(const struct bake_command *command, int argc, char *
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command info_command = {
+const struct command info_command = {
 	.name = "info",
 	.usage = "FILE [--json] [--map OUT.png]",
 	.summary = "say what a basis file holds",

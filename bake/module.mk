@@ -9,7 +9,6 @@ BAKE_SOURCES := \
 	bake/info_map.c \
 	bake/base/angles.c \
 	bake/base/blas.c \
-	bake/base/options.c \
 	bake/base/picture_file.c \
 	bake/base/pixel_filter.c \
 	bake/base/profile.c \

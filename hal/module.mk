@@ -112,6 +112,7 @@ HAL_SOURCES := \
 	hal/measure/thesis.c \
 	hal/measure/turns.c \
 	hal/measure/unpacked.c \
+	hal/options/options.c \
 	hal/optics/distortion.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \

@@ -197,11 +197,11 @@ static int add_lightings(struct lightings *lightings, const struct bench_setting
 {
 	int err = 0;
 
-	for (int k = 0; !err && k < s->light_files; k++)
-		err = lightings_add_file(lightings, basis, s->lights[k], fault);
-	for (int k = 0; !err && k < s->panorama_files; k++)
-		err = lightings_add_panorama(lightings, basis, s->panoramas[k], fault);
-	if (!s->light_files && !s->panorama_files)
+	for (int k = 0; !err && k < s->lights.count; k++)
+		err = lightings_add_file(lightings, basis, s->lights.text[k], fault);
+	for (int k = 0; !err && k < s->panoramas.count; k++)
+		err = lightings_add_panorama(lightings, basis, s->panoramas.text[k], fault);
+	if (!s->lights.count && !s->panoramas.count)
 		err = lightings_add_built_in(lightings, basis, s->cells, fault);
 	return err;
 }

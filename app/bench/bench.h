@@ -17,14 +17,12 @@
 
 #include "hal/base/fault.h"
 #include "hal/measure/error.h"
-
-#define BENCH_FILES_MAX 16
+#include "hal/options/options.h"
 
 struct bench_settings {
 	const char *basis;
-	const char *kernel; /* NULL: every one that the processor supports */
-	const char *lights[BENCH_FILES_MAX], *panoramas[BENCH_FILES_MAX];
-	int light_files, panorama_files; /* both 0: built-in lightings */
+	const char *kernel;		      /* NULL: every one that the processor supports */
+	struct option_list lights, panoramas; /* both empty: built-in lightings */
 	int threads;
 	int repeat;
 	int cells; /* number of cells that are a lighting of their own, of the built-in ones */

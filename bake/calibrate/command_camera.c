@@ -383,7 +383,7 @@ static int camera_work(void *context, struct fault *fault)
 	return err;
 }
 
-static int camera_run(const struct bake_command *command, int argc, char **argv)
+static int camera_run(const struct command *command, int argc, char **argv)
 {
 	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
 						camera_work, NULL};
@@ -394,7 +394,7 @@ static int camera_run(const struct bake_command *command, int argc, char **argv)
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct bake_command camera_command = {
+const struct command camera_command = {
 	.name = "camera",
 	.usage = "(--points FILE ... | --images 'GLOB' ... --board BOARD |\n"
 		 "        --live CONFIG --board BOARD [--views N]) [options] -o CAM.ini",

@@ -251,7 +251,7 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 	return err;
 }
 
-static int fisheye_run(const struct bake_command *command, int argc, char **argv)
+static int fisheye_run(const struct command *command, int argc, char **argv)
 {
 	static const struct lens_calls calls = {
 		.rows = rows, .check = fisheye_check_options, .work = fisheye_calibrate};
@@ -265,7 +265,7 @@ static int fisheye_run(const struct bake_command *command, int argc, char **argv
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct bake_command fisheye_command = {
+const struct command fisheye_command = {
 	.name = "fisheye",
 	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
 		 "        --directions FILE | --lens EYE.ini) [options] -o EYE.ini",

@@ -96,7 +96,7 @@ static int light_work(struct light_job *job, int which)
 	return ret ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static int light_run(const struct bake_command *command, int argc, char **argv)
+static int light_run(const struct command *command, int argc, char **argv)
 {
 	struct light_job job = {.reflectance = {0.5, 0.5, 0.5}};
 	struct fault fault = {.text = ""};
@@ -126,7 +126,7 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 	return light_work(&job, which);
 }
 
-const struct bake_command light_command = {
+const struct command light_command = {
 	.name = "light",
 	.usage = "black|response|merge|gain|colours [options] FILES -o LIGHT.ini",
 	.summary = "what a camera's code values mean: black level, response, gain, colours",

@@ -250,7 +250,7 @@ static const struct option_row options[] = {
 	{.name = NULL},
 };
 
-static int watch_run(const struct bake_command *command, int argc, char **argv)
+static int watch_run(const struct command *command, int argc, char **argv)
 {
 	struct watch w = {.frequency = 9, .most = 1000, .watch_s = WATCH_S};
 	struct fault fault = {.text = ""};
@@ -273,7 +273,7 @@ static int watch_run(const struct bake_command *command, int argc, char **argv)
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-const struct bake_command watch_command = {
+const struct command watch_command = {
 	.name = "sky",
 	.usage = "--live KIOSK.conf [--watch TIME] [--frequency F] [--most N] -o FINE",
 	.summary = "watch the sky for lamps and the sun: where lights should be finer",

@@ -61,7 +61,7 @@ static int check_output(const struct lens_job *lens, struct fault *fault)
 	return 0;
 }
 
-static int lens_run_parsed(const struct bake_command *command, int argc, char **argv,
+static int lens_run_parsed(const struct command *command, int argc, char **argv,
 			   const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
@@ -86,7 +86,7 @@ static int lens_run_parsed(const struct bake_command *command, int argc, char **
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	int status;

@@ -5,9 +5,9 @@
 
 #include <stdbool.h>
 
-#include "bake/base/options.h"
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/observe/gather.h"
+#include "hal/options/options.h"
 
 /* Last rows of a command whose AT(lens) is a struct lens_job. */
 /* clang-format off */
@@ -51,7 +51,7 @@ struct lens_calls {
 };
 
 /* Runs a command and returns its exit status. */
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
 /* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */

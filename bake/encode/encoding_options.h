@@ -5,9 +5,9 @@
 
 #include <stdbool.h>
 
-#include "bake/base/options.h"
 #include "bake/encode/encode.h"
 #include "hal/optics/dome.h"
+#include "hal/options/options.h"
 
 /* What errors may be, in 8-bit levels: what measurement resolves (LEVELS_ERROR), and black for
  * white. */

@@ -102,7 +102,7 @@ static const char *wrong_usage(const struct export_choices *c)
 	return NULL;
 }
 
-static int export_command_run(const struct bake_command *command, int argc, char **argv)
+static int export_command_run(const struct command *command, int argc, char **argv)
 {
 	struct export_choices c = {.lights = {-1, -1, -1, NULL}};
 	struct fault fault = {.text = ""};
@@ -122,7 +122,7 @@ static int export_command_run(const struct bake_command *command, int argc, char
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command export_command = {
+const struct command export_command = {
 	.name = "export",
 	.usage =
 		"BASIS.inlay --msi OUT.msi [--threads T]\n"

@@ -167,7 +167,7 @@ static const char *wrong_usage(const struct import_choices *c)
 	return NULL;
 }
 
-static int import_command_run(const struct bake_command *command, int argc, char **argv)
+static int import_command_run(const struct command *command, int argc, char **argv)
 {
 	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNCHOSEN};
 	struct fault fault = {.text = ""};
@@ -188,7 +188,7 @@ static int import_command_run(const struct bake_command *command, int argc, char
 	return assembly_conclude(&report.miss, c.output);
 }
 
-const struct bake_command import_command = {
+const struct command import_command = {
 	.name = "import",
 	.usage =
 		"--angles A.txt -o OUT.inlay\n"

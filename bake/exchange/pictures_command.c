@@ -134,7 +134,7 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 	return err;
 }
 
-static int pictures_command_run(const struct bake_command *command, int argc, char **argv)
+static int pictures_command_run(const struct command *command, int argc, char **argv)
 {
 	struct pictures_choices c = {.lights = {-1, -1, -1, NULL},
 				     .truth = {.samples = 64, .seed = 1}};
@@ -154,7 +154,7 @@ static int pictures_command_run(const struct bake_command *command, int argc, ch
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command pictures_command = {
+const struct command pictures_command = {
 	.name = "pictures",
 	.usage =
 		"SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"

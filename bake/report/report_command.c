@@ -68,7 +68,7 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int report_command_run(const struct bake_command *command, int argc, char **argv)
+static int report_command_run(const struct command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
@@ -90,7 +90,7 @@ static int report_command_run(const struct bake_command *command, int argc, char
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command report_command = {
+const struct command report_command = {
 	.name = "report",
 	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"

@@ -3,8 +3,8 @@
 #ifndef INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
 #define INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
 
-#include "bake/base/options.h"
 #include "bake/scene/scene.h"
+#include "hal/options/options.h"
 
 /* Rows of a command whose AT(lights) is a struct scene_lights. */
 /* clang-format off */

@@ -200,7 +200,7 @@ static const char *sky_wrong(const struct sky_choices *c)
 	return c->output ? NULL : "-o FINE is missing";
 }
 
-static int sky_command_run(const struct bake_command *command, int argc, char **argv)
+static int sky_command_run(const struct command *command, int argc, char **argv)
 {
 	struct sky_choices c = {
 		.frequency = 9,
@@ -226,7 +226,7 @@ static int sky_command_run(const struct bake_command *command, int argc, char **
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command sky_command = {
+const struct command sky_command = {
 	.name = "sky",
 	.usage =
 		"[PANORAMA | PICTURES --fisheye EYE.ini] [--sun LATITUDE --north DEG] [options] -o FINE",

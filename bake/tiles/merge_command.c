@@ -146,7 +146,7 @@ static int merge_shards(const char *output, char **paths, int count, struct asse
 	return err;
 }
 
-static int merge_command_run(const struct bake_command *command, int argc, char **argv)
+static int merge_command_run(const struct command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
@@ -167,7 +167,7 @@ static int merge_command_run(const struct bake_command *command, int argc, char 
 	return assembly_conclude(&report.miss, output);
 }
 
-const struct bake_command merge_command = {
+const struct command merge_command = {
 	.name = "merge",
 	.usage = "SHARD... -o OUT.inlay",
 	.summary = "put the shards of a bake together",

@@ -247,7 +247,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 	return c->preview ? EXIT_SUCCESS : assembly_conclude(&report.miss, c->output);
 }
 
-static int render_command_run(const struct bake_command *command, int argc, char **argv)
+static int render_command_run(const struct command *command, int argc, char **argv)
 {
 	struct render_choices c = {.lights = {-1, -1, -1, NULL},
 				   .samples = -1,
@@ -274,7 +274,7 @@ static int render_command_run(const struct bake_command *command, int argc, char
 	return render_bake(argv[optind], &c);
 }
 
-const struct bake_command render_command = {
+const struct command render_command = {
 	.name = "render",
 	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
 		 "           [--fine PARTS] [--size WxH]\n"

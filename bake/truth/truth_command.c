@@ -179,7 +179,7 @@ static int run_truth(const char *path, struct truth_choices *c, struct fault *fa
 	return err;
 }
 
-static int truth_command_run(const struct bake_command *command, int argc, char **argv)
+static int truth_command_run(const struct command *command, int argc, char **argv)
 {
 	struct truth_choices c = {
 		.exposure = 1,
@@ -204,7 +204,7 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 	return !err ? EXIT_SUCCESS : err == -ENODATA ? EXIT_MISSED : EXIT_FAILURE;
 }
 
-const struct bake_command truth_command = {
+const struct command truth_command = {
 	.name = "truth",
 	.usage =
 		"SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"

@@ -5,8 +5,8 @@
 
 #include <limits.h>
 
-#include "bake/base/options.h"
 #include "bake/truth/truth.h"
+#include "hal/options/options.h"
 
 /* Rows of a command whose AT(truth) is a struct truth_settings. */
 /* clang-format off */

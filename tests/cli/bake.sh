@@ -33,7 +33,7 @@ scene() { # NAME, text on stdin after a camera
 for command in dome render info truth sky; do
 	check "$command --help" "$bake" $command --help
 	check "$command --version" "$bake" $command --version
-	rejected "$command with an unknown option" 2 "usage: inlay-bake $command" \
+	rejected "$command with an unknown option" 2 "$command: unknown option --no-such-option" \
 		"$bake" $command --no-such-option
 done
 check "--help" "$bake" --help

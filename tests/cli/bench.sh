@@ -135,17 +135,17 @@ equal "a threshold leaves lights out" 1 "$("$INLAY" bench --basis "$basis" --rep
 
 # ---- wrong usage ----
 refused "no basis" 2 "--basis FILE is missing" "$INLAY" bench
-refused "an unknown kernel" 2 "--kernel is \"mmx\"" "$INLAY" bench --basis "$basis" --kernel mmx
-refused "no repeats" 2 "--repeat is \"0\"" "$INLAY" bench --basis "$basis" --repeat 0
-refused "too many threads" 2 "--threads is \"9999\"" "$INLAY" bench --basis "$basis" --threads 9999
-refused "neither yes nor no" 2 "--thesis is \"maybe\"" "$INLAY" bench --basis "$basis" --thesis maybe
+refused "an unknown kernel" 2 "--kernel: \"mmx\"" "$INLAY" bench --basis "$basis" --kernel mmx
+refused "no repeats" 2 "--repeat: \"0\"" "$INLAY" bench --basis "$basis" --repeat 0
+refused "too many threads" 2 "--threads: \"9999\"" "$INLAY" bench --basis "$basis" --threads 9999
+refused "neither yes nor no" 2 "--thesis: \"maybe\"" "$INLAY" bench --basis "$basis" --thesis maybe
 check "a budget of white too" "$INLAY" bench --basis "$basis" --repeat 1 --kernel c --thesis no \
 	--lights "$work/even.txt" --threshold 1%
-refused "more than all of it" 2 "--threshold is \"101%\", expected a grey level 0..255 or a percentage" \
+refused "more than all of it" 2 "--threshold: \"101%\", expected a grey level 0..255 or a percentage" \
 	"$INLAY" bench --basis "$basis" --threshold 101%
-refused "a level beyond white" 2 "--threshold is \"256\"" "$INLAY" bench --basis "$basis" --threshold 256
+refused "a level beyond white" 2 "--threshold: \"256\"" "$INLAY" bench --basis "$basis" --threshold 256
 refused "a misspelt option" 2 "did you mean --panorama?" "$INLAY" bench --panoramas x
-refused "a word that is no option" 2 "is no option" "$INLAY" bench "$basis"
+refused "a word that is no option" 2 "is one argument too many" "$INLAY" bench "$basis"
 
 # ---- what is missing or damaged ----
 refused "no such basis" 1 "none.inlay" "$INLAY" bench --basis "$work/none.inlay"

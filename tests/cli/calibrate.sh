@@ -61,7 +61,7 @@ for command in $commands; do
 done
 
 equal "an option without its value is said by the program" \
-	"inlay-calibrate: option '--board' requires an argument" \
+	"inlay-calibrate: board: --board has no value" \
 	"$(calibrate board --board 2>&1 | head -n 1)"
 
 # ---- files of OpenCV and ROS ----
@@ -414,7 +414,7 @@ if has_command light; then
 			print r, g, b, 0.9 * r + 0.05 * g, 0.02 * r + 1.1 * g, 0.1 * g + 0.8 * b
 		}
 	}' >"$work/patches"
-	wrong "light of nothing" "usage: inlay-calibrate light" light
+	wrong "light of nothing" "light: expected one of black" light
 	"$INLAY" grab fisheye --config "$work/studio.conf" -o "$work/grabbed.png" 2>"$work/stderr"
 	failed_with "pictures that say no times" "says no exposure time (EXIF), expected --times" light \
 		response "$work/grabbed.png" "$work/grabbed.png" -o "$work/none.ini"

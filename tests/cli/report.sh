@@ -242,7 +242,7 @@ wrong "a pasted line that is no key" 1 "frequencies" "$INLAY_BAKE" render --quie
 	"$work/mistaken.scene" -o "$work/none"
 wrong "no folder" 2 "-o DIR is missing" report "$work/box.scene"
 wrong "no scene" 2 "expected one scene file" report -o "$work/none"
-wrong "an unknown option" 2 "usage: inlay-bake report" report --fast "$work/box.scene" -o "$work/none"
+wrong "an unknown option" 2 "unknown option --fast" report --fast "$work/box.scene" -o "$work/none"
 wrong "a size that is none" 2 "expected a size" report --size 9 "$work/box.scene" -o "$work/none"
 wrong "a value for --quiet" 2 "--quiet" report --quiet=9 "$work/box.scene" -o "$work/none"
 wrong "no repetition" 2 "--repeat" report --repeat 0 "$work/box.scene" -o "$work/none"
