@@ -7,8 +7,8 @@
 
 #include "hal/base/fault.h"
 
-/* Takes an option (options.h): a pattern with exactly one %d, perhaps with a width (%03d, %4d); else
- * -EINVAL. */
+/* Takes an option (options.h): a pattern with exactly one %d, perhaps with a width (%03d, %4d);
+ * else -EINVAL. */
 int picture_pattern_take(void *pattern, const char *option, const char *text, struct fault *fault);
 
 /* Writes the name of a picture. The pattern must have been checked. -ENAMETOOLONG. */

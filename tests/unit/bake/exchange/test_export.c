@@ -18,7 +18,7 @@
 
 #define WIDTH 24
 #define HEIGHT 18
-#define RAYS 2
+#define RAYS 4
 #define FLOATS 6
 
 static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
@@ -50,12 +50,11 @@ static struct scene *open_scene(const char *view)
 
 static void export_to(const struct scene *scene, const char *folder)
 {
-	const struct export_radiance_settings settings = {.rays = RAYS, .suns = 8};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 
 	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	if (export_radiance(scene, &dome, small_scene_path(folder), &settings, &fault))
+	if (export_radiance(scene, &dome, small_scene_path(folder), &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 }
@@ -296,15 +295,13 @@ static double suns_sr(const char *path)
 /* A tent is exported as its file of angles, and as suns whose density is its brightness. */
 TEST("tents")
 {
-	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
 	struct dome dome, found;
 	int *light;
 
 	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
-	assert_int_equal(
-		export_radiance(scene, &dome, small_scene_path("tents"), &settings, &fault), 0);
+	assert_int_equal(export_radiance(scene, &dome, small_scene_path("tents"), &fault), 0);
 	for (int i = 0; i < dome.count; i++) {
 		char name[64];
 
