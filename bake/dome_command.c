@@ -111,15 +111,9 @@ static int dome_command_run(const struct command *command, int argc, char **argv
 
 const struct command dome_command = {
 	.name = "dome",
-	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
-		 "           [--fine PARTS] [--angles | --json]",
+	.usage = "--frequency F [options]",
 	.summary = "print the lights of a dome",
-	.help = "\n  --frequency F   1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles (default) or chords\n"
-		"  --lights L      cells (default) or tents: their solid angles; tents are named before angles\n"
-		"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n"
-		"                  separated by commas, or a file of such lines (inlay-scene(5))\n"
-		"  --angles        one light a line: theta phi, radians\n"
+	.help = "\n" LIGHTS_HELP "  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
 	.run = dome_command_run,
 };

@@ -181,7 +181,7 @@ static int convert_run(const struct command *command, int argc, char **argv)
 
 const struct command convert_command = {
 	.name = "convert",
-	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--camera NAME] [--tolerance PX]",
+	.usage = "IN OUT [options]",
 	.summary = "lenses to and from the files of OpenCV and ROS, from Kalibr's",
 	.help = "\n"
 		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that end in\n"

@@ -275,7 +275,7 @@ static int watch_run(const struct command *command, int argc, char **argv)
 
 const struct command watch_command = {
 	.name = "sky",
-	.usage = "--live KIOSK.conf [--watch TIME] [--frequency F] [--most N] -o FINE",
+	.usage = "--live KIOSK.conf -o FINE [options]",
 	.summary = "watch the sky for lamps and the sun: where lights should be finer",
 	.help = "Watches the fisheye of a kiosk's configuration, with the lens and light files that it names.\n"
 		"Wherever light is strong and small at any time, what is over-exposed included, FINE gets a part.\n"

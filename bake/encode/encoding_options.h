@@ -24,9 +24,6 @@
 	{"exact", OPTION_FLAG, AT(encoding.exact)}
 /* clang-format on */
 
-#define ENCODING_USAGE                                                                             \
-	"[--error RMS[,MAX]] [--cell-error LEVELS] [--column-cut X] [--coarse F] [--exact]"
-
 #define ENCODING_HELP                                                                              \
 	"  --error R[,M]   what the encoding may be off by under a sky, in each tile:\n"           \
 	"                  RMS and any pixel, in 8-bit levels; M: twice R\n"                       \

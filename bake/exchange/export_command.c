@@ -124,10 +124,7 @@ static int export_command_run(const struct command *command, int argc, char **ar
 
 const struct command export_command = {
 	.name = "export",
-	.usage =
-		"BASIS.inlay --msi OUT.msi [--threads T]\n"
-		"           SCENE --radiance DIR [--frequency F] [--division D] [--lights L] [--size WxH] [--pose P]\n"
-		"           SCENE --blender DIR [--frequency F] [--division D] [--size WxH] [--pose P]",
+	.usage = "BASIS.inlay --msi OUT.msi | SCENE --radiance DIR | SCENE --blender DIR [options]",
 	.summary = "write a basis as the thesis's program reads it, or a job for a renderer",
 	.help = "\n"
 		"  --msi FILE      a byte for each light and channel of each pixel of object or shadow\n"
@@ -135,11 +132,7 @@ const struct command export_command = {
 		"Prints the light rate that belongs to it. The angles are those of inlay-bake dome\n"
 		"--angles. Of the exact layer, where the file has one.\n\n"
 		"  --radiance DIR  a folder in which \"make -j4\" renders all pictures of import\n"
-		"  --blender DIR   a folder for \"blender -b -P DIR/render.py -- --samples 256\"\n"
-		"  --frequency F   of the dome; default: as the scene says\n"
-		"  --division D    angles or chords\n"
-		"  --lights L      cells or tents; Blender's are cells\n"
-		"  --fine PARTS    where lights are finer: a file or a list (inlay-scene(5))\n"
+		"  --blender DIR   a folder for \"blender -b -P DIR/render.py -- --samples 256\"\n" LIGHTS_HELP
 		"  --size WxH      of the pictures\n"
 		"  --pose P        of the scene: number, from 0, or name; 0\n\n"
 		"Both jobs keep pictures that are there, and say at last how inlay-bake import takes them.\n",

@@ -191,11 +191,8 @@ static int import_command_run(const struct command *command, int argc, char **ar
 const struct command import_command = {
 	.name = "import",
 	.usage =
-		"--angles A.txt -o OUT.inlay\n"
-		"           (--object 'o%03d.hdr' --ground 'g%03d.hdr' [--alone 'a%03d.hdr'] (--coverage C.png | --mask M.png) |\n"
-		"            --msi F.msi [--rate R])\n"
-		"           [--transfer T] [--scale X] [--receivers auto|flat|own]\n"
-		"           " ENCODING_USAGE " [--threads T] [--quiet]",
+		"--angles A.txt -o OUT.inlay [options]\n"
+		"           (--object 'o%03d.hdr' --ground 'g%03d.hdr' (--coverage C.png | --mask M.png) | --msi F.msi)",
 	.summary = "make a basis of other renderers' pictures, or of an .msi",
 	.help = "\n"
 		"  --angles FILE       the lights, one a line: theta phi in radians, a dome's in any order\n"

@@ -156,10 +156,7 @@ static int pictures_command_run(const struct command *command, int argc, char **
 
 const struct command pictures_command = {
 	.name = "pictures",
-	.usage =
-		"SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
-		"           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] [--samples S] [--size WxH] [--pose P]\n"
-		"           [--seed K] [--threads T] [--quiet]",
+	.usage = "SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm [options]",
 	.summary = "path trace the scene under each light alone, for import",
 	.help = "\n  --object PATTERN    objects and ground, one picture a light, from 0\n"
 		"  --ground PATTERN    ground alone\n"

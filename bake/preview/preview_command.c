@@ -103,9 +103,7 @@ static int preview_command_run(const struct command *command, int argc, char **a
 
 const struct command preview_command = {
 	.name = "preview",
-	.usage = "SCENE --background IMG -o OUT.png [--watch] [--config KIOSK.conf]\n"
-		 "           [--lights FILE | --fisheye IMG] [--frequency F] [--exposure E]\n"
-		 "           [--samples S] [--pose P] [--threads T] [--quiet]",
+	.usage = "SCENE --background IMG -o OUT.png [options]",
 	.summary = "show the object in a photograph of the place, within seconds",
 	.help = "\n"
 		"  --background IMG  what the camera sees: upright, as inlay grab takes it, and of\n"

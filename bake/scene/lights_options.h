@@ -15,4 +15,13 @@
 	{"fine", OPTION_TEXT, AT(lights.fine)}
 /* clang-format on */
 
+#define LIGHTS_HELP                                                                                   \
+	"  --frequency F   of the dome, 1 to 72; 9 makes 406 lights; else the scene's\n"              \
+	"  --division D    angles or chords\n"                                                        \
+	"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"      \
+	"                  without steps\n"                                                           \
+	"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n" \
+	"                  with commas between, or a file of such lines (inlay-scene(5)); \"\":\n"    \
+	"                  nowhere\n"
+
 #endif

@@ -276,20 +276,11 @@ static int render_command_run(const struct command *command, int argc, char **ar
 
 const struct command render_command = {
 	.name = "render",
-	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
-		 "           [--fine PARTS] [--size WxH]\n"
-		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
-		 "           [--preview | --no-preview] [--pose P] [--seed K] [--shard I/N]\n"
-		 "           [--threads T] [--profile] [--quiet]",
+	.usage = "SCENE -o OUT.inlay [options]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
 		"  -o FILE         the basis file: first a preview, in place of which the finished file\n"
-		"                  appears when it is whole; a finished file stays until then\n"
-		"  --frequency F   the dome's frequency, 1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles or chords\n"
-		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"
-		"                  without steps\n"
-		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" for nowhere\n"
+		"                  appears when it is whole; a finished file stays until then\n" LIGHTS_HELP
 		"  --size WxH      size of the picture, in pixels\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"

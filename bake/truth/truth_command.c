@@ -206,10 +206,7 @@ static int truth_command_run(const struct command *command, int argc, char **arg
 
 const struct command truth_command = {
 	.name = "truth",
-	.usage =
-		"SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
-		"           [--background IMG] [--samples S] [--size WxH] [--background-out B.png]\n"
-		"           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] [--threads T] [--quiet]",
+	.usage = "SCENE --panorama P.hdr -o OUT.png|.pfm [options]",
 	.summary = "path trace the finished composite under a panorama",
 	.help = "\n  --panorama P        equirectangular, linear light; its upper half shines\n"
 		"  -o FILE             .png: 8-bit sRGB; .pfm, .hdr: linear light\n"
