@@ -36,7 +36,6 @@ BAKE_SOURCES := \
 	bake/exchange/export_rays.c \
 	bake/exchange/import.c \
 	bake/exchange/import_command.c \
-	bake/exchange/import_fit.c \
 	bake/exchange/import_judge.c \
 	bake/exchange/import_pictures.c \
 	bake/exchange/msi.c \
