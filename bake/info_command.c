@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "bake/base/commands.h"
-#include "bake/info_map.h"
 #include "hal/base/json.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"
@@ -331,26 +330,16 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	json_end(&json);
 }
 
-struct info_choices {
-	const char *map;
-	bool json;
-};
-
-#define AT(field) .place = offsetof(struct info_choices, field)
-
 static const struct option_row options[] = {
-	{"json", OPTION_FLAG, AT(json)},
-	{"map", OPTION_TEXT, AT(map)},
-	{.name = NULL},
-};
+	{.name = "json", .kind = OPTION_FLAG, .help = "everything, for programs"}, {.name = NULL}};
 
 static int info_command_run(const struct command *command, int argc, char **argv)
 {
-	struct info_choices c = {.map = NULL};
+	bool as_json = false;
 	struct fault fault = {.text = ""};
 	struct summary summary;
 	struct basis basis;
-	const int status = command_read(command, argc, argv, options, &c);
+	const int status = command_read(command, argc, argv, options, &as_json);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -358,8 +347,6 @@ static int info_command_run(const struct command *command, int argc, char **argv
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one basis file");
 	err = basis_open(&basis, argv[optind], BASIS_ALL, &fault);
-	if (!err && c.map)
-		err = info_map_write(&basis, c.map, &fault);
 	if (!err)
 		err = summary_fill(&basis, &summary, &fault);
 	if (err) {
@@ -367,7 +354,7 @@ static int info_command_run(const struct command *command, int argc, char **argv
 		basis_close(&basis);
 		return EXIT_FAILURE;
 	}
-	if (c.json)
+	if (as_json)
 		print_json(&basis, &summary);
 	else
 		print_text(&basis, &summary, argv[optind]);
@@ -377,9 +364,7 @@ static int info_command_run(const struct command *command, int argc, char **argv
 
 const struct command info_command = {
 	.name = "info",
-	.usage = "FILE [--json] [--map OUT.png]",
+	.usage = "FILE [--json]",
 	.summary = "say what a basis file holds",
-	.help = "\n  --json      everything, for programs\n"
-		"  --map F     a picture: patterns, columns and bytes of each pixel, side by side\n",
 	.run = info_command_run,
 };

@@ -6,7 +6,6 @@ bake_LIBS := -lmeshoptimizer -lembree$(if $(findstring /,$(shell $(CC) -print-fi
 BAKE_SOURCES := \
 	bake/dome_command.c \
 	bake/info_command.c \
-	bake/info_map.c \
 	bake/base/angles.c \
 	bake/base/blas.c \
 	bake/base/picture_file.c \

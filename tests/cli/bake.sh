@@ -318,7 +318,6 @@ equal "the file holds no path" 0 "$(grep -acF "$work" "$out")"
 equal "info says how much of the ground the box covers" "footprint: 0.6 x 0.6 world units of the ground" \
 	"$("$bake" info "$out" | grep ^footprint)"
 check "to programs too" grep -q '"footprint": \[0.600[0-9]*, 0.600[0-9]*\]' <("$bake" info --json "$out")
-check "a map" "$bake" info "$out" --map "$work/map.png"
 rejected "info of no basis file" 1 "box.obj" "$bake" info "$work/box.obj"
 head -c 5000 "$out" >"$work/cut.inlay"
 rejected "info of half a basis file" 1 "cut.inlay" "$bake" info "$work/cut.inlay"
