@@ -26,27 +26,12 @@ static const struct bench_way *find_way(const struct bench_ways *ways, enum benc
 	return NULL;
 }
 
-/* The way that makes the same picture without grain, or without people; NULL: there is none. */
-static const struct bench_way *find_plain(const struct bench_way *way,
-					  const struct bench_ways *ways)
-{
-	const enum bench_kind of = way->kind == BENCH_GRAIN ? BENCH_COMPOSITE : BENCH_FRAME;
-
-	if (way->kind != BENCH_GRAIN && way->kind != BENCH_VISITED)
-		return NULL;
-	for (const struct bench_way *plain = way; plain-- > ways->way;)
-		if (plain->kind == of && plain->compositor == way->compositor && !plain->changed)
-			return plain;
-	return NULL;
-}
-
 /* Fills in what compares a way's times with those of others. */
 static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 		     const struct bench_stage *stage)
 {
 	const struct bench_way *thesis = find_way(ways, BENCH_THESIS, NULL);
 	const struct bench_way *copy = find_way(ways, BENCH_COPY, NULL);
-	const struct bench_way *plain = find_plain(way, ways);
 	struct bench_row *row = &way->row;
 	const struct bench_way *read = NULL;
 
@@ -59,7 +44,6 @@ static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 			       : 0;
 	row->read_ms = read ? read->row.least_ms : 0;
 	row->read_ratio = read && read->row.least_ms > 0 ? row->least_ms / read->row.least_ms : 0;
-	row->plain_ratio = plain ? row->median_ms / plain->row.median_ms : 0;
 	row->copies = row->least_ms / copy->row.least_ms;
 }
 
@@ -124,7 +108,8 @@ static int round_prepare(void *context, int way, int turn)
 	if (err)
 		return err;
 	round->turn = turn;
-	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
+	bench_way_prepare(&round->ways->way[way], round->stage);
+	return 0;
 }
 
 static int round_run(void *context, int way)
@@ -219,16 +204,14 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 	struct fault reason = {.text = ""};
 	int err = 0;
 
-	stage->scratch = calloc(stage->basis->info.lights, sizeof(*stage->scratch));
 	for (int k = 0; !err && k < BENCH_CAMERA_BUFFERS; k++)
 		err = canvas_create(&stage->background[k], width, height);
 	for (int k = 0; !err && k < BENCH_SCREEN_BUFFERS; k++)
 		err = canvas_create(&stage->screen[k], width, height);
-	if (err || !stage->scratch || light_selection_create(&stage->lights, stage->basis) ||
-	    light_selection_create(&stage->before, stage->basis))
+	if (err || light_selection_create(&stage->lights, stage->basis))
 		return fault_say(fault, -ENOMEM, "not enough memory for pictures of %dx%d", width,
 				 height);
-	stage->lights.budget = stage->before.budget = settings->budget;
+	stage->lights.budget = settings->budget;
 	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
 		background_fill(&stage->background[k]);
 	bench_stage_next(stage);
@@ -248,23 +231,19 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		return fault_say(fault, err, "%s", reason.text);
 	else
 		bench_frame_budget(stage->cameras, settings->budget);
-	return bench_look_create(&stage->look, stage->basis, stage->cameras, &stage->background[0],
-				 fault);
+	return 0;
 }
 
 static void clear_stage(struct bench_stage *stage)
 {
 	bench_frame_destroy(stage->cameras);
-	bench_look_destroy(stage->look);
 	thesis_destroy(stage->thesis);
 	reading_free(&stage->reading);
-	light_selection_free(&stage->before);
 	light_selection_free(&stage->lights);
 	for (int k = 0; k < BENCH_SCREEN_BUFFERS; k++)
 		canvas_free(&stage->screen[k]);
 	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
 		canvas_free(&stage->background[k]);
-	free(stage->scratch);
 }
 
 static int run_lightings(struct bench_ways *ways, struct bench_stage *stage,

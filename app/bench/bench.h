@@ -40,12 +40,11 @@ struct bench_row {
 	char kernel[24];
 	int lights; /* lights in use, for one member of the lighting; -1: does not apply */
 	double median_ms, least_ms;
-	double speedup;	    /* the thesis's median over this one */
-	double basis_mb;    /* 10^6 bytes of the basis that the last frame read */
-	double read_ms;	    /* least time of only reading as many bytes */
-	double read_ratio;  /* least_ms / read_ms */
-	double plain_ratio; /* with people or grain: median_ms over that of the frame without */
-	double copies;	    /* least_ms / least time of copying the picture */
+	double speedup;	   /* the thesis's median over this one */
+	double basis_mb;   /* 10^6 bytes of the basis that the last frame read */
+	double read_ms;	   /* least time of only reading as many bytes */
+	double read_ratio; /* least_ms / read_ms */
+	double copies;	   /* least_ms / least time of copying the picture */
 	bool has_error;
 	struct composite_error error; /* largest of all members of the lighting */
 };

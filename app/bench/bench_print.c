@@ -34,7 +34,6 @@ static const struct column columns[] = {
 	{"basis_mb", "read MB", 9, 2, OF_NUMBER, ROW_AT(basis_mb)},
 	{"read_ms", NULL, 0, 0, OF_NUMBER, ROW_AT(read_ms)},
 	{"read_ratio", "x bound", 8, 2, OF_NUMBER, ROW_AT(read_ratio)},
-	{"plain_ratio", "x plain", 8, 2, OF_NUMBER, ROW_AT(plain_ratio)},
 	{"copies", "x copy", 7, 1, OF_NUMBER, ROW_AT(copies)},
 	{"psnr_db", "PSNR dB", 8, 1, OF_ERROR, ROW_AT(error.psnr_db)},
 	{"rms", "RMS", 6, 2, OF_ERROR, ROW_AT(error.rms)},

@@ -90,7 +90,7 @@ static struct composite_error way_error(const struct bench_way *way, const struc
 			     of == TRUTH_THESIS ? TRANSFER_LINEAR : TRANSFER_SRGB);
 }
 
-/* Whether two ways have to make the same picture, whatever the kernel and the frame before. */
+/* Whether two ways have to make the same picture, whatever the kernel. */
 static bool are_alike(const struct bench_way *a, const struct bench_way *b)
 {
 	return a->kind == b->kind && a->kind != BENCH_THESIS &&
@@ -160,7 +160,7 @@ static int truth_judge(struct bench_way *way, const struct bench_pictures *t,
 	return 0;
 }
 
-static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int member,
+static int judge_all(struct bench_ways *ways, struct bench_stage *stage,
 		     const struct bench_pictures *t, const struct scope *scope, struct fault *fault)
 {
 	struct firsts firsts = {.count = 0};
@@ -171,9 +171,8 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int mem
 
 		if (!bench_way_shows(way))
 			continue;
-		err = bench_way_prepare(way, stage, member, fault);
-		if (!err)
-			err = bench_way_run(way, stage, fault);
+		bench_way_prepare(way, stage);
+		err = bench_way_run(way, stage, fault);
 		if (!err)
 			err = truth_judge(way, t, scope, &firsts, fault);
 	}
@@ -213,7 +212,7 @@ int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct
 						strerror(-t.err[k]));
 		}
 		if (!err)
-			err = judge_all(ways, stage, m, &t, scope, fault);
+			err = judge_all(ways, stage, &t, scope, fault);
 	}
 	truth_free(&t);
 	return err;

@@ -216,9 +216,9 @@ const struct command command_bench = {
 	.purpose = "what a picture of a basis takes, and how exact it is, beside the thesis's way",
 	.details =
 		"One row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in\n"
-		"double precision; the exact layer; the fast one, whole and where lights change from picture to\n"
-		"picture; a whole frame from two YUYV cameras of the basis's size; only reading as much memory as\n"
-		"these did; copying the picture. Errors are the worst of all that the lighting holds.\n"
+		"double precision; the exact layer; the fast one; a whole frame from two YUYV cameras of the\n"
+		"basis's size; only reading as much memory as these did; copying the picture. Errors are the worst\n"
+		"of all that the lighting holds.\n"
 		"    x thesis  the thesis's median time over this one\n"
 		"    x bound   the least time over that of only reading as many bytes\n"
 		"    x copy    the least time over that of copying the picture\n"

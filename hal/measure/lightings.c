@@ -29,22 +29,6 @@ const float (*lighting_member(const struct lighting *lighting, const struct basi
 	return (const float(*)[3])(lighting->radiance + (size_t)member * basis->info.lights);
 }
 
-void lighting_change(float (*radiance)[3], int lights, int changed, int turn)
-{
-	double mean[3] = {0, 0, 0};
-
-	for (int i = 0; i < lights; i++)
-		for (int c = 0; c < 3; c++)
-			mean[c] += (double)radiance[i][c] / lights;
-	for (int k = 0; k < changed; k++) {
-		const int i =
-			(int)((turn * INT64_C(7919) + (int64_t)k * lights / changed) % lights);
-
-		for (int c = 0; c < 3; c++)
-			radiance[i][c] = (float)(1.07 * (double)radiance[i][c] + 0.02 * mean[c]);
-	}
-}
-
 /* Adds a lighting to the list. NULL: no memory. */
 static struct lighting *lightings_add(struct lightings *l, const struct basis *basis,
 				      const char *name, int members)

@@ -50,10 +50,4 @@ int lightings_add_file(struct lightings *lightings, const struct basis *basis, c
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
 
-/*
- * Makes `changed` lights (0..lights) brighter by 7 %, plus 2 % of the mean, so that dark ones
- * change, too. Other lights are chosen for each turn.
- */
-void lighting_change(float (*radiance)[3], int lights, int changed, int turn);
-
 #endif

@@ -9,7 +9,6 @@
 
 #include "bake/base/report_table.h"
 #include "hal/base/clock.h"
-#include "hal/measure/lightings.h"
 #include "hal/measure/turns.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
@@ -116,33 +115,6 @@ TEST("half of the times are between the quartiles")
 	assert_true(of_nine.low == 3 && of_nine.median == 5 && of_nine.high == 7);
 	assert_true(of_four.low == 17.5 && of_four.median == 25 && of_four.high == 32.5);
 	assert_true(of_one.low == 7 && of_one.median == 7 && of_one.high == 7);
-}
-
-/* ---- lights that change ---- */
-
-TEST("as many lights change as asked")
-{
-	static const int counts[] = {6, 406, 6486};
-
-	for (size_t n = 0; n < sizeof(counts) / sizeof(*counts); n++) {
-		const int lights = counts[n];
-		float(*radiance)[3] = malloc((size_t)lights * sizeof(*radiance));
-		const int asked[] = {0, 1, lights / 3, lights};
-
-		assert_non_null(radiance);
-		for (size_t a = 0; a < sizeof(asked) / sizeof(*asked); a++) {
-			int changed = 0;
-
-			for (int i = 0; i < lights; i++)
-				for (int c = 0; c < 3; c++)
-					radiance[i][c] = i % 2 ? 0.5F : 0;
-			lighting_change(radiance, lights, asked[a], 12345);
-			for (int i = 0; i < lights; i++)
-				changed += radiance[i][0] > (i % 2 ? 0.5F : 0);
-			expect_equal(changed, asked[a], "n=%zu, a=%zu", n, a);
-		}
-		free(radiance);
-	}
 }
 
 /* ---- tables ---- */
