@@ -10,7 +10,6 @@
 #include <limits.h>
 #include <stdio.h>
 
-#include "bake/base/report_plot.h"
 #include "bake/base/report_table.h"
 #include "hal/image/image.h"
 
@@ -20,11 +19,10 @@ struct report_page {
 	char folder[PATH_MAX]; /* as asked for */
 	/* where files are written until the commit; empty: no report is open */
 	char temporary[PATH_MAX];
-	FILE *head; /* stands before body, but is known last: the summary */
 	FILE *body;
-	int lock; /* file descriptor that locks the temporary folder; 0 or -1: none */
-	char *head_text, *body_text;
-	size_t head_bytes, body_bytes;
+	int lock;   /* file descriptor that locks the temporary folder; 0 or -1: none */
+	char *text; /* what is written to body */
+	size_t bytes;
 };
 
 /* Begins a report. -EEXIST: the folder holds files and no earlier report; or -errno of creating the
@@ -35,14 +33,14 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 void report_heading(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Each writes a file (CSV, SVG or PNG) and shows it in the page. report_page_plot() frees the plot,
- * also on failure. */
-int report_page_table(struct report_page *page, FILE *to, const struct report_table *table,
+/* Show a file of the report in the page, of the MIME type "image/TYPE", which is embedded so that
+ * the page can be sent alone; write a table as CSV, or a picture as PNG, and show it. */
+int report_page_figure(struct report_page *page, const char *file, const char *type,
+		       const char *caption, struct fault *fault);
+int report_page_table(struct report_page *page, const struct report_table *table,
 		      struct fault *fault);
-int report_page_plot(struct report_page *page, FILE *to, struct report_plot *plot,
-		     const char *caption, struct fault *fault);
-int report_page_picture(struct report_page *page, FILE *to, const char *name,
-			const struct image *picture, const char *caption, struct fault *fault);
+int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
+			const char *caption, struct fault *fault);
 
 /* Writes the page and moves the folder to its place; the files of an earlier report are removed.
  * The report is closed in any case. */

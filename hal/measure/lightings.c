@@ -187,8 +187,7 @@ int lightings_add_built_in(struct lightings *l, const struct basis *basis, int c
 
 /* ---- files ---- */
 
-/* Copies the file's name without folders and extension. */
-static void file_name_of(const char *path, char *name, size_t room)
+void lighting_name(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
 
@@ -204,7 +203,7 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 	struct lighting *item;
 	char name[64];
 
-	file_name_of(path, name, sizeof(name));
+	lighting_name(path, name, sizeof(name));
 	item = lightings_add(l, basis, name, 1);
 	if (!item)
 		return fault_say(fault, -ENOMEM, "%s: not enough memory", path);
@@ -303,7 +302,7 @@ int lightings_add_panorama(struct lightings *l, const struct basis *basis, const
 
 	if (err)
 		return err;
-	file_name_of(path, name, sizeof(name));
+	lighting_name(path, name, sizeof(name));
 	item = lightings_add(l, basis, name, 1);
 	if (item)
 		err = panorama_gather_image(&image, basis, path, item->radiance, fault);

@@ -28,6 +28,9 @@ void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine 
 const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
 			      int member))[3];
 
+/* Copies a file's name without folders and extension. */
+void lighting_name(const char *path, char *name, size_t room);
+
 /* Creates the dome of the basis's lights; the caller frees it. -ENOTSUP: their nodes divide no sky;
  * -ENOMEM. */
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault);

@@ -62,7 +62,7 @@ int sheet_show(struct report_sheet *sheet, struct report_page *page, const char 
 	if (err)
 		fault_say(fault, err, "picture %s: %s", name, strerror(-err));
 	else
-		err = report_page_picture(page, page->body, name, &image, caption, fault);
+		err = report_page_picture(page, name, &image, caption, fault);
 	image_free(&image);
 	sheet_free(sheet);
 	return err;

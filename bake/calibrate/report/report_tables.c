@@ -11,10 +11,9 @@
 
 #define POINTS_SHOWN 20
 
-static int show_table(const struct shown *s, FILE *to, struct report_table *table,
-		      struct fault *fault)
+static int show_table(const struct shown *s, struct report_table *table, struct fault *fault)
 {
-	const int err = report_page_table(s->page, to, table, fault);
+	const int err = report_page_table(s->page, table, fault);
 
 	report_table_free(table);
 	return err;
@@ -47,7 +46,7 @@ int report_figures(const struct shown *s, struct fault *fault)
 		report_number(&table, f->figure[k].value);
 		report_text(&table, "%s", f->figure[k].unit);
 	}
-	return show_table(s, s->page->head, &table, fault);
+	return show_table(s, &table, fault);
 }
 
 /* ---- parts of the picture ---- */
@@ -105,7 +104,7 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 		"was not yet, into the corners above all. The uncertainty is one standard "
 		"deviation at the part's middle, which trusts the model; the difference of "
 		"models fitted to the odd and to the even points does not. What is empty is not known, or not seen by the model.");
-	return show_table(s, s->page->body, &table, fault);
+	return show_table(s, &table, fault);
 }
 
 /* ---- parameters ---- */
@@ -167,7 +166,7 @@ int report_parameters(const struct shown *s, struct fault *fault)
 		"%d numbers were observed, %d are left to judge by: one of them deviates "
 		"by %.3g px. Deviations are standard deviations, to first order. Where the camera was in each view is in calibration.json.",
 		e->residuals, e->freedom, e->sigma);
-	return show_table(s, s->page->body, &table, fault);
+	return show_table(s, &table, fault);
 }
 
 /* ---- points ---- */
@@ -225,5 +224,5 @@ int report_points(const struct shown *s, struct fault *fault)
 	}
 	free(rank);
 	report_heading(s->page->body, "Points that fit worst");
-	return show_table(s, s->page->body, &table, fault);
+	return show_table(s, &table, fault);
 }

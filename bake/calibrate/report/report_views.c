@@ -163,7 +163,7 @@ static int write_view_table(const struct shown *s, struct fault *fault)
 		report_number(&table, s->view[v].worst);
 		report_number(&table, s->view[v].outliers);
 	}
-	err = report_page_table(s->page, s->page->body, &table, fault);
+	err = report_page_table(s->page, &table, fault);
 	report_table_free(&table);
 	return err;
 }

@@ -59,7 +59,7 @@ static void report_numbers(struct light_page *r, const char *key, const double *
 static void show_table(struct light_page *r, struct report_table *table)
 {
 	if (!r->err)
-		r->err = report_page_table(&r->page, r->page.body, table, r->fault);
+		r->err = report_page_table(&r->page, table, r->fault);
 	report_table_free(table);
 }
 
