@@ -104,6 +104,18 @@ static int show_surroundings(struct report *r)
 
 /* ---- all ways ---- */
 
+/* Returns the difference of errors that noise hides, in levels. The noise e of truth and bake, one
+ * number a pixel, leaves the square of an error over all pixels uncertain by
+ *     2 e rms / sqrt(pixels)
+ * and so the difference of two by twice that. */
+static double hidden_levels(const struct report *r)
+{
+	const double pixels = (double)(r->scope.objects + r->scope.shadows) * r->stage.lightings;
+
+	return sqrt(4 * hypot(r->truth_noise, r->bake_noise) * r->trial[0].truth.all.rms /
+		    sqrt(pixels));
+}
+
 static int show_front(struct report *r, const bool *front)
 {
 	struct report_point point[REPORT_TRIALS_MAX];
@@ -152,6 +164,7 @@ static void add_row(const struct report *r, const struct report_trial *trial, bo
 		report_number(t, trial->truth.each[l].rms);
 		report_number(t, trial->precise.each[l].rms);
 	}
+	report_number(t, hidden_levels(r));
 	report_text(t, "%s", front ? "yes" : "");
 	if (trial == r->trial)
 		report_table_mark(t);
@@ -184,6 +197,7 @@ static int show_settings(struct report *r, const bool *front)
 		snprintf(key, sizeof(key), "double_rms_levels:%.60s", r->stage.lighting[l].name);
 		report_table_column(&t, key, NULL, NULL);
 	}
+	report_table_column(&t, "noise_levels", NULL, NULL);
 	report_table_column(&t, "front", "Pareto front", NULL);
 	for (int k = 0; k < r->trials; k++)
 		add_row(r, &r->trial[k], front[k], &t);
@@ -211,8 +225,8 @@ static int show_picture(struct report *r, int lighting, struct image *out)
 	memset(out->u8, 255, 3 * (size_t)out->width * (size_t)out->height);
 	for (int y = 0; y < r->stage.height; y++) {
 		for (int x = 0; x < width; x++) {
-			const uint8_t *is = l->composite.pixels +
-					    (size_t)y * l->composite.stride + (size_t)x * 4;
+			const uint8_t *is = l->composite.pixels + (size_t)y * l->composite.stride +
+					    (size_t)x * 4;
 			const double *was = l->truth + 3 * ((size_t)y * (size_t)width + (size_t)x);
 			uint8_t *to = out->u8 + 3 * ((size_t)y * (size_t)out->width + (size_t)x);
 
@@ -225,9 +239,10 @@ static int show_picture(struct report *r, int lighting, struct image *out)
 		}
 	}
 	snprintf(name, sizeof(name), "picture-%d", lighting + 1);
-	snprintf(caption, sizeof(caption),
-		 "%s: the setting in use, path-traced truth, and %d times their difference (grey: none).",
-		 l->name, GAIN);
+	snprintf(
+		caption, sizeof(caption),
+		"%s: the setting in use, path-traced truth, and %d times their difference (grey: none).",
+		l->name, GAIN);
 	return report_page_picture(&r->page, name, out, caption, r->fault);
 }
 
@@ -250,10 +265,9 @@ static int show_pictures(struct report *r)
 static void show_method(struct report *r)
 {
 	const struct report_stage *stage = &r->stage;
-	const double waited =
-		stage->timed_ns > stage->ran_ns
-			? 100 - 100 * (double)stage->ran_ns / (double)stage->timed_ns
-			: 0;
+	const double waited = stage->timed_ns > stage->ran_ns
+				      ? 100 - 100 * (double)stage->ran_ns / (double)stage->timed_ns
+				      : 0;
 
 	report_heading(r->page.body, "How was it measured?");
 	report_paragraph(
@@ -279,9 +293,10 @@ static void show_method(struct report *r)
 		"rounded: 8 bits alone are 0.29 levels. Truth is path traced without lights, basis "
 		"or compositor, %d samples a pixel in two halves, whose difference tells its "
 		"noise, %.2g levels, of which RMS is free. Errors count as equal if their squares "
-		"differ by no more than the square of the bake's noise, which is measured between "
-		"two bakes with different random numbers.",
-		r->truth_samples, r->truth_noise);
+		"differ by no more than the square of %.2g levels, which that noise and the bake's "
+		"leave uncertain; the bake's is measured between two bakes with different random "
+		"numbers.",
+		r->truth_samples, r->truth_noise, hidden_levels(r));
 	report_paragraph(
 		r->page.body,
 		"Frequency is a key of [dome] in the scene file; error, cell_error, samples and "
@@ -298,7 +313,7 @@ int report_show(struct report *r)
 	for (int k = 0; k < r->trials; k++)
 		result[k] = report_result_of(&r->trial[k]);
 	for (int k = 0; k < r->trials; k++)
-		front[k] = report_is_front(result, r->trials, k, r->bake_noise);
+		front[k] = report_is_front(result, r->trials, k, hidden_levels(r));
 	describe_use(r);
 	err = show_surroundings(r);
 	if (!err)
