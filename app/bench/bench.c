@@ -14,15 +14,12 @@
 
 /* ---- rows ---- */
 
-static const struct bench_way *find_way(const struct bench_ways *ways, enum bench_kind kind,
-					const char *what)
+/* The way of this kind; NULL: there is none. */
+static const struct bench_way *find_way(const struct bench_ways *ways, enum bench_kind kind)
 {
-	for (int k = 0; k < ways->count; k++) {
-		const struct bench_way *way = &ways->way[k];
-
-		if (way->kind == kind && (!what || !strcmp(way->like->row.what, what)))
-			return way;
-	}
+	for (int k = 0; k < ways->count; k++)
+		if (ways->way[k].kind == kind)
+			return &ways->way[k];
 	return NULL;
 }
 
@@ -30,20 +27,15 @@ static const struct bench_way *find_way(const struct bench_ways *ways, enum benc
 static void fill_row(struct bench_way *way, const struct bench_ways *ways,
 		     const struct bench_stage *stage)
 {
-	const struct bench_way *thesis = find_way(ways, BENCH_THESIS, NULL);
-	const struct bench_way *copy = find_way(ways, BENCH_COPY, NULL);
+	const struct bench_way *thesis = find_way(ways, BENCH_THESIS);
+	const struct bench_way *copy = find_way(ways, BENCH_COPY);
 	struct bench_row *row = &way->row;
-	const struct bench_way *read = NULL;
 
 	snprintf(row->lighting, sizeof(row->lighting), "%s", stage->lighting->name);
-	row->basis_mb = (double)(way->kind == BENCH_READ ? way->like->bytes : way->bytes) / 1e6;
-	if (way->kind == BENCH_COMPOSITE)
-		read = find_way(ways, BENCH_READ, row->what);
+	row->basis_mb = (double)way->bytes / 1e6;
 	row->speedup = thesis && thesis != way && bench_way_shows(way)
 			       ? thesis->row.median_ms / row->median_ms
 			       : 0;
-	row->read_ms = read ? read->row.least_ms : 0;
-	row->read_ratio = read && read->row.least_ms > 0 ? row->least_ms / read->row.least_ms : 0;
 	row->copies = row->least_ms / copy->row.least_ms;
 }
 
@@ -70,24 +62,6 @@ static int take_rows(struct bench_report *report, struct bench_ways *ways,
 }
 
 /* ---- timing ---- */
-
-/* Allocates as much memory as any way has read. */
-static int grow_reading(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
-{
-	uint64_t most = 1;
-
-	for (int k = 0; k < ways->count; k++) {
-		if (ways->way[k].kind == BENCH_COMPOSITE && ways->way[k].bytes > most)
-			most = ways->way[k].bytes;
-	}
-	if (most <= stage->reading.bytes)
-		return 0;
-	reading_free(&stage->reading);
-	if (reading_create(&stage->reading, most))
-		return fault_say(fault, -ENOMEM, "not enough memory to read %.1f MB",
-				 (double)most / 1e6);
-	return 0;
-}
 
 /* What the timed turns under one lighting need. */
 struct round {
@@ -136,10 +110,8 @@ static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct f
 			      .prepare = round_prepare,
 			      .run = round_run,
 			      .is_alone = round_is_alone};
-	int err = grow_reading(ways, stage, fault);
+	const int err = turns_time(&turns, ways->ms);
 
-	if (!err)
-		err = turns_time(&turns, ways->ms);
 	stage->timed_ns += turns.timed_ns;
 	stage->ran_ns += turns.ran_ns;
 	return err;
@@ -174,7 +146,6 @@ static void report_describe(const struct bench_stage *stage, const struct scope 
 	report->dense_mb = (3.0 * (double)scope->objects + 3.0 * (double)scope->shadows) *
 			   report->lights / 1e6;
 	report->truth = stage->exact ? "exact" : "shown";
-	report->vectors = reading_vectors();
 }
 
 static int add_lightings(struct lightings *lightings, const struct bench_settings *s,
@@ -220,8 +191,6 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		err = thesis_create(&stage->thesis, stage->basis, best_layer(stage), all, fault);
 		if (err)
 			return err;
-		if (thesis_share(stage->thesis, stage->pool))
-			return fault_say(fault, -ENOMEM, "not enough memory");
 	}
 	err = bench_frame_create(&stage->cameras, stage->basis, stage->background, stage->pool,
 				 &reason);
@@ -238,7 +207,6 @@ static void clear_stage(struct bench_stage *stage)
 {
 	bench_frame_destroy(stage->cameras);
 	thesis_destroy(stage->thesis);
-	reading_free(&stage->reading);
 	light_selection_free(&stage->lights);
 	for (int k = 0; k < BENCH_SCREEN_BUFFERS; k++)
 		canvas_free(&stage->screen[k]);

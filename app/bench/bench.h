@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * inlay bench: how long a frame of a basis takes, in every way that inlay has to make it, beside
- * the thesis's own algorithm and what memory allows; with the error of each way against double
- * precision.
+ * the thesis's own algorithm; with the error of each way against double precision.
  *
  * All ways are timed in turns (A, B, C, A, B, C, ...), each after a few milliseconds of its own
  * that are not timed, so that noise of the machine meets all ways alike and each finds the caches
@@ -40,11 +39,9 @@ struct bench_row {
 	char kernel[24];
 	int lights; /* lights in use, for one member of the lighting; -1: does not apply */
 	double median_ms, least_ms;
-	double speedup;	   /* the thesis's median over this one */
-	double basis_mb;   /* 10^6 bytes of the basis that the last frame read */
-	double read_ms;	   /* least time of only reading as many bytes */
-	double read_ratio; /* least_ms / read_ms */
-	double copies;	   /* least_ms / least time of copying the picture */
+	double speedup;	 /* the thesis's median over this one */
+	double basis_mb; /* 10^6 bytes of the basis that the last frame read */
+	double copies;	 /* least_ms / least time of copying the picture */
 	bool has_error;
 	struct composite_error error; /* largest of all members of the lighting */
 };
@@ -54,8 +51,7 @@ struct bench_report {
 	int width, height, lights, threads, repeat;
 	long object_pixels, shadow_pixels;
 	double shown_mb, exact_mb, dense_mb; /* layers; dense: one byte a value */
-	const char *truth;   /* layer that double precision took: "exact" or "shown" */
-	const char *vectors; /* vectors of the read bound: "avx512f", ... */
+	const char *truth; /* layer that double precision took: "exact" or "shown" */
 	/* Share of the timed turns in which the calling thread did not run. With one thread, that
 	 * time is not counted, but the programs that ran use caches and memory, too. */
 	double waited;

@@ -32,8 +32,6 @@ static const struct column columns[] = {
 	{"least_ms", "least ms", 10, 3, OF_NUMBER, ROW_AT(least_ms)},
 	{"speedup", "x thesis", 9, 1, OF_NUMBER, ROW_AT(speedup)},
 	{"basis_mb", "read MB", 9, 2, OF_NUMBER, ROW_AT(basis_mb)},
-	{"read_ms", NULL, 0, 0, OF_NUMBER, ROW_AT(read_ms)},
-	{"read_ratio", "x bound", 8, 2, OF_NUMBER, ROW_AT(read_ratio)},
 	{"copies", "x copy", 7, 1, OF_NUMBER, ROW_AT(copies)},
 	{"psnr_db", "PSNR dB", 8, 1, OF_ERROR, ROW_AT(error.psnr_db)},
 	{"rms", "RMS", 6, 2, OF_ERROR, ROW_AT(error.rms)},
@@ -102,10 +100,10 @@ void bench_print_table(const struct bench_report *r, FILE *to)
 	fprintf(to,
 		"%s: %dx%d, %d lights; %ld pixels of the object, %ld of its shadow\n"
 		"fast layer %.2f MB, exact layer %.2f MB; a byte for each value would be %.2f MB\n"
-		"threads: %d; repeated: %d times; read bound: %s vectors\n"
+		"threads: %d; repeated: %d times\n"
 		"errors: against the %s layer in double precision, 8-bit levels, of the pixels that the object changes\n",
 		r->basis, r->width, r->height, r->lights, r->object_pixels, r->shadow_pixels,
-		r->shown_mb, r->exact_mb, r->dense_mb, r->threads, r->repeat, r->vectors, r->truth);
+		r->shown_mb, r->exact_mb, r->dense_mb, r->threads, r->repeat, r->truth);
 	if (r->threads == 1 && r->waited > WAITED_MUCH)
 		fprintf(to,
 			"the machine was busy: others had the processor in %.0f %% of the time; that is not counted, but they\n"
@@ -152,7 +150,6 @@ void bench_print_json(const struct bench_report *r, FILE *to)
 	json_number(&json, "dense_mb", r->dense_mb);
 	json_number(&json, "threads", r->threads);
 	json_number(&json, "repeat", r->repeat);
-	json_text(&json, "vectors", r->vectors);
 	json_text(&json, "truth", r->truth);
 	json_number(&json, "waited", r->waited);
 	json_array(&json, "rows");

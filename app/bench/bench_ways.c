@@ -77,22 +77,9 @@ static int add_kernels(struct bench_ways *ways, const struct bench_stage *stage,
 	return err;
 }
 
-/* Adds the read bounds, the copy and parts of a frame. All kernels read the same bytes: the bounds
- * are for the ways of the last one. */
-static void add_bounds(struct bench_ways *ways, const struct bench_stage *stage)
+/* Adds the copy and parts of a frame, which no kernel makes. */
+static void add_plain_ways(struct bench_ways *ways, const struct bench_stage *stage)
 {
-	const int count = ways->count;
-
-	for (int k = 0; k < count; k++) {
-		const struct bench_way *like = &ways->way[k];
-		char what[sizeof(like->row.what)];
-
-		if (like->kind != BENCH_COMPOSITE ||
-		    strcmp(like->row.kernel, ways->way[count - 1].row.kernel) != 0)
-			continue;
-		snprintf(what, sizeof(what), "read bound: %.30s", like->row.what);
-		way_add(ways, BENCH_READ, what, "")->like = like;
-	}
 	if (stage->cameras) {
 		way_add(ways, BENCH_LIGHT, "light from its camera", "");
 		way_add(ways, BENCH_CONVERT, "background from its camera", "");
@@ -107,8 +94,8 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	/* three of each kernel; the thesis, two read bounds, two parts of a frame, the copy */
-	*ways = (struct bench_ways){.way = calloc(3 * kernels + 6, sizeof(*ways->way))};
+	/* three of each kernel; the thesis, two parts of a frame, the copy */
+	*ways = (struct bench_ways){.way = calloc(3 * kernels + 4, sizeof(*ways->way))};
 	ways->compositors = calloc(kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
 		bench_ways_free(ways);
@@ -118,7 +105,7 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 		way_add(ways, BENCH_THESIS, "thesis, double precision", "");
 	err = add_kernels(ways, stage, fault);
 	if (!err)
-		add_bounds(ways, stage);
+		add_plain_ways(ways, stage);
 	if (!err) {
 		ways->ms = calloc((size_t)ways->count * (size_t)stage->settings->repeat,
 				  sizeof(*ways->ms));
@@ -210,7 +197,7 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 	from = &stage->background[stage->frames % BENCH_CAMERA_BUFFERS];
 	switch (way->kind) {
 	case BENCH_THESIS:
-		thesis_run(stage->thesis, from, &stage->out);
+		thesis_run(stage->thesis, from, &stage->out, stage->pool);
 		break;
 	case BENCH_COMPOSITE:
 		return way_composite(way, stage, fault);
@@ -223,13 +210,6 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 	case BENCH_CONVERT:
 		bench_frame_convert(stage->cameras, &stage->out);
 		break;
-	case BENCH_READ: {
-		/* volatile: the compiler must not leave the reading out */
-		volatile uint64_t sum = reading_run(&stage->reading, way->like->bytes, stage->pool);
-
-		(void)sum;
-		break;
-	}
 	case BENCH_COPY:
 		memcpy(stage->out.pixels, from->pixels, from->stride * (size_t)from->height);
 		break;

@@ -8,7 +8,6 @@
 
 #include "app/bench/bench.h"
 #include "app/bench/bench_frame.h"
-#include "app/bench/bench_memory.h"
 #include "hal/compositor/compositor.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/thesis.h"
@@ -25,9 +24,8 @@ struct bench_stage {
 	struct picture background_picture; /* of the present buffer */
 	struct canvas out;		   /* present buffer of the screen; borrowed */
 	unsigned frames;
-	struct thesis *thesis;	     /* NULL: left out */
-	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
-	struct bench_reading reading;
+	struct thesis *thesis;		 /* NULL: left out */
+	struct bench_frame *cameras;	 /* NULL: the basis's lights are no dome's */
 	const struct lighting *lighting; /* the present one */
 	const float (*seen)[3];		 /* member of it that the cameras show */
 	struct light_selection lights;	 /* lights of the present member */
@@ -41,7 +39,6 @@ enum bench_kind {
 	/* The following make no picture of the object: */
 	BENCH_LIGHT,
 	BENCH_CONVERT,
-	BENCH_READ,
 	BENCH_COPY,
 };
 
@@ -52,9 +49,7 @@ struct bench_way {
 	struct compositor *compositor;
 	struct compositor_settings composite;
 	uint64_t bytes; /* bytes of the basis that its last frame read */
-	/* For BENCH_READ: reads as many bytes as that way has read. */
-	const struct bench_way *like;
-	double *ms; /* [repeat]: time of each turn; part of bench_ways.ms */
+	double *ms;	/* [repeat]: time of each turn; part of bench_ways.ms */
 };
 
 struct bench_ways {

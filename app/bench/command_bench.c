@@ -217,10 +217,8 @@ const struct command command_bench = {
 	.details =
 		"One row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in\n"
 		"double precision; the exact layer; the fast one; a whole frame from two YUYV cameras of the\n"
-		"basis's size; only reading as much memory as these did; copying the picture. Errors are the worst\n"
-		"of all that the lighting holds.\n"
+		"basis's size; copying the picture. Errors are the worst of all that the lighting holds.\n"
 		"    x thesis  the thesis's median time over this one\n"
-		"    x bound   the least time over that of only reading as many bytes\n"
 		"    x copy    the least time over that of copying the picture\n"
 		"    PSNR, RMS, max   against double precision, not rounded: 8 bits alone are 58.9 dB\n"
 		"    contrast  mean over the shadow of |ratio - true ratio|, weighted by the light behind it\n"

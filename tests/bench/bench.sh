@@ -174,8 +174,7 @@ mode_rows() {
 		printf '| %s, %dx%d, %d lights, threads %d | %s ' "$2" "$(head_figure "$json" width)" \
 			"$(head_figure "$json" height)" "$(head_figure "$json" lights)" \
 			"$(head_figure "$json" threads)" "$lighting"
-		rounded 2 "$(of 'thesis, double precision' median_ms)" "$(of exact median_ms)" \
-			"$(of exact read_ratio)"
+		rounded 2 "$(of 'thesis, double precision' median_ms)" "$(of exact median_ms)"
 		rounded 3 "$(of fast median_ms)"
 		rounded 0 "$(of fast speedup)"
 		rounded 1 "$(of fast psnr_db)" "$(of fast max)"
@@ -241,9 +240,9 @@ spot() {
 
 modes_table() {
 	: >"$work/sizes.txt"
-	echo "| scene | lighting | thesis ms | exact ms | x read bound | fast ms | x thesis |" \
+	echo "| scene | lighting | thesis ms | exact ms | fast ms | x thesis |" \
 		"PSNR dB | max | contrast | whole frame ms | memcpy ms | frame / memcpy |"
-	echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|"
+	echo "|---|---|---|---|---|---|---|---|---|---|---|---|"
 	[ -n "${wide:-}" ] || spot 9 640x480 64 15
 	if [ -n "${full:-}" ]; then
 		spot 18 640x480 64 9
