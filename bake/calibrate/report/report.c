@@ -44,7 +44,7 @@ static int write_sections(const struct shown *s, struct fault *fault)
 	} sections[] = {
 		{report_figures, true},	   {report_views, false},
 		{report_residuals, true},  {report_parts_of_picture, false},
-		{report_parameters, true}, {report_points, true},
+		{report_parameters, true},
 	};
 	int err = 0;
 

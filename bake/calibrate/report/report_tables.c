@@ -1,15 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of a calibration's report: figures, parts of the picture, parameters, points with the
- * largest residuals. */
-#include <errno.h>
+/* Tables of a calibration's report: figures, parts of the picture, parameters. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/report/report_parts.h"
-
-#define POINTS_SHOWN 20
 
 static int show_table(const struct shown *s, struct report_table *table, struct fault *fault)
 {
@@ -166,63 +161,5 @@ int report_parameters(const struct shown *s, struct fault *fault)
 		"%d numbers were observed, %d are left to judge by: one of them deviates "
 		"by %.3g px. Deviations are standard deviations, to first order. Where the camera was in each view is in calibration.json.",
 		e->residuals, e->freedom, e->sigma);
-	return show_table(s, &table, fault);
-}
-
-/* ---- points ---- */
-
-struct ranked {
-	int point;
-	double length;
-};
-
-static int worst_first(const void *a, const void *b)
-{
-	const struct ranked *x = a, *y = b;
-
-	if (x->length != y->length)
-		return x->length < y->length ? 1 : -1;
-	return (x->point > y->point) - (x->point < y->point);
-}
-
-int report_points(const struct shown *s, struct fault *fault)
-{
-	const struct observations *seen = s->finding->seen;
-	struct ranked *rank = malloc(((size_t)seen->count + 1) * sizeof(*rank));
-	struct report_table table;
-
-	if (!rank)
-		return fault_say(fault, -ENOMEM, "not enough memory for the points");
-	for (int k = 0; k < seen->count; k++) {
-		const double *r = s->residual[k];
-
-		rank[k] = (struct ranked){k, isnan(r[0]) ? INFINITY : hypot(r[0], r[1])};
-	}
-	qsort(rank, (size_t)seen->count, sizeof(*rank), worst_first);
-	report_table_begin(&table, "points");
-	report_table_column(&table, "name", "point", NULL);
-	report_table_column(&table, "view", "view", NULL);
-	report_table_column(&table, "x_px", "x", "px");
-	report_table_column(&table, "y_px", "y", "px");
-	report_table_column(&table, "off_x_px", "off in x", "px");
-	report_table_column(&table, "off_y_px", "off in y", "px");
-	report_table_column(&table, "weight", "weight", NULL);
-	report_table_column(&table, "note", "note", NULL);
-	for (int k = 0; k < seen->count && k < POINTS_SHOWN; k++) {
-		const int n = rank[k].point;
-
-		report_text(&table, "%s", seen->point[n].name);
-		report_number(&table, seen->point[n].view + 1);
-		report_number(&table, seen->point[n].px[0]);
-		report_number(&table, seen->point[n].px[1]);
-		report_number(&table, s->residual[n][0]);
-		report_number(&table, s->residual[n][1]);
-		report_number(&table, s->finding->weight[n]);
-		report_text(&table, isnan(s->residual[n][0]) ? "the model does not see it"
-				    : s->outlier[n]	     ? "outlier"
-							     : "");
-	}
-	free(rank);
-	report_heading(s->page->body, "Points that fit worst");
 	return show_table(s, &table, fault);
 }
