@@ -59,9 +59,8 @@ struct bench_report {
 	int count;
 };
 
-/* Fills in the report: rows of one lighting after the other. -ENOMEM; -EIO: two ways that have to
- * give the same bits do not; what opening the files returns. The report is to be freed in any
- * case. */
+/* Fills in the report: rows of one lighting after the other. -ENOMEM; what opening the files
+ * returns. The report is to be freed in any case. */
 int bench_run(const struct bench_settings *settings, struct bench_report *report,
 	      struct fault *fault);
 void bench_report_free(struct bench_report *report); /* idempotent; zeroed is fine */

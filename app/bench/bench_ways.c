@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
+#include "hal/measure/background.h"
 
 /* ---- the list ---- */
 
@@ -28,13 +29,7 @@ static void add_composite(struct bench_ways *ways, enum bench_kind kind, const c
 	struct bench_way *way = way_add(ways, kind, what, kernel);
 
 	way->compositor = ways->compositors[ways->compositor_count - 1];
-	way->composite = (struct compositor_settings){
-		.mode = mode,
-		.background = {.named = TRANSFER_SRGB},
-		.output = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.object = true,
-	};
+	way->composite = background_settings(mode);
 }
 
 /* Adds all ways of one kernel. */

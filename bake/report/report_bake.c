@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "hal/compositor/compositor.h"
+#include "hal/measure/background.h"
 #include "hal/measure/lightings.h"
 
 void report_bake_close(struct report_bake *bake)
@@ -80,13 +81,7 @@ static void make_precise(void *context, int k, int worker)
 {
 	struct precision *p = context;
 	struct report_bake *bake = p->bake;
-	const struct compositor_settings settings = {
-		.mode = COMPOSITOR_EXACT,
-		.background = {.named = TRANSFER_SRGB},
-		.output = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.object = true,
-	};
+	const struct compositor_settings settings = background_settings(COMPOSITOR_EXACT);
 	const float(*radiance)[3] = (const float(*)[3])(bake->radiance[ESTIMATOR_CELL] +
 							(size_t)k * bake->basis.info.lights);
 	struct light_selection lights = {.count = 0};

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/measure/background.h"
+
 /* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
 #define ROUNDING 0.289
 
@@ -40,11 +42,7 @@ static int runner_create(struct runner *r, struct report_trial *trial,
 			 const struct report_stage *stage, struct fault *fault)
 {
 	const struct report_bake *bake = trial->bake;
-	const struct compositor_settings settings = {.mode = trial->mode,
-						     .background = {.named = TRANSFER_SRGB},
-						     .output = {.named = TRANSFER_SRGB},
-						     .gain = 1,
-						     .object = true};
+	const struct compositor_settings settings = background_settings(trial->mode);
 	const struct compositor_options options = {.pool = NULL};
 	const uint32_t count = bake->basis.info.lights;
 	int err;
@@ -131,11 +129,6 @@ static int time_all(struct runners *all)
 
 /* ---- errors ---- */
 
-static double psnr_of(double rms)
-{
-	return rms > 0 ? fmin(20 * log10(255 / rms), 120) : 120;
-}
-
 static void sum_up(struct report_errors *errors, int lightings)
 {
 	struct composite_error *all = &errors->all;
@@ -149,7 +142,7 @@ static void sum_up(struct report_errors *errors, int lightings)
 		all->contrast += one->contrast / lightings;
 	}
 	all->rms = sqrt(square);
-	all->psnr_db = psnr_of(all->rms);
+	all->psnr_db = error_psnr(all->rms);
 }
 
 static int measure_all(struct runners *all, const struct scope *scope)
@@ -177,7 +170,7 @@ static int measure_all(struct runners *all, const struct scope *scope)
 			truth->rms = sqrt(
 				fmax(truth->rms * truth->rms - at->truth_noise * at->truth_noise,
 				     ROUNDING * ROUNDING));
-			truth->psnr_db = psnr_of(truth->rms);
+			truth->psnr_db = error_psnr(truth->rms);
 		}
 		sum_up(&trial->truth, all->stage->lightings);
 		sum_up(&trial->precise, all->stage->lightings);
