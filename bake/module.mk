@@ -15,7 +15,6 @@ BAKE_SOURCES := \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
-	bake/base/report_table.c \
 	bake/base/strata.c \
 	bake/base/surface.c \
 	bake/base/watch.c \

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the report of inlay bench, for people and for programs. */
+/* Prints what bench has measured. */
 #ifndef INLAY_APP_BENCH_BENCH_PRINT_H
 #define INLAY_APP_BENCH_BENCH_PRINT_H
 
 #include <stdio.h>
 
 #include "app/bench/bench.h"
+#include "hal/base/table.h"
 
-void bench_print_table(const struct bench_report *report, FILE *to);
-
-/* All figures. What does not apply is null in JSON and empty in CSV. */
-void bench_print_json(const struct bench_report *report, FILE *to);
-void bench_print_csv(const struct bench_report *report, FILE *to);
+int bench_print_fill(const struct bench_report *report, struct table *table); /* -ENOMEM */
+void bench_print_text(const struct bench_report *report, const struct table *table, FILE *to);
+void bench_print_json(const struct bench_report *report, const struct table *table, FILE *to);
 
 #endif

@@ -162,6 +162,28 @@ void report_page_abandon(struct report_page *page)
 
 /* ---- parts ---- */
 
+void report_write_escaped(FILE *to, const char *text)
+{
+	for (; *text; text++) {
+		switch (*text) {
+		case '&':
+			fputs("&amp;", to);
+			break;
+		case '<':
+			fputs("&lt;", to);
+			break;
+		case '>':
+			fputs("&gt;", to);
+			break;
+		case '"':
+			fputs("&quot;", to);
+			break;
+		default:
+			fputc(*text, to);
+		}
+	}
+}
+
 static void __attribute__((format(printf, 2, 0)))
 write_formatted(FILE *to, const char *format, va_list list)
 {
@@ -195,13 +217,79 @@ void report_paragraph(FILE *to, const char *format, ...)
 	va_end(list);
 }
 
-int report_page_table(struct report_page *page, const struct report_table *table,
-		      struct fault *fault)
+static void write_heading(const struct table_column *column, FILE *to)
 {
-	const int err = report_table_write_csv(table, page->temporary, fault);
+	fputs("<th scope=\"col\">", to);
+	report_write_escaped(to, column->heading);
+	if (column->unit[0]) {
+		fputs("<br><span class=\"unit\">", to);
+		report_write_escaped(to, column->unit);
+		fputs("</span>", to);
+	}
+	fputs("</th>", to);
+}
+
+static void write_cell(const struct table_cell *cell, FILE *to)
+{
+	char number[32];
+
+	if (cell->text) {
+		fputs("<td>", to);
+		report_write_escaped(to, cell->text);
+	} else {
+		table_rounded(cell->number, number, sizeof(number));
+		fprintf(to, "<td class=\"n\">%s", number);
+	}
+	fputs("</td>", to);
+}
+
+static void write_table(const struct table *t, FILE *to)
+{
+	const int rows = table_rows(t);
+
+	fprintf(to, "<table id=\"%s\">\n<thead><tr>", t->name);
+	for (int c = 0; c < t->columns; c++)
+		if (t->column[c].heading[0])
+			write_heading(&t->column[c], to);
+	fputs("</tr></thead>\n<tbody>\n", to);
+	for (int r = 0; r < rows; r++) {
+		fputs(r == t->marked ? "<tr class=\"used\">" : "<tr>", to);
+		for (int c = 0; c < t->columns; c++)
+			if (t->column[c].heading[0])
+				write_cell(&t->cell[r * t->columns + c], to);
+		fputs("</tr>\n", to);
+	}
+	fputs("</tbody>\n</table>\n", to);
+	fprintf(to, "<p class=\"source\"><a href=\"%s.csv\">%s.csv</a>%s</p>\n", t->name, t->name,
+		t->marked >= 0 ? "; the setting in use is shaded" : "");
+}
+
+static int write_csv(const struct report_page *page, const struct table *table, struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	char path[2 * PATH_MAX];
+	int err;
+
+	if (table->err)
+		return fault_say(fault, table->err, "table %s: %s", table->name,
+				 strerror(-table->err));
+	snprintf(path, sizeof(path), "%s/%s.csv", page->temporary, table->name);
+	err = output_open(&out, path, fault);
+	if (err)
+		return err;
+	table_write_csv(table, out.stream);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
+
+int report_page_table(struct report_page *page, struct table *table, struct fault *fault)
+{
+	const int err = write_csv(page, table, fault);
 
 	if (!err)
-		report_table_write_html(table, page->body);
+		write_table(table, page->body);
+	table_free(table);
 	return err;
 }
 

@@ -10,7 +10,8 @@
 #include <limits.h>
 #include <stdio.h>
 
-#include "bake/base/report_table.h"
+#include "hal/base/fault.h"
+#include "hal/base/table.h"
 #include "hal/image/image.h"
 
 #define REPORT_PAGE_NAME "report.html"
@@ -29,16 +30,16 @@ struct report_page {
  * temporary folder. */
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault);
 
-/* Write an HTML heading or paragraph. The formatted text is escaped. */
+/* Write an HTML heading, paragraph or text. The text is escaped. */
 void report_heading(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void report_write_escaped(FILE *to, const char *text);
 
 /* Show a file of the report in the page, of the MIME type "image/TYPE", which is embedded so that
- * the page can be sent alone; write a table as CSV, or a picture as PNG, and show it. */
+ * the page can be sent alone; write a table as CSV and free it, or a picture as PNG, and show it. */
 int report_page_figure(struct report_page *page, const char *file, const char *type,
 		       const char *caption, struct fault *fault);
-int report_page_table(struct report_page *page, const struct report_table *table,
-		      struct fault *fault);
+int report_page_table(struct report_page *page, struct table *table, struct fault *fault);
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault);
 

@@ -49,57 +49,49 @@ static void describe_use(struct report *r)
 		ceil(used->bake->settings.samples * noise / fmax(other, 0.01 * rms * rms)));
 }
 
-static void add_error_columns(struct report_table *t)
+static void add_error_columns(struct table *t)
 {
-	report_table_column(t, "truth_rms_levels", "RMS", "to truth");
-	report_table_column(t, "truth_psnr_db", NULL, NULL);
-	report_table_column(t, "truth_max_levels", "largest", "levels");
-	report_table_column(t, "truth_contrast_percent", "shadow", "%");
-	report_table_column(t, "double_rms_levels", "RMS", "to double");
-	report_table_column(t, "double_psnr_db", NULL, NULL);
-	report_table_column(t, "double_max_levels", "largest", "levels");
-	report_table_column(t, "double_contrast_percent", NULL, NULL);
+	table_column(t, "truth_rms_levels", "RMS", "to truth");
+	table_column(t, "truth_psnr_db", NULL, NULL);
+	table_column(t, "truth_max_levels", "largest", "levels");
+	table_column(t, "truth_contrast_percent", "shadow", "%");
+	table_column(t, "double_rms_levels", "RMS", "to double");
+	table_column(t, "double_psnr_db", NULL, NULL);
+	table_column(t, "double_max_levels", "largest", "levels");
+	table_column(t, "double_contrast_percent", NULL, NULL);
 }
 
-static void add_error_cells(struct report_table *t, const struct composite_error *truth,
+static void add_error_cells(struct table *t, const struct composite_error *truth,
 			    const struct composite_error *precise)
 {
 	const struct composite_error *const errors[] = {truth, precise};
 
 	for (int k = 0; k < 2; k++) {
-		report_number(t, errors[k]->rms);
-		report_number(t, errors[k]->psnr_db);
-		report_number(t, errors[k]->max);
-		report_number(t, 100 * errors[k]->contrast);
+		table_number(t, errors[k]->rms);
+		table_number(t, errors[k]->psnr_db);
+		table_number(t, errors[k]->max);
+		table_number(t, 100 * errors[k]->contrast);
 	}
-}
-
-static int end_table(struct report *r, struct report_table *t)
-{
-	const int err = report_page_table(&r->page, t, r->fault);
-
-	report_table_free(t);
-	return err;
 }
 
 static int show_surroundings(struct report *r)
 {
-	struct report_table t;
+	struct table t;
 
-	report_table_begin(&t, "surroundings");
-	report_table_column(&t, "surrounding", "surrounding", NULL);
+	table_begin(&t, "surroundings");
+	table_column(&t, "surrounding", "surrounding", NULL);
 	add_error_columns(&t);
-	report_table_column(&t, "truth_noise_levels", "noise", "of truth");
-	report_table_column(&t, "bake_noise_levels", "noise", "of the bake");
+	table_column(&t, "truth_noise_levels", "noise", "of truth");
+	table_column(&t, "bake_noise_levels", "noise", "of the bake");
 	for (int l = 0; l < r->stage.lightings; l++) {
 		const struct report_lighting *lighting = &r->stage.lighting[l];
 
-		report_text(&t, "%s", lighting->name);
+		table_text(&t, "%s", lighting->name);
 		add_error_cells(&t, &r->trial[0].truth.each[l], &r->trial[0].precise.each[l]);
-		report_number(&t, lighting->truth_noise);
-		report_number(&t, lighting->bake_noise);
+		table_number(&t, lighting->truth_noise);
+		table_number(&t, lighting->bake_noise);
 	}
-	return end_table(r, &t);
+	return report_page_table(&r->page, &t, r->fault);
 }
 
 /* ---- all ways ---- */
@@ -141,67 +133,67 @@ static int show_front(struct report *r, const bool *front)
 }
 
 static void add_row(const struct report *r, const struct report_trial *trial, bool front,
-		    struct report_table *t)
+		    struct table *t)
 {
 	const struct report_bake *bake = trial->bake;
 	const struct basis_info_chunk *info = &bake->basis.info;
 
-	report_text(t, "%s", trial->name);
-	report_number(t, info->lights);
-	report_number(t, bake->settings.frequency);
-	report_text(t, "%s", trial->mode == COMPOSITOR_EXACT ? "exact" : "fast");
-	report_number(t, bake->seconds);
-	report_number(t, basis_mb(trial));
-	report_number(t, trial->ms.median);
-	report_number(t, trial->ms.low);
-	report_number(t, trial->ms.high);
-	report_number(t, trial->read_mb);
-	report_number(t, trial->used_percent);
+	table_text(t, "%s", trial->name);
+	table_number(t, info->lights);
+	table_number(t, bake->settings.frequency);
+	table_text(t, "%s", trial->mode == COMPOSITOR_EXACT ? "exact" : "fast");
+	table_number(t, bake->seconds);
+	table_number(t, basis_mb(trial));
+	table_number(t, trial->ms.median);
+	table_number(t, trial->ms.low);
+	table_number(t, trial->ms.high);
+	table_number(t, trial->read_mb);
+	table_number(t, trial->used_percent);
 	add_error_cells(t, &trial->truth.all, &trial->precise.all);
-	report_number(t, info->sky_rms);
-	report_number(t, info->cell_rms);
+	table_number(t, info->sky_rms);
+	table_number(t, info->cell_rms);
 	for (int l = 0; l < r->stage.lightings; l++) {
-		report_number(t, trial->truth.each[l].rms);
-		report_number(t, trial->precise.each[l].rms);
+		table_number(t, trial->truth.each[l].rms);
+		table_number(t, trial->precise.each[l].rms);
 	}
-	report_number(t, hidden_levels(r));
-	report_text(t, "%s", front ? "yes" : "");
+	table_number(t, hidden_levels(r));
+	table_text(t, "%s", front ? "yes" : "");
 	if (trial == r->trial)
-		report_table_mark(t);
+		table_mark(t);
 }
 
 static int show_settings(struct report *r, const bool *front)
 {
-	struct report_table t;
+	struct table t;
 
-	report_table_begin(&t, "settings");
-	report_table_column(&t, "setting", "setting", NULL);
-	report_table_column(&t, "lights", "lights", NULL);
-	report_table_column(&t, "frequency", NULL, NULL);
-	report_table_column(&t, "way", NULL, NULL);
-	report_table_column(&t, "bake_s", "bake", "processor s");
-	report_table_column(&t, "basis_mb", "basis", "MB");
-	report_table_column(&t, "median_ms", "time", "ms");
-	report_table_column(&t, "low_ms", "1st quartile", "ms");
-	report_table_column(&t, "high_ms", "3rd", "ms");
-	report_table_column(&t, "read_mb", "read", "MB");
-	report_table_column(&t, "lights_used_percent", "lights", "% used");
+	table_begin(&t, "settings");
+	table_column(&t, "setting", "setting", NULL);
+	table_column(&t, "lights", "lights", NULL);
+	table_column(&t, "frequency", NULL, NULL);
+	table_column(&t, "way", NULL, NULL);
+	table_column(&t, "bake_s", "bake", "processor s");
+	table_column(&t, "basis_mb", "basis", "MB");
+	table_column(&t, "median_ms", "time", "ms");
+	table_column(&t, "low_ms", "1st quartile", "ms");
+	table_column(&t, "high_ms", "3rd", "ms");
+	table_column(&t, "read_mb", "read", "MB");
+	table_column(&t, "lights_used_percent", "lights", "% used");
 	add_error_columns(&t);
-	report_table_column(&t, "declared_sky_rms", NULL, NULL);
-	report_table_column(&t, "declared_cell_rms", NULL, NULL);
+	table_column(&t, "declared_sky_rms", NULL, NULL);
+	table_column(&t, "declared_cell_rms", NULL, NULL);
 	for (int l = 0; l < r->stage.lightings; l++) {
 		char key[80];
 
 		snprintf(key, sizeof(key), "truth_rms_levels:%.60s", r->stage.lighting[l].name);
-		report_table_column(&t, key, NULL, NULL);
+		table_column(&t, key, NULL, NULL);
 		snprintf(key, sizeof(key), "double_rms_levels:%.60s", r->stage.lighting[l].name);
-		report_table_column(&t, key, NULL, NULL);
+		table_column(&t, key, NULL, NULL);
 	}
-	report_table_column(&t, "noise_levels", NULL, NULL);
-	report_table_column(&t, "front", "Pareto front", NULL);
+	table_column(&t, "noise_levels", NULL, NULL);
+	table_column(&t, "front", "Pareto front", NULL);
 	for (int k = 0; k < r->trials; k++)
 		add_row(r, &r->trial[k], front[k], &t);
-	return end_table(r, &t);
+	return report_page_table(&r->page, &t, r->fault);
 }
 
 /* ---- pictures ---- */

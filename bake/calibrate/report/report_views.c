@@ -141,27 +141,24 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 static int write_view_table(const struct shown *s, struct fault *fault)
 {
 	const struct observations *seen = s->finding->seen;
-	struct report_table table;
-	int err;
+	struct table table;
 
-	report_table_begin(&table, "views");
-	report_table_column(&table, "view", "view", NULL);
-	report_table_column(&table, "file", "file", NULL);
-	report_table_column(&table, "points", "points", NULL);
-	report_table_column(&table, "rms_px", "RMS", "px");
-	report_table_column(&table, "worst_px", "at most", "px");
-	report_table_column(&table, "outliers", "outliers", NULL);
+	table_begin(&table, "views");
+	table_column(&table, "view", "view", NULL);
+	table_column(&table, "file", "file", NULL);
+	table_column(&table, "points", "points", NULL);
+	table_column(&table, "rms_px", "RMS", "px");
+	table_column(&table, "worst_px", "at most", "px");
+	table_column(&table, "outliers", "outliers", NULL);
 	for (int v = 0; v < seen->views; v++) {
-		report_number(&table, v + 1);
-		report_text(&table, "%s", seen->view[v].name);
-		report_number(&table, seen->view[v].count);
-		report_number(&table, s->view[v].rms);
-		report_number(&table, s->view[v].worst);
-		report_number(&table, s->view[v].outliers);
+		table_number(&table, v + 1);
+		table_text(&table, "%s", seen->view[v].name);
+		table_number(&table, seen->view[v].count);
+		table_number(&table, s->view[v].rms);
+		table_number(&table, s->view[v].worst);
+		table_number(&table, s->view[v].outliers);
 	}
-	err = report_page_table(s->page, &table, fault);
-	report_table_free(&table);
-	return err;
+	return report_page_table(s->page, &table, fault);
 }
 
 int report_views(const struct shown *s, struct fault *fault)

@@ -424,6 +424,7 @@ TEST("without model")
 	write_report("none", &f, NULL);
 	assert_holds("none", "report.html", "No model was found.");
 	assert_holds("none", "report.html", "View 2, board&lt;1&gt;&amp;.png: 12 points.");
+	assert_holds("none", "report.html", "<td>board&lt;1&gt;&amp;.png</td>");
 	assert_holds("none", "calibration.json", "\"residual_px\": [null, null]");
 	assert_holds("none", "calibration.json", "\"rms_px\": null");
 	assert_int_equal(files("none", "view-"), 2);
