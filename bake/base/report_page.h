@@ -35,8 +35,8 @@ void report_heading(FILE *to, const char *format, ...) __attribute__((format(pri
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_write_escaped(FILE *to, const char *text);
 
-/* Show a file of the report in the page, of the MIME type "image/TYPE", which is embedded so that
- * the page can be sent alone; write a table as CSV and free it, or a picture as PNG, and show it. */
+/* Show a file of the report in the page, of the MIME type "image/TYPE", embedded so that the page
+ * can be sent alone; write a table as CSV and free it, or a picture as PNG, and show it. */
 int report_page_figure(struct report_page *page, const char *file, const char *type,
 		       const char *caption, struct fault *fault);
 int report_page_table(struct report_page *page, struct table *table, struct fault *fault);

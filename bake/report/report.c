@@ -237,7 +237,7 @@ static void add_other_ways(struct report *r)
 
 	add_trial(r, used, "estimator = node")->estimator = ESTIMATOR_NODE;
 	for (size_t k = 0; k < COUNT(cuts); k++) {
-		/* a multiple of a thousandth where nothing is cut; at most what a scene may ask for */
+		/* of a thousandth where nothing is cut; at most what a scene may ask for */
 		const double cut = fmin(cuts[k] * (own > 0 ? own : 1e-3), 0.1);
 
 		snprintf(name, sizeof(name), "column_cut = %.2g", cut);

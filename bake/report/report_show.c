@@ -264,8 +264,7 @@ static void show_method(struct report *r)
 	report_heading(r->page.body, "How was it measured?");
 	report_paragraph(
 		r->page.body,
-		"inlay-bake %s, kernel %s. Pictures of %d x %d pixels; %ld of them changed by the "
-		"object, of which %ld show shadow alone; times grow with that number.%s%s%s",
+		"inlay-bake %s, kernel %s. Pictures of %d x %d pixels; %ld of them changed by the object, of which %ld show shadow alone.%s%s%s",
 		INLAY_VERSION, kernels_choose(NULL)->name, stage->width, stage->height,
 		r->scope.objects + r->scope.shadows, r->scope.shadows,
 		r->settings->pose ? " Pose: " : "", r->settings->pose ? r->settings->pose : "",
@@ -281,8 +280,8 @@ static void show_method(struct report *r)
 		r->page.body,
 		"Errors are in 8-bit sRGB levels over the pixels that the object changes, in all "
 		"surroundings; shadow is the mean error of the shadow's ratio, weighted by the "
-		"light behind it. Double precision is of the exact layer with all lights and not "
-		"rounded: 8 bits alone are 0.29 levels. Truth is path traced without lights, basis "
+		"light behind it. Double precision is of the exact layer with all lights, read as "
+		"means over their cells, and not rounded: 8 bits alone are 0.29 levels. Truth is path traced without lights, basis "
 		"or compositor, %d samples a pixel in two halves, whose difference tells its "
 		"noise, %.2g levels, of which RMS is free. Errors count as equal if their squares "
 		"differ by no more than the square of %.2g levels, which that noise and the bake's "

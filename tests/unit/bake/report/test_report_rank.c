@@ -11,7 +11,7 @@ static struct report_result result(double ms, double rms)
 		.ms = ms, .ms_low = 0.98 * ms, .ms_high = 1.02 * ms, .rms = rms};
 }
 
-/* Of two choices the second is beaten. */
+/* Whether a beats b. */
 static bool beats(struct report_result a, struct report_result b, double noise)
 {
 	const struct report_result both[] = {a, b};
