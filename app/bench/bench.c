@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/bench/bench_print.h"
 #include "app/bench/bench_truth.h"
 #include "app/bench/bench_ways.h"
 #include "hal/base/log.h"
@@ -14,51 +15,38 @@
 
 /* ---- rows ---- */
 
-/* The way of this kind; NULL: there is none. */
-static const struct bench_way *find_way(const struct bench_ways *ways, enum bench_kind kind)
+/* Sorts the times of a way. 0: there is none of this kind. */
+static struct turns_spread spread_of(const struct bench_ways *ways, enum bench_kind kind,
+				     int repeat)
 {
 	for (int k = 0; k < ways->count; k++)
 		if (ways->way[k].kind == kind)
-			return &ways->way[k];
-	return NULL;
-}
-
-/* Fills in what compares a way's times with those of others. */
-static void fill_row(struct bench_way *way, const struct bench_ways *ways,
-		     const struct bench_stage *stage)
-{
-	const struct bench_way *thesis = find_way(ways, BENCH_THESIS);
-	const struct bench_way *copy = find_way(ways, BENCH_COPY);
-	struct bench_row *row = &way->row;
-
-	snprintf(row->lighting, sizeof(row->lighting), "%s", stage->lighting->name);
-	row->basis_mb = (double)way->bytes / 1e6;
-	row->speedup = thesis && thesis != way && bench_way_shows(way)
-			       ? thesis->row.median_ms / row->median_ms
-			       : 0;
-	row->copies = row->least_ms / copy->row.least_ms;
+			return turns_spread(ways->way[k].ms, repeat);
+	return (struct turns_spread){.median = 0};
 }
 
 static int take_rows(struct bench_report *report, struct bench_ways *ways,
 		     const struct bench_stage *stage, struct fault *fault)
 {
-	const size_t count = (size_t)(report->count + ways->count);
-	struct bench_row *row = realloc(report->row, count * sizeof(*row));
+	const int repeat = report->repeat;
+	const double thesis_ms = spread_of(ways, BENCH_THESIS, repeat).median;
+	const double copy_ms = spread_of(ways, BENCH_COPY, repeat).least;
 
-	if (!row)
-		return fault_say(fault, -ENOMEM, "not enough memory");
-	report->row = row;
 	for (int k = 0; k < ways->count; k++) {
-		struct bench_way *way = &ways->way[k];
+		const struct bench_way *way = &ways->way[k];
+		const struct turns_spread ms = turns_spread(way->ms, repeat);
+		struct bench_row row = way->row;
 
-		way->row.median_ms = turns_median(way->ms, report->repeat);
-		way->row.least_ms = way->ms[0];
+		row.lighting = stage->lighting->name;
+		row.basis_mb = (double)way->bytes / 1e6;
+		row.median_ms = ms.median;
+		row.least_ms = ms.least;
+		row.copies = ms.least / copy_ms;
+		if (way->kind != BENCH_THESIS && bench_way_shows(way))
+			row.speedup = thesis_ms / ms.median;
+		bench_print_row(&report->rows, &row);
 	}
-	for (int k = 0; k < ways->count; k++) {
-		fill_row(&ways->way[k], ways, stage);
-		report->row[report->count++] = ways->way[k].row;
-	}
-	return 0;
+	return report->rows.err ? fault_say(fault, report->rows.err, "not enough memory") : 0;
 }
 
 /* ---- timing ---- */
@@ -93,14 +81,6 @@ static int round_run(void *context, int way)
 	return bench_way_run(&round->ways->way[way], round->stage, round->fault);
 }
 
-static bool round_is_alone(void *context, int way)
-{
-	const struct round *round = context;
-
-	(void)way;
-	return pool_threads(round->stage->pool) == 1;
-}
-
 static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
 {
 	struct round round = {.ways = ways, .stage = stage, .turn = -1, .fault = fault};
@@ -109,7 +89,7 @@ static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct f
 			      .repeat = stage->settings->repeat,
 			      .prepare = round_prepare,
 			      .run = round_run,
-			      .is_alone = round_is_alone};
+			      .shared = pool_threads(stage->pool) > 1};
 	const int err = turns_time(&turns, ways->ms);
 
 	stage->timed_ns += turns.timed_ns;
@@ -263,7 +243,8 @@ int bench_run(const struct bench_settings *settings, struct bench_report *report
 	struct pool *all = NULL;
 	int err;
 
-	*report = (struct bench_report){.count = 0};
+	*report = (struct bench_report){.width = 0};
+	bench_print_begin(&report->rows);
 	err = basis_open(&basis, settings->basis, BASIS_ALL, fault);
 	if (err)
 		return err;
@@ -284,10 +265,4 @@ int bench_run(const struct bench_settings *settings, struct bench_report *report
 	lightings_free(&lightings);
 	basis_close(&basis);
 	return err;
-}
-
-void bench_report_free(struct bench_report *report)
-{
-	free(report->row);
-	*report = (struct bench_report){.row = NULL};
 }

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
+#include "hal/base/table.h"
 #include "hal/measure/error.h"
 
 #define BENCH_FILES_MAX 16
@@ -34,9 +35,7 @@ struct bench_settings {
 
 /* A way to make the picture, under one lighting. Figures that do not apply are 0. */
 struct bench_row {
-	char lighting[64];
-	char what[48];
-	char kernel[24];
+	const char *lighting, *what, *kernel;
 	int lights; /* lights in use, for one member of the lighting; -1: does not apply */
 	double median_ms, least_ms;
 	double speedup;	 /* the thesis's median over this one */
@@ -55,14 +54,12 @@ struct bench_report {
 	/* Share of the timed turns in which the calling thread did not run. With one thread, that
 	 * time is not counted, but the programs that ran use caches and memory, too. */
 	double waited;
-	struct bench_row *row;
-	int count;
+	struct table rows; /* of one lighting after the other; to be freed */
 };
 
-/* Fills in the report: rows of one lighting after the other. -ENOMEM; what opening the files
- * returns. The report is to be freed in any case. */
+/* Fills in the report. -ENOMEM; what opening the files returns. Its table is to be freed in any
+ * case. */
 int bench_run(const struct bench_settings *settings, struct bench_report *report,
 	      struct fault *fault);
-void bench_report_free(struct bench_report *report); /* idempotent; zeroed is fine */
 
 #endif

@@ -11,7 +11,7 @@ static double applies(double value)
 	return value > 0 ? value : NAN;
 }
 
-int bench_print_fill(const struct bench_report *r, struct table *t)
+void bench_print_begin(struct table *t)
 {
 	table_begin(t, "rows");
 	table_column(t, "lighting", NULL, NULL);
@@ -28,29 +28,27 @@ int bench_print_fill(const struct bench_report *r, struct table *t)
 	table_column(t, "max", "max", NULL);
 	table_column(t, "frame_psnr_db", NULL, NULL);
 	table_column(t, "contrast", "contrast", NULL);
-	for (int k = 0; k < r->count; k++) {
-		const struct bench_row *row = &r->row[k];
-		const struct composite_error *e = &row->error;
-		const double figures[] = {row->lights >= 0 ? row->lights : NAN,
-					  applies(row->median_ms),
-					  applies(row->least_ms),
-					  applies(row->speedup),
-					  applies(row->basis_mb),
-					  applies(row->copies)};
-		const double errors[] = {e->psnr_db, e->rms, e->max, e->frame_psnr_db, e->contrast};
-
-		table_text(t, "%s", row->lighting);
-		table_text(t, "%s", row->what);
-		table_text(t, "%s", row->kernel);
-		for (size_t n = 0; n < sizeof(figures) / sizeof(*figures); n++)
-			table_number(t, figures[n]);
-		for (size_t n = 0; n < sizeof(errors) / sizeof(*errors); n++)
-			table_number(t, row->has_error ? errors[n] : NAN);
-	}
-	return t->err;
 }
 
-void bench_print_text(const struct bench_report *r, const struct table *t, FILE *to)
+void bench_print_row(struct table *t, const struct bench_row *row)
+{
+	const struct composite_error *e = &row->error;
+	const double figures[] = {applies(row->median_ms), applies(row->least_ms),
+				  applies(row->speedup), applies(row->basis_mb),
+				  applies(row->copies)};
+	const double errors[] = {e->psnr_db, e->rms, e->max, e->frame_psnr_db, e->contrast};
+
+	table_text(t, "%s", row->lighting);
+	table_text(t, "%s", row->what);
+	table_text(t, "%s", row->kernel);
+	table_number(t, row->lights >= 0 ? row->lights : NAN);
+	for (size_t n = 0; n < sizeof(figures) / sizeof(*figures); n++)
+		table_number(t, figures[n]);
+	for (size_t n = 0; n < sizeof(errors) / sizeof(*errors); n++)
+		table_number(t, row->has_error ? errors[n] : NAN);
+}
+
+void bench_print_text(const struct bench_report *r, FILE *to)
 {
 	fprintf(to,
 		"%s: %dx%d, %d lights; %ld pixels of the object, %ld of its shadow\n"
@@ -64,10 +62,10 @@ void bench_print_text(const struct bench_report *r, const struct table *t, FILE 
 			"the machine was busy: others had the processor in %.0f %% of the time; that is not counted, but they\n"
 			"use caches and memory too, so that times are longer than on an idle machine\n",
 			100 * r->waited);
-	table_write_text(t, to);
+	table_write_text(&r->rows, to);
 }
 
-void bench_print_json(const struct bench_report *r, const struct table *t, FILE *to)
+void bench_print_json(const struct bench_report *r, FILE *to)
 {
 	struct json json;
 
@@ -85,6 +83,6 @@ void bench_print_json(const struct bench_report *r, const struct table *t, FILE 
 	json_number(&json, "repeat", r->repeat);
 	json_text(&json, "truth", r->truth);
 	json_number(&json, "waited", r->waited);
-	table_write_json(t, &json);
+	table_write_json(&r->rows, &json);
 	json_end(&json);
 }

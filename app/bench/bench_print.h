@@ -6,10 +6,11 @@
 #include <stdio.h>
 
 #include "app/bench/bench.h"
-#include "hal/base/table.h"
 
-int bench_print_fill(const struct bench_report *report, struct table *table); /* -ENOMEM */
-void bench_print_text(const struct bench_report *report, const struct table *table, FILE *to);
-void bench_print_json(const struct bench_report *report, const struct table *table, FILE *to);
+void bench_print_begin(struct table *table); /* the columns of rows */
+void bench_print_row(struct table *table, const struct bench_row *row);
+
+void bench_print_text(const struct bench_report *report, FILE *to);
+void bench_print_json(const struct bench_report *report, FILE *to);
 
 #endif

@@ -2,7 +2,6 @@
 #include "app/bench/bench_ways.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,9 +15,8 @@ static struct bench_way *way_add(struct bench_ways *ways, enum bench_kind kind, 
 {
 	struct bench_way *way = &ways->way[ways->count++];
 
-	*way = (struct bench_way){.kind = kind, .row = {.lights = -1}};
-	snprintf(way->row.what, sizeof(way->row.what), "%s", what);
-	snprintf(way->row.kernel, sizeof(way->row.kernel), "%s", kernel);
+	*way = (struct bench_way){.kind = kind,
+				  .row = {.what = what, .kernel = kernel, .lights = -1}};
 	return way;
 }
 

@@ -172,26 +172,22 @@ static const struct option_row rows[] = {
  * work. */
 static int run_bench(const struct bench_options *options, struct fault *fault)
 {
-	struct bench_report report = {.row = NULL};
-	struct table table = {.cells = 0};
+	struct bench_report report = {.width = 0};
 	struct output csv = {.stream = NULL};
 	int err = options->csv ? output_open(&csv, options->csv, fault) : 0;
 
 	if (!err)
 		err = bench_run(&options->settings, &report, fault);
-	if (!err && bench_print_fill(&report, &table))
-		err = fault_say(fault, -ENOMEM, "not enough memory for the table");
 	if (!err && options->csv) {
-		table_write_csv(&table, csv.stream);
+		table_write_csv(&report.rows, csv.stream);
 		err = output_commit(&csv, fault);
 	}
 	if (!err && options->json)
-		bench_print_json(&report, &table, stdout);
+		bench_print_json(&report, stdout);
 	else if (!err)
-		bench_print_text(&report, &table, stdout);
-	table_free(&table);
+		bench_print_text(&report, stdout);
+	table_free(&report.rows);
 	output_abandon(&csv);
-	bench_report_free(&report);
 	return err;
 }
 

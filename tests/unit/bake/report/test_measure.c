@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What bench and report measure with: runs in turn, medians. */
+/* What bench and report measure with: runs in turn, quartiles. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,20 +46,13 @@ static int test_measure_run(void *context, int way)
 	return way == log->fails_at ? -5 : 0;
 }
 
-static bool is_alone(void *context, int way)
-{
-	(void)context;
-	return way != 1;
-}
-
 static struct turns turns_of(struct log *log)
 {
 	return (struct turns){.context = log,
 			      .ways = WAYS,
 			      .repeat = REPEAT,
 			      .prepare = test_measure_prepare,
-			      .run = test_measure_run,
-			      .is_alone = is_alone};
+			      .run = test_measure_run};
 }
 
 TEST("ways take turns")
@@ -81,7 +74,12 @@ TEST("ways take turns")
 	/* a sleeping way: the clock goes on, the processor does other work */
 	assert_true(turns.timed_ns >= REPEAT * 2 * NS_PER_MS);
 	assert_true(turns.ran_ns < turns.timed_ns);
-	assert_true(turns_median(ms + (ptrdiff_t)2 * REPEAT, REPEAT) < 2);
+	assert_true(turns_spread(ms + (ptrdiff_t)2 * REPEAT, REPEAT).median < 2);
+	turns.shared = true;
+	turns.timed_ns = 0;
+	assert_int_equal(turns_time(&turns, ms), 0);
+	assert_true(turns.timed_ns == 0);
+	assert_true(turns_spread(ms + (ptrdiff_t)2 * REPEAT, REPEAT).low >= 2);
 }
 
 TEST("a failure ends all")
@@ -93,15 +91,6 @@ TEST("a failure ends all")
 	assert_int_equal(turns_time(&turns, ms), -5);
 	assert_int_equal(log.ran[1], 1);
 	assert_int_equal(log.ran[2], 0);
-}
-
-TEST("the median is in the middle")
-{
-	double odd[] = {9, 1, 5}, even[] = {8, 2, 100, 4}, one[] = {7};
-
-	assert_true(turns_median(odd, 3) == 5);
-	assert_true(turns_median(even, 4) == 6);
-	assert_true(turns_median(one, 1) == 7);
 }
 
 TEST("half of the times are between the quartiles")
