@@ -44,7 +44,7 @@ static void fill(struct table *table)
 	table_number(table, 6);
 	table_mark(table);
 	table_text(table, "second");
-	table_text(table, "c");
+	table_text(table, "c, d");
 	table_number(table, 1000);
 	table_number(table, INFINITY);
 }
@@ -72,12 +72,12 @@ TEST("tables keep what they are given")
 		"group,name,value_ms,hidden\n"
 		"first,\"a, \"\"b\"\"\",1.234568,5\n"
 		"first,plain,,6\n"
-		"second,c,1000,\n"
+		"second,\"c, d\",1000,\n"
 		"{\"rows\": [{\"group\": \"first\", \"name\": \"a, \\\"b\\\"\", \"value_ms\": 1.23456789, \"hidden\": 5}, "
 		"{\"group\": \"first\", \"name\": \"plain\", \"value_ms\": null, \"hidden\": 6}, "
-		"{\"group\": \"second\", \"name\": \"c\", \"value_ms\": 1000, \"hidden\": null}]}\n"
+		"{\"group\": \"second\", \"name\": \"c, d\", \"value_ms\": 1000, \"hidden\": null}]}\n"
 		"\nfirst\nname    time\na, \"b\"  1.23\nplain      -\n"
-		"\nsecond\nname    time\nc       1000\n");
+		"\nsecond\nname    time\nc, d    1000\n");
 	free(text);
 	table_free(&table);
 }
