@@ -14,8 +14,6 @@ APP_SOURCES := \
 	app/still.c \
 	app/bench/bench.c \
 	app/bench/bench_frame.c \
-	app/bench/bench_look.c \
-	app/bench/bench_memory.c \
 	app/bench/bench_print.c \
 	app/bench/bench_truth.c \
 	app/bench/bench_ways.c \

@@ -13,8 +13,6 @@ BAKE_SOURCES := \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
-	bake/base/report_plot.c \
-	bake/base/report_table.c \
 	bake/base/strata.c \
 	bake/base/surface.c \
 	bake/base/watch.c \
@@ -75,17 +73,12 @@ BAKE_SOURCES := \
 	bake/preview/preview_command.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \
-	bake/report/report_choices.c \
 	bake/report/report_command.c \
-	bake/report/report_error.c \
 	bake/report/report_lighting.c \
-	bake/report/report_lights.c \
-	bake/report/report_parts.c \
-	bake/report/report_pictures.c \
+	bake/report/report_plot.c \
 	bake/report/report_rank.c \
-	bake/report/report_samples.c \
+	bake/report/report_show.c \
 	bake/report/report_sky.c \
-	bake/report/report_summary.c \
 	bake/report/report_trial.c \
 	bake/scene/footprint.c \
 	bake/scene/keyframes.c \

@@ -86,22 +86,22 @@ static const struct option_row rows[] = {
  * work. */
 static int run_bench(const struct bench_options *options, struct fault *fault)
 {
-	struct bench_report report = {.row = NULL};
+	struct bench_report report = {.width = 0};
 	struct output csv = {.stream = NULL};
 	int err = options->csv ? output_open(&csv, options->csv, fault) : 0;
 
 	if (!err)
 		err = bench_run(&options->settings, &report, fault);
 	if (!err && options->csv) {
-		bench_print_csv(&report, csv.stream);
+		table_write_csv(&report.rows, csv.stream);
 		err = output_commit(&csv, fault);
 	}
 	if (!err && options->json)
 		bench_print_json(&report, stdout);
 	else if (!err)
-		bench_print_table(&report, stdout);
+		bench_print_text(&report, stdout);
+	table_free(&report.rows);
 	output_abandon(&csv);
-	bench_report_free(&report);
 	return err;
 }
 
@@ -126,12 +126,14 @@ const struct command command_bench = {
 	.name = "bench",
 	.usage = "--basis FILE [--lights FILE]... [--panorama FILE]... [options]",
 	.summary = "what a picture of a basis takes, and how exact it is, beside the thesis's way",
-	.help = "\nOne row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in\n"
-		"double precision; the exact layer; the fast one, whole and where lights change from picture to\n"
-		"picture; a whole frame from two YUYV cameras of the basis's size; only reading as much memory as\n"
-		"these did; copying the picture. Errors are the worst of all that the lighting holds.\n"
+	.help = "
+One row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in
+"
+		"double precision; the exact layer; the fast one; a whole frame from two YUYV cameras of the
+"
+		"basis's size; copying the picture. Errors are the worst of all that the lighting holds.
+"
 		"    x thesis  the thesis's median time over this one\n"
-		"    x bound   the least time over that of only reading as many bytes\n"
 		"    x copy    the least time over that of copying the picture\n"
 		"    PSNR, RMS, max   against double precision, not rounded: 8 bits alone are 58.9 dB\n"
 		"    contrast  mean over the shadow of |ratio - true ratio|, weighted by the light behind it\n"
