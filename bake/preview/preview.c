@@ -109,7 +109,6 @@ static int sample_fisheye(const char *path, const struct config_fisheye *fisheye
 			  const struct dome *dome, float (*radiance)[3], struct fault *fault)
 {
 	struct light_sampler_settings settings = {
-		.estimator = (enum light_estimator)fisheye->estimator,
 		.curve = config_fisheye_curve(fisheye),
 		.gain = response_gain(&fisheye->measured, fisheye->gain),
 	};

@@ -81,11 +81,9 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 
 void report_bake_close(struct report_bake *bake)
 {
-	for (int k = 0; k < ESTIMATOR_COUNT; k++) {
-		free(bake->radiance[k]);
-		for (int l = 0; l < REPORT_LIGHTINGS_MAX; l++)
-			free(bake->precise[k][l]);
-	}
+	free(bake->radiance);
+	for (int l = 0; l < REPORT_LIGHTINGS_MAX; l++)
+		free(bake->precise[l]);
 	dome_free(&bake->dome);
 	basis_close(&bake->basis);
 	*bake = (struct report_bake){.exact = false};
@@ -108,10 +106,9 @@ double report_bake_seconds(const struct report_bake *bake)
 /* ---- light ---- */
 
 static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
-			 enum light_estimator estimator, struct fault *fault)
+			 struct fault *fault)
 {
 	const struct light_sampler_settings settings = {
-		.estimator = estimator,
 		.placed = true,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = 1,
@@ -129,29 +126,27 @@ static int make_radiance(struct report_bake *bake, const struct report_stage *st
 					   fault);
 	if (err)
 		return err;
-	bake->radiance[estimator] = calloc((size_t)stage->lightings * bake->basis.info.lights,
-					   sizeof(*bake->radiance[estimator]));
-	err = bake->radiance[estimator] ? 0 : -ENOMEM;
+	bake->radiance = calloc((size_t)stage->lightings * bake->basis.info.lights,
+				sizeof(*bake->radiance));
+	err = bake->radiance ? 0 : -ENOMEM;
 	for (int k = 0; !err && k < stage->lightings; k++)
 		err = light_sampler_read_linear(sampler, &stage->lighting[k].fisheye,
-						bake->radiance[estimator] +
+						bake->radiance +
 							(size_t)k * bake->basis.info.lights);
 	light_sampler_destroy(sampler);
 	if (!err)
 		return 0;
-	free(bake->radiance[estimator]);
-	bake->radiance[estimator] = NULL;
+	free(bake->radiance);
+	bake->radiance = NULL;
 	return fault_say(fault, err, "the lights cannot be read: %s", strerror(-err));
 }
 
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum light_estimator estimator, int lighting,
-				   struct fault *fault))[3]
+				   int lighting, struct fault *fault))[3]
 {
-	if (!bake->radiance[estimator] && make_radiance(bake, stage, estimator, fault))
+	if (!bake->radiance && make_radiance(bake, stage, fault))
 		return NULL;
-	return (const float(*)[3])(bake->radiance[estimator] +
-				   (size_t)lighting * bake->basis.info.lights);
+	return (const float(*)[3])(bake->radiance + (size_t)lighting * bake->basis.info.lights);
 }
 
 /* ---- double precision ---- */
@@ -160,7 +155,6 @@ const float (*report_bake_radiance(struct report_bake *bake, const struct report
 struct precision {
 	struct report_bake *bake;
 	const struct report_stage *stage;
-	enum light_estimator estimator;
 	int err[REPORT_LIGHTINGS_MAX];
 };
 
@@ -182,7 +176,7 @@ static void make_precise(void *context, int k, int worker)
 	p->err[k] = out ? light_selection_create(&lights, &p->bake->basis) : -ENOMEM;
 	if (!p->err[k]) {
 		light_selection_choose(&lights, &p->bake->basis, 0,
-				       (const float(*)[3])(p->bake->radiance[p->estimator] +
+				       (const float(*)[3])(p->bake->radiance +
 							   (size_t)k * p->bake->basis.info.lights),
 				       0, THRESHOLD_DROP, 1);
 		p->err[k] = compositor_reference(&p->bake->basis, 0, &settings, &lights,
@@ -192,19 +186,19 @@ static void make_precise(void *context, int k, int worker)
 	if (p->err[k])
 		free(out);
 	else
-		p->bake->precise[p->estimator][k] = out;
+		p->bake->precise[k] = out;
 }
 
 const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum light_estimator estimator, int lighting, struct fault *fault)
+				  int lighting, struct fault *fault)
 {
-	struct precision p = {.bake = bake, .stage = stage, .estimator = estimator};
+	struct precision p = {.bake = bake, .stage = stage};
 
 	if (bake->reference)
-		return report_bake_precise(bake->reference, stage, estimator, lighting, fault);
-	if (bake->precise[estimator][lighting])
-		return bake->precise[estimator][lighting];
-	if (!report_bake_radiance(bake, stage, estimator, 0, fault))
+		return report_bake_precise(bake->reference, stage, lighting, fault);
+	if (bake->precise[lighting])
+		return bake->precise[lighting];
+	if (!report_bake_radiance(bake, stage, 0, fault))
 		return NULL;
 	pool_run(stage->all, stage->lightings, make_precise, &p);
 	for (int k = 0; k < stage->lightings; k++) {
@@ -213,5 +207,5 @@ const double *report_bake_precise(struct report_bake *bake, const struct report_
 		fault_say(fault, p.err[k], "double precision: %s", strerror(-p.err[k]));
 		return NULL;
 	}
-	return bake->precise[estimator][lighting];
+	return bake->precise[lighting];
 }

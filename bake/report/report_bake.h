@@ -31,8 +31,8 @@ struct report_bake {
 	double patterns, columns; /* of the shown layer, means over its pixels */
 	/* made on first use: */
 	struct dome dome;
-	float (*radiance[ESTIMATOR_COUNT])[3];			/* [lightings][lights] */
-	double *precise[ESTIMATOR_COUNT][REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
+	float (*radiance)[3];		       /* [lightings][lights] */
+	double *precise[REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
 };
 
 /* Bakes into a temporary file in folder, which is unlinked before this returns. The open basis
@@ -46,17 +46,15 @@ void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine 
 /* Processor time of the bake, in s. NAN: the report has not made it. */
 double report_bake_seconds(const struct report_bake *bake);
 
-/* Radiance of the lights under a lighting, as the estimator reads it: [lights], owned by the bake.
+/* Radiance of the lights under a lighting: [lights], owned by the bake.
  * NULL with a fault. */
 const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum light_estimator estimator, int lighting,
-				   struct fault *fault))[3];
+				   int lighting, struct fault *fault))[3];
 
 /* The picture of report_bake_layer() in double precision, with all lights: [height][width][3],
  * owned by the bake. NULL with a fault. */
 const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum light_estimator estimator, int lighting,
-				  struct fault *fault);
+				  int lighting, struct fault *fault);
 
 /* The exact layer, or the shown one where there is no exact one. */
 const struct basis_layer *report_bake_layer(const struct report_bake *bake);

@@ -110,7 +110,7 @@ const struct bake_command report_command = {
 		"  --threads T        that bake and trace; one for each processor\n"
 		"  --quiet            print nothing but errors\n\n"
 		"It says what each choice costs in time and memory, and how far the picture is then\n"
-		"from double precision and from path-traced truth: number of lights, estimator,\n"
+		"from double precision and from path-traced truth: number of lights,\n"
 		"samples, declared error, column cut, threshold. What the scene file says is the\n"
 		"setting in use. Choices that differ by no more than the noise count as equal, and\n"
 		"each advice is a line to paste into the scene file or the kiosk's configuration.\n"

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* Section: how many lights, and how their radiance is read from the fisheye's picture. */
+/* Section: how many lights. */
 #include <stdio.h>
 
 #include "bake/report/report_parts.h"
 
-enum { CELL, NODE, EXACT, WAYS };
+enum { FAST, EXACT, WAYS };
 
 static void describe_way(struct report_trial *trial, struct report_bake *bake, int which)
 {
-	static const char *const names[WAYS] = {"", ", node", ", exact layer"};
+	static const char *const names[WAYS] = {"", ", exact layer"};
 
 	trial->way = report_way_plain(bake);
-	trial->way.estimator = which == NODE ? ESTIMATOR_NODE : ESTIMATOR_CELL;
 	trial->way.mode = which == EXACT && bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST;
 	snprintf(trial->name, sizeof(trial->name), "%u lights%s", bake->basis.info.lights,
 		 names[which]);
@@ -20,12 +19,11 @@ static void describe_way(struct report_trial *trial, struct report_bake *bake, i
 static void fill_lights_table(const struct report *r, const struct report_trial *trials,
 			      struct report_table *t)
 {
-	static const char *const modes[WAYS] = {"fast", "fast", "exact"};
+	static const char *const modes[WAYS] = {"fast", "exact"};
 
 	report_table_column(t, "lights", "lights", NULL);
 	report_table_column(t, "frequency", "f", NULL);
 	report_table_column(t, "way", "way", NULL);
-	report_table_column(t, "estimator", "estimator", NULL);
 	report_table_column(t, "basis_mb", "basis", "MB");
 	report_table_column(t, "bake_s", "bake", "processor s");
 	report_table_column(t, "bake_noise_levels", NULL, NULL);
@@ -39,12 +37,11 @@ static void fill_lights_table(const struct report *r, const struct report_trial 
 			report_number(t, bake->basis.info.lights);
 			report_number(t, bake->settings.frequency);
 			report_text(t, "%s", modes[k]);
-			report_text(t, "%s", k == NODE ? "node" : "cell");
 			report_number(t, k == EXACT ? bake->exact_mb : bake->shown_mb);
 			report_number(t, report_bake_seconds(bake));
 			report_number(t, bake->report.info.noise_levels);
 			report_result_cells(r, t, trial);
-			if (bake == r->used && k == CELL)
+			if (bake == r->used && k == FAST)
 				report_table_mark(t);
 		}
 	}
@@ -65,26 +62,15 @@ static int plot_errors(struct report *r, const struct report_trial *trials)
 	plot.x_log = plot.y_log = true;
 	light_ticks(r, &plot);
 	for (int l = 0; l < r->stage.lightings; l++) {
-		for (int k = CELL; k <= NODE; k++) {
-			char label[80];
-
-			snprintf(label, sizeof(label), "%s%s", r->stage.lighting[l].name,
-				 k == NODE ? ", node" : "");
-			report_plot_series(&plot, label, k == NODE ? STYLE_DASHED : STYLE_LINE,
-					   l + 1);
-			for (int b = 0; b < r->bakes; b++) {
-				const struct report_trial *trial = &trials[WAYS * b + k];
-				struct report_point *point =
-					report_plot_point(&plot, r->bake[b].basis.info.lights,
-							  trial->truth.each[l].rms);
-
-				point->ringed = &r->bake[b] == r->used && k == CELL;
-			}
-		}
+		report_plot_series(&plot, r->stage.lighting[l].name, STYLE_LINE, l + 1);
+		for (int b = 0; b < r->bakes; b++)
+			report_plot_point(&plot, r->bake[b].basis.info.lights,
+					  trials[WAYS * b + FAST].truth.each[l].rms)
+				->ringed = &r->bake[b] == r->used;
 	}
 	return report_page_plot(
 		&r->page, r->page.body, &plot,
-		"Error of the finished picture by number of lights. Solid: the mean over each light's cell; dashed: the picture at its node. Rings: the setting in use.",
+		"Error of the finished picture by number of lights. Rings: the setting in use.",
 		r->fault);
 }
 
@@ -93,7 +79,7 @@ static int plot_times(struct report *r, const struct report_trial *trials)
 	static const struct {
 		int way, colour;
 		const char *name;
-	} lines[] = {{EXACT, 3, "exact"}, {CELL, 1, "fast"}};
+	} lines[] = {{EXACT, 3, "exact"}, {FAST, 1, "fast"}};
 	struct report_plot plot;
 
 	report_plot_begin(&plot, "lights-time", "number of lights", "time of a frame, ms");
@@ -105,7 +91,7 @@ static int plot_times(struct report *r, const struct report_trial *trials)
 			const int at = WAYS * b + lines[k].way;
 
 			report_time_point(&plot, r->bake[b].basis.info.lights, &trials[at])
-				->ringed = &r->bake[b] == r->used && lines[k].way == CELL;
+				->ringed = &r->bake[b] == r->used && lines[k].way == FAST;
 		}
 	}
 	return report_page_plot(
@@ -119,11 +105,9 @@ static int show_lights(struct report *r, const struct report_trial *trials)
 	struct report_table table;
 	int err;
 
-	report_heading(r->page.body, "How many lights, and how are they sampled?");
-	report_paragraph(
-		r->page.body,
-		"Each number of lights is a bake of its own. The fisheye picture gives "
-		"each light the mean over its cell of the sky, or what it shows at the cell's node. Times are of one thread.");
+	report_heading(r->page.body, "How many lights?");
+	report_paragraph(r->page.body,
+			 "Each number of lights is a bake of its own. Times are of one thread.");
 	err = plot_errors(r, trials);
 	if (!err)
 		err = plot_times(r, trials);
@@ -135,14 +119,14 @@ static int show_lights(struct report *r, const struct report_trial *trials)
 	return err;
 }
 
-/* Advises a dome, and how its lights are read. */
+/* Advises a dome. */
 static void choose_lights(struct report *r, const struct report_trial *trials)
 {
 	const struct report_trial *way[REPORT_SWEEP_MAX];
 	int found;
 
 	for (int b = 0; b < r->bakes; b++)
-		way[b] = &trials[WAYS * b + CELL];
+		way[b] = &trials[WAYS * b + FAST];
 	found = report_trial_choose(r, way, r->bakes, "the coarsest dome");
 	if (found == r->bakes - 1)
 		report_paragraph(
@@ -151,13 +135,6 @@ static void choose_lights(struct report *r, const struct report_trial *trials)
 	r->advised_frequency = r->bake[found].settings.frequency;
 	report_advise_number(r, REPORT_SCENE, "dome", "frequency", r->advised_frequency,
 			     r->render.frequency);
-	report_advice_show(r);
-	report_paragraph(r->page.body,
-			 "Means over cells or the nodes alone, with the lights in use:");
-	for (int k = CELL; k <= NODE; k++)
-		way[k] = &trials[WAYS * (r->used - r->bake) + k];
-	found = report_trial_choose(r, way, 2, "the mean over cells");
-	report_advise(r, REPORT_KIOSK, "fisheye", "estimator", found ? "node" : "cell", NULL);
 	report_advice_show(r);
 }
 
@@ -172,13 +149,13 @@ int report_lights(struct report *r)
 	err = report_trials_run(trials, r->bakes * WAYS, &r->stage, &r->scope, r->fault);
 	for (int b = 0; b < r->bakes; b++)
 		if (&r->bake[b] == r->used)
-			r->in_use = trials[WAYS * b + CELL];
+			r->in_use = trials[WAYS * b + FAST];
 	if (!err)
 		err = show_lights(r, trials);
 	if (!err)
 		choose_lights(r, trials);
 	for (int k = 0; !err && k < r->bakes * WAYS; k++)
 		report_candidate_add(r, &trials[k],
-				     &r->bake[k / WAYS] == r->used && k % WAYS == CELL);
+				     &r->bake[k / WAYS] == r->used && k % WAYS == FAST);
 	return err;
 }

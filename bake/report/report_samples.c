@@ -44,10 +44,8 @@ static int find_noise(struct report *r)
 
 	for (int l = 0; l < r->stage.lightings; l++) {
 		struct report_lighting *lighting = &r->stage.lighting[l];
-		const double *more = report_bake_precise(r->used, &r->stage, ESTIMATOR_CELL, l,
-							 r->fault);
-		const double *fewer = more ? report_bake_precise(&r->fewer, &r->stage,
-								 ESTIMATOR_CELL, l, r->fault)
+		const double *more = report_bake_precise(r->used, &r->stage, l, r->fault);
+		const double *fewer = more ? report_bake_precise(&r->fewer, &r->stage, l, r->fault)
 					   : NULL;
 
 		if (!fewer)

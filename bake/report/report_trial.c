@@ -26,7 +26,6 @@ struct runners {
 struct report_way report_way_plain(struct report_bake *bake)
 {
 	return (struct report_way){.bake = bake,
-				   .estimator = ESTIMATOR_CELL,
 				   .threshold_mode = THRESHOLD_AMBIENT,
 				   .mode = COMPOSITOR_FAST,
 				   .column_cut = -1};
@@ -39,8 +38,7 @@ static int choose_lights(struct runner *r, struct report_stage *stage, struct fa
 	const struct report_way *way = &r->trial->way;
 
 	for (int k = 0; k < stage->lightings; k++) {
-		const float(*radiance)[3] = report_bake_radiance(way->bake, stage, way->estimator,
-								 k, fault);
+		const float(*radiance)[3] = report_bake_radiance(way->bake, stage, k, fault);
 
 		if (!radiance)
 			return -EIO;
@@ -176,7 +174,7 @@ static int measure_one(struct runner *r, struct runners *all, int lighting,
 	const struct report_way *way = &r->trial->way;
 	const double *precise;
 
-	precise = report_bake_precise(way->bake, all->stage, way->estimator, lighting, all->fault);
+	precise = report_bake_precise(way->bake, all->stage, lighting, all->fault);
 	if (!precise)
 		return -ENOMEM;
 	r->trial->precise.each[lighting] = error_measure(scope, precise, &all->out,

@@ -13,7 +13,6 @@
 
 struct report_way {
 	struct report_bake *bake;
-	enum light_estimator estimator;
 	double threshold; /* linear radiance */
 	enum threshold_mode threshold_mode;
 	enum compositor_mode mode;

@@ -529,17 +529,6 @@ static int share_node(struct shares_builder *b, int light)
 	return total > 0 ? 0 : share_nearest(b, light, px);
 }
 
-static int share_nodes(struct shares_builder *b, const bool *done)
-{
-	for (int i = 0; i < b->dome->count; i++) {
-		const int ret = done && done[i] ? 0 : share_node(b, i);
-
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
-}
-
 /* Gives each light that no pixel reaches the weights at its node. */
 static int share_missing(struct shares_builder *b)
 {
@@ -548,8 +537,8 @@ static int share_missing(struct shares_builder *b)
 
 	for (size_t k = 0; ret == 0 && k < b->shares.runs; k++)
 		done[b->shares.run[k].light / b->parts] = true;
-	if (ret == 0)
-		ret = share_nodes(b, done);
+	for (int i = 0; ret == 0 && i < b->dome->count; i++)
+		ret = done[i] ? 0 : share_node(b, i);
 	free(done);
 	return ret;
 }
@@ -573,19 +562,15 @@ static int shares_begin(struct shares_builder *b, bool placed)
 
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator, struct dome_placed **placed)
+			  struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret = shares_begin(&b,
-			       placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS);
+	int ret = shares_begin(&b, placed && dome->shape == DOME_CELLS);
 
-	if (ret == 0 && estimator == ESTIMATOR_NODE) {
-		ret = share_nodes(&b, NULL);
-	} else if (ret == 0) {
+	if (ret == 0)
 		ret = dome->shape == DOME_TENTS ? share_by_tent(&b) : share_by_cell(&b);
-		if (ret == 0)
-			ret = share_missing(&b);
-	}
+	if (ret == 0)
+		ret = share_missing(&b);
 	if (ret == 0)
 		ret = finish_row(&b);
 	if (ret == 0 && b.placed)

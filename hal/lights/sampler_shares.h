@@ -29,7 +29,7 @@ struct sampler_shares {
  * are not cells or cells are too wide. 0 or -ENOMEM; empty on failure. */
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator, struct dome_placed **placed);
+			  struct dome_placed **placed);
 void sampler_shares_free(struct sampler_shares *shares); /* idempotent; zeroed is fine */
 
 #endif

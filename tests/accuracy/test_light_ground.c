@@ -155,10 +155,7 @@ struct slab {
 static void open_pipeline(struct slab *s, const struct transfer_curve curves[2], double gain)
 {
 	struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .placed = true,
-			    .curve = curves[0],
-			    .gain = gain},
+		.sampler = {.placed = true, .curve = curves[0], .gain = gain},
 		.lens = {.field_deg = 90},
 		.threshold_mode = THRESHOLD_AMBIENT,
 		.background = curves[1],

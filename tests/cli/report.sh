@@ -192,7 +192,7 @@ for kind in scene kiosk; do
 done
 equal "keys for the scene" "[render] samples error cell_error column_cut [dome] frequency " \
 	"$(gathered scene | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
-equal "keys for the kiosk" "[fisheye] estimator [lights] threshold threshold_mode " \
+equal "keys for the kiosk" "[lights] threshold threshold_mode " \
 	"$(gathered kiosk | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
 sed '/^frequency/d; /^samples/d' "$work/box.scene" >"$work/pasted.scene"
 gathered scene >>"$work/pasted.scene"
@@ -202,7 +202,7 @@ cp "$work/studio.conf" "$work/pasted.conf"
 gathered kiosk >>"$work/pasted.conf"
 check "the configuration takes its lines" "$INLAY" check --config "$work/pasted.conf"
 "$INLAY" check --config "$work/pasted.conf" --print-config >"$work/pasted.print"
-for key in estimator threshold threshold_mode; do
+for key in threshold threshold_mode; do
 	check "as its $key" grep -qx "$(gathered kiosk | grep "^$key = ")" "$work/pasted.print"
 done
 

@@ -329,8 +329,7 @@ TEST("the band is a level of the picture")
 	for (int n = 0; n < TRANSFER_COUNT * 2 * 3; n++) {
 		const int black = n / TRANSFER_COUNT % 2 ? 16 : 0;
 		const struct pipeline_settings settings = {
-			.sampler = {.estimator = ESTIMATOR_CELL,
-				    .curve = {.named = (enum transfer)(n % TRANSFER_COUNT),
+			.sampler = {.curve = {.named = (enum transfer)(n % TRANSFER_COUNT),
 					      .black = black},
 				    .gain = gains[n / TRANSFER_COUNT / 2]},
 			.lens = {.field_deg = 90},
