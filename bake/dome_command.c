@@ -25,8 +25,7 @@ static const struct option options[] = {
 
 static void print_table(const struct dome *dome)
 {
-	printf("# %d lights: frequency %d, divided by %s, %s\n", dome->count, dome->frequency,
-	       dome_division_names[dome->division], dome_shape_names[dome->shape]);
+	printf("# %d lights: frequency %d\n", dome->count, dome->frequency);
 	printf("# light theta_rad phi_rad solid_angle_sr\n");
 	for (int i = 0; i < dome->count; i++) {
 		double theta, phi;
@@ -42,8 +41,6 @@ static void print_json(const struct dome *dome)
 
 	json_begin(&json, stdout);
 	json_number(&json, "frequency", dome->frequency);
-	json_text(&json, "division", dome_division_names[dome->division]);
-	json_text(&json, "shape", dome_shape_names[dome->shape]);
 	json_number(&json, "count", dome->count);
 	json_array(&json, "lights");
 	for (int i = 0; i < dome->count; i++) {
@@ -73,8 +70,6 @@ static int dome_command_take(void *choices, int option, struct fault *fault)
 
 	switch (option) {
 	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
 	case LIGHTS_FINE:
 		return lights_option_take(&c->lights, option, optarg, fault);
 	default:
@@ -93,15 +88,14 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	if (lights->fine && *lights->fine)
 		err = fine_list_read(&fine, "--fine", lights->fine, NULL, fault);
 	if (!err)
-		err = fine_list_dome(&fine, lights->frequency, lights->division, lights->shape,
-				     dome, fault);
+		err = fine_list_dome(&fine, lights->frequency, dome, fault);
 	fine_list_free(&fine);
 	return err;
 }
 
 static int dome_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS, NULL}};
+	struct dome_choices c = {.lights = {.frequency = 0}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 	const int status = command_options(command, argc, argv, options, dome_command_take, &c);
@@ -128,12 +122,9 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 
 const struct bake_command dome_command = {
 	.name = "dome",
-	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
-		 "           [--fine PARTS] [--angles | --json]",
+	.usage = "--frequency F [--fine PARTS] [--angles | --json]",
 	.summary = "print the lights of a dome",
 	.help = "\n  --frequency F   1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles (default) or chords\n"
-		"  --lights L      cells (default) or tents: their solid angles; tents are named before angles\n"
 		"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n"
 		"                  separated by commas, or a file of such lines (inlay-scene(5))\n"
 		"  --angles        one light a line: theta phi, radians\n"

@@ -101,8 +101,6 @@ static int export_command_take(void *choices, int option, struct fault *fault)
 		c->of_radiance = true;
 		return option_int("--suns", optarg, 1, EXPORT_SUNS_MAX, &c->radiance.suns, fault);
 	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
 	case LIGHTS_FINE:
 	case SIZE:
 	case POSE:
@@ -171,7 +169,7 @@ static const char *wrong_usage(const struct export_choices *c)
 	if (c->of_msi && c->what != MSI)
 		return "--endian, --long and --threads are of --msi";
 	if (c->of_scene && c->what == MSI)
-		return "--frequency, --division, --lights, --size and --pose are of a scene, not of --msi";
+		return "--frequency, --size and --pose are of a scene, not of --msi";
 	if (c->of_radiance && c->what != RADIANCE)
 		return "--rays and --suns are of --radiance";
 	return NULL;
@@ -179,9 +177,8 @@ static const char *wrong_usage(const struct export_choices *c)
 
 static int export_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct export_choices c = {.long_bytes = 8,
-				   .lights = {-1, -1, -1, NULL},
-				   .radiance = EXPORT_RADIANCE_DEFAULTS};
+	struct export_choices c = {
+		.long_bytes = 8, .lights = {.frequency = -1}, .radiance = EXPORT_RADIANCE_DEFAULTS};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, export_command_take, &c);
 
@@ -202,11 +199,10 @@ static int export_command_run(const struct bake_command *command, int argc, char
 
 const struct bake_command export_command = {
 	.name = "export",
-	.usage =
-		"BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
-		"           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F] [--division D] [--lights L]\n"
-		"           [--size WxH] [--pose P]\n"
-		"           SCENE --blender DIR [--frequency F] [--division D] [--size WxH] [--pose P]",
+	.usage = "BASIS.inlay --msi OUT.msi [--endian little|big] [--long 4|8] [--threads T]\n"
+		 "           SCENE --radiance DIR [--rays K] [--suns S] [--frequency F]\n"
+		 "           [--size WxH] [--pose P]\n"
+		 "           SCENE --blender DIR [--frequency F] [--size WxH] [--pose P]",
 	.summary = "write a basis as the thesis's program reads it, or a job for a renderer",
 	.help = "\n"
 		"  --msi FILE      a byte for each light and channel of each pixel of object or shadow\n"
@@ -220,8 +216,6 @@ const struct bake_command export_command = {
 		"  --suns S        a cell is made of so many small suns; 64\n"
 		"  --blender DIR   a folder for \"blender -b -P DIR/render.py -- --samples 256\"\n"
 		"  --frequency F   of the dome; default: as the scene says\n"
-		"  --division D    angles or chords\n"
-		"  --lights L      cells or tents; Blender's are cells\n"
 		"  --fine PARTS    where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --size WxH      of the pictures\n"
 		"  --pose P        of the scene: number, from 0, or name; 0\n\n"

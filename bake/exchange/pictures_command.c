@@ -56,8 +56,6 @@ static int pictures_command_take(void *choices, int option, struct fault *fault)
 		c->coverage = optarg;
 		return 0;
 	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
 	case LIGHTS_FINE:
 		return lights_option_take(&c->lights, option, optarg, fault);
 	case SIZE:
@@ -169,7 +167,7 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 
 static int pictures_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct pictures_choices c = {.lights = {-1, -1, -1, NULL},
+	struct pictures_choices c = {.lights = {.frequency = -1},
 				     .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
 	const int status = command_options(command, argc, argv, options, pictures_command_take, &c);
@@ -191,7 +189,7 @@ const struct bake_command pictures_command = {
 	.name = "pictures",
 	.usage =
 		"SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
-		"           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] [--samples S] [--size WxH] [--pose P]\n"
+		"           [--alone 'a%03d.pfm'] [--frequency F] [--samples S] [--size WxH] [--pose P]\n"
 		"           [--seed K] [--threads T] [--quiet]",
 	.summary = "path trace the scene under each light alone, for import",
 	.help = "\n  --object PATTERN    objects and ground, one picture a light, from 0\n"
@@ -199,7 +197,6 @@ const struct bake_command pictures_command = {
 		"  --alone PATTERN     what is seen of the objects, over black\n"
 		"  --coverage FILE     the objects' share of each pixel\n"
 		"  --frequency F       of the dome; default: as the scene says\n"
-		"  --division D        angles or chords\n  --lights L          cells or tents\n"
 		"  --fine PARTS        where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --samples S         a pixel; 64\n  --size WxH          of the pictures\n"
 		"  --pose P            of the scene: number, from 0, or name; 0\n"

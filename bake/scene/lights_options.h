@@ -7,16 +7,12 @@
 
 enum lights_option {
 	LIGHTS_FREQUENCY = 300, /* above the commands' own and those of an encoding */
-	LIGHTS_DIVISION,
-	LIGHTS_SHAPE,
 	LIGHTS_FINE
 };
 
 /* Entries of getopt_long()'s table. */
 #define LIGHTS_OPTIONS                                                                             \
 	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
-		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
-		{"lights", required_argument, NULL, LIGHTS_SHAPE},                                 \
 	{                                                                                          \
 		"fine", required_argument, NULL, LIGHTS_FINE                                       \
 	}

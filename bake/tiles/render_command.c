@@ -89,8 +89,6 @@ static int render_take_option(void *choices, int option, struct fault *fault)
 		c->output = optarg;
 		return 0;
 	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
 	case LIGHTS_FINE:
 		return lights_option_take(&c->lights, option, optarg, fault);
 	case SIZE:
@@ -132,10 +130,6 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 {
 	if (c->lights.frequency >= 0)
 		s->frequency = c->lights.frequency;
-	if (c->lights.division >= 0)
-		s->division = c->lights.division;
-	if (c->lights.shape >= 0)
-		s->shape = c->lights.shape;
 	if (c->samples >= 0) {
 		s->samples = c->samples;
 		s->noise_levels = 0;
@@ -311,7 +305,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 
 static int render_command_run(const struct bake_command *command, int argc, char **argv)
 {
-	struct render_choices c = {.lights = {-1, -1, -1, NULL},
+	struct render_choices c = {.lights = {.frequency = -1},
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,
@@ -338,8 +332,7 @@ static int render_command_run(const struct bake_command *command, int argc, char
 
 const struct bake_command render_command = {
 	.name = "render",
-	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
-		 "           [--fine PARTS] [--size WxH]\n"
+	.usage = "SCENE -o OUT.inlay [--frequency F] [--fine PARTS] [--size WxH]\n"
 		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
 		 "           [--preview | --no-preview] [--pose P] [--seed K] [--shard I/N]\n"
 		 "           [--threads T] [--profile] [--quiet]",
@@ -348,9 +341,6 @@ const struct bake_command render_command = {
 		"  -o FILE         the basis file: first a preview, in place of which the finished file\n"
 		"                  appears when it is whole; a finished file stays until then\n"
 		"  --frequency F   the dome's frequency, 1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles or chords\n"
-		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"
-		"                  without steps\n"
 		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" for nowhere\n"
 		"  --size WxH      size of the picture, in pixels\n"
 		"  --samples S     camera rays a pixel\n"

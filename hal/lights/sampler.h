@@ -2,12 +2,11 @@
 /*
  * The light sampler: N linear colours from the fisheye's picture, every frame.
  *
- * L_i, the radiance of light i, is the mean over the light, weighted by solid angle and, for tents,
- * by the light's weight. It conserves energy, because the weights of a direction sum to 1, and
+ * L_i, the radiance of light i, is the mean over its cell by solid angle. It conserves energy, and
  * misses no lamp, which the picture at the node's direction (thesis 2.2.2) does.
  * A table made once holds all geometry (lens, orientation, flips, squash, the cell of each pixel).
  * A frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
- * shared between the cells by sub-pixel area; with tents, every pixel is shared among three lights.
+ * shared between the cells by sub-pixel area.
  * A light that no pixel reaches (fine domes, small pictures) gets the value of its node. A cell
  * outside the lens's field is dark, and counted.
  *
@@ -29,7 +28,7 @@
 
 struct light_sampler_settings {
 	/* Light in a cell is shared with its neighbours so that it keeps its place (dome_placed.h):
-	 * each light is measured in parts. It has no effect on tents. */
+	 * each light is measured in parts. */
 	bool placed;
 	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
 					thesis's DARKRGB */

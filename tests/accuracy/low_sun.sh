@@ -68,7 +68,6 @@ table() {
 		row "sun-$height" 9:18-within-3 --fine "$azimuth $height 3 18"
 		row "sun-$height" 9:36-within-3 --fine "$azimuth $height 3 36"
 		row "sun-$height" 9:72-within-0.5 --fine "$azimuth $height 0.5 72"
-		row "sun-$height" 9:72-within-0.5-tents --lights tents --fine "$azimuth $height 0.5 72"
 		row "sun-$height" 18
 	done
 	for mesh in "cow.glb 4.5" "box.obj 0.9"; do

@@ -35,7 +35,7 @@ prepare() {
 bake() {
 	local f=$1
 	shift
-	"$build/inlay-bake" render --no-preview --frequency "${f%%:*}" --lights "${LIGHTS:-cells}" "$@" \
+	"$build/inlay-bake" render --no-preview --frequency "${f%%:*}" "$@" \
 		-o "$work/f$f.inlay" "$work/spot.scene" \
 		>>"$log" 2>&1 || [ $? -eq 3 ] || fail "inlay-bake render --frequency $f failed"
 }

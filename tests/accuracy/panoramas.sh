@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: MIT
 # Spot in real panoramas: the composite that inlay makes, against path-traced truth.
 #     BUILD=build/x tests/accuracy/panoramas.sh           the table, in Markdown (make accuracy)
-#     LIGHTS=tents BUILD=build/x tests/accuracy/panoramas.sh     the same of tents
 #     BUILD=build/x tests/accuracy/panoramas.sh --quick   a few of its cells as a test, in TAP
 #     BUILD=build/x tests/accuracy/panoramas.sh --record  the same, and its figures written to figures.txt
 # Pictures and table are left in build/accuracy/. README.md says how to read them.

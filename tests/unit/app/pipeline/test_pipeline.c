@@ -31,7 +31,6 @@ static void write_basis(const char *to, bool off)
 					.height = HEIGHT,
 					.lights = LIGHTS,
 					.dome_frequency = 1,
-					.dome_division = DOME_ANGLES,
 					.poses = 1,
 					.coarse = LIGHTS};
 	static struct basis_light lights[LIGHTS];

@@ -273,7 +273,6 @@ static void write_dome(const char *path)
 					.height = 1,
 					.lights = LIGHTS,
 					.dome_frequency = 1,
-					.dome_division = DOME_ANGLES,
 					.poses = 1,
 					.coarse = LIGHTS};
 	static const float value[3 * LIGHTS] = {1}, peak[LIGHTS + 1][3] = {{1}, [LIGHTS] = {1}};

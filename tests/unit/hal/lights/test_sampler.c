@@ -37,15 +37,12 @@ static const struct fisheye_settings upright = {.field_deg = 90};
 /* Codes are decoded to 1/65535, rounded; plus a little for single precision. */
 static const double code_error = 0.5001 / 65535;
 
-/* The shape of lights: tests that hold for any shape run once with each. */
-static enum dome_shape lights_are = DOME_CELLS;
-
 static struct sampled_sky sky_of(int f, const struct fisheye_settings *lens, int width, int height,
 				 const struct light_sampler_settings *settings)
 {
 	struct sampled_sky s = {.width = width, .height = height};
 
-	assert_int_equal(dome_create_shaped(&s.dome, f, DOME_ANGLES, lights_are, NULL), 0);
+	assert_int_equal(dome_create(&s.dome, f, NULL), 0);
 	assert_int_equal(fisheye_prepare(&s.lens, lens, width, height, NULL), 0);
 	s.pixels = calloc((size_t)width * height, 4);
 	s.radiance = calloc((size_t)s.dome.count, sizeof(*s.radiance));
@@ -597,18 +594,15 @@ static void integrate_panorama(const struct panorama *p, const struct dome *dome
 			const float *pixel =
 				p->image->f32 +
 				3 * ((size_t)(y / parts) * p->image->width + x / parts);
-			double dir[3], weight[3];
-			int light[3], lights;
+			double dir[3], sr;
+			int light;
 
 			panorama_direction(p, (x + 0.5) / parts, (y + 0.5) / parts, dir);
-			lights = dome_weights(dome, dir, light, weight);
-			for (int k = 0; k < lights; k++) {
-				const double sr = weight[k] * hypot(dir[0], dir[1]);
-
-				sum_sr[light[k]] += sr;
-				for (int c = 0; c < 3; c++)
-					mean[light[k]][c] += sr * pixel[c];
-			}
+			light = dome_cell_of(dome, dir);
+			sr = hypot(dir[0], dir[1]);
+			sum_sr[light] += sr;
+			for (int c = 0; c < 3; c++)
+				mean[light][c] += sr * pixel[c];
 		}
 	for (int i = 0; i < dome->count; i++)
 		for (int c = 0; c < 3; c++)
@@ -750,18 +744,5 @@ int main(void)
 		cmocka_unit_test(refused),
 	};
 
-	const struct CMUnitTest of_tents[] = {
-		cmocka_unit_test(constant_sky_is_exact),
-		cmocka_unit_test(conserves_energy),
-		cmocka_unit_test(falloff_is_made_up_for),
-		cmocka_unit_test(linear_and_8_bit_agree),
-		cmocka_unit_test(flips_are_free),
-		cmocka_unit_test(clipped_share),
-		cmocka_unit_test(real_skies),
-	};
-	int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
-	lights_are = DOME_TENTS;
-	failed += cmocka_run_group_tests_name("tents", of_tents, NULL, NULL);
-	return failed;
+	return cmocka_run_group_tests(tests, NULL, NULL);
 }

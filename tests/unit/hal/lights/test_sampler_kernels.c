@@ -205,7 +205,7 @@ static struct sampled_eye eye_of(int f, const struct fisheye_settings *lens, int
 		.curve = {.named = TRANSFER_SRGB, .black = 11}, .gain = 1.5};
 	struct sampled_eye e = {.width = width, .height = height};
 
-	assert_int_equal(dome_create(&e.dome, f, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&e.dome, f, NULL), 0);
 	assert_int_equal(fisheye_prepare(&e.lens, lens, width, height, NULL), 0);
 	assert_int_equal(canvas_create(&e.canvas, width, height), 0);
 	assert_int_equal(
@@ -357,7 +357,7 @@ TEST("pixels are shared out whole")
 		struct dome dome;
 
 		assert_non_null(whole);
-		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome_create(&dome, 9, NULL), 0);
 		assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
 		assert_int_equal(sampler_shares_create(&shares, &dome, &lens, SIDE, SIDE, NULL), 0);
 		for (size_t k = 0; k < shares.runs; k++)
@@ -404,7 +404,7 @@ TEST("tables are made")
 		struct dome dome;
 		clock_t start;
 
-		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome_create(&dome, 9, NULL), 0);
 		assert_int_equal(fisheye_prepare(&lens, &upright, sides[k], sides[k], NULL), 0);
 		start = clock();
 		assert_int_equal(light_sampler_create(&sampler, &dome, &lens, sides[k], sides[k],
