@@ -15,8 +15,7 @@
 
 static void print_table(const struct dome *dome)
 {
-	printf("# %d lights: frequency %d, divided by %s, %s\n", dome->count, dome->frequency,
-	       dome_division_names[dome->division], dome_shape_names[dome->shape]);
+	printf("# %d lights: frequency %d\n", dome->count, dome->frequency);
 	printf("# light theta_rad phi_rad solid_angle_sr\n");
 	for (int i = 0; i < dome->count; i++) {
 		double theta, phi;
@@ -32,8 +31,6 @@ static void print_json(const struct dome *dome)
 
 	json_begin(&json, stdout);
 	json_number(&json, "frequency", dome->frequency);
-	json_text(&json, "division", dome_division_names[dome->division]);
-	json_text(&json, "shape", dome_shape_names[dome->shape]);
 	json_number(&json, "count", dome->count);
 	json_array(&json, "lights");
 	for (int i = 0; i < dome->count; i++) {
@@ -74,15 +71,14 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	if (lights->fine && *lights->fine)
 		err = fine_list_read(&fine, "--fine", lights->fine, NULL, fault);
 	if (!err)
-		err = fine_list_dome(&fine, lights->frequency, lights->division, lights->shape,
-				     dome, fault);
+		err = fine_list_dome(&fine, lights->frequency, dome, fault);
 	fine_list_free(&fine);
 	return err;
 }
 
 static int dome_command_run(const struct command *command, int argc, char **argv)
 {
-	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS, NULL}};
+	struct dome_choices c = {.lights = {.frequency = 0}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 	const int status = command_read(command, argc, argv, options, &c);

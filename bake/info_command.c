@@ -122,13 +122,6 @@ static double dense_bytes(const struct basis *basis, const struct layer_sum *lay
 	return pixels * 3 * basis->info.lights;
 }
 
-static const char *division_name(const struct basis *basis)
-{
-	return basis->info.dome_division < DOME_DIVISION_COUNT
-		       ? dome_division_names[basis->info.dome_division]
-		       : "unknown";
-}
-
 static double safe_ratio(double sum, double count)
 {
 	return count > 0 ? sum / count : 0;
@@ -232,10 +225,9 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %s%u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u ground term%s, %.2f MB\n",
+	printf("%s: %s%u x %u, %u lights (dome frequency %u), %u coarse, %u pose%s, %u ground term%s, %.2f MB\n",
 	       path, basis_is_preview(basis) ? "preview, " : "", info->width, info->height,
-	       info->lights, info->dome_frequency, division_name(basis),
-	       dome_shape_names[info->light_shape], info->coarse, info->poses,
+	       info->lights, info->dome_frequency, info->coarse, info->poses,
 	       info->poses == 1 ? "" : "s", info->grounds, info->grounds == 1 ? "" : "s",
 	       (double)s->bytes * 1e-6);
 	printf("the object covers %ld pixels", s->covered);
@@ -296,8 +288,6 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	json_number(&json, "lights", info->lights);
 	json_number(&json, "coarse", info->coarse);
 	json_number(&json, "dome_frequency", info->dome_frequency);
-	json_text(&json, "dome_division", division_name(basis));
-	json_text(&json, "light_shape", dome_shape_names[info->light_shape]);
 	json_number(&json, "poses", info->poses);
 	json_number(&json, "grounds", info->grounds);
 	json_number(&json, "bytes", (double)s->bytes);

@@ -119,7 +119,7 @@ HAL_SOURCES := \
 	hal/optics/dome_lookup.c \
 	hal/optics/dome_nodes.c \
 	hal/optics/dome_placed.c \
-	hal/optics/dome_tents.c \
+	hal/optics/dome_facets.c \
 	hal/optics/dome_triangles.c \
 	hal/optics/fisheye.c \
 	hal/optics/fisheye_curve.c \

@@ -153,16 +153,13 @@ int bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 		for (int x = 0; x < canvas->width; x++) {
 			uint8_t *to = canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
 			const double px[2] = {x + 0.5, y + 0.5};
-			double d[3], weight[3];
-			int light[3], count = 0;
+			double d[3];
+			const int cell = fisheye_ray(&f->lens, px, d) ? dome_cell_of(&f->dome, d)
+								      : -1;
 
-			if (fisheye_ray(&f->lens, px, d))
-				count = dome_weights(&f->dome, d, light, weight);
 			for (int c = 0; c < 3; c++) {
-				double seen = 0;
+				const double seen = cell < 0 ? 0 : (double)radiance[cell][c];
 
-				for (int k = 0; k < count; k++)
-					seen += weight[k] * (double)radiance[light[k]][c];
 				to[2 - c] = (uint8_t)lrint(
 					255 * transfer_encode(TRANSFER_SRGB, fmin(seen, 1)));
 			}

@@ -30,12 +30,10 @@ enum {
 	CENTRE_DEVIATION,
 	ASPECT,
 	ASPECT_DEVIATION,
-	PIXEL,
 	Y_UP,
 	PIXEL_CENTRE,
 	DISTORTION,
 	RADIAL,
-	METHOD,
 	ROBUST,
 	INTRINSICS,
 	REFERENCE,
@@ -56,12 +54,10 @@ static const struct option options[] = {
 	{"centre-deviation", required_argument, NULL, CENTRE_DEVIATION},
 	{"aspect", required_argument, NULL, ASPECT},
 	{"aspect-deviation", required_argument, NULL, ASPECT_DEVIATION},
-	{"pixel", required_argument, NULL, PIXEL},
 	{"y-up", no_argument, NULL, Y_UP},
 	{"pixel-centre", required_argument, NULL, PIXEL_CENTRE},
 	{"distortion", required_argument, NULL, DISTORTION},
 	{"radial", required_argument, NULL, RADIAL},
-	{"method", required_argument, NULL, METHOD},
 	{"robust", no_argument, NULL, ROBUST},
 	{"intrinsics", required_argument, NULL, INTRINSICS},
 	{"reference", required_argument, NULL, REFERENCE},
@@ -72,7 +68,6 @@ static const struct option options[] = {
 	OPTIONS_OF_LENS,
 };
 
-static const char *const method_names[] = {"full", "three", NULL};
 static const char *const unit_names[] = {"m", "cm", "mm", "in", NULL};
 static const double unit_mm[] = {1000, 10, 1, 25.4};
 
@@ -83,7 +78,6 @@ struct camera_job {
 	int source; /* POINTS, IMAGES or LIVE */
 	const char *board, *intrinsics, *reference;
 	int views; /* 0: not given */
-	bool pixel_given;
 	struct lens_ini known;
 	struct board shown; /* of --board, settled by the photographs */
 };
@@ -118,19 +112,10 @@ static int read_object(struct camera_job *job, struct fault *fault)
 	return 0;
 }
 
-static int read_pixel(struct camera_job *job, struct fault *fault)
-{
-	const int count = option_reals("--pixel", optarg, 2, 2, 1e-9, FARTHEST, job->task.pixel,
-				       fault);
-
-	job->pixel_given = true;
-	return count < 0 ? count : 0;
-}
-
 static int read_lens_option(struct camera_job *job, int option, struct fault *fault)
 {
 	struct camera_task *task = &job->task;
-	int chosen = 0, err;
+	int err;
 
 	switch (option) {
 	case SIZE:
@@ -149,8 +134,6 @@ static int read_lens_option(struct camera_job *job, int option, struct fault *fa
 	case ASPECT_DEVIATION:
 		return option_real("--aspect-deviation", optarg, 0, 1, &task->aspect_deviation,
 				   fault);
-	case PIXEL:
-		return read_pixel(job, fault);
 	case Y_UP:
 		job->convention.y_up = 1;
 		return 0;
@@ -162,10 +145,6 @@ static int read_lens_option(struct camera_job *job, int option, struct fault *fa
 				     &task->distortion, fault);
 	case RADIAL:
 		return option_int("--radial", optarg, 1, 3, &task->radial, fault);
-	case METHOD:
-		err = option_choice("--method", optarg, method_names, &chosen, fault);
-		task->method = chosen ? CAMERA_THREE : CAMERA_FULL;
-		return err;
 	default:
 		job->intrinsics = optarg;
 		return 0;
@@ -228,15 +207,13 @@ static int camera_check_options(void *context, struct fault *fault)
 		return fault_say(fault, -EINVAL, "--size: the %s how large the picture is",
 				 job->intrinsics ? "file of --intrinsics says"
 						 : "pictures themselves say");
-	if (job->intrinsics &&
-	    (job->pixel_given || job->task.centre_given || job->task.centre_deviation_px >= 0))
+	if (job->intrinsics && (job->task.centre_given || job->task.centre_deviation_px >= 0))
 		return fault_say(
 			fault, -EINVAL,
-			"--pixel, --centre and --centre-deviation: the file of --intrinsics says them");
-	if (job->task.radial && (job->intrinsics || job->task.method == CAMERA_THREE))
-		return fault_say(fault, -EINVAL, "--radial: %s",
-				 job->intrinsics ? "the file of --intrinsics says the distortion"
-						 : "--method three has one term");
+			"--centre and --centre-deviation: the file of --intrinsics says them");
+	if (job->intrinsics && job->task.radial)
+		return fault_say(fault, -EINVAL,
+				 "--radial: the file of --intrinsics says the distortion");
 	if (job->intrinsics && (job->task.aspect_given || job->task.aspect_deviation >= 0))
 		return fault_say(
 			fault, -EINVAL,
@@ -412,15 +389,13 @@ const struct command camera_command = {
 		"  --centre X,Y       first guess of the axis, counted as the points (the middle)\n"
 		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % of\n"
 		"                     the picture's diagonal)\n"
-		"  --aspect S         s is known: 1 where pixels are square, or as --pixel says; else\n"
-		"                     found, or held at 1 where the points do not tell it\n"
+		"  --aspect S         s is known: 1 where pixels are square; else found, or held at 1\n"
+		"                     where the points do not tell it\n"
 		"  --aspect-deviation D  of an s that is held, one standard deviation (0.002; with\n"
 		"                     --aspect 0: it is exact)\n"
-		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
 		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
 		"  --radial N         terms of its polynomial, 1 to 3: kappa1, kappa2, kappa3 (as many\n"
 		"                     as predict best what was left out)\n"
-		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
 		"  --reference VIEW   photograph, or its number, whose board is the world (1): one without\n"

@@ -40,7 +40,7 @@ static int sky_create(struct measured_sky *sky, const struct light_job *job, str
 		.gain = 1,
 	};
 	memcpy(sky->sampler.colours, job->measured.colours, sizeof(sky->sampler.colours));
-	err = dome_create(&sky->dome, SKY_FREQUENCY, DOME_ANGLES, fault);
+	err = dome_create(&sky->dome, SKY_FREQUENCY, fault);
 	if (err)
 		return err;
 	sky->radiance = calloc((size_t)sky->dome.count, sizeof(*sky->radiance));

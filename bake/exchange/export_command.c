@@ -96,15 +96,14 @@ static const char *wrong_usage(const struct export_choices *c)
 		return "expected one of --msi, --radiance and --blender";
 	if (c->threads && !c->msi)
 		return "--threads is of --msi";
-	if (c->msi && (c->of_scene || c->lights.frequency >= 0 || c->lights.division >= 0 ||
-		       c->lights.shape >= 0 || c->lights.fine))
-		return "--frequency, --division, --lights, --fine, --size and --pose are of a scene, not of --msi";
+	if (c->msi && (c->of_scene || c->lights.frequency >= 0 || c->lights.fine))
+		return "--frequency, --fine, --size and --pose are of a scene, not of --msi";
 	return NULL;
 }
 
 static int export_command_run(const struct command *command, int argc, char **argv)
 {
-	struct export_choices c = {.lights = {-1, -1, -1, NULL}};
+	struct export_choices c = {.lights = {.frequency = -1}};
 	struct fault fault = {.text = ""};
 	const int status = command_read(command, argc, argv, options, &c);
 

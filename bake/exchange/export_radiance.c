@@ -32,13 +32,13 @@ static double radical_inverse(unsigned k)
 }
 
 /*
- * Writes a light as suns at Hammersley's points, each with its share of the solid angle: spread
- * evenly in a cell, in proportion to the weight in a tent. Radiance samples every sun by itself, so
- * suns may overlap. It would sample a polygon as a square of the same area, and lose what misses
- * the polygon.
+ * Writes a light as suns at Hammersley's points, each with its share of the solid angle. Radiance
+ * samples every sun by itself, so suns may overlap. It would sample a polygon as a square of the
+ * same area, and lose what misses the polygon.
  */
 static int write_rad_light(const struct export_job *job, int light, struct fault *fault)
 {
+	const double share = job->dome->solid_angle_sr[light] / SUNS;
 	struct output out;
 	char name[64];
 	int err;
@@ -49,14 +49,10 @@ static int write_rad_light(const struct export_job *job, int light, struct fault
 		return err;
 	fputs("void light cell 0 0 3 1 1 1\n", out.stream);
 	for (int k = 0; k < SUNS; k++) {
-		double d[3], share;
+		double d[3];
 
-		dome_light_sample(job->dome, light, (k + 0.5) / SUNS, radical_inverse((unsigned)k),
-				  d);
-		share = job->dome->shape == DOME_CELLS
-				? job->dome->solid_angle_sr[light] / SUNS
-				: dome_weight(job->dome, light, d) /
-					  (dome_light_density(job->dome, light, d) * SUNS);
+		dome_cell_sample(job->dome, light, (k + 0.5) / SUNS, radical_inverse((unsigned)k),
+				 d);
 		fprintf(out.stream, "cell source sun%d 0 0 4 %.9g %.9g %.9g %.9g\n", k, d[0], d[1],
 			d[2], 2 * acos(1 - share / (2 * M_PI)) * (180 / M_PI));
 	}

@@ -136,7 +136,7 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 
 static int pictures_command_run(const struct command *command, int argc, char **argv)
 {
-	struct pictures_choices c = {.lights = {-1, -1, -1, NULL},
+	struct pictures_choices c = {.lights = {.frequency = -1},
 				     .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
 	const int status = command_read(command, argc, argv, options, &c);
@@ -163,7 +163,6 @@ const struct command pictures_command = {
 		"  --alone PATTERN     what is seen of the objects, over black\n"
 		"  --coverage FILE     the objects' share of each pixel\n"
 		"  --frequency F       of the dome; default: as the scene says\n"
-		"  --division D        angles or chords\n  --lights L          cells or tents\n"
 		"  --fine PARTS        where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --samples S         a pixel; 64\n  --size WxH          of the pictures\n"
 		"  --pose P            of the scene: number, from 0, or name; 0\n"

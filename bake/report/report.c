@@ -203,7 +203,6 @@ static struct report_trial *add_trial(struct report *r, const struct report_bake
 	struct report_trial *trial = &r->trial[r->trials++];
 
 	*trial = (struct report_trial){.bake = bake,
-				       .estimator = ESTIMATOR_CELL,
 				       .threshold_mode = THRESHOLD_AMBIENT,
 				       .mode = COMPOSITOR_FAST,
 				       .column_cut = bake->basis.info.column_cut};
@@ -235,7 +234,6 @@ static void add_other_ways(struct report *r)
 	struct report_trial *trial;
 	char name[64];
 
-	add_trial(r, used, "estimator = node")->estimator = ESTIMATOR_NODE;
 	for (size_t k = 0; k < COUNT(cuts); k++) {
 		/* of a thousandth where nothing is cut; at most what a scene may ask for */
 		const double cut = fmin(cuts[k] * (own > 0 ? own : 1e-3), 0.1);

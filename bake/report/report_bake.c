@@ -14,8 +14,7 @@
 
 void report_bake_close(struct report_bake *bake)
 {
-	for (int k = 0; k < ESTIMATOR_COUNT; k++)
-		free(bake->radiance[k]);
+	free(bake->radiance);
 	for (int l = 0; bake->settings.exact && l < REPORT_LIGHTINGS_MAX; l++)
 		free(bake->precise[l]);
 	basis_close(&bake->basis);
@@ -25,10 +24,9 @@ void report_bake_close(struct report_bake *bake)
 /* ---- light ---- */
 
 static int read_lights(struct report_bake *bake, const struct report_stage *stage,
-		       const struct dome *dome, enum light_estimator estimator, struct fault *fault)
+		       const struct dome *dome, struct fault *fault)
 {
 	const struct light_sampler_settings settings = {
-		.estimator = estimator,
 		.placed = true,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = 1,
@@ -40,7 +38,7 @@ static int read_lights(struct report_bake *bake, const struct report_stage *stag
 	struct fisheye lens;
 	int err = fisheye_prepare(&lens, &lens_settings, side, side, fault);
 
-	bake->radiance[estimator] = to;
+	bake->radiance = to;
 	if (!to)
 		return fault_say(fault, -ENOMEM, "not enough memory for lights");
 	if (!err)
@@ -62,8 +60,7 @@ static int make_radiance(struct report_bake *bake, const struct report_stage *st
 
 	if (err)
 		return err;
-	for (int k = 0; !err && k < ESTIMATOR_COUNT; k++)
-		err = read_lights(bake, stage, &dome, (enum light_estimator)k, fault);
+	err = read_lights(bake, stage, &dome, fault);
 	dome_free(&dome);
 	return err;
 }
@@ -82,8 +79,8 @@ static void make_precise(void *context, int k, int worker)
 	struct precision *p = context;
 	struct report_bake *bake = p->bake;
 	const struct compositor_settings settings = background_settings(COMPOSITOR_EXACT);
-	const float(*radiance)[3] = (const float(*)[3])(bake->radiance[ESTIMATOR_CELL] +
-							(size_t)k * bake->basis.info.lights);
+	const float(*radiance)[3] =
+		(const float(*)[3])(bake->radiance + (size_t)k * bake->basis.info.lights);
 	struct light_selection lights = {.count = 0};
 
 	(void)worker;

@@ -24,12 +24,11 @@ struct report_bake {
 	struct render_settings settings;
 	struct render_report report;
 	struct basis basis;
-	double seconds; /* processor time that it took */
-	/* Radiance of the lights as each estimator reads it: [lightings][lights] */
-	float (*radiance[ESTIMATOR_COUNT])[3];
-	/* Its pictures in double precision, of the exact layer and all lights, read as means over
-	 * their cells: [height][width][3], as truth. Those of a bake without an exact layer are
-	 * those of another, which owns them. */
+	double seconds;	      /* processor time that it took */
+	float (*radiance)[3]; /* [lightings][lights] */
+	/* Its pictures in double precision, of the exact layer and all lights:
+	 * [height][width][3], as truth. Those of a bake without an exact layer are those of
+	 * another, which owns them. */
 	double *precise[REPORT_LIGHTINGS_MAX];
 };
 

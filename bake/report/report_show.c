@@ -291,8 +291,8 @@ static void show_method(struct report *r)
 	report_paragraph(
 		r->page.body,
 		"Frequency is a key of [dome] in the scene file; error, cell_error, samples and "
-		"column_cut are of its [render]. In the kiosk's configuration estimator is a key "
-		"of [fisheye], and threshold and threshold_mode are of [lights].");
+		"column_cut are of its [render]. In the kiosk's configuration threshold and "
+		"threshold_mode are keys of [lights].");
 }
 
 int report_show(struct report *r)

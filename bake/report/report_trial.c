@@ -55,10 +55,9 @@ static int runner_create(struct runner *r, struct report_trial *trial,
 		if (light_selection_create(lights, &r->basis))
 			return fault_say(fault, -ENOMEM, "not enough memory for lights");
 		lights->budget = trial->budget;
-		light_selection_choose(
-			lights, &r->basis, 0,
-			(const float(*)[3])(bake->radiance[trial->estimator] + (size_t)k * count),
-			trial->threshold, trial->threshold_mode, 1);
+		light_selection_choose(lights, &r->basis, 0,
+				       (const float(*)[3])(bake->radiance + (size_t)k * count),
+				       trial->threshold, trial->threshold_mode, 1);
 		trial->used_percent += 100.0 * lights->used_count / count / stage->lightings;
 	}
 	err = compositor_create(&r->compositor, &r->basis, &options, fault);

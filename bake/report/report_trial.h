@@ -18,7 +18,6 @@ struct report_errors {
 struct report_trial {
 	char name[64]; /* what differs from the setting in use, as lines of a file */
 	const struct report_bake *bake;
-	enum light_estimator estimator;
 	enum compositor_mode mode;
 	double threshold, budget; /* struct light_selection */
 	enum threshold_mode threshold_mode;

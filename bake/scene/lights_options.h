@@ -10,16 +10,11 @@
 /* clang-format off */
 #define LIGHTS_ROWS										   \
 	{"frequency", OPTION_INT, AT(lights.frequency), .min = 1, .max = DOME_FREQUENCY_MAX},	   \
-	{"division", OPTION_CHOICE, AT(lights.division), .choices = dome_division_names},	   \
-	{"lights", OPTION_CHOICE, AT(lights.shape), .choices = dome_shape_names},		   \
 	{"fine", OPTION_TEXT, AT(lights.fine)}
 /* clang-format on */
 
 #define LIGHTS_HELP                                                                                   \
 	"  --frequency F   of the dome, 1 to 72; 9 makes 406 lights; else the scene's\n"              \
-	"  --division D    angles or chords\n"                                                        \
-	"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"      \
-	"                  without steps\n"                                                           \
 	"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n" \
 	"                  with commas between, or a file of such lines (inlay-scene(5)); \"\":\n"    \
 	"                  nowhere\n"

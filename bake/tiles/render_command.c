@@ -70,10 +70,6 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 {
 	if (c->lights.frequency >= 0)
 		s->frequency = c->lights.frequency;
-	if (c->lights.division >= 0)
-		s->division = c->lights.division;
-	if (c->lights.shape >= 0)
-		s->shape = c->lights.shape;
 	if (c->samples >= 0) {
 		s->samples = c->samples;
 		s->noise_levels = 0;
@@ -249,7 +245,7 @@ static int render_bake(const char *path, const struct render_choices *c)
 
 static int render_command_run(const struct command *command, int argc, char **argv)
 {
-	struct render_choices c = {.lights = {-1, -1, -1, NULL},
+	struct render_choices c = {.lights = {.frequency = -1},
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,

@@ -218,9 +218,7 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 	const int stride = sizeof(*basis->lights) / sizeof(double);
 	struct fault what = {.text = ""};
 	const int err = dome_create_nodes(dome, basis->lights[0].direction, stride,
-					  (int)info->lights, (int)info->dome_frequency,
-					  (enum dome_division)info->dome_division,
-					  (enum dome_shape)info->light_shape, &what);
+					  (int)info->lights, (int)info->dome_frequency, &what);
 
 	if (err == -EINVAL)
 		return fault_say(fault, -ENOTSUP,
@@ -232,19 +230,17 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 static void panorama_add_point(const struct panorama *panorama, const struct dome *dome, double x,
 			       double y, double sr, double (*sum)[4])
 {
-	double d[3], rgb[3], weight[3];
-	int light[3], count;
+	double d[3], rgb[3];
+	int light;
 
 	panorama_direction(panorama, x, y, d);
-	count = dome_weights(dome, d, light, weight);
-	if (!count)
+	light = dome_cell_of(dome, d);
+	if (light < 0)
 		return;
 	panorama_radiance(panorama, d, rgb);
-	for (int k = 0; k < count; k++) {
-		for (int c = 0; c < 3; c++)
-			sum[light[k]][c] += weight[k] * sr * rgb[c];
-		sum[light[k]][3] += weight[k] * sr;
-	}
+	for (int c = 0; c < 3; c++)
+		sum[light][c] += sr * rgb[c];
+	sum[light][3] += sr;
 }
 
 static int panorama_gather(const struct panorama *panorama, const struct dome *dome,

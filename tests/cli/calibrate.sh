@@ -231,8 +231,6 @@ if has_command camera; then
 	wrong "a centre that the lens's file says" "--centre-deviation" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
 		-o "$work/none.ini"
-	wrong "radial terms of the method that has one" "--radial: --method three has one term" camera \
-		--points "$work/box.points" --size 640x480 --method three --radial 2 -o "$work/none.ini"
 	wrong "radial terms that the lens's file says" "--radial" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --radial 2 -o "$work/none.ini"
 	wrong "four radial terms" "--radial" camera --points "$work/box.points" --size 640x480 --radial 4 \

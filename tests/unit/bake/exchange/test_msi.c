@@ -50,7 +50,7 @@ static int test_msi_begin(void **state)
 		"colour = 0.8 0.5 0.3\n",
 		WIDTH, HEIGHT);
 	own.basis = small_scene_bake("ball.ini");
-	assert_int_equal(dome_create(&own.dome, 2, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&own.dome, 2, NULL), 0);
 	assert_int_equal(pool_create(&own.pool, 2), 0);
 	own.thesis = thesis_of(&own.basis, own.pool);
 	return 0;

@@ -319,7 +319,7 @@ TEST("an even sky is predicted")
 	double predicted[3];
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 9, NULL), 0);
 	for (int i = 0; i < dome.count; i++)
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = 0.5F;
