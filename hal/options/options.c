@@ -221,7 +221,7 @@ int command_read(const struct command *command, int argc, char **argv,
 	struct option options[OPTION_ROWS_MAX + 3] = {{.name = NULL}};
 	int count = 0;
 
-	for (; rows[count].name; count++)
+	for (; rows[count].name && count < OPTION_ROWS_MAX; count++)
 		options[count] = (struct option){
 			rows[count].name,
 			rows[count].kind == OPTION_FLAG ? no_argument : required_argument, NULL,
