@@ -13,16 +13,6 @@
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
-enum { ANGLES = 1, JSON };
-
-static const struct option options[] = {
-	LIGHTS_OPTIONS,
-	{"angles", no_argument, NULL, ANGLES},
-	{"json", no_argument, NULL, JSON},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 static void print_table(const struct dome *dome)
 {
 	printf("# %d lights: frequency %d\n", dome->count, dome->frequency);
@@ -61,24 +51,17 @@ static void print_json(const struct dome *dome)
 
 struct dome_choices {
 	struct scene_lights lights;
-	int form; /* ANGLES, JSON; 0: a summary */
+	bool angles, json; /* else a table */
 };
 
-static int dome_command_take(void *choices, int option, struct fault *fault)
-{
-	struct dome_choices *c = choices;
+#define AT(field) .place = offsetof(struct dome_choices, field)
 
-	switch (option) {
-	case LIGHTS_FREQUENCY:
-	case LIGHTS_FINE:
-		return lights_option_take(&c->lights, option, optarg, fault);
-	default:
-		if (c->form && c->form != option)
-			return fault_say(fault, -EINVAL, "expected one of --angles and --json");
-		c->form = option;
-		return 0;
-	}
-}
+static const struct option_row options[] = {
+	LIGHTS_ROWS,
+	{"angles", OPTION_FLAG, AT(angles)},
+	{"json", OPTION_FLAG, AT(json)},
+	{.name = NULL},
+};
 
 static int create_dome(const struct scene_lights *lights, struct dome *dome, struct fault *fault)
 {
@@ -93,26 +76,28 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	return err;
 }
 
-static int dome_command_run(const struct bake_command *command, int argc, char **argv)
+static int dome_command_run(const struct command *command, int argc, char **argv)
 {
 	struct dome_choices c = {.lights = {.frequency = 0}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
-	const int status = command_options(command, argc, argv, options, dome_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
 	if (!c.lights.frequency)
 		return command_wrong(command, "--frequency is missing");
+	if (c.angles && c.json)
+		return command_wrong(command, "expected one of --angles and --json");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
 	if (create_dome(&c.lights, &dome, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (c.form == ANGLES)
+	if (c.angles)
 		angles_write(stdout, &dome);
-	else if (c.form == JSON)
+	else if (c.json)
 		print_json(&dome);
 	else
 		print_table(&dome);
@@ -120,14 +105,11 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command dome_command = {
+const struct command dome_command = {
 	.name = "dome",
-	.usage = "--frequency F [--fine PARTS] [--angles | --json]",
+	.usage = "--frequency F [options]",
 	.summary = "print the lights of a dome",
-	.help = "\n  --frequency F   1 to 72; 9 makes 406 lights\n"
-		"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n"
-		"                  separated by commas, or a file of such lines (inlay-scene(5))\n"
-		"  --angles        one light a line: theta phi, radians\n"
+	.help = "\n" LIGHTS_HELP "  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
 	.run = dome_command_run,
 };

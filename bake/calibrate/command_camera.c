@@ -189,7 +189,7 @@ static int camera_read_option(void *context, int option, struct fault *fault)
 	}
 }
 
-static int camera_check_options(const void *context, struct fault *fault)
+static int camera_check_options(void *context, struct fault *fault)
 {
 	const struct camera_job *job = context;
 	int err;
@@ -360,10 +360,10 @@ static int camera_work(void *context, struct fault *fault)
 	return err;
 }
 
-static int camera_run(const struct bake_command *command, int argc, char **argv)
+static int camera_run(const struct command *command, int argc, char **argv)
 {
 	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
-						camera_work};
+						camera_work, NULL};
 	struct camera_job job = {.task = camera_task_default(),
 				 .reference = "1",
 				 .convention = {.pixel_centre = 0.5}};
@@ -371,7 +371,7 @@ static int camera_run(const struct bake_command *command, int argc, char **argv)
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct bake_command camera_command = {
+const struct command camera_command = {
 	.name = "camera",
 	.usage = "(--points FILE ... | --images 'GLOB' ... --board BOARD |\n"
 		 "        --live CONFIG --board BOARD [--views N]) [options] -o CAM.ini",

@@ -61,12 +61,14 @@ static int check_output(const struct lens_job *lens, struct fault *fault)
 	return 0;
 }
 
-static int lens_run_parsed(const struct bake_command *command, int argc, char **argv,
+static int lens_run_parsed(const struct command *command, int argc, char **argv,
 			   const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, calls->options, lens_take_option,
-					   &(struct lens_choices){lens, calls, job});
+	const int status = calls->rows ? command_read(command, argc, argv, calls->rows, job)
+				       : command_options(command, argc, argv, calls->options,
+							 lens_take_option,
+							 &(struct lens_choices){lens, calls, job});
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -84,7 +86,7 @@ static int lens_run_parsed(const struct bake_command *command, int argc, char **
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	int status;

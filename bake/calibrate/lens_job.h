@@ -5,9 +5,18 @@
 
 #include <stdbool.h>
 
-#include "bake/base/options.h"
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/observe/gather.h"
+#include "hal/options/options.h"
+
+/* Last rows of a command whose AT(lens) is a struct lens_job. */
+/* clang-format off */
+#define LENS_ROWS										   \
+	{"report", OPTION_TEXT, AT(lens.report)},						   \
+	{"force", OPTION_FLAG, AT(lens.force)},							   \
+	{"output", OPTION_TEXT, AT(lens.output)},						   \
+	{.name = NULL}
+/* clang-format on */
 
 /* Last entries of their tables of options. */
 #define LENS_REPORT 900
@@ -36,12 +45,13 @@ struct lens_calls {
 	/* reads one of the command's own options, from optarg */
 	int (*take)(void *job, int option, struct fault *fault);
 	/* checks whether the options go together */
-	int (*check)(const void *job, struct fault *fault);
+	int (*check)(void *job, struct fault *fault);
 	int (*work)(void *job, struct fault *fault); /* calibrates: 0; 1: not trusted; -errno */
+	const struct option_row *rows;		     /* NULL: options and take() */
 };
 
 /* Runs a command and returns its exit status. */
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
 /* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */

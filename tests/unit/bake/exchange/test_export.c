@@ -18,7 +18,7 @@
 
 #define WIDTH 24
 #define HEIGHT 18
-#define RAYS 2
+#define RAYS 4
 #define FLOATS 6
 
 static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
@@ -50,12 +50,11 @@ static struct scene *open_scene(const char *view)
 
 static void export_to(const struct scene *scene, const char *folder)
 {
-	const struct export_radiance_settings settings = {.rays = RAYS, .suns = 8};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 
 	assert_int_equal(dome_create(&dome, 1, NULL), 0);
-	if (export_radiance(scene, &dome, small_scene_path(folder), &settings, &fault))
+	if (export_radiance(scene, &dome, small_scene_path(folder), &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 }
@@ -296,17 +295,15 @@ static double suns_sr(const char *path)
 /* The suns of a light have its solid angle together. */
 TEST("suns")
 {
-	const struct export_radiance_settings settings = {.rays = 1, .suns = 16};
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
 	struct dome dome;
 
 	assert_int_equal(dome_create(&dome, 1, NULL), 0);
-	expect_success(export_radiance(scene, &dome, small_scene_path("suns"), &settings, &fault),
-		       &fault);
+	expect_success(export_radiance(scene, &dome, small_scene_path("suns"), &fault), &fault);
 	expect_below(
 		fabs(suns_sr(small_scene_path("suns/light003.rad")) / dome.solid_angle_sr[3] - 1),
-		1e-6, "%d suns", settings.suns);
+		1e-6, "%d lights", dome.count);
 	dome_free(&dome);
 	scene_close(scene);
 }

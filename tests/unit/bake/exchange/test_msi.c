@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "bake/base/random.h"
 #include "bake/exchange/msi.h"
@@ -65,13 +66,35 @@ static int test_msi_end(void **state)
 	return small_scene_end(state);
 }
 
+static void put_number(FILE *to, uint64_t value, int bytes, bool big_endian)
+{
+	for (int k = 0; k < bytes; k++)
+		putc((int)(value >> 8 * (big_endian ? bytes - 1 - k : k) & 255), to);
+}
+
+/* Writes the file with the header of a machine of this variant. */
 static void write_msi(const char *name, const struct msi_variant *variant)
 {
+	const int number[3] = {WIDTH, HEIGHT, own.dome.count};
+	uint8_t *data = malloc(4 << 20);
 	struct fault fault = {.text = ""};
+	size_t bytes;
+	FILE *file;
 
-	if (msi_write(small_scene_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, variant,
-		      &fault))
+	if (msi_write(small_scene_path(name), own.thesis, WIDTH, HEIGHT, own.dome.count, &fault))
 		fail_msg("%s", fault.text);
+	file = fopen(small_scene_path(name), "rb+");
+	assert_non_null(file);
+	bytes = fread(data, 1, 4 << 20, file);
+	rewind(file);
+	for (int k = 0; k < 3; k++)
+		put_number(file, (uint64_t)number[k], 4, variant->big_endian);
+	put_number(file, bytes - 8 + (size_t)variant->long_bytes, variant->long_bytes,
+		   variant->big_endian);
+	fwrite(data + 20, 1, bytes - 20, file);
+	assert_int_equal(ftruncate(fileno(file), ftell(file)), 0);
+	fclose(file);
+	free(data);
 }
 
 static void check_same(const struct msi *msi)
