@@ -253,8 +253,7 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 
 static int fisheye_run(const struct command *command, int argc, char **argv)
 {
-	static const struct lens_calls calls = {
-		.rows = rows, .check = fisheye_check_options, .work = fisheye_calibrate};
+	static const struct lens_calls calls = {rows, fisheye_check_options, fisheye_calibrate};
 	struct fisheye_job job = {.wanted = {.model = FISHEYE_MODEL_AUTO,
 					     .field_deg = 90,
 					     .tolerance_px = 0.5,

@@ -18,17 +18,6 @@
 	{.name = NULL}
 /* clang-format on */
 
-/* Last entries of their tables of options. */
-#define LENS_REPORT 900
-#define LENS_FORCE 901
-#define OPTIONS_OF_LENS                                                                            \
-	{"report", required_argument, NULL, LENS_REPORT},                                          \
-		{"force", no_argument, NULL, LENS_FORCE},                                          \
-		{"output", required_argument, NULL, 'o'}, OPTIONS_OF_ALL,                          \
-	{                                                                                          \
-		NULL, 0, NULL, 0                                                                   \
-	}
-
 struct lens_job {
 	char **file; /* files named by the source's option and the words that follow */
 	int files;
@@ -41,13 +30,10 @@ struct lens_job {
 
 /* Functions of one command; job is the struct that contains its lens_job. */
 struct lens_calls {
-	const struct option *options;
-	/* reads one of the command's own options, from optarg */
-	int (*take)(void *job, int option, struct fault *fault);
+	const struct option_row *rows;
 	/* checks whether the options go together */
 	int (*check)(void *job, struct fault *fault);
 	int (*work)(void *job, struct fault *fault); /* calibrates: 0; 1: not trusted; -errno */
-	const struct option_row *rows;		     /* NULL: options and take() */
 };
 
 /* Runs a command and returns its exit status. */
