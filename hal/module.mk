@@ -4,7 +4,6 @@ hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/budget.c \
-	hal/base/csv.c \
 	hal/base/fault.c \
 	hal/base/input.c \
 	hal/base/json.c \
@@ -15,6 +14,7 @@ HAL_SOURCES := \
 	hal/base/plain_text.c \
 	hal/base/pool.c \
 	hal/base/processor.c \
+	hal/base/table.c \
 	hal/base/text_file.c \
 	hal/base/utf8.c \
 	hal/basis/basis.c \
@@ -112,13 +112,14 @@ HAL_SOURCES := \
 	hal/measure/thesis.c \
 	hal/measure/turns.c \
 	hal/measure/unpacked.c \
+	hal/options/options.c \
 	hal/optics/distortion.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \
 	hal/optics/dome_nodes.c \
 	hal/optics/dome_placed.c \
-	hal/optics/dome_tents.c \
+	hal/optics/dome_facets.c \
 	hal/optics/dome_triangles.c \
 	hal/optics/fisheye.c \
 	hal/optics/fisheye_curve.c \

@@ -32,7 +32,6 @@ static int open_sky(struct filmed_cameras *cameras, const struct dome *dome)
 {
 	const struct fisheye_settings lens = {.field_deg = 90};
 	const struct light_sampler_settings settings = {
-		.estimator = ESTIMATOR_CELL,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = 1 / sky_exposure,
 	};

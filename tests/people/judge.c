@@ -340,7 +340,7 @@ static void judged_open(struct judged *j, const struct judged_case *of, const ch
 	memset(j, 0, sizeof(*j));
 	if (basis_open(&j->basis, path, BASIS_SHOWN, &fault) ||
 	    tsai_read_text(j->basis.camera, &j->camera, &fault) ||
-	    dome_create(&j->dome, (int)j->basis.info.dome_frequency, DOME_ANGLES, &fault) ||
+	    dome_create(&j->dome, (int)j->basis.info.dome_frequency, &fault) ||
 	    compositor_create(&j->compositor, &j->basis, &(struct compositor_options){0}, &fault) ||
 	    compositor_take_pose(j->compositor, 0, &fault))
 		die(fault.text);

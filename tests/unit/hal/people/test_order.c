@@ -78,7 +78,7 @@ static void stage_begin(struct stage *s, const double eye[3], double size)
 		.width = WIDTH, .height = HEIGHT, .curve = {.named = TRANSFER_SRGB}};
 	struct people_object object;
 
-	assert_int_equal(dome_create(&s->dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&s->dome, 1, NULL), 0);
 	assert_int_equal(tsai_look_at(&s->camera, WIDTH, HEIGHT, eye, target, 70, NULL), 0);
 	s->eye[0] = eye[0];
 	s->eye[1] = eye[1];
