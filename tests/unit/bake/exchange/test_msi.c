@@ -200,8 +200,8 @@ static int loop_difference(struct thesis *other, const struct basis *basis, int 
 	light_up(&lights, basis, kind);
 	thesis_light(own.thesis, &lights);
 	thesis_light(other, &lights);
-	thesis_run(own.thesis, &background, &a, NULL);
-	thesis_run(other, &background, &b, NULL);
+	thesis_run(own.thesis, &background, &a, own.pool);
+	thesis_run(other, &background, &b, own.pool);
 	for (int y = 0; y < HEIGHT; y++)
 		for (int x = 0; x < 4 * WIDTH; x++) {
 			const size_t at = (size_t)y * a.stride + (size_t)x;
