@@ -81,7 +81,7 @@ static void list_around(struct dome_facets *t, int nodes)
 		t->first[t->facet[n / 3].owner[n % 3] + 1]++;
 	for (int i = 0; i < nodes; i++)
 		t->first[i + 1] += t->first[i];
-	/* From the last facet on, each takes its nodes' last free places, down to the first. */
+	/* Backwards, each facet takes its nodes' last free places: that ends at the first. */
 	for (int n = 3 * t->count - 1; n >= 0; n--)
 		t->around[--t->first[t->facet[n / 3].owner[n % 3] + 1]] = n / 3;
 	memmove(t->first, t->first + 1, (size_t)nodes * sizeof(*t->first));
