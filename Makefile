@@ -381,7 +381,7 @@ blender-installed: all $(TEST_PROGRAMS)
 
 ## people: wrong pixels and orders of people before the object, beside OpenCV's ways (minutes)
 $(eval $(call with_packages,people,test))
-people-installed: all $(BUILD)/tests/people/judge
+people-installed: all $(BUILD)/tests/people/judge $(BUILD)/tests/people/render
 	$(Q)BUILD="$(BUILD)" tests/people/people.sh
 
 ## look: does the object look taken by the same camera, in noise, edges, colour and flicker: the table (two minutes)

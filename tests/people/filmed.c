@@ -54,6 +54,60 @@ static int open_sky(struct filmed_cameras *cameras, const struct dome *dome)
 	return err;
 }
 
+void filmed_set_noise(struct filmed *filmed, double read_noise, double shot_noise, int seed)
+{
+	sensor_prepare(&filmed->cameras->sensor, &(struct sensor_settings){
+							 .exposure = 1,
+							 .transfer = TRANSFER_SRGB,
+							 .read_noise = read_noise,
+							 .shot_noise = shot_noise,
+							 .seed = seed,
+						 });
+}
+
+/* Samples along a side of a pixel. */
+enum { PAINT_SIDE = 4 };
+
+static void paint_pixel(struct studio_view *view, int x, int y,
+			void (*paint)(const void *room, struct studio_hit *hit), const void *room)
+{
+	double old[3] = {0}, new[3] = {0}, factor[3];
+
+	for (int i = 0; i < PAINT_SIDE * PAINT_SIDE; i++) {
+		const double px[2] = {x + (i % PAINT_SIDE + 0.5) / PAINT_SIDE,
+				      y + (i / PAINT_SIDE + 0.5) / PAINT_SIDE};
+		double origin[3], dir[3];
+		struct studio_hit hit;
+
+		if (!eye_ray(studio_view_eye(view), px, origin, dir) ||
+		    !studio_hit(origin, dir, &hit))
+			continue;
+		if (hit.emitted[0] > 0)
+			return;
+		for (int c = 0; c < 3; c++)
+			old[c] += hit.albedo[c];
+		paint(room, &hit);
+		for (int c = 0; c < 3; c++)
+			new[c] += hit.albedo[c];
+	}
+	for (int c = 0; c < 3; c++)
+		factor[c] = old[c] > 0 ? new[c] / old[c] : 1;
+	studio_view_paint(view, x, y, factor);
+}
+
+void filmed_paint(struct filmed *filmed, void (*paint)(const void *room, struct studio_hit *hit),
+		  const void *room)
+{
+	struct studio_view *const views[] = {filmed->cameras->place, filmed->cameras->sky};
+
+	for (int i = 0; i < 2; i++) {
+		const struct sim_eye *eye = studio_view_eye(views[i]);
+
+		for (int k = 0; k < eye->width * eye->height; k++)
+			paint_pixel(views[i], k % eye->width, k / eye->width, paint, room);
+	}
+}
+
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome)
 {
 	struct sim_eye eye = {.width = camera->width, .height = camera->height, .camera = *camera};
@@ -68,8 +122,7 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	filmed->width = camera->width;
 	filmed->height = camera->height;
 	filmed->ground = calloc(pixels, 3 * sizeof(float));
-	filmed->behind = calloc(pixels, sizeof(*filmed->behind));
-	filmed->before = calloc(pixels, sizeof(*filmed->before));
+	filmed->people = calloc(pixels, sizeof(*filmed->people));
 	filmed->bgrx = calloc(pixels, 4);
 	filmed->depth = calloc(pixels, 2);
 	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
@@ -79,17 +132,11 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
 	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
 	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
-	if (!filmed->ground || !filmed->behind || !filmed->before || !filmed->bgrx ||
+	if (!filmed->ground || !filmed->people || !filmed->bgrx ||
 	    !filmed->light || !filmed->depth || !c->depth || !c->picture || !c->spread ||
 	    !c->sky_picture || !c->sky_people || !c->sky_bgrx)
 		return -ENOMEM;
-	sensor_prepare(&c->sensor, &(struct sensor_settings){
-					   .exposure = 1,
-					   .transfer = TRANSFER_SRGB,
-					   .read_noise = 0.5,
-					   .shot_noise = 2,
-					   .seed = 3,
-				   });
+	filmed_set_noise(filmed, 0.5, 2, 3);
 	err = studio_view_create(&c->place, &eye);
 	return err ? err : open_sky(c, dome);
 }
@@ -121,7 +168,7 @@ static void build_wall(struct filmed *filmed, const struct filmed_moment *moment
 
 			for (int c = 0; c < 3; c++)
 				filmed->ground[3 * k + c] *= 0.7f;
-			filmed->behind[k] = filmed->before[k] = nothing;
+			filmed->people[k] = nothing;
 		}
 }
 
@@ -149,8 +196,7 @@ static void see_depth(struct filmed *filmed, const struct filmed_moment *moment,
 		return;
 	}
 	studio_view_depth(c->place, lamps, c->depth);
-	studio_people_depth(c->place, filmed->behind, c->depth);
-	studio_people_depth(c->place, filmed->before, c->depth);
+	studio_people_depth(c->place, filmed->people, c->depth);
 }
 
 static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
@@ -201,19 +247,16 @@ void filmed_take_other(struct filmed *filmed, const struct filmed_moment *moment
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 {
 	struct filmed_cameras *c = filmed->cameras;
-	struct studio_lamps lamps = studio_lamps(moment->time_s, moment->switch_s);
+	struct studio_lamps lamps = moment->lamps
+					    ? *moment->lamps
+					    : studio_lamps(moment->time_s, moment->switch_s);
 	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
-	struct walker split[2][WALKER_STYLES];
-	int count[2] = {0, 0};
 
-	for (int i = 0; i < moment->walkers; i++)
-		split[moment->before[i]][count[moment->before[i]]++] = moment->walker[i];
 	if (!moment->all_flicker)
 		lamps.mains = moment->mains;
 	studio_view_render(c->place, &lamps, filmed->ground);
 	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
-	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
-	studio_people_draw(c->place, &lamps, split[1], count[1], filmed->before);
+	studio_people_draw(c->place, &lamps, moment->walker, moment->walkers, filmed->people);
 	build_wall(filmed, moment);
 	if (moment->depth_noise_mm > 0)
 		measure_depth(filmed, moment, &lamps);
@@ -224,12 +267,10 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 					   : 1;
 
 		expose(&filmed->ground[3 * k], moment->exposure, row);
-		expose(filmed->behind[k].rgb, moment->exposure, row);
-		expose(filmed->before[k].rgb, moment->exposure, row);
+		expose(filmed->people[k].rgb, moment->exposure, row);
 	}
 	memcpy(c->picture, filmed->ground, pixels * 3 * sizeof(float));
-	studio_people_over(c->place, filmed->behind, c->picture);
-	studio_people_over(c->place, filmed->before, c->picture);
+	studio_people_over(c->place, filmed->people, c->picture);
 	take(filmed, moment, c->picture, (uint64_t)moment->number, filmed->bgrx);
 	lamps.mains.depth = 0; /* the fisheye sees the mean */
 	return measure_light(filmed, moment, &lamps);
@@ -254,8 +295,7 @@ void filmed_close(struct filmed *filmed)
 		free(c);
 	}
 	free(filmed->ground);
-	free(filmed->behind);
-	free(filmed->before);
+	free(filmed->people);
 	free(filmed->bgrx);
 	free(filmed->depth);
 	free(filmed->light);
