@@ -4,9 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Half the room that people walk in, and how far they keep off the object's middle: half the box's
- * diagonal and half a step. */
-static const double door_m = 2.7, clearance_m = 0.5;
+/* Half the room that people walk in, and what they keep off the object's corners: half a step. */
+static const double door_m = 2.7, clearance_m = 0.3;
 
 /* Numbers of a room, one after another. */
 struct draw {
@@ -38,7 +37,7 @@ static void draw_camera(struct draw *draw, struct room *room)
 	const int kind = room->number % HALF;
 	const bool above = kind == 3;
 
-	room->width = kind == 2 || kind == 5 ? 640 : 320;
+	room->width = kind == 5 ? 640 : 320;
 	room->height = room->width * 3 / 4;
 	room->eye[0] = draw_between(draw, -1.2, 1.2);
 	room->eye[1] = draw_between(draw, -2.4, -1.8);
@@ -52,7 +51,7 @@ static void draw_camera(struct draw *draw, struct room *room)
 	room->target[1] = draw_between(draw, 0, 0.25);
 	room->target[2] = draw_between(draw, 0.1, 0.35);
 	room->field_deg = draw_between(draw, 48, 72);
-	room->box_m = draw_between(draw, 0.28, 0.45);
+	room->box_m = draw_between(draw, 0.35, 0.55);
 	room->box_turn_deg = draw_between(draw, 0, 90);
 	room->edge_spread_px = draw_between(draw, 0.3, 0.9);
 }
@@ -145,11 +144,13 @@ static void draw_clothes(struct draw *draw, const struct room *room, struct room
 	}
 }
 
-static void draw_crossing(struct draw *draw, struct room_crossing *crossing, bool stays)
+static void draw_crossing(struct draw *draw, const struct room *room,
+			  struct room_crossing *crossing, bool stays)
 {
+	const double nearest = room->box_m * M_SQRT1_2 + clearance_m;
 	const bool before = draw_chance(draw, 0.5);
-	const double off = before ? -draw_between(draw, clearance_m, 1.05)
-				  : draw_between(draw, clearance_m, 1.5);
+	const double off = before ? -draw_between(draw, nearest, 1.05)
+				  : draw_between(draw, nearest, 1.5);
 	const double slant = draw_between(draw, -0.42, 0.42); /* no way ends in a wall */
 	const double side = draw_chance(draw, 0.5) ? 1 : -1;
 	double walk_s;
@@ -183,7 +184,7 @@ static void draw_walker(struct draw *draw, struct room *room, int number)
 		const bool stays = room->inhabited && number + walker->crossings == 0;
 
 		crossing->begin_s = stays ? 0 : at_s;
-		draw_crossing(draw, crossing, stays);
+		draw_crossing(draw, room, crossing, stays);
 		at_s = crossing->end_s + draw_between(draw, 0.3, 2);
 		walker->crossings++;
 	}
