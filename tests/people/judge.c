@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "hal/basis/basis.h"
 #include "hal/image/image.h"
@@ -456,6 +457,14 @@ static void print_half(const char *name, const struct half *h)
 		       h->hidden / h->rooms, h->run_s, h->right_s, h->ms / h->rooms);
 }
 
+static bool is_rendered(const char *folder, int room)
+{
+	char path[512];
+
+	snprintf(path, sizeof(path), "%s/%d.room", folder, room);
+	return access(path, R_OK) == 0;
+}
+
 static void judge_rooms(const char *folder, const char *only, const char *pictures)
 {
 	struct half half[2] = {{0}};
@@ -468,6 +477,10 @@ static void judge_rooms(const char *folder, const char *only, const char *pictur
 
 		if (only && atoi(only) != room)
 			continue;
+		if (!is_rendered(folder, room)) {
+			printf("%4d is not rendered\n", room);
+			continue;
+		}
 		judged_open(&judged, folder, room);
 		judge_room(&judged, pictures, &tally);
 		print_row(&judged, &tally);
