@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "hal/optics/vec.h"
+
 /* Half the room that people walk in, and what they keep off the object's corners: half a step. */
 static const double door_m = 2.7, clearance_m = 0.3;
 
@@ -66,6 +68,55 @@ static void draw_surfaces(struct draw *draw, struct room *room)
 		draw_colour(draw, 0.6, 1.6, room->wall[s]);
 }
 
+/* The lantern's middle at a time. */
+static void lamp_place(const struct room_lamp *lamp, double time_s, double place[3])
+{
+	const double turn = lamp->circle_m > 0 ? lamp->phase + 2 * M_PI * time_s / lamp->turn_s : 0;
+
+	memcpy(place, lamp->lantern.centre, sizeof(lamp->lantern.centre));
+	place[0] += lamp->circle_m * cos(turn);
+	place[1] += lamp->circle_m * sin(turn);
+}
+
+/* Whether the lantern is ever in the picture, or nearly: as a lamp that floats before the place is
+ * no person, and nothing of the place either. */
+static bool lamp_is_seen(const struct room *room, const struct room_lamp *lamp)
+{
+	/* Half the picture's diagonal, which is 5/4 of its width. */
+	const double corner = atan(1.25 * tan(room->field_deg * M_PI / 360));
+
+	for (int k = 0; k < 16; k++) {
+		double place[3], axis[3], to[3], distance;
+
+		lamp_place(lamp, lamp->turn_s * k / 16, place);
+		for (int i = 0; i < 3; i++) {
+			axis[i] = room->target[i] - room->eye[i];
+			to[i] = place[i] - room->eye[i];
+		}
+		distance = vec_normalize(to);
+		vec_normalize(axis);
+		if (distance < 0.6 ||
+		    vec_angle(axis, to) < corner + asin(lamp->lantern.radius / distance))
+			return true;
+	}
+	return false;
+}
+
+static void hang_lamp(struct room *room, struct room_lamp *lamp, int number)
+{
+	struct draw draw = {(uint32_t)(room->number + ROOMS * (1 + number)), 0};
+
+	for (int tries = 0; tries < 1000 && lamp_is_seen(room, lamp); tries++) {
+		lamp->lantern.centre[0] = draw_between(&draw, -2.2, 2.2);
+		lamp->lantern.centre[1] = draw_between(&draw, -2.1, 2);
+		lamp->lantern.centre[2] = draw_between(&draw, 1.3, 2.6);
+		if (lamp->circle_m > 0) /* within the room, whose walls are at 3 and 2.5 m */
+			lamp->circle_m = fmin(draw_between(&draw, 0.2, 1.3),
+					      fmin(2.8 - fabs(lamp->lantern.centre[0]),
+						   2.3 - fabs(lamp->lantern.centre[1])));
+	}
+}
+
 static void draw_lamps(struct draw *draw, struct room *room)
 {
 	const int kind = room->number % HALF;
@@ -90,9 +141,11 @@ static void draw_lamps(struct draw *draw, struct room *room)
 		if (draw_chance(draw, 0.5)) {
 			lamp->circle_m = draw_between(draw, 0.8, 1.3);
 			lamp->turn_s = draw_between(draw, 9, 30);
+			lamp->lantern.centre[0] = lamp->lantern.centre[1] = 0;
 		} else if (kind == 2 || kind == 3) {
 			lamp->switch_s = draw_between(draw, 5, 9);
 		}
+		hang_lamp(room, lamp, i);
 		if (i >= lamps) /* nowhere, and without light */
 			*lamp = (struct room_lamp){
 				.lantern = {.centre = {0, -90, 1}, .radius = 1e-3}};
@@ -312,12 +365,7 @@ struct studio_lamps room_lamps(const struct room *room, double time_s)
 		struct studio_lantern *lantern = &lamps.lantern[i];
 
 		*lantern = lamp->lantern;
-		if (lamp->circle_m > 0) {
-			const double turn = lamp->phase + 2 * M_PI * time_s / lamp->turn_s;
-
-			lantern->centre[0] = lamp->circle_m * cos(turn);
-			lantern->centre[1] = lamp->circle_m * sin(turn);
-		}
+		lamp_place(lamp, time_s, lantern->centre);
 		for (int c = 0; c < 3 && is_off(time_s, lamp->switch_s); c++)
 			lantern->radiance[c] = 0;
 	}

@@ -47,7 +47,7 @@ struct room_walker {
 
 struct room_lamp {
 	struct studio_lantern lantern;
-	double circle_m, turn_s; /* moves on a circle; 0: stays */
+	double circle_m, turn_s; /* moves on a circle around its centre; 0: stays */
 	double phase, switch_s;	 /* off and on again; 0: stays on */
 };
 
