@@ -250,6 +250,22 @@ static struct studio_layer draw_pixel(const struct crowd *crowd, const struct si
 	return layer;
 }
 
+/* The parts that a tile on the rim of the field may see: of each of its corners and its middle that
+ * lies inside, a cone as wide as the tile's diagonal. */
+static void rim_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
+		      unsigned *parts)
+{
+	for (int k = 0; k < 5; k++) {
+		const double px[2] = {x + (k < 4 ? k % 2 : 0.5) * TILE,
+				      y + (k < 4 ? k / 2 : 0.5) * TILE};
+		double origin[3], dir[3];
+
+		for (int i = 0; eye_ray(eye, px, origin, dir) && i < crowd->count; i++)
+			parts[i] |= walker_in_cone(&crowd->body[i], origin, dir,
+						   1.5 * TILE * eye_pixel_rad(eye, px));
+	}
+}
+
 /* The parts of bodies that a tile may see. False: none. */
 static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
 		       unsigned *parts)
@@ -266,9 +282,11 @@ static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int
 
 		angle = eye_ray(eye, px, origin, corner) ? fmax(angle, vec_angle(dir, corner)) : -1;
 	}
+	if (angle < 0)
+		rim_parts(crowd, eye, x, y, parts);
 	for (int i = 0; i < crowd->count; i++) {
-		/* At the rim of the field every part is tried. */
-		parts[i] = angle < 0 ? ~0u : walker_in_cone(&crowd->body[i], origin, dir, angle);
+		if (angle >= 0)
+			parts[i] = walker_in_cone(&crowd->body[i], origin, dir, angle);
 		any = any || parts[i];
 	}
 	return any;
