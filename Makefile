@@ -384,6 +384,11 @@ $(eval $(call with_packages,people,test))
 people-installed: all $(BUILD)/tests/people/judge $(BUILD)/tests/people/render
 	$(Q)BUILD="$(BUILD)" tests/people/people.sh
 
+## film: the cow among the people of a real film: film/film.mp4, its crossings, and a page (minutes)
+$(eval $(call with_packages,film,film))
+film-installed: all $(BUILD)/tests/film/measure
+	$(Q)BUILD="$(BUILD)" tests/film/film.sh film
+
 ## look: does the object look taken by the same camera, in noise, edges, colour and flicker: the table (two minutes)
 $(eval $(call with_packages,look,test))
 look-installed: all $(BUILD)/tests/people/look

@@ -183,6 +183,13 @@ $(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) 
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
 -include $(BUILD)/tests/people/look.d
 
+# Measures what inlay makes of a real film: film/film.sh.
+OTHER_PROGRAMS += $(BUILD)/tests/film/measure
+$(BUILD)/tests/film/measure: $(BUILD)/tests/film/measure.o $(addprefix $(BUILD)/,drivers.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
+-include $(BUILD)/tests/film/measure.d
+
 # Measures the time of a camera's calibration; run by hand.
 OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera
 $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT_LIB) \
