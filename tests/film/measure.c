@@ -23,7 +23,7 @@ enum {
 	MOST_CROSSINGS = 128,
 	RATE_HZ = 10,
 	GAP = 5,       /* frames for which a crossing may be interrupted */
-	CONTRAST = 60, /* of film and object, sum over R, G, B, that tells them apart */
+	CONTRAST = 60, /* sum over R, G, B, that tells film, object and people apart */
 	NEAR_PX = 12,  /* boxes are that exact, and shadows are not in them */
 	ACROSS = 8,
 	CROP = 160
@@ -53,6 +53,8 @@ struct film {
 	struct box (*box)[MOST_BOXES];
 	int *boxes, frames;
 	int pixels, object_pixels, crop[2];
+	int *object_pixel;	 /* [object_pixels] */
+	uint8_t (*place)[3];	 /* [object_pixels]: the film's median, without people */
 	double near_m, far_m, eye[3];
 	struct crossing crossing[MOST_CROSSINGS];
 	int crossings, open[MOST_PEOPLE];
@@ -64,11 +66,6 @@ static void die(const char *what, const char *name)
 {
 	fprintf(stderr, "measure: %s %s\n", name, what);
 	exit(1);
-}
-
-static bool object_at(const struct film *f, int k)
-{
-	return f->basis.poses[0].coverage[k] > 64000;
 }
 
 static void read_boxes(struct film *f, const char *path)
@@ -151,11 +148,10 @@ static int side_of(const struct film *f, const struct box *box)
 	return own < near - UNCLEAR_M ? -1 : own > far + UNCLEAR_M ? 1 : 0;
 }
 
-static bool box_holds(const struct box *box, double x, double y, double wide, double high,
-		      double more)
+static bool box_holds(const struct box *box, double x, double y, double more)
 {
-	return fabs(x + 0.5 - box->x) <= wide * box->width / 2 + more &&
-	       fabs(y + 0.5 - box->y) <= high * box->height / 2 + more;
+	return fabs(x + 0.5 - box->x) <= box->width / 2 + more &&
+	       fabs(y + 0.5 - box->y) <= box->height / 2 + more;
 }
 
 /* ---- a frame ---- */
@@ -170,15 +166,23 @@ static int apart(const uint8_t *a, const uint8_t *b)
 	return abs(a[0] - b[0]) + abs(a[1] - b[1]) + abs(a[2] - b[2]);
 }
 
-/* 1: somebody hides the object in a pixel, 0: nobody, -1: both look alike. */
-static int hidden_at(const struct film *f, int x, int y)
+/* Whether the film is seen in a pixel of the object, and the two differ. */
+static bool is_hidden(const struct film *f, int x, int y)
 {
 	const uint8_t *seen = at(&f->seen, x, y), *object = at(&f->object, x, y);
 	const uint8_t *out = at(&f->out, x, y);
 
-	if (apart(seen, object) < CONTRAST)
-		return -1;
-	return apart(out, seen) < apart(out, object);
+	return apart(seen, object) >= CONTRAST && apart(out, seen) < apart(out, object);
+}
+
+/* Whether a person is seen in the film in one of the object's pixels, where he differs from object
+ * and place. */
+static bool is_person(const struct film *f, int i, int x, int y)
+{
+	const uint8_t *seen = at(&f->seen, x, y);
+
+	return apart(seen, f->place[i]) >= CONTRAST &&
+	       apart(seen, at(&f->object, x, y)) >= CONTRAST;
 }
 
 static void keep_crop(const struct film *f, struct crossing *crossing, int frame, int overlap)
@@ -196,30 +200,23 @@ static void keep_crop(const struct film *f, struct crossing *crossing, int frame
 static void judge_box(struct film *f, int frame, const struct box *box)
 {
 	const int side = side_of(f, box);
-	int overlap = 0, known = 0, hidden = 0;
+	int overlap = 0, hidden = 0;
 	struct crossing *crossing;
 	bool wrong;
 
-	for (int k = 0; k < f->pixels; k++) {
-		const int x = k % f->camera.width, y = k / f->camera.width;
-		bool alone = true;
-		int is;
+	for (int i = 0; i < f->object_pixels; i++) {
+		const int x = f->object_pixel[i] % f->camera.width;
+		const int y = f->object_pixel[i] / f->camera.width;
+		bool alone = box_holds(box, x, y, 0) && is_person(f, i, x, y);
 
-		if (!object_at(f, k) || !box_holds(box, x, y, 0.5, 0.9, 0))
-			continue;
-		for (int i = 0; i < f->boxes[frame]; i++)
-			alone = alone && (&f->box[frame][i] == box ||
-					  !box_holds(&f->box[frame][i], x, y, 1, 1, 0));
-		if (!alone)
-			continue;
-		is = hidden_at(f, x, y);
-		overlap++;
-		known += is >= 0;
-		hidden += is > 0;
+		for (int n = 0; alone && n < f->boxes[frame]; n++)
+			alone = &f->box[frame][n] == box || !box_holds(&f->box[frame][n], x, y, 0);
+		overlap += alone;
+		hidden += alone && is_hidden(f, x, y);
 	}
-	if (side == 0 || overlap < OVERLAP_LEAST * f->object_pixels || known < overlap / 2)
+	if (side == 0 || overlap < OVERLAP_LEAST * f->object_pixels)
 		return;
-	wrong = (side < 0) != (2 * hidden > known);
+	wrong = (side < 0) != (2 * hidden > overlap);
 	crossing = f->open[box->person] ? &f->crossing[f->open[box->person] - 1] : NULL;
 	if (!crossing || frame - crossing->last > GAP || crossing->side != side) {
 		if (f->crossings == MOST_CROSSINGS)
@@ -243,12 +240,13 @@ static void judge_frame(struct film *f, int frame)
 
 	for (int i = 0; i < f->boxes[frame]; i++)
 		judge_box(f, frame, &f->box[frame][i]);
-	for (int k = 0; k < f->pixels; k++) {
-		const int x = k % f->camera.width, y = k / f->camera.width;
-		bool nobody = object_at(f, k) && hidden_at(f, x, y) > 0;
+	for (int i = 0; i < f->object_pixels; i++) {
+		const int x = f->object_pixel[i] % f->camera.width;
+		const int y = f->object_pixel[i] / f->camera.width;
+		bool nobody = is_hidden(f, x, y);
 
-		for (int i = 0; nobody && i < f->boxes[frame]; i++)
-			nobody = !box_holds(&f->box[frame][i], x, y, 1, 1, NEAR_PX);
+		for (int n = 0; nobody && n < f->boxes[frame]; n++)
+			nobody = !box_holds(&f->box[frame][n], x, y, NEAR_PX);
 		hidden += nobody;
 	}
 	share = (double)hidden / f->object_pixels;
@@ -294,9 +292,13 @@ static void film_open(struct film *f, char **argv)
 	    canvas_create(&f->object, f->camera.width, f->camera.height))
 		die("not enough memory", "");
 	read_boxes(f, argv[5]);
+	f->object_pixel = calloc((size_t)f->pixels, sizeof(int));
+	f->place = calloc((size_t)f->pixels, sizeof(*f->place));
+	if (!f->object_pixel || !f->place)
+		die("not enough memory", "");
 	for (int k = 0; k < f->pixels; k++)
-		if (object_at(f, k)) {
-			f->object_pixels++;
+		if (f->basis.poses[0].coverage[k] > 64000) { /* nothing shines through */
+			f->object_pixel[f->object_pixels++] = k;
 			px[0] += k % f->camera.width;
 			px[1] += k / f->camera.width;
 		}
@@ -311,6 +313,36 @@ static void film_open(struct film *f, char **argv)
 	measure_foot(f);
 	if (!next_picture(&f->empty, &f->object))
 		die("is empty", argv[4]);
+}
+
+/* The place without people, as nobody stands long enough to be the median. */
+static void learn_place(struct film *f)
+{
+	uint16_t(*count)[3][256] = calloc((size_t)f->object_pixels, sizeof(*count));
+	struct fault fault = {{0}};
+	int frames = 0;
+
+	if (!count)
+		die("not enough memory", "");
+	for (; next_picture(&f->film, &f->seen); frames++)
+		for (int i = 0; i < f->object_pixels; i++) {
+			const uint8_t *seen = at(&f->seen, f->object_pixel[i] % f->camera.width,
+						 f->object_pixel[i] / f->camera.width);
+
+			for (int c = 0; c < 3; c++)
+				count[i][c][seen[c]]++;
+		}
+	for (int i = 0; i < f->object_pixels; i++)
+		for (int c = 0; c < 3; c++) {
+			int value = 0;
+
+			for (int below = count[i][c][0]; 2 * below < frames; value++)
+				below += count[i][c][value + 1];
+			f->place[i][c] = (uint8_t)value;
+		}
+	free(count);
+	if (y4m_rewind(&f->film, &fault))
+		die(fault.text, "");
 }
 
 static void write_sheet(const struct film *f, const char *path)
@@ -372,6 +404,7 @@ int main(int argc, char **argv)
 		die("expected BASIS FILM SHOWN EMPTY BOXES SHEET", "");
 	film.film.fd = film.shown.fd = film.empty.fd = -1;
 	film_open(&film, argv);
+	learn_place(&film);
 	while (film.frames < MOST_FRAMES && next_picture(&film.film, &film.seen) &&
 	       next_picture(&film.shown, &film.out)) {
 		/* The upper left corner holds nothing but the film. */
@@ -389,6 +422,8 @@ int main(int argc, char **argv)
 	canvas_free(&film.seen);
 	canvas_free(&film.out);
 	canvas_free(&film.object);
+	free(film.object_pixel);
+	free(film.place);
 	free(film.box);
 	free(film.boxes);
 	basis_close(&film.basis);
