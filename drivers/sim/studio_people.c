@@ -44,13 +44,18 @@ static double piece_irradiance(const struct studio_piece *piece, const double po
 	return here > 0 && there > 0 ? here * there / d2 : 0;
 }
 
-static double crowd_hides(const struct crowd *crowd, const double point[3], const double lamp[3],
-			  double radius)
+/* The share of a lamp that the bodies within a distance on the ground hide from a point. */
+static double crowd_hides(const struct crowd *crowd, double within_m, const double point[3],
+			  const double lamp[3], double radius)
 {
 	double seen = 1;
 
-	for (int i = 0; i < crowd->count; i++)
-		seen *= 1 - walker_hides(&crowd->body[i], point, lamp, radius);
+	for (int i = 0; i < crowd->count; i++) {
+		const double *middle = crowd->body[i].low;
+
+		if (hypot(middle[0] - point[0], middle[1] - point[1]) < within_m)
+			seen *= 1 - walker_hides(&crowd->body[i], point, lamp, radius);
+	}
 	return 1 - seen;
 }
 
@@ -60,18 +65,9 @@ static double crowd_hides(const struct crowd *crowd, const double point[3], cons
 static double crowd_hides_ambient(const struct crowd *crowd, const double point[3],
 				  const double normal[3])
 {
-	const double far_m = 2, tilt = 0.9, radius = 0.8, round = 0.5;
+	const double within_m = 1.2, far_m = 2, tilt = 0.9, radius = 0.8, round = 0.5;
 	double u[3] = {normal[1], normal[2], normal[0]}, v[3], hidden = 0;
-	bool near = false;
 
-	for (int i = 0; i < crowd->count; i++) {
-		const double *middle = crowd->body[i].low;
-		const double off = hypot(middle[0] - point[0], middle[1] - point[1]);
-
-		near = near || off < 1.2;
-	}
-	if (!near)
-		return 0;
 	vec_cross(normal, u, v);
 	for (int k = 0; k < 7; k++) {
 		const double turn = 2 * M_PI * k / 6, out = k < 6 ? sin(tilt) : 0;
@@ -80,7 +76,7 @@ static double crowd_hides_ambient(const struct crowd *crowd, const double point[
 		for (int i = 0; i < 3; i++)
 			lamp[i] = point[i] + far_m * (sqrt(1 - out * out) * normal[i] +
 						      out * (cos(turn) * u[i] + sin(turn) * v[i]));
-		hidden += round * crowd_hides(crowd, point, lamp, radius) / 7;
+		hidden += round * crowd_hides(crowd, within_m, point, lamp, radius) / 7;
 	}
 	return hidden;
 }
@@ -108,8 +104,9 @@ static void crowd_takes(const struct crowd *crowd, const struct studio_ground *a
 		const double e = piece->power[1] > 0
 					 ? piece_irradiance(piece, at->point, at->normal)
 					 : 0;
-		const double hidden =
-			e > 0 ? crowd_hides(crowd, at->point, piece->place, piece->radius) : 0;
+		const double hidden = e > 0 ? crowd_hides(crowd, INFINITY, at->point, piece->place,
+							  piece->radius)
+					    : 0;
 
 		for (int c = 0; c < 3; c++)
 			lost[c] += hidden * e * piece->power[c];
@@ -147,9 +144,8 @@ void studio_people_shade(const struct studio_view *view, const struct studio_lam
 		const double v = (double)(y % step) / step;
 
 		if (y % step == 0)
-			take_row(&crowd, view,
-				 y + step < eye->height ? y + step : eye->height - 1, step,
-				 rows[1 - y / step % 2]);
+			take_row(&crowd, view, y + step < eye->height ? y + step : eye->height - 1,
+				 step, rows[1 - y / step % 2]);
 		for (int x = 0; x < eye->width; x++) {
 			const double u = (double)(x % step) / step;
 			const int i = x / step;
@@ -220,7 +216,7 @@ static void pixel_sample(const struct crowd *crowd, const unsigned *parts, const
 		rgb[c] += (float)(nearest.albedo[c] / M_PI * pixel->irradiance[c]);
 }
 
-static const int corners_first[SIDE * SIDE] = {0, 3, 12, 15, 1, 2,  4,	5,
+static const int corners_first[SIDE * SIDE] = {0, 3, 12, 15, 1,	 2,  4,	 5,
 					       6, 7, 8,	 9,  10, 11, 13, 14};
 
 static struct studio_layer draw_pixel(const struct crowd *crowd, const struct sim_eye *eye,
@@ -250,44 +246,28 @@ static struct studio_layer draw_pixel(const struct crowd *crowd, const struct si
 	return layer;
 }
 
-/* The parts that a tile on the rim of the field may see: of each of its corners and its middle that
- * lies inside, a cone as wide as the tile's diagonal. */
-static void rim_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
-		      unsigned *parts)
-{
-	for (int k = 0; k < 5; k++) {
-		const double px[2] = {x + (k < 4 ? k % 2 : 0.5) * TILE,
-				      y + (k < 4 ? k / 2 : 0.5) * TILE};
-		double origin[3], dir[3];
-
-		for (int i = 0; eye_ray(eye, px, origin, dir) && i < crowd->count; i++)
-			parts[i] |= walker_in_cone(&crowd->body[i], origin, dir,
-						   1.5 * TILE * eye_pixel_rad(eye, px));
-	}
-}
-
-/* The parts of bodies that a tile may see. False: none. */
+/* The parts of bodies that a tile may see: those in a cone around its middle, or, where that lies
+ * outside the field, around its corners. False: none. */
 static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
 		       unsigned *parts)
 {
-	double origin[3], dir[3], angle = 0;
-	bool any = false;
+	double origin[3], dir[3];
+	bool any = false, middle = false;
 
 	memset(parts, 0, WALKER_STYLES * sizeof(*parts));
-	if (!eye_ray(eye, (double[2]){x + TILE / 2.0, y + TILE / 2.0}, origin, dir))
-		angle = -1;
-	for (int k = 0; angle >= 0 && k < 4; k++) {
-		const double px[2] = {x + k % 2 * TILE, y + k / 2 * TILE};
-		double corner[3];
+	for (int k = 0; k < 5 && !middle; k++) {
+		const double px[2] = {x + (k ? k % 2 : 0.5) * TILE, y + (k ? k / 3 : 0.5) * TILE};
 
-		angle = eye_ray(eye, px, origin, corner) ? fmax(angle, vec_angle(dir, corner)) : -1;
-	}
-	if (angle < 0)
-		rim_parts(crowd, eye, x, y, parts);
-	for (int i = 0; i < crowd->count; i++) {
-		if (angle >= 0)
-			parts[i] = walker_in_cone(&crowd->body[i], origin, dir, angle);
-		any = any || parts[i];
+		if (!eye_ray(eye, px, origin, dir))
+			continue;
+		middle = k == 0;
+		for (int i = 0; i < crowd->count; i++) {
+			/* 0.75: half the diagonal of a square is 0.71 of its side. */
+			parts[i] |= walker_in_cone(&crowd->body[i], origin, dir,
+						   (middle ? 0.75 : 1.5) * TILE *
+							   eye_pixel_rad(eye, px));
+			any = any || parts[i];
+		}
 	}
 	return any;
 }

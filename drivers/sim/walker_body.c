@@ -198,8 +198,8 @@ static void body_bound(struct walker_body *body)
 
 void walker_pose(const struct walker *walker, struct walker_body *body)
 {
-	struct posing posing = {
-		walker, body, walker->height > 0 ? walker->height : walker_height(walker->style)};
+	struct posing posing = {walker, body,
+				walker->height > 0 ? walker->height : walker_height(walker->style)};
 
 	memset(body, 0, sizeof(*body));
 	body->style = walker->style;
@@ -345,8 +345,8 @@ static void hit_finish(const struct walker_body *body, const double origin[3], c
 	across = atan2(vec_dot(off, body->side), vec_dot(off, body->ahead)) * part->radius;
 	squeeze(body, part, squeezed, hit->normal);
 	vec_normalize(hit->normal);
-	cloth_albedo(body, part->cloth, share * vec_length(part->along) + 0.3 * squeezed[2],
-		     across, hit->albedo);
+	cloth_albedo(body, part->cloth, share * vec_length(part->along) + 0.3 * squeezed[2], across,
+		     hit->albedo);
 }
 
 bool walker_hit(const struct walker_body *body, unsigned parts, const double origin[3],

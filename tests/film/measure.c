@@ -2,8 +2,8 @@
 /*
  * Measures what `inlay` made of the film against boxes that somebody else drew around all people.
  *     measure BASIS.inlay FILM.y4m SHOWN.y4m EMPTY.y4m BOXES.xml SHEET.png
- * SHOWN is the film with the object, EMPTY one frame of it for which nobody was looked for. The sheet
- * shows every crossing. README.md says what the figures mean.
+ * SHOWN is the film with the object, EMPTY one frame of it for which nobody was looked for. The
+ * sheet shows every crossing. README.md says what the figures mean.
  */
 #include <math.h>
 #include <stdio.h>
@@ -53,8 +53,8 @@ struct film {
 	struct box (*box)[MOST_BOXES];
 	int *boxes, frames;
 	int pixels, object_pixels, crop[2];
-	int *object_pixel;	 /* [object_pixels] */
-	uint8_t (*place)[3];	 /* [object_pixels]: the film's median, without people */
+	int *object_pixel;   /* [object_pixels] */
+	uint8_t (*place)[3]; /* [object_pixels]: the film's median, without people */
 	double near_m, far_m, eye[3];
 	struct crossing crossing[MOST_CROSSINGS];
 	int crossings, open[MOST_PEOPLE];
@@ -223,8 +223,7 @@ static void judge_box(struct film *f, int frame, const struct box *box)
 			die("holds more crossings than expected", "the film");
 		crossing = &f->crossing[f->crossings++];
 		f->open[box->person] = f->crossings;
-		*crossing = (struct crossing){
-			.person = box->person, .first = frame, .side = side};
+		*crossing = (struct crossing){.person = box->person, .first = frame, .side = side};
 	}
 	crossing->last = frame;
 	crossing->judged++;
@@ -282,7 +281,8 @@ static void film_open(struct film *f, char **argv)
 	    y4m_open(&f->empty, argv[4], &fault))
 		die(fault.text, "");
 	if (f->film.width != f->camera.width || f->film.height != f->camera.height ||
-	    f->shown.width != f->camera.width || f->shown.height != f->camera.height || !f->basis.feet)
+	    f->shown.width != f->camera.width || f->shown.height != f->camera.height ||
+	    !f->basis.feet)
 		die("does not fit the film", argv[1]);
 	f->pixels = f->camera.width * f->camera.height;
 	f->box = calloc(MOST_FRAMES, sizeof(*f->box));

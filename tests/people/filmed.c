@@ -13,18 +13,13 @@
 
 enum { SKY_SIDE = 128 };
 static const double sky_exposure = 0.16;
-static const float wall_depth = 0.9f; /* m */
 
 struct filmed_cameras {
 	struct studio_view *place, *sky;
-	struct studio_view
-		*elsewhere; /* of the depth camera; NULL: it is in the background's place */
-	struct studio_layer *elsewhere_people;
 	struct light_sampler *sampler;
 	struct sensor sensor, sky_sensor;
 	struct studio_layer *sky_people;
 	float *picture, *spread, *sky_picture; /* spread: two pictures */
-	float *depth;			       /* before the depth camera's noise, m */
 	uint8_t *sky_bgrx;
 };
 
@@ -124,17 +119,14 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	filmed->ground = calloc(pixels, 3 * sizeof(float));
 	filmed->people = calloc(pixels, sizeof(*filmed->people));
 	filmed->bgrx = calloc(pixels, 4);
-	filmed->depth = calloc(pixels, 2);
 	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
 	c->picture = calloc(pixels, 3 * sizeof(float));
 	c->spread = calloc(pixels, 6 * sizeof(float));
-	c->depth = calloc(pixels, sizeof(float));
 	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
 	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
 	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
-	if (!filmed->ground || !filmed->people || !filmed->bgrx ||
-	    !filmed->light || !filmed->depth || !c->depth || !c->picture || !c->spread ||
-	    !c->sky_picture || !c->sky_people || !c->sky_bgrx)
+	if (!filmed->ground || !filmed->people || !filmed->bgrx || !filmed->light || !c->picture ||
+	    !c->spread || !c->sky_picture || !c->sky_people || !c->sky_bgrx)
 		return -ENOMEM;
 	filmed_set_noise(filmed, 0.5, 2, 3);
 	err = studio_view_create(&c->place, &eye);
@@ -155,62 +147,6 @@ static int measure_light(struct filmed *filmed, const struct filmed_moment *mome
 		      (size_t)SKY_SIDE * SKY_SIDE, c->sky_bgrx);
 	picture = view_picture(&whole, c->sky_bgrx, (size_t)SKY_SIDE * 4);
 	return light_sampler_read(c->sampler, &picture, filmed->light, NULL);
-}
-
-/* A low wall before everything: grey, lit as the ground that it hides. */
-static void build_wall(struct filmed *filmed, const struct filmed_moment *moment)
-{
-	const struct studio_layer nothing = {.walker = -1};
-
-	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
-		for (int x = moment->wall_x; x < filmed->width; x++) {
-			const int k = y * filmed->width + x;
-
-			for (int c = 0; c < 3; c++)
-				filmed->ground[3 * k + c] *= 0.7f;
-			filmed->people[k] = nothing;
-		}
-}
-
-int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera)
-{
-	const struct sim_eye eye = {
-		.width = filmed->width, .height = filmed->height, .camera = *depth_camera};
-	struct filmed_cameras *c = filmed->cameras;
-
-	c->elsewhere_people = calloc((size_t)filmed->width * (size_t)filmed->height,
-				     sizeof(*c->elsewhere_people));
-	return c->elsewhere_people ? studio_view_create(&c->elsewhere, &eye) : -ENOMEM;
-}
-
-static void see_depth(struct filmed *filmed, const struct filmed_moment *moment,
-		      const struct studio_lamps *lamps)
-{
-	struct filmed_cameras *c = filmed->cameras;
-
-	if (c->elsewhere) {
-		studio_people_draw(c->elsewhere, lamps, moment->walker, moment->walkers,
-				   c->elsewhere_people);
-		studio_view_depth(c->elsewhere, lamps, c->depth);
-		studio_people_depth(c->elsewhere, c->elsewhere_people, c->depth);
-		return;
-	}
-	studio_view_depth(c->place, lamps, c->depth);
-	studio_people_depth(c->place, filmed->people, c->depth);
-}
-
-static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
-			  const struct studio_lamps *lamps)
-{
-	struct filmed_cameras *c = filmed->cameras;
-	const struct sensor_depth sensor = {moment->depth_noise_mm, 5};
-
-	see_depth(filmed, moment, lamps);
-	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
-		for (int x = moment->wall_x; x < filmed->width; x++)
-			c->depth[y * filmed->width + x] = wall_depth;
-	sensor_measure(&sensor, (uint64_t)moment->number, c->depth, filmed->width, filmed->height,
-		       filmed->depth);
 }
 
 static void expose(float *rgb, const double exposure[3], double row)
@@ -247,9 +183,8 @@ void filmed_take_other(struct filmed *filmed, const struct filmed_moment *moment
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 {
 	struct filmed_cameras *c = filmed->cameras;
-	struct studio_lamps lamps = moment->lamps
-					    ? *moment->lamps
-					    : studio_lamps(moment->time_s, moment->switch_s);
+	struct studio_lamps lamps = moment->lamps ? *moment->lamps
+						  : studio_lamps(moment->time_s, moment->switch_s);
 	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
 
 	if (!moment->all_flicker)
@@ -257,9 +192,6 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 	studio_view_render(c->place, &lamps, filmed->ground);
 	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
 	studio_people_draw(c->place, &lamps, moment->walker, moment->walkers, filmed->people);
-	build_wall(filmed, moment);
-	if (moment->depth_noise_mm > 0)
-		measure_depth(filmed, moment, &lamps);
 	for (size_t k = 0; k < pixels; k++) {
 		const double row = moment->all_flicker
 					   ? filmed_row(moment, (int)(k / (size_t)filmed->width),
@@ -289,15 +221,11 @@ void filmed_close(struct filmed *filmed)
 		free(c->sky_picture);
 		free(c->sky_people);
 		free(c->sky_bgrx);
-		free(c->depth);
-		studio_view_destroy(c->elsewhere);
-		free(c->elsewhere_people);
 		free(c);
 	}
 	free(filmed->ground);
 	free(filmed->people);
 	free(filmed->bgrx);
-	free(filmed->depth);
 	free(filmed->light);
 	memset(filmed, 0, sizeof(*filmed));
 }

@@ -167,7 +167,7 @@ struct tally {
 	struct crossing_tally crossing[WALKER_STYLES];
 	double hidden; /* sum of shares of the object hidden by nobody */
 	int64_t hidden_since_ns, hidden_ns;
-	int64_t empty_ns;	      /* when all had left; 0: not yet */
+	int64_t empty_ns;		 /* when all had left; 0: not yet */
 	int64_t wrong_until_ns[METHODS]; /* there, after it */
 	int64_t end_ns;
 };
@@ -347,9 +347,8 @@ static void keep_picture(const struct judged *j, const char *folder, int frame, 
 		for (int c = 0; c < 3; c++) {
 			to[c] = r->alpha[i] > 127 ? (r->who[i] & TRUTH_BEFORE && c ? 60 : 255)
 						  : object;
-			to[3 * w + c] = veil_at(j, false, k)
-						? (veil_at(j, true, k) && c ? 60 : 255)
-						: object;
+			to[3 * w + c] = veil_at(j, false, k) ? (veil_at(j, true, k) && c ? 60 : 255)
+							     : object;
 			to[6 * w + c] = others ? 255 : object;
 		}
 	}
@@ -448,9 +447,7 @@ static void half_add(struct half *half, const struct judged *j, const struct tal
 static void print_half(const char *name, const struct half *h)
 {
 	if (h->rooms)
-		printf("%s: wrong %.0f, best of others %.0f; ratio mean %.2f, worst %.2f; order wrong in "
-		       "%.1f %% of %d crossings, %.2f %% of their frames; hidden by nobody %.3f %%, worst run "
-		       "%.1f s; empty place right after %.1f s; %.2f ms\n",
+		printf("%s: wrong %.0f, theirs %.0f; ratio mean %.2f, worst %.2f; order wrong %.1f %% of %d, %.2f %% of frames; hidden by nobody %.3f %%, worst run %.1f s; empty place right after %.1f s; %.2f ms\n",
 		       name, h->wrong / h->rooms, h->others / h->rooms, h->ratio / h->rooms,
 		       h->worst_ratio, 100.0 * h->wrong_crossings / fmax(h->crossings, 1),
 		       h->crossings, 100.0 * h->wrong_frames / fmax(h->order_frames, 1),
@@ -469,8 +466,7 @@ static void judge_rooms(const char *folder, const char *only, const char *pictur
 {
 	struct half half[2] = {{0}};
 
-	printf("room looked   wrong  missed   false  others of which   ratio switch  edge  order  "
-	       "frames    hidden%%  run_s  empty_s theirs     ms\n");
+	puts("room looked   wrong  missed   false  theirs which      ratio switch  edge  order    frames  hidden%  run_s empty_s theirs    ms");
 	for (int room = 0; room < ROOMS; room++) {
 		struct judged judged;
 		struct tally tally;
@@ -551,13 +547,13 @@ static void judge_nudge(const char *folder, int room, int px)
 		if (seen > 10 * RIGHT_MOST * r->head.looked)
 			last = frame;
 		for (int k = 0; k < 2; k++)
-			if (k ? frame >= ROOM_FRAMES - 5 * LEAVING_HZ : frame < LEARNING + RATE_HZ) {
+			if (k ? frame >= ROOM_FRAMES - 5 * LEAVING_HZ
+			      : frame < LEARNING + RATE_HZ) {
 				wrong[k] += seen;
 				count[k]++;
 			}
 	}
-	printf("nudge: room %d by %d px: people seen where nobody is near, pixels a frame: %.0f in the first "
-	       "second, %.0f in the last five; above 1 %% until %s%.1f s\n",
+	printf("nudge: room %d by %d px: pixels a frame in which nobody is seen: %.0f in the first second, %.0f in the last five; above 1 %% until %s%.1f s\n",
 	       room, px, wrong[0] / count[0], wrong[1] / count[1],
 	       last == ROOM_FRAMES - 1 ? ">" : "", room_time_s(last) - room_time_s(LEARNING));
 	fflush(stdout);

@@ -9,8 +9,9 @@
 #include <stdio.h>
 
 #define RECORDING_MAGIC UINT64_C(0x31304d4f4f52) /* "ROOM01" */
-#define TRUTH_WALKER 0x0f			 /* number of who covers most of the pixel, from 1 */
-#define TRUTH_BEFORE 0x80			 /* he is nearer than the object */
+/* Who covers most of a pixel: his number, from 1, and whether he is nearer than the object. */
+#define TRUTH_WALKER 0x0f
+#define TRUTH_BEFORE 0x80
 
 struct recording_head {
 	uint64_t magic;

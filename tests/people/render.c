@@ -58,8 +58,11 @@ static void mark_touched(struct render *r)
 	struct light_selection lights;
 	float(*even)[3] = make_room((size_t)r->dome.count * sizeof(*even));
 	uint8_t *grey = make_room((size_t)pixels * 4), *out = make_room((size_t)pixels * 4);
-	const struct picture picture = {
-		.origin = grey, .x_step = 4, .y_step = (ptrdiff_t)width * 4, width, r->camera.height};
+	const struct picture picture = {.origin = grey,
+					.x_step = 4,
+					.y_step = (ptrdiff_t)width * 4,
+					width,
+					r->camera.height};
 	const struct backdrop backdrop = backdrop_of(&picture);
 	struct fault fault = {{0}};
 
@@ -91,7 +94,8 @@ static void mark_touched(struct render *r)
 static double box_distance(const struct room *room, const double origin[3], const double dir[3])
 {
 	const double turn = room->box_turn_deg * M_PI / 180, half = room->box_m / 2;
-	const double axis[3][3] = {{cos(turn), sin(turn), 0}, {-sin(turn), cos(turn), 0}, {0, 0, 1}};
+	const double axis[3][3] = {
+		{cos(turn), sin(turn), 0}, {-sin(turn), cos(turn), 0}, {0, 0, 1}};
 	double enter = 0, leave = INFINITY;
 
 	for (int i = 0; i < 3; i++) {
@@ -243,8 +247,8 @@ static void keep_on_sheet(struct render *r, int frame)
 static void render_frame(struct render *r, int frame)
 {
 	const int pixels = r->camera.width * r->camera.height;
-	const struct studio_lamps then =
-		room_lamps(&r->room, room_time_s(frame > 0 ? frame - 1 : 0));
+	const struct studio_lamps then = room_lamps(&r->room,
+						    room_time_s(frame > 0 ? frame - 1 : 0));
 	struct recording *to = &r->recording;
 	struct filmed_moment moment;
 	struct studio_lamps lamps;

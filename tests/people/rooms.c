@@ -131,8 +131,7 @@ static void draw_lamps(struct draw *draw, struct room *room)
 		lamp->lantern.radius = draw_between(draw, 0.12, 0.34);
 		draw_colour(draw, 3, 4, lamp->lantern.radiance);
 		for (int c = 0; c < 3; c++) /* as bright as a studio's lantern, whatever its size */
-			lamp->lantern.radiance[c] = power * 3.5 *
-						    draw_between(draw, 0.6, 1.4) *
+			lamp->lantern.radiance[c] = power * 3.5 * draw_between(draw, 0.6, 1.4) *
 						    pow(0.32 / lamp->lantern.radius, 2);
 		lamp->lantern.centre[0] = draw_between(draw, -2.2, 2.2);
 		lamp->lantern.centre[1] = draw_between(draw, -1.8, 2);
@@ -158,8 +157,10 @@ static void draw_sensor(struct draw *draw, struct room *room)
 	const bool dark = kind == 4;
 
 	room->level = dark ? draw_between(draw, 0.02, 0.035) : draw_between(draw, 0.1, 0.25);
-	room->read_noise = dark || kind == 1 ? draw_between(draw, 1, 2) : draw_between(draw, 0.3, 0.8);
-	room->shot_noise = dark || kind == 1 ? draw_between(draw, 3, 5) : draw_between(draw, 1, 2.5);
+	room->read_noise = dark || kind == 1 ? draw_between(draw, 1, 2)
+					     : draw_between(draw, 0.3, 0.8);
+	room->shot_noise = dark || kind == 1 ? draw_between(draw, 3, 5)
+					     : draw_between(draw, 1, 2.5);
 	room->step = 1;
 	if (kind == 1 || kind == 2 || kind == 5) {
 		room->step = draw_between(draw, 1.12, 1.4);
@@ -176,7 +177,7 @@ static void draw_clothes(struct draw *draw, const struct room *room, struct room
 	static const double north[3] = {0.30, 0.38, 0.24}; /* of the studio's wall */
 	const double shade = draw_between(draw, 0, 1), kind = draw_between(draw, 0, 1);
 
-	walker->style = draw_chance(draw, 0.3)	? WALKER_JUMPER
+	walker->style = draw_chance(draw, 0.3)	 ? WALKER_JUMPER
 			: draw_chance(draw, 0.3) ? WALKER_CHECKS
 			: draw_chance(draw, 0.3) ? WALKER_RUG
 						 : WALKER_SUIT;

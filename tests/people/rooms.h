@@ -28,7 +28,14 @@ enum {
 	MOST_CROSSINGS = 32
 };
 
-enum floor_kind { FLOOR_STUDIO, FLOOR_TILES, FLOOR_CONCRETE, FLOOR_GRAVEL, FLOOR_CARPET, FLOOR_KINDS };
+enum floor_kind {
+	FLOOR_STUDIO,
+	FLOOR_TILES,
+	FLOOR_CONCRETE,
+	FLOOR_GRAVEL,
+	FLOOR_CARPET,
+	FLOOR_KINDS
+};
 
 /* A walk through the room, with a stop on the way; who returns goes back from there. */
 struct room_crossing {
@@ -60,7 +67,7 @@ struct room {
 	double wall[STUDIO_SURFACE_COUNT][3]; /* against the studio's */
 	struct room_lamp lamp[STUDIO_LANTERNS];
 	double panels, panels_switch_s;
-	double level; /* mean of the empty picture, linear, white is 1 */
+	double level;		    /* mean of the empty picture, linear, white is 1 */
 	double step, step_s, drift; /* of the exposure, as factors; drift: of red and blue */
 	double read_noise, shot_noise, edge_spread_px;
 	bool inhabited; /* people are there from the start */
@@ -69,9 +76,9 @@ struct room {
 };
 
 void room_draw(int number, struct room *room);
-/* What stands in the scene file of its object. */
+/* Prints the scene file of its object. */
 void room_print_scene(const struct room *room, FILE *out);
-/* Of filmed_paint(). */
+/* Gives a point its colour in the room, a struct room, for filmed_paint(). */
 void room_paint(const void *room, struct studio_hit *hit);
 double room_time_s(int frame);
 struct studio_lamps room_lamps(const struct room *room, double time_s);
