@@ -18,6 +18,8 @@
 #include "tests/people/rooms.h"
 #include "tests/people/subtractors.h"
 
+/* Of events: both lamps and exposure stay; lamps are switched, exposure stays; lamps stay. */
+enum { STEADY_ROOM = 4, SWITCHED_ROOM = 0, NUDGED_ROOM = 1 };
 enum { METHODS = 1 + SUBTRACTORS, CROSSING_GAP = RATE_HZ / 3 };
 #define OVERLAP_LEAST 0.01 /* of the object's pixels, that an order is judged by */
 #define HIDDEN_MOST 0.003  /* of the object's pixels, that nobody may hide */
@@ -489,9 +491,9 @@ static void judge_rooms(const char *folder, const char *only, const char *pictur
 
 /* ---- events ---- */
 
-/* The judged frames of a room again and again, one a second, for an hour: what was learned must not
- * drift. Room 0 keeps its exposure. */
-static void judge_loop(const char *folder)
+/* The judged frames of a room that keeps its exposure, again and again, one a second, for an hour:
+ * what was learned must not drift. */
+static void judge_loop(const char *folder, int room)
 {
 	const int hour_s = 3600;
 	int64_t now_ns = 0;
@@ -500,7 +502,7 @@ static void judge_loop(const char *folder)
 	long begin = 0;
 	int frame = 0;
 
-	judged_open(&j, folder, 0);
+	judged_open(&j, folder, room);
 	for (int s = 0; s < hour_s; s++, frame++) {
 		struct people_report report;
 
@@ -519,8 +521,9 @@ static void judge_loop(const char *folder)
 			high = fmax(high, report.gain[c]);
 		}
 	}
-	printf("loop: an hour of room 0, one frame a second: gain %.3f to %.3f (asked 0.97 to 1.03)\n",
-	       low, high);
+	printf("loop: an hour of room %d, one frame a second: gain %.3f to %.3f (asked 0.97 to 1.03)\n",
+	       room, low, high);
+	fflush(stdout);
 	judged_close(&j);
 }
 
@@ -569,9 +572,11 @@ int main(int argc, char **argv)
 		die("expected FOLDER [ROOM|loop|nudge [PICTURES]]");
 	if (one || !*what)
 		judge_rooms(argv[1], one ? what : NULL, argc > 3 ? argv[3] : NULL);
-	if (!*what || strcmp(what, "loop") == 0)
-		judge_loop(argv[1]);
+	if (!*what || strcmp(what, "loop") == 0) {
+		judge_loop(argv[1], STEADY_ROOM);
+		judge_loop(argv[1], SWITCHED_ROOM);
+	}
 	for (int i = 0; i < 3 && (!*what || strcmp(what, "nudge") == 0); i++)
-		judge_nudge(argv[1], HALF + 1, (const int[]){1, 3, 10}[i]);
+		judge_nudge(argv[1], NUDGED_ROOM, (const int[]){1, 3, 10}[i]);
 	return 0;
 }
