@@ -251,8 +251,9 @@ static struct studio_layer draw_pixel(const struct crowd *crowd, const struct si
 static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
 		       unsigned *parts)
 {
-	double origin[3], dir[3];
-	bool any = false, middle = false;
+	double origin[3], dir[3], angle;
+	unsigned any = 0;
+	bool middle = false;
 
 	memset(parts, 0, WALKER_STYLES * sizeof(*parts));
 	for (int k = 0; k < 5 && !middle; k++) {
@@ -261,15 +262,12 @@ static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int
 		if (!eye_ray(eye, px, origin, dir))
 			continue;
 		middle = k == 0;
-		for (int i = 0; i < crowd->count; i++) {
-			/* 0.75: half the diagonal of a square is 0.71 of its side. */
-			parts[i] |= walker_in_cone(&crowd->body[i], origin, dir,
-						   (middle ? 0.75 : 1.5) * TILE *
-							   eye_pixel_rad(eye, px));
-			any = any || parts[i];
-		}
+		/* Half the diagonal of a square is 0.71 of its side. */
+		angle = (middle ? 0.75 : 1.5) * TILE * eye_pixel_rad(eye, px);
+		for (int i = 0; i < crowd->count; i++)
+			any |= (parts[i] |= walker_in_cone(&crowd->body[i], origin, dir, angle));
 	}
-	return any;
+	return any != 0;
 }
 
 void studio_people_draw(const struct studio_view *view, const struct studio_lamps *lamps,
