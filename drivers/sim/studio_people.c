@@ -252,8 +252,7 @@ static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int
 		       unsigned *parts)
 {
 	double origin[3], dir[3], angle;
-	unsigned any = 0;
-	bool middle = false;
+	bool middle = false, any = false;
 
 	memset(parts, 0, WALKER_STYLES * sizeof(*parts));
 	for (int k = 0; k < 5 && !middle; k++) {
@@ -267,7 +266,7 @@ static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int
 		for (int i = 0; i < crowd->count; i++)
 			any |= (parts[i] |= walker_in_cone(&crowd->body[i], origin, dir, angle));
 	}
-	return any != 0;
+	return any;
 }
 
 void studio_people_draw(const struct studio_view *view, const struct studio_lamps *lamps,

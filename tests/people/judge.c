@@ -18,8 +18,8 @@
 #include "tests/people/rooms.h"
 #include "tests/people/subtractors.h"
 
-/* Of events: both lamps and exposure stay; lamps are switched, exposure stays; lamps stay. */
-enum { STEADY_ROOM = 4, SWITCHED_ROOM = 0, NUDGED_ROOM = 1 };
+/* Rooms for events: lamps and exposure stay; lamps are switched, exposure stays; lamps stay. */
+enum { STEADY_ROOM = 4, SWITCHED_ROOM = 0, NUDGED_ROOM = 7 };
 enum { METHODS = 1 + SUBTRACTORS, CROSSING_GAP = RATE_HZ / 3 };
 #define OVERLAP_LEAST 0.01 /* of the object's pixels, that an order is judged by */
 #define HIDDEN_MOST 0.003  /* of the object's pixels, that nobody may hide */
