@@ -30,7 +30,7 @@
 #define PASSES 6
 #define CHANGED_SHARE 0.3f
 
-float verdict_weight[VERDICT_CLUES] = {-6.352f, -0.2619f, 1.668f, 0.73f, 3.945f, -0.2377f, 0.3304f, 0.4384f, 5.345f, 6.577f, 3.271f, -1.655f, 0.1011f, 1.36f, 2.18f, -0.8221f};
+float verdict_weight[VERDICT_CLUES] = {-6.255f, -0.2613f, 2.049f, 0.7476f, 5.936f, -0.1134f, 0.1074f, 0.3565f, 4.25f, 5.195f, 5.517f, -1.338f, 0.1727f, 1.35f, 1.838f, -0.9714f};
 
 /* ---- deviation ---- */
 
