@@ -126,11 +126,11 @@ HAL_SOURCES := \
 	hal/optics/panorama.c \
 	hal/people/cells.c \
 	hal/people/depths.c \
+	hal/people/drift.c \
 	hal/people/edges.c \
 	hal/people/footprint.c \
 	hal/people/gain.c \
 	hal/people/groups.c \
-	hal/people/hidden.c \
 	hal/people/outline.c \
 	hal/people/people.c \
 	hal/people/persons.c \
@@ -149,7 +149,7 @@ $(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp) \
 	$(if $(filter 1,$(WITH_WEBP)),hal/image/image_webp.c)
 # Without this gcc makes branches of choices between floats, and no vectors. It changes no result.
-$(addprefix $(BUILD)/hal/people/,cells.o gain.o place.o verdict.o): OWN_FLAGS := -fno-trapping-math
+$(addprefix $(BUILD)/hal/people/,cells.o drift.o gain.o place.o verdict.o): OWN_FLAGS := -fno-trapping-math
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)

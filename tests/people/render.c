@@ -151,7 +151,7 @@ static void render_open(struct render *r, const char *path)
 
 	if (basis_open(&r->basis, path, BASIS_SHOWN, &fault) ||
 	    tsai_read_text(r->basis.camera, &r->camera, &fault) ||
-	    dome_create(&r->dome, (int)r->basis.info.dome_frequency, DOME_ANGLES, &fault))
+	    dome_create(&r->dome, (int)r->basis.info.dome_frequency, &fault))
 		die(fault.text);
 	r->recording.head = (struct recording_head){
 		.room = r->room.number,
