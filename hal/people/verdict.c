@@ -30,13 +30,13 @@
 #define NEIGHBOUR 0.3f	   /* weight of each of the four opinions beside */
 #define SHARP 1.6f	   /* slope of an opinion, which is clamped, over the sum of these */
 #define PASSES 6	   /* in which opinions settle: a seventh changes no cell in a thousand */
-#define CHANGED_SHARE 0.3f /* of the empty place that differs when a lamp was switched */
+#define CHANGED_SHARE 0.5f /* of the empty place that changes when a lamp is switched */
 
 /* A cell's logit is the sum of its clues by these: a logistic regression of the truth on the clues,
  * over the rooms that are there to choose on (tests/people/fit.c). */
 static const float clue_weight[VERDICT_CLUES] = {
-	-6.255f, -0.2613f, 2.049f, 0.7476f, 5.936f,  -0.1134f, 0.1074f, 0.3565f,
-	4.25f,	 5.195f,   5.517f, -1.338f, 0.1727f, 1.35f,    1.838f,	-0.9714f,
+	-8.156f, 0.1133f, 1.174f, 0.5819f, 17.22f, -0.05164f, 0.09868f, 0.4239f,
+	3.894f, 3.195f, 7.608f, -0.9414f, 0.8562f, 1.723f, 1.0f, -1.077f,
 };
 
 /* ---- deviation ---- */
@@ -399,7 +399,7 @@ static void keep_verdict(struct people *p)
 				 at / p->cells.across);
 }
 
-/* Whether so much of the empty place differs that the light of the room changed, and not only
+/* Whether so much of the empty place has just changed that the light of the room did, and not only
  * what the fisheye saw, as somebody passed by. */
 static bool is_changed(const struct people *p)
 {
@@ -409,7 +409,7 @@ static bool is_changed(const struct people *p)
 		if (p->cells.watch[at] && p->verdict.before[at] == WHOSE_PLACE &&
 		    p->place.known[at]) {
 			places++;
-			differ += p->verdict.of[at] != WHOSE_PLACE;
+			differ += p->cells.still_ms[at] == 0;
 		}
 	return differ > CHANGED_SHARE * places;
 }
