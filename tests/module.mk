@@ -164,11 +164,11 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 	$(BUILD)/tests/accuracy/exposures_truth.d
 
 # Judge how people are found, beside OpenCV's ways: people/people.sh.
-PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,render.o judge.o rooms.o recording.o filmed.o subtractors.o)
-OTHER_PROGRAMS += $(addprefix $(BUILD)/tests/people/,render judge)
+PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,render.o judge.o fit.o judged.o rooms.o recording.o filmed.o subtractors.o)
+OTHER_PROGRAMS += $(addprefix $(BUILD)/tests/people/,render judge fit)
 $(BUILD)/tests/people/subtractors.o: OWN_FLAGS = -isystem /usr/include/opencv4
-$(addprefix $(BUILD)/tests/people/,render judge): %: %.o \
-		$(addprefix $(BUILD)/tests/people/,rooms.o recording.o filmed.o subtractors.o) \
+$(addprefix $(BUILD)/tests/people/,render judge fit): %: %.o \
+		$(addprefix $(BUILD)/tests/people/,judged.o rooms.o recording.o filmed.o subtractors.o) \
 		$(addprefix $(BUILD)/,drivers.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) \

@@ -34,8 +34,8 @@ static float rate_of_cell(const struct people *p, int at, bool darker)
 
 	if (!p->place.known[at] || whose == WHOSE_PERSON)
 		return 0;
-	/* A person's shadow goes with him: what is darker is followed slowly, and what was taken for
-	 * the place in it comes back at once. */
+	/* A person's shadow goes with him: it is followed slowly, and what was taken for the place
+	 * in it comes back at once. */
 	return whose == WHOSE_SHADOW && darker ? shade_rate(p) : light_rate(p);
 }
 

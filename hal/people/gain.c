@@ -27,7 +27,7 @@ static float mean_ratio(const int bins[BINS], int from, int to)
 	return sum / count * (4.0f / BINS);
 }
 
-/* The gain at the narrowest stretch of bins that holds half of the cells; `gain` if there is none. */
+/* The gain where the narrowest stretch of bins holds half of the cells; `gain`: there is none. */
 static float densest(const int bins[BINS], int count, float gain)
 {
 	float narrowest = SCATTER;

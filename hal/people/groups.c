@@ -104,7 +104,6 @@ static void measure_groups(struct people *p)
 		g->left = run->left < g->left ? run->left : g->left;
 		g->right = run->right > g->right ? run->right : g->right;
 		g->bottom = run->y;
-		g->bottom_x = (run->left + run->right) / 2;
 	}
 }
 

@@ -112,7 +112,6 @@ struct verdict {
 /* A connected group of cells. */
 struct group {
 	int cells, left, right, top, bottom; /* inclusive */
-	int bottom_x;			     /* of a cell of its lowest row */
 	bool dropped;			     /* too small, a ghost, or only light */
 	bool ghost;
 	double edge_now, edge_place; /* contrast along its outline: seen, and in the empty place */
@@ -132,13 +131,11 @@ struct person {
 	float reach;	 /* columns beside his middle that may be his */
 	float speed[2];	 /* of middle and foot, cells a second */
 	float height_m;	 /* 0: not known */
-	float begun_x;	 /* where he was first seen */
 	int missed_ms;	 /* since he was last seen */
 	int opposed_ms;	 /* for how long his feet have been on the other side of the object */
 	int group;	 /* of this frame; -1: none */
 	bool front;	 /* before the object */
 	bool placed;	 /* front is known */
-	bool moved;	 /* he has walked */
 	bool over_object;
 };
 
@@ -157,7 +154,7 @@ struct far_side {
 struct crowd {
 	struct run *runs;
 	int run_count;
-	int *label; /* [cells]: run, then group, then person; -1: none; in the verdict's box alone */
+	int *label; /* [cells]: run, then group, then person; -1: none; in the box of all people */
 	struct group *groups;
 	int group_count;
 	struct person person[PERSONS_MAX];

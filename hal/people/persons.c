@@ -273,7 +273,6 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 		who->half = 0.5f * (float)(body->right + 1 - body->left);
 		who->top = (float)body->top;
 	}
-	who->moved |= fabsf(who->x - who->begun_x) > who->half;
 }
 
 static void begin_person(struct people *p, int group, const struct body *body)
@@ -287,7 +286,6 @@ static void begin_person(struct people *p, int group, const struct body *body)
 			       .top = (float)body->top,
 			       .foot = (float)body->bottom + 1,
 			       .group = group};
-	who->begun_x = who->x;
 	p->crowd.persons++;
 }
 

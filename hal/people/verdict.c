@@ -35,8 +35,8 @@
 /* A cell's logit is the sum of its clues by these: a logistic regression of the truth on the clues,
  * over the rooms that are there to choose on (tests/people/fit.c). */
 static const float clue_weight[VERDICT_CLUES] = {
-	-8.156f, 0.1133f, 1.174f, 0.5819f, 17.22f, -0.05164f, 0.09868f, 0.4239f,
-	3.894f, 3.195f, 7.608f, -0.9414f, 0.8562f, 1.723f, 1.0f, -1.077f,
+	-8.156f, 0.1133f, 1.174f, 0.5819f,  17.22f,  -0.05164f, 0.09868f, 0.4239f,
+	3.894f,	 3.195f,  7.608f, -0.9414f, 0.8562f, 1.723f,	1.0f,	  -1.077f,
 };
 
 /* ---- deviation ---- */

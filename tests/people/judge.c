@@ -8,13 +8,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "hal/basis/basis.h"
 #include "hal/image/image.h"
-#include "hal/people/people.h"
-#include "tests/people/recording.h"
+#include "tests/people/judged.h"
 #include "tests/people/rooms.h"
 #include "tests/people/subtractors.h"
 
@@ -24,117 +21,6 @@ enum { METHODS = 1 + SUBTRACTORS, CROSSING_GAP = RATE_HZ / 3 };
 #define OVERLAP_LEAST 0.01 /* of the object's pixels, that an order is judged by */
 #define HIDDEN_MOST 0.003  /* of the object's pixels, that nobody may hide */
 #define RIGHT_MOST 0.001   /* of the pixels looked at, that may be wrong where nobody is */
-
-static void die(const char *what)
-{
-	fprintf(stderr, "judge: %s\n", what);
-	exit(1);
-}
-
-static void *make_room(size_t bytes)
-{
-	void *p = calloc(bytes, 1);
-
-	if (!p)
-		die("not enough memory");
-	return p;
-}
-
-/* ---- a room and what looks at it ---- */
-
-struct judged {
-	struct recording recording;
-	struct basis basis;
-	struct dome dome;
-	struct tsai_camera camera;
-	struct people *people;
-	int pixels, object; /* pixels that the object covers by half */
-	uint8_t *bgrx;
-	uint8_t *tile_near; /* [tiles]: somebody is in it, or in one beside it */
-	double look_s;
-	int looks;
-};
-
-static void judged_open(struct judged *j, const char *folder, int room)
-{
-	struct fault fault = {{0}};
-	struct people_settings settings;
-	struct people_object object;
-	char path[512];
-
-	memset(j, 0, sizeof(*j));
-	snprintf(path, sizeof(path), "%s/%d.room", folder, room);
-	if (!recording_open(&j->recording, path))
-		die("cannot read a room: was it rendered?");
-	snprintf(path, sizeof(path), "%s/%d.inlay", folder, room);
-	if (basis_open(&j->basis, path, BASIS_SHOWN, &fault) ||
-	    tsai_read_text(j->basis.camera, &j->camera, &fault) ||
-	    dome_create(&j->dome, (int)j->basis.info.dome_frequency, &fault))
-		die(fault.text);
-	settings = (struct people_settings){.width = j->camera.width,
-					    .height = j->camera.height,
-					    .curve = {.named = TRANSFER_SRGB},
-					    .dome = &j->dome};
-	if (people_create(&j->people, &settings, &fault))
-		die(fault.text);
-	object = (struct people_object){.coverage = j->basis.poses[0].coverage,
-					.touched = j->recording.touched,
-					.camera = &j->camera,
-					.foot = j->basis.feet};
-	people_place(j->people, &object);
-	j->pixels = j->camera.width * j->camera.height;
-	j->bgrx = make_room((size_t)j->pixels * 4);
-	j->tile_near = make_room((size_t)j->recording.head.tiles);
-	for (int k = 0; k < j->pixels; k++)
-		j->object += object.coverage[k] >= 32768;
-}
-
-static void judged_close(struct judged *j)
-{
-	people_destroy(j->people);
-	recording_close(&j->recording);
-	basis_close(&j->basis);
-	dome_free(&j->dome);
-	free(j->bgrx);
-	free(j->tile_near);
-}
-
-static double cpu_s(void)
-{
-	struct timespec now;
-
-	clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static void judged_look(struct judged *j, int64_t captured_ns)
-{
-	const struct picture picture = {.origin = j->bgrx,
-					.x_step = 4,
-					.y_step = (ptrdiff_t)j->camera.width * 4,
-					.width = j->camera.width,
-					.height = j->camera.height};
-	const double begin = cpu_s();
-
-	people_look(j->people, &picture, (const float(*)[3])j->recording.light, captured_ns);
-	j->look_s += cpu_s() - begin;
-	j->looks++;
-}
-
-/* Takes the next frame of the file, moved to the right by some pixels. */
-static void judged_read(struct judged *j, int frame, int moved_px)
-{
-	const int width = j->camera.width;
-
-	if (!recording_read(&j->recording, frame))
-		die("a room's file is cut short");
-	for (int k = 0; k < j->pixels; k++) {
-		const int from = k % width < moved_px ? k : k - moved_px;
-
-		memcpy(j->bgrx + 4 * k, j->recording.bgr + 3 * from, 3);
-		j->bgrx[4 * k + 3] = 255;
-	}
-}
 
 static int tile_of(const struct judged *j, int k)
 {
@@ -334,7 +220,7 @@ static void keep_picture(const struct judged *j, const char *folder, int frame, 
 {
 	const struct recording *r = &j->recording;
 	const int w = j->camera.width, h = j->camera.height;
-	struct image image = {.width = 4 * w, .height = h, .u8 = make_room((size_t)w * h * 12)};
+	struct image image = {.width = 4 * w, .height = h, .u8 = judged_make((size_t)w * h * 12)};
 	char path[512];
 
 	for (int k = 0; k < j->pixels; k++)
@@ -569,7 +455,7 @@ int main(int argc, char **argv)
 	const bool one = *what >= '0' && *what <= '9';
 
 	if (argc < 2)
-		die("expected FOLDER [ROOM|loop|nudge [PICTURES]]");
+		judged_die("expected FOLDER [ROOM|loop|nudge [PICTURES]]");
 	if (one || !*what)
 		judge_rooms(argv[1], one ? what : NULL, argc > 3 ? argv[3] : NULL);
 	if (!*what || strcmp(what, "loop") == 0) {
