@@ -341,7 +341,7 @@ static bool is_hidden_by(const struct people *p, int n, int m)
 }
 
 /* What of a group is a person's: up to the middle between him and those beside him, below the feet
- * of those above him. *alone: nobody else is in the group. False: he and another hide each other. */
+ * of those above him. *alone: nobody else is in the group. False: another hides him. */
 static bool territory(const struct people *p, int n, struct box *own, bool *alone)
 {
 	const struct person *who = &p->crowd.person[n];
