@@ -381,8 +381,13 @@ blender-installed: all $(TEST_PROGRAMS)
 
 ## people: wrong pixels and orders of people before the object, beside OpenCV's ways (minutes)
 $(eval $(call with_packages,people,test))
-people-installed: all $(BUILD)/tests/people/judge
+people-installed: all $(BUILD)/tests/people/judge $(BUILD)/tests/people/render
 	$(Q)BUILD="$(BUILD)" tests/people/people.sh
+
+## film: the cow among the people of a real film: film/film.mp4, its crossings, and a page (minutes)
+$(eval $(call with_packages,film,film))
+film-installed: all $(BUILD)/tests/film/measure
+	$(Q)BUILD="$(BUILD)" tests/film/film.sh film
 
 ## look: does the object look taken by the same camera, in noise, edges, colour and flicker: the table (two minutes)
 $(eval $(call with_packages,look,test))

@@ -12,26 +12,18 @@
 #include "hal/basis/basis.h"
 
 struct check_options {
-	struct settings settings; /* has to be first: SETTINGS_ROWS */
+	struct settings settings;
 	bool sample;
 };
 
-static int take_sample_keys(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct check_options *)context)->sample = true;
-	return 0;
-}
+#define AT(field) .place = offsetof(struct check_options, field)
 
 static const struct option_row rows[] = {
 	SETTINGS_ROWS,
-	{.name = "print-config",
-	 .help = "print the whole configuration instead",
-	 .take = settings_take_print},
-	{.name = "sample",
-	 .help = "print every key at its default, with range and meaning, instead",
-	 .take = take_sample_keys},
+	{"print-config", OPTION_FLAG, AT(settings.print),
+	 .help = "print the whole configuration instead"},
+	{"sample", OPTION_FLAG, AT(sample),
+	 .help = "print every key at its default, with range and meaning, instead"},
 	{.name = NULL}};
 
 /* Opens the basis. NULL: it cannot be opened, or the configuration names none, which config_check()
@@ -81,20 +73,20 @@ static int print_sample(void)
 	int err = config_create(&config, driver_list());
 
 	if (err)
-		return EXIT_FAILED;
+		return EXIT_FAILURE;
 	config_write_sample(config, stdout);
 	config_destroy(config);
-	return EXIT_DONE;
+	return EXIT_SUCCESS;
 }
 
-static int check_command(int argc, char **argv)
+static int check_run(const struct command *command, int argc, char **argv)
 {
 	struct check_options options = {.sample = false};
 	struct ini_report report = {.say = settings_say};
 	struct config *config = NULL;
-	int code = options_read(&command_check, argc, argv, &options), err, check_err;
+	int code = command_read_all(command, argc, argv, rows, &options), err, check_err;
 
-	if (code != OPTIONS_GO_ON)
+	if (code != COMMAND_GOES_ON)
 		return code;
 	if (options.sample)
 		return print_sample();
@@ -112,13 +104,12 @@ static int check_command(int argc, char **argv)
 		}
 	}
 	config_destroy(config);
-	return err ? EXIT_FAILED : EXIT_DONE;
+	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 const struct command command_check = {
 	.name = "check",
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]...",
-	.purpose = "say all that is wrong with a configuration; opens no device",
-	.options = rows,
-	.run = check_command,
+	.summary = "say all that is wrong with a configuration; opens no device",
+	.run = check_run,
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <getopt.h>
 #include <libyuv.h>
 #include <poll.h>
 #include <stdbool.h>
@@ -26,49 +27,18 @@
 #define REPLY_WITHIN_NS (60 * NS_PER_S) /* a busy machine takes long to a turn */
 
 struct control_options {
-	struct settings settings; /* has to be first: settings_take_config() */
+	struct settings settings;
 	const char *socket;
-	const char *words[2]; /* command, value */
 	bool force;
 };
 
-static int take_socket(void *context, const char *argument, const char **expected)
-{
-	(void)expected;
-	((struct control_options *)context)->socket = argument;
-	return 0;
-}
-
-static int take_force(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct control_options *)context)->force = true;
-	return 0;
-}
-
-static int take_word(void *context, const char *word, const char **expected)
-{
-	struct control_options *options = context;
-	const int place = !options->words[0] ? 0 : 1;
-
-	*expected = "one command and at most one value";
-	if (options->words[place])
-		return -EINVAL;
-	options->words[place] = word;
-	return 0;
-}
+#define AT(field) .place = offsetof(struct control_options, field)
 
 static const struct option_row rows[] = {
-	{.name = "socket",
-	 .argument = "PATH",
-	 .help = "the kiosk's socket, else that of its configuration, or " SOCKET_DEFAULT,
-	 .take = take_socket},
-	{.name = "config",
-	 .argument = "FILE",
-	 .help = "the kiosk's configuration, which names its socket",
-	 .take = settings_take_config},
-	{.name = "force", .help = "snapshot replaces a file that is there", .take = take_force},
+	{"socket", OPTION_TEXT, AT(socket), .argument = "PATH",
+	 .help = "the kiosk's socket, else that of its configuration, or " SOCKET_DEFAULT},
+	CONFIG_ROW("the kiosk's configuration, which names its socket"),
+	{"force", OPTION_FLAG, AT(force), .help = "snapshot replaces a file that is there"},
 	{.name = NULL}};
 
 /* Finds the socket's path. A fault elsewhere in the file does not keep anybody from a kiosk that
@@ -92,7 +62,7 @@ static int find_socket(const struct control_options *options, char *path, size_t
 		path[0] = '\0';
 	config_destroy(config);
 	if (err && err != -EINVAL && options->settings.config_file)
-		return EXIT_FAILED; /* there is no such file */
+		return EXIT_FAILURE; /* there is no such file */
 	if (path[0])
 		return 0;
 	log_error("control: %s names no socket in [control], expected one, or --socket PATH", file);
@@ -185,28 +155,28 @@ static int send_command(const char *path, const char *line, char *reply, struct 
 	const int fd = control_socket_connect(path);
 	struct fault fault = {.text = ""};
 	size_t more = 0;
-	int err, code = EXIT_DONE;
+	int err, code = EXIT_SUCCESS;
 
 	if (fd == -EACCES || fd == -EPERM) {
 		log_error(
 			"control: you may not use the kiosk's socket \"%s\", expected a member of its group (sudo adduser NAME inlay) or root",
 			path);
-		return EXIT_FAILED;
+		return EXIT_FAILURE;
 	}
 	if (fd < 0) {
 		log_error("control: no kiosk listens at \"%s\": %s", path, strerror(-fd));
-		return EXIT_FAILED;
+		return EXIT_FAILURE;
 	}
 	err = send_line(fd, line, reply, REPLY_MAX, &more);
 	if (err) {
 		log_error("control: the kiosk at \"%s\" does not answer: %s", path, strerror(-err));
-		code = EXIT_FAILED;
+		code = EXIT_FAILURE;
 	} else if (!strncmp(reply, "error: ", 7)) {
 		log_error("control: %s", reply + 7);
-		code = EXIT_FAILED;
+		code = EXIT_FAILURE;
 	} else if (picture && take_picture(fd, reply, more, picture, &fault)) {
 		log_error("control: %s", fault.text);
-		code = EXIT_FAILED;
+		code = EXIT_FAILURE;
 	}
 	close(fd);
 	return code;
@@ -256,14 +226,14 @@ static int take_snapshot(const char *path, const char *file, bool force, char *r
 
 	if (!streamed && check_file(file, force, &fault)) {
 		log_error("control: %s", fault.text);
-		return EXIT_FAILED;
+		return EXIT_FAILURE;
 	}
 	code = send_command(path, "snapshot\n", reply, &snapshot);
-	if (code == EXIT_DONE && write_snapshot(snapshot, file, force, &fault)) {
+	if (code == EXIT_SUCCESS && write_snapshot(snapshot, file, force, &fault)) {
 		if (!ferror(stdout)) /* else main() says so */
 			log_error("control: %s", fault.text);
-		code = EXIT_FAILED;
-	} else if (code == EXIT_DONE && !streamed) {
+		code = EXIT_FAILURE;
+	} else if (code == EXIT_SUCCESS && !streamed) {
 		printf("%s: %dx%d\n", file, snapshot->width, snapshot->height);
 	}
 	snapshot_release(snapshot);
@@ -274,49 +244,48 @@ static int give_command(const char *path, const char *line, char *reply)
 {
 	const int code = send_command(path, line, reply, NULL);
 
-	if (code == EXIT_DONE)
+	if (code == EXIT_SUCCESS)
 		puts(reply);
 	return code;
 }
 
-static int control_command(int argc, char **argv)
+static int control_run(const struct command *command, int argc, char **argv)
 {
 	struct control_options options = {.socket = NULL};
 	static char reply[REPLY_MAX];
 	char path[INI_PATH_MAX] = "", line[1024];
 	bool snapshot;
-	int code = options_read(&command_control, argc, argv, &options), length;
+	int code = command_read(command, argc, argv, rows, &options), length;
+	const int words = argc - optind;
 
-	if (code != OPTIONS_GO_ON)
+	if (code != COMMAND_GOES_ON)
 		return code;
-	if (!options.words[0]) {
-		log_error("control: no command, expected one like view-next or status");
-		return EXIT_USAGE;
-	}
-	length = snprintf(line, sizeof(line), "%s%s%s\n", options.words[0],
-			  options.words[1] ? " " : "", options.words[1] ? options.words[1] : "");
-	if ((size_t)length >= sizeof(line) || strcspn(line, "\n") + 1 != (size_t)length) {
-		log_error("control: a command is one line of less than %zu bytes", sizeof(line));
-		return EXIT_USAGE;
-	}
-	snapshot = !strcmp(options.words[0], "snapshot");
-	if (snapshot && !options.words[1]) {
-		log_error("control: snapshot: expected the name of the picture's file");
-		return EXIT_USAGE;
-	}
+	argv += optind;
+	if (words < 1)
+		return command_wrong(command, "no command, expected one like view-next or status");
+	if (words > 2)
+		return command_wrong(
+			command, "\"%.60s\": expected one command and at most one value", argv[2]);
+	length = snprintf(line, sizeof(line), "%s%s%s\n", argv[0], words > 1 ? " " : "",
+			  words > 1 ? argv[1] : "");
+	if ((size_t)length >= sizeof(line) || strcspn(line, "\n") + 1 != (size_t)length)
+		return command_wrong(command, "a command is one line of less than %zu bytes",
+				     sizeof(line));
+	snapshot = !strcmp(argv[0], "snapshot");
+	if (snapshot && words < 2)
+		return command_wrong(command, "snapshot: expected the name of the picture's file");
 	code = find_socket(&options, path, sizeof(path));
 	if (code)
 		return code;
-	return snapshot ? take_snapshot(path, options.words[1], options.force, reply)
+	return snapshot ? take_snapshot(path, argv[1], options.force, reply)
 			: give_command(path, line, reply);
 }
 
 const struct command command_control = {
 	.name = "control",
 	.usage = "[--socket PATH | --config FILE] [--force] COMMAND [VALUE]",
-	.purpose = "give a running kiosk one command and print its reply",
-	.details =
-		"commands:\n  status                what it is doing, as one line of JSON\n"
+	.summary = "give a running kiosk one command and print its reply",
+	.help = "\ncommands:\n  status                what it is doing, as one line of JSON\n"
 		"  snapshot FILE.png|-   write what the screen shows, upright, to a new file, or to standard output\n"
 		"  threshold-up          leave out more of the dim lights\n"
 		"  threshold-down        leave out fewer of them\n"
@@ -336,8 +305,6 @@ const struct command command_control = {
 		"  wake                  switch the screen on for ten minutes outside of its hours\n"
 		"  learn                 nobody is in the picture: it shows the empty place\n"
 		"  forget                learn the empty place anew\n"
-		"  quit                  end the kiosk",
-	.options = rows,
-	.take_word = take_word,
-	.run = control_command,
+		"  quit                  end the kiosk\n",
+	.run = control_run,
 };

@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "app/commands.h"
 #include "app/devices_sample.h"
@@ -22,27 +23,12 @@ struct devices_listing {
 	int found, failed;
 };
 
-static int take_json(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct devices_options *)context)->json = true;
-	return 0;
-}
-
-static int take_sample(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct devices_options *)context)->sample = true;
-	return 0;
-}
+#define AT(field) .place = offsetof(struct devices_options, field)
 
 static const struct option_row rows[] = {
-	{.name = "json", .help = "for programs", .take = take_json},
-	{.name = "sample",
-	 .help = "write a configuration for what is plugged in instead",
-	 .take = take_sample},
+	{"json", OPTION_FLAG, AT(json), .help = "for programs"},
+	{"sample", OPTION_FLAG, AT(sample),
+	 .help = "write a configuration for what is plugged in instead"},
 	{.name = NULL}};
 
 static void print_item(struct devices_listing *l, const char *device, const char *name,
@@ -187,7 +173,7 @@ static int write_sample(void)
 
 	if (!listing.sample) {
 		log_error("devices: not enough memory");
-		return EXIT_FAILED;
+		return EXIT_FAILURE;
 	}
 	list_all(&listing);
 	sample_write(listing.sample, stdout);
@@ -195,21 +181,19 @@ static int write_sample(void)
 		log_warning(
 			"devices: some devices are not for this user and are left out: inlay devices names them, as root it sees them");
 	sample_destroy(listing.sample);
-	return listing.failed ? EXIT_FAILED : EXIT_DONE;
+	return listing.failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static int devices_command(int argc, char **argv)
+static int devices_run(const struct command *command, int argc, char **argv)
 {
 	struct devices_options options = {.json = false};
 	struct devices_listing listing = {.sample = NULL};
-	int code = options_read(&command_devices, argc, argv, &options);
+	int code = command_read_all(command, argc, argv, rows, &options);
 
-	if (code != OPTIONS_GO_ON)
+	if (code != COMMAND_GOES_ON)
 		return code;
-	if (options.sample && options.json) {
-		log_error("devices: --json and --sample, expected one of them");
-		return EXIT_USAGE;
-	}
+	if (options.sample && options.json)
+		return command_wrong(command, "--json and --sample, expected one of them");
 	if (options.sample)
 		return write_sample();
 	listing.is_json = options.json;
@@ -217,21 +201,19 @@ static int devices_command(int argc, char **argv)
 		json_begin_line(&listing.json, stdout);
 	list_all(&listing);
 	list_drivers(&listing);
-	return listing.failed ? EXIT_FAILED : EXIT_DONE;
+	return listing.failed ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 const struct command command_devices = {
 	.name = "devices",
 	.usage = "[--json | --sample]",
-	.purpose = "list the cameras, screens and buttons that there are",
-	.details =
-		"What stands first after a driver's name is what the configuration calls its device:\n"
+	.summary = "list the cameras, screens and buttons that there are",
+	.help = "\nWhat stands first after a driver's name is what the configuration calls its device:\n"
 		"    cameras   driver = v4l2, device = /dev/video0; better a link, the name or the bus,\n"
 		"              which stay when numbers change\n"
 		"    screens   driver = kms, device = /dev/dri/card0, kms.connector = HDMI-A-1\n"
 		"    buttons   driver = gpio, gpio.chip = gpiochip0 or its label\n"
 		"Formats, sizes and controls are written as they are listed. A first configuration\n"
-		"comes from inlay devices --sample > kiosk.conf.",
-	.options = rows,
-	.run = devices_command,
+		"comes from inlay devices --sample > kiosk.conf.\n",
+	.run = devices_run,
 };

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
+#include <getopt.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "app/commands.h"
@@ -8,71 +10,25 @@
 #include "app/settings.h"
 #include "hal/base/log.h"
 
-#define CONTROLS_MAX 16
 #define VALUE_MAX 64 /* bytes of a control's value, with its NUL */
 
 struct grab_options {
-	struct settings settings; /* has to be first: SETTINGS_ROWS */
+	struct settings settings;
 	const char *name, *out;
-	const char *controls[CONTROLS_MAX]; /* NAME=VALUE or NAME=VALUE,VALUE... */
-	int control_count;
+	struct option_list controls; /* NAME=VALUE or NAME=VALUE,VALUE... */
 	bool as_sent;
 };
 
-static int take_out(void *context, const char *argument, const char **expected)
-{
-	*expected = "a name that ends in .png";
-	if (image_name_linear(argument, NULL) != 0)
-		return -EINVAL;
-	((struct grab_options *)context)->out = argument;
-	return 0;
-}
-
-static int take_control(void *context, const char *argument, const char **expected)
-{
-	struct grab_options *options = context;
-	const char *equals = strchr(argument, '=');
-
-	*expected = "NAME=VALUE, at most 16 times";
-	if (!equals || equals == argument || !equals[1] || options->control_count == CONTROLS_MAX)
-		return -EINVAL;
-	options->controls[options->control_count++] = argument;
-	return 0;
-}
-
-static int take_as_sent(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct grab_options *)context)->as_sent = true;
-	return 0;
-}
-
-static int take_word(void *context, const char *word, const char **expected)
-{
-	struct grab_options *options = context;
-
-	*expected = "one view or camera";
-	if (options->name)
-		return -EINVAL;
-	options->name = word;
-	return 0;
-}
+#define AT(field) .place = offsetof(struct grab_options, field)
 
 static const struct option_row rows[] = {
 	SETTINGS_ROWS,
-	{.name = "control",
-	 .argument = "NAME=VALUE",
-	 .help = "set a control of the camera first, as inlay devices lists them; with several values, separated by commas, a picture is taken of each",
-	 .take = take_control},
-	{.name = "as-sent",
-	 .help = "the camera's whole picture, not turned upright",
-	 .take = take_as_sent},
-	{.name = "out",
-	 .letter = 'o',
-	 .argument = "FILE.png",
-	 .help = "the picture; %d in it becomes the control's value",
-	 .take = take_out},
+	{"control", OPTION_LIST, AT(controls), .argument = "NAME=VALUE",
+	 .help = "set a control of the camera first, as inlay devices lists them; with several values, separated by commas, a picture is taken of each"},
+	{"as-sent", OPTION_FLAG, AT(as_sent),
+	 .help = "the camera's whole picture, not turned upright"},
+	{"out", OPTION_TEXT, AT(out), .argument = "FILE.png",
+	 .help = "the picture; %d in it becomes the control's value"},
 	{.name = NULL}};
 
 /* Splits the next value off a control's list. False: there is none. */
@@ -125,8 +81,8 @@ static int write_picture(struct grab *grab, const char *out, const char *value, 
 /* The control that has several values; -1: none has. */
 static int find_series(const struct grab_options *options)
 {
-	for (int i = 0; i < options->control_count; i++)
-		if (strchr(options->controls[i], ','))
+	for (int i = 0; i < options->controls.count; i++)
+		if (strchr(options->controls.text[i], ','))
 			return i;
 	return -1;
 }
@@ -138,15 +94,15 @@ static int take_pictures(struct grab *grab, const struct grab_options *options, 
 	const char *list;
 	int err = 0;
 
-	for (int i = 0; i < options->control_count && !err; i++)
+	for (int i = 0; i < options->controls.count && !err; i++)
 		if (i != series)
-			err = set_control(grab, options->controls[i],
-					  strchr(options->controls[i], '=') + 1, fault);
+			err = set_control(grab, options->controls.text[i],
+					  strchr(options->controls.text[i], '=') + 1, fault);
 	if (err || series < 0)
 		return err ? err : write_picture(grab, options->out, value, fault);
-	list = strchr(options->controls[series], '=') + 1;
+	list = strchr(options->controls.text[series], '=') + 1;
 	while (!err && next_value(&list, value)) {
-		err = set_control(grab, options->controls[series], value, fault);
+		err = set_control(grab, options->controls.text[series], value, fault);
 		if (!err)
 			err = write_picture(grab, options->out, value, fault);
 	}
@@ -171,54 +127,58 @@ static int grab_pictures(const struct grab_options *options, struct fault *fault
 	return err;
 }
 
-static int usage_fault(const struct grab_options *options)
+/* What is wrong with the usage, or NULL. */
+static const char *grab_wrong(const struct grab_options *options)
 {
 	int series = 0;
 
-	for (int i = 0; i < options->control_count; i++)
-		series += strchr(options->controls[i], ',') != NULL;
-	if (!options->name)
-		log_error(
-			"grab: no view, expected fisheye, background, scene, depth or a camera's name");
-	else if (!options->out)
-		log_error("grab: no file, expected -o FILE.png");
-	else if (series > 1)
-		log_error("grab: two controls with several values, expected one");
-	else if (series && !strstr(options->out, "%d"))
-		log_error("grab: one file for several pictures, expected a name with %%d in it");
-	else
-		return 0;
-	return EXIT_USAGE;
+	for (int i = 0; i < options->controls.count; i++) {
+		const char *text = options->controls.text[i], *equals = strchr(text, '=');
+
+		series += strchr(text, ',') != NULL;
+		if (!equals || equals == text || !equals[1])
+			return "--control: expected NAME=VALUE";
+	}
+	if (!options->out)
+		return "no file, expected -o FILE.png";
+	if (image_name_linear(options->out, NULL) != 0)
+		return "-o: expected a name that ends in .png";
+	if (series > 1)
+		return "two controls with several values, expected one";
+	return series && !strstr(options->out, "%d")
+		       ? "one file for several pictures, expected a name with %d in it"
+		       : NULL;
 }
 
-static int grab_command(int argc, char **argv)
+static int grab_run(const struct command *command, int argc, char **argv)
 {
 	struct grab_options options = {.name = NULL};
 	struct fault fault = {.text = ""};
-	int code = options_read(&command_grab, argc, argv, &options);
+	int code = command_read(command, argc, argv, rows, &options);
 
-	if (code != OPTIONS_GO_ON)
+	if (code != COMMAND_GOES_ON)
 		return code;
-	code = usage_fault(&options);
-	if (code)
-		return code;
+	if (optind + 1 != argc)
+		return command_wrong(
+			command,
+			"expected one view or camera: fisheye, background, scene, depth or a camera's name");
+	options.name = argv[optind];
+	if (grab_wrong(&options))
+		return command_wrong(command, "%s", grab_wrong(&options));
 	if (!grab_pictures(&options, &fault))
-		return EXIT_DONE;
+		return EXIT_SUCCESS;
 	log_error("%s", fault.text);
-	return EXIT_FAILED;
+	return EXIT_FAILURE;
 }
 
 const struct command command_grab = {
 	.name = "grab",
 	.usage =
 		"fisheye|background|scene|depth|CAMERA -o FILE.png [--as-sent] [--control NAME=VALUE]...",
-	.purpose = "take a still picture of a camera, upright as the kiosk sees it",
-	.details =
-		"For calibration and for placing the object, on the kiosk while inlay run does not use the camera:\n"
+	.summary = "take a still picture of a camera, upright as the kiosk sees it",
+	.help = "\nFor calibration and for placing the object, on the kiosk while inlay run does not use the camera:\n"
 		"  inlay grab background -o background.png\n"
 		"  inlay grab fisheye --control auto_exposure=1 \\\n"
-		"      --control exposure_time_absolute=160,80,40,20 -o sky-%d.png",
-	.options = rows,
-	.take_word = take_word,
-	.run = grab_command,
+		"      --control exposure_time_absolute=160,80,40,20 -o sky-%d.png\n",
+	.run = grab_run,
 };

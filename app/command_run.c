@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <errno.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "app/commands.h"
 #include "app/kiosk/kiosk.h"
@@ -8,36 +9,21 @@
 #include "hal/base/log.h"
 
 struct run_options {
-	struct settings settings; /* has to be first: SETTINGS_ROWS */
-	long frames;
+	struct settings settings;
+	int frames;
 	const char *stats;
 };
 
-static int take_frames(void *context, const char *argument, const char **expected)
-{
-	*expected = "a whole number of at least 1";
-	return option_integer(argument, 1, 1000000000, &((struct run_options *)context)->frames);
-}
-
-static int take_stats(void *context, const char *argument, const char **expected)
-{
-	(void)expected;
-	((struct run_options *)context)->stats = argument;
-	return 0;
-}
+#define AT(field) .place = offsetof(struct run_options, field)
 
 static const struct option_row rows[] = {SETTINGS_ROWS,
-					 {.name = "frames",
-					  .argument = "N",
-					  .help = "end after N pictures have been shown",
-					  .take = take_frames},
-					 {.name = "stats",
-					  .argument = "FILE.jsonl",
-					  .help = "write a line of statistics a second",
-					  .take = take_stats},
-					 {.name = "print-config",
-					  .help = "print the whole configuration and end",
-					  .take = settings_take_print},
+					 {"frames", OPTION_INT, AT(frames), .min = 1,
+					  .max = 1000000000, .argument = "N",
+					  .help = "end after N pictures have been shown"},
+					 {"stats", OPTION_TEXT, AT(stats), .argument = "FILE.jsonl",
+					  .help = "write a line of statistics a second"},
+					 {"print-config", OPTION_FLAG, AT(settings.print),
+					  .help = "print the whole configuration and end"},
 					 {.name = NULL}};
 
 /* Reads the configuration as at the start, but faults do not end the kiosk. */
@@ -72,14 +58,14 @@ static int run_config(struct run_options *options, struct config *config, struct
 	return err ? err : kiosk_run(&settings, &report->first);
 }
 
-static int run_command(int argc, char **argv)
+static int run_run(const struct command *command, int argc, char **argv)
 {
 	struct run_options options = {.frames = 0};
 	struct ini_report report = {.count = 0};
 	struct config *config = NULL;
-	int code = options_read(&command_run, argc, argv, &options), err;
+	int code = command_read_all(command, argc, argv, rows, &options), err;
 
-	if (code != OPTIONS_GO_ON)
+	if (code != COMMAND_GOES_ON)
 		return code;
 	err = settings_read(&options.settings, &config, &report);
 	if (!err && options.settings.print)
@@ -89,17 +75,15 @@ static int run_command(int argc, char **argv)
 	if (err)
 		log_error("%s", report.first.text);
 	config_destroy(config);
-	return err ? EXIT_FAILED : EXIT_DONE;
+	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
 const struct command command_run = {
 	.name = "run",
 	.usage = "[--config FILE] [--set SECTION.KEY=VALUE]... [--frames N] [--stats FILE.jsonl]",
-	.purpose = "cameras to screen, until a signal, a button or --frames ends it",
-	.details =
-		"SIGINT and SIGTERM end it in order; SIGHUP has the configuration read again, and the file of --stats\n"
+	.summary = "cameras to screen, until a signal, a button or --frames ends it",
+	.help = "\nSIGINT and SIGTERM end it in order; SIGHUP has the configuration read again, and the file of --stats\n"
 		"opened again. A camera, a screen or buttons that are absent are waited for; what is not a camera, or a\n"
-		"screen that another program holds at the start, ends it with exit code 1.",
-	.options = rows,
-	.run = run_command,
+		"screen that another program holds at the start, ends it with exit code 1.\n",
+	.run = run_run,
 };

@@ -3,7 +3,7 @@
 #ifndef INLAY_APP_COMMANDS_H
 #define INLAY_APP_COMMANDS_H
 
-#include "app/options.h"
+#include "hal/options/options.h"
 
 extern const struct command command_run, command_control, command_still, command_grab,
 	command_devices, command_check, command_bench;

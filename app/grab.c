@@ -41,15 +41,6 @@ static const struct config_view *find_view(const struct config *config, const ch
 	return NULL;
 }
 
-static struct config_camera *find_camera(struct config *config, const char *name)
-{
-	for (int i = 0; i < config->camera_count; i++) {
-		if (strcmp(config->cameras[i]->name, name) == 0)
-			return config->cameras[i];
-	}
-	return NULL;
-}
-
 static int start_source(struct grab *grab, struct config *config, struct config_camera *camera,
 			struct fault *fault)
 {
@@ -110,7 +101,7 @@ int grab_open(struct grab **grab, struct config *config, const char *name, bool 
 	      struct fault *fault)
 {
 	const struct config_view *view = find_view(config, name);
-	struct config_camera *camera = find_camera(config, view ? view->camera : name);
+	struct config_camera *camera = config_camera_named(config, view ? view->camera : name);
 	struct grab *g;
 	int err;
 

@@ -10,13 +10,10 @@ APP_SOURCES := \
 	app/devices_sample.c \
 	app/driver_list.c \
 	app/grab.c \
-	app/options.c \
 	app/settings.c \
 	app/still.c \
 	app/bench/bench.c \
 	app/bench/bench_frame.c \
-	app/bench/bench_look.c \
-	app/bench/bench_memory.c \
 	app/bench/bench_print.c \
 	app/bench/bench_truth.c \
 	app/bench/bench_ways.c \

@@ -8,35 +8,6 @@
 #include "app/driver_list.h"
 #include "hal/base/log.h"
 
-int settings_take_config(void *context, const char *argument, const char **expected)
-{
-	struct settings *settings = context;
-
-	(void)expected;
-	settings->config_file = argument;
-	return 0;
-}
-
-int settings_take_set(void *context, const char *argument, const char **expected)
-{
-	struct settings *settings = context;
-
-	if (settings->set_count == SETTINGS_SETS_MAX) {
-		*expected = "no more than 64 of them";
-		return -E2BIG;
-	}
-	settings->sets[settings->set_count++] = argument;
-	return 0;
-}
-
-int settings_take_print(void *context, const char *argument, const char **expected)
-{
-	(void)argument;
-	(void)expected;
-	((struct settings *)context)->print = true;
-	return 0;
-}
-
 void settings_say(void *context, const char *text)
 {
 	(void)context;
@@ -63,8 +34,8 @@ int settings_read(const struct settings *settings, struct config **config,
 	}
 	if (file)
 		first = config_read(*config, file, report);
-	for (int i = 0; i < settings->set_count; i++) {
-		err = config_set(*config, settings->sets[i], report);
+	for (int i = 0; i < settings->set.count; i++) {
+		err = config_set(*config, settings->set.text[i], report);
 		if (err && !first)
 			first = err;
 	}

@@ -5,36 +5,29 @@
 
 #include <stdbool.h>
 
-#include "app/options.h"
 #include "config/config.h"
+#include "hal/options/options.h"
 
-#define SETTINGS_SETS_MAX 64
 #define SETTINGS_FILE "/etc/inlay/kiosk.conf" /* of the installed service (board/appliance.conf) */
 
 struct settings {
 	const char *config_file; /* NULL: SETTINGS_FILE, or defaults where there is none */
-	const char *sets[SETTINGS_SETS_MAX];
-	int set_count;
+	struct option_list set;
 	bool print; /* --print-config */
 };
 
-/* Rows for an option table whose context begins with a struct settings. */
-#define SETTINGS_ROWS                                                                              \
-	{.name = "config",                                                                         \
-	 .argument = "FILE",                                                                       \
-	 .help = "read this configuration, else " SETTINGS_FILE ", where there is one",            \
-	 .take = settings_take_config},                                                            \
-	{                                                                                          \
-		.name = "set", .argument = "SECTION.KEY=VALUE",                                    \
-		.help = "change one key; may be given again", .take = settings_take_set            \
-	}
+/* Rows of a command whose AT(settings) is a struct settings. */
+/* clang-format off */
+#define CONFIG_ROW(text)									   \
+	{"config", OPTION_TEXT, AT(settings.config_file), .argument = "FILE", .help = (text)}
+#define SETTINGS_ROWS										   \
+	CONFIG_ROW("read this configuration, else " SETTINGS_FILE ", where there is one"),	   \
+	{"set", OPTION_LIST, AT(settings.set),						   \
+	 .argument = "SECTION.KEY=VALUE", .help = "change one key; may be given again"}
+/* clang-format on */
 
 /* The file to read: --config, else SETTINGS_FILE where there is one; NULL: there is none. */
 const char *settings_file(const struct settings *settings);
-
-int settings_take_config(void *context, const char *argument, const char **expected);
-int settings_take_set(void *context, const char *argument, const char **expected);
-int settings_take_print(void *context, const char *argument, const char **expected);
 
 /* Logs a fault: struct ini_report, say. */
 void settings_say(void *context, const char *text);

@@ -13,20 +13,9 @@
 #include "hal/base/log.h"
 #include "hal/optics/dome.h"
 
-enum { ANGLES = 1, JSON };
-
-static const struct option options[] = {
-	LIGHTS_OPTIONS,
-	{"angles", no_argument, NULL, ANGLES},
-	{"json", no_argument, NULL, JSON},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 static void print_table(const struct dome *dome)
 {
-	printf("# %d lights: frequency %d, divided by %s, %s\n", dome->count, dome->frequency,
-	       dome_division_names[dome->division], dome_shape_names[dome->shape]);
+	printf("# %d lights: frequency %d\n", dome->count, dome->frequency);
 	printf("# light theta_rad phi_rad solid_angle_sr\n");
 	for (int i = 0; i < dome->count; i++) {
 		double theta, phi;
@@ -42,8 +31,6 @@ static void print_json(const struct dome *dome)
 
 	json_begin(&json, stdout);
 	json_number(&json, "frequency", dome->frequency);
-	json_text(&json, "division", dome_division_names[dome->division]);
-	json_text(&json, "shape", dome_shape_names[dome->shape]);
 	json_number(&json, "count", dome->count);
 	json_array(&json, "lights");
 	for (int i = 0; i < dome->count; i++) {
@@ -64,26 +51,17 @@ static void print_json(const struct dome *dome)
 
 struct dome_choices {
 	struct scene_lights lights;
-	int form; /* ANGLES, JSON; 0: a summary */
+	bool angles, json; /* else a table */
 };
 
-static int dome_command_take(void *choices, int option, struct fault *fault)
-{
-	struct dome_choices *c = choices;
+#define AT(field) .place = offsetof(struct dome_choices, field)
 
-	switch (option) {
-	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
-	case LIGHTS_FINE:
-		return lights_option_take(&c->lights, option, optarg, fault);
-	default:
-		if (c->form && c->form != option)
-			return fault_say(fault, -EINVAL, "expected one of --angles and --json");
-		c->form = option;
-		return 0;
-	}
-}
+static const struct option_row options[] = {
+	LIGHTS_ROWS,
+	{"angles", OPTION_FLAG, AT(angles)},
+	{"json", OPTION_FLAG, AT(json)},
+	{.name = NULL},
+};
 
 static int create_dome(const struct scene_lights *lights, struct dome *dome, struct fault *fault)
 {
@@ -93,32 +71,33 @@ static int create_dome(const struct scene_lights *lights, struct dome *dome, str
 	if (lights->fine && *lights->fine)
 		err = fine_list_read(&fine, "--fine", lights->fine, NULL, fault);
 	if (!err)
-		err = fine_list_dome(&fine, lights->frequency, lights->division, lights->shape,
-				     dome, fault);
+		err = fine_list_dome(&fine, lights->frequency, dome, fault);
 	fine_list_free(&fine);
 	return err;
 }
 
-static int dome_command_run(const struct bake_command *command, int argc, char **argv)
+static int dome_command_run(const struct command *command, int argc, char **argv)
 {
-	struct dome_choices c = {.lights = {0, DOME_ANGLES, DOME_CELLS, NULL}};
+	struct dome_choices c = {.lights = {.frequency = 0}};
 	struct fault fault = {.text = ""};
 	struct dome dome;
-	const int status = command_options(command, argc, argv, options, dome_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
 	if (!c.lights.frequency)
 		return command_wrong(command, "--frequency is missing");
+	if (c.angles && c.json)
+		return command_wrong(command, "expected one of --angles and --json");
 	if (optind < argc)
 		return command_wrong(command, "\"%s\" is one argument too many", argv[optind]);
 	if (create_dome(&c.lights, &dome, &fault) < 0) {
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (c.form == ANGLES)
+	if (c.angles)
 		angles_write(stdout, &dome);
-	else if (c.form == JSON)
+	else if (c.json)
 		print_json(&dome);
 	else
 		print_table(&dome);
@@ -126,17 +105,11 @@ static int dome_command_run(const struct bake_command *command, int argc, char *
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command dome_command = {
+const struct command dome_command = {
 	.name = "dome",
-	.usage = "--frequency F [--division angles|chords] [--lights cells|tents]\n"
-		 "           [--fine PARTS] [--angles | --json]",
+	.usage = "--frequency F [options]",
 	.summary = "print the lights of a dome",
-	.help = "\n  --frequency F   1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles (default) or chords\n"
-		"  --lights L      cells (default) or tents: their solid angles; tents are named before angles\n"
-		"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n"
-		"                  separated by commas, or a file of such lines (inlay-scene(5))\n"
-		"  --angles        one light a line: theta phi, radians\n"
+	.help = "\n" LIGHTS_HELP "  --angles        one light a line: theta phi, radians\n"
 		"  --json          everything: angles, directions, solid angles\n",
 	.run = dome_command_run,
 };

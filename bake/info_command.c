@@ -8,20 +8,10 @@
 #include <string.h>
 
 #include "bake/base/commands.h"
-#include "bake/info_map.h"
 #include "hal/base/json.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
-
-enum { JSON = 1, MAP };
-
-static const struct option options[] = {
-	{"json", no_argument, NULL, JSON},
-	{"map", required_argument, NULL, MAP},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
 
 static const char *const kind_names[BASIS_KIND_COUNT] = {"T", "V", "D", "U"};
 static const char *const kind_meanings[BASIS_KIND_COUNT] = {
@@ -132,13 +122,6 @@ static double dense_bytes(const struct basis *basis, const struct layer_sum *lay
 	return pixels * 3 * basis->info.lights;
 }
 
-static const char *division_name(const struct basis *basis)
-{
-	return basis->info.dome_division < DOME_DIVISION_COUNT
-		       ? dome_division_names[basis->info.dome_division]
-		       : "unknown";
-}
-
 static double safe_ratio(double sum, double count)
 {
 	return count > 0 ? sum / count : 0;
@@ -242,10 +225,9 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 {
 	const struct basis_info_chunk *info = &basis->info;
 
-	printf("%s: %s%u x %u, %u lights (dome frequency %u, %s, %s), %u coarse, %u pose%s, %u ground term%s, %.2f MB\n",
+	printf("%s: %s%u x %u, %u lights (dome frequency %u), %u coarse, %u pose%s, %u ground term%s, %.2f MB\n",
 	       path, basis_is_preview(basis) ? "preview, " : "", info->width, info->height,
-	       info->lights, info->dome_frequency, division_name(basis),
-	       dome_shape_names[info->light_shape], info->coarse, info->poses,
+	       info->lights, info->dome_frequency, info->coarse, info->poses,
 	       info->poses == 1 ? "" : "s", info->grounds, info->grounds == 1 ? "" : "s",
 	       (double)s->bytes * 1e-6);
 	printf("the object covers %ld pixels", s->covered);
@@ -306,8 +288,6 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	json_number(&json, "lights", info->lights);
 	json_number(&json, "coarse", info->coarse);
 	json_number(&json, "dome_frequency", info->dome_frequency);
-	json_text(&json, "dome_division", division_name(basis));
-	json_text(&json, "light_shape", dome_shape_names[info->light_shape]);
 	json_number(&json, "poses", info->poses);
 	json_number(&json, "grounds", info->grounds);
 	json_number(&json, "bytes", (double)s->bytes);
@@ -340,30 +320,16 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	json_end(&json);
 }
 
-struct info_choices {
-	const char *map;
-	bool json;
-};
+static const struct option_row options[] = {
+	{.name = "json", .kind = OPTION_FLAG, .help = "everything, for programs"}, {.name = NULL}};
 
-static int info_command_take(void *choices, int option, struct fault *fault)
+static int info_command_run(const struct command *command, int argc, char **argv)
 {
-	struct info_choices *c = choices;
-
-	(void)fault;
-	if (option == MAP)
-		c->map = optarg;
-	else
-		c->json = true;
-	return 0;
-}
-
-static int info_command_run(const struct bake_command *command, int argc, char **argv)
-{
-	struct info_choices c = {.map = NULL};
+	bool as_json = false;
 	struct fault fault = {.text = ""};
 	struct summary summary;
 	struct basis basis;
-	const int status = command_options(command, argc, argv, options, info_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &as_json);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -371,8 +337,6 @@ static int info_command_run(const struct bake_command *command, int argc, char *
 	if (optind + 1 != argc)
 		return command_wrong(command, "expected one basis file");
 	err = basis_open(&basis, argv[optind], BASIS_ALL, &fault);
-	if (!err && c.map)
-		err = info_map_write(&basis, c.map, &fault);
 	if (!err)
 		err = summary_fill(&basis, &summary, &fault);
 	if (err) {
@@ -380,7 +344,7 @@ static int info_command_run(const struct bake_command *command, int argc, char *
 		basis_close(&basis);
 		return EXIT_FAILURE;
 	}
-	if (c.json)
+	if (as_json)
 		print_json(&basis, &summary);
 	else
 		print_text(&basis, &summary, argv[optind]);
@@ -388,11 +352,9 @@ static int info_command_run(const struct bake_command *command, int argc, char *
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command info_command = {
+const struct command info_command = {
 	.name = "info",
-	.usage = "FILE [--json] [--map OUT.png]",
+	.usage = "FILE [--json]",
 	.summary = "say what a basis file holds",
-	.help = "\n  --json      everything, for programs\n"
-		"  --map F     a picture: patterns, columns and bytes of each pixel, side by side\n",
 	.run = info_command_run,
 };

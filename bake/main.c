@@ -7,12 +7,12 @@
 
 int main(int argc, char **argv)
 {
-	static const struct bake_command *const commands[] = {
+	static const struct command *const commands[] = {
 		&dome_command,	  &render_command, &merge_command, &import_command,
 		&export_command,  &info_command,   &truth_command, &pictures_command,
 		&preview_command, &report_command, &sky_command,   NULL,
 	};
 
 	blas_choose_kernels(argv);
-	return program_run("inlay-bake", commands, argc, argv);
+	return program_run("inlay-bake", NULL, commands, argc, argv);
 }

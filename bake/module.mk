@@ -6,17 +6,13 @@ bake_LIBS := -lmeshoptimizer -lembree$(if $(findstring /,$(shell $(CC) -print-fi
 BAKE_SOURCES := \
 	bake/dome_command.c \
 	bake/info_command.c \
-	bake/info_map.c \
 	bake/base/angles.c \
 	bake/base/blas.c \
-	bake/base/options.c \
 	bake/base/picture_file.c \
 	bake/base/pixel_filter.c \
 	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
-	bake/base/report_plot.c \
-	bake/base/report_table.c \
 	bake/base/strata.c \
 	bake/base/surface.c \
 	bake/base/watch.c \
@@ -37,7 +33,6 @@ BAKE_SOURCES := \
 	bake/exchange/export_rays.c \
 	bake/exchange/import.c \
 	bake/exchange/import_command.c \
-	bake/exchange/import_fit.c \
 	bake/exchange/import_judge.c \
 	bake/exchange/import_pictures.c \
 	bake/exchange/msi.c \
@@ -78,21 +73,15 @@ BAKE_SOURCES := \
 	bake/preview/preview_command.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \
-	bake/report/report_choices.c \
 	bake/report/report_command.c \
-	bake/report/report_error.c \
 	bake/report/report_lighting.c \
-	bake/report/report_lights.c \
-	bake/report/report_parts.c \
-	bake/report/report_pictures.c \
+	bake/report/report_plot.c \
 	bake/report/report_rank.c \
-	bake/report/report_samples.c \
+	bake/report/report_show.c \
 	bake/report/report_sky.c \
-	bake/report/report_summary.c \
 	bake/report/report_trial.c \
 	bake/scene/footprint.c \
 	bake/scene/keyframes.c \
-	bake/scene/lights_options.c \
 	bake/scene/scene.c \
 	bake/scene/scene_file.c \
 	bake/scene/survey.c \
@@ -129,7 +118,6 @@ BAKE_SOURCES := \
 	bake/truth/sky.c \
 	bake/truth/truth.c \
 	bake/truth/truth_command.c \
-	bake/truth/truth_options.c \
 	bake/truth/truth_paths.c \
 	bake/truth/truth_views.c
 BAKE_MAIN := bake/main.c

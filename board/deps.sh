@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Installs the Debian packages that a purpose needs, and nothing when all of them are there.
-#     board/deps.sh build|demo|package|image|test|deep ...
+#     board/deps.sh build|demo|film|package|image|test|deep ...
 # Debian 12 has all of them; Debian 13 those for build, demo and package.
 # Root is asked for only when something is missing.
 set -eu
@@ -13,6 +13,7 @@ build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev li
 	liblapacke-dev libopenblas-dev libcminpack-dev libexif-dev libopencv-calib3d-dev
 	libopencv-contrib-dev libopencv-video-dev"
 demo="ffmpeg fonts-dejavu-core"
+film="opencv-doc"
 package="dpkg-dev xz-utils"
 # What compiles the kernel of the simulated machine, a user-mode Linux.
 kernel="linux-source-6.1 flex bison bc kmod xz-utils"
@@ -31,12 +32,13 @@ for purpose in "$@"; do
 	case "$purpose" in
 	build) wanted="$wanted $build" ;;
 	demo) wanted="$wanted $build $demo" ;;
+	film) wanted="$wanted $build $demo $film" ;;
 	package) wanted="$wanted $build $package" ;;
 	image) wanted="$wanted $build $image" ;;
 	test) wanted="$wanted $build $demo $kernel $test" ;;
 	deep) wanted="$wanted $build $demo $package $image $test $deep" ;;
 	*)
-		echo "deps: unknown purpose \"$purpose\", expected build, demo, package, image, test or deep" >&2
+		echo "deps: unknown purpose \"$purpose\", expected build, demo, film, package, image, test or deep" >&2
 		exit 2
 		;;
 	esac

@@ -7,6 +7,7 @@
 
 #include "config/config_blocks.h"
 #include "config/config_keys.h"
+#include "hal/lights/exposure_schedule.h"
 
 /* The section that each class of driver has its keys in. */
 static const struct {
@@ -166,6 +167,22 @@ struct transfer_curve config_fisheye_curve(const struct config_fisheye *fisheye)
 struct transfer_curve config_background_curve(const struct config_background *background)
 {
 	return response_curve(&background->measured, (enum transfer)background->transfer, 0);
+}
+
+int config_exposures(const struct config_fisheye *fisheye)
+{
+	int count = 0;
+
+	while (count < EXPOSURES_MAX && fisheye->exposures[count] > 0)
+		count++;
+	return count;
+}
+
+int config_exposure_delay(const struct config_fisheye *fisheye)
+{
+	if (fisheye->exposure_delay >= 0)
+		return fisheye->exposure_delay;
+	return fisheye->measured.delay <= EXPOSURE_DELAY_MAX ? fisheye->measured.delay : -1;
 }
 
 /* ---- printing ---- */

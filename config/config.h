@@ -133,8 +133,7 @@ struct config_fisheye {
 	struct config_view view;
 	char lens_file[INI_PATH_MAX]; /* its keys replace those of lens; empty: none */
 	struct fisheye_settings lens;
-	int estimator; /* enum light_estimator */
-	int transfer;  /* enum transfer */
+	int transfer; /* enum transfer */
 	int black_level;
 	double gain;
 	char light[INI_PATH_MAX];	 /* empty: none */

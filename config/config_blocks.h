@@ -18,4 +18,8 @@ int config_block_lay_out(struct config *config, enum config_class kind, size_t s
 void *config_block_create(const struct config *config, enum config_class kind,
 			  const struct ini_key *keys);
 
+/* Copies the next word of *text, which blanks or commas separate, and moves *text behind it. A word
+ * of more than 60 characters is cut. False: no word is left. */
+bool config_next_word(const char **text, char word[CONFIG_NAME_MAX]);
+
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Checks keys against each other, and against the files and drivers that they name. */
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "config/config_blocks.h"
 #include "config/config_complain.h"
-#include "config/config_drivers.h"
-#include "config/config_light.h"
 
 static void check_driver(const struct config *config, enum config_class kind, const char *title,
 			 const char *name, struct ini_report *report)
@@ -100,6 +100,47 @@ static void check_depth(const struct config *config, struct ini_report *report)
 			name, pixel_format_names[format]);
 }
 
+static void check_exposures(const struct config *config, struct ini_report *report)
+{
+	const struct config_fisheye *fisheye = &config->fisheye;
+	const int count = config_exposures(fisheye);
+
+	if (count == 1)
+		config_complain(config, report,
+				"[fisheye] exposures: is one value, expected 2 to %d, or none",
+				EXPOSURES_MAX);
+	for (int k = 1; k < count; k++)
+		if (!(fisheye->exposures[k] <= fisheye->exposures[k - 1] / 1.5))
+			config_complain(
+				config, report,
+				"[fisheye] exposures: %g comes after %g, expected each to be at most two thirds of the one before it",
+				fisheye->exposures[k], fisheye->exposures[k - 1]);
+	if (count && !*fisheye->exposure_control)
+		config_complain(
+			config, report,
+			"[fisheye] exposure_control: is empty, expected the name of a control");
+	if (count && (!strcmp(fisheye->view.camera, config->background.view.camera) ||
+		      !strcmp(fisheye->view.camera, config->scene.view.camera)))
+		config_complain(
+			config, report,
+			"[fisheye] exposures: camera %.60s is seen by another view too, expected a camera of its own",
+			fisheye->view.camera);
+}
+
+static void check_patch(const struct config *config, struct ini_report *report)
+{
+	const double *patch = config->background.patch;
+
+	for (int k = 0; k < 4; k++)
+		if (patch[k] != floor(patch[k]) || (patch[2] > 0) != (patch[3] > 0)) {
+			config_complain(
+				config, report,
+				"[background] ground_patch: is %g %g %g %g, expected whole pixels, and a width and a height",
+				patch[0], patch[1], patch[2], patch[3]);
+			return;
+		}
+}
+
 static void check_buttons(const struct config *config, struct ini_report *report)
 {
 	const char *text = config->buttons->driver;
@@ -171,7 +212,8 @@ int config_check(const struct config *config, struct ini_report *report)
 	check_view_camera(config, "scene", &config->scene.view, false, report);
 	check_view_camera(config, "depth", &config->depth.view, false, report);
 	check_depth(config, report);
-	config_check_light(config, report);
+	check_exposures(config, report);
+	check_patch(config, report);
 	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
 		config_complain(
 			config, report,

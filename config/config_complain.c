@@ -16,8 +16,5 @@ void config_complain(const struct config *config, struct ini_report *report, con
 	vsnprintf(what, sizeof(what), format, args);
 	va_end(args);
 	fault_say(&fault, -EINVAL, "%.500s: %s", config->name, what);
-	if (!report->count++)
-		report->first = fault;
-	if (report->say)
-		report->say(report->context, fault.text);
+	ini_report_add(report, &fault);
 }

@@ -27,15 +27,6 @@ static int check_readable(const struct config *config, const char *key, const ch
 	return err;
 }
 
-static int say_fault(const struct fault *fault, int err, struct ini_report *report)
-{
-	if (!report->count++)
-		report->first = *fault;
-	if (report->say)
-		report->say(report->context, fault->text);
-	return err;
-}
-
 struct config_lens_file {
 	struct fisheye_settings *lens;
 	bool found;
@@ -69,7 +60,8 @@ static int read_lens(struct config *config, struct ini_report *report)
 	if (err || file.found)
 		return err;
 	fault_say(&fault, -EINVAL, "%s: expected a [fisheye] section", path);
-	return say_fault(&fault, -EINVAL, report);
+	ini_report_add(report, &fault);
+	return -EINVAL;
 }
 
 static void *camera_place(void *root, const char *instance)
@@ -101,7 +93,8 @@ static int read_depth_camera(struct config *config, struct ini_report *report)
 	err = tsai_check(&camera, &why);
 	if (err) {
 		fault_say(&fault, err, "%s: %s", path, why.text);
-		return say_fault(&fault, err, report);
+		ini_report_add(report, &fault);
+		return err;
 	}
 	config->depth.camera = camera;
 	return 0;
@@ -126,7 +119,6 @@ int config_read_files(struct config *config, struct ini_report *report)
 				       &config->fisheye.measured, report);
 	const int background = read_light(config, "[background] light", config->background.light,
 					  &config->background.measured, report);
-
 	const int depth = read_depth_camera(config, report);
 
 	return lens ? lens : fisheye ? fisheye : background ? background : depth;

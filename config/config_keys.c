@@ -149,9 +149,6 @@ static const struct ini_key fisheye_lens_keys[] = {
 	INI_KEYS_END};
 
 static const struct ini_key fisheye_light_keys[] = {
-	{"estimator", INI_CHOICE, offsetof(struct config_fisheye, estimator),
-	 .choices = light_estimator_names, .fallback = "cell",
-	 .help = "A light's colour: cell is the mean over its cell of the sky, node the picture at its direction."},
 	{"transfer", INI_CHOICE, offsetof(struct config_fisheye, transfer),
 	 .choices = transfer_names, .fallback = "srgb",
 	 .help = "Transfer function of the camera's 8-bit code values."},

@@ -5,8 +5,6 @@ CONFIG_SOURCES := \
 	config/config_changes.c \
 	config/config_check.c \
 	config/config_complain.c \
-	config/config_drivers.c \
 	config/config_files.c \
 	config/config_hours.c \
-	config/config_keys.c \
-	config/config_light.c
+	config/config_keys.c

@@ -16,11 +16,11 @@
 #include "hal/frame/frame.h"
 
 #define NONE (-1)
+#define RATE_HZ 60	  /* where [screen] asks for none: that of most screens */
 #define STALL_NS NS_PER_S /* delay after which a refresh counts as lost */
 #define HIDDEN_NS (NS_PER_S / 2)
 
 struct null_options {
-	double rate_hz;
 	int vanish_after, stall_after, hide_after;
 };
 
@@ -34,13 +34,10 @@ struct null_screen {
 	int submitted;		     /* number of frames */
 	int failure;		     /* -errno that the next refresh reports; 0: it succeeds */
 	bool overtaken;		     /* a simulated console switch comes before the flip */
-	int64_t start_ns, period_ns; /* of the refresh; period 0: flips are immediate */
+	int64_t start_ns, period_ns; /* of the refresh */
 };
 
 static const struct ini_key null_keys[] = {
-	{"rate", INI_REAL, offsetof(struct null_options, rate_hz), .max = 1000, .fallback = "60",
-	 .unit = "Hz",
-	 .help = "Refresh rate where [screen] asks for none; 0 shows each frame at once."},
 	{"vanish_after", INI_INT, offsetof(struct null_options, vanish_after), .max = 2147483647,
 	 .fallback = "0",
 	 .help = "Frames after which it is pulled out, each time that it is opened; 0: never."},
@@ -55,9 +52,7 @@ static const struct ini_key null_keys[] = {
 
 static int null_open(struct display *display, struct fault *fault)
 {
-	const struct null_options *options = display->options;
-	const double rate = display->settings.rate_hz > 0 ? display->settings.rate_hz
-							  : options->rate_hz;
+	const double rate = display->settings.rate_hz > 0 ? display->settings.rate_hz : RATE_HZ;
 	struct null_screen *screen;
 	int err;
 
@@ -71,7 +66,7 @@ static int null_open(struct display *display, struct fault *fault)
 	display->rate_hz = rate;
 	screen->on_screen = screen->queued = NONE;
 	screen->start_ns = clock_now_ns();
-	screen->period_ns = rate > 0 ? (int64_t)((double)NS_PER_S / rate) : 0;
+	screen->period_ns = (int64_t)((double)NS_PER_S / rate);
 	screen->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
 	if (screen->timer < 0) {
 		err = -errno;
@@ -122,8 +117,6 @@ static int null_acquire(struct display *display, struct display_buffer *buffer)
 /* Returns the time of the first refresh after now. */
 static int64_t next_refresh_ns(const struct null_screen *screen, int64_t now_ns)
 {
-	if (!screen->period_ns)
-		return now_ns;
 	return now_ns + screen->period_ns - (now_ns - screen->start_ns) % screen->period_ns;
 }
 

@@ -4,7 +4,6 @@ hal_PACKAGES := libjpeg libpng libxxhash libzstd inih $(if $(filter 1,$(WITH_EXR
 hal_LIBS := -lyuv
 HAL_SOURCES := \
 	hal/base/budget.c \
-	hal/base/csv.c \
 	hal/base/fault.c \
 	hal/base/input.c \
 	hal/base/json.c \
@@ -15,6 +14,7 @@ HAL_SOURCES := \
 	hal/base/plain_text.c \
 	hal/base/pool.c \
 	hal/base/processor.c \
+	hal/base/table.c \
 	hal/base/text_file.c \
 	hal/base/utf8.c \
 	hal/basis/basis.c \
@@ -112,24 +112,25 @@ HAL_SOURCES := \
 	hal/measure/thesis.c \
 	hal/measure/turns.c \
 	hal/measure/unpacked.c \
+	hal/options/options.c \
 	hal/optics/distortion.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \
 	hal/optics/dome_lookup.c \
 	hal/optics/dome_nodes.c \
 	hal/optics/dome_placed.c \
-	hal/optics/dome_tents.c \
+	hal/optics/dome_facets.c \
 	hal/optics/dome_triangles.c \
 	hal/optics/fisheye.c \
 	hal/optics/fisheye_curve.c \
 	hal/optics/panorama.c \
 	hal/people/cells.c \
 	hal/people/depths.c \
+	hal/people/drift.c \
 	hal/people/edges.c \
 	hal/people/footprint.c \
 	hal/people/gain.c \
 	hal/people/groups.c \
-	hal/people/hidden.c \
 	hal/people/outline.c \
 	hal/people/people.c \
 	hal/people/persons.c \
@@ -148,7 +149,7 @@ $(BUILD)/hal/compositor/kernels/kernels_neon_dotprod.o: OWN_FLAGS := -march=armv
 HAL_SOURCES += $(if $(filter 1,$(WITH_EXR)),hal/image/image_exr.cpp) \
 	$(if $(filter 1,$(WITH_WEBP)),hal/image/image_webp.c)
 # Without this gcc makes branches of choices between floats, and no vectors. It changes no result.
-$(addprefix $(BUILD)/hal/people/,cells.o gain.o place.o verdict.o): OWN_FLAGS := -fno-trapping-math
+$(addprefix $(BUILD)/hal/people/,cells.o drift.o gain.o place.o verdict.o): OWN_FLAGS := -fno-trapping-math
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)

@@ -163,11 +163,13 @@ $(BUILD)/tests/accuracy/exposures: $(BUILD)/tests/accuracy/exposures.o \
 -include $(BUILD)/tests/accuracy/exposures.d $(BUILD)/tests/accuracy/exposures_random.d \
 	$(BUILD)/tests/accuracy/exposures_truth.d
 
-# Judges how people are found, beside OpenCV's ways: people/people.sh.
-PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,judge.o filmed.o subtractors.o)
-OTHER_PROGRAMS += $(BUILD)/tests/people/judge
+# Judge how people are found, beside OpenCV's ways: people/people.sh.
+PEOPLE_OBJECTS := $(addprefix $(BUILD)/tests/people/,render.o judge.o rooms.o recording.o filmed.o subtractors.o)
+OTHER_PROGRAMS += $(addprefix $(BUILD)/tests/people/,render judge)
 $(BUILD)/tests/people/subtractors.o: OWN_FLAGS = -isystem /usr/include/opencv4
-$(BUILD)/tests/people/judge: $(PEOPLE_OBJECTS) $(addprefix $(BUILD)/,drivers.a hal.a)
+$(addprefix $(BUILD)/tests/people/,render judge): %: %.o \
+		$(addprefix $(BUILD)/tests/people/,rooms.o recording.o filmed.o subtractors.o) \
+		$(addprefix $(BUILD)/,drivers.a hal.a)
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) \
 		-lopencv_video -lopencv_imgproc -lopencv_core $(HAL_LINK)
@@ -180,6 +182,13 @@ $(BUILD)/tests/people/look: $(addprefix $(BUILD)/tests/people/,look.o filmed.o) 
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
 -include $(BUILD)/tests/people/look.d
+
+# Measures what inlay makes of a real film: film/film.sh.
+OTHER_PROGRAMS += $(BUILD)/tests/film/measure
+$(BUILD)/tests/film/measure: $(BUILD)/tests/film/measure.o $(addprefix $(BUILD)/,drivers.a hal.a)
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
+-include $(BUILD)/tests/film/measure.d
 
 # Measures the time of a camera's calibration; run by hand.
 OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/bench/bench_print.h"
 #include "app/bench/bench_truth.h"
 #include "app/bench/bench_ways.h"
 #include "hal/base/log.h"
@@ -14,96 +15,41 @@
 
 /* ---- rows ---- */
 
-static const struct bench_way *find_way(const struct bench_ways *ways, enum bench_kind kind,
-					const char *what)
+/* Sorts the times of a way. 0: there is none of this kind. */
+static struct turns_spread spread_of(const struct bench_ways *ways, enum bench_kind kind,
+				     int repeat)
 {
-	for (int k = 0; k < ways->count; k++) {
-		const struct bench_way *way = &ways->way[k];
-
-		if (way->kind == kind && (!what || !strcmp(way->like->row.what, what)))
-			return way;
-	}
-	return NULL;
-}
-
-/* The way that makes the same picture without grain, or without people; NULL: there is none. */
-static const struct bench_way *find_plain(const struct bench_way *way,
-					  const struct bench_ways *ways)
-{
-	const enum bench_kind of = way->kind == BENCH_GRAIN ? BENCH_COMPOSITE : BENCH_FRAME;
-
-	if (way->kind != BENCH_GRAIN && way->kind != BENCH_VISITED)
-		return NULL;
-	for (const struct bench_way *plain = way; plain-- > ways->way;)
-		if (plain->kind == of && plain->compositor == way->compositor && !plain->changed)
-			return plain;
-	return NULL;
-}
-
-/* Fills in what compares a way's times with those of others. */
-static void fill_row(struct bench_way *way, const struct bench_ways *ways,
-		     const struct bench_stage *stage)
-{
-	const struct bench_way *thesis = find_way(ways, BENCH_THESIS, NULL);
-	const struct bench_way *copy = find_way(ways, BENCH_COPY, NULL);
-	const struct bench_way *plain = find_plain(way, ways);
-	struct bench_row *row = &way->row;
-	const struct bench_way *read = NULL;
-
-	snprintf(row->lighting, sizeof(row->lighting), "%s", stage->lighting->name);
-	row->basis_mb = (double)(way->kind == BENCH_READ ? way->like->bytes : way->bytes) / 1e6;
-	if (way->kind == BENCH_COMPOSITE)
-		read = find_way(ways, BENCH_READ, row->what);
-	row->speedup = thesis && thesis != way && bench_way_shows(way)
-			       ? thesis->row.median_ms / row->median_ms
-			       : 0;
-	row->read_ms = read ? read->row.least_ms : 0;
-	row->read_ratio = read && read->row.least_ms > 0 ? row->least_ms / read->row.least_ms : 0;
-	row->plain_ratio = plain ? row->median_ms / plain->row.median_ms : 0;
-	row->copies = row->least_ms / copy->row.least_ms;
+	for (int k = 0; k < ways->count; k++)
+		if (ways->way[k].kind == kind)
+			return turns_spread(ways->way[k].ms, repeat);
+	return (struct turns_spread){.median = 0};
 }
 
 static int take_rows(struct bench_report *report, struct bench_ways *ways,
 		     const struct bench_stage *stage, struct fault *fault)
 {
-	const size_t count = (size_t)(report->count + ways->count);
-	struct bench_row *row = realloc(report->row, count * sizeof(*row));
+	const int repeat = report->repeat;
+	const double thesis_ms = spread_of(ways, BENCH_THESIS, repeat).median;
+	const double copy_ms = spread_of(ways, BENCH_COPY, repeat).least;
 
-	if (!row)
-		return fault_say(fault, -ENOMEM, "not enough memory");
-	report->row = row;
 	for (int k = 0; k < ways->count; k++) {
-		struct bench_way *way = &ways->way[k];
+		const struct bench_way *way = &ways->way[k];
+		const struct turns_spread ms = turns_spread(way->ms, repeat);
+		struct bench_row row = way->row;
 
-		way->row.median_ms = turns_median(way->ms, report->repeat);
-		way->row.least_ms = way->ms[0];
+		row.lighting = stage->lighting->name;
+		row.basis_mb = (double)way->bytes / 1e6;
+		row.median_ms = ms.median;
+		row.least_ms = ms.least;
+		row.copies = ms.least / copy_ms;
+		if (way->kind != BENCH_THESIS && bench_way_shows(way))
+			row.speedup = thesis_ms / ms.median;
+		bench_print_row(&report->rows, &row);
 	}
-	for (int k = 0; k < ways->count; k++) {
-		fill_row(&ways->way[k], ways, stage);
-		report->row[report->count++] = ways->way[k].row;
-	}
-	return 0;
+	return report->rows.err ? fault_say(fault, report->rows.err, "not enough memory") : 0;
 }
 
 /* ---- timing ---- */
-
-/* Allocates as much memory as any way has read. */
-static int grow_reading(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
-{
-	uint64_t most = 1;
-
-	for (int k = 0; k < ways->count; k++) {
-		if (ways->way[k].kind == BENCH_COMPOSITE && ways->way[k].bytes > most)
-			most = ways->way[k].bytes;
-	}
-	if (most <= stage->reading.bytes)
-		return 0;
-	reading_free(&stage->reading);
-	if (reading_create(&stage->reading, most))
-		return fault_say(fault, -ENOMEM, "not enough memory to read %.1f MB",
-				 (double)most / 1e6);
-	return 0;
-}
 
 /* What the timed turns under one lighting need. */
 struct round {
@@ -124,7 +70,8 @@ static int round_prepare(void *context, int way, int turn)
 	if (err)
 		return err;
 	round->turn = turn;
-	return bench_way_prepare(&round->ways->way[way], round->stage, turn, round->fault);
+	bench_way_prepare(&round->ways->way[way], round->stage);
+	return 0;
 }
 
 static int round_run(void *context, int way)
@@ -132,14 +79,6 @@ static int round_run(void *context, int way)
 	const struct round *round = context;
 
 	return bench_way_run(&round->ways->way[way], round->stage, round->fault);
-}
-
-static bool round_is_alone(void *context, int way)
-{
-	const struct round *round = context;
-
-	(void)way;
-	return pool_threads(round->stage->pool) == 1;
 }
 
 static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct fault *fault)
@@ -150,11 +89,9 @@ static int time_all(struct bench_ways *ways, struct bench_stage *stage, struct f
 			      .repeat = stage->settings->repeat,
 			      .prepare = round_prepare,
 			      .run = round_run,
-			      .is_alone = round_is_alone};
-	int err = grow_reading(ways, stage, fault);
+			      .shared = pool_threads(stage->pool) > 1};
+	const int err = turns_time(&turns, ways->ms);
 
-	if (!err)
-		err = turns_time(&turns, ways->ms);
 	stage->timed_ns += turns.timed_ns;
 	stage->ran_ns += turns.ran_ns;
 	return err;
@@ -189,7 +126,6 @@ static void report_describe(const struct bench_stage *stage, const struct scope 
 	report->dense_mb = (3.0 * (double)scope->objects + 3.0 * (double)scope->shadows) *
 			   report->lights / 1e6;
 	report->truth = stage->exact ? "exact" : "shown";
-	report->vectors = reading_vectors();
 }
 
 static int add_lightings(struct lightings *lightings, const struct bench_settings *s,
@@ -197,11 +133,11 @@ static int add_lightings(struct lightings *lightings, const struct bench_setting
 {
 	int err = 0;
 
-	for (int k = 0; !err && k < s->light_files; k++)
-		err = lightings_add_file(lightings, basis, s->lights[k], fault);
-	for (int k = 0; !err && k < s->panorama_files; k++)
-		err = lightings_add_panorama(lightings, basis, s->panoramas[k], fault);
-	if (!s->light_files && !s->panorama_files)
+	for (int k = 0; !err && k < s->lights.count; k++)
+		err = lightings_add_file(lightings, basis, s->lights.text[k], fault);
+	for (int k = 0; !err && k < s->panoramas.count; k++)
+		err = lightings_add_panorama(lightings, basis, s->panoramas.text[k], fault);
+	if (!s->lights.count && !s->panoramas.count)
 		err = lightings_add_built_in(lightings, basis, s->cells, fault);
 	return err;
 }
@@ -219,16 +155,14 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 	struct fault reason = {.text = ""};
 	int err = 0;
 
-	stage->scratch = calloc(stage->basis->info.lights, sizeof(*stage->scratch));
 	for (int k = 0; !err && k < BENCH_CAMERA_BUFFERS; k++)
 		err = canvas_create(&stage->background[k], width, height);
 	for (int k = 0; !err && k < BENCH_SCREEN_BUFFERS; k++)
 		err = canvas_create(&stage->screen[k], width, height);
-	if (err || !stage->scratch || light_selection_create(&stage->lights, stage->basis) ||
-	    light_selection_create(&stage->before, stage->basis))
+	if (err || light_selection_create(&stage->lights, stage->basis))
 		return fault_say(fault, -ENOMEM, "not enough memory for pictures of %dx%d", width,
 				 height);
-	stage->lights.budget = stage->before.budget = settings->budget;
+	stage->lights.budget = settings->budget;
 	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
 		background_fill(&stage->background[k]);
 	bench_stage_next(stage);
@@ -237,8 +171,6 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		err = thesis_create(&stage->thesis, stage->basis, best_layer(stage), all, fault);
 		if (err)
 			return err;
-		if (thesis_share(stage->thesis, stage->pool))
-			return fault_say(fault, -ENOMEM, "not enough memory");
 	}
 	err = bench_frame_create(&stage->cameras, stage->basis, stage->background, stage->pool,
 				 &reason);
@@ -248,23 +180,18 @@ static int set_stage(struct bench_stage *stage, struct pool *all, struct fault *
 		return fault_say(fault, err, "%s", reason.text);
 	else
 		bench_frame_budget(stage->cameras, settings->budget);
-	return bench_look_create(&stage->look, stage->basis, stage->cameras, &stage->background[0],
-				 fault);
+	return 0;
 }
 
 static void clear_stage(struct bench_stage *stage)
 {
 	bench_frame_destroy(stage->cameras);
-	bench_look_destroy(stage->look);
 	thesis_destroy(stage->thesis);
-	reading_free(&stage->reading);
-	light_selection_free(&stage->before);
 	light_selection_free(&stage->lights);
 	for (int k = 0; k < BENCH_SCREEN_BUFFERS; k++)
 		canvas_free(&stage->screen[k]);
 	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
 		canvas_free(&stage->background[k]);
-	free(stage->scratch);
 }
 
 static int run_lightings(struct bench_ways *ways, struct bench_stage *stage,
@@ -316,7 +243,8 @@ int bench_run(const struct bench_settings *settings, struct bench_report *report
 	struct pool *all = NULL;
 	int err;
 
-	*report = (struct bench_report){.count = 0};
+	*report = (struct bench_report){.width = 0};
+	bench_print_begin(&report->rows);
 	err = basis_open(&basis, settings->basis, BASIS_ALL, fault);
 	if (err)
 		return err;
@@ -337,10 +265,4 @@ int bench_run(const struct bench_settings *settings, struct bench_report *report
 	lightings_free(&lightings);
 	basis_close(&basis);
 	return err;
-}
-
-void bench_report_free(struct bench_report *report)
-{
-	free(report->row);
-	*report = (struct bench_report){.row = NULL};
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * inlay bench: how long a frame of a basis takes, in every way that inlay has to make it, beside
- * the thesis's own algorithm and what memory allows; with the error of each way against double
- * precision.
+ * the thesis's own algorithm; with the error of each way against double precision.
  *
  * All ways are timed in turns (A, B, C, A, B, C, ...), each after a few milliseconds of its own
  * that are not timed, so that noise of the machine meets all ways alike and each finds the caches
@@ -16,15 +15,14 @@
 #include <stdint.h>
 
 #include "hal/base/fault.h"
+#include "hal/base/table.h"
 #include "hal/measure/error.h"
-
-#define BENCH_FILES_MAX 16
+#include "hal/options/options.h"
 
 struct bench_settings {
 	const char *basis;
-	const char *kernel; /* NULL: every one that the processor supports */
-	const char *lights[BENCH_FILES_MAX], *panoramas[BENCH_FILES_MAX];
-	int light_files, panorama_files; /* both 0: built-in lightings */
+	const char *kernel;		      /* NULL: every one that the processor supports */
+	struct option_list lights, panoramas; /* both empty: built-in lightings */
 	int threads;
 	int repeat;
 	int cells; /* number of cells that are a lighting of their own, of the built-in ones */
@@ -35,17 +33,12 @@ struct bench_settings {
 
 /* A way to make the picture, under one lighting. Figures that do not apply are 0. */
 struct bench_row {
-	char lighting[64];
-	char what[48];
-	char kernel[24];
+	const char *lighting, *what, *kernel;
 	int lights; /* lights in use, for one member of the lighting; -1: does not apply */
 	double median_ms, least_ms;
-	double speedup;	    /* the thesis's median over this one */
-	double basis_mb;    /* 10^6 bytes of the basis that the last frame read */
-	double read_ms;	    /* least time of only reading as many bytes */
-	double read_ratio;  /* least_ms / read_ms */
-	double plain_ratio; /* with people or grain: median_ms over that of the frame without */
-	double copies;	    /* least_ms / least time of copying the picture */
+	double speedup;	 /* the thesis's median over this one */
+	double basis_mb; /* 10^6 bytes of the basis that the last frame read */
+	double copies;	 /* least_ms / least time of copying the picture */
 	bool has_error;
 	struct composite_error error; /* largest of all members of the lighting */
 };
@@ -55,20 +48,16 @@ struct bench_report {
 	int width, height, lights, threads, repeat;
 	long object_pixels, shadow_pixels;
 	double shown_mb, exact_mb, dense_mb; /* layers; dense: one byte a value */
-	const char *truth;   /* layer that double precision took: "exact" or "shown" */
-	const char *vectors; /* vectors of the read bound: "avx512f", ... */
+	const char *truth; /* layer that double precision took: "exact" or "shown" */
 	/* Share of the timed turns in which the calling thread did not run. With one thread, that
 	 * time is not counted, but the programs that ran use caches and memory, too. */
 	double waited;
-	struct bench_row *row;
-	int count;
+	struct table rows; /* of one lighting after the other; to be freed */
 };
 
-/* Fills in the report: rows of one lighting after the other. -ENOMEM; -EIO: two ways that have to
- * give the same bits do not; what opening the files returns. The report is to be freed in any
+/* Fills in the report. -ENOMEM; what opening the files returns. Its table is to be freed in any
  * case. */
 int bench_run(const struct bench_settings *settings, struct bench_report *report,
 	      struct fault *fault);
-void bench_report_free(struct bench_report *report); /* idempotent; zeroed is fine */
 
 #endif

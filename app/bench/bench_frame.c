@@ -25,9 +25,8 @@ struct bench_frame {
 	struct pool *pool;
 	struct dome dome;
 	struct fisheye lens;
-	struct bench_camera background, fisheye, visited;
+	struct bench_camera background, fisheye;
 	struct canvas canvas; /* the background read from its camera, for double precision */
-	struct canvas looked; /* the visitors' picture, read from its camera */
 	struct light_sampler *sampler;
 	float (*radiance)[3];
 	struct light_selection lights;
@@ -70,16 +69,11 @@ static void camera_free(struct bench_camera *camera)
 		free(camera->yuyv[k]);
 }
 
-static void camera_take_into(struct bench_camera *camera, int buffer, const struct canvas *picture)
-{
-	ARGBToYUY2(picture->pixels, (int)picture->stride, camera->yuyv[buffer],
-		   (int)camera->frame.planes[0].stride, picture->width, picture->height);
-}
-
 static void camera_take(struct bench_camera *camera, const struct canvas *picture)
 {
 	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++)
-		camera_take_into(camera, k, picture);
+		ARGBToYUY2(picture->pixels, (int)picture->stride, camera->yuyv[k],
+			   (int)camera->frame.planes[0].stride, picture->width, picture->height);
 }
 
 static int create_sampler(struct bench_frame *f, struct fault *fault)
@@ -105,9 +99,7 @@ static int frame_fill(struct bench_frame *f, const struct canvas *background, st
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
 	if (!f->radiance || light_selection_create(&f->lights, f->basis) ||
 	    canvas_create(&f->canvas, background->width, background->height) ||
-	    canvas_create(&f->looked, background->width, background->height) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||
-	    camera_create(&f->visited, (int)info->width, (int)info->height) ||
 	    camera_create(&f->fisheye, (int)info->width, (int)info->height))
 		return fault_say(fault, -ENOMEM, "not enough memory for two cameras of %ux%u",
 				 info->width, info->height);
@@ -142,8 +134,6 @@ void bench_frame_destroy(struct bench_frame *f)
 	light_sampler_destroy(f->sampler);
 	light_selection_free(&f->lights);
 	canvas_free(&f->canvas);
-	canvas_free(&f->looked);
-	camera_free(&f->visited);
 	camera_free(&f->background);
 	camera_free(&f->fisheye);
 	dome_free(&f->dome);
@@ -163,16 +153,13 @@ int bench_frame_light(struct bench_frame *f, const float (*radiance)[3])
 		for (int x = 0; x < canvas->width; x++) {
 			uint8_t *to = canvas->pixels + (size_t)y * canvas->stride + (size_t)x * 4;
 			const double px[2] = {x + 0.5, y + 0.5};
-			double d[3], weight[3];
-			int light[3], count = 0;
+			double d[3];
+			const int cell = fisheye_ray(&f->lens, px, d) ? dome_cell_of(&f->dome, d)
+								      : -1;
 
-			if (fisheye_ray(&f->lens, px, d))
-				count = dome_weights(&f->dome, d, light, weight);
 			for (int c = 0; c < 3; c++) {
-				double seen = 0;
+				const double seen = cell < 0 ? 0 : (double)radiance[cell][c];
 
-				for (int k = 0; k < count; k++)
-					seen += weight[k] * (double)radiance[light[k]][c];
 				to[2 - c] = (uint8_t)lrint(
 					255 * transfer_encode(TRANSFER_SRGB, fmin(seen, 1)));
 			}
@@ -193,59 +180,6 @@ void bench_frame_next(struct bench_frame *f)
 	/* cannot fail: only the address has changed since the last time */
 	(void)camera_show(&f->background, (f->background.turn + 1) % BENCH_CAMERA_BUFFERS);
 	(void)camera_show(&f->fisheye, (f->fisheye.turn + 1) % BENCH_CAMERA_BUFFERS);
-	(void)camera_show(&f->visited, (f->visited.turn + 1) % BENCH_CAMERA_BUFFERS);
-}
-
-/* About 2 levels of noise: the sum of two bytes' worth of five values each. */
-static uint8_t with_noise(uint8_t code, uint32_t *state)
-{
-	int noisy;
-
-	*state = *state * 1664525 + 1013904223;
-	noisy = code + (int)((*state >> 24) * 5 >> 8) - (int)((*state >> 8 & 255) * 5 >> 8);
-	return (uint8_t)(noisy < 0 ? 0 : noisy > 255 ? 255 : noisy);
-}
-
-/* Whether one of two visitors hides a pixel: each is a tenth of the picture wide, and two thirds of
- * it high. */
-static bool is_visitor(const struct canvas *picture, int x, int y)
-{
-	const int across = 20 * x / picture->width, down = 20 * y / picture->height;
-
-	return (across / 2 == 3 || across / 2 == 5) && down >= 5 && down < 18;
-}
-
-void bench_frame_film(struct bench_frame *f, const struct canvas *background, bool visited)
-{
-	uint32_t noise = 1;
-
-	for (int k = 0; k < BENCH_CAMERA_BUFFERS; k++) {
-		for (int y = 0; y < background->height; y++) {
-			uint8_t *to = f->looked.pixels + (size_t)y * f->looked.stride;
-
-			for (int x = 0; x < background->width; x++) {
-				const bool there = visited && is_visitor(background, x, y);
-				const int from = there ? background->height - 1 - y : y;
-				const uint8_t *in = background->pixels +
-						    (size_t)from * background->stride +
-						    (size_t)x * 4;
-
-				for (int c = 0; c < 3; c++)
-					to[4 * x + c] = with_noise(in[c], &noise);
-			}
-		}
-		camera_take_into(&f->visited, k, &f->looked);
-	}
-}
-
-struct picture bench_frame_visited(struct bench_frame *f)
-{
-	const struct view whole = {
-		.width = f->looked.width, .height = f->looked.height, .squash = 1};
-
-	frame_reader_make(&f->visited.reader, 0, 0, f->looked.width, f->looked.height,
-			  f->looked.pixels, f->looked.stride);
-	return view_picture(&whole, f->looked.pixels, f->looked.stride);
 }
 
 int bench_frame_measure(struct bench_frame *f, double threshold, struct fault *fault)

@@ -31,14 +31,6 @@ void bench_frame_budget(struct bench_frame *frame, double budget);
 /* Goes on to the next buffer of each camera; they hold the same pictures. */
 void bench_frame_next(struct bench_frame *frame);
 
-/* Fills the visitors' camera: each buffer is the background with noise of its own, of 2 levels; if
- * visited, two visitors are in it, a tenth of the picture wide and two thirds of it high, clothed
- * in the background upside down. */
-void bench_frame_film(struct bench_frame *frame, const struct canvas *background, bool visited);
-
-/* Reads the picture of the visitors' camera, which is valid until the next call. */
-struct picture bench_frame_visited(struct bench_frame *frame);
-
 /* Parts of a frame: measures the light of all cells and chooses those in use; converts the
  * background. */
 int bench_frame_measure(struct bench_frame *frame, double threshold, struct fault *fault);

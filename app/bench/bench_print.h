@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the report of inlay bench, for people and for programs. */
+/* Prints what bench has measured. */
 #ifndef INLAY_APP_BENCH_BENCH_PRINT_H
 #define INLAY_APP_BENCH_BENCH_PRINT_H
 
@@ -7,10 +7,10 @@
 
 #include "app/bench/bench.h"
 
-void bench_print_table(const struct bench_report *report, FILE *to);
+void bench_print_begin(struct table *table); /* the columns of rows */
+void bench_print_row(struct table *table, const struct bench_row *row);
 
-/* All figures. What does not apply is null in JSON and empty in CSV. */
+void bench_print_text(const struct bench_report *report, FILE *to);
 void bench_print_json(const struct bench_report *report, FILE *to);
-void bench_print_csv(const struct bench_report *report, FILE *to);
 
 #endif

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/measure/background.h"
+
 /* Pictures in double precision that ways are compared with. */
 enum truth_of {
 	TRUTH_INLAY,
@@ -29,13 +31,8 @@ static void make_truth(void *context, int item, int worker)
 {
 	struct bench_pictures *t = context;
 	const struct bench_stage *stage = t->stage;
-	struct compositor_settings settings = {
-		.mode = stage->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = {.named = TRANSFER_SRGB},
-		.output = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.object = true,
-	};
+	struct compositor_settings settings = background_settings(stage->exact ? COMPOSITOR_EXACT
+									       : COMPOSITOR_FAST);
 	const struct light_selection *lights = &stage->lights;
 	struct picture background = stage->background_picture;
 
@@ -90,95 +87,26 @@ static struct composite_error way_error(const struct bench_way *way, const struc
 			     of == TRUTH_THESIS ? TRANSFER_LINEAR : TRANSFER_SRGB);
 }
 
-/* Whether two ways have to make the same picture, whatever the kernel and the frame before. */
-static bool are_alike(const struct bench_way *a, const struct bench_way *b)
-{
-	return a->kind == b->kind && a->kind != BENCH_THESIS &&
-	       a->composite.mode == b->composite.mode;
-}
-
-/* The picture of each kind, of the first way that made it. */
-struct firsts {
-	const struct bench_way *way[4];
-	struct composite_error error[4];
-	struct canvas picture[4];
-	int count;
-};
-
-static int picture_compare(const struct bench_way *way, const struct bench_stage *stage,
-			   const struct firsts *firsts, int which, struct fault *fault)
-{
-	const struct canvas *picture = &firsts->picture[which];
-
-	if (!memcmp(picture->pixels, stage->out.pixels, picture->stride * (size_t)picture->height))
-		return 0;
-	return fault_say(
-		fault, -EIO,
-		"the picture of \"%s\" by kernel %s is not the same as that of \"%s\" by %s under %s: this is a fault in inlay",
-		way->row.what, way->row.kernel, firsts->way[which]->row.what,
-		firsts->way[which]->row.kernel, stage->lighting->name);
-}
-
-static int firsts_keep(struct firsts *firsts, const struct bench_way *way,
-		       const struct bench_stage *stage, const struct composite_error *error)
-{
-	struct canvas *picture = &firsts->picture[firsts->count];
-	const int err = canvas_create(picture, stage->out.width, stage->out.height);
-
-	if (err)
-		return err;
-	memcpy(picture->pixels, stage->out.pixels, picture->stride * (size_t)picture->height);
-	firsts->way[firsts->count] = way;
-	firsts->error[firsts->count++] = *error;
-	return 0;
-}
-
-/* Compares a way's picture with the truth, or with the first one of its kind. */
-static int truth_judge(struct bench_way *way, const struct bench_pictures *t,
-		       const struct scope *scope, struct firsts *firsts, struct fault *fault)
-{
-	struct composite_error error;
-	int which = 0;
-
-	while (which < firsts->count && !are_alike(way, firsts->way[which]))
-		which++;
-	if (which < firsts->count) {
-		const int err = picture_compare(way, t->stage, firsts, which, fault);
-
-		if (err)
-			return err;
-	} else {
-		error = way_error(way, t, scope);
-		if (firsts_keep(firsts, way, t->stage, &error))
-			return fault_say(fault, -ENOMEM, "not enough memory for pictures");
-	}
-	if (way->row.has_error)
-		error_worse(&way->row.error, &firsts->error[which]);
-	else
-		way->row.error = firsts->error[which];
-	way->row.has_error = true;
-	return 0;
-}
-
-static int judge_all(struct bench_ways *ways, struct bench_stage *stage, int member,
+static int judge_all(struct bench_ways *ways, struct bench_stage *stage,
 		     const struct bench_pictures *t, const struct scope *scope, struct fault *fault)
 {
-	struct firsts firsts = {.count = 0};
 	int err = 0;
 
 	for (int k = 0; !err && k < ways->count; k++) {
 		struct bench_way *way = &ways->way[k];
+		struct composite_error error;
 
 		if (!bench_way_shows(way))
 			continue;
-		err = bench_way_prepare(way, stage, member, fault);
-		if (!err)
-			err = bench_way_run(way, stage, fault);
-		if (!err)
-			err = truth_judge(way, t, scope, &firsts, fault);
+		bench_way_prepare(way, stage);
+		err = bench_way_run(way, stage, fault);
+		error = way_error(way, t, scope);
+		if (way->row.has_error)
+			error_worse(&way->row.error, &error);
+		else
+			way->row.error = error;
+		way->row.has_error = true;
 	}
-	for (int k = 0; k < firsts.count; k++)
-		canvas_free(&firsts.picture[k]);
 	return err;
 }
 
@@ -213,7 +141,7 @@ int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct
 						strerror(-t.err[k]));
 		}
 		if (!err)
-			err = judge_all(ways, stage, m, &t, scope, fault);
+			err = judge_all(ways, stage, &t, scope, fault);
 	}
 	truth_free(&t);
 	return err;

@@ -8,8 +8,6 @@
 
 #include "app/bench/bench.h"
 #include "app/bench/bench_frame.h"
-#include "app/bench/bench_look.h"
-#include "app/bench/bench_memory.h"
 #include "hal/compositor/compositor.h"
 #include "hal/measure/lightings.h"
 #include "hal/measure/thesis.h"
@@ -24,18 +22,13 @@ struct bench_stage {
 	 * memory of the one before it in the caches. All backgrounds are the same picture. */
 	struct canvas background[BENCH_CAMERA_BUFFERS], screen[BENCH_SCREEN_BUFFERS];
 	struct picture background_picture; /* of the present buffer */
-	struct picture visited;		   /* read from the visitors' camera */
 	struct canvas out;		   /* present buffer of the screen; borrowed */
 	unsigned frames;
-	struct thesis *thesis;	     /* NULL: left out */
-	struct bench_look *look;     /* what looks at the background */
-	struct bench_frame *cameras; /* NULL: the basis's lights are no dome's */
-	struct bench_reading reading;
+	struct thesis *thesis;		 /* NULL: left out */
+	struct bench_frame *cameras;	 /* NULL: the basis's lights are no dome's */
 	const struct lighting *lighting; /* the present one */
 	const float (*seen)[3];		 /* member of it that the cameras show */
 	struct light_selection lights;	 /* lights of the present member */
-	struct light_selection before;	 /* the same, except for some lights */
-	float (*scratch)[3];		 /* [lights] */
 	int64_t timed_ns, ran_ns; /* sum over the timed turns: wall clock time, processor time */
 };
 
@@ -43,32 +36,20 @@ enum bench_kind {
 	BENCH_THESIS,
 	BENCH_COMPOSITE,
 	BENCH_FRAME,
-	/* The following make no picture of the object, or one that is not compared: */
-	BENCH_GRAIN,
-	BENCH_VISITED,
-	BENCH_PEOPLE,
-	BENCH_EXPOSURE,
-	BENCH_FLICKER,
-	BENCH_NEUTRAL,
+	/* The following make no picture of the object: */
 	BENCH_LIGHT,
 	BENCH_CONVERT,
-	BENCH_READ,
 	BENCH_COPY,
 };
-
-#define BENCH_CHANGE_ALL (-1)
 
 struct bench_way {
 	enum bench_kind kind;
 	struct bench_row row; /* what and kernel; the rest is filled in later */
-	/* For BENCH_COMPOSITE, BENCH_FRAME, BENCH_GRAIN and BENCH_VISITED: */
+	/* For BENCH_COMPOSITE and BENCH_FRAME: */
 	struct compositor *compositor;
 	struct compositor_settings composite;
-	int changed;	/* lights that differ from the frame before: 0, n, BENCH_CHANGE_ALL */
 	uint64_t bytes; /* bytes of the basis that its last frame read */
-	/* For BENCH_READ: reads as many bytes as that way has read. */
-	const struct bench_way *like;
-	double *ms; /* [repeat]: time of each turn; part of bench_ways.ms */
+	double *ms;	/* [repeat]: time of each turn; part of bench_ways.ms */
 };
 
 struct bench_ways {
@@ -92,10 +73,8 @@ int bench_stage_light(struct bench_stage *stage, int member, struct fault *fault
 /* Goes on to the next buffers of cameras and screen. */
 void bench_stage_next(struct bench_stage *stage);
 
-/* Prepares the way's frame, untimed, and makes the frame before it where the way starts from
- * one. */
-int bench_way_prepare(struct bench_way *way, struct bench_stage *stage, int turn,
-		      struct fault *fault);
+/* Prepares the way's frame, untimed. */
+void bench_way_prepare(struct bench_way *way, struct bench_stage *stage);
 
 /* Makes the frame, in stage->out, the next buffer of the screen. */
 int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault *fault);

@@ -19,9 +19,7 @@ static int create_dome(struct dome *dome, const struct basis *basis, struct faul
 	const struct basis_info_chunk *info = &basis->info;
 	const int stride = sizeof(*basis->lights) / sizeof(double);
 	int err = dome_create_nodes(dome, basis->lights[0].direction, stride, (int)info->lights,
-				    (int)info->dome_frequency,
-				    (enum dome_division)info->dome_division,
-				    (enum dome_shape)info->light_shape, fault);
+				    (int)info->dome_frequency, fault);
 
 	for (int i = 0; !err && i < dome->count; i++) {
 		const double is = basis->lights[i].solid_angle_sr, own = dome->solid_angle_sr[i];

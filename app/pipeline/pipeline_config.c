@@ -24,8 +24,7 @@ static void name_camera(const struct config *config, char text[PIPELINE_CAMERA_M
 struct pipeline_settings pipeline_settings_of(const struct config *config)
 {
 	struct pipeline_settings settings = {
-		.sampler = {.estimator = (enum light_estimator)config->fisheye.estimator,
-			    .placed = true,
+		.sampler = {.placed = true,
 			    .curve = config_fisheye_curve(&config->fisheye),
 			    .gain = response_gain(&config->fisheye.measured, config->fisheye.gain)},
 		.lens = config->fisheye.lens,

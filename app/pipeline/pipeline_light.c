@@ -102,14 +102,13 @@ void pipeline_lens_size(const struct pipeline *p, int *width, int *height)
 
 /* ---- what noise the filter has to expect ---- */
 
-/* Number of pixels that a light is measured from: those of its cell; 1 for the estimator node, and
- * where the lens does not see the light. */
+/* Number of pixels that a light is measured from: those of its cell; 1 where the lens does not see
+ * the light. */
 static float light_pixels(const struct pipeline *p, int light)
 {
 	double px[2], pixel_sr;
 
-	if (p->settings.sampler.estimator == ESTIMATOR_NODE ||
-	    !fisheye_project(&p->light.lens, p->dome.direction[light], px))
+	if (!fisheye_project(&p->light.lens, p->dome.direction[light], px))
 		return 1;
 	pixel_sr = fisheye_pixel_sr(&p->light.lens, px);
 	return pixel_sr > 0 ? (float)fmax(1, p->dome.solid_angle_sr[light] / pixel_sr) : 1;

@@ -19,23 +19,8 @@ struct angle_line {
 struct angle_lines {
 	struct angle_line *line;
 	int count;
-	enum dome_shape shape;
 	int fine; /* above 0: frequency of a base dome that is finer in parts */
 };
-
-/* Tells whether a line is the name of a shape of lights. */
-static bool is_shape(const char *text, enum dome_shape *shape)
-{
-	const size_t length = strcspn(text, " \t\r\n");
-
-	for (int k = 0; dome_shape_names[k]; k++)
-		if (length == strlen(dome_shape_names[k]) &&
-		    strncmp(text, dome_shape_names[k], length) == 0) {
-			*shape = (enum dome_shape)k;
-			return true;
-		}
-	return false;
-}
 
 /* Tells whether a line says that the dome is finer in parts. */
 static bool is_fine(const char *text, int *frequency)
@@ -68,7 +53,7 @@ static int angles_read_line(struct angle_lines *all, const struct text_file *fil
 
 	if (text[strspn(text, " \t\r")] == '\0' || *text == '#')
 		return 0;
-	if (!all->count && (is_shape(text, &all->shape) || is_fine(text, &all->fine)))
+	if (!all->count && is_fine(text, &all->fine))
 		return 0;
 	if (!read_angles(text, &theta, &phi) || theta < 0 || theta > M_PI / 2 + 1e-6)
 		return fault_say(
@@ -100,14 +85,13 @@ static int angles_read_lines(struct angle_lines *all, const char *path, struct f
 	return err;
 }
 
-/* Creates the dome of this division that has as many lights; -ENOENT: there is none. */
-static int create_of_count(struct dome *dome, const struct angle_lines *all,
-			   enum dome_division division, struct fault *fault)
+/* Creates the dome that has as many lights; -ENOENT: there is none. */
+static int create_of_count(struct dome *dome, int count, struct fault *fault)
 {
-	for (int f = 1; f <= DOME_FREQUENCY_MAX && 5 * f * f <= all->count; f++) {
-		const int err = dome_create_shaped(dome, f, division, all->shape, fault);
+	for (int f = 1; f <= DOME_FREQUENCY_MAX && 5 * f * f <= count; f++) {
+		const int err = dome_create(dome, f, fault);
 
-		if (err || dome->count == all->count)
+		if (err || dome->count == count)
 			return err;
 		dome_free(dome);
 	}
@@ -152,8 +136,7 @@ static int take_nodes(const struct angle_lines *all, const char *path, struct do
 	_Static_assert(sizeof(struct angle_line) % sizeof(double) == 0, "lines are whole doubles");
 	if (!all->count)
 		return fault_say(fault, -EINVAL, "%s: no lights", path);
-	err = dome_create_nodes(dome, all->line[0].direction, stride, all->count, all->fine,
-				DOME_ANGLES, all->shape, &what);
+	err = dome_create_nodes(dome, all->line[0].direction, stride, all->count, all->fine, &what);
 	for (int k = 0; k < all->count; k++)
 		light[k] = k;
 	return err ? fault_say(fault, err, "%s: %s", path, what.text) : 0;
@@ -162,34 +145,28 @@ static int take_nodes(const struct angle_lines *all, const char *path, struct do
 static int find_dome(const struct angle_lines *all, const char *path, struct dome *dome, int *light,
 		     struct fault *fault)
 {
-	int stray = 0;
+	int err;
 
 	if (all->fine)
 		return take_nodes(all, path, dome, light, fault);
-	for (int d = 0; d < DOME_DIVISION_COUNT; d++) {
-		int err = create_of_count(dome, all, (enum dome_division)d, fault);
-
-		if (err == -ENOENT)
-			continue;
-		if (err)
-			return err;
-		err = match_lines(all, dome, light);
-		if (!err)
-			return 0;
-		dome_free(dome);
-		if (err < 0)
-			return fault_say(fault, err, "%s: out of memory", path);
-		stray = stray > err ? stray : err; /* of the division that fits most lines */
-	}
-	if (stray)
+	err = create_of_count(dome, all->count, fault);
+	if (err == -ENOENT)
 		return fault_say(
 			fault, -EINVAL,
-			"%s:%d: is no light of a dome of %d lights, or is there twice, expected those that inlay-bake dome --angles prints, in any order",
-			path, stray, all->count);
+			"%s: %d lights, expected as many as a dome has: 6, 26, 46, 86, 186, 406 ... (inlay-bake dome)",
+			path, all->count);
+	if (err)
+		return err;
+	err = match_lines(all, dome, light);
+	if (!err)
+		return 0;
+	dome_free(dome);
+	if (err < 0)
+		return fault_say(fault, err, "%s: out of memory", path);
 	return fault_say(
 		fault, -EINVAL,
-		"%s: %d lights, expected as many as a dome has: 6, 26, 46, 86, 186, 406 ... (inlay-bake dome)",
-		path, all->count);
+		"%s:%d: is no light of a dome of %d lights, or is there twice, expected those that inlay-bake dome --angles prints, in any order",
+		path, err, all->count);
 }
 
 int angles_read(const char *path, struct dome *dome, int **light, struct fault *fault)
@@ -214,8 +191,6 @@ int angles_read(const char *path, struct dome *dome, int **light, struct fault *
 
 void angles_write(FILE *stream, const struct dome *dome)
 {
-	if (dome->shape != DOME_CELLS)
-		fprintf(stream, "%s\n", dome_shape_names[dome->shape]);
 	if (dome_is_fine(dome))
 		fprintf(stream, "fine %d\n", dome->frequency);
 	for (int i = 0; i < dome->count; i++) {

@@ -2,8 +2,7 @@
 /*
  * Files of light angles: one light a line, theta and phi in radians (thesis 2.2.1), as `inlay-bake
  * dome --angles` writes them. The reader finds the dome they belong to, and their order. Where the
- * lights are tents, the word "tents" stands before them in a line of its own; where the dome is
- * finer in parts, a line "fine F" with the frequency of its base.
+ * dome is finer in parts, a line "fine F" with the frequency of its base stands before them.
  */
 #ifndef INLAY_BAKE_BASE_ANGLES_H
 #define INLAY_BAKE_BASE_ANGLES_H

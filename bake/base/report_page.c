@@ -137,30 +137,21 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 	}
 	chmod(page->temporary, 0755);
 	page->lock = lock_folder(page->temporary);
-	page->head = open_memstream(&page->head_text, &page->head_bytes);
-	page->body = open_memstream(&page->body_text, &page->body_bytes);
-	if (!page->head || !page->body) {
+	page->body = open_memstream(&page->text, &page->bytes);
+	if (!page->body) {
 		report_page_abandon(page);
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	}
 	return 0;
 }
 
-static void close_texts(struct report_page *page)
-{
-	if (page->head)
-		fclose(page->head);
-	if (page->body)
-		fclose(page->body);
-	page->head = page->body = NULL;
-	free(page->head_text);
-	free(page->body_text);
-	page->head_text = page->body_text = NULL;
-}
-
 void report_page_abandon(struct report_page *page)
 {
-	close_texts(page);
+	if (page->body)
+		fclose(page->body);
+	page->body = NULL;
+	free(page->text);
+	page->text = NULL;
 	if (page->temporary[0])
 		remove_report_folder(page->temporary);
 	page->temporary[0] = '\0';
@@ -170,6 +161,28 @@ void report_page_abandon(struct report_page *page)
 }
 
 /* ---- parts ---- */
+
+void report_write_escaped(FILE *to, const char *text)
+{
+	for (; *text; text++) {
+		switch (*text) {
+		case '&':
+			fputs("&amp;", to);
+			break;
+		case '<':
+			fputs("&lt;", to);
+			break;
+		case '>':
+			fputs("&gt;", to);
+			break;
+		case '"':
+			fputs("&quot;", to);
+			break;
+		default:
+			fputc(*text, to);
+		}
+	}
+}
 
 static void __attribute__((format(printf, 2, 0)))
 write_formatted(FILE *to, const char *format, va_list list)
@@ -204,13 +217,79 @@ void report_paragraph(FILE *to, const char *format, ...)
 	va_end(list);
 }
 
-int report_page_table(struct report_page *page, FILE *to, const struct report_table *table,
-		      struct fault *fault)
+static void write_heading(const struct table_column *column, FILE *to)
 {
-	const int err = report_table_write_csv(table, page->temporary, fault);
+	fputs("<th scope=\"col\">", to);
+	report_write_escaped(to, column->heading);
+	if (column->unit[0]) {
+		fputs("<br><span class=\"unit\">", to);
+		report_write_escaped(to, column->unit);
+		fputs("</span>", to);
+	}
+	fputs("</th>", to);
+}
+
+static void write_cell(const struct table_cell *cell, FILE *to)
+{
+	char number[32];
+
+	if (cell->text) {
+		fputs("<td>", to);
+		report_write_escaped(to, cell->text);
+	} else {
+		table_rounded(cell->number, number, sizeof(number));
+		fprintf(to, "<td class=\"n\">%s", number);
+	}
+	fputs("</td>", to);
+}
+
+static void write_table(const struct table *t, FILE *to)
+{
+	const int rows = table_rows(t);
+
+	fprintf(to, "<table id=\"%s\">\n<thead><tr>", t->name);
+	for (int c = 0; c < t->columns; c++)
+		if (t->column[c].heading[0])
+			write_heading(&t->column[c], to);
+	fputs("</tr></thead>\n<tbody>\n", to);
+	for (int r = 0; r < rows; r++) {
+		fputs(r == t->marked ? "<tr class=\"used\">" : "<tr>", to);
+		for (int c = 0; c < t->columns; c++)
+			if (t->column[c].heading[0])
+				write_cell(&t->cell[r * t->columns + c], to);
+		fputs("</tr>\n", to);
+	}
+	fputs("</tbody>\n</table>\n", to);
+	fprintf(to, "<p class=\"source\"><a href=\"%s.csv\">%s.csv</a>%s</p>\n", t->name, t->name,
+		t->marked >= 0 ? "; the setting in use is shaded" : "");
+}
+
+static int write_csv(const struct report_page *page, const struct table *table, struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	char path[2 * PATH_MAX];
+	int err;
+
+	if (table->err)
+		return fault_say(fault, table->err, "table %s: %s", table->name,
+				 strerror(-table->err));
+	snprintf(path, sizeof(path), "%s/%s.csv", page->temporary, table->name);
+	err = output_open(&out, path, fault);
+	if (err)
+		return err;
+	table_write_csv(table, out.stream);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
+
+int report_page_table(struct report_page *page, struct table *table, struct fault *fault)
+{
+	const int err = write_csv(page, table, fault);
 
 	if (!err)
-		report_table_write_html(table, to);
+		write_table(table, page->body);
+	table_free(table);
 	return err;
 }
 
@@ -232,10 +311,10 @@ static void write_base64(FILE *to, FILE *from)
 	}
 }
 
-/* Embeds a picture in the page, so that the page can be sent alone. */
-static int write_figure(struct report_page *page, FILE *to, const char *file, const char *type,
-			const char *caption, struct fault *fault)
+int report_page_figure(struct report_page *page, const char *file, const char *type,
+		       const char *caption, struct fault *fault)
 {
+	FILE *to = page->body;
 	char path[2 * PATH_MAX];
 	FILE *from;
 
@@ -254,21 +333,8 @@ static int write_figure(struct report_page *page, FILE *to, const char *file, co
 	return 0;
 }
 
-int report_page_plot(struct report_page *page, FILE *to, struct report_plot *plot,
-		     const char *caption, struct fault *fault)
-{
-	char file[128];
-	int err = report_plot_write(plot, page->temporary, fault);
-
-	snprintf(file, sizeof(file), "%s.svg", plot->name);
-	if (!err)
-		err = write_figure(page, to, file, "svg+xml", caption, fault);
-	report_plot_free(plot);
-	return err;
-}
-
-int report_page_picture(struct report_page *page, FILE *to, const char *name,
-			const struct image *picture, const char *caption, struct fault *fault)
+int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
+			const char *caption, struct fault *fault)
 {
 	char path[2 * PATH_MAX], file[128];
 	int err;
@@ -276,7 +342,7 @@ int report_page_picture(struct report_page *page, FILE *to, const char *name,
 	snprintf(file, sizeof(file), "%s.png", name);
 	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
 	err = image_write(path, picture, fault);
-	return err ? err : write_figure(page, to, file, "png", caption, fault);
+	return err ? err : report_page_figure(page, file, "png", caption, fault);
 }
 
 /* ---- the whole ---- */
@@ -299,7 +365,7 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	int err;
 
 	/* a memory stream that has failed has no text */
-	if (fflush(page->head) || fflush(page->body) || ferror(page->head) || ferror(page->body))
+	if (fflush(page->body) || ferror(page->body))
 		return fault_say(fault, -ENOMEM, "not enough memory for the page");
 	snprintf(path, sizeof(path), "%s/" REPORT_PAGE_NAME, page->temporary);
 	err = output_open(&out, path, fault);
@@ -311,8 +377,7 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	fprintf(out.stream, "</title>\n<style>\n%s</style>\n</head>\n<body>\n<h1>", style);
 	report_write_escaped(out.stream, title);
 	fputs("</h1>\n", out.stream);
-	fwrite(page->head_text, 1, page->head_bytes, out.stream);
-	fwrite(page->body_text, 1, page->body_bytes, out.stream);
+	fwrite(page->text, 1, page->bytes, out.stream);
 	fputs("</body>\n</html>\n", out.stream);
 	err = output_commit(&out, fault);
 	output_abandon(&out);

@@ -10,8 +10,8 @@
 #include <limits.h>
 #include <stdio.h>
 
-#include "bake/base/report_plot.h"
-#include "bake/base/report_table.h"
+#include "hal/base/fault.h"
+#include "hal/base/table.h"
 #include "hal/image/image.h"
 
 #define REPORT_PAGE_NAME "report.html"
@@ -20,29 +20,28 @@ struct report_page {
 	char folder[PATH_MAX]; /* as asked for */
 	/* where files are written until the commit; empty: no report is open */
 	char temporary[PATH_MAX];
-	FILE *head; /* stands before body, but is known last: the summary */
 	FILE *body;
-	int lock; /* file descriptor that locks the temporary folder; 0 or -1: none */
-	char *head_text, *body_text;
-	size_t head_bytes, body_bytes;
+	int lock;   /* file descriptor that locks the temporary folder; 0 or -1: none */
+	char *text; /* what is written to body */
+	size_t bytes;
 };
 
 /* Begins a report. -EEXIST: the folder holds files and no earlier report; or -errno of creating the
  * temporary folder. */
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault);
 
-/* Write an HTML heading or paragraph. The formatted text is escaped. */
+/* Write an HTML heading, paragraph or text. The text is escaped. */
 void report_heading(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void report_write_escaped(FILE *to, const char *text);
 
-/* Each writes a file (CSV, SVG or PNG) and shows it in the page. report_page_plot() frees the plot,
- * also on failure. */
-int report_page_table(struct report_page *page, FILE *to, const struct report_table *table,
-		      struct fault *fault);
-int report_page_plot(struct report_page *page, FILE *to, struct report_plot *plot,
-		     const char *caption, struct fault *fault);
-int report_page_picture(struct report_page *page, FILE *to, const char *name,
-			const struct image *picture, const char *caption, struct fault *fault);
+/* Show a file of the report in the page, of the MIME type "image/TYPE", embedded so that the page
+ * can be sent alone; write a table as CSV and free it, or a picture as PNG, and show it. */
+int report_page_figure(struct report_page *page, const char *file, const char *type,
+		       const char *caption, struct fault *fault);
+int report_page_table(struct report_page *page, struct table *table, struct fault *fault);
+int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
+			const char *caption, struct fault *fault);
 
 /* Writes the page and moves the folder to its place; the files of an earlier report are removed.
  * The report is closed in any case. */

@@ -1,15 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/base/surface.h"
 
-#include <math.h>
 #include <string.h>
-
-#define STOPS ((int)(sizeof(ramp) / sizeof(ramp[0])))
-
-static const double ramp[][3] = {
-	{0.11, 0.10, 0.42}, {0.16, 0.31, 0.66}, {0.12, 0.55, 0.60},
-	{0.35, 0.75, 0.38}, {0.83, 0.85, 0.24}, {1.00, 0.98, 0.78},
-};
 
 int surface_to_image(cairo_surface_t *surface, struct image *image)
 {
@@ -58,20 +50,4 @@ cairo_surface_t *surface_of_image(const struct image *image)
 		}
 	cairo_surface_mark_dirty(surface);
 	return surface;
-}
-
-void surface_ramp(double share, double rgb[3])
-{
-	const double at = fmin(fmax(share, 0), 1) * (STOPS - 1);
-	const int k = at < STOPS - 1 ? (int)at : STOPS - 2;
-
-	for (int c = 0; c < 3; c++)
-		rgb[c] = ramp[k][c] + (at - k) * (ramp[k + 1][c] - ramp[k][c]);
-}
-
-void surface_ramp_stops(cairo_pattern_t *gradient)
-{
-	for (int k = 0; k < STOPS; k++)
-		cairo_pattern_add_color_stop_rgb(gradient, (double)k / (STOPS - 1), ramp[k][0],
-						 ramp[k][1], ramp[k][2]);
 }

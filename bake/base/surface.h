@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Conversion between cairo's image surfaces and pictures, and the colour scale of maps. */
+/* Conversion between cairo's image surfaces and pictures. */
 #ifndef INLAY_BAKE_BASE_SURFACE_H
 #define INLAY_BAKE_BASE_SURFACE_H
 
@@ -14,12 +14,5 @@ int surface_to_image(cairo_surface_t *surface, struct image *image);
 /* Copies an 8-bit picture to a new surface of CAIRO_FORMAT_RGB24, which the caller destroys. NULL:
  * out of memory. */
 cairo_surface_t *surface_of_image(const struct image *image);
-
-/* Colour of a share, from 0 (dark blue) to 1 (light yellow). It grows lighter all the way, so that
- * a map also reads in grey. */
-void surface_ramp(double share, double rgb[3]);
-
-/* Adds the same colours to a gradient as stops, for the bar of a map. */
-void surface_ramp_stops(cairo_pattern_t *gradient);
 
 #endif

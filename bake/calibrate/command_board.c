@@ -24,7 +24,7 @@ static const struct option_row options[] = {
 	{.name = NULL},
 };
 
-static int board_run(const struct bake_command *command, int argc, char **argv)
+static int board_run(const struct command *command, int argc, char **argv)
 {
 	struct board_choices c = {.board = DEFAULT_BOARD, .page = DEFAULT_PAGE};
 	struct fault fault = {.text = ""};
@@ -49,7 +49,7 @@ static int board_run(const struct bake_command *command, int argc, char **argv)
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command board_command = {
+const struct command board_command = {
 	.name = "board",
 	.usage = "[--board BOARD] [--page PAGE] -o FILE.pdf",
 	.summary = "a board to print, at its true size",

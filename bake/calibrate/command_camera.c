@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* inlay-calibrate camera: where the background camera stands, and what its lens does. */
 #include <errno.h>
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,60 +18,6 @@
 #define FARTHEST_M 300
 #define FARTHEST 1e12 /* in any unit */
 
-enum {
-	POINTS = 1,
-	IMAGES,
-	LIVE,
-	BOARD,
-	VIEWS,
-	SIZE,
-	CENTRE,
-	CENTRE_DEVIATION,
-	ASPECT,
-	ASPECT_DEVIATION,
-	PIXEL,
-	Y_UP,
-	PIXEL_CENTRE,
-	DISTORTION,
-	RADIAL,
-	METHOD,
-	ROBUST,
-	INTRINSICS,
-	REFERENCE,
-	OBJECT,
-	TOLERANCE,
-	UNIT,
-	Z_DOWN
-};
-
-static const struct option options[] = {
-	{"points", required_argument, NULL, POINTS},
-	{"images", required_argument, NULL, IMAGES},
-	{"live", required_argument, NULL, LIVE},
-	{"board", required_argument, NULL, BOARD},
-	{"views", required_argument, NULL, VIEWS},
-	{"size", required_argument, NULL, SIZE},
-	{"centre", required_argument, NULL, CENTRE},
-	{"centre-deviation", required_argument, NULL, CENTRE_DEVIATION},
-	{"aspect", required_argument, NULL, ASPECT},
-	{"aspect-deviation", required_argument, NULL, ASPECT_DEVIATION},
-	{"pixel", required_argument, NULL, PIXEL},
-	{"y-up", no_argument, NULL, Y_UP},
-	{"pixel-centre", required_argument, NULL, PIXEL_CENTRE},
-	{"distortion", required_argument, NULL, DISTORTION},
-	{"radial", required_argument, NULL, RADIAL},
-	{"method", required_argument, NULL, METHOD},
-	{"robust", no_argument, NULL, ROBUST},
-	{"intrinsics", required_argument, NULL, INTRINSICS},
-	{"reference", required_argument, NULL, REFERENCE},
-	{"object", required_argument, NULL, OBJECT},
-	{"tolerance", required_argument, NULL, TOLERANCE},
-	{"unit", required_argument, NULL, UNIT},
-	{"z-down", no_argument, NULL, Z_DOWN},
-	OPTIONS_OF_LENS,
-};
-
-static const char *const method_names[] = {"full", "three", NULL};
 static const char *const unit_names[] = {"m", "cm", "mm", "in", NULL};
 static const double unit_mm[] = {1000, 10, 1, 25.4};
 
@@ -80,10 +25,10 @@ struct camera_job {
 	struct lens_job lens;
 	struct camera_task task;
 	struct points_convention convention;
-	int source; /* POINTS, IMAGES or LIVE */
+	char source; /* initial of --points, --images or --live */
 	const char *board, *intrinsics, *reference;
 	int views; /* 0: not given */
-	bool pixel_given;
+	int unit;  /* index into unit_names */
 	struct lens_ini known;
 	struct board shown; /* of --board, settled by the photographs */
 };
@@ -91,152 +36,96 @@ struct camera_job {
 /* ---- options ---- */
 
 /* Reads a source; the words that follow are more of its files. */
-static int read_source(struct camera_job *job, int option, struct fault *fault)
+static int read_source(void *field, const char *option, const char *text, struct fault *fault)
 {
-	if (job->source && job->source != option)
+	struct camera_job *job = field;
+	const char source = option[2];
+
+	if (job->source && job->source != source)
 		return fault_say(fault, -EINVAL, "expected one of --points, --images and --live");
-	job->source = option;
-	job->lens.more = option != LIVE;
-	job->lens.file[job->lens.files++] = optarg;
+	job->source = source;
+	job->lens.more = source != 'l';
+	job->lens.file[job->lens.files++] = (char *)text;
 	return 0;
 }
 
-static int read_object(struct camera_job *job, struct fault *fault)
+static int read_object(void *field, const char *option, const char *text, struct fault *fault)
 {
+	struct camera_task *task = field;
 	double number[4] = {0};
-	const int count = option_reals("--object", optarg, 3, 4, -FARTHEST, FARTHEST, number,
-				       fault);
+	const int count = option_reals(option, text, 3, 4, -FARTHEST, FARTHEST, number, fault);
 
 	if (count < 0)
 		return count;
 	if (number[3] < 0)
 		return fault_say(fault, -EINVAL, "--object: a radius of %g, expected 0 or more",
 				 number[3]);
-	job->task.object_given = true;
-	memcpy(job->task.object, number, sizeof(job->task.object));
-	job->task.object_radius = number[3];
+	memcpy(task->object, number, sizeof(task->object));
+	task->object_radius = number[3];
 	return 0;
 }
 
-static int read_pixel(struct camera_job *job, struct fault *fault)
+static int read_centre(void *field, const char *option, const char *text, struct fault *fault)
 {
-	const int count = option_reals("--pixel", optarg, 2, 2, 1e-9, FARTHEST, job->task.pixel,
-				       fault);
+	const int count = option_reals(option, text, 2, 2, -FARTHEST, FARTHEST, field, fault);
 
-	job->pixel_given = true;
 	return count < 0 ? count : 0;
 }
 
-static int read_lens_option(struct camera_job *job, int option, struct fault *fault)
-{
-	struct camera_task *task = &job->task;
-	int chosen = 0, err;
+#define AT(field) .place = offsetof(struct camera_job, field)
+#define GIVEN(field) .given = offsetof(struct camera_job, field)
 
-	switch (option) {
-	case SIZE:
-		return option_size("--size", optarg, &task->width, &task->height, fault);
-	case CENTRE:
-		task->centre_given = true;
-		err = option_reals("--centre", optarg, 2, 2, -FARTHEST, FARTHEST, task->centre_px,
-				   fault);
-		return err < 0 ? err : 0;
-	case CENTRE_DEVIATION:
-		return option_real("--centre-deviation", optarg, 0, FARTHEST,
-				   &task->centre_deviation_px, fault);
-	case ASPECT:
-		task->aspect_given = true;
-		return option_real("--aspect", optarg, 0.01, 100, &task->aspect, fault);
-	case ASPECT_DEVIATION:
-		return option_real("--aspect-deviation", optarg, 0, 1, &task->aspect_deviation,
-				   fault);
-	case PIXEL:
-		return read_pixel(job, fault);
-	case Y_UP:
-		job->convention.y_up = 1;
-		return 0;
-	case PIXEL_CENTRE:
-		return option_real("--pixel-centre", optarg, 0, 0.5, &job->convention.pixel_centre,
-				   fault);
-	case DISTORTION:
-		return option_choice("--distortion", optarg, tsai_distortion_names,
-				     &task->distortion, fault);
-	case RADIAL:
-		return option_int("--radial", optarg, 1, 3, &task->radial, fault);
-	case METHOD:
-		err = option_choice("--method", optarg, method_names, &chosen, fault);
-		task->method = chosen ? CAMERA_THREE : CAMERA_FULL;
-		return err;
-	default:
-		job->intrinsics = optarg;
-		return 0;
-	}
-}
+static const struct option_row rows[] = {
+	{"points", OPTION_OTHER, .take = read_source},
+	{"images", OPTION_OTHER, .take = read_source},
+	{"live", OPTION_OTHER, .take = read_source},
+	{"board", OPTION_TEXT, AT(board)},
+	{"views", OPTION_INT, AT(views), .min = 1, .max = 1000},
+	{"size", OPTION_SIZE, AT(task.width)},
+	{"centre", OPTION_OTHER, AT(task.centre_px), .take = read_centre, GIVEN(task.centre_given)},
+	{"centre-deviation", OPTION_REAL, AT(task.centre_deviation_px), .max = FARTHEST},
+	{"aspect", OPTION_REAL, AT(task.aspect), .min = 0.01, .max = 100, GIVEN(task.aspect_given)},
+	{"aspect-deviation", OPTION_REAL, AT(task.aspect_deviation), .max = 1},
+	{"y-up", OPTION_FLAG, AT(convention.y_up)},
+	{"pixel-centre", OPTION_REAL, AT(convention.pixel_centre), .max = 0.5},
+	{"distortion", OPTION_CHOICE, AT(task.distortion), .choices = tsai_distortion_names},
+	{"radial", OPTION_INT, AT(task.radial), .min = 1, .max = 3},
+	{"robust", OPTION_FLAG, AT(task.robust)},
+	{"intrinsics", OPTION_TEXT, AT(intrinsics)},
+	{"reference", OPTION_TEXT, AT(reference)},
+	{"object", OPTION_OTHER, AT(task), .take = read_object, GIVEN(task.object_given)},
+	{"tolerance", OPTION_REAL, AT(task.tolerance_px), .min = 1e-6, .max = 1e6},
+	{"unit", OPTION_CHOICE, AT(unit), .choices = unit_names},
+	{"z-down", OPTION_FLAG, AT(task.z_down)},
+	LENS_ROWS,
+};
 
-static int camera_read_option(void *context, int option, struct fault *fault)
+static int camera_check_options(void *context, struct fault *fault)
 {
 	struct camera_job *job = context;
-	int unit = 0, err;
-
-	switch (option) {
-	case POINTS:
-	case IMAGES:
-	case LIVE:
-		return read_source(job, option, fault);
-	case BOARD:
-		job->board = optarg;
-		return 0;
-	case VIEWS:
-		return option_int("--views", optarg, 1, 1000, &job->views, fault);
-	case ROBUST:
-		job->task.robust = true;
-		return 0;
-	case REFERENCE:
-		job->reference = optarg;
-		return 0;
-	case OBJECT:
-		return read_object(job, fault);
-	case TOLERANCE:
-		return option_real("--tolerance", optarg, 1e-6, 1e6, &job->task.tolerance_px,
-				   fault);
-	case UNIT:
-		err = option_choice("--unit", optarg, unit_names, &unit, fault);
-		job->task.unit_mm = unit_mm[unit];
-		return err;
-	case Z_DOWN:
-		job->task.z_down = true;
-		return 0;
-	default:
-		return read_lens_option(job, option, fault);
-	}
-}
-
-static int camera_check_options(const void *context, struct fault *fault)
-{
-	const struct camera_job *job = context;
 	int err;
 
+	job->task.unit_mm = unit_mm[job->unit];
 	if (!job->source)
 		return fault_say(fault, -EINVAL, "expected --points, --images or --live");
-	err = lens_job_check_board(job->source != POINTS, job->board, fault);
+	err = lens_job_check_board(job->source != 'p', job->board, fault);
 	if (err)
 		return err;
-	if (job->views && job->source != LIVE)
+	if (job->views && job->source != 'l')
 		return fault_say(fault, -EINVAL, "--views goes with --live");
-	if (job->source == POINTS && !job->task.width && !job->intrinsics)
+	if (job->source == 'p' && !job->task.width && !job->intrinsics)
 		return fault_say(fault, -EINVAL, "--size is missing");
-	if (job->task.width && (job->source != POINTS || job->intrinsics))
+	if (job->task.width && (job->source != 'p' || job->intrinsics))
 		return fault_say(fault, -EINVAL, "--size: the %s how large the picture is",
 				 job->intrinsics ? "file of --intrinsics says"
 						 : "pictures themselves say");
-	if (job->intrinsics &&
-	    (job->pixel_given || job->task.centre_given || job->task.centre_deviation_px >= 0))
+	if (job->intrinsics && (job->task.centre_given || job->task.centre_deviation_px >= 0))
 		return fault_say(
 			fault, -EINVAL,
-			"--pixel, --centre and --centre-deviation: the file of --intrinsics says them");
-	if (job->task.radial && (job->intrinsics || job->task.method == CAMERA_THREE))
-		return fault_say(fault, -EINVAL, "--radial: %s",
-				 job->intrinsics ? "the file of --intrinsics says the distortion"
-						 : "--method three has one term");
+			"--centre and --centre-deviation: the file of --intrinsics says them");
+	if (job->intrinsics && job->task.radial)
+		return fault_say(fault, -EINVAL,
+				 "--radial: the file of --intrinsics says the distortion");
 	if (job->intrinsics && (job->task.aspect_given || job->task.aspect_deviation >= 0))
 		return fault_say(
 			fault, -EINVAL,
@@ -278,9 +167,9 @@ static int camera_gather(struct camera_job *job, struct gathering *all, struct f
 	if (err)
 		return err;
 	job->convention.height = job->task.height;
-	if (job->source == POINTS)
+	if (job->source == 'p')
 		return gather_points(all, job->lens.file, job->lens.files, &job->convention, fault);
-	if (job->source == IMAGES)
+	if (job->source == 'i')
 		err = gather_images(all, job->lens.file, job->lens.files, &job->shown, fault);
 	else
 		err = gather_live(all, job->lens.file[0], LIVE_BACKGROUND, &job->shown,
@@ -383,10 +272,9 @@ static int camera_work(void *context, struct fault *fault)
 	return err;
 }
 
-static int camera_run(const struct bake_command *command, int argc, char **argv)
+static int camera_run(const struct command *command, int argc, char **argv)
 {
-	static const struct lens_calls calls = {options, camera_read_option, camera_check_options,
-						camera_work};
+	static const struct lens_calls calls = {rows, camera_check_options, camera_work};
 	struct camera_job job = {.task = camera_task_default(),
 				 .reference = "1",
 				 .convention = {.pixel_centre = 0.5}};
@@ -394,7 +282,7 @@ static int camera_run(const struct bake_command *command, int argc, char **argv)
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct bake_command camera_command = {
+const struct command camera_command = {
 	.name = "camera",
 	.usage = "(--points FILE ... | --images 'GLOB' ... --board BOARD |\n"
 		 "        --live CONFIG --board BOARD [--views N]) [options] -o CAM.ini",
@@ -412,15 +300,13 @@ const struct bake_command camera_command = {
 		"  --centre X,Y       first guess of the axis, counted as the points (the middle)\n"
 		"  --centre-deviation PX  of that, one standard deviation; 0: it is exact (2.5 % of\n"
 		"                     the picture's diagonal)\n"
-		"  --aspect S         s is known: 1 where pixels are square, or as --pixel says; else\n"
-		"                     found, or held at 1 where the points do not tell it\n"
+		"  --aspect S         s is known: 1 where pixels are square; else found, or held at 1\n"
+		"                     where the points do not tell it\n"
 		"  --aspect-deviation D  of an s that is held, one standard deviation (0.002; with\n"
 		"                     --aspect 0: it is exact)\n"
-		"  --pixel DX,DY      size of a pixel in mm; without it f is in pixels\n"
 		"  --distortion D     distorts (the thesis's, default) or undistorts (Tsai's)\n"
 		"  --radial N         terms of its polynomial, 1 to 3: kappa1, kappa2, kappa3 (as many\n"
 		"                     as predict best what was left out)\n"
-		"  --method M         full (default), or three: f, Tz and kappa1 alone\n"
 		"  --robust           points that do not fit the others count less, and are named\n"
 		"  --intrinsics F     the lens is known from this CAM.ini: the pose alone\n"
 		"  --reference VIEW   photograph, or its number, whose board is the world (1): one without\n"

@@ -142,7 +142,7 @@ static const struct option_row options[] = {
 	{.name = NULL},
 };
 
-static int convert_run(const struct bake_command *command, int argc, char **argv)
+static int convert_run(const struct command *command, int argc, char **argv)
 {
 	struct convert_job job = {.as = -1, .tolerance_px = TOLERANCE_PX};
 	struct fault fault = {.text = ""};
@@ -179,9 +179,9 @@ static int convert_run(const struct bake_command *command, int argc, char **argv
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command convert_command = {
+const struct command convert_command = {
 	.name = "convert",
-	.usage = "IN OUT [--as FORMAT] [--size WxH] [--fisheye] [--camera NAME] [--tolerance PX]",
+	.usage = "IN OUT [options]",
 	.summary = "lenses to and from the files of OpenCV and ROS, from Kalibr's",
 	.help = "\n"
 		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that end in\n"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* inlay-calibrate fisheye: the lens that looks at the sky. */
 #include <errno.h>
-#include <getopt.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,43 +10,6 @@
 #include "bake/calibrate/fisheye/fisheye_file.h"
 #include "bake/calibrate/lens_job.h"
 
-enum {
-	IMAGES = 1,
-	LIVE,
-	CIRCLE,
-	DIRECTIONS,
-	LENS,
-	BOARD,
-	VIEWS,
-	WORLD,
-	ROTATION,
-	SIZE,
-	RIM,
-	FIELD,
-	MODEL,
-	UNIFORM,
-	TOLERANCE
-};
-
-static const struct option options[] = {
-	{"images", required_argument, NULL, IMAGES},
-	{"live", required_argument, NULL, LIVE},
-	{"circle", required_argument, NULL, CIRCLE},
-	{"directions", required_argument, NULL, DIRECTIONS},
-	{"lens", required_argument, NULL, LENS},
-	{"board", required_argument, NULL, BOARD},
-	{"views", required_argument, NULL, VIEWS},
-	{"world", required_argument, NULL, WORLD},
-	{"rotation", required_argument, NULL, ROTATION},
-	{"size", required_argument, NULL, SIZE},
-	{"rim-deg", required_argument, NULL, RIM},
-	{"field", required_argument, NULL, FIELD},
-	{"model", required_argument, NULL, MODEL},
-	{"uniform", required_argument, NULL, UNIFORM},
-	{"tolerance", required_argument, NULL, TOLERANCE},
-	OPTIONS_OF_LENS,
-};
-
 /* fisheye_model_names, and auto */
 static const char *const model_names[] = {
 	"equidistant", "equisolid", "stereographic", "orthographic", "polynomial", "auto", NULL};
@@ -55,7 +17,7 @@ static const char *const model_names[] = {
 struct fisheye_job {
 	struct lens_job lens;
 	struct fisheye_wanted wanted;
-	int source; /* IMAGES, LIVE, CIRCLE, DIRECTIONS or LENS */
+	const char *live, *circle, *directions, *known; /* the source, else pictures of a board */
 	const char *board, *world, *uniform;
 	int width, height, views;
 	double rim_deg;
@@ -65,77 +27,73 @@ struct fisheye_job {
 
 /* ---- options ---- */
 
-static int fisheye_read_option(void *context, int option, struct fault *fault)
+static int read_images(void *field, const char *option, const char *text, struct fault *fault)
 {
-	struct fisheye_job *job = context;
+	struct lens_job *lens = field;
 
-	switch (option) {
-	case IMAGES:
-	case LIVE:
-	case CIRCLE:
-	case DIRECTIONS:
-	case LENS:
-		if (job->source && (job->source != option || option != IMAGES))
-			return fault_say(
-				fault, -EINVAL,
-				"expected one of --images, --live, --circle, --directions and --lens");
-		job->source = option;
-		job->lens.more = option == IMAGES;
-		job->lens.anew = option == LENS;
-		job->lens.file[job->lens.files++] = optarg;
-		return 0;
-	case BOARD:
-		job->board = optarg;
-		return 0;
-	case VIEWS:
-		return option_int("--views", optarg, 1, 1000, &job->views, fault);
-	case WORLD:
-		job->world = optarg;
-		return 0;
-	case ROTATION:
-		job->rotation_given = true;
-		return option_reals("--rotation", optarg, 3, 3, -360, 360, job->rotation_deg,
-				    fault) < 0
-			       ? -EINVAL
-			       : 0;
-	case SIZE:
-		return option_size("--size", optarg, &job->width, &job->height, fault);
-	case RIM:
-		return option_real("--rim-deg", optarg, 10, 170, &job->rim_deg, fault);
-	case FIELD:
-		return option_real("--field", optarg, 1, 180, &job->wanted.field_deg, fault);
-	case MODEL:
-		return option_choice("--model", optarg, model_names, &job->wanted.model, fault);
-	case TOLERANCE:
-		return option_real("--tolerance", optarg, 1e-6, 1e6, &job->wanted.tolerance_px,
-				   fault);
-	default:
-		job->uniform = optarg;
-		return 0;
-	}
+	(void)option;
+	(void)fault;
+	lens->more = true;
+	lens->file[lens->files++] = (char *)text;
+	return 0;
 }
 
-static int fisheye_check_options(const void *context, struct fault *fault)
+static int read_rotation(void *field, const char *option, const char *text, struct fault *fault)
 {
-	const struct fisheye_job *job = context;
-	const bool with_board = job->source == IMAGES || job->source == LIVE;
-	int err;
+	const int count = option_reals(option, text, 3, 3, -360, 360, field, fault);
 
-	if (!job->source)
-		return fault_say(fault, -EINVAL,
-				 "expected --images, --live, --circle, --directions or --lens");
+	return count < 0 ? count : 0;
+}
+
+#define AT(field) .place = offsetof(struct fisheye_job, field)
+
+static const struct option_row rows[] = {
+	{"images", OPTION_OTHER, AT(lens), .take = read_images},
+	{"live", OPTION_TEXT, AT(live)},
+	{"circle", OPTION_TEXT, AT(circle)},
+	{"directions", OPTION_TEXT, AT(directions)},
+	{"lens", OPTION_TEXT, AT(known)},
+	{"board", OPTION_TEXT, AT(board)},
+	{"views", OPTION_INT, AT(views), .min = 1, .max = 1000},
+	{"world", OPTION_TEXT, AT(world)},
+	{"rotation", OPTION_OTHER, AT(rotation_deg), .take = read_rotation,
+	 .given = offsetof(struct fisheye_job, rotation_given)},
+	{"size", OPTION_SIZE, AT(width)},
+	{"rim-deg", OPTION_REAL, AT(rim_deg), .min = 10, .max = 170},
+	{"field", OPTION_REAL, AT(wanted.field_deg), .min = 1, .max = 180},
+	{"model", OPTION_CHOICE, AT(wanted.model), .choices = model_names},
+	{"uniform", OPTION_TEXT, AT(uniform)},
+	{"tolerance", OPTION_REAL, AT(wanted.tolerance_px), .min = 1e-6, .max = 1e6},
+	LENS_ROWS,
+};
+
+static int fisheye_check_options(void *context, struct fault *fault)
+{
+	struct fisheye_job *job = context;
+	const char *const single[] = {job->live, job->circle, job->directions, job->known};
+	const bool with_board = job->lens.files || job->live;
+	int sources = job->lens.files > 0, err;
+
+	for (int k = 0; k < 4; k++)
+		if (single[k] && ++sources == 1)
+			job->lens.file[job->lens.files++] = (char *)single[k];
+	if (sources != 1)
+		return fault_say(
+			fault, -EINVAL,
+			"expected one of --images, --live, --circle, --directions and --lens");
+	job->lens.anew = job->known;
 	err = lens_job_check_board(with_board, job->board, fault);
 	if (err)
 		return err;
 	if (job->world && !with_board)
 		return fault_say(fault, -EINVAL, "--world goes with --images or --live");
-	if (job->rotation_given && (job->world || (!with_board && job->source != CIRCLE)))
+	if (job->rotation_given && (job->world || (!with_board && !job->circle)))
 		return fault_say(
 			fault, -EINVAL,
 			"--rotation goes with --images, --live or --circle, without --world: else it is found");
-	if (job->source == LENS && !job->uniform)
+	if (job->known && !job->uniform)
 		return fault_say(fault, -EINVAL, "--lens goes with --uniform");
-	if (job->source == LENS && job->lens.report)
+	if (job->known && job->lens.report)
 		return fault_say(fault, -EINVAL, "--report: there is none of --uniform alone");
 	return 0;
 }
@@ -171,7 +129,7 @@ static int find_points(struct fisheye_job *job, struct fisheye_work *work, struc
 	struct board board;
 	int err;
 
-	if (job->source == DIRECTIONS) {
+	if (job->directions) {
 		job->wanted.directions = true;
 		err = gather_points(&work->all, job->lens.file, job->lens.files, &convention,
 				    fault);
@@ -179,9 +137,9 @@ static int find_points(struct fisheye_job *job, struct fisheye_work *work, struc
 		work->all.seen.height = job->height;
 	} else {
 		err = board_parse(&board, job->board, fault);
-		if (!err && job->source == LIVE)
-			err = gather_live(&work->all, job->lens.file[0], LIVE_FISHEYE, &board,
-					  job->views, job->world ? atoi(job->world) : 0, fault);
+		if (!err && job->live)
+			err = gather_live(&work->all, job->live, LIVE_FISHEYE, &board, job->views,
+					  job->world ? atoi(job->world) : 0, fault);
 		else if (!err)
 			err = gather_images(&work->all, job->lens.file, job->lens.files, &board,
 					    fault);
@@ -197,9 +155,9 @@ static int find_lens(struct fisheye_job *job, struct fisheye_work *work, struct 
 {
 	int err;
 
-	if (job->source == CIRCLE)
+	if (job->circle)
 		return find_circle(job, work, fault);
-	if (job->source != LENS)
+	if (!job->known)
 		return find_points(job, work, fault);
 	err = lens_read_ini(&work->known, job->lens.file[0], fault);
 	if (err)
@@ -223,7 +181,7 @@ static void turn_lens(const struct fisheye_job *job, struct fisheye_result *resu
 	if (!result->oriented)
 		verdict_doubt(
 			&result->finding.verdict,
-			job->source == CIRCLE
+			job->circle
 				? "give --rotation 0,0,0 if it lies on its back with the picture's right towards world X, or what it is"
 				: "name the photograph of a board that is level, its rows along world X, by --world, or give --rotation if it is known",
 			"the lens is known, but not how it is turned towards the world: light would come from elsewhere");
@@ -231,7 +189,7 @@ static void turn_lens(const struct fisheye_job *job, struct fisheye_result *resu
 
 static bool has_lens(const struct fisheye_job *job, const struct fisheye_work *work)
 {
-	return job->source == LENS || work->result.finding.estimate.count > 0;
+	return job->known || work->result.finding.estimate.count > 0;
 }
 
 static int find_falloff(const struct fisheye_job *job, struct fisheye_work *work,
@@ -258,7 +216,7 @@ static int fisheye_conclude(const struct fisheye_job *job, const struct fisheye_
 	const struct verdict *lens = &work->result.finding.verdict;
 	const struct verdict *doubted = !lens->trusted || !job->uniform ? lens
 									: &work->falloff.verdict;
-	const struct fisheye_result *found = job->source == LENS ? NULL : &work->result;
+	const struct fisheye_result *found = job->known ? NULL : &work->result;
 	const struct falloff *falloff = job->uniform && has_lens(job, work) ? &work->falloff : NULL;
 	int err = lens_job_report(&job->lens, &work->all, &work->result.finding, fault);
 
@@ -281,7 +239,7 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 	if (!work)
 		return fault_say(fault, -ENOMEM, "out of memory");
 	err = find_lens(job, work, fault);
-	if (!err && job->source != LENS)
+	if (!err && !job->known)
 		turn_lens(job, &work->result);
 	if (!err)
 		err = find_falloff(job, work, fault);
@@ -293,10 +251,9 @@ static int fisheye_calibrate(void *context, struct fault *fault)
 	return err;
 }
 
-static int fisheye_run(const struct bake_command *command, int argc, char **argv)
+static int fisheye_run(const struct command *command, int argc, char **argv)
 {
-	static const struct lens_calls calls = {options, fisheye_read_option, fisheye_check_options,
-						fisheye_calibrate};
+	static const struct lens_calls calls = {rows, fisheye_check_options, fisheye_calibrate};
 	struct fisheye_job job = {.wanted = {.model = FISHEYE_MODEL_AUTO,
 					     .field_deg = 90,
 					     .tolerance_px = 0.5,
@@ -307,7 +264,7 @@ static int fisheye_run(const struct bake_command *command, int argc, char **argv
 	return lens_job_run(command, argc, argv, &calls, &job.lens, &job);
 }
 
-const struct bake_command fisheye_command = {
+const struct command fisheye_command = {
 	.name = "fisheye",
 	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
 		 "        --directions FILE | --lens EYE.ini) [options] -o EYE.ini",

@@ -24,55 +24,39 @@ static const struct {
 };
 #define COMMANDS (int)(sizeof(commands) / sizeof(commands[0]))
 
-static int read_reflectance(void *values, const char *text, struct fault *fault)
+static int read_reflectance(void *field, const char *option, const char *text, struct fault *fault)
 {
-	struct light_job *job = values;
-	const int count = option_reals("--reflectance", text, 1, 3, 0, 1, job->reflectance, fault);
+	double *reflectance = field;
+	const int count = option_reals(option, text, 1, 3, 0, 1, reflectance, fault);
 
 	if (count == 1)
-		job->reflectance[1] = job->reflectance[2] = job->reflectance[0];
+		reflectance[1] = reflectance[2] = reflectance[0];
 	for (int c = 0; count > 0 && c < 3; c++)
-		if (count == 2 || !(job->reflectance[c] > 0 && job->reflectance[c] <= 1))
-			return fault_say(
-				fault, -EINVAL,
-				"--reflectance: expected one number or three, above 0 and at most 1");
+		if (count == 2 || !(reflectance[c] > 0 && reflectance[c] <= 1))
+			return fault_say(fault, -EINVAL,
+					 "%s: expected one number or three, above 0 and at most 1",
+					 option);
 	return count < 0 ? count : 0;
 }
 
-static int read_area(struct light_area *list, int *count, const char *option, const char *text,
-		     struct fault *fault)
+static int read_area(void *field, const char *option, const char *text, struct fault *fault)
 {
+	struct light_areas *list = field;
 	struct fault why = {.text = ""};
 
-	if (*count == LIGHT_AREAS_MAX)
+	if (list->count == LIGHT_AREAS_MAX)
 		return fault_say(fault, -EINVAL, "%s: expected at most %d of them", option,
 				 LIGHT_AREAS_MAX);
-	if (light_area_parse(&list[(*count)++], text, &why) < 0)
+	if (light_area_parse(&list->area[list->count++], text, &why) < 0)
 		return fault_say(fault, -EINVAL, "%s: %s", option, why.text);
 	return 0;
 }
 
-static int read_patch(void *values, const char *text, struct fault *fault)
+static int read_times(void *field, const char *option, const char *text, struct fault *fault)
 {
-	struct light_job *job = values;
+	struct light_job *job = field;
 
-	return read_area(job->area, &job->areas, "--patch", text, fault);
-}
-
-static int read_background_patch(void *values, const char *text, struct fault *fault)
-{
-	struct light_job *job = values;
-
-	return read_area(job->background_area, &job->background_areas, "--background-patch", text,
-			 fault);
-}
-
-static int read_times(void *values, const char *text, struct fault *fault)
-{
-	struct light_job *job = values;
-
-	job->times = option_reals("--times", text, 1, LIGHT_EXPOSURES_MAX, 0, 1e12, job->time,
-				  fault);
+	job->times = option_reals(option, text, 1, LIGHT_EXPOSURES_MAX, 0, 1e12, job->time, fault);
 	return job->times < 0 ? job->times : 0;
 }
 
@@ -83,16 +67,12 @@ static const struct option_row options[] = {
 	{"time-deviation", OPTION_REAL, AT(time_deviation), .min = 0, .max = 0.5},
 	{"accept-misfit", OPTION_REAL, AT(misfit_percent), .min = 0.01, .max = 100},
 	{"exposures", OPTION_FLAG, AT(exposures)},
-	{"keep-white", OPTION_FLAG, AT(keep_white)},
-	{"white-balance", OPTION_FLAG, AT(white_balance)},
 	{"curve", OPTION_TEXT, AT(curve)},
 	{"lens", OPTION_TEXT, AT(lens)},
 	{"background-light", OPTION_TEXT, AT(background_light)},
-	{"transfer", OPTION_CHOICE, AT(transfer), .choices = transfer_names},
-	{"background-transfer", OPTION_CHOICE, AT(background_transfer), .choices = transfer_names},
-	{"reflectance", OPTION_OTHER, .take = read_reflectance},
-	{"patch", OPTION_OTHER, .take = read_patch},
-	{"background-patch", OPTION_OTHER, .take = read_background_patch},
+	{"reflectance", OPTION_OTHER, AT(reflectance), .take = read_reflectance},
+	{"patch", OPTION_OTHER, AT(patch), .take = read_area},
+	{"background-patch", OPTION_OTHER, AT(background_patch), .take = read_area},
 	{"fisheye", OPTION_TEXT, AT(fisheye)},
 	{"background", OPTION_TEXT, AT(background)},
 	{"report", OPTION_TEXT, AT(report)},
@@ -116,7 +96,7 @@ static int light_work(struct light_job *job, int which)
 	return ret ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static int light_run(const struct bake_command *command, int argc, char **argv)
+static int light_run(const struct command *command, int argc, char **argv)
 {
 	struct light_job job = {.reflectance = {0.5, 0.5, 0.5}};
 	struct fault fault = {.text = ""};
@@ -146,7 +126,7 @@ static int light_run(const struct bake_command *command, int argc, char **argv)
 	return light_work(&job, which);
 }
 
-const struct bake_command light_command = {
+const struct command light_command = {
 	.name = "light",
 	.usage = "black|response|merge|gain|colours [options] FILES -o LIGHT.ini",
 	.summary = "what a camera's code values mean: black level, response, gain, colours",
@@ -163,16 +143,13 @@ const struct bake_command light_command = {
 		"  response FILE.rsp           hdrgen's\n"
 		"  merge [--times T,T,...] PICTURES -o FILE.hdr\n"
 		"                              exposures as one picture of linear light, or .pfm\n"
-		"      --curve FILE            LIGHT.ini or FILE.rsp; else --transfer (srgb)\n"
+		"      --curve FILE            LIGHT.ini or FILE.rsp; else sRGB\n"
 		"  gain --lens EYE.ini --patch AREA FISHEYE BACKGROUND [FISHEYE BACKGROUND]...\n"
 		"                              LIGHT.ini is the fisheye's; AREA lies level in the background\n"
-		"      --background-light FILE --background-transfer T --transfer T\n"
-		"                              how the code values are decoded (srgb)\n"
+		"      --background-light F    the background camera's LIGHT.ini; else sRGB\n"
 		"      --reflectance X[,G,B]   of the area: 0.5\n"
-		"      --white-balance         each channel's own gain becomes colours\n"
 		"  colours PATCHES             lines of r g b (fisheye) r g b (background), linear\n"
-		"  colours --fisheye F --background B --patch AREA --background-patch AREA ...\n"
-		"      --keep-white            grey stays grey\n\n"
+		"  colours --fisheye F --background B --patch AREA --background-patch AREA ...\n\n"
 		"  AREA is x,y,width,height or corners \"x,y x,y x,y\", in pixels.\n"
 		"  --report DIR                what was found, as a page; and light.json\n",
 	.run = light_run,

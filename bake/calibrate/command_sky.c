@@ -217,13 +217,13 @@ static int watch_work(struct watch *w, struct fault *fault)
 /* ---- the command ---- */
 
 /* Reads a time such as 24h, 90min or 30s. */
-static int watch_read_time(void *values, const char *given, struct fault *fault)
+static int watch_read_time(void *field, const char *option, const char *given, struct fault *fault)
 {
 	static const struct {
 		const char *name;
 		double seconds;
 	} units[] = {{"h", 3600}, {"min", 60}, {"s", 1}};
-	double *seconds = &((struct watch *)values)->watch_s;
+	double *seconds = field;
 	const char *text = given + strspn(given, "+-.0123456789");
 	char number[32];
 
@@ -234,24 +234,23 @@ static int watch_read_time(void *values, const char *given, struct fault *fault)
 			*seconds *= units[k].seconds;
 			return 0;
 		}
-	return fault_say(
-		fault, -EINVAL,
-		"--watch: is \"%s\", expected a time with its unit, such as 24h, 90min or 30s",
-		given);
+	return fault_say(fault, -EINVAL,
+			 "%s: is \"%s\", expected a time with its unit, such as 24h, 90min or 30s",
+			 option, given);
 }
 
 #define AT(field) .place = offsetof(struct watch, field)
 
 static const struct option_row options[] = {
 	{"live", OPTION_TEXT, AT(config)},
-	{"watch", OPTION_OTHER, .take = watch_read_time},
+	{"watch", OPTION_OTHER, AT(watch_s), .take = watch_read_time},
 	{"frequency", OPTION_INT, AT(frequency), .min = 1, .max = DOME_FREQUENCY_MAX / 2},
 	{"most", OPTION_INT, AT(most), .min = 1, .max = DOME_LIGHTS_MAX},
 	{"output", OPTION_TEXT, AT(output)},
 	{.name = NULL},
 };
 
-static int watch_run(const struct bake_command *command, int argc, char **argv)
+static int watch_run(const struct command *command, int argc, char **argv)
 {
 	struct watch w = {.frequency = 9, .most = 1000, .watch_s = WATCH_S};
 	struct fault fault = {.text = ""};
@@ -274,9 +273,9 @@ static int watch_run(const struct bake_command *command, int argc, char **argv)
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-const struct bake_command watch_command = {
+const struct command watch_command = {
 	.name = "sky",
-	.usage = "--live KIOSK.conf [--watch TIME] [--frequency F] [--most N] -o FINE",
+	.usage = "--live KIOSK.conf -o FINE [options]",
 	.summary = "watch the sky for lamps and the sun: where lights should be finer",
 	.help = "Watches the fisheye of a kiosk's configuration, with the lens and light files that it names.\n"
 		"Wherever light is strong and small at any time, what is over-exposed included, FINE gets a part.\n"

@@ -3,9 +3,9 @@
 #ifndef INLAY_BAKE_CALIBRATE_COMMANDS_H
 #define INLAY_BAKE_CALIBRATE_COMMANDS_H
 
-#include "bake/base/options.h"
+#include "hal/options/options.h"
 
-extern const struct bake_command board_command, camera_command, fisheye_command, light_command,
+extern const struct command board_command, camera_command, fisheye_command, light_command,
 	watch_command, convert_command;
 
 #endif

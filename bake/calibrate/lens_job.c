@@ -9,32 +9,6 @@
 #include "bake/calibrate/report/report.h"
 #include "hal/base/log.h"
 
-/* Context of lens_take_option(). */
-struct lens_choices {
-	struct lens_job *lens;
-	const struct lens_calls *calls;
-	void *job;
-};
-
-static int lens_take_option(void *choices, int option, struct fault *fault)
-{
-	const struct lens_choices *c = choices;
-
-	switch (option) {
-	case LENS_REPORT:
-		c->lens->report = optarg;
-		return 0;
-	case LENS_FORCE:
-		c->lens->force = true;
-		return 0;
-	case 'o':
-		c->lens->output = optarg;
-		return 0;
-	default:
-		return c->calls->take(c->job, option, fault);
-	}
-}
-
 static int take_words(struct lens_job *lens, int argc, char **argv, struct fault *fault)
 {
 	for (; optind < argc; optind++) {
@@ -61,12 +35,11 @@ static int check_output(const struct lens_job *lens, struct fault *fault)
 	return 0;
 }
 
-static int lens_run_parsed(const struct bake_command *command, int argc, char **argv,
+static int lens_run_parsed(const struct command *command, int argc, char **argv,
 			   const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, calls->options, lens_take_option,
-					   &(struct lens_choices){lens, calls, job});
+	const int status = command_read(command, argc, argv, calls->rows, job);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -84,7 +57,7 @@ static int lens_run_parsed(const struct bake_command *command, int argc, char **
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job)
 {
 	int status;

@@ -5,20 +5,18 @@
 
 #include <stdbool.h>
 
-#include "bake/base/options.h"
 #include "bake/calibrate/estimate/finding.h"
 #include "bake/calibrate/observe/gather.h"
+#include "hal/options/options.h"
 
-/* Last entries of their tables of options. */
-#define LENS_REPORT 900
-#define LENS_FORCE 901
-#define OPTIONS_OF_LENS                                                                            \
-	{"report", required_argument, NULL, LENS_REPORT},                                          \
-		{"force", no_argument, NULL, LENS_FORCE},                                          \
-		{"output", required_argument, NULL, 'o'}, OPTIONS_OF_ALL,                          \
-	{                                                                                          \
-		NULL, 0, NULL, 0                                                                   \
-	}
+/* Last rows of a command whose AT(lens) is a struct lens_job. */
+/* clang-format off */
+#define LENS_ROWS										   \
+	{"report", OPTION_TEXT, AT(lens.report)},						   \
+	{"force", OPTION_FLAG, AT(lens.force)},							   \
+	{"output", OPTION_TEXT, AT(lens.output)},						   \
+	{.name = NULL}
+/* clang-format on */
 
 struct lens_job {
 	char **file; /* files named by the source's option and the words that follow */
@@ -32,16 +30,14 @@ struct lens_job {
 
 /* Functions of one command; job is the struct that contains its lens_job. */
 struct lens_calls {
-	const struct option *options;
-	/* reads one of the command's own options, from optarg */
-	int (*take)(void *job, int option, struct fault *fault);
+	const struct option_row *rows;
 	/* checks whether the options go together */
-	int (*check)(const void *job, struct fault *fault);
+	int (*check)(void *job, struct fault *fault);
 	int (*work)(void *job, struct fault *fault); /* calibrates: 0; 1: not trusted; -errno */
 };
 
 /* Runs a command and returns its exit status. */
-int lens_job_run(const struct bake_command *command, int argc, char **argv,
+int lens_job_run(const struct command *command, int argc, char **argv,
 		 const struct lens_calls *calls, struct lens_job *lens, void *job);
 
 /* Checks that --board is given if and only if pictures of a board are the source. -EINVAL. */

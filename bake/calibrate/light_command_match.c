@@ -36,12 +36,11 @@ static int sky_create(struct measured_sky *sky, const struct light_job *job, str
 		return err;
 	sky->sampler = (struct light_sampler_settings){
 		.placed = true,
-		.curve = response_curve(&job->measured, (enum transfer)job->transfer, 0),
+		.curve = response_curve(&job->measured, TRANSFER_SRGB, 0),
 		.gain = 1,
 	};
-	if (!job->white_balance)
-		memcpy(sky->sampler.colours, job->measured.colours, sizeof(sky->sampler.colours));
-	err = dome_create(&sky->dome, SKY_FREQUENCY, DOME_ANGLES, fault);
+	memcpy(sky->sampler.colours, job->measured.colours, sizeof(sky->sampler.colours));
+	err = dome_create(&sky->dome, SKY_FREQUENCY, fault);
 	if (err)
 		return err;
 	sky->radiance = calloc((size_t)sky->dome.count, sizeof(*sky->radiance));
@@ -103,47 +102,35 @@ static int measure_pairs(const struct light_job *job, struct light_pair *pairs, 
 {
 	struct measured_sky sky = {.radiance = NULL};
 	struct transfer_curve curve;
-	int err = light_curve_of(job->background_light, job->background_transfer, &curve, fault);
+	int err = light_curve_of(job->background_light, &curve, fault);
 
 	if (!err)
 		err = sky_create(&sky, job, fault);
 	for (int k = 0; !err && k < job->file_count / 2; k++) {
-		const int area = k < job->areas ? k : job->areas - 1;
+		const int area = k < job->patch.count ? k : job->patch.count - 1;
 
 		err = sky_measure(&sky, job->files[2 * k], &pairs[k].clipped_sky, fault);
 		if (err)
 			break;
 		light_gain_predict(&sky.dome, (const float(*)[3])sky.radiance, job->reflectance,
 				   pairs[k].predicted);
-		err = measure_patch(job->files[2 * k + 1], &job->area[area], &curve,
+		err = measure_patch(job->files[2 * k + 1], &job->patch.area[area], &curve,
 				    &pairs[k].patch, fault);
 	}
 	sky_free(&sky);
 	return err;
 }
 
-/* Writes each channel's own gain as a diagonal matrix. */
-static int set_balance(const struct light_job *job, const struct light_gain *found,
-		       struct fault *fault)
-{
-	const double *b = found->balance;
-	char text[128];
-
-	snprintf(text, sizeof(text), "%.5g 0 0  0 %.5g 0  0 0 %.5g", b[0], b[1], b[2]);
-	return light_conclude(job, &found->verdict, "colours", text,
-			      "Colours: white balance, found with the gain.", fault);
-}
-
 int light_check_gain(const struct light_job *job, struct fault *fault)
 {
 	if (job->file_count >= 2 && job->file_count % 2 == 0 &&
-	    job->file_count <= 2 * LIGHT_PAIRS_MAX && job->areas >= 1 &&
-	    job->areas <= job->file_count / 2)
+	    job->file_count <= 2 * LIGHT_PAIRS_MAX && job->patch.count >= 1 &&
+	    job->patch.count <= job->file_count / 2)
 		return 0;
 	return fault_say(
 		fault, -EINVAL,
 		"there are %d pictures and %d --patch, expected pairs of pictures, fisheye and background, and one patch for all or one for each",
-		job->file_count, job->areas);
+		job->file_count, job->patch.count);
 }
 
 int light_command_gain(const struct light_job *job, struct fault *fault)
@@ -169,9 +156,7 @@ int light_command_gain(const struct light_job *job, struct fault *fault)
 	snprintf(text, sizeof(text), "%.6g", found.gain);
 	snprintf(comment, sizeof(comment), "Gain: deviation %.2g, from %d pairs of pictures.",
 		 found.deviation, found.pairs);
-	if (!err)
-		err = light_conclude(job, &found.verdict, "gain", text, comment, fault);
-	return err || !job->white_balance ? err : set_balance(job, &found, fault);
+	return err ? err : light_conclude(job, &found.verdict, "gain", text, comment, fault);
 }
 
 /* ---- colours ---- */
@@ -183,18 +168,18 @@ static int measure_colours(const struct light_job *job, struct light_colour_pair
 	struct light_patch patch;
 	int err;
 
-	here = response_curve(&job->measured, (enum transfer)job->transfer, 0);
-	err = light_curve_of(job->background_light, job->background_transfer, &there, fault);
-	for (int k = 0; !err && k < job->areas; k++) {
-		err = measure_patch(job->fisheye, &job->area[k], &here, &patch, fault);
+	here = response_curve(&job->measured, TRANSFER_SRGB, 0);
+	err = light_curve_of(job->background_light, &there, fault);
+	for (int k = 0; !err && k < job->patch.count; k++) {
+		err = measure_patch(job->fisheye, &job->patch.area[k], &here, &patch, fault);
 		if (err)
 			break;
 		memcpy(pairs[k].fisheye, patch.mean, sizeof(patch.mean));
-		err = measure_patch(job->background, &job->background_area[k], &there, &patch,
+		err = measure_patch(job->background, &job->background_patch.area[k], &there, &patch,
 				    fault);
 		memcpy(pairs[k].background, patch.mean, sizeof(patch.mean));
 	}
-	return err ? err : job->areas;
+	return err ? err : job->patch.count;
 }
 
 static void say_colours(const struct light_colours *found)
@@ -214,8 +199,8 @@ int light_check_colours(const struct light_job *job, struct fault *fault)
 {
 	if (job->file_count == 1)
 		return 0;
-	if (!job->file_count && job->fisheye && job->background && job->areas >= 1 &&
-	    job->areas == job->background_areas)
+	if (!job->file_count && job->fisheye && job->background && job->patch.count >= 1 &&
+	    job->patch.count == job->background_patch.count)
 		return 0;
 	return fault_say(
 		fault, -EINVAL,
@@ -231,7 +216,7 @@ int light_command_colours(const struct light_job *job, struct fault *fault)
 				       : measure_colours(job, pairs, fault);
 
 	if (err >= 0)
-		err = light_colours_find(&found, pairs, err, job->keep_white, fault);
+		err = light_colours_find(&found, pairs, err, fault);
 	if (!err) {
 		say_colours(&found);
 		for (int e = 0; e < 9; e++)

@@ -16,13 +16,13 @@ int light_check_merge(const struct light_job *job, struct fault *fault)
 	return light_check_times(job, fault);
 }
 
-/* The curve of --curve, a LIGHT.ini or an .rsp; else --transfer. */
+/* The curve of --curve, a LIGHT.ini or an .rsp; else sRGB. */
 static int curve_of(const struct light_job *job, struct transfer_curve *curve, struct fault *fault)
 {
 	double apart;
 
 	if (!job->curve || !light_is_rsp(job->curve))
-		return light_curve_of(job->curve, job->transfer, curve, fault);
+		return light_curve_of(job->curve, curve, fault);
 	return light_rsp_read(job->curve, curve, &apart, fault);
 }
 

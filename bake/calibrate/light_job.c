@@ -45,8 +45,7 @@ int light_times(const struct light_job *job, double *time, struct fault *fault)
 	return err;
 }
 
-int light_curve_of(const char *path, int transfer, struct transfer_curve *curve,
-		   struct fault *fault)
+int light_curve_of(const char *path, struct transfer_curve *curve, struct fault *fault)
 {
 	struct ini_report report = {.count = 0};
 	struct response measured;
@@ -57,6 +56,6 @@ int light_curve_of(const char *path, int transfer, struct transfer_curve *curve,
 		err = response_read(&measured, path, &report);
 	if (err)
 		return fault_say(fault, err, "%s", report.first.text);
-	*curve = response_curve(&measured, (enum transfer)transfer, 0);
+	*curve = response_curve(&measured, TRANSFER_SRGB, 0);
 	return 0;
 }

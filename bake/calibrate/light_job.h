@@ -13,23 +13,24 @@
 
 #define LIGHT_AREAS_MAX 64
 
+struct light_areas {
+	struct light_area area[LIGHT_AREAS_MAX];
+	int count;
+};
+
 struct light_job {
 	const char *output, *report; /* NULL: none */
-	const char *curve;	     /* LIGHT.ini or hdrgen's .rsp; NULL: transfer */
+	const char *curve;	     /* LIGHT.ini or hdrgen's .rsp; NULL: sRGB */
 	char **files;
 	int file_count;
 	double time[LIGHT_EXPOSURES_MAX];
 	int times;
 	double time_deviation;
 	double misfit_percent; /* 0: the default */
-	bool exposures, keep_white, white_balance;
+	bool exposures;
 	const char *lens, *background_light, *fisheye, *background;
-	int transfer, background_transfer; /* enum transfer */
 	double reflectance[3];
-	struct light_area area[LIGHT_AREAS_MAX];
-	int areas;
-	struct light_area background_area[LIGHT_AREAS_MAX];
-	int background_areas;
+	struct light_areas patch, background_patch;
 	struct response measured; /* values that output holds already */
 };
 
@@ -48,8 +49,7 @@ int light_check_times(const struct light_job *job, struct fault *fault);
  * none. */
 int light_times(const struct light_job *job, double *time, struct fault *fault);
 
-/* Computes the curve of a camera from its LIGHT.ini (NULL: none) and transfer function. */
-int light_curve_of(const char *path, int transfer, struct transfer_curve *curve,
-		   struct fault *fault);
+/* Computes the curve of a camera from its LIGHT.ini; without one, or a response in it, sRGB. */
+int light_curve_of(const char *path, struct transfer_curve *curve, struct fault *fault);
 
 #endif

@@ -6,11 +6,11 @@
 
 int main(int argc, char **argv)
 {
-	static const struct bake_command *const commands[] = {
+	static const struct command *const commands[] = {
 		&board_command, &camera_command, &fisheye_command,
 		&light_command, &watch_command,	 &convert_command,
 		NULL,
 	};
 
-	return program_run("inlay-calibrate", commands, argc, argv);
+	return program_run("inlay-calibrate", NULL, commands, argc, argv);
 }

@@ -29,7 +29,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_solve.c \
 	bake/calibrate/camera/camera_structure.c \
 	bake/calibrate/camera/camera_tsai.c \
-	bake/calibrate/camera/camera_turned.c \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \

@@ -22,8 +22,6 @@
 #define FLOAT_ERROR 0x1p-22
 /* A tile is encoded at most this often until its errors hold. Chosen by trial. */
 #define ATTEMPTS 10
-/* At most this many watched skies become tried ones after an attempt (README.md, "Constants"). */
-#define TRIED_AT_ONCE 4
 
 struct encoder {
 	struct encode_settings settings; /* its ensemble is shade's */
@@ -173,7 +171,7 @@ static int build_part(struct encoder *e, int tile, int k)
 	if (err)
 		return err;
 	profile_enter(PROFILE_COLUMNS);
-	columns_find(&e->columns, &e->fit[k], allowance->short_share);
+	columns_find(&e->columns, &e->fit[k]);
 	profile_enter(PROFILE_WRITE);
 	return block_build(&e->shown, &e->fit[k], &e->columns, tile);
 }
@@ -225,26 +223,16 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, const in
 	return err;
 }
 
-/* Adds the watched skies with the largest errors above the target to the tried ones. Only a few are
- * added at a time, as skies like them mostly miss the target for the same reason. */
+/* Adds the watched skies whose errors are above the target to the tried ones. */
 static void try_watched(struct encoder *e)
 {
-	double over[ENSEMBLE_SKIES_MAX];
+	bool tried[ENSEMBLE_SKIES_MAX] = {false};
 
-	for (int s = 0; s < e->shade.skies.skies; s++)
-		over[s] = fmax(e->measure.sky_rms[s], e->measure.sky_most[s]);
 	for (int k = 0; k < e->shade.skies.tried; k++)
-		over[e->shade.tried[k]] = 0;
-	for (int k = 0; k < TRIED_AT_ONCE; k++) {
-		int worst = 0;
-
-		for (int s = 1; s < e->shade.skies.skies; s++)
-			worst = over[s] > over[worst] ? s : worst;
-		if (over[worst] <= 1)
-			return;
-		shade_try(&e->shade, worst);
-		over[worst] = 0;
-	}
+		tried[e->shade.tried[k]] = true;
+	for (int s = 0; s < e->shade.skies.skies; s++)
+		if (!tried[s] && fmax(e->measure.sky_rms[s], e->measure.sky_most[s]) > 1)
+			shade_try(&e->shade, s);
 }
 
 static void encoder_limit(struct encoder *e)

@@ -5,10 +5,6 @@
 
 #include "bake/encode/encode_limit.h"
 
-/* Residuals of short lines may fill this share of their limits at first, and SHORTER of it after
- * each attempt whose skies miss their target. Tuned (README.md, "Constants"). */
-#define SHORT_SHARE 0.9F
-#define SHORTER 0.6F
 /* The next attempt aims below the target by these factors: NARROWER for the limits of a light, as
  * most of its residuals stay as they were, TIGHTER for the errors that ranks are chosen for. Chosen
  * by trial. */
@@ -28,8 +24,7 @@
 void allow_target(const struct allowed *a)
 {
 	for (int k = 0; k < a->count; k++)
-		a->allowance[k] = (struct allowance){.asked = a->settings->target,
-						     .short_share = SHORT_SHARE};
+		a->allowance[k] = (struct allowance){.asked = a->settings->target};
 }
 
 /* Narrows the limits of lights whose error is too large when they shine alone. It mostly is along
@@ -104,7 +99,6 @@ static void allow_ranks_less(const struct allowed *a, double worst)
 
 		if (a->fit[k].excess == most)
 			by *= fmin(most, 1);
-		own->short_share *= SHORTER;
 		own->asked.rms *= by;
 		own->asked.max *= by;
 		own->chosen = false;

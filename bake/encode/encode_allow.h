@@ -10,7 +10,6 @@
 
 struct allowance {
 	struct encode_target asked; /* errors under skies that ranks are chosen for */
-	float short_share;	    /* columns_find()'s argument */
 	bool chosen;		    /* the ranks are chosen and stay as they are */
 };
 

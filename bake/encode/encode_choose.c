@@ -28,16 +28,12 @@ static const int ranks[] = {0, 1, 2, 4, 6, 8, 12, 16, 24, 32, RANK_MOST};
 #define PANELS (PART_PIXELS / BASIS_LINE8)
 /* A byte that a frame reads costs as much as this many bytes of the file. Tuned. */
 #define READ_WEIGHT 2
-/* A block costs a frame as much time as this many bytes: some 150 ns at 10 GB/s. */
-#define BLOCK_COST 1500
 /* A column has this many bytes besides its lines: light, scale, place, and codes of lines. */
 #define COLUMN_BYTES 22
 /* Estimates of what columns_find() makes of a line, whose largest value is `miss` times its limit:
  * up to LINE_ABSENT the line is mostly absent, up to LINE_HALF it mostly has half bytes. Tuned. */
 #define LINE_ABSENT 0.6F
 #define LINE_HALF 5
-/* Half a step of 8 bits may be this many times the limit until a second column is needed. Tuned. */
-#define STEP_FINE 1
 /* A column of one channel mostly suffices if its residual fills at most this share of the
  * limits. Tuned. */
 #define MONO_LEAVES 0.9F
@@ -158,7 +154,8 @@ static float estimate_bytes(const struct part *part, const float *left, const fl
 			second += line_estimate(rest);
 			nearest += steps < 1 ? 0 : steps < 15 ? BASIS_LINE_HALF : BASIS_LINE8;
 		}
-	return most > STEP_FINE ? nearest + second : first;
+	/* Half a step of 8 bits may be as large as the limit. */
+	return most > 1 ? nearest + second : first;
 }
 
 /* Estimates the bytes of a light's column, or returns 0 if it needs none. */
@@ -200,10 +197,8 @@ static double pattern_bytes(const struct choose *s, const struct part *part, boo
  * where the cost reaches `bound`. */
 static double estimate_cost(struct choose *s, struct low_rank *fit, double bound)
 {
-	const double patterns = pattern_bytes(s, fit->part, true, fit->mono_rank) +
-				pattern_bytes(s, fit->part, false, fit->colour_rank);
-	double cost = (1 + READ_WEIGHT) * patterns +
-		      BLOCK_COST * ((fit->mono_rank > 0) + (fit->colour_rank > 0));
+	double cost = (1 + READ_WEIGHT) * (pattern_bytes(s, fit->part, true, fit->mono_rank) +
+					   pattern_bytes(s, fit->part, false, fit->colour_rank));
 
 	profile_enter(PROFILE_COLUMNS);
 	s->columns = 0;

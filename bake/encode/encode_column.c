@@ -29,6 +29,8 @@
  * bits rounding would exceed a quarter of the block's cut. */
 #define GROUP_NARROW 1.0
 #define LIGHT_COLUMNS_MAX 2
+/* Residuals of short lines may fill this share of their limits. Tuned (README.md, "Constants"). */
+#define SHORT_SHARE 0.9F
 
 int columns_create(struct columns *columns, const struct encode_settings *settings)
 {
@@ -205,7 +207,7 @@ static void column_measure(struct column *column, int pixels)
 /* Quantises a column: the values nearest to `from` whose residual, which goes to left, keeps its
  * limits. Returns false if the column has too few bits for that. */
 static bool column_quantise(struct column *column, const struct low_rank *fit, double reach,
-			    float short_share, const float *from, float *left)
+			    const float *from, float *left)
 {
 	const struct part *part = fit->part;
 	struct column_bounds b;
@@ -220,7 +222,7 @@ static bool column_quantise(struct column *column, const struct low_rank *fit, d
 		return false;
 	/* U may not become negative, which the limits of residuals do not ensure. */
 	if (column->bits == 8 && part->kind != BASIS_KIND_U) {
-		bounds_find(&b, fit, column->number, column->channels, short_share, from);
+		bounds_find(&b, fit, column->number, column->channels, SHORT_SHARE, from);
 		column_shorten(column, &b, part->pixels);
 		column_subtract(column, fit, from, left);
 	}
@@ -333,13 +335,13 @@ static void column_quantise_nearest(struct column *column, const struct low_rank
 /* Adds a second column for the residual of a light's first, which only strong light reads. Returns
  * whether the limits are kept. If they are not, a column of 16 bits stays, one of 8 is dropped. */
 static bool add_second_column(struct columns *columns, const struct low_rank *fit, int light,
-			      int channels, int bits, float short_share, const float *left)
+			      int channels, int bits, const float *left)
 {
 	const double reach = reach_for(fit, light, left);
 	struct column *column = columns_add(columns, light, channels, bits, true);
 	float rest[PART_ROWS];
 
-	if (column_quantise(column, fit, reach, short_share, left, rest))
+	if (column_quantise(column, fit, reach, left, rest))
 		return true;
 	if (bits == 16)
 		column_quantise_nearest(column, fit, reach, left, rest);
@@ -352,8 +354,7 @@ static bool add_second_column(struct columns *columns, const struct low_rank *fi
  * bits, each of one channel before three; 16 bits; 16 and 8 bits; two of 16. Lights that shine
  * along the ground need the last: the object throws many times their own light on the ground, where
  * its shadow is as dark as any. */
-static void light_columns(struct columns *columns, const struct low_rank *fit, int light,
-			  float short_share)
+static void light_columns(struct columns *columns, const struct low_rank *fit, int light)
 {
 	const struct part *part = fit->part;
 	const float *from = fit_left(fit, light);
@@ -366,20 +367,20 @@ static void light_columns(struct columns *columns, const struct low_rank *fit, i
 	reach = reach_for(fit, light, from);
 	for (int channels = fit->mono ? 1 : 3; channels <= part->channels; channels += 2) {
 		column = columns_add(columns, light, channels, 8, false);
-		if (column_quantise(column, fit, reach, short_share, from, left))
+		if (column_quantise(column, fit, reach, from, left))
 			return;
 		column_quantise_nearest(column, fit, reach, from, left);
 		if (part->limit.column_cut > 0 &&
-		    add_second_column(columns, fit, light, channels, 8, short_share, left))
+		    add_second_column(columns, fit, light, channels, 8, left))
 			return;
 		columns->count--;
 	}
 	column = columns_add(columns, light, part->channels, 16, false);
-	if (column_quantise(column, fit, reach, 0, from, left))
+	if (column_quantise(column, fit, reach, from, left))
 		return;
 	column_quantise_nearest(column, fit, reach, from, left);
-	if (!add_second_column(columns, fit, light, part->channels, 8, short_share, left))
-		add_second_column(columns, fit, light, part->channels, 16, 0, left);
+	if (!add_second_column(columns, fit, light, part->channels, 8, left))
+		add_second_column(columns, fit, light, part->channels, 16, left);
 }
 
 /* ---- the columns of groups ---- */
@@ -437,14 +438,14 @@ static void group_column(struct columns *columns, int lights, const struct low_r
 	column_measure(column, part->pixels);
 }
 
-void columns_find(struct columns *columns, const struct low_rank *fit, float short_share)
+void columns_find(struct columns *columns, const struct low_rank *fit)
 {
 	const int groups = fit->part->sky.share ? fit->settings->groups->count : 0;
 	int lights;
 
 	columns->count = 0;
 	for (int i = 0; i < fit->settings->lights; i++)
-		light_columns(columns, fit, i, short_share);
+		light_columns(columns, fit, i);
 	lights = columns->count;
 	for (int group = 0; group < groups; group++)
 		for (int channels = 1; channels <= 3; channels += 2)

@@ -42,9 +42,8 @@ void columns_free(struct columns *columns); /* zeroed is fine */
 
 /*
  * Finds the columns that a fit needs at its ranks: none for a light whose residual is within its
- * limits, else the cheapest that bring it there, or the finest. The residuals of short lines may
- * fill short_share (0..1) of their limits; 0: no short lines.
+ * limits, else the cheapest that bring it there, or the finest.
  */
-void columns_find(struct columns *columns, const struct low_rank *fit, float short_share);
+void columns_find(struct columns *columns, const struct low_rank *fit);
 
 #endif

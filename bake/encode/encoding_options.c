@@ -1,47 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/encode/encoding_options.h"
 
-#include <string.h>
-
-#include "bake/base/options.h"
-#include "hal/optics/dome.h"
-
-/* Errors in 8-bit levels: what measurement resolves (LEVELS_ERROR), and black for white. */
-#define LEVELS_MIN 1e-3
-#define LEVELS_MAX 255
-
-/* Parses RMS[,MAX]. */
-static int parse_rms_max(struct encoding_choices *choices, char *text, struct fault *fault)
+int encoding_error_take(void *choices, const char *option, const char *text, struct fault *fault)
 {
-	char *comma = strchr(text, ',');
-	int err = 0;
+	struct encoding_choices *c = choices;
+	double error[2] = {-1, -1};
+	const int count = option_reals(option, text, 1, 2, ENCODING_ERROR_MIN, ENCODING_ERROR_MAX,
+				       error, fault);
 
-	if (comma) {
-		*comma = '\0';
-		err = option_real("--error", comma + 1, LEVELS_MIN, LEVELS_MAX, &choices->max,
-				  fault);
-	}
-	return err ? err
-		   : option_real("--error", text, LEVELS_MIN, LEVELS_MAX, &choices->rms, fault);
-}
-
-int encoding_option_parse(struct encoding_choices *choices, int option, char *text,
-			  struct fault *fault)
-{
-	switch (option) {
-	case ENCODING_ERROR:
-		return parse_rms_max(choices, text, fault);
-	case ENCODING_CELL_ERROR:
-		return option_real("--cell-error", text, LEVELS_MIN, LEVELS_MAX, &choices->cell,
-				   fault);
-	case ENCODING_COLUMN_CUT:
-		return option_real("--column-cut", text, 0, 0.1, &choices->column_cut, fault);
-	case ENCODING_COARSE:
-		return option_int("--coarse", text, 1, DOME_FREQUENCY_MAX, &choices->coarse, fault);
-	default:
-		choices->exact = true;
-		return 0;
-	}
+	c->rms = error[0];
+	c->max = error[1];
+	return count < 0 ? count : 0;
 }
 
 void encoding_choices_apply(const struct encoding_choices *choices, struct encode_target *target,

@@ -6,28 +6,23 @@
 #include <stdbool.h>
 
 #include "bake/encode/encode.h"
-#include "hal/base/fault.h"
+#include "hal/optics/dome.h"
+#include "hal/options/options.h"
 
-enum encoding_option {
-	ENCODING_ERROR = 200, /* above the commands' own */
-	ENCODING_CELL_ERROR,
-	ENCODING_COLUMN_CUT,
-	ENCODING_COARSE,
-	ENCODING_EXACT
-};
+/* What errors may be, in 8-bit levels: what measurement resolves (LEVELS_ERROR), and black for
+ * white. */
+#define ENCODING_ERROR_MIN 1e-3
+#define ENCODING_ERROR_MAX 255
 
-/* Entries of getopt_long()'s table. */
-#define ENCODING_OPTIONS                                                                           \
-	{"error", required_argument, NULL, ENCODING_ERROR},                                        \
-		{"cell-error", required_argument, NULL, ENCODING_CELL_ERROR},                      \
-		{"column-cut", required_argument, NULL, ENCODING_COLUMN_CUT},                      \
-		{"coarse", required_argument, NULL, ENCODING_COARSE},                              \
-	{                                                                                          \
-		"exact", no_argument, NULL, ENCODING_EXACT                                         \
-	}
-
-#define ENCODING_USAGE                                                                             \
-	"[--error RMS[,MAX]] [--cell-error LEVELS] [--column-cut X] [--coarse F] [--exact]"
+/* Rows of a command whose AT(encoding) is a struct encoding_choices. */
+/* clang-format off */
+#define ENCODING_ROWS										   \
+	{"error", OPTION_OTHER, AT(encoding), .take = encoding_error_take},			   \
+	{"cell-error", OPTION_REAL, AT(encoding.cell), .min = ENCODING_ERROR_MIN, .max = ENCODING_ERROR_MAX},	   \
+	{"column-cut", OPTION_REAL, AT(encoding.column_cut), .max = 0.1},			   \
+	{"coarse", OPTION_INT, AT(encoding.coarse), .min = 1, .max = DOME_FREQUENCY_MAX},	   \
+	{"exact", OPTION_FLAG, AT(encoding.exact)}
+/* clang-format on */
 
 #define ENCODING_HELP                                                                              \
 	"  --error R[,M]   what the encoding may be off by under a sky, in each tile:\n"           \
@@ -50,9 +45,8 @@ struct encoding_choices {
 		.rms = -1, .max = -1, .cell = -1, .column_cut = -1, .coarse = -1                   \
 	}
 
-/* Parses one option and its argument; text is changed. -EINVAL. */
-int encoding_option_parse(struct encoding_choices *choices, int option, char *text,
-			  struct fault *fault);
+/* Reads RMS[,MAX] into a struct encoding_choices. -EINVAL. */
+int encoding_error_take(void *choices, const char *option, const char *text, struct fault *fault);
 
 /* Replaces settings by the options that were given. If an RMS error was given without a largest
  * one, target->max becomes 0, and the caller has to choose it. */

@@ -182,11 +182,6 @@ int export_blender(const struct scene *scene, const struct dome *dome, const cha
 	struct export_job job;
 	int err = check_camera(scene, fault);
 
-	if (dome->shape != DOME_CELLS)
-		return fault_say(
-			fault, -ENOTSUP,
-			"%s: the lights are tents, expected cells: Blender's job knows no others (--lights cells; --radiance takes tents)",
-			scene->path);
 	if (!err)
 		err = export_job_begin(&job, scene, dome, folder, true, fault);
 	if (err)

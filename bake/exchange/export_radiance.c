@@ -16,6 +16,9 @@
  * so write_makefile() scales it. */
 #define AMBIENT_PARTS 128
 
+#define RAYS 4	/* RAYS x RAYS a pixel: steps of 1/16 at an edge */
+#define SUNS 64 /* that make up a light */
+
 /* ---- lights ---- */
 
 /* Radical inverse of k in base 2. */
@@ -29,13 +32,13 @@ static double radical_inverse(unsigned k)
 }
 
 /*
- * Writes a light as suns at Hammersley's points, each with its share of the solid angle: spread
- * evenly in a cell, in proportion to the weight in a tent. Radiance samples every sun by itself, so
- * suns may overlap. It would sample a polygon as a square of the same area, and lose what misses
- * the polygon.
+ * Writes a light as suns at Hammersley's points, each with its share of the solid angle. Radiance
+ * samples every sun by itself, so suns may overlap. It would sample a polygon as a square of the
+ * same area, and lose what misses the polygon.
  */
-static int write_rad_light(const struct export_job *job, int light, int suns, struct fault *fault)
+static int write_rad_light(const struct export_job *job, int light, struct fault *fault)
 {
+	const double share = job->dome->solid_angle_sr[light] / SUNS;
 	struct output out;
 	char name[64];
 	int err;
@@ -45,15 +48,11 @@ static int write_rad_light(const struct export_job *job, int light, int suns, st
 	if (err)
 		return err;
 	fputs("void light cell 0 0 3 1 1 1\n", out.stream);
-	for (int k = 0; k < suns; k++) {
-		double d[3], share;
+	for (int k = 0; k < SUNS; k++) {
+		double d[3];
 
-		dome_light_sample(job->dome, light, (k + 0.5) / suns, radical_inverse((unsigned)k),
-				  d);
-		share = job->dome->shape == DOME_CELLS
-				? job->dome->solid_angle_sr[light] / suns
-				: dome_weight(job->dome, light, d) /
-					  (dome_light_density(job->dome, light, d) * suns);
+		dome_cell_sample(job->dome, light, (k + 0.5) / SUNS, radical_inverse((unsigned)k),
+				 d);
 		fprintf(out.stream, "cell source sun%d 0 0 4 %.9g %.9g %.9g %.9g\n", k, d[0], d[1],
 			d[2], 2 * acos(1 - share / (2 * M_PI)) * (180 / M_PI));
 	}
@@ -179,7 +178,7 @@ static int write_notes(const struct export_job *job, struct fault *fault)
 
 /* ---- how to render it ---- */
 
-static int write_makefile(const struct export_job *job, int rays, struct fault *fault)
+static int write_makefile(const struct export_job *job, struct fault *fault)
 {
 	const struct tsai_camera *camera = &job->scene->camera;
 	const char *standins = job->has_standins ? "standins.rtm" : "";
@@ -192,7 +191,7 @@ static int write_makefile(const struct export_job *job, int rays, struct fault *
 		return err;
 	export_job_import(job, "hdr", command, sizeof(command));
 	fprintf(out.stream, "WIDTH = %d\nHEIGHT = %d\nACROSS = %d\nDOWN = %d\n", camera->width,
-		camera->height, rays * camera->width, rays * camera->height);
+		camera->height, RAYS * camera->width, RAYS * camera->height);
 	fprintf(out.stream, "RESOLUTION = %.0f\n",
 		ceil(AMBIENT_PARTS * fmax(export_job_reach(job) / job->span, 1)));
 	fprintf(out.stream, "BOUNCES = %d\n", bounces < BOUNCES_MAX ? bounces : BOUNCES_MAX);
@@ -208,7 +207,7 @@ static int write_makefile(const struct export_job *job, int rays, struct fault *
 }
 
 int export_radiance(const struct scene *scene, const struct dome *dome, const char *folder,
-		    const struct export_radiance_settings *settings, struct fault *fault)
+		    struct fault *fault)
 {
 	struct export_job job;
 	int err = export_job_begin(&job, scene, dome, folder, false, fault);
@@ -223,11 +222,11 @@ int export_radiance(const struct scene *scene, const struct dome *dome, const ch
 	if (!err)
 		err = write_notes(&job, fault);
 	for (int i = 0; !err && i < dome->count; i++)
-		err = write_rad_light(&job, i, settings->suns, fault);
+		err = write_rad_light(&job, i, fault);
 	if (!err)
-		err = export_rays(&job, settings->rays, fault);
+		err = export_rays(&job, RAYS, fault);
 	if (!err)
-		err = write_makefile(&job, settings->rays, fault);
+		err = write_makefile(&job, fault);
 	export_job_end(&job);
 	return err;
 }

@@ -200,14 +200,13 @@ static int set_plan(struct import_job *job, const struct import_settings *settin
 	snprintf(plan->provenance, sizeof(plan->provenance),
 		 "program = inlay-bake %s\n"
 		 "%ssize = %d x %d\n"
-		 "dome = frequency %d, division %s, %d lights%s\n" PLAN_TARGET_LINE
+		 "dome = frequency %d, %d lights\n" PLAN_TARGET_LINE
 		 "column_cut = %.9g\ncoarse_lights = %u\n"
 		 "exact = %s\n",
 		 INLAY_VERSION, source->provenance, source->width, source->height,
-		 source->dome->frequency, dome_division_names[source->dome->division],
-		 source->dome->count, source->dome->shape == DOME_TENTS ? ", tents" : "",
-		 settings->target.rms, settings->target.max, settings->target.cell,
-		 plan->info.column_cut, plan->info.coarse, settings->exact ? "yes" : "no");
+		 source->dome->frequency, source->dome->count, settings->target.rms,
+		 settings->target.max, settings->target.cell, plan->info.column_cut,
+		 plan->info.coarse, settings->exact ? "yes" : "no");
 	return 0;
 }
 

@@ -18,115 +18,37 @@
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-enum {
-	OBJECT = 1,
-	GROUND,
-	ALONE,
-	COVERAGE,
-	MASK,
-	MSI,
-	RATE,
-	ANGLES,
-	TRANSFER,
-	SCALE,
-	RECEIVERS,
-	THREADS,
-	QUIET
-};
-
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	{"object", required_argument, NULL, OBJECT},
-	{"ground", required_argument, NULL, GROUND},
-	{"alone", required_argument, NULL, ALONE},
-	{"coverage", required_argument, NULL, COVERAGE},
-	{"mask", required_argument, NULL, MASK},
-	{"msi", required_argument, NULL, MSI},
-	{"rate", required_argument, NULL, RATE},
-	{"angles", required_argument, NULL, ANGLES},
-	{"transfer", required_argument, NULL, TRANSFER},
-	{"scale", required_argument, NULL, SCALE},
-	{"receivers", required_argument, NULL, RECEIVERS},
-	{"threads", required_argument, NULL, THREADS},
-	{"quiet", no_argument, NULL, QUIET},
-	ENCODING_OPTIONS,
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct import_choices {
 	const char *output, *msi, *angles;
 	struct import_pictures_settings pictures;
-	int transfer, receivers;
 	bool of_pictures; /* options of pictures alone were given */
 	double rate;	  /* 0: not given */
 	struct encoding_choices encoding;
 	struct import_settings import;
 };
 
-static int take_pictures(struct import_choices *c, int option, struct fault *fault)
-{
-	c->of_pictures = true;
-	switch (option) {
-	case OBJECT:
-		c->pictures.object = optarg;
-		return picture_pattern_check(optarg, "--object", fault);
-	case GROUND:
-		c->pictures.ground = optarg;
-		return picture_pattern_check(optarg, "--ground", fault);
-	case ALONE:
-		c->pictures.alone = optarg;
-		return picture_pattern_check(optarg, "--alone", fault);
-	case COVERAGE:
-		c->pictures.coverage = optarg;
-		return 0;
-	case MASK:
-		c->pictures.mask = optarg;
-		return 0;
-	case TRANSFER:
-		return option_choice("--transfer", optarg, transfer_names, &c->transfer, fault);
-	case SCALE:
-		return option_real("--scale", optarg, 1e-12, 1e12, &c->pictures.scale, fault);
-	default:
-		return option_choice("--receivers", optarg, import_receivers_names, &c->receivers,
-				     fault);
-	}
-}
+#define AT(field) .place = offsetof(struct import_choices, field)
+#define OF_PICTURES .given = offsetof(struct import_choices, of_pictures)
 
-static int import_command_take(void *choices, int option, struct fault *fault)
-{
-	struct import_choices *c = choices;
-
-	switch (option) {
-	case 'o':
-		c->output = optarg;
-		return 0;
-	case OBJECT:
-	case GROUND:
-	case ALONE:
-	case COVERAGE:
-	case MASK:
-	case TRANSFER:
-	case SCALE:
-	case RECEIVERS:
-		return take_pictures(c, option, fault);
-	case MSI:
-		c->msi = optarg;
-		return 0;
-	case RATE:
-		return option_real("--rate", optarg, 1e-9, 1e9, &c->rate, fault);
-	case ANGLES:
-		c->angles = optarg;
-		return 0;
-	case THREADS:
-		return option_int("--threads", optarg, 1, 1024, &c->import.threads, fault);
-	case QUIET:
-		c->import.quiet = true;
-		return 0;
-	default:
-		return encoding_option_parse(&c->encoding, option, optarg, fault);
-	}
-}
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(output)},
+	{"object", OPTION_OTHER, AT(pictures.object), .take = picture_pattern_take, OF_PICTURES},
+	{"ground", OPTION_OTHER, AT(pictures.ground), .take = picture_pattern_take, OF_PICTURES},
+	{"alone", OPTION_OTHER, AT(pictures.alone), .take = picture_pattern_take, OF_PICTURES},
+	{"coverage", OPTION_TEXT, AT(pictures.coverage), OF_PICTURES},
+	{"mask", OPTION_TEXT, AT(pictures.mask), OF_PICTURES},
+	{"msi", OPTION_TEXT, AT(msi)},
+	{"rate", OPTION_REAL, AT(rate), .min = 1e-9, .max = 1e9},
+	{"angles", OPTION_TEXT, AT(angles)},
+	{"transfer", OPTION_CHOICE, AT(pictures.transfer), .choices = transfer_names, OF_PICTURES},
+	{"scale", OPTION_REAL, AT(pictures.scale), .min = 1e-12, .max = 1e12, OF_PICTURES},
+	{"receivers", OPTION_CHOICE, AT(pictures.receivers), .choices = import_receivers_names,
+	 OF_PICTURES},
+	{"threads", OPTION_INT, AT(import.threads), .min = 1, .max = 1024},
+	{"quiet", OPTION_FLAG, AT(import.quiet)},
+	ENCODING_ROWS,
+	{.name = NULL},
+};
 
 static int import_pictures(const struct import_choices *c, const struct dome *dome,
 			   const int *place, struct assembly_report *report, struct fault *fault)
@@ -138,8 +60,6 @@ static int import_pictures(const struct import_choices *c, const struct dome *do
 
 	if (!folder)
 		return fault_say(fault, -ENOMEM, "out of memory");
-	settings.transfer = (enum transfer)c->transfer;
-	settings.receivers = (enum import_receivers)c->receivers;
 	settings.folder = dirname(folder);
 	settings.quiet = c->import.quiet;
 	err = import_pictures_read(&pictures, dome, place, &settings, fault);
@@ -247,12 +167,12 @@ static const char *wrong_usage(const struct import_choices *c)
 	return NULL;
 }
 
-static int import_command_run(const struct bake_command *command, int argc, char **argv)
+static int import_command_run(const struct command *command, int argc, char **argv)
 {
 	struct import_choices c = {.pictures = {.scale = 1}, .encoding = ENCODING_UNCHOSEN};
 	struct fault fault = {.text = ""};
 	struct assembly_report report;
-	const int status = command_options(command, argc, argv, options, import_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -268,14 +188,11 @@ static int import_command_run(const struct bake_command *command, int argc, char
 	return assembly_conclude(&report.miss, c.output);
 }
 
-const struct bake_command import_command = {
+const struct command import_command = {
 	.name = "import",
 	.usage =
-		"--angles A.txt -o OUT.inlay\n"
-		"           (--object 'o%03d.hdr' --ground 'g%03d.hdr' [--alone 'a%03d.hdr'] (--coverage C.png | --mask M.png) |\n"
-		"            --msi F.msi [--rate R])\n"
-		"           [--transfer T] [--scale X] [--receivers auto|flat|own]\n"
-		"           " ENCODING_USAGE " [--threads T] [--quiet]",
+		"--angles A.txt -o OUT.inlay [options]\n"
+		"           (--object 'o%03d.hdr' --ground 'g%03d.hdr' (--coverage C.png | --mask M.png) | --msi F.msi)",
 	.summary = "make a basis of other renderers' pictures, or of an .msi",
 	.help = "\n"
 		"  --angles FILE       the lights, one a line: theta phi in radians, a dome's in any order\n"

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/exchange/import_fit.h"
 #include "hal/base/log.h"
 
 /* The ground is flat if the means over parts of the picture differ by less than FLAT_SPREAD from
@@ -294,8 +293,6 @@ int import_judge(struct import_pictures *p, const struct import_pictures_setting
 		err = check_flat_ground(p, settings->ground, fault);
 	if (!err && p->dome->count >= LIGHTS_LEAST)
 		err = check_order(p, settings->object, fault);
-	if (!err)
-		err = import_fit_check(p, settings, fault);
 	if (!err)
 		warn_no_object(p, settings);
 	return err;

@@ -10,8 +10,6 @@
  * Sets pictures->flat and pictures->ground. -EINVAL, and the fault says what to look at:
  *     - pictures of ground and objects are interchanged, or the coverage is inverted, as far as the
  *       ground gets brighter by it;
- *     - they are interchanged, or the coverage is inverted or mirrored, as edges and light show
- *       (import_fit.h);
  *     - pictures of the objects alone show more than the objects;
  *     - flat ground does not have the light that cells of radiance 1 give;
  *     - pictures resemble those of distant lights more than those of neighbours.

@@ -13,6 +13,7 @@
 #include "hal/base/output.h"
 
 #define INTS 3
+#define LONG_BYTES 8 /* as written: of a long of today's Linux */
 #define ALBEDO 0.5   /* assumed for flat ground, which the file does not tell */
 #define FLAT_BYTES 2 /* tolerance for the rounding of two bytes and of their scale */
 
@@ -304,17 +305,18 @@ void msi_fill(const void *context, struct import_tile *tile)
 
 /* ---- writing ---- */
 
-static void put_number(FILE *to, uint64_t value, int bytes, bool big_endian)
+/* Puts a number in the byte order of most machines, little-endian. */
+static void put_number(FILE *to, uint64_t value, int bytes)
 {
 	for (int k = 0; k < bytes; k++)
-		putc((int)(value >> 8 * (big_endian ? bytes - 1 - k : k) & 255), to);
+		putc((int)(value >> 8 * k & 255), to);
 }
 
 int msi_write(const char *path, const struct thesis *thesis, int width, int height, int lights,
-	      const struct msi_variant *variant, struct fault *fault)
+	      struct fault *fault)
 {
 	struct output out = {.stream = NULL};
-	uint64_t bytes = header_bytes(variant);
+	uint64_t bytes = INTS * 4 + LONG_BYTES;
 	const uint8_t *row;
 	int err = output_open(&out, path, fault);
 
@@ -323,16 +325,10 @@ int msi_write(const char *path, const struct thesis *thesis, int width, int heig
 	for (int p = 0; p < width * height; p++)
 		bytes += 1 +
 			 3 * (uint64_t)lights * thesis_pixel(thesis, p % width, p / width, &row);
-	if (variant->long_bytes == 4 && bytes > INT32_MAX) {
-		output_abandon(&out);
-		return fault_say(fault, -EFBIG,
-				 "%s: %.1f GB are too many for a long of 4 bytes, expected 8", path,
-				 (double)bytes / 1e9);
-	}
-	put_number(out.stream, (uint64_t)width, 4, variant->big_endian);
-	put_number(out.stream, (uint64_t)height, 4, variant->big_endian);
-	put_number(out.stream, (uint64_t)lights, 4, variant->big_endian);
-	put_number(out.stream, bytes, variant->long_bytes, variant->big_endian);
+	put_number(out.stream, (uint64_t)width, 4);
+	put_number(out.stream, (uint64_t)height, 4);
+	put_number(out.stream, (uint64_t)lights, 4);
+	put_number(out.stream, bytes, LONG_BYTES);
 	for (int p = 0; p < width * height; p++) {
 		const enum thesis_role role = thesis_pixel(thesis, p % width, p / width, &row);
 

@@ -60,9 +60,8 @@ void msi_fill(const void *context, struct import_tile *tile);
 
 /* ---- writing ---- */
 
-/* Writes a basis as the thesis's program reads it. -EFBIG: it is too large for a long of 4
- * bytes. */
+/* Writes a basis as the thesis's program reads it, little-endian with a long of 8 bytes. */
 int msi_write(const char *path, const struct thesis *thesis, int width, int height, int lights,
-	      const struct msi_variant *variant, struct fault *fault);
+	      struct fault *fault);
 
 #endif

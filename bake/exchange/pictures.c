@@ -14,11 +14,12 @@ static const char *number_end(const char *text)
 	return *text == 'd' ? text + 1 : NULL;
 }
 
-int picture_pattern_check(const char *pattern, const char *option, struct fault *fault)
+int picture_pattern_take(void *pattern, const char *option, const char *text, struct fault *fault)
 {
 	int count = 0;
 
-	for (const char *at = strchr(pattern, '%'); at; at = strchr(at, '%')) {
+	*(const char **)pattern = text;
+	for (const char *at = strchr(text, '%'); at; at = strchr(at, '%')) {
 		const char *end = number_end(at + 1);
 
 		if (!end || end - at > 4) /* "%03d": no widths of hundreds */
@@ -31,7 +32,7 @@ int picture_pattern_check(const char *pattern, const char *option, struct fault 
 		       : fault_say(
 				 fault, -EINVAL,
 				 "%s: \"%s\", expected a name with one number, such as o%%03d.hdr",
-				 option, pattern);
+				 option, text);
 }
 
 int picture_name(const char *pattern, int number, char *name, size_t room)

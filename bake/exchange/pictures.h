@@ -7,9 +7,9 @@
 
 #include "hal/base/fault.h"
 
-/* Checks that the pattern has exactly one %d, perhaps with a width (%03d, %4d); else -EINVAL.
- * option: name of the option, for the fault. */
-int picture_pattern_check(const char *pattern, const char *option, struct fault *fault);
+/* Takes an option (options.h): a pattern with exactly one %d, perhaps with a width (%03d, %4d);
+ * else -EINVAL. */
+int picture_pattern_take(void *pattern, const char *option, const char *text, struct fault *fault);
 
 /* Writes the name of a picture. The pattern must have been checked. -ENAMETOOLONG. */
 int picture_name(const char *pattern, int number, char *name, size_t room);

@@ -16,21 +16,6 @@
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-enum { OBJECT = 1, GROUND, ALONE, COVERAGE, SIZE, POSE };
-
-static const struct option options[] = {
-	{"object", required_argument, NULL, OBJECT},
-	{"ground", required_argument, NULL, GROUND},
-	{"alone", required_argument, NULL, ALONE},
-	{"coverage", required_argument, NULL, COVERAGE},
-	LIGHTS_OPTIONS,
-	TRUTH_OPTIONS,
-	{"size", required_argument, NULL, SIZE},
-	{"pose", required_argument, NULL, POSE},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct pictures_choices {
 	const char *object, *ground, *alone, *coverage, *pose;
 	struct scene_lights lights;
@@ -38,37 +23,19 @@ struct pictures_choices {
 	struct truth_settings truth;
 };
 
-static int pictures_command_take(void *choices, int option, struct fault *fault)
-{
-	struct pictures_choices *c = choices;
+#define AT(field) .place = offsetof(struct pictures_choices, field)
 
-	switch (option) {
-	case OBJECT:
-		c->object = optarg;
-		return picture_pattern_check(optarg, "--object", fault);
-	case GROUND:
-		c->ground = optarg;
-		return picture_pattern_check(optarg, "--ground", fault);
-	case ALONE:
-		c->alone = optarg;
-		return picture_pattern_check(optarg, "--alone", fault);
-	case COVERAGE:
-		c->coverage = optarg;
-		return 0;
-	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
-	case LIGHTS_FINE:
-		return lights_option_take(&c->lights, option, optarg, fault);
-	case SIZE:
-		return option_size("--size", optarg, &c->width, &c->height, fault);
-	case POSE:
-		c->pose = optarg;
-		return 0;
-	default:
-		return truth_option_take(&c->truth, option, optarg, fault);
-	}
-}
+static const struct option_row options[] = {
+	{"object", OPTION_OTHER, AT(object), .take = picture_pattern_take},
+	{"ground", OPTION_OTHER, AT(ground), .take = picture_pattern_take},
+	{"alone", OPTION_OTHER, AT(alone), .take = picture_pattern_take},
+	{"coverage", OPTION_TEXT, AT(coverage)},
+	LIGHTS_ROWS,
+	TRUTH_ROWS,
+	{"size", OPTION_SIZE, AT(width)},
+	{"pose", OPTION_TEXT, AT(pose)},
+	{.name = NULL},
+};
 
 static int write_numbered(const char *pattern, int number, const struct image *picture,
 			  struct fault *fault)
@@ -167,12 +134,12 @@ static int run_pictures(const char *path, const struct pictures_choices *c, stru
 	return err;
 }
 
-static int pictures_command_run(const struct bake_command *command, int argc, char **argv)
+static int pictures_command_run(const struct command *command, int argc, char **argv)
 {
-	struct pictures_choices c = {.lights = {-1, -1, -1, NULL},
+	struct pictures_choices c = {.lights = {.frequency = -1},
 				     .truth = {.samples = 64, .seed = 1}};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, pictures_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -187,19 +154,15 @@ static int pictures_command_run(const struct bake_command *command, int argc, ch
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command pictures_command = {
+const struct command pictures_command = {
 	.name = "pictures",
-	.usage =
-		"SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm\n"
-		"           [--alone 'a%03d.pfm'] [--frequency F] [--division D] [--lights L] [--samples S] [--size WxH] [--pose P]\n"
-		"           [--seed K] [--threads T] [--quiet]",
+	.usage = "SCENE --object 'o%03d.pfm' --ground 'g%03d.pfm' --coverage C.pfm [options]",
 	.summary = "path trace the scene under each light alone, for import",
 	.help = "\n  --object PATTERN    objects and ground, one picture a light, from 0\n"
 		"  --ground PATTERN    ground alone\n"
 		"  --alone PATTERN     what is seen of the objects, over black\n"
 		"  --coverage FILE     the objects' share of each pixel\n"
 		"  --frequency F       of the dome; default: as the scene says\n"
-		"  --division D        angles or chords\n  --lights L          cells or tents\n"
 		"  --fine PARTS        where lights are finer: a file or a list (inlay-scene(5))\n"
 		"  --samples S         a pixel; 64\n  --size WxH          of the pictures\n"
 		"  --pose P            of the scene: number, from 0, or name; 0\n"

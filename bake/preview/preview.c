@@ -92,14 +92,13 @@ static int paint_lights(const struct dome *dome, float (*radiance)[3], struct im
 	for (int y = 0; y < SKY_WIDTH / 4; y++)
 		for (int x = 0; x < SKY_WIDTH; x++) {
 			float *texel = picture->f32 + 3 * (y * SKY_WIDTH + x);
-			double d[3], weight[3];
-			int light[3], count;
+			double d[3];
+			int cell;
 
 			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
-			count = dome_weights(dome, d, light, weight);
-			for (int k = 0; k < count; k++)
-				for (int c = 0; c < 3; c++)
-					texel[c] += (float)weight[k] * radiance[light[k]][c];
+			cell = dome_cell_of(dome, d);
+			for (int c = 0; cell >= 0 && c < 3; c++)
+				texel[c] = radiance[cell][c];
 		}
 	return 0;
 }
@@ -109,7 +108,6 @@ static int sample_fisheye(const char *path, const struct config_fisheye *fisheye
 			  const struct dome *dome, float (*radiance)[3], struct fault *fault)
 {
 	struct light_sampler_settings settings = {
-		.estimator = (enum light_estimator)fisheye->estimator,
 		.curve = config_fisheye_curve(fisheye),
 		.gain = response_gain(&fisheye->measured, fisheye->gain),
 	};
@@ -149,7 +147,7 @@ static int sample_fisheye(const char *path, const struct config_fisheye *fisheye
 static int preview_read_light(struct preview *p, struct fault *fault)
 {
 	const struct preview_settings *s = p->settings;
-	const struct scene_lights lights = {s->frequency, -1, -1, NULL};
+	const struct scene_lights lights = {.frequency = s->frequency};
 	const char *path = s->lights ? s->lights : s->fisheye;
 	float(*radiance)[3];
 	struct dome dome;

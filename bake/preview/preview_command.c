@@ -73,7 +73,7 @@ static int preview_watch(const struct preview_settings *settings)
 	return EXIT_FAILURE;
 }
 
-static int preview_command_run(const struct bake_command *command, int argc, char **argv)
+static int preview_command_run(const struct command *command, int argc, char **argv)
 {
 	struct preview_choices c = {.preview = {.frequency = -1, .exposure = 1}};
 	struct fault fault = {.text = ""};
@@ -101,11 +101,9 @@ static int preview_command_run(const struct bake_command *command, int argc, cha
 	return c.watch ? preview_watch(&c.preview) : preview_once(&c.preview);
 }
 
-const struct bake_command preview_command = {
+const struct command preview_command = {
 	.name = "preview",
-	.usage = "SCENE --background IMG -o OUT.png [--watch] [--config KIOSK.conf]\n"
-		 "           [--lights FILE | --fisheye IMG] [--frequency F] [--exposure E]\n"
-		 "           [--samples S] [--pose P] [--threads T] [--quiet]",
+	.usage = "SCENE --background IMG -o OUT.png [options]",
 	.summary = "show the object in a photograph of the place, within seconds",
 	.help = "\n"
 		"  --background IMG  what the camera sees: upright, as inlay grab takes it, and of\n"

@@ -3,14 +3,15 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/report/report_parts.h"
 #include "bake/report/report_sky.h"
-#include "hal/base/input.h"
-#include "hal/compositor/kernels/kernels.h"
+#include "hal/base/log.h"
+#include "hal/measure/lightings.h"
 
 /* Defaults. With them a report takes minutes on two cores; bake/README.md says how many. */
 #define WIDTH 96
@@ -28,12 +29,36 @@ static const int frequencies[] = {1, 2, 3, 4, 6, 9, 18, 36};
 #define LEAST_FREQUENCY 4
 #define MOST_FREQUENCY 18
 
+/* What the errors asked for are multiplied by. */
+static const double errors[] = {0.5, 2, 4};
+
+#define FEWER 4 /* factor between the samples of the setting in use and of the last bake */
+
+/* The last bake is looked at in its exact layer alone, so its encoding may be coarser; but not
+ * much, as the error that is asked for also decides which dim pixels are left out. */
+#define COARSER 2
+
+#define COUNT(array) (sizeof(array) / sizeof(*(array)))
+
 static int given_or(int value, int usual)
 {
 	return value > 0 ? value : usual;
 }
 
-/* ---- surroundings and bakes ---- */
+static void __attribute__((format(printf, 2, 3)))
+say_step(const struct report *r, const char *format, ...)
+{
+	char text[256];
+	va_list list;
+
+	va_start(list, format);
+	vsnprintf(text, sizeof(text), format, list);
+	va_end(list);
+	if (!r->settings->quiet)
+		log_info("%s", text);
+}
+
+/* ---- surroundings ---- */
 
 static int open_lightings(struct report *r)
 {
@@ -43,73 +68,209 @@ static int open_lightings(struct report *r)
 	while (!s->panoramas && report_sky_names[count])
 		count++;
 	for (int k = 0; !err && k < count; k++) {
-		const struct report_lighting_settings lighting = {
-			.path = s->panorama[k],
-			.made = k,
-			.fisheye_side = FISHEYE_SIDE,
-			.truth_samples = given_or(s->truth_samples, TRUTH_SAMPLES),
-			.threads = r->threads,
-			.seed = SEED,
-			.quiet = s->quiet};
+		const struct report_lighting_settings lighting = {.path = s->panorama[k],
+								  .made = k,
+								  .fisheye_side = FISHEYE_SIDE,
+								  .truth_samples = r->truth_samples,
+								  .threads = r->threads,
+								  .seed = SEED,
+								  .quiet = s->quiet};
 
-		report_step(r, "surrounding %d of %d", k + 1, count);
+		say_step(r, "surrounding %d of %d", k + 1, count);
 		r->stage.lightings = k + 1;
 		err = report_lighting_open(&r->stage.lighting[k], r->scene, &lighting, r->fault);
 	}
 	return err;
 }
 
-/* Fills `to` with the dome frequencies to try, ascending, with that of the setting in use among
- * them. Returns their number. */
-static int choose_frequencies(const struct report *r, int *to)
+/* ---- bakes ---- */
+
+/* Plans a bake like that of the setting in use; the caller changes what differs. */
+static struct report_bake *plan_bake(struct report *r)
+{
+	struct report_bake *bake = &r->bake[r->bakes++];
+
+	bake->settings = r->bake[0].settings;
+	return bake;
+}
+
+static void multiply_target(struct encode_target *target, double factor)
+{
+	target->rms *= factor;
+	target->max *= factor;
+	target->cell *= factor;
+}
+
+static void plan_bakes(struct report *r)
 {
 	const struct report_settings *s = r->settings;
 	const int most = given_or(s->most_frequency, MOST_FREQUENCY);
 	const int least = most < LEAST_FREQUENCY ? 1 : LEAST_FREQUENCY;
-	const int used = r->render.frequency;
-	bool there = false;
-	int count = 0;
+	struct render_settings *used = &r->bake[0].settings;
+	struct report_bake *bake;
 
-	for (size_t k = 0; k < sizeof(frequencies) / sizeof(*frequencies); k++) {
+	*used = render_settings_of(r->scene);
+	used->samples = given_or(s->samples, SAMPLES);
+	used->noise_levels = 0;
+	used->threads = r->threads;
+	used->exact = true;
+	used->pose = s->pose;
+	used->quiet = s->quiet;
+	snprintf(plan_bake(r)->name, sizeof(r->bake[0].name), "in use");
+	for (size_t k = 0; k < COUNT(frequencies); k++) {
 		const int f = frequencies[k];
 
-		if (!there && used <= f) {
-			to[count++] = used;
-			there = true;
-		}
-		if (f >= least && f <= most && f != used)
-			to[count++] = f;
+		if (f < least || f > most || f == used->frequency)
+			continue;
+		bake = plan_bake(r);
+		bake->settings.frequency = f;
+		bake->settings.fine = NULL; /* beside whole domes */
+		if (bake->settings.coarse > f)
+			bake->settings.coarse = 0;
+		snprintf(bake->name, sizeof(bake->name), "frequency = %d", f);
 	}
-	if (!there)
-		to[count++] = used;
-	return count;
+	for (size_t k = 0; k < COUNT(errors); k++) {
+		bake = plan_bake(r);
+		bake->settings.exact = false;
+		multiply_target(&bake->settings.target, errors[k]);
+		snprintf(bake->name, sizeof(bake->name), "error = %.4g, cell_error = %.4g",
+			 bake->settings.target.rms, bake->settings.target.cell);
+	}
+	bake = plan_bake(r);
+	bake->settings.samples = used->samples > FEWER ? used->samples / FEWER : 1;
+	bake->settings.seed = used->seed < 1 << 30 ? used->seed + 1 : 0;
+	multiply_target(&bake->settings.target, COARSER);
+	snprintf(bake->name, sizeof(bake->name), "samples = %d", bake->settings.samples);
 }
 
 static int make_bakes(struct report *r)
 {
-	int frequency[REPORT_SWEEP_MAX];
-	const int count = choose_frequencies(r, frequency);
 	int err = 0;
 
-	for (int k = 0; !err && k < count; k++) {
-		struct render_settings settings = r->render;
-
-		settings.frequency = frequency[k];
-		if (frequency[k] != r->render.frequency)
-			settings.fine = NULL; /* beside whole domes */
-		if (settings.coarse > settings.frequency)
-			settings.coarse = 0;
-		report_step(r, "bake of frequency %d", frequency[k]);
-		r->bakes = k + 1;
-		err = report_bake_make(&r->bake[k], r->scene, &settings, r->page.temporary,
-				       r->fault);
-		if (frequency[k] == r->render.frequency)
-			r->used = &r->bake[k];
+	plan_bakes(r);
+	for (int k = 0; !err && k < r->bakes; k++) {
+		say_step(r, "bake %d of %d: %s", k + 1, r->bakes, r->bake[k].name);
+		err = report_bake_make(&r->bake[k], r->scene, &r->bake[0], &r->stage,
+				       r->page.temporary, r->fault);
 	}
 	return err;
 }
 
-static int report_open_scene(struct report *r)
+/* ---- noise ---- */
+
+/* Mean square difference of two pictures over the pixels of the scope. */
+static double pictures_differ(const struct scope *scope, const double *a, const double *b)
+{
+	double sum = 0;
+
+	for (size_t at = 0; at < (size_t)scope->width * (size_t)scope->height; at++)
+		for (size_t c = 3 * at; scope->pixel[at] != SCOPE_UNTOUCHED && c < 3 * at + 3; c++)
+			sum += (a[c] - b[c]) * (a[c] - b[c]);
+	return sum / fmax(3.0 * (double)(scope->objects + scope->shadows), 1);
+}
+
+/*
+ * With S and s samples and independent random numbers, pictures differ by
+ *     difference^2 = noise^2 (1 + S / s)        noise: of S samples
+ * The truth is the mean of two halves, and has half the noise by which they differ.
+ */
+static void measure_noise(struct report *r)
+{
+	const struct report_bake *used = &r->bake[0], *fewer = &r->bake[r->bakes - 1];
+	const double share = (double)used->settings.samples / fewer->settings.samples;
+	double truth = 0, bake = 0;
+
+	for (int l = 0; l < r->stage.lightings; l++) {
+		struct report_lighting *at = &r->stage.lighting[l];
+
+		at->bake_noise =
+			sqrt(pictures_differ(&r->scope, used->precise[l], fewer->precise[l]) /
+			     (1 + share));
+		at->truth_noise = sqrt(pictures_differ(&r->scope, at->half[0], at->half[1]) / 4);
+		bake += at->bake_noise * at->bake_noise / r->stage.lightings;
+		truth += at->truth_noise * at->truth_noise / r->stage.lightings;
+	}
+	r->bake_noise = sqrt(bake);
+	r->truth_noise = sqrt(truth);
+}
+
+/* ---- ways ---- */
+
+/* Adds a trial of a bake: means over cells, no threshold, fast mode, the file's cut. */
+static struct report_trial *add_trial(struct report *r, const struct report_bake *bake,
+				      const char *name)
+{
+	struct report_trial *trial = &r->trial[r->trials++];
+
+	*trial = (struct report_trial){.bake = bake,
+				       .threshold_mode = THRESHOLD_AMBIENT,
+				       .mode = COMPOSITOR_FAST,
+				       .column_cut = bake->basis.info.column_cut};
+	snprintf(trial->name, sizeof(trial->name), "%s", name);
+	return trial;
+}
+
+/* Those that need no other bake. */
+static void add_other_ways(struct report *r)
+{
+	static const double cuts[] = {0, 0.25, 4, 16}; /* times the file's own */
+	static const struct {
+		const char *name;
+		double level, share;
+		enum threshold_mode mode;
+	} thresholds[] = {
+		{"threshold = 0.1%", 0, 0.001, THRESHOLD_AMBIENT},
+		{"threshold = 1%", 0, 0.01, THRESHOLD_AMBIENT},
+		{"threshold = 5%", 0, 0.05, THRESHOLD_AMBIENT},
+		{"threshold = 48", 48, 0, THRESHOLD_AMBIENT},
+		{"threshold = 128", 128, 0, THRESHOLD_AMBIENT},
+		{"threshold = 208", 208, 0, THRESHOLD_AMBIENT},
+		{"threshold = 48, threshold_mode = drop", 48, 0, THRESHOLD_DROP},
+		{"threshold = 128, threshold_mode = drop", 128, 0, THRESHOLD_DROP},
+		{"threshold = 208, threshold_mode = drop", 208, 0, THRESHOLD_DROP},
+	};
+	const struct report_bake *used = &r->bake[0];
+	const double own = used->basis.info.column_cut;
+	struct report_trial *trial;
+	char name[64];
+
+	for (size_t k = 0; k < COUNT(cuts); k++) {
+		/* of a thousandth where nothing is cut; at most what a scene may ask for */
+		const double cut = fmin(cuts[k] * (own > 0 ? own : 1e-3), 0.1);
+
+		snprintf(name, sizeof(name), "column_cut = %.2g", cut);
+		add_trial(r, used, name)->column_cut = cut;
+	}
+	for (size_t k = 0; k < COUNT(thresholds); k++) {
+		trial = add_trial(r, used, thresholds[k].name);
+		trial->threshold = transfer_decode(TRANSFER_SRGB, thresholds[k].level / 255);
+		trial->budget = thresholds[k].share;
+		trial->threshold_mode = thresholds[k].mode;
+	}
+}
+
+static int try_all(struct report *r)
+{
+	if (scope_create(&r->scope, &r->bake[0].basis, &r->bake[0].basis.poses[0].exact))
+		return fault_say(r->fault, -ENOMEM, "not enough memory");
+	measure_noise(r);
+	for (int k = 0; k < r->bakes - 1; k++)
+		add_trial(r, &r->bake[k], r->bake[k].name);
+	for (int k = 0; k < r->bakes; k++) {
+		char name[64];
+
+		snprintf(name, sizeof(name), "%s, exact layer", r->bake[k].name);
+		if (r->bake[k].settings.exact)
+			add_trial(r, &r->bake[k], name)->mode = COMPOSITOR_EXACT;
+	}
+	add_other_ways(r);
+	say_step(r, "times and errors of %d ways", r->trials);
+	return report_trials_run(r->trial, r->trials, &r->stage, &r->scope, r->fault);
+}
+
+/* ---- the whole ---- */
+
+static int report_make(struct report *r)
 {
 	const struct report_settings *s = r->settings;
 	int err = scene_open(&r->scene, s->input, given_or(s->width, WIDTH),
@@ -121,154 +282,32 @@ static int report_open_scene(struct report *r)
 		return err;
 	r->stage.width = r->scene->camera.width;
 	r->stage.height = r->scene->camera.height;
-	r->render = render_settings_of(r->scene);
-	r->render.samples = given_or(s->samples, SAMPLES);
-	r->render.noise_levels = 0;
-	r->render.threads = r->threads;
-	r->render.exact = true;
-	r->render.pose = s->pose;
-	r->render.quiet = s->quiet;
 	r->stage.repeat = given_or(s->repeat, REPEAT);
-	return 0;
-}
-
-/* The steps that report_step() will log: what takes long. */
-static int count_steps(const struct report *r)
-{
-	const struct report_settings *s = r->settings;
-	int frequency[REPORT_SWEEP_MAX];
-	int steps = 1 + s->panoramas;
-
-	while (!s->panoramas && report_sky_names[steps - 1])
-		steps++;
-	return steps + choose_frequencies(r, frequency) + 1 + report_error_bakes();
-}
-
-static int report_open_all(struct report *r)
-{
-	int err = report_open_scene(r);
-
-	if (err)
-		return err;
-	r->steps = count_steps(r);
+	r->truth_samples = given_or(s->truth_samples, TRUTH_SAMPLES);
 	err = open_lightings(r);
 	if (!err)
 		err = make_bakes(r);
-	if (!err && scope_create(&r->scope, &r->used->basis, report_bake_layer(r->used)))
-		err = fault_say(r->fault, -ENOMEM, "not enough memory");
 	if (!err)
-		err = report_samples_measure(r);
-	r->advised_frequency = r->render.frequency;
-	return err;
-}
-
-/* ---- the page ---- */
-
-static void processor_name(char *name, size_t room)
-{
-	FILE *file = fopen("/proc/cpuinfo", "r");
-	char line[256];
-
-	snprintf(name, room, "a processor without a name");
-	while (file && fgets(line, sizeof(line), file)) {
-		const char *colon = strchr(line, ':');
-
-		if (strncmp(line, "model name", 10) != 0 || !colon)
-			continue;
-		line[strcspn(line, "\n")] = '\0';
-		snprintf(name, room, "%s", colon + 2);
-		break;
-	}
-	if (file)
-		fclose(file);
-}
-
-static int show_method(struct report *r)
-{
-	const struct report_settings *s = r->settings;
-	const double waited = r->stage.timed_ns > r->stage.ran_ns
-				      ? 100 - 100 * (double)r->stage.ran_ns /
-							(double)r->stage.timed_ns
-				      : 0;
-	char processor[200];
-
-	processor_name(processor, sizeof(processor));
-	report_heading(r->page.body, "How was it measured?");
-	report_paragraph(
-		r->page.body,
-		"inlay-bake %s on %s, kernel %s. Pictures of %d x %d pixels; %ld of them "
-		"changed by the object, of which %ld show shadow alone; times grow with that number.%s%s%s",
-		INLAY_VERSION, processor, kernels_choose(NULL)->name, r->stage.width,
-		r->stage.height, r->scope.objects + r->scope.shadows, r->scope.shadows,
-		s->pose ? " Of the scene's poses it is " : "", s->pose ? s->pose : "",
-		s->pose ? "." : "");
-	report_paragraph(
-		r->page.body,
-		"Times are medians of %d frames under each surrounding, with their quartiles: half "
-		"of the frames took a time between these. All ways of a "
-		"section take turns, each after frames that do not count, with one thread: a time "
-		"is that which it had of the processor (%.0f %% of the time it had to wait for "
-		"it). Times whose quartiles overlap, or whose medians are within 5 %%, count as equal.",
-		r->stage.repeat, waited);
-	report_paragraph(
-		r->page.body,
-		"Errors are in 8-bit sRGB levels over the pixels that the object changes. "
-		"RMS and PSNR are over all surroundings' pixels, the largest is of all, and "
-		"shadow is the mean error of the shadow's ratio, weighted by the light "
-		"behind it. Double precision is not rounded: 8 bits alone are 0.29 levels, 58.9 dB. PSNR and the surroundings' own figures are in the CSV files.");
-	report_paragraph(
-		r->page.body,
-		"Truth is path traced without lights, basis or compositor, %d samples a "
-		"pixel in two halves, whose difference tells its noise: %.2g levels. RMS "
-		"and PSNR are without that noise, the largest error holds it. Bakes have "
-		"%d samples a pixel and a noise of %.2g levels in these surroundings, "
-		"measured between two bakes with different random numbers. Errors count "
-		"as equal if their squares differ by no more than the square of the noise "
-		"that the advised samples leave (%.2g levels), plus what truth and bake, being noisy, leave uncertain of such a difference.",
-		given_or(s->truth_samples, TRUTH_SAMPLES), r->truth_noise, r->render.samples,
-		r->bake_noise, r->hidden);
-	return 0;
-}
-
-static int write_sections(struct report *r)
-{
-	static int (*const sections[])(struct report * r) = {
-		report_samples,	  report_lights,   report_declared_error, report_column_cut,
-		report_threshold, report_pictures, show_method,		  report_summary,
-	};
-	int err = 0;
-
-	report_step(r, "times and errors");
-	for (size_t k = 0; !err && k < sizeof(sections) / sizeof(*sections); k++)
-		err = sections[k](r);
-	return err;
+		err = try_all(r);
+	return err ? err : report_show(r);
 }
 
 static void close_all(struct report *r)
 {
-	for (int k = 0; k < r->bakes; k++)
+	for (int k = r->bakes; k--;)
 		report_bake_close(&r->bake[k]);
 	for (int l = 0; l < r->stage.lightings; l++)
 		report_lighting_close(&r->stage.lighting[l]);
-	report_bake_close(&r->fewer);
 	scope_free(&r->scope);
 	scene_close(r->scene);
 	pool_destroy(r->stage.all);
 	report_page_abandon(&r->page);
 }
 
-/* The name of a file without its folders. */
-static const char *base_of(const char *path)
-{
-	const char *slash = strrchr(path, '/');
-
-	return slash ? slash + 1 : path;
-}
-
 int report_run(const struct report_settings *settings, struct fault *fault)
 {
 	struct report *r = calloc(1, sizeof(*r));
-	char title[256];
+	char name[128], title[256];
 	int err;
 
 	if (!r)
@@ -283,10 +322,9 @@ int report_run(const struct report_settings *settings, struct fault *fault)
 	r->threads = pool_threads(r->stage.all);
 	err = report_page_open(&r->page, settings->folder, fault);
 	if (!err)
-		err = report_open_all(r);
-	if (!err)
-		err = write_sections(r);
-	snprintf(title, sizeof(title), "%s: speed against error", base_of(settings->input));
+		err = report_make(r);
+	lighting_name(settings->input, name, sizeof(name));
+	snprintf(title, sizeof(title), "%s: speed against error", name);
 	if (!err)
 		err = report_page_commit(&r->page, title, fault);
 release:

@@ -3,155 +3,66 @@
 
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "hal/compositor/compositor.h"
+#include "hal/measure/background.h"
 #include "hal/measure/lightings.h"
-
-/* ---- open ---- */
-
-static double layer_mb(const struct basis *basis, const struct basis_layer *layer)
-{
-	size_t bytes = 0;
-
-	for (int t = 0; layer->tiles && t < basis->tiles_across * basis->tiles_down; t++)
-		bytes += layer->tiles[t].bytes;
-	return (double)bytes / 1e6;
-}
-
-static void count_encodings(struct report_bake *bake)
-{
-	const struct basis_layer *layer = &bake->basis.poses[0].shown;
-	double patterns = 0, columns = 0, pixels = 0;
-
-	for (int k = 0; k < layer->block_count; k++) {
-		const struct basis_block *block = &layer->blocks[k];
-
-		patterns += (double)block->patterns * block->pixels;
-		columns += (double)block->columns * block->pixels;
-		pixels += block->pixels;
-	}
-	bake->patterns = pixels > 0 ? patterns / pixels : 0;
-	bake->columns = pixels > 0 ? columns / pixels : 0;
-}
-
-static int report_bake_open(struct report_bake *bake, const char *path, struct fault *fault)
-{
-	int err;
-
-	*bake = (struct report_bake){.exact = false};
-	err = basis_open(&bake->basis, path, BASIS_ALL, fault);
-	if (err)
-		return err;
-	bake->exact = bake->basis.poses[0].exact.tiles;
-	bake->shown_mb = layer_mb(&bake->basis, &bake->basis.poses[0].shown);
-	bake->exact_mb = layer_mb(&bake->basis, &bake->basis.poses[0].exact);
-	count_encodings(bake);
-	return 0;
-}
-
-int report_bake_make(struct report_bake *bake, struct scene *scene,
-		     const struct render_settings *settings, const char *folder,
-		     struct fault *fault)
-{
-	struct render_settings one = *settings;
-	struct render_report report;
-	char path[PATH_MAX];
-	int err;
-
-	*bake = (struct report_bake){.exact = false};
-	snprintf(path, sizeof(path), "%s/report.inlay", folder);
-	one.profile = true;
-	if (!one.pose)
-		one.pose = "0"; /* the pose in which a scene is opened */
-	err = render_run(scene, &one, path, &report, fault);
-	if (err)
-		return err;
-	err = report_bake_open(bake, path, fault);
-	/* its pages stay until it is closed */
-	unlink(path);
-	bake->settings = *settings;
-	bake->report = report;
-	return err;
-}
 
 void report_bake_close(struct report_bake *bake)
 {
-	for (int k = 0; k < ESTIMATOR_COUNT; k++) {
-		free(bake->radiance[k]);
-		for (int l = 0; l < REPORT_LIGHTINGS_MAX; l++)
-			free(bake->precise[k][l]);
-	}
-	dome_free(&bake->dome);
+	free(bake->radiance);
+	for (int l = 0; bake->settings.exact && l < REPORT_LIGHTINGS_MAX; l++)
+		free(bake->precise[l]);
 	basis_close(&bake->basis);
-	*bake = (struct report_bake){.exact = false};
-}
-
-const struct basis_layer *report_bake_layer(const struct report_bake *bake)
-{
-	return bake->exact ? &bake->basis.poses[0].exact : &bake->basis.poses[0].shown;
-}
-
-double report_bake_seconds(const struct report_bake *bake)
-{
-	double sum = 0;
-
-	for (int k = 0; k < PROFILE_STAGES; k++)
-		sum += bake->report.stage_s[k];
-	return sum > 0 ? sum : NAN;
+	*bake = (struct report_bake){.seconds = 0};
 }
 
 /* ---- light ---- */
 
-static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
-			 enum light_estimator estimator, struct fault *fault)
+static int read_lights(struct report_bake *bake, const struct report_stage *stage,
+		       const struct dome *dome, struct fault *fault)
 {
 	const struct light_sampler_settings settings = {
-		.estimator = estimator,
 		.placed = true,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = 1,
 	};
 	const struct fisheye_settings lens_settings = {.field_deg = 90};
-	const int side = stage->lighting[0].fisheye.width;
+	const int side = stage->lighting[0].fisheye.width, lights = dome->count;
+	float(*to)[3] = calloc((size_t)stage->lightings * (size_t)lights, sizeof(*to));
 	struct light_sampler *sampler = NULL;
 	struct fisheye lens;
 	int err = fisheye_prepare(&lens, &lens_settings, side, side, fault);
 
-	if (!err && !bake->dome.count)
-		err = lightings_dome(&bake->dome, &bake->basis, fault);
+	bake->radiance = to;
+	if (!to)
+		return fault_say(fault, -ENOMEM, "not enough memory for lights");
 	if (!err)
-		err = light_sampler_create(&sampler, &bake->dome, &lens, side, side, &settings,
-					   fault);
+		err = light_sampler_create(&sampler, dome, &lens, side, side, &settings, fault);
 	if (err)
 		return err;
-	bake->radiance[estimator] = calloc((size_t)stage->lightings * bake->basis.info.lights,
-					   sizeof(*bake->radiance[estimator]));
-	err = bake->radiance[estimator] ? 0 : -ENOMEM;
 	for (int k = 0; !err && k < stage->lightings; k++)
 		err = light_sampler_read_linear(sampler, &stage->lighting[k].fisheye,
-						bake->radiance[estimator] +
-							(size_t)k * bake->basis.info.lights);
+						to + (size_t)k * (size_t)lights);
 	light_sampler_destroy(sampler);
-	if (!err)
-		return 0;
-	free(bake->radiance[estimator]);
-	bake->radiance[estimator] = NULL;
-	return fault_say(fault, err, "the lights cannot be read: %s", strerror(-err));
+	return err ? fault_say(fault, err, "the lights cannot be read: %s", strerror(-err)) : 0;
 }
 
-const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum light_estimator estimator, int lighting,
-				   struct fault *fault))[3]
+static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
+			 struct fault *fault)
 {
-	if (!bake->radiance[estimator] && make_radiance(bake, stage, estimator, fault))
-		return NULL;
-	return (const float(*)[3])(bake->radiance[estimator] +
-				   (size_t)lighting * bake->basis.info.lights);
+	struct dome dome;
+	int err = lightings_dome(&dome, &bake->basis, fault);
+
+	if (err)
+		return err;
+	err = read_lights(bake, stage, &dome, fault);
+	dome_free(&dome);
+	return err;
 }
 
 /* ---- double precision ---- */
@@ -160,58 +71,69 @@ const float (*report_bake_radiance(struct report_bake *bake, const struct report
 struct precision {
 	struct report_bake *bake;
 	const struct report_stage *stage;
-	enum light_estimator estimator;
 	int err[REPORT_LIGHTINGS_MAX];
 };
 
 static void make_precise(void *context, int k, int worker)
 {
 	struct precision *p = context;
-	const struct compositor_settings settings = {
-		.mode = p->bake->exact ? COMPOSITOR_EXACT : COMPOSITOR_FAST,
-		.background = {.named = TRANSFER_SRGB},
-		.output = {.named = TRANSFER_SRGB},
-		.gain = 1,
-		.object = true,
-	};
-	const size_t values = 3 * (size_t)p->stage->width * (size_t)p->stage->height;
-	struct light_selection lights;
-	double *out = malloc(values * sizeof(*out));
+	struct report_bake *bake = p->bake;
+	const struct compositor_settings settings = background_settings(COMPOSITOR_EXACT);
+	const float(*radiance)[3] =
+		(const float(*)[3])(bake->radiance + (size_t)k * bake->basis.info.lights);
+	struct light_selection lights = {.count = 0};
 
 	(void)worker;
-	p->err[k] = out ? light_selection_create(&lights, &p->bake->basis) : -ENOMEM;
+	bake->precise[k] = malloc(3 * (size_t)p->stage->width * (size_t)p->stage->height *
+				  sizeof(*bake->precise[k]));
+	p->err[k] = bake->precise[k] ? light_selection_create(&lights, &bake->basis) : -ENOMEM;
 	if (!p->err[k]) {
-		light_selection_choose(&lights, &p->bake->basis, 0,
-				       (const float(*)[3])(p->bake->radiance[p->estimator] +
-							   (size_t)k * p->bake->basis.info.lights),
-				       0, THRESHOLD_DROP, 1);
-		p->err[k] = compositor_reference(&p->bake->basis, 0, &settings, &lights,
-						 &p->stage->lighting[k].background_picture, out);
-		light_selection_free(&lights);
+		light_selection_choose(&lights, &bake->basis, 0, radiance, 0, THRESHOLD_DROP, 1);
+		p->err[k] = compositor_reference(&bake->basis, 0, &settings, &lights,
+						 &p->stage->lighting[k].background_picture,
+						 bake->precise[k]);
 	}
-	if (p->err[k])
-		free(out);
-	else
-		p->bake->precise[p->estimator][k] = out;
+	light_selection_free(&lights);
 }
 
-const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum light_estimator estimator, int lighting, struct fault *fault)
+static int make_pictures(struct report_bake *bake, const struct report_stage *stage,
+			 struct fault *fault)
 {
-	struct precision p = {.bake = bake, .stage = stage, .estimator = estimator};
+	struct precision p = {.bake = bake, .stage = stage};
 
-	if (bake->reference)
-		return report_bake_precise(bake->reference, stage, estimator, lighting, fault);
-	if (bake->precise[estimator][lighting])
-		return bake->precise[estimator][lighting];
-	if (!report_bake_radiance(bake, stage, estimator, 0, fault))
-		return NULL;
 	pool_run(stage->all, stage->lightings, make_precise, &p);
-	for (int k = 0; k < stage->lightings; k++) {
-		if (!p.err[k])
-			continue;
-		fault_say(fault, p.err[k], "double precision: %s", strerror(-p.err[k]));
-		return NULL;
-	}
-	return bake->precise[estimator][lighting];
+	for (int k = 0; k < stage->lightings; k++)
+		if (p.err[k])
+			return fault_say(fault, p.err[k], "double precision: %s",
+					 strerror(-p.err[k]));
+	return 0;
+}
+
+int report_bake_make(struct report_bake *bake, struct scene *scene,
+		     const struct report_bake *reference, const struct report_stage *stage,
+		     const char *folder, struct fault *fault)
+{
+	struct render_settings settings = bake->settings;
+	char path[PATH_MAX];
+	int err;
+
+	snprintf(path, sizeof(path), "%s/report.inlay", folder);
+	settings.profile = true;
+	if (!settings.pose)
+		settings.pose = "0"; /* the pose in which a scene is opened */
+	err = render_run(scene, &settings, path, &bake->report, fault);
+	if (err)
+		return err;
+	for (int k = 0; k < PROFILE_STAGES; k++)
+		bake->seconds += bake->report.stage_s[k];
+	err = basis_open(&bake->basis, path, BASIS_ALL, fault);
+	/* its pages stay until it is closed */
+	unlink(path);
+	if (!err)
+		err = make_radiance(bake, stage, fault);
+	if (!err && settings.exact)
+		err = make_pictures(bake, stage, fault);
+	for (int l = 0; !settings.exact && l < REPORT_LIGHTINGS_MAX; l++)
+		bake->precise[l] = reference->precise[l];
+	return err;
 }

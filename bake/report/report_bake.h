@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An open bake of a report's scene, and what all ways to use it share. */
+/* A bake of a report's scene, and what all ways to use it share. */
 #ifndef INLAY_BAKE_REPORT_REPORT_BAKE_H
 #define INLAY_BAKE_REPORT_REPORT_BAKE_H
 
@@ -20,45 +20,25 @@ struct report_stage {
 };
 
 struct report_bake {
-	struct render_settings settings; /* of the bake, where the report has made it */
+	char name[48]; /* what differs from the setting in use, as a line of the scene file */
+	struct render_settings settings;
 	struct render_report report;
 	struct basis basis;
-	bool exact; /* there is an exact layer */
-	/* The bake whose exact layer is the reference of errors; NULL: this one. It has the same
-	 * lights and must outlive this bake. */
-	struct report_bake *reference;
-	double shown_mb, exact_mb;
-	double patterns, columns; /* of the shown layer, means over its pixels */
-	/* made on first use: */
-	struct dome dome;
-	float (*radiance[ESTIMATOR_COUNT])[3];			/* [lightings][lights] */
-	double *precise[ESTIMATOR_COUNT][REPORT_LIGHTINGS_MAX]; /* [height][width][3], as truth */
+	double seconds;	      /* processor time that it took */
+	float (*radiance)[3]; /* [lightings][lights] */
+	/* Its pictures in double precision, of the exact layer and all lights:
+	 * [height][width][3], as truth. Those of a bake without an exact layer are those of
+	 * another, which owns them. */
+	double *precise[REPORT_LIGHTINGS_MAX];
 };
 
-/* Bakes into a temporary file in folder, which is unlinked before this returns. The open basis
- * keeps it. */
+/* Bakes into a temporary file in folder, which is unlinked before this returns: the open basis
+ * keeps it. name and settings are set before. reference: a bake of the same lights with an exact
+ * layer, for one without, which must outlive it. */
 int report_bake_make(struct report_bake *bake, struct scene *scene,
-		     const struct render_settings *settings, const char *folder,
-		     struct fault *fault);
+		     const struct report_bake *reference, const struct report_stage *stage,
+		     const char *folder, struct fault *fault);
 
 void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine */
-
-/* Processor time of the bake, in s. NAN: the report has not made it. */
-double report_bake_seconds(const struct report_bake *bake);
-
-/* Radiance of the lights under a lighting, as the estimator reads it: [lights], owned by the bake.
- * NULL with a fault. */
-const float (*report_bake_radiance(struct report_bake *bake, const struct report_stage *stage,
-				   enum light_estimator estimator, int lighting,
-				   struct fault *fault))[3];
-
-/* The picture of report_bake_layer() in double precision, with all lights: [height][width][3],
- * owned by the bake. NULL with a fault. */
-const double *report_bake_precise(struct report_bake *bake, const struct report_stage *stage,
-				  enum light_estimator estimator, int lighting,
-				  struct fault *fault);
-
-/* The exact layer, or the shown one where there is no exact one. */
-const struct basis_layer *report_bake_layer(const struct report_bake *bake);
 
 #endif

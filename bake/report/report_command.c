@@ -68,7 +68,7 @@ static int report_command_take(void *choices, int option, struct fault *fault)
 	}
 }
 
-static int report_command_run(const struct bake_command *command, int argc, char **argv)
+static int report_command_run(const struct command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
@@ -90,14 +90,14 @@ static int report_command_run(const struct bake_command *command, int argc, char
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command report_command = {
+const struct command report_command = {
 	.name = "report",
 	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
 		 "           [--repeat N] [--threads T] [--quiet]",
-	.summary = "speed against error of a scene: one page with plots, tables and CSVs",
+	.summary = "speed against error of a scene: one page with a plot, tables and CSVs",
 	.help = "\n"
-		"  -o DIR             the folder: report.html, and its plots and tables as files;\n"
+		"  -o DIR             the folder: report.html, and its pictures and tables as files;\n"
 		"                     appears when it is whole\n"
 		"  --panorama FILE    a surrounding, equirectangular in linear light; may be given\n"
 		"                     again; else skies and a room that inlay makes itself\n"
@@ -110,10 +110,11 @@ const struct bake_command report_command = {
 		"  --threads T        that bake and trace; one for each processor\n"
 		"  --quiet            print nothing but errors\n\n"
 		"It says what each choice costs in time and memory, and how far the picture is then\n"
-		"from double precision and from path-traced truth: number of lights, estimator,\n"
-		"samples, declared error, column cut, threshold. What the scene file says is the\n"
-		"setting in use. Choices that differ by no more than the noise count as equal, and\n"
-		"each advice is a line to paste into the scene file or the kiosk's configuration.\n"
+		"from double precision and from path-traced truth: number of lights, samples,\n"
+		"declared error, column cut, threshold, beside each other in one table.\n"
+		"What the scene file says is the setting in use; each other row names the line of the\n"
+		"scene file or of the kiosk's configuration that makes it. Those are marked than which\n"
+		"no other is better, as far as noise lets see.\n"
 		"It takes some minutes. `inlay bench` measures a basis file, threads and kernels.\n",
 	.run = report_command_run,
 };

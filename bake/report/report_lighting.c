@@ -9,19 +9,9 @@
 #include "bake/report/report_sky.h"
 #include "bake/truth/truth.h"
 #include "bake/truth/truth_views.h"
+#include "hal/measure/lightings.h"
 
 #define MADE_WIDTH 1024 /* pixels across of made panoramas */
-
-/* The name of a file without folders and ending. */
-static void panorama_name(const char *path, char *name, size_t room)
-{
-	const char *slash = strrchr(path, '/'), *dot;
-
-	path = slash ? slash + 1 : path;
-	dot = strrchr(path, '.');
-	snprintf(name, room, "%.*s", dot && dot > path ? (int)(dot - path) : (int)strlen(path),
-		 path);
-}
 
 static int read_panorama(struct report_lighting *l, const struct report_lighting_settings *s,
 			 struct fault *fault)
@@ -33,30 +23,8 @@ static int read_panorama(struct report_lighting *l, const struct report_lighting
 		err = report_sky_make(&l->image, s->made, MADE_WIDTH);
 		return err ? fault_say(fault, err, "%s: %s", l->name, strerror(-err)) : 0;
 	}
-	panorama_name(s->path, l->name, sizeof(l->name));
+	lighting_name(s->path, l->name, sizeof(l->name));
 	return panorama_read(&l->image, s->path, fault);
-}
-
-/* Radiance of the sky's brightest texel over its mean. */
-static double peak_ratio(const struct panorama *panorama)
-{
-	const struct image *image = panorama->image;
-	double peak = 0, sum = 0, weight = 0;
-
-	for (int y = 0; y < image->height / 2; y++) {
-		const double sr = panorama_row_sr(panorama, y);
-
-		for (int x = 0; x < image->width; x++) {
-			const float *v = image->f32 +
-					 3 * ((size_t)y * (size_t)image->width + (size_t)x);
-			const double grey = ((double)v[0] + (double)v[1] + (double)v[2]) / 3;
-
-			peak = fmax(peak, grey);
-			sum += sr * grey;
-			weight += sr;
-		}
-	}
-	return sum > 0 ? peak * weight / sum : 0;
 }
 
 static int lighting_expose(struct report_lighting *l, struct sky *sky, struct fault *fault)
@@ -68,7 +36,6 @@ static int lighting_expose(struct report_lighting *l, struct sky *sky, struct fa
 	if (err)
 		return err;
 	l->panorama.scale = REPORT_WHITE / (double)rgb_peak(sky->ground);
-	l->peak_ratio = peak_ratio(&l->panorama);
 	sky_free(sky);
 	return sky_create(sky, &l->panorama, l->name, fault);
 }
@@ -143,7 +110,6 @@ static int lighting_trace(struct report_lighting *l, const struct scene *scene,
 		struct truth_report report;
 
 		err = truth_run(scene, sky, &background, &settings, &out[h], &report, fault);
-		l->seconds += err ? 0 : report.seconds;
 	}
 	for (size_t k = 0; !err && k < values; k++) {
 		const double a = (double)out[0].f32[k], b = (double)out[1].f32[k];
@@ -176,6 +142,8 @@ int report_lighting_open(struct report_lighting *l, const struct scene *scene,
 	if (!err)
 		err = canvas_create(&l->background, width, height);
 	if (!err)
+		err = canvas_create(&l->composite, width, height);
+	if (!err)
 		err = lighting_photograph(l, scene);
 	if (err) {
 		fault_say(fault, err, "%s: %s", l->name, strerror(-err));
@@ -193,6 +161,7 @@ void report_lighting_close(struct report_lighting *l)
 	free(l->truth);
 	free(l->half[0]);
 	free(l->half[1]);
+	canvas_free(&l->composite);
 	canvas_free(&l->background);
 	image_free(&l->fisheye);
 	image_free(&l->image);

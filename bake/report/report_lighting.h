@@ -17,15 +17,13 @@ struct report_lighting {
 	char name[64];
 	struct image image;
 	struct panorama panorama; /* scaled to REPORT_WHITE */
-	double peak_ratio;	  /* the brightest texel of the sky over its mean */
 	struct image fisheye;	  /* linear radiance, upright, a square */
 	struct canvas background; /* 8 bits, sRGB */
 	struct picture background_picture;
-	double *truth;	 /* [height][width][3]: 0..255, sRGB, not rounded */
-	double *half[2]; /* the same of either half of the samples, whose mean truth is */
-	/* standard error of truth; 0 until it is measured (report_samples.c) */
-	double noise_levels;
-	double seconds; /* that truth took */
+	struct canvas composite; /* by the setting in use */
+	double *truth;		 /* [height][width][3]: 0..255, sRGB, not rounded */
+	double *half[2];	 /* the same of either half of the samples, whose mean truth is */
+	double truth_noise, bake_noise; /* standard errors in levels, once they are measured */
 };
 
 struct report_lighting_settings {

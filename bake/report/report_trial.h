@@ -4,21 +4,10 @@
 #define INLAY_BAKE_REPORT_REPORT_TRIAL_H
 
 #include "bake/report/report_bake.h"
+#include "bake/report/report_rank.h"
 #include "hal/compositor/compositor.h"
 #include "hal/measure/error.h"
 #include "hal/measure/turns.h"
-
-/* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
-#define REPORT_ROUNDING 0.289
-
-struct report_way {
-	struct report_bake *bake;
-	enum light_estimator estimator;
-	double threshold; /* linear radiance */
-	enum threshold_mode threshold_mode;
-	enum compositor_mode mode;
-	double column_cut; /* negative: the file's */
-};
 
 struct report_errors {
 	struct composite_error each[REPORT_LIGHTINGS_MAX];
@@ -27,28 +16,28 @@ struct report_errors {
 };
 
 struct report_trial {
-	struct report_way way;
-	char name[96]; /* its label in the plot of all settings */
-	/* filled in by report_trials_run(): */
-	struct turns_spread ms;		     /* of a frame; means over the lightings */
-	double read_mb;			     /* of the basis a frame, mean over the lightings */
-	double lights[REPORT_LIGHTINGS_MAX]; /* how many are used */
-	struct report_errors truth;	     /* RMS and PSNR without its noise */
-	struct report_errors precise;	     /* against double precision */
+	char name[64]; /* what differs from the setting in use, as lines of a file */
+	const struct report_bake *bake;
+	enum compositor_mode mode;
+	double threshold, budget; /* struct light_selection */
+	enum threshold_mode threshold_mode;
+	double column_cut; /* of white */
+	/* The results, over all lightings: */
+	struct turns_spread ms;	      /* of a frame; means */
+	double read_mb, used_percent; /* of the basis a frame; of the lights; means */
+	struct report_errors truth;   /* RMS and PSNR without its noise */
+	struct report_errors precise; /* against double precision */
 };
-
-/* The plain way: means over cells, no threshold, fast mode, the file's cut. */
-struct report_way report_way_plain(struct report_bake *bake);
 
 /*
  * Times all trials in turns (hal/measure/turns.h) under each lighting with one thread, and measures
- * the errors of their pictures over the pixels of the scope. -EIO, -ENOMEM.
+ * the errors of their pictures over the pixels of the scope. Those of the first trial are left in
+ * the lightings. -EIO, -ENOMEM.
  */
 int report_trials_run(struct report_trial *trials, int count, struct report_stage *stage,
 		      const struct scope *scope, struct fault *fault);
 
-/* Makes the first frame of a way under a lighting. */
-int report_trial_picture(const struct report_way *way, struct report_stage *stage, int lighting,
-			 struct canvas *out, struct fault *fault);
+/* The time and the error against truth. */
+struct report_result report_result_of(const struct report_trial *trial);
 
 #endif

@@ -4,25 +4,19 @@
 #define INLAY_BAKE_SCENE_LIGHTS_OPTIONS_H
 
 #include "bake/scene/scene.h"
+#include "hal/options/options.h"
 
-enum lights_option {
-	LIGHTS_FREQUENCY = 300, /* above the commands' own and those of an encoding */
-	LIGHTS_DIVISION,
-	LIGHTS_SHAPE,
-	LIGHTS_FINE
-};
+/* Rows of a command whose AT(lights) is a struct scene_lights. */
+/* clang-format off */
+#define LIGHTS_ROWS										   \
+	{"frequency", OPTION_INT, AT(lights.frequency), .min = 1, .max = DOME_FREQUENCY_MAX},	   \
+	{"fine", OPTION_TEXT, AT(lights.fine)}
+/* clang-format on */
 
-/* Entries of getopt_long()'s table. */
-#define LIGHTS_OPTIONS                                                                             \
-	{"frequency", required_argument, NULL, LIGHTS_FREQUENCY},                                  \
-		{"division", required_argument, NULL, LIGHTS_DIVISION},                            \
-		{"lights", required_argument, NULL, LIGHTS_SHAPE},                                 \
-	{                                                                                          \
-		"fine", required_argument, NULL, LIGHTS_FINE                                       \
-	}
-
-/* Parses one of these options and its argument. -EINVAL. */
-int lights_option_take(struct scene_lights *lights, int option, const char *text,
-		       struct fault *fault);
+#define LIGHTS_HELP                                                                                   \
+	"  --frequency F   of the dome, 1 to 72; 9 makes 406 lights; else the scene's\n"              \
+	"  --fine PARTS    where lights are finer: \"azimuth height radius frequency\" in degrees,\n" \
+	"                  with commas between, or a file of such lines (inlay-scene(5)); \"\":\n"    \
+	"                  nowhere\n"
 
 #endif

@@ -429,16 +429,13 @@ int scene_dome(const struct scene *scene, const struct scene_lights *lights, str
 {
 	const struct scene_dome_values *own = &scene->file->dome;
 	const int frequency = lights->frequency < 0 ? own->frequency : lights->frequency;
-	const int division = lights->division < 0 ? own->division : lights->division;
-	const int shape = lights->shape < 0 ? own->shape : lights->shape;
 	struct fine_list given = {.count = 0};
 	int err = 0;
 
 	if (lights->fine && *lights->fine)
 		err = fine_list_read(&given, "--fine", lights->fine, NULL, fault);
 	if (!err)
-		err = fine_list_dome(lights->fine ? &given : &scene->fine, frequency, division,
-				     shape, dome, fault);
+		err = fine_list_dome(lights->fine ? &given : &scene->fine, frequency, dome, fault);
 	fine_list_free(&given);
 	return err;
 }

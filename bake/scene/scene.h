@@ -50,7 +50,7 @@ bool scene_look(const struct scene *scene, enum presence presence, double x, dou
 
 /* Values that replace those of the scene file's section [dome]; -1: the file's value stays. */
 struct scene_lights {
-	int frequency, division, shape;
+	int frequency;
 	const char *fine; /* list or file (fine_list.h); NULL: keep; empty: none */
 };
 

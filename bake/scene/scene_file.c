@@ -35,10 +35,6 @@ static const struct ini_key camera_keys[] = {
 static const struct ini_key dome_keys[] = {
 	{"frequency", INI_INT, DOME(frequency), .min = 1, .max = DOME_FREQUENCY_MAX,
 	 .fallback = "9", .help = "of the geodesic dome: 9 makes 406 lights"},
-	{"division", INI_CHOICE, DOME(division), .choices = dome_division_names,
-	 .fallback = "angles", .help = "how the dome's triangles are divided"},
-	{"lights", INI_CHOICE, DOME(shape), .choices = dome_shape_names, .fallback = "cells",
-	 .help = "cells: each light is the part of the sky nearest to it; tents: it fades towards its neighbours, so that a lamp moves without steps"},
 	{"fine", INI_TEXT, DOME(fine), .fallback = "",
 	 .help = "where lights are finer, as there are lamps, windows or the sun: \"azimuth height "
 		 "radius frequency\", in degrees (azimuth from +X towards +Y), several separated by commas; or a file of such lines, as inlay-bake sky writes it"},

@@ -26,7 +26,7 @@ struct scene_camera_values {
 };
 
 struct scene_dome_values {
-	int frequency, division, shape; /* enum dome_division, dome_shape */
+	int frequency;
 	char fine[INI_TEXT_MAX]; /* parts of the sky that are finer (fine_list.h); may be empty */
 };
 

@@ -137,13 +137,12 @@ int fine_list_read(struct fine_list *list, const char *what, const char *text, c
 	return err;
 }
 
-int fine_list_dome(const struct fine_list *list, int frequency, int division, int shape,
-		   struct dome *dome, struct fault *fault)
+int fine_list_dome(const struct fine_list *list, int frequency, struct dome *dome,
+		   struct fault *fault)
 {
 	struct fault what = {.text = ""};
 	int wrong;
-	const int err = dome_create_fine(dome, frequency, (enum dome_division)division,
-					 (enum dome_shape)shape, list ? list->part : NULL,
+	const int err = dome_create_fine(dome, frequency, list ? list->part : NULL,
 					 list ? list->count : 0, &wrong, &what);
 
 	if (err && wrong >= 0)

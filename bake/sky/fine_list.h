@@ -34,8 +34,8 @@ void fine_list_free(struct fine_list *list); /* idempotent; zeroed is fine */
 
 /* Creates the dome that has these parts; NULL: none. Errors of dome_create_fine(), which name the
  * part's place. */
-int fine_list_dome(const struct fine_list *list, int frequency, int division, int shape,
-		   struct dome *dome, struct fault *fault);
+int fine_list_dome(const struct fine_list *list, int frequency, struct dome *dome,
+		   struct fault *fault);
 
 /* Writes a part as a line of a file. */
 void fine_list_write(FILE *stream, const struct dome_fine *part);

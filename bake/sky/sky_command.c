@@ -16,25 +16,6 @@
 #include "hal/base/output.h"
 #include "hal/colour/response.h"
 
-enum { FREQUENCY = 1, TURN, MOST, FISHEYE, LIGHT, TRANSFER, TIMES, SUN, NORTH, DATES, HOURS };
-
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"turn", required_argument, NULL, TURN},
-	{"most", required_argument, NULL, MOST},
-	{"fisheye", required_argument, NULL, FISHEYE},
-	{"light", required_argument, NULL, LIGHT},
-	{"transfer", required_argument, NULL, TRANSFER},
-	{"times", required_argument, NULL, TIMES},
-	{"sun", required_argument, NULL, SUN},
-	{"north", required_argument, NULL, NORTH},
-	{"dates", required_argument, NULL, DATES},
-	{"hours", required_argument, NULL, HOURS},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct sky_choices {
 	const char *output, *lens, *light;
 	char **file;
@@ -42,86 +23,66 @@ struct sky_choices {
 	int frequency, most, transfer, times;
 	double time[EXPOSURES_MAX];
 	double turn_deg;
-	bool sun, north, sun_only; /* sun_only: an option that is about the sun was given */
+	bool sun, north, dates, hours; /* these were given */
 	struct sun_path path;
 };
 
-static int read_dates(struct sun_path *path, struct fault *fault)
+static int read_dates(void *field, const char *option, const char *text, struct fault *fault)
 {
+	struct sun_path *path = field;
 	int end = -1;
 
-	(void)sscanf(optarg, "%2d-%2d..%2d-%2d%n", &path->from.month, &path->from.day,
+	(void)sscanf(text, "%2d-%2d..%2d-%2d%n", &path->from.month, &path->from.day,
 		     &path->to.month, &path->to.day, &end);
-	if (end < 0 || optarg[end] || sun_day(path->from) < 0 || sun_day(path->to) < 0)
+	if (end < 0 || text[end] || sun_day(path->from) < 0 || sun_day(path->to) < 0)
 		return fault_say(
 			fault, -EINVAL,
-			"--dates: is \"%s\", expected month-day..month-day, such as 04-01..09-30",
-			optarg);
+			"%s: is \"%s\", expected month-day..month-day, such as 04-01..09-30",
+			option, text);
 	return 0;
 }
 
-static int read_hours(struct sun_path *path, struct fault *fault)
+static int read_hours(void *field, const char *option, const char *text, struct fault *fault)
 {
-	const char *dots = strstr(optarg, "..");
+	const char *dots = strstr(text, "..");
+	double *hours = field;
 	char first[32];
 
-	snprintf(first, sizeof(first), "%.*s", dots ? (int)(dots - optarg) : 0, optarg);
-	if (!number_of(first, &path->hours[0]) && !number_of(dots + 2, &path->hours[1]) &&
-	    path->hours[0] >= 0 && path->hours[0] < path->hours[1] && path->hours[1] <= 24)
+	snprintf(first, sizeof(first), "%.*s", dots ? (int)(dots - text) : 0, text);
+	if (!number_of(first, &hours[0]) && !number_of(dots + 2, &hours[1]) && hours[0] >= 0 &&
+	    hours[0] < hours[1] && hours[1] <= 24)
 		return 0;
 	return fault_say(fault, -EINVAL,
-			 "--hours: is \"%s\", expected hours..hours of one day, such as 8..17.5",
-			 optarg);
+			 "%s: is \"%s\", expected hours..hours of one day, such as 8..17.5", option,
+			 text);
 }
 
-static int take_sun(struct sky_choices *c, int option, struct fault *fault)
+static int read_times(void *field, const char *option, const char *text, struct fault *fault)
 {
-	c->sun_only = true;
-	switch (option) {
-	case SUN:
-		c->sun = true;
-		return option_real("--sun", optarg, -90, 90, &c->path.latitude_deg, fault);
-	case NORTH:
-		c->north = true;
-		return option_real("--north", optarg, -360, 360, &c->path.north_deg, fault);
-	case DATES:
-		return read_dates(&c->path, fault);
-	default:
-		return read_hours(&c->path, fault);
-	}
+	struct sky_choices *c = field;
+
+	c->times = option_reals(option, text, 1, EXPOSURES_MAX, 0, 1e12, c->time, fault);
+	return c->times < 0 ? c->times : 0;
 }
 
-static int sky_command_take(void *choices, int option, struct fault *fault)
-{
-	struct sky_choices *c = choices;
+#define AT(field) .place = offsetof(struct sky_choices, field)
+#define GIVES(field) .given = offsetof(struct sky_choices, field)
 
-	switch (option) {
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX / 2, &c->frequency,
-				  fault);
-	case TURN:
-		return option_real("--turn", optarg, -360, 360, &c->turn_deg, fault);
-	case MOST:
-		return option_int("--most", optarg, 1, DOME_LIGHTS_MAX, &c->most, fault);
-	case TRANSFER:
-		return option_choice("--transfer", optarg, transfer_names, &c->transfer, fault);
-	case TIMES:
-		c->times = option_reals("--times", optarg, 1, EXPOSURES_MAX, 0, 1e12, c->time,
-					fault);
-		return c->times < 0 ? c->times : 0;
-	case FISHEYE:
-		c->lens = optarg;
-		return 0;
-	case LIGHT:
-		c->light = optarg;
-		return 0;
-	case 'o':
-		c->output = optarg;
-		return 0;
-	default:
-		return take_sun(c, option, fault);
-	}
-}
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(output)},
+	{"frequency", OPTION_INT, AT(frequency), .min = 1, .max = DOME_FREQUENCY_MAX / 2},
+	{"turn", OPTION_REAL, AT(turn_deg), .min = -360, .max = 360},
+	{"most", OPTION_INT, AT(most), .min = 1, .max = DOME_LIGHTS_MAX},
+	{"fisheye", OPTION_TEXT, AT(lens)},
+	{"light", OPTION_TEXT, AT(light)},
+	{"transfer", OPTION_CHOICE, AT(transfer), .choices = transfer_names},
+	{"times", OPTION_OTHER, .take = read_times},
+	{"sun", OPTION_REAL, AT(path.latitude_deg), .min = -90, .max = 90, GIVES(sun)},
+	{"north", OPTION_REAL, AT(path.north_deg), .min = -360, .max = 360, GIVES(north)},
+	{"dates", OPTION_OTHER, AT(path), .take = read_dates, GIVES(dates)},
+	{"hours", OPTION_OTHER, AT(path.hours), .take = read_hours, GIVES(hours)},
+	{.name = NULL},
+};
 
 static int add_panorama(struct sky_need *need, const struct sky_choices *c, struct fault *fault)
 {
@@ -232,14 +193,14 @@ static const char *sky_wrong(const struct sky_choices *c)
 				return "--times: expected exposures above 0, each another one";
 	if (!c->lens && c->files != 1 && !(c->sun && !c->files))
 		return "expected one panorama";
-	if (c->sun_only && !c->sun)
+	if ((c->north || c->dates || c->hours) && !c->sun)
 		return "--north, --dates and --hours go with --sun";
 	if (c->sun && !c->north)
 		return "--north is missing";
 	return c->output ? NULL : "-o FINE is missing";
 }
 
-static int sky_command_run(const struct bake_command *command, int argc, char **argv)
+static int sky_command_run(const struct command *command, int argc, char **argv)
 {
 	struct sky_choices c = {
 		.frequency = 9,
@@ -248,7 +209,7 @@ static int sky_command_run(const struct bake_command *command, int argc, char **
 		.path = {.from = {1, 1}, .to = {12, 31}, .hours = {0, 24}},
 	};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, sky_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 	const char *wrong;
 
 	if (status != COMMAND_GOES_ON)
@@ -265,7 +226,7 @@ static int sky_command_run(const struct bake_command *command, int argc, char **
 	return EXIT_SUCCESS;
 }
 
-const struct bake_command sky_command = {
+const struct command sky_command = {
 	.name = "sky",
 	.usage =
 		"[PANORAMA | PICTURES --fisheye EYE.ini] [--sun LATITUDE --north DEG] [options] -o FINE",

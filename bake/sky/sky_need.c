@@ -29,7 +29,7 @@ static int need_levels(struct sky_need *need, int frequency, struct fault *fault
 	int err = 0;
 
 	for (int f = frequency; !err && (f <= DOME_FREQUENCY_MAX || f == frequency); f *= 2)
-		err = dome_create(&need->level[need->levels++], f, DOME_ANGLES, fault);
+		err = dome_create(&need->level[need->levels++], f, fault);
 	return err;
 }
 

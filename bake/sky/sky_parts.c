@@ -83,8 +83,7 @@ static int choice_count(struct sky_parts *parts, const struct sky_choice *choice
 	int err, wrong;
 
 	list_parts(parts, choice);
-	err = dome_create_fine(&dome, base->frequency, base->division, DOME_CELLS, parts->part,
-			       parts->count, &wrong, fault);
+	err = dome_create_fine(&dome, base->frequency, parts->part, parts->count, &wrong, fault);
 	*lights = err ? 0 : dome.count;
 	if (!err)
 		dome_free(&dome);

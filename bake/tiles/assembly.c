@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/options.h"
 #include "hal/base/log.h"
+#include "hal/options/options.h"
 
 struct assembly {
 	const struct plan *plan;

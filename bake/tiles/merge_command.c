@@ -13,11 +13,7 @@
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
+static const struct option_row options[] = {{.name = "output"}, {.name = NULL}};
 
 /* The shards of a bake by their index. */
 struct shards {
@@ -150,21 +146,12 @@ static int merge_shards(const char *output, char **paths, int count, struct asse
 	return err;
 }
 
-static int merge_take_option(void *output, int option, struct fault *fault)
-{
-	(void)option;
-	(void)fault;
-	*(const char **)output = optarg;
-	return 0;
-}
-
-static int merge_command_run(const struct bake_command *command, int argc, char **argv)
+static int merge_command_run(const struct command *command, int argc, char **argv)
 {
 	struct fault fault = {.text = ""};
 	const char *output = NULL;
 	struct assembly_report report;
-	const int status = command_options(command, argc, argv, options, merge_take_option,
-					   &output);
+	const int status = command_read(command, argc, argv, options, &output);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -180,7 +167,7 @@ static int merge_command_run(const struct bake_command *command, int argc, char 
 	return assembly_conclude(&report.miss, output);
 }
 
-const struct bake_command merge_command = {
+const struct command merge_command = {
 	.name = "merge",
 	.usage = "SHARD... -o OUT.inlay",
 	.summary = "put the shards of a bake together",

@@ -14,9 +14,6 @@
 #define CUT 0.001
 #define CUT_LIGHTS 406
 
-_Static_assert((int)BASIS_LIGHT_CELL == (int)DOME_CELLS && (int)BASIS_LIGHT_TENT == (int)DOME_TENTS,
-	       "files name shapes as the dome does");
-
 /* Sets the coarse lights: the nodes of a whole dome, even if the lights are finer in parts. There
  * are none if they would be as many as the lights. */
 static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
@@ -28,7 +25,7 @@ static int set_coarse(struct plan *plan, const struct dome *dome, int frequency,
 	plan->info.coarse = plan->info.lights;
 	if (dome->frequency && frequency > dome->frequency)
 		frequency = dome->frequency;
-	err = dome_create(&coarse, frequency, dome->division, fault);
+	err = dome_create(&coarse, frequency, fault);
 	if (err || coarse.count >= dome->count)
 		goto out;
 	plan->info.coarse = (uint32_t)coarse.count;
@@ -68,8 +65,6 @@ int plan_set_lights(struct plan *plan, const struct dome *dome, int coarse, stru
 	if (plan->info.column_cut < 0)
 		plan->info.column_cut = fitting_cut(n);
 	plan->info.dome_frequency = (uint32_t)dome->frequency;
-	plan->info.dome_division = (uint32_t)dome->division;
-	plan->info.light_shape = (uint32_t)dome->shape;
 	return set_coarse(plan, dome, coarse ? coarse : COARSE_FREQUENCY, fault);
 }
 

@@ -75,8 +75,6 @@ struct render_settings render_settings_of(const struct scene *scene)
 
 	return (struct render_settings){
 		.frequency = scene->file->dome.frequency,
-		.division = scene->file->dome.division,
-		.shape = scene->file->dome.shape,
 		.fine = &scene->fine,
 		.samples = r->samples,
 		.noise_levels = r->noise_levels,
@@ -383,7 +381,7 @@ static void write_provenance(struct render_job *job)
 		 "program = inlay-bake %s\n"
 		 "%sscene_xxh3 = %016llx\n"
 		 "size = %u x %u\n"
-		 "dome = frequency %d, division %s, %u lights%s\n"
+		 "dome = frequency %d, %u lights\n"
 		 "samples = %d\n"
 		 "noise_target_levels = %g\n"
 		 "bounces = %d\n"
@@ -392,11 +390,9 @@ static void write_provenance(struct render_job *job)
 		 "exact = %s\n%s",
 		 INLAY_VERSION, s->preview ? BASIS_PREVIEW_LINE : "",
 		 (unsigned long long)job->scene->hash, info->width, info->height, s->frequency,
-		 dome_division_names[s->division], info->lights,
-		 s->shape == DOME_TENTS ? ", tents" : "", s->noise_levels > 0 ? 0 : s->samples,
-		 s->noise_levels, s->bounces, s->seed, s->target.rms, s->target.max, s->target.cell,
-		 info->column_cut, info->coarse, s->exact ? "yes" : "no",
-		 s->cache ? "cache = yes\n" : "");
+		 info->lights, s->noise_levels > 0 ? 0 : s->samples, s->noise_levels, s->bounces,
+		 s->seed, s->target.rms, s->target.max, s->target.cell, info->column_cut,
+		 info->coarse, s->exact ? "yes" : "no", s->cache ? "cache = yes\n" : "");
 	if (job->scene->file->poses.count > 1) {
 		const size_t used = strlen(job->plan.provenance);
 
@@ -446,8 +442,7 @@ static int set_poses(struct render_job *job, struct fault *fault)
 static int render_set_up(struct render_job *job, const char *path, struct fault *fault)
 {
 	const struct tsai_camera *camera = &job->scene->camera;
-	int err = fine_list_dome(job->settings.fine, job->settings.frequency,
-				 job->settings.division, job->settings.shape, &job->dome, fault);
+	int err = fine_list_dome(job->settings.fine, job->settings.frequency, &job->dome, fault);
 
 	if (err)
 		return err;

@@ -13,8 +13,8 @@
 #define RENDER_MAX_OF_RMS 2
 
 struct render_settings {
-	int frequency, division, shape; /* enum dome_division, dome_shape */
-	const struct fine_list *fine;	/* finer parts of the sky; NULL: none */
+	int frequency;
+	const struct fine_list *fine; /* finer parts of the sky; NULL: none */
 	int samples;
 	double noise_levels; /* above 0: target for the noise, which replaces samples */
 	int bounces, seed;

@@ -2,6 +2,7 @@
 /* The command `inlay-bake render`: bakes a scene file to a basis file. */
 #include <errno.h>
 #include <getopt.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,41 +18,6 @@
 #include "hal/basis/basis.h"
 #include "hal/optics/dome.h"
 
-enum {
-	SIZE = 1,
-	SAMPLES,
-	NOISE,
-	SEED,
-	THREADS,
-	QUIET,
-	PRINT_SCENE,
-	SHARD,
-	POSE,
-	PROFILE,
-	PREVIEW,
-	NO_PREVIEW
-};
-
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	LIGHTS_OPTIONS,
-	{"size", required_argument, NULL, SIZE},
-	{"samples", required_argument, NULL, SAMPLES},
-	{"noise", required_argument, NULL, NOISE},
-	{"seed", required_argument, NULL, SEED},
-	ENCODING_OPTIONS,
-	{"pose", required_argument, NULL, POSE},
-	{"shard", required_argument, NULL, SHARD},
-	{"threads", required_argument, NULL, THREADS},
-	{"quiet", no_argument, NULL, QUIET},
-	{"profile", no_argument, NULL, PROFILE},
-	{"preview", no_argument, NULL, PREVIEW},
-	{"no-preview", no_argument, NULL, NO_PREVIEW},
-	{"print-scene", no_argument, NULL, PRINT_SCENE},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 /* Options of the command line; a number that was not given is negative. */
 struct render_choices {
 	const char *output;
@@ -65,77 +31,45 @@ struct render_choices {
 };
 
 /* Reads --shard I/N, where I counts from 1. */
-static int parse_shard(struct render_choices *c, const char *text, struct fault *fault)
+static int read_shard(void *field, const char *option, const char *text, struct fault *fault)
 {
 	int index, count;
 	char rest;
 
 	if (strlen(text) > 16 || sscanf(text, "%d/%d%c", &index, &count, &rest) != 2 || index < 1 ||
 	    count > SHARDS_MAX || index > count)
-		return fault_say(
-			fault, -EINVAL,
-			"--shard: \"%s\", expected which of how many, such as 2/8; up to %d", text,
-			SHARDS_MAX);
-	c->shard = (struct shard_place){.index = index - 1, .count = count};
+		return fault_say(fault, -EINVAL,
+				 "%s: \"%s\", expected which of how many, such as 2/8; up to %d",
+				 option, text, SHARDS_MAX);
+	*(struct shard_place *)field = (struct shard_place){.index = index - 1, .count = count};
 	return 0;
 }
 
-static int render_take_option(void *choices, int option, struct fault *fault)
-{
-	struct render_choices *c = choices;
+#define AT(field) .place = offsetof(struct render_choices, field)
 
-	switch (option) {
-	case 'o':
-		c->output = optarg;
-		return 0;
-	case LIGHTS_FREQUENCY:
-	case LIGHTS_DIVISION:
-	case LIGHTS_SHAPE:
-	case LIGHTS_FINE:
-		return lights_option_take(&c->lights, option, optarg, fault);
-	case SIZE:
-		return option_size("--size", optarg, &c->width, &c->height, fault);
-	case SAMPLES:
-		return option_int("--samples", optarg, 1, 65536, &c->samples, fault);
-	case NOISE:
-		return option_real("--noise", optarg, 1e-3, 255, &c->noise, fault);
-	case SEED:
-		return option_int("--seed", optarg, 0, 2147483647, &c->seed, fault);
-	case THREADS:
-		return option_int("--threads", optarg, 1, 1024, &c->threads, fault);
-	case SHARD:
-		return parse_shard(c, optarg, fault);
-	case POSE:
-		c->pose = optarg;
-		return 0;
-	case QUIET:
-		c->quiet = true;
-		return 0;
-	case PROFILE:
-		c->profile = true;
-		return 0;
-	case PREVIEW:
-		c->preview = true;
-		return 0;
-	case NO_PREVIEW:
-		c->no_preview = true;
-		return 0;
-	case PRINT_SCENE:
-		c->print_scene = true;
-		return 0;
-	default:
-		return encoding_option_parse(&c->encoding, option, optarg, fault);
-	}
-}
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(output)},
+	LIGHTS_ROWS,
+	{"size", OPTION_SIZE, AT(width)},
+	{"samples", OPTION_INT, AT(samples), .min = 1, .max = 65536},
+	{"noise", OPTION_REAL, AT(noise), .min = 1e-3, .max = 255},
+	{"seed", OPTION_INT, AT(seed), .max = INT_MAX},
+	ENCODING_ROWS,
+	{"pose", OPTION_TEXT, AT(pose)},
+	{"shard", OPTION_OTHER, AT(shard), .take = read_shard},
+	{"threads", OPTION_INT, AT(threads), .min = 1, .max = 1024},
+	{"quiet", OPTION_FLAG, AT(quiet)},
+	{"profile", OPTION_FLAG, AT(profile)},
+	{"preview", OPTION_FLAG, AT(preview)},
+	{"no-preview", OPTION_FLAG, AT(no_preview)},
+	{"print-scene", OPTION_FLAG, AT(print_scene)},
+	{.name = NULL},
+};
 
 static void apply_choices(struct render_settings *s, const struct render_choices *c)
 {
 	if (c->lights.frequency >= 0)
 		s->frequency = c->lights.frequency;
-	if (c->lights.division >= 0)
-		s->division = c->lights.division;
-	if (c->lights.shape >= 0)
-		s->shape = c->lights.shape;
 	if (c->samples >= 0) {
 		s->samples = c->samples;
 		s->noise_levels = 0;
@@ -309,14 +243,14 @@ static int render_bake(const char *path, const struct render_choices *c)
 	return c->preview ? EXIT_SUCCESS : assembly_conclude(&report.miss, c->output);
 }
 
-static int render_command_run(const struct bake_command *command, int argc, char **argv)
+static int render_command_run(const struct command *command, int argc, char **argv)
 {
-	struct render_choices c = {.lights = {-1, -1, -1, NULL},
+	struct render_choices c = {.lights = {.frequency = -1},
 				   .samples = -1,
 				   .seed = -1,
 				   .noise = -1,
 				   .encoding = ENCODING_UNCHOSEN};
-	const int status = command_options(command, argc, argv, options, render_take_option, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -336,22 +270,13 @@ static int render_command_run(const struct bake_command *command, int argc, char
 	return render_bake(argv[optind], &c);
 }
 
-const struct bake_command render_command = {
+const struct command render_command = {
 	.name = "render",
-	.usage = "SCENE -o OUT.inlay [--frequency F] [--division D] [--lights L]\n"
-		 "           [--fine PARTS] [--size WxH]\n"
-		 "           [--samples S | --noise LEVELS] " ENCODING_USAGE "\n"
-		 "           [--preview | --no-preview] [--pose P] [--seed K] [--shard I/N]\n"
-		 "           [--threads T] [--profile] [--quiet]",
+	.usage = "SCENE -o OUT.inlay [options]",
 	.summary = "bake a scene: all its light transport, to a basis file",
 	.help = "\n"
 		"  -o FILE         the basis file: first a preview, in place of which the finished file\n"
-		"                  appears when it is whole; a finished file stays until then\n"
-		"  --frequency F   the dome's frequency, 1 to 72; 9 makes 406 lights\n"
-		"  --division D    angles or chords\n"
-		"  --lights L      cells, or tents: each fades towards its neighbours, and lamps move\n"
-		"                  without steps\n"
-		"  --fine PARTS    where lights are finer, as in [dome]: a file, a list, or \"\" for nowhere\n"
+		"                  appears when it is whole; a finished file stays until then\n" LIGHTS_HELP
 		"  --size WxH      size of the picture, in pixels\n"
 		"  --samples S     camera rays a pixel\n"
 		"  --noise LEVELS  as many as bring the estimated standard error below this,\n"

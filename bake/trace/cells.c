@@ -2,7 +2,6 @@
 #include "bake/trace/cells.h"
 
 #include <errno.h>
-#include <stdbool.h>
 #include <stdlib.h>
 
 #include "bake/base/random.h"
@@ -21,7 +20,7 @@ static struct v3 cells_narrow(const double d[3])
 
 static float reach_of(const struct dome *dome, int light)
 {
-	const double reach = dome_light_reach_rad(dome, light);
+	const double reach = dome_cell_reach_rad(dome, light);
 
 	return reach < M_PI / 2 ? (float)sin(reach) * 1.001f + 1e-6f : 1;
 }
@@ -33,7 +32,7 @@ static float reach_of(const struct dome *dome, int light)
 #define SQUARES 16
 
 /*
- * Cumulative distribution for warping the unit square, so that dome_light_sample() draws directions
+ * Cumulative distribution for warping the unit square, so that dome_cell_sample() draws directions
  * with another density: u by the marginal all[], then v by part[] of u's strip. Each is a sum from
  * 0 to its total.
  */
@@ -42,22 +41,17 @@ struct warp {
 	double part[SQUARES][SQUARES + 1];
 };
 
-/* Makes a warp whose density is the light's weight by solid angle or, if `projected`, by projected
- * solid angle. */
-static void make_warp(const struct dome *dome, int light, bool projected, struct warp *warp)
+/* Makes a warp whose density is even in projected solid angle. */
+static void make_warp(const struct dome *dome, int light, struct warp *warp)
 {
 	warp->all[0] = 0;
 	for (int j = 0; j < SQUARES; j++) {
 		warp->part[j][0] = 0;
 		for (int k = 0; k < SQUARES; k++) {
-			double d[3], share;
+			double d[3];
 
-			dome_light_sample(dome, light, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
-			share = projected ? d[2] : 1;
-			if (dome->shape == DOME_TENTS)
-				share *= dome_weight(dome, light, d) /
-					 dome_light_density(dome, light, d);
-			warp->part[j][k + 1] = warp->part[j][k] + share;
+			dome_cell_sample(dome, light, (j + 0.5) / SQUARES, (k + 0.5) / SQUARES, d);
+			warp->part[j][k + 1] = warp->part[j][k] + d[2];
 		}
 		warp->all[j + 1] = warp->all[j] + warp->part[j][SQUARES];
 	}
@@ -82,26 +76,22 @@ static void draw_warped(const struct dome *dome, int light, const struct warp *w
 	int strip, square;
 	const double u = reach_share(warp->all, point[0], &strip);
 
-	dome_light_sample(dome, light, u, reach_share(warp->part[strip], point[1], &square), d);
+	dome_cell_sample(dome, light, u, reach_share(warp->part[strip], point[1], &square), d);
 }
 
 static void fill_directions(struct cells *cells, int place)
 {
 	const int cell = cells->order[place];
 	const uint64_t scramble = random_hash((uint64_t)cell, 0xce11, 0);
-	struct warp even, ground;
+	struct warp ground;
 
-	make_warp(cells->dome, cell, false, &even);
-	make_warp(cells->dome, cell, true, &ground);
+	make_warp(cells->dome, cell, &ground);
 	for (int k = 0; k < cells->depth; k++) {
 		const size_t at = (size_t)k * (size_t)cells->count + (size_t)place;
 		double point[2], d[3];
 
 		sobol_point((uint32_t)k, scramble, point);
-		if (cells->dome->shape == DOME_CELLS) /* uniform without a warp */
-			dome_light_sample(cells->dome, cell, point[0], point[1], d);
-		else
-			draw_warped(cells->dome, cell, &even, point, d);
+		dome_cell_sample(cells->dome, cell, point[0], point[1], d);
 		cells->uniform[at] = cells_narrow(d);
 		draw_warped(cells->dome, cell, &ground, point, d);
 		cells->ground[at] = cells_narrow(d);

@@ -342,16 +342,14 @@ static void deposit_cell(const struct transport *t, int cell, struct rgb weight,
 		row[(size_t)c * (size_t)t->cells->count + (size_t)cell] += weight.c[c];
 }
 
-/* Adds weight to the lights that share a direction of the sky. */
+/* Adds weight to the light of a direction of the sky. */
 static void deposit_sky(const struct transport *t, struct v3 direction, struct rgb weight,
 			float *row)
 {
-	float share[3];
-	int light[3];
-	const int count = cells_weights(t->cells, direction, light, share);
+	const int cell = cells_of(t->cells, direction);
 
-	for (int k = 0; k < count; k++)
-		deposit_cell(t, light[k], rgb_scale(weight, share[k]), row);
+	if (cell >= 0)
+		deposit_cell(t, cell, weight, row);
 }
 
 /* Tells whether the coat's lobe is wider than a cell. Rays to cells hardly ever hit a narrower
@@ -428,7 +426,7 @@ static void pass_rays(struct transport *t, enum presence presence, struct v3 ori
 }
 
 /* Adds the coat's light by the rays that were not blocked, weighted by the balance heuristic
- * between one ray a cell (of density weight / sr) and rays drawn from the coat itself. */
+ * between one ray a cell (of density 1 / sr) and rays drawn from the coat itself. */
 static void add_coat_by_cells(struct transport *t, enum presence presence, const struct surface *s,
 			      struct v3 wo, struct rgb weight, float *row)
 {
@@ -437,7 +435,7 @@ static void add_coat_by_cells(struct transport *t, enum presence presence, const
 	for (int k = 0; k < t->rays.count; k++) {
 		const struct passage p = ray_passage(t, presence, origin, k);
 		const int cell = t->cell[k];
-		float density, share;
+		float density;
 		struct rgb f;
 
 		if (t->rays.blocked[k] && !p.open)
@@ -445,10 +443,9 @@ static void add_coat_by_cells(struct transport *t, enum presence presence, const
 		f = bsdf_coat(&s->bsdf, s->normal, wo, pushed_ray(t, k), &density);
 		if (p.open)
 			f = rgb_mul(f, p.passed);
-		share = rgb_peak(f) > 0 ? cells_weight(t->cells, cell, pushed_ray(t, k)) : 0;
-		if (share <= 0)
+		if (rgb_peak(f) <= 0 || cells_of(t->cells, pushed_ray(t, k)) != cell)
 			continue;
-		f = rgb_scale(rgb_mul(weight, f), share / (share / t->cells->sr[cell] + density));
+		f = rgb_scale(rgb_mul(weight, f), 1 / (1 / t->cells->sr[cell] + density));
 		if (p.bent)
 			deposit_sky(t, p.sky, f, row);
 		else
@@ -617,10 +614,10 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 			struct v3 *wi, struct rgb *onward, float *row)
 {
 	struct passage passage = {.open = true, .passed = {{1, 1, 1}}};
-	float density, share[3];
-	int light[3], count;
+	float density;
 	struct rgb f;
 	bool met;
+	int cell;
 
 	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
@@ -638,15 +635,15 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 	if (!passage.open)
 		return true;
 	f = rgb_mul(f, passage.passed);
-	count = cells_weights(t->cells, *wi, light, share);
-	for (int k = 0; k < count; k++) {
-		const float other = shared ? share[k] / t->cells->sr[light[k]] : 0;
-		const struct rgb part = rgb_scale(f, share[k] / (density + other));
+	cell = cells_of(t->cells, *wi);
+	if (cell >= 0) {
+		const float other = shared ? 1 / t->cells->sr[cell] : 0;
+		const struct rgb part = rgb_scale(f, 1 / (density + other));
 
 		if (passage.bent)
 			deposit_sky(t, passage.sky, part, row);
 		else
-			deposit_cell(t, light[k], part, row);
+			deposit_cell(t, cell, part, row);
 	}
 	return passage.mirrored > 0;
 }

@@ -121,7 +121,7 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 	if (direction.z < 0)
 		return rgb_make(0, 0, 0);
 	if (sky->dome) {
-		const float lit = (float)dome_weight(sky->dome, sky->light, d);
+		const float lit = dome_cell_of(sky->dome, d) == sky->light;
 
 		return rgb_make(lit, lit, lit);
 	}
@@ -153,12 +153,19 @@ static float texel_density(const struct sky *sky, int x, int y)
 	return (float)(share * sky->width / panorama_row_sr(&sky->panorama, y));
 }
 
+static float light_density(const struct sky *sky, const double d[3])
+{
+	return dome_cell_of(sky->dome, d) == sky->light
+		       ? (float)(1 / sky->dome->solid_angle_sr[sky->light])
+		       : 0;
+}
+
 static struct v3 sample_light(const struct sky *sky, float u, float v, float *density)
 {
 	double d[3];
 
-	dome_light_sample(sky->dome, sky->light, (double)u, (double)v, d);
-	*density = (float)dome_light_density(sky->dome, sky->light, d);
+	dome_cell_sample(sky->dome, sky->light, (double)u, (double)v, d);
+	*density = light_density(sky, d);
 	return v3_make((float)d[0], (float)d[1], (float)d[2]);
 }
 
@@ -189,13 +196,6 @@ struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
 	return sky->dome ? sample_light(sky, u, v, density) : sample_panorama(sky, u, v, density);
 }
 
-static float light_density(const struct sky *sky, struct v3 d)
-{
-	const double direction[3] = {d.x, d.y, d.z};
-
-	return (float)dome_light_density(sky->dome, sky->light, direction);
-}
-
 static float panorama_density(const struct sky *sky, struct v3 d)
 {
 	const struct image *image = sky->panorama.image;
@@ -213,5 +213,7 @@ static float panorama_density(const struct sky *sky, struct v3 d)
 
 float sky_density(const struct sky *sky, struct v3 direction)
 {
-	return sky->dome ? light_density(sky, direction) : panorama_density(sky, direction);
+	const double d[3] = {direction.x, direction.y, direction.z};
+
+	return sky->dome ? light_density(sky, d) : panorama_density(sky, direction);
 }

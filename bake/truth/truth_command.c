@@ -18,34 +18,6 @@
 #define FISHEYE_SIDE 1024
 #define SAMPLES 256
 
-enum {
-	PANORAMA = 1,
-	TURN,
-	EXPOSURE,
-	BACKGROUND,
-	SIZE,
-	BACKGROUND_OUT,
-	FISHEYE_OUT,
-	FISHEYE_SIZE,
-	POSE
-};
-
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	{"panorama", required_argument, NULL, PANORAMA},
-	{"turn", required_argument, NULL, TURN},
-	{"exposure", required_argument, NULL, EXPOSURE},
-	{"background", required_argument, NULL, BACKGROUND},
-	{"size", required_argument, NULL, SIZE},
-	{"background-out", required_argument, NULL, BACKGROUND_OUT},
-	{"fisheye-out", required_argument, NULL, FISHEYE_OUT},
-	{"fisheye-size", required_argument, NULL, FISHEYE_SIZE},
-	{"pose", required_argument, NULL, POSE},
-	TRUTH_OPTIONS,
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
-};
-
 struct truth_choices {
 	const char *pose;
 	const char *output, *panorama, *background, *background_out, *fisheye_out;
@@ -54,41 +26,22 @@ struct truth_choices {
 	struct truth_settings truth;
 };
 
-static int truth_command_take(void *choices, int option, struct fault *fault)
-{
-	struct truth_choices *c = choices;
+#define AT(field) .place = offsetof(struct truth_choices, field)
 
-	switch (option) {
-	case 'o':
-		c->output = optarg;
-		return 0;
-	case PANORAMA:
-		c->panorama = optarg;
-		return 0;
-	case TURN:
-		return option_real("--turn", optarg, -360, 360, &c->turn_deg, fault);
-	case EXPOSURE:
-		return option_real("--exposure", optarg, 1e-9, 1e9, &c->exposure, fault);
-	case BACKGROUND:
-		c->background = optarg;
-		return 0;
-	case SIZE:
-		return option_size("--size", optarg, &c->width, &c->height, fault);
-	case BACKGROUND_OUT:
-		c->background_out = optarg;
-		return 0;
-	case FISHEYE_OUT:
-		c->fisheye_out = optarg;
-		return 0;
-	case FISHEYE_SIZE:
-		return option_int("--fisheye-size", optarg, 8, 8192, &c->fisheye_side, fault);
-	case POSE:
-		c->pose = optarg;
-		return 0;
-	default:
-		return truth_option_take(&c->truth, option, optarg, fault);
-	}
-}
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(output)},
+	{"panorama", OPTION_TEXT, AT(panorama)},
+	{"turn", OPTION_REAL, AT(turn_deg), .min = -360, .max = 360},
+	{"exposure", OPTION_REAL, AT(exposure), .min = 1e-9, .max = 1e9},
+	{"background", OPTION_TEXT, AT(background)},
+	{"size", OPTION_SIZE, AT(width)},
+	{"background-out", OPTION_TEXT, AT(background_out)},
+	{"fisheye-out", OPTION_TEXT, AT(fisheye_out)},
+	{"fisheye-size", OPTION_INT, AT(fisheye_side), .min = 8, .max = 8192},
+	{"pose", OPTION_TEXT, AT(pose)},
+	TRUTH_ROWS,
+	{.name = NULL},
+};
 
 /* ---- pictures ---- */
 
@@ -226,7 +179,7 @@ static int run_truth(const char *path, struct truth_choices *c, struct fault *fa
 	return err;
 }
 
-static int truth_command_run(const struct bake_command *command, int argc, char **argv)
+static int truth_command_run(const struct command *command, int argc, char **argv)
 {
 	struct truth_choices c = {
 		.exposure = 1,
@@ -234,7 +187,7 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 		.truth = {.samples = SAMPLES, .seed = 1},
 	};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, truth_command_take, &c);
+	const int status = command_read(command, argc, argv, options, &c);
 	int err;
 
 	if (status != COMMAND_GOES_ON)
@@ -251,12 +204,9 @@ static int truth_command_run(const struct bake_command *command, int argc, char 
 	return !err ? EXIT_SUCCESS : err == -ENODATA ? EXIT_MISSED : EXIT_FAILURE;
 }
 
-const struct bake_command truth_command = {
+const struct command truth_command = {
 	.name = "truth",
-	.usage =
-		"SCENE --panorama P.hdr -o OUT.png|.pfm [--turn DEG] [--exposure E]\n"
-		"           [--background IMG] [--samples S] [--size WxH] [--background-out B.png]\n"
-		"           [--fisheye-out F.pfm] [--fisheye-size N] [--pose P] [--seed K] [--threads T] [--quiet]",
+	.usage = "SCENE --panorama P.hdr -o OUT.png|.pfm [options]",
 	.summary = "path trace the finished composite under a panorama",
 	.help = "\n  --panorama P        equirectangular, linear light; its upper half shines\n"
 		"  -o FILE             .png: 8-bit sRGB; .pfm, .hdr: linear light\n"

@@ -3,26 +3,18 @@
 #ifndef INLAY_BAKE_TRUTH_TRUTH_OPTIONS_H
 #define INLAY_BAKE_TRUTH_TRUTH_OPTIONS_H
 
+#include <limits.h>
+
 #include "bake/truth/truth.h"
+#include "hal/options/options.h"
 
-enum truth_option {
-	TRUTH_SAMPLES = 400, /* above the commands' own and those of the lights */
-	TRUTH_SEED,
-	TRUTH_THREADS,
-	TRUTH_QUIET
-};
-
-/* For getopt_long(). */
-#define TRUTH_OPTIONS                                                                              \
-	{"samples", required_argument, NULL, TRUTH_SAMPLES},                                       \
-		{"seed", required_argument, NULL, TRUTH_SEED},                                     \
-		{"threads", required_argument, NULL, TRUTH_THREADS},                               \
-	{                                                                                          \
-		"quiet", no_argument, NULL, TRUTH_QUIET                                            \
-	}
-
-/* Takes one of these options with its argument. -EINVAL. */
-int truth_option_take(struct truth_settings *settings, int option, const char *text,
-		      struct fault *fault);
+/* Rows of a command whose AT(truth) is a struct truth_settings. */
+/* clang-format off */
+#define TRUTH_ROWS										   \
+	{"samples", OPTION_INT, AT(truth.samples), .min = 1, .max = 1 << 20},			   \
+	{"seed", OPTION_INT, AT(truth.seed), .max = INT_MAX},					   \
+	{"threads", OPTION_INT, AT(truth.threads), .min = 1, .max = 1024},			   \
+	{"quiet", OPTION_FLAG, AT(truth.quiet)}
+/* clang-format on */
 
 #endif

@@ -12,8 +12,7 @@
  * The sky is divided into tiles of polar angle and azimuth, at most 0.35 degrees wide. If the
  * radiance at the four corners is nearly equal, their mean stands for the tile; otherwise the tile
  * is sampled FINE x FINE times. The corners suffice, because every emitter is far larger than a
- * tile. A tile that spans several Voronoi cells is divided among them by fine samples. Tents are
- * nearly linear within a tile, so the weights at its middle divide it.
+ * tile. A tile that spans several Voronoi cells is divided among them by fine samples.
  */
 enum { RINGS = 256, SECTORS = 1024, FINE = 10 };
 
@@ -56,18 +55,6 @@ static void integral_add(struct light_integral *in, int cell, const double rgb[3
 	in->weights[cell] += weight;
 }
 
-/* Adds radiance from a direction to the lights that share it. */
-static void add_seen(struct light_integral *in, const double dir[3], const double rgb[3],
-		     double weight)
-{
-	double share[3];
-	int light[3];
-	const int count = dome_weights(in->dome, dir, light, share);
-
-	for (int k = 0; k < count; k++)
-		integral_add(in, light[k], rgb, weight * share[k]);
-}
-
 static bool same_light(const struct studio_sight corners[4])
 {
 	for (int i = 1; i < 4; i++)
@@ -88,7 +75,7 @@ static void add_finely(struct light_integral *in, const struct studio_sight corn
 {
 	const double height = M_PI / 2 / RINGS / FINE, width = 2 * M_PI / SECTORS / FINE;
 	const bool smooth = same_light(corners);
-	const bool whole = in->dome->shape == DOME_CELLS && same_cell(corners);
+	const bool whole = same_cell(corners);
 
 	for (int i = 0; i < FINE; i++) {
 		const double theta = (ring * FINE + i + 0.5) * height;
@@ -101,10 +88,8 @@ static void add_finely(struct light_integral *in, const struct studio_sight corn
 			polar_direction(theta, phi, dir);
 			if (!smooth)
 				studio_radiance(in->origin, dir, in->lamps, rgb);
-			if (whole)
-				integral_add(in, corners[0].cell, smooth ? mean : rgb, weight);
-			else
-				add_seen(in, dir, smooth ? mean : rgb, weight);
+			integral_add(in, whole ? corners[0].cell : dome_cell_of(in->dome, dir),
+				     smooth ? mean : rgb, weight);
 		}
 	}
 }
@@ -114,20 +99,16 @@ static void integral_add_tile(struct light_integral *in, const struct studio_sig
 {
 	const double height = M_PI / 2 / RINGS, width = 2 * M_PI / SECTORS;
 	const double weight = (cos(ring * height) - cos((ring + 1) * height)) * width;
-	double mean[3], middle[3];
+	double mean[3];
 
 	for (int c = 0; c < 3; c++)
 		mean[c] = (corners[0].rgb[c] + corners[1].rgb[c] + corners[2].rgb[c] +
 			   corners[3].rgb[c]) /
 			  4;
-	if (in->dome->shape == DOME_TENTS && same_light(corners)) {
-		polar_direction((ring + 0.5) * height, (sector + 0.5) * width, middle);
-		add_seen(in, middle, mean, weight);
-	} else if (in->dome->shape == DOME_CELLS && same_cell(corners) && same_light(corners)) {
+	if (same_cell(corners) && same_light(corners))
 		integral_add(in, corners[0].cell, mean, weight);
-	} else {
+	else
 		add_finely(in, corners, ring, sector, mean);
-	}
 }
 
 static void look_along_ring(const struct light_integral *in, int ring, struct studio_sight *sights)

@@ -7,7 +7,11 @@
 #include "drivers/sim/walker_body.h"
 #include "hal/optics/vec.h"
 
-enum { SIDE = 4, TILE = 8 };
+enum {
+	SIDE = 4,
+	TILE = 8,
+	NODES = 1024 /* of a row, at most, at which shadows are computed */
+};
 
 struct crowd {
 	int count;
@@ -40,13 +44,18 @@ static double piece_irradiance(const struct studio_piece *piece, const double po
 	return here > 0 && there > 0 ? here * there / d2 : 0;
 }
 
-static double crowd_hides(const struct crowd *crowd, const double point[3], const double lamp[3],
-			  double radius)
+/* The share of a lamp that the bodies within a distance on the ground hide from a point. */
+static double crowd_hides(const struct crowd *crowd, double within_m, const double point[3],
+			  const double lamp[3], double radius)
 {
 	double seen = 1;
 
-	for (int i = 0; i < crowd->count; i++)
-		seen *= 1 - walker_hides(&crowd->body[i], point, lamp, radius);
+	for (int i = 0; i < crowd->count; i++) {
+		const double *middle = crowd->body[i].low;
+
+		if (hypot(middle[0] - point[0], middle[1] - point[1]) < within_m)
+			seen *= 1 - walker_hides(&crowd->body[i], point, lamp, radius);
+	}
 	return 1 - seen;
 }
 
@@ -56,18 +65,9 @@ static double crowd_hides(const struct crowd *crowd, const double point[3], cons
 static double crowd_hides_ambient(const struct crowd *crowd, const double point[3],
 				  const double normal[3])
 {
-	const double far_m = 2, tilt = 0.9, radius = 0.8, round = 0.5;
+	const double within_m = 1.2, far_m = 2, tilt = 0.9, radius = 0.8, round = 0.5;
 	double u[3] = {normal[1], normal[2], normal[0]}, v[3], hidden = 0;
-	bool near = false;
 
-	for (int i = 0; i < crowd->count; i++) {
-		const double *middle = crowd->body[i].low;
-		const double off = hypot(middle[0] - point[0], middle[1] - point[1]);
-
-		near = near || off < 1.2;
-	}
-	if (!near)
-		return 0;
 	vec_cross(normal, u, v);
 	for (int k = 0; k < 7; k++) {
 		const double turn = 2 * M_PI * k / 6, out = k < 6 ? sin(tilt) : 0;
@@ -76,7 +76,7 @@ static double crowd_hides_ambient(const struct crowd *crowd, const double point[
 		for (int i = 0; i < 3; i++)
 			lamp[i] = point[i] + far_m * (sqrt(1 - out * out) * normal[i] +
 						      out * (cos(turn) * u[i] + sin(turn) * v[i]));
-		hidden += round * crowd_hides(crowd, point, lamp, radius) / 7;
+		hidden += round * crowd_hides(crowd, within_m, point, lamp, radius) / 7;
 	}
 	return hidden;
 }
@@ -101,12 +101,29 @@ static void crowd_takes(const struct crowd *crowd, const struct studio_ground *a
 		lost[c] = ambient * studio_ambient_irradiance[c];
 	for (int p = 0; p < STUDIO_PIECES; p++) {
 		const struct studio_piece *piece = &crowd->piece[p];
-		const double e = piece_irradiance(piece, at->point, at->normal);
-		const double hidden =
-			e > 0 ? crowd_hides(crowd, at->point, piece->place, piece->radius) : 0;
+		const double e = piece->power[1] > 0
+					 ? piece_irradiance(piece, at->point, at->normal)
+					 : 0;
+		const double hidden = e > 0 ? crowd_hides(crowd, INFINITY, at->point, piece->place,
+							  piece->radius)
+					    : 0;
 
 		for (int c = 0; c < 3; c++)
 			lost[c] += hidden * e * piece->power[c];
+	}
+}
+
+/* Irradiance that walkers keep from the nodes of a row: every `step` pixels, and the last one. */
+static void take_row(const struct crowd *crowd, const struct studio_view *view, int y, int step,
+		     double row[NODES + 1][3])
+{
+	const int right = studio_view_eye(view)->width - 1;
+
+	for (int i = 0; (i - 1) * step < right; i++) {
+		const int x = i * step < right ? i * step : right;
+		const struct studio_ground at = studio_view_ground(view, x, y);
+
+		crowd_takes(crowd, &at, row[i]);
 	}
 }
 
@@ -114,24 +131,32 @@ void studio_people_shade(const struct studio_view *view, const struct studio_lam
 			 const struct walker *walkers, int count, float *rgb)
 {
 	const struct sim_eye *eye = studio_view_eye(view);
+	const int step = 4 * (1 + eye->width / (4 * NODES));
+	double rows[2][NODES + 1][3];
 	struct crowd crowd;
-	double lost[3];
 
 	if (count == 0)
 		return;
 	crowd_gather(&crowd, lamps, walkers, count);
-	for (int y = 0; y < eye->height; y += 2)
-		for (int x = 0; x < eye->width; x += 2) {
-			const struct studio_ground first = studio_view_ground(view, x, y);
+	take_row(&crowd, view, 0, step, rows[0]);
+	for (int y = 0; y < eye->height; y++) {
+		const double(*above)[3] = rows[y / step % 2], (*below)[3] = rows[1 - y / step % 2];
+		const double v = (double)(y % step) / step;
 
-			crowd_takes(&crowd, &first, lost);
-			for (int k = 0; k < 4; k++) {
-				const int px = x + k % 2, py = y + k / 2;
+		if (y % step == 0)
+			take_row(&crowd, view, y + step < eye->height ? y + step : eye->height - 1,
+				 step, rows[1 - y / step % 2]);
+		for (int x = 0; x < eye->width; x++) {
+			const double u = (double)(x % step) / step;
+			const int i = x / step;
+			double lost[3];
 
-				if (px < eye->width && py < eye->height)
-					take_light(view, px, py, lost, rgb);
-			}
+			for (int c = 0; c < 3; c++)
+				lost[c] = (1 - v) * ((1 - u) * above[i][c] + u * above[i + 1][c]) +
+					  v * ((1 - u) * below[i][c] + u * below[i + 1][c]);
+			take_light(view, x, y, lost, rgb);
 		}
+	}
 }
 
 static void body_irradiance(const struct crowd *crowd, const double point[3],
@@ -155,6 +180,7 @@ struct drawn_pixel {
 	int hits, seen;
 	int of[WALKER_STYLES]; /* hits of each walker */
 	double depth;
+	int shaded; /* how often another part was met than the sample before had */
 	int shaded_body, shaded_part; /* whose light the next one has, too */
 	double irradiance[3];
 };
@@ -179,6 +205,7 @@ static void pixel_sample(const struct crowd *crowd, const unsigned *parts, const
 		for (int i = 0; i < 3; i++)
 			point[i] = origin[i] + nearest.distance * dir[i];
 		body_irradiance(crowd, point, nearest.normal, pixel->irradiance);
+		pixel->shaded++;
 		pixel->shaded_body = who;
 		pixel->shaded_part = nearest.part;
 	}
@@ -189,14 +216,21 @@ static void pixel_sample(const struct crowd *crowd, const unsigned *parts, const
 		rgb[c] += (float)(nearest.albedo[c] / M_PI * pixel->irradiance[c]);
 }
 
+static const int corners_first[SIDE * SIDE] = {0, 3, 12, 15, 1,	 2,  4,	 5,
+					       6, 7, 8,	 9,  10, 11, 13, 14};
+
 static struct studio_layer draw_pixel(const struct crowd *crowd, const struct sim_eye *eye,
 				      const unsigned *parts, int x, int y)
 {
 	struct studio_layer layer = {.walker = -1};
 	struct drawn_pixel pixel = {.shaded_body = -1};
+	int samples = 0;
 
-	for (int k = 0; k < SIDE * SIDE; k++) {
-		const double px[2] = {x + (k % SIDE + 0.5) / SIDE, y + (k / SIDE + 0.5) / SIDE};
+	/* The corners first: where they see one part, the rest does, too. */
+	for (int k = 0; k < SIDE * SIDE && !(samples == 4 && pixel.hits == 4 && pixel.shaded == 1);
+	     k++, samples++) {
+		const int at = corners_first[k];
+		const double px[2] = {x + (at % SIDE + 0.5) / SIDE, y + (at / SIDE + 0.5) / SIDE};
 		double origin[3], dir[3];
 
 		if (eye_ray(eye, px, origin, dir))
@@ -206,32 +240,31 @@ static struct studio_layer draw_pixel(const struct crowd *crowd, const struct si
 		if (pixel.of[i] > 0 && (layer.walker < 0 || pixel.of[i] > pixel.of[layer.walker]))
 			layer.walker = i;
 	for (int c = 0; c < 3; c++)
-		layer.rgb[c] /= SIDE * SIDE;
-	layer.alpha = (float)pixel.hits / (SIDE * SIDE);
+		layer.rgb[c] /= (float)samples;
+	layer.alpha = (float)pixel.hits / (float)samples;
 	layer.depth = pixel.hits ? (float)(pixel.depth / pixel.hits) : 0;
 	return layer;
 }
 
-/* The parts of bodies that a tile may see. False: none. */
+/* The parts of bodies that a tile may see: those in a cone around its middle, or, where that lies
+ * outside the field, around its corners. False: none. */
 static bool tile_parts(const struct crowd *crowd, const struct sim_eye *eye, int x, int y,
 		       unsigned *parts)
 {
-	double origin[3], dir[3], angle = 0;
-	bool any = false;
+	double origin[3], dir[3], angle;
+	bool middle = false, any = false;
 
 	memset(parts, 0, WALKER_STYLES * sizeof(*parts));
-	if (!eye_ray(eye, (double[2]){x + TILE / 2.0, y + TILE / 2.0}, origin, dir))
-		angle = -1;
-	for (int k = 0; angle >= 0 && k < 4; k++) {
-		const double px[2] = {x + k % 2 * TILE, y + k / 2 * TILE};
-		double corner[3];
+	for (int k = 0; k < 5 && !middle; k++) {
+		const double px[2] = {x + (k ? k % 2 : 0.5) * TILE, y + (k ? k / 3 : 0.5) * TILE};
 
-		angle = eye_ray(eye, px, origin, corner) ? fmax(angle, vec_angle(dir, corner)) : -1;
-	}
-	for (int i = 0; i < crowd->count; i++) {
-		/* At the rim of the field every part is tried. */
-		parts[i] = angle < 0 ? ~0u : walker_in_cone(&crowd->body[i], origin, dir, angle);
-		any = any || parts[i];
+		if (!eye_ray(eye, px, origin, dir))
+			continue;
+		middle = k == 0;
+		/* Half the diagonal of a square is 0.71 of its side. */
+		angle = (middle ? 0.75 : 1.5) * TILE * eye_pixel_rad(eye, px);
+		for (int i = 0; i < crowd->count; i++)
+			any |= (parts[i] |= walker_in_cone(&crowd->body[i], origin, dir, angle));
 	}
 	return any;
 }

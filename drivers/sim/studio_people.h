@@ -6,8 +6,8 @@
  * (studio_pieces()) and the ambient one, with its own normal. Approximations:
  *   - shadows fall on the room only, not on bodies; a body sends no light back to the room;
  *   - a shadow is the share of each piece that walker_hides() gives, so its edges are as soft as
- *     the lamp but not exact; it is computed for every other pixel and row; of the ambient light
- *     seven wide beams are tested;
+ *     the lamp but not exact; it is computed for every fourth pixel and row, and between them
+ *     interpolated; of the ambient light seven wide beams are tested;
  *   - a walker does not hide or darken the lanterns that shine behind.
  */
 #ifndef INLAY_DRIVERS_SIM_STUDIO_PEOPLE_H

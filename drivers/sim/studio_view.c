@@ -314,6 +314,18 @@ struct studio_ground studio_view_ground(const struct studio_view *view, int x, i
 	return ground;
 }
 
+void studio_view_paint(struct studio_view *view, int x, int y, const double factor[3])
+{
+	const size_t step = (size_t)view->width;
+	float *lane = view->lanes + (size_t)y * LANES * step + x;
+
+	for (size_t i = 0; i < 3; i++) {
+		lane[(PAINT_R + i) * step] *= (float)factor[i];
+		lane[(STEADY_R + i) * step] *= (float)factor[i];
+		lane[(PANELS_R + i) * step] *= (float)factor[i];
+	}
+}
+
 const struct sim_eye *studio_view_eye(const struct studio_view *view)
 {
 	return &view->eye;

@@ -27,6 +27,9 @@ struct studio_ground {
 struct studio_ground studio_view_ground(const struct studio_view *view, int x, int y);
 const struct sim_eye *studio_view_eye(const struct studio_view *view);
 
+/* Multiplies the light of a pixel that sees surfaces alone, no source of light. */
+void studio_view_paint(struct studio_view *view, int x, int y, const double factor[3]);
+
 void studio_view_destroy(struct studio_view *view); /* NULL is harmless */
 
 /* Computes the depth of the empty room along the axis of a camera that is no fisheye,

@@ -198,10 +198,12 @@ static void body_bound(struct walker_body *body)
 
 void walker_pose(const struct walker *walker, struct walker_body *body)
 {
-	struct posing posing = {walker, body, walker_height(walker->style)};
+	struct posing posing = {walker, body,
+				walker->height > 0 ? walker->height : walker_height(walker->style)};
 
 	memset(body, 0, sizeof(*body));
 	body->style = walker->style;
+	body->cloth = walker->cloth;
 	body->ahead[0] = cos(walker->heading_rad);
 	body->ahead[1] = sin(walker->heading_rad);
 	body->side[0] = -body->ahead[1];
@@ -266,9 +268,10 @@ static double weave(double a, double b, double period)
 }
 
 /* Colours of the clothes. along: m from the part's start; around: m about its line. */
-static void cloth_albedo(enum walker_style style, enum walker_cloth cloth, double along,
+static void cloth_albedo(const struct walker_body *body, enum walker_cloth cloth, double along,
 			 double around, double albedo[3])
 {
+	const enum walker_style style = body->style;
 	static const double colour[WALKER_STYLES][6][3] = {
 		/* skin, hair, top, legs, shoes, bag */
 		{{.52, .33, .24},
@@ -310,7 +313,7 @@ static void cloth_albedo(enum walker_style style, enum walker_cloth cloth, doubl
 	};
 	double tone = 1 + 0.05 * weave(along, around, 0.02);
 
-	memcpy(albedo, colour[style][cloth], sizeof(double[3]));
+	memcpy(albedo, (body->cloth ? body->cloth : colour[style])[cloth], sizeof(double[3]));
 	if (style == WALKER_JUMPER && cloth == CLOTH_TOP && fmod(along + 1, 0.09) < 0.045) {
 		albedo[0] = 0.66;
 		albedo[1] = 0.63;
@@ -342,8 +345,8 @@ static void hit_finish(const struct walker_body *body, const double origin[3], c
 	across = atan2(vec_dot(off, body->side), vec_dot(off, body->ahead)) * part->radius;
 	squeeze(body, part, squeezed, hit->normal);
 	vec_normalize(hit->normal);
-	cloth_albedo(body->style, part->cloth, share * vec_length(part->along) + 0.3 * squeezed[2],
-		     across, hit->albedo);
+	cloth_albedo(body, part->cloth, share * vec_length(part->along) + 0.3 * squeezed[2], across,
+		     hit->albedo);
 }
 
 bool walker_hit(const struct walker_body *body, unsigned parts, const double origin[3],

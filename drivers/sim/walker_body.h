@@ -23,6 +23,7 @@ struct walker_part {
 
 struct walker_body {
 	enum walker_style style;
+	const double (*cloth)[3]; /* as the walker's */
 	double side[3], ahead[3]; /* unit vectors: to the left, and where it walks */
 	int count;
 	struct walker_part part[WALKER_PARTS];

@@ -34,6 +34,10 @@ struct walker {
 	bool bag_left;
 	double bag_place[2]; /* if it is left */
 	bool absent;	     /* only the bag is there */
+	double height;	     /* see walker_height(); 0: the style's */
+	/* Albedos of skin, hair, top, legs, shoes and bag, under the style's pattern; NULL: the
+	 * style's. */
+	const double (*cloth)[3];
 };
 
 /* Lists who, and whose bag, is in the room at a time. Returns their number, at most count. */

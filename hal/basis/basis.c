@@ -66,8 +66,12 @@ static int check_info(const struct basis_reader *r, const struct basis_chunk_map
 	if (info->coarse < 1 || info->coarse > info->lights)
 		return basis_damaged(r, "%u coarse lights, expected 1 to %u", info->coarse,
 				     info->lights);
-	if (info->light_shape >= BASIS_LIGHT_SHAPE_COUNT || info->reserved != 0)
-		return basis_damaged(r, "light shape %u (and %u), expected 0 or 1 (and 0)",
+	if (info->light_shape == 1)
+		return fault_say(r->fault, -ENOTSUP,
+				 "%s: its lights are tents, expected cells: bake the scene again",
+				 r->name);
+	if (info->light_shape != 0 || info->reserved != 0)
+		return basis_damaged(r, "light shape %u (and %u), expected 0 (and 0)",
 				     info->light_shape, info->reserved);
 	r->basis->tiles_across = (int)(info->width + BASIS_TILE - 1) / BASIS_TILE;
 	r->basis->tiles_down = (int)(info->height + BASIS_TILE - 1) / BASIS_TILE;

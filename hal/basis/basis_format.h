@@ -130,15 +130,6 @@ struct basis_chunk_entry {
 	uint64_t checksum; /* XXH3-64 of the chunk */
 };
 
-/*
- * Shape of the lights (hal/optics/dome.h). The solid angle w_i of a light is the integral of its
- * weight over the sky.
- *   cell   weight 1 in the Voronoi cell of its node, 0 elsewhere
- *   tent   weight 1 at its node, falling linearly to 0 across the dome's triangles around it. The
- *          weights of a direction sum to 1, so a moving lamp fades from light to light.
- */
-enum basis_light_shape { BASIS_LIGHT_CELL, BASIS_LIGHT_TENT, BASIS_LIGHT_SHAPE_COUNT };
-
 #define BASIS_FOURCC(a, b, c, d)                                                                   \
 	((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
@@ -181,13 +172,14 @@ enum basis_chunk {
 struct basis_info_chunk {
 	uint32_t width, height;
 	uint32_t lights;
-	/* These are of the base dome, for information: chunk DOME has the nodes, also of finer
-	 * parts. Frequency 0: unknown. */
-	uint32_t dome_frequency, dome_division;
+	/* The base dome's, for information: chunk DOME has the nodes, also of finer parts. 0:
+	 * unknown. */
+	uint32_t dome_frequency;
+	uint32_t dome_division; /* 0; earlier versions wrote 1 for a dome by equal chords */
 	uint32_t grounds;
 	uint32_t poses;	      /* >= 1 */
 	uint32_t coarse;      /* K, 1..lights */
-	uint32_t light_shape; /* enum basis_light_shape */
+	uint32_t light_shape; /* 0; 1 in earlier versions: hat functions, which are refused */
 	uint32_t reserved;    /* 0 */
 	/*
 	 * Declared errors. None of them contains the error of dividing the sky into N lights.

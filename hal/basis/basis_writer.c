@@ -510,8 +510,7 @@ static int writer_finish(struct basis_writer *w, const struct basis_info_chunk *
 				 w->output.path, w->poses_done, w->info.poses);
 	if (info->width != w->info.width || info->height != w->info.height ||
 	    info->lights != w->info.lights || info->grounds != w->info.grounds ||
-	    info->poses != w->info.poses || info->coarse != w->info.coarse ||
-	    info->light_shape != w->info.light_shape)
+	    info->poses != w->info.poses || info->coarse != w->info.coarse)
 		return fault_say(fault, -EINVAL, "%s: sizes changed since the file was begun",
 				 w->output.path);
 	w->info = *info;

@@ -85,15 +85,6 @@ static int key_line(const char *path, const char *key)
 	return found;
 }
 
-static int response_complain(struct ini_report *report, const struct fault *fault)
-{
-	if (!report->count++)
-		report->first = *fault;
-	if (report->say)
-		report->say(report->context, fault->text);
-	return -EINVAL;
-}
-
 /* Checks the knots together; ini_read() has checked each number alone. */
 static int response_check(const struct response *r, const char *path, struct ini_report *report)
 {
@@ -104,7 +95,8 @@ static int response_check(const struct response *r, const char *path, struct ini
 		return 0;
 	fault_say(&fault, -EINVAL, "%.500s:%d: [light] response: %.400s", path,
 		  key_line(path, "response"), what.text);
-	return response_complain(report, &fault);
+	ini_report_add(report, &fault);
+	return -EINVAL;
 }
 
 int response_read(struct response *response, const char *path, struct ini_report *report)
@@ -122,7 +114,8 @@ int response_read(struct response *response, const char *path, struct ini_report
 			&fault, -EINVAL,
 			"%.500s:1: has no section [light], expected a file that inlay-calibrate light wrote",
 			path);
-		err = response_complain(report, &fault);
+		ini_report_add(report, &fault);
+		err = -EINVAL;
 	}
 	if (!err)
 		err = response_check(response, path, report);

@@ -63,7 +63,7 @@ struct ini_reading {
 
 /* ---- faults ---- */
 
-static void report_fault(struct ini_report *report, const struct fault *fault)
+void ini_report_add(struct ini_report *report, const struct fault *fault)
 {
 	if (!report)
 		return;
@@ -98,7 +98,7 @@ __attribute__((format(printf, 5, 6))) static void ini_complain(struct ini_readin
 	else if (*title)
 		snprintf(context, sizeof(context), "[%s] ", title);
 	fault_say(&fault, -EINVAL, "%s: %s%s", place, context, what);
-	report_fault(r->report, &fault);
+	ini_report_add(r->report, &fault);
 }
 
 /* ---- keys and sections met so far ---- */
@@ -509,7 +509,7 @@ static int fail_file(struct ini_report *report, int err, const char *path, const
 	struct fault fault = {.text = ""};
 
 	fault_say(&fault, err, "%s: %s", path, what);
-	report_fault(report, &fault);
+	ini_report_add(report, &fault);
 	return err;
 }
 
@@ -536,7 +536,7 @@ int ini_read(const char *path, const struct ini_table *tables, void *root,
 	int err = input_stream(path, &file, &fault);
 
 	if (err) {
-		report_fault(report, &fault);
+		ini_report_add(report, &fault);
 		return err;
 	}
 	text = malloc(FILE_BYTES_MAX + 1);

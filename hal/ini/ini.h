@@ -135,6 +135,9 @@ int ini_level_read(const char *text, double max, struct ini_level *level);
 /* Writes a level as text: "40", "1%". */
 void ini_level_text(const struct ini_level *level, char text[INI_LEVEL_TEXT_MAX]);
 
+/* Adds a fault to the report; NULL: to none. */
+void ini_report_add(struct ini_report *report, const struct fault *fault);
+
 /* Writes the sample file: every key at its default, with help, range and unit as comments. */
 void ini_write_sample(FILE *stream, const struct ini_table *tables);
 

@@ -10,8 +10,6 @@
 #include "hal/lights/sampler_frame.h"
 #include "hal/lights/sampler_parts.h"
 
-const char *const light_estimator_names[] = {"cell", "node", NULL};
-
 static int sampler_check_settings(const struct light_sampler_settings *s, int width, int height,
 				  struct fault *fault)
 {
@@ -21,10 +19,6 @@ static int sampler_check_settings(const struct light_sampler_settings *s, int wi
 		return fault_say(fault, -EINVAL,
 				 "fisheye: the picture is %d x %d, expected sides of 1 to %d",
 				 width, height, IMAGE_SIDE_MAX);
-	if (s->estimator < 0 || s->estimator >= ESTIMATOR_COUNT)
-		return fault_say(fault, -EINVAL,
-				 "fisheye: estimator %d is unknown, expected cell or node",
-				 (int)s->estimator);
 	if (transfer_curve_check(&s->curve, &what) < 0)
 		return fault_say(fault, -EINVAL, "fisheye: %s", what.text);
 	if (!(s->gain >= 0) || !isfinite(s->gain))
@@ -106,7 +100,7 @@ static int make_table(struct light_sampler *s, const struct dome *dome, const st
 	struct sampler_shares shares;
 	int ret;
 
-	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height, settings->estimator,
+	ret = sampler_shares_create(&shares, dome, lens, s->width, s->height,
 				    settings->placed ? &s->placed : NULL);
 	if (ret < 0)
 		return ret;

@@ -2,18 +2,16 @@
 /*
  * The light sampler: N linear colours from the fisheye's picture, every frame.
  *
- * Two estimators of L_i, the radiance of light i:
- *   node   the picture at the node's direction, bilinear in linear light (thesis 2.2.2);
- *   cell   the mean over the light, weighted by solid angle and, for tents, by the light's weight.
- *          It conserves energy, because the weights of a direction sum to 1, and misses no lamp.
+ * L_i, the radiance of light i, is the mean over its cell by solid angle. It conserves energy, and
+ * misses no lamp, which the picture at the node's direction (thesis 2.2.2) does.
  * A table made once holds all geometry (lens, orientation, flips, squash, the cell of each pixel).
  * A frame costs one pass over the pixels inside the image circle. Pixels that straddle cells are
- * shared between the cells by sub-pixel area; with tents, every pixel is shared among three lights.
+ * shared between the cells by sub-pixel area.
  * A light that no pixel reaches (fine domes, small pictures) gets the value of its node. A cell
  * outside the lens's field is dark, and counted.
  *
- * Both estimators leave out pixels whose centre lies outside the field or below the horizon,
- * because such a pixel shows less sky than its neighbours. So a sky of one colour gives exactly
+ * Pixels whose centre lies outside the field or below the horizon are left out, because such a
+ * pixel shows less sky than its neighbours. So a sky of one colour gives exactly
  * that colour to every light, also at the horizon.
  */
 #ifndef INLAY_HAL_LIGHTS_SAMPLER_H
@@ -28,14 +26,9 @@
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 
-enum light_estimator { ESTIMATOR_CELL, ESTIMATOR_NODE, ESTIMATOR_COUNT };
-
-extern const char *const light_estimator_names[]; /* "cell", "node", NULL */
-
 struct light_sampler_settings {
-	enum light_estimator estimator;
 	/* Light in a cell is shared with its neighbours so that it keeps its place (dome_placed.h):
-	 * each light is measured in parts. It has no effect on nodes and tents. */
+	 * each light is measured in parts. */
 	bool placed;
 	struct transfer_curve curve; /* of the camera's 8-bit code values; its black level is the
 					thesis's DARKRGB */

@@ -8,14 +8,12 @@
 
 #include "hal/optics/vec.h"
 
-#define SUBPIXELS 8	 /* sub-pixels per side, in pixels that straddle cells */
-#define TENT_SUBPIXELS 2 /* the same for tents, where weights nearly linear in a pixel need few */
-#define EDGE_SLACK 1e-9	 /* larger than all rounding of edges and of the field */
+#define SUBPIXELS 8	/* sub-pixels per side, in pixels that straddle cells */
+#define EDGE_SLACK 1e-9 /* larger than all rounding of edges and of the field */
 /* What the lens says is smooth: it is asked at four of so many pixels. The cubic between them is
  * off by 26 times the fourth derivative, 1e-6 where a pixel turns the direction by this at most. */
 #define BLOCK 16
 #define SMOOTH_RAD 0.01
-#define TENTS_MAX (3 * TENT_SUBPIXELS * TENT_SUBPIXELS)
 
 /* A pixel of the row that is being shared out: its weights in a light, or in each of its thirds. */
 struct row_share {
@@ -268,62 +266,6 @@ static void count_subpixels(const struct shares_builder *b, int x, int y,
 	}
 }
 
-/* Adds up the weights of the lights over the sub-pixels that see the sky. Returns the number of
- * lights. */
-static int weigh_subpixels(const struct shares_builder *b, int x, int y, int light[TENTS_MAX],
-			   double sum[TENTS_MAX])
-{
-	int kinds = 0;
-
-	for (int n = 0; n < TENT_SUBPIXELS * TENT_SUBPIXELS; n++) {
-		const double px[2] = {x + (n % TENT_SUBPIXELS + 0.5) / TENT_SUBPIXELS,
-				      y + (n / TENT_SUBPIXELS + 0.5) / TENT_SUBPIXELS};
-		double dir[3], weight[3];
-		int found[3], count = 0;
-
-		if (fisheye_ray(b->lens, px, dir))
-			count = dome_weights(b->dome, dir, found, weight);
-		for (int k = 0; k < count; k++) {
-			int at = 0;
-
-			while (at < kinds && light[at] != found[k])
-				at++;
-			if (at == kinds) {
-				light[kinds] = found[k];
-				sum[kinds++] = 0;
-			}
-			sum[at] += weight[k];
-		}
-	}
-	return kinds;
-}
-
-static int share_among_tents(struct shares_builder *b, int x, int y)
-{
-	const double centre[2] = {x + 0.5, y + 0.5};
-	struct fisheye_pixel pixel;
-	double sum[TENTS_MAX];
-	int light[TENTS_MAX], kinds, ret = 0;
-
-	if (!fisheye_pixel_of(b->lens, centre, &pixel) || !(pixel.dir[2] >= 0))
-		return 0;
-	kinds = weigh_subpixels(b, x, y, light, sum);
-	for (int k = 0; k < kinds && ret == 0; k++)
-		ret = add_share(b, light[k], x, y,
-				pixel.sr * sum[k] / (TENT_SUBPIXELS * TENT_SUBPIXELS), &pixel);
-	return ret;
-}
-
-static int share_by_tent(struct shares_builder *b)
-{
-	int ret = 0;
-
-	for (int y = 0; y < b->height; y++)
-		for (int x = 0; x < b->width && ret == 0; x++)
-			ret = share_among_tents(b, x, y);
-	return ret;
-}
-
 /* Shares a pixel among cells. Cells are convex: if all four corners lie in one, the pixel does. */
 static int share_pixel(struct shares_builder *b, int x, int y)
 {
@@ -529,17 +471,6 @@ static int share_node(struct shares_builder *b, int light)
 	return total > 0 ? 0 : share_nearest(b, light, px);
 }
 
-static int share_nodes(struct shares_builder *b, const bool *done)
-{
-	for (int i = 0; i < b->dome->count; i++) {
-		const int ret = done && done[i] ? 0 : share_node(b, i);
-
-		if (ret < 0)
-			return ret;
-	}
-	return 0;
-}
-
 /* Gives each light that no pixel reaches the weights at its node. */
 static int share_missing(struct shares_builder *b)
 {
@@ -548,8 +479,8 @@ static int share_missing(struct shares_builder *b)
 
 	for (size_t k = 0; ret == 0 && k < b->shares.runs; k++)
 		done[b->shares.run[k].light / b->parts] = true;
-	if (ret == 0)
-		ret = share_nodes(b, done);
+	for (int i = 0; ret == 0 && i < b->dome->count; i++)
+		ret = done[i] ? 0 : share_node(b, i);
 	free(done);
 	return ret;
 }
@@ -573,19 +504,15 @@ static int shares_begin(struct shares_builder *b, bool placed)
 
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator, struct dome_placed **placed)
+			  struct dome_placed **placed)
 {
 	struct shares_builder b = {.dome = dome, .lens = lens, .width = width, .height = height};
-	int ret = shares_begin(&b,
-			       placed && estimator == ESTIMATOR_CELL && dome->shape == DOME_CELLS);
+	int ret = shares_begin(&b, placed);
 
-	if (ret == 0 && estimator == ESTIMATOR_NODE) {
-		ret = share_nodes(&b, NULL);
-	} else if (ret == 0) {
-		ret = dome->shape == DOME_TENTS ? share_by_tent(&b) : share_by_cell(&b);
-		if (ret == 0)
-			ret = share_missing(&b);
-	}
+	if (ret == 0)
+		ret = share_by_cell(&b);
+	if (ret == 0)
+		ret = share_missing(&b);
 	if (ret == 0)
 		ret = finish_row(&b);
 	if (ret == 0 && b.placed)

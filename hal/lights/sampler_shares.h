@@ -25,11 +25,11 @@ struct sampler_shares {
 };
 
 /* placed not NULL: the shares of cell i are divided into those of its thirds DOME_PLACED_THIRDS * i
- * + k, so that light can be placed inside cells; *placed stays NULL, and shares whole, where lights
- * are not cells or cells are too wide. 0 or -ENOMEM; empty on failure. */
+ * + k, so that light can be placed inside cells; *placed stays NULL, and shares whole, where
+ * cells are too wide. 0 or -ENOMEM; empty on failure. */
 int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome,
 			  const struct fisheye *lens, int width, int height,
-			  enum light_estimator estimator, struct dome_placed **placed);
+			  struct dome_placed **placed);
 void sampler_shares_free(struct sampler_shares *shares); /* idempotent; zeroed is fine */
 
 #endif

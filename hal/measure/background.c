@@ -28,3 +28,14 @@ void background_fill(struct canvas *canvas)
 		}
 	}
 }
+
+struct compositor_settings background_settings(enum compositor_mode mode)
+{
+	return (struct compositor_settings){
+		.mode = mode,
+		.background = {.named = TRANSFER_SRGB},
+		.output = {.named = TRANSFER_SRGB},
+		.gain = 1,
+		.object = true,
+	};
+}

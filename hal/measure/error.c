@@ -49,10 +49,9 @@ void scope_free(struct scope *s)
 	*s = (struct scope){.pixel = NULL};
 }
 
-static double psnr(double square_sum, double count)
+double error_psnr(double rms)
 {
-	/* JSON has no infinity: 120 dB at most */
-	return count > 0 ? fmin(10 * log10(255 * 255 * count / square_sum), 120) : 120;
+	return rms > 0 ? fmin(20 * log10(255 / rms), 120) : 120;
 }
 
 /* Sums over a picture. */
@@ -88,6 +87,7 @@ struct composite_error error_measure(const struct scope *s, const double *truth,
 				     enum transfer transfer)
 {
 	struct error_sums sums = {.square = 0};
+	struct composite_error e;
 	double linear[256];
 
 	for (int code = 0; code < 256; code++)
@@ -103,13 +103,12 @@ struct composite_error error_measure(const struct scope *s, const double *truth,
 				       linear, transfer);
 		}
 	}
-	return (struct composite_error){
-		.rms = sums.count > 0 ? sqrt(sums.square / sums.count) : 0,
-		.psnr_db = psnr(sums.square, sums.count),
-		.max = sums.max,
-		.frame_psnr_db = psnr(sums.frame_square, 3.0 * s->width * s->height),
-		.contrast = sums.behind > 0 ? sums.contrast / sums.behind : 0,
-	};
+	e.rms = sums.count > 0 ? sqrt(sums.square / sums.count) : 0;
+	e.psnr_db = error_psnr(e.rms);
+	e.max = sums.max;
+	e.frame_psnr_db = error_psnr(sqrt(sums.frame_square / (3.0 * s->width * s->height)));
+	e.contrast = sums.behind > 0 ? sums.contrast / sums.behind : 0;
+	return e;
 }
 
 void error_worse(struct composite_error *worst, const struct composite_error *other)

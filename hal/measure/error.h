@@ -41,6 +41,8 @@ struct composite_error {
 	double contrast;
 };
 
+double error_psnr(double rms); /* in dB; at most 120: JSON has no infinity */
+
 /* truth: [height][width][3], R G B, 0..255. Both pictures hold code values of this transfer
  * function. */
 struct composite_error error_measure(const struct scope *scope, const double *truth,

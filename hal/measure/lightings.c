@@ -29,22 +29,6 @@ const float (*lighting_member(const struct lighting *lighting, const struct basi
 	return (const float(*)[3])(lighting->radiance + (size_t)member * basis->info.lights);
 }
 
-void lighting_change(float (*radiance)[3], int lights, int changed, int turn)
-{
-	double mean[3] = {0, 0, 0};
-
-	for (int i = 0; i < lights; i++)
-		for (int c = 0; c < 3; c++)
-			mean[c] += (double)radiance[i][c] / lights;
-	for (int k = 0; k < changed; k++) {
-		const int i =
-			(int)((turn * INT64_C(7919) + (int64_t)k * lights / changed) % lights);
-
-		for (int c = 0; c < 3; c++)
-			radiance[i][c] = (float)(1.07 * (double)radiance[i][c] + 0.02 * mean[c]);
-	}
-}
-
 /* Adds a lighting to the list. NULL: no memory. */
 static struct lighting *lightings_add(struct lightings *l, const struct basis *basis,
 				      const char *name, int members)
@@ -203,8 +187,7 @@ int lightings_add_built_in(struct lightings *l, const struct basis *basis, int c
 
 /* ---- files ---- */
 
-/* Copies the file's name without folders and extension. */
-static void file_name_of(const char *path, char *name, size_t room)
+void lighting_name(const char *path, char *name, size_t room)
 {
 	const char *slash = strrchr(path, '/'), *dot;
 
@@ -220,7 +203,7 @@ int lightings_add_file(struct lightings *l, const struct basis *basis, const cha
 	struct lighting *item;
 	char name[64];
 
-	file_name_of(path, name, sizeof(name));
+	lighting_name(path, name, sizeof(name));
 	item = lightings_add(l, basis, name, 1);
 	if (!item)
 		return fault_say(fault, -ENOMEM, "%s: not enough memory", path);
@@ -235,9 +218,7 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 	const int stride = sizeof(*basis->lights) / sizeof(double);
 	struct fault what = {.text = ""};
 	const int err = dome_create_nodes(dome, basis->lights[0].direction, stride,
-					  (int)info->lights, (int)info->dome_frequency,
-					  (enum dome_division)info->dome_division,
-					  (enum dome_shape)info->light_shape, &what);
+					  (int)info->lights, (int)info->dome_frequency, &what);
 
 	if (err == -EINVAL)
 		return fault_say(fault, -ENOTSUP,
@@ -249,19 +230,17 @@ int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *f
 static void panorama_add_point(const struct panorama *panorama, const struct dome *dome, double x,
 			       double y, double sr, double (*sum)[4])
 {
-	double d[3], rgb[3], weight[3];
-	int light[3], count;
+	double d[3], rgb[3];
+	int light;
 
 	panorama_direction(panorama, x, y, d);
-	count = dome_weights(dome, d, light, weight);
-	if (!count)
+	light = dome_cell_of(dome, d);
+	if (light < 0)
 		return;
 	panorama_radiance(panorama, d, rgb);
-	for (int k = 0; k < count; k++) {
-		for (int c = 0; c < 3; c++)
-			sum[light[k]][c] += weight[k] * sr * rgb[c];
-		sum[light[k]][3] += weight[k] * sr;
-	}
+	for (int c = 0; c < 3; c++)
+		sum[light][c] += sr * rgb[c];
+	sum[light][3] += sr;
 }
 
 static int panorama_gather(const struct panorama *panorama, const struct dome *dome,
@@ -319,7 +298,7 @@ int lightings_add_panorama(struct lightings *l, const struct basis *basis, const
 
 	if (err)
 		return err;
-	file_name_of(path, name, sizeof(name));
+	lighting_name(path, name, sizeof(name));
 	item = lightings_add(l, basis, name, 1);
 	if (item)
 		err = panorama_gather_image(&image, basis, path, item->radiance, fault);

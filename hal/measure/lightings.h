@@ -28,6 +28,9 @@ void lightings_free(struct lightings *lightings); /* idempotent; zeroed is fine 
 const float (*lighting_member(const struct lighting *lighting, const struct basis *basis,
 			      int member))[3];
 
+/* Copies a file's name without folders and extension. */
+void lighting_name(const char *path, char *name, size_t room);
+
 /* Creates the dome of the basis's lights; the caller frees it. -ENOTSUP: their nodes divide no sky;
  * -ENOMEM. */
 int lightings_dome(struct dome *dome, const struct basis *basis, struct fault *fault);
@@ -49,11 +52,5 @@ int lightings_add_file(struct lightings *lightings, const struct basis *basis, c
  * dome's; -ENOMEM, errors of reading. */
 int lightings_add_panorama(struct lightings *lightings, const struct basis *basis, const char *path,
 			   struct fault *fault);
-
-/*
- * Makes `changed` lights (0..lights) brighter by 7 %, plus 2 % of the mean, so that dark ones
- * change, too. Other lights are chosen for each turn.
- */
-void lighting_change(float (*radiance)[3], int lights, int changed, int turn);
 
 #endif

@@ -6,17 +6,16 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "hal/measure/unpacked.h"
 
 struct thesis {
 	const struct basis *basis;
 	const struct basis_layer *layer;
-	struct pool *pool; /* makes the frames */
 	int width, height, lights;
 	uint8_t *role;	/* [height * width]: enum thesis_role */
 	uint8_t **row;	/* [height * width]: [lights][3] of an object, [lights][6] in shadow */
-	int *first;	/* [threads + 1]: first pixel of each thread; about equal bytes to read */
 	double rate;	/* radiance that byte 255 of an object's row stands for */
 	double *weight; /* [lights][3] */
 	int *used;	/* [used_count]: which lights reach the threshold */
@@ -254,7 +253,6 @@ void thesis_destroy(struct thesis *t)
 		free(t->row[at]);
 	free(t->row);
 	free(t->role);
-	free(t->first);
 	free(t->weight);
 	free(t->used);
 	free(t);
@@ -290,29 +288,6 @@ void thesis_light(struct thesis *t, const struct light_selection *lights)
 }
 
 /* ---- a frame ---- */
-
-/* Gives each thread a run of pixels with about equal bytes to read. */
-int thesis_share(struct thesis *t, struct pool *pool)
-{
-	const int threads = pool_threads(pool);
-	const uint64_t all = t->light_bytes + thesis_pixels(t);
-	uint64_t sum = 0;
-	int thread = 1;
-
-	free(t->first);
-	t->first = calloc((size_t)threads + 1, sizeof(*t->first));
-	if (!t->first)
-		return -ENOMEM;
-	t->pool = pool;
-	for (size_t at = 0; at < thesis_pixels(t); at++) {
-		while (thread < threads && sum * (uint64_t)threads >= all * (uint64_t)thread)
-			t->first[thread++] = (int)at;
-		sum += t->role[at] * UINT64_C(3) + 1;
-	}
-	while (thread <= threads)
-		t->first[thread++] = (int)thesis_pixels(t);
-	return 0;
-}
 
 struct frame_work {
 	const struct thesis *thesis;
@@ -361,32 +336,31 @@ static void shadow_pixel(const struct thesis *t, const uint8_t *row, const uint8
 		out[2 - c] = without[c] > 0 ? code_whole(in[2 - c] * with[c] / without[c]) : 0;
 }
 
-static void thesis_run_share(void *context, int item, int worker)
+static void thesis_run_row(void *context, int y, int worker)
 {
 	const struct frame_work *work = context;
 	const struct thesis *t = work->thesis;
+	const uint8_t *in = work->background->pixels + (size_t)y * work->background->stride;
+	uint8_t *out = work->out->pixels + (size_t)y * work->out->stride;
 
 	(void)worker;
-	for (int at = t->first[item]; at < t->first[item + 1]; at++) {
-		const size_t x = (size_t)(at % t->width) * 4, y = (size_t)(at / t->width);
-		const uint8_t *in = work->background->pixels + y * work->background->stride + x;
-		uint8_t *out = work->out->pixels + y * work->out->stride + x;
+	for (int x = 0; x < t->width; x++, in += 4, out += 4) {
+		const uint8_t *row;
+		const enum thesis_role role = thesis_pixel(t, x, y, &row);
 
-		if (t->role[at] == THESIS_PICTURE) {
-			out[0] = in[0];
-			out[1] = in[1];
-			out[2] = in[2];
-		} else if (t->role[at] == THESIS_OBJECT) {
-			object_pixel(t, t->row[at], out);
-		} else {
-			shadow_pixel(t, t->row[at], in, out);
-		}
+		if (role == THESIS_OBJECT)
+			object_pixel(t, row, out);
+		else if (role == THESIS_SHADOW)
+			shadow_pixel(t, row, in, out);
+		else
+			memcpy(out, in, 3);
 	}
 }
 
-void thesis_run(struct thesis *t, const struct canvas *background, struct canvas *out)
+void thesis_run(const struct thesis *t, const struct canvas *background, struct canvas *out,
+		struct pool *pool)
 {
 	struct frame_work work = {t, background, out};
 
-	pool_run(t->pool, pool_threads(t->pool), thesis_run_share, &work);
+	pool_run(pool, t->height, thesis_run_row, &work);
 }

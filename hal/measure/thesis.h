@@ -28,9 +28,6 @@ enum thesis_role { THESIS_PICTURE, THESIS_OBJECT, THESIS_SHADOW };
 int thesis_create(struct thesis **thesis, const struct basis *basis,
 		  const struct basis_layer *layer, struct pool *pool, struct fault *fault);
 
-/* Sets the threads that make frames. Call it before the first frame. -ENOMEM. */
-int thesis_share(struct thesis *thesis, struct pool *pool);
-
 /* Returns the role of a pixel, and its row; NULL for THESIS_PICTURE. thesis_rate(): radiance of
  * byte 255 in an object row. */
 enum thesis_role thesis_pixel(const struct thesis *thesis, int x, int y, const uint8_t **row);
@@ -41,8 +38,10 @@ uint64_t thesis_bytes(const struct thesis *thesis, int lights_used); /* that a f
 /* Copies the lights of the selection. */
 void thesis_light(struct thesis *thesis, const struct light_selection *lights);
 
-/* Makes a frame in out. out and background have the basis's size. */
-void thesis_run(struct thesis *thesis, const struct canvas *background, struct canvas *out);
+/* Makes a frame in out, a row at a time in the pool's threads. out and background have the basis's
+ * size. */
+void thesis_run(const struct thesis *thesis, const struct canvas *background, struct canvas *out,
+		struct pool *pool);
 
 void thesis_destroy(struct thesis *thesis); /* NULL is harmless */
 

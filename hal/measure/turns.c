@@ -34,7 +34,6 @@ static int warm_up(const struct turns *t, int way, int turn)
 
 static int time_run(struct turns *t, int way, int turn, double *ms)
 {
-	const bool alone = !t->is_alone || t->is_alone(t->context, way);
 	int64_t start, ran, took;
 	int err = warm_up(t, way, turn);
 
@@ -47,9 +46,9 @@ static int time_run(struct turns *t, int way, int turn, double *ms)
 	err = t->run(t->context, way);
 	took = clock_now_ns() - start;
 	ran = thread_ns() - ran;
-	t->timed_ns += alone ? took : 0;
-	t->ran_ns += alone ? ran : 0;
-	*ms = (double)(alone ? ran : took) / (double)NS_PER_MS;
+	t->timed_ns += t->shared ? 0 : took;
+	t->ran_ns += t->shared ? 0 : ran;
+	*ms = (double)(t->shared ? took : ran) / (double)NS_PER_MS;
 	return err;
 }
 
@@ -81,12 +80,8 @@ static double sorted_quantile(const double *ms, int count, double share)
 struct turns_spread turns_spread(double *ms, int count)
 {
 	qsort(ms, (size_t)count, sizeof(*ms), rising);
-	return (struct turns_spread){.low = sorted_quantile(ms, count, 0.25),
+	return (struct turns_spread){.least = ms[0],
+				     .low = sorted_quantile(ms, count, 0.25),
 				     .median = sorted_quantile(ms, count, 0.5),
 				     .high = sorted_quantile(ms, count, 0.75)};
-}
-
-double turns_median(double *ms, int count)
-{
-	return turns_spread(ms, count).median;
 }

@@ -15,26 +15,22 @@ struct turns {
 	/* Called before each run, untimed. Anything but 0 from prepare() or run() ends all. */
 	int (*prepare)(void *context, int way, int turn);
 	int (*run)(void *context, int way);
-	/* Whether the calling thread does all the work of a way; NULL: of all ways. If so, its
-	 * processor time counts instead of the clock's: other programs interrupt a long run more
-	 * often than a short one. */
-	bool (*is_alone)(void *context, int way);
-	/* Totals of these single-threaded runs: clock time and processor time, added to. */
+	/* Other threads work, too, so that the clock's time counts. Else processor time of the
+	 * calling thread does: other programs interrupt a long run more often than a short one. */
+	bool shared;
+	/* Totals where they do not: clock time and processor time, added to. */
 	int64_t timed_ns, ran_ns;
 };
 
 /* ms: [ways][repeat], in the order of turns. Returns 0, or what prepare() or run() returned. */
 int turns_time(struct turns *turns, double *ms);
 
-/* Sorts ms and returns the median; for an even count the mean of the middle two. */
-double turns_median(double *ms, int count);
-
-/* Quartiles of times: half of the times are between low and high. */
+/* The least time, and the quartiles: half of the times are between low and high. */
 struct turns_spread {
-	double low, median, high;
+	double least, low, median, high;
 };
 
-/* Sorts ms and returns its quartiles. Between two times they are interpolated linearly. */
+/* Sorts ms and returns its spread. Between two times they are interpolated linearly. */
 struct turns_spread turns_spread(double *ms, int count);
 
 #endif

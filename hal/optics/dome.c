@@ -10,11 +10,7 @@
 #include "hal/optics/dome_cells.h"
 #include "hal/optics/dome_lookup.h"
 #include "hal/optics/dome_nodes.h"
-#include "hal/optics/dome_tents.h"
 #include "hal/optics/vec.h"
-
-const char *const dome_division_names[] = {"angles", "chords", NULL};
-const char *const dome_shape_names[] = {"cells", "tents", NULL};
 
 /* Relative tolerance of the sum of all solid angles. Nodes of a file may be such that cells reach
  * too far, or have too many corners. */
@@ -42,36 +38,9 @@ static int fill_cells(struct dome *dome)
 	return fabs(sum / (2 * M_PI) - 1) < COVERED ? 0 : -EINVAL;
 }
 
-static int fill_tents(struct dome *dome)
-{
-	const int ret = dome_tents_create(&dome->tents, dome->cells, dome->lookup,
-					  (const double(*)[3])dome->direction, dome->count);
-
-	for (int i = 0; ret == 0 && i < dome->count; i++)
-		dome_tents_measure(dome->tents, i, &dome->solid_angle_sr[i],
-				   &dome->projected_sr[i]);
-	return ret;
-}
-
 static bool frequency_fits(int frequency)
 {
 	return frequency >= 1 && frequency <= DOME_FREQUENCY_MAX;
-}
-
-/* Sets what the settings say, and checks it. */
-static int dome_begin(struct dome *dome, int frequency, enum dome_division division,
-		      enum dome_shape shape, struct fault *fault)
-{
-	*dome = (struct dome){.frequency = frequency, .division = division, .shape = shape};
-	if (division < 0 || division >= DOME_DIVISION_COUNT)
-		return fault_say(fault, -EINVAL,
-				 "dome: division %d is unknown, expected angles or chords",
-				 (int)division);
-	if (shape < 0 || shape >= DOME_SHAPE_COUNT)
-		return fault_say(fault, -EINVAL,
-				 "dome: shape %d of lights is unknown, expected cells or tents",
-				 (int)shape);
-	return 0;
 }
 
 /* Makes all else from the directions. */
@@ -92,7 +61,7 @@ static int dome_fill(struct dome *dome)
 				 (const double(*)[3])dome->direction, dome->count);
 	if (ret < 0)
 		return ret;
-	return dome->shape == DOME_TENTS ? fill_tents(dome) : fill_cells(dome);
+	return fill_cells(dome);
 }
 
 static int dome_end(struct dome *dome, int ret, struct fault *fault)
@@ -106,15 +75,13 @@ static int dome_end(struct dome *dome, int ret, struct fault *fault)
 	return 0;
 }
 
-int dome_create_fine(struct dome *dome, int frequency, enum dome_division division,
-		     enum dome_shape shape, const struct dome_fine *fine, int count, int *wrong,
-		     struct fault *fault)
+int dome_create_fine(struct dome *dome, int frequency, const struct dome_fine *fine, int count,
+		     int *wrong, struct fault *fault)
 {
-	int ret = dome_begin(dome, frequency, division, shape, fault);
+	int ret;
 
+	*dome = (struct dome){.frequency = frequency};
 	*wrong = -1;
-	if (ret)
-		return ret;
 	if (!frequency_fits(frequency))
 		return fault_say(fault, -EINVAL, "dome: frequency is %d, expected 1 to %d",
 				 frequency, DOME_FREQUENCY_MAX);
@@ -129,16 +96,15 @@ int dome_create_fine(struct dome *dome, int frequency, enum dome_division divisi
 			return fault_say(fault, -EINVAL, "is below the horizon");
 	}
 	*wrong = -1;
-	ret = dome_nodes_create(frequency, division, fine, count, &dome->direction, &dome->count);
+	ret = dome_nodes_create(frequency, fine, count, &dome->direction, &dome->count);
 	return dome_end(dome, ret < 0 ? ret : dome_fill(dome), fault);
 }
 
-int dome_create_shaped(struct dome *dome, int frequency, enum dome_division division,
-		       enum dome_shape shape, struct fault *fault)
+int dome_create(struct dome *dome, int frequency, struct fault *fault)
 {
 	int none;
 
-	return dome_create_fine(dome, frequency, division, shape, NULL, 0, &none, fault);
+	return dome_create_fine(dome, frequency, NULL, 0, &none, fault);
 }
 
 /* Order of nodes for qsort(), by height. */
@@ -177,12 +143,11 @@ static int check_nodes(const double (*node)[3], int count)
 }
 
 int dome_create_nodes(struct dome *dome, const double *node, int stride, int count, int frequency,
-		      enum dome_division division, enum dome_shape shape, struct fault *fault)
+		      struct fault *fault)
 {
-	int ret = dome_begin(dome, frequency, division, shape, fault);
+	int ret;
 
-	if (ret)
-		return ret;
+	*dome = (struct dome){.frequency = frequency};
 	if (count < 1 || count > DOME_LIGHTS_MAX)
 		return fault_say(fault, -EINVAL, "dome: %d lights, expected 1 to %d", count,
 				 DOME_LIGHTS_MAX);
@@ -202,11 +167,6 @@ int dome_create_nodes(struct dome *dome, const double *node, int stride, int cou
 			 DOME_NODES_APART);
 }
 
-int dome_create(struct dome *dome, int frequency, enum dome_division division, struct fault *fault)
-{
-	return dome_create_shaped(dome, frequency, division, DOME_CELLS, fault);
-}
-
 void dome_free(struct dome *dome)
 {
 	free(dome->direction);
@@ -214,13 +174,12 @@ void dome_free(struct dome *dome)
 	free(dome->projected_sr);
 	dome_cells_destroy(dome->cells);
 	dome_lookup_destroy(dome->lookup);
-	dome_tents_destroy(dome->tents);
 	memset(dome, 0, sizeof(*dome));
 }
 
 bool dome_is_fine(const struct dome *dome)
 {
-	return !dome->frequency || dome->count != dome_node_count(dome->frequency, dome->division);
+	return !dome->frequency || dome->count != dome_node_count(dome->frequency);
 }
 
 void dome_angles(const struct dome *dome, int light, double *theta_rad, double *phi_rad)
@@ -289,46 +248,9 @@ void dome_cell_sample(const struct dome *dome, int light, double u, double v, do
 	vec_normalize(dir);
 }
 
-int dome_weights(const struct dome *dome, const double dir[3], int light[3], double weight[3])
+double dome_cell_reach_rad(const struct dome *dome, int light)
 {
-	if (dome->shape == DOME_TENTS)
-		return dome_tents_weights(dome->tents, dir, light, weight);
-	light[0] = dome_cell_of(dome, dir);
-	weight[0] = 1;
-	return light[0] >= 0;
-}
-
-double dome_weight(const struct dome *dome, int light, const double dir[3])
-{
-	int lights[3];
-	double weights[3];
-	const int count = dome_weights(dome, dir, lights, weights);
-
-	for (int k = 0; k < count; k++)
-		if (lights[k] == light)
-			return weights[k];
-	return 0;
-}
-
-void dome_light_sample(const struct dome *dome, int light, double u, double v, double dir[3])
-{
-	if (dome->shape == DOME_TENTS)
-		dome_tents_sample(dome->tents, light, u, v, dir);
-	else
-		dome_cell_sample(dome, light, u, v, dir);
-}
-
-double dome_light_density(const struct dome *dome, int light, const double dir[3])
-{
-	if (dome->shape == DOME_TENTS)
-		return dome_tents_density(dome->tents, light, dir);
-	return dome_cell_of(dome, dir) == light ? 1 / dome->solid_angle_sr[light] : 0;
-}
-
-double dome_light_reach_rad(const struct dome *dome, int light)
-{
-	return dome->shape == DOME_TENTS ? dome_tents_reach_rad(dome->tents, light)
-					 : dome->cells->radius[light];
+	return dome->cells->radius[light];
 }
 
 int dome_cell_corners(const struct dome *dome, int light, double (*corner)[3], int room)

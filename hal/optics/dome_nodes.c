@@ -12,10 +12,9 @@
  *     upper and the lower half), and below it for c > f/2;
  *   - of a node P inside the band's faces and the opposite node -P, one is above and one below. So
  *     only the faces that point down are divided, and each node P gives P or -P, whichever is
- *     above: never both, never none, whatever the rounding. By chords there is an exception: on the
- *     middle row (c = f/2) z is a multiple of f - 2c, so P and -P are both on the horizon. By
- *     angles no symmetry holds a node inside a face on the horizon, and for f up to 64 none is
- *     nearer to it than 3e-6: rounding does not decide which of the two is taken either.
+ *     above: never both, never none, whatever the rounding. No symmetry holds a node inside a face
+ *     on the horizon, and for f up to 64 none is nearer to it than 3e-6: rounding does not decide
+ *     which of the two is taken either.
  */
 #include "hal/optics/dome_nodes.h"
 
@@ -35,18 +34,14 @@ struct dividing_node {
 
 struct dome_dividing {
 	int frequency;
-	enum dome_division kind;
 	struct dividing_node *nodes;
 	int count;
 };
 
-int dome_node_count(int frequency, enum dome_division division)
+int dome_node_count(int frequency)
 {
-	const int f = frequency;
-	const int horizon = f % 2 ? 0 : division == DOME_ANGLES ? 10 : 5 * f;
-
-	/* Half of all 10 f^2 + 2 nodes; those on the horizon count whole. */
-	return 5 * f * f + 1 + horizon / 2;
+	/* Half of all 10 f^2 + 2 nodes; the ten on the horizon of an even f count whole. */
+	return 5 * frequency * frequency + 1 + (frequency % 2 ? 0 : 5);
 }
 
 /* The direction that divides the angle from a to b in the ratio t : 1 - t. */
@@ -82,19 +77,14 @@ static void divide_from(const double *const corner[3], const int weight[3], int 
  * The node with these weights on a face. Inside a face the thesis's construction depends on which
  * corner is called A; the mean of the three makes the division the same from every side.
  */
-static void divide_face(enum dome_division kind, const double *const corner[3], const int weight[3],
-			double out[3])
+static void divide_face(const double *const corner[3], const int weight[3], double out[3])
 {
 	double sum[3] = {0, 0, 0};
 
 	for (int i = 0; i < 3; i++) {
 		double p[3];
 
-		if (kind == DOME_ANGLES)
-			divide_from(corner, weight, i, p);
-		else
-			for (int k = 0; k < 3; k++)
-				p[k] = weight[i] * corner[i][k];
+		divide_from(corner, weight, i, p);
 		for (int k = 0; k < 3; k++)
 			sum[k] += p[k];
 	}
@@ -138,7 +128,7 @@ static void divide_cap(struct dome_dividing *d, const double *const corner[3])
 			const int weight[3] = {f - row, row - j, j};
 			double p[3];
 
-			divide_face(d->kind, corner, weight, p);
+			divide_face(corner, weight, p);
 			add_five(d, row, p, 1, false);
 		}
 }
@@ -156,12 +146,9 @@ static void divide_band(struct dome_dividing *d, const double *const corner[3])
 
 			if (edge && 2 * c > f)
 				continue;
-			divide_face(d->kind, corner, weight, p);
+			divide_face(corner, weight, p);
 			if (edge) {
 				add_five(d, f + c, p, 1, middle);
-			} else if (middle && d->kind == DOME_CHORDS) {
-				add_five(d, f + c, p, 1, true);
-				add_five(d, 2 * f - c, p, -1, true);
 			} else {
 				const bool above = p[2] > 0;
 
@@ -179,7 +166,7 @@ static int by_row_and_azimuth(const void *pa, const void *pb)
 	return a->azimuth < b->azimuth ? -1 : a->azimuth > b->azimuth;
 }
 
-int dome_nodes_fill(int frequency, enum dome_division division, double (*direction)[3])
+int dome_nodes_fill(int frequency, double (*direction)[3])
 {
 	const double z = 1 / sqrt(5), r = 2 / sqrt(5);
 	const double zenith[3] = {0, 0, 1};
@@ -187,8 +174,8 @@ int dome_nodes_fill(int frequency, enum dome_division division, double (*directi
 	const double right[3] = {r * cos(2 * M_PI / 5), r * sin(2 * M_PI / 5), z};
 	const double lower[3] = {r * cos(M_PI / 5), r * sin(M_PI / 5), -z};
 	const double *const cap[3] = {zenith, left, right}, *const band[3] = {left, right, lower};
-	const int count = dome_node_count(frequency, division);
-	struct dome_dividing d = {.frequency = frequency, .kind = division};
+	const int count = dome_node_count(frequency);
+	struct dome_dividing d = {.frequency = frequency};
 
 	d.nodes = calloc((size_t)count, sizeof(*d.nodes));
 	if (!d.nodes)
@@ -220,7 +207,6 @@ static double node_spacing_rad(int frequency)
 /* The nodes of the base dome, whose cells are divided. */
 struct base_nodes {
 	int frequency;
-	enum dome_division division;
 	const double (*node)[3];
 	int count;
 };
@@ -290,9 +276,9 @@ static int append_level(const struct base_nodes *base, int frequency, const int 
 			double (*node)[3], int *count)
 {
 	const double apart = ONE_NODE * node_spacing_rad(frequency);
-	const int all = dome_node_count(frequency, base->division);
+	const int all = dome_node_count(frequency);
 	double(*finer)[3] = malloc((size_t)all * sizeof(*finer));
-	int ret = finer ? dome_nodes_fill(frequency, base->division, finer) : -ENOMEM;
+	int ret = finer ? dome_nodes_fill(frequency, finer) : -ENOMEM;
 
 	for (int k = 0; k < all && !ret; k++) {
 		const int cell = base_cell(base, finer[k]);
@@ -325,15 +311,15 @@ static int append_parts(const struct base_nodes *base, const struct dome_fine *f
 	return ret;
 }
 
-int dome_nodes_create(int frequency, enum dome_division division, const struct dome_fine *fine,
-		      int parts, double (**direction)[3], int *count)
+int dome_nodes_create(int frequency, const struct dome_fine *fine, int parts,
+		      double (**direction)[3], int *count)
 {
 	/* Even a whole sky of the finest cells has fewer. */
-	const int room = parts ? DOME_LIGHTS_MAX : dome_node_count(frequency, division);
+	const int room = parts ? DOME_LIGHTS_MAX : dome_node_count(frequency);
 	double(*node)[3] = malloc((size_t)room * sizeof(*node)), (*shrunk)[3];
-	const int whole = dome_node_count(frequency, division);
-	const struct base_nodes base = {frequency, division, (const double(*)[3])node, whole};
-	int ret = node ? dome_nodes_fill(frequency, division, node) : -ENOMEM;
+	const int whole = dome_node_count(frequency);
+	const struct base_nodes base = {frequency, (const double(*)[3])node, whole};
+	int ret = node ? dome_nodes_fill(frequency, node) : -ENOMEM;
 
 	*count = whole;
 	if (!ret && parts)

@@ -6,14 +6,14 @@
 #include "hal/optics/dome.h"
 
 /* Number of nodes; frequency in 1..DOME_FREQUENCY_MAX. */
-int dome_node_count(int frequency, enum dome_division division);
+int dome_node_count(int frequency);
 
 /* Fills direction[dome_node_count()]. 0 or -ENOMEM. */
-int dome_nodes_fill(int frequency, enum dome_division division, double (*direction)[3]);
+int dome_nodes_fill(int frequency, double (*direction)[3]);
 
 /* Makes the nodes of a dome with finer parts (dome.h), which the caller frees. The parts are valid.
  * -ENOMEM. */
-int dome_nodes_create(int frequency, enum dome_division division, const struct dome_fine *fine,
-		      int parts, double (**direction)[3], int *count);
+int dome_nodes_create(int frequency, const struct dome_fine *fine, int parts,
+		      double (**direction)[3], int *count);
 
 #endif

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #include "hal/optics/dome_cells.h"
+#include "hal/optics/dome_facets.h"
 #include "hal/optics/dome_lookup.h"
-#include "hal/optics/dome_tents.h"
 #include "hal/optics/vec.h"
 
 #define WIDEST_RAD 1.2	/* largest angle from a cell's mean direction to its corners */
@@ -27,7 +27,7 @@ struct dome_placed {
 	double (*direction)[3]; /* of the means, unit */
 	struct dome_cells *around;
 	struct dome_lookup *lookup;
-	struct dome_tents *tents;
+	struct dome_facets *facets;
 };
 
 /* The triangle around a cell. False: the cell is too wide. */
@@ -77,7 +77,7 @@ static int placed_triangulate(struct dome_placed *f, const struct dome *dome)
 	ret = dome_cells_create(&f->around, node, f->lights, sqrt(2 * M_PI / f->lights));
 	if (!ret)
 		ret = dome_lookup_create(&f->lookup, f->around->radius, node, f->lights);
-	return ret ? ret : dome_tents_create(&f->tents, f->around, f->lookup, node, f->lights);
+	return ret ? ret : dome_facets_create(&f->facets, f->around, f->lookup, node, f->lights);
 }
 
 void dome_placed_thirds(const struct dome_placed *f, int light, const double dir[3],
@@ -119,7 +119,7 @@ int dome_placed_create(struct dome_placed **out, const struct dome *dome)
 }
 
 /* Shares the light of cell i in one channel. Adds its projected flux as it is, and as it became.
- * *facet: see dome_tents_weights_near(). */
+ * *facet: see dome_facets_weights(). */
 static void placed_cell_share(const struct dome_placed *f, int i, const double (*third)[3], int c,
 			      double (*light)[3], double (*projected)[2], int *facet)
 {
@@ -142,7 +142,7 @@ static void placed_cell_share(const struct dome_placed *f, int i, const double (
 	flux = cell->solid_angle_sr * radiance;
 	projected[c][0] += flux * centroid[2];
 	if (memcmp(centroid, cell->mean, sizeof(centroid)) != 0)
-		count = dome_tents_weights_near(f->tents, i, facet, centroid, to, weight);
+		count = dome_facets_weights(f->facets, i, facet, centroid, to, weight);
 	for (int n = 0; n < count; n++) {
 		const struct placed_cell *there = &f->cell[to[n]];
 
@@ -179,7 +179,7 @@ void dome_placed_destroy(struct dome_placed *f)
 		return;
 	dome_cells_destroy(f->around);
 	dome_lookup_destroy(f->lookup);
-	dome_tents_destroy(f->tents);
+	dome_facets_destroy(f->facets);
 	free(f->cell);
 	free(f->direction);
 	free(f);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The flat triangles between a dome's nodes, and between its rim and the horizon (dome_tents.h). */
+/* The flat triangles between a dome's nodes, and from its rim to the horizon (dome_facets.h). */
 #ifndef INLAY_HAL_OPTICS_DOME_TRIANGLES_H
 #define INLAY_HAL_OPTICS_DOME_TRIANGLES_H
 

@@ -5,12 +5,13 @@
 
 #include "hal/people/people_parts.h"
 
-#define FIT_EVERY 16 /* frames */
+#define FIT_EVERY 16  /* frames */
 #define CHANGED 25.0f /* chi-square of three channels: one cell in 10^5 by noise alone */
 #define STEADY 0.012f /* of its light, by which a still cell of a compressed film varies */
 #define RECENT 0.125f /* share of a frame in the mean of what a cell shows */
 #define STILL_MOST 60000
-#define STILL_LEAST 6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
+#define STILL_LEAST                                                                                \
+	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
 /* Sums the code values of n = wide * high pixels: blue and red in the halves of sum[0], green in
  * the lower half of sum[1]. At most 16 pixels, so no half overflows. */
@@ -45,7 +46,8 @@ static inline void read_cell(struct people *p, const struct picture *picture, in
 /* A cell that the picture's edge may cut. */
 static void read_edge_cell(struct people *p, const struct picture *picture, int x, int y)
 {
-	const int wide = picture->width - x * p->cells.side, high = picture->height - y * p->cells.side;
+	const int wide = picture->width - x * p->cells.side,
+		  high = picture->height - y * p->cells.side;
 	const int cut = wide < high ? wide : high, side = cut < p->cells.side ? 1 : p->cells.side;
 
 	read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
@@ -67,7 +69,8 @@ static inline void read_adjacent(struct people *p, const struct picture *picture
 {
 	const uint32_t each = (uint32_t)(CODE_STEPS / (side * side));
 	const float *linear = p->cells.linear;
-	float *red = p->cells.seen[0] + y * p->cells.across, *green = p->cells.seen[1] + y * p->cells.across;
+	float *red = p->cells.seen[0] + y * p->cells.across,
+	      *green = p->cells.seen[1] + y * p->cells.across;
 	float *blue = p->cells.seen[2] + y * p->cells.across;
 	const uint8_t *in = picture->origin + y * side * picture->y_step + x * side * 4;
 
@@ -100,7 +103,8 @@ static void read_cells(struct people *p, const struct picture *picture, int y, i
 
 void cells_read(struct people *p, const struct picture *picture)
 {
-	const int whole_across = picture->width / p->cells.side, whole_down = picture->height / p->cells.side;
+	const int whole_across = picture->width / p->cells.side,
+		  whole_down = picture->height / p->cells.side;
 
 	for (int s = 0; s < p->cells.span_count; s++) {
 		const struct span *span = &p->cells.spans[s];
@@ -186,8 +190,9 @@ void cells_follow_stillness(struct people *p)
 		for (int x = 0; x < count; x++) {
 			const int ms = still_ms[x] + (int)p->step_ms;
 
-			still_ms[x] = (uint16_t)(chi[x] <= CHANGED ? ms < STILL_MOST ? ms : STILL_MOST
-								   : 0);
+			still_ms[x] = (uint16_t)(chi[x] <= CHANGED
+							 ? ms < STILL_MOST ? ms : STILL_MOST
+							 : 0);
 		}
 	}
 }

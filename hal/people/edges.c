@@ -22,7 +22,8 @@ enum { SIDE_NONE, SIDE_OTHER, SIDE_PERSON }; /* none: it touches the edge, or is
 static void mark_row(const struct people *p, const uint8_t *whose, int y, int x, int end)
 {
 	const int row = y * p->cells.across;
-	const uint8_t *own = whose + row, *above = own - p->cells.across, *below = own + p->cells.across;
+	const uint8_t *own = whose + row, *above = own - p->cells.across,
+		      *below = own + p->cells.across;
 	const uint8_t *watch = p->cells.watch + row, *known = p->place.known + row;
 	uint8_t *restrict side = p->outline.side_of + row;
 
@@ -92,7 +93,8 @@ void edges_share(const struct people *p, const struct sides *sides,
 	float along[PIXEL_LANES] = {0}, whole[PIXEL_LANES] = {0};
 
 	for (int c = 0; c < 3; c++) {
-		const float person = sides->person[c], still = p->cells.still[c], shot = p->cells.shot[c];
+		const float person = sides->person[c], still = p->cells.still[c],
+			    shot = p->cells.shot[c];
 
 		for (int k = 0; k < PIXEL_LANES; k++) {
 			const float apart = person - place[c][k];
@@ -114,7 +116,7 @@ static bool is_person(const struct people *p, int x, int y)
 	float seen[3][PIXEL_LANES] = {{0}}, place[3][PIXEL_LANES] = {{0}}, share[PIXEL_LANES];
 
 	if (!sides.both || !p->place.known[at])
-		return p->verdict.before[at] == WHOSE_PERSON;
+		return p->verdict.copy[at] == WHOSE_PERSON;
 	for (int c = 0; c < 3; c++) {
 		seen[c][0] = p->cells.seen[c][at];
 		place[c][0] = sides.light[c] * p->place.expected[c][at];
@@ -132,7 +134,7 @@ static void refine_row(struct people *p, int y)
 			continue;
 		if (is_person(p, x, y))
 			p->verdict.of[at] = WHOSE_PERSON;
-		else if (p->verdict.before[at] == WHOSE_PERSON)
+		else if (p->verdict.copy[at] == WHOSE_PERSON)
 			p->verdict.of[at] = WHOSE_SHADOW;
 	}
 }
@@ -145,9 +147,10 @@ void edges_refine(struct people *p)
 	const int end = box->bottom + 2 < p->cells.down ? box->bottom + 2 : p->cells.down;
 
 	for (int pass = 0; pass < PASSES; pass++) {
-		memcpy(p->verdict.before + begin * p->cells.across, p->verdict.of + begin * p->cells.across,
+		memcpy(p->verdict.copy + begin * p->cells.across,
+		       p->verdict.of + begin * p->cells.across,
 		       (size_t)(end - begin) * (size_t)p->cells.across);
-		edges_mark(p, p->verdict.before);
+		edges_mark(p, p->verdict.copy);
 		for (int y = box->top; y <= box->bottom; y++)
 			refine_row(p, y);
 	}

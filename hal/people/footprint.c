@@ -65,7 +65,8 @@ static bool is_border(const struct basis_footprint *foot, int i, int j)
 static int place_of(const struct people *p, double turn_rad)
 {
 	const double n = (turn_rad - p->crowd.far_side.first_rad) /
-			 (p->crowd.far_side.last_rad - p->crowd.far_side.first_rad) * FAR_DIRECTIONS;
+			 (p->crowd.far_side.last_rad - p->crowd.far_side.first_rad) *
+			 FAR_DIRECTIONS;
 
 	return n < 0 ? 0 : n > FAR_DIRECTIONS - 1 ? FAR_DIRECTIONS - 1 : (int)n;
 }
@@ -129,7 +130,8 @@ static int lowest_covered(const struct people *p, int column)
 	const size_t width = (size_t)p->settings.width;
 
 	for (int y = p->settings.height - 1; y >= 0; y--)
-		for (int x = column * p->cells.side; x < (column + 1) * p->cells.side && x < (int)width; x++)
+		for (int x = column * p->cells.side;
+		     x < (column + 1) * p->cells.side && x < (int)width; x++)
 			if (p->object.coverage[(size_t)y * width + (size_t)x] > 32767)
 				return y / p->cells.side;
 	return -1;
@@ -141,7 +143,8 @@ static void measure_columns(struct people *p)
 		const int lowest = p->object.camera ? lowest_covered(p, x) : -1;
 		double direction;
 
-		if (lowest < 0 || !far_side_point(p, x + 0.5, lowest + 1, 0, &direction, &p->crowd.far_side.column[x]))
+		if (lowest < 0 || !far_side_point(p, x + 0.5, lowest + 1, 0, &direction,
+						  &p->crowd.far_side.column[x]))
 			p->crowd.far_side.column[x] = -1;
 	}
 }
@@ -174,7 +177,6 @@ float far_side_at(const struct people *p, double x, double direction_rad)
 	return nearest_far(p->crowd.far_side.around, FAR_DIRECTIONS,
 			   place_of(p, turn_between(p->crowd.far_side.middle_rad, direction_rad)));
 }
-
 
 /* ---- bodies ---- */
 

@@ -44,7 +44,8 @@ static float densest(const int bins[BINS], int count, float gain)
 			best_to = to;
 		}
 	}
-	return best_to < 0 ? gain : fminf(fmaxf(mean_ratio(bins, best_from, best_to), 0.125f), 3.9f);
+	return best_to < 0 ? gain
+			   : fminf(fmaxf(mean_ratio(bins, best_from, best_to), 0.125f), 3.9f);
 }
 
 static void follow_channel(struct people *p, int c)
@@ -100,7 +101,8 @@ static void measure_shared(struct people *p, int c)
 
 		for (int x = span->x + span->y % step; x < span->x + span->count; x += step)
 			if (p->place.known[row + x] && p->verdict.of[row + x] == WHOSE_PLACE &&
-			    fabsf(seen[row + x] - expected[row + x]) < SCATTER * expected[row + x] &&
+			    fabsf(seen[row + x] - expected[row + x]) <
+				    SCATTER * expected[row + x] &&
 			    seen[row + x] <= CLIPPED * WHITE) {
 				all_seen += seen[row + x];
 				all_expected += expected[row + x];

@@ -92,10 +92,11 @@ static void measure_groups(struct people *p)
 		int number;
 
 		if (root == n)
-			p->crowd.groups[p->crowd.group_count++] = (struct group){.left = p->cells.across,
-								     .top = run->y};
+			p->crowd.groups[p->crowd.group_count++] =
+				(struct group){.left = p->cells.across, .top = run->y};
 		number = root == n ? p->crowd.group_count - 1
-				   : p->crowd.label[p->crowd.runs[root].y * p->cells.across + p->crowd.runs[root].left];
+				   : p->crowd.label[p->crowd.runs[root].y * p->cells.across +
+						    p->crowd.runs[root].left];
 		g = &p->crowd.groups[number];
 		for (int x = run->left; x <= run->right; x++)
 			p->crowd.label[run->y * p->cells.across + x] = number;
@@ -171,7 +172,8 @@ static void add_edge(const struct people *p, struct group *g, int at, int other)
 
 		g->edge_now += (double)fabsf(seen[at] - seen[other]);
 		g->edge_place += (double)fabsf(place[at] - place[other]);
-		g->edge_own += (double)fabsf(seen[other] - place[other] * seen[at] / (place[at] + 1));
+		g->edge_own +=
+			(double)fabsf(seen[other] - place[other] * seen[at] / (place[at] + 1));
 		g->edge_level += (double)seen[other];
 	}
 }
@@ -269,9 +271,8 @@ void groups_find(struct people *p)
 	drop_nobody(p);
 	people = clear_dropped(p);
 	p->visited = people > 0;
-	p->crowd.crowded_ms = people > CROWDED * p->cells.watched
-				      ? p->crowd.crowded_ms + p->step_ms
-				      : 0;
+	p->crowd.crowded_ms = people > CROWDED * p->cells.watched ? p->crowd.crowded_ms + p->step_ms
+								  : 0;
 	if (p->crowd.crowded_ms > CROWDED_MS) {
 		place_forget(p);
 		p->crowd.crowded_ms = 0;

@@ -82,11 +82,13 @@ static void divide(struct people *p, struct block *block)
 		p->cells.watch += beyond;
 	p->cells.still_ms = take(block, cells * sizeof(*p->cells.still_ms));
 	p->place.term = take(block, (size_t)p->settings.dome->count * sizeof(*p->place.term));
+	p->place.lessons = take(block, (size_t)p->cells.across * sizeof(float));
 	p->place.left = take(block, (size_t)p->settings.dome->count);
 	p->place.known = take(block, cells);
 	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
 	p->verdict.of = take(block, cells);
 	p->verdict.before = take(block, cells);
+	p->verdict.copy = take(block, cells);
 	crowd->runs = take(block, cells * sizeof(*crowd->runs));
 	crowd->label = take(block, cells * sizeof(*crowd->label));
 	crowd->groups = take(block, cells * sizeof(*crowd->groups));
@@ -254,7 +256,8 @@ void people_place(struct people *p, const struct people_object *object)
 	ask_pixels(p);
 	list_spans(p);
 	place_count_unknown(p);
-	memset(p->place.light_then, 0, sizeof(p->place.light_then)); /* nothing is predicted of new cells */
+	/* Nothing is predicted of new cells. */
+	memset(p->place.light_then, 0, sizeof(p->place.light_then));
 	far_side_measure(p);
 }
 

@@ -17,9 +17,9 @@
 #define CODE_STEPS 16
 #define FAR_DIRECTIONS 512
 #define PERSONS_MAX 32
-#define DIM 0.002f     /* of white: one code of sRGB is an eighth of the light there */
-#define CLIPPED 0.97f  /* of white: the camera's curve bends, and brighter cells teach nothing */
-#define PIXEL_LANES 4  /* a quarter of a cell, 4x4 at most: pixels computed side by side */
+#define DIM 0.002f    /* of white: one code of sRGB is an eighth of the light there */
+#define CLIPPED 0.97f /* of white: the camera's curve bends, and brighter cells teach nothing */
+#define PIXEL_LANES 4 /* a quarter of a cell, 4x4 at most: pixels computed side by side */
 
 /* Cells of a row that are watched. */
 struct span {
@@ -63,25 +63,26 @@ struct ratios {
 };
 
 struct place {
-	double (*term)[PLACE_TERMS];	 /* [dome->count] */
-	double first[3];		 /* ground irradiance when learning began; 0: not yet */
-	float light[3][PLACE_TERMS];	 /* of this frame, over the ground irradiance of the first */
+	double (*term)[PLACE_TERMS]; /* [dome->count] */
+	double first[3];	     /* ground irradiance when learning began; 0: not yet */
+	float light[3][PLACE_TERMS]; /* of this frame, over the ground irradiance of the first */
 	float light_then[3][PLACE_TERMS]; /* of the last whole prediction */
-	float gain[3];			 /* the camera's exposure, over that when learning began */
+	float gain[3];			  /* the camera's exposure, over that when learning began */
 	float *coefficient[3][PLACE_TERMS];
 	float *drift[3];    /* the factor by which the prediction is off at present */
 	float *lit[3];	    /* predicted for light_then, per unit of ground irradiance */
 	float *expected[3]; /* in the light of now, with drift and gain */
 	float *spread;	    /* variance of seen - expected over that of the camera's noise */
 	uint8_t *known;
-	int unknown;	       /* watched cells that are not known */
+	int unknown; /* watched cells that are not known */
 	struct place_fit fit[PLACE_BANDS][3];
 	bool *left;	       /* [dome->count]: scratch of place_light() */
-	float darkest;	       /* ratio of the darkest shadow in this light */
-	float model_variance; /* relative; of the prediction, where the light has just turned */
-	float shared[3];      /* of the known cells where nobody is: expected / seen in the mean */
-	struct ratios *ratios; /* hidden.c: [tiles] */
-	bool jumped;	      /* a lamp was switched in this frame */
+	float log_darkest;     /* logarithm of the darkest shadow's ratio in this light */
+	float model_variance;  /* relative; of the prediction, where the light has just turned */
+	float *lessons;	       /* [across]: of a span */
+	float shared[3];       /* of the known cells where nobody is: expected / seen in the mean */
+	struct ratios *ratios; /* drift.c: [tiles] */
+	bool jumped;	       /* a lamp was switched in this frame */
 	bool learn_now;
 };
 
@@ -94,14 +95,15 @@ enum whose {
 };
 
 struct verdict {
-	float *chi;		  /* deviation from the place, squared, in standard deviations */
-	float *weight[3];	  /* 1 / s^2 */
-	float *bright, *lit;	  /* seen, expected: sums of the channels */
-	float *evidence;	  /* for a person, -1..1 */
-	float *last; /* the opinion of the frame before */
-	float *opinion, *revised; /* the same with the neighbours' weighed in; padded with -1 */
-	uint8_t *of;		  /* enum whose */
-	uint8_t *before;
+	float *chi;		   /* deviation from the place, squared, in standard deviations */
+	float *weight[3];	   /* 1 / s^2 */
+	float *bright, *lit;	   /* seen, expected: sums of the channels */
+	float *evidence;	   /* for a person, -1..1 */
+	float *last;		   /* the opinion of the frame before */
+	float *opinion, *revised;  /* the same with the neighbours' weighed in; padded with -1 */
+	uint8_t *of;		   /* enum whose */
+	uint8_t *before;	   /* of the frame before */
+	uint8_t *copy;		   /* before an edge is refined */
 	struct box differing, box; /* of cells that differ; of all people */
 };
 
@@ -127,6 +129,7 @@ struct run {
 struct person {
 	float x, half;	 /* middle, and half the width */
 	float top, foot; /* rows */
+	float reach;	 /* columns beside his middle that may be his */
 	float speed[2];	 /* of middle and foot, cells a second */
 	float height_m;	 /* 0: not known */
 	float begun_x;	 /* where he was first seen */
@@ -159,7 +162,7 @@ struct crowd {
 	int group_count;
 	struct person person[PERSONS_MAX];
 	int persons;
-	uint8_t *order; /* [cells]: 0 nobody, 1 behind, 2 in front */
+	uint8_t *order;	  /* [cells]: 0 nobody, 1 behind, 2 in front */
 	uint8_t *covered; /* [cells]: the object covers the cell's middle */
 	struct far_side far_side;
 	const struct depth_map *depth; /* of this frame; NULL: there is none */
@@ -232,23 +235,17 @@ void place_adopt(struct people *people, int cell);
 void place_forget(struct people *people);
 /* Counts the watched cells that are not known. */
 void place_count_unknown(struct people *people);
-/* The share of a change of light that cells follow in this frame. */
-float place_light_rate(const struct people *people);
-/* The share of what a cell shows that its drift takes over in this frame. */
-float place_rate(const struct people *people, int cell, bool darker);
-/* A cell's drift becomes so many times as large. */
-void place_drift(struct people *people, int channel, int cell, float factor);
 
-/* ---- hidden.c ---- */
+/* ---- drift.c ---- */
 
-/* Scales the drift of hidden cells by the mean ratio of the visible cells around them. Call before
- * the others drift. */
-void hidden_follow(struct people *people);
+/* Call before place_learn() teaches. */
+void drift_follow(struct people *people);
 
 /* ---- verdict.c ---- */
 
 #define VERDICT_CLUES 16
-extern float verdict_weight[VERDICT_CLUES];
+/* What tells whether a cell that differs from the place is a person's; clue[0] is 1. After
+ * verdict_judge() the same as in it. */
 void verdict_clues(const struct people *people, int x, int y, float clue[VERDICT_CLUES]);
 void verdict_judge(struct people *people);
 

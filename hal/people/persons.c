@@ -17,18 +17,19 @@
 
 #include "hal/people/people_parts.h"
 
-#define MARGIN 0.015f  /* of the object's distance from the camera */
-#define OPPOSED_MS 250 /* two steps of a walker take a second: his feet are on the ground in turns */
+#define MARGIN 0.015f /* of the object's distance from the camera */
+#define OPPOSED_MS                                                                                 \
+	250 /* two steps of a walker take a second: his feet are on the ground in turns */
 #define MISSED_MS 1500 /* and not longer hidden by another */
-#define BODY_M 1.7	/* of somebody whose height is not known */
-#define SLENDER 0.45f	/* width of a walker over his height: shoulders, or a step */
-#define LOWEST_M 0.9f	/* what is lower stands on no feet of its own, or is a child */
+#define BODY_M 1.7     /* of somebody whose height is not known */
+#define SLENDER 0.45f  /* width of a walker over his height: shoulders, or a step */
+#define LOWEST_M 0.9f  /* what is lower stands on no feet of its own, or is a child */
 #define TALLEST_M 2.1f
-#define SHORT 0.8f    /* of his height: his feet are hidden */
-#define BESIDE 0.7f   /* of both halves: two persons who are nearer overlap */
+#define SHORT 0.8f     /* of his height: his feet are hidden */
+#define BESIDE 0.7f    /* of both halves: two persons who are nearer overlap */
 #define STACKED 0.25f  /* of his height: how far the feet of somebody behind reach below his head */
-#define PART 0.5f     /* of a body, beside another, that is another's */
-#define WIDER 1.3f /* than he was: arms */
+#define PART 0.5f      /* of a body, beside another, that is another's */
+#define WIDER 1.3f     /* than he was: arms */
 #define HELD_ROWS 0.6f /* share of a frame in the foot's row: feet step */
 #define HELD_SPEED 0.3f
 #define BOX_SHARE 10 /* a box overlaps a group that has this part of it */
@@ -136,8 +137,8 @@ static float usual_width(const struct people *p, const struct body *body)
 {
 	const double top = head_row(p, body->left, body->right, body->bottom);
 
-	return SLENDER * (float)(top < body->bottom ? body->bottom + 1 - top
-						    : body->bottom + 1 - body->top);
+	return SLENDER *
+	       (float)(top < body->bottom ? body->bottom + 1 - top : body->bottom + 1 - body->top);
 }
 
 /* ---- bodies in pieces ---- */
@@ -308,7 +309,14 @@ static void begin_persons(struct people *p, int group, const struct box *in)
 	}
 }
 
-enum beside { BESIDE_APART, BESIDE_LEFT, BESIDE_RIGHT, BESIDE_ABOVE, BESIDE_BELOW, BESIDE_OVERLAPS };
+enum beside {
+	BESIDE_APART,
+	BESIDE_LEFT,
+	BESIDE_RIGHT,
+	BESIDE_ABOVE,
+	BESIDE_BELOW,
+	BESIDE_OVERLAPS
+};
 
 /* Where another person of a group is, seen from one. */
 static enum beside where_is(const struct person *who, const struct person *other)
@@ -416,10 +424,10 @@ static void begin_beside(struct people *p, int group)
 
 static bool holds(const struct person *who, float x, float y)
 {
-	return fabsf(x - who->x) <= who->half * 1.15f && y >= who->top - 1 && y <= who->foot;
+	return fabsf(x - who->x) <= who->reach && y >= who->top - 1 && y <= who->foot;
 }
 
-/* Whose a cell of a group is: the nearest person's whose box holds it, or else the one's beside
+/* The owner of a group's cell is the nearest person whose box holds it, or else the one beside
  * whom it is. */
 static int owner_of(const struct people *p, int group, int x, int y)
 {
@@ -446,6 +454,9 @@ static int owner_of(const struct people *p, int group, int x, int y)
 static void label_owners(struct people *p)
 {
 	const struct box *box = &p->verdict.box;
+
+	for (int n = 0; n < p->crowd.persons; n++)
+		p->crowd.person[n].reach = 0.8f * reach_of(p, &p->crowd.person[n]);
 
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {

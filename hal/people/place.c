@@ -23,25 +23,22 @@
 #include "hal/people/people_parts.h"
 
 #define STABLE_MS 2000	  /* a cell that has not changed for so long is known */
-#define SHADOW_MS 3000.0  /* in which a cell follows a shadow */
 #define FORGETTING 0.999  /* at each lesson of a band, about once a second */
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
 #define DARK 1e-5	  /* light_0 below which nothing can be told */
 #define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
-#define LIGHT_MS 470.0	  /* in which a cell follows light */
-#define LEAK_MS 30e3	  /* in which drift is handed on to the coefficients */
 #define CONE 0.95	  /* cosine of 18 degrees: what a body hides of a lamp and its glow */
-#define SKY 0.5	  /* of the rest of the sky that a body hides where he stands */
+#define SKY 0.5		  /* of the rest of the sky that a body hides where he stands */
 #define DARKEST 0.1	  /* a share of light comes by way of walls */
+#define SETTLING_MS 500.0 /* in which drift has followed a change of light */
 #define STEADY 0.01f	  /* of its light, by which each cell is off at any time */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
-#define DRIFT_MOST 3.0f	  /* and its inverse */
 #define MODEL 0.02f	  /* of its light, by which a cell is off until its spread is learned, */
 #define SHIFT 0.15f	  /* and the cells by which the camera shakes */
 #define SPREAD_MS 4000.0  /* in which spread is learned */
-#define SPREAD_FIRST 4.0f  /* of a place that was restored */
+#define SPREAD_FIRST 4.0f /* of a place that was restored */
 #define SPREAD_LEAST 0.5f
 #define SPREAD_MOST 200.0f
 
@@ -132,11 +129,6 @@ static float light_change(float a[3][PLACE_TERMS], float b[3][PLACE_TERMS], floa
 	return sum;
 }
 
-float place_light_rate(const struct people *p)
-{
-	return (float)(p->step_ms / (p->step_ms + LIGHT_MS));
-}
-
 /* The share of the ground's irradiance that comes from within CONE of the light that gives most, of
  * those that are `left`, which it takes out. */
 static double take_cone(const struct people *p, const float (*radiance)[3], bool *left)
@@ -195,14 +187,15 @@ bool place_light(struct people *p, const float (*radiance)[3])
 		for (int k = 0; k < PLACE_TERMS; k++)
 			place->light[c][k] = (float)(sum[k] / place->first[c]);
 	}
-	place->darkest = darkest_shadow(p, radiance);
+	place->log_darkest = logf(darkest_shadow(p, radiance));
 	if (!(before[0][0] > 0))
 		return true;
 	change = light_change(place->light, before, &most) / 3;
 	place->jumped = !(most <= JUMPED) ||
 			fabsf(place->light[1][0] - before[1][0]) > JUMPED * place->light[1][0];
 	place->model_variance += (float)PRIOR * change -
-				 place_light_rate(p) * (place->model_variance - STEADY * STEADY);
+				 (float)(p->step_ms / (p->step_ms + SETTLING_MS)) *
+					 (place->model_variance - STEADY * STEADY);
 	return true;
 }
 
@@ -336,7 +329,7 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 static void teach_span(struct people *p, const struct span *span, float step[3][PLACE_TERMS])
 {
 	const int at = span->y * p->cells.across + span->x, count = span->count;
-	float *restrict off = p->verdict.evidence;
+	float *restrict off = p->place.lessons;
 
 	for (int c = 0; c < 3; c++) {
 		span_lessons(p, span, c, off);
@@ -350,68 +343,7 @@ static void teach_span(struct people *p, const struct span *span, float step[3][
 	}
 }
 
-/* ---- drift and spread ---- */
-
-float place_rate(const struct people *p, int at, bool darker)
-{
-	const uint8_t whose = p->verdict.of[at];
-
-	if (!p->place.known[at] || whose == WHOSE_PERSON)
-		return 0;
-	/* A person's shadow goes with him: what is darker is followed slowly, and what was taken for
-	 * the place in it comes back at once. */
-	if (whose == WHOSE_SHADOW && darker)
-		return (float)(p->step_ms / (p->step_ms + SHADOW_MS));
-	return place_light_rate(p);
-}
-
-/* The rates of a span's cells where they are lighter than the place and where they are darker. */
-static void span_rates(const struct people *p, const struct span *span, float *restrict lighter,
-		       float *restrict darker)
-{
-	const int at = span->y * p->cells.across + span->x;
-
-	for (int x = 0; x < span->count; x++) {
-		lighter[x] = place_rate(p, at + x, false);
-		darker[x] = place_rate(p, at + x, true);
-	}
-}
-
-static void drift_span(struct people *p, const struct span *span, float leak)
-{
-	const int at = span->y * p->cells.across + span->x, count = span->count;
-	const float *restrict lighter = p->verdict.evidence + at, *restrict darker =
-		p->verdict.revised + at;
-
-	span_rates(p, span, p->verdict.evidence + at, p->verdict.revised + at);
-	for (int c = 0; c < 3; c++) {
-		const float *restrict all = p->cells.seen[c] + at;
-		const float *restrict expected = p->place.expected[c] + at;
-		const float shared = p->place.shared[c];
-		float *restrict drift = p->place.drift[c] + at;
-
-		for (int x = 0; x < count; x++) {
-			const float place = expected[x], ratio = all[x] * shared / (place + 1);
-			const float most = ratio < 2 ? ratio : 2;
-			const float in_light = lighter[x], in_shade = darker[x];
-			const float told = ratio < 1 ? in_shade : in_light;
-			const float rate = place < DIM * WHITE || all[x] > CLIPPED * WHITE ? 0 : told;
-			float is = drift[x] * (1 + rate * (most - 1));
-
-			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
-			is = is < DRIFT_MOST ? is : DRIFT_MOST;
-			drift[x] = is + (1 - is) * leak;
-		}
-	}
-}
-
-void place_drift(struct people *p, int c, int at, float factor)
-{
-	float *drift = &p->place.drift[c][at];
-	const float is = *drift * factor;
-
-	*drift = is < DRIFT_MOST ? is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST : DRIFT_MOST;
-}
+/* ---- spread ---- */
 
 /* chi has a mean of 3 where spread is right. */
 static void spread_span(struct people *p, const struct span *span)
@@ -425,9 +357,9 @@ static void spread_span(struct people *p, const struct span *span)
 
 	for (int x = 0; x < count; x++) {
 		const float told = chi[x] < 12 ? chi[x] : 12;
-		const bool teaches = known[x] && (whose[x] == WHOSE_PLACE ||
-						  (whose[x] == WHOSE_SHADOW &&
-						   still_ms[x] > STABLE_MS));
+		const bool teaches = known[x] &&
+				     (whose[x] == WHOSE_PLACE ||
+				      (whose[x] == WHOSE_SHADOW && still_ms[x] > STABLE_MS));
 		const float rate_here = teaches ? rate : 0;
 		const float is = spread[x] * (1 + rate_here * (told * (1 / 3.0f) - 1));
 		const float least = is > SPREAD_LEAST ? is : SPREAD_LEAST;
@@ -453,10 +385,9 @@ static void learn_cell(struct people *p, int at)
 void place_learn(struct people *p)
 {
 	const int band = (int)(p->frame % PLACE_BANDS);
-	const float leak = (float)(p->step_ms / LEAK_MS);
 	float step[3][PLACE_TERMS];
 
-	hidden_follow(p);
+	drift_follow(p);
 	for (int c = 0; c < 3; c++)
 		fit_step(&p->place.fit[band][c], p->place.light[c], step[c]);
 	for (int s = 0; s < p->cells.span_count; s++) {
@@ -466,8 +397,6 @@ void place_learn(struct people *p)
 		if (span->y % PLACE_BANDS == band && !p->place.learn_now)
 			teach_span(p, span, step);
 		spread_span(p, span);
-		if (!p->place.jumped)
-			drift_span(p, span, leak);
 		for (int x = 0; x < span->count && (p->place.learn_now || p->place.unknown); x++)
 			if (p->place.learn_now || !p->place.known[at + x])
 				learn_cell(p, at + x);

@@ -38,7 +38,8 @@ static size_t plane_bytes(const struct people *p)
 /* How many terms of each cell are kept; 0: the picture is too large for any. */
 static int saved_terms(const struct people *p)
 {
-	const size_t fixed = sizeof(struct saved_header) + sizeof(p->place.fit) + (size_t)p->cells.count;
+	const size_t fixed = sizeof(struct saved_header) + sizeof(p->place.fit) +
+			     (size_t)p->cells.count;
 	const size_t fit = fixed < SAVED_MOST ? (SAVED_MOST - fixed) / (3 * plane_bytes(p)) : 0;
 
 	return fit < PLACE_TERMS ? (int)fit : PLACE_TERMS;
@@ -198,7 +199,8 @@ static bool are_possible(const struct people *p, const struct saved_header *head
 			 const uint8_t *body)
 {
 	const size_t values = (size_t)(3 * saved_terms(p)) * (size_t)p->cells.count;
-	const uint8_t *planes = body + sizeof(p->place.fit), *known = planes + values * sizeof(float);
+	const uint8_t *planes = body + sizeof(p->place.fit),
+		      *known = planes + values * sizeof(float);
 	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
 		    are_finite(header->first, 3) &&
 		    are_finite((const void *)body, sizeof(p->place.fit) / sizeof(double)) &&

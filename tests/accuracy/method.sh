@@ -35,7 +35,7 @@ prepare() {
 bake() {
 	local f=$1
 	shift
-	"$build/inlay-bake" render --no-preview --frequency "${f%%:*}" --lights "${LIGHTS:-cells}" "$@" \
+	"$build/inlay-bake" render --no-preview --frequency "${f%%:*}" "$@" \
 		-o "$work/f$f.inlay" "$work/spot.scene" \
 		>>"$log" 2>&1 || [ $? -eq 3 ] || fail "inlay-bake render --frequency $f failed"
 }
@@ -51,12 +51,12 @@ trace() {
 		>>"$log" 2>&1 || fail "inlay-bake truth in $file failed"
 }
 
-# composite NAME BAKE ESTIMATOR OUT [OPTION...]
+# composite NAME BAKE OUT [OPTION...]
 composite() {
-	local name=$1 f=$2 estimator=$3 out=$4
-	shift 4
+	local name=$1 f=$2 out=$3
+	shift 3
 	"$build/inlay" still --basis "$work/f$f.inlay" --background "$work/$name-background.png" \
-		--fisheye "$work/$name-fisheye.pfm" --set "fisheye.estimator=$estimator" "$@" \
+		--fisheye "$work/$name-fisheye.pfm" "$@" \
 		-o "$out" >>"$log" 2>&1 || fail "inlay still with f=$f in $name failed"
 }
 

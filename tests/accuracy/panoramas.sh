@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: MIT
 # Spot in real panoramas: the composite that inlay makes, against path-traced truth.
 #     BUILD=build/x tests/accuracy/panoramas.sh           the table, in Markdown (make accuracy)
-#     LIGHTS=tents BUILD=build/x tests/accuracy/panoramas.sh     the same of tents
 #     BUILD=build/x tests/accuracy/panoramas.sh --quick   a few of its cells as a test, in TAP
 #     BUILD=build/x tests/accuracy/panoramas.sh --record  the same, and its figures written to figures.txt
 # Pictures and table are left in build/accuracy/. README.md says how to read them.
@@ -12,7 +11,6 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/accuracy/method.sh
 work=build/accuracy
 
-estimators="cell node"
 frequencies="2 4 9 18"
 samples_baked=64
 samples_true=4096
@@ -42,18 +40,15 @@ live() {
 # ---- the table ----
 
 rows() {
-	local name file exposure f estimator out psnr rms max
+	local name file exposure f out psnr rms max
 	while read -r name file exposure; do
 		for f in $frequencies; do
 			printf '| %s | %s ' "$name" "$f"
-			for estimator in $estimators; do
-				out=$work/$name-f$f-$estimator
-				composite "$name" "$f" "$estimator" "$out.png"
-				read -r psnr rms max < <(compare "$out.png" "$work/$name-truth.pfm" \
-					--difference "$out-difference.png")
-				printf '| %s | %s | %s ' "$psnr" "$rms" "$max"
-			done
-			printf '|\n'
+			out=$work/$name-f$f
+			composite "$name" "$f" "$out.png"
+			read -r psnr rms max < <(compare "$out.png" "$work/$name-truth.pfm" \
+				--difference "$out-difference.png")
+			printf '| %s | %s | %s |\n' "$psnr" "$rms" "$max"
 		done
 	done <<<"$panoramas"
 }
@@ -69,8 +64,8 @@ table() {
 		trace "$name" "$file" "$exposure" --samples "$samples_true"
 	done <<<"$panoramas"
 	{
-		echo "| panorama | f | cell: PSNR dB | RMS | max | node: PSNR dB | RMS | max |"
-		echo "|---|---|---|---|---|---|---|---|"
+		echo "| panorama | f | PSNR dB | RMS | max |"
+		echo "|---|---|---|---|---|"
 		rows
 	} >"$work/table.part.md"
 	mv "$work/table.part.md" "$work/table.md"
@@ -127,7 +122,7 @@ figure() {
 # The bounds lie 4 to 10 dB below what comes out, much of which is noise of few samples. Light from
 # a wrong side has to fail them, or they would prove nothing: the last two see to that.
 quick() {
-	local size=64x48 cell2 cell9 node9 live9 double shown shown_most mirrored turned rest
+	local size=64x48 cell2 cell9 live9 double shown shown_most mirrored turned rest
 
 	if [ ! -e "$data/mesh/spot.obj" ] || [ ! -e "$data/hdri/venice_sunset_1k.hdr" ]; then
 		echo "ok 1 - composite against truth # SKIP no data in $data"
@@ -139,36 +134,32 @@ quick() {
 	done
 	trace sunset venice_sunset_1k 0.856 --size $size --samples 256 --quiet
 	trace turned venice_sunset_1k 0.856 --size $size --samples 1 --quiet --turn 180
-	composite sunset 2 cell "$work/quick.png"
+	composite sunset 2 "$work/quick.png"
 	read -r cell2 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
-	composite sunset 9 node "$work/quick.png"
-	read -r node9 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
-	composite sunset 9 cell "$work/quick.png"
+	composite sunset 9 "$work/quick.png"
 	read -r cell9 rest < <(compare "$work/quick.png" "$work/sunset-truth.pfm")
 	# Double precision and the same rays: first only the arithmetic differs, then the encoding too,
 	# under light that the encoder has not seen: 2 levels, as it was asked for, and half a one that
 	# rounding to 8 bits adds.
-	composite sunset 9 cell "$work/double.pfm" --mode reference
-	composite sunset 9 cell "$work/exact.png" --mode exact
+	composite sunset 9 "$work/double.pfm" --mode reference
+	composite sunset 9 "$work/exact.png" --mode exact
 	read -r rest rest double < <(compare "$work/exact.png" "$work/double.pfm")
 	read -r shown rest shown_most < <(compare "$work/quick.png" "$work/double.pfm")
 	live sunset venice_sunset_1k 0.856 9 64 48 "$work/live.png"
 	read -r live9 rest < <(compare "$work/live.png" "$work/sunset-truth.pfm")
-	composite sunset 9 cell "$work/mirrored.png" --set fisheye.hflip=yes
+	composite sunset 9 "$work/mirrored.png" --set fisheye.hflip=yes
 	read -r mirrored rest < <(compare "$work/mirrored.png" "$work/sunset-truth.pfm")
 	cp "$work/sunset-background.png" "$work/turned-background.png"
-	composite turned 9 cell "$work/turned.png"
+	composite turned 9 "$work/turned.png"
 	read -r turned rest < <(compare "$work/turned.png" "$work/sunset-truth.pfm")
 	check "26 lights" "$cell2 >= 36"
 	check "406 lights" "$cell9 >= 42"
-	check "406 lights, nodes only" "$node9 >= 36"
 	check "406 lights, by inlay run" "$live9 >= 42"
 	check "integers against double precision" "$double <= 1"
 	check "what is shown against every light in double precision" \
 		"$shown >= 50 && $shown_most <= 2.5"
 	figure cell2_psnr "$cell2"
 	figure cell9_psnr "$cell9"
-	figure node9_psnr "$node9"
 	figure live9_psnr "$live9"
 	figure double_max "$double"
 	figure shown_psnr "$shown"

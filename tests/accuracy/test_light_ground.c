@@ -155,10 +155,7 @@ struct slab {
 static void open_pipeline(struct slab *s, const struct transfer_curve curves[2], double gain)
 {
 	struct pipeline_settings settings = {
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .placed = true,
-			    .curve = curves[0],
-			    .gain = gain},
+		.sampler = {.placed = true, .curve = curves[0], .gain = gain},
 		.lens = {.field_deg = 90},
 		.threshold_mode = THRESHOLD_AMBIENT,
 		.background = curves[1],
@@ -230,7 +227,7 @@ static double find_gain(const struct transfer_curve curves[2], const struct fish
 	struct light_area area;
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 24, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 24, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, lens, EYE, EYE, &settings, NULL), 0);
 	light_area_parse(&area, "4,4,40,20", NULL);
 	for (int k = 0; k < 3; k++) {

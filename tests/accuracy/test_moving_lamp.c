@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A small bright lamp crosses the sky. How much does a picture change from one frame to the next,
  * compared with path tracing of the same lamp? Plain cells hand the lamp over at their border, all
- * at once as far as its size allows; placed light and tents hand it over gradually. */
+ * at once as far as its size allows; placed light hands it over gradually. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,7 +47,6 @@ static bool is_traced(int frame)
 	return frame % 8 < 2;
 }
 
-/* The path of the lamp, the same for cells and tents. */
 struct path {
 	struct image fisheye[FRAMES];
 	float *truth; /* [FRAMES][VALUES]: levels of the frames that are traced */
@@ -185,8 +184,7 @@ static struct fine_list fine_around_path(void)
 	return (struct fine_list){.part = &part, .place = &place, .count = 1};
 }
 
-static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shape shape,
-		       const struct fine_list *fine)
+static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, const struct fine_list *fine)
 {
 	const struct compositor_settings settings = {.background = {.named = TRANSFER_SRGB},
 						     .output = {.named = TRANSFER_SRGB},
@@ -197,14 +195,12 @@ static void open_kiosk(struct lamp_kiosk *k, struct scene *scene, enum dome_shap
 	struct fault fault = {.text = ""};
 	struct render_report report;
 
-	render.shape = (int)shape;
 	render.fine = fine;
 	render.quiet = true;
 	render.threads = 2;
 	if (render_run(scene, &render, small_scene_path("lamp.inlay"), &report, &fault) < 0 ||
 	    basis_open(&k->basis, small_scene_path("lamp.inlay"), 0, &fault) < 0)
 		fail_msg("%s", fault.text);
-	assert_int_equal((int)k->basis.info.light_shape, (int)shape);
 	k->sampler = NULL;
 	open_sampler(k, true);
 	k->radiance = calloc(k->basis.info.lights, sizeof(*k->radiance));
@@ -317,7 +313,7 @@ TEST("a lamp moves without steps")
 	static struct path path;
 	static struct lamp_kiosk kiosk;
 	const struct fine_list around = fine_around_path();
-	struct lamp_change truth, fine, plain = {0, 0, 0}, shown[DOME_SHAPE_COUNT][2];
+	struct lamp_change truth, fine, plain = {0, 0, 0}, shown[2];
 	struct scene *scene;
 
 	small_scene_write_sphere("ball.obj", 0.3, 16);
@@ -338,36 +334,26 @@ TEST("a lamp moves without steps")
 	truth = change_of_truth(path.truth);
 	print("truth", &truth);
 	print_message("# truth's noise %.2f levels\n", path.truth_noise);
-	for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++) {
-		open_kiosk(&kiosk, scene, (enum dome_shape)shape, NULL);
-		for (int filtered = 0; filtered < 2; filtered++) {
-			char what[32];
-
-			shown[shape][filtered] = watch(&kiosk, &path, filtered);
-			snprintf(what, sizeof(what), "%s%s", dome_shape_names[shape],
-				 filtered ? ", filtered" : "");
-			print(what, &shown[shape][filtered]);
-		}
-		if (shape == DOME_CELLS) {
-			open_sampler(&kiosk, false);
-			plain = watch(&kiosk, &path, false);
-			print("plain cells", &plain);
-		}
-		close_kiosk(&kiosk);
+	open_kiosk(&kiosk, scene, NULL);
+	for (int filtered = 0; filtered < 2; filtered++) {
+		shown[filtered] = watch(&kiosk, &path, filtered);
+		print(filtered ? "placed, filtered" : "placed", &shown[filtered]);
 	}
-	open_kiosk(&kiosk, scene, DOME_TENTS, &around);
+	open_sampler(&kiosk, false);
+	plain = watch(&kiosk, &path, false);
+	print("plain", &plain);
+	close_kiosk(&kiosk);
+	open_kiosk(&kiosk, scene, &around);
 	fine = watch(&kiosk, &path, false);
-	print("finer tents", &fine);
+	print("finer", &fine);
 	close_kiosk(&kiosk);
 	expect_at_most(fine.most, 1.5 * truth.most + 1, "%d", 0);
-	expect_at_most(fine.off, 0.5 * shown[DOME_TENTS][0].off, "%d", 0);
-	/* Placed cells and tents move no pixel faster than the truth does. */
-	for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++)
-		for (int filtered = 0; filtered < 2; filtered++)
-			expect_at_most(shown[shape][filtered].most, truth.most + 1,
-				       "shape=%d, filtered=%d", shape, filtered);
+	expect_at_most(fine.off, 0.5 * shown[0].off, "%d", 0);
+	/* Placed light moves no pixel faster than the truth does. */
+	for (int filtered = 0; filtered < 2; filtered++)
+		expect_at_most(shown[filtered].most, truth.most + 1, "filtered=%d", filtered);
 	/* Placing brings cells nearer to the truth. */
-	expect_at_most(shown[DOME_CELLS][0].off, SANITIZED ? plain.off : 0.95 * plain.off, "%d", 0);
+	expect_at_most(shown[0].off, SANITIZED ? plain.off : 0.95 * plain.off, "%d", 0);
 	/* the check can fail: plain cells of a fine dome do */
 	assert_true(SANITIZED || plain.most > 1.5 * truth.most + 1);
 	for (int f = 0; f < FRAMES; f++)

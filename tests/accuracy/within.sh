@@ -17,7 +17,6 @@ bakes=${BAKES:-4 9:1.5,3:4 9 18}
 samples_baked=${SAMPLES:-64}
 samples_true=${TRUTH_SAMPLES:-1024}
 thresholds="0 0.5% 1% 2%"
-estimators="cell node"
 
 # basis BAKE SIZE: one that is there, or a bake.
 basis() {
@@ -46,33 +45,31 @@ times() {
 		"$work/bench.json"
 }
 
-# rows: "panorama bake estimator threshold ms psnr rms max", all of them.
+# rows: "panorama bake threshold ms psnr rms max", all of them.
 rows() {
-	local f threshold estimator name file exposure out ms psnr rms max
+	local f threshold name file exposure out ms psnr rms max
 	for f in $bakes; do
 		for threshold in $thresholds; do
 			times "$f" "$threshold" >"$work/times.txt"
-			for estimator in $estimators; do
-				while read -r name file exposure; do
-					ms=$(sed -n "s/^$file //p" "$work/times.txt")
-					out=$work/$name-f$f-$estimator-${threshold%\%}.png
-					composite "$name" "$f" "$estimator" "$out" --set "lights.threshold=$threshold"
-					read -r psnr rms max < <(compare "$out" "$work/$name-truth.pfm")
-					echo "$name $f $estimator $threshold $ms $psnr $rms $max"
-				done <<<"$panoramas"
-			done
+			while read -r name file exposure; do
+				ms=$(sed -n "s/^$file //p" "$work/times.txt")
+				out=$work/$name-f$f-${threshold%\%}.png
+				composite "$name" "$f" "$out" --set "lights.threshold=$threshold"
+				read -r psnr rms max < <(compare "$out" "$work/$name-truth.pfm")
+				echo "$name $f $threshold $ms $psnr $rms $max"
+			done <<<"$panoramas"
 		done
 	done
 }
 
-# chosen MS <ROWS: "bake estimator threshold ms psnr" of the setting whose lowest PSNR under any panorama is
+# chosen MS <ROWS: "bake threshold ms psnr" of the setting whose lowest PSNR under any panorama is
 # the highest, of those with which no panorama takes longer than MS; nothing where none is so fast.
 chosen() {
 	awk -v limit="$1" '
 		{
-			key = $2 " " $3 " " $4
-			if (!(key in worst) || $6 < worst[key]) worst[key] = $6
-			if (!(key in most) || $5 > most[key]) most[key] = $5
+			key = $2 " " $3
+			if (!(key in worst) || $5 < worst[key]) worst[key] = $5
+			if (!(key in most) || $4 > most[key]) most[key] = $4
 		}
 		END {
 			for (key in worst)
@@ -85,22 +82,22 @@ chosen() {
 table() {
 	local ms=$1 all
 	all=$(cat)
-	echo "| f : error : cell error | estimator | threshold | ms | least PSNR dB |$(sed 's/^\([^ ]*\).*/ \1 |/' <<<"$panoramas" | tr -d '\n')"
-	echo "|---|---|---|---|---|$(sed 's/.*/---|/' <<<"$panoramas" | tr -d '\n')"
-	awk -v best="$(chosen "$ms" <<<"$all" | cut -d' ' -f1-3)" '
+	echo "| f : error : cell error | threshold | ms | least PSNR dB |$(sed 's/^\([^ ]*\).*/ \1 |/' <<<"$panoramas" | tr -d '\n')"
+	echo "|---|---|---|---|$(sed 's/.*/---|/' <<<"$panoramas" | tr -d '\n')"
+	awk -v best="$(chosen "$ms" <<<"$all" | cut -d' ' -f1-2)" '
 		{
-			key = $2 " " $3 " " $4
-			if (!(key in worst)) { order[n++] = key; worst[key] = $6; most[key] = $5 }
-			if ($6 < worst[key]) worst[key] = $6
-			if ($5 > most[key]) most[key] = $5
-			cells[key] = cells[key] " " $6 " |"
+			key = $2 " " $3
+			if (!(key in worst)) { order[n++] = key; worst[key] = $5; most[key] = $4 }
+			if ($5 < worst[key]) worst[key] = $5
+			if ($4 > most[key]) most[key] = $4
+			cells[key] = cells[key] " " $5 " |"
 		}
 		END {
 			for (i = 0; i < n; i++) {
 				split(order[i], part, " ")
 				mark = order[i] == best ? "**" : ""
-				printf "| %s%s%s | %s | %s | %.2f | %s%s%s |%s\n", mark, part[1], mark, part[2],
-					part[3], most[order[i]], mark, worst[order[i]], mark, cells[order[i]]
+				printf "| %s%s%s | %s | %.2f | %s%s%s |%s\n", mark, part[1], mark, part[2],
+					most[order[i]], mark, worst[order[i]], mark, cells[order[i]]
 			}
 		}' <<<"$all"
 }
@@ -143,16 +140,16 @@ equal() { # TEXT EXPECTED ACTUAL
 }
 
 quick() {
-	local made="sunset 4 cell 0 1.0 50 1 9
-studio 4 cell 0 1.2 41 1 9
-sunset 9 cell 0 1.9 51 1 9
-studio 9 cell 0 2.1 46 1 9
-sunset 9 cell 1% 1.6 49 1 9
-studio 9 cell 1% 1.8 45 1 9"
+	local made="sunset 4 0 1.0 50 1 9
+studio 4 0 1.2 41 1 9
+sunset 9 0 1.9 51 1 9
+studio 9 0 2.1 46 1 9
+sunset 9 1% 1.6 49 1 9
+studio 9 1% 1.8 45 1 9"
 
-	equal "the slowest and the worst panorama count" "9 cell 1% 1.8 45" "$(chosen 2 <<<"$made")"
-	equal "with more time" "9 cell 0 2.1 46" "$(chosen 2.1 <<<"$made")"
-	equal "with less" "4 cell 0 1.2 41" "$(chosen 1.5 <<<"$made")"
+	equal "the slowest and the worst panorama count" "9 1% 1.8 45" "$(chosen 2 <<<"$made")"
+	equal "with more time" "9 0 2.1 46" "$(chosen 2.1 <<<"$made")"
+	equal "with less" "4 0 1.2 41" "$(chosen 1.5 <<<"$made")"
 	equal "none is fast enough" "" "$(chosen 1.1 <<<"$made")"
 	if [ ! -e "$data/mesh/spot.obj" ] || [ ! -e "$data/hdri/venice_sunset_1k.hdr" ]; then
 		echo "ok $((count + 1)) - a table is made # SKIP no data in $data"
@@ -160,12 +157,12 @@ studio 9 cell 1% 1.8 45 1 9"
 		return
 	fi
 	panoramas=$(grep sunset <<<"$panoramas")
-	bakes="1 4:2,4:8" thresholds="0 2%" estimators=cell samples_baked=16 samples_true=64
+	bakes="1 4:2,4:8" thresholds="0 2%" samples_baked=16 samples_true=64
 	whole 1000000 64x48 >"$work/out" 2>&1
 	equal "a table of four rows is made" 6 "$(wc -l <"$work/table.md")"
 	equal "more lights are nearer, and chosen" "4:2,4:8" "$(chosen 1000000 <"$work/rows.txt" | cut -d' ' -f1)"
 	equal "and marked" 1 "$(grep -c '^| \*\*4:2,4:8\*\*' "$work/table.md")"
-	equal "every row has its time" 0 "$(awk '!($5 > 0)' "$work/rows.txt" | wc -l)"
+	equal "every row has its time" 0 "$(awk '!($4 > 0)' "$work/rows.txt" | wc -l)"
 	echo "1..$count"
 }
 

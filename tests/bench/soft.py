@@ -64,7 +64,7 @@ def save(path, lights, radiance):
 def main():
     basis = sys.argv[1]
     info = json.loads(run("inlay-bake", "info", "--json", basis))
-    dome = ["--frequency", str(info["dome_frequency"]), "--division", info["dome_division"], "--lights", info["light_shape"]]
+    dome = ["--frequency", str(info["dome_frequency"])]
     lights = json.loads(run("inlay-bake", "dome", *dome, "--json"))["lights"]
     kinds = {f"cos^{power}, {height} degrees high": [lobe(height, power, k) for k in range(AZIMUTHS)] for height, power in LOBES}
     kinds |= {f"dusk, {thick:.0%} thick": [dusk(thick, k) for k in range(AZIMUTHS)] for thick in DUSKS}

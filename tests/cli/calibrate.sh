@@ -14,14 +14,13 @@ commands=$(calibrate --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1/p')
 has_command() {
 	grep -qx "$1" <<<"$commands"
 }
-# wrong NAME WORDS COMMAND...: exit 2, the words and the usage on stderr, nothing on stdout.
+# wrong NAME WORDS COMMAND...: exit 2, the words on stderr, nothing on stdout.
 wrong() {
 	local name=$1 words=$2 out is
 	shift 2
 	out=$(calibrate "$@" 2>"$work/stderr" </dev/null)
 	is=$?
-	if [ $is -eq 2 ] && [ -z "$out" ] && grep -qF -- "$words" "$work/stderr" &&
-		grep -q "^usage: inlay-calibrate" "$work/stderr"; then
+	if [ $is -eq 2 ] && [ -z "$out" ] && grep -qF -- "$words" "$work/stderr"; then
 		pass "$name"
 	else
 		fail "$name" < <(echo "exit code $is, expected 2 and: $words" | cat - "$work/stderr")
@@ -61,7 +60,7 @@ for command in $commands; do
 done
 
 equal "an option without its value is said by the program" \
-	"inlay-calibrate: option '--board' requires an argument" \
+	"inlay-calibrate: board: --board has no value" \
 	"$(calibrate board --board 2>&1 | head -n 1)"
 
 # ---- files of OpenCV and ROS ----
@@ -232,8 +231,6 @@ if has_command camera; then
 	wrong "a centre that the lens's file says" "--centre-deviation" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --centre-deviation 3 \
 		-o "$work/none.ini"
-	wrong "radial terms of the method that has one" "--radial: --method three has one term" camera \
-		--points "$work/box.points" --size 640x480 --method three --radial 2 -o "$work/none.ini"
 	wrong "radial terms that the lens's file says" "--radial" camera \
 		--points "$work/box.points" --intrinsics "$work/camera.ini" --radial 2 -o "$work/none.ini"
 	wrong "four radial terms" "--radial" camera --points "$work/box.points" --size 640x480 --radial 4 \
@@ -414,7 +411,7 @@ if has_command light; then
 			print r, g, b, 0.9 * r + 0.05 * g, 0.02 * r + 1.1 * g, 0.1 * g + 0.8 * b
 		}
 	}' >"$work/patches"
-	wrong "light of nothing" "usage: inlay-calibrate light" light
+	wrong "light of nothing" "light: expected one of black" light
 	"$INLAY" grab fisheye --config "$work/studio.conf" -o "$work/grabbed.png" 2>"$work/stderr"
 	failed_with "pictures that say no times" "says no exposure time (EXIF), expected --times" light \
 		response "$work/grabbed.png" "$work/grabbed.png" -o "$work/none.ini"

@@ -125,10 +125,10 @@ done
 equal "--version" "inlay" "$("$INLAY" --version | cut -d' ' -f1)"
 refused "a misspelt command" 2 "did you mean \"check\"?" "$INLAY" chekc
 refused "an unknown command" 2 "expected one of those" "$INLAY" zzzzzzzzz
-refused "a misspelt option" 2 "did you mean --frames?" "$INLAY" run --frame 3
+refused "a misspelt option" 2 "did you mean --frames?" "$INLAY" run --framse 3
 refused "an option without its value" 2 "--frames has no value" "$INLAY" run --frames
-refused "a wrong value" 2 "--frames is \"0\"" "$INLAY" run --frames 0
-refused "a word that is no option" 2 "\"here\" is no option" "$INLAY" check here
+refused "a wrong value" 2 "--frames: \"0\"" "$INLAY" run --frames 0
+refused "a word that is no option" 2 "\"here\" is one argument too many" "$INLAY" check here
 refused "a value that none is expected for" 2 "--json takes no value" "$INLAY" devices --json=yes
 refused "an unknown short option" 2 "unknown option -x" "$INLAY" still -x
 refused "a background of another size than the basis" 1 "the picture is 64x32 pixels, expected 48x32" \

@@ -104,9 +104,9 @@ exits "a lens that Blender has not" 1 "moves pixels by up to" barrel.scene --ble
 absent "nothing is left of it" no
 
 # ---- Radiance ----
-check "a job for Radiance" "$bake" export barrel.scene --radiance radiance --rays 2 --suns 16
+check "a job for Radiance" "$bake" export barrel.scene --radiance radiance
 for light in 0 1 2 3 4 5; do
-	equal "light $light of 16 suns" 16 "$(lines radiance/light00$light.rad '^cell source')"
+	equal "light $light of 64 suns" 64 "$(lines radiance/light00$light.rad '^cell source')"
 done
 # 2 pi (1 - cos(angle / 2)) of all suns make up the sky.
 sky=$(cat radiance/light*.rad | awk '/source/ { s += 6.283185307 * (1 - cos($10 * 0.00872664626)) }
@@ -114,7 +114,7 @@ sky=$(cat radiance/light*.rad | awk '/source/ { s += 6.283185307 * (1 - cos($10 
 equal "all suns are the sky" 6.2832 "$sky"
 equal "suns above the horizon" 0 "$(cat radiance/light*.rad | awk '/source/ && $9 < 0' | wc -l)"
 for rays in object seen ground; do
-	equal "its rays: $rays" $((2 * 30 * 2 * 20 * 24)) "$(stat -c %s radiance/$rays.rays)"
+	equal "its rays: $rays" $((4 * 30 * 4 * 20 * 24)) "$(stat -c %s radiance/$rays.rays)"
 done
 holds "its box" radiance/materials.rad "plastic m0"
 holds "its ground" radiance/ground.rad "plastic ground 0 0 5 0.5 0.5 0.5 0 0"
@@ -155,11 +155,9 @@ equal "is made alone" "oconv 1 pcomb 1 pfilt 2 rtrace 2" "$(sort asked | uniq -c
 # ---- what does not go together ----
 exits "nothing to do" 2 "expected --msi OUT.msi, --radiance DIR or --blender DIR" bent.scene
 exits "two at once" 2 "one of --msi" bent.scene --radiance a --blender b
-exits "options of another" 2 "are of --radiance" bent.scene --blender no --rays 3
 exits "a size of a basis" 2 "not of --msi" bent.scene --msi no.msi --size 3x3
-exits "a byte order of a scene" 2 "are of --msi" bent.scene --blender no --endian big
+exits "threads of a scene" 2 "is of --msi" bent.scene --blender no --threads 2
 exits "no scene" 2 "expected one scene file" --blender no
-exits "rays out of range" 2 "--rays" bent.scene --radiance no --rays 0
 exits "a scene that is not there" 1 "none.scene" none.scene --blender no
 exits "nothing real in it" 1 "expected something real" floating.scene --blender no
 exits "a file in place of the folder" 1 "expected a folder" bent.scene --radiance box.obj

@@ -28,7 +28,7 @@ equal "a camera that hangs on its side is turned upright" "$work/side.png: 32x48
 	"$(grab background -o "$work/side.png" --set camera.background.rotate=90)"
 refused "linear light is not turned" 1 "rotate: pictures of linear light" "$INLAY" check \
 	--config "$work/studio.conf" --set camera.background.rotate=90 --set camera.background.format=RGBF
-refused "no view" 2 "no view, expected fisheye, background, scene" grab -o "$work/x.png"
+refused "no view" 2 "expected one view or camera: fisheye, background, scene" grab -o "$work/x.png"
 refused "no file" 2 "no file, expected -o FILE.png" grab fisheye
 refused "a name that is none" 1 'no camera "sky", expected fisheye, background, scene' grab sky -o "$work/x.png"
 refused "another kind of file" 2 "expected a name that ends in .png" grab fisheye -o "$work/x.tiff"

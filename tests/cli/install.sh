@@ -74,7 +74,7 @@ options_of() { # program, command
 	"$1" "$2" --help | grep -oE '^  (-[a-z], )?-[a-z-]+' | grep -oE -e '-[a-z-]+' | sort -u
 }
 commands_of() { # program
-	"$1" --help | sed -n 's/^  \([a-z][a-z-]*\)  .*/\1/p'
+	"$1" --help | sed -n 's/^  \([a-z][a-z-]*\) .*/\1/p'
 }
 for program in inlay inlay-bake inlay-calibrate; do
 	page="$pages/man1/$program.1"

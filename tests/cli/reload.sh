@@ -30,10 +30,9 @@ check "it shows frames" shows_frames
 check "it is read again" reload "[lights]
 threshold = 90"
 check "another threshold counts" until_true has threshold 90
-check "a light's gain, a lens and an estimator are taken" reload "[lights]
+check "a lens and its black level are taken" reload "[lights]
 threshold = 100
 [fisheye]
-estimator = node
 field = 85
 black_level = 3"
 check "the kiosk goes on" until_true has threshold 100
@@ -193,7 +192,7 @@ inlay=$!
 shows_frames
 for i in $(seq 10); do
 	reload "[fisheye]
-estimator = $([ $((i % 2)) = 0 ] && echo cell || echo node)
+field = $((85 + i % 2))
 [composite]
 threads = $((1 + i % 2))" || break
 done

@@ -1,6 +1,6 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# inlay-bake report: page, plots and tables are there and say the same; how it fails. Figures that
+# inlay-bake report: page, plot and tables are there and say the same; how it fails. Figures that
 # are times are not judged.
 set -u
 # shellcheck source=tests/cli/tools/scene.sh
@@ -21,13 +21,12 @@ mkdir "$out.part-gone00" "$out.part-alive0"
 exec 7<"$out.part-alive0"
 flock 7
 check "report of a scene" report "$work/box.scene" -o "$out"
-for name in settings lights samples threshold declared-error column-cut surroundings; do
+for name in settings surroundings; do
 	check "table $name" test -s "$out/$name.csv"
 done
-for name in pareto lights-error lights-time samples threshold-error error-memory error-time column-cut; do
-	check "plot $name" grep -q '</svg>' "$out/$name.svg"
-done
-equal "each dome up to --frequency is tried" "1 2" "$(tail -n +2 "$out/lights.csv" | cut -d, -f2 | sort -nu | xargs)"
+check "the plot" grep -q '</svg>' "$out/settings.svg"
+equal "each dome up to --frequency is tried" "1 2" "$(tail -n +2 "$out/settings.csv" |
+	sed 's/^"[^"]*"//' | cut -d, -f3 | sort -nu | xargs)"
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
 check "what another writes is" rmdir "$out.part-alive0"
 exec 7<&-
@@ -37,8 +36,8 @@ equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' ! -name '
 # Other domes that it tries have no finer parts: 6 is no multiple of the frequencies of all of them.
 sed 's/^\[dome\].*/&\nfine = 0 40 1 6/' "$work/box.scene" >"$work/finer.scene"
 check "report of a dome that is finer in parts" report "$work/finer.scene" -o "$work/finer"
-equal "which is among the domes" 1 "$(grep -c "^$("$INLAY_BAKE" dome --frequency 2 --fine "0 40 1 6" --angles |
-	grep -c '^[0-9]'),2,fast,cell" "$work/finer/lights.csv")"
+equal "which is in use" 1 "$(grep -c "^in use,$("$INLAY_BAKE" dome --frequency 2 --fine "0 40 1 6" --angles |
+	grep -c '^[0-9]'),2,fast," "$work/finer/settings.csv")"
 rm -rf "$work/finer"
 
 # Everything that is wrong about a report's folder; nothing is fine.
@@ -131,11 +130,6 @@ for name in set(page.tables) & tables:
                 break
             at += 1
 settings = list(csv.DictReader(open(os.path.join(folder, "settings.csv"), encoding="utf-8")))
-times = [float(row["median_ms"]) for row in settings]
-if times != sorted(times):
-    wrong.append("settings are not in the order of their times")
-if len([row for row in settings if row["in_use"] == "yes"]) != 1:
-    wrong.append("not one setting in use")
 for row in settings:
     if not float(row["low_ms"]) <= float(row["median_ms"]) <= float(row["high_ms"]):
         wrong.append("%s: its median is not between its quartiles" % row["setting"])
@@ -147,9 +141,8 @@ def faster(a, b):
 
 
 def nearer(a, b):
-    x, y = float(a["rms_levels"]), float(b["rms_levels"])
-    noise = max(float(a["noise_levels"]), float(b["noise_levels"]))
-    return x * 1.01 < y and y * y - x * x > noise * noise
+    x, y = float(a["truth_rms_levels"]), float(b["truth_rms_levels"])
+    return x * 1.01 < y and y * y - x * x > float(a["noise_levels"]) ** 2
 
 
 for row in settings:
@@ -165,46 +158,43 @@ if command -v python3 >/dev/null; then
 	equal "the page is whole, and every figure in its CSV" "" "$(judged "$out" 2>&1)"
 	# The judge has to see what is wrong.
 	cp -r "$out" "$work/broken"
-	sed -i '2s/^[^,]*,[^,]*/7,8/' "$work/broken/lights.csv"
+	sed -i '2s/^[^,]*,[^,]*/7,8/' "$work/broken/settings.csv"
 	differ "another figure is noticed" <(judged "$work/broken" 2>&1) <(echo)
-	cp "$out/lights.csv" "$work/broken/lights.csv"
+	cp "$out/settings.csv" "$work/broken/settings.csv"
 	sed -i '0,/<\/table>/s///' "$work/broken/report.html"
 	differ "a table without end is noticed" <(judged "$work/broken" 2>&1) <(echo)
 
 	equal "the exact layer is rounded and no more" "" "$(python3 -c 'import csv, sys
 for row in csv.DictReader(open(sys.argv[1])):
     if row["way"] == "exact" and float(row["double_max_levels"]) > 1.5:
-        print(row["lights"], row["double_max_levels"])' "$out/lights.csv")"
+        print(row["lights"], row["double_max_levels"])' "$out/settings.csv")"
 fi
 
-# ---- what is advised ----
-# The lines of a kind, scene or kiosk, that the summary gathers; each section's own, in their order.
-gathered() {
-	sed -n "/<pre class=\"$1\">/,/<\/pre>/p; /<h2>/q" "$out/report.html" | sed 's/<[^>]*>//g'
+# ---- what a row names ----
+# Settings are named as lines of the scene file and of the kiosk's configuration, which take them.
+lines_of() { # KEY...: of the rows that name these keys, the first line of each
+	for key in "$@"; do
+		grep -om1 "^\"*$key = [^,;\"]*" "$out/settings.csv" | tr -d '"'
+	done
 }
-each_line() {
-	sed "1,/<h2>/d" "$out/report.html" | sed -n "/<pre class=\"$1\">/,/<\/pre>/p" |
-		sed 's/<[^>]*>//g' | grep ' = '
-}
-for kind in scene kiosk; do
-	equal "each section's lines for the $kind are in the summary" "$(each_line $kind | sort)" \
-		"$(gathered $kind | grep ' = ' | sort)"
-done
-equal "keys for the scene" "[render] samples error cell_error column_cut [dome] frequency " \
-	"$(gathered scene | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
-equal "keys for the kiosk" "[fisheye] estimator [lights] threshold threshold_mode " \
-	"$(gathered kiosk | sed '/^$/d; s/ = .*//' | tr '\n' ' ')"
 sed '/^frequency/d; /^samples/d' "$work/box.scene" >"$work/pasted.scene"
-gathered scene >>"$work/pasted.scene"
+{
+	echo "[render]"
+	lines_of samples error column_cut
+	echo "[dome]"
+	lines_of frequency
+} >>"$work/pasted.scene"
+equal "keys for the scene" 4 "$(tail -n 6 "$work/pasted.scene" | grep -c ' = ')"
 check "the scene file takes its lines" "$INLAY_BAKE" render --quiet --size 16x12 --samples 1 \
 	"$work/pasted.scene" -o "$work/pasted.inlay"
 cp "$work/studio.conf" "$work/pasted.conf"
-gathered kiosk >>"$work/pasted.conf"
+{
+	echo "[lights]"
+	lines_of threshold
+} >>"$work/pasted.conf"
 check "the configuration takes its lines" "$INLAY" check --config "$work/pasted.conf"
 "$INLAY" check --config "$work/pasted.conf" --print-config >"$work/pasted.print"
-for key in estimator threshold threshold_mode; do
-	check "as its $key" grep -qx "$(gathered kiosk | grep "^$key = ")" "$work/pasted.print"
-done
+check "as its threshold" grep -qx "$(lines_of threshold)" "$work/pasted.print"
 
 # A panorama of 8 x 4 texels: white above, grey below (PFM: little-endian, from the bottom up).
 {
@@ -242,7 +232,7 @@ wrong "a pasted line that is no key" 1 "frequencies" "$INLAY_BAKE" render --quie
 	"$work/mistaken.scene" -o "$work/none"
 wrong "no folder" 2 "-o DIR is missing" report "$work/box.scene"
 wrong "no scene" 2 "expected one scene file" report -o "$work/none"
-wrong "an unknown option" 2 "usage: inlay-bake report" report --fast "$work/box.scene" -o "$work/none"
+wrong "an unknown option" 2 "unknown option --fast" report --fast "$work/box.scene" -o "$work/none"
 wrong "a size that is none" 2 "expected a size" report --size 9 "$work/box.scene" -o "$work/none"
 wrong "a value for --quiet" 2 "--quiet" report --quiet=9 "$work/box.scene" -o "$work/none"
 wrong "no repetition" 2 "--repeat" report --repeat 0 "$work/box.scene" -o "$work/none"

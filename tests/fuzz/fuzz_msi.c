@@ -45,7 +45,7 @@ static void fuzz_msi_check(const struct msi *msi)
 			abort();
 	if (msi->lights != LIGHTS)
 		return;
-	if (!dome.count && dome_create(&dome, 1, DOME_ANGLES, NULL))
+	if (!dome.count && dome_create(&dome, 1, NULL))
 		abort();
 	if (msi_source_create(&source, msi, &dome, place, 1))
 		return;

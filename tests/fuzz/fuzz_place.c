@@ -85,7 +85,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)
 	static struct dome dome;
 	uint8_t *copy = malloc(bytes + 128); /* longer than a header */
 
-	if (!copy || (!people && dome_create(&dome, 1, DOME_ANGLES, NULL)))
+	if (!copy || (!people && dome_create(&dome, 1, NULL)))
 		abort();
 	if (!people)
 		people = place_of(&dome);

@@ -13,18 +13,13 @@
 
 enum { SKY_SIDE = 128 };
 static const double sky_exposure = 0.16;
-static const float wall_depth = 0.9f; /* m */
 
 struct filmed_cameras {
 	struct studio_view *place, *sky;
-	struct studio_view
-		*elsewhere; /* of the depth camera; NULL: it is in the background's place */
-	struct studio_layer *elsewhere_people;
 	struct light_sampler *sampler;
 	struct sensor sensor, sky_sensor;
 	struct studio_layer *sky_people;
 	float *picture, *spread, *sky_picture; /* spread: two pictures */
-	float *depth;			       /* before the depth camera's noise, m */
 	uint8_t *sky_bgrx;
 };
 
@@ -32,7 +27,6 @@ static int open_sky(struct filmed_cameras *cameras, const struct dome *dome)
 {
 	const struct fisheye_settings lens = {.field_deg = 90};
 	const struct light_sampler_settings settings = {
-		.estimator = ESTIMATOR_CELL,
 		.curve = {.named = TRANSFER_SRGB},
 		.gain = 1 / sky_exposure,
 	};
@@ -54,6 +48,60 @@ static int open_sky(struct filmed_cameras *cameras, const struct dome *dome)
 	return err;
 }
 
+void filmed_set_noise(struct filmed *filmed, double read_noise, double shot_noise, int seed)
+{
+	sensor_prepare(&filmed->cameras->sensor, &(struct sensor_settings){
+							 .exposure = 1,
+							 .transfer = TRANSFER_SRGB,
+							 .read_noise = read_noise,
+							 .shot_noise = shot_noise,
+							 .seed = seed,
+						 });
+}
+
+/* Samples along a side of a pixel. */
+enum { PAINT_SIDE = 4 };
+
+static void paint_pixel(struct studio_view *view, int x, int y,
+			void (*paint)(const void *room, struct studio_hit *hit), const void *room)
+{
+	double old[3] = {0}, new[3] = {0}, factor[3];
+
+	for (int i = 0; i < PAINT_SIDE * PAINT_SIDE; i++) {
+		const double px[2] = {x + (i % PAINT_SIDE + 0.5) / PAINT_SIDE,
+				      y + (i / PAINT_SIDE + 0.5) / PAINT_SIDE};
+		double origin[3], dir[3];
+		struct studio_hit hit;
+
+		if (!eye_ray(studio_view_eye(view), px, origin, dir) ||
+		    !studio_hit(origin, dir, &hit))
+			continue;
+		if (hit.emitted[0] > 0)
+			return;
+		for (int c = 0; c < 3; c++)
+			old[c] += hit.albedo[c];
+		paint(room, &hit);
+		for (int c = 0; c < 3; c++)
+			new[c] += hit.albedo[c];
+	}
+	for (int c = 0; c < 3; c++)
+		factor[c] = old[c] > 0 ? new[c] / old[c] : 1;
+	studio_view_paint(view, x, y, factor);
+}
+
+void filmed_paint(struct filmed *filmed, void (*paint)(const void *room, struct studio_hit *hit),
+		  const void *room)
+{
+	struct studio_view *const views[] = {filmed->cameras->place, filmed->cameras->sky};
+
+	for (int i = 0; i < 2; i++) {
+		const struct sim_eye *eye = studio_view_eye(views[i]);
+
+		for (int k = 0; k < eye->width * eye->height; k++)
+			paint_pixel(views[i], k % eye->width, k / eye->width, paint, room);
+	}
+}
+
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome)
 {
 	struct sim_eye eye = {.width = camera->width, .height = camera->height, .camera = *camera};
@@ -68,28 +116,18 @@ int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const s
 	filmed->width = camera->width;
 	filmed->height = camera->height;
 	filmed->ground = calloc(pixels, 3 * sizeof(float));
-	filmed->behind = calloc(pixels, sizeof(*filmed->behind));
-	filmed->before = calloc(pixels, sizeof(*filmed->before));
+	filmed->people = calloc(pixels, sizeof(*filmed->people));
 	filmed->bgrx = calloc(pixels, 4);
-	filmed->depth = calloc(pixels, 2);
 	filmed->light = calloc((size_t)dome->count, sizeof(*filmed->light));
 	c->picture = calloc(pixels, 3 * sizeof(float));
 	c->spread = calloc(pixels, 6 * sizeof(float));
-	c->depth = calloc(pixels, sizeof(float));
 	c->sky_picture = calloc((size_t)SKY_SIDE * SKY_SIDE, 3 * sizeof(float));
 	c->sky_people = calloc((size_t)SKY_SIDE * SKY_SIDE, sizeof(*c->sky_people));
 	c->sky_bgrx = calloc((size_t)SKY_SIDE * SKY_SIDE, 4);
-	if (!filmed->ground || !filmed->behind || !filmed->before || !filmed->bgrx ||
-	    !filmed->light || !filmed->depth || !c->depth || !c->picture || !c->spread ||
-	    !c->sky_picture || !c->sky_people || !c->sky_bgrx)
+	if (!filmed->ground || !filmed->people || !filmed->bgrx || !filmed->light || !c->picture ||
+	    !c->spread || !c->sky_picture || !c->sky_people || !c->sky_bgrx)
 		return -ENOMEM;
-	sensor_prepare(&c->sensor, &(struct sensor_settings){
-					   .exposure = 1,
-					   .transfer = TRANSFER_SRGB,
-					   .read_noise = 0.5,
-					   .shot_noise = 2,
-					   .seed = 3,
-				   });
+	filmed_set_noise(filmed, 0.5, 2, 3);
 	err = studio_view_create(&c->place, &eye);
 	return err ? err : open_sky(c, dome);
 }
@@ -108,63 +146,6 @@ static int measure_light(struct filmed *filmed, const struct filmed_moment *mome
 		      (size_t)SKY_SIDE * SKY_SIDE, c->sky_bgrx);
 	picture = view_picture(&whole, c->sky_bgrx, (size_t)SKY_SIDE * 4);
 	return light_sampler_read(c->sampler, &picture, filmed->light, NULL);
-}
-
-/* A low wall before everything: grey, lit as the ground that it hides. */
-static void build_wall(struct filmed *filmed, const struct filmed_moment *moment)
-{
-	const struct studio_layer nothing = {.walker = -1};
-
-	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
-		for (int x = moment->wall_x; x < filmed->width; x++) {
-			const int k = y * filmed->width + x;
-
-			for (int c = 0; c < 3; c++)
-				filmed->ground[3 * k + c] *= 0.7f;
-			filmed->behind[k] = filmed->before[k] = nothing;
-		}
-}
-
-int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera)
-{
-	const struct sim_eye eye = {
-		.width = filmed->width, .height = filmed->height, .camera = *depth_camera};
-	struct filmed_cameras *c = filmed->cameras;
-
-	c->elsewhere_people = calloc((size_t)filmed->width * (size_t)filmed->height,
-				     sizeof(*c->elsewhere_people));
-	return c->elsewhere_people ? studio_view_create(&c->elsewhere, &eye) : -ENOMEM;
-}
-
-static void see_depth(struct filmed *filmed, const struct filmed_moment *moment,
-		      const struct studio_lamps *lamps)
-{
-	struct filmed_cameras *c = filmed->cameras;
-
-	if (c->elsewhere) {
-		studio_people_draw(c->elsewhere, lamps, moment->walker, moment->walkers,
-				   c->elsewhere_people);
-		studio_view_depth(c->elsewhere, lamps, c->depth);
-		studio_people_depth(c->elsewhere, c->elsewhere_people, c->depth);
-		return;
-	}
-	studio_view_depth(c->place, lamps, c->depth);
-	studio_people_depth(c->place, filmed->behind, c->depth);
-	studio_people_depth(c->place, filmed->before, c->depth);
-}
-
-static void measure_depth(struct filmed *filmed, const struct filmed_moment *moment,
-			  const struct studio_lamps *lamps)
-{
-	struct filmed_cameras *c = filmed->cameras;
-	const struct sensor_depth sensor = {moment->depth_noise_mm, 5};
-
-	see_depth(filmed, moment, lamps);
-	for (int y = moment->wall_y; moment->wall_y && y < filmed->height; y++)
-		for (int x = moment->wall_x; x < filmed->width; x++)
-			c->depth[y * filmed->width + x] = wall_depth;
-	sensor_measure(&sensor, (uint64_t)moment->number, c->depth, filmed->width, filmed->height,
-		       filmed->depth);
 }
 
 static void expose(float *rgb, const double exposure[3], double row)
@@ -201,22 +182,15 @@ void filmed_take_other(struct filmed *filmed, const struct filmed_moment *moment
 int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 {
 	struct filmed_cameras *c = filmed->cameras;
-	struct studio_lamps lamps = studio_lamps(moment->time_s, moment->switch_s);
+	struct studio_lamps lamps = moment->lamps ? *moment->lamps
+						  : studio_lamps(moment->time_s, moment->switch_s);
 	const size_t pixels = (size_t)filmed->width * (size_t)filmed->height;
-	struct walker split[2][WALKER_STYLES];
-	int count[2] = {0, 0};
 
-	for (int i = 0; i < moment->walkers; i++)
-		split[moment->before[i]][count[moment->before[i]]++] = moment->walker[i];
 	if (!moment->all_flicker)
 		lamps.mains = moment->mains;
 	studio_view_render(c->place, &lamps, filmed->ground);
 	studio_people_shade(c->place, &lamps, moment->walker, moment->walkers, filmed->ground);
-	studio_people_draw(c->place, &lamps, split[0], count[0], filmed->behind);
-	studio_people_draw(c->place, &lamps, split[1], count[1], filmed->before);
-	build_wall(filmed, moment);
-	if (moment->depth_noise_mm > 0)
-		measure_depth(filmed, moment, &lamps);
+	studio_people_draw(c->place, &lamps, moment->walker, moment->walkers, filmed->people);
 	for (size_t k = 0; k < pixels; k++) {
 		const double row = moment->all_flicker
 					   ? filmed_row(moment, (int)(k / (size_t)filmed->width),
@@ -224,12 +198,10 @@ int filmed_take(struct filmed *filmed, const struct filmed_moment *moment)
 					   : 1;
 
 		expose(&filmed->ground[3 * k], moment->exposure, row);
-		expose(filmed->behind[k].rgb, moment->exposure, row);
-		expose(filmed->before[k].rgb, moment->exposure, row);
+		expose(filmed->people[k].rgb, moment->exposure, row);
 	}
 	memcpy(c->picture, filmed->ground, pixels * 3 * sizeof(float));
-	studio_people_over(c->place, filmed->behind, c->picture);
-	studio_people_over(c->place, filmed->before, c->picture);
+	studio_people_over(c->place, filmed->people, c->picture);
 	take(filmed, moment, c->picture, (uint64_t)moment->number, filmed->bgrx);
 	lamps.mains.depth = 0; /* the fisheye sees the mean */
 	return measure_light(filmed, moment, &lamps);
@@ -248,16 +220,11 @@ void filmed_close(struct filmed *filmed)
 		free(c->sky_picture);
 		free(c->sky_people);
 		free(c->sky_bgrx);
-		free(c->depth);
-		studio_view_destroy(c->elsewhere);
-		free(c->elsewhere_people);
 		free(c);
 	}
 	free(filmed->ground);
-	free(filmed->behind);
-	free(filmed->before);
+	free(filmed->people);
 	free(filmed->bgrx);
-	free(filmed->depth);
 	free(filmed->light);
 	memset(filmed, 0, sizeof(*filmed));
 }

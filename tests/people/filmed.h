@@ -15,37 +15,34 @@
 /* What happens in a frame. */
 struct filmed_moment {
 	double time_s;
-	double switch_s;    /* of the panels */
-	double exposure[3]; /* the background camera's, R, G, B */
-	int number;	    /* of the frame: seeds the noise */
+	double switch_s;		  /* of the panels */
+	const struct studio_lamps *lamps; /* NULL: the studio's own, switched by switch_s */
+	double exposure[3];		  /* the background camera's, R, G, B */
+	int number;			  /* of the frame: seeds the noise */
 	struct walker walker[WALKER_STYLES];
-	bool before[WALKER_STYLES]; /* stands before the object; else behind it */
 	int walkers;
 	double edge_spread_px; /* of the background camera */
 	struct mains mains;    /* the panels flicker in its picture; */
 	bool all_flicker;      /* or all lamps do */
-	int wall_x, wall_y;    /* a low wall hides what is right of and below here; 0: none */
-	/* of a depth camera beside the background's, at 1 m; 0: there is none */
-	double depth_noise_mm;
 };
 
 struct filmed {
 	int width, height;
 	/* The last frame, linear light, exposure applied, no noise. */
 	float *ground;		     /* [h][w][3]: without bodies, but with their shadows */
-	struct studio_layer *behind; /* [h][w]: bodies behind the object */
-	struct studio_layer *before;
-	uint8_t *bgrx; /* [h][w][4]: what the background camera gives */
-	uint8_t *
-		depth; /* [h][w]: words of Z16, in mm, from the same place or filmed_see_from()'s */
-	float (*light)[3]; /* [dome->count]: measured by the fisheye */
+	struct studio_layer *people; /* [h][w] */
+	uint8_t *bgrx;		     /* [h][w][4]: what the background camera gives */
+	float (*light)[3];	     /* [dome->count]: measured by the fisheye */
 	struct filmed_cameras *cameras;
 };
 
-/* The background camera's noise in levels; both cameras are sRGB. -errno. */
+/* Both cameras are sRGB. -errno. */
 int filmed_open(struct filmed *filmed, const struct tsai_camera *camera, const struct dome *dome);
-/* Puts the depth camera elsewhere; it has the same size, and sees no wall. */
-int filmed_see_from(struct filmed *filmed, const struct tsai_camera *depth_camera);
+/* The background camera's noise in levels, 0.5 and 2 until it is set. */
+void filmed_set_noise(struct filmed *filmed, double read_noise, double shot_noise, int seed);
+/* Gives each surface another colour: paint() replaces the albedo that it gets. */
+void filmed_paint(struct filmed *filmed, void (*paint)(const void *room, struct studio_hit *hit),
+		  const void *room);
 
 /* What a row sees of lamps that flicker, over their mean. */
 double filmed_row(const struct filmed_moment *moment, int y, int height);

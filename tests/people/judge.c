@@ -1,31 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Judges hal/people in the simulated studio, whose truth is known, beside OpenCV's MOG2 and KNN on
- * the same frames. README.md says what the columns are.
- *     judge BASIS.inlay [FRAMES [CASE [FOLDER [LATER_S]]]]
- * With FOLDER, pictures of bad frames are left there. LATER_S seconds later lamps and walkers are
- * elsewhere.
+ * Judges hal/people on the frames of rooms (rooms.h) that render has written, beside what OpenCV's
+ * subtractors made of them. README.md says what the columns are.
+ *     judge FOLDER [ROOM|loop|nudge [PICTURES]]
+ * FOLDER holds N.room and N.inlay; of one room bad frames are left in the folder PICTURES.
  */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "hal/basis/basis.h"
-#include "hal/compositor/compositor.h"
 #include "hal/image/image.h"
 #include "hal/people/people.h"
-#include "tests/people/filmed.h"
+#include "tests/people/recording.h"
+#include "tests/people/rooms.h"
 #include "tests/people/subtractors.h"
 
-static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
-static const double eye_ground[2] = {0, -2.4};
-/* The box of people.scene on the ground: half its side, and how it is turned. */
-static const double foot_half = 0.175, foot_turn = 20 * M_PI / 180;
-/* A depth camera has 5 mm at 1 m and 2 cm at 2 m. */
-enum { DEPTH_NOISE_MM = 5 };
-enum { LEARNING = 900, RATE_HZ = 15, METHODS = 1 + SUBTRACTORS };
+/* Rooms for events: lamps and exposure stay; lamps are switched, exposure stays; lamps stay. */
+enum { STEADY_ROOM = 4, SWITCHED_ROOM = 0, NUDGED_ROOM = 7 };
+enum { METHODS = 1 + SUBTRACTORS, CROSSING_GAP = RATE_HZ / 3 };
+#define OVERLAP_LEAST 0.01 /* of the object's pixels, that an order is judged by */
+#define HIDDEN_MOST 0.003  /* of the object's pixels, that nobody may hide */
+#define RIGHT_MOST 0.001   /* of the pixels looked at, that may be wrong where nobody is */
 
 static void die(const char *what)
 {
@@ -33,222 +31,7 @@ static void die(const char *what)
 	exit(1);
 }
 
-/* ---- the cases ---- */
-
-struct judged_case {
-	const char *name, *what;
-	int people; /* enter by walkers_at(); -1: one stands, placed by style, place */
-	enum walker_style style;
-	double place[2];
-	double rate_hz;
-	bool restless; /* lamps are switched and the exposure jumps and drifts */
-	int wall_x, wall_y;
-	double walk_m_s;       /* of the one */
-	double depth_noise_mm; /* at 1 m; 0: there is no depth camera */
-	bool beside;	       /* it stands elsewhere, calibrated */
-};
-
-static const struct judged_case cases[] = {
-	{.name = "main",
-	 .what = "four walkers, lamps moving and switched, exposure steps",
-	 .people = 4,
-	 .rate_hz = RATE_HZ,
-	 .restless = true},
-	{.name = "calm", .what = "four walkers, lamps moving", .people = 4, .rate_hz = RATE_HZ},
-	{.name = "feet",
-	 .what = "walks behind, feet hidden by a low wall",
-	 .people = -1,
-	 .style = WALKER_JUMPER,
-	 .place = {0, 0.6},
-	 .rate_hz = RATE_HZ,
-	 .wall_x = 60,
-	 .wall_y = 108,
-	 .walk_m_s = 0.4},
-	{.name = "rug",
-	 .what = "walks before the object in the floor's colour",
-	 .people = -1,
-	 .style = WALKER_RUG,
-	 .place = {0, -0.5},
-	 .rate_hz = RATE_HZ,
-	 .walk_m_s = 0.4},
-	{.name = "bag",
-	 .what = "a bag is left beside the object",
-	 .people = -1,
-	 .style = WALKER_BAG,
-	 .rate_hz = RATE_HZ},
-	{.name = "still",
-	 .what = "stands before the object for ten minutes, 1 frame a second",
-	 .people = -1,
-	 .style = WALKER_JUMPER,
-	 .place = {0.1, -0.5},
-	 .rate_hz = 1},
-	{.name = "wall",
-	 .what = "walks before the object, feet hidden by a low wall",
-	 .people = -1,
-	 .style = WALKER_JUMPER,
-	 .place = {0, -0.5},
-	 .rate_hz = RATE_HZ,
-	 .wall_x = 60,
-	 .wall_y = 130,
-	 .walk_m_s = 0.4},
-	{.name = "main-depth",
-	 .what = "main, with a depth camera",
-	 .people = 4,
-	 .rate_hz = RATE_HZ,
-	 .restless = true,
-	 .depth_noise_mm = DEPTH_NOISE_MM},
-	{.name = "main-beside",
-	 .what = "main, with a depth camera 0.9 m beside and 0.6 m above",
-	 .people = 4,
-	 .rate_hz = RATE_HZ,
-	 .restless = true,
-	 .depth_noise_mm = DEPTH_NOISE_MM,
-	 .beside = true},
-	{.name = "feet-depth",
-	 .what = "feet, with a depth camera",
-	 .people = -1,
-	 .style = WALKER_JUMPER,
-	 .place = {0, 0.6},
-	 .rate_hz = RATE_HZ,
-	 .wall_x = 60,
-	 .wall_y = 108,
-	 .walk_m_s = 0.4,
-	 .depth_noise_mm = DEPTH_NOISE_MM},
-	{.name = "wall-depth",
-	 .what = "wall, with a depth camera",
-	 .people = -1,
-	 .style = WALKER_JUMPER,
-	 .place = {0, -0.5},
-	 .rate_hz = RATE_HZ,
-	 .wall_x = 60,
-	 .wall_y = 130,
-	 .walk_m_s = 0.4,
-	 .depth_noise_mm = DEPTH_NOISE_MM},
-};
-
-enum { CASES = sizeof(cases) / sizeof(*cases) };
-
-/* Whether a place on the ground is before the object: the line of sight to it does not pass the
- * footprint; beside the footprint, whether it is nearer than its middle. */
-static bool place_is_before(const double place[2])
-{
-	const double cosine = cos(foot_turn), sine = sin(foot_turn);
-	double enter = 0, leave = 1;
-
-	for (int i = 0; i < 2; i++) {
-		const double u = i ? -sine : cosine, v = i ? cosine : sine;
-		const double from = u * eye_ground[0] + v * eye_ground[1];
-		const double way = u * place[0] + v * place[1] - from;
-		const double a = (-foot_half - from) / way, b = (foot_half - from) / way;
-
-		enter = fmax(enter, fmin(a, b));
-		leave = fmin(leave, fmax(a, b));
-	}
-	if (enter < leave)
-		return leave >= 1; /* it ends inside */
-	return hypot(place[0] - eye_ground[0], place[1] - eye_ground[1]) <
-	       hypot(eye_ground[0], eye_ground[1]);
-}
-
-/* Whether the feet, in the widest step, are all on one side. */
-static bool order_is_plain(const struct walker *walker)
-{
-	const double step = walker->absent ? 0.2 : 0.5 * walker_height(walker->style);
-	const bool before = place_is_before(walker->place);
-
-	for (int k = -2; k <= 2; k++) {
-		const double foot[2] = {walker->place[0] + k * step / 2 * cos(walker->heading_rad),
-					walker->place[1] + k * step / 2 * sin(walker->heading_rad)};
-
-		if (place_is_before(foot) != before)
-			return false;
-	}
-	return true;
-}
-
-static void place_one(const struct judged_case *of, int frame, struct filmed_moment *moment)
-{
-	struct walker *walker = &moment->walker[0];
-	const double since = (frame - LEARNING) / of->rate_hz;
-	const double lane = 2.4;
-
-	*walker = (struct walker){.style = of->style, .time_s = moment->time_s};
-	memcpy(walker->place, of->place, sizeof(of->place));
-	if (of->style == WALKER_BAG) {
-		walker->absent = walker->bag_left = true;
-		walker->bag_place[0] = walker->place[0] = 0.2;
-		walker->bag_place[1] = walker->place[1] = -0.35;
-	} else if (of->walk_m_s > 0) {
-		walker->place[0] = fmod(of->walk_m_s * since, 2 * lane) - lane;
-		walker->walked = walker->place[0] / WALKER_STRIDE_M;
-		walker->pace = 1;
-	}
-	moment->walkers = 1;
-}
-
-static void make_moment(const struct judged_case *of, int frame, double later_s,
-			struct filmed_moment *moment)
-{
-	const double t = later_s + frame / of->rate_hz;
-
-	memset(moment, 0, sizeof(*moment));
-	moment->number = frame;
-	moment->time_s = t;
-	moment->wall_x = of->wall_x;
-	moment->wall_y = of->wall_y;
-	moment->depth_noise_mm = of->depth_noise_mm;
-	for (int c = 0; c < 3; c++)
-		moment->exposure[c] = 0.8;
-	if (of->restless) {
-		/* Steps of a sixth each 9 s, and a drift of the colours. */
-		const double step = (int)(t / 9) % 2 ? 1.16 : 1;
-
-		moment->switch_s = 13;
-		moment->exposure[0] *= step * (1 + 0.03 * sin(t / 7));
-		moment->exposure[1] *= step;
-		moment->exposure[2] *= step * (1 - 0.03 * sin(t / 7));
-	}
-	if (frame < LEARNING)
-		return;
-	if (of->people > 0)
-		moment->walkers = walkers_at(t, of->people, moment->walker);
-	else
-		place_one(of, frame, moment);
-	for (int i = 0; i < moment->walkers; i++)
-		moment->before[i] = place_is_before(moment->walker[i].place);
-}
-
-/* ---- what is judged ---- */
-
-struct judged {
-	struct basis basis;
-	struct dome dome;
-	struct tsai_camera camera, beside;
-	struct compositor *compositor;
-	struct light_selection lights;
-	struct people *people;
-	struct subtractors *others;
-	struct filmed filmed;
-	int pixels;
-	uint8_t *touched;
-	bool *looked; /* [pixels] */
-	uint8_t *ours, *today, *black, *grey, *grey_back;
-	uint8_t *mask[SUBTRACTORS];
-	double decode[256];
-	double later_s;
-};
-
-struct tally {
-	int frames;
-	double wrong[METHODS], missed[METHODS];
-	long place;			 /* pixels looked at, over all frames */
-	int placed, order_wrong, unseen; /* walkers that overlap the object */
-	double inside[2], outside[2], edge[2];
-	long inside_count, outside_count, edge_count;
-	double look_s;
-};
-
-static void *room(size_t bytes)
+static void *make_room(size_t bytes)
 {
 	void *p = calloc(bytes, 1);
 
@@ -257,235 +40,63 @@ static void *room(size_t bytes)
 	return p;
 }
 
-static void judged_close(struct judged *j)
-{
-	people_destroy(j->people);
-	subtractors_destroy(j->others);
-	filmed_close(&j->filmed);
-	light_selection_free(&j->lights);
-	compositor_destroy(j->compositor);
-	basis_close(&j->basis);
-	dome_free(&j->dome);
-	free(j->touched);
-	free(j->looked);
-	free(j->ours);
-	free(j->today);
-	free(j->black);
-	free(j->grey);
-	free(j->grey_back);
-	for (int m = 0; m < SUBTRACTORS; m++)
-		free(j->mask[m]);
-}
+/* ---- a room and what looks at it ---- */
 
-static struct picture as_picture(const struct judged *j, const uint8_t *bgrx)
-{
-	return (struct picture){.origin = bgrx,
-				.x_step = 4,
-				.y_step = (ptrdiff_t)j->camera.width * 4,
-				.width = j->camera.width,
-				.height = j->camera.height};
-}
+struct judged {
+	struct recording recording;
+	struct basis basis;
+	struct dome dome;
+	struct tsai_camera camera;
+	struct people *people;
+	int pixels, object; /* pixels that the object covers by half */
+	uint8_t *bgrx;
+	uint8_t *tile_near; /* [tiles]: somebody is in it, or in one beside it */
+	double look_s;
+	int looks;
+};
 
-static void composite(struct judged *j, const uint8_t *background, const struct veil *veil,
-		      uint8_t *out)
-{
-	const struct compositor_settings settings = {
-		.background = srgb, .output = srgb, .gain = 0.8, .object = true, .veil = veil};
-	const struct picture picture = as_picture(j, background);
-	const struct backdrop backdrop = backdrop_of(&picture);
-
-	compositor_set(j->compositor, &settings);
-	if (compositor_run(j->compositor, 0, &j->lights, &backdrop, out,
-			   (size_t)j->camera.width * 4))
-		die("cannot composite");
-}
-
-/* Marks the tiles in which object and shadow change a pixel under an even sky by a level. */
-static void mark_looked(struct judged *j)
-{
-	const int across = j->basis.tiles_across;
-	float(*even)[3] = room((size_t)j->dome.count * sizeof(*even));
-
-	for (int i = 0; i < j->dome.count; i++)
-		even[i][0] = even[i][1] = even[i][2] = (float)M_1_PI;
-	light_selection_choose(&j->lights, &j->basis, 0, (const float(*)[3])even, 0, THRESHOLD_DROP,
-			       1);
-	composite(j, j->grey_back, NULL, j->grey);
-	free(even);
-	for (int k = 0; k < j->pixels; k++)
-		for (int c = 0; c < 3; c++)
-			if (j->grey[4 * k + c] != j->grey_back[4 * k + c])
-				j->touched[k / j->filmed.width / BASIS_TILE * across +
-					   k % j->filmed.width / BASIS_TILE] = 1;
-	for (int k = 0; k < j->pixels; k++)
-		j->looked[k] = j->touched[k / j->filmed.width / BASIS_TILE * across +
-					  k % j->filmed.width / BASIS_TILE];
-}
-
-static void place_beside(struct judged *j)
-{
-	const double eye[3] = {0.9, -2.2, 1.95}, target[3] = {0, 0.25, 0.4};
-	struct fault fault = {{0}};
-
-	if (tsai_look_at(&j->beside, j->camera.width, j->camera.height, eye, target, 75, &fault))
-		die(fault.text);
-}
-
-static void judged_open(struct judged *j, const struct judged_case *of, const char *path)
+static void judged_open(struct judged *j, const char *folder, int room)
 {
 	struct fault fault = {{0}};
 	struct people_settings settings;
 	struct people_object object;
+	char path[512];
 
 	memset(j, 0, sizeof(*j));
+	snprintf(path, sizeof(path), "%s/%d.room", folder, room);
+	if (!recording_open(&j->recording, path))
+		die("cannot read a room: was it rendered?");
+	snprintf(path, sizeof(path), "%s/%d.inlay", folder, room);
 	if (basis_open(&j->basis, path, BASIS_SHOWN, &fault) ||
 	    tsai_read_text(j->basis.camera, &j->camera, &fault) ||
-	    dome_create(&j->dome, (int)j->basis.info.dome_frequency, DOME_ANGLES, &fault) ||
-	    compositor_create(&j->compositor, &j->basis, &(struct compositor_options){0}, &fault) ||
-	    compositor_take_pose(j->compositor, 0, &fault))
+	    dome_create(&j->dome, (int)j->basis.info.dome_frequency, &fault))
 		die(fault.text);
-	place_beside(j);
 	settings = (struct people_settings){.width = j->camera.width,
 					    .height = j->camera.height,
-					    .curve = srgb,
-					    .dome = &j->dome,
-					    .depth_camera = of->beside ? &j->beside : NULL};
-	if (light_selection_create(&j->lights, &j->basis) ||
-	    people_create(&j->people, &settings, &fault) ||
-	    filmed_open(&j->filmed, &j->camera, &j->dome) ||
-	    (of->beside && filmed_see_from(&j->filmed, &j->beside)))
-		die("not enough memory");
-	j->others = subtractors_create(j->camera.width, j->camera.height);
-	j->pixels = j->camera.width * j->camera.height;
-	j->touched = room((size_t)(j->basis.tiles_across * j->basis.tiles_down));
-	j->looked = room((size_t)j->pixels * sizeof(bool));
-	j->ours = room((size_t)j->pixels * 4);
-	j->today = room((size_t)j->pixels * 4);
-	j->black = room((size_t)j->pixels * 4);
-	j->grey = room((size_t)j->pixels * 4);
-	j->grey_back = room((size_t)j->pixels * 4);
-	memset(j->grey_back, 188, (size_t)j->pixels * 4);
-	for (int m = 0; m < SUBTRACTORS; m++)
-		j->mask[m] = room((size_t)j->pixels);
-	for (int i = 0; i < 256; i++)
-		j->decode[i] = transfer_decode(TRANSFER_SRGB, i / 255.0);
-	mark_looked(j);
+					    .curve = {.named = TRANSFER_SRGB},
+					    .dome = &j->dome};
+	if (people_create(&j->people, &settings, &fault))
+		die(fault.text);
 	object = (struct people_object){.coverage = j->basis.poses[0].coverage,
-					.touched = j->touched,
+					.touched = j->recording.touched,
 					.camera = &j->camera,
 					.foot = j->basis.feet};
 	people_place(j->people, &object);
+	j->pixels = j->camera.width * j->camera.height;
+	j->bgrx = make_room((size_t)j->pixels * 4);
+	j->tile_near = make_room((size_t)j->recording.head.tiles);
+	for (int k = 0; k < j->pixels; k++)
+		j->object += object.coverage[k] >= 32768;
 }
 
-/* The true composite of a channel, as a code value 0..255, not rounded: people before the object,
- * over the object, over people behind it, over the ground with the object's shadow. */
-static double true_code(const struct judged *j, int k, int c)
+static void judged_close(struct judged *j)
 {
-	const struct studio_layer *behind = &j->filmed.behind[k], *before = &j->filmed.before[k];
-	const double object = j->decode[j->black[4 * k + 2 - c]];
-	const double kept = (j->decode[j->grey[4 * k + 2 - c]] - object) / j->decode[188];
-	const double coverage = j->basis.poses[0].coverage[k] / 65535.0;
-	const double inner = object + (1 - coverage) * behind->rgb[c] +
-			     (1 - behind->alpha) * kept * j->filmed.ground[3 * k + c];
-	const double all = before->rgb[c] + (1 - before->alpha) * inner;
-
-	return 255 * transfer_encode(TRANSFER_SRGB, fmin(all, 1));
-}
-
-static double truth_alpha(const struct judged *j, int k)
-{
-	return 1 - (1 - j->filmed.behind[k].alpha) * (1 - j->filmed.before[k].alpha);
-}
-
-static bool veil_at(const struct judged *j, const struct veil *veil, const uint8_t *plane, int k)
-{
-	const int tile = k / j->camera.width / BASIS_TILE * j->basis.tiles_across +
-			 k % j->camera.width / BASIS_TILE;
-
-	return veil && veil->tile[tile] && plane[k] > 127;
-}
-
-static int tally_masks(const struct judged *j, const struct veil *veil, struct tally *tally)
-{
-	int ours = 0;
-
-	for (int k = 0; k < j->pixels; k++) {
-		const bool truth = truth_alpha(j, k) > 0.5;
-
-		if (!j->looked[k])
-			continue;
-		tally->place++;
-		for (int m = 0; m < METHODS; m++) {
-			const bool seen = m ? j->mask[m - 1][k] == 255
-					    : veil_at(j, veil, veil ? veil->anybody : NULL, k);
-
-			tally->wrong[m] += seen != truth;
-			tally->missed[m] += truth && !seen;
-			ours += !m && seen != truth;
-		}
-	}
-	return ours;
-}
-
-/* Judges each layer's order where it is plain. Returns errors. */
-static int tally_order(const struct judged *j, const struct filmed_moment *moment,
-		       const struct veil *veil, struct tally *tally)
-{
-	int wrong = 0;
-
-	for (int side = 0; side < 2; side++) {
-		const struct studio_layer *layer = side ? j->filmed.before : j->filmed.behind;
-		const struct studio_layer *other = side ? j->filmed.behind : j->filmed.before;
-		int overlap = 0, front = 0, any = 0;
-
-		for (int i = 0; i < moment->walkers; i++)
-			if (!order_is_plain(&moment->walker[i]))
-				return 0;
-		for (int k = 0; k < j->pixels; k++) {
-			if (layer[k].alpha < 0.5 || other[k].alpha > 0 ||
-			    j->basis.poses[0].coverage[k] < 32768)
-				continue;
-			overlap++;
-			front += veil_at(j, veil, veil ? veil->front : NULL, k);
-			any += veil_at(j, veil, veil ? veil->anybody : NULL, k);
-		}
-		if (overlap < 20)
-			continue;
-		tally->placed++;
-		if (any < overlap / 2)
-			tally->unseen++;
-		else if (side ? front < any / 2 : front > any / 2)
-			wrong++;
-	}
-	tally->order_wrong += wrong;
-	return wrong;
-}
-
-static void tally_composites(const struct judged *j, struct tally *tally)
-{
-	for (int k = 0; k < j->pixels; k++) {
-		const double alpha = truth_alpha(j, k);
-
-		if (!j->looked[k])
-			continue;
-		for (int c = 0; c < 3; c++) {
-			const double truth = true_code(j, k, c);
-			const double off[2] = {j->ours[4 * k + 2 - c] - truth,
-					       j->today[4 * k + 2 - c] - truth};
-
-			for (int m = 0; m < 2; m++) {
-				if (alpha == 0)
-					tally->outside[m] += off[m] * off[m];
-				else
-					tally->inside[m] += off[m] * off[m];
-				if (alpha > 0 && alpha < 1)
-					tally->edge[m] += off[m] * off[m];
-			}
-		}
-		tally->outside_count += 3 * (alpha == 0);
-		tally->inside_count += 3 * (alpha > 0);
-		tally->edge_count += 3 * (alpha > 0 && alpha < 1);
-	}
+	people_destroy(j->people);
+	recording_close(&j->recording);
+	basis_close(&j->basis);
+	dome_free(&j->dome);
+	free(j->bgrx);
+	free(j->tile_near);
 }
 
 static double cpu_s(void)
@@ -496,129 +107,476 @@ static double cpu_s(void)
 	return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Camera, ours, today, and the masks of truth, ours, MOG2, KNN, side by side. */
-static void keep_picture(const struct judged *j, const struct veil *veil, const char *folder,
-			 const char *name, int frame, int wrong)
+static void judged_look(struct judged *j, int64_t captured_ns)
 {
+	const struct picture picture = {.origin = j->bgrx,
+					.x_step = 4,
+					.y_step = (ptrdiff_t)j->camera.width * 4,
+					.width = j->camera.width,
+					.height = j->camera.height};
+	const double begin = cpu_s();
+
+	people_look(j->people, &picture, (const float(*)[3])j->recording.light, captured_ns);
+	j->look_s += cpu_s() - begin;
+	j->looks++;
+}
+
+/* Takes the next frame of the file, moved to the right by some pixels. */
+static void judged_read(struct judged *j, int frame, int moved_px)
+{
+	const int width = j->camera.width;
+
+	if (!recording_read(&j->recording, frame))
+		die("a room's file is cut short");
+	for (int k = 0; k < j->pixels; k++) {
+		const int from = k % width < moved_px ? k : k - moved_px;
+
+		memcpy(j->bgrx + 4 * k, j->recording.bgr + 3 * from, 3);
+		j->bgrx[4 * k + 3] = 255;
+	}
+}
+
+static int tile_of(const struct judged *j, int k)
+{
+	return k / j->camera.width / BASIS_TILE * j->basis.tiles_across +
+	       k % j->camera.width / BASIS_TILE;
+}
+
+static bool veil_at(const struct judged *j, bool front, int k)
+{
+	const struct veil *veil = people_veil(j->people);
+
+	return veil && veil->tile[tile_of(j, k)] &&
+	       (front ? veil->front[k] : veil->anybody[k]) > 127;
+}
+
+/* ---- what is counted ---- */
+
+struct crossing_tally {
+	bool open, wrong;
+	int gap; /* frames since it was seen over the object */
+};
+
+struct tally {
+	int frames;
+	double wrong[METHODS], missed[METHODS];
+	int switches, after_frames; /* frames of the second after a lamp was switched */
+	double after[METHODS];
+	int64_t switched_ns;
+	double edge2; /* (share seen - true share)^2 */
+	long edges;
+	int crossings, wrong_crossings, wrong_frames, order_frames;
+	struct crossing_tally crossing[WALKER_STYLES];
+	double hidden; /* sum of shares of the object hidden by nobody */
+	int64_t hidden_since_ns, hidden_ns;
+	int64_t empty_ns;		 /* when all had left; 0: not yet */
+	int64_t wrong_until_ns[METHODS]; /* there, after it */
+	int64_t end_ns;
+};
+
+static void mark_near(struct judged *j)
+{
+	const int across = j->basis.tiles_across, down = j->basis.tiles_down;
+
+	memset(j->tile_near, 0, (size_t)j->recording.head.tiles);
+	for (int i = 0; i < j->recording.head.looked; i++) {
+		const int tile = tile_of(j, j->recording.looked[i]);
+
+		if (j->recording.alpha[i] == 0)
+			continue;
+		for (int n = 0; n < 9; n++) {
+			const int x = tile % across + n % 3 - 1, y = tile / across + n / 3 - 1;
+
+			if (x >= 0 && x < across && y >= 0 && y < down)
+				j->tile_near[y * across + x] = 1;
+		}
+	}
+}
+
+static void count_wrong(const struct judged *j, int wrong[METHODS], int missed[METHODS])
+{
+	const struct recording *r = &j->recording;
+
+	memset(wrong, 0, METHODS * sizeof(int));
+	memset(missed, 0, METHODS * sizeof(int));
+	for (int i = 0; i < r->head.looked; i++) {
+		const bool truth = r->alpha[i] > 127;
+
+		for (int m = 0; m < METHODS; m++) {
+			const bool seen = m ? r->others[i] >> (m - 1) & 1
+					    : veil_at(j, false, r->looked[i]);
+
+			wrong[m] += seen != truth;
+			missed[m] += truth && !seen;
+		}
+	}
+}
+
+static void tally_edges(const struct judged *j, struct tally *tally)
+{
+	const struct veil *veil = people_veil(j->people);
+	const struct recording *r = &j->recording;
+
+	for (int i = 0; i < r->head.looked; i++) {
+		const int k = r->looked[i];
+		const int seen = veil && veil->tile[tile_of(j, k)] ? veil->anybody[k] : 0;
+
+		if (r->alpha[i] == 0 || r->alpha[i] == 255)
+			continue;
+		tally->edge2 += pow((seen - r->alpha[i]) / 255.0, 2);
+		tally->edges++;
+	}
+}
+
+static void tally_pixels(const struct judged *j, struct tally *tally)
+{
+	const struct recording *r = &j->recording;
+	const int64_t now_ns = r->moment.captured_ns;
+	int wrong[METHODS], missed[METHODS];
+	bool after;
+
+	count_wrong(j, wrong, missed);
+	if (r->moment.switched) {
+		tally->switches++;
+		tally->switched_ns = now_ns;
+	}
+	after = tally->switches && now_ns - tally->switched_ns < INT64_C(1000000000);
+	tally->frames++;
+	tally->after_frames += after;
+	for (int m = 0; m < METHODS; m++) {
+		tally->wrong[m] += wrong[m];
+		tally->missed[m] += missed[m];
+		tally->after[m] += after ? wrong[m] : 0;
+	}
+	tally_edges(j, tally);
+}
+
+/* Whoever is over the object: is he on his side of it? Returns how many are not. */
+static int tally_orders(const struct judged *j, struct tally *tally)
+{
+	const struct recording *r = &j->recording;
+	int overlap[16] = {0}, before[16] = {0}, front[16] = {0}, all_wrong = 0;
+
+	for (int i = 0; i < r->head.looked; i++) {
+		const int k = r->looked[i], who = r->who[i] & TRUTH_WALKER;
+
+		if (r->alpha[i] < 128 || j->basis.poses[0].coverage[k] < 32768)
+			continue;
+		overlap[who]++;
+		before[who] += r->who[i] >= TRUTH_BEFORE;
+		front[who] += veil_at(j, true, k);
+	}
+	for (int w = 0; w < WALKER_STYLES; w++) {
+		struct crossing_tally *crossing = &tally->crossing[w];
+		const int over = overlap[w + 1];
+		const bool is_before = 2 * before[w + 1] > over;
+		const bool wrong = is_before != (2 * front[w + 1] > over);
+
+		if (over < OVERLAP_LEAST * j->object) {
+			if (crossing->open && ++crossing->gap > CROSSING_GAP)
+				*crossing = (struct crossing_tally){.open = false};
+			continue;
+		}
+		tally->crossings += !crossing->open;
+		tally->wrong_crossings += wrong && !crossing->wrong;
+		tally->order_frames++;
+		tally->wrong_frames += wrong;
+		crossing->open = true;
+		crossing->wrong = crossing->wrong || wrong;
+		crossing->gap = 0;
+		all_wrong += wrong;
+	}
+	return all_wrong;
+}
+
+static void tally_hidden(struct judged *j, struct tally *tally)
+{
+	const struct recording *r = &j->recording;
+	const int64_t now_ns = r->moment.captured_ns;
+	int hidden = 0;
+
+	mark_near(j);
+	for (int i = 0; i < r->head.looked; i++) {
+		const int k = r->looked[i];
+
+		hidden += j->basis.poses[0].coverage[k] >= 32768 && veil_at(j, true, k) &&
+			  !j->tile_near[tile_of(j, k)];
+	}
+	tally->hidden += (double)hidden / j->object;
+	if (hidden <= HIDDEN_MOST * j->object)
+		tally->hidden_since_ns = now_ns;
+	else if (now_ns - tally->hidden_since_ns > tally->hidden_ns)
+		tally->hidden_ns = now_ns - tally->hidden_since_ns;
+}
+
+static void tally_empty(const struct judged *j, struct tally *tally)
+{
+	const int64_t now_ns = j->recording.moment.captured_ns;
+	int wrong[METHODS], missed[METHODS];
+
+	tally->end_ns = now_ns;
+	if (j->recording.moment.walkers > 0)
+		return;
+	if (!tally->empty_ns) {
+		tally->empty_ns = now_ns;
+		for (int m = 0; m < METHODS; m++)
+			tally->wrong_until_ns[m] = now_ns;
+	}
+	count_wrong(j, wrong, missed);
+	for (int m = 0; m < METHODS; m++)
+		if (wrong[m] > RIGHT_MOST * j->recording.head.looked)
+			tally->wrong_until_ns[m] = now_ns;
+}
+
+/* Camera, truth, ours, and the method's mask that is given, side by side. */
+static void keep_picture(const struct judged *j, const char *folder, int frame, int method,
+			 bool order)
+{
+	const struct recording *r = &j->recording;
 	const int w = j->camera.width, h = j->camera.height;
-	struct image image = {.width = 3 * w, .height = 2 * h, .u8 = room((size_t)w * h * 18)};
+	struct image image = {.width = 4 * w, .height = h, .u8 = make_room((size_t)w * h * 12)};
 	char path[512];
 
 	for (int k = 0; k < j->pixels; k++)
-		for (int c = 0; c < 3; c++) {
-			uint8_t *to = image.u8 + 3 * (k / w * 3 * w + k % w) + c;
-			const ptrdiff_t right = 3 * w, under = (ptrdiff_t)9 * w * h;
+		for (int c = 0; c < 3; c++)
+			image.u8[3 * (k / w * 4 * w + k % w) + c] = r->bgr[3 * k + 2 - c];
+	for (int i = 0; i < r->head.looked; i++) {
+		const int k = r->looked[i];
+		uint8_t *to = image.u8 + 3 * (k / w * 4 * w + k % w + w);
+		const int object = j->basis.poses[0].coverage[k] >= 32768 ? 90 : 40;
+		const bool others = r->others[i] >> (method - 1) & 1;
 
-			to[0] = j->filmed.bgrx[4 * k + 2 - c];
-			to[right] = j->ours[4 * k + 2 - c];
-			to[2 * right] = (uint8_t)lrint(true_code(j, k, c));
-			to[under] = (uint8_t)lrint((j->looked[k] ? 215 : 120) * truth_alpha(j, k) +
-						   40 * j->looked[k]);
-			if (veil_at(j, veil, veil ? veil->anybody : NULL, k))
-				to[under + right] = veil_at(j, veil, veil->front, k) && c ? 60
-											  : 255;
-			to[under + 2 * right] = j->mask[c == 2 ? 1 : 0][k];
+		for (int c = 0; c < 3; c++) {
+			to[c] = r->alpha[i] > 127 ? (r->who[i] & TRUTH_BEFORE && c ? 60 : 255)
+						  : object;
+			to[3 * w + c] = veil_at(j, false, k) ? (veil_at(j, true, k) && c ? 60 : 255)
+							     : object;
+			to[6 * w + c] = others ? 255 : object;
 		}
-	snprintf(path, sizeof(path), "%s/%s-%04d-%d.png", folder, name, frame, wrong);
+	}
+	snprintf(path, sizeof(path), "%s/%d-%04d%s.png", folder, r->head.room, frame,
+		 order ? "-order" : "");
 	image_write(path, &image, NULL);
 	free(image.u8);
 }
 
-static void judge_frame(struct judged *j, const struct judged_case *of, int frame,
-			struct tally *tally, const char *folder)
+static int best_of_others(const struct tally *tally)
 {
-	struct filmed_moment moment;
-	struct picture picture;
-	struct depth_map depth;
-	const struct veil *veil;
-	double begin;
-	int wrong, order;
+	int best = 1;
 
-	make_moment(of, frame, j->later_s, &moment);
-	if (filmed_take(&j->filmed, &moment))
-		die("not enough memory");
-	picture = as_picture(j, j->filmed.bgrx);
-	depth = (struct depth_map){
-		j->filmed.depth,  2,	(ptrdiff_t)j->filmed.width * 2, j->filmed.width,
-		j->filmed.height, 0.001};
-	begin = cpu_s();
-	people_take_depth(j->people, of->depth_noise_mm > 0 ? &depth : NULL);
-	people_look(j->people, &picture, (const float(*)[3])j->filmed.light,
-		    (int64_t)(moment.time_s * 1e9));
-	begin = cpu_s() - begin;
-	subtractors_look(j->others, j->filmed.bgrx, j->mask);
-	if (frame < LEARNING)
-		return;
-	veil = people_veil(j->people);
-	light_selection_choose(&j->lights, &j->basis, 0, (const float(*)[3])j->filmed.light, 0,
-			       THRESHOLD_DROP, 1);
-	composite(j, j->filmed.bgrx, veil, j->ours);
-	composite(j, j->filmed.bgrx, NULL, j->today);
-	memset(j->black, 0, (size_t)j->pixels * 4);
-	memcpy(j->grey, j->grey_back, (size_t)j->pixels * 4);
-	{
-		uint8_t *zero = room((size_t)j->pixels * 4);
+	for (int m = 2; m < METHODS; m++)
+		if (tally->wrong[m] < tally->wrong[best])
+			best = m;
+	return best;
+}
 
-		composite(j, zero, NULL, j->black);
-		free(zero);
+static void judge_room(struct judged *j, const char *pictures, struct tally *tally)
+{
+	memset(tally, 0, sizeof(*tally));
+	for (int frame = 0; frame < ROOM_FRAMES; frame++) {
+		int order;
+
+		judged_read(j, frame, 0);
+		judged_look(j, j->recording.moment.captured_ns);
+		if (frame < LEARNING)
+			continue;
+		if (frame == LEARNING)
+			tally->hidden_since_ns = j->recording.moment.captured_ns;
+		if (frame < LEAVING)
+			tally_pixels(j, tally);
+		else
+			tally_empty(j, tally);
+		tally_hidden(j, tally);
+		order = tally_orders(j, tally);
+		if (pictures && (order || frame % 30 == 0))
+			keep_picture(j, pictures, frame, best_of_others(tally), order > 0);
 	}
-	composite(j, j->grey_back, NULL, j->grey);
-	tally->frames++;
-	tally->look_s += begin;
-	wrong = tally_masks(j, veil, tally);
-	order = tally_order(j, &moment, veil, tally);
-	tally_composites(j, tally);
-	if (folder && (order || wrong > 300 || frame % 50 == 0))
-		keep_picture(j, veil, folder, order ? "order" : of->name, frame, wrong);
 }
 
-static double rms(double sum, long count)
+/* ---- the table ---- */
+
+static double right_s(const struct tally *tally, int m)
 {
-	return count ? sqrt(sum / (double)count) : 0;
+	return 1e-9 * (double)(tally->wrong_until_ns[m] - tally->empty_ns);
 }
 
-static void print_case(const struct judged_case *of, const struct tally *t)
+static void print_row(const struct judged *j, const struct tally *t)
 {
-	printf("%s: %s; %d frames\n  wrong pixels a frame (of %ld looked at), of them missed:",
-	       of->name, of->what, t->frames, t->place / t->frames);
-	for (int m = 0; m < METHODS; m++)
-		printf(" %s %.1f (%.1f)", m ? subtractor_names[m - 1] : "ours",
-		       t->wrong[m] / t->frames, t->missed[m] / t->frames);
-	printf("\n  order: %d wrong of %d before or behind the object, %d more unseen\n",
-	       t->order_wrong, t->placed, t->unseen);
-	printf("  RMS in levels, with and without the veil: outside %.2f %.2f, inside %.2f %.2f, edge %.2f %.2f\n",
-	       rms(t->outside[0], t->outside_count), rms(t->outside[1], t->outside_count),
-	       rms(t->inside[0], t->inside_count), rms(t->inside[1], t->inside_count),
-	       rms(t->edge[0], t->edge_count), rms(t->edge[1], t->edge_count));
-	printf("  people_look: %.2f ms of processor\n", 1e3 * t->look_s / t->frames);
+	const int best = best_of_others(t);
+	const int stuck = t->wrong_until_ns[0] == t->end_ns;
+
+	printf("%4d %6d %7.0f %7.0f %7.0f %7.0f %-10s %5.2f", j->recording.head.room,
+	       j->recording.head.looked, t->wrong[0] / t->frames, t->missed[0] / t->frames,
+	       (t->wrong[0] - t->missed[0]) / t->frames, t->wrong[best] / t->frames,
+	       subtractor_names[best - 1], t->wrong[0] / t->wrong[best]);
+	if (t->after_frames)
+		printf(" %6.0f", t->after[0] / t->after_frames);
+	else
+		printf("      -");
+	printf(" %5.2f %3d/%-3d %4d/%-4d %6.2f %6.1f %s%5.1f %5.1f %6.2f\n",
+	       t->edges ? sqrt(t->edge2 / (double)t->edges) : 0, t->wrong_crossings, t->crossings,
+	       t->wrong_frames, t->order_frames, 100 * t->hidden / (ROOM_FRAMES - LEARNING),
+	       1e-9 * (double)t->hidden_ns, stuck ? ">" : " ", right_s(t, 0), right_s(t, best),
+	       1e3 * j->look_s / j->looks);
 	fflush(stdout);
+}
+
+struct half {
+	int rooms, crossings, wrong_crossings, order_frames, wrong_frames;
+	double ratio, worst_ratio, wrong, others, hidden, run_s, right_s, ms;
+};
+
+static void half_add(struct half *half, const struct judged *j, const struct tally *t)
+{
+	const int best = best_of_others(t);
+	const double ratio = t->wrong[0] / t->wrong[best];
+
+	half->rooms++;
+	half->crossings += t->crossings;
+	half->wrong_crossings += t->wrong_crossings;
+	half->order_frames += t->order_frames;
+	half->wrong_frames += t->wrong_frames;
+	half->ratio += ratio;
+	half->worst_ratio = fmax(half->worst_ratio, ratio);
+	half->wrong += t->wrong[0] / t->frames;
+	half->others += t->wrong[best] / t->frames;
+	half->hidden += 100 * t->hidden / (ROOM_FRAMES - LEARNING);
+	half->run_s = fmax(half->run_s, 1e-9 * (double)t->hidden_ns);
+	half->right_s = fmax(half->right_s, right_s(t, 0));
+	half->ms += 1e3 * j->look_s / j->looks;
+}
+
+static void print_half(const char *name, const struct half *h)
+{
+	if (h->rooms)
+		printf("%s: wrong %.0f, theirs %.0f; ratio mean %.2f, worst %.2f; order wrong %.1f %% of %d, %.2f %% of frames; hidden by nobody %.3f %%, worst run %.1f s; empty place right after %.1f s; %.2f ms\n",
+		       name, h->wrong / h->rooms, h->others / h->rooms, h->ratio / h->rooms,
+		       h->worst_ratio, 100.0 * h->wrong_crossings / fmax(h->crossings, 1),
+		       h->crossings, 100.0 * h->wrong_frames / fmax(h->order_frames, 1),
+		       h->hidden / h->rooms, h->run_s, h->right_s, h->ms / h->rooms);
+}
+
+static bool is_rendered(const char *folder, int room)
+{
+	char path[512];
+
+	snprintf(path, sizeof(path), "%s/%d.room", folder, room);
+	return access(path, R_OK) == 0;
+}
+
+static void judge_rooms(const char *folder, const char *only, const char *pictures)
+{
+	struct half half[2] = {{0}};
+
+	puts("room looked   wrong  missed   false  theirs which      ratio switch  edge  order    frames  hidden%  run_s empty_s theirs    ms");
+	for (int room = 0; room < ROOMS; room++) {
+		struct judged judged;
+		struct tally tally;
+
+		if (only && atoi(only) != room)
+			continue;
+		if (!is_rendered(folder, room)) {
+			printf("%4d is not rendered\n", room);
+			continue;
+		}
+		judged_open(&judged, folder, room);
+		judge_room(&judged, pictures, &tally);
+		print_row(&judged, &tally);
+		half_add(&half[room / HALF], &judged, &tally);
+		judged_close(&judged);
+	}
+	print_half("half=choose", &half[0]);
+	print_half("half=judge", &half[1]);
+}
+
+/* ---- events ---- */
+
+/* The judged frames of a room that keeps its exposure, again and again, one a second, for an hour:
+ * what was learned must not drift. */
+static void judge_loop(const char *folder, int room)
+{
+	const int hour_s = 3600;
+	int64_t now_ns = 0;
+	double low = INFINITY, high = 0;
+	struct judged j;
+	long begin = 0;
+	int frame = 0;
+
+	judged_open(&j, folder, room);
+	for (int s = 0; s < hour_s; s++, frame++) {
+		struct people_report report;
+
+		if (frame == LEARNING)
+			begin = ftell(j.recording.file);
+		if (frame == LEAVING) {
+			frame = LEARNING;
+			fseek(j.recording.file, begin, SEEK_SET);
+		}
+		judged_read(&j, frame, 0);
+		now_ns += INT64_C(1000000000);
+		judged_look(&j, now_ns);
+		report = people_report(j.people);
+		for (int c = 0; s >= LEARNING && c < 3; c++) {
+			low = fmin(low, report.gain[c]);
+			high = fmax(high, report.gain[c]);
+		}
+	}
+	printf("loop: an hour of room %d, one frame a second: gain %.3f to %.3f (asked 0.97 to 1.03)\n",
+	       room, low, high);
+	fflush(stdout);
+	judged_close(&j);
+}
+
+/* The camera is pushed when the judged frames begin. */
+static void judge_nudge(const char *folder, int room, int px)
+{
+	double wrong[2] = {0}; /* in the first second, in the last five of those judged */
+	int count[2] = {0}, last = LEARNING;
+	struct judged j;
+
+	judged_open(&j, folder, room);
+	for (int frame = 0; frame < ROOM_FRAMES; frame++) {
+		const struct recording *r = &j.recording;
+		int seen = 0;
+
+		judged_read(&j, frame, frame < LEARNING ? 0 : px);
+		judged_look(&j, r->moment.captured_ns);
+		if (frame < LEARNING)
+			continue;
+		mark_near(&j);
+		for (int i = 0; i < r->head.looked; i++)
+			seen += !j.tile_near[tile_of(&j, r->looked[i])] &&
+				veil_at(&j, false, r->looked[i]);
+		if (seen > 10 * RIGHT_MOST * r->head.looked)
+			last = frame;
+		for (int k = 0; k < 2; k++)
+			if (k ? frame >= ROOM_FRAMES - 5 * LEAVING_HZ
+			      : frame < LEARNING + RATE_HZ) {
+				wrong[k] += seen;
+				count[k]++;
+			}
+	}
+	printf("nudge: room %d by %d px: pixels a frame in which nobody is seen: %.0f in the first second, %.0f in the last five; above 1 %% until %s%.1f s\n",
+	       room, px, wrong[0] / count[0], wrong[1] / count[1],
+	       last == ROOM_FRAMES - 1 ? ">" : "", room_time_s(last) - room_time_s(LEARNING));
+	fflush(stdout);
+	judged_close(&j);
 }
 
 int main(int argc, char **argv)
 {
-	const int frames = argc > 2 ? atoi(argv[2]) : 1000;
-	const char *only = argc > 3 ? argv[3] : "";
+	const char *what = argc > 2 ? argv[2] : "";
+	const bool one = *what >= '0' && *what <= '9';
 
-	if (argc < 2 || frames < 1)
-		die("expected BASIS.inlay [FRAMES [CASE [FOLDER [LATER_S]]]]");
-	for (int i = 0; i < CASES; i++) {
-		const struct judged_case *of = &cases[i];
-		const int length = of->restless	      ? frames
-				   : frames < 300     ? frames
-				   : of->rate_hz == 1 ? 600
-						      : 300;
-		struct tally tally = {0};
-		struct judged judged;
-
-		if (*only && strcmp(only, of->name) != 0)
-			continue;
-		judged_open(&judged, of, argv[1]);
-		judged.later_s = argc > 5 ? atof(argv[5]) : 0;
-		for (int frame = 0; frame < LEARNING + length; frame++)
-			judge_frame(&judged, of, frame, &tally,
-				    argc > 4 && *argv[4] ? argv[4] : NULL);
-		print_case(of, &tally);
-		judged_close(&judged);
+	if (argc < 2)
+		die("expected FOLDER [ROOM|loop|nudge [PICTURES]]");
+	if (one || !*what)
+		judge_rooms(argv[1], one ? what : NULL, argc > 3 ? argv[3] : NULL);
+	if (!*what || strcmp(what, "loop") == 0) {
+		judge_loop(argv[1], STEADY_ROOM);
+		judge_loop(argv[1], SWITCHED_ROOM);
 	}
+	for (int i = 0; i < 3 && (!*what || strcmp(what, "nudge") == 0); i++)
+		judge_nudge(argv[1], NUDGED_ROOM, (const int[]){1, 3, 10}[i]);
 	return 0;
 }

@@ -105,7 +105,7 @@ static void look_open(struct look *l, const char *sharp, const char *soft)
 	shown_open(&l->sharp, sharp);
 	shown_open(&l->soft, soft);
 	if (tsai_read_text(l->sharp.basis.camera, &l->camera, &fault) ||
-	    dome_create(&l->dome, (int)l->sharp.basis.info.dome_frequency, DOME_ANGLES, &fault))
+	    dome_create(&l->dome, (int)l->sharp.basis.info.dome_frequency, &fault))
 		die(fault.text);
 	l->pixels = l->camera.width * l->camera.height;
 	if (exposure_create(&l->exposure, l->camera.width, l->camera.height, &srgb, &l->dome) ||

@@ -7,7 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/background_segm.hpp>
 
-const char *const subtractor_names[SUBTRACTORS] = {"MOG2", "KNN", "MOG2 tuned", "KNN tuned"};
+const char *const subtractor_names[SUBTRACTORS] = {"MOG2", "KNN"};
 
 struct subtractors {
 	int width, height;
@@ -25,15 +25,6 @@ struct subtractors *subtractors_create(int width, int height)
 	all->height = height;
 	all->method[0] = cv::createBackgroundSubtractorMOG2();
 	all->method[1] = cv::createBackgroundSubtractorKNN();
-	/* A shorter memory follows moving lamps; a higher threshold forgives what is left; wider
-	 * shadows are let pass. */
-	auto mog2 = cv::createBackgroundSubtractorMOG2(250, 30, true);
-	mog2->setShadowThreshold(0.35);
-	mog2->setVarInit(30);
-	all->method[2] = mog2;
-	auto knn = cv::createBackgroundSubtractorKNN(250, 700, true);
-	knn->setShadowThreshold(0.35);
-	all->method[3] = knn;
 	cv::setNumThreads(1);
 	return all;
 }
@@ -47,8 +38,6 @@ void subtractors_look(struct subtractors *all, const uint8_t *bgrx,
 	cv::cvtColor(frame, bgr, cv::COLOR_BGRA2BGR);
 	for (int m = 0; m < SUBTRACTORS; m++) {
 		all->method[m]->apply(bgr, all->mask);
-		if (m >= 2)
-			cv::medianBlur(all->mask, all->mask, 5);
 		for (int i = 0; i < all->width * all->height; i++)
 			mask[m][i] = all->mask.data[i] == 255 ? 255 : 0;
 	}

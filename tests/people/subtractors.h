@@ -5,9 +5,7 @@
 
 #include <stdint.h>
 
-enum {
-	SUBTRACTORS = 4
-}; /* MOG2 and KNN as they come, and with parameters chosen for these frames */
+enum { SUBTRACTORS = 2 }; /* MOG2 and KNN, as they come */
 
 extern const char *const subtractor_names[SUBTRACTORS];
 

@@ -4,9 +4,7 @@
 struct pipeline_settings plain_pipeline(int threads)
 {
 	return (struct pipeline_settings){
-		.sampler = {.estimator = ESTIMATOR_CELL,
-			    .curve = {.named = TRANSFER_SRGB},
-			    .gain = 1},
+		.sampler = {.curve = {.named = TRANSFER_SRGB}, .gain = 1},
 		.lens = {.field_deg = 90},
 		.threshold_mode = THRESHOLD_DROP,
 		.background = {.named = TRANSFER_SRGB},

@@ -13,12 +13,10 @@
 
 struct camera_task camera_task_default(void)
 {
-	return (struct camera_task){.pixel = {1, 1},
-				    .centre_deviation_px = -1,
+	return (struct camera_task){.centre_deviation_px = -1,
 				    .aspect = 1,
 				    .aspect_deviation = -1,
 				    .distortion = TSAI_DISTORTS,
-				    .method = CAMERA_FULL,
 				    .tolerance_px = 1,
 				    .unit_mm = 1000};
 }
@@ -85,16 +83,13 @@ static void place_centre(struct camera_private *own)
 /* A known lens counts as exact. */
 static void place_deviation(struct camera_private *own)
 {
-	const struct camera_task *task = &own->task;
-	double across = task->centre_deviation_px * task->pixel[0];
+	const double given = own->task.centre_deviation_px;
 
-	if (across < 0 && task->width && task->height)
-		across = CAMERA_CENTRE_DEVIATION *
-			 hypot(task->width * task->pixel[0], task->height * task->pixel[1]);
-	else if (across < 0)
-		across = CAMERA_CENTRE_DEVIATION * own->diagonal * task->pixel[0];
 	for (int k = 0; k < 2; k++)
-		own->guess.centre_deviation[k] = task->intrinsics ? 0 : across / task->pixel[k];
+		own->guess.centre_deviation[k] = own->task.intrinsics ? 0
+						 : given < 0
+							 ? CAMERA_CENTRE_DEVIATION * own->diagonal
+							 : given;
 }
 
 static void place_aspect(struct camera_private *own)
@@ -108,21 +103,20 @@ static void place_aspect(struct camera_private *own)
 								   : task->aspect_deviation;
 }
 
-/* Known intrinsics determine picture size, pixels and direction of distortion. */
+/* Known intrinsics determine picture size and direction of distortion. */
 static void take_intrinsics(struct camera_task *task)
 {
 	if (!task->intrinsics)
 		return;
 	task->width = task->intrinsics->width;
 	task->height = task->intrinsics->height;
-	memcpy(task->pixel, task->intrinsics->pixel, sizeof(task->pixel));
 	task->distortion = task->intrinsics->distortion;
 }
 
 static int calibration_prepare(struct camera_private *own, const struct observations *seen,
 			       const struct camera_task *task)
 {
-	struct camera_model model;
+	struct camera_model model = {.pixel = {1, 1}}; /* f is in pixels */
 	size_t n;
 	int err;
 
@@ -133,24 +127,23 @@ static int calibration_prepare(struct camera_private *own, const struct observat
 	place_deviation(own);
 	place_aspect(own);
 	place_task_object(own);
-	model = (struct camera_model){.distortion = own->task.distortion};
-	memcpy(model.pixel, own->task.pixel, sizeof(model.pixel));
-	if (task->intrinsics)
+	model.distortion = own->task.distortion;
+	if (task->intrinsics) {
+		memcpy(model.pixel, task->intrinsics->pixel, sizeof(model.pixel));
 		memcpy(model.tangential, task->intrinsics->tangential, sizeof(model.tangential));
+	}
 	err = problem_create(&own->problem, seen, &model, own->guess.centre);
 	if (err)
 		return err;
 	n = (size_t)problem_unknowns(&own->problem);
-	own->turned = calloc((size_t)seen->views, sizeof(*own->turned));
 	own->x = calloc(n, sizeof(*own->x));
 	own->fixed = calloc(n, sizeof(*own->fixed));
 	own->uncertainty.held = calloc(n * n, sizeof(*own->uncertainty.held));
 	own->uncertainty.held_aspect = calloc(n * n, sizeof(*own->uncertainty.held_aspect));
 	own->uncertainty.covariance = calloc(n * n, sizeof(*own->uncertainty.covariance));
 	own->uncertainty.cautious = calloc(n * n, sizeof(*own->uncertainty.cautious));
-	if (!own->turned || !own->x || !own->fixed || !own->uncertainty.held ||
-	    !own->uncertainty.held_aspect || !own->uncertainty.covariance ||
-	    !own->uncertainty.cautious)
+	if (!own->x || !own->fixed || !own->uncertainty.held || !own->uncertainty.held_aspect ||
+	    !own->uncertainty.covariance || !own->uncertainty.cautious)
 		return -ENOMEM;
 	return 0;
 }
@@ -172,7 +165,7 @@ static void make_camera(const struct camera_private *own, int view, struct tsai_
 		.tangential = {own->problem.model.tangential[0], own->problem.model.tangential[1]},
 		.distortion = own->task.distortion,
 		.centre_px = {x[MODEL_CENTRE_X], own->task.height - x[MODEL_CENTRE_Y]},
-		.pixel = {own->task.pixel[0], own->task.pixel[1]},
+		.pixel = {own->problem.model.pixel[0], own->problem.model.pixel[1]},
 		.aspect = x[MODEL_ASPECT],
 	};
 	rotation_from_vector(pose + MODEL_ROTATION, camera->rotation, slope);
@@ -326,19 +319,6 @@ static int solution_finish(struct camera_solution *solution)
 	return 0;
 }
 
-/* Places what the pictures show where they show it, in those that were turned. */
-static void turn_back(struct camera_solution *solution)
-{
-	const struct camera_private *own = solution->own;
-
-	for (int i = 0; i < own->problem.count; i++)
-		if (own->turned[own->problem.point[i].view])
-			camera_turn_point(own, solution->finding.expected[i]);
-	for (int v = 0; v < own->problem.views; v++)
-		if (own->turned[v])
-			camera_turn_camera(&solution->view[v]);
-}
-
 static int calibration_run(struct camera_solution *solution)
 {
 	struct camera_private *own = solution->own;
@@ -354,8 +334,6 @@ static int calibration_run(struct camera_solution *solution)
 		err = solution_finish(solution);
 	if (!err)
 		camera_judge(solution);
-	if (!err && solution->solved)
-		turn_back(solution);
 	return err;
 }
 
@@ -413,8 +391,6 @@ void camera_solution_free(struct camera_solution *solution)
 	if (own) {
 		problem_free(&own->problem);
 		least_squares_free(&own->fit);
-		free(own->turned);
-		free(own->turned_point);
 		free(own->x);
 		free(own->fixed);
 		free(own->uncertainty.held);

@@ -12,11 +12,6 @@
 #include "bake/calibrate/observe/observations.h"
 #include "hal/optics/tsai.h"
 
-enum camera_method {
-	CAMERA_FULL,  /* all observable unknowns */
-	CAMERA_THREE, /* f, Tz and kappa1; the rest from the closed form (Tsai 1987) */
-};
-
 /* Standard deviation of the axis from the middle of the picture, as a share of its diagonal. Axes
  * of ordinary cameras are within two or three of these. */
 #define CAMERA_CENTRE_DEVIATION 0.025
@@ -28,7 +23,6 @@ enum camera_method {
 struct camera_task {
 	/* of the picture, px; 0: not known, then its middle is that of the points */
 	int width, height;
-	double pixel[2];     /* D, mm; 1 1 where it is not known: f is then in pixels */
 	bool centre_given;   /* else the centre is the middle of the picture */
 	double centre_px[2]; /* first guess of the axis, x right, y down */
 	/* Its standard deviation, px across (and as far up and down on the sensor); 0: exact;
@@ -40,9 +34,8 @@ struct camera_task {
 	 * CAMERA_ASPECT_DEVIATION. */
 	double aspect_deviation;
 	int distortion; /* enum tsai_distortion */
-	/* terms of its polynomial, 1 to 3; 0: as many as predict best; three: always 1 */
+	/* terms of its polynomial, 1 to 3; 0: as many as predict best */
 	int radial;
-	enum camera_method method;
 	bool robust;
 	/* known f, distortion, centre, D and s; NULL: found. Its size is the picture's. */
 	const struct tsai_camera *intrinsics;
@@ -64,7 +57,7 @@ struct camera_solution {
 	struct camera_private *own;
 };
 
-/* A task with defaults: unit pixels, the thesis's direction, full, 1 px, metres. */
+/* A task with defaults: unit pixels, the thesis's direction, 1 px, metres. */
 struct camera_task camera_task_default(void);
 
 /*

@@ -143,11 +143,7 @@ bool camera_project_view(const void *context, int view, const double world[3], d
 	for (int k = 0; k < 3; k++)
 		place[k] = world[k] - own->problem.shape[view].middle[k];
 	model_turn(&turned, own->x + model_of_view(view));
-	if (!model_see(&own->problem.model, own->x, &turned, place, px, NULL))
-		return false;
-	if (own->turned[view])
-		camera_turn_point(own, px);
-	return true;
+	return model_see(&own->problem.model, own->x, &turned, place, px, NULL);
 }
 
 /* ---- errors of the points ---- */
@@ -328,7 +324,7 @@ void camera_figures(struct camera_solution *solution)
 	struct camera_structure structure;
 	struct figure_errors sum;
 	double ground;
-	int outliers = 0, turned = 0;
+	int outliers = 0;
 
 	figures_measure(solution, &sum);
 	finding_add(finding, "object_error_px", CAMERA_OBJECT_ERROR, "px",
@@ -360,10 +356,6 @@ void camera_figures(struct camera_solution *solution)
 		    "px", fabs(structure.mean_px));
 	finding_add(finding, "structure_sigmas", "the same, in deviations that noise makes", "",
 		    structure.sigmas);
-	for (int v = 0; v < own->problem.views; v++)
-		turned += own->turned[v];
-	if (turned)
-		finding_add(finding, "views_turned", "pictures turned by 180 degrees", "", turned);
 	figures_of_points(finding, &sum, own->task.unit_mm);
 	finding_add(finding, "focal_depth_correlation", "correlation of f and Tz", "",
 		    estimate_correlation(&finding->estimate, focal, depth));

@@ -12,10 +12,6 @@ void camera_print(FILE *to, const char *before, const struct camera_solution *so
 	finding_print(to, before, finding);
 	if (!solution->solved)
 		return;
-	for (int v = 0; v < finding->seen->views; v++)
-		if (solution->own->turned[v])
-			fprintf(to, "%sturned by 180 degrees: %s\n", before,
-				finding->seen->view[v].name);
 	for (int k = 0; k < MODEL_SHARED; k++)
 		estimate_print(to, before, &finding->estimate, k);
 	for (int k = 0; k < MODEL_OF_VIEW; k++)

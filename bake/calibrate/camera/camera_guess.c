@@ -94,7 +94,7 @@ static void choose_tilt(struct guesser *g, int view, double *x)
 		if (way)
 			camera_tilt(g->problem, view, x, own + MODEL_SHARED);
 		if (problem_descend(&one, own, shared_fixed, g->start->robust ? CAMERA_LOSS : 0,
-				    false, NULL, NULL) == -EDOM)
+				    NULL, NULL) == -EDOM)
 			continue;
 		rms = problem_rms(&one, own);
 		if (rms < best) {

@@ -42,16 +42,13 @@ struct camera_private {
 	 * left out and predicted with so many terms, px; 0: not tried. */
 	int radial_wanted;
 	double left_out[MODEL_RADIAL + 1];
-	bool *turned;			  /* [views]: pictures that are turned by 180 degrees */
-	struct observation *turned_point; /* [count]: points of upright pictures, or NULL */
-	double *x;			  /* [problem_unknowns()]: the solution */
-	bool *fixed;			  /* [problem_unknowns()]: held in the solution */
+	double *x;   /* [problem_unknowns()]: the solution */
+	bool *fixed; /* [problem_unknowns()]: held in the solution */
 	struct least_squares_fit fit;
 	int guess_error, fit_error; /* 0, or why there is no solution */
 	struct fault why;
-	bool mirrored; /* points in space: only their mirror image fits */
-	/* rms of the solution that looks the same from afar, px; infinite: none. For a lone plane
-	 * it is tilted the other way; for points in space it is their mirror image. */
+	/* rms of the solution in which a lone plane is tilted the other way, which looks the same
+	 * from afar, px; infinite: none. */
 	double other_tilt;
 	double *half[2]; /* solutions of odd and even points, or NULL */
 	double depth;	 /* mean depth of the reference view's points */
@@ -87,21 +84,6 @@ bool camera_predicts_better(const struct camera_left_out *a, const struct camera
 /* Distorted radius up to which the distortion grows; *reach: that of the farthest corner (or
  * point); sensor units. */
 double camera_grows_to(const struct camera_private *own, double *reach);
-
-/*
- * Finds pictures whose axis is on the other side of the middle than the reference view's, from a
- * solution that takes all as alike, and turns them in own->turned. gain: decrease of the sum of
- * squares if they are turned, to first order. variance: of a residual, more where the views
- * disagree about the axis by more than their residuals explain. -ENOMEM.
- */
-int camera_tell_turned(struct camera_private *own, double *gain, double *variance);
-
-/* Turns the points of such pictures; the problem then has them. -ENOMEM. */
-int camera_turn_pictures(struct camera_private *own);
-void camera_turn_point(const struct camera_private *own, double px[2]);
-
-/* Makes the camera of a picture that of the picture turned. */
-void camera_turn_camera(struct tsai_camera *camera);
 
 /* The mean residual that noise explains least. */
 struct camera_structure {

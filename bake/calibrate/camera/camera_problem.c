@@ -327,8 +327,7 @@ static void problem_on_board(const void *context, int group, double at[2])
 }
 
 int problem_descend(const struct camera_problem *problem, double *x, const bool *fixed,
-		    double loss_scale, bool stay, struct least_squares_fit *fit,
-		    struct fault *fault)
+		    double loss_scale, struct least_squares_fit *fit, struct fault *fault)
 {
 	const int n = problem_unknowns(problem);
 	const struct by_view_layout layout = {.views = problem->views,
@@ -354,8 +353,7 @@ int problem_descend(const struct camera_problem *problem, double *x, const bool 
 		.name = name,
 		.loss_scale = loss_scale,
 		.group = 2,
-		.stay = stay,
-		.layout = problem->views > 1 && fit && !stay ? &layout : NULL,
+		.layout = problem->views > 1 && fit ? &layout : NULL,
 	};
 	int err = -ENOMEM;
 

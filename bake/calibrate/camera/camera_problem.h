@@ -60,11 +60,10 @@ double problem_rms(const struct camera_problem *problem, const double *x);
 
 /*
  * Minimises from x, holding the unknowns marked in fixed. Returns what least_squares_solve()
- * returns; fit may be NULL. loss_scale: 0 for plain squares. stay: x is left as it is.
+ * returns; fit may be NULL. loss_scale: 0 for plain squares.
  */
 int problem_descend(const struct camera_problem *problem, double *x, const bool *fixed,
-		    double loss_scale, bool stay, struct least_squares_fit *fit,
-		    struct fault *fault);
+		    double loss_scale, struct least_squares_fit *fit, struct fault *fault);
 
 /* Computes the Jacobian of the projections, jacobian[2 count][unknowns], which must be 0
  * beforehand. */

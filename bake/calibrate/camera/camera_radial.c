@@ -120,8 +120,7 @@ static int find_poses(const struct camera_private *own, const struct round *roun
 			continue;
 		memcpy(x, round->x, MODEL_SHARED * sizeof(*x));
 		memcpy(x + MODEL_SHARED, round->x + model_of_view(v), MODEL_OF_VIEW * sizeof(*x));
-		err = problem_descend(&one, x, lens_fixed, width > 0 ? CAMERA_LOSS : 0, false, NULL,
-				      NULL);
+		err = problem_descend(&one, x, lens_fixed, width > 0 ? CAMERA_LOSS : 0, NULL, NULL);
 		if (err == -ENOMEM)
 			return err;
 		memcpy(round->x + model_of_view(v), x + MODEL_SHARED, MODEL_OF_VIEW * sizeof(*x));
@@ -147,8 +146,7 @@ static int leave_out_fold(const struct camera_private *own, const struct round *
 			held[model_of_view(v) + k] = true;
 	for (int k = 0; k < MODEL_SHARED; k++)
 		lens_fixed[k] = true;
-	err = problem_descend(&rest, round->x, held, width > 0 ? CAMERA_LOSS : 0, false, NULL,
-			      NULL);
+	err = problem_descend(&rest, round->x, held, width > 0 ? CAMERA_LOSS : 0, NULL, NULL);
 	if (err != -ENOMEM && round->by_view)
 		err = find_poses(own, round, width, lens_fixed);
 	if (err == -ENOMEM)
@@ -210,7 +208,7 @@ bool camera_predicts_better(const struct camera_left_out *a, const struct camera
 
 double camera_grows_to(const struct camera_private *own, double *reach)
 {
-	const double *x = own->x, *pixel = own->task.pixel;
+	const double *x = own->x, *pixel = own->problem.model.pixel;
 	const struct tsai_camera camera = {
 		.width = own->task.width,
 		.height = own->task.height,

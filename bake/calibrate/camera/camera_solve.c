@@ -23,20 +23,11 @@
  * squared of two terms), and the least number of points to look for it. */
 #define RADIAL_GAIN 13.8
 #define RADIAL_POINTS 40
-/* Gain, in variances, at which pictures count as turned: chance exceeds it once in 1e5, and gains
- * about one for each view whose side it chooses. */
-#define TURNED_VIEWS 3 /* least number of views */
-#define TURNED_ROUNDS 4
-#define TURNED_GAIN 25
-#define TURNED_GAIN_OF_VIEW 2
-#define MISFIT 0.005   /* of the diagonal: rms from which a mirror image is tried */
-#define FAR_BETTER 0.2 /* of the rms */
-#define BETTER 0.7     /* of the rms, where the fit went nowhere: to an infinite f */
 
-static int solver_descend(struct camera_private *own, double *x, const bool *fixed, bool stay)
+static int solver_descend(struct camera_private *own, double *x, const bool *fixed)
 {
 	least_squares_free(&own->fit);
-	return problem_descend(&own->problem, x, fixed, own->task.robust ? CAMERA_LOSS : 0, stay,
+	return problem_descend(&own->problem, x, fixed, own->task.robust ? CAMERA_LOSS : 0,
 			       &own->fit, &own->why);
 }
 
@@ -123,8 +114,8 @@ static bool try_neighbours(const struct camera_private *own, const struct camera
 		memcpy(other, own->x, bytes);
 		other[MODEL_CENTRE_X + way / 2] += (way % 2 ? OTHER_CENTRE : -OTHER_CENTRE) *
 						   own->diagonal;
-		if (problem_descend(few, other, held, 0, false, NULL, NULL) ||
-		    problem_descend(few, other, own->fixed, 0, false, NULL, NULL) ||
+		if (problem_descend(few, other, held, 0, NULL, NULL) ||
+		    problem_descend(few, other, own->fixed, 0, NULL, NULL) ||
 		    !(problem_rms(few, other) < least))
 			continue;
 		least = problem_rms(few, other);
@@ -174,7 +165,7 @@ static int try_other_centres(struct camera_private *own, double *x)
 	}
 	if (!err && try_neighbours(own, &few, held, other, best)) {
 		own->fit = (struct least_squares_fit){0};
-		err = solver_descend(own, best, own->fixed, false);
+		err = solver_descend(own, best, own->fixed);
 		if (!err && own->fit.sigma < found.sigma) {
 			memcpy(x, best, n * sizeof(*x));
 		} else {
@@ -200,7 +191,7 @@ static int solve_held(struct camera_private *own)
 
 	for (own->radial = 1; err != -ENOMEM; own->radial = radial) {
 		hold_shared(own, true, true, own->fixed);
-		err = solver_descend(own, own->x, own->fixed, false);
+		err = solver_descend(own, own->x, own->fixed);
 		if (own->radial == radial)
 			break;
 	}
@@ -234,7 +225,7 @@ static int solve_full(struct camera_private *own, double *tried)
 		}
 		if (aspect)
 			tried[MODEL_ASPECT] = own->guess.aspect;
-		err = solver_descend(own, tried, own->fixed, false);
+		err = solver_descend(own, tried, own->fixed);
 		if (!err && !centre && own->problem.views == 1)
 			err = try_other_centres(own, tried);
 		if (err == -ENOMEM || (centre && aspect))
@@ -250,34 +241,6 @@ static int solve_full(struct camera_private *own, double *tried)
 	}
 	memcpy(own->x, tried, bytes);
 	return err;
-}
-
-static bool is_in_space(const struct camera_problem *problem)
-{
-	for (int v = 0; v < problem->views; v++)
-		if (problem->first[v + 1] > problem->first[v] && !problem_flat(problem, v))
-			return true;
-	return false;
-}
-
-/* Tsai's second stage: R, Tx and Ty (of points in space also s) stay as in the closed form. The
- * covariance is that of finding all together. */
-static int solve_three(struct camera_private *own)
-{
-	const bool aspect = !is_in_space(&own->problem) || !(own->guess.aspect_deviation > 0);
-	int err;
-
-	if (aspect)
-		own->x[MODEL_ASPECT] = own->guess.aspect;
-	hold_shared(own, true, true, own->fixed);
-	for (int v = 0; v < own->problem.views; v++)
-		for (int k = 0; k < MODEL_TRANSLATION + 2; k++)
-			own->fixed[model_of_view(v) + k] = true;
-	err = solver_descend(own, own->x, own->fixed, false);
-	if (err == -ENOMEM)
-		return err;
-	hold_shared(own, true, aspect, own->fixed);
-	return solver_descend(own, own->x, own->fixed, true);
 }
 
 /* Whether two solutions of a lone plane are the same: their normals are within a degree. */
@@ -310,7 +273,7 @@ static int try_other_tilt(struct camera_private *own, double *other)
 	memcpy(other, own->x, (size_t)n * sizeof(*other));
 	camera_tilt(&own->problem, 0, own->x, other + MODEL_SHARED);
 	err = problem_descend(&own->problem, other, pose_only, own->task.robust ? CAMERA_LOSS : 0,
-			      false, NULL, NULL);
+			      NULL, NULL);
 	free(pose_only);
 	if (err == -ENOMEM)
 		return err;
@@ -318,7 +281,7 @@ static int try_other_tilt(struct camera_private *own, double *other)
 		return 0;
 	own->other_tilt = problem_rms(&own->problem, other);
 	if (own->other_tilt < rms) {
-		own->fit_error = solver_descend(own, other, own->fixed, false);
+		own->fit_error = solver_descend(own, other, own->fixed);
 		own->other_tilt = rms;
 		memcpy(own->x, other, (size_t)n * sizeof(*other));
 		return own->fit_error == -ENOMEM ? -ENOMEM : 0;
@@ -348,7 +311,7 @@ static int solve_half(struct camera_private *own, int parity, bool *unused)
 	half.unused = unused;
 	memcpy(x, own->x, n * sizeof(*x));
 	err = 2 * used < wanted + 2 ? -ERANGE
-				    : problem_descend(&half, x, own->fixed, 0, false, NULL, NULL);
+				    : problem_descend(&half, x, own->fixed, 0, NULL, NULL);
 	if (err) {
 		free(x);
 		return err == -ENOMEM ? err : 0;
@@ -368,84 +331,7 @@ static int solve_halves(struct camera_private *own)
 	return err;
 }
 
-/* ---- mirrored, turned ---- */
-
-/* Fits a camera to the mirrored picture; *rms is its error, unchanged where there is none. */
-static int fit_mirrored(const struct camera_private *own, const struct camera_start *start,
-			const bool *fixed, double *x, double *rms)
-{
-	struct camera_problem problem = own->problem;
-	struct observation *turned = calloc((size_t)problem.count, sizeof(*turned));
-	int err;
-
-	if (!turned)
-		return -ENOMEM;
-	memcpy(turned, problem.point, (size_t)problem.count * sizeof(*turned));
-	for (int i = 0; i < problem.count; i++)
-		turned[i].px[1] = 2 * own->guess.centre[1] - turned[i].px[1];
-	problem.point = turned;
-	err = camera_guess(&problem, start, x);
-	if (!err) {
-		err = problem_descend(&problem, x, fixed, 0, false, NULL, NULL);
-		*rms = problem_rms(&problem, x);
-	}
-	free(turned);
-	return err == -ENOMEM ? err : 0;
-}
-
-/* Turns cameras of the mirrored picture into cameras of the picture itself that look the same from
- * afar: near and far are exchanged. */
-static void exchange_depths(const struct camera_problem *problem, double *x)
-{
-	for (int v = 0; v < problem->views; v++) {
-		double *pose = x + model_of_view(v), rotation[9], slope[3][9];
-
-		rotation_from_vector(pose + MODEL_ROTATION, rotation, slope);
-		for (int k = 3; k < 9; k++)
-			rotation[k] = -rotation[k];
-		rotation_to_vector(rotation, pose + MODEL_ROTATION);
-		pose[MODEL_TRANSLATION + 1] = -pose[MODEL_TRANSLATION + 1];
-	}
-}
-
-/*
- * For points in space that do not fit: finds whether they fit far better once their picture is
- * mirrored (own->mirrored); where the fit went to an infinite f, better is enough. If exchanging
- * near and far fits about as well, the points are seen from afar and noise alone chose the first
- * guess: *elsewhere is then true, and x the new start. With a known lens the mirror image may fit
- * so well that only other_tilt tells.
- */
-static int try_mirrored(struct camera_private *own, const struct camera_start *start,
-			bool *elsewhere)
-{
-	const size_t n = (size_t)problem_unknowns(&own->problem);
-	const double rms = own->guess_error ? INFINITY : problem_rms(&own->problem, own->x);
-	double *x = calloc(n, sizeof(*x)), mirrored = INFINITY, exchanged;
-	bool *fixed = calloc(n, sizeof(*fixed));
-	int err = -ENOMEM;
-
-	if (x && fixed) {
-		hold_shared(own, true, true, fixed);
-		err = fit_mirrored(own, start, fixed, x, &mirrored);
-	}
-	if (!err && mirrored < MISFIT * own->diagonal) {
-		exchange_depths(&own->problem, x);
-		err = problem_descend(&own->problem, x, fixed, 0, false, NULL, NULL);
-		exchanged = problem_rms(&own->problem, x);
-		own->mirrored = mirrored <
-				(own->fit_error ? BETTER : FAR_BETTER) * fmin(rms, exchanged);
-		*elsewhere = !own->mirrored && exchanged < FAR_BETTER * rms;
-	}
-	if (*elsewhere) {
-		memcpy(own->x, x, n * sizeof(*x));
-		own->guess_error = 0;
-	}
-	if (!err && (*elsewhere || own->task.intrinsics))
-		own->other_tilt = mirrored;
-	free(x);
-	free(fixed);
-	return err == -ENOMEM ? err : 0;
-}
+/* ---- all of one lens model ---- */
 
 /* Solves from the first guess in x. */
 static int solve_guessed(struct camera_private *own)
@@ -455,13 +341,10 @@ static int solve_guessed(struct camera_private *own)
 
 	if (!tried)
 		return -ENOMEM;
-	if (own->task.method == CAMERA_THREE && !own->task.intrinsics)
-		own->fit_error = solve_three(own);
-	else
-		own->fit_error = solve_full(own, tried);
+	own->fit_error = solve_full(own, tried);
 	err = own->fit_error == -ENOMEM ? -ENOMEM : 0;
 	if (!err && own->problem.views == 1 && problem_flat(&own->problem, 0) &&
-	    own->task.method == CAMERA_FULL && own->fit_error != -EDOM)
+	    own->fit_error != -EDOM)
 		err = try_other_tilt(own, tried);
 	free(tried);
 	return err;
@@ -470,8 +353,7 @@ static int solve_guessed(struct camera_private *own)
 /* Whether there is a solution that found a lens in all ways. */
 static bool finds_lens(const struct camera_private *own)
 {
-	return !own->task.intrinsics && own->task.method == CAMERA_FULL && !own->guess_error &&
-	       !own->fit_error;
+	return !own->task.intrinsics && !own->guess_error && !own->fit_error;
 }
 
 /* ---- radial terms ---- */
@@ -581,7 +463,7 @@ static int choose_radial(struct camera_private *own)
 		memcpy(own->x, first.x, n * sizeof(*first.x));
 		memcpy(own->fixed, first.fixed, n * sizeof(*first.fixed));
 		own->radial = given;
-		own->fit_error = solver_descend(own, own->x, own->fixed, false);
+		own->fit_error = solver_descend(own, own->x, own->fixed);
 		err = own->fit_error == -ENOMEM ? -ENOMEM : 0;
 	}
 	free(first.x);
@@ -597,12 +479,11 @@ static int solve_all(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
 	struct camera_start start = {.known = known, .robust = own->task.robust};
-	bool elsewhere = false;
 	int err = 0;
 
 	own->other_tilt = INFINITY;
 	memset(own->left_out, 0, sizeof(own->left_out));
-	own->radial = own->task.radial && own->task.method == CAMERA_FULL ? own->task.radial : 1;
+	own->radial = own->task.radial ? own->task.radial : 1;
 	start.shared[MODEL_FOCAL] = known ? known->focal : 1;
 	start.shared[MODEL_KAPPA1] = known ? known->kappa1 : 0;
 	start.shared[MODEL_KAPPA1 + 1] = known ? known->kappa2 : 0;
@@ -615,78 +496,15 @@ static int solve_all(struct camera_private *own)
 		return -ENOMEM;
 	if (!own->guess_error)
 		err = solve_guessed(own);
-	if (!err && is_in_space(&own->problem) &&
-	    (known || own->guess_error || own->fit_error ||
-	     problem_rms(&own->problem, own->x) > MISFIT * own->diagonal))
-		err = try_mirrored(own, &start, &elsewhere);
-	if (!err && elsewhere)
-		err = solve_guessed(own);
 	if (!err && finds_lens(own))
 		err = choose_radial(own);
 	return err;
-}
-
-/* Turns pictures and solves again until no more of them seem to be turned; the first solution may
- * mistake some. turned: scratch space. *better: pictures were turned, and everything fits better by
- * far. */
-static int turn_rounds(struct camera_private *own, bool *turned, bool *better)
-{
-	const size_t bytes = (size_t)own->problem.views * sizeof(*turned);
-	const double squares = own->fit.squares;
-	const double least = TURNED_GAIN + TURNED_GAIN_OF_VIEW * own->problem.views;
-
-	*better = false;
-	for (int round = 0; round <= TURNED_ROUNDS; round++) {
-		const double noise = own->fit.sigma * own->fit.sigma;
-		double gain, variance;
-		int err;
-
-		memcpy(turned, own->turned, bytes);
-		err = camera_tell_turned(own, &gain, &variance);
-		if (err)
-			return err;
-		*better = squares - own->fit.squares > least * variance;
-		if (!(gain > least * noise) || round == TURNED_ROUNDS) {
-			memcpy(own->turned, turned, bytes);
-			return 0;
-		}
-		err = camera_turn_pictures(own);
-		if (!err)
-			err = solve_all(own);
-		if (err)
-			return err;
-		*better = false;
-		if (own->guess_error || own->fit_error)
-			return 0;
-	}
-	return 0;
-}
-
-/* Solves with the pictures upright that are turned by 180 degrees, if there are any. */
-static int solve_upright(struct camera_private *own)
-{
-	const size_t views = (size_t)own->problem.views;
-	bool *turned, better;
-	int err;
-
-	if (own->problem.views < TURNED_VIEWS || !own->task.width || !(own->fit.sigma > 0))
-		return 0;
-	turned = calloc(views, sizeof(*turned));
-	err = turned ? turn_rounds(own, turned, &better) : -ENOMEM;
-	free(turned);
-	if (err || better || own->problem.point == own->seen->point)
-		return err;
-	own->problem.point = own->seen->point;
-	memset(own->turned, 0, views * sizeof(*own->turned));
-	return solve_all(own);
 }
 
 int camera_solve(struct camera_private *own)
 {
 	int err = solve_all(own);
 
-	if (!err && finds_lens(own))
-		err = solve_upright(own);
 	if (!err && !own->guess_error && !own->fit_error)
 		err = solve_halves(own);
 	return err;

@@ -29,11 +29,6 @@ static void judge_guess(struct camera_solution *solution)
 {
 	const struct camera_private *own = solution->own;
 
-	if (own->mirrored)
-		verdict_doubt(
-			&solution->finding.verdict,
-			"check the order of the points, whether y counts upwards (--y-up), and that the world's axes are right-handed",
-			"the points are mirrored: only their mirror image fits a camera");
 	if (own->guess_error == -EDOM)
 		verdict_doubt(&solution->finding.verdict, "check which point is which",
 			      "no camera sees the points in this order");
@@ -72,7 +67,7 @@ static void doubt_focal(struct camera_solution *solution)
 	else
 		verdict_doubt(
 			&solution->finding.verdict,
-			"come closer, use a larger or more tilted board, or give --intrinsics",
+			"come closer, use a larger or more tilted board, give --intrinsics, or check whether y counts upwards (--y-up)",
 			"the points are so far away for their extent that the picture is nearly orthographic: f and distance cannot be told apart");
 }
 
@@ -199,7 +194,7 @@ static void judge_outliers(struct camera_solution *solution)
 	if (finding->rms_px > MISFIT * extent_px(&own->problem))
 		verdict_doubt(
 			&solution->finding.verdict,
-			"check which point is which, the board's numbers, and --distortion",
+			"check which point is which, whether y counts upwards (--y-up), that the world's axes are right-handed, the board's numbers, and --distortion",
 			"the points are %.3g px off on average: they are no picture of such a board by such a lens",
 			finding->rms_px);
 }
@@ -330,16 +325,10 @@ static void judge_focal(struct camera_solution *solution)
 	if (own->other_tilt * own->other_tilt - rms * rms >=
 	    9 * fmax(rms * rms, CAMERA_NOISE_LEAST * CAMERA_NOISE_LEAST) / own->problem.count)
 		return;
-	if (problem_flat(&own->problem, own->task.reference))
-		verdict_doubt(
-			&solution->finding.verdict,
-			"come closer, tilt the board by 30 degrees or more, or use points in space",
-			"the board looks the same tilted the other way: the picture is nearly orthographic");
-	else
-		verdict_doubt(
-			&solution->finding.verdict,
-			"come closer, or use points farther apart in depth",
-			"the mirror image of the points fits as well: the picture is nearly orthographic");
+	verdict_doubt(
+		&solution->finding.verdict,
+		"come closer, tilt the board by 30 degrees or more, or use points in space",
+		"the board looks the same tilted the other way: the picture is nearly orthographic");
 }
 
 /* Doubts the held axis or s, whichever is worse, if it leaves the object more uncertain than noise

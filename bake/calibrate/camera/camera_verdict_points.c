@@ -26,11 +26,10 @@ static void judge_count(struct camera_solution *solution)
 				      problem->views > 1 ? " of a view" : "",
 				      flat ? "points of one plane" : "points in space", least);
 	}
-	if (!known && own->task.method == CAMERA_FULL && problem->count < 11)
-		verdict_doubt(
-			&solution->finding.verdict, "add points, or use --method three",
-			"%d points are too few for the full optimisation, which takes at least 11",
-			problem->count);
+	if (!known && problem->count < 11)
+		verdict_doubt(&solution->finding.verdict, "add points, or give --intrinsics",
+			      "%d points are too few for a lens, which takes at least 11",
+			      problem->count);
 }
 
 static void judge_shape(struct camera_solution *solution)

@@ -395,7 +395,7 @@ static int fit_solve(struct descent *work, double *x, struct least_squares_fit *
 		return fault_say(fault, -EDOM, "the first guess does not see every point");
 	/* A robust fit uses weights from the first guess on: plain squares would follow the
 	 * outliers away from a good guess. */
-	if (!problem->stay && !(problem->loss_scale > 0))
+	if (!(problem->loss_scale > 0))
 		late = descent_run(work, TOLERANCE, &fit->iterations);
 	for (int k = 0; problem->loss_scale > 0 && k < WEIGHTINGS_MAX; k++) {
 		double change;
@@ -404,9 +404,8 @@ static int fit_solve(struct descent *work, double *x, struct least_squares_fit *
 		change = descent_reweight(work, fit->residual, &width);
 		if (change < WEIGHTS_SETTLED)
 			break;
-		if (!problem->stay)
-			late = descent_run(work, change < WEIGHTS_MOVE ? TOLERANCE : ROUGHLY,
-					   &fit->iterations);
+		late = descent_run(work, change < WEIGHTS_MOVE ? TOLERANCE : ROUGHLY,
+				   &fit->iterations);
 	}
 	err = fit_fill(work, width, fit, fault);
 	memcpy(x, work->base, bytes);

@@ -36,8 +36,6 @@ struct least_squares {
 	 */
 	double loss_scale;
 	int group; /* >= 1; residuals is a multiple of it */
-	/* x is the solution already, found in another way: only compute its covariance. */
-	bool stay;
 	/* Views whose residuals go together; NULL: all groups are independent. Its functions get
 	 * the context. */
 	const struct by_view_layout *layout;

@@ -26,14 +26,14 @@ static void write_summary(const struct shown *s)
 {
 	const struct observations *seen = s->finding->seen;
 
-	write_verdict(s->page->head, &s->finding->verdict);
-	report_paragraph(s->page->head, "%d points in %d views of %d x %d px.", seen->count,
+	write_verdict(s->page->body, &s->finding->verdict);
+	report_paragraph(s->page->body, "%d points in %d views of %d x %d px.", seen->count,
 			 seen->views, s->width, s->height);
 	if (s->modelled)
-		report_paragraph(s->page->head, "Model: %s. Outliers left out: %d.",
+		report_paragraph(s->page->body, "Model: %s. Outliers left out: %d.",
 				 s->finding->model, s->outliers);
 	else
-		report_paragraph(s->page->head, "No model was found.");
+		report_paragraph(s->page->body, "No model was found.");
 }
 
 static int write_sections(const struct shown *s, struct fault *fault)
@@ -44,7 +44,7 @@ static int write_sections(const struct shown *s, struct fault *fault)
 	} sections[] = {
 		{report_figures, true},	   {report_views, false},
 		{report_residuals, true},  {report_parts_of_picture, false},
-		{report_parameters, true}, {report_points, true},
+		{report_parameters, true},
 	};
 	int err = 0;
 

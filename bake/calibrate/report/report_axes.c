@@ -50,7 +50,8 @@ static void draw_axis(struct report_sheet *sheet, const struct sheet_area *area,
 	if (count < 2)
 		return;
 	sheet_line(sheet, place, count, 3, ink[axis]);
-	sheet_label(sheet, place[count - 1][0] + 5, place[count - 1][1] + 5, ink[axis], name[axis]);
+	sheet_text(sheet, place[count - 1][0] + 5, place[count - 1][1] + 5, ink[axis], "%s",
+		   name[axis]);
 }
 
 double report_axes(struct report_sheet *sheet, const struct sheet_area *area, const struct shown *s,

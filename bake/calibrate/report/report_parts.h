@@ -50,7 +50,6 @@ int report_residuals(const struct shown *shown, struct fault *fault);
 int report_parts_of_picture(const struct shown *shown, struct fault *fault);
 int report_parameters(const struct shown *shown, struct fault *fault);
 int report_figures(const struct shown *shown, struct fault *fault);
-int report_points(const struct shown *shown, struct fault *fault);
 
 /* Writes FOLDER/calibration.json. */
 int report_json_write(const struct shown *shown, const char *folder, struct fault *fault);

@@ -15,11 +15,15 @@
 #define ARROW_MOST 4000.0 /* longest arrow, px: cairo's coordinates end at 2^23 */
 
 static const double inks[][3] = {
-	[INK_BLACK] = {0.1, 0.1, 0.1},		[INK_GREY] = {0.4, 0.4, 0.4},
-	[INK_FAINT] = {0.82, 0.82, 0.82},	[INK_WHITE] = {1, 1, 1},
-	[INK_SEEN] = {0.000, 0.447, 0.698},	[INK_EXPECTED] = {0.1, 0.1, 0.1},
-	[INK_RESIDUAL] = {0.000, 0.620, 0.451}, [INK_OUTLIER] = {0.835, 0.369, 0.000},
-	[INK_AXIS_X] = {0.80, 0.05, 0.10},	[INK_AXIS_Y] = {0.05, 0.50, 0.05},
+	[INK_BLACK] = {0.1, 0.1, 0.1},
+	[INK_GREY] = {0.4, 0.4, 0.4},
+	[INK_WHITE] = {1, 1, 1},
+	[INK_SEEN] = {0.000, 0.447, 0.698},
+	[INK_EXPECTED] = {0.1, 0.1, 0.1},
+	[INK_RESIDUAL] = {0.000, 0.620, 0.451},
+	[INK_OUTLIER] = {0.835, 0.369, 0.000},
+	[INK_AXIS_X] = {0.80, 0.05, 0.10},
+	[INK_AXIS_Y] = {0.05, 0.50, 0.05},
 	[INK_AXIS_Z] = {0.10, 0.20, 0.90},
 };
 
@@ -62,7 +66,7 @@ int sheet_show(struct report_sheet *sheet, struct report_page *page, const char 
 	if (err)
 		fault_say(fault, err, "picture %s: %s", name, strerror(-err));
 	else
-		err = report_page_picture(page, page->body, name, &image, caption, fault);
+		err = report_page_picture(page, name, &image, caption, fault);
 	image_free(&image);
 	sheet_free(sheet);
 	return err;
@@ -70,8 +74,7 @@ int sheet_show(struct report_sheet *sheet, struct report_page *page, const char 
 
 /* ---- where the camera's picture lies ---- */
 
-int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height,
-		     int lines)
+int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height)
 {
 	const int room = SHEET_WIDTH - 2 * SHEET_MARGIN;
 
@@ -81,7 +84,12 @@ int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int wi
 	area->left = rint((SHEET_WIDTH - area->scale * width) / 2);
 	area->top = SHEET_MARGIN;
 	return sheet_begin(sheet, SHEET_WIDTH,
-			   (int)ceil(area->scale * height) + 2 * SHEET_MARGIN + lines * SHEET_LINE);
+			   (int)ceil(area->scale * height) + 2 * SHEET_MARGIN + SHEET_LINE);
+}
+
+static void sheet_ink(struct report_sheet *sheet, enum sheet_ink ink, double alpha)
+{
+	cairo_set_source_rgba(sheet->c, inks[ink][0], inks[ink][1], inks[ink][2], alpha);
 }
 
 int sheet_photograph(struct report_sheet *sheet, const struct sheet_area *area,
@@ -144,11 +152,6 @@ bool sheet_place(const struct sheet_area *area, const double px[2], double at[2]
 	return fabs(at[0]) < ARROW_MOST && fabs(at[1]) < ARROW_MOST;
 }
 
-double sheet_below(const struct sheet_area *area, int line)
-{
-	return area->top + area->scale * area->height + SHEET_LINE * (line + 1);
-}
-
 /* ---- marks ---- */
 
 /* Replaces bytes that are not ASCII: file names need not be UTF-8, and cairo draws nothing more
@@ -160,42 +163,25 @@ static void sheet_make_plain(char *text)
 			*text = '?';
 }
 
-void sheet_ink(struct report_sheet *sheet, enum sheet_ink ink, double alpha)
-{
-	cairo_set_source_rgba(sheet->c, inks[ink][0], inks[ink][1], inks[ink][2], alpha);
-}
-
-void sheet_text(struct report_sheet *sheet, double x, double y, double share, const char *format,
-		...)
+void sheet_text(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
+		const char *format, ...)
 {
 	char text[256];
+	cairo_t *c = sheet->c;
 	va_list args;
 
 	va_start(args, format);
 	vsnprintf(text, sizeof(text), format, args);
 	va_end(args);
 	sheet_make_plain(text);
-	cairo_move_to(sheet->c, x - share * sheet_text_width(sheet, text), y);
-	cairo_show_text(sheet->c, text);
-}
-
-void sheet_label(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
-		 const char *text)
-{
-	char plain[256];
-	cairo_t *c = sheet->c;
-
-	snprintf(plain, sizeof(plain), "%s", text);
-	sheet_make_plain(plain);
 	cairo_move_to(c, x, y);
-	cairo_text_path(c, plain);
+	cairo_text_path(c, text);
 	sheet_ink(sheet, INK_WHITE, 0.85);
 	cairo_set_line_width(c, 4);
 	cairo_set_line_join(c, CAIRO_LINE_JOIN_ROUND);
-	cairo_stroke(c);
+	cairo_stroke_preserve(c);
 	sheet_ink(sheet, ink, 1);
-	cairo_move_to(c, x, y);
-	cairo_show_text(c, plain);
+	cairo_fill(c);
 }
 
 double sheet_text_width(const struct report_sheet *sheet, const char *text)

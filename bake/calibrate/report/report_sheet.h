@@ -18,7 +18,6 @@
 enum sheet_ink {
 	INK_BLACK,
 	INK_GREY,
-	INK_FAINT,
 	INK_WHITE,
 	INK_SEEN,
 	INK_EXPECTED,
@@ -48,11 +47,10 @@ int sheet_show(struct report_sheet *sheet, struct report_page *page, const char 
 	       const char *caption, struct fault *fault);
 
 /*
- * Creates a sheet for a picture of this size with some lines of text below it; the picture's place
- * is white. -ENOMEM, -EFBIG.
+ * Creates a sheet for a picture of this size with a line of text below it; the picture's place is
+ * white. -ENOMEM, -EFBIG.
  */
-int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height,
-		     int lines);
+int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height);
 /* Draws the photograph, paled so that marks stand out; NULL: plain grey. -ENOMEM. */
 int sheet_photograph(struct report_sheet *sheet, const struct sheet_area *area,
 		     const struct image *photograph);
@@ -62,16 +60,10 @@ void sheet_unclip(struct report_sheet *sheet);
 void sheet_frame(struct report_sheet *sheet, const struct sheet_area *area);
 /* Converts px to a place on the sheet. False: not finite, or far outside. */
 bool sheet_place(const struct sheet_area *area, const double px[2], double at[2]);
-/* baseline of a line of text below it */
-double sheet_below(const struct sheet_area *area, int line);
 
-void sheet_ink(struct report_sheet *sheet, enum sheet_ink ink, double alpha);
-/* Writes text in the current colour: share of its width lies left of x; y is its baseline. */
-void sheet_text(struct report_sheet *sheet, double x, double y, double share, const char *format,
-		...) __attribute__((format(printf, 5, 6)));
-/* The same with a white outline around its letters, over a picture. */
-void sheet_label(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
-		 const char *text);
+/* Writes text with a white outline around its letters; y is its baseline. */
+void sheet_text(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
+		const char *format, ...) __attribute__((format(printf, 5, 6)));
 double sheet_text_width(const struct report_sheet *sheet, const char *text);
 
 /* Draws a line through places on the sheet. */

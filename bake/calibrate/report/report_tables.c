@@ -1,53 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Tables of a calibration's report: figures, parts of the picture, parameters, points with the
- * largest residuals. */
-#include <errno.h>
+/* Tables of a calibration's report: figures, parts of the picture, parameters. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/report/report_parts.h"
-
-#define POINTS_SHOWN 20
-
-static int show_table(const struct shown *s, FILE *to, struct report_table *table,
-		      struct fault *fault)
-{
-	const int err = report_page_table(s->page, to, table, fault);
-
-	report_table_free(table);
-	return err;
-}
 
 /* ---- figures ---- */
 
 int report_figures(const struct shown *s, struct fault *fault)
 {
 	const struct finding *f = s->finding;
-	struct report_table table;
+	struct table table;
 
-	report_table_begin(&table, "figures");
-	report_table_column(&table, "key", NULL, NULL);
-	report_table_column(&table, "figure", "what it means for the scene", NULL);
-	report_table_column(&table, "value", "value", NULL);
-	report_table_column(&table, "unit", "unit", NULL);
-	report_text(&table, "rms_px");
-	report_text(&table,
-		    "distance of points from where they are expected, RMS without outliers");
-	report_number(&table, f->rms_px);
-	report_text(&table, "px");
-	report_text(&table, "worst_px");
-	report_text(&table, "the largest such distance");
-	report_number(&table, f->worst_px);
-	report_text(&table, "px");
+	table_begin(&table, "figures");
+	table_column(&table, "key", NULL, NULL);
+	table_column(&table, "figure", "what it means for the scene", NULL);
+	table_column(&table, "value", "value", NULL);
+	table_column(&table, "unit", "unit", NULL);
+	table_text(&table, "rms_px");
+	table_text(&table, "distance of points from where they are expected, RMS without outliers");
+	table_number(&table, f->rms_px);
+	table_text(&table, "px");
+	table_text(&table, "worst_px");
+	table_text(&table, "the largest such distance");
+	table_number(&table, f->worst_px);
+	table_text(&table, "px");
 	for (int k = 0; k < f->figures; k++) {
-		report_text(&table, "%s", f->figure[k].key);
-		report_text(&table, "%s", f->figure[k].label);
-		report_number(&table, f->figure[k].value);
-		report_text(&table, "%s", f->figure[k].unit);
+		table_text(&table, "%s", f->figure[k].key);
+		table_text(&table, "%s", f->figure[k].label);
+		table_number(&table, f->figure[k].value);
+		table_text(&table, "%s", f->figure[k].unit);
 	}
-	return show_table(s, s->page->head, &table, fault);
+	return report_page_table(s->page, &table, fault);
 }
 
 /* ---- parts of the picture ---- */
@@ -80,23 +65,23 @@ static double value_at(const struct shown *s, double (*of)(const void *context, 
 
 int report_parts_of_picture(const struct shown *s, struct fault *fault)
 {
-	struct report_table table;
+	struct table table;
 
-	report_table_begin(&table, "parts");
-	report_table_column(&table, "x_px", "middle x", "px");
-	report_table_column(&table, "y_px", "middle y", "px");
-	report_table_column(&table, "points", "points", NULL);
-	report_table_column(&table, "uncertainty_px", "uncertainty", "px");
-	report_table_column(&table, "halves_px", "odd against even points", "px");
+	table_begin(&table, "parts");
+	table_column(&table, "x_px", "middle x", "px");
+	table_column(&table, "y_px", "middle y", "px");
+	table_column(&table, "points", "points", NULL);
+	table_column(&table, "uncertainty_px", "uncertainty", "px");
+	table_column(&table, "halves_px", "odd against even points", "px");
 	for (int k = 0; k < PARTS * PARTS; k++) {
 		const double px[2] = {(k % PARTS + 0.5) * s->width / PARTS,
 				      (k / PARTS + 0.5) * s->height / PARTS};
 
-		report_number(&table, px[0]);
-		report_number(&table, px[1]);
-		report_number(&table, points_in_part(s, k % PARTS, k / PARTS));
-		report_number(&table, value_at(s, s->finding->uncertainty, px));
-		report_number(&table, value_at(s, s->finding->disagreement, px));
+		table_number(&table, px[0]);
+		table_number(&table, px[1]);
+		table_number(&table, points_in_part(s, k % PARTS, k / PARTS));
+		table_number(&table, value_at(s, s->finding->uncertainty, px));
+		table_number(&table, value_at(s, s->finding->disagreement, px));
 	}
 	report_heading(s->page->body, "How much is known in each part of the picture");
 	report_paragraph(
@@ -105,7 +90,7 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 		"was not yet, into the corners above all. The uncertainty is one standard "
 		"deviation at the part's middle, which trusts the model; the difference of "
 		"models fitted to the odd and to the even points does not. What is empty is not known, or not seen by the model.");
-	return show_table(s, s->page->body, &table, fault);
+	return report_page_table(s->page, &table, fault);
 }
 
 /* ---- parameters ---- */
@@ -125,7 +110,7 @@ static void write_value(char *text, size_t room, double value, double deviation)
 		snprintf(text, room, "%.*f", digits, value);
 }
 
-static void add_parameter(struct report_table *table, const struct estimate *e, int k)
+static void add_parameter(struct table *table, const struct estimate *e, int k)
 {
 	const struct parameter *p = &e->parameter[k];
 	const bool exact = p->fixed && !(estimate_deviation(e, k) > 0);
@@ -133,31 +118,31 @@ static void add_parameter(struct report_table *table, const struct estimate *e, 
 	char text[64];
 
 	write_value(text, sizeof(text), p->value, deviation);
-	report_text(table, "%s", p->name);
-	report_text(table, "%s", text);
-	report_number(table, p->value);
-	report_number(table, deviation);
-	report_text(table, "%s", p->unit);
-	report_number(table, p->value != 0 ? 100 * deviation / fabs(p->value) : NAN);
-	report_text(table, exact		 ? "held"
-			   : p->fixed		 ? "held; its deviation is assumed"
-			   : isfinite(deviation) ? ""
-						 : "cannot be told from the others");
+	table_text(table, "%s", p->name);
+	table_text(table, "%s", text);
+	table_number(table, p->value);
+	table_number(table, deviation);
+	table_text(table, "%s", p->unit);
+	table_number(table, p->value != 0 ? 100 * deviation / fabs(p->value) : NAN);
+	table_text(table, exact			? "held"
+			  : p->fixed		? "held; its deviation is assumed"
+			  : isfinite(deviation) ? ""
+						: "cannot be told from the others");
 }
 
 int report_parameters(const struct shown *s, struct fault *fault)
 {
 	const struct estimate *e = &s->finding->estimate;
-	struct report_table table;
+	struct table table;
 
-	report_table_begin(&table, "parameters");
-	report_table_column(&table, "name", "parameter", NULL);
-	report_table_column(&table, "value_rounded", "value", NULL);
-	report_table_column(&table, "value", NULL, NULL);
-	report_table_column(&table, "deviation", "deviation", NULL);
-	report_table_column(&table, "unit", "unit", NULL);
-	report_table_column(&table, "deviation_percent", "deviation", "%");
-	report_table_column(&table, "note", "note", NULL);
+	table_begin(&table, "parameters");
+	table_column(&table, "name", "parameter", NULL);
+	table_column(&table, "value_rounded", "value", NULL);
+	table_column(&table, "value", NULL, NULL);
+	table_column(&table, "deviation", "deviation", NULL);
+	table_column(&table, "unit", "unit", NULL);
+	table_column(&table, "deviation_percent", "deviation", "%");
+	table_column(&table, "note", "note", NULL);
 	for (int k = 0; k < e->count; k++)
 		if (strncmp(e->parameter[k].name, "view ", 5) != 0)
 			add_parameter(&table, e, k);
@@ -167,63 +152,5 @@ int report_parameters(const struct shown *s, struct fault *fault)
 		"%d numbers were observed, %d are left to judge by: one of them deviates "
 		"by %.3g px. Deviations are standard deviations, to first order. Where the camera was in each view is in calibration.json.",
 		e->residuals, e->freedom, e->sigma);
-	return show_table(s, s->page->body, &table, fault);
-}
-
-/* ---- points ---- */
-
-struct ranked {
-	int point;
-	double length;
-};
-
-static int worst_first(const void *a, const void *b)
-{
-	const struct ranked *x = a, *y = b;
-
-	if (x->length != y->length)
-		return x->length < y->length ? 1 : -1;
-	return (x->point > y->point) - (x->point < y->point);
-}
-
-int report_points(const struct shown *s, struct fault *fault)
-{
-	const struct observations *seen = s->finding->seen;
-	struct ranked *rank = malloc(((size_t)seen->count + 1) * sizeof(*rank));
-	struct report_table table;
-
-	if (!rank)
-		return fault_say(fault, -ENOMEM, "not enough memory for the points");
-	for (int k = 0; k < seen->count; k++) {
-		const double *r = s->residual[k];
-
-		rank[k] = (struct ranked){k, isnan(r[0]) ? INFINITY : hypot(r[0], r[1])};
-	}
-	qsort(rank, (size_t)seen->count, sizeof(*rank), worst_first);
-	report_table_begin(&table, "points");
-	report_table_column(&table, "name", "point", NULL);
-	report_table_column(&table, "view", "view", NULL);
-	report_table_column(&table, "x_px", "x", "px");
-	report_table_column(&table, "y_px", "y", "px");
-	report_table_column(&table, "off_x_px", "off in x", "px");
-	report_table_column(&table, "off_y_px", "off in y", "px");
-	report_table_column(&table, "weight", "weight", NULL);
-	report_table_column(&table, "note", "note", NULL);
-	for (int k = 0; k < seen->count && k < POINTS_SHOWN; k++) {
-		const int n = rank[k].point;
-
-		report_text(&table, "%s", seen->point[n].name);
-		report_number(&table, seen->point[n].view + 1);
-		report_number(&table, seen->point[n].px[0]);
-		report_number(&table, seen->point[n].px[1]);
-		report_number(&table, s->residual[n][0]);
-		report_number(&table, s->residual[n][1]);
-		report_number(&table, s->finding->weight[n]);
-		report_text(&table, isnan(s->residual[n][0]) ? "the model does not see it"
-				    : s->outlier[n]	     ? "outlier"
-							     : "");
-	}
-	free(rank);
-	report_heading(s->page->body, "Points that fit worst");
-	return show_table(s, s->page->body, &table, fault);
+	return report_page_table(s->page, &table, fault);
 }

@@ -54,7 +54,7 @@ static void name_point(struct report_sheet *sheet, const struct sheet_area *area
 		return;
 	if (at[0] + 10 + width > area->left + area->scale * area->width)
 		at[0] -= 20 + width;
-	sheet_label(sheet, at[0] + 10, at[1] - 6, INK_OUTLIER, point->name);
+	sheet_text(sheet, at[0] + 10, at[1] - 6, INK_OUTLIER, "%s", point->name);
 }
 
 static void name_outliers(struct report_sheet *sheet, const struct sheet_area *area,
@@ -74,27 +74,23 @@ static void name_outliers(struct report_sheet *sheet, const struct sheet_area *a
 static void draw_legend(struct report_sheet *sheet, const struct sheet_area *area,
 			double enlargement, bool marks)
 {
-	const double y = sheet_below(area, 0), middle = y - 5;
+	const double y = area->top + area->scale * area->height + SHEET_LINE, middle = y - 5;
 	double at[2] = {SHEET_MARGIN + 8, middle};
 	const double tip[2] = {30, 0};
 
 	if (marks) {
 		sheet_ring(sheet, at, 4.5, INK_SEEN);
-		sheet_ink(sheet, INK_BLACK, 1);
-		sheet_text(sheet, at[0] + 14, y, 0, "seen");
+		sheet_text(sheet, at[0] + 14, y, INK_BLACK, "seen");
 		at[0] += 75;
 		sheet_cross(sheet, at, 3, INK_EXPECTED);
-		sheet_ink(sheet, INK_BLACK, 1);
-		sheet_text(sheet, at[0] + 14, y, 0, "expected");
+		sheet_text(sheet, at[0] + 14, y, INK_BLACK, "expected");
 		at[0] += 100;
 		sheet_square(sheet, at, 5, INK_OUTLIER);
-		sheet_ink(sheet, INK_BLACK, 1);
-		sheet_text(sheet, at[0] + 14, y, 0, "outlier, not used");
+		sheet_text(sheet, at[0] + 14, y, INK_BLACK, "outlier, not used");
 		at[0] += 150;
 	}
 	sheet_arrow(sheet, at, tip, INK_RESIDUAL);
-	sheet_ink(sheet, INK_BLACK, 1);
-	sheet_text(sheet, at[0] + 40, y, 0,
+	sheet_text(sheet, at[0] + 40, y, INK_BLACK,
 		   "from expected to seen, %g times as long as it is: this one is %.3g px",
 		   enlargement, 30 / (enlargement * area->scale));
 }
@@ -107,7 +103,7 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 	struct sheet_area area;
 	char name[32], caption[512];
 	double enlargement, axes;
-	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 1);
+	int err = sheet_begin_area(&sheet, &area, s->width, s->height);
 
 	if (!err)
 		err = sheet_photograph(&sheet, &area, shown_picture(s, v));
@@ -145,27 +141,24 @@ static int draw_view(const struct shown *s, int v, struct fault *fault)
 static int write_view_table(const struct shown *s, struct fault *fault)
 {
 	const struct observations *seen = s->finding->seen;
-	struct report_table table;
-	int err;
+	struct table table;
 
-	report_table_begin(&table, "views");
-	report_table_column(&table, "view", "view", NULL);
-	report_table_column(&table, "file", "file", NULL);
-	report_table_column(&table, "points", "points", NULL);
-	report_table_column(&table, "rms_px", "RMS", "px");
-	report_table_column(&table, "worst_px", "at most", "px");
-	report_table_column(&table, "outliers", "outliers", NULL);
+	table_begin(&table, "views");
+	table_column(&table, "view", "view", NULL);
+	table_column(&table, "file", "file", NULL);
+	table_column(&table, "points", "points", NULL);
+	table_column(&table, "rms_px", "RMS", "px");
+	table_column(&table, "worst_px", "at most", "px");
+	table_column(&table, "outliers", "outliers", NULL);
 	for (int v = 0; v < seen->views; v++) {
-		report_number(&table, v + 1);
-		report_text(&table, "%s", seen->view[v].name);
-		report_number(&table, seen->view[v].count);
-		report_number(&table, s->view[v].rms);
-		report_number(&table, s->view[v].worst);
-		report_number(&table, s->view[v].outliers);
+		table_number(&table, v + 1);
+		table_text(&table, "%s", seen->view[v].name);
+		table_number(&table, seen->view[v].count);
+		table_number(&table, s->view[v].rms);
+		table_number(&table, s->view[v].worst);
+		table_number(&table, s->view[v].outliers);
 	}
-	err = report_page_table(s->page, s->page->body, &table, fault);
-	report_table_free(&table);
-	return err;
+	return report_page_table(s->page, &table, fault);
 }
 
 int report_views(const struct shown *s, struct fault *fault)
@@ -200,7 +193,7 @@ int report_residuals(const struct shown *s, struct fault *fault)
 	struct report_sheet sheet;
 	struct sheet_area area;
 	double enlargement;
-	int err = sheet_begin_area(&sheet, &area, s->width, s->height, 1);
+	int err = sheet_begin_area(&sheet, &area, s->width, s->height);
 
 	if (err)
 		return fault_say(fault, err, "residuals cannot be drawn: %s", strerror(-err));

@@ -16,26 +16,11 @@ struct match {
 	const struct light_colour_pair *pairs;
 	int count;
 	double scale;
-	bool keep_white;
 };
 
 static double sum_of_row(const double x[3])
 {
 	return x[0] + x[1] + x[2];
-}
-
-/* Computes the matrix from the parameters: with white kept, two of each row are free. */
-static void matrix_of(const struct match *m, const double *x, double matrix[ELEMENTS])
-{
-	for (int r = 0; r < 3; r++) {
-		if (!m->keep_white) {
-			memcpy(matrix + 3 * r, x + 3 * r, 3 * sizeof(*x));
-			continue;
-		}
-		matrix[3 * r] = x[2 * r];
-		matrix[3 * r + 1] = x[2 * r + 1];
-		matrix[3 * r + 2] = 1 - x[2 * r] - x[2 * r + 1];
-	}
 }
 
 static double relative_difference(const struct match *m, const double matrix[ELEMENTS], int patch,
@@ -52,36 +37,10 @@ static double relative_difference(const struct match *m, const double matrix[ELE
 static bool colours_evaluate(void *context, const double *x, double *residual)
 {
 	const struct match *m = context;
-	double matrix[ELEMENTS];
 
-	matrix_of(m, x, matrix);
 	for (int i = 0; i < 3 * m->count; i++)
-		residual[i] = relative_difference(m, matrix, i / 3, i % 3);
+		residual[i] = relative_difference(m, x, i / 3, i % 3);
 	return true;
-}
-
-/* Turns the parameters' covariance into that of the nine elements. */
-static void take_covariance(struct light_colours *found, const struct match *m,
-			    const double *covariance, int parameters)
-{
-	double g[ELEMENTS][ELEMENTS] = {{0}};
-
-	for (int e = 0; e < ELEMENTS; e++) {
-		const int r = e / 3, c = e % 3;
-
-		if (!m->keep_white)
-			g[e][e] = 1;
-		else if (c < 2)
-			g[e][2 * r + c] = 1;
-		else
-			g[e][2 * r] = g[e][2 * r + 1] = -1;
-	}
-	for (int a = 0; a < ELEMENTS; a++)
-		for (int b = 0; b < ELEMENTS; b++)
-			for (int i = 0; i < parameters; i++)
-				for (int j = 0; j < parameters; j++)
-					found->estimate.covariance[a * ELEMENTS + b] +=
-						g[a][i] * covariance[i * parameters + j] * g[b][j];
 }
 
 static void take_elements(struct light_colours *found)
@@ -112,10 +71,9 @@ static void normalize_rows(struct light_colours *found)
 
 static int colours_solve(struct light_colours *found, struct match *m, struct fault *fault)
 {
-	const int parameters = m->keep_white ? 6 : ELEMENTS;
-	double x[ELEMENTS] = {0}, scale[ELEMENTS];
+	double x[ELEMENTS] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, scale[ELEMENTS];
 	struct least_squares_fit fit = {.covariance = NULL};
-	const struct least_squares problem = {.parameters = parameters,
+	const struct least_squares problem = {.parameters = ELEMENTS,
 					      .residuals = 3 * m->count,
 					      .evaluate = colours_evaluate,
 					      .context = m,
@@ -123,22 +81,20 @@ static int colours_solve(struct light_colours *found, struct match *m, struct fa
 					      .group = 3};
 	int err;
 
-	for (int k = 0; k < parameters; k++)
+	for (int k = 0; k < ELEMENTS; k++)
 		scale[k] = 1;
-	for (int r = 0; r < 3; r++)
-		if (!m->keep_white || r < 2)
-			x[(m->keep_white ? 2 : 3) * r + r] = 1;
 	err = least_squares_solve(&problem, x, &fit, fault);
 	if (err == -ERANGE)
 		found->condition = INFINITY;
 	else if (err == 0)
 		found->condition = fit.condition;
 	if (err == 0 || err == -ERANGE) {
-		matrix_of(m, x, found->matrix);
+		memcpy(found->matrix, x, sizeof(x));
 		if (err == 0)
-			take_covariance(found, m, fit.covariance, parameters);
+			memcpy(found->estimate.covariance, fit.covariance,
+			       ELEMENTS * ELEMENTS * sizeof(*fit.covariance));
 		found->estimate.residuals = 3 * m->count;
-		found->estimate.freedom = 3 * m->count - parameters;
+		found->estimate.freedom = 3 * m->count - ELEMENTS;
 		found->estimate.sigma = fit.sigma;
 		err = 0;
 	}
@@ -166,7 +122,7 @@ static void colours_compare(struct light_colours *found, const struct match *m)
 	found->after = sqrt(found->after / (3 * m->count));
 }
 
-static void doubt_colours(struct light_colours *found, bool keep_white)
+static void doubt_colours(struct light_colours *found)
 {
 	double worst = 0;
 
@@ -176,7 +132,7 @@ static void doubt_colours(struct light_colours *found, bool keep_white)
 		verdict_doubt(
 			&found->verdict, "show red, green, blue and yellow too",
 			"the patches are all grey, or of few colours: the matrix cannot be told from them");
-	if (found->patches < (keep_white ? 3 : 4))
+	if (found->patches < 4)
 		verdict_doubt(&found->verdict, "show six patches of different colours or more",
 			      "so few patches fit any matrix");
 	if (worst > 0.1)
@@ -190,9 +146,9 @@ static void doubt_colours(struct light_colours *found, bool keep_white)
 }
 
 int light_colours_find(struct light_colours *found, const struct light_colour_pair *pairs,
-		       int count, bool keep_white, struct fault *fault)
+		       int count, struct fault *fault)
 {
-	struct match m = {.pairs = pairs, .count = count, .keep_white = keep_white};
+	struct match m = {.pairs = pairs, .count = count};
 	double from = 0, to = 0;
 	int err;
 
@@ -216,7 +172,7 @@ int light_colours_find(struct light_colours *found, const struct light_colour_pa
 	normalize_rows(found);
 	take_elements(found);
 	colours_compare(found, &m);
-	doubt_colours(found, keep_white);
+	doubt_colours(found);
 	return 0;
 }
 

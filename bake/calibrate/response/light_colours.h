@@ -32,10 +32,9 @@ struct light_colours {
 	struct verdict verdict;
 };
 
-/* Finds the matrix. keep_white: each row's sum is 1, so that grey stays grey (white balance is
- * gain's, or none). -EINVAL: fewer than 3 patches, too many, or a black one; -ENOMEM. */
+/* Finds the matrix. -EINVAL: fewer than 3 patches, too many, or a black one; -ENOMEM. */
 int light_colours_find(struct light_colours *found, const struct light_colour_pair *pairs,
-		       int count, bool keep_white, struct fault *fault);
+		       int count, struct fault *fault);
 void light_colours_free(struct light_colours *found); /* idempotent; zeroed is fine */
 
 /* Reads lines of six numbers, `r g b` of the fisheye and `r g b` of the background; blank lines and

@@ -56,11 +56,11 @@ static void report_numbers(struct light_page *r, const char *key, const double *
 		json_numbers(&r->json, key, value, count);
 }
 
-static void show_table(struct light_page *r, struct report_table *table)
+static void show_table(struct light_page *r, struct table *table)
 {
 	if (!r->err)
-		r->err = report_page_table(&r->page, r->page.body, table, r->fault);
-	report_table_free(table);
+		r->err = report_page_table(&r->page, table, r->fault);
+	table_free(table);
 }
 
 static int finish_page(struct light_page *r, const char *title)
@@ -98,20 +98,20 @@ int light_report_black(const char *folder, const struct light_black *black, stru
 
 static void tabulate_exposures(struct light_page *r, const struct light_response *found)
 {
-	struct report_table table;
+	struct table table;
 
-	report_table_begin(&table, "exposures");
-	report_table_column(&table, "exposure", "exposure", NULL);
-	report_table_column(&table, "time", "time", NULL);
-	report_table_column(&table, "time_deviation_percent", "its deviation", "%");
-	report_table_column(&table, "offset_percent", "off from all by", "%");
-	report_table_column(&table, "scatter_percent", "scatter", "%");
+	table_begin(&table, "exposures");
+	table_column(&table, "exposure", "exposure", NULL);
+	table_column(&table, "time", "time", NULL);
+	table_column(&table, "time_deviation_percent", "its deviation", "%");
+	table_column(&table, "offset_percent", "off from all by", "%");
+	table_column(&table, "scatter_percent", "scatter", "%");
 	for (int j = 0; j < found->exposures; j++) {
-		report_number(&table, j + 1);
-		report_number(&table, found->time[j]);
-		report_number(&table, 100 * found->time_deviation[j]);
-		report_number(&table, 100 * found->offset[j]);
-		report_number(&table, 100 * found->scatter[j]);
+		table_number(&table, j + 1);
+		table_number(&table, found->time[j]);
+		table_number(&table, 100 * found->time_deviation[j]);
+		table_number(&table, 100 * found->offset[j]);
+		table_number(&table, 100 * found->scatter[j]);
 	}
 	show_table(r, &table);
 }
@@ -145,7 +145,7 @@ int light_report_response(const char *folder, const struct light_response *found
 int light_report_gain(const char *folder, const struct light_gain *found,
 		      const struct light_pair *pairs, struct fault *fault)
 {
-	struct report_table table;
+	struct table table;
 	struct light_page r;
 
 	begin_page(&r, folder, "Gain", &found->verdict, fault);
@@ -153,18 +153,18 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 		      found->gain, "");
 	report_figure(&r, "deviation", "One standard deviation of it", found->deviation, "");
 	report_numbers(&r, "balance", found->balance, 3);
-	report_table_begin(&table, "pairs");
-	report_table_column(&table, "pair", "pair", NULL);
-	report_table_column(&table, "gain", "its own gain", NULL);
-	report_table_column(&table, "weight", "weight", NULL);
-	report_table_column(&table, "uneven_percent", "patch uneven by", "%");
-	report_table_column(&table, "clipped_sky_percent", "of the sky clipped", "%");
+	table_begin(&table, "pairs");
+	table_column(&table, "pair", "pair", NULL);
+	table_column(&table, "gain", "its own gain", NULL);
+	table_column(&table, "weight", "weight", NULL);
+	table_column(&table, "uneven_percent", "patch uneven by", "%");
+	table_column(&table, "clipped_sky_percent", "of the sky clipped", "%");
 	for (int k = 0; k < found->pairs; k++) {
-		report_number(&table, k + 1);
-		report_number(&table, found->ratio[k]);
-		report_number(&table, found->weight[k]);
-		report_number(&table, 100 * pairs[k].patch.uneven);
-		report_number(&table, 100 * pairs[k].clipped_sky);
+		table_number(&table, k + 1);
+		table_number(&table, found->ratio[k]);
+		table_number(&table, found->weight[k]);
+		table_number(&table, 100 * pairs[k].patch.uneven);
+		table_number(&table, 100 * pairs[k].clipped_sky);
 	}
 	show_table(&r, &table);
 	report_numbers(&r, "ratios", found->ratio, found->pairs);
@@ -173,7 +173,7 @@ int light_report_gain(const char *folder, const struct light_gain *found,
 
 int light_report_colours(const char *folder, const struct light_colours *found, struct fault *fault)
 {
-	struct report_table table;
+	struct table table;
 	struct light_page r;
 
 	begin_page(&r, folder, "Colours", &found->verdict, fault);
@@ -181,14 +181,14 @@ int light_report_colours(const char *folder, const struct light_colours *found, 
 	report_figure(&r, "after_percent", "Patches differ, after", 100 * found->after, "%");
 	report_figure(&r, "scale", "Background over fisheye, of grey", found->scale, "");
 	report_figure(&r, "condition", "Condition of the equations", found->condition, "");
-	report_table_begin(&table, "colours");
-	report_table_column(&table, "element", "element", NULL);
-	report_table_column(&table, "value", "value", NULL);
-	report_table_column(&table, "deviation", "deviation", NULL);
+	table_begin(&table, "colours");
+	table_column(&table, "element", "element", NULL);
+	table_column(&table, "value", "value", NULL);
+	table_column(&table, "deviation", "deviation", NULL);
 	for (int e = 0; e < 9; e++) {
-		report_text(&table, "%s", found->estimate.parameter[e].name);
-		report_number(&table, found->matrix[e]);
-		report_number(&table, estimate_deviation(&found->estimate, e));
+		table_text(&table, "%s", found->estimate.parameter[e].name);
+		table_number(&table, found->matrix[e]);
+		table_number(&table, estimate_deviation(&found->estimate, e));
 	}
 	show_table(&r, &table);
 	report_numbers(&r, "colours", found->matrix, 9);

@@ -40,7 +40,7 @@ struct encode_rig encode_rig_dome(int frequency, int coarse)
 	struct fault fault;
 	struct dome fine, few;
 
-	assert_int_equal(dome_create(&fine, frequency, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&fine, frequency, &fault), 0);
 	e.settings.lights = e.settings.coarse = fine.count;
 	e.light = calloc((size_t)fine.count, sizeof(*e.light));
 	assert_non_null(e.light);
@@ -49,7 +49,7 @@ struct encode_rig encode_rig_dome(int frequency, int coarse)
 		e.light[i].solid_angle_sr = fine.solid_angle_sr[i];
 	}
 	if (coarse < frequency) {
-		assert_int_equal(dome_create(&few, coarse, DOME_ANGLES, &fault), 0);
+		assert_int_equal(dome_create(&few, coarse, &fault), 0);
 		e.settings.coarse = few.count;
 		e.gather = calloc((size_t)fine.count, sizeof(*e.gather));
 		assert_non_null(e.gather);

@@ -20,7 +20,7 @@ void hand_block_lights(int frequency, int lights, struct basis_light *light)
 	struct fault fault = {""};
 	struct dome dome;
 
-	expect_success(dome_create(&dome, frequency, DOME_ANGLES, &fault), &fault);
+	expect_success(dome_create(&dome, frequency, &fault), &fault);
 	assert_int_equal(dome.count, lights);
 	for (int i = 0; i < lights; i++) {
 		memcpy(light[i].direction, dome.direction[i], sizeof(light[i].direction));

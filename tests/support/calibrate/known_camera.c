@@ -16,7 +16,9 @@ struct tsai_camera known_camera(const double eye[3], const double target[3], dou
 
 	if (tsai_look_at(&c, KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT, eye, target, 40, NULL))
 		abort();
-	half = hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT) / 2 * c.pixel[0];
+	c.focal /= c.pixel[0]; /* a calibration finds f in pixels */
+	c.pixel[0] = c.pixel[1] = 1;
+	half = hypot(KNOWN_CAMERA_WIDTH, KNOWN_CAMERA_HEIGHT) / 2;
 	c.kappa1 = bend / (half * half);
 	c.distortion = distortion;
 	return c;
@@ -105,7 +107,6 @@ struct camera_task known_camera_task(const struct tsai_camera *camera)
 
 	task.width = camera->width;
 	task.height = camera->height;
-	memcpy(task.pixel, camera->pixel, sizeof(task.pixel));
 	task.distortion = camera->distortion;
 	return task;
 }

@@ -84,7 +84,6 @@ TEST("defaults are those of the keys")
 	assert_string_equal(c->scene.view.camera, "");
 	assert_true(c->fisheye.view.view.squash == 1);
 	assert_true(c->fisheye.lens.field_deg == 90);
-	assert_int_equal(c->fisheye.estimator, ESTIMATOR_CELL);
 	assert_int_equal(c->fisheye.transfer, TRANSFER_SRGB);
 	assert_true(c->fisheye.gain == 1);
 	assert_int_equal(c->lights.threshold_mode, THRESHOLD_AMBIENT);

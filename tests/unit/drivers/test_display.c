@@ -364,14 +364,14 @@ static void test_display_show(struct display *display, int number)
 
 /* The driver's own options. */
 struct null_choice {
-	double rate_hz;
 	int vanish_after, stall_after, hide_after;
 };
 
 TEST("null flips on time")
 {
-	const struct display_settings settings = {.picture_width = 64, .picture_height = 48};
-	struct null_choice choice = {.rate_hz = 125}; /* 8 ms */
+	const struct display_settings settings = {
+		.picture_width = 64, .picture_height = 48, .rate_hz = 125}; /* 8 ms */
+	struct null_choice choice = {.hide_after = 0};
 	struct display_event event = {0}, nothing;
 	struct display display;
 	struct display_buffer buffer, again;
@@ -414,32 +414,10 @@ TEST("null flips on time")
 	close_fine(&display);
 }
 
-TEST("null without rate")
-{
-	const struct display_settings settings = {.width = 8, .height = 8};
-	struct null_choice choice = {.rate_hz = 0};
-	struct display_buffer buffer;
-	struct display display;
-	struct fault fault;
-
-	open_fine(&display, &display_null, &settings, &choice);
-	for (int i = 0; i < 200; i++) {
-		int64_t after_ns;
-
-		assert_int_equal(display_acquire(&display, &buffer), 0);
-		assert_int_equal(display_submit(&display, &buffer, i, &fault), 0);
-		after_ns = clock_now_ns();
-		/* due when it was submitted, not at a refresh to come */
-		assert_true(wait_shown(&display).time_ns <= after_ns);
-	}
-	assert_true(display.rate_hz == 0);
-	close_fine(&display);
-}
-
 TEST("null without size")
 {
 	const struct display_settings settings = {.rate_hz = 50};
-	struct null_choice choice = {.rate_hz = 60};
+	struct null_choice choice = {.hide_after = 0};
 	struct display display;
 	struct fault fault;
 

@@ -316,7 +316,7 @@ static double random_unit(uint64_t *state)
 }
 
 /* Random directions in each light, independent of the driver's tiles. */
-static void check_random_sampling(enum dome_shape shape)
+TEST("lights match random sampling")
 {
 	const int side = 220;
 	const struct studio_lamps lamps = studio_lamps(5.1, 0);
@@ -326,7 +326,7 @@ static void check_random_sampling(enum dome_shape shape)
 	double worst = 0;
 
 	print_message("# seed %llu\n", (unsigned long long)seed);
-	assert_int_equal(dome_create_shaped(&dome, 3, DOME_ANGLES, shape, NULL), 0);
+	assert_int_equal(dome_create(&dome, 3, NULL), 0);
 	lights = calloc((size_t)dome.count, sizeof(*lights));
 	assert_int_equal(studio_lights(&dome, origin, &lamps, lights), 0);
 	for (int i = 0; i < dome.count; i += thorough() ? 1 : 3) {
@@ -335,40 +335,30 @@ static void check_random_sampling(enum dome_shape shape)
 		for (int j = 0; j < side * side; j++) {
 			const double u = (j % side + random_unit(&seed)) / side;
 			const double v = (j / side + random_unit(&seed)) / side;
-			double dir[3], rgb[3], share = dome.solid_angle_sr[i];
+			double dir[3], rgb[3];
 
-			dome_light_sample(&dome, i, u, v, dir);
-			if (shape == DOME_TENTS)
-				share = dome_weight(&dome, i, dir) /
-					dome_light_density(&dome, i, dir);
+			dome_cell_sample(&dome, i, u, v, dir);
 			studio_radiance(origin, dir, &lamps, rgb);
 			for (int c = 0; c < 3; c++)
-				sum[c] += rgb[c] * share / dome.solid_angle_sr[i] / (side * side);
+				sum[c] += rgb[c] / (side * side);
 		}
 		for (int c = 0; c < 3; c++)
 			worst = fmax(worst, fabs(sum[c] - lights[i][c]));
 	}
-	print_message("# true lights against random sampling, %s: largest %.5f of 5.2\n",
-		      dome_shape_names[shape], worst);
+	print_message("# true lights against random sampling: largest %.5f of 5.2\n", worst);
 	assert_true(worst < 0.004);
 	free(lights);
 	dome_free(&dome);
-}
-
-TEST("lights match random sampling")
-{
-	check_random_sampling(DOME_CELLS);
-	check_random_sampling(DOME_TENTS);
 }
 
 struct sampled {
 	double rms, worst, energy; /* relative to the largest light */
 };
 
-static struct sampled sample(int frequency, int side, enum light_estimator estimator, double t)
+static struct sampled sample(int frequency, int side, double t)
 {
-	const struct light_sampler_settings settings = {
-		.estimator = estimator, .curve = {.named = TRANSFER_LINEAR}, .gain = 1};
+	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_LINEAR},
+							.gain = 1};
 	const struct studio_lamps lamps = studio_lamps(t, 0);
 	struct sampled s = {0, 0, 0};
 	double largest = 0, true_energy = 0, energy = 0;
@@ -379,7 +369,7 @@ static struct sampled sample(int frequency, int side, enum light_estimator estim
 	double(*truth)[3];
 	float(*got)[3];
 
-	assert_int_equal(dome_create(&dome, frequency, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, frequency, NULL), 0);
 	truth = calloc((size_t)dome.count, sizeof(*truth));
 	got = calloc((size_t)dome.count, sizeof(*got));
 	prepare_fisheye(&eye, side);
@@ -421,15 +411,12 @@ TEST("the light sampler finds the true lights")
 		     {9, 960, 0.015, 0.002}};
 
 	for (size_t i = 0; i < (thorough() ? 4 : 2); i++) {
-		const struct sampled cell = sample(cases[i].frequency, cases[i].side,
-						   ESTIMATOR_CELL, 2.0);
-		const struct sampled node = sample(cases[i].frequency, cases[i].side,
-						   ESTIMATOR_NODE, 2.0);
+		const struct sampled cell = sample(cases[i].frequency, cases[i].side, 2.0);
 
 		print_message(
-			"# f %d, fisheye %d px: cell RMS %.2f %% largest %.2f %% irradiance %+.3f %%; node RMS %.1f %% largest %.0f %% irradiance %+.1f %%\n",
+			"# f %d, fisheye %d px: cell RMS %.2f %% largest %.2f %% irradiance %+.3f %%\n",
 			cases[i].frequency, cases[i].side, 100 * cell.rms, 100 * cell.worst,
-			100 * cell.energy, 100 * node.rms, 100 * node.worst, 100 * node.energy);
+			100 * cell.energy);
 		assert_true(cell.worst < cases[i].worst);
 		assert_true(fabs(cell.energy) < cases[i].energy);
 	}

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench/bench_memory.h"
 #include "hal/image/image.h"
 #include "hal/measure/background.h"
 #include "hal/measure/error.h"
@@ -246,10 +245,9 @@ TEST("thesis composites")
 		assert_int_equal(pool_create(&pool, threads), 0);
 		assert_int_equal(
 			thesis_create(&thesis, &s.basis, &s.basis.poses[0].shown, pool, &fault), 0);
-		assert_int_equal(thesis_share(thesis, pool), 0);
 		bench_scene_open(&f, &s.basis, &chance, threads == 2 ? 0.4 : 0);
 		thesis_light(thesis, &f.lights);
-		thesis_run(thesis, &f.background, &f.out);
+		thesis_run(thesis, &f.background, &f.out, pool);
 		check_frame(&f, brightest(&s.basis));
 		assert_true(thesis_bytes(thesis, 10) == 10 * thesis_bytes(thesis, 1));
 		bench_scene_close(&f);
@@ -346,28 +344,4 @@ TEST("lightings are exposed")
 	assert_int_equal(lightings_add_file(&l, &s.basis, "none.txt", &fault), -ENOENT);
 	lightings_free(&l);
 	synthetic_close(&s);
-}
-
-/* ---- memory ---- */
-
-TEST("every byte is read")
-{
-	struct chance chance = chance_begin("reading");
-	struct bench_reading reading;
-	struct pool *pool;
-
-	assert_int_equal(pool_create(&pool, 2), 0);
-	assert_int_equal(reading_create(&reading, 100000), 0);
-	for (int round = 0; round < 50; round++) {
-		const size_t bytes = 512 * (size_t)chance_int(&chance, 1, 190);
-		uint64_t sum = 0, *word = (uint64_t *)(void *)reading.data;
-
-		for (size_t k = 0; k < bytes / 8; k++) {
-			word[k] = chance_bits(&chance);
-			sum ^= word[k];
-		}
-		assert_true(reading_run(&reading, bytes, pool) == sum);
-	}
-	reading_free(&reading);
-	pool_destroy(pool);
 }

@@ -14,102 +14,94 @@
 #include <unistd.h>
 
 #include "app/kiosk/loop.h"
-#include "app/options.h"
 #include "app/records/stats.h"
 #include "hal/base/clock.h"
+#include "hal/options/options.h"
+#include "tests/support/expect.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/test.h"
 
 /* ---- options ---- */
 
-struct taken_actions {
-	char words[8][32];
-	int count;
-	long number;
+struct taken_values {
+	const char *word, *out;
+	struct option_list list;
+	bool flag, given;
+	int number, which, size[2];
+	double real;
 };
 
-static int take_word(void *context, const char *argument, const char **expected)
-{
-	struct taken_actions *taken = context;
+#define AT(field) .place = offsetof(struct taken_values, field)
 
-	(void)expected;
-	snprintf(taken->words[taken->count++], 32, "%s", argument ? argument : "(none)");
-	return 0;
-}
-
-static int take_number(void *context, const char *argument, const char **expected)
-{
-	*expected = "1..9";
-	return option_integer(argument, 1, 9, &((struct taken_actions *)context)->number);
-}
+static const char *const choices[] = {"one", "two", NULL};
 
 static const struct option_row rows[] = {
-	{.name = "word", .letter = 'w', .argument = "WORD", .help = "h", .take = take_word},
-	{.name = "flag", .help = "h", .take = take_word},
-	{.name = "number", .argument = "N", .help = "h", .take = take_number},
+	{"word", OPTION_TEXT, AT(word), .argument = "WORD", .help = "h"},
+	{"out", OPTION_TEXT, AT(out), .argument = "WORD", .help = "h"},
+	{"list", OPTION_LIST, AT(list), .argument = "WORD", .help = "h"},
+	{"flag", OPTION_FLAG, AT(flag), .help = "h"},
+	{"number", OPTION_INT, AT(number), .min = 1, .max = 9,
+	 .given = offsetof(struct taken_values, given), .argument = "N", .help = "h"},
+	{"real", OPTION_REAL, AT(real), .max = 255, .argument = "X", .help = "h"},
+	{"size", OPTION_SIZE, AT(size), .argument = "WxH", .help = "h"},
+	{"which", OPTION_CHOICE, AT(which), .choices = choices, .argument = "W", .help = "h"},
 	{.name = NULL}};
 
-static const struct command command = {.name = "try", .usage = "", .purpose = "", .options = rows};
+static const struct command command = {.name = "try", .usage = "", .summary = ""};
 
-static int read_words(struct taken_actions *taken, const char *first, ...)
+static int read_words(struct taken_values *taken, const char *first, ...)
 {
-	char *argv[12] = {(char *)"try"};
+	char *argv[20] = {(char *)"try"};
 	va_list args;
 	int argc = 1;
 
-	*taken = (struct taken_actions){.count = 0};
+	*taken = (struct taken_values){.word = NULL};
 	va_start(args, first);
 	for (const char *word = first; word; word = va_arg(args, const char *))
 		argv[argc++] = (char *)word;
 	va_end(args);
-	return options_read(&command, argc, argv, taken);
+	return command_read_all(&command, argc, argv, rows, taken);
 }
 
 TEST("options are read")
 {
-	struct taken_actions taken;
+	struct taken_values taken;
 
-	assert_int_equal(read_words(&taken, NULL), OPTIONS_GO_ON);
-	assert_int_equal(read_words(&taken, "--word", "a b", "--word=c=d", "-w", "--x", "-we",
-				    "--word=", "--flag", "--number", "9", NULL),
-			 OPTIONS_GO_ON);
-	assert_int_equal(taken.count, 6);
-	assert_string_equal(taken.words[0], "a b");
-	assert_string_equal(taken.words[1], "c=d");
-	assert_string_equal(taken.words[2], "--x");
-	assert_string_equal(taken.words[3], "e");
-	assert_string_equal(taken.words[4], "");
-	assert_string_equal(taken.words[5], "(none)");
+	assert_int_equal(read_words(&taken, NULL), COMMAND_GOES_ON);
+	assert_false(taken.given);
+	assert_int_equal(read_words(&taken, "--word=c=d", "--list", "a b", "-o", "--x",
+				    "--list=", "--flag", "--number", "9", "--real=12.5", "--size",
+				    "3x4", "--which", "two", NULL),
+			 COMMAND_GOES_ON);
+	assert_string_equal(taken.word, "c=d");
+	assert_int_equal(taken.list.count, 2);
+	assert_string_equal(taken.list.text[0], "a b");
+	assert_string_equal(taken.list.text[1], "");
+	assert_string_equal(taken.out, "--x");
+	assert_true(taken.flag && taken.given);
 	assert_int_equal(taken.number, 9);
+	assert_true(taken.real == 12.5);
+	assert_int_equal(taken.size[0], 3);
+	assert_int_equal(taken.size[1], 4);
+	assert_int_equal(taken.which, 1);
 }
 
 TEST("wrong options are wrong usage")
 {
-	struct taken_actions taken;
+	static const char *const wrong[] = {"--wrod=a",	   "--word",	"--flag=1",   "--number=10",
+					    "--number=5x", "--number=", "--real=nan", "--real=inf",
+					    "--real=256",  "--real=1 ", "--size=3",   "--size=0x4",
+					    "--which=x",   "word",	"-",	      "-q",
+					    "-o"};
+	char *argv[OPTION_LIST_MAX + 2] = {(char *)"try"};
+	struct taken_values taken = {.word = NULL};
 
-	assert_int_equal(read_words(&taken, "--wrod", "a", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--wor", "a", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--word", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--flag=1", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--number", "10", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--number", "5x", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--number", "", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "word", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "-", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "--", NULL), EXIT_USAGE);
-	assert_int_equal(read_words(&taken, "-q", NULL), EXIT_USAGE);
-}
-
-TEST("numbers are whole and finite")
-{
-	double v;
-
-	assert_int_equal(option_number("12.5", 0, 255, &v), 0);
-	assert_true(v == 12.5);
-	assert_int_equal(option_number("nan", 0, 255, &v), -EINVAL);
-	assert_int_equal(option_number("inf", 0, 1e300, &v), -EINVAL);
-	assert_int_equal(option_number("256", 0, 255, &v), -EINVAL);
-	assert_int_equal(option_number("1 ", 0, 255, &v), -EINVAL);
+	for (size_t k = 0; k < sizeof(wrong) / sizeof(*wrong); k++)
+		expect_equal(read_words(&taken, wrong[k], NULL), EXIT_USAGE, "%s", wrong[k]);
+	for (int k = 0; k <= OPTION_LIST_MAX; k++)
+		argv[1 + k] = (char *)"--list=a";
+	assert_int_equal(command_read_all(&command, 2 + OPTION_LIST_MAX, argv, rows, &taken),
+			 EXIT_USAGE);
 }
 
 /* ---- loop ---- */

@@ -60,7 +60,6 @@ TEST("each key has its effect")
 		{"[screen]\nshow = quad\n", RELOAD_VIEW | RELOAD_DRAWING},
 		{"[screen]\nsplit = 0.25\n", RELOAD_SPLIT | RELOAD_DRAWING},
 		{"[screen]\ndriver = null\n", 0},
-		{"[screen]\nnull.rate = 30\n", 0},
 		{"[buttons]\nscript.file = x\n", RELOAD_BUTTONS},
 		{"[control]\ngroup = x\n", RELOAD_CONTROL},
 		{"[state]\ninterval = 1\n", RELOAD_STATE},

@@ -19,8 +19,7 @@ static void begin(int frequency, const struct dome_fine *fine)
 	int wrong;
 
 	dome_free(&dome);
-	expect_success(dome_create_fine(&dome, frequency, DOME_ANGLES, DOME_CELLS, fine,
-					fine ? 1 : 0, &wrong, &fault),
+	expect_success(dome_create_fine(&dome, frequency, fine, fine ? 1 : 0, &wrong, &fault),
 		       &fault);
 	for (int i = 0; i < dome.count; i++)
 		for (int c = 0; c < 3; c++)

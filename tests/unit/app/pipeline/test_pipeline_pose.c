@@ -62,7 +62,6 @@ static void write_basis(void)
 					      .height = HEIGHT,
 					      .lights = LIGHTS,
 					      .dome_frequency = 1,
-					      .dome_division = DOME_ANGLES,
 					      .poses = POSES,
 					      .coarse = LIGHTS};
 	struct basis_light lights[LIGHTS];

@@ -273,7 +273,6 @@ static void write_dome(const char *path)
 					.height = 1,
 					.lights = LIGHTS,
 					.dome_frequency = 1,
-					.dome_division = DOME_ANGLES,
 					.poses = 1,
 					.coarse = LIGHTS};
 	static const float value[3 * LIGHTS] = {1}, peak[LIGHTS + 1][3] = {{1}, [LIGHTS] = {1}};
@@ -329,8 +328,7 @@ TEST("the band is a level of the picture")
 	for (int n = 0; n < TRANSFER_COUNT * 2 * 3; n++) {
 		const int black = n / TRANSFER_COUNT % 2 ? 16 : 0;
 		const struct pipeline_settings settings = {
-			.sampler = {.estimator = ESTIMATOR_CELL,
-				    .curve = {.named = (enum transfer)(n % TRANSFER_COUNT),
+			.sampler = {.curve = {.named = (enum transfer)(n % TRANSFER_COUNT),
 					      .black = black},
 				    .gain = gains[n / TRANSFER_COUNT / 2]},
 			.lens = {.field_deg = 90},

@@ -255,7 +255,7 @@ TEST("marks lie on the lights")
 	bool used[46];
 	double focal = SIDE / 2 / (M_PI / 2);
 
-	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 3, NULL), 0);
 	assert_int_equal(dome.count, 46);
 	for (int i = 0; i < 46; i++)
 		used[i] = i % 3 == 0;
@@ -293,7 +293,7 @@ TEST("marks are squares of their size")
 		struct dome dome;
 		int coloured = 0, side = mark_side_px(sides[s], sides[s]);
 
-		assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome_create(&dome, 1, NULL), 0);
 		expect_equal(dome.count, 6, "s=%zu", s);
 		dome.count = 1; /* only the zenith: in the middle */
 		assert_int_equal(canvas_create(&canvas, sides[s], sides[s]), 0);

@@ -35,7 +35,6 @@ static void write_basis(const char *path)
 					      .height = HEIGHT,
 					      .lights = LIGHTS,
 					      .dome_frequency = 3,
-					      .dome_division = DOME_ANGLES,
 					      .poses = 1,
 					      .coarse = LIGHTS};
 	static struct basis_light lights[LIGHTS];

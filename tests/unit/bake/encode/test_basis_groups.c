@@ -27,8 +27,8 @@ static int groups_begin(void **state)
 	struct fault fault;
 	size_t n;
 
-	assert_int_equal(dome_create(&d->fine, FINE, DOME_ANGLES, &fault), 0);
-	assert_int_equal(dome_create(&d->few, COARSE, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&d->fine, FINE, &fault), 0);
+	assert_int_equal(dome_create(&d->few, COARSE, &fault), 0);
 	n = (size_t)d->fine.count;
 	d->gather = calloc(n, sizeof(*d->gather));
 	d->weight = calloc(n, sizeof(*d->weight));

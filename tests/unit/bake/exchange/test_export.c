@@ -18,7 +18,7 @@
 
 #define WIDTH 24
 #define HEIGHT 18
-#define RAYS 2
+#define RAYS 4
 #define FLOATS 6
 
 static const char *const camera = "[camera]\nposition = 1 -3 1.5\nlook_at = 0 0 0.4\nwidth = 24\n"
@@ -50,12 +50,11 @@ static struct scene *open_scene(const char *view)
 
 static void export_to(const struct scene *scene, const char *folder)
 {
-	const struct export_radiance_settings settings = {.rays = RAYS, .suns = 8};
 	struct fault fault = {.text = ""};
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
-	if (export_radiance(scene, &dome, small_scene_path(folder), &settings, &fault))
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
+	if (export_radiance(scene, &dome, small_scene_path(folder), &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
 }
@@ -236,7 +235,7 @@ TEST("blender")
 	assert_non_null(part->colour);
 	part->colour[0][1] = 0.25f;
 	scene->materials[0].texture = &texture;
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
 	if (export_blender(scene, &dome, small_scene_path("blender"), &fault))
 		fail_msg("%s", fault.text);
 	dome_free(&dome);
@@ -293,33 +292,18 @@ static double suns_sr(const char *path)
 	return sum;
 }
 
-/* A tent is exported as its file of angles, and as suns whose density is its brightness. */
-TEST("tents")
+/* The suns of a light have its solid angle together. */
+TEST("suns")
 {
-	const struct export_radiance_settings settings = {.rays = 1, .suns = 256};
 	struct scene *scene = open_scene(camera);
 	struct fault fault = {.text = ""};
-	struct dome dome, found;
-	int *light;
+	struct dome dome;
 
-	assert_int_equal(dome_create_shaped(&dome, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
-	assert_int_equal(
-		export_radiance(scene, &dome, small_scene_path("tents"), &settings, &fault), 0);
-	for (int i = 0; i < dome.count; i++) {
-		char name[64];
-
-		snprintf(name, sizeof(name), "tents/light%03d.rad", i);
-		expect_below(fabs(suns_sr(small_scene_path(name)) / dome.solid_angle_sr[i] - 1),
-			     0.02, "i=%d", i);
-	}
-	if (angles_read(small_scene_path("tents/angles.txt"), &found, &light, &fault))
-		fail_msg("%s", fault.text);
-	assert_int_equal(found.count, dome.count);
-	assert_int_equal((int)found.shape, (int)DOME_TENTS);
-	free(light);
-	dome_free(&found);
-	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -ENOTSUP);
-	assert_non_null(strstr(fault.text, "expected cells"));
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
+	expect_success(export_radiance(scene, &dome, small_scene_path("suns"), &fault), &fault);
+	expect_below(
+		fabs(suns_sr(small_scene_path("suns/light003.rad")) / dome.solid_angle_sr[3] - 1),
+		1e-6, "light 3");
 	dome_free(&dome);
 	scene_close(scene);
 }
@@ -341,7 +325,7 @@ TEST("shift")
 	expected = (undistorted - radius) / 0.25;
 	assert_float_equal(export_camera_shift(&scene->camera), expected, 1e-6);
 	assert_true(expected > EXPORT_BLENDER_SHIFT_PX);
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
 	assert_int_equal(export_blender(scene, &dome, small_scene_path("no"), &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "moves pixels by up to"));
 	assert_int_equal(access(small_scene_path("no"), F_OK), -1);

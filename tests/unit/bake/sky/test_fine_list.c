@@ -124,7 +124,7 @@ TEST("refused by the dome")
 
 	expect_success(fine_list_read(&list, "--fine", "0 20 1 18, 90 20 1 20", NULL, &fault),
 		       &fault);
-	assert_int_equal(fine_list_dome(&list, 9, DOME_ANGLES, DOME_CELLS, &dome, &fault), -EINVAL);
+	assert_int_equal(fine_list_dome(&list, 9, &dome, &fault), -EINVAL);
 	assert_string_equal(
 		fault.text,
 		"--fine: part 2: frequency is 20, expected a multiple of the dome's 9 up to 72");

@@ -25,8 +25,7 @@ static int test_sky_begin_all(void **state)
 	struct fault fault;
 
 	(void)state;
-	return image_create_f32(&image, 1024, 512) ||
-	       dome_create(&dome, FREQUENCY, DOME_ANGLES, &fault) ||
+	return image_create_f32(&image, 1024, 512) || dome_create(&dome, FREQUENCY, &fault) ||
 	       sky_need_create(&need, FREQUENCY, &fault);
 }
 
@@ -126,9 +125,7 @@ TEST_BETWEEN("sun is found", test_sky_begin, NULL)
 	assert_int_equal(parts.part[0].frequency, 72);
 	assert_int_equal(dome_cell_of(&dome, sun), dome_cell_of(&dome, parts.part[0].direction));
 	assert_true(vec_angle(sun, parts.part[0].direction) < 1 * DEGREE);
-	assert_int_equal(dome_create_fine(&fine, FREQUENCY, DOME_ANGLES, DOME_CELLS, parts.part, 1,
-					  &wrong, &fault),
-			 0);
+	assert_int_equal(dome_create_fine(&fine, FREQUENCY, parts.part, 1, &wrong, &fault), 0);
 	assert_int_equal(fine.count, parts.lights);
 	light = dome_cell_of(&fine, sun);
 	assert_true(vec_angle(fine.direction[light], sun) < atan(2) / 72);
@@ -170,8 +167,7 @@ TEST_BETWEEN("sun at a border", test_sky_begin, NULL)
 	fclose(stream);
 	text[strcspn(text, "\n")] = '\0';
 	expect_success(fine_list_read(&list, "list", text, NULL, &fault), &fault);
-	expect_success(fine_list_dome(&list, FREQUENCY, DOME_ANGLES, DOME_CELLS, &fine, &fault),
-		       &fault);
+	expect_success(fine_list_dome(&list, FREQUENCY, &fine, &fault), &fault);
 	assert_int_equal(fine.count, parts.lights);
 	for (int k = 0; k < 12; k++) {
 		const double turn = 2 * M_PI * k / 12;
@@ -179,7 +175,7 @@ TEST_BETWEEN("sun at a border", test_sky_begin, NULL)
 					sun[1] + 0.4 * DEGREE * sin(turn), sun[2]};
 		const int light = dome_cell_of(&fine, near);
 
-		expect_below(dome_light_reach_rad(&fine, light), 1.2 * atan(2) / 72, "k=%d", k);
+		expect_below(dome_cell_reach_rad(&fine, light), 1.2 * atan(2) / 72, "k=%d", k);
 	}
 	dome_free(&fine);
 	fine_list_free(&list);

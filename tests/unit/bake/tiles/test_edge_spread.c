@@ -117,7 +117,7 @@ TEST("an edge of truth is that soft")
 	struct sky sky;
 	struct fault fault;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&dome, 1, &fault), 0);
 	sky_of_light(&sky, &dome, 0);
 	assert_int_equal(truth_pictures(scene, &sky, &settings, &pictures, &fault), 0);
 	for (int x = 0; x < WIDTH; x++)

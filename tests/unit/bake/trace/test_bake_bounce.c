@@ -485,7 +485,7 @@ static void check_scene(const char *what, const char *material, const char *stan
 		struct cells cells;
 		struct dome dome;
 
-		assert_int_equal(dome_create(&dome, frequencies[k], DOME_ANGLES, &fault), 0);
+		assert_int_equal(dome_create(&dome, frequencies[k], &fault), 0);
 		assert_int_equal(cells_create(&cells, &dome), 0);
 		/* the edge of the ball above the ground, the middle of the ball */
 		check_tile(scene, &cells, what, 10, &log_sum, &log_count);

@@ -71,7 +71,7 @@ static void make_cells(struct dome *dome, struct cells *cells)
 {
 	struct fault fault;
 
-	assert_int_equal(dome_create(dome, 3, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(dome, 3, &fault), 0);
 	assert_int_equal(cells_create(cells, dome), 0);
 }
 

@@ -56,7 +56,7 @@ static void make_panorama(struct image *image)
 	struct fault fault = {.text = ""};
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&dome, 1, &fault), 0);
 	assert_int_equal(image_create_f32(image, width, height), 0);
 	for (int y = 0; y <= height / 2; y++)
 		for (int x = 0; x < width; x++) {

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/base/csv.h"
 #include "hal/base/json.h"
 #include "tests/support/test.h"
 
@@ -64,20 +63,4 @@ TEST("json keeps every digit")
 		assert_true(strtod(strchr(text, ':') + 1, NULL) == numbers[k]);
 		free(text);
 	}
-}
-
-TEST("csv is quoted where it must be")
-{
-	char *text = NULL;
-	size_t bytes;
-	FILE *to = open_memstream(&text, &bytes);
-
-	assert_non_null(to);
-	csv_text(to, "plain words");
-	csv_text(to, "a \"b\", c");
-	csv_number(to, NAN);
-	csv_number(to, 1.23456789);
-	fclose(to);
-	assert_string_equal(text, "plain words\"a \"\"b\"\", c\"1.234568");
-	free(text);
 }

@@ -175,6 +175,12 @@ TEST("refuses broken numbers")
 
 	synthetic_reseal(c.data, c.bytes); /* this change alone breaks nothing */
 	assert_int_equal(copied_open(&c, &fault), 0);
+	info->light_shape = 1;
+	synthetic_reseal(c.data, c.bytes);
+	assert_int_equal(copied_open(&c, &fault), -ENOTSUP);
+	assert_non_null(
+		strstr(fault.text, "its lights are tents, expected cells: bake the scene again"));
+	info->light_shape = 0;
 
 	REFUSED("pixels, expected", info->width = 0);
 	REFUSED("pixels, expected", info->height = 20000);

@@ -30,7 +30,6 @@ static void write_pixel(const char *path, float cut_share)
 					      .height = 1,
 					      .lights = LIGHTS,
 					      .dome_frequency = FREQUENCY,
-					      .dome_division = DOME_ANGLES,
 					      .poses = 1,
 					      .coarse = LIGHTS,
 					      .column_cut = CUT};

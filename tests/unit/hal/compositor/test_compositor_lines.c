@@ -29,7 +29,6 @@ static void write_basis(const char *to)
 					.height = BASIS_TILE,
 					.lights = LIGHTS,
 					.dome_frequency = FREQUENCY,
-					.dome_division = DOME_ANGLES,
 					.poses = 1,
 					.coarse = LIGHTS,
 					.column_cut = 1e-12};

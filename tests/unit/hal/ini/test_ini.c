@@ -447,22 +447,26 @@ TEST("invisible oddities are named")
 		{"[lamp]\nlabel = \u201cleft\u201d\n",
 		 "k.conf:2: [lamp] label: stands in quotation"},
 	};
+	struct outcome *o;
 
 	for (int i = 0; i < 4; i++) {
-		struct outcome *o = parse_bytes(utf16[i], (size_t)bytes[i]);
+		o = parse_bytes(utf16[i], (size_t)bytes[i]);
 
 		assert_int_equal(o->said_count, 1);
 		assert_string_equal(o->said[0],
 				    "k.conf: is UTF-16, expected UTF-8: save it in that encoding");
+		free(o);
 	}
 	for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); i++) {
-		struct outcome *o = parse_bytes(cases[i].text, strlen(cases[i].text));
-
+		o = parse_bytes(cases[i].text, strlen(cases[i].text));
 		expect_above(o->said_count, 0, "%s", cases[i].text);
 		if (strncmp(o->said[0], cases[i].part, strlen(cases[i].part)) != 0)
 			fail_msg("%s, expected %s", o->said[0], cases[i].part);
+		free(o);
 	}
-	assert_int_equal(parse_bytes(inside, strlen(inside))->said_count, 0);
+	o = parse_bytes(inside, strlen(inside));
+	assert_int_equal(o->said_count, 0);
+	free(o);
 }
 
 TEST("binary data is refused")

@@ -442,7 +442,7 @@ TEST("the sampler tells what is believed")
 	const double longer = 0.25;
 
 	pixel_white_fill(&white, &curve);
-	assert_int_equal(dome_create(&dome, 3, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 3, NULL), 0);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SIDE, SIDE, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SIDE, SIDE, &settings, NULL),
 			 0);
@@ -588,7 +588,7 @@ TEST("light near white is not lost")
 	struct dome dome;
 	struct image image;
 
-	assert_int_equal(dome_create(&dome, 4, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 4, NULL), 0);
 	assert_in_range(dome.count, 1, 200);
 	assert_int_equal(fisheye_prepare(&lens, &lens_settings, SKY, SKY, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SKY, SKY, &settings, NULL),

@@ -41,7 +41,7 @@ TEST("what touches is one piece")
 		double ring = 0;
 		int top;
 
-		assert_int_equal(dome_create(&dome, frequencies[n], DOME_ANGLES, &fault), 0);
+		assert_int_equal(dome_create(&dome, frequencies[n], &fault), 0);
 		assert_int_equal(clipped_pieces_create(&pieces, &dome), 0);
 		clipped = calloc((size_t)dome.count, sizeof(*clipped));
 		assert_non_null(clipped);
@@ -83,7 +83,7 @@ TEST("two lamps are two pieces")
 	struct dome dome;
 	int a, b, c;
 
-	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&dome, 9, &fault), 0);
 	assert_int_equal(clipped_pieces_create(&pieces, &dome), 0);
 	a = at(&dome, 40, 0);
 	b = at(&dome, 40, 9);

@@ -199,16 +199,13 @@ struct sampled_eye {
 
 static const struct fisheye_settings upright = {.field_deg = 90};
 
-static struct sampled_eye eye_of(int f, const struct fisheye_settings *lens, int width, int height,
-				 enum light_estimator estimator)
+static struct sampled_eye eye_of(int f, const struct fisheye_settings *lens, int width, int height)
 {
 	const struct light_sampler_settings settings = {
-		.estimator = estimator,
-		.curve = {.named = TRANSFER_SRGB, .black = 11},
-		.gain = 1.5};
+		.curve = {.named = TRANSFER_SRGB, .black = 11}, .gain = 1.5};
 	struct sampled_eye e = {.width = width, .height = height};
 
-	assert_int_equal(dome_create(&e.dome, f, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&e.dome, f, NULL), 0);
 	assert_int_equal(fisheye_prepare(&e.lens, lens, width, height, NULL), 0);
 	assert_int_equal(canvas_create(&e.canvas, width, height), 0);
 	assert_int_equal(
@@ -320,30 +317,25 @@ TEST("colours are within the bound")
 	} cases[] = {{4, 480, 480}, {9, 200, 150}, {18, 320, 240}, {36, 320, 320}, {24, 33, 65}};
 	struct chance chance = chance_begin("sampler_kernels");
 
-	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++)
-		for (int estimator = 0; estimator < ESTIMATOR_COUNT; estimator++) {
-			struct sampled_eye e = eye_of(cases[k].f, &upright, cases[k].width,
-						      cases[k].height,
-						      (enum light_estimator)estimator);
-			struct sampler_shares shares;
-			double worst = 0;
+	for (unsigned k = 0; k < sizeof(cases) / sizeof(*cases); k++) {
+		struct sampled_eye e = eye_of(cases[k].f, &upright, cases[k].width,
+					      cases[k].height);
+		struct sampler_shares shares;
+		double worst = 0;
 
-			assert_int_equal(
-				sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height,
-						      (enum light_estimator)estimator, NULL),
-				0);
-			for (int sky = 0; sky < SKIES; sky++) {
-				paint(&e, &chance, sky, &shares);
-				worst = fmax(worst, check_colours(&e, &shares));
-			}
-			print_message("# f=%d, %dx%d, %s: errors take up to %.2f of the bound\n",
-				      cases[k].f, e.width, e.height,
-				      light_estimator_names[estimator], worst);
-			expect_at_most(worst, 1, "f=%d, %dx%d, %s", cases[k].f, e.width, e.height,
-				       light_estimator_names[estimator]);
-			sampler_shares_free(&shares);
-			eye_free(&e);
+		assert_int_equal(
+			sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height, NULL),
+			0);
+		for (int sky = 0; sky < SKIES; sky++) {
+			paint(&e, &chance, sky, &shares);
+			worst = fmax(worst, check_colours(&e, &shares));
 		}
+		print_message("# f=%d, %dx%d: errors take up to %.2f of the bound\n", cases[k].f,
+			      e.width, e.height, worst);
+		expect_at_most(worst, 1, "f=%d, %dx%d", cases[k].f, e.width, e.height);
+		sampler_shares_free(&shares);
+		eye_free(&e);
+	}
 }
 
 /* Away from the rim the weights of a pixel add up to its solid angle, though the lens is asked at
@@ -365,11 +357,9 @@ TEST("pixels are shared out whole")
 		struct dome dome;
 
 		assert_non_null(whole);
-		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome_create(&dome, 9, NULL), 0);
 		assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
-		assert_int_equal(sampler_shares_create(&shares, &dome, &lens, SIDE, SIDE,
-						       ESTIMATOR_CELL, NULL),
-				 0);
+		assert_int_equal(sampler_shares_create(&shares, &dome, &lens, SIDE, SIDE, NULL), 0);
 		for (size_t k = 0; k < shares.runs; k++)
 			for (int i = 0; i < shares.run[k].count; i++) {
 				const int x = shares.run[k].x + i, y = shares.run[k].y;
@@ -414,7 +404,7 @@ TEST("tables are made")
 		struct dome dome;
 		clock_t start;
 
-		assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+		assert_int_equal(dome_create(&dome, 9, NULL), 0);
 		assert_int_equal(fisheye_prepare(&lens, &upright, sides[k], sides[k], NULL), 0);
 		start = clock();
 		assert_int_equal(light_sampler_create(&sampler, &dome, &lens, sides[k], sides[k],
@@ -461,7 +451,7 @@ TEST("frames give what pictures give")
 	static const enum pixel_format formats[] = {PIXEL_YUYV, PIXEL_NV12, PIXEL_BGR24, PIXEL_BGRX,
 						    PIXEL_GREY};
 	struct chance chance = chance_begin("sampler_kernels");
-	struct sampled_eye e = eye_of(9, &upright, 181, 143, ESTIMATOR_CELL);
+	struct sampled_eye e = eye_of(9, &upright, 181, 143);
 	uint8_t *memory = malloc(4 * 200 * 150);
 
 	assert_non_null(memory);
@@ -493,11 +483,10 @@ TEST("long rows")
 {
 	struct chance chance = chance_begin("sampler_kernels");
 	const struct fisheye_settings wide = {.focal_px = {1600, 5}, .field_deg = 90};
-	struct sampled_eye e = eye_of(1, &wide, 5040, 17, ESTIMATOR_CELL);
+	struct sampled_eye e = eye_of(1, &wide, 5040, 17);
 	struct sampler_shares shares;
 
-	assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height,
-					       ESTIMATOR_CELL, NULL),
+	assert_int_equal(sampler_shares_create(&shares, &e.dome, &e.lens, e.width, e.height, NULL),
 			 0);
 	paint(&e, &chance, NOISE, &shares);
 	assert_true(check_colours(&e, &shares) <= 1);

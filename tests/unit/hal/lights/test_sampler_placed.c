@@ -40,7 +40,7 @@ static struct placed_sky placed_of(int f, int side, enum transfer curve)
 	const struct fisheye_settings upright = {.field_deg = 90};
 	struct placed_sky s = {.image = {.width = side, .height = side}};
 
-	assert_int_equal(dome_create(&s.dome, f, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&s.dome, f, NULL), 0);
 	assert_int_equal(fisheye_prepare(&s.lens, &upright, side, side, NULL), 0);
 	assert_int_equal(
 		light_sampler_create(&s.sampler, &s.dome, &s.lens, side, side, &settings, NULL), 0);

@@ -29,7 +29,7 @@ static void room_open(struct filmed_room *r)
 
 	memset(r, 0, sizeof(*r));
 	r->chance.state = 3;
-	assert_int_equal(dome_create(&r->dome, FREQUENCY, DOME_ANGLES, &fault), 0);
+	assert_int_equal(dome_create(&r->dome, FREQUENCY, &fault), 0);
 	assert_int_equal(exposure_create(&r->exposure, WIDTH, HEIGHT, &srgb, &r->dome), 0);
 	r->radiance = calloc((size_t)r->dome.count, sizeof(*r->radiance));
 	for (int i = 0; i < WIDTH * HEIGHT; i++)

@@ -14,11 +14,11 @@
 #include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
-static struct dome dome_of(int frequency, enum dome_division division)
+static struct dome dome_of(int frequency)
 {
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, frequency, division, NULL), 0);
+	assert_int_equal(dome_create(&dome, frequency, NULL), 0);
 	return dome;
 }
 
@@ -27,23 +27,19 @@ static struct dome dome_of(int frequency, enum dome_division division)
 TEST("published counts")
 {
 	static const int frequency[] = {1, 2, 3, 4, 6, 9};
-	static const int angles[] = {6, 26, 46, 86, 186, 406};
-	static const int chords[] = {6, 26, 46, 91, 196, 406};
+	static const int count[] = {6, 26, 46, 86, 186, 406};
 
 	for (int i = 0; i < 6; i++) {
-		struct dome a = dome_of(frequency[i], DOME_ANGLES);
-		struct dome c = dome_of(frequency[i], DOME_CHORDS);
+		struct dome dome = dome_of(frequency[i]);
 
-		expect_equal(a.count, angles[i], "i=%d", i);
-		expect_equal(c.count, chords[i], "i=%d", i);
-		dome_free(&a);
-		dome_free(&c);
+		expect_equal(dome.count, count[i], "i=%d", i);
+		dome_free(&dome);
 	}
 }
 
-static void check_nodes(int f, enum dome_division division, const double (*node)[3], int count)
+static void check_nodes(int f, const double (*node)[3], int count)
 {
-	const int on_horizon = f % 2 ? 0 : division == DOME_ANGLES ? 10 : 5 * f;
+	const int on_horizon = f % 2 ? 0 : 10;
 	double lowest = 1;
 	int horizon = 0;
 
@@ -72,12 +68,8 @@ static double azimuth(const double d[3])
 
 /* Checks the order of lights, because files refer to lights by index: rows from the zenith down,
  * each from azimuth 0 on. */
-static void check_order(int f, enum dome_division division, const double (*node)[3], int count)
+static void check_order(int f, const double (*node)[3])
 {
-	int rows = 1;
-
-	for (int i = 1; i < count; i++)
-		rows += !(azimuth(node[i]) > azimuth(node[i - 1]));
 	for (int row = 1; row <= f; row++) { /* the cap: each row has 5 nodes more */
 		const int first = 1 + 5 * row * (row - 1) / 2;
 
@@ -86,24 +78,20 @@ static void check_order(int f, enum dome_division division, const double (*node)
 			expect_above(azimuth(node[i]), azimuth(node[i - 1]), "row=%d, i=%d", row,
 				     i);
 	}
-	/* the zenith, the cap and the upper half of the band; divided by angles, these rows bend */
-	if (division == DOME_CHORDS)
-		assert_int_equal(rows, 1 + f + f / 2);
 }
 
 TEST("counts and order of all frequencies")
 {
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
-		for (int f = 1; f <= DOME_FREQUENCY_MAX; f++) {
-			const int count = dome_node_count(f, division);
-			double(*node)[3] = calloc((size_t)count, sizeof(*node));
+	for (int f = 1; f <= DOME_FREQUENCY_MAX; f++) {
+		const int count = dome_node_count(f);
+		double(*node)[3] = calloc((size_t)count, sizeof(*node));
 
-			assert_non_null(node);
-			assert_int_equal(dome_nodes_fill(f, division, node), 0);
-			check_nodes(f, division, (const double(*)[3])node, count);
-			check_order(f, division, (const double(*)[3])node, count);
-			free(node);
-		}
+		assert_non_null(node);
+		assert_int_equal(dome_nodes_fill(f, node), 0);
+		check_nodes(f, (const double(*)[3])node, count);
+		check_order(f, (const double(*)[3])node);
+		free(node);
+	}
 }
 
 static void point_between(const double a[3], const double b[3], double t, double out[3])
@@ -116,10 +104,8 @@ static void point_between(const double a[3], const double b[3], double t, double
 						sin(angle);
 }
 
-/* A node of any face: by chords the weighted sum of the corners, by angles the mean of the three
- * ways that the thesis allows. */
-static void face_node(enum dome_division division, const double (*corner)[3], const int weight[3],
-		      double out[3])
+/* A node of any face: the mean of the three ways that the thesis allows. */
+static void face_node(const double (*corner)[3], const int weight[3], double out[3])
 {
 	const int f = weight[0] + weight[1] + weight[2];
 
@@ -128,11 +114,6 @@ static void face_node(enum dome_division division, const double (*corner)[3], co
 		const int j = (i + 1) % 3, l = (i + 2) % 3;
 		double m[3], p[3];
 
-		if (division == DOME_CHORDS) {
-			for (int k = 0; k < 3; k++)
-				out[k] += weight[i] * corner[i][k];
-			continue;
-		}
 		point_between(corner[j], corner[l],
 			      weight[i] == f ? 0 : (double)weight[l] / (weight[j] + weight[l]), m);
 		point_between(corner[i], m, (double)(weight[j] + weight[l]) / f, p);
@@ -185,9 +166,9 @@ static double nearest_node(const struct dome *dome, const double p[3], int *inde
 
 /* Divides all twenty faces alike and looks up each node in the dome. Shared edges must meet, no
  * node may be missing, and none may be left over. */
-static void check_against_all_faces(int f, enum dome_division division)
+static void check_against_all_faces(int f)
 {
-	struct dome dome = dome_of(f, division);
+	struct dome dome = dome_of(f);
 	bool *met = calloc((size_t)dome.count, sizeof(*met));
 	double vertex[12][3];
 	int faces = 0;
@@ -213,8 +194,7 @@ static void check_against_all_faces(int f, enum dome_division division)
 						double p[3];
 						int index = -1;
 
-						face_node(division, (const double(*)[3])corner,
-							  weight, p);
+						face_node((const double(*)[3])corner, weight, p);
 						if (p[2] < -1e-9)
 							continue;
 						expect_below(nearest_node(&dome, p, &index), 1e-14,
@@ -234,17 +214,15 @@ TEST("nodes of all faces")
 {
 	static const int frequency[] = {1, 2, 3, 4, 5, 6, 9, 12};
 
-	for (unsigned i = 0; i < sizeof(frequency) / sizeof(*frequency); i++) {
-		check_against_all_faces(frequency[i], DOME_ANGLES);
-		check_against_all_faces(frequency[i], DOME_CHORDS);
-	}
+	for (unsigned i = 0; i < sizeof(frequency) / sizeof(*frequency); i++)
+		check_against_all_faces(frequency[i]);
 }
 
-/* Along an edge from the zenith down: equal steps of angle, or equal steps along the chord. */
+/* Along an edge from the zenith down: equal steps of angle. */
 TEST("division of an edge")
 {
 	const int f = 6;
-	struct dome angles = dome_of(f, DOME_ANGLES), chords = dome_of(f, DOME_CHORDS);
+	struct dome angles = dome_of(f);
 
 	for (int row = 1; row <= f; row++) {
 		const int first = 1 + 5 * row * (row - 1) / 2; /* at azimuth 0 */
@@ -255,19 +233,15 @@ TEST("division of an edge")
 		expect_that(fabs(theta - row * atan(2) / f) < 1e-14 && fabs(phi) < 1e-14, "row=%d",
 			    row);
 		expect_below(fabs(d[0] - sin(theta)), 1e-14, "row=%d", row);
-		dome_angles(&chords, first, &theta, &phi);
-		expect_below(fabs(tan(theta) - row * 2 / sqrt(5) / (f - row + row / sqrt(5))),
-			     1e-13, "row=%d", row);
 	}
 	dome_free(&angles);
-	dome_free(&chords);
 }
 
 /* ---- cells ---- */
 
-static void check_sums(int f, enum dome_division division)
+static void check_sums(int f)
 {
-	struct dome dome = dome_of(f, division);
+	struct dome dome = dome_of(f);
 	double sum = 0, projected = 0;
 
 	for (int i = 0; i < dome.count; i++) {
@@ -290,19 +264,17 @@ TEST("weights sum to the hemisphere")
 	static const int large[] = {27, 36, 45, 54, 63, 72};
 	const unsigned count = thorough() ? sizeof(large) / sizeof(*large) : 2;
 
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
-		for (int f = 1; f <= 20; f++)
-			check_sums(f, division);
-		for (unsigned i = 0; i < count; i++)
-			check_sums(large[i], division);
-	}
+	for (int f = 1; f <= 20; f++)
+		check_sums(f);
+	for (unsigned i = 0; i < count; i++)
+		check_sums(large[i]);
 }
 
 /* f = 1: the cell of the zenith is a twelfth of the sphere; by symmetry the other five, cut at the
  * horizon, share the rest. */
 TEST("weights of the icosahedron")
 {
-	struct dome dome = dome_of(1, DOME_ANGLES);
+	struct dome dome = dome_of(1);
 
 	for (int i = 0; i < 6; i++)
 		expect_below(fabs(dome.solid_angle_sr[i] - M_PI / 3), 1e-14, "i=%d", i);
@@ -330,55 +302,31 @@ TEST("weights against counting")
 	const int samples = 2000000;
 	struct chance chance = chance_begin("dome");
 
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
-		struct dome dome = dome_of(4, division);
-		double *hits = calloc((size_t)dome.count, sizeof(*hits));
-		double *cosines = calloc((size_t)dome.count, sizeof(*cosines));
+	struct dome dome = dome_of(4);
+	double *hits = calloc((size_t)dome.count, sizeof(*hits));
+	double *cosines = calloc((size_t)dome.count, sizeof(*cosines));
 
-		assert_non_null(hits);
-		assert_non_null(cosines);
-		for (int n = 0; n < samples; n++) {
-			double dir[3];
-			int i;
+	assert_non_null(hits);
+	assert_non_null(cosines);
+	for (int n = 0; n < samples; n++) {
+		double dir[3];
+		int i;
 
-			chance_direction(&chance, 0, dir);
-			i = brute_force(&dome, dir);
-			hits[i]++;
-			cosines[i] += dir[2];
-		}
-		for (int i = 0; i < dome.count; i++) {
-			const double unit = 2 * M_PI / samples;
-			const double slack = 6 * sqrt(hits[i]) * unit;
-
-			expect_below(fabs(hits[i] * unit - dome.solid_angle_sr[i]), slack,
-				     "division=%d, i=%d", division, i);
-			expect_below(fabs(cosines[i] * unit - dome.projected_sr[i]), slack,
-				     "division=%d, i=%d", division, i);
-		}
-		free(hits);
-		free(cosines);
-		dome_free(&dome);
+		chance_direction(&chance, 0, dir);
+		i = brute_force(&dome, dir);
+		hits[i]++;
+		cosines[i] += dir[2];
 	}
-}
+	for (int i = 0; i < dome.count; i++) {
+		const double unit = 2 * M_PI / samples;
+		const double slack = 6 * sqrt(hits[i]) * unit;
 
-/* The areas of cells vary less when edges are divided by angles. */
-TEST("variation of areas")
-{
-	double rms[DOME_DIVISION_COUNT];
-
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
-		struct dome dome = dome_of(9, division);
-		double sum = 0;
-
-		for (int i = 0; i < dome.count; i++)
-			sum += pow(dome.solid_angle_sr[i] * dome.count / (2 * M_PI) - 1, 2);
-		rms[division] = sqrt(sum / dome.count);
-		dome_free(&dome);
+		expect_below(fabs(hits[i] * unit - dome.solid_angle_sr[i]), slack, "i=%d", i);
+		expect_below(fabs(cosines[i] * unit - dome.projected_sr[i]), slack, "i=%d", i);
 	}
-	print_message("# variation of areas at f = 9: %.1f %% by angles, %.1f %% by chords\n",
-		      100 * rms[DOME_ANGLES], 100 * rms[DOME_CHORDS]);
-	assert_true(rms[DOME_ANGLES] > 0.03 && rms[DOME_ANGLES] < 0.06);
-	assert_true(rms[DOME_CHORDS] > 0.11 && rms[DOME_CHORDS] < 0.135);
+	free(hits);
+	free(cosines);
+	dome_free(&dome);
 }
 
 /* Turned by a fifth of a turn, or mirrored in y = 0, the dome is the same, weights included. */
@@ -387,8 +335,8 @@ TEST("five fold symmetry")
 	static const int frequency[] = {2, 5, 9, 18};
 	const double c = cos(2 * M_PI / 5), s = sin(2 * M_PI / 5);
 
-	for (int n = 0; n < 2 * 4; n++) {
-		struct dome dome = dome_of(frequency[n / 2], n % 2);
+	for (int n = 0; n < 4; n++) {
+		struct dome dome = dome_of(frequency[n]);
 
 		for (int i = 0; i < dome.count; i++) {
 			const double *d = dome.direction[i];
@@ -413,8 +361,8 @@ TEST("five fold symmetry")
  * unless three nodes are that near. */
 TEST("corners lie between nodes")
 {
-	for (int n = 0; n < 2 * 12; n++) {
-		struct dome dome = dome_of(1 + n / 2, n % 2);
+	for (int n = 0; n < 12; n++) {
+		struct dome dome = dome_of(1 + n);
 
 		for (int i = 0; i < dome.count; i++) {
 			double corner[32][3], normal[3];
@@ -462,9 +410,9 @@ TEST("cell of any direction")
 	const int most = thorough() ? 100000 : 20000;
 	struct chance chance = chance_begin("dome");
 
-	for (int n = 0; n < 2 * (thorough() ? 9 : 8); n++) {
-		const int f = frequency[n / 2];
-		struct dome dome = dome_of(f, n % 2);
+	for (int n = 0; n < (thorough() ? 9 : 8); n++) {
+		const int f = frequency[n];
+		struct dome dome = dome_of(f);
 
 		for (int k = 0; k < (f > 32 ? most / 10 : most); k++) {
 			const double size = pow(10, chance_real(&chance, -100, 100));
@@ -484,8 +432,8 @@ TEST("cell of borders")
 {
 	struct chance chance = chance_begin("dome");
 
-	for (int n = 0; n < 2 * 10; n++) {
-		struct dome dome = dome_of(1 + n / 2, n % 2);
+	for (int n = 0; n < 10; n++) {
+		struct dome dome = dome_of(1 + n);
 
 		for (int i = 0; i < dome.count; i++) {
 			double corner[32][3];
@@ -530,7 +478,7 @@ TEST("cell of borders")
 
 TEST("cell of no direction")
 {
-	struct dome dome = dome_of(4, DOME_ANGLES);
+	struct dome dome = dome_of(4);
 
 	assert_int_equal(dome_cell_of(&dome, (double[]){0, 0, 0}), -1);
 	assert_int_equal(dome_cell_of(&dome, (double[]){NAN, 0, 1}), -1);
@@ -603,20 +551,18 @@ TEST("samples are uniform")
 	static const int lights[] = {0, 1, 5, 20, 40, 60, 76, 80, 85};
 	struct chance chance = chance_begin("dome");
 
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++) {
-		struct dome dome = dome_of(4, division);
+	struct dome dome = dome_of(4);
 
-		for (unsigned i = 0; i < sizeof(lights) / sizeof(*lights); i += thorough() ? 1 : 4)
-			check_samples(&dome, lights[i], &chance);
-		dome_free(&dome);
-	}
+	for (unsigned i = 0; i < sizeof(lights) / sizeof(*lights); i += thorough() ? 1 : 4)
+		check_samples(&dome, lights[i], &chance);
+	dome_free(&dome);
 }
 
 /* Samples on a grid integrate smooth functions far better than random ones: the mean direction of a
  * cell, against its exact vector area. */
 TEST("samples keep their order")
 {
-	struct dome dome = dome_of(9, DOME_ANGLES);
+	struct dome dome = dome_of(9);
 	const int side = 32;
 
 	for (int i = 0; i < dome.count; i++) {
@@ -639,7 +585,7 @@ TEST("samples keep their order")
 TEST("samples at the limits")
 {
 	static const double limits[] = {0, 5e-324, 1e-17, 0.5, 0.9999999999999999};
-	struct dome dome = dome_of(12, DOME_CHORDS);
+	struct dome dome = dome_of(12);
 
 	for (int i = 0; i < dome.count; i++)
 		for (int k = 0; k < 25; k++) {
@@ -657,10 +603,9 @@ TEST("refused")
 	struct fault fault = {""};
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 0, DOME_ANGLES, &fault), -EINVAL);
+	assert_int_equal(dome_create(&dome, 0, &fault), -EINVAL);
 	assert_true(strlen(fault.text) > 0);
-	assert_int_equal(dome_create(&dome, 73, DOME_ANGLES, NULL), -EINVAL);
-	assert_int_equal(dome_create(&dome, 4, DOME_DIVISION_COUNT, NULL), -EINVAL);
+	assert_int_equal(dome_create(&dome, 73, NULL), -EINVAL);
 	assert_null(dome.direction);
 	dome_free(&dome);
 	dome_free(&dome);

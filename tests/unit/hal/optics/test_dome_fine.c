@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Domes that are finer in parts: their nodes are those of whole domes, their cells and tents divide
- * the hemisphere. */
+/* Domes that are finer in parts: their nodes are those of whole domes, their cells divide the
+ * hemisphere. */
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
@@ -26,16 +26,13 @@ static struct dome_fine part_at(double azimuth, double height, double radius, in
 				  .frequency = frequency};
 }
 
-static struct dome made(int frequency, enum dome_division division, enum dome_shape shape,
-			const struct dome_fine *fine, int count)
+static struct dome made(int frequency, const struct dome_fine *fine, int count)
 {
 	struct dome dome;
 	struct fault fault = {.text = ""};
 	int wrong;
 
-	expect_success(
-		dome_create_fine(&dome, frequency, division, shape, fine, count, &wrong, &fault),
-		&fault);
+	expect_success(dome_create_fine(&dome, frequency, fine, count, &wrong, &fault), &fault);
 	return dome;
 }
 
@@ -51,18 +48,18 @@ static int node_at(const double (*node)[3], int count, const double d[3])
 TEST("nodes are those of whole domes")
 {
 	const struct dome_fine fine[] = {part_at(120, 35, 2, 18), part_at(-20, 8, 1, 72)};
-	struct dome base = made(9, DOME_ANGLES, DOME_CELLS, NULL, 0);
-	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, fine, 2);
+	struct dome base = made(9, NULL, 0);
+	struct dome dome = made(9, fine, 2);
 	int of[2] = {0, 0};
 
 	for (int i = 0; i < base.count; i++)
 		expect_equal(memcmp(dome.direction[i], base.direction[i], sizeof(*base.direction)),
 			     0, "i=%d", i);
 	for (int f = 0; f < 2; f++) {
-		const int count = dome_node_count(fine[f].frequency, DOME_ANGLES);
+		const int count = dome_node_count(fine[f].frequency);
 		double(*node)[3] = calloc((size_t)count, sizeof(*node));
 
-		assert_int_equal(dome_nodes_fill(fine[f].frequency, DOME_ANGLES, node), 0);
+		assert_int_equal(dome_nodes_fill(fine[f].frequency, node), 0);
 		for (int i = base.count; i < dome.count; i++)
 			of[f] += node_at((const double(*)[3])node, count, dome.direction[i]) >= 0 &&
 				 vec_angle(dome.direction[i], fine[f].direction) < 15 * DEGREE;
@@ -79,9 +76,9 @@ TEST("nodes are those of whole domes")
 TEST("cells are fine where asked")
 {
 	const struct dome_fine fine[] = {part_at(200, 40, 5, 36)};
-	struct dome base = made(9, DOME_ANGLES, DOME_CELLS, NULL, 0);
-	struct dome finer = made(36, DOME_ANGLES, DOME_CELLS, NULL, 0);
-	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, fine, 1);
+	struct dome base = made(9, NULL, 0);
+	struct dome finer = made(36, NULL, 0);
+	struct dome dome = made(9, fine, 1);
 	struct chance chance = chance_begin("cells_are_fine_where_asked");
 
 	for (int i = 0; i < base.count; i++)
@@ -104,7 +101,7 @@ TEST("cells are fine where asked")
 	dome_free(&dome);
 }
 
-/* Weights sum to the hemisphere, and the cell of a direction is that of the nearest node. */
+/* Solid angles sum to the hemisphere, and the cell of a direction is that of the nearest node. */
 static void check_whole(const struct dome *dome, struct chance *chance)
 {
 	double sum = 0, projected = 0;
@@ -119,13 +116,9 @@ static void check_whole(const struct dome *dome, struct chance *chance)
 	for (int k = 0; k < 500; k++) {
 		double d[3] = {chance_real(chance, -1, 1), chance_real(chance, -1, 1),
 			       chance_real(chance, 0, 1)};
-		double weight[3], all = 0, best = -1;
-		int light[3], nearest = -1;
-		const int count = dome_weights(dome, d, light, weight);
+		double best = -1;
+		int nearest = -1;
 
-		for (int n = 0; n < count; n++)
-			all += weight[n];
-		expect_below(fabs(all - 1), 1e-12, "k=%d", k);
 		for (int i = 0; i < dome->count; i++)
 			if (vec_dot(dome->direction[i], d) > best) {
 				best = vec_dot(dome->direction[i], d);
@@ -135,7 +128,7 @@ static void check_whole(const struct dome *dome, struct chance *chance)
 	}
 }
 
-TEST("all shapes divide the hemisphere")
+TEST("all parts divide the hemisphere")
 {
 	const struct dome_fine fine[] = {
 		part_at(0, 90, 3, 18),	 part_at(30, 0, 2, 72),	  part_at(-90, 3, 8, 36),
@@ -143,15 +136,12 @@ TEST("all shapes divide the hemisphere")
 	};
 	struct chance chance = chance_begin("all_shapes_divide_the_hemisphere");
 
-	for (int division = 0; division < DOME_DIVISION_COUNT; division++)
-		for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++)
-			for (int n = 1; n <= 6; n++) {
-				struct dome dome = made(9, (enum dome_division)division,
-							(enum dome_shape)shape, fine, n);
+	for (int n = 1; n <= 6; n++) {
+		struct dome dome = made(9, fine, n);
 
-				check_whole(&dome, &chance);
-				dome_free(&dome);
-			}
+		check_whole(&dome, &chance);
+		dome_free(&dome);
+	}
 }
 
 /* A coarse cell among fine ones has hundreds of corners. */
@@ -165,8 +155,7 @@ TEST("a coarse cell among fine ones")
 	for (int k = 0; k < 5; k++)
 		ring[k] = part_at(72 * k, 26, 0, 72);
 	for (int base = 1; base <= (thorough() ? 3 : 1); base += 2) {
-		struct dome dome = made(base, DOME_ANGLES, DOME_CELLS, base == 1 ? ring : around,
-					base == 1 ? 5 : 3);
+		struct dome dome = made(base, base == 1 ? ring : around, base == 1 ? 5 : 3);
 
 		check_whole(&dome, &chance);
 		dome_free(&dome);
@@ -177,8 +166,8 @@ TEST("a coarse cell among fine ones")
 TEST("a whole sky")
 {
 	const struct dome_fine fine = part_at(0, 90, 90, 18);
-	struct dome dome = made(9, DOME_ANGLES, DOME_CELLS, &fine, 1);
-	struct dome whole = made(18, DOME_ANGLES, DOME_CELLS, NULL, 0);
+	struct dome dome = made(9, &fine, 1);
+	struct dome whole = made(18, NULL, 0);
 
 	assert_int_equal(dome.count, whole.count);
 	for (int i = 0; i < whole.count; i++) {
@@ -196,21 +185,17 @@ TEST("the same from its nodes")
 {
 	const struct dome_fine fine[] = {part_at(77, 5, 3, 72)};
 	struct fault fault = {.text = ""};
+	struct dome dome = made(9, fine, 1), again;
 
-	for (int shape = 0; shape < DOME_SHAPE_COUNT; shape++) {
-		struct dome dome = made(9, DOME_CHORDS, (enum dome_shape)shape, fine, 1), again;
-
-		expect_success(dome_create_nodes(&again, dome.direction[0], 3, dome.count, 9,
-						 DOME_CHORDS, (enum dome_shape)shape, &fault),
-			       &fault);
-		assert_int_equal(again.count, dome.count);
-		assert_memory_equal(again.solid_angle_sr, dome.solid_angle_sr,
-				    (size_t)dome.count * sizeof(double));
-		assert_memory_equal(again.projected_sr, dome.projected_sr,
-				    (size_t)dome.count * sizeof(double));
-		dome_free(&dome);
-		dome_free(&again);
-	}
+	expect_success(dome_create_nodes(&again, dome.direction[0], 3, dome.count, 9, &fault),
+		       &fault);
+	assert_int_equal(again.count, dome.count);
+	assert_memory_equal(again.solid_angle_sr, dome.solid_angle_sr,
+			    (size_t)dome.count * sizeof(double));
+	assert_memory_equal(again.projected_sr, dome.projected_sr,
+			    (size_t)dome.count * sizeof(double));
+	dome_free(&dome);
+	dome_free(&again);
 }
 
 TEST("refused")
@@ -222,29 +207,21 @@ TEST("refused")
 	struct dome dome;
 	int wrong;
 
-	assert_int_equal(
-		dome_create_fine(&dome, 9, DOME_ANGLES, DOME_CELLS, fine, 2, &wrong, &fault),
-		-EINVAL);
+	assert_int_equal(dome_create_fine(&dome, 9, fine, 2, &wrong, &fault), -EINVAL);
 	assert_int_equal(wrong, 1);
 	assert_string_equal(fault.text,
 			    "frequency is 20, expected a multiple of the dome's 9 up to 72");
-	assert_int_equal(
-		dome_create_fine(&dome, 9, DOME_ANGLES, DOME_CELLS, &below, 1, &wrong, &fault),
-		-EINVAL);
+	assert_int_equal(dome_create_fine(&dome, 9, &below, 1, &wrong, &fault), -EINVAL);
 	assert_string_equal(fault.text, "is below the horizon");
-	assert_int_equal(
-		dome_create_nodes(&dome, node[0], 3, 4, 0, DOME_ANGLES, DOME_CELLS, &fault), 0);
+	assert_int_equal(dome_create_nodes(&dome, node[0], 3, 4, 0, &fault), 0);
 	dome_free(&dome);
-	assert_int_equal(
-		dome_create_nodes(&dome, node[0], 3, 0, 0, DOME_ANGLES, DOME_CELLS, &fault),
-		-EINVAL);
+	assert_int_equal(dome_create_nodes(&dome, node[0], 3, 0, 0, &fault), -EINVAL);
 	for (int k = 0; k < 3; k++) {
 		const double wrongs[3][3] = {{0, 0, -1}, {0, 0, 0.5}, {0, 0.001, 0.9999995}};
 
 		memcpy(node[3], wrongs[k], sizeof(node[3]));
-		expect_equal(
-			dome_create_nodes(&dome, node[0], 3, 4, 0, DOME_ANGLES, DOME_CELLS, &fault),
-			-EINVAL, "k=%d", k);
+		expect_equal(dome_create_nodes(&dome, node[0], 3, 4, 0, &fault), -EINVAL, "k=%d",
+			     k);
 		expect_equal(dome.count, 0, "k=%d", k);
 	}
 }

@@ -77,7 +77,7 @@ static void stage_begin(struct stage *s, const double eye[3], double size)
 	struct people_settings settings = {
 		.width = WIDTH, .height = HEIGHT, .curve = {.named = TRANSFER_SRGB}};
 
-	assert_int_equal(dome_create(&s->dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&s->dome, 1, NULL), 0);
 	assert_int_equal(tsai_look_at(&s->camera, WIDTH, HEIGHT, eye, target, 70, NULL), 0);
 	settings.dome = &s->dome;
 	settings.depth_camera = s->depth_camera;

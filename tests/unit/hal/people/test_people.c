@@ -74,7 +74,7 @@ static void place_begin(struct place *p)
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
 
-	assert_int_equal(dome_create(&p->dome, 2, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&p->dome, 2, NULL), 0);
 	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
 	p->radiance = calloc((size_t)p->dome.count, sizeof(*p->radiance));
 	assert_non_null(p->radiance);
@@ -651,7 +651,7 @@ TEST("another place is refused")
 	struct place *p = calloc(1, sizeof(*p));
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
 	struct people *other = NULL;
-	struct dome tents;
+	struct dome finer;
 	uint8_t *saved;
 	size_t bytes;
 
@@ -659,9 +659,9 @@ TEST("another place is refused")
 	place_begin(p);
 	place_look(p, NULL, 0);
 	saved = save(p->people, &bytes);
-	assert_int_equal(dome_create_shaped(&tents, 2, DOME_ANGLES, DOME_TENTS, NULL), 0);
+	assert_int_equal(dome_create(&finer, 3, NULL), 0);
 	for (int n = 0; n < 5; n++) {
-		settings.dome = n == 0 ? &tents : &p->dome;
+		settings.dome = n == 0 ? &finer : &p->dome;
 		settings.curve.named = n == 1 ? TRANSFER_LINEAR : TRANSFER_SRGB;
 		settings.width = n == 2 ? WIDTH - 1 : WIDTH; /* of as many cells */
 		settings.camera = n == 3 ? "another" : NULL;
@@ -670,7 +670,7 @@ TEST("another place is refused")
 		expect_equal(people_restore(other, saved, bytes, NULL), -EBADMSG, "case %d", n);
 		people_destroy(other);
 	}
-	dome_free(&tents);
+	dome_free(&finer);
 	free(saved);
 	place_end(p);
 	free(p);

@@ -70,7 +70,7 @@ static void comes_back(int width, int height, int terms)
 	uint8_t *saved;
 	size_t bytes;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
 	from = people_of(width, height, &dome);
 	to = people_of(width, height, &dome);
 	was = &from->place;
@@ -118,7 +118,7 @@ TEST("impossible numbers are refused")
 	uint8_t *saved;
 	size_t bytes;
 
-	assert_int_equal(dome_create(&dome, 1, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
 	p = people_of(64, 48, &dome);
 	fill(p);
 	saved = save(p, &bytes);

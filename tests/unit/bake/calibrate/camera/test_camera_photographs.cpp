@@ -198,49 +198,6 @@ TEST("where is the board now")
 	observations_free(&one);
 }
 
-/* Photographs that a program has turned by 180 degrees are recognised, and the result is that of
- * the photographs as they were. */
-TEST("some are turned")
-{
-	struct observations &seen = left_photographs();
-	const std::vector<observation> as_they_were(seen.point, seen.point + seen.count);
-	struct camera_task task = camera_task_default();
-	struct camera_solution upright, turned;
-
-	task.width = seen.width;
-	task.height = seen.height;
-	assert_int_equal(camera_calibrate(&seen, &task, &upright, NULL), 0);
-	for (int i = 0; i < seen.count; i++)
-		if (seen.point[i].view % 3 == 2) {
-			seen.point[i].px[0] = seen.width - seen.point[i].px[0];
-			seen.point[i].px[1] = seen.height - seen.point[i].px[1];
-		}
-	assert_int_equal(camera_calibrate(&seen, &task, &turned, NULL), 0);
-	print_message("%s; centre %g %g, %g %g, rms %g, %g\n", turned.finding.verdict.reason,
-		      upright.camera.centre_px[0], upright.camera.centre_px[1],
-		      turned.camera.centre_px[0], turned.camera.centre_px[1],
-		      upright.finding.rms_px, turned.finding.rms_px);
-	assert_true(turned.finding.verdict.trusted);
-	for (int k = 0; k < 2; k++)
-		assert_true(std::fabs(turned.camera.centre_px[k] - upright.camera.centre_px[k]) <
-			    1e-3);
-	assert_true(std::fabs(turned.camera.focal - upright.camera.focal) < 1e-3);
-	/* the board is where the turned picture shows it */
-	for (int i = 0; i < seen.count; i++) {
-		double px[2];
-
-		assert_int_equal(
-			tsai_project(&turned.view[seen.point[i].view], seen.point[i].world, px), 0);
-		assert_true(std::hypot(px[0] - turned.finding.expected[i][0],
-				       px[1] - turned.finding.expected[i][1]) < 1e-6);
-		assert_true(std::hypot(px[0] - seen.point[i].px[0], px[1] - seen.point[i].px[1]) <
-			    1);
-	}
-	camera_solution_free(&upright);
-	camera_solution_free(&turned);
-	std::copy(as_they_were.begin(), as_they_were.end(), seen.point);
-}
-
 static int forget(void **)
 {
 	observations_free(&left_seen);

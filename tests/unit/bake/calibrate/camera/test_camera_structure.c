@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Patterns in residuals, and pictures that were turned by 180 degrees. */
+/* Patterns in residuals. */
 #include <math.h>
 #include <string.h>
 
@@ -9,7 +9,6 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
-#include "tests/support/thorough.h"
 
 #define VIEWS 6
 
@@ -34,15 +33,6 @@ static void see_boards(struct observations *seen, struct tsai_camera *first, dou
 	}
 }
 
-static void turn_views(struct observations *seen, unsigned views)
-{
-	for (int i = 0; i < seen->count; i++)
-		if (views >> seen->point[i].view & 1) {
-			seen->point[i].px[0] = seen->width - seen->point[i].px[0];
-			seen->point[i].px[1] = seen->height - seen->point[i].px[1];
-		}
-}
-
 static double figure_of(const struct camera_solution *solution, const char *key)
 {
 	for (int k = 0; k < solution->finding.figures; k++)
@@ -51,79 +41,7 @@ static double figure_of(const struct camera_solution *solution, const char *key)
 	return 0;
 }
 
-/* Distance of the axis from the truth in declared deviations. */
-static double axis_off(const struct camera_solution *solution, double x, double y)
-{
-	const struct estimate *estimate = &solution->finding.estimate;
-	const int cx = estimate_find(estimate, "centre x"),
-		  cy = estimate_find(estimate, "centre y");
-
-	return fmax(fabs(estimate->parameter[cx].value - x) / estimate_deviation(estimate, cx),
-		    fabs(estimate->parameter[cy].value - y) / estimate_deviation(estimate, cy));
-}
-
-/* Whichever pictures are turned, the axis is that of the reference view's picture. */
-TEST("turned pictures")
-{
-	static const unsigned turned[] = {0, 4, 2 | 16, 2 | 4 | 8, 2 | 4 | 8 | 16 | 32, 1, 1 | 8};
-	struct chance chance = chance_begin("camera turned");
-
-	for (unsigned k = 0; k < 2 * sizeof(turned) / sizeof(*turned); k += thorough() ? 1 : 3) {
-		const unsigned views = turned[k / 2];
-		struct tsai_camera truth;
-		struct observations seen;
-		struct camera_task task;
-		struct camera_solution solution;
-		double x, y;
-		int count = 0;
-
-		see_boards(&seen, &truth, k % 2 ? 0.08 : 0, k % 2 ? 0.1 : 0.3, &chance);
-		turn_views(&seen, views);
-		for (int v = 1; v < VIEWS; v++)
-			count += (views >> v & 1) != (views & 1);
-		task = known_camera_task(&truth);
-		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-		expect_that(known_camera_trusted(&solution), "k=%u", k);
-		expect_equal((int)figure_of(&solution, "views_turned"), count, "k=%u", k);
-		x = truth.centre_px[0];
-		y = truth.height - truth.centre_px[1];
-		expect_below(axis_off(&solution, views & 1 ? truth.width - x : x,
-				      views & 1 ? truth.height - y : y),
-			     4, "k=%u", k);
-		for (int i = 0; i < seen.count; i++)
-			expect_below(hypot(solution.finding.expected[i][0] - seen.point[i].px[0],
-					   solution.finding.expected[i][1] - seen.point[i].px[1]),
-				     2, "k=%u, i=%d", k, i);
-		camera_solution_free(&solution);
-		observations_free(&seen);
-	}
-}
-
-/* A board that looks the same upside down is numbered from its other end: another pose, no turned
- * picture. */
-TEST("symmetrical boards")
-{
-	struct chance chance = chance_begin("camera symmetrical");
-	struct tsai_camera truth;
-	struct observations seen;
-	struct camera_task task;
-	struct camera_solution solution;
-
-	see_boards(&seen, &truth, 0, 0.2, &chance);
-	for (int i = 0; i < seen.count; i++)
-		for (int k = 0; k < 2; k++)
-			if (seen.point[i].view % 2)
-				seen.point[i].world[k] = -seen.point[i].world[k];
-	task = known_camera_task(&truth);
-	assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
-	assert_true(known_camera_trusted(&solution));
-	assert_true(figure_of(&solution, "views_turned") == 0);
-	assert_true(axis_off(&solution, truth.centre_px[0], truth.height - truth.centre_px[1]) < 4);
-	camera_solution_free(&solution);
-	observations_free(&seen);
-}
-
-/* Noise alone makes no pattern and turns no picture, also where the axis is in the middle. */
+/* Noise alone makes no pattern. */
 TEST("noise is no pattern")
 {
 	struct chance chance = chance_begin("camera pattern");
@@ -139,7 +57,6 @@ TEST("noise is no pattern")
 		task = known_camera_task(&truth);
 		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
 		expect_that(known_camera_trusted(&solution), "run=%d", run);
-		expect_equal((int)figure_of(&solution, "views_turned"), 0, "run=%d", run);
 		most = fmax(most, figure_of(&solution, "structure_sigmas"));
 		camera_solution_free(&solution);
 		observations_free(&seen);

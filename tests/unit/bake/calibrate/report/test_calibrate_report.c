@@ -317,7 +317,7 @@ TEST("photographs")
 	write_report("photographs", &f, pictures);
 	assert_holds("photographs", "report.html", "<strong>Trusted.</strong>");
 	assert_holds("photographs", "report.html", "Outliers left out: 2.");
-	assert_holds("photographs", "report.html", "the model does not see it");
+	assert_holds("photographs", "calibration.json", "\"residual_px\": [null, null]");
 	assert_holds("photographs", "calibration.json", "\"object_error_px\": {");
 	assert_int_equal(files("photographs", "view-"), 3);
 	assert_true(outlier_pixels("photographs", "view-001.png") > 20);
@@ -424,6 +424,7 @@ TEST("without model")
 	write_report("none", &f, NULL);
 	assert_holds("none", "report.html", "No model was found.");
 	assert_holds("none", "report.html", "View 2, board&lt;1&gt;&amp;.png: 12 points.");
+	assert_holds("none", "report.html", "<td>board&lt;1&gt;&amp;.png</td>");
 	assert_holds("none", "calibration.json", "\"residual_px\": [null, null]");
 	assert_holds("none", "calibration.json", "\"rms_px\": null");
 	assert_int_equal(files("none", "view-"), 2);

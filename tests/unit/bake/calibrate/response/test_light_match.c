@@ -319,7 +319,7 @@ TEST("an even sky is predicted")
 	double predicted[3];
 	struct dome dome;
 
-	assert_int_equal(dome_create(&dome, 9, DOME_ANGLES, NULL), 0);
+	assert_int_equal(dome_create(&dome, 9, NULL), 0);
 	for (int i = 0; i < dome.count; i++)
 		for (int c = 0; c < 3; c++)
 			radiance[i][c] = 0.5F;
@@ -367,7 +367,7 @@ TEST("colours are found with deviations")
 		struct light_colours found;
 
 		fill_patches(pairs, 24, 1, 0.01, &chance);
-		assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+		assert_int_equal(light_colours_find(&found, pairs, 24, NULL), 0);
 		trusted(&found.verdict);
 		expect_that(found.after < found.before / 3 && found.after < 0.03, "run=%d", run);
 		for (int e = 0; e < 9; e++) {
@@ -393,39 +393,24 @@ TEST("colours are doubted")
 	struct light_colours found;
 
 	fill_patches(pairs, 24, 0, 0, &chance);
-	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	assert_int_equal(light_colours_find(&found, pairs, 24, NULL), 0);
 	doubted(&found.verdict, "all grey");
 	light_colours_free(&found);
 	fill_patches(pairs, 24, 0.003, 0.01, &chance);
-	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	assert_int_equal(light_colours_find(&found, pairs, 24, NULL), 0);
 	assert_false(found.verdict.trusted);
 	light_colours_free(&found);
 	fill_patches(pairs, 24, 1, 0.6, &chance);
-	assert_int_equal(light_colours_find(&found, pairs, 24, false, NULL), 0);
+	assert_int_equal(light_colours_find(&found, pairs, 24, NULL), 0);
 	assert_false(found.verdict.trusted);
 	light_colours_free(&found);
 	fill_patches(pairs, 3, 1, 0, &chance);
-	assert_int_equal(light_colours_find(&found, pairs, 3, false, NULL), 0);
+	assert_int_equal(light_colours_find(&found, pairs, 3, NULL), 0);
 	doubted(&found.verdict, "so few patches");
 	light_colours_free(&found);
-	assert_int_equal(light_colours_find(&found, pairs, 2, false, NULL), -EINVAL);
+	assert_int_equal(light_colours_find(&found, pairs, 2, NULL), -EINVAL);
 	memset(&pairs[1], 0, sizeof(pairs[1]));
-	assert_int_equal(light_colours_find(&found, pairs, 3, false, NULL), -EINVAL);
-}
-
-TEST("white may be kept")
-{
-	struct chance chance = chance_begin("light");
-	struct light_colour_pair pairs[12];
-	struct light_colours found;
-
-	fill_patches(pairs, 12, 1, 0.001, &chance);
-	assert_int_equal(light_colours_find(&found, pairs, 12, true, NULL), 0);
-	for (int r = 0; r < 3; r++)
-		expect_below(fabs(found.matrix[3 * r] + found.matrix[3 * r + 1] +
-				  found.matrix[3 * r + 2] - 1),
-			     1e-9, "r=%d", r);
-	light_colours_free(&found);
+	assert_int_equal(light_colours_find(&found, pairs, 3, NULL), -EINVAL);
 }
 
 /* ---- files ---- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Values of command-line options, and programs that are a table of commands. */
-#ifndef INLAY_BAKE_BASE_OPTIONS_H
-#define INLAY_BAKE_BASE_OPTIONS_H
+#ifndef INLAY_HAL_OPTIONS_OPTIONS_H
+#define INLAY_HAL_OPTIONS_OPTIONS_H
 
 #include <stddef.h>
 
@@ -14,18 +14,18 @@
 
 /* One entry of the command table. run() gets argv from the command's own name on, and returns the
  * exit status. */
-struct bake_command {
+struct command {
 	const char *name;
 	const char *usage;   /* what follows the name in the line of usage */
 	const char *summary; /* one line */
-	const char *help;    /* what --help prints after the summary */
-	int (*run)(const struct bake_command *command, int argc, char **argv);
+	const char *help;    /* what --help prints after the summary; may be NULL */
+	int (*run)(const struct command *command, int argc, char **argv);
 };
 
-/* Does all of main(): finds the command in the table (NULL at its end) and runs it. Returns the
- * exit status. */
-int program_run(const char *name, const struct bake_command *const *commands, int argc,
-		char **argv);
+/* Does all of main(): finds the command in the table (NULL at its end) and runs it. about: what
+ * --help says of the program, or NULL. Returns the exit status. */
+int program_run(const char *name, const char *about, const struct command *const *commands,
+		int argc, char **argv);
 
 /* Options that every command has, and what getopt_long() returns for them. */
 #define OPTION_HELP 1000
@@ -47,7 +47,7 @@ struct option;
  * and --version, and after wrong usage.
  */
 #define COMMAND_GOES_ON (-1)
-int command_options(const struct bake_command *command, int argc, char **argv,
+int command_options(const struct command *command, int argc, char **argv,
 		    const struct option *options,
 		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
 
@@ -58,27 +58,43 @@ enum option_kind {
 	OPTION_REAL,   /* double, min..max */
 	OPTION_SIZE,   /* two ints: width, height */
 	OPTION_CHOICE, /* int: index into choices */
-	OPTION_OTHER   /* take() reads it */
+	OPTION_LIST,   /* struct option_list: may be given again */
+	OPTION_OTHER   /* take() reads it into what lies at place */
+};
+
+#define OPTION_LIST_MAX 64
+
+struct option_list {
+	const char *text[OPTION_LIST_MAX];
+	int count;
 };
 
 /* An option whose argument goes into a field of the command's struct. */
 struct option_row {
-	const char *name; /* "output" may also be written -o */
+	const char *name; /* "output" and "out" may also be written -o */
 	enum option_kind kind;
 	size_t place; /* of the field */
 	double min, max;
 	const char *const *choices; /* NULL at the end */
-	int (*take)(void *values, const char *text, struct fault *fault);
+	/* option: its name with the dashes, for the fault */
+	int (*take)(void *field, const char *option, const char *text, struct fault *fault);
+	size_t given; /* of a bool that becomes true where the option is given; 0: of none */
+	/* What --help says: the word that stands for its argument, and its meaning. NULL: the
+	 * command's own help says it. */
+	const char *argument, *help;
 };
 
 #define OPTION_ROWS_MAX 32
 
 /* Does what command_options() does, by rows that end with a NULL name. */
-int command_read(const struct bake_command *command, int argc, char **argv,
+int command_read(const struct command *command, int argc, char **argv,
 		 const struct option_row *rows, void *values);
+/* Refuses words beside the options as well. */
+int command_read_all(const struct command *command, int argc, char **argv,
+		     const struct option_row *rows, void *values);
 
-/* Prints what is wrong with the usage, and the usage. Returns the exit status. */
-int command_wrong(const struct bake_command *command, const char *format, ...)
+/* Logs what is wrong with the usage. Returns the exit status. */
+int command_wrong(const struct command *command, const char *format, ...)
 	__attribute__((format(printf, 2, 3)));
 
 /* These read the argument of an option. 0, or -EINVAL with a fault that names the option. Ranges
