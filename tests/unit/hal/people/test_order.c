@@ -23,10 +23,10 @@ struct stage {
 	struct dome dome;
 	struct tsai_camera camera;
 	const struct tsai_camera *depth_camera; /* NULL: in the camera's place */
-	double eye[2];
 	struct slab slabs[2];
 	int count;
 	struct basis_footprint foot;
+	struct people_object object;
 	uint16_t *coverage;
 	uint8_t *touched;
 };
@@ -76,24 +76,22 @@ static void stage_begin(struct stage *s, const double eye[3], double size)
 	const double target[3] = {0, 0, 0.3};
 	struct people_settings settings = {
 		.width = WIDTH, .height = HEIGHT, .curve = {.named = TRANSFER_SRGB}};
-	struct people_object object;
 
 	assert_int_equal(dome_create(&s->dome, 1, NULL), 0);
 	assert_int_equal(tsai_look_at(&s->camera, WIDTH, HEIGHT, eye, target, 70, NULL), 0);
-	s->eye[0] = eye[0];
-	s->eye[1] = eye[1];
 	settings.dome = &s->dome;
 	settings.depth_camera = s->depth_camera;
 	assert_int_equal(people_create(&s->people, &settings, NULL), 0);
 	s->coverage = calloc(WIDTH * HEIGHT, sizeof(*s->coverage));
 	s->touched = calloc(WIDTH * HEIGHT / 256, 1);
 	assert_true(s->coverage && s->touched);
+	memset(s->touched, 1, WIDTH * HEIGHT / 256);
 	fill_footprint(s, size);
-	object = (struct people_object){.coverage = s->coverage,
-					.touched = s->touched,
-					.camera = &s->camera,
-					.foot = &s->foot};
-	people_place(s->people, &object);
+	s->object = (struct people_object){.coverage = s->coverage,
+					   .touched = s->touched,
+					   .camera = &s->camera,
+					   .foot = &s->foot};
+	people_place(s->people, &s->object);
 }
 
 static void stage_end(struct stage *s)
@@ -104,12 +102,26 @@ static void stage_end(struct stage *s)
 	free(s->touched);
 }
 
+/* Where the lower edge of a cell is on the ground. False: it is too near the horizon. */
+static bool ground_at(const struct stage *s, int x, int y, double at[2])
+{
+	const double px[2] = {(x + 0.5) * s->people->cells.side, (y + 1) * s->people->cells.side};
+	double origin[3], dir[3];
+
+	assert_int_equal(tsai_ray(&s->camera, px, origin, dir), 0);
+	for (int k = 0; k < 2; k++)
+		at[k] = origin[k] - origin[2] / dir[2] * dir[k];
+	return dir[2] <= -0.02;
+}
+
 /* Whether somebody whose feet are in a cell is before the object. */
 static bool is_front(const struct stage *s, int x, int y)
 {
-	const struct group group = {.foot_x = x + 0.5, .foot_y = y};
+	double direction;
+	float far;
 
-	return order_is_front(s->people, &group);
+	return far_side_point(s->people, x + 0.5, y + 1, 0, &direction, &far) &&
+	       far < far_side_at(s->people, x + 0.5, direction);
 }
 
 /* Walkers on all cells of the ground whose direction meets the object: those nearer than its far
@@ -120,20 +132,16 @@ static void all_around(struct stage *s, const double eye[3], double size)
 	int before = 0, behind = 0, wrong = 0;
 
 	stage_begin(s, eye, size);
-	for (int y = 0; y < s->people->down - 1; y++)
-		for (int x = 0; x < s->people->across; x++) {
-			const double px[2] = {(x + 0.5) * s->people->side,
-					      (y + 1) * s->people->side};
-			double origin[3], dir[3], t, far = -1, is, direction;
+	for (int y = 0; y < s->people->cells.down - 1; y++)
+		for (int x = 0; x < s->people->cells.across; x++) {
+			double at[2], far = -1, is, direction;
 
-			assert_int_equal(tsai_ray(&s->camera, px, origin, dir), 0);
-			if (dir[2] > -0.02)
+			if (!ground_at(s, x, y, at))
 				continue;
-			t = -origin[2] / dir[2];
-			is = hypot(t * dir[0], t * dir[1]);
-			direction = atan2(dir[1], dir[0]);
+			is = hypot(at[0] - eye[0], at[1] - eye[1]);
+			direction = atan2(at[1] - eye[1], at[0] - eye[0]);
 			for (int k = 0; k < s->count; k++)
-				far = fmax(far, leaves(&s->slabs[k], s->eye, direction));
+				far = fmax(far, leaves(&s->slabs[k], eye, direction));
 			if (far < 0 || fabs(is - far) < unsure + 0.01 * far)
 				continue;
 			before += is < far;
@@ -195,16 +203,12 @@ TEST("beside a wall its end counts")
 	int front[2] = {0, 0}, all[2] = {0, 0};
 
 	stage_begin(&s, ahead, 2.2);
-	for (int y = 0; y < s.people->down - 1; y++)
-		for (int x = 0; x < s.people->across; x++) {
-			const double px[2] = {(x + 0.5) * s.people->side, (y + 1) * s.people->side};
-			double origin[3], dir[3], at[2];
+	for (int y = 0; y < s.people->cells.down - 1; y++)
+		for (int x = 0; x < s.people->cells.across; x++) {
+			double at[2];
 
-			assert_int_equal(tsai_ray(&s.camera, px, origin, dir), 0);
-			if (dir[2] > -0.02)
+			if (!ground_at(&s, x, y, at))
 				continue;
-			for (int k = 0; k < 2; k++)
-				at[k] = origin[k] - origin[2] / dir[2] * dir[k];
 			/* The wall's right end is 0.48 m farther than its middle, the left
 			 * nearer. */
 			if (fabs(at[1]) > 0.25 || fabs(at[0]) < 1.1 || fabs(at[0]) > 1.6)
@@ -218,36 +222,13 @@ TEST("beside a wall its end counts")
 	stage_end(&s);
 }
 
-/* The coverage's lower edge counts for files without a footprint. */
-TEST("without a footprint the lower edge counts")
-{
-	struct stage s = {.count = 0};
-	struct people_object object;
-
-	stage_begin(&s, ahead, 1);
-	for (int y = 200; y < 320; y++)
-		for (int x = 240; x < 400; x++)
-			s.coverage[y * WIDTH + x] = 65535;
-	object = (struct people_object){
-		.coverage = s.coverage, .touched = s.touched, .camera = &s.camera};
-	people_place(s.people, &object);
-	for (int x = 20; x < WIDTH - 20; x += 20) { /* beside it the nearest column counts */
-		const int side = s.people->side, edge = 320 / side;
-		const int off = x < 240 || x >= 400 ? 30 : 3; /* cells */
-
-		assert_false(is_front(&s, x / side, edge - off));
-		assert_true(is_front(&s, x / side, edge + off));
-		assert_true(is_front(&s, x / side, s.people->down - 1));
-	}
-	object.camera = NULL;
-	people_place(s.people, &object);
-	assert_false(is_front(&s, WIDTH / 2 / s.people->side, 400 / s.people->side));
-	stage_end(&s);
-}
-
-/* ---- by depth ---- */
+/* ---- bodies, by their feet and by depth ---- */
 
 enum { MAP_WIDTH = 212, MAP_HEIGHT = 120 }; /* not the background's shape, either */
+
+/* What the depth camera measures, in mm. */
+static uint8_t words[2 * MAP_WIDTH * MAP_HEIGHT];
+static const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
 
 /* An upright body of the depth camera's and of the background's picture. */
 struct standing {
@@ -278,9 +259,9 @@ static double depth_of_body(const struct tsai_camera *camera, const struct stand
 		       : 0;
 }
 
-/* What the depth camera measures of a body. */
+/* Lets the depth camera measure a body. */
 static void measure_body(const struct tsai_camera *camera, const struct standing *b,
-			 struct chance *chance, uint8_t *words)
+			 struct chance *chance)
 {
 	for (int k = 0; k < MAP_WIDTH * MAP_HEIGHT; k++) {
 		const double u = (k % MAP_WIDTH + 0.5) / MAP_WIDTH - b->shift;
@@ -295,29 +276,65 @@ static void measure_body(const struct tsai_camera *camera, const struct standing
 	}
 }
 
-/* The group that a body is in the background. */
-static struct group *group_of_body(struct stage *s, const struct standing *b)
+/* Has the body followed as the only group of a frame, of a camera with depths where depth is not
+ * NULL; whether it is before the object. */
+static bool follow_body(struct stage *s, const struct standing *b, const struct depth_map *depth)
 {
 	struct people *p = s->people;
-	struct group *g = &p->groups[0];
+	struct group *g = &p->crowd.groups[0];
 
-	*g = (struct group){.left = p->across, .top = -1};
-	for (int y = 0; y < p->down; y++)
-		for (int x = 0; x < p->across; x++) {
-			const double u = (x + 0.5) / p->across, v = (y + 0.5) / p->down;
+	*g = (struct group){.left = p->cells.across, .top = p->cells.down};
+	for (int y = 0; y < p->cells.down; y++)
+		for (int x = 0; x < p->cells.across; x++) {
+			const double u = (x + 0.5) / p->cells.across;
+			const double v = (y + 0.5) / p->cells.down;
 			const bool in = depth_of_body(&s->camera, b, u, v) > 0;
 
-			p->label[y * p->across + x] = in ? 0 : -1;
+			p->crowd.label[y * p->cells.across + x] = in ? 0 : -1;
 			if (!in)
 				continue;
 			g->cells++;
-			g->top = g->top < 0 ? y : g->top;
+			g->top = y < g->top ? y : g->top;
 			g->left = x < g->left ? x : g->left;
 			g->right = x > g->right ? x : g->right;
-			g->bottom = g->foot_y = y;
+			g->bottom = y;
 		}
-	g->foot_x = 0.5 * (g->left + g->right + 1);
-	return g;
+	p->crowd.group_count = 1;
+	p->verdict.box = (struct box){g->left, g->right, g->top, g->bottom};
+	p->visited = true;
+	p->step_ms = 33;
+	people_take_depth(p, depth);
+	persons_follow(p);
+	assert_int_equal(p->crowd.persons, 1);
+	return p->crowd.person[0].front;
+}
+
+/* The coverage's lower edge counts for files without a footprint, and without a calibrated
+ * camera nobody is before the object. */
+TEST("without a footprint the lower edge counts")
+{
+	const struct standing near = {.y = -1.5};
+	struct stage s = {.count = 0};
+
+	stage_begin(&s, ahead, 1);
+	for (int y = 200; y < 320; y++)
+		for (int x = 240; x < 400; x++)
+			s.coverage[y * WIDTH + x] = 65535;
+	s.object.foot = NULL;
+	people_place(s.people, &s.object);
+	for (int x = 20; x < WIDTH - 20; x += 20) { /* beside it the nearest column counts */
+		const int side = s.people->cells.side, edge = 320 / side;
+		const int off = x < 240 || x >= 400 ? 30 : 3; /* cells */
+
+		assert_false(is_front(&s, x / side, edge - off));
+		assert_true(is_front(&s, x / side, edge + off));
+		assert_true(is_front(&s, x / side, s.people->cells.down - 1));
+	}
+	assert_true(follow_body(&s, &near, NULL));
+	s.object.camera = NULL;
+	people_place(s.people, &s.object);
+	assert_false(follow_body(&s, &near, NULL));
+	stage_end(&s);
 }
 
 struct placed_count {
@@ -333,30 +350,24 @@ static struct placed_count place_by(struct standing body, bool depth, const stru
 		.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1, .depth_camera = told ? by : NULL};
 	struct placed_count count = {0, 0, 0};
 	struct chance chance = chance_begin("holes");
-	uint8_t *words = malloc(2 * MAP_WIDTH * MAP_HEIGHT);
-	const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
 
-	assert_non_null(words);
 	stage_begin(&s, ahead, 4.2);
 	for (double y = -1.5; y < 1.6; y += 0.35)
 		for (double x = -1.2; x < 1.3; x += 0.8) {
-			struct group *g;
 			bool front;
 
 			if (fabs(y) < 0.4)
 				continue;
 			body.x = x;
 			body.y = y;
-			measure_body(by ? by : &s.camera, &body, &chance, words);
-			g = group_of_body(&s, &body);
-			people_take_depth(s.people, depth ? &map : NULL);
-			front = order_is_front(s.people, g);
+			measure_body(by ? by : &s.camera, &body, &chance);
+			s.people->crowd.persons = 0;
+			front = follow_body(&s, &body, depth ? &map : NULL);
 			count.all++;
 			count.wrong += front != (y < 0);
 			count.front_taken_for_behind += y < 0 && !front;
 		}
 	stage_end(&s);
-	free(words);
 	return count;
 }
 
@@ -420,30 +431,22 @@ TEST("a depth camera elsewhere is calibrated")
 	}
 }
 
-/* A group that was before the object stays there until it is farther than the far side by a
- * share. */
-TEST("a group keeps its side by depth")
+/* Who was before the object stays there until he is farther than the far side by a share. */
+TEST("somebody keeps his side by depth")
 {
+	static const struct {
+		double y; /* the far side is at 0.15 */
+		bool front;
+	} step[] = {{0.2, false}, {-0.2, true}, {0.2, true}, {0.5, false}, {0.2, false}};
 	struct stage s = {.slabs = {{0, 0, 0, 4, 0.3}}, .count = 1};
 	struct chance chance = chance_begin("holes");
-	uint8_t *words = malloc(2 * MAP_WIDTH * MAP_HEIGHT);
-	const struct depth_map map = {words, 2, 2 * MAP_WIDTH, MAP_WIDTH, MAP_HEIGHT, 0.001};
-	struct standing body = {.y = 0.2, .hidden_m = 0.9}; /* the far side is at 0.15 */
-	struct group *g;
 
-	assert_non_null(words);
 	stage_begin(&s, ahead, 4.2);
-	measure_body(&s.camera, &body, &chance, words);
-	g = group_of_body(&s, &body);
-	people_take_depth(s.people, &map);
-	assert_false(order_is_front(s.people, g));
-	g->before[1] = 1;
-	assert_true(order_is_front(s.people, g));
-	body.y = 0.5;
-	measure_body(&s.camera, &body, &chance, words);
-	g = group_of_body(&s, &body);
-	g->before[1] = 1;
-	assert_false(order_is_front(s.people, g));
+	for (size_t n = 0; n < sizeof(step) / sizeof(*step); n++) {
+		const struct standing body = {.y = step[n].y, .hidden_m = 0.9};
+
+		measure_body(&s.camera, &body, &chance);
+		expect_equal(follow_body(&s, &body, &map), step[n].front, "step %zu", n);
+	}
 	stage_end(&s);
-	free(words);
 }

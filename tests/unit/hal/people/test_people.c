@@ -20,6 +20,7 @@
 #define LEARNING 75	/* frames */
 
 #define NORMALS 65536
+#define NOISE 0.008f /* of linear light at white */
 
 static const struct transfer_curve srgb = {.named = TRANSFER_SRGB};
 
@@ -41,8 +42,10 @@ struct place {
 	uint16_t coverage[HEIGHT * WIDTH];
 	uint8_t touched[(HEIGHT / BASIS_TILE) * (WIDTH / BASIS_TILE)];
 	uint8_t pixels[HEIGHT * WIDTH * 4];
-	double person[HEIGHT][WIDTH]; /* truth: who covers a pixel, 0 or 1 */
-	double noise;		      /* of linear light at white */
+	bool person[HEIGHT][WIDTH];    /* truth: somebody covers a pixel */
+	float empty[HEIGHT][WIDTH][3]; /* light of the place without people */
+	double drawn_for[3];	       /* the lamp, glow and warm of empty */
+	float light[HEIGHT][WIDTH][3]; /* of this frame */
 	double exposure[3];
 	double lamp; /* strength of a lamp in the east */
 	double glow; /* of a red lamp close above the object's place, which the dome does not see */
@@ -114,7 +117,7 @@ static void place_begin(struct place *p)
 	for (int n = 0; n < NORMALS; n++)
 		p->normal[n] = (float)chance_normal(&p->chance);
 	transfer_tables_fill(&p->tables, &srgb);
-	p->noise = 0.008;
+	p->drawn_for[0] = -1; /* nothing is drawn yet */
 	for (int c = 0; c < 3; c++)
 		p->exposure[c] = 1;
 	p->picture = (struct picture){p->pixels, 4, 4 * WIDTH, WIDTH, HEIGHT};
@@ -150,69 +153,102 @@ static void light_dome(struct place *p)
 	}
 }
 
-static double shadow_at(const struct body *b, double x, double y)
+/* Light of the empty place, which is drawn again where it has changed. */
+static void light_floor(struct place *p)
 {
-	const double along = x - b->x, across = (y - b->y) / (0.5 * b->width);
+	const double lights[3] = {p->lamp, p->glow, p->warm};
 
-	return b->shadow && along > 0 && along < 1.2
-		       ? 1 - 0.5 * exp(-across * across) * (1 - along / 1.2)
-		       : 1;
+	if (memcmp(lights, p->drawn_for, sizeof(lights)) == 0)
+		return;
+	memcpy(p->drawn_for, lights, sizeof(lights));
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const double *at = p->ground[y][x], even = irradiance(p, y, x);
+			const double warm = 1 + p->warm * fmin(fmax(at[0], -1), 1);
+
+			for (int c = 0; c < 3; c++)
+				p->empty[y][x][c] = (float)(p->floor[y][x][c] *
+							    (even + glow_at(p, at, c)) *
+							    (c == 0 ? warm : 1));
+		}
+}
+
+static void cast_shadow(struct place *p, const struct body *b)
+{
+	for (int y = 0; b->shadow && y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const double *at = p->ground[y][x], along = at[0] - b->x;
+			const double across = (at[1] - b->y) / (0.5 * b->width);
+
+			if (along <= 0 || along >= 1.2 || fabs(across) > 4)
+				continue;
+			for (int c = 0; c < 3; c++)
+				p->light[y][x][c] *= (float)(1 - 0.5 * exp(-across * across) *
+									 (1 - along / 1.2));
+		}
+}
+
+static void draw_body(struct place *p, const struct body *b)
+{
+	const double low[3] = {b->x, b->y, 0}, high[3] = {b->x, b->y, b->height};
+	const double side[3] = {b->x + b->width / 2, b->y, b->height / 2};
+	double foot[2], head[2], edge[2];
+
+	if (tsai_project(&p->camera, low, foot) || tsai_project(&p->camera, high, head) ||
+	    tsai_project(&p->camera, side, edge))
+		return;
+	for (int y = 0; y < HEIGHT; y++) {
+		const double v = (foot[1] - y - 0.5) / (foot[1] - head[1]);
+		const double half = 0.6 + 0.4 * sin(M_PI * v);
+
+		for (int x = 0; v >= 0 && v <= 1 && x < WIDTH; x++) {
+			const double u = (x + 0.5 - foot[0]) / (edge[0] - foot[0]);
+			double cloth;
+
+			if (fabs(u) > half)
+				continue;
+			cloth = 1 + 0.3 * texture(u, v, 6);
+			p->person[y][x] = true;
+			for (int c = 0; c < 3 && !(b->knees && v > 0.3 && v < 0.5); c++)
+				p->light[y][x][c] =
+					(float)(b->colour[c] * (1 + p->lamp * 0.3) * cloth);
+		}
+	}
+}
+
+/* Writes what the camera makes of the light. */
+static void expose(struct place *p)
+{
+	for (int y = 0; y < HEIGHT; y++) {
+		const int stretch = chance_int(&p->chance, 0, NORMALS - 1);
+
+		for (int x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3; c++) {
+				const float lit = p->light[y][x][c] * (float)p->exposure[c];
+				const float noisy =
+					lit + NOISE * sqrtf(0.05f + lit) *
+						      p->normal[(stretch + 3 * x + c) % NORMALS];
+				const float code = noisy < 0   ? 0
+						   : noisy > 1 ? 65535
+							       : 65535 * noisy;
+
+				p->pixels[4 * (y * WIDTH + x) + 2 - c] =
+					p->tables.encode[(int)(code + 0.5f)];
+			}
+	}
 }
 
 /* Writes the frame with these bodies, the nearest last. */
 static void place_expose(struct place *p, const struct body *bodies, int count)
 {
+	light_floor(p);
+	memcpy(p->light, p->empty, sizeof(p->light));
 	memset(p->person, 0, sizeof(p->person));
-	for (int y = 0; y < HEIGHT; y++) {
-		const int stretch = chance_int(&p->chance, 0, NORMALS - 1);
-
-		for (int x = 0; x < WIDTH; x++) {
-			const double *at = p->ground[y][x];
-			double light[3];
-
-			for (int c = 0; c < 3; c++)
-				light[c] = p->floor[y][x][c] *
-					   (irradiance(p, y, x) + glow_at(p, at, c));
-			light[0] *= 1 + p->warm * fmin(fmax(at[0], -1), 1);
-			for (int n = 0; n < count; n++)
-				for (int c = 0; c < 3; c++)
-					light[c] *= shadow_at(&bodies[n], at[0], at[1]);
-			for (int n = 0; n < count; n++) {
-				const struct body *b = &bodies[n];
-				const double low[3] = {b->x, b->y, 0},
-					     high[3] = {b->x, b->y, b->height};
-				const double side[3] = {b->x + b->width / 2, b->y, b->height / 2};
-				double foot[2], head[2], edge[2], u, v;
-
-				if (tsai_project(&p->camera, low, foot) ||
-				    tsai_project(&p->camera, high, head) ||
-				    tsai_project(&p->camera, side, edge))
-					continue;
-				u = (x + 0.5 - foot[0]) / (edge[0] - foot[0]);
-				v = (foot[1] - y - 0.5) / (foot[1] - head[1]);
-				if (v < 0 || v > 1 || fabs(u) > 0.6 + 0.4 * sin(M_PI * v))
-					continue;
-				p->person[y][x] = 1;
-				if (b->knees && v > 0.3 && v < 0.5)
-					continue;
-				for (int c = 0; c < 3; c++)
-					light[c] = b->colour[c] * (1 + p->lamp * 0.3) *
-						   (1 + 0.3 * texture(u, v, 6));
-			}
-			for (int c = 0; c < 3; c++) {
-				const double exposed = light[c] * p->exposure[c];
-				const double noisy =
-					exposed +
-					p->noise * sqrt(0.05 + exposed) *
-						(double)p->normal[(stretch + 3 * x + c) % NORMALS];
-
-				const double lit = fmin(fmax(noisy, 0), 1);
-
-				p->pixels[4 * (y * WIDTH + x) + 2 - c] =
-					p->tables.encode[(int)lround(65535 * lit)];
-			}
-		}
-	}
+	for (int n = 0; n < count; n++)
+		cast_shadow(p, &bodies[n]);
+	for (int n = 0; n < count; n++)
+		draw_body(p, &bodies[n]);
+	expose(p);
 }
 
 static void place_look(struct place *p, const struct body *bodies, int count)
@@ -243,7 +279,7 @@ static double wrong_share(const struct place *p)
 				continue;
 			all++;
 			wrong += (veil && veil->tile[t] && veil->anybody[y * WIDTH + x] > 127) !=
-				 (p->person[y][x] > 0.5);
+				 p->person[y][x];
 		}
 	return (double)wrong / all;
 }
@@ -353,7 +389,7 @@ TEST("an outline is neither wide nor narrow")
 			const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) +
 				      at % WIDTH / BASIS_TILE;
 
-			there += p->touched[t] && p->person[at / WIDTH][at % WIDTH] > 0.5;
+			there += p->touched[t] && p->person[at / WIDTH][at % WIDTH];
 			found += p->touched[t] && veil->tile[t] && veil->anybody[at] > 127;
 		}
 	}
@@ -600,8 +636,8 @@ TEST("somebody cut by the lower edge is in front")
 		place_look(p, &b, 1);
 		expect_equal(people_report(p->people).in_front, 1, "frame %d", n);
 		for (int x = 0; x < WIDTH; x++)
-			if (x > 1 && x < WIDTH - 2 && p->person[HEIGHT - 1][x - 2] > 0 &&
-			    p->person[HEIGHT - 1][x + 2] > 0)
+			if (x > 1 && x < WIDTH - 2 && p->person[HEIGHT - 1][x - 2] &&
+			    p->person[HEIGHT - 1][x + 2])
 				expect_equal(
 					people_veil(p->people)->front[(HEIGHT - 1) * WIDTH + x],
 					255, "frame %d, column %d", n, x);
@@ -672,7 +708,6 @@ TEST("cells that come back are judged anew")
 	free(p);
 }
 
-/* The noise that is measured is the camera's, also where frames are looked at twice. */
 /* Looks as somebody stands before the object; whether anybody is seen at x from first on, and
  * before. */
 static void see_sides(struct place *p, int first, bool *before, bool *after)
@@ -722,6 +757,7 @@ TEST("nobody is looked for in a mask")
 	free(p);
 }
 
+/* The noise that is measured is the camera's, also where frames are looked at twice. */
 TEST("noise is measured once a frame")
 {
 	struct place *p = calloc(1, sizeof(*p));

@@ -28,19 +28,21 @@ static struct people *people_of(int width, int height, const struct dome *dome)
 /* As if it had learned: other numbers in each cell and term. */
 static void fill(struct people *p)
 {
+	struct place *place = &p->place;
+
 	for (int c = 0; c < 3; c++) {
-		p->first[c] = 1 + c;
-		p->gain[c] = 0.5f + (float)c;
+		place->first[c] = 1 + c;
+		place->gain[c] = 0.5f + (float)c;
 		for (int k = 0; k < PLACE_TERMS; k++)
-			for (int at = 0; at < p->cells; at++)
-				p->coefficient[c][k][at] =
+			for (int at = 0; at < p->cells.count; at++)
+				place->coefficient[c][k][at] =
 					(float)(at % 60000 + 1) / (float)(k + 1) + (float)c;
 	}
-	for (int at = 0; at < p->cells; at++)
-		p->known[at] = at % 3 > 0;
+	for (int at = 0; at < p->cells.count; at++)
+		place->known[at] = at % 3 > 0;
 	for (int band = 0; band < PLACE_BANDS; band++)
 		for (int k = 0; k < PLACE_TERMS; k++)
-			p->fit[band][k % 3].covariance[k][k] = band + k;
+			place->fit[band][k % 3].covariance[k][k] = band + k;
 }
 
 static uint8_t *save(const struct people *p, size_t *bytes)
@@ -63,6 +65,7 @@ static void comes_back(int width, int height, int terms)
 {
 	struct fault fault = {.text = ""};
 	struct people *from, *to;
+	struct place *was, *is;
 	struct dome dome;
 	uint8_t *saved;
 	size_t bytes;
@@ -70,24 +73,25 @@ static void comes_back(int width, int height, int terms)
 	assert_int_equal(dome_create(&dome, 1, NULL), 0);
 	from = people_of(width, height, &dome);
 	to = people_of(width, height, &dome);
+	was = &from->place;
+	is = &to->place;
 	fill(from);
 	for (int c = 0; c < 3; c++)
 		for (int k = 0; k < PLACE_TERMS; k++)
-			to->coefficient[c][k][7] = 12; /* of before */
+			is->coefficient[c][k][7] = 12; /* of before */
 	saved = save(from, &bytes);
 	assert_true(bytes <= MOST);
 	expect_success(people_restore(to, saved, bytes, &fault), &fault);
-	assert_memory_equal(from->first, to->first, sizeof(to->first));
-	assert_memory_equal(from->gain, to->gain, sizeof(to->gain));
-	assert_memory_equal(from->known, to->known, (size_t)to->cells);
-	assert_int_equal(memcmp(from->fit, to->fit, sizeof(to->fit)) == 0, terms == PLACE_TERMS);
+	assert_memory_equal(was->first, is->first, sizeof(is->first));
+	assert_memory_equal(was->gain, is->gain, sizeof(is->gain));
+	assert_memory_equal(was->known, is->known, (size_t)to->cells.count);
+	assert_int_equal(memcmp(was->fit, is->fit, sizeof(is->fit)) == 0, terms == PLACE_TERMS);
 	for (int c = 0; c < 3; c++)
 		for (int k = 0; k < PLACE_TERMS; k++)
-			for (int at = 0; at < to->cells; at++)
-				if (to->coefficient[c][k][at] !=
-				    (k < terms ? from->coefficient[c][k][at] : 0))
-					fail_msg("cell %d, channel %d, term %d: %g", at, c, k,
-						 (double)to->coefficient[c][k][at]);
+			for (int at = 0; at < to->cells.count; at++)
+				expect_equal(is->coefficient[c][k][at],
+					     k < terms ? was->coefficient[c][k][at] : 0,
+					     "cell %d, channel %d, term %d", at, c, k);
 	free(saved);
 	people_destroy(from);
 	people_destroy(to);
@@ -119,7 +123,7 @@ TEST("impossible numbers are refused")
 	fill(p);
 	saved = save(p, &bytes);
 	for (size_t n = 0; n < sizeof(wrong) / sizeof(*wrong); n++) {
-		const size_t planes = bytes - (size_t)p->cells;
+		const size_t planes = bytes - (size_t)p->cells.count;
 		float before;
 
 		memcpy(&before, saved + planes - 4, 4);
@@ -136,7 +140,7 @@ TEST("impossible numbers are refused")
 	memset(saved + HEADER_BYTES, 0xff, 8); /* not a number in a covariance */
 	people_seal(saved, bytes);
 	assert_int_equal(people_restore(p, saved, bytes, &fault), -EBADMSG);
-	expect_equal(p->gain[2], 2.5, "what was known is untouched");
+	expect_equal(p->place.gain[2], 2.5, "what was known is untouched");
 	free(saved);
 	people_destroy(p);
 	dome_free(&dome);
