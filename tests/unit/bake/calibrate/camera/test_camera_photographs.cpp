@@ -291,7 +291,9 @@ static const struct {
 
 /*
  * Declared deviations are those of the jackknife within a factor of 1.5. A pose also has noise of
- * its own view, which leaving out others cannot show: it may be declared worse.
+ * its own view, which leaving out others cannot show: it may be declared worse. A jackknife of 13
+ * views is itself known to 1 / sqrt(2 * 12), a fifth; the largest of some 80 poses' numbers is then
+ * 1.5 times too large by chance, so each may be declared at half of it.
  */
 static void declared_as_leaving_out_views(const char *side)
 {
@@ -321,7 +323,7 @@ static void declared_as_leaving_out_views(const char *side)
 			continue;
 		print_message("%s, %s: %.2f of the jackknife's %.3g\n", side, name, ratio,
 			      jackknife[k]);
-		assert_true(ratio > 1 / 1.5 && ratio < (pose ? 5 : 1.5));
+		assert_true(ratio > (pose ? 1 / 2.0 : 1 / 1.5) && ratio < (pose ? 5 : 1.5));
 	}
 	camera_solution_free(&all);
 	observations_free(&seen);
