@@ -101,7 +101,7 @@ report() {
 } >"$work/flat.pfm"
 "${render[@]}" --pose 4 --frequency 1 --size 48x36 -o "$work/last.inlay"
 check "a report of a pose" report "$work/turn.scene" --pose 4
-check "says so" grep -q "Of the scene's poses it is 4\." "$work/report/report.html"
+check "says so" grep -q " Pose: 4\." "$work/report/report.html"
 figures=$(grep -o "[0-9]* of them changed by the object, of which [0-9]*" "$work/report/report.html")
 check "and is of it: $figures" grep -q "covers $((${figures%% *} - ${figures##* })) pixels" \
 	<("$bake" info "$work/last.inlay")
