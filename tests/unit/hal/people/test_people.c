@@ -42,7 +42,7 @@ struct place {
 	uint16_t coverage[HEIGHT * WIDTH];
 	uint8_t touched[(HEIGHT / BASIS_TILE) * (WIDTH / BASIS_TILE)];
 	uint8_t pixels[HEIGHT * WIDTH * 4];
-	bool person[HEIGHT][WIDTH];    /* truth: somebody covers a pixel */
+	uint8_t person[HEIGHT][WIDTH]; /* truth: which body covers a pixel, from 1 on; 0: none */
 	float empty[HEIGHT][WIDTH][3]; /* light of the place without people */
 	double drawn_for[3];	       /* the lamp, glow and warm of empty */
 	float light[HEIGHT][WIDTH][3]; /* of this frame */
@@ -65,11 +65,11 @@ static double texture(double x, double y, double scale)
 	return sin(x * scale * 3.1 + sin(y * scale * 2.3)) * sin(y * scale * 4.7);
 }
 
-/* A camera 1.6 m above the ground looks at the origin from 4 m; the object is a box of 0.6 m there,
- * which the picture of the place does not show. */
-static void place_begin(struct place *p)
+/* A camera so high above the ground looks at the origin from 4 m; the object is a box of 0.6 m
+ * there, which the picture of the place does not show. */
+static void place_begin_from(struct place *p, double eye_m)
 {
-	const double eye[3] = {0, -4, 1.6}, target[3] = {0, 0, 0.3};
+	const double eye[3] = {0, -4, eye_m}, target[3] = {0, 0, 0.3};
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
@@ -121,6 +121,11 @@ static void place_begin(struct place *p)
 	for (int c = 0; c < 3; c++)
 		p->exposure[c] = 1;
 	p->picture = (struct picture){p->pixels, 4, 4 * WIDTH, WIDTH, HEIGHT};
+}
+
+static void place_begin(struct place *p)
+{
+	place_begin_from(p, 1.6);
 }
 
 static void place_end(struct place *p)
@@ -188,7 +193,7 @@ static void cast_shadow(struct place *p, const struct body *b)
 		}
 }
 
-static void draw_body(struct place *p, const struct body *b)
+static void draw_body(struct place *p, const struct body *b, int number)
 {
 	const double low[3] = {b->x, b->y, 0}, high[3] = {b->x, b->y, b->height};
 	const double side[3] = {b->x + b->width / 2, b->y, b->height / 2};
@@ -208,7 +213,7 @@ static void draw_body(struct place *p, const struct body *b)
 			if (fabs(u) > half)
 				continue;
 			cloth = 1 + 0.3 * texture(u, v, 6);
-			p->person[y][x] = true;
+			p->person[y][x] = (uint8_t)number;
 			for (int c = 0; c < 3 && !(b->knees && v > 0.3 && v < 0.5); c++)
 				p->light[y][x][c] =
 					(float)(b->colour[c] * (1 + p->lamp * 0.3) * cloth);
@@ -247,7 +252,7 @@ static void place_expose(struct place *p, const struct body *bodies, int count)
 	for (int n = 0; n < count; n++)
 		cast_shadow(p, &bodies[n]);
 	for (int n = 0; n < count; n++)
-		draw_body(p, &bodies[n]);
+		draw_body(p, &bodies[n], n + 1);
 	expose(p);
 }
 
@@ -279,7 +284,7 @@ static double wrong_share(const struct place *p)
 				continue;
 			all++;
 			wrong += (veil && veil->tile[t] && veil->anybody[y * WIDTH + x] > 127) !=
-				 p->person[y][x];
+				 (p->person[y][x] > 0);
 		}
 	return (double)wrong / all;
 }
@@ -389,7 +394,7 @@ TEST("an outline is neither wide nor narrow")
 			const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) +
 				      at % WIDTH / BASIS_TILE;
 
-			there += p->touched[t] && p->person[at / WIDTH][at % WIDTH];
+			there += p->touched[t] && p->person[at / WIDTH][at % WIDTH] > 0;
 			found += p->touched[t] && veil->tile[t] && veil->anybody[at] > 127;
 		}
 	}
@@ -641,6 +646,137 @@ TEST("somebody cut by the lower edge is in front")
 				expect_equal(
 					people_veil(p->people)->front[(HEIGHT - 1) * WIDTH + x],
 					255, "frame %d, column %d", n, x);
+	}
+	place_end(p);
+	free(p);
+}
+
+/* ---- several, and their order ---- */
+
+/* A place that is watched, and known, everywhere. */
+static struct place *place_of_several(double eye_m)
+{
+	struct place *p = calloc(1, sizeof(*p));
+
+	assert_non_null(p);
+	place_begin_from(p, eye_m);
+	memset(p->touched, 1, sizeof(p->touched));
+	people_place(p->people, &p->object);
+	people_learn(p->people);
+	for (int n = 0; n < 10; n++)
+		place_look(p, NULL, 0);
+	return p;
+}
+
+/* Of the pixels of two bodies, the share that is not in the order of its body, the second in
+ * front. */
+static double misordered(const struct place *p)
+{
+	const struct veil *veil = people_veil(p->people);
+	int wrong = 0, all = 0;
+
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			all += p->person[y][x] > 0;
+			wrong += p->person[y][x] > 0 &&
+				 (veil->front[y * WIDTH + x] > 127) != (p->person[y][x] == 2);
+		}
+	return (double)wrong / all;
+}
+
+/* Whether two bodies touch in the picture, and so are one group. */
+static bool are_joined(const struct place *p)
+{
+	bool joined = false;
+
+	for (int y = 1; y < HEIGHT; y++)
+		for (int x = 1; x < WIDTH; x++)
+			joined |= p->person[y][x] + p->person[y][x - 1] == 3 ||
+				  p->person[y][x] + p->person[y - 1][x] == 3;
+	return joined;
+}
+
+/* Looks at a frame of a body behind the object and one before it, each of whom is in his order. */
+static void see_both(struct place *p, const struct body both[2], int n)
+{
+	struct people_report seen;
+
+	place_look(p, both, 2);
+	seen = people_report(p->people);
+	expect_equal(seen.parts, 2, "frame %d", n);
+	expect_equal(seen.in_front, 1, "frame %d", n);
+}
+
+TEST("two who meet before and behind the object keep each his order")
+{
+	struct place *p = place_of_several(1.6);
+
+	for (int n = 0; n < 40; n++) {
+		const double off = 0.05 + 0.05 * (n < 15 ? 15 - n : n < 25 ? 0 : n - 25);
+		struct body both[] = {walker(0.24 + off, 1), walker(-0.07 - off, -1)};
+
+		both[1].width = 0.3; /* so wide in the picture as the other */
+		see_both(p, both, n);
+		if (n < 10 || n > 30)
+			expect_at_most(misordered(p), 0.01, "frame %d", n);
+		if (n > 15 && n < 25)
+			assert_true(are_joined(p));
+	}
+	place_end(p);
+	free(p);
+}
+
+/* The near one's head hides the far one's feet. */
+TEST("one above another is another")
+{
+	struct place *p = place_of_several(3.2);
+
+	for (int n = 0; n < 25; n++) {
+		const double off = n < 15 ? 0.08 * (15 - n) : 0;
+		const struct body both[] = {walker(off, 1.5), walker(-off, -1)};
+
+		see_both(p, both, n);
+		expect_at_most(misordered(p), 0.1, "frame %d", n);
+	}
+	assert_true(are_joined(p));
+	place_end(p);
+	free(p);
+}
+
+/* The far side of the object is at 0.3 m, where a cell's height is 0.08 m of ground. */
+TEST("feet that jitter across the border do not change the order")
+{
+	struct place *p = place_of_several(1.6);
+
+	for (int front = 0; front < 2; front++) {
+		for (int n = 0; n < 40; n++) {
+			const double x = -1.2 + 0.06 * n, beside = front ? 0 : 0.6;
+			const double jitter = n % 6 < 3 ? 0.22 : 0.38;
+			const struct body b = walker(x, fabs(x) < 0.5 ? jitter : beside);
+
+			place_look(p, &b, 1);
+			expect_equal(people_report(p->people).parts, 1, "frame %d", n);
+			expect_equal(people_report(p->people).in_front, front, "frame %d", n);
+		}
+		for (int n = 0; n < 4; n++) { /* longer than anybody is missed */
+			p->now_ns += 500000000;
+			place_look(p, NULL, 0);
+		}
+	}
+	place_end(p);
+	free(p);
+}
+
+TEST("somebody who goes behind the object is behind it soon")
+{
+	struct place *p = place_of_several(1.6);
+
+	for (int n = 0; n < 40; n++) {
+		const struct body b = walker(0.2, -0.8 + 0.05 * n);
+
+		place_look(p, &b, 1);
+		if (b.y < 0.3 || b.y > 0.9)
+			expect_equal(people_report(p->people).in_front, b.y < 0.3, "at %g m", b.y);
 	}
 	place_end(p);
 	free(p);
