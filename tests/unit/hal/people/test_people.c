@@ -67,13 +67,15 @@ static double texture(double x, double y, double scale)
 
 /* A camera so high above the ground looks at the origin from 4 m; the object is a box of 0.6 m
  * there, which the picture of the place does not show. */
-static void place_begin_from(struct place *p, double eye_m)
+static struct place *place_begin_from(double eye_m)
 {
+	struct place *p = calloc(1, sizeof(*p));
 	const double eye[3] = {0, -4, eye_m}, target[3] = {0, 0, 0.3};
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -0.3f}, .side = 0.6f, .row = {1}};
 
+	assert_non_null(p);
 	assert_int_equal(dome_create(&p->dome, 2, NULL), 0);
 	assert_int_equal(tsai_look_at(&p->camera, WIDTH, HEIGHT, eye, target, 60, NULL), 0);
 	p->radiance = calloc((size_t)p->dome.count, sizeof(*p->radiance));
@@ -121,11 +123,12 @@ static void place_begin_from(struct place *p, double eye_m)
 	for (int c = 0; c < 3; c++)
 		p->exposure[c] = 1;
 	p->picture = (struct picture){p->pixels, 4, 4 * WIDTH, WIDTH, HEIGHT};
+	return p;
 }
 
-static void place_begin(struct place *p)
+static struct place *place_begin(void)
 {
-	place_begin_from(p, 1.6);
+	return place_begin_from(1.6);
 }
 
 static void place_end(struct place *p)
@@ -133,6 +136,7 @@ static void place_end(struct place *p)
 	people_destroy(p->people);
 	dome_free(&p->dome);
 	free(p->radiance);
+	free(p);
 }
 
 /* Light on the ground: even, and a lamp near the east wall that is stronger there. */
@@ -270,6 +274,14 @@ static void learn(struct place *p)
 		place_look(p, NULL, 0);
 }
 
+static struct place *place_learned(void)
+{
+	struct place *p = place_begin();
+
+	learn(p);
+	return p;
+}
+
 /* Share of the object's pixels in which `anybody` is wrong. */
 static double wrong_share(const struct place *p)
 {
@@ -306,10 +318,8 @@ TEST("a picture too small is said")
 
 TEST("nobody is found where nobody is")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin();
 
-	assert_non_null(p);
-	place_begin(p);
 	place_look(p, NULL, 0);
 	assert_true(people_report(p->people).learned == 0);
 	learn(p);
@@ -322,35 +332,27 @@ TEST("nobody is found where nobody is")
 		expect_at_most(wrong_share(p), 0.01, "frame %d", n);
 	}
 	place_end(p);
-	free(p);
 }
 
 /* Its colour is nothing's that the place has, but it fades, and who stands there ends. */
 TEST("light that the dome does not see is nobody")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < 30; n++) {
 		p->glow = n % 15 < 5 ? 0.8 : 0;
 		place_look(p, NULL, 0);
 		assert_int_equal(people_report(p->people).parts, 0);
 	}
 	place_end(p);
-	free(p);
 }
 
 TEST("somebody who passes is found in order")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	double sum = 0;
 	int frames = 0;
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int front = 0; front < 2; front++)
 		for (int n = 0; n < 60; n++) {
 			const struct body b = walker(-1.5 + 0.05 * n, front ? -1 : 1);
@@ -370,18 +372,14 @@ TEST("somebody who passes is found in order")
 	print_message("# wrong pixels: %.4f of the object's tiles\n", sum / frames);
 	assert_true(sum / frames < 0.03);
 	place_end(p);
-	free(p);
 }
 
 /* Cells that the edge cuts, and the shadow at the feet, make nobody wider. */
 TEST("an outline is neither wide nor narrow")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	int found = 0, there = 0;
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < 30; n++) {
 		struct body b = walker(-0.4 + 0.02 * n, -0.5);
 		const struct veil *veil;
@@ -401,16 +399,12 @@ TEST("an outline is neither wide nor narrow")
 	print_message("# found: %d of %d pixels\n", found, there);
 	expect_at_most(fabs(found / (double)there - 1), 0.02, "%d of %d pixels", found, there);
 	place_end(p);
-	free(p);
 }
 
 TEST("somebody who stands still is not learned")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < (thorough() ? 600 : 200); n++) {
 		const struct body b = walker(0.1, -1);
 
@@ -422,16 +416,13 @@ TEST("somebody who stands still is not learned")
 	place_look(p, NULL, 0);
 	expect_at_most(wrong_share(p), 0.01, "after leaving");
 	place_end(p);
-	free(p);
 }
 
 static void ghost_goes(double exposure)
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin();
 	const struct body b = walker(0.1, -1);
 
-	assert_non_null(p);
-	place_begin(p);
 	for (int n = 0; n < LEARNING; n++)
 		place_look(p, &b, 1); /* is taken for the place */
 	for (int c = 0; c < 3; c++)
@@ -440,7 +431,6 @@ static void ghost_goes(double exposure)
 		place_look(p, NULL, 0);
 	expect_at_most(wrong_share(p), 0.02, "five frames after leaving, exposure %g", exposure);
 	place_end(p);
-	free(p);
 }
 
 TEST("a ghost goes")
@@ -452,11 +442,8 @@ TEST("a ghost goes")
 
 TEST("exposure is followed")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	p->exposure[0] = 0.7;
 	p->exposure[1] = 1.2;
 	place_look(p, NULL, 0);
@@ -470,7 +457,6 @@ TEST("exposure is followed")
 		expect_below(fabs(people_report(p->people).gain[c] / p->exposure[c] - 1), 0.15,
 			     "channel %d", c);
 	place_end(p);
-	free(p);
 }
 
 /* Saves what was learned, part by part; *bytes: its length. The caller frees it. */
@@ -495,14 +481,11 @@ static uint8_t *save(const struct people *people, size_t *bytes)
 
 TEST("what was learned survives")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	struct fault fault = {.text = ""};
 	uint8_t *saved;
 	size_t bytes;
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	saved = save(p->people, &bytes);
 	people_forget(p->people);
 	place_look(p, NULL, 0);
@@ -520,15 +503,12 @@ TEST("what was learned survives")
 	expect_at_most(wrong_share(p), 0.01, "restored");
 	free(saved);
 	place_end(p);
-	free(p);
 }
 
 TEST("learn and forget act at once")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin();
 
-	assert_non_null(p);
-	place_begin(p);
 	people_learn(p->people);
 	place_look(p, NULL, 0);
 	expect_equal(people_report(p->people).learned, 1, "after learn");
@@ -536,17 +516,13 @@ TEST("learn and forget act at once")
 	place_look(p, NULL, 0);
 	expect_equal(people_report(p->people).learned, 0, "after forget");
 	place_end(p);
-	free(p);
 }
 
 TEST("nobody is reported in the dark")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	const struct body b = walker(0.1, -1);
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	place_look(p, &b, 1);
 	assert_true(people_report(p->people).parts > 0);
 	memset(p->radiance, 0, (size_t)p->dome.count * sizeof(*p->radiance));
@@ -555,17 +531,13 @@ TEST("nobody is reported in the dark")
 	assert_int_equal(people_report(p->people).parts, 0);
 	assert_int_equal(people_report(p->people).in_front, 0);
 	place_end(p);
-	free(p);
 }
 
 TEST("somebody who hides everything is not learned")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	const struct body b = {0, -2, 1.6, 1.9, {0.5, 0.15, 0.1}, .shadow = false};
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < (thorough() ? 300 : 100); n++)
 		place_look(p, &b, 1);
 	expect_at_most(wrong_share(p), 0.03, "after standing");
@@ -575,18 +547,14 @@ TEST("somebody who hides everything is not learned")
 	place_look(p, NULL, 0);
 	expect_at_most(wrong_share(p), 0.01, "after leaving");
 	place_end(p);
-	free(p);
 }
 
 /* Light changes while somebody stands there: the ground that he hid is known when it comes back. */
 TEST("hidden ground follows its surroundings")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	const struct body b = walker(0.3, -0.7);
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < 90; n++) {
 		p->warm = 0.7 * n / 90;
 		place_look(p, &b, 1);
@@ -596,16 +564,12 @@ TEST("hidden ground follows its surroundings")
 	print_message("# wrong pixels: %.4f\n", wrong_share(p));
 	expect_at_most(wrong_share(p), 0.01, "after leaving");
 	place_end(p);
-	free(p);
 }
 
 TEST("a body keeps the order of its feet")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < 12; n++) {
 		struct body b = walker(-0.2 + 0.03 * n, -0.7);
 		struct people_report seen;
@@ -617,23 +581,17 @@ TEST("a body keeps the order of its feet")
 		expect_equal(seen.in_front, 1, "frame %d", n);
 	}
 	place_end(p);
-	free(p);
 }
 
 TEST("somebody cut by the lower edge is in front")
 {
 	static const struct basis_footprint foot = {
 		.corner = {-0.3f, -3.9f}, .side = 0.2f, .row = {7}};
-	struct place *p = calloc(1, sizeof(*p));
-	struct people_object object = {.foot = &foot};
+	struct place *p = place_begin();
 
-	assert_non_null(p);
-	place_begin(p);
 	memset(p->touched, 1, sizeof(p->touched));
-	object.coverage = p->coverage;
-	object.touched = p->touched;
-	object.camera = &p->camera;
-	people_place(p->people, &object);
+	p->object.foot = &foot;
+	people_place(p->people, &p->object);
 	learn(p);
 	for (int n = 0; n < 20; n++) {
 		const struct body b = walker(-0.2 + 0.02 * n, -3);
@@ -648,7 +606,6 @@ TEST("somebody cut by the lower edge is in front")
 					255, "frame %d, column %d", n, x);
 	}
 	place_end(p);
-	free(p);
 }
 
 /* ---- several, and their order ---- */
@@ -656,10 +613,8 @@ TEST("somebody cut by the lower edge is in front")
 /* A place that is watched, and known, everywhere. */
 static struct place *place_of_several(double eye_m)
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin_from(eye_m);
 
-	assert_non_null(p);
-	place_begin_from(p, eye_m);
 	memset(p->touched, 1, sizeof(p->touched));
 	people_place(p->people, &p->object);
 	people_learn(p->people);
@@ -668,8 +623,7 @@ static struct place *place_of_several(double eye_m)
 	return p;
 }
 
-/* Of the pixels of two bodies, the share that is not in the order of its body, the second in
- * front. */
+/* Share of the pixels of two bodies in which not the second alone is in front. */
 static double misordered(const struct place *p)
 {
 	const struct veil *veil = people_veil(p->people);
@@ -723,7 +677,6 @@ TEST("two who meet before and behind the object keep each his order")
 			assert_true(are_joined(p));
 	}
 	place_end(p);
-	free(p);
 }
 
 /* The near one's head hides the far one's feet. */
@@ -740,7 +693,6 @@ TEST("one above another is another")
 	}
 	assert_true(are_joined(p));
 	place_end(p);
-	free(p);
 }
 
 /* The far side of the object is at 0.3 m, where a cell's height is 0.08 m of ground. */
@@ -764,7 +716,6 @@ TEST("feet that jitter across the border do not change the order")
 		}
 	}
 	place_end(p);
-	free(p);
 }
 
 TEST("somebody who goes behind the object is behind it soon")
@@ -779,20 +730,17 @@ TEST("somebody who goes behind the object is behind it soon")
 			expect_equal(people_report(p->people).in_front, b.y < 0.3, "at %g m", b.y);
 	}
 	place_end(p);
-	free(p);
 }
 
 TEST("another place is refused")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin();
 	struct people_settings settings = {.width = WIDTH, .height = HEIGHT, .curve = srgb};
 	struct people *other = NULL;
 	struct dome finer;
 	uint8_t *saved;
 	size_t bytes;
 
-	assert_non_null(p);
-	place_begin(p);
 	place_look(p, NULL, 0);
 	saved = save(p->people, &bytes);
 	assert_int_equal(dome_create(&finer, 3, NULL), 0);
@@ -809,7 +757,6 @@ TEST("another place is refused")
 	dome_free(&finer);
 	free(saved);
 	place_end(p);
-	free(p);
 }
 
 /* Somebody stands where the object is, which goes elsewhere; meanwhile he goes. Where it comes back
@@ -817,14 +764,11 @@ TEST("another place is refused")
  * the same. */
 TEST("cells that come back are judged anew")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_learned();
 	static uint8_t elsewhere[sizeof(p->touched)] = {[0] = 1};
 	struct people_object object = {.camera = &p->camera};
 	const struct body b = walker(0.1, -1);
 
-	assert_non_null(p);
-	place_begin(p);
-	learn(p);
 	for (int n = 0; n < 5; n++)
 		place_look(p, &b, 1);
 	expect_equal(people_report(p->people).parts, 1, "while he is there");
@@ -841,7 +785,6 @@ TEST("cells that come back are judged anew")
 	people_look(p->people, &p->picture, (const float(*)[3])p->radiance, p->now_ns);
 	assert_null(people_veil(p->people));
 	place_end(p);
-	free(p);
 }
 
 /* Looks as somebody stands before the object; whether anybody is seen at x from first on, and
@@ -864,13 +807,11 @@ static void see_sides(struct place *p, int first, bool *before, bool *after)
 
 TEST("nobody is looked for in a mask")
 {
-	struct place *p = calloc(1, sizeof(*p));
+	struct place *p = place_begin();
 	uint8_t *shown = calloc(WIDTH * HEIGHT, 1);
 	bool left, right;
 
-	assert_non_null(p);
 	assert_non_null(shown);
-	place_begin(p);
 	learn(p);
 	see_sides(p, WIDTH / 2, &left, &right);
 	assert_true(left && right);
@@ -890,18 +831,16 @@ TEST("nobody is looked for in a mask")
 	assert_int_equal(people_report(p->people).parts, 0);
 	free(shown);
 	place_end(p);
-	free(p);
 }
 
 /* The noise that is measured is the camera's, also where frames are looked at twice. */
 TEST("noise is measured once a frame")
 {
-	struct place *p = calloc(1, sizeof(*p));
 	struct sensor_noise_model model[2];
 
 	for (int twice = 0; twice < 2; twice++) {
-		memset(p, 0, sizeof(*p));
-		place_begin(p);
+		struct place *p = place_begin();
+
 		for (int n = 0; n < LEARNING; n++) {
 			place_look(p, NULL, 0);
 			for (int again = 0; again < 2 * twice; again++)
@@ -916,5 +855,4 @@ TEST("noise is measured once a frame")
 		expect_equal(model[1].floor[c], model[0].floor[c], "channel %d", c);
 		expect_equal(model[1].slope[c], model[0].slope[c], "channel %d", c);
 	}
-	free(p);
 }
