@@ -401,7 +401,7 @@ static struct passage ray_passage(const struct transport *t, enum presence prese
 				  struct v3 origin, int at)
 {
 	if (t->rays.blocked[at] == RAY_GLASS)
-		return world_through_glass(t->world, presence, origin, pushed_ray(t, at));
+		return world_through_glass(t->world, presence, origin, pushed_ray(t, at), INFINITY);
 	return (struct passage){.open = false};
 }
 
@@ -559,7 +559,8 @@ static struct passage next_passage(const struct transport *t, enum presence pres
 				   const struct surface *next)
 {
 	if (direction.z >= 0 && next->bsdf.kind == MATERIAL_GLASS)
-		return world_passage(t->world, presence, surface_leave(s, direction), direction);
+		return world_passage(t->world, presence, surface_leave(s, direction), direction,
+				     INFINITY);
 	return (struct passage){.open = false};
 }
 

@@ -571,7 +571,7 @@ bool world_nearest(const struct world *world, enum presence presence, struct v3 
 	return false;
 }
 
-static bool scene_blocks(RTCScene scene, struct v3 origin, struct v3 direction)
+static bool scene_blocks(RTCScene scene, struct v3 origin, struct v3 direction, float far)
 {
 	struct RTCRay r = {
 		.org_x = origin.x,
@@ -580,7 +580,7 @@ static bool scene_blocks(RTCScene scene, struct v3 origin, struct v3 direction)
 		.dir_x = direction.x,
 		.dir_y = direction.y,
 		.dir_z = direction.z,
-		.tfar = INFINITY,
+		.tfar = far,
 		.mask = ~0u,
 	};
 
@@ -589,15 +589,19 @@ static bool scene_blocks(RTCScene scene, struct v3 origin, struct v3 direction)
 }
 
 struct passage world_through_glass(const struct world *world, enum presence presence,
-				   struct v3 origin, struct v3 direction)
+				   struct v3 origin, struct v3 direction, float far)
 {
 	struct passage p = {.open = true, .sky = direction, .passed = {{1, 1, 1}}};
 	struct surface s;
 
 	for (int k = 0; world_nearest(world, presence, origin, p.sky, &s); k++) {
+		const float way = v3_length(v3_sub(s.position, origin));
 		const struct glass_ways ways = bsdf_glass_ways(&s.bsdf, s.normal, s.outer,
 							       v3_scale(p.sky, -1));
 
+		if (way >= far)
+			return p;
+		far -= way;
 		if (s.bsdf.kind != MATERIAL_GLASS || ways.reflectance >= 1 || k == GLASS_MAX)
 			return (struct passage){.open = false};
 		p.bent |= !bsdf_is_pane(&s.bsdf);
@@ -606,20 +610,20 @@ struct passage world_through_glass(const struct world *world, enum presence pres
 		p.sky = ways.passed;
 		origin = surface_leave(&s, p.sky);
 	}
-	return p.sky.z >= 0 ? p : (struct passage){.open = false};
+	return far < INFINITY || p.sky.z >= 0 ? p : (struct passage){.open = false};
 }
 
 struct passage world_passage(const struct world *world, enum presence presence, struct v3 origin,
-			     struct v3 direction)
+			     struct v3 direction, float far)
 {
 	const bool glass = world->glass[presence];
 
-	if (scene_blocks(glass ? world->solid[presence] : world->scene[presence], origin,
-			 direction))
+	if (scene_blocks(glass ? world->solid[presence] : world->scene[presence], origin, direction,
+			 far))
 		return (struct passage){.open = false};
 	if (!glass)
 		return (struct passage){.open = true, .sky = direction, .passed = {{1, 1, 1}}};
-	return world_through_glass(world, presence, origin, direction);
+	return world_through_glass(world, presence, origin, direction, far);
 }
 
 /* ---- many rays ---- */

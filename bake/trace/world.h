@@ -88,14 +88,15 @@ struct bounds world_bounds(const struct world *world, enum presence presence);
 bool world_nearest(const struct world *world, enum presence presence, struct v3 origin,
 		   struct v3 direction, struct surface *surface);
 
-/* Follows a ray, which points upwards, through glass to the sky. The passage is open if only glass
- * is in its straight way, and the ray reaches the sky by passing that. */
+/* Follows a ray through glass to a light above the ground at the distance far; INFINITY: to the
+ * sky, for a ray that points upwards. The passage is open if only glass is in its straight way, and
+ * the ray reaches that distance or the sky by passing it. */
 struct passage world_passage(const struct world *world, enum presence presence, struct v3 origin,
-			     struct v3 direction);
+			     struct v3 direction, float far);
 
 /* Does the same for a ray that is known to have only glass in its straight way. */
 struct passage world_through_glass(const struct world *world, enum presence presence,
-				   struct v3 origin, struct v3 direction);
+				   struct v3 origin, struct v3 direction, float far);
 
 /* Finds which rays of a batch meet a mesh. The ground does not count: batches hold only rays that
  * point upwards. */

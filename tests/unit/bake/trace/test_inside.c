@@ -84,7 +84,8 @@ TEST("rays")
 		if (inside_find(&view, d) < 0)
 			continue;
 		met++;
-		expect_that(!world_passage(scene->world, WITH_OBJECTS, from, d).open, "ray %d", k);
+		expect_that(!world_passage(scene->world, WITH_OBJECTS, from, d, INFINITY).open,
+			    "ray %d", k);
 	}
 	/* most of the rays that are blocked at all */
 	expect_above(met, RAYS / 4, "rays of %d", RAYS);
