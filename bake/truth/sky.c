@@ -113,12 +113,17 @@ void sky_free(struct sky *sky)
 	sky->sum = NULL;
 }
 
+static bool sky_is_lit(const struct sky *sky)
+{
+	return sky->dome || sky->panorama.image;
+}
+
 struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 {
 	const double d[3] = {direction.x, direction.y, direction.z};
 	double rgb[3];
 
-	if (direction.z < 0)
+	if (direction.z < 0 || !sky_is_lit(sky))
 		return rgb_make(0, 0, 0);
 	if (sky->dome) {
 		const float lit = dome_cell_of(sky->dome, d) == sky->light;
@@ -127,6 +132,16 @@ struct rgb sky_radiance(const struct sky *sky, struct v3 direction)
 	}
 	panorama_radiance(&sky->panorama, d, rgb);
 	return rgb_make((float)rgb[0], (float)rgb[1], (float)rgb[2]);
+}
+
+struct rgb sky_lamps(const struct sky *sky, struct v3 origin, struct v3 direction, float far)
+{
+	struct rgb sum = {{0, 0, 0}};
+
+	for (int k = 0; k < sky->lamp_count; k++)
+		if (lamp_distance(&sky->lamps[k], origin, direction) < far)
+			sum = rgb_add(sum, sky->lamps[k].radiance);
+	return sum;
 }
 
 /* Index of the first of count running sums that is above x. */
@@ -193,6 +208,9 @@ static struct v3 sample_panorama(const struct sky *sky, float u, float v, float 
 
 struct v3 sky_sample(const struct sky *sky, float u, float v, float *density)
 {
+	*density = 0;
+	if (!sky_is_lit(sky))
+		return v3_make(0, 0, 1);
 	return sky->dome ? sample_light(sky, u, v, density) : sample_panorama(sky, u, v, density);
 }
 
@@ -215,5 +233,7 @@ float sky_density(const struct sky *sky, struct v3 direction)
 {
 	const double d[3] = {direction.x, direction.y, direction.z};
 
+	if (!sky_is_lit(sky))
+		return 0;
 	return sky->dome ? light_density(sky, d) : panorama_density(sky, direction);
 }

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A light source: the upper half of a panorama, importance-sampled by texel, or one light of a
- * dome, whose radiance is its weight. Nothing shines from below the horizon, where the ground is.
+ * The light: from afar the upper half of a panorama, importance-sampled by texel, or one light of
+ * a dome, whose radiance is its weight, or nothing; and lamps at places. Nothing shines from below
+ * the horizon, where the ground is.
  */
 #ifndef INLAY_BAKE_TRUTH_SKY_H
 #define INLAY_BAKE_TRUTH_SKY_H
 
-#include "bake/base/vec3.h"
+#include "bake/truth/lamp.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/panorama.h"
 
 struct sky {
-	const struct dome *dome; /* NULL: the panorama */
+	const struct lamp *lamps;
+	int lamp_count;
+	const struct dome *dome; /* NULL: the panorama; without an image: black */
 	int light;		 /* its index in the dome */
 	struct panorama panorama;
 	int width, rows; /* rows that reach above the horizon */
@@ -21,8 +24,8 @@ struct sky {
 	struct rgb ground; /* radiance of flat, unshadowed, white ground: irradiance / pi */
 };
 
-/* Prepares a panorama for sampling. Its image, as panorama_read() accepts it, must outlive the sky.
- * name is for faults. -ENOMEM; -EDOM: the upper half is black. */
+/* Prepares a panorama for sampling, without lamps. Its image, as panorama_read() accepts it, must
+ * outlive the sky. name is for faults. -ENOMEM; -EDOM: the upper half is black. */
 int sky_create(struct sky *sky, const struct panorama *panorama, const char *name,
 	       struct fault *fault);
 
@@ -31,11 +34,15 @@ void sky_of_light(struct sky *sky, const struct dome *dome, int light);
 
 void sky_free(struct sky *sky); /* idempotent; zeroed is fine */
 
-/* Radiance from a direction; black below the horizon. */
+/* Radiance from afar; black below the horizon. */
 struct rgb sky_radiance(const struct sky *sky, struct v3 direction);
 
-/* sky_sample() draws a direction from two numbers u, v in [0, 1); density is its probability
- * density, per sr. sky_density() returns the density of a given direction. */
+/* Radiance of the lamps that a ray meets before the distance far. */
+struct rgb sky_lamps(const struct sky *sky, struct v3 origin, struct v3 direction, float far);
+
+/* sky_sample() draws a direction from two numbers u, v in [0, 1) for the light from afar; density
+ * is its probability density, per sr, 0 if there is none. sky_density() returns the density of a
+ * given direction. */
 struct v3 sky_sample(const struct sky *sky, float u, float v, float *density);
 float sky_density(const struct sky *sky, struct v3 direction);
 

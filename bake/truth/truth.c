@@ -40,9 +40,7 @@ static struct rgb light_behind(struct tracer *t, double x, double y)
 
 	if (!scene_look(t->scene, WITHOUT_OBJECTS, x, y, &surface, &direction))
 		return rgb_make(0, 0, 0);
-	if (!world_has_standins(t->scene->world))
-		return rgb_mul(world_ground_albedo(t->scene->world), t->sky->ground);
-	return truth_radiance(t, WITHOUT_OBJECTS, &surface, v3_scale(direction, -1), 0, t->first);
+	return truth_real_light(t, &surface, v3_scale(direction, -1));
 }
 
 static struct rgb background_at(const struct image *background, const double place[2])
@@ -76,6 +74,7 @@ static void add_glass(struct tracer *t, const struct image *background,
 				     (double)weight);
 		return;
 	}
+	sums->object = rgb_add(sums->object, sight.lamps);
 	sums->object = rgb_add(
 		sums->object,
 		rgb_mul(sight.end.weight,

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The finished composite under a panorama, path traced without cells, basis or compositor: the
- * reference for the whole method.
+ * The finished composite under a panorama and lamps, path traced without cells, basis or
+ * compositor: the reference for the whole method. The camera sees lamps in the background and
+ * through glass, never before an object.
  *
  *     out = O + (1 - coverage) * s / u * B      linear light
  *
- * O, s and u come from ordinary paths: next-event estimation by the panorama's texels and sampling
- * of the BSDF, joined by the balance heuristic. u - s is estimated as a difference, from the same
- * random numbers, so that it is exactly 0 where the object is not involved.
+ * O, s and u come from ordinary paths: next-event estimation by the panorama's texels and each
+ * lamp, and sampling of the BSDF, joined by the balance heuristic (lamps: the power heuristic).
+ * u - s is estimated as a difference, from the same random numbers, so that it is exactly 0 where
+ * the object is not involved.
  */
 #ifndef INLAY_BAKE_TRUTH_TRUTH_H
 #define INLAY_BAKE_TRUTH_TRUTH_H

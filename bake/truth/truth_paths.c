@@ -39,11 +39,12 @@ static bool sample_bsdf(const struct surface *s, struct v3 wo, struct random *ra
 	return v3_dot(s->geometric, *wi) > 0;
 }
 
-/* Share of the sky's light that arrives straight from a direction. */
+/* Share of the light that arrives straight from a direction: from a lamp at the distance far, or
+ * the sky's. */
 static struct rgb passed_from(struct tracer *t, enum presence presence, struct v3 origin,
-			      struct v3 wi)
+			      struct v3 wi, float far)
 {
-	const struct passage p = world_passage(t->scene->world, presence, origin, wi);
+	const struct passage p = world_passage(t->scene->world, presence, origin, wi, far);
 
 	t->rays++;
 	return p.bent ? rgb_make(0, 0, 0) : p.passed;
@@ -59,9 +60,70 @@ static struct rgb light_from_sky(struct tracer *t, enum presence presence, const
 
 	if (density <= 0 || other <= 0 || wi.z < 0)
 		return rgb_make(0, 0, 0);
-	return rgb_scale(rgb_mul(f, rgb_mul(passed_from(t, presence, surface_leave(s, wi), wi),
-					    sky_radiance(t->sky, wi))),
-			 1 / (density + other));
+	return rgb_scale(
+		rgb_mul(f, rgb_mul(passed_from(t, presence, surface_leave(s, wi), wi, INFINITY),
+				   sky_radiance(t->sky, wi))),
+		1 / (density + other));
+}
+
+/* Light of a lamp that arrives straight from a direction. */
+static struct rgb lamp_arriving(struct tracer *t, enum presence presence, struct v3 origin,
+				struct v3 wi, const struct lamp *lamp)
+{
+	const float far = lamp_distance(lamp, origin, wi);
+
+	return far < INFINITY ? rgb_mul(passed_from(t, presence, origin, wi, far), lamp->radiance)
+			      : rgb_make(0, 0, 0);
+}
+
+/* Weight of a sample over its density, by the power heuristic: under a small lamp the rare other
+ * samples hardly count, while the balance heuristic would leave their noise. */
+static float power_weight(float density, float other)
+{
+	return density / (density * density + other * other);
+}
+
+/* Direct light from a sampled point of each lamp. */
+static struct rgb light_from_lamps(struct tracer *t, enum presence presence,
+				   const struct surface *s, struct v3 wo, const float point[2])
+{
+	struct rgb sum = {{0, 0, 0}};
+
+	for (int k = 0; k < t->sky->lamp_count; k++) {
+		const struct lamp *lamp = &t->sky->lamps[k];
+		const struct v3 wi = lamp_sample(lamp, s->position, point[0], point[1]);
+		float other;
+		const struct rgb f = eval_bsdf(s, wo, wi, &other);
+
+		if (other > 0)
+			sum = rgb_add(
+				sum,
+				rgb_scale(rgb_mul(f, lamp_arriving(t, presence,
+								   surface_leave(s, wi), wi, lamp)),
+					  power_weight(lamp_density(lamp, s->position), other)));
+	}
+	return sum;
+}
+
+/* Light of all lamps that a direction of this density, drawn by the BSDF, meets. */
+static struct rgb lamps_met(struct tracer *t, enum presence presence, const struct surface *s,
+			    struct v3 wi, float density)
+{
+	struct rgb sum = {{0, 0, 0}};
+
+	for (int k = 0; k < t->sky->lamp_count; k++) {
+		const struct lamp *lamp = &t->sky->lamps[k];
+
+		sum = rgb_add(sum,
+			      rgb_scale(lamp_arriving(t, presence, surface_leave(s, wi), wi, lamp),
+					power_weight(density, lamp_density(lamp, s->position))));
+	}
+	return sum;
+}
+
+static float way_to(struct v3 from, bool met, const struct surface *s)
+{
+	return met ? v3_length(v3_sub(s->position, from)) : INFINITY;
 }
 
 /* ---- paths ---- */
@@ -76,17 +138,25 @@ static bool pass_glass(struct tracer *t, enum presence presence, struct surface 
 		const struct v3 d = bsdf_glass_sample(&s->bsdf, s->normal, s->outer, *wo,
 						      &t->random, &tint);
 		struct surface next;
+		struct rgb shines;
+		struct v3 from;
+		bool met;
 
 		if (k == GLASS_MAX)
 			return false;
 		*weight = rgb_mul(*weight, tint);
 		counted &= bsdf_is_pane(&s->bsdf) && v3_dot(d, s->normal) < 0;
 		t->rays++;
-		if (!world_nearest(t->scene->world, presence, surface_leave(s, d), d, &next)) {
-			if (!counted)
-				*light = rgb_add(*light, rgb_mul(*weight, sky_radiance(t->sky, d)));
-			return false;
+		from = surface_leave(s, d);
+		met = world_nearest(t->scene->world, presence, from, d, &next);
+		if (!counted) {
+			shines = sky_lamps(t->sky, from, d, way_to(from, met, &next));
+			if (!met)
+				shines = rgb_add(shines, sky_radiance(t->sky, d));
+			*light = rgb_add(*light, rgb_mul(*weight, shines));
 		}
+		if (!met)
+			return false;
 		*s = next;
 		*wo = v3_scale(d, -1);
 	}
@@ -127,8 +197,11 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 		counted = true;
 		fresh[0] = random_next(&t->random);
 		fresh[1] = random_next(&t->random);
-		light = rgb_add(light, rgb_mul(weight, light_from_sky(t, presence, &s, wo,
-								      point ? point : fresh)));
+		if (!point)
+			point = fresh;
+		light = rgb_add(light, rgb_mul(weight, light_from_sky(t, presence, &s, wo, point)));
+		light = rgb_add(light,
+				rgb_mul(weight, light_from_lamps(t, presence, &s, wo, point)));
 		point = NULL;
 		if (!sample_bsdf(&s, wo, &t->random, &wi))
 			return light;
@@ -138,14 +211,16 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 		t->rays++;
 		met = world_nearest(t->scene->world, presence, surface_leave(&s, wi), wi, &next);
 		if (wi.z >= 0 && (!met || bsdf_is_pane(&next.bsdf))) {
-			const struct rgb sky =
-				rgb_mul(passed_from(t, presence, surface_leave(&s, wi), wi),
-					sky_radiance(t->sky, wi));
+			const struct rgb sky = rgb_mul(
+				passed_from(t, presence, surface_leave(&s, wi), wi, INFINITY),
+				sky_radiance(t->sky, wi));
 
 			other = sky_density(t->sky, wi);
 			light = rgb_add(light, rgb_mul(weight, rgb_scale(rgb_mul(f, sky),
 									 1 / (density + other))));
 		}
+		light = rgb_add(light, rgb_mul(weight, rgb_mul(f, lamps_met(t, presence, &s, wi,
+									    density))));
 		if (!met)
 			return light;
 		weight = rgb_mul(weight, rgb_scale(f, 1 / density));
@@ -156,17 +231,41 @@ struct rgb truth_radiance(struct tracer *t, enum presence presence, const struct
 	}
 }
 
-/* Light of the sky that does not arrive straight from a direction. */
-static struct rgb lost_from(struct tracer *t, struct v3 origin, struct v3 wi)
+/* Light, of the sky or of a lamp at the distance far, that does not arrive straight from a
+ * direction. */
+static struct rgb lost_from(struct tracer *t, struct v3 origin, struct v3 wi, float far,
+			    struct rgb radiance)
 {
-	const struct rgb passed = passed_from(t, WITH_OBJECTS, origin, wi);
+	const struct rgb passed = passed_from(t, WITH_OBJECTS, origin, wi, far);
 	const struct rgb lost = {{1 - passed.c[0], 1 - passed.c[1], 1 - passed.c[2]}};
 
-	return rgb_mul(lost, sky_radiance(t->sky, wi));
+	return rgb_mul(lost, radiance);
 }
 
-/* What objects take from flat ground, as irradiance / pi: the light they block less the light they
- * send. */
+/* What arrives at flat ground without objects, as irradiance / pi. What objects block of the lamps'
+ * light is added to *lost, unless that is NULL. */
+static struct rgb light_on_ground(struct tracer *t, struct v3 at, struct rgb *lost)
+{
+	struct rgb light = t->sky->ground;
+
+	for (int k = 0; k < t->sky->lamp_count; k++) {
+		const struct lamp *lamp = &t->sky->lamps[k];
+		const struct v3 wi = lamp_sample(lamp, at, t->first[0], t->first[1]);
+		const float far = lamp_distance(lamp, at, wi);
+		const struct rgb radiance = rgb_scale(lamp->radiance,
+						      wi.z / PI_F / lamp_density(lamp, at));
+
+		if (wi.z <= 0 || far == INFINITY)
+			continue;
+		light = rgb_add(light, radiance);
+		if (lost)
+			*lost = rgb_add(*lost, lost_from(t, at, wi, far, radiance));
+	}
+	return light;
+}
+
+/* What objects take from the light from afar on flat ground, as irradiance / pi: what they block
+ * less all the light they send. */
 static struct rgb taken_from_ground(struct tracer *t, const struct surface *s)
 {
 	const struct world *world = t->scene->world;
@@ -178,14 +277,15 @@ static struct rgb taken_from_ground(struct tracer *t, const struct surface *s)
 
 	t->rays += 2;
 	if (wi.z > 0 && density > 0)
-		taken = rgb_scale(lost_from(t, s->position, wi),
+		taken = rgb_scale(lost_from(t, s->position, wi, INFINITY, sky_radiance(t->sky, wi)),
 				  wi.z / PI_F / (density + wi.z / PI_F));
 	wi = hemisphere_cosine(s->normal, u, v);
 	if (world_nearest(world, WITH_OBJECTS, s->position, wi, &next)) {
 		const float other = sky_density(t->sky, wi), own = wi.z / PI_F;
 
-		taken = rgb_add(taken,
-				rgb_scale(lost_from(t, s->position, wi), own / (own + other)));
+		taken = rgb_add(taken, rgb_scale(lost_from(t, s->position, wi, INFINITY,
+							   sky_radiance(t->sky, wi)),
+						 own / (own + other)));
 		if (t->bounces > 0)
 			taken = rgb_add(taken, rgb_scale(truth_radiance(t, WITH_OBJECTS, &next,
 									v3_scale(wi, -1), 1, NULL),
@@ -208,8 +308,9 @@ bool truth_add_receiver(struct tracer *t, struct truth_receiver *to, const struc
 	} else {
 		const struct rgb albedo = world_ground_albedo(t->scene->world);
 
-		taken = rgb_mul(albedo, taken_from_ground(t, s));
-		without = rgb_mul(albedo, t->sky->ground);
+		taken = taken_from_ground(t, s);
+		without = rgb_mul(albedo, light_on_ground(t, s->position, &taken));
+		taken = rgb_mul(albedo, taken);
 	}
 	to->weight += weight;
 	to->taken = rgb_add(to->taken, rgb_scale(taken, (float)weight));
@@ -217,17 +318,25 @@ bool truth_add_receiver(struct tracer *t, struct truth_receiver *to, const struc
 	return rgb_peak(taken) > 0;
 }
 
+struct rgb truth_real_light(struct tracer *t, const struct surface *s, struct v3 wo)
+{
+	if (world_has_standins(t->scene->world))
+		return truth_radiance(t, WITHOUT_OBJECTS, s, wo, 0, t->first);
+	return rgb_mul(world_ground_albedo(t->scene->world), light_on_ground(t, s->position, NULL));
+}
+
 bool truth_through_glass(struct tracer *t, const struct surface *surface, struct v3 direction,
 			 struct truth_sight *sight)
 {
 	struct sight *end = &sight->end;
 
-	*sight = (struct truth_sight){{{{1, 1, 1}}, true, *surface, direction}, false};
+	*sight = (struct truth_sight){.end = {{{1, 1, 1}}, true, *surface, direction}};
 	for (int k = 0; end->met && end->surface.kind == SURFACE_OBJECT &&
 			end->surface.bsdf.kind == MATERIAL_GLASS;
 	     k++) {
 		const struct surface s = end->surface;
 		struct rgb tint;
+		struct v3 from;
 
 		if (k == GLASS_MAX)
 			return false;
@@ -236,9 +345,13 @@ bool truth_through_glass(struct tracer *t, const struct surface *surface, struct
 		end->weight = rgb_mul(end->weight, tint);
 		sight->mirrored |= v3_dot(end->direction, s.normal) > 0;
 		t->rays++;
-		end->met = world_nearest(t->scene->world, WITH_OBJECTS,
-					 surface_leave(&s, end->direction), end->direction,
+		from = surface_leave(&s, end->direction);
+		end->met = world_nearest(t->scene->world, WITH_OBJECTS, from, end->direction,
 					 &end->surface);
+		sight->lamps = rgb_add(
+			sight->lamps,
+			rgb_mul(end->weight, sky_lamps(t->sky, from, end->direction,
+						       way_to(from, end->met, &end->surface))));
 	}
 	return true;
 }

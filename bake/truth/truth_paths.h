@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Paths of light under a panorama, one at a time. Private to truth*.c. */
+/* Paths of light, one at a time. Private to truth*.c. */
 #ifndef INLAY_BAKE_TRUTH_TRUTH_PATHS_H
 #define INLAY_BAKE_TRUTH_TRUTH_PATHS_H
 
@@ -34,11 +34,15 @@ struct truth_receiver {
 bool truth_add_receiver(struct tracer *tracer, struct truth_receiver *to,
 			const struct surface *surface, struct v3 wo, double weight);
 
+/* Light that a real surface sends towards wo without objects. */
+struct rgb truth_real_light(struct tracer *tracer, const struct surface *surface, struct v3 wo);
+
 /* A view ray through the object's glass; at each surface chance decides between mirroring and
  * passing. */
 struct truth_sight {
 	struct sight end;
-	bool mirrored; /* at one surface at least */
+	struct rgb lamps; /* light of lamps that it meets on its way */
+	bool mirrored;	  /* at one surface at least */
 };
 
 /* Follows a view ray through the object's glass. Returns false if it meets too many surfaces. */
