@@ -333,8 +333,30 @@ check "truth" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$wo
 check "with that background" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" \
 	-o "$work/truth2.png" --samples 4 --background "$work/background.png" --threads 1
 same "is the same picture" "$work/truth.png" "$work/truth2.png"
-rejected "truth without a panorama" 2 "--panorama is missing" "$bake" truth "$work/box.scene" \
+rejected "truth without light" 2 "--panorama or --lamp is missing" "$bake" truth "$work/box.scene" \
 	-o "$work/none.png"
+# Lamps at places, without a panorama. A fisheye nearer to one sees it larger, and a turned one elsewhere.
+lit() { # NAME OPTION...
+	check "$1 under lamps" "$bake" truth "$work/box.scene" --lamp 1,0,1,0.1,9,9,9 --lamp=-1,2,2,0.2,1,2,3 \
+		--samples 4 --fisheye-size 64 --quiet -o "$work/$1-truth.png" --background-out "$work/$1-background.png" \
+		--fisheye-out "$work/$1-eye.pfm" "${@:2}"
+}
+printf '[fisheye]\nrotation = 0 0 90\n' >"$work/turned.ini"
+lit at-the-origin
+lit nearer --fisheye 0.5,0,0.1
+lit turned --fisheye-lens "$work/turned.ini"
+same "the truth knows no fisheye" "$work/nearer-truth.png" "$work/turned-truth.png"
+check "and the picture of the real scene" test -s "$work/turned-background.png"
+check "a fisheye has a place" bash -c "! cmp -s '$work/at-the-origin-eye.pfm' '$work/nearer-eye.pfm'"
+check "and a lens" bash -c "! cmp -s '$work/at-the-origin-eye.pfm' '$work/turned-eye.pfm'"
+rejected "a lamp without a radius" 2 "expected a radius above 0" "$bake" truth "$work/box.scene" --lamp 1,0,1,0,9,9,9 \
+	-o "$work/none.png"
+rejected "a lamp of too few numbers" 2 "--lamp: \"1,0,1\", expected 7" "$bake" truth "$work/box.scene" --lamp 1,0,1 \
+	-o "$work/none.png"
+rejected "a lens without lamps" 2 "go with --lamp" "$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" \
+	--fisheye-lens "$work/turned.ini" --fisheye-out "$work/no-eye.pfm" -o "$work/none.png"
+rejected "a lens that is none, of the truth's" 1 "expected a [fisheye] section" "$bake" truth "$work/box.scene" \
+	--lamp 1,0,1,0.1,9,9,9 --samples 1 --fisheye-lens "$work/no.ini" --fisheye-out "$work/no-eye.pfm" -o "$work/none.png"
 rejected "a truth as a kind of picture that is not written" 1 "truth.jpg: cannot tell the kind" \
 	"$bake" truth "$work/box.scene" --panorama "$work/sky.pfm" -o "$work/truth.jpg"
 rejected "pictures of lights that would be rounded" 1 "c.png: would round" "$bake" pictures \
