@@ -122,22 +122,15 @@ static int get_background(const struct truth_choices *c, const struct scene *sce
 		if (err)
 			return fault_say(fault, err, "%s: %s", c->output, strerror(-err));
 	}
-	if (c->background_out && picture.u8)
-		err = image_write(c->background_out, &picture, fault);
-	else if (c->background_out)
-		err = photograph_write(c->background_out, &picture, &srgb, fault);
-	if (err)
-		goto free_picture;
 	if (picture.f32) {
 		*linear = picture;
-		return 0;
+	} else {
+		err = photograph_decode(&picture, &srgb, linear);
+		image_free(&picture);
 	}
-	err = photograph_decode(&picture, &srgb, linear);
 	if (err)
-		fault_say(fault, err, "%s: %s", c->output, strerror(-err));
-free_picture:
-	image_free(&picture);
-	return err;
+		return fault_say(fault, err, "%s: %s", c->output, strerror(-err));
+	return c->background_out ? photograph_write(c->background_out, linear, &srgb, fault) : 0;
 }
 
 static int write_fisheye(const struct truth_choices *c, const struct scene *scene,

@@ -346,7 +346,12 @@ lit at-the-origin
 lit nearer --fisheye 0.5,0,0.1
 lit turned --fisheye-lens "$work/turned.ini"
 same "the truth knows no fisheye" "$work/nearer-truth.png" "$work/turned-truth.png"
-check "and the picture of the real scene" test -s "$work/turned-background.png"
+# What goes between the two is the camera's 8 bits, as linear light or not.
+check "its background in linear light" "$bake" truth "$work/box.scene" --lamp 1,0,1,0.1,9,9,9 --lamp=-1,2,2,0.2,1,2,3 \
+	--samples 4 --quiet -o "$work/linear-truth.png" --background-out "$work/linear.pfm"
+check "and as code values" "$bake" truth "$work/box.scene" --background "$work/linear.pfm" --samples 1 --quiet \
+	--lamp 1,0,1,0.1,9,9,9 -o "$work/any.png" --background-out "$work/coded.png"
+same "are one picture" "$work/turned-background.png" "$work/coded.png"
 check "a fisheye has a place" bash -c "! cmp -s '$work/at-the-origin-eye.pfm' '$work/nearer-eye.pfm'"
 check "and a lens" bash -c "! cmp -s '$work/at-the-origin-eye.pfm' '$work/turned-eye.pfm'"
 rejected "a lamp without a radius" 2 "expected a radius above 0" "$bake" truth "$work/box.scene" --lamp 1,0,1,0,9,9,9 \
