@@ -369,6 +369,11 @@ $(eval $(call with_packages,accuracy,test))
 accuracy-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/panoramas.sh
 
+## near: what it costs that all light is taken as coming from afar: lamps at 1 m to 4 m: the table (minutes)
+$(eval $(call with_packages,near,test))
+near-installed: all $(TEST_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/near.sh
+
 ## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
 $(eval $(call with_packages,exposures,test))
 exposures-installed: all $(BUILD)/tests/accuracy/exposures
