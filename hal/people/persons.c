@@ -3,7 +3,7 @@
  * Persons, who keep their order while they are followed. Each has a box in the picture that moves
  * on from frame to frame. A group belongs to the persons whose boxes it overlaps; a group that is
  * nobody's is new, and as many persons as its width has room for. In a group of several, each is
- * measured up to the middle between him and the next; where two overlap, the nearer one is measured
+ * measured up to where the nearer of two ends; where two overlap, the nearer one is measured
  * and owns the cells of both boxes, and the other moves on as before.
  *
  * A person's order is that of the ground under his feet. Feet that are hidden, or cloth like the
@@ -340,7 +340,18 @@ static bool is_hidden_by(const struct people *p, int n, int m)
 	return own < other || (own == other && m < n);
 }
 
-/* What of a group is a person's: up to the middle between him and those beside him, below the feet
+/* The column between two persons beside each other: where the nearer one ends, who hides the other
+ * where they meet. */
+static float edge_between(const struct person *who, const struct person *other)
+{
+	const struct person *nearer = who->foot > other->foot ? who : other;
+	const struct person *farther = nearer == who ? other : who;
+	const float edge = nearer->x + (farther->x > nearer->x ? nearer->half : -nearer->half);
+
+	return farther->x > nearer->x ? fminf(edge, farther->x) : fmaxf(edge, farther->x);
+}
+
+/* What of a group is a person's: up to those beside him, below the feet
  * of those above him. *alone: nobody else is in the group. False: another hides him. */
 static bool territory(const struct people *p, int n, struct box *own, bool *alone)
 {
@@ -352,7 +363,7 @@ static bool territory(const struct people *p, int n, struct box *own, bool *alon
 	for (int m = 0; m < p->crowd.persons; m++) {
 		const struct person *other = &p->crowd.person[m];
 		const enum beside where = m == n ? BESIDE_APART : where_is(who, other);
-		const int between = (int)(0.5f * (other->x + who->x));
+		const int between = (int)edge_between(who, other);
 
 		*alone &= where == BESIDE_APART;
 		if (where == BESIDE_OVERLAPS && is_hidden_by(p, n, m))
@@ -422,7 +433,8 @@ static void begin_beside(struct people *p, int group)
 
 static bool holds(const struct person *who, float x, float y)
 {
-	return fabsf(x - who->x) <= who->reach && y >= who->top - 1 && y <= who->foot;
+	return fabsf(x - who->x) <= fminf(who->reach, 1.15f * who->half) && y >= who->top - 1 &&
+	       y <= who->foot;
 }
 
 /* The owner of a group's cell is the nearest person whose box holds it, or else the one beside
