@@ -7,7 +7,8 @@
 
 : "${INLAY:?the program inlay}" "${INLAY_BAKE:?the program inlay-bake}"
 work=$(mktemp -d "${TMPDIR:-/tmp}/inlay cli.XXXXXX")
-trap 'rm -rf "$work"' EXIT
+# Not by a child that is ended before it has become the program it starts.
+trap '[ "$BASHPID" != $$ ] || rm -rf "$work"' EXIT
 count=0
 failed=0
 
@@ -115,10 +116,11 @@ said() {
 inlay=
 start() {
 	rm -f "$work/live.jsonl"
+	: >"$work/run.log" # or the words of the one before would be found in it
 	# nohup leaves hang-ups ignored
 	env --default-signal=HUP "$INLAY" run --config "$work/studio.conf" --set screen.driver=null \
 		--set camera.fisheye.sim.clock=real --set camera.background.sim.clock=real \
-		--stats "$work/live.jsonl" "$@" 2>"$work/run.log" &
+		--stats "$work/live.jsonl" "$@" 2>>"$work/run.log" &
 	inlay=$!
 }
 # more_frames NUMBER: it has shown more than so many.
