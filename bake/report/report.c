@@ -235,7 +235,7 @@ static void add_other_ways(struct report *r)
 	char name[64];
 
 	for (size_t k = 0; k < COUNT(cuts); k++) {
-		/* of a thousandth where nothing is cut; at most what a scene may ask for */
+		/* In thousandths where the basis cuts nothing; a scene may ask for 0.1 at most. */
 		const double cut = fmin(cuts[k] * (own > 0 ? own : 1e-3), 0.1);
 
 		snprintf(name, sizeof(name), "column_cut = %.2g", cut);

@@ -77,7 +77,7 @@ static void plot_draw_line(cairo_t *c, double x, double y, double to_x, double t
 /* Draws a line across the plot at each tick, with its value. */
 static void draw_ticks(const struct plot_drawing *d, const struct axis *a, bool across)
 {
-	/* of a decade; the fewer decades there are, the more */
+	/* Ticks of a decade: the fewer decades there are, the more ticks. */
 	static const double steps[][9] = {{1, 1.2, 1.5, 2, 2.5, 3, 4, 6, 8}, {1, 2, 5}, {1}};
 	const double decades = a->high - a->low;
 	const double *step = steps[decades < 1 ? 0 : decades < 3 ? 1 : 2];
