@@ -122,7 +122,6 @@ static int look_at(const struct lamps_job *job, struct lamps_work *work, const c
 	if (lamp_sight_look(sight, picture, &work->curve, &work->places.lens) ||
 	    (picture->u8 && work->all.pictures == k && gather_keep(&work->all, picture)))
 		return fault_say(fault, -ENOMEM, "%s: out of memory", name);
-	log_info("%s: %d light%s", name, sight->count, sight->count == 1 ? "" : "s");
 	work->places.sights++;
 	return 0;
 }
@@ -192,6 +191,12 @@ static int look_live(const struct lamps_job *job, struct lamps_work *work, struc
 			err = live_next(live, FRAME_MS, &picture, &captured_ns, fault);
 		if (!err)
 			err = look_at(job, work, work->name[k], &picture, fault);
+		if (!err)
+			log_info("%s shows %d light%s", work->name[k], work->places.sight[k].count,
+				 work->places.sight[k].count == 1 ? "" : "s");
+		if (!err)
+			log_info("%s shows %d light%s", work->name[k], work->places.sight[k].count,
+				 work->places.sight[k].count == 1 ? "" : "s");
 		image_free(&picture);
 	}
 	live_close(live);
@@ -261,8 +266,8 @@ const struct command lamps_command = {
 		"  --live CONFIG        the fisheye of a kiosk's configuration, which is laid on each place in turn\n"
 		"  --lens EYE.ini       the fisheye of the pictures, with its rotation, which is the same in all\n"
 		"  --picture FILE       one for each --at, in their order: 8-bit, or linear light\n"
-		"  --at X,Y,Z           where the lens is, metres, world; two to four places, half a metre or\n"
-		"                       more apart\n"
+		"  --at X,Y,Z           where the lens is, metres, world; two to four places, a metre or more\n"
+		"                       apart\n"
 		"  --deviation PX       one standard deviation of what lens and picture tell; 0.5\n"
 		"  --place-deviation M  of each number of --at; 0.01\n"
 		"  --turn-deviation DEG of how the fisheye is turned each time; 0.5\n"

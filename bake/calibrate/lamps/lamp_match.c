@@ -350,13 +350,6 @@ static void judge_spot(const struct matching *m, int k, int spot, const struct l
 static void judge_way(const struct matching *m, const struct lamp_track *track, int tracks,
 		      struct verdict *verdict)
 {
-	if (m->overflow || m->nodes > NODES_MAX || m->rival < m->best.squares + CLEARLY_WORSE)
-		verdict_doubt(
-			verdict,
-			m->sights > 2
-				? "lay it at another place, off the line through the others"
-				: "add a third place, off the line through the two and not at their height",
-			"the lights can be taken together in more than one way: they lie in one plane with the places");
 	for (int k = 0; k < m->sights; k++)
 		for (int spot = 0; spot < m->sight[k].count; spot++) {
 			const struct lamp_track *t = NULL;
@@ -366,6 +359,13 @@ static void judge_way(const struct matching *m, const struct lamp_track *track, 
 					t = &track[i];
 			judge_spot(m, k, spot, t, verdict);
 		}
+	if (m->overflow || m->nodes > NODES_MAX || m->rival < m->best.squares + CLEARLY_WORSE)
+		verdict_doubt(
+			verdict,
+			m->sights > 2
+				? "lay it at another place, off the line through the others"
+				: "add a third place, off the line through the two and not at their height",
+			"the lights can be taken together in more than one way: they lie in one plane with the places");
 }
 
 int lamp_match(const struct lamp_sight *sight, int sights, const struct lamp_deviations *deviation,

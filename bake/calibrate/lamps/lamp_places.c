@@ -98,8 +98,7 @@ static void find_radius(struct lamp_places *places, const struct problem *p, int
 		places->radius_known[lamp] &= spot->resolved && !spot->clipped;
 	}
 	places->lamps.lamp[lamp].radius = sum / n;
-	places->radius_deviation_m[lamp] = n > 1 ? sqrt(fmax(0, square - sum * sum / n) / (n - 1))
-						 : 0;
+	places->radius_deviation_m[lamp] = sqrt(fmax(0, square - sum * sum / n) / (n - 1));
 }
 
 static int add_points(struct lamp_places *places, const struct problem *p,
@@ -156,9 +155,10 @@ static bool project_world(const void *context, int view, const double world[3], 
 static int publish(struct lamp_places *places, const struct problem *p, const double *x,
 		   const struct least_squares_fit *fit, int unknowns)
 {
+	static const char *const name[4] = {"x", "y", "z", "radius"};
 	struct finding *f = &places->finding;
-	const int lamps = places->lamps.count;
-	int err = estimate_create(&f->estimate, 4 * lamps);
+	const int lamps = places->lamps.count, columns = 4 * lamps;
+	int err = estimate_create(&f->estimate, columns);
 
 	if (err)
 		return err;
@@ -169,31 +169,32 @@ static int publish(struct lamp_places *places, const struct problem *p, const do
 	f->estimate.residuals = 2 * f->seen->count;
 	f->estimate.freedom = f->estimate.residuals - 3 * lamps;
 	f->estimate.sigma = f->rms_px;
+	for (int k = 0; k < columns; k++) {
+		const struct lamp *lamp = &places->lamps.lamp[k / 4];
+		struct parameter *parameter = &f->estimate.parameter[k];
+		double *covariance = f->estimate.covariance + k * columns;
+
+		snprintf(parameter->name, sizeof(parameter->name), "lamp%d %s", k / 4 + 1,
+			 name[k % 4]);
+		snprintf(parameter->unit, sizeof(parameter->unit), "m");
+		parameter->value = k % 4 < 3 ? lamp->position[k % 4] : lamp->radius;
+		for (int j = 0; k % 4 < 3 && j < columns; j++)
+			if (j % 4 < 3)
+				covariance[j] = fit->inverse[(k / 4 * 3 + k % 4) * unknowns +
+							     j / 4 * 3 + j % 4];
+	}
 	for (int lamp = 0; lamp < lamps; lamp++) {
-		struct parameter *parameter = f->estimate.parameter + 4 * lamp;
-		double *covariance = f->estimate.covariance;
-		const int columns = f->estimate.count, radius = 4 * lamp + 3;
+		double *radius_m = &places->radius_deviation_m[lamp], square = 0;
 		char key[32], label[64];
 
-		for (int i = 0; i < 4; i++) {
-			snprintf(parameter[i].name, sizeof(parameter[i].name), "lamp%d %s",
-				 lamp + 1,
-				 i == 3	  ? "radius"
-				 : i == 2 ? "z"
-				 : i == 1 ? "y"
-					  : "x");
-			snprintf(parameter[i].unit, sizeof(parameter[i].unit), "m");
-			parameter[i].value = i < 3 ? places->lamps.lamp[lamp].position[i]
-						   : places->lamps.lamp[lamp].radius;
-		}
-		covariance[radius * columns + radius] = pow(places->radius_deviation_m[lamp], 2);
 		for (int i = 0; i < 3; i++)
-			for (int j = 0; j < 3 * lamps; j++)
-				covariance[(4 * lamp + i) * columns + j / 3 * 4 + j % 3] =
-					fit->inverse[(3 * lamp + i) * unknowns + j];
-		for (int i = 0; i < 3; i++)
-			places->deviation_m[lamp] += fit->inverse[(3 * lamp + i) * (unknowns + 1)];
-		places->deviation_m[lamp] = sqrt(places->deviation_m[lamp]);
+			square += pow(estimate_deviation(&f->estimate, 4 * lamp + i), 2);
+		places->deviation_m[lamp] = sqrt(square);
+		/* An angle is as large as it is; the distance makes a radius of it. */
+		*radius_m = hypot(*radius_m, places->lamps.lamp[lamp].radius *
+						     places->deviation_m[lamp] /
+						     p->track[lamp].least_m);
+		f->estimate.covariance[(4 * lamp + 3) * (columns + 1)] = *radius_m * *radius_m;
 		snprintf(key, sizeof(key), "lamp%d_deviation_m", lamp + 1);
 		snprintf(label, sizeof(label), "deviation of the place of lamp%d", lamp + 1);
 		finding_add(f, key, label, "m", places->deviation_m[lamp]);
@@ -368,10 +369,9 @@ int lamp_places_write(const struct lamp_places *places, const char *path, struct
 	for (int lamp = 0; lamp < places->lamps.count; lamp++) {
 		const struct lamp *l = &places->lamps.lamp[lamp];
 
-		fprintf(out.stream, "\n; +- %.2g m; radius %s%.1g m\n[lamp lamp%d]\n",
-			places->deviation_m[lamp],
-			places->radius_known[lamp] ? "+- " : "at most, +- ",
-			places->radius_deviation_m[lamp], lamp + 1);
+		fprintf(out.stream, "\n; +- %.2g m; radius +- %.1g m%s\n[lamp lamp%d]\n",
+			places->deviation_m[lamp], places->radius_deviation_m[lamp],
+			places->radius_known[lamp] ? "" : ", or smaller", lamp + 1);
 		fprintf(out.stream, "position = %.4f %.4f %.4f\nradius = %.4f\n", l->position[0],
 			l->position[1], l->position[2], fmax(l->radius, 0.001));
 	}
