@@ -9,10 +9,6 @@
 #include "hal/basis/basis_places.h"
 #include "hal/optics/vec.h"
 
-/* A disc that is smaller than this share of its cell's reach counts as a point: its light falls on
- * the same three lights. */
-#define POINT_SHARE 0.1
-
 bool near_sky_possible(const struct basis *basis)
 {
 	bool known = basis->info.grounds <= 1 && *basis->camera;
@@ -129,7 +125,7 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 		    struct near_share share[NEAR_SHARES])
 {
 	const struct lamp *l = &sky->lamps.lamp[lamp];
-	double to[3], from[3], across[2][3], distance, radius, amount;
+	double to[3], from[3], across[2][3], distance, radius, reach, amount;
 	int cell, facet = -1, count;
 
 	for (int k = 0; k < 3; k++) {
@@ -141,9 +137,12 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	cell = dome_cell_of(&sky->dome, to);
 	if (cell < 0)
 		return 0;
-	radius = sqrt(2.0 / 3) * l->radius / distance;
-	if (radius < POINT_SHARE * dome_cell_reach_rad(&sky->dome, cell))
+	/* The cells themselves spread light as far as they reach, and variances add up. */
+	reach = dome_cell_reach_rad(&sky->dome, cell);
+	radius = l->radius / distance;
+	if (radius <= reach)
 		return share_point(sky, to, cell, amount, &facet, share);
+	radius = sqrt(2.0 / 3 * (radius * radius - reach * reach));
 	vectors_across(to, across);
 	count = share_point(sky, to, cell, amount / 4, &facet, share);
 	for (int n = 0; n < 6; n++) {
