@@ -57,10 +57,11 @@ static float median_of(float *value, int count)
 static bool is_seen(const struct lamp_picture *p, int x, int y)
 {
 	const struct fisheye *lens = p->lens;
+	const double u = (x + 0.5 - lens->centre_px[0]) / lens->focal_px[0];
+	const double v = (y + 0.5 - lens->centre_px[1]) / lens->focal_px[1];
 
 	return x >= 0 && x < p->width && y >= 0 && y < p->height &&
-	       hypot((x + 0.5 - lens->centre_px[0]) / lens->focal_px[0],
-		     (y + 0.5 - lens->centre_px[1]) / lens->focal_px[1]) < lens->rim;
+	       u * u + v * v < lens->rim * lens->rim;
 }
 
 static float light_at(const struct lamp_picture *p, int x, int y)
