@@ -211,6 +211,9 @@ void pipeline_forget_light(struct pipeline *pipeline);
  * shortest exposure, for lamps that are missing or not named; once a second suffices. */
 void pipeline_find_lamps(struct pipeline *pipeline);
 
+/* [LAMPS_MAX]: whether each lamp at a place showed no light then; valid as long as the pipeline. */
+const bool *pipeline_missing_lamps(const struct pipeline *pipeline);
+
 /* Adds the light that the fisheye has clipped to the light just measured, by the patch of ground in
  * background, the upright view of about the same time. Does nothing where nothing is clipped or
  * there is no patch. */

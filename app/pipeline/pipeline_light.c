@@ -361,6 +361,11 @@ void pipeline_find_lamps(struct pipeline *p)
 		coarse_lamp_find(&p->light.lamp, &p->dome, (const float(*)[3])p->light.radiance);
 }
 
+const bool *pipeline_missing_lamps(const struct pipeline *p)
+{
+	return p->light.near.missing;
+}
+
 void pipeline_follow(struct pipeline *p, int64_t captured_ns)
 {
 	light_filter_run(p->light.filter, captured_ns, p->settings.follow_ns, p->light.radiance);
