@@ -13,7 +13,9 @@
 /* A picture that is reduced to at most so many pixels each way shows a direction to half a degree. */
 #define SIDE_MAX 256
 #define APART (5 * M_PI / 180)
-#define AFAR_M 1000
+/* Surroundings of so many cells tell their median well; qsort() needs memory for more than 1 KB. */
+#define AROUND_MAX 250
+#define SPOTS 16
 
 struct near_search {
 	const struct dome *dome;
@@ -21,7 +23,7 @@ struct near_search {
 	float *picture; /* [SIDE_MAX * SIDE_MAX], reduced */
 	uint32_t *row;	/* [width]: of the frame */
 	int width;
-	float (*light)[3]; /* [lights] */
+	int *owner; /* [lights] */
 };
 
 int near_search_create(struct near_search **out, const struct dome *dome)
@@ -33,8 +35,8 @@ int near_search_create(struct near_search **out, const struct dome *dome)
 		return -ENOMEM;
 	s->dome = dome;
 	s->picture = malloc(sizeof(*s->picture) * SIDE_MAX * SIDE_MAX);
-	s->light = calloc((size_t)dome->count, sizeof(*s->light));
-	if (!s->picture || !s->light) {
+	s->owner = calloc((size_t)dome->count, sizeof(*s->owner));
+	if (!s->picture || !s->owner) {
 		near_search_destroy(s);
 		return -ENOMEM;
 	}
@@ -49,7 +51,7 @@ void near_search_destroy(struct near_search *s)
 	lamp_finder_free(&s->finder);
 	free(s->picture);
 	free(s->row);
-	free(s->light);
+	free(s->owner);
 	free(s);
 }
 
@@ -138,70 +140,98 @@ static bool is_named(const struct lamps *lamps, const struct lamp_spot *spot)
 	return false;
 }
 
-static double mean_of(const double rgb[3])
+static float mean_of(const float rgb[3])
 {
 	return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-/* The strongest spot that is not named, by the light that the lights have around it. */
-static int weigh_spots(struct near_search *s, const struct near_light *light,
-		       const struct lamp_spot *spot, int spots, struct near_lamps *found)
+static int compare_floats(const void *a, const void *b)
+{
+	const float x = *(const float *)a, y = *(const float *)b;
+
+	return (x > y) - (x < y);
+}
+
+/* Finds the spot that each cell's light belongs to: the nearest; -1: none. */
+static void find_owners(struct near_search *s, const struct lamp_spot *spot, int spots)
+{
+	for (int i = 0; i < s->dome->count; i++) {
+		double least = LAMP_LIGHT_SHARED;
+
+		s->owner[i] = -1;
+		for (int k = 0; k < spots; k++) {
+			const double apart = lamp_light_apart(s->dome, i, spot[k].dir,
+							      spot[k].radius);
+
+			if (apart < least) {
+				least = apart;
+				s->owner[i] = k;
+			}
+		}
+	}
+}
+
+/* What a spot gives a level ground, of what is brighter in its cells than the surroundings. */
+static double spot_light(const struct near_search *s, const float (*radiance)[3],
+			 const struct lamp_spot *spot, int k)
+{
+	float around[AROUND_MAX], median = 0;
+	double sum = 0;
+	int count = 0;
+
+	for (int i = 0; i < s->dome->count && count < AROUND_MAX; i++)
+		if (s->owner[i] < 0 &&
+		    lamp_light_apart(s->dome, i, spot[k].dir, spot[k].radius) < LAMP_LIGHT_AROUND)
+			around[count++] = mean_of(radiance[i]);
+	qsort(around, (size_t)count, sizeof(*around), compare_floats);
+	if (count)
+		median = around[count / 2];
+	for (int i = 0; i < s->dome->count; i++)
+		if (s->owner[i] == k)
+			sum += (double)fmaxf(0, mean_of(radiance[i]) - median) *
+			       s->dome->solid_angle_sr[i];
+	return sum * spot[k].dir[2];
+}
+
+/* Finds the strongest spot that is not named, by the light that the lights have around it. */
+static void weigh_spots(struct near_search *s, const struct near_light *light,
+			struct lamp_spot *spot, int spots, struct near_lamps *found)
 {
 	const double least = found->unnamed ? NEAR_LAMPS_UNTIL : NEAR_LAMPS_FROM;
-	struct lamps far = {.count = 0};
-	struct lamp_light *taken;
-	double power[LAMPS_MAX][3], all = 0;
+	double all = 0;
+	int count = 0;
 
 	found->unnamed = false;
 	found->share = 0;
-	for (int k = 0; k < spots && far.count < LAMPS_MAX; k++) {
-		struct lamp *lamp = &far.lamp[far.count];
-
-		if (spot[k].dir[2] <= 0 || is_named(light->lamps, &spot[k]))
-			continue;
-		for (int i = 0; i < 3; i++)
-			lamp->position[i] = AFAR_M * spot[k].dir[i];
-		lamp->radius = AFAR_M * sin(spot[k].radius);
-		far.count++;
-	}
-	if (!far.count)
-		return 0;
-	if (lamp_light_create(&taken, s->dome, &far))
-		return -ENOMEM;
-	memcpy(s->light, light->distant, sizeof(*s->light) * (size_t)s->dome->count);
-	lamp_light_take(taken, s->light, power);
-	lamp_light_destroy(taken);
-	for (int i = 0; i < s->dome->count; i++) {
-		const double rgb[3] = {light->radiance[i][0], light->radiance[i][1],
-				       light->radiance[i][2]};
-
-		all += mean_of(rgb) * s->dome->projected_sr[i];
-	}
-	for (int k = 0; all > 0 && k < far.count; k++) {
-		const double *at = far.lamp[k].position;
-		const double share = mean_of(power[k]) * at[2] / AFAR_M / all;
+	for (int k = 0; k < spots; k++)
+		if (spot[k].dir[2] > 0 && !is_named(light->lamps, &spot[k]))
+			spot[count++] = spot[k];
+	find_owners(s, spot, count);
+	for (int i = 0; i < s->dome->count; i++)
+		all += (double)mean_of(light->radiance[i]) * s->dome->projected_sr[i];
+	for (int k = 0; all > 0 && k < count; k++) {
+		const double share = spot_light(s, light->distant, spot, k) / all;
 
 		if (share < least || share <= found->share)
 			continue;
 		found->unnamed = true;
 		found->share = share;
-		found->azimuth_deg = atan2(at[1], at[0]) * (180 / M_PI);
+		found->azimuth_deg = atan2(spot[k].dir[1], spot[k].dir[0]) * (180 / M_PI);
 		found->azimuth_deg += found->azimuth_deg < 0 ? 360 : 0;
-		found->height_deg = asin(at[2] / AFAR_M) * (180 / M_PI);
+		found->height_deg = asin(spot[k].dir[2]) * (180 / M_PI);
 	}
-	return 0;
 }
 
 int near_search_look(struct near_search *s, const struct near_light *light,
 		     struct near_lamps *found)
 {
-	struct lamp_spot spot[2 * LAMPS_MAX];
+	struct lamp_spot spot[SPOTS];
 	struct lamp_picture picture;
 	struct fisheye lens;
 	int spots = reduce(s, light, &picture, &lens);
 
 	if (!spots)
-		spots = lamp_find(&s->finder, &picture, spot, 2 * LAMPS_MAX);
+		spots = lamp_find(&s->finder, &picture, spot, SPOTS);
 	if (spots < 0)
 		return spots;
 	for (int l = 0; l < LAMPS_MAX; l++) {
@@ -213,5 +243,6 @@ int near_search_look(struct near_search *s, const struct near_light *light,
 		found->missing[l] = l < light->lamps->count &&
 				    !lamp_shines(&picture, dir, APART + radius);
 	}
-	return weigh_spots(s, light, spot, spots, found);
+	weigh_spots(s, light, spot, spots, found);
+	return 0;
 }

@@ -112,6 +112,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
+			       .light = {.near_due = true},
 			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
 			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);

@@ -13,7 +13,9 @@
 #define CONTRAST 4
 /* Beside a spot of a thousandth of its brightness an eye that sees the brightest one sees its glare. */
 #define LEAST_OF_BRIGHTEST 1e-3F
-#define SURROUNDINGS 512 /* most pixels whose median is taken: its deviation is 5 % of theirs */
+/* Most pixels whose median is taken, with a deviation of 8 % of theirs; qsort() needs memory for
+ * more than 1 KB. */
+#define SURROUNDINGS 250
 /* A light that is on stands out by more than a wall's pattern does. */
 #define SHINES 1.5
 
@@ -105,13 +107,38 @@ static float sky_median(const struct lamp_picture *p, const uint8_t *mark)
 	return median_of(value, count);
 }
 
-/* The brightest first; of equals the first. */
-static int compare_pixels(const void *a, const void *b, void *context)
+/* Whether a pixel comes before another: the brightest first; of equals the first. */
+static bool comes_first(const float *light, int a, int b)
 {
-	const float *light = context;
-	const int i = *(const int *)a, j = *(const int *)b;
+	return light[a] != light[b] ? light[a] > light[b] : a < b;
+}
 
-	return light[i] != light[j] ? (light[i] < light[j] ? 1 : -1) : (i > j) - (i < j);
+/* Heapsort, which needs no memory. */
+static void sort_pixels(const float *light, int *list, int count)
+{
+	for (int root = count / 2 - 1, end = count; end > 1;) {
+		int at = root, child;
+
+		if (root < 0) {
+			const int last = list[--end];
+
+			list[end] = list[0];
+			list[0] = last;
+			at = 0;
+		} else {
+			root--;
+		}
+		for (; (child = 2 * at + 1) < end; at = child) {
+			const int above = list[at];
+
+			if (child + 1 < end && comes_first(light, list[child], list[child + 1]))
+				child++;
+			if (comes_first(light, list[child], above))
+				break;
+			list[at] = list[child];
+			list[child] = above;
+		}
+	}
 }
 
 /* Lists the pixels that none of their neighbours outshines, the brightest first. */
@@ -140,8 +167,7 @@ static int list_peaks(const struct lamp_picture *p, struct lamp_finder *finder)
 			    here >= p->light[i + w])
 				finder->list[count++] = i;
 		}
-	qsort_r(finder->list, (size_t)count, sizeof(*finder->list), compare_pixels,
-		(void *)p->light);
+	sort_pixels(p->light, finder->list, count);
 	return count;
 }
 
@@ -236,11 +262,17 @@ static bool measure_spot(const struct lamp_picture *p, const int *list, int coun
 	return spot->flux > 0;
 }
 
-static int compare_spots(const void *a, const void *b)
+/* Puts a spot in its place, the one of most flux first. Returns how many there are. */
+static int insert_spot(struct lamp_spot *spot, int count, int most, const struct lamp_spot *found)
 {
-	const struct lamp_spot *x = a, *y = b;
+	int at = count < most ? count++ : most;
 
-	return (x->flux < y->flux) - (x->flux > y->flux);
+	for (; at > 0 && spot[at - 1].flux < found->flux; at--)
+		if (at < most)
+			spot[at] = spot[at - 1];
+	if (at < most)
+		spot[at] = *found;
+	return count;
 }
 
 int lamp_find(struct lamp_finder *finder, const struct lamp_picture *picture,
@@ -260,17 +292,9 @@ int lamp_find(struct lamp_finder *finder, const struct lamp_picture *picture,
 		if (finder->mark[peak] != SEEN)
 			continue;
 		filled = fill_spot(picture, finder->mark, peak, list);
-		if (!filled || !measure_spot(picture, list, filled, &found))
-			continue;
-		if (count < most) {
-			spot[count++] = found;
-		} else { /* the weakest one goes */
-			qsort(spot, (size_t)count, sizeof(*spot), compare_spots);
-			if (found.flux > spot[most - 1].flux)
-				spot[most - 1] = found;
-		}
+		if (filled && measure_spot(picture, list, filled, &found))
+			count = insert_spot(spot, count, most, &found);
 	}
-	qsort(spot, (size_t)count, sizeof(*spot), compare_spots);
 	return count;
 }
 
