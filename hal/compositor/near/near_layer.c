@@ -134,8 +134,7 @@ static bool place_of(const struct near_work *w, enum basis_kind kind, int pixel,
 
 	if (kind == BASIS_KIND_V)
 		return near_sky_ground(w->sky, x + 0.5, y + 0.5, place);
-	return distance > 0 &&
-	       near_sky_surface(w->sky, x + 0.5, y + 0.5, (double)distance, place);
+	return distance > 0 && near_sky_surface(w->sky, x + 0.5, y + 0.5, (double)distance, place);
 }
 
 /* Finds the light of a lamp at the pixels that are set in listed. */
@@ -201,10 +200,10 @@ static void add_patterns(const struct near_work *w, const struct basis_block *b,
 				y[p] += of * w->light.amount[k][p];
 		}
 		for (int n = 0; n < b->pixels; n++) {
-			const int16_t *line = b->coefficient +
-					      basis_line16(panels, b->patterns, channel,
-							   n / BASIS_LINE16, j) *
-						      BASIS_LINE16;
+			const int16_t *line = b->coefficient + basis_line16(panels, b->patterns,
+									    channel,
+									    n / BASIS_LINE16, j) *
+								       BASIS_LINE16;
 
 			value[n] += y[b->pixel[n]] * (float)line[n % BASIS_LINE16];
 		}
@@ -234,10 +233,9 @@ static void add_columns(const struct near_work *w, const struct basis_block *b, 
 
 	for (int k = 0; k < w->light.count; k++) {
 		const int n = find_column(b, w->light.light[k]);
-		const float scale =
-			n < 0 ? 0
-			      : b->column_scale[n] * light_factor(w->sky, b->kind, lamp,
-								  w->light.light[k], c);
+		const float scale = n < 0 ? 0
+					  : b->column_scale[n] * light_factor(w->sky, b->kind, lamp,
+									      w->light.light[k], c);
 
 		for (int p = 0; n >= 0 && p < b->pixels; p++) {
 			const size_t line = basis_line16(panels, b->columns, channel,
@@ -260,9 +258,8 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 		add_columns(w, b, lamp, c, value);
 		for (int n = 0; n < b->pixels; n++)
 			w->value[lamp][c][b->pixel[n]] +=
-				value[n] * (b->tint ? (float)b->tint[c * b->pixels + n] /
-							      BASIS_TINT_ONE
-						    : 1);
+				value[n] *
+				(b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1);
 	}
 }
 
@@ -301,9 +298,10 @@ static int write_columns(struct near_layer *near, const struct near_work *w,
 			for (int p = 0; p < pixels; p++)
 				column[basis_line16(panels, columns, c, p / BASIS_LINE16, n) *
 					       BASIS_LINE16 +
-				       (size_t)(p % BASIS_LINE16)] = (int16_t)lrintf(
-					fmaxf(fminf(w->value[l][c][pixel[p]], most[l]), -most[l]) /
-					scale[n]);
+				       (size_t)(p % BASIS_LINE16)] = (int16_t)
+					lrintf(fmaxf(fminf(w->value[l][c][pixel[p]], most[l]),
+						     -most[l]) /
+					       scale[n]);
 		n++;
 	}
 	*to = (struct basis_block){
@@ -359,9 +357,9 @@ static int make_even(struct near_layer *near, const struct near_work *w, struct 
 		return -ENOMEM;
 	for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
 		double place[3], even[3] = {0};
-		const bool ground = near_sky_ground(
-			w->sky, w->tile->x + k % NEAR_GRID * step,
-			w->tile->y + (double)(k / NEAR_GRID) * step, place);
+		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * step,
+						    w->tile->y + (double)(k / NEAR_GRID) * step,
+						    place);
 
 		for (int l = 0; l < w->sky->lamps.count; l++) {
 			if (ground)

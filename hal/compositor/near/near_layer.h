@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A layer of a pose with the lamps of a near_sky: the file's blocks, and after those of each kind in
- * a tile a block of theirs that has a column for each lamp. Lamp l counts as light N + K + l.
+ * A layer of a pose with the lamps of a near_sky: the file's blocks, and after those of each kind
+ * in a tile a block of theirs that has a column for each lamp. Lamp l counts as light N + K + l.
  *
  *     T, D, U   column = sum_i t_i w_i L_i for P_l = 1, with the places of the pixels
  *     V         the same of v_i u_i L_i, over near_sky.ground
