@@ -21,7 +21,6 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
-	hal/basis/basis_foot.c \
 	hal/basis/basis_glass.c \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
@@ -92,8 +91,8 @@ HAL_SOURCES := \
 	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
-	hal/lights/lamp_find.c \
-	hal/lights/lamp_light.c \
+	hal/lights/lamp/lamp_find.c \
+	hal/lights/lamp/lamp_light.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \

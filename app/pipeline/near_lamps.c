@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/lights/lamp_find.h"
-#include "hal/lights/lamp_light.h"
+#include "hal/lights/lamp/lamp_find.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/optics/vec.h"
 
 /* A picture that is reduced to at most so many pixels each way shows a direction to half a degree. */

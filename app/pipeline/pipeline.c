@@ -228,8 +228,8 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	light_selection_choose(
 		&p->selection, p->basis, p->choice.share > 0.5 ? p->choice.next : p->choice.pose,
 		p->lamps ? (const float(*)[3])p->distant : (const float(*)[3])p->light.radiance,
-		pipeline_linear_level(&p->settings.sampler, level),
-		p->settings.threshold_mode, p->settings.gain);
+		pipeline_linear_level(&p->settings.sampler, level), p->settings.threshold_mode,
+		p->settings.gain);
 	memset(p->look_ns, 0, sizeof(p->look_ns));
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();

@@ -5,7 +5,7 @@
 
 #include "hal/colour/transfer.h"
 #include "hal/image/image.h"
-#include "hal/lights/lamp_find.h"
+#include "hal/lights/lamp/lamp_find.h"
 
 enum { SIGHT_PLACES_MAX = 4, SIGHT_SPOTS_MAX = 16 };
 

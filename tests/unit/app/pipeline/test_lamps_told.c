@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "app/pipeline/near_lamps.h"
-#include "hal/lights/lamp_light.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
 #include "tests/support/calibrate/drawn_lamps.h"

@@ -2,7 +2,7 @@
 /* Spots in pictures: where they are, how large and how strong. */
 #include <string.h>
 
-#include "hal/lights/lamp_find.h"
+#include "hal/lights/lamp/lamp_find.h"
 #include "hal/optics/vec.h"
 #include "tests/support/calibrate/drawn_lamps.h"
 #include "tests/support/chance.h"

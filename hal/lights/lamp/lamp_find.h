@@ -3,8 +3,8 @@
  * Finds lamps in a fisheye's picture: spots that are small and much brighter than what is around
  * them. What is as large as a window, or shades off into its surroundings, is none.
  */
-#ifndef INLAY_HAL_LIGHTS_LAMP_FIND_H
-#define INLAY_HAL_LIGHTS_LAMP_FIND_H
+#ifndef INLAY_HAL_LIGHTS_LAMP_LAMP_FIND_H
+#define INLAY_HAL_LIGHTS_LAMP_LAMP_FIND_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/lights/lamp_find.h"
+#include "hal/lights/lamp/lamp_find.h"
 
 #include <errno.h>
 #include <math.h>
