@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "app/pipeline/coarse_lamp.h"
-#include "app/pipeline/near_lamps.h"
+#include "app/pipeline/lamps_told.h"
 #include "hal/base/fault.h"
 #include "hal/base/pool.h"
 #include "hal/basis/basis.h"
@@ -139,7 +139,7 @@ struct pipeline_report {
 	int pose;	      /* pose in the picture; the first of two */
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
 	struct coarse_lamp lamp; /* as pipeline_find_lamps() saw it last */
-	struct near_lamps near;	 /* as the picture after that showed it */
+	struct lamps_told told;	 /* as the picture after that showed it */
 	/* Names of the lamps that are missing, until the next change; NULL ends them. */
 	const char *missing_lamp[LAMPS_MAX + 1];
 	struct pipeline_people_seen people;
