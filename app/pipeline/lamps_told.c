@@ -10,7 +10,7 @@
 #include "hal/lights/lamp/lamp_light.h"
 #include "hal/optics/vec.h"
 
-/* A picture that is reduced to at most so many pixels each way shows a direction to half a degree. */
+/* A picture that is reduced to at most so many pixels each way shows half a degree. */
 #define SIDE_MAX 256
 #define APART (5 * M_PI / 180)
 /* Surroundings of so many cells tell their median well; qsort() needs memory for more than 1 KB. */

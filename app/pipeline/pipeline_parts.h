@@ -34,7 +34,7 @@ struct pipeline_light {
 	struct coarse_lamp lamp;
 	struct lamps_search *lamps_search;
 	struct lamps_told told;
-	bool told_due; /* the next picture of the shortest exposure is looked at */
+	bool told_due;	       /* the next picture of the shortest exposure is looked at */
 	struct ground *ground; /* finds on the ground what clips; NULL: no patch */
 	struct light_recovery recovery;
 };

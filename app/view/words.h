@@ -46,11 +46,11 @@ struct words_figures {
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". Lamps at places:
- * " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m away". With a lamp it
- * ends in " · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there". Where
- * people are looked for: " · place learned 98 %, 1 in front", and with a depth camera " by depth"
- * or " by feet". */
+ * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". Of lamps at
+ * places it goes on " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if
+ * 1.5 m away". With a lamp in a coarse part it goes on " · lamp at azimuth 134°, height 22°: shadow
+ * too soft, the dome is coarse there". Where people are looked for: " · place learned 98 %, 1 in
+ * front", and with a depth camera " by depth" or " by feet". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which lights of several places are one. Two rays to one lamp meet but for their deviations, which
- * is the epipolar constraint; of all ways to take the lights together, that one counts that
- * explains most of them, by the fewest lamps. If another way does as well, nobody can tell.
+ * It tells which lights of several places are one lamp. Two rays to one lamp meet but for their
+ * deviations, which is the epipolar constraint; of all ways to take the lights together, that one
+ * counts that explains most of them, by the fewest lamps. If another way does as well, nobody can
+ * tell.
  */
 #ifndef INLAY_BAKE_CALIBRATE_LAMPS_LAMP_MATCH_H
 #define INLAY_BAKE_CALIBRATE_LAMPS_LAMP_MATCH_H

@@ -10,9 +10,11 @@
 #include "hal/base/output.h"
 #include "hal/optics/vec.h"
 
-/* Light from farther away differs by less than 2 % over 0.15 m, half of an object: the bar of tests/accuracy. */
+/* Over 0.15 m, half of an object, light from farther away differs by less than 2 %, which is the
+ * least difference of brightness that eyes see. */
 #define NEAR_M 15.0
-/* Below this angle between its direction and the line through the places they see a lamp from one side alone. */
+/* Places whose line points at a lamp to this angle see it from one side alone: a sixth of their
+ * distance lies across. */
 #define IN_LINE (10 * M_PI / 180)
 
 enum { POSE = 6 }; /* unknowns of a place: what it moved by, and its turn */

@@ -58,10 +58,10 @@ static struct lamps_told look(const struct drawn_lamp *lamp, int count, const st
 	const struct transfer_curve curve = {.named = TRANSFER_SRGB};
 	struct lamps_told in_codes = found;
 	struct lamps_light light = {.lens = &lens,
-				   .curve = &curve,
-				   .radiance = (const float(*)[3])radiance,
-				   .distant = (const float(*)[3])distant,
-				   .lamps = named};
+				    .curve = &curve,
+				    .radiance = (const float(*)[3])radiance,
+				    .distant = (const float(*)[3])distant,
+				    .lamps = named};
 	struct canvas canvas = {.pixels = NULL};
 	struct lamp_light *taken;
 	struct image picture;
