@@ -13,10 +13,6 @@
 /* Over 0.15 m, half of an object, light from farther away differs by less than 2 %, which is the
  * least difference of brightness that eyes see. */
 #define NEAR_M 15.0
-/* Places whose line points at a lamp to this angle see it from one side alone: a sixth of their
- * distance lies across. */
-#define IN_LINE (10 * M_PI / 180)
-
 enum { POSE = 6 }; /* unknowns of a place: what it moved by, and its turn */
 
 struct problem {
@@ -228,22 +224,6 @@ static void doubt_places(struct lamp_places *places, const struct problem *p, do
 				100 * places->tolerance);
 }
 
-/* Whether every other place lies in line with the first one, as seen along a direction. */
-static bool is_in_line(const struct lamp_places *places, const double dir[3])
-{
-	for (int k = 1; k < places->sights; k++) {
-		double line[3], across[3];
-
-		for (int i = 0; i < 3; i++)
-			line[i] = places->sight[k].at[i] - places->sight[0].at[i];
-		vec_normalize(line);
-		vec_cross(line, dir, across);
-		if (vec_length(across) > sin(IN_LINE))
-			return false;
-	}
-	return true;
-}
-
 static void judge_far(struct lamp_places *places, const struct lamp_track *track)
 {
 	char text[SIGHT_TEXT_MAX];
@@ -252,16 +232,12 @@ static void judge_far(struct lamp_places *places, const struct lamp_track *track
 	if (track->least_m >= NEAR_M)
 		log_info("the light at %s is at least %.0f m away: it stays light from afar", text,
 			 track->least_m);
-	else if (is_in_line(places, track->at))
-		verdict_doubt(
-			&places->finding.verdict, "lay the fisheye at another place, off that line",
-			"the light at %s lies in line with the places: nobody can tell how far away it is",
-			text);
 	else
-		verdict_doubt(&places->finding.verdict,
-			      "lay the fisheye farther apart, and tell the places more exactly",
-			      "the light at %s shows no parallax: it may be anywhere beyond %.1f m",
-			      text, track->least_m);
+		verdict_doubt(
+			&places->finding.verdict,
+			"lay the fisheye farther apart, off the line to that light, and tell the places more exactly",
+			"the light at %s shows no parallax between the places: it may be anywhere beyond %.1f m",
+			text, track->least_m);
 }
 
 /* ---- all of it ---- */

@@ -241,7 +241,8 @@ TEST("a lamp in line with the places is doubted")
 	const struct drawn_lamp lamp[] = {two[1], {{3, 0.05, 0.15}, 0.06, 300}};
 	struct shot shot = plain_shot(lamp, 2, 2);
 
-	assert_doubt(&shot, "lies in line with the places");
+	assert_doubt(&shot, "shows no parallax");
+	assert_non_null(strstr(found.finding.verdict.remedy, "off the line"));
 }
 
 /* Two lamps in the plane of two places meet crosswise as well. */
