@@ -60,7 +60,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/fisheye/fisheye_start.c \
 	bake/calibrate/fisheye/fisheye_turn.c \
 	bake/calibrate/fisheye/circle/fisheye_circle.c \
-	bake/calibrate/fisheye/circle/fisheye_edge.c \
 	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
 	bake/calibrate/fisheye/circle/fisheye_rim.c \
 	bake/calibrate/observe/boards.c \
@@ -77,7 +76,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/live_collect.c \
 	bake/calibrate/observe/live_screen.c \
 	bake/calibrate/observe/observations.c \
-	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
 	bake/calibrate/report/report_axes.c \
 	bake/calibrate/report/report_json.c \
