@@ -21,14 +21,13 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_figures.c \
 	bake/calibrate/camera/camera_file.c \
 	bake/calibrate/camera/camera_guess.c \
-	bake/calibrate/camera/camera_guess_closed.c \
 	bake/calibrate/camera/camera_held.c \
 	bake/calibrate/camera/camera_model.c \
 	bake/calibrate/camera/camera_problem.c \
 	bake/calibrate/camera/camera_radial.c \
 	bake/calibrate/camera/camera_solve.c \
 	bake/calibrate/camera/camera_structure.c \
-	bake/calibrate/camera/camera_tsai.c \
+	bake/calibrate/camera/camera_pose.cpp \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
