@@ -31,13 +31,9 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
-	bake/calibrate/convert/convert_omni.c \
 	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
-	bake/calibrate/convert/convert_words.c \
 	bake/calibrate/convert/convert_write.c \
-	bake/calibrate/convert/convert_xml.c \
-	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/by_view.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
@@ -95,7 +91,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_samples.c \
 	bake/calibrate/response/light_spline.c
 CALIBRATE_MAIN := bake/calibrate/main.c
-calibrate_PACKAGES := cminpack libexif
+calibrate_PACKAGES := cminpack libexif yaml-0.1
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
 $(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(calibrate_CFLAGS)
 $(call objects,$(filter %.cpp,$(CALIBRATE_SOURCES))): OWN_FLAGS = -isystem /usr/include/opencv4

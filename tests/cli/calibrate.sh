@@ -130,10 +130,10 @@ cam0:
   distortion_coeffs: [-0.1, 0.0, 0.0, 0.0]
   resolution: [640, 480]
 cam1:
-  camera_model: omni
-  intrinsics: [1.0, 400.0, 400.0, 319.5, 239.5]
-  distortion_model: none
-  distortion_coeffs: []
+  camera_model: pinhole
+  intrinsics: [400.0, 400.0, 319.5, 239.5]
+  distortion_model: equidistant
+  distortion_coeffs: [0.003, -0.001, 0.0, 0.0]
   resolution: [640, 480]
 END
 failed_with "a chain of cameras" "one of them by --camera" convert "$work/chain.yaml" "$work/none.ini"
