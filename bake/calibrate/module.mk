@@ -65,7 +65,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/boards_look.cpp \
 	bake/calibrate/observe/boards_marker.cpp \
 	bake/calibrate/observe/boards_print.c \
-	bake/calibrate/observe/boards_settle.cpp \
 	bake/calibrate/observe/gather.c \
 	bake/calibrate/observe/live.c \
 	bake/calibrate/observe/live_collect.c \
