@@ -19,7 +19,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_edges.c \
 	bake/calibrate/camera/camera_figures.c \
-	bake/calibrate/camera/camera_file.c \
 	bake/calibrate/camera/camera_guess.c \
 	bake/calibrate/camera/camera_held.c \
 	bake/calibrate/camera/camera_model.c \
@@ -46,7 +45,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/verdict.c \
 	bake/calibrate/fisheye/fisheye_doubts.c \
 	bake/calibrate/fisheye/fisheye_falloff.c \
-	bake/calibrate/fisheye/fisheye_file.c \
 	bake/calibrate/fisheye/fisheye_find.c \
 	bake/calibrate/fisheye/fisheye_knowledge.c \
 	bake/calibrate/fisheye/fisheye_models.c \
