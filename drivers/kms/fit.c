@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/fit.h"
+#include "drivers/kms/kms.h"
 
 #include <math.h>
 

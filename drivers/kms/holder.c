@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/holder.h"
+#include "drivers/kms/kms.h"
 
 #include <dirent.h>
 #include <fcntl.h>

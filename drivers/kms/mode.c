@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/mode.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <math.h>
-
-#include "drivers/kms/timing.h"
 
 static bool is_progressive(const drmModeModeInfo *mode)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/screen.h"
+#include "drivers/kms/kms.h"
 
 #include <drm_fourcc.h>
 #include <errno.h>
@@ -9,8 +9,6 @@
 #include <unistd.h>
 #include <xf86drm.h>
 
-#include "drivers/kms/holder.h"
-#include "drivers/kms/panel.h"
 #include "hal/base/log.h"
 
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,

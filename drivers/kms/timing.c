@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/timing.h"
+#include "drivers/kms/kms.h"
 
 #include <ctype.h>
 #include <errno.h>
