@@ -11,7 +11,7 @@
 #include "drivers/libcamera/library.hpp"
 
 extern "C" {
-#include "drivers/libcamera/controls.h"
+#include "drivers/libcamera/parts.h"
 }
 
 namespace libcamera_driver

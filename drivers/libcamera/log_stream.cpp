@@ -9,7 +9,7 @@
 #include "drivers/libcamera/library.hpp"
 
 extern "C" {
-#include "drivers/libcamera/messages.h"
+#include "drivers/libcamera/parts.h"
 }
 
 namespace libcamera_driver

@@ -14,8 +14,7 @@
 #include "drivers/libcamera/log_stream.hpp"
 
 extern "C" {
-#include "drivers/libcamera/find.h"
-#include "drivers/libcamera/hotplug.h"
+#include "drivers/libcamera/parts.h"
 #include "hal/base/log.h"
 }
 

@@ -14,8 +14,7 @@
 #include "drivers/libcamera/slots.hpp"
 
 extern "C" {
-#include "drivers/libcamera/controls.h"
-#include "drivers/libcamera/events.h"
+#include "drivers/libcamera/parts.h"
 #include "hal/device/camera.h"
 }
 

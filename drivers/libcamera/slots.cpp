@@ -6,7 +6,7 @@
 #include <utility>
 
 extern "C" {
-#include "drivers/libcamera/events.h"
+#include "drivers/libcamera/parts.h"
 }
 
 namespace libcamera_driver

@@ -10,8 +10,7 @@
 #include "drivers/libcamera/library.hpp"
 
 extern "C" {
-#include "drivers/libcamera/controls.h"
-#include "drivers/libcamera/picture.h"
+#include "drivers/libcamera/parts.h"
 #include "hal/frame/frame.h"
 }
 

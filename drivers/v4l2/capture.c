@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/capture.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/v4l2/fallback.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 #include "hal/frame/frame_jpeg.h"

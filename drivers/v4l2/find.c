@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/find.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -9,8 +9,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/offers.h"
 #include "hal/base/log.h"
 #include "hal/device/camera_situation.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 

@@ -7,8 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/formats.h"
-#include "drivers/v4l2/offers.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera_situation.h"
 #include "tests/support/captured_log.h"
