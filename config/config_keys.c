@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Tables of every key except those of drivers: name, type, range, default, help. */
-#include "config/config_keys.h"
+#include "config/config_parts.h"
 
 #include <stdio.h>
 
-#include "config/config_blocks.h"
 #include "config/config_hours.h"
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"

@@ -17,7 +17,7 @@
 #include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 #define SIGNAL_CHECK_NS NS_PER_S
 

@@ -59,9 +59,6 @@ HAL_SOURCES := \
 	hal/compositor/live/veiled_tile.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
-	hal/device/camera_choice.c \
-	hal/device/camera_controls.c \
-	hal/device/camera_situation.c \
 	hal/device/display.c \
 	hal/device/node_link.c \
 	hal/frame/depth.c \
@@ -70,7 +67,6 @@ HAL_SOURCES := \
 	hal/frame/frame_fields.c \
 	hal/frame/frame_jpeg.c \
 	hal/frame/frame_reader.c \
-	hal/frame/frame_repack.c \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \
@@ -93,7 +89,6 @@ HAL_SOURCES := \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \
 	hal/lights/recovery.c \
-	hal/lights/recovery_pieces.c \
 	hal/lights/sampler.c \
 	hal/lights/sampler_c.c \
 	hal/lights/sampler_frame.c \
@@ -104,7 +99,6 @@ HAL_SOURCES := \
 	hal/look/flicker.c \
 	hal/look/grain_tables.c \
 	hal/look/median.c \
-	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \

@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/bench/bench_print.h"
-#include "app/bench/bench_truth.h"
-#include "app/bench/bench_ways.h"
 #include "hal/base/log.h"
 #include "hal/measure/background.h"
 #include "hal/measure/turns.h"

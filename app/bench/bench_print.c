@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/bench/bench_print.h"
+#include "app/bench/bench.h"
 
 #include <math.h>
 

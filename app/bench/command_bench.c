@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "app/bench/bench.h"
-#include "app/bench/bench_print.h"
 #include "app/commands.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"

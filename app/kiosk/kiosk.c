@@ -8,7 +8,7 @@
 #include "app/kiosk/kiosk_parts.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 /* Longest wait for the cameras before the first picture. Opening one may take 2 s
  * (hal/device/camera.h), and more on a busy machine. */

@@ -14,7 +14,7 @@
 
 extern "C" {
 #include "hal/base/log.h"
-#include "hal/device/camera_choice.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

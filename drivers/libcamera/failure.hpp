@@ -10,7 +10,6 @@
 
 extern "C" {
 #include "hal/device/camera.h"
-#include "hal/device/camera_situation.h"
 }
 
 namespace libcamera_driver

@@ -9,7 +9,7 @@
 #include <sys/types.h>
 
 #include "hal/base/fault.h"
-#include "hal/device/camera_controls.h"
+#include "hal/device/camera.h"
 #include "hal/frame/frame.h"
 
 /*

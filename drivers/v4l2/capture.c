@@ -6,7 +6,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/frame/frame_jpeg.h"
+#include "hal/frame/frame_decode.h"
 
 /* A time stamp older than this, or in the future, is of another clock or has wrapped around. */
 #define TIME_PAST_NS (60 * NS_PER_S)

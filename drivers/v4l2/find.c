@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 bool v4l2_usb_port(const char *interface, char port[V4L2_PORT_MAX])
 {

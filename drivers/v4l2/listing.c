@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 #include "hal/device/node_link.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };

@@ -10,7 +10,6 @@
 
 #include "hal/base/fault.h"
 #include "hal/device/camera.h"
-#include "hal/device/camera_controls.h"
 #include "hal/frame/frame.h"
 #include "hal/ini/ini.h"
 
