@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What libcamera's manager offers differs between its versions. */
-#include "drivers/libcamera/manager.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #define LIBCAMERA_BASE_PRIVATE
 #include <libcamera/base/semaphore.h>
@@ -9,9 +9,6 @@
 #include <deque>
 #include <mutex>
 #include <utility>
-
-#include "drivers/libcamera/failure.hpp"
-#include "drivers/libcamera/log_stream.hpp"
 
 extern "C" {
 #include "drivers/libcamera/parts.h"

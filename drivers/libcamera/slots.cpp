@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* libcamera allocates the buffers; each is mapped once and read in place. */
-#include "drivers/libcamera/slots.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <cerrno>
 #include <utility>
