@@ -62,7 +62,6 @@ APP_SOURCES := \
 	app/records/metrics.c \
 	app/records/state.c \
 	app/records/stats.c \
-	app/records/supply.c \
 	app/view/guide.c \
 	app/view/layout.c \
 	app/view/marks.c \
