@@ -45,10 +45,8 @@ DRIVER_SOURCES := \
 	drivers/v4l2/offers.c \
 	drivers/v4l2/setup.c
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_KMS)),drivers/display_kms.c \
-	drivers/kms/connector.c drivers/kms/console.c drivers/kms/find.c drivers/kms/fit.c \
-	drivers/kms/holder.c drivers/kms/list.c drivers/kms/mode.c drivers/kms/panel.c drivers/kms/screen.c \
-	drivers/kms/second.c \
-	drivers/kms/state.c drivers/kms/timing.c drivers/kms/watch.c)
+	drivers/kms/connector.c drivers/kms/console.c drivers/kms/find.c drivers/kms/list.c \
+	drivers/kms/mode.c drivers/kms/screen.c drivers/kms/second.c drivers/kms/state.c drivers/kms/watch.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_SDL)),drivers/display_window.c)
 DRIVER_SOURCES += $(if $(filter 1,$(WITH_LIBCAMERA)),drivers/camera_libcamera.cpp \
 	drivers/libcamera/configuration.cpp drivers/libcamera/controls.c drivers/libcamera/events.c \

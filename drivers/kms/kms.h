@@ -128,12 +128,6 @@ int kms_find_second(const struct kms_options *options, const struct kms_path *fi
 /* display_ops.list of KMS: calls found() for each card. Returns their number, or -ENOMEM. */
 int kms_list(void (*found)(void *context, const struct display_listing *listing), void *context);
 
-/* Names the programs that hold a card, for messages. */
-
-/* Lists other programs that have the device open, "name (pid 123), ...", as far as this user may
- * see them in /proc. Returns how many there are. */
-int kms_holders(const char *device, char *text, size_t room);
-
 /* Properties of the connector that describe the panel behind it. */
 
 /* By how much a picture has to be turned to be upright on the panel, as it is built in ("panel
@@ -407,8 +401,7 @@ int kms_screen_set_dark(struct kms_screen *screen, struct fault *fault);
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
 		       struct fault *fault);
 
-/* Names in the fault the programs that hold the card, as far as /proc shows them. Returns
- * -EBUSY. */
+/* Says in the fault that another program holds the card. Returns -EBUSY. */
 int kms_screen_held(const struct kms_screen *screen, struct fault *fault);
 
 /* Restores the state that was found and frees *screen itself. May wait for the last flip. 0, or
