@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * inlay bench: how long a frame of a basis takes, in every way that inlay has to make it, beside
+ * How long a frame of a basis takes, in every way that inlay has to make it, beside
  * the thesis's own algorithm; with the error of each way against double precision.
  *
  * All ways are timed in turns (A, B, C, A, B, C, ...), each after a few milliseconds of its own
@@ -8,8 +8,8 @@
  * as it leaves them. Times of one thread are its processor time, those of several threads wall
  * clock time.
  */
-#ifndef INLAY_APP_BENCH_BENCH_H
-#define INLAY_APP_BENCH_BENCH_H
+#ifndef INLAY_TESTS_BENCH_BENCH_H
+#define INLAY_TESTS_BENCH_BENCH_H
 
 #include <stdbool.h>
 #include <stdint.h>
