@@ -238,7 +238,8 @@ TEST("lines say what was counted")
 	report.lamp = (struct coarse_lamp){
 		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
 	report.people = (struct pipeline_people_seen){
-		.on = true, .learned = 0.98, .parts = 2, .in_front = 1};
+		.on = true, .learned = 0.98, .parts = 2, .in_front = 1, .sure = 0.4,
+		.moved_px = {10, -0.5}, .lost = true};
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
@@ -273,7 +274,8 @@ TEST("lines say what was counted")
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
 		"\"lines_lost\":0,"
 		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
-		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1},\"cameras\":"
+		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1,\"sure\":0.40,"
+		"\"moved\":[10.0,-0.5],\"lost\":true},\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\",\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,\"unsettled\":9}]}\n");
 }
 
