@@ -215,8 +215,10 @@ void config_print(const struct config *config, FILE *stream)
 		if (!strcmp(t->section, last))
 			continue;
 		last = t->section;
-		for (int i = 0; t->named && i < config->camera_count; i++)
-			print_section(config, t->section, config->cameras[i]->name, stream);
+		for (int i = 0; !strcmp(last, "camera") && i < config->camera_count; i++)
+			print_section(config, last, config->cameras[i]->name, stream);
+		for (int i = 0; !strcmp(last, "lamp") && i < config->lamps.count; i++)
+			print_section(config, last, config->lamp_name[i], stream);
 		if (!t->named)
 			print_section(config, t->section, NULL, stream);
 	}

@@ -18,6 +18,7 @@
 #include "hal/frame/view.h"
 #include "hal/ini/ini.h"
 #include "hal/lights/exposures.h"
+#include "hal/lights/lamps.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
 
@@ -201,6 +202,8 @@ struct config {
 	struct config_camera *cameras[CONFIG_CAMERAS_MAX];
 	int camera_count;
 	struct config_fisheye fisheye;
+	struct lamps lamps; /* [lamp NAME], and [fisheye] position */
+	char lamp_name[LAMPS_MAX][CONFIG_NAME_MAX];
 	struct config_background background;
 	struct config_scene scene;
 	struct config_depth depth;
@@ -263,8 +266,9 @@ struct config_change {
 };
 
 /* Calls adopt() for each key whose value differs in fresh, which has the same drivers, and for
- * "light" if the contents of that file differ. Where adopt() returns true, config takes over the
- * value. Cameras that only one of the two has are reported and stay as they are. */
+ * "light" if the contents of that file differ; once, without a key, if any [lamp NAME] does. Where
+ * adopt() returns true, config takes over the value. Cameras that only one of the two has are
+ * reported and stay as they are. */
 void config_update(struct config *config, const struct config *fresh,
 		   bool (*adopt)(void *context, const struct config_change *change), void *context);
 

@@ -80,6 +80,25 @@ static void compare_light(const char *section, struct response *old, const struc
 		*old = *fresh;
 }
 
+/* Lamps have no device to open, so they come and go as a whole. */
+static void compare_lamps(struct config *config, const struct config *fresh,
+			  bool (*adopt)(void *context, const struct config_change *change),
+			  void *context)
+{
+	const struct config_change change = {.section = "lamp"};
+	struct lamps *old = &config->lamps;
+	const struct lamps *now = &fresh->lamps;
+
+	if (old->count == now->count && !memcmp(old->lamp, now->lamp, sizeof(old->lamp)) &&
+	    !memcmp(config->lamp_name, fresh->lamp_name, sizeof(fresh->lamp_name)))
+		return;
+	if (!adopt(context, &change))
+		return;
+	old->count = now->count;
+	memcpy(old->lamp, now->lamp, sizeof(old->lamp));
+	memcpy(config->lamp_name, fresh->lamp_name, sizeof(fresh->lamp_name));
+}
+
 void config_update(struct config *config, const struct config *fresh,
 		   bool (*adopt)(void *context, const struct config_change *change), void *context)
 {
@@ -88,7 +107,8 @@ void config_update(struct config *config, const struct config *fresh,
 			compare_table(config, fresh, table, NULL, adopt, context);
 			continue;
 		}
-		for (int i = 0; i < config->camera_count; i++) {
+		for (int i = 0; strcmp(table->section, "camera") == 0 && i < config->camera_count;
+		     i++) {
 			const char *name = config->cameras[i]->name;
 
 			if (config_camera_named(fresh, name))
@@ -99,6 +119,7 @@ void config_update(struct config *config, const struct config *fresh,
 		      context);
 	compare_light("background", &config->background.measured, &fresh->background.measured,
 		      adopt, context);
+	compare_lamps(config, fresh, adopt, context);
 	compare_cameras(config, fresh, adopt, context);
 	compare_cameras(fresh, config, adopt, context);
 }

@@ -141,6 +141,29 @@ static void check_patch(const struct config *config, struct ini_report *report)
 		}
 }
 
+/* The dome begins at the lens's height: what lies below is not measured. */
+static void check_lamps(const struct config *config, struct ini_report *report)
+{
+	const struct lamps *lamps = &config->lamps;
+
+	for (int i = 0; i < lamps->count; i++) {
+		const struct lamp *lamp = &lamps->lamp[i];
+		const double *at = lamp->position, *eye = lamps->fisheye;
+		const double apart = hypot(hypot(at[0] - eye[0], at[1] - eye[1]), at[2] - eye[2]);
+
+		if (apart <= lamp->radius)
+			config_complain(
+				config, report,
+				"[lamp %s] position: is %g %g %g, %g m from the fisheye's; expected more than its radius of %g m",
+				config->lamp_name[i], at[0], at[1], at[2], apart, lamp->radius);
+		else if (at[2] <= eye[2])
+			config_complain(
+				config, report,
+				"[lamp %s] position: is %g %g %g, expected Z above the fisheye's %g m",
+				config->lamp_name[i], at[0], at[1], at[2], eye[2]);
+	}
+}
+
 static void check_buttons(const struct config *config, struct ini_report *report)
 {
 	const char *text = config->buttons->driver;
@@ -214,6 +237,7 @@ int config_check(const struct config *config, struct ini_report *report)
 	check_depth(config, report);
 	check_exposures(config, report);
 	check_patch(config, report);
+	check_lamps(config, report);
 	if (config->screen->show == SHOW_SCENE && !*config->scene.view.camera)
 		config_complain(
 			config, report,

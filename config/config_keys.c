@@ -3,6 +3,7 @@
 #include "config/config_keys.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "config/config_blocks.h"
 #include "config/config_hours.h"
@@ -28,6 +29,11 @@ _Static_assert(sizeof(config_scale_names) / sizeof(*config_scale_names) == SCALE
 _Static_assert(sizeof(config_hours_off_names) / sizeof(*config_hours_off_names) ==
 		       HOURS_OFF_COUNT + 1,
 	       "a name for each end of the hours");
+
+/* At 1 km a scene of 1 m sees a lamp from the same direction to a pixel: what is farther need not be named. */
+#define PLACE_MAX 1000
+/* Nothing of a room is larger; of metres and centimetres it tells one that was mistaken. */
+#define LAMP_RADIUS_MAX 50
 
 /* Indexed by the value of the enum plus 1; 0 leaves it to the driver. */
 static const char *const matrix_names[] = {"driver", "bt601", "bt709", NULL};
@@ -141,6 +147,20 @@ static const struct ini_key depth_keys[] = {
 	{"calibration", INI_PATH, offsetof(struct config_depth, calibration), .fallback = "",
 	 .help = "A file with a [camera] section, as inlay-calibrate camera writes it, of the "
 		 "depth camera in the same world as the background's. Empty: its view shows what the background shows, as if from the same place."},
+	INI_KEYS_END};
+
+static const struct ini_key fisheye_place_keys[] = {
+	{"position", INI_REALS, offsetof(struct lamps, fisheye), 3, .min = -PLACE_MAX,
+	 .max = PLACE_MAX, .fallback = "0 0 0", .unit = "m",
+	 .help = "Where the lens stands in the world, whose origin and axes are those of the basis: how near each [lamp NAME] is to it."},
+	INI_KEYS_END};
+
+static const struct ini_key lamp_keys[] = {
+	{"position", INI_REALS, offsetof(struct lamp, position), 3, .min = -PLACE_MAX,
+	 .max = PLACE_MAX, .unit = "m", .help = "Its middle, in the world."},
+	{"radius", INI_REAL, offsetof(struct lamp, radius), .min = 0.001, .max = LAMP_RADIUS_MAX,
+	 .unit = "m",
+	 .help = "Of a ball that looks as large; of a shade or a panel, half of what lies between its edges."},
 	INI_KEYS_END};
 
 static const struct ini_key fisheye_lens_keys[] = {
@@ -343,6 +363,23 @@ static void *keys_place_camera(void *root, const char *instance)
 	return camera;
 }
 
+static void *keys_place_lamp(void *root, const char *instance)
+{
+	struct config *config = root;
+	struct lamps *lamps = &config->lamps;
+	int i = 0;
+
+	while (i < lamps->count && strcmp(config->lamp_name[i], instance) != 0)
+		i++;
+	if (i == LAMPS_MAX)
+		return NULL;
+	if (i == lamps->count) {
+		snprintf(config->lamp_name[i], sizeof(config->lamp_name[i]), "%s", instance);
+		lamps->count++;
+	}
+	return &lamps->lamp[i];
+}
+
 #define IN_CONFIG(member) .place = keys_place_config, .part = offsetof(struct config, member)
 
 const struct ini_table config_tables[] = {
@@ -359,6 +396,9 @@ const struct ini_table config_tables[] = {
 	{"fisheye", .keys = fisheye_lens_keys, IN_CONFIG(fisheye)},
 	{"fisheye", .keys = fisheye_keys, IN_CONFIG(fisheye.lens)},
 	{"fisheye", .keys = fisheye_light_keys, IN_CONFIG(fisheye)},
+	{"fisheye", .keys = fisheye_place_keys, IN_CONFIG(lamps)},
+	{"lamp", .named = true, .keys = lamp_keys, .place = keys_place_lamp, .sample = "",
+	 .help = "A lamp in the room: its light comes from a place, and not, as all other, from afar. inlay-calibrate lamps finds them; a tape measure does, too."},
 	{"background", .keys = background_camera_keys, IN_CONFIG(background.view),
 	 .help = "The picture that the object is put into; as large as the basis."},
 	{"background", .keys = view_keys, IN_CONFIG(background.view)},

@@ -21,11 +21,11 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
-	hal/basis/basis_foot.c \
 	hal/basis/basis_glass.c \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_names.c \
+	hal/basis/basis_places.c \
 	hal/basis/basis_reader.c \
 	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
@@ -57,6 +57,8 @@ HAL_SOURCES := \
 	hal/compositor/live/grain.c \
 	hal/compositor/live/lit_rows.c \
 	hal/compositor/live/veiled_tile.c \
+	hal/compositor/near/near_layer.c \
+	hal/compositor/near/near_sky.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
 	hal/device/camera_choice.c \
@@ -89,6 +91,7 @@ HAL_SOURCES := \
 	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
+	hal/lights/lamp/lamp_light.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \

@@ -28,6 +28,7 @@ static const struct {
 	{"fisheye", "exposure_control", NEXT_START},
 	{"fisheye", "exposure_delay", NEXT_START},
 	{"fisheye", NULL, RELOAD_LIGHT | RELOAD_DRAWING},
+	{"lamp", NULL, RELOAD_LIGHT | RELOAD_DRAWING},
 	{"background", "transfer", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"background", "light", RELOAD_PIPELINE | RELOAD_DRAWING},
 	{"background", "ground_patch", RELOAD_PIPELINE | RELOAD_DRAWING},

@@ -26,6 +26,7 @@
 #include "hal/frame/view.h"
 #include "hal/image/image.h"
 #include "hal/lights/exposures.h"
+#include "hal/lights/lamps.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
@@ -69,6 +70,7 @@ struct pipeline_settings {
 	/* Its pixels where pipeline_read_mask() has read them, and needed during the call only;
 	 * NULL: the file is read. */
 	const uint8_t *mask_pixels;
+	struct lamps lamps; /* at places; ignored where the basis does not know its places */
 	struct tsai_camera depth_camera; /* see struct people_settings; width 0: none */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];

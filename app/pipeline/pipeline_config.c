@@ -34,6 +34,7 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 		.gain = config->composite.gain,
 		.threads = config->composite.threads,
 		.mode = (enum compositor_mode)config->composite.mode,
+		.lamps = config->lamps,
 		.occlude = config->people.occlude,
 		.depth_camera = config->depth.camera,
 		.follow_exposure = config->composite.follow_exposure,

@@ -4,6 +4,7 @@
 #define INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 
 #include "app/pipeline/pipeline.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/recovery.h"
 
@@ -58,6 +59,8 @@ struct pipeline {
 	struct light_selection selection;
 	bool followed; /* the selection has been multiplied by the camera's exposure */
 	struct compositor *compositor;
+	struct lamp_light *lamps;   /* NULL: there are none at places */
+	float (*distant)[3];	    /* [lights]: the light without them */
 	struct pipeline_fade *fade; /* pipeline_fade.c; NULL: no two poses have been mixed */
 
 	/* what is found in the background camera's frames */

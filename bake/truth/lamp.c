@@ -3,7 +3,7 @@
 
 /* Share of the directions from origin that meet the lamp: (1 - cos(angle)) / 2, where
  * sin(angle) = radius / distance, without loss of digits for small angles. */
-static float lamp_share(const struct lamp *lamp, struct v3 origin)
+static float lamp_share(const struct truth_lamp *lamp, struct v3 origin)
 {
 	const struct v3 way = v3_sub(lamp->centre, origin);
 	const float sin2 = lamp->radius * lamp->radius / v3_dot(way, way);
@@ -11,17 +11,17 @@ static float lamp_share(const struct lamp *lamp, struct v3 origin)
 	return sin2 < 1 ? sin2 / (1 + sqrtf(1 - sin2)) / 2 : 1;
 }
 
-double lamp_angle(const struct lamp *lamp, struct v3 origin)
+double lamp_angle(const struct truth_lamp *lamp, struct v3 origin)
 {
 	return 2 * asin(sqrt((double)lamp_share(lamp, origin)));
 }
 
-float lamp_density(const struct lamp *lamp, struct v3 origin)
+float lamp_density(const struct truth_lamp *lamp, struct v3 origin)
 {
 	return 1 / (4 * PI_F * lamp_share(lamp, origin));
 }
 
-struct v3 lamp_sample(const struct lamp *lamp, struct v3 origin, float u, float v)
+struct v3 lamp_sample(const struct truth_lamp *lamp, struct v3 origin, float u, float v)
 {
 	const struct v3 axis = v3_unit(v3_sub(lamp->centre, origin));
 	const float below = 2 * u * lamp_share(lamp, origin); /* 1 - cos */
@@ -34,7 +34,7 @@ struct v3 lamp_sample(const struct lamp *lamp, struct v3 origin, float u, float 
 		axis);
 }
 
-float lamp_distance(const struct lamp *lamp, struct v3 origin, struct v3 direction)
+float lamp_distance(const struct truth_lamp *lamp, struct v3 origin, struct v3 direction)
 {
 	const struct v3 way = v3_sub(lamp->centre, origin);
 	const float along = v3_dot(way, direction);

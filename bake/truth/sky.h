@@ -12,7 +12,7 @@
 #include "hal/optics/panorama.h"
 
 struct sky {
-	const struct lamp *lamps;
+	const struct truth_lamp *lamps;
 	int lamp_count;
 	const struct dome *dome; /* NULL: the panorama; without an image: black */
 	int light;		 /* its index in the dome */

@@ -17,12 +17,12 @@
 #include "hal/base/output.h"
 
 #define FISHEYE_SIDE 1024
-#define LAMPS_MAX 64
+#define TRUTH_LAMPS_MAX 64
 #define WORLD_MAX 1e6 /* world units, and radiance: floats keep a metre's tenth of so many */
 #define SAMPLES 256
 
 struct lamp_list {
-	struct lamp lamp[LAMPS_MAX];
+	struct truth_lamp lamp[TRUTH_LAMPS_MAX];
 	int count;
 };
 
@@ -47,13 +47,13 @@ static int read_lamp(void *field, const char *option, const char *text, struct f
 
 	if (err < 0)
 		return err;
-	if (list->count == LAMPS_MAX)
-		return fault_say(fault, -EINVAL, "%s: at most %d", option, LAMPS_MAX);
+	if (list->count == TRUTH_LAMPS_MAX)
+		return fault_say(fault, -EINVAL, "%s: at most %d", option, TRUTH_LAMPS_MAX);
 	if (v[3] <= 0 || fmin(fmin(v[4], v[5]), v[6]) < 0)
 		return fault_say(fault, -EINVAL,
 				 "%s: \"%s\", expected a radius above 0 and no negative radiance",
 				 option, text);
-	list->lamp[list->count++] = (struct lamp){
+	list->lamp[list->count++] = (struct truth_lamp){
 		.centre = v3_make((float)v[0], (float)v[1], (float)v[2]),
 		.radius = (float)v[3],
 		.radiance = rgb_make((float)v[4], (float)v[5], (float)v[6]),

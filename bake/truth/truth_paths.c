@@ -68,7 +68,7 @@ static struct rgb light_from_sky(struct tracer *t, enum presence presence, const
 
 /* Light of a lamp that arrives straight from a direction. */
 static struct rgb lamp_arriving(struct tracer *t, enum presence presence, struct v3 origin,
-				struct v3 wi, const struct lamp *lamp)
+				struct v3 wi, const struct truth_lamp *lamp)
 {
 	const float far = lamp_distance(lamp, origin, wi);
 
@@ -90,7 +90,7 @@ static struct rgb light_from_lamps(struct tracer *t, enum presence presence,
 	struct rgb sum = {{0, 0, 0}};
 
 	for (int k = 0; k < t->sky->lamp_count; k++) {
-		const struct lamp *lamp = &t->sky->lamps[k];
+		const struct truth_lamp *lamp = &t->sky->lamps[k];
 		const struct v3 wi = lamp_sample(lamp, s->position, point[0], point[1]);
 		float other;
 		const struct rgb f = eval_bsdf(s, wo, wi, &other);
@@ -112,7 +112,7 @@ static struct rgb lamps_met(struct tracer *t, enum presence presence, const stru
 	struct rgb sum = {{0, 0, 0}};
 
 	for (int k = 0; k < t->sky->lamp_count; k++) {
-		const struct lamp *lamp = &t->sky->lamps[k];
+		const struct truth_lamp *lamp = &t->sky->lamps[k];
 
 		sum = rgb_add(sum,
 			      rgb_scale(lamp_arriving(t, presence, surface_leave(s, wi), wi, lamp),
@@ -249,7 +249,7 @@ static struct rgb light_on_ground(struct tracer *t, struct v3 at, struct rgb *lo
 	struct rgb light = t->sky->ground;
 
 	for (int k = 0; k < t->sky->lamp_count; k++) {
-		const struct lamp *lamp = &t->sky->lamps[k];
+		const struct truth_lamp *lamp = &t->sky->lamps[k];
 		const struct v3 wi = lamp_sample(lamp, at, t->first[0], t->first[1]);
 		const float far = lamp_distance(lamp, at, wi);
 		const struct rgb radiance = rgb_scale(lamp->radiance,

@@ -56,7 +56,7 @@ static int eye_fineness(const struct truth_seeing *s, int x, int y)
 	struct fisheye_pixel pixel;
 
 	for (int k = 0; !s->panorama && k < s->sky->lamp_count; k++) {
-		const struct lamp *lamp = &s->sky->lamps[k];
+		const struct truth_lamp *lamp = &s->sky->lamps[k];
 		const struct v3 way = v3_unit(v3_sub(lamp->centre, s->eye->place));
 		const double angle = lamp_angle(lamp, s->eye->place);
 

@@ -26,6 +26,8 @@ BEGIN {
 	item(substr($0, 3, length($0) - 4), " (must be given)")
 	next
 }
+# A section that has no instance by default stands behind a semicolon, too.
+/^; \[/ { sub(/^; /, "") }
 /^; / { comment = comment (comment == "" ? "" : " ") substr($0, 3); next }
 /^\[/ {
 	print ".SS " roff($0)

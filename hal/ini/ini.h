@@ -82,7 +82,8 @@ struct ini_table {
 	void *(*place)(void *root, const char *instance);
 	size_t part;	    /* bytes from place()'s result to the struct that the keys fill */
 	const char *sample; /* names of a named section's instances in the sample file, separated by
-			       blanks; the first is written in full; NULL: "NAME" */
+			       blanks; the first is written in full; NULL: "NAME"; "": as a
+			       comment, of a section whose keys must all be given */
 };
 
 #define INI_TABLES_END                                                                             \

@@ -86,10 +86,10 @@ void ini_write_sample(FILE *stream, const struct ini_table *tables)
 			fputc('\n', stream);
 		if (table->help)
 			sample_write_comment(stream, table->help);
-		name = table->sample ? table->sample : "NAME";
+		name = table->sample && *table->sample ? table->sample : "NAME";
 		length = table->named ? strcspn(name, " ") : 0;
-		fprintf(stream, "[%s%s%.*s]\n", table->section, length ? " " : "", (int)length,
-			name);
+		fprintf(stream, "%s[%s%s%.*s]\n", table->sample && !*table->sample ? "; " : "",
+			table->section, length ? " " : "", (int)length, name);
 		for (const struct ini_table *t = table; t->section; t++) {
 			if (strcmp(t->section, table->section) != 0)
 				continue;

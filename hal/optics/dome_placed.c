@@ -173,6 +173,25 @@ void dome_placed_run(struct dome_placed *f, const double (*third)[3], int channe
 	}
 }
 
+/* Bound of the factor that keeps a level plane's irradiance: below the lowest mean direction it
+ * would darken upright surfaces. */
+#define LEVEL_FACTOR_MOST 1.5
+
+int dome_placed_share(const struct dome_placed *f, int light, int *facet, const double dir[3],
+		      int to[3], double weight[3])
+{
+	const int count = dome_facets_weights(f->facets, light, facet, dir, to, weight);
+	double level = 0, factor;
+
+	for (int n = 0; n < count; n++)
+		level += weight[n] * f->cell[to[n]].mean[2];
+	factor = level > 0 ? dir[2] / (sqrt(vec_dot(dir, dir)) * level) : 1;
+	factor = fmin(fmax(factor, 1 / LEVEL_FACTOR_MOST), LEVEL_FACTOR_MOST);
+	for (int n = 0; n < count; n++)
+		weight[n] *= factor;
+	return count;
+}
+
 void dome_placed_destroy(struct dome_placed *f)
 {
 	if (!f)

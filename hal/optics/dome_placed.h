@@ -42,6 +42,15 @@ void dome_placed_even(struct dome_placed *placed, const double *weight);
 void dome_placed_run(struct dome_placed *placed, const double (*third)[3], int channels,
 		     double (*light)[3]);
 
+/*
+ * The same for light of which the direction is known: lists the lights that share it, with weights
+ * such that light of irradiance E, on a surface that faces it, adds weight E / w_j to L_j. The
+ * weights sum to 1 up to the factor above, which is bounded here. light: one near dir; *facet as in
+ * dome_facets_weights(). Returns how many there are, 0 to 3; 0 below the horizon.
+ */
+int dome_placed_share(const struct dome_placed *placed, int light, int *facet, const double dir[3],
+		      int to[3], double weight[3]);
+
 void dome_placed_destroy(struct dome_placed *placed); /* NULL is harmless */
 
 #endif

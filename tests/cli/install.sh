@@ -91,8 +91,8 @@ for program in inlay inlay-bake inlay-calibrate; do
 	equal "and holds every option of every command" "" "$missing"
 done
 check "inlay.conf.5 shows without a warning" renders "$pages/man5/inlay.conf.5"
-missing=$(grep -oE '^[a-z][a-z0-9_.]* =' "$work/sample.conf" | sort -u | while read -r key _; do
-	grep -qE "^ *$key = " "$work/page" || echo "$key"
+missing=$(grep -oE '^(; )?[a-z][a-z0-9_.]* =' "$work/sample.conf" | tr -d ';=' | sort -u | while read -r key; do
+	grep -qE "^ *$key( = | \(must be given\))" "$work/page" || echo "$key"
 done)
 equal "and holds every key" "" "$missing"
 equal "man kiosk.conf shows it" inlay.conf.5 "$(readlink "$pages/man5/kiosk.conf.5")"

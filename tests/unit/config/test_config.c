@@ -219,6 +219,66 @@ TEST("the camera of depth measures depths")
 	config_destroy(c);
 }
 
+TEST("lamps of the room")
+{
+	struct config *c = read_text("[lamp desk]\nposition = 1, -0.5, 1.25\nradius = 0.04\n"
+				     "[lamp door]\nposition = -2 0 2.1\nradius = 0.1\n"
+				     "[fisheye]\nposition = 0.3 0 0.15\n");
+
+	assert_int_equal(c->lamps.count, 2);
+	assert_string_equal(c->lamp_name[1], "door");
+	assert_true(c->lamps.lamp[0].position[1] == -0.5 && c->lamps.lamp[0].radius == 0.04);
+	assert_true(c->lamps.lamp[1].position[2] == 2.1 && c->lamps.fisheye[2] == 0.15);
+	config_destroy(c);
+}
+
+TEST("what is wrong with lamps")
+{
+	static const struct {
+		const char *text, *why;
+	} cases[] = {
+		{"[lamp a]\nradius = 0.1\n", "k.conf:1: [lamp a] position: is missing"},
+		{"[lamp a]\nposition = 0 0 2\nradius = 0\n",
+		 "k.conf:3: [lamp a] radius: is \"0\", expected a number 0.001..50 m"},
+		{"[lamp a]\nposition = 0 2\n",
+		 "k.conf:2: [lamp a] position: is \"0 2\", expected 3"},
+		{"[lamp]\n", "k.conf:1: [lamp] has no name, expected [lamp NAME]"},
+		{"[lamp a]\nposition = 0 0 2\nradius = 2\n",
+		 "k.conf: [lamp a] position: is 0 0 2, 2 m from the fisheye's; expected more than its radius of 2 m"},
+		{"[fisheye]\nposition = 0 0 1\n[lamp a]\nposition = 0 3 0.5\nradius = 0.1\n",
+		 "k.conf: [lamp a] position: is 0 3 0.5, expected Z above the fisheye's 1 m"},
+	};
+	static const char others[] =
+		"[basis]\nfile = x\n[camera fisheye]\ndriver = fake\n[camera background]\ndriver = plain\n";
+	char many[LAMPS_MAX * 64 + 64] = "";
+
+	for (size_t i = 0; i < sizeof(cases) / sizeof(*cases); i++) {
+		struct config *c = fresh(&fakes);
+		struct ini_report report = {.count = 0};
+
+		assert_int_equal(config_read_memory(c, others, strlen(others), "o.conf", NULL), 0);
+		if (config_read_memory(c, cases[i].text, strlen(cases[i].text), "k.conf",
+				       &report) == 0)
+			assert_int_equal(config_check(c, &report), -EINVAL);
+		if (!strstr(report.first.text, cases[i].why))
+			fail_msg("expected \"%s\", got \"%s\"", cases[i].why, report.first.text);
+		config_destroy(c);
+	}
+	for (int i = 0; i <= LAMPS_MAX; i++)
+		snprintf(many + strlen(many), 64, "[lamp l%d]\nposition = 0 0 2\nradius = 1\n", i);
+	{
+		struct config *c = fresh(&fakes);
+		struct ini_report report = {.count = 0};
+
+		assert_int_equal(config_read_memory(c, many, strlen(many), "k.conf", &report),
+				 -EINVAL);
+		assert_non_null(
+			strstr(report.first.text,
+			       "[lamp l8] is one section [lamp NAME] more than there is room for"));
+		config_destroy(c);
+	}
+}
+
 static char *printed(const struct config *config, void (*print)(const struct config *, FILE *))
 {
 	char *text = NULL;
@@ -237,7 +297,7 @@ TEST("printing reads back")
 		"[basis]\nfile = /a b.inlay\npose = 3\n[camera one]\nfake.noise = 0.1\n"
 		"[camera two]\nrate = 29.97\n[fisheye]\nfocal = 74.8 66.845\nhflip = yes\n"
 		"[lights]\nthreshold = 33.5%\nfollow = 0.25\nthreshold_mode = drop\n[screen]\n"
-		"scale = fit\nshow = quad\n");
+		"scale = fit\nshow = quad\n[lamp a]\nposition = 1 2 3\nradius = 0.5\n");
 	char *text = printed(c, config_print), *again;
 	struct config *other = read_text(text);
 
@@ -248,6 +308,7 @@ TEST("printing reads back")
 	assert_true(other->lights.threshold.value == 33.5 && other->lights.threshold.percent);
 	assert_true(other->lights.follow_s == 0.25);
 	assert_int_equal(other->screen->show, SHOW_QUAD);
+	assert_int_equal(other->lamps.count, 1);
 	again = printed(other, config_print);
 	assert_string_equal(text, again);
 	free(text);

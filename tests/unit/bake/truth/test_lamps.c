@@ -17,9 +17,9 @@
 static const struct truth_settings settings = {
 	.samples = 64, .bounces = 32, .seed = 3, .threads = 1, .quiet = true};
 
-static struct lamp white_lamp(double x, double y, double z, double radius)
+static struct truth_lamp white_lamp(double x, double y, double z, double radius)
 {
-	return (struct lamp){v3_make((float)x, (float)y, (float)z), (float)radius, {{1, 1, 1}}};
+	return (struct truth_lamp){v3_make((float)x, (float)y, (float)z), (float)radius, {{1, 1, 1}}};
 }
 
 /* The composite over a background of this radiance. */
@@ -53,7 +53,7 @@ static double mean_of(struct image *picture)
 }
 
 /* The mean under one lamp. */
-static double traced_mean(const char *name, struct lamp lamp, float background)
+static double traced_mean(const char *name, struct truth_lamp lamp, float background)
 {
 	const struct sky sky = {.lamps = &lamp, .lamp_count = 1};
 	struct image out = traced(name, &sky, background);
@@ -62,7 +62,7 @@ static double traced_mean(const char *name, struct lamp lamp, float background)
 }
 
 /* The real scene, as an eye or the camera sees it. */
-static struct image seen(const char *name, struct lamp lamp, const struct truth_eye *eye)
+static struct image seen(const char *name, struct truth_lamp lamp, const struct truth_eye *eye)
 {
 	const struct sky sky = {.lamps = &lamp, .lamp_count = 1};
 	struct scene *scene = small_scene_open(name);
@@ -80,7 +80,7 @@ static struct image seen(const char *name, struct lamp lamp, const struct truth_
  *
  *     ((cos(beta) acos(y) - x w) / H^2 + atan(w / x)) / pi,      w = sin(beta) sqrt(1 - y^2)
  */
-static double level_irradiance(struct lamp lamp)
+static double level_irradiance(struct truth_lamp lamp)
 {
 	const double d = (double)v3_length(lamp.centre), h = d / (double)lamp.radius;
 	const double cosine = (double)lamp.centre.z / d, sine = sqrt(1 - cosine * cosine);
@@ -94,7 +94,7 @@ static double level_irradiance(struct lamp lamp)
 /* Flat ground, a stand-in and an object take three different ways through the tracer. */
 TEST("irradiance")
 {
-	const struct lamp lamps[] = {white_lamp(0, 0, 2, 0.3), white_lamp(1.5, 0.8, 1, 0.2),
+	const struct truth_lamp lamps[] = {white_lamp(0, 0, 2, 0.3), white_lamp(1.5, 0.8, 1, 0.2),
 				     white_lamp(1, 0, 0.1, 0.3), white_lamp(0.6, 0.1, 0, 0.3)};
 	static const char *const floors[] = {
 		"[ground]\nmaterial = half\n",
@@ -153,7 +153,7 @@ TEST("shadow edge")
 {
 	const double side = 0.3, lamp_x = -1, lamp_z = 1.2;
 	const double want = side / 2 + (side / 2 - lamp_x) * side / (lamp_z - side);
-	const struct lamp lamp = white_lamp(lamp_x, 0, lamp_z, 0.02);
+	const struct truth_lamp lamp = white_lamp(lamp_x, 0, lamp_z, 0.02);
 	const struct sky sky = {.lamps = &lamp, .lamp_count = 1};
 	struct scene *scene;
 	struct image out;
@@ -230,7 +230,7 @@ TEST("far away")
 {
 	const int width = 360, parts = 8;
 	const double height_rad = 40 * M_PI / 180, angle = 6 * M_PI / 180, far = 1000;
-	const struct lamp lamp = white_lamp(-far * cos(height_rad), 0, far * sin(height_rad),
+	const struct truth_lamp lamp = white_lamp(-far * cos(height_rad), 0, far * sin(height_rad),
 					    far * sin(angle));
 	const struct sky lamps = {.lamps = &lamp, .lamp_count = 1};
 	struct image image, out[2];
@@ -276,7 +276,7 @@ TEST("far away")
 TEST("fisheye")
 {
 	const int side = 40;
-	const struct lamp lamp = white_lamp(1, 0.5, 1.3, 0.05);
+	const struct truth_lamp lamp = white_lamp(1, 0.5, 1.3, 0.05);
 	static const struct fisheye_settings lenses[] = {
 		{.field_deg = 90},
 		{.field_deg = 95, .rotation_deg = {10, -20, 70}, .falloff = {-0.2}}};

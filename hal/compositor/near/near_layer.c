@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: MIT */
+#include "hal/compositor/near/near_layer.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/basis/basis_layout.h"
+#include "hal/basis/basis_lines.h"
+#include "hal/basis/basis_places.h"
+
+#define PIXELS (BASIS_TILE * BASIS_TILE)
+#define COLUMN_MOST 32767
+
+/* A piece of the layer's memory; its bytes follow at BASIS_ALIGN. */
+struct near_memory {
+	struct near_memory *next;
+};
+
+static void *near_memory_take(struct near_layer *near, size_t bytes)
+{
+	const size_t whole = (bytes + 2 * BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN;
+	struct near_memory *memory = aligned_alloc(BASIS_ALIGN, whole);
+
+	if (!memory)
+		return NULL;
+	memset(memory, 0, whole);
+	memory->next = near->memory;
+	near->memory = memory;
+	return (char *)memory + BASIS_ALIGN;
+}
+
+void near_layer_free(struct near_layer *near)
+{
+	while (near->memory) {
+		struct near_memory *next = near->memory->next;
+
+		free(near->memory);
+		near->memory = next;
+	}
+	*near = (struct near_layer){.memory = NULL};
+}
+
+/* The light of one lamp at the pixels of a tile: amount[k][p] is w_i L_i of light[k] at pixel p. */
+struct near_light {
+	int count, room;
+	int *light;
+	float (*amount)[PIXELS];
+	int16_t *slot; /* [lights]: k of each light; -1: it sends none */
+};
+
+struct near_work {
+	const struct near_sky *sky;
+	const struct basis_tile *tile;
+	float *distance[BASIS_SURFACES]; /* [height][width] */
+	struct near_light light;
+	float value[LAMPS_MAX][3][PIXELS];
+};
+
+static int near_work_create(struct near_work *w, const struct near_sky *sky, int pose)
+{
+	const struct basis_info_chunk *info = &sky->basis->info;
+	int ret = 0;
+
+	*w = (struct near_work){.sky = sky};
+	w->light.slot = malloc(info->lights * sizeof(*w->light.slot));
+	for (int s = 0; s < BASIS_SURFACES; s++)
+		w->distance[s] = calloc((size_t)info->width * info->height, sizeof(float));
+	if (!w->light.slot || !w->distance[0] || !w->distance[1])
+		return -ENOMEM;
+	for (uint32_t i = 0; i < info->lights; i++)
+		w->light.slot[i] = -1;
+	for (int s = 0; ret == 0 && s < BASIS_SURFACES; s++)
+		ret = basis_places_read(sky->basis, pose, (enum basis_surface)s, w->distance[s]);
+	return ret;
+}
+
+static void near_work_free(struct near_work *w)
+{
+	for (int s = 0; s < BASIS_SURFACES; s++)
+		free(w->distance[s]);
+	free(w->light.slot);
+	free(w->light.light);
+	free(w->light.amount);
+}
+
+/* ---- the light at the pixels ---- */
+
+static int light_grow(struct near_light *light)
+{
+	const int room = light->room ? 2 * light->room : 32;
+	int *list = realloc(light->light, (size_t)room * sizeof(*list));
+	float(*amount)[PIXELS];
+
+	if (!list)
+		return -ENOMEM;
+	light->light = list;
+	amount = realloc(light->amount, (size_t)room * sizeof(*amount));
+	if (!amount)
+		return -ENOMEM;
+	light->amount = amount;
+	light->room = room;
+	return 0;
+}
+
+static int light_add(struct near_light *light, const struct near_share *share, int pixel)
+{
+	int16_t *slot = &light->slot[share->light];
+
+	if (*slot < 0) {
+		if (light->count == light->room && light_grow(light) < 0)
+			return -ENOMEM;
+		*slot = (int16_t)light->count;
+		light->light[light->count] = share->light;
+		memset(light->amount[light->count++], 0, sizeof(*light->amount));
+	}
+	light->amount[*slot][pixel] += (float)share->amount;
+	return 0;
+}
+
+static void light_clear(struct near_light *light)
+{
+	while (light->count)
+		light->slot[light->light[--light->count]] = -1;
+}
+
+static bool place_of(const struct near_work *w, enum basis_kind kind, int pixel, double place[3])
+{
+	const int x = w->tile->x + pixel % BASIS_TILE, y = w->tile->y + pixel / BASIS_TILE;
+	const size_t at = (size_t)y * w->sky->basis->info.width + (size_t)x;
+	const float distance =
+		w->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
+
+	if (kind == BASIS_KIND_V)
+		return near_sky_ground(w->sky, x + 0.5, y + 0.5, place);
+	return distance > 0 && near_sky_surface(w->sky, x + 0.5, y + 0.5, (double)distance, place);
+}
+
+/* Finds the light of a lamp at the pixels that are set in listed. */
+static int light_fill(struct near_work *w, enum basis_kind kind, int lamp, const bool *listed)
+{
+	struct near_share share[NEAR_SHARES];
+	double place[3];
+
+	light_clear(&w->light);
+	for (int p = 0; p < PIXELS; p++) {
+		const int count = listed[p] && place_of(w, kind, p, place)
+					  ? near_sky_shares(w->sky, lamp, place, share)
+					  : 0;
+
+		for (int n = 0; n < count; n++)
+			if (light_add(&w->light, &share[n], p) < 0)
+				return -ENOMEM;
+	}
+	return 0;
+}
+
+/* ---- the values of a block in this light ---- */
+
+/* X of a light for w_i L_i = 1, in the unit of the lamp's column. */
+static float light_factor(const struct near_sky *sky, enum basis_kind kind, int lamp, int light,
+			  int c)
+{
+	if (kind != BASIS_KIND_V)
+		return 1;
+	if (!(sky->ground[lamp][c] > 0))
+		return 0;
+	return (float)(basis_ground(sky->basis, 0, c)[light] /
+		       sky->basis->lights[light].solid_angle_sr / sky->ground[lamp][c]);
+}
+
+/* What light i gives pattern j: the pattern over the coarse lights that it goes to. */
+static float pattern_of(const struct basis *basis, const struct basis_block *b, int j, int i)
+{
+	const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
+	double sum = 0;
+
+	if (!basis->coarse)
+		return (float)((double)b->pattern_scale[j] * row[i]);
+	for (int k = 0; k < 3; k++)
+		sum += (double)row[basis->coarse[i].index[k]] * basis->coarse[i].weight[k];
+	return (float)((double)b->pattern_scale[j] * sum / BASIS_COARSE_ONE);
+}
+
+static void add_patterns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
+			 float *value)
+{
+	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+
+	for (int j = 0; j < b->patterns; j++) {
+		float y[PIXELS] = {0};
+
+		for (int k = 0; k < w->light.count; k++) {
+			const int i = w->light.light[k];
+			const float of = pattern_of(w->sky->basis, b, j, i) *
+					 light_factor(w->sky, b->kind, lamp, i, c);
+
+			for (int p = 0; p < PIXELS; p++)
+				y[p] += of * w->light.amount[k][p];
+		}
+		for (int n = 0; n < b->pixels; n++) {
+			const int16_t *line = b->coefficient + basis_line16(panels, b->patterns,
+									    channel,
+									    n / BASIS_LINE16, j) *
+								       BASIS_LINE16;
+
+			value[n] += y[b->pixel[n]] * (float)line[n % BASIS_LINE16];
+		}
+	}
+}
+
+/* The column of a light; -1: there is none. */
+static int find_column(const struct basis_block *b, int light)
+{
+	int low = 0, high = b->columns;
+
+	while (low < high) {
+		const int middle = (low + high) / 2;
+
+		if (b->light[middle] < light)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < b->columns && b->light[low] == light ? low : -1;
+}
+
+static void add_columns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
+			float *value)
+{
+	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+
+	for (int k = 0; k < w->light.count; k++) {
+		const int n = find_column(b, w->light.light[k]);
+		const float scale = n < 0 ? 0
+					  : b->column_scale[n] * light_factor(w->sky, b->kind, lamp,
+									      w->light.light[k], c);
+
+		for (int p = 0; n >= 0 && p < b->pixels; p++) {
+			const size_t line = basis_line16(panels, b->columns, channel,
+							 p / BASIS_LINE16, n);
+			const int is = b->bits == 8 ? basis_column8_value(b, n, channel, p)
+						    : b->column16[line * BASIS_LINE16 +
+								  (size_t)(p % BASIS_LINE16)];
+
+			value[p] += scale * w->light.amount[k][b->pixel[p]] * (float)is;
+		}
+	}
+}
+
+static void add_block(struct near_work *w, const struct basis_block *b, int lamp)
+{
+	for (int c = 0; c < 3; c++) {
+		float value[PIXELS] = {0};
+
+		add_patterns(w, b, lamp, c, value);
+		add_columns(w, b, lamp, c, value);
+		for (int n = 0; n < b->pixels; n++)
+			w->value[lamp][c][b->pixel[n]] +=
+				value[n] *
+				(b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1);
+	}
+}
+
+/* ---- the block of the lamps ---- */
+
+/* Rounds the values of the listed pixels to columns. Lamps of which nothing arrives have none. */
+static int write_columns(struct near_layer *near, const struct near_work *w,
+			 const struct basis_block *first, const uint16_t *pixel, int pixels,
+			 struct basis_block *to)
+{
+	const int panels = basis_panels16(pixels);
+	const size_t lines = 3 * (size_t)panels * (size_t)w->sky->lamps.count;
+	float *scale = near_memory_take(near, sizeof(*scale) * LAMPS_MAX), most[LAMPS_MAX] = {0};
+	uint16_t *light = near_memory_take(near, sizeof(*light) * LAMPS_MAX);
+	uint16_t *list = near_memory_take(near, sizeof(*list) * (size_t)pixels);
+	int16_t *column = near_memory_take(near, lines * BASIS_LINE16 * sizeof(*column));
+	const struct basis_info_chunk *info = &w->sky->basis->info;
+	int columns = 0, n = 0;
+
+	if (!scale || !light || !list || !column)
+		return -ENOMEM;
+	memcpy(list, pixel, sizeof(*list) * (size_t)pixels);
+	for (int l = 0; l < w->sky->lamps.count; l++) {
+		for (int c = 0; c < 3; c++)
+			for (int p = 0; p < pixels; p++)
+				most[l] = fmaxf(most[l], fabsf(w->value[l][c][pixel[p]]));
+		most[l] = fminf(most[l], (float)BASIS_VALUE_MAX);
+		columns += most[l] > 0;
+	}
+	for (int l = 0; l < w->sky->lamps.count; l++) {
+		if (!(most[l] > 0))
+			continue;
+		light[n] = (uint16_t)(info->lights + info->coarse + (uint32_t)l);
+		scale[n] = most[l] / COLUMN_MOST;
+		for (int c = 0; c < 3; c++)
+			for (int p = 0; p < pixels; p++)
+				column[basis_line16(panels, columns, c, p / BASIS_LINE16, n) *
+					       BASIS_LINE16 +
+				       (size_t)(p % BASIS_LINE16)] = (int16_t)
+					lrintf(fmaxf(fminf(w->value[l][c][pixel[p]], most[l]),
+						     -most[l]) /
+					       scale[n]);
+		n++;
+	}
+	*to = (struct basis_block){
+		.kind = first->kind,
+		.pixels = pixels,
+		.channels = 3,
+		.bits = 16,
+		.columns = columns,
+		.stride = first->stride,
+		.pixel = list,
+		.light = light,
+		.column_scale = scale,
+		.cut_share = 1,
+		.column16 = column,
+		.bytes = 3 * (size_t)panels * (size_t)columns * BASIS_LINE16 * sizeof(*column),
+	};
+	return 0;
+}
+
+/* Makes the block of all lamps beside `count` blocks of one kind. to->columns is 0 where no lamp
+ * sends light. */
+static int make_block(struct near_layer *near, struct near_work *w, const struct basis_block *b,
+		      int count, struct basis_block *to)
+{
+	bool listed[PIXELS] = {false};
+	uint16_t pixel[PIXELS];
+	int pixels = 0;
+
+	for (int k = 0; k < count; k++)
+		for (int n = 0; n < b[k].pixels; n++)
+			listed[b[k].pixel[n]] = true;
+	for (int p = 0; p < PIXELS; p++)
+		if (listed[p])
+			pixel[pixels++] = (uint16_t)p;
+	memset(w->value, 0, sizeof(w->value));
+	for (int l = 0; l < w->sky->lamps.count; l++) {
+		if (light_fill(w, b->kind, l, listed) < 0)
+			return -ENOMEM;
+		for (int k = 0; k < count; k++)
+			add_block(w, &b[k], l);
+	}
+	return write_columns(near, w, b, pixel, pixels, to);
+}
+
+/* ---- the ground ---- */
+
+static int make_even(struct near_layer *near, const struct near_work *w, struct near_tile *tile)
+{
+	const double step = BASIS_TILE / (NEAR_GRID - 1.0);
+
+	tile->even = near_memory_take(near, sizeof(*tile->even) * (size_t)w->sky->lamps.count);
+	if (!tile->even)
+		return -ENOMEM;
+	for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
+		double place[3], even[3] = {0};
+		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * step,
+						    w->tile->y + (double)(k / NEAR_GRID) * step,
+						    place);
+
+		for (int l = 0; l < w->sky->lamps.count; l++) {
+			if (ground)
+				near_sky_even(w->sky, l, place, even);
+			for (int c = 0; c < 3; c++)
+				tile->even[l][k][c] = (float)even[c];
+		}
+	}
+	return 0;
+}
+
+void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
+		 int32_t (*taken)[PIXELS])
+{
+	const int step = BASIS_TILE / (NEAR_GRID - 1);
+
+	for (int c = 0; c < 3; c++) {
+		float grid[NEAR_GRID][NEAR_GRID];
+
+		for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
+			float sum = 1;
+
+			for (int l = 0; l < lamps; l++)
+				sum += share[l][c] * (tile->even[l][k][c] - 1);
+			/* where no light arrives none is taken */
+			grid[k / NEAR_GRID][k % NEAR_GRID] = sum > 0x1p-20F ? sum : 0x1p-20F;
+		}
+		for (int p = 0; p < PIXELS; p++) {
+			const int x = p % BASIS_TILE, y = p / BASIS_TILE;
+			const float u = ((float)(x % step) + 0.5F) / (float)step,
+				    v = ((float)(y % step) + 0.5F) / (float)step;
+			const float *up = &grid[y / step][x / step],
+				    *low = &grid[y / step + 1][x / step];
+			const float a = up[0] + u * (up[1] - up[0]),
+				    b = low[0] + u * (low[1] - low[0]);
+			const float quotient = (float)taken[c][p] / (a + v * (b - a));
+			const float most = 127 << 24;
+
+			taken[c][p] = (int32_t)(quotient > most	   ? most
+						: quotient < -most ? -most
+								   : quotient);
+		}
+	}
+}
+
+/* ---- a layer ---- */
+
+/* Copies the blocks of a tile, with those of the lamps after each kind. */
+static int fill_tile(struct near_layer *near, struct near_work *w, int t)
+{
+	const struct basis_tile *from = w->tile;
+	struct basis_tile *to = &near->layer.tiles[t];
+	struct basis_block *block = near->layer.blocks + near->layer.block_count;
+	int made = 0;
+
+	*to = *from;
+	to->blocks = block;
+	for (int n = 0, next; n < from->block_count; n = next) {
+		const struct basis_block *b = &from->blocks[n];
+
+		for (next = n + 1; next < from->block_count && from->blocks[next].kind == b->kind;)
+			next++;
+		memcpy(block + made, b, sizeof(*b) * (size_t)(next - n));
+		made += next - n;
+		if (make_block(near, w, b, next - n, &block[made]) < 0)
+			return -ENOMEM;
+		to->bytes += block[made].bytes;
+		made += block[made].columns > 0;
+		if (b->kind == BASIS_KIND_V && !near->tile[t].even &&
+		    make_even(near, w, &near->tile[t]) < 0)
+			return -ENOMEM;
+	}
+	to->block_count = made;
+	near->layer.block_count += made;
+	return 0;
+}
+
+int near_layer_create(struct near_layer *near, const struct near_sky *sky, int pose,
+		      const struct basis_layer *layer)
+{
+	const int tiles = sky->basis->tiles_across * sky->basis->tiles_down;
+	const size_t most = (size_t)layer->block_count + (size_t)tiles * BASIS_KIND_COUNT;
+	struct near_work work;
+	int ret;
+
+	*near = (struct near_layer){.memory = NULL};
+	near->layer.tiles = near_memory_take(near, sizeof(*near->layer.tiles) * (size_t)tiles);
+	near->layer.blocks = near_memory_take(near, sizeof(*near->layer.blocks) * most);
+	near->tile = near_memory_take(near, sizeof(*near->tile) * (size_t)tiles);
+	ret = near_work_create(&work, sky, pose);
+	if (!near->layer.tiles || !near->layer.blocks || !near->tile)
+		ret = -ENOMEM;
+	for (int t = 0; ret == 0 && t < tiles; t++) {
+		work.tile = &layer->tiles[t];
+		ret = fill_tile(near, &work, t);
+	}
+	near_work_free(&work);
+	if (ret < 0)
+		near_layer_free(near);
+	return ret;
+}
