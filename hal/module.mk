@@ -129,6 +129,7 @@ HAL_SOURCES := \
 	hal/people/footprint.c \
 	hal/people/gain.c \
 	hal/people/groups.c \
+	hal/people/nudge.c \
 	hal/people/outline.c \
 	hal/people/people.c \
 	hal/people/persons.c \
