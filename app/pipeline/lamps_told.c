@@ -117,24 +117,13 @@ static int reduce(struct lamps_search *s, const struct lamps_light *light, struc
 	return 0;
 }
 
-/* Where a named lamp is seen, and how large it is. */
-static double named_direction(const struct lamps *lamps, int lamp, double dir[3])
-{
-	double distance;
-
-	for (int i = 0; i < 3; i++)
-		dir[i] = lamps->lamp[lamp].position[i] - lamps->fisheye[i];
-	distance = vec_normalize(dir);
-	return distance > 0 ? asin(fmin(lamps->lamp[lamp].radius / distance, 1)) : 0;
-}
-
 static bool is_named(const struct lamps *lamps, const struct lamp_spot *spot)
 {
 	for (int l = 0; l < lamps->count; l++) {
-		double dir[3];
-		const double radius = named_direction(lamps, l, dir);
+		double dir[3], radius;
 
-		if (vec_angle(dir, spot->dir) < APART + radius)
+		if (lamp_light_seen(lamps, l, dir, &radius) &&
+		    vec_angle(dir, spot->dir) < APART + radius)
 			return true;
 	}
 	return false;
@@ -235,13 +224,11 @@ int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
 	if (spots < 0)
 		return spots;
 	for (int l = 0; l < LAMPS_MAX; l++) {
-		double dir[3];
-		const double radius = l < light->lamps->count
-					      ? named_direction(light->lamps, l, dir)
-					      : 0;
+		double dir[3], radius;
 
 		found->missing[l] = l < light->lamps->count &&
-				    !lamp_shines(&picture, dir, APART + radius);
+				    !(lamp_light_seen(light->lamps, l, dir, &radius) &&
+				      lamp_shines(&picture, dir, APART + radius));
 	}
 	weigh_spots(s, light, spot, spots, found);
 	return 0;

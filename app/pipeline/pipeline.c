@@ -8,7 +8,6 @@
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
-#include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -202,6 +201,19 @@ static int check_choice_pose(const struct pipeline *p, int pose, struct fault *f
 			 p->basis->info.poses - 1);
 }
 
+/* Mixes each light with grey of its luminance Y (ITU-R BT.709), so that colours that must be
+ * recognised stay themselves: L' = (1 - share) L + share Y (1, 1, 1). Y does not change. */
+static void mix_grey(double (*radiance)[3], int count, double share)
+{
+	for (int i = 0; i < count; i++) {
+		double *l = radiance[i];
+		const double luminance = 0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2];
+
+		for (int c = 0; c < 3; c++)
+			l[c] += share * (luminance - l[c]);
+	}
+}
+
 int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, struct fault *fault)
 {
 	const struct ini_level *threshold = &choice->threshold;
@@ -234,9 +246,9 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();
 
-		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
-		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
-		neutral_light(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
+		mix_grey(p->selection.radiance, p->selection.count, p->settings.neutral);
+		mix_grey(&p->selection.ambient, 1, p->settings.neutral);
+		mix_grey(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
 		p->look_ns[PIPELINE_NEUTRAL] += clock_now_ns() - start_ns;
 	}
 	return 0;

@@ -112,6 +112,9 @@ struct pipeline_people_seen {
 	double learned; /* share of the place around the object whose empty picture is known */
 	int parts;	/* groups of people, and those of them in front of the object */
 	int in_front;
+	double sure; /* as in struct people_report */
+	double moved_px[2];
+	bool lost;
 };
 
 /* What is done for the camera's look. */

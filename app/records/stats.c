@@ -202,8 +202,10 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 static void append_people(struct writing *w, const struct pipeline_people_seen *people)
 {
 	if (people->on)
-		append(w, ",\"people\":{\"learned\":%.3f,\"parts\":%d,\"in_front\":%d}",
-		       people->learned, people->parts, people->in_front);
+		append(w,
+		       ",\"people\":{\"learned\":%.3f,\"parts\":%d,\"in_front\":%d,\"sure\":%.2f,\"moved\":[%.1f,%.1f],\"lost\":%s}",
+		       people->learned, people->parts, people->in_front, people->sure,
+		       people->moved_px[0], people->moved_px[1], people->lost ? "true" : "false");
 	else
 		append(w, ",\"people\":null");
 }

@@ -22,6 +22,11 @@ int words_camera(char *text, size_t room, const char *role, const char *name,
  * length in the same way. */
 int words_pose(char *text, size_t room, int pose, const char *name);
 
+/* "The background's camera was moved: its picture lies 10 px left and 2 px down of where it was.
+ * Nobody is before the object until it is calibrated again (inlay-calibrate camera)". Returns the
+ * length in the same way. */
+int words_moved(char *text, size_t room, const double moved_px[2]);
+
 struct words_figures {
 	int lights_used, lights;
 	double threshold; /* grey level, or percent of white */
@@ -41,6 +46,8 @@ struct words_figures {
 	bool people;	/* they are looked for */
 	double learned; /* share of the place that is known without people, 0..1 */
 	int in_front;	/* groups of people in front of the object */
+	bool unsure;	/* the place looks so different that only who moves is */
+	double moved_px[2]; /* right and down, by which the camera was nudged */
 	bool depth;	/* there is a depth camera */
 	bool by_depth;	/* and it tells who is */
 };
@@ -50,7 +57,8 @@ struct words_figures {
  * places it goes on " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if
  * 1.5 m away". With a lamp in a coarse part it goes on " · lamp at azimuth 134°, height 22°: shadow
  * too soft, the dome is coarse there". Where people are looked for: " · place learned 98 %, 1 in
- * front", and with a depth camera " by depth" or " by feet". */
+ * front", and with a depth camera " by depth" or " by feet", then " · place not recognized, only
+ * who moves is in front", and " · camera moved 2 px right". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

@@ -242,7 +242,8 @@ TEST("lines say what was counted")
 	report.missing_lamp[0] = "desk";
 	report.missing_lamp[1] = "door";
 	report.people = (struct pipeline_people_seen){
-		.on = true, .learned = 0.98, .parts = 2, .in_front = 1};
+		.on = true, .learned = 0.98, .parts = 2, .in_front = 1, .sure = 0.4,
+		.moved_px = {10, -0.5}, .lost = true};
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);
@@ -279,7 +280,8 @@ TEST("lines say what was counted")
 		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
 		"\"lamps_missing\":[\"desk\",\"door\"],"
 		"\"lamp_unnamed\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.300,\"off\":0.100},"
-		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1},\"cameras\":"
+		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1,\"sure\":0.40,"
+		"\"moved\":[10.0,-0.5],\"lost\":true},\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\",\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,\"unsettled\":9}]}\n");
 }
 
