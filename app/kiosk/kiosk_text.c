@@ -100,7 +100,6 @@ static void write_information(struct kiosk *k)
 		.lamp_azimuth_deg = report.lamp.azimuth_deg,
 		.lamp_height_deg = report.lamp.height_deg,
 		.missing_lamp = report.missing_lamp[0],
-		.unnamed_lamp = report.told.unnamed,
 		.unnamed_azimuth_deg = report.told.azimuth_deg,
 		.unnamed_height_deg = report.told.height_deg,
 		.unnamed_off = LAMPS_TOLD_OFF * report.told.share,
