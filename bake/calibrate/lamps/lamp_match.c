@@ -21,8 +21,9 @@
  * levels (tests/accuracy, "Lamps in the room"); one with 3 %, by a quarter of a level. */
 #define STRONG 0.03
 
-/* Wilson and Hilferty's cube is right to a percent; 3.09 is the normal deviate of a thousandth. */
-double lamp_most_squares(int freedom)
+/* The sum of squares of so many normal deviates that is exceeded once in a thousand times. Wilson
+ * and Hilferty's cube is right to a percent; 3.09 is the normal deviate of a thousandth. */
+static double most_squares(int freedom)
 {
 	const double part = 2 / (9.0 * freedom);
 
@@ -162,13 +163,13 @@ static void judge_candidate(struct matching *m, struct lamp_track *t)
 	int freedom = 2 * t->seen - 2;
 
 	far.squares = parallel_rays(m, t, &far);
-	if (far.squares <= lamp_most_squares(freedom)) {
+	if (far.squares <= most_squares(freedom)) {
 		*t = far;
 	} else {
 		t->squares = meet_rays(m, t);
 		freedom--;
 	}
-	if (!(t->squares <= lamp_most_squares(freedom)))
+	if (!(t->squares <= most_squares(freedom)))
 		return;
 	if (m->candidates == CANDIDATES_MAX)
 		m->overflow = true;

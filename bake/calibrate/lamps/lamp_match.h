@@ -33,7 +33,4 @@ struct lamp_track {
 int lamp_match(const struct lamp_sight *sight, int sights, const struct lamp_deviations *deviation,
 	       struct lamp_track track[SIGHT_SPOTS_MAX], struct verdict *verdict);
 
-/* The sum of squares of so many normal deviates that is exceeded once in a thousand times. */
-double lamp_most_squares(int freedom);
-
 #endif

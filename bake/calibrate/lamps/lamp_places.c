@@ -202,16 +202,10 @@ static int publish(struct lamp_places *places, const struct problem *p, const do
 
 /* ---- doubts ---- */
 
-static void doubt_places(struct lamp_places *places, const struct problem *p, double squares)
+static void doubt_places(struct lamp_places *places, const struct problem *p)
 {
 	struct verdict *verdict = &places->finding.verdict;
 
-	if (!(squares <= lamp_most_squares(places->finding.estimate.freedom)))
-		verdict_doubt(
-			verdict,
-			"check --at and the lens's rotation, keep the fisheye turned as before, and leave lamps where they are",
-			"the directions do not meet: their residuals have squares of %.0f, expected at most %.0f",
-			squares, lamp_most_squares(places->finding.estimate.freedom));
 	for (int lamp = 0; lamp < places->lamps.count; lamp++)
 		if (!(places->deviation_m[lamp] <= places->tolerance * p->track[lamp].least_m))
 			verdict_doubt(
@@ -290,7 +284,7 @@ static int solve_places(struct lamp_places *places, const struct lamp_track *tra
 	if (!err)
 		err = publish(places, &p, x, &fit, unknowns);
 	if (!err)
-		doubt_places(places, &p, fit.squares);
+		doubt_places(places, &p);
 	least_squares_free(&fit);
 	return err ? fault_say(fault, err, "out of memory") : 0;
 }

@@ -20,6 +20,7 @@ static struct fisheye lens;
 static struct light_sampler *sampler;
 static struct lamps_search *search;
 static float (*radiance)[3], (*distant)[3];
+static bool no_places; /* of the basis: lamps are not taken out of the light */
 
 static int search_begin(void **state)
 {
@@ -73,7 +74,8 @@ static struct lamps_told look(const struct drawn_lamp *lamp, int count, const st
 	assert_int_equal(light_sampler_read_linear(sampler, &picture, radiance), 0);
 	memcpy(distant, radiance, sizeof(*distant) * (size_t)dome.count);
 	assert_int_equal(lamp_light_create(&taken, &dome, named), 0);
-	lamp_light_take(taken, distant, power);
+	if (!no_places)
+		lamp_light_take(taken, distant, power);
 	lamp_light_destroy(taken);
 	light.linear = &picture;
 	assert_int_equal(lamps_search_look(search, &light, &found), 0);
@@ -108,6 +110,9 @@ TEST("a lamp that is named and shines is not spoken of")
 
 	assert_false(found.unnamed);
 	assert_false(found.missing[0]);
+	no_places = true;
+	assert_false(look(&strong, 1, &named, nothing).unnamed);
+	no_places = false;
 }
 
 TEST("a lamp that is not named is, with its share of the light")
