@@ -64,6 +64,7 @@ static int start_lamps(struct pipeline *p, const struct compositor *compositor,
 	lamp_light_destroy(p->lamps);
 	p->lamps = lamps;
 	memset(p->selection.lamp, 0, sizeof(p->selection.lamp));
+	memset(p->light.told.missing, 0, sizeof(p->light.told.missing));
 	return 0;
 }
 

@@ -300,8 +300,10 @@ int lamp_places_find(struct lamp_places *places, struct observations *seen, stru
 	verdict_begin(verdict);
 	for (int k = 0; k < places->sights; k++)
 		if (!places->sight[k].count)
-			verdict_doubt(verdict, "expose less, so that lamps stand out",
-				      "no lamp is to be seen in %s", places->sight[k].name);
+			verdict_doubt(
+				verdict,
+				"expose less, so that lamps stand out; if there are none, nothing has to be named",
+				"no lamp is to be seen in %s", places->sight[k].name);
 	tracks = lamp_match(places->sight, places->sights, &places->deviation, track, verdict);
 	if (tracks < 0)
 		return fault_say(fault, tracks, "out of memory");

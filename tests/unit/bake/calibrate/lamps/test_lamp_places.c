@@ -100,6 +100,15 @@ static int nearest_found(const struct drawn_lamp *lamp, double *off)
 	return which;
 }
 
+/* What a lamp gives a level ground at the origin, over pi. */
+static double ground_light(const struct drawn_lamp *lamp)
+{
+	static const double origin[3];
+	const double distance = length_of(lamp->at, origin);
+
+	return lamp->radiance * pow(lamp->radius / distance, 2) * lamp->at[2] / distance;
+}
+
 static struct drawn_lamp chance_lamp(struct chance *c)
 {
 	struct drawn_lamp lamp = {.radius = chance_real(c, 0.03, 0.12)};
@@ -132,6 +141,7 @@ TEST("lamps of rooms at random are placed, or doubted")
 	for (int room = 0; room < rooms; room++) {
 		struct drawn_lamp lamp[4];
 		const int count = chance_int(&c, 1, 4);
+		double all = 0.1; /* the sky's light of a level ground, over pi */
 		struct shot shot = plain_shot(lamp, count, chance_int(&c, 2, 3));
 
 		do
@@ -150,15 +160,16 @@ TEST("lamps of rooms at random are placed, or doubted")
 			continue;
 		}
 		trusted++;
+		for (int i = 0; i < count; i++)
+			all += ground_light(&lamp[i]);
 		for (int i = 0; i < count; i++) {
 			static const double origin[3];
 			const double distance = length_of(lamp[i].at, origin);
-			const double size = lamp[i].radius / distance;
 			double off;
 			const int which = nearest_found(&lamp[i], &off);
 
-			/* A hundredth of the sky's light, unless it is clipped, may be left out. */
-			if (off > 0.5 && lamp[i].radiance * size * size < 0.01)
+			/* One with 2 % of the light may be left out, unless it is clipped. */
+			if (off > 0.5 && ground_light(&lamp[i]) < 0.03 * all)
 				continue;
 			expect_that(which >= 0, "lamp %d of room %d", i, room);
 			expect_below(off, 3.5 * found.deviation_m[which], "lamp %d of room %d", i,
