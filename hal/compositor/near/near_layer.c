@@ -370,78 +370,67 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 
 /* ---- the ground ---- */
 
+enum { POINTS = NEAR_GRID * NEAR_GRID };
 #define STEP (BASIS_TILE / (NEAR_GRID - 1))
 /* Where less light than this arrives, none is taken. */
 #define LEAST 0x1p-20F
-#define MOST (127 * 0x1p24F) /* as KERNEL_LIMIT */
 
-static int make_even(struct near_layer *near, const struct near_work *w, struct near_tile *tile)
+/* Whether the ground's u has one colour, whatever the light. */
+static bool has_one_colour(const struct basis *basis)
 {
-	tile->even = near_memory_take(near, sizeof(*tile->even) * (size_t)w->sky->lamps.count);
-	if (!tile->even)
-		return -ENOMEM;
-	for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
+	const double *u[3];
+
+	for (int c = 0; c < 3; c++)
+		u[c] = basis_ground(basis, 0, c);
+	for (uint32_t i = 0; i < basis->info.lights; i++)
+		for (int c = 1; c < 3; c++)
+			if (fabs(u[c][i] * u[0][0] - u[0][i] * u[c][0]) > 1e-6 * u[c][i] * u[0][0])
+				return false;
+	return true;
+}
+
+static float *even_of(const struct near_layer *near, int tile, int lamps)
+{
+	return near->even + (size_t)tile * (size_t)(near->channels * lamps * POINTS);
+}
+
+/* Finds the light on the ground at the points of a tile. */
+static void find_even(struct near_layer *near, const struct near_work *w, int tile)
+{
+	const int lamps = w->sky->lamps.count;
+	float *to = even_of(near, tile, lamps);
+
+	near->ground[tile] = true;
+	for (int k = 0; k < POINTS; k++) {
 		double place[3], even[3] = {0};
 		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
 						    w->tile->y + k / NEAR_GRID * STEP, place);
 
-		for (int l = 0; l < w->sky->lamps.count; l++) {
-			if (ground)
-				near_sky_even(w->sky, l, place, even);
-			for (int c = 0; c < 3; c++)
-				tile->even[l][k][c] = (float)even[c];
+		for (int l = 0; ground && l < lamps; l++) {
+			near_sky_even(w->sky, l, place, even);
+			for (int c = 0; c < near->channels; c++)
+				to[(c * lamps + l) * POINTS + k] = (float)even[c];
 		}
 	}
-	return 0;
 }
 
-/* As wide as the registers of every machine. */
-enum { WIDE = 4 };
-typedef float near_floats __attribute__((vector_size(WIDE * sizeof(float))));
-typedef int32_t near_ints __attribute__((vector_size(WIDE * sizeof(int32_t))));
-
-/* Multiplies values by factors, and clamps them. */
-static inline void multiply(int32_t *values, near_floats factor)
+void near_divide(const struct near_layer *near, int tile, int lamps, const float (*share)[3],
+		 const struct kernels *kernels, int32_t (*taken)[PIXELS])
 {
-	near_floats product;
-	near_ints row, above, below;
-
-	memcpy(&row, values, sizeof(row));
-	product = __builtin_convertvector(row, near_floats) * factor;
-	above = product > MOST;
-	below = product < -MOST;
-	product = (near_floats)((near_ints)product & ~(above | below));
-	row = __builtin_convertvector(product, near_ints) | (above & (int32_t)MOST) |
-	      (below & -(int32_t)MOST);
-	memcpy(values, &row, sizeof(row));
-}
-
-void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
-		 int32_t (*taken)[PIXELS])
-{
-	_Static_assert(STEP == WIDE, "a square of the grid is a vector wide");
-	const near_floats u = {0.5F / STEP, 1.5F / STEP, 2.5F / STEP, 3.5F / STEP};
+	const float *even = even_of(near, tile, lamps);
 
 	for (int c = 0; c < 3; c++) {
-		float one[NEAR_GRID * NEAR_GRID];
+		const float *own = near->channels == 3 ? even + c * lamps * POINTS : even;
+		float grid[POINTS];
 
-		for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
-			float sum = 1;
-
-			for (int l = 0; l < lamps; l++)
-				sum += share[l][c] * (tile->even[l][k][c] - 1);
-			one[k] = 1 / (sum > LEAST ? sum : LEAST);
-		}
-		for (int k = 0; k < (NEAR_GRID - 1) * (NEAR_GRID - 1); k++) {
-			const int i = k % (NEAR_GRID - 1), j = k / (NEAR_GRID - 1);
-			const float *up = &one[j * NEAR_GRID + i], *low = up + NEAR_GRID;
-			const near_floats upper = up[0] + u * (up[1] - up[0]);
-			const near_floats change = low[0] + u * (low[1] - low[0]) - upper;
-			int32_t *values = taken[c] + j * STEP * BASIS_TILE + i * STEP;
-
-			for (int y = 0; y < STEP; y++)
-				multiply(values + y * BASIS_TILE, upper + u[y] * change);
-		}
+		for (int k = 0; k < POINTS; k++)
+			grid[k] = 1;
+		for (int l = 0; l < lamps; l++)
+			for (int k = 0; k < POINTS; k++)
+				grid[k] += share[l][c] * (own[l * POINTS + k] - 1);
+		for (int k = 0; k < POINTS; k++)
+			grid[k] = grid[k] > LEAST ? grid[k] : LEAST;
+		kernels->divide(taken[c], grid);
 	}
 }
 
@@ -468,9 +457,8 @@ static int fill_tile(struct near_layer *near, struct near_work *w, int t)
 			return -ENOMEM;
 		to->bytes += block[made].bytes;
 		made += block[made].columns > 0;
-		if (b->kind == BASIS_KIND_V && !near->tile[t].even &&
-		    make_even(near, w, &near->tile[t]) < 0)
-			return -ENOMEM;
+		if (b->kind == BASIS_KIND_V)
+			find_even(near, w, t);
 	}
 	to->block_count = made;
 	near->layer.block_count += made;
@@ -488,9 +476,13 @@ int near_layer_create(struct near_layer *near, const struct near_sky *sky, int p
 	*near = (struct near_layer){.memory = NULL};
 	near->layer.tiles = near_memory_take(near, sizeof(*near->layer.tiles) * (size_t)tiles);
 	near->layer.blocks = near_memory_take(near, sizeof(*near->layer.blocks) * most);
-	near->tile = near_memory_take(near, sizeof(*near->tile) * (size_t)tiles);
+	near->channels = sky->basis->info.grounds && !has_one_colour(sky->basis) ? 3 : 1;
+	near->even = near_memory_take(near,
+				      sizeof(*near->even) * (size_t)tiles *
+					      (size_t)(near->channels * sky->lamps.count * POINTS));
+	near->ground = near_memory_take(near, sizeof(*near->ground) * (size_t)tiles);
 	ret = near_work_create(&work, sky, pose);
-	if (!near->layer.tiles || !near->layer.blocks || !near->tile)
+	if (!near->layer.tiles || !near->layer.blocks || !near->even || !near->ground)
 		ret = -ENOMEM;
 	for (int t = 0; ret == 0 && t < tiles; t++) {
 		work.tile = &layer->tiles[t];
