@@ -12,6 +12,7 @@
 
 #define PIXELS (BASIS_TILE * BASIS_TILE)
 #define COLUMN_MOST 32767
+enum { POINTS = NEAR_GRID * NEAR_GRID, STEP = BASIS_TILE / (NEAR_GRID - 1) };
 /* Bytes of a block's lights, scales and pixels before its columns. */
 #define LAMP_HEAD (LAMPS_MAX * (sizeof(uint16_t) + sizeof(float)) + PIXELS * sizeof(uint16_t) + 16)
 _Static_assert(LAMP_HEAD % BASIS_ALIGN == 0, "columns are aligned");
@@ -57,6 +58,10 @@ struct near_work {
 	const struct near_sky *sky;
 	const struct basis_tile *tile;
 	float *distance[BASIS_SURFACES]; /* [height][width] */
+	int places;
+	double place[PIXELS][3];
+	bool known[PIXELS];
+	struct near_hint hint[LAMPS_MAX];
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
 };
@@ -128,32 +133,47 @@ static void light_clear(struct near_light *light)
 		light->slot[light->light[--light->count]] = -1;
 }
 
-static bool place_of(const struct near_work *w, enum basis_kind kind, int pixel, double place[3])
+static void find_points(struct near_work *w)
 {
-	const int x = w->tile->x + pixel % BASIS_TILE, y = w->tile->y + pixel / BASIS_TILE;
-	const size_t at = (size_t)y * w->sky->basis->info.width + (size_t)x;
-	const float distance =
-		w->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
-
-	if (kind == BASIS_KIND_V)
-		return near_sky_ground(w->sky, x + 0.5, y + 0.5, place);
-	return distance > 0 && near_sky_surface(w->sky, x + 0.5, y + 0.5, (double)distance, place);
+	w->places = POINTS;
+	for (int k = 0; k < POINTS; k++)
+		w->known[k] = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
+					      w->tile->y + k / NEAR_GRID * STEP, w->place[k]);
 }
 
-/* Finds the light of a lamp at the pixels that are set in listed. */
-static int light_fill(struct near_work *w, enum basis_kind kind, int lamp, const bool *listed)
+static void find_pixels(struct near_work *w, enum basis_kind kind, const bool *listed)
+{
+	const float *distance = w->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER];
+
+	w->places = PIXELS;
+	for (int p = 0; p < PIXELS; p++) {
+		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
+		const size_t at = (size_t)y * w->sky->basis->info.width + (size_t)x;
+
+		if (!listed[p])
+			w->known[p] = false;
+		else if (kind == BASIS_KIND_V)
+			w->known[p] = near_sky_ground(w->sky, x + 0.5, y + 0.5, w->place[p]);
+		else
+			w->known[p] = distance[at] > 0 &&
+				      near_sky_surface(w->sky, x + 0.5, y + 0.5,
+						       (double)distance[at], w->place[p]);
+	}
+}
+
+/* Finds the light of a lamp at these places. */
+static int light_fill(struct near_work *w, int lamp)
 {
 	struct near_share share[NEAR_SHARES];
-	double place[3];
 
 	light_clear(&w->light);
-	for (int p = 0; p < PIXELS; p++) {
-		const int count = listed[p] && place_of(w, kind, p, place)
-					  ? near_sky_shares(w->sky, lamp, place, share)
-					  : 0;
+	for (int k = 0; k < w->places; k++) {
+		const int count = w->known[k] ? near_sky_shares(w->sky, lamp, w->place[k],
+								&w->hint[lamp], share)
+					      : 0;
 
 		for (int n = 0; n < count; n++)
-			if (light_add(&w->light, &share[n], p) < 0)
+			if (light_add(&w->light, &share[n], k) < 0)
 				return -ENOMEM;
 	}
 	return 0;
@@ -266,6 +286,51 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 	}
 }
 
+/* ---- the ground ---- */
+
+/* Where less light than this arrives, none is taken. */
+#define LEAST 0x1p-20F
+
+/* Whether the ground's u has one colour, whatever the light. */
+static bool has_one_colour(const struct basis *basis)
+{
+	const double *u[3];
+
+	for (int c = 0; c < 3; c++)
+		u[c] = basis_ground(basis, 0, c);
+	for (uint32_t i = 0; i < basis->info.lights; i++)
+		for (int c = 1; c < 3; c++)
+			if (fabs(u[c][i] * u[0][0] - u[0][i] * u[c][0]) > 1e-6 * u[c][i] * u[0][0])
+				return false;
+	return true;
+}
+
+static float *even_of(const struct near_layer *near, int tile, int lamps)
+{
+	return near->even + (size_t)tile * (size_t)(near->channels * lamps * POINTS);
+}
+
+/* Finds the light of a lamp on the ground at the points of the tile's grid. */
+static void find_even(struct near_layer *near, const struct near_work *w, int lamp)
+{
+	const int tile = w->tile->y / BASIS_TILE * w->sky->basis->tiles_across +
+			 w->tile->x / BASIS_TILE,
+		  lamps = w->sky->lamps.count;
+
+	near->ground[tile] = true;
+	for (int c = 0; c < near->channels; c++) {
+		float *to = even_of(near, tile, lamps) + (c * lamps + lamp) * POINTS;
+
+		for (int n = 0; n < w->light.count; n++) {
+			const float factor = light_factor(w->sky, BASIS_KIND_V, lamp,
+							  w->light.light[n], c);
+
+			for (int k = 0; k < POINTS; k++)
+				to[k] += factor * w->light.amount[n][k];
+		}
+	}
+}
+
 /* ---- the block of the lamps ---- */
 
 /* Whether a lamp gives all channels the same, to half a step of its column. */
@@ -359,8 +424,17 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 		if (listed[p])
 			pixel[pixels++] = (uint16_t)p;
 	memset(w->value, 0, sizeof(w->value));
+	if (b->kind == BASIS_KIND_V) {
+		find_points(w);
+		for (int l = 0; l < w->sky->lamps.count; l++) {
+			if (light_fill(w, l) < 0)
+				return -ENOMEM;
+			find_even(near, w, l);
+		}
+	}
+	find_pixels(w, b->kind, listed);
 	for (int l = 0; l < w->sky->lamps.count; l++) {
-		if (light_fill(w, b->kind, l, listed) < 0)
+		if (light_fill(w, l) < 0)
 			return -ENOMEM;
 		for (int k = 0; k < count; k++)
 			add_block(w, &b[k], l);
@@ -368,51 +442,7 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 
-/* ---- the ground ---- */
-
-enum { POINTS = NEAR_GRID * NEAR_GRID };
-#define STEP (BASIS_TILE / (NEAR_GRID - 1))
-/* Where less light than this arrives, none is taken. */
-#define LEAST 0x1p-20F
-
-/* Whether the ground's u has one colour, whatever the light. */
-static bool has_one_colour(const struct basis *basis)
-{
-	const double *u[3];
-
-	for (int c = 0; c < 3; c++)
-		u[c] = basis_ground(basis, 0, c);
-	for (uint32_t i = 0; i < basis->info.lights; i++)
-		for (int c = 1; c < 3; c++)
-			if (fabs(u[c][i] * u[0][0] - u[0][i] * u[c][0]) > 1e-6 * u[c][i] * u[0][0])
-				return false;
-	return true;
-}
-
-static float *even_of(const struct near_layer *near, int tile, int lamps)
-{
-	return near->even + (size_t)tile * (size_t)(near->channels * lamps * POINTS);
-}
-
-/* Finds the light on the ground at the points of a tile. */
-static void find_even(struct near_layer *near, const struct near_work *w, int tile)
-{
-	const int lamps = w->sky->lamps.count;
-	float *to = even_of(near, tile, lamps);
-
-	near->ground[tile] = true;
-	for (int k = 0; k < POINTS; k++) {
-		double place[3], even[3] = {0};
-		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
-						    w->tile->y + k / NEAR_GRID * STEP, place);
-
-		for (int l = 0; ground && l < lamps; l++) {
-			near_sky_even(w->sky, l, place, even);
-			for (int c = 0; c < near->channels; c++)
-				to[(c * lamps + l) * POINTS + k] = (float)even[c];
-		}
-	}
-}
+/* ---- a frame ---- */
 
 void near_divide(const struct near_layer *near, int tile, int lamps, const float (*share)[3],
 		 const struct kernels *kernels, int32_t (*taken)[PIXELS])
@@ -457,8 +487,6 @@ static int fill_tile(struct near_layer *near, struct near_work *w, int t)
 			return -ENOMEM;
 		to->bytes += block[made].bytes;
 		made += block[made].columns > 0;
-		if (b->kind == BASIS_KIND_V)
-			find_even(near, w, t);
 	}
 	to->block_count = made;
 	near->layer.block_count += made;
