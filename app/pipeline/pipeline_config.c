@@ -7,7 +7,6 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/compositor/near/near_sky.h"
 
 /* Tells the background's camera and view, in which a place has its pixels. */
 static void name_camera(const struct config *config, char text[PIPELINE_CAMERA_MAX])
@@ -138,15 +137,6 @@ static int check_kernel(const struct config *config)
 	return -ENOTSUP;
 }
 
-/* A file without places is no error: its lamps shine from afar, as all lamps did before. */
-static void check_config_lamps(const struct config *config, const struct basis *basis)
-{
-	if (config->lamps.count && !near_sky_possible(basis))
-		log_warning(
-			"%s: [lamp]: %s does not tell where its pixels are, so lamps are taken as distant: bake the scene again with inlay-bake render",
-			config->name, config->basis.file);
-}
-
 int pipeline_config_check(const struct config *config, const struct basis *basis, uint8_t **mask)
 {
 	const int pose = basis ? check_config_pose(config, basis) : 0;
@@ -155,7 +145,5 @@ int pipeline_config_check(const struct config *config, const struct basis *basis
 	const int size = basis ? check_config_size(config, basis) : 0;
 	const int kernel = check_kernel(config);
 
-	if (basis)
-		check_config_lamps(config, basis);
 	return pose ? pose : patch ? patch : masked ? masked : size ? size : kernel;
 }
