@@ -49,7 +49,7 @@ struct tile_pixel {
 	/* The place seen through glass, from the pixel's centre, and its square, times weight. */
 	double place_sum[2], place_square[2];
 	double through_weight;		 /* weights of samples through glass */
-	double distance[BASIS_SURFACES]; /* from the camera; of receivers seen directly */
+	double distance[2]; /* from the camera; of receivers seen directly */
 	bool changed;			 /* the object changes this pixel */
 };
 
