@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "bake/calibrate/response/light_file.h"
 #include "hal/base/log.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/bracket/light_rsp.h"
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "bake/calibrate/response/light_black.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_report.h"

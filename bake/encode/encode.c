@@ -9,10 +9,7 @@
 
 #include "bake/base/blas.h"
 #include "bake/base/profile.h"
-#include "bake/encode/encode_allow.h"
-#include "bake/encode/encode_block.h"
-#include "bake/encode/encode_choose.h"
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 #include "bake/judge/measure.h"
 #include "bake/judge/reader.h"
 #include "bake/judge/shade.h"

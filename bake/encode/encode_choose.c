@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_choose.h"
 
 #include <cblas.h>
 #include <errno.h>
@@ -9,8 +8,7 @@
 #include <string.h>
 
 #include "bake/base/profile.h"
-#include "bake/encode/encode_column.h"
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 

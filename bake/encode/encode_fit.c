@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_fit.h"
+#include "bake/encode/encode_parts.h"
 
 #include <cblas.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_plot.h"
+#include "bake/report/report_parts.h"
 
 #include <cairo-svg.h>
 #include <cairo.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_doubts.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 #include <errno.h>
 #include <math.h>

@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/fisheye/fisheye_doubts.h"
-#include "bake/calibrate/fisheye/fisheye_models.h"
-#include "bake/calibrate/fisheye/fisheye_start.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 #define LOSS_SCALE 3.0 /* in deviations of a point: 95 % of the efficiency of plain squares */

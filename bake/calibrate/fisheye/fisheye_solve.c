@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_solve.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,7 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/order.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 /* A point so many deviations off is an outlier (4 in a million points of a normal distribution

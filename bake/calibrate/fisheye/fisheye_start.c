@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_start.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,7 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/linear.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 #define POINTS_MAX 160 /* of a view: more do not improve a guess */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/gltf/geometry.hpp"
 
 #include <algorithm>
 #include <cerrno>
 
-#include "bake/mesh/gltf/draco.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 extern "C" {
 #include "bake/mesh/mesh_used.h"

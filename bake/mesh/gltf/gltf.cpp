@@ -8,9 +8,7 @@
 #include <new>
 #include <strings.h>
 
-#include "bake/mesh/gltf/geometry.hpp"
-#include "bake/mesh/gltf/materials.hpp"
-#include "bake/mesh/gltf/nodes.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 extern "C" {
 #include "bake/mesh/gltf/gltf.h"
