@@ -110,7 +110,6 @@ BAKE_SOURCES := \
 	bake/trace/inside.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \
-	bake/truth/lamp.c \
 	bake/truth/photograph.c \
 	bake/truth/sky.c \
 	bake/truth/truth.c \

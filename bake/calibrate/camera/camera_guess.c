@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/camera/camera_guess.h"
+#include "bake/calibrate/camera/camera_problem.h"
 
 #include <errno.h>
 #include <math.h>
