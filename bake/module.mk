@@ -71,7 +71,6 @@ BAKE_SOURCES := \
 	bake/report/report_bake.c \
 	bake/report/report_command.c \
 	bake/report/report_lighting.c \
-	bake/report/report_plot.c \
 	bake/report/report_rank.c \
 	bake/report/report_show.c \
 	bake/report/report_sky.c \

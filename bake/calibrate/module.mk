@@ -31,7 +31,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_read.c \
-	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_write.c \
 	bake/calibrate/estimate/by_view.c \
 	bake/calibrate/estimate/estimate.c \

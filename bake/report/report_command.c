@@ -39,7 +39,8 @@ static int report_command_run(const struct command *command, int argc, char **ar
 	if (!s.folder)
 		return command_wrong(command, "-o DIR is missing");
 	if (s.panoramas.count > REPORT_LIGHTINGS_MAX)
-		return command_wrong(command, "--panorama: more than %d of them", REPORT_LIGHTINGS_MAX);
+		return command_wrong(command, "--panorama: more than %d of them",
+				     REPORT_LIGHTINGS_MAX);
 	s.input = argv[optind];
 	if (report_run(&s, &fault)) {
 		log_error("%s", fault.text);
@@ -55,7 +56,7 @@ const struct command report_command = {
 	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
 		 "           [--repeat N] [--threads T] [--quiet]",
-	.summary = "speed against error of a scene: one page with a plot, tables and CSVs",
+	.summary = "speed against error of a scene: one page with tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its pictures and tables as files;\n"
 		"                     appears when it is whole\n"

@@ -16,19 +16,6 @@
 #include "hal/measure/error.h"
 #include "hal/measure/turns.h"
 
-#define REPORT_POINTS_MAX 64
-
-struct report_point {
-	double x, y;	   /* above 0, else it is left out */
-	const char *label; /* beside the point; NULL: none */
-	bool strong, ringed;
-};
-
-/* Writes FOLDER/NAME.svg. -EIO. */
-int report_plot_write(const char *folder, const char *name, const char *x_label,
-		      const char *y_label, const struct report_point *points, int count,
-		      struct fault *fault);
-
 struct report_errors {
 	struct composite_error each[REPORT_LIGHTINGS_MAX];
 	/* Over all lightings: RMS and PSNR of all their pixels, the largest, the mean contrast. */
@@ -63,7 +50,7 @@ struct report_result report_result_of(const struct report_trial *trial);
 /* The setting in use, 8 domes, 3 errors and a bake of fewer samples; a fast and an exact way of
  * each, and those that need no other bake. */
 #define REPORT_BAKES_MAX 16
-#define REPORT_TRIALS_MAX REPORT_POINTS_MAX
+#define REPORT_TRIALS_MAX 64
 
 struct report {
 	const struct report_settings *settings;
