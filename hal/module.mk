@@ -21,11 +21,11 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
-	hal/basis/basis_foot.c \
 	hal/basis/basis_glass.c \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
 	hal/basis/basis_names.c \
+	hal/basis/basis_places.c \
 	hal/basis/basis_reader.c \
 	hal/basis/basis_store.c \
 	hal/basis/basis_writer.c \
@@ -57,11 +57,10 @@ HAL_SOURCES := \
 	hal/compositor/live/grain.c \
 	hal/compositor/live/lit_rows.c \
 	hal/compositor/live/veiled_tile.c \
+	hal/compositor/near/near_layer.c \
+	hal/compositor/near/near_sky.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
-	hal/device/camera_choice.c \
-	hal/device/camera_controls.c \
-	hal/device/camera_situation.c \
 	hal/device/display.c \
 	hal/device/node_link.c \
 	hal/frame/depth.c \
@@ -70,7 +69,6 @@ HAL_SOURCES := \
 	hal/frame/frame_fields.c \
 	hal/frame/frame_jpeg.c \
 	hal/frame/frame_reader.c \
-	hal/frame/frame_repack.c \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \
@@ -89,11 +87,12 @@ HAL_SOURCES := \
 	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
+	hal/lights/lamp/lamp_light.c \
+	hal/lights/lamp/lamp_find.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \
 	hal/lights/recovery.c \
-	hal/lights/recovery_pieces.c \
 	hal/lights/sampler.c \
 	hal/lights/sampler_c.c \
 	hal/lights/sampler_frame.c \
@@ -104,7 +103,6 @@ HAL_SOURCES := \
 	hal/look/flicker.c \
 	hal/look/grain_tables.c \
 	hal/look/median.c \
-	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \
@@ -131,6 +129,7 @@ HAL_SOURCES := \
 	hal/people/footprint.c \
 	hal/people/gain.c \
 	hal/people/groups.c \
+	hal/people/nudge.c \
 	hal/people/outline.c \
 	hal/people/people.c \
 	hal/people/persons.c \

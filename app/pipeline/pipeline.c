@@ -8,7 +8,6 @@
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
-#include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -37,7 +36,8 @@ static int create_dome(struct dome *dome, const struct basis *basis, struct faul
 static int start_threads(const struct basis *basis, const struct pipeline_settings *settings,
 			 struct pool **pool, struct compositor **compositor, struct fault *fault)
 {
-	struct compositor_options options = {.kernel = *settings->kernel ? settings->kernel : NULL};
+	struct compositor_options options = {.kernel = *settings->kernel ? settings->kernel : NULL,
+					     .lamps = &settings->lamps};
 	int err = pool_create(pool, settings->threads);
 
 	if (err)
@@ -52,6 +52,21 @@ static int start_threads(const struct basis *basis, const struct pipeline_settin
 	return err;
 }
 
+/* Begins to measure lamps at places, where the compositor can use them. */
+static int start_lamps(struct pipeline *p, const struct compositor *compositor,
+		       const struct pipeline_settings *settings, struct fault *fault)
+{
+	struct lamp_light *lamps = NULL;
+
+	if (compositor_lamps(compositor) &&
+	    lamp_light_create(&lamps, &p->dome, &settings->lamps) < 0)
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	lamp_light_destroy(p->lamps);
+	p->lamps = lamps;
+	memset(p->selection.lamp, 0, sizeof(p->selection.lamp));
+	return 0;
+}
+
 static int pipeline_fill(struct pipeline *p, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &p->basis->info;
@@ -61,9 +76,11 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (err)
 		return err;
 	p->light.radiance = calloc(info->lights, sizeof(*p->light.radiance));
+	p->distant = calloc(info->lights, sizeof(*p->distant));
 	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
 	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
-	if (!p->light.radiance || !p->light.merged || !p->light.left)
+	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left ||
+	    near_search_create(&p->light.near_search, &p->dome))
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -79,9 +96,9 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 		err = pipeline_exposure_prepare(p, &p->settings, fault);
 	if (!err)
 		err = pipeline_grain_prepare(p, &p->settings, fault);
-	if (err)
-		return err;
-	return start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
+	if (!err)
+		err = start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
+	return err ? err : start_lamps(p, p->compositor, &p->settings, fault);
 }
 
 int pipeline_create(struct pipeline **out, const struct basis *basis,
@@ -94,6 +111,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
+			       .light = {.near_due = true},
 			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
 			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);
@@ -122,6 +140,9 @@ void pipeline_destroy(struct pipeline *p)
 	light_exposures_destroy(p->light.exposures);
 	pipeline_ground_free(p);
 	image_free(&p->light.upright);
+	near_search_destroy(p->light.near_search);
+	lamp_light_destroy(p->lamps);
+	free(p->distant);
 	free(p->light.radiance);
 	free(p->light.merged);
 	free(p->light.left);
@@ -133,7 +154,8 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		    struct fault *fault)
 {
 	const bool others = settings->threads != p->settings.threads ||
-			    strcmp(settings->kernel, p->settings.kernel) != 0;
+			    strcmp(settings->kernel, p->settings.kernel) != 0 ||
+			    memcmp(&settings->lamps, &p->settings.lamps, sizeof(settings->lamps));
 	struct pipeline_settings before;
 	struct compositor *compositor = NULL;
 	struct pool *pool = NULL;
@@ -147,6 +169,8 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 		err = pipeline_exposure_prepare(p, settings, fault);
 	if (!err)
 		err = pipeline_grain_prepare(p, settings, fault);
+	if (!err && others)
+		err = start_lamps(p, compositor, settings, fault);
 	if (err) {
 		compositor_destroy(compositor);
 		pool_destroy(pool);
@@ -177,6 +201,19 @@ static int check_choice_pose(const struct pipeline *p, int pose, struct fault *f
 			 p->basis->info.poses - 1);
 }
 
+/* Mixes each light with grey of its luminance Y (ITU-R BT.709), so that colours that must be
+ * recognised stay themselves: L' = (1 - share) L + share Y (1, 1, 1). Y does not change. */
+static void mix_grey(double (*radiance)[3], int count, double share)
+{
+	for (int i = 0; i < count; i++) {
+		double *l = radiance[i];
+		const double luminance = 0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2];
+
+		for (int c = 0; c < 3; c++)
+			l[c] += share * (luminance - l[c]);
+	}
+}
+
 int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, struct fault *fault)
 {
 	const struct ini_level *threshold = &choice->threshold;
@@ -194,16 +231,24 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	p->selection.band = pipeline_band_below(&p->settings.sampler, level);
 	p->selection.budget = threshold->percent ? threshold->value / 100 : 0;
 	p->followed = false;
+	p->selection.lamps = p->lamps ? &p->settings.lamps : NULL;
+	if (p->lamps) {
+		memcpy(p->distant, p->light.radiance,
+		       (size_t)p->selection.count * sizeof(*p->distant));
+		lamp_light_take(p->lamps, p->distant, p->selection.lamp);
+	}
 	light_selection_choose(
 		&p->selection, p->basis, p->choice.share > 0.5 ? p->choice.next : p->choice.pose,
-		p->light.radiance, pipeline_linear_level(&p->settings.sampler, level),
-		p->settings.threshold_mode, p->settings.gain);
+		p->lamps ? (const float(*)[3])p->distant : (const float(*)[3])p->light.radiance,
+		pipeline_linear_level(&p->settings.sampler, level), p->settings.threshold_mode,
+		p->settings.gain);
 	memset(p->look_ns, 0, sizeof(p->look_ns));
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();
 
-		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
-		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
+		mix_grey(p->selection.radiance, p->selection.count, p->settings.neutral);
+		mix_grey(&p->selection.ambient, 1, p->settings.neutral);
+		mix_grey(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
 		p->look_ns[PIPELINE_NEUTRAL] += clock_now_ns() - start_ns;
 	}
 	return 0;
@@ -314,9 +359,13 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.pose = p->choice.pose,
 		.missing = p->pose.missing,
 		.lamp = p->light.lamp,
+		.near = p->light.near,
 		.people = pipeline_people_seen(p),
 	};
 
+	for (int l = 0, count = 0; l < p->settings.lamps.count; l++)
+		if (report.near.missing[l])
+			report.missing_lamp[count++] = p->settings.lamp_name[l];
 	memcpy(report.look_ns, p->look_ns, sizeof(report.look_ns));
 	return report;
 }

@@ -15,7 +15,7 @@
 
 #define OVERLAY_TEXT_MAX                                                                           \
 	256 /* bytes, terminator included; longer texts are cut between characters */
-#define OVERLAY_TROUBLES_MAX 6
+#define OVERLAY_TROUBLES_MAX 7
 
 struct overlay_drawn;
 

@@ -6,6 +6,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/command_camera.c \
 	bake/calibrate/command_convert.c \
 	bake/calibrate/command_fisheye.c \
+	bake/calibrate/command_lamps.c \
 	bake/calibrate/command_light.c \
 	bake/calibrate/command_sky.c \
 	bake/calibrate/lens_job.c \
@@ -53,6 +54,9 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/fisheye/circle/fisheye_circle.c \
 	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
 	bake/calibrate/fisheye/circle/fisheye_rim.c \
+	bake/calibrate/lamps/lamp_match.c \
+	bake/calibrate/lamps/lamp_places.c \
+	bake/calibrate/lamps/lamp_sight.c \
 	bake/calibrate/observe/boards.c \
 	bake/calibrate/observe/boards_charuco.cpp \
 	bake/calibrate/observe/boards_chess.cpp \

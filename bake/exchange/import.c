@@ -129,6 +129,7 @@ static int import_make_tile(void *context, int index, int number, struct finishe
 				? "a value is not finite, negative where light comes from a real surface, or beyond 65,000"
 				: strerror(-err));
 	finished->tile = index;
+	finished->account.distance[0][0] = -1; /* pictures do not tell it */
 	finished->account.error = result.error;
 	finished->account.object_error = result.object_error;
 	finished->account.ratio_error = result.ratio_error;

@@ -13,8 +13,10 @@
 struct assembly {
 	const struct plan *plan;
 	struct basis_writer *writer;
-	uint16_t *coverage;	   /* [height][width] */
-	struct basis_glass *glass; /* the open pose's */
+	uint16_t *coverage;		 /* [height][width] */
+	float *distance[BASIS_SURFACES]; /* [height][width] (basis_places.h) */
+	bool placeless;			 /* a tile of the open pose came without */
+	struct basis_glass *glass;	 /* the open pose's */
 	size_t glass_count, glass_room;
 	struct basis_footprint *feet; /* [info.poses] */
 	int poses_done;
@@ -43,9 +45,12 @@ int assembly_open(struct assembly **assembly, const struct plan *plan, const cha
 		a->report.info = plan->info;
 		a->coverage = calloc((size_t)plan->info.width * plan->info.height,
 				     sizeof(*a->coverage));
+		for (int s = 0; s < BASIS_SURFACES; s++)
+			a->distance[s] = calloc((size_t)plan->info.width * plan->info.height,
+						sizeof(*a->distance[s]));
 		a->feet = calloc(plan->info.poses, sizeof(*a->feet));
 	}
-	if (!a || !a->coverage || !a->feet)
+	if (!a || !a->coverage || !a->distance[0] || !a->distance[1] || !a->feet)
 		fault_say(fault, err, "%s: out of memory", path);
 	else
 		err = basis_writer_open(&a->writer, path, &plan->info, plan->light, plan->ground,
@@ -63,6 +68,8 @@ void assembly_abandon(struct assembly *a)
 		return;
 	basis_writer_abandon(a->writer);
 	free(a->coverage);
+	for (int s = 0; s < BASIS_SURFACES; s++)
+		free(a->distance[s]);
 	free(a->glass);
 	free(a->feet);
 	free(a);
@@ -81,6 +88,23 @@ static void add_coverage(struct assembly *a, const struct finished_tile *tile)
 		for (int x = 0; x < columns; x++)
 			a->report.object_seen |= from[x] > 0;
 	}
+}
+
+static void add_places(struct assembly *a, const struct finished_tile *tile)
+{
+	const size_t stride = a->plan->info.width;
+	int left, top, columns, rows;
+
+	plan_rectangle(a->plan, tile->tile, &left, &top, &columns, &rows);
+	a->placeless |= tile->account.distance[0][0] < 0;
+	for (int s = 0; s < BASIS_SURFACES; s++)
+		for (int y = 0; y < rows; y++)
+			for (int x = 0; x < columns; x++) {
+				const float d = tile->account.distance[s][y * BASIS_TILE + x];
+
+				a->distance[s][(size_t)(top + y) * stride + (size_t)(left + x)] =
+					d > 0 && d < INFINITY ? d : 0; /* a shard may hold others */
+			}
 }
 
 static int add_glass(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
@@ -151,6 +175,7 @@ int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fa
 	if (!err)
 		err = add_glass(a, tile, fault);
 	add_coverage(a, tile);
+	add_places(a, tile);
 	judge_tile(a, tile);
 	ensemble_error_add(&a->error, &account->error);
 	a->noise_square += account->noise_square;
@@ -171,6 +196,9 @@ int assembly_pose_end(struct assembly *a, const float (*peak)[3],
 	if (!err && a->glass_count)
 		err = basis_writer_glass(a->writer, a->glass, a->glass_count, fault);
 	a->glass_count = 0;
+	if (!err && !a->placeless)
+		err = basis_writer_places(a->writer, (const float *const *)a->distance, fault);
+	a->placeless = false;
 	if (!err && foot)
 		a->feet[a->poses_done] = *foot;
 	a->footless |= !foot;

@@ -14,6 +14,8 @@ struct tile_account {
 	int64_t noise_count;		  /* number of these */
 	uint64_t rays;
 	uint16_t coverage[BASIS_TILE * BASIS_TILE]; /* [y][BASIS_TILE]; 65535 = 1 */
+	/* As in basis_places.h; negative: not known. */
+	float distance[BASIS_SURFACES][BASIS_TILE * BASIS_TILE];
 };
 
 struct finished_tile {

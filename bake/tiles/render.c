@@ -187,6 +187,7 @@ static void account_for(const struct tile *tile, const struct encode_result *res
 		.rays = tile->transport.ray_count,
 	};
 	memcpy(account->coverage, tile->result.coverage, sizeof(account->coverage));
+	memcpy(account->distance, tile->result.distance, sizeof(account->distance));
 }
 
 /* Renders and encodes a tile. The encoder's blocks live until its next tile, so they are copied. */

@@ -93,6 +93,8 @@ static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 							 p->object++ == 0);
 
 	p->changed = true;
+	p->distance[BASIS_OBJECT] +=
+		(double)v3_length(v3_sub(s->surface.position, tile->scene->eye));
 	if (s->surface.bsdf.kind == MATERIAL_GLASS)
 		tile_glass_add(tile, s, &rows);
 	else
@@ -122,8 +124,12 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 		return;
 	}
 	tile->pixels[at].other_weight++;
-	if (met)
-		tile_add_receiver(tile, &s, &s.surface, s.direction, 1);
+	if (!met)
+		return;
+	tile->pixels[at].direct++;
+	tile->pixels[at].distance[BASIS_RECEIVER] +=
+		(double)v3_length(v3_sub(s.surface.position, tile->scene->eye));
+	tile_add_receiver(tile, &s, &s.surface, s.direction, 1);
 }
 
 /* ---- batches ---- */
@@ -368,6 +374,21 @@ static void finish_difference(struct tile *tile)
 			      (size_t)kept * size);
 }
 
+/* What is only seen through glass counts as being where the glass is. Flat ground is left out. */
+static void finish_places(struct tile *tile)
+{
+	for (int at = 0; at < TILE_PIXELS; at++) {
+		const struct tile_pixel *p = &tile->pixels[at];
+		float *to[] = {&tile->result.distance[BASIS_OBJECT][at],
+			       &tile->result.distance[BASIS_RECEIVER][at]};
+
+		*to[0] = p->object ? (float)(p->distance[BASIS_OBJECT] / p->object) : 0;
+		*to[1] = p->direct ? (float)(p->distance[BASIS_RECEIVER] / p->direct) : *to[0];
+		if (!tile_has_standins(tile) || !p->receiver)
+			*to[1] = 0;
+	}
+}
+
 static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
@@ -392,6 +413,7 @@ void tile_render(struct tile *tile, int index)
 	for (int at = 0; at < TILE_PIXELS; at++)
 		tile->result.coverage[at] =
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
+	finish_places(tile);
 	tile_glass_finish(tile);
 	finish_object(tile);
 	if (tile_has_standins(tile))

@@ -39,6 +39,7 @@ struct tile_rows {
 /* Sums over a pixel's samples. */
 struct tile_pixel {
 	int object, receiver; /* samples that met an object; samples that saw a real surface */
+	int direct;	      /* those of them that did not look through glass */
 	/* Weights of the background, and of the real surfaces in it. The weight of a sample beside
 	 * the object is 1, that of one through glass its transmission, the mean of three
 	 * channels. */
@@ -47,8 +48,9 @@ struct tile_pixel {
 	double offset[2];  /* displacement by glass, in pixels, times weight */
 	/* The place seen through glass, from the pixel's centre, and its square, times weight. */
 	double place_sum[2], place_square[2];
-	double through_weight; /* weights of samples through glass */
-	bool changed;	       /* the object changes this pixel */
+	double through_weight;		 /* weights of samples through glass */
+	double distance[BASIS_SURFACES]; /* from the camera; of receivers seen directly */
+	bool changed;			 /* the object changes this pixel */
 };
 
 struct tile_noise; /* tile_noise.h */
@@ -63,6 +65,7 @@ struct tile_result {
 	struct basis_glass glass[TILE_PIXELS];
 	int glass_count;
 	double ratio_error; /* the largest change of a ratio that was left out */
+	float distance[BASIS_SURFACES][TILE_PIXELS]; /* basis_places.h */
 };
 
 /* State of one thread, and the tile it has rendered. */

@@ -12,9 +12,9 @@
 #include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_chunks.h"
 #include "hal/basis/basis_file.h"
-#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_glass.h"
 #include "hal/basis/basis_names.h"
+#include "hal/basis/basis_places.h"
 #include "hal/basis/basis_store.h"
 
 _Static_assert(sizeof(struct basis_info_chunk) == 104, "as on disk");
@@ -26,6 +26,7 @@ _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
 _Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_footprint) == 528, "as on disk");
+_Static_assert(sizeof(struct basis_places) == 16, "as on disk");
 
 /* Checks that no declared error is NaN, infinite or negative. */
 static int check_errors(const struct basis_reader *r)
@@ -304,7 +305,9 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 				   : read_layer(r, chunks->blocks, chunks->data, index, false);
 	if (ret == 0 && chunks->exact_blocks && r->part != BASIS_SHOWN)
 		ret = read_layer(r, chunks->exact_blocks, chunks->exact_data, index, true);
-	return ret < 0 ? ret : basis_read_glass(r, chunks->glass, pose);
+	if (ret == 0)
+		ret = basis_read_glass(r, chunks->glass, pose);
+	return ret < 0 ? ret : basis_find_places(r, chunks->places, pose);
 }
 
 /* Checks the memory that the size of the picture asks for against the size of the file: zstd packs

@@ -165,6 +165,8 @@ static const struct basis_chunk_entry **pose_slot(struct basis_pose_chunks *pose
 		return &pose->peak;
 	case BASIS_CHUNK_GLASS:
 		return &pose->glass;
+	case BASIS_CHUNK_PLACES:
+		return &pose->places;
 	case BASIS_CHUNK_BLOCKS:
 		return &pose->blocks;
 	case BASIS_CHUNK_DATA:

@@ -158,6 +158,8 @@ enum basis_chunk {
 	BASIS_CHUNK_GLASS = BASIS_FOURCC('G', 'L', 'A', 'S'),
 	/* struct basis_pose_name [poses]; may be absent */
 	BASIS_CHUNK_POSES = BASIS_FOURCC('P', 'O', 'S', 'E'),
+	/* struct basis_places, packed maps; may be absent */
+	BASIS_CHUNK_PLACES = BASIS_FOURCC('P', 'L', 'A', 'C'),
 	/* struct basis_footprint [poses]; may be absent */
 	BASIS_CHUNK_FOOT = BASIS_FOURCC('F', 'O', 'O', 'T'),
 	/* Texts end in a NUL byte, their only one. */
@@ -246,6 +248,27 @@ struct basis_footprint {
 	float corner[2], side;
 	uint32_t reserved; /* 0 */
 	uint64_t row[BASIS_FOOT_SQUARES];
+};
+
+/*
+ * Where the surfaces of a pose's pixels lie, for light that depends on the place. For each kind of
+ * surface a map [height][width] of
+ *
+ *     round(BASIS_PLACE_ONE nearest / distance), at least 1; 0: the surface is not in the pixel
+ *
+ * where distance is from the camera, the mean over the pixel's samples, in world units. Receivers
+ * are those of D and U; the ground of V lies at Z = 0, and needs no map. A map is one zstd frame:
+ * the upper bytes, then the lower bytes, of the differences modulo 2^16 from left + upper - upper
+ * left neighbour.
+ */
+#define BASIS_PLACE_ONE 65535
+
+enum basis_surface { BASIS_OBJECT, BASIS_RECEIVER, BASIS_SURFACES };
+
+/* The maps follow in their order. */
+struct basis_places {
+	float nearest[BASIS_SURFACES];	/* the smallest distance */
+	uint32_t bytes[BASIS_SURFACES]; /* of the packed map; 0: the surface is in no pixel */
 };
 
 /*

@@ -10,18 +10,21 @@
 #include <xxhash.h>
 
 #include "hal/base/output.h"
-#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_names.h"
+#include "hal/basis/basis_places.h"
 #include "hal/basis/pack.h"
 
 /* Largest number of chunks: INFO, DOME, GROUND, COARSE and CAMERA first; DATA, BLOCKS, EXACT_DATA,
- * EXACT_BLOCKS, COVERAGE, PEAK and GLASS for each pose; POSES, FOOT and PROVENANCE last. */
+ * EXACT_BLOCKS, COVERAGE, PEAK, GLASS and PLACES for each pose, of several poses PACK in place of
+ * DATA and COVERAGE; POSES, FOOT and PROVENANCE last. */
 #define FIRST_CHUNKS 5
 #define POSE_CHUNKS 7
+#define SINGLE_CHUNKS 1 /* more, of a single pose */
 #define LAST_CHUNKS 3
 
-_Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + LAST_CHUNKS <= BASIS_CHUNKS_MAX,
+_Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + SINGLE_CHUNKS + LAST_CHUNKS <=
+		       BASIS_CHUNKS_MAX,
 	       "chunks for all poses");
 
 /* The blocks of the open pose in one layer. */
@@ -177,7 +180,7 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	if (!w)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	w->info = *info;
-	w->chunk_limit = FIRST_CHUNKS + POSE_CHUNKS * info->poses + LAST_CHUNKS;
+	w->chunk_limit = FIRST_CHUNKS + POSE_CHUNKS * info->poses + SINGLE_CHUNKS + LAST_CHUNKS;
 	w->chunks = calloc(w->chunk_limit, sizeof(*w->chunks));
 	w->hash = XXH3_createState();
 	if (info->poses > 1 && packer_create(&w->packer, (int)info->coarse) < 0) {
@@ -441,6 +444,23 @@ int basis_writer_glass(struct basis_writer *w, const struct basis_glass *glass, 
 			"%s: %zu pixels that are seen through, expected some, once, after the end of their pose",
 			w->output.path, count);
 	ret = chunk_write(w, BASIS_CHUNK_GLASS, w->poses_done - 1, glass, count * sizeof(*glass));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
+int basis_writer_places(struct basis_writer *w, const float *const distance[BASIS_SURFACES],
+			struct fault *fault)
+{
+	void *chunk = NULL;
+	size_t bytes;
+	int ret;
+
+	if (w->in_pose || !w->poses_done)
+		return fault_say(fault, -EINVAL, "%s: places, expected after the end of a pose",
+				 w->output.path);
+	ret = basis_places_pack(distance, (int)w->info.width, (int)w->info.height, &chunk, &bytes);
+	if (ret == 0)
+		ret = chunk_write(w, BASIS_CHUNK_PLACES, w->poses_done - 1, chunk, bytes);
+	free(chunk);
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 

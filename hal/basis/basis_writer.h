@@ -41,6 +41,11 @@ int basis_writer_pose_end(struct basis_writer *writer, const uint16_t *coverage,
 int basis_writer_glass(struct basis_writer *writer, const struct basis_glass *glass, size_t count,
 		       struct fault *fault);
 
+/* Where a pose's surfaces are, distance[BASIS_SURFACES][height * width] as in basis_places.h; right
+ * after its end, once, optional. */
+int basis_writer_places(struct basis_writer *writer, const float *const distance[BASIS_SURFACES],
+			struct fault *fault);
+
 /* Names of the poses, [info->poses]; optional, once, before the end. -EINVAL: invalid names. */
 int basis_writer_names(struct basis_writer *writer, const struct basis_pose_name *names,
 		       struct fault *fault);

@@ -100,8 +100,12 @@ static void weigh_chosen(struct line_set *set, const struct block_plan *plan,
 /* Weighs all columns whose light is not 0. Has no unpredictable branch: a dark column is written,
  * too, and overwritten by the next. */
 static void weigh_lit(struct line_set *set, const struct block_plan *plan,
-		      const struct light_sent *sent, const double one[3])
+		      const struct light_vector *vector, const double one[3])
 {
+	const struct light_terms *terms = vector->terms;
+	const struct light_sent *sent =
+		vector->sent +
+		(plan->lamps ? light_terms_lamp(terms) - terms->lights - terms->coarse : 0);
 	const struct basis_block *b = plan->block;
 	const bool stream = b->bits == 16 && b->columns > FETCH_COLUMNS;
 	const uint16_t *light = b->light;
@@ -135,7 +139,7 @@ static void weigh_columns(struct block_work *work, const struct block_plan *plan
 	if (plan->choice)
 		weigh_chosen(set, plan, request->light->sent, column_one);
 	else
-		weigh_lit(set, plan, request->light->sent, column_one);
+		weigh_lit(set, plan, request->light, column_one);
 	work->counts.columns += set->count;
 }
 

@@ -94,12 +94,15 @@ struct loose_column {
 };
 
 /* Returns the index in light_vector.sent of the light of a column: X of a light; X - q S if its
- * group has a column in these blocks, too; S of a group. grouped: [groups]. */
-static uint32_t column_source(const struct basis_groups *groups, const bool *grouped, int number)
+ * group has a column in these blocks, too; S of a group; X of a lamp. grouped: [groups]. */
+static uint32_t column_source(const struct light_terms *terms, const bool *grouped, int number)
 {
-	const int lights = groups->lights;
+	const struct basis_groups *groups = &terms->groups;
+	const int lights = terms->lights, lamp = number - lights - terms->coarse;
 	const bool beside = number >= lights || (groups->count && grouped[groups->of[number]]);
 
+	if (lamp >= 0)
+		return (uint32_t)(light_terms_lamp(terms) + lamp);
 	return (uint32_t)(beside ? light_beside(lights, number) : number);
 }
 
@@ -133,13 +136,13 @@ static void mark_groups(const struct block_plan *plan, int count, int lights, bo
 	for (int k = 0; k < count; k++) {
 		const struct basis_block *b = plan[k].block;
 
-		for (int n = b->columns; n && b->light[n - 1] >= lights; n--)
+		for (int n = b->columns; n && plan[k].grouped && b->light[n - 1] >= lights; n--)
 			grouped[b->light[n - 1] - lights] = mark;
 	}
 }
 
 static void sort_block(const struct column_choice *choice, const struct block_plan *plan,
-		       const struct basis_groups *groups, struct sorting *s)
+		       const struct light_terms *terms, struct sorting *s)
 {
 	const struct basis_block *b = plan->block;
 
@@ -148,12 +151,12 @@ static void sort_block(const struct column_choice *choice, const struct block_pl
 		s->loose[s->place[reach_class(column_reach(plan, n))]++] =
 			(struct loose_column){{b->column_scale[n], (uint32_t)plan->number,
 					       column_place(b, n), column_bytes(b, n)},
-					      column_source(groups, s->grouped, b->light[n])};
+					      column_source(terms, s->grouped, b->light[n])};
 }
 
 /* Sorts all columns by class. */
 static void sort_by_class(const struct column_choice *choice, const struct block_plan *plan,
-			  int count, const struct basis_groups *groups, struct sorting *s)
+			  int count, const struct light_terms *terms, struct sorting *s)
 {
 	uint32_t *place = s->place;
 
@@ -165,11 +168,11 @@ static void sort_by_class(const struct column_choice *choice, const struct block
 	for (int k = 0, next; k < count; k = next) {
 		for (next = k + 1; next < count && plan[next].follows;)
 			next++;
-		mark_groups(plan + k, next - k, groups->lights, true, s->grouped);
+		mark_groups(plan + k, next - k, terms->lights, true, s->grouped);
 		for (int n = k; n < next; n++)
 			if (plan[n].choice == choice)
-				sort_block(choice, &plan[n], groups, s);
-		mark_groups(plan + k, next - k, groups->lights, false, s->grouped);
+				sort_block(choice, &plan[n], terms, s);
+		mark_groups(plan + k, next - k, terms->lights, false, s->grouped);
 	}
 }
 
@@ -200,25 +203,25 @@ static void sort_by_light(struct column_choice *choice, const struct sorting *s,
 }
 
 int column_choice_create(struct column_choice *choice, struct block_plan *plan, int count,
-			 enum basis_kind kind, int ground, const struct basis_groups *groups)
+			 enum basis_kind kind, int ground, const struct light_terms *terms)
 {
 	struct sorting sorting;
-	int lights = groups->lights, ret = -ENOMEM;
+	int lights = terms->lights, ret = -ENOMEM;
 	size_t columns, n;
 
 	*choice = (struct column_choice){.lights = 0};
 	columns = number_blocks(choice, plan, count, kind, ground);
-	if (choice_has_groups(choice, plan, count))
-		lights = light_beside(groups->lights, groups->lights + groups->count);
+	if (terms->lamps || choice_has_groups(choice, plan, count))
+		lights = light_terms_lamp(terms) + terms->lamps;
 	n = (size_t)lights + 1;
 	choice->light = calloc(n, sizeof(*choice->light));
 	choice->block = calloc((size_t)choice->blocks + 1, sizeof(*choice->block));
 	choice->column = malloc((columns + 1) * sizeof(*choice->column));
 	/* The largest size; pages that are never touched take no memory. */
 	choice->chosen = malloc((columns + 1) * sizeof(*choice->chosen));
-	if (sorting_create(&sorting, columns, n, groups) == 0 && choice->light && choice->block &&
-	    choice->column && choice->chosen && columns <= UINT32_MAX) {
-		sort_by_class(choice, plan, count, groups, &sorting);
+	if (sorting_create(&sorting, columns, n, &terms->groups) == 0 && choice->light &&
+	    choice->block && choice->column && choice->chosen && columns <= UINT32_MAX) {
+		sort_by_class(choice, plan, count, terms, &sorting);
 		sort_by_light(choice, &sorting, (uint32_t)lights, columns);
 		ret = 0;
 	}

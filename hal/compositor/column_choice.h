@@ -61,7 +61,7 @@ struct column_choice {
 /* Lists the columns of the layer's blocks of this kind and ground. Sets block_plan.choice of these
  * blocks to `choice`, which must not move afterwards. -ENOMEM. */
 int column_choice_create(struct column_choice *choice, struct block_plan *plan, int count,
-			 enum basis_kind kind, int ground, const struct basis_groups *groups);
+			 enum basis_kind kind, int ground, const struct light_terms *terms);
 void column_choice_free(struct column_choice *choice); /* zeroed is fine */
 
 /* Chooses the columns that are not below the cut in this light, which was made with order.cut. */

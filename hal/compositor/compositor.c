@@ -52,8 +52,7 @@ static int need_light(struct compositor *c, struct layer *layer, const struct ba
 	}
 	order->patterns |= b->patterns > 0;
 	order->cut |= cut && b->columns > 0 && (b->kind == BASIS_KIND_T || b->kind == BASIS_KIND_V);
-	order->groups |= order->cut && b->columns &&
-			 b->light[b->columns - 1] >= c->basis->info.lights;
+	order->groups |= order->cut && block_has_groups(c->basis, b);
 	return 0;
 }
 
@@ -62,7 +61,7 @@ static int need_choice(struct compositor *c, struct layer *layer, struct layer_l
 	if (!light->order.cut)
 		return 0;
 	return column_choice_create(&light->choice, layer->plan.blocks, layer->basis->block_count,
-				    light->order.kind, light->order.ground, &c->terms.groups);
+				    light->order.kind, light->order.ground, &c->terms);
 }
 
 static int create_layer(struct compositor *c, struct layer *layer, const struct basis_pose *pose,
@@ -75,6 +74,12 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 	layer->basis = basis;
 	if (!basis->tiles)
 		return 0;
+	if (c->sky) {
+		ret = near_layer_create(&layer->near, c->sky, (int)(pose - c->basis->poses), basis);
+		if (ret < 0)
+			return ret;
+		basis = layer->basis = &layer->near.layer;
+	}
 	ret = layer_plan_create(&layer->plan, c->basis, pose, basis);
 	if (ret < 0)
 		return ret;
@@ -98,6 +103,7 @@ static void forget_pose(struct pose *pose)
 		for (int k = 0; k < l->light_count; k++)
 			column_choice_free(&l->light[k].choice);
 		layer_plan_free(&l->plan);
+		near_layer_free(&l->near);
 		division_free(&l->division);
 		free(l->light);
 	}
@@ -197,7 +203,16 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->workers = c->pool ? pool_threads(c->pool) : 1;
 	c->tiles = basis->tiles_across * basis->tiles_down;
 	c->settings = (struct compositor_settings){.gain = 1, .object = true};
+	ret = near_sky_create(&c->sky, basis, options->lamps, fault);
+	if (ret < 0) {
+		compositor_destroy(c);
+		return ret;
+	}
 	ret = light_terms_create(&c->terms, basis);
+	if (c->sky) {
+		c->terms.lamps = c->sky->lamps.count;
+		memcpy(c->terms.lamp_ground, c->sky->ground, sizeof(c->terms.lamp_ground));
+	}
 	if (ret == 0)
 		ret = create_poses(c);
 	if (ret == 0)
@@ -255,6 +270,11 @@ struct compositor_frame compositor_last(const struct compositor *c)
 	return c->last;
 }
 
+int compositor_lamps(const struct compositor *c)
+{
+	return c->terms.lamps;
+}
+
 const char *compositor_kernel(const struct compositor *c)
 {
 	return c->kernels->name;
@@ -278,6 +298,7 @@ void compositor_destroy(struct compositor *c)
 		light_vector_free(&c->ground[g]);
 	free(c->ground);
 	light_terms_free(&c->terms);
+	near_sky_destroy(c->sky);
 	for (int w = 0; c->worker && w < c->workers && c->worker[w]; w++) {
 		block_work_free(&c->worker[w]->tile.block);
 		free(c->worker[w]->rows);

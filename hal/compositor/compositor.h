@@ -12,7 +12,8 @@
  *
  * B is the background, B' the background seen through the object (struct basis_glass). L_i is the
  * radiance of light i if it is used, plus what the threshold mode returns of the dropped lights
- * (light/selection.h). e is light below any camera's black: as all light fades to 0 the ratio goes
+ * (light/selection.h). Lamps at places add light that depends on the pixel (near/near_sky.h), to L
+ * and to u. e is light below any camera's black: as all light fades to 0 the ratio goes
  * to 1 without a jump. hal/GLOSSARY.md lists the symbols.
  *
  * compositor_run() sums in integers: README.md names every Q format and proves that nothing
@@ -32,6 +33,7 @@
 #include "hal/compositor/live/grain.h"
 #include "hal/compositor/live/veil.h"
 #include "hal/frame/view.h"
+#include "hal/lights/lamps.h"
 
 #define COMPOSITOR_RATIO_MAX 16.0
 #define COMPOSITOR_GAIN_MAX 64.0
@@ -62,11 +64,18 @@ struct compositor;
 struct compositor_options {
 	struct pool *pool;  /* NULL: the calling thread does all */
 	const char *kernel; /* NULL or "auto": the fastest on this processor (kernels.h) */
+	/* Lamps at places, whose light light_selection.lamp has; copied. NULL: none. They are
+	 * left out of a basis that does not know its places (compositor_lamps()). */
+	const struct lamps *lamps;
 };
 
-/* The basis must outlive the compositor. -ENOTSUP: no such kernel on this processor, -ENOMEM. */
+/* The basis must outlive the compositor. -ENOTSUP: no such kernel on this processor; -ENOMEM;
+ * -EINVAL: with lamps, the basis's lights are no dome's or its camera is none. */
 int compositor_create(struct compositor **compositor, const struct basis *basis,
 		      const struct compositor_options *options, struct fault *fault);
+
+/* Number of lamps at places that count; 0 where the basis does not know its places. */
+int compositor_lamps(const struct compositor *compositor);
 
 const char *compositor_kernel(const struct compositor *compositor); /* name of the one in use */
 
@@ -121,7 +130,8 @@ void compositor_destroy(struct compositor *compositor);
 
 /*
  * Computes the frame in double precision, without settings->grain, from the layer that
- * settings->mode names, with every column. out[height][width][3] gets R, G, B as encoded values
+ * settings->mode names, with every column, and lights->lamps. out[height][width][3] gets R, G, B as
+ * encoded values
  * 0..255, not rounded. background has the basis's size. Slow; for tests, reports and `--mode
  * reference`. -EINVAL, -ENODATA, -ENOMEM and -EBADMSG as compositor_run().
  */

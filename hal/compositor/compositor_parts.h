@@ -8,6 +8,7 @@
 #include "hal/compositor/division.h"
 #include "hal/compositor/glass.h"
 #include "hal/compositor/live/veiled_tile.h"
+#include "hal/compositor/near/near_layer.h"
 #include "hal/compositor/tile.h"
 
 /* Largest number of adjacent tiles whose background is made by one call. */
@@ -22,7 +23,8 @@ struct layer_light {
 
 /* A pose's tiles in one of the file's layers. */
 struct layer {
-	const struct basis_layer *basis;
+	const struct basis_layer *basis; /* the file's, or near.layer */
+	struct near_layer near;		 /* where there are lamps at places */
 	struct layer_plan plan;
 	struct division division;
 	struct layer_light *light; /* in the order of kinds, then of grounds */
@@ -55,6 +57,7 @@ struct compositor {
 	int tiles, workers;
 	struct pose *poses;
 	struct light_terms terms;
+	struct near_sky *sky;			      /* NULL: no lamps at places */
 	struct light_vector vector[BASIS_KIND_COUNT]; /* T, D and U */
 	struct light_vector *ground;		      /* [grounds] */
 	struct compositor_worker **worker;

@@ -61,9 +61,16 @@ static int exponent_of_bound(double bound)
 	return bound > 0 ? exponent_above(bound) : -200;
 }
 
-static bool block_has_groups(const struct basis *basis, const struct basis_block *b)
+bool block_has_groups(const struct basis *basis, const struct basis_block *b)
 {
-	return b->columns && b->light[b->columns - 1] >= basis->info.lights;
+	const uint32_t last = b->columns ? b->light[b->columns - 1] : 0;
+
+	return last >= basis->info.lights && !block_has_lamps(basis, b);
+}
+
+bool block_has_lamps(const struct basis *basis, const struct basis_block *b)
+{
+	return b->columns && b->light[0] >= basis->info.lights + basis->info.coarse;
 }
 
 static struct block_plan plan_block(const struct basis *basis, const struct basis_block *b)
@@ -73,6 +80,7 @@ static struct block_plan plan_block(const struct basis *basis, const struct basi
 		.whole = b->pixels == BASIS_TILE * BASIS_TILE,
 		.column_shift = b->bits == 8 ? BYTE_SHIFT : 0,
 		.grouped = block_has_groups(basis, b),
+		.lamps = block_has_lamps(basis, b),
 		.reach = value_of_one(b) / b->cut_share,
 	};
 
@@ -113,7 +121,8 @@ static void share_groups(struct block_plan *plan, int count)
 	for (int n = 1; n < count; n++) {
 		const struct basis_block *b = plan[n].block, *before = plan[n - 1].block;
 
-		plan[n].follows = b->channels == before->channels && same_pixels(b, before);
+		plan[n].follows = !plan[n].lamps && b->channels == before->channels &&
+				  same_pixels(b, before);
 		plan[n].grouped |= plan[n].follows && plan[n - 1].grouped;
 	}
 	for (int n = count - 1; n > 0; n--)

@@ -33,6 +33,7 @@ struct block_plan {
 	int column_shift; /* weights of columns have so many bits less than those of patterns */
 	bool follows;	  /* groups of lights span it and the block before */
 	bool grouped;	  /* it, or a block that groups of lights span with it, has their columns */
+	bool lamps;	  /* its columns are those of lamps (near/near_layer.h) */
 	float reach;	  /* reach of a column / cut_share = column_scale * this; tint included */
 	/* T and V blocks whose columns may be left out: what chooses among the columns, and the
 	 * block's number there (column_choice.h). NULL: all columns count whose light is not 0. */
@@ -58,6 +59,10 @@ struct layer_plan {
 /* -ENOMEM. */
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		      const struct basis_pose *pose, const struct basis_layer *layer);
+/* Whether a block has columns of groups of lights; whether its columns are those of lamps. */
+bool block_has_groups(const struct basis *basis, const struct basis_block *block);
+bool block_has_lamps(const struct basis *basis, const struct basis_block *block);
+
 void layer_plan_free(struct layer_plan *plan); /* zeroed is fine */
 
 #endif

@@ -7,8 +7,10 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
+#include "hal/basis/basis_places.h"
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/live/lit_rows.h"
+#include "hal/compositor/near/near_sky.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 
@@ -18,6 +20,11 @@ struct reference_scene {
 	double (*radiance)[3]; /* [lights]: of used lights, plus ambient */
 	double (*x)[3];	       /* [lights]: X for the current block */
 	double (*y)[3];	       /* [coarse] */
+	/* Lamps at places; sky is NULL where there are none. */
+	struct near_sky *sky;
+	const double (*lamp)[3];	 /* [sky->lamps.count]: P */
+	float *distance[BASIS_SURFACES]; /* [height][width] */
+	const struct basis_tile *tile;
 };
 
 struct reference_tile {
@@ -103,55 +110,118 @@ static void block_add_values(const struct reference_scene *s, const struct basis
 	}
 }
 
-/* Adds the block's values times light, times tint and factor[c], to its pixels. */
-static void spread_block(const struct reference_scene *s, const struct basis_block *b, double more,
-			 const double factor[3], double (*to)[3])
-{
-	double value[TILE_PIXELS][3] = {{0}};
+/* ---- lamps at places ---- */
 
-	block_add_values(s, b, more, value);
-	for (int p = 0; p < b->pixels; p++) {
-		for (int c = 0; c < 3; c++)
-			to[b->pixel[p]][c] +=
-				value[p][c] * factor[c] *
-				(b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1);
+static bool place_of(const struct reference_scene *s, enum basis_kind kind, int pixel,
+		     double place[3])
+{
+	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
+	const size_t at = (size_t)y * s->basis->info.width + (size_t)x;
+	const float distance =
+		s->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
+
+	if (kind == BASIS_KIND_V)
+		return near_sky_ground(s->sky, x + 0.5, y + 0.5, place);
+	return distance > 0 && near_sky_surface(s->sky, x + 0.5, y + 0.5, (double)distance, place);
+}
+
+/* What a block gives pixel p of its list, per unit of X of light i. */
+static double value_of(const struct reference_scene *s, const struct basis_block *b, int p, int c,
+		       int i)
+{
+	double value = 0;
+
+	for (int j = 0; j < b->patterns; j++) {
+		const int16_t *row = b->pattern + (size_t)j * (size_t)b->stride;
+		double sum = s->basis->coarse ? 0 : row[i];
+
+		for (int k = 0; s->basis->coarse && k < 3; k++)
+			sum += (double)row[s->basis->coarse[i].index[k]] *
+			       s->basis->coarse[i].weight[k] / BASIS_COARSE_ONE;
+		value += (double)b->pattern_scale[j] * sum *
+			 b->coefficient[line_place(b, p, c, b->patterns, j)];
+	}
+	for (int n = 0; n < b->columns; n++)
+		if (b->light[n] == i)
+			value += column_value(b, p, c, n);
+	return value;
+}
+
+/* Adds what the lamps give a block's pixels, and on the ground their u to there[pixel][c]. */
+static void add_lamps(const struct reference_scene *s, const struct basis_block *b, double (*to)[3],
+		      double (*there)[3])
+{
+	for (int p = 0; s->sky && p < b->pixels; p++) {
+		struct near_share share[NEAR_SHARES];
+		double place[3];
+		const bool is = place_of(s, b->kind, b->pixel[p], place);
+
+		for (int l = 0; is && l < s->sky->lamps.count; l++) {
+			const int count = near_sky_shares(s->sky, l, place, share);
+
+			for (int n = 0; n < count; n++)
+				for (int c = 0; c < 3; c++) {
+					const int i = share[n].light;
+					double x = share[n].amount * s->lamp[l][c];
+
+					if (b->kind == BASIS_KIND_V)
+						x *= basis_ground(s->basis, b->ground, c)[i] /
+						     s->basis->lights[i].solid_angle_sr;
+					to[p][c] += x * value_of(s, b, p, c, i);
+					if (there)
+						there[p][c] += x;
+				}
+		}
 	}
 }
 
-static void spread_ground(const struct reference_scene *s, const struct basis_block *b,
-			  struct reference_tile *v)
+/* Adds the block's values times light, times tint and factor, to its pixels; of V over u L + e. */
+static void spread_block(const struct reference_scene *s, const struct basis_block *b, double more,
+			 double factor, double (*to)[3])
 {
-	double factor[3];
+	double value[TILE_PIXELS][3] = {{0}}, there[TILE_PIXELS][3];
+	const bool ground = b->kind == BASIS_KIND_V;
 
-	for (int c = 0; c < 3; c++) {
-		const double *u = basis_ground(s->basis, b->ground, c);
-		double there = 0;
+	for (int p = 0; ground && p < b->pixels; p++)
+		for (int c = 0; c < 3; c++) {
+			const double *u = basis_ground(s->basis, b->ground, c);
 
-		for (uint32_t i = 0; i < s->basis->info.lights; i++)
-			there += u[i] * (s->radiance[i][c] + 0x1p-20);
-		factor[c] = there > 0 ? 1 / there : 0;
+			if (p) {
+				there[p][c] = there[0][c];
+				continue;
+			}
+			there[0][c] = 0;
+			for (uint32_t i = 0; i < s->basis->info.lights; i++)
+				there[0][c] += u[i] * (s->radiance[i][c] + 0x1p-20);
+		}
+	block_add_values(s, b, more, value);
+	add_lamps(s, b, value, ground ? there : NULL);
+	for (int p = 0; p < b->pixels; p++) {
+		for (int c = 0; c < 3; c++)
+			to[b->pixel[p]][c] +=
+				value[p][c] *
+				(!ground	   ? factor
+				 : there[p][c] > 0 ? 1 / there[p][c]
+						   : 0) *
+				(b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1);
 	}
-	spread_block(s, b, 0, factor, v->taken);
 }
 
 static void fill_tile(const struct reference_scene *s, const struct basis_tile *tile,
 		      struct reference_tile *v)
 {
-	const double gain = s->settings->gain;
-	const double gains[3] = {gain, gain, gain}, ones[3] = {1, 1, 1};
-
 	memset(v, 0, sizeof(*v));
 	for (int n = 0; s->settings->object && n < tile->block_count; n++) {
 		const struct basis_block *b = &tile->blocks[n];
 
 		if (b->kind == BASIS_KIND_T)
-			spread_block(s, b, 0, gains, v->object);
+			spread_block(s, b, 0, s->settings->gain, v->object);
 		else if (b->kind == BASIS_KIND_V)
-			spread_ground(s, b, v);
+			spread_block(s, b, 0, 1, v->taken);
 		else if (b->kind == BASIS_KIND_D)
-			spread_block(s, b, 0, ones, v->less);
+			spread_block(s, b, 0, 1, v->less);
 		else
-			spread_block(s, b, 0x1p-20, ones, v->own);
+			spread_block(s, b, 0x1p-20, 1, v->own);
 	}
 	for (int p = 0; p < TILE_PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
@@ -293,12 +363,29 @@ static int reference_write(struct reference_scene *s, int pose, const struct pic
 	if (!values)
 		return -ENOMEM;
 	for (int t = 0; t < basis->tiles_across * basis->tiles_down; t++) {
-		fill_tile(s, &layer->tiles[t], values);
+		s->tile = &layer->tiles[t];
+		fill_tile(s, s->tile, values);
 		look_through(s, pose, t, background, values);
 		write_tile(s, pose, t, background, values, out);
 	}
 	free(values);
 	return 0;
+}
+
+/* Finds the places of the pose's pixels, where lamps at places shine. */
+static int find_places(struct reference_scene *s, int pose, const struct light_selection *lights)
+{
+	const size_t pixels = (size_t)s->basis->info.width * s->basis->info.height;
+	int ret = near_sky_create(&s->sky, s->basis, lights->lamps, NULL);
+
+	s->lamp = (const double(*)[3])lights->lamp;
+	for (int k = 0; ret == 0 && s->sky && k < BASIS_SURFACES; k++) {
+		s->distance[k] = calloc(pixels, sizeof(*s->distance[k]));
+		ret = s->distance[k] ? basis_places_read(s->basis, pose, (enum basis_surface)k,
+							 s->distance[k])
+				     : -ENOMEM;
+	}
+	return ret;
 }
 
 int compositor_reference(const struct basis *basis, int pose,
@@ -318,11 +405,11 @@ int compositor_reference(const struct basis *basis, int pose,
 		return ret;
 	if (settings->mode == COMPOSITOR_EXACT && !basis->poses[pose].exact.tiles)
 		return -ENODATA;
-	ret = -ENOMEM;
 	scene.radiance = calloc(info->lights, sizeof(*scene.radiance));
 	scene.x = calloc(info->lights, sizeof(*scene.x));
 	scene.y = calloc(info->coarse, sizeof(*scene.y));
-	if (scene.radiance && scene.x && scene.y) {
+	ret = scene.radiance && scene.x && scene.y ? find_places(&scene, pose, lights) : -ENOMEM;
+	if (ret == 0) {
 		for (int i = 0; i < lights->count; i++) {
 			for (int c = 0; c < 3; c++)
 				scene.radiance[i][c] = lights->radiance[i][c] + lights->ambient[c];
@@ -332,5 +419,8 @@ int compositor_reference(const struct basis *basis, int pose,
 	free(scene.radiance);
 	free(scene.x);
 	free(scene.y);
+	for (int k = 0; k < BASIS_SURFACES; k++)
+		free(scene.distance[k]);
+	near_sky_destroy(scene.sky);
 	return ret;
 }

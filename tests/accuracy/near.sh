@@ -23,6 +23,14 @@ place() {
 		printf "%.5f,%.5f,%.5f", d * cos(h * r) * cos(a * r), d * cos(h * r) * sin(a * r), d * sin(h * r) }'
 }
 
+# named DISTANCE FISHEYE: the configuration that tells where lamp and fisheye are
+named() {
+	local radius
+	radius=$(awk -v d="$1" -v a=$angle 'BEGIN { print a * d }')
+	printf '[lamp key]\nposition = %s\nradius = %s\n[fisheye]\nposition = %s\n' \
+		"$(place "$1" $height $azimuth | tr , ' ')" "$radius" "${2//,/ }"
+}
+
 # truth DISTANCE OPTION...
 truth() {
 	local lamp
@@ -67,9 +75,9 @@ flat "$work/black.pfm" "${size%x*}" "${size#*x}" '\x00\x00\x00\x00'
 bake 9 --size "$size" --samples 128 --fine "$azimuth $height 20 36" --quiet
 truth 1 --samples 16 --background "$work/black.pfm" -o "$work/object.pfm"
 {
-	echo "| lamp at | fisheye | PSNR dB | RMS | max | edge px | object % |"
-	echo "|---|---|---|---|---|---|---|"
-	for distance in 1 1.5 2.5 4 1000; do
+	echo "| lamp at | fisheye | lamp | PSNR dB | RMS | max | edge px | object % |"
+	echo "|---|---|---|---|---|---|---|---|"
+	for distance in ${DISTANCES:-1 1.5 2.5 4 1000}; do
 		truth $distance --samples "$samples" --background-out "$work/$distance-background.pfm" \
 			-o "$work/$distance-truth.pfm"
 		while read -r name at; do
@@ -77,12 +85,19 @@ truth 1 --samples 16 --background "$work/black.pfm" -o "$work/object.pfm"
 			truth $distance --samples 1 --background "$work/$distance-background.pfm" --fisheye="$at" \
 				--fisheye-size 512 --fisheye-out "$eye-fisheye.pfm" --background-out "$eye-background.png" \
 				-o "$work/none.pfm"
-			composite "$distance-$name" 9 "$eye.pfm"
-			read -r psnr rms max < <(compare "$eye.pfm" "$work/$distance-truth.pfm" \
-				--difference "$eye-difference.png")
-			read -r edge object < <(python3 tests/accuracy/near.py "$work/$distance-truth.pfm" "$eye.pfm" \
-				"$work/$distance-background.pfm" "$work/object.pfm")
-			echo "| $distance | $name | $psnr | $rms | $max | $edge | $object |"
+			named "$distance" "$at" >"$eye.conf"
+			for way in afar named; do
+				if [ $way = named ]; then
+					composite "$distance-$name" 9 "$eye-$way.pfm" --config "$eye.conf"
+				else
+					composite "$distance-$name" 9 "$eye-$way.pfm"
+				fi
+				read -r psnr rms max < <(compare "$eye-$way.pfm" "$work/$distance-truth.pfm" \
+					--difference "$eye-$way-difference.png")
+				read -r edge object < <(python3 tests/accuracy/near.py "$work/$distance-truth.pfm" \
+					"$eye-$way.pfm" "$work/$distance-background.pfm" "$work/object.pfm")
+				echo "| $distance | $name | $way | $psnr | $rms | $max | $edge | $object |"
+			done
 		done <<-PLACES
 			foot 0,0,0
 			middle 0,0,0.15

@@ -8,6 +8,7 @@
 
 #include "hal/basis/basis.h"
 #include "hal/basis/basis_groups.h"
+#include "hal/lights/lamps.h"
 
 /*
  * The order of sums over lights, which is fixed because sums of doubles depend on it:
@@ -36,7 +37,16 @@ struct light_terms {
 	uint32_t *first; /* [coarse + 1] */
 	uint16_t *light; /* ascending */
 	double *weight;	 /* integers; BASIS_COARSE_ONE stands for 1 */
+	/* Lamps at places (near/), lights N + K + l; set after the creation. */
+	int lamps;
+	double lamp_ground[LAMPS_MAX][3]; /* u of the unit of each lamp on the ground */
 };
+
+/* Index in light_vector.sent of the first lamp: after lights, and groups where there are any. */
+static inline int light_terms_lamp(const struct light_terms *terms)
+{
+	return terms->groups.count ? 2 * terms->lights + terms->coarse : terms->lights;
+}
 
 int light_terms_create(struct light_terms *terms, const struct basis *basis); /* -ENOMEM */
 void light_terms_free(struct light_terms *terms);			      /* zeroed is fine */

@@ -45,7 +45,8 @@ int light_vector_create(struct light_vector *v, const struct light_terms *terms)
 
 	*v = (struct light_vector){
 		.lights = (int)n, .coarse = (int)k, .stride = stride, .terms = terms};
-	v->sent = lines_of(terms->groups.count ? 2 * n + k : n, sizeof(*v->sent));
+	v->sent = lines_of((size_t)light_terms_lamp(terms) + (size_t)terms->lamps,
+			   sizeof(*v->sent));
 	v->digits = lines_of(3 * KERNEL_DIGITS * (size_t)stride, sizeof(*v->digits));
 	fine = v->sent && v->digits;
 	for (int c = 0; c < 3; c++) {
@@ -125,6 +126,23 @@ static void weigh_lights(struct light_sent *restrict sent, const struct arriving
 		sum[k] = light_parts(a[k], b[k], c[k], d[k]);
 }
 
+/* Adds X of the lamps before rounding, and to the sums. */
+static void weigh_lamps(struct light_vector *v, const struct light_order *order,
+			const struct light_selection *lights, double sum[3])
+{
+	struct light_sent *sent = v->sent + light_terms_lamp(v->terms);
+
+	for (int l = 0; l < v->terms->lamps; l++)
+		for (int c = 0; c < 3; c++) {
+			const double unit = order->kind == BASIS_KIND_V
+						    ? v->terms->lamp_ground[l][c]
+						    : 1;
+
+			sent[l].amount[c] = unit * fmax(lights->lamp[l][c], 0);
+			sum[c] += sent[l].amount[c];
+		}
+}
+
 /* The integer X = round(amount * 2^up * 2^bits). */
 struct rounding {
 	int bits[3], up[3];
@@ -154,7 +172,7 @@ static double strongest_of(const struct light_vector *v, const double sum[3],
 
 	for (int c = 0; c < 3; c++) {
 		const double all = sum[c] * power_of_two(how->up[c]) +
-				   v->lights * power_of_two(-how->bits[c]);
+				   (v->lights + v->terms->lamps) * power_of_two(-how->bits[c]);
 
 		strongest = fmax(strongest, how->share[c] * all * (1 + 1e-6));
 	}
@@ -186,6 +204,7 @@ static void worth_of(double cut, const struct rounding *how, double worth[3])
 
 static void round_all(struct light_vector *v, const struct rounding *how, bool cut)
 {
+	struct light_sent *lamp = v->sent + light_terms_lamp(v->terms);
 	double factor[4] = {0}, unit[4] = {0}, worth[3];
 
 	for (int c = 0; c < 3; c++) {
@@ -196,6 +215,12 @@ static void round_all(struct light_vector *v, const struct rounding *how, bool c
 	round_lights(v->sent, v->lights, factor, unit);
 	for (int i = 0; i < v->lights && cut; i++)
 		v->sent[i].strength = strength_of(v->sent[i].amount, worth);
+	round_lights(lamp, v->terms->lamps, factor, unit);
+	for (int l = 0; l < v->terms->lamps; l++) {
+		lamp[l].strength = strength_of(lamp[l].amount, worth);
+		for (int c = 0; c < 3; c++)
+			v->lamp_share[l][c] = (float)(lamp[l].amount[c] * how->share[c]);
+	}
 }
 
 /* ---- groups ---- */
@@ -315,7 +340,7 @@ static void make_planes(struct light_vector *v, int x_bits)
 static int plan_weighted(struct light_vector *v, const double sum[3], int most, int room,
 			 struct rounding *how)
 {
-	int x_bits = count_bits(v->lights);
+	int x_bits = count_bits(v->lights + v->terms->lamps);
 
 	v->reach = DARK;
 	for (int c = 0; c < 3; c++) {
@@ -339,13 +364,14 @@ static int plan_object(struct light_vector *v, const double sum[3], double gain,
 		how->share[c] = gain;
 		v->factor[c] = (uint32_t)round_double(ldexp(gain, 30 - up));
 	}
-	return plan_weighted(v, sum, SPARE_BITS + count_bits(v->lights) + up, SUM_BITS, how);
+	return plan_weighted(v, sum, SPARE_BITS + count_bits(v->lights + v->terms->lamps) + up,
+			     SUM_BITS, how);
 }
 
 static int plan_ground(struct light_vector *v, const double sum[3], int ground,
 		       struct rounding *how)
 {
-	const int bits = SPARE_BITS + count_bits(v->lights);
+	const int bits = SPARE_BITS + count_bits(v->lights + v->terms->lamps);
 
 	for (int c = 0; c < 3; c++) {
 		const double there = sum[c] + RESIDUE * v->terms->ground_sum[ground][c];
@@ -376,6 +402,7 @@ void light_vector_make(struct light_vector *v, const struct light_order *order,
 					 : v->terms->solid_angle;
 	}
 	weigh_lights(v->sent, &from, v->lights, sum);
+	weigh_lamps(v, order, lights, sum);
 	switch (order->kind) {
 	case BASIS_KIND_T:
 		x_bits = plan_object(v, sum, order->gain, &how);

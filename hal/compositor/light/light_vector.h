@@ -46,6 +46,7 @@ struct light_sent {
  *     0 .. N - 1             X_i of each light
  *     N .. 2 N - 1           X_i - q_i S, for columns whose group has a column, too
  *     2 N .. 2 N + K - 1     S of each group; the file numbers groups N .. N + K - 1
+ * After these, or after the first where there are no groups, come the lamps (light_terms_lamp()).
  * Returns the index of a light in the second part, or of a group in the third. */
 static inline int light_beside(int lights, int number)
 {
@@ -54,13 +55,14 @@ static inline int light_beside(int lights, int number)
 
 struct light_vector {
 	int lights, coarse, stride; /* stride: coarse rounded up to a line */
-	struct light_sent *sent;    /* [lights], with groups [2 * lights + coarse] */
+	struct light_sent *sent;    /* [lights], with groups [2 * lights + coarse]; then [lamps] */
 	double unit[3];		    /* value of the integer 1 of X and Y; a power of two */
 	int reach;		    /* sum of the amounts of any channel < 2^reach */
 	uint32_t factor[3]; /* Q30: O * 2^-gain_bits, or 1 - ratio, = factor * sum over amounts */
 	/* T and V: largest O, or 1 - ratio, that lines with values up to 1 can make. */
 	double strongest;
 	struct kernel_vector planes[3]; /* Y */
+	float lamp_share[LAMPS_MAX][3]; /* V: X of each lamp over U + e */
 	/* private */
 	const struct light_terms *terms;
 	int64_t *y[3];	 /* [coarse] */

@@ -7,6 +7,7 @@
 #include <stdint.h>
 
 #include "hal/basis/basis.h"
+#include "hal/lights/lamps.h"
 
 enum threshold_mode { THRESHOLD_AMBIENT, THRESHOLD_DROP, THRESHOLD_MODE_COUNT };
 
@@ -20,6 +21,11 @@ struct light_selection {
 	int used_count;
 	double ambient[3]; /* mode ambient: radiance from every light that replaces the dropped
 			      ones, sum over dropped of w_i L_i / (2 pi); 0 in other modes */
+	/* Set by the owner, 0 as created: the sum of L_i w_i of each lamp at a place, as the
+	 * fisheye sees it. None is ever dropped. Counts in a compositor that was created with
+	 * lamps, and in compositor_reference() where lamps, borrowed, tells where they are. */
+	double lamp[LAMPS_MAX][3];
+	const struct lamps *lamps;
 	/*
 	 * Bound, in each channel, for the error of the object's radiance in any pixel:
 	 *     gain max(sum over dropped of L_i peak_i, ambient peak_total)

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+#include "hal/compositor/near/near_sky.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/basis/basis_places.h"
+#include "hal/optics/vec.h"
+
+bool near_sky_possible(const struct basis *basis)
+{
+	bool known = basis->info.grounds <= 1 && *basis->camera;
+
+	for (uint32_t p = 0; known && p < basis->info.poses; p++)
+		known = basis_has_places(basis, (int)p);
+	return known;
+}
+
+/* The middle of what the first pose's object covers of the ground; without it the origin. */
+static void middle_of_object(const struct basis *basis, double middle[3])
+{
+	const struct basis_footprint *foot = basis->feet;
+	const double half = foot ? 0.5 * BASIS_FOOT_SQUARES * (double)foot->side : 0;
+
+	for (int k = 0; k < 2; k++)
+		middle[k] = foot ? (double)foot->corner[k] + half : 0;
+	middle[2] = 0;
+}
+
+/* u on the ground at a place. */
+static void light_on_ground(const struct near_sky *sky, int lamp, const double place[3],
+			    double light[3])
+{
+	struct near_share share[NEAR_SHARES];
+	const int count = sky->basis->info.grounds ? near_sky_shares(sky, lamp, place, share) : 0;
+
+	memset(light, 0, 3 * sizeof(*light));
+	for (int n = 0; n < count; n++)
+		for (int c = 0; c < 3; c++)
+			light[c] += basis_ground(sky->basis, 0, c)[share[n].light] *
+				    share[n].amount /
+				    sky->basis->lights[share[n].light].solid_angle_sr;
+}
+
+void near_sky_even(const struct near_sky *sky, int lamp, const double place[3], double even[3])
+{
+	light_on_ground(sky, lamp, place, even);
+	for (int c = 0; c < 3; c++)
+		even[c] = sky->ground[lamp][c] > 0 ? even[c] / sky->ground[lamp][c] : 0;
+}
+
+int near_sky_create(struct near_sky **out, const struct basis *basis, const struct lamps *lamps,
+		    struct fault *fault)
+{
+	const int stride = sizeof(*basis->lights) / sizeof(double);
+	double middle[3];
+	struct near_sky *sky;
+	int ret;
+
+	*out = NULL;
+	if (!lamps || !lamps->count || !near_sky_possible(basis))
+		return 0;
+	sky = calloc(1, sizeof(*sky));
+	if (!sky)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	sky->basis = basis;
+	sky->lamps = *lamps;
+	ret = tsai_read_text(basis->camera, &sky->camera, fault);
+	if (ret == 0)
+		ret = dome_create_nodes(&sky->dome, basis->lights[0].direction, stride,
+					(int)basis->info.lights, (int)basis->info.dome_frequency,
+					fault);
+	if (ret == 0) {
+		ret = dome_placed_create(&sky->placed, &sky->dome);
+		if (ret < 0)
+			fault_say(fault, ret, "the dome has too few lights for lamps at places");
+	}
+	if (ret < 0) {
+		near_sky_destroy(sky);
+		return ret;
+	}
+	middle_of_object(basis, middle);
+	for (int l = 0; l < lamps->count; l++)
+		light_on_ground(sky, l, middle, sky->ground[l]);
+	*out = sky;
+	return 0;
+}
+
+void near_sky_destroy(struct near_sky *sky)
+{
+	if (!sky)
+		return;
+	dome_placed_destroy(sky->placed);
+	dome_free(&sky->dome);
+	free(sky);
+}
+
+/* Two unit vectors across a unit vector. */
+static void vectors_across(const double v[3], double across[2][3])
+{
+	const double axis[3] = {fabs(v[0]) < 0.6, fabs(v[0]) >= 0.6, 0};
+
+	vec_cross(v, axis, across[0]);
+	vec_normalize(across[0]);
+	vec_cross(v, across[0], across[1]);
+}
+
+/* Shares what comes from one direction. Directions below the horizon count as on it. */
+static int share_point(const struct near_sky *sky, const double dir[3], int cell, double amount,
+		       int *facet, struct near_share *share)
+{
+	const double up[3] = {dir[0], dir[1], fmax(dir[2], 0)};
+	double weight[3];
+	int to[3];
+	const int count = dome_placed_share(sky->placed, cell, facet, up, to, weight);
+
+	for (int n = 0; n < count; n++)
+		share[n] = (struct near_share){to[n], amount * weight[n]};
+	return count;
+}
+
+int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
+		    struct near_share share[NEAR_SHARES])
+{
+	const struct lamp *l = &sky->lamps.lamp[lamp];
+	double to[3], from[3], across[2][3], distance, radius, reach, amount;
+	int cell, facet = -1, count;
+
+	for (int k = 0; k < 3; k++) {
+		to[k] = l->position[k] - place[k];
+		from[k] = l->position[k] - sky->lamps.fisheye[k];
+	}
+	distance = fmax(vec_normalize(to), l->radius);
+	amount = vec_dot(from, from) / (distance * distance);
+	cell = dome_cell_of(&sky->dome, to);
+	if (cell < 0)
+		return 0;
+	/* The cells themselves spread light as far as they reach, and variances add up. */
+	reach = dome_cell_reach_rad(&sky->dome, cell);
+	radius = l->radius / distance;
+	if (radius <= reach)
+		return share_point(sky, to, cell, amount, &facet, share);
+	radius = sqrt(2.0 / 3 * (radius * radius - reach * reach));
+	vectors_across(to, across);
+	count = share_point(sky, to, cell, amount / 4, &facet, share);
+	for (int n = 0; n < 6; n++) {
+		const double x = radius * cos(M_PI / 3 * n), y = radius * sin(M_PI / 3 * n);
+		double dir[3];
+
+		for (int k = 0; k < 3; k++)
+			dir[k] = to[k] + x * across[0][k] + y * across[1][k];
+		count += share_point(sky, dir, cell, amount / 8, &facet, share + count);
+	}
+	return count;
+}
+
+bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,
+		      double place[3])
+{
+	double eye[3], dir[3];
+
+	if (tsai_ray(&sky->camera, (const double[]){x, y}, eye, dir) < 0)
+		return false;
+	for (int k = 0; k < 3; k++)
+		place[k] = eye[k] + distance * dir[k];
+	return true;
+}
+
+bool near_sky_ground(const struct near_sky *sky, double x, double y, double place[3])
+{
+	double eye[3], dir[3];
+
+	if (tsai_ray(&sky->camera, (const double[]){x, y}, eye, dir) < 0 || !(eye[2] > 0) ||
+	    !(dir[2] < 0))
+		return false;
+	for (int k = 0; k < 3; k++)
+		place[k] = k < 2 ? eye[k] - eye[2] / dir[2] * dir[k] : 0;
+	return true;
+}
