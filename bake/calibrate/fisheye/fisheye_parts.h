@@ -21,15 +21,8 @@ void turn_multiply(const double a[9], const double b[9], double product[9]);
  * -90..90. At +-90 the one about X is 0. */
 void turn_degrees(const double rotation[9], double deg[3]);
 
-/* Finds the rotation that takes world[] nearest to camera[], both unit vectors (Wahba's problem by
- * singular values; Markley 1988). Returns the sum of squared distances left. *mirrored, which may
- * be NULL, is the same with reflections allowed. */
-double turn_between(const double (*world)[3], const double (*camera)[3], int count,
-		    double rotation[9], double *mirrored);
-
 /*
- * Least-squares fit of a fisheye lens to points: of boards whose poses are unknown, one pose for
- * each view; or in known directions, with one orientation.
+ * Least-squares fit of a fisheye lens to points of boards, one unknown pose for each view.
  */
 
 struct lens_pose {
@@ -39,7 +32,6 @@ struct lens_pose {
 
 struct lens_problem {
 	const struct observations *seen;
-	bool directions; /* world[] are directions: one pose, without translation */
 	int step, first; /* uses points first, first + step...: 1 and 0 for all */
 	bool plain;	 /* plain squares, even if there are outliers */
 };
@@ -50,13 +42,13 @@ struct lens_solution {
 	int poses;
 	struct lens_pose *pose; /* [poses] */
 	/* Parameters: optics.number, then for each pose three turns (rad, about the camera's axes,
-	 * after its rotation) and, for boards, its translation. */
+	 * after its rotation) and its translation. */
 	int parameters;
 	struct least_squares_fit fit;
 };
 
-int lens_poses(const struct lens_problem *problem);
-int lens_pose_size(const struct lens_problem *problem); /* 3 or 6 parameters */
+#define LENS_POSE 6 /* parameters of a pose */
+
 int lens_points(const struct lens_problem *problem);
 
 /* Allocates the poses. -ENOMEM. */
@@ -77,8 +69,8 @@ int lens_solve(const struct lens_problem *problem, struct lens_solution *solutio
 double lens_deviation(const struct lens_problem *problem, const struct lens_solution *solution);
 
 /* Projects a point by the solution; false: it has no image. */
-bool lens_expect(const struct lens_problem *problem, const struct lens_solution *solution,
-		 const struct observation *point, double px[2]);
+bool lens_expect(const struct lens_solution *solution, const struct observation *point,
+		 double px[2]);
 
 /*
  * Fills the solution's optics (of its model, all terms 0) and poses with a first guess. mirrored:
