@@ -10,7 +10,6 @@ BAKE_SOURCES := \
 	bake/base/blas.c \
 	bake/base/picture_file.c \
 	bake/base/pixel_filter.c \
-	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
 	bake/base/strata.c \

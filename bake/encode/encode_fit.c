@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
-
 /* Power iteration converges by the ratio of the two largest eigenvalues each round; tints are
  * rounded to 2^-15, and a tint need not be exact, as colour takes what mono leaves. */
 #define TINT_ROUNDS 16

@@ -21,8 +21,6 @@ struct cache_settings {
 	 * ray's unit direction. Returns false if there is none. It is called on one thread. */
 	bool (*look)(void *context, double x, double y, struct surface *surface,
 		     struct v3 *direction);
-	/* It is called on each thread before it works; may be NULL. */
-	void (*watch)(void *context, int worker);
 	void *context;
 };
 
