@@ -89,7 +89,8 @@ TEST("lamps come, move and go")
 	reload_adopt(running, fresh);
 	assert_int_equal(running->lamps.count, 1);
 	assert_string_equal(running->lamp_name[0], "c");
-	assert_true(running->lamps.lamp[0].position[2] == 3 && running->lamps.lamp[0].radius == 0.2);
+	assert_true(running->lamps.lamp[0].position[2] == 3 &&
+		    running->lamps.lamp[0].radius == 0.2);
 	assert_int_equal(reload_compare(running, fresh), 0);
 	test_reload_end();
 }
