@@ -27,7 +27,6 @@ struct light_job {
 	int times;
 	double time_deviation;
 	double misfit_percent; /* 0: the default */
-	bool exposures;
 	const char *lens, *background_light, *fisheye, *background;
 	double reflectance[3];
 	struct light_areas patch, background_patch;

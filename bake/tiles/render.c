@@ -11,7 +11,7 @@
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "bake/tiles/tile_noise.h"
-#include "bake/trace/cache_make.h"
+#include "bake/trace/cache.h"
 #include "hal/base/pool.h"
 
 /* In scenes with stand-ins, a pixel whose ratio no lighting changes by more than RATIO_SHARE of the

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/trace/cache_make.h"
+#include "bake/trace/cache.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "bake/mesh/gltf/gltf_parts.hpp"
 
 extern "C" {
-#include "bake/mesh/mesh_used.h"
+#include "bake/mesh/mesh.h"
 }
 
 namespace gltf

@@ -12,7 +12,7 @@
 
 extern "C" {
 #include "bake/mesh/gltf/gltf.h"
-#include "bake/mesh/mesh_normals.h"
+#include "bake/mesh/mesh.h"
 #include "hal/optics/vec.h"
 }
 
