@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Waits until a file that was read changes: another time, size or file under its name, links
- * followed. A file that was not there is waited for. Looks ten times a second, which works on network
- * file systems, too.
+ * followed. A file that was not there is waited for. Looks ten times a second, which works on
+ * network file systems, too.
  */
 #ifndef INLAY_BAKE_BASE_WATCH_H
 #define INLAY_BAKE_BASE_WATCH_H
@@ -16,8 +16,9 @@ struct watch;
 int watch_create(struct watch **watch, struct fault *fault); /* -ENOMEM */
 void watch_destroy(struct watch *watch);		     /* NULL is harmless */
 
-/* Forgets the files so far, and adds each that is looked for (hal/base/input.h) until watch_end():
- * at most one watch at a time. A file's change counts from the moment before it is opened. -ENOMEM. */
+/* Forgets the files so far, and adds each that is looked for (hal/base/input.h) until
+ * watch_end(): at most one watch at a time. A file's change counts from the moment before it is
+ * opened. -ENOMEM. */
 void watch_begin(struct watch *watch);
 int watch_end(struct watch *watch, struct fault *fault);
 

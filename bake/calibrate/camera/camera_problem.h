@@ -92,8 +92,8 @@ struct camera_start {
  */
 int camera_guess(const struct camera_problem *problem, const struct camera_start *start, double *x);
 
-/* Finds the pose (as the unknowns of a view) in which points at these places are seen in these directions, in focal
- * lengths from the axis. False: there is none. */
+/* Finds the pose (as the unknowns of a view) in which points at these places are seen in these
+ * directions, in focal lengths from the axis. False: there is none. */
 bool camera_pose(int count, const double (*place)[3], const double (*seen)[2],
 		 double pose[MODEL_OF_VIEW]);
 

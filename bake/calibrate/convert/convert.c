@@ -204,8 +204,8 @@ static double reach_of(const struct lens *lens)
 }
 
 /*
- * Fits a focal length and three terms to radii r before and R after the distortion of a lens of six, which is linear in
- * either direction of Tsai's camera, up to the farthest corner:
+ * Fits a focal length and three terms to radii r before and R after the distortion of a lens of
+ * six, which is linear in either direction of Tsai's camera, up to the farthest corner:
  *     R = a0 (r + k1 r^3 + k2 r^5 + k3 r^7)      or the same of R for r
  * Tangential terms are taken over, in the other direction to first order. room: 5 RADII numbers.
  */

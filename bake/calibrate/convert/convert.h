@@ -50,9 +50,10 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 		    int height, double tolerance_px, double *error_px, struct fault *fault);
 
 /*
- * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact if
- * k4 to k6 are 0; else f and the kappas are fitted to the radii up to the farthest corner. Errors as
- * above, and -EINVAL for a fisheye, or a distortion that folds over inside of the picture.
+ * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact
+ * if k4 to k6 are 0; else f and the kappas are fitted to the radii up to the farthest corner.
+ * Errors as above, and -EINVAL for a fisheye, or a distortion that folds over inside of the
+ * picture.
  */
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, struct fault *fault);

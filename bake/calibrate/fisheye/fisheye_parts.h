@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Shared by the parts of a fisheye's calibration from points: rotations, the fit, its first guess, the choice of a model. */
+/* Shared by the parts of a fisheye's calibration from points: rotations, the fit, its first
+ * guess, the choice of a model. */
 #ifndef INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_PARTS_H
 #define INLAY_BAKE_CALIBRATE_FISHEYE_FISHEYE_PARTS_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The dictionaries of markers, their bits for printing, and the markers of a ChArUco board in a picture. */
+/* The dictionaries of markers, their bits for printing, and the markers of a ChArUco board in a
+ * picture. */
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -17,15 +18,6 @@
 #endif
 
 #include "bake/calibrate/observe/boards_opencv.hpp"
-
-/* In the order of their names in boards_parts.h. */
-const marker_set marker_sets[BOARD_DICTIONARIES] = {
-	{"5x5", 5, 1000},	    {"4x4", 4, 1000},
-	{"6x6", 6, 1000},	    {"7x7", 7, 1000},
-	{"original", 5, 1024},	    {"apriltag_16h5", 4, 30},
-	{"apriltag_25h9", 5, 35},   {"apriltag_36h10", 6, 2320},
-	{"apriltag_36h11", 6, 587},
-};
 
 int boards::opencv_dictionary(int dictionary, int markers)
 {

@@ -42,7 +42,8 @@ class Compressed
 	std::unique_ptr<draco::Mesh> mesh;
 };
 
-/* ---- vertices and triangles of a primitive, in the coordinates of its mesh, at its default morph ---- */
+/* ---- vertices and triangles of a primitive, in the coordinates of its mesh, at its default
+ * morph ---- */
 
 /* The joints that move each vertex, and their weights: each * vertices of both. */
 struct Influences {
@@ -126,7 +127,8 @@ class Materials
 	std::map<TextureKey, const texture *> textures;
 };
 
-/* ---- the tree of nodes: where each stands, which of them the scene shows, and how skins move ---- */
+/* ---- the tree of nodes: where each stands, which of them the scene shows, and how skins move
+ * ---- */
 
 /* Three rows of four numbers: p' = M p + t. */
 struct Matrix {
