@@ -24,15 +24,6 @@ const char *const board_kind_names[] = {"chess", "charuco", NULL};
 _Static_assert(sizeof(board_kind_names) / sizeof(board_kind_names[0]) == BOARD_KIND_COUNT + 1,
 	       "a name for each kind");
 
-/* In the order of their names in boards_parts.h. */
-const struct marker_set marker_sets[BOARD_DICTIONARIES] = {
-	{"5x5", 5, 1000},	    {"4x4", 4, 1000},
-	{"6x6", 6, 1000},	    {"7x7", 7, 1000},
-	{"original", 5, 1024},	    {"apriltag_16h5", 4, 30},
-	{"apriltag_25h9", 5, 35},   {"apriltag_36h10", 6, 2320},
-	{"apriltag_36h11", 6, 587},
-};
-
 /* ---- in words ---- */
 
 static bool take_kind(const char **text, enum board_kind *kind)
