@@ -49,8 +49,8 @@ int guide_find_lights(const struct dome *dome, const float (*radiance)[3],
 		      struct guide_light found[GUIDE_LIGHTS]);
 
 /* Draws the edge of the lens's field, the horizon, the directions +X and +Y, the brightest lights
- * with azimuth and height, and a ring as large as each lamp where it has to be seen. lens is prepared for the canvas's size; radiance NULL: no
- * lights. */
+ * with azimuth and height, and a ring as large as each lamp where it has to be seen. lens is
+ * prepared for the canvas's size; radiance NULL: no lights. */
 void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const struct dome *dome,
 		    const float (*radiance)[3], const struct guide_lamps *lamps, double letter_px);
 
