@@ -92,18 +92,8 @@ FUZZ_PARTS := \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
-	bake/calibrate/convert/convert_omni.c \
 	bake/calibrate/convert/convert_read.c \
-	bake/calibrate/convert/convert_tsai.c \
-	bake/calibrate/convert/convert_words.c \
-	bake/calibrate/convert/convert_xml.c \
-	bake/calibrate/convert/convert_yaml.c \
-	bake/calibrate/estimate/by_view.c \
-	bake/calibrate/estimate/covariance.c \
-	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/linear.c \
-	bake/calibrate/estimate/order.c \
-	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
@@ -129,7 +119,6 @@ FUZZ_PARTS := \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
-	bake/mesh/normal_sums.c \
 	bake/scene/keyframes.c \
 	bake/scene/scene_file.c \
 	bake/tiles/coarse.c \

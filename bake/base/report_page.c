@@ -311,38 +311,29 @@ static void write_base64(FILE *to, FILE *from)
 	}
 }
 
-int report_page_figure(struct report_page *page, const char *file, const char *type,
-		       const char *caption, struct fault *fault)
+int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
+			const char *caption, struct fault *fault)
 {
-	FILE *to = page->body;
+	FILE *to = page->body, *from;
 	char path[2 * PATH_MAX];
-	FILE *from;
+	int err;
 
-	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
+	snprintf(path, sizeof(path), "%s/%s.png", page->temporary, name);
+	err = image_write(path, picture, fault);
+	if (err)
+		return err;
 	from = fopen(path, "rb");
 	if (!from)
 		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
-	fprintf(to, "<figure><img class=\"%s\" alt=\"", type);
+	fputs("<figure><img alt=\"", to);
 	report_write_escaped(to, caption);
-	fprintf(to, "\" src=\"data:image/%s;base64,", type);
+	fputs("\" src=\"data:image/png;base64,", to);
 	write_base64(to, from);
 	fclose(from);
 	fputs("\"><figcaption>", to);
 	report_write_escaped(to, caption);
-	fprintf(to, " <a href=\"%s\">%s</a></figcaption></figure>\n", file, file);
+	fprintf(to, " <a href=\"%s.png\">%s.png</a></figcaption></figure>\n", name, name);
 	return 0;
-}
-
-int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
-			const char *caption, struct fault *fault)
-{
-	char path[2 * PATH_MAX], file[128];
-	int err;
-
-	snprintf(file, sizeof(file), "%s.png", name);
-	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
-	err = image_write(path, picture, fault);
-	return err ? err : report_page_figure(page, file, "png", caption, fault);
 }
 
 /* ---- the whole ---- */
@@ -355,7 +346,7 @@ static const char style[] =
 	"th{text-align:right;vertical-align:bottom;border-bottom:2px solid #888;padding:.2em .6em}th:first-child{text-align:left}.unit{font-weight:normal;color:#555}\n"
 	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
 	"tr.used td{background:#dcebf7;font-weight:bold}\n"
-	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}figure{margin:.8em 0}img{max-width:100%;display:block}img.png{width:100%;image-rendering:pixelated}\n"
+	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}figure{margin:.8em 0}img{max-width:100%;display:block;width:100%;image-rendering:pixelated}\n"
 	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}figure,table{page-break-inside:avoid}}\n";
 
 static int write_page(struct report_page *page, const char *title, struct fault *fault)

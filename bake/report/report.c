@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sky.h"
 #include "hal/base/log.h"
 #include "hal/measure/lightings.h"
 

@@ -56,7 +56,7 @@ const struct command report_command = {
 	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
 		 "           [--repeat N] [--threads T] [--quiet]",
-	.summary = "speed against error of a scene: one page with a plot, tables and CSVs",
+	.summary = "speed against error of a scene: one page with tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its pictures and tables as files;\n"
 		"                     appears when it is whole\n"

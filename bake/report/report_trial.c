@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_trial.h"
+#include "bake/report/report_parts.h"
 
 #include <errno.h>
 #include <math.h>

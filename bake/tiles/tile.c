@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
 #include "bake/tiles/tile_glass.h"
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
@@ -112,7 +111,6 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	double unit[2];
 	bool met;
 
-	profile_enter(PROFILE_CAMERA);
 	sobol_point(place, scramble, unit);
 	scene_place(tile->scene, x, y, unit, s.place);
 	tile->transport.ray_count++;
@@ -170,7 +168,6 @@ static void run_batch(struct tile *tile, int samples)
 
 			for (int k = 0; k < samples; k++)
 				tile_add_sample(tile, at, (uint32_t)(tile->samples + k));
-			profile_enter(PROFILE_FILTER);
 			tile_noise_add(tile, at);
 		}
 	tile->samples += samples;
