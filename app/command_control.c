@@ -11,10 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/commands.h"
 #include "app/control/control_socket.h"
 #include "app/control/snapshot.h"
-#include "app/driver_list.h"
 #include "app/settings.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"

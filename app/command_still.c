@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/commands.h"
 #include "app/settings.h"
 #include "app/still.h"
 #include "hal/base/log.h"

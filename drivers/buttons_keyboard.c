@@ -22,8 +22,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/keyboard/keymap.h"
-#include "drivers/keyboard/keys.h"
+#include "drivers/keyboard/keyboard.h"
 #include "hal/base/log.h"
 #include "hal/device/node_link.h"
 

@@ -17,7 +17,6 @@ DRIVER_SOURCES := \
 	drivers/keyboard/keys.c \
 	drivers/sim/automatic.c \
 	drivers/sim/eye.c \
-	drivers/sim/mains.c \
 	drivers/sim/options.c \
 	drivers/sim/panorama_view.c \
 	drivers/sim/player.c \

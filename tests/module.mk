@@ -83,7 +83,6 @@ FUZZ_TARGETS := \
 # Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
 # missing does not link.
 FUZZ_PARTS := \
-	app/driver_list.c \
 	app/control/control.c \
 	app/control/control_socket.c \
 	app/control/snapshot.c \

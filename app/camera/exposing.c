@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/camera/exposing.h"
+#include "app/camera/eye.h"
 
 #include <errno.h>
 #include <stdio.h>

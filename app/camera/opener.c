@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/camera/opener.h"
+#include "app/camera/source.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -8,7 +8,7 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/colour/encode_row.h"
+#include "hal/colour/transfer.h"
 #include "hal/frame/frame_decode.h"
 #include "hal/frame/frame_reader.h"
 

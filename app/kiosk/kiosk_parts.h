@@ -7,7 +7,6 @@
 
 #include <sys/stat.h>
 
-#include "app/camera/exposing.h"
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
 #include "app/control/control.h"
@@ -18,11 +17,7 @@
 #include "app/kiosk/service.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
-#include "app/records/learned.h"
-#include "app/records/metrics.h"
-#include "app/records/state.h"
-#include "app/records/stats.h"
-#include "app/view/overlay.h"
+#include "app/records/records.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"
 #include "hal/device/display.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/learned.h"
+#include "app/records/records.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/state.h"
+#include "app/records/records.h"
 
 #include <errno.h>
 #include <pthread.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/stats.h"
+#include "app/records/records.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/guide.h"
+#include "app/view/show.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "app/view/pen.h"
+#include "app/view/panel.h"
 
 #define STEPS 96     /* points of a line: lenses bend it */
 #define GRID_HALF 10 /* lines on each side of the middle */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/marks.h"
+#include "app/view/show.h"
 
 #include <math.h>
 

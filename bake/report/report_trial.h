@@ -6,8 +6,7 @@
 #include "bake/report/report_bake.h"
 #include "bake/report/report_rank.h"
 #include "hal/compositor/compositor.h"
-#include "hal/measure/error.h"
-#include "hal/measure/turns.h"
+#include "hal/measure/measure.h"
 
 struct report_errors {
 	struct composite_error each[REPORT_LIGHTINGS_MAX];
@@ -30,7 +29,7 @@ struct report_trial {
 };
 
 /*
- * Times all trials in turns (hal/measure/turns.h) under each lighting with one thread, and measures
+ * Times all trials in turns (hal/measure/measure.h) under each lighting with one thread, and measures
  * the errors of their pictures over the pixels of the scope. Those of the first trial are left in
  * the lightings. -EIO, -ENOMEM.
  */

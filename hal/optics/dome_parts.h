@@ -89,7 +89,7 @@ const int *dome_lookup_candidates(const struct dome_lookup *lookup, const double
 int dome_lookup_find(const struct dome_lookup *lookup, const double (*node)[3],
 		     const double dir[3]);
 
-/* The flat triangles between a dome's nodes, and from its rim to the horizon (dome_facets.h). */
+/* The flat triangles between a dome's nodes, and from its rim to the horizon (dome_facets.c). */
 
 struct dome_triangles {
 	int vertices; /* the nodes, then the feet of some of them */

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "tests/bench/bench.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/base/pool.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/ini/ini.h"
+#include "tests/bench/bench.h"
 
 struct bench_options {
 	struct bench_settings settings;

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/camera/exposing.h"
+#include "app/camera/eye.h"
 #include "tests/support/test.h"
 
 static struct {

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/driver_list.h"
 #include "app/kiosk/reload.h"
+#include "app/settings.h"
 #include "tests/support/test.h"
 
 static struct config *running, *fresh;
@@ -89,7 +89,8 @@ TEST("lamps come, move and go")
 	reload_adopt(running, fresh);
 	assert_int_equal(running->lamps.count, 1);
 	assert_string_equal(running->lamp_name[0], "c");
-	assert_true(running->lamps.lamp[0].position[2] == 3 && running->lamps.lamp[0].radius == 0.2);
+	assert_true(running->lamps.lamp[0].position[2] == 3 &&
+		    running->lamps.lamp[0].radius == 0.2);
 	assert_int_equal(reload_compare(running, fresh), 0);
 	test_reload_end();
 }

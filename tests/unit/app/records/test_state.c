@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/records/state.h"
+#include "app/records/records.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/test.h"
