@@ -29,7 +29,8 @@ _Static_assert(sizeof(config_hours_off_names) / sizeof(*config_hours_off_names) 
 		       HOURS_OFF_COUNT + 1,
 	       "a name for each end of the hours");
 
-/* At 1 km a scene of 1 m sees a lamp from the same direction to a pixel: what is farther need not be named. */
+/* At 1 km a scene of 1 m sees a lamp from the same direction to a pixel: what is farther need
+ * not be named. */
 #define PLACE_MAX 1000
 /* Nothing of a room is larger; of metres and centimetres it tells one that was mistaken. */
 #define LAMP_RADIUS_MAX 50

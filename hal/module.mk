@@ -20,7 +20,6 @@ HAL_SOURCES := \
 	hal/basis/basis_blocks.c \
 	hal/basis/basis_chunks.c \
 	hal/basis/basis_file.c \
-	hal/basis/basis_foot.c \
 	hal/basis/basis_glass.c \
 	hal/basis/basis_groups.c \
 	hal/basis/basis_layout.c \
@@ -84,7 +83,8 @@ HAL_SOURCES := \
 	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
-	hal/lights/lamp_light.c \
+	hal/lights/lamp/lamp_light.c \
+	hal/lights/lamp/lamp_find.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \
@@ -124,6 +124,7 @@ HAL_SOURCES := \
 	hal/people/footprint.c \
 	hal/people/gain.c \
 	hal/people/groups.c \
+	hal/people/nudge.c \
 	hal/people/outline.c \
 	hal/people/people.c \
 	hal/people/persons.c \

@@ -24,6 +24,7 @@ SUPPORT_SOURCES := \
 	tests/support/basis/synthetic_basis.c \
 	tests/support/basis/synthetic_block.c \
 	tests/support/calibrate/drawn_board.c \
+	tests/support/calibrate/drawn_lamps.c \
 	tests/support/calibrate/fisheye_photographs.c \
 	tests/support/calibrate/fisheye_views.c \
 	tests/support/calibrate/known_camera.c \

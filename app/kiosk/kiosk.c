@@ -108,7 +108,7 @@ static void write_stats(struct kiosk *k, int64_t now_ns)
 {
 	struct pipeline_report report;
 
-	pipeline_find_lamp(k->picture.pipeline);
+	pipeline_find_lamps(k->picture.pipeline);
 	report = pipeline_report(k->picture.pipeline);
 	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
 	write_metrics(k, now_ns, &report);

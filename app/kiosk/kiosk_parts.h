@@ -48,6 +48,7 @@ struct kiosk_inputs {
 	/* the fisheye's picture is measured once the pipeline is ready for it */
 	bool light_awaited;
 	struct fault light_said; /* why the light cannot be measured; empty: it can */
+	struct fault moved_said; /* that the background's camera was moved; empty: it was not */
 	struct fault doubt_said; /* why the light is not believed; empty: it is */
 	int doubted;		 /* for how many seconds it has not been believed */
 	bool look_due;		 /* the next picture is looked at */

@@ -6,6 +6,7 @@
 #include "app/kiosk/kiosk_parts.h"
 #include "app/view/words.h"
 #include "hal/base/log.h"
+#include "hal/people/people.h"
 
 #define ROLE_MAX 64
 
@@ -98,9 +99,16 @@ static void write_information(struct kiosk *k)
 		.lamp = report.lamp.there,
 		.lamp_azimuth_deg = report.lamp.azimuth_deg,
 		.lamp_height_deg = report.lamp.height_deg,
+		.missing_lamp = report.missing_lamp[0],
+		.unnamed_lamp = report.near.unnamed,
+		.unnamed_azimuth_deg = report.near.azimuth_deg,
+		.unnamed_height_deg = report.near.height_deg,
+		.unnamed_off = NEAR_LAMPS_OFF * report.near.share,
 		.people = report.people.on,
 		.learned = report.people.learned,
 		.in_front = report.people.in_front,
+		.unsure = report.people.sure < PEOPLE_SURE_LEAST,
+		.moved_px = {report.people.moved_px[0], report.people.moved_px[1]},
 		.depth = k->inputs.eyes.depth.source != NULL,
 		.by_depth = k->inputs.depth_used,
 	};
@@ -125,14 +133,29 @@ static void say_depth(struct kiosk_inputs *in, const struct pipeline *pipeline)
 			       : "their feet, as no depth has come within 0.2 s of the picture");
 }
 
+/* Where the background's camera was moved by too much. Returns how many lines it has written. */
+static int say_moved(struct kiosk *k, char text[OVERLAY_TEXT_MAX])
+{
+	const struct pipeline_people_seen people = pipeline_report(k->picture.pipeline).people;
+	struct fault trouble = {.text = ""};
+
+	if (people.lost) {
+		words_moved(text, OVERLAY_TEXT_MAX, people.moved_px);
+		snprintf(trouble.text, sizeof(trouble.text), "%s", text);
+	}
+	kiosk_complain(&k->inputs.moved_said, "people", people.lost ? &trouble : NULL);
+	return people.lost;
+}
+
 void kiosk_text(struct kiosk *k)
 {
 	char texts[OVERLAY_TROUBLES_MAX][OVERLAY_TEXT_MAX];
 	int count = list_troubles(&k->inputs, &k->picture, texts);
 
-	_Static_assert(CONFIG_CAMERAS_MAX + 2 <= OVERLAY_TROUBLES_MAX,
-		       "a line for each camera, for the pose and for the light");
+	_Static_assert(CONFIG_CAMERAS_MAX + 3 <= OVERLAY_TROUBLES_MAX,
+		       "a line for each camera, for the pose, for the light and a moved camera");
 	count += kiosk_doubt(k, texts[count]);
+	count += say_moved(k, texts[count]);
 	say_depth(&k->inputs, k->picture.pipeline);
 	overlay_troubles(&k->picture.overlay, (const char(*)[OVERLAY_TEXT_MAX])texts,
 			 k->config->screen->trouble ? count : 0);

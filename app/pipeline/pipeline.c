@@ -79,7 +79,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	p->distant = calloc(info->lights, sizeof(*p->distant));
 	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
 	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
-	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left)
+	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left ||
+	    near_search_create(&p->light.near_search, &p->dome))
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -110,6 +111,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
+			       .light = {.near_due = true},
 			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
 			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);
@@ -138,6 +140,7 @@ void pipeline_destroy(struct pipeline *p)
 	light_exposures_destroy(p->light.exposures);
 	pipeline_ground_free(p);
 	image_free(&p->light.upright);
+	near_search_destroy(p->light.near_search);
 	lamp_light_destroy(p->lamps);
 	free(p->distant);
 	free(p->light.radiance);
@@ -237,8 +240,8 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	light_selection_choose(
 		&p->selection, p->basis, p->choice.share > 0.5 ? p->choice.next : p->choice.pose,
 		p->lamps ? (const float(*)[3])p->distant : (const float(*)[3])p->light.radiance,
-		pipeline_linear_level(&p->settings.sampler, level),
-		p->settings.threshold_mode, p->settings.gain);
+		pipeline_linear_level(&p->settings.sampler, level), p->settings.threshold_mode,
+		p->settings.gain);
 	memset(p->look_ns, 0, sizeof(p->look_ns));
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();
@@ -356,9 +359,13 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.pose = p->choice.pose,
 		.missing = p->pose.missing,
 		.lamp = p->light.lamp,
+		.near = p->light.near,
 		.people = pipeline_people_seen(p),
 	};
 
+	for (int l = 0, count = 0; l < p->settings.lamps.count; l++)
+		if (report.near.missing[l])
+			report.missing_lamp[count++] = p->settings.lamp_name[l];
 	memcpy(report.look_ns, p->look_ns, sizeof(report.look_ns));
 	return report;
 }

@@ -58,6 +58,8 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 	name_camera(config, settings.camera);
 	snprintf(settings.mask, sizeof(settings.mask), "%s", config->people.mask);
 	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
+	_Static_assert(sizeof(settings.lamp_name) == sizeof(config->lamp_name), "names fit");
+	memcpy(settings.lamp_name, config->lamp_name, sizeof(settings.lamp_name));
 	return settings;
 }
 

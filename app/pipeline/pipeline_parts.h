@@ -4,7 +4,7 @@
 #define INLAY_APP_PIPELINE_PIPELINE_PARTS_H
 
 #include "app/pipeline/pipeline.h"
-#include "hal/lights/lamp_light.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/recovery.h"
 
@@ -32,6 +32,9 @@ struct pipeline_light {
 	bool lit;	      /* radiance has been measured or given */
 	double clipped;	      /* share of the sky's solid angle clipped in every exposure */
 	struct coarse_lamp lamp;
+	struct near_search *near_search;
+	struct near_lamps near;
+	bool near_due; /* the next picture of the shortest exposure is looked at */
 	struct ground *ground; /* finds on the ground what clips; NULL: no patch */
 	struct light_recovery recovery;
 };
@@ -59,8 +62,8 @@ struct pipeline {
 	struct light_selection selection;
 	bool followed; /* the selection has been multiplied by the camera's exposure */
 	struct compositor *compositor;
-	struct lamp_light *lamps; /* NULL: there are none at places */
-	float (*distant)[3];	  /* [lights]: the light without them */
+	struct lamp_light *lamps;   /* NULL: there are none at places */
+	float (*distant)[3];	    /* [lights]: the light without them */
 	struct pipeline_fade *fade; /* pipeline_fade.c; NULL: no two poses have been mixed */
 
 	/* what is found in the background camera's frames */

@@ -230,6 +230,12 @@ struct pipeline_people_seen pipeline_people_seen(const struct pipeline *p)
 	if (!p->people)
 		return (struct pipeline_people_seen){.on = false};
 	report = people_report(p->people->people);
-	return (struct pipeline_people_seen){true, p->people->looked, report.learned, report.parts,
-					     report.in_front};
+	return (struct pipeline_people_seen){true,
+					     p->people->looked,
+					     report.learned,
+					     report.parts,
+					     report.in_front,
+					     report.sure,
+					     {report.moved_px[0], report.moved_px[1]},
+					     report.lost};
 }

@@ -174,6 +174,22 @@ static void append_lamp(struct writing *w, const struct coarse_lamp *lamp)
 		append(w, ",\"coarse_lamp\":null");
 }
 
+static void append_near_lamps(struct writing *w, const struct pipeline_report *report)
+{
+	const struct near_lamps *near = &report->near;
+
+	append(w, ",\"lamps_missing\":[");
+	for (int i = 0; report->missing_lamp[i]; i++)
+		append(w, "%s\"%s\"", i ? "," : "", report->missing_lamp[i]);
+	if (near->unnamed)
+		append(w,
+		       "],\"lamp_unnamed\":{\"azimuth\":%.1f,\"height\":%.1f,\"share\":%.3f,\"off\":%.3f}",
+		       near->azimuth_deg, near->height_deg, near->share,
+		       NEAR_LAMPS_OFF * near->share);
+	else
+		append(w, "],\"lamp_unnamed\":null");
+}
+
 uint64_t stats_drops(const struct source *sources, int source_count)
 {
 	uint64_t sum = 0;
@@ -186,8 +202,10 @@ uint64_t stats_drops(const struct source *sources, int source_count)
 static void append_people(struct writing *w, const struct pipeline_people_seen *people)
 {
 	if (people->on)
-		append(w, ",\"people\":{\"learned\":%.3f,\"parts\":%d,\"in_front\":%d}",
-		       people->learned, people->parts, people->in_front);
+		append(w,
+		       ",\"people\":{\"learned\":%.3f,\"parts\":%d,\"in_front\":%d,\"sure\":%.2f,\"moved\":[%.1f,%.1f],\"lost\":%s}",
+		       people->learned, people->parts, people->in_front, people->sure,
+		       people->moved_px[0], people->moved_px[1], people->lost ? "true" : "false");
 	else
 		append(w, ",\"people\":null");
 }
@@ -221,6 +239,7 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 	       report->exposures, (unsigned long long)report->unfit,
 	       (unsigned long long)stats->lines_lost);
 	append_lamp(&w, &report->lamp);
+	append_near_lamps(&w, report);
 	append_people(&w, &report->people);
 	append_cameras(&w, sources, source_count);
 }

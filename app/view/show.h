@@ -13,6 +13,7 @@
 #include "hal/device/display.h"
 #include "hal/frame/frame.h"
 #include "hal/frame/view.h"
+#include "hal/lights/lamps.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
@@ -27,7 +28,7 @@
 
 #define OVERLAY_TEXT_MAX                                                                           \
 	256 /* bytes, terminator included; longer texts are cut between characters */
-#define OVERLAY_TROUBLES_MAX 6
+#define OVERLAY_TROUBLES_MAX 7
 
 struct overlay_drawn;
 
@@ -62,12 +63,20 @@ void overlay_free(struct overlay *overlay); /* idempotent; zeroed is fine */
  * about eight cross the middle of the picture. 0: the ground is not in the picture. */
 double guide_spacing(const struct tsai_camera *camera);
 
+/* The lamps at places, borrowed. */
+struct guide_lamps {
+	const struct lamps *lamps; /* NULL: there are none */
+	const char (*name)[CONFIG_NAME_MAX];
+	const bool *missing; /* those that show no light */
+};
+
 /*
- * Draws the ground's grid, the axes X, Y, Z from the origin, the horizon, and the object's outline.
+ * Draws the ground's grid, the axes X, Y, Z from the origin, the horizon, the object's outline, and
+ * from each lamp's foot on the ground a line up to the lamp, as far as that is in the picture.
  * The canvas has the camera's size. coverage[height][width], 65535 is 1; NULL: there is no outline.
  */
 void guide_draw_ground(struct canvas *canvas, const struct tsai_camera *camera,
-		       const uint16_t *coverage, double letter_px);
+		       const uint16_t *coverage, const struct guide_lamps *lamps, double letter_px);
 
 /* A light that stands out, by its number in the dome. */
 struct guide_light {
@@ -81,11 +90,11 @@ struct guide_light {
 int guide_find_lights(const struct dome *dome, const float (*radiance)[3],
 		      struct guide_light found[GUIDE_LIGHTS]);
 
-/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, and the brightest
- * lights with azimuth and height. lens is prepared for the canvas's size; radiance NULL: no
- * lights. */
+/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, the brightest lights
+ * with azimuth and height, and a ring as large as each lamp where it has to be seen. lens is
+ * prepared for the canvas's size; radiance NULL: no lights. */
 void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const struct dome *dome,
-		    const float (*radiance)[3], double letter_px);
+		    const float (*radiance)[3], const struct guide_lamps *lamps, double letter_px);
 
 /* Marks the lights in the fisheye's picture, as in the thesis's figures: red lights are in use,
  * blue ones left out. */
@@ -169,10 +178,11 @@ struct show_marks {
 	const float (*radiance)[3]; /* [dome->count] */
 };
 
-/* What SHOW_GUIDE draws into the composite. Borrowed. */
+/* What SHOW_GUIDE draws into the composite, and the lamps into the fisheye's picture, too. Borrowed. */
 struct show_guide {
 	const struct tsai_camera *camera; /* NULL: not known, and nothing is drawn */
 	const uint16_t *coverage;	  /* of the object, of the camera's size; NULL: not known */
+	struct guide_lamps lamps;
 };
 
 struct show_pictures {

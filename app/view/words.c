@@ -57,6 +57,33 @@ int words_pose(char *text, size_t room, int pose, const char *name)
 	return copy_whole(text, room, whole);
 }
 
+/* "10 px left and 2 px down"; empty: less than half a pixel. */
+static const char *say_moved(char text[64], const double moved_px[2])
+{
+	const double across = round(fabs(moved_px[0])), down = round(fabs(moved_px[1]));
+	int length = 0;
+
+	*text = '\0';
+	if (across > 0)
+		length = snprintf(text, 64, "%.0f px %s%s", across,
+				  moved_px[0] > 0 ? "right" : "left", down > 0 ? " and " : "");
+	if (down > 0)
+		snprintf(text + length, 64 - (size_t)length, "%.0f px %s", down,
+			 moved_px[1] > 0 ? "down" : "up");
+	return text;
+}
+
+int words_moved(char *text, size_t room, const double moved_px[2])
+{
+	char whole[256], moved[64];
+
+	snprintf(
+		whole, sizeof(whole),
+		"The background's camera was moved: its picture lies %s of where it was. Nobody is before the object until it is calibrated again (inlay-calibrate camera)",
+		say_moved(moved, moved_px));
+	return copy_whole(text, room, whole);
+}
+
 /* Rounds up, so that a bound stays a bound. */
 static const char *say_bound(char *text, size_t room, double value)
 {
@@ -79,22 +106,31 @@ static const char *say_share(char *text, size_t room, double share)
 int words_information(char *text, size_t room, const struct words_figures *f)
 {
 	const double rounded = f->percent ? 100 : 10;
-	char whole[768], error[32], clipped[32], lamp[128] = "", people[96] = "";
+	char whole[768], error[32], clipped[32], missing[96] = "", unnamed[96] = "", lamp[128] = "";
+	char people[192] = "", moved[64];
 
+	if (f->missing_lamp)
+		snprintf(missing, sizeof(missing), " · no light at lamp %s", f->missing_lamp);
+	if (f->unnamed_lamp)
+		snprintf(unnamed, sizeof(unnamed),
+			 " · light at %.0f°, %.0f° high, no [lamp]: off %.0f %% if 1.5 m away",
+			 f->unnamed_azimuth_deg, f->unnamed_height_deg, 100 * f->unnamed_off);
 	if (f->lamp)
 		snprintf(
 			lamp, sizeof(lamp),
 			" · lamp at azimuth %.0f°, height %.0f°: shadow too soft, the dome is coarse there",
 			f->lamp_azimuth_deg, f->lamp_height_deg);
 	if (f->people)
-		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front%s",
+		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front%s%s%s%s",
 			 floor(100 * f->learned), f->in_front,
 			 !f->depth     ? ""
 			 : f->by_depth ? " by depth"
-				       : " by feet");
+				       : " by feet",
+			 f->unsure ? " · place not recognized, only who moves is in front" : "",
+			 *say_moved(moved, f->moved_px) ? " · camera moved " : "", moved);
 	snprintf(
 		whole, sizeof(whole),
-		"lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",
+		"lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · latency %.0f ms · %llu dropped · sky clipped %s%s%s%s%s%s",
 		f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
 		f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
 		f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
@@ -102,6 +138,6 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 		!f->recovered ? ""
 		: f->at_bound ? ", recovered in part"
 			      : ", recovered",
-		lamp, people);
+		missing, unnamed, lamp, people);
 	return copy_whole(text, room, whole);
 }

@@ -13,10 +13,10 @@
 struct assembly {
 	const struct plan *plan;
 	struct basis_writer *writer;
-	uint16_t *coverage;	   /* [height][width] */
+	uint16_t *coverage;		 /* [height][width] */
 	float *distance[BASIS_SURFACES]; /* [height][width] (basis_places.h) */
 	bool placeless;			 /* a tile of the open pose came without */
-	struct basis_glass *glass; /* the open pose's */
+	struct basis_glass *glass;	 /* the open pose's */
 	size_t glass_count, glass_room;
 	struct basis_footprint *feet; /* [info.poses] */
 	int poses_done;

@@ -93,7 +93,8 @@ static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 							 p->object++ == 0);
 
 	p->changed = true;
-	p->distance[BASIS_OBJECT] += (double)v3_length(v3_sub(s->surface.position, tile->scene->eye));
+	p->distance[BASIS_OBJECT] +=
+		(double)v3_length(v3_sub(s->surface.position, tile->scene->eye));
 	if (s->surface.bsdf.kind == MATERIAL_GLASS)
 		tile_glass_add(tile, s, &rows);
 	else

@@ -12,7 +12,6 @@
 #include "hal/basis/basis_blocks.h"
 #include "hal/basis/basis_chunks.h"
 #include "hal/basis/basis_file.h"
-#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_glass.h"
 #include "hal/basis/basis_names.h"
 #include "hal/basis/basis_places.h"

@@ -48,10 +48,10 @@ struct basis_layer {
 
 /* Only poses in memory have blocks and coverage: see basis_pose_load(). */
 struct basis_pose {
-	const uint16_t *coverage;	 /* [height][width] */
-	const float (*peak)[3];		 /* [lights + 1] */
-	const struct basis_glass *glass; /* [glass_count] */
-	size_t glass_count;		 /* 0: the object shows no background */
+	const uint16_t *coverage;	   /* [height][width] */
+	const float (*peak)[3];		   /* [lights + 1] */
+	const struct basis_glass *glass;   /* [glass_count] */
+	size_t glass_count;		   /* 0: the object shows no background */
 	const struct basis_places *places; /* NULL: they are not known (basis_places.h) */
 	struct basis_layer shown;
 	struct basis_layer exact; /* tiles is NULL where it is absent or was not opened */

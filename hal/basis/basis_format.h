@@ -257,9 +257,9 @@ struct basis_footprint {
  *     round(BASIS_PLACE_ONE nearest / distance), at least 1; 0: the surface is not in the pixel
  *
  * where distance is from the camera, the mean over the pixel's samples, in world units. Receivers
- * are those of D and U; the ground of V lies at Z = 0, and needs no map. A map is one zstd frame: the
- * upper bytes, then the lower bytes, of the differences modulo 2^16 from left + upper - upper left
- * neighbour.
+ * are those of D and U; the ground of V lies at Z = 0, and needs no map. A map is one zstd frame:
+ * the upper bytes, then the lower bytes, of the differences modulo 2^16 from left + upper - upper
+ * left neighbour.
  */
 #define BASIS_PLACE_ONE 65535
 

@@ -87,8 +87,8 @@ int basis_places_read(const struct basis *basis, int pose, enum basis_surface su
 	if (ZSTD_decompress(raw, 2 * pixels, packed, places->bytes[surface]) != 2 * pixels)
 		ret = -EBADMSG;
 	else
-		unfold(raw, (uint16_t *)(void *)(raw + 2 * pixels), (double)places->nearest[surface],
-		       width, height, distance);
+		unfold(raw, (uint16_t *)(void *)(raw + 2 * pixels),
+		       (double)places->nearest[surface], width, height, distance);
 	free(raw);
 	return ret;
 }
@@ -156,5 +156,28 @@ int basis_places_pack(const float *const distance[BASIS_SURFACES], int width, in
 	}
 	memcpy(out, &head, sizeof(head));
 	*chunk = out;
+	return 0;
+}
+
+/* ---- footprints ---- */
+
+static bool is_possible(const struct basis_footprint *foot)
+{
+	uint64_t any = 0;
+
+	for (int j = 0; j < BASIS_FOOT_SQUARES; j++)
+		any |= foot->row[j];
+	return fabsf(foot->corner[0]) <= BASIS_FOOT_MOST &&
+	       fabsf(foot->corner[1]) <= BASIS_FOOT_MOST && foot->side >= 0 &&
+	       foot->side <= BASIS_FOOT_MOST && (foot->side > 0 || !any) && foot->reserved == 0;
+}
+
+int basis_foot_check(const struct basis_footprint *feet, uint32_t count, uint32_t *bad)
+{
+	for (uint32_t p = 0; p < count; p++)
+		if (!is_possible(&feet[p])) {
+			*bad = p;
+			return -EINVAL;
+		}
 	return 0;
 }

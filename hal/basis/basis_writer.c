@@ -10,7 +10,6 @@
 #include <xxhash.h>
 
 #include "hal/base/output.h"
-#include "hal/basis/basis_foot.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_names.h"
 #include "hal/basis/basis_places.h"
@@ -24,7 +23,8 @@
 #define SINGLE_CHUNKS 1 /* more, of a single pose */
 #define LAST_CHUNKS 3
 
-_Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + SINGLE_CHUNKS + LAST_CHUNKS <= BASIS_CHUNKS_MAX,
+_Static_assert(FIRST_CHUNKS + POSE_CHUNKS * BASIS_POSES_MAX + SINGLE_CHUNKS + LAST_CHUNKS <=
+		       BASIS_CHUNKS_MAX,
 	       "chunks for all poses");
 
 /* The blocks of the open pose in one layer. */

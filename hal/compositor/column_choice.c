@@ -219,8 +219,8 @@ int column_choice_create(struct column_choice *choice, struct block_plan *plan, 
 	choice->column = malloc((columns + 1) * sizeof(*choice->column));
 	/* The largest size; pages that are never touched take no memory. */
 	choice->chosen = malloc((columns + 1) * sizeof(*choice->chosen));
-	if (sorting_create(&sorting, columns, n, &terms->groups) == 0 && choice->light && choice->block &&
-	    choice->column && choice->chosen && columns <= UINT32_MAX) {
+	if (sorting_create(&sorting, columns, n, &terms->groups) == 0 && choice->light &&
+	    choice->block && choice->column && choice->chosen && columns <= UINT32_MAX) {
 		sort_by_class(choice, plan, count, terms, &sorting);
 		sort_by_light(choice, &sorting, (uint32_t)lights, columns);
 		ret = 0;

@@ -130,7 +130,8 @@ void compositor_destroy(struct compositor *compositor);
 
 /*
  * Computes the frame in double precision, without settings->grain, from the layer that
- * settings->mode names, with every column, and lights->lamps. out[height][width][3] gets R, G, B as encoded values
+ * settings->mode names, with every column, and lights->lamps. out[height][width][3] gets R, G, B as
+ * encoded values
  * 0..255, not rounded. background has the basis's size. Slow; for tests, reports and `--mode
  * reference`. -EINVAL, -ENODATA, -ENOMEM and -EBADMSG as compositor_run().
  */

@@ -57,7 +57,7 @@ struct compositor {
 	int tiles, workers;
 	struct pose *poses;
 	struct light_terms terms;
-	struct near_sky *sky; /* NULL: no lamps at places */
+	struct near_sky *sky;			      /* NULL: no lamps at places */
 	struct light_vector vector[BASIS_KIND_COUNT]; /* T, D and U */
 	struct light_vector *ground;		      /* [grounds] */
 	struct compositor_worker **worker;

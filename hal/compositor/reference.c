@@ -7,8 +7,8 @@
 
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
-#include "hal/compositor/compositor.h"
 #include "hal/basis/basis_places.h"
+#include "hal/compositor/compositor.h"
 #include "hal/compositor/live/lit_rows.h"
 #include "hal/compositor/near/near_sky.h"
 
@@ -117,12 +117,12 @@ static bool place_of(const struct reference_scene *s, enum basis_kind kind, int 
 {
 	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
 	const size_t at = (size_t)y * s->basis->info.width + (size_t)x;
-	const float distance = s->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
+	const float distance =
+		s->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
 
 	if (kind == BASIS_KIND_V)
 		return near_sky_ground(s->sky, x + 0.5, y + 0.5, place);
-	return distance > 0 &&
-	       near_sky_surface(s->sky, x + 0.5, y + 0.5, (double)distance, place);
+	return distance > 0 && near_sky_surface(s->sky, x + 0.5, y + 0.5, (double)distance, place);
 }
 
 /* What a block gives pixel p of its list, per unit of X of light i. */
@@ -200,7 +200,7 @@ static void spread_block(const struct reference_scene *s, const struct basis_blo
 		for (int c = 0; c < 3; c++)
 			to[b->pixel[p]][c] +=
 				value[p][c] *
-				(!ground	     ? factor
+				(!ground	   ? factor
 				 : there[p][c] > 0 ? 1 / there[p][c]
 						   : 0) *
 				(b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1);

@@ -284,14 +284,22 @@ void groups_order(struct people *p)
 {
 	const struct box *box = &p->verdict.box;
 
+	uint8_t order[PERSONS_MAX];
+	const bool sure = (double)p->nudge.sure >= PEOPLE_SURE_LEAST;
+
 	memset(p->crowd.order, 0, (size_t)p->cells.count);
 	if (!p->visited)
 		return;
+	for (int n = 0; n < p->crowd.persons; n++) {
+		const struct person *who = &p->crowd.person[n];
+
+		order[n] = !sure && !who->walked ? 0 : who->front ? 2 : 1;
+	}
 	for (int y = box->top; y <= box->bottom; y++)
 		for (int x = box->left; x <= box->right; x++) {
 			const int at = y * p->cells.across + x, person = p->crowd.label[at];
 
 			if (person >= 0)
-				p->crowd.order[at] = p->crowd.person[person].front ? 2 : 1;
+				p->crowd.order[at] = order[person];
 		}
 }

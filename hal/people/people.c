@@ -86,6 +86,7 @@ static void divide(struct people *p, struct block *block)
 	p->place.left = take(block, (size_t)p->settings.dome->count);
 	p->place.known = take(block, cells);
 	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
+	p->nudge.patch = take(block, NUDGE_PATCHES * sizeof(*p->nudge.patch));
 	p->verdict.of = take(block, cells);
 	p->verdict.before = take(block, cells);
 	p->verdict.copy = take(block, cells);
@@ -258,6 +259,7 @@ void people_place(struct people *p, const struct people_object *object)
 	place_count_unknown(p);
 	/* Nothing is predicted of new cells. */
 	memset(p->place.light_then, 0, sizeof(p->place.light_then));
+	nudge_place(p);
 	far_side_measure(p);
 }
 
@@ -273,6 +275,25 @@ static void report(struct people *p)
 	p->report.learned = p->cells.watched ? 1 - (double)p->place.unknown / p->cells.watched : 1;
 	for (int c = 0; c < 3; c++)
 		p->report.gain[c] = (double)p->place.gain[c];
+	for (int k = 0; k < 2; k++)
+		p->report.moved_px[k] = (double)p->nudge.told[k];
+	p->report.sure = (double)p->nudge.sure;
+	p->report.lost = p->nudge.lost;
+}
+
+static void find_people(struct people *p, const struct picture *background)
+{
+	verdict_judge(p);
+	groups_find(p);
+	persons_follow(p);
+	groups_order(p);
+	outline_draw(p, background);
+	/* A frame that is looked at again, as another pose has come, teaches nothing twice. */
+	if (p->step_ms > 0) {
+		cells_follow_noise(p, background);
+		place_learn(p);
+		p->frame++;
+	}
 }
 
 static void look_at_frame(struct people *p, const struct picture *background,
@@ -290,17 +311,9 @@ static void look_at_frame(struct people *p, const struct picture *background,
 	place_predict(p);
 	gain_follow(p);
 	cells_follow_stillness(p);
-	verdict_judge(p);
-	groups_find(p);
-	persons_follow(p);
-	groups_order(p);
-	outline_draw(p, background);
-	/* A frame that is looked at again, as another pose has come, teaches nothing twice. */
-	if (p->step_ms > 0) {
-		cells_follow_noise(p, background);
-		place_learn(p);
-		p->frame++;
-	}
+	if (!p->nudge.lost)
+		find_people(p, background);
+	nudge_follow(p);
 	report(p);
 }
 
@@ -319,6 +332,7 @@ const struct veil *people_veil(const struct people *p)
 void people_learn(struct people *p)
 {
 	p->place.learn_now = true;
+	nudge_forget(p);
 }
 
 void people_forget(struct people *p)

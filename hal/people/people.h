@@ -89,11 +89,18 @@ void people_forget(struct people *people);
 /* The camera's noise, as measured in the frames that were looked at. */
 const struct sensor_noise *people_noise(const struct people *people);
 
+/* Below so much of people_report.sure nobody is in front but who moves. */
+#define PEOPLE_SURE_LEAST 0.2
+
 struct people_report {
 	double learned; /* share of the looked-at place whose empty picture is known, 0..1 */
 	int parts;	/* connected groups of people that the last look saw */
 	int in_front;	/* of them in front of the object */
 	double gain[3]; /* R, G, B: the camera's exposure against that of the learned place */
+	double sure; /* share of the place's texture that is seen where it was learned */
+	/* By how many pixels, right and down, the picture has moved since the place was learned. */
+	double moved_px[2];
+	bool lost; /* by so many that nobody is looked for: the camera is to be calibrated */
 };
 
 struct people_report people_report(const struct people *people);

@@ -86,6 +86,23 @@ struct place {
 	bool learn_now;
 };
 
+/* ---- whether the camera was nudged (nudge.c) ---- */
+
+#define NUDGE_PATCHES 256
+#define NUDGE_MOST 3.0f /* pixels, up to which the place moves along */
+
+struct nudge {
+	int *patch; /* [NUDGE_PATCHES]: the first cell of each */
+	int patches, next;
+	int usable, votes;	      /* of this round: patches with texture, and where they were found */
+	float vote[NUDGE_PATCHES][2]; /* cells, right and down */
+	float before[2];	      /* what the round before said */
+	float moved[2];		      /* by how many pixels the place has moved along */
+	float told[2];		      /* by how many the picture has moved */
+	bool lost;		      /* by too many */
+	float sure;		      /* share of the last patches that are where they were learned */
+};
+
 /* ---- whose each cell is (verdict.c) ---- */
 
 enum whose {
@@ -134,6 +151,8 @@ struct person {
 	int missed_ms;	 /* since he was last seen */
 	int opposed_ms;	 /* for how long his feet have been on the other side of the object */
 	int group;	 /* of this frame; -1: none */
+	float began_x, began_foot;
+	bool walked;	 /* he has moved since he was met */
 	bool front;	 /* before the object */
 	bool placed;	 /* front is known */
 	bool over_object;
@@ -193,6 +212,7 @@ struct people {
 	void *memory;	/* of all planes */
 	struct cells cells;
 	struct place place;
+	struct nudge nudge;
 	struct verdict verdict;
 	struct crowd crowd;
 	struct outline outline;
@@ -205,6 +225,8 @@ struct people {
 void cells_read(struct people *people, const struct picture *picture);
 /* Follows for how long each cell has shown the same. Before place_learn(). */
 void cells_follow_stillness(struct people *people);
+/* The variance of what a cell has shown, over that of a frame: 1 / 8 of each frame goes into it. */
+#define CELLS_RECENT_NOISE (1 / 15.0f)
 /* Follows the camera's noise. */
 void cells_follow_noise(struct people *people, const struct picture *picture);
 
@@ -230,8 +252,18 @@ void place_learn(struct people *people);
 /* Takes what a cell has shown since it changed as the empty place. */
 void place_adopt(struct people *people, int cell);
 void place_forget(struct people *people);
+/* Moves everything that is known by so many cells, right and down. */
+void place_move(struct people *people, const float shift[2]);
 /* Counts the watched cells that are not known. */
 void place_count_unknown(struct people *people);
+
+/* ---- nudge.c ---- */
+
+/* Chooses the patches, where another object is watched. */
+void nudge_place(struct people *people);
+void nudge_follow(struct people *people);
+/* The camera is where it was when the place was learned. */
+void nudge_forget(struct people *people);
 
 /* ---- drift.c ---- */
 

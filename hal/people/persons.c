@@ -269,6 +269,8 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 	who->x = x;
 	who->foot += HELD_ROWS * (foot - who->foot);
 	who->missed_ms = 0;
+	who->walked |= fabsf(x - who->began_x) > who->half ||
+		       fabsf(who->foot - who->began_foot) > who->half;
 	if (alone) {
 		who->half = 0.5f * (float)(body->right + 1 - body->left);
 		who->top = (float)body->top;
@@ -286,6 +288,8 @@ static void begin_person(struct people *p, int group, const struct body *body)
 			       .top = (float)body->top,
 			       .foot = (float)body->bottom + 1,
 			       .group = group};
+	who->began_x = who->x;
+	who->began_foot = who->foot;
 	p->crowd.persons++;
 }
 

@@ -107,6 +107,7 @@ void place_forget(struct people *p)
 		place->spread[at] = SPREAD_FIRST;
 		p->verdict.opinion[at] = -1;
 	}
+	nudge_forget(p);
 	place_count_unknown(p);
 }
 
@@ -275,6 +276,49 @@ void place_adopt(struct people *p, int at)
 	p->place.known[at] = 1;
 	p->verdict.of[at] = WHOSE_PLACE;
 	p->verdict.opinion[at] = -1;
+}
+
+/* Reads a plane between its cells; the cells around the picture are as those at its edge. */
+static void move_plane(const struct people *p, float *plane, const float shift[2])
+{
+	const int across = p->cells.across, down = p->cells.down;
+	float *from = p->verdict.revised; /* which is made anew in each frame */
+
+	memcpy(from, plane, (size_t)p->cells.count * sizeof(*plane));
+	for (int y = 0; y < down; y++)
+		for (int x = 0; x < across; x++) {
+			const float u = fminf(fmaxf((float)x - shift[0], 0), (float)across - 1.01f);
+			const float v = fminf(fmaxf((float)y - shift[1], 0), (float)down - 1.01f);
+			const float right = u - floorf(u), low = v - floorf(v);
+			const float *at = from + (int)v * across + (int)u;
+
+			plane[y * across + x] =
+				(1 - low) * ((1 - right) * at[0] + right * at[1]) +
+				low * ((1 - right) * at[across] + right * at[across + 1]);
+		}
+}
+
+void place_move(struct people *p, const float shift[2])
+{
+	float *known = p->verdict.evidence;
+
+	for (int at = 0; at < p->cells.count; at++)
+		known[at] = p->place.known[at];
+	move_plane(p, known, shift);
+	for (int c = 0; c < 3; c++) {
+		for (int k = 0; k < PLACE_TERMS; k++)
+			move_plane(p, p->place.coefficient[c][k], shift);
+		move_plane(p, p->cells.recent[c], shift);
+	}
+	/* A cell between known and unknown ones is a mixture with nothing. */
+	for (int at = 0; at < p->cells.count; at++) {
+		p->place.known[at] = known[at] == 1;
+		p->place.spread[at] = fmaxf(p->place.spread[at], first_spread(p, at));
+		for (int c = 0; c < 3; c++)
+			p->place.drift[c][at] = 1; /* what it has followed since was the nudge */
+	}
+	place_count_unknown(p);
+	memset(p->place.light_then, 0, sizeof(p->place.light_then)); /* all is predicted anew */
 }
 
 /* ---- recursive least squares ---- */

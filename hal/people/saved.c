@@ -11,7 +11,7 @@
 
 #include "hal/people/people_parts.h"
 
-#define MAGIC "INLAYPL4"
+#define MAGIC "INLAYPL5"
 #define SAVED_MOST 20000000 /* bytes */
 #define SLICE 262144	    /* bytes that a call of people_save() copies */
 #define COEFFICIENT_MOST 1e9f
@@ -23,7 +23,7 @@
 struct saved_header {
 	char magic[8];
 	int32_t width, height, side, lights, terms;
-	float gain[3];
+	float gain[3], moved[2];
 	double first[3];
 	uint64_t camera;   /* saved_camera() */
 	uint64_t made_of;  /* XXH3-64 of the sky's terms and of the transfer function */
@@ -115,6 +115,7 @@ static struct saved_header header_of(const struct people *p)
 	memcpy(header.magic, MAGIC, sizeof(header.magic));
 	memcpy(header.first, p->place.first, sizeof(header.first));
 	memcpy(header.gain, p->place.gain, sizeof(header.gain));
+	memcpy(header.moved, p->nudge.moved, sizeof(header.moved));
 	return header;
 }
 
@@ -202,6 +203,7 @@ static bool are_possible(const struct people *p, const struct saved_header *head
 	const uint8_t *planes = body + sizeof(p->place.fit),
 		      *known = planes + values * sizeof(float);
 	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
+		    are_in_range(header->moved, 2, -NUDGE_MOST, NUDGE_MOST) &&
 		    are_finite(header->first, 3) &&
 		    are_finite((const void *)body, sizeof(p->place.fit) / sizeof(double)) &&
 		    are_in_range((const void *)planes, values, -COEFFICIENT_MOST, COEFFICIENT_MOST);
@@ -252,5 +254,6 @@ int people_restore(struct people *p, const void *from, size_t bytes, struct faul
 	take_parts(p, body);
 	memcpy(p->place.first, header.first, sizeof(header.first));
 	memcpy(p->place.gain, header.gain, sizeof(header.gain));
+	memcpy(p->nudge.moved, header.moved, sizeof(header.moved));
 	return 0;
 }

@@ -58,6 +58,7 @@ struct tally {
 	int64_t empty_ns;		 /* when all had left; 0: not yet */
 	int64_t wrong_until_ns[METHODS]; /* there, after it */
 	int64_t end_ns;
+	double moved_px; /* at most, as reported */
 };
 
 static void mark_near(struct judged *j)
@@ -256,6 +257,13 @@ static int best_of_others(const struct tally *tally)
 	return best;
 }
 
+static double moved_px(const struct judged *j)
+{
+	const struct people_report report = people_report(j->people);
+
+	return hypot(report.moved_px[0], report.moved_px[1]);
+}
+
 static void judge_room(struct judged *j, const char *pictures, struct tally *tally)
 {
 	memset(tally, 0, sizeof(*tally));
@@ -264,6 +272,7 @@ static void judge_room(struct judged *j, const char *pictures, struct tally *tal
 
 		judged_read(j, frame, 0);
 		judged_look(j, j->recording.moment.captured_ns);
+		tally->moved_px = fmax(tally->moved_px, moved_px(j));
 		if (frame < LEARNING)
 			continue;
 		if (frame == LEARNING)
@@ -299,11 +308,11 @@ static void print_row(const struct judged *j, const struct tally *t)
 		printf(" %6.0f", t->after[0] / t->after_frames);
 	else
 		printf("      -");
-	printf(" %5.2f %3d/%-3d %4d/%-4d %6.2f %6.1f %s%5.1f %5.1f %6.2f\n",
+	printf(" %5.2f %3d/%-3d %4d/%-4d %6.2f %6.1f %s%5.1f %5.1f %5.1f %6.2f\n",
 	       t->edges ? sqrt(t->edge2 / (double)t->edges) : 0, t->wrong_crossings, t->crossings,
 	       t->wrong_frames, t->order_frames, 100 * t->hidden / (ROOM_FRAMES - LEARNING),
 	       1e-9 * (double)t->hidden_ns, stuck ? ">" : " ", right_s(t, 0), right_s(t, best),
-	       1e3 * j->look_s / j->looks);
+	       t->moved_px, 1e3 * j->look_s / j->looks);
 	fflush(stdout);
 }
 
@@ -354,7 +363,7 @@ static void judge_rooms(const char *folder, const char *only, const char *pictur
 {
 	struct half half[2] = {{0}};
 
-	puts("room looked   wrong  missed   false  theirs which      ratio switch  edge  order    frames  hidden%  run_s empty_s theirs    ms");
+	puts("room looked   wrong  missed   false  theirs which      ratio switch  edge  order    frames  hidden%  run_s empty_s theirs moved    ms");
 	for (int room = 0; room < ROOMS; room++) {
 		struct judged judged;
 		struct tally tally;
@@ -416,8 +425,10 @@ static void judge_loop(const char *folder, int room)
 /* The camera is pushed when the judged frames begin. */
 static void judge_nudge(const char *folder, int room, int px)
 {
+	double hidden = 0; /* sum over frames: pixels of the object */
 	double wrong[2] = {0}; /* in the first second, in the last five of those judged */
-	int count[2] = {0}, last = LEARNING;
+	int count[2] = {0}, last = LEARNING, said = 0;
+	struct people_report report = {0};
 	struct judged j;
 
 	judged_open(&j, folder, room);
@@ -429,7 +440,13 @@ static void judge_nudge(const char *folder, int room, int px)
 		judged_look(&j, r->moment.captured_ns);
 		if (frame < LEARNING)
 			continue;
+		report = people_report(j.people);
+		said = !said && moved_px(&j) > 0.5 ? frame : said;
 		mark_near(&j);
+		for (int i = 0; i < r->head.looked; i++)
+			hidden += !j.tile_near[tile_of(&j, r->looked[i])] &&
+				  veil_at(&j, true, r->looked[i]) &&
+				  j.basis.poses[0].coverage[r->looked[i]] >= 32768;
 		for (int i = 0; i < r->head.looked; i++)
 			seen += !j.tile_near[tile_of(&j, r->looked[i])] &&
 				veil_at(&j, false, r->looked[i]);
@@ -442,9 +459,12 @@ static void judge_nudge(const char *folder, int room, int px)
 				count[k]++;
 			}
 	}
-	printf("nudge: room %d by %d px: pixels a frame in which nobody is seen: %.0f in the first second, %.0f in the last five; above 1 %% until %s%.1f s\n",
-	       room, px, wrong[0] / count[0], wrong[1] / count[1],
-	       last == ROOM_FRAMES - 1 ? ">" : "", room_time_s(last) - room_time_s(LEARNING));
+	printf("nudge: room %d by %d px: said after %.1f s: %.1f px right, %.1f px down%s; the object hidden by nobody for %.2f s; pixels a frame in which nobody is seen: %.0f in the first second, %.0f in the last five; above 1 %% until %s%.1f s\n",
+	       room, px, said ? room_time_s(said) - room_time_s(LEARNING) : -1, report.moved_px[0],
+	       report.moved_px[1], report.lost ? ", people left alone" : "",
+	       hidden / j.object / RATE_HZ, wrong[0] / count[0],
+	       wrong[1] / count[1], last == ROOM_FRAMES - 1 ? ">" : "",
+	       room_time_s(last) - room_time_s(LEARNING));
 	fflush(stdout);
 	judged_close(&j);
 }

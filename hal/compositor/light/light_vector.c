@@ -45,7 +45,8 @@ int light_vector_create(struct light_vector *v, const struct light_terms *terms)
 
 	*v = (struct light_vector){
 		.lights = (int)n, .coarse = (int)k, .stride = stride, .terms = terms};
-	v->sent = lines_of((size_t)light_terms_lamp(terms) + (size_t)terms->lamps, sizeof(*v->sent));
+	v->sent = lines_of((size_t)light_terms_lamp(terms) + (size_t)terms->lamps,
+			   sizeof(*v->sent));
 	v->digits = lines_of(3 * KERNEL_DIGITS * (size_t)stride, sizeof(*v->digits));
 	fine = v->sent && v->digits;
 	for (int c = 0; c < 3; c++) {
@@ -363,7 +364,8 @@ static int plan_object(struct light_vector *v, const double sum[3], double gain,
 		how->share[c] = gain;
 		v->factor[c] = (uint32_t)round_double(ldexp(gain, 30 - up));
 	}
-	return plan_weighted(v, sum, SPARE_BITS + count_bits(v->lights + v->terms->lamps) + up, SUM_BITS, how);
+	return plan_weighted(v, sum, SPARE_BITS + count_bits(v->lights + v->terms->lamps) + up,
+			     SUM_BITS, how);
 }
 
 static int plan_ground(struct light_vector *v, const double sum[3], int ground,

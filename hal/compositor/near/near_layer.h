@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A layer of a pose with the lamps of a near_sky: the file's blocks, and after those of each kind in
- * a tile a block of theirs that has a column for each lamp. Lamp l counts as light N + K + l.
+ * A layer of a pose with the lamps of a near_sky: the file's blocks, and after those of each kind
+ * in a tile a block of theirs that has a column for each lamp. Lamp l counts as light N + K + l.
  *
  *     T, D, U   column = sum_i t_i w_i L_i for P_l = 1, with the places of the pixels
  *     V         the same of v_i u_i L_i, over near_sky.ground
@@ -34,11 +34,11 @@ void near_layer_free(struct near_layer *near); /* zeroed is fine */
 
 /*
  * The blocks of V gave taken = sum v X / W in Q24, with W = U + e where near_sky.ground holds.
- * Divides by the light at the pixel,
+ * Divides by the light at the pixel over W,
  *
  *     taken /= 1 + sum_l share[l] (even_l - 1)        share[l] = X_l / W
  *
- * in single precision, bilinear between the points of the grid: the same on every machine.
+ * in single precision; the reciprocal is bilinear between the points of the grid.
  */
 void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
 		 int32_t (*taken)[BASIS_TILE * BASIS_TILE]);

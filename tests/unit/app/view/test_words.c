@@ -177,6 +177,12 @@ TEST("figures")
 	f.by_depth = true;
 	words_information(text, sizeof(text), &f);
 	assert_non_null(strstr(text, "2 in front by depth"));
+	f.unsure = true;
+	f.moved_px[0] = -1.6;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(
+		strstr(text, "depth"),
+		"depth · place not recognized, only who moves is in front · camera moved 2 px left");
 	f.people = false;
 	f.lamp = true;
 	f.lamp_azimuth_deg = 134.4;
@@ -185,6 +191,17 @@ TEST("figures")
 	assert_string_equal(
 		strstr(text, " · lamp"),
 		" · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there");
+	expect_below(strlen(text), 256, "what the overlay takes");
+	f.lamp = false;
+	f.missing_lamp = "desk";
+	f.unnamed_lamp = true;
+	f.unnamed_azimuth_deg = 134.4;
+	f.unnamed_height_deg = 21.6;
+	f.unnamed_off = 0.081;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(
+		strstr(text, " · no light"),
+		" · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m away");
 	expect_below(strlen(text), 256, "what the overlay takes");
 }
 
@@ -223,4 +240,18 @@ TEST("figures out of all bounds")
 		expect_below(strlen(text), 60, "i=%zu", i);
 		expect_equal(text[60], '#', "i=%zu", i);
 	}
+}
+
+TEST("the camera was moved")
+{
+	char text[512];
+
+	words_moved(text, sizeof(text), (const double[2]){10.2, 0.3});
+	assert_string_equal(
+		text,
+		"The background's camera was moved: its picture lies 10 px right of where it was. Nobody is before the object until it is calibrated again (inlay-calibrate camera)");
+	words_moved(text, sizeof(text), (const double[2]){-3, -2});
+	assert_non_null(strstr(text, "lies 3 px left and 2 px up of where"));
+	words_moved(text, sizeof(text), (const double[2]){0, 7});
+	assert_non_null(strstr(text, "lies 7 px down of where"));
 }

@@ -554,8 +554,11 @@ TEST("somebody who hides everything is not learned")
 	struct place *p = place_learned();
 	const struct body b = {0, -2, 1.6, 1.9, {0.5, 0.15, 0.1}, .shadow = false};
 
-	for (int n = 0; n < (thorough() ? 300 : 100); n++)
-		place_look(p, &b, 1);
+	for (int n = 0; n < (thorough() ? 300 : 100); n++) {
+		const struct body comes = walker(-3 + 0.1 * n, -2);
+
+		place_look(p, n < 30 ? &comes : &b, 1);
+	}
 	expect_at_most(wrong_share(p), 0.03, "after standing");
 	/* Who is as wide as two may be taken for two. */
 	expect_above(people_report(p->people).in_front, 0, "after standing");
@@ -871,4 +874,113 @@ TEST("noise is measured once a frame")
 		expect_equal(model[1].floor[c], model[0].floor[c], "channel %d", c);
 		expect_equal(model[1].slope[c], model[0].slope[c], "channel %d", c);
 	}
+}
+
+/* Looks at the place through a camera that is turned by so many pixels. */
+static void look_turned(struct place *p, const struct body *bodies, int count, int right, int down)
+{
+	static uint8_t was[HEIGHT][WIDTH][4];
+
+	place_expose(p, bodies, count);
+	memcpy(was, p->pixels, sizeof(was));
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const int u = x - right, v = y - down;
+
+			if (u >= 0 && v >= 0 && u < WIDTH && v < HEIGHT)
+				memcpy(&p->pixels[4 * (y * WIDTH + x)], was[v][u], 4);
+		}
+	look_at_pixels(p);
+}
+
+TEST("the place moves along with a camera that is nudged a little")
+{
+	struct place *p = place_learned();
+	const struct body b = walker(0.3, -1);
+	double right, down;
+	uint8_t *saved;
+	size_t bytes;
+
+	for (int n = 0; n < 150; n++) {
+		p->lamp = n < 30 || n > 60 ? 0 : 0.5; /* a lamp moves nothing */
+		look_turned(p, &b, 1, 0, 0);
+	}
+	right = people_report(p->people).moved_px[0];
+	expect_below(fabs(right), 0.3, "right, of nothing");
+	for (int n = 0; n < 60; n++)
+		look_turned(p, NULL, 0, -2, 2);
+	right = people_report(p->people).moved_px[0];
+	down = people_report(p->people).moved_px[1];
+	expect_below(fabs(right + 2), 0.3, "right: %g", right);
+	expect_below(fabs(down - 2), 0.3, "down: %g", down);
+	assert_false(people_report(p->people).lost);
+	expect_at_most(wrong_share(p), 0.005, "when the place has moved along");
+	saved = save(p->people, &bytes);
+	people_forget(p->people);
+	expect_success(people_restore(p->people, saved, bytes, NULL), NULL);
+	free(saved);
+	for (int n = 0; n < 60; n++)
+		look_turned(p, NULL, 0, -2, 2);
+	expect_below(fabs(people_report(p->people).moved_px[0] - right), 0.3, "right, as saved");
+	place_end(p);
+}
+
+TEST("people are left alone until a camera that is nudged far is back, or the place learned anew")
+{
+	struct place *p = place_learned();
+	const struct body b = walker(0.1, -1);
+
+	for (int n = 0; n < 60; n++)
+		look_turned(p, NULL, 0, 8, -4);
+	assert_true(people_report(p->people).lost);
+	expect_below(fabs(people_report(p->people).moved_px[0] - 8), 0.5, "right");
+	expect_below(fabs(people_report(p->people).moved_px[1] + 4), 0.5, "down");
+	look_turned(p, &b, 1, 8, -4);
+	assert_null(people_veil(p->people));
+	for (int n = 0; n < 60; n++)
+		look_turned(p, NULL, 0, 0, 0);
+	assert_false(people_report(p->people).lost);
+	place_look(p, &b, 1);
+	assert_int_equal(people_report(p->people).in_front, 1);
+	for (int n = 0; n < 60; n++)
+		look_turned(p, NULL, 0, 8, -4);
+	people_learn(p->people);
+	look_turned(p, NULL, 0, 8, -4);
+	assert_false(people_report(p->people).lost);
+	look_turned(p, &b, 1, 8, -4);
+	assert_non_null(people_veil(p->people));
+	place_end(p);
+}
+
+/* Share of the object that people hide. */
+static double hidden_share(const struct place *p)
+{
+	const struct veil *veil = people_veil(p->people);
+	int hidden = 0, all = 0;
+
+	for (int at = 0; at < WIDTH * HEIGHT; at++) {
+		const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) + at % WIDTH / BASIS_TILE;
+
+		all += p->coverage[at] > 0;
+		hidden += p->coverage[at] && veil && veil->tile[t] && veil->front[at] > 127;
+	}
+	return (double)hidden / all;
+}
+
+/* Another floor is laid: what is not recognized hides nothing, but who walks. */
+TEST("in a place that is not recognized only who moves is in front")
+{
+	struct place *p = place_learned();
+
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++)
+			for (int c = 0; c < 3; c++)
+				p->floor[y][x][c] = 0.2 + 0.1 * texture(p->ground[y][x][1] + c,
+									p->ground[y][x][0], 9);
+	p->drawn_for[0] = -1;
+	for (int n = 0; n < 30; n++)
+		place_look(p, NULL, 0);
+	expect_below(people_report(p->people).sure, PEOPLE_SURE_LEAST, "sure");
+	expect_equal(hidden_share(p) > 0, 0, "the object is whole");
+	place_end(p);
 }

@@ -12,7 +12,7 @@
 #define MOST 20000000
 
 /* The header's length, and where the terms stand in it. */
-#define HEADER_BYTES 88
+#define HEADER_BYTES 96
 
 static struct people *people_of(int width, int height, const struct dome *dome)
 {

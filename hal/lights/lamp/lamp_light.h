@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Takes the light of lamps at places out of the lights of a dome. Around a lamp's direction from
+ * the fisheye, what is brighter than the surroundings is the lamp's:
+ *
+ *     P = sum over its cells of w_i max(L_i - s, 0)      L_i becomes min(L_i, s)
+ *
+ * in each channel, where s is the median of the cells around these. So no light counts twice, and
+ * none is lost. All of it works after exposures, recovery and filter, which know nothing of lamps.
+ */
+#ifndef INLAY_HAL_LIGHTS_LAMP_LAMP_LIGHT_H
+#define INLAY_HAL_LIGHTS_LAMP_LAMP_LIGHT_H
+
+#include "hal/lights/lamps.h"
+#include "hal/optics/dome.h"
+
+/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
+ * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
+#define LAMP_LIGHT_SHARED 1.9
+#define LAMP_LIGHT_AROUND 5.4
+
+/* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
+ * cell's reach: the light is in cells nearer than LAMP_LIGHT_SHARED. */
+double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
+			double radius_rad);
+
+struct lamp_light;
+
+/* The dome is not needed afterwards. -ENOMEM. */
+int lamp_light_create(struct lamp_light **light, const struct dome *dome,
+		      const struct lamps *lamps);
+void lamp_light_destroy(struct lamp_light *light); /* NULL is harmless */
+
+/* radiance[lights]: changed as above. power[lamps]: P; 0 of a lamp below the fisheye's horizon. */
+void lamp_light_take(struct lamp_light *light, float (*radiance)[3], double (*power)[3]);
+
+#endif
