@@ -39,8 +39,8 @@ void settings_say(void *context, const char *text);
 int settings_read(const struct settings *settings, struct config **config,
 		  struct ini_report *report);
 
-/* Names of the drivers and their tables of keys. In the order of the arrays in drivers/drivers.h, so that an index serves both. Lives as long as
- * the program; not for several threads. */
+/* Names of the drivers and their tables of keys, in the order of the arrays in drivers/drivers.h,
+ * so that an index serves both. Lives as long as the program. */
 const struct config_drivers *driver_list(void);
 
 /* The commands of `inlay`, in the order of --help. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Push buttons on GPIO lines, which gpio/gpio.h reads. One epoll descriptor joins their edges with a
- * timer for what is due without an edge: a repetition, and once a second a look at every line, which
- * notices a lost chip and makes up for a lost edge.
+ * Push buttons on GPIO lines, which gpio/gpio.h reads. One epoll descriptor joins their edges with
+ * a timer for what is due without an edge: a repetition, and once a second a look at every line,
+ * which notices a lost chip and makes up for a lost edge.
  */
 #include <errno.h>
 #include <poll.h>

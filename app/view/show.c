@@ -220,8 +220,8 @@ static void draw_ground(const struct show_drawing *d, const struct layout_box *b
 
 	if (d->request->view == SHOW_GUIDE && guide->camera &&
 	    guide->camera->width == composite->width && guide->camera->height == composite->height)
-		guide_draw_ground(&d->show->after, guide->camera, guide->coverage,
-				  &guide->lamps, letter_px(composite->height, box));
+		guide_draw_ground(&d->show->after, guide->camera, guide->coverage, &guide->lamps,
+				  letter_px(composite->height, box));
 }
 
 /* A composite that show_room() put into the screen needs its border only. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The parts of dome.c: nodes, their cells, tables that find them, and the triangles between nodes. */
+/* The parts of dome.c: nodes, their cells, tables that find them, and the triangles between
+ * nodes. */
 #ifndef INLAY_HAL_OPTICS_DOME_PARTS_H
 #define INLAY_HAL_OPTICS_DOME_PARTS_H
 
