@@ -23,7 +23,6 @@ DRIVER_SOURCES := \
 	drivers/sim/sensor.c \
 	drivers/sim/spread.c \
 	drivers/sim/studio.c \
-	drivers/sim/studio_lights.c \
 	drivers/sim/studio_people.c \
 	drivers/sim/studio_view.c \
 	drivers/sim/walker_body.c \

@@ -11,6 +11,7 @@ SUPPORT_SOURCES := \
 	tests/support/own_folder.c \
 	tests/support/plain_pipeline.c \
 	tests/support/played_v4l2.c \
+	tests/support/studio_lights.c \
 	tests/support/test.c \
 	tests/support/thorough.c \
 	tests/support/bake/baked_rows.c \
