@@ -50,6 +50,7 @@ APP_SOURCES := \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_people.c \
 	app/pipeline/pipeline_pose.c \
+	app/records/keeper.c \
 	app/records/learned.c \
 	app/records/metrics.c \
 	app/records/state.c \

@@ -78,6 +78,7 @@ struct kiosk_controls {
 	struct control *control; /* the socket; NULL: none, or not open at present */
 	struct fault control_said;
 	char status[STATS_TEXT_MAX + 768]; /* the socket's answer to "status" */
+	struct keeper *keeper;		   /* writes the next two */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
 	struct learned *learned;	   /* keeps the place without people; NULL likewise */
 	struct timeline timeline;

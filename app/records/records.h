@@ -13,9 +13,30 @@
 #include "hal/base/fault.h"
 
 /*
+ * A thread that replaces files whole (hal/base/output.h), because a disk may be slow. A failure is
+ * logged once until it passes. Calls come from one thread.
+ */
+
+enum keeper_file { KEEPER_STATE, KEEPER_PLACE, KEEPER_FILES };
+enum keeper_condition { KEEPER_DONE, KEEPER_BUSY, KEEPER_FAILED };
+
+struct keeper;
+
+int keeper_create(struct keeper **keeper); /* 0 or -errno */
+
+/* Has bytes, which the keeper frees, written to a file, in place of those that wait for it; those
+ * of KEEPER_PLACE are sealed. bytes NULL: the file is removed. */
+void keeper_put(struct keeper *keeper, enum keeper_file file, const char *path, void *bytes,
+		size_t count);
+
+/* What has become of what was put last. */
+enum keeper_condition keeper_look(struct keeper *keeper, enum keeper_file file);
+
+void keeper_destroy(struct keeper *keeper); /* writes what waits; NULL is harmless */
+
+/*
  * Keeps what was chosen with the buttons over a power cut: threshold, view and pose, in a small INI
- * file that is replaced whole (hal/base/output.h) at most once an interval and at the end. A thread
- * of its own writes it, because a disk may be slow.
+ * file that is written at most once an interval and at the end.
  */
 
 struct state_values {
@@ -34,39 +55,42 @@ int state_read_memory(const char *text, size_t bytes, const char *name, struct s
 
 struct state;
 
-/* Starts the thread. now: what the file holds, or need not hold. 0 or -errno. */
-int state_create(struct state **state, const struct config_state *settings,
+/* now: what the file holds, or need not hold. The keeper is borrowed. 0 or -ENOMEM. */
+int state_create(struct state **state, struct keeper *keeper, const struct config_state *settings,
 		 const struct state_values *now);
 
 /* Writes to another file or at another interval from now on. NULL is harmless, here and below. */
 void state_move(struct state *state, const struct config_state *settings);
 
-/* Has the values written; never waits. A file that cannot be written (a full disk, a missing
- * folder) is logged once, and tried again each interval, at least each second. */
+/* Has the values written; never waits. */
 void state_keep(struct state *state, const struct state_values *values);
 
-/* Writes what has not been written yet, and ends the thread. */
+/* Once a second: has written what had to wait for its interval, and tries again what could not be
+ * written (a full disk, a missing folder). */
+void state_look(struct state *state);
+
+/* Has written what has not been yet. */
 void state_destroy(struct state *state);
 
 /*
  * Keeps over a power cut what was learned of the place without people (hal/people), beside the file
- * of [state] and under its name with .place: at most 20 MB, replaced whole (hal/base/output.h). It
- * is first written 4 intervals of [state] after learning began, then every 360, and at the end.
- * What is written is copied part by part between pictures; a thread of its own seals and writes it.
+ * of [state] and under its name with .place: at most 20 MB. It is first written 4 intervals of
+ * [state] after learning began, then every 360, and at the end. What is written is copied part by
+ * part between pictures.
  */
 
 struct learned;
 
-/* Starts the thread. 0 or -errno. Calls come from one thread; NULL is harmless in all of them. */
-int learned_create(struct learned **learned, const struct config_state *settings);
+/* The keeper is borrowed. 0 or -ENOMEM. NULL is harmless in all other calls. */
+int learned_create(struct learned **learned, struct keeper *keeper,
+		   const struct config_state *settings);
 
 /* Gives what is kept to a pipeline that has not looked at a frame yet; it does nothing to others. A
  * file that is damaged or of another place is logged and not used. To be called for each new
  * pipeline, and when its settings have changed. */
 void learned_restore(struct learned *learned, struct pipeline *pipeline);
 
-/* Has it written when it is time to; never waits. To be called after each picture. A file that
- * cannot be written is logged once, and tried again when it is next due. */
+/* Has it written when it is time to; never waits. To be called after each picture. */
 void learned_keep(struct learned *learned, const struct pipeline *pipeline);
 
 /* Another file or interval counts from now on. */
@@ -78,7 +102,7 @@ void learned_soon(struct learned *learned);
 /* Removes the file. */
 void learned_forget(struct learned *learned);
 
-/* Writes what was learned, and ends the thread. pipeline NULL: nothing was. */
+/* Has written what was learned. pipeline NULL: nothing was. */
 void learned_destroy(struct learned *learned, const struct pipeline *pipeline);
 
 /*
