@@ -34,7 +34,7 @@ struct pipeline_light {
 	struct coarse_lamp lamp;
 	struct near_search *near_search;
 	struct near_lamps near;
-	bool near_due; /* the next picture of the shortest exposure is looked at */
+	bool near_due;	       /* the next picture of the shortest exposure is looked at */
 	struct ground *ground; /* finds on the ground what clips; NULL: no patch */
 	struct light_recovery recovery;
 };

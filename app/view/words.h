@@ -43,13 +43,13 @@ struct words_figures {
 	const char *missing_lamp; /* name of one that shows no light where it is said to be; NULL */
 	bool unnamed_lamp;	  /* there is one */
 	double unnamed_azimuth_deg, unnamed_height_deg, unnamed_off;
-	bool people;	/* they are looked for */
-	double learned; /* share of the place that is known without people, 0..1 */
-	int in_front;	/* groups of people in front of the object */
-	bool unsure;	/* the place looks so different that only who moves is */
+	bool people;	    /* they are looked for */
+	double learned;	    /* share of the place that is known without people, 0..1 */
+	int in_front;	    /* groups of people in front of the object */
+	bool unsure;	    /* the place looks so different that only who moves is */
 	double moved_px[2]; /* right and down, by which the camera was nudged */
-	bool depth;	/* there is a depth camera */
-	bool by_depth;	/* and it tells who is */
+	bool depth;	    /* there is a depth camera */
+	bool by_depth;	    /* and it tells who is */
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12

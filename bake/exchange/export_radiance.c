@@ -8,7 +8,6 @@
 #include "bake/exchange/export_job.h"
 #include "bake/exchange/export_radiance.mk.h" /* by bake/module.mk */
 
-
 /* Each further bounce costs Radiance as many rays as the one before; later ones change next to
  * nothing. */
 #define BOUNCES_MAX 5

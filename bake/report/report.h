@@ -11,16 +11,16 @@
 #include "hal/options/options.h"
 
 struct report_settings {
-	const char *input;  /* a scene file */
-	const char *pose;   /* of the scene, by name or number; NULL: its first */
-	const char *folder; /* of the report; appears when it is complete */
+	const char *input;	      /* a scene file */
+	const char *pose;	      /* of the scene, by name or number; NULL: its first */
+	const char *folder;	      /* of the report; appears when it is complete */
 	struct option_list panoramas; /* none: made surroundings (report_sky.h) */
-	int width, height;  /* of pictures that are baked and traced; 0: chosen */
-	int samples;	    /* a pixel, of bakes; 0: chosen */
-	int truth_samples;  /* 0: chosen */
-	int most_frequency; /* of the domes that are tried; 0: chosen */
-	int repeat;	    /* of each timing; 0: chosen */
-	int threads;	    /* for baking and tracing; 0: one for each processor */
+	int width, height;	      /* of pictures that are baked and traced; 0: chosen */
+	int samples;		      /* a pixel, of bakes; 0: chosen */
+	int truth_samples;	      /* 0: chosen */
+	int most_frequency;	      /* of the domes that are tried; 0: chosen */
+	int repeat;		      /* of each timing; 0: chosen */
+	int threads;		      /* for baking and tracing; 0: one for each processor */
 	bool quiet;
 };
 

@@ -39,7 +39,8 @@ static int report_command_run(const struct command *command, int argc, char **ar
 	if (!s.folder)
 		return command_wrong(command, "-o DIR is missing");
 	if (s.panoramas.count > REPORT_LIGHTINGS_MAX)
-		return command_wrong(command, "--panorama: more than %d of them", REPORT_LIGHTINGS_MAX);
+		return command_wrong(command, "--panorama: more than %d of them",
+				     REPORT_LIGHTINGS_MAX);
 	s.input = argv[optind];
 	if (report_run(&s, &fault)) {
 		log_error("%s", fault.text);

@@ -104,9 +104,10 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 		if (c->settings.rows && plan->object)
 			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
 				       tiles[t].height);
-		if (c->sky && plan->taken && c->layer->near.tile[t].even)
-			near_divide(&c->layer->near.tile[t], c->terms.lamps,
-				    (const float(*)[3])c->ground[0].lamp_share, w->values.taken);
+		if (c->sky && plan->taken && c->layer->near.ground[t])
+			near_divide(&c->layer->near, t, c->terms.lamps,
+				    (const float(*)[3])c->ground[0].lamp_share, c->kernels,
+				    w->values.taken);
 		if (veiled && plan->taken)
 			veil_values(w->values.taken, veiled->anybody);
 		if (c->glass)

@@ -157,7 +157,7 @@ static void add_lamps(const struct reference_scene *s, const struct basis_block 
 		const bool is = place_of(s, b->kind, b->pixel[p], place);
 
 		for (int l = 0; is && l < s->sky->lamps.count; l++) {
-			const int count = near_sky_shares(s->sky, l, place, share);
+			const int count = near_sky_shares(s->sky, l, place, NULL, share);
 
 			for (int n = 0; n < count; n++)
 				for (int c = 0; c < 3; c++) {

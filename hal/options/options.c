@@ -16,7 +16,7 @@
 #include "hal/ini/ini.h"
 
 #define COMMANDS_MAX 16
-#define HELP_COLUMN 26	 /* of what an option means */
+#define HELP_COLUMN 26 /* of what an option means */
 /* What getopt_long() returns: for the first row, above all letters; and for what every command has. */
 #define OPTION_FIRST 256
 #define OPTION_HELP 1000

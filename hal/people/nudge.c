@@ -21,8 +21,8 @@
 #define DISTINCT 0.1f	 /* by which it is above that of any shift elsewhere: no pattern repeats */
 #define TEXTURE 4.0f	 /* a patch's weaker gradient, over the noise's: it tells both directions */
 #define SURE_PATCHES 48	 /* that the share is a mean of which is where it was learned */
-#define ROUND 0.05f	 /* and over both: else the stronger one's errors are the weaker one's shift */
-#define FOUND_LEAST 8	 /* patches that agree */
+#define ROUND 0.05f   /* and over both: else the stronger one's errors are the weaker one's shift */
+#define FOUND_LEAST 8 /* patches that agree */
 #define FOUND_SHARE 0.1f /* of those that have texture: others may be hidden */
 
 enum { SIDE = 8, REACH = 8, SHIFTS = 2 * REACH + 1, WINDOW = SIDE + 2 * REACH };
@@ -74,7 +74,8 @@ static bool take_patch(const struct people *p, int patch, struct sought *sought)
 
 	for (int k = 0; k < SIDE * SIDE; k++) {
 		const int at = patch + k / SIDE * across + k % SIDE;
-		const float dx = lit[at + 1] - lit[at - 1], dy = lit[at + across] - lit[at - across];
+		const float dx = lit[at + 1] - lit[at - 1],
+			    dy = lit[at + across] - lit[at - across];
 
 		if (!(known[at - 1] & known[at + 1] & known[at - across] & known[at + across]))
 			return false;
@@ -124,8 +125,8 @@ static void match_row(struct sought *sought, int v, int reach)
 		}
 	}
 	for (int s = 0; s < count; s++)
-		sought->match[REACH + v][first + s] =
-			both[s] / sqrtf(energy[s] * sought->energy + 1e-6f);
+		sought->match[REACH + v][first + s] = both[s] /
+						      sqrtf(energy[s] * sought->energy + 1e-6f);
 }
 
 /* The vertex of the parabola through three values of which the middle one is the largest. */

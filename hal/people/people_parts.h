@@ -94,13 +94,13 @@ struct place {
 struct nudge {
 	int *patch; /* [NUDGE_PATCHES]: the first cell of each */
 	int patches, next;
-	int usable, votes;	      /* of this round: patches with texture, and where they were found */
+	int usable, votes; /* of this round: patches with texture, and where they were found */
 	float vote[NUDGE_PATCHES][2]; /* cells, right and down */
 	float before[2];	      /* what the round before said */
 	float moved[2];		      /* by how many pixels the place has moved along */
 	float told[2];		      /* by how many the picture has moved */
 	bool lost;		      /* by too many */
-	float sure;		      /* share of the last patches that are where they were learned */
+	float sure; /* share of the last patches that are where they were learned */
 };
 
 /* ---- whose each cell is (verdict.c) ---- */
@@ -152,9 +152,9 @@ struct person {
 	int opposed_ms;	 /* for how long his feet have been on the other side of the object */
 	int group;	 /* of this frame; -1: none */
 	float began_x, began_foot;
-	bool walked;	 /* he has moved since he was met */
-	bool front;	 /* before the object */
-	bool placed;	 /* front is known */
+	bool walked; /* he has moved since he was met */
+	bool front;  /* before the object */
+	bool placed; /* front is known */
 	bool over_object;
 };
 

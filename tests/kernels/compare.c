@@ -6,7 +6,7 @@
 
 const char *const kernel_function_names[FUNCTIONS] = {"sums16", "sums8",   "values16", "values8",
 						      "split",	"project", "fold",     "tint",
-						      "place",	"mix",	   "grain"};
+						      "place",	"mix",	   "grain",    "divide"};
 
 uint64_t compare_next(struct comparison *c) /* splitmix64 */
 {
@@ -137,8 +137,10 @@ static bool one_round(struct comparison *c, enum kernel_function function,
 		return compare_place(c, tables, why);
 	case MIX:
 		return compare_mix(c, tables, why);
-	default:
+	case GRAIN:
 		return compare_grain(c, tables, why);
+	default:
+		return compare_divide(c, tables, why);
 	}
 }
 

@@ -20,6 +20,7 @@ enum kernel_function {
 	PLACE,
 	MIX,
 	GRAIN,
+	DIVIDE,
 	FUNCTIONS
 };
 

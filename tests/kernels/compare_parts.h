@@ -48,5 +48,6 @@ bool compare_tint(struct comparison *c, const struct kernels *tables[2], char *w
 bool compare_place(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_mix(struct comparison *c, const struct kernels *tables[2], char *why);
 bool compare_grain(struct comparison *c, const struct kernels *tables[2], char *why);
+bool compare_divide(struct comparison *c, const struct kernels *tables[2], char *why);
 
 #endif

@@ -4,6 +4,7 @@
 #include "tests/kernels/compare_parts.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -302,4 +303,29 @@ bool compare_grain(struct comparison *c, const struct kernels *tables[2], char *
 			return false;
 		}
 	return guarded_intact(&c->out[1], size);
+}
+
+/* ---- divide ---- */
+
+bool compare_divide(struct comparison *c, const struct kernels *tables[2], char *why)
+{
+	static int32_t value[256];
+	float grid[KERNEL_GRID * KERNEL_GRID];
+	int32_t *out[2];
+
+	for (int p = 0; p < 256; p++)
+		value[p] = compare_below(c, 9) ? (int32_t)compare_spread(c, 30) : KERNEL_LIMIT;
+	for (int k = 0; k < KERNEL_GRID * KERNEL_GRID; k++)
+		grid[k] = ldexpf((float)compare_between(c, 1, 1000), compare_between(c, -20, 10));
+	for (int i = 0; i < 2; i++) {
+		out[i] = guarded_take(&c->out[i], sizeof(value));
+		memcpy(out[i], value, sizeof(value));
+		tables[i]->divide(out[i], grid);
+	}
+	for (int p = 0; p < 256; p++)
+		if (out[0][p] != out[1][p]) {
+			snprintf(why, 256, "value %d: %d, expected %d", p, out[1][p], out[0][p]);
+			return false;
+		}
+	return guarded_intact(&c->out[1], sizeof(value));
 }

@@ -361,6 +361,32 @@ static void grain_repeated(const struct kernel_grain *tile)
 	kernels_c.grain(&one);
 }
 
+/* ---- divide ---- */
+
+/* Rounds to the nearest. */
+static void divide_rounded(int32_t value[256], const float grid[KERNEL_GRID * KERNEL_GRID])
+{
+	int32_t half[256];
+
+	for (int p = 0; p < 256; p++)
+		half[p] = value[p] + 1;
+	kernels_c.divide(half, grid);
+	kernels_c.divide(value, grid);
+	for (int p = 0; p < 256; p++)
+		value[p] = (value[p] + half[p]) / 2;
+}
+
+/* The last column of squares reads the point before. */
+static void divide_turned(int32_t value[256], const float grid[KERNEL_GRID * KERNEL_GRID])
+{
+	float other[KERNEL_GRID * KERNEL_GRID];
+
+	memcpy(other, grid, sizeof(other));
+	for (int j = 0; j < KERNEL_GRID; j++)
+		other[(j + 1) * KERNEL_GRID - 1] = other[(j + 1) * KERNEL_GRID - 2];
+	kernels_c.divide(value, other);
+}
+
 /* ---- mix ---- */
 
 static void one_too_many(const struct kernel_row *row)
@@ -509,6 +535,14 @@ static void row_repeated(const struct kernel_row *row)
 		}                                                                                  \
 	}
 
+#define DIVIDE_FAULT(f)                                                                            \
+	{                                                                                          \
+#f, DIVIDE,                                                                        \
+		{                                                                                  \
+			.divide = f                                                                \
+		}                                                                                  \
+	}
+
 static const struct faulty faults[] = {
 	SUMS16_FAULT(digit_dropped16),
 	SUMS16_FAULT(pair_dropped16),
@@ -549,6 +583,8 @@ static const struct faulty faults[] = {
 	GRAIN_FAULT(grain_rounded),
 	GRAIN_FAULT(grain_left),
 	GRAIN_FAULT(grain_repeated),
+	DIVIDE_FAULT(divide_rounded),
+	DIVIDE_FAULT(divide_turned),
 };
 
 const int faulty_count = (int)(sizeof(faults) / sizeof(faults[0]));
@@ -570,6 +606,7 @@ struct faulty faulty_table(int i)
 	table.fold = f.table.fold ? f.table.fold : table.fold;
 	table.mix = f.table.mix ? f.table.mix : table.mix;
 	table.grain = f.table.grain ? f.table.grain : table.grain;
+	table.divide = f.table.divide ? f.table.divide : table.divide;
 	f.table = table;
 	return f;
 }

@@ -134,6 +134,8 @@ struct kernel_grain {
 	ptrdiff_t coverage_step, noise_step, background_step;
 };
 
+enum { KERNEL_GRID = 5 };
+
 struct kernels {
 	const char *name; /* as in options and environment */
 	bool (*supported)(void);
@@ -215,6 +217,17 @@ struct kernels {
 	 *     to       = object + sqrt(variance) noise        cut towards 0
 	 */
 	void (*grain)(const struct kernel_grain *tile);
+
+	/*
+	 * Divides the values of a tile by what is bilinear between KERNEL_GRID x
+	 * KERNEL_GRID points, the last on the next tile's edge, in single precision (rounded to the
+	 * nearest, never contracted, in this order). With u = (x % 4 + 1/2) / 4 and v alike, and
+	 * the points a b above c d around the pixel:
+	 *     upper    = a + u (b - a),     lower = c + u (d - c)
+	 *     value[p] = value[p] / (upper + v (lower - upper))    clamped to +-KERNEL_LIMIT, cut
+	 *                                                          towards 0
+	 * grid: above 0. */
+	void (*divide)(int32_t value[256], const float grid[KERNEL_GRID * KERNEL_GRID]);
 };
 
 /* Clamp of values in Q24: 127. Only light far beyond white reaches it. */

@@ -48,4 +48,5 @@ const struct kernels kernels_avx2 = {
 	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = x86_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

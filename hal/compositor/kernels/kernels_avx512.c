@@ -278,4 +278,5 @@ const struct kernels kernels_avx512 = {
 	.place = avx512_place,
 	.mix = avx512_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

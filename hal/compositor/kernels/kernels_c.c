@@ -269,4 +269,5 @@ const struct kernels kernels_c = {
 	.place = kernel_c_place,
 	.mix = kernel_c_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

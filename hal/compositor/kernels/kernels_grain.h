@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernel `grain`, which each file of kernels compiles for its instructions: no operation of it
- * depends on how many values are computed at once. Included by kernels_*.c alone. */
+/* The kernels `grain` and `divide`, which each file of kernels compiles for its instructions: none of
+ * their operations depends on how many values are computed at once. Included by kernels_*.c
+ * alone. */
 #ifndef INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_GRAIN_H
 #define INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_GRAIN_H
 
@@ -53,6 +54,39 @@ static void kernel_add_grain(const struct kernel_grain *g)
 			left[x] = (float)(65535 - coverage[x]) * (1.0f / 65535);
 		for (int c = 0; c < 3; c++)
 			kernel_grain_channel(g, c, y, left, pixel);
+	}
+}
+
+static void kernel_divide(int32_t value[256], const float grid[KERNEL_GRID * KERNEL_GRID])
+{
+	enum { SIDE = 16, STEP = SIDE / (KERNEL_GRID - 1) };
+	const float most = KERNEL_LIMIT;
+	float wide[KERNEL_GRID][SIDE], quotient[SIDE];
+
+	for (int j = 0; j < KERNEL_GRID; j++)
+		for (int x = 0; x < SIDE; x++) {
+			const float *left = &grid[j * KERNEL_GRID + x / STEP];
+
+			wide[j][x] = left[0] +
+				     ((float)(x % STEP) + 0.5f) / STEP * (left[1] - left[0]);
+		}
+	for (int y = 0; y < SIDE; y++) {
+		const float *restrict upper = wide[y / STEP], *restrict lower = wide[y / STEP + 1];
+		const float v = ((float)(y % STEP) + 0.5f) / STEP;
+		int32_t *restrict row = value + y * SIDE;
+
+		/* Apart, or gcc 12 makes branches of the clamps. */
+		for (int x = 0; x < SIDE; x++) {
+			const float light = upper[x] + v * (lower[x] - upper[x]);
+
+			quotient[x] = (float)row[x] / light;
+		}
+		for (int x = 0; x < SIDE; x++)
+			quotient[x] = quotient[x] < most ? quotient[x] : most;
+		for (int x = 0; x < SIDE; x++)
+			quotient[x] = quotient[x] > -most ? quotient[x] : -most;
+		for (int x = 0; x < SIDE; x++)
+			row[x] = (int32_t)quotient[x];
 	}
 }
 

@@ -473,4 +473,5 @@ const struct kernels kernels_neon = {
 	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = kernel_neon_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

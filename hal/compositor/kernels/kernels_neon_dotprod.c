@@ -137,4 +137,5 @@ const struct kernels kernels_neon_dotprod = {
 	.place = kernel_c_place,
 	.mix = kernel_neon_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

@@ -46,4 +46,5 @@ const struct kernels kernels_sse41 = {
 	.place = kernel_c_place, /* borrowed from kernels_c.c */
 	.mix = x86_mix,
 	.grain = kernel_add_grain,
+	.divide = kernel_divide,
 };

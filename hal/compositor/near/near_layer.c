@@ -12,6 +12,7 @@
 
 #define PIXELS (BASIS_TILE * BASIS_TILE)
 #define COLUMN_MOST 32767
+enum { POINTS = NEAR_GRID * NEAR_GRID, STEP = BASIS_TILE / (NEAR_GRID - 1) };
 /* Bytes of a block's lights, scales and pixels before its columns. */
 #define LAMP_HEAD (LAMPS_MAX * (sizeof(uint16_t) + sizeof(float)) + PIXELS * sizeof(uint16_t) + 16)
 _Static_assert(LAMP_HEAD % BASIS_ALIGN == 0, "columns are aligned");
@@ -57,6 +58,10 @@ struct near_work {
 	const struct near_sky *sky;
 	const struct basis_tile *tile;
 	float *distance[BASIS_SURFACES]; /* [height][width] */
+	int places;
+	double place[PIXELS][3];
+	bool known[PIXELS];
+	struct near_hint hint[LAMPS_MAX];
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
 };
@@ -128,32 +133,47 @@ static void light_clear(struct near_light *light)
 		light->slot[light->light[--light->count]] = -1;
 }
 
-static bool place_of(const struct near_work *w, enum basis_kind kind, int pixel, double place[3])
+static void find_points(struct near_work *w)
 {
-	const int x = w->tile->x + pixel % BASIS_TILE, y = w->tile->y + pixel / BASIS_TILE;
-	const size_t at = (size_t)y * w->sky->basis->info.width + (size_t)x;
-	const float distance =
-		w->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER][at];
-
-	if (kind == BASIS_KIND_V)
-		return near_sky_ground(w->sky, x + 0.5, y + 0.5, place);
-	return distance > 0 && near_sky_surface(w->sky, x + 0.5, y + 0.5, (double)distance, place);
+	w->places = POINTS;
+	for (int k = 0; k < POINTS; k++)
+		w->known[k] = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
+					      w->tile->y + k / NEAR_GRID * STEP, w->place[k]);
 }
 
-/* Finds the light of a lamp at the pixels that are set in listed. */
-static int light_fill(struct near_work *w, enum basis_kind kind, int lamp, const bool *listed)
+static void find_pixels(struct near_work *w, enum basis_kind kind, const bool *listed)
+{
+	const float *distance = w->distance[kind == BASIS_KIND_T ? BASIS_OBJECT : BASIS_RECEIVER];
+
+	w->places = PIXELS;
+	for (int p = 0; p < PIXELS; p++) {
+		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
+		const size_t at = (size_t)y * w->sky->basis->info.width + (size_t)x;
+
+		if (!listed[p])
+			w->known[p] = false;
+		else if (kind == BASIS_KIND_V)
+			w->known[p] = near_sky_ground(w->sky, x + 0.5, y + 0.5, w->place[p]);
+		else
+			w->known[p] = distance[at] > 0 &&
+				      near_sky_surface(w->sky, x + 0.5, y + 0.5,
+						       (double)distance[at], w->place[p]);
+	}
+}
+
+/* Finds the light of a lamp at these places. */
+static int light_fill(struct near_work *w, int lamp)
 {
 	struct near_share share[NEAR_SHARES];
-	double place[3];
 
 	light_clear(&w->light);
-	for (int p = 0; p < PIXELS; p++) {
-		const int count = listed[p] && place_of(w, kind, p, place)
-					  ? near_sky_shares(w->sky, lamp, place, share)
-					  : 0;
+	for (int k = 0; k < w->places; k++) {
+		const int count = w->known[k] ? near_sky_shares(w->sky, lamp, w->place[k],
+								&w->hint[lamp], share)
+					      : 0;
 
 		for (int n = 0; n < count; n++)
-			if (light_add(&w->light, &share[n], p) < 0)
+			if (light_add(&w->light, &share[n], k) < 0)
 				return -ENOMEM;
 	}
 	return 0;
@@ -266,6 +286,51 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 	}
 }
 
+/* ---- the ground ---- */
+
+/* Where less light than this arrives, none is taken. */
+#define LEAST 0x1p-20F
+
+/* Whether the ground's u has one colour, whatever the light. */
+static bool has_one_colour(const struct basis *basis)
+{
+	const double *u[3];
+
+	for (int c = 0; c < 3; c++)
+		u[c] = basis_ground(basis, 0, c);
+	for (uint32_t i = 0; i < basis->info.lights; i++)
+		for (int c = 1; c < 3; c++)
+			if (fabs(u[c][i] * u[0][0] - u[0][i] * u[c][0]) > 1e-6 * u[c][i] * u[0][0])
+				return false;
+	return true;
+}
+
+static float *even_of(const struct near_layer *near, int tile, int lamps)
+{
+	return near->even + (size_t)tile * (size_t)(near->channels * lamps * POINTS);
+}
+
+/* Finds the light of a lamp on the ground at the points of the tile's grid. */
+static void find_even(struct near_layer *near, const struct near_work *w, int lamp)
+{
+	const int tile = w->tile->y / BASIS_TILE * w->sky->basis->tiles_across +
+			 w->tile->x / BASIS_TILE,
+		  lamps = w->sky->lamps.count;
+
+	near->ground[tile] = true;
+	for (int c = 0; c < near->channels; c++) {
+		float *to = even_of(near, tile, lamps) + (c * lamps + lamp) * POINTS;
+
+		for (int n = 0; n < w->light.count; n++) {
+			const float factor = light_factor(w->sky, BASIS_KIND_V, lamp,
+							  w->light.light[n], c);
+
+			for (int k = 0; k < POINTS; k++)
+				to[k] += factor * w->light.amount[n][k];
+		}
+	}
+}
+
 /* ---- the block of the lamps ---- */
 
 /* Whether a lamp gives all channels the same, to half a step of its column. */
@@ -359,8 +424,17 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 		if (listed[p])
 			pixel[pixels++] = (uint16_t)p;
 	memset(w->value, 0, sizeof(w->value));
+	if (b->kind == BASIS_KIND_V) {
+		find_points(w);
+		for (int l = 0; l < w->sky->lamps.count; l++) {
+			if (light_fill(w, l) < 0)
+				return -ENOMEM;
+			find_even(near, w, l);
+		}
+	}
+	find_pixels(w, b->kind, listed);
 	for (int l = 0; l < w->sky->lamps.count; l++) {
-		if (light_fill(w, b->kind, l, listed) < 0)
+		if (light_fill(w, l) < 0)
 			return -ENOMEM;
 		for (int k = 0; k < count; k++)
 			add_block(w, &b[k], l);
@@ -368,80 +442,25 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 
-/* ---- the ground ---- */
+/* ---- a frame ---- */
 
-#define STEP (BASIS_TILE / (NEAR_GRID - 1))
-/* Where less light than this arrives, none is taken. */
-#define LEAST 0x1p-20F
-#define MOST (127 * 0x1p24F) /* as KERNEL_LIMIT */
-
-static int make_even(struct near_layer *near, const struct near_work *w, struct near_tile *tile)
+void near_divide(const struct near_layer *near, int tile, int lamps, const float (*share)[3],
+		 const struct kernels *kernels, int32_t (*taken)[PIXELS])
 {
-	tile->even = near_memory_take(near, sizeof(*tile->even) * (size_t)w->sky->lamps.count);
-	if (!tile->even)
-		return -ENOMEM;
-	for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
-		double place[3], even[3] = {0};
-		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
-						    w->tile->y + k / NEAR_GRID * STEP, place);
-
-		for (int l = 0; l < w->sky->lamps.count; l++) {
-			if (ground)
-				near_sky_even(w->sky, l, place, even);
-			for (int c = 0; c < 3; c++)
-				tile->even[l][k][c] = (float)even[c];
-		}
-	}
-	return 0;
-}
-
-/* As wide as the registers of every machine. */
-enum { WIDE = 4 };
-typedef float near_floats __attribute__((vector_size(WIDE * sizeof(float))));
-typedef int32_t near_ints __attribute__((vector_size(WIDE * sizeof(int32_t))));
-
-/* Multiplies values by factors, and clamps them. */
-static inline void multiply(int32_t *values, near_floats factor)
-{
-	near_floats product;
-	near_ints row, above, below;
-
-	memcpy(&row, values, sizeof(row));
-	product = __builtin_convertvector(row, near_floats) * factor;
-	above = product > MOST;
-	below = product < -MOST;
-	product = (near_floats)((near_ints)product & ~(above | below));
-	row = __builtin_convertvector(product, near_ints) | (above & (int32_t)MOST) |
-	      (below & -(int32_t)MOST);
-	memcpy(values, &row, sizeof(row));
-}
-
-void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
-		 int32_t (*taken)[PIXELS])
-{
-	_Static_assert(STEP == WIDE, "a square of the grid is a vector wide");
-	const near_floats u = {0.5F / STEP, 1.5F / STEP, 2.5F / STEP, 3.5F / STEP};
+	const float *even = even_of(near, tile, lamps);
 
 	for (int c = 0; c < 3; c++) {
-		float one[NEAR_GRID * NEAR_GRID];
+		const float *own = near->channels == 3 ? even + c * lamps * POINTS : even;
+		float grid[POINTS];
 
-		for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
-			float sum = 1;
-
-			for (int l = 0; l < lamps; l++)
-				sum += share[l][c] * (tile->even[l][k][c] - 1);
-			one[k] = 1 / (sum > LEAST ? sum : LEAST);
-		}
-		for (int k = 0; k < (NEAR_GRID - 1) * (NEAR_GRID - 1); k++) {
-			const int i = k % (NEAR_GRID - 1), j = k / (NEAR_GRID - 1);
-			const float *up = &one[j * NEAR_GRID + i], *low = up + NEAR_GRID;
-			const near_floats upper = up[0] + u * (up[1] - up[0]);
-			const near_floats change = low[0] + u * (low[1] - low[0]) - upper;
-			int32_t *values = taken[c] + j * STEP * BASIS_TILE + i * STEP;
-
-			for (int y = 0; y < STEP; y++)
-				multiply(values + y * BASIS_TILE, upper + u[y] * change);
-		}
+		for (int k = 0; k < POINTS; k++)
+			grid[k] = 1;
+		for (int l = 0; l < lamps; l++)
+			for (int k = 0; k < POINTS; k++)
+				grid[k] += share[l][c] * (own[l * POINTS + k] - 1);
+		for (int k = 0; k < POINTS; k++)
+			grid[k] = grid[k] > LEAST ? grid[k] : LEAST;
+		kernels->divide(taken[c], grid);
 	}
 }
 
@@ -468,9 +487,6 @@ static int fill_tile(struct near_layer *near, struct near_work *w, int t)
 			return -ENOMEM;
 		to->bytes += block[made].bytes;
 		made += block[made].columns > 0;
-		if (b->kind == BASIS_KIND_V && !near->tile[t].even &&
-		    make_even(near, w, &near->tile[t]) < 0)
-			return -ENOMEM;
 	}
 	to->block_count = made;
 	near->layer.block_count += made;
@@ -488,9 +504,13 @@ int near_layer_create(struct near_layer *near, const struct near_sky *sky, int p
 	*near = (struct near_layer){.memory = NULL};
 	near->layer.tiles = near_memory_take(near, sizeof(*near->layer.tiles) * (size_t)tiles);
 	near->layer.blocks = near_memory_take(near, sizeof(*near->layer.blocks) * most);
-	near->tile = near_memory_take(near, sizeof(*near->tile) * (size_t)tiles);
+	near->channels = sky->basis->info.grounds && !has_one_colour(sky->basis) ? 3 : 1;
+	near->even = near_memory_take(near,
+				      sizeof(*near->even) * (size_t)tiles *
+					      (size_t)(near->channels * sky->lamps.count * POINTS));
+	near->ground = near_memory_take(near, sizeof(*near->ground) * (size_t)tiles);
 	ret = near_work_create(&work, sky, pose);
-	if (!near->layer.tiles || !near->layer.blocks || !near->tile)
+	if (!near->layer.tiles || !near->layer.blocks || !near->even || !near->ground)
 		ret = -ENOMEM;
 	for (int t = 0; ret == 0 && t < tiles; t++) {
 		work.tile = &layer->tiles[t];

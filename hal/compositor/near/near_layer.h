@@ -11,19 +11,19 @@
 #ifndef INLAY_HAL_COMPOSITOR_NEAR_NEAR_LAYER_H
 #define INLAY_HAL_COMPOSITOR_NEAR_NEAR_LAYER_H
 
+#include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/near/near_sky.h"
 
 /* Points across a tile, the last on the next tile's edge, at which the ground's light is known. */
-enum { NEAR_GRID = 5 };
-
-struct near_tile {
-	/* [lamps][NEAR_GRID * NEAR_GRID]: near_sky_even(), row by row; NULL: no ground in it */
-	float (*even)[NEAR_GRID * NEAR_GRID][3];
-};
+enum { NEAR_GRID = KERNEL_GRID };
 
 struct near_layer {
 	struct basis_layer layer;
-	struct near_tile *tile;
+	/* near_sky_even() at the points of each tile: [tiles][channels][lamps][NEAR_GRID^2], row by
+	 * row. One channel where the ground is grey, or of one colour. */
+	float *even;
+	int channels;
+	bool *ground;		    /* [tiles]: the tile shows ground, of which `even` is known */
 	struct near_memory *memory; /* of everything above */
 };
 
@@ -34,13 +34,11 @@ void near_layer_free(struct near_layer *near); /* zeroed is fine */
 
 /*
  * The blocks of V gave taken = sum v X / W in Q24, with W = U + e where near_sky.ground holds.
- * Divides by the light at the pixel over W,
+ * Divides by the light at each pixel of the tile over W, by the kernel `divide`:
  *
  *     taken /= 1 + sum_l share[l] (even_l - 1)        share[l] = X_l / W
- *
- * in single precision; the reciprocal is bilinear between the points of the grid.
  */
-void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
-		 int32_t (*taken)[BASIS_TILE * BASIS_TILE]);
+void near_divide(const struct near_layer *near, int tile, int lamps, const float (*share)[3],
+		 const struct kernels *kernels, int32_t (*taken)[BASIS_TILE * BASIS_TILE]);
 
 #endif

@@ -34,7 +34,8 @@ static void light_on_ground(const struct near_sky *sky, int lamp, const double p
 			    double light[3])
 {
 	struct near_share share[NEAR_SHARES];
-	const int count = sky->basis->info.grounds ? near_sky_shares(sky, lamp, place, share) : 0;
+	const int count = sky->basis->info.grounds ? near_sky_shares(sky, lamp, place, NULL, share)
+						   : 0;
 
 	memset(light, 0, 3 * sizeof(*light));
 	for (int n = 0; n < count; n++)
@@ -122,11 +123,14 @@ static int share_point(const struct near_sky *sky, const double dir[3], int cell
 }
 
 int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
-		    struct near_share share[NEAR_SHARES])
+		    struct near_hint *hint, struct near_share share[NEAR_SHARES])
 {
 	const struct lamp *l = &sky->lamps.lamp[lamp];
+	const struct near_hint before = hint && hint->known ? *hint
+							    : (struct near_hint){.facet = -1};
+	struct near_hint now = {.known = true, .facet = before.facet};
 	double to[3], from[3], across[2][3], distance, radius, reach, amount;
-	int cell, facet = -1, count;
+	int count, nearest = 0;
 
 	for (int k = 0; k < 3; k++) {
 		to[k] = l->position[k] - place[k];
@@ -134,24 +138,33 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	}
 	distance = fmax(vec_normalize(to), l->radius);
 	amount = vec_dot(from, from) / (distance * distance);
-	cell = dome_cell_of(&sky->dome, to);
-	if (cell < 0)
+	count = to[2] >= 0 ? share_point(sky, to, before.cell, amount, &now.facet, share) : 0;
+	if (!count)
 		return 0;
+	for (int n = 1; n < count; n++)
+		nearest = share[n].amount > share[nearest].amount ? n : nearest;
+	now.cell = share[nearest].light;
+	if (hint)
+		*hint = now;
 	/* The cells themselves spread light as far as they reach, and variances add up. */
-	reach = dome_cell_reach_rad(&sky->dome, cell);
+	reach = dome_cell_reach_rad(&sky->dome, now.cell);
 	radius = l->radius / distance;
 	if (radius <= reach)
-		return share_point(sky, to, cell, amount, &facet, share);
+		return count;
 	radius = sqrt(2.0 / 3 * (radius * radius - reach * reach));
+	for (int n = 0; n < count; n++)
+		share[n].amount /= 4;
 	vectors_across(to, across);
-	count = share_point(sky, to, cell, amount / 4, &facet, share);
-	for (int n = 0; n < 6; n++) {
-		const double x = radius * cos(M_PI / 3 * n), y = radius * sin(M_PI / 3 * n);
+	for (int n = 0; n < NEAR_POINTS - 1; n++) {
+		/* of a hexagon */
+		static const double x[] = {1, 0.5, -0.5, -1, -0.5, 0.5};
+		static const double y[] = {0, 1, 1, 0, -1, -1};
 		double dir[3];
 
 		for (int k = 0; k < 3; k++)
-			dir[k] = to[k] + x * across[0][k] + y * across[1][k];
-		count += share_point(sky, dir, cell, amount / 8, &facet, share + count);
+			dir[k] = to[k] +
+				 radius * (x[n] * across[0][k] + sqrt(0.75) * y[n] * across[1][k]);
+		count += share_point(sky, dir, now.cell, amount / 8, &now.facet, share + count);
 	}
 	return count;
 }

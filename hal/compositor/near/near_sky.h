@@ -52,10 +52,17 @@ void near_sky_destroy(struct near_sky *sky); /* NULL is harmless */
 /* Whether lamps at places can be used with a basis. */
 bool near_sky_possible(const struct basis *basis);
 
+/* What is found in one direction, which is tried first in the next. Zeroed: nothing yet. */
+struct near_hint {
+	bool known;
+	int cell, facet;
+};
+
 /* The light of a lamp at a place. A light may be listed several times. Returns the number of
- * shares; 0: the lamp is below the horizon of the place. */
+ * shares; 0: the lamp is below the horizon of the place. The result does not depend on the hint;
+ * NULL: none. */
 int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
-		    struct near_share share[NEAR_SHARES]);
+		    struct near_hint *hint, struct near_share share[NEAR_SHARES]);
 
 /* The place of the ground that a point of the picture shows. False: it shows none. */
 bool near_sky_ground(const struct near_sky *sky, double x, double y, double place[3]);

@@ -310,7 +310,8 @@ TEST("columns that count are chosen")
 	struct choosing *c = calloc(1, sizeof(*c));
 	struct column_choice choice[3];
 	struct light_vector v = {.lights = CHOICE_LIGHTS, .sent = c->sent};
-	const struct basis_groups groups = {.lights = CHOICE_LIGHTS};
+	const struct light_terms terms = {.lights = CHOICE_LIGHTS,
+					  .groups = {.lights = CHOICE_LIGHTS}};
 	long counted[2] = {0};
 
 	for (int file = 0; file < 10; file++) {
@@ -318,7 +319,7 @@ TEST("columns that count are chosen")
 		for (int k = 0; k < 3; k++)
 			assert_int_equal(column_choice_create(&choice[k], c->plan, CHOICE_BLOCKS,
 							      k ? BASIS_KIND_V : BASIS_KIND_T,
-							      k == 2, &groups),
+							      k == 2, &terms),
 					 0);
 		for (int frame = 0; frame < 60; frame++) {
 			for (int i = 0; i < CHOICE_LIGHTS; i++)
