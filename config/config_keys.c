@@ -179,7 +179,7 @@ static const struct ini_key fisheye_light_keys[] = {
 	 .help = "The camera's control that sets the exposure, as inlay devices lists it; its automatics are off by [camera NAME] controls."},
 	{"exposure_delay", INI_INT, AT(fisheye, exposure_delay), .min = -1,
 	 .max = EXPOSURE_DELAY_MAX, .fallback = "-1", .unit = "frames",
-	 .help = "So many frames still show the exposure before; -1: as light says, or else measured whenever the camera is opened."},
+	 .help = "How many frames still show the exposure before; -1: as light says, or else measured whenever the camera is opened."},
 	INI_KEYS_END};
 
 static const struct ini_key background_keys[] = {
@@ -193,7 +193,7 @@ static const struct ini_key background_keys[] = {
 	 .help = "x, y, width and height of a patch of open ground in the view: what the sky's clipped parts must be, so that it is as bright as it is. Width 0: none."},
 	{"ground_reflectance", INI_REALS, AT(background, reflectance), 3, .max = 1,
 	 .fallback = "0 0 0",
-	 .help = "Of that patch, R G B in linear light, as it was given for the gain; 0 0 0: that of the ground that was baked."},
+	 .help = "The reflectance of that patch, R G B in linear light, as it was given for the gain; 0 0 0: that of the ground that was baked."},
 	INI_KEYS_END};
 
 static const struct ini_key lights_keys[] = {
@@ -208,7 +208,7 @@ static const struct ini_key lights_keys[] = {
 	 .help = "What becomes of the light left out: ambient returns it from all directions alike, drop loses it."},
 	{"follow", INI_REAL, AT(lights, follow_s), .max = LIGHT_FILTER_FOLLOW_MAX,
 	 .fallback = "0.1", .unit = "s",
-	 .help = "By then 90 % of a change of the light are shown; what a camera's noise makes is averaged for longer. 0: each frame's light as it is."},
+	 .help = "The time within which 90 % of a change of the light are shown; changes as small as the camera's noise are averaged for longer. 0: each frame's light as it is."},
 	INI_KEYS_END};
 
 static const struct ini_key composite_keys[] = {
@@ -267,7 +267,7 @@ static const struct ini_key screen_keys[] = {
 	 .help = "What is wrong is named on the screen."},
 	{"blank_after", INI_REAL, AT(screen, blank_after_s), .max = 86400, .fallback = "0",
 	 .unit = "s",
-	 .help = "Without a new picture for so long the last one goes black; 0: never."},
+	 .help = "After this time without a new picture the last one goes black; 0: never."},
 	{"hours", INI_TEXT, AT(screen, hours), .check = config_hours_check, .fallback = "",
 	 .help = "When the screen is on, as in \"mon-fri 09:00-12:30, 13:30-18:30, sat 20:00-02:00\"; else it is off and the cameras rest. Empty: always."},
 	{"hours_off", INI_CHOICE, AT(screen, hours_off), .choices = config_hours_off_names,
@@ -276,7 +276,7 @@ static const struct ini_key screen_keys[] = {
 	{"cec", INI_PATH, AT(screen, cec), .fallback = "",
 	 .help = "Tells a television by HDMI when hours end and begin, as in /dev/cec0; empty: nothing does."},
 	{"time_zone", INI_TEXT, AT(screen, time_zone), .check = config_zone_check, .fallback = "",
-	 .help = "Of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows no such names; empty: the system's."},
+	 .help = "The time zone of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows no such names; empty: the system's."},
 	INI_KEYS_END};
 
 static const struct ini_key buttons_keys[] = {
@@ -295,7 +295,7 @@ static const struct ini_key state_keys[] = {
 	{"file", INI_PATH, AT(state, file), .fallback = "",
 	 .help = "Where threshold, view and pose are kept over a power cut; empty: nowhere. Beside it, under its name and .place, what [people] has learned of the place."},
 	{"interval", INI_REAL, AT(state, interval_s), .max = 86400, .fallback = "5", .unit = "s",
-	 .help = "It is written at most so often, and when the kiosk ends; the place 360 times as rarely."},
+	 .help = "The least time between two writes, besides that at the end; the place is written 360 times as rarely."},
 	INI_KEYS_END};
 
 static const struct ini_key metrics_keys[] = {
@@ -385,7 +385,7 @@ const struct ini_table config_tables[] = {
 	 .help = "A picture of the whole set-up, for people."},
 	{"scene", .keys = view_keys, IN_CONFIG(scene.view)},
 	{"depth", .keys = depth_camera_keys, IN_CONFIG(depth.view),
-	 .help = "How far everything is that the background shows."},
+	 .help = "The distances of what the background shows."},
 	{"depth", .keys = view_keys, IN_CONFIG(depth.view)},
 	{"depth", .keys = depth_keys, IN_CONFIG(depth)},
 	{"lights", .keys = lights_keys, IN_CONFIG(lights), .help = "Which lights are used."},

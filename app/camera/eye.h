@@ -81,8 +81,8 @@ struct exposing {
 	struct exposure_schedule schedule;
 	unsigned opening;	     /* source.opening.count when the schedule began; 0: none yet */
 	int exposure;		     /* of the last picture; -1: not known */
-	double taken[EXPOSURES_MAX]; /* each one as the camera has taken it; first as asked for */
-	double ratio[EXPOSURES_MAX]; /* taken[k] / taken[0]: share of the light that each lets in */
+	double used[EXPOSURES_MAX];  /* each value as the camera uses it; as asked for, at first */
+	double ratio[EXPOSURES_MAX]; /* used[k] / used[0]: share of the light that each lets in */
 	bool asked;		     /* the camera has obeyed since it was opened */
 	bool single;		     /* it stays at one exposure */
 	int64_t least_ns;	     /* shortest time from a picture's capture to its use */

@@ -21,7 +21,7 @@ static const struct {
 
 struct keeper_job {
 	char path[PATH_MAX];
-	void *bytes; /* NULL: the file is to be removed */
+	void *bytes; /* NULL: the file condition to be removed */
 	size_t count;
 	bool due, failed;
 };
@@ -140,14 +140,14 @@ void keeper_put(struct keeper *k, enum keeper_file file, const char *path, void 
 
 enum keeper_condition keeper_look(struct keeper *k, enum keeper_file file)
 {
-	enum keeper_condition is;
+	enum keeper_condition condition;
 
 	pthread_mutex_lock(&k->lock);
-	is = k->jobs[file].due || k->writing == (int)file ? KEEPER_BUSY
-	     : k->jobs[file].failed			  ? KEEPER_FAILED
-							  : KEEPER_DONE;
+	condition = k->jobs[file].due || k->writing == (int)file ? KEEPER_BUSY
+		    : k->jobs[file].failed			 ? KEEPER_FAILED
+								 : KEEPER_DONE;
 	pthread_mutex_unlock(&k->lock);
-	return is;
+	return condition;
 }
 
 void keeper_destroy(struct keeper *k)

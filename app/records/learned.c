@@ -149,9 +149,9 @@ void learned_restore(struct learned *l, struct pipeline *pipeline)
 /* Whether there is something that is worth to be kept. */
 static bool is_worth(const struct learned *l, const struct pipeline *pipeline)
 {
-	const struct pipeline_people_seen seen = pipeline_report(pipeline).people;
+	const struct pipeline_people_seen people = pipeline_report(pipeline).people;
 
-	return *l->path && seen.on && seen.begun && seen.learned >= LEARNED_LEAST;
+	return *l->path && people.on && people.begun && people.learned >= LEARNED_LEAST;
 }
 
 static void begin_copy(struct learned *l, const struct pipeline *pipeline)

@@ -61,7 +61,7 @@ struct state {
 	struct config_state settings;
 	struct state_values wanted, kept;
 	bool moved;
-	int64_t next_ns; /* nothing is written before */
+	int64_t next_ns; /* nothing condition written before */
 };
 
 /* The text of the file, which the caller frees. NULL: no memory. */
@@ -93,17 +93,18 @@ static bool same_values(const struct state_values *a, const struct state_values 
 
 static void write_if_due(struct state *state, bool last)
 {
-	const enum keeper_condition is = keeper_look(state->keeper, KEEPER_STATE);
+	const enum keeper_condition condition = keeper_look(state->keeper, KEEPER_STATE);
 	const int64_t now_ns = clock_now_ns();
 	int64_t interval_ns = (int64_t)(state->settings.interval_s * (double)NS_PER_S);
 	size_t bytes;
 	char *text;
 
 	if (!*state->settings.file ||
-	    !(state->moved || is == KEEPER_FAILED || !same_values(&state->wanted, &state->kept)) ||
-	    (!last && (is == KEEPER_BUSY || now_ns < state->next_ns)))
+	    !(state->moved || condition == KEEPER_FAILED ||
+	      !same_values(&state->wanted, &state->kept)) ||
+	    (!last && (condition == KEEPER_BUSY || now_ns < state->next_ns)))
 		return;
-	if (is == KEEPER_FAILED && interval_ns < NS_PER_S)
+	if (condition == KEEPER_FAILED && interval_ns < NS_PER_S)
 		interval_ns = NS_PER_S;
 	text = print_values(&state->wanted, &bytes);
 	if (!text)
