@@ -10,7 +10,6 @@ APP_SOURCES := \
 	app/devices_sample.c \
 	app/grab.c \
 	app/settings.c \
-	app/still.c \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \
