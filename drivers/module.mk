@@ -32,9 +32,8 @@ DRIVER_SOURCES := \
 	drivers/v4l2/capture.c \
 	drivers/v4l2/controls.c \
 	drivers/v4l2/device.c \
-	drivers/v4l2/fallback.c \
-	drivers/v4l2/fields.c \
 	drivers/v4l2/find.c \
+	drivers/v4l2/fields.c \
 	drivers/v4l2/formats.c \
 	drivers/v4l2/h264.c \
 	drivers/v4l2/h264_unit.c \
