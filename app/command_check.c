@@ -36,6 +36,8 @@ static const struct basis *open_checked_basis(struct basis *basis, const struct 
 	*err = pipeline_open_basis(basis, config->basis.file, pipeline_part_of(config), &fault);
 	if (*err)
 		log_error("%s: [basis] file: %s", config->name, fault.text);
+	else
+		pipeline_warn_of_lamps(basis, &config->lamps);
 	return *err ? NULL : basis;
 }
 

@@ -39,7 +39,7 @@ APP_SOURCES := \
 	app/kiosk/service.c \
 	app/kiosk/timeline.c \
 	app/pipeline/coarse_lamp.c \
-	app/pipeline/near_lamps.c \
+	app/pipeline/lamps_told.c \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_exposure.c \

@@ -83,8 +83,8 @@ HAL_SOURCES := \
 	hal/jpeg/jpeg_decoder.c \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
-	hal/lights/lamp/lamp_light.c \
 	hal/lights/lamp/lamp_find.c \
+	hal/lights/lamp/lamp_light.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \

@@ -8,6 +8,8 @@
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/compositor/near/near_sky.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -52,18 +54,27 @@ static int start_threads(const struct basis *basis, const struct pipeline_settin
 	return err;
 }
 
+void pipeline_warn_of_lamps(const struct basis *basis, const struct lamps *lamps)
+{
+	if (lamps->count && !near_sky_possible(basis))
+		log_warning(
+			"[lamp]: the basis does not tell where its pixels are, so lamps are taken as distant: bake the scene again with inlay-bake render");
+}
+
 /* Begins to measure lamps at places, where the compositor can use them. */
 static int start_lamps(struct pipeline *p, const struct compositor *compositor,
 		       const struct pipeline_settings *settings, struct fault *fault)
 {
 	struct lamp_light *lamps = NULL;
 
+	pipeline_warn_of_lamps(p->basis, &settings->lamps);
 	if (compositor_lamps(compositor) &&
 	    lamp_light_create(&lamps, &p->dome, &settings->lamps) < 0)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	lamp_light_destroy(p->lamps);
 	p->lamps = lamps;
 	memset(p->selection.lamp, 0, sizeof(p->selection.lamp));
+	memset(p->light.told.missing, 0, sizeof(p->light.told.missing));
 	return 0;
 }
 
@@ -80,7 +91,7 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
 	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
 	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left ||
-	    near_search_create(&p->light.near_search, &p->dome))
+	    lamps_search_create(&p->light.lamps_search, &p->dome))
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -111,7 +122,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
-			       .light = {.near_due = true},
+			       .light = {.told_due = true},
 			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
 			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);
@@ -140,7 +151,7 @@ void pipeline_destroy(struct pipeline *p)
 	light_exposures_destroy(p->light.exposures);
 	pipeline_ground_free(p);
 	image_free(&p->light.upright);
-	near_search_destroy(p->light.near_search);
+	lamps_search_destroy(p->light.lamps_search);
 	lamp_light_destroy(p->lamps);
 	free(p->distant);
 	free(p->light.radiance);
@@ -359,12 +370,12 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.pose = p->choice.pose,
 		.missing = p->pose.missing,
 		.lamp = p->light.lamp,
-		.near = p->light.near,
+		.told = p->light.told,
 		.people = pipeline_people_seen(p),
 	};
 
 	for (int l = 0, count = 0; l < p->settings.lamps.count; l++)
-		if (report.near.missing[l])
+		if (report.told.missing[l])
 			report.missing_lamp[count++] = p->settings.lamp_name[l];
 	memcpy(report.look_ns, p->look_ns, sizeof(report.look_ns));
 	return report;

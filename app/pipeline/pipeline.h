@@ -18,7 +18,7 @@
 #include <stdint.h>
 
 #include "app/pipeline/coarse_lamp.h"
-#include "app/pipeline/near_lamps.h"
+#include "app/pipeline/lamps_told.h"
 #include "hal/base/fault.h"
 #include "hal/base/pool.h"
 #include "hal/basis/basis.h"
@@ -142,7 +142,7 @@ struct pipeline_report {
 	int pose;	      /* pose in the picture; the first of two */
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
 	struct coarse_lamp lamp; /* as pipeline_find_lamps() saw it last */
-	struct near_lamps near;	 /* as the picture after that showed it */
+	struct lamps_told told;	 /* as the picture after that showed it */
 	/* Names of the lamps that are missing, until the next change; NULL ends them. */
 	const char *missing_lamp[LAMPS_MAX + 1];
 	struct pipeline_people_seen people;
@@ -154,6 +154,11 @@ struct pipeline_report {
 int pipeline_create(struct pipeline **pipeline, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault);
 void pipeline_destroy(struct pipeline *pipeline); /* NULL is harmless */
+
+/* Warns where lamps at places are named, but the basis does not know its places. That is no error:
+ * they are taken as distant, as all light was before. pipeline_create() and pipeline_change() do it,
+ * too. */
+void pipeline_warn_of_lamps(const struct basis *basis, const struct lamps *lamps);
 
 /* Takes other settings from the next frame on, except those of sampler, lens and exposures. On
  * failure the old ones stay. */

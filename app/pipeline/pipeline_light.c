@@ -249,7 +249,7 @@ static int take_light(struct pipeline *p)
 static void look_for_lamps(struct pipeline *p, const struct frame_reader *frame,
 			   const struct image *linear)
 {
-	const struct near_light light = {
+	const struct lamps_light light = {
 		.lens = &p->light.lens,
 		.frame = frame,
 		.linear = linear,
@@ -259,11 +259,11 @@ static void look_for_lamps(struct pipeline *p, const struct frame_reader *frame,
 		.lamps = &p->settings.lamps,
 	};
 
-	if (!p->light.near_due || p->light.exposure + 1 < p->settings.exposures)
+	if (!p->light.told_due || p->light.exposure + 1 < p->settings.exposures)
 		return;
-	p->light.near_due = false;
+	p->light.told_due = false;
 	/* Without memory what was said before stays. */
-	(void)near_search_look(p->light.near_search, &light, &p->light.near);
+	(void)lamps_search_look(p->light.lamps_search, &light, &p->light.told);
 }
 
 int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
@@ -356,14 +356,14 @@ void pipeline_forget_light(struct pipeline *p)
 
 void pipeline_find_lamps(struct pipeline *p)
 {
-	p->light.near_due = true;
+	p->light.told_due = true;
 	if (p->light.lit)
 		coarse_lamp_find(&p->light.lamp, &p->dome, (const float(*)[3])p->light.radiance);
 }
 
 const bool *pipeline_missing_lamps(const struct pipeline *p)
 {
-	return p->light.near.missing;
+	return p->light.told.missing;
 }
 
 void pipeline_follow(struct pipeline *p, int64_t captured_ns)

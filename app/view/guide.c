@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/view/panel.h"
-#include "hal/optics/vec.h"
+#include "hal/lights/lamp/lamp_light.h"
 
 #define STEPS 96     /* points of a line: lenses bend it */
 #define GRID_HALF 10 /* lines on each side of the middle */
@@ -329,16 +329,13 @@ static void draw_lamps(struct pen *pen, const struct fisheye *lens, const struct
 		       double letter_px)
 {
 	for (int l = 0; lamps->lamps && l < lamps->lamps->count; l++) {
-		const struct lamp *lamp = &lamps->lamps->lamp[l];
-		double dir[3], px[2], distance, radius;
+		double dir[3], px[2], radius;
 		char text[CONFIG_NAME_MAX + 16];
 
-		for (int c = 0; c < 3; c++)
-			dir[c] = lamp->position[c] - lamps->lamps->fisheye[c];
-		distance = vec_normalize(dir);
-		if (!fisheye_project(lens, dir, px))
+		if (!lamp_light_seen(lamps->lamps, l, dir, &radius) ||
+		    !fisheye_project(lens, dir, px))
 			continue;
-		radius = asin(fmin(1, lamp->radius / distance)) / sqrt(fisheye_pixel_sr(lens, px));
+		radius /= sqrt(fisheye_pixel_sr(lens, px));
 		pen_ring(pen, px, fmax(radius, letter_px / 4), lamp_rgb);
 		px[1] -= radius + letter_px;
 		snprintf(text, sizeof(text), "%s%s", lamps->name[l],

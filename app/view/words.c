@@ -111,7 +111,7 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 
 	if (f->missing_lamp)
 		snprintf(missing, sizeof(missing), " · no light at lamp %s", f->missing_lamp);
-	if (f->unnamed_lamp)
+	if (f->unnamed_off > 0)
 		snprintf(unnamed, sizeof(unnamed),
 			 " · light at %.0f°, %.0f° high, no [lamp]: off %.0f %% if 1.5 m away",
 			 f->unnamed_azimuth_deg, f->unnamed_height_deg, 100 * f->unnamed_off);

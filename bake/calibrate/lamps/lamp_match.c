@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/calibrate/estimate/linear.h"
 #include "hal/base/log.h"
 #include "hal/optics/vec.h"
 
@@ -13,18 +14,16 @@
 #define NODES_MAX 1000000 /* ways that are tried: a second or so */
 /* Another way is out of the question where it is a thousand times less likely: 2 ln 1000. */
 #define CLEARLY_WORSE 13.8
-/* A panel that is seen straight and at 50 degrees differs by 1.6 in its light, by its square root in
- * its width; half of a lamp that a shade hides, by 2. */
-#define FLUX_DEVIATION 0.6
-#define SIZE_DEVIATION 0.3
 /* Nearer than this no lamp is laid before a lens. */
 #define NEAREST_M 0.1
 #define DEVIATIONS 3
-/* Of the light: a lamp with less puts the picture off by half a level at most (tests/accuracy). */
+/* A lamp with 75 % of the light, 1.5 m away and taken for distant, puts the picture off by 6.4
+ * levels (tests/accuracy, "Lamps in the room"); one with 3 %, by a quarter of a level. */
 #define STRONG 0.03
 
-/* By Wilson and Hilferty, whose cube is right to a percent; 3.09 is the normal deviate of it. */
-double lamp_most_squares(int freedom)
+/* The sum of squares of so many normal deviates that is exceeded once in a thousand times. Wilson
+ * and Hilferty's cube is right to a percent; 3.09 is the normal deviate of a thousandth. */
+static double most_squares(int freedom)
 {
 	const double part = 2 / (9.0 * freedom);
 
@@ -61,24 +60,8 @@ static double direction_deviation(const struct matching *m, const struct lamp_sp
 
 /* ---- one candidate ---- */
 
-/* Solves the 3 x 3 system of columns a with Cramer's rule. False: it has no one solution. */
-static bool solve(const double a[3][3], const double b[3], double x[3])
-{
-	double cross[3], det;
-
-	vec_cross(a[1], a[2], cross);
-	det = vec_dot(a[0], cross);
-	if (!(fabs(det) > 1e-12 * vec_length(a[0]) * vec_length(a[1]) * vec_length(a[2])))
-		return false;
-	for (int k = 0; k < 3; k++) {
-		vec_cross(a[(k + 1) % 3], a[(k + 2) % 3], cross);
-		x[k] = vec_dot(b, cross) / det;
-	}
-	return true;
-}
-
-/* The point nearest to the rays, each by its deviation at the distance of the last guess. Its
- * squares; INFINITY: the rays do not meet before the lens. */
+/* The point nearest to the rays, each by its deviation at the distance of the last guess:
+ * (1 - d d^T) (x - c) / s = 0. Its squares; INFINITY: the rays do not meet before the lens. */
 static double meet_rays(const struct matching *m, struct lamp_track *t)
 {
 	double distance[SIGHT_PLACES_MAX], squares = 0;
@@ -86,12 +69,11 @@ static double meet_rays(const struct matching *m, struct lamp_track *t)
 	for (int k = 0; k < m->sights; k++)
 		distance[k] = 2; /* a room's; the weights hardly depend on it */
 	for (int turn = 0; turn < 4; turn++) {
-		double a[3][3] = {{0}}, b[3] = {0};
+		double a[4][3 * SIGHT_PLACES_MAX] = {{0}}, by_column[4 * 3 * SIGHT_PLACES_MAX];
+		const int rows = 3 * m->sights;
 
-		squares = 0;
 		for (int k = 0; k < m->sights; k++) {
 			const struct lamp_spot *spot = spot_of(m, t, k);
-			const double *at = m->sight[k].at;
 			double sigma;
 
 			if (!spot)
@@ -100,18 +82,20 @@ static double meet_rays(const struct matching *m, struct lamp_track *t)
 				      m->deviation->place_m);
 			for (int i = 0; i < 3; i++)
 				for (int j = 0; j < 3; j++) {
-					const double across = (i == j) -
-							      spot->dir[i] * spot->dir[j];
+					const double across =
+						((i == j) - spot->dir[i] * spot->dir[j]) / sigma;
 
-					a[j][i] += across / (sigma * sigma);
-					b[i] += across * at[j] / (sigma * sigma);
+					a[j][3 * k + i] = across;
+					a[3][3 * k + i] += across * m->sight[k].at[j];
 				}
 		}
-		if (!solve((const double(*)[3])a, b, t->at))
-			return INFINITY;
+		for (int column = 0; column < 4; column++)
+			memcpy(by_column + column * rows, a[column], sizeof(double) * (size_t)rows);
+		(void)linear_solve(by_column, rows, 3, t->at);
+		squares = 0;
 		for (int k = 0; k < m->sights; k++) {
 			const struct lamp_spot *spot = spot_of(m, t, k);
-			double to[3], angle;
+			double to[3];
 
 			if (!spot)
 				continue;
@@ -120,8 +104,8 @@ static double meet_rays(const struct matching *m, struct lamp_track *t)
 			if (!(vec_dot(to, spot->dir) > NEAREST_M))
 				return INFINITY;
 			distance[k] = vec_normalize(to);
-			angle = vec_angle(to, spot->dir);
-			squares += pow(angle / hypot(direction_deviation(m, spot),
+			squares += pow(vec_angle(to, spot->dir) /
+					       hypot(direction_deviation(m, spot),
 						     m->deviation->place_m / distance[k]),
 				       2);
 		}
@@ -172,61 +156,20 @@ static double parallel_rays(const struct matching *m, const struct lamp_track *t
 	return squares;
 }
 
-/* How much the places differ on how large and how strong the light is; *terms: comparisons. */
-static double looks_squares(const struct matching *m, const struct lamp_track *t, int *terms)
-{
-	const double deviation[2] = {FLUX_DEVIATION, SIZE_DEVIATION};
-	double squares = 0;
-
-	*terms = 0;
-	for (int what = 0; what < 2; what++) {
-		double sum = 0, square = 0;
-		int n = 0;
-
-		for (int k = 0; k < m->sights; k++) {
-			const struct lamp_spot *spot = spot_of(m, t, k);
-			double to[3], distance = 1, value;
-
-			if (!spot || (what ? !spot->resolved : spot->clipped))
-				continue;
-			for (int i = 0; i < 3; i++)
-				to[i] = t->at[i] - m->sight[k].at[i];
-			if (!t->far)
-				distance = vec_length(to);
-			value = what ? log(spot->radius * distance)
-				     : log(spot->flux * distance * distance);
-			sum += value;
-			square += value * value;
-			n++;
-		}
-		if (n < 2)
-			continue;
-		squares += fmax(0, square - sum * sum / n) / (deviation[what] * deviation[what]);
-		*terms += n - 1;
-	}
-	return squares;
-}
-
 /* Keeps a track whose spots are set, if its rays can be those of one light. */
 static void judge_candidate(struct matching *m, struct lamp_track *t)
 {
 	struct lamp_track far;
-	const double parallel = parallel_rays(m, t, &far);
-	int freedom = 2 * t->seen - 3, terms;
-	double looks;
+	int freedom = 2 * t->seen - 2;
 
-	if (parallel <= lamp_most_squares(2 * t->seen - 2)) {
+	far.squares = parallel_rays(m, t, &far);
+	if (far.squares <= most_squares(freedom)) {
 		*t = far;
-		t->squares = parallel;
-		freedom = 2 * t->seen - 2;
 	} else {
 		t->squares = meet_rays(m, t);
+		freedom--;
 	}
-	if (!(t->squares <= lamp_most_squares(freedom)))
-		return;
-	looks = looks_squares(m, t, &terms);
-	t->squares += looks;
-	if (!(t->squares <= lamp_most_squares(freedom + terms)))
+	if (!(t->squares <= most_squares(freedom)))
 		return;
 	if (m->candidates == CANDIDATES_MAX)
 		m->overflow = true;

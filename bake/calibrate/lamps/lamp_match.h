@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which lights of several places are one. Two rays to one lamp meet but for their deviations, which
- * is the epipolar constraint; of all ways to take the lights together, that one counts that
- * explains most of them, by the fewest lamps. If another way does as well, nobody can tell.
+ * It tells which lights of several places are one lamp. Two rays to one lamp meet but for their
+ * deviations, which is the epipolar constraint; of all ways to take the lights together, that one
+ * counts that explains most of them, by the fewest lamps. If another way does as well, nobody can
+ * tell.
  */
 #ifndef INLAY_BAKE_CALIBRATE_LAMPS_LAMP_MATCH_H
 #define INLAY_BAKE_CALIBRATE_LAMPS_LAMP_MATCH_H
@@ -31,8 +32,5 @@ struct lamp_track {
  * be taken together in more than one way, and strong ones that some place does not see. */
 int lamp_match(const struct lamp_sight *sight, int sights, const struct lamp_deviations *deviation,
 	       struct lamp_track track[SIGHT_SPOTS_MAX], struct verdict *verdict);
-
-/* The sum of squares of so many normal deviates that is exceeded once in a thousand times. */
-double lamp_most_squares(int freedom);
 
 #endif

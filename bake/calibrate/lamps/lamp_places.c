@@ -10,11 +10,9 @@
 #include "hal/base/output.h"
 #include "hal/optics/vec.h"
 
-/* Light from farther away differs by less than 2 % over 0.15 m, half of an object: the bar of tests/accuracy. */
+/* Over 0.15 m, half of an object, light from farther away differs by less than 2 %, which is the
+ * least difference of brightness that eyes see. */
 #define NEAR_M 15.0
-/* Below this angle between its direction and the line through the places they see a lamp from one side alone. */
-#define IN_LINE (10 * M_PI / 180)
-
 enum { POSE = 6 }; /* unknowns of a place: what it moved by, and its turn */
 
 struct problem {
@@ -204,16 +202,10 @@ static int publish(struct lamp_places *places, const struct problem *p, const do
 
 /* ---- doubts ---- */
 
-static void doubt_places(struct lamp_places *places, const struct problem *p, double squares)
+static void doubt_places(struct lamp_places *places, const struct problem *p)
 {
 	struct verdict *verdict = &places->finding.verdict;
 
-	if (!(squares <= lamp_most_squares(places->finding.estimate.freedom)))
-		verdict_doubt(
-			verdict,
-			"check --at and the lens's rotation, keep the fisheye turned as before, and leave lamps where they are",
-			"the directions do not meet: their residuals have squares of %.0f, expected at most %.0f",
-			squares, lamp_most_squares(places->finding.estimate.freedom));
 	for (int lamp = 0; lamp < places->lamps.count; lamp++)
 		if (!(places->deviation_m[lamp] <= places->tolerance * p->track[lamp].least_m))
 			verdict_doubt(
@@ -226,22 +218,6 @@ static void doubt_places(struct lamp_places *places, const struct problem *p, do
 				100 * places->tolerance);
 }
 
-/* Whether every other place lies in line with the first one, as seen along a direction. */
-static bool is_in_line(const struct lamp_places *places, const double dir[3])
-{
-	for (int k = 1; k < places->sights; k++) {
-		double line[3], across[3];
-
-		for (int i = 0; i < 3; i++)
-			line[i] = places->sight[k].at[i] - places->sight[0].at[i];
-		vec_normalize(line);
-		vec_cross(line, dir, across);
-		if (vec_length(across) > sin(IN_LINE))
-			return false;
-	}
-	return true;
-}
-
 static void judge_far(struct lamp_places *places, const struct lamp_track *track)
 {
 	char text[SIGHT_TEXT_MAX];
@@ -250,16 +226,12 @@ static void judge_far(struct lamp_places *places, const struct lamp_track *track
 	if (track->least_m >= NEAR_M)
 		log_info("the light at %s is at least %.0f m away: it stays light from afar", text,
 			 track->least_m);
-	else if (is_in_line(places, track->at))
-		verdict_doubt(
-			&places->finding.verdict, "lay the fisheye at another place, off that line",
-			"the light at %s lies in line with the places: nobody can tell how far away it is",
-			text);
 	else
-		verdict_doubt(&places->finding.verdict,
-			      "lay the fisheye farther apart, and tell the places more exactly",
-			      "the light at %s shows no parallax: it may be anywhere beyond %.1f m",
-			      text, track->least_m);
+		verdict_doubt(
+			&places->finding.verdict,
+			"lay the fisheye farther apart, off the line to that light, and tell the places more exactly",
+			"the light at %s shows no parallax between the places: it may be anywhere beyond %.1f m",
+			text, track->least_m);
 }
 
 /* ---- all of it ---- */
@@ -312,7 +284,7 @@ static int solve_places(struct lamp_places *places, const struct lamp_track *tra
 	if (!err)
 		err = publish(places, &p, x, &fit, unknowns);
 	if (!err)
-		doubt_places(places, &p, fit.squares);
+		doubt_places(places, &p);
 	least_squares_free(&fit);
 	return err ? fault_say(fault, err, "out of memory") : 0;
 }
@@ -328,8 +300,10 @@ int lamp_places_find(struct lamp_places *places, struct observations *seen, stru
 	verdict_begin(verdict);
 	for (int k = 0; k < places->sights; k++)
 		if (!places->sight[k].count)
-			verdict_doubt(verdict, "expose less, so that lamps stand out",
-				      "no lamp is to be seen in %s", places->sight[k].name);
+			verdict_doubt(
+				verdict,
+				"expose less, so that lamps stand out; if there are none, nothing has to be named",
+				"no lamp is to be seen in %s", places->sight[k].name);
 	tracks = lamp_match(places->sight, places->sights, &places->deviation, track, verdict);
 	if (tracks < 0)
 		return fault_say(fault, tracks, "out of memory");

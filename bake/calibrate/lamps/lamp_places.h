@@ -4,7 +4,8 @@
  *
  * All lamps, and how far each picture's place and turn are from what was said, are found together:
  *
- *     minimise  sum (angle(d, T (p - c)) / s_d)^2  +  sum (c - c_said)^2 / s_c^2  +  sum |t|^2 / s_t^2
+ *     minimise  sum (angle(d, T (p - c)) / s_d)^2  +  sum |c - c_said|^2 / s_c^2
+ *               +  sum |t|^2 / s_t^2
  *
  * d: a light's measured direction; p: its lamp's place; c: the lens's place; T: a small turn t. The
  * deviations s are given, so that the covariance is (J^T J)^-1.
@@ -30,8 +31,8 @@ struct lamp_places {
 	double moved[SIGHT_PLACES_MAX][3]; /* the place that was found less the one that was said */
 };
 
-/* Fills the result, whose finding has a verdict, and the points of seen, a view for each sight, which has to outlive
- * it. A doubted result may hold no lamp. -ENOMEM. */
+/* Fills the result, whose finding has a verdict, and the points of seen, a view for each sight,
+ * which has to outlive it. A doubted result may hold no lamp. -ENOMEM. */
 int lamp_places_find(struct lamp_places *places, struct observations *seen, struct fault *fault);
 void lamp_places_free(struct lamp_places *places); /* idempotent; zeroed is fine */
 

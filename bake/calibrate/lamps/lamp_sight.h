@@ -17,8 +17,8 @@ struct lamp_sight {
 	double share[SIGHT_SPOTS_MAX]; /* of a level ground's light; of clipped light: at least */
 };
 
-/* Finds the lights in a picture, the strongest first, taken at sight->at. Those below the horizon and those too faint
- * to matter are left out, which is logged. 0 or -ENOMEM. */
+/* Finds the lights in a picture, the strongest first, taken at sight->at. Those below the horizon
+ * and those too faint to matter are left out, which is logged. 0 or -ENOMEM. */
 int lamp_sight_look(struct lamp_sight *sight, const struct image *picture,
 		    const struct transfer_curve *curve, const struct fisheye *lens);
 

@@ -11,7 +11,7 @@
 /* A lamp is a hundred times as bright as what it lights; the glow on a lit ceiling around it is not
  * four times as bright as the ceiling. */
 #define CONTRAST 4
-/* Beside a spot of a thousandth of its brightness an eye that sees the brightest one sees its glare. */
+/* What has a thousandth of the brightness of the brightest spot is glare of that in the lens. */
 #define LEAST_OF_BRIGHTEST 1e-3F
 /* Most pixels whose median is taken, with a deviation of 8 % of theirs; qsort() needs memory for
  * more than 1 KB. */

@@ -25,7 +25,7 @@ struct lamp_picture {
 struct lamp_spot {
 	double px[2]; /* its middle */
 	double dir[3];
-	double radius; /* rad: of a disc of the same solid angle, as bright as the brightest of it */
+	double radius; /* rad: of an even disc as bright as the brightest of it, of the same flux */
 	double flux;   /* radiance above the surroundings, times solid angle; clipped: at least */
 	double pixel;  /* rad that a pixel is wide there */
 	bool clipped;  /* the light is; then the radius is that of what is */

@@ -31,8 +31,7 @@ double lamp_light_apart(const struct dome *dome, int cell, const double directio
 	return off / dome_cell_reach_rad(dome, cell);
 }
 
-/* Where a lamp is seen from the fisheye. False: below its horizon. */
-static bool lamp_seen(const struct lamps *lamps, int lamp, double direction[3], double *radius_rad)
+bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], double *radius_rad)
 {
 	double distance;
 
@@ -52,7 +51,7 @@ static void find_owners(const struct dome *dome, const struct lamps *lamps, int 
 		owner[i] = -1;
 		for (int l = 0; l < lamps->count; l++) {
 			double direction[3], radius;
-			const double apart = lamp_seen(lamps, l, direction, &radius)
+			const double apart = lamp_light_seen(lamps, l, direction, &radius)
 						     ? lamp_light_apart(dome, i, direction, radius)
 						     : INFINITY;
 
@@ -69,7 +68,7 @@ static int list_cells(struct lamp_cells *cells, const struct dome *dome, const s
 {
 	double direction[3], radius;
 
-	if (!lamp_seen(lamps, lamp, direction, &radius))
+	if (!lamp_light_seen(lamps, lamp, direction, &radius))
 		return 0;
 	cells->cell = calloc((size_t)dome->count, sizeof(*cells->cell));
 	if (!cells->cell)

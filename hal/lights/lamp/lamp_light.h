@@ -11,6 +11,8 @@
 #ifndef INLAY_HAL_LIGHTS_LAMP_LAMP_LIGHT_H
 #define INLAY_HAL_LIGHTS_LAMP_LAMP_LIGHT_H
 
+#include <stdbool.h>
+
 #include "hal/lights/lamps.h"
 #include "hal/optics/dome.h"
 
@@ -23,6 +25,9 @@
  * cell's reach: the light is in cells nearer than LAMP_LIGHT_SHARED. */
 double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
 			double radius_rad);
+
+/* Where a lamp is seen from the fisheye, and its angular radius. False: below its horizon. */
+bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], double *radius_rad);
 
 struct lamp_light;
 

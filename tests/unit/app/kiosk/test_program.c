@@ -237,7 +237,7 @@ TEST("lines say what was counted")
 	source.opening.situation = CAMERA_STALLED;
 	report.lamp = (struct coarse_lamp){
 		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
-	report.near = (struct near_lamps){
+	report.told = (struct lamps_told){
 		.unnamed = true, .share = 0.3, .azimuth_deg = 134, .height_deg = 22.5};
 	report.missing_lamp[0] = "desk";
 	report.missing_lamp[1] = "door";

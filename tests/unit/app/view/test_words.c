@@ -194,7 +194,6 @@ TEST("figures")
 	expect_below(strlen(text), 256, "what the overlay takes");
 	f.lamp = false;
 	f.missing_lamp = "desk";
-	f.unnamed_lamp = true;
 	f.unnamed_azimuth_deg = 134.4;
 	f.unnamed_height_deg = 21.6;
 	f.unnamed_off = 0.081;

@@ -73,8 +73,10 @@ TEST("windows and what is a little brighter are none")
 {
 	const struct drawn_lamp window = {{0.6, 0, 0.8}, 0.25, 5},
 				dim = {{0.6, 0, 0.8}, 0.05, 0.35};
+	const struct drawn_lamp before_it[] = {{{0.6, 0, 0.8}, 0.05, 12}, {{1.2, 0, 1.6}, 0.5, 5}};
 	struct lamp_spot spot[SPOTS];
 
+	assert_int_equal(find(before_it, 2, 0.1, INFINITY, spot), 0);
 	assert_int_equal(find(&window, 1, 0.1, INFINITY, spot), 0);
 	assert_int_equal(find(&dim, 1, 0.1, INFINITY, spot), 0);
 	assert_int_equal(find(NULL, 0, 0.1, INFINITY, spot), 0);

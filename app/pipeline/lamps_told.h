@@ -4,13 +4,13 @@
  * small and bright, as of a lamp at a place, and taken for light from afar. Whether it hangs near
  * nobody can tell from one picture; if it is 1.5 m away, the object's brightness is off by about
  *
- *     NEAR_LAMPS_OFF * share                    share: of the light of a level ground
+ *     LAMPS_TOLD_OFF * share                    share: of the light of a level ground
  *
  * which make near measures (tests/accuracy): 25 % by a lamp with three quarters of the light, with
  * the fisheye 0.3 m beside the object.
  */
-#ifndef INLAY_APP_PIPELINE_NEAR_LAMPS_H
-#define INLAY_APP_PIPELINE_NEAR_LAMPS_H
+#ifndef INLAY_APP_PIPELINE_LAMPS_TOLD_H
+#define INLAY_APP_PIPELINE_LAMPS_TOLD_H
 
 #include "hal/frame/frame_reader.h"
 #include "hal/image/image.h"
@@ -18,26 +18,26 @@
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 
-#define NEAR_LAMPS_OFF (0.25 / 0.75)
+#define LAMPS_TOLD_OFF (0.25 / 0.75)
 /* From 2 % of the brightness on, a difference between two greys that eyes see; until 1.3 %. */
-#define NEAR_LAMPS_FROM (0.02 / NEAR_LAMPS_OFF)
-#define NEAR_LAMPS_UNTIL (0.013 / NEAR_LAMPS_OFF)
+#define LAMPS_TOLD_FROM (0.02 / LAMPS_TOLD_OFF)
+#define LAMPS_TOLD_UNTIL (0.013 / LAMPS_TOLD_OFF)
 
-struct near_lamps {
+struct lamps_told {
 	bool unnamed;			/* there is one */
 	double azimuth_deg, height_deg; /* from the fisheye; the azimuth from +X towards +Y */
 	double share;
 	bool missing[LAMPS_MAX]; /* no light within 5 degrees of where it has to be seen */
 };
 
-struct near_search;
+struct lamps_search;
 
 /* For a dome, which has to outlive it. -ENOMEM. */
-int near_search_create(struct near_search **search, const struct dome *dome);
-void near_search_destroy(struct near_search *search); /* NULL is harmless */
+int lamps_search_create(struct lamps_search **search, const struct dome *dome);
+void lamps_search_destroy(struct lamps_search *search); /* NULL is harmless */
 
 /* The light that spots are looked for in. */
-struct near_light {
+struct lamps_light {
 	const struct fisheye *lens;	    /* of the picture */
 	const struct frame_reader *frame;   /* the picture; or */
 	const struct image *linear;	    /* linear light, upright; the other is NULL */
@@ -48,7 +48,7 @@ struct near_light {
 };
 
 /* Looks at a picture: for once a second. *lamps is what was found before, or zeroed. -ENOMEM. */
-int near_search_look(struct near_search *search, const struct near_light *light,
-		     struct near_lamps *lamps);
+int lamps_search_look(struct lamps_search *search, const struct lamps_light *light,
+		      struct lamps_told *lamps);
 
 #endif

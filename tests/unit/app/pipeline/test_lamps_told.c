@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/pipeline/near_lamps.h"
+#include "app/pipeline/lamps_told.h"
 #include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
@@ -18,8 +18,9 @@ static const struct fisheye_settings settings = {.field_deg = 90};
 static struct dome dome;
 static struct fisheye lens;
 static struct light_sampler *sampler;
-static struct near_search *search;
+static struct lamps_search *search;
 static float (*radiance)[3], (*distant)[3];
+static bool no_places; /* of the basis: lamps are not taken out of the light */
 
 static int search_begin(void **state)
 {
@@ -30,7 +31,7 @@ static int search_begin(void **state)
 	assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SIDE, SIDE, &sampling, NULL),
 			 0);
-	assert_int_equal(near_search_create(&search, &dome), 0);
+	assert_int_equal(lamps_search_create(&search, &dome), 0);
 	radiance = calloc((size_t)dome.count, sizeof(*radiance));
 	distant = calloc((size_t)dome.count, sizeof(*distant));
 	assert_true(radiance && distant);
@@ -40,7 +41,7 @@ static int search_begin(void **state)
 static int search_end(void **state)
 {
 	(void)state;
-	near_search_destroy(search);
+	lamps_search_destroy(search);
 	light_sampler_destroy(sampler);
 	dome_free(&dome);
 	free(radiance);
@@ -50,18 +51,18 @@ static int search_end(void **state)
 TEST_GROUP(search_begin, search_end);
 
 /* What is said of a room with lamps, of which the configuration names some. As 8 bits as well. */
-static struct near_lamps look(const struct drawn_lamp *lamp, int count, const struct lamps *named,
-			      struct near_lamps found)
+static struct lamps_told look(const struct drawn_lamp *lamp, int count, const struct lamps *named,
+			      struct lamps_told found)
 {
 	static const double origin[3];
 	const struct drawn_room room = {lamp, count, 0.1};
 	const struct transfer_curve curve = {.named = TRANSFER_SRGB};
-	struct near_lamps in_codes = found;
-	struct near_light light = {.lens = &lens,
-				   .curve = &curve,
-				   .radiance = (const float(*)[3])radiance,
-				   .distant = (const float(*)[3])distant,
-				   .lamps = named};
+	struct lamps_told in_codes = found;
+	struct lamps_light light = {.lens = &lens,
+				    .curve = &curve,
+				    .radiance = (const float(*)[3])radiance,
+				    .distant = (const float(*)[3])distant,
+				    .lamps = named};
 	struct canvas canvas = {.pixels = NULL};
 	struct lamp_light *taken;
 	struct image picture;
@@ -73,10 +74,11 @@ static struct near_lamps look(const struct drawn_lamp *lamp, int count, const st
 	assert_int_equal(light_sampler_read_linear(sampler, &picture, radiance), 0);
 	memcpy(distant, radiance, sizeof(*distant) * (size_t)dome.count);
 	assert_int_equal(lamp_light_create(&taken, &dome, named), 0);
-	lamp_light_take(taken, distant, power);
+	if (!no_places)
+		lamp_light_take(taken, distant, power);
 	lamp_light_destroy(taken);
 	light.linear = &picture;
-	assert_int_equal(near_search_look(search, &light, &found), 0);
+	assert_int_equal(lamps_search_look(search, &light, &found), 0);
 	encode_lamps(&picture, 1);
 	assert_int_equal(canvas_create(&canvas, SIDE, SIDE), 0);
 	for (int i = 0; i < SIDE * SIDE; i++)
@@ -87,7 +89,7 @@ static struct near_lamps look(const struct drawn_lamp *lamp, int count, const st
 	reader = frame_reader_of(&codes);
 	light.linear = NULL;
 	light.frame = &reader;
-	assert_int_equal(near_search_look(search, &light, &in_codes), 0);
+	assert_int_equal(lamps_search_look(search, &light, &in_codes), 0);
 	assert_int_equal(in_codes.unnamed, found.unnamed);
 	assert_memory_equal(in_codes.missing, found.missing, sizeof(found.missing));
 	expect_below(fabs(in_codes.share - found.share), 0.2 * found.share + 1e-9, "%d lamps",
@@ -97,23 +99,26 @@ static struct near_lamps look(const struct drawn_lamp *lamp, int count, const st
 	return found;
 }
 
-static const struct near_lamps nothing;
+static const struct lamps_told nothing;
 /* It gives a level ground pi 50 (0.08 / 2.22)^2 sin 54 degrees = 0.17, the sky 0.31. */
 static const struct drawn_lamp strong = {{1.2, 0.5, 1.8}, 0.08, 50};
 static const struct lamps named = {1, {{{1.2, 0.5, 1.8}, 0.08}}, {0, 0, 0}};
 
 TEST("a lamp that is named and shines is not spoken of")
 {
-	const struct near_lamps found = look(&strong, 1, &named, nothing);
+	const struct lamps_told found = look(&strong, 1, &named, nothing);
 
 	assert_false(found.unnamed);
 	assert_false(found.missing[0]);
+	no_places = true;
+	assert_false(look(&strong, 1, &named, nothing).unnamed);
+	no_places = false;
 }
 
 TEST("a lamp that is not named is, with its share of the light")
 {
 	const struct lamps none = {.count = 0};
-	const struct near_lamps found = look(&strong, 1, &none, nothing);
+	const struct lamps_told found = look(&strong, 1, &none, nothing);
 
 	assert_true(found.unnamed);
 	expect_below(fabs(found.azimuth_deg - 22.6), 0.5, "%s", "azimuth");
@@ -124,7 +129,7 @@ TEST("a lamp that is not named is, with its share of the light")
 TEST("a named lamp beside it takes nothing of that")
 {
 	const struct drawn_lamp lamp[] = {strong, {{-1, 0.3, 1.5}, 0.06, 60}};
-	const struct near_lamps found = look(lamp, 2, &named, nothing);
+	const struct lamps_told found = look(lamp, 2, &named, nothing);
 
 	assert_true(found.unnamed);
 	assert_false(found.missing[0]);
@@ -154,11 +159,11 @@ TEST("weak lights, windows and an even sky are not lamps")
 /* What was said stays said until the light has become clearly weaker. */
 TEST("a light at the threshold does not come and go")
 {
-	const double share = (NEAR_LAMPS_FROM + NEAR_LAMPS_UNTIL) / 2;
+	const double share = (LAMPS_TOLD_FROM + LAMPS_TOLD_UNTIL) / 2;
 	const double light = 0.1 * share / (1 - share); /* over pi, beside the sky's 0.1 */
 	const struct drawn_lamp lamp = {{0, 0, 2}, 0.08, light / (0.04 * 0.04)};
 	const struct lamps none = {.count = 0};
-	const struct near_lamps before = {.unnamed = true, .share = 0.1};
+	const struct lamps_told before = {.unnamed = true, .share = 0.1};
 
 	assert_false(look(&lamp, 1, &none, nothing).unnamed);
 	assert_true(look(&lamp, 1, &none, before).unnamed);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/pipeline/near_lamps.h"
+#include "app/pipeline/lamps_told.h"
 
 #include <errno.h>
 #include <math.h>
@@ -10,14 +10,14 @@
 #include "hal/lights/lamp/lamp_light.h"
 #include "hal/optics/vec.h"
 
-/* A picture that is reduced to at most so many pixels each way shows a direction to half a degree. */
+/* A picture that is reduced to at most so many pixels each way shows half a degree. */
 #define SIDE_MAX 256
 #define APART (5 * M_PI / 180)
 /* Surroundings of so many cells tell their median well; qsort() needs memory for more than 1 KB. */
 #define AROUND_MAX 250
 #define SPOTS 16
 
-struct near_search {
+struct lamps_search {
 	const struct dome *dome;
 	struct lamp_finder finder;
 	float *picture; /* [SIDE_MAX * SIDE_MAX], reduced */
@@ -26,9 +26,9 @@ struct near_search {
 	int *owner; /* [lights] */
 };
 
-int near_search_create(struct near_search **out, const struct dome *dome)
+int lamps_search_create(struct lamps_search **out, const struct dome *dome)
 {
-	struct near_search *s = calloc(1, sizeof(*s));
+	struct lamps_search *s = calloc(1, sizeof(*s));
 
 	*out = NULL;
 	if (!s)
@@ -37,14 +37,14 @@ int near_search_create(struct near_search **out, const struct dome *dome)
 	s->picture = malloc(sizeof(*s->picture) * SIDE_MAX * SIDE_MAX);
 	s->owner = calloc((size_t)dome->count, sizeof(*s->owner));
 	if (!s->picture || !s->owner) {
-		near_search_destroy(s);
+		lamps_search_destroy(s);
 		return -ENOMEM;
 	}
 	*out = s;
 	return 0;
 }
 
-void near_search_destroy(struct near_search *s)
+void lamps_search_destroy(struct lamps_search *s)
 {
 	if (!s)
 		return;
@@ -55,7 +55,7 @@ void near_search_destroy(struct near_search *s)
 	free(s);
 }
 
-static void add_frame_row(struct near_search *s, const struct frame_reader *frame, int y, int side,
+static void add_frame_row(struct lamps_search *s, const struct frame_reader *frame, int y, int side,
 			  const float decode[256], float *to, int columns)
 {
 	const uint32_t *row = frame_reader_row(frame, 0, y, columns * side, s->row);
@@ -77,7 +77,7 @@ static void add_linear_row(const struct image *linear, int y, int side, float *t
 }
 
 /* Fills the picture with means of squares of pixels, and *lens with a lens of it. */
-static int reduce(struct near_search *s, const struct near_light *light, struct lamp_picture *p,
+static int reduce(struct lamps_search *s, const struct lamps_light *light, struct lamp_picture *p,
 		  struct fisheye *lens)
 {
 	const int width = light->frame ? light->frame->view.width : light->linear->width;
@@ -117,24 +117,13 @@ static int reduce(struct near_search *s, const struct near_light *light, struct 
 	return 0;
 }
 
-/* Where a named lamp is seen, and how large it is. */
-static double named_direction(const struct lamps *lamps, int lamp, double dir[3])
-{
-	double distance;
-
-	for (int i = 0; i < 3; i++)
-		dir[i] = lamps->lamp[lamp].position[i] - lamps->fisheye[i];
-	distance = vec_normalize(dir);
-	return distance > 0 ? asin(fmin(lamps->lamp[lamp].radius / distance, 1)) : 0;
-}
-
 static bool is_named(const struct lamps *lamps, const struct lamp_spot *spot)
 {
 	for (int l = 0; l < lamps->count; l++) {
-		double dir[3];
-		const double radius = named_direction(lamps, l, dir);
+		double dir[3], radius;
 
-		if (vec_angle(dir, spot->dir) < APART + radius)
+		if (lamp_light_seen(lamps, l, dir, &radius) &&
+		    vec_angle(dir, spot->dir) < APART + radius)
 			return true;
 	}
 	return false;
@@ -153,7 +142,7 @@ static int compare_floats(const void *a, const void *b)
 }
 
 /* Finds the spot that each cell's light belongs to: the nearest; -1: none. */
-static void find_owners(struct near_search *s, const struct lamp_spot *spot, int spots)
+static void find_owners(struct lamps_search *s, const struct lamp_spot *spot, int spots)
 {
 	for (int i = 0; i < s->dome->count; i++) {
 		double least = LAMP_LIGHT_SHARED;
@@ -172,7 +161,7 @@ static void find_owners(struct near_search *s, const struct lamp_spot *spot, int
 }
 
 /* What a spot gives a level ground, of what is brighter in its cells than the surroundings. */
-static double spot_light(const struct near_search *s, const float (*radiance)[3],
+static double spot_light(const struct lamps_search *s, const float (*radiance)[3],
 			 const struct lamp_spot *spot, int k)
 {
 	float around[AROUND_MAX], median = 0;
@@ -194,10 +183,10 @@ static double spot_light(const struct near_search *s, const float (*radiance)[3]
 }
 
 /* Finds the strongest spot that is not named, by the light that the lights have around it. */
-static void weigh_spots(struct near_search *s, const struct near_light *light,
-			struct lamp_spot *spot, int spots, struct near_lamps *found)
+static void weigh_spots(struct lamps_search *s, const struct lamps_light *light,
+			struct lamp_spot *spot, int spots, struct lamps_told *found)
 {
-	const double least = found->unnamed ? NEAR_LAMPS_UNTIL : NEAR_LAMPS_FROM;
+	const double least = found->unnamed ? LAMPS_TOLD_UNTIL : LAMPS_TOLD_FROM;
 	double all = 0;
 	int count = 0;
 
@@ -222,8 +211,8 @@ static void weigh_spots(struct near_search *s, const struct near_light *light,
 	}
 }
 
-int near_search_look(struct near_search *s, const struct near_light *light,
-		     struct near_lamps *found)
+int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
+		      struct lamps_told *found)
 {
 	struct lamp_spot spot[SPOTS];
 	struct lamp_picture picture;
@@ -235,13 +224,11 @@ int near_search_look(struct near_search *s, const struct near_light *light,
 	if (spots < 0)
 		return spots;
 	for (int l = 0; l < LAMPS_MAX; l++) {
-		double dir[3];
-		const double radius = l < light->lamps->count
-					      ? named_direction(light->lamps, l, dir)
-					      : 0;
+		double dir[3], radius;
 
 		found->missing[l] = l < light->lamps->count &&
-				    !lamp_shines(&picture, dir, APART + radius);
+				    !(lamp_light_seen(light->lamps, l, dir, &radius) &&
+				      lamp_shines(&picture, dir, APART + radius));
 	}
 	weigh_spots(s, light, spot, spots, found);
 	return 0;
