@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <stddef.h>
 
-#include "app/commands.h"
+#include "app/settings.h"
 
 int main(int argc, char **argv)
 {

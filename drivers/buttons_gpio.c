@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Push buttons on GPIO lines, which gpio/gpio.h reads. One epoll descriptor joins their edges with a
- * timer for what is due without an edge: a repetition, and once a second a look at every line, which
- * notices a lost chip and makes up for a lost edge.
+ * Push buttons on GPIO lines, which gpio/gpio.h reads. One epoll descriptor joins their edges with
+ * a timer for what is due without an edge: a repetition, and once a second a look at every line,
+ * which notices a lost chip and makes up for a lost edge.
  */
 #include <errno.h>
 #include <poll.h>
@@ -77,12 +77,13 @@ static const struct ini_key gpio_keys[] = {
 	 .fallback = "pull-up", .help = "The resistor inside the chip."},
 	{"debounce_ms", INI_INT, offsetof(struct gpio_options, debounce_ms), .max = 1000,
 	 .fallback = "20", .unit = "ms",
-	 .help = "A press counts when its line has been still for so long."},
+	 .help = "How long a line has to be still before a press counts."},
 	{"repeat_after_ms", INI_INT, offsetof(struct gpio_options, repeat_after_ms), .max = 10000,
 	 .fallback = "500", .unit = "ms",
-	 .help = "A button for threshold or split that is held goes on from then; 0: never."},
+	 .help = "The time after which a button for threshold or split that is held goes on; 0: never."},
 	{"repeat_every_ms", INI_INT, offsetof(struct gpio_options, repeat_every_ms), .min = 10,
-	 .max = 10000, .fallback = "100", .unit = "ms", .help = "It then steps once in so long."},
+	 .max = 10000, .fallback = "100", .unit = "ms",
+	 .help = "The time between its further steps."},
 	INI_KEYS_END,
 };
 

@@ -17,14 +17,12 @@ DRIVER_SOURCES := \
 	drivers/keyboard/keys.c \
 	drivers/sim/automatic.c \
 	drivers/sim/eye.c \
-	drivers/sim/mains.c \
 	drivers/sim/options.c \
 	drivers/sim/panorama_view.c \
 	drivers/sim/player.c \
 	drivers/sim/sensor.c \
 	drivers/sim/spread.c \
 	drivers/sim/studio.c \
-	drivers/sim/studio_lights.c \
 	drivers/sim/studio_people.c \
 	drivers/sim/studio_view.c \
 	drivers/sim/walker_body.c \
@@ -34,9 +32,8 @@ DRIVER_SOURCES := \
 	drivers/v4l2/capture.c \
 	drivers/v4l2/controls.c \
 	drivers/v4l2/device.c \
-	drivers/v4l2/fallback.c \
-	drivers/v4l2/fields.c \
 	drivers/v4l2/find.c \
+	drivers/v4l2/fields.c \
 	drivers/v4l2/formats.c \
 	drivers/v4l2/h264.c \
 	drivers/v4l2/h264_unit.c \

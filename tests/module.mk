@@ -11,6 +11,7 @@ SUPPORT_SOURCES := \
 	tests/support/own_folder.c \
 	tests/support/plain_pipeline.c \
 	tests/support/played_v4l2.c \
+	tests/support/studio_lights.c \
 	tests/support/test.c \
 	tests/support/thorough.c \
 	tests/support/bake/baked_rows.c \
@@ -84,7 +85,6 @@ FUZZ_TARGETS := \
 # Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
 # missing does not link.
 FUZZ_PARTS := \
-	app/driver_list.c \
 	app/control/control.c \
 	app/control/control_socket.c \
 	app/control/snapshot.c \

@@ -130,6 +130,7 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 		return err;
 	write_stats(k, now);
 	log_tick();
+	state_look(k->controls.state);
 	kiosk_text(k);
 	kiosk_snapshot_check(k);
 	pipeline_try_again(k->picture.pipeline);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/metrics.h"
+#include "app/records/records.h"
 
 #include <sys/stat.h>
 

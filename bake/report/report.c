@@ -10,7 +10,7 @@
 
 #include "bake/report/report_parts.h"
 #include "hal/base/log.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 /* Defaults. With them a report takes minutes on two cores; bake/README.md says how many. */
 #define WIDTH 96

@@ -10,8 +10,7 @@
 #include <unistd.h>
 
 #include "hal/compositor/compositor.h"
-#include "hal/measure/background.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 void report_bake_close(struct report_bake *bake)
 {

@@ -9,7 +9,7 @@
 #include "bake/report/report_parts.h"
 #include "bake/truth/truth.h"
 #include "bake/truth/truth_views.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 #define MADE_WIDTH 1024 /* pixels across of made panoramas */
 

@@ -13,8 +13,7 @@
 #include "hal/base/fault.h"
 #include "hal/compositor/compositor.h"
 #include "hal/image/image.h"
-#include "hal/measure/error.h"
-#include "hal/measure/turns.h"
+#include "hal/measure/measure.h"
 
 struct report_errors {
 	struct composite_error each[REPORT_LIGHTINGS_MAX];
@@ -37,7 +36,6 @@ struct report_trial {
 };
 
 /*
- * Times all trials in turns (hal/measure/turns.h) under each lighting with one thread, and measures
  * the errors of their pictures over the pixels of the scope. Those of the first trial are left in
  * the lightings. -EIO, -ENOMEM.
  */

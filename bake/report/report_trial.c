@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/measure/background.h"
+#include "hal/measure/measure.h"
 
 /* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
 #define ROUNDING 0.289

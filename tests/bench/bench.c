@@ -7,8 +7,7 @@
 #include <string.h>
 
 #include "hal/base/log.h"
-#include "hal/measure/background.h"
-#include "hal/measure/turns.h"
+#include "hal/measure/measure.h"
 
 /* ---- rows ---- */
 

@@ -20,8 +20,7 @@
 #include "hal/basis/basis.h"
 #include "hal/compositor/compositor.h"
 #include "hal/frame/frame.h"
-#include "hal/measure/error.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 #include "hal/measure/thesis.h"
 #include "hal/options/options.h"
 

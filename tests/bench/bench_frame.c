@@ -9,7 +9,7 @@
 
 #include "hal/frame/frame_reader.h"
 #include "hal/lights/sampler.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 #include "hal/optics/fisheye.h"
 
 /* The pictures of one camera. */

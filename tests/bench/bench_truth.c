@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/measure/background.h"
+#include "hal/measure/measure.h"
 
 /* Pictures in double precision that ways are compared with. */
 enum truth_of {

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
-#include "hal/measure/background.h"
+#include "hal/measure/measure.h"
 
 /* ---- the list ---- */
 

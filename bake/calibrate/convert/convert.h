@@ -9,7 +9,7 @@
  * Tsai's camera (hal/optics/tsai.h) in direction `distorts` is one without k4 to k6, exactly: k1 =
  * kappa1 f^2, k2 = kappa2 f^4, k3 = kappa3 f^6, (p2, p1) = q f. In direction `undistorts` it is
  * approximated by k1, k2, k3, or all six, and p1, p2. Their fisheye is our
- * polynomial model (hal/optics/fisheye_curve.h) exactly; other models are approximated by it. Their
+ * polynomial model (hal/optics/fisheye.h) exactly; other models are approximated by it. Their
  * pixel centres are at whole numbers, ours at +0.5.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CONVERT_CONVERT_H

@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/driver_list.h"
+#include "app/settings.h"
 #include "config/config.h"
 #include "hal/compositor/compositor.h"
 #include "hal/lights/sampler.h"

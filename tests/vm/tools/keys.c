@@ -20,7 +20,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "drivers/keyboard/keymap.h"
+#include "drivers/keyboard/keyboard.h"
 
 static int device;
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What `inlay bench` compares frames with: transport light by light, the thesis's algorithm,
+/* What tests/bench and reports compare frames with: transport light by light, the thesis's algorithm,
  * errors, lightings. */
 #include <errno.h>
 #include <math.h>
@@ -7,11 +7,8 @@
 #include <string.h>
 
 #include "hal/image/image.h"
-#include "hal/measure/background.h"
-#include "hal/measure/error.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 #include "hal/measure/thesis.h"
-#include "hal/measure/unpacked.h"
 #include "tests/support/basis/synthetic_basis.h"
 #include "tests/support/chance.h"
 #include "tests/support/test.h"

@@ -1,4 +1,37 @@
 /* SPDX-License-Identifier: MIT */
+/* The parts of buttons_keyboard.c: names of keys, and what the events of a device mean. */
+#ifndef INLAY_DRIVERS_KEYBOARD_KEYBOARD_H
+#define INLAY_DRIVERS_KEYBOARD_KEYBOARD_H
+
+#include <linux/input.h>
+#include <stdbool.h>
+
+#include "hal/base/fault.h"
+#include "hal/device/buttons.h"
+
+/*
+ * Maps keys to actions. The configuration names keys, as in "up equal kpplus"; here they become
+ * codes of evdev. The names are those of <linux/input-event-codes.h> in small letters without KEY_;
+ * buttons of joysticks and arcade encoders keep their prefix (btn_trigger). A step of a dial or a
+ * wheel is a key, too, one for each direction.
+ */
+
+/* Number of codes: KEY_CNT of keys, then two for each of REL_CNT axes. */
+#define KEYMAP_CODES 0x320
+#define KEYMAP_TURN(axis, steps) (0x300U + 2U * (axis) + ((steps) < 0))
+
+struct keymap {
+	unsigned char actions[KEYMAP_CODES]; /* enum action of each code */
+};
+
+/* Adds keys for an action. names: names of keys separated by blanks, or empty. what: the key of the
+ * configuration, for the fault. 0; -EINVAL: an unknown key, or one that has an action already. */
+int keymap_add(struct keymap *map, enum action action, const char *names, const char *what,
+	       struct fault *fault);
+
+/* Returns the code of a key's name, or -1. */
+int keymap_code(const char *name);
+
 /*
  * Turns the events of one evdev device into presses. Pure: touches no device. A key that is down at
  * the start is no press, and neither are its repetitions by the kernel. Other repetitions count as
@@ -6,13 +39,6 @@
  * until the owner has asked the device which keys are down. A finger on a touch screen without
  * a key is the key btn_touch.
  */
-#ifndef INLAY_DRIVERS_KEYBOARD_KEYS_H
-#define INLAY_DRIVERS_KEYBOARD_KEYS_H
-
-#include <linux/input.h>
-#include <stdbool.h>
-
-#include "drivers/keyboard/keymap.h"
 
 #define KEYS_BITS_BYTES (KEYMAP_CODES / 8) /* size of the bits of EVIOCGKEY, EVIOCGBIT(EV_KEY) */
 
