@@ -6,6 +6,6 @@
 #include "hal/options/options.h"
 
 extern const struct command command_run, command_control, command_still, command_grab,
-	command_devices, command_check, command_bench;
+	command_devices, command_check;
 
 #endif

@@ -7,7 +7,7 @@ int main(int argc, char **argv)
 {
 	static const struct command *const commands[] = {
 		&command_run,	  &command_control, &command_still, &command_grab,
-		&command_devices, &command_check,   &command_bench, NULL};
+		&command_devices, &command_check, NULL};
 
 	return program_run(
 		"inlay",

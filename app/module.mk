@@ -12,12 +12,6 @@ APP_SOURCES := \
 	app/grab.c \
 	app/settings.c \
 	app/still.c \
-	app/bench/bench.c \
-	app/bench/bench_frame.c \
-	app/bench/bench_print.c \
-	app/bench/bench_truth.c \
-	app/bench/bench_ways.c \
-	app/bench/command_bench.c \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \
@@ -48,6 +42,7 @@ APP_SOURCES := \
 	app/kiosk/service.c \
 	app/kiosk/timeline.c \
 	app/pipeline/coarse_lamp.c \
+	app/pipeline/near_lamps.c \
 	app/pipeline/pipeline.c \
 	app/pipeline/pipeline_config.c \
 	app/pipeline/pipeline_exposure.c \
@@ -62,7 +57,6 @@ APP_SOURCES := \
 	app/records/metrics.c \
 	app/records/state.c \
 	app/records/stats.c \
-	app/records/supply.c \
 	app/view/guide.c \
 	app/view/layout.c \
 	app/view/marks.c \

@@ -14,7 +14,6 @@ BAKE_SOURCES := \
 	bake/base/progress.c \
 	bake/base/report_page.c \
 	bake/base/strata.c \
-	bake/base/surface.c \
 	bake/base/watch.c \
 	bake/encode/encode.c \
 	bake/encode/encode_allow.c \
@@ -30,7 +29,6 @@ BAKE_SOURCES := \
 	bake/exchange/export_job.c \
 	bake/exchange/export_mesh.c \
 	bake/exchange/export_radiance.c \
-	bake/exchange/export_rays.c \
 	bake/exchange/import.c \
 	bake/exchange/import_command.c \
 	bake/exchange/import_judge.c \
@@ -68,8 +66,6 @@ BAKE_SOURCES := \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
-	bake/mesh/normal_sums.c \
-	bake/preview/preview.c \
 	bake/preview/preview_command.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \

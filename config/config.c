@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "config/config_blocks.h"
-#include "config/config_keys.h"
+#include "config/config_parts.h"
 #include "hal/lights/exposure_schedule.h"
 
 /* The section that each class of driver has its keys in. */

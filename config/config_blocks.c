@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "config/config_blocks.h"
+#include "config/config_parts.h"
 
 #include <errno.h>
 #include <stdalign.h>

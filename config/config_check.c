@@ -2,12 +2,13 @@
 /* Checks keys against each other, and against the files and drivers that they name. */
 #include <errno.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "config/config_blocks.h"
-#include "config/config_complain.h"
+#include "config/config_parts.h"
 
 static void check_driver(const struct config *config, enum config_class kind, const char *title,
 			 const char *name, struct ini_report *report)
@@ -247,4 +248,18 @@ int config_check(const struct config *config, struct ini_report *report)
 	check_written(config, "metrics", config->metrics.file, report);
 	check_written(config, "state", config->state.file, report);
 	return report->count > before ? -EINVAL : 0;
+}
+
+void config_complain(const struct config *config, struct ini_report *report, const char *format,
+		     ...)
+{
+	char what[FAULT_TEXT_MAX - INI_PATH_MAX / 2];
+	struct fault fault = {.text = ""};
+	va_list args;
+
+	va_start(args, format);
+	vsnprintf(what, sizeof(what), format, args);
+	va_end(args);
+	fault_say(&fault, -EINVAL, "%.500s: %s", config->name, what);
+	ini_report_add(report, &fault);
 }

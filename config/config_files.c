@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "config/config.h"
-#include "config/config_complain.h"
+#include "config/config_parts.h"
 #include "hal/base/input.h"
 
 /* The fault names the key, which the reader knows better than the file. */

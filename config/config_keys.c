@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Tables of every key except those of drivers: name, type, range, default, help. */
-#include "config/config_keys.h"
+#include "config/config_parts.h"
 
 #include <stdio.h>
 #include <string.h>
 
-#include "config/config_blocks.h"
 #include "config/config_hours.h"
 #include "hal/basis/basis_format.h"
 #include "hal/colour/transfer.h"
@@ -30,7 +29,8 @@ _Static_assert(sizeof(config_hours_off_names) / sizeof(*config_hours_off_names) 
 		       HOURS_OFF_COUNT + 1,
 	       "a name for each end of the hours");
 
-/* At 1 km a scene of 1 m sees a lamp from the same direction to a pixel: what is farther need not be named. */
+/* At 1 km a scene of 1 m sees a lamp from the same direction to a pixel: what is farther need
+ * not be named. */
 #define PLACE_MAX 1000
 /* Nothing of a room is larger; of metres and centimetres it tells one that was mistaken. */
 #define LAMP_RADIUS_MAX 50
@@ -240,7 +240,7 @@ static const struct ini_key composite_keys[] = {
 	{"grain", INI_BOOL, offsetof(struct config_composite, grain), .fallback = "no",
 	 .help = "yes: the object gets the noise of the background's camera, which is measured meanwhile."},
 	{"kernel", INI_TEXT, offsetof(struct config_composite, kernel), .fallback = "auto",
-	 .help = "Instructions that the sums are made with; auto: the fastest that the processor has. inlay bench lists them."},
+	 .help = "Instructions that the sums are made with, like c or avx2; auto: the fastest that the processor has."},
 	INI_KEYS_END};
 
 static const struct ini_key people_keys[] = {

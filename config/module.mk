@@ -4,7 +4,6 @@ CONFIG_SOURCES := \
 	config/config_blocks.c \
 	config/config_changes.c \
 	config/config_check.c \
-	config/config_complain.c \
 	config/config_files.c \
 	config/config_hours.c \
 	config/config_keys.c

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Keys of keyboards and of devices that look like one: remote controls, presenters, arcade
- * encoders, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no desktop.
+ * encoders, dials, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no desktop.
  * It searches for devices again whenever /dev/input changes, so one that is plugged in late or
  * again is used.
  *
@@ -110,17 +110,22 @@ static bool has_contacts(int fd)
 	       keys_bit(axes, ABS_MT_TRACKING_ID) && !keys_bit(keys, BTN_TOUCH);
 }
 
-/* Whether the device has a key with an action. */
+/* Whether the device has a key or a dial with an action. */
 static bool has_keys(int fd, const struct keymap *map)
 {
-	unsigned char bits[KEYS_BITS_BYTES] = {0};
+	unsigned char bits[KEYS_BITS_BYTES] = {0}, axes[REL_CNT / 8] = {0};
 
 	if (ioctl(fd, EVIOCGBIT(EV_KEY, sizeof(bits)), bits) < 0)
 		return false;
 	if (map->actions[BTN_TOUCH] != ACTION_NONE && has_contacts(fd))
 		return true;
-	for (unsigned code = 0; code < KEYMAP_CODES; code++)
+	for (unsigned code = 0; code < KEY_CNT; code++)
 		if (map->actions[code] != ACTION_NONE && keys_bit(bits, code))
+			return true;
+	(void)ioctl(fd, EVIOCGBIT(EV_REL, sizeof(axes)), axes);
+	for (unsigned axis = 0; axis < REL_CNT; axis++)
+		if (keys_bit(axes, axis) && (map->actions[KEYMAP_TURN(axis, 1)] != ACTION_NONE ||
+					     map->actions[KEYMAP_TURN(axis, -1)] != ACTION_NONE))
 			return true;
 	return false;
 }
@@ -435,7 +440,7 @@ static int keyboard_list(void (*found)(void *context, const char *line), void *c
 
 const struct buttons_ops buttons_keyboard = {
 	.name = "keyboard",
-	.description = "keys of a keyboard, remote control or arcade encoder, taps (evdev)",
+	.description = "keys of a keyboard, remote control or arcade encoder, dials, taps (evdev)",
 	.keys = keyboard_keys,
 	.options_size = sizeof(struct keyboard_options),
 	.list = keyboard_list,

@@ -12,9 +12,7 @@
 #include <new>
 #include <utility>
 
-#include "drivers/libcamera/failure.hpp"
-#include "drivers/libcamera/listing.hpp"
-#include "drivers/libcamera/session.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 extern "C" {
 #include "drivers/drivers.h"

@@ -17,13 +17,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/sim/options.h"
-#include "drivers/sim/panorama_view.h"
-#include "drivers/sim/player.h"
-#include "drivers/sim/sensor.h"
-#include "drivers/sim/spread.h"
-#include "drivers/sim/studio_people.h"
-#include "drivers/sim/studio_view.h"
+#include "drivers/sim/sim.h"
 #include "hal/base/clock.h"
 #include "hal/base/number.h"
 

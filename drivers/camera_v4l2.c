@@ -14,19 +14,10 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/v4l2/buffers.h"
-#include "drivers/v4l2/capture.h"
-#include "drivers/v4l2/controls.h"
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/fallback.h"
-#include "drivers/v4l2/find.h"
-#include "drivers/v4l2/formats.h"
-#include "drivers/v4l2/h264.h"
-#include "drivers/v4l2/listing.h"
-#include "drivers/v4l2/setup.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 #define SIGNAL_CHECK_NS NS_PER_S
 

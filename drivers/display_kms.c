@@ -15,11 +15,7 @@
 #include <xf86drm.h>
 
 #include "drivers/drivers.h"
-#include "drivers/kms/list.h"
-#include "drivers/kms/mode.h"
-#include "drivers/kms/panel.h"
-#include "drivers/kms/screen.h"
-#include "drivers/kms/timing.h"
+#include "drivers/kms/kms.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
 

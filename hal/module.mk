@@ -61,9 +61,6 @@ HAL_SOURCES := \
 	hal/compositor/near/near_sky.c \
 	hal/device/buttons.c \
 	hal/device/camera.c \
-	hal/device/camera_choice.c \
-	hal/device/camera_controls.c \
-	hal/device/camera_situation.c \
 	hal/device/display.c \
 	hal/device/node_link.c \
 	hal/frame/depth.c \
@@ -72,7 +69,6 @@ HAL_SOURCES := \
 	hal/frame/frame_fields.c \
 	hal/frame/frame_jpeg.c \
 	hal/frame/frame_reader.c \
-	hal/frame/frame_repack.c \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \
@@ -92,11 +88,11 @@ HAL_SOURCES := \
 	hal/lights/exposure_schedule.c \
 	hal/lights/exposures.c \
 	hal/lights/lamp/lamp_light.c \
+	hal/lights/lamp/lamp_find.c \
 	hal/lights/light_filter.c \
 	hal/lights/lights_file.c \
 	hal/lights/pixel_noise.c \
 	hal/lights/recovery.c \
-	hal/lights/recovery_pieces.c \
 	hal/lights/sampler.c \
 	hal/lights/sampler_c.c \
 	hal/lights/sampler_frame.c \
@@ -107,7 +103,6 @@ HAL_SOURCES := \
 	hal/look/flicker.c \
 	hal/look/grain_tables.c \
 	hal/look/median.c \
-	hal/look/neutral_light.c \
 	hal/look/sensor_noise.c \
 	hal/measure/background.c \
 	hal/measure/error.c \

@@ -24,6 +24,7 @@ SUPPORT_SOURCES := \
 	tests/support/basis/synthetic_basis.c \
 	tests/support/basis/synthetic_block.c \
 	tests/support/calibrate/drawn_board.c \
+	tests/support/calibrate/drawn_lamps.c \
 	tests/support/calibrate/fisheye_photographs.c \
 	tests/support/calibrate/fisheye_views.c \
 	tests/support/calibrate/known_camera.c \
@@ -189,6 +190,15 @@ $(BUILD)/tests/film/measure: $(BUILD)/tests/film/measure.o $(addprefix $(BUILD)/
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
 -include $(BUILD)/tests/film/measure.d
+
+# What a picture of a basis takes, and how exact it is: bench.sh.
+BENCH_OBJECTS := $(addprefix $(BUILD)/tests/bench/,bench.o bench_frame.o bench_main.o bench_print.o bench_truth.o \
+	bench_ways.o)
+TEST_PROGRAMS += $(BUILD)/tests/bench/bench
+$(BUILD)/tests/bench/bench: $(BENCH_OBJECTS) $(BUILD)/hal.a
+	$(say) LINK $@
+	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(HAL_LINK)
+-include $(BENCH_OBJECTS:.o=.d)
 
 # Measures the time of a camera's calibration; run by hand.
 OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera

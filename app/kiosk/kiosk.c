@@ -8,7 +8,7 @@
 #include "app/kiosk/kiosk_parts.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 /* Longest wait for the cameras before the first picture. Opening one may take 2 s
  * (hal/device/camera.h), and more on a busy machine. */
@@ -98,7 +98,6 @@ static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline
 		.screen = kiosk_screen_situation(&k->screen),
 		.screen_is_fine = display->state && !display->off && !display->hidden,
 		.resting = k->rest.resting,
-		.sysfs = SUPPLY_SYSFS,
 	};
 
 	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
@@ -109,7 +108,7 @@ static void write_stats(struct kiosk *k, int64_t now_ns)
 {
 	struct pipeline_report report;
 
-	pipeline_find_lamp(k->picture.pipeline);
+	pipeline_find_lamps(k->picture.pipeline);
 	report = pipeline_report(k->picture.pipeline);
 	stats_line(&k->stats, now_ns, &report, k->inputs.sources, k->inputs.source_count);
 	write_metrics(k, now_ns, &report);

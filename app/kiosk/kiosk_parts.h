@@ -22,7 +22,6 @@
 #include "app/records/metrics.h"
 #include "app/records/state.h"
 #include "app/records/stats.h"
-#include "app/records/supply.h"
 #include "app/view/overlay.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"

@@ -115,10 +115,13 @@ static struct show_picture eye_shown(const struct eye *eye, bool needed)
 
 /* What SHOW_GUIDE draws; the camera is read again for each of its pictures, as the basis may
  * change. */
-static struct show_guide guide_for(struct kiosk_picture *picture)
+static struct show_guide guide_for(const struct config *config, struct kiosk_picture *picture)
 {
 	const int pose = pipeline_report(picture->pipeline).pose;
-	struct show_guide guide = {.coverage = picture->basis->poses[pose].coverage};
+	struct show_guide guide = {.coverage = picture->basis->poses[pose].coverage,
+				   .lamps = {&config->lamps,
+					     (const char(*)[CONFIG_NAME_MAX])config->lamp_name,
+					     pipeline_missing_lamps(picture->pipeline)}};
 
 	if (!tsai_read_text(picture->basis->camera, &picture->camera, NULL))
 		guide.camera = &picture->camera;
@@ -211,7 +214,7 @@ static int draw_screen(struct kiosk *k, const struct display_buffer *screen,
 	int err = show_room(&k->picture.show, &request, &pictures.composite, screen, fault);
 
 	if (request.view == SHOW_GUIDE)
-		pictures.guide = guide_for(&k->picture);
+		pictures.guide = guide_for(k->config, &k->picture);
 
 	stage_end(stages, STAGE_SHOW);
 	if (!err && pictures.composite.pixels)

@@ -8,7 +8,6 @@
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
-#include "hal/look/neutral_light.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -80,7 +79,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	p->distant = calloc(info->lights, sizeof(*p->distant));
 	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
 	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
-	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left)
+	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left ||
+	    near_search_create(&p->light.near_search, &p->dome))
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -111,6 +111,7 @@ int pipeline_create(struct pipeline **out, const struct basis *basis,
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	*p = (struct pipeline){.settings = *settings,
 			       .basis = basis,
+			       .light = {.near_due = true},
 			       .pose = {.shown = {.pose = -1}, .expected = {-1}, .missing = -1},
 			       .looked_ns = -1};
 	err = pipeline_fill(p, fault);
@@ -139,6 +140,7 @@ void pipeline_destroy(struct pipeline *p)
 	light_exposures_destroy(p->light.exposures);
 	pipeline_ground_free(p);
 	image_free(&p->light.upright);
+	near_search_destroy(p->light.near_search);
 	lamp_light_destroy(p->lamps);
 	free(p->distant);
 	free(p->light.radiance);
@@ -199,6 +201,19 @@ static int check_choice_pose(const struct pipeline *p, int pose, struct fault *f
 			 p->basis->info.poses - 1);
 }
 
+/* Mixes each light with grey of its luminance Y (ITU-R BT.709), so that colours that must be
+ * recognised stay themselves: L' = (1 - share) L + share Y (1, 1, 1). Y does not change. */
+static void mix_grey(double (*radiance)[3], int count, double share)
+{
+	for (int i = 0; i < count; i++) {
+		double *l = radiance[i];
+		const double luminance = 0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2];
+
+		for (int c = 0; c < 3; c++)
+			l[c] += share * (luminance - l[c]);
+	}
+}
+
 int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, struct fault *fault)
 {
 	const struct ini_level *threshold = &choice->threshold;
@@ -231,9 +246,9 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 	if (p->settings.neutral > 0) {
 		const int64_t start_ns = clock_now_ns();
 
-		neutral_light(p->selection.radiance, p->selection.count, p->settings.neutral);
-		neutral_light(&p->selection.ambient, 1, p->settings.neutral);
-		neutral_light(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
+		mix_grey(p->selection.radiance, p->selection.count, p->settings.neutral);
+		mix_grey(&p->selection.ambient, 1, p->settings.neutral);
+		mix_grey(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
 		p->look_ns[PIPELINE_NEUTRAL] += clock_now_ns() - start_ns;
 	}
 	return 0;
@@ -344,9 +359,13 @@ struct pipeline_report pipeline_report(const struct pipeline *p)
 		.pose = p->choice.pose,
 		.missing = p->pose.missing,
 		.lamp = p->light.lamp,
+		.near = p->light.near,
 		.people = pipeline_people_seen(p),
 	};
 
+	for (int l = 0, count = 0; l < p->settings.lamps.count; l++)
+		if (report.near.missing[l])
+			report.missing_lamp[count++] = p->settings.lamp_name[l];
 	memcpy(report.look_ns, p->look_ns, sizeof(report.look_ns));
 	return report;
 }

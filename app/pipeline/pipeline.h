@@ -18,6 +18,7 @@
 #include <stdint.h>
 
 #include "app/pipeline/coarse_lamp.h"
+#include "app/pipeline/near_lamps.h"
 #include "hal/base/fault.h"
 #include "hal/base/pool.h"
 #include "hal/basis/basis.h"
@@ -34,6 +35,7 @@
 
 #define PIPELINE_KERNEL_MAX 256
 #define PIPELINE_CAMERA_MAX 2048
+#define PIPELINE_LAMP_NAME_MAX 64
 
 /* A rectangle of ground in the background's picture, whose brightness tells what the fisheye clips
  * (hal/lights/recovery.h). */
@@ -71,6 +73,7 @@ struct pipeline_settings {
 	 * NULL: the file is read. */
 	const uint8_t *mask_pixels;
 	struct lamps lamps; /* at places; ignored where the basis does not know its places */
+	char lamp_name[LAMPS_MAX][PIPELINE_LAMP_NAME_MAX];
 	struct tsai_camera depth_camera; /* see struct people_settings; width 0: none */
 	/* Tells the background's camera and view: what is kept of a place is of one. */
 	char camera[PIPELINE_CAMERA_MAX];
@@ -138,7 +141,10 @@ struct pipeline_report {
 				 out, in any channel: linear light, 1 is white, gain applied */
 	int pose;	      /* pose in the picture; the first of two */
 	int missing;	      /* pose that was chosen and cannot be loaded; -1: none */
-	struct coarse_lamp lamp; /* as pipeline_find_lamp() saw it last */
+	struct coarse_lamp lamp; /* as pipeline_find_lamps() saw it last */
+	struct near_lamps near;	 /* as the picture after that showed it */
+	/* Names of the lamps that are missing, until the next change; NULL ends them. */
+	const char *missing_lamp[LAMPS_MAX + 1];
 	struct pipeline_people_seen people;
 	int64_t look_ns[PIPELINE_LOOKS]; /* time since the last choice; 0: it is off */
 };
@@ -204,8 +210,12 @@ void pipeline_light_given(struct pipeline *pipeline, const float (*radiance)[3])
 /* Until light is measured again there is none: report.lit is false, as at the start. */
 void pipeline_forget_light(struct pipeline *pipeline);
 
-/* Looks for a lamp that shines where the dome is coarse; once a second suffices. */
-void pipeline_find_lamp(struct pipeline *pipeline);
+/* Looks for a lamp that shines where the dome is coarse, and in the fisheye's next picture, of the
+ * shortest exposure, for lamps that are missing or not named; once a second suffices. */
+void pipeline_find_lamps(struct pipeline *pipeline);
+
+/* [LAMPS_MAX]: whether each lamp at a place showed no light then; valid as long as the pipeline. */
+const bool *pipeline_missing_lamps(const struct pipeline *pipeline);
 
 /* Adds the light that the fisheye has clipped to the light just measured, by the patch of ground in
  * background, the upright view of about the same time. Does nothing where nothing is clipped or

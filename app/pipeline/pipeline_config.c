@@ -58,6 +58,8 @@ struct pipeline_settings pipeline_settings_of(const struct config *config)
 	name_camera(config, settings.camera);
 	snprintf(settings.mask, sizeof(settings.mask), "%s", config->people.mask);
 	snprintf(settings.kernel, sizeof(settings.kernel), "%s", config->composite.kernel);
+	_Static_assert(sizeof(settings.lamp_name) == sizeof(config->lamp_name), "names fit");
+	memcpy(settings.lamp_name, config->lamp_name, sizeof(settings.lamp_name));
 	return settings;
 }
 
@@ -130,7 +132,7 @@ static int check_kernel(const struct config *config)
 	if (compositor_has_kernel(config->composite.kernel))
 		return 0;
 	log_error(
-		"%s: [composite] kernel: this processor has none called \"%s\", expected auto or one that inlay bench lists",
+		"%s: [composite] kernel: this processor has none called \"%s\", expected auto, or instructions that it has, like c or avx2",
 		config->name, config->composite.kernel);
 	return -ENOTSUP;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "app/pipeline/pipeline_parts.h"
-#include "hal/lights/recovery_pieces.h"
+#include "hal/lights/recovery.h"
 
 struct ground {
 	struct pipeline_patch patch;

@@ -245,6 +245,27 @@ static int take_light(struct pipeline *p)
 	return 0;
 }
 
+/* Looks at a picture for lamps, if it is time to; NULL: it is the other kind. */
+static void look_for_lamps(struct pipeline *p, const struct frame_reader *frame,
+			   const struct image *linear)
+{
+	const struct near_light light = {
+		.lens = &p->light.lens,
+		.frame = frame,
+		.linear = linear,
+		.curve = &p->settings.sampler.curve,
+		.radiance = (const float(*)[3])p->light.radiance,
+		.distant = (const float(*)[3])(p->lamps ? p->distant : p->light.radiance),
+		.lamps = &p->settings.lamps,
+	};
+
+	if (!p->light.near_due || p->light.exposure + 1 < p->settings.exposures)
+		return;
+	p->light.near_due = false;
+	/* Without memory what was said before stays. */
+	(void)near_search_look(p->light.near_search, &light, &p->light.near);
+}
+
 int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 			 struct fault *fault)
 {
@@ -260,7 +281,10 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d",
 				 width, height);
-	return take_light(p);
+	err = take_light(p);
+	if (!err)
+		look_for_lamps(p, fisheye, NULL);
+	return err;
 }
 
 int pipeline_light_picture(struct pipeline *p, const struct picture *fisheye, struct fault *fault)
@@ -311,7 +335,10 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 	if (err)
 		return fault_say(fault, err, "cannot measure the light in a picture of %dx%d: %s",
 				 view->width, view->height, strerror(-err));
-	return take_light(p);
+	err = take_light(p);
+	if (!err)
+		look_for_lamps(p, NULL, &p->light.upright);
+	return err;
 }
 
 void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
@@ -327,10 +354,16 @@ void pipeline_forget_light(struct pipeline *p)
 	p->light.lit = false;
 }
 
-void pipeline_find_lamp(struct pipeline *p)
+void pipeline_find_lamps(struct pipeline *p)
 {
+	p->light.near_due = true;
 	if (p->light.lit)
 		coarse_lamp_find(&p->light.lamp, &p->dome, (const float(*)[3])p->light.radiance);
+}
+
+const bool *pipeline_missing_lamps(const struct pipeline *p)
+{
+	return p->light.near.missing;
 }
 
 void pipeline_follow(struct pipeline *p, int64_t captured_ns)

@@ -32,6 +32,9 @@ struct pipeline_light {
 	bool lit;	      /* radiance has been measured or given */
 	double clipped;	      /* share of the sky's solid angle clipped in every exposure */
 	struct coarse_lamp lamp;
+	struct near_search *near_search;
+	struct near_lamps near;
+	bool near_due; /* the next picture of the shortest exposure is looked at */
 	struct ground *ground; /* finds on the ground what clips; NULL: no patch */
 	struct light_recovery recovery;
 };

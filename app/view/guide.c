@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/view/pen.h"
+#include "hal/optics/vec.h"
 
 #define STEPS 96     /* points of a line: lenses bend it */
 #define GRID_HALF 10 /* lines on each side of the middle */
@@ -18,6 +19,7 @@ static const double grid_rgb[3] = {0.85, 0.85, 0.80};
 static const double horizon_rgb[3] = {0.45, 0.75, 1.00};
 static const double axis_rgb[3][3] = {{1.00, 0.35, 0.30}, {0.35, 0.90, 0.35}, {0.50, 0.60, 1.00}};
 static const double light_rgb[3] = {1.00, 0.85, 0.25};
+static const double lamp_rgb[3] = {0.35, 1.00, 0.85};
 static const double outline_rgb[3] = {1.00, 0.55, 0.95};
 
 /* ---- the ground ---- */
@@ -156,8 +158,26 @@ static void draw_outline(struct canvas *canvas, const uint16_t *coverage)
 		}
 }
 
+static void draw_feet(struct pen *pen, const struct tsai_camera *camera,
+		      const struct guide_lamps *lamps, double letter_px)
+{
+	for (int l = 0; lamps->lamps && l < lamps->lamps->count; l++) {
+		const double *at = lamps->lamps->lamp[l].position;
+		const double foot[3] = {at[0], at[1], 0};
+		double px[2];
+
+		draw_segment(pen, camera, foot, at, lamp_rgb, 1);
+		project_into(camera, foot, px);
+		if (!(px[0] >= 0 && px[0] < camera->width && px[1] >= 0 && px[1] < camera->height))
+			continue;
+		pen_ring(pen, px, letter_px / 4, lamp_rgb);
+		px[1] += letter_px;
+		pen_text(pen, px, lamps->name[l], lamp_rgb);
+	}
+}
+
 void guide_draw_ground(struct canvas *canvas, const struct tsai_camera *camera,
-		       const uint16_t *coverage, double letter_px)
+		       const uint16_t *coverage, const struct guide_lamps *lamps, double letter_px)
 {
 	const double spacing = guide_spacing(camera);
 	const double corner[2] = {canvas->width, canvas->height};
@@ -174,6 +194,7 @@ void guide_draw_ground(struct canvas *canvas, const struct tsai_camera *camera,
 		snprintf(text, sizeof(text), "a square is %.4g units", spacing);
 		pen_text(pen, corner, text, grid_rgb);
 	}
+	draw_feet(pen, camera, lamps, letter_px);
 	pen_drop(pen);
 }
 
@@ -304,8 +325,30 @@ static void draw_lights(struct pen *pen, const struct fisheye *lens, const struc
 	}
 }
 
+static void draw_lamps(struct pen *pen, const struct fisheye *lens, const struct guide_lamps *lamps,
+		       double letter_px)
+{
+	for (int l = 0; lamps->lamps && l < lamps->lamps->count; l++) {
+		const struct lamp *lamp = &lamps->lamps->lamp[l];
+		double dir[3], px[2], distance, radius;
+		char text[CONFIG_NAME_MAX + 16];
+
+		for (int c = 0; c < 3; c++)
+			dir[c] = lamp->position[c] - lamps->lamps->fisheye[c];
+		distance = vec_normalize(dir);
+		if (!fisheye_project(lens, dir, px))
+			continue;
+		radius = asin(fmin(1, lamp->radius / distance)) / sqrt(fisheye_pixel_sr(lens, px));
+		pen_ring(pen, px, fmax(radius, letter_px / 4), lamp_rgb);
+		px[1] -= radius + letter_px;
+		snprintf(text, sizeof(text), "%s%s", lamps->name[l],
+			 lamps->missing[l] ? ": no light" : "");
+		pen_text(pen, px, text, lamp_rgb);
+	}
+}
+
 void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const struct dome *dome,
-		    const float (*radiance)[3], double letter_px)
+		    const float (*radiance)[3], const struct guide_lamps *lamps, double letter_px)
 {
 	struct pen *pen = pen_take(canvas, letter_px);
 
@@ -317,5 +360,6 @@ void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const str
 		draw_compass(pen, lens, axis);
 	if (radiance)
 		draw_lights(pen, lens, dome, radiance, letter_px);
+	draw_lamps(pen, lens, lamps, letter_px);
 	pen_drop(pen);
 }

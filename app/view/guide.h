@@ -8,7 +8,9 @@
 
 #include <stdbool.h>
 
+#include "config/config.h"
 #include "hal/frame/frame.h"
+#include "hal/lights/lamps.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/fisheye.h"
 #include "hal/optics/tsai.h"
@@ -19,12 +21,20 @@
  * about eight cross the middle of the picture. 0: the ground is not in the picture. */
 double guide_spacing(const struct tsai_camera *camera);
 
+/* The lamps at places, borrowed. */
+struct guide_lamps {
+	const struct lamps *lamps; /* NULL: there are none */
+	const char (*name)[CONFIG_NAME_MAX];
+	const bool *missing; /* those that show no light */
+};
+
 /*
- * Draws the ground's grid, the axes X, Y, Z from the origin, the horizon, and the object's outline.
+ * Draws the ground's grid, the axes X, Y, Z from the origin, the horizon, the object's outline, and
+ * from each lamp's foot on the ground a line up to the lamp, as far as that is in the picture.
  * The canvas has the camera's size. coverage[height][width], 65535 is 1; NULL: there is no outline.
  */
 void guide_draw_ground(struct canvas *canvas, const struct tsai_camera *camera,
-		       const uint16_t *coverage, double letter_px);
+		       const uint16_t *coverage, const struct guide_lamps *lamps, double letter_px);
 
 /* A light that stands out, by its number in the dome. */
 struct guide_light {
@@ -38,10 +48,10 @@ struct guide_light {
 int guide_find_lights(const struct dome *dome, const float (*radiance)[3],
 		      struct guide_light found[GUIDE_LIGHTS]);
 
-/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, and the brightest
- * lights with azimuth and height. lens is prepared for the canvas's size; radiance NULL: no
+/* Draws the edge of the lens's field, the horizon, the directions +X and +Y, the brightest lights
+ * with azimuth and height, and a ring as large as each lamp where it has to be seen. lens is prepared for the canvas's size; radiance NULL: no
  * lights. */
 void guide_draw_sky(struct canvas *canvas, const struct fisheye *lens, const struct dome *dome,
-		    const float (*radiance)[3], double letter_px);
+		    const float (*radiance)[3], const struct guide_lamps *lamps, double letter_px);
 
 #endif

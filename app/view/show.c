@@ -223,7 +223,7 @@ static void draw_ground(const struct show_drawing *d, const struct layout_box *b
 	if (d->request->view == SHOW_GUIDE && guide->camera &&
 	    guide->camera->width == composite->width && guide->camera->height == composite->height)
 		guide_draw_ground(&d->show->after, guide->camera, guide->coverage,
-				  letter_px(composite->height, box));
+				  &guide->lamps, letter_px(composite->height, box));
 }
 
 /* A composite that show_room() put into the screen needs its border only. */
@@ -301,7 +301,7 @@ static int draw_fisheye(const struct show_drawing *d, const struct layout_box *c
 	box = layout_box(cell, width, height, squash_of(d, fisheye->squash), scale_of(d->request));
 	if (marks->dome && d->request->view == SHOW_GUIDE)
 		guide_draw_sky(marked, marks->lens, marks->dome, marks->radiance,
-			       letter_px(height, &box));
+			       &d->pictures->guide.lamps, letter_px(height, &box));
 	else if (marks->dome)
 		marks_draw(marked, marks->dome, marks->lens, marks->used,
 			   mark_side_px(height, box.height));

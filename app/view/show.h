@@ -76,10 +76,11 @@ struct show_marks {
 	const float (*radiance)[3]; /* [dome->count] */
 };
 
-/* What SHOW_GUIDE draws into the composite. Borrowed. */
+/* What SHOW_GUIDE draws into the composite, and the lamps into the fisheye's picture, too. Borrowed. */
 struct show_guide {
 	const struct tsai_camera *camera; /* NULL: not known, and nothing is drawn */
 	const uint16_t *coverage;	  /* of the object, of the camera's size; NULL: not known */
+	struct guide_lamps lamps;
 };
 
 struct show_pictures {

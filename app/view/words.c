@@ -106,8 +106,15 @@ static const char *say_share(char *text, size_t room, double share)
 int words_information(char *text, size_t room, const struct words_figures *f)
 {
 	const double rounded = f->percent ? 100 : 10;
-	char whole[768], error[32], clipped[32], lamp[128] = "", people[192] = "", moved[64];
+	char whole[768], error[32], clipped[32], missing[96] = "", unnamed[96] = "", lamp[128] = "";
+	char people[192] = "", moved[64];
 
+	if (f->missing_lamp)
+		snprintf(missing, sizeof(missing), " · no light at lamp %s", f->missing_lamp);
+	if (f->unnamed_lamp)
+		snprintf(unnamed, sizeof(unnamed),
+			 " · light at %.0f°, %.0f° high, no [lamp]: off %.0f %% if 1.5 m away",
+			 f->unnamed_azimuth_deg, f->unnamed_height_deg, 100 * f->unnamed_off);
 	if (f->lamp)
 		snprintf(
 			lamp, sizeof(lamp),
@@ -123,7 +130,7 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 			 *say_moved(moved, f->moved_px) ? " · camera moved " : "", moved);
 	snprintf(
 		whole, sizeof(whole),
-		"lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · latency %.0f ms · %llu dropped · sky clipped %s%s%s%s",
+		"lights %d of %d · threshold %g%s · error ≤ %s %% of white · %.1f frames/s · latency %.0f ms · %llu dropped · sky clipped %s%s%s%s%s%s",
 		f->lights_used, f->lights, round(f->threshold * rounded) / rounded,
 		f->percent ? " %" : "", say_bound(error, sizeof(error), 100 * f->error),
 		f->frames_a_second, f->latency_ms, (unsigned long long)f->drops,
@@ -131,6 +138,6 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 		!f->recovered ? ""
 		: f->at_bound ? ", recovered in part"
 			      : ", recovered",
-		lamp, people);
+		missing, unnamed, lamp, people);
 	return copy_whole(text, room, whole);
 }

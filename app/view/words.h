@@ -40,6 +40,9 @@ struct words_figures {
 	bool at_bound;	   /* but a bound cut it */
 	bool lamp;	   /* one shines where the dome is coarse */
 	double lamp_azimuth_deg, lamp_height_deg;
+	const char *missing_lamp; /* name of one that shows no light where it is said to be; NULL */
+	bool unnamed_lamp;	  /* there is one */
+	double unnamed_azimuth_deg, unnamed_height_deg, unnamed_off;
 	bool people;	/* they are looked for */
 	double learned; /* share of the place that is known without people, 0..1 */
 	int in_front;	/* groups of people in front of the object */
@@ -50,7 +53,8 @@ struct words_figures {
 };
 
 /* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". With a lamp it
+ * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". Lamps at places:
+ * " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m away". With a lamp it
  * ends in " · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there". Where
  * people are looked for: " · place learned 98 %, 1 in front", and with a depth camera " by depth"
  * or " by feet", then " · place not recognized, only who moves is in front", and " · camera moved 2

@@ -1,22 +1,62 @@
 /* SPDX-License-Identifier: MIT */
 /* inlay-calibrate camera: where the background camera stands, and what its lens does. */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/camera/camera.h"
 #include "bake/calibrate/camera/camera_edges.h"
-#include "bake/calibrate/camera/camera_file.h"
+#include "bake/calibrate/camera/camera_parts.h"
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/estimate/lens_ini.h"
 #include "bake/calibrate/lens_job.h"
 #include "hal/base/log.h"
+#include "hal/base/output.h"
 #include "hal/optics/vec.h"
 
 /* Range of plausible distances between a kiosk's camera and what it looks at. */
 #define NEAREST_M 0.02
 #define FARTHEST_M 300
 #define FARTHEST 1e12 /* in any unit */
+
+/* Prints the same figures as lines that begin with before. */
+static void camera_print(FILE *to, const char *before, const struct camera_solution *solution)
+{
+	const struct finding *finding = &solution->finding;
+
+	finding_print(to, before, finding);
+	if (!solution->solved)
+		return;
+	for (int k = 0; k < MODEL_SHARED; k++)
+		estimate_print(to, before, &finding->estimate, k);
+	for (int k = 0; k < MODEL_OF_VIEW; k++)
+		estimate_print(to, before, &finding->estimate,
+			       model_of_view(solution->own->task.reference) + k);
+	for (int i = 0; i < finding->seen->count; i++)
+		if (finding->weight[i] < 0.1)
+			fprintf(to, "%sleft out: %s\n", before, finding->seen->point[i].name);
+}
+
+/* Writes section [camera] of the reference view, with deviations, figures and verdict as comments.
+ * The file is replaced at once. -errno. */
+static int camera_file_write(const char *path, const struct camera_solution *solution,
+			     struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	int err = output_open(&out, path, fault);
+
+	if (err)
+		return err;
+	fputs("; The background camera, by inlay-calibrate camera. What follows is one standard\n"
+	      "; deviation; centre y is counted downwards here.\n",
+	      out.stream);
+	camera_print(out.stream, "; ", solution);
+	lens_write_keys(out.stream, "camera", tsai_keys, &solution->camera);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
 
 static const char *const unit_names[] = {"m", "cm", "mm", "in", NULL};
 static const double unit_mm[] = {1000, 10, 1, 25.4};
@@ -290,9 +330,7 @@ const struct command camera_command = {
 	.help = "\n  --points F ...     files of lines xw yw zw xf yf, each a view\n"
 		"  --images 'G' ...   photographs of a board\n"
 		"  --live CONFIG      the background camera of a kiosk's configuration\n"
-		"  --board BOARD      9x6:25mm, charuco:8x6:30mm:22mm (its\n"
-		"                     markers and layout are found, or named as by inlay-calibrate\n"
-		"                     board)\n"
+		"  --board BOARD      9x6:25mm, charuco:8x6:30mm:22mm, as inlay-calibrate board names it\n"
 		"  --views N          live: pictures of the board at most (1); the screen says where\n"
 		"  --size WxH         of the picture the points are in\n"
 		"  --y-up             their y counts upwards from the lower edge\n"

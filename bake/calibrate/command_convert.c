@@ -85,8 +85,6 @@ static int read_in(struct convert_job *job, struct lens *lens, struct lens_ini *
 			err = lens_of_ini(job, ini, lens, fault);
 	} else {
 		err = lens_read_foreign(lens, job->in, job->camera, fault);
-		if (!err && lens->omni)
-			err = lens_of_omni(lens, job->tolerance_px, &job->error_px, fault);
 		if (!err && job->as == LENS_FILE_INI)
 			err = ini_of_lens(job, lens, ini, fault);
 	}
@@ -185,8 +183,8 @@ const struct command convert_command = {
 	.summary = "lenses to and from the files of OpenCV and ROS, from Kalibr's",
 	.help = "\n"
 		"Names that end in .ini are ours, with a section [camera] or [fisheye]; those that end in\n"
-		".yml are OpenCV's, in .yaml ROS's camera_info. Read are, whatever their names, OpenCV's YAML\n"
-		"and XML, ROS's files and camera_info messages as its tools print them, and Kalibr's camchain.\n"
+		".yml are OpenCV's, in .yaml ROS's camera_info. Read are, whatever their names, OpenCV's YAML,\n"
+		"ROS's files and camera_info messages as its tools print them, and Kalibr's camchain.\n"
 		"What it says is the lens alone: where the camera is comes from inlay-calibrate camera\n"
 		"--intrinsics OUT.ini, how a fisheye is turned from inlay-calibrate fisheye.\n\n"
 		"  --as F          write ini, opencv or ros, whatever the name of OUT\n"

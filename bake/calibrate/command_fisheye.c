@@ -1,14 +1,69 @@
 /* SPDX-License-Identifier: MIT */
 /* inlay-calibrate fisheye: the lens that looks at the sky. */
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
 #include "bake/calibrate/estimate/lens_ini.h"
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
-#include "bake/calibrate/fisheye/fisheye_file.h"
+#include "bake/calibrate/fisheye/fisheye_falloff.h"
+#include "bake/calibrate/fisheye/fisheye_find.h"
 #include "bake/calibrate/lens_job.h"
+#include "hal/base/output.h"
+
+/* Print the result as lines that begin with before. */
+static void fisheye_print(FILE *to, const char *before, const struct fisheye_result *result)
+{
+	const struct finding *finding = &result->finding;
+
+	finding_print(to, before, finding);
+	if (!finding->estimate.count)
+		return;
+	for (int k = 0; k < finding->estimate.count; k++)
+		if (!finding->estimate.parameter[k].fixed)
+			estimate_print(to, before, &finding->estimate, k);
+	if (!result->oriented)
+		fprintf(to, "%show it is turned towards the world was not found: rotation is 0\n",
+			before);
+}
+
+static void falloff_print(FILE *to, const char *before, const struct falloff *falloff)
+{
+	char sentence[VERDICT_SENTENCE_MAX];
+
+	verdict_sentence(&falloff->verdict, sentence, sizeof(sentence));
+	fprintf(to, "%sfalloff: %s\n", before, sentence);
+	for (int k = 0; k < FISHEYE_FALLOFF_TERMS; k++)
+		fprintf(to, "%sv%d = %.6g +- %.2g\n", before, k + 1, falloff->v[k],
+			falloff->deviation[k]);
+	fprintf(to, "%slight at the rim: %.3g of that on the axis; spread %.2g\n", before,
+		falloff->rim, falloff->spread);
+}
+
+/* Writes an INI file with a section [fisheye] and the results as comments; result and falloff may
+ * be NULL. -errno. */
+static int fisheye_file_write(const char *path, const struct fisheye_settings *lens,
+			      const struct fisheye_result *result, const struct falloff *falloff,
+			      struct fault *fault)
+{
+	struct output out = {.stream = NULL};
+	int err = output_open(&out, path, fault);
+
+	if (err)
+		return err;
+	fputs("; A fisheye lens, by inlay-calibrate fisheye. After +- stands one standard deviation.\n",
+	      out.stream);
+	if (result)
+		fisheye_print(out.stream, "; ", result);
+	if (falloff)
+		falloff_print(out.stream, "; ", falloff);
+	lens_write_keys(out.stream, "fisheye", fisheye_keys, lens);
+	err = output_commit(&out, fault);
+	output_abandon(&out);
+	return err;
+}
 
 /* fisheye_model_names, and auto */
 static const char *const model_names[] = {
@@ -273,9 +328,7 @@ const struct command fisheye_command = {
 		"  --images GLOB        photographs of a board, in several places; more may follow\n"
 		"  --live CONFIG        the fisheye of a kiosk's configuration, before which a board is moved\n"
 		"  --views N            live: pictures of the board at most; 8\n"
-		"  --board SPEC         9x6:25mm, charuco:8x6:30mm:22mm (its\n"
-		"                       markers and layout are found, or named as by inlay-calibrate\n"
-		"                       board)\n"
+		"  --board SPEC         9x6:25mm, charuco:8x6:30mm:22mm, as inlay-calibrate board names it\n"
 		"  --world VIEW         where the board is level, its rows along world X (face down over a\n"
 		"                       lens that looks up): a file, or its number among all photographs\n"
 		"  --rotation X,Y,Z     how the lens is turned, where that is known, as [fisheye] rotation\n"

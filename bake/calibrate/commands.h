@@ -6,6 +6,6 @@
 #include "hal/options/options.h"
 
 extern const struct command board_command, camera_command, fisheye_command, light_command,
-	watch_command, convert_command;
+	watch_command, convert_command, lamps_command;
 
 #endif

@@ -7,9 +7,8 @@
 int main(int argc, char **argv)
 {
 	static const struct command *const commands[] = {
-		&board_command, &camera_command, &fisheye_command,
-		&light_command, &watch_command,	 &convert_command,
-		NULL,
+		&board_command, &camera_command, &fisheye_command, &light_command,
+		&lamps_command, &watch_command,	 &convert_command, NULL,
 	};
 
 	return program_run("inlay-calibrate", NULL, commands, argc, argv);

@@ -6,6 +6,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/command_camera.c \
 	bake/calibrate/command_convert.c \
 	bake/calibrate/command_fisheye.c \
+	bake/calibrate/command_lamps.c \
 	bake/calibrate/command_light.c \
 	bake/calibrate/command_sky.c \
 	bake/calibrate/lens_job.c \
@@ -19,26 +20,20 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera.c \
 	bake/calibrate/camera/camera_edges.c \
 	bake/calibrate/camera/camera_figures.c \
-	bake/calibrate/camera/camera_file.c \
 	bake/calibrate/camera/camera_guess.c \
-	bake/calibrate/camera/camera_guess_closed.c \
 	bake/calibrate/camera/camera_held.c \
 	bake/calibrate/camera/camera_model.c \
 	bake/calibrate/camera/camera_problem.c \
 	bake/calibrate/camera/camera_radial.c \
 	bake/calibrate/camera/camera_solve.c \
 	bake/calibrate/camera/camera_structure.c \
-	bake/calibrate/camera/camera_tsai.c \
+	bake/calibrate/camera/camera_pose.cpp \
 	bake/calibrate/camera/camera_verdict.c \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
-	bake/calibrate/convert/convert_omni.c \
 	bake/calibrate/convert/convert_read.c \
 	bake/calibrate/convert/convert_tsai.c \
-	bake/calibrate/convert/convert_words.c \
 	bake/calibrate/convert/convert_write.c \
-	bake/calibrate/convert/convert_xml.c \
-	bake/calibrate/convert/convert_yaml.c \
 	bake/calibrate/estimate/by_view.c \
 	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
@@ -51,7 +46,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/estimate/verdict.c \
 	bake/calibrate/fisheye/fisheye_doubts.c \
 	bake/calibrate/fisheye/fisheye_falloff.c \
-	bake/calibrate/fisheye/fisheye_file.c \
 	bake/calibrate/fisheye/fisheye_find.c \
 	bake/calibrate/fisheye/fisheye_knowledge.c \
 	bake/calibrate/fisheye/fisheye_models.c \
@@ -60,9 +54,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/fisheye/fisheye_start.c \
 	bake/calibrate/fisheye/fisheye_turn.c \
 	bake/calibrate/fisheye/circle/fisheye_circle.c \
-	bake/calibrate/fisheye/circle/fisheye_edge.c \
 	bake/calibrate/fisheye/circle/fisheye_ellipse.c \
 	bake/calibrate/fisheye/circle/fisheye_rim.c \
+	bake/calibrate/lamps/lamp_match.c \
+	bake/calibrate/lamps/lamp_places.c \
+	bake/calibrate/lamps/lamp_sight.c \
 	bake/calibrate/observe/boards.c \
 	bake/calibrate/observe/boards_charuco.cpp \
 	bake/calibrate/observe/boards_chess.cpp \
@@ -71,13 +67,11 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/boards_look.cpp \
 	bake/calibrate/observe/boards_marker.cpp \
 	bake/calibrate/observe/boards_print.c \
-	bake/calibrate/observe/boards_settle.cpp \
 	bake/calibrate/observe/gather.c \
 	bake/calibrate/observe/live.c \
 	bake/calibrate/observe/live_collect.c \
 	bake/calibrate/observe/live_screen.c \
 	bake/calibrate/observe/observations.c \
-	bake/calibrate/observe/plain_light.c \
 	bake/calibrate/report/report.c \
 	bake/calibrate/report/report_axes.c \
 	bake/calibrate/report/report_json.c \
@@ -98,7 +92,7 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/response/light_samples.c \
 	bake/calibrate/response/light_spline.c
 CALIBRATE_MAIN := bake/calibrate/main.c
-calibrate_PACKAGES := cminpack libexif
+calibrate_PACKAGES := cminpack libexif yaml-0.1
 calibrate_LIBS := -lopencv_aruco -lopencv_objdetect -lopencv_calib3d -lopencv_features2d -lopencv_imgproc -lopencv_core
 $(call objects,$(filter %.c,$(CALIBRATE_SOURCES))): OWN_FLAGS = $(calibrate_CFLAGS)
 $(call objects,$(filter %.cpp,$(CALIBRATE_SOURCES))): OWN_FLAGS = -isystem /usr/include/opencv4

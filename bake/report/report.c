@@ -63,12 +63,12 @@ say_step(const struct report *r, const char *format, ...)
 static int open_lightings(struct report *r)
 {
 	const struct report_settings *s = r->settings;
-	int count = s->panoramas, err = 0;
+	int count = s->panoramas.count, err = 0;
 
-	while (!s->panoramas && report_sky_names[count])
+	while (!s->panoramas.count && report_sky_names[count])
 		count++;
 	for (int k = 0; !err && k < count; k++) {
-		const struct report_lighting_settings lighting = {.path = s->panorama[k],
+		const struct report_lighting_settings lighting = {.path = s->panoramas.text[k],
 								  .made = k,
 								  .fisheye_side = FISHEYE_SIDE,
 								  .truth_samples = r->truth_samples,

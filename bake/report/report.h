@@ -8,13 +8,13 @@
 
 #include "bake/report/report_bake.h"
 #include "hal/base/fault.h"
+#include "hal/options/options.h"
 
 struct report_settings {
 	const char *input;  /* a scene file */
 	const char *pose;   /* of the scene, by name or number; NULL: its first */
 	const char *folder; /* of the report; appears when it is complete */
-	const char *panorama[REPORT_LIGHTINGS_MAX]; /* none: made surroundings (report_sky.h) */
-	int panoramas;
+	struct option_list panoramas; /* none: made surroundings (report_sky.h) */
 	int width, height;  /* of pictures that are baked and traced; 0: chosen */
 	int samples;	    /* a pixel, of bakes; 0: chosen */
 	int truth_samples;  /* 0: chosen */

@@ -10,69 +10,27 @@
 #include "hal/base/pool.h"
 #include "hal/optics/dome.h"
 
-enum { PANORAMA = 1, SIZE, SAMPLES, TRUTH_SAMPLES, FREQUENCY, POSE, REPEAT, THREADS, QUIET };
+#define AT(field) .place = offsetof(struct report_settings, field)
 
-static const struct option options[] = {
-	{"output", required_argument, NULL, 'o'},
-	{"panorama", required_argument, NULL, PANORAMA},
-	{"size", required_argument, NULL, SIZE},
-	{"samples", required_argument, NULL, SAMPLES},
-	{"truth-samples", required_argument, NULL, TRUTH_SAMPLES},
-	{"frequency", required_argument, NULL, FREQUENCY},
-	{"pose", required_argument, NULL, POSE},
-	{"repeat", required_argument, NULL, REPEAT},
-	{"threads", required_argument, NULL, THREADS},
-	{"quiet", no_argument, NULL, QUIET},
-	OPTIONS_OF_ALL,
-	{NULL, 0, NULL, 0},
+static const struct option_row options[] = {
+	{"output", OPTION_TEXT, AT(folder)},
+	{"panorama", OPTION_LIST, AT(panoramas)},
+	{"size", OPTION_SIZE, AT(width)},
+	{"samples", OPTION_INT, AT(samples), .min = 1, .max = 65536},
+	{"truth-samples", OPTION_INT, AT(truth_samples), .min = 1, .max = 1 << 20},
+	{"frequency", OPTION_INT, AT(most_frequency), .min = 1, .max = DOME_FREQUENCY_MAX},
+	{"pose", OPTION_TEXT, AT(pose)},
+	{"repeat", OPTION_INT, AT(repeat), .min = 1, .max = 1000},
+	{"threads", OPTION_INT, AT(threads), .min = 1, .max = POOL_THREADS_MAX},
+	{"quiet", OPTION_FLAG, AT(quiet)},
+	{.name = NULL},
 };
-
-static int take_panorama(struct report_settings *s, struct fault *fault)
-{
-	if (s->panoramas == REPORT_LIGHTINGS_MAX)
-		return fault_say(fault, -1, "--panorama: more than %d of them",
-				 REPORT_LIGHTINGS_MAX);
-	s->panorama[s->panoramas++] = optarg;
-	return 0;
-}
-
-static int report_command_take(void *choices, int option, struct fault *fault)
-{
-	struct report_settings *s = choices;
-
-	switch (option) {
-	case 'o':
-		s->folder = optarg;
-		return 0;
-	case PANORAMA:
-		return take_panorama(s, fault);
-	case SIZE:
-		return option_size("--size", optarg, &s->width, &s->height, fault);
-	case SAMPLES:
-		return option_int("--samples", optarg, 1, 65536, &s->samples, fault);
-	case TRUTH_SAMPLES:
-		return option_int("--truth-samples", optarg, 1, 1 << 20, &s->truth_samples, fault);
-	case FREQUENCY:
-		return option_int("--frequency", optarg, 1, DOME_FREQUENCY_MAX, &s->most_frequency,
-				  fault);
-	case POSE:
-		s->pose = optarg;
-		return 0;
-	case REPEAT:
-		return option_int("--repeat", optarg, 1, 1000, &s->repeat, fault);
-	case THREADS:
-		return option_int("--threads", optarg, 1, POOL_THREADS_MAX, &s->threads, fault);
-	default:
-		s->quiet = true;
-		return 0;
-	}
-}
 
 static int report_command_run(const struct command *command, int argc, char **argv)
 {
 	struct report_settings s = {.folder = NULL};
 	struct fault fault = {.text = ""};
-	const int status = command_options(command, argc, argv, options, report_command_take, &s);
+	const int status = command_read(command, argc, argv, options, &s);
 
 	if (status != COMMAND_GOES_ON)
 		return status;
@@ -80,6 +38,8 @@ static int report_command_run(const struct command *command, int argc, char **ar
 		return command_wrong(command, "expected one scene file");
 	if (!s.folder)
 		return command_wrong(command, "-o DIR is missing");
+	if (s.panoramas.count > REPORT_LIGHTINGS_MAX)
+		return command_wrong(command, "--panorama: more than %d of them", REPORT_LIGHTINGS_MAX);
 	s.input = argv[optind];
 	if (report_run(&s, &fault)) {
 		log_error("%s", fault.text);
@@ -115,6 +75,6 @@ const struct command report_command = {
 		"What the scene file says is the setting in use; each other row names the line of the\n"
 		"scene file or of the kiosk's configuration that makes it. Those are marked than which\n"
 		"no other is better, as far as noise lets see.\n"
-		"It takes some minutes. `inlay bench` measures a basis file, threads and kernels.\n",
+		"It takes some minutes. inlay run --stats says what a frame takes on a kiosk.\n",
 	.run = report_command_run,
 };

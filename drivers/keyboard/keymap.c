@@ -6,7 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
-_Static_assert(KEYMAP_CODES == KEY_CNT, "a place for each code");
+_Static_assert(KEYMAP_CODES == KEY_CNT + 2 * REL_CNT && KEYMAP_TURN(0, 1) == KEY_CNT,
+	       "a place for each code");
 
 static const struct {
 	const char *name;
@@ -79,6 +80,8 @@ static const struct {
 	BUTTON("dpad_right", DPAD_RIGHT), BUTTON("trigger_happy1", TRIGGER_HAPPY1),
 	BUTTON("trigger_happy2", TRIGGER_HAPPY2), BUTTON("trigger_happy3", TRIGGER_HAPPY3),
 	BUTTON("trigger_happy4", TRIGGER_HAPPY4),
+	{"dial_right", KEYMAP_TURN(REL_DIAL, 1)}, {"dial_left", KEYMAP_TURN(REL_DIAL, -1)},
+	{"wheel_up", KEYMAP_TURN(REL_WHEEL, 1)}, {"wheel_down", KEYMAP_TURN(REL_WHEEL, -1)},
 // clang-format on
 #undef KEY
 #undef BUTTON

@@ -2,7 +2,8 @@
 /*
  * Maps keys to actions. The configuration names keys, as in "up equal kpplus"; here they become
  * codes of evdev. The names are those of <linux/input-event-codes.h> in small letters without KEY_;
- * buttons of joysticks and arcade encoders keep their prefix (btn_trigger).
+ * buttons of joysticks and arcade encoders keep their prefix (btn_trigger). A step of a dial or a
+ * wheel is a key, too, one for each direction.
  */
 #ifndef INLAY_DRIVERS_KEYBOARD_KEYMAP_H
 #define INLAY_DRIVERS_KEYBOARD_KEYMAP_H
@@ -10,7 +11,9 @@
 #include "hal/base/fault.h"
 #include "hal/device/buttons.h"
 
-#define KEYMAP_CODES 0x300 /* number of codes: KEY_CNT */
+/* Number of codes: KEY_CNT of keys, then two for each of REL_CNT axes. */
+#define KEYMAP_CODES 0x320
+#define KEYMAP_TURN(axis, steps) (0x300U + 2U * (axis) + ((steps) < 0))
 
 struct keymap {
 	unsigned char actions[KEYMAP_CODES]; /* enum action of each code */

@@ -43,7 +43,9 @@ enum action keys_take(struct keys *keys, const struct keymap *map, const struct 
 			keys->ask = true;
 		}
 	}
-	if (event->type != EV_KEY || keys->dropped || event->code >= KEYMAP_CODES)
+	if (event->type == EV_REL && !keys->dropped && event->code < REL_CNT && event->value)
+		return (enum action)map->actions[KEYMAP_TURN(event->code, event->value)];
+	if (event->type != EV_KEY || keys->dropped || event->code >= KEY_CNT)
 		return ACTION_NONE;
 	action = (enum action)map->actions[event->code];
 	was_down = keys_bit(keys->down, event->code);

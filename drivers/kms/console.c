@@ -7,7 +7,7 @@
  * kernel would draw no text; but if the program were killed then, the kernel would leave that mode
  * only in part, and no console would show anything any more.
  */
-#include "drivers/kms/console.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/find.h"
+#include "drivers/kms/kms.h"
 
 #include <drm_fourcc.h>
 #include <errno.h>
@@ -10,9 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #include <xf86drm.h>
-
-#include "drivers/kms/mode.h"
-#include "drivers/kms/timing.h"
 
 int kms_card_open(const char *path)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/list.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -7,8 +7,6 @@
 #include <unistd.h>
 #include <xf86drm.h>
 
-#include "drivers/kms/find.h"
-#include "drivers/kms/timing.h"
 #include "hal/device/node_link.h"
 
 static int list_room(int card, const drmModeRes *resources)

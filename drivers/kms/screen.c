@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/screen.h"
+#include "drivers/kms/kms.h"
 
 #include <drm_fourcc.h>
 #include <errno.h>
@@ -9,8 +9,6 @@
 #include <unistd.h>
 #include <xf86drm.h>
 
-#include "drivers/kms/holder.h"
-#include "drivers/kms/panel.h"
 #include "hal/base/log.h"
 
 int kms_screen_refused(const struct kms_screen *screen, int err, const char *what,
@@ -22,17 +20,10 @@ int kms_screen_refused(const struct kms_screen *screen, int err, const char *wha
 
 int kms_screen_held(const struct kms_screen *screen, struct fault *fault)
 {
-	char holders[256];
-	const int count = kms_holders(screen->path.device, holders, sizeof(holders));
-
-	if (!count)
-		return fault_say(
-			fault, -EBUSY,
-			"kms display: another program (a desktop or another inlay) holds the screen %s: stop it (as root, fuser -v %s tells its name)",
-			screen->path.connector_name, screen->path.device);
-	return fault_say(fault, -EBUSY,
-			 "kms display: another program holds the screen %s of %s: stop %s",
-			 screen->path.connector_name, screen->path.device, holders);
+	return fault_say(
+		fault, -EBUSY,
+		"kms display: another program (a desktop or another inlay) holds the screen %s: stop it (as root, fuser -v %s tells its name)",
+		screen->path.connector_name, screen->path.device);
 }
 
 int kms_screen_become_master(struct kms_screen *screen, struct fault *fault)

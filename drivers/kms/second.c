@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/second.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/kms/fit.h"
-#include "drivers/kms/mode.h"
 #include "hal/base/log.h"
 
 /* The whole framebuffer, scaled as the screen has room; or as it is, in the middle. */

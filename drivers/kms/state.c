@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/kms/state.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The tick makes up for hotplug messages that do not arrive. */
-#include "drivers/kms/watch.h"
+#include "drivers/kms/kms.h"
 
 #include <errno.h>
 #include <linux/netlink.h>

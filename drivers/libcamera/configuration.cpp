@@ -4,17 +4,15 @@
  * names formats as DRM does, from the most significant byte of a word; inlay names them in the
  * order of bytes in memory.
  */
-#include "drivers/libcamera/configuration.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <string>
 
-#include "drivers/libcamera/failure.hpp"
-
 extern "C" {
 #include "hal/base/log.h"
-#include "hal/device/camera_choice.h"
+#include "hal/device/camera.h"
 }
 
 namespace libcamera_driver

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/libcamera/events.h"
+#include "drivers/libcamera/parts.h"
 
 #include <errno.h>
 #include <fcntl.h>

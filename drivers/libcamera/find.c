@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/libcamera/find.h"
+#include "drivers/libcamera/parts.h"
 
 #include <errno.h>
 #include <glob.h>

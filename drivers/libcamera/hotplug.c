@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/libcamera/hotplug.h"
+#include "drivers/libcamera/parts.h"
 
 #include <dlfcn.h>
 #include <stdatomic.h>

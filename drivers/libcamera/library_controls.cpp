@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* `theirs` of controls.h is a lc::ControlId here. */
-#include "drivers/libcamera/library_controls.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <algorithm>
 #include <climits>

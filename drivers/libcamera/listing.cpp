@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Formats come in libcamera's order, then controls in alphabetical order. */
-#include "drivers/libcamera/listing.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>
-
-#include "drivers/libcamera/configuration.hpp"
-#include "drivers/libcamera/library_controls.hpp"
-#include "drivers/libcamera/manager.hpp"
 
 namespace libcamera_driver
 {

@@ -1,15 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* libcamera may write from any of its threads until the process ends. */
-#include "drivers/libcamera/log_stream.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <cstdlib>
 #include <mutex>
 #include <ostream>
 
-#include "drivers/libcamera/library.hpp"
-
 extern "C" {
-#include "drivers/libcamera/messages.h"
+#include "drivers/libcamera/parts.h"
 }
 
 namespace libcamera_driver

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What libcamera's manager offers differs between its versions. */
-#include "drivers/libcamera/manager.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #define LIBCAMERA_BASE_PRIVATE
 #include <libcamera/base/semaphore.h>
@@ -10,12 +10,8 @@
 #include <mutex>
 #include <utility>
 
-#include "drivers/libcamera/failure.hpp"
-#include "drivers/libcamera/log_stream.hpp"
-
 extern "C" {
-#include "drivers/libcamera/find.h"
-#include "drivers/libcamera/hotplug.h"
+#include "drivers/libcamera/parts.h"
 #include "hal/base/log.h"
 }
 

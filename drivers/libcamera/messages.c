@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/libcamera/messages.h"
+#include "drivers/libcamera/parts.h"
 
 #include <ctype.h>
 #include <pthread.h>

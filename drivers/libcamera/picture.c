@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/libcamera/picture.h"
+#include "drivers/libcamera/parts.h"
 
 #include <errno.h>
 #include <linux/dma-buf.h>

@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Two threads meet here: the caller's, and libcamera's, which only writes to events. */
-#include "drivers/libcamera/session.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <cerrno>
 #include <cstdio>
 #include <mutex>
 #include <utility>
-
-#include "drivers/libcamera/configuration.hpp"
-#include "drivers/libcamera/library_controls.hpp"
 
 namespace libcamera_driver
 {

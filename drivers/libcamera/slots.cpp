@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* libcamera allocates the buffers; each is mapped once and read in place. */
-#include "drivers/libcamera/slots.hpp"
+#include "drivers/libcamera/driver.hpp"
 
 #include <cerrno>
 #include <utility>
 
 extern "C" {
-#include "drivers/libcamera/events.h"
+#include "drivers/libcamera/parts.h"
 }
 
 namespace libcamera_driver

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/automatic.h"
+#include "drivers/sim/sim.h"
 
 #include <math.h>
 

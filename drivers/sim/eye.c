@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/eye.h"
+#include "drivers/sim/sim.h"
 
 #include <string.h>
 

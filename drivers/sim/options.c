@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/options.h"
+#include "drivers/sim/sim.h"
 
 #include <errno.h>
 #include <stddef.h>
 #include <string.h>
-
-#include "drivers/sim/spread.h"
-#include "drivers/sim/walkers.h"
 
 static const char *const source_names[] = {"studio", "panorama", "files", NULL};
 static const char *const view_names[] = {"fisheye", "perspective", NULL};

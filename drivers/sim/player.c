@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/player.h"
+#include "drivers/sim/sim.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -8,7 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "drivers/sim/y4m.h"
 #include "hal/image/image.h"
 
 enum player_kind { KIND_VIDEO, KIND_NUMBERED, KIND_SINGLE };

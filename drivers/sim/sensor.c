@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/sensor.h"
+#include "drivers/sim/sim.h"
 
 #include <math.h>
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/studio.h"
+#include "drivers/sim/sim.h"
 
 /*
  * The sky is divided into tiles of polar angle and azimuth, at most 0.35 degrees wide. If the

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/studio_people.h"
+#include "drivers/sim/sim.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "drivers/sim/walker_body.h"
 #include "hal/optics/vec.h"
 
 enum {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/studio_view.h"
+#include "drivers/sim/sim.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/walkers.h"
-#include "drivers/sim/studio.h"
+#include "drivers/sim/sim.h"
 
 #include <math.h>
 #include <stdint.h>

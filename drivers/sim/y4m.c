@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/y4m.h"
+#include "drivers/sim/sim.h"
 
 #include <errno.h>
 #include <fcntl.h>

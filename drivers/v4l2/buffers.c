@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/buffers.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <string.h>
 #include <sys/mman.h>
-
-#include "drivers/v4l2/device.h"
 
 bool v4l2_multiplanar(const struct v4l2_buffers *b)
 {

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/capture.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <string.h>
 
-#include "drivers/v4l2/fallback.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/frame/frame_jpeg.h"
+#include "hal/frame/frame_decode.h"
 
 /* A time stamp older than this, or in the future, is of another clock or has wrapped around. */
 #define TIME_PAST_NS (60 * NS_PER_S)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/controls.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/input.h"
 #include "hal/base/log.h"
 #include "hal/ini/ini.h"
 

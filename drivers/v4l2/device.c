@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/device.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <fcntl.h>

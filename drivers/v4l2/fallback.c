@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/fallback.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <string.h>
-
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/offers.h"
 
 static const char *const words[] = {"format", "size", "rate"};
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/fields.h"
+#include "drivers/v4l2/v4l2.h"
 
 const char *const v4l2_field_wish_names[] = {"driver",	  "none", "interlaced", "sequential",
 					     "alternate", "top",  "bottom",	NULL};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/find.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -9,10 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/offers.h"
 #include "hal/base/log.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 
 bool v4l2_usb_port(const char *interface, char port[V4L2_PORT_MAX])
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 
-#include "hal/device/camera_choice.h"
-#include "hal/frame/frame_fields.h"
+#include "hal/device/camera.h"
+#include "hal/frame/frame_decode.h"
 
 /* Where two map to one format, the first is preferred. */
 static const struct v4l2_layout layouts[] = {

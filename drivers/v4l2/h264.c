@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/h264.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 
@@ -10,8 +10,6 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "drivers/v4l2/h264_unit.h"
 
 enum { SETS_MAX = 1024 }; /* bytes of parameter sets; usual are 30 */
 

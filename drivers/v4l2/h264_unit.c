@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/h264_unit.h"
+#include "drivers/v4l2/v4l2.h"
 
 enum { START_CODE = 3 };
 enum { SLICE = 1, SLICE_IDR = 5, SEQUENCE_SET = 7, PICTURE_SET = 8 }; /* nal_unit_type */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/input.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "drivers/v4l2/device.h"
 
 enum { NAMES_MAX = 400 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/listing.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -7,12 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/controls.h"
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/find.h"
-#include "drivers/v4l2/formats.h"
-#include "drivers/v4l2/offers.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 #include "hal/device/node_link.h"
 
 enum { LINE = sizeof(((struct camera_listing *)0)->lines[0]), LINES_MAX = 1000 };

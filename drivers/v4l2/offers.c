@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/offers.h"
-
-#include "drivers/v4l2/device.h"
+#include "drivers/v4l2/v4l2.h"
 
 double v4l2_rate_of(const struct v4l2_fract *interval)
 {

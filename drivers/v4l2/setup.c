@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/v4l2/setup.h"
+#include "drivers/v4l2/v4l2.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/h264.h"
-#include "drivers/v4l2/offers.h"
 
 enum { OFFERS_MAX = 256 };
 

@@ -189,14 +189,16 @@ static void sync_folder(const char *path)
 	close(fd);
 }
 
-static int output_flush(FILE *stream)
+static int output_flush(const struct output *out)
 {
+	FILE *stream = out->stream;
+
 	errno = 0;
 	if (fflush(stream) != 0)
 		return errno ? -errno : -EIO;
 	if (ferror(stream))
 		return -EIO; /* an earlier write failed; its errno is lost */
-	if (fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
+	if (!out->unsynced && fsync(fileno(stream)) < 0 && errno != EINVAL && errno != EROFS)
 		return -errno;
 	return 0;
 }
@@ -223,7 +225,7 @@ int output_commit(struct output *out, struct fault *fault)
 
 	if (!out->stream)
 		return fault_say(fault, -EBADF, "%s: is not open for writing", out->path);
-	ret = output_flush(out->stream);
+	ret = output_flush(out);
 	if (ret == 0 && !*out->temporary)
 		ret = with_temporary_name(out, give_name, fileno(out->stream));
 	if (fclose(out->stream) != 0 && ret == 0)
@@ -237,7 +239,8 @@ int output_commit(struct output *out, struct fault *fault)
 		return fault_say(fault, ret, "%s: cannot be written: %s", out->path,
 				 strerror(-ret));
 	}
-	sync_folder(out->path);
+	if (!out->unsynced)
+		sync_folder(out->path);
 	return 0;
 }
 

@@ -17,7 +17,9 @@ struct output {
 	FILE *stream; /* the caller writes to it; NULL: nothing is open */
 	char path[PATH_MAX];
 	char temporary[PATH_MAX]; /* empty while the file has no name */
-	bool fresh; /* set after output_open(): a file that is at path by then is not replaced */
+	/* Set after output_open(): */
+	bool fresh;    /* a file that is at path by then is not replaced */
+	bool unsynced; /* nobody waits for the disk, and a power cut may leave the old file */
 };
 
 /*

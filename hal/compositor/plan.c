@@ -121,7 +121,8 @@ static void share_groups(struct block_plan *plan, int count)
 	for (int n = 1; n < count; n++) {
 		const struct basis_block *b = plan[n].block, *before = plan[n - 1].block;
 
-		plan[n].follows = b->channels == before->channels && same_pixels(b, before);
+		plan[n].follows = !plan[n].lamps && b->channels == before->channels &&
+				  same_pixels(b, before);
 		plan[n].grouped |= plan[n].follows && plan[n - 1].grouped;
 	}
 	for (int n = count - 1; n > 0; n--)

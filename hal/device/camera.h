@@ -140,4 +140,37 @@ int camera_set_control(struct camera *camera, const char *name, const char *valu
 		       struct fault *fault);
 void camera_close(struct camera *camera); /* zeroed is fine */
 
+/* The situation that an error of a camera's device stands for. */
+
+/* err: negative errno of a Linux camera driver. */
+enum camera_situation camera_situation_of(int err);
+
+/* Whether an opening that failed like this would always fail under this configuration: the device
+ * is no camera, or does not know the setting. Other failures may pass with time,
+ * such as those of a USB camera while its bus starts or of a digitizer while its source starts. */
+bool camera_is_hopeless(enum camera_situation situation, int err);
+
+/* Choice among the formats that a camera offers. */
+
+/* Merit of a format; larger is better; 0: the program does not decode it from cameras. size: the
+ * format has the wanted size; rate: it has the wanted rate at that size. Formats with both come
+ * first, then those with the size, then the rest. Among equals the cheaper conversion wins: full
+ * colour without conversion, 4:2:2, 4:2:0, compressed, grey; then video, then depths. */
+int camera_format_merit(enum pixel_format format, bool size, bool rate);
+
+/* Parser of camera_settings.controls: "name=value, name=value". The driver defines names and
+ * values. */
+
+enum { CAMERA_CONTROL_NAME_MAX = 64 };
+
+/* One assignment, without blanks around name and value; neither is empty. */
+struct camera_control {
+	char name[CAMERA_CONTROL_NAME_MAX];
+	char value[INI_TEXT_MAX];
+};
+
+/* Reads the next assignment and moves *text behind it; skips empty ones. 1: there is one; 0: end of
+ * the text; -EINVAL: wrong form or too long, the fault quotes it, and *text is behind it. */
+int camera_controls_next(const char **text, struct camera_control *control, struct fault *fault);
+
 #endif

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/frame/frame_fields.h"
-#include "hal/frame/frame_jpeg.h"
 #include "hal/frame/frame_reader.h"
 
 struct frame_decoder {

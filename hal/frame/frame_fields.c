@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/frame/frame_fields.h"
+#include "hal/frame/frame_decode.h"
 
 #include <errno.h>
 #include <libyuv.h>

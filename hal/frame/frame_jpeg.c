@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/frame/frame_jpeg.h"
+#include "hal/frame/frame_decode.h"
 
 #include <errno.h>
 

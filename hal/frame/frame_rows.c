@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "hal/base/processor.h"
-#include "hal/frame/frame_rows_isa.h"
 
 const struct frame_rows frame_rows_c = {
 	.name = "c",

@@ -36,4 +36,12 @@ extern const struct frame_rows *const frame_rows_all[];
  * (processor.h). */
 const struct frame_rows *frame_rows_choose(void);
 
+/* Private to hal/frame/frame_rows*.c: the tables, each in a file compiled for its instruction
+ * set. */
+
+extern const struct frame_rows frame_rows_c;
+extern const struct frame_rows frame_rows_avx2;
+extern const struct frame_rows frame_rows_avx512;
+extern const struct frame_rows frame_rows_neon;
+
 #endif

@@ -3,7 +3,7 @@
 #include <arm_neon.h>
 
 #include "hal/base/processor.h"
-#include "hal/frame/frame_rows_isa.h"
+#include "hal/frame/frame_rows.h"
 
 enum { PIXELS = 8 };
 

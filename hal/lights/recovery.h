@@ -46,6 +46,7 @@
 
 #include "hal/colour/transfer.h"
 #include "hal/frame/frame_reader.h"
+#include "hal/optics/dome.h"
 
 #define LIGHT_RECOVERY_MAX 1e6
 #define LIGHT_RECOVERY_UNSURE 0.02
@@ -81,5 +82,22 @@ struct light_recovery {
 /* Adds the recovered light to radiance[lights]. */
 struct light_recovery light_recover(const struct light_ground *ground,
 				    const struct light_clipping *clipping, float (*radiance)[3]);
+
+/*
+ * Groups clipped lights into connected pieces of sky: two clipped lights whose cells share an edge
+ * are in one piece. A lamp is a piece, and so is a window, whatever number of lights it covers.
+ */
+
+struct clipped_pieces;
+
+/* The dome is not needed afterwards. 0 or -ENOMEM. */
+int clipped_pieces_create(struct clipped_pieces **pieces, const struct dome *dome);
+
+/* clipped[lights]: share of each light's pixels that is clipped, 0..1. Returns [lights]: the
+ * clipped solid angle of the light's piece in sr, 0 for lights that are not clipped; valid until
+ * the next call. Allocates nothing; takes linear time. */
+const double *clipped_pieces_find(struct clipped_pieces *pieces, const float *clipped);
+
+void clipped_pieces_destroy(struct clipped_pieces *pieces); /* NULL is harmless */
 
 #endif

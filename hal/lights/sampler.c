@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/lights/sampler_frame.h"
 #include "hal/lights/sampler_parts.h"
 
 static int sampler_check_settings(const struct light_sampler_settings *s, int width, int height,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/lights/sampler_frame.h"
+#include "hal/lights/sampler_parts.h"
 
 #include <errno.h>
 #include <stdbool.h>

@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/optics/dome_cells.h"
-#include "hal/optics/dome_lookup.h"
-#include "hal/optics/dome_nodes.h"
+#include "hal/optics/dome_parts.h"
 #include "hal/optics/vec.h"
 
 /* Relative tolerance of the sum of all solid angles. Nodes of a file may be such that cells reach

@@ -5,7 +5,7 @@
  * square is cut by the horizon and by the line of each near node. The nodes may lie anywhere; if
  * four lie on a circle, the fourth only yields a corner that exists already.
  */
-#include "hal/optics/dome_cells.h"
+#include "hal/optics/dome_parts.h"
 
 #include <errno.h>
 #include <math.h>
@@ -13,7 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/optics/dome_map.h"
 #include "hal/optics/vec.h"
 
 /* Corners of a cell. A cell of frequency 1 among those of DOME_FREQUENCY_MAX has that many along

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/optics/dome_facets.h"
+#include "hal/optics/dome_parts.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/optics/dome_triangles.h"
 #include "hal/optics/vec.h"
 
 /* Relative tolerance of the sum of all solid angles. */

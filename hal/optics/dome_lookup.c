@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/optics/dome_lookup.h"
+#include "hal/optics/dome_parts.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
-#include "hal/optics/dome_map.h"
 #include "hal/optics/vec.h"
 
 /* Larger than all rounding of angles and positions on the map; a superfluous candidate is harmless.

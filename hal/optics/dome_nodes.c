@@ -16,7 +16,7 @@
  *     on the horizon, and for f up to 64 none is nearer to it than 3e-6: rounding does not decide
  *     which of the two is taken either.
  */
-#include "hal/optics/dome_nodes.h"
+#include "hal/optics/dome_parts.h"
 
 #include <errno.h>
 #include <math.h>

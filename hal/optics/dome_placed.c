@@ -6,9 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/optics/dome_cells.h"
-#include "hal/optics/dome_facets.h"
-#include "hal/optics/dome_lookup.h"
+#include "hal/optics/dome_parts.h"
 #include "hal/optics/vec.h"
 
 #define WIDEST_RAD 1.2	/* largest angle from a cell's mean direction to its corners */

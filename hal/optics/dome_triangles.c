@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/optics/dome_triangles.h"
+#include "hal/optics/dome_parts.h"
 
 #include <errno.h>
 #include <math.h>

@@ -17,7 +17,10 @@
 
 #define COMMANDS_MAX 16
 #define HELP_COLUMN 26	 /* of what an option means */
-#define OPTION_FIRST 256 /* what getopt_long() returns for the first row: above all letters */
+/* What getopt_long() returns: for the first row, above all letters; and for what every command has. */
+#define OPTION_FIRST 256
+#define OPTION_HELP 1000
+#define OPTION_VERSION 1001
 
 static const char *program = "inlay";
 
@@ -110,7 +113,7 @@ static void command_answer(const struct command *command, int option, const stru
 	}
 	printf("usage: %s %s %s\n\n%s\n%s", program, command->name, command->usage,
 	       command->summary, command->help ? command->help : "");
-	if (rows && rows->help)
+	if (rows->help)
 		print_rows(rows);
 }
 
@@ -178,16 +181,23 @@ static int take_row(const struct option_row *row, char *values, struct fault *fa
 	}
 }
 
-static int read_options(const struct command *command, int argc, char **argv,
-			const struct option *options, const struct option_row *rows,
-			int (*take)(void *values, int option, struct fault *fault), void *values)
+int command_read(const struct command *command, int argc, char **argv,
+		 const struct option_row *rows, void *values)
 {
+	struct option options[OPTION_ROWS_MAX + 3] = {{.name = NULL}};
 	struct fault fault = {.text = ""};
 	const char *letters = ":";
-	int option, err;
+	int count = 0, option;
 
-	for (const struct option *o = options; o->name; o++)
-		letters = o->val == 'o' ? ":o:" : letters;
+	for (; rows[count].name && count < OPTION_ROWS_MAX; count++) {
+		options[count] = (struct option){
+			rows[count].name,
+			rows[count].kind == OPTION_FLAG ? no_argument : required_argument, NULL,
+			has_letter(&rows[count]) ? 'o' : OPTION_FIRST + count};
+		letters = has_letter(&rows[count]) ? ":o:" : letters;
+	}
+	options[count] = (struct option){"help", no_argument, NULL, OPTION_HELP};
+	options[count + 1] = (struct option){"version", no_argument, NULL, OPTION_VERSION};
 	opterr = 0;
 	optind = 0; /* begins anew */
 	while ((option = getopt_long(argc, argv, letters, options, NULL)) != -1) {
@@ -201,34 +211,10 @@ static int read_options(const struct command *command, int argc, char **argv,
 			return refuse_option(command, options, option, argv[optind - 1]);
 		while (options[k].val != option)
 			k++;
-		err = rows ? take_row(&rows[k], values, &fault) : take(values, option, &fault);
-		if (err)
+		if (take_row(&rows[k], values, &fault))
 			return command_wrong(command, "%s", fault.text);
 	}
 	return COMMAND_GOES_ON;
-}
-
-int command_options(const struct command *command, int argc, char **argv,
-		    const struct option *options,
-		    int (*take)(void *choices, int option, struct fault *fault), void *choices)
-{
-	return read_options(command, argc, argv, options, NULL, take, choices);
-}
-
-int command_read(const struct command *command, int argc, char **argv,
-		 const struct option_row *rows, void *values)
-{
-	struct option options[OPTION_ROWS_MAX + 3] = {{.name = NULL}};
-	int count = 0;
-
-	for (; rows[count].name && count < OPTION_ROWS_MAX; count++)
-		options[count] = (struct option){
-			rows[count].name,
-			rows[count].kind == OPTION_FLAG ? no_argument : required_argument, NULL,
-			has_letter(&rows[count]) ? 'o' : OPTION_FIRST + count};
-	options[count] = (struct option){"help", no_argument, NULL, OPTION_HELP};
-	options[count + 1] = (struct option){"version", no_argument, NULL, OPTION_VERSION};
-	return read_options(command, argc, argv, options, rows, NULL, values);
 }
 
 int command_read_all(const struct command *command, int argc, char **argv,

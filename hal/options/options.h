@@ -27,30 +27,6 @@ struct command {
 int program_run(const char *name, const char *about, const struct command *const *commands,
 		int argc, char **argv);
 
-/* Options that every command has, and what getopt_long() returns for them. */
-#define OPTION_HELP 1000
-#define OPTION_VERSION 1001
-#define OPTIONS_OF_ALL                                                                             \
-	{"help", no_argument, NULL, OPTION_HELP},                                                  \
-	{                                                                                          \
-		"version", no_argument, NULL, OPTION_VERSION                                       \
-	}
-
-struct option;
-
-/*
- * Goes through the options of argv. take() gets each with its argument in optarg; where that is
- * wrong, it sets `fault` and returns a negative errno. Afterwards optind is at the first word that
- * is no option. An option whose value is 'o' may also be written -o.
- *
- * Returns COMMAND_GOES_ON, or the exit status when the command has been answered here: after --help
- * and --version, and after wrong usage.
- */
-#define COMMAND_GOES_ON (-1)
-int command_options(const struct command *command, int argc, char **argv,
-		    const struct option *options,
-		    int (*take)(void *choices, int option, struct fault *fault), void *choices);
-
 enum option_kind {
 	OPTION_TEXT,   /* const char * */
 	OPTION_FLAG,   /* bool; without an argument */
@@ -86,7 +62,12 @@ struct option_row {
 
 #define OPTION_ROWS_MAX 32
 
-/* Does what command_options() does, by rows that end with a NULL name. */
+/*
+ * Reads the options of argv by rows that end with a NULL name into the struct at values. Afterwards
+ * optind of <getopt.h> is at the first word that is no option. Returns COMMAND_GOES_ON, or the exit
+ * status when the command has been answered here: after --help and --version, and after wrong usage.
+ */
+#define COMMAND_GOES_ON (-1)
 int command_read(const struct command *command, int argc, char **argv,
 		 const struct option_row *rows, void *values);
 /* Refuses words beside the options as well. */

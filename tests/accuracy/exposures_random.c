@@ -9,7 +9,7 @@
 #include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "app/pipeline/pipeline_parts.h"
-#include "drivers/sim/sensor.h"
+#include "drivers/sim/sim.h"
 #include "tests/support/chance.h"
 
 #define SEED 1

@@ -8,8 +8,7 @@
 #include <string.h>
 
 #include "bake/truth/truth_views.h"
-#include "drivers/sim/sensor.h"
-#include "drivers/sim/studio.h"
+#include "drivers/sim/sim.h"
 
 #define TRUE_SIDE 1024	 /* pixels a side of the fisheye that sees the true lights */
 #define TRUE_SAMPLES 256 /* samples a pixel */

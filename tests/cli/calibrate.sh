@@ -130,10 +130,10 @@ cam0:
   distortion_coeffs: [-0.1, 0.0, 0.0, 0.0]
   resolution: [640, 480]
 cam1:
-  camera_model: omni
-  intrinsics: [1.0, 400.0, 400.0, 319.5, 239.5]
-  distortion_model: none
-  distortion_coeffs: []
+  camera_model: pinhole
+  intrinsics: [400.0, 400.0, 319.5, 239.5]
+  distortion_model: equidistant
+  distortion_coeffs: [0.003, -0.001, 0.0, 0.0]
   resolution: [640, 480]
 END
 failed_with "a chain of cameras" "one of them by --camera" convert "$work/chain.yaml" "$work/none.ini"
@@ -497,10 +497,10 @@ if has_command board; then
 		check "a board of other markers" calibrate board \
 			--board charuco:8x6:30mm:22mm:DICT_6X6_250:legacy -o "$work/markers.pdf"
 		pdftoppm -r 80 -png -singlefile "$work/markers.pdf" "$work/markers"
-		calibrate camera --images "$work/markers.png" --board charuco:8x6:30mm:22mm \
-			-o "$work/none.ini" >"$work/stdout" 2>"$work/stderr"
-		check "says what it is" grep -q 'the board is charuco:8x6:30mm:22mm:6x6:legacy$' \
-			"$work/stderr"
+		failed_with "names its markers" "names its own if they are not 5x5" camera \
+			--images "$work/markers.png" --board charuco:8x6:30mm:22mm -o "$work/none.ini"
+		failed_with "is found by its name" "tilt it by 30 degrees or more" camera --images "$work/markers.png" \
+			--board charuco:8x6:30mm:22mm:6x6:legacy -o "$work/none.ini"
 		# Held before the cameras of a kiosk, whose screen shows that it was seen.
 		cat >"$work/live.conf" <<-END
 			[camera eye]
@@ -567,6 +567,58 @@ if has_command sky; then
 	wrong "a time without a unit" 'is "24", expected a time' sky --live "$work/sky.conf" --watch 24 -o "$work/none.fine"
 	wrong "no time" 'is "0h", expected a time' sky --live "$work/sky.conf" --watch 0h -o "$work/none.fine"
 	failed_with "a list over the configuration" "sky.conf" sky --live "$work/sky.conf" -o "$work/sky.conf"
+fi
+
+# ---- lamps, by a traced fisheye on three places ----
+if has_command lamps; then
+	places=(0,0,0 1,0,0 0.1,0.9,0.1)
+	for k in 0 1 2; do
+		for ending in pfm png; do
+			check "the truth's fisheye at ${places[k]} in .$ending" "$INLAY_BAKE" truth "$work/box.scene" \
+				--lamp 1.1,0.4,2.2,0.06,40,40,40 --lamp=-0.8,1.2,1.7,0.04,60,50,40 \
+				--samples 1 --size 8x8 --quiet --fisheye "${places[k]}" --fisheye-size 300 \
+				--fisheye-out "$work/eye$k.$ending" -o "$work/none.pfm"
+		done
+	done
+	printf '[fisheye]\nmodel = equidistant\n' >"$work/up.ini"
+	pictures=(--lens "$work/up.ini" --picture "$work/eye0.png" --picture "$work/eye1.png" --picture "$work/eye2.png")
+	at=(--at 0,0,0 --at 1,0,0 --at 0.1,0.9,0.1)
+	# near FILE SECTION X Y Z RADIUS: within 2 cm, and the radius within 5 mm, or larger where light is clipped
+	near() {
+		"$INLAY" check --config <(printf '[basis]\nfile = x\n' | cat - "$1") --print-config 2>/dev/null |
+			awk -v section="[$2]" -v x="$3" -v y="$4" -v z="$5" -v r="$6" '
+			/^\[/ { in_it = $0 == section }
+			in_it && $1 == "position" { off = sqrt(($3 - x) ^ 2 + ($4 - y) ^ 2 + ($5 - z) ^ 2); n++ }
+			in_it && $1 == "radius" { n += $3 > r - 0.005 && $3 < r + 0.015 }
+			END { exit !(n == 2 && off < 0.02) }'
+	}
+	check "lamps from pictures of 8 bits" calibrate lamps "${pictures[@]}" "${at[@]}" -o "$work/lamps.ini" \
+		--report "$work/lamps"
+	check "the one with more light is at its place" near "$work/lamps.ini" "lamp lamp1" 1.1 0.4 2.2 0.06
+	check "so is the other" near "$work/lamps.ini" "lamp lamp2" -0.8 1.2 1.7 0.04
+	check "the report is for programs, too" is_json "$work/lamps/calibration.json"
+	check "lamps from linear light" calibrate lamps "${pictures[@]//png/pfm}" "${at[@]}" -o "$work/linear.ini"
+	check "are at the same place" near "$work/linear.ini" "lamp lamp1" 1.1 0.4 2.2 0.06
+	failed_with "places that are told in another order" "" lamps "${pictures[@]}" --at 1,0,0 --at 0,0,0 \
+		--at 0.1,0.9,0.1 -o "$work/wrong.ini"
+	absent "are written nowhere" "$work/wrong.ini"
+	failed_with "two places with much doubt" "shows no parallax" lamps "${pictures[@]:0:6}" --at 0,0,0 --at 1,0,0 \
+		--turn-deviation 5 -o "$work/wrong.ini"
+	wrong "one place" "from one nobody can tell" lamps "${pictures[@]:0:4}" --at 0,0,0 -o "$work/wrong.ini"
+	wrong "the same place twice" "expected another place" lamps "${pictures[@]:0:6}" --at 0,0,0 --at 0,0.01,0 \
+		-o "$work/wrong.ini"
+	wrong "fewer pictures than places" "expected one for each of 3" lamps "${pictures[@]:0:6}" "${at[@]}" -o "$work/wrong.ini"
+	wrong "a place that is none" "--at: \"0,0\"" lamps "${pictures[@]:0:6}" --at 0,0 --at 1,0,0 -o "$work/wrong.ini"
+	wrong "pictures without a lens" "--lens is missing" lamps "${pictures[@]:2}" "${at[@]}" -o "$work/wrong.ini"
+	wrong "neither pictures nor camera" "either --live or --picture" lamps "${at[@]}" -o "$work/wrong.ini"
+	# The studio's camera stays where it is: its lights are as if infinitely far.
+	sed 's/^width = 96/width = 240/; s/^height = 96/height = 240/' "$work/studio.conf" >"$work/stays.conf"
+	check "a camera that stays shows nothing near" bash -c 'printf "\n\n" | "$1" lamps --live "$2" --at 0,0,0 \
+		--at 1,0,0 -o "$3" 2>&1 | grep "no light is near\|shows no parallax"' - "$INLAY_CALIBRATE" \
+		"$work/stays.conf" "$work/wrong.ini"
+	check "a person who leaves ends it" grep -q "ended before the fisheye lay at 0,0,0" <(calibrate lamps \
+		--live "$work/stays.conf" "${at[@]}" -o "$work/wrong.ini" 2>&1 </dev/null)
+	absent "no file of all that" "$work/wrong.ini"
 fi
 
 finish

@@ -46,6 +46,14 @@ check "a lamp in a coarse sky" run --frames 2 --set "screen.device=$work/lamp.pn
 	--set camera.fisheye.format=RGBF
 equal "is named, by the node of its cell" '"coarse_lamp":{"azimuth":0.0,"height":26.6' \
 	"$(tail -n 1 "$work/lamp.jsonl" | grep -oE '"coarse_lamp":\{"azimuth":[-0-9.]+,"height":[0-9.]+')"
+equal "and as one that no section names, where it is" '"lamps_missing":[],"lamp_unnamed":{"azimuth":3' \
+	"$(tail -n 1 "$work/lamp.jsonl" | grep -oE '"lamps_missing":.*"azimuth":[0-9]' || tail -n 1 "$work/lamp.jsonl")"
+check "one that is named" run --frames 2 --set "screen.device=$work/lamp.png" --stats "$work/named.jsonl" \
+	--set camera.fisheye.sim.source=panorama --set "camera.fisheye.sim.file=$work/lamp.pfm" \
+	--set camera.fisheye.format=RGBF --set "lamp.there.position=1.7 0 1" --set lamp.there.radius=0.1 \
+	--set "lamp.off.position=0 -1 1" --set lamp.off.radius=0.1
+equal "is not, but one that is off" '"lamps_missing":["off"],"lamp_unnamed":null' \
+	"$(tail -n 1 "$work/named.jsonl" | grep -oE '"lamps_missing":.*"lamp_unnamed":null' || tail -n 1 "$work/named.jsonl")"
 check "the studio has none" grep -q '"coarse_lamp":null' "$work/a.jsonl"
 
 # ---- views ----

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/y4m.h"
+#include "drivers/sim/sim.h"
 #include "hal/basis/basis.h"
 #include "hal/frame/frame.h"
 #include "hal/image/image.h"

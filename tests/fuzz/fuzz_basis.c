@@ -9,8 +9,8 @@
  *
  * reaches: basis.c:check_coarse basis.c:check_peaks basis.c:add_packed basis_blocks.c:check_block
  * basis_blocks.c:check_patterns basis_blocks.c:check_record basis_blocks.c:check_pairs
- * basis_blocks.c:check_padding basis_foot.c:basis_foot_check basis_glass.c:basis_read_glass
- * basis_names.c:basis_names_check
+ * basis_blocks.c:check_padding basis_places.c:basis_foot_check basis_places.c:unfold
+ * basis_glass.c:basis_read_glass basis_names.c:basis_names_check
  * basis_file.c:read_at pack.c:place_parts pack.c:unfold_words pack.c:unfold_column
  * basis_store.c:look_ahead basis_store.c:take_back basis_groups.c:basis_groups_create
  * glass.c:glass_add
@@ -19,6 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/basis/basis_places.h"
 #include "hal/compositor/compositor.h"
 #include "tests/support/as_file.h"
 #include "tests/support/basis/synthetic_basis.h"
@@ -91,10 +92,21 @@ static void composite_pose(struct fuzzed_scene *s, int pose, enum compositor_mod
 		abort();
 }
 
+/* Places may be damaged behind their checks, and are refused then. */
+static void read_places(const struct basis *basis, size_t pixels)
+{
+	float *distance = malloc(pixels * sizeof(*distance));
+
+	for (uint32_t p = 0; distance && p < basis->info.poses; p++)
+		for (int k = 0; k < BASIS_SURFACES; k++)
+			(void)basis_places_read(basis, (int)p, (enum basis_surface)k, distance);
+	free(distance);
+}
+
 static void composite(const struct basis *basis)
 {
 	const size_t pixels = (size_t)basis->info.width * basis->info.height;
-	const struct compositor_options options = {NULL, NULL};
+	const struct compositor_options options = {NULL, NULL, NULL};
 	struct fuzzed_scene s = {
 		.basis = basis,
 		.picture = {calloc(pixels, 4), 4, (ptrdiff_t)basis->info.width * 4,
@@ -106,6 +118,7 @@ static void composite(const struct basis *basis)
 		.pixels = pixels,
 	};
 
+	read_places(basis, pixels);
 	if (!s.picture.origin || !s.radiance || !s.out || !s.again || !s.exact ||
 	    light_selection_create(&s.lights, basis) < 0 ||
 	    compositor_create(&s.compositor, basis, &options, NULL) < 0)

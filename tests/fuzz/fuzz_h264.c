@@ -10,8 +10,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "drivers/v4l2/h264.h"
-#include "drivers/v4l2/h264_unit.h"
+#include "drivers/v4l2/v4l2.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

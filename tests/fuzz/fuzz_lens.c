@@ -3,8 +3,8 @@
  * ours is made of or refused in a sentence again.
  *
  * reaches: convert_read.c:take_matrix convert_read.c:take_distortion convert_read.c:take_size
- * convert_read.c:take_intrinsics convert_omni.c:fit_samples convert_xml.c:close_matrix
- * convert_tsai.c:is_polynomial convert_tsai.c:fit_camera convert.c:lens_to_fisheye
+ * convert_read.c:take_intrinsics convert_tsai.c:is_polynomial
+ * convert_tsai.c:fit_camera convert.c:lens_to_fisheye
  */
 #include <math.h>
 #include <stdint.h>
@@ -19,11 +19,6 @@ static int make_ours(const struct lens *lens, struct fault *fault)
 	struct tsai_camera camera;
 	double error_px, turn_deg;
 
-	if (lens->omni) {
-		struct lens made = *lens;
-
-		return lens_of_omni(&made, 1e6, &error_px, fault);
-	}
 	if (lens->fisheye)
 		return lens_to_fisheye(lens, &settings, fault);
 	return lens_to_tsai(lens, &camera, 1e6, &error_px, &turn_deg, fault);

@@ -11,8 +11,7 @@
 #include <string.h>
 
 #if WITH_KMS
-#include "drivers/kms/mode.h"
-#include "drivers/kms/timing.h"
+#include "drivers/kms/kms.h"
 
 enum { MODES = 4 };
 #endif

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-#include "drivers/sim/y4m.h"
+#include "drivers/sim/sim.h"
 #include "tests/support/as_file.h"
 
 static void play(struct y4m *video)

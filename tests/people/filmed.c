@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/sensor.h"
-#include "drivers/sim/spread.h"
+#include "drivers/sim/sim.h"
 #include "hal/frame/view.h"
 #include "hal/lights/sampler.h"
 

@@ -7,8 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "drivers/sim/studio_people.h"
-#include "drivers/sim/walkers.h"
+#include "drivers/sim/sim.h"
 #include "hal/optics/dome.h"
 #include "hal/optics/tsai.h"
 

@@ -13,8 +13,7 @@
 
 #include <stdio.h>
 
-#include "drivers/sim/studio.h"
-#include "drivers/sim/walkers.h"
+#include "drivers/sim/sim.h"
 #include "tests/people/filmed.h"
 
 enum {

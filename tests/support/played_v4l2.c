@@ -16,8 +16,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
 
 struct played_device played;

@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "drivers/v4l2/input.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/fault.h"
 #include "hal/device/camera.h"
 

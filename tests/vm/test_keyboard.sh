@@ -168,6 +168,18 @@ check "and each tap is heard" eventually heard touched 2 threshold-next
 unplug screen
 ignore touched
 
+# ---- a dial, as the kernel makes of a rotary encoder ----
+listen dialled pose_next=dial_right pose_prev=dial_left
+plug dial dial
+check "a dial is plugged in" plugged dial
+type_at dial turn 1
+type_at dial turn 1
+type_at dial turn -1
+check "a step back is the pose before" eventually heard dialled 1 pose-prev
+check "two steps forwards are two poses" heard dialled 2 pose-next
+unplug dial
+ignore dialled
+
 # ---- refusals ----
 said() { # option=value...
 	"$tools/presses" keyboard 1 "$@" 2>&1

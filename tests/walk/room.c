@@ -18,9 +18,7 @@
 
 #include "bake/calibrate/observe/boards.h"
 #include "bake/sky/sky_eye.h"
-#include "drivers/sim/eye.h"
-#include "drivers/sim/studio.h"
-#include "drivers/sim/studio_view.h"
+#include "drivers/sim/sim.h"
 #include "hal/image/image.h"
 #include "hal/optics/panorama.h"
 #include "hal/optics/vec.h"

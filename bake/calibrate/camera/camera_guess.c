@@ -6,26 +6,44 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera/camera_guess_closed.h"
 #include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
 #define TRIAL_KAPPAS 10
-#define SAMPLES 100	/* random samples of a robust guess */
-#define SAMPLE_POINTS 9 /* points of a view in a sample */
+#define GUESS_POINTS 200 /* number of points that suffices to judge a guess */
+#define SAMPLES                                                                                    \
+	50 /* random samples of a robust guess: of 30 % outliers one is free of them with 98 % */
+#define SAMPLE_POINTS 7 /* points of a view in a sample */
+/* Fewest points of all views for an unknown lens, and of a view for its pose. */
+#define FEWEST_POINTS 5
+#define FEWEST_OF_VIEW 4
+
+enum { COARSE = 15, FINE = 6 }; /* focal lengths tried */
+
+struct guesser {
+	const struct camera_problem *problem;
+	const struct camera_start *start;
+	double shared[MODEL_SHARED]; /* under trial */
+	int *chosen;		     /* [count]: indices of points, view after view */
+	int *chosen_first;	     /* [views + 1] */
+	/* Of the chosen points, in units of their views' sizes: */
+	double (*place)[3], (*sensor)[2],
+		(*seen)[2];   /* sensor: without distortion; seen: in focal lengths */
+	double *error;	      /* [count] */
+	double *best, *trial; /* [unknowns] */
+};
 
 static void guesser_free(struct guesser *g)
 {
 	free(g->chosen);
 	free(g->chosen_first);
-	free(g->points.place);
-	free(g->points.plane);
-	free(g->points.sensor);
-	free(g->h);
-	free(g->has_h);
+	free(g->place);
+	free(g->sensor);
+	free(g->seen);
 	free(g->error);
 	free(g->best);
+	free(g->trial);
 }
 
 static int guesser_create(struct guesser *g, const struct camera_problem *problem,
@@ -34,22 +52,129 @@ static int guesser_create(struct guesser *g, const struct camera_problem *proble
 	const size_t n = (size_t)problem->count, views = (size_t)problem->views;
 
 	*g = (struct guesser){.problem = problem, .start = start};
-	memcpy(g->shared, start->shared, sizeof(g->shared));
 	g->chosen = calloc(n, sizeof(*g->chosen));
 	g->chosen_first = calloc(views + 1, sizeof(*g->chosen_first));
-	g->points.place = calloc(n, sizeof(*g->points.place));
-	g->points.plane = calloc(n, sizeof(*g->points.plane));
-	g->points.sensor = calloc(n, sizeof(*g->points.sensor));
-	g->h = calloc(views, sizeof(*g->h));
-	g->has_h = calloc(views, sizeof(*g->has_h));
+	g->place = calloc(n, sizeof(*g->place));
+	g->sensor = calloc(n, sizeof(*g->sensor));
+	g->seen = calloc(n, sizeof(*g->seen));
 	g->error = calloc(n, sizeof(*g->error));
 	g->best = calloc((size_t)problem_unknowns(problem), sizeof(*g->best));
-	if (g->chosen && g->chosen_first && g->points.place && g->points.plane &&
-	    g->points.sensor && g->h && g->has_h && g->error && g->best)
+	g->trial = calloc((size_t)problem_unknowns(problem), sizeof(*g->trial));
+	if (g->chosen && g->chosen_first && g->place && g->sensor && g->seen && g->error &&
+	    g->best && g->trial)
 		return 0;
 	guesser_free(g);
 	return -ENOMEM;
 }
+
+/* ---- one guess ---- */
+
+/* Error below which a guess is good enough, px. */
+static double good_enough(const struct guesser *g)
+{
+	return 0.01 * g->problem->reach / g->problem->model.pixel[0];
+}
+
+/* Sum of the squared distances on the sensor from where a pose shows the chosen points; infinite where one is behind
+ * the camera. */
+static double pose_squares(const struct guesser *g, int first, int end, double focal,
+			   const double *pose)
+{
+	struct model_view view;
+	double squares = 0;
+
+	model_turn(&view, pose);
+	for (int c = first; c < end; c++) {
+		double at[3];
+
+		mat_apply(view.rotation, g->place[c], at);
+		if (!(at[2] + view.translation[2] > 0))
+			return INFINITY;
+		for (int k = 0; k < 2; k++)
+			squares += pow(focal * (at[k] + view.translation[k]) /
+						       (at[2] + view.translation[2]) -
+					       g->sensor[c][k],
+				       2);
+	}
+	return squares;
+}
+
+/* Finds the poses of all views for one f. Returns the sum of squares; infinite: there are none. A view without points
+ * gets an arbitrary one. */
+static double find_poses(struct guesser *g, double focal, double *x)
+{
+	static const double nothing[MODEL_OF_VIEW] = {[MODEL_TRANSLATION + 2] = 1};
+	double squares = 0;
+
+	for (int c = 0; c < g->chosen_first[g->problem->views]; c++)
+		for (int k = 0; k < 2; k++)
+			g->seen[c][k] = g->sensor[c][k] / focal;
+	for (int v = 0; v < g->problem->views && isfinite(squares); v++) {
+		const int first = g->chosen_first[v], count = g->chosen_first[v + 1] - first;
+		double *pose = x + model_of_view(v);
+
+		memcpy(pose, nothing, sizeof(nothing));
+		if (!count)
+			continue;
+		if (count < FEWEST_OF_VIEW ||
+		    !camera_pose(count, g->place + first, g->seen + first, pose))
+			return INFINITY;
+		squares += pose_squares(g, first, first + count, focal, pose);
+		for (int k = 0; k < 3; k++)
+			pose[MODEL_TRANSLATION + k] *= g->problem->shape[v].size;
+	}
+	x[MODEL_FOCAL] = focal;
+	return squares;
+}
+
+/* Computes a guess from the chosen points for one kappa1 (the known one, if it is known). Returns 0; -ERANGE: the points
+ * do not determine one. */
+static int guess_from_chosen(struct guesser *g, double kappa, double *x)
+{
+	const struct camera_start *start = g->start;
+	const struct camera_problem *problem = g->problem;
+	const size_t bytes = (size_t)problem_unknowns(problem) * sizeof(*x);
+	/* f as shares of the points' reach: from wide angles to what is nearly orthographic */
+	static const double of_reach[COARSE] = {0.5, 0.7, 1,  1.4, 2,  2.8, 4,	 5.6,
+						8,   11,  16, 32,  64, 200, 1000};
+	double best = INFINITY, middle = 0;
+
+	memcpy(g->shared, start->shared, sizeof(g->shared));
+	g->shared[MODEL_KAPPA1] = kappa;
+	if (!start->known && g->chosen_first[problem->views] < FEWEST_POINTS)
+		return -ERANGE;
+	for (int c = 0; c < g->chosen_first[problem->views]; c++) {
+		const int i = g->chosen[c];
+
+		for (int k = 0; k < 3; k++)
+			g->place[c][k] =
+				problem->place[i][k] /
+				problem->shape[problem->point[i].view - problem->first_view].size;
+		if (!model_straighten(&problem->model, g->shared, problem->point[i].px,
+				      g->sensor[c]))
+			return -ERANGE;
+	}
+	memcpy(g->trial, g->shared, sizeof(g->shared));
+	/* then between the best one and its neighbours, as an f that is far off may choose a wrong tilt */
+	for (int k = 0; k < (start->known ? 1 : COARSE + FINE); k++) {
+		double focal = start->known ? start->shared[MODEL_FOCAL]
+					    : of_reach[k % COARSE] * problem->reach;
+		double squares;
+
+		if (k == COARSE)
+			middle = x[MODEL_FOCAL];
+		if (k >= COARSE)
+			focal = middle * exp2((k - COARSE - (FINE - 1) / 2.0) / (FINE - 1));
+		squares = find_poses(g, focal, g->trial);
+		if (squares < best) {
+			best = squares;
+			memcpy(x, g->trial, bytes);
+		}
+	}
+	return isfinite(best) ? 0 : -ERANGE;
+}
+
+/* ---- tilts ---- */
 
 void camera_tilt(const struct camera_problem *problem, int view, const double *x, double *tilted)
 {
@@ -200,14 +325,12 @@ static int try_steps(struct guesser *g, int from, int to, double *best, double *
 {
 	int err = -ERANGE;
 
-	for (int step = from; step < to && !(*best < guess_good_enough(g)); step++) {
+	for (int step = from; step < to && !(*best < good_enough(g)); step++) {
 		const double trial = g->start->known ? g->start->shared[MODEL_KAPPA1]
 						     : trial_kappa(g->problem, step);
 		double rms;
 
 		err = guess_from_chosen(g, trial, g->best);
-		if (err == -ENOMEM)
-			return err;
 		if (err)
 			continue;
 		rms = problem_rms(g->problem, g->best);
@@ -229,7 +352,7 @@ static int try_kappas(struct guesser *g, double *x)
 
 	choose_every(g, 1);
 	err = try_steps(g, 0, 1, &best, &kappa, x);
-	if (err == -ENOMEM || g->start->known || best < guess_good_enough(g))
+	if (err == -ENOMEM || g->start->known || best < good_enough(g))
 		return err;
 	first = best;
 	choose_every(g, 1 + g->problem->count / g->problem->views / GUESS_POINTS);

@@ -15,15 +15,20 @@ struct camera_start {
 };
 
 /*
- * Guesses all unknowns. One view of a plane: Tsai's coplanar stage; a view of points in space: his
- * non-coplanar stage (s is then in x[MODEL_ASPECT]); several planes: Zhang's focal length from
- * their homographies. Of the two tilts that a plane seen from afar allows, the one that fits better
- * is taken. kappa1 is tried in steps where 0 leaves more than a hundredth of the picture's extent.
+ * Guesses all unknowns: tries some focal lengths, each with the poses that fit the views best
+ * without distortion (camera_pose()), and keeps what fits best. Of the two tilts that a plane seen
+ * from afar allows, the one that fits better is taken. kappa1 is tried in steps where 0 leaves more
+ * than a hundredth of the picture's extent.
  *
- * x[problem_unknowns()]. Returns 0; -ERANGE, -EDOM: no guess (points on a line, or in no order that
- * a camera sees); -ENOMEM.
+ * x[problem_unknowns()]. Returns 0; -ERANGE: no guess (too few points, on a line, or in no order
+ * that a camera sees); -ENOMEM.
  */
 int camera_guess(const struct camera_problem *problem, const struct camera_start *start, double *x);
+
+/* Finds the pose (as the unknowns of a view) in which points at these places are seen in these directions, in focal
+ * lengths from the axis. False: there is none. */
+bool camera_pose(int count, const double (*place)[3], const double (*seen)[2],
+		 double pose[MODEL_OF_VIEW]);
 
 /* Computes the pose of a view whose plane is tilted the other way about the line of sight, which
  * looks the same from afar. */

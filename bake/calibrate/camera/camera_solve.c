@@ -211,8 +211,6 @@ static int solve_full(struct camera_private *own, double *tried)
 	bool centre = few, aspect = !aspect_shows(own);
 	int err;
 
-	if (aspect) /* the closed form of points in space found another one */
-		own->x[MODEL_ASPECT] = own->guess.aspect;
 	err = solve_held(own);
 	if (err == -ENOMEM || own->task.intrinsics || (centre && aspect))
 		return err;

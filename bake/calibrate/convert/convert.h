@@ -27,8 +27,6 @@ enum { LENS_K1, LENS_K2, LENS_P1, LENS_P2, LENS_K3, LENS_K4, LENS_K5, LENS_K6, L
 
 struct lens {
 	bool fisheye;
-	bool omni;	    /* Kalibr's: for lens_of_omni(), which makes a fisheye of it */
-	double xi;	    /* of an omni camera */
 	int width, height;  /* size of the picture, px */
 	double focal_px[2]; /* horizontal and vertical */
 	/* from the upper left corner, in our coordinates: pixel centres at +0.5 */
@@ -60,10 +58,6 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
  */
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
 		 double *error_px, double *turn_deg, struct fault *fault);
-/* Makes a fisheye of an omni camera: its centre, focal lengths and polynomial are fitted to the
- * whole picture, up to 90 degrees. -ERANGE: error_px is above tolerance_px; -ENOMEM. */
-int lens_of_omni(struct lens *lens, double tolerance_px, double *error_px, struct fault *fault);
-
 /* Converts to a lens that looks straight up; its field is 90 degrees, or less if the picture or the
  * fold of the polynomial ends before. -EINVAL for a pinhole camera. */
 int lens_to_fisheye(const struct lens *lens, struct fisheye_settings *settings,
@@ -76,7 +70,7 @@ enum lens_file { LENS_FILE_INI, LENS_FILE_OPENCV, LENS_FILE_ROS };
 extern const char *const lens_file_names[]; /* "ini", "opencv", "ros", NULL */
 
 /*
- * Reads a lens from the YAML or XML of OpenCV's FileStorage, from ROS's calibration files and
+ * Reads a lens from the YAML of OpenCV's FileStorage, from ROS's calibration files and
  * camera_info messages as its tools print them (the first one), or from Kalibr's camchain. camera:
  * which of several cameras (Kalibr's cam0 ...); NULL: there is one. Keys that say nothing about a
  * lens are ignored. The caller presets lens->width, height and fisheye for files without them.

@@ -109,7 +109,7 @@ static int take_dictionary(const char *word, size_t length, int *dictionary)
 		if (length < own || strncasecmp(word, name, own))
 			continue;
 		*dictionary = d;
-		if (d == BOARD_ORIGINAL || d >= BOARD_TRIED)
+		if (d >= BOARD_ORIGINAL)
 			return length == own ? marker_sets[d].markers : 0;
 		return markers_named(word + own, length - own, marker_sets[d].markers);
 	}
@@ -124,7 +124,7 @@ static int take_words(struct board *board, const char *text, const char *at, str
 		int markers;
 
 		if (length == strlen("legacy") && !strncasecmp(at, "legacy", length)) {
-			board->legacy = 1;
+			board->legacy = true;
 		} else {
 			markers = take_dictionary(at, length, &board->dictionary);
 			if (!markers)
@@ -145,10 +145,7 @@ int board_parse(struct board *board, const char *text, struct fault *fault)
 	const char *at = text;
 	bool right;
 
-	*board = (struct board){.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1},
-				.unit = 0.001,
-				.dictionary = -1,
-				.legacy = -1};
+	*board = (struct board){.rotation = {1, 0, 0, 0, -1, 0, 0, 0, -1}, .unit = 0.001};
 	right = take_kind(&at, &board->kind) && take_side(&at, 'x', &board->columns) &&
 		take_side(&at, ':', &board->rows) && take_length(&at, &board->step_mm);
 	if (right && board->kind == BOARD_CHARUCO)
@@ -177,7 +174,7 @@ void board_name(const struct board *board, char text[BOARD_NAME_MAX])
 	snprintf(text + length, (size_t)(BOARD_NAME_MAX - length), "%s%s%s",
 		 board->dictionary > 0 ? ":" : "",
 		 board->dictionary > 0 ? marker_sets[board->dictionary].name : "",
-		 board->legacy > 0 ? ":legacy" : "");
+		 board->legacy ? ":legacy" : "");
 }
 
 /* ---- points ---- */
@@ -223,7 +220,7 @@ bool board_ambiguous(const struct board *board)
 /* 1: a white square is at the upper left; 0: a black one. Rows begin with either in turn. */
 static int first_square(const struct board *board)
 {
-	return board->kind == BOARD_CHARUCO && board->legacy > 0 && board->rows % 2 == 0;
+	return board->kind == BOARD_CHARUCO && board->legacy && board->rows % 2 == 0;
 }
 
 int board_marker_at(const struct board *board, int column, int row)
@@ -240,17 +237,11 @@ int board_markers(const struct board *board)
 	return (board->columns * board->rows + first_square(board)) / 2;
 }
 
-int board_dictionary(const struct board *board)
-{
-	return board->dictionary < 0 ? BOARD_5X5 : board->dictionary;
-}
-
 /* x, y: from the upper left corner of the marker's square, 0..1. */
 static bool marker_ink(const struct board *board, int marker, double x, double y)
 {
 	const double side = board->marker_mm / board->step_mm;
-	const int dictionary = board_dictionary(board);
-	const int bits = marker_sets[dictionary].bits;
+	const int bits = marker_sets[board->dictionary].bits;
 	const int column = (int)floor((x - (1 - side) / 2) / side * (bits + 2)) - 1;
 	const int row = (int)floor((y - (1 - side) / 2) / side * (bits + 2)) - 1;
 
@@ -258,7 +249,7 @@ static bool marker_ink(const struct board *board, int marker, double x, double y
 		return false;
 	if (column < 0 || row < 0 || column == bits || row == bits)
 		return true;
-	return !board_marker_bit(dictionary, marker, column, row);
+	return !board_marker_bit(board->dictionary, marker, column, row);
 }
 
 bool board_ink(const struct board *board, double x_mm, double y_mm)

@@ -32,10 +32,10 @@ struct board {
 	int columns, rows;
 	double step_mm;	  /* side of a square */
 	double marker_mm; /* ChArUco: side of a marker */
-	/* ChArUco: index of the dictionary of its markers; whether its squares are those of OpenCV
-	 * before 4.6, which has a white one at the upper left if there is an even number of rows.
-	 * -1: not known; printed with 5x5 bits and a black square, found by board_find(). */
-	int dictionary, legacy;
+	/* ChArUco: index of the dictionary of its markers, 5x5 bits unless named; whether its squares are those of
+	 * OpenCV before 4.6, which has a white one at the upper left if there is an even number of rows. */
+	int dictionary;
+	bool legacy;
 	/*
 	 * From the board's axes to the world of the scene:
 	 *     world = rotation * board * unit + position
@@ -73,13 +73,13 @@ bool board_ink(const struct board *board, double x_mm, double y_mm);
 /*
  * Finds the board in an 8-bit picture and adds its points as a view called name; points are named
  * by column and row, the first being 1,1. Either all points are found or none; of ChArUco six or
- * more suffice, and what the board leaves open of its markers is settled and logged. Boards seen
+ * more suffice. Boards seen
  * from behind or in a mirror are not found: pictures must be upright.
  *
  * Returns 0; -ENOENT: no such board (the fault says what was found instead, if known); -ERANGE:
  * another size than the pictures before; -ENOMEM. On failure nothing is added.
  */
-int board_find(struct board *board, const struct image *picture, const char *name,
+int board_find(const struct board *board, const struct image *picture, const char *name,
 	       struct observations *all, struct fault *fault);
 
 /* Checks the name of a page: "a4", "a3", "letter". -EINVAL. */

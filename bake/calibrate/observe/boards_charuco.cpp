@@ -3,7 +3,7 @@
  * ChArUco: chessboards whose white squares hold numbered markers, so that a part of the board is
  * enough.
  *
- * boards_settle.cpp finds the markers; this file places the corners between them, each from the
+ * boards_marker.cpp finds the markers; this file places the corners between them, each from the
  * markers next to it. OpenCV's own class for that differs between versions.
  */
 #include <algorithm>
@@ -61,7 +61,7 @@ bool expect_corner(const board &wanted, const std::vector<boards::Marker> &marke
 
 } // namespace
 
-bool boards::find_charuco(board &wanted, const cv::Mat &grey, Points &points,
+bool boards::find_charuco(const board &wanted, const cv::Mat &grey, Points &points,
 			  std::vector<bool> &seen, std::string &why)
 {
 	const std::vector<boards::Marker> markers = find_markers(wanted, grey, why);

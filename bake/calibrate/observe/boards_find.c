@@ -6,7 +6,6 @@
 
 #include "bake/calibrate/observe/boards.h"
 #include "bake/calibrate/observe/boards_parts.h"
-#include "hal/base/log.h"
 
 static int add_points(const struct board *board, const char *name, const double (*px)[2],
 		      const bool *seen, struct observations *all)
@@ -36,23 +35,11 @@ static int check_size(const struct image *picture, const char *name, const struc
 			 name, picture->width, picture->height, all->width, all->height);
 }
 
-/* Says what was found of a board whose text left it open, unless it is as a board is printed
- * here. */
-static void say_settled(const struct board *board, const char *name, int dictionary, int legacy)
-{
-	char found[BOARD_NAME_MAX];
-
-	if (!(dictionary < 0 && board->dictionary > 0) && !(legacy < 0 && board->legacy > 0))
-		return;
-	board_name(board, found);
-	log_info("%s: the board is %s", name, found);
-}
-
-int board_find(struct board *board, const struct image *picture, const char *name,
+int board_find(const struct board *board, const struct image *picture, const char *name,
 	       struct observations *all, struct fault *fault)
 {
 	const int points = board_points(board), count = all->count, views = all->views;
-	const int pictures = all->pictures, dictionary = board->dictionary, legacy = board->legacy;
+	const int pictures = all->pictures;
 	struct fault why = {{0}};
 	double(*px)[2];
 	bool *seen;
@@ -68,7 +55,6 @@ int board_find(struct board *board, const struct image *picture, const char *nam
 	if (!err) {
 		all->width = picture->width;
 		all->height = picture->height;
-		say_settled(board, name, dictionary, legacy);
 	} else {
 		all->count = count;
 		all->views = views;

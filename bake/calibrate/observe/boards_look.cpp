@@ -23,14 +23,15 @@ void silence_opencv()
 	cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
 }
 
-bool find_kind(board &wanted, const cv::Mat &grey, boards::Points &points, std::vector<bool> &seen,
-	       std::string &why)
+bool find_kind(const board &wanted, const cv::Mat &grey, boards::Points &points,
+	       std::vector<bool> &seen, std::string &why)
 {
 	return wanted.kind == BOARD_CHESS ? boards::find_chess(wanted, grey, points, why)
 					  : boards::find_charuco(wanted, grey, points, seen, why);
 }
 
-int look_for_board(board &wanted, const image &picture, double (*px)[2], bool *seen, fault *fault)
+int look_for_board(const board &wanted, const image &picture, double (*px)[2], bool *seen,
+		   fault *fault)
 {
 	const cv::Mat rgb(picture.height, picture.width, CV_8UC3, picture.u8);
 	boards::Points points;
@@ -54,7 +55,7 @@ int look_for_board(board &wanted, const image &picture, double (*px)[2], bool *s
 
 } // namespace
 
-extern "C" int board_look(struct board *board, const struct image *picture, double (*px)[2],
+extern "C" int board_look(const struct board *board, const struct image *picture, double (*px)[2],
 			  bool *seen, struct fault *fault)
 {
 	try {

@@ -22,7 +22,7 @@ using Points = std::vector<cv::Point2f>;
 /* Each returns whether it found the board. points: all of them, in the order of board_point();
  * seen: which of them were found (empty: all); why: what was found instead. */
 bool find_chess(const board &wanted, const cv::Mat &grey, Points &points, std::string &why);
-bool find_charuco(board &wanted, const cv::Mat &grey, Points &points, std::vector<bool> &seen,
+bool find_charuco(const board &wanted, const cv::Mat &grey, Points &points, std::vector<bool> &seen,
 		  std::string &why);
 
 /* A marker of a ChArUco board. */
@@ -34,9 +34,8 @@ struct Marker {
 /* The corners of a marker in the board's axes, mm. */
 Points marker_flat(const board &wanted, const Marker &marker);
 
-/* Finds the markers of a board and settles what it leaves open: their dictionary and the layout of
- * the squares, as they agree best. Empty: why there are none, or too few to tell. */
-std::vector<Marker> find_markers(board &wanted, const cv::Mat &grey, std::string &why);
+/* Finds the markers of a board. Empty: why there are none. */
+std::vector<Marker> find_markers(const board &wanted, const cv::Mat &grey, std::string &why);
 
 /* OpenCV's number of the smallest dictionary with so many markers: fewer are told apart more
  * safely. */

@@ -18,13 +18,12 @@ struct marker_set {
 };
 
 enum {
-	BOARD_5X5, /* the first choice */
+	BOARD_5X5, /* unless another is named */
 	BOARD_4X4,
 	BOARD_6X6,
 	BOARD_7X7,
 	BOARD_ORIGINAL,
-	BOARD_TRIED, /* those from here on are looked for only if they are named */
-	BOARD_16H5 = BOARD_TRIED,
+	BOARD_16H5,
 	BOARD_25H9,
 	BOARD_36H10,
 	BOARD_36H11,
@@ -44,18 +43,15 @@ int board_marker_at(const struct board *board, int column, int row);
 
 int board_markers(const struct board *board); /* number of its white squares */
 
-/* The board's dictionary, and that of 5x5 bits for a board of which it is not known. */
-int board_dictionary(const struct board *board);
-
 /* Whether bit (column, row) of a marker is white. */
 bool board_marker_bit(int dictionary, int marker, int column, int row);
 
 /*
  * Finds the board by OpenCV. px[board_points()] are our pixels; seen[] says which points were
- * found; a ChArUco board's dictionary and squares are settled. Returns 0; -ENOENT with a fault that
+ * found. Returns 0; -ENOENT with a fault that
  * continues the picture's name; -ENOMEM.
  */
-int board_look(struct board *board, const struct image *picture, double (*px)[2], bool *seen,
+int board_look(const struct board *board, const struct image *picture, double (*px)[2], bool *seen,
 	       struct fault *fault);
 
 #endif

@@ -94,14 +94,14 @@ static int choose_sheet(const struct board *board, const char *page, struct shee
 static void add_marker(cairo_t *cr, const struct board *board, int marker, double x, double y)
 {
 	const double side = board->marker_mm / board->step_mm;
-	const int dictionary = board_dictionary(board), bits = marker_sets[dictionary].bits;
+	const int bits = marker_sets[board->dictionary].bits;
 	const double bit = side / (bits + 2), at = (1 - side) / 2;
 
 	/* With the even-odd rule white bits are holes in the black square. */
 	cairo_rectangle(cr, x + at, y + at, side, side);
 	for (int row = 0; row < bits; row++)
 		for (int column = 0; column < bits; column++)
-			if (board_marker_bit(dictionary, marker, column, row))
+			if (board_marker_bit(board->dictionary, marker, column, row))
 				cairo_rectangle(cr, x + at + (column + 1) * bit,
 						y + at + (row + 1) * bit, bit, bit);
 }

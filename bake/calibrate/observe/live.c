@@ -10,7 +10,7 @@
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/colour/transfer.h"
-#include "hal/device/camera_controls.h"
+#include "hal/device/camera.h"
 #include "hal/frame/frame_decode.h"
 
 struct live {

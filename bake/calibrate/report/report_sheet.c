@@ -1,18 +1,72 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/calibrate/report/report_sheet.h"
 
+#include <cairo.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "bake/base/surface.h"
+#include "hal/image/image.h"
 
 #define AREA_HEIGHT_MOST 900
 #define TEXT_PX 14
 #define PALED 0.5	  /* opacity of white over a photograph */
 #define ARROW_MOST 4000.0 /* longest arrow, px: cairo's coordinates end at 2^23 */
+
+/* Copies a surface of CAIRO_FORMAT_RGB24 to a new 8-bit picture, which the caller frees.
+ * -ENOMEM. */
+static int surface_to_image(cairo_surface_t *surface, struct image *image)
+{
+	const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
+	const unsigned char *data;
+	const int ret = image_create_u8(image, cairo_image_surface_get_width(surface),
+					cairo_image_surface_get_height(surface));
+
+	if (ret < 0)
+		return ret;
+	cairo_surface_flush(surface);
+	data = cairo_image_surface_get_data(surface);
+	for (int y = 0; y < image->height; y++)
+		for (int x = 0; x < image->width; x++) {
+			const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
+			uint32_t pixel;
+
+			memcpy(&pixel, data + (size_t)y * stride + (size_t)x * 4, sizeof(pixel));
+			for (int c = 0; c < 3; c++)
+				image->u8[3 * at + (size_t)c] = (uint8_t)(pixel >> (16 - 8 * c));
+		}
+	return 0;
+}
+
+/* Copies an 8-bit picture to a new surface of CAIRO_FORMAT_RGB24, which the caller destroys. NULL:
+ * out of memory. */
+static cairo_surface_t *surface_of_image(const struct image *image)
+{
+	cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, image->width,
+							      image->height);
+	size_t stride;
+	unsigned char *data;
+
+	if (cairo_surface_status(surface) != CAIRO_STATUS_SUCCESS) {
+		cairo_surface_destroy(surface);
+		return NULL;
+	}
+	stride = (size_t)cairo_image_surface_get_stride(surface);
+	data = cairo_image_surface_get_data(surface);
+	for (int y = 0; y < image->height; y++)
+		for (int x = 0; x < image->width; x++) {
+			const uint8_t *from = image->u8 +
+					      3 * ((size_t)y * (size_t)image->width + (size_t)x);
+			const uint32_t pixel = (uint32_t)from[0] << 16 | (uint32_t)from[1] << 8 |
+					       (uint32_t)from[2];
+
+			memcpy(data + (size_t)y * stride + (size_t)x * 4, &pixel, sizeof(pixel));
+		}
+	cairo_surface_mark_dirty(surface);
+	return surface;
+}
 
 static const double inks[][3] = {
 	[INK_BLACK] = {0.1, 0.1, 0.1},

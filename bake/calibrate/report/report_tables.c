@@ -67,6 +67,8 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 {
 	struct table table;
 
+	if (s->modelled && !s->finding->uncertainty) /* what was found is not the lens */
+		return 0;
 	table_begin(&table, "parts");
 	table_column(&table, "x_px", "middle x", "px");
 	table_column(&table, "y_px", "middle y", "px");

@@ -22,8 +22,8 @@ struct light_selection {
 	double ambient[3]; /* mode ambient: radiance from every light that replaces the dropped
 			      ones, sum over dropped of w_i L_i / (2 pi); 0 in other modes */
 	/* Set by the owner, 0 as created: the sum of L_i w_i of each lamp at a place, as the
-	 * fisheye sees it. None is ever dropped. Counts in a compositor that was created with lamps, and in
-	 * compositor_reference() where lamps, borrowed, tells where they are. */
+	 * fisheye sees it. None is ever dropped. Counts in a compositor that was created with
+	 * lamps, and in compositor_reference() where lamps, borrowed, tells where they are. */
 	double lamp[LAMPS_MAX][3];
 	const struct lamps *lamps;
 	/*

@@ -12,6 +12,9 @@
 
 #define PIXELS (BASIS_TILE * BASIS_TILE)
 #define COLUMN_MOST 32767
+/* Bytes of a block's lights, scales and pixels before its columns. */
+#define LAMP_HEAD (LAMPS_MAX * (sizeof(uint16_t) + sizeof(float)) + PIXELS * sizeof(uint16_t) + 16)
+_Static_assert(LAMP_HEAD % BASIS_ALIGN == 0, "columns are aligned");
 
 /* A piece of the layer's memory; its bytes follow at BASIS_ALIGN. */
 struct near_memory {
@@ -265,59 +268,78 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 
 /* ---- the block of the lamps ---- */
 
+/* Whether a lamp gives all channels the same, to half a step of its column. */
+static bool is_grey(const float (*value)[PIXELS], float step)
+{
+	for (int c = 1; c < 3; c++)
+		for (int p = 0; p < PIXELS; p++)
+			if (fabsf(value[c][p] - value[0][p]) > step / 2)
+				return false;
+	return true;
+}
+
 /* Rounds the values of the listed pixels to columns. Lamps of which nothing arrives have none. */
 static int write_columns(struct near_layer *near, const struct near_work *w,
 			 const struct basis_block *first, const uint16_t *pixel, int pixels,
 			 struct basis_block *to)
 {
-	const int panels = basis_panels16(pixels);
-	const size_t lines = 3 * (size_t)panels * (size_t)w->sky->lamps.count;
-	float *scale = near_memory_take(near, sizeof(*scale) * LAMPS_MAX), most[LAMPS_MAX] = {0};
-	uint16_t *light = near_memory_take(near, sizeof(*light) * LAMPS_MAX);
-	uint16_t *list = near_memory_take(near, sizeof(*list) * (size_t)pixels);
-	int16_t *column = near_memory_take(near, lines * BASIS_LINE16 * sizeof(*column));
 	const struct basis_info_chunk *info = &w->sky->basis->info;
-	int columns = 0, n = 0;
+	const int panels = basis_panels16(pixels);
+	float step[LAMPS_MAX] = {0};
+	int columns = 0, channels = 1, n = 0;
+	uint16_t *light, *list;
+	int16_t *column;
+	float *scale;
 
-	if (!scale || !light || !list || !column)
+	for (int l = 0; l < w->sky->lamps.count; l++) {
+		float most = 0;
+
+		for (int c = 0; c < 3; c++)
+			for (int p = 0; p < PIXELS; p++)
+				most = fmaxf(most, fabsf(w->value[l][c][p]));
+		step[l] = fminf(most, (float)BASIS_VALUE_MAX) / COLUMN_MOST;
+		columns += step[l] > 0;
+		channels = is_grey(w->value[l], step[l]) ? channels : 3;
+	}
+	*to = (struct basis_block){.columns = columns};
+	if (!columns)
+		return 0;
+	to->bytes = (size_t)(channels * panels * columns) * BASIS_LINE16 * sizeof(*column);
+	/* In the order of a file's payload, which prefetching relies on. */
+	light = near_memory_take(near, LAMP_HEAD + to->bytes);
+	if (!light)
 		return -ENOMEM;
+	scale = (float *)(void *)(light + LAMPS_MAX);
+	list = (uint16_t *)(void *)(scale + LAMPS_MAX);
+	column = (int16_t *)(void *)((char *)light + LAMP_HEAD);
 	memcpy(list, pixel, sizeof(*list) * (size_t)pixels);
 	for (int l = 0; l < w->sky->lamps.count; l++) {
-		for (int c = 0; c < 3; c++)
-			for (int p = 0; p < pixels; p++)
-				most[l] = fmaxf(most[l], fabsf(w->value[l][c][pixel[p]]));
-		most[l] = fminf(most[l], (float)BASIS_VALUE_MAX);
-		columns += most[l] > 0;
-	}
-	for (int l = 0; l < w->sky->lamps.count; l++) {
-		if (!(most[l] > 0))
+		if (!(step[l] > 0))
 			continue;
 		light[n] = (uint16_t)(info->lights + info->coarse + (uint32_t)l);
-		scale[n] = most[l] / COLUMN_MOST;
-		for (int c = 0; c < 3; c++)
-			for (int p = 0; p < pixels; p++)
-				column[basis_line16(panels, columns, c, p / BASIS_LINE16, n) *
-					       BASIS_LINE16 +
-				       (size_t)(p % BASIS_LINE16)] = (int16_t)
-					lrintf(fmaxf(fminf(w->value[l][c][pixel[p]], most[l]),
-						     -most[l]) /
-					       scale[n]);
+		scale[n] = step[l];
+		for (int c = 0; c < channels; c++)
+			for (int p = 0; p < pixels; p++) {
+				const int line = (int)basis_line16(panels, columns, c,
+								   p / BASIS_LINE16, n);
+				const float steps = w->value[l][c][pixel[p]] / step[l];
+
+				column[line * BASIS_LINE16 + p % BASIS_LINE16] = (int16_t)lrintf(
+					fmaxf(fminf(steps, COLUMN_MOST), -COLUMN_MOST));
+			}
 		n++;
 	}
-	*to = (struct basis_block){
-		.kind = first->kind,
-		.pixels = pixels,
-		.channels = 3,
-		.bits = 16,
-		.columns = columns,
-		.stride = first->stride,
-		.pixel = list,
-		.light = light,
-		.column_scale = scale,
-		.cut_share = 1,
-		.column16 = column,
-		.bytes = 3 * (size_t)panels * (size_t)columns * BASIS_LINE16 * sizeof(*column),
-	};
+	to->kind = first->kind;
+	to->pixels = pixels;
+	to->channels = channels;
+	to->bits = 16;
+	to->stride = first->stride;
+	to->pixel = list;
+	to->pattern_scale = (const float *)(const void *)light;
+	to->light = light;
+	to->column_scale = scale;
+	to->cut_share = 1;
+	to->column16 = column;
 	return 0;
 }
 
@@ -348,18 +370,20 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 
 /* ---- the ground ---- */
 
+#define STEP (BASIS_TILE / (NEAR_GRID - 1))
+/* Where less light than this arrives, none is taken. */
+#define LEAST 0x1p-20F
+#define MOST (127 * 0x1p24F) /* as KERNEL_LIMIT */
+
 static int make_even(struct near_layer *near, const struct near_work *w, struct near_tile *tile)
 {
-	const double step = BASIS_TILE / (NEAR_GRID - 1.0);
-
 	tile->even = near_memory_take(near, sizeof(*tile->even) * (size_t)w->sky->lamps.count);
 	if (!tile->even)
 		return -ENOMEM;
 	for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
 		double place[3], even[3] = {0};
-		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * step,
-						    w->tile->y + (double)(k / NEAR_GRID) * step,
-						    place);
+		const bool ground = near_sky_ground(w->sky, w->tile->x + k % NEAR_GRID * STEP,
+						    w->tile->y + k / NEAR_GRID * STEP, place);
 
 		for (int l = 0; l < w->sky->lamps.count; l++) {
 			if (ground)
@@ -371,36 +395,52 @@ static int make_even(struct near_layer *near, const struct near_work *w, struct 
 	return 0;
 }
 
+/* As wide as the registers of every machine. */
+enum { WIDE = 4 };
+typedef float near_floats __attribute__((vector_size(WIDE * sizeof(float))));
+typedef int32_t near_ints __attribute__((vector_size(WIDE * sizeof(int32_t))));
+
+/* Multiplies values by factors, and clamps them. */
+static inline void multiply(int32_t *values, near_floats factor)
+{
+	near_floats product;
+	near_ints row, above, below;
+
+	memcpy(&row, values, sizeof(row));
+	product = __builtin_convertvector(row, near_floats) * factor;
+	above = product > MOST;
+	below = product < -MOST;
+	product = (near_floats)((near_ints)product & ~(above | below));
+	row = __builtin_convertvector(product, near_ints) | (above & (int32_t)MOST) |
+	      (below & -(int32_t)MOST);
+	memcpy(values, &row, sizeof(row));
+}
+
 void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
 		 int32_t (*taken)[PIXELS])
 {
-	const int step = BASIS_TILE / (NEAR_GRID - 1);
+	_Static_assert(STEP == WIDE, "a square of the grid is a vector wide");
+	const near_floats u = {0.5F / STEP, 1.5F / STEP, 2.5F / STEP, 3.5F / STEP};
 
 	for (int c = 0; c < 3; c++) {
-		float grid[NEAR_GRID][NEAR_GRID];
+		float one[NEAR_GRID * NEAR_GRID];
 
 		for (int k = 0; k < NEAR_GRID * NEAR_GRID; k++) {
 			float sum = 1;
 
 			for (int l = 0; l < lamps; l++)
 				sum += share[l][c] * (tile->even[l][k][c] - 1);
-			/* where no light arrives none is taken */
-			grid[k / NEAR_GRID][k % NEAR_GRID] = sum > 0x1p-20F ? sum : 0x1p-20F;
+			one[k] = 1 / (sum > LEAST ? sum : LEAST);
 		}
-		for (int p = 0; p < PIXELS; p++) {
-			const int x = p % BASIS_TILE, y = p / BASIS_TILE;
-			const float u = ((float)(x % step) + 0.5F) / (float)step,
-				    v = ((float)(y % step) + 0.5F) / (float)step;
-			const float *up = &grid[y / step][x / step],
-				    *low = &grid[y / step + 1][x / step];
-			const float a = up[0] + u * (up[1] - up[0]),
-				    b = low[0] + u * (low[1] - low[0]);
-			const float quotient = (float)taken[c][p] / (a + v * (b - a));
-			const float most = 127 << 24;
+		for (int k = 0; k < (NEAR_GRID - 1) * (NEAR_GRID - 1); k++) {
+			const int i = k % (NEAR_GRID - 1), j = k / (NEAR_GRID - 1);
+			const float *up = &one[j * NEAR_GRID + i], *low = up + NEAR_GRID;
+			const near_floats upper = up[0] + u * (up[1] - up[0]);
+			const near_floats change = low[0] + u * (low[1] - low[0]) - upper;
+			int32_t *values = taken[c] + j * STEP * BASIS_TILE + i * STEP;
 
-			taken[c][p] = (int32_t)(quotient > most	   ? most
-						: quotient < -most ? -most
-								   : quotient);
+			for (int y = 0; y < STEP; y++)
+				multiply(values + y * BASIS_TILE, upper + u[y] * change);
 		}
 	}
 }

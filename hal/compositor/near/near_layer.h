@@ -34,11 +34,11 @@ void near_layer_free(struct near_layer *near); /* zeroed is fine */
 
 /*
  * The blocks of V gave taken = sum v X / W in Q24, with W = U + e where near_sky.ground holds.
- * Divides by the light at the pixel,
+ * Divides by the light at the pixel over W,
  *
  *     taken /= 1 + sum_l share[l] (even_l - 1)        share[l] = X_l / W
  *
- * in single precision, bilinear between the points of the grid: the same on every machine.
+ * in single precision; the reciprocal is bilinear between the points of the grid.
  */
 void near_divide(const struct near_tile *tile, int lamps, const float (*share)[3],
 		 int32_t (*taken)[BASIS_TILE * BASIS_TILE]);

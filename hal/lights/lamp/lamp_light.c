@@ -10,11 +10,6 @@
 
 /* A lamp may be so far from where it is said to be: 5 cm at 2 m. */
 #define OFF_RAD 0.026
-/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
- * the cells of a hexagonal net; this has some room. */
-#define SHARED_REACH 1.9
-/* The surroundings are two rows of cells more. */
-#define AROUND_REACH 5.4
 
 struct lamp_cells {
 	int *cell; /* the lamp's, then those around it */
@@ -28,9 +23,8 @@ struct lamp_light {
 	float *sorted; /* [lights] */
 };
 
-/* How far a cell's node is from the disc of a lamp, as a multiple of its reach; direction: unit. */
-static double cells_apart(const struct dome *dome, int cell, const double direction[3],
-			  double radius_rad)
+double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
+			double radius_rad)
 {
 	const double off = vec_angle(dome->direction[cell], direction) - radius_rad - OFF_RAD;
 
@@ -53,13 +47,13 @@ static bool lamp_seen(const struct lamps *lamps, int lamp, double direction[3], 
 static void find_owners(const struct dome *dome, const struct lamps *lamps, int *owner)
 {
 	for (int i = 0; i < dome->count; i++) {
-		double least = SHARED_REACH;
+		double least = LAMP_LIGHT_SHARED;
 
 		owner[i] = -1;
 		for (int l = 0; l < lamps->count; l++) {
 			double direction[3], radius;
 			const double apart = lamp_seen(lamps, l, direction, &radius)
-						     ? cells_apart(dome, i, direction, radius)
+						     ? lamp_light_apart(dome, i, direction, radius)
 						     : INFINITY;
 
 			if (apart < least) {
@@ -84,7 +78,8 @@ static int list_cells(struct lamp_cells *cells, const struct dome *dome, const s
 		if (owner[i] == lamp)
 			cells->cell[cells->own++] = i;
 	for (int i = 0; i < dome->count; i++)
-		if (owner[i] < 0 && cells_apart(dome, i, direction, radius) < AROUND_REACH)
+		if (owner[i] < 0 &&
+		    lamp_light_apart(dome, i, direction, radius) < LAMP_LIGHT_AROUND)
 			cells->cell[cells->own + cells->around++] = i;
 	return 0;
 }

@@ -14,6 +14,16 @@
 #include "hal/lights/lamps.h"
 #include "hal/optics/dome.h"
 
+/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
+ * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
+#define LAMP_LIGHT_SHARED 1.9
+#define LAMP_LIGHT_AROUND 5.4
+
+/* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
+ * cell's reach: the light is in cells nearer than LAMP_LIGHT_SHARED. */
+double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
+			double radius_rad);
+
 struct lamp_light;
 
 /* The dome is not needed afterwards. -ENOMEM. */

@@ -165,6 +165,8 @@ static void pack_poses(const struct synthetic *s, const char *path)
 	struct basis_info_chunk info = basis->info;
 	struct basis_writer *writer;
 	struct fault fault = {""};
+	const size_t pixels = (size_t)info.width * info.height;
+	float *map = malloc(pixels * sizeof(*map));
 	struct basis joint;
 	char file[128];
 
@@ -173,6 +175,8 @@ static void pack_poses(const struct synthetic *s, const char *path)
 	synthetic_must(basis_writer_open(&writer, file, &info, basis->lights, basis->ground,
 					 basis->coarse, "", &fault),
 		       &fault);
+	for (size_t at = 0; at < pixels; at++)
+		map[at] = at % 5 ? 1 + (float)(at % 11) : 0;
 	for (int p = 0; p < 2; p++) {
 		for (int n = 0; n < pose->shown.block_count; n++) {
 			const struct basis_block_payload block = {entries[n],
@@ -184,7 +188,11 @@ static void pack_poses(const struct synthetic *s, const char *path)
 		}
 		synthetic_must(basis_writer_pose_end(writer, pose->coverage, pose->peak, &fault),
 			       &fault);
+		synthetic_must(
+			basis_writer_places(writer, (const float *const[]){map, map}, &fault),
+			&fault);
 	}
+	free(map);
 	synthetic_must(basis_writer_names(writer, names, &fault), &fault);
 	synthetic_must(basis_writer_feet(writer, feet, &fault), &fault);
 	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);

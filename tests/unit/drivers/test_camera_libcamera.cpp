@@ -20,9 +20,7 @@
 #define LIBCAMERA_BASE_PRIVATE
 #include <libcamera/base/semaphore.h>
 
-#include "drivers/libcamera/configuration.hpp"
-#include "drivers/libcamera/library_controls.hpp"
-#include "drivers/libcamera/log_stream.hpp"
+#include "drivers/libcamera/driver.hpp"
 #include "tests/support/test.h"
 
 extern "C" {

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/sim/studio.h"
+#include "drivers/sim/sim.h"
 #include "hal/base/clock.h"
 #include "hal/frame/frame_decode.h"
 #include "hal/image/image.h"

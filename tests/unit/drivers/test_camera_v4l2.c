@@ -7,10 +7,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/formats.h"
-#include "drivers/v4l2/offers.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 #include "tests/support/test.h"

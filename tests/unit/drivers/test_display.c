@@ -22,9 +22,7 @@
 #include <SDL.h>
 #endif
 #if WITH_KMS
-#include "drivers/kms/mode.h"
-#include "drivers/kms/options.h"
-#include "drivers/kms/timing.h"
+#include "drivers/kms/kms.h"
 #include "tests/support/test.h"
 #endif
 

@@ -188,6 +188,27 @@ TEST("a contact is a press")
 	assert_true(keys_are_idle(&keys));
 }
 
+/* A dial is a rotary encoder behind the kernel's driver: each step is a press, none is held. */
+TEST("a step of a dial is a press")
+{
+	const unsigned char none[KEYS_BITS_BYTES] = {0};
+	struct keymap map = {0};
+	struct keys keys;
+	const struct input_event right = {.type = EV_REL, .code = REL_DIAL, .value = 1},
+				 left = {.type = EV_REL, .code = REL_DIAL, .value = -1},
+				 wheel = {.type = EV_REL, .code = REL_WHEEL, .value = -2};
+
+	assert_int_equal(keymap_add(&map, ACTION_POSE_NEXT, "dial_right", "x", NULL), 0);
+	assert_int_equal(keymap_add(&map, ACTION_POSE_PREV, "dial_left wheel_down", "x", NULL), 0);
+	keys_start(&keys, none);
+	for (int i = 0; i < 2; i++) {
+		assert_int_equal(keys_take(&keys, &map, &right), ACTION_POSE_NEXT);
+		assert_int_equal(keys_take(&keys, &map, &left), ACTION_POSE_PREV);
+		assert_int_equal(keys_take(&keys, &map, &wheel), ACTION_POSE_PREV);
+	}
+	assert_true(keys_are_idle(&keys));
+}
+
 TEST("down at the start")
 {
 	unsigned char now[KEYS_BITS_BYTES] = {0};

@@ -20,9 +20,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/kms/fit.h"
-#include "drivers/kms/options.h"
-#include "drivers/kms/timing.h"
+#include "drivers/kms/kms.h"
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"

@@ -5,10 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "drivers/kms/fit.h"
-#include "drivers/kms/mode.h"
-#include "drivers/kms/timing.h"
-#include "drivers/kms/watch.h"
+#include "drivers/kms/kms.h"
 #include "tests/support/test.h"
 
 #define P_P (DRM_MODE_FLAG_PHSYNC | DRM_MODE_FLAG_PVSYNC)

@@ -10,12 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "drivers/libcamera/controls.h"
-#include "drivers/libcamera/events.h"
-#include "drivers/libcamera/find.h"
-#include "drivers/libcamera/hotplug.h"
-#include "drivers/libcamera/messages.h"
-#include "drivers/libcamera/picture.h"
+#include "drivers/libcamera/parts.h"
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"

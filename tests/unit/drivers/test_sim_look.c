@@ -3,10 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "drivers/sim/automatic.h"
-#include "drivers/sim/sensor.h"
-#include "drivers/sim/spread.h"
-#include "drivers/sim/studio_view.h"
+#include "drivers/sim/sim.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/studio.h"
-#include "drivers/sim/studio_view.h"
+#include "drivers/sim/sim.h"
 #include "hal/colour/transfer.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"

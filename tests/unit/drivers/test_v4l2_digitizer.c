@@ -4,8 +4,7 @@
 #include <poll.h>
 #include <string.h>
 
-#include "drivers/v4l2/fields.h"
-#include "drivers/v4l2/formats.h"
+#include "drivers/v4l2/v4l2.h"
 #include "hal/base/clock.h"
 #include "tests/support/played_v4l2.h"
 #include "tests/support/test.h"

@@ -9,8 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/formats.h"
-#include "drivers/v4l2/h264_unit.h"
+#include "drivers/v4l2/v4l2.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 #include "tests/support/test.h"

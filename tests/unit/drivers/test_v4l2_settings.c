@@ -5,9 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "drivers/v4l2/controls.h"
-#include "drivers/v4l2/device.h"
-#include "drivers/v4l2/find.h"
+#include "drivers/v4l2/v4l2.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/played_v4l2.h"
 #include "tests/support/test.h"

@@ -5,8 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "drivers/sim/studio_people.h"
-#include "drivers/sim/walker_body.h"
+#include "drivers/sim/sim.h"
 #include "hal/optics/vec.h"
 #include "tests/support/test.h"
 #include "tests/support/thorough.h"

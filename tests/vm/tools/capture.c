@@ -23,7 +23,6 @@
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/device/camera.h"
-#include "hal/device/camera_controls.h"
 #include "hal/frame/frame_decode.h"
 #include "hal/image/image.h"
 #include "tests/vm/tools/driver_option.h"

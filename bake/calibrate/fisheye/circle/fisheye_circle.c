@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/least_squares.h"
-#include "bake/calibrate/fisheye/circle/fisheye_edge.h"
 #include "bake/calibrate/fisheye/circle/fisheye_rim.h"
 #include "bake/calibrate/fisheye/fisheye_doubts.h"
 
@@ -90,14 +89,11 @@ static void fill_points(struct finding *finding, const double ellipse[NUMBERS],
 	for (int n = 0; n < finding->seen->count; n++) {
 		const double *px = finding->seen->point[n].px;
 		const double away = ellipse_distance(ellipse, px);
-		double normal[2], length;
+		double normal[2];
 
+		ellipse_normal(ellipse, px, normal);
 		for (int i = 0; i < 2; i++)
-			normal[i] = (px[i] - ellipse[CENTRE + i]) /
-				    (ellipse[AXES + i] * ellipse[AXES + i]);
-		length = hypot(normal[0], normal[1]);
-		for (int i = 0; i < 2; i++)
-			finding->expected[n][i] = px[i] - away * normal[i] / length;
+			finding->expected[n][i] = px[i] - away * normal[i];
 		finding->weight[n] = found->weight[n];
 		if (found->weight[n] < OUTLIER_WEIGHT)
 			continue;
@@ -138,15 +134,13 @@ static void doubt_rim(struct fisheye_result *result, const struct rim *rim,
 	int inliers = 0, clipped = 0, sectors = 0;
 
 	for (int n = 0; n < rim->count; n++) {
-		const double *px = rim->edge[n].px;
-		const double phi = atan2((px[1] - ellipse[1]) / ellipse[AXES + 1],
-					 (px[0] - ellipse[0]) / ellipse[AXES]);
+		const double phi = ellipse_turn(ellipse, rim->edge[n].px);
 
 		if (result->finding.weight[n] < OUTLIER_WEIGHT)
 			continue;
 		inliers++;
 		clipped += rim->edge[n].clipped;
-		seen_in[(int)((phi + M_PI) / (2 * M_PI) * SECTORS) % SECTORS] = true;
+		seen_in[(int)(phi / (2 * M_PI) * SECTORS) % SECTORS] = true;
 	}
 	for (int k = 0; k < SECTORS; k++)
 		sectors += seen_in[k];
@@ -223,42 +217,12 @@ static int rim_observe(struct observations *seen, const struct rim *rim,
 
 	for (int n = 0; !err && n < rim->count; n++) {
 		const double *px = rim->edge[n].px;
-		const double phi = atan2((px[1] - ellipse[1]) / ellipse[AXES + 1],
-					 (px[0] - ellipse[0]) / ellipse[AXES]);
+		const double phi = ellipse_turn(ellipse, px);
 		const double world[3] = {sin(rim_rad) * cos(phi), sin(rim_rad) * sin(phi),
 					 cos(rim_rad)};
 
 		err = observations_add(seen, world, px, "rim at %.0f degrees", phi * 180 / M_PI);
 	}
-	return err;
-}
-
-static int rim_sharpen_once(struct rim *rim, double ellipse[NUMBERS], double reach_px,
-			    struct fault *fault)
-{
-	struct least_squares_fit found = {.covariance = NULL};
-	int err = edges_place(rim, ellipse, reach_px);
-
-	if (err || rim->count < FEWEST)
-		return err;
-	err = ellipse_fit(rim, 0, 1, ellipse, &found, fault);
-	least_squares_free(&found);
-	return err == -ENOMEM ? err : 0;
-}
-
-/* Refines the edges around the ellipse with ever smaller reach. Over-exposed pictures stay as they
- * are. */
-static int rim_sharpen(struct rim *rim, double ellipse[NUMBERS], struct fault *fault)
-{
-	static const double reaches_px[] = {2.5, 1.5, 1};
-	int clipped = 0, err = 0;
-
-	for (int n = 0; n < rim->count; n++)
-		clipped += rim->edge[n].clipped;
-	if (clipped > CLIPPED_SHARE * rim->count)
-		return 0;
-	for (size_t k = 0; !err && k < sizeof(reaches_px) / sizeof(*reaches_px); k++)
-		err = rim_sharpen_once(rim, ellipse, reaches_px[k], fault);
 	return err;
 }
 
@@ -288,8 +252,6 @@ int fisheye_circle(struct fisheye_result *result, struct observations *seen,
 		err = rim_find(&rim, picture, ellipse);
 		near = err ? 0 : ellipse_search(&rim, ellipse);
 	}
-	if (!err && near >= FEWEST)
-		err = rim_sharpen(&rim, ellipse, fault);
 	*seen = (struct observations){.width = picture->width, .height = picture->height};
 	edges = rim.count;
 	if (near >= FEWEST)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/circle/fisheye_ellipse.h"
+#include "bake/calibrate/fisheye/circle/fisheye_rim.h"
 
 #include <errno.h>
 #include <math.h>
@@ -11,15 +11,13 @@
 #include "bake/calibrate/estimate/linear.h"
 
 #define TRIES 400
-#define NEAR_PX 1.5   /* an edge so near lies on the ellipse */
-#define KNOWN_PX 0.03 /* no edge is trusted to be better */
+#define NEAR_PX 1.5 /* an edge so near lies on the ellipse */
 #define LOSS_SCALE 3.0
 /* Errors common to all edges, as pixels are not uniform squares and light is diffracted at the rim:
  * larger outwards or inwards than sideways. */
 #define TOGETHER_CENTRE_PX 0.01
-#define TOGETHER_AXES_PX 0.02
-#define TOGETHER_BLUR 0.1 /* share of the blur, whose shape is unknown, added outwards or inwards */
-#define SECTORS 24	  /* errors are correlated within a sector */
+#define TOGETHER_AXES_PX 0.04 /* the largest error of a blurred picture in test_fisheye_circle.c */
+#define SECTORS 24	      /* errors are correlated within a sector */
 
 enum { CENTRE = ELLIPSE_CENTRE, AXES = ELLIPSE_AXES, NUMBERS = ELLIPSE_NUMBERS };
 
@@ -116,11 +114,9 @@ static bool ellipse_evaluate(void *context, const double *x, double *residual)
 
 	if (!(x[AXES] > 1 && x[AXES + 1] > 1))
 		return false;
-	for (int n = edges->first, k = 0; n < edges->rim->count; n += edges->step, k++) {
-		const struct rim_edge *edge = &edges->rim->edge[n];
+	for (int n = edges->first, k = 0; n < edges->rim->count; n += edges->step, k++)
+		residual[k] = ellipse_distance(x, edges->rim->edge[n].px);
 
-		residual[k] = ellipse_distance(x, edge->px) / hypot(edge->deviation, KNOWN_PX);
-	}
 	return true;
 }
 
@@ -191,7 +187,6 @@ int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_s
 		  struct fault *fault)
 {
 	const int err = ellipse_fit(rim, 0, 1, ellipse, found, fault);
-	const double axes_px = hypot(TOGETHER_AXES_PX, TOGETHER_BLUR * rim->blur);
 	double covariance[NUMBERS * NUMBERS] = {0};
 
 	if (err)
@@ -203,6 +198,7 @@ int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_s
 		found->covariance[k] += covariance[k];
 	for (int i = 0; i < NUMBERS; i++)
 		found->covariance[i * NUMBERS + i] +=
-			i < AXES ? TOGETHER_CENTRE_PX * TOGETHER_CENTRE_PX : axes_px * axes_px;
+			i < AXES ? TOGETHER_CENTRE_PX * TOGETHER_CENTRE_PX
+				 : TOGETHER_AXES_PX * TOGETHER_AXES_PX;
 	return 0;
 }

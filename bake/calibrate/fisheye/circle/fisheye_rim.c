@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/order.h"
-#include "bake/calibrate/observe/plain_light.h"
+#include "hal/colour/transfer.h"
 
 #define STEP_PX 0.5	  /* along a ray */
 #define APART_PX 3.0	  /* distance of edges along the rim: neighbours share no pixels */
@@ -20,11 +20,17 @@
 #define BLOCK 8	       /* px; a smaller picture shows nothing */
 #define DEVIATIONS 4.0 /* of a pixel's noise: several samples in a row never exceed it */
 #define CLIPPED 0.9
-#define CLIPPED_MOST 0.4 /* largest share of the edges */
+/* The edge is where the ray falls most steeply between the means over SLOPE_PX inside and outside:
+ * a blur moves the half of a step, but not that. Means over more pixels halve the error that noise
+ * makes (0.1 px in low light), and double that of a sky that grows brighter inwards (0.15 px). */
+#define SLOPE_PX 0.75
+#define EDGE_REACH_PX 3.5 /* inwards from where the ray is bright: twice the blur of a bad focus */
+#define ARM_PX 0.75	  /* distance of the three slopes whose parabola places the edge */
+#define CLIPPED_MOST 0.4  /* largest share of the edges */
 
 struct plane {
 	int width, height;
-	float *light; /* [height][width], see plain_light() */
+	float *light; /* [height][width] */
 	double dark, threshold;
 	bool codes; /* 8-bit: the largest light is 1 */
 };
@@ -99,6 +105,28 @@ static int find_threshold(struct plane *plane)
 	plane->threshold = fmax(plane->threshold, most);
 	free(sorted);
 	return 0;
+}
+
+/* The mean of the channels in linear light; 8-bit pictures are decoded as sRGB. NULL: out of memory. */
+static float *plain_light(const struct image *picture)
+{
+	const size_t count = (size_t)picture->width * (size_t)picture->height;
+	float *light = malloc(count * sizeof(*light));
+	double decode[256];
+
+	if (!light)
+		return NULL;
+	for (int code = 0; code < 256; code++)
+		decode[code] = transfer_decode(TRANSFER_SRGB, code / 255.0);
+	for (size_t p = 0; p < count; p++) {
+		double sum = 0;
+
+		for (size_t c = 0; c < 3; c++)
+			sum += picture->u8 ? decode[picture->u8[3 * p + c]]
+					   : (double)picture->f32[3 * p + c];
+		light[p] = (float)(sum / 3);
+	}
+	return light;
 }
 
 static int take_light(struct plane *plane, const struct image *picture)
@@ -203,31 +231,35 @@ static double first_bright(const struct plane *plane, const struct ray *ray)
 	return -1;
 }
 
-/* Places the edge at half of the step between the levels on both sides. */
+/* How much the ray darkens outwards at a place. */
+static double fall_at(const struct plane *plane, const struct ray *ray, double at)
+{
+	return mean_on_ray(plane, ray, at - SLOPE_PX, at - STEP_PX / 2) -
+	       mean_on_ray(plane, ray, at + STEP_PX / 2, at + SLOPE_PX);
+}
+
+/* Places the edge where the ray falls most steeply. */
 static bool refine_edge(const struct plane *plane, const struct ray *ray, double rough,
 			struct rim_edge *edge)
 {
-	const double inside = mean_on_ray(plane, ray, rough - 2.5, rough - 1.5);
-	const double outside = mean_on_ray(plane, ray, rough + 2, fmin(rough + 4.5, ray->length));
-	const double half = (inside + outside) / 2;
-	double before = on_ray(plane, ray, rough + 2.5);
+	double steepest = 0, place = 0, inner, outer, bend;
 
-	if (inside - outside < plane->threshold - plane->dark)
-		return false;
-	for (double at = rough + 2.5 - STEP_PX; at > rough - 3; at -= STEP_PX) {
-		const double here = on_ray(plane, ray, at);
+	for (double at = rough + 1.5; at > rough - EDGE_REACH_PX; at -= STEP_PX / 2) {
+		const double fall = fall_at(plane, ray, at);
 
-		if (here >= half && before < half) {
-			const double place = at + STEP_PX * (here - half) / (here - before);
-
-			for (int i = 0; i < 2; i++)
-				edge->px[i] = ray->from[i] + place * ray->along[i];
-			edge->clipped = plane->codes && inside > CLIPPED;
-			return true;
-		}
-		before = here;
+		place = fall > steepest ? at : place;
+		steepest = fmax(fall, steepest);
 	}
-	return false;
+	inner = fall_at(plane, ray, place - ARM_PX);
+	outer = fall_at(plane, ray, place + ARM_PX);
+	bend = inner + outer - 2 * steepest;
+	if (steepest < plane->threshold - plane->dark || !(bend < 0))
+		return false;
+	place += ARM_PX / 2 * (inner - outer) / bend;
+	for (int i = 0; i < 2; i++)
+		edge->px[i] = ray->from[i] + place * ray->along[i];
+	edge->clipped = plane->codes && mean_on_ray(plane, ray, rough - 2.5, rough - 1.5) > CLIPPED;
+	return true;
 }
 
 static void look_along(const struct plane *plane, const struct ray *ray, struct rim *rim)
@@ -292,16 +324,12 @@ int rim_find(struct rim *rim, const struct image *picture, const double middle[2
 		err = look_along_rays(&plane, own, rim);
 	if (!err)
 		drop_clipped(rim);
-	rim->width = plane.width;
-	rim->height = plane.height;
-	rim->light = plane.light;
-	rim->codes = plane.codes;
+	free(plane.light);
 	return err;
 }
 
 void rim_free(struct rim *rim)
 {
 	free(rim->edge);
-	free(rim->light);
 	*rim = (struct rim){.edge = NULL};
 }

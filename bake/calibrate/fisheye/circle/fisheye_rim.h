@@ -6,36 +6,57 @@
 
 #include <stdbool.h>
 
+#include "bake/calibrate/estimate/least_squares.h"
 #include "hal/image/image.h"
 
 struct rim_edge {
 	double px[2];
-	bool clipped;	  /* the light inside is clipped */
-	double deviation; /* px; set by edges_place() only */
+	bool clipped; /* the light inside is clipped */
 };
-
-#define RIM_CLIPPED 0.97 /* of the largest 8-bit value: above, the true light may be brighter */
 
 struct rim {
 	struct rim_edge *edge; /* in order around the middle */
 	int count;
 	int rays; /* number of directions searched */
 	int cut;  /* directions that are still bright where the picture ends */
-	/* The picture searched. */
-	int width, height;
-	float *light;	    /* [height][width], see plain_light() */
-	bool codes;	    /* 8-bit: the largest light is 1 */
-	double dark, noise; /* of the surroundings; set by edges_place() */
-	double blur;	    /* px, standard deviation; set by edges_place() */
 };
 
 /*
  * Searches inwards along rays to a point inside of the circle (NULL: the middle of the bright
- * part). An edge is where the picture first stays brighter than its dark surroundings, at half of
- * the step in linear light (8-bit pictures are decoded as sRGB). count is 0 where nothing stands
- * out. -ENOMEM.
+ * part). An edge is where the picture first stays brighter than its dark surroundings, and there
+ * where linear light falls most steeply (8-bit pictures are decoded as sRGB). count is 0 where
+ * nothing stands out. -ENOMEM.
  */
 int rim_find(struct rim *rim, const struct image *picture, const double middle[2]);
 void rim_free(struct rim *rim); /* idempotent; zeroed is fine */
+
+/* ---- the ellipse that the rim is: its axes are level, as the digitizer squashes along rows and columns ---- */
+
+#define ELLIPSE_FEWEST 24 /* fewest edges */
+
+enum { ELLIPSE_CENTRE = 0, ELLIPSE_AXES = 2, ELLIPSE_NUMBERS = 4 };
+
+/* Signed distance of px from the ellipse, > 0 outside: exact for circles, else to first order. */
+double ellipse_distance(const double ellipse[ELLIPSE_NUMBERS], const double px[2]);
+
+/* Outward unit normal at a point near the ellipse. */
+void ellipse_normal(const double ellipse[ELLIPSE_NUMBERS], const double px[2], double normal[2]);
+
+/* Angle of a point around the ellipse, 0..2 pi, on the circle that it is squashed from. */
+double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2]);
+
+/* RANSAC: of ellipses fitted to six random edges each, finds the one that most edges lie on;
+ * returns how many do. */
+int ellipse_search(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS]);
+
+/* Least-squares fit to every step-th edge from first on, from a first guess. Residuals are distances,
+ * px. Returns what least_squares_solve() returns. */
+int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[ELLIPSE_NUMBERS],
+		struct least_squares_fit *found, struct fault *fault);
+
+/* The same for all edges, with a covariance that does not treat the errors of neighbouring edges as
+ * independent: their causes, a skyline or glare, extend along the rim. */
+int ellipse_known(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS],
+		  struct least_squares_fit *found, struct fault *fault);
 
 #endif

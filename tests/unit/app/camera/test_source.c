@@ -12,7 +12,7 @@
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
 #include "hal/base/clock.h"
-#include "hal/device/camera_situation.h"
+#include "hal/device/camera.h"
 #include "tests/support/test.h"
 
 /* What the fake camera does next, and what was done to it. */

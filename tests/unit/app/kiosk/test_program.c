@@ -237,6 +237,10 @@ TEST("lines say what was counted")
 	source.opening.situation = CAMERA_STALLED;
 	report.lamp = (struct coarse_lamp){
 		.there = true, .share = 0.31, .azimuth_deg = 134, .height_deg = 22.5};
+	report.near = (struct near_lamps){
+		.unnamed = true, .share = 0.3, .azimuth_deg = 134, .height_deg = 22.5};
+	report.missing_lamp[0] = "desk";
+	report.missing_lamp[1] = "door";
 	report.people = (struct pipeline_people_seen){
 		.on = true, .learned = 0.98, .parts = 2, .in_front = 1, .sure = 0.4,
 		.moved_px = {10, -0.5}, .lost = true};
@@ -259,7 +263,7 @@ TEST("lines say what was counted")
 		"\"lights_used\":32,\"lights\":406,\"threshold\":33.5,"
 		"\"threshold_unit\":\"grey level\",\"dropped_error\":0.003,"
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
-		"\"lines_lost\":0,\"coarse_lamp\":null,\"people\":null,\"cameras\":"
+		"\"lines_lost\":0,\"coarse_lamp\":null,\"lamps_missing\":[],\"lamp_unnamed\":null,\"people\":null,\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"fine\","
 		"\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,"
 		"\"unsettled\":9}]}\n"
@@ -274,6 +278,8 @@ TEST("lines say what was counted")
 		"\"clipped\":0.250000,\"recovered\":\"no\",\"exposures\":1,\"unfit\":0,"
 		"\"lines_lost\":0,"
 		"\"coarse_lamp\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.310},"
+		"\"lamps_missing\":[\"desk\",\"door\"],"
+		"\"lamp_unnamed\":{\"azimuth\":134.0,\"height\":22.5,\"share\":0.300,\"off\":0.100},"
 		"\"people\":{\"learned\":0.980,\"parts\":2,\"in_front\":1,\"sure\":0.40,"
 		"\"moved\":[10.0,-0.5],\"lost\":true},\"cameras\":"
 		"[{\"name\":\"sky\",\"situation\":\"stalled\",\"frames\":10,\"lost\":5,\"broken\":5,\"losses\":3,\"settling\":true,\"unsettled\":9}]}\n");

@@ -52,8 +52,8 @@ TEST("each key has its effect")
 		{"[fisheye]\ngain = 2\n", RELOAD_LIGHT | RELOAD_DRAWING},
 		{"[fisheye]\nx = 2\n", 0},
 		{"[fisheye]\ncamera = other\n", 0},
-		{"[fisheye]\nposition = 0 0 0.1\n", RELOAD_LIGHT | RELOAD_DRAWING},
-		{"[lamp a]\nposition = 0 0 2\nradius = 0.1\n", RELOAD_LIGHT | RELOAD_DRAWING},
+		{"[fisheye]\nposition = 0 0 0.1\n", RELOAD_PIPELINE | RELOAD_DRAWING},
+		{"[lamp a]\nposition = 0 0 2\nradius = 0.1\n", RELOAD_PIPELINE | RELOAD_DRAWING},
 		{"[background]\ntransfer = linear\n", RELOAD_PIPELINE | RELOAD_DRAWING},
 		{"[background]\nwidth = 9\n", 0},
 		{"[composite]\nthreads = 3\n", RELOAD_PIPELINE | RELOAD_DRAWING},
@@ -84,7 +84,7 @@ TEST("lamps come, move and go")
 	test_reload_begin("[lamp a]\nposition = 0 0 1\nradius = 0.1\n"
 			  "[lamp b]\nposition = 1 0 1\nradius = 0.1\n",
 			  "[lamp c]\nposition = 0 0 3\nradius = 0.2\n");
-	assert_int_equal(reload_compare(running, fresh), RELOAD_LIGHT | RELOAD_DRAWING);
+	assert_int_equal(reload_compare(running, fresh), RELOAD_PIPELINE | RELOAD_DRAWING);
 	assert_int_equal(running->lamps.count, 2);
 	reload_adopt(running, fresh);
 	assert_int_equal(running->lamps.count, 1);

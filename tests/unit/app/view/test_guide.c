@@ -12,6 +12,8 @@
 
 enum { WIDTH = 320, HEIGHT = 240 };
 
+static const struct guide_lamps no_lamps;
+
 static struct tsai_camera camera_at(double x, double y, double z)
 {
 	const double eye[3] = {x, y, z}, target[3] = {0};
@@ -70,7 +72,7 @@ TEST("axes lie where the camera sees them")
 	for (int y = 200; y < 210; y++)
 		for (int x = 20; x < 40; x++)
 			coverage[y * WIDTH + x] = 65535;
-	guide_draw_ground(&canvas, &camera, coverage, 8);
+	guide_draw_ground(&canvas, &camera, coverage, &no_lamps, 8);
 	for (int c = 0; c < 3; c++) {
 		double world[3] = {0}, px[2];
 		const uint8_t *bgr;
@@ -89,6 +91,64 @@ TEST("axes lie where the camera sees them")
 	expect_above(outlined, 10, "pixels of the outline's upper edge");
 	expect_at_most(within, 2, "pixels of its sides in a row");
 	canvas_free(&canvas);
+}
+
+/* Whether a pixel within 2 of px has the lamps' colour: more green than red and blue, but both. */
+static bool is_lamp_at(const struct canvas *canvas, const double px[2])
+{
+	for (int dy = -2; dy <= 2; dy++)
+		for (int dx = -2; dx <= 2; dx++) {
+			const double at[2] = {px[0] + dx, px[1] + dy};
+			const uint8_t *bgr = pixel_at(canvas, at);
+
+			if (bgr[1] > 200 && bgr[0] > 150 && bgr[2] < 140)
+				return true;
+		}
+	return false;
+}
+
+TEST("lamps are drawn where they are said to be")
+{
+	static const struct lamps lamps = {
+		2, {{{0.4, 0.3, 1}, 0.3}, {{-0.4, 0.3, 0.9}, 0.3}}, {0, 0, 0.1}};
+	static const char name[2][CONFIG_NAME_MAX] = {"desk", "door"};
+	static const bool missing[LAMPS_MAX] = {true};
+	static const struct fisheye_settings settings = {.field_deg = 90};
+	const struct guide_lamps shown = {&lamps, name, missing};
+	const struct tsai_camera camera = camera_at(2, 2.5, 1.5);
+	struct canvas canvas, sky;
+	struct fisheye lens;
+	struct dome dome;
+
+	assert_int_equal(canvas_create(&canvas, WIDTH, HEIGHT), 0);
+	assert_int_equal(canvas_create(&sky, HEIGHT, HEIGHT), 0);
+	assert_int_equal(fisheye_prepare(&lens, &settings, HEIGHT, HEIGHT, NULL), 0);
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
+	guide_draw_ground(&canvas, &camera, NULL, &shown, 8);
+	guide_draw_sky(&sky, &lens, &dome, NULL, &shown, 8);
+	for (int l = 0; l < 2; l++) {
+		const double *at = lamps.lamp[l].position;
+		const double half[3] = {at[0], at[1], at[2] / 2}, foot[3] = {at[0], at[1], 0};
+		/* the disc's edge, at right angles to the direction */
+		const double d[3] = {at[0], at[1], at[2] - 0.1};
+		const double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+		const double tangent = 0.3 / sqrt(distance * distance - 0.09);
+		const double level = hypot(d[0], d[1]);
+		const double edge[3] = {d[0] - d[1] / level * tangent * distance,
+					d[1] + d[0] / level * tangent * distance, d[2]};
+		double px[2];
+
+		assert_int_equal(tsai_project(&camera, half, px), 0);
+		expect_that(is_lamp_at(&canvas, px), "the line of lamp %d", l);
+		assert_int_equal(tsai_project(&camera, foot, px), 0);
+		px[0] += 2;
+		expect_that(is_lamp_at(&canvas, px), "the foot of lamp %d", l);
+		assert_true(fisheye_project(&lens, edge, px));
+		expect_that(is_lamp_at(&sky, px), "the ring of lamp %d", l);
+	}
+	canvas_free(&canvas);
+	canvas_free(&sky);
+	dome_free(&dome);
 }
 #endif
 

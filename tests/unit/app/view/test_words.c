@@ -192,6 +192,17 @@ TEST("figures")
 		strstr(text, " · lamp"),
 		" · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there");
 	expect_below(strlen(text), 256, "what the overlay takes");
+	f.lamp = false;
+	f.missing_lamp = "desk";
+	f.unnamed_lamp = true;
+	f.unnamed_azimuth_deg = 134.4;
+	f.unnamed_height_deg = 21.6;
+	f.unnamed_off = 0.081;
+	words_information(text, sizeof(text), &f);
+	assert_string_equal(
+		strstr(text, " · no light"),
+		" · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m away");
+	expect_below(strlen(text), 256, "what the overlay takes");
 }
 
 /* "at most" stays true when the number is rounded. */

@@ -19,7 +19,8 @@ static const struct truth_settings settings = {
 
 static struct truth_lamp white_lamp(double x, double y, double z, double radius)
 {
-	return (struct truth_lamp){v3_make((float)x, (float)y, (float)z), (float)radius, {{1, 1, 1}}};
+	return (struct truth_lamp){
+		v3_make((float)x, (float)y, (float)z), (float)radius, {{1, 1, 1}}};
 }
 
 /* The composite over a background of this radiance. */
@@ -95,7 +96,8 @@ static double level_irradiance(struct truth_lamp lamp)
 TEST("irradiance")
 {
 	const struct truth_lamp lamps[] = {white_lamp(0, 0, 2, 0.3), white_lamp(1.5, 0.8, 1, 0.2),
-				     white_lamp(1, 0, 0.1, 0.3), white_lamp(0.6, 0.1, 0, 0.3)};
+					   white_lamp(1, 0, 0.1, 0.3),
+					   white_lamp(0.6, 0.1, 0, 0.3)};
 	static const char *const floors[] = {
 		"[ground]\nmaterial = half\n",
 		"[standin floor]\nfile = plane.obj\nup = z\nmaterial = half\n",
@@ -231,7 +233,7 @@ TEST("far away")
 	const int width = 360, parts = 8;
 	const double height_rad = 40 * M_PI / 180, angle = 6 * M_PI / 180, far = 1000;
 	const struct truth_lamp lamp = white_lamp(-far * cos(height_rad), 0, far * sin(height_rad),
-					    far * sin(angle));
+						  far * sin(angle));
 	const struct sky lamps = {.lamps = &lamp, .lamp_count = 1};
 	struct image image, out[2];
 	const struct panorama panorama = {.image = &image, .scale = 1};

@@ -13,6 +13,7 @@
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 
+#include "hal/basis/basis_places.h"
 #include "tests/support/basis/random_frame.h"
 #include "tests/support/test.h"
 #include "tests/support/thorough.h"
@@ -392,6 +393,102 @@ TEST("footprints")
 	assert_non_null(strstr(fault.text, "FOOT chunk of 528 bytes, expected 1056"));
 	copied_free(&copy);
 	unlink(path_of(s, "joint.inlay"));
+}
+
+/* Writes two poses without blocks, the second with places. */
+static void write_places(const struct synthetic *s, const char *path,
+			 const float *const distance[BASIS_SURFACES])
+{
+	struct basis_info_chunk info = s->basis.info;
+	struct basis_writer *writer;
+	struct fault fault = {""};
+
+	info.poses = 2;
+	synthetic_must(basis_writer_open(&writer, path, &info, s->basis.lights, s->basis.ground,
+					 s->basis.coarse, "", &fault),
+		       &fault);
+	assert_int_equal(basis_writer_places(writer, distance, &fault), -EINVAL);
+	for (int p = 0; p < 2; p++)
+		synthetic_must(basis_writer_pose_end(writer, s->basis.poses[0].coverage,
+						     s->basis.poses[0].peak, &fault),
+			       &fault);
+	synthetic_must(basis_writer_places(writer, distance, &fault), &fault);
+	synthetic_must(basis_writer_finish(writer, &info, "", &fault), &fault);
+}
+
+/* Such a change of the chunk is refused with this message. */
+static void damage_places(const char *path, void (*change)(struct basis_places *), const char *text)
+{
+	struct copied copy = copied_file(path);
+	struct fault fault = {""};
+
+	change(copied_data(&copy, BASIS_CHUNK_PLACES));
+	synthetic_reseal(copy.data, copy.bytes);
+	assert_int_equal(copied_open(&copy, &fault), -EBADMSG);
+	if (!strstr(fault.text, text))
+		fail_msg("%s", fault.text);
+	copied_free(&copy);
+}
+
+static void nearest_nan(struct basis_places *places)
+{
+	places->nearest[1] = NAN;
+}
+
+static void one_byte_more(struct basis_places *places)
+{
+	places->bytes[0]++;
+}
+
+TEST("places of surfaces")
+{
+	const struct synthetic *s = *state;
+	const size_t pixels = (size_t)s->basis.info.width * s->basis.info.height;
+	const char *path = path_of(s, "places.inlay");
+	float *map[2] = {calloc(pixels, sizeof(float)), calloc(pixels, sizeof(float))};
+	float *back = calloc(pixels, sizeof(*back));
+	struct basis basis;
+	struct copied copy;
+	struct fault fault = {""};
+
+	assert_non_null(map[0]);
+	assert_non_null(map[1]);
+	assert_non_null(back);
+	for (size_t at = 0; at < pixels; at += 1 + at % 3)
+		map[0][at] = 0.7F + (float)(at % 97) * (float)(at % 89);
+	write_places(s, path, (const float *const *)map);
+	open_basis(&basis, path);
+	assert_false(basis_has_places(&basis, 0));
+	assert_int_equal(basis_places_read(&basis, 0, BASIS_OBJECT, back), -ENODATA);
+	assert_true(basis_has_places(&basis, 1));
+	assert_int_equal(basis_places_read(&basis, 1, BASIS_RECEIVER, back), 0);
+	for (size_t at = 0; at < pixels; at++)
+		expect_equal(back[at], 0, "pixel %zu", at);
+	assert_int_equal(basis_places_read(&basis, 1, BASIS_OBJECT, back), 0);
+	for (size_t at = 0; at < pixels; at++) { /* steps of 1 / distance */
+		const double is = map[0][at] > 0 ? 1 / (double)map[0][at] : 0;
+		const double was = back[at] > 0 ? 1 / (double)back[at] : 0;
+
+		expect_below(fabs(is - was), (is > 1e-3 ? 0.5001 : 1) / 0.7 / BASIS_PLACE_ONE,
+			     "pixel %zu", at);
+	}
+	basis_close(&basis);
+	damage_places(path, nearest_nan, "nearest place at nan");
+	damage_places(path, one_byte_more, "PLAC chunk of");
+
+	/* what zstd refuses is found when it is read */
+	copy = copied_file(path);
+	memset((struct basis_places *)copied_data(&copy, BASIS_CHUNK_PLACES) + 1, 0x55, 16);
+	synthetic_reseal(copy.data, copy.bytes);
+	assert_int_equal(basis_open_memory(&basis, copy.data, copy.bytes, "mem", BASIS_ALL, &fault),
+			 0);
+	assert_int_equal(basis_places_read(&basis, 1, BASIS_OBJECT, back), -EBADMSG);
+	basis_close(&basis);
+	copied_free(&copy);
+	unlink(path);
+	free(map[0]);
+	free(map[1]);
+	free(back);
 }
 
 /* ---- damage ---- */

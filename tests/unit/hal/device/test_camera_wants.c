@@ -4,8 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "hal/device/camera_choice.h"
-#include "hal/device/camera_controls.h"
+#include "hal/device/camera.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

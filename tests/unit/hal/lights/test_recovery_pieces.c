@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "hal/lights/recovery_pieces.h"
+#include "hal/lights/recovery.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

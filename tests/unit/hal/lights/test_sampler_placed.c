@@ -7,7 +7,7 @@
 
 #include "hal/lights/exposures.h"
 #include "hal/lights/sampler.h"
-#include "hal/optics/dome_cells.h"
+#include "hal/optics/dome_parts.h"
 #include "hal/optics/vec.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"

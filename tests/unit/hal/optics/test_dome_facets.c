@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "hal/optics/dome.h"
-#include "hal/optics/dome_facets.h"
+#include "hal/optics/dome_parts.h"
 #include "hal/optics/vec.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"

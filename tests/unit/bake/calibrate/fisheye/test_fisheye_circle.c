@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "bake/calibrate/fisheye/circle/fisheye_circle.h"
-#include "drivers/sim/studio.h"
+#include "drivers/sim/sim.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/panorama.h"
 #include "tests/support/calibrate/fisheye_views.h"

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* The light of lamps at places, taken out of the lights of a dome. */
+#include <math.h>
+#include <string.h>
+
+#include "hal/lights/lamp/lamp_light.h"
+#include "hal/optics/dome_placed.h"
+#include "hal/optics/vec.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/test.h"
+
+enum { LIGHTS = 406 };
+
+struct sky_test {
+	struct dome dome;
+	struct dome_placed *placed;
+	float radiance[LIGHTS][3];
+	double power[LAMPS_MAX][3];
+};
+
+/* A sky of this radiance, brighter towards +X. */
+static void sky_begin(struct sky_test *t, float even, float slope)
+{
+	struct fault fault = {.text = ""};
+
+	expect_success(dome_create(&t->dome, 9, &fault), &fault);
+	assert_int_equal(t->dome.count, LIGHTS);
+	assert_int_equal(dome_placed_create(&t->placed, &t->dome), 0);
+	for (int i = 0; i < LIGHTS; i++)
+		for (int c = 0; c < 3; c++)
+			t->radiance[i][c] = even + slope * (float)t->dome.direction[i][0];
+}
+
+static void sky_end(struct sky_test *t)
+{
+	dome_placed_destroy(t->placed);
+	dome_free(&t->dome);
+}
+
+/* Adds a lamp of this power as the sampler places it. */
+static void add_lamp(struct sky_test *t, const struct lamps *lamps, int lamp, const double power[3])
+{
+	double dir[3], weight[3];
+	int to[3], facet = -1, count;
+
+	for (int k = 0; k < 3; k++)
+		dir[k] = lamps->lamp[lamp].position[k] - lamps->fisheye[k];
+	vec_normalize(dir);
+	count = dome_placed_share(t->placed, dome_cell_of(&t->dome, dir), &facet, dir, to, weight);
+	for (int n = 0; n < count; n++)
+		for (int c = 0; c < 3; c++)
+			t->radiance[to[n]][c] +=
+				(float)(weight[n] * power[c] / t->dome.solid_angle_sr[to[n]]);
+}
+
+static void take(struct sky_test *t, const struct lamps *lamps)
+{
+	struct lamp_light *light;
+
+	assert_int_equal(lamp_light_create(&light, &t->dome, lamps), 0);
+	lamp_light_take(light, t->radiance, t->power);
+	lamp_light_destroy(light);
+}
+
+static double sum_of(const struct sky_test *t, int c)
+{
+	double sum = 0;
+
+	for (int i = 0; i < LIGHTS; i++)
+		sum += t->dome.solid_angle_sr[i] * (double)t->radiance[i][c];
+	return sum;
+}
+
+TEST("a lamp's power is what it adds to an even sky, wherever it hangs")
+{
+	struct chance chance = {7};
+	struct sky_test t;
+
+	for (int n = 0; n < 40; n++) {
+		const double power[3] = {0.4, 0.2, 0};
+		struct lamps lamps = {.count = 1};
+
+		for (int k = 0; k < 3; k++) {
+			lamps.lamp[0].position[k] = chance_real(&chance, k < 2 ? -2 : 1, 2);
+			lamps.fisheye[k] = chance_real(&chance, -0.2, 0.2);
+		}
+		lamps.lamp[0].radius = 0.03;
+		sky_begin(&t, 0.25F, 0);
+		add_lamp(&t, &lamps, 0, power);
+		take(&t, &lamps);
+		for (int c = 0; c < 3; c++) /* the level factor of dome_placed.h is a part of it */
+			expect_below(fabs(t.power[0][c] - power[c]), 0.03 * power[c] + 1e-6,
+				     "n=%d c=%d is %g", n, c, t.power[0][c]);
+		for (int i = 0; i < LIGHTS; i++)
+			expect_below(fabs((double)t.radiance[i][0] - 0.25), 1e-6, "n=%d light %d",
+				     n, i);
+		sky_end(&t);
+	}
+}
+
+TEST("no light is lost or counted twice, with any lamps in any sky")
+{
+	struct chance chance = {8};
+	struct sky_test t;
+
+	for (int n = 0; n < 40; n++) {
+		struct lamps lamps = {.count = LAMPS_MAX};
+		double before[3];
+
+		sky_begin(&t, 0.5F, 0.4F);
+		for (int l = 0; l < LAMPS_MAX; l++) {
+			const double power[3] = {chance_real(&chance, 0, 1), 0.1, 0};
+
+			for (int k = 0; k < 3; k++)
+				lamps.lamp[l].position[k] = chance_real(&chance, k < 2 ? -2 : -0.2,
+									2);
+			lamps.lamp[l].radius = chance_real(&chance, 0.01, 0.3);
+			add_lamp(&t, &lamps, l, power);
+		}
+		for (int c = 0; c < 3; c++)
+			before[c] = sum_of(&t, c);
+		take(&t, &lamps);
+		for (int c = 0; c < 3; c++) {
+			double after = sum_of(&t, c);
+
+			for (int l = 0; l < LAMPS_MAX; l++) {
+				expect_at_least(t.power[l][c], 0, "n=%d lamp %d", n, l);
+				after += t.power[l][c];
+			}
+			expect_below(fabs(after - before[c]), 1e-5 * before[c], "n=%d c=%d", n, c);
+		}
+		sky_end(&t);
+	}
+}
+
+TEST("a lamp below the fisheye's horizon is not seen")
+{
+	const struct lamps lamps = {
+		.count = 1, .lamp = {{{1, 0, 0.5}, 0.1}}, .fisheye = {0, 0, 0.8}};
+	struct sky_test t;
+
+	sky_begin(&t, 0.5F, 0.4F);
+	take(&t, &lamps);
+	for (int c = 0; c < 3; c++)
+		expect_equal(t.power[0][c], 0, "c=%d", c);
+	sky_end(&t);
+}
