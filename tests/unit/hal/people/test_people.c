@@ -475,6 +475,20 @@ TEST("exposure is followed")
 	place_end(p);
 }
 
+TEST("an exposure that lasts becomes the place's")
+{
+	struct place *p = place_learned();
+
+	for (int c = 0; c < 3; c++)
+		p->exposure[c] = 1.2;
+	for (int n = 0; n < 240; n++)
+		place_look(p, NULL, 0);
+	for (int c = 0; c < 3; c++)
+		expect_below(people_report(p->people).gain[c], 1.15, "channel %d", c);
+	expect_at_most(wrong_share(p), 0.01, "meanwhile");
+	place_end(p);
+}
+
 /* Saves what was learned, part by part; *bytes: its length. The caller frees it. */
 static uint8_t *save(const struct people *people, size_t *bytes)
 {
