@@ -29,9 +29,9 @@ struct report_trial {
 };
 
 /*
- * Times all trials in turns (hal/measure/measure.h) under each lighting with one thread, and measures
- * the errors of their pictures over the pixels of the scope. Those of the first trial are left in
- * the lightings. -EIO, -ENOMEM.
+ * Times all trials in turns (hal/measure/measure.h) under each lighting with one thread, and
+ * measures the errors of their pictures over the pixels of the scope. Those of the first trial are
+ * left in the lightings. -EIO, -ENOMEM.
  */
 int report_trials_run(struct report_trial *trials, int count, struct report_stage *stage,
 		      const struct scope *scope, struct fault *fault);
