@@ -2,8 +2,8 @@
 /*
  * Keys of keyboards and of devices that look like one: remote controls, presenters, arcade
  * encoders, dials, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no
- * desktop. It searches for devices again whenever /dev/input changes, so one that is plugged in late or
- * again is used.
+ * desktop. It searches for devices again whenever /dev/input changes, so one that is plugged in
+ * late or again is used.
  *
  * It grabs the devices (keyboard.grab): nothing typed at the kiosk reaches the console's shell, and
  * Ctrl+Alt+F2 does not switch consoles.
