@@ -4,12 +4,10 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,7 +15,6 @@
 #include "hal/base/output.h"
 
 #define TEMPORARY ".part-XXXXXX"
-#define LEFTOVERS ".part-??????"
 
 /* ---- folders ---- */
 
@@ -46,44 +43,6 @@ static void remove_report_folder(const char *folder)
 	closedir(dir);
 	if (rmdir(folder))
 		log_warning("%s is left: it holds files that are no report's", folder);
-}
-
-/* Returns a descriptor that holds the folder's lock until it is closed, or -1 if the folder cannot
- * be opened or another process holds the lock. */
-static int lock_folder(const char *folder)
-{
-	const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-
-	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB)) {
-		close(fd);
-		return -1;
-	}
-	return fd;
-}
-
-/* Removes the temporary folders of interrupted runs. Those of running programs are locked. */
-static void remove_leftovers(const char *folder)
-{
-	char pattern[PATH_MAX + sizeof(TEMPORARY)], *to = pattern;
-	glob_t found;
-
-	for (const char *c = folder; *c && to < pattern + PATH_MAX - 2; c++) {
-		if (strchr("*?[\\", *c))
-			*to++ = '\\';
-		*to++ = *c;
-	}
-	strcpy(to, LEFTOVERS);
-	if (glob(pattern, 0, NULL, &found))
-		return;
-	for (size_t k = 0; k < found.gl_pathc; k++) {
-		const int fd = lock_folder(found.gl_pathv[k]);
-
-		if (fd < 0)
-			continue;
-		remove_report_folder(found.gl_pathv[k]);
-		close(fd);
-	}
-	globfree(&found);
 }
 
 /* 0 if the folder is missing, empty or an earlier report. */
@@ -117,14 +76,13 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 	size_t length = strlen(folder);
 	int err;
 
-	*page = (struct report_page){.lock = -1};
+	*page = (struct report_page){.body = NULL};
 	while (length > 1 && folder[length - 1] == '/')
 		length--;
 	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
 	err = check_report_folder(page->folder, fault);
 	if (err)
 		return err;
-	remove_leftovers(page->folder);
 	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
 	    (int)sizeof(page->temporary)) {
 		page->temporary[0] = '\0';
@@ -136,7 +94,6 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
 	}
 	chmod(page->temporary, 0755);
-	page->lock = lock_folder(page->temporary);
 	page->body = open_memstream(&page->text, &page->bytes);
 	if (!page->body) {
 		report_page_abandon(page);
@@ -155,9 +112,6 @@ void report_page_abandon(struct report_page *page)
 	if (page->temporary[0])
 		remove_report_folder(page->temporary);
 	page->temporary[0] = '\0';
-	if (page->lock > 0)
-		close(page->lock);
-	page->lock = 0;
 }
 
 /* ---- parts ---- */

@@ -21,7 +21,6 @@ struct report_page {
 	/* where files are written until the commit; empty: no report is open */
 	char temporary[PATH_MAX];
 	FILE *body;
-	int lock;   /* file descriptor that locks the temporary folder; 0 or -1: none */
 	char *text; /* what is written to body */
 	size_t bytes;
 };

@@ -59,7 +59,7 @@ const float *cache_row(const struct cache *cache, int record);
  * light may change more over the surface than the record's one row can show. */
 float cache_spread(const struct cache *cache, int record);
 
-/* Frees what cache_create() has made (cache_make.h). NULL is harmless. */
+/* Frees what cache_create() has made. NULL is harmless. */
 void cache_destroy(struct cache *cache);
 
 /* A large bake has this many records; half as many are hardly worse. */

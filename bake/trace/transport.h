@@ -75,7 +75,7 @@ struct transport_link {
 
 /* Guesses that find blocked rays sooner; the result does not depend on them. */
 struct transport_guess {
-	struct ray_batch rays; /* rays that meet no ball inside an object (inside.h) */
+	struct ray_batch rays; /* rays that meet no ball inside an object (inside.c) */
 	int *index;	       /* [WORLD_RAYS_MAX]: index of each in struct transport's rays */
 	uint8_t *ball;	       /* [count]: the ball that an earlier ray to this cell met */
 	uint8_t *stopped;      /* [count]: the last ray to this cell that met none was blocked */

@@ -137,7 +137,6 @@ wrong "a command that there is not" "expected one of black" white
 wrong "a file of hdrgen's to write" "read, not written" response --times 2,1 a.png b.png -o "$work/eye.rsp"
 wrong "black without a picture" "expected one picture" black
 wrong "black of two pictures" "expected one picture" black "$work/covered.png" "$work/covered.png"
-wrong "one exposure" "expected two pictures" black --exposures "$work/covered.png"
 wrong "a response without times" "1 pictures and 0 --times" response "$work/at-0.8.png"
 wrong "pairs that are none" "pairs of pictures" gain "$work/sky.png" --patch 0,0,9,9
 wrong "pairs without a patch" "pairs of pictures" gain "$work/sky.png" "$work/at-0.8.png"

@@ -15,11 +15,6 @@ check "--version" "$INLAY_BAKE" report --version
 
 # ---- of a scene ----
 out=$work/report
-# Files of an interrupted run are removed, files of a running one are not.
-mkdir "$out.part-gone00" "$out.part-alive0"
-: >"$out.part-gone00/cut.csv"
-exec 7<"$out.part-alive0"
-flock 7
 check "report of a scene" report "$work/box.scene" -o "$out"
 for name in settings surroundings; do
 	check "table $name" test -s "$out/$name.csv"
@@ -27,8 +22,6 @@ done
 equal "each dome up to --frequency is tried" "1 2" "$(tail -n +2 "$out/settings.csv" |
 	sed 's/^"[^"]*"//' | cut -d, -f3 | sort -nu | xargs)"
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
-check "what another writes is" rmdir "$out.part-alive0"
-exec 7<&-
 equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' \
 	! -name '*.png' ! -name report.html; find "$work" -maxdepth 1 -name 'report.part*')"
 

@@ -135,7 +135,7 @@ struct least_squares_fit {
 	 * With a robust loss it is multiplied by
 	 *     mean(w) mean(psi^2) / (sigma mean(psi'))^2
 	 * over the inliers, the price of reweighting (Huber, Robust Statistics, 7.6). With a
-	 * layout of two views or more it is by view (by_view.h), with at least that variance.
+	 * layout of two views or more it is by view (struct by_view), with at least that variance.
 	 */
 	double *covariance;
 	/* [parameters][parameters], (J^T W J)^-1 alone, for callers with their own sigma */

@@ -2,13 +2,13 @@
 /*
  * A camera's response from several exposures of a static scene with known relative times.
  *
- * For a place of radiance L, exposed for time t, with code value u (0..1 from the black level), the
- * response f satisfies (Debevec and Malik, SIGGRAPH 1997, equation 2)
+ * For a place of radiance L, exposed for time t, with code value u (0..1 from the black level),
+ * the response f satisfies (Debevec and Malik, SIGGRAPH 1997, equation 2)
  *     ln f(u) = ln L + ln t
- * f is a spline (light_spline.h), so this is linear in its coefficients, in ln L and in the errors
- * of ln t. Each equation is weighted by the noise and rounding of ln f(u). The number of the
- * spline's pieces is the one that best predicts held-out exposures. Noise of variance s^2 of a
- * pixel, bent by f, shifts the mean of a block by
+ * f is a spline (struct light_spline), so this is linear in its coefficients, in ln L and in the
+ * errors of ln t. Each equation is weighted by the noise and rounding of ln f(u). The number of
+ * the spline's pieces is the one that best predicts held-out exposures. Noise of variance s^2 of
+ * a pixel, bent by f, shifts the mean of a block by
  *     f''/f s^2 / 2   (relative)
  * which is corrected.
  */
