@@ -53,6 +53,7 @@ APP_SOURCES := \
 	app/records/learned.c \
 	app/records/metrics.c \
 	app/records/state.c \
+	app/records/supply.c \
 	app/records/stats.c \
 	app/view/guide.c \
 	app/view/layout.c \

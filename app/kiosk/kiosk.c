@@ -98,6 +98,7 @@ static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline
 		.screen = kiosk_screen_situation(&k->screen),
 		.screen_is_fine = display->state && !display->off && !display->hidden,
 		.resting = k->rest.resting,
+		.sysfs = SUPPLY_SYSFS,
 	};
 
 	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))

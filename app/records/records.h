@@ -182,6 +182,20 @@ void stats_text(const struct stats *stats, const struct pipeline_report *report,
 /* Returns how many frames of all cameras were not used. */
 uint64_t stats_drops(const struct source *sources, int source_count);
 
+/* ---- supply.c: what a Raspberry Pi says of its power supply and its heat: either makes it slower
+ * and pictures late ---- */
+
+#define SUPPLY_SYSFS "/sys"
+
+struct supply {
+	bool told; /* by this machine; else the rest is false */
+	bool undervoltage, throttled;
+	bool undervoltage_before, throttled_before; /* since the machine started */
+};
+
+/* Asks the firmware, else the kernel's monitor, which tells of the voltage alone. */
+struct supply supply_read(const char *sysfs);
+
 /*
  * Figures of a running kiosk for Prometheus: a text file that its node exporter collects. README.md
  * lists them. The file appears whole, by rename. It is not synced: nobody needs the figures of
@@ -203,6 +217,7 @@ struct metrics_facts {
 	int source_count;
 	const char *screen; /* its situation */
 	bool screen_is_fine, resting;
+	const char *sysfs; /* SUPPLY_SYSFS */
 };
 
 void metrics_print(const struct metrics_facts *facts, FILE *to);
