@@ -401,7 +401,7 @@ look-installed: all $(BUILD)/tests/people/look
 
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))
-bench-installed: all $(TEST_PROGRAMS)
+bench-installed: all
 	$(Q)BUILD="$(BUILD)" tests/bench/bench.sh
 
 ## report: speed against error of spot in real panoramas, or of the cow: build/report (minutes)

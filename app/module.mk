@@ -10,6 +10,12 @@ APP_SOURCES := \
 	app/devices_sample.c \
 	app/grab.c \
 	app/settings.c \
+	app/bench/bench.c \
+	app/bench/bench_frame.c \
+	app/bench/bench_print.c \
+	app/bench/bench_truth.c \
+	app/bench/bench_ways.c \
+	app/bench/command_bench.c \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \

@@ -227,7 +227,7 @@ static const struct ini_key composite_keys[] = {
 	{"grain", INI_BOOL, AT(composite, grain), .fallback = "no",
 	 .help = "yes: the object gets the noise of the background's camera, which is measured meanwhile."},
 	{"kernel", INI_TEXT, AT(composite, kernel), .fallback = "auto",
-	 .help = "Instructions that the sums are made with, like c or avx2; auto: the fastest that the processor has."},
+	 .help = "Instructions that the sums are made with, like c or avx2; auto: the fastest that the processor has. inlay bench lists them."},
 	INI_KEYS_END};
 
 static const struct ini_key people_keys[] = {

@@ -88,7 +88,9 @@ FUZZ_PARTS := \
 	app/control/control.c \
 	app/control/control_socket.c \
 	app/control/snapshot.c \
+	app/records/keeper.c \
 	app/records/state.c \
+	app/settings.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
@@ -179,15 +181,6 @@ $(BUILD)/tests/film/measure: $(BUILD)/tests/film/measure.o $(addprefix $(BUILD)/
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
 -include $(BUILD)/tests/film/measure.d
-
-# What a picture of a basis takes, and how exact it is: bench.sh.
-BENCH_OBJECTS := $(addprefix $(BUILD)/tests/bench/,bench.o bench_frame.o bench_main.o bench_print.o bench_truth.o \
-	bench_ways.o)
-TEST_PROGRAMS += $(BUILD)/tests/bench/bench
-$(BUILD)/tests/bench/bench: $(BENCH_OBJECTS) $(BUILD)/hal.a
-	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(HAL_LINK)
--include $(BENCH_OBJECTS:.o=.d)
 
 # Measures the time of a camera's calibration; run by hand.
 OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera

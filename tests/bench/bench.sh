@@ -123,9 +123,9 @@ table() {
 	rows spot 1920x1080 2 20
 }
 
-# ---- tests/bench/bench ----
+# ---- inlay bench ----
 
-# Of the JSON that tests/bench/bench prints, a row a line: the figure of a way under a lighting, by the
+# Of the JSON that inlay bench prints, a row a line: the figure of a way under a lighting, by the
 # fastest kernel, which comes last.
 figure() { # JSON LIGHTING WHAT KEY
 	grep -F "{\"lighting\": \"$2\", \"what\": \"$3\"" "$1" | tail -n 1 |
@@ -173,7 +173,7 @@ bake_modes() {
 		-o "$work/$scene-$f-$size.inlay" "$work/$scene/$scene.scene" >>"$log" 2>&1 || [ $? -eq 3 ]
 }
 
-# modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through tests/bench/bench, under the built-in
+# modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through inlay bench, under the built-in
 # lightings and the panoramas.
 modes() {
 	local scene=$1 f=$2 size=$3 repeat=$4 name out json sky=()
@@ -185,11 +185,11 @@ modes() {
 		[ -e "$json" ] && sky+=(--panorama "$json")
 	done
 	echo "timing $name" >&2
-	"$build/tests/bench/bench" --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+	"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
 		>"$out.json" 2>>"$log"
 	mode_rows "$out.json" "$scene"
 	if [ ${#sky[@]} -gt 0 ]; then
-		"$build/tests/bench/bench" --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+		"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
 			"${sky[@]}" >"$out-panoramas.json" 2>>"$log"
 		mode_rows "$out-panoramas.json" "$scene"
 	fi

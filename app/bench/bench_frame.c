@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tests/bench/bench.h"
+#include "app/bench/bench.h"
 
 #include <errno.h>
 #include <libyuv.h>

@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/bench/bench.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/base/pool.h"
 #include "hal/colour/transfer.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/ini/ini.h"
-#include "tests/bench/bench.h"
 
 struct bench_options {
 	struct bench_settings settings;
@@ -120,7 +120,7 @@ static int bench_command_run(const struct command *command, int argc, char **arg
 	return err ? EXIT_FAILURE : EXIT_SUCCESS;
 }
 
-static const struct command command_bench = {
+const struct command command_bench = {
 	.name = "bench",
 	.usage = "--basis FILE [--lights FILE]... [--panorama FILE]... [options]",
 	.summary = "what a picture of a basis takes, and how exact it is, beside the thesis's way",
@@ -136,9 +136,3 @@ static const struct command command_bench = {
 		"ones, and single cells, of which the worst counts. White ground has radiance 1, in a panorama 0.6.\n",
 	.run = bench_command_run,
 };
-
-int main(int argc, char **argv)
-{
-	log_setup("bench", LOG_LEVEL_INFO);
-	return bench_command_run(&command_bench, argc, argv);
-}

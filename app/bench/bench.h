@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How long a frame of a basis takes, in every way that inlay has to make it, beside
+ * inlay bench: how long a frame of a basis takes, in every way that inlay has to make it, beside
  * the thesis's own algorithm; with the error of each way against double precision.
  *
  * All ways are timed in turns (A, B, C, A, B, C, ...), each after a few milliseconds of its own
@@ -8,13 +8,14 @@
  * as it leaves them. Times of one thread are its processor time, those of several threads wall
  * clock time.
  */
-#ifndef INLAY_TESTS_BENCH_BENCH_H
-#define INLAY_TESTS_BENCH_BENCH_H
+#ifndef INLAY_APP_BENCH_BENCH_H
+#define INLAY_APP_BENCH_BENCH_H
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
+#include "hal/options/options.h"
 #include "hal/base/fault.h"
 #include "hal/base/table.h"
 #include "hal/basis/basis.h"
@@ -191,5 +192,8 @@ void bench_print_row(struct table *table, const struct bench_row *row);
 
 void bench_print_text(const struct bench_report *report, FILE *to);
 void bench_print_json(const struct bench_report *report, FILE *to);
+
+/* The command of the program. */
+extern const struct command command_bench;
 
 #endif
