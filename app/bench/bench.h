@@ -15,7 +15,6 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#include "hal/options/options.h"
 #include "hal/base/fault.h"
 #include "hal/base/table.h"
 #include "hal/basis/basis.h"

@@ -156,8 +156,8 @@ int pipeline_create(struct pipeline **pipeline, const struct basis *basis,
 void pipeline_destroy(struct pipeline *pipeline); /* NULL is harmless */
 
 /* Warns where lamps at places are named, but the basis does not know its places. That is no error:
- * they are taken as distant, as all light was before. pipeline_create() and pipeline_change() do it,
- * too. */
+ * they are taken as distant, as all light was before. pipeline_create() and pipeline_change() do
+ * it, too. */
 void pipeline_warn_of_lamps(const struct basis *basis, const struct lamps *lamps);
 
 /* Takes other settings from the next frame on, except those of sampler, lens and exposures. On

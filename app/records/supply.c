@@ -20,7 +20,8 @@
 
 /* Reads the first line of the small file FORMAT..., without its end. False: there is no file, or it
  * is empty. */
-__attribute__((format(printf, 2, 3))) static bool supply_line(char line[64], const char *format, ...)
+__attribute__((format(printf, 2, 3))) static bool supply_line(char line[64], const char *format,
+							      ...)
 {
 	char path[PATH_MAX];
 	va_list args;

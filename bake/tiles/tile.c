@@ -272,7 +272,7 @@ static void keep_positive(const struct encode_samples *light, float *bounce, siz
 		bounce[i] = fmaxf(bounce[i], -light->direct[i]);
 }
 
-/* Finds which share of the object's light under an even sky has bounced; part: its finished rows. */
+/* Finds which share of the object's light under an even sky has bounced, in its finished rows. */
 static void find_bounced(struct tile *tile, const struct encode_samples *part)
 {
 	const size_t count = tile_bounce_size(tile);

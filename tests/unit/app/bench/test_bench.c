@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What tests/bench and reports compare frames with: transport light by light, the thesis's algorithm,
+/* What bench and reports compare frames with: transport light by light, the thesis's algorithm,
  * errors, lightings. */
 #include <errno.h>
 #include <math.h>
