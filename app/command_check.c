@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "app/commands.h"
-#include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "app/settings.h"
 #include "config/config_hours.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/scaler.h"
+#include "app/view/layout.h"
 
 #include <errno.h>
 #include <libyuv.h>

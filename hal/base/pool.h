@@ -6,6 +6,8 @@
 #ifndef INLAY_HAL_BASE_POOL_H
 #define INLAY_HAL_BASE_POOL_H
 
+#include <pthread.h>
+
 #define POOL_THREADS_MAX 1024
 
 struct pool;
@@ -28,5 +30,8 @@ void pool_run(struct pool *pool, int items, void (*work)(void *context, int item
 
 /* Ends and joins the threads. NULL is harmless. */
 void pool_destroy(struct pool *pool);
+
+/* Starts a thread with all signals blocked: that of the event loop handles them. 0 or -errno. */
+int thread_start(pthread_t *thread, void *(*run)(void *context), void *context);
 
 #endif

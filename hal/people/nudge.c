@@ -20,6 +20,7 @@
 #define MATCH 0.5f	 /* correlation of a patch that is found; with another place it is 0.3 */
 #define DISTINCT 0.1f	 /* by which it is above that of any shift elsewhere: no pattern repeats */
 #define TEXTURE 4.0f	 /* a patch's weaker gradient, over the noise's: it tells both directions */
+#define SCATTER 61	 /* patches from one to the next that is asked: a prime, so all have their turn */
 #define SURE_PATCHES 48	 /* that the share is a mean of which is where it was learned */
 #define ROUND 0.05f   /* and over both: else the stronger one's errors are the weaker one's shift */
 #define FOUND_LEAST 8 /* patches that agree */
@@ -50,7 +51,7 @@ void nudge_place(struct people *p)
 			}
 		step++;
 	} while (count > NUDGE_PATCHES);
-	p->nudge.patches = count;
+	p->nudge.patches = count % SCATTER ? count : count - (count > 0);
 	p->nudge.next = p->nudge.usable = p->nudge.votes = 0;
 }
 
@@ -249,7 +250,7 @@ void nudge_follow(struct people *p)
 	const int asked = (int)(nudge->patches * fmin(p->step_ms / ROUND_MS, 1)) + 1;
 
 	for (int n = 0; n < asked && nudge->next < nudge->patches; n++)
-		ask_patch(p, nudge->patch[nudge->next++]);
+		ask_patch(p, nudge->patch[nudge->next++ * SCATTER % nudge->patches]);
 	if (nudge->next >= nudge->patches)
 		end_round(p);
 }

@@ -202,10 +202,32 @@ static float pattern_of(const struct basis *basis, const struct basis_block *b, 
 	return (float)((double)b->pattern_scale[j] * sum / BASIS_COARSE_ONE);
 }
 
+static float coefficient_of(const struct basis_block *b, int panels, int c, int n, int pattern)
+{
+	const int line = (int)basis_line16(panels, b->patterns, b->channels == 3 ? c : 0,
+					   n / BASIS_LINE16, pattern);
+
+	return b->coefficient[line * BASIS_LINE16 + n % BASIS_LINE16];
+}
+
+static int column_of(const struct basis_block *b, int panels, int c, int n, int column)
+{
+	const int channel = b->channels == 3 ? c : 0;
+	const int line = (int)basis_line16(panels, b->columns, channel, n / BASIS_LINE16, column);
+
+	return b->bits == 8 ? basis_column8_value(b, column, channel, n)
+			    : b->column16[line * BASIS_LINE16 + n % BASIS_LINE16];
+}
+
+static float tint_of(const struct basis_block *b, int c, int n)
+{
+	return b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1;
+}
+
 static void add_patterns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
 			 float *value)
 {
-	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+	const int panels = basis_panels16(b->pixels);
 
 	for (int j = 0; j < b->patterns; j++) {
 		float y[PIXELS] = {0};
@@ -218,14 +240,8 @@ static void add_patterns(const struct near_work *w, const struct basis_block *b,
 			for (int p = 0; p < PIXELS; p++)
 				y[p] += of * w->light.amount[k][p];
 		}
-		for (int n = 0; n < b->pixels; n++) {
-			const int16_t *line = b->coefficient + basis_line16(panels, b->patterns,
-									    channel,
-									    n / BASIS_LINE16, j) *
-								       BASIS_LINE16;
-
-			value[n] += y[b->pixel[n]] * (float)line[n % BASIS_LINE16];
-		}
+		for (int n = 0; n < b->pixels; n++)
+			value[n] += y[b->pixel[n]] * coefficient_of(b, panels, c, n, j);
 	}
 }
 
@@ -248,7 +264,7 @@ static int find_column(const struct basis_block *b, int light)
 static void add_columns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
 			float *value)
 {
-	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+	const int panels = basis_panels16(b->pixels);
 
 	for (int k = 0; k < w->light.count; k++) {
 		const int n = find_column(b, w->light.light[k]);
@@ -256,15 +272,9 @@ static void add_columns(const struct near_work *w, const struct basis_block *b, 
 					  : b->column_scale[n] * light_factor(w->sky, b->kind, lamp,
 									      w->light.light[k], c);
 
-		for (int p = 0; n >= 0 && p < b->pixels; p++) {
-			const size_t line = basis_line16(panels, b->columns, channel,
-							 p / BASIS_LINE16, n);
-			const int is = b->bits == 8 ? basis_column8_value(b, n, channel, p)
-						    : b->column16[line * BASIS_LINE16 +
-								  (size_t)(p % BASIS_LINE16)];
-
-			value[p] += scale * w->light.amount[k][b->pixel[p]] * (float)is;
-		}
+		for (int p = 0; n >= 0 && p < b->pixels; p++)
+			value[p] += scale * w->light.amount[k][b->pixel[p]] *
+				    (float)column_of(b, panels, c, p, n);
 	}
 }
 
@@ -276,9 +286,28 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 		add_patterns(w, b, lamp, c, value);
 		add_columns(w, b, lamp, c, value);
 		for (int n = 0; n < b->pixels; n++)
-			w->value[lamp][c][b->pixel[n]] +=
-				value[n] *
-				(b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1);
+			w->value[lamp][c][b->pixel[n]] += value[n] * tint_of(b, c, n);
+	}
+}
+
+/* ---- bounced light ---- */
+
+static void correct_bounced(struct near_work *w)
+{
+	for (int p = 0; p < PIXELS; p++) {
+		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
+		const float over_share =
+			w->known[p] ? w->distance[BASIS_BOUNCED]
+						 [(size_t)y * w->sky->basis->info.width + (size_t)x]
+				    : 0;
+
+		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++) {
+			const double part = near_sky_bounced(w->sky, l, w->place[p],
+							     1 / (double)over_share);
+
+			for (int c = 0; c < 3; c++)
+				w->value[l][c][p] *= (float)part;
+		}
 	}
 }
 
@@ -435,6 +464,8 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 		for (int k = 0; k < count; k++)
 			add_block(w, &b[k], l);
 	}
+	if (b->kind == BASIS_KIND_T)
+		correct_bounced(w);
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 
