@@ -87,12 +87,17 @@ int bench_frame_light(struct bench_frame *frame, const float (*radiance)[3]);
  * decides. */
 void bench_frame_budget(struct bench_frame *frame, double budget);
 
+/* Four lamps at places, 1.5 m from the origin, of which each gives the ground below a radiance of
+ * about 0.1. */
+extern const struct lamps bench_lamps;
+
 /* Goes on to the next buffer of each camera; they hold the same pictures. */
 void bench_frame_next(struct bench_frame *frame);
 
-/* Parts of a frame: measures the light of all cells and chooses those in use; converts the
- * background. */
-int bench_frame_measure(struct bench_frame *frame, double threshold, struct fault *fault);
+/* Parts of a frame: measures the light of all cells, and with `lamps` theirs, and chooses those in
+ * use; converts the background. */
+int bench_frame_measure(struct bench_frame *frame, bool lamps, double threshold,
+			struct fault *fault);
 void bench_frame_convert(const struct bench_frame *frame, struct canvas *out);
 
 /* Makes a frame: light, then conversion and composite in one. *bytes: read of the basis. */
@@ -134,6 +139,7 @@ enum bench_kind {
 	BENCH_THESIS,
 	BENCH_COMPOSITE,
 	BENCH_FRAME,
+	BENCH_LAMPS, /* the same with lamps at places; its error is not measured */
 	/* The following make no picture of the object: */
 	BENCH_LIGHT,
 	BENCH_CONVERT,
@@ -143,7 +149,7 @@ enum bench_kind {
 struct bench_way {
 	enum bench_kind kind;
 	struct bench_row row; /* what and kernel; the rest is filled in later */
-	/* For BENCH_COMPOSITE and BENCH_FRAME: */
+	/* For BENCH_COMPOSITE, BENCH_FRAME and BENCH_LAMPS: */
 	struct compositor *compositor;
 	struct compositor_settings composite;
 	uint64_t bytes; /* bytes of the basis that its last frame read */

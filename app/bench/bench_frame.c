@@ -8,9 +8,16 @@
 #include <string.h>
 
 #include "hal/frame/frame_reader.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/sampler.h"
 #include "hal/measure/measure.h"
 #include "hal/optics/fisheye.h"
+
+const struct lamps bench_lamps = {.count = 4,
+				  .lamp = {{{0.9, 0, 1.2}, 0.08},
+					   {{0, 0.9, 1.2}, 0.08},
+					   {{-0.9, 0, 1.2}, 0.08},
+					   {{0, -0.9, 1.2}, 0.08}}};
 
 /* The pictures of one camera. */
 struct bench_camera {
@@ -28,6 +35,7 @@ struct bench_frame {
 	struct bench_camera background, fisheye;
 	struct canvas canvas; /* the background read from its camera, for double precision */
 	struct light_sampler *sampler;
+	struct lamp_light *lamps;
 	float (*radiance)[3];
 	struct light_selection lights;
 };
@@ -97,7 +105,8 @@ static int frame_fill(struct bench_frame *f, const struct canvas *background, st
 	if (err)
 		return err;
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
-	if (!f->radiance || light_selection_create(&f->lights, f->basis) ||
+	if (!f->radiance || lamp_light_create(&f->lamps, &f->dome, &bench_lamps) ||
+	    light_selection_create(&f->lights, f->basis) ||
 	    canvas_create(&f->canvas, background->width, background->height) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||
 	    camera_create(&f->fisheye, (int)info->width, (int)info->height))
@@ -132,6 +141,7 @@ void bench_frame_destroy(struct bench_frame *f)
 	if (!f)
 		return;
 	light_sampler_destroy(f->sampler);
+	lamp_light_destroy(f->lamps);
 	light_selection_free(&f->lights);
 	canvas_free(&f->canvas);
 	camera_free(&f->background);
@@ -182,13 +192,19 @@ void bench_frame_next(struct bench_frame *f)
 	(void)camera_show(&f->fisheye, (f->fisheye.turn + 1) % BENCH_CAMERA_BUFFERS);
 }
 
-int bench_frame_measure(struct bench_frame *f, double threshold, struct fault *fault)
+int bench_frame_measure(struct bench_frame *f, bool lamps, double threshold, struct fault *fault)
 {
 	const int err = light_sampler_read_frame(f->sampler, &f->fisheye.reader, f->pool,
 						 f->radiance, NULL);
 
 	if (err)
 		return fault_say(fault, err, "the light cannot be measured: %s", strerror(-err));
+	if (lamps)
+		lamp_light_take(f->lamps, f->radiance, f->lights.lamp);
+	/* The lightings have no light where the lamps are. */
+	for (int l = 0; l < LAMPS_MAX; l++)
+		for (int c = 0; c < 3; c++)
+			f->lights.lamp[l][c] = lamps && l < bench_lamps.count ? 0.4 : 0;
 	light_selection_choose(&f->lights, f->basis, 0, (const float(*)[3])f->radiance, threshold,
 			       THRESHOLD_AMBIENT, 1);
 	return 0;
@@ -209,7 +225,7 @@ int bench_frame_run(struct bench_frame *f, struct compositor *compositor, double
 		.make = frame_reader_make,
 		.context = &f->background.reader,
 	};
-	int err = bench_frame_measure(f, threshold, fault);
+	int err = bench_frame_measure(f, compositor_lamps(compositor) > 0, threshold, fault);
 
 	if (err)
 		return err;

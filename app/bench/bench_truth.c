@@ -113,9 +113,9 @@ static int judge_all(struct bench_ways *ways, struct bench_stage *stage,
 /* Measures the light of the cameras' pictures, which double precision takes. */
 static int see_light(const struct bench_stage *stage, struct fault *fault)
 {
-	return stage->cameras
-		       ? bench_frame_measure(stage->cameras, stage->settings->threshold, fault)
-		       : 0;
+	return stage->cameras ? bench_frame_measure(stage->cameras, false,
+						    stage->settings->threshold, fault)
+			      : 0;
 }
 
 int bench_truth(struct bench_ways *ways, struct bench_stage *stage, const struct scope *scope,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "hal/compositor/kernels/kernels.h"
+#include "hal/compositor/near/near_sky.h"
 #include "hal/measure/measure.h"
 
 /* ---- the list ---- */
@@ -30,23 +31,38 @@ static void add_composite(struct bench_ways *ways, enum bench_kind kind, const c
 	way->composite = background_settings(mode);
 }
 
+static int add_compositor(struct bench_ways *ways, const struct bench_stage *stage,
+			  const char *kernel, const struct lamps *lamps, struct fault *fault)
+{
+	const struct compositor_options options = {
+		.pool = stage->pool, .kernel = kernel, .lamps = lamps};
+	const int err = compositor_create(&ways->compositors[ways->compositor_count], stage->basis,
+					  &options, fault);
+
+	ways->compositor_count += !err;
+	return err;
+}
+
 /* Adds all ways of one kernel. */
 static int add_kernel(struct bench_ways *ways, const struct bench_stage *stage, const char *kernel,
 		      struct fault *fault)
 {
-	const struct compositor_options options = {.pool = stage->pool, .kernel = kernel};
-	const int err = compositor_create(&ways->compositors[ways->compositor_count], stage->basis,
-					  &options, fault);
+	int err = add_compositor(ways, stage, kernel, NULL, fault);
 
 	if (err)
 		return err;
-	ways->compositor_count++;
 	if (stage->exact)
 		add_composite(ways, BENCH_COMPOSITE, "exact", kernel, COMPOSITOR_EXACT);
 	add_composite(ways, BENCH_COMPOSITE, "fast", kernel, COMPOSITOR_FAST);
 	if (stage->cameras)
 		add_composite(ways, BENCH_FRAME, "whole frame", kernel, COMPOSITOR_FAST);
-	return 0;
+	if (!stage->cameras || !near_sky_possible(stage->basis))
+		return 0;
+	err = add_compositor(ways, stage, kernel, &bench_lamps, fault);
+	if (!err)
+		add_composite(ways, BENCH_LAMPS, "whole frame, four lamps", kernel,
+			      COMPOSITOR_FAST);
+	return err;
 }
 
 static int add_kernels(struct bench_ways *ways, const struct bench_stage *stage,
@@ -87,9 +103,9 @@ int bench_ways_create(struct bench_ways *ways, const struct bench_stage *stage, 
 
 	while (kernels_all[kernels])
 		kernels++;
-	/* three of each kernel; the thesis, two parts of a frame, the copy */
-	*ways = (struct bench_ways){.way = calloc(3 * kernels + 4, sizeof(*ways->way))};
-	ways->compositors = calloc(kernels, sizeof(*ways->compositors));
+	/* four of each kernel; the thesis, two parts of a frame, the copy */
+	*ways = (struct bench_ways){.way = calloc(4 * kernels + 4, sizeof(*ways->way))};
+	ways->compositors = calloc(2 * kernels, sizeof(*ways->compositors));
 	if (!ways->way || !ways->compositors) {
 		bench_ways_free(ways);
 		return fault_say(fault, -ENOMEM, "not enough memory");
@@ -195,11 +211,13 @@ int bench_way_run(struct bench_way *way, struct bench_stage *stage, struct fault
 	case BENCH_COMPOSITE:
 		return way_composite(way, stage, fault);
 	case BENCH_FRAME:
+	case BENCH_LAMPS:
 		way->row.lights = bench_frame_lights(stage->cameras)->used_count;
 		return bench_frame_run(stage->cameras, way->compositor, stage->settings->threshold,
 				       &stage->out, &way->bytes, fault);
 	case BENCH_LIGHT:
-		return bench_frame_measure(stage->cameras, stage->settings->threshold, fault);
+		return bench_frame_measure(stage->cameras, false, stage->settings->threshold,
+					   fault);
 	case BENCH_CONVERT:
 		bench_frame_convert(stage->cameras, &stage->out);
 		break;

@@ -126,7 +126,8 @@ const struct command command_bench = {
 	.summary = "what a picture of a basis takes, and how exact it is, beside the thesis's way",
 	.help = "\nOne row each, timed in turns on the same pixels under the same lights: the thesis's algorithm in\n"
 		"double precision; the exact layer; the fast one; a whole frame from two YUYV cameras of the\n"
-		"basis's size; copying the picture. Errors are the worst of all that the lighting holds.\n"
+		"basis's size, and one with four lamps at places; copying the picture. Errors are the worst of all\n"
+		"that the lighting holds.\n"
 		"    x thesis  the thesis's median time over this one\n"
 		"    x copy    the least time over that of copying the picture\n"
 		"    PSNR, RMS, max   against double precision, not rounded: 8 bits alone are 58.9 dB\n"

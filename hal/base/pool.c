@@ -135,7 +135,7 @@ int pool_create(struct pool **out, int threads)
 
 int pool_threads(const struct pool *pool)
 {
-	return pool->threads;
+	return pool ? pool->threads : 1;
 }
 
 void pool_run(struct pool *pool, int items, void (*work)(void *context, int item, int worker),
@@ -143,7 +143,7 @@ void pool_run(struct pool *pool, int items, void (*work)(void *context, int item
 {
 	const struct pool_job job = {work, context, items};
 
-	if (items <= 1 || pool->started == 0) {
+	if (!pool || items <= 1 || pool->started == 0) {
 		for (int i = 0; i < items; i++)
 			work(context, i, 0);
 		return;

@@ -9,7 +9,8 @@
  *     background-1.pfm ... -9.pfm       a board 9x6:50mm, first on the ground around the
  *                                       origin, then held in front of the camera
  *     fisheye-1.pfm ... -9.pfm          a board 9x6:20mm, first level over the lens, then around it
- *     panorama.pfm                      the light that arrives at the origin
+ *     panorama.pfm                      the light that arrives at the origin, without lanterns
+ * and prints a line for each lantern: x y z radius r g b, in metres and radiance.
  */
 #include <math.h>
 #include <stdio.h>
@@ -210,9 +211,8 @@ static int film_fisheye(const struct sim_eye *eye, const struct image *room)
 	return err;
 }
 
-static int film(const struct sim_eye *eye)
+static int film(const struct sim_eye *eye, const struct studio_lamps *lamps)
 {
-	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	struct studio_view *view;
 	struct image room;
 	int err = image_create_f32(&room, eye->width, eye->height);
@@ -221,28 +221,33 @@ static int film(const struct sim_eye *eye)
 		err = studio_view_create(&view, eye);
 	if (err)
 		return err;
-	studio_view_render(view, &lamps, room.f32);
+	studio_view_render(view, lamps, room.f32);
 	studio_view_destroy(view);
 	err = eye->fisheye ? film_fisheye(eye, &room) : film_background(eye, &room);
 	image_free(&room);
 	return err;
 }
 
-static int paint_panorama(void)
+/* Walls, panels and window without the lanterns, which are lamps at places. */
+static int paint_panorama(const struct studio_lamps *lamps)
 {
-	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	const double origin[3] = {0};
 	struct image image;
 	const struct panorama panorama = {.image = &image, .scale = 1};
 	int err = image_create_f32(&image, PANORAMA_WIDTH, PANORAMA_WIDTH / 2);
 
 	for (int p = 0; !err && p < PANORAMA_WIDTH * (PANORAMA_WIDTH / 4); p++) {
-		double sum[3] = {0}, dir[3], rgb[3];
+		double sum[3] = {0}, dir[3], from[3], rgb[3];
+		struct studio_hit hit;
 
 		for (int k = 0; k < 16; k++) {
 			panorama_direction(&panorama, p % PANORAMA_WIDTH + (k % 4 + 0.5) / 4,
 					   p / PANORAMA_WIDTH + (k / 4 + 0.5) / 4, dir);
-			studio_radiance(origin, dir, &lamps, rgb);
+			(void)studio_hit(origin, dir, &hit);
+			/* From just before a wall no lantern is in the way. */
+			for (int c = 0; c < 3; c++)
+				from[c] = 0.999 * hit.point[c];
+			studio_radiance(from, dir, lamps, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c] / 16;
 		}
@@ -250,6 +255,16 @@ static int paint_panorama(void)
 			image.f32[3 * p + c] = (float)sum[c];
 	}
 	return err ? err : keep("panorama", 0, &image);
+}
+
+static void list_lanterns(const struct studio_lamps *lamps)
+{
+	for (int l = 0; l < STUDIO_LANTERNS; l++) {
+		const struct studio_lantern *is = &lamps->lantern[l];
+
+		printf("%.6f %.6f %.6f %g %g %g %g\n", is->centre[0], is->centre[1], is->centre[2],
+		       is->radius, is->radiance[0], is->radiance[1], is->radiance[2]);
+	}
 }
 
 static void *camera_place(void *root, const char *instance)
@@ -262,6 +277,7 @@ int main(int argc, char **argv)
 {
 	static const struct ini_table tables[] = {
 		{.section = "camera", .keys = tsai_keys, .place = camera_place}, INI_TABLES_END};
+	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	struct sim_eye background = {.fisheye = false}, fisheye = {.fisheye = true};
 	struct ini_report report = {.count = 0};
 	struct fisheye_settings lens;
@@ -283,6 +299,8 @@ int main(int argc, char **argv)
 		fprintf(stderr, "room: %s\n", fault.text);
 		return EXIT_FAILURE;
 	}
-	return film(&background) || film(&fisheye) || paint_panorama() ? EXIT_FAILURE
-								       : EXIT_SUCCESS;
+	list_lanterns(&lamps);
+	return film(&background, &lamps) || film(&fisheye, &lamps) || paint_panorama(&lamps)
+		       ? EXIT_FAILURE
+		       : EXIT_SUCCESS;
 }
