@@ -46,31 +46,20 @@ static int write_difference(const char *path, const struct image *size, const do
 	return err;
 }
 
-/* The value of the square's first pixel. Of all pixels of a square it comes first in memory. */
-static size_t first_of_square(size_t i, int width, int side)
-{
-	const size_t x = i / 3 % (size_t)width, y = i / 3 / (size_t)width;
-
-	return i - 3 * (y % (size_t)side * (size_t)width + x % (size_t)side);
-}
-
-/* Replaces each value by the mean over its square. */
+/* Replaces each value by the mean over its square; squares fill the picture. */
 static void average(double *value, int width, int height, int side)
 {
-	const size_t count = (size_t)3 * width * height;
+	for (int pass = 0; pass < 2; pass++)
+		for (int i = 0; i < 3 * width * height; i++) {
+			const int x = i / 3 % width, y = i / 3 / width;
+			/* of the square's pixel that comes first in memory */
+			const int first = i - 3 * (y % side * width + x % side);
 
-	for (size_t i = 0; i < count; i++) {
-		const size_t first = first_of_square(i, width, side);
-
-		value[first] += first == i ? 0 : value[i];
-	}
-	for (size_t i = 0; i < count; i++) {
-		const int x = (int)(i / 3) % width, y = (int)(i / 3) / width;
-		const size_t first = first_of_square(i, width, side);
-
-		value[i] = first == i ? value[i] / (fmin(side, width - x) * fmin(side, height - y))
-				      : value[first];
-	}
+			if (pass)
+				value[i] = first == i ? value[i] / (side * side) : value[first];
+			else if (first != i)
+				value[first] += value[i];
+		}
 }
 
 static int compare(const struct options *options, const struct image picture[2],

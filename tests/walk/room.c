@@ -237,17 +237,15 @@ static int paint_panorama(const struct studio_lamps *lamps)
 	int err = image_create_f32(&image, PANORAMA_WIDTH, PANORAMA_WIDTH / 2);
 
 	for (int p = 0; !err && p < PANORAMA_WIDTH * (PANORAMA_WIDTH / 4); p++) {
-		double sum[3] = {0}, dir[3], from[3], rgb[3];
+		double sum[3] = {0}, dir[3], rgb[3];
 		struct studio_hit hit;
 
 		for (int k = 0; k < 16; k++) {
 			panorama_direction(&panorama, p % PANORAMA_WIDTH + (k % 4 + 0.5) / 4,
 					   p / PANORAMA_WIDTH + (k / 4 + 0.5) / 4, dir);
 			(void)studio_hit(origin, dir, &hit);
-			/* From just before a wall no lantern is in the way. */
-			for (int c = 0; c < 3; c++)
-				from[c] = 0.999 * hit.point[c];
-			studio_radiance(from, dir, lamps, rgb);
+			/* From the wall itself: no lantern is in the way. */
+			studio_radiance(hit.point, dir, lamps, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c] / 16;
 		}
@@ -255,16 +253,6 @@ static int paint_panorama(const struct studio_lamps *lamps)
 			image.f32[3 * p + c] = (float)sum[c];
 	}
 	return err ? err : keep("panorama", 0, &image);
-}
-
-static void list_lanterns(const struct studio_lamps *lamps)
-{
-	for (int l = 0; l < STUDIO_LANTERNS; l++) {
-		const struct studio_lantern *is = &lamps->lantern[l];
-
-		printf("%.6f %.6f %.6f %g %g %g %g\n", is->centre[0], is->centre[1], is->centre[2],
-		       is->radius, is->radiance[0], is->radiance[1], is->radiance[2]);
-	}
 }
 
 static void *camera_place(void *root, const char *instance)
@@ -299,8 +287,9 @@ int main(int argc, char **argv)
 		fprintf(stderr, "room: %s\n", fault.text);
 		return EXIT_FAILURE;
 	}
-	list_lanterns(&lamps);
-	return film(&background, &lamps) || film(&fisheye, &lamps) || paint_panorama(&lamps)
-		       ? EXIT_FAILURE
-		       : EXIT_SUCCESS;
+	for (const struct studio_lantern *l = lamps.lantern; l < lamps.lantern + STUDIO_LANTERNS;
+	     l++)
+		printf("%f %f %f %g %g %g %g\n", l->centre[0], l->centre[1], l->centre[2],
+		       l->radius, l->radiance[0], l->radiance[1], l->radiance[2]);
+	return film(&background, &lamps) || film(&fisheye, &lamps) || paint_panorama(&lamps);
 }

@@ -69,26 +69,6 @@ struct near_work {
 	float value[LAMPS_MAX][3][PIXELS];
 };
 
-static int near_work_create(struct near_work *w, const struct near_sky *sky,
-			    float *const distance[BASIS_SURFACES])
-{
-	const uint32_t lights = sky->basis->info.lights;
-
-	w->sky = sky;
-	w->distance = distance;
-	w->light.slot = malloc(lights * sizeof(*w->light.slot));
-	for (uint32_t i = 0; w->light.slot && i < lights; i++)
-		w->light.slot[i] = -1;
-	return w->light.slot ? 0 : -ENOMEM;
-}
-
-static void near_work_free(struct near_work *w)
-{
-	free(w->light.slot);
-	free(w->light.light);
-	free(w->light.amount);
-}
-
 /* ---- the light at the pixels ---- */
 
 static int light_grow(struct near_light *light)
@@ -515,15 +495,26 @@ static int near_job_create(struct near_job *job, const struct near_sky *sky, int
 							   job->distance[s])
 				       : -ENOMEM;
 	}
-	for (int k = 0; ret == 0 && k < threads; k++)
-		ret = near_work_create(&job->work[k], sky, job->distance);
+	for (int k = 0; ret == 0 && k < threads; k++) {
+		struct near_work *w = &job->work[k];
+
+		w->sky = sky;
+		w->distance = job->distance;
+		w->light.slot = malloc(info->lights * sizeof(*w->light.slot));
+		for (uint32_t i = 0; w->light.slot && i < info->lights; i++)
+			w->light.slot[i] = -1;
+		ret = w->light.slot ? 0 : -ENOMEM;
+	}
 	return ret;
 }
 
 static void near_job_free(struct near_job *job, int threads)
 {
-	for (int k = 0; job->work && k < threads; k++)
-		near_work_free(&job->work[k]);
+	for (int k = 0; job->work && k < threads; k++) {
+		free(job->work[k].light.slot);
+		free(job->work[k].light.light);
+		free(job->work[k].light.amount);
+	}
 	for (int s = 0; s < BASIS_SURFACES; s++)
 		free(job->distance[s]);
 	free(job->work);
