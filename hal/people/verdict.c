@@ -22,7 +22,7 @@
  * rooms 0 and 4 (tests/people) by 5 % at most, but for ALIKE 0.6: 10 %. */
 #define DIFFERS 12.0f	   /* chi-square of three channels: 0.7 % of empty cells are above */
 #define AROUND 2	   /* cells on each side that tell of other light */
-#define WINDOW 25	   /* (2 AROUND + 1)^2 */
+#define WINDOW 13	   /* of these (2 AROUND + 1)^2: every other one, as on a chess board */
 #define ALIKE 0.3f	   /* of its ratio, by which a cell around may differ and is asked */
 #define FLAT 2.0f	   /* cells on a line tell no slope beside it */
 #define UNEVEN 0.08f	   /* of its light, by which a shadow may be off its slope */
@@ -186,7 +186,7 @@ static void look_around(const struct people *p, int x, int y, struct window *w)
 	w->slope_across = w->slope_down = 0;
 	w->mean_seen = w->mean_place = w->seen2 = w->seen_place = w->place2 = 0;
 	for (int v = -AROUND; v <= AROUND; v++)
-		for (int u = -AROUND; u <= AROUND; u++) {
+		for (int u = -AROUND + ((v + AROUND) & 1); u <= AROUND; u += 2) {
 			const int at = middle + v * p->cells.across + u;
 
 			if (y + v < 0 || x + u < 0 || y + v >= p->cells.down ||
