@@ -21,7 +21,7 @@
 #define DISTINCT 0.1f	 /* by which it is above that of any shift elsewhere: no pattern repeats */
 #define TEXTURE 4.0f	 /* a patch's weaker gradient, over the noise's: it tells both directions */
 #define SCATTER 61	 /* patches from one to the next that is asked: a prime, so all have their turn */
-#define SURE_PATCHES 48	 /* that the share is a mean of which is where it was learned */
+#define SURE_PATCHES 48	 /* in the mean of which are where they were learned, or a third of all */
 #define ROUND 0.05f	 /* and over both: else the stronger one's errors are the weaker one's shift */
 #define FOUND_LEAST 8	 /* patches that agree */
 #define FOUND_SHARE 0.1f /* of those that have texture: others may be hidden */
@@ -179,7 +179,8 @@ static void ask_patch(struct people *p, int patch)
 		return;
 	nudge->usable++;
 	is_there = seek(&sought, p, patch, 1, vote);
-	nudge->sure += ((float)is_there - nudge->sure) / SURE_PATCHES;
+	nudge->sure += ((float)is_there - nudge->sure) *
+		       fmaxf(1.0f / SURE_PATCHES, 3.0f / (float)nudge->patches);
 	nudge->votes += is_there || seek(&sought, p, patch, REACH, vote);
 }
 

@@ -82,7 +82,6 @@ struct place {
 	float *lessons;	       /* [across]: of a span */
 	float shared[3];       /* of the known cells where nobody is: expected / seen in the mean */
 	struct ratios *ratios; /* drift.c: [tiles] */
-	bool jumped;	       /* a lamp was switched in this frame */
 	bool learn_now;
 };
 
@@ -119,7 +118,6 @@ struct verdict {
 	float *last;		   /* the opinion of the frame before */
 	float *opinion, *revised;  /* the same with the neighbours' weighed in; padded with -1 */
 	uint8_t *of;		   /* enum whose */
-	uint8_t *before;	   /* of the frame before */
 	uint8_t *copy;		   /* before an edge is refined */
 	struct box differing, box; /* of cells that differ; of all people */
 };
