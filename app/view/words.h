@@ -33,32 +33,32 @@ struct words_figures {
 	bool percent;	  /* the threshold is a percentage */
 	double error; /* bound for what the lights left out may change, linear light, 1 is white */
 	double frames_a_second;
-	double latency_ms; /* mean over the last second */
-	uint64_t drops;	   /* since the start */
-	double clipped;	   /* share of the sky, 0..1 */
-	bool recovered;	   /* the clipped light has been added */
-	bool at_bound;	   /* but a bound cut it */
-	bool lamp;	   /* one shines where the dome is coarse */
-	double lamp_azimuth_deg, lamp_height_deg;
+	double latency_ms;	  /* mean over the last second */
+	uint64_t drops;		  /* since the start */
+	double clipped;		  /* share of the sky, 0..1 */
+	bool recovered;		  /* the clipped light has been added */
+	bool at_bound;		  /* but a bound cut it */
+	bool lamp;		  /* one shines where the dome is coarse */
+	double lamp_deg[2];	  /* azimuth and height */
 	const char *missing_lamp; /* name of one that shows no light where it is said to be; NULL */
 	bool unnamed_lamp;	  /* there is one */
 	double unnamed_azimuth_deg, unnamed_height_deg, unnamed_off;
-	bool people;	/* they are looked for */
-	double learned; /* share of the place that is known without people, 0..1 */
-	int in_front;	/* groups of people in front of the object */
-	bool unsure;	/* the place looks so different that only who moves is */
+	bool people;	    /* they are looked for */
+	double learned;	    /* share of the place that is known without people, 0..1 */
+	int in_front;	    /* groups of people in front of the object */
+	bool unsure;	    /* the place looks so different that only who moves is */
 	double moved_px[2]; /* right and down, by which the camera was nudged */
-	bool depth;	/* there is a depth camera */
-	bool by_depth;	/* and it tells who is */
+	bool depth;	    /* there is a depth camera */
+	bool by_depth;	    /* and it tells who is */
 };
 
-/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms · 12
- * dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". Lamps at places:
- * " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m away". With a lamp it
- * ends in " · lamp at azimuth 134°, height 22°: shadow too soft, the dome is coarse there". Where
- * people are looked for: " · place learned 98 %, 1 in front", and with a depth camera " by depth"
- * or " by feet", then " · place not recognized, only who moves is in front", and " · camera moved 2
- * px right". */
+/* "lights 212 of 406 · threshold 32 · error ≤ 1.4 % of white · 29.9 frames/s · latency 38 ms ·
+ * 12 dropped · sky clipped 0.3 %, recovered". A percentage is written "threshold 1 %". Lamps at
+ * places: " · no light at lamp desk · light at 134°, 22° high, no [lamp]: off 8 % if 1.5 m
+ * away". With a lamp it ends in " · lamp at azimuth 134°, height 22°: shadow too soft, the dome
+ * is coarse there". Where people are looked for: " · place learned 98 %, 1 in front", and with a
+ * depth camera " by depth" or " by feet", then " · place not recognized, only who moves is in
+ * front", and " · camera moved 2 px right". */
 int words_information(char *text, size_t room, const struct words_figures *figures);
 
 #endif

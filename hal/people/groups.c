@@ -5,10 +5,10 @@
 
 #include "hal/people/people_parts.h"
 
-#define HAND 40		/* a group of fewer than (cells down / HAND)^2 cells is dropped */
-#define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
-#define LIGHT_SHARE 0.1 /* edge of its own along the outline of mere light, over the level there */
-#define CROWDED 0.7	/* of the watched cells: the camera has been moved */
+#define HAND 40		 /* a group of fewer than (cells down / HAND)^2 cells is dropped */
+#define GHOST_SHARE 0.5	 /* contrast along a ghost's outline, over that of the place */
+#define LIGHT_SHARE 0.1	 /* edge of its own along the outline of mere light, over the level there */
+#define CROWDED 0.7	 /* of the watched cells: the camera has been moved */
 #define CROWDED_MS 900e3 /* longer than visitors stand so near that they hide everything */
 
 /* ---- connected cells ---- */
@@ -46,7 +46,8 @@ static void join_rows(struct run *runs, int from, int first, int end)
 	}
 }
 
-/* Finds the runs of watched cells in the box that are people and joins them; label: of each cell. */
+/* Finds the runs of watched cells in the box that are people, and joins them; label becomes the
+ * run. */
 static void find_runs(struct people *p)
 {
 	const struct box *box = &p->verdict.box;

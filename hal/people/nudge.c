@@ -20,10 +20,10 @@
 #define MATCH 0.5f	 /* correlation of a patch that is found; with another place it is 0.3 */
 #define DISTINCT 0.1f	 /* by which it is above that of any shift elsewhere: no pattern repeats */
 #define TEXTURE 4.0f	 /* a patch's weaker gradient, over the noise's: it tells both directions */
-#define SCATTER 61	 /* patches from one to the next that is asked: a prime, so all have their turn */
-#define SURE_PATCHES 48	 /* in the mean of which are where they were learned, or a third of all */
-#define ROUND 0.05f	 /* and over both: else the stronger one's errors are the weaker one's shift */
-#define FOUND_LEAST 8	 /* patches that agree */
+#define SCATTER 61 /* patches from one to the next that is asked: a prime, so all have their turn */
+#define SURE_PATCHES 48 /* in the mean of which are where they were learned, or a third of all */
+#define ROUND 0.05f   /* and over both: else the stronger one's errors are the weaker one's shift */
+#define FOUND_LEAST 8 /* patches that agree */
 #define FOUND_SHARE 0.1f /* of those that have texture: others may be hidden */
 
 enum { SIDE = 8, REACH = 8, SHIFTS = 2 * REACH + 1, WINDOW = SIDE + 2 * REACH };
@@ -55,15 +55,6 @@ void nudge_place(struct people *p)
 	p->nudge.next = p->nudge.usable = p->nudge.votes = 0;
 }
 
-void nudge_forget(struct people *p)
-{
-	p->nudge.next = p->nudge.usable = p->nudge.votes = 0;
-	memset(p->nudge.moved, 0, sizeof(p->nudge.moved));
-	memset(p->nudge.told, 0, sizeof(p->nudge.told));
-	p->nudge.lost = false;
-	p->nudge.sure = 1;
-}
-
 /* False: it is not all known, or noise hides its texture. */
 static bool take_patch(const struct people *p, int patch, struct sought *sought)
 {
@@ -75,7 +66,8 @@ static bool take_patch(const struct people *p, int patch, struct sought *sought)
 
 	for (int k = 0; k < SIDE * SIDE; k++) {
 		const int at = patch + k / SIDE * across + k % SIDE;
-		const float dx = lit[at + 1] - lit[at - 1], dy = lit[at + across] - lit[at - across];
+		const float dx = lit[at + 1] - lit[at - 1],
+			    dy = lit[at + across] - lit[at - across];
 
 		if (!(known[at - 1] & known[at + 1] & known[at - across] & known[at + across]))
 			return false;
@@ -87,7 +79,7 @@ static bool take_patch(const struct people *p, int patch, struct sought *sought)
 		mean += lit[at] * unit / (SIDE * SIDE);
 	}
 	sought->energy = xx + yy;
-	/* Of a difference of two cells, over the patch. */
+	/* The noise of two cells differs by this much in the sum over the patch. */
 	noise = 2 * SIDE * SIDE * CELLS_RECENT_NOISE * cells_variance(&p->cells, 1, mean) /
 		(unit * unit);
 	/* The smaller eigenvalue is about the determinant over the trace. */
@@ -125,8 +117,8 @@ static void match_row(struct sought *sought, int v, int reach)
 		}
 	}
 	for (int s = 0; s < count; s++)
-		sought->match[REACH + v][first + s] =
-			both[s] / sqrtf(energy[s] * sought->energy + 1e-6f);
+		sought->match[REACH + v][first + s] = both[s] /
+						      sqrtf(energy[s] * sought->energy + 1e-6f);
 }
 
 /* The vertex of the parabola through three values of which the middle one is the largest. */
@@ -137,7 +129,7 @@ static float vertex(float before, float at, float after)
 	return bend < 0 ? 0.5f * (before - after) / bend : 0;
 }
 
-/* Seeks a patch up to `reach` cells away. False: it is not seen there, or in more than one place. */
+/* Seeks a patch up to `reach` cells away. False: it is seen nowhere, or in more than one place. */
 static bool seek(struct sought *sought, const struct people *p, int patch, int reach, float at[2])
 {
 	const int low = REACH - reach, high = REACH + reach;

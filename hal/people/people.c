@@ -331,7 +331,7 @@ const struct veil *people_veil(const struct people *p)
 void people_learn(struct people *p)
 {
 	p->place.learn_now = true;
-	nudge_forget(p);
+	nudge_forget(&p->nudge);
 }
 
 void people_forget(struct people *p)

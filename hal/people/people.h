@@ -97,7 +97,7 @@ struct people_report {
 	int parts;	/* connected groups of people that the last look saw */
 	int in_front;	/* of them in front of the object */
 	double gain[3]; /* R, G, B: the camera's exposure against that of the learned place */
-	double sure; /* share of the place's texture that is seen where it was learned */
+	double sure;	/* share of the place's texture that is seen where it was learned */
 	/* By how many pixels, right and down, the picture has moved since the place was learned. */
 	double moved_px[2];
 	bool lost; /* by so many that nobody is looked for: the camera is to be calibrated */

@@ -88,18 +88,18 @@ struct place {
 /* ---- whether the camera was nudged (nudge.c) ---- */
 
 #define NUDGE_PATCHES 256
-#define NUDGE_MOST 3.0f /* pixels, up to which the place moves along */
+#define NUDGE_MOST 3.5f /* pixels: up to 3, as rounded, the place moves along */
 
 struct nudge {
 	int *patch; /* [NUDGE_PATCHES]: the first cell of each */
 	int patches, next;
-	int usable, votes;	      /* of this round: patches with texture, and where they were found */
+	int usable, votes;	      /* of this round: patches with texture, and found ones */
 	float vote[NUDGE_PATCHES][2]; /* cells, right and down */
 	float before[2];	      /* what the round before said */
 	float moved[2];		      /* by how many pixels the place has moved along */
 	float told[2];		      /* by how many the picture has moved */
 	bool lost;		      /* by too many */
-	float sure;		      /* share of the last patches that are where they were learned */
+	float sure; /* share of the last patches that are where they were learned */
 };
 
 /* ---- whose each cell is (verdict.c) ---- */
@@ -150,9 +150,9 @@ struct person {
 	int opposed_ms;	 /* for how long his feet have been on the other side of the object */
 	int group;	 /* of this frame; -1: none */
 	float began_x, began_foot;
-	bool walked;	 /* he has moved since he was met */
-	bool front;	 /* before the object */
-	bool placed;	 /* front is known */
+	bool walked; /* he has moved since he was met */
+	bool front;  /* before the object */
+	bool placed; /* front is known */
 	bool over_object;
 };
 
@@ -261,7 +261,13 @@ void place_count_unknown(struct people *people);
 void nudge_place(struct people *people);
 void nudge_follow(struct people *people);
 /* The camera is where it was when the place was learned. */
-void nudge_forget(struct people *people);
+static inline void nudge_forget(struct nudge *nudge)
+{
+	nudge->next = nudge->usable = nudge->votes = 0;
+	nudge->moved[0] = nudge->moved[1] = nudge->told[0] = nudge->told[1] = 0;
+	nudge->lost = false;
+	nudge->sure = 1;
+}
 
 /* ---- drift.c ---- */
 

@@ -296,7 +296,8 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 		who->half = 0.5f * (float)(body->right + 1 - body->left);
 		who->top = (float)body->top;
 	} else {
-		const double head = head_row(p, body->left, body->right, body->bottom, who->height_m);
+		const double head = head_row(p, body->left, body->right, body->bottom,
+					     who->height_m);
 
 		who->top = head < who->foot - 1 ? (float)head : who->top;
 	}

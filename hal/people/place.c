@@ -107,7 +107,7 @@ void place_forget(struct people *p)
 		place->spread[at] = SPREAD_FIRST;
 		p->verdict.opinion[at] = -1;
 	}
-	nudge_forget(p);
+	nudge_forget(&p->nudge);
 	place_count_unknown(p);
 }
 

@@ -20,16 +20,16 @@
 
 /* Halving or doubling ALIKE, UNEVEN, STEEP, NEIGHBOUR, SHARP or PASSES changes the wrong pixels of
  * rooms 0 and 4 (tests/people) by 5 % at most, but for ALIKE 0.6: 10 %. */
-#define DIFFERS 12.0f	   /* chi-square of three channels: 0.7 % of empty cells are above */
-#define AROUND 2	   /* cells on each side that tell of other light */
-#define WINDOW 13	   /* of these (2 AROUND + 1)^2: every other one, as on a chess board */
-#define ALIKE 0.3f	   /* of its ratio, by which a cell around may differ and is asked */
-#define FLAT 2.0f	   /* cells on a line tell no slope beside it */
-#define UNEVEN 0.08f	   /* of its light, by which a shadow may be off its slope */
-#define STEEP 0.3f	   /* evidence per logit */
-#define NEIGHBOUR 0.3f	   /* weight of each of the four opinions beside */
-#define SHARP 1.6f	   /* slope of an opinion, which is clamped, over the sum of these */
-#define PASSES 3	   /* in which opinions settle */
+#define DIFFERS 12.0f  /* chi-square of three channels: 0.7 % of empty cells are above */
+#define AROUND 2       /* cells on each side that tell of other light */
+#define WINDOW 13      /* of these (2 AROUND + 1)^2: every other one, as on a chess board */
+#define ALIKE 0.3f     /* of its ratio, by which a cell around may differ and is asked */
+#define FLAT 2.0f      /* cells on a line tell no slope beside it */
+#define UNEVEN 0.08f   /* of its light, by which a shadow may be off its slope */
+#define STEEP 0.3f     /* evidence per logit */
+#define NEIGHBOUR 0.3f /* weight of each of the four opinions beside */
+#define SHARP 1.6f     /* slope of an opinion, which is clamped, over the sum of these */
+#define PASSES 3       /* in which opinions settle */
 
 /* A cell's logit is the sum of its clues by these: a logistic regression of the truth on the clues,
  * over the rooms that are there to choose on (tests/people/fit.c). */

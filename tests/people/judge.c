@@ -425,7 +425,7 @@ static void judge_loop(const char *folder, int room)
 /* The camera is pushed when the judged frames begin. */
 static void judge_nudge(const char *folder, int room, int px)
 {
-	double hidden = 0; /* sum over frames: pixels of the object */
+	double hidden = 0;     /* sum over frames: pixels of the object */
 	double wrong[2] = {0}; /* in the first second, in the last five of those judged */
 	int count[2] = {0}, last = LEARNING, said = 0;
 	struct people_report report = {0};
@@ -462,9 +462,8 @@ static void judge_nudge(const char *folder, int room, int px)
 	printf("nudge: room %d by %d px: said after %.1f s: %.1f px right, %.1f px down%s; the object hidden by nobody for %.2f s; pixels a frame in which nobody is seen: %.0f in the first second, %.0f in the last five; above 1 %% until %s%.1f s\n",
 	       room, px, said ? room_time_s(said) - room_time_s(LEARNING) : -1, report.moved_px[0],
 	       report.moved_px[1], report.lost ? ", people left alone" : "",
-	       hidden / j.object / RATE_HZ, wrong[0] / count[0],
-	       wrong[1] / count[1], last == ROOM_FRAMES - 1 ? ">" : "",
-	       room_time_s(last) - room_time_s(LEARNING));
+	       hidden / j.object / RATE_HZ, wrong[0] / count[0], wrong[1] / count[1],
+	       last == ROOM_FRAMES - 1 ? ">" : "", room_time_s(last) - room_time_s(LEARNING));
 	fflush(stdout);
 	judged_close(&j);
 }

@@ -241,9 +241,13 @@ TEST("lines say what was counted")
 		.unnamed = true, .share = 0.3, .azimuth_deg = 134, .height_deg = 22.5};
 	report.missing_lamp[0] = "desk";
 	report.missing_lamp[1] = "door";
-	report.people = (struct pipeline_people_seen){
-		.on = true, .learned = 0.98, .parts = 2, .in_front = 1, .sure = 0.4,
-		.moved_px = {10, -0.5}, .lost = true};
+	report.people = (struct pipeline_people_seen){.on = true,
+						      .learned = 0.98,
+						      .parts = 2,
+						      .in_front = 1,
+						      .sure = 0.4,
+						      .moved_px = {10, -0.5},
+						      .lost = true};
 	stats_line(&stats, 5 * NS_PER_S + 3 * NS_PER_S, &report, &source, 1);
 	stats_close(&stats);
 	stats_close(&stats);

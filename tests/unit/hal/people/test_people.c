@@ -1012,7 +1012,8 @@ static double hidden_share(const struct place *p)
 	int hidden = 0, all = 0;
 
 	for (int at = 0; at < WIDTH * HEIGHT; at++) {
-		const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) + at % WIDTH / BASIS_TILE;
+		const int t = at / WIDTH / BASIS_TILE * (WIDTH / BASIS_TILE) +
+			      at % WIDTH / BASIS_TILE;
 
 		all += p->coverage[at] > 0;
 		hidden += p->coverage[at] && veil && veil->tile[t] && veil->front[at] > 127;
