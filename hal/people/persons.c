@@ -28,7 +28,6 @@
 #define SHORT 0.8f     /* of his height: his feet are hidden */
 #define BESIDE 0.7f    /* of both halves: two persons who are nearer overlap */
 #define STACKED 0.25f  /* of his height: how far the feet of somebody behind reach below his head */
-#define PART 0.5f      /* of a body, beside another, that is another's */
 #define FALLS 0.2f     /* of his height: a foot so much lower than expected is another person's */
 #define WALKED 0.5f    /* of half his width, by which he has moved if he is more than a stain */
 #define DOUBLE 0.1f    /* of his height, by which the feet of two beside each other differ */
@@ -297,7 +296,8 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 		who->half = 0.5f * (float)(body->right + 1 - body->left);
 		who->top = (float)body->top;
 	} else {
-		const double head = head_row(p, body->left, body->right, body->bottom, who->height_m);
+		const double head = head_row(p, body->left, body->right, body->bottom,
+					     who->height_m);
 
 		who->top = head < who->foot - 1 ? (float)head : who->top;
 	}
@@ -414,18 +414,6 @@ static bool territory(const struct people *p, int n, struct box *own, bool *alon
 	return true;
 }
 
-/* Whether a part of a group is as large as a person, and not only an arm of another, whose reach is
- * so wide. */
-static bool is_somebody(const struct people *p, const struct body *body, float wide)
-{
-	const float usual = usual_width(p, body), high = usual / SLENDER;
-	const float least = PART * fmaxf(usual, fminf(wide, high));
-
-	return body->right >= body->left && (float)(body->right + 1 - body->left) > least &&
-	       (float)(body->bottom + 1 - body->top) > PART * high &&
-	       (float)body->cells > PART * PART * usual * high;
-}
-
 /* How far from his middle a person's hands and feet reach, in a wide step, too. */
 static float reach_of(const struct people *p, const struct person *who)
 {
@@ -433,32 +421,6 @@ static float reach_of(const struct people *p, const struct person *who)
 				  (int)who->top, (int)who->foot - 1, 0};
 
 	return fmaxf(1.4f * who->half, 0.8f * usual_width(p, &body));
-}
-
-/* What of a group is beyond all its persons, left, right or above, begins new ones. */
-static void begin_beside(struct people *p, int group)
-{
-	const struct group *g = &p->crowd.groups[group];
-	float left = INFINITY, right = -INFINITY, top = INFINITY;
-	struct box beyond[3];
-
-	for (int n = 0; n < p->crowd.persons; n++)
-		if (p->crowd.person[n].group == group) {
-			const struct person *who = &p->crowd.person[n];
-
-			left = fminf(left, who->x - reach_of(p, who));
-			right = fmaxf(right, who->x + reach_of(p, who));
-			top = fminf(top, who->top - STACKED * (who->foot - who->top));
-		}
-	beyond[0] = (struct box){g->left, (int)left - 1, g->top, g->bottom};
-	beyond[1] = (struct box){(int)right + 1, g->right, g->top, g->bottom};
-	beyond[2] = (struct box){(int)left, (int)right, g->top, (int)top - 1};
-	for (int n = 0; n < 3; n++) {
-		const struct body body = measure(p, group, &beyond[n]);
-
-		if (is_somebody(p, &body, right - left))
-			begin_persons(p, group, &beyond[n]);
-	}
 }
 
 static bool holds(const struct person *who, float x, float y)
@@ -540,9 +502,7 @@ static void meet_groups(struct people *p, struct body body[PERSONS_MAX])
 			continue;
 		for (int m = 0; m < p->crowd.persons; m++)
 			known |= p->crowd.person[m].group == n;
-		if (known)
-			begin_beside(p, n);
-		else
+		if (!known)
 			begin_persons(p, n, &whole);
 	}
 	for (int n = 0; n < p->crowd.persons; n++) {

@@ -27,7 +27,6 @@
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
 #define DARK 1e-5	  /* light_0 below which nothing can be told */
-#define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define CONE 0.95	  /* cosine of 18 degrees: what a body hides of a lamp and its glow */
 #define SKY 0.5		  /* of the rest of the sky that a body hides where he stands */
 #define DARKEST 0.1	  /* a share of light comes by way of walls */
@@ -108,7 +107,7 @@ void place_forget(struct people *p)
 		place->spread[at] = SPREAD_FIRST;
 		p->verdict.opinion[at] = -1;
 	}
-	nudge_forget(p);
+	nudge_forget(&p->nudge);
 	place_count_unknown(p);
 }
 
@@ -193,8 +192,6 @@ bool place_light(struct people *p, const float (*radiance)[3])
 	if (!(before[0][0] > 0))
 		return true;
 	change = light_change(place->light, before, &most) / 3;
-	place->jumped = !(most <= JUMPED) ||
-			fabsf(place->light[1][0] - before[1][0]) > JUMPED * place->light[1][0];
 	place->model_variance += (float)PRIOR * change -
 				 (float)(p->step_ms / (p->step_ms + SETTLING_MS)) *
 					 (place->model_variance - STEADY * STEADY);
