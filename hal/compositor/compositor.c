@@ -184,6 +184,13 @@ static int create_workers(struct compositor *c)
 	return 0;
 }
 
+/* Places are unpacked when lamps ask for them, behind their checksum. */
+static const char *trouble_of(int err)
+{
+	return err == -EBADMSG ? "the basis file's places are damaged"
+			       : "the compositor is out of memory";
+}
+
 int compositor_create(struct compositor **compositor, const struct basis *basis,
 		      const struct compositor_options *options, struct fault *fault)
 {
@@ -222,7 +229,7 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 		ret = create_workers(c);
 	if (ret < 0) {
 		compositor_destroy(c);
-		return fault_say(fault, ret, "the compositor is out of memory");
+		return fault_say(fault, ret, "%s", trouble_of(ret));
 	}
 	kernel_curves_fill(&c->curves, &c->settings.background, &c->settings.output);
 	*compositor = c;
@@ -263,7 +270,7 @@ int compositor_take_pose(struct compositor *c, int pose, struct fault *fault)
 	if (!c->poses[pose].made)
 		ret = make_pose(c, pose);
 	c->pose = ret < 0 ? -1 : pose;
-	return ret < 0 ? fault_say(fault, ret, "the compositor is out of memory") : 0;
+	return ret < 0 ? fault_say(fault, ret, "%s", trouble_of(ret)) : 0;
 }
 
 struct compositor_frame compositor_last(const struct compositor *c)
