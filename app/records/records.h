@@ -24,8 +24,8 @@ struct keeper;
 
 int keeper_create(struct keeper **keeper); /* 0 or -errno */
 
-/* Has bytes, which the keeper frees, written to a file, in place of those that wait for it; those
- * of KEEPER_PLACE are sealed. bytes NULL: the file is removed. */
+/* Has bytes, which the keeper frees, written to a file, in place of bytes that wait for it. The
+ * place's (KEEPER_PLACE) are sealed. bytes NULL: the file is removed. */
 void keeper_put(struct keeper *keeper, enum keeper_file file, const char *path, void *bytes,
 		size_t count);
 
@@ -96,7 +96,7 @@ void learned_keep(struct learned *learned, const struct pipeline *pipeline);
 /* Another file or interval counts from now on. */
 void learned_move(struct learned *learned, const struct config_state *settings);
 
-/* What is seen was taken as the place: it is written soon. */
+/* The place was learned by command: writes it soon. */
 void learned_soon(struct learned *learned);
 
 /* Removes the file. */
