@@ -298,10 +298,10 @@ static int scene_check_ground(const struct scene_file *file, const char *path, s
 	if (err || !file->ground.material[0])
 		return err;
 	m = scene_file_material(file, file->ground.material);
-	if (m->kind != MATERIAL_DIFFUSE || m->texture[0])
+	if (m->kind == MATERIAL_GLASS || m->texture[0])
 		return fault_say(
 			fault, -EINVAL,
-			"%s: [ground] material: %s is %s, expected a diffuse material without texture",
+			"%s: [ground] material: %s is %s, expected a diffuse or glossy material without texture",
 			path, m->name, m->texture[0] ? "textured" : material_kind_names[m->kind]);
 	for (int c = 0; c < 3; c++)
 		if (m->colour[c] < 1e-3)

@@ -24,6 +24,9 @@ struct cells {
 	struct v3 *node; /* [count]: direction of the cell's node */
 	float *sr;	 /* [count]: solid angle */
 	float *share;	 /* [count]: projected solid angle / pi; sums to 1 */
+	/* [count]: share, and of glossy ground what its coat mirrors, for an albedo of 1; the
+	 * ground's u is albedo times this */
+	float *shown;
 	float *reach;	 /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
 	/* [depth][count], each row in the order above: */
 	struct v3 *uniform; /* density: solid angle */

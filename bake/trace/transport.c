@@ -368,7 +368,7 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 {
 	const struct cells *cells = t->cells;
 	const uint32_t pixel = t->pixel + (uint32_t)depth * PIXEL_STEP;
-	const bool flat = s->kind == SURFACE_GROUND;
+	const bool flat = s->kind == SURFACE_GROUND && s->bsdf.kind == MATERIAL_DIFFUSE;
 	/* The second surface takes the samples in another order, so that its directions do not
 	 * correlate with the direction that led there. */
 	const uint32_t sample = depth ? sobol_shuffle(t->sample, pixel) : t->sample;
@@ -850,6 +850,44 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	weight *= -onward.weight;
 	follow_onward(t, WITH_OBJECTS, &ground, &onward, rgb_make(weight, weight, weight), 1, rows);
 	return true;
+}
+
+/* ---- the coat of flat ground ---- */
+
+bool transport_mirrors_object(struct transport *t, const struct surface *ground, struct v3 wo)
+{
+	const struct random before = t->random;
+	struct surface met;
+	struct v3 wi;
+	bool drawn;
+
+	if (ground->kind != SURFACE_GROUND || ground->bsdf.kind != MATERIAL_GLOSSY)
+		return false;
+	drawn = bsdf_coat_sample(&ground->bsdf, ground->normal, wo, &t->random, &wi);
+	t->random = before;
+	t->ray_count++;
+	return drawn && world_nearest(t->world, WITH_OBJECTS, surface_leave(ground, wi), wi, &met);
+}
+
+void transport_add_mirrored(struct transport *t, const struct surface *ground, struct v3 wo,
+			    const struct transport_rows *rows)
+{
+	const struct rgb white = {{1, 1, 1}};
+	struct surface base = *ground, mirrored;
+	struct rgb coat;
+	struct v3 wi;
+
+	t->compared = false;
+	t->gathered = false;
+	if (sample_coat(t, WITH_OBJECTS, ground, wo, white, false, &mirrored, &wi, &coat,
+			rows->direct))
+		add_path(t, WITH_OBJECTS, &mirrored, v3_scale(wi, -1), coat, 0, rows);
+	base.bsdf = (struct bsdf){
+		.kind = MATERIAL_DIFFUSE,
+		.colour = rgb_scale(ground->bsdf.colour,
+				    bsdf_base_mean(&ground->bsdf, v3_dot(ground->normal, wo))),
+	};
+	add_path(t, WITH_OBJECTS, &base, wo, white, 0, rows);
 }
 
 /* ---- points of the cache ---- */

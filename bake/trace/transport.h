@@ -110,6 +110,16 @@ bool transport_add_shadow(struct transport *transport, struct v3 position, float
 			  const struct transport_rows *rows);
 
 /*
+ * Whether the coat of glossy ground, at its next random numbers, mirrors an object towards wo. Such
+ * a sample hides the background's picture, as what the coat mirrors there is no longer in it:
+ * transport_add_mirrored() adds the light of the ground instead, with the object in its coat.
+ */
+bool transport_mirrors_object(struct transport *transport, const struct surface *ground,
+			      struct v3 wo);
+void transport_add_mirrored(struct transport *transport, const struct surface *ground, struct v3 wo,
+			    const struct transport_rows *rows);
+
+/*
  * Traces one point of a record of the cache: adds to row [3][count] what the surface reflects of
  * each cell, and appends to link the ends of the paths that go on from it. Light that these paths
  * collect on their way, by coats and glass, is added to row.
