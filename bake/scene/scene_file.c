@@ -75,7 +75,7 @@ static const struct ini_key render_keys[] = {
 #define GROUND(f) offsetof(struct scene_ground_values, f)
 static const struct ini_key ground_keys[] = {
 	{"material", INI_TEXT, GROUND(material), .fallback = "",
-	 .help = "a diffuse material without texture; empty: grey that reflects one half"},
+	 .help = "diffuse or, of a polished floor, glossy, without texture; empty: grey that reflects one half"},
 	{"extent", INI_REAL, GROUND(extent), .max = FAR, .fallback = "0", .unit = "world units",
 	 .help = "radius of the ground around the origin; 0: without end"},
 	INI_KEYS_END,

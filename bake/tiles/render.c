@@ -374,9 +374,9 @@ static int set_ground(struct render_job *job)
 	for (size_t c = 0; c < 3; c++)
 		for (size_t i = 0; i < n; i++)
 			job->plan.ground[c * n + i] =
-				job->scene->ground_albedo[c] *
-				(job->dome.projected_sr[i] / M_PI +
-				 (double)(job->cells.shown[i] - job->cells.share[i]));
+				job->scene->ground_albedo[c] / M_PI *
+				(job->dome.projected_sr[i] +
+				 M_PI * (double)(job->cells.shown[i] - job->cells.share[i]));
 	return 0;
 }
 

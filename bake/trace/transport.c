@@ -356,7 +356,7 @@ static void deposit_sky(const struct transport *t, struct v3 direction, struct r
  * lobe; that is sampled by rays of its own alone. */
 static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 {
-	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
+	return !t->coat.state && bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
 }
 
 /* ---- the first surfaces: a ray to every cell ---- */
@@ -616,13 +616,15 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 {
 	struct passage passage = {.open = true, .passed = {{1, 1, 1}}};
 	float density;
+	struct random *random = t->coat.state ? &t->coat : &t->random;
 	struct rgb f;
 	bool met;
 	int cell;
 
-	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
+	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
 		return false;
+	t->coat.state = 0;
 	f = bsdf_coat(&s->bsdf, s->normal, wo, *wi, &density);
 	if (density <= 0)
 		return false;
@@ -872,22 +874,12 @@ bool transport_mirrors_object(struct transport *t, const struct surface *ground,
 void transport_add_mirrored(struct transport *t, const struct surface *ground, struct v3 wo,
 			    const struct transport_rows *rows)
 {
-	const struct rgb white = {{1, 1, 1}};
-	struct surface base = *ground, mirrored;
-	struct rgb coat;
-	struct v3 wi;
-
 	t->compared = false;
 	t->gathered = false;
-	if (sample_coat(t, WITH_OBJECTS, ground, wo, white, false, &mirrored, &wi, &coat,
-			rows->direct))
-		add_path(t, WITH_OBJECTS, &mirrored, v3_scale(wi, -1), coat, 0, rows);
-	base.bsdf = (struct bsdf){
-		.kind = MATERIAL_DIFFUSE,
-		.colour = rgb_scale(ground->bsdf.colour,
-				    bsdf_base_mean(&ground->bsdf, v3_dot(ground->normal, wo))),
-	};
-	add_path(t, WITH_OBJECTS, &base, wo, white, 0, rows);
+	t->mirrored = 0;
+	t->coat = t->random;
+	add_path(t, WITH_OBJECTS, ground, wo, rgb_make(1, 1, 1), 0, rows);
+	t->coat.state = 0;
 }
 
 /* ---- points of the cache ---- */

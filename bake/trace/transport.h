@@ -49,6 +49,9 @@ struct transport {
 	uint32_t pixel, sample; /* choose one of a cell's directions */
 	float choice;		/* chooses the blocked ray to follow from the first surface, 0..1 */
 	double below[2];	/* chooses the direction below the horizon, 0..1 */
+	/* Draws the coat of the next glossy surface, all of it: no ray to a cell shows it as well;
+	 * state 0: not in use. */
+	struct random coat;
 	bool compared;		/* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
