@@ -113,9 +113,9 @@ bool transport_add_shadow(struct transport *transport, struct v3 position, float
 			  const struct transport_rows *rows);
 
 /*
- * Whether the coat of glossy ground, at its next random numbers, mirrors an object towards wo. Such
- * a sample hides the background's picture, as what the coat mirrors there is no longer in it:
- * transport_add_mirrored() adds the light of the ground instead, with the object in its coat.
+ * Tells whether the coat of glossy ground, at its next random numbers, mirrors an object towards
+ * wo. The background's picture does not show such a sample, as it has what the coat mirrors without
+ * the object: transport_add_mirrored() adds the ground's own light, with the object in its coat.
  */
 bool transport_mirrors_object(struct transport *transport, const struct surface *ground,
 			      struct v3 wo);
