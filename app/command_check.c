@@ -3,8 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "app/commands.h"
-#include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "app/settings.h"
 #include "config/config_hours.h"
@@ -38,6 +36,8 @@ static const struct basis *open_checked_basis(struct basis *basis, const struct 
 	*err = pipeline_open_basis(basis, config->basis.file, pipeline_part_of(config), &fault);
 	if (*err)
 		log_error("%s: [basis] file: %s", config->name, fault.text);
+	else
+		pipeline_warn_of_lamps(basis, &config->lamps);
 	return *err ? NULL : basis;
 }
 

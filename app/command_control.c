@@ -11,10 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/commands.h"
 #include "app/control/control_socket.h"
 #include "app/control/snapshot.h"
-#include "app/driver_list.h"
 #include "app/settings.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
@@ -62,7 +60,7 @@ static int find_socket(const struct control_options *options, char *path, size_t
 		path[0] = '\0';
 	config_destroy(config);
 	if (err && err != -EINVAL && options->settings.config_file)
-		return EXIT_FAILURE; /* there is no such file */
+		return EXIT_FAILURE; /* there about no such file */
 	if (path[0])
 		return 0;
 	log_error("control: %s names no socket in [control], expected one, or --socket PATH", file);
@@ -187,11 +185,11 @@ static int send_command(const char *path, const char *line, char *reply, struct 
 /* Checks the name before the kiosk is asked. */
 static int check_file(const char *file, bool force, struct fault *fault)
 {
-	struct stat is;
+	struct stat about;
 
 	if (image_name_linear(file, NULL))
 		return fault_say(fault, -EINVAL, "%s: expected a name that ends in .png", file);
-	if (!force && lstat(file, &is) == 0)
+	if (!force && lstat(file, &about) == 0)
 		return fault_say(fault, -EEXIST,
 				 "%s: is there already, expected another name, or --force", file);
 	return output_check(&file, 1, NULL, 0, fault);

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "app/commands.h"
 #include "app/devices_sample.h"
+#include "app/settings.h"
 #include "drivers/drivers.h"
 #include "hal/base/json.h"
 #include "hal/base/log.h"

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/commands.h"
 #include "app/grab.h"
 #include "app/settings.h"
 #include "hal/base/log.h"

@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "app/commands.h"
 #include "app/kiosk/kiosk.h"
 #include "app/settings.h"
 #include "hal/base/log.h"

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include <stddef.h>
 
-#include "app/commands.h"
+#include "app/bench/bench.h"
+#include "app/settings.h"
 
 int main(int argc, char **argv)
 {
 	static const struct command *const commands[] = {
-		&command_run,  &command_control, &command_still,
-		&command_grab, &command_devices, &command_check,
-		NULL};
+		&command_run,	  &command_control, &command_still, &command_grab,
+		&command_devices, &command_check,   &command_bench, NULL};
 
 	return program_run(
 		"inlay",

@@ -8,10 +8,14 @@ APP_SOURCES := \
 	app/command_run.c \
 	app/command_still.c \
 	app/devices_sample.c \
-	app/driver_list.c \
 	app/grab.c \
 	app/settings.c \
-	app/still.c \
+	app/bench/bench.c \
+	app/bench/bench_frame.c \
+	app/bench/bench_print.c \
+	app/bench/bench_truth.c \
+	app/bench/bench_ways.c \
+	app/bench/command_bench.c \
 	app/camera/exposing.c \
 	app/camera/eye.c \
 	app/camera/opener.c \
@@ -22,7 +26,6 @@ APP_SOURCES := \
 	app/control/snapshot.c \
 	app/kiosk/kiosk.c \
 	app/kiosk/kiosk_actions.c \
-	app/kiosk/kiosk_complain.c \
 	app/kiosk/kiosk_control.c \
 	app/kiosk/kiosk_doubt.c \
 	app/kiosk/kiosk_light.c \
@@ -49,13 +52,14 @@ APP_SOURCES := \
 	app/pipeline/pipeline_fade.c \
 	app/pipeline/pipeline_grain.c \
 	app/pipeline/pipeline_ground.c \
-	app/pipeline/pipeline_level.c \
 	app/pipeline/pipeline_light.c \
 	app/pipeline/pipeline_people.c \
 	app/pipeline/pipeline_pose.c \
+	app/records/keeper.c \
 	app/records/learned.c \
 	app/records/metrics.c \
 	app/records/state.c \
+	app/records/supply.c \
 	app/records/stats.c \
 	app/view/guide.c \
 	app/view/layout.c \
@@ -65,7 +69,7 @@ APP_SOURCES := \
 	app/view/show.c \
 	app/view/words.c
 APP_SOURCES += $(if $(filter 1,$(WITH_CAIRO)),app/view/panel.c app/view/pen.c app/view/typeset.c,\
-	app/view/panel_none.c app/view/pen_none.c)
+	app/view/panel_none.c)
 APP_MAIN := app/main.c
 
 # A clock that shows a time before this one has not been set, so that hours of the screen do not count yet.

@@ -2,10 +2,11 @@
 #include "app/settings.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "app/driver_list.h"
+#include "drivers/drivers.h"
 #include "hal/base/log.h"
 
 void settings_say(void *context, const char *text)
@@ -42,4 +43,21 @@ int settings_read(const struct settings *settings, struct config **config,
 	/* A file that does not exist is a fault like others, and does not hide them. */
 	err = config_read_files(*config, report) ? -EINVAL : 0;
 	return first ? first : err;
+}
+
+static struct config_driver_room room;
+static struct config_drivers drivers;
+
+static void fill(void)
+{
+	drivers = config_drivers_of(&room, camera_drivers, display_drivers, buttons_drivers);
+}
+
+/* Filled once: the thread that reads a configuration anew asks while others open devices by it. */
+const struct config_drivers *driver_list(void)
+{
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+	pthread_once(&once, fill);
+	return &drivers;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The options --config and --set of run, still and check. */
+/* What the commands of `inlay` share: the configuration, the drivers, the list of commands. */
 #ifndef INLAY_APP_SETTINGS_H
 #define INLAY_APP_SETTINGS_H
 
@@ -7,6 +7,8 @@
 
 #include "config/config.h"
 #include "hal/options/options.h"
+
+/* The options --config and --set of run, still and check. */
 
 #define SETTINGS_FILE "/etc/inlay/kiosk.conf" /* of the installed service (board/appliance.conf) */
 
@@ -36,5 +38,14 @@ void settings_say(void *context, const char *text);
  * *config is made unless memory is short, so that a check can go on. */
 int settings_read(const struct settings *settings, struct config **config,
 		  struct ini_report *report);
+
+/* Names of the drivers and their tables of keys, in the order of the arrays in drivers/drivers.h,
+ * so that an index serves both. Lives as long as the program. */
+const struct config_drivers *driver_list(void);
+
+/* The commands of `inlay`, in the order of --help. */
+
+extern const struct command command_run, command_control, command_still, command_grab,
+	command_devices, command_check;
 
 #endif

@@ -11,6 +11,7 @@
 #include "hal/base/json.h"
 #include "hal/base/log.h"
 #include "hal/basis/basis.h"
+#include "hal/compositor/near/near_sky.h"
 #include "hal/optics/dome.h"
 
 static const char *const kind_names[BASIS_KIND_COUNT] = {"T", "V", "D", "U"};
@@ -241,6 +242,8 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 		printf("no exact layer\n");
 	print_errors(info);
 	print_footprint(basis);
+	printf("lamps at places: %s\n",
+	       near_sky_possible(basis) ? "yes" : "no, the places of its pixels are not known");
 	print_poses(basis);
 	printf("%s%s", basis->camera, basis->provenance);
 }

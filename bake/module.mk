@@ -10,7 +10,6 @@ BAKE_SOURCES := \
 	bake/base/blas.c \
 	bake/base/picture_file.c \
 	bake/base/pixel_filter.c \
-	bake/base/profile.c \
 	bake/base/progress.c \
 	bake/base/report_page.c \
 	bake/base/strata.c \
@@ -71,7 +70,6 @@ BAKE_SOURCES := \
 	bake/report/report_bake.c \
 	bake/report/report_command.c \
 	bake/report/report_lighting.c \
-	bake/report/report_plot.c \
 	bake/report/report_rank.c \
 	bake/report/report_show.c \
 	bake/report/report_sky.c \
@@ -110,7 +108,6 @@ BAKE_SOURCES := \
 	bake/trace/inside.c \
 	bake/trace/transport.c \
 	bake/trace/world.c \
-	bake/truth/lamp.c \
 	bake/truth/photograph.c \
 	bake/truth/sky.c \
 	bake/truth/truth.c \

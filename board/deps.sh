@@ -6,7 +6,7 @@
 # Root is asked for only when something is missing.
 set -eu
 
-build="gcc g++ make pkg-config libdrm-dev libyuv-dev libinih-dev libsdl2-dev
+build="gcc g++ make pkg-config libdrm-dev libgpiod-dev libyuv-dev libinih-dev libsdl2-dev
 	libcamera-dev libavcodec-dev libcairo2-dev libsystemd-dev libpng-dev
 	libjpeg62-turbo-dev libopenexr-dev libwebp-dev libxxhash-dev libzstd-dev libembree-dev
 	libtiff-dev libstb-dev nlohmann-json3-dev libmeshoptimizer-dev libdraco-dev

@@ -95,7 +95,7 @@ deb_flags = $(shell DEB_HOST_ARCH=$(DEB_ARCH) DEB_BUILD_MAINT_OPTIONS=hardening=
 	DEB_CFLAGS_MAINT_STRIP="-g -O2" DEB_CXXFLAGS_MAINT_STRIP="-g -O2" dpkg-buildflags --get $(1))
 
 # A package in which a part is missing because its library was not found would be no kiosk.
-DEB_PARTS := KMS EXR LIBCAMERA CAIRO SYSTEMD
+DEB_PARTS := KMS GPIO EXR LIBCAMERA CAIRO SYSTEMD
 DEB_MISSING = $(foreach x,$(DEB_PARTS),$(if $(filter 1,$(WITH_$(x))),,WITH_$(x)))
 
 .PHONY: deb deb-built deb-whole deb-packed

@@ -44,73 +44,71 @@ _Static_assert(sizeof(matrix_names) / sizeof(*matrix_names) == MATRIX_COUNT + 2,
 _Static_assert(sizeof(range_names) / sizeof(*range_names) == RANGE_COUNT + 2,
 	       "a name for each range");
 
+#define AT(section, field) offsetof(struct config_##section, field)
+
 static const struct ini_key basis_keys[] = {
-	{"file", INI_PATH, offsetof(struct config_basis, file), .fallback = "",
-	 .help = "The basis file that inlay-bake made. Put another in its place with install or "
-		 "mv, never with cp over the file of a running kiosk; it counts from the next reload (SIGHUP)."},
-	{"pose", INI_INT, offsetof(struct config_basis, pose), .max = 65535, .fallback = "0",
+	{"file", INI_PATH, AT(basis, file), .fallback = "",
+	 .help = "The basis file that inlay-bake made. Put another in its place with install or mv, never with cp over the file of a running kiosk; it counts from the next reload (SIGHUP)."},
+	{"pose", INI_INT, AT(basis, pose), .max = 65535, .fallback = "0",
 	 .help = "Which of the file's poses is shown first."},
 	INI_KEYS_END};
 
 static const struct ini_key poses_keys[] = {
-	{"timeline", INI_CHOICE, offsetof(struct config_poses, timeline),
-	 .choices = config_timeline_names, .fallback = "none",
+	{"timeline", INI_CHOICE, AT(poses, timeline), .choices = config_timeline_names,
+	 .fallback = "none",
 	 .help = "Whether poses follow each other by themselves: from the last to the first, or back and forth."},
-	{"rate", INI_REAL, offsetof(struct config_poses, rate), .min = 0.001, .max = 1000,
-	 .fallback = "12", .unit = "poses a second",
-	 .help = "How fast, by the time at which frames are captured."},
-	{"fade", INI_BOOL, offsetof(struct config_poses, fade), .fallback = "no",
+	{"rate", INI_REAL, AT(poses, rate), .min = 0.001, .max = 1000, .fallback = "12",
+	 .unit = "poses a second", .help = "How fast, by the time at which frames are captured."},
+	{"fade", INI_BOOL, AT(poses, fade), .fallback = "no",
 	 .help = "Mix neighbours on the way from one to the next; a frame then takes twice as long."},
 	INI_KEYS_END};
 
 static const struct ini_key camera_keys[] = {
-	{"driver", INI_TEXT, offsetof(struct config_camera, driver), .fallback = "v4l2",
+	{"driver", INI_TEXT, AT(camera, driver), .fallback = "v4l2",
 	 .help = "Which driver: inlay devices lists them."},
-	{"device", INI_TEXT, offsetof(struct config_camera, settings.device), .fallback = "",
+	{"device", INI_TEXT, AT(camera, settings.device), .fallback = "",
 	 .help = "Which device, in the driver's own words; empty: the first found."},
-	{"width", INI_INT, offsetof(struct config_camera, settings.width), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px", .help = "Wanted width; 0: the driver's choice."},
-	{"height", INI_INT, offsetof(struct config_camera, settings.height), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px", .help = "Wanted height; 0: the driver's choice."},
-	{"rate", INI_REAL, offsetof(struct config_camera, settings.rate_hz), .max = 1000,
-	 .fallback = "0", .unit = "Hz", .help = "Wanted frames a second; 0: the driver's choice."},
-	{"format", INI_CHOICE, offsetof(struct config_camera, settings.format),
-	 .choices = pixel_format_names, .fallback = "none",
+	{"width", INI_INT, AT(camera, settings.width), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Wanted width; 0: the driver's choice."},
+	{"height", INI_INT, AT(camera, settings.height), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Wanted height; 0: the driver's choice."},
+	{"rate", INI_REAL, AT(camera, settings.rate_hz), .max = 1000, .fallback = "0", .unit = "Hz",
+	 .help = "Wanted frames a second; 0: the driver's choice."},
+	{"format", INI_CHOICE, AT(camera, settings.format), .choices = pixel_format_names,
+	 .fallback = "none",
 	 .help = "Wanted pixel format; none: the cheapest to convert. Y10, Y12, Y14 also read Y16 whose upper bits are empty."},
-	{"buffers", INI_INT, offsetof(struct config_camera, settings.buffers), .min = 2, .max = 8,
-	 .fallback = "4", .help = "Buffers that the driver cycles through."},
-	{"matrix", INI_CHOICE, offsetof(struct config_camera, settings.matrix),
-	 .choices = matrix_names, .fallback = "driver",
-	 .help = "Y'CbCr matrix; driver: as the driver says."},
-	{"range", INI_CHOICE, offsetof(struct config_camera, settings.range),
-	 .choices = range_names, .fallback = "driver",
-	 .help = "Y'CbCr range; driver: as the driver says."},
-	{"deinterlace", INI_CHOICE, offsetof(struct config_camera, deinterlace),
-	 .choices = deinterlace_names, .fallback = "weave",
+	{"buffers", INI_INT, AT(camera, settings.buffers), .min = 2, .max = 8, .fallback = "4",
+	 .help = "Buffers that the driver cycles through."},
+	{"matrix", INI_CHOICE, AT(camera, settings.matrix), .choices = matrix_names,
+	 .fallback = "driver", .help = "Y'CbCr matrix; driver: as the driver says."},
+	{"range", INI_CHOICE, AT(camera, settings.range), .choices = range_names,
+	 .fallback = "driver", .help = "Y'CbCr range; driver: as the driver says."},
+	{"deinterlace", INI_CHOICE, AT(camera, deinterlace), .choices = deinterlace_names,
+	 .fallback = "weave",
 	 .help = "Interlaced video: both fields line by line, the later one interpolated, or both averaged."},
-	{"rotate", INI_CHOICE, offsetof(struct config_camera, turn), .choices = picture_turn_names,
-	 .fallback = "0", .unit = "deg",
+	{"rotate", INI_CHOICE, AT(camera, turn), .choices = picture_turn_names, .fallback = "0",
+	 .unit = "deg",
 	 .help = "How far its picture is turned clockwise to be upright, for a camera that hangs on its side; views and calibration see it turned."},
-	{"controls", INI_TEXT, offsetof(struct config_camera, settings.controls), .fallback = "",
+	{"controls", INI_TEXT, AT(camera, settings.controls), .fallback = "",
 	 .help = "Set at every opening, \"name=value, name=value\", as inlay devices lists them."},
-	{"give_up", INI_TEXT, offsetof(struct config_camera, settings.give_up),
-	 .fallback = "format rate",
+	{"give_up", INI_TEXT, AT(camera, settings.give_up), .fallback = "format rate",
 	 .help = "What may go, in this order, when the bus has no room: words of format, size, rate."},
 	INI_KEYS_END};
 
 /* The four views differ only in the default of their camera. */
 #define VIEW_CAMERA_KEY(camera_default, text)                                                      \
 	{                                                                                          \
-		.name = "camera", .type = INI_TEXT,                                                \
-		.offset = offsetof(struct config_view, camera), .fallback = (camera_default),      \
-		.help = (text)                                                                     \
+		.name = "camera", .type = INI_TEXT, .offset = AT(view, camera),                    \
+		.fallback = (camera_default), .help = (text)                                       \
 	}
 
 static const struct ini_key fisheye_camera_keys[] = {
 	VIEW_CAMERA_KEY("fisheye", "The [camera NAME] that looks at the sky."), INI_KEYS_END};
+
 static const struct ini_key background_camera_keys[] = {
 	VIEW_CAMERA_KEY("background", "The [camera NAME] whose picture the object stands in."),
 	INI_KEYS_END};
+
 static const struct ini_key scene_camera_keys[] = {
 	VIEW_CAMERA_KEY("", "A [camera NAME] that looks on, for show = quad; empty: none."),
 	INI_KEYS_END};
@@ -122,31 +120,27 @@ static const struct ini_key depth_camera_keys[] = {
 	INI_KEYS_END};
 
 static const struct ini_key view_keys[] = {
-	{"x", INI_INT, offsetof(struct config_view, view.x), .max = BASIS_SIDE_MAX, .fallback = "0",
-	 .unit = "px", .help = "Left edge of the view in the camera's picture."},
-	{"y", INI_INT, offsetof(struct config_view, view.y), .max = BASIS_SIDE_MAX, .fallback = "0",
-	 .unit = "px", .help = "Upper edge of the view in the camera's picture."},
-	{"width", INI_INT, offsetof(struct config_view, view.width), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px",
-	 .help = "Width of the view; 0: to the camera's right edge."},
-	{"height", INI_INT, offsetof(struct config_view, view.height), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px",
-	 .help = "Height of the view; 0: to the camera's lower edge."},
-	{"hflip", INI_BOOL, offsetof(struct config_view, view.hflip), .fallback = "no",
+	{"x", INI_INT, AT(view, view.x), .max = BASIS_SIDE_MAX, .fallback = "0", .unit = "px",
+	 .help = "Left edge of the view in the camera's picture."},
+	{"y", INI_INT, AT(view, view.y), .max = BASIS_SIDE_MAX, .fallback = "0", .unit = "px",
+	 .help = "Upper edge of the view in the camera's picture."},
+	{"width", INI_INT, AT(view, view.width), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Width of the view; 0: to the camera's right edge."},
+	{"height", INI_INT, AT(view, view.height), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Height of the view; 0: to the camera's lower edge."},
+	{"hflip", INI_BOOL, AT(view, view.hflip), .fallback = "no",
 	 .help = "Left and right are swapped in the camera's picture."},
-	{"vflip", INI_BOOL, offsetof(struct config_view, view.vflip), .fallback = "no",
+	{"vflip", INI_BOOL, AT(view, view.vflip), .fallback = "no",
 	 .help = "The camera's picture is upside down, but not mirrored."},
-	{"squash", INI_REAL, offsetof(struct config_view, view.squash), .min = 0.1, .max = 10,
-	 .fallback = "1",
+	{"squash", INI_REAL, AT(view, view.squash), .min = 0.1, .max = 10, .fallback = "1",
 	 .help = "Height of a pixel over its width; 2 where every other line was lost. Stretches what is shown."},
 	INI_KEYS_END};
 
 static const struct ini_key depth_keys[] = {
-	{"unit", INI_REAL, offsetof(struct config_depth, unit_mm), .min = 0.001, .max = 1000,
-	 .fallback = "1", .unit = "mm", .help = "What 1 in the camera's depths stands for."},
-	{"calibration", INI_PATH, offsetof(struct config_depth, calibration), .fallback = "",
-	 .help = "A file with a [camera] section, as inlay-calibrate camera writes it, of the "
-		 "depth camera in the same world as the background's. Empty: its view shows what the background shows, as if from the same place."},
+	{"unit", INI_REAL, AT(depth, unit_mm), .min = 0.001, .max = 1000, .fallback = "1",
+	 .unit = "mm", .help = "What 1 in the camera's depths stands for."},
+	{"calibration", INI_PATH, AT(depth, calibration), .fallback = "",
+	 .help = "A file with a [camera] section, as inlay-calibrate camera writes it, of the depth camera in the same world as the background's. Empty: its view shows what the background shows, as if from the same place."},
 	INI_KEYS_END};
 
 static const struct ini_key fisheye_place_keys[] = {
@@ -164,164 +158,148 @@ static const struct ini_key lamp_keys[] = {
 	INI_KEYS_END};
 
 static const struct ini_key fisheye_lens_keys[] = {
-	{"lens", INI_PATH, offsetof(struct config_fisheye, lens_file), .fallback = "",
+	{"lens", INI_PATH, AT(fisheye, lens_file), .fallback = "",
 	 .help = "A file with a [fisheye] section, as inlay-calibrate fisheye writes it. Its keys replace the seven that follow here; empty: none."},
 	INI_KEYS_END};
 
 static const struct ini_key fisheye_light_keys[] = {
-	{"transfer", INI_CHOICE, offsetof(struct config_fisheye, transfer),
-	 .choices = transfer_names, .fallback = "srgb",
-	 .help = "Transfer function of the camera's 8-bit code values."},
-	{"black_level", INI_INT, offsetof(struct config_fisheye, black_level), .max = 254,
-	 .fallback = "0", .help = "Code value that is no light."},
-	{"gain", INI_REAL, offsetof(struct config_fisheye, gain), .max = 1e6, .fallback = "1",
+	{"transfer", INI_CHOICE, AT(fisheye, transfer), .choices = transfer_names,
+	 .fallback = "srgb", .help = "Transfer function of the camera's 8-bit code values."},
+	{"black_level", INI_INT, AT(fisheye, black_level), .max = 254, .fallback = "0",
+	 .help = "Code value that is no light."},
+	{"gain", INI_REAL, AT(fisheye, gain), .max = 1e6, .fallback = "1",
 	 .help = "Linear light is multiplied by it: this camera's units to the background's."},
-	{"light", INI_PATH, offsetof(struct config_fisheye, light), .fallback = "",
+	{"light", INI_PATH, AT(fisheye, light), .fallback = "",
 	 .help = "What inlay-calibrate light measured; what it says goes before transfer, black_level and gain."},
-	{"exposures", INI_LIST, offsetof(struct config_fisheye, exposures), EXPOSURES_MAX,
-	 .min = 1e-6, .max = 1e9, .fallback = "",
-	 .help = "2 to 5 values of exposure_control, descending, that the camera takes in turn; "
-		 "light is proportional to them, and the other keys are those of the first. Empty: it keeps one."},
-	{"exposure_control", INI_TEXT, offsetof(struct config_fisheye, exposure_control),
+	{"exposures", INI_LIST, AT(fisheye, exposures), EXPOSURES_MAX, .min = 1e-6, .max = 1e9,
+	 .fallback = "",
+	 .help = "2 to 5 values of exposure_control, descending, that the camera takes in turn; light is proportional to them, and the other keys are those of the first. Empty: it keeps one."},
+	{"exposure_control", INI_TEXT, AT(fisheye, exposure_control),
 	 .fallback = "exposure_time_absolute",
 	 .help = "The camera's control that sets the exposure, as inlay devices lists it; its automatics are off by [camera NAME] controls."},
-	{"exposure_delay", INI_INT, offsetof(struct config_fisheye, exposure_delay), .min = -1,
+	{"exposure_delay", INI_INT, AT(fisheye, exposure_delay), .min = -1,
 	 .max = EXPOSURE_DELAY_MAX, .fallback = "-1", .unit = "frames",
-	 .help = "So many frames still show the exposure before; -1: as light says, or else measured whenever the camera is opened."},
+	 .help = "How many frames still show the exposure before; -1: as light says, or else measured whenever the camera is opened."},
 	INI_KEYS_END};
 
 static const struct ini_key background_keys[] = {
-	{"transfer", INI_CHOICE, offsetof(struct config_background, transfer),
-	 .choices = transfer_names, .fallback = "srgb",
+	{"transfer", INI_CHOICE, AT(background, transfer), .choices = transfer_names,
+	 .fallback = "srgb",
 	 .help = "Transfer function of the camera's 8-bit code values; the picture on the screen keeps it."},
-	{"light", INI_PATH, offsetof(struct config_background, light), .fallback = "",
+	{"light", INI_PATH, AT(background, light), .fallback = "",
 	 .help = "What inlay-calibrate light measured: its black_level counts, and its response goes before transfer."},
-	{"ground_patch", INI_REALS, offsetof(struct config_background, patch), 4,
-	 .max = BASIS_SIDE_MAX, .fallback = "0 0 0 0", .unit = "px",
+	{"ground_patch", INI_REALS, AT(background, patch), 4, .max = BASIS_SIDE_MAX,
+	 .fallback = "0 0 0 0", .unit = "px",
 	 .help = "x, y, width and height of a patch of open ground in the view: what the sky's clipped parts must be, so that it is as bright as it is. Width 0: none."},
-	{"ground_reflectance", INI_REALS, offsetof(struct config_background, reflectance), 3,
-	 .max = 1, .fallback = "0 0 0",
-	 .help = "Of that patch, R G B in linear light, as it was given for the gain; 0 0 0: that of the ground that was baked."},
+	{"ground_reflectance", INI_REALS, AT(background, reflectance), 3, .max = 1,
+	 .fallback = "0 0 0",
+	 .help = "The reflectance of that patch, R G B in linear light, as it was given for the gain; 0 0 0: that of the ground that was baked."},
 	INI_KEYS_END};
 
 static const struct ini_key lights_keys[] = {
-	{"threshold", INI_LEVEL, offsetof(struct config_lights, threshold), .max = 255,
-	 .fallback = "0", .unit = "grey levels",
-	 .help = "A light none of whose channels reaches this 8-bit level of the fisheye's picture "
-		 "is left out; 0 uses all. A percentage: the most lights that together change no pixel by more of white."},
-	{"threshold_step", INI_REAL, offsetof(struct config_lights, threshold_step), .min = 0.1,
-	 .max = 255, .fallback = "8", .unit = "grey levels, or percent",
+	{"threshold", INI_LEVEL, AT(lights, threshold), .max = 255, .fallback = "0",
+	 .unit = "grey levels",
+	 .help = "A light none of whose channels reaches this 8-bit level of the fisheye's picture is left out; 0 uses all. A percentage: the most lights that together change no pixel by more of white."},
+	{"threshold_step", INI_REAL, AT(lights, threshold_step), .min = 0.1, .max = 255,
+	 .fallback = "8", .unit = "grey levels, or percent",
 	 .help = "What one press of a button changes, in the unit of the threshold."},
-	{"threshold_mode", INI_CHOICE, offsetof(struct config_lights, threshold_mode),
-	 .choices = threshold_mode_names, .fallback = "ambient",
+	{"threshold_mode", INI_CHOICE, AT(lights, threshold_mode), .choices = threshold_mode_names,
+	 .fallback = "ambient",
 	 .help = "What becomes of the light left out: ambient returns it from all directions alike, drop loses it."},
-	{"follow", INI_REAL, offsetof(struct config_lights, follow_s),
-	 .max = LIGHT_FILTER_FOLLOW_MAX, .fallback = "0.1", .unit = "s",
-	 .help = "By then 90 % of a change of the light are shown; what a camera's noise makes is averaged for longer. 0: each frame's light as it is."},
+	{"follow", INI_REAL, AT(lights, follow_s), .max = LIGHT_FILTER_FOLLOW_MAX,
+	 .fallback = "0.1", .unit = "s",
+	 .help = "The time within which 90 % of a change of the light are shown; changes as small as the camera's noise are averaged for longer. 0: each frame's light as it is."},
 	INI_KEYS_END};
 
 static const struct ini_key composite_keys[] = {
-	{"gain", INI_REAL, offsetof(struct config_composite, gain), .max = COMPOSITOR_GAIN_MAX,
-	 .fallback = "1", .help = "The object's light is multiplied by it."},
-	{"threads", INI_INT, offsetof(struct config_composite, threads), .max = 256,
-	 .fallback = "0", .help = "Threads that composite; 0: one for each processor."},
-	{"mode", INI_CHOICE, offsetof(struct config_composite, mode),
-	 .choices = compositor_mode_names, .fallback = "fast",
+	{"gain", INI_REAL, AT(composite, gain), .max = COMPOSITOR_GAIN_MAX, .fallback = "1",
+	 .help = "The object's light is multiplied by it."},
+	{"threads", INI_INT, AT(composite, threads), .max = 256, .fallback = "0",
+	 .help = "Threads that composite; 0: one for each processor."},
+	{"mode", INI_CHOICE, AT(composite, mode), .choices = compositor_mode_names,
+	 .fallback = "fast",
 	 .help = "fast: within the errors that the basis declares; exact: every light's own picture, where the basis holds them, with all of the file in memory."},
-	{"follow_exposure", INI_BOOL, offsetof(struct config_composite, follow_exposure),
-	 .fallback = "no",
-	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's "
-		 "automatic exposure and white balance make the place. A change that the fisheye "
-		 "sees as well is light, and is not followed. Lamps that flicker in the picture's rows flicker on the object, too."},
-	{"neutral", INI_REAL, offsetof(struct config_composite, neutral_percent), .max = 100,
-	 .fallback = "0", .unit = "%",
-	 .help = "Share of the object's light that is grey instead of coloured, as bright as it "
-		 "was: 20 lets the colours of a brand be recognised in warm light. The shadow's colour follows."},
-	{"grain", INI_BOOL, offsetof(struct config_composite, grain), .fallback = "no",
+	{"follow_exposure", INI_BOOL, AT(composite, follow_exposure), .fallback = "no",
+	 .help = "yes: the object becomes brighter, darker or warmer as the background camera's automatic exposure and white balance make the place. A change that the fisheye sees as well is light, and is not followed. Lamps that flicker in the picture's rows flicker on the object, too."},
+	{"neutral", INI_REAL, AT(composite, neutral_percent), .max = 100, .fallback = "0",
+	 .unit = "%",
+	 .help = "Share of the object's light that is grey instead of coloured, as bright as it was: 20 lets the colours of a brand be recognised in warm light. The shadow's colour follows."},
+	{"grain", INI_BOOL, AT(composite, grain), .fallback = "no",
 	 .help = "yes: the object gets the noise of the background's camera, which is measured meanwhile."},
-	{"kernel", INI_TEXT, offsetof(struct config_composite, kernel), .fallback = "auto",
-	 .help = "Instructions that the sums are made with, like c or avx2; auto: the fastest that the processor has."},
+	{"kernel", INI_TEXT, AT(composite, kernel), .fallback = "auto",
+	 .help = "Instructions that the sums are made with, like c or avx2; auto: the fastest that the processor has. inlay bench lists them."},
 	INI_KEYS_END};
 
 static const struct ini_key people_keys[] = {
-	{"occlude", INI_BOOL, offsetof(struct config_people, occlude), .fallback = "no",
-	 .help = "yes: people who walk between camera and object stand before it, and its shadow "
-		 "does not lie on them. The place without people is learned in the first seconds "
-		 "and kept for the light of each moment; \"learn\" takes what is seen as empty, \"forget\" begins anew."},
-	{"mask", INI_PATH, offsetof(struct config_people, mask), .fallback = "",
-	 .help = "A picture of the background's size (PNG, JPEG or WebP): nobody is looked for "
-		 "where it is dark, such as in a screen or a mirror, which show people who are not there. inlay grab background -o mask.png makes one to paint on."},
+	{"occlude", INI_BOOL, AT(people, occlude), .fallback = "no",
+	 .help = "yes: people who walk between camera and object stand before it, and its shadow does not lie on them. The place without people is learned in the first seconds and kept for the light of each moment; \"learn\" takes what is seen as empty, \"forget\" begins anew."},
+	{"mask", INI_PATH, AT(people, mask), .fallback = "",
+	 .help = "A picture of the background's size (PNG, JPEG or WebP): nobody is looked for where it is dark, such as in a screen or a mirror, which show people who are not there. inlay grab background -o mask.png makes one to paint on."},
 	INI_KEYS_END};
 
 static const struct ini_key screen_keys[] = {
-	{"driver", INI_TEXT, offsetof(struct config_screen, driver), .fallback = "kms",
+	{"driver", INI_TEXT, AT(screen, driver), .fallback = "kms",
 	 .help = "Which driver: inlay devices lists them."},
-	{"device", INI_PATH, offsetof(struct config_screen, settings.device), .fallback = "",
+	{"device", INI_PATH, AT(screen, settings.device), .fallback = "",
 	 .help = "Which device or output file; empty: the first found."},
-	{"width", INI_INT, offsetof(struct config_screen, settings.width), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px", .help = "Wanted width; 0: the driver's choice."},
-	{"height", INI_INT, offsetof(struct config_screen, settings.height), .max = BASIS_SIDE_MAX,
-	 .fallback = "0", .unit = "px", .help = "Wanted height; 0: the driver's choice."},
-	{"rate", INI_REAL, offsetof(struct config_screen, settings.rate_hz), .max = 1000,
-	 .fallback = "0", .unit = "Hz",
+	{"width", INI_INT, AT(screen, settings.width), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Wanted width; 0: the driver's choice."},
+	{"height", INI_INT, AT(screen, settings.height), .max = BASIS_SIDE_MAX, .fallback = "0",
+	 .unit = "px", .help = "Wanted height; 0: the driver's choice."},
+	{"rate", INI_REAL, AT(screen, settings.rate_hz), .max = 1000, .fallback = "0", .unit = "Hz",
 	 .help = "Wanted refreshes a second; 0: the driver's choice."},
-	{"show", INI_CHOICE, offsetof(struct config_screen, show), .choices = config_show_names,
+	{"show", INI_CHOICE, AT(screen, show), .choices = config_show_names,
 	 .fallback = "composite",
-	 .help = "What is shown first: the picture with the object, before it, the fisheye with "
-		 "its marked lights, the scene camera, all four, before and after side by side, nothing; guide, for setting up: the calibrated ground and directions."},
-	{"scale", INI_CHOICE, offsetof(struct config_screen, scale), .choices = config_scale_names,
-	 .fallback = "none",
+	 .help = "What is shown first: the picture with the object, before it, the fisheye with its marked lights, the scene camera, all four, before and after side by side, nothing; guide, for setting up: the calibrated ground and directions."},
+	{"scale", INI_CHOICE, AT(screen, scale), .choices = config_scale_names, .fallback = "none",
 	 .help = "none: pixel by pixel in the middle of the screen, cut where larger; fit: as large as fits."},
-	{"rotate", INI_CHOICE, offsetof(struct config_screen, settings.turn),
-	 .choices = picture_turn_names, .fallback = "0", .unit = "deg",
+	{"rotate", INI_CHOICE, AT(screen, settings.turn), .choices = picture_turn_names,
+	 .fallback = "0", .unit = "deg",
 	 .help = "How far the picture is turned clockwise, for a screen that hangs on its side; added to how the panel is built in, where the kernel knows that."},
-	{"margins", INI_REALS, offsetof(struct config_screen, settings.margins), 4, .max = 4096,
-	 .fallback = "0 0 0 0", .unit = "px",
+	{"margins", INI_REALS, AT(screen, settings.margins), 4, .max = 4096, .fallback = "0 0 0 0",
+	 .unit = "px",
 	 .help = "Black at the left, top, right and bottom of the screen as it is driven: what a television's frame hides."},
-	{"split", INI_REAL, offsetof(struct config_screen, split), .max = 1, .fallback = "0.5",
+	{"split", INI_REAL, AT(screen, split), .max = 1, .fallback = "0.5",
 	 .help = "Where the line of show = split stands, as a share of the width."},
-	{"information", INI_BOOL, offsetof(struct config_screen, information), .fallback = "no",
+	{"information", INI_BOOL, AT(screen, information), .fallback = "no",
 	 .help = "A line of figures: lights used, threshold, error, frames a second, latency."},
-	{"trouble", INI_BOOL, offsetof(struct config_screen, trouble), .fallback = "yes",
+	{"trouble", INI_BOOL, AT(screen, trouble), .fallback = "yes",
 	 .help = "What is wrong is named on the screen."},
-	{"blank_after", INI_REAL, offsetof(struct config_screen, blank_after_s), .max = 86400,
-	 .fallback = "0", .unit = "s",
-	 .help = "Without a new picture for so long the last one goes black; 0: never."},
-	{"hours", INI_TEXT, offsetof(struct config_screen, hours), .check = config_hours_check,
-	 .fallback = "",
+	{"blank_after", INI_REAL, AT(screen, blank_after_s), .max = 86400, .fallback = "0",
+	 .unit = "s",
+	 .help = "After this time without a new picture the last one goes black; 0: never."},
+	{"hours", INI_TEXT, AT(screen, hours), .check = config_hours_check, .fallback = "",
 	 .help = "When the screen is on, as in \"mon-fri 09:00-12:30, 13:30-18:30, sat 20:00-02:00\"; else it is off and the cameras rest. Empty: always."},
-	{"hours_off", INI_CHOICE, offsetof(struct config_screen, hours_off),
-	 .choices = config_hours_off_names, .fallback = "signal",
+	{"hours_off", INI_CHOICE, AT(screen, hours_off), .choices = config_hours_off_names,
+	 .fallback = "signal",
 	 .help = "What ends with the hours: the signal; or it stays and is black, for televisions that do not come back by themselves."},
-	{"cec", INI_PATH, offsetof(struct config_screen, cec), .fallback = "",
+	{"cec", INI_PATH, AT(screen, cec), .fallback = "",
 	 .help = "Tells a television by HDMI when hours end and begin, as in /dev/cec0; empty: nothing does."},
-	{"time_zone", INI_TEXT, offsetof(struct config_screen, time_zone),
-	 .check = config_zone_check, .fallback = "",
-	 .help = "Of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows no such names; empty: the system's."},
+	{"time_zone", INI_TEXT, AT(screen, time_zone), .check = config_zone_check, .fallback = "",
+	 .help = "The time zone of hours: Europe/Berlin, or CET-1CEST,M3.5.0,M10.5.0/3 on a system that knows no such names; empty: the system's."},
 	INI_KEYS_END};
 
 static const struct ini_key buttons_keys[] = {
-	{"driver", INI_TEXT, offsetof(struct config_buttons, driver), .fallback = "none",
+	{"driver", INI_TEXT, AT(buttons, driver), .fallback = "none",
 	 .help = "Which drivers, separated by blanks, or none: inlay devices lists them."},
 	INI_KEYS_END};
 
 static const struct ini_key control_keys[] = {
-	{"socket", INI_PATH, offsetof(struct config_control, socket), .fallback = "",
+	{"socket", INI_PATH, AT(control, socket), .fallback = "",
 	 .help = "Where inlay control reaches a running kiosk; empty: nowhere."},
-	{"group", INI_TEXT, offsetof(struct config_control, group), .fallback = "",
+	{"group", INI_TEXT, AT(control, group), .fallback = "",
 	 .help = "Whose members may command, besides the owner and root; empty: nobody."},
 	INI_KEYS_END};
 
 static const struct ini_key state_keys[] = {
-	{"file", INI_PATH, offsetof(struct config_state, file), .fallback = "",
+	{"file", INI_PATH, AT(state, file), .fallback = "",
 	 .help = "Where threshold, view and pose are kept over a power cut; empty: nowhere. Beside it, under its name and .place, what [people] has learned of the place."},
-	{"interval", INI_REAL, offsetof(struct config_state, interval_s), .max = 86400,
-	 .fallback = "5", .unit = "s",
-	 .help = "It is written at most so often, and when the kiosk ends; the place 360 times as rarely."},
+	{"interval", INI_REAL, AT(state, interval_s), .max = 86400, .fallback = "5", .unit = "s",
+	 .help = "The least time between two writes, besides that at the end; the place is written 360 times as rarely."},
 	INI_KEYS_END};
 
 static const struct ini_key metrics_keys[] = {
-	{"file", INI_PATH, offsetof(struct config_metrics, file), .fallback = "",
+	{"file", INI_PATH, AT(metrics, file), .fallback = "",
 	 .help = "Text file for Prometheus' node exporter, whose name ends in .prom; it is written every 15 s. Empty: none."},
 	INI_KEYS_END};
 
@@ -407,7 +385,7 @@ const struct ini_table config_tables[] = {
 	 .help = "A picture of the whole set-up, for people."},
 	{"scene", .keys = view_keys, IN_CONFIG(scene.view)},
 	{"depth", .keys = depth_camera_keys, IN_CONFIG(depth.view),
-	 .help = "How far everything is that the background shows."},
+	 .help = "The distances of what the background shows."},
 	{"depth", .keys = view_keys, IN_CONFIG(depth.view)},
 	{"depth", .keys = depth_keys, IN_CONFIG(depth)},
 	{"lights", .keys = lights_keys, IN_CONFIG(lights), .help = "Which lights are used."},

@@ -25,7 +25,8 @@ void *config_block_create(const struct config *config, enum config_class kind,
  * of more than 60 characters is cut. False: no word is left. */
 bool config_next_word(const char **text, char word[CONFIG_NAME_MAX]);
 
-/* The tables of keys, without those of drivers. The root of their place() is a struct config. A NULL section ends the array. */
+/* The tables of keys, without those of drivers. The root of their place() is a struct config. A
+ * NULL section ends the array. */
 extern const struct ini_table config_tables[];
 extern const size_t config_table_count; /* without the end */
 

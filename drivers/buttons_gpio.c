@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Push buttons on GPIO lines, which gpio/gpio.h reads. One epoll descriptor joins their edges with a
- * timer for what is due without an edge: a repetition, and once a second a look at every line, which
- * notices a lost chip and makes up for a lost edge.
+ * Push buttons on GPIO lines. gpio/lines.h reads lines, gpio/button.h turns edges into presses.
+ * Here one epoll descriptor joins the edges with a timer for everything that is due without an
+ * edge: a level that settles, a repetition, and once a second a check of every line, which notices
+ * a lost chip and makes up for a lost edge.
  */
 #include <errno.h>
-#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/epoll.h>
@@ -13,10 +13,12 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/gpio/gpio.h"
+#include "drivers/gpio/button.h"
+#include "drivers/gpio/lines.h"
 #include "hal/base/clock.h"
 
 #define LINES 10
+#define TIMER LINES /* epoll data of the timer; lines have their index */
 #define LOOK_EVERY_NS NS_PER_S
 
 /* Limit of edges in one call, so that a line that never rests does not hold up the program. */
@@ -33,15 +35,13 @@ struct gpio_options {
 };
 
 struct gpio_buttons {
-	int lines; /* descriptor of their request; -1: closed, as are the next two */
+	struct gpiod_chip *chip;
+	int epoll;
 	int timer; /* one shot, of CLOCK_MONOTONIC */
-	int epoll; /* of both */
 	struct button_timing timing;
-	int count; /* lines in use, in the order of the request */
-	uint32_t offsets[LINES];
-	enum action actions[LINES];
+	struct gpio_line lines[LINES];
 	struct button buttons[LINES];
-	int64_t look_ns; /* time of the next look at every line */
+	int64_t look_ns; /* time of the next check of every line */
 };
 
 static const enum action line_actions[LINES] = {
@@ -86,76 +86,86 @@ static const struct ini_key gpio_keys[] = {
 	INI_KEYS_END,
 };
 
-/* ---- opening ---- */
-
-/* Takes a line of the options into the request. */
-static int take_line(struct gpio_buttons *gpio, int chip, const struct gpiochip_info *chip_info,
-		     int offset, enum action action, struct fault *fault)
+static int gpio_watch(const struct gpio_buttons *gpio, int descriptor, int index)
 {
-	struct gpio_v2_line_info info;
-	int err;
+	struct epoll_event event = {.events = EPOLLIN, .data.u32 = (uint32_t)index};
 
-	if ((unsigned)offset >= chip_info->lines)
-		return fault_say(fault, -EINVAL,
-				 "gpio buttons: %s has no line %d (inlay devices lists them)",
-				 chip_info->label, offset);
-	err = gpio_line_ask(chip, (unsigned)offset, &info);
-	if (!err && info.flags & GPIO_V2_LINE_FLAG_USED)
-		return fault_say(
-			fault, -EBUSY,
-			"gpio buttons: cannot watch line %d of %s for %s: it is used by \"%s\"",
-			offset, chip_info->label, action_names[action], info.consumer);
-	if (err)
-		return fault_say(fault, err, "gpio buttons: line %d of %s: %s", offset,
-				 chip_info->label, strerror(-err));
-	gpio->actions[gpio->count] = action;
-	gpio->offsets[gpio->count++] = (uint32_t)offset;
-	return 0;
+	return epoll_ctl(gpio->epoll, EPOLL_CTL_ADD, descriptor, &event) ? -errno : 0;
 }
 
-static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *options, int chip,
-		      const struct gpiochip_info *info, struct fault *fault)
+static int refuse_line(int err, const struct gpio_options *options, int index, struct fault *fault)
 {
-	uint64_t levels;
-	int err = 0;
+	const int offset = options->offsets[index];
 
-	for (int i = 0; i < LINES && !err; i++)
-		if (options->offsets[i] >= 0)
-			err = take_line(gpio, chip, info, options->offsets[i], line_actions[i],
-					fault);
+	if (err == -ENXIO)
+		return fault_say(fault, -EINVAL,
+				 "gpio buttons: %s has no line %d (inlay devices lists them)",
+				 options->chip, offset);
+	return fault_say(fault, err, "gpio buttons: cannot watch line %d of %s for %s: %s%s",
+			 offset, options->chip, action_names[line_actions[index]], strerror(-err),
+			 err == -EBUSY ? " (is it used twice, or by another program?)" : "");
+}
+
+static int open_line(struct gpio_buttons *gpio, const struct gpio_options *options, int index,
+		     struct fault *fault)
+{
+	const struct gpio_line_settings settings = {
+		.active_low = options->active_low,
+		.bias = (enum gpio_bias)options->bias,
+		.settle_ns = options->debounce_ms * NS_PER_MS,
+	};
+	struct gpio_line *line = &gpio->lines[index];
+	int err, level;
+
+	err = gpio_line_open(line, gpio->chip, (unsigned)options->offsets[index], &settings);
 	if (err)
-		return err;
-	if (!gpio->count)
+		return refuse_line(err, options, index, fault);
+	level = gpio_line_level(line);
+	if (level < 0)
+		return refuse_line(level, options, index, fault);
+	button_start(&gpio->buttons[index], level, action_repeats(line_actions[index]));
+	err = gpio_watch(gpio, gpio_line_descriptor(line), index);
+	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
+}
+
+static int open_lines(struct gpio_buttons *gpio, const struct gpio_options *options,
+		      struct fault *fault)
+{
+	int lines = 0;
+
+	for (int i = 0; i < LINES; i++) {
+		int err;
+
+		if (options->offsets[i] < 0)
+			continue;
+		err = open_line(gpio, options, i, fault);
+		if (err)
+			return err;
+		lines++;
+	}
+	if (!lines)
 		return fault_say(
 			fault, -EINVAL,
 			"gpio buttons: no button has a line, expected at least one, like gpio.view_next = 17");
-	gpio->lines = gpio_lines_open(chip, gpio->offsets, gpio->count, options->active_low,
-				      (enum gpio_bias)options->bias, options->debounce_ms);
-	err = gpio->lines < 0 ? gpio->lines : gpio_lines_levels(gpio->lines, gpio->count, &levels);
-	if (err)
-		return fault_say(fault, err, "gpio buttons: cannot watch the lines of %s: %s%s",
-				 info->label, strerror(-err),
-				 err == -EBUSY ? " (is one used twice?)" : "");
-	for (int i = 0; i < gpio->count; i++)
-		button_start(&gpio->buttons[i], levels >> i & 1, action_repeats(gpio->actions[i]));
 	return 0;
 }
 
 /* Opens the timer and the epoll descriptor. */
 static int open_waiting(struct gpio_buttons *gpio, struct fault *fault)
 {
-	struct epoll_event event = {.events = EPOLLIN};
 	int err = 0;
 
 	gpio->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
-	gpio->epoll = epoll_create1(EPOLL_CLOEXEC);
-	if (gpio->timer < 0 || gpio->epoll < 0 ||
-	    epoll_ctl(gpio->epoll, EPOLL_CTL_ADD, gpio->timer, &event) ||
-	    epoll_ctl(gpio->epoll, EPOLL_CTL_ADD, gpio->lines, &event))
+	if (gpio->timer < 0) {
 		err = -errno;
-	return err ? fault_say(fault, err, "gpio buttons: cannot wait for edges: %s",
-			       strerror(-err))
-		   : 0;
+		return fault_say(fault, err, "gpio buttons: no timer: %s", strerror(-err));
+	}
+	gpio->epoll = epoll_create1(EPOLL_CLOEXEC);
+	if (gpio->epoll < 0)
+		err = -errno;
+	else
+		err = gpio_watch(gpio, gpio->timer, TIMER);
+	return err ? fault_say(fault, err, "gpio buttons: epoll: %s", strerror(-err)) : 0;
 }
 
 /* Sets the timer to whatever is due first without an edge. */
@@ -165,9 +175,12 @@ static int gpio_arm(struct gpio_buttons *gpio, struct fault *fault)
 	struct itimerspec when = {0};
 	int err = 0;
 
-	for (int i = 0; i < gpio->count; i++)
-		if (gpio->buttons[i].repeat_ns < at_ns)
-			at_ns = gpio->buttons[i].repeat_ns;
+	for (int i = 0; i < LINES; i++) {
+		const int64_t due_ns = button_deadline_ns(&gpio->buttons[i], &gpio->timing);
+
+		if (gpio->lines[i].request && due_ns < at_ns)
+			at_ns = due_ns;
+	}
 	when.it_value.tv_sec = (time_t)(at_ns / NS_PER_S);
 	when.it_value.tv_nsec = (long)(at_ns % NS_PER_S);
 	/* This also makes the descriptor unreadable until then. */
@@ -180,24 +193,23 @@ static int gpio_open(struct buttons *buttons, struct fault *fault)
 {
 	const struct gpio_options *options = buttons->options;
 	struct gpio_buttons *gpio = calloc(1, sizeof(*gpio));
-	struct gpiochip_info info;
-	int chip, err;
+	int err;
 
 	if (!gpio)
 		return fault_say(fault, -ENOMEM, "gpio buttons: not enough memory");
-	gpio->lines = gpio->timer = gpio->epoll = -1;
+	gpio->epoll = -1;
+	gpio->timer = -1;
 	buttons->state = gpio;
 	gpio->timing = (struct button_timing){
+		.settle_ns = GPIO_KERNEL_SETTLES ? 0 : options->debounce_ms * NS_PER_MS,
 		.repeat_after_ns = options->repeat_after_ms * NS_PER_MS,
 		.repeat_every_ns = options->repeat_every_ms * NS_PER_MS,
 	};
-	chip = gpio_chip_open(options->chip, &info, fault);
-	if (chip < 0)
-		return chip;
-	err = open_lines(gpio, options, chip, &info, fault);
-	close(chip); /* the request keeps its lines */
+	err = open_waiting(gpio, fault);
 	if (!err)
-		err = open_waiting(gpio, fault);
+		err = gpio_chip_open(&gpio->chip, options->chip, "gpio buttons", fault);
+	if (!err)
+		err = open_lines(gpio, options, fault);
 	if (err)
 		return err;
 	gpio->look_ns = clock_now_ns() + LOOK_EVERY_NS;
@@ -209,78 +221,108 @@ static int gpio_descriptor(struct buttons *buttons)
 	return ((struct gpio_buttons *)buttons->state)->epoll;
 }
 
-/* ---- reading: each returns the number of a button that is pressed, gpio->count, or -errno ---- */
-
-static int take_edge(struct gpio_buttons *gpio)
+/* Reads an edge. 1: it is a press; 0: it is not; -errno. */
+static int take_edge(struct gpio_buttons *gpio, int index)
 {
-	struct gpio_v2_line_event event;
-	int i = 0;
+	bool level;
+	int64_t at_ns, now_ns;
+	int err;
 
-	if (read(gpio->lines, &event, sizeof(event)) != sizeof(event))
-		return -errno;
-	while (i < gpio->count && gpio->offsets[i] != event.offset)
-		i++;
-	if (i < gpio->count &&
-	    button_take(&gpio->buttons[i], &gpio->timing,
-			event.id == GPIO_V2_LINE_EVENT_RISING_EDGE, (int64_t)event.timestamp_ns))
-		return i;
-	return gpio->count;
-}
-
-static int take_edges(struct gpio_buttons *gpio)
-{
-	struct pollfd ready = {.fd = gpio->lines, .events = POLLIN};
-	int pressed = gpio->count;
-
-	for (int i = 0; i < EDGES_AT_ONCE && pressed == gpio->count && poll(&ready, 1, 0) == 1; i++)
-		pressed = ready.revents & POLLIN ? take_edge(gpio) : -ENODEV;
-	return pressed;
-}
-
-/* Looks at the level of every line. */
-static int gpio_look(struct gpio_buttons *gpio, int64_t now_ns)
-{
-	int pressed = gpio->count;
-	uint64_t levels;
-	const int err = gpio_lines_levels(gpio->lines, gpio->count, &levels);
-
+	err = gpio_line_edge(&gpio->lines[index], &level, &at_ns);
 	if (err)
 		return err;
-	for (int i = 0; i < gpio->count && pressed == gpio->count; i++)
-		if (button_take(&gpio->buttons[i], &gpio->timing, levels >> i & 1, now_ns))
-			pressed = i;
-	if (pressed == gpio->count)
-		gpio->look_ns = now_ns + LOOK_EVERY_NS;
-	return pressed;
+	now_ns = clock_now_ns();
+	/* Kernels before 5.7 stamp edges with CLOCK_REALTIME, which is far ahead. */
+	if (at_ns > now_ns)
+		at_ns = now_ns;
+	return button_edge(&gpio->buttons[index], &gpio->timing, level, at_ns);
 }
 
+/* Reads edges until one is a press, and returns its line. LINES: no press, all edges are read;
+ * -errno. */
+static int take_edges(struct gpio_buttons *gpio)
+{
+	struct epoll_event ready;
+
+	for (int i = 0; i < EDGES_AT_ONCE && epoll_wait(gpio->epoll, &ready, 1, 0) == 1; i++) {
+		const int index = (int)ready.data.u32;
+		uint64_t ticks;
+		int pressed;
+
+		if (index == TIMER) {
+			if (read(gpio->timer, &ticks, sizeof(ticks)) < 0 && errno != EAGAIN)
+				return -errno;
+			continue;
+		}
+		pressed = ready.events & EPOLLIN ? take_edge(gpio, index) : -ENODEV;
+		if (pressed)
+			return pressed < 0 ? pressed : index;
+	}
+	return LINES;
+}
+
+/* Reads the level of every line. 0 or -errno. */
+static int gpio_look(struct gpio_buttons *gpio, int64_t now_ns)
+{
+	for (int i = 0; i < LINES; i++) {
+		int level;
+
+		if (!gpio->lines[i].request)
+			continue;
+		level = gpio_line_level(&gpio->lines[i]);
+		if (level < 0)
+			return level;
+		/* Never a press: settled_press() has found no settled level. */
+		button_edge(&gpio->buttons[i], &gpio->timing, level, now_ns);
+	}
+	gpio->look_ns = now_ns + LOOK_EVERY_NS;
+	return 0;
+}
+
+/* Returns a line that is pressed by settling or by repetition, or LINES. */
+static int settled_press(struct gpio_buttons *gpio, int64_t now_ns)
+{
+	int index = 0;
+
+	while (index < LINES && !(gpio->lines[index].request &&
+				  button_settle(&gpio->buttons[index], &gpio->timing, now_ns)))
+		index++;
+	return index;
+}
+
+/* Returns the line that is pressed, LINES or -errno. */
 static int next_press(struct gpio_buttons *gpio)
 {
+	/* Taken before the edges are read: an edge that comes meanwhile cannot have settled. */
 	const int64_t now_ns = clock_now_ns();
-	int pressed = take_edges(gpio);
+	int index = take_edges(gpio);
 
-	for (int i = 0; i < gpio->count && pressed == gpio->count; i++)
-		if (button_repeat(&gpio->buttons[i], &gpio->timing, now_ns))
-			pressed = i;
-	return pressed == gpio->count && now_ns >= gpio->look_ns ? gpio_look(gpio, now_ns)
-								 : pressed;
+	if (index == LINES)
+		index = settled_press(gpio, now_ns);
+	if (index == LINES && now_ns >= gpio->look_ns) {
+		const int err = gpio_look(gpio, now_ns);
+
+		if (err)
+			return err;
+	}
+	return index;
 }
 
 static int gpio_read(struct buttons *buttons, struct button_press *press, struct fault *fault)
 {
 	struct gpio_buttons *gpio = buttons->state;
-	const int pressed = next_press(gpio);
+	const int index = next_press(gpio);
 	int err;
 
-	if (pressed < 0)
-		return fault_say(fault, pressed, "gpio buttons: the chip is gone: %s",
-				 strerror(-pressed));
+	if (index < 0)
+		return fault_say(fault, index, "gpio buttons: the chip is gone: %s",
+				 strerror(-index));
 	err = gpio_arm(gpio, fault);
 	if (err)
 		return err;
-	if (pressed == gpio->count)
+	if (index == LINES)
 		return -EAGAIN;
-	press->action = gpio->actions[pressed];
+	press->action = line_actions[index];
 	return 0;
 }
 
@@ -290,19 +332,20 @@ static void gpio_close(struct buttons *buttons)
 
 	if (!gpio)
 		return;
-	for (int i = 0; i < 3; i++) {
-		const int fd = (const int[]){gpio->lines, gpio->timer, gpio->epoll}[i];
-
-		if (fd >= 0)
-			close(fd);
-	}
+	for (int i = 0; i < LINES; i++)
+		gpio_line_close(&gpio->lines[i]);
+	gpio_chip_close(gpio->chip);
+	if (gpio->epoll >= 0)
+		close(gpio->epoll);
+	if (gpio->timer >= 0)
+		close(gpio->timer);
 	free(gpio);
 	buttons->state = NULL;
 }
 
 static int gpio_list(void (*found)(void *context, const char *line), void *context)
 {
-	const int err = gpio_list_chips(found, context);
+	const int err = gpio_lines_list(found, context);
 
 	if (err != -EACCES)
 		return err;
@@ -312,7 +355,7 @@ static int gpio_list(void (*found)(void *context, const char *line), void *conte
 
 const struct buttons_ops buttons_gpio = {
 	.name = "gpio",
-	.description = "push buttons on GPIO lines",
+	.description = "push buttons on GPIO lines (libgpiod)",
 	.keys = gpio_keys,
 	.options_size = sizeof(struct gpio_options),
 	.list = gpio_list,

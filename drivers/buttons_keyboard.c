@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Keys of keyboards and of devices that look like one: remote controls, presenters, arcade
- * encoders, dials, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no desktop.
- * It searches for devices again whenever /dev/input changes, so one that is plugged in late or
- * again is used.
+ * encoders, dials, and touch screens, whose tap is the key btn_touch. Reads evdev, so it needs no
+ * desktop. It searches for devices again whenever /dev/input changes, so one that is plugged in
+ * late or again is used.
  *
  * It grabs the devices (keyboard.grab): nothing typed at the kiosk reaches the console's shell, and
  * Ctrl+Alt+F2 does not switch consoles.
@@ -22,8 +22,7 @@
 #include <unistd.h>
 
 #include "drivers/drivers.h"
-#include "drivers/keyboard/keymap.h"
-#include "drivers/keyboard/keys.h"
+#include "drivers/keyboard/keyboard.h"
 #include "hal/base/log.h"
 #include "hal/device/node_link.h"
 

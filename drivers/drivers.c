@@ -23,8 +23,8 @@ const struct display_ops *const display_drivers[] = {
 };
 
 const struct buttons_ops *const buttons_drivers[] = {
-	&buttons_gpio,
-	&buttons_keyboard,
-	&buttons_script,
-	NULL,
+#if WITH_GPIO
+	&buttons_gpio,	   &buttons_encoder,
+#endif
+	&buttons_keyboard, &buttons_script,  NULL,
 };

@@ -17,7 +17,7 @@ extern const struct buttons_ops *const buttons_drivers[];
 /* The drivers themselves, for the arrays and for tests; programs go through the arrays. */
 extern const struct camera_ops camera_v4l2, camera_libcamera, camera_sim;
 extern const struct display_ops display_kms, display_window, display_file, display_null;
-extern const struct buttons_ops buttons_gpio, buttons_keyboard, buttons_script;
+extern const struct buttons_ops buttons_gpio, buttons_encoder, buttons_keyboard, buttons_script;
 
 /* Tells the television behind a CEC adapter, like /dev/cec0, to wake or to go to standby. Blocks
  * until it has answered, mostly for some tenths of a second, or the kernel gives up, after a few

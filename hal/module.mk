@@ -8,7 +8,6 @@ HAL_SOURCES := \
 	hal/base/input.c \
 	hal/base/json.c \
 	hal/base/log.c \
-	hal/base/log_pace.c \
 	hal/base/number.c \
 	hal/base/output.c \
 	hal/base/plain_text.c \
@@ -31,7 +30,6 @@ HAL_SOURCES := \
 	hal/basis/basis_writer.c \
 	hal/basis/pack.c \
 	hal/colour/crossfade.c \
-	hal/colour/encode_row.c \
 	hal/colour/response.c \
 	hal/colour/transfer.c \
 	hal/compositor/backdrop.c \
@@ -63,7 +61,6 @@ HAL_SOURCES := \
 	hal/device/camera.c \
 	hal/device/display.c \
 	hal/device/node_link.c \
-	hal/frame/depth.c \
 	hal/frame/frame.c \
 	hal/frame/frame_decode.c \
 	hal/frame/frame_fields.c \
@@ -72,7 +69,6 @@ HAL_SOURCES := \
 	hal/frame/frame_rows.c \
 	hal/frame/frame_ycbcr.c \
 	hal/frame/view.c \
-	hal/image/codec.c \
 	hal/image/image.c \
 	hal/image/image_foreign.c \
 	hal/image/image_hdr.c \
@@ -104,7 +100,6 @@ HAL_SOURCES := \
 	hal/look/grain_tables.c \
 	hal/look/median.c \
 	hal/look/sensor_noise.c \
-	hal/measure/background.c \
 	hal/measure/error.c \
 	hal/measure/lightings.c \
 	hal/measure/thesis.c \

@@ -11,6 +11,7 @@ SUPPORT_SOURCES := \
 	tests/support/own_folder.c \
 	tests/support/plain_pipeline.c \
 	tests/support/played_v4l2.c \
+	tests/support/studio_lights.c \
 	tests/support/test.c \
 	tests/support/thorough.c \
 	tests/support/bake/baked_rows.c \
@@ -84,26 +85,17 @@ FUZZ_TARGETS := \
 # Sources of app/ and bake/ that fuzz targets reach, beside all of hal/, drivers/ and config/. One that is
 # missing does not link.
 FUZZ_PARTS := \
-	app/driver_list.c \
 	app/control/control.c \
 	app/control/control_socket.c \
 	app/control/snapshot.c \
+	app/records/keeper.c \
 	app/records/state.c \
+	app/settings.c \
 	bake/base/angles.c \
 	bake/base/picture_file.c \
 	bake/calibrate/convert/convert.c \
-	bake/calibrate/convert/convert_omni.c \
 	bake/calibrate/convert/convert_read.c \
-	bake/calibrate/convert/convert_tsai.c \
-	bake/calibrate/convert/convert_words.c \
-	bake/calibrate/convert/convert_xml.c \
-	bake/calibrate/convert/convert_yaml.c \
-	bake/calibrate/estimate/by_view.c \
-	bake/calibrate/estimate/covariance.c \
-	bake/calibrate/estimate/least_squares.c \
 	bake/calibrate/estimate/linear.c \
-	bake/calibrate/estimate/order.c \
-	bake/calibrate/estimate/rotation.c \
 	bake/calibrate/observe/observations.c \
 	bake/exchange/msi.c \
 	bake/mesh/coat_energy.c \
@@ -129,7 +121,6 @@ FUZZ_PARTS := \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
-	bake/mesh/normal_sums.c \
 	bake/scene/keyframes.c \
 	bake/scene/scene_file.c \
 	bake/tiles/coarse.c \
@@ -190,15 +181,6 @@ $(BUILD)/tests/film/measure: $(BUILD)/tests/film/measure.o $(addprefix $(BUILD)/
 	$(say) LINK $@
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(drivers_LIBRARIES) $(HAL_LINK)
 -include $(BUILD)/tests/film/measure.d
-
-# What a picture of a basis takes, and how exact it is: bench.sh.
-BENCH_OBJECTS := $(addprefix $(BUILD)/tests/bench/,bench.o bench_frame.o bench_main.o bench_print.o bench_truth.o \
-	bench_ways.o)
-TEST_PROGRAMS += $(BUILD)/tests/bench/bench
-$(BUILD)/tests/bench/bench: $(BENCH_OBJECTS) $(BUILD)/hal.a
-	$(say) LINK $@
-	$(Q)$(LINK) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ $(HAL_LINK)
--include $(BENCH_OBJECTS:.o=.d)
 
 # Measures the time of a camera's calibration; run by hand.
 OTHER_PROGRAMS += $(BUILD)/tests/bench/bench_camera

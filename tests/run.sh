@@ -70,7 +70,7 @@ case "${1:-}" in
 esac
 
 # What holds times against each other, or builds what others run, is not run beside others.
-alone=" unit/test_measure cli/report cli/deb "
+alone=" unit/test_bench unit/test_measure cli/report cli/deb "
 
 mkdir -p "$logs"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/camera/exposing.h"
+#include "app/camera/eye.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@ void exposing_start(struct exposing *e, const struct config_fisheye *config)
 {
 	*e = (struct exposing){.config = config, .count = config_exposures(config)};
 	for (int k = 0; k < e->count; k++) {
-		e->taken[k] = config->exposures[k];
+		e->used[k] = config->exposures[k];
 		e->ratio[k] = config->exposures[k] / config->exposures[0];
 	}
 }
@@ -29,30 +29,30 @@ static void schedule_begin(struct exposing *e, int delay)
 static int ask_exposure(struct exposing *e, struct source *source, int exposure,
 			struct fault *fault)
 {
-	double taken = e->config->exposures[exposure];
+	double used = e->config->exposures[exposure];
 	char value[40];
 	int err;
 
-	snprintf(value, sizeof(value), "%.10g", taken);
-	err = source_control(source, e->config->exposure_control, value, &taken, fault);
+	snprintf(value, sizeof(value), "%.10g", used);
+	err = source_control(source, e->config->exposure_control, value, &used, fault);
 	if (!err)
-		e->taken[exposure] = taken;
+		e->used[exposure] = used;
 	return err;
 }
 
 /* Refuses a camera whose steps are so wide that two exposures are one. */
 static int compare_taken(struct exposing *e, struct fault *fault)
 {
-	const double *wanted = e->config->exposures, *taken = e->taken;
+	const double *wanted = e->config->exposures, *used = e->used;
 
 	for (int k = 1; k < e->count; k++) {
-		if (!(taken[k] > 0 && taken[k] < taken[k - 1]))
+		if (!(used[k] > 0 && used[k] < used[k - 1]))
 			return fault_say(fault, -ERANGE,
 					 "it makes %g of an exposure of %g, and %g of %g",
-					 taken[k - 1], wanted[k - 1], taken[k], wanted[k]);
+					 used[k - 1], wanted[k - 1], used[k], wanted[k]);
 	}
 	for (int k = 1; k < e->count; k++)
-		e->ratio[k] = taken[k] / taken[0];
+		e->ratio[k] = used[k] / used[0];
 	return 0;
 }
 

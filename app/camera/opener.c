@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/camera/opener.h"
+#include "app/camera/source.h"
 
 #include <errno.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
+
+#include "hal/base/pool.h"
 
 struct opener {
 	pthread_t thread;
@@ -54,18 +55,6 @@ static void *open_cameras(void *context)
 	return NULL;
 }
 
-static int start_thread(struct opener *opener)
-{
-	sigset_t all, before;
-	int err;
-
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = -pthread_create(&opener->thread, NULL, open_cameras, opener);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return err;
-}
-
 int opener_create(struct opener **out)
 {
 	struct opener *opener = calloc(1, sizeof(*opener));
@@ -76,7 +65,7 @@ int opener_create(struct opener **out)
 	pthread_mutex_init(&opener->lock, NULL); /* neither fails in glibc */
 	pthread_cond_init(&opener->wanted, NULL);
 	opener->ended = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-	err = opener->ended < 0 ? -errno : start_thread(opener);
+	err = opener->ended < 0 ? -errno : thread_start(&opener->thread, open_cameras, opener);
 	if (err) {
 		if (opener->ended >= 0)
 			close(opener->ended);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/camera/settling.h"
+#include "app/camera/source.h"
 
 #include <math.h>
 

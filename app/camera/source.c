@@ -8,14 +8,14 @@
 
 #include "hal/base/clock.h"
 #include "hal/base/log.h"
-#include "hal/colour/encode_row.h"
+#include "hal/colour/transfer.h"
 #include "hal/frame/frame_decode.h"
 #include "hal/frame/frame_reader.h"
 
 #define SILENT_NS (2 * NS_PER_S)       /* without a frame: the camera is stalled */
 #define SILENT_FRAMES 3		       /* the same for a slow camera, in frames */
 #define SILENT_MOST_NS (60 * NS_PER_S) /* limit for SILENT_FRAMES, whatever rate the camera names */
-#define GIVE_UP 3 /* times the silence after which it is closed and opened again */
+#define GIVE_UP 3 /* times the silence after which it is closed and opened twice */
 
 /* With fewer buffers a frame is converted at once and given back: drivers need one buffer to fill
  * and one to go on with. */
@@ -217,7 +217,7 @@ static void source_take_frame(struct source *source, int64_t now_ns)
 	changed = err == -ESTALE && source->camera.frames > 0;
 	if (err && err != -EAGAIN)
 		close_camera(source);
-	if (changed) /* a camera that never gave a frame is opened again with the next tick only */
+	if (changed) /* a camera that never gave a frame is opened twice with the next tick only */
 		source_open(source);
 	if (err)
 		return;
@@ -384,16 +384,16 @@ static int decode_linear(struct source *source, struct fault *fault)
 static int accept_size(struct source *source, struct fault *fault)
 {
 	struct frame *frame = &source->held;
-	bool again;
+	bool twice;
 	int width, height, err;
 
 	err = frame_decoder_size(source->decoder, frame, &width, &height, fault);
 	if (err || (width == frame->width && height == frame->height))
 		return err;
-	again = width == source->odd_width && height == source->odd_height;
+	twice = width == source->odd_width && height == source->odd_height;
 	source->odd_width = width;
 	source->odd_height = height;
-	if (!again)
+	if (!twice)
 		return fault_say(fault, -EBADMSG, "a JPEG picture of %dx%d, expected %dx%d", width,
 				 height, frame->width, frame->height);
 	if (source->canvas.width + source->canvas.height != width + height)

@@ -1,4 +1,88 @@
 /* SPDX-License-Identifier: MIT */
+/* A camera that may fail and come back, what opens it, and whether its pictures have settled. */
+#ifndef INLAY_APP_CAMERA_SOURCE_H
+#define INLAY_APP_CAMERA_SOURCE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/base/clock.h"
+#include "hal/colour/transfer.h"
+#include "hal/device/camera.h"
+#include "hal/frame/frame.h"
+#include "hal/frame/frame_reader.h"
+#include "hal/image/image.h"
+
+/*
+ * Opens a camera on a thread of its own, because a device may be slow: the event loop goes on with
+ * the other cameras and the screen. Thread and descriptor last as long as the opener, so that a
+ * camera which is tried again every second makes no new ones.
+ */
+
+struct opener;
+
+/* 0 or -errno. The thread has all signals blocked. */
+int opener_create(struct opener **opener);
+
+/* Begins to open the camera. camera, settings and options belong to the opener until opener_take()
+ * has returned true. Not while another camera is being opened. */
+void opener_start(struct opener *opener, struct camera *camera, const struct camera_ops *ops,
+		  const struct camera_settings *settings, void *options);
+
+/* Polls readable when opener_take() will return true. */
+int opener_descriptor(const struct opener *opener);
+
+/* False: the camera is still being opened. True, once: opening has ended; *err and *fault are what
+ * camera_open() returned. */
+bool opener_take(struct opener *opener, int *err, struct fault *fault);
+
+/* Waits for an opening that has begun; then the camera belongs to the caller, perhaps open. NULL is
+ * harmless. */
+void opener_destroy(struct opener *opener);
+
+/*
+ * Whether a camera's pictures can be believed already: after it was opened, a camera may send black
+ * frames, green ones (YUV buffers of zeros, which nobody has filled), and frames whose exposure and
+ * white balance are still being found. They are left out of the light.
+ *
+ * A picture is blank where no pixel has red or blue. Pictures count once their mean level has
+ * stayed within 4 % (or one code value) for SETTLING_STEADY_NS and three pictures, and in any case
+ * SETTLING_MOST_NS after the first one: a dark night is black for ever. Pure: asks no clock.
+ */
+
+#define SETTLING_STEADY_NS (300 * NS_PER_MS)
+#define SETTLING_MOST_NS (3 * NS_PER_S)
+/* For a picture that is kept: at 8 Hz an exposure that takes five seconds changes by less than 4 %
+ * in a third of a second. */
+#define SETTLING_KEPT_STEADY_NS NS_PER_S
+#define SETTLING_KEPT_MOST_NS (10 * NS_PER_S)
+
+struct settling {
+	unsigned opening;  /* the camera's opening that this is about; 0: none yet */
+	bool settled;	   /* its pictures count */
+	bool in_vain;	   /* only because they were waited for long enough */
+	bool kept;	   /* set by the user: one picture is kept, so the times are longer */
+	uint64_t left_out; /* pictures that did not, of all openings */
+	int64_t begun_ns;  /* when its first picture was captured */
+	int64_t steady_ns; /* since when its level has been steady */
+	double level;	   /* which level that is; < 0: none, the last picture was blank */
+	int steady;	   /* pictures of that level */
+};
+
+/* What a picture looks like. */
+struct settling_look {
+	double level; /* mean code value */
+	bool blank;
+};
+
+struct settling_look settling_look_at(const struct frame_reader *picture);
+
+/* Takes a picture of this opening (1 or more) that was captured at a time. metering: the camera
+ * finds its exposure itself; else only blank pictures are left out. Returns whether the picture
+ * counts. */
+bool settling_take(struct settling *settling, unsigned opening, const struct settling_look *look,
+		   bool metering, int64_t captured_ns);
+
 /*
  * A camera as the program uses it: it is opened on a thread of its own, opened again after it was
  * lost, and its newest frame is held until a picture is made.
@@ -8,18 +92,6 @@
  * camera when the next frame comes. Other frames are decoded whole and given back at once. Either
  * way the last picture stays when the camera is lost.
  */
-#ifndef INLAY_APP_CAMERA_SOURCE_H
-#define INLAY_APP_CAMERA_SOURCE_H
-
-#include <stdbool.h>
-#include <stdint.h>
-
-#include "app/camera/opener.h"
-#include "app/camera/settling.h"
-#include "hal/colour/transfer.h"
-#include "hal/device/camera.h"
-#include "hal/frame/frame.h"
-#include "hal/image/image.h"
 
 struct source_settings {
 	const char *name; /* in the configuration; borrowed */

@@ -389,17 +389,17 @@ int64_t control_look(struct control *control, int64_t now_ns)
 
 bool control_is_full(const struct control *control)
 {
-	const struct snapshot *seen[CONTROL_CLIENTS_MAX];
+	const struct snapshot *pictures[CONTROL_CLIENTS_MAX];
 	int count = 0;
 
 	for (int i = 0; i < CONTROL_CLIENTS_MAX; i++) {
 		const struct snapshot *picture = control->clients[i].picture;
 		int k = 0;
 
-		while (k < count && seen[k] != picture)
+		while (k < count && pictures[k] != picture)
 			k++;
 		if (picture && k == count)
-			seen[count++] = picture;
+			pictures[count++] = picture;
 	}
 	return count >= CONTROL_PICTURES_MAX;
 }

@@ -98,6 +98,7 @@ static void write_metrics(struct kiosk *k, int64_t now_ns, const struct pipeline
 		.screen = kiosk_screen_situation(&k->screen),
 		.screen_is_fine = display->state && !display->off && !display->hidden,
 		.resting = k->rest.resting,
+		.sysfs = SUPPLY_SYSFS,
 	};
 
 	if (metrics_write(&k->metrics, k->config->metrics.file, &facts, now_ns))
@@ -130,6 +131,7 @@ static int kiosk_tick(struct kiosk *k, struct fault *fault)
 		return err;
 	write_stats(k, now);
 	log_tick();
+	state_look(k->controls.state);
 	kiosk_text(k);
 	kiosk_snapshot_check(k);
 	pipeline_try_again(k->picture.pipeline);

@@ -25,7 +25,7 @@
 struct kiosk_settings {
 	struct config *config; /* checked; a reload changes it */
 	uint64_t frames;       /* pictures on the screen after which it ends; 0: it goes on */
-	const char *stats;     /* file for JSON lines (stats.h), or NULL */
+	const char *stats;     /* file for JSON lines (records.h), or NULL */
 	/* Reads and checks the configuration again, at SIGHUP. 0 and a configuration that the
 	 * caller owns, or -errno and none. Every fault goes to the report. */
 	int (*reread)(void *context, struct config **fresh, struct ini_report *report);

@@ -34,10 +34,18 @@ void kiosk_control_close(struct kiosk *k)
 	k->controls.control = NULL;
 }
 
+static const char *word_of(const struct supply *supply, bool now, bool before)
+{
+	if (!supply->told)
+		return "null";
+	return now ? "\"now\"" : before ? "\"before\"" : "\"no\"";
+}
+
 /* Writes what is chosen at present, and the statistics of the last second. */
 static const char *answer_status(struct kiosk *k)
 {
 	struct kiosk_controls *controls = &k->controls;
+	const struct supply supply = supply_read(SUPPLY_SYSFS);
 	const struct pipeline_report report = pipeline_report(k->picture.pipeline);
 	char figures[STATS_TEXT_MAX], trouble[OVERLAY_TEXT_MAX], next[HOURS_MOMENT_MAX],
 		here[HOURS_MOMENT_MAX];
@@ -51,13 +59,14 @@ static const char *answer_status(struct kiosk *k)
 		controls->status, sizeof(controls->status),
 		"{\"version\":\"%s\",\"view\":\"%s\",\"pose\":%d,\"pose_name\":\"%s\","
 		"\"pose_shown\":%d,\"pose_trouble\":\"%s\",\"object\":%s,\"frozen\":%s,"
-		"\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,\"hours_next\":\"%s\",\"local_time\":\"%s\",%s}",
+		"\"split\":%.2f,\"information\":%s,\"screen\":\"%s\",\"rest\":%s,\"hours_next\":\"%s\",\"local_time\":\"%s\",\"undervoltage\":%s,\"throttled\":%s,%s}",
 		INLAY_VERSION, config_show_names[controls->view], controls->choice.pose,
 		basis_pose_name(k->picture.basis, controls->choice.pose), report.pose, trouble,
 		controls->choice.object ? "true" : "false", controls->frozen ? "true" : "false",
 		controls->split, controls->information ? "true" : "false",
 		kiosk_screen_situation(&k->screen), k->rest.resting ? "true" : "false", next, here,
-		figures);
+		word_of(&supply, supply.undervoltage, supply.undervoltage_before),
+		word_of(&supply, supply.throttled, supply.throttled_before), figures);
 	return controls->status;
 }
 

@@ -16,7 +16,7 @@
 #define CORNER_LIT 40	     /* code value; flare and noise stay below */
 /* Shade on the ground, a dark coat on it or a sun that is clipped stay below this factor. */
 #define GROUND_FACTOR 16
-#define GROUND_LIT 0.05 /* linear: a sixteenth of it can still be told from black */
+#define GROUND_LIT 0.05 /* linear: a sixteenth of it can still be expected from black */
 #define AZIMUTHS 64
 #define RADII 4
 
@@ -78,16 +78,19 @@ static double ground_off(const struct kiosk *k)
 {
 	const struct eye *background = &k->inputs.eyes.background;
 	struct frame_reader reader;
-	double seen[3], told[3], brighter = INFINITY, darker = INFINITY;
+	double radiance[3], expected[3], brighter = INFINITY, darker = INFINITY;
 
 	if (!(k->config->fisheye.measured.gain > 0) || !eye_has_picture(background))
 		return 0;
 	reader = eye_reader(background);
-	if (!pipeline_ground_told(k->picture.pipeline, &reader, seen, told))
+	if (!pipeline_ground_expected(k->picture.pipeline, &reader, radiance, expected))
 		return 0;
 	for (int c = 0; c < 3; c++) {
-		brighter = fmin(brighter, seen[c] < GROUND_LIT ? 0 : seen[c] / fmax(told[c], 1e-4));
-		darker = fmin(darker, told[c] < GROUND_LIT ? 0 : told[c] / fmax(seen[c], 1e-4));
+		brighter = fmin(brighter, radiance[c] < GROUND_LIT
+						  ? 0
+						  : radiance[c] / fmax(expected[c], 1e-4));
+		darker = fmin(darker,
+			      expected[c] < GROUND_LIT ? 0 : expected[c] / fmax(radiance[c], 1e-4));
 	}
 	return brighter > GROUND_FACTOR ? brighter : darker > GROUND_FACTOR ? 1 / darker : 0;
 }

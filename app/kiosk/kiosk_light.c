@@ -22,11 +22,11 @@ bool kiosk_frames_are_due(const struct kiosk_inputs *in)
 	return true;
 }
 
-struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *in, struct pipeline *pipeline,
-				     bool frames, bool frozen)
+struct kiosk_news kiosk_take_frames(struct kiosk_inputs *in, struct pipeline *pipeline, bool frames,
+				    bool frozen)
 {
 	const struct source *leader = eyes_leader(&in->eyes);
-	struct kiosk_taken taken = {.captured_ns = 0};
+	struct kiosk_news news = {.captured_ns = 0};
 
 	for (int i = 0; i < in->source_count; i++) {
 		struct source *source = &in->sources[i];
@@ -41,15 +41,15 @@ struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *in, struct pipeline *p
 		if (!source_decode(source, clock_now_ns()))
 			continue;
 		if (source == in->eyes.fisheye.source) {
-			taken.fisheye = true;
+			news.fisheye = true;
 			pipeline_expose(pipeline,
 					exposing_take(&in->exposing, source, clock_now_ns()),
 					in->exposing.ratio);
 		}
 		if (source == leader)
-			taken.captured_ns = source->picture_ns;
+			news.captured_ns = source->picture_ns;
 	}
-	return taken;
+	return news;
 }
 
 /* ---- views of the pictures ---- */

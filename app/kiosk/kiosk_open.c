@@ -121,10 +121,13 @@ static void take_state(struct kiosk *k)
 static int open_state(struct kiosk *k, struct fault *fault)
 {
 	const struct state_values values = kiosk_chosen(&k->controls);
-	int err = state_create(&k->controls.state, &k->config->state, &values);
+	int err = keeper_create(&k->controls.keeper);
 
 	if (!err)
-		err = learned_create(&k->controls.learned, &k->config->state);
+		err = state_create(&k->controls.state, k->controls.keeper, &k->config->state,
+				   &values);
+	if (!err)
+		err = learned_create(&k->controls.learned, k->controls.keeper, &k->config->state);
 	if (err)
 		return fault_say(fault, err, "state: cannot be kept: %s", strerror(-err));
 	learned_restore(k->controls.learned, k->picture.pipeline);
@@ -193,6 +196,7 @@ int kiosk_close(struct kiosk *k, struct fault *fault)
 	stats_close(&k->stats);
 	state_destroy(k->controls.state);
 	learned_destroy(k->controls.learned, k->picture.pipeline);
+	keeper_destroy(k->controls.keeper);
 	overlay_free(&k->picture.overlay);
 	show_free(&k->picture.show);
 	pipeline_destroy(k->picture.pipeline);

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+#include "app/kiosk/kiosk_parts.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/kiosk/kiosk_parts.h"
 #include "app/pipeline/pipeline_config.h"
+#include "hal/base/log.h"
 
 int kiosk_basis_open(struct basis **out, struct stat *file, const char *path, enum basis_part part,
 		     struct fault *fault)
@@ -37,4 +39,15 @@ struct transfer_curve kiosk_curve_for(const struct config *config, const char *c
 	return !strcmp(config->background.view.camera, camera)
 		       ? config_background_curve(&config->background)
 		       : config_fisheye_curve(&config->fisheye);
+}
+
+/* Troubles in the log: each is logged when it begins and when it has passed. */
+
+void kiosk_complain(struct fault *said, const char *what, const struct fault *trouble)
+{
+	if (trouble && strcmp(trouble->text, said->text) != 0)
+		log_warning_paced("%s: %s", what, trouble->text);
+	if (!trouble && *said->text)
+		log_info_paced("%s: fine again", what);
+	*said = trouble ? *trouble : (struct fault){.text = ""};
 }

@@ -7,7 +7,6 @@
 
 #include <sys/stat.h>
 
-#include "app/camera/exposing.h"
 #include "app/camera/eye.h"
 #include "app/camera/source.h"
 #include "app/control/control.h"
@@ -18,11 +17,7 @@
 #include "app/kiosk/service.h"
 #include "app/kiosk/timeline.h"
 #include "app/pipeline/pipeline.h"
-#include "app/records/learned.h"
-#include "app/records/metrics.h"
-#include "app/records/state.h"
-#include "app/records/stats.h"
-#include "app/view/overlay.h"
+#include "app/records/records.h"
 #include "app/view/show.h"
 #include "hal/device/buttons.h"
 #include "hal/device/display.h"
@@ -83,6 +78,7 @@ struct kiosk_controls {
 	struct control *control; /* the socket; NULL: none, or not open at present */
 	struct fault control_said;
 	char status[STATS_TEXT_MAX + 768]; /* the socket's answer to "status" */
+	struct keeper *keeper;		   /* writes the next two */
 	struct state *state;		   /* keeps what is chosen; NULL: nothing is kept */
 	struct learned *learned;	   /* keeps the place without people; NULL likewise */
 	struct timeline timeline;
@@ -100,7 +96,7 @@ struct kiosk_screen {
 	struct display display; /* state NULL: there is no screen at present */
 	struct fault said;	/* the trouble that was logged last; empty: none */
 	struct show_fit fit;	/* what display_fit() was asked for */
-	bool fitted;		/* display_fit() has taken it over: the hardware scales */
+	bool fitted;		/* display_fit() has news it over: the hardware scales */
 	uint64_t shown_before;	/* pictures shown on screens that were lost since */
 	uint64_t submitted;	/* pictures that are on a screen or on their way to one */
 };
@@ -156,8 +152,8 @@ int kiosk_close(struct kiosk *k, struct fault *fault);
  * each camera that makes frames on demand. */
 bool kiosk_frames_are_due(const struct kiosk_inputs *inputs);
 
-/* What was taken for a picture. */
-struct kiosk_taken {
+/* What is new in the frames that a picture is made of. */
+struct kiosk_news {
 	int64_t captured_ns; /* of the frame that set the pace; 0: there is no new one */
 	bool fisheye;	     /* the fisheye's picture is a new one */
 };
@@ -165,8 +161,8 @@ struct kiosk_taken {
 /* Makes pictures of the frames that the cameras hold. frames false: only for cameras that would
  * have no picture otherwise, so that cameras on demand stay in step. frozen: pictures that are
  * there stay, and newer frames are given back. */
-struct kiosk_taken kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
-				     bool frames, bool frozen);
+struct kiosk_news kiosk_take_frames(struct kiosk_inputs *inputs, struct pipeline *pipeline,
+				    bool frames, bool frozen);
 
 /* Fits each view to its camera's picture. composited: the background has to have the basis's size.
  * A view that does not fit is logged and has no picture; strict not NULL: it is an error. */

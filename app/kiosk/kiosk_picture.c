@@ -254,7 +254,7 @@ static int draw_shown(struct kiosk *k, const struct display_buffer *screen,
 int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 {
 	struct display_buffer screen;
-	struct kiosk_taken taken;
+	struct kiosk_news news;
 	struct stage_clock stages;
 	int err;
 
@@ -267,31 +267,31 @@ int kiosk_make_picture(struct kiosk *k, bool frames, struct fault *fault)
 		return kiosk_screen_lost(k, err, fault);
 	}
 	stages = stages_begin();
-	taken = kiosk_take_frames(&k->inputs, k->picture.pipeline, frames, k->controls.frozen);
-	/* Who asked for a number of pictures would take black ones for a result. */
+	news = kiosk_take_frames(&k->inputs, k->picture.pipeline, frames, k->controls.frozen);
+	/* A run of a number of pictures fails here: black pictures would pass for its result. */
 	err = kiosk_fit_eyes(&k->inputs, &k->picture, show_needs(k->controls.view)->composite,
 			     k->settings->frames && !k->picture.begun ? fault : NULL);
 	stage_end(&stages, STAGE_DECODE);
-	if (!err && (taken.fisheye || k->inputs.light_awaited))
+	if (!err && (news.fisheye || k->inputs.light_awaited))
 		err = kiosk_measure_light(&k->inputs, &k->picture, fault);
 	if (err)
 		return err;
-	if (taken.fisheye)
+	if (news.fisheye)
 		kiosk_look_for_doubt(k);
 	stage_end(&stages, STAGE_SAMPLE);
-	if (taken.captured_ns)
+	if (news.captured_ns)
 		follow_timeline(k);
 	err = choose_picture(k, fault);
 	if (!err)
 		err = draw_shown(k, &screen, &stages, fault);
 	if (err)
 		return err;
-	err = display_submit(&k->screen.display, &screen, taken.captured_ns, fault);
+	err = display_submit(&k->screen.display, &screen, news.captured_ns, fault);
 	if (err)
 		return kiosk_screen_lost(k, err, fault);
 	stage_end(&stages, STAGE_SHOW);
 	k->picture.made_ns = stages.last_ns;
-	stats_made(&k->stats, taken.captured_ns, stages.ns,
+	stats_made(&k->stats, news.captured_ns, stages.ns,
 		   pipeline_report(k->picture.pipeline).look_ns);
 	learned_keep(k->controls.learned, k->picture.pipeline);
 	k->picture.redraw = false;

@@ -17,8 +17,8 @@
 
 struct reading {
 	pthread_t thread;
-	int done;   /* eventfd; readable: the thread has ended */
-	bool again; /* another SIGHUP has come meanwhile */
+	int done;    /* eventfd; readable: the thread has ended */
+	bool repeat; /* another SIGHUP has come meanwhile */
 	/* The thread reads of it what stays as it is until the thread has ended: settings,
 	 * configuration in force, basis. */
 	const struct kiosk *kiosk;
@@ -331,7 +331,7 @@ static void say_outcome(const struct kiosk *k, int err)
 void kiosk_reload_take(struct kiosk *k)
 {
 	struct reading *r = k->reading;
-	const bool again = r->again;
+	const bool repeat = r->repeat;
 
 	pthread_join(r->thread, NULL);
 	if (!r->err)
@@ -341,7 +341,7 @@ void kiosk_reload_take(struct kiosk *k)
 	reading_free(r);
 	k->reading = NULL;
 	service_reloaded(&k->service);
-	if (again)
+	if (repeat)
 		kiosk_reload(k);
 }
 
@@ -351,7 +351,7 @@ void kiosk_reload(struct kiosk *k)
 
 	stats_reopen(&k->stats);
 	if (k->reading) {
-		k->reading->again = true;
+		k->reading->repeat = true;
 		return;
 	}
 	service_reloading(&k->service, clock_now_ns());

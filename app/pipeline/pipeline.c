@@ -8,6 +8,8 @@
 
 #include "app/pipeline/pipeline_parts.h"
 #include "hal/base/clock.h"
+#include "hal/base/log.h"
+#include "hal/compositor/near/near_sky.h"
 
 /* Relative difference between the solid angle of a light in the file and that of its shape. */
 #define SOLID_ANGLE_OFF 1e-6
@@ -52,12 +54,20 @@ static int start_threads(const struct basis *basis, const struct pipeline_settin
 	return err;
 }
 
+void pipeline_warn_of_lamps(const struct basis *basis, const struct lamps *lamps)
+{
+	if (lamps->count && !near_sky_possible(basis))
+		log_warning(
+			"[lamp]: the basis does not tell where its pixels are, so lamps are taken as distant: bake the scene again with inlay-bake render");
+}
+
 /* Begins to measure lamps at places, where the compositor can use them. */
 static int start_lamps(struct pipeline *p, const struct compositor *compositor,
 		       const struct pipeline_settings *settings, struct fault *fault)
 {
 	struct lamp_light *lamps = NULL;
 
+	pipeline_warn_of_lamps(p->basis, &settings->lamps);
 	if (compositor_lamps(compositor) &&
 	    lamp_light_create(&lamps, &p->dome, &settings->lamps) < 0)
 		return fault_say(fault, -ENOMEM, "not enough memory");

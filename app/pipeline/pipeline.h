@@ -131,7 +131,7 @@ struct pipeline_report {
 	bool lit;	/* light has been measured, or given, at least once */
 	double level;	/* of the fisheye's last picture: mean over its lights, 1 is white */
 	double clipped; /* share of the sky's solid angle at the limit in every exposure, 0..1 */
-	bool recovered; /* the patch of ground has told what is clipped, and it was added */
+	bool recovered; /* the patch of ground has expected what is clipped, and it was added */
 	bool at_bound;	/* but a bound cut it */
 	int exposures;	/* exposures that the fisheye's camera takes in turn, at least 1 */
 	uint64_t unfit; /* pictures whose light did not fit their exposure */
@@ -154,6 +154,11 @@ struct pipeline_report {
 int pipeline_create(struct pipeline **pipeline, const struct basis *basis,
 		    const struct pipeline_settings *settings, struct fault *fault);
 void pipeline_destroy(struct pipeline *pipeline); /* NULL is harmless */
+
+/* Warns where lamps at places are named, but the basis does not know its places. That is no error:
+ * they are taken as distant, as all light was before. pipeline_create() and pipeline_change() do
+ * it, too. */
+void pipeline_warn_of_lamps(const struct basis *basis, const struct lamps *lamps);
 
 /* Takes other settings from the next frame on, except those of sampler, lens and exposures. On
  * failure the old ones stay. */
@@ -225,8 +230,9 @@ void pipeline_recover(struct pipeline *pipeline, const struct frame_reader *back
 /* The radiance of the patch of ground as seen in background, and as the measured light and the
  * patch's given reflectance tell it. False: there is no patch of given reflectance, or it is
  * outside. */
-bool pipeline_ground_told(const struct pipeline *pipeline, const struct frame_reader *background,
-			  double seen[3], double told[3]);
+bool pipeline_ground_expected(const struct pipeline *pipeline,
+			      const struct frame_reader *background, double radiance[3],
+			      double expected[3]);
 
 /* Filters the light just measured over time (light_filter.h). captured_ns: when its frame was
  * captured, by CLOCK_MONOTONIC or the clock of a simulated camera. The first light stays as

@@ -132,7 +132,7 @@ static int check_kernel(const struct config *config)
 	if (compositor_has_kernel(config->composite.kernel))
 		return 0;
 	log_error(
-		"%s: [composite] kernel: this processor has none called \"%s\", expected auto, or instructions that it has, like c or avx2",
+		"%s: [composite] kernel: this processor has none called \"%s\", expected auto or one that inlay bench lists",
 		config->name, config->composite.kernel);
 	return -ENOTSUP;
 }

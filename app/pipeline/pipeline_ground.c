@@ -118,8 +118,8 @@ static struct light_ground see_patch(const struct ground *g, const struct frame_
 				g->decode, g->row);
 }
 
-bool pipeline_ground_told(const struct pipeline *p, const struct frame_reader *background,
-			  double seen[3], double told[3])
+bool pipeline_ground_expected(const struct pipeline *p, const struct frame_reader *background,
+			      double radiance[3], double expected[3])
 {
 	const struct ground *g = p->light.ground;
 	struct light_ground ground;
@@ -128,10 +128,10 @@ bool pipeline_ground_told(const struct pipeline *p, const struct frame_reader *b
 		return false;
 	ground = see_patch(g, background);
 	for (int c = 0; c < 3; c++) {
-		seen[c] = ground.radiance[c];
-		told[c] = 0;
+		radiance[c] = ground.radiance[c];
+		expected[c] = 0;
 		for (int i = 0; i < p->dome.count; i++)
-			told[c] += g->term[c][i] * (double)p->light.radiance[i][c];
+			expected[c] += g->term[c][i] * (double)p->light.radiance[i][c];
 	}
 	return true;
 }
@@ -143,7 +143,7 @@ void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 					  .solid_angle_sr = p->dome.solid_angle_sr,
 					  .clipped = p->light.left,
 					  .white = light_exposures_white(p->light.exposures)};
-	struct light_ground seen;
+	struct light_ground ground;
 
 	if (!g || !(p->light.clipped > 0) || !(clipping.white > 0) ||
 	    !patch_is_within(&g->patch, background))
@@ -151,6 +151,6 @@ void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 	for (int c = 0; c < 3; c++)
 		clipping.term[c] = g->term[c];
 	clipping.piece_sr = clipped_pieces_find(g->pieces, p->light.left);
-	seen = see_patch(g, background);
-	p->light.recovery = light_recover(&seen, &clipping, p->light.radiance);
+	ground = see_patch(g, background);
+	p->light.recovery = light_recover(&ground, &clipping, p->light.radiance);
 }

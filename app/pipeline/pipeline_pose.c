@@ -58,17 +58,17 @@ static void poses_expect(struct pipeline *p)
 	const int count = (int)p->basis->info.poses;
 	const int now[] = {p->pose.coming.pose, p->pose.coming.next, p->pose.shown.pose,
 			   p->pose.shown.next};
-	const bool back = now[0] == p->pose.expected[0]
-				  ? p->pose.backwards
-				  : (now[0] + 1) % count == p->pose.expected[0];
-	const int forth = back ? count - 1 : 1;
+	const bool backwards = now[0] == p->pose.expected[0]
+				       ? p->pose.backwards
+				       : (now[0] + 1) % count == p->pose.expected[0];
+	const int step = backwards ? count - 1 : 1;
 	const int poses[] = {now[0],
 			     now[1],
 			     now[2],
 			     now[3],
-			     (now[1] + forth) % count,
-			     (now[1] + 2 * forth) % count,
-			     (now[0] + count - forth) % count};
+			     (now[1] + step) % count,
+			     (now[1] + 2 * step) % count,
+			     (now[0] + count - step) % count};
 
 	_Static_assert(sizeof(poses) / sizeof(*poses) <= BASIS_EXPECT_MAX, "all are expected");
 	if (count == 1 ||
@@ -76,7 +76,7 @@ static void poses_expect(struct pipeline *p)
 		return;
 	p->pose.expect_again = false;
 	memcpy(p->pose.expected, now, sizeof(now));
-	p->pose.backwards = back;
+	p->pose.backwards = backwards;
 	basis_poses_expect(p->basis, poses, (int)(sizeof(poses) / sizeof(*poses)));
 }
 

@@ -1,123 +1,29 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/learned.h"
+#include "app/records/records.h"
 
 #include <errno.h>
 #include <limits.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "hal/base/clock.h"
 #include "hal/base/input.h"
 #include "hal/base/log.h"
-#include "hal/base/output.h"
-#include "hal/people/people.h"
 
 #define FIRST_INTERVALS 4
 #define INTERVALS 360
 #define LEARNED_LEAST 0.5 /* share of the place, below which nothing is written */
 
 struct learned {
-	pthread_t thread;
-	pthread_mutex_t lock;
-	pthread_cond_t wake;
-	/* Under the lock: */
+	struct keeper *keeper;
 	char path[PATH_MAX]; /* empty: nothing is kept */
-	uint8_t *ready;	     /* to be written, and freed by the thread; NULL: nothing is */
-	size_t ready_bytes;
-	bool drop; /* the file is to be removed, before anything is written */
-	bool leave;
-	/* For the callers' thread alone: */
 	int64_t interval_ns;
 	int64_t due_ns;	    /* when the next copy begins */
 	uint8_t *copy;	    /* that is being made; NULL: none is */
 	size_t bytes, done; /* of it */
 	bool short_said;    /* it was logged that memory is short */
 };
-
-/* ---- the thread that writes ---- */
-
-static int write_file(const char *path, const uint8_t *bytes, size_t count, struct fault *fault)
-{
-	struct output out;
-	int err = output_open(&out, path, fault);
-
-	if (err)
-		return err;
-	fwrite(bytes, 1, count, out.stream); /* output_commit() tells of failures */
-	return output_commit(&out, fault);
-}
-
-/* Called without the lock. *said: what was logged last. */
-static void write_learned(const char *path, uint8_t *bytes, size_t count, struct fault *said)
-{
-	struct fault fault = {.text = ""};
-	int err;
-
-	people_seal(bytes, count);
-	err = write_file(path, bytes, count, &fault);
-	if (err && strcmp(said->text, fault.text) != 0)
-		log_warning("people: %s; what was learned of the place is not kept", fault.text);
-	if (!err && *said->text)
-		log_info("people: %s is written again", path);
-	*said = err ? fault : (struct fault){.text = ""};
-}
-
-static void drop_file(const char *path)
-{
-	if (*path && unlink(path) < 0 && errno != ENOENT)
-		log_warning("people: %s: cannot be removed: %s", path, strerror(errno));
-}
-
-static void *write_and_drop(void *context)
-{
-	struct learned *l = context;
-	struct fault said = {.text = ""};
-	char path[PATH_MAX];
-
-	pthread_mutex_lock(&l->lock);
-	while (l->ready || l->drop || !l->leave) {
-		const bool drop = l->drop;
-		uint8_t *bytes = l->ready;
-		const size_t count = l->ready_bytes;
-
-		if (!drop && !bytes) {
-			pthread_cond_wait(&l->wake, &l->lock);
-			continue;
-		}
-		l->drop = false;
-		if (!drop)
-			l->ready = NULL;
-		memcpy(path, l->path, sizeof(path));
-		pthread_mutex_unlock(&l->lock);
-		if (drop) {
-			drop_file(path);
-		} else {
-			write_learned(path, bytes, count, &said);
-			free(bytes);
-		}
-		pthread_mutex_lock(&l->lock);
-	}
-	pthread_mutex_unlock(&l->lock);
-	return NULL;
-}
-
-static int start_thread(struct learned *l)
-{
-	sigset_t all, before;
-	int err;
-
-	pthread_mutex_init(&l->lock, NULL); /* these do not fail in glibc */
-	pthread_cond_init(&l->wake, NULL);
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = -pthread_create(&l->thread, NULL, write_and_drop, l);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return err;
-}
 
 /* ---- when ---- */
 
@@ -142,20 +48,15 @@ static void abandon_copy(struct learned *l)
 	l->copy = NULL;
 }
 
-int learned_create(struct learned **out, const struct config_state *settings)
+int learned_create(struct learned **out, struct keeper *keeper, const struct config_state *settings)
 {
 	struct learned *l = calloc(1, sizeof(*l));
-	int err;
 
 	if (!l)
 		return -ENOMEM;
+	l->keeper = keeper;
 	take_settings(l, settings);
 	l->due_ns = after_intervals(l, FIRST_INTERVALS);
-	err = start_thread(l);
-	if (err) {
-		free(l);
-		return err;
-	}
 	*out = l;
 	return 0;
 }
@@ -164,9 +65,7 @@ void learned_move(struct learned *l, const struct config_state *settings)
 {
 	if (!l)
 		return;
-	pthread_mutex_lock(&l->lock);
 	take_settings(l, settings);
-	pthread_mutex_unlock(&l->lock);
 	l->due_ns = after_intervals(l, FIRST_INTERVALS);
 }
 
@@ -182,12 +81,8 @@ void learned_forget(struct learned *l)
 		return;
 	abandon_copy(l);
 	l->due_ns = after_intervals(l, FIRST_INTERVALS);
-	pthread_mutex_lock(&l->lock);
-	free(l->ready);
-	l->ready = NULL;
-	l->drop = true;
-	pthread_cond_signal(&l->wake);
-	pthread_mutex_unlock(&l->lock);
+	if (*l->path)
+		keeper_put(l->keeper, KEEPER_PLACE, l->path, NULL, 0);
 }
 
 /* ---- reading ---- */
@@ -251,22 +146,12 @@ void learned_restore(struct learned *l, struct pipeline *pipeline)
 
 /* ---- writing ---- */
 
-static bool is_writing(struct learned *l)
-{
-	bool writing;
-
-	pthread_mutex_lock(&l->lock);
-	writing = l->ready || l->drop;
-	pthread_mutex_unlock(&l->lock);
-	return writing;
-}
-
 /* Whether there is something that is worth to be kept. */
 static bool is_worth(const struct learned *l, const struct pipeline *pipeline)
 {
-	const struct pipeline_people_seen seen = pipeline_report(pipeline).people;
+	const struct pipeline_people_seen people = pipeline_report(pipeline).people;
 
-	return *l->path && seen.on && seen.begun && seen.learned >= LEARNED_LEAST;
+	return *l->path && people.on && people.begun && people.learned >= LEARNED_LEAST;
 }
 
 static void begin_copy(struct learned *l, const struct pipeline *pipeline)
@@ -287,11 +172,7 @@ static void copy_some(struct learned *l, const struct pipeline *pipeline)
 	l->done = pipeline_learned_save(pipeline, l->copy, l->done);
 	if (l->done < l->bytes)
 		return;
-	pthread_mutex_lock(&l->lock);
-	l->ready = l->copy;
-	l->ready_bytes = l->bytes;
-	pthread_cond_signal(&l->wake);
-	pthread_mutex_unlock(&l->lock);
+	keeper_put(l->keeper, KEEPER_PLACE, l->path, l->copy, l->bytes);
 	l->copy = NULL;
 }
 
@@ -301,7 +182,8 @@ void learned_keep(struct learned *l, const struct pipeline *pipeline)
 		return;
 	if (l->copy)
 		copy_some(l, pipeline);
-	else if (clock_now_ns() >= l->due_ns && is_worth(l, pipeline) && !is_writing(l))
+	else if (clock_now_ns() >= l->due_ns && is_worth(l, pipeline) &&
+		 keeper_look(l->keeper, KEEPER_PLACE) != KEEPER_BUSY)
 		begin_copy(l, pipeline);
 }
 
@@ -311,21 +193,9 @@ void learned_destroy(struct learned *l, const struct pipeline *pipeline)
 		return;
 	abandon_copy(l);
 	if (pipeline && is_worth(l, pipeline)) {
-		/* One that is not begun yet is older. */
-		pthread_mutex_lock(&l->lock);
-		free(l->ready);
-		l->ready = NULL;
-		pthread_mutex_unlock(&l->lock);
 		begin_copy(l, pipeline);
 		while (l->copy)
 			copy_some(l, pipeline);
 	}
-	pthread_mutex_lock(&l->lock);
-	l->leave = true;
-	pthread_cond_signal(&l->wake);
-	pthread_mutex_unlock(&l->lock);
-	pthread_join(l->thread, NULL);
-	pthread_cond_destroy(&l->wake);
-	pthread_mutex_destroy(&l->lock);
 	free(l);
 }

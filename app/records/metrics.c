@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/metrics.h"
+#include "app/records/records.h"
 
 #include <sys/stat.h>
 
@@ -92,6 +92,20 @@ static void print_light(FILE *s, const struct pipeline_report *report)
 		     "Share of the sky where the fisheye is at its limit.");
 }
 
+static void print_supply(FILE *s, const char *sysfs)
+{
+	const struct supply supply = supply_read(sysfs);
+
+	if (!supply.told)
+		return;
+	print_head(s, "undervoltage", "gauge", "Whether the power supply's voltage is too low.");
+	fprintf(s, "inlay_undervoltage{when=\"now\"} %d\ninlay_undervoltage{when=\"before\"} %d\n",
+		supply.undervoltage, supply.undervoltage_before);
+	print_head(s, "throttled", "gauge", "Whether the processor is slowed down.");
+	fprintf(s, "inlay_throttled{when=\"now\"} %d\ninlay_throttled{when=\"before\"} %d\n",
+		supply.throttled, supply.throttled_before);
+}
+
 void metrics_print(const struct metrics_facts *facts, FILE *s)
 {
 	print_head(s, "info", "gauge", "The version that runs.");
@@ -106,6 +120,7 @@ void metrics_print(const struct metrics_facts *facts, FILE *s)
 	print_pictures(s, facts->stats);
 	print_light(s, facts->report);
 	print_cameras(s, facts->sources, facts->source_count);
+	print_supply(s, facts->sysfs);
 }
 
 static int write_file(const char *path, const struct metrics_facts *facts, struct fault *fault)

@@ -1,15 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/state.h"
+#include "app/records/records.h"
 
 #include <errno.h>
-#include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "hal/base/clock.h"
-#include "hal/base/log.h"
-#include "hal/base/output.h"
 
 static const struct ini_key keys[] = {
 	{"threshold", INI_LEVEL, offsetof(struct state_values, threshold), .max = 255,
@@ -61,54 +57,31 @@ int state_read_memory(const char *text, size_t bytes, const char *name, struct s
 /* ---- writing ---- */
 
 struct state {
-	pthread_t thread;
-	pthread_mutex_t lock;
-	pthread_cond_t wake;
-	/* Under the lock: */
+	struct keeper *keeper;
 	struct config_state settings;
-	struct state_values wanted;
-	bool moved, leave;
-	/* For the thread alone: */
-	struct state_values kept;
-	int64_t next_ns; /* nothing is written before */
-	struct fault said;
+	struct state_values wanted, kept;
+	bool moved;
+	int64_t next_ns; /* nothing condition written before */
 };
 
-static int write_state(const char *path, const struct state_values *values, struct fault *fault)
+/* The text of the file, which the caller frees. NULL: no memory. */
+static char *print_values(const struct state_values *values, size_t *bytes)
 {
-	struct output out;
-	int err = output_open(&out, path, fault);
+	char *text = NULL;
+	FILE *stream = open_memstream(&text, bytes);
 
-	if (err)
-		return err;
+	if (!stream)
+		return NULL;
 	fputs("; What was chosen last, written by inlay. Without this file the configuration counts.\n"
 	      "[chosen]\n",
-	      out.stream);
+	      stream);
 	for (const struct ini_key *key = keys; key->name; key++) {
-		char text[INI_TEXT_MAX];
+		char value[INI_TEXT_MAX];
 
-		ini_value_text(key, values, text, sizeof(text));
-		fprintf(out.stream, "%s = %s\n", key->name, text);
+		ini_value_text(key, values, value, sizeof(value));
+		fprintf(stream, "%s = %s\n", key->name, value);
 	}
-	return output_commit(&out, fault);
-}
-
-/* Called without the lock. */
-static void write_now(struct state *state, const struct config_state *settings,
-		      const struct state_values *values)
-{
-	struct fault fault = {.text = ""};
-	int err = write_state(settings->file, values, &fault);
-
-	state->kept = *values;
-	if (err)
-		state->kept.pose =
-			-1; /* unlike any wanted values, so that they are written again */
-	if (err && strcmp(state->said.text, fault.text) != 0)
-		log_warning("state: %s", fault.text);
-	if (!err && *state->said.text)
-		log_info("state: %s is written again", settings->file);
-	state->said = fault;
+	return fclose(stream) ? NULL : text;
 }
 
 static bool same_values(const struct state_values *a, const struct state_values *b)
@@ -118,84 +91,39 @@ static bool same_values(const struct state_values *a, const struct state_values 
 	       a->pose == b->pose;
 }
 
-/* Waits until there is something to write and its time has come. False: end the thread. */
-static bool state_wait(struct state *state)
+static void write_if_due(struct state *state, bool last)
 {
-	for (;;) {
-		bool due = *state->settings.file &&
-			   (state->moved || !same_values(&state->wanted, &state->kept));
-		int64_t wait_ns = state->next_ns - clock_now_ns();
-		struct timespec until = {(time_t)(state->next_ns / NS_PER_S),
-					 (long)(state->next_ns % NS_PER_S)};
+	const enum keeper_condition condition = keeper_look(state->keeper, KEEPER_STATE);
+	const int64_t now_ns = clock_now_ns();
+	int64_t interval_ns = (int64_t)(state->settings.interval_s * (double)NS_PER_S);
+	size_t bytes;
+	char *text;
 
-		if (due && (wait_ns <= 0 || state->leave))
-			return true;
-		if (state->leave)
-			return false;
-		if (due)
-			pthread_cond_timedwait(&state->wake, &state->lock, &until);
-		else
-			pthread_cond_wait(&state->wake, &state->lock);
-	}
+	if (!*state->settings.file ||
+	    !(state->moved || condition == KEEPER_FAILED ||
+	      !same_values(&state->wanted, &state->kept)) ||
+	    (!last && (condition == KEEPER_BUSY || now_ns < state->next_ns)))
+		return;
+	if (condition == KEEPER_FAILED && interval_ns < NS_PER_S)
+		interval_ns = NS_PER_S;
+	text = print_values(&state->wanted, &bytes);
+	if (!text)
+		return;
+	keeper_put(state->keeper, KEEPER_STATE, state->settings.file, text, bytes);
+	state->kept = state->wanted;
+	state->moved = false;
+	state->next_ns = now_ns + interval_ns;
 }
 
-static void *write_values(void *context)
-{
-	struct state *state = context;
-	bool last = false;
-
-	pthread_mutex_lock(&state->lock);
-	while (!last && state_wait(state)) {
-		const struct config_state settings = state->settings;
-		const struct state_values values = state->wanted;
-		int64_t interval_ns = (int64_t)(settings.interval_s * (double)NS_PER_S);
-
-		last = state->leave;
-		state->moved = false;
-		pthread_mutex_unlock(&state->lock);
-		write_now(state, &settings, &values);
-		pthread_mutex_lock(&state->lock);
-		if (*state->said.text && interval_ns < NS_PER_S)
-			interval_ns = NS_PER_S;
-		state->next_ns = clock_now_ns() + interval_ns;
-	}
-	pthread_mutex_unlock(&state->lock);
-	return NULL;
-}
-
-static int start_writer(struct state *state)
-{
-	pthread_condattr_t attributes;
-	sigset_t all, before;
-	int err;
-
-	pthread_mutex_init(&state->lock, NULL); /* these do not fail in glibc */
-	pthread_condattr_init(&attributes);
-	pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-	pthread_cond_init(&state->wake, &attributes);
-	pthread_condattr_destroy(&attributes);
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	err = -pthread_create(&state->thread, NULL, write_values, state);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return err;
-}
-
-int state_create(struct state **out, const struct config_state *settings,
+int state_create(struct state **out, struct keeper *keeper, const struct config_state *settings,
 		 const struct state_values *now)
 {
 	struct state *state = calloc(1, sizeof(*state));
-	int err;
 
 	if (!state)
 		return -ENOMEM;
-	state->settings = *settings;
-	state->wanted = state->kept = *now;
-	err = start_writer(state);
-	if (err) {
-		free(state);
-		return err;
-	}
+	*state = (struct state){
+		.keeper = keeper, .settings = *settings, .wanted = *now, .kept = *now};
 	*out = state;
 	return 0;
 }
@@ -204,34 +132,29 @@ void state_move(struct state *state, const struct config_state *settings)
 {
 	if (!state)
 		return;
-	pthread_mutex_lock(&state->lock);
 	state->moved |= strcmp(state->settings.file, settings->file) != 0;
 	state->settings = *settings;
 	state->next_ns = 0;
-	pthread_cond_signal(&state->wake);
-	pthread_mutex_unlock(&state->lock);
+	write_if_due(state, false);
 }
 
 void state_keep(struct state *state, const struct state_values *values)
 {
 	if (!state)
 		return;
-	pthread_mutex_lock(&state->lock);
 	state->wanted = *values;
-	pthread_cond_signal(&state->wake);
-	pthread_mutex_unlock(&state->lock);
+	write_if_due(state, false);
+}
+
+void state_look(struct state *state)
+{
+	if (state)
+		write_if_due(state, false);
 }
 
 void state_destroy(struct state *state)
 {
-	if (!state)
-		return;
-	pthread_mutex_lock(&state->lock);
-	state->leave = true;
-	pthread_cond_signal(&state->wake);
-	pthread_mutex_unlock(&state->lock);
-	pthread_join(state->thread, NULL);
-	pthread_cond_destroy(&state->wake);
-	pthread_mutex_destroy(&state->lock);
+	if (state)
+		write_if_due(state, true);
 	free(state);
 }

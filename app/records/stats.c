@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/records/stats.h"
+#include "app/records/records.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -34,9 +34,9 @@ static int stats_open_file(struct stats *stats, int flags)
 
 static bool is_pipe(const char *path)
 {
-	struct stat is;
+	struct stat about;
 
-	return stat(path, &is) == 0 && S_ISFIFO(is.st_mode);
+	return stat(path, &about) == 0 && S_ISFIFO(about.st_mode);
 }
 
 int stats_open(struct stats *stats, const char *path, struct fault *fault)

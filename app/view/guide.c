@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/guide.h"
+#include "app/view/show.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "app/view/pen.h"
+#include "app/view/panel.h"
 #include "hal/lights/lamp/lamp_light.h"
 
 #define STEPS 96     /* points of a line: lenses bend it */

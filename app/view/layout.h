@@ -1,18 +1,57 @@
 /* SPDX-License-Identifier: MIT */
-/*
- * Where pictures go on the screen. A cell is a rectangle of the screen. Whoever places a picture in
- * a cell writes each pixel of the cell once, in order: the picture, and black around it.
- */
+/* Where pictures go on the screen, and how they are scaled to go there. */
 #ifndef INLAY_APP_VIEW_LAYOUT_H
 #define INLAY_APP_VIEW_LAYOUT_H
 
 #include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-#include "app/view/scaler.h"
 #include "config/config.h"
 #include "hal/base/pool.h"
 #include "hal/device/display.h"
 #include "hal/frame/view.h"
+
+/*
+ * Scales a picture to another size by a tent filter: as wide as a source pixel where it enlarges
+ * (bilinear), as a destination pixel where it shrinks, so that small things neither flicker nor
+ * vanish. Weights are made once for a pair of sizes; equal sizes are an exact copy. (libyuv's
+ * scaler allocates rows at every call, which the frame path must not.)
+ */
+
+struct scaler_axis {
+	int from, to;
+	int taps;	  /* source pixels under the filter of a destination pixel */
+	int *first;	  /* [to]: its first source pixel; first + taps <= from */
+	uint16_t *weight; /* [to][taps]: Q14, summing to 1 */
+};
+
+struct scaler {
+	struct scaler_axis across, down;
+	int workers;
+	size_t scratch_bytes;
+	uint8_t *scratch; /* [workers][scratch_bytes]: rows scaled across */
+};
+
+/* Prepares for these sizes, all at least 1; does nothing if it is prepared for them. 0 or -ENOMEM.
+ * A zeroed scaler is valid. */
+int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_width, int to_height,
+	       const struct pool *pool);
+
+/* Writes columns left..right-1 of the result, BGRX, each pixel once. out: where column left of the
+ * first row goes. from has the size given to scaler_fit(); 0 <= left <= right <= to_width. */
+void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *from, int left,
+		int right, uint8_t *out, size_t out_stride);
+
+void scaler_free(struct scaler *scaler); /* idempotent */
+
+/* Copies an upright picture, pixel by pixel. */
+void picture_copy(const struct picture *from, uint8_t *out, size_t out_stride);
+
+/*
+ * Where pictures go on the screen. A cell is a rectangle of the screen. Whoever places a picture in
+ * a cell writes each pixel of the cell once, in order: the picture, and black around it.
+ */
 
 struct layout_box {
 	int x, y, width, height;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/marks.h"
+#include "app/view/show.h"
 
 #include <math.h>
 
@@ -10,10 +10,10 @@
 int mark_side_px(int picture_height, int shown_height)
 {
 	int side = (picture_height + HEIGHT_PER_SIDE / 2) / HEIGHT_PER_SIDE;
-	int seen = (SHOWN_SIDE_PX * picture_height + shown_height - 1) / shown_height;
+	int visible = (SHOWN_SIDE_PX * picture_height + shown_height - 1) / shown_height;
 
-	if (side < seen)
-		side = seen;
+	if (side < visible)
+		side = visible;
 	return side < SIDE_LEAST_PX ? SIDE_LEAST_PX : side;
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/overlay.h"
+#include "app/view/show.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/view/layout.h"
 #include "app/view/panel.h"
-#include "app/view/scaler.h"
 #include "hal/base/log.h"
 #include "hal/base/utf8.h"
 

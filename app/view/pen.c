@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/pen.h"
+#include "app/view/panel.h"
 
 #include <cairo.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "app/view/scaler.h"
+#include "app/view/layout.h"
 
 #include <errno.h>
 #include <libyuv.h>
@@ -75,7 +75,7 @@ static size_t row_bytes(const struct scaler *scaler)
 int scaler_fit(struct scaler *scaler, int from_width, int from_height, int to_width, int to_height,
 	       const struct pool *pool)
 {
-	const int workers = pool ? pool_threads(pool) : 1;
+	const int workers = pool_threads(pool);
 	int err;
 
 	if (scaler->scratch && scaler->workers >= workers && scaler->across.from == from_width &&
@@ -206,10 +206,5 @@ void scaler_run(struct scaler *scaler, struct pool *pool, const struct picture *
 	struct band_job job = {scaler, from, left, right, out, out_stride};
 	int bands = (scaler->down.to + BAND_ROWS - 1) / BAND_ROWS;
 
-	if (pool) {
-		pool_run(pool, bands, make_band, &job);
-		return;
-	}
-	for (int i = 0; i < bands; i++)
-		make_band(&job, i, 0);
+	pool_run(pool, bands, make_band, &job);
 }

@@ -5,9 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/view/guide.h"
 #include "app/view/layout.h"
-#include "app/view/marks.h"
 
 #define LETTER_PX 15 /* of SHOW_GUIDE, on the screen */
 

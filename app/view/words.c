@@ -119,7 +119,7 @@ int words_information(char *text, size_t room, const struct words_figures *f)
 		snprintf(
 			lamp, sizeof(lamp),
 			" · lamp at azimuth %.0f°, height %.0f°: shadow too soft, the dome is coarse there",
-			f->lamp_azimuth_deg, f->lamp_height_deg);
+			f->lamp_deg[0], f->lamp_deg[1]);
 	if (f->people)
 		snprintf(people, sizeof(people), " · place learned %.0f %%, %d in front%s%s%s%s",
 			 floor(100 * f->learned), f->in_front,

@@ -33,13 +33,13 @@ struct words_figures {
 	bool percent;	  /* the threshold is a percentage */
 	double error; /* bound for what the lights left out may change, linear light, 1 is white */
 	double frames_a_second;
-	double latency_ms; /* mean over the last second */
-	uint64_t drops;	   /* since the start */
-	double clipped;	   /* share of the sky, 0..1 */
-	bool recovered;	   /* the clipped light has been added */
-	bool at_bound;	   /* but a bound cut it */
-	bool lamp;	   /* one shines where the dome is coarse */
-	double lamp_azimuth_deg, lamp_height_deg;
+	double latency_ms;	  /* mean over the last second */
+	uint64_t drops;		  /* since the start */
+	double clipped;		  /* share of the sky, 0..1 */
+	bool recovered;		  /* the clipped light has been added */
+	bool at_bound;		  /* but a bound cut it */
+	bool lamp;		  /* one shines where the dome is coarse */
+	double lamp_deg[2];	  /* azimuth and height */
 	const char *missing_lamp; /* name of one that shows no light where it is said to be; NULL */
 	/* One that no section names; off 0: there is none. */
 	double unnamed_azimuth_deg, unnamed_height_deg, unnamed_off;

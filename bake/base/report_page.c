@@ -4,12 +4,10 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,7 +15,6 @@
 #include "hal/base/output.h"
 
 #define TEMPORARY ".part-XXXXXX"
-#define LEFTOVERS ".part-??????"
 
 /* ---- folders ---- */
 
@@ -46,44 +43,6 @@ static void remove_report_folder(const char *folder)
 	closedir(dir);
 	if (rmdir(folder))
 		log_warning("%s is left: it holds files that are no report's", folder);
-}
-
-/* Returns a descriptor that holds the folder's lock until it is closed, or -1 if the folder cannot
- * be opened or another process holds the lock. */
-static int lock_folder(const char *folder)
-{
-	const int fd = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-
-	if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB)) {
-		close(fd);
-		return -1;
-	}
-	return fd;
-}
-
-/* Removes the temporary folders of interrupted runs. Those of running programs are locked. */
-static void remove_leftovers(const char *folder)
-{
-	char pattern[PATH_MAX + sizeof(TEMPORARY)], *to = pattern;
-	glob_t found;
-
-	for (const char *c = folder; *c && to < pattern + PATH_MAX - 2; c++) {
-		if (strchr("*?[\\", *c))
-			*to++ = '\\';
-		*to++ = *c;
-	}
-	strcpy(to, LEFTOVERS);
-	if (glob(pattern, 0, NULL, &found))
-		return;
-	for (size_t k = 0; k < found.gl_pathc; k++) {
-		const int fd = lock_folder(found.gl_pathv[k]);
-
-		if (fd < 0)
-			continue;
-		remove_report_folder(found.gl_pathv[k]);
-		close(fd);
-	}
-	globfree(&found);
 }
 
 /* 0 if the folder is missing, empty or an earlier report. */
@@ -117,14 +76,13 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 	size_t length = strlen(folder);
 	int err;
 
-	*page = (struct report_page){.lock = -1};
+	*page = (struct report_page){.body = NULL};
 	while (length > 1 && folder[length - 1] == '/')
 		length--;
 	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
 	err = check_report_folder(page->folder, fault);
 	if (err)
 		return err;
-	remove_leftovers(page->folder);
 	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
 	    (int)sizeof(page->temporary)) {
 		page->temporary[0] = '\0';
@@ -136,7 +94,6 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
 	}
 	chmod(page->temporary, 0755);
-	page->lock = lock_folder(page->temporary);
 	page->body = open_memstream(&page->text, &page->bytes);
 	if (!page->body) {
 		report_page_abandon(page);
@@ -155,9 +112,6 @@ void report_page_abandon(struct report_page *page)
 	if (page->temporary[0])
 		remove_report_folder(page->temporary);
 	page->temporary[0] = '\0';
-	if (page->lock > 0)
-		close(page->lock);
-	page->lock = 0;
 }
 
 /* ---- parts ---- */
@@ -311,38 +265,29 @@ static void write_base64(FILE *to, FILE *from)
 	}
 }
 
-int report_page_figure(struct report_page *page, const char *file, const char *type,
-		       const char *caption, struct fault *fault)
+int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
+			const char *caption, struct fault *fault)
 {
-	FILE *to = page->body;
+	FILE *to = page->body, *from;
 	char path[2 * PATH_MAX];
-	FILE *from;
+	int err;
 
-	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
+	snprintf(path, sizeof(path), "%s/%s.png", page->temporary, name);
+	err = image_write(path, picture, fault);
+	if (err)
+		return err;
 	from = fopen(path, "rb");
 	if (!from)
 		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
-	fprintf(to, "<figure><img class=\"%s\" alt=\"", type);
+	fputs("<figure><img alt=\"", to);
 	report_write_escaped(to, caption);
-	fprintf(to, "\" src=\"data:image/%s;base64,", type);
+	fputs("\" src=\"data:image/png;base64,", to);
 	write_base64(to, from);
 	fclose(from);
 	fputs("\"><figcaption>", to);
 	report_write_escaped(to, caption);
-	fprintf(to, " <a href=\"%s\">%s</a></figcaption></figure>\n", file, file);
+	fprintf(to, " <a href=\"%s.png\">%s.png</a></figcaption></figure>\n", name, name);
 	return 0;
-}
-
-int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
-			const char *caption, struct fault *fault)
-{
-	char path[2 * PATH_MAX], file[128];
-	int err;
-
-	snprintf(file, sizeof(file), "%s.png", name);
-	snprintf(path, sizeof(path), "%s/%s", page->temporary, file);
-	err = image_write(path, picture, fault);
-	return err ? err : report_page_figure(page, file, "png", caption, fault);
 }
 
 /* ---- the whole ---- */
@@ -355,7 +300,7 @@ static const char style[] =
 	"th{text-align:right;vertical-align:bottom;border-bottom:2px solid #888;padding:.2em .6em}th:first-child{text-align:left}.unit{font-weight:normal;color:#555}\n"
 	"td{padding:.15em .6em;border-bottom:1px solid #ddd;vertical-align:top}td.n{text-align:right;font-variant-numeric:tabular-nums}\n"
 	"tr.used td{background:#dcebf7;font-weight:bold}\n"
-	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}figure{margin:.8em 0}img{max-width:100%;display:block}img.png{width:100%;image-rendering:pixelated}\n"
+	"pre{background:#f1f1ec;border-left:3px solid #e69f00;padding:.5em .9em;margin:.4em 0}figure{margin:.8em 0}img{max-width:100%;display:block;width:100%;image-rendering:pixelated}\n"
 	"@media print{body{max-width:none;margin:0;font-size:11px}h2{page-break-after:avoid}figure,table{page-break-inside:avoid}}\n";
 
 static int write_page(struct report_page *page, const char *title, struct fault *fault)

@@ -21,7 +21,6 @@ struct report_page {
 	/* where files are written until the commit; empty: no report is open */
 	char temporary[PATH_MAX];
 	FILE *body;
-	int lock;   /* file descriptor that locks the temporary folder; 0 or -1: none */
 	char *text; /* what is written to body */
 	size_t bytes;
 };
@@ -35,10 +34,8 @@ void report_heading(FILE *to, const char *format, ...) __attribute__((format(pri
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_write_escaped(FILE *to, const char *text);
 
-/* Show a file of the report in the page, of the MIME type "image/TYPE", embedded so that the page
- * can be sent alone; write a table as CSV and free it, or a picture as PNG, and show it. */
-int report_page_figure(struct report_page *page, const char *file, const char *type,
-		       const char *caption, struct fault *fault);
+/* Write a table as CSV and free it, or a picture as PNG, and show it in the page; a picture is
+ * embedded, so that the page can be sent alone. */
 int report_page_table(struct report_page *page, struct table *table, struct fault *fault);
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault);

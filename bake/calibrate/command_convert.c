@@ -17,7 +17,7 @@ struct convert_job {
 	int as;		   /* enum lens_file; -1: by the ending of out */
 	int width, height; /* side by side: --size */
 	bool fisheye;
-	double tolerance_px, error_px, turn_deg;
+	double tolerance_px, error_px;
 };
 
 static bool path_ends_with(const char *path, const char *ending)
@@ -58,8 +58,7 @@ static int ini_of_lens(struct convert_job *job, const struct lens *lens, struct 
 	*ini = (struct lens_ini){.camera_given = !lens->fisheye, .fisheye_given = lens->fisheye};
 	if (lens->fisheye)
 		return lens_to_fisheye(lens, &ini->fisheye, fault);
-	return lens_to_tsai(lens, &ini->camera, job->tolerance_px, &job->error_px, &job->turn_deg,
-			    fault);
+	return lens_to_tsai(lens, &ini->camera, job->tolerance_px, &job->error_px, fault);
 }
 
 /* Puts the file's name before a fault that does not begin with it. */
@@ -117,7 +116,7 @@ static int write_out(const struct convert_job *job, const struct lens *lens,
 		return err;
 	camera_name(job->out, name, sizeof(name));
 	if (job->as == LENS_FILE_INI)
-		lens_write_ini(out.stream, ini, job->in, job->error_px, job->turn_deg);
+		lens_write_ini(out.stream, ini, job->in, job->error_px);
 	else if (job->as == LENS_FILE_OPENCV)
 		lens_write_opencv(out.stream, lens, job->error_px);
 	else
@@ -169,10 +168,7 @@ static int convert_run(const struct command *command, int argc, char **argv)
 		log_error("%s", fault.text);
 		return EXIT_FAILURE;
 	}
-	if (job.turn_deg > 0)
-		log_info("%s: fitted, off by at most %.3g px, besides a turn by %.3g degrees",
-			 job.out, job.error_px, job.turn_deg);
-	else if (job.error_px > 0)
+	if (job.error_px > 0)
 		log_info("%s: fitted, off by at most %.3g px", job.out, job.error_px);
 	return EXIT_SUCCESS;
 }

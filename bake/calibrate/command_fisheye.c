@@ -72,9 +72,9 @@ static const char *const model_names[] = {
 struct fisheye_job {
 	struct lens_job lens;
 	struct fisheye_wanted wanted;
-	const char *live, *circle, *directions, *known; /* the source, else pictures of a board */
+	const char *live, *circle, *known; /* the source, else pictures of a board */
 	const char *board, *world, *uniform;
-	int width, height, views;
+	int views;
 	double rim_deg;
 	bool rotation_given;
 	double rotation_deg[3];
@@ -106,14 +106,12 @@ static const struct option_row rows[] = {
 	{"images", OPTION_OTHER, AT(lens), .take = read_images},
 	{"live", OPTION_TEXT, AT(live)},
 	{"circle", OPTION_TEXT, AT(circle)},
-	{"directions", OPTION_TEXT, AT(directions)},
 	{"lens", OPTION_TEXT, AT(known)},
 	{"board", OPTION_TEXT, AT(board)},
 	{"views", OPTION_INT, AT(views), .min = 1, .max = 1000},
 	{"world", OPTION_TEXT, AT(world)},
 	{"rotation", OPTION_OTHER, AT(rotation_deg), .take = read_rotation,
 	 .given = offsetof(struct fisheye_job, rotation_given)},
-	{"size", OPTION_SIZE, AT(width)},
 	{"rim-deg", OPTION_REAL, AT(rim_deg), .min = 10, .max = 170},
 	{"field", OPTION_REAL, AT(wanted.field_deg), .min = 1, .max = 180},
 	{"model", OPTION_CHOICE, AT(wanted.model), .choices = model_names},
@@ -125,17 +123,16 @@ static const struct option_row rows[] = {
 static int fisheye_check_options(void *context, struct fault *fault)
 {
 	struct fisheye_job *job = context;
-	const char *const single[] = {job->live, job->circle, job->directions, job->known};
+	const char *const single[] = {job->live, job->circle, job->known};
 	const bool with_board = job->lens.files || job->live;
 	int sources = job->lens.files > 0, err;
 
-	for (int k = 0; k < 4; k++)
+	for (int k = 0; k < 3; k++)
 		if (single[k] && ++sources == 1)
 			job->lens.file[job->lens.files++] = (char *)single[k];
 	if (sources != 1)
-		return fault_say(
-			fault, -EINVAL,
-			"expected one of --images, --live, --circle, --directions and --lens");
+		return fault_say(fault, -EINVAL,
+				 "expected one of --images, --live, --circle and --lens");
 	job->lens.anew = job->known;
 	err = lens_job_check_board(with_board, job->board, fault);
 	if (err)
@@ -180,25 +177,14 @@ static int find_circle(const struct fisheye_job *job, struct fisheye_work *work,
 
 static int find_points(struct fisheye_job *job, struct fisheye_work *work, struct fault *fault)
 {
-	const struct points_convention convention = {.directions = true, .pixel_centre = 0.5};
 	struct board board;
-	int err;
+	int err = board_parse(&board, job->board, fault);
 
-	if (job->directions) {
-		job->wanted.directions = true;
-		err = gather_points(&work->all, job->lens.file, job->lens.files, &convention,
-				    fault);
-		work->all.seen.width = job->width;
-		work->all.seen.height = job->height;
-	} else {
-		err = board_parse(&board, job->board, fault);
-		if (!err && job->live)
-			err = gather_live(&work->all, job->live, LIVE_FISHEYE, &board, job->views,
-					  job->world ? atoi(job->world) : 0, fault);
-		else if (!err)
-			err = gather_images(&work->all, job->lens.file, job->lens.files, &board,
-					    fault);
-	}
+	if (!err && job->live)
+		err = gather_live(&work->all, job->live, LIVE_FISHEYE, &board, job->views,
+				  job->world ? atoi(job->world) : 0, fault);
+	else if (!err)
+		err = gather_images(&work->all, job->lens.file, job->lens.files, &board, fault);
 	if (!err && job->world) {
 		job->wanted.world_view = lens_job_view("--world", job->world, &work->all, fault);
 		err = job->wanted.world_view < 0 ? job->wanted.world_view : 0;
@@ -322,7 +308,7 @@ static int fisheye_run(const struct command *command, int argc, char **argv)
 const struct command fisheye_command = {
 	.name = "fisheye",
 	.usage = "((--images GLOB... | --live CONFIG) --board SPEC | --circle PICTURE |\n"
-		 "        --directions FILE | --lens EYE.ini) [options] -o EYE.ini",
+		 "        --lens EYE.ini) [options] -o EYE.ini",
 	.summary = "the lens that looks at the sky",
 	.help = "\n"
 		"  --images GLOB        photographs of a board, in several places; more may follow\n"
@@ -335,8 +321,6 @@ const struct command fisheye_command = {
 		"                       (degrees); 0,0,0: on its back, the picture's right towards world X\n"
 		"  --circle PICTURE     a picture whose image circle is bright to its rim\n"
 		"  --rim-deg DEG        the rim's angle from the axis; 90\n"
-		"  --directions FILE    lines dx dy dz xf yf: what is seen in known directions\n"
-		"  --size WxH           of the picture that those were seen in\n"
 		"  --lens EYE.ini       a lens that is known, to add its falloff to\n"
 		"  --uniform PICTURE    something equally bright all over: the lens's falloff\n"
 		"  --model MODEL        equidistant, equisolid, stereographic, orthographic,\n"

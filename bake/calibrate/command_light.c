@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "bake/calibrate/commands.h"
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "bake/calibrate/response/light_file.h"
 #include "hal/base/log.h"
 
@@ -66,7 +66,6 @@ static const struct option_row options[] = {
 	{"times", OPTION_OTHER, .take = read_times},
 	{"time-deviation", OPTION_REAL, AT(time_deviation), .min = 0, .max = 0.5},
 	{"accept-misfit", OPTION_REAL, AT(misfit_percent), .min = 0.01, .max = 100},
-	{"exposures", OPTION_FLAG, AT(exposures)},
 	{"curve", OPTION_TEXT, AT(curve)},
 	{"lens", OPTION_TEXT, AT(lens)},
 	{"background-light", OPTION_TEXT, AT(background_light)},
@@ -133,7 +132,6 @@ const struct command light_command = {
 	.help = "Each adds its key to LIGHT.ini and keeps the others; [fisheye] light and [background] light of the\n"
 		"kiosk's configuration name such files. Pictures are 8-bit (PNG, JPEG), upright and cut as the view is.\n"
 		"\n  black COVERED               the lens covered\n"
-		"  black --exposures A B       or the darkest places of two exposures, the shorter first\n"
 		"  response [--times T,T,...] PICTURES\n"
 		"                              one static scene; times in any unit, in the pictures' order;\n"
 		"                              without, as the pictures say (EXIF)\n"

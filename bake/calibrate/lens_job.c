@@ -111,7 +111,8 @@ int lens_job_report(const struct lens_job *lens, const struct gathering *all,
 	if (!picture)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", lens->report);
 	for (int v = 0; v < all->pictures; v++)
-		picture[v] = &all->picture[v];
+		picture[v] = all->picture[v].u8 ? &all->picture[v]
+						: NULL; /* linear light is not drawn */
 	err = calibration_report_write(lens->report, finding, picture, fault);
 	free(picture);
 	return err;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "bake/calibrate/response/light_colours.h"
 #include "bake/calibrate/response/light_gain.h"
 #include "bake/calibrate/response/light_report.h"

@@ -6,7 +6,7 @@
 
 #include "bake/calibrate/bracket/light_merge.h"
 #include "bake/calibrate/bracket/light_rsp.h"
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "hal/base/log.h"
 
 int light_check_merge(const struct light_job *job, struct fault *fault)

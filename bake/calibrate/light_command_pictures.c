@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "bake/calibrate/bracket/light_rsp.h"
-#include "bake/calibrate/light_commands.h"
+#include "bake/calibrate/light_job.h"
 #include "bake/calibrate/response/light_black.h"
 #include "bake/calibrate/response/light_file.h"
 #include "bake/calibrate/response/light_report.h"
@@ -51,27 +51,24 @@ void light_free_pictures(struct image *pictures, int count)
 
 static int find_black(const struct light_job *job, struct light_black *black, struct fault *fault)
 {
-	struct image pictures[2] = {{.width = 0}};
+	struct image picture = {.width = 0};
 	struct fault why = {.text = ""};
-	int err = light_read_pictures(job, pictures, fault);
+	int err = light_read_pictures(job, &picture, fault);
 
 	if (!err) {
-		err = job->exposures ? light_black_darkest(black, &pictures[0], &pictures[1], &why)
-				     : light_black_covered(black, &pictures[0], &why);
+		err = light_black_covered(black, &picture, &why);
 		if (err)
 			fault_say(fault, err, "%s: %s", job->files[0], why.text);
 	}
-	light_free_pictures(pictures, 2);
+	image_free(&picture);
 	return err;
 }
 
 int light_check_black(const struct light_job *job, struct fault *fault)
 {
-	if (job->file_count == (job->exposures ? 2 : 1))
+	if (job->file_count == 1)
 		return 0;
-	return fault_say(fault, -EINVAL, "expected %s",
-			 job->exposures ? "two pictures, the shorter exposure first"
-					: "one picture, taken with the lens covered");
+	return fault_say(fault, -EINVAL, "expected one picture, taken with the lens covered");
 }
 
 int light_command_black(const struct light_job *job, struct fault *fault)

@@ -27,7 +27,6 @@ struct light_job {
 	int times;
 	double time_deviation;
 	double misfit_percent; /* 0: the default */
-	bool exposures;
 	const char *lens, *background_light, *fisheye, *background;
 	double reflectance[3];
 	struct light_areas patch, background_patch;
@@ -51,5 +50,25 @@ int light_times(const struct light_job *job, double *time, struct fault *fault);
 
 /* Computes the curve of a camera from its LIGHT.ini; without one, or a response in it, sRGB. */
 int light_curve_of(const char *path, struct transfer_curve *curve, struct fault *fault);
+
+/* Check whether a job is complete; -EINVAL: the fault says what was expected. */
+int light_check_black(const struct light_job *job, struct fault *fault);
+int light_check_response(const struct light_job *job, struct fault *fault);
+int light_check_gain(const struct light_job *job, struct fault *fault);
+int light_check_colours(const struct light_job *job, struct fault *fault);
+int light_check_merge(const struct light_job *job, struct fault *fault);
+
+/* Run a complete job: find the value, print it on standard output, write the report and, if the
+ * value can be trusted, its key. Return 0; 1: not trusted, the verdict is logged; negative
+ * errno. */
+int light_command_black(const struct light_job *job, struct fault *fault);
+int light_command_response(const struct light_job *job, struct fault *fault);
+int light_command_gain(const struct light_job *job, struct fault *fault);
+int light_command_colours(const struct light_job *job, struct fault *fault);
+int light_command_merge(const struct light_job *job, struct fault *fault);
+
+/* Reads the job's 8-bit pictures, all of one size. Returns errors of image_read(), -EINVAL. */
+int light_read_pictures(const struct light_job *job, struct image *pictures, struct fault *fault);
+void light_free_pictures(struct image *pictures, int count);
 
 #endif

@@ -32,10 +32,8 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/camera/camera_verdict_points.c \
 	bake/calibrate/convert/convert.c \
 	bake/calibrate/convert/convert_read.c \
-	bake/calibrate/convert/convert_tsai.c \
 	bake/calibrate/convert/convert_write.c \
 	bake/calibrate/estimate/by_view.c \
-	bake/calibrate/estimate/covariance.c \
 	bake/calibrate/estimate/estimate.c \
 	bake/calibrate/estimate/finding.c \
 	bake/calibrate/estimate/least_squares.c \
@@ -73,8 +71,6 @@ CALIBRATE_SOURCES := \
 	bake/calibrate/observe/live_screen.c \
 	bake/calibrate/observe/observations.c \
 	bake/calibrate/report/report.c \
-	bake/calibrate/report/report_axes.c \
-	bake/calibrate/report/report_json.c \
 	bake/calibrate/report/report_sheet.c \
 	bake/calibrate/report/report_shown.c \
 	bake/calibrate/report/report_tables.c \

@@ -8,11 +8,7 @@
 #include <string.h>
 
 #include "bake/base/blas.h"
-#include "bake/base/profile.h"
-#include "bake/encode/encode_allow.h"
-#include "bake/encode/encode_block.h"
-#include "bake/encode/encode_choose.h"
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 #include "bake/judge/measure.h"
 #include "bake/judge/reader.h"
 #include "bake/judge/shade.h"
@@ -170,9 +166,7 @@ static int build_part(struct encoder *e, int tile, int k)
 	allowance->chosen = true;
 	if (err)
 		return err;
-	profile_enter(PROFILE_COLUMNS);
 	columns_find(&e->columns, &e->fit[k]);
-	profile_enter(PROFILE_WRITE);
 	return block_build(&e->shown, &e->fit[k], &e->columns, tile);
 }
 
@@ -204,7 +198,6 @@ static int encoder_measure(struct encoder *e, const uint16_t *coverage, const in
 	const int count = e->parts;
 	int err = 0;
 
-	profile_enter(PROFILE_CHECK);
 	result->object_error = result->ratio_error = 0;
 	for (int k = 0; k < count && !err; k++)
 		err = block_reader_open(&e->reader[k], &e->settings, &e->part[k],
@@ -237,7 +230,6 @@ static void try_watched(struct encoder *e)
 
 static void encoder_limit(struct encoder *e)
 {
-	profile_enter(PROFILE_LIMITS);
 	for (int k = 0; k < e->parts; k++)
 		part_limit(&e->part[k], &e->settings, &e->levels);
 }
@@ -316,7 +308,6 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 	int err;
 
 	*result = (struct encode_result){.shown = NULL};
-	profile_enter(PROFILE_LIMITS);
 	if (!samples_pair(samples, count))
 		return -EINVAL;
 	shade_begin(&e->shade);
@@ -325,7 +316,6 @@ int encode_tile(struct encoder *e, int tile, const uint16_t *coverage,
 		return err;
 	e->exact.count = 0;
 	err = build_until_held(e, tile, coverage, result);
-	profile_enter(PROFILE_WRITE);
 	if (!err && e->settings.exact)
 		err = build_exact(e, tile, samples, count);
 	if (err)

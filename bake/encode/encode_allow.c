@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_allow.h"
 
 #include <math.h>
 
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 
 /* The next attempt aims below the target by these factors: NARROWER for the limits of a light, as
  * most of its residuals stay as they were, TIGHTER for the errors that ranks are chosen for. Chosen

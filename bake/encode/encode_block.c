@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_block.h"
+#include "bake/encode/encode_parts.h"
 
 #include <errno.h>
 #include <float.h>

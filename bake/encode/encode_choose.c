@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_choose.h"
 
 #include <cblas.h>
 #include <errno.h>
@@ -8,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
-#include "bake/encode/encode_column.h"
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 #include "hal/basis/basis_layout.h"
 #include "hal/basis/basis_lines.h"
 
@@ -200,7 +197,6 @@ static double estimate_cost(struct choose *s, struct low_rank *fit, double bound
 	double cost = (1 + READ_WEIGHT) * (pattern_bytes(s, fit->part, true, fit->mono_rank) +
 					   pattern_bytes(s, fit->part, false, fit->colour_rank));
 
-	profile_enter(PROFILE_COLUMNS);
 	s->columns = 0;
 	for (int i = 0; i < s->settings->lights && cost < bound; i++) {
 		struct estimate_column *column = &s->column[s->columns];
@@ -419,15 +415,12 @@ static struct rank_plan plan_estimate(struct choose *s, struct low_rank *fit, in
 	struct rank_plan e = {.excess = INFINITY, .cut_share = part->limit.cut_share};
 	double cost, worst = 0;
 
-	profile_enter(PROFILE_BASIS);
 	fit_set_ranks(fit, mono, colour);
 	e.mono_rank = fit->mono_rank;
 	e.colour_rank = fit->colour_rank;
-	profile_enter(PROFILE_COLUMNS);
 	e.cost = cost = estimate_cost(s, fit, bound);
 	if (cost >= bound)
 		return e;
-	profile_enter(PROFILE_SKIES);
 	find_groups(s, part);
 	find_uses(s, part);
 	e.cost = cost + READ_WEIGHT * read_bytes(s, part, e.cut_share);
@@ -524,7 +517,6 @@ int choose_ranks(struct choose *s, struct low_rank *fit, const struct shade *sha
 	struct rank_plan best;
 	int err = 0, before;
 
-	profile_enter(PROFILE_SKIES);
 	s->shade = shade;
 	s->asked = *asked;
 	for (int t = 0; t < shade->skies.tried; t++)
@@ -533,12 +525,10 @@ int choose_ranks(struct choose *s, struct low_rank *fit, const struct shade *sha
 	/* A part that is hardly seen needs neither patterns nor columns. */
 	best = plan_estimate(s, fit, 0, 0, LEAST_COST);
 	if (best.excess > 1) {
-		profile_enter(PROFILE_BASIS);
 		if (!fit->found)
 			err = fit_find(fit);
 		if (err)
 			return err;
-		profile_enter(PROFILE_SKIES);
 		sum_patterns(s, fit->part, &fit->mono_patterns, s->mono_sky);
 		sum_patterns(s, fit->part, &fit->colour_patterns, s->colour_sky);
 		best = plan_estimate(s, fit, FIRST_RANK, FIRST_RANK, INFINITY);

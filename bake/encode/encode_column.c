@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_column.h"
 
 #include <errno.h>
 #include <float.h>
@@ -7,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 
 /* Added to a number below 2^22 and taken away again, it leaves the nearest integer. */
 #define ROUNDING 0x1.8p23F

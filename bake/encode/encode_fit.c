@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_fit.h"
+#include "bake/encode/encode_parts.h"
 
 #include <cblas.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "bake/base/profile.h"
 
 /* Power iteration converges by the ratio of the two largest eigenvalues each round; tints are
  * rounded to 2^-15, and a tint need not be exact, as colour takes what mono leaves. */

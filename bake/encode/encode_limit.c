@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/encode/encode_limit.h"
+#include "bake/encode/encode_parts.h"
 
 #include <float.h>
 #include <math.h>

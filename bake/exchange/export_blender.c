@@ -7,7 +7,7 @@
 
 /* export_blender_py[]: bake/module.mk makes this header from export_blender.py. */
 #include "bake/exchange/export_blender.py.h"
-#include "bake/exchange/export_mesh.h"
+#include "bake/exchange/export_job.h"
 #include "hal/base/json.h"
 
 /* ---- camera ---- */

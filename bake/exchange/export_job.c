@@ -10,7 +10,6 @@
 #include <sys/stat.h>
 
 #include "bake/base/angles.h"
-#include "bake/exchange/export_mesh.h"
 #include "hal/base/log.h"
 
 int export_job_open(const struct export_job *job, const char *name, struct output *out,

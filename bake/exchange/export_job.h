@@ -16,6 +16,7 @@
 #define INLAY_BAKE_EXCHANGE_EXPORT_JOB_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
 #include "bake/scene/scene.h"
 #include "hal/base/output.h"
@@ -54,5 +55,20 @@ double export_job_reach(const struct export_job *job);
 /* Writes the command that imports the pictures, to be run in the folder. ending: of the pictures'
  * names, without a dot. */
 void export_job_import(const struct export_job *job, const char *ending, char *text, size_t room);
+
+/* Fills job->material: the scene's own materials, then those of the meshes' files. -ENOMEM. */
+int export_materials(struct export_job *job, struct fault *fault);
+
+/* Writes all objects, or all stand-ins, as one OBJ file. The caller checks the stream for
+ * errors. */
+void export_meshes(const struct export_job *job, bool standins, FILE *to);
+
+/* What vertices say about a material. */
+struct export_use {
+	bool colours; /* some have */
+	bool beyond;  /* some are beyond the edges of its texture */
+};
+
+struct export_use export_use_of(const struct export_job *job, const struct material *material);
 
 #endif

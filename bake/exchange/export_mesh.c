@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/exchange/export_mesh.h"
+#include "bake/exchange/export_job.h"
 
 #include <errno.h>
 #include <stdlib.h>

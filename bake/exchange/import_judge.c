@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/exchange/import_judge.h"
+#include "bake/exchange/import_pictures.h"
 
 #include <errno.h>
 #include <math.h>

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/exchange/import_judge.h"
 #include "hal/image/image.h"
 
 /* Below this share of the brightest ground a pixel has no ground. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/exchange/picture_stack.h"
+#include "bake/exchange/import_pictures.h"
 
 #include <errno.h>
 #include <fcntl.h>

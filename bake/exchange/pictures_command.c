@@ -12,7 +12,7 @@
 #include "bake/base/progress.h"
 #include "bake/exchange/pictures.h"
 #include "bake/scene/lights_options.h"
-#include "bake/truth/truth_options.h"
+#include "bake/truth/truth.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 

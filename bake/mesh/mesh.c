@@ -12,7 +12,6 @@
 
 #include "bake/mesh/formats/formats.h"
 #include "bake/mesh/gltf/gltf.h"
-#include "bake/mesh/mesh_used.h"
 #include "bake/mesh/mesh_winding.h"
 #include "hal/base/input.h"
 #include "hal/base/log.h"

@@ -77,4 +77,23 @@ uint64_t mesh_hash(const struct mesh *mesh);
 
 void mesh_free(struct mesh *mesh); /* idempotent; zeroed is fine */
 
+/*
+ * Gives each corner of a triangle the mean normal of all triangles that meet at its place and whose
+ * normals differ from its own by less than crease_deg, weighted by their angles there (Thuermer and
+ * Wuethrich, Computing Vertex Normals from Polygonal Facets, 1998). The result does not depend on
+ * whether triangles of the file share vertices: a vertex whose corners need several normals becomes
+ * several vertices. Triangles without area have no weight, and a normal of 0. Indices must be in
+ * range. -ENOMEM.
+ */
+int mesh_smooth(struct mesh_part *part, double crease_deg);
+
+/* Numbers the vertices that corners name, in their order; the others' number is UINT32_MAX. Corners
+ * get the new numbers, which are not larger. Returns how many vertices are used. */
+size_t mesh_number_used(uint32_t *corner, size_t corners, uint32_t *number, size_t vertices);
+/* Moves the rows of an array to such numbers. */
+void mesh_move_rows(void *array, size_t bytes, const uint32_t *number, size_t count);
+
+/* Does both to a part. -ENOMEM. */
+int mesh_drop_unused(struct mesh_part *part);
+
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/mesh_normals.h"
+#include "bake/mesh/mesh.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/mesh_used.h"
+#include "bake/mesh/mesh.h"
 
 #include <errno.h>
 #include <stdlib.h>

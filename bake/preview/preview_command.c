@@ -323,8 +323,8 @@ static int preview_watch(const struct preview_settings *settings)
 		watch_begin(watch);
 		(void)preview_once(settings);
 		err = watch_end(watch, &fault);
-		if (!err && watch_wait(watch, -1, &fault) < 0)
-			err = -EIO;
+		if (!err)
+			(void)watch_wait(watch, -1);
 	}
 	log_error("%s", fault.text);
 	watch_destroy(watch);

@@ -9,9 +9,8 @@
 #include <string.h>
 
 #include "bake/report/report_parts.h"
-#include "bake/report/report_sky.h"
 #include "hal/base/log.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 /* Defaults. With them a report takes minutes on two cores; bake/README.md says how many. */
 #define WIDTH 96

@@ -14,7 +14,7 @@ struct report_settings {
 	const char *input;	      /* a scene file */
 	const char *pose;	      /* of the scene, by name or number; NULL: its first */
 	const char *folder;	      /* of the report; appears when it is complete */
-	struct option_list panoramas; /* none: made surroundings (report_sky.h) */
+	struct option_list panoramas; /* none: made surroundings (report_sky.c) */
 	int width, height;	      /* of pictures that are baked and traced; 0: chosen */
 	int samples;		      /* a pixel, of bakes; 0: chosen */
 	int truth_samples;	      /* 0: chosen */

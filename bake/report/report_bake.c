@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "hal/compositor/compositor.h"
-#include "hal/measure/background.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 void report_bake_close(struct report_bake *bake)
 {
@@ -114,18 +114,17 @@ int report_bake_make(struct report_bake *bake, struct scene *scene,
 		     const char *folder, struct fault *fault)
 {
 	struct render_settings settings = bake->settings;
+	const clock_t begun = clock(); /* processor time of all threads */
 	char path[PATH_MAX];
 	int err;
 
 	snprintf(path, sizeof(path), "%s/report.inlay", folder);
-	settings.profile = true;
 	if (!settings.pose)
 		settings.pose = "0"; /* the pose in which a scene is opened */
 	err = render_run(scene, &settings, path, &bake->report, fault);
 	if (err)
 		return err;
-	for (int k = 0; k < PROFILE_STAGES; k++)
-		bake->seconds += bake->report.stage_s[k];
+	bake->seconds = (double)(clock() - begun) / CLOCKS_PER_SEC;
 	err = basis_open(&bake->basis, path, BASIS_ALL, fault);
 	/* its pages stay until it is closed */
 	unlink(path);

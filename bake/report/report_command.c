@@ -56,7 +56,7 @@ const struct command report_command = {
 	.usage = "SCENE -o DIR [--panorama FILE]... [--size WxH]\n"
 		 "           [--samples S] [--truth-samples S] [--frequency F] [--pose P]\n"
 		 "           [--repeat N] [--threads T] [--quiet]",
-	.summary = "speed against error of a scene: one page with a plot, tables and CSVs",
+	.summary = "speed against error of a scene: one page with tables and CSVs",
 	.help = "\n"
 		"  -o DIR             the folder: report.html, and its pictures and tables as files;\n"
 		"                     appears when it is whole\n"
@@ -76,6 +76,6 @@ const struct command report_command = {
 		"What the scene file says is the setting in use; each other row names the line of the\n"
 		"scene file or of the kiosk's configuration that makes it. Those are marked than which\n"
 		"no other is better, as far as noise lets see.\n"
-		"It takes some minutes. inlay run --stats says what a frame takes on a kiosk.\n",
+		"It takes some minutes. `inlay bench` measures a basis file, threads and kernels.\n",
 	.run = report_command_run,
 };

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_lighting.h"
+#include "bake/report/report_bake.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/report/report_sky.h"
+#include "bake/report/report_parts.h"
 #include "bake/truth/truth.h"
 #include "bake/truth/truth_views.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 #define MADE_WIDTH 1024 /* pixels across of made panoramas */
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The page: the setting in use, all ways in a plot and a table, pictures, how it was measured. */
+/* The page: the setting in use, all ways in a table, pictures, how it was measured. */
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -106,30 +106,6 @@ static double hidden_levels(const struct report *r)
 
 	return sqrt(4 * hypot(r->truth_noise, r->bake_noise) * r->trial[0].truth.all.rms /
 		    sqrt(pixels));
-}
-
-static int show_front(struct report *r, const bool *front)
-{
-	struct report_point point[REPORT_TRIALS_MAX];
-	int err;
-
-	for (int k = 0; k < r->trials; k++) {
-		const struct report_trial *trial = &r->trial[k];
-
-		point[k] = (struct report_point){.x = trial->ms.median,
-						 .y = trial->truth.all.rms,
-						 .label = front[k] || !k ? trial->name : NULL,
-						 .strong = front[k],
-						 .ringed = !k};
-	}
-	err = report_plot_write(r->page.temporary, "settings", "time of a frame, ms, one thread",
-				"RMS error against path-traced truth, levels", point, r->trials,
-				r->fault);
-	return err ? err
-		   : report_page_figure(
-			     &r->page, "settings.svg", "svg+xml",
-			     "Every setting that was tried. Blue: the Pareto front, that is, no other is faster and as near, or nearer and as fast; as fast and as near is what noise and spread cannot tell apart. Ring: the setting in use.",
-			     r->fault);
 }
 
 static void add_row(const struct report *r, const struct report_trial *trial, bool front,
@@ -310,8 +286,9 @@ int report_show(struct report *r)
 	if (!err)
 		err = show_pictures(r);
 	report_heading(r->page.body, "What do other settings cost and bring?");
-	if (!err)
-		err = show_front(r, front);
+	report_paragraph(
+		r->page.body,
+		"Of those on the Pareto front no other is faster and as near to the truth, or nearer and as fast; as fast and as near is what noise and spread cannot tell apart.");
 	if (!err)
 		err = show_settings(r, front);
 	show_method(r);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_sky.h"
+#include "bake/report/report_parts.h"
 
 #include <math.h>
 #include <stdbool.h>

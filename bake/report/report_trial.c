@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/report/report_trial.h"
+#include "bake/report/report_parts.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/measure/background.h"
+#include "hal/measure/measure.h"
 
 /* RMS of rounding to 8 bits, in levels: no picture is nearer to truth. */
 #define ROUNDING 0.289

@@ -50,7 +50,7 @@ int assembly_open(struct assembly **assembly, const struct plan *plan, const cha
 						sizeof(*a->distance[s]));
 		a->feet = calloc(plan->info.poses, sizeof(*a->feet));
 	}
-	if (!a || !a->coverage || !a->distance[0] || !a->distance[1] || !a->feet)
+	if (!a || !a->coverage || !a->distance[0] || !a->distance[1] || !a->distance[2] || !a->feet)
 		fault_say(fault, err, "%s: out of memory", path);
 	else
 		err = basis_writer_open(&a->writer, path, &plan->info, plan->light, plan->ground,

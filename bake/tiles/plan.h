@@ -18,7 +18,7 @@ struct plan {
 	struct basis_coarse *gather;   /* [info.lights]; NULL where info.coarse is info.lights */
 	struct basis_pose_name *names; /* [info.poses]; NULL: poses have no names */
 	char camera[PLAN_TEXT_MAX];    /* INI text */
-	/* Lines "key = value", which are the same in each run unless they hold a profile. */
+	/* Lines "key = value", which are the same in each run. */
 	char provenance[PLAN_TEXT_MAX];
 };
 

@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
 #include "bake/base/progress.h"
 #include "bake/scene/footprint.h"
 #include "bake/scene/keyframes.h"
 #include "bake/tiles/in_order.h"
 #include "bake/tiles/peaks.h"
 #include "bake/tiles/tile_noise.h"
-#include "bake/trace/cache_make.h"
+#include "bake/trace/cache.h"
 #include "hal/base/pool.h"
 
 /* In scenes with stand-ins, a pixel whose ratio no lighting changes by more than RATIO_SHARE of the
@@ -62,7 +61,6 @@ struct render_job {
 	struct assembly *assembly;
 	struct shard_writer *shard;
 	struct progress progress;
-	struct profile *profile; /* NULL: not asked for */
 	int first_pose, pose; /* poses of the scene: the first and the current one of this bake */
 	/* This bake makes the tiles first + k * step, k = 0..tiles-1, of the current pose. */
 	int tiles, first, step;
@@ -106,7 +104,6 @@ struct render_settings render_preview_of(const struct render_settings *settings)
 	s.target.max = fmax(s.target.max, RENDER_MAX_OF_RMS * s.target.rms);
 	s.target.cell = fmax(s.target.cell, PREVIEW_CELL);
 	s.exact = false;
-	s.profile = false;
 	return s;
 }
 
@@ -144,11 +141,6 @@ static bool render_look(void *context, double x, double y, struct surface *surfa
 			  surface, direction);
 }
 
-static void render_watch(void *context, int worker)
-{
-	profile_watch(((struct render_job *)context)->profile, worker);
-}
-
 static int cache_records(const struct render_job *job)
 {
 	const struct render_settings *s = &job->settings;
@@ -168,7 +160,6 @@ static int create_cache(struct render_job *job)
 		.seed = (uint64_t)job->settings.seed,
 		.records = cache_records(job),
 		.look = render_look,
-		.watch = render_watch,
 		.context = job,
 	};
 
@@ -204,14 +195,12 @@ static int render_make_tile(void *context, int index, int number, struct finishe
 	const int place = job->first + index * job->step;
 	int err;
 
-	profile_watch(job->profile, number);
 	tile->transport.ray_count = 0;
 	tile_render(tile, place);
 	for (int k = 0; k < tile->result.part_count; k++)
 		peaks_grow(worker->peak, &tile->result.part[k], job->dome.count);
 	err = encode_tile(worker->encoder, place, tile->result.opaque, tile->result.part,
 			  tile->result.part_count, &result);
-	profile_enter(PROFILE_WRITE);
 	if (!err)
 		err = finished_tile_keep(finished, result.shown, result.shown_count, result.exact,
 					 result.exact_count);
@@ -308,9 +297,6 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 		set_tiles(job);
 		job->tiles_all += job->tiles;
 	}
-	if (job->settings.profile && profile_begin(&job->profile, job->worker_count) < 0)
-		return fault_say(fault, -EAGAIN,
-				 "the profile cannot start: out of memory or threads");
 	progress_begin(&job->progress, job->settings.preview ? "preview" : "bake", job->tiles_all,
 		       job->settings.quiet);
 	for (int p = 0; p < poses && !err; p++) {
@@ -319,7 +305,6 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 		err = render_make_pose(job, fault);
 	}
 	report->seconds = progress_end(&job->progress);
-	profile_end(job->profile, report->stage_s);
 	report->rays = job->rays;
 	report->object_seen = job->object_seen;
 	return err;
@@ -511,21 +496,6 @@ static int render_set_up(struct render_job *job, const char *path, struct fault 
 	return render_open_file(job, path, fault);
 }
 
-/* Adds the profile to the provenance, which is the same in each run only without one. */
-static void render_write_profile(struct render_job *job, const struct render_report *report)
-{
-	const size_t room = sizeof(job->plan.provenance);
-	size_t used = strlen(job->plan.provenance);
-
-	used += (size_t)snprintf(job->plan.provenance + used, room - used, "processor_seconds =");
-	for (int stage = 0; stage < PROFILE_STAGES && used < room; stage++)
-		used += (size_t)snprintf(job->plan.provenance + used, room - used, "%s %s %.2f",
-					 stage ? "," : "", profile_stage_names[stage],
-					 report->stage_s[stage]);
-	if (used < room)
-		snprintf(job->plan.provenance + used, room - used, "\n");
-}
-
 static void render_tear_down(struct render_job *job)
 {
 	assembly_abandon(job->assembly);
@@ -555,8 +525,6 @@ static int render_finish(struct render_job *job, struct render_report *report, s
 
 	job->assembly = NULL; /* the calls below free both */
 	job->shard = NULL;
-	if (job->settings.profile)
-		render_write_profile(job, report);
 	if (shard)
 		err = shard_writer_finish(shard, fault);
 	else

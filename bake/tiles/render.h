@@ -3,7 +3,6 @@
 #ifndef INLAY_BAKE_TILES_RENDER_H
 #define INLAY_BAKE_TILES_RENDER_H
 
-#include "bake/base/profile.h"
 #include "bake/encode/encode.h"
 #include "bake/scene/scene.h"
 #include "bake/tiles/assembly.h"
@@ -28,7 +27,6 @@ struct render_settings {
 	bool preview;		     /* the provenance says so (basis_is_preview()) */
 	int threads;		     /* 0: one for each processor */
 	bool quiet;		     /* no progress */
-	bool profile;		     /* measure the processor time of each stage */
 };
 
 struct render_report {
@@ -38,7 +36,6 @@ struct render_report {
 	uint64_t shown_bytes, exact_bytes; /* sizes of all blocks */
 	bool object_seen;		   /* some pixel shows the object */
 	struct assembly_miss miss;	   /* not set for a shard */
-	double stage_s[PROFILE_STAGES];	   /* processor time of the tiles by stage, if asked for */
 };
 
 /* Returns the settings of the scene file. */

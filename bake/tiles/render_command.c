@@ -27,7 +27,7 @@ struct render_choices {
 	struct encoding_choices encoding;
 	struct shard_place shard;
 	const char *pose;
-	bool quiet, profile, print_scene, preview, no_preview;
+	bool quiet, print_scene, preview, no_preview;
 };
 
 /* Reads --shard I/N, where I counts from 1. */
@@ -59,7 +59,6 @@ static const struct option_row options[] = {
 	{"shard", OPTION_OTHER, AT(shard), .take = read_shard},
 	{"threads", OPTION_INT, AT(threads), .min = 1, .max = 1024},
 	{"quiet", OPTION_FLAG, AT(quiet)},
-	{"profile", OPTION_FLAG, AT(profile)},
 	{"preview", OPTION_FLAG, AT(preview)},
 	{"no-preview", OPTION_FLAG, AT(no_preview)},
 	{"print-scene", OPTION_FLAG, AT(print_scene)},
@@ -83,7 +82,6 @@ static void apply_choices(struct render_settings *s, const struct render_choices
 	s->pose = c->pose;
 	s->threads = c->threads;
 	s->quiet = c->quiet;
-	s->profile = c->profile;
 }
 
 static void print_report(const struct render_choices *c, const struct render_report *report,
@@ -104,18 +102,6 @@ static void print_report(const struct render_choices *c, const struct render_rep
 		printf(" (exact layer %.2f MB)", (double)report->exact_bytes * 1e-6);
 	printf(", error in levels RMS / most: skies %.2f / %.1f, cells %.2f / %.1f\n",
 	       info->sky_rms, info->sky_max, info->cell_rms, info->cell_max);
-}
-
-static void print_profile(const struct render_report *report)
-{
-	double sum = 0;
-
-	for (int stage = 0; stage < PROFILE_STAGES; stage++)
-		sum += report->stage_s[stage];
-	printf("processor time by stage, of %.2f s:\n", sum);
-	for (int stage = 0; stage < PROFILE_STAGES; stage++)
-		printf("  %-8s %8.2f s %5.1f %%\n", profile_stage_names[stage],
-		       report->stage_s[stage], sum > 0 ? 100 * report->stage_s[stage] / sum : 0);
 }
 
 /* Refuses an output file that is one of the scene's own files. */
@@ -238,8 +224,6 @@ static int render_bake(const char *path, const struct render_choices *c)
 		warn_of_nothing(path, &report);
 	if (!c->quiet)
 		print_report(c, &report, c->preview);
-	if (c->profile)
-		print_profile(&report);
 	return c->preview ? EXIT_SUCCESS : assembly_conclude(&report.miss, c->output);
 }
 
@@ -288,7 +272,6 @@ const struct command render_command = {
 		"  --preview       a preview alone: few lights and samples, one bounce, unless other\n"
 		"                  options say otherwise; some seconds\n"
 		"  --no-preview    nothing before the finished file: for scripts\n"
-		"  --profile       print the processor time of each stage, and keep it in the file\n"
 		"  --quiet         print nothing but errors\n"
 		"  --print-scene   a scene file with every key, its default and its meaning\n"
 		"\n"

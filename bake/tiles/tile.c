@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
 #include "bake/tiles/tile_glass.h"
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
@@ -115,7 +114,6 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	double unit[2];
 	bool met;
 
-	profile_enter(PROFILE_CAMERA);
 	sobol_point(place, scramble, unit);
 	scene_place(tile->scene, x, y, unit, s.place);
 	tile->transport.ray_count++;
@@ -176,7 +174,6 @@ static void run_batch(struct tile *tile, int samples)
 
 			for (int k = 0; k < samples; k++)
 				tile_add_sample(tile, at, (uint32_t)(tile->samples + k));
-			profile_enter(PROFILE_FILTER);
 			tile_noise_add(tile, at);
 		}
 	tile->samples += samples;
@@ -288,6 +285,24 @@ static void keep_positive(const struct encode_samples *light, float *bounce, siz
 		bounce[i] = fmaxf(bounce[i], -light->direct[i]);
 }
 
+/* Finds which share of the object's light under an even sky has bounced, in its finished rows. */
+static void find_bounced(struct tile *tile, const struct encode_samples *part)
+{
+	const size_t count = tile_bounce_size(tile);
+
+	for (int k = 0; part->bounce && k < part->pixels; k++) {
+		double direct = 0, bounced = 0;
+
+		for (size_t i = (size_t)k * count; i < ((size_t)k + 1) * count; i++) {
+			direct += (double)part->direct[i];
+			bounced += (double)part->bounce[i];
+		}
+		if (bounced > 0)
+			tile->result.distance[BASIS_BOUNCED][part->pixel[k]] =
+				(float)((direct + bounced) / bounced);
+	}
+}
+
 static void finish_object(struct tile *tile)
 {
 	int kept = 0;
@@ -303,6 +318,8 @@ static void finish_object(struct tile *tile)
 		keep_positive(&tile->result.part[tile->result.part_count - 1],
 			      tile->rows[TILE_OBJECT].bounce[0],
 			      (size_t)kept * tile_bounce_size(tile));
+	if (kept)
+		find_bounced(tile, &tile->result.part[tile->result.part_count - 1]);
 }
 
 /* Finishes the shadow on flat ground. Samples that see neither object nor real surface count as
@@ -395,6 +412,7 @@ static void finish_places(struct tile *tile)
 		float *to[] = {&tile->result.distance[BASIS_OBJECT][at],
 			       &tile->result.distance[BASIS_RECEIVER][at]};
 
+		tile->result.distance[BASIS_BOUNCED][at] = 0;
 		*to[0] = p->object ? (float)(p->distance[BASIS_OBJECT] / p->object) : 0;
 		*to[1] = p->direct ? (float)(p->distance[BASIS_RECEIVER] / p->direct) : *to[0];
 		if (!tile_has_standins(tile) || !p->receiver)

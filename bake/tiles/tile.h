@@ -49,9 +49,9 @@ struct tile_pixel {
 	double offset[2];  /* displacement by glass, in pixels, times weight */
 	/* The place seen through glass, from the pixel's centre, and its square, times weight. */
 	double place_sum[2], place_square[2];
-	double through_weight;		 /* weights of samples through glass */
-	double distance[BASIS_SURFACES]; /* from the camera; of receivers seen directly */
-	bool changed;			 /* the object changes this pixel */
+	double through_weight; /* weights of samples through glass */
+	double distance[2];    /* from the camera; of receivers seen directly */
+	bool changed;	       /* the object changes this pixel */
 };
 
 struct tile_noise; /* tile_noise.h */

@@ -11,7 +11,6 @@
 
 #include "bake/base/blas.h"
 #include "bake/base/random.h"
-#include "bake/trace/bounce_aside.h"
 
 #define RANK_FEW 16 /* this rank is tried first; more is seldom needed */
 /* Subspace iteration finds RANK_SPARE vectors more than are wanted, in ITERATIONS rounds; Halko,

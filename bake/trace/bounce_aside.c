@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/trace/bounce_aside.h"
+#include "bake/trace/bounce.h"
 
 #include <cblas.h>
 #include <math.h>

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/trace/cache_make.h"
+#include "bake/trace/cache.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-
-#include "bake/base/profile.h"
 
 #define CACHE_POINTS 16	     /* a record has at most this many points, and as many rays to a cell */
 #define POINTS_A_RECORD 10   /* a record has about this many points on average */
@@ -270,8 +268,6 @@ static void job_trace_record(void *context, int record, int worker)
 	const int *order = job->order + leaf->first;
 	const float share = 1.0f / CACHE_POINTS;
 
-	if (settings->watch)
-		settings->watch(settings->context, worker);
 	memset(row, 0, row_size * sizeof(*row));
 	t->link = job->link + (size_t)record * LINKS_MAX;
 	t->links = 0;
@@ -339,8 +335,6 @@ static void job_settle_strip(void *context, int item, int worker)
 	float *open = cache->row + (size_t)channel * (size_t)cache->lights + (size_t)first;
 	float *from = job->strip + (size_t)worker * 2 * size, *to = from + size;
 
-	if (job->settings->watch)
-		job->settings->watch(job->settings->context, worker);
 	memset(from, 0, 2 * size * sizeof(*from));
 	for (int r = 0; r < cache->records; r++)
 		memcpy(from + (size_t)r * STRIP, open + (size_t)r * stride,
@@ -423,9 +417,6 @@ static int job_run(struct cache_job *job, struct pool *pool)
 	job->order = malloc((size_t)wanted * sizeof(*job->order));
 	if (!job->point || !job->key || !job->order)
 		return -ENOMEM;
-	if (job->settings->watch)
-		job->settings->watch(job->settings->context, 0);
-	profile_enter(PROFILE_PATHS);
 	job_find_points(job, wanted);
 	if (job->count < POINTS_A_RECORD * RECORDS_LEAST)
 		return -ENODATA;

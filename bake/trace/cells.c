@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/trace/cells.h"
+#include "bake/trace/transport.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/trace/inside.h"
+#include "bake/trace/world.h"
 
 #include <stdlib.h>
 

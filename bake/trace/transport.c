@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/base/profile.h"
 #include "bake/trace/cache.h"
 
 #define PIXEL_STEP UINT32_C(0x632be5ab) /* separates the keys of one path's surfaces */
@@ -463,8 +462,6 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	const struct cone everywhere = {{0, 0, 1}, -2};
 	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
-	const enum profile_stage before = profile_enter(depth || t->link ? PROFILE_PATHS
-									 : PROFILE_CELLS);
 	struct v3 down[PATHS_MAX] = {{0, 0, 0}};
 	float weight_down = 0;
 	struct onward onward;
@@ -487,11 +484,9 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 	for (int k = 0; k < t->rays.count; k++)
 		if (t->rays.blocked[k])
 			t->value[t->cell[k]] = 0;
-	profile_enter(PROFILE_DEPOSIT);
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
 	if (glossy && coat_is_wide(t, &s->bsdf))
 		add_coat_by_cells(t, presence, s, wo, weight, row);
-	profile_enter(before);
 	return onward;
 }
 
@@ -573,7 +568,6 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 	const float peak = rgb_peak(weight);
 	const bool gathered = t->gathered;
 	const struct v3 gathered_at = t->gathered_at;
-	enum profile_stage before;
 	struct surface next;
 
 	if (depth > t->bounces || peak == 0)
@@ -584,7 +578,6 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 		weight = rgb_scale(weight, WEIGHT_SURE / peak);
 	}
 	t->ray_count++;
-	before = profile_enter(PROFILE_PATHS);
 	t->gathered = true;
 	t->gathered_at = s->position;
 	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next)) {
@@ -593,7 +586,6 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 	}
 	t->gathered = gathered;
 	t->gathered_at = gathered_at;
-	profile_enter(before);
 }
 
 /* Goes on in all directions drawn, which share the weight. */
@@ -836,7 +828,6 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	struct onward onward;
 	bool any = false;
 
-	profile_enter(PROFILE_CELLS);
 	t->compared = false;
 	t->gathered = false;
 	t->rays.count = 0;

@@ -14,10 +14,12 @@
 #ifndef INLAY_BAKE_TRUTH_TRUTH_H
 #define INLAY_BAKE_TRUTH_TRUTH_H
 
+#include <limits.h>
 #include <stdint.h>
 
 #include "bake/scene/scene.h"
 #include "bake/truth/sky.h"
+#include "hal/options/options.h"
 
 struct truth_settings {
 	int samples; /* a pixel */
@@ -50,5 +52,14 @@ int truth_pictures(const struct scene *scene, const struct sky *sky,
 		   const struct truth_settings *settings, struct truth_pictures *out,
 		   struct fault *fault);
 void truth_pictures_free(struct truth_pictures *pictures); /* idempotent; zeroed is fine */
+
+/* Rows of a command whose AT(truth) is a struct truth_settings. */
+/* clang-format off */
+#define TRUTH_ROWS										   \
+	{"samples", OPTION_INT, AT(truth.samples), .min = 1, .max = 1 << 20},			   \
+	{"seed", OPTION_INT, AT(truth.seed), .max = INT_MAX},					   \
+	{"threads", OPTION_INT, AT(truth.threads), .min = 1, .max = 1024},			   \
+	{"quiet", OPTION_FLAG, AT(truth.quiet)}
+/* clang-format on */
 
 #endif

@@ -11,7 +11,7 @@
 #include "bake/scene/survey.h"
 #include "bake/sky/sky_eye.h"
 #include "bake/truth/photograph.h"
-#include "bake/truth/truth_options.h"
+#include "bake/truth/truth.h"
 #include "bake/truth/truth_views.h"
 #include "hal/base/log.h"
 #include "hal/base/output.h"

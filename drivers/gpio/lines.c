@@ -1,29 +1,153 @@
 /* SPDX-License-Identifier: MIT */
+#include "drivers/gpio/lines.h"
+
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
+#include <gpiod.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
-#include "drivers/gpio/gpio.h"
+#include "hal/base/clock.h"
+
+#define CONSUMER "inlay"
 
 const char *const gpio_bias_names[] = {"as-is", "pull-up", "pull-down", "disabled", NULL};
 
-static int chip_open(const char *path, struct gpiochip_info *info)
+static void list_chip(const char *name, const char *label, unsigned lines,
+		      void (*found)(void *context, const char *line), void *context)
 {
-	const int chip = open(path, O_RDWR | O_CLOEXEC);
-	int err;
+	char text[256];
 
-	if (chip < 0)
+	snprintf(text, sizeof(text), "%s [%s], %u lines", name, label, lines);
+	found(context, text);
+}
+
+/* name and user may be NULL: there is none. */
+static void list_line(unsigned offset, const char *name, bool input, const char *user,
+		      void (*found)(void *context, const char *line), void *context)
+{
+	char text[256];
+
+	snprintf(text, sizeof(text), "  line %u%s%s: %s%s%s", offset, name ? " " : "",
+		 name ? name : "", input ? "input" : "output", user ? ", used by " : "",
+		 user ? user : "");
+	found(context, text);
+}
+
+#if GPIOD_MAJOR < 2
+
+static int chip_find(struct gpiod_chip **chip, const char *name)
+{
+	errno = 0;
+	*chip = gpiod_chip_open_lookup(name);
+	if (*chip)
+		return 0;
+	return errno && errno != ENOENT ? -errno : -ENODEV;
+}
+
+void gpio_chip_close(struct gpiod_chip *chip)
+{
+	if (chip)
+		gpiod_chip_close(chip);
+}
+
+int gpio_line_open(struct gpio_line *line, struct gpiod_chip *chip, unsigned offset,
+		   const struct gpio_line_settings *settings)
+{
+	static const int bias_flags[] = {
+		[GPIO_BIAS_PULL_UP] = GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_UP,
+		[GPIO_BIAS_PULL_DOWN] = GPIOD_LINE_REQUEST_FLAG_BIAS_PULL_DOWN,
+		[GPIO_BIAS_DISABLED] = GPIOD_LINE_REQUEST_FLAG_BIAS_DISABLE,
+	};
+	const struct gpiod_line_request_config config = {
+		.consumer = CONSUMER,
+		.request_type = GPIOD_LINE_REQUEST_EVENT_BOTH_EDGES,
+		.flags = bias_flags[settings->bias] |
+			 (settings->active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0),
+	};
+	struct gpiod_line *request;
+
+	if (offset >= gpiod_chip_num_lines(chip))
+		return -ENXIO;
+	request = gpiod_chip_get_line(chip, offset);
+	if (!request || gpiod_line_request(request, &config, 0))
 		return -errno;
-	if (!ioctl(chip, GPIO_GET_CHIPINFO_IOCTL, info))
-		return chip;
-	err = -errno;
-	close(chip);
+	*line = (struct gpio_line){.request = request, .offset = offset};
+	return 0;
+}
+
+int gpio_line_descriptor(const struct gpio_line *line)
+{
+	return gpiod_line_event_get_fd(line->request);
+}
+
+int gpio_line_level(const struct gpio_line *line)
+{
+	const int level = gpiod_line_get_value(line->request);
+
+	return level < 0 ? -errno : level;
+}
+
+int gpio_line_edge(const struct gpio_line *line, bool *level, int64_t *at_ns)
+{
+	struct gpiod_line_event event;
+
+	if (gpiod_line_event_read(line->request, &event))
+		return -errno;
+	*level = event.event_type == GPIOD_LINE_EVENT_RISING_EDGE;
+	*at_ns = (int64_t)event.ts.tv_sec * NS_PER_S + event.ts.tv_nsec;
+	return 0;
+}
+
+void gpio_line_close(struct gpio_line *line)
+{
+	if (line->request)
+		gpiod_line_release(line->request);
+	*line = (struct gpio_line){0};
+}
+
+static int list_lines(struct gpiod_chip *chip, void (*found)(void *context, const char *line),
+		      void *context)
+{
+	const unsigned count = gpiod_chip_num_lines(chip);
+
+	list_chip(gpiod_chip_name(chip), gpiod_chip_label(chip), count, found, context);
+	for (unsigned i = 0; i < count; i++) {
+		struct gpiod_line *line = gpiod_chip_get_line(chip, i);
+
+		if (!line)
+			return -errno;
+		list_line(i, gpiod_line_name(line),
+			  gpiod_line_direction(line) == GPIOD_LINE_DIRECTION_INPUT,
+			  gpiod_line_consumer(line), found, context);
+	}
+	return 0;
+}
+
+int gpio_lines_list(void (*found)(void *context, const char *line), void *context)
+{
+	struct gpiod_chip_iter *chips = gpiod_chip_iter_new();
+	struct gpiod_chip *chip;
+	int err = chips ? 0 : -errno;
+
+	if (err)
+		return err;
+	gpiod_foreach_chip(chips, chip)
+	{
+		if (!err)
+			err = list_lines(chip, found, context);
+	}
+	gpiod_chip_iter_free(chips);
 	return err;
+}
+
+#else
+
+void gpio_chip_close(struct gpiod_chip *chip)
+{
+	if (chip)
+		gpiod_chip_close(chip);
 }
 
 static int is_chip(const struct dirent *entry)
@@ -31,125 +155,237 @@ static int is_chip(const struct dirent *entry)
 	return !strncmp(entry->d_name, "gpiochip", 8);
 }
 
-/* Calls visit() for each chip, in the order of their numbers, until it returns true, and returns
- * that chip's descriptor; 0: no chip is left; -EACCES: this user may not open some chip. */
-static int each_chip(bool (*visit)(int chip, const struct gpiochip_info *info, void *context),
-		     void *context, struct gpiochip_info *info)
+/* Calls visit() for each chip until it returns a number other than 0, and returns that number.
+ * -EACCES: this user may not open some chip. */
+static int each_chip(int (*visit)(struct gpiod_chip *chip, struct gpiod_chip_info *info,
+				  void *context),
+		     void *context)
 {
 	struct dirent **entries;
 	const int count = scandir("/dev", &entries, is_chip, versionsort);
-	int found = count < 0 ? -errno : 0, refused = 0;
+	int result = 0, refused = 0;
 
+	if (count < 0)
+		return -errno;
 	for (int i = 0; i < count; i++) {
+		struct gpiod_chip *chip = NULL;
+		struct gpiod_chip_info *info = NULL;
 		char path[sizeof(entries[i]->d_name) + 8];
-		int chip;
 
 		snprintf(path, sizeof(path), "/dev/%s", entries[i]->d_name);
 		free(entries[i]);
-		chip = found ? 0 : chip_open(path, info);
-		if (chip == -EACCES)
-			refused = chip;
-		if (chip > 0 && visit(chip, info, context))
-			found = chip;
-		else if (chip > 0)
-			close(chip);
+		if (result)
+			continue;
+		chip = gpiod_chip_open(path);
+		if (!chip && errno == EACCES)
+			refused = -EACCES;
+		if (chip)
+			info = gpiod_chip_get_info(chip);
+		if (info)
+			result = visit(chip, info, context);
+		if (info)
+			gpiod_chip_info_free(info);
+		gpio_chip_close(chip);
 	}
-	if (count >= 0)
-		free(entries);
-	return found ? found : refused;
+	free(entries);
+	return result ? result : refused;
 }
 
-static bool is_called(int chip, const struct gpiochip_info *info, void *name)
+struct chip_search {
+	const char *name;
+	char path[256]; /* of the chip that was found */
+};
+
+static int compare_chip(struct gpiod_chip *chip, struct gpiod_chip_info *info, void *context)
 {
-	(void)chip;
-	return !strcmp(info->name, name) || !strcmp(info->label, name);
+	struct chip_search *search = context;
+	const char *path = gpiod_chip_get_path(chip);
+
+	if (strcmp(search->name, path) && strcmp(search->name, gpiod_chip_info_get_name(info)) &&
+	    strcmp(search->name, gpiod_chip_info_get_label(info)))
+		return 0;
+	snprintf(search->path, sizeof(search->path), "%s", path);
+	return 1;
 }
 
-int gpio_chip_open(const char *name, struct gpiochip_info *info, struct fault *fault)
+static int chip_find(struct gpiod_chip **chip, const char *name)
 {
-	const int chip = *name == '/' ? chip_open(name, info)
-				      : each_chip(is_called, (void *)(uintptr_t)name, info);
+	struct chip_search search = {.name = name};
+	int found;
 
-	if (chip == 0 || chip == -ENOENT)
-		return fault_say(fault, -ENODEV,
-				 "gpio buttons: there is no chip \"%s\" (inlay devices lists them)",
-				 name);
-	if (chip < 0)
-		return fault_say(fault, chip, "gpio buttons: cannot open the chip \"%s\": %s%s",
-				 name, strerror(-chip),
-				 chip == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
-	return chip;
+	*chip = NULL;
+	if (name[0] == '/') {
+		*chip = gpiod_chip_open(name); /* follows links */
+	} else {
+		found = each_chip(compare_chip, &search);
+		if (found <= 0)
+			return found ? found : -ENODEV;
+		*chip = gpiod_chip_open(search.path);
+	}
+	if (*chip)
+		return 0;
+	return errno == ENOENT ? -ENODEV : -errno;
 }
 
-int gpio_line_ask(int chip, unsigned offset, struct gpio_v2_line_info *info)
+static unsigned count_lines(struct gpiod_chip *chip)
 {
-	*info = (struct gpio_v2_line_info){.offset = offset};
-	return ioctl(chip, GPIO_V2_GET_LINEINFO_IOCTL, info) ? -errno : 0;
+	struct gpiod_chip_info *info = gpiod_chip_get_info(chip);
+	const unsigned lines = info ? (unsigned)gpiod_chip_info_get_num_lines(info) : 0;
+
+	if (info)
+		gpiod_chip_info_free(info);
+	return lines;
 }
 
-int gpio_lines_open(int chip, const uint32_t *offsets, int count, bool active_low,
-		    enum gpio_bias bias, int debounce_ms)
+static int settings_apply(struct gpiod_line_settings *to, const struct gpio_line_settings *from)
 {
-	static const uint64_t biases[] = {
-		[GPIO_BIAS_PULL_UP] = GPIO_V2_LINE_FLAG_BIAS_PULL_UP,
-		[GPIO_BIAS_PULL_DOWN] = GPIO_V2_LINE_FLAG_BIAS_PULL_DOWN,
-		[GPIO_BIAS_DISABLED] = GPIO_V2_LINE_FLAG_BIAS_DISABLED,
+	static const enum gpiod_line_bias biases[] = {
+		[GPIO_BIAS_AS_IS] = GPIOD_LINE_BIAS_AS_IS,
+		[GPIO_BIAS_PULL_UP] = GPIOD_LINE_BIAS_PULL_UP,
+		[GPIO_BIAS_PULL_DOWN] = GPIOD_LINE_BIAS_PULL_DOWN,
+		[GPIO_BIAS_DISABLED] = GPIOD_LINE_BIAS_DISABLED,
 	};
-	struct gpio_v2_line_request request = {
-		.consumer = "inlay",
-		.num_lines = (uint32_t)count,
-		.config = {.flags = GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING |
-				    GPIO_V2_LINE_FLAG_EDGE_FALLING | biases[bias] |
-				    (active_low ? GPIO_V2_LINE_FLAG_ACTIVE_LOW : 0),
-			   .num_attrs = debounce_ms > 0,
-			   .attrs = {{.attr = {.id = GPIO_V2_LINE_ATTR_ID_DEBOUNCE,
-					       .debounce_period_us = (uint32_t)debounce_ms * 1000},
-				      .mask = UINT64_MAX >> (64 - count)}}},
-	};
 
-	memcpy(request.offsets, offsets, (size_t)count * sizeof(*offsets));
-	return ioctl(chip, GPIO_V2_GET_LINE_IOCTL, &request) ? -errno : request.fd;
-}
-
-int gpio_lines_levels(int lines, int count, uint64_t *levels)
-{
-	struct gpio_v2_line_values values = {.mask = UINT64_MAX >> (64 - count)};
-
-	if (ioctl(lines, GPIO_V2_LINE_GET_VALUES_IOCTL, &values))
+	gpiod_line_settings_set_active_low(to, from->active_low);
+	gpiod_line_settings_set_debounce_period_us(to, (unsigned long)(from->settle_ns / 1000));
+	if (gpiod_line_settings_set_direction(to, GPIOD_LINE_DIRECTION_INPUT) ||
+	    gpiod_line_settings_set_edge_detection(to, GPIOD_LINE_EDGE_BOTH) ||
+	    gpiod_line_settings_set_bias(to, biases[from->bias]))
 		return -errno;
-	*levels = values.bits;
 	return 0;
 }
 
-struct listing {
+/* Requests each line alone, so that an error concerns that line. */
+static int request_line(struct gpio_line *line, struct gpiod_chip *chip,
+			struct gpiod_line_settings *settings)
+{
+	struct gpiod_request_config *config = gpiod_request_config_new();
+	struct gpiod_line_config *lines = gpiod_line_config_new();
+	int err = config && lines ? 0 : -ENOMEM;
+
+	if (err)
+		goto free_config;
+	gpiod_request_config_set_consumer(config, CONSUMER);
+	if (gpiod_line_config_add_line_settings(lines, &line->offset, 1, settings) == 0)
+		line->request = gpiod_chip_request_lines(chip, config, lines);
+	if (!line->request)
+		err = -errno;
+free_config:
+	if (lines)
+		gpiod_line_config_free(lines);
+	if (config)
+		gpiod_request_config_free(config);
+	return err;
+}
+
+int gpio_line_open(struct gpio_line *line, struct gpiod_chip *chip, unsigned offset,
+		   const struct gpio_line_settings *settings)
+{
+	struct gpiod_line_settings *applied;
+	int err;
+
+	*line = (struct gpio_line){.offset = offset};
+	if (offset >= count_lines(chip))
+		return -ENXIO;
+	applied = gpiod_line_settings_new();
+	if (!applied)
+		return -ENOMEM;
+	err = settings_apply(applied, settings);
+	if (!err)
+		err = request_line(line, chip, applied);
+	gpiod_line_settings_free(applied);
+	if (err)
+		return err;
+	line->edge = gpiod_edge_event_buffer_new(1);
+	if (!line->edge) {
+		gpio_line_close(line);
+		return -ENOMEM;
+	}
+	return 0;
+}
+
+int gpio_line_descriptor(const struct gpio_line *line)
+{
+	return gpiod_line_request_get_fd(line->request);
+}
+
+int gpio_line_level(const struct gpio_line *line)
+{
+	const enum gpiod_line_value level = gpiod_line_request_get_value(line->request,
+									 line->offset);
+
+	if (level == GPIOD_LINE_VALUE_ERROR)
+		return -errno;
+	return level == GPIOD_LINE_VALUE_ACTIVE;
+}
+
+int gpio_line_edge(const struct gpio_line *line, bool *level, int64_t *at_ns)
+{
+	struct gpiod_edge_event *event;
+
+	if (gpiod_line_request_read_edge_events(line->request, line->edge, 1) < 0)
+		return -errno;
+	event = gpiod_edge_event_buffer_get_event(line->edge, 0);
+	*level = gpiod_edge_event_get_event_type(event) == GPIOD_EDGE_EVENT_RISING_EDGE;
+	*at_ns = (int64_t)gpiod_edge_event_get_timestamp_ns(event);
+	return 0;
+}
+
+void gpio_line_close(struct gpio_line *line)
+{
+	if (line->edge)
+		gpiod_edge_event_buffer_free(line->edge);
+	if (line->request)
+		gpiod_line_request_release(line->request);
+	*line = (struct gpio_line){0};
+}
+
+struct lines_listing {
 	void (*found)(void *context, const char *line);
 	void *context;
 };
 
-static bool list_lines(int chip, const struct gpiochip_info *info, void *context)
+static int list_lines(struct gpiod_chip *chip, struct gpiod_chip_info *info, void *context)
 {
-	const struct listing *listing = context;
-	char text[256];
+	const struct lines_listing *listing = context;
+	const unsigned count = (unsigned)gpiod_chip_info_get_num_lines(info);
 
-	snprintf(text, sizeof(text), "%s [%s], %u lines", info->name, info->label, info->lines);
-	listing->found(listing->context, text);
-	for (unsigned i = 0; i < info->lines; i++) {
-		struct gpio_v2_line_info line;
+	list_chip(gpiod_chip_info_get_name(info), gpiod_chip_info_get_label(info), count,
+		  listing->found, listing->context);
+	for (unsigned i = 0; i < count; i++) {
+		struct gpiod_line_info *line = gpiod_chip_get_line_info(chip, i);
 
-		if (gpio_line_ask(chip, i, &line))
-			continue;
-		snprintf(text, sizeof(text), "  line %u%s%s: %s%s%s", i, *line.name ? " " : "",
-			 line.name, line.flags & GPIO_V2_LINE_FLAG_OUTPUT ? "output" : "input",
-			 *line.consumer ? ", used by " : "", line.consumer);
-		listing->found(listing->context, text);
+		if (!line)
+			return -errno;
+		list_line(i, gpiod_line_info_get_name(line),
+			  gpiod_line_info_get_direction(line) == GPIOD_LINE_DIRECTION_INPUT,
+			  gpiod_line_info_get_consumer(line), listing->found, listing->context);
+		gpiod_line_info_free(line);
 	}
-	return false;
+	return 0;
 }
 
-int gpio_list_chips(void (*found)(void *context, const char *line), void *context)
+int gpio_lines_list(void (*found)(void *context, const char *line), void *context)
 {
-	struct listing listing = {found, context};
-	struct gpiochip_info info;
+	struct lines_listing listing = {.found = found, .context = context};
 
-	return each_chip(list_lines, &listing, &info);
+	return each_chip(list_lines, &listing);
+}
+
+#endif
+
+int gpio_chip_open(struct gpiod_chip **chip, const char *name, const char *user,
+		   struct fault *fault)
+{
+	const int err = chip_find(chip, name);
+
+	if (err == -ENODEV)
+		return fault_say(fault, err,
+				 "%s: there is no chip \"%s\" (inlay devices lists them)", user,
+				 name);
+	if (err)
+		return fault_say(fault, err, "%s: cannot open the chip \"%s\": %s%s", user, name,
+				 strerror(-err),
+				 err == -EACCES ? " (is this user in the group \"gpio\"?)" : "");
+	return 0;
 }

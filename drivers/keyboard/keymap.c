@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/keyboard/keymap.h"
+#include "drivers/keyboard/keyboard.h"
 
 #include <errno.h>
 #include <linux/input-event-codes.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/keyboard/keys.h"
+#include "drivers/keyboard/keyboard.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#include "drivers/sim/sim.h"
-
 #include <math.h>
+
+#include "drivers/sim/sim.h"
 
 static void automatic_meter(const float *rgb, size_t count, double exposure, double mean[3])
 {
@@ -49,4 +49,15 @@ void automatic_gain(struct automatic *a, const float *rgb, size_t count, double 
 				      automatic_stepped(a->white[c], step));
 	automatic_take(a, mean,
 		       a->settings.time_s > 0 ? -expm1(-period_s / a->settings.time_s) : 1);
+}
+
+double mains_row(const struct mains *mains, double time_s, int y, int height)
+{
+	const double t = time_s + mains->readout_s * y / height;
+	const double half = 2 * M_PI * mains->hz * mains->shutter_s;
+	const double sinc = half > 0 ? sin(half) / half : 1;
+
+	if (mains->depth == 0)
+		return 1;
+	return 1 + mains->depth * sinc * cos(4 * M_PI * mains->hz * (t + mains->shutter_s / 2));
 }

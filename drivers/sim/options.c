@@ -95,7 +95,7 @@ const struct ini_key sim_keys[] = {
 	 .fallback = "0", .unit = "frames", .help = "Every so many frames one is unfit; 0: none."},
 	{"control_delay", INI_INT, OPTION_AT(control_delay), .min = 0, .max = SIM_DELAY_MAX,
 	 .fallback = "0", .unit = "frames",
-	 .help = "So many frames still show the old exposure when it is changed on the way."},
+	 .help = "How many frames still show the old exposure when it is changed on the way."},
 	{"warm_up", INI_INT, OPTION_AT(warm_up), .min = 0, .max = 2147483647, .fallback = "0",
 	 .unit = "frames",
 	 .help = "The first frames of each opening: half of them are zeros, the rest too bright."},

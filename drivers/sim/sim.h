@@ -240,11 +240,6 @@ double studio_chance(uint32_t a, uint32_t b);
 void studio_radiance(const double origin[3], const double dir[3], const struct studio_lamps *lamps,
 		     double rgb[3]);
 
-/* Computes the true radiance[dome->count] of each light: the mean over its Voronoi cell,
- * integrated to about 1e-3 of the brightest. 0 or -ENOMEM. */
-int studio_lights(const struct dome *dome, const double origin[3], const struct studio_lamps *lamps,
-		  double (*radiance)[3]);
-
 /* The position and projection of a simulated camera: the ray of each pixel. */
 
 struct sim_eye {

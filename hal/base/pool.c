@@ -76,24 +76,31 @@ static void *pool_worker_main(void *argument)
 	return NULL;
 }
 
-/* Starts the workers with all signals blocked: the thread of the event loop handles signals. */
-static int pool_start_workers(struct pool *pool)
+int thread_start(pthread_t *thread, void *(*run)(void *context), void *context)
 {
 	sigset_t all, before;
-	int ret = 0;
+	int ret;
 
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
+	ret = -pthread_create(thread, NULL, run, context);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return ret;
+}
+
+static int pool_start_workers(struct pool *pool)
+{
+	int ret = 0;
+
 	while (ret == 0 && pool->started < pool->threads - 1) {
 		struct pool_worker *w = &pool->workers[pool->started];
 
 		w->pool = pool;
 		w->number = pool->started + 1;
-		ret = -pthread_create(&w->thread, NULL, pool_worker_main, w);
+		ret = thread_start(&w->thread, pool_worker_main, w);
 		if (ret == 0)
 			pool->started++;
 	}
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return ret;
 }
 
@@ -128,7 +135,7 @@ int pool_create(struct pool **out, int threads)
 
 int pool_threads(const struct pool *pool)
 {
-	return pool->threads;
+	return pool ? pool->threads : 1;
 }
 
 void pool_run(struct pool *pool, int items, void (*work)(void *context, int item, int worker),
@@ -136,7 +143,7 @@ void pool_run(struct pool *pool, int items, void (*work)(void *context, int item
 {
 	const struct pool_job job = {work, context, items};
 
-	if (items <= 1 || pool->started == 0) {
+	if (!pool || items <= 1 || pool->started == 0) {
 		for (int i = 0; i < items; i++)
 			work(context, i, 0);
 		return;

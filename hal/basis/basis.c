@@ -26,7 +26,7 @@ _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
 _Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_footprint) == 528, "as on disk");
-_Static_assert(sizeof(struct basis_places) == 16, "as on disk");
+_Static_assert(sizeof(struct basis_places) == 24, "as on disk");
 
 /* Checks that no declared error is NaN, infinite or negative. */
 static int check_errors(const struct basis_reader *r)

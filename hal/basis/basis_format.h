@@ -257,14 +257,15 @@ struct basis_footprint {
  *
  *     round(BASIS_PLACE_ONE nearest / distance), at least 1; 0: the surface is not in the pixel
  *
- * where distance is from the camera, the mean over the pixel's samples, in world units. Receivers
- * are those of D and U; the ground of V lies at Z = 0, and needs no map. A map is one zstd frame:
- * the upper bytes, then the lower bytes, of the differences modulo 2^16 from left + upper - upper
- * left neighbour.
+ * where distance is from the camera, the mean over the pixel's samples, in world units. Of
+ * BASIS_BOUNCED it is the reciprocal of a share: that of the object's light under an even sky which
+ * comes by way of other surfaces. Receivers are those of D and U; the ground of V lies at Z = 0,
+ * and needs no map. A map is one zstd frame: the upper bytes, then the lower bytes, of the
+ * differences modulo 2^16 from left + upper - upper left neighbour.
  */
 #define BASIS_PLACE_ONE 65535
 
-enum basis_surface { BASIS_OBJECT, BASIS_RECEIVER, BASIS_SURFACES };
+enum basis_surface { BASIS_OBJECT, BASIS_RECEIVER, BASIS_BOUNCED, BASIS_SURFACES };
 
 /* The maps follow in their order. */
 struct basis_places {

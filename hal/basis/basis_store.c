@@ -118,11 +118,7 @@ static int unpack_all(const struct basis_store *store, const struct pack *pack,
 
 	if (ret < 0)
 		return ret;
-	if (pool)
-		pool_run(pool, pack->parts, unpack_part, &job);
-	else
-		for (int k = 0; k < pack->parts && !job.err; k++)
-			unpack_part(&job, k, 0);
+	pool_run(pool, pack->parts, unpack_part, &job);
 	return job.err;
 }
 

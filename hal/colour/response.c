@@ -17,7 +17,7 @@ const struct ini_key response_keys[] = {
 	 .help = "This camera's linear R, G, B to the background's, row by row; all 0: not measured."},
 	{"delay", INI_INT, offsetof(struct response, delay), .min = -1, .max = 30, .fallback = "-1",
 	 .unit = "frames",
-	 .help = "So many frames still show the exposure before when it is changed; -1: not measured."},
+	 .help = "How many frames still show the exposure before when it is changed; -1: not measured."},
 	INI_KEYS_END};
 
 struct response_reading {

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/* Transfer functions between code values and linear light. */
+#ifndef INLAY_HAL_COLOUR_TRANSFER_H
+#define INLAY_HAL_COLOUR_TRANSFER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/base/fault.h"
+
 /*
  * Transfer functions: from 8-bit code values to linear light and back.
  *
@@ -8,13 +17,6 @@
  * A camera's curve is that of a standard or a measured one. All code that decodes code values of a
  * camera uses struct transfer_curve.
  */
-#ifndef INLAY_HAL_COLOUR_TRANSFER_H
-#define INLAY_HAL_COLOUR_TRANSFER_H
-
-#include <stdbool.h>
-#include <stdint.h>
-
-#include "hal/base/fault.h"
 
 enum transfer {
 	TRANSFER_SRGB,	 /* IEC 61966-2-1 */
@@ -74,5 +76,17 @@ struct transfer_tables {
 };
 
 void transfer_tables_fill(struct transfer_tables *tables, const struct transfer_curve *curve);
+
+/*
+ * Linear radiance in floats to 8-bit code values:
+ *
+ *     code = encode[floor(65535 * min(max(radiance, 0), 1) + 1/2)]
+ *
+ * with encode[] of struct transfer_tables (transfer.h).
+ */
+
+/* Encodes a row. rgb[3 * pixels]: R, G, B of each pixel, 1 is white; any float is allowed, NaN and
+ * negative values become black. bgrx[4 * pixels]: B, G, R, 255; does not overlap rgb. */
+void encode_row(const struct transfer_tables *tables, const float *rgb, int pixels, uint8_t *bgrx);
 
 #endif

@@ -75,7 +75,8 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 	if (!basis->tiles)
 		return 0;
 	if (c->sky) {
-		ret = near_layer_create(&layer->near, c->sky, (int)(pose - c->basis->poses), basis);
+		ret = near_layer_create(&layer->near, c->sky, (int)(pose - c->basis->poses), basis,
+					c->pool);
 		if (ret < 0)
 			return ret;
 		basis = layer->basis = &layer->near.layer;
@@ -200,7 +201,7 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->basis = basis;
 	c->kernels = kernels;
 	c->pool = options->pool;
-	c->workers = c->pool ? pool_threads(c->pool) : 1;
+	c->workers = pool_threads(c->pool);
 	c->tiles = basis->tiles_across * basis->tiles_down;
 	c->settings = (struct compositor_settings){.gain = 1, .object = true};
 	ret = near_sky_create(&c->sky, basis, options->lamps, fault);

@@ -193,12 +193,7 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 	if (!c->glass || !c->backdrop->make)
 		return;
 	c->through = (struct picture){c->behind, 4, (ptrdiff_t)width * 4, width, height};
-	if (c->pool) {
-		pool_run(c->pool, glass->source_count, make_behind, c);
-		return;
-	}
-	for (int k = 0; k < glass->source_count; k++)
-		make_behind(c, k, 0);
+	pool_run(c->pool, glass->source_count, make_behind, c);
 }
 
 /* Makes the light vectors of the layer, and chooses columns. */
@@ -206,12 +201,7 @@ static void make_lights(struct compositor *c)
 {
 	const int count = c->layer->light_count;
 
-	if (c->pool && count > 1 && c->lights->count * count >= SHARED_LIGHTS) {
-		pool_run(c->pool, count, make_light, c);
-		return;
-	}
-	for (int k = 0; k < count; k++)
-		make_light(c, k, 0);
+	pool_run(c->lights->count * count >= SHARED_LIGHTS ? c->pool : NULL, count, make_light, c);
 }
 
 static void begin_frame(struct compositor *c, const struct light_selection *lights)
@@ -269,12 +259,7 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 		begin_frame(c, lights);
 		look_behind(c, &c->poses[pose].glass);
 	}
-	if (c->pool) {
-		pool_run(c->pool, c->layer->division.runs, frame_run, c);
-	} else {
-		for (int run = 0; run < c->layer->division.runs; run++)
-			frame_run(c, run, 0);
-	}
+	pool_run(c->pool, c->layer->division.runs, frame_run, c);
 	if (c->settings.object)
 		end_frame(c);
 	return 0;

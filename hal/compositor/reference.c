@@ -147,6 +147,19 @@ static double value_of(const struct reference_scene *s, const struct basis_block
 	return value;
 }
 
+/* near_sky_bounced() of a pixel; 1 for all but the object. */
+static double bounced_of(const struct reference_scene *s, const struct basis_block *b, int pixel,
+			 int lamp, const double place[3])
+{
+	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
+	const float over_share =
+		s->distance[BASIS_BOUNCED][(size_t)y * s->basis->info.width + (size_t)x];
+
+	return b->kind == BASIS_KIND_T && over_share > 0
+		       ? near_sky_bounced(s->sky, lamp, place, 1 / (double)over_share)
+		       : 1;
+}
+
 /* Adds what the lamps give a block's pixels, and on the ground their u to there[pixel][c]. */
 static void add_lamps(const struct reference_scene *s, const struct basis_block *b, double (*to)[3],
 		      double (*there)[3])
@@ -158,11 +171,12 @@ static void add_lamps(const struct reference_scene *s, const struct basis_block 
 
 		for (int l = 0; is && l < s->sky->lamps.count; l++) {
 			const int count = near_sky_shares(s->sky, l, place, NULL, share);
+			const double part = bounced_of(s, b, b->pixel[p], l, place);
 
 			for (int n = 0; n < count; n++)
 				for (int c = 0; c < 3; c++) {
 					const int i = share[n].light;
-					double x = share[n].amount * s->lamp[l][c];
+					double x = share[n].amount * part * s->lamp[l][c];
 
 					if (b->kind == BASIS_KIND_V)
 						x *= basis_ground(s->basis, b->ground, c)[i] /

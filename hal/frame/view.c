@@ -48,17 +48,3 @@ struct picture view_picture(const struct view *view, const uint8_t *pixels, size
 		.height = view->height,
 	};
 }
-
-void view_to_camera(const struct view *view, const double upright[2], double camera[2])
-{
-	camera[0] = view->x + (view->hflip ? view->width - upright[0] : upright[0]);
-	camera[1] = view->y + (view->vflip ? view->height - upright[1] : upright[1]);
-}
-
-void view_from_camera(const struct view *view, const double camera[2], double upright[2])
-{
-	const double x = camera[0] - view->x, y = camera[1] - view->y;
-
-	upright[0] = view->hflip ? view->width - x : x;
-	upright[1] = view->vflip ? view->height - y : y;
-}

@@ -37,9 +37,4 @@ int view_resolve(struct view *view, int camera_width, int camera_height, struct 
 /* The view of a BGRX picture that starts at pixels and has this stride in bytes. */
 struct picture view_picture(const struct view *view, const uint8_t *pixels, size_t stride);
 
-/* Convert upright view coordinates to camera coordinates and back, in pixels; pixel centres lie at
- * +0.5. */
-void view_to_camera(const struct view *view, const double upright[2], double camera[2]);
-void view_from_camera(const struct view *view, const double camera[2], double upright[2]);
-
 #endif

@@ -11,7 +11,7 @@
 #include <stdio.h>
 
 #include "hal/base/fault.h"
-#include "hal/image/image_pixels.h"
+#include "hal/image/image.h"
 
 /* A file in memory; messages call it by name. */
 struct image_source {

@@ -306,79 +306,22 @@ static void to_rgbe(const float rgb[3], uint8_t rgbe[4])
 	rgbe[3] = (uint8_t)(exponent + 128);
 }
 
-static int run_length(const uint8_t (*row)[4], int channel, int from, int length)
-{
-	int to = from;
-
-	while (to < length && to - from < 127 && row[to][channel] == row[from][channel])
-		to++;
-	return to - from;
-}
-
-/* Run-length codes one channel of a row: runs of at least three pixels, literals between them.
- * Returns the end of the code. */
-static uint8_t *code_plane(uint8_t *out, const uint8_t (*row)[4], int channel, int length)
-{
-	for (int x = 0; x < length;) {
-		const int from = x;
-		int run = run_length(row, channel, x, length);
-
-		if (run >= 3) {
-			*out++ = (uint8_t)(128 + run);
-			*out++ = row[x][channel];
-			x += run;
-			continue;
-		}
-		while (x < length && x - from < 128 && run < 3) {
-			x++;
-			run = run_length(row, channel, x, length);
-		}
-		*out++ = (uint8_t)(x - from);
-		for (int i = from; i < x; i++)
-			*out++ = row[i][channel];
-	}
-	return out;
-}
-
-static int write_row(FILE *stream, const uint8_t (*row)[4], int length, uint8_t *code)
-{
-	const uint8_t *bytes = row[0];
-	size_t count = 4 * (size_t)length;
-
-	if (length >= NEW_CODING_MIN && length <= NEW_CODING_MAX) {
-		uint8_t *end = code;
-
-		*end++ = 2;
-		*end++ = 2;
-		*end++ = (uint8_t)(length >> 8);
-		*end++ = (uint8_t)length;
-		for (int c = 0; c < 4; c++)
-			end = code_plane(end, row, c, length);
-		bytes = code;
-		count = (size_t)(end - code);
-	}
-	return fwrite(bytes, 1, count, stream) == count ? 0 : -errno;
-}
-
+/* Writes flat pixels, which every reader takes: those of to_rgbe() have a mantissa of 128 or more,
+ * and so begin no code of runs. */
 static int hdr_write(FILE *stream, const struct image *image)
 {
-	const size_t width = (size_t)image->width;
-	uint8_t(*row)[4] = malloc(width * sizeof(*row));
-	/* The code is longest without runs: one count before each 128 bytes. */
-	uint8_t *code = malloc(4 + 4 * (width + width / 128 + 1));
-	int err = row && code ? 0 : -ENOMEM;
+	const size_t pixels = (size_t)image->width * (size_t)image->height;
 
-	if (!err)
-		fprintf(stream, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n",
-			image->height, image->width);
-	for (size_t y = 0; y < (size_t)image->height && !err; y++) {
-		for (size_t x = 0; x < width; x++)
-			to_rgbe(image->f32 + (y * width + x) * 3, row[x]);
-		err = write_row(stream, (const uint8_t(*)[4])row, image->width, code);
+	fprintf(stream, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", image->height,
+		image->width);
+	for (size_t i = 0; i < pixels; i++) {
+		uint8_t rgbe[4];
+
+		to_rgbe(image->f32 + 3 * i, rgbe);
+		if (fwrite(rgbe, 1, 4, stream) != 4)
+			return -errno;
 	}
-	free(code);
-	free(row);
-	return err;
+	return 0;
 }
 
 const struct image_codec image_hdr = {

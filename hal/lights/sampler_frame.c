@@ -116,16 +116,11 @@ static void sampler_add_parts(const struct light_sampler *s, const struct sample
 int sampler_frame_sum(struct light_sampler *s, const struct frame_reader *reader, struct pool *pool)
 {
 	struct sampler_pass pass = {s, reader};
-	const int ret = sampler_scratch_grow(s, pool ? pool_threads(pool) : 1);
+	const int ret = sampler_scratch_grow(s, pool_threads(pool));
 
 	if (ret < 0)
 		return ret;
-	if (pool) {
-		pool_run(pool, s->table.strips, read_strip, &pass);
-	} else {
-		for (int strip = 0; strip < s->table.strips; strip++)
-			read_strip(&pass, strip, 0);
-	}
+	pool_run(pool, s->table.strips, read_strip, &pass);
 	sampler_add_parts(s, s->of_parts, s->of_all);
 	if (s->exposure.longer < 1)
 		sampler_add_parts(s, s->exposure.above_parts, s->exposure.above_all);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 
 #include <errno.h>
 #include <math.h>

@@ -8,8 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/measure/unpacked.h"
-
 struct thesis {
 	const struct basis *basis;
 	const struct basis_layer *layer;

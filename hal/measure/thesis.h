@@ -1,4 +1,38 @@
 /* SPDX-License-Identifier: MIT */
+/* The thesis's own algorithm, and the plain numbers of a basis that it needs. */
+#ifndef INLAY_HAL_MEASURE_THESIS_H
+#define INLAY_HAL_MEASURE_THESIS_H
+
+#include <stdbool.h>
+
+#include "hal/base/fault.h"
+#include "hal/base/pool.h"
+#include "hal/basis/basis.h"
+#include "hal/compositor/compositor.h"
+#include "hal/frame/frame.h"
+
+/*
+ * Decodes a layer of a basis, tile by tile, to plain numbers for each light.
+ */
+
+#define UNPACKED_PIXELS (BASIS_TILE * BASIS_TILE)
+
+/* The values of one tile, per unit of L_i. Pixel p is y * BASIS_TILE + x. */
+struct unpacked {
+	int lights;
+	float (*object)[UNPACKED_PIXELS]; /* [3 * lights]: t, premultiplied by coverage */
+	float (*unlit)[UNPACKED_PIXELS];  /* [3 * lights]: u, the receiver without the object */
+	float (*taken)[UNPACKED_PIXELS];  /* [3 * lights]: d = u - s */
+	bool is_object[UNPACKED_PIXELS], is_receiver[UNPACKED_PIXELS];
+};
+
+int unpacked_create(struct unpacked *unpacked, const struct basis *basis); /* -ENOMEM */
+void unpacked_free(struct unpacked *unpacked); /* idempotent; zeroed is fine */
+
+/* Fills in a tile. Channel c of light i is row c * lights + i. */
+void unpacked_fill(struct unpacked *unpacked, const struct basis *basis,
+		   const struct basis_tile *tile);
+
 /*
  * The algorithm of the thesis (its appendix, superimpose()), for comparison. A pixel is object,
  * shadow or neither. Each object pixel has its own allocated row of three bytes for each light,
@@ -9,14 +43,6 @@
  * Rows are quantised as well as a byte allows: all object rows to the brightest value of any pixel
  * under any light, each shadow row to its own brightest value.
  */
-#ifndef INLAY_HAL_MEASURE_THESIS_H
-#define INLAY_HAL_MEASURE_THESIS_H
-
-#include "hal/base/fault.h"
-#include "hal/base/pool.h"
-#include "hal/basis/basis.h"
-#include "hal/compositor/compositor.h"
-#include "hal/frame/frame.h"
 
 struct thesis;
 

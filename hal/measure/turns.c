@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/measure/turns.h"
+#include "hal/measure/measure.h"
 
 #include <stdlib.h>
 

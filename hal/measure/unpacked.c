@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/measure/unpacked.h"
+#include "hal/measure/thesis.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/optics/distortion.h"
+#include "hal/optics/tsai.h"
 
 #include <errno.h>
 #include <float.h>

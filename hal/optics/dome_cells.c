@@ -27,7 +27,7 @@ struct polygon {
 	double at[POLYGON_MAX][2];
 };
 
-/* Nodes sorted by grid cell of the map (dome_map.h). */
+/* Nodes sorted by grid cell of the map (dome_parts.h). */
 struct near_grid {
 	int side;
 	int *first; /* [side * side + 1] */

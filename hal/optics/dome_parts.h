@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The parts of dome.c: nodes, their cells, tables that find them, and the triangles between nodes. */
+/* The parts of dome.c: nodes, their cells, tables that find them, and the triangles between
+ * nodes. */
 #ifndef INLAY_HAL_OPTICS_DOME_PARTS_H
 #define INLAY_HAL_OPTICS_DOME_PARTS_H
 
@@ -89,7 +90,7 @@ const int *dome_lookup_candidates(const struct dome_lookup *lookup, const double
 int dome_lookup_find(const struct dome_lookup *lookup, const double (*node)[3],
 		     const double dir[3]);
 
-/* The flat triangles between a dome's nodes, and from its rim to the horizon (dome_facets.h). */
+/* The flat triangles between a dome's nodes, and from its rim to the horizon (dome_facets.c). */
 
 struct dome_triangles {
 	int vertices; /* the nodes, then the feet of some of them */

@@ -11,7 +11,7 @@
  *     q_ik = W_ik L_ik / sum_k W_ik L_ik        e_ik = W_ik / sum_k W_ik
  *     c_i = m_i + sum_k (q_ik - e_ik) a_ik                        centroid of the light in the cell
  * Light with the centroid c_i is shared among the cells j around it by their barycentric weights
- * b_j at c_i in the triangles between the directions of all m_j (dome_facets.h):
+ * b_j at c_i in the triangles between the directions of all m_j (dome_parts.h):
  *     L_j w_j = sum_i b_ij F_i,      F_i = w_i sum_k W_ik L_ik / sum_k W_ik
  * Even light in a cell stays where it is, because c_i = m_i then. All lights are then multiplied by
  *     sum_i F_i c_iz / sum_i F_i m_iz(after)

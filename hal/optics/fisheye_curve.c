@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/optics/fisheye_curve.h"
+#include "hal/optics/fisheye.h"
 
 #include <math.h>
 #include <stddef.h>

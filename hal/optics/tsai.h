@@ -1,4 +1,46 @@
 /* SPDX-License-Identifier: MIT */
+/* A camera by Tsai, and its distortion. */
+#ifndef INLAY_HAL_OPTICS_TSAI_H
+#define INLAY_HAL_OPTICS_TSAI_H
+
+#include "hal/base/fault.h"
+#include "hal/ini/ini.h"
+
+/*
+ * A radial polynomial with tangential terms, which bends points of the sensor:
+ *
+ *     F(p) = p (1 + k1 r^2 + k2 r^4 + k3 r^6) + q r^2 + 2 p (q . p),   r = |p|
+ *
+ * OpenCV's k1, k2, k3 and (p2, p1), in units of the focal length, are these k and q. F is the
+ * gradient of a potential, so that its Jacobian is symmetric. Inside of a circle around the axis,
+ * where the Jacobian is positive definite, F is one-to-one (the potential is convex there); nothing
+ * beyond it is bent or comes out of the inverse. Without q the circle is exact: its radius is the
+ * fold, the smallest r with
+ *     d/dr r (1 + k1 r^2 + ...) = 0
+ * With q it is a little smaller (hal/optics/README.md).
+ */
+
+#define DISTORTION_RADIAL 3
+
+struct distortion {
+	double radial[DISTORTION_RADIAL]; /* k, 1/mm^2, 1/mm^4, 1/mm^6 */
+	double tangential[2];		  /* q, 1/mm */
+	double reach; /* radius of the picture, mm, for which the circle is largest; above 0 */
+};
+
+/* Radius of the circle inside of which F is one-to-one; infinite: everywhere; 0: nowhere. */
+double distortion_fold(const struct distortion *d);
+
+/* Radius of the circle that F makes the circle cover: each point inside of it has one inverse. */
+double distortion_covers(const struct distortion *d);
+
+/* bent = F(straight); slope: its Jacobian xx, xy, yy, or NULL. 0; -ERANGE: beyond the fold. */
+int distortion_bend(const struct distortion *d, const double straight[2], double bent[2],
+		    double slope[3]);
+
+/* Solves F(straight) = bent inside of the circle. 0; -ERANGE: no solution. */
+int distortion_straighten(const struct distortion *d, const double bent[2], double straight[2]);
+
 /*
  * Tsai's camera as in the thesis, equations 2.1 to 2.7.
  *
@@ -16,19 +58,13 @@
  * distortion has a negative kappa1 in the thesis's direction, a positive one in Tsai's.
  *
  * A lens that one kappa1 cannot describe has more terms, in either direction:
- *     1 + kappa1 r^2 + kappa2 r^4 + kappa3 r^6, and tangential terms (hal/optics/distortion.h)
+ *     1 + kappa1 r^2 + kappa2 r^4 + kappa3 r^6, and tangential terms (above)
  * In the thesis's direction these are OpenCV's k1 to k3, p1 and p2.
  *
  * Camera axes: x right, y down, z along the view. World units are the scene's; f, D in one sensor
  * unit (mm), kappa1 in 1/unit^2. Picture coordinates below are (x right, y down from the upper
  * edge), pixel centres at +0.5: y_down = height - Y.
  */
-#ifndef INLAY_HAL_OPTICS_TSAI_H
-#define INLAY_HAL_OPTICS_TSAI_H
-
-#include "hal/base/fault.h"
-#include "hal/ini/ini.h"
-#include "hal/optics/distortion.h"
 
 #define TSAI_SIDE_MAX 32768
 #define TSAI_EDGE_SPREAD_MAX 8.0

@@ -17,7 +17,8 @@
 
 #define COMMANDS_MAX 16
 #define HELP_COLUMN 26 /* of what an option means */
-/* What getopt_long() returns: for the first row, above all letters; and for what every command has. */
+/* What getopt_long() returns: for the first row, above all letters; and for what every command
+ * has. */
 #define OPTION_FIRST 256
 #define OPTION_HELP 1000
 #define OPTION_VERSION 1001

@@ -63,9 +63,10 @@ struct option_row {
 #define OPTION_ROWS_MAX 32
 
 /*
- * Reads the options of argv by rows that end with a NULL name into the struct at values. Afterwards
- * optind of <getopt.h> is at the first word that is no option. Returns COMMAND_GOES_ON, or the exit
- * status when the command has been answered here: after --help and --version, and after wrong usage.
+ * Reads the options of argv by rows that end with a NULL name into the struct at values.
+ * Afterwards optind of <getopt.h> is at the first word that is no option. Returns
+ * COMMAND_GOES_ON, or the exit status when the command has been answered here: after --help and
+ * --version, and after wrong usage.
  */
 #define COMMAND_GOES_ON (-1)
 int command_read(const struct command *command, int argc, char **argv,

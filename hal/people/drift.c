@@ -3,8 +3,7 @@
  * Each cell's drift follows within half a second what the light's model is off by. What is behind
  * people, or in their shadow, cannot be followed; but lamps move meanwhile, and it would come back
  * in a light that is not the place's. So its drift takes the factor that the cells around take in
- * which nobody is, 1 + rate (mean of seen / expected - 1); and so does everything in a frame in
- * which a lamp was switched, as then what is seen of a cell may be somebody who arrives.
+ * which nobody is, 1 + rate (mean of seen / expected - 1).
  */
 #include "hal/people/people_parts.h"
 
@@ -134,12 +133,12 @@ static struct ratios sum_around(const struct people *p, int tx, int ty)
 
 static void follow_cell(struct people *p, int at, const struct ratios *sum)
 {
-	const float rate = p->place.jumped ? 1 : light_rate(p);
+	const float rate = light_rate(p);
 
-	if (!p->place.known[at] || (p->verdict.of[at] == WHOSE_PLACE && !p->place.jumped))
+	if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
 		return;
 	for (int c = 0; c < 3; c++)
-		if (p->place.jumped || rate_of(p, c, at) == 0)
+		if (rate_of(p, c, at) == 0)
 			drift_cell(p, c, at, 1 + rate * (sum->sum[c] / (float)sum->count - 1));
 }
 
@@ -151,7 +150,7 @@ static bool hides(const struct people *p, int tx, int ty)
 		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x++)
 			if (p->verdict.of[y * p->cells.across + x] != WHOSE_PLACE)
 				return true;
-	return p->place.jumped;
+	return false;
 }
 
 static void follow_tile(struct people *p, int tx, int ty)
@@ -184,6 +183,6 @@ void drift_follow(struct people *p)
 	const float leak = (float)(p->step_ms / LEAK_MS);
 
 	follow_hidden(p);
-	for (int s = 0; !p->place.jumped && s < p->cells.span_count; s++)
+	for (int s = 0; s < p->cells.span_count; s++)
 		drift_span(p, &p->cells.spans[s], leak);
 }

@@ -2,8 +2,9 @@
 /*
  * The camera's exposure, over that when learning began. It changes all cells alike, so half of
  * seen / place lies close together. Where it does not, something hides the place, and the exposure
- * of before is kept. place.c keeps what all cells share out of the place, so that gain and place
- * cannot wander against each other.
+ * of before is kept. place.c keeps what all cells share out of the place, but for a part of a gain
+ * that lasts: a switched lamp that the terms do not tell looks like an exposure, and so gain and
+ * place cannot wander against each other: the gain comes back to 1.
  */
 #include <math.h>
 

@@ -5,12 +5,10 @@
 
 #include "hal/people/people_parts.h"
 
-#define HAND 40		/* a group of fewer than (cells down / HAND)^2 cells is dropped */
-#define HOLE 40		/* a hole of fewer than (cells down / HOLE)^2 cells is filled */
-#define GAP 6		/* shadows between a person's cells, up to cells down / GAP high, are his */
-#define GHOST_SHARE 0.5 /* contrast along a ghost's outline, over that of the place */
-#define LIGHT_SHARE 0.1 /* edge of its own along the outline of mere light, over the level there */
-#define CROWDED 0.7	/* of the watched cells: the camera has been moved */
+#define HAND 40		 /* a group of fewer than (cells down / HAND)^2 cells is dropped */
+#define GHOST_SHARE 0.5	 /* contrast along a ghost's outline, over that of the place */
+#define LIGHT_SHARE 0.1	 /* edge of its own along the outline of mere light, over the level there */
+#define CROWDED 0.7	 /* of the watched cells: the camera has been moved */
 #define CROWDED_MS 900e3 /* longer than visitors stand so near that they hide everything */
 
 /* ---- connected cells ---- */
@@ -34,23 +32,23 @@ static void run_join(struct run *runs, int a, int b)
 		runs[a].parent = b;
 }
 
-/* Joins the runs of a row, first..end - 1, with those of the row above, from..first - 1. reach: 1
- * where cells touch by their corners, too. */
-static void join_rows(struct run *runs, int from, int first, int end, int reach)
+/* Joins the runs of a row, first..end - 1, with those of the row above, from..first - 1, that they
+ * touch, if only by a corner. */
+static void join_rows(struct run *runs, int from, int first, int end)
 {
 	int above = from;
 
 	for (int n = first; n < end; n++) {
-		while (above < first && runs[above].right + reach < runs[n].left)
+		while (above < first && runs[above].right + 1 < runs[n].left)
 			above++;
-		for (int a = above; a < first && runs[a].left <= runs[n].right + reach; a++)
+		for (int a = above; a < first && runs[a].left <= runs[n].right + 1; a++)
 			run_join(runs, a, n);
 	}
 }
 
-/* Finds the runs of watched cells in the box that are people (or not) and joins them; label: of
- * each cell. */
-static void find_runs(struct people *p, bool people, int reach)
+/* Finds the runs of watched cells in the box that are people, and joins them; label becomes the
+ * run. */
+static void find_runs(struct people *p)
 {
 	const struct box *box = &p->verdict.box;
 	int from = 0, first = 0, count = 0;
@@ -60,7 +58,7 @@ static void find_runs(struct people *p, bool people, int reach)
 
 		for (int x = box->left; x <= box->right; x++) {
 			const bool is = p->cells.watch[row + x] &&
-					(p->verdict.of[row + x] == WHOSE_PERSON) == people;
+					p->verdict.of[row + x] == WHOSE_PERSON;
 			const bool goes_on = is && count > first &&
 					     p->crowd.runs[count - 1].right == x - 1;
 
@@ -74,7 +72,7 @@ static void find_runs(struct people *p, bool people, int reach)
 			p->crowd.runs[count - 1].right = x;
 			p->crowd.label[row + x] = count - 1;
 		}
-		join_rows(p->crowd.runs, from, first, count, reach);
+		join_rows(p->crowd.runs, from, first, count);
 		from = first;
 		first = count;
 	}
@@ -105,57 +103,6 @@ static void measure_groups(struct people *p)
 		g->right = run->right > g->right ? run->right : g->right;
 		g->bottom = run->y;
 	}
-}
-
-/* ---- cleaning ---- */
-
-/* Cloth like the ground in other light is between a person's other parts: above it and below. */
-static void fill_column(struct people *p, int x)
-{
-	const struct box *box = &p->verdict.box;
-	const int most = p->cells.down / GAP;
-	int last = -1; /* row of the last cell that is a person's, while what follows differs */
-
-	for (int y = box->top; y <= box->bottom; y++) {
-		uint8_t *whose = p->verdict.of + y * p->cells.across + x;
-
-		if (*whose == WHOSE_PERSON) {
-			for (int v = y - 1; last >= 0 && v > last; v--)
-				p->verdict.of[v * p->cells.across + x] = WHOSE_PERSON;
-			last = y;
-		} else if (*whose == WHOSE_PLACE || y - last > most) {
-			last = -1;
-		}
-	}
-}
-
-/* Fills holes that are small and do not reach the edge of the box, or of what is watched. */
-static void fill_holes(struct people *p)
-{
-	const int most = (p->cells.down / HOLE) * (p->cells.down / HOLE), across = p->cells.across;
-	const struct box *box = &p->verdict.box;
-	const uint8_t *watch = p->cells.watch;
-
-	find_runs(p, false, 0);
-	measure_groups(p);
-	for (int y = box->top; y <= box->bottom; y++)
-		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * across + x;
-			const bool edge = y == box->top || y == box->bottom || x == box->left ||
-					  x == box->right || !watch[at - 1] || !watch[at + 1] ||
-					  !watch[at - across] || !watch[at + across];
-
-			if (edge && p->crowd.label[at] >= 0)
-				p->crowd.groups[p->crowd.label[at]].cells += most;
-		}
-	for (int y = box->top; y <= box->bottom; y++)
-		for (int x = box->left; x <= box->right; x++) {
-			const int at = y * across + x;
-
-			if (p->crowd.label[at] >= 0 &&
-			    p->crowd.groups[p->crowd.label[at]].cells < most)
-				p->verdict.of[at] = WHOSE_PERSON;
-		}
 }
 
 /* ---- ghosts ---- */
@@ -260,11 +207,8 @@ void groups_find(struct people *p)
 		p->crowd.crowded_ms = 0;
 		return;
 	}
-	for (int x = box->left; x <= box->right; x++)
-		fill_column(p, x);
-	fill_holes(p);
 	edges_refine(p);
-	find_runs(p, true, 1);
+	find_runs(p);
 	measure_groups(p);
 	measure_edges(p);
 	drop_nobody(p);

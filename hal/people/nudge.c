@@ -20,7 +20,8 @@
 #define MATCH 0.5f	 /* correlation of a patch that is found; with another place it is 0.3 */
 #define DISTINCT 0.1f	 /* by which it is above that of any shift elsewhere: no pattern repeats */
 #define TEXTURE 4.0f	 /* a patch's weaker gradient, over the noise's: it tells both directions */
-#define SURE_PATCHES 48	 /* that the share is a mean of which is where it was learned */
+#define SCATTER 61 /* patches from one to the next that is asked: a prime, so all have their turn */
+#define SURE_PATCHES 48 /* in the mean of which are where they were learned, or a third of all */
 #define ROUND 0.05f   /* and over both: else the stronger one's errors are the weaker one's shift */
 #define FOUND_LEAST 8 /* patches that agree */
 #define FOUND_SHARE 0.1f /* of those that have texture: others may be hidden */
@@ -50,17 +51,8 @@ void nudge_place(struct people *p)
 			}
 		step++;
 	} while (count > NUDGE_PATCHES);
-	p->nudge.patches = count;
+	p->nudge.patches = count % SCATTER ? count : count - (count > 0);
 	p->nudge.next = p->nudge.usable = p->nudge.votes = 0;
-}
-
-void nudge_forget(struct people *p)
-{
-	p->nudge.next = p->nudge.usable = p->nudge.votes = 0;
-	memset(p->nudge.moved, 0, sizeof(p->nudge.moved));
-	memset(p->nudge.told, 0, sizeof(p->nudge.told));
-	p->nudge.lost = false;
-	p->nudge.sure = 1;
 }
 
 /* False: it is not all known, or noise hides its texture. */
@@ -87,7 +79,7 @@ static bool take_patch(const struct people *p, int patch, struct sought *sought)
 		mean += lit[at] * unit / (SIDE * SIDE);
 	}
 	sought->energy = xx + yy;
-	/* Of a difference of two cells, over the patch. */
+	/* The noise of two cells differs by this much in the sum over the patch. */
 	noise = 2 * SIDE * SIDE * CELLS_RECENT_NOISE * cells_variance(&p->cells, 1, mean) /
 		(unit * unit);
 	/* The smaller eigenvalue is about the determinant over the trace. */
@@ -137,7 +129,7 @@ static float vertex(float before, float at, float after)
 	return bend < 0 ? 0.5f * (before - after) / bend : 0;
 }
 
-/* Seeks a patch up to `reach` cells away. False: it is not seen there, or in more than one place. */
+/* Seeks a patch up to `reach` cells away. False: it is seen nowhere, or in more than one place. */
 static bool seek(struct sought *sought, const struct people *p, int patch, int reach, float at[2])
 {
 	const int low = REACH - reach, high = REACH + reach;
@@ -179,7 +171,8 @@ static void ask_patch(struct people *p, int patch)
 		return;
 	nudge->usable++;
 	is_there = seek(&sought, p, patch, 1, vote);
-	nudge->sure += ((float)is_there - nudge->sure) / SURE_PATCHES;
+	nudge->sure += ((float)is_there - nudge->sure) *
+		       fmaxf(1.0f / SURE_PATCHES, 3.0f / (float)nudge->patches);
 	nudge->votes += is_there || seek(&sought, p, patch, REACH, vote);
 }
 
@@ -249,7 +242,7 @@ void nudge_follow(struct people *p)
 	const int asked = (int)(nudge->patches * fmin(p->step_ms / ROUND_MS, 1)) + 1;
 
 	for (int n = 0; n < asked && nudge->next < nudge->patches; n++)
-		ask_patch(p, nudge->patch[nudge->next++]);
+		ask_patch(p, nudge->patch[nudge->next++ * SCATTER % nudge->patches]);
 	if (nudge->next >= nudge->patches)
 		end_round(p);
 }

@@ -88,7 +88,6 @@ static void divide(struct people *p, struct block *block)
 	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
 	p->nudge.patch = take(block, NUDGE_PATCHES * sizeof(*p->nudge.patch));
 	p->verdict.of = take(block, cells);
-	p->verdict.before = take(block, cells);
 	p->verdict.copy = take(block, cells);
 	crowd->runs = take(block, cells * sizeof(*crowd->runs));
 	crowd->label = take(block, cells * sizeof(*crowd->label));
@@ -332,7 +331,7 @@ const struct veil *people_veil(const struct people *p)
 void people_learn(struct people *p)
 {
 	p->place.learn_now = true;
-	nudge_forget(p);
+	nudge_forget(&p->nudge);
 }
 
 void people_forget(struct people *p)

@@ -82,19 +82,18 @@ struct place {
 	float *lessons;	       /* [across]: of a span */
 	float shared[3];       /* of the known cells where nobody is: expected / seen in the mean */
 	struct ratios *ratios; /* drift.c: [tiles] */
-	bool jumped;	       /* a lamp was switched in this frame */
 	bool learn_now;
 };
 
 /* ---- whether the camera was nudged (nudge.c) ---- */
 
 #define NUDGE_PATCHES 256
-#define NUDGE_MOST 3.0f /* pixels, up to which the place moves along */
+#define NUDGE_MOST 3.5f /* pixels: up to 3, as rounded, the place moves along */
 
 struct nudge {
 	int *patch; /* [NUDGE_PATCHES]: the first cell of each */
 	int patches, next;
-	int usable, votes; /* of this round: patches with texture, and where they were found */
+	int usable, votes;	      /* of this round: patches with texture, and found ones */
 	float vote[NUDGE_PATCHES][2]; /* cells, right and down */
 	float before[2];	      /* what the round before said */
 	float moved[2];		      /* by how many pixels the place has moved along */
@@ -119,7 +118,6 @@ struct verdict {
 	float *last;		   /* the opinion of the frame before */
 	float *opinion, *revised;  /* the same with the neighbours' weighed in; padded with -1 */
 	uint8_t *of;		   /* enum whose */
-	uint8_t *before;	   /* of the frame before */
 	uint8_t *copy;		   /* before an edge is refined */
 	struct box differing, box; /* of cells that differ; of all people */
 };
@@ -263,7 +261,13 @@ void place_count_unknown(struct people *people);
 void nudge_place(struct people *people);
 void nudge_follow(struct people *people);
 /* The camera is where it was when the place was learned. */
-void nudge_forget(struct people *people);
+static inline void nudge_forget(struct nudge *nudge)
+{
+	nudge->next = nudge->usable = nudge->votes = 0;
+	nudge->moved[0] = nudge->moved[1] = nudge->told[0] = nudge->told[1] = 0;
+	nudge->lost = false;
+	nudge->sure = 1;
+}
 
 /* ---- drift.c ---- */
 

@@ -28,7 +28,9 @@
 #define SHORT 0.8f     /* of his height: his feet are hidden */
 #define BESIDE 0.7f    /* of both halves: two persons who are nearer overlap */
 #define STACKED 0.25f  /* of his height: how far the feet of somebody behind reach below his head */
-#define PART 0.5f      /* of a body, beside another, that is another's */
+#define FALLS 0.2f     /* of his height: a foot so much lower than expected is another person's */
+#define WALKED 0.5f    /* of half his width, by which he has moved if he is more than a stain */
+#define DOUBLE 0.1f    /* of his height, by which the feet of two beside each other differ */
 #define WIDER 1.3f     /* than he was: arms */
 #define HELD_ROWS 0.6f /* share of a frame in the foot's row: feet step */
 #define HELD_SPEED 0.3f
@@ -100,6 +102,17 @@ static void find_group(struct people *p, struct person *who)
 		who->group = -1;
 }
 
+/* Whether a person of the same group, who was met before, stands in the same place. */
+static bool is_double(const struct people *p, const struct person *who)
+{
+	for (const struct person *n = p->crowd.person; n < who; n++)
+		if (n->group == who->group && who->group >= 0 &&
+		    fabsf(n->x - who->x) < fminf(n->half, who->half) &&
+		    fabsf(n->foot - who->foot) < DOUBLE * (n->foot - n->top))
+			return true;
+	return false;
+}
+
 /* Measures a group's cells in a box. */
 static struct body measure(const struct people *p, int group, const struct box *in)
 {
@@ -121,21 +134,21 @@ static struct body measure(const struct people *p, int group, const struct box *
 	return body;
 }
 
-/* The row of the head of somebody of BODY_M whose feet are in these columns and this row. */
-static double head_row(const struct people *p, int left, int right, int bottom)
+/* The row of the head of somebody whose feet are in these columns and this row; 0 m: not known. */
+static double head_row(const struct people *p, int left, int right, int bottom, float height_m)
 {
 	double direction;
 	float far;
 
 	if (!far_side_point(p, 0.5 * (left + right + 1), bottom + 1, 0, &direction, &far))
 		return NAN;
-	return far_side_row(p, direction, (double)far, BODY_M);
+	return far_side_row(p, direction, (double)far, height_m > 0 ? (double)height_m : BODY_M);
 }
 
 /* The width of a body that stands where this one does. */
 static float usual_width(const struct people *p, const struct body *body)
 {
-	const double top = head_row(p, body->left, body->right, body->bottom);
+	const double top = head_row(p, body->left, body->right, body->bottom, 0);
 
 	return SLENDER *
 	       (float)(top < body->bottom ? body->bottom + 1 - top : body->bottom + 1 - body->top);
@@ -153,7 +166,7 @@ static bool stands_on(const struct people *p, const struct group *g, const struc
 
 	return !feet->dropped && feet->top > g->bottom &&
 	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1 &&
-	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom);
+	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom, 0);
 }
 
 static bool is_watched(const struct people *p, int x, int y)
@@ -259,6 +272,7 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 {
 	const float x = 0.5f * (float)(body->left + body->right + 1), s = step_s(p);
 	const float foot = (float)body->bottom + 1;
+	const bool is_other = foot - who->foot > FALLS * (who->foot - who->top);
 
 	if (s > 0 && who->missed_ms > 0) {
 		const float seconds = (float)who->missed_ms * 1e-3f;
@@ -266,14 +280,26 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 		who->speed[0] += HELD_SPEED * (x - who->x) / seconds;
 		who->speed[1] += HELD_SPEED * HELD_ROWS * (foot - who->foot) / seconds;
 	}
+	if (is_other) {
+		who->placed = false;
+		who->height_m = 0;
+		who->foot = foot;
+		who->top = (float)body->top;
+		who->speed[0] = who->speed[1] = 0;
+	}
 	who->x = x;
 	who->foot += HELD_ROWS * (foot - who->foot);
 	who->missed_ms = 0;
-	who->walked |= fabsf(x - who->began_x) > who->half ||
-		       fabsf(who->foot - who->began_foot) > who->half;
+	who->walked |= fmaxf(fabsf(x - who->began_x), fabsf(who->foot - who->began_foot)) >
+		       WALKED * who->half;
 	if (alone) {
 		who->half = 0.5f * (float)(body->right + 1 - body->left);
 		who->top = (float)body->top;
+	} else {
+		const double head = head_row(p, body->left, body->right, body->bottom,
+					     who->height_m);
+
+		who->top = head < who->foot - 1 ? (float)head : who->top;
 	}
 }
 
@@ -388,18 +414,6 @@ static bool territory(const struct people *p, int n, struct box *own, bool *alon
 	return true;
 }
 
-/* Whether a part of a group is as large as a person, and not only an arm of another, whose reach is
- * so wide. */
-static bool is_somebody(const struct people *p, const struct body *body, float wide)
-{
-	const float usual = usual_width(p, body), high = usual / SLENDER;
-	const float least = PART * fmaxf(usual, fminf(wide, high));
-
-	return body->right >= body->left && (float)(body->right + 1 - body->left) > least &&
-	       (float)(body->bottom + 1 - body->top) > PART * high &&
-	       (float)body->cells > PART * PART * usual * high;
-}
-
 /* How far from his middle a person's hands and feet reach, in a wide step, too. */
 static float reach_of(const struct people *p, const struct person *who)
 {
@@ -407,32 +421,6 @@ static float reach_of(const struct people *p, const struct person *who)
 				  (int)who->top, (int)who->foot - 1, 0};
 
 	return fmaxf(1.4f * who->half, 0.8f * usual_width(p, &body));
-}
-
-/* What of a group is beyond all its persons, left, right or above, begins new ones. */
-static void begin_beside(struct people *p, int group)
-{
-	const struct group *g = &p->crowd.groups[group];
-	float left = INFINITY, right = -INFINITY, top = INFINITY;
-	struct box beyond[3];
-
-	for (int n = 0; n < p->crowd.persons; n++)
-		if (p->crowd.person[n].group == group) {
-			const struct person *who = &p->crowd.person[n];
-
-			left = fminf(left, who->x - reach_of(p, who));
-			right = fmaxf(right, who->x + reach_of(p, who));
-			top = fminf(top, who->top - STACKED * (who->foot - who->top));
-		}
-	beyond[0] = (struct box){g->left, (int)left - 1, g->top, g->bottom};
-	beyond[1] = (struct box){(int)right + 1, g->right, g->top, g->bottom};
-	beyond[2] = (struct box){(int)left, (int)right, g->top, (int)top - 1};
-	for (int n = 0; n < 3; n++) {
-		const struct body body = measure(p, group, &beyond[n]);
-
-		if (is_somebody(p, &body, right - left))
-			begin_persons(p, group, &beyond[n]);
-	}
 }
 
 static bool holds(const struct person *who, float x, float y)
@@ -514,9 +502,7 @@ static void meet_groups(struct people *p, struct body body[PERSONS_MAX])
 			continue;
 		for (int m = 0; m < p->crowd.persons; m++)
 			known |= p->crowd.person[m].group == n;
-		if (known)
-			begin_beside(p, n);
-		else
+		if (!known)
 			begin_persons(p, n, &whole);
 	}
 	for (int n = 0; n < p->crowd.persons; n++) {
@@ -547,9 +533,17 @@ void persons_follow(struct people *p)
 		return;
 	depths_move(p);
 	join_bodies(p);
-	for (int n = 0; n < p->crowd.persons; n++)
+	for (int n = 0; n < p->crowd.persons; n++) {
 		find_group(p, &p->crowd.person[n]);
+		if (is_double(p, &p->crowd.person[n]))
+			p->crowd.person[n--] = p->crowd.person[--p->crowd.persons];
+	}
 	meet_groups(p, body);
+	for (int n = 0; n < p->crowd.persons; n++)
+		for (int m = 0; m < p->crowd.persons; m++)
+			p->crowd.person[n].walked |= p->crowd.person[m].walked &&
+						     p->crowd.person[m].group ==
+							     p->crowd.person[n].group;
 	label_owners(p);
 	for (int n = 0; n < p->crowd.persons; n++) {
 		struct person *who = &p->crowd.person[n];

@@ -27,7 +27,6 @@
 #define PRIOR 0.04	  /* variance of the other coefficients, over the first's square */
 #define NOISE 4e-4	  /* variance of what is seen, over its square */
 #define DARK 1e-5	  /* light_0 below which nothing can be told */
-#define JUMPED 0.03f	  /* change of light_k / light_0 from frame to frame: a lamp was switched */
 #define CONE 0.95	  /* cosine of 18 degrees: what a body hides of a lamp and its glow */
 #define SKY 0.5		  /* of the rest of the sky that a body hides where he stands */
 #define DARKEST 0.1	  /* a share of light comes by way of walls */
@@ -35,6 +34,7 @@
 #define STEADY 0.01f	  /* of its light, by which each cell is off at any time */
 #define TURNED 0.004f	  /* change of light_k / light_0 that asks for a new prediction */
 #define LESSON_SHARE 0.1f /* of its light, that one lesson may change at most */
+#define HANDED_ON 0.3f	  /* of a gain that lasts, which a lesson hands on to the place, too */
 #define MODEL 0.02f	  /* of its light, by which a cell is off until its spread is learned, */
 #define SHIFT 0.15f	  /* and the cells by which the camera shakes */
 #define SPREAD_MS 4000.0  /* in which spread is learned */
@@ -107,7 +107,7 @@ void place_forget(struct people *p)
 		place->spread[at] = SPREAD_FIRST;
 		p->verdict.opinion[at] = -1;
 	}
-	nudge_forget(p);
+	nudge_forget(&p->nudge);
 	place_count_unknown(p);
 }
 
@@ -192,8 +192,6 @@ bool place_light(struct people *p, const float (*radiance)[3])
 	if (!(before[0][0] > 0))
 		return true;
 	change = light_change(place->light, before, &most) / 3;
-	place->jumped = !(most <= JUMPED) ||
-			fabsf(place->light[1][0] - before[1][0]) > JUMPED * place->light[1][0];
 	place->model_variance += (float)PRIOR * change -
 				 (float)(p->step_ms / (p->step_ms + SETTLING_MS)) *
 					 (place->model_variance - STEADY * STEADY);
@@ -346,8 +344,8 @@ static void fit_step(struct place_fit *fit, const float light[PLACE_TERMS], floa
 				fit->covariance[j][k] /= FORGETTING;
 }
 
-/* How far a span's cells are off, at most LESSON_SHARE, less what all cells share; 0 for cells that
- * teach nothing. */
+/* How far a span's cells are off, at most LESSON_SHARE, less what all cells share, which the gain
+ * has, and hands on slowly; 0 for cells that teach nothing. */
 static void span_lessons(const struct people *p, const struct span *span, int c,
 			 float *restrict off)
 {
@@ -357,6 +355,7 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 	const uint8_t *known = p->place.known + at, *whose = p->verdict.of + at;
 	const uint16_t *still_ms = p->cells.still_ms + at;
 	const float per_gain = 1 / p->place.gain[c], shared = p->place.shared[c];
+	const float handed_on = HANDED_ON * (p->place.gain[c] - 1);
 
 	for (int x = 0; x < count; x++) {
 		const float learned = expected[x] / drift[x];
@@ -366,7 +365,7 @@ static void span_lessons(const struct people *p, const struct span *span, int c,
 				      (whose[x] == WHOSE_SHADOW && still_ms[x] > STABLE_MS));
 		const float most = is > room ? room : is < -room ? -room : is;
 
-		off[x] = teaches ? most * per_gain : 0;
+		off[x] = teaches ? (most + handed_on * learned) * per_gain : 0;
 	}
 }
 

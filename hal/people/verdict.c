@@ -20,17 +20,16 @@
 
 /* Halving or doubling ALIKE, UNEVEN, STEEP, NEIGHBOUR, SHARP or PASSES changes the wrong pixels of
  * rooms 0 and 4 (tests/people) by 5 % at most, but for ALIKE 0.6: 10 %. */
-#define DIFFERS 12.0f	   /* chi-square of three channels: 0.7 % of empty cells are above */
-#define AROUND 2	   /* cells on each side that tell of other light */
-#define WINDOW 25	   /* (2 AROUND + 1)^2 */
-#define ALIKE 0.3f	   /* of its ratio, by which a cell around may differ and is asked */
-#define FLAT 2.0f	   /* cells on a line tell no slope beside it */
-#define UNEVEN 0.08f	   /* of its light, by which a shadow may be off its slope */
-#define STEEP 0.3f	   /* evidence per logit */
-#define NEIGHBOUR 0.3f	   /* weight of each of the four opinions beside */
-#define SHARP 1.6f	   /* slope of an opinion, which is clamped, over the sum of these */
-#define PASSES 6	   /* in which opinions settle */
-#define CHANGED_SHARE 0.5f /* of the empty place that changes when a lamp is switched */
+#define DIFFERS 12.0f  /* chi-square of three channels: 0.7 % of empty cells are above */
+#define AROUND 2       /* cells on each side that tell of other light */
+#define WINDOW 13      /* of these (2 AROUND + 1)^2: every other one, as on a chess board */
+#define ALIKE 0.3f     /* of its ratio, by which a cell around may differ and is asked */
+#define FLAT 2.0f      /* cells on a line tell no slope beside it */
+#define UNEVEN 0.08f   /* of its light, by which a shadow may be off its slope */
+#define STEEP 0.3f     /* evidence per logit */
+#define NEIGHBOUR 0.3f /* weight of each of the four opinions beside */
+#define SHARP 1.6f     /* slope of an opinion, which is clamped, over the sum of these */
+#define PASSES 3       /* in which opinions settle */
 
 /* A cell's logit is the sum of its clues by these: a logistic regression of the truth on the clues,
  * over the rooms that are there to choose on (tests/people/fit.c). */
@@ -186,7 +185,7 @@ static void look_around(const struct people *p, int x, int y, struct window *w)
 	w->slope_across = w->slope_down = 0;
 	w->mean_seen = w->mean_place = w->seen2 = w->seen_place = w->place2 = 0;
 	for (int v = -AROUND; v <= AROUND; v++)
-		for (int u = -AROUND; u <= AROUND; u++) {
+		for (int u = -AROUND + ((v + AROUND) & 1); u <= AROUND; u += 2) {
 			const int at = middle + v * p->cells.across + u;
 
 			if (y + v < 0 || x + u < 0 || y + v >= p->cells.down ||
@@ -316,12 +315,35 @@ static void walk_box(struct people *p, const struct box *box,
 		}
 }
 
+/* Every other cell, as on a chess board, is asked, */
 static void gather_evidence(struct people *p, int y, int x, int end)
 {
 	for (; x < end; x++) {
 		const int at = y * p->cells.across + x;
 
-		p->verdict.evidence[at] = evidence_of(p, x, y);
+		p->verdict.evidence[at] = (x + y) & 1 ? -1 : evidence_of(p, x, y);
+	}
+}
+
+/* and the others are as those of the four beside them that differ from the place. */
+static void fill_evidence(struct people *p, int y, int x, int end)
+{
+	const int beside[4] = {-1, 1, -p->cells.across, p->cells.across};
+
+	for (x += (x + y + 1) & 1; x < end; x += 2) {
+		const int at = y * p->cells.across + x;
+		float sum = 0;
+		int count = 0;
+
+		if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
+			continue;
+		for (int n = 0; n < 4; n++)
+			if (at + beside[n] >= 0 && at + beside[n] < p->cells.count &&
+			    p->verdict.of[at + beside[n]] != WHOSE_PLACE) {
+				sum += p->verdict.evidence[at + beside[n]];
+				count++;
+			}
+		p->verdict.evidence[at] = count ? sum / (float)count : evidence_of(p, x, y);
 	}
 }
 
@@ -363,6 +385,7 @@ static void form_opinions(struct people *p, const struct box *box)
 {
 	memcpy(p->verdict.last, p->verdict.opinion, (size_t)p->cells.count * sizeof(float));
 	walk_box(p, box, gather_evidence);
+	walk_box(p, box, fill_evidence);
 	for (int at = 0; at < p->cells.count; at++)
 		p->verdict.opinion[at] = p->verdict.revised[at] = -1;
 	walk_box(p, box, begin_opinions);
@@ -388,46 +411,16 @@ static struct box around(const struct people *p, const struct box *box)
 	return grown;
 }
 
-/* In a frame in which a lamp was switched the prediction is off, and people have hardly moved:
- * everybody is where he was. */
-static void keep_verdict(struct people *p)
-{
-	memcpy(p->verdict.of, p->verdict.before, (size_t)p->cells.count);
-	for (int at = 0; at < p->cells.count; at++)
-		if (p->verdict.of[at] == WHOSE_PERSON)
-			grow_box(&p->verdict.box, at % p->cells.across, at % p->cells.across,
-				 at / p->cells.across);
-}
-
-/* Whether so much of the empty place has just changed that the light of the room did, and not only
- * what the fisheye saw, as somebody passed by. */
-static bool is_changed(const struct people *p)
-{
-	int places = 0, differ = 0;
-
-	for (int at = 0; at < p->cells.count; at++)
-		if (p->cells.watch[at] && p->verdict.before[at] == WHOSE_PLACE &&
-		    p->place.known[at]) {
-			places++;
-			differ += p->cells.still_ms[at] == 0;
-		}
-	return differ > CHANGED_SHARE * places;
-}
-
 void verdict_judge(struct people *p)
 {
 	const struct box none = {p->cells.across, -1, p->cells.down, -1};
 
-	memcpy(p->verdict.before, p->verdict.of, (size_t)p->cells.count);
 	p->verdict.differing = p->verdict.box = none;
 	for (int s = 0; s < p->cells.span_count; s++) {
 		span_deviations(p, &p->cells.spans[s]);
 		mark_span(p, &p->cells.spans[s]);
 	}
-	p->place.jumped = p->place.jumped && is_changed(p);
-	if (p->place.jumped) {
-		keep_verdict(p);
-	} else if (p->verdict.differing.right >= 0) {
+	if (p->verdict.differing.right >= 0) {
 		const struct box box = around(p, &p->verdict.differing);
 
 		form_opinions(p, &box);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * compare A B [--difference OUT.png] [--mirror]
+ * compare A B [--difference OUT.png] [--mirror] [--mean SIDE]
  *
  * Measures how far two pictures are apart, in 8-bit sRGB levels: prints "PSNR_dB RMS MAX". 8-bit
  * pictures are compared as they are; float ones hold linear light and are clipped to 0..1 and
  * encoded, but not rounded. The difference picture is mid-grey where they agree, plus four levels
  * for each level of A - B. --mirror first swaps left and right in A, which a test must notice.
+ * --mean compares means over squares of that many pixels, from which noise is gone.
  */
 #include <math.h>
 #include <stdbool.h>
@@ -22,6 +23,7 @@ struct options {
 	const char *path[2];
 	const char *difference;
 	bool mirror;
+	int side; /* of the squares; 1: each pixel */
 };
 
 static double level(const struct image *image, size_t i)
@@ -44,6 +46,22 @@ static int write_difference(const char *path, const struct image *size, const do
 	return err;
 }
 
+/* Replaces each value by the mean over its square; squares fill the picture. */
+static void average(double *value, int width, int height, int side)
+{
+	for (int pass = 0; pass < 2; pass++)
+		for (int i = 0; i < 3 * width * height; i++) {
+			const int x = i / 3 % width, y = i / 3 / width;
+			/* of the square's pixel that comes first in memory */
+			const int first = i - 3 * (y % side * width + x % side);
+
+			if (pass)
+				value[i] = first == i ? value[i] / (side * side) : value[first];
+			else if (first != i)
+				value[first] += value[i];
+		}
+}
+
 static int compare(const struct options *options, const struct image picture[2],
 		   struct fault *fault)
 {
@@ -64,6 +82,9 @@ static int compare(const struct options *options, const struct image picture[2],
 		const size_t from = options->mirror ? i + 3 * (width - 1 - 2 * x) : i;
 
 		difference[i] = level(&picture[0], from) - level(&picture[1], i);
+	}
+	average(difference, width, height, options->side);
+	for (size_t i = 0; i < count; i++) {
 		squares += difference[i] * difference[i];
 		worst = fmax(worst, fabs(difference[i]));
 	}
@@ -86,23 +107,26 @@ static bool parse(struct options *options, int argc, char **argv)
 			options->mirror = true;
 		else if (!strcmp(argv[i], "--difference") && i + 1 < argc)
 			options->difference = argv[++i];
+		else if (!strcmp(argv[i], "--mean") && i + 1 < argc)
+			options->side = atoi(argv[++i]);
 		else if (argv[i][0] != '-' && paths < 2)
 			options->path[paths++] = argv[i];
 		else
 			return false;
 	}
-	return paths == 2;
+	return paths == 2 && options->side > 0;
 }
 
 int main(int argc, char **argv)
 {
-	struct options options = {.mirror = false};
+	struct options options = {.side = 1};
 	struct image picture[2] = {{0}, {0}};
 	struct fault fault = {0};
 	int err = 0;
 
 	if (!parse(&options, argc, argv)) {
-		fprintf(stderr, "usage: compare A B [--difference OUT.png] [--mirror]\n");
+		fprintf(stderr,
+			"usage: compare A B [--difference OUT.png] [--mirror] [--mean SIDE]\n");
 		return 2;
 	}
 	for (int k = 0; k < 2 && !err; k++)

@@ -24,10 +24,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/camera/exposing.h"
 #include "app/camera/eye.h"
-#include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
+#include "app/settings.h"
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/base/log.h"

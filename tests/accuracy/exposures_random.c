@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/driver_list.h"
 #include "app/pipeline/pipeline_config.h"
 #include "app/pipeline/pipeline_parts.h"
+#include "app/settings.h"
 #include "drivers/sim/sim.h"
 #include "tests/support/chance.h"
 

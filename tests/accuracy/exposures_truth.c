@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/accuracy/exposures_truth.h"
+#include "tests/support/studio_lights.h"
 
 #include <math.h>
 #include <stdarg.h>

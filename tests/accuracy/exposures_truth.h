@@ -9,7 +9,7 @@
 
 #include "app/pipeline/pipeline.h"
 #include "bake/truth/truth.h"
-#include "hal/measure/error.h"
+#include "hal/measure/measure.h"
 
 #define PICTURES 72 /* up to 48 to measure the delay, then some rounds of exposures */
 #define RATE_HZ 25.0

@@ -14,7 +14,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/sampler.h"
-#include "hal/measure/lightings.h"
+#include "hal/measure/measure.h"
 #include "hal/optics/vec.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/expect.h"

@@ -1,7 +1,7 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
 # Which setting comes nearest to path-traced truth, of those with which a whole frame stays below some
-# milliseconds of one core: two YUYV cameras, conversion, light and composite, as tests/bench/bench times it.
+# milliseconds of one core: two YUYV cameras, conversion, light and composite, as `inlay bench` times it.
 #     BUILD=build/x tests/accuracy/within.sh [MS [SIZE]]     the table, in Markdown; 2 ms of 640x480
 #     BUILD=build/x tests/accuracy/within.sh --quick         a small one as a test, in TAP
 # BAKES, SAMPLES and TRUTH_SAMPLES in the environment: dome frequencies, 9:1,2:4 being f = 9 with
@@ -38,9 +38,9 @@ times() {
 	while read -r name file exposure; do
 		sky+=(--panorama "$data/hdri/$file.hdr")
 	done <<<"$panoramas"
-	"$build/tests/bench/bench" --basis "$work/f$1.inlay" --threshold "$2" --thesis no --kernel auto \
+	"$build/inlay" bench --basis "$work/f$1.inlay" --threshold "$2" --thesis no --kernel auto \
 		--repeat 9 --json "${sky[@]}" >"$work/bench.json" 2>>"$log" ||
-		fail "tests/bench/bench with f=$1 failed"
+		fail "inlay bench with f=$1 failed"
 	sed -n 's/^[[:space:]]*{"lighting": "\([^"]*\)", "what": "whole frame".*"median_ms": \([0-9.]*\).*/\1 \2/p' \
 		"$work/bench.json"
 }

@@ -43,11 +43,10 @@ scenes() {
 # bake NAME SIZE SAMPLES: "seconds million_rays_per_s noise megabytes"
 bake() {
 	local name=$1 size=$2 samples=$3 line
-	line=$("$build/inlay-bake" render --no-preview --profile --frequency 9 --size "$size" \
+	line=$("$build/inlay-bake" render --no-preview --frequency 9 --size "$size" \
 		--samples "$samples" -o "$work/$name.inlay" "$work/$name/$name.scene" 2>>"$log") ||
 		[ $? -eq 3 ]
 	echo "$line" >>"$log"
-	sed -n "s/^  \([a-z][a-z ]*[a-z]\) *\([0-9.]*\) s .*/$name $size|\1|\2/p" <<<"$line" >>"$work/stages.txt"
 	sed -n 's/.*(\([0-9.]*\) million.*time \([0-9.]*\) s, noise \([0-9.]*\).*/\2 \1 \3/p' \
 		<<<"$line" | tr '\n' ' '
 	echo $(($(stat -c %s "$work/$name.inlay") / 1000000))
@@ -124,30 +123,10 @@ table() {
 	rows spot 1920x1080 2 20
 }
 
-# ---- tests/bench/bench ----
+# ---- inlay bench ----
 
-# Of the JSON that tests/bench/bench prints, a row a line: the figure of a way under a lighting, by the
+# Of the JSON that inlay bench prints, a row a line: the figure of a way under a lighting, by the
 # fastest kernel, which comes last.
-# The processor seconds of the bakes above, by stage.
-stages_table() {
-	awk -F'|' '
-		!($1 in seen) { seen[$1]; scene[++scenes] = $1 }
-		!($2 in stages) { stages[$2]; stage[++count] = $2 }
-		{ is[$1, $2] = $3 }
-		END {
-			printf "| processor s of the bake |"
-			for (k = 1; k <= count; k++) printf " %s |", stage[k]
-			printf "\n|---|"
-			for (k = 1; k <= count; k++) printf "---|"
-			print ""
-			for (n = 1; n <= scenes; n++) {
-				printf "| %s |", scene[n]
-				for (k = 1; k <= count; k++) printf " %s |", is[scene[n], stage[k]]
-				print ""
-			}
-		}' "$work/stages.txt"
-}
-
 figure() { # JSON LIGHTING WHAT KEY
 	grep -F "{\"lighting\": \"$2\", \"what\": \"$3\"" "$1" | tail -n 1 |
 		sed -n "s/.*\"$4\": \([^,}]*\).*/\1/p"
@@ -194,7 +173,7 @@ bake_modes() {
 		-o "$work/$scene-$f-$size.inlay" "$work/$scene/$scene.scene" >>"$log" 2>&1 || [ $? -eq 3 ]
 }
 
-# modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through tests/bench/bench, under the built-in
+# modes SCENE FREQUENCY SIZE REPEAT [OPTION...]: puts the bake through inlay bench, under the built-in
 # lightings and the panoramas.
 modes() {
 	local scene=$1 f=$2 size=$3 repeat=$4 name out json sky=()
@@ -206,11 +185,11 @@ modes() {
 		[ -e "$json" ] && sky+=(--panorama "$json")
 	done
 	echo "timing $name" >&2
-	"$build/tests/bench/bench" --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+	"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
 		>"$out.json" 2>>"$log"
 	mode_rows "$out.json" "$scene"
 	if [ ${#sky[@]} -gt 0 ]; then
-		"$build/tests/bench/bench" --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
+		"$build/inlay" bench --basis "$work/$name.inlay" --repeat "$repeat" "$@" --json \
 			"${sky[@]}" >"$out-panoramas.json" 2>>"$log"
 		mode_rows "$out-panoramas.json" "$scene"
 	fi
@@ -267,12 +246,7 @@ case ${1:-} in
 esac
 scenes
 if [ -z "${wide:-}" ]; then
-	: >"$work/stages.txt"
-	{
-		table
-		echo
-		stages_table
-	} | tee "$work/table.part.md"
+	table | tee "$work/table.part.md"
 	mv "$work/table.part.md" "$work/table.md"
 fi
 if [ -z "${quick:-}" ] && [ -e "$work/spot/spot.obj" ]; then

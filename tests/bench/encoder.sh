@@ -4,7 +4,7 @@
 # Markdown table.
 #     BUILD=build/x tests/bench/encoder.sh [SIZE [SAMPLES [ERROR CELL_ERROR COLUMN_CUT]...]]
 # SIZE: 320x240, SAMPLES: 16; without a choice of one's own some are tried around the default.
-# Needs $INLAY_SHARED_DATA (else ../shared/data). The last columns are what tests/bench/bench says of
+# Needs $INLAY_SHARED_DATA (else ../shared/data). The last columns are what `inlay bench` says of
 # the fast mode under its built-in lightings and under each panorama: the worst.
 set -eu
 cd "$(dirname "$0")/../.."
@@ -29,9 +29,9 @@ row() {
 		--error "$1" --cell-error "$2" --column-cut "$3" -o "$work/is.inlay" "$work/spot.scene" ||
 		[ $? -eq 3 ]
 	"$build/inlay-bake" info --json "$work/is.inlay" >"$work/info.json"
-	"$build/tests/bench/bench" --basis "$work/is.inlay" --thesis no --kernel auto --repeat 1 --json \
+	"$build/inlay" bench --basis "$work/is.inlay" --thesis no --kernel auto --repeat 1 --json \
 		>"$work/own.json" 2>>"$work/log"
-	"$build/tests/bench/bench" --basis "$work/is.inlay" --thesis no --kernel auto --repeat 1 --json \
+	"$build/inlay" bench --basis "$work/is.inlay" --thesis no --kernel auto --repeat 1 --json \
 		"${sky[@]}" >"$work/sky.json" 2>>"$work/log"
 	python3 - "$work" "$@" <<'END'
 import json, sys

@@ -77,7 +77,7 @@ def main():
                 save(f"{work}/{kind} ({k})", lights, sky)
                 given += ["--lights", f"{work}/{kind} ({k})"]
             timed = ["--thesis", "no", "--threads", "1", "--kernel", "auto", "--repeat", "1"]
-            rows = json.loads(run("tests/bench/bench", "--basis", basis, *timed, *given, "--json"))["rows"]
+            rows = json.loads(run("inlay", "bench", "--basis", basis, *timed, *given, "--json"))["rows"]
         fast = [row for row in rows if row["what"] == "fast"]
         every += [row["max"] for row in fast]
         worst = min(row["psnr_db"] for row in fast), max(row["max"] for row in fast), max(row["basis_mb"] for row in fast)

@@ -118,7 +118,7 @@ check "the sample reads without fault" "$INLAY" run --config "$work/sample.conf"
 same "what --print-config prints reads back the same" "$work/one.conf" "$work/two.conf"
 check "with the value that --set gave" grep -qx "threshold = 12.5" "$work/one.conf"
 
-for command in "" run still devices check; do
+for command in "" run still devices check bench; do
 	# shellcheck disable=SC2086
 	check "inlay $command --help" "$INLAY" $command --help
 done

@@ -77,7 +77,7 @@ equal "the version is the program's" "$version" "$(dpkg-deb -f "$kiosk" Version)
 
 # ---- what they need ----
 # Decoders, zstd, the camera, screen and button libraries, text, systemd: nothing of a desktop or a baker.
-lean='libc6|libcairo2|libcamera[0-9.]*|libdrm2|libevdev2|libgcc-s1|libinih1'
+lean='libc6|libcairo2|libcamera[0-9.]*|libdrm2|libevdev2|libgcc-s1|libgpiod[23]|libinih1'
 lean+='|libopenexr-3-1-30|libjpeg62-turbo|libpng16-16|libstdc\+\+6|libsystemd0|libudev1|libwebp7|libxxhash0|libyuv0|libzstd1'
 lean+='|default-systemd-sysusers|fonts-dejavu-core|init-system-helpers'
 needs() { # names alone; of alternatives the first; t64 is Debian 13's mark

@@ -64,6 +64,7 @@ fi
 begin $((saturday + 9 * 3600)) "${hours[@]}"
 check "within its hours it shows frames" frames_come
 check "status says until when" status_says '"rest":false,"hours_next":"sat 14:00","local_time":"sat '
+check "and what a Raspberry Pi says of its power" status_says '"undervoltage":'
 clock $((saturday + 12 * 3600))
 check "after them it rests" until_true status_says '"screen":"off","rest":true,"hours_next":"mon 09:00"'
 check "as the log says" says "$work/run.log" "at rest until mon 09:00: the screen is off, the cameras are closed"

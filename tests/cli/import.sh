@@ -73,6 +73,14 @@ done
 "$bake" pictures box.scene --frequency 2 "${pictures[@]}" --coverage c.pfm --samples 16 --quiet || exit 1
 equal "which tells nothing of the ground below the object" "footprint: not known" \
 	"$("$bake" info in.inlay | grep ^footprint)"
+equal "nor where its pixels are" "lamps at places: no, the places of its pixels are not known" \
+	"$("$bake" info in.inlay | grep ^lamps)"
+printf '%s\n' '[lamp desk]' 'position = 0 0 2' 'radius = 0.1' >lamp.conf
+cat "$work/studio.conf" lamp.conf >near.conf
+check "so a lamp counts as distant, which is said" grep -q "lamps are taken as distant" \
+	<("$INLAY" check --config near.conf --set basis.file="$PWD/in.inlay" 2>&1)
+check "and not of our own bake" bash -c '! grep -q distant "$0"' \
+	<("$INLAY" check --config near.conf --set basis.file="$PWD/own.inlay" 2>&1)
 check "with coverage alone" "$bake" import --angles a.txt "${pictures[@]}" --coverage c.pfm --quiet -o in.inlay
 equal "lights" 26 "$("$bake" info --json in.inlay | sed -n 's/.*"lights": *\([0-9]*\).*/\1/p' | head -n 1)"
 # The same pictures and angles, both in another order.

@@ -67,9 +67,6 @@ check "black level" light black "$work/covered.png" -o "$bg"
 level=$(sed -n 's/^black_level = //p' "$bg")
 check "is that of the camera ($level)" awk "BEGIN { exit !($level > 15.8 && $level < 16.4) }"
 doubted "an open lens is no covered one" "not dark" light black "${pictures[0]}" -o "$bg"
-doubted "one exposure twice" "alike" light black --exposures "${pictures[4]}" "${pictures[4]}" -o "$bg"
-doubted "the longer exposure first" "give the shorter exposure first" light black --exposures \
-	"${pictures[0]}" "${pictures[1]}" -o "$bg"
 equal "what is doubted is not written" "$level" "$(sed -n 's/^black_level = //p' "$bg")"
 check "response" light response --times 16,8,4,2,1 "${pictures[@]}" -o "$bg" --report "$work/page"
 sed -n 's/^; //p' "$bg" | sed 's/^/# /'
@@ -140,7 +137,6 @@ wrong "a command that there is not" "expected one of black" white
 wrong "a file of hdrgen's to write" "read, not written" response --times 2,1 a.png b.png -o "$work/eye.rsp"
 wrong "black without a picture" "expected one picture" black
 wrong "black of two pictures" "expected one picture" black "$work/covered.png" "$work/covered.png"
-wrong "one exposure" "expected two pictures" black --exposures "$work/covered.png"
 wrong "a response without times" "1 pictures and 0 --times" response "$work/at-0.8.png"
 wrong "pairs that are none" "pairs of pictures" gain "$work/sky.png" --patch 0,0,9,9
 wrong "pairs without a patch" "pairs of pictures" gain "$work/sky.png" "$work/at-0.8.png"

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/driver_list.h"
+#include "app/settings.h"
 #include "config/config.h"
 #include "tests/support/as_file.h"
 

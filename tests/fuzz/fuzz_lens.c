@@ -3,8 +3,8 @@
  * ours is made of or refused in a sentence again.
  *
  * reaches: convert_read.c:take_matrix convert_read.c:take_distortion convert_read.c:take_size
- * convert_read.c:take_intrinsics convert_tsai.c:is_polynomial
- * convert_tsai.c:fit_camera convert.c:lens_to_fisheye
+ * convert_read.c:take_intrinsics convert.c:fit_three
+ * convert.c:lens_to_fisheye
  */
 #include <math.h>
 #include <stdint.h>
@@ -17,11 +17,11 @@ static int make_ours(const struct lens *lens, struct fault *fault)
 {
 	struct fisheye_settings settings;
 	struct tsai_camera camera;
-	double error_px, turn_deg;
+	double error_px;
 
 	if (lens->fisheye)
 		return lens_to_fisheye(lens, &settings, fault);
-	return lens_to_tsai(lens, &camera, 1e6, &error_px, &turn_deg, fault);
+	return lens_to_tsai(lens, &camera, 1e6, &error_px, fault);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/records/state.h"
+#include "app/records/records.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t bytes);
 

@@ -2,7 +2,7 @@
 /* Any bytes as the mode that is asked for, behind the modes that a screen's EDID gave: none, or one
  * whose picture lies inside its blanking.
  *
- * reaches: timing.c:kms_timing_parse timing.c:parse_modeline timing.c:cvt_reduced
+ * reaches: mode.c:kms_timing_parse mode.c:parse_modeline mode.c:cvt_reduced
  * mode.c:kms_mode_pick mode.c:kms_mode_choose
  */
 #include <math.h>

@@ -38,8 +38,8 @@ analysed() {
 	cppcheck --quiet --error-exitcode=1 --std=c11 --inline-suppr -j "$(nproc)" -I. \
 		--enable=warning,portability --suppress=missingIncludeSystem \
 		--suppress=missingInclude --suppress=normalCheckLevelMaxBranches \
-		-DWITH_KMS=1 -DWITH_SDL=1 -DWITH_EXR=1 -DWITH_WEBP=1 -DWITH_LIBCAMERA=1 -DWITH_FFMPEG=1 -DWITH_CAIRO=1 \
-		-DWITH_SYSTEMD=1 -D__linux__ -D__x86_64__ -D__GNUC__=12 \
+		-DWITH_KMS=1 -DWITH_SDL=1 -DWITH_GPIO=1 -DWITH_EXR=1 -DWITH_WEBP=1 -DWITH_LIBCAMERA=1 -DWITH_FFMPEG=1 -DWITH_CAIRO=1 \
+		-DWITH_SYSTEMD=1 -DGPIOD_MAJOR=1 -D__linux__ -D__x86_64__ -D__GNUC__=12 \
 		hal drivers config app bake
 }
 # A comment is a sentence: none begins as the rest of one.

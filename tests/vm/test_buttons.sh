@@ -14,10 +14,10 @@ press() { # line; held as long as a finger would
 	level "$1" pull-up
 	sleep 0.1
 }
-# listen option=value...: until ignore; what comes is in $VM_OUT/said
+# listen option=value...: until ignore; what comes is in $VM_OUT/said. Of the driver gpio, or $driver
 listen() {
 	: >"$VM_OUT/said"
-	"$tools/presses" gpio 400 "$@" >"$VM_OUT/said" 2>&1 &
+	"$tools/presses" "${driver:-gpio}" 400 "$@" >"$VM_OUT/said" 2>&1 &
 	listening=$!
 	eventually grep -q -E '^(ready|error)' "$VM_OUT/said"
 }
@@ -139,6 +139,37 @@ level 2 pull-up
 sleep 0.1
 level 2 pull-down
 check "a button to the supply works as well" eventually heard 1 threshold-up
+ignore
+
+# ---- a rotary encoder between lines 2 and 3 ----
+# A hand takes as long, and an edge's level is read when the kernel's thread runs.
+quarter() { # line, pull
+	level "$1" "$2"
+	sleep 0.05
+}
+turn() { # first and second line: one step
+	quarter "$1" pull-down
+	quarter "$2" pull-down
+	quarter "$1" pull-up
+	quarter "$2" pull-up
+}
+level 2 pull-up
+driver=encoder listen chip=panel a=2 b=3
+turn 2 3
+turn 2 3
+turn 3 2
+check "a step back is the pose before" eventually heard 1 pose-prev
+check "two steps forwards are two poses" heard 2 pose-next
+for _ in 1 2 3; do # its first contact bounces, and it falls back
+	level 2 pull-down
+	level 2 pull-up
+done
+turn 2 3
+check "a bounce is no step" eventually heard 3 pose-next
+check "to neither side" heard 1 pose-prev
+ignore
+driver=encoder listen chip=panel a=2
+matches "a contact that is not named is asked for" '^error .*encoder.b' "$(cat "$VM_OUT/said")"
 ignore
 
 # ---- the chip goes and comes back ----

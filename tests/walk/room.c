@@ -9,7 +9,8 @@
  *     background-1.pfm ... -9.pfm       a board 9x6:50mm, first on the ground around the
  *                                       origin, then held in front of the camera
  *     fisheye-1.pfm ... -9.pfm          a board 9x6:20mm, first level over the lens, then around it
- *     panorama.pfm                      the light that arrives at the origin
+ *     panorama.pfm                      the light that arrives at the origin, without lanterns
+ * and prints a line for each lantern: x y z radius r g b, in metres and radiance.
  */
 #include <math.h>
 #include <stdio.h>
@@ -210,9 +211,8 @@ static int film_fisheye(const struct sim_eye *eye, const struct image *room)
 	return err;
 }
 
-static int film(const struct sim_eye *eye)
+static int film(const struct sim_eye *eye, const struct studio_lamps *lamps)
 {
-	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	struct studio_view *view;
 	struct image room;
 	int err = image_create_f32(&room, eye->width, eye->height);
@@ -221,16 +221,16 @@ static int film(const struct sim_eye *eye)
 		err = studio_view_create(&view, eye);
 	if (err)
 		return err;
-	studio_view_render(view, &lamps, room.f32);
+	studio_view_render(view, lamps, room.f32);
 	studio_view_destroy(view);
 	err = eye->fisheye ? film_fisheye(eye, &room) : film_background(eye, &room);
 	image_free(&room);
 	return err;
 }
 
-static int paint_panorama(void)
+/* Walls, panels and window without the lanterns, which are lamps at places. */
+static int paint_panorama(const struct studio_lamps *lamps)
 {
-	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	const double origin[3] = {0};
 	struct image image;
 	const struct panorama panorama = {.image = &image, .scale = 1};
@@ -238,11 +238,14 @@ static int paint_panorama(void)
 
 	for (int p = 0; !err && p < PANORAMA_WIDTH * (PANORAMA_WIDTH / 4); p++) {
 		double sum[3] = {0}, dir[3], rgb[3];
+		struct studio_hit hit;
 
 		for (int k = 0; k < 16; k++) {
 			panorama_direction(&panorama, p % PANORAMA_WIDTH + (k % 4 + 0.5) / 4,
 					   p / PANORAMA_WIDTH + (k / 4 + 0.5) / 4, dir);
-			studio_radiance(origin, dir, &lamps, rgb);
+			(void)studio_hit(origin, dir, &hit);
+			/* From the wall itself: no lantern is in the way. */
+			studio_radiance(hit.point, dir, lamps, rgb);
 			for (int c = 0; c < 3; c++)
 				sum[c] += rgb[c] / 16;
 		}
@@ -262,6 +265,7 @@ int main(int argc, char **argv)
 {
 	static const struct ini_table tables[] = {
 		{.section = "camera", .keys = tsai_keys, .place = camera_place}, INI_TABLES_END};
+	const struct studio_lamps lamps = studio_lamps(MOMENT_S, 0);
 	struct sim_eye background = {.fisheye = false}, fisheye = {.fisheye = true};
 	struct ini_report report = {.count = 0};
 	struct fisheye_settings lens;
@@ -283,6 +287,9 @@ int main(int argc, char **argv)
 		fprintf(stderr, "room: %s\n", fault.text);
 		return EXIT_FAILURE;
 	}
-	return film(&background) || film(&fisheye) || paint_panorama() ? EXIT_FAILURE
-								       : EXIT_SUCCESS;
+	for (const struct studio_lantern *l = lamps.lantern; l < lamps.lantern + STUDIO_LANTERNS;
+	     l++)
+		printf("%f %f %f %g %g %g %g\n", l->centre[0], l->centre[1], l->centre[2],
+		       l->radius, l->radiance[0], l->radiance[1], l->radiance[2]);
+	return film(&background, &lamps) || film(&fisheye, &lamps) || paint_panorama(&lamps);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/camera/camera_guess.h"
+#include "bake/calibrate/camera/camera_problem.h"
 
 #include <errno.h>
 #include <math.h>
@@ -27,7 +27,7 @@ struct guesser {
 	double shared[MODEL_SHARED]; /* under trial */
 	int *chosen;		     /* [count]: indices of points, view after view */
 	int *chosen_first;	     /* [views + 1] */
-	/* Of the chosen points, in units of their views' sizes: */
+	/* These are of the chosen points; places are in units of their views' sizes. */
 	double (*place)[3], (*sensor)[2],
 		(*seen)[2];   /* sensor: without distortion; seen: in focal lengths */
 	double *error;	      /* [count] */
@@ -75,8 +75,8 @@ static double good_enough(const struct guesser *g)
 	return 0.01 * g->problem->reach / g->problem->model.pixel[0];
 }
 
-/* Sum of the squared distances on the sensor from where a pose shows the chosen points; infinite where one is behind
- * the camera. */
+/* Sum of the squared distances on the sensor from where a pose shows the chosen points; infinite
+ * where one is behind the camera. */
 static double pose_squares(const struct guesser *g, int first, int end, double focal,
 			   const double *pose)
 {
@@ -99,8 +99,8 @@ static double pose_squares(const struct guesser *g, int first, int end, double f
 	return squares;
 }
 
-/* Finds the poses of all views for one f. Returns the sum of squares; infinite: there are none. A view without points
- * gets an arbitrary one. */
+/* Finds the poses of all views for one f. Returns the sum of squares; infinite: there are none.
+ * A view without points gets an arbitrary one. */
 static double find_poses(struct guesser *g, double focal, double *x)
 {
 	static const double nothing[MODEL_OF_VIEW] = {[MODEL_TRANSLATION + 2] = 1};
@@ -127,8 +127,8 @@ static double find_poses(struct guesser *g, double focal, double *x)
 	return squares;
 }
 
-/* Computes a guess from the chosen points for one kappa1 (the known one, if it is known). Returns 0; -ERANGE: the points
- * do not determine one. */
+/* Computes a guess from the chosen points for one kappa1 (the known one, if it is known).
+ * Returns 0; -ERANGE: the points do not determine one. */
 static int guess_from_chosen(struct guesser *g, double kappa, double *x)
 {
 	const struct camera_start *start = g->start;
@@ -155,7 +155,8 @@ static int guess_from_chosen(struct guesser *g, double kappa, double *x)
 			return -ERANGE;
 	}
 	memcpy(g->trial, g->shared, sizeof(g->shared));
-	/* then between the best one and its neighbours, as an f that is far off may choose a wrong tilt */
+	/* then between the best one and its neighbours, as an f that is far off may choose a
+	 * wrong tilt */
 	for (int k = 0; k < (start->known ? 1 : COARSE + FINE); k++) {
 		double focal = start->known ? start->shared[MODEL_FOCAL]
 					    : of_reach[k % COARSE] * problem->reach;

@@ -6,7 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 extern "C" {
-#include "bake/calibrate/camera/camera_guess.h"
+#include "bake/calibrate/camera/camera_problem.h"
 }
 
 extern "C" bool camera_pose(int count, const double (*place)[3], const double (*seen)[2],

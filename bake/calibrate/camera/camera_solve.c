@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/camera/camera_guess.h"
 #include "bake/calibrate/camera/camera_parts.h"
+#include "bake/calibrate/camera/camera_problem.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 

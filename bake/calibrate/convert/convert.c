@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Conversion of our lenses to those of OpenCV and ROS, and of their fisheyes to ours. */
+/* Conversion of our lenses to those of OpenCV and ROS, and of theirs to ours. */
 #include <errno.h>
 #include <float.h>
 #include <math.h>
@@ -11,7 +11,9 @@
 
 #define ACROSS 41 /* nodes a side of the grid on which radii are compared */
 #define RADII (ACROSS * ACROSS)
-#define FINE_PX 0.01 /* error above which three more terms are used */
+#define SENSOR_MM 36.0 /* width, as in tsai_look_at() */
+#define FAR 20.0       /* tangent of the largest angle that is looked at */
+#define FINE_PX 0.01   /* error above which three more terms are used */
 
 /* ---- their pinhole ---- */
 
@@ -162,6 +164,127 @@ int lens_of_tsai(struct lens *lens, const struct tsai_camera *camera, double tol
 			"the distortion undistorts, which k1 to k6 meet to %.3g px only, expected at most %.3g; calibrate with --distortion distorts, or allow more by --tolerance",
 			*error_px, tolerance_px);
 	return 0;
+}
+
+/* Makes the camera at the world's origin that looks along Z, with a sensor 36 mm wide. */
+static void put_camera(const struct lens *lens, enum tsai_distortion direction,
+		       struct tsai_camera *camera)
+{
+	*camera = (struct tsai_camera){
+		.width = lens->width,
+		.height = lens->height,
+		.distortion = (int)direction,
+		.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+		.centre_px = {lens->centre_px[0], lens->height - lens->centre_px[1]},
+		.aspect = lens->focal_px[0] / lens->focal_px[1]};
+	camera->pixel[0] = camera->pixel[1] = SENSOR_MM / lens->width;
+	camera->focal = lens->focal_px[1] * camera->pixel[1];
+	camera->kappa1 = lens->term[LENS_K1] / pow(camera->focal, 2);
+	camera->kappa2 = lens->term[LENS_K2] / pow(camera->focal, 4);
+	camera->kappa3 = lens->term[LENS_K3] / pow(camera->focal, 6);
+	camera->tangential[0] = lens->term[LENS_P2] / camera->focal;
+	camera->tangential[1] = lens->term[LENS_P1] / camera->focal;
+}
+
+/* The radius before distortion of the farthest corner, or where the lens folds over before. */
+static double reach_of(const struct lens *lens)
+{
+	const double corner[2] = {
+		fmax(lens->centre_px[0], lens->width - lens->centre_px[0]) / lens->focal_px[0],
+		fmax(lens->centre_px[1], lens->height - lens->centre_px[1]) / lens->focal_px[1]};
+	const double farthest = hypot(corner[0], corner[1]);
+	double before = 0, r = 0;
+
+	for (double bent[2] = {0, 0}; r < FAR && bent[0] >= before && bent[0] < farthest;
+	     r += FAR / RADII) {
+		before = bent[0];
+		lens_bend(lens, (double[]){r, 0}, bent);
+	}
+	return r;
+}
+
+/*
+ * Fits a focal length and three terms to radii r before and R after the distortion of a lens of
+ * six, which is linear in either direction of Tsai's camera, up to the farthest corner:
+ *     R = a0 (r + k1 r^3 + k2 r^5 + k3 r^7)      or the same of R for r
+ * Tangential terms are taken over, in the other direction to first order. room: 5 RADII numbers.
+ */
+static struct lens fit_three(const struct lens *lens, enum tsai_distortion direction, double room[])
+{
+	enum { TERMS = 4 };
+	const bool forward = direction == TSAI_DISTORTS;
+	struct lens round = *lens, three = {.width = lens->width, .height = lens->height};
+	double a[TERMS], reach, scale, unit;
+
+	round.term[LENS_P1] = round.term[LENS_P2] = 0;
+	reach = reach_of(&round);
+	for (int n = 0; n < RADII; n++) {
+		const double r = reach * (n + 1) / RADII;
+		double bent[2];
+
+		lens_bend(&round, (double[]){r, 0}, bent);
+		for (int t = 0; t < TERMS; t++)
+			room[t * RADII + n] = pow(forward ? r : bent[0], 1 + 2 * t);
+		room[TERMS * RADII + n] = forward ? bent[0] : r;
+	}
+	linear_solve(room, RADII, TERMS, a);
+	scale = forward ? a[0] : 1 / a[0];
+	unit = forward ? 1 : scale * scale; /* kappas count on the sensor */
+	for (int i = 0; i < 2; i++) {
+		three.focal_px[i] = lens->focal_px[i] * scale;
+		three.centre_px[i] = lens->centre_px[i];
+	}
+	three.term[LENS_K1] = a[1] / a[0] * unit;
+	three.term[LENS_K2] = a[2] / a[0] * unit * unit;
+	three.term[LENS_K3] = a[3] / a[0] * unit * unit * unit;
+	three.term[LENS_P1] = lens->term[LENS_P1] / (forward ? scale : -1);
+	three.term[LENS_P2] = lens->term[LENS_P2] / (forward ? scale : -1);
+	return three;
+}
+
+/* Takes the direction in which the camera is nearer to a lens of six terms. */
+static int camera_of_six(const struct lens *lens, struct tsai_camera *camera, double *error_px)
+{
+	struct bend_sample *sample = malloc(RADII * sizeof(*sample));
+	double *room = malloc(5 * RADII * sizeof(*room));
+	int err = sample && room ? 0 : -ENOMEM;
+
+	*error_px = INFINITY;
+	for (int direction = TSAI_DISTORTS; !err && direction <= TSAI_UNDISTORTS; direction++) {
+		const struct lens three = fit_three(lens, (enum tsai_distortion)direction, room);
+		struct tsai_camera tried;
+		double error;
+		int count;
+
+		put_camera(&three, (enum tsai_distortion)direction, &tried);
+		count = tsai_check(&tried, NULL) ? 0 : sample_bends(lens, &tried, sample);
+		error = count == RADII ? worst_of_bends(lens, sample, count) : INFINITY;
+		if (error < *error_px || !direction) {
+			*error_px = error;
+			*camera = tried;
+		}
+	}
+	free(sample);
+	free(room);
+	return err;
+}
+
+int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
+		 double *error_px, struct fault *fault)
+{
+	*error_px = 0;
+	if (lens->fisheye)
+		return fault_say(fault, -EINVAL, "a fisheye, expected a pinhole camera");
+	put_camera(lens, TSAI_DISTORTS, camera);
+	if ((lens->term[LENS_K4] != 0 || lens->term[LENS_K5] != 0 || lens->term[LENS_K6] != 0) &&
+	    camera_of_six(lens, camera, error_px))
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	if (!(*error_px <= tolerance_px))
+		return fault_say(
+			fault, -ERANGE,
+			"its distortion is more than three kappas can say, which would be off by %.3g px, expected at most %.3g; allow more by --tolerance, or calibrate anew",
+			*error_px, tolerance_px);
+	return tsai_check(camera, fault);
 }
 
 /* ---- fisheyes ---- */

@@ -9,7 +9,7 @@
  * Tsai's camera (hal/optics/tsai.h) in direction `distorts` is one without k4 to k6, exactly: k1 =
  * kappa1 f^2, k2 = kappa2 f^4, k3 = kappa3 f^6, (p2, p1) = q f. In direction `undistorts` it is
  * approximated by k1, k2, k3, or all six, and p1, p2. Their fisheye is our
- * polynomial model (hal/optics/fisheye_curve.h) exactly; other models are approximated by it. Their
+ * polynomial model (hal/optics/fisheye.h) exactly; other models are approximated by it. Their
  * pixel centres are at whole numbers, ours at +0.5.
  */
 #ifndef INLAY_BAKE_CALIBRATE_CONVERT_CONVERT_H
@@ -50,14 +50,13 @@ int lens_of_fisheye(struct lens *lens, const struct fisheye_settings *settings, 
 		    int height, double tolerance_px, double *error_px, struct fault *fault);
 
 /*
- * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact if
- * k4 to k6 are 0; else f, centre, s, kappas and q, in the better direction, are fitted to the whole
- * picture. A rotation of the camera (turn_deg) is not counted as error, because the pose is
- * calibrated afterwards. Errors as above, and -EINVAL for a fisheye, or a
- * distortion that folds over inside of the picture.
+ * Converts to a camera at the world's origin that looks along Z, with a sensor 36 mm wide. Exact
+ * if k4 to k6 are 0; else f and the kappas are fitted to the radii up to the farthest corner.
+ * Errors as above, and -EINVAL for a fisheye, or a distortion that folds over inside of the
+ * picture.
  */
 int lens_to_tsai(const struct lens *lens, struct tsai_camera *camera, double tolerance_px,
-		 double *error_px, double *turn_deg, struct fault *fault);
+		 double *error_px, struct fault *fault);
 /* Converts to a lens that looks straight up; its field is 90 degrees, or less if the picture or the
  * fold of the polynomial ends before. -EINVAL for a pinhole camera. */
 int lens_to_fisheye(const struct lens *lens, struct fisheye_settings *settings,
@@ -79,8 +78,7 @@ extern const char *const lens_file_names[]; /* "ini", "opencv", "ros", NULL */
 int lens_read_foreign(struct lens *lens, const char *path, const char *camera, struct fault *fault);
 
 /* Writes the section that is given, as our INI file; from: name of the source, for a comment. */
-void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px,
-		    double turn_deg);
+void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px);
 
 /* Write files of OpenCV and ROS; error_px goes into a comment unless it is 0. */
 void lens_write_opencv(FILE *to, const struct lens *lens, double error_px);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the lenses of OpenCV, ROS and Kalibr: YAML, or JSON, which is YAML; or says in a sentence why
- * a file holds none of ours. */
+/* Reads the lenses of OpenCV, ROS and Kalibr: YAML, or JSON, which is YAML; or says in a
+ * sentence why a file holds none of ours. */
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -194,7 +194,8 @@ static int take_numbers(struct foreign *f, const char *const *words, struct matr
 /* The word for its distortion; line 0: none. */
 static int find_model(struct foreign *f, struct entry *model)
 {
-	/* ROS's older files name the distortion by camera_model; Kalibr names the projection by it */
+	/* ROS's older files name the distortion by camera_model; Kalibr names the projection by
+	 * it */
 	int err = find_entry(f, f->lens, distortion_model_words, model);
 
 	return err || model->line ? err : find_entry(f, f->lens, camera_model_words, model);
@@ -298,8 +299,9 @@ static int take_intrinsics(struct foreign *f, struct lens *lens)
 	return 0;
 }
 
-/* Checks four coefficients without a word of their model: K and D are what Python programs save of
- * either camera, while OpenCV's calibration program, with its longer names, says so of a fisheye. */
+/* Checks four coefficients without a word of their model: K and D are what Python programs save
+ * of either camera, while OpenCV's calibration program, with its longer names, says so of a
+ * fisheye. */
 static int check_four(const struct foreign *f, const struct lens *lens, const struct matrix *m,
 		      bool told)
 {
@@ -419,7 +421,8 @@ static int read_document(struct foreign *f)
 	return err;
 }
 
-/* Whether a mapping has what no lens is without; a fault of a key that is there twice is said when it is read. */
+/* Whether a mapping has what no lens is without; a fault of a key that is there twice is said
+ * when it is read. */
 static bool is_lens(struct foreign *f, const yaml_node_t *map)
 {
 	struct entry matrix = {.line = 0}, intrinsics = {.line = 0};

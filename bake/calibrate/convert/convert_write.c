@@ -100,8 +100,7 @@ void lens_write_ros(FILE *to, const struct lens *lens, const char *name, double 
 		     (const double[12]){k[0], 0, k[2], 0, 0, k[4], k[5], 0, 0, 0, 1, 0});
 }
 
-void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px,
-		    double turn_deg)
+void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, double error_px)
 {
 	fprintf(to, "; From %s, which knows the lens alone.\n", from);
 	if (ini->camera_given)
@@ -113,10 +112,8 @@ void lens_write_ini(FILE *to, const struct lens_ini *ini, const char *from, doub
 		      "; to the rim as nothing (falloff).\n",
 		      to);
 	if (error_px > 0)
-		fprintf(to,
-			"; Fitted: it is off from what it was made of by at most %.3g px, besides a turn of\n"
-			"; the camera by %.3g degrees.\n",
-			error_px, turn_deg);
+		fprintf(to, "; Fitted: it is off from what it was made of by at most %.3g px.\n",
+			error_px);
 	if (ini->camera_given)
 		lens_write_keys(to, "camera", tsai_keys, &ini->camera);
 	else

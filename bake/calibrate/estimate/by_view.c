@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/estimate/by_view.h"
+#include "bake/calibrate/estimate/least_squares.h"
 
 #include <errno.h>
 #include <math.h>

@@ -5,7 +5,7 @@
  * Deviations are standard deviations of one estimate, to first order:
  *     covariance = sigma^2 (J^T W J)^-1
  * where sigma, the standard deviation of one residual, is estimated from the residuals; or, of
- * several views, from how these differ (by_view.h).
+ * several views, from how these differ (least_squares.h).
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_ESTIMATE_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_ESTIMATE_H

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/estimate/covariance.h"
+#include "bake/calibrate/estimate/linear.h"
 #include "bake/calibrate/estimate/order.h"
 
 #define EVALUATIONS_MAX 500

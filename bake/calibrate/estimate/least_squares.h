@@ -8,8 +8,95 @@
 
 #include <stdbool.h>
 
-#include "bake/calibrate/estimate/by_view.h"
 #include "hal/base/fault.h"
+
+/*
+ * Deviations by view. Errors of one picture go together (a bent board, the corner detector, its
+ * light), so views count as independent, not their points.
+ *
+ * In coordinates in which the covariance of the shared unknowns would be sigma^2 I if points were
+ * independent, view v pulls the solution by z_v = Q_v^T r_v, where Q is an orthonormal basis of the
+ * shared columns of J without what the poses explain, and r the residuals. Then
+ *     Z = sum of z'_v z'_v^T,   z'_v = (I - Q_v^T Q_v)^-1/2 z_v
+ * is their covariance, without bias where points are independent after all (Bell and McCaffrey
+ * 2002, CR2). As few views scatter, Z is drawn towards its diagonal by the share rho that Chen,
+ * Wiesel and Hero 2010 (OAS) give for its mean m: towards m I, what bent boards do to some unknowns
+ * would be declared of all. With no more views than unknowns the diagonal is too uncertain, and is
+ * drawn towards m, too. A pose has the lens's covariance and m (B^T B)^-1 of its own.
+ */
+
+/* How rows and parameters belong to views. The first parameters are shared by all views; each view
+ * then has as many of its own. */
+struct by_view_layout {
+	int views, shared, of_view;
+	int axis; /* the first of both parameters of the lens's axis */
+	/* Finds the group at which a view's residuals begin; of view `views`: their number. */
+	int (*first)(const void *context, int view);
+	/* Finds where a group of residuals is in the picture, px. */
+	const double *(*place)(const void *context, int group);
+	/* Finds the normal of a view's board, in the axes of its translation, which is its last
+	 * three unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are
+	 * flat. */
+	bool (*normal)(const void *context, const double *x, int view, double normal[3]);
+	/* Finds where a group's point is on its board, in any unit. */
+	void (*on_board)(const void *context, int group, double at[2]);
+};
+
+struct by_view_task {
+	const struct by_view_layout *layout;
+	const void *context; /* of its functions */
+	int rows, columns, group;
+	const int *parameter;	/* [columns]: rising */
+	const double *x;	/* all unknowns */
+	const double *jacobian; /* [columns][rows], weighted */
+	const double *residual; /* [rows], weighted */
+};
+
+struct by_view {
+	/* with more residuals than unknowns of their own; below 2 nothing else is found */
+	int views;
+	int shared;	/* columns */
+	double mean;	/* m; sigma^2 where points are independent */
+	double *excess; /* [shared][shared]: R^T (shrunk Z - m I) R, for J = Q R */
+	/*
+	 * Squares that vanish if each view has an axis of its own, and what noise leaves of them:
+	 * 2 degrees of freedom for each view, less two. Of as smooth errors that no axis explains
+	 * (residuals of second order in the picture), squares and degrees of freedom.
+	 */
+	double axis_squares, smooth_squares;
+	int axis_freedom; /* 0: not known */
+	double smooth_freedom;
+	int odd; /* view that takes most of axis_squares */
+	/* a bend of each board leaves less, by degree of freedom, than an axis of each view */
+	bool bent;
+};
+
+/* Fills found. Returns 0; -ENOMEM. */
+int by_view_find(const struct by_view_task *task, struct by_view *found);
+void by_view_free(struct by_view *found);
+
+/* covariance[columns][columns] = mean (J^T J)^-1 and what differs from that by direction, from
+ * inverse[columns][columns] = (J^T J)^-1. */
+void by_view_spread(const struct by_view *found, double mean, const double *inverse, int columns,
+		    double *covariance);
+
+/*
+ * Returns how often views would by chance disagree about the axis as much, if their errors are
+ * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
+ * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance
+ * below BY_VIEW_LEVEL is a reason to doubt.
+ */
+#define BY_VIEW_LEVEL 1e-3
+#define BY_VIEW_REASON                                                                             \
+	"the pictures do not agree on where the lens's axis is, %s the least, by more than noise " \
+	"explains (a bent board may be why)"
+#define BY_VIEW_REMEDY                                                                             \
+	"take all pictures with one camera at one zoom, its stabiliser and autofocus off"
+double by_view_axis_chance(const struct by_view *found, double variance, int freedom);
+
+/* Returns how often a ratio of two independent mean squares is at least as large by chance; the
+ * first has an even number of degrees of freedom. */
+double by_view_chance(double squares, int freedom, double other_squares, double other_freedom);
 
 struct least_squares {
 	int parameters; /* length of x */
@@ -48,7 +135,7 @@ struct least_squares_fit {
 	 * With a robust loss it is multiplied by
 	 *     mean(w) mean(psi^2) / (sigma mean(psi'))^2
 	 * over the inliers, the price of reweighting (Huber, Robust Statistics, 7.6). With a
-	 * layout of two views or more it is by view (by_view.h), with at least that variance.
+	 * layout of two views or more it is by view (struct by_view), with at least that variance.
 	 */
 	double *covariance;
 	/* [parameters][parameters], (J^T W J)^-1 alone, for callers with their own sigma */

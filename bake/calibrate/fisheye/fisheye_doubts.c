@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_doubts.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,16 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/estimate/linear.h"
-
 /* Points nearer to the axis than this do not tell focal length and model apart. */
 #define NEAR_AXIS_DEG 30.0
 /* Share of the field that points must reach; less for a model that was given, not chosen by the
  * points. */
 #define SEEN_SHARE 0.75
 #define SEEN_SHARE_OF_KNOWN 0.5
-/* Least RMS distance (sine) of directions from one plane. */
-#define FLAT 0.05
 /* Noise of points that counts at least, px, as that of the best corners. */
 #define NOISE_LEAST 0.03
 #define OUTLIERS_SHARE 0.2
@@ -25,19 +21,13 @@
 #define NEARER 1.5
 
 #define BOARDS_EVERYWHERE "show the board in several places, tilted, out to the rim"
-#define LAMPS_EVERYWHERE "add lamps in other directions, out to the rim"
-
-static const char *more_pictures(const struct lens_problem *problem)
-{
-	return problem->directions ? LAMPS_EVERYWHERE : BOARDS_EVERYWHERE;
-}
 
 int fisheye_fewest(const struct lens_problem *problem, const struct fisheye_wanted *wanted)
 {
 	const bool closed = wanted->model != FISHEYE_MODEL_AUTO &&
 			    wanted->model != FISHEYE_POLYNOMIAL;
 	const int parameters = OPTICS_COUNT - (closed ? FISHEYE_TERMS : 0) +
-			       lens_poses(problem) * lens_pose_size(problem);
+			       problem->seen->views * LENS_POSE;
 
 	return parameters / 2 + 1;
 }
@@ -47,7 +37,7 @@ bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_proble
 {
 	const int least = fisheye_fewest(problem, wanted);
 
-	for (int v = 0; !problem->directions && v < problem->seen->views; v++)
+	for (int v = 0; v < problem->seen->views; v++)
 		if (problem->seen->view[v].count < 4) {
 			verdict_doubt(&result->finding.verdict,
 				      "leave the picture out, or show more of the board",
@@ -57,7 +47,7 @@ bool fisheye_doubt_count(struct fisheye_result *result, const struct lens_proble
 		}
 	if (problem->seen->count >= least)
 		return false;
-	verdict_doubt(&result->finding.verdict, more_pictures(problem),
+	verdict_doubt(&result->finding.verdict, BOARDS_EVERYWHERE,
 		      "there are %d points, fewer than the %d that tell a lens",
 		      problem->seen->count, least);
 	return true;
@@ -91,31 +81,12 @@ static double seen_to_deg(const struct fisheye_result *result)
 	return farthest;
 }
 
-/* RMS distance of the directions from the plane nearest to them. */
-static double flatness_of(const struct observations *seen)
-{
-	double a[9] = {0}, v[9], least = INFINITY;
-
-	for (int n = 0; n < seen->count; n++) {
-		const double *w = seen->point[n].world;
-		const double length2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-
-		for (int i = 0; i < 9; i++)
-			a[i] += w[i / 3] * w[i % 3] / length2;
-	}
-	linear_diagonalize(a, v, 3);
-	for (int k = 0; k < 3; k++)
-		least = fmin(least, sqrt(a[3 * k] * a[3 * k] + a[3 * k + 1] * a[3 * k + 1] +
-					 a[3 * k + 2] * a[3 * k + 2]));
-	return sqrt(least / seen->count);
-}
-
 static void doubt_unsolved(struct fisheye_result *result, const struct lens_problem *problem,
 			   const struct model_trials *trials, enum fisheye_model model)
 {
 	const char *name = fisheye_model_names[model];
 
-	if (!problem->directions && problem->seen->views == 1)
+	if (problem->seen->views == 1)
 		verdict_doubt(&result->finding.verdict,
 			      "show it in three places or more, tilted, out to the rim",
 			      "the board was seen in one place only");
@@ -123,7 +94,7 @@ static void doubt_unsolved(struct fisheye_result *result, const struct lens_prob
 		verdict_doubt(&result->finding.verdict, "choose another model, or none",
 			      "a lens of the %s model cannot show all of the points", name);
 	else
-		verdict_doubt(&result->finding.verdict, more_pictures(problem),
+		verdict_doubt(&result->finding.verdict, BOARDS_EVERYWHERE,
 			      "the points do not tell a lens of the %s model: %s", name,
 			      trials->fault[model].text);
 }
@@ -168,8 +139,7 @@ static void doubt_axis(struct fisheye_result *result, const struct least_squares
 			      result->finding.seen->view[fit->by_view.odd].name);
 }
 
-static void doubt_reach(struct fisheye_result *result, const struct lens_problem *problem,
-			const struct fisheye_wanted *wanted)
+static void doubt_reach(struct fisheye_result *result, const struct fisheye_wanted *wanted)
 {
 	const bool known = wanted->model != FISHEYE_MODEL_AUTO &&
 			   wanted->model != FISHEYE_POLYNOMIAL;
@@ -180,12 +150,12 @@ static void doubt_reach(struct fisheye_result *result, const struct lens_problem
 		    seen);
 	if (seen < NEAR_AXIS_DEG && !known)
 		verdict_doubt(
-			&result->finding.verdict, more_pictures(problem),
+			&result->finding.verdict, BOARDS_EVERYWHERE,
 			"all points lie within %.0f degrees of the axis: focal length and model cannot be told apart",
 			seen);
 	if (seen < share * wanted->field_deg)
 		verdict_doubt(
-			&result->finding.verdict, more_pictures(problem),
+			&result->finding.verdict, BOARDS_EVERYWHERE,
 			"nothing was seen beyond %.0f degrees from the axis: the lens is a guess from there to the rim at %.0f",
 			seen, wanted->field_deg);
 }
@@ -217,10 +187,6 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 		   enum fisheye_model model)
 {
 	finding_doubt_twins(&result->finding);
-	if (problem->directions && flatness_of(problem->seen) < FLAT)
-		verdict_doubt(
-			&result->finding.verdict, LAMPS_EVERYWHERE,
-			"the directions all lie in one plane: what is across it cannot be told");
 	if (trials->mirrored)
 		verdict_doubt(&result->finding.verdict,
 			      "check the order of the points and the view's flips",
@@ -229,13 +195,13 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 		doubt_unsolved(result, problem, trials, model);
 		return;
 	}
-	if (!problem->directions && problem->seen->views == 1)
+	if (problem->seen->views == 1)
 		verdict_doubt(&result->finding.verdict,
 			      "show it in three places or more, tilted, out to the rim",
 			      "the board was seen in one place only");
 	doubt_model(result, trials, model);
 	doubt_outliers(result);
 	doubt_axis(result, &trials->solution[model].fit);
-	doubt_reach(result, problem, wanted);
-	fisheye_doubt_circle(result, wanted->tolerance_px, more_pictures(problem));
+	doubt_reach(result, wanted);
+	fisheye_doubt_circle(result, wanted->tolerance_px, BOARDS_EVERYWHERE);
 }

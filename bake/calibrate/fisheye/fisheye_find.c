@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/fisheye/fisheye_doubts.h"
-#include "bake/calibrate/fisheye/fisheye_models.h"
-#include "bake/calibrate/fisheye/fisheye_start.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 #define LOSS_SCALE 3.0 /* in deviations of a point: 95 % of the efficiency of plain squares */
@@ -51,7 +48,6 @@ static void degrees_by_turn(const double rotation[9], double by[3][3])
 static void name_parameters(const struct lens_problem *problem,
 			    const struct lens_solution *solution, struct parameter *parameter)
 {
-	const int size = lens_pose_size(problem);
 	static const char axis[] = "xyz";
 
 	for (int k = 0; k < OPTICS_COUNT; k++) {
@@ -65,16 +61,14 @@ static void name_parameters(const struct lens_problem *problem,
 				     solution->optics.model != FISHEYE_POLYNOMIAL;
 	}
 	for (int p = 0; p < solution->poses; p++) {
-		struct parameter *own = parameter + OPTICS_COUNT + p * size;
+		struct parameter *own = parameter + OPTICS_COUNT + p * LENS_POSE;
 		double deg[3];
 
 		turn_degrees(solution->pose[p].rotation, deg);
-		for (int k = 0; k < size; k++) {
-			char view[18] = ""; /* leaves room for the rest of the name */
+		for (int k = 0; k < LENS_POSE; k++) {
+			char view[18]; /* leaves room for the rest of the name */
 
-			if (!problem->directions)
-				snprintf(view, sizeof(view), "view %d ",
-					 problem->seen->view[p].number);
+			snprintf(view, sizeof(view), "view %d ", problem->seen->view[p].number);
 			snprintf(own[k].name, sizeof(own->name), "%s%s %c", view,
 				 k < 3 ? "rotation" : "translation", axis[k % 3]);
 			snprintf(own[k].unit, sizeof(own->unit), "%s", k < 3 ? "deg" : "");
@@ -84,12 +78,12 @@ static void name_parameters(const struct lens_problem *problem,
 }
 
 /* Transforms the rows and columns of turns in a covariance into those of degrees. */
-static void turns_to_degrees(const struct lens_solution *solution, int size, double *c)
+static void turns_to_degrees(const struct lens_solution *solution, double *c)
 {
 	const int n = solution->parameters;
 
 	for (int p = 0; p < solution->poses; p++) {
-		const int at = OPTICS_COUNT + p * size;
+		const int at = OPTICS_COUNT + p * LENS_POSE;
 		double by[3][3];
 
 		degrees_by_turn(solution->pose[p].rotation, by);
@@ -119,7 +113,7 @@ static int fill_estimate(struct estimate *estimate, const struct lens_problem *p
 		return err;
 	name_parameters(problem, solution, estimate->parameter);
 	memcpy(estimate->covariance, solution->fit.covariance, n * n * sizeof(double));
-	turns_to_degrees(solution, lens_pose_size(problem), estimate->covariance);
+	turns_to_degrees(solution, estimate->covariance);
 	estimate->residuals = 2 * lens_points(problem);
 	estimate->freedom = solution->fit.freedom;
 	estimate->sigma = solution->fit.sigma;
@@ -133,15 +127,15 @@ static const double *world_rotation(const struct lens_solution *solution, int po
 	return pose < 0 ? unturned : solution->pose[pose].rotation;
 }
 
-static void find_knowledge(struct lens_knowledge *knowledge, const struct lens_problem *problem,
-			   const struct lens_solution *solution, int pose)
+static void find_knowledge(struct lens_knowledge *knowledge, const struct lens_solution *solution,
+			   int pose)
 {
 	const int n = solution->parameters;
 	int at[KNOWLEDGE_COUNT];
 
 	knowledge_begin(knowledge, &solution->optics, world_rotation(solution, pose));
 	for (int k = 0; k < KNOWLEDGE_COUNT; k++)
-		at[k] = k < OPTICS_COUNT ? k : k + (pose < 0 ? 0 : pose) * lens_pose_size(problem);
+		at[k] = k < OPTICS_COUNT ? k : k + (pose < 0 ? 0 : pose) * LENS_POSE;
 	for (int a = 0; a < KNOWLEDGE_COUNT; a++)
 		for (int b = 0; b < KNOWLEDGE_COUNT; b++)
 			if (pose >= 0 || (a < OPTICS_COUNT && b < OPTICS_COUNT))
@@ -176,8 +170,7 @@ static void find_halves(struct lens_knowledge *knowledge, const struct lens_prob
 
 /* ---- the finding ---- */
 
-static void fill_points(struct finding *finding, const struct lens_problem *problem,
-			const struct lens_solution *solution)
+static void fill_points(struct finding *finding, const struct lens_solution *solution)
 {
 	double squares = 0;
 	int count = 0;
@@ -186,7 +179,7 @@ static void fill_points(struct finding *finding, const struct lens_problem *prob
 		const struct observation *point = &finding->seen->point[n];
 		double away;
 
-		if (!lens_expect(problem, solution, point, finding->expected[n]))
+		if (!lens_expect(solution, point, finding->expected[n]))
 			finding->expected[n][0] = finding->expected[n][1] = NAN;
 		finding->weight[n] = solution->fit.weight[n];
 		if (finding->weight[n] < OUTLIER_WEIGHT)
@@ -253,22 +246,22 @@ static int publish_lens(struct fisheye_result *result, const struct lens_problem
 			enum fisheye_model model)
 {
 	const struct lens_solution *solution = &trials->solution[model];
-	const int pose = problem->directions ? 0 : wanted->world_view;
+	const int pose = wanted->world_view;
 	struct finding *finding = &result->finding;
 	const int err = fill_estimate(&finding->estimate, problem, solution);
 
 	if (err)
 		return err;
-	find_knowledge(&result->knowledge, problem, solution, pose);
+	find_knowledge(&result->knowledge, solution, pose);
 	result->knowledge.field_rad = wanted->field_deg * (M_PI / 180);
 	result->knowledge.width = finding->width;
 	result->knowledge.height = finding->height;
 	result->oriented = pose >= 0;
 	find_halves(&result->knowledge, problem, solution, pose);
-	if (pose >= 0 && !problem->directions)
+	if (pose >= 0)
 		look_up(&result->knowledge);
 	snprintf(finding->model, sizeof(finding->model), "%s", fisheye_model_names[model]);
-	fill_points(finding, problem, solution);
+	fill_points(finding, solution);
 	knowledge_publish(&result->knowledge, finding);
 	add_criteria(finding, trials);
 	fisheye_result_settings(result, wanted->field_deg);
@@ -307,8 +300,7 @@ static int find_lens(struct fisheye_result *result, const struct lens_problem *p
 int fisheye_find(struct fisheye_result *result, const struct observations *seen,
 		 const struct fisheye_wanted *wanted, struct fault *fault)
 {
-	const struct lens_problem problem = {
-		.seen = seen, .directions = wanted->directions, .step = 1};
+	const struct lens_problem problem = {.seen = seen, .step = 1};
 	struct lens_solution start = {.poses = 0};
 	int err;
 

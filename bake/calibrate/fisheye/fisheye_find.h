@@ -16,8 +16,7 @@ struct fisheye_wanted {
 	int model;	     /* enum fisheye_model or FISHEYE_MODEL_AUTO */
 	double field_deg;    /* half of the field of view that is used */
 	double tolerance_px; /* largest standard deviation anywhere in the circle */
-	bool directions;     /* world[] are directions, not positions on boards */
-	/* boards: the view in which the board is level, its rows along world X: face up, or face
+	/* the view in which the board is level, its rows along world X: face up, or face
 	 * down over a lens that looks up; -1: none */
 	int world_view;
 };

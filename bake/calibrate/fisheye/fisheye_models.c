@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_models.h"
 
 #include <errno.h>
 #include <math.h>
 #include <string.h>
 
-#include "bake/calibrate/fisheye/fisheye_start.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 /* Finest residual that a camera resolves, px. */
 #define FINEST_PX 1e-5

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_solve.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,7 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/order.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 /* A point so many deviations off is an outlier (4 in a million points of a normal distribution
@@ -30,16 +29,6 @@ struct lens_search {
 	int parameters;
 };
 
-int lens_poses(const struct lens_problem *problem)
-{
-	return problem->directions ? 1 : problem->seen->views;
-}
-
-int lens_pose_size(const struct lens_problem *problem)
-{
-	return problem->directions ? 3 : 6;
-}
-
 int lens_points(const struct lens_problem *problem)
 {
 	const int left = problem->seen->count - problem->first;
@@ -49,8 +38,8 @@ int lens_points(const struct lens_problem *problem)
 
 int lens_solution_create(struct lens_solution *solution, const struct lens_problem *problem)
 {
-	*solution = (struct lens_solution){.poses = lens_poses(problem)};
-	solution->parameters = OPTICS_COUNT + solution->poses * lens_pose_size(problem);
+	*solution = (struct lens_solution){.poses = problem->seen->views};
+	solution->parameters = OPTICS_COUNT + solution->poses * LENS_POSE;
 	solution->pose = calloc((size_t)solution->poses + 1, sizeof(*solution->pose));
 	return solution->pose ? 0 : -ENOMEM;
 }
@@ -77,19 +66,12 @@ int lens_solution_copy(struct lens_solution *copy, const struct lens_solution *f
 	return 0;
 }
 
-static int pose_of(const struct lens_problem *problem, const struct observation *point)
-{
-	return problem->directions ? 0 : point->view;
-}
-
 static void take_parameters(struct lens_search *search, const double *x)
 {
-	const int size = lens_pose_size(search->problem);
-
 	search->optics.model = search->start->optics.model;
 	memcpy(search->optics.number, x, sizeof(search->optics.number));
 	for (int k = 0; k < search->start->poses; k++) {
-		const double *own = x + OPTICS_COUNT + k * size;
+		const double *own = x + OPTICS_COUNT + k * LENS_POSE;
 		struct turned *t = &search->turned[k];
 		double turn[9];
 
@@ -97,7 +79,7 @@ static void take_parameters(struct lens_search *search, const double *x)
 		turn_multiply(turn, search->start->pose[k].rotation, t->rotation);
 		turn_jacobian(own, t->jacobian);
 		for (int i = 0; i < 3; i++)
-			t->translation[i] = size == 6 ? own[3 + i] : 0;
+			t->translation[i] = own[3 + i];
 	}
 }
 
@@ -113,7 +95,7 @@ static bool lens_evaluate(void *context, const double *x, double *residual)
 	take_parameters(search, x);
 	for (int n = 0; n < lens_points(search->problem); n++) {
 		const struct observation *point = point_of(search->problem, n);
-		const struct turned *t = &search->turned[pose_of(search->problem, point)];
+		const struct turned *t = &search->turned[point->view];
 		double c[3], px[2];
 
 		mat_apply(t->rotation, point->world, c);
@@ -129,7 +111,7 @@ static bool lens_evaluate(void *context, const double *x, double *residual)
 
 /* Derivatives of one coordinate of a point by its pose's turns and translation. */
 static void differentiate_pose(const struct turned *t, const double arm[3],
-			       const double (*by_point)[2], int size, int i, double *row)
+			       const double (*by_point)[2], int i, double *row)
 {
 	for (int k = 0; k < 3; k++) {
 		const double axis[3] = {t->jacobian[k], t->jacobian[3 + k], t->jacobian[6 + k]};
@@ -139,20 +121,17 @@ static void differentiate_pose(const struct turned *t, const double arm[3],
 		for (int a = 0; a < 3; a++)
 			row[k] += by_point[a][i] * moved[a];
 	}
-	for (int k = 3; k < size; k++)
+	for (int k = 3; k < LENS_POSE; k++)
 		row[k] = by_point[k - 3][i];
 }
 
 static void lens_differentiate(void *context, const double *x, double *jacobian)
 {
 	struct lens_search *search = context;
-	const int size = lens_pose_size(search->problem);
-
 	take_parameters(search, x);
 	for (int n = 0; n < lens_points(search->problem); n++) {
 		const struct observation *point = point_of(search->problem, n);
-		const int pose = pose_of(search->problem, point);
-		const struct turned *t = &search->turned[pose];
+		const struct turned *t = &search->turned[point->view];
 		double by_number[OPTICS_COUNT][2], by_point[3][2], arm[3], c[3], px[2];
 
 		mat_apply(t->rotation, point->world, arm);
@@ -165,8 +144,8 @@ static void lens_differentiate(void *context, const double *x, double *jacobian)
 
 			for (int k = 0; k < OPTICS_COUNT; k++)
 				row[k] = by_number[k][i];
-			differentiate_pose(t, arm, by_point, size, i,
-					   row + OPTICS_COUNT + pose * size);
+			differentiate_pose(t, arm, by_point, i,
+					   row + OPTICS_COUNT + point->view * LENS_POSE);
 		}
 	}
 }
@@ -190,10 +169,8 @@ struct lens_scratch {
 };
 
 /* Sets the first guess, a typical change of each parameter, and which are fixed. */
-static void search_begin(const struct lens_problem *problem, const struct lens_solution *start,
-			 const struct lens_scratch *scratch)
+static void search_begin(const struct lens_solution *start, const struct lens_scratch *scratch)
 {
-	const int size = lens_pose_size(problem);
 	double *x = scratch->x, *scale = scratch->scale;
 	bool *fixed = scratch->fixed;
 
@@ -205,8 +182,8 @@ static void search_begin(const struct lens_problem *problem, const struct lens_s
 	for (int p = 0; p < start->poses; p++) {
 		const double *away = start->pose[p].translation;
 
-		for (int k = 0; k < size; k++) {
-			const int at = OPTICS_COUNT + p * size + k;
+		for (int k = 0; k < LENS_POSE; k++) {
+			const int at = OPTICS_COUNT + p * LENS_POSE + k;
 
 			x[at] = k < 3 ? 0 : away[k - 3];
 			scale[at] = k < 3 ? 0.01 : 0.01 * vec_length(away) + 1e-12;
@@ -217,16 +194,15 @@ static void search_begin(const struct lens_problem *problem, const struct lens_s
 
 /* Stores the solution's optics and poses, and turns the covariance into that of turns about the
  * camera's own axes. */
-static void search_end(const struct lens_problem *problem, const struct lens_search *search,
-		       struct lens_solution *solution)
+static void search_end(const struct lens_search *search, struct lens_solution *solution)
 {
-	const int size = lens_pose_size(problem), n = solution->parameters;
+	const int n = solution->parameters;
 	double *c = solution->fit.covariance;
 
 	solution->optics = search->optics;
 	for (int p = 0; p < solution->poses; p++) {
 		const struct turned *t = &search->turned[p];
-		const int at = OPTICS_COUNT + p * size;
+		const int at = OPTICS_COUNT + p * LENS_POSE;
 
 		memcpy(solution->pose[p].rotation, t->rotation, sizeof(t->rotation));
 		memcpy(solution->pose[p].translation, t->translation, sizeof(t->translation));
@@ -251,7 +227,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 		.problem = problem, .start = solution, .parameters = solution->parameters};
 	const struct by_view_layout layout = {.views = solution->poses,
 					      .shared = OPTICS_COUNT,
-					      .of_view = lens_pose_size(problem),
+					      .of_view = LENS_POSE,
 					      .axis = OPTICS_CENTRE,
 					      .first = lens_first,
 					      .place = lens_place};
@@ -265,19 +241,19 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 		.fixed = scratch->fixed,
 		.loss_scale = loss_scale,
 		.group = 2,
-		.layout = problem->directions || problem->step > 1 ? NULL : &layout,
+		.layout = problem->step > 1 ? NULL : &layout,
 	};
 	int err;
 
 	search.turned = calloc((size_t)solution->poses + 1, sizeof(*search.turned));
 	if (!search.turned)
 		return fault_say(fault, -ENOMEM, "fisheye: out of memory");
-	search_begin(problem, solution, scratch);
+	search_begin(solution, scratch);
 	least_squares_free(&solution->fit);
 	err = least_squares_solve(&least, scratch->x, &solution->fit, fault);
 	if (!err || err == -ERANGE || err == -ETIMEDOUT) {
 		take_parameters(&search, scratch->x);
-		search_end(problem, &search, solution);
+		search_end(&search, solution);
 	}
 	free(search.turned);
 	return err;
@@ -351,10 +327,10 @@ int lens_solve(const struct lens_problem *problem, struct lens_solution *solutio
 	return err;
 }
 
-bool lens_expect(const struct lens_problem *problem, const struct lens_solution *solution,
-		 const struct observation *point, double px[2])
+bool lens_expect(const struct lens_solution *solution, const struct observation *point,
+		 double px[2])
 {
-	const struct lens_pose *pose = &solution->pose[pose_of(problem, point)];
+	const struct lens_pose *pose = &solution->pose[point->view];
 	double c[3];
 
 	mat_apply(pose->rotation, point->world, c);

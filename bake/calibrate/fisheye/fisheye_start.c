@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_start.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,7 +6,7 @@
 #include <string.h>
 
 #include "bake/calibrate/estimate/linear.h"
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 #include "hal/optics/vec.h"
 
 #define POINTS_MAX 160 /* of a view: more do not improve a guess */
@@ -22,8 +21,7 @@ static bool take_view(const struct lens_problem *problem, const struct optics *o
 		      struct start_sight *sight)
 {
 	const struct observations *seen = problem->seen;
-	const int first = problem->directions ? 0 : seen->view[view].first;
-	const int count = problem->directions ? seen->count : seen->view[view].count;
+	const int first = seen->view[view].first, count = seen->view[view].count;
 	const int step = (count + POINTS_MAX - 1) / POINTS_MAX;
 
 	sight->count = 0;
@@ -36,13 +34,6 @@ static bool take_view(const struct lens_problem *problem, const struct optics *o
 		sight->count++;
 	}
 	return true;
-}
-
-static double start_directions(struct start_sight *sight, struct lens_pose *pose, double *mirrored)
-{
-	for (int n = 0; n < sight->count; n++)
-		vec_normalize(sight->world[n]);
-	return turn_between(sight->world, sight->ray, sight->count, pose->rotation, mirrored);
 }
 
 /* Finds the homography of a board in the camera's axes, ray ~ h (x, y, 1), with x and y relative to
@@ -149,13 +140,12 @@ static double start_board(struct start_sight *sight, struct lens_pose *pose, boo
 }
 
 /* Finds the poses for given optics. Returns the mean squared angle left, rad^2; INFINITY: some
- * points have no ray. *mirrored is the same for the mirrored picture; for boards 0 if most are seen
- * from behind, else INFINITY. */
+ * points have no ray. *mirrored: most boards are seen from behind. */
 static double start_poses(const struct lens_problem *problem, struct lens_solution *solution,
-			  double *mirrored)
+			  bool *mirrored)
 {
 	struct start_sight *sight = malloc(sizeof(*sight));
-	double squares = 0, other = 0;
+	double squares = 0;
 	int points = 0, wrong = 0;
 
 	for (int p = 0; sight && p < solution->poses; p++) {
@@ -165,19 +155,15 @@ static double start_poses(const struct lens_problem *problem, struct lens_soluti
 			squares = INFINITY;
 			break;
 		}
-		squares += problem->directions ? start_directions(sight, &solution->pose[p], &other)
-					       : start_board(sight, &solution->pose[p], &back);
+		squares += start_board(sight, &solution->pose[p], &back);
 		points += sight->count;
 		wrong += back;
 	}
 	if (!sight)
 		squares = INFINITY;
 	free(sight);
-	points = points > 0 ? points : 1;
-	*mirrored = problem->directions		  ? other / points
-		    : 2 * wrong > solution->poses ? 0
-						  : INFINITY;
-	return squares / points;
+	*mirrored = 2 * wrong > solution->poses;
+	return squares / (points > 0 ? points : 1);
 }
 
 /* Computes the middle of the picture, or of the points where its size is not known; returns the
@@ -210,12 +196,7 @@ static int check_start(const struct lens_problem *problem, struct fault *fault)
 		if (!isfinite(w[0] + w[1] + w[2] + point->px[0] + point->px[1]))
 			return fault_say(fault, -EINVAL,
 					 "%s: is not finite, expected finite numbers", point->name);
-		if (problem->directions && !(vec_length(w) > 0))
-			return fault_say(fault, -EINVAL,
-					 "%s: is 0 0 0, expected the direction of something",
-					 point->name);
-		if (!problem->directions &&
-		    !(fabs(w[2] - seen->point[seen->view[point->view].first].world[2]) <
+		if (!(fabs(w[2] - seen->point[seen->view[point->view].first].world[2]) <
 		      1e-6 * (1 + hypot(w[0], w[1]))))
 			return fault_say(fault, -EINVAL,
 					 "%s: expected a flat board, of one Z in each picture",
@@ -231,9 +212,10 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 	const enum fisheye_model model = solution->optics.model;
 	const struct fisheye_curve curve = {.model = model};
 	struct lens_solution trial;
-	double best = INFINITY, mirror = INFINITY;
+	double best = INFINITY;
 	int err;
 
+	*mirrored = false;
 	err = check_start(problem, fault);
 	if (err)
 		return err;
@@ -242,7 +224,8 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 		return fault_say(fault, err, "fisheye: out of memory");
 	for (unsigned s = 0; s < sizeof(squashes) / sizeof(*squashes); s++)
 		for (int deg = 10; deg <= 120; deg += 10) {
-			double *number = trial.optics.number, most, squares, other;
+			double *number = trial.optics.number, most, squares;
+			bool other;
 
 			if (model == FISHEYE_ORTHOGRAPHIC && deg > 90)
 				continue;
@@ -253,24 +236,19 @@ int lens_start(const struct lens_problem *problem, struct lens_solution *solutio
 			number[OPTICS_FOCAL + 1] = squashes[s] * number[OPTICS_FOCAL];
 			squares = start_poses(problem, &trial, &other);
 			/* Rays of a longer lens are nearer to each other, and so are the residuals
-			 * of a board in any pose; in pixels they are not. Directions need no such
-			 * factor. */
-			if (!problem->directions)
-				squares *= number[OPTICS_FOCAL] * number[OPTICS_FOCAL + 1];
+			 * of a board in any pose; in pixels they are not. */
+			squares *= number[OPTICS_FOCAL] * number[OPTICS_FOCAL + 1];
 			/* a squash must fit clearly better: it is rare */
 			squares *= s ? 1.2 : 1;
-			/* boards: the best lens decides; directions: any that fits */
-			if (problem->directions ? other < mirror : squares < best)
-				mirror = other;
 			if (!(squares < best))
 				continue;
 			best = squares;
+			*mirrored = other;
 			solution->optics = trial.optics;
 			memcpy(solution->pose, trial.pose,
 			       (size_t)trial.poses * sizeof(*trial.pose));
 		}
 	lens_solution_free(&trial);
-	*mirrored = problem->directions ? mirror < 0.25 * best && best > 1e-9 : mirror == 0;
 	if (!(best < INFINITY))
 		return fault_say(fault, -ERANGE, "no lens fits the points at all");
 	return 0;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/fisheye/fisheye_turn.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
-#include "bake/calibrate/estimate/linear.h"
 #include "hal/optics/vec.h"
 
 /* a I + b [w]x + c w w^T */
@@ -62,51 +61,4 @@ void turn_degrees(const double r[9], double deg[3])
 		deg[0] = 0;
 		deg[2] = atan2(-r[1], r[4]) * (180 / M_PI);
 	}
-}
-
-static void matrix_column(const double *m, int k, double v[3])
-{
-	memcpy(v, m + 3 * k, 3 * sizeof(*v));
-}
-
-/* The two largest singular directions determine the third, whose value may be 0. */
-double turn_between(const double (*world)[3], const double (*camera)[3], int count,
-		    double rotation[9], double *mirrored)
-{
-	double b[9] = {0}, v[9], from[3][3], to[3][3], length[3], third[2][3];
-	int order[3] = {0, 1, 2};
-
-	for (int n = 0; n < count; n++)
-		for (int i = 0; i < 3; i++)
-			for (int k = 0; k < 3; k++)
-				b[3 * k + i] += camera[n][i] * world[n][k];
-	linear_diagonalize(b, v, 3);
-	for (int k = 0; k < 3; k++)
-		length[k] = vec_length(b + 3 * k);
-	for (int k = 0; k < 2; k++)
-		for (int i = 0; i < 2; i++)
-			if (length[order[i]] < length[order[i + 1]]) {
-				const int swap = order[i];
-
-				order[i] = order[i + 1];
-				order[i + 1] = swap;
-			}
-	for (int k = 0; k < 2; k++) {
-		matrix_column(v, order[k], from[k]);
-		matrix_column(b, order[k], to[k]);
-		vec_normalize(to[k]);
-	}
-	vec_cross(from[0], from[1], from[2]);
-	vec_cross(to[0], to[1], to[2]);
-	for (int i = 0; i < 3; i++)
-		for (int k = 0; k < 3; k++)
-			rotation[3 * i + k] = to[0][i] * from[0][k] + to[1][i] * from[1][k] +
-					      to[2][i] * from[2][k];
-	/* contribution of the third pair: its length, with the sign that a rotation leaves it */
-	matrix_column(b, order[2], third[0]);
-	matrix_column(v, order[2], third[1]);
-	length[order[2]] = vec_dot(third[0], to[2]) * vec_dot(third[1], from[2]);
-	if (mirrored)
-		*mirrored = 2 * (count - length[order[0]] - length[order[1]] + length[order[2]]);
-	return 2 * (count - length[order[0]] - length[order[1]] - length[order[2]]);
 }

@@ -32,8 +32,9 @@ struct board {
 	int columns, rows;
 	double step_mm;	  /* side of a square */
 	double marker_mm; /* ChArUco: side of a marker */
-	/* ChArUco: index of the dictionary of its markers, 5x5 bits unless named; whether its squares are those of
-	 * OpenCV before 4.6, which has a white one at the upper left if there is an even number of rows. */
+	/* ChArUco: index of the dictionary of its markers, 5x5 bits unless named; whether its
+	 * squares are those of OpenCV before 4.6, which has a white one at the upper left if
+	 * there is an even number of rows. */
 	int dictionary;
 	bool legacy;
 	/*

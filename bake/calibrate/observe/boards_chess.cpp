@@ -6,7 +6,6 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "bake/calibrate/observe/boards_corner.hpp"
 #include "bake/calibrate/observe/boards_opencv.hpp"
 
 namespace

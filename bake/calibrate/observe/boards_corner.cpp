@@ -5,7 +5,7 @@
  * exact: edges one pixel wide are too sharp for cornerSubPix's gradients. test_boards.c measures
  * both.
  */
-#include "bake/calibrate/observe/boards_corner.hpp"
+#include "bake/calibrate/observe/boards_opencv.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,15 @@
 #include <vector>
 
 #include <opencv2/core.hpp>
+#include <opencv2/core/version.hpp>
+
+/* ArUco moved from contrib to objdetect with 4.7. */
+#define ARUCO_IN_OBJDETECT (CV_VERSION_MAJOR * 100 + CV_VERSION_MINOR >= 407)
+#if ARUCO_IN_OBJDETECT
+#include <opencv2/objdetect/aruco_detector.hpp>
+#else
+#include <opencv2/aruco.hpp>
+#endif
 
 extern "C" {
 #include "bake/calibrate/observe/boards_parts.h"
@@ -25,21 +34,25 @@ bool find_chess(const board &wanted, const cv::Mat &grey, Points &points, std::s
 bool find_charuco(const board &wanted, const cv::Mat &grey, Points &points, std::vector<bool> &seen,
 		  std::string &why);
 
-/* A marker of a ChArUco board. */
-struct Marker {
-	int column, row; /* position of its square */
-	Points corner;	 /* from its upper left, clockwise */
-};
-
-/* The corners of a marker in the board's axes, mm. */
-Points marker_flat(const board &wanted, const Marker &marker);
-
-/* Finds the markers of a board. Empty: why there are none. */
-std::vector<Marker> find_markers(const board &wanted, const cv::Mat &grey, std::string &why);
-
 /* OpenCV's number of the smallest dictionary with so many markers: fewer are told apart more
  * safely. */
 int opencv_dictionary(int dictionary, int markers);
+
+/* Chessboard corners, where four squares meet, placed to a hundredth of a pixel. */
+class Corners
+{
+      public:
+	/* room: distance from each corner within which only its four squares lie, px. */
+	Corners(const cv::Mat &grey, double room);
+
+	/* Moves a point onto the corner next to it. False: there is no corner within the room; the
+	 * point may then have moved to where cornerSubPix put it. */
+	bool place(cv::Point2f &point) const;
+
+      private:
+	cv::Mat grey, soft;
+	int window, reach;
+};
 
 } // namespace boards
 

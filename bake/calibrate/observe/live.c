@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/observe/live_parts.h"
+#include "bake/calibrate/observe/live_screen.h"
 #include "drivers/drivers.h"
 #include "hal/base/clock.h"
 #include "hal/colour/transfer.h"

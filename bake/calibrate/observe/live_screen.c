@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/observe/live_parts.h"
 #include "drivers/drivers.h"
 
 #define TEXT_SHARE 0.045 /* height of the text, as a share of the screen's height */

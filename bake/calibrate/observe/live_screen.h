@@ -7,6 +7,7 @@
 
 #include "bake/calibrate/observe/live.h"
 #include "bake/calibrate/observe/observations.h"
+#include "config/config.h"
 #include "hal/device/display.h"
 
 #define COVER_COLUMNS 4
@@ -40,5 +41,11 @@ int live_screen_show(struct live_screen *screen, const struct live_scene *scene,
 
 /* Idempotent; zeroed is fine. Returns the error of display_close(), which finishes files. */
 int live_screen_close(struct live_screen *screen, struct fault *fault);
+
+/* The configuration given to live_open(); it also names the screen. */
+struct config *live_config(struct live *live);
+
+/* Height of a pixel over its width, from the view's settings. */
+double live_squash(const struct live *live);
 
 #endif

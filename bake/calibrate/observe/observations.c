@@ -116,10 +116,7 @@ int observations_numbers(char *line, double *number, int most)
 	}
 }
 
-static const char *line_of(const struct points_convention *convention)
-{
-	return convention->directions ? "dx dy dz xf yf" : "xw yw zw xf yf";
-}
+#define LINE "xw yw zw xf yf"
 
 static int read_point(struct observations *all, const struct text_file *file,
 		      const struct points_convention *convention, struct fault *fault)
@@ -131,8 +128,8 @@ static int read_point(struct observations *all, const struct text_file *file,
 	if (!count)
 		return 0;
 	if (count != NUMBERS)
-		return fault_say(fault, -EINVAL, "%s:%d: expected five finite numbers: %s",
-				 file->path, file->number, line_of(convention));
+		return fault_say(fault, -EINVAL, "%s:%d: expected five finite numbers: " LINE,
+				 file->path, file->number);
 	px[0] = number[3] + 0.5 - convention->pixel_centre;
 	px[1] = number[4] + 0.5 - convention->pixel_centre;
 	if (convention->y_up)
@@ -154,8 +151,7 @@ int observations_read(struct observations *all, const char *path,
 	while (!err && (err = text_file_next(&file, fault)) > 0)
 		err = read_point(all, &file, convention, fault);
 	if (!err && all->count == before)
-		err = fault_say(fault, -EINVAL, "%s: holds no points, expected lines %s", path,
-				line_of(convention));
+		err = fault_say(fault, -EINVAL, "%s: holds no points, expected lines " LINE, path);
 	if (err == -ENOMEM)
 		fault_say(fault, err, "%s: out of memory", path);
 	if (err) {

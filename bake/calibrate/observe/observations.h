@@ -61,9 +61,8 @@ int observations_numbers(char *line, double *number, int most);
 
 /* How a file of points counts pixels. */
 struct points_convention {
-	int height;	/* of the picture, px: needed where y counts upwards, else 0 */
-	bool y_up;	/* y counts upwards from the lower edge (Tsai, the thesis), not downwards */
-	int directions; /* lines are dx dy dz xf yf; changes messages only */
+	int height; /* of the picture, px: needed where y counts upwards, else 0 */
+	bool y_up;  /* y counts upwards from the lower edge (Tsai, the thesis), not downwards */
 	double pixel_centre; /* coordinate of the first pixel's centre: 0.5 here, 0 in OpenCV */
 };
 

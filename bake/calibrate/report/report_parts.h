@@ -3,11 +3,77 @@
 #ifndef INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H
 #define INLAY_BAKE_CALIBRATE_REPORT_REPORT_PARTS_H
 
+#include <cairo.h>
 #include <stdbool.h>
 
 #include "bake/base/report_page.h"
 #include "bake/calibrate/estimate/finding.h"
-#include "bake/calibrate/report/report_sheet.h"
+
+#define SHEET_WIDTH 960
+#define SHEET_MARGIN 16
+#define SHEET_LINE 19 /* height of a line of text */
+
+/* Colours of Okabe and Ito, which colour-blind people can tell apart. */
+enum sheet_ink {
+	INK_BLACK,
+	INK_GREY,
+	INK_WHITE,
+	INK_SEEN,
+	INK_EXPECTED,
+	INK_RESIDUAL,
+	INK_OUTLIER,
+	INK_AXIS_X,
+	INK_AXIS_Y,
+	INK_AXIS_Z
+};
+
+struct report_sheet {
+	cairo_surface_t *surface;
+	cairo_t *c;
+	int width, height;
+};
+
+/* Place of the camera's picture on a sheet. */
+struct sheet_area {
+	double left, top, scale; /* sheet = left + scale * px, top + scale * px */
+	int width, height;	 /* of the camera's picture, px */
+};
+
+void sheet_free(struct report_sheet *sheet); /* idempotent; zeroed is fine */
+
+/* Writes the sheet as NAME.png, shows it in the page, and frees it. */
+int sheet_show(struct report_sheet *sheet, struct report_page *page, const char *name,
+	       const char *caption, struct fault *fault);
+
+/*
+ * Creates a sheet for a picture of this size with a line of text below it; the picture's place is
+ * white. -ENOMEM, -EFBIG.
+ */
+int sheet_begin_area(struct report_sheet *sheet, struct sheet_area *area, int width, int height);
+/* Draws the photograph, paled so that marks stand out; NULL: plain grey. -ENOMEM. */
+int sheet_photograph(struct report_sheet *sheet, const struct sheet_area *area,
+		     const struct image *photograph);
+/* Clips what is drawn from here on to the area, until sheet_unclip(). */
+void sheet_clip(struct report_sheet *sheet, const struct sheet_area *area);
+void sheet_unclip(struct report_sheet *sheet);
+void sheet_frame(struct report_sheet *sheet, const struct sheet_area *area);
+/* Converts px to a place on the sheet. False: not finite, or far outside. */
+bool sheet_place(const struct sheet_area *area, const double px[2], double at[2]);
+
+/* Writes text with a white outline around its letters; y is its baseline. */
+void sheet_text(struct report_sheet *sheet, double x, double y, enum sheet_ink ink,
+		const char *format, ...) __attribute__((format(printf, 5, 6)));
+double sheet_text_width(const struct report_sheet *sheet, const char *text);
+
+/* Draws a line through places on the sheet. */
+void sheet_line(struct report_sheet *sheet, double (*place)[2], int count, double width,
+		enum sheet_ink ink);
+void sheet_ring(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink);
+void sheet_cross(struct report_sheet *sheet, const double at[2], double radius, enum sheet_ink ink);
+void sheet_square(struct report_sheet *sheet, const double at[2], double radius,
+		  enum sheet_ink ink);
+void sheet_arrow(struct report_sheet *sheet, const double at[2], const double along[2],
+		 enum sheet_ink ink);
 
 /* A finding prepared for its report. */
 struct shown {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/report/report_sheet.h"
+#include "bake/calibrate/report/report_parts.h"
 
 #include <cairo.h>
 #include <errno.h>

@@ -4,11 +4,8 @@
 #include <errno.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 #define PARTS 8
-#define BLOCK 8
 #define DARK_MOST 64 /* largest plausible black level, code */
 
 static int check_black_picture(const struct image *picture, struct fault *fault)
@@ -118,124 +115,5 @@ int light_black_covered(struct light_black *b, const struct image *p, struct fau
 				&b->verdict,
 				"cover the lens tightly, or switch off the camera's white balance",
 				"the channels have different black levels");
-	return 0;
-}
-
-/* ---- the darkest of a series ---- */
-
-#define ALIKE 16 /* codes: a smaller rise may be noise or flickering light */
-#define SURE 1	 /* codes: largest deviation of a trusted level */
-
-struct dark_spot {
-	double shorter, longer;
-};
-
-/* Differences of blocks, longer minus shorter exposure, codes. */
-struct rise {
-	double mean, most, least;
-	double darkest; /* mean over the darkest hundredth */
-};
-
-static int by_brightness(const void *a, const void *b)
-{
-	const double x = ((const struct dark_spot *)a)->longer,
-		     y = ((const struct dark_spot *)b)->longer;
-
-	return (x > y) - (x < y);
-}
-
-static void compare_spots(const struct dark_spot *spot, int count, int darkest, struct rise *rise)
-{
-	*rise = (struct rise){.mean = 0};
-	for (int k = 0; k < count; k++) {
-		const double by = spot[k].longer - spot[k].shorter;
-
-		rise->mean += by / count;
-		rise->most = fmax(rise->most, by);
-		rise->least = fmin(rise->least, by);
-		if (k < darkest)
-			rise->darkest += by / darkest;
-	}
-}
-
-static void measure_darkest(struct light_black *b, const struct dark_spot *spot, int darkest,
-			    const struct rise *rise)
-{
-	double squares = 0;
-
-	for (int k = 0; k < darkest; k++) {
-		b->level += spot[k].shorter / darkest;
-		squares += spot[k].shorter * spot[k].shorter / darkest;
-	}
-	b->noise = sqrt(fmax(squares - b->level * b->level, 0)) * BLOCK * sqrt(3);
-	/* The rise with the longer time is light; about as much may be in the shorter exposure. */
-	b->deviation = hypot(b->noise / (BLOCK * sqrt(3.0 * darkest)), fabs(rise->darkest));
-	b->lightest = b->level;
-	for (int c = 0; c < 3; c++)
-		b->channel[c] = b->level;
-}
-
-/* Doubts the level. It is what stays while the light changes; if the light did not change, or
- * decreased, the pictures say nothing. */
-static void doubt_darkest(struct light_black *b, const struct rise *rise)
-{
-	const char *cover = "take a picture with the lens covered";
-
-	if (rise->mean < 0 && -rise->least >= ALIKE)
-		verdict_doubt(&b->verdict, "give the shorter exposure first",
-			      "the second picture is darker than the first one, by %.1f codes",
-			      -rise->mean);
-	if (b->level > DARK_MOST)
-		verdict_doubt(&b->verdict, cover,
-			      "the darkest places have code %.0f: they are not dark", b->level);
-	if (fmax(rise->most, -rise->least) < ALIKE)
-		verdict_doubt(&b->verdict, "let the second picture have at least twice the time",
-			      "the exposures are alike: no place differs by %d codes or more",
-			      ALIKE);
-	if (rise->darkest > SURE)
-		verdict_doubt(&b->verdict, cover,
-			      "the darkest places still become lighter with a longer exposure");
-	if (rise->darkest < -SURE)
-		verdict_doubt(&b->verdict, "let nothing move between the exposures",
-			      "the darkest places become darker with a longer exposure");
-	if (b->deviation > SURE)
-		verdict_doubt(
-			&b->verdict, cover,
-			"the darkest places differ among themselves: the level is known to %.1f codes only",
-			b->deviation);
-}
-
-int light_black_darkest(struct light_black *b, const struct image *shorter,
-			const struct image *longer, struct fault *fault)
-{
-	const int across = shorter->width / BLOCK, count = across * (shorter->height / BLOCK);
-	const int darkest = count / 100 > 4 ? count / 100 : 4;
-	struct rise rise;
-	struct dark_spot *spot;
-	double unused;
-	int err = check_black_picture(shorter, fault);
-
-	if (!err)
-		err = check_black_picture(longer, fault);
-	if (err)
-		return err;
-	if (shorter->width != longer->width || shorter->height != longer->height)
-		return fault_say(fault, -EINVAL, "the pictures differ in size, expected one size");
-	spot = calloc((size_t)count, sizeof(*spot));
-	if (!spot)
-		return fault_say(fault, -ENOMEM, "not enough memory for %d blocks", count);
-	for (int k = 0; k < count; k++) {
-		const int x = k % across * BLOCK, y = k / across * BLOCK;
-
-		spot[k].shorter = mean_of_rectangle(shorter, x, y, BLOCK, BLOCK, -1, &unused);
-		spot[k].longer = mean_of_rectangle(longer, x, y, BLOCK, BLOCK, -1, &unused);
-	}
-	qsort(spot, (size_t)count, sizeof(*spot), by_brightness);
-	*b = (struct light_black){.level = 0};
-	verdict_begin(&b->verdict);
-	compare_spots(spot, count, darkest, &rise);
-	measure_darkest(b, spot, darkest, &rise);
-	free(spot);
-	doubt_darkest(b, &rise);
 	return 0;
 }

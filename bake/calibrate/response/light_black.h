@@ -22,13 +22,4 @@ struct light_black {
 int light_black_covered(struct light_black *black, const struct image *picture,
 			struct fault *fault);
 
-/*
- * Measures the darkest hundredth of the two shortest exposures of a scene: the level that does not
- * change with the exposure time. Doubted if the pictures are alike, the longer one is darker, the
- * darkest places change with the time or are not dark, or the deviation is above one code. -EINVAL:
- * different sizes, not 8-bit, less than 64 x 64; -ENOMEM.
- */
-int light_black_darkest(struct light_black *black, const struct image *shorter,
-			const struct image *longer, struct fault *fault);
-
 #endif

@@ -7,8 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/response/light_response_doubts.h"
-#include "bake/calibrate/response/light_response_real.h"
+#include "bake/calibrate/response/light_response_parts.h"
 
 #define LAST (TRANSFER_KNOTS - 1)
 #define ABOUT_BEST 1.003

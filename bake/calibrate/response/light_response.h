@@ -2,13 +2,13 @@
 /*
  * A camera's response from several exposures of a static scene with known relative times.
  *
- * For a place of radiance L, exposed for time t, with code value u (0..1 from the black level), the
- * response f satisfies (Debevec and Malik, SIGGRAPH 1997, equation 2)
+ * For a place of radiance L, exposed for time t, with code value u (0..1 from the black level),
+ * the response f satisfies (Debevec and Malik, SIGGRAPH 1997, equation 2)
  *     ln f(u) = ln L + ln t
- * f is a spline (light_spline.h), so this is linear in its coefficients, in ln L and in the errors
- * of ln t. Each equation is weighted by the noise and rounding of ln f(u). The number of the
- * spline's pieces is the one that best predicts held-out exposures. Noise of variance s^2 of a
- * pixel, bent by f, shifts the mean of a block by
+ * f is a spline (struct light_spline), so this is linear in its coefficients, in ln L and in the
+ * errors of ln t. Each equation is weighted by the noise and rounding of ln f(u). The number of
+ * the spline's pieces is the one that best predicts held-out exposures. Noise of variance s^2 of
+ * a pixel, bent by f, shifts the mean of a block by
  *     f''/f s^2 / 2   (relative)
  * which is corrected.
  */
@@ -18,8 +18,27 @@
 #include "bake/calibrate/estimate/estimate.h"
 #include "bake/calibrate/estimate/verdict.h"
 #include "bake/calibrate/response/light_samples.h"
-#include "bake/calibrate/response/light_spline.h"
 #include "hal/colour/transfer.h"
+
+/*
+ * The response as a sum of basis functions, u being the code value over its range, 0..1:
+ *     ln f(u) = ln u + sum of b_k(u) a_k
+ * The b_k are cubic B-splines in ln((u + e) / (1 - u + e)), e = 0.1: finer towards black, where
+ * powers bend, and towards white, where shoulders do. The term ln u makes f proportional to light
+ * in the dark.
+ */
+#define LIGHT_PIECES_MAX 24
+#define LIGHT_SPLINE_MAX (LIGHT_PIECES_MAX + 3)
+
+struct light_spline {
+	int pieces;	 /* 1..LIGHT_PIECES_MAX, of equal width between from and to */
+	double from, to; /* u; continued by a straight line below, by a parabola above */
+};
+
+int light_spline_count(const struct light_spline *spline); /* pieces + 3 */
+
+/* Computes b_k(u) and, unless NULL, d b_k / d u. u > 0. */
+void light_spline_at(const struct light_spline *spline, double u, double *value, double *slope);
 
 #define LIGHT_LEVELS 20
 #define LIGHT_MISFIT 0.05 /* real cameras agree to some per cent */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/response/light_response_doubts.h"
+#include "bake/calibrate/response/light_response_parts.h"
 
 #include <math.h>
 #include <stdio.h>

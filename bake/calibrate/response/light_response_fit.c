@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/response/light_response_fit.h"
+#include "bake/calibrate/response/light_response_parts.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/calibrate/response/light_spline.h"
+#include "bake/calibrate/response/light_response.h"
 
 #include <math.h>
 #include <stddef.h>

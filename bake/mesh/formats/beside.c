@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/formats/beside.h"
+#include "bake/mesh/formats/soup.h"
 
 #include <dirent.h>
 #include <stdio.h>

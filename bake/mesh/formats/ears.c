@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/formats/ears.h"
+#include "bake/mesh/formats/soup.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/formats/mtl.h"
 
 #include <errno.h>
 #include <stdlib.h>

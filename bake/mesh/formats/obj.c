@@ -4,11 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/mesh/formats/beside.h"
 #include "bake/mesh/formats/formats.h"
-#include "bake/mesh/formats/mtl.h"
 #include "bake/mesh/formats/soup.h"
-#include "bake/mesh/formats/text.h"
 #include "hal/base/log.h"
 
 /* Rows of numbers: positions in double precision, texture coordinates, normals, colours. */

@@ -9,8 +9,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-#include "bake/mesh/formats/ears.h"
-#include "bake/mesh/mesh_normals.h"
+#include "bake/mesh/mesh.h"
 #include "hal/base/input.h"
 #include "hal/colour/transfer.h"
 #include "hal/optics/vec.h"

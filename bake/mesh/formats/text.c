@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/formats/text.h"
+#include "bake/mesh/formats/soup.h"
 
 #include <math.h>
 #include <stdlib.h>

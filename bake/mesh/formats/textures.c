@@ -1,5 +1,4 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/formats/textures.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -8,7 +7,7 @@
 #include <sys/stat.h>
 
 #include "bake/base/picture_file.h"
-#include "bake/mesh/formats/beside.h"
+#include "bake/mesh/formats/soup.h"
 
 #define BLUE_LEAST 32 /* of 255: what a map of normals has more of blue than of red, on the mean */
 

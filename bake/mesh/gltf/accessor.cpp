@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/gltf/accessor.hpp"
+#include "bake/mesh/gltf/document.hpp"
 
 #include <algorithm>
 #include <cerrno>

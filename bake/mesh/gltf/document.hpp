@@ -145,6 +145,20 @@ class Document
 	std::vector<std::vector<uint8_t>> pictures;	/* of data URIs */
 };
 
+/* Elements of several numbers each. Normalized integers have become fractions. */
+struct Values {
+	size_t count, components;
+	std::vector<float> value; /* [count * components] */
+};
+
+constexpr size_t elements_max = 192u
+				<< 20; /* of an accessor: corners of as many triangles as fit */
+
+Values read_values(Document &document, size_t accessor);
+
+/* The whole numbers of a SCALAR accessor. */
+std::vector<uint32_t> read_indices(Document &document, size_t accessor);
+
 } // namespace gltf
 
 #endif

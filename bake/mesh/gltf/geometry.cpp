@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/gltf/geometry.hpp"
 
 #include <algorithm>
 #include <cerrno>
 
-#include "bake/mesh/gltf/draco.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 extern "C" {
-#include "bake/mesh/mesh_used.h"
+#include "bake/mesh/mesh.h"
 }
 
 namespace gltf

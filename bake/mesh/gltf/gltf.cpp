@@ -8,13 +8,11 @@
 #include <new>
 #include <strings.h>
 
-#include "bake/mesh/gltf/geometry.hpp"
-#include "bake/mesh/gltf/materials.hpp"
-#include "bake/mesh/gltf/nodes.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 extern "C" {
 #include "bake/mesh/gltf/gltf.h"
-#include "bake/mesh/mesh_normals.h"
+#include "bake/mesh/mesh.h"
 #include "hal/optics/vec.h"
 }
 

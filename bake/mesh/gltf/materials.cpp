@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/gltf/materials.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 #include <algorithm>
 #include <cerrno>

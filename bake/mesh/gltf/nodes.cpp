@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/mesh/gltf/nodes.hpp"
+#include "bake/mesh/gltf/gltf_parts.hpp"
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 
-#include "bake/mesh/gltf/accessor.hpp"
+#include "bake/mesh/gltf/document.hpp"
 
 namespace gltf
 {

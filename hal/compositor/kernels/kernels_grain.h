@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The kernels `grain` and `divide`, which each file of kernels compiles for its instructions: none of
- * their operations depends on how many values are computed at once. Included by kernels_*.c
+/* The kernels `grain` and `divide`, which each file of kernels compiles for its instructions: none
+ * of their operations depends on how many values are computed at once. Included by kernels_*.c
  * alone. */
 #ifndef INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_GRAIN_H
 #define INLAY_HAL_COMPOSITOR_KERNELS_KERNELS_GRAIN_H

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,7 @@ struct near_memory {
 	struct near_memory *next;
 };
 
+/* Threads may call it at once. */
 static void *near_memory_take(struct near_layer *near, size_t bytes)
 {
 	const size_t whole = (bytes + 2 * BASIS_ALIGN - 1) / BASIS_ALIGN * BASIS_ALIGN;
@@ -30,18 +32,17 @@ static void *near_memory_take(struct near_layer *near, size_t bytes)
 	if (!memory)
 		return NULL;
 	memset(memory, 0, whole);
-	memory->next = near->memory;
-	near->memory = memory;
+	memory->next = atomic_load(&near->memory);
+	while (!atomic_compare_exchange_weak(&near->memory, &memory->next, memory))
+		;
 	return (char *)memory + BASIS_ALIGN;
 }
 
 void near_layer_free(struct near_layer *near)
 {
-	while (near->memory) {
-		struct near_memory *next = near->memory->next;
-
-		free(near->memory);
-		near->memory = next;
+	for (struct near_memory *memory = near->memory, *next; memory; memory = next) {
+		next = memory->next;
+		free(memory);
 	}
 	*near = (struct near_layer){.memory = NULL};
 }
@@ -54,10 +55,12 @@ struct near_light {
 	int16_t *slot; /* [lights]: k of each light; -1: it sends none */
 };
 
+/* The scratch memory of one thread. */
 struct near_work {
 	const struct near_sky *sky;
 	const struct basis_tile *tile;
-	float *distance[BASIS_SURFACES]; /* [height][width] */
+	float *const *distance; /* near_job.distance */
+	int err;		/* the first of this thread; 0: none */
 	int places;
 	double place[PIXELS][3];
 	bool known[PIXELS];
@@ -65,33 +68,6 @@ struct near_work {
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
 };
-
-static int near_work_create(struct near_work *w, const struct near_sky *sky, int pose)
-{
-	const struct basis_info_chunk *info = &sky->basis->info;
-	int ret = 0;
-
-	*w = (struct near_work){.sky = sky};
-	w->light.slot = malloc(info->lights * sizeof(*w->light.slot));
-	for (int s = 0; s < BASIS_SURFACES; s++)
-		w->distance[s] = calloc((size_t)info->width * info->height, sizeof(float));
-	if (!w->light.slot || !w->distance[0] || !w->distance[1])
-		return -ENOMEM;
-	for (uint32_t i = 0; i < info->lights; i++)
-		w->light.slot[i] = -1;
-	for (int s = 0; ret == 0 && s < BASIS_SURFACES; s++)
-		ret = basis_places_read(sky->basis, pose, (enum basis_surface)s, w->distance[s]);
-	return ret;
-}
-
-static void near_work_free(struct near_work *w)
-{
-	for (int s = 0; s < BASIS_SURFACES; s++)
-		free(w->distance[s]);
-	free(w->light.slot);
-	free(w->light.light);
-	free(w->light.amount);
-}
 
 /* ---- the light at the pixels ---- */
 
@@ -206,10 +182,32 @@ static float pattern_of(const struct basis *basis, const struct basis_block *b, 
 	return (float)((double)b->pattern_scale[j] * sum / BASIS_COARSE_ONE);
 }
 
+static float coefficient_of(const struct basis_block *b, int panels, int c, int n, int pattern)
+{
+	const int line = (int)basis_line16(panels, b->patterns, b->channels == 3 ? c : 0,
+					   n / BASIS_LINE16, pattern);
+
+	return b->coefficient[line * BASIS_LINE16 + n % BASIS_LINE16];
+}
+
+static int column_of(const struct basis_block *b, int panels, int c, int n, int column)
+{
+	const int channel = b->channels == 3 ? c : 0;
+	const int line = (int)basis_line16(panels, b->columns, channel, n / BASIS_LINE16, column);
+
+	return b->bits == 8 ? basis_column8_value(b, column, channel, n)
+			    : b->column16[line * BASIS_LINE16 + n % BASIS_LINE16];
+}
+
+static float tint_of(const struct basis_block *b, int c, int n)
+{
+	return b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1;
+}
+
 static void add_patterns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
 			 float *value)
 {
-	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+	const int panels = basis_panels16(b->pixels);
 
 	for (int j = 0; j < b->patterns; j++) {
 		float y[PIXELS] = {0};
@@ -222,14 +220,8 @@ static void add_patterns(const struct near_work *w, const struct basis_block *b,
 			for (int p = 0; p < PIXELS; p++)
 				y[p] += of * w->light.amount[k][p];
 		}
-		for (int n = 0; n < b->pixels; n++) {
-			const int16_t *line = b->coefficient + basis_line16(panels, b->patterns,
-									    channel,
-									    n / BASIS_LINE16, j) *
-								       BASIS_LINE16;
-
-			value[n] += y[b->pixel[n]] * (float)line[n % BASIS_LINE16];
-		}
+		for (int n = 0; n < b->pixels; n++)
+			value[n] += y[b->pixel[n]] * coefficient_of(b, panels, c, n, j);
 	}
 }
 
@@ -252,7 +244,7 @@ static int find_column(const struct basis_block *b, int light)
 static void add_columns(const struct near_work *w, const struct basis_block *b, int lamp, int c,
 			float *value)
 {
-	const int panels = basis_panels16(b->pixels), channel = b->channels == 3 ? c : 0;
+	const int panels = basis_panels16(b->pixels);
 
 	for (int k = 0; k < w->light.count; k++) {
 		const int n = find_column(b, w->light.light[k]);
@@ -260,15 +252,9 @@ static void add_columns(const struct near_work *w, const struct basis_block *b, 
 					  : b->column_scale[n] * light_factor(w->sky, b->kind, lamp,
 									      w->light.light[k], c);
 
-		for (int p = 0; n >= 0 && p < b->pixels; p++) {
-			const size_t line = basis_line16(panels, b->columns, channel,
-							 p / BASIS_LINE16, n);
-			const int is = b->bits == 8 ? basis_column8_value(b, n, channel, p)
-						    : b->column16[line * BASIS_LINE16 +
-								  (size_t)(p % BASIS_LINE16)];
-
-			value[p] += scale * w->light.amount[k][b->pixel[p]] * (float)is;
-		}
+		for (int p = 0; n >= 0 && p < b->pixels; p++)
+			value[p] += scale * w->light.amount[k][b->pixel[p]] *
+				    (float)column_of(b, panels, c, p, n);
 	}
 }
 
@@ -280,9 +266,28 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 		add_patterns(w, b, lamp, c, value);
 		add_columns(w, b, lamp, c, value);
 		for (int n = 0; n < b->pixels; n++)
-			w->value[lamp][c][b->pixel[n]] +=
-				value[n] *
-				(b->tint ? (float)b->tint[c * b->pixels + n] / BASIS_TINT_ONE : 1);
+			w->value[lamp][c][b->pixel[n]] += value[n] * tint_of(b, c, n);
+	}
+}
+
+/* ---- bounced light ---- */
+
+static void correct_bounced(struct near_work *w)
+{
+	for (int p = 0; p < PIXELS; p++) {
+		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
+		const float over_share =
+			w->known[p] ? w->distance[BASIS_BOUNCED]
+						 [(size_t)y * w->sky->basis->info.width + (size_t)x]
+				    : 0;
+
+		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++) {
+			const double part = near_sky_bounced(w->sky, l, w->place[p],
+							     1 / (double)over_share);
+
+			for (int c = 0; c < 3; c++)
+				w->value[l][c][p] *= (float)part;
+		}
 	}
 }
 
@@ -439,6 +444,8 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 		for (int k = 0; k < count; k++)
 			add_block(w, &b[k], l);
 	}
+	if (b->kind == BASIS_KIND_T)
+		correct_bounced(w);
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 
@@ -466,16 +473,61 @@ void near_divide(const struct near_layer *near, int tile, int lamps, const float
 
 /* ---- a layer ---- */
 
-/* Copies the blocks of a tile, with those of the lamps after each kind. */
-static int fill_tile(struct near_layer *near, struct near_work *w, int t)
+/* What threads share that make a layer. */
+struct near_job {
+	struct near_layer *near;
+	const struct basis_layer *from;
+	float *distance[BASIS_SURFACES]; /* [height][width] */
+	struct near_work *work;		 /* [threads] */
+};
+
+static int near_job_create(struct near_job *job, const struct near_sky *sky, int pose, int threads)
+{
+	const struct basis_info_chunk *info = &sky->basis->info;
+	int ret = 0;
+
+	job->work = calloc((size_t)threads, sizeof(*job->work));
+	if (!job->work)
+		return -ENOMEM;
+	for (int s = 0; ret == 0 && s < BASIS_SURFACES; s++) {
+		job->distance[s] = calloc((size_t)info->width * info->height, sizeof(float));
+		ret = job->distance[s] ? basis_places_read(sky->basis, pose, (enum basis_surface)s,
+							   job->distance[s])
+				       : -ENOMEM;
+	}
+	for (int k = 0; ret == 0 && k < threads; k++) {
+		struct near_work *w = &job->work[k];
+
+		w->sky = sky;
+		w->distance = job->distance;
+		w->light.slot = malloc(info->lights * sizeof(*w->light.slot));
+		for (uint32_t i = 0; w->light.slot && i < info->lights; i++)
+			w->light.slot[i] = -1;
+		ret = w->light.slot ? 0 : -ENOMEM;
+	}
+	return ret;
+}
+
+static void near_job_free(struct near_job *job, int threads)
+{
+	for (int k = 0; job->work && k < threads; k++) {
+		free(job->work[k].light.slot);
+		free(job->work[k].light.light);
+		free(job->work[k].light.amount);
+	}
+	for (int s = 0; s < BASIS_SURFACES; s++)
+		free(job->distance[s]);
+	free(job->work);
+}
+
+/* Copies the blocks of a tile, with those of the lamps after each kind, to where there is room for
+ * them. */
+static int fill_tile(struct near_layer *near, struct near_work *w, struct basis_tile *to)
 {
 	const struct basis_tile *from = w->tile;
-	struct basis_tile *to = &near->layer.tiles[t];
-	struct basis_block *block = near->layer.blocks + near->layer.block_count;
+	struct basis_block *block = near->layer.blocks + (to->blocks - near->layer.blocks);
 	int made = 0;
 
-	*to = *from;
-	to->blocks = block;
 	for (int n = 0, next; n < from->block_count; n = next) {
 		const struct basis_block *b = &from->blocks[n];
 
@@ -489,17 +541,52 @@ static int fill_tile(struct near_layer *near, struct near_work *w, int t)
 		made += block[made].columns > 0;
 	}
 	to->block_count = made;
-	near->layer.block_count += made;
 	return 0;
 }
 
+static void near_tile(void *context, int t, int worker)
+{
+	const struct near_job *job = context;
+	struct near_work *w = &job->work[worker];
+
+	w->tile = &job->from->tiles[t];
+	if (w->err == 0)
+		w->err = fill_tile(job->near, w, &job->near->layer.tiles[t]);
+}
+
+/* Makes each tile where there is room for all that it may have, and then closes the gaps. */
+static int near_job_run(struct near_job *job, int tiles, struct pool *pool)
+{
+	struct basis_layer *layer = &job->near->layer;
+	struct basis_block *room = layer->blocks;
+	int ret = 0;
+
+	for (int t = 0; t < tiles; t++) {
+		layer->tiles[t] = job->from->tiles[t];
+		layer->tiles[t].blocks = room;
+		room += layer->tiles[t].block_count + BASIS_KIND_COUNT;
+	}
+	pool_run(pool, tiles, near_tile, job);
+	for (int k = 0; ret == 0 && k < pool_threads(pool); k++)
+		ret = job->work[k].err;
+	for (int t = 0; ret == 0 && t < tiles; t++) {
+		struct basis_block *to = layer->blocks + layer->block_count;
+		const int count = layer->tiles[t].block_count;
+
+		memmove(to, layer->tiles[t].blocks, sizeof(*to) * (size_t)count);
+		layer->tiles[t].blocks = to;
+		layer->block_count += count;
+	}
+	return ret;
+}
+
 int near_layer_create(struct near_layer *near, const struct near_sky *sky, int pose,
-		      const struct basis_layer *layer)
+		      const struct basis_layer *layer, struct pool *pool)
 {
 	const int tiles = sky->basis->tiles_across * sky->basis->tiles_down;
 	const size_t most = (size_t)layer->block_count + (size_t)tiles * BASIS_KIND_COUNT;
-	struct near_work work;
-	int ret;
+	struct near_job job = {.near = near, .from = layer};
+	int ret = -ENOMEM;
 
 	*near = (struct near_layer){.memory = NULL};
 	near->layer.tiles = near_memory_take(near, sizeof(*near->layer.tiles) * (size_t)tiles);
@@ -509,14 +596,11 @@ int near_layer_create(struct near_layer *near, const struct near_sky *sky, int p
 				      sizeof(*near->even) * (size_t)tiles *
 					      (size_t)(near->channels * sky->lamps.count * POINTS));
 	near->ground = near_memory_take(near, sizeof(*near->ground) * (size_t)tiles);
-	ret = near_work_create(&work, sky, pose);
-	if (!near->layer.tiles || !near->layer.blocks || !near->even || !near->ground)
-		ret = -ENOMEM;
-	for (int t = 0; ret == 0 && t < tiles; t++) {
-		work.tile = &layer->tiles[t];
-		ret = fill_tile(near, &work, t);
-	}
-	near_work_free(&work);
+	if (near->layer.tiles && near->layer.blocks && near->even && near->ground)
+		ret = near_job_create(&job, sky, pose, pool_threads(pool));
+	if (ret == 0)
+		ret = near_job_run(&job, tiles, pool);
+	near_job_free(&job, pool_threads(pool));
 	if (ret < 0)
 		near_layer_free(near);
 	return ret;

@@ -11,6 +11,7 @@
 #ifndef INLAY_HAL_COMPOSITOR_NEAR_NEAR_LAYER_H
 #define INLAY_HAL_COMPOSITOR_NEAR_NEAR_LAYER_H
 
+#include "hal/base/pool.h"
 #include "hal/compositor/kernels/kernels.h"
 #include "hal/compositor/near/near_sky.h"
 
@@ -23,13 +24,14 @@ struct near_layer {
 	 * row. One channel where the ground is grey, or of one colour. */
 	float *even;
 	int channels;
-	bool *ground;		    /* [tiles]: the tile shows ground, of which `even` is known */
-	struct near_memory *memory; /* of everything above */
+	bool *ground; /* [tiles]: the tile shows ground, of which `even` is known */
+	_Atomic(struct near_memory *) memory; /* of everything above */
 };
 
-/* The pose is in memory. -ENOMEM; -EBADMSG: its places are damaged. */
+/* The pose is in memory; pool, which may be NULL, shares out its tiles. -ENOMEM; -EBADMSG: its
+ * places are damaged. */
 int near_layer_create(struct near_layer *near, const struct near_sky *sky, int pose,
-		      const struct basis_layer *layer);
+		      const struct basis_layer *layer, struct pool *pool);
 void near_layer_free(struct near_layer *near); /* zeroed is fine */
 
 /*

@@ -11,7 +11,9 @@
 
 bool near_sky_possible(const struct basis *basis)
 {
-	bool known = basis->info.grounds <= 1 && *basis->camera;
+	bool known = basis->info.grounds <= 1 && *basis->camera &&
+		     /* lamps have numbers after lights and groups, of 16 bits */
+		     basis->info.lights + basis->info.coarse + LAMPS_MAX <= UINT16_MAX;
 
 	for (uint32_t p = 0; known && p < basis->info.poses; p++)
 		known = basis_has_places(basis, (int)p);
@@ -167,6 +169,23 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 		count += share_point(sky, dir, now.cell, amount / 8, &now.facet, share + count);
 	}
 	return count;
+}
+
+static double level_irradiance(const struct lamp *lamp, double x, double y, double z)
+{
+	double to[3] = {lamp->position[0] - x, lamp->position[1] - y, lamp->position[2] - z};
+	const double distance = fmax(vec_normalize(to), lamp->radius);
+
+	return fmax(to[2], 0) / (distance * distance);
+}
+
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share)
+{
+	const struct lamp *l = &sky->lamps.lamp[lamp];
+	const double here = level_irradiance(l, place[0], place[1], place[2]);
+	const double below = level_irradiance(l, place[0], place[1], 0);
+
+	return here > 0 ? 1 - share * (1 - fmin(below / here, 1)) : 1;
 }
 
 bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,

@@ -64,6 +64,17 @@ struct near_hint {
 int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 		    struct near_hint *hint, struct near_share share[NEAR_SHARES]);
 
+/*
+ * The factor by which a lamp's light at a place of the object differs from near_sky_shares(), where
+ * this share of the light there bounces. What bounces comes from the ground below, with the
+ * irradiance E of that place:
+ *
+ *     1 - share (1 - E(below) / E(place))        E = cos(angle from the zenith) / distance^2
+ *
+ * The share is that under an even sky; where a lamp shines directly it is less, in its shadow more.
+ */
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share);
+
 /* The place of the ground that a point of the picture shows. False: it shows none. */
 bool near_sky_ground(const struct near_sky *sky, double x, double y, double place[3]);
 

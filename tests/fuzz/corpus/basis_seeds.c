@@ -189,7 +189,7 @@ static void pack_poses(const struct synthetic *s, const char *path)
 		synthetic_must(basis_writer_pose_end(writer, pose->coverage, pose->peak, &fault),
 			       &fault);
 		synthetic_must(
-			basis_writer_places(writer, (const float *const[]){map, map}, &fault),
+			basis_writer_places(writer, (const float *const[]){map, map, map}, &fault),
 			&fault);
 	}
 	free(map);

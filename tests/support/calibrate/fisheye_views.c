@@ -46,27 +46,6 @@ void fisheye_views_begin(struct observations *all)
 	*all = (struct observations){.width = 640, .height = 480};
 }
 
-void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int count,
-		       double most_deg, double sigma, struct chance *c)
-{
-	observations_begin_view(all, "lamps");
-	for (int n = 0; n < count; n++) {
-		/* about evenly over the area of the picture */
-		const double theta = most_deg * (M_PI / 180) * sqrt((n + 0.5) / count);
-		const double phi = n * 2.39996 + chance_real(c, 0, 0.3);
-		const double ray[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
-		double dir[3], px[2];
-
-		mat_apply_transposed(lens->rotation, ray, dir);
-		if (!fisheye_project(lens, dir, px))
-			continue;
-		fisheye_blur_px(c, sigma, px);
-		for (int i = 0; i < 3; i++)
-			dir[i] *= 2.5;
-		observations_add(all, dir, px, "lamp %d", n + 1);
-	}
-}
-
 void fisheye_see_board(struct observations *all, const struct fisheye *lens, double theta,
 		       double phi, double bend, double sigma, struct chance *c)
 {

@@ -13,12 +13,6 @@ extern const struct fisheye_settings fisheye_views_lenses[FISHEYE_MODEL_COUNT];
 /* No view yet, 640 x 480. The caller frees with observations_free(). */
 void fisheye_views_begin(struct observations *all);
 
-/* Adds a view of lamps all over the field, up to most_deg from the axis. Places have noise of
- * standard deviation sigma, in px. The directions have length 2.5, because length must not
- * matter. */
-void fisheye_see_lamps(struct observations *all, const struct fisheye *lens, int count,
-		       double most_deg, double sigma, struct chance *c);
-
 /*
  * Adds a view of a board of 6 x 5 corners, 50 mm apart. Its middle lies 0.2 to 0.3 m from the
  * camera in the direction (theta, phi) from the axis, in rad; it faces the camera, tilted at

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "drivers/drivers.h"
-#include "drivers/keyboard/keys.h"
+#include "drivers/keyboard/keyboard.h"
 #include "tests/support/test.h"
 
 TEST("names")

@@ -9,6 +9,7 @@
 #include "hal/colour/transfer.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/vec.h"
+#include "tests/support/studio_lights.h"
 #include "tests/support/test.h"
 #include "tests/support/thorough.h"
 

@@ -98,7 +98,7 @@ eventually chart_is
 # ---- a second one, and what cannot be taken ----
 "$tools/show" kms "$VM_OUT/chart.png" 1 "device=$card" vt=/dev/tty2 >"$VM_OUT/second" 2>&1
 equal "a second program is refused" 1 $?
-matches "in words that name the first one and its number" "show \(pid $showing\)" \
+matches "in words that say how to see who holds it" "fuser -v" \
 	"$(cat "$VM_OUT/second")"
 chvt 2
 check "and has not touched the console that it was to take" \

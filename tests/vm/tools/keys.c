@@ -5,7 +5,6 @@
  *
  *     keys NAME <COMMANDS         down KEY | up KEY | press KEY | flood COUNT KEY, one a line
  *     keys NAME touch <COMMANDS   a touch screen that has no key: tap
- *     keys NAME dial <COMMANDS    a dial: turn STEPS
  *
  * KEY is a name as in the configuration. Held keys repeat, as the kernel does it for any keyboard.
  * Says "ready /dev/input/eventN" when it is plugged in.
@@ -20,7 +19,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "drivers/keyboard/keymap.h"
+#include "drivers/keyboard/keyboard.h"
 
 static int device;
 
@@ -85,10 +84,9 @@ static void add_axes(void)
 	}
 }
 
-static void plug_in(const char *name, const char *kind)
+static void plug_in(const char *name, bool touch)
 {
 	struct uinput_setup setup = {.id = {.bustype = BUS_USB}};
-	const bool touch = !strcmp(kind, "touch"), dial = !strcmp(kind, "dial");
 
 	device = open("/dev/uinput", O_WRONLY);
 	if (device < 0)
@@ -96,13 +94,9 @@ static void plug_in(const char *name, const char *kind)
 	snprintf(setup.name, sizeof(setup.name), "%s", name);
 	if (touch)
 		add_axes();
-	else if (dial &&
-		 (ioctl(device, UI_SET_EVBIT, EV_REL) || ioctl(device, UI_SET_RELBIT, REL_DIAL)))
-		die("dial");
-	else if (!dial &&
-		 (ioctl(device, UI_SET_EVBIT, EV_KEY) || ioctl(device, UI_SET_EVBIT, EV_REP)))
+	else if (ioctl(device, UI_SET_EVBIT, EV_KEY) || ioctl(device, UI_SET_EVBIT, EV_REP))
 		die("event types");
-	for (int code = 1; code < 128 && !touch && !dial; code++)
+	for (int code = 1; code < 128 && !touch; code++)
 		if (ioctl(device, UI_SET_KEYBIT, code))
 			die("keys");
 	if (ioctl(device, UI_DEV_SETUP, &setup) || ioctl(device, UI_DEV_CREATE))
@@ -134,18 +128,15 @@ int main(int argc, char **argv)
 	char line[128], key[64];
 	int count;
 
-	if (argc != 2 && (argc != 3 || (strcmp(argv[2], "touch") && strcmp(argv[2], "dial")))) {
-		fprintf(stderr, "usage: keys NAME [touch|dial] <COMMANDS\n");
+	if (argc != 2 && (argc != 3 || strcmp(argv[2], "touch") != 0)) {
+		fprintf(stderr, "usage: keys NAME [touch] <COMMANDS\n");
 		return 2;
 	}
-	plug_in(argv[1], argc == 3 ? argv[2] : "");
+	plug_in(argv[1], argc == 3);
 	say_node();
 	while (fgets(line, sizeof(line), stdin) && strcmp(line, "unplug\n")) {
 		if (strcmp(line, "tap\n") == 0) {
 			tap();
-		} else if (sscanf(line, "turn %d", &count) == 1) {
-			emit(EV_REL, REL_DIAL, count);
-			emit(EV_SYN, SYN_REPORT, 0);
 		} else if (sscanf(line, "down %63s", key) == 1) {
 			keys_turn(code_of(key), 1);
 		} else if (sscanf(line, "up %63s", key) == 1) {

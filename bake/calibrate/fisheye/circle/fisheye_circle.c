@@ -9,7 +9,7 @@
 
 #include "bake/calibrate/estimate/least_squares.h"
 #include "bake/calibrate/fisheye/circle/fisheye_rim.h"
-#include "bake/calibrate/fisheye/fisheye_doubts.h"
+#include "bake/calibrate/fisheye/fisheye_parts.h"
 
 #define KEPT_PX 5.0 /* edges farther from the ellipse belong to other things */
 #define FEWEST ELLIPSE_FEWEST

@@ -107,7 +107,8 @@ static int find_threshold(struct plane *plane)
 	return 0;
 }
 
-/* The mean of the channels in linear light; 8-bit pictures are decoded as sRGB. NULL: out of memory. */
+/* The mean of the channels in linear light; 8-bit pictures are decoded as sRGB. NULL: out of
+ * memory. */
 static float *plain_light(const struct image *picture)
 {
 	const size_t count = (size_t)picture->width * (size_t)picture->height;

@@ -30,7 +30,8 @@ struct rim {
 int rim_find(struct rim *rim, const struct image *picture, const double middle[2]);
 void rim_free(struct rim *rim); /* idempotent; zeroed is fine */
 
-/* ---- the ellipse that the rim is: its axes are level, as the digitizer squashes along rows and columns ---- */
+/* ---- the ellipse that the rim is: its axes are level, as the digitizer squashes along rows and
+ * columns ---- */
 
 #define ELLIPSE_FEWEST 24 /* fewest edges */
 
@@ -49,8 +50,8 @@ double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2]);
  * returns how many do. */
 int ellipse_search(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS]);
 
-/* Least-squares fit to every step-th edge from first on, from a first guess. Residuals are distances,
- * px. Returns what least_squares_solve() returns. */
+/* Least-squares fit to every step-th edge from first on, from a first guess. Residuals are
+ * distances, px. Returns what least_squares_solve() returns. */
 int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[ELLIPSE_NUMBERS],
 		struct least_squares_fit *found, struct fault *fault);
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/camera/exposing.h"
+#include "app/camera/eye.h"
 #include "tests/support/test.h"
 
 static struct {
@@ -83,7 +83,7 @@ TEST("what is rounded has another ratio")
 
 		if (exposure < 0)
 			continue;
-		is_about(exposing.taken[exposure], taken[exposure]);
+		is_about(exposing.used[exposure], taken[exposure]);
 		seen |= 1 << exposure;
 	}
 	assert_int_equal(seen, 7);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/camera/settling.h"
+#include "app/camera/source.h"
 #include "tests/support/test.h"
 
 #define WIDTH 64

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "app/kiosk/loop.h"
-#include "app/records/stats.h"
+#include "app/records/records.h"
 #include "hal/base/clock.h"
 #include "hal/options/options.h"
 #include "tests/support/expect.h"

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "app/driver_list.h"
 #include "app/kiosk/reload.h"
+#include "app/settings.h"
 #include "tests/support/test.h"
 
 static struct config *running, *fresh;

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/records/metrics.h"
+#include "app/records/records.h"
 #include "hal/base/clock.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/own_folder.h"
@@ -38,7 +38,8 @@ static struct metrics_facts facts_of(void)
 				      .sources = sources,
 				      .source_count = 2,
 				      .screen = "off",
-				      .resting = true};
+				      .resting = true,
+				      .sysfs = "/nowhere"};
 }
 
 /* What metrics_print() writes; the caller frees it. */
@@ -174,6 +175,49 @@ TEST("a failure is said once")
 	assert_non_null(strstr(text, "inlay.prom is written again\n"));
 	assert_null(strstr(strstr(text, "cannot") + 1, "cannot"));
 	assert_null(strstr(strstr(text, "again") + 1, "again"));
+}
+
+static void put_file(const char *folder, const char *name, const char *text)
+{
+	char path[2048];
+	FILE *file;
+
+	snprintf(path, sizeof(path), "%s/%s", own_folder(), folder);
+	for (char *slash = path + strlen(own_folder()) + 1; slash; slash = strchr(slash + 1, '/')) {
+		const char was = *slash;
+
+		*slash = was == '/' ? '\0' : was;
+		(void)mkdir(path, 0700);
+		*slash = was;
+	}
+	(void)mkdir(path, 0700);
+	snprintf(path, sizeof(path), "%s/%s/%s", own_folder(), folder, name);
+	file = fopen(path, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+/* The firmware goes before the monitor of the voltage, which tells whatever its number is. */
+TEST("a Raspberry Pi tells of its supply")
+{
+	const char *const firmware = "devices/platform/soc/soc:firmware";
+	char command[1200];
+	struct supply supply;
+
+	assert_false(supply_read("/nowhere").told);
+	put_file("class/hwmon/hwmon0", "name", "cpu_thermal\n");
+	put_file("class/hwmon/hwmon0", "in0_lcrit_alarm", "0\n");
+	put_file("class/hwmon/hwmon2", "name", "rpi_volt\n");
+	put_file("class/hwmon/hwmon2", "in0_lcrit_alarm", "1\n");
+	assert_true(supply_read(own_folder()).undervoltage);
+	put_file(firmware, "get_throttled", "50001\n");
+	supply = supply_read(own_folder());
+	assert_true(supply.undervoltage && supply.undervoltage_before);
+	assert_true(!supply.throttled && supply.throttled_before);
+	snprintf(command, sizeof(command), "rm -r '%s'/class '%s'/devices", own_folder(),
+		 own_folder());
+	assert_int_equal(system(command), 0);
 }
 
 TEST("a pipe is not replaced")

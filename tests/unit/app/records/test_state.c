@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "app/records/state.h"
+#include "app/records/records.h"
 #include "hal/base/clock.h"
 #include "tests/support/own_folder.h"
 #include "tests/support/test.h"
@@ -25,8 +25,29 @@ static struct config_state settings_for(const char *name, double interval_s)
 	return settings;
 }
 
-/* Waits until the file holds that threshold. */
-static bool comes_to_hold(const char *name, double threshold)
+static struct keeper *keeper;
+
+static int begin_keeper(void **state)
+{
+	return own_folder_make(state) || keeper_create(&keeper);
+}
+
+/* Ends the keeper, which has then written all, and begins another. */
+static void state_end(struct state *state)
+{
+	state_destroy(state);
+	keeper_destroy(keeper);
+	assert_int_equal(keeper_create(&keeper), 0);
+}
+
+static int end_keeper(void **state)
+{
+	keeper_destroy(keeper);
+	return own_folder_remove(state);
+}
+
+/* Waits until the file holds that threshold, and looks as the kiosk does. */
+static bool comes_to_hold(struct state *kept, const char *name, double threshold)
 {
 	int64_t end = clock_now_ns() + 60 * NS_PER_S;
 	struct state_values values = start;
@@ -35,6 +56,7 @@ static bool comes_to_hold(const char *name, double threshold)
 		if (state_read(own_folder_path(name), &values, NULL) == 0 &&
 		    values.threshold.value == threshold)
 			return true;
+		state_look(kept);
 		usleep(2000);
 	}
 	return false;
@@ -46,13 +68,13 @@ TEST("what is kept reads back")
 	const struct state_values chosen = {{40.5, false}, SHOW_SPLIT, 3};
 	struct state_values values = start;
 	struct fault fault = {.text = ""};
-	struct state *keeper;
+	struct state *kept;
 
 	assert_int_equal(state_read(settings.file, &values, &fault), -ENOENT);
-	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &chosen);
-	assert_true(comes_to_hold("state", 40.5));
-	state_destroy(keeper);
+	assert_int_equal(state_create(&kept, keeper, &settings, &start), 0);
+	state_keep(kept, &chosen);
+	assert_true(comes_to_hold(kept, "state", 40.5));
+	state_end(kept);
 	assert_int_equal(state_read(settings.file, &values, &fault), 0);
 	assert_true(values.threshold.value == 40.5);
 	assert_int_equal(values.view, SHOW_SPLIT);
@@ -64,15 +86,15 @@ TEST("nothing chosen writes nothing")
 {
 	const struct config_state settings = settings_for("state", 0);
 	const struct config_state none = {.interval_s = 0};
-	struct state *keeper;
+	struct state *kept;
 
-	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &start);
-	state_destroy(keeper);
+	assert_int_equal(state_create(&kept, keeper, &settings, &start), 0);
+	state_keep(kept, &start);
+	state_end(kept);
 	assert_int_equal(access(settings.file, F_OK), -1);
-	assert_int_equal(state_create(&keeper, &none, &start), 0);
-	state_keep(keeper, &(struct state_values){{1, false}, 1, 1}); /* no file is set */
-	state_destroy(keeper);
+	assert_int_equal(state_create(&kept, keeper, &none, &start), 0);
+	state_keep(kept, &(struct state_values){{1, false}, 1, 1}); /* no file is set */
+	state_end(kept);
 	state_destroy(NULL);
 	state_keep(NULL, &start);
 	state_move(NULL, &settings);
@@ -84,19 +106,20 @@ TEST("the interval is kept and the end writes the last")
 {
 	const struct config_state settings = settings_for("state", 86400);
 	struct state_values values = start;
-	struct state *keeper;
+	struct state *kept;
 	struct stat before, after;
 
-	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){{1, false}, SHOW_COMPOSITE, 0});
-	assert_true(comes_to_hold("state", 1));
+	assert_int_equal(state_create(&kept, keeper, &settings, &start), 0);
+	state_keep(kept, &(struct state_values){{1, false}, SHOW_COMPOSITE, 0});
+	assert_true(comes_to_hold(kept, "state", 1));
 	assert_int_equal(stat(settings.file, &before), 0);
 	for (int i = 2; i <= 50; i++)
-		state_keep(keeper, &(struct state_values){{i, false}, SHOW_COMPOSITE, 0});
+		state_keep(kept, &(struct state_values){{i, false}, SHOW_COMPOSITE, 0});
+	state_look(kept);
 	usleep(50000);
 	assert_int_equal(stat(settings.file, &after), 0);
 	assert_int_equal(before.st_ino, after.st_ino);
-	state_destroy(keeper);
+	state_end(kept);
 	assert_int_equal(state_read(settings.file, &values, NULL), 0);
 	assert_true(values.threshold.value == 50);
 	unlink(settings.file);
@@ -105,17 +128,17 @@ TEST("the interval is kept and the end writes the last")
 TEST("a missing folder is tried again")
 {
 	struct config_state settings = settings_for("gone", 0);
-	struct state *keeper;
+	struct state *kept;
 	char folder[PATH_MAX];
 
 	snprintf(folder, sizeof(folder), "%s", settings.file);
 	strcat(settings.file, "/state");
-	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
+	assert_int_equal(state_create(&kept, keeper, &settings, &start), 0);
+	state_keep(kept, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
 	usleep(50000);
 	assert_int_equal(mkdir(folder, 0700), 0);
-	assert_true(comes_to_hold("gone/state", 7));
-	state_destroy(keeper);
+	assert_true(comes_to_hold(kept, "gone/state", 7));
+	state_end(kept);
 	unlink(settings.file);
 	rmdir(folder);
 }
@@ -126,7 +149,7 @@ TEST("what cannot be written leaves the old file")
 	const struct config_state settings = settings_for("state", 0);
 	struct state_values values = start;
 	struct rlimit before, full;
-	struct state *keeper;
+	struct state *kept;
 	FILE *stream = fopen(settings.file, "w");
 
 	assert_non_null(stream);
@@ -136,9 +159,9 @@ TEST("what cannot be written leaves the old file")
 	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
 	full = (struct rlimit){20, before.rlim_max};
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &full), 0);
-	assert_int_equal(state_create(&keeper, &settings, &start), 0);
-	state_keep(keeper, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
-	state_destroy(keeper);
+	assert_int_equal(state_create(&kept, keeper, &settings, &start), 0);
+	state_keep(kept, &(struct state_values){{7, false}, SHOW_COMPOSITE, 0});
+	state_end(kept);
 	assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 	assert_int_equal(state_read(settings.file, &values, NULL), 0);
 	assert_true(values.threshold.value == 12);
@@ -149,14 +172,14 @@ TEST("another file gets all of it")
 {
 	const struct config_state first = settings_for("state", 0);
 	const struct config_state second = settings_for("other", 0);
-	struct state *keeper;
+	struct state *kept;
 
-	assert_int_equal(state_create(&keeper, &first, &start), 0);
-	state_keep(keeper, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
-	assert_true(comes_to_hold("state", 9));
-	state_move(keeper, &second);
-	assert_true(comes_to_hold("other", 9)); /* although nothing has been chosen since */
-	state_destroy(keeper);
+	assert_int_equal(state_create(&kept, keeper, &first, &start), 0);
+	state_keep(kept, &(struct state_values){{9, false}, SHOW_COMPOSITE, 0});
+	assert_true(comes_to_hold(kept, "state", 9));
+	state_move(kept, &second);
+	assert_true(comes_to_hold(kept, "other", 9)); /* although nothing has been chosen since */
+	state_end(kept);
 	unlink(first.file);
 	unlink(second.file);
 }
@@ -195,4 +218,4 @@ TEST("missing keys leave their value")
 	assert_true(values.threshold.value == 5 && values.view == SHOW_QUAD && values.pose == 2);
 }
 
-TEST_GROUP(own_folder_make, own_folder_remove);
+TEST_GROUP(begin_keeper, end_keeper);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/view/guide.h"
+#include "app/view/show.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "app/view/layout.h"
-#include "app/view/marks.h"
+#include "app/view/show.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"

@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "app/view/overlay.h"
+#include "app/view/show.h"
 #include "app/view/words.h"
 #include "hal/base/utf8.h"
 #include "tests/support/chance.h"

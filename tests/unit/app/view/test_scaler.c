@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "app/view/scaler.h"
+#include "app/view/layout.h"
 #include "hal/frame/frame.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"

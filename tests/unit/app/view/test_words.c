@@ -185,8 +185,8 @@ TEST("figures")
 		"depth · place not recognized, only who moves is in front · camera moved 2 px left");
 	f.people = false;
 	f.lamp = true;
-	f.lamp_azimuth_deg = 134.4;
-	f.lamp_height_deg = 21.6;
+	f.lamp_deg[0] = 134.4;
+	f.lamp_deg[1] = 21.6;
 	words_information(text, sizeof(text), &f);
 	assert_string_equal(
 		strstr(text, " · lamp"),

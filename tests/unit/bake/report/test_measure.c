@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "hal/base/clock.h"
-#include "hal/measure/turns.h"
+#include "hal/measure/measure.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

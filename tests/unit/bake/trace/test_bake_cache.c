@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "bake/tiles/tile.h"
-#include "bake/trace/cache_make.h"
+#include "bake/trace/cache.h"
 #include "hal/colour/transfer.h"
 #include "tests/support/bake/small_scene.h"
 #include "tests/support/test.h"

@@ -106,22 +106,37 @@ static void run(struct near_test *t, const char *kernel, const struct lamps *lam
 	compositor_destroy(compositor);
 }
 
-/* The largest distance of the picture from the formula in double precision, in levels. */
-static double off_reference(struct near_test *t, enum compositor_mode mode)
+/* The picture in double precision. */
+static void run_reference(struct near_test *t, enum compositor_mode mode,
+			  double exact[WIDTH * HEIGHT * 3])
 {
 	const struct picture picture = picture_of(t->background);
 	const struct compositor_settings settings = settings_of(mode);
-	double *exact = malloc(sizeof(*exact) * WIDTH * HEIGHT * 3), most = 0;
 
-	assert_non_null(exact);
 	t->lights.lamps = &t->lamps;
 	assert_int_equal(compositor_reference(&t->basis, 0, &settings, &t->lights, &picture, exact),
 			 0);
+}
+
+/* The largest distance of the picture from the formula in double precision, in levels. */
+static double off_reference(struct near_test *t, enum compositor_mode mode)
+{
+	static double exact[WIDTH * HEIGHT * 3];
+	double most = 0;
+
+	run_reference(t, mode, exact);
 	for (int p = 0; p < WIDTH * HEIGHT; p++)
 		for (int c = 0; c < 3; c++)
 			most = fmax(most, fabs(exact[3 * p + c] - t->out[4 * p + 2 - c]));
-	free(exact);
 	return most;
+}
+
+/* Turns the lamps on or off. */
+static void switch_lamps(struct near_test *t, const double power[2])
+{
+	for (int l = 0; l < 2; l++)
+		for (int c = 0; c < 3; c++)
+			t->lights.lamp[l][c] = power[l] * (1 - 0.2 * c);
 }
 
 /* Powers of the lamps: both; one alone in darkness; one a million times as strong as white. In a
@@ -140,9 +155,7 @@ TEST("lamps at places are composited as the formula has it")
 		near_begin(&t, scenes[s]);
 		for (size_t k = 0; k < sizeof(lightings) / sizeof(*lightings); k++) {
 			choose(&t, lightings[k].even);
-			for (int l = 0; l < 2; l++)
-				for (int c = 0; c < 3; c++)
-					t.lights.lamp[l][c] = lightings[k].power[l] * (1 - 0.2 * c);
+			switch_lamps(&t, lightings[k].power);
 			for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 				double off;
 
@@ -195,6 +208,43 @@ TEST("lamps that are off change no byte")
 		expect_equal(memcmp(without, t.out, BYTES), 0, "mode %d", mode);
 		near_end(&t);
 	}
+}
+
+/* Adds, at each value of the picture, factor times the compositor's level minus the true one. */
+static void add_error(struct near_test *t, double factor, double error[WIDTH * HEIGHT * 3])
+{
+	static double exact[WIDTH * HEIGHT * 3];
+
+	run(t, "auto", &t->lamps, COMPOSITOR_FAST, NULL);
+	run_reference(t, COMPOSITOR_FAST, exact);
+	for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+		error[i] += factor * (t->out[i / 3 * 4 + 2 - i % 3] - exact[i]);
+}
+
+/* Rounding of four levels makes a jump of up to 2; one more is allowed. */
+TEST("switching lamps leaves no step at the edges of tiles")
+{
+	static struct near_test t;
+	static double error[WIDTH * HEIGHT * 3];
+	double most = 0; /* jump of the error */
+
+	near_begin(&t, scenes[0]);
+	choose(&t, 0.05F);
+	switch_lamps(&t, (const double[]){2, 0.8});
+	add_error(&t, 1, error);
+	switch_lamps(&t, (const double[]){0, 0});
+	add_error(&t, -1, error);
+	for (int i = 0; i < WIDTH * HEIGHT * 3; i++) {
+		const int x = i / 3 % WIDTH, y = i / 3 / WIDTH;
+
+		if (x && x % BASIS_TILE == 0)
+			most = fmax(most, fabs(error[i] - error[i - 3]));
+		if (y && y % BASIS_TILE == 0)
+			most = fmax(most, fabs(error[i] - error[i - 3 * WIDTH]));
+	}
+	print_message("# %.2f levels\n", most);
+	expect_below(most, 2 + 1, "levels at edges");
+	near_end(&t);
 }
 
 /* The same light, given to the cells as the sampler places it. */

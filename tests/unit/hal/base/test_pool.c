@@ -44,21 +44,21 @@ TEST("every item once")
 	static const int counts[] = {0, 1, 2, 3, 7, 64, ITEMS};
 	static struct pool_record r;
 
-	for (int threads = 1; threads <= 8; threads++) {
-		struct pool *pool;
+	for (int threads = 0; threads <= 8; threads++) {
+		struct pool *pool = NULL; /* without threads */
 
-		assert_int_equal(pool_create(&pool, threads), 0);
-		expect_equal(pool_threads(pool), threads, "threads=%d", threads);
+		assert_int_equal(threads ? pool_create(&pool, threads) : 0, 0);
+		expect_equal(pool_threads(pool), threads ? threads : 1, "threads=%d", threads);
 		for (unsigned k = 0; k < sizeof(counts) / sizeof(*counts); k++) {
 			int sum = 0;
 
 			memset(&r, 0, sizeof(r));
-			r.threads = threads;
+			r.threads = pool_threads(pool);
 			pool_run(pool, counts[k], note, &r);
 			for (int i = 0; i < ITEMS; i++)
 				expect_equal(r.calls[i], i < counts[k], "threads=%d, k=%u, i=%d",
 					     threads, k, i);
-			for (int w = 0; w < threads; w++)
+			for (int w = 0; w < r.threads; w++)
 				sum += r.scratch[w];
 			expect_equal(sum, counts[k] * (counts[k] - 1) / 2, "threads=%d, k=%u",
 				     threads, k);

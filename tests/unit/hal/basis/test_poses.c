@@ -445,14 +445,16 @@ TEST("places of surfaces")
 	const struct synthetic *s = *state;
 	const size_t pixels = (size_t)s->basis.info.width * s->basis.info.height;
 	const char *path = path_of(s, "places.inlay");
-	float *map[2] = {calloc(pixels, sizeof(float)), calloc(pixels, sizeof(float))};
+	float *map[BASIS_SURFACES];
 	float *back = calloc(pixels, sizeof(*back));
 	struct basis basis;
 	struct copied copy;
 	struct fault fault = {""};
 
-	assert_non_null(map[0]);
-	assert_non_null(map[1]);
+	for (int k = 0; k < BASIS_SURFACES; k++) {
+		map[k] = calloc(pixels, sizeof(*map[k]));
+		assert_non_null(map[k]);
+	}
 	assert_non_null(back);
 	for (size_t at = 0; at < pixels; at += 1 + at % 3)
 		map[0][at] = 0.7F + (float)(at % 97) * (float)(at % 89);
@@ -486,8 +488,8 @@ TEST("places of surfaces")
 	basis_close(&basis);
 	copied_free(&copy);
 	unlink(path);
-	free(map[0]);
-	free(map[1]);
+	for (int k = 0; k < BASIS_SURFACES; k++)
+		free(map[k]);
 	free(back);
 }
 

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "hal/colour/crossfade.h"
-#include "hal/colour/encode_row.h"
+#include "hal/colour/transfer.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"
 

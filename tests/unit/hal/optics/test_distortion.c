@@ -3,7 +3,7 @@
 #include <errno.h>
 #include <math.h>
 
-#include "hal/optics/distortion.h"
+#include "hal/optics/tsai.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
 #include "tests/support/test.h"

@@ -86,7 +86,7 @@ TEST("distorts")
 		struct tsai_camera camera = some_camera(kappa1[k % 3], TSAI_DISTORTS);
 		struct tsai_camera back;
 		struct lens lens, read;
-		double error_px = -1, turn_deg;
+		double error_px = -1;
 
 		if (k >= 6) {
 			camera.kappa2 = 7e-5;
@@ -98,7 +98,7 @@ TEST("distorts")
 		expect_equal(error_px, 0, "k=%d", k);
 		read = again(&lens, k % 6 >= 3, error_px);
 		assert_memory_equal(&read, &lens, sizeof(lens));
-		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, &turn_deg, NULL), 0);
+		assert_int_equal(lens_to_tsai(&read, &back, 0, &error_px, NULL), 0);
 		expect_equal(error_px, 0, "k=%d", k);
 		expect_below(farthest(&camera, &back), 1e-9, "k=%d", k);
 	}
@@ -113,7 +113,7 @@ TEST("undistorts")
 		struct tsai_camera back;
 		struct fault fault = {.text = ""};
 		struct lens lens, read;
-		double out_px, in_px, turn_deg;
+		double out_px, in_px;
 
 		if (k >= 3) {
 			camera.kappa2 = 3e-5;
@@ -122,17 +122,13 @@ TEST("undistorts")
 		if (lens_of_tsai(&lens, &camera, TOLERANCE_PX, &out_px, &fault))
 			fail_msg("%s", fault.text);
 		read = again(&lens, false, out_px);
-		assert_int_equal(lens_to_tsai(&read, &back, TOLERANCE_PX, &in_px, &turn_deg, NULL),
-				 0);
+		assert_int_equal(lens_to_tsai(&read, &back, TOLERANCE_PX, &in_px, NULL), 0);
 		print_message("kappa1 %g that undistorts: %.2g px out, %.2g px in\n", camera.kappa1,
 			      out_px, in_px);
 		/* three terms are ours in the other direction; six are fitted */
 		expect_equal(in_px == 0, lens.term[LENS_K4] == 0, "k=%d", k);
-		/* the reported errors hold, besides the turn */
-		expect_below(farthest(&camera, &back),
-			     out_px + in_px + 1.2 * turn_deg * (M_PI / 180) * lens.focal_px[0] +
-				     1e-9,
-			     "k=%d", k);
+		/* the reported errors hold */
+		expect_below(farthest(&camera, &back), out_px + in_px + 1e-9, "k=%d", k);
 		expect_equal(lens_of_tsai(&lens, &camera, out_px / 2, &out_px, &fault), -ERANGE,
 			     "k=%d", k);
 		assert_non_null(strstr(fault.text, "expected at most"));
@@ -160,15 +156,14 @@ TEST("terms")
 				    .focal_px = {536, 534},
 				    .centre_px = {342.7, 235.9}};
 		struct tsai_camera camera;
-		double error_px, turn_deg;
+		double error_px;
 
 		memcpy(lens.term, cases[k].term, sizeof(lens.term));
-		assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, NULL), 0);
-		print_message("case %zu: %.3g px, %.3g degrees\n", k, error_px, turn_deg);
+		assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, NULL), 0);
+		print_message("case %zu: %.3g px\n", k, error_px);
 		expect_that(error_px >= cases[k].least && error_px <= cases[k].most, "k=%zu", k);
 		if (error_px > 0)
-			expect_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px,
-						  &turn_deg, NULL),
+			expect_equal(lens_to_tsai(&lens, &camera, 0.9 * error_px, &error_px, NULL),
 				     -ERANGE, "k=%zu", k);
 	}
 }
@@ -183,9 +178,9 @@ TEST("folds")
 			    .term = {-0.3, -0.4}};
 	struct tsai_camera camera;
 	struct fault fault = {.text = ""};
-	double error_px, turn_deg;
+	double error_px;
 
-	assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &turn_deg, &fault), -EINVAL);
+	assert_int_equal(lens_to_tsai(&lens, &camera, 1e6, &error_px, &fault), -EINVAL);
 	assert_non_null(strstr(fault.text, "fold the picture over"));
 }
 
@@ -242,7 +237,7 @@ TEST("fields")
 			    .centre_px = {320, 240}};
 	struct fisheye_settings settings;
 	struct tsai_camera camera;
-	double error_px, turn_deg;
+	double error_px;
 
 	/* the corner of the picture is at 400 / 600 rad */
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
@@ -253,7 +248,7 @@ TEST("fields")
 	lens.focal_px[0] = lens.focal_px[1] = 150;
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), 0);
 	assert_true(settings.field_deg < sqrt(0.5) * 180 / M_PI && settings.field_deg > 40);
-	assert_int_equal(lens_to_tsai(&lens, &camera, 1, &error_px, &turn_deg, NULL), -EINVAL);
+	assert_int_equal(lens_to_tsai(&lens, &camera, 1, &error_px, NULL), -EINVAL);
 	lens.fisheye = false;
 	assert_int_equal(lens_to_fisheye(&lens, &settings, NULL), -EINVAL);
 }
@@ -524,7 +519,7 @@ TEST("ini")
 	FILE *file = fopen(own_folder_path("camera.ini"), "w");
 
 	assert_non_null(file);
-	lens_write_ini(file, &ini, "a test", 0.01, 0.2);
+	lens_write_ini(file, &ini, "a test", 0.01);
 	assert_int_equal(fclose(file), 0);
 	if (lens_read_ini(&read, own_folder_path("camera.ini"), &fault))
 		fail_msg("%s", fault.text);

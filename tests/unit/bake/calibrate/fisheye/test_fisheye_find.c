@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Fisheye lenses from boards and from lamps: right without noise, with honest uncertainty under
+/* Fisheye lenses from boards: right without noise, with honest uncertainty under
  * noise, and doubted where they should be. */
 #include <errno.h>
 #include <math.h>
@@ -15,13 +15,10 @@
 #include "tests/support/test.h"
 #include "tests/support/thorough.h"
 
-static struct fisheye_wanted wanted_of(bool directions, int model)
+static struct fisheye_wanted wanted_of(int model)
 {
-	return (struct fisheye_wanted){.model = model,
-				       .field_deg = 88,
-				       .tolerance_px = 0.5,
-				       .directions = directions,
-				       .world_view = -1};
+	return (struct fisheye_wanted){
+		.model = model, .field_deg = 88, .tolerance_px = 0.5, .world_view = -1};
 }
 
 static struct fisheye lens_of(const struct fisheye_settings *settings)
@@ -32,53 +29,49 @@ static struct fisheye lens_of(const struct fisheye_settings *settings)
 	return lens;
 }
 
-static void see(struct observations *seen, const struct fisheye_settings *truth, bool lamps,
+static void see(struct observations *seen, const struct fisheye_settings *truth, int boards,
 		double sigma, struct chance *chance)
 {
 	const struct fisheye lens = lens_of(truth);
 
 	fisheye_views_begin(seen);
-	if (lamps)
-		fisheye_see_lamps(seen, &lens, 60, 86, sigma, chance);
-	else
-		fisheye_see_boards(seen, &lens, 5, 1.15, sigma, chance);
+	fisheye_see_boards(seen, &lens, boards, 1.15, sigma, chance);
 }
 
+enum { NUMBERS = 8 };
+
 /* Parameters of the lens in the order of an estimate. */
-static int truths(const struct fisheye_settings *s, bool lamps, double number[11])
+static void truths(const struct fisheye_settings *s, double number[NUMBERS])
 {
 	for (int i = 0; i < 2; i++) {
 		number[i] = s->focal_px[i];
 		number[2 + i] = s->centre_px[i];
 	}
 	memcpy(number + 4, s->polynomial, 4 * sizeof(double));
-	memcpy(number + 8, s->rotation_deg, 3 * sizeof(double));
-	return lamps ? 11 : 8;
 }
 
 TEST("right without noise")
 {
 	struct chance chance = chance_begin("fisheye_find");
 
-	for (int k = 0; k < 4 * FISHEYE_MODEL_COUNT; k++) {
-		const bool lamps = k & 1;
-		const int model = k / 4;
-		const struct fisheye_wanted wanted = wanted_of(lamps,
-							       k & 2 ? FISHEYE_MODEL_AUTO : model);
+	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
+		const int model = k / 2;
+		const struct fisheye_wanted wanted = wanted_of(k & 1 ? FISHEYE_MODEL_AUTO : model);
 		struct fisheye_result result;
 		struct observations seen;
 		struct fault fault = {""};
-		double truth[11];
+		double truth[NUMBERS];
 		char said[600];
 
-		see(&seen, &fisheye_views_lenses[model], lamps, 0, &chance);
+		see(&seen, &fisheye_views_lenses[model], 5, 0, &chance);
 		assert_int_equal(fisheye_find(&result, &seen, &wanted, &fault), 0);
 		verdict_sentence(&result.finding.verdict, said, sizeof(said));
-		print_message("# %s %s: %s, rms %.2g\n", lamps ? "lamps" : "boards",
-			      fisheye_model_names[model], said, result.finding.rms_px);
+		print_message("# %s: %s, rms %.2g\n", fisheye_model_names[model], said,
+			      result.finding.rms_px);
 		assert_true(result.finding.verdict.trusted);
 		expect_equal(result.lens.model, model, "k=%d", k);
-		for (int n = truths(&fisheye_views_lenses[model], lamps, truth) - 1; n >= 0; n--)
+		truths(&fisheye_views_lenses[model], truth);
+		for (int n = 0; n < NUMBERS; n++)
 			expect_below(fabs(result.finding.estimate.parameter[n].value - truth[n]),
 				     1e-6 * fmax(fabs(truth[n]), n < 4 ? 1 : 1e-2), "k=%d, n=%d", k,
 				     n);
@@ -123,39 +116,34 @@ static int runs_of(int usual)
 
 TEST("honest with noise")
 {
-	enum { LAMP_RUNS = 178, BOARD_RUNS = 15, ORTHOGRAPHIC_RUNS = 50 };
+	enum { RUNS = 12 };
 	const double sigma = 0.3;
 	struct chance chance = chance_begin("fisheye_find");
 	int64_t start = clock_now_ns();
 	struct coverage total = {.runs = 0};
 	int runs = 0;
 
-	for (int k = 0; k < 2 * FISHEYE_MODEL_COUNT; k++) {
-		const bool lamps = k & 1;
-		const int model = k / 2;
-		struct fisheye_wanted wanted = wanted_of(lamps, model);
+	for (int model = 0; model < FISHEYE_MODEL_COUNT; model++) {
+		struct fisheye_wanted wanted = wanted_of(model);
 		struct coverage all = {.runs = 0};
-		double truth[11];
-		const int numbers = truths(&fisheye_views_lenses[model], lamps, truth);
-		/* boards at the rim are hardest for the fisheye */
-		const int own = runs_of(lamps				? LAMP_RUNS
-					: model == FISHEYE_ORTHOGRAPHIC ? ORTHOGRAPHIC_RUNS
-									: BOARD_RUNS);
+		double truth[NUMBERS];
+		const int own = runs_of(RUNS);
 
+		truths(&fisheye_views_lenses[model], truth);
 		wanted.tolerance_px = 50;
 		for (int run = 0; run < own; run++) {
 			struct fisheye_result result;
 			struct observations seen;
 			const struct estimate *e;
 
-			see(&seen, &fisheye_views_lenses[model], lamps, sigma, &chance);
+			see(&seen, &fisheye_views_lenses[model], 12, sigma, &chance);
 			assert_int_equal(fisheye_find(&result, &seen, &wanted, NULL), 0);
 			e = &result.finding.estimate;
-			expect_above(e->count, 0, "k=%d, run=%d", k, run);
+			expect_above(e->count, 0, "model=%d, run=%d", model, run);
 			/* the solver did not end in a wrong minimum */
-			expect_below(result.finding.rms_px, 1.25 * M_SQRT2 * sigma, "k=%d, run=%d",
-				     k, run);
-			for (int n = 0; n < numbers; n++) {
+			expect_below(result.finding.rms_px, 1.25 * M_SQRT2 * sigma,
+				     "model=%d, run=%d", model, run);
+			for (int n = 0; n < NUMBERS; n++) {
 				if (e->parameter[n].fixed)
 					continue;
 				test_find_count(&all, fabs(e->parameter[n].value - truth[n]) /
@@ -164,16 +152,15 @@ TEST("honest with noise")
 			fisheye_result_free(&result);
 			observations_free(&seen);
 		}
-		expect_at_least(all.within[2], (0.99 - 4 * sqrt(0.0099 / own)) * all.runs, "k=%d",
-				k);
+		expect_at_least(all.within[2], (0.99 - 4 * sqrt(0.0099 / own)) * all.runs,
+				"model=%d", model);
 		total.runs += all.runs;
 		for (int i = 0; i < 3; i++)
 			total.within[i] += all.within[i];
 		runs += own;
-		print_message("# %s %s: %.1f %% within 1, %.1f %% within 1.96, %.2f %% within 3\n",
-			      lamps ? "lamps" : "boards", fisheye_model_names[model],
-			      100.0 * all.within[0] / all.runs, 100.0 * all.within[1] / all.runs,
-			      100.0 * all.within[2] / all.runs);
+		print_message("# %s: %.1f %% within 1, %.1f %% within 1.96, %.2f %% within 3\n",
+			      fisheye_model_names[model], 100.0 * all.within[0] / all.runs,
+			      100.0 * all.within[1] / all.runs, 100.0 * all.within[2] / all.runs);
 	}
 	check_coverage(&total, runs);
 	print_message("# %d runs: %.1f %%, %.1f %%, %.2f %%\n", runs,
@@ -198,70 +185,79 @@ static void test_find_expect(struct observations *seen, const struct fisheye_wan
 	observations_free(seen);
 }
 
+/* Leaves the points that are seen within so many degrees of the axis. */
+static void keep_within(struct observations *seen, const struct fisheye *lens, double most_deg)
+{
+	struct observations kept;
+
+	fisheye_views_begin(&kept);
+	for (int v = 0; v < seen->views; v++) {
+		assert_int_equal(observations_begin_view(&kept, seen->view[v].name), 0);
+		for (int n = 0; n < seen->view[v].count; n++) {
+			const struct observation *point = &seen->point[seen->view[v].first + n];
+			double ray[3];
+
+			if (fisheye_ray(lens, point->px, ray) &&
+			    acos(ray[0] * lens->rotation[6] + ray[1] * lens->rotation[7] +
+				 ray[2] * lens->rotation[8]) < most_deg * M_PI / 180)
+				assert_int_equal(observations_add(&kept, point->world, point->px,
+								  "%s", point->name),
+						 0);
+		}
+	}
+	observations_free(seen);
+	*seen = kept;
+}
+
 TEST("doubted")
 {
 	struct chance chance = chance_begin("fisheye_find");
-	const struct fisheye lens = lens_of(&fisheye_views_lenses[FISHEYE_EQUIDISTANT]);
-	const struct fisheye_wanted lamps = wanted_of(true, FISHEYE_MODEL_AUTO);
-	const struct fisheye_wanted boards = wanted_of(false, FISHEYE_MODEL_AUTO);
-	const struct fisheye_wanted wrong = wanted_of(true, FISHEYE_STEREOGRAPHIC);
+	const struct fisheye_settings *truth = &fisheye_views_lenses[FISHEYE_EQUIDISTANT];
+	const struct fisheye lens = lens_of(truth);
+	const struct fisheye_wanted wanted = wanted_of(FISHEYE_MODEL_AUTO);
+	const struct fisheye_wanted wrong = wanted_of(FISHEYE_STEREOGRAPHIC);
 	struct fisheye_result result;
 	struct observations seen;
 	struct fault fault = {""};
 
+	see(&seen, truth, 9, 0.3, &chance);
+	seen.view[0].count = 3;
+	test_find_expect(&seen, &wanted, "shows 3 points of the board, fewer than 4");
 	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 4, 80, 0.3, &chance);
-	test_find_expect(&seen, &lamps, "there are 4 points, fewer than");
+	fisheye_see_boards(&seen, &lens, 9, 0.2, 0.02, &chance);
+	keep_within(&seen, &lens, 25);
+	test_find_expect(&seen, &wanted, "cannot be told apart");
 	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 200, 25, 0.02, &chance);
-	test_find_expect(&seen, &lamps, "cannot be told apart");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 200, 55, 0.02, &chance);
-	test_find_expect(&seen, &lamps, "nothing was seen beyond");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.3, &chance);
+	fisheye_see_boards(&seen, &lens, 9, 0.5, 0.02, &chance);
+	keep_within(&seen, &lens, 55);
+	test_find_expect(&seen, &wanted, "nothing was seen beyond");
+	see(&seen, truth, 9, 0.3, &chance);
 	test_find_expect(&seen, &wrong, "not where a lens of the stereographic model");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 6, &chance);
-	test_find_expect(&seen, &lamps, "the lens is known to");
+	see(&seen, truth, 9, 6, &chance);
+	test_find_expect(&seen, &wanted, "the lens is known to");
 	fisheye_views_begin(&seen);
 	fisheye_see_board(&seen, &lens, 0.5, 1, 0, 0.2, &chance);
-	test_find_expect(&seen, &boards, "one place only");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &wanted, "one place only");
+	see(&seen, truth, 9, 0.2, &chance);
 	for (int n = 0; n < seen.count; n++)
 		seen.point[n].px[0] = 640 - seen.point[n].px[0];
-	test_find_expect(&seen, &lamps, "mirrored");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
-	for (int n = 0; n < seen.count; n++) {
-		struct observation *point = &seen.point[n];
-		const double t = (n - 30) * 0.045;
-
-		memcpy(point->world, (double[]){sin(t), 0, cos(t)}, sizeof(point->world));
-		expect_that(fisheye_project(&lens, point->world, point->px), "n=%d", n);
-	}
-	test_find_expect(&seen, &lamps, "lie in one plane");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
-	for (int n = 0; n < 60; n++) {
+	test_find_expect(&seen, &wanted, "mirrored");
+	see(&seen, truth, 9, 0.2, &chance);
+	for (int n = seen.view[seen.views - 1].first, end = seen.count; n < end; n++) {
 		/* Adding points may move the array. */
 		const struct observation point = seen.point[n];
 
-		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n + 1),
-				 0);
+		assert_int_equal(observations_add(&seen, point.world, point.px, "again %d", n), 0);
 	}
-	test_find_expect(&seen, &lamps, "lamp 1 and again 1 are one point listed twice");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &wanted, "are one point listed twice");
+	see(&seen, truth, 9, 0.2, &chance);
 	for (int n = 0; n < 5; n++)
 		seen.point[7 * n].px[1] += 40; /* outliers must not matter */
-	test_find_expect(&seen, &lamps, "trusted");
-	fisheye_views_begin(&seen);
-	fisheye_see_lamps(&seen, &lens, 60, 86, 0.2, &chance);
+	test_find_expect(&seen, &wanted, "trusted");
+	see(&seen, truth, 9, 0.2, &chance);
 	seen.point[3].px[0] = NAN;
-	assert_int_equal(fisheye_find(&result, &seen, &lamps, &fault), -EINVAL);
-	assert_non_null(strstr(fault.text, "lamp 4: is not finite"));
+	assert_int_equal(fisheye_find(&result, &seen, &wanted, &fault), -EINVAL);
+	assert_non_null(strstr(fault.text, "board 1 corner 3,0: is not finite"));
 	observations_free(&seen);
 }
 
@@ -270,7 +266,7 @@ TEST("doubted")
 static bool axis_doubted(double moved_px, double bend, struct chance *chance)
 {
 	struct fisheye_settings settings = fisheye_views_lenses[FISHEYE_EQUIDISTANT];
-	const struct fisheye_wanted wanted = wanted_of(false, FISHEYE_EQUIDISTANT);
+	const struct fisheye_wanted wanted = wanted_of(FISHEYE_EQUIDISTANT);
 	const struct fisheye still = lens_of(&settings);
 	struct observations seen;
 	struct fisheye_result result;

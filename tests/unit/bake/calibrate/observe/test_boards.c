@@ -322,7 +322,8 @@ TEST("other size")
 	image_free(&picture);
 }
 
-/* A board whose markers are other ones than its text names is not found, and says how to name them. */
+/* A board whose markers are other ones than its text names is not found, and says how to name
+ * them. */
 TEST("other markers")
 {
 	static const char *const cases[][3] = {

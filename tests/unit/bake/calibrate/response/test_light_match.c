@@ -88,7 +88,6 @@ TEST("black is doubted")
 {
 	struct chance chance = chance_begin("light");
 	struct image picture = dark(90, 2, &chance), leak = dark(16, 1, &chance), small;
-	struct image longer = dark(60, 1, &chance);
 	struct light_black black;
 
 	assert_int_equal(light_black_covered(&black, &picture, NULL), 0);
@@ -98,92 +97,11 @@ TEST("black is doubted")
 			leak.u8[3 * 160 * y + x] = (uint8_t)(leak.u8[3 * 160 * y + x] + 9);
 	assert_int_equal(light_black_covered(&black, &leak, NULL), 0);
 	doubted(&black.verdict, "light falls in");
-	assert_int_equal(light_black_darkest(&black, &leak, &longer, NULL), 0);
-	doubted(&black.verdict, "become lighter");
 	assert_int_equal(image_create_u8(&small, 32, 32), 0);
 	assert_int_equal(light_black_covered(&black, &small, NULL), -EINVAL);
 	image_free(&picture);
 	image_free(&leak);
-	image_free(&longer);
 	image_free(&small);
-}
-
-/* Dark on the left; light grows to the right and with time. */
-static struct image ramp(double level, double time, struct chance *chance)
-{
-	struct image picture = dark(level, 1, chance);
-
-	for (int k = 0; k < 160 * 128 * 3; k++) {
-		const int x = k / 3 % 160;
-
-		if (x >= 20)
-			picture.u8[k] = (uint8_t)fmin(picture.u8[k] + time * (x - 20), 255);
-	}
-	return picture;
-}
-
-/* Each block is lighter than the one before, and the longer exposure is lighter unless both are
- * black. */
-static struct image steps(double more)
-{
-	struct image picture;
-
-	assert_int_equal(image_create_u8(&picture, 160, 128), 0);
-	for (int k = 0; k < 160 * 128 * 3; k++) {
-		const int block = k / 3 / 160 / 8 * 20 + k / 3 % 160 / 8;
-
-		picture.u8[k] = (uint8_t)fmin(16 + 6 * block + (block < 4 ? 0 : more), 255);
-	}
-	return picture;
-}
-
-TEST("darkest places are black")
-{
-	struct chance chance = chance_begin("light");
-	struct image shorter = ramp(16, 0.5, &chance), longer = ramp(16, 1, &chance);
-	struct image again = ramp(16, 0.5, &chance), fading = ramp(12, 1, &chance);
-	struct image grey = dark(120, 1, &chance), lighter = dark(180, 1, &chance);
-	struct image white = dark(255, 0, &chance), uneven = steps(0);
-	struct image uneven_longer = steps(20);
-	const struct {
-		const struct image *shorter, *longer;
-		const char *words;
-	} wrong[] = {
-		{&longer, &shorter, "darker than the first"},
-		{&white, &grey, "darker than the first"},
-		{&shorter, &shorter, "alike"},
-		{&shorter, &again, "alike"},
-		{&again, &shorter, "alike"},
-		{&white, &white, "not dark"},
-		{&grey, &grey, "not dark"},
-		{&grey, &lighter, "not dark"},
-		{&shorter, &lighter, "become lighter"},
-		{&shorter, &fading, "become darker"},
-		{&uneven, &uneven_longer, "differ among themselves"},
-	};
-	struct light_black black;
-	struct fault fault = {""};
-
-	assert_int_equal(light_black_darkest(&black, &shorter, &longer, NULL), 0);
-	trusted(&black.verdict);
-	assert_true(fabs(black.level - 16) < 0.7 && black.deviation < 1);
-	for (unsigned k = 0; k < sizeof(wrong) / sizeof(*wrong); k++) {
-		assert_int_equal(
-			light_black_darkest(&black, wrong[k].shorter, wrong[k].longer, NULL), 0);
-		doubted(&black.verdict, wrong[k].words);
-	}
-	shorter.width = 63;
-	assert_int_equal(light_black_darkest(&black, &shorter, &longer, &fault), -EINVAL);
-	assert_string_equal(fault.text, "the picture is 63x128 pixels, expected at least 64x64");
-	image_free(&shorter);
-	image_free(&longer);
-	image_free(&again);
-	image_free(&fading);
-	image_free(&grey);
-	image_free(&lighter);
-	image_free(&white);
-	image_free(&uneven);
-	image_free(&uneven_longer);
 }
 
 /* ---- patches ---- */
