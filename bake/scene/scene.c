@@ -207,8 +207,7 @@ static void set_ground(struct scene *scene)
 		return;
 	for (int c = 0; c < 3; c++)
 		scene->ground_albedo[c] = named ? named->colour[c] : GROUND_ALBEDO;
-	world_ground(scene->world,
-		     named ? &scene->materials[named - scene->file->material] : &grey,
+	world_ground(scene->world, named ? &scene->materials[named - scene->file->material] : &grey,
 		     from->extent);
 }
 

@@ -313,9 +313,8 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 /* ---- setting up ---- */
 
 /*
- * Adds what a coat on the ground mirrors towards the camera: the mean around the first pose's
- * objects. Their shadow is then a share of all light of the ground, of which it takes only the
- * base's. The mean of many places shows no edges of cells, as the light at each pixel would.
+ * Adds what a coat on the ground mirrors towards the camera, as the mean around the first pose's
+ * objects: the light of each pixel would show edges of cells.
  */
 static void add_coat(struct render_job *job)
 {
@@ -341,9 +340,9 @@ static void add_coat(struct render_job *job)
 		f = bsdf_coat(bsdf, up, wo, wi, &density);
 		cell = cells_of(&job->cells, wi);
 		if (cell >= 0 && density > 0)
-			job->cells.shown[cell] += (f.c[0] + f.c[1] + f.c[2]) / 3 /
-						  (density * albedo * COAT_SAMPLES *
-						   bsdf_base_mean(bsdf, wo.z));
+			job->cells.shown[cell] +=
+				(f.c[0] + f.c[1] + f.c[2]) / 3 /
+				(density * albedo * COAT_SAMPLES * bsdf_base_mean(bsdf, wo.z));
 	}
 }
 

@@ -120,10 +120,10 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
 	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,
 			 &s.direction);
-	if (met && (s.surface.kind == SURFACE_OBJECT ||
-		    (!tile_has_standins(tile) &&
-		     transport_mirrors_object(&tile->transport, &s.surface,
-					      v3_scale(s.direction, -1))))) {
+	if (met &&
+	    (s.surface.kind == SURFACE_OBJECT ||
+	     (!tile_has_standins(tile) &&
+	      transport_mirrors_object(&tile->transport, &s.surface, v3_scale(s.direction, -1))))) {
 		tile_add_object(tile, &s);
 		return;
 	}
@@ -207,9 +207,10 @@ static bool is_ratio(const struct tile *tile, enum tile_kind kind)
 
 /*
  * Turns a pixel's sums into means, and moves its rows from pixel `at` to place `kept`, so that kept
- * pixels lie side by side. Rows are divided by samples, and of the ground's ratio by each light's
- * u per albedo, cells->shown; there direct light is counted in whole shares. Each half is scaled as if all samples were like its own, so that the weighted mean of
- * both halves is the mean of all samples.
+ * pixels lie side by side. Rows are divided by samples, those of the ground's ratio also by what is
+ * seen of each light, cells->shown; there direct light is counted in whole shares. Each half is
+ * scaled as if all samples were like its own, so that the weighted mean of both halves is the mean
+ * of all samples.
  */
 static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples)
 {

@@ -177,8 +177,8 @@ int cells_create(struct cells *cells, const struct dome *dome)
 	cells->reach = malloc(count * sizeof(*cells->reach));
 	cells->uniform = malloc(all * sizeof(*cells->uniform));
 	cells->ground = malloc(all * sizeof(*cells->ground));
-	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->shown || !cells->reach ||
-	    !cells->uniform || !cells->ground) {
+	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->shown ||
+	    !cells->reach || !cells->uniform || !cells->ground) {
 		cells_free(cells);
 		return -ENOMEM;
 	}

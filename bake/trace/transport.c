@@ -458,9 +458,9 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 				     int depth, float *row, float *bounce)
 {
 	const struct bounds bounds = world_bounds(t->world, presence);
-	const bool glossy = s->bsdf.kind == MATERIAL_GLOSSY;
+	const bool wide = s->bsdf.kind == MATERIAL_GLOSSY && coat_is_wide(t, &s->bsdf);
 	const struct cone everywhere = {{0, 0, 1}, -2};
-	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
+	const struct cone cone = wide ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
 	struct v3 down[PATHS_MAX] = {{0, 0, 0}};
 	float weight_down = 0;
@@ -485,7 +485,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 		if (t->rays.blocked[k])
 			t->value[t->cell[k]] = 0;
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
-	if (glossy && coat_is_wide(t, &s->bsdf))
+	if (wide)
 		add_coat_by_cells(t, presence, s, wo, weight, row);
 	return onward;
 }

@@ -41,7 +41,7 @@ struct cells {
 	/* [count]: share, and of glossy ground what its coat mirrors: u of the ground is its
 	 * albedo times this */
 	float *shown;
-	float *reach;	 /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
+	float *reach; /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
 	/* [depth][count], each row in the order above: */
 	struct v3 *uniform; /* density: solid angle */
 	struct v3 *ground;  /* density: projected solid angle, as on flat ground */
@@ -103,7 +103,7 @@ struct transport {
 	/* Draws the coat of the next glossy surface, all of it: no ray to a cell shows it as well;
 	 * state 0: not in use. */
 	struct random coat;
-	bool compared;		/* the sample is traced with either presence, and subtracted */
+	bool compared; /* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
 	float mirrored;

@@ -328,7 +328,8 @@ struct rgb truth_real_light(struct tracer *t, const struct surface *s, struct v3
 {
 	if (is_traced(t->scene->world))
 		return truth_radiance(t, WITHOUT_OBJECTS, s, wo, 0, t->first);
-	return rgb_mul(world_ground_bsdf(t->scene->world)->colour, light_on_ground(t, s->position, NULL));
+	return rgb_mul(world_ground_bsdf(t->scene->world)->colour,
+		       light_on_ground(t, s->position, NULL));
 }
 
 bool truth_through_glass(struct tracer *t, const struct surface *surface, struct v3 direction,

@@ -391,9 +391,26 @@ TEST("standin hides")
 
 /* A panorama that is constant over each cell, so that cells approximate nothing: bake and truth
  * must agree to their noise. */
+/* Makes a panorama of light that is constant over each cell, so that cells approximate nothing. */
+static void make_cells(const struct panorama *panorama, const struct dome *dome,
+		       const double *light, struct image *image)
+{
+	assert_int_equal(image_create_f32(image, 1024, 512), 0);
+	for (int y = 0; y <= 256; y++)
+		for (int x = 0; x < 1024; x++) {
+			double d[3];
+
+			/* texels above the horizon must not take light from black ones below */
+			panorama_direction(panorama, x + 0.5, fmin(y, 255) + 0.5, d);
+			for (int c = 0; c < 3; c++)
+				image->f32[3 * (y * 1024 + x) + c] =
+					(float)(light[dome_cell_of(dome, d)] / panorama->scale);
+		}
+}
+
 TEST("truth agrees")
 {
-	const int width = 1024, height = 512, side = 64;
+	const int side = 64;
 	const struct truth_settings settings = {
 		.samples = 256, .bounces = 32, .seed = 3, .threads = 2, .quiet = true};
 	struct image image, grey, out;
@@ -409,22 +426,7 @@ TEST("truth agrees")
 	assert_int_equal(dome_create(&dome, 3, &fault), 0);
 	for (int i = 0; i < dome.count; i++)
 		light[i] = 0.2 + (i * 7 % 11 == 3 ? 4 : 0) + 0.1 * (i % 3);
-	assert_int_equal(image_create_f32(&image, width, height), 0);
-	for (int y = 0; y < height; y++)
-		for (int x = 0; x < width; x++) {
-			double d[3];
-			int which;
-
-			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
-			which = dome_cell_of(&dome, d);
-			for (int c = 0; which >= 0 && c < 3; c++)
-				image.f32[3 * (y * width + x) + c] =
-					(float)(light[which] / panorama.scale);
-		}
-	/* texels above the horizon must not take light from the black ones below */
-	for (int x = 0; x < 3 * width; x++)
-		image.f32[3 * width * (height / 2) + x] =
-			image.f32[3 * width * (height / 2 - 1) + x];
+	make_cells(&panorama, &dome, light, &image);
 	assert_int_equal(image_create_f32(&grey, side, side), 0);
 	for (int k = 0; k < 3 * side * side; k++)
 		grey.f32[k] = 0.3f;
@@ -476,8 +478,7 @@ TEST("truth agrees")
 
 #define FLOOR_SIDE 48
 
-/* A box on a floor of this roughness, baked and traced. The sky is constant over each cell, so that
- * cells approximate nothing. */
+/* A box on a floor of this roughness, baked and traced. */
 struct floor {
 	struct truth_pictures truth;
 	struct basis basis;
@@ -498,17 +499,7 @@ static void floor_open(struct floor *f, const char *roughness)
 	assert_int_equal(dome_create(&dome, 2, &fault), 0);
 	for (int i = 0; i < dome.count; i++)
 		f->light[i] = 0.3 + 0.2 * (i % 3);
-	assert_int_equal(image_create_f32(&image, 512, 256), 0);
-	for (int y = 0; y <= 128; y++)
-		for (int x = 0; x < 512; x++) {
-			double d[3];
-
-			/* the row below the horizon is like the one above */
-			panorama_direction(&panorama, x + 0.5, fmin(y, 127) + 0.5, d);
-			for (int c = 0; c < 3; c++)
-				image.f32[3 * (y * 512 + x) + c] =
-					(float)f->light[dome_cell_of(&dome, d)];
-		}
+	make_cells(&panorama, &dome, f->light, &image);
 	small_scene_write("box.obj", "v -0.4 -0.4 0\nv 0.4 -0.4 0\nv 0.4 0.4 0\nv -0.4 0.4 0\n"
 				     "v -0.4 -0.4 0.8\nv 0.4 -0.4 0.8\nv 0.4 0.4 0.8\n"
 				     "v -0.4 0.4 0.8\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
@@ -542,8 +533,7 @@ static void floor_close(struct floor *f)
 static double floor_shows(const struct floor *f, int x, int y, int c)
 {
 	return baked_object(&f->basis, x, y, c, f->light) +
-	       (1 - baked_coverage(&f->basis, x, y)) *
-		       baked_ratio(&f->basis, x, y, c, f->light) *
+	       (1 - baked_coverage(&f->basis, x, y)) * baked_ratio(&f->basis, x, y, c, f->light) *
 		       (double)f->truth.without.f32[3 * (y * FLOOR_SIDE + x) + c];
 }
 
@@ -571,7 +561,8 @@ static double check_floor(const char *roughness)
 				square += off * off / (3 * FLOOR_SIDE * FLOOR_SIDE);
 			}
 			if (floor && covered > 0)
-				red = fmax(red, floor_shows(&f, x, y, 0) - floor_shows(&f, x, y, 1));
+				red = fmax(red,
+					   floor_shows(&f, x, y, 0) - floor_shows(&f, x, y, 1));
 		}
 	print_message("# floor of roughness %s: RMS %.5f, %d pixels mirror, %d do not\n", roughness,
 		      sqrt(square), mirrored, apart);
