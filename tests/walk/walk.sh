@@ -25,7 +25,7 @@ key() { # FILE KEY: its numbers
 }
 thorough=${WALK:-}${INLAY_THOROUGH:-}
 frequency=2 preview_samples=4 truth_samples=6 shown_off=4.5 preview_off=4 elsewhere_off=5 # levels
-[ -z "$thorough" ] || frequency=4 preview_samples=32 truth_samples=24 shown_off=2 preview_off=3 elsewhere_off=4
+[ -z "$thorough" ] || frequency=4 preview_samples=32 truth_samples=24 shown_off=1.5 preview_off=3 elsewhere_off=4
 mkdir "$work/walk" && cd "$work/walk" || exit 1
 
 # ---- the place, which nobody knows ----
@@ -197,7 +197,7 @@ still turned.png --set fisheye.lens=turned.ini
 above "nor light from elsewhere" $elsewhere_off "$(off turned.png)"
 still afar.png --config afar.conf
 # With 26 lights a lantern's cells hold the ceiling's panels, which then count as its light.
-[ -z "$thorough" ] || above "nor lanterns that are taken as far away" "$(off shown.png)" "$(off afar.png)"
+[ -z "$thorough" ] || above "nor lanterns that are taken as far away" $shown_off "$(off afar.png)"
 still untied.png --set fisheye.light=
 above "nor light whose strength is not known" 10 "$(off untied.png)"
 
