@@ -374,6 +374,11 @@ $(eval $(call with_packages,near,test))
 near-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/near.sh
 
+## shine: a box on a polished floor against path-traced truth: the table (minutes)
+$(eval $(call with_packages,shine,test))
+shine-installed: all $(TEST_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/shine.sh
+
 ## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
 $(eval $(call with_packages,exposures,test))
 exposures-installed: all $(BUILD)/tests/accuracy/exposures
