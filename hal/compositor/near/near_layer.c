@@ -67,6 +67,7 @@ struct near_work {
 	struct near_hint hint[LAMPS_MAX];
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
+	float even[3][PIXELS]; /* the object's light under an even sky of radiance 1 */
 };
 
 /* ---- the light at the pixels ---- */
@@ -272,8 +273,36 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 
 /* ---- bounced light ---- */
 
-static void correct_bounced(struct near_work *w)
+/* Adds what a block of the object shows under an even sky. */
+static void add_even(struct near_work *w, const struct basis_block *b)
 {
+	const struct basis *basis = w->sky->basis;
+	const int panels = basis_panels16(b->pixels), lights = (int)basis->info.lights;
+	float pattern[PIXELS] = {0};
+
+	for (int j = 0; j < b->patterns; j++)
+		for (int i = 0; i < lights; i++)
+			pattern[j] += pattern_of(basis, b, j, i) *
+				      (float)basis->lights[i].solid_angle_sr;
+	for (int c = 0; c < 3; c++)
+		for (int n = 0; n < b->pixels; n++) {
+			float value = 0;
+
+			for (int j = 0; j < b->patterns; j++)
+				value += pattern[j] * coefficient_of(b, panels, c, n, j);
+			for (int k = 0; k < b->columns && b->light[k] < lights; k++)
+				value += b->column_scale[k] *
+					 (float)(basis->lights[b->light[k]].solid_angle_sr *
+						 column_of(b, panels, c, n, k));
+			w->even[c][b->pixel[n]] += value * tint_of(b, c, n);
+		}
+}
+
+static void correct_bounced(struct near_work *w, const struct basis_block *b, int count)
+{
+	memset(w->even, 0, sizeof(w->even));
+	for (int k = 0; k < count; k++)
+		add_even(w, &b[k]);
 	for (int p = 0; p < PIXELS; p++) {
 		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
 		const float over_share =
@@ -281,13 +310,12 @@ static void correct_bounced(struct near_work *w)
 						 [(size_t)y * w->sky->basis->info.width + (size_t)x]
 				    : 0;
 
-		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++) {
-			const double part = near_sky_bounced(w->sky, l, w->place[p],
-							     1 / (double)over_share);
-
+		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++)
 			for (int c = 0; c < 3; c++)
-				w->value[l][c][p] *= (float)part;
-		}
+				w->value[l][c][p] -= (float)near_sky_bounced(
+					w->sky, l, w->place[p],
+					(double)w->even[c][p] / (double)over_share,
+					(double)w->value[l][c][p]);
 	}
 }
 
@@ -445,7 +473,7 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 			add_block(w, &b[k], l);
 	}
 	if (b->kind == BASIS_KIND_T)
-		correct_bounced(w);
+		correct_bounced(w, b, count);
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 

@@ -171,21 +171,30 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	return count;
 }
 
-static double level_irradiance(const struct lamp *lamp, double x, double y, double z)
+/* E at a place for P = 1. */
+static double level_irradiance(const struct near_sky *sky, const struct lamp *lamp,
+			       const double place[3], double height)
 {
-	double to[3] = {lamp->position[0] - x, lamp->position[1] - y, lamp->position[2] - z};
-	const double distance = fmax(vec_normalize(to), lamp->radius);
+	const double at[3] = {place[0], place[1], height};
+	double to[3], from[3], distance;
 
-	return fmax(to[2], 0) / (distance * distance);
+	for (int k = 0; k < 3; k++) {
+		to[k] = lamp->position[k] - at[k];
+		from[k] = lamp->position[k] - sky->lamps.fisheye[k];
+	}
+	distance = fmax(vec_normalize(to), lamp->radius);
+	return fmax(to[2], 0) * vec_dot(from, from) / (distance * distance);
 }
 
-double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share)
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double even,
+			double value)
 {
 	const struct lamp *l = &sky->lamps.lamp[lamp];
-	const double here = level_irradiance(l, place[0], place[1], place[2]);
-	const double below = level_irradiance(l, place[0], place[1], 0);
+	const double here = level_irradiance(sky, l, place, place[2]);
+	const double below = level_irradiance(sky, l, place, 0);
+	const double bounced = fmin(even * here / M_PI, value);
 
-	return here > 0 ? 1 - share * (1 - fmin(below / here, 1)) : 1;
+	return here > 0 && bounced > 0 ? bounced * (1 - fmin(below / here, 1)) : 0;
 }
 
 bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,

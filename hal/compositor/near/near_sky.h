@@ -65,15 +65,17 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 		    struct near_hint *hint, struct near_share share[NEAR_SHARES]);
 
 /*
- * The factor by which a lamp's light at a place of the object differs from near_sky_shares(), where
- * this share of the light there bounces. What bounces comes from the ground below, with the
- * irradiance E of that place:
+ * What of a lamp's light at a place of the object, `value` as near_sky_shares() gives it, is too
+ * much because it bounces. What bounces comes from the ground below, with the irradiance of that
+ * place:
  *
- *     1 - share (1 - E(below) / E(place))        E = cos(angle from the zenith) / distance^2
+ *     min(even E / pi, value) (1 - E(below) / E(place))        E = cos(angle from the zenith) / d^2
  *
- * The share is that under an even sky; where a lamp shines directly it is less, in its shadow more.
+ * even is the light that bounces there under an even sky of radiance 1, of the irradiance pi; E is
+ * that of P_l = 1. A side that the lamp does not reach has no other light than that.
  */
-double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share);
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double even,
+			double value);
 
 /* The place of the ground that a point of the picture shows. False: it shows none. */
 bool near_sky_ground(const struct near_sky *sky, double x, double y, double place[3]);
