@@ -67,7 +67,7 @@ struct near_work {
 	struct near_hint hint[LAMPS_MAX];
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
-	float even[3][PIXELS]; /* the object's light under an even sky of radiance 1 */
+	float object[NEAR_SKIES][3][PIXELS]; /* near_object.t */
 };
 
 /* ---- the light at the pixels ---- */
@@ -273,49 +273,63 @@ static void add_block(struct near_work *w, const struct basis_block *b, int lamp
 
 /* ---- bounced light ---- */
 
-/* Adds what a block of the object shows under an even sky. */
-static void add_even(struct near_work *w, const struct basis_block *b)
+/* w_i L_i of a light of near_object's skies. */
+static float sky_light(const struct near_sky *near, int sky, int light)
+{
+	const struct basis_light *l = &near->basis->lights[light];
+
+	return (float)(near_sky_radiance(sky, l->direction) * l->solid_angle_sr);
+}
+
+/* Adds what a block of the object shows under a sky. */
+static void add_sky(struct near_work *w, const struct basis_block *b, int sky)
 {
 	const struct basis *basis = w->sky->basis;
 	const int panels = basis_panels16(b->pixels), lights = (int)basis->info.lights;
-	float pattern[PIXELS] = {0};
+	float value[3][PIXELS] = {{0}};
 
-	for (int j = 0; j < b->patterns; j++)
+	for (int j = 0; j < b->patterns; j++) {
+		float y = 0;
+
 		for (int i = 0; i < lights; i++)
-			pattern[j] += pattern_of(basis, b, j, i) *
-				      (float)basis->lights[i].solid_angle_sr;
-	for (int c = 0; c < 3; c++)
-		for (int n = 0; n < b->pixels; n++) {
-			float value = 0;
+			y += pattern_of(basis, b, j, i) * sky_light(w->sky, sky, i);
+		for (int c = 0; c < 3; c++)
+			for (int n = 0; n < b->pixels; n++)
+				value[c][n] += y * coefficient_of(b, panels, c, n, j);
+	}
+	for (int k = 0; k < b->columns && b->light[k] < lights; k++) {
+		const float x = b->column_scale[k] * sky_light(w->sky, sky, b->light[k]);
 
-			for (int j = 0; j < b->patterns; j++)
-				value += pattern[j] * coefficient_of(b, panels, c, n, j);
-			for (int k = 0; k < b->columns && b->light[k] < lights; k++)
-				value += b->column_scale[k] *
-					 (float)(basis->lights[b->light[k]].solid_angle_sr *
-						 column_of(b, panels, c, n, k));
-			w->even[c][b->pixel[n]] += value * tint_of(b, c, n);
-		}
+		for (int c = 0; c < 3; c++)
+			for (int n = 0; n < b->pixels; n++)
+				value[c][n] += x * (float)column_of(b, panels, c, n, k);
+	}
+	for (int c = 0; c < 3; c++)
+		for (int n = 0; n < b->pixels; n++)
+			w->object[sky][c][b->pixel[n]] += value[c][n] * tint_of(b, c, n);
 }
 
 static void correct_bounced(struct near_work *w, const struct basis_block *b, int count)
 {
-	memset(w->even, 0, sizeof(w->even));
-	for (int k = 0; k < count; k++)
-		add_even(w, &b[k]);
+	memset(w->object, 0, sizeof(w->object));
+	for (int k = 0; k < NEAR_SKIES * count; k++)
+		add_sky(w, &b[k / NEAR_SKIES], k % NEAR_SKIES);
 	for (int p = 0; p < PIXELS; p++) {
 		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
 		const float over_share =
 			w->known[p] ? w->distance[BASIS_BOUNCED]
 						 [(size_t)y * w->sky->basis->info.width + (size_t)x]
 				    : 0;
+		struct near_object object = {.share = 1 / (double)over_share};
 
-		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++)
-			for (int c = 0; c < 3; c++)
-				w->value[l][c][p] -= (float)near_sky_bounced(
-					w->sky, l, w->place[p],
-					(double)w->even[c][p] / (double)over_share,
-					(double)w->value[l][c][p]);
+		for (int k = 0; over_share > 0 && k < 3 * NEAR_SKIES; k++)
+			object.t[k / 3][k % 3] = (double)w->object[k / 3][k % 3][p];
+		for (int k = 0; over_share > 0 && k < 3 * w->sky->lamps.count; k++) {
+			float *value = &w->value[k / 3][k % 3][p];
+
+			*value -= (float)near_sky_bounced(w->sky, k / 3, w->place[p], &object,
+							  k % 3, (double)*value);
+		}
 	}
 }
 

@@ -172,29 +172,44 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 }
 
 /* E at a place for P = 1. */
-static double level_irradiance(const struct near_sky *sky, const struct lamp *lamp,
-			       const double place[3], double height)
+static double level_irradiance(const struct near_sky *sky, int lamp, const double place[3])
 {
-	const double at[3] = {place[0], place[1], height};
+	const struct lamp *l = &sky->lamps.lamp[lamp];
 	double to[3], from[3], distance;
 
 	for (int k = 0; k < 3; k++) {
-		to[k] = lamp->position[k] - at[k];
-		from[k] = lamp->position[k] - sky->lamps.fisheye[k];
+		to[k] = l->position[k] - place[k];
+		from[k] = l->position[k] - sky->lamps.fisheye[k];
 	}
-	distance = fmax(vec_normalize(to), lamp->radius);
+	distance = fmax(vec_normalize(to), l->radius);
 	return fmax(to[2], 0) * vec_dot(from, from) / (distance * distance);
 }
 
-double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double even,
-			double value)
+double near_sky_radiance(int sky, const double direction[3])
 {
-	const struct lamp *l = &sky->lamps.lamp[lamp];
-	const double here = level_irradiance(sky, l, place, place[2]);
-	const double below = level_irradiance(sky, l, place, 0);
-	const double bounced = fmin(even * here / M_PI, value);
+	return sky ? direction[sky - 1] : 1;
+}
 
-	return here > 0 && bounced > 0 ? bounced * (1 - fmin(below / here, 1)) : 0;
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3],
+			const struct near_object *object, int channel, double value)
+{
+	static const double q[] = {0.663, 1.732, 5.916};
+	const double here = level_irradiance(sky, lamp, place);
+	const double bounced = fmin(object->share * object->t[0][channel] * here / M_PI, value);
+	double sum[NEAR_SKIES] = {0}, less = 0;
+
+	if (!(here > 0 && bounced > 0))
+		return 0;
+	for (int k = 0; k < NEAR_SKIES; k++)
+		for (int c = 0; c < 3; c++)
+			sum[k] += object->t[k][c];
+	for (int k = 0; k < 3; k++) {
+		const double far = sum[0] > 0 ? q[k] * place[2] * 1.5 / sum[0] : 0;
+		const double at[3] = {place[0] + far * sum[1], place[1] + far * sum[2], 0};
+
+		less += (1 - fmin(level_irradiance(sky, lamp, at) / here, 1)) / 3;
+	}
+	return bounced * less;
 }
 
 bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,
