@@ -100,16 +100,6 @@ void near_sky_destroy(struct near_sky *sky)
 	free(sky);
 }
 
-/* Two unit vectors across a unit vector. */
-static void vectors_across(const double v[3], double across[2][3])
-{
-	const double axis[3] = {fabs(v[0]) < 0.6, fabs(v[0]) >= 0.6, 0};
-
-	vec_cross(v, axis, across[0]);
-	vec_normalize(across[0]);
-	vec_cross(v, across[0], across[1]);
-}
-
 /* Shares what comes from one direction. Directions below the horizon count as on it. */
 static int share_point(const struct near_sky *sky, const double dir[3], int cell, double amount,
 		       int *facet, struct near_share *share)
@@ -156,7 +146,7 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	radius = sqrt(2.0 / 3 * (radius * radius - reach * reach));
 	for (int n = 0; n < count; n++)
 		share[n].amount /= 4;
-	vectors_across(to, across);
+	vec_across(to, across);
 	for (int n = 0; n < NEAR_POINTS - 1; n++) {
 		/* of a hexagon */
 		static const double x[] = {1, 0.5, -0.5, -1, -0.5, 0.5};

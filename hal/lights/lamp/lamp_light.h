@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Takes the light of lamps at places out of the lights of a dome. Around a lamp's direction from
- * the fisheye, what is brighter than the surroundings is the lamp's:
+ * Takes the light of lamps at places out of the lights of a dome. A lamp of power P in a direction
+ * from the fisheye gives the cells i around it P b_i of what they have above the surroundings, with
+ * b_i of dome_placed_share() over the lamp's disc. P is fitted, with how far the lamp is from where
+ * it is said to be, so that what else is bright there is not its:
  *
- *     P = sum over its cells of w_i max(L_i - s, 0)      L_i becomes min(L_i, s)
+ *     x_i = w_i max(L_i - s, 0)      x ~ P b + g1 db/du + g2 db/dv      least squares
+ *     taken_i = x_i, but at least 0 and at most 1.1 of the fit                P = sum of taken_i
  *
  * in each channel, where s is the median of the cells around these. So no light counts twice, and
  * none is lost. All of it works after exposures, recovery and filter, which know nothing of lamps.
@@ -31,7 +34,7 @@ bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], d
 
 struct lamp_light;
 
-/* The dome is not needed afterwards. -ENOMEM. */
+/* The dome is not needed afterwards. -ENOMEM; -EINVAL: it has too few lights. */
 int lamp_light_create(struct lamp_light **light, const struct dome *dome,
 		      const struct lamps *lamps);
 void lamp_light_destroy(struct lamp_light *light); /* NULL is harmless */
