@@ -53,6 +53,7 @@ APP_SOURCES := \
 	app/pipeline/pipeline_grain.c \
 	app/pipeline/pipeline_ground.c \
 	app/pipeline/pipeline_light.c \
+	app/pipeline/pipeline_mirror.c \
 	app/pipeline/pipeline_people.c \
 	app/pipeline/pipeline_pose.c \
 	app/records/keeper.c \

@@ -98,6 +98,7 @@ BAKE_SOURCES := \
 	bake/tiles/sight.c \
 	bake/tiles/tile.c \
 	bake/tiles/tile_glass.c \
+	bake/tiles/tile_mirror.c \
 	bake/tiles/tile_noise.c \
 	bake/tiles/tile_sample.c \
 	bake/trace/bounce.c \

@@ -41,6 +41,7 @@ HAL_SOURCES := \
 	hal/compositor/frame.c \
 	hal/compositor/glass.c \
 	hal/compositor/lines.c \
+	hal/compositor/mirror.c \
 	hal/compositor/plan.c \
 	hal/compositor/reference.c \
 	hal/compositor/tile.c \
@@ -106,6 +107,8 @@ HAL_SOURCES := \
 	hal/measure/turns.c \
 	hal/measure/unpacked.c \
 	hal/options/options.c \
+	hal/mirror/mirror_eye.c \
+	hal/mirror/mirror_map.c \
 	hal/optics/distortion.c \
 	hal/optics/dome.c \
 	hal/optics/dome_cells.c \

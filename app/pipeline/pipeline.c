@@ -108,6 +108,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	if (!err)
 		err = pipeline_grain_prepare(p, &p->settings, fault);
 	if (!err)
+		err = pipeline_mirror_prepare(p, fault);
+	if (!err)
 		err = start_threads(p->basis, &p->settings, &p->pool, &p->compositor, fault);
 	return err ? err : start_lamps(p, p->compositor, &p->settings, fault);
 }
@@ -143,6 +145,7 @@ void pipeline_destroy(struct pipeline *p)
 	pipeline_people_free(p);
 	pipeline_exposure_free(p);
 	pipeline_grain_free(p);
+	pipeline_mirror_free(p);
 	compositor_destroy(p->compositor);
 	pool_destroy(p->pool);
 	light_selection_free(&p->selection);
@@ -197,6 +200,7 @@ int pipeline_change(struct pipeline *p, const struct pipeline_settings *settings
 	before = p->settings;
 	p->settings = *settings;
 	p->settings.mask_pixels = NULL;
+	p->mirror.due = true;
 	p->settings.sampler = before.sampler;
 	p->settings.lens = before.lens;
 	p->settings.exposures = before.exposures;
@@ -262,6 +266,7 @@ int pipeline_choose(struct pipeline *p, const struct pipeline_choice *choice, st
 		mix_grey(p->selection.lamp, LAMPS_MAX, p->settings.neutral);
 		p->look_ns[PIPELINE_NEUTRAL] += clock_now_ns() - start_ns;
 	}
+	pipeline_mirror_show(p);
 	return 0;
 }
 

@@ -75,6 +75,7 @@ void pipeline_exposure_follow(struct pipeline *p)
 		for (int i = 0; i < p->selection.count; i++)
 			p->selection.radiance[i][c] *= gain[c];
 		p->selection.ambient[c] *= gain[c];
+		p->selection.mirror_gain[c] *= gain[c];
 		for (int l = 0; l < LAMPS_MAX; l++)
 			p->selection.lamp[l][c] *= gain[c];
 	}

@@ -153,4 +153,5 @@ void pipeline_recover(struct pipeline *p, const struct frame_reader *background)
 	clipping.piece_sr = clipped_pieces_find(g->pieces, p->light.left);
 	ground = see_patch(g, background);
 	p->light.recovery = light_recover(&ground, &clipping, p->light.radiance);
+	p->mirror.due = true;
 }

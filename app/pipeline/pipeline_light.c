@@ -23,6 +23,8 @@ struct relight {
 	int width, height;
 	struct fisheye lens;
 	struct light_sampler *sampler;
+	bool mirrors;
+	struct mirror_eye eye; /* if there are mirrors */
 	int err;
 	struct fault fault;
 };
@@ -35,6 +37,9 @@ static void *make_sampler(void *context)
 	if (!r->err)
 		r->err = light_sampler_create(&r->sampler, r->dome, &r->lens, r->width, r->height,
 					      &r->settings, &r->fault);
+	if (!r->err && r->mirrors &&
+	    mirror_eye_prepare(&r->eye, &r->lens, r->width, r->height) < 0)
+		r->err = fault_say(&r->fault, -ENOMEM, "not enough memory for mirrors");
 	atomic_store(&r->done, true);
 	return NULL;
 }
@@ -52,6 +57,7 @@ void pipeline_relight_end(struct pipeline *p)
 		return;
 	relight_join(p->light.relight);
 	light_sampler_destroy(p->light.relight->sampler);
+	mirror_eye_free(&p->light.relight->eye);
 	free(p->light.relight);
 	p->light.relight = NULL;
 }
@@ -70,6 +76,7 @@ static int relight_begin(struct pipeline *p, const struct pipeline_settings *set
 	r->lens_settings = settings->lens;
 	r->width = p->light.lens_width;
 	r->height = p->light.lens_height;
+	r->mirrors = p->mirror.on;
 	r->threaded = threaded;
 	if (threaded)
 		err = -pthread_create(&r->thread, NULL, make_sampler, r);
@@ -158,6 +165,10 @@ static int take_over(struct pipeline *p, struct fault *fault)
 		p->settings.sampler = r->settings;
 		p->settings.lens = r->lens_settings;
 		r->sampler = NULL;
+		mirror_eye_free(&p->mirror.eye);
+		p->mirror.eye = r->eye;
+		p->mirror.seen = false; /* until this measurement's picture is taken */
+		r->eye = (struct mirror_eye){.width = 0};
 		err = expect_noise(p, fault);
 	}
 	pipeline_relight_end(p);
@@ -283,6 +294,8 @@ int pipeline_light_frame(struct pipeline *p, const struct frame_reader *fisheye,
 				 width, height);
 	err = take_light(p);
 	if (!err)
+		err = pipeline_mirror_take(p, fisheye, NULL);
+	if (!err)
 		look_for_lamps(p, fisheye, NULL);
 	return err;
 }
@@ -337,6 +350,8 @@ int pipeline_light_linear(struct pipeline *p, const struct image *camera, const 
 				 view->width, view->height, strerror(-err));
 	err = take_light(p);
 	if (!err)
+		err = pipeline_mirror_take(p, NULL, &p->light.upright);
+	if (!err)
 		look_for_lamps(p, NULL, &p->light.upright);
 	return err;
 }
@@ -347,6 +362,7 @@ void pipeline_light_given(struct pipeline *p, const float (*radiance)[3])
 	p->light.clipped = 0;
 	p->light.recovery = (struct light_recovery){.recovered = false};
 	p->light.lit = true;
+	pipeline_mirror_given(p);
 }
 
 void pipeline_forget_light(struct pipeline *p)

@@ -7,6 +7,7 @@
 #include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/light_filter.h"
 #include "hal/lights/recovery.h"
+#include "hal/mirror/mirror_eye.h"
 
 /* Two poses whose pictures are mixed, next by share; pose alone where share is 0. */
 struct pipeline_poses {
@@ -39,6 +40,17 @@ struct pipeline_light {
 	struct light_recovery recovery;
 };
 
+/* pipeline_mirror.c: the sky as mirrors show it */
+struct pipeline_mirror {
+	bool on; /* some pose of the basis mirrors the sky */
+	bool seen, due; /* a picture has been taken; the map has to be filled from it */
+	struct mirror_eye eye;
+	struct mirror_map map;
+	float (*measured)[3]; /* [basis lights]: light of the picture taken, placed */
+	float *clipped;	      /* [basis lights]: its clipped shares, placed */
+	double (*more)[3];    /* [basis lights]: to add to clipped pixels; or lights */
+};
+
 /* pipeline_pose.c: which poses are in the picture */
 struct pipeline_pose {
 	struct pipeline_poses shown;  /* pose -1: none yet */
@@ -57,6 +69,7 @@ struct pipeline {
 	struct pool *pool;
 	struct dome dome;
 	struct pipeline_light light;
+	struct pipeline_mirror mirror;
 	struct pipeline_pose pose;
 
 	struct light_selection selection;
@@ -150,6 +163,24 @@ void pipeline_grain_watch(struct pipeline *pipeline, const struct picture *backg
 
 /* The noise for the next composite; NULL: none, or not measured yet. */
 const struct grain *pipeline_grain(const struct pipeline *pipeline);
+
+/* ---- pipeline_mirror.c ---- */
+
+/* Begins, where a pose mirrors the sky. -ENOMEM, -EINVAL. */
+int pipeline_mirror_prepare(struct pipeline *pipeline, struct fault *fault);
+void pipeline_mirror_free(struct pipeline *pipeline); /* idempotent; zeroed is fine */
+
+/* Tells that lights were given, without a picture. */
+void pipeline_mirror_given(struct pipeline *pipeline);
+
+/* Takes the picture that the light was just measured in; one of both. Pictures of shorter exposures
+ * are passed over. -ENOMEM. */
+int pipeline_mirror_take(struct pipeline *pipeline, const struct frame_reader *frame,
+			 const struct image *linear);
+
+/* Gives the selection the sky that mirrors show, with light that the picture clips where the
+ * measured light has it. */
+void pipeline_mirror_show(struct pipeline *pipeline);
 
 /* ---- pipeline_pose.c, pipeline_fade.c, pipeline_light.c ---- */
 

@@ -41,6 +41,8 @@ static const struct ini_key dome_keys[] = {
 	INI_KEYS_END,
 };
 
+static const char *const reflect_names[] = {"live", "cells", NULL};
+
 #define RENDER(f) offsetof(struct scene_render_values, f)
 static const struct ini_key render_keys[] = {
 	{"samples", INI_INT, RENDER(samples), .min = 1, .max = 65536, .fallback = "16",
@@ -69,6 +71,8 @@ static const struct ini_key render_keys[] = {
 	 .help = "store every light in 16 bits as well, for the exact mode"},
 	{"cache", INI_BOOL, RENDER(cache), .fallback = "yes",
 	 .help = "take light that met several surfaces from a cache of points, traced once a pose: less time and noise for a small error; no: follow every path to its end"},
+	{"reflect", INI_CHOICE, RENDER(reflect), .choices = reflect_names, .fallback = "live",
+	 .help = "what coats of low roughness (up to 0.25) mirror of the sky: live, the fisheye's picture where that is nearer to truth; or cells, as everything else"},
 	INI_KEYS_END,
 };
 

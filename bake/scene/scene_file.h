@@ -30,6 +30,9 @@ struct scene_dome_values {
 	char fine[INI_TEXT_MAX]; /* parts of the sky that are finer (fine_list.h); may be empty */
 };
 
+/* What mirrors show of the sky: the fisheye's picture, where that gains, or cells. */
+enum scene_reflect { SCENE_REFLECT_LIVE, SCENE_REFLECT_CELLS };
+
 struct scene_render_values {
 	int samples;	     /* camera rays a pixel */
 	double noise_levels; /* above 0: target for the noise, which replaces samples */
@@ -40,6 +43,7 @@ struct scene_render_values {
 	int coarse;	   /* frequency of the coarse dome; 0: the program chooses */
 	bool exact;
 	bool cache; /* bounced light comes from a cache */
+	int reflect; /* enum scene_reflect */
 };
 
 struct scene_ground_values {

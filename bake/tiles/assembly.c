@@ -18,6 +18,8 @@ struct assembly {
 	bool placeless;			 /* a tile of the open pose came without */
 	struct basis_glass *glass;	 /* the open pose's */
 	size_t glass_count, glass_room;
+	struct basis_mirror *mirror; /* the open pose's */
+	size_t mirror_count, mirror_room;
 	struct basis_footprint *feet; /* [info.poses] */
 	int poses_done;
 	bool footless; /* a pose came without a footprint, so none is written */
@@ -71,6 +73,7 @@ void assembly_abandon(struct assembly *a)
 	for (int s = 0; s < BASIS_SURFACES; s++)
 		free(a->distance[s]);
 	free(a->glass);
+	free(a->mirror);
 	free(a->feet);
 	free(a);
 }
@@ -127,6 +130,26 @@ static int add_glass(struct assembly *a, const struct finished_tile *tile, struc
 	return 0;
 }
 
+static int add_mirror(struct assembly *a, const struct finished_tile *tile, struct fault *fault)
+{
+	const size_t count = (size_t)tile->mirror_count;
+
+	if (!count)
+		return 0;
+	if (a->mirror_count + count > a->mirror_room) {
+		const size_t room = 2 * (a->mirror_count + count);
+		struct basis_mirror *mirror = realloc(a->mirror, room * sizeof(*mirror));
+
+		if (!mirror)
+			return fault_say(fault, -ENOMEM, "out of memory");
+		a->mirror = mirror;
+		a->mirror_room = room;
+	}
+	memcpy(a->mirror + a->mirror_count, tile->mirror, count * sizeof(*tile->mirror));
+	a->mirror_count += count;
+	return 0;
+}
+
 /* Compares the errors of a tile with the target. */
 static void judge_tile(struct assembly *a, const struct finished_tile *tile)
 {
@@ -174,6 +197,8 @@ int assembly_add(struct assembly *a, const struct finished_tile *tile, struct fa
 		err = basis_writer_exact_blocks(a->writer, exact, tile->exact, fault);
 	if (!err)
 		err = add_glass(a, tile, fault);
+	if (!err)
+		err = add_mirror(a, tile, fault);
 	add_coverage(a, tile);
 	add_places(a, tile);
 	judge_tile(a, tile);
@@ -196,6 +221,9 @@ int assembly_pose_end(struct assembly *a, const float (*peak)[3],
 	if (!err && a->glass_count)
 		err = basis_writer_glass(a->writer, a->glass, a->glass_count, fault);
 	a->glass_count = 0;
+	if (!err && a->mirror_count)
+		err = basis_writer_mirror(a->writer, a->mirror, a->mirror_count, fault);
+	a->mirror_count = 0;
 	if (!err && !a->placeless)
 		err = basis_writer_places(a->writer, (const float *const *)a->distance, fault);
 	a->placeless = false;

@@ -54,9 +54,23 @@ int finished_tile_keep_glass(struct finished_tile *tile, const struct basis_glas
 	return 0;
 }
 
+int finished_tile_keep_mirror(struct finished_tile *tile, const struct basis_mirror *mirror,
+			      int count)
+{
+	if (!count)
+		return 0;
+	tile->mirror = malloc((size_t)count * sizeof(*mirror));
+	if (!tile->mirror)
+		return -ENOMEM;
+	memcpy(tile->mirror, mirror, (size_t)count * sizeof(*mirror));
+	tile->mirror_count = count;
+	return 0;
+}
+
 void finished_tile_free(struct finished_tile *tile)
 {
 	free(tile->blocks);
 	free(tile->glass);
+	free(tile->mirror);
 	*tile = (struct finished_tile){.blocks = NULL};
 }

@@ -24,6 +24,8 @@ struct finished_tile {
 	struct basis_block_payload *blocks; /* shown ones, exact ones, then their payloads */
 	int glass_count;
 	struct basis_glass *glass;
+	int mirror_count;
+	struct basis_mirror *mirror;
 	struct tile_account account;
 	double seconds; /* time it took to make in this run; files do not have it */
 };
@@ -37,6 +39,9 @@ int finished_tile_keep(struct finished_tile *tile, const struct basis_block_payl
 /* Copies the pixels that are seen through glass. -ENOMEM. */
 int finished_tile_keep_glass(struct finished_tile *tile, const struct basis_glass *glass,
 			     int count);
+/* Copies what mirrors the sky. -ENOMEM. */
+int finished_tile_keep_mirror(struct finished_tile *tile, const struct basis_mirror *mirror,
+			      int count);
 void finished_tile_free(struct finished_tile *tile); /* idempotent; zeroed is fine */
 
 #endif

@@ -86,6 +86,7 @@ struct render_settings render_settings_of(const struct scene *scene)
 		.coarse = r->coarse,
 		.exact = r->exact,
 		.cache = r->cache,
+		.live = r->reflect == SCENE_REFLECT_LIVE,
 	};
 }
 
@@ -118,6 +119,7 @@ static int create_tiles(struct render_job *job)
 		.ratio_cut = RATIO_SHARE / LEVELS_OF_RATIO *
 			     fmin(job->settings.target.rms, job->settings.target.cell),
 		.seed = (uint64_t)job->settings.seed,
+		.live = job->settings.live,
 		.ensemble = &job->ensemble,
 	};
 	int err = 0;
@@ -207,6 +209,9 @@ static int render_make_tile(void *context, int index, int number, struct finishe
 	if (!err)
 		err = finished_tile_keep_glass(finished, tile->result.glass,
 					       tile->result.glass_count);
+	if (!err)
+		err = finished_tile_keep_mirror(finished, tile->result.mirror,
+						tile->result.mirror_count);
 	if (err)
 		return fault_say(
 			fault, err, "a tile cannot be encoded: %s",
@@ -413,12 +418,13 @@ static void write_provenance(struct render_job *job)
 		 "bounces = %d\n"
 		 "seed = %d\n" PLAN_TARGET_LINE "column_cut = %.9g\n"
 		 "coarse_lights = %u\n"
-		 "exact = %s\n%s",
+		 "exact = %s\n%s%s",
 		 INLAY_VERSION, s->preview ? BASIS_PREVIEW_LINE : "",
 		 (unsigned long long)job->scene->hash, info->width, info->height, s->frequency,
 		 info->lights, s->noise_levels > 0 ? 0 : s->samples, s->noise_levels, s->bounces,
 		 s->seed, s->target.rms, s->target.max, s->target.cell, info->column_cut,
-		 info->coarse, s->exact ? "yes" : "no", s->cache ? "cache = yes\n" : "");
+		 info->coarse, s->exact ? "yes" : "no", s->cache ? "cache = yes\n" : "",
+		 s->live ? "" : "reflect = cells\n");
 	if (job->scene->file->poses.count > 1) {
 		const size_t used = strlen(job->plan.provenance);
 

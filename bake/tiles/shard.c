@@ -147,12 +147,14 @@ int shard_writer_add(struct shard_writer *w, const struct finished_tile *tile, s
 {
 	const int count = tile->shown + tile->exact;
 	const size_t glass = (size_t)tile->glass_count * sizeof(*tile->glass);
+	const size_t mirrors = (size_t)tile->mirror_count * sizeof(*tile->mirror);
 	struct shard_record record = {.tile = (uint32_t)tile->tile,
 				      .pose = (uint32_t)tile->pose,
 				      .shown = (uint32_t)tile->shown,
 				      .exact = (uint32_t)tile->exact,
 				      .glass = (uint32_t)tile->glass_count,
-				      .bytes = sizeof(tile->account) + glass};
+				      .mirrors = (uint32_t)tile->mirror_count,
+				      .bytes = sizeof(tile->account) + glass + mirrors};
 	uint8_t *body, *to;
 	int err;
 
@@ -166,6 +168,9 @@ int shard_writer_add(struct shard_writer *w, const struct finished_tile *tile, s
 	if (glass)
 		memcpy(to, tile->glass, glass);
 	to += glass;
+	if (mirrors)
+		memcpy(to, tile->mirror, mirrors);
+	to += mirrors;
 	for (int k = 0; k < count; k++, to += sizeof(tile->blocks->entry))
 		memcpy(to, &tile->blocks[k].entry, sizeof(tile->blocks->entry));
 	for (int k = 0; k < count; k++) {
@@ -424,11 +429,13 @@ static int shard_take_tile(const struct basis_info_chunk *info, const struct sha
 {
 	const uint64_t count = (uint64_t)record->shown + record->exact;
 	const uint64_t glass = (uint64_t)record->glass * sizeof(*tile->glass);
-	const uint64_t fixed = sizeof(tile->account) + glass;
+	const uint64_t mirrors = (uint64_t)record->mirrors * sizeof(*tile->mirror);
+	const uint64_t fixed = sizeof(tile->account) + glass + mirrors;
 	struct basis_block_payload *blocks;
 	int err;
 
-	if (record->bytes < fixed || record->glass > BASIS_TILE * BASIS_TILE || count > INT_MAX ||
+	if (record->bytes < fixed || record->glass > BASIS_TILE * BASIS_TILE ||
+	    record->mirrors > BASIS_TILE * BASIS_TILE * BASIS_MIRROR_MOST || count > INT_MAX ||
 	    count > (record->bytes - fixed) / sizeof(blocks->entry))
 		return -EBADMSG;
 	blocks = calloc(count + 1, sizeof(*blocks));
@@ -445,6 +452,10 @@ static int shard_take_tile(const struct basis_info_chunk *info, const struct sha
 	if (!err)
 		err = finished_tile_keep_glass(tile, (const void *)(body + sizeof(tile->account)),
 					       (int)record->glass);
+	if (!err)
+		err = finished_tile_keep_mirror(
+			tile, (const void *)(body + sizeof(tile->account) + glass),
+			(int)record->mirrors);
 	if (err)
 		finished_tile_free(tile);
 	free(blocks);

@@ -26,14 +26,14 @@ struct shard_header {
 	uint64_t checksum; /* XXH3-64 of this header, with this field 0, and the plan */
 };
 
-/* The head of a record. The tile's account, pixels of glass, block entries and payloads follow
+/* The head of a record. The tile's account, pixels of glass, mirrors, block entries and payloads follow
  * it. */
 struct shard_record {
 	uint32_t tile;
 	uint32_t shown, exact;
 	uint32_t pose;
 	uint32_t glass; /* number of pixels of glass */
-	uint32_t reserved;
+	uint32_t mirrors;
 	uint64_t bytes;	   /* number of bytes that follow */
 	uint64_t checksum; /* XXH3-64 of this struct, with this field 0, and what follows */
 };

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "bake/tiles/tile_glass.h"
+#include "bake/tiles/tile_mirror.h"
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
 
@@ -45,6 +46,8 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 		err = bounce_create(&tile->bounce, cells->count);
 	if (!err)
 		err = tile_noise_create(tile);
+	if (!err && settings->live)
+		err = tile_mirror_create(tile);
 	if (!err)
 		err = create_rows(tile, TILE_OBJECT, 3);
 	if (!err)
@@ -81,6 +84,8 @@ void tile_free(struct tile *tile)
 	tile->even_sky = NULL;
 	free(tile->noise);
 	tile->noise = NULL;
+	free(tile->mirror);
+	tile->mirror = NULL;
 }
 
 /* ---- samples ---- */
@@ -99,7 +104,7 @@ static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 	else if (s->surface.kind == SURFACE_GROUND)
 		transport_add_mirrored(&tile->transport, &s->surface, v3_scale(s->direction, -1),
 				       &rows);
-	else
+	else if (!tile_mirror_add(tile, s, &rows))
 		transport_add(&tile->transport, WITH_OBJECTS, &s->surface,
 			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
 }
@@ -425,6 +430,7 @@ static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile_noise_clear(tile);
+	tile_mirror_clear(tile);
 	tile->batches = tile->samples = tile->result.part_count = 0;
 	tile->half_samples[0] = tile->half_samples[1] = 0;
 	tile->result.ratio_error = 0;
@@ -447,6 +453,7 @@ void tile_render(struct tile *tile, int index)
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
 	finish_places(tile);
 	tile_glass_finish(tile);
+	tile_mirror_finish(tile);
 	finish_object(tile);
 	if (tile_has_standins(tile))
 		finish_difference(tile);

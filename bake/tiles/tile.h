@@ -14,6 +14,7 @@
 struct tile_settings {
 	int samples;	     /* camera rays a pixel, when noise_levels is 0 */
 	double noise_levels; /* above 0: render until the noise is below this, in 8-bit levels */
+	bool live;	     /* what shines mirrors the fisheye's picture where that gains */
 	double ratio_cut;    /* with stand-ins, pixels whose ratio changes less are left out */
 	uint64_t seed;
 	const struct ensemble *ensemble; /* noise is measured under its suns; NULL: not at all */
@@ -55,6 +56,7 @@ struct tile_pixel {
 };
 
 struct tile_noise; /* tile_noise.h */
+struct tile_mirror; /* tile_mirror.h */
 
 /* A rendered tile, ready for the encoder. */
 struct tile_result {
@@ -65,6 +67,8 @@ struct tile_result {
 	uint16_t opaque[TILE_PIXELS];	/* coverage minus the largest transmission of glass */
 	struct basis_glass glass[TILE_PIXELS];
 	int glass_count;
+	struct basis_mirror mirror[TILE_PIXELS * BASIS_MIRROR_MOST];
+	int mirror_count;
 	double ratio_error; /* the largest change of a ratio that was left out */
 	float distance[BASIS_SURFACES][TILE_PIXELS]; /* basis_places.h */
 };
@@ -84,6 +88,7 @@ struct tile {
 	int batches, samples, half_samples[2];
 	struct tile_result result;
 	struct tile_noise *noise;
+	struct tile_mirror *mirror; /* NULL: nothing mirrors the fisheye's picture */
 };
 
 /*

@@ -355,7 +355,8 @@ static void deposit_sky(const struct transport *t, struct v3 direction, struct r
  * lobe; that is sampled by rays of its own alone. */
 static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 {
-	return !t->coat.state && bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
+	return !t->coat.state && !t->apart.wanted &&
+	       bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
 }
 
 /* ---- the first surfaces: a ray to every cell ---- */
@@ -609,10 +610,12 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 	struct passage passage = {.open = true, .passed = {{1, 1, 1}}};
 	float density;
 	struct random *random = t->coat.state ? &t->coat : &t->random;
+	const bool apart = t->apart.wanted;
 	struct rgb f;
 	bool met;
 	int cell;
 
+	t->apart.wanted = false;
 	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
 		return false;
@@ -637,6 +640,8 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 
 		if (passage.bent)
 			deposit_sky(t, passage.sky, part, row);
+		else if (apart)
+			t->apart = (struct transport_apart){false, cell, *wi, part};
 		else
 			deposit_cell(t, cell, part, row);
 	}
@@ -780,6 +785,15 @@ void transport_add_sky(struct transport *t, struct v3 direction, struct rgb weig
 		       const struct transport_rows *rows)
 {
 	deposit_sky(t, direction, weight, rows->direct);
+}
+
+bool transport_add_apart(struct transport *t, const struct surface *surface, struct v3 wo,
+			 const struct transport_rows *rows)
+{
+	t->apart = (struct transport_apart){.wanted = true, .cell = -1};
+	transport_add(t, WITH_OBJECTS, surface, wo, rgb_make(1, 1, 1), rows);
+	t->apart.wanted = false;
+	return t->apart.cell >= 0;
 }
 
 /* ---- shadow on flat ground ---- */

@@ -103,6 +103,13 @@ struct transport {
 	/* Draws the coat of the next glossy surface, all of it: no ray to a cell shows it as well;
 	 * state 0: not in use. */
 	struct random coat;
+	/* What the coat of the sample's first surface mirrors straight of the sky. */
+	struct transport_apart {
+		bool wanted; /* it goes here instead of to the row, and no ray to a cell shows it */
+		int cell;    /* -1: there is none */
+		struct v3 direction;
+		struct rgb light;
+	} apart;
 	bool compared; /* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
@@ -144,6 +151,11 @@ struct transport_rows {
 void transport_add(struct transport *transport, enum presence presence,
 		   const struct surface *surface, struct v3 wo, struct rgb weight,
 		   const struct transport_rows *rows);
+
+/* Adds the light of an object's glossy surface, but for what its coat mirrors straight of the sky:
+ * that is transport->apart. Returns whether there is any. */
+bool transport_add_apart(struct transport *transport, const struct surface *surface, struct v3 wo,
+			 const struct transport_rows *rows);
 
 /* Adds weight times the radiance that comes from a direction of the sky. */
 void transport_add_sky(struct transport *transport, struct v3 direction, struct rgb weight,

@@ -25,6 +25,7 @@ _Static_assert(sizeof(struct basis_pose_name) == 32, "as on disk");
 _Static_assert(sizeof(struct basis_pack) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_pack_part) == 24, "as on disk");
 _Static_assert(sizeof(struct basis_glass) == 16, "as on disk");
+_Static_assert(sizeof(struct basis_mirror) == 16, "as on disk");
 _Static_assert(sizeof(struct basis_footprint) == 528, "as on disk");
 _Static_assert(sizeof(struct basis_places) == 24, "as on disk");
 
@@ -307,6 +308,8 @@ static int read_pose(const struct basis_reader *r, const struct basis_pose_chunk
 		ret = read_layer(r, chunks->exact_blocks, chunks->exact_data, index, true);
 	if (ret == 0)
 		ret = basis_read_glass(r, chunks->glass, pose);
+	if (ret == 0)
+		ret = basis_read_mirror(r, chunks->mirror, pose);
 	return ret < 0 ? ret : basis_find_places(r, chunks->places, pose);
 }
 

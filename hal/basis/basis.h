@@ -52,6 +52,8 @@ struct basis_pose {
 	const float (*peak)[3];		   /* [lights + 1] */
 	const struct basis_glass *glass;   /* [glass_count] */
 	size_t glass_count;		   /* 0: the object shows no background */
+	const struct basis_mirror *mirror; /* [mirror_count] */
+	size_t mirror_count;		   /* 0: the object mirrors nothing of the fisheye's picture */
 	const struct basis_places *places; /* NULL: they are not known (basis_places.h) */
 	struct basis_layer shown;
 	struct basis_layer exact; /* tiles is NULL where it is absent or was not opened */
@@ -128,9 +130,14 @@ void basis_poses_expect(const struct basis *basis, const int *poses, int count);
 bool basis_pose_ready(const struct basis *basis, int pose);
 
 /* Index of the tile that contains this pixel. */
+static inline int basis_tile_of(const struct basis *basis, int x, int y)
+{
+	return y / BASIS_TILE * basis->tiles_across + x / BASIS_TILE;
+}
+
 static inline int basis_glass_tile(const struct basis *basis, const struct basis_glass *glass)
 {
-	return glass->y / BASIS_TILE * basis->tiles_across + glass->x / BASIS_TILE;
+	return basis_tile_of(basis, glass->x, glass->y);
 }
 
 /* Ground term u of a channel: [lights]. */

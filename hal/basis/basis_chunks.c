@@ -42,7 +42,7 @@ static int check_header(const struct basis_reader *r, struct basis_chunk_map *ma
 			"%s: not a basis file (%zu bytes): expected one made by inlay-bake, which begins with \"%s\"",
 			r->name, r->bytes, BASIS_MAGIC);
 	memcpy(&header, r->data, sizeof(header));
-	if (header.version != BASIS_VERSION)
+	if (header.version != BASIS_VERSION && header.version != BASIS_VERSION_MIRROR)
 		return fault_say(r->fault, -ENOTSUP,
 				 "%s: basis file of version %u, expected version %d: bake it again",
 				 r->name, header.version, BASIS_VERSION);
@@ -165,6 +165,8 @@ static const struct basis_chunk_entry **pose_slot(struct basis_pose_chunks *pose
 		return &pose->peak;
 	case BASIS_CHUNK_GLASS:
 		return &pose->glass;
+	case BASIS_CHUNK_MIRROR:
+		return &pose->mirror;
 	case BASIS_CHUNK_PLACES:
 		return &pose->places;
 	case BASIS_CHUNK_BLOCKS:

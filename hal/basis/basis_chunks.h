@@ -8,7 +8,7 @@
 /* The chunks of a pose; NULL: the file does not have it. */
 struct basis_pose_chunks {
 	const struct basis_chunk_entry *coverage, *peak, *blocks, *data, *exact_blocks, *exact_data,
-		*pack, *glass, *places;
+		*pack, *glass, *mirror, *places;
 };
 
 struct basis_chunk_map {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The basis file (.inlay), as it lies on disk: little-endian, version 10.
+ * The basis file (.inlay), as it lies on disk: little-endian, version 10, or 11 if it has
+ * chunk MIRR.
  *
  *     struct basis_file_header
  *     struct basis_chunk_entry [chunk_count]     in the order of their offsets
@@ -91,6 +92,8 @@
 
 #define BASIS_MAGIC "INLAYBAS"
 #define BASIS_VERSION 10
+/* Of a file that has MIRR: a program that does not know it would show what shines black. */
+#define BASIS_VERSION_MIRROR 11
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* alignment of every array inside a block, in bytes */
 
@@ -101,7 +104,7 @@
 #define BASIS_TILE 16
 #define BASIS_GROUNDS_MAX 256
 #define BASIS_GROUND_MAX 1e30 /* largest u: no sum of u L overflows */
-#define BASIS_CHUNKS_MAX 65536
+#define BASIS_CHUNKS_MAX 131072
 #define BASIS_POSES_MAX 8192
 #define BASIS_POSE_NAME_MAX 32	/* with its NUL */
 #define BASIS_PATTERNS_MAX 1024 /* in a block */
@@ -157,6 +160,8 @@ enum basis_chunk {
 	/* struct basis_glass []: pixels that show the background through the object; may be absent
 	 * */
 	BASIS_CHUNK_GLASS = BASIS_FOURCC('G', 'L', 'A', 'S'),
+	/* struct basis_mirror []: what the object mirrors of the sky; may be absent */
+	BASIS_CHUNK_MIRROR = BASIS_FOURCC('M', 'I', 'R', 'R'),
 	/* struct basis_pose_name [poses]; may be absent */
 	BASIS_CHUNK_POSES = BASIS_FOURCC('P', 'O', 'S', 'E'),
 	/* struct basis_places, packed maps; may be absent */
@@ -297,6 +302,30 @@ struct basis_glass {
 	uint16_t transmission[3]; /* 65535 = 1 */
 	int16_t dx, dy;
 	uint8_t spread[2]; /* across, down */
+};
+
+/*
+ * Light that a pixel of the object mirrors of the sky, in place of T, from the fisheye's picture:
+ *
+ *     O += throughput * L(u, v, level)
+ *
+ * (u, v), 65536 = 1, is the direction's place in the square of hal/optics/sky_square.h. L is read
+ * trilinearly from a pyramid of this square: level 0 has BASIS_MIRROR_SIDE texels a side, each next
+ * one half as many, and a texel is the mean by solid angle. L at a level l of BASIS_MIRROR_STEP has
+ * texels of level l / BASIS_MIRROR_STEP and of the next, mixed by what is left. throughput is
+ * averaged over the whole pixel like T. What the object itself blocks, and wider lobes, are in T.
+ */
+#define BASIS_MIRROR_SIDE 256 /* 0.56 degrees a texel, as a fisheye of 320 pixels has */
+#define BASIS_MIRROR_LEVELS 9 /* down to one texel */
+#define BASIS_MIRROR_STEP 256
+#define BASIS_MIRROR_MOST 4 /* of a pixel */
+
+/* Sorted by tile, then y, then x; a pixel may have several. */
+struct basis_mirror {
+	uint16_t x, y;		/* in the picture */
+	uint16_t u, v;		/* direction */
+	uint16_t throughput[3]; /* 65535 = 1 */
+	uint16_t level;		/* at most (BASIS_MIRROR_LEVELS - 1) BASIS_MIRROR_STEP */
 };
 
 enum basis_kind { BASIS_KIND_T, BASIS_KIND_V, BASIS_KIND_D, BASIS_KIND_U, BASIS_KIND_COUNT };

@@ -16,10 +16,10 @@
 #include "hal/basis/pack.h"
 
 /* Largest number of chunks: INFO, DOME, GROUND, COARSE and CAMERA first; DATA, BLOCKS, EXACT_DATA,
- * EXACT_BLOCKS, COVERAGE, PEAK, GLASS and PLACES for each pose, of several poses PACK in place of
+ * EXACT_BLOCKS, COVERAGE, PEAK, GLASS, MIRROR and PLACES for each pose, of several poses PACK in place of
  * DATA and COVERAGE; POSES, FOOT and PROVENANCE last. */
 #define FIRST_CHUNKS 5
-#define POSE_CHUNKS 7
+#define POSE_CHUNKS 8
 #define SINGLE_CHUNKS 1 /* more, of a single pose */
 #define LAST_CHUNKS 3
 
@@ -37,7 +37,7 @@ struct basis_writer {
 	struct output output;
 	struct basis_info_chunk info;
 	struct basis_chunk_entry *chunks;
-	uint32_t chunk_limit, chunk_count;
+	uint32_t chunk_limit, chunk_count, version;
 	uint64_t position; /* where the next byte goes */
 	XXH3_state_t *hash;
 	bool in_pose; /* the DATA chunk of a pose is open */
@@ -180,6 +180,7 @@ int basis_writer_open(struct basis_writer **writer, const char *path,
 	if (!w)
 		return fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	w->info = *info;
+	w->version = BASIS_VERSION;
 	w->chunk_limit = FIRST_CHUNKS + POSE_CHUNKS * info->poses + SINGLE_CHUNKS + LAST_CHUNKS;
 	w->chunks = calloc(w->chunk_limit, sizeof(*w->chunks));
 	w->hash = XXH3_createState();
@@ -447,6 +448,21 @@ int basis_writer_glass(struct basis_writer *w, const struct basis_glass *glass, 
 	return ret < 0 ? say_write(w, ret, fault) : 0;
 }
 
+int basis_writer_mirror(struct basis_writer *w, const struct basis_mirror *mirror, size_t count,
+			struct fault *fault)
+{
+	int ret;
+
+	if (w->in_pose || !w->poses_done || !count)
+		return fault_say(fault, -EINVAL,
+				 "%s: %zu mirrors, expected some, after the end of their pose",
+				 w->output.path, count);
+	w->version = BASIS_VERSION_MIRROR;
+	ret = chunk_write(w, BASIS_CHUNK_MIRROR, w->poses_done - 1, mirror,
+			  count * sizeof(*mirror));
+	return ret < 0 ? say_write(w, ret, fault) : 0;
+}
+
 int basis_writer_places(struct basis_writer *w, const float *const distance[BASIS_SURFACES],
 			struct fault *fault)
 {
@@ -470,7 +486,7 @@ static int write_back(struct basis_writer *w)
 	const size_t table_bytes = w->chunk_count * sizeof(*w->chunks);
 	struct basis_file_header header = {
 		.magic = BASIS_MAGIC,
-		.version = BASIS_VERSION,
+		.version = w->version,
 		.chunk_count = w->chunk_count,
 		.file_bytes = w->position,
 	};

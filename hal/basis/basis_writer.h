@@ -41,6 +41,10 @@ int basis_writer_pose_end(struct basis_writer *writer, const uint16_t *coverage,
 int basis_writer_glass(struct basis_writer *writer, const struct basis_glass *glass, size_t count,
 		       struct fault *fault);
 
+/* For a pose that mirrors the sky, likewise; after basis_writer_glass(). */
+int basis_writer_mirror(struct basis_writer *writer, const struct basis_mirror *mirror,
+			size_t count, struct fault *fault);
+
 /* Where a pose's surfaces are, distance[BASIS_SURFACES][height * width] as in basis_places.h; right
  * after its end, once, optional. */
 int basis_writer_places(struct basis_writer *writer, const float *const distance[BASIS_SURFACES],

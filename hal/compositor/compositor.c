@@ -98,6 +98,7 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 static void forget_pose(struct pose *pose)
 {
 	glass_plan_free(&pose->glass);
+	mirror_plan_free(&pose->mirrors);
 	for (int mode = 0; mode < COMPOSITOR_MODE_COUNT; mode++) {
 		struct layer *l = &pose->layer[mode];
 
@@ -118,6 +119,8 @@ static int make_pose(struct compositor *c, int index)
 	struct pose *pose = &c->poses[index];
 	int ret = glass_plan_create(&pose->glass, c->basis, basis);
 
+	if (ret == 0)
+		ret = mirror_plan_create(&pose->mirrors, c->basis, basis);
 	pose->made = true;
 	pose->turn = basis->turn;
 	for (int mode = 0; ret == 0 && mode < COMPOSITOR_MODE_COUNT; mode++)
@@ -137,6 +140,14 @@ static int create_behind(struct compositor *c)
 			if (!c->behind)
 				return -ENOMEM;
 		}
+	return 0;
+}
+
+static int create_lights_map(struct compositor *c, struct fault *fault)
+{
+	for (uint32_t p = 0; p < c->basis->info.poses; p++)
+		if (c->basis->poses[p].mirror_count)
+			return mirror_map_create(&c->lights_map, c->basis, fault);
 	return 0;
 }
 
@@ -212,6 +223,8 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->tiles = basis->tiles_across * basis->tiles_down;
 	c->settings = (struct compositor_settings){.gain = 1, .object = true};
 	ret = near_sky_create(&c->sky, basis, options->lamps, fault);
+	if (ret == 0)
+		ret = create_lights_map(c, fault);
 	if (ret < 0) {
 		compositor_destroy(c);
 		return ret;
@@ -314,5 +327,6 @@ void compositor_destroy(struct compositor *c)
 	}
 	free(c->worker);
 	free(c->behind);
+	mirror_map_free(&c->lights_map);
 	free(c);
 }

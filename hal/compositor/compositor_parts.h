@@ -8,6 +8,7 @@
 #include "hal/compositor/division.h"
 #include "hal/compositor/glass.h"
 #include "hal/compositor/live/veiled_tile.h"
+#include "hal/compositor/mirror.h"
 #include "hal/compositor/near/near_layer.h"
 #include "hal/compositor/tile.h"
 
@@ -34,6 +35,7 @@ struct layer {
 /* The plans of a pose, valid while made is true. */
 struct pose {
 	struct glass_plan glass;
+	struct mirror_plan mirrors;
 	struct layer layer[COMPOSITOR_MODE_COUNT];
 	bool made;
 	unsigned turn; /* basis_pose.turn when the plans were made */
@@ -66,7 +68,13 @@ struct compositor {
 	/* Copy of a background that is made piece by piece, where the object shows it:
 	 * [height][width] BGRX. NULL: no pose has glass. */
 	uint8_t *behind;
+	/* The lights as mirrors show them, for frames without a picture of the sky; empty: no pose
+	 * has mirrors. */
+	struct mirror_map lights_map;
 	/* The current frame. */
+	const struct mirror_plan *mirrors; /* NULL: there are none */
+	const struct mirror_map *mirrored;
+	uint32_t mirror_gain[3];
 	const struct glass_plan *glass; /* NULL: the object shows no background */
 	struct picture through;		/* background in memory, if glass is not NULL */
 	struct layer *layer;

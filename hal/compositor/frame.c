@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* One frame: light vectors and chosen columns first, then runs of tiles, shared by the threads. */
 #include <errno.h>
+#include <math.h>
 #include <string.h>
 
 #include "hal/base/clock.h"
@@ -101,6 +102,8 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 
 		fetch_ahead(c, t, rows);
 		tile_compute(&c->light, plan, &w->tile, &w->values);
+		if (c->mirrors)
+			mirror_add(c->mirrors, t, c->mirrored, c->mirror_gain, &w->values);
 		if (c->settings.rows && plan->object)
 			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
 				       tiles[t].height);
@@ -196,6 +199,22 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 	pool_run(c->pool, glass->source_count, make_behind, c);
 }
 
+/* Provides the sky that the object mirrors. */
+static void look_up(struct compositor *c, const struct mirror_plan *mirrors,
+		    const struct light_selection *lights)
+{
+	c->mirrors = mirrors->first ? mirrors : NULL;
+	if (!c->mirrors)
+		return;
+	for (int k = 0; k < 3; k++)
+		c->mirror_gain[k] = (uint32_t)lrint(fmin(
+			ldexp(c->settings.gain * lights->mirror_gain[k], 20), MIRROR_GAIN_MOST));
+	if (!lights->mirror)
+		mirror_map_fill(&c->lights_map, (const double(*)[3])lights->radiance,
+				lights->ambient);
+	c->mirrored = lights->mirror ? lights->mirror : &c->lights_map;
+}
+
 /* Makes the light vectors of the layer, and chooses columns. */
 static void make_lights(struct compositor *c)
 {
@@ -258,6 +277,7 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 	if (c->settings.object) {
 		begin_frame(c, lights);
 		look_behind(c, &c->poses[pose].glass);
+		look_up(c, &c->poses[pose].mirrors, lights);
 	}
 	pool_run(c->pool, c->layer->division.runs, frame_run, c);
 	if (c->settings.object)

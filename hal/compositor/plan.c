@@ -180,6 +180,9 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 	}
 	for (int n = 0; n < layer->block_count; n++)
 		plan->blocks[n] = plan_block(basis, &layer->blocks[n]);
+	for (size_t i = 0; i < pose->mirror_count; i++)
+		plan->tiles[basis_tile_of(basis, pose->mirror[i].x, pose->mirror[i].y)].object =
+			true;
 	for (int t = 0; t < tiles; t++) {
 		const struct basis_tile *tile = &layer->tiles[t];
 		const bool covered = is_covered(basis, pose->coverage, tile);

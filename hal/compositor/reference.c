@@ -11,6 +11,7 @@
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/live/lit_rows.h"
 #include "hal/compositor/near/near_sky.h"
+#include "hal/mirror/mirror_map.h"
 
 #define TILE_PIXELS (BASIS_TILE * BASIS_TILE)
 
@@ -25,6 +26,8 @@ struct reference_scene {
 	const double (*lamp)[3];	 /* [sky->lamps.count]: P */
 	float *distance[BASIS_SURFACES]; /* [height][width] */
 	const struct basis_tile *tile;
+	const struct mirror_map *mirror;
+	const double *mirror_gain; /* [3] */
 };
 
 struct reference_tile {
@@ -343,6 +346,51 @@ static void look_through(const struct reference_scene *s, int pose, int tile,
 	}
 }
 
+/* A texel of the pyramid; beyond its edge, the nearest. */
+static double texel_at(const struct mirror_map *map, int level, int x, int y, int c)
+{
+	const int side = BASIS_MIRROR_SIDE >> level;
+
+	return ldexp(map->texel[level][clamped_to(y, side) * side + clamped_to(x, side)].light[c],
+		     -MIRROR_ONE_BITS);
+}
+
+static double bilinear_at(const struct mirror_map *map, int level, const struct basis_mirror *m,
+			  int c)
+{
+	const double side = BASIS_MIRROR_SIDE >> level;
+	const double x = m->u / 65536.0 * side - 0.5, y = m->v / 65536.0 * side - 0.5;
+	double sum = 0;
+
+	for (int k = 0; k < 4; k++)
+		sum += (k % 2 ? x - floor(x) : 1 - x + floor(x)) *
+		       (k / 2 ? y - floor(y) : 1 - y + floor(y)) *
+		       texel_at(map, level, (int)floor(x) + k % 2, (int)floor(y) + k / 2, c);
+	return sum;
+}
+
+/* Adds what the pixels of a tile mirror of the sky. */
+static void look_up(const struct reference_scene *s, int pose, int tile, struct reference_tile *v)
+{
+	const struct basis_pose *p = &s->basis->poses[pose];
+
+	for (size_t i = 0; s->settings->object && i < p->mirror_count; i++) {
+		const struct basis_mirror *m = &p->mirror[i];
+		const int at = m->y % BASIS_TILE * BASIS_TILE + m->x % BASIS_TILE;
+		const int level = m->level / BASIS_MIRROR_STEP;
+		const double next = m->level % BASIS_MIRROR_STEP / (double)BASIS_MIRROR_STEP;
+
+		for (int c = 0; c < 3 && basis_tile_of(s->basis, m->x, m->y) == tile; c++) {
+			double light = (1 - next) * bilinear_at(s->mirror, level, m, c);
+
+			if (next > 0)
+				light += next * bilinear_at(s->mirror, level + 1, m, c);
+			v->object[at][c] += s->settings->gain * s->mirror_gain[c] * light *
+					    m->throughput[c] / 65535.0;
+		}
+	}
+}
+
 /* What people hide of a pixel, and their colour in code values 0..255. */
 struct reference_veil {
 	double front, anybody, foremost[3];
@@ -420,6 +468,7 @@ static int reference_write(struct reference_scene *s, int pose, const struct pic
 		s->tile = &layer->tiles[t];
 		fill_tile(s, s->tile, values);
 		look_through(s, pose, t, background, values);
+		look_up(s, pose, t, values);
 		write_tile(s, pose, t, background, values, out);
 	}
 	free(values);
@@ -448,7 +497,11 @@ int compositor_reference(const struct basis *basis, int pose,
 			 double *out)
 {
 	const struct basis_info_chunk *info = &basis->info;
-	struct reference_scene scene = {.basis = basis, .settings = settings};
+	struct reference_scene scene = {.basis = basis,
+					.settings = settings,
+					.mirror = lights->mirror,
+					.mirror_gain = lights->mirror_gain};
+	struct mirror_map map = {.cell = NULL};
 	int ret;
 
 	if (pose < 0 || (uint32_t)pose >= info->poses || background->width != (int)info->width ||
@@ -463,6 +516,13 @@ int compositor_reference(const struct basis *basis, int pose,
 	scene.x = calloc(info->lights, sizeof(*scene.x));
 	scene.y = calloc(info->coarse, sizeof(*scene.y));
 	ret = scene.radiance && scene.x && scene.y ? find_places(&scene, pose, lights) : -ENOMEM;
+	if (ret == 0 && basis->poses[pose].mirror_count && !scene.mirror) {
+		ret = mirror_map_create(&map, basis, NULL);
+		if (ret == 0)
+			mirror_map_fill(&map, (const double(*)[3])lights->radiance,
+					lights->ambient);
+		scene.mirror = &map;
+	}
 	if (ret == 0) {
 		for (int i = 0; i < lights->count; i++) {
 			for (int c = 0; c < 3; c++)
@@ -476,5 +536,6 @@ int compositor_reference(const struct basis *basis, int pose,
 	for (int k = 0; k < BASIS_SURFACES; k++)
 		free(scene.distance[k]);
 	near_sky_destroy(scene.sky);
+	mirror_map_free(&map);
 	return ret;
 }

@@ -14,7 +14,7 @@ int light_selection_create(struct light_selection *selection, const struct basis
 {
 	const size_t n = basis->info.lights;
 
-	*selection = (struct light_selection){.count = (int)n};
+	*selection = (struct light_selection){.count = (int)n, .mirror_gain = {1, 1, 1}};
 	selection->radiance = calloc(n, sizeof(*selection->radiance));
 	selection->used = calloc(n, sizeof(*selection->used));
 	selection->bound = calloc(n, sizeof(*selection->bound));

@@ -13,6 +13,8 @@ enum threshold_mode { THRESHOLD_AMBIENT, THRESHOLD_DROP, THRESHOLD_MODE_COUNT };
 
 extern const char *const threshold_mode_names[]; /* "ambient", "drop", NULL */
 
+struct mirror_map;
+
 /* The lights that a frame uses (thesis 3.2.2). */
 struct light_selection {
 	int count;	       /* N */
@@ -26,6 +28,10 @@ struct light_selection {
 	 * lamps, and in compositor_reference() where lamps, borrowed, tells where they are. */
 	double lamp[LAMPS_MAX][3];
 	const struct lamps *lamps;
+	/* Set by the owner, NULL and 1 as created: the sky as mirrors show it, borrowed, and its
+	 * factors; NULL: mirrors show the lights' cells. Nothing of it is ever dropped. */
+	const struct mirror_map *mirror;
+	double mirror_gain[3];
 	/*
 	 * Bound, in each channel, for the error of the object's radiance in any pixel:
 	 *     gain max(sum over dropped of L_i peak_i, ambient peak_total)

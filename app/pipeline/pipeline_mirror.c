@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT */
+/* The sky as mirrors show it: the fisheye's picture, with the light that it clips. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/pipeline/pipeline_parts.h"
+
+int pipeline_mirror_prepare(struct pipeline *p, struct fault *fault)
+{
+	const size_t lights = p->basis->info.lights;
+	struct pipeline_mirror *m = &p->mirror;
+
+	for (uint32_t pose = 0; pose < p->basis->info.poses; pose++)
+		m->on |= p->basis->poses[pose].mirror_count > 0;
+	if (!m->on)
+		return 0;
+	m->measured = calloc(lights * EXPOSURES_PARTS, sizeof(*m->measured));
+	m->clipped = calloc(lights * EXPOSURES_PARTS, sizeof(*m->clipped));
+	m->more = calloc(lights, sizeof(*m->more));
+	if (!m->measured || !m->clipped || !m->more)
+		return fault_say(fault, -ENOMEM, "not enough memory for mirrors");
+	return mirror_map_create(&m->map, p->basis, fault);
+}
+
+void pipeline_mirror_free(struct pipeline *p)
+{
+	mirror_eye_free(&p->mirror.eye);
+	mirror_map_free(&p->mirror.map);
+	free(p->mirror.measured);
+	free(p->mirror.clipped);
+	free(p->mirror.more);
+	p->mirror = (struct pipeline_mirror){.on = false};
+}
+
+void pipeline_mirror_given(struct pipeline *p)
+{
+	p->mirror.seen = false;
+	p->mirror.due = true;
+}
+
+static void fill_decode(const struct transfer_curve *curve, uint16_t decode[256])
+{
+	for (int code = 0; code < 256; code++)
+		decode[code] = (uint16_t)lrint(
+			65535 * fmin(fmax(transfer_curve_decode(curve, code / 255.0), 0), 1));
+}
+
+int pipeline_mirror_take(struct pipeline *p, const struct frame_reader *frame,
+			 const struct image *linear)
+{
+	struct pipeline_mirror *m = &p->mirror;
+	uint16_t decode[256];
+	int err = 0;
+
+	if (!m->on || p->light.exposure > 0)
+		return 0;
+	if (linear) {
+		err = mirror_eye_take_linear(&m->eye, linear);
+	} else {
+		fill_decode(&p->settings.sampler.curve, decode);
+		mirror_eye_take(&m->eye, frame, decode);
+	}
+	light_sampler_place(p->light.sampler, light_sampler_measured(p->light.sampler),
+			    m->measured);
+	light_sampler_place_shares(p->light.sampler, light_sampler_clipped(p->light.sampler),
+				   m->clipped);
+	m->seen = m->due = !err;
+	return err;
+}
+
+/* Multiplies gain, matrix and what makes light neutral (mix_grey()) into one matrix. */
+static void fill_colours(const struct pipeline_settings *settings, double colours[9])
+{
+	static const double luminance[] = {0.2126, 0.7152, 0.0722}; /* ITU-R BT.709 */
+	const struct light_sampler_settings *s = &settings->sampler;
+	double from[9];
+	bool none = true;
+
+	for (int k = 0; k < 9; k++)
+		none = none && s->colours[k] == 0;
+	for (int k = 0; k < 9; k++)
+		from[k] = s->gain * (none ? k % 4 == 0 : s->colours[k]);
+	for (int k = 0; k < 9; k++) {
+		double grey = 0;
+
+		for (int c = 0; c < 3; c++)
+			grey += luminance[c] * from[3 * c + k % 3];
+		colours[k] = from[k] + settings->neutral * (grey - from[k]);
+	}
+}
+
+/* What the light has above the picture is what its clipped pixels lack. */
+static void fill_clipped(const struct pipeline *p)
+{
+	const struct pipeline_mirror *m = &p->mirror;
+
+	for (int i = 0; i < p->selection.count; i++)
+		for (int c = 0; c < 3; c++)
+			m->more[i][c] = m->clipped[i] > 0
+						? fmax((double)p->light.radiance[i][c] -
+							       (double)m->measured[i][c],
+						       0) / (double)m->clipped[i]
+						: 0;
+}
+
+void pipeline_mirror_show(struct pipeline *p)
+{
+	static const double none[3] = {0, 0, 0};
+	struct pipeline_mirror *m = &p->mirror;
+	struct mirror_light light = {.clipped = (const double(*)[3])m->more};
+
+	if (!m->on)
+		return;
+	p->selection.mirror = &m->map;
+	for (int c = 0; c < 3; c++)
+		p->selection.mirror_gain[c] = 1;
+	if (!m->seen) {
+		for (int i = 0; i < p->selection.count; i++)
+			for (int c = 0; c < 3; c++)
+				m->more[i][c] = (double)p->light.radiance[i][c];
+		if (m->due)
+			mirror_map_fill(&m->map, (const double(*)[3])m->more, none);
+		m->due = false;
+		return;
+	}
+	if (!m->due)
+		return;
+	fill_colours(&p->settings, light.colours);
+	fill_clipped(p);
+	mirror_eye_fill(&m->eye, &light, &m->map);
+	m->due = false;
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* The fisheye's picture as mirrors show it. */
+#ifndef INLAY_HAL_MIRROR_MIRROR_EYE_H
+#define INLAY_HAL_MIRROR_MIRROR_EYE_H
+
+#include "hal/frame/frame_reader.h"
+#include "hal/image/image.h"
+#include "hal/mirror/mirror_map.h"
+#include "hal/optics/fisheye.h"
+
+struct mirror_eye {
+	int width, height;   /* of the fisheye's picture; 0: none yet */
+	int taps;	     /* places in each texel at which the picture is read */
+	uint32_t *tap;	     /* [MIRROR_TEXELS][taps]: y * width + x */
+	uint16_t *brighter;  /* [MIRROR_TEXELS]: 1 / the lens's falloff, 4096 = 1 */
+	uint32_t *row;	     /* [width] */
+	uint16_t (*light)[4]; /* [height][width]: of the last picture; light[3]: 1 where it clips */
+	float *linear;	     /* [height][width][3]: a linear picture instead; NULL: none yet */
+	bool is_linear;	     /* the last picture is in linear */
+};
+
+/* How code values become light. */
+struct mirror_light {
+	uint16_t decode[256]; /* linear light of each code value, 65535 = 1 */
+	/* From the picture's colours to those of the background, gain included, row by row. */
+	double colours[9];
+	/* [lights]: radiance to add to clipped pixels of each light, in those colours; 0: none. */
+	const double (*clipped)[3];
+};
+
+/* Prepares for upright pictures of this size. -ENOMEM. */
+int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int width, int height);
+void mirror_eye_free(struct mirror_eye *eye); /* idempotent; zeroed is fine */
+
+/* Takes a picture of that size, of code values or of linear radiance, which is then not needed. The
+ * second may return -ENOMEM. */
+void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame,
+		     const uint16_t decode[256]);
+int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture);
+
+/* Fills the map from the picture taken last. */
+void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_light *light,
+		     struct mirror_map *map);
+
+#endif
