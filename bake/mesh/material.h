@@ -23,6 +23,10 @@
 #include "bake/mesh/coat_energy.h"
 #include "hal/image/image.h"
 
+/* Coats up to this GGX alpha, roughness 0.25, are mirrors: their lobes are no wider than a cell of
+ * 7 degrees. */
+#define MATERIAL_MIRROR_ALPHA 0.0625f
+
 enum material_kind { MATERIAL_DIFFUSE, MATERIAL_GLOSSY, MATERIAL_GLASS, MATERIAL_KIND_COUNT };
 
 extern const char *const material_kind_names[]; /* "diffuse", "glossy", "glass", NULL */

@@ -6,8 +6,6 @@
 
 #include "hal/optics/sky_square.h"
 
-/* Lobes of a rougher coat (roughness 0.25) are wider than cells of 7 degrees. */
-#define ALPHA_MOST 0.0625f
 /* A pixel's spots are found by this many samples; further ones count by their sums alone. */
 #define SAMPLES_MOST 128
 #define SAMPLES_LEAST 4
@@ -70,7 +68,7 @@ bool tile_mirror_add(struct tile *tile, const struct tile_sample *s,
 	struct mirror_pixel *p;
 	double d[3], place[2];
 
-	if (!tile->mirror || bsdf->kind != MATERIAL_GLOSSY || bsdf->alpha > ALPHA_MOST ||
+	if (!tile->mirror || bsdf->kind != MATERIAL_GLOSSY || bsdf->alpha > MATERIAL_MIRROR_ALPHA ||
 	    s->surface.kind != SURFACE_OBJECT)
 		return false;
 	if (!transport_add_apart(t, &s->surface, v3_scale(s->direction, -1), rows))

@@ -733,7 +733,8 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
 		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
 {
-	float *const row = depth == 0 ? rows->direct : rows->bounce;
+	const bool sharp = depth <= t->sharp;
+	float *const row = sharp ? rows->direct : rows->bounce;
 	struct surface s = *at, mirrored;
 	struct rgb base, coat = {{0, 0, 0}};
 	struct onward onward = {.count = 0};
@@ -743,7 +744,7 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 	if (!pass_glass(t, presence, &s, &wo, &weight, row))
 		return;
 	cached = add_cached(t, &s, wo, weight, row);
-	all = depth <= ALL_CELLS_DEPTH && !cached;
+	all = (sharp || depth <= ALL_CELLS_DEPTH) && !cached;
 	if (!cached)
 		onward = all ? spread_to_cells(t, presence, &s, wo, weight, depth, row,
 					       rows->bounce)
@@ -767,8 +768,11 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 			coat = rgb_make(0, 0, 0);
 		}
 	}
-	if (depth < t->bounces && rgb_peak(coat) > 0)
+	if (depth < t->bounces && rgb_peak(coat) > 0) {
+		t->sharp = sharp && s.bsdf.alpha <= MATERIAL_MIRROR_ALPHA ? depth + 1 : t->sharp;
 		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
+		t->sharp = sharp ? depth : t->sharp;
+	}
 	follow_onward(t, presence, &s, &onward, base, depth + 1, rows);
 }
 
@@ -777,6 +781,7 @@ void transport_add(struct transport *t, enum presence presence, const struct sur
 {
 	t->compared = surface->kind != SURFACE_OBJECT;
 	t->gathered = false;
+	t->sharp = 0;
 	t->mirrored = 0;
 	add_path(t, presence, surface, wo, weight, 0, rows);
 }
@@ -881,6 +886,7 @@ void transport_add_mirrored(struct transport *t, const struct surface *ground, s
 {
 	t->compared = false;
 	t->gathered = false;
+	t->sharp = 0;
 	t->mirrored = 0;
 	t->coat = t->random;
 	add_path(t, WITH_OBJECTS, ground, wo, rgb_make(1, 1, 1), 0, rows);

@@ -110,6 +110,7 @@ struct transport {
 		struct v3 direction;
 		struct rgb light;
 	} apart;
+	int sharp;     /* number of mirrors before the first other surface, on the path so far */
 	bool compared; /* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
@@ -135,8 +136,8 @@ void transport_free(struct transport *transport); /* idempotent; zeroed is fine 
 void transport_begin(struct transport *transport, uint64_t seed, uint32_t pixel, uint32_t sample);
 
 /* The rows that a sample adds to. Light that met exactly one surface has a row of its own, as it is
- * sharp and almost without noise, while the rest is smooth and noisy. Clear glass before the first
- * other surface does not count. */
+ * sharp and almost without noise, while the rest is smooth and noisy. Clear glass and mirrors
+ * (MATERIAL_MIRROR_ALPHA) before the first other surface do not count. */
 struct transport_rows {
 	/* [3][count]: light of one surface; for a shadow [transport_shadow_channels()][count] */
 	float *direct;
