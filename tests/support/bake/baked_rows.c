@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "hal/basis/basis_layout.h"
+#include "hal/optics/sky_square.h"
 
 /* out[i] += what a block says of light i at its p-th pixel, channel c. The block has no
  * patterns. */
@@ -63,6 +64,31 @@ double baked_object(const struct basis *basis, int x, int y, int c, const double
 	baked_row(basis, x, y, BASIS_KIND_T, c, row);
 	for (uint32_t i = 0; i < basis->info.lights; i++)
 		sum += row[i] * (light ? light[i] : 1);
+	return sum + baked_mirrored(basis, x, y, c, light);
+}
+
+double baked_mirrored(const struct basis *basis, int x, int y, int c, const double *light)
+{
+	const struct basis_pose *pose = &basis->poses[0];
+	double sum = 0;
+
+	for (size_t k = 0; k < pose->mirror_count; k++) {
+		const struct basis_mirror *m = &pose->mirror[k];
+		const double place[2] = {m->u / 65536.0, m->v / 65536.0};
+		double d[3], near = -2, seen = 1;
+
+		if (m->x != x || m->y != y)
+			continue;
+		sky_square_direction(place, d);
+		for (uint32_t i = 0; light && i < basis->info.lights; i++) {
+			const double *to = basis->lights[i].direction;
+			const double dot = d[0] * to[0] + d[1] * to[1] + d[2] * to[2];
+
+			seen = dot > near ? light[i] : seen;
+			near = dot > near ? dot : near;
+		}
+		sum += m->throughput[c] / 65535.0 * seen;
+	}
 	return sum;
 }
 

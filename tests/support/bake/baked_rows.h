@@ -13,8 +13,10 @@
 /* out[lights] = t_i, v_i, d_i or u_i of a pixel, by the kind. False, and zeros: no such row. */
 bool baked_row(const struct basis *basis, int x, int y, enum basis_kind kind, int c, double *out);
 
-/* sum over i of t_i L_i */
+/* sum over i of t_i L_i, and what the pixel mirrors: the light of the nearest node, without blur */
 double baked_object(const struct basis *basis, int x, int y, int c, const double *light);
+
+double baked_mirrored(const struct basis *basis, int x, int y, int c, const double *light);
 
 /* The ground's ratio s / u, from V or from D and U; 1 where there is neither. */
 double baked_ratio(const struct basis *basis, int x, int y, int c, const double *light);

@@ -279,7 +279,8 @@ TEST("mirror")
 	small_scene_write(
 		"m.ini",
 		"[camera]\nposition = 0 -40 0\nlook_at = 0 0 0\nfield_deg = 3\nwidth = 40\n"
-		"height = 40\n[dome]\nfrequency = 6\n[render]\nsamples = 16\n[object ball]\n"
+		"height = 40\n[dome]\nfrequency = 6\n[render]\nsamples = 16\nreflect = cells\n"
+		"[object ball]\n"
 		"file = ball.obj\nup = z\nmaterial = mirror\n[material mirror]\nkind = glossy\n"
 		"colour = 0 0 0\nspecular = 1 1 1\nroughness = 0\n");
 	basis = small_scene_bake("m.ini");
@@ -323,6 +324,43 @@ TEST("mirror")
 	assert_true(checked > 200 && strays < 4 && fabs(all / checked) < 0.002);
 	basis_close(&basis);
 	dome_free(&dome);
+}
+
+/* What is mirrored live is what cells would get: the same light in all, from the same directions. */
+TEST("live mirror")
+{
+	double even[2] = {0, 0}, sky[2] = {0, 0}, live = 0, light[512];
+	struct basis basis;
+
+	small_scene_write_sphere("ball.obj", 1, 128);
+	for (int k = 0; k < 2; k++) {
+		small_scene_write(
+			"m.ini",
+			"[camera]\nposition = 0 -6 2\nlook_at = 0 0 0.8\nfield_deg = 30\n"
+			"width = 40\nheight = 40\n[dome]\nfrequency = 6\n[render]\nsamples = 32\n"
+			"reflect = %s\n[ground]\n[object ball]\nfile = ball.obj\nup = z\nstand = yes\n"
+			"material = mirror\n[material mirror]\nkind = glossy\n"
+			"colour = 0.3 0.2 0.1\nspecular = 0.4 0.5 0.6\nroughness = 0.1\n",
+			k ? "live" : "cells");
+		basis = small_scene_bake("m.ini");
+		assert_int_equal(basis.poses[0].mirror_count > 0, k);
+		for (uint32_t i = 0; i < basis.info.lights; i++)
+			light[i] = 1 + basis.lights[i].direction[0] +
+				   0.5 * basis.lights[i].direction[1];
+		for (int at = 0; at < 3 * 40 * 40; at++) {
+			const int c = at % 3, x = at / 3 % 40, y = at / 3 / 40;
+
+			even[k] += baked_object(&basis, x, y, c, NULL);
+			sky[k] += baked_object(&basis, x, y, c, light);
+			live += baked_mirrored(&basis, x, y, c, NULL);
+		}
+		basis_close(&basis);
+	}
+	print_message("# live: %.3f of the light, which changes by %+.5f; in an uneven sky %+.5f\n",
+		      live / even[1], even[1] / even[0] - 1, sky[1] / sky[0] - 1);
+	assert_true(live > 0.2 * even[1]);
+	assert_true(fabs(even[1] / even[0] - 1) < 0.002);
+	assert_true(fabs(sky[1] / sky[0] - 1) < 0.005);
 }
 
 /* ---- stand-ins ---- */

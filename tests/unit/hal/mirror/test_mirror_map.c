@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/* The sky as mirrors show it: look-ups against double precision and at their extremes, energy, and
+ * the fisheye's picture against the light that the sampler measures. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "hal/lights/sampler.h"
+#include "hal/mirror/mirror_eye.h"
+#include "hal/optics/sky_square.h"
+#include "tests/support/chance.h"
+#include "tests/support/expect.h"
+#include "tests/support/test.h"
+
+#define FREQUENCY 9
+
+/* A basis that is nothing but the lights of a dome. */
+struct sky {
+	struct dome dome;
+	struct basis_light *lights;
+	struct basis basis;
+	struct mirror_map map;
+};
+
+static void sky_open(struct sky *sky)
+{
+	struct fault fault = {""};
+
+	memset(sky, 0, sizeof(*sky));
+	assert_int_equal(dome_create(&sky->dome, FREQUENCY, &fault), 0);
+	sky->lights = calloc((size_t)sky->dome.count, sizeof(*sky->lights));
+	assert_non_null(sky->lights);
+	for (int i = 0; i < sky->dome.count; i++) {
+		memcpy(sky->lights[i].direction, sky->dome.direction[i], 3 * sizeof(double));
+		sky->lights[i].solid_angle_sr = sky->dome.solid_angle_sr[i];
+	}
+	sky->basis.lights = sky->lights;
+	sky->basis.info.lights = (uint32_t)sky->dome.count;
+	sky->basis.info.dome_frequency = FREQUENCY;
+	assert_int_equal(mirror_map_create(&sky->map, &sky->basis, &fault), 0);
+}
+
+static void sky_close(struct sky *sky)
+{
+	mirror_map_free(&sky->map);
+	free(sky->lights);
+	dome_free(&sky->dome);
+}
+
+static double looked(const struct mirror_map *map, double u, double v, int level, int c)
+{
+	const struct basis_mirror m = {.u = (uint16_t)lround(fmin(65536 * u, 65535)),
+				       .v = (uint16_t)lround(fmin(65536 * v, 65535)),
+				       .level = (uint16_t)level};
+	uint64_t light[3];
+
+	mirror_map_look(map, &m, light);
+	return ldexp((double)light[c], -MIRROR_LOOK_BITS);
+}
+
+TEST("an even sky is even everywhere")
+{
+	static const double none[3], one[][3] = {{0.25, 1, 200000}};
+	struct sky sky;
+	double(*radiance)[3];
+	struct chance chance = chance_begin("even sky");
+
+	sky_open(&sky);
+	radiance = calloc((size_t)sky.dome.count, sizeof(*radiance));
+	assert_non_null(radiance);
+	for (int i = 0; i < sky.dome.count; i++)
+		memcpy(radiance[i], one[0], sizeof(one[0]));
+	mirror_map_fill(&sky.map, (const double(*)[3])radiance, none);
+	for (int k = 0; k < 1000; k++) {
+		const struct basis_mirror m = {.u = (uint16_t)chance_int(&chance, 0, 65535),
+					       .v = (uint16_t)chance_int(&chance, 0, 65535),
+					       .level = (uint16_t)chance_int(&chance, 0, 2048)};
+		uint64_t light[3];
+
+		mirror_map_look(&sky.map, &m, light);
+		for (int c = 0; c < 3; c++)
+			assert_true(light[c] == (uint64_t)ldexp(one[0][c], MIRROR_LOOK_BITS));
+	}
+	free(radiance);
+	sky_close(&sky);
+}
+
+/* Bilinear in double precision; beyond the edge, the nearest texel. */
+static double bilinear(const struct mirror_map *map, int level, double u, double v, int c)
+{
+	const int side = BASIS_MIRROR_SIDE >> level;
+	const double x = u * side - 0.5, y = v * side - 0.5;
+	double sum = 0;
+
+	for (int k = 0; k < 4; k++) {
+		const int i = (int)fmin(fmax(floor(x) + k % 2, 0), side - 1);
+		const int j = (int)fmin(fmax(floor(y) + k / 2, 0), side - 1);
+
+		sum += (k % 2 ? x - floor(x) : 1 - x + floor(x)) *
+		       (k / 2 ? y - floor(y) : 1 - y + floor(y)) *
+		       ldexp(map->texel[level][j * side + i].light[c], -MIRROR_ONE_BITS);
+	}
+	return sum;
+}
+
+TEST("looks up as in double precision")
+{
+	struct chance chance = chance_begin("look-ups");
+	double most = 0;
+	struct sky sky;
+
+	sky_open(&sky);
+	for (int at = 0; at < MIRROR_TEXELS; at++)
+		for (int c = 0; c < 3; c++)
+			sky.map.texel[0][at].light[c] = mirror_texel_of(chance_real(&chance, 0, 1));
+	mirror_map_finish(&sky.map);
+	for (int k = 0; k < 20000; k++) {
+		const int level = (int)chance_int(&chance, 0, 2048), whole = level / 256;
+		const double u = (double)chance_int(&chance, 0, 65535) / 65536;
+		const double v = (double)chance_int(&chance, 0, 65535) / 65536;
+		const double next = level % 256 / 256.0;
+		double want = (1 - next) * bilinear(&sky.map, whole, u, v, k % 3);
+
+		if (next > 0)
+			want += next * bilinear(&sky.map, whole + 1, u, v, k % 3);
+		most = fmax(most, fabs(looked(&sky.map, u, v, level, k % 3) - want));
+	}
+	/* Of coarse levels the place between texels is rounded down to 1/256, in two directions. */
+	print_message("# look-ups: off by %.5f at most\n", most);
+	assert_true(most < 2.0 / 256);
+	sky_close(&sky);
+}
+
+TEST("the brightest light fits")
+{
+	struct sky sky;
+
+	sky_open(&sky);
+	for (int at = 0; at < MIRROR_TEXELS; at++)
+		for (int c = 0; c < 3; c++)
+			sky.map.texel[0][at].light[c] = UINT32_MAX;
+	mirror_map_finish(&sky.map);
+	for (int level = 0; level <= 2048; level += 128)
+		assert_true(looked(&sky.map, 0.3, 0.7, level, 1) ==
+			    ldexp(UINT32_MAX, -MIRROR_ONE_BITS));
+	sky_close(&sky);
+}
+
+/* The mean of what is looked up over all directions is that of the sky, at every level. */
+TEST("no level gains or loses light")
+{
+	struct sky sky;
+	double all = 0, whole = 0;
+
+	sky_open(&sky);
+	for (int at = 0; at < MIRROR_TEXELS; at++) {
+		/* patches of some degrees, a few of them a hundred times as bright */
+		struct chance patch = {(uint64_t)(at / 2048 * 32 + at % 256 / 8)};
+		const double light = chance_real(&patch, 0, 1) *
+				     (chance_int(&patch, 0, 63) ? 1 : 100);
+
+		sky.map.texel[0][at].light[0] = mirror_texel_of(light);
+		all += sky.map.texel_sr[at] * ldexp(sky.map.texel[0][at].light[0], -MIRROR_ONE_BITS);
+		whole += sky.map.texel_sr[at];
+	}
+	expect_below(fabs(whole / (2 * M_PI) - 1), 1e-4, "solid angle");
+	mirror_map_finish(&sky.map);
+	for (int level = 0; level <= 4; level++) {
+		double sum = 0;
+
+		for (int at = 0; at < MIRROR_TEXELS; at++)
+			sum += sky.map.texel_sr[at] *
+			       looked(&sky.map, (at % 256 + 0.5) / 256, (at / 256 + 0.5) / 256,
+				      256 * level, 0);
+		print_message("# level %d: %+.5f\n", level, sum / all - 1);
+		expect_below(fabs(sum / all - 1), 0.005 * (1 + level), "level %d", level);
+	}
+	sky_close(&sky);
+}
+
+/* ---- the fisheye's picture ---- */
+
+#define SIDE 320
+
+/* An 8-bit picture of a lens that is tilted, off its middle and squashed: light that rises towards
+ * +X, and a lamp of ten degrees at a direction. Black where there is no sky. */
+static void draw_sky(const struct fisheye *lens, const double lamp[3], uint8_t *picture)
+{
+	for (int at = 0; at < SIDE * SIDE; at++) {
+		const double px[2] = {at % SIDE + 0.5, at / SIDE + 0.5};
+		double d[3];
+		const bool sky = fisheye_ray(lens, px, d) && d[2] >= 0;
+		const bool lit = sky && d[0] * lamp[0] + d[1] * lamp[1] + d[2] * lamp[2] >
+						cos(5 * M_PI / 180);
+
+		for (int c = 0; c < 3; c++)
+			picture[4 * at + c] = !sky ? 0 : lit ? 255 : (uint8_t)(100 + 40 * d[0]);
+	}
+}
+
+static struct fisheye tilted_lens(void)
+{
+	const struct fisheye_settings settings = {
+		.focal_px = {95, 88},
+		.centre_px = {165, 157},
+		.rotation_deg = {4, -7, 65},
+		.field_deg = 100,
+		.falloff = {-0.1, 0, 0},
+	};
+	struct fault fault = {""};
+	struct fisheye lens;
+
+	assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, &fault), 0);
+	return lens;
+}
+
+TEST("shows the picture where it is, and all of its light")
+{
+	static const double lamp[3] = {0.6, -0.48, 0.64};
+	const struct light_sampler_settings settings = {.curve = {.named = TRANSFER_SRGB},
+							.gain = 0.7};
+	const struct fisheye lens = tilted_lens();
+	uint8_t *picture = malloc((size_t)SIDE * SIDE * 4);
+	struct mirror_light light = {.colours = {0.7, 0, 0, 0, 0.7, 0, 0, 0, 0.7}};
+	struct light_sampler *sampler;
+	struct fault fault = {""};
+	struct frame_reader reader;
+	struct mirror_eye eye = {.width = 0};
+	struct picture view = {picture, 4, 4 * SIDE, SIDE, SIDE};
+	float(*radiance)[3];
+	double cells = 0, map = 0, middle[3] = {0, 0, 0}, place[2], length;
+	struct sky sky;
+
+	sky_open(&sky);
+	radiance = calloc((size_t)sky.dome.count, sizeof(*radiance));
+	assert_true(picture && radiance);
+	draw_sky(&lens, lamp, picture);
+	reader = frame_reader_of(&view);
+	assert_int_equal(light_sampler_create(&sampler, &sky.dome, &lens, SIDE, SIDE, &settings,
+					      &fault),
+			 0);
+	assert_int_equal(light_sampler_read(sampler, &view, radiance, NULL), 0);
+	for (int code = 0; code < 256; code++)
+		light.decode[code] =
+			(uint16_t)lrint(65535 * transfer_decode(TRANSFER_SRGB, code / 255.0));
+	assert_int_equal(mirror_eye_prepare(&eye, &lens, SIDE, SIDE), 0);
+	mirror_eye_take(&eye, &reader, light.decode);
+	mirror_eye_fill(&eye, &light, &sky.map);
+	for (int i = 0; i < sky.dome.count; i++)
+		cells += sky.dome.solid_angle_sr[i] * (double)radiance[i][1];
+	for (int at = 0; at < MIRROR_TEXELS; at++) {
+		const double texel = ldexp(sky.map.texel[0][at].light[1], -MIRROR_ONE_BITS);
+		double d[3];
+
+		place[0] = (at % 256 + 0.5) / 256;
+		place[1] = (at / 256 + 0.5) / 256;
+		sky_square_direction(place, d);
+		map += sky.map.texel_sr[at] * texel;
+		assert_true(texel > 0.02); /* no texel is black, at the horizon neither */
+		for (int k = 0; k < 3 && texel > 0.6; k++)
+			middle[k] += d[k] * sky.map.texel_sr[at];
+	}
+	print_message("# light of the picture: %.4f in cells, %.4f in mirrors\n", cells, map);
+	expect_below(fabs(map / cells - 1), 0.005, "all light");
+	length = sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
+	for (int k = 0; k < 3; k++)
+		expect_below(fabs(middle[k] / length - lamp[k]), 0.01, "direction %d", k);
+	/* What clips may get more, and nothing else does. */
+	{
+		double(*more)[3] = calloc((size_t)sky.dome.count, sizeof(*more));
+		double after = 0, gained = 0;
+
+		assert_non_null(more);
+		for (int i = 0; i < sky.dome.count; i++)
+			more[i][1] = 9;
+		light.clipped = (const double(*)[3])more;
+		mirror_eye_fill(&eye, &light, &sky.map);
+		for (int at = 0; at < MIRROR_TEXELS; at++)
+			after += sky.map.texel_sr[at] *
+				 ldexp(sky.map.texel[0][at].light[1], -MIRROR_ONE_BITS);
+		gained = (after - map) / 9 / (2 * M_PI * (1 - cos(5 * M_PI / 180)));
+		expect_below(fabs(gained - 1), 0.03, "clipped solid angle");
+		free(more);
+	}
+	light_sampler_destroy(sampler);
+	mirror_eye_free(&eye);
+	free(radiance);
+	free(picture);
+	sky_close(&sky);
+}
