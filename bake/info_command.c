@@ -37,6 +37,7 @@ struct summary {
 	struct layer_sum shown, exact;
 	bool has_exact; /* in any pose */
 	long tiles, covered, seen_through;
+	long mirrored, look_ups; /* pixels that mirror the fisheye's picture; their look-ups */
 	uint64_t bytes; /* of the file */
 };
 
@@ -95,6 +96,12 @@ static void summary_add_pose(struct summary *s, const struct basis *basis,
 	for (long i = 0; i < pixels; i++)
 		s->covered += pose->coverage[i] > 0;
 	s->seen_through += (long)pose->glass_count;
+	s->look_ups += (long)pose->mirror_count;
+	for (size_t i = 0; i < pose->mirror_count; i++) {
+		const struct basis_mirror *m = &pose->mirror[i];
+
+		s->mirrored += !i || m->x != m[-1].x || m->y != m[-1].y;
+	}
 }
 
 /* Loads one pose after the other, so that only one is in memory at a time. */
@@ -234,6 +241,10 @@ static void print_text(const struct basis *basis, const struct summary *s, const
 	printf("the object covers %ld pixels", s->covered);
 	if (s->seen_through)
 		printf(", and the background is seen through %ld of them", s->seen_through);
+	if (s->mirrored)
+		printf("; %ld (%.0f %%) mirror the fisheye's picture, by %.1f look-ups each",
+		       s->mirrored, 100.0 * (double)s->mirrored / (double)s->covered,
+		       (double)s->look_ups / (double)s->mirrored);
 	printf("\n");
 	print_layer(basis, s, false);
 	if (s->has_exact)
@@ -297,6 +308,8 @@ static void print_json(const struct basis *basis, const struct summary *s)
 	json_number(&json, "tiles", (double)s->tiles);
 	json_number(&json, "covered_pixels", (double)s->covered);
 	json_number(&json, "seen_through_pixels", (double)s->seen_through);
+	json_number(&json, "mirrored_pixels", (double)s->mirrored);
+	json_number(&json, "mirror_look_ups", (double)s->look_ups);
 	write_json_layer(&json, "shown", basis, &s->shown);
 	if (s->has_exact)
 		write_json_layer(&json, "exact", basis, &s->exact);

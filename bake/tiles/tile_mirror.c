@@ -9,20 +9,31 @@
 /* A pixel's spots are found by this many samples; further ones count by their sums alone. */
 #define SAMPLES_MOST 128
 #define SAMPLES_LEAST 4
-/* Rounds in which the first spot loses what lies outside of it. */
-#define ROUNDS 6
-/* A spot ends here, in standard deviations: a disc and a square of even light lie inside. */
-#define SPOT_END 2.6
 /* A spot whose variance along is this many times that across is halved. */
 #define SPOT_LONG 2.0
 /* Variance of what a trilinear look-up at level 0 sees, in squared texels: the tent of bilinear
  * interpolation (1/6) over a square texel (1/12). It is 4 times as large at each next level. */
 #define LOOK_VARIANCE 0.25
-/* A spot is shown live if a texel of its level is at most this many times as large as a cell. */
-#define CELLS_MOST 1.0
+/* A spot is shown live if the texel that its samples ask for is no larger than a cell, and its lobe
+ * no wider than this, rad^2: a standard deviation of 11.5 degrees. In T a lobe of a few samples is
+ * noise wherever a lamp is near. */
+#define BLUR_MOST 0.04
+
+/*
+ * A rough coat's lobe as a sum of Gaussians. Of the microfacets of GGX the share 1 / (1 + x^2) is
+ * steeper than x, in units of alpha, and
+ *     1 / (1 + x^2) = integral of exp(-t) exp(-t x^2) dt
+ * so a part of the range of t is about a Gaussian of variance 1 / (2 t) in each direction.
+ */
+#define LOBES 3
+static const struct lobe {
+	double t, share; /* mean t; integral of exp(-t) over the part: from 0.6, 0.1 and 0 on */
+	int spots_most;
+} lobes[LOBES] = {{1.3, 0.549, 8}, {0.28, 0.356, 4}, {0.04, 0.095, 2}};
 
 struct mirror_sample {
-	float u, v; /* place in the square, in texels of level 0 */
+	float u, v;  /* place of the direction that a smooth surface mirrors, in texels of level 0 */
+	float steep; /* x^2 of the microfacet that did it */
 	int cell, spot;
 	struct rgb light;
 };
@@ -30,6 +41,7 @@ struct mirror_sample {
 struct mirror_pixel {
 	int count;
 	double all[3], kept[3]; /* light of all samples; of those below */
+	double spread;		/* sum of each sample's variance of the lobe where t = 1/2, rad^2 */
 	struct mirror_sample sample[SAMPLES_MOST];
 };
 
@@ -55,41 +67,64 @@ void tile_mirror_clear(struct tile *tile)
 		struct mirror_pixel *p = &tile->mirror->pixel[at];
 
 		p->count = 0;
+		p->spread = 0;
 		for (int c = 0; c < 3; c++)
 			p->all[c] = p->kept[c] = 0;
 	}
+}
+
+/* Tells how steep the microfacet is that mirrors wi towards wo, in units of alpha, squared. */
+static float steepness(const struct surface *s, struct v3 wo, struct v3 wi)
+{
+	const struct v3 h = v3_unit(v3_add(wo, wi)), across = v3_cross(s->normal, h);
+	const float along = v3_dot(s->normal, h);
+
+	return v3_dot(across, across) / fmaxf(along * along * s->bsdf.alpha * s->bsdf.alpha, 1e-30f);
+}
+
+/* Keeps a sample of the pixel: transport->apart. */
+static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
+			const struct transport_apart *apart)
+{
+	const float cosine = v3_dot(s->normal, wo);
+	const struct v3 ideal = v3_sub(v3_scale(s->normal, 2 * cosine), wo);
+	/* The lobe's tail may be above the horizon where its middle is not. */
+	const double d[3] = {(double)ideal.x, (double)ideal.y, fmax((double)ideal.z, 0)};
+	double place[2];
+
+	sky_square_of(d, place);
+	p->sample[p->count++] = (struct mirror_sample){
+		.u = (float)(place[0] * BASIS_MIRROR_SIDE),
+		.v = (float)(place[1] * BASIS_MIRROR_SIDE),
+		.steep = steepness(s, wo, apart->direction),
+		.cell = apart->cell,
+		.light = apart->light,
+	};
+	/* A microfacet turns what it mirrors by twice its slope in the plane of incidence, and by
+	 * the cosine of that across. */
+	p->spread += 4 * (double)(s->bsdf.alpha * s->bsdf.alpha * fmaxf(cosine, 0));
+	for (int c = 0; c < 3; c++)
+		p->kept[c] += (double)apart->light.c[c];
 }
 
 bool tile_mirror_add(struct tile *tile, const struct tile_sample *s,
 		     const struct transport_rows *rows)
 {
 	const struct bsdf *bsdf = &s->surface.bsdf;
+	const struct v3 wo = v3_scale(s->direction, -1);
 	struct transport *t = &tile->transport;
 	struct mirror_pixel *p;
-	double d[3], place[2];
 
 	if (!tile->mirror || bsdf->kind != MATERIAL_GLOSSY || bsdf->alpha > MATERIAL_MIRROR_ALPHA ||
 	    s->surface.kind != SURFACE_OBJECT)
 		return false;
-	if (!transport_add_apart(t, &s->surface, v3_scale(s->direction, -1), rows))
+	if (!transport_add_apart(t, &s->surface, wo, rows))
 		return true;
 	p = &tile->mirror->pixel[s->at];
 	for (int c = 0; c < 3; c++)
 		p->all[c] += (double)t->apart.light.c[c];
-	if (p->count == SAMPLES_MOST)
-		return true;
-	d[0] = (double)t->apart.direction.x;
-	d[1] = (double)t->apart.direction.y;
-	d[2] = (double)t->apart.direction.z;
-	sky_square_of(d, place);
-	p->sample[p->count++] = (struct mirror_sample){
-		.u = (float)(place[0] * BASIS_MIRROR_SIDE),
-		.v = (float)(place[1] * BASIS_MIRROR_SIDE),
-		.cell = t->apart.cell,
-		.light = t->apart.light,
-	};
-	for (int c = 0; c < 3; c++)
-		p->kept[c] += (double)t->apart.light.c[c];
+	if (p->count < SAMPLES_MOST)
+		keep_sample(p, &s->surface, wo, &t->apart);
 	return true;
 }
 
@@ -124,39 +159,12 @@ static struct spot spot_of(const struct mirror_pixel *p, int number)
 	return spot;
 }
 
-/* Squared distance from the spot's middle, in its standard deviations; what a look-up sees anyway
- * does not make a spot narrow. */
-static double spot_distance(const struct spot *spot, const struct mirror_sample *s)
-{
-	const double uu = spot->uu + LOOK_VARIANCE, vv = spot->vv + LOOK_VARIANCE;
-	const double u = (double)s->u - spot->mean[0], v = (double)s->v - spot->mean[1];
-
-	return (u * u * vv - 2 * u * v * spot->uv + v * v * uu) / (uu * vv - spot->uv * spot->uv);
-}
-
-/* Gathers most samples in spot 0; the others get -1. A rough coat mirrors some light far away, which
- * would make the spot too wide. */
-static void gather_spot(struct mirror_pixel *p)
-{
-	for (int k = 0; k < p->count; k++)
-		p->sample[k].spot = 0;
-	for (int round = 0; round < ROUNDS; round++) {
-		const struct spot spot = spot_of(p, 0);
-
-		for (int k = 0; k < p->count; k++)
-			p->sample[k].spot = spot_distance(&spot, &p->sample[k]) <
-							    SPOT_END * SPOT_END
-						    ? 0
-						    : -1;
-	}
-}
-
-/* Halves a spot across its longer axis if it is long; the farther half gets the number `next`.
- * Returns whether it did. */
-static bool halve_spot(struct mirror_pixel *p, int number, int next)
+/* Halves a spot across its longer axis if it is long, and does not become round by `blur` of its
+ * variance; the farther half gets the number `next`. Returns whether it did. */
+static bool halve_spot(struct mirror_pixel *p, int number, int next, double blur)
 {
 	const struct spot spot = spot_of(p, number);
-	const double half = (spot.uu - spot.vv) / 2, mean = (spot.uu + spot.vv) / 2;
+	const double half = (spot.uu - spot.vv) / 2, mean = (spot.uu + spot.vv) / 2 + blur;
 	const double root = hypot(half, spot.uv);
 	/* the axis of the larger variance */
 	const double turn = atan2(spot.uv, half) / 2, u = cos(turn), v = sin(turn);
@@ -174,6 +182,35 @@ static bool halve_spot(struct mirror_pixel *p, int number, int next)
 	return true;
 }
 
+/* Divides the samples into at most so many spots. Returns their number. */
+static int divide_spots(struct mirror_pixel *p, int most, double blur)
+{
+	int spots = 1;
+
+	for (int k = 0; k < p->count; k++)
+		p->sample[k].spot = 0;
+	for (int pass = 1; pass < most; pass *= 2)
+		for (int k = 0, before = spots; k < before; k++)
+			spots += halve_spot(p, k, spots, blur);
+	return spots;
+}
+
+/* Share of a sample that the lobes first..end - 1 have. */
+static double lobe_share(const struct mirror_sample *s, int first, int end)
+{
+	double all = 0, own = 0;
+
+	for (int k = 0; k < LOBES; k++) {
+		const double part = lobes[k].share * lobes[k].t *
+				    exp(-lobes[k].t * (double)s->steep);
+
+		all += part;
+		own += k >= first && k < end ? part : 0;
+	}
+	/* far out everything is the widest one's */
+	return all > 1e-200 ? own / all : end == LOBES;
+}
+
 /* Level whose look-up sees this variance: 4^l LOOK_VARIANCE, and between levels a mean of both. */
 static double spot_level(double variance)
 {
@@ -188,27 +225,47 @@ static uint16_t in_steps(double value, double most)
 	return (uint16_t)lround(fmin(fmax(value, 0), most));
 }
 
-/* Writes a spot of a pixel. Returns false where cells show it better. */
-static bool write_spot(struct tile *tile, int at, int number, const double scale[3])
+/* Returns a sample's share to T. */
+static void return_sample(struct tile *tile, int at, const struct mirror_sample *s,
+			  const double scale[3], double share)
+{
+	const size_t count = (size_t)tile->cells->count;
+	float *row = tile->rows[TILE_OBJECT].direct +
+		     (size_t)at * tile_direct_size(tile, TILE_OBJECT) + s->cell;
+
+	for (size_t c = 0; c < 3; c++)
+		row[c * count] += s->light.c[c] * (float)(scale[c] * share);
+}
+
+/* Writes a spot of a pixel in lobes first..end - 1, or returns it to T where cells show it better.
+ * blur_rad2: variance of these lobes. */
+static void finish_spot(struct tile *tile, int at, int number, int first, int end,
+			const double scale[3], double blur_rad2)
 {
 	const struct mirror_pixel *p = &tile->mirror->pixel[at];
 	const struct spot spot = spot_of(p, number);
 	struct basis_mirror *m = &tile->result.mirror[tile->result.mirror_count];
 	const double place[2] = {spot.mean[0] / BASIS_MIRROR_SIDE, spot.mean[1] / BASIS_MIRROR_SIDE};
-	const double variance = (spot.uu + spot.vv) / 2;
-	double light[3] = {0, 0, 0}, d[3], texel_sr;
-	int cell = -1;
+	double light[3] = {0, 0, 0}, d[3];
+	const double texel_sr =
+		sky_square_direction(place, d) / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
+	const double variance = (spot.uu + spot.vv) / 2 + blur_rad2 / texel_sr;
+	const int cell = cells_of(tile->cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
+	const bool live = cell >= 0 && blur_rad2 <= BLUR_MOST &&
+			  (spot.uu + spot.vv) / 2 / LOOK_VARIANCE * texel_sr <=
+				  (double)tile->cells->sr[cell];
 
-	if (!(spot.weight > 0))
-		return false;
-	texel_sr = sky_square_direction(place, d) / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
-	cell = cells_of(tile->cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
-	if (cell < 0 || variance / LOOK_VARIANCE * texel_sr >
-				CELLS_MOST * (double)tile->cells->sr[cell])
-		return false;
-	for (int k = 0; k < p->count; k++)
-		for (int c = 0; c < 3 && p->sample[k].spot == number; c++)
-			light[c] += (double)p->sample[k].light.c[c];
+	for (int k = 0; k < p->count; k++) {
+		const struct mirror_sample *s = &p->sample[k];
+		const double share = s->spot == number ? lobe_share(s, first, end) : 0;
+
+		for (int c = 0; c < 3; c++)
+			light[c] += share * (double)s->light.c[c];
+		if (!live && share > 0)
+			return_sample(tile, at, s, scale, share);
+	}
+	if (!live)
+		return;
 	*m = (struct basis_mirror){
 		.x = (uint16_t)(tile->x + at % BASIS_TILE),
 		.y = (uint16_t)(tile->y + at / BASIS_TILE),
@@ -219,43 +276,34 @@ static bool write_spot(struct tile *tile, int at, int number, const double scale
 	};
 	for (int c = 0; c < 3; c++)
 		m->throughput[c] = in_steps(65535 * light[c] * scale[c] / tile->samples, 65535);
-	tile->result.mirror_count++;
-	return true;
-}
-
-/* Returns a sample to T. */
-static void return_sample(struct tile *tile, int at, const struct mirror_sample *s,
-			  const double scale[3])
-{
-	const size_t count = (size_t)tile->cells->count;
-	float *row = tile->rows[TILE_OBJECT].direct +
-		     (size_t)at * tile_direct_size(tile, TILE_OBJECT) + s->cell;
-
-	for (size_t c = 0; c < 3; c++)
-		row[c * count] += s->light.c[c] * (float)scale[c];
+	tile->result.mirror_count += (m->throughput[0] | m->throughput[1] | m->throughput[2]) > 0;
 }
 
 static void finish_pixel(struct tile *tile, int at)
 {
 	struct mirror_pixel *p = &tile->mirror->pixel[at];
-	bool live[BASIS_MIRROR_MOST] = {false};
+	const double spread = p->spread / p->count;
+	/* in texels of mean size; those of a place are up to 2.6 times as large, or half of it */
+	const double texel_rad2 = 2 * M_PI / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
 	double scale[3];
-	int spots = 0;
 
 	for (int c = 0; c < 3; c++)
 		scale[c] = p->kept[c] > 0 ? p->all[c] / p->kept[c] : 0;
-	if (p->count >= SAMPLES_LEAST) {
-		gather_spot(p);
-		spots = 1;
-		for (int pass = 1; pass < BASIS_MIRROR_MOST; pass *= 2)
-			for (int k = 0, before = spots; k < before; k++)
-				spots += halve_spot(p, k, spots);
+	for (int k = 0; k < p->count && p->count < SAMPLES_LEAST; k++)
+		return_sample(tile, at, &p->sample[k], scale, 1);
+	for (int first = 0, end; first < LOBES && p->count >= SAMPLES_LEAST; first = end) {
+		int spots;
+		double blur;
+
+		/* lobes that no look-up tells apart are one */
+		for (end = first + 1; end < LOBES && spread / (2 * lobes[end].t) <
+						     LOOK_VARIANCE * texel_rad2;)
+			end++;
+		blur = spread / (2 * lobes[end - 1].t);
+		spots = divide_spots(p, lobes[first].spots_most, blur / texel_rad2);
 		for (int k = 0; k < spots; k++)
-			live[k] = write_spot(tile, at, k, scale);
+			finish_spot(tile, at, k, first, end, scale, blur);
 	}
-	for (int k = 0; k < p->count; k++)
-		if (!spots || p->sample[k].spot < 0 || !live[p->sample[k].spot])
-			return_sample(tile, at, &p->sample[k], scale);
 }
 
 void tile_mirror_finish(struct tile *tile)

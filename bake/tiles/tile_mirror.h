@@ -3,9 +3,10 @@
  * The part of a tile that mirrors the sky in the fisheye's picture instead of in cells (struct
  * basis_mirror): what coats of low roughness mirror straight of it.
  *
- * A pixel's mirrored directions are gathered, and divided into a few spots about as wide as texels
- * of the pyramid. Directions outside of all spots, and spots that are wide beside the sky's cells,
- * go back to T: cells have their shape, which spots do not.
+ * A pixel's samples are divided into a few spots, by the directions that a smooth surface would
+ * mirror, and the rough coat's lobe into a few widths: a look-up for each, as wide as both. What a
+ * sample has mirrored is shared among the widths by how steep its microfacet was. Spots that are
+ * wide beside the sky's cells stay in T: cells have their shape, which a look-up does not.
  */
 #ifndef INLAY_BAKE_TILES_TILE_MIRROR_H
 #define INLAY_BAKE_TILES_TILE_MIRROR_H

@@ -318,7 +318,7 @@ struct basis_glass {
 #define BASIS_MIRROR_SIDE 256 /* 0.56 degrees a texel, as a fisheye of 320 pixels has */
 #define BASIS_MIRROR_LEVELS 9 /* down to one texel */
 #define BASIS_MIRROR_STEP 256
-#define BASIS_MIRROR_MOST 8
+#define BASIS_MIRROR_MOST 14 /* of a pixel */
 
 /* Sorted by tile, then y, then x; a pixel may have several. */
 struct basis_mirror {
