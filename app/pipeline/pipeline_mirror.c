@@ -109,7 +109,7 @@ void pipeline_mirror_show(struct pipeline *p)
 {
 	static const double none[3] = {0, 0, 0};
 	struct pipeline_mirror *m = &p->mirror;
-	struct mirror_light light = {.clipped = (const double(*)[3])m->more};
+	struct mirror_colours colours = {.clipped = (const double(*)[3])m->more};
 
 	if (!m->on)
 		return;
@@ -127,8 +127,8 @@ void pipeline_mirror_show(struct pipeline *p)
 	}
 	if (!m->due)
 		return;
-	fill_colours(&p->settings, light.colours);
+	fill_colours(&p->settings, colours.matrix);
 	fill_clipped(p);
-	mirror_eye_fill(&m->eye, &light, &m->map);
+	mirror_eye_fill(&m->eye, &colours, &m->map);
 	m->due = false;
 }

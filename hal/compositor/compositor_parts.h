@@ -74,7 +74,7 @@ struct compositor {
 	/* The current frame. */
 	const struct mirror_plan *mirrors; /* NULL: there are none */
 	const struct mirror_map *mirrored;
-	uint32_t mirror_gain[3];
+	mirror_light mirror_factor;
 	const struct glass_plan *glass; /* NULL: the object shows no background */
 	struct picture through;		/* background in memory, if glass is not NULL */
 	struct layer *layer;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* One frame: light vectors and chosen columns first, then runs of tiles, shared by the threads. */
 #include <errno.h>
-#include <math.h>
 #include <string.h>
 
 #include "hal/base/clock.h"
@@ -103,7 +102,7 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 		fetch_ahead(c, t, rows);
 		tile_compute(&c->light, plan, &w->tile, &w->values);
 		if (c->mirrors)
-			mirror_add(c->mirrors, t, c->mirrored, c->mirror_gain, &w->values);
+			mirror_add(c->mirrors, t, c->mirrored, c->mirror_factor, &w->values);
 		if (c->settings.rows && plan->object)
 			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
 				       tiles[t].height);
@@ -207,8 +206,8 @@ static void look_up(struct compositor *c, const struct mirror_plan *mirrors,
 	if (!c->mirrors)
 		return;
 	for (int k = 0; k < 3; k++)
-		c->mirror_gain[k] = (uint32_t)lrint(fmin(
-			ldexp(c->settings.gain * lights->mirror_gain[k], 20), MIRROR_GAIN_MOST));
+		c->mirror_factor[k] = (float)(0x1p24 / 65535 * c->settings.gain *
+					      lights->mirror_gain[k]);
 	if (!lights->mirror)
 		mirror_map_fill(&c->lights_map, (const double(*)[3])lights->radiance,
 				lights->ambient);

@@ -20,10 +20,9 @@ int mirror_plan_create(struct mirror_plan *plan, const struct basis *basis,
 		       const struct basis_pose *pose);
 void mirror_plan_free(struct mirror_plan *plan); /* idempotent; zeroed is fine */
 
-#define MIRROR_GAIN_MOST (1 << 26)
-
-/* Adds to values->object. gain: of each channel, 2^20 = 1, at most MIRROR_GAIN_MOST. */
+/* Adds to values->object. factor: of each channel, of throughput times light: the gain as
+ *     2^24 / 65535 * gain */
 void mirror_add(const struct mirror_plan *plan, int tile, const struct mirror_map *map,
-		const uint32_t gain[3], struct tile_values *values);
+		mirror_light factor, struct tile_values *values);
 
 #endif

@@ -351,8 +351,7 @@ static double texel_at(const struct mirror_map *map, int level, int x, int y, in
 {
 	const int side = BASIS_MIRROR_SIDE >> level;
 
-	return ldexp(map->texel[level][clamped_to(y, side) * side + clamped_to(x, side)].light[c],
-		     -MIRROR_ONE_BITS);
+	return (double)map->texel[level][clamped_to(y, side) * side + clamped_to(x, side)][c];
 }
 
 static double bilinear_at(const struct mirror_map *map, int level, const struct basis_mirror *m,

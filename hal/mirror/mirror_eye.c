@@ -14,7 +14,6 @@
 /* Steps, of half a pixel, towards the middle of the picture in search of a pixel that is all sky:
  * at the rim a pixel shows less. */
 #define RIM_STEPS 8
-#define COLOUR_BITS 20 /* of a colour's factor; 4 taps, 65535 and a gain of 2^20 fit in 2^63 */
 
 /* ---- where a texel is in the picture ---- */
 
@@ -64,8 +63,7 @@ static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int t
 											 d);
 		dimmed += fisheye_project(lens, d, at) ? fisheye_falloff(lens, at) : 1;
 	}
-	eye->brighter[texel] =
-		(uint16_t)fmin(floor(4096 * side * side / fmax(dimmed, 1e-6) + 0.5), UINT16_MAX);
+	eye->brighter[texel] = (float)(1 / fmax(dimmed, 1e-3));
 }
 
 int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int width, int height)
@@ -137,73 +135,46 @@ int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture)
 	return 0;
 }
 
-/* Factors of a texel's sums, COLOUR_BITS fraction bits, whose result is a texel's value:
- *     2^MIRROR_ONE_BITS / (65535 taps) * colours */
-static void fill_factors(const struct mirror_eye *eye, const struct mirror_light *light,
-			 int64_t factor[3][3])
+/* Sums what a texel is read at: light, and in the last the number of clipped pixels. */
+static mirror_light read_texel(const struct mirror_eye *eye, const uint32_t *tap)
 {
-	const double one = ldexp(1, MIRROR_ONE_BITS + COLOUR_BITS) / (65535.0 * eye->taps);
+	int32_t sum[4] = {0, 0, 0, 0};
+	mirror_light light = {0, 0, 0, 0};
 
-	for (int k = 0; k < 9; k++)
-		factor[k / 3][k % 3] =
-			llrint(fmin(fmax(one * light->colours[k], -0x1p40), 0x1p40));
-}
-
-static void fill_from_codes(const struct mirror_eye *eye, const struct mirror_light *light,
-			    struct mirror_map *map)
-{
-	const uint32_t *tap = eye->tap;
-	int64_t factor[3][3];
-
-	fill_factors(eye, light, factor);
-	for (int at = 0; at < MIRROR_TEXELS; at++, tap += eye->taps) {
-		int64_t sum[4] = {0, 0, 0, 0};
-
-		for (int k = 0; k < eye->taps; k++)
-			for (int c = 0; c < 4; c++)
-				sum[c] += eye->light[tap[k]][c];
-		for (int c = 0; c < 3; c++) {
-			int64_t value = (factor[c][0] * sum[0] + factor[c][1] * sum[1] +
-					 factor[c][2] * sum[2] + (1 << (COLOUR_BITS - 1))) >>
-					COLOUR_BITS;
-
-			value = value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : value;
-			value = (value * eye->brighter[at] + 2048) >> 12;
-			if (sum[3] && light->clipped)
-				value += mirror_texel_of(light->clipped[map->cell[at]][c] *
-							 (double)sum[3] / eye->taps);
-			map->texel[0][at].light[c] =
-				(uint32_t)(value > UINT32_MAX ? UINT32_MAX : value);
-		}
-	}
-}
-
-static void fill_from_linear(const struct mirror_eye *eye, const struct mirror_light *light,
-			     struct mirror_map *map)
-{
-	const uint32_t *tap = eye->tap;
-
-	for (int at = 0; at < MIRROR_TEXELS; at++, tap += eye->taps) {
-		const double brighter = eye->brighter[at] / (4096.0 * eye->taps);
-		double sum[3] = {0, 0, 0};
-
-		for (int k = 0; k < eye->taps; k++)
-			for (int c = 0; c < 3; c++)
-				sum[c] += (double)eye->linear[3 * (size_t)tap[k] + (size_t)c];
+	for (int k = 0; k < eye->taps && !eye->is_linear; k++)
+		for (int c = 0; c < 4; c++)
+			sum[c] += eye->light[tap[k]][c];
+	for (int c = 0; c < 3 && !eye->is_linear; c++)
+		light[c] = (float)sum[c] * (1.0F / 65535);
+	light[3] = (float)sum[3];
+	for (int k = 0; k < eye->taps && eye->is_linear; k++)
 		for (int c = 0; c < 3; c++)
-			map->texel[0][at].light[c] = mirror_texel_of(
-				brighter * (light->colours[3 * c] * sum[0] +
-					    light->colours[3 * c + 1] * sum[1] +
-					    light->colours[3 * c + 2] * sum[2]));
-	}
+			light[c] += eye->linear[3 * (size_t)tap[k] + (size_t)c];
+	return light;
 }
 
-void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_light *light,
+void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
 		     struct mirror_map *map)
 {
-	if (eye->is_linear)
-		fill_from_linear(eye, light, map);
-	else
-		fill_from_codes(eye, light, map);
+	const uint32_t *tap = eye->tap;
+	float from[9];
+
+	for (int k = 0; k < 9; k++)
+		from[k] = (float)colours->matrix[k];
+	for (int at = 0; at < MIRROR_TEXELS; at++, tap += eye->taps) {
+		const mirror_light seen = read_texel(eye, tap);
+
+		for (int c = 0; c < 3; c++) {
+			const float *row = from + 3 * c;
+			float light = (row[0] * seen[0] + row[1] * seen[1] + row[2] * seen[2]) *
+				      eye->brighter[at];
+
+			light = mirror_clamp(light);
+			if (seen[3] > 0)
+				light += (float)colours->clipped[map->cell[at]][c] * seen[3] /
+					 (float)eye->taps;
+			map->texel[0][at][c] = mirror_clamp(light);
+		}
+	}
 	mirror_map_finish(map);
 }

@@ -12,7 +12,7 @@ struct mirror_eye {
 	int width, height;   /* of the fisheye's picture; 0: none yet */
 	int taps;	     /* places in each texel at which the picture is read */
 	uint32_t *tap;	     /* [MIRROR_TEXELS][taps]: y * width + x */
-	uint16_t *brighter;  /* [MIRROR_TEXELS]: 1 / the lens's falloff, 4096 = 1 */
+	float *brighter;     /* [MIRROR_TEXELS]: 1 / (the lens's falloff * taps) */
 	uint32_t *row;	     /* [width] */
 	uint16_t (*light)[4]; /* [height][width]: of the last picture; light[3]: 1 where it clips */
 	float *linear;	     /* [height][width][3]: a linear picture instead; NULL: none yet */
@@ -20,11 +20,11 @@ struct mirror_eye {
 };
 
 /* How code values become light. */
-struct mirror_light {
+struct mirror_colours {
 	uint16_t decode[256]; /* linear light of each code value, 65535 = 1 */
 	/* From the picture's colours to those of the background, gain included, row by row. */
-	double colours[9];
-	/* [lights]: radiance to add to clipped pixels of each light, in those colours; 0: none. */
+	double matrix[9];
+	/* [lights]: radiance to add to clipped pixels of each light, in those colours. */
 	const double (*clipped)[3];
 };
 
@@ -39,7 +39,7 @@ void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame,
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture);
 
 /* Fills the map from the picture taken last. */
-void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_light *light,
+void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
 		     struct mirror_map *map);
 
 #endif

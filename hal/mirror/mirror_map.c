@@ -2,8 +2,8 @@
 #include "hal/mirror/mirror_map.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "hal/optics/dome.h"
 #include "hal/optics/sky_square.h"
@@ -29,21 +29,25 @@ static void fill_texels(struct mirror_map *map, const struct dome *dome)
 }
 
 /* Fills the shares of a level. sr[2 * side][2 * side] becomes [side][side], its solid angles. */
-static void fill_shares(uint16_t (*share)[4], double *sr, int side)
+static void fill_shares(mirror_light *share, double *sr, int side)
 {
 	for (int at = 0; at < side * side; at++) {
 		const double *part = sr + (size_t)4 * (size_t)(at / side * side) + 2 * (at % side);
 		const double parts[4] = {part[0], part[1], part[2 * side], part[2 * side + 1]};
 		const double sum = parts[0] + parts[1] + parts[2] + parts[3];
-		int left = 65536;
 
-		for (int k = 0; k < 3; k++) {
-			share[at][k] = (uint16_t)lrint(65536 * parts[k] / sum);
-			left -= share[at][k];
-		}
-		share[at][3] = (uint16_t)left;
+		for (int k = 0; k < 4; k++)
+			share[at][k] = (float)(parts[k] / sum);
 		sr[at] = sum;
 	}
+}
+
+/* Returns zeroed memory for so many colours, aligned for the processor. */
+static mirror_light *make_colours(size_t count)
+{
+	mirror_light *colours = aligned_alloc(64, (count * sizeof(*colours) + 63) / 64 * 64);
+
+	return colours ? memset(colours, 0, count * sizeof(*colours)) : NULL;
 }
 
 static int allocate(struct mirror_map *map, double **sr)
@@ -55,8 +59,8 @@ static int allocate(struct mirror_map *map, double **sr)
 	*sr = malloc(MIRROR_TEXELS * sizeof(**sr));
 	map->texel_sr = malloc(MIRROR_TEXELS * sizeof(*map->texel_sr));
 	map->cell = malloc(MIRROR_TEXELS * sizeof(*map->cell));
-	map->texel[0] = calloc(texels, sizeof(*map->texel[0]));
-	map->share[1] = calloc(texels - MIRROR_TEXELS, sizeof(*map->share[1]));
+	map->texel[0] = make_colours(texels);
+	map->share[1] = make_colours(texels - MIRROR_TEXELS);
 	if (!*sr || !map->texel_sr || !map->cell || !map->texel[0] || !map->share[1])
 		return -ENOMEM;
 	for (int l = 1; l < BASIS_MIRROR_LEVELS; l++) {
@@ -108,19 +112,12 @@ void mirror_map_free(struct mirror_map *map)
 
 /* ---- filling ---- */
 
-uint32_t mirror_texel_of(double light)
-{
-	const double texel = ldexp(light, MIRROR_ONE_BITS);
-
-	return texel > 0 ? (uint32_t)fmin(floor(texel + 0.5), UINT32_MAX) : 0;
-}
-
 void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const double more[3])
 {
 	for (int at = 0; at < MIRROR_TEXELS; at++)
 		for (int c = 0; c < 3; c++)
-			map->texel[0][at].light[c] =
-				mirror_texel_of(radiance[map->cell[at]][c] + more[c]);
+			map->texel[0][at][c] =
+				mirror_clamp((float)(radiance[map->cell[at]][c] + more[c]));
 	mirror_map_finish(map);
 }
 
@@ -130,20 +127,14 @@ void mirror_map_finish(struct mirror_map *map)
 		const int side = side_of(l);
 
 		for (int at = 0; at < side * side; at++) {
-			const struct mirror_texel *part =
-				map->texel[l - 1] + (size_t)4 * (size_t)(at / side * side) +
-				2 * (at % side);
-			const uint16_t *share = map->share[l][at];
+			const mirror_light *part = map->texel[l - 1] +
+						   (size_t)4 * (size_t)(at / side * side) +
+						   2 * (at % side);
+			const mirror_light share = map->share[l][at];
 
-			for (int c = 0; c < 4; c++)
-				map->texel[l][at].light[c] =
-					(uint32_t)(((uint64_t)part[0].light[c] * share[0] +
-						    (uint64_t)part[1].light[c] * share[1] +
-						    (uint64_t)part[2 * side].light[c] * share[2] +
-						    (uint64_t)part[2 * side + 1].light[c] *
-							    share[3] +
-						    32768) >>
-						   16);
+			map->texel[l][at] = (part[0] * share[0] + part[1] * share[1]) +
+					    (part[2 * side] * share[2] +
+					     part[2 * side + 1] * share[3]);
 		}
 	}
 }
@@ -153,44 +144,36 @@ void mirror_map_finish(struct mirror_map *map)
 /* The two texels of a row or column that a place lies between, and the share of the second. */
 struct between {
 	int first, second;
-	uint32_t share; /* 256 = 1 */
+	float share;
 };
 
-static inline struct between between_texels(uint32_t place, int side)
+static inline struct between between_texels(uint32_t place, int level)
 {
-	const int at = (int)((place * (uint32_t)side) >> 8) - 128; /* in 1/256 texels */
-	const int first = at >> 8;
+	/* in 1/2^16 texels; the first level has 2^8 of them */
+	const int at = (int)(place << (8 - level)) - 32768;
+	const int first = at >> 16, last = side_of(level) - 1;
 
-	return (struct between){first < 0 ? 0 : first, first + 1 < side ? first + 1 : side - 1,
-				(uint32_t)at & 255};
+	return (struct between){first < 0 ? 0 : first, first < last ? first + 1 : last,
+				(float)(at & 65535) * 0x1p-16F};
 }
 
-/* Adds weight times the light between four texels; 65536 * weight = 1. */
-static inline void look_level(const struct mirror_map *map, int level,
-			      const struct basis_mirror *m, uint64_t weight, uint64_t light[3])
+static inline mirror_light look_level(const struct mirror_map *map, int level,
+				      const struct basis_mirror *m)
 {
-	const int side = side_of(level);
-	const struct between u = between_texels(m->u, side), v = between_texels(m->v, side);
-	const struct mirror_texel *row[2] = {map->texel[level] + (size_t)(v.first * side),
-					     map->texel[level] + (size_t)(v.second * side)};
-	const uint64_t part[2][2] = {
-		{weight * ((256 - v.share) * (256 - u.share)), weight * ((256 - v.share) * u.share)},
-		{weight * (v.share * (256 - u.share)), weight * (v.share * u.share)}};
+	const struct between u = between_texels(m->u, level), v = between_texels(m->v, level);
+	const mirror_light *upper = map->texel[level] + (v.first << (8 - level));
+	const mirror_light *lower = map->texel[level] + (v.second << (8 - level));
+	const mirror_light above = upper[u.first] * (1 - u.share) + upper[u.second] * u.share;
+	const mirror_light below = lower[u.first] * (1 - u.share) + lower[u.second] * u.share;
 
-	for (int c = 0; c < 3; c++)
-		light[c] += part[0][0] * row[0][u.first].light[c] +
-			    part[0][1] * row[0][u.second].light[c] +
-			    part[1][0] * row[1][u.first].light[c] +
-			    part[1][1] * row[1][u.second].light[c];
+	return above * (1 - v.share) + below * v.share;
 }
 
-void mirror_map_look(const struct mirror_map *map, const struct basis_mirror *m, uint64_t light[3])
+mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mirror *m)
 {
 	const int level = m->level / BASIS_MIRROR_STEP;
-	const uint32_t next = m->level % BASIS_MIRROR_STEP;
+	const float next = (float)(m->level % BASIS_MIRROR_STEP) * (1.0F / BASIS_MIRROR_STEP);
+	const int beyond = level + 1 < BASIS_MIRROR_LEVELS ? level + 1 : level;
 
-	light[0] = light[1] = light[2] = 0;
-	look_level(map, level, m, BASIS_MIRROR_STEP - next, light);
-	if (next)
-		look_level(map, level + 1, m, next, light);
+	return look_level(map, level, m) * (1 - next) + look_level(map, beyond, m) * next;
 }
