@@ -25,11 +25,11 @@
  *     1 / (1 + x^2) = integral of exp(-t) exp(-t x^2) dt
  * so a part of the range of t is about a Gaussian of variance 1 / (2 t) in each direction.
  */
-#define LOBES 3
+#define LOBES 4
 static const struct lobe {
-	double t, share; /* mean t; integral of exp(-t) over the part: from 0.6, 0.1 and 0 on */
+	double t, share; /* 1 / mean of 1 / t; integral of exp(-t): from 0.6, 0.1, 0.02 and 0 on */
 	int spots_most;
-} lobes[LOBES] = {{1.3, 0.549, 8}, {0.28, 0.356, 4}, {0.04, 0.095, 2}};
+} lobes[LOBES] = {{1.2, 0.549, 8}, {0.26, 0.356, 4}, {0.05, 0.075, 2}, {0.007, 0.02, 1}};
 
 struct mirror_sample {
 	float u, v;  /* place of the direction that a smooth surface mirrors, in texels of level 0 */
@@ -251,7 +251,7 @@ static void finish_spot(struct tile *tile, int at, int number, int first, int en
 		sky_square_direction(place, d) / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
 	const double variance = (spot.uu + spot.vv) / 2 + blur_rad2 / texel_sr;
 	const int cell = cells_of(tile->cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
-	const bool live = cell >= 0 && blur_rad2 <= BLUR_MOST &&
+	const bool live = cell >= 0 && texel_sr > 0 && blur_rad2 <= BLUR_MOST &&
 			  (spot.uu + spot.vv) / 2 / LOOK_VARIANCE * texel_sr <=
 				  (double)tile->cells->sr[cell];
 
@@ -283,8 +283,8 @@ static void finish_pixel(struct tile *tile, int at)
 {
 	struct mirror_pixel *p = &tile->mirror->pixel[at];
 	const double spread = p->spread / p->count;
-	/* in texels of mean size; those of a place are up to 2.6 times as large, or half of it */
-	const double texel_rad2 = 2 * M_PI / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
+	/* in texels of mean size; those of a place are up to twice as large, or half of it */
+	const double texel_rad2 = 8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
 	double scale[3];
 
 	for (int c = 0; c < 3; c++)

@@ -315,10 +315,10 @@ struct basis_glass {
  * texels of level l / BASIS_MIRROR_STEP and of the next, mixed by what is left. throughput is
  * averaged over the whole pixel like T. What the object itself blocks, and wider lobes, are in T.
  */
-#define BASIS_MIRROR_SIDE 256 /* 0.56 degrees a texel, as a fisheye of 320 pixels has */
+#define BASIS_MIRROR_SIDE 256 /* 0.5 degrees a texel at the horizon, 1 at the zenith */
 #define BASIS_MIRROR_LEVELS 9 /* down to one texel */
 #define BASIS_MIRROR_STEP 256
-#define BASIS_MIRROR_MOST 14 /* of a pixel */
+#define BASIS_MIRROR_MOST 15 /* of a pixel */
 
 /* Sorted by tile, then y, then x; a pixel may have several. */
 struct basis_mirror {

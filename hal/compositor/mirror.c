@@ -42,8 +42,9 @@ void mirror_add(const struct mirror_plan *plan, int tile, const struct mirror_ma
 		const mirror_light light = mirror_map_look(map, m) * (throughput * factor);
 
 		for (int c = 0; c < 3; c++) {
+			const float most = KERNEL_LIMIT; /* rounded up by 1 at most */
 			const int64_t sum = values->object[c][p] +
-					    lrintf(fminf(light[c], KERNEL_LIMIT));
+					    lrintf(light[c] < most ? light[c] : most);
 
 			values->object[c][p] =
 				(int32_t)(sum > KERNEL_LIMIT ? KERNEL_LIMIT : sum);

@@ -37,7 +37,7 @@ static void fill_shares(mirror_light *share, double *sr, int side)
 		const double sum = parts[0] + parts[1] + parts[2] + parts[3];
 
 		for (int k = 0; k < 4; k++)
-			share[at][k] = (float)(parts[k] / sum);
+			share[at][k] = sum > 0 ? (float)(parts[k] / sum) : 0.25F;
 		sr[at] = sum;
 	}
 }

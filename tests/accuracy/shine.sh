@@ -1,8 +1,8 @@
 #!/bin/bash
 # SPDX-License-Identifier: MIT
-# What shines: a box on a polished floor, against path-traced truth, with what its bake costs beside a diffuse floor's and
-# beside a stand-in of the floor.
-#     BUILD=build/x tests/accuracy/shine.sh [SIZE [SAMPLES]]     the table, in Markdown (make shine)
+# What shines, against path-traced truth: metal that mirrors cells or the fisheye's picture; a box on a polished floor,
+# with what its bake costs beside a diffuse floor's and beside a stand-in of the floor.
+#     BUILD=build/x tests/accuracy/shine.sh [SIZE [SAMPLES [metal|floor]]]     the tables, in Markdown (make shine)
 # Pictures and table are left in build/accuracy/shine. Nothing passes or fails.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
@@ -10,7 +10,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/accuracy/method.sh
 work=build/accuracy/shine
 log=$work/log.txt
-size=${1:-160x120} samples=${2:-256}
+size=${1:-160x120} samples=${2:-256} what=${3:-both}
 
 # scene FLOOR: of the ground's materials, or a stand-in of the polished one
 scene() {
@@ -51,8 +51,79 @@ truth() {
 		"$work/polished.scene" >>"$log" 2>&1 || fail "inlay-bake truth of $name failed"
 }
 
+# metal SHAPE ROUGHNESS cells|live
+metal() {
+	cat <<-SCENE
+		[camera]
+		position = 0.9 -1.6 0.8
+		look_at = 0 0 0.2
+		field_deg = 40
+		[render]
+		bounces = 3
+		reflect = $3
+		[ground]
+		material = grey
+		[material grey]
+		colour = 0.4 0.38 0.35
+		[material metal]
+		kind = glossy
+		colour = 0 0 0
+		specular = 0.9 0.87 0.8
+		roughness = $2
+		[object thing]
+		file = $1.obj
+		material = metal
+		scale = 0.6
+		crease_deg = 40
+		rotate = 0 0 30
+		stand = yes
+	SCENE
+}
+
+# psnr NAME COMPOSITE TRUTH [BACKGROUND]
+psnr() {
+	local found
+	read -r found _ < <(python3 tests/accuracy/shine.py "$2" "$3"1.pfm "$3"2.pfm "${@:4}")
+	printf ' %s |' "$found"
+}
+
+table_of_metal() {
+	echo "| metal, roughness | museum, cells | live | studio, cells | live |"
+	echo "|---|---|---|---|---|"
+	for shape in ball pot; do
+		python3 tests/accuracy/shine_mesh.py $shape "$work/$shape.obj"
+		for roughness in 0 0.1 0.3; do
+			metal $shape $roughness live >"$work/polished.scene"
+			while read -r name file exposure; do
+				case $name in museum | studio) ;; *) continue ;; esac
+				for seed in 1 2; do
+					truth "$name" "$file" "$exposure" --samples "$samples" --seed $seed \
+						--background-out "$work/$name-background.png" --fisheye-out "$work/$name-fisheye.pfm" \
+						-o "$work/$name-truth$seed.pfm"
+				done
+			done <<<"$panoramas"
+			for reflect in cells live; do
+				metal $shape $roughness $reflect >"$work/spot.scene"
+				bake 9 --size "$size" --samples 64 --quiet
+				for name in museum studio; do
+					composite "$name" 9 "$work/$name-$reflect.pfm"
+				done
+			done
+			printf '| %s, %s |' $shape $roughness
+			for name in museum studio; do
+				for reflect in cells live; do
+					psnr "$name" "$work/$name-$reflect.pfm" "$work/$name-truth"
+				done
+			done
+			echo
+		done
+	done
+}
+
 rm -rf "$work"
 mkdir -p "$work"
+[ "$what" = floor ] || table_of_metal | tee "$work/metal.md"
+[ "$what" = metal ] && exit
 cp bake/demo/box.obj "$work/box.obj"
 printf 'v -30 0 -30\nv 30 0 -30\nv 30 0 30\nv -30 0 30\nf 4 3 2 1\n' >"$work/plane.obj"
 floors="diffuse polished standin"
@@ -80,9 +151,7 @@ done
 		printf '| %s | %s | %s |' "$floor" "$seconds" "$(stat -c %s "$work/f9.inlay" | awk '{ printf "%.1f", $1 / 1e6 }')"
 		for name in museum studio; do
 			composite "$name" 9 "$work/$name-$floor.pfm"
-			read -r psnr _ < <(python3 tests/accuracy/shine.py "$work/$name-$floor.pfm" "$work/$name-truth1.pfm" \
-				"$work/$name-truth2.pfm" "$work/$name-background.pfm")
-			printf ' %s |' "$psnr"
+			psnr "$name" "$work/$name-$floor.pfm" "$work/$name-truth" "$work/$name-background.pfm"
 		done
 		echo
 	done
