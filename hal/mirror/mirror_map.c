@@ -173,7 +173,8 @@ mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mi
 {
 	const int level = m->level / BASIS_MIRROR_STEP;
 	const float next = (float)(m->level % BASIS_MIRROR_STEP) * (1.0F / BASIS_MIRROR_STEP);
-	const int beyond = level + 1 < BASIS_MIRROR_LEVELS ? level + 1 : level;
 
-	return look_level(map, level, m) * (1 - next) + look_level(map, beyond, m) * next;
+	if (next == 0) /* the last level, and the sharpest mirrors */
+		return look_level(map, level, m);
+	return look_level(map, level, m) * (1 - next) + look_level(map, level + 1, m) * next;
 }

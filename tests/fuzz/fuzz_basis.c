@@ -10,7 +10,7 @@
  * reaches: basis.c:check_coarse basis.c:check_peaks basis.c:add_packed basis_blocks.c:check_block
  * basis_blocks.c:check_patterns basis_blocks.c:check_record basis_blocks.c:check_pairs
  * basis_blocks.c:check_padding basis_places.c:basis_foot_check basis_places.c:unfold
- * basis_glass.c:basis_read_glass basis_names.c:basis_names_check
+ * basis_glass.c:basis_read_glass basis_glass.c:basis_read_mirror basis_names.c:basis_names_check
  * basis_file.c:read_at pack.c:place_parts pack.c:unfold_words pack.c:unfold_column
  * basis_store.c:look_ahead basis_store.c:take_back basis_groups.c:basis_groups_create
  * glass.c:glass_add

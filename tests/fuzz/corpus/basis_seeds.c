@@ -70,6 +70,15 @@ static const struct {
 	  .bounce = 0.3,
 	  .exact = true,
 	  .seed = 5}},
+	{"mirrors",
+	 {.width = 5,
+	  .height = 4,
+	  .lights = 2,
+	  .object_share = 0.5,
+	  .mirror_share = 0.5,
+	  .columns = -1,
+	  .peak = 1,
+	  .seed = 7}},
 	{"groups",
 	 {.width = 9,
 	  .height = 7,
@@ -112,7 +121,8 @@ static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_
 static bool is_of_pose(uint32_t type)
 {
 	return type == BASIS_CHUNK_COVERAGE || type == BASIS_CHUNK_PEAK ||
-	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA || type == BASIS_CHUNK_GLASS;
+	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA || type == BASIS_CHUNK_GLASS ||
+	       type == BASIS_CHUNK_MIRROR;
 }
 
 /* poses: number to be declared; 0: as the file has it. */

@@ -27,6 +27,7 @@ const struct synthetic_options copied_small = {
 	.ground_share = 0.3,
 	.stand_in_share = 0.3,
 	.glass_share = 0.2,
+	.mirror_share = 0.2,
 	.peak = 1,
 	.bounce = 0.3,
 	.seed = 7,

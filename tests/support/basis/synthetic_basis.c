@@ -225,6 +225,37 @@ static void synthetic_write_glass(struct synthetic_maker *m)
 	free(glass);
 }
 
+static void synthetic_write_mirrors(struct synthetic_maker *m)
+{
+	const struct synthetic_options *o = m->options;
+	struct chance chance = {o->seed ^ 0x3122};
+	struct basis_mirror *mirror = synthetic_zeros(2 * (size_t)o->width * (size_t)o->height,
+						      sizeof(*mirror));
+	struct fault fault = {""};
+	size_t count = 0;
+
+	for (int y0 = 0; y0 < o->height; y0 += BASIS_TILE)
+		for (int x0 = 0; x0 < o->width; x0 += BASIS_TILE)
+			for (int p = 0; p < 2 * SYNTHETIC_PIXELS; p++) {
+				const int x = x0 + p / 2 % BASIS_TILE, y = y0 + p / 2 / BASIS_TILE;
+
+				if (x >= o->width || y >= o->height ||
+				    chance_real(&chance, 0, 1) >= o->mirror_share)
+					continue;
+				mirror[count++] = (struct basis_mirror){
+					.x = (uint16_t)x,
+					.y = (uint16_t)y,
+					.u = (uint16_t)chance_int(&chance, 0, 65535),
+					.v = (uint16_t)chance_int(&chance, 0, 65535),
+					.throughput = {(uint16_t)chance_int(&chance, 0, 65535)},
+					.level = (uint16_t)chance_int(&chance, 0, 2048),
+				};
+			}
+	if (count)
+		synthetic_must(basis_writer_mirror(m->writer, mirror, count, &fault), &fault);
+	free(mirror);
+}
+
 void synthetic_write(struct synthetic *s, const struct synthetic_options *o)
 {
 	const int coarse = o->coarse ? o->coarse : o->lights;
@@ -264,6 +295,7 @@ void synthetic_write(struct synthetic *s, const struct synthetic_options *o)
 		basis_writer_pose_end(m.writer, m.coverage, (const float(*)[3])m.peak, &fault),
 		&fault);
 	synthetic_write_glass(&m);
+	synthetic_write_mirrors(&m);
 	synthetic_must(basis_writer_finish(m.writer, &m.info, "made = by a test\n", &fault),
 		       &fault);
 	free(light);

@@ -31,6 +31,7 @@ struct synthetic_options {
 	double ground_share;   /* ... with a V row ... */
 	double stand_in_share; /* ... with D and U rows; no pixel has both V and D */
 	double glass_share;    /* share of the pixels that show the background through glass */
+	double mirror_share;   /* share of the pixels that mirror the sky, twice */
 	double unlit_share;    /* share of the pixels with D and U whose U is 0 */
 	double peak;	       /* largest object radiance of a pixel under L_i = 1 */
 	double bounce;	       /* v and d / u lie in -bounce..1 */

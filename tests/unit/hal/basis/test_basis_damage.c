@@ -308,6 +308,28 @@ TEST("refuses broken glass")
 	copied_free(&c);
 }
 
+TEST("refuses broken mirrors")
+{
+	struct synthetic *s = *state;
+	struct copied whole = copied_file(s->path), c = copied_file(s->path);
+	struct basis_chunk_entry *chunk = copied_chunk(&c, BASIS_CHUNK_MIRROR);
+	struct basis_mirror *mirror = copied_data(&c, BASIS_CHUNK_MIRROR);
+	const size_t last = chunk->bytes / sizeof(*mirror) - 1;
+
+	assert_true(last > 20);
+	REFUSED("MIRR chunk of", chunk->bytes--);
+	REFUSED("mirror 0 is number 1 of pixel 37,", mirror[0].x = 37);
+	REFUSED("15 of a pixel of 37x21", mirror[last].y = 21);
+	REFUSED("at level 2049", mirror[1].level = 2049);
+	REFUSED("expected the order of tiles, rows and columns", mirror[0] = mirror[last]);
+	REFUSED("mirror 15 is number 16 of pixel",
+		for (int k = 1; k < 16; k++) mirror[k] = mirror[0]);
+	REFUSED("belongs to pose 1 of 1", chunk->pose = 1);
+	REFUSED("twice", copied_chunk(&c, BASIS_CHUNK_CAMERA)->type = BASIS_CHUNK_MIRROR);
+	copied_free(&whole);
+	copied_free(&c);
+}
+
 TEST("refuses broken entries")
 {
 	struct synthetic *s = *state;
