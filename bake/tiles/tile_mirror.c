@@ -9,6 +9,7 @@
 /* A pixel's spots are found by this many samples; further ones count by their sums alone. */
 #define SAMPLES_MOST 128
 #define SAMPLES_LEAST 4
+#define STEP_RAD 1e-2F /* of a derivative; single precision has 1e-7 */
 /* A spot whose variance along is this many times that across is halved. */
 #define SPOT_LONG 2.0
 /* Variance of what a trilinear look-up at level 0 sees, in squared texels: the tent of bilinear
@@ -29,11 +30,15 @@
 static const struct lobe {
 	double t, share; /* 1 / mean of 1 / t; integral of exp(-t): from 0.6, 0.1, 0.02 and 0 on */
 	int spots_most;
-} lobes[LOBES] = {{1.2, 0.549, 8}, {0.26, 0.356, 4}, {0.05, 0.075, 2}, {0.007, 0.02, 1}};
+} lobes[LOBES] = {{1.2, 0.549, 8}, {0.26, 0.356, 4}, {0.05, 0.075, 4}, {0.007, 0.02, 2}};
 
 struct mirror_sample {
-	float u, v;  /* place of the direction that a smooth surface mirrors, in texels of level 0 */
-	float steep; /* x^2 of the microfacet that did it */
+	double ideal[2]; /* place of what a smooth surface mirrors, in texels of level 0 */
+	/* How far lobes where t = 1/2 move the sample: along the plane of incidence they are wider
+	 * than across it, and samples spread by the difference. */
+	double moved[2];
+	double at[2]; /* its place in the lobe that is being divided */
+	float steep;  /* x^2 of the microfacet that did it */
 	int cell, spot;
 	struct rgb light;
 };
@@ -41,7 +46,9 @@ struct mirror_sample {
 struct mirror_pixel {
 	int count;
 	double all[3], kept[3]; /* light of all samples; of those below */
-	double spread;		/* sum of each sample's variance of the lobe where t = 1/2, rad^2 */
+	/* Sums of each sample's variance of the lobe where t = 1/2, rad^2: along the plane of
+	 * incidence, and across it. */
+	double along, across;
 	struct mirror_sample sample[SAMPLES_MOST];
 };
 
@@ -67,7 +74,7 @@ void tile_mirror_clear(struct tile *tile)
 		struct mirror_pixel *p = &tile->mirror->pixel[at];
 
 		p->count = 0;
-		p->spread = 0;
+		p->along = p->across = 0;
 		for (int c = 0; c < 3; c++)
 			p->all[c] = p->kept[c] = 0;
 	}
@@ -82,29 +89,45 @@ static float steepness(const struct surface *s, struct v3 wo, struct v3 wi)
 	return v3_dot(across, across) / fmaxf(along * along * s->bsdf.alpha * s->bsdf.alpha, 1e-30f);
 }
 
-/* Keeps a sample of the pixel: transport->apart. */
+/* Finds a direction's place, in texels. A lobe's tail may be above the horizon where its middle is
+ * not: that counts as the horizon. */
+static void find_place(struct v3 direction, double place[2])
+{
+	const double d[3] = {(double)direction.x, (double)direction.y,
+			     fmax((double)direction.z, 0)};
+
+	sky_square_of(d, place);
+	for (int k = 0; k < 2; k++)
+		place[k] *= BASIS_MIRROR_SIDE;
+}
+
+/* Keeps a sample of the pixel: transport->apart. A microfacet turns what it mirrors by twice its
+ * slope in the plane of incidence, and by the cosine of that across. */
 static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
 			const struct transport_apart *apart)
 {
-	const float cosine = v3_dot(s->normal, wo);
+	struct mirror_sample *sample = &p->sample[p->count];
+	const float cosine = fmaxf(v3_dot(s->normal, wo), 0), wide = 2 * s->bsdf.alpha;
 	const struct v3 ideal = v3_sub(v3_scale(s->normal, 2 * cosine), wo);
-	/* The lobe's tail may be above the horizon where its middle is not. */
-	const double d[3] = {(double)ideal.x, (double)ideal.y, fmax((double)ideal.z, 0)};
-	double place[2];
+	const struct v3 along = v3_sub(s->normal, v3_scale(ideal, cosine)); /* as long as the sine */
+	/* evenly spread, of variance 1 */
+	const double place = sqrt(3) *
+			     (2 * (double)random_unit(sobol_first((uint32_t)p->count)) - 1);
+	double turned[2];
 
-	sky_square_of(d, place);
-	p->sample[p->count++] = (struct mirror_sample){
-		.u = (float)(place[0] * BASIS_MIRROR_SIDE),
-		.v = (float)(place[1] * BASIS_MIRROR_SIDE),
-		.steep = steepness(s, wo, apart->direction),
-		.cell = apart->cell,
-		.light = apart->light,
-	};
-	/* A microfacet turns what it mirrors by twice its slope in the plane of incidence, and by
-	 * the cosine of that across. */
-	p->spread += 4 * (double)(s->bsdf.alpha * s->bsdf.alpha * fmaxf(cosine, 0));
+	*sample = (struct mirror_sample){.steep = steepness(s, wo, apart->direction),
+					 .cell = apart->cell,
+					 .light = apart->light};
+	find_place(ideal, sample->ideal);
+	find_place(v3_mad(ideal, STEP_RAD, along), turned);
+	for (int k = 0; k < 2; k++)
+		sample->moved[k] = place * (double)wide * (turned[k] - sample->ideal[k]) /
+				   (double)STEP_RAD;
+	p->along += (double)(wide * wide);
+	p->across += (double)(wide * wide * cosine * cosine);
 	for (int c = 0; c < 3; c++)
 		p->kept[c] += (double)apart->light.c[c];
+	p->count++;
 }
 
 bool tile_mirror_add(struct tile *tile, const struct tile_sample *s,
@@ -140,7 +163,7 @@ static struct spot spot_of(const struct mirror_pixel *p, int number)
 	for (int k = 0; k < p->count; k++) {
 		const struct mirror_sample *s = &p->sample[k];
 		const double w = s->spot == number ? sample_weight(s) : 0;
-		const double u = (double)s->u, v = (double)s->v;
+		const double u = s->at[0], v = s->at[1];
 
 		spot.weight += w;
 		spot.mean[0] += w * u;
@@ -174,21 +197,26 @@ static bool halve_spot(struct mirror_pixel *p, int number, int next, double blur
 	for (int k = 0; k < p->count; k++) {
 		struct mirror_sample *s = &p->sample[k];
 
-		if (s->spot == number && u * ((double)s->u - spot.mean[0]) +
-							 v * ((double)s->v - spot.mean[1]) >
-						 0)
+		if (s->spot == number &&
+		    u * (s->at[0] - spot.mean[0]) + v * (s->at[1] - spot.mean[1]) > 0)
 			s->spot = next;
 	}
 	return true;
 }
 
-/* Divides the samples into at most so many spots. Returns their number. */
-static int divide_spots(struct mirror_pixel *p, int most, double blur)
+/* Divides the samples, in a lobe of this variance where it is 1 at t = 1/2, into at most so many
+ * spots. Returns their number. */
+static int divide_spots(struct mirror_pixel *p, double variance, int most, double blur)
 {
 	int spots = 1;
 
-	for (int k = 0; k < p->count; k++)
-		p->sample[k].spot = 0;
+	for (int k = 0; k < p->count; k++) {
+		struct mirror_sample *s = &p->sample[k];
+
+		s->spot = 0;
+		for (int axis = 0; axis < 2; axis++)
+			s->at[axis] = s->ideal[axis] + sqrt(variance) * s->moved[axis];
+	}
 	for (int pass = 1; pass < most; pass *= 2)
 		for (int k = 0, before = spots; k < before; k++)
 			spots += halve_spot(p, k, spots, blur);
@@ -282,7 +310,7 @@ static void finish_spot(struct tile *tile, int at, int number, int first, int en
 static void finish_pixel(struct tile *tile, int at)
 {
 	struct mirror_pixel *p = &tile->mirror->pixel[at];
-	const double spread = p->spread / p->count;
+	const double along = p->along / p->count, across = p->across / p->count;
 	/* in texels of mean size; those of a place are up to twice as large, or half of it */
 	const double texel_rad2 = 8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
 	double scale[3];
@@ -292,15 +320,16 @@ static void finish_pixel(struct tile *tile, int at)
 	for (int k = 0; k < p->count && p->count < SAMPLES_LEAST; k++)
 		return_sample(tile, at, &p->sample[k], scale, 1);
 	for (int first = 0, end; first < LOBES && p->count >= SAMPLES_LEAST; first = end) {
+		double variance, blur;
 		int spots;
-		double blur;
 
 		/* lobes that no look-up tells apart are one */
-		for (end = first + 1; end < LOBES && spread / (2 * lobes[end].t) <
+		for (end = first + 1; end < LOBES && along / (2 * lobes[end].t) <
 						     LOOK_VARIANCE * texel_rad2;)
 			end++;
-		blur = spread / (2 * lobes[end - 1].t);
-		spots = divide_spots(p, lobes[first].spots_most, blur / texel_rad2);
+		variance = 1 / (2 * lobes[end - 1].t);
+		blur = across * variance;
+		spots = divide_spots(p, variance, lobes[first].spots_most, blur / texel_rad2);
 		for (int k = 0; k < spots; k++)
 			finish_spot(tile, at, k, first, end, scale, blur);
 	}

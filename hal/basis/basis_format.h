@@ -318,7 +318,7 @@ struct basis_glass {
 #define BASIS_MIRROR_SIDE 256 /* 0.5 degrees a texel at the horizon, 1 at the zenith */
 #define BASIS_MIRROR_LEVELS 9 /* down to one texel */
 #define BASIS_MIRROR_STEP 256
-#define BASIS_MIRROR_MOST 15 /* of a pixel */
+#define BASIS_MIRROR_MOST 18 /* of a pixel */
 
 /* Sorted by tile, then y, then x; a pixel may have several. */
 struct basis_mirror {

@@ -319,11 +319,11 @@ TEST("refuses broken mirrors")
 	assert_true(last > 20);
 	REFUSED("MIRR chunk of", chunk->bytes--);
 	REFUSED("mirror 0 is number 1 of pixel 37,", mirror[0].x = 37);
-	REFUSED("15 of a pixel of 37x21", mirror[last].y = 21);
+	REFUSED("18 of a pixel of 37x21", mirror[last].y = 21);
 	REFUSED("at level 2049", mirror[1].level = 2049);
 	REFUSED("expected the order of tiles, rows and columns", mirror[0] = mirror[last]);
-	REFUSED("mirror 15 is number 16 of pixel",
-		for (int k = 1; k < 16; k++) mirror[k] = mirror[0]);
+	REFUSED("mirror 18 is number 19 of pixel",
+		for (int k = 1; k < 19; k++) mirror[k] = mirror[0]);
 	REFUSED("belongs to pose 1 of 1", chunk->pose = 1);
 	REFUSED("twice", copied_chunk(&c, BASIS_CHUNK_CAMERA)->type = BASIS_CHUNK_MIRROR);
 	copied_free(&whole);
