@@ -38,7 +38,7 @@ struct summary {
 	bool has_exact; /* in any pose */
 	long tiles, covered, seen_through;
 	long mirrored, look_ups; /* pixels that mirror the fisheye's picture; their look-ups */
-	uint64_t bytes; /* of the file */
+	uint64_t bytes;		 /* of the file */
 };
 
 static void block_sum_add(struct block_sum *sum, const struct basis_block *block)

@@ -65,6 +65,7 @@ BAKE_SOURCES := \
 	bake/mesh/mesh_normals.c \
 	bake/mesh/mesh_used.c \
 	bake/mesh/mesh_winding.c \
+	bake/mirror/mirror_pixel.c \
 	bake/preview/preview_command.c \
 	bake/report/report.c \
 	bake/report/report_bake.c \
@@ -98,7 +99,6 @@ BAKE_SOURCES := \
 	bake/tiles/sight.c \
 	bake/tiles/tile.c \
 	bake/tiles/tile_glass.c \
-	bake/tiles/tile_mirror.c \
 	bake/tiles/tile_noise.c \
 	bake/tiles/tile_sample.c \
 	bake/trace/bounce.c \

@@ -37,8 +37,7 @@ static void *make_sampler(void *context)
 	if (!r->err)
 		r->err = light_sampler_create(&r->sampler, r->dome, &r->lens, r->width, r->height,
 					      &r->settings, &r->fault);
-	if (!r->err && r->mirrors &&
-	    mirror_eye_prepare(&r->eye, &r->lens, r->width, r->height) < 0)
+	if (!r->err && r->mirrors && mirror_eye_prepare(&r->eye, &r->lens, r->width, r->height) < 0)
 		r->err = fault_say(&r->fault, -ENOMEM, "not enough memory for mirrors");
 	atomic_store(&r->done, true);
 	return NULL;

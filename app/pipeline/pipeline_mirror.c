@@ -98,11 +98,11 @@ static void fill_clipped(const struct pipeline *p)
 
 	for (int i = 0; i < p->selection.count; i++)
 		for (int c = 0; c < 3; c++)
-			m->more[i][c] = m->clipped[i] > 0
-						? fmax((double)p->light.radiance[i][c] -
-							       (double)m->measured[i][c],
-						       0) / (double)m->clipped[i]
-						: 0;
+			m->more[i][c] = m->clipped[i] > 0 ? fmax((double)p->light.radiance[i][c] -
+									 (double)m->measured[i][c],
+								 0) /
+								    (double)m->clipped[i]
+							  : 0;
 }
 
 void pipeline_mirror_show(struct pipeline *p)

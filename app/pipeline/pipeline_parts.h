@@ -42,7 +42,7 @@ struct pipeline_light {
 
 /* pipeline_mirror.c: the sky as mirrors show it */
 struct pipeline_mirror {
-	bool on; /* some pose of the basis mirrors the sky */
+	bool on;	/* some pose of the basis mirrors the sky */
 	bool seen, due; /* a picture has been taken; the map has to be filled from it */
 	struct mirror_eye eye;
 	struct mirror_map map;

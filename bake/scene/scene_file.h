@@ -42,7 +42,7 @@ struct scene_render_values {
 	double column_cut; /* as in struct basis_info_chunk; below 0: the program chooses */
 	int coarse;	   /* frequency of the coarse dome; 0: the program chooses */
 	bool exact;
-	bool cache; /* bounced light comes from a cache */
+	bool cache;  /* bounced light comes from a cache */
 	int reflect; /* enum scene_reflect */
 };
 

@@ -22,7 +22,7 @@ struct render_settings {
 	int coarse;		     /* frequency of the coarse dome; 0: chosen by plan.c */
 	bool exact;		     /* store the exact layer too */
 	bool cache;		     /* bounced light comes from a cache (bake/trace/cache.h) */
-	bool live;		     /* what shines mirrors the fisheye's picture (tile_mirror.h) */
+	bool live;		     /* what shines mirrors the fisheye's picture (bake/mirror) */
 	struct shard_place shard;    /* count 0: the whole bake */
 	const char *pose;	     /* name or number of the only pose to bake; NULL: all */
 	bool preview;		     /* the provenance says so (basis_is_preview()) */

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bake/mirror/mirror_pixel.h"
 #include "bake/tiles/tile_glass.h"
-#include "bake/tiles/tile_mirror.h"
 #include "bake/tiles/tile_noise.h"
 #include "bake/tiles/tile_sample.h"
 
@@ -46,8 +46,10 @@ int tile_create(struct tile *tile, const struct scene *scene, const struct cells
 		err = bounce_create(&tile->bounce, cells->count);
 	if (!err)
 		err = tile_noise_create(tile);
-	if (!err && settings->live)
-		err = tile_mirror_create(tile);
+	if (!err && settings->live) {
+		tile->mirror = calloc(TILE_PIXELS, sizeof(*tile->mirror));
+		err = tile->mirror ? 0 : -ENOMEM;
+	}
 	if (!err)
 		err = create_rows(tile, TILE_OBJECT, 3);
 	if (!err)
@@ -90,6 +92,23 @@ void tile_free(struct tile *tile)
 
 /* ---- samples ---- */
 
+/* Adds a sample that met a coat of low roughness. What that mirrors straight of the sky is kept
+ * apart. Returns false, and adds nothing, where it has met something else. */
+static bool tile_add_mirror(struct tile *tile, const struct tile_sample *s,
+			    const struct transport_rows *rows)
+{
+	const struct v3 wo = v3_scale(s->direction, -1);
+	struct transport *t = &tile->transport;
+
+	if (!tile->mirror || s->surface.kind != SURFACE_OBJECT ||
+	    s->surface.bsdf.kind != MATERIAL_GLOSSY ||
+	    s->surface.bsdf.alpha > MATERIAL_MIRROR_ALPHA)
+		return false;
+	if (transport_add_apart(t, &s->surface, wo, rows))
+		mirror_pixel_add(&tile->mirror[s->at], &s->surface, wo, &t->apart);
+	return true;
+}
+
 static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 {
 	struct tile_pixel *p = &tile->pixels[s->at];
@@ -104,7 +123,7 @@ static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 	else if (s->surface.kind == SURFACE_GROUND)
 		transport_add_mirrored(&tile->transport, &s->surface, v3_scale(s->direction, -1),
 				       &rows);
-	else if (!tile_mirror_add(tile, s, &rows))
+	else if (!tile_add_mirror(tile, s, &rows))
 		transport_add(&tile->transport, WITH_OBJECTS, &s->surface,
 			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
 }
@@ -426,11 +445,36 @@ static void finish_places(struct tile *tile)
 	}
 }
 
+/* Lists the look-ups of a pixel, and returns to T what they do not have. */
+static void finish_mirror(struct tile *tile, int at)
+{
+	const struct mirror_pixel *p = &tile->mirror[at];
+	const size_t lights = (size_t)tile->cells->count;
+	float *row = tile->rows[TILE_OBJECT].direct +
+		     (size_t)at * tile_direct_size(tile, TILE_OBJECT);
+	struct basis_mirror *m = tile->result.mirror + tile->result.mirror_count;
+	double scale[3];
+	const int count = mirror_pixel_divide(&tile->mirror[at], tile->cells, tile->samples, m,
+					      scale);
+
+	tile->result.mirror_count += count;
+	for (int k = 0; k < count; k++) {
+		m[k].x = (uint16_t)(tile->x + at % BASIS_TILE);
+		m[k].y = (uint16_t)(tile->y + at / BASIS_TILE);
+	}
+	for (int k = 0; k < p->count; k++)
+		for (size_t c = 0; c < 3; c++)
+			row[c * lights + (size_t)p->sample[k].cell] +=
+				p->sample[k].rest * p->sample[k].light.c[c] * (float)scale[c];
+}
+
 static void tile_clear(struct tile *tile)
 {
 	memset(tile->pixels, 0, sizeof(tile->pixels));
 	tile_noise_clear(tile);
-	tile_mirror_clear(tile);
+	tile->result.mirror_count = 0;
+	for (int at = 0; tile->mirror && at < TILE_PIXELS; at++)
+		mirror_pixel_clear(&tile->mirror[at]);
 	tile->batches = tile->samples = tile->result.part_count = 0;
 	tile->half_samples[0] = tile->half_samples[1] = 0;
 	tile->result.ratio_error = 0;
@@ -453,7 +497,9 @@ void tile_render(struct tile *tile, int index)
 			(uint16_t)lround(65535.0 * tile->pixels[at].object / tile->samples);
 	finish_places(tile);
 	tile_glass_finish(tile);
-	tile_mirror_finish(tile);
+	for (int at = 0; tile->mirror && at < TILE_PIXELS; at++)
+		if (tile->mirror[at].count)
+			finish_mirror(tile, at);
 	finish_object(tile);
 	if (tile_has_standins(tile))
 		finish_difference(tile);

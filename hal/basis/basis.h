@@ -53,7 +53,7 @@ struct basis_pose {
 	const struct basis_glass *glass;   /* [glass_count] */
 	size_t glass_count;		   /* 0: the object shows no background */
 	const struct basis_mirror *mirror; /* [mirror_count] */
-	size_t mirror_count;		   /* 0: the object mirrors nothing of the fisheye's picture */
+	size_t mirror_count; /* 0: the object mirrors nothing of the fisheye's picture */
 	const struct basis_places *places; /* NULL: they are not known (basis_places.h) */
 	struct basis_layer shown;
 	struct basis_layer exact; /* tiles is NULL where it is absent or was not opened */

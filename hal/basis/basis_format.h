@@ -315,8 +315,9 @@ struct basis_glass {
  * texels of level l / BASIS_MIRROR_STEP and of the next, mixed by what is left. throughput is
  * averaged over the whole pixel like T. What the object itself blocks, and wider lobes, are in T.
  */
-#define BASIS_MIRROR_SIDE 256 /* 0.5 degrees a texel at the horizon, 1 at the zenith */
-#define BASIS_MIRROR_LEVELS 9 /* down to one texel */
+#define BASIS_MIRROR_BITS 9
+#define BASIS_MIRROR_SIDE (1 << BASIS_MIRROR_BITS) /* 0.24 degrees a texel at the horizon, 0.48 at the zenith */
+#define BASIS_MIRROR_LEVELS (BASIS_MIRROR_BITS + 1) /* down to one texel */
 #define BASIS_MIRROR_STEP 256
 #define BASIS_MIRROR_MOST 18 /* of a pixel */
 

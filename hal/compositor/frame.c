@@ -206,8 +206,8 @@ static void look_up(struct compositor *c, const struct mirror_plan *mirrors,
 	if (!c->mirrors)
 		return;
 	for (int k = 0; k < 3; k++)
-		c->mirror_factor[k] = (float)(0x1p24 / 65535 * c->settings.gain *
-					      lights->mirror_gain[k]);
+		c->mirror_factor[k] =
+			(float)(0x1p24 / 65535 * c->settings.gain * lights->mirror_gain[k]);
 	if (!lights->mirror)
 		mirror_map_fill(&c->lights_map, (const double(*)[3])lights->radiance,
 				lights->ambient);

@@ -46,8 +46,7 @@ void mirror_add(const struct mirror_plan *plan, int tile, const struct mirror_ma
 			const int64_t sum = values->object[c][p] +
 					    lrintf(light[c] < most ? light[c] : most);
 
-			values->object[c][p] =
-				(int32_t)(sum > KERNEL_LIMIT ? KERNEL_LIMIT : sum);
+			values->object[c][p] = (int32_t)(sum > KERNEL_LIMIT ? KERNEL_LIMIT : sum);
 		}
 	}
 }

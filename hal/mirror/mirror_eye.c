@@ -53,9 +53,9 @@ static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int t
 	double dimmed = 0;
 
 	for (int k = 0; k < side * side; k++) {
-		const double place[2] = {
-			(x + (k % side + 0.5) / side) / BASIS_MIRROR_SIDE,
-			(y + (double)(k / side * 2 + 1) / (2 * side)) / BASIS_MIRROR_SIDE};
+		const double place[2] = {(x + (k % side + 0.5) / side) / BASIS_MIRROR_SIDE,
+					 (y + (double)(k / side * 2 + 1) / (2 * side)) /
+						 BASIS_MIRROR_SIDE};
 		double d[3], at[2];
 
 		sky_square_direction(place, d);

@@ -9,14 +9,14 @@
 #include "hal/optics/fisheye.h"
 
 struct mirror_eye {
-	int width, height;   /* of the fisheye's picture; 0: none yet */
-	int taps;	     /* places in each texel at which the picture is read */
-	uint32_t *tap;	     /* [MIRROR_TEXELS][taps]: y * width + x */
-	float *brighter;     /* [MIRROR_TEXELS]: 1 / (the lens's falloff * taps) */
-	uint32_t *row;	     /* [width] */
+	int width, height;    /* of the fisheye's picture; 0: none yet */
+	int taps;	      /* places in each texel at which the picture is read */
+	uint32_t *tap;	      /* [MIRROR_TEXELS][taps]: y * width + x */
+	float *brighter;      /* [MIRROR_TEXELS]: 1 / (the lens's falloff * taps) */
+	uint32_t *row;	      /* [width] */
 	uint16_t (*light)[4]; /* [height][width]: of the last picture; light[3]: 1 where it clips */
-	float *linear;	     /* [height][width][3]: a linear picture instead; NULL: none yet */
-	bool is_linear;	     /* the last picture is in linear */
+	float *linear;	      /* [height][width][3]: a linear picture instead; NULL: none yet */
+	bool is_linear;	      /* the last picture is in linear */
 };
 
 /* How code values become light. */

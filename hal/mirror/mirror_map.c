@@ -132,9 +132,9 @@ void mirror_map_finish(struct mirror_map *map)
 						   2 * (at % side);
 			const mirror_light share = map->share[l][at];
 
-			map->texel[l][at] = (part[0] * share[0] + part[1] * share[1]) +
-					    (part[2 * side] * share[2] +
-					     part[2 * side + 1] * share[3]);
+			map->texel[l][at] =
+				(part[0] * share[0] + part[1] * share[1]) +
+				(part[2 * side] * share[2] + part[2 * side + 1] * share[3]);
 		}
 	}
 }
@@ -149,8 +149,8 @@ struct between {
 
 static inline struct between between_texels(uint32_t place, int level)
 {
-	/* in 1/2^16 texels; the first level has 2^8 of them */
-	const int at = (int)(place << (8 - level)) - 32768;
+	/* in 1/2^16 texels */
+	const int at = (int)(place << (BASIS_MIRROR_BITS - level)) - 32768;
 	const int first = at >> 16, last = side_of(level) - 1;
 
 	return (struct between){first < 0 ? 0 : first, first < last ? first + 1 : last,
@@ -161,8 +161,8 @@ static inline mirror_light look_level(const struct mirror_map *map, int level,
 				      const struct basis_mirror *m)
 {
 	const struct between u = between_texels(m->u, level), v = between_texels(m->v, level);
-	const mirror_light *upper = map->texel[level] + (v.first << (8 - level));
-	const mirror_light *lower = map->texel[level] + (v.second << (8 - level));
+	const mirror_light *upper = map->texel[level] + (v.first << (BASIS_MIRROR_BITS - level));
+	const mirror_light *lower = map->texel[level] + (v.second << (BASIS_MIRROR_BITS - level));
 	const mirror_light above = upper[u.first] * (1 - u.share) + upper[u.second] * u.share;
 	const mirror_light below = lower[u.first] * (1 - u.share) + lower[u.second] * u.share;
 

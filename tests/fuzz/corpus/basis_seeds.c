@@ -121,8 +121,8 @@ static void pack_chunk(FILE *out, const struct basis_chunk_entry *chunk, uint32_
 static bool is_of_pose(uint32_t type)
 {
 	return type == BASIS_CHUNK_COVERAGE || type == BASIS_CHUNK_PEAK ||
-	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA || type == BASIS_CHUNK_GLASS ||
-	       type == BASIS_CHUNK_MIRROR;
+	       type == BASIS_CHUNK_BLOCKS || type == BASIS_CHUNK_DATA ||
+	       type == BASIS_CHUNK_GLASS || type == BASIS_CHUNK_MIRROR;
 }
 
 /* poses: number to be declared; 0: as the file has it. */

@@ -320,7 +320,7 @@ TEST("refuses broken mirrors")
 	REFUSED("MIRR chunk of", chunk->bytes--);
 	REFUSED("mirror 0 is number 1 of pixel 37,", mirror[0].x = 37);
 	REFUSED("18 of a pixel of 37x21", mirror[last].y = 21);
-	REFUSED("at level 2049", mirror[1].level = 2049);
+	REFUSED("at level 2305", mirror[1].level = 2305);
 	REFUSED("expected the order of tiles, rows and columns", mirror[0] = mirror[last]);
 	REFUSED("mirror 18 is number 19 of pixel",
 		for (int k = 1; k < 19; k++) mirror[k] = mirror[0]);

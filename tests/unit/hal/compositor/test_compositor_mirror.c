@@ -61,7 +61,7 @@ static void open_mirrors(struct synthetic *s, struct chance *chance)
 					.y = (uint16_t)y,
 					.u = (uint16_t)chance_int(chance, 0, 65535),
 					.v = (uint16_t)chance_int(chance, 0, 65535),
-					.level = (uint16_t)chance_int(chance, 0, 2048),
+					.level = (uint16_t)chance_int(chance, 0, 2304),
 				};
 				for (int c = 0; c < 3; c++)
 					m->throughput[c] = (uint16_t)chance_int(chance, 0, 65535);

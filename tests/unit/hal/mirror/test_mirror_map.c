@@ -13,6 +13,7 @@
 #include "tests/support/test.h"
 
 #define FREQUENCY 9
+#define LEVEL_MOST ((BASIS_MIRROR_LEVELS - 1) * BASIS_MIRROR_STEP)
 
 /* A basis that is nothing but the lights of a dome. */
 struct sky {
@@ -72,7 +73,7 @@ TEST("an even sky is even everywhere")
 	for (int k = 0; k < 1000; k++) {
 		const struct basis_mirror m = {.u = (uint16_t)chance_int(&chance, 0, 65535),
 					       .v = (uint16_t)chance_int(&chance, 0, 65535),
-					       .level = (uint16_t)chance_int(&chance, 0, 2048)};
+					       .level = (uint16_t)chance_int(&chance, 0, LEVEL_MOST)};
 		const mirror_light light = mirror_map_look(&sky.map, &m);
 
 		for (int c = 0; c < 3; c++)
@@ -112,7 +113,7 @@ TEST("looks up as in double precision")
 			sky.map.texel[0][at][c] = (float)chance_real(&chance, 0, 1);
 	mirror_map_finish(&sky.map);
 	for (int k = 0; k < 20000; k++) {
-		const int level = (int)chance_int(&chance, 0, 2048), whole = level / 256;
+		const int level = (int)chance_int(&chance, 0, LEVEL_MOST), whole = level / 256;
 		const double u = (double)chance_int(&chance, 0, 65535) / 65536;
 		const double v = (double)chance_int(&chance, 0, 65535) / 65536;
 		const double next = level % 256 / 256.0;
@@ -136,7 +137,7 @@ TEST("the brightest light fits")
 		for (int c = 0; c < 3; c++)
 			sky.map.texel[0][at][c] = MIRROR_MOST;
 	mirror_map_finish(&sky.map);
-	for (int level = 0; level <= 2048; level += 128)
+	for (int level = 0; level <= LEVEL_MOST; level += 128)
 		assert_true(fabs(looked(&sky.map, 0.3, 0.7, level, 1) / (double)MIRROR_MOST - 1) <
 			    1e-6);
 	sky_close(&sky);
@@ -151,7 +152,7 @@ TEST("no level gains or loses light")
 	sky_open(&sky);
 	for (int at = 0; at < MIRROR_TEXELS; at++) {
 		/* patches of some degrees, a few of them a hundred times as bright */
-		struct chance patch = {(uint64_t)(at / 2048 * 32 + at % 256 / 8)};
+		struct chance patch = {(uint64_t)(at / BASIS_MIRROR_SIDE / 16 * 32 + at % BASIS_MIRROR_SIDE / 16)};
 		const double light = chance_real(&patch, 0, 1) *
 				     (chance_int(&patch, 0, 63) ? 1 : 100);
 
@@ -165,9 +166,9 @@ TEST("no level gains or loses light")
 		double sum = 0;
 
 		for (int at = 0; at < MIRROR_TEXELS; at++)
-			sum += sky.map.texel_sr[at] *
-			       looked(&sky.map, (at % 256 + 0.5) / 256, (at / 256 + 0.5) / 256,
-				      256 * level, 0);
+			sum += sky.map.texel_sr[at] * looked(&sky.map, (at % BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE,
+							     (at / BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE, 256 * level,
+							     0);
 		print_message("# level %d: %+.5f\n", level, sum / all - 1);
 		expect_below(fabs(sum / all - 1), 0.005 * (1 + level), "level %d", level);
 	}
@@ -234,9 +235,8 @@ TEST("shows the picture where it is, and all of its light")
 	assert_true(picture && radiance && more);
 	draw_sky(&lens, lamp, picture);
 	reader = frame_reader_of(&view);
-	assert_int_equal(light_sampler_create(&sampler, &sky.dome, &lens, SIDE, SIDE, &settings,
-					      &fault),
-			 0);
+	assert_int_equal(
+		light_sampler_create(&sampler, &sky.dome, &lens, SIDE, SIDE, &settings, &fault), 0);
 	assert_int_equal(light_sampler_read(sampler, &view, radiance, NULL), 0);
 	for (int code = 0; code < 256; code++)
 		light.decode[code] =
@@ -251,8 +251,8 @@ TEST("shows the picture where it is, and all of its light")
 		const double texel = (double)sky.map.texel[0][at][1];
 		double d[3];
 
-		place[0] = (at % 256 + 0.5) / 256;
-		place[1] = (at / 256 + 0.5) / 256;
+		place[0] = (at % BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE;
+		place[1] = (at / BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE;
 		sky_square_direction(place, d);
 		map += sky.map.texel_sr[at] * texel;
 		assert_true(texel > 0.02); /* no texel is black, at the horizon neither */
@@ -272,8 +272,7 @@ TEST("shows the picture where it is, and all of its light")
 			more[i][1] = 9;
 		mirror_eye_fill(&eye, &light, &sky.map);
 		for (int at = 0; at < MIRROR_TEXELS; at++)
-			after += sky.map.texel_sr[at] *
-				 (double)sky.map.texel[0][at][1];
+			after += sky.map.texel_sr[at] * (double)sky.map.texel[0][at][1];
 		gained = (after - map) / 9 / (2 * M_PI * (1 - cos(5 * M_PI / 180)));
 		expect_below(fabs(gained - 1), 0.03, "clipped solid angle");
 	}

@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "bake/tiles/tile_mirror.h"
+#include "bake/mirror/mirror_pixel.h"
 
-#include <errno.h>
-#include <stdlib.h>
+#include <math.h>
 
 #include "hal/optics/sky_square.h"
 
-/* A pixel's spots are found by this many samples; further ones count by their sums alone. */
-#define SAMPLES_MOST 128
 #define SAMPLES_LEAST 4
 #define STEP_RAD 1e-2F /* of a derivative; single precision has 1e-7 */
 /* A spot whose variance along is this many times that across is halved. */
@@ -32,52 +29,17 @@ static const struct lobe {
 	int spots_most;
 } lobes[LOBES] = {{1.2, 0.549, 8}, {0.26, 0.356, 4}, {0.05, 0.075, 4}, {0.007, 0.02, 2}};
 
-struct mirror_sample {
-	double ideal[2]; /* place of what a smooth surface mirrors, in texels of level 0 */
-	/* How far lobes where t = 1/2 move the sample: along the plane of incidence they are wider
-	 * than across it, and samples spread by the difference. */
-	double moved[2];
-	double at[2]; /* its place in the lobe that is being divided */
-	float steep;  /* x^2 of the microfacet that did it */
-	int cell, spot;
-	struct rgb light;
-};
-
-struct mirror_pixel {
-	int count;
-	double all[3], kept[3]; /* light of all samples; of those below */
-	/* Sums of each sample's variance of the lobe where t = 1/2, rad^2: along the plane of
-	 * incidence, and across it. */
-	double along, across;
-	struct mirror_sample sample[SAMPLES_MOST];
-};
-
-struct tile_mirror {
-	struct mirror_pixel pixel[TILE_PIXELS];
-};
-
 /* Samples of the same number `spot`: their light, mean place and covariance. */
 struct spot {
 	double weight, mean[2], uu, uv, vv;
 };
 
-int tile_mirror_create(struct tile *tile)
+void mirror_pixel_clear(struct mirror_pixel *p)
 {
-	tile->mirror = calloc(1, sizeof(*tile->mirror));
-	return tile->mirror ? 0 : -ENOMEM;
-}
-
-void tile_mirror_clear(struct tile *tile)
-{
-	tile->result.mirror_count = 0;
-	for (int at = 0; tile->mirror && at < TILE_PIXELS; at++) {
-		struct mirror_pixel *p = &tile->mirror->pixel[at];
-
-		p->count = 0;
-		p->along = p->across = 0;
-		for (int c = 0; c < 3; c++)
-			p->all[c] = p->kept[c] = 0;
-	}
+	p->count = 0;
+	p->along = p->across = 0;
+	for (int c = 0; c < 3; c++)
+		p->all[c] = p->kept[c] = 0;
 }
 
 /* Tells how steep the microfacet is that mirrors wi towards wo, in units of alpha, squared. */
@@ -86,7 +48,8 @@ static float steepness(const struct surface *s, struct v3 wo, struct v3 wi)
 	const struct v3 h = v3_unit(v3_add(wo, wi)), across = v3_cross(s->normal, h);
 	const float along = v3_dot(s->normal, h);
 
-	return v3_dot(across, across) / fmaxf(along * along * s->bsdf.alpha * s->bsdf.alpha, 1e-30f);
+	return v3_dot(across, across) /
+	       fmaxf(along * along * s->bsdf.alpha * s->bsdf.alpha, 1e-30f);
 }
 
 /* Finds a direction's place, in texels. A lobe's tail may be above the horizon where its middle is
@@ -101,15 +64,16 @@ static void find_place(struct v3 direction, double place[2])
 		place[k] *= BASIS_MIRROR_SIDE;
 }
 
-/* Keeps a sample of the pixel: transport->apart. A microfacet turns what it mirrors by twice its
- * slope in the plane of incidence, and by the cosine of that across. */
+/* A microfacet turns what it mirrors by twice its slope in the plane of incidence, and by the cosine
+ * of that across. */
 static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
 			const struct transport_apart *apart)
 {
 	struct mirror_sample *sample = &p->sample[p->count];
 	const float cosine = fmaxf(v3_dot(s->normal, wo), 0), wide = 2 * s->bsdf.alpha;
 	const struct v3 ideal = v3_sub(v3_scale(s->normal, 2 * cosine), wo);
-	const struct v3 along = v3_sub(s->normal, v3_scale(ideal, cosine)); /* as long as the sine */
+	const struct v3 along = v3_sub(s->normal,
+				       v3_scale(ideal, cosine)); /* as long as the sine */
 	/* evenly spread, of variance 1 */
 	const double place = sqrt(3) *
 			     (2 * (double)random_unit(sobol_first((uint32_t)p->count)) - 1);
@@ -130,25 +94,13 @@ static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct 
 	p->count++;
 }
 
-bool tile_mirror_add(struct tile *tile, const struct tile_sample *s,
-		     const struct transport_rows *rows)
+void mirror_pixel_add(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
+		      const struct transport_apart *apart)
 {
-	const struct bsdf *bsdf = &s->surface.bsdf;
-	const struct v3 wo = v3_scale(s->direction, -1);
-	struct transport *t = &tile->transport;
-	struct mirror_pixel *p;
-
-	if (!tile->mirror || bsdf->kind != MATERIAL_GLOSSY || bsdf->alpha > MATERIAL_MIRROR_ALPHA ||
-	    s->surface.kind != SURFACE_OBJECT)
-		return false;
-	if (!transport_add_apart(t, &s->surface, wo, rows))
-		return true;
-	p = &tile->mirror->pixel[s->at];
 	for (int c = 0; c < 3; c++)
-		p->all[c] += (double)t->apart.light.c[c];
-	if (p->count < SAMPLES_MOST)
-		keep_sample(p, &s->surface, wo, &t->apart);
-	return true;
+		p->all[c] += (double)apart->light.c[c];
+	if (p->count < MIRROR_SAMPLES_MOST)
+		keep_sample(p, s, wo, apart);
 }
 
 static double sample_weight(const struct mirror_sample *s)
@@ -253,91 +205,71 @@ static uint16_t in_steps(double value, double most)
 	return (uint16_t)lround(fmin(fmax(value, 0), most));
 }
 
-/* Returns a sample's share to T. */
-static void return_sample(struct tile *tile, int at, const struct mirror_sample *s,
-			  const double scale[3], double share)
+/* Writes a spot in lobes first..end - 1, and returns true, unless cells show it better. blur_rad2:
+ * variance of these lobes. */
+static bool write_spot(struct mirror_pixel *p, int number, int first, int end, double blur_rad2,
+		       const struct cells *cells, const double scale[3], struct basis_mirror *m)
 {
-	const size_t count = (size_t)tile->cells->count;
-	float *row = tile->rows[TILE_OBJECT].direct +
-		     (size_t)at * tile_direct_size(tile, TILE_OBJECT) + s->cell;
-
-	for (size_t c = 0; c < 3; c++)
-		row[c * count] += s->light.c[c] * (float)(scale[c] * share);
-}
-
-/* Writes a spot of a pixel in lobes first..end - 1, or returns it to T where cells show it better.
- * blur_rad2: variance of these lobes. */
-static void finish_spot(struct tile *tile, int at, int number, int first, int end,
-			const double scale[3], double blur_rad2)
-{
-	const struct mirror_pixel *p = &tile->mirror->pixel[at];
 	const struct spot spot = spot_of(p, number);
-	struct basis_mirror *m = &tile->result.mirror[tile->result.mirror_count];
-	const double place[2] = {spot.mean[0] / BASIS_MIRROR_SIDE, spot.mean[1] / BASIS_MIRROR_SIDE};
+	const double place[2] = {spot.mean[0] / BASIS_MIRROR_SIDE,
+				 spot.mean[1] / BASIS_MIRROR_SIDE};
 	double light[3] = {0, 0, 0}, d[3];
 	const double texel_sr =
 		sky_square_direction(place, d) / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
-	const double variance = (spot.uu + spot.vv) / 2 + blur_rad2 / texel_sr;
-	const int cell = cells_of(tile->cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
+	const double wide = (spot.uu + spot.vv) / 2;
+	const int cell = cells_of(cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
 	const bool live = cell >= 0 && texel_sr > 0 && blur_rad2 <= BLUR_MOST &&
-			  (spot.uu + spot.vv) / 2 / LOOK_VARIANCE * texel_sr <=
-				  (double)tile->cells->sr[cell];
+			  wide / LOOK_VARIANCE * texel_sr <= (double)cells->sr[cell];
 
 	for (int k = 0; k < p->count; k++) {
-		const struct mirror_sample *s = &p->sample[k];
+		struct mirror_sample *s = &p->sample[k];
 		const double share = s->spot == number ? lobe_share(s, first, end) : 0;
 
 		for (int c = 0; c < 3; c++)
 			light[c] += share * (double)s->light.c[c];
-		if (!live && share > 0)
-			return_sample(tile, at, s, scale, share);
+		s->rest += live ? 0 : (float)share;
 	}
 	if (!live)
-		return;
+		return false;
 	*m = (struct basis_mirror){
-		.x = (uint16_t)(tile->x + at % BASIS_TILE),
-		.y = (uint16_t)(tile->y + at / BASIS_TILE),
 		.u = in_steps(65536 * place[0], 65535),
 		.v = in_steps(65536 * place[1], 65535),
-		.level = in_steps(BASIS_MIRROR_STEP * spot_level(variance),
+		.level = in_steps(BASIS_MIRROR_STEP * spot_level(wide + blur_rad2 / texel_sr),
 				  (BASIS_MIRROR_LEVELS - 1) * BASIS_MIRROR_STEP),
 	};
 	for (int c = 0; c < 3; c++)
-		m->throughput[c] = in_steps(65535 * light[c] * scale[c] / tile->samples, 65535);
-	tile->result.mirror_count += (m->throughput[0] | m->throughput[1] | m->throughput[2]) > 0;
+		m->throughput[c] = in_steps(65535 * light[c] * scale[c], 65535);
+	return m->throughput[0] || m->throughput[1] || m->throughput[2];
 }
 
-static void finish_pixel(struct tile *tile, int at)
+int mirror_pixel_divide(struct mirror_pixel *p, const struct cells *cells, int rays,
+			struct basis_mirror *mirror, double scale[3])
 {
-	struct mirror_pixel *p = &tile->mirror->pixel[at];
 	const double along = p->along / p->count, across = p->across / p->count;
 	/* in texels of mean size; those of a place are up to twice as large, or half of it */
 	const double texel_rad2 = 8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
-	double scale[3];
+	double each[3];
+	int count = 0;
 
-	for (int c = 0; c < 3; c++)
+	for (int c = 0; c < 3; c++) {
 		scale[c] = p->kept[c] > 0 ? p->all[c] / p->kept[c] : 0;
-	for (int k = 0; k < p->count && p->count < SAMPLES_LEAST; k++)
-		return_sample(tile, at, &p->sample[k], scale, 1);
+		each[c] = scale[c] / rays;
+	}
+	for (int k = 0; k < p->count; k++)
+		p->sample[k].rest = p->count < SAMPLES_LEAST;
 	for (int first = 0, end; first < LOBES && p->count >= SAMPLES_LEAST; first = end) {
 		double variance, blur;
 		int spots;
 
 		/* lobes that no look-up tells apart are one */
 		for (end = first + 1; end < LOBES && along / (2 * lobes[end].t) <
-						     LOOK_VARIANCE * texel_rad2;)
+							     LOOK_VARIANCE * texel_rad2;)
 			end++;
 		variance = 1 / (2 * lobes[end - 1].t);
 		blur = across * variance;
 		spots = divide_spots(p, variance, lobes[first].spots_most, blur / texel_rad2);
 		for (int k = 0; k < spots; k++)
-			finish_spot(tile, at, k, first, end, scale, blur);
+			count += write_spot(p, k, first, end, blur, cells, each, mirror + count);
 	}
-}
-
-void tile_mirror_finish(struct tile *tile)
-{
-	for (int at = 0; tile->mirror && at < TILE_PIXELS; at++)
-		if (tile->mirror->pixel[at].count)
-			finish_pixel(tile, at);
+	return count;
 }
