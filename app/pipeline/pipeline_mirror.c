@@ -129,6 +129,6 @@ void pipeline_mirror_show(struct pipeline *p)
 		return;
 	fill_colours(&p->settings, colours.matrix);
 	fill_clipped(p);
-	mirror_eye_fill(&m->eye, &colours, &m->map);
+	mirror_eye_fill(&m->eye, &colours, p->pool, &m->map);
 	m->due = false;
 }

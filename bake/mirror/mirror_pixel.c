@@ -7,7 +7,8 @@
 
 #define SAMPLES_LEAST 4
 #define STEP_RAD 1e-2F /* of a derivative; single precision has 1e-7 */
-/* A spot whose variance along is this many times that across is halved. */
+/* A spot is halved if its variance along is this many times that across, or that of the look-up and
+ * the lobe: a pixel is a square, whose edge a wide tent would blur. */
 #define SPOT_LONG 2.0
 /* Variance of what a trilinear look-up at level 0 sees, in squared texels: the tent of bilinear
  * interpolation (1/6) over a square texel (1/12). It is 4 times as large at each next level. */
@@ -64,8 +65,8 @@ static void find_place(struct v3 direction, double place[2])
 		place[k] *= BASIS_MIRROR_SIDE;
 }
 
-/* A microfacet turns what it mirrors by twice its slope in the plane of incidence, and by the cosine
- * of that across. */
+/* A microfacet turns what it mirrors by twice its slope in the plane of incidence, and by the
+ * cosine of that across. */
 static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
 			const struct transport_apart *apart)
 {
@@ -139,12 +140,15 @@ static struct spot spot_of(const struct mirror_pixel *p, int number)
 static bool halve_spot(struct mirror_pixel *p, int number, int next, double blur)
 {
 	const struct spot spot = spot_of(p, number);
-	const double half = (spot.uu - spot.vv) / 2, mean = (spot.uu + spot.vv) / 2 + blur;
+	const double half = (spot.uu - spot.vv) / 2, mean = (spot.uu + spot.vv) / 2;
 	const double root = hypot(half, spot.uv);
 	/* the axis of the larger variance */
 	const double turn = atan2(spot.uv, half) / 2, u = cos(turn), v = sin(turn);
 
-	if (mean + root < SPOT_LONG * fmax(mean - root, LOOK_VARIANCE))
+	if (mean + root + blur < SPOT_LONG * (mean - root + blur) &&
+	    mean + root < SPOT_LONG * (LOOK_VARIANCE + blur))
+		return false;
+	if (mean + root < LOOK_VARIANCE)
 		return false;
 	for (int k = 0; k < p->count; k++) {
 		struct mirror_sample *s = &p->sample[k];
@@ -214,8 +218,8 @@ static bool write_spot(struct mirror_pixel *p, int number, int first, int end, d
 	const double place[2] = {spot.mean[0] / BASIS_MIRROR_SIDE,
 				 spot.mean[1] / BASIS_MIRROR_SIDE};
 	double light[3] = {0, 0, 0}, d[3];
-	const double texel_sr =
-		sky_square_direction(place, d) / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
+	const double texel_sr = sky_square_direction(place, d) / BASIS_MIRROR_SIDE /
+				BASIS_MIRROR_SIDE;
 	const double wide = (spot.uu + spot.vv) / 2;
 	const int cell = cells_of(cells, v3_make((float)d[0], (float)d[1], (float)d[2]));
 	const bool live = cell >= 0 && texel_sr > 0 && blur_rad2 <= BLUR_MOST &&
@@ -262,8 +266,8 @@ int mirror_pixel_divide(struct mirror_pixel *p, const struct cells *cells, int r
 		int spots;
 
 		/* lobes that no look-up tells apart are one */
-		for (end = first + 1; end < LOBES && along / (2 * lobes[end].t) <
-							     LOOK_VARIANCE * texel_rad2;)
+		for (end = first + 1;
+		     end < LOBES && along / (2 * lobes[end].t) < LOOK_VARIANCE * texel_rad2;)
 			end++;
 		variance = 1 / (2 * lobes[end - 1].t);
 		blur = across * variance;

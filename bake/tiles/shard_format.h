@@ -26,8 +26,8 @@ struct shard_header {
 	uint64_t checksum; /* XXH3-64 of this header, with this field 0, and the plan */
 };
 
-/* The head of a record. The tile's account, pixels of glass, mirrors, block entries and payloads follow
- * it. */
+/* The head of a record. The tile's account, pixels of glass, mirrors, block entries and payloads
+ * follow it. */
 struct shard_record {
 	uint32_t tile;
 	uint32_t shown, exact;

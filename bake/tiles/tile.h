@@ -55,7 +55,7 @@ struct tile_pixel {
 	bool changed;	       /* the object changes this pixel */
 };
 
-struct tile_noise;  /* tile_noise.h */
+struct tile_noise;   /* tile_noise.h */
 struct mirror_pixel; /* bake/mirror/mirror_pixel.h */
 
 /* A rendered tile, ready for the encoder. */
@@ -88,7 +88,8 @@ struct tile {
 	int batches, samples, half_samples[2];
 	struct tile_result result;
 	struct tile_noise *noise;
-	struct mirror_pixel *mirror; /* [TILE_PIXELS]; NULL: nothing mirrors the fisheye's picture */
+	struct mirror_pixel
+		*mirror; /* [TILE_PIXELS]; NULL: nothing mirrors the fisheye's picture */
 };
 
 /*

@@ -567,8 +567,7 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 			const struct transport_rows *rows)
 {
 	const float peak = rgb_peak(weight);
-	const bool gathered = t->gathered;
-	const struct v3 gathered_at = t->gathered_at;
+	const struct transport_gathered before = t->gathered;
 	struct surface next;
 
 	if (depth > t->bounces || peak == 0)
@@ -579,14 +578,12 @@ static void follow_path(struct transport *t, enum presence presence, const struc
 		weight = rgb_scale(weight, WEIGHT_SURE / peak);
 	}
 	t->ray_count++;
-	t->gathered = true;
-	t->gathered_at = s->position;
+	t->gathered = (struct transport_gathered){true, s->position};
 	if (world_nearest(t->world, presence, surface_leave(s, direction), direction, &next)) {
 		t->mirrored = next_passage(t, presence, s, direction, &next).mirrored;
 		add_path(t, presence, &next, v3_scale(direction, -1), weight, depth, rows);
 	}
-	t->gathered = gathered;
-	t->gathered_at = gathered_at;
+	t->gathered = before;
 }
 
 /* Goes on in all directions drawn, which share the weight. */
@@ -598,6 +595,13 @@ static void follow_onward(struct transport *t, enum presence presence, const str
 
 	for (int k = 0; k < onward->count; k++)
 		follow_path(t, presence, s, onward->direction[k], each, depth, rows);
+}
+
+static void set_apart(struct transport *t, int cell, struct v3 direction, struct rgb light)
+{
+	t->apart.cell = cell;
+	t->apart.direction = direction;
+	t->apart.light = light;
 }
 
 /* Draws a ray from the coat, and adds the light of the sky that it sees, also through glass.
@@ -641,7 +645,7 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 		if (passage.bent)
 			deposit_sky(t, passage.sky, part, row);
 		else if (apart)
-			t->apart = (struct transport_apart){false, cell, *wi, part};
+			set_apart(t, cell, *wi, part);
 		else
 			deposit_cell(t, cell, part, row);
 	}
@@ -712,10 +716,10 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 	const size_t count = 3 * (size_t)t->cells->count;
 	int record;
 
-	if (!t->cache || !t->gathered || t->compared || (t->link && t->links == t->links_max))
+	if (!t->cache || !t->gathered.any || t->compared || (t->link && t->links == t->links_max))
 		return false;
 	record = cache_find(t->cache, s);
-	if (!t->link && v3_length(v3_sub(s->position, t->gathered_at)) <
+	if (!t->link && v3_length(v3_sub(s->position, t->gathered.at)) <
 				CACHE_NEAR * cache_spread(t->cache, record))
 		return false;
 	weight = rgb_scale(rgb_mul(weight, s->bsdf.colour),
@@ -733,7 +737,7 @@ static bool add_cached(struct transport *t, const struct surface *s, struct v3 w
 static void add_path(struct transport *t, enum presence presence, const struct surface *at,
 		     struct v3 wo, struct rgb weight, int depth, const struct transport_rows *rows)
 {
-	const bool sharp = depth <= t->sharp;
+	const bool sharp = depth <= t->apart.sharp;
 	float *const row = sharp ? rows->direct : rows->bounce;
 	struct surface s = *at, mirrored;
 	struct rgb base, coat = {{0, 0, 0}};
@@ -769,9 +773,10 @@ static void add_path(struct transport *t, enum presence presence, const struct s
 		}
 	}
 	if (depth < t->bounces && rgb_peak(coat) > 0) {
-		t->sharp = sharp && s.bsdf.alpha <= MATERIAL_MIRROR_ALPHA ? depth + 1 : t->sharp;
+		t->apart.sharp = sharp && s.bsdf.alpha <= MATERIAL_MIRROR_ALPHA ? depth + 1
+										: t->apart.sharp;
 		add_path(t, presence, &mirrored, v3_scale(wi, -1), coat, depth + 1, rows);
-		t->sharp = sharp ? depth : t->sharp;
+		t->apart.sharp = sharp ? depth : t->apart.sharp;
 	}
 	follow_onward(t, presence, &s, &onward, base, depth + 1, rows);
 }
@@ -780,8 +785,8 @@ void transport_add(struct transport *t, enum presence presence, const struct sur
 		   struct v3 wo, struct rgb weight, const struct transport_rows *rows)
 {
 	t->compared = surface->kind != SURFACE_OBJECT;
-	t->gathered = false;
-	t->sharp = 0;
+	t->gathered.any = false;
+	t->apart.sharp = 0;
 	t->mirrored = 0;
 	add_path(t, presence, surface, wo, weight, 0, rows);
 }
@@ -795,7 +800,8 @@ void transport_add_sky(struct transport *t, struct v3 direction, struct rgb weig
 bool transport_add_apart(struct transport *t, const struct surface *surface, struct v3 wo,
 			 const struct transport_rows *rows)
 {
-	t->apart = (struct transport_apart){.wanted = true, .cell = -1};
+	t->apart.wanted = true;
+	t->apart.cell = -1;
 	transport_add(t, WITH_OBJECTS, surface, wo, rgb_make(1, 1, 1), rows);
 	t->apart.wanted = false;
 	return t->apart.cell >= 0;
@@ -848,7 +854,7 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	bool any = false;
 
 	t->compared = false;
-	t->gathered = false;
+	t->gathered.any = false;
 	t->rays.count = 0;
 	for (int k = 0; k < cells->count; k++)
 		if (v3_dot(cone.axis, row[k]) >= cone.cosine)
@@ -885,8 +891,8 @@ void transport_add_mirrored(struct transport *t, const struct surface *ground, s
 			    const struct transport_rows *rows)
 {
 	t->compared = false;
-	t->gathered = false;
-	t->sharp = 0;
+	t->gathered.any = false;
+	t->apart.sharp = 0;
 	t->mirrored = 0;
 	t->coat = t->random;
 	add_path(t, WITH_OBJECTS, ground, wo, rgb_make(1, 1, 1), 0, rows);
@@ -902,7 +908,7 @@ void transport_link(struct transport *t, const struct surface *s, float *row)
 	struct onward onward;
 
 	t->compared = false;
-	t->gathered = false;
+	t->gathered.any = false;
 	onward = spread_to_cells(t, WITH_OBJECTS, s, s->normal, white, 0, row, row);
 	follow_onward(t, WITH_OBJECTS, s, &onward, rgb_scale(white, onward.weight), 1, &rows);
 }

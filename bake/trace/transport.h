@@ -76,6 +76,23 @@ struct transport_link {
 	struct rgb weight;
 };
 
+/* The last diffuse bounce of a path, if it had any. */
+struct transport_gathered {
+	bool any;
+	struct v3 at;
+};
+
+/* What mirrors before the first other surface of a path show. */
+struct transport_apart {
+	int sharp; /* number of them on the path so far */
+	/* What the coat of the first surface mirrors straight of the sky: if it is wanted it goes
+	 * here instead of to the row, and no ray to a cell shows it. */
+	bool wanted;
+	int cell; /* -1: there is none */
+	struct v3 direction;
+	struct rgb light;
+};
+
 /* Guesses that find blocked rays sooner; the result does not depend on them. */
 struct transport_guess {
 	struct ray_batch rays; /* rays that meet no ball inside an object (inside.c) */
@@ -103,14 +120,7 @@ struct transport {
 	/* Draws the coat of the next glossy surface, all of it: no ray to a cell shows it as well;
 	 * state 0: not in use. */
 	struct random coat;
-	/* What the coat of the sample's first surface mirrors straight of the sky. */
-	struct transport_apart {
-		bool wanted; /* it goes here instead of to the row, and no ray to a cell shows it */
-		int cell;    /* -1: there is none */
-		struct v3 direction;
-		struct rgb light;
-	} apart;
-	int sharp;     /* number of mirrors before the first other surface, on the path so far */
+	struct transport_apart apart;
 	bool compared; /* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
@@ -119,8 +129,7 @@ struct transport {
 	/* The cache gives the light of surfaces that a path reaches after a diffuse bounce; NULL:
 	 * the path goes on. The caller sets and owns it. */
 	const struct cache *cache;
-	bool gathered;		     /* the path has had a diffuse bounce ... */
-	struct v3 gathered_at;	     /* ... the last of them here */
+	struct transport_gathered gathered;
 	struct transport_link *link; /* [links_max]: filled by transport_link(); NULL: not in use */
 	int links, links_max;
 };

@@ -92,7 +92,7 @@
 
 #define BASIS_MAGIC "INLAYBAS"
 #define BASIS_VERSION 10
-/* Of a file that has MIRR: a program that does not know it would show what shines black. */
+/* A file that has MIRR is of this one: programs that do not know it would show mirrors black. */
 #define BASIS_VERSION_MIRROR 11
 #define BASIS_PAGE 4096
 #define BASIS_ALIGN 64 /* alignment of every array inside a block, in bytes */
@@ -316,7 +316,8 @@ struct basis_glass {
  * averaged over the whole pixel like T. What the object itself blocks, and wider lobes, are in T.
  */
 #define BASIS_MIRROR_BITS 9
-#define BASIS_MIRROR_SIDE (1 << BASIS_MIRROR_BITS) /* 0.24 degrees a texel at the horizon, 0.48 at the zenith */
+#define BASIS_MIRROR_SIDE                                                                          \
+	(1 << BASIS_MIRROR_BITS) /* 0.24 degrees a texel at the horizon, 0.48 at the zenith */
 #define BASIS_MIRROR_LEVELS (BASIS_MIRROR_BITS + 1) /* down to one texel */
 #define BASIS_MIRROR_STEP 256
 #define BASIS_MIRROR_MOST 18 /* of a pixel */

@@ -16,8 +16,8 @@
 #include "hal/basis/pack.h"
 
 /* Largest number of chunks: INFO, DOME, GROUND, COARSE and CAMERA first; DATA, BLOCKS, EXACT_DATA,
- * EXACT_BLOCKS, COVERAGE, PEAK, GLASS, MIRROR and PLACES for each pose, of several poses PACK in place of
- * DATA and COVERAGE; POSES, FOOT and PROVENANCE last. */
+ * EXACT_BLOCKS, COVERAGE, PEAK, GLASS, MIRROR and PLACES for each pose, of several poses PACK in
+ * place of DATA and COVERAGE; POSES, FOOT and PROVENANCE last. */
 #define FIRST_CHUNKS 5
 #define POSE_CHUNKS 8
 #define SINGLE_CHUNKS 1 /* more, of a single pose */

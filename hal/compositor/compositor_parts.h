@@ -50,6 +50,15 @@ struct compositor_worker {
 	uint8_t *rows; /* background scratch: a row of the picture, or SPAN_TILES tiles */
 };
 
+/* What the object shows of its surroundings in the current frame. */
+struct shown {
+	const struct glass_plan *glass;	   /* NULL: no background */
+	struct picture through;		   /* background in memory, if glass is not NULL */
+	const struct mirror_plan *mirrors; /* NULL: no sky */
+	const struct mirror_map *sky;
+	mirror_light factor; /* mirror_add() */
+};
+
 struct compositor {
 	const struct basis *basis;
 	int pose; /* of the last frame; -1: none yet */
@@ -72,11 +81,7 @@ struct compositor {
 	 * has mirrors. */
 	struct mirror_map lights_map;
 	/* The current frame. */
-	const struct mirror_plan *mirrors; /* NULL: there are none */
-	const struct mirror_map *mirrored;
-	mirror_light mirror_factor;
-	const struct glass_plan *glass; /* NULL: the object shows no background */
-	struct picture through;		/* background in memory, if glass is not NULL */
+	struct shown shown;
 	struct layer *layer;
 	const uint16_t *coverage;
 	const struct backdrop *backdrop;

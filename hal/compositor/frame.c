@@ -101,8 +101,8 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 
 		fetch_ahead(c, t, rows);
 		tile_compute(&c->light, plan, &w->tile, &w->values);
-		if (c->mirrors)
-			mirror_add(c->mirrors, t, c->mirrored, c->mirror_factor, &w->values);
+		if (c->shown.mirrors)
+			mirror_add(c->shown.mirrors, t, c->shown.sky, c->shown.factor, &w->values);
 		if (c->settings.rows && plan->object)
 			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
 				       tiles[t].height);
@@ -112,8 +112,9 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 				    w->values.taken);
 		if (veiled && plan->taken)
 			veil_values(w->values.taken, veiled->anybody);
-		if (c->glass)
-			glass_add(c->glass, t, &c->through, c->curves.decode, &w->values);
+		if (c->shown.glass)
+			glass_add(c->shown.glass, t, &c->shown.through, c->curves.decode,
+				  &w->values);
 		if (veiled && plan->object)
 			veil_values(w->values.object, veiled->front);
 		mix_tile(c, t, w, veiled, rows);
@@ -176,7 +177,7 @@ static void make_light(void *context, int item, int worker)
 static void make_behind(void *context, int item, int worker)
 {
 	const struct compositor *c = context;
-	const struct area *a = &c->glass->source[item];
+	const struct area *a = &c->shown.glass->source[item];
 	const size_t stride = (size_t)c->basis->info.width * 4;
 
 	(void)worker;
@@ -190,11 +191,11 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 {
 	const int width = (int)c->basis->info.width, height = (int)c->basis->info.height;
 
-	c->glass = glass->first ? glass : NULL;
-	c->through = c->backdrop->picture;
-	if (!c->glass || !c->backdrop->make)
+	c->shown.glass = glass->first ? glass : NULL;
+	c->shown.through = c->backdrop->picture;
+	if (!c->shown.glass || !c->backdrop->make)
 		return;
-	c->through = (struct picture){c->behind, 4, (ptrdiff_t)width * 4, width, height};
+	c->shown.through = (struct picture){c->behind, 4, (ptrdiff_t)width * 4, width, height};
 	pool_run(c->pool, glass->source_count, make_behind, c);
 }
 
@@ -202,16 +203,16 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 static void look_up(struct compositor *c, const struct mirror_plan *mirrors,
 		    const struct light_selection *lights)
 {
-	c->mirrors = mirrors->first ? mirrors : NULL;
-	if (!c->mirrors)
+	c->shown.mirrors = mirrors->first ? mirrors : NULL;
+	if (!c->shown.mirrors)
 		return;
 	for (int k = 0; k < 3; k++)
-		c->mirror_factor[k] =
+		c->shown.factor[k] =
 			(float)(0x1p24 / 65535 * c->settings.gain * lights->mirror_gain[k]);
 	if (!lights->mirror)
 		mirror_map_fill(&c->lights_map, (const double(*)[3])lights->radiance,
 				lights->ambient);
-	c->mirrored = lights->mirror ? lights->mirror : &c->lights_map;
+	c->shown.sky = lights->mirror ? lights->mirror : &c->lights_map;
 }
 
 /* Makes the light vectors of the layer, and chooses columns. */

@@ -135,46 +135,72 @@ int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture)
 	return 0;
 }
 
+#define FILL_ROWS 32 /* of texels that a thread fills at a time */
+
+/* A fill that threads share. */
+struct mirror_filling {
+	const struct mirror_eye *eye;
+	const struct mirror_colours *colours;
+	struct mirror_map *map;
+	mirror_light column[3]; /* of the matrix */
+};
+
 /* Sums what a texel is read at: light, and in the last the number of clipped pixels. */
-static mirror_light read_texel(const struct mirror_eye *eye, const uint32_t *tap)
+static mirror_light read_codes(const struct mirror_eye *eye, const uint32_t *tap)
 {
 	int32_t sum[4] = {0, 0, 0, 0};
-	mirror_light light = {0, 0, 0, 0};
 
-	for (int k = 0; k < eye->taps && !eye->is_linear; k++)
+	for (int k = 0; k < eye->taps; k++)
 		for (int c = 0; c < 4; c++)
 			sum[c] += eye->light[tap[k]][c];
-	for (int c = 0; c < 3 && !eye->is_linear; c++)
-		light[c] = (float)sum[c] * (1.0F / 65535);
-	light[3] = (float)sum[3];
-	for (int k = 0; k < eye->taps && eye->is_linear; k++)
-		for (int c = 0; c < 3; c++)
-			light[c] += eye->linear[3 * (size_t)tap[k] + (size_t)c];
+	return (mirror_light){(float)sum[0], (float)sum[1], (float)sum[2], (float)sum[3]} *
+	       (mirror_light){1.0F / 65535, 1.0F / 65535, 1.0F / 65535, 1};
+}
+
+static mirror_light read_linear(const struct mirror_eye *eye, const uint32_t *tap)
+{
+	mirror_light light = {0, 0, 0, 0};
+
+	for (int k = 0; k < eye->taps; k++) {
+		const float *pixel = eye->linear + 3 * (size_t)tap[k];
+
+		light += (mirror_light){pixel[0], pixel[1], pixel[2], 0};
+	}
 	return light;
 }
 
-void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
-		     struct mirror_map *map)
+static void fill_rows(void *context, int item, int worker)
 {
-	const uint32_t *tap = eye->tap;
-	float from[9];
+	const struct mirror_filling *f = context;
+	const struct mirror_eye *eye = f->eye;
+	const int end = (item + 1) * FILL_ROWS * BASIS_MIRROR_SIDE;
+
+	(void)worker;
+	for (int at = item * FILL_ROWS * BASIS_MIRROR_SIDE; at < end; at++) {
+		const uint32_t *tap = eye->tap + (size_t)at * (size_t)eye->taps;
+		const mirror_light seen = eye->is_linear ? read_linear(eye, tap)
+							 : read_codes(eye, tap);
+		mirror_light light =
+			(f->column[0] * seen[0] + f->column[1] * seen[1] + f->column[2] * seen[2]) *
+			eye->brighter[at];
+
+		for (int c = 0; c < 3 && seen[3] > 0; c++)
+			light[c] = mirror_clamp(light[c]) +
+				   (float)f->colours->clipped[f->map->cell[at]][c] * seen[3] /
+					   (float)eye->taps;
+		for (int c = 0; c < 3; c++)
+			light[c] = mirror_clamp(light[c]);
+		f->map->texel[0][at] = light;
+	}
+}
+
+void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
+		     struct pool *pool, struct mirror_map *map)
+{
+	struct mirror_filling f = {.eye = eye, .colours = colours, .map = map};
 
 	for (int k = 0; k < 9; k++)
-		from[k] = (float)colours->matrix[k];
-	for (int at = 0; at < MIRROR_TEXELS; at++, tap += eye->taps) {
-		const mirror_light seen = read_texel(eye, tap);
-
-		for (int c = 0; c < 3; c++) {
-			const float *row = from + 3 * c;
-			float light = (row[0] * seen[0] + row[1] * seen[1] + row[2] * seen[2]) *
-				      eye->brighter[at];
-
-			light = mirror_clamp(light);
-			if (seen[3] > 0)
-				light += (float)colours->clipped[map->cell[at]][c] * seen[3] /
-					 (float)eye->taps;
-			map->texel[0][at][c] = mirror_clamp(light);
-		}
-	}
+		f.column[k % 3][k / 3] = (float)colours->matrix[k];
+	pool_run(pool, BASIS_MIRROR_SIDE / FILL_ROWS, fill_rows, &f);
 	mirror_map_finish(map);
 }

@@ -3,6 +3,7 @@
 #ifndef INLAY_HAL_MIRROR_MIRROR_EYE_H
 #define INLAY_HAL_MIRROR_MIRROR_EYE_H
 
+#include "hal/base/pool.h"
 #include "hal/frame/frame_reader.h"
 #include "hal/image/image.h"
 #include "hal/mirror/mirror_map.h"
@@ -38,8 +39,8 @@ void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame,
 		     const uint16_t decode[256]);
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture);
 
-/* Fills the map from the picture taken last. */
+/* Fills the map from the picture taken last; the pool may be NULL. */
 void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
-		     struct mirror_map *map);
+		     struct pool *pool, struct mirror_map *map);
 
 #endif

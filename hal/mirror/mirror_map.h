@@ -8,7 +8,6 @@
 #ifndef INLAY_HAL_MIRROR_MIRROR_MAP_H
 #define INLAY_HAL_MIRROR_MIRROR_MAP_H
 
-#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -46,7 +45,8 @@ mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mi
 /* Brings light to what a texel may hold; what is no number becomes 0. */
 static inline float mirror_clamp(float light)
 {
-	return fminf(fmaxf(light, 0), MIRROR_MOST);
+	light = light > 0 ? light : 0;
+	return light < MIRROR_MOST ? light : MIRROR_MOST;
 }
 
 #endif

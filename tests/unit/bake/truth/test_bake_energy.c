@@ -326,7 +326,7 @@ TEST("mirror")
 	dome_free(&dome);
 }
 
-/* What is mirrored live is what cells would get: the same light in all, from the same directions. */
+/* What is mirrored live is what cells would get: the same light, from the same directions. */
 TEST("live mirror")
 {
 	double even[2] = {0, 0}, sky[2] = {0, 0}, live = 0, light[512];

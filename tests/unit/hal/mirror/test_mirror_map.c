@@ -71,9 +71,10 @@ TEST("an even sky is even everywhere")
 		memcpy(radiance[i], one[0], sizeof(one[0]));
 	mirror_map_fill(&sky.map, (const double(*)[3])radiance, none);
 	for (int k = 0; k < 1000; k++) {
-		const struct basis_mirror m = {.u = (uint16_t)chance_int(&chance, 0, 65535),
-					       .v = (uint16_t)chance_int(&chance, 0, 65535),
-					       .level = (uint16_t)chance_int(&chance, 0, LEVEL_MOST)};
+		const struct basis_mirror m = {
+			.u = (uint16_t)chance_int(&chance, 0, 65535),
+			.v = (uint16_t)chance_int(&chance, 0, 65535),
+			.level = (uint16_t)chance_int(&chance, 0, LEVEL_MOST)};
 		const mirror_light light = mirror_map_look(&sky.map, &m);
 
 		for (int c = 0; c < 3; c++)
@@ -152,7 +153,8 @@ TEST("no level gains or loses light")
 	sky_open(&sky);
 	for (int at = 0; at < MIRROR_TEXELS; at++) {
 		/* patches of some degrees, a few of them a hundred times as bright */
-		struct chance patch = {(uint64_t)(at / BASIS_MIRROR_SIDE / 16 * 32 + at % BASIS_MIRROR_SIDE / 16)};
+		struct chance patch = {
+			(uint64_t)(at / BASIS_MIRROR_SIDE / 16 * 32 + at % BASIS_MIRROR_SIDE / 16)};
 		const double light = chance_real(&patch, 0, 1) *
 				     (chance_int(&patch, 0, 63) ? 1 : 100);
 
@@ -166,9 +168,10 @@ TEST("no level gains or loses light")
 		double sum = 0;
 
 		for (int at = 0; at < MIRROR_TEXELS; at++)
-			sum += sky.map.texel_sr[at] * looked(&sky.map, (at % BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE,
-							     (at / BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE, 256 * level,
-							     0);
+			sum += sky.map.texel_sr[at] *
+			       looked(&sky.map, (at % BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE,
+				      (at / BASIS_MIRROR_SIDE + 0.5) / BASIS_MIRROR_SIDE,
+				      256 * level, 0);
 		print_message("# level %d: %+.5f\n", level, sum / all - 1);
 		expect_below(fabs(sum / all - 1), 0.005 * (1 + level), "level %d", level);
 	}
@@ -244,7 +247,7 @@ TEST("shows the picture where it is, and all of its light")
 	assert_int_equal(mirror_eye_prepare(&eye, &lens, SIDE, SIDE), 0);
 	mirror_eye_take(&eye, &reader, light.decode);
 	light.clipped = (const double(*)[3])more;
-	mirror_eye_fill(&eye, &light, &sky.map);
+	mirror_eye_fill(&eye, &light, NULL, &sky.map);
 	for (int i = 0; i < sky.dome.count; i++)
 		cells += sky.dome.solid_angle_sr[i] * (double)radiance[i][1];
 	for (int at = 0; at < MIRROR_TEXELS; at++) {
@@ -270,7 +273,7 @@ TEST("shows the picture where it is, and all of its light")
 
 		for (int i = 0; i < sky.dome.count; i++)
 			more[i][1] = 9;
-		mirror_eye_fill(&eye, &light, &sky.map);
+		mirror_eye_fill(&eye, &light, NULL, &sky.map);
 		for (int at = 0; at < MIRROR_TEXELS; at++)
 			after += sky.map.texel_sr[at] * (double)sky.map.texel[0][at][1];
 		gained = (after - map) / 9 / (2 * M_PI * (1 - cos(5 * M_PI / 180)));
