@@ -180,12 +180,14 @@ static int hang_lamps(struct preview *p, const struct dome *dome, float (*radian
 	const double scale = p->settings->exposure * p->config->composite.gain;
 	struct lamp_light *light;
 	double power[LAMPS_MAX][3];
-	const int err = lamp_light_create(&light, dome, lamps);
+	struct dome_placed *placed;
+	int err = dome_placed_create(&placed, dome);
 
+	if (err != -ENOMEM)
+		err = lamp_light_create(&light, dome, placed, lamps);
+	dome_placed_destroy(placed);
 	if (err)
-		return fault_say(fault, err, "%s: %s", p->settings->fisheye,
-				 err == -ENOMEM ? "out of memory"
-						: "the dome has too few lights for [lamp]");
+		return fault_say(fault, err, "%s: out of memory", p->settings->fisheye);
 	lamp_light_take(light, radiance, power);
 	lamp_light_destroy(light);
 	for (int l = 0; l < lamps->count; l++) {
