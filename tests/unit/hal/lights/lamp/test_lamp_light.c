@@ -51,7 +51,9 @@ static void add_light(struct sky_test *t, const double dir[3], const double powe
 	double weight[3];
 	int to[3], facet = -1, count;
 
-	count = dome_placed_share(placed, dome_cell_of(&dome, dir), &facet, dir, to, weight);
+	count = dir[2] > 0 ? dome_placed_share(placed, dome_cell_of(&dome, dir), &facet, dir, to,
+					       weight)
+			   : 0;
 	for (int n = 0; n < count; n++)
 		for (int c = 0; c < 3; c++)
 			t->radiance[to[n]][c] +=
