@@ -211,8 +211,9 @@ static void add_skies_and_lamps(const struct reference_scene *s, const struct ba
 static void take_bounced(const struct reference_scene *s, int pixel, double to[3])
 {
 	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
-	const float over_share =
-		s->distance[BASIS_BOUNCED][(size_t)y * s->basis->info.width + (size_t)x];
+	const int width = (int)s->basis->info.width, height = (int)s->basis->info.height;
+	const float over_share = x < width && y < height ? s->distance[BASIS_BOUNCED][y * width + x]
+							 : 0;
 	struct near_object object = {.share = 1 / (double)over_share};
 	double value[LAMPS_MAX][3] = {{0}}, place[3];
 

@@ -24,7 +24,7 @@ key() { # FILE KEY: its numbers
 	sed -n "s/^$2 = //p" "$1"
 }
 thorough=${WALK:-}${INLAY_THOROUGH:-}
-frequency=2 preview_samples=4 truth_samples=6 shown_off=2.7 preview_off=4 elsewhere_off=4 # levels
+frequency=2 preview_samples=4 truth_samples=6 shown_off=2.7 preview_off=2.7 elsewhere_off=4 # levels
 [ -z "$thorough" ] || frequency=4 preview_samples=32 truth_samples=24 shown_off=1.3 preview_off=3
 mkdir "$work/walk" && cd "$work/walk" || exit 1
 

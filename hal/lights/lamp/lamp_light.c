@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "hal/optics/dome_placed.h"
 #include "hal/optics/vec.h"
 
 /* A lamp may be so far from where it is said to be: 5 cm at 2 m. */
@@ -24,6 +23,11 @@ enum { DISC_POINTS = 64, TERMS = 3 };
 #define MOST_OF_FIT 1.1
 #define LEAST 1e-9 /* a lamp of no cell has no power */
 
+/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
+ * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
+#define SHARED 1.9
+#define AROUND 5.4
+
 struct lamp_cells {
 	int *cell; /* the lamp's, then those around it */
 	int own, around;
@@ -39,8 +43,10 @@ struct lamp_light {
 	float *sorted; /* [lights] */
 };
 
-double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
-			double radius_rad)
+/* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
+ * cell's reach. */
+static double apart_from(const struct dome *dome, int cell, const double direction[3],
+			 double radius_rad)
 {
 	const double off = vec_angle(dome->direction[cell], direction) - radius_rad - OFF_RAD;
 
@@ -62,13 +68,13 @@ bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], d
 static void find_owners(const struct dome *dome, const struct lamps *lamps, int *owner)
 {
 	for (int i = 0; i < dome->count; i++) {
-		double least = LAMP_LIGHT_SHARED;
+		double least = SHARED;
 
 		owner[i] = -1;
 		for (int l = 0; l < lamps->count; l++) {
 			double direction[3], radius;
 			const double apart = lamp_light_seen(lamps, l, direction, &radius)
-						     ? lamp_light_apart(dome, i, direction, radius)
+						     ? apart_from(dome, i, direction, radius)
 						     : INFINITY;
 
 			if (apart < least) {
@@ -116,7 +122,13 @@ static void add_disc(struct lamp_cells *cells, const struct dome *dome,
 			cell[m] = m > n ? -1 : cell[m];
 		}
 		vec_normalize(at);
-		count = points ? dome_placed_share(placed, cell[n], &facet, at, to, weight) : 0;
+		if (placed && points) {
+			count = dome_placed_share(placed, cell[n], &facet, at, to, weight);
+		} else {
+			count = points > 0;
+			to[0] = cell[n];
+			weight[0] = 1;
+		}
 		for (int k = 0; k < cells->own; k++)
 			for (int m = 0; m < count; m++)
 				if (cells->cell[k] == to[m])
@@ -180,18 +192,17 @@ static int list_cells(struct lamp_cells *cells, const struct dome *dome,
 			cells->cell[cells->own++] = i;
 	add_shares(cells, dome, placed, direction, radius);
 	for (int i = 0; i < dome->count; i++)
-		if (owner[i] < 0 &&
-		    lamp_light_apart(dome, i, direction, radius) < LAMP_LIGHT_AROUND)
+		if (owner[i] < 0 && apart_from(dome, i, direction, radius) < AROUND)
 			cells->cell[cells->own + cells->around++] = i;
 	solve_terms(cells);
 	return 0;
 }
 
-int lamp_light_create(struct lamp_light **out, const struct dome *dome, const struct lamps *lamps)
+int lamp_light_create(struct lamp_light **out, const struct dome *dome,
+		      const struct dome_placed *placed, const struct lamps *lamps)
 {
 	const size_t n = (size_t)dome->count;
 	struct lamp_light *light = calloc(1, sizeof(*light));
-	struct dome_placed *placed = NULL;
 	int *owner = calloc(n, sizeof(*owner)), ret = -ENOMEM;
 
 	*out = NULL;
@@ -203,11 +214,10 @@ int lamp_light_create(struct lamp_light **out, const struct dome *dome, const st
 	if (light && owner && light->solid_angle && light->sorted) {
 		memcpy(light->solid_angle, dome->solid_angle_sr, n * sizeof(*light->solid_angle));
 		find_owners(dome, lamps, owner);
-		ret = dome_placed_create(&placed, dome);
+		ret = 0;
 	}
 	for (int l = 0; ret == 0 && l < lamps->count; l++)
 		ret = list_cells(&light->cells[l], dome, placed, lamps, l, owner);
-	dome_placed_destroy(placed);
 	free(owner);
 	if (ret < 0)
 		lamp_light_destroy(light);

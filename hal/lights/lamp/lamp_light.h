@@ -17,26 +17,17 @@
 #include <stdbool.h>
 
 #include "hal/lights/lamps.h"
-#include "hal/optics/dome.h"
-
-/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
- * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
-#define LAMP_LIGHT_SHARED 1.9
-#define LAMP_LIGHT_AROUND 5.4
-
-/* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
- * cell's reach: the light is in cells nearer than LAMP_LIGHT_SHARED. */
-double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
-			double radius_rad);
+#include "hal/optics/dome_placed.h"
 
 /* Where a lamp is seen from the fisheye, and its angular radius. False: below its horizon. */
 bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], double *radius_rad);
 
 struct lamp_light;
 
-/* The dome is not needed afterwards. -ENOMEM; -EINVAL: it has too few lights. */
+/* placed NULL: a light is all that is in its cell. Neither it nor the dome is needed afterwards.
+ * -ENOMEM. */
 int lamp_light_create(struct lamp_light **light, const struct dome *dome,
-		      const struct lamps *lamps);
+		      const struct dome_placed *placed, const struct lamps *lamps);
 void lamp_light_destroy(struct lamp_light *light); /* NULL is harmless */
 
 /* radiance[lights]: changed as above. power[lamps]: P; 0 of a lamp below the fisheye's horizon. */
