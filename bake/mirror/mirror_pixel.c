@@ -7,9 +7,13 @@
 
 #define SAMPLES_LEAST 4
 #define STEP_RAD 1e-2F /* of a derivative; single precision has 1e-7 */
-/* A spot is halved if its variance along is this many times that across, or that of the look-up and
- * the lobe: a pixel is a square, whose edge a wide tent would blur. */
-#define SPOT_LONG 2.0
+/* A spot is halved if its variance along is this many times that across ... */
+#define SPOT_LONG 3.0
+/* ... or if it is above this, rad^2: 1.8 degrees wide. A pixel is a square, whose edge the tent of a
+ * look-up blurs. Of large pictures, whose pixels are smaller, that would cost too many look-ups. */
+#define SPOT_WIDE 8e-5
+/* Solid angle of a texel of mean size; those of a place are up to twice as large, or half of it. */
+#define TEXEL_RAD2 (8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE)
 /* Variance of what a trilinear look-up at level 0 sees, in squared texels: the tent of bilinear
  * interpolation (1/6) over a square texel (1/12). It is 4 times as large at each next level. */
 #define LOOK_VARIANCE 0.25
@@ -140,13 +144,14 @@ static struct spot spot_of(const struct mirror_pixel *p, int number)
 static bool halve_spot(struct mirror_pixel *p, int number, int next, double blur)
 {
 	const struct spot spot = spot_of(p, number);
+	const double wide = SPOT_WIDE / TEXEL_RAD2;
 	const double half = (spot.uu - spot.vv) / 2, mean = (spot.uu + spot.vv) / 2;
 	const double root = hypot(half, spot.uv);
 	/* the axis of the larger variance */
 	const double turn = atan2(spot.uv, half) / 2, u = cos(turn), v = sin(turn);
 
-	if (mean + root + blur < SPOT_LONG * (mean - root + blur) &&
-	    mean + root < SPOT_LONG * (LOOK_VARIANCE + blur))
+	if (mean + root + blur < SPOT_LONG * fmax(mean - root + blur, LOOK_VARIANCE) &&
+	    mean + root < wide + blur)
 		return false;
 	if (mean + root < LOOK_VARIANCE)
 		return false;
@@ -250,8 +255,6 @@ int mirror_pixel_divide(struct mirror_pixel *p, const struct cells *cells, int r
 			struct basis_mirror *mirror, double scale[3])
 {
 	const double along = p->along / p->count, across = p->across / p->count;
-	/* in texels of mean size; those of a place are up to twice as large, or half of it */
-	const double texel_rad2 = 8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE;
 	double each[3];
 	int count = 0;
 
@@ -264,14 +267,19 @@ int mirror_pixel_divide(struct mirror_pixel *p, const struct cells *cells, int r
 	for (int first = 0, end; first < LOBES && p->count >= SAMPLES_LEAST; first = end) {
 		double variance, blur;
 		int spots;
+		double share = lobes[first].share;
 
 		/* lobes that no look-up tells apart are one */
-		for (end = first + 1;
-		     end < LOBES && along / (2 * lobes[end].t) < LOOK_VARIANCE * texel_rad2;)
-			end++;
-		variance = 1 / (2 * lobes[end - 1].t);
+		variance = share / (2 * lobes[first].t);
+		for (end = first + 1; end < LOBES && along * lobes[end].share / (2 * lobes[end].t) <
+							     LOOK_VARIANCE * TEXEL_RAD2;
+		     end++) {
+			share += lobes[end].share;
+			variance += lobes[end].share / (2 * lobes[end].t);
+		}
+		variance /= share;
 		blur = across * variance;
-		spots = divide_spots(p, variance, lobes[first].spots_most, blur / texel_rad2);
+		spots = divide_spots(p, variance, lobes[first].spots_most, blur / TEXEL_RAD2);
 		for (int k = 0; k < spots; k++)
 			count += write_spot(p, k, first, end, blur, cells, each, mirror + count);
 	}
