@@ -9,8 +9,8 @@
 #define STEP_RAD 1e-2F /* of a derivative; single precision has 1e-7 */
 /* A spot is halved if its variance along is this many times that across ... */
 #define SPOT_LONG 3.0
-/* ... or if it is above this, rad^2: 1.8 degrees wide. A pixel is a square, whose edge the tent of a
- * look-up blurs. Of large pictures, whose pixels are smaller, that would cost too many look-ups. */
+/* ... or if it is above this, rad^2: 1.8 degrees wide. A pixel is a square, whose edge the tent of
+ * a look-up blurs. Of large pictures, whose pixels are smaller, that would cost too many. */
 #define SPOT_WIDE 8e-5
 /* Solid angle of a texel of mean size; those of a place are up to twice as large, or half of it. */
 #define TEXEL_RAD2 (8.0 / BASIS_MIRROR_SIDE / BASIS_MIRROR_SIDE)
