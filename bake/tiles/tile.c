@@ -223,8 +223,10 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 	float *to = rows->direct + (size_t)kept * direct;
 
 	for (size_t i = 0; i < direct; i++)
-		to[i] = from[i] / (float)samples *
-			(ratio ? share[i % count] / shown[i % count] : 1);
+		to[i] = from[i] / (float)samples;
+	for (size_t i = 0; i < count; i++)
+		for (size_t c = i; ratio && c < direct; c += count)
+			to[c] *= share[i] / shown[i];
 	for (int half = 0; half < 2; half++) {
 		const double scale = (double)tile->samples /
 				     ((double)tile->half_samples[half] * samples);
@@ -234,7 +236,10 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 		if (!tile->half_samples[half])
 			continue;
 		for (size_t i = 0; i < bounce; i++)
-			to[i] = from[i] * (float)scale / (ratio ? shown[i % count] : 1);
+			to[i] = from[i] * (float)scale;
+		for (size_t c = 0; ratio && c < bounce; c += count)
+			for (size_t i = 0; i < count; i++)
+				to[c + i] /= shown[i];
 	}
 }
 
