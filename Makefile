@@ -404,6 +404,11 @@ $(eval $(call with_packages,look,test))
 look-installed: all $(BUILD)/tests/people/look
 	$(Q)BUILD="$(BUILD)" tests/people/look.sh
 
+## peers: the same frame by inlay and by other ways, in turns: the table of tests/bench/README.md (minutes)
+$(eval $(call with_packages,peers,demo))
+peers-installed: all $(BUILD)/tests/bench/peers
+	$(Q)BUILD="$(BUILD)" tests/bench/peers.sh --record
+
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))
 bench-installed: all

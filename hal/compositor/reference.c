@@ -180,9 +180,9 @@ static double tint_of(const struct basis_block *b, int p, int c)
 	return b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1;
 }
 
-/* Adds pixel p of a block of the object under an even sky, and under each lamp with P = 1. */
-static void add_even_and_lamps(const struct reference_scene *s, const struct basis_block *b, int p,
-			       const double place[3], double even[3], double (*value)[3])
+/* Adds pixel p of a block of the object under near_object's skies, and each lamp with P = 1. */
+static void add_skies_and_lamps(const struct reference_scene *s, const struct basis_block *b, int p,
+				const double place[3], double (*t)[3], double (*value)[3])
 {
 	struct near_share share[NEAR_SHARES];
 
@@ -190,8 +190,10 @@ static void add_even_and_lamps(const struct reference_scene *s, const struct bas
 		const double tint = tint_of(b, p, c);
 
 		for (uint32_t i = 0; i < s->basis->info.lights; i++)
-			even[c] += tint * s->basis->lights[i].solid_angle_sr *
-				   value_of(s, b, p, c, (int)i);
+			for (int k = 0; k < NEAR_SKIES; k++)
+				t[k][c] += tint * value_of(s, b, p, c, (int)i) *
+					   s->basis->lights[i].solid_angle_sr *
+					   near_sky_radiance(k, s->basis->lights[i].direction);
 		for (int l = 0; l < s->sky->lamps.count; l++) {
 			const int count = near_sky_shares(s->sky, l, place, NULL, share);
 
@@ -206,9 +208,11 @@ static void add_even_and_lamps(const struct reference_scene *s, const struct bas
 static void take_bounced(const struct reference_scene *s, int pixel, double to[3])
 {
 	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
-	const float over_share =
-		s->distance[BASIS_BOUNCED][(size_t)y * s->basis->info.width + (size_t)x];
-	double even[3] = {0}, value[LAMPS_MAX][3] = {{0}}, place[3];
+	const int width = (int)s->basis->info.width, height = (int)s->basis->info.height;
+	const float over_share = x < width && y < height ? s->distance[BASIS_BOUNCED][y * width + x]
+							 : 0;
+	struct near_object object = {.share = 1 / (double)over_share};
+	double value[LAMPS_MAX][3] = {{0}}, place[3];
 
 	if (!(over_share > 0) || !place_of(s, BASIS_KIND_T, pixel, place))
 		return;
@@ -217,13 +221,12 @@ static void take_bounced(const struct reference_scene *s, int pixel, double to[3
 
 		for (int p = 0; b->kind == BASIS_KIND_T && p < b->pixels; p++)
 			if (b->pixel[p] == pixel)
-				add_even_and_lamps(s, b, p, place, even, value);
+				add_skies_and_lamps(s, b, p, place, object.t, value);
 	}
 	for (int l = 0; l < s->sky->lamps.count; l++)
 		for (int c = 0; c < 3; c++)
 			to[c] -= s->settings->gain * s->lamp[l][c] *
-				 near_sky_bounced(s->sky, l, place, even[c] / (double)over_share,
-						  value[l][c]);
+				 near_sky_bounced(s->sky, l, place, &object, c, value[l][c]);
 }
 
 /* Adds the block's values times light, times tint and factor, to its pixels; of V over u L + e. */
