@@ -113,10 +113,10 @@ static double measure_compare(const struct measure *m, double *most)
 		const float *truth = m->picture.truth[c], *decoded = m->picture.decoded[c];
 		float by[PART_PIXELS];
 
-		for (int k = 0; k < m->places; k++) {
+		for (int k = 0; k < m->places; k++)
 			by[k] = levels_at(m->levels, decoded[k]) - levels_at(m->levels, truth[k]);
+		for (int k = 0; k < m->places; k++)
 			square += (double)(by[k] * by[k]);
-		}
 		*most = fmax(*most, (double)part_magnitude(by, m->places));
 	}
 	return square;
