@@ -172,11 +172,14 @@ static void follow_tile(struct people *p, int tx, int ty)
 
 static void follow_hidden(struct people *p)
 {
-	if (p->verdict.differing.right < 0)
+	const struct box *box = &p->verdict.differing;
+	const int side = BASIS_TILE / p->cells.side;
+
+	if (box->right < 0)
 		return;
 	sum_tiles(p);
-	for (int ty = 0; ty < p->tiles_down; ty++)
-		for (int tx = 0; tx < p->tiles_across; tx++)
+	for (int ty = box->top / side; ty <= box->bottom / side; ty++)
+		for (int tx = box->left / side; tx <= box->right / side; tx++)
 			if (hides(p, tx, ty))
 				follow_tile(p, tx, ty);
 }

@@ -120,7 +120,7 @@ struct verdict {
 	float *opinion, *revised;  /* the same with the neighbours' weighed in; padded with -1 */
 	uint8_t *of;		   /* enum whose */
 	uint8_t *copy;		   /* before an edge is refined */
-	struct box differing, box; /* of cells that differ; of all people */
+	struct box differing, box; /* of cells that differ, and two more; of all people */
 };
 
 /* ---- who it is (groups.c, persons.c) ---- */

@@ -392,7 +392,10 @@ static void decide(struct people *p, int y, int x, int end)
 
 static void form_opinions(struct people *p, const struct box *box)
 {
-	memcpy(p->verdict.last, p->verdict.opinion, (size_t)p->cells.count * sizeof(float));
+	float *before = p->verdict.last;
+
+	p->verdict.last = p->verdict.opinion;
+	p->verdict.opinion = before;
 	walk_box(p, box, gather_evidence);
 	walk_box(p, box, fill_evidence);
 	for (int at = 0; at < p->cells.count; at++)
@@ -408,16 +411,14 @@ static void form_opinions(struct people *p, const struct box *box)
 	walk_box(p, box, decide);
 }
 
-/* A box with two cells around it, as a person may be a little wider than what differs. */
-static struct box around(const struct people *p, const struct box *box)
+/* Two cells around a box, too, as a person may be a little wider than what differs. */
+static void widen(const struct people *p, struct box *box)
 {
-	const struct box grown = {
-		box->left > AROUND ? box->left - AROUND : 0,
-		box->right + AROUND < p->cells.across ? box->right + AROUND : p->cells.across - 1,
-		box->top > AROUND ? box->top - AROUND : 0,
-		box->bottom + AROUND < p->cells.down ? box->bottom + AROUND : p->cells.down - 1};
-
-	return grown;
+	grow_box(box, box->left > AROUND ? box->left - AROUND : 0,
+		 box->right + AROUND < p->cells.across ? box->right + AROUND : p->cells.across - 1,
+		 box->top > AROUND ? box->top - AROUND : 0);
+	grow_box(box, box->left, box->right,
+		 box->bottom + AROUND < p->cells.down ? box->bottom + AROUND : p->cells.down - 1);
 }
 
 void verdict_judge(struct people *p)
@@ -430,9 +431,8 @@ void verdict_judge(struct people *p)
 		mark_span(p, &p->cells.spans[s]);
 	}
 	if (p->verdict.differing.right >= 0) {
-		const struct box box = around(p, &p->verdict.differing);
-
-		form_opinions(p, &box);
+		widen(p, &p->verdict.differing);
+		form_opinions(p, &p->verdict.differing);
 	} else {
 		for (int at = 0; at < p->cells.count; at++)
 			p->verdict.opinion[at] = -1;
