@@ -34,6 +34,7 @@
 #define WIDER 1.3f     /* than he was: arms */
 #define HELD_ROWS 0.6f /* share of a frame in the foot's row: feet step */
 #define HELD_SPEED 0.3f
+#define HEAD 4	     /* so many times as high is what is below a head, or more */
 #define BOX_SHARE 10 /* a box overlaps a group that has this part of it */
 
 /* What is measured of a person in a frame. */
@@ -157,14 +158,16 @@ static float usual_width(const struct people *p, const struct body *body)
 /* ---- bodies in pieces ---- */
 
 /* Whether a group that cloth like the ground has detached from its feet has them in another: below
- * it, under half of the narrower one's width at least, and not farther than a body is high. */
+ * it, or as a head is beside a shoulder; under half of the narrower one's width at least, and not
+ * farther than a body is high. */
 static bool stands_on(const struct people *p, const struct group *g, const struct group *feet)
 {
 	const int left = g->left > feet->left ? g->left : feet->left;
 	const int right = g->right < feet->right ? g->right : feet->right;
 	const int wide = g->right - g->left, feet_wide = feet->right - feet->left;
 
-	return !feet->dropped && feet->top > g->bottom &&
+	return !feet->dropped &&
+	       (feet->top > g->bottom || feet->bottom - g->bottom > HEAD * (g->bottom - g->top)) &&
 	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1 &&
 	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom, 0);
 }
