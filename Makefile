@@ -374,6 +374,11 @@ $(eval $(call with_packages,near,test))
 near-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/near.sh
 
+## shine: a box on a polished floor against path-traced truth: the table (minutes)
+$(eval $(call with_packages,shine,test))
+shine-installed: all $(TEST_PROGRAMS)
+	$(Q)BUILD="$(BUILD)" tests/accuracy/shine.sh
+
 ## exposures: how right the light of an 8-bit fisheye is, of one exposure and of three (minutes)
 $(eval $(call with_packages,exposures,test))
 exposures-installed: all $(BUILD)/tests/accuracy/exposures
@@ -398,6 +403,11 @@ film-installed: all $(BUILD)/tests/film/measure
 $(eval $(call with_packages,look,test))
 look-installed: all $(BUILD)/tests/people/look
 	$(Q)BUILD="$(BUILD)" tests/people/look.sh
+
+## peers: the same frame by inlay and by other ways, in turns: the table of tests/bench/README.md (minutes)
+$(eval $(call with_packages,peers,demo))
+peers-installed: all $(BUILD)/tests/bench/peers
+	$(Q)BUILD="$(BUILD)" tests/bench/peers.sh --record
 
 ## bench: time a frame by stage, memory, bake time, for the cow and spot (minutes)
 $(eval $(call with_packages,bench,demo))

@@ -44,6 +44,7 @@ HAL_SOURCES := \
 	hal/compositor/plan.c \
 	hal/compositor/reference.c \
 	hal/compositor/tile.c \
+	hal/compositor/steady.c \
 	hal/compositor/kernels/kernel_curves.c \
 	hal/compositor/kernels/kernels.c \
 	hal/compositor/kernels/kernels_c.c \

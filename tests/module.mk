@@ -190,6 +190,15 @@ $(BUILD)/tests/bench/bench_camera: $(BUILD)/tests/bench/bench_camera.o $(SUPPORT
 	$(Q)$(CXX) $(SHARED_LINK) -Wl,--as-needed $(LDFLAGS) -o $@ $^ $(CALIBRATE_LINK)
 -include $(BUILD)/tests/bench/bench_camera.d
 
+# Times other ways to make a frame: bench/peers.sh.
+OTHER_PROGRAMS += $(BUILD)/tests/bench/peers
+$(BUILD)/tests/bench/peers_sums.o: OWN_FLAGS = -isystem /usr/include/opencv4
+$(BUILD)/tests/bench/peers.o: OWN_FLAGS = $(shell pkg-config --cflags lapacke openblas pixman-1)
+$(BUILD)/tests/bench/peers: $(addprefix $(BUILD)/tests/bench/,peers.o peers_sums.o) $(BUILD)/hal.a
+	$(say) LINK $@
+	$(Q)$(CXX) $(SHARED_LINK) $(LDFLAGS) -o $@ $^ -lopencv_core -llapacke -lopenblas -lpixman-1 $(HAL_LINK)
+-include $(BUILD)/tests/bench/peers.d $(BUILD)/tests/bench/peers_sums.d
+
 # Writes the seeds of fuzz_basis anew when the format has changed.
 OTHER_PROGRAMS += $(BUILD)/tests/fuzz/corpus/basis_seeds
 $(BUILD)/tests/fuzz/corpus/basis_seeds: $(BUILD)/tests/fuzz/corpus/basis_seeds.o $(SUPPORT_LIB) $(BUILD)/hal.a

@@ -100,13 +100,16 @@ static int create_sampler(struct bench_frame *f, struct fault *fault)
 static int frame_fill(struct bench_frame *f, const struct canvas *background, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &f->basis->info;
+	struct dome_placed *placed = NULL;
 	int err = lightings_dome(&f->dome, f->basis, fault);
 
+	if (!err && dome_placed_create(&placed, &f->dome) != -ENOMEM)
+		err = lamp_light_create(&f->lamps, &f->dome, placed, &bench_lamps);
+	dome_placed_destroy(placed);
 	if (err)
 		return err;
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
-	if (!f->radiance || lamp_light_create(&f->lamps, &f->dome, &bench_lamps) ||
-	    light_selection_create(&f->lights, f->basis) ||
+	if (!f->radiance || !f->lamps || light_selection_create(&f->lights, f->basis) ||
 	    canvas_create(&f->canvas, background->width, background->height) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||
 	    camera_create(&f->fisheye, (int)info->width, (int)info->height))

@@ -13,20 +13,20 @@
 /* A picture that is reduced to at most so many pixels each way shows half a degree. */
 #define SIDE_MAX 256
 #define APART (5 * M_PI / 180)
-/* Surroundings of so many cells tell their median well; qsort() needs memory for more than 1 KB. */
-#define AROUND_MAX 250
 #define SPOTS 16
 
 struct lamps_search {
 	const struct dome *dome;
+	const struct dome_placed *placed;
 	struct lamp_finder finder;
 	float *picture; /* [SIDE_MAX * SIDE_MAX], reduced */
 	uint32_t *row;	/* [width]: of the frame */
 	int width;
-	int *owner; /* [lights] */
+	float (*radiance)[3]; /* [lights] */
 };
 
-int lamps_search_create(struct lamps_search **out, const struct dome *dome)
+int lamps_search_create(struct lamps_search **out, const struct dome *dome,
+			const struct dome_placed *placed)
 {
 	struct lamps_search *s = calloc(1, sizeof(*s));
 
@@ -34,9 +34,10 @@ int lamps_search_create(struct lamps_search **out, const struct dome *dome)
 	if (!s)
 		return -ENOMEM;
 	s->dome = dome;
+	s->placed = placed;
 	s->picture = malloc(sizeof(*s->picture) * SIDE_MAX * SIDE_MAX);
-	s->owner = calloc((size_t)dome->count, sizeof(*s->owner));
-	if (!s->picture || !s->owner) {
+	s->radiance = calloc((size_t)dome->count, sizeof(*s->radiance));
+	if (!s->picture || !s->radiance) {
 		lamps_search_destroy(s);
 		return -ENOMEM;
 	}
@@ -51,7 +52,7 @@ void lamps_search_destroy(struct lamps_search *s)
 	lamp_finder_free(&s->finder);
 	free(s->picture);
 	free(s->row);
-	free(s->owner);
+	free(s->radiance);
 	free(s);
 }
 
@@ -134,81 +135,54 @@ static float mean_of(const float rgb[3])
 	return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-static int compare_floats(const void *a, const void *b)
+/* Takes what a spot gives a level ground out of the lights. -ENOMEM. */
+static int take_spot(struct lamps_search *s, const struct lamp_spot *spot, double *given)
 {
-	const float x = *(const float *)a, y = *(const float *)b;
+	struct lamps lamps = {.count = 1, .lamp = {{.radius = sin(spot->radius)}}};
+	struct lamp_light *light;
+	double power[1][3];
+	int err;
 
-	return (x > y) - (x < y);
-}
-
-/* Finds the spot that each cell's light belongs to: the nearest; -1: none. */
-static void find_owners(struct lamps_search *s, const struct lamp_spot *spot, int spots)
-{
-	for (int i = 0; i < s->dome->count; i++) {
-		double least = LAMP_LIGHT_SHARED;
-
-		s->owner[i] = -1;
-		for (int k = 0; k < spots; k++) {
-			const double apart = lamp_light_apart(s->dome, i, spot[k].dir,
-							      spot[k].radius);
-
-			if (apart < least) {
-				least = apart;
-				s->owner[i] = k;
-			}
-		}
-	}
-}
-
-/* What a spot gives a level ground, of what is brighter in its cells than the surroundings. */
-static double spot_light(const struct lamps_search *s, const float (*radiance)[3],
-			 const struct lamp_spot *spot, int k)
-{
-	float around[AROUND_MAX], median = 0;
-	double sum = 0;
-	int count = 0;
-
-	for (int i = 0; i < s->dome->count && count < AROUND_MAX; i++)
-		if (s->owner[i] < 0 &&
-		    lamp_light_apart(s->dome, i, spot[k].dir, spot[k].radius) < LAMP_LIGHT_AROUND)
-			around[count++] = mean_of(radiance[i]);
-	qsort(around, (size_t)count, sizeof(*around), compare_floats);
-	if (count)
-		median = around[count / 2];
-	for (int i = 0; i < s->dome->count; i++)
-		if (s->owner[i] == k)
-			sum += (double)fmaxf(0, mean_of(radiance[i]) - median) *
-			       s->dome->solid_angle_sr[i];
-	return sum * spot[k].dir[2];
+	memcpy(lamps.lamp[0].position, spot->dir, sizeof(spot->dir));
+	err = lamp_light_create(&light, s->dome, s->placed, &lamps);
+	if (err)
+		return err;
+	lamp_light_take(light, s->radiance, power);
+	lamp_light_destroy(light);
+	*given = (power[0][0] + power[0][1] + power[0][2]) / 3 * spot->dir[2];
+	return 0;
 }
 
 /* Finds the strongest spot that is not named, by the light that the lights have around it. */
-static void weigh_spots(struct lamps_search *s, const struct lamps_light *light,
-			struct lamp_spot *spot, int spots, struct lamps_told *found)
+static int weigh_spots(struct lamps_search *s, const struct lamps_light *light,
+		       const struct lamp_spot *spot, int spots, struct lamps_told *found)
 {
 	const double least = found->unnamed ? LAMPS_TOLD_UNTIL : LAMPS_TOLD_FROM;
 	double all = 0;
-	int count = 0;
 
 	found->unnamed = false;
 	found->share = 0;
-	for (int k = 0; k < spots; k++)
-		if (spot[k].dir[2] > 0 && !is_named(light->lamps, &spot[k]))
-			spot[count++] = spot[k];
-	find_owners(s, spot, count);
+	memcpy(s->radiance, light->distant, sizeof(*s->radiance) * (size_t)s->dome->count);
 	for (int i = 0; i < s->dome->count; i++)
 		all += (double)mean_of(light->radiance[i]) * s->dome->projected_sr[i];
-	for (int k = 0; all > 0 && k < count; k++) {
-		const double share = spot_light(s, light->distant, spot, k) / all;
+	for (int k = 0; all > 0 && k < spots; k++) {
+		double given;
+		int err;
 
-		if (share < least || share <= found->share)
+		if (!(spot[k].dir[2] > 0) || is_named(light->lamps, &spot[k]))
+			continue;
+		err = take_spot(s, &spot[k], &given);
+		if (err)
+			return err;
+		if (given / all < least || given / all <= found->share)
 			continue;
 		found->unnamed = true;
-		found->share = share;
+		found->share = given / all;
 		found->azimuth_deg = atan2(spot[k].dir[1], spot[k].dir[0]) * (180 / M_PI);
 		found->azimuth_deg += found->azimuth_deg < 0 ? 360 : 0;
 		found->height_deg = asin(spot[k].dir[2]) * (180 / M_PI);
 	}
+	return 0;
 }
 
 int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
@@ -230,6 +204,5 @@ int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
 				    !(lamp_light_seen(light->lamps, l, dir, &radius) &&
 				      lamp_shines(&picture, dir, APART + radius));
 	}
-	weigh_spots(s, light, spot, spots, found);
-	return 0;
+	return weigh_spots(s, light, spot, spots, found);
 }

@@ -15,7 +15,7 @@
 #include "hal/frame/frame_reader.h"
 #include "hal/image/image.h"
 #include "hal/lights/lamps.h"
-#include "hal/optics/dome.h"
+#include "hal/optics/dome_placed.h"
 #include "hal/optics/fisheye.h"
 
 #define LAMPS_TOLD_OFF (0.25 / 0.75)
@@ -32,8 +32,9 @@ struct lamps_told {
 
 struct lamps_search;
 
-/* For a dome, which has to outlive it. -ENOMEM. */
-int lamps_search_create(struct lamps_search **search, const struct dome *dome);
+/* For a dome, which has to outlive it, as placed, which may be NULL. -ENOMEM. */
+int lamps_search_create(struct lamps_search **search, const struct dome *dome,
+			const struct dome_placed *placed);
 void lamps_search_destroy(struct lamps_search *search); /* NULL is harmless */
 
 /* The light that spots are looked for in. */

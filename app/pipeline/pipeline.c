@@ -69,7 +69,7 @@ static int start_lamps(struct pipeline *p, const struct compositor *compositor,
 
 	pipeline_warn_of_lamps(p->basis, &settings->lamps);
 	if (compositor_lamps(compositor) &&
-	    lamp_light_create(&lamps, &p->dome, &settings->lamps) < 0)
+	    lamp_light_create(&lamps, &p->dome, p->placed, &settings->lamps) < 0)
 		return fault_say(fault, -ENOMEM, "not enough memory");
 	lamp_light_destroy(p->lamps);
 	p->lamps = lamps;
@@ -91,7 +91,8 @@ static int pipeline_fill(struct pipeline *p, struct fault *fault)
 	p->light.merged = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.merged));
 	p->light.left = calloc((size_t)info->lights * EXPOSURES_PARTS, sizeof(*p->light.left));
 	if (!p->distant || !p->light.radiance || !p->light.merged || !p->light.left ||
-	    lamps_search_create(&p->light.lamps_search, &p->dome))
+	    dome_placed_create(&p->placed, &p->dome) == -ENOMEM ||
+	    lamps_search_create(&p->light.lamps_search, &p->dome, p->placed))
 		return fault_say(fault, -ENOMEM, "not enough memory for %u lights", info->lights);
 	err = light_selection_create(&p->selection, p->basis);
 	if (!err)
@@ -157,6 +158,7 @@ void pipeline_destroy(struct pipeline *p)
 	free(p->light.radiance);
 	free(p->light.merged);
 	free(p->light.left);
+	dome_placed_destroy(p->placed);
 	dome_free(&p->dome);
 	free(p);
 }

@@ -56,6 +56,7 @@ struct pipeline {
 	const struct basis *basis;     /* borrowed */
 	struct pool *pool;
 	struct dome dome;
+	struct dome_placed *placed; /* NULL: it has too few lights */
 	struct pipeline_light light;
 	struct pipeline_pose pose;
 

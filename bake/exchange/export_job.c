@@ -225,6 +225,11 @@ int export_job_begin(struct export_job *job, const struct scene *scene, const st
 			fault, -EINVAL,
 			"%s: no [ground] and no [standin], expected something real that pictures can show",
 			scene->path);
+	if (world_ground_bsdf(scene->world)->kind != MATERIAL_DIFFUSE)
+		return fault_say(
+			fault, -ENOTSUP,
+			"%s: [ground] material: glossy, expected a diffuse one, or a [standin]: the exported ground has no coat",
+			scene->path);
 	err = make_job_folder(folder, fault);
 	if (!err)
 		err = export_materials(job, fault);

@@ -102,7 +102,7 @@ static int check_flat_ground(const struct import_pictures *p, const char *name, 
 	return fault_say(
 		fault, -EINVAL,
 		"%s: the light at %.1f degrees from the zenith makes the ground %.3g bright, "
-		"expected %.3g of %.3g in all, as its cell of radiance 1 does: pictures in another order than the angles, or of lights that are no cells of radiance 1",
+		"expected %.3g of %.3g in all, as its cell of radiance 1 does: pictures in another order than the angles, or of lights that are no cells of radiance 1, or of a polished floor (--receivers own)",
 		name, acos(fmin(dome->direction[light][2], 1)) * (180 / M_PI),
 		p->ground[dome->count + light], albedo / M_PI * dome->projected_sr[light], albedo);
 }

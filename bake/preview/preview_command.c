@@ -19,6 +19,7 @@
 #include "hal/base/log.h"
 #include "hal/base/output.h"
 #include "hal/frame/frame.h"
+#include "hal/lights/lamp/lamp_light.h"
 #include "hal/lights/lights_file.h"
 #include "hal/lights/sampler.h"
 #include "hal/optics/dome.h"
@@ -50,6 +51,8 @@ struct preview {
 	struct scene *scene;
 	struct transfer_curve curve;
 	struct image sky_picture;
+	struct truth_lamp lamp[LAMPS_MAX];
+	int lamps;
 	struct sky sky;
 	struct image background; /* linear */
 };
@@ -133,6 +136,7 @@ static int sample_fisheye(const char *path, const struct config_fisheye *fisheye
 			  const struct dome *dome, float (*radiance)[3], struct fault *fault)
 {
 	struct light_sampler_settings settings = {
+		.placed = true,
 		.curve = config_fisheye_curve(fisheye),
 		.gain = response_gain(&fisheye->measured, fisheye->gain),
 	};
@@ -168,6 +172,41 @@ static int sample_fisheye(const char *path, const struct config_fisheye *fisheye
 	return err;
 }
 
+/* Takes the light of the configuration's lamps out of the dome's, and hangs them up. */
+static int hang_lamps(struct preview *p, const struct dome *dome, float (*radiance)[3],
+		      struct fault *fault)
+{
+	const struct lamps *lamps = &p->config->lamps;
+	const double scale = p->settings->exposure * p->config->composite.gain;
+	struct lamp_light *light;
+	double power[LAMPS_MAX][3];
+	struct dome_placed *placed;
+	int err = dome_placed_create(&placed, dome);
+
+	if (err != -ENOMEM)
+		err = lamp_light_create(&light, dome, placed, lamps);
+	dome_placed_destroy(placed);
+	if (err)
+		return fault_say(fault, err, "%s: out of memory", p->settings->fisheye);
+	lamp_light_take(light, radiance, power);
+	lamp_light_destroy(light);
+	for (int l = 0; l < lamps->count; l++) {
+		const double *at = lamps->lamp[l].position;
+		double direction[3], angle;
+		struct truth_lamp *lamp = &p->lamp[p->lamps];
+
+		if (!lamp_light_seen(lamps, l, direction, &angle))
+			continue;
+		lamp->centre = (struct v3){(float)at[0], (float)at[1], (float)at[2]};
+		lamp->radius = (float)lamps->lamp[l].radius;
+		for (int c = 0; c < 3; c++)
+			lamp->radiance.c[c] =
+				(float)(scale * power[l][c] / (2 * M_PI * (1 - cos(angle))));
+		p->lamps++;
+	}
+	return 0;
+}
+
 /* The light of each cell of the scene's dome, from a file or a fisheye. */
 static int preview_read_light(struct preview *p, struct fault *fault)
 {
@@ -187,6 +226,8 @@ static int preview_read_light(struct preview *p, struct fault *fault)
 		err = lights_file_read(s->lights, radiance, dome.count, fault);
 	else
 		err = sample_fisheye(s->fisheye, &p->config->fisheye, &dome, radiance, fault);
+	if (!err && !s->lights && p->config->lamps.count)
+		err = hang_lamps(p, &dome, radiance, fault);
 	if (!err && paint_lights(&dome, radiance, &p->sky_picture))
 		err = fault_say(fault, -ENOMEM, "%s: out of memory", path);
 	free(radiance);
@@ -210,8 +251,11 @@ static int preview_make_sky(struct preview *p, struct fault *fault)
 		if (err)
 			fault_say(fault, err, "%s: %s", s->output, strerror(-err));
 	}
-	return err ? err
-		   : sky_create(&p->sky, &panorama, s->lights ? s->lights : s->fisheye, fault);
+	if (!err)
+		err = sky_create(&p->sky, &panorama, s->lights ? s->lights : s->fisheye, fault);
+	p->sky.lamps = p->lamp;
+	p->sky.lamp_count = p->lamps;
+	return err;
 }
 
 /* ---- the picture ---- */
@@ -369,8 +413,8 @@ const struct command preview_command = {
 		"  -o FILE           .png: code values like the photograph's; .pfm, .hdr: linear light\n"
 		"  --watch           make it again whenever the scene file or a file that it names changes,\n"
 		"                    until ended; the picture is replaced whole\n"
-		"  --config FILE     the kiosk's: [fisheye] and [background] without their views, and [composite]\n"
-		"                    gain; else sRGB and 1\n"
+		"  --config FILE     the kiosk's: [fisheye] and [background] without their views, [lamp NAME] of the\n"
+		"                    fisheye's light, and [composite] gain; else sRGB and 1\n"
 		"  --lights FILE     light colours, as inlay still --lights-out writes them\n"
 		"  --fisheye IMG     or what the fisheye sees, upright; else the sky is even\n"
 		"  --frequency F     of the dome whose lights these are; else that of the scene\n"

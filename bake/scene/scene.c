@@ -196,15 +196,19 @@ static int load_mesh(struct scene *scene, int k, struct fault *fault)
 static void set_ground(struct scene *scene)
 {
 	const struct scene_ground_values *from = &scene->file->ground;
+	const struct scene_material_values *named =
+		from->material[0] ? scene_file_material(scene->file, from->material) : NULL;
+	const struct material grey = {
+		.kind = MATERIAL_DIFFUSE,
+		.colour = {{GROUND_ALBEDO, GROUND_ALBEDO, GROUND_ALBEDO}},
+	};
 
 	if (!from->given)
 		return;
 	for (int c = 0; c < 3; c++)
-		scene->ground_albedo[c] =
-			from->material[0]
-				? scene_file_material(scene->file, from->material)->colour[c]
-				: GROUND_ALBEDO;
-	world_ground(scene->world, colour_of(scene->ground_albedo), from->extent);
+		scene->ground_albedo[c] = named ? named->colour[c] : GROUND_ALBEDO;
+	world_ground(scene->world, named ? &scene->materials[named - scene->file->material] : &grey,
+		     from->extent);
 }
 
 /* Adds a file's bytes to the hash. A file that cannot be read is reported when its pose is

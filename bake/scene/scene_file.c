@@ -75,7 +75,7 @@ static const struct ini_key render_keys[] = {
 #define GROUND(f) offsetof(struct scene_ground_values, f)
 static const struct ini_key ground_keys[] = {
 	{"material", INI_TEXT, GROUND(material), .fallback = "",
-	 .help = "a diffuse material without texture; empty: grey that reflects one half"},
+	 .help = "diffuse or, of a polished floor, glossy, without texture; empty: grey that reflects one half"},
 	{"extent", INI_REAL, GROUND(extent), .max = FAR, .fallback = "0", .unit = "world units",
 	 .help = "radius of the ground around the origin; 0: without end"},
 	INI_KEYS_END,
@@ -298,10 +298,10 @@ static int scene_check_ground(const struct scene_file *file, const char *path, s
 	if (err || !file->ground.material[0])
 		return err;
 	m = scene_file_material(file, file->ground.material);
-	if (m->kind != MATERIAL_DIFFUSE || m->texture[0])
+	if (m->kind == MATERIAL_GLASS || m->texture[0])
 		return fault_say(
 			fault, -EINVAL,
-			"%s: [ground] material: %s is %s, expected a diffuse material without texture",
+			"%s: [ground] material: %s is %s, expected a diffuse or glossy material without texture",
 			path, m->name, m->texture[0] ? "textured" : material_kind_names[m->kind]);
 	for (int c = 0; c < 3; c++)
 		if (m->colour[c] < 1e-3)

@@ -20,6 +20,9 @@
 #define RATIO_SHARE 0.5
 #define LEVELS_OF_RATIO 112
 
+/* The mean of so many is off by 1.6 %, of what is a part of the ground's light. */
+#define COAT_SAMPLES 4096
+
 /* There is a record of the cache for each RECORD_RAYS camera rays, so that making it takes a small
  * part of the bake. If the noise decides, a pixel counts as RECORD_SAMPLES rays, the least it
  * has. */
@@ -309,7 +312,41 @@ static int render_make_all(struct render_job *job, struct render_report *report,
 
 /* ---- setting up ---- */
 
-/* u of the ground: albedo / pi * projected solid angle */
+/*
+ * Adds what a coat on the ground mirrors towards the camera, as the mean around the first pose's
+ * objects: the light of each pixel would show edges of cells.
+ */
+static void add_coat(struct render_job *job)
+{
+	const struct scene *scene = job->scene;
+	const struct bsdf *bsdf = world_ground_bsdf(scene->world);
+	const struct bounds around = world_bounds(scene->world, WITH_OBJECTS);
+	const struct v3 up = {0, 0, 1};
+	const float albedo = (bsdf->colour.c[0] + bsdf->colour.c[1] + bsdf->colour.c[2]) / 3;
+	struct random random = {.state = 0};
+
+	for (int k = 0; bsdf->kind == MATERIAL_GLOSSY && k < COAT_SAMPLES; k++) {
+		struct v3 wi, at = {around.centre.x, around.centre.y, 0}, wo;
+		float x, y, density;
+		struct rgb f;
+		int cell;
+
+		disc_from_square(random_next(&random), random_next(&random), &x, &y);
+		at.x += around.radius * x;
+		at.y += around.radius * y;
+		wo = v3_unit(v3_sub(scene->eye, at));
+		if (!bsdf_coat_sample(bsdf, up, wo, &random, &wi))
+			continue;
+		f = bsdf_coat(bsdf, up, wo, wi, &density);
+		cell = cells_of(&job->cells, wi);
+		if (cell >= 0 && density > 0)
+			job->cells.shown[cell] +=
+				(f.c[0] + f.c[1] + f.c[2]) / 3 /
+				(density * albedo * COAT_SAMPLES * bsdf_base_mean(bsdf, wo.z));
+	}
+}
+
+/* u of the ground: albedo / pi * projected solid angle, and its coat */
 static int set_ground(struct render_job *job)
 {
 	const size_t n = (size_t)job->dome.count;
@@ -317,10 +354,13 @@ static int set_ground(struct render_job *job)
 	job->plan.ground = calloc(3 * n, sizeof(*job->plan.ground));
 	if (!job->plan.ground)
 		return -ENOMEM;
+	add_coat(job);
 	for (size_t c = 0; c < 3; c++)
 		for (size_t i = 0; i < n; i++)
-			job->plan.ground[c * n + i] = job->scene->ground_albedo[c] / M_PI *
-						      job->dome.projected_sr[i];
+			job->plan.ground[c * n + i] =
+				job->scene->ground_albedo[c] / M_PI *
+				(job->dome.projected_sr[i] +
+				 M_PI * (double)(job->cells.shown[i] - job->cells.share[i]));
 	return 0;
 }
 

@@ -96,6 +96,9 @@ static void tile_add_object(struct tile *tile, const struct tile_sample *s)
 		(double)v3_length(v3_sub(s->surface.position, tile->scene->eye));
 	if (s->surface.bsdf.kind == MATERIAL_GLASS)
 		tile_glass_add(tile, s, &rows);
+	else if (s->surface.kind == SURFACE_GROUND)
+		transport_add_mirrored(&tile->transport, &s->surface, v3_scale(s->direction, -1),
+				       &rows);
 	else
 		transport_add(&tile->transport, WITH_OBJECTS, &s->surface,
 			      v3_scale(s->direction, -1), rgb_make(1, 1, 1), &rows);
@@ -117,7 +120,10 @@ static void tile_add_sample(struct tile *tile, int at, uint32_t sample)
 	transport_begin(&tile->transport, tile->settings.seed, pixel, sample);
 	met = scene_look(tile->scene, WITH_OBJECTS, s.place[0], s.place[1], &s.surface,
 			 &s.direction);
-	if (met && s.surface.kind == SURFACE_OBJECT) {
+	if (met &&
+	    (s.surface.kind == SURFACE_OBJECT ||
+	     (!tile_has_standins(tile) &&
+	      transport_mirrors_object(&tile->transport, &s.surface, v3_scale(s.direction, -1))))) {
 		tile_add_object(tile, &s);
 		return;
 	}
@@ -194,23 +200,31 @@ static void run_batches(struct tile *tile)
 
 /* ---- finishing ---- */
 
+static bool is_ratio(const struct tile *tile, enum tile_kind kind)
+{
+	return kind == TILE_CHANGE && !tile_has_standins(tile);
+}
+
 /*
  * Turns a pixel's sums into means, and moves its rows from pixel `at` to place `kept`, so that kept
- * pixels lie side by side. Rows are divided by samples; bounced light also by each light's share,
- * if given. Each half is scaled as if all samples were like its own, so that the weighted mean of
- * both halves is the mean of all samples.
+ * pixels lie side by side. Rows are divided by samples, those of the ground's ratio also by what is
+ * seen of each light, cells->shown; there direct light is counted in whole shares. Each half is
+ * scaled as if all samples were like its own, so that the weighted mean of both halves is the mean
+ * of all samples.
  */
-static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples,
-		      const float *share)
+static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, double samples)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
 	const size_t count = (size_t)tile->cells->count;
 	const size_t direct = tile_direct_size(tile, kind), bounce = tile_bounce_size(tile);
 	const float *from = rows->direct + (size_t)at * direct;
+	const bool ratio = is_ratio(tile, kind);
+	const float *share = tile->cells->share, *shown = tile->cells->shown;
 	float *to = rows->direct + (size_t)kept * direct;
 
 	for (size_t i = 0; i < direct; i++)
-		to[i] = from[i] / (float)samples;
+		to[i] = from[i] / (float)samples *
+			(ratio ? share[i % count] / shown[i % count] : 1);
 	for (int half = 0; half < 2; half++) {
 		const double scale = (double)tile->samples /
 				     ((double)tile->half_samples[half] * samples);
@@ -220,7 +234,7 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 		if (!tile->half_samples[half])
 			continue;
 		for (size_t i = 0; i < bounce; i++)
-			to[i] = from[i] * (float)scale / (share ? share[i % count] : 1);
+			to[i] = from[i] * (float)scale / (ratio ? shown[i % count] : 1);
 	}
 }
 
@@ -228,14 +242,14 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 static void finish_bounce(struct tile *tile, enum tile_kind kind, const uint16_t *pixel, int pixels)
 {
 	const struct tile_rows *rows = &tile->rows[kind];
-	const bool ratio = kind == TILE_CHANGE && !tile_has_standins(tile);
+	const bool ratio = is_ratio(tile, kind);
 	const struct bounce_halves halves = {
 		.rows = 3 * pixels,
 		.pixel = pixel,
 		.half = {rows->bounce[0], rows->bounce[1]},
 		.share = {(double)tile->half_samples[0] / tile->samples,
 			  (double)tile->half_samples[1] / tile->samples},
-		.sky = ratio ? tile->cells->share : tile->even_sky,
+		.sky = ratio ? tile->cells->shown : tile->even_sky,
 		.scale = ratio ? tile->ratio_scale : tile->radiance_scale,
 	};
 
@@ -297,7 +311,7 @@ static void finish_object(struct tile *tile)
 	for (int at = 0; at < TILE_PIXELS; at++) {
 		if (!tile->pixels[at].object)
 			continue;
-		move_rows(tile, TILE_OBJECT, at, kept, tile->samples, NULL);
+		move_rows(tile, TILE_OBJECT, at, kept, tile->samples);
 		tile->result.object_pixel[kept++] = (uint16_t)at;
 	}
 	tile_add_part(tile, TILE_OBJECT, BASIS_KIND_T, tile->result.object_pixel, kept);
@@ -320,7 +334,7 @@ static void finish_shadow(struct tile *tile)
 
 		if (!p->receiver || !p->changed)
 			continue;
-		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, tile->cells->share);
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight);
 		tile->result.change_pixel[kept++] = (uint16_t)at;
 	}
 	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_V, tile->result.change_pixel, kept);
@@ -380,8 +394,8 @@ static void finish_difference(struct tile *tile)
 			p->changed = p->object > 0;
 			continue;
 		}
-		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight, NULL);
-		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight, NULL);
+		move_rows(tile, TILE_CHANGE, at, kept, p->other_weight);
+		move_rows(tile, TILE_WITHOUT, at, kept, p->receiver_weight);
 		tile->result.change_pixel[kept++] = (uint16_t)at;
 	}
 	tile_add_part(tile, TILE_CHANGE, BASIS_KIND_D, tile->result.change_pixel, kept);

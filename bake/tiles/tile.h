@@ -38,8 +38,9 @@ struct tile_rows {
 
 /* Sums over a pixel's samples. */
 struct tile_pixel {
-	int object, receiver; /* samples that met an object; samples that saw a real surface */
-	int direct;	      /* those of them that did not look through glass */
+	/* samples that met an object, or ground that mirrors it; samples that saw a real surface */
+	int object, receiver;
+	int direct; /* those of them that did not look through glass */
 	/* Weights of the background, and of the real surfaces in it. The weight of a sample beside
 	 * the object is 1, that of one through glass its transmission, the mean of three
 	 * channels. */

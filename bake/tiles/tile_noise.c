@@ -212,7 +212,7 @@ static double shown_bounce(const struct tile *tile, enum tile_kind kind, int at,
 	const struct ensemble_sun *sun = &tile->settings.ensemble->sun[k];
 	const double *weight = n->before_weight[at];
 	const double shown = (weight[0] - weight[2] + weight[3 + c]) / tile->samples;
-	const double share = (double)tile->cells->share[sun->cell];
+	const double share = (double)tile->cells->shown[sun->cell];
 	const double back = shown * tile->scene->ground_albedo[c];
 	const double without = (double)n->before[at][c][k][TILE_WITHOUT][0];
 

@@ -173,11 +173,12 @@ int cells_create(struct cells *cells, const struct dome *dome)
 	cells->node = malloc(count * sizeof(*cells->node));
 	cells->sr = malloc(count * sizeof(*cells->sr));
 	cells->share = malloc(count * sizeof(*cells->share));
+	cells->shown = malloc(count * sizeof(*cells->shown));
 	cells->reach = malloc(count * sizeof(*cells->reach));
 	cells->uniform = malloc(all * sizeof(*cells->uniform));
 	cells->ground = malloc(all * sizeof(*cells->ground));
-	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->reach ||
-	    !cells->uniform || !cells->ground) {
+	if (!cells->order || !cells->node || !cells->sr || !cells->share || !cells->shown ||
+	    !cells->reach || !cells->uniform || !cells->ground) {
 		cells_free(cells);
 		return -ENOMEM;
 	}
@@ -185,6 +186,7 @@ int cells_create(struct cells *cells, const struct dome *dome)
 		cells->node[i] = cells_narrow(dome->direction[i]);
 		cells->sr[i] = (float)dome->solid_angle_sr[i];
 		cells->share[i] = (float)(dome->projected_sr[i] / M_PI);
+		cells->shown[i] = cells->share[i];
 		cells->reach[i] = reach_of(dome, i);
 	}
 	err = set_order(cells);
@@ -203,6 +205,7 @@ void cells_free(struct cells *cells)
 	free(cells->node);
 	free(cells->sr);
 	free(cells->share);
+	free(cells->shown);
 	free(cells->reach);
 	free(cells->uniform);
 	free(cells->ground);

@@ -355,7 +355,7 @@ static void deposit_sky(const struct transport *t, struct v3 direction, struct r
  * lobe; that is sampled by rays of its own alone. */
 static bool coat_is_wide(const struct transport *t, const struct bsdf *bsdf)
 {
-	return bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
+	return !t->coat.state && bsdf->alpha * bsdf->alpha * 2 * (float)t->cells->count > 1;
 }
 
 /* ---- the first surfaces: a ray to every cell ---- */
@@ -367,7 +367,7 @@ static void aim_at_cells(struct transport *t, const struct surface *s, float cos
 {
 	const struct cells *cells = t->cells;
 	const uint32_t pixel = t->pixel + (uint32_t)depth * PIXEL_STEP;
-	const bool flat = s->kind == SURFACE_GROUND;
+	const bool flat = s->kind == SURFACE_GROUND && s->bsdf.kind == MATERIAL_DIFFUSE;
 	/* The second surface takes the samples in another order, so that its directions do not
 	 * correlate with the direction that led there. */
 	const uint32_t sample = depth ? sobol_shuffle(t->sample, pixel) : t->sample;
@@ -458,9 +458,9 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 				     int depth, float *row, float *bounce)
 {
 	const struct bounds bounds = world_bounds(t->world, presence);
-	const bool glossy = s->bsdf.kind == MATERIAL_GLOSSY;
+	const bool wide = s->bsdf.kind == MATERIAL_GLOSSY && coat_is_wide(t, &s->bsdf);
 	const struct cone everywhere = {{0, 0, 1}, -2};
-	const struct cone cone = glossy ? everywhere : cone_of(&bounds, s->position);
+	const struct cone cone = wide ? everywhere : cone_of(&bounds, s->position);
 	const float cos_o = v3_dot(s->normal, wo), below = share_below(s->normal);
 	struct v3 down[PATHS_MAX] = {{0, 0, 0}};
 	float weight_down = 0;
@@ -485,7 +485,7 @@ static struct onward spread_to_cells(struct transport *t, enum presence presence
 		if (t->rays.blocked[k])
 			t->value[t->cell[k]] = 0;
 	deposit_values(t, rgb_mul(weight, s->bsdf.colour), row);
-	if (glossy && coat_is_wide(t, &s->bsdf))
+	if (wide)
 		add_coat_by_cells(t, presence, s, wo, weight, row);
 	return onward;
 }
@@ -608,13 +608,15 @@ static bool sample_coat(struct transport *t, enum presence presence, const struc
 {
 	struct passage passage = {.open = true, .passed = {{1, 1, 1}}};
 	float density;
+	struct random *random = t->coat.state ? &t->coat : &t->random;
 	struct rgb f;
 	bool met;
 	int cell;
 
-	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, &t->random, wi) ||
+	if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, random, wi) ||
 	    v3_dot(s->geometric, *wi) <= 0)
 		return false;
+	t->coat.state = 0;
 	f = bsdf_coat(&s->bsdf, s->normal, wo, *wi, &density);
 	if (density <= 0)
 		return false;
@@ -841,6 +843,34 @@ bool transport_add_shadow(struct transport *t, struct v3 position, float weight,
 	weight *= -onward.weight;
 	follow_onward(t, WITH_OBJECTS, &ground, &onward, rgb_make(weight, weight, weight), 1, rows);
 	return true;
+}
+
+/* ---- the coat of flat ground ---- */
+
+bool transport_mirrors_object(struct transport *t, const struct surface *ground, struct v3 wo)
+{
+	const struct random before = t->random;
+	struct surface met;
+	struct v3 wi;
+	bool drawn;
+
+	if (ground->kind != SURFACE_GROUND || ground->bsdf.kind != MATERIAL_GLOSSY)
+		return false;
+	drawn = bsdf_coat_sample(&ground->bsdf, ground->normal, wo, &t->random, &wi);
+	t->random = before;
+	t->ray_count++;
+	return drawn && world_nearest(t->world, WITH_OBJECTS, surface_leave(ground, wi), wi, &met);
+}
+
+void transport_add_mirrored(struct transport *t, const struct surface *ground, struct v3 wo,
+			    const struct transport_rows *rows)
+{
+	t->compared = false;
+	t->gathered = false;
+	t->mirrored = 0;
+	t->coat = t->random;
+	add_path(t, WITH_OBJECTS, ground, wo, rgb_make(1, 1, 1), 0, rows);
+	t->coat.state = 0;
 }
 
 /* ---- points of the cache ---- */

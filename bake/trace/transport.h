@@ -38,7 +38,10 @@ struct cells {
 	struct v3 *node; /* [count]: direction of the cell's node */
 	float *sr;	 /* [count]: solid angle */
 	float *share;	 /* [count]: projected solid angle / pi; sums to 1 */
-	float *reach;	 /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
+	/* [count]: share, and of glossy ground what its coat mirrors: u of the ground is its
+	 * albedo times this */
+	float *shown;
+	float *reach; /* [count]: sine of the largest angle from node to border; 1: >= 90 deg */
 	/* [depth][count], each row in the order above: */
 	struct v3 *uniform; /* density: solid angle */
 	struct v3 *ground;  /* density: projected solid angle, as on flat ground */
@@ -97,7 +100,10 @@ struct transport {
 	uint32_t pixel, sample; /* choose one of a cell's directions */
 	float choice;		/* chooses the blocked ray to follow from the first surface, 0..1 */
 	double below[2];	/* chooses the direction below the horizon, 0..1 */
-	bool compared;		/* the sample is traced with either presence, and subtracted */
+	/* Draws the coat of the next glossy surface, all of it: no ray to a cell shows it as well;
+	 * state 0: not in use. */
+	struct random coat;
+	bool compared; /* the sample is traced with either presence, and subtracted */
 	/* Above 0: the path is about to meet glass, and the light that passes it is added already,
 	 * so that only this share, which the glass mirrors, is left. 0: all light is left. */
 	float mirrored;
@@ -156,6 +162,16 @@ int transport_shadow_channels(const struct world *world);
  */
 bool transport_add_shadow(struct transport *transport, struct v3 position, float weight,
 			  const struct transport_rows *rows);
+
+/*
+ * Tells whether the coat of glossy ground, at its next random numbers, mirrors an object towards
+ * wo. The background's picture does not show such a sample, as it has what the coat mirrors without
+ * the object: transport_add_mirrored() adds the ground's own light, with the object in its coat.
+ */
+bool transport_mirrors_object(struct transport *transport, const struct surface *ground,
+			      struct v3 wo);
+void transport_add_mirrored(struct transport *transport, const struct surface *ground, struct v3 wo,
+			    const struct transport_rows *rows);
 
 /*
  * Traces one point of a record of the cache: adds to row [3][count] what the surface reflects of

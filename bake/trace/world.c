@@ -38,7 +38,7 @@ struct world {
 	float size;	      /* largest coordinate of any mesh */
 	bool ground, standins, tinted_panes;
 	int objects; /* meshes */
-	struct rgb albedo;
+	struct bsdf ground_bsdf;
 	float extent2; /* squared radius of the ground, or infinity */
 };
 
@@ -264,10 +264,10 @@ int world_add(struct world *world, const struct mesh *mesh, const struct materia
 	return 0;
 }
 
-void world_ground(struct world *world, struct rgb albedo, double extent)
+void world_ground(struct world *world, const struct material *material, double extent)
 {
 	world->ground = true;
-	world->albedo = albedo;
+	world->ground_bsdf = material_at(material, 0, 0);
 	world->extent2 = extent > 0 ? (float)(extent * extent) : INFINITY;
 }
 
@@ -408,9 +408,9 @@ bool world_has_tinted_panes(const struct world *world)
 	return world->tinted_panes;
 }
 
-struct rgb world_ground_albedo(const struct world *world)
+const struct bsdf *world_ground_bsdf(const struct world *world)
 {
-	return world->albedo;
+	return &world->ground_bsdf;
 }
 
 const struct inside *world_inside(const struct world *world)
@@ -448,7 +448,7 @@ static void ground_surface(const struct world *world, struct v3 origin, struct v
 		.normal = {0, 0, 1},
 		.geometric = {0, 0, 1},
 		.outer = true,
-		.bsdf = {.kind = MATERIAL_DIFFUSE, .colour = world->albedo},
+		.bsdf = world->ground_bsdf,
 	};
 	s->position.z = 0;
 }

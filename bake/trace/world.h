@@ -117,9 +117,9 @@ int world_create(struct world **world, struct fault *fault);
 int world_add(struct world *world, const struct mesh *mesh, const struct material *material,
 	      enum surface_kind kind, struct fault *fault);
 
-/* Sets the ground, a Lambertian plane. extent is its radius around the origin; 0: it is
+/* Sets the ground, a plane without texture. extent is its radius around the origin; 0: it is
  * infinite. */
-void world_ground(struct world *world, struct rgb albedo, double extent);
+void world_ground(struct world *world, const struct material *material, double extent);
 
 /* Builds the ray tracer's structures, after all meshes and the ground. -ENOMEM, -EIO. */
 int world_commit(struct world *world, struct fault *fault);
@@ -127,7 +127,7 @@ int world_commit(struct world *world, struct fault *fault);
 bool world_has_ground(const struct world *world);
 bool world_has_standins(const struct world *world);
 bool world_has_tinted_panes(const struct world *world); /* their shadows are coloured */
-struct rgb world_ground_albedo(const struct world *world);
+const struct bsdf *world_ground_bsdf(const struct world *world);
 const struct inside *world_inside(const struct world *world); /* balls inside the objects */
 struct bounds world_bounds(const struct world *world, enum presence presence);
 

@@ -294,19 +294,25 @@ static struct rgb taken_from_ground(struct tracer *t, const struct surface *s)
 	return taken;
 }
 
+/* Whether real surfaces need paths: only flat diffuse ground has formulas. */
+static bool is_traced(const struct world *world)
+{
+	return world_has_standins(world) || world_ground_bsdf(world)->kind != MATERIAL_DIFFUSE;
+}
+
 bool truth_add_receiver(struct tracer *t, struct truth_receiver *to, const struct surface *s,
 			struct v3 wo, double weight)
 {
 	const struct tracer before = *t;
 	struct rgb with, without, taken;
 
-	if (world_has_standins(t->scene->world)) {
+	if (is_traced(t->scene->world)) {
 		with = truth_radiance(t, WITH_OBJECTS, s, wo, 0, t->first);
 		t->random = before.random;
 		without = truth_radiance(t, WITHOUT_OBJECTS, s, wo, 0, t->first);
 		taken = rgb_add(without, rgb_scale(with, -1));
 	} else {
-		const struct rgb albedo = world_ground_albedo(t->scene->world);
+		const struct rgb albedo = world_ground_bsdf(t->scene->world)->colour;
 
 		taken = taken_from_ground(t, s);
 		without = rgb_mul(albedo, light_on_ground(t, s->position, &taken));
@@ -320,9 +326,10 @@ bool truth_add_receiver(struct tracer *t, struct truth_receiver *to, const struc
 
 struct rgb truth_real_light(struct tracer *t, const struct surface *s, struct v3 wo)
 {
-	if (world_has_standins(t->scene->world))
+	if (is_traced(t->scene->world))
 		return truth_radiance(t, WITHOUT_OBJECTS, s, wo, 0, t->first);
-	return rgb_mul(world_ground_albedo(t->scene->world), light_on_ground(t, s->position, NULL));
+	return rgb_mul(world_ground_bsdf(t->scene->world)->colour,
+		       light_on_ground(t, s->position, NULL));
 }
 
 bool truth_through_glass(struct tracer *t, const struct surface *surface, struct v3 direction,

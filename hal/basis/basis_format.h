@@ -11,7 +11,8 @@
  * without the object, s the same with the object. For each pixel p, light i and channel c:
  *
  *   T  t: radiance of the object towards the camera, averaged over the whole pixel. Samples that
- *      miss the object count as 0, so t is premultiplied by coverage.
+ *      miss the object count as 0, so t is premultiplied by coverage. Ground whose polish mirrors
+ *      the object counts as the object.
  *   V  v = (u - s) / u: the share of light i that the object takes away from the receiver
  *      (negative: adds), averaged over the pixel's receiver samples. For receivers whose u is one
  *      of the file's shared ground terms. 0 is unchanged, 1 is a full shadow.

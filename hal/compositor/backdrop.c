@@ -62,6 +62,17 @@ static void recode_row(uint8_t *restrict out, const uint8_t *restrict in, int wi
 	}
 }
 
+void backdrop_copy_rows(struct backdrop_rows rows, int width, int height, const uint8_t *recode,
+			uint8_t *out, size_t out_stride)
+{
+	for (int y = 0; y < height; y++, rows.pixels += rows.stride, out += out_stride) {
+		if (recode)
+			recode_row(out, rows.pixels, width, recode);
+		else
+			copy_row(out, rows.pixels, width);
+	}
+}
+
 void backdrop_copy(const struct backdrop *b, struct area area, const uint8_t *recode,
 		   uint8_t *scratch, uint8_t *out, size_t out_stride)
 {
@@ -71,11 +82,8 @@ void backdrop_copy(const struct backdrop *b, struct area area, const uint8_t *re
 	}
 	for (int y = 0; y < area.height; y++, out += out_stride) {
 		const struct area row = {area.x, area.y + y, area.width, 1};
-		const uint8_t *in = backdrop_rows(b, row, scratch).pixels;
 
-		if (recode)
-			recode_row(out, in, area.width, recode);
-		else
-			copy_row(out, in, area.width);
+		backdrop_copy_rows(backdrop_rows(b, row, scratch), area.width, 1, recode, out,
+				   out_stride);
 	}
 }

@@ -22,8 +22,11 @@ struct backdrop_rows {
 struct backdrop_rows backdrop_rows(const struct backdrop *backdrop, struct area area,
 				   uint8_t *scratch);
 
-/* Copies the area to out, each code by way of recode[256] unless that is NULL. scratch has room for
- * a row of the area. */
+/* Copies rows to out, each code by way of recode[256] unless that is NULL. */
+void backdrop_copy_rows(struct backdrop_rows rows, int width, int height, const uint8_t *recode,
+			uint8_t *out, size_t out_stride);
+
+/* Copies the area to out in the same way. scratch has room for a row of the area. */
 void backdrop_copy(const struct backdrop *backdrop, struct area area, const uint8_t *recode,
 		   uint8_t *scratch, uint8_t *out, size_t out_stride);
 

@@ -84,9 +84,10 @@ static int create_layer(struct compositor *c, struct layer *layer, const struct 
 	ret = layer_plan_create(&layer->plan, c->basis, pose, basis);
 	if (ret < 0)
 		return ret;
+	layer->untried = calloc((size_t)c->tiles, sizeof(*layer->untried));
 	layer->light = calloc(BASIS_KIND_COUNT + (size_t)c->basis->info.grounds,
 			      sizeof(*layer->light));
-	if (!layer->light)
+	if (!layer->untried || !layer->light)
 		return -ENOMEM;
 	for (int n = 0; ret == 0 && n < basis->block_count; n++)
 		ret = need_light(c, layer, &basis->blocks[n], cut);
@@ -107,6 +108,7 @@ static void forget_pose(struct pose *pose)
 		near_layer_free(&l->near);
 		division_free(&l->division);
 		free(l->light);
+		free(l->untried);
 	}
 	*pose = (struct pose){.made = false};
 }

@@ -27,6 +27,7 @@ struct layer {
 	struct near_layer near;		 /* where there are lamps at places */
 	struct layer_plan plan;
 	struct division division;
+	uint8_t *untried; /* [tiles]: frames until a bounded tile is tried again (frame.c) */
 	struct layer_light *light; /* in the order of kinds, then of grounds */
 	int light_count;
 };

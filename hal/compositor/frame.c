@@ -7,6 +7,7 @@
 #include "hal/compositor/backdrop.h"
 #include "hal/compositor/compositor_parts.h"
 #include "hal/compositor/live/lit_rows.h"
+#include "hal/compositor/steady.h"
 
 /* Total lights of all vectors from which several threads are faster, waking them included. */
 #define SHARED_LIGHTS 12000
@@ -25,6 +26,11 @@ static struct veiled_tile *veil_tile(const struct compositor *c, int t, struct c
 	return &w->veiled;
 }
 
+static uint8_t *tile_out(const struct compositor *c, const struct basis_tile *tile)
+{
+	return c->out + (size_t)tile->y * c->out_stride + (size_t)tile->x * 4;
+}
+
 static void mix_tile(const struct compositor *c, int t, struct compositor_worker *w,
 		     struct veiled_tile *veiled, struct backdrop_rows rows)
 {
@@ -37,7 +43,7 @@ static void mix_tile(const struct compositor *c, int t, struct compositor_worker
 		.coverage = plan->bare ? NULL : c->coverage + (size_t)tile->y * width + tile->x,
 		.background = rows.pixels,
 		.curves = &c->curves,
-		.out = c->out + (size_t)tile->y * c->out_stride + (size_t)tile->x * 4,
+		.out = tile_out(c, tile),
 		.value_step = BASIS_TILE,
 		.coverage_step = (ptrdiff_t)width,
 		.background_step = rows.stride,
@@ -81,26 +87,93 @@ static struct area area_of(const struct basis_tile *tiles, int first, int end)
 	return (struct area){a->x, a->y, b->x + b->width - a->x, a->height};
 }
 
+/* What copied codes become; NULL: they stay as they are. */
+static const uint8_t *recode_of(const struct compositor *c)
+{
+	return transfer_curve_same(&c->settings.background, &c->settings.output) ? NULL
+										 : c->curves.recode;
+}
+
 static void copy_span(const struct compositor *c, int first, int end, struct compositor_worker *w)
 {
 	const struct area area = area_of(c->layer->basis->tiles, first, end);
-	const bool same = transfer_curve_same(&c->settings.background, &c->settings.output);
 
-	backdrop_copy(c->backdrop, area, same ? NULL : c->curves.recode, w->rows,
+	backdrop_copy(c->backdrop, area, recode_of(c), w->rows,
 		      c->out + (size_t)area.y * c->out_stride + (size_t)area.x * 4, c->out_stride);
+}
+
+/* A tile that was not steady is computed without a trial in so many more frames, and in up to as
+ * many again, so that not all are tried in the same frame. A trial takes a fifth of a tile's time,
+ * so that those in vain take two hundredths. */
+#define UNTRIED 7
+
+/* Whether the tile may be copied. People, whom veil_values() takes from values, and grain, which
+ * needs values of KERNEL_FAINT, do not change that; what near_divide() makes of values might. */
+static bool is_steady(const struct compositor *c, int t, struct backdrop_rows rows,
+		      struct compositor_worker *w)
+{
+	const struct basis_tile *tile = &c->layer->basis->tiles[t];
+	const struct tile_plan *plan = &c->layer->plan.tiles[t];
+	uint8_t *untried = &c->layer->untried[t];
+
+	if (!plan->bounded || c->sky)
+		return false;
+	if (*untried) {
+		--*untried;
+		return false;
+	}
+	if (steady_tile(&c->light, plan, &c->curves, rows, tile->width, tile->height,
+			&w->tile.block))
+		return true;
+	*untried = (uint8_t)(UNTRIED + t % UNTRIED);
+	return false;
+}
+
+/* Copies the steady ones of adjacent tiles. Returns the others, a bit each. */
+static unsigned copy_steady(const struct compositor *c, int first, int end,
+			    struct backdrop_rows rows, struct compositor_worker *w)
+{
+	unsigned left = 0;
+
+	for (int t = end; t < c->tiles && t < end + SPAN_TILES; t++) /* the next span */
+		if (c->layer->plan.tiles[t].bounded && !c->sky)
+			steady_fetch(&c->layer->plan.tiles[t]);
+	for (int t = first; t < end; t++, rows.pixels += BASIS_TILE * 4) {
+		const struct basis_tile *tile = &c->layer->basis->tiles[t];
+
+		if (is_steady(c, t, rows, w))
+			backdrop_copy_rows(rows, tile->width, tile->height, recode_of(c),
+					   tile_out(c, tile), c->out_stride);
+		else
+			left |= 1U << (t - first);
+	}
+	return left;
+}
+
+/* Returns the first block from tile t on, or the end of all. */
+static const struct block_plan *block_from(const struct compositor *c, int t)
+{
+	while (t < c->tiles && !c->layer->plan.tiles[t].block_count)
+		t++;
+	return t < c->tiles ? c->layer->plan.tiles[t].blocks : c->light.end;
 }
 
 static void mix_span(const struct compositor *c, int first, int end, struct compositor_worker *w)
 {
 	const struct basis_tile *tiles = c->layer->basis->tiles;
 	struct backdrop_rows rows = backdrop_rows(c->backdrop, area_of(tiles, first, end), w->rows);
+	unsigned left = copy_steady(c, first, end, rows, w);
 
-	for (int t = first; t < end; t++) {
+	for (int t = first; left; t++, left >>= 1, rows.pixels += BASIS_TILE * 4) {
 		const struct tile_plan *plan = &c->layer->plan.tiles[t];
-		struct veiled_tile *veiled = veil_tile(c, t, w);
+		const int next = left > 1 ? t + __builtin_ctz(left & ~1U) : end;
+		struct veiled_tile *veiled;
 
+		if (!(left & 1))
+			continue;
+		veiled = veil_tile(c, t, w);
 		fetch_ahead(c, t, rows);
-		tile_compute(&c->light, plan, &w->tile, &w->values);
+		tile_compute(&c->light, plan, block_from(c, next), &w->tile, &w->values);
 		if (c->settings.rows && plan->object)
 			lit_rows_apply(w->values.object, c->settings.rows + tiles[t].y,
 				       tiles[t].height);
@@ -115,7 +188,6 @@ static void mix_span(const struct compositor *c, int first, int end, struct comp
 		if (veiled && plan->object)
 			veil_values(w->values.object, veiled->front);
 		mix_tile(c, t, w, veiled, rows);
-		rows.pixels += BASIS_TILE * 4;
 	}
 }
 

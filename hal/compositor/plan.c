@@ -166,20 +166,56 @@ static void plan_tile(struct tile_plan *tile, struct block_plan *plan, int count
 	}
 }
 
+static bool is_bounded(const struct tile_plan *tile)
+{
+	bool bounded = tile->bare && tile->block_count;
+
+	for (int n = 0; n < tile->block_count; n++)
+		bounded = bounded && tile->blocks[n].block->kind == BASIS_KIND_V &&
+			  !tile->blocks[n].block->tint;
+	return bounded;
+}
+
+/* Finds block_plan.farthest of a block, [patterns], which is zeroed. */
+static void find_farthest(const struct basis_block *b, float (*farthest)[3])
+{
+	const int panels = basis_panels16(b->pixels);
+
+	for (int k = 0; k < 3 * panels * b->patterns; k++) {
+		const int c = k / (panels * b->patterns), j = k % b->patterns;
+		const int line = b->channels == 3 ? k : k % (panels * b->patterns);
+		const int16_t *value = b->coefficient + (size_t)line * BASIS_LINE16;
+		int highest = 0;
+		float reach;
+
+		for (int p = 0; p < BASIS_LINE16; p++)
+			highest = abs(value[p]) > highest ? abs(value[p]) : highest;
+		reach = (float)highest * b->pattern_scale[j];
+		farthest[j][c] = reach > farthest[j][c] ? reach : farthest[j][c];
+	}
+}
+
 int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 		      const struct basis_pose *pose, const struct basis_layer *layer)
 {
 	const int tiles = basis->tiles_across * basis->tiles_down;
+	size_t patterns = 0;
 
 	*plan = (struct layer_plan){0};
 	plan->tiles = calloc((size_t)tiles + 1, sizeof(*plan->tiles));
 	plan->blocks = calloc((size_t)layer->block_count + 1, sizeof(*plan->blocks));
-	if (!plan->tiles || !plan->blocks) {
+	for (int n = 0; n < layer->block_count; n++)
+		patterns += (size_t)layer->blocks[n].patterns;
+	plan->farthest = calloc(patterns + 1, sizeof(*plan->farthest));
+	if (!plan->tiles || !plan->blocks || !plan->farthest) {
 		layer_plan_free(plan);
 		return -ENOMEM;
 	}
-	for (int n = 0; n < layer->block_count; n++)
+	for (int n = layer->block_count - 1; n >= 0; n--) {
+		patterns -= (size_t)layer->blocks[n].patterns;
 		plan->blocks[n] = plan_block(basis, &layer->blocks[n]);
+		plan->blocks[n].farthest = plan->farthest + patterns;
+	}
 	for (int t = 0; t < tiles; t++) {
 		const struct basis_tile *tile = &layer->tiles[t];
 		const bool covered = is_covered(basis, pose->coverage, tile);
@@ -192,6 +228,9 @@ int layer_plan_create(struct layer_plan *plan, const struct basis *basis,
 			p->object = p->taken = true;
 		p->plain = !covered && !tile->block_count;
 		p->bare = !covered && !p->object;
+		p->bounded = is_bounded(p);
+		for (int n = 0; n < p->block_count && p->bounded; n++)
+			find_farthest(p->blocks[n].block, p->blocks[n].farthest);
 	}
 	return 0;
 }
@@ -200,5 +239,6 @@ void layer_plan_free(struct layer_plan *plan)
 {
 	free(plan->tiles);
 	free(plan->blocks);
+	free(plan->farthest);
 	*plan = (struct layer_plan){0};
 }

@@ -35,6 +35,9 @@ struct block_plan {
 	bool grouped;	  /* it, or a block that groups of lights span with it, has their columns */
 	bool lamps;	  /* its columns are those of lamps (near/near_layer.h) */
 	float reach;	  /* reach of a column / cut_share = column_scale * this; tint included */
+	/* In bounded tiles: the largest |coefficient| of each pattern times its scale, by channel.
+	 */
+	float (*farthest)[3];
 	/* T and V blocks whose columns may be left out: what chooses among the columns, and the
 	 * block's number there (column_choice.h). NULL: all columns count whose light is not 0. */
 	const struct column_choice *choice;
@@ -48,12 +51,14 @@ struct tile_plan {
 	bool bare;	    /* coverage and O are 0 */
 	bool plain;	    /* the object changes nothing here */
 	bool object, taken; /* whether blocks or glass add to O; to 1 - ratio */
+	bool bounded;	    /* bare, with blocks of V alone, without a tint */
 };
 
 /* The plans of all blocks and tiles of a layer. */
 struct layer_plan {
 	struct tile_plan *tiles;
 	struct block_plan *blocks; /* in the layer's order */
+	float (*farthest)[3];	   /* of the blocks' patterns, in that order */
 };
 
 /* -ENOMEM. */

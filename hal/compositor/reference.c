@@ -147,19 +147,6 @@ static double value_of(const struct reference_scene *s, const struct basis_block
 	return value;
 }
 
-/* near_sky_bounced() of a pixel; 1 for all but the object. */
-static double bounced_of(const struct reference_scene *s, const struct basis_block *b, int pixel,
-			 int lamp, const double place[3])
-{
-	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
-	const float over_share =
-		s->distance[BASIS_BOUNCED][(size_t)y * s->basis->info.width + (size_t)x];
-
-	return b->kind == BASIS_KIND_T && over_share > 0
-		       ? near_sky_bounced(s->sky, lamp, place, 1 / (double)over_share)
-		       : 1;
-}
-
 /* Adds what the lamps give a block's pixels, and on the ground their u to there[pixel][c]. */
 static void add_lamps(const struct reference_scene *s, const struct basis_block *b, double (*to)[3],
 		      double (*there)[3])
@@ -171,12 +158,11 @@ static void add_lamps(const struct reference_scene *s, const struct basis_block 
 
 		for (int l = 0; is && l < s->sky->lamps.count; l++) {
 			const int count = near_sky_shares(s->sky, l, place, NULL, share);
-			const double part = bounced_of(s, b, b->pixel[p], l, place);
 
 			for (int n = 0; n < count; n++)
 				for (int c = 0; c < 3; c++) {
 					const int i = share[n].light;
-					double x = share[n].amount * part * s->lamp[l][c];
+					double x = share[n].amount * s->lamp[l][c];
 
 					if (b->kind == BASIS_KIND_V)
 						x *= basis_ground(s->basis, b->ground, c)[i] /
@@ -187,6 +173,60 @@ static void add_lamps(const struct reference_scene *s, const struct basis_block 
 				}
 		}
 	}
+}
+
+static double tint_of(const struct basis_block *b, int p, int c)
+{
+	return b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1;
+}
+
+/* Adds pixel p of a block of the object under near_object's skies, and each lamp with P = 1. */
+static void add_skies_and_lamps(const struct reference_scene *s, const struct basis_block *b, int p,
+				const double place[3], double (*t)[3], double (*value)[3])
+{
+	struct near_share share[NEAR_SHARES];
+
+	for (int c = 0; c < 3; c++) {
+		const double tint = tint_of(b, p, c);
+
+		for (uint32_t i = 0; i < s->basis->info.lights; i++)
+			for (int k = 0; k < NEAR_SKIES; k++)
+				t[k][c] += tint * value_of(s, b, p, c, (int)i) *
+					   s->basis->lights[i].solid_angle_sr *
+					   near_sky_radiance(k, s->basis->lights[i].direction);
+		for (int l = 0; l < s->sky->lamps.count; l++) {
+			const int count = near_sky_shares(s->sky, l, place, NULL, share);
+
+			for (int n = 0; n < count; n++)
+				value[l][c] += tint * share[n].amount *
+					       value_of(s, b, p, c, share[n].light);
+		}
+	}
+}
+
+/* Takes near_sky_bounced() of a pixel of the object, which several blocks may list. */
+static void take_bounced(const struct reference_scene *s, int pixel, double to[3])
+{
+	const int x = s->tile->x + pixel % BASIS_TILE, y = s->tile->y + pixel / BASIS_TILE;
+	const int width = (int)s->basis->info.width, height = (int)s->basis->info.height;
+	const float over_share = x < width && y < height ? s->distance[BASIS_BOUNCED][y * width + x]
+							 : 0;
+	struct near_object object = {.share = 1 / (double)over_share};
+	double value[LAMPS_MAX][3] = {{0}}, place[3];
+
+	if (!(over_share > 0) || !place_of(s, BASIS_KIND_T, pixel, place))
+		return;
+	for (int n = 0; n < s->tile->block_count; n++) {
+		const struct basis_block *b = &s->tile->blocks[n];
+
+		for (int p = 0; b->kind == BASIS_KIND_T && p < b->pixels; p++)
+			if (b->pixel[p] == pixel)
+				add_skies_and_lamps(s, b, p, place, object.t, value);
+	}
+	for (int l = 0; l < s->sky->lamps.count; l++)
+		for (int c = 0; c < 3; c++)
+			to[c] -= s->settings->gain * s->lamp[l][c] *
+				 near_sky_bounced(s->sky, l, place, &object, c, value[l][c]);
 }
 
 /* Adds the block's values times light, times tint and factor, to its pixels; of V over u L + e. */
@@ -212,12 +252,11 @@ static void spread_block(const struct reference_scene *s, const struct basis_blo
 	add_lamps(s, b, value, ground ? there : NULL);
 	for (int p = 0; p < b->pixels; p++) {
 		for (int c = 0; c < 3; c++)
-			to[b->pixel[p]][c] +=
-				value[p][c] *
-				(!ground	   ? factor
-				 : there[p][c] > 0 ? 1 / there[p][c]
-						   : 0) *
-				(b->tint ? b->tint[c * b->pixels + p] / (double)BASIS_TINT_ONE : 1);
+			to[b->pixel[p]][c] += value[p][c] *
+					      (!ground		 ? factor
+					       : there[p][c] > 0 ? 1 / there[p][c]
+								 : 0) *
+					      tint_of(b, p, c);
 	}
 }
 
@@ -237,6 +276,8 @@ static void fill_tile(const struct reference_scene *s, const struct basis_tile *
 		else
 			spread_block(s, b, 0x1p-20, 1, v->own);
 	}
+	for (int p = 0; s->sky && s->settings->object && p < TILE_PIXELS; p++)
+		take_bounced(s, p, v->object[p]);
 	for (int p = 0; p < TILE_PIXELS; p++) {
 		for (int c = 0; c < 3; c++) {
 			if (v->own[p][c] > 0)

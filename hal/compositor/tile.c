@@ -34,32 +34,32 @@ static const struct light_vector *block_light(const struct frame_light *f,
 }
 
 /* Returns the next block that counts, or NULL. */
-static const struct block_plan *block_next(const struct frame_light *f,
-					   const struct block_plan *plan)
+static const struct block_plan *
+block_next(const struct frame_light *f, const struct tile_work *work, const struct block_plan *plan)
 {
 	do
-		plan++;
+		plan = plan + 1 == work->end ? work->after : plan + 1;
 	while (plan < f->end && !block_counts(plan));
 	return plan < f->end ? plan : NULL;
 }
 
 static struct block_request request_for(const struct frame_light *f, const struct block_plan *plan,
-					bool fresh)
+					bool fresh, const struct tile_work *work)
 {
 	return (struct block_request){
 		.kernels = f->kernels,
 		.light = block_light(f, plan->block),
 		.fresh = fresh,
-		.next = block_next(f, plan),
+		.next = block_next(f, work, plan),
 	};
 }
 
 static void sum_block(const struct frame_light *f, const struct block_plan *plan, bool fresh,
-		      int fraction, struct block_work *work, const int64_t *sum[3])
+		      int fraction, struct tile_work *work, const int64_t *sum[3])
 {
-	const struct block_request request = request_for(f, plan, fresh);
+	const struct block_request request = request_for(f, plan, fresh, work);
 
-	block_sums(work, plan, &request, fraction, sum);
+	block_sums(&work->block, plan, &request, fraction, sum);
 }
 
 /* Shifts sums up, clamped to +-2^62. Extremely strong light has so few fraction bits that its sums
@@ -187,8 +187,8 @@ static bool group_add_values(const struct frame_light *f, const struct block_pla
 		const bool direct = plan->whole && (tint ? fresh : first);
 
 		if (block_counts(plan)) {
-			const struct block_request request = request_for(f, plan,
-									 direct ? fresh : !begun);
+			const struct block_request request =
+				request_for(f, plan, direct ? fresh : !begun, work);
 
 			block_values(&work->block, plan, &request, fraction,
 				     direct ? whole : listed);
@@ -234,7 +234,7 @@ static bool group_add(const struct frame_light *f, const struct block_plan *grou
 		memset(work->d, 0, sizeof(work->d));
 	for (int n = 0; n < group->group; n++) {
 		if (block_counts(&group[n])) {
-			sum_block(f, &group[n], !summed, fraction, &work->block, sum);
+			sum_block(f, &group[n], !summed, fraction, work, sum);
 			summed = true;
 		}
 		if (!summed || (n + 1 < group->group && group[n + 1].joins))
@@ -262,7 +262,7 @@ static int receiver_sums(const struct frame_light *f, const struct block_plan *g
 
 	memset(to, 0, sizeof(*to) * 3);
 	for (int n = 0; n < group->group; n++) {
-		sum_block(f, &group[n], !group[n].joins, fraction, &work->block, sum);
+		sum_block(f, &group[n], !group[n].joins, fraction, work, sum);
 		if (n + 1 == group->group || !group[n + 1].joins)
 			sums_spread(group[n].block, sum, to);
 	}
@@ -301,12 +301,15 @@ static void add_receivers(const struct frame_light *f, const struct block_plan *
 
 const int32_t tile_nothing[BLOCK_PIXELS] __attribute__((aligned(64)));
 
-void tile_compute(const struct frame_light *f, const struct tile_plan *tile, struct tile_work *work,
+void tile_compute(const struct frame_light *f, const struct tile_plan *tile,
+		  const struct block_plan *after, struct tile_work *work,
 		  struct tile_values *values)
 {
 	const struct block_plan *d = NULL;
 	bool no_object = true, nothing_taken = true; /* yet */
 
+	work->end = tile->blocks + tile->block_count;
+	work->after = after;
 	for (int n = 0; n < tile->block_count; n += tile->blocks[n].group) {
 		const struct block_plan *group = &tile->blocks[n];
 

@@ -29,12 +29,15 @@ extern const int32_t tile_nothing[BLOCK_PIXELS]; /* zeros */
 /* Scratch memory of one worker. */
 struct tile_work {
 	struct block_work block;
+	const struct block_plan *end, *after; /* of the tile's blocks; what is computed next */
 	int64_t d[3][BLOCK_PIXELS], u[3][BLOCK_PIXELS];
 	/* values of the pixels that a block lists, channel by channel */
 	int32_t listed[3 * BLOCK_PIXELS + KERNEL_PLACE_BEYOND] __attribute__((aligned(64)));
 };
 
+/* after: the first block of the tile that is computed next, of which some is prefetched. */
 void tile_compute(const struct frame_light *light, const struct tile_plan *tile,
-		  struct tile_work *work, struct tile_values *values);
+		  const struct block_plan *after, struct tile_work *work,
+		  struct tile_values *values);
 
 #endif

@@ -47,6 +47,16 @@ static inline double vec_angle(const double a[3], const double b[3])
 	return 2 * asin(fmin(0.5 * vec_length(d), 1));
 }
 
+/* Two unit vectors across a unit vector, and across each other. */
+static inline void vec_across(const double v[3], double across[2][3])
+{
+	const double flat = fabs(v[0]) < 0.6, axis[3] = {flat, 1 - flat, 0};
+
+	vec_cross(v, axis, across[0]);
+	vec_normalize(across[0]);
+	vec_cross(v, across[0], across[1]);
+}
+
 /* out = M v */
 static inline void mat_apply(const double m[9], const double v[3], double out[3])
 {

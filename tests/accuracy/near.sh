@@ -2,18 +2,25 @@
 # SPDX-License-Identifier: MIT
 # What it costs that all light is taken as coming from afar: a box of 0.3 m under a lamp at several distances, and fisheyes
 # at several places, against path-traced truth.
-#     BUILD=build/x tests/accuracy/near.sh [SIZE [SAMPLES]]     the table, in Markdown (make near)
+#     BUILD=build/x tests/accuracy/near.sh [box|spot [SIZE [SAMPLES]]]     the table, in Markdown (make near)
+# spot is a scene that nothing was chosen on: a cow with the lamp behind it, so that the sides that one sees are lit by
+# what bounces.
 # Pictures and table are left in build/accuracy/near. Nothing passes or fails.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
 # shellcheck source=tests/accuracy/method.sh
 . tests/accuracy/method.sh
-work=build/accuracy/near
+scene=${1:-box} size=${2:-160x120} samples=${3:-512}
+work=build/accuracy/near-$scene
 log=$work/log.txt
-size=${1:-160x120} samples=${2:-512}
 
-# The lamp's direction from the foot of the object: from the left and the front, so that the shadow falls to the right.
-height=47 azimuth=225
+# The lamp's direction from the foot of the object; 225: from the left and the front, so that the shadow falls to the right.
+case $scene in
+box) height=47 azimuth=225 mesh=bake/demo/box.obj scale=0.3 turn=10 distances='1 1.5 2.5 4 1000' ;;
+spot) height=62 azimuth=110 mesh=../shared/data/mesh/spot.obj scale=0.18 turn=40 distances='1.2 2' ;;
+*) fail "$scene: expected box or spot" ;;
+esac
+[ -e "$mesh" ] || fail "$mesh is missing"
 # Its angle is the same at each distance, and it gives white ground at the foot a radiance of 0.45; the even sky gives 0.15.
 angle=0.03 light=0.45 sky=0.15
 
@@ -51,8 +58,11 @@ flat() {
 
 rm -rf "$work"
 mkdir -p "$work"
-sed s/0[.]5/0.25/g bake/demo/box.obj >"$work/box.obj" # twice as tall as wide
-cat >"$work/spot.scene" <<'SCENE'
+case $scene in
+box) sed s/0[.]5/0.25/g "$mesh" >"$work/object.obj" ;; # twice as tall as wide
+*) cp "$mesh" "$work/object.obj" ;;
+esac
+cat >"$work/spot.scene" <<SCENE
 [camera]
 position = 0.55 -1.1 0.75
 look_at = 0.12 0.06 0.1
@@ -62,11 +72,11 @@ bounces = 3
 [ground]
 [material clay]
 colour = 0.72 0.62 0.50
-[object box]
-file = box.obj
+[object it]
+file = object.obj
 material = clay
-scale = 0.3
-rotate = 0 0 10
+scale = $scale
+rotate = 0 0 $turn
 stand = yes
 SCENE
 flat "$work/even.pfm" 8 4 '\x00\x00\x80\x3f'
@@ -77,7 +87,7 @@ truth 1 --samples 16 --background "$work/black.pfm" -o "$work/object.pfm"
 {
 	echo "| lamp at | fisheye | lamp | PSNR dB | RMS | max | edge px | object % |"
 	echo "|---|---|---|---|---|---|---|---|"
-	for distance in 1 1.5 2.5 4 1000; do
+	for distance in $distances; do
 		truth $distance --samples "$samples" --background-out "$work/$distance-background.pfm" \
 			-o "$work/$distance-truth.pfm"
 		while read -r name at; do

@@ -168,6 +168,51 @@ static void test_mix(struct kernels_run *run, const struct transfer_curve *from,
 	result(run, unchanged && worst[0] <= dark && worst[1] <= bright, "c", what, why);
 }
 
+static bool mix_keeps(const struct kernel_curves *curves, int code, int32_t taken)
+{
+	static const int32_t none;
+	static const uint16_t clear;
+	const uint8_t in[4] = {(uint8_t)code, 0, 0, 0};
+	uint8_t out[4];
+	const struct kernel_row row = {.count = 1,
+				       .rows = 1,
+				       .object = {&none, &none, &none},
+				       .taken = {&taken, &taken, &taken},
+				       .coverage = &clear,
+				       .background = in,
+				       .curves = curves,
+				       .out = out};
+
+	kernels_c.mix(&row);
+	return out[0] == curves->recode[code];
+}
+
+/* kernel_curves.steady: no code up to v changes up to it, and one of them does beyond it. */
+static void test_steady(struct kernels_run *run, const struct transfer_curve *from,
+			const struct transfer_curve *to, const char *what)
+{
+	static struct kernel_curves curves;
+	bool kept = true, close = true;
+
+	kernel_curves_fill(&curves, from, to);
+	for (int v = 0; v < 256; v += 5) {
+		const int32_t most = curves.steady[v];
+		bool beyond = most == KERNEL_FAINT - 1;
+
+		for (int w = 0; w <= v; w++) {
+			const int32_t some = (int32_t)random_between(-most, most);
+
+			kept = kept && mix_keeps(&curves, w, most) &&
+			       mix_keeps(&curves, w, -most) && mix_keeps(&curves, w, some);
+			beyond = beyond || !mix_keeps(&curves, w, most + 1) ||
+				 !mix_keeps(&curves, w, -most - 1);
+		}
+		close = close && beyond;
+	}
+	result(run, kept && close, "c", what,
+	       kept ? "steady is less than it may be" : "a steady code changes");
+}
+
 /* The cubic of grain, against the curve. */
 static void test_light(struct kernels_run *run, const struct transfer_curve *from, const char *what,
 		       double most)
@@ -204,6 +249,7 @@ static void test_named_curves(struct kernels_run *run)
 			snprintf(what, sizeof(what), "mix from %s to %s", transfer_names[from],
 				 transfer_names[to]);
 			test_mix(run, &curves[from], &curves[to], what, 0.52, 0.52);
+			test_steady(run, &curves[from], &curves[to], what);
 		}
 	}
 }
@@ -257,6 +303,7 @@ static void test_measured_curves(struct kernels_run *run)
 			curve.knot[k] = cases[i].decode((double)k / (TRANSFER_KNOTS - 1));
 		test_light(run, &curve, cases[i].light, 0.07);
 		test_mix(run, &curve, &curve, cases[i].what, cases[i].dark, cases[i].bright);
+		test_steady(run, &curve, &curve, cases[i].what);
 	}
 }
 

@@ -17,7 +17,7 @@ bake/encode/README.md 750 specifies how blocks are chosen
 hal/basis/README.md 850 specifies what a reader accepts
 hal/compositor/README.md 1800 specifies the integer arithmetic, with its proofs
 hal/optics/README.md 560 specifies lights and lenses
-tests/accuracy/README.md 640 says how to read nine measurements
+tests/accuracy/README.md 760 says how to read twelve measurements
 "
 mapfile -t files < <(find app bake board config drivers hal tests ./*.md -name '*.md' | sed 's|^\./||' | sort)
 

@@ -24,8 +24,8 @@ key() { # FILE KEY: its numbers
 	sed -n "s/^$2 = //p" "$1"
 }
 thorough=${WALK:-}${INLAY_THOROUGH:-}
-frequency=2 preview_samples=4 truth_samples=6 shown_off=4.5 preview_off=4 elsewhere_off=5 # levels
-[ -z "$thorough" ] || frequency=4 preview_samples=32 truth_samples=24 shown_off=1.5 preview_off=3 elsewhere_off=4
+frequency=2 preview_samples=4 truth_samples=6 shown_off=2.7 preview_off=2.7 elsewhere_off=4 # levels
+[ -z "$thorough" ] || frequency=4 preview_samples=32 truth_samples=24 shown_off=1.3 preview_off=3
 mkdir "$work/walk" && cd "$work/walk" || exit 1
 
 # ---- the place, which nobody knows ----
@@ -196,8 +196,7 @@ sed 's/^rotation = .*/rotation = 2 -3 114/' eye.ini >turned.ini
 still turned.png --set fisheye.lens=turned.ini
 above "nor light from elsewhere" $elsewhere_off "$(off turned.png)"
 still afar.png --config afar.conf
-# With 26 lights a lantern's cells hold the ceiling's panels, which then count as its light.
-[ -z "$thorough" ] || above "nor lanterns that are taken as far away" $shown_off "$(off afar.png)"
+above "nor lanterns that are taken as far away" "$(off shown.png)" "$(off afar.png)"
 still untied.png --set fisheye.light=
 above "nor light whose strength is not known" 10 "$(off untied.png)"
 

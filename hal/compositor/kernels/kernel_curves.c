@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
 
-#include "hal/compositor/kernels/kernels.h"
+#include "hal/compositor/kernels/kernels_isa.h"
 
 #define STEPS 2048 /* in a piece: the low 11 bits of the key */
 
@@ -41,28 +41,6 @@ static void piece_fit(struct kernel_curves *curves, const struct transfer_curve 
 	curves->a[piece] = (uint16_t)lround(y[1] - (slope + bend * t[1]) * t[1] + 128 + 0.5);
 }
 
-/* What mix() makes of a code where O = 0, ratio = 1 and coverage = 0. */
-static uint8_t recode_one(const struct kernel_curves *curves, int code)
-{
-	static const int32_t none[1];
-	static const uint16_t clear[1];
-	const uint8_t in[4] = {(uint8_t)code, 0, 0, 0};
-	uint8_t out[4];
-	const struct kernel_row row = {
-		.count = 1,
-		.rows = 1,
-		.object = {none, none, none},
-		.taken = {none, none, none},
-		.coverage = clear,
-		.background = in,
-		.curves = curves,
-		.out = out,
-	};
-
-	kernels_c.mix(&row);
-	return out[0];
-}
-
 /* The cubic through codes 0, 85, 170 and 255, by Newton's differences. */
 static void fit_light(struct kernel_curves *curves)
 {
@@ -99,6 +77,5 @@ void kernel_curves_fill(struct kernel_curves *curves, const struct transfer_curv
 		for (int i = 0; i < 6; i++)
 			curves->bytes[i][piece] = (uint8_t)(word[i / 2] >> (i % 2 * 8));
 	}
-	for (int i = 0; i < 256; i++)
-		curves->recode[i] = recode_one(curves, i);
+	kernel_c_find_steady(curves);
 }

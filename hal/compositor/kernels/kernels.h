@@ -90,6 +90,9 @@ struct kernel_curves {
 	/* Low bytes of a, high bytes of a, low bytes of b, and so on. */
 	_Alignas(64) uint8_t bytes[6][KERNEL_PIECES];
 	uint8_t recode[256]; /* output of mix() for a pixel that nothing changes */
+	/* The largest magnitude of `taken`, below KERNEL_FAINT, up to which the output of mix() is
+	 * recode[w] for each code w <= v where coverage and O are 0. */
+	int32_t steady[256];
 };
 
 /*
@@ -114,6 +117,10 @@ struct kernel_row {
 	/* Strides to the next row: object and taken, coverage in elements; the others in bytes. */
 	ptrdiff_t value_step, coverage_step, background_step, out_step;
 };
+
+/* A shadow that takes less light than this, in Q24, keeps the background's own noise
+ * (compositor/live/grain.c). */
+#define KERNEL_FAINT (INT32_C(1) << 19)
 
 /* A tile that gets grain (compositor/live/grain.h). All rows have KERNEL_GRAIN pixels. */
 enum {

@@ -204,29 +204,67 @@ void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to)
 	}
 }
 
-static uint8_t curve_encode(const struct kernel_curves *k, float v)
+static uint8_t curve_encode(const struct kernel_curves *k, int32_t key)
 {
-	int32_t bits, key, t, slope;
+	const int32_t t = (key & 2047) << 4, piece = key >> 11;
+	const int32_t slope = k->b[piece] + ((k->c[piece] * t) >> 16);
 
+	return (uint8_t)((k->a[piece] + ((slope * t) >> 16)) >> 8);
+}
+
+/* The key of a pixel's light; 1 - coverage is left / (KERNEL_WHITE / 65535). */
+static int32_t kernel_c_key(int32_t object, int32_t taken, float left, uint8_t background,
+			    const struct kernel_curves *curves)
+{
+	float ratio = 1.0f - (float)taken * 0x1p-24f, v;
+	int32_t bits, key;
+
+	ratio = ratio > 0.0f ? ratio : 0.0f;
+	ratio = ratio < 16.0f ? ratio : 16.0f;
+	v = (ratio * left) * curves->linear[background] +
+	    ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK);
 	memcpy(&bits, &v, sizeof(bits));
 	key = (bits >> 10) - (135 << 13);
-	key = key < 0 ? 0 : key > 65535 ? 65535 : key;
-	t = (key & 2047) << 4;
-	key >>= 11;
-	slope = k->b[key] + ((k->c[key] * t) >> 16);
-	return (uint8_t)((k->a[key] + ((slope * t) >> 16)) >> 8);
+	return key < 0 ? 0 : key > 65535 ? 65535 : key;
+}
+
+#define LEFT_ALL (65536 * (KERNEL_WHITE / 65535 / 65536)) /* where coverage is 0 */
+
+/*
+ * Each operation of kernel_c_key() is monotone, rounding included, so that the keys of all |taken|
+ * <= t lie between those of t and -t, and these move apart as t grows. The curve's pieces need not
+ * be monotone: the keys next to that of taken = 0 are tried one by one.
+ */
+void kernel_c_find_steady(struct kernel_curves *curves)
+{
+	int32_t steady = KERNEL_FAINT - 1;
+
+	for (int v = 0; v < 256; v++) {
+		int32_t least = kernel_c_key(0, 0, LEFT_ALL, (uint8_t)v, curves), most = least;
+		int32_t below = -1, above = steady + 1;
+
+		curves->recode[v] = curve_encode(curves, least);
+		while (least > 0 && curve_encode(curves, least - 1) == curves->recode[v])
+			least--;
+		while (most < 65535 && curve_encode(curves, most + 1) == curves->recode[v])
+			most++;
+		while (above - below > 1) {
+			const int32_t t = (below + above) / 2;
+
+			if (kernel_c_key(0, t, LEFT_ALL, (uint8_t)v, curves) >= least &&
+			    kernel_c_key(0, -t, LEFT_ALL, (uint8_t)v, curves) <= most)
+				below = t;
+			else
+				above = t;
+		}
+		curves->steady[v] = steady = below;
+	}
 }
 
 static uint8_t kernel_c_mix_one(int32_t object, int32_t taken, float left, uint8_t background,
 				const struct kernel_curves *curves)
 {
-	float ratio = 1.0f - (float)taken * 0x1p-24f;
-
-	ratio = ratio > 0.0f ? ratio : 0.0f;
-	ratio = ratio < 16.0f ? ratio : 16.0f;
-	return curve_encode(curves,
-			    (ratio * left) * curves->linear[background] +
-				    ((float)object * (KERNEL_WHITE * 0x1p-24f) + KERNEL_BLACK));
+	return curve_encode(curves, kernel_c_key(object, taken, left, background, curves));
 }
 
 static void kernel_c_mix_row(const struct kernel_row *row)

@@ -37,6 +37,9 @@ int kernel_c_split(int64_t (*weight)[KERNEL_WEIGHT], int count, int16_t *digit);
 void kernel_c_tint(int32_t *value, const uint16_t *tint, int count);
 void kernel_c_place(const int32_t *value, const uint16_t row[16], int32_t *to);
 
+/* Sets recode and steady of curves whose pieces are set. */
+void kernel_c_find_steady(struct kernel_curves *curves);
+
 /* In kernels_isa.c, which is compiled for every processor. */
 bool kernels_supported_sse41(void);
 bool kernels_supported_avx2(void);

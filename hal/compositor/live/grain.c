@@ -4,9 +4,6 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* A shadow that takes less light than this, in Q24, keeps the background's own noise. */
-#define FAINT (INT32_C(1) << 19)
-
 /* splitmix64 */
 static uint64_t mixed(uint64_t x)
 {
@@ -29,7 +26,7 @@ static bool is_faint(const struct kernel_row *row)
 		for (int x = 0; x < row->count; x++)
 			most = taken[x] > most ? taken[x] : most;
 	}
-	return most < FAINT;
+	return most < KERNEL_FAINT;
 }
 
 _Static_assert((int)BASIS_TILE == (int)KERNEL_GRAIN, "kernels take the rows of a tile");

@@ -67,6 +67,7 @@ struct near_work {
 	struct near_hint hint[LAMPS_MAX];
 	struct near_light light;
 	float value[LAMPS_MAX][3][PIXELS];
+	float object[NEAR_SKIES][3][PIXELS]; /* near_object.t */
 };
 
 /* ---- the light at the pixels ---- */
@@ -258,35 +259,97 @@ static void add_columns(const struct near_work *w, const struct basis_block *b, 
 	}
 }
 
-static void add_block(struct near_work *w, const struct basis_block *b, int lamp)
+/* Whether a block gives all channels the same, but for its tint. */
+static bool is_alike(const struct near_layer *near, const struct basis_block *b)
 {
-	for (int c = 0; c < 3; c++) {
-		float value[PIXELS] = {0};
+	return b->channels == 1 && (b->kind != BASIS_KIND_V || near->channels == 1);
+}
 
-		add_patterns(w, b, lamp, c, value);
-		add_columns(w, b, lamp, c, value);
+static void add_block(const struct near_layer *near, struct near_work *w,
+		      const struct basis_block *b, int lamp)
+{
+	float value[3][PIXELS] = {{0}};
+
+	for (int c = 0; c < 3; c++) {
+		if (c && is_alike(near, b)) {
+			memcpy(value[c], value[0], sizeof(value[c]));
+		} else {
+			add_patterns(w, b, lamp, c, value[c]);
+			add_columns(w, b, lamp, c, value[c]);
+		}
 		for (int n = 0; n < b->pixels; n++)
-			w->value[lamp][c][b->pixel[n]] += value[n] * tint_of(b, c, n);
+			w->value[lamp][c][b->pixel[n]] += value[c][n] * tint_of(b, c, n);
 	}
 }
 
 /* ---- bounced light ---- */
 
-static void correct_bounced(struct near_work *w)
+/* w_i L_i of a light of near_object's skies. */
+static float sky_light(const struct near_sky *near, int sky, int light)
 {
+	const struct basis_light *l = &near->basis->lights[light];
+
+	return (float)(near_sky_radiance(sky, l->direction) * l->solid_angle_sr);
+}
+
+/* Adds what a block of the object shows under near_object's skies. */
+static void add_skies(struct near_work *w, const struct basis_block *b)
+{
+	const struct basis *basis = w->sky->basis;
+	const int panels = basis_panels16(b->pixels), lights = (int)basis->info.lights;
+	float value[NEAR_SKIES][3][PIXELS] = {{{0}}}, light[NEAR_SKIES];
+
+	for (int j = 0; j < b->patterns; j++) {
+		memset(light, 0, sizeof(light));
+		for (int i = 0; i < lights; i++) {
+			const float pattern = pattern_of(basis, b, j, i);
+
+			for (int k = 0; k < NEAR_SKIES; k++)
+				light[k] += pattern * sky_light(w->sky, k, i);
+		}
+		for (int n = 0; n < b->channels * b->pixels; n++)
+			for (int k = 0, c = n / b->pixels; k < NEAR_SKIES; k++)
+				value[k][c][n % b->pixels] +=
+					light[k] * coefficient_of(b, panels, c, n % b->pixels, j);
+	}
+	for (int j = 0; j < b->columns && b->light[j] < lights; j++) {
+		for (int k = 0; k < NEAR_SKIES; k++)
+			light[k] = b->column_scale[j] * sky_light(w->sky, k, b->light[j]);
+		for (int n = 0; n < b->channels * b->pixels; n++) {
+			const int c = n / b->pixels, p = n % b->pixels;
+			const float column = (float)column_of(b, panels, c, p, j);
+
+			for (int k = 0; k < NEAR_SKIES; k++)
+				value[k][c][p] += light[k] * column;
+		}
+	}
+	for (int k = 0; k < NEAR_SKIES; k++)
+		for (int c = 0; c < 3; c++)
+			for (int n = 0; n < b->pixels; n++)
+				w->object[k][c][b->pixel[n]] +=
+					value[k][b->channels == 3 ? c : 0][n] * tint_of(b, c, n);
+}
+
+static void correct_bounced(struct near_work *w, const struct basis_block *b, int count)
+{
+	memset(w->object, 0, sizeof(w->object));
+	for (int k = 0; k < count; k++)
+		add_skies(w, &b[k]);
 	for (int p = 0; p < PIXELS; p++) {
 		const int x = w->tile->x + p % BASIS_TILE, y = w->tile->y + p / BASIS_TILE;
 		const float over_share =
 			w->known[p] ? w->distance[BASIS_BOUNCED]
 						 [(size_t)y * w->sky->basis->info.width + (size_t)x]
 				    : 0;
+		struct near_object object = {.share = 1 / (double)over_share};
 
-		for (int l = 0; over_share > 0 && l < w->sky->lamps.count; l++) {
-			const double part = near_sky_bounced(w->sky, l, w->place[p],
-							     1 / (double)over_share);
+		for (int k = 0; over_share > 0 && k < 3 * NEAR_SKIES; k++)
+			object.t[k / 3][k % 3] = (double)w->object[k / 3][k % 3][p];
+		for (int k = 0; over_share > 0 && k < 3 * w->sky->lamps.count; k++) {
+			float *value = &w->value[k / 3][k % 3][p];
 
-			for (int c = 0; c < 3; c++)
-				w->value[l][c][p] *= (float)part;
+			*value -= (float)near_sky_bounced(w->sky, k / 3, w->place[p], &object,
+							  k % 3, (double)*value);
 		}
 	}
 }
@@ -442,10 +505,10 @@ static int make_block(struct near_layer *near, struct near_work *w, const struct
 		if (light_fill(w, l) < 0)
 			return -ENOMEM;
 		for (int k = 0; k < count; k++)
-			add_block(w, &b[k], l);
+			add_block(near, w, &b[k], l);
 	}
 	if (b->kind == BASIS_KIND_T)
-		correct_bounced(w);
+		correct_bounced(w, b, count);
 	return write_columns(near, w, b, pixel, pixels, to);
 }
 

@@ -100,16 +100,6 @@ void near_sky_destroy(struct near_sky *sky)
 	free(sky);
 }
 
-/* Two unit vectors across a unit vector. */
-static void vectors_across(const double v[3], double across[2][3])
-{
-	const double axis[3] = {fabs(v[0]) < 0.6, fabs(v[0]) >= 0.6, 0};
-
-	vec_cross(v, axis, across[0]);
-	vec_normalize(across[0]);
-	vec_cross(v, across[0], across[1]);
-}
-
 /* Shares what comes from one direction. Directions below the horizon count as on it. */
 static int share_point(const struct near_sky *sky, const double dir[3], int cell, double amount,
 		       int *facet, struct near_share *share)
@@ -156,7 +146,7 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	radius = sqrt(2.0 / 3 * (radius * radius - reach * reach));
 	for (int n = 0; n < count; n++)
 		share[n].amount /= 4;
-	vectors_across(to, across);
+	vec_across(to, across);
 	for (int n = 0; n < NEAR_POINTS - 1; n++) {
 		/* of a hexagon */
 		static const double x[] = {1, 0.5, -0.5, -1, -0.5, 0.5};
@@ -171,21 +161,45 @@ int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 	return count;
 }
 
-static double level_irradiance(const struct lamp *lamp, double x, double y, double z)
-{
-	double to[3] = {lamp->position[0] - x, lamp->position[1] - y, lamp->position[2] - z};
-	const double distance = fmax(vec_normalize(to), lamp->radius);
-
-	return fmax(to[2], 0) / (distance * distance);
-}
-
-double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share)
+/* E at a place for P = 1. */
+static double level_irradiance(const struct near_sky *sky, int lamp, const double place[3])
 {
 	const struct lamp *l = &sky->lamps.lamp[lamp];
-	const double here = level_irradiance(l, place[0], place[1], place[2]);
-	const double below = level_irradiance(l, place[0], place[1], 0);
+	double to[3], from[3], distance;
 
-	return here > 0 ? 1 - share * (1 - fmin(below / here, 1)) : 1;
+	for (int k = 0; k < 3; k++) {
+		to[k] = l->position[k] - place[k];
+		from[k] = l->position[k] - sky->lamps.fisheye[k];
+	}
+	distance = fmax(vec_normalize(to), l->radius);
+	return fmax(to[2], 0) * vec_dot(from, from) / (distance * distance);
+}
+
+double near_sky_radiance(int sky, const double direction[3])
+{
+	return sky ? direction[sky - 1] : 1;
+}
+
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3],
+			const struct near_object *object, int channel, double value)
+{
+	static const double q[] = {0.663, 1.732, 5.916};
+	const double here = level_irradiance(sky, lamp, place);
+	const double bounced = fmin(object->share * object->t[0][channel] * here / M_PI, value);
+	double sum[NEAR_SKIES] = {0}, less = 0;
+
+	if (!(here > 0 && bounced > 0))
+		return 0;
+	for (int k = 0; k < NEAR_SKIES; k++)
+		for (int c = 0; c < 3; c++)
+			sum[k] += object->t[k][c];
+	for (int k = 0; k < 3; k++) {
+		const double far = sum[0] > 0 ? q[k] * place[2] * 1.5 / sum[0] : 0;
+		const double at[3] = {place[0] + far * sum[1], place[1] + far * sum[2], 0};
+
+		less += (1 - fmin(level_irradiance(sky, lamp, at) / here, 1)) / 3;
+	}
+	return bounced * less;
 }
 
 bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,

@@ -64,16 +64,28 @@ struct near_hint {
 int near_sky_shares(const struct near_sky *sky, int lamp, const double place[3],
 		    struct near_hint *hint, struct near_share share[NEAR_SHARES]);
 
+/* The object at a pixel under skies of the radiances 1, x, y, of a direction (x, y, z). */
+enum { NEAR_SKIES = 3 };
+double near_sky_radiance(int sky, const double direction[3]);
+
 /*
- * The factor by which a lamp's light at a place of the object differs from near_sky_shares(), where
- * this share of the light there bounces. What bounces comes from the ground below, with the
- * irradiance E of that place:
+ * What of a lamp's light at a place of the object, `value` as near_sky_shares() gives it for
+ * P_l = 1, is too much because it bounces. It comes from the ground, with the irradiance of the
+ * ground there, though the lights of a dome have that of the place:
  *
- *     1 - share (1 - E(below) / E(place))        E = cos(angle from the zenith) / distance^2
+ *     min(share T_1 E / pi, value) (1 - mean of min(E_k / E, 1))     E = P cos(zenith angle) / d^2
  *
- * The share is that under an even sky; where a lamp shines directly it is less, in its shadow more.
+ * share is that of T_1 which bounces; where a lamp does not reach a side of the object, all of its
+ * light does. The object's side faces the way a = 3/2 (T_x, T_y) / T_1, of length 1 for a wall.
+ * What a wall sees of the ground within x of its foot, from height z, is the share
+ * 1 - z / sqrt(x^2 + z^2), so that E_k are at q_k z a from below the place with
+ * q = 0.663, 1.732, 5.916, where that is 1/6, 1/2, 5/6.
  */
-double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3], double share);
+struct near_object {
+	double share, t[NEAR_SKIES][3]; /* [3]: channels */
+};
+double near_sky_bounced(const struct near_sky *sky, int lamp, const double place[3],
+			const struct near_object *object, int channel, double value);
 
 /* The place of the ground that a point of the picture shows. False: it shows none. */
 bool near_sky_ground(const struct near_sky *sky, double x, double y, double place[3]);

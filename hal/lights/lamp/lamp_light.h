@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Takes the light of lamps at places out of the lights of a dome. Around a lamp's direction from
- * the fisheye, what is brighter than the surroundings is the lamp's:
+ * Takes the light of lamps at places out of the lights of a dome. A lamp of power P in a direction
+ * from the fisheye gives the cells i around it P b_i of what they have above the surroundings, with
+ * b_i of dome_placed_share() over the lamp's disc. P is fitted, with how far the lamp is from where
+ * it is said to be, so that what else is bright there is not its:
  *
- *     P = sum over its cells of w_i max(L_i - s, 0)      L_i becomes min(L_i, s)
+ *     x_i = w_i max(L_i - s, 0)      x ~ P b + g1 db/du + g2 db/dv      least squares
+ *     taken_i = x_i, but at least 0 and at most 1.1 of the fit                P = sum of taken_i
  *
  * in each channel, where s is the median of the cells around these. So no light counts twice, and
  * none is lost. All of it works after exposures, recovery and filter, which know nothing of lamps.
@@ -14,26 +17,17 @@
 #include <stdbool.h>
 
 #include "hal/lights/lamps.h"
-#include "hal/optics/dome.h"
-
-/* A cell's light is shared with cells whose node is at most a spacing away, 1.73 times the reach of
- * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
-#define LAMP_LIGHT_SHARED 1.9
-#define LAMP_LIGHT_AROUND 5.4
-
-/* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
- * cell's reach: the light is in cells nearer than LAMP_LIGHT_SHARED. */
-double lamp_light_apart(const struct dome *dome, int cell, const double direction[3],
-			double radius_rad);
+#include "hal/optics/dome_placed.h"
 
 /* Where a lamp is seen from the fisheye, and its angular radius. False: below its horizon. */
 bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], double *radius_rad);
 
 struct lamp_light;
 
-/* The dome is not needed afterwards. -ENOMEM. */
+/* placed NULL: a light is all that is in its cell. Neither it nor the dome is needed afterwards.
+ * -ENOMEM. */
 int lamp_light_create(struct lamp_light **light, const struct dome *dome,
-		      const struct lamps *lamps);
+		      const struct dome_placed *placed, const struct lamps *lamps);
 void lamp_light_destroy(struct lamp_light *light); /* NULL is harmless */
 
 /* radiance[lights]: changed as above. power[lamps]: P; 0 of a lamp below the fisheye's horizon. */

@@ -19,6 +19,7 @@ static struct dome dome;
 static struct fisheye lens;
 static struct light_sampler *sampler;
 static struct lamps_search *search;
+static struct dome_placed *placed;
 static float (*radiance)[3], (*distant)[3];
 static bool no_places; /* of the basis: lamps are not taken out of the light */
 
@@ -31,7 +32,8 @@ static int search_begin(void **state)
 	assert_int_equal(fisheye_prepare(&lens, &settings, SIDE, SIDE, NULL), 0);
 	assert_int_equal(light_sampler_create(&sampler, &dome, &lens, SIDE, SIDE, &sampling, NULL),
 			 0);
-	assert_int_equal(lamps_search_create(&search, &dome), 0);
+	assert_int_equal(dome_placed_create(&placed, &dome), 0);
+	assert_int_equal(lamps_search_create(&search, &dome, placed), 0);
 	radiance = calloc((size_t)dome.count, sizeof(*radiance));
 	distant = calloc((size_t)dome.count, sizeof(*distant));
 	assert_true(radiance && distant);
@@ -43,6 +45,7 @@ static int search_end(void **state)
 	(void)state;
 	lamps_search_destroy(search);
 	light_sampler_destroy(sampler);
+	dome_placed_destroy(placed);
 	dome_free(&dome);
 	free(radiance);
 	free(distant);
@@ -73,7 +76,7 @@ static struct lamps_told look(const struct drawn_lamp *lamp, int count, const st
 	draw_lamps(&picture, &room, &lens, SIDE, origin, origin);
 	assert_int_equal(light_sampler_read_linear(sampler, &picture, radiance), 0);
 	memcpy(distant, radiance, sizeof(*distant) * (size_t)dome.count);
-	assert_int_equal(lamp_light_create(&taken, &dome, named), 0);
+	assert_int_equal(lamp_light_create(&taken, &dome, placed, named), 0);
 	if (!no_places)
 		lamp_light_take(taken, distant, power);
 	lamp_light_destroy(taken);

@@ -333,4 +333,24 @@ TEST("shift")
 	scene_close(scene);
 }
 
+TEST("no polished floor")
+{
+	struct fault fault = {.text = ""};
+	struct scene *scene;
+	struct dome dome;
+
+	small_scene_write_sphere("ball.obj", 0.5, 12);
+	small_scene_write("polished.scene",
+			  "%s[ground]\nmaterial = m\n[object ball]\nfile = ball.obj\n"
+			  "[material m]\nkind = glossy\n",
+			  camera);
+	scene = small_scene_open("polished.scene");
+	assert_int_equal(dome_create(&dome, 1, NULL), 0);
+	assert_int_equal(export_radiance(scene, &dome, small_scene_path("no"), &fault), -ENOTSUP);
+	assert_non_null(strstr(fault.text, "[ground] material: glossy, expected a diffuse one"));
+	assert_int_equal(access(small_scene_path("no"), F_OK), -1);
+	dome_free(&dome);
+	scene_close(scene);
+}
+
 TEST_GROUP(small_scene_begin, small_scene_end);

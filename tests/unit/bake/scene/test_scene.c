@@ -54,7 +54,7 @@ TEST("refused values")
 			  "below the ground");
 	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
 			       "kind = glass\n",
-			  "expected a diffuse material");
+			  "expected a diffuse or glossy material");
 	test_scene_refuse(VIEW "[ground]\nmaterial = m\n[object a]\nfile = tri.obj\n[material m]\n"
 			       "colour = 0 1 1\n",
 			  "at least 0.001");

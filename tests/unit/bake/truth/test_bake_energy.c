@@ -69,6 +69,20 @@ TEST("white furnace")
 	check_furnace("white", 0.005, 0.001);
 }
 
+/* What a polished floor mirrors comes out of the light of its base. */
+TEST("polished furnace")
+{
+	small_scene_write_sphere("ball.obj", 0.8, 32);
+	small_scene_write(
+		"furnace.ini",
+		VIEW "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+		     "[ground]\nmaterial = floor\n[object ball]\nfile = ball.obj\n"
+		     "up = z\nmaterial = white\nstand = yes\n[material white]\ncolour = 1 1 1\n"
+		     "[material floor]\nkind = glossy\ncolour = 1 1 1\n"
+		     "specular = 0.3 0.3 0.3\nroughness = 0.2\n");
+	check_furnace("polished", 0.01, 0.003);
+}
+
 TEST("glass furnace")
 {
 	small_scene_write_sphere("ball.obj", 0.8, 32);
@@ -377,9 +391,26 @@ TEST("standin hides")
 
 /* A panorama that is constant over each cell, so that cells approximate nothing: bake and truth
  * must agree to their noise. */
+/* Makes a panorama of light that is constant over each cell, so that cells approximate nothing. */
+static void make_cells(const struct panorama *panorama, const struct dome *dome,
+		       const double *light, struct image *image)
+{
+	assert_int_equal(image_create_f32(image, 1024, 512), 0);
+	for (int y = 0; y <= 256; y++)
+		for (int x = 0; x < 1024; x++) {
+			double d[3];
+
+			/* texels above the horizon must not take light from black ones below */
+			panorama_direction(panorama, x + 0.5, fmin(y, 255) + 0.5, d);
+			for (int c = 0; c < 3; c++)
+				image->f32[3 * (y * 1024 + x) + c] =
+					(float)(light[dome_cell_of(dome, d)] / panorama->scale);
+		}
+}
+
 TEST("truth agrees")
 {
-	const int width = 1024, height = 512, side = 64;
+	const int side = 64;
 	const struct truth_settings settings = {
 		.samples = 256, .bounces = 32, .seed = 3, .threads = 2, .quiet = true};
 	struct image image, grey, out;
@@ -395,22 +426,7 @@ TEST("truth agrees")
 	assert_int_equal(dome_create(&dome, 3, &fault), 0);
 	for (int i = 0; i < dome.count; i++)
 		light[i] = 0.2 + (i * 7 % 11 == 3 ? 4 : 0) + 0.1 * (i % 3);
-	assert_int_equal(image_create_f32(&image, width, height), 0);
-	for (int y = 0; y < height; y++)
-		for (int x = 0; x < width; x++) {
-			double d[3];
-			int which;
-
-			panorama_direction(&panorama, x + 0.5, y + 0.5, d);
-			which = dome_cell_of(&dome, d);
-			for (int c = 0; which >= 0 && c < 3; c++)
-				image.f32[3 * (y * width + x) + c] =
-					(float)(light[which] / panorama.scale);
-		}
-	/* texels above the horizon must not take light from the black ones below */
-	for (int x = 0; x < 3 * width; x++)
-		image.f32[3 * width * (height / 2) + x] =
-			image.f32[3 * width * (height / 2 - 1) + x];
+	make_cells(&panorama, &dome, light, &image);
 	assert_int_equal(image_create_f32(&grey, side, side), 0);
 	for (int k = 0; k < 3 * side * side; k++)
 		grey.f32[k] = 0.3f;
@@ -456,6 +472,113 @@ TEST("truth agrees")
 	image_free(&grey);
 	image_free(&out);
 	dome_free(&dome);
+}
+
+/* ---- polished floors ---- */
+
+#define FLOOR_SIDE 48
+
+/* A box on a floor of this roughness, baked and traced. */
+struct floor {
+	struct truth_pictures truth;
+	struct basis basis;
+	double light[64];
+};
+
+static void floor_open(struct floor *f, const char *roughness)
+{
+	const struct truth_settings settings = {
+		.samples = 96, .bounces = 4, .seed = 3, .threads = 2, .quiet = true};
+	struct image image;
+	const struct panorama panorama = {.image = &image, .scale = 1};
+	struct fault fault = {.text = ""};
+	struct scene *scene;
+	struct dome dome;
+	struct sky sky;
+
+	assert_int_equal(dome_create(&dome, 2, &fault), 0);
+	for (int i = 0; i < dome.count; i++)
+		f->light[i] = 0.3 + 0.2 * (i % 3);
+	make_cells(&panorama, &dome, f->light, &image);
+	small_scene_write("box.obj", "v -0.4 -0.4 0\nv 0.4 -0.4 0\nv 0.4 0.4 0\nv -0.4 0.4 0\n"
+				     "v -0.4 -0.4 0.8\nv 0.4 -0.4 0.8\nv 0.4 0.4 0.8\n"
+				     "v -0.4 0.4 0.8\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
+				     "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+	small_scene_write("floor.ini",
+			  "[camera]\nposition = 1 -3.6 1.6\nlook_at = 0 -0.3 0.2\nfield_deg = 36\n"
+			  "width = 48\nheight = 48\n[dome]\nfrequency = 2\n[render]\n"
+			  "samples = 64\nbounces = 4\n[ground]\nmaterial = floor\n"
+			  "[material floor]\nkind = glossy\ncolour = 0.4 0.4 0.4\n"
+			  "specular = 0.3 0.3 0.3\nroughness = %s\n[material red]\n"
+			  "colour = 0.8 0.1 0.1\n[object box]\nfile = box.obj\nup = z\n"
+			  "material = red\n",
+			  roughness);
+	scene = small_scene_open("floor.ini");
+	f->basis = small_scene_bake("floor.ini");
+	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
+	assert_int_equal(truth_pictures(scene, &sky, &settings, &f->truth, &fault), 0);
+	scene_close(scene);
+	sky_free(&sky);
+	image_free(&image);
+	dome_free(&dome);
+}
+
+static void floor_close(struct floor *f)
+{
+	truth_pictures_free(&f->truth);
+	basis_close(&f->basis);
+}
+
+/* The composite over the floor's own picture. */
+static double floor_shows(const struct floor *f, int x, int y, int c)
+{
+	return baked_object(&f->basis, x, y, c, f->light) +
+	       (1 - baked_coverage(&f->basis, x, y)) * baked_ratio(&f->basis, x, y, c, f->light) *
+		       (double)f->truth.without.f32[3 * (y * FLOOR_SIDE + x) + c];
+}
+
+/* The floor shows the object as the light does that is traced: below its foot, and less sharply
+ * where the floor is rougher. Of it no light is taken elsewhere. */
+static double check_floor(const char *roughness)
+{
+	struct floor f;
+	double square = 0, red = 0;
+	int mirrored = 0, apart = 0;
+
+	floor_open(&f, roughness);
+	for (int y = 0; y < FLOOR_SIDE; y++)
+		for (int x = 0; x < FLOOR_SIDE; x++) {
+			const size_t at = 3 * (size_t)(y * FLOOR_SIDE + x);
+			const double covered = baked_coverage(&f.basis, x, y);
+			const bool floor = f.truth.coverage.f32[at] == 0;
+
+			mirrored += floor && covered > 0.9;
+			apart += floor && covered == 0;
+			for (int c = 0; c < 3; c++) {
+				const double off = floor_shows(&f, x, y, c) -
+						   (double)f.truth.with.f32[at + (size_t)c];
+
+				square += off * off / (3 * FLOOR_SIDE * FLOOR_SIDE);
+			}
+			if (floor && covered > 0)
+				red = fmax(red,
+					   floor_shows(&f, x, y, 0) - floor_shows(&f, x, y, 1));
+		}
+	print_message("# floor of roughness %s: RMS %.5f, %d pixels mirror, %d do not\n", roughness,
+		      sqrt(square), mirrored, apart);
+	assert_true(sqrt(square) < 0.006);
+	assert_true(apart > 200);
+	assert_true(red > 0.05);
+	floor_close(&f);
+	return mirrored;
+}
+
+TEST("polished floor")
+{
+	const double sharp = check_floor("0.05"), dull = check_floor("0.5");
+
+	assert_true(sharp > 100);
+	assert_true(dull < sharp / 2);
 }
 
 /* The fisheye picture of a panorama holds the same light as its upper half. */
