@@ -22,6 +22,8 @@ static float rate_in(const struct people *p, double ms)
 
 /* ---- what is seen ---- */
 
+/* A person's shadow goes with him: it is followed slowly, and what was taken for the place in it
+ * comes back at once. */
 static void drift_span(struct people *p, const struct span *span, float leak)
 {
 	const int at = span->y * p->cells.across + span->x, count = span->count;
@@ -38,8 +40,6 @@ static void drift_span(struct people *p, const struct span *span, float leak)
 			const float place = expected[x], ratio = seen[x] * shared / (place + 1);
 			const float most = ratio < 2 ? ratio : 2;
 			const float in_shade = ratio < 1 ? shade : light;
-			/* A person's shadow goes with him: it is followed slowly, and what was taken
-			 * for the place in it comes back at once. */
 			const float told = whose[x] == WHOSE_SHADOW ? in_shade : light;
 			const bool fits = known[x] & (whose[x] != WHOSE_PERSON) &
 					  (place >= DIM * WHITE) & (seen[x] <= CLIPPED * WHITE);
