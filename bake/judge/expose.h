@@ -24,8 +24,7 @@ void levels_fill(struct levels *levels, double cell_error);
 
 static inline float levels_read(const float *table, float x)
 {
-	const float clipped = x < 0 ? 0 : x > 1 ? 1 : x;
-	const float place = clipped * LEVELS_STEPS;
+	const float place = smaller(larger(x, 0), 1) * LEVELS_STEPS;
 	const int step = (int)place;
 
 	return table[step] + (place - (float)step) * (table[step + 1] - table[step]);

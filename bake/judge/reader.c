@@ -334,11 +334,13 @@ void block_reader_sky(const struct block_reader *reader, int sky, float (*sum)[P
 
 		add_patterns(reader, block, sky, own);
 		add_columns(reader, block, sky, own);
-		for (int c = 0; c < 3; c++)
+		for (int c = 0; c < 3; c++) {
+			for (int p = 0; p < pixels && block->tint; p++)
+				own[c][p] = own[c][p] * block->tint[c * pixels + p] /
+					    BASIS_TINT_ONE;
 			for (int p = 0; p < pixels; p++)
-				sum[c][p] += block->tint ? own[c][p] * block->tint[c * pixels + p] /
-								   BASIS_TINT_ONE
-							 : own[c][p];
+				sum[c][p] += own[c][p];
+		}
 	}
 }
 

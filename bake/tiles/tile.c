@@ -246,9 +246,8 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 	const float *share = tile->cells->share, *shown = tile->cells->shown;
 	float *to = rows->direct + (size_t)kept * direct;
 
-	for (size_t i = 0; i < direct; i++)
-		to[i] = from[i] / (float)samples *
-			(ratio ? share[i % count] / shown[i % count] : 1);
+	for (size_t i = 0, k = 0; i < direct; i++, k = k + 1 < count ? k + 1 : 0)
+		to[i] = from[i] / (float)samples * (ratio ? share[k] / shown[k] : 1);
 	for (int half = 0; half < 2; half++) {
 		const double scale = (double)tile->samples /
 				     ((double)tile->half_samples[half] * samples);
@@ -257,8 +256,8 @@ static void move_rows(struct tile *tile, enum tile_kind kind, int at, int kept, 
 		to = rows->bounce[half] + (size_t)kept * bounce;
 		if (!tile->half_samples[half])
 			continue;
-		for (size_t i = 0; i < bounce; i++)
-			to[i] = from[i] * (float)scale / (ratio ? shown[i % count] : 1);
+		for (size_t i = 0, k = 0; i < bounce; i++, k = k + 1 < count ? k + 1 : 0)
+			to[i] = from[i] * (float)scale / (ratio ? shown[k] : 1);
 	}
 }
 

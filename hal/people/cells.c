@@ -5,7 +5,9 @@
 
 #include "hal/people/people_parts.h"
 
-#define FIT_EVERY 16  /* frames */
+#define ROWS 4	      /* of pixels, which are read of a cell at most: their mean is quiet enough */
+#define WATCH_EVERY 2 /* frames */
+#define FIT_EVERY 16
 #define CHANGED 25.0f /* chi-square of three channels: one cell in 10^5 by noise alone */
 #define STEADY 0.012f /* of its light, by which a still cell of a compressed film varies */
 #define RECENT 0.125f /* share of a frame in the mean of what a cell shows */
@@ -13,34 +15,40 @@
 #define STILL_LEAST                                                                                \
 	6000.0f /* variance of a cell: rounding, and what a model is off by in the dark */
 
-/* Sums the code values of n = wide * high pixels: blue and red in the halves of sum[0], green in
- * the lower half of sum[1]. At most 16 pixels, so no half overflows. */
-static inline void sum_codes(const uint8_t *in, ptrdiff_t x_step, ptrdiff_t y_step, int wide,
-			     int high, uint32_t sum[2])
+/* The rows of pixels that are read of a cell: few of a large one, as light is a mean anyway. */
+static inline int rows_apart(int side)
 {
-	sum[0] = sum[1] = 0;
-	for (int v = 0; v < high; v++)
-		for (int u = 0; u < wide; u++) {
-			uint32_t pixel;
-
-			memcpy(&pixel, in + v * y_step + u * x_step, sizeof(pixel));
-			sum[0] += pixel & 0x00ff00ff;
-			sum[1] += (pixel >> 8) & 0x000000ff;
-		}
+	return side > ROWS ? side / ROWS : 1;
 }
 
-static inline void read_cell(struct people *p, const struct picture *picture, int x, int y,
-			     int wide, int high, int each)
+/* sum: of the code values of so many pixels. */
+static inline void take_sums(struct people *p, int at, uint32_t red, uint32_t green, uint32_t blue,
+			     uint32_t pixels)
 {
-	const int at = y * p->cells.across + x;
+	p->cells.seen[0][at] = p->cells.linear[red * CODE_STEPS / pixels];
+	p->cells.seen[1][at] = p->cells.linear[green * CODE_STEPS / pixels];
+	p->cells.seen[2][at] = p->cells.linear[blue * CODE_STEPS / pixels];
+}
+
+/* Reads side x side pixels from a cell's corner on. Sums of 64 codes fit into halves of words. */
+static void read_cell(struct people *p, const struct picture *picture, int x, int y, int side)
+{
 	const uint8_t *in = picture->origin + y * p->cells.side * picture->y_step +
 			    x * p->cells.side * picture->x_step;
-	uint32_t sum[2];
+	const int apart = rows_apart(side);
+	uint32_t ends = 0, middle = 0; /* blue and red, green */
 
-	sum_codes(in, picture->x_step, picture->y_step, wide, high, sum);
-	p->cells.seen[0][at] = p->cells.linear[(sum[0] >> 16) * (uint32_t)each];
-	p->cells.seen[1][at] = p->cells.linear[sum[1] * (uint32_t)each];
-	p->cells.seen[2][at] = p->cells.linear[(sum[0] & 0xffff) * (uint32_t)each];
+	for (int v = 0; v < side; v += apart)
+		for (int u = 0; u < side; u++) {
+			uint32_t pixel;
+
+			memcpy(&pixel, in + v * picture->y_step + u * picture->x_step,
+			       sizeof(pixel));
+			ends += pixel & 0x00ff00ff;
+			middle += (pixel >> 8) & 0x000000ff;
+		}
+	take_sums(p, y * p->cells.across + x, ends >> 16, middle, ends & 0xffff,
+		  (uint32_t)(side * side / apart));
 }
 
 /* A cell that the picture's edge may cut. */
@@ -48,9 +56,9 @@ static void read_edge_cell(struct people *p, const struct picture *picture, int 
 {
 	const int wide = picture->width - x * p->cells.side,
 		  high = picture->height - y * p->cells.side;
-	const int cut = wide < high ? wide : high, side = cut < p->cells.side ? 1 : p->cells.side;
+	const int cut = wide < high ? wide : high;
 
-	read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
+	read_cell(p, picture, x, y, cut < p->cells.side ? 1 : p->cells.side);
 }
 
 /* Adds the codes of two neighbouring pixels to those of others: blue and red, and green. */
@@ -67,38 +75,38 @@ static inline void add_pair(const uint8_t *in, uint64_t *ends, uint64_t *middle)
 static inline void read_adjacent(struct people *p, const struct picture *picture, int y, int x,
 				 int end, int side)
 {
-	const uint32_t each = (uint32_t)(CODE_STEPS / (side * side));
-	const float *linear = p->cells.linear;
-	float *red = p->cells.seen[0] + y * p->cells.across,
-	      *green = p->cells.seen[1] + y * p->cells.across;
-	float *blue = p->cells.seen[2] + y * p->cells.across;
 	const uint8_t *in = picture->origin + y * side * picture->y_step + x * side * 4;
+	const int apart = rows_apart(side);
 
 	for (; x < end; x++, in += side * 4) {
 		uint64_t ends = 0, middle = 0;
 
-		for (int v = 0; v < side; v++)
+		for (int v = 0; v < side; v += apart)
 			for (int u = 0; u < side; u += 2)
 				add_pair(in + v * picture->y_step + u * 4, &ends, &middle);
 		ends += ends >> 32;
 		middle += middle >> 32;
-		red[x] = linear[(ends >> 16 & 0xffff) * each];
-		green[x] = linear[(uint32_t)middle * each];
-		blue[x] = linear[(ends & 0xffff) * each];
+		take_sums(p, y * p->cells.across + x, ends >> 16 & 0xffff, (uint32_t)middle,
+			  ends & 0xffff, (uint32_t)(side * side / apart));
 	}
 }
 
+/* The sides are constants where they are usual, for the compiler. */
 static void read_cells(struct people *p, const struct picture *picture, int y, int x, int end)
 {
 	const int side = p->cells.side;
 
-	if (picture->x_step == 4 && side == 2)
-		read_adjacent(p, picture, y, x, end, 2);
-	else if (picture->x_step == 4)
-		read_adjacent(p, picture, y, x, end, 4);
-	else
+	if (picture->x_step != 4)
 		for (; x < end; x++)
-			read_cell(p, picture, x, y, side, side, CODE_STEPS / (side * side));
+			read_cell(p, picture, x, y, side);
+	else if (side == 2)
+		read_adjacent(p, picture, y, x, end, 2);
+	else if (side == 4)
+		read_adjacent(p, picture, y, x, end, 4);
+	else if (side == 8)
+		read_adjacent(p, picture, y, x, end, 8);
+	else
+		read_adjacent(p, picture, y, x, end, side);
 }
 
 void cells_read(struct people *p, const struct picture *picture)
@@ -133,13 +141,16 @@ static double mean_share(int n, double correlation)
 
 void cells_follow_noise(struct people *p, const struct picture *picture)
 {
+	const int apart = rows_apart(p->cells.side);
 	struct sensor_noise_model model;
 	double share;
 
-	sensor_noise_watch(p->cells.sensor, picture);
+	if (p->frame % WATCH_EVERY == 0)
+		sensor_noise_watch(p->cells.sensor, picture);
 	if (p->frame % FIT_EVERY || !sensor_noise_fit(p->cells.sensor, &model))
 		return;
-	share = mean_share(p->cells.side, model.across) * mean_share(p->cells.side, model.down);
+	share = mean_share(p->cells.side, model.across) *
+		mean_share(p->cells.side / apart, pow(model.down, apart));
 	for (int c = 0; c < 3; c++) {
 		p->cells.still[c] = (float)(share * model.floor[c]) * WHITE * WHITE + STILL_LEAST;
 		p->cells.shot[c] = (float)(share * model.slope[c]) * WHITE;

@@ -15,33 +15,19 @@
 #define CELLS 32	/* that many must be seen around a tile */
 #define AROUND 5	/* tiles on each side, at most */
 
-static float light_rate(const struct people *p)
+static float rate_in(const struct people *p, double ms)
 {
-	return (float)(p->step_ms / (p->step_ms + LIGHT_MS));
-}
-
-static float shade_rate(const struct people *p)
-{
-	return (float)(p->step_ms / (p->step_ms + SHADE_MS));
+	return (float)(p->step_ms / (p->step_ms + ms));
 }
 
 /* ---- what is seen ---- */
 
-static float rate_of_cell(const struct people *p, int at, bool darker)
-{
-	const uint8_t whose = p->verdict.of[at];
-
-	if (!p->place.known[at] || whose == WHOSE_PERSON)
-		return 0;
-	/* A person's shadow goes with him: it is followed slowly, and what was taken for the place
-	 * in it comes back at once. */
-	return whose == WHOSE_SHADOW && darker ? shade_rate(p) : light_rate(p);
-}
-
+/* A person's shadow goes with him: it is followed slowly, and what was taken for the place in it
+ * comes back at once. */
 static void drift_span(struct people *p, const struct span *span, float leak)
 {
 	const int at = span->y * p->cells.across + span->x, count = span->count;
-	const float light = light_rate(p), shade = shade_rate(p);
+	const float light = rate_in(p, LIGHT_MS), shade = rate_in(p, SHADE_MS);
 	const uint8_t *known = p->place.known + at, *whose = p->verdict.of + at;
 
 	for (int c = 0; c < 3; c++) {
@@ -55,9 +41,9 @@ static void drift_span(struct people *p, const struct span *span, float leak)
 			const float most = ratio < 2 ? ratio : 2;
 			const float in_shade = ratio < 1 ? shade : light;
 			const float told = whose[x] == WHOSE_SHADOW ? in_shade : light;
-			const bool follows = known[x] & (whose[x] != WHOSE_PERSON) &
-					     (place >= DIM * WHITE) & (seen[x] <= CLIPPED * WHITE);
-			float is = drift[x] * (1 + (follows ? told : 0) * (most - 1));
+			const bool fits = known[x] & (whose[x] != WHOSE_PERSON) &
+					  (place >= DIM * WHITE) & (seen[x] <= CLIPPED * WHITE);
+			float is = drift[x] * (1 + (fits ? told : 0) * (most - 1));
 
 			is = is > 1 / DRIFT_MOST ? is : 1 / DRIFT_MOST;
 			is = is < DRIFT_MOST ? is : DRIFT_MOST;
@@ -76,27 +62,24 @@ static void drift_cell(struct people *p, int c, int at, float factor)
 
 /* ---- what is hidden ---- */
 
-/* The rate at which a channel of a cell follows what it shows. */
-static float rate_of(const struct people *p, int c, int at)
+/* Whether a channel of a cell follows what it shows. */
+static bool follows(const struct people *p, int c, int at)
 {
-	const float seen = p->cells.seen[c][at], place = p->place.expected[c][at];
-
-	return place < DIM * WHITE || seen > CLIPPED * WHITE ? 0
-							     : rate_of_cell(p, at, seen < place);
+	return p->place.known[at] && p->verdict.of[at] != WHOSE_PERSON &&
+	       p->place.expected[c][at] >= DIM * WHITE && p->cells.seen[c][at] <= CLIPPED * WHITE;
 }
 
 /* Nobody is in the cell, and its channels tell how bright it is. */
 static bool is_seen(const struct people *p, int at)
 {
-	return p->place.known[at] && p->verdict.of[at] == WHOSE_PLACE && rate_of(p, 0, at) > 0 &&
-	       rate_of(p, 1, at) > 0 && rate_of(p, 2, at) > 0;
+	return p->verdict.of[at] == WHOSE_PLACE && follows(p, 0, at) && follows(p, 1, at) &&
+	       follows(p, 2, at);
 }
 
 static void sum_tile(const struct people *p, int tx, int ty, struct ratios *tile)
 {
 	const int side = BASIS_TILE / p->cells.side;
 
-	*tile = (struct ratios){.count = 0};
 	for (int y = ty * side; y < (ty + 1) * side && y < p->cells.down; y += EACH)
 		for (int x = tx * side; x < (tx + 1) * side && x < p->cells.across; x += EACH) {
 			const int at = y * p->cells.across + x;
@@ -109,36 +92,58 @@ static void sum_tile(const struct people *p, int tx, int ty, struct ratios *tile
 		}
 }
 
+static void add_ratios(struct ratios *to, const struct ratios *from, int sign)
+{
+	for (int c = 0; c < 3; c++)
+		to->sum[c] += (float)sign * from->sum[c];
+	to->count += sign * from->count;
+}
+
+/* Makes of each tile the sum over all that are not below it, nor right of it. */
+static void sum_tiles(struct people *p)
+{
+	const int across = p->tiles_across + 1;
+
+	for (int ty = 0; ty < p->tiles_down; ty++)
+		for (int tx = 0; tx < p->tiles_across; tx++) {
+			struct ratios *own = &p->place.ratios[(ty + 1) * across + tx + 1];
+
+			*own = (struct ratios){.count = 0};
+			sum_tile(p, tx, ty, own);
+			add_ratios(own, own - 1, 1);
+			add_ratios(own, own - across, 1);
+			add_ratios(own, own - across - 1, -1);
+		}
+}
+
 /* Sums over so many tiles around one that enough is seen. */
 static struct ratios sum_around(const struct people *p, int tx, int ty)
 {
+	const int across = p->tiles_across + 1;
 	struct ratios sum = {.count = 0};
 
 	for (int around = 1; sum.count < CELLS && around <= AROUND; around++) {
-		sum = (struct ratios){.count = 0};
-		for (int y = ty - around; y <= ty + around; y++)
-			for (int x = tx - around; x <= tx + around; x++) {
-				const struct ratios *tile;
+		const int left = tx > around ? tx - around : 0;
+		const int top = ty > around ? ty - around : 0;
+		const int right = tx + around < across - 1 ? tx + around + 1 : across - 1;
+		const int bottom = ty + around < p->tiles_down ? ty + around + 1 : p->tiles_down;
 
-				if (x < 0 || y < 0 || x >= p->tiles_across || y >= p->tiles_down)
-					continue;
-				tile = &p->place.ratios[y * p->tiles_across + x];
-				for (int c = 0; c < 3; c++)
-					sum.sum[c] += tile->sum[c];
-				sum.count += tile->count;
-			}
+		sum = p->place.ratios[bottom * across + right];
+		add_ratios(&sum, &p->place.ratios[top * across + right], -1);
+		add_ratios(&sum, &p->place.ratios[bottom * across + left], -1);
+		add_ratios(&sum, &p->place.ratios[top * across + left], 1);
 	}
 	return sum;
 }
 
 static void follow_cell(struct people *p, int at, const struct ratios *sum)
 {
-	const float rate = light_rate(p);
+	const float rate = rate_in(p, LIGHT_MS);
 
 	if (!p->place.known[at] || p->verdict.of[at] == WHOSE_PLACE)
 		return;
 	for (int c = 0; c < 3; c++)
-		if (rate_of(p, c, at) == 0)
+		if (!follows(p, c, at))
 			drift_cell(p, c, at, 1 + rate * (sum->sum[c] / (float)sum->count - 1));
 }
 
@@ -167,13 +172,14 @@ static void follow_tile(struct people *p, int tx, int ty)
 
 static void follow_hidden(struct people *p)
 {
-	if (p->verdict.differing.right < 0)
+	const struct box *box = &p->verdict.differing;
+	const int side = BASIS_TILE / p->cells.side;
+
+	if (box->right < 0)
 		return;
-	for (int ty = 0; ty < p->tiles_down; ty++)
-		for (int tx = 0; tx < p->tiles_across; tx++)
-			sum_tile(p, tx, ty, &p->place.ratios[ty * p->tiles_across + tx]);
-	for (int ty = 0; ty < p->tiles_down; ty++)
-		for (int tx = 0; tx < p->tiles_across; tx++)
+	sum_tiles(p);
+	for (int ty = box->top / side; ty <= box->bottom / side; ty++)
+		for (int tx = box->left / side; tx <= box->right / side; tx++)
 			if (hides(p, tx, ty))
 				follow_tile(p, tx, ty);
 }

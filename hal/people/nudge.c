@@ -173,7 +173,9 @@ static void ask_patch(struct people *p, int patch)
 	is_there = seek(&sought, p, patch, 1, vote);
 	nudge->sure += ((float)is_there - nudge->sure) *
 		       fmaxf(1.0f / SURE_PATCHES, 3.0f / (float)nudge->patches);
-	nudge->votes += is_there || seek(&sought, p, patch, REACH, vote);
+	/* Where half of the patches are found, others are hidden, and need no wide search. */
+	nudge->votes += is_there ||
+			(2 * nudge->votes < nudge->usable && seek(&sought, p, patch, REACH, vote));
 }
 
 static bool are_alike(const float a[2], const float b[2])

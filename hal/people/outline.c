@@ -49,7 +49,7 @@ static void edge_ask(struct edge *edge, const struct people *p, int cx, int cy, 
 	}
 }
 
-/* The pixels of a quarter of a cell, side by side; those that there are not are 0. */
+/* Some pixels of a quarter of a cell, side by side; those that there are not are 0. */
 struct pixels {
 	int count;
 	size_t at[PIXEL_LANES]; /* in the picture */
@@ -74,20 +74,23 @@ static void add_pixel(struct pixels *px, const struct people *p, const struct pi
 		px->seen[c][k] = (float)p->tables.decode[in[2 - c]];
 }
 
-/* right, low: which quarter of the cell. */
+/* right, low: which quarter of the cell; first: of its pixels. */
 static struct pixels quarter_read(const struct people *p, const struct picture *picture, int cx,
-				  int cy, int right, int low)
+				  int cy, int right, int low, int first)
 {
 	const int half = p->cells.side / 2;
 	const int left = cx * p->cells.side + right * half, top = cy * p->cells.side + low * half;
 	const float step = 1 / (float)p->cells.side;
 	struct pixels px = {.count = 0};
 
-	for (int y = top; y < top + half && y < picture->height; y++)
-		for (int x = left; x < left + half && x < picture->width; x++)
-			add_pixel(&px, p, picture, x, y,
-				  ((float)(x - left) + 0.5f) * step + (right ? 0 : 0.5f),
-				  ((float)(y - top) + 0.5f) * step + (low ? 0 : 0.5f));
+	for (int k = first; k < first + PIXEL_LANES && k < half * half; k++) {
+		const int u = k % half, v = k / half;
+
+		if (left + u < picture->width && top + v < picture->height)
+			add_pixel(&px, p, picture, left + u, top + v,
+				  ((float)u + 0.5f) * step + (right ? 0 : 0.5f),
+				  ((float)v + 0.5f) * step + (low ? 0 : 0.5f));
+	}
 	return px;
 }
 
@@ -128,21 +131,30 @@ static void draw_foremost(const struct people *p, const struct pixels *px, int k
 	}
 }
 
+static void draw_pixels(struct people *p, struct pixels *px, const struct edge *edge)
+{
+	quarter_share(px, p, edge);
+	for (int k = 0; k < px->count; k++) {
+		const uint8_t code = (uint8_t)(px->share[k] * 255 + 0.5f);
+
+		p->outline.anybody[px->at[k]] = code;
+		p->outline.front[px->at[k]] = edge->front ? code : 0;
+		if (edge->front && code > 0 && code < 255)
+			draw_foremost(p, px, k, p->outline.foremost + 4 * px->at[k]);
+	}
+}
+
 static void draw_quarter(struct people *p, const struct picture *picture, struct edge *edge, int cx,
 			 int cy, int quarter)
 {
 	const int right = quarter & 1, low = quarter >> 1;
-	struct pixels px = quarter_read(p, picture, cx, cy, right, low);
+	const int pixels = p->cells.side * p->cells.side / 4;
 
 	edge_ask(edge, p, cx, cy, right, low);
-	quarter_share(&px, p, edge);
-	for (int k = 0; k < px.count; k++) {
-		const uint8_t code = (uint8_t)(px.share[k] * 255 + 0.5f);
+	for (int first = 0; first < pixels; first += PIXEL_LANES) {
+		struct pixels px = quarter_read(p, picture, cx, cy, right, low, first);
 
-		p->outline.anybody[px.at[k]] = code;
-		p->outline.front[px.at[k]] = edge->front ? code : 0;
-		if (edge->front && code > 0 && code < 255)
-			draw_foremost(p, &px, k, p->outline.foremost + 4 * px.at[k]);
+		draw_pixels(p, &px, edge);
 	}
 }
 

@@ -8,7 +8,7 @@
 #include "hal/base/clock.h"
 #include "hal/people/people_parts.h"
 
-#define FINE_CELLS 40000  /* cells of 2x2 pixels up to that many, else of 4x4 */
+#define CELLS_MOST 40000  /* of 2x2 pixels up to that many, else of twice the side, and so on */
 #define AROUND 2	  /* tiles around those that the object touches */
 #define PEOPLE_SIDE_MIN 8 /* pixels; the sensor's noise is measured in blocks of that side */
 #define STEP_MS_MAX 500.0
@@ -57,6 +57,7 @@ static void divide_planes(struct people *p, struct block *block)
 	}
 	p->place.spread = take_plane(block, cells);
 	p->verdict.bright = take_plane(block, cells);
+	p->verdict.ratio = take_plane(block, cells);
 	p->verdict.lit = take_plane(block, cells);
 	p->verdict.chi = take_plane(block, cells);
 	p->verdict.evidence = take_plane(block, cells);
@@ -69,6 +70,7 @@ static void divide(struct people *p, struct block *block)
 {
 	const size_t cells = (size_t)p->cells.count, down = (size_t)p->cells.down;
 	const size_t tiles = (size_t)(p->tiles_across * p->tiles_down);
+	const size_t ratios = (size_t)((p->tiles_across + 1) * (p->tiles_down + 1));
 	const size_t pixels = (size_t)p->settings.width * (size_t)p->settings.height;
 	const size_t beyond = (size_t)p->cells.across + 1;
 	struct crowd *crowd = &p->crowd;
@@ -85,7 +87,7 @@ static void divide(struct people *p, struct block *block)
 	p->place.lessons = take(block, (size_t)p->cells.across * sizeof(float));
 	p->place.left = take(block, (size_t)p->settings.dome->count);
 	p->place.known = take(block, cells);
-	p->place.ratios = take(block, tiles * sizeof(*p->place.ratios));
+	p->place.ratios = take(block, ratios * sizeof(*p->place.ratios));
 	p->nudge.patch = take(block, NUDGE_PATCHES * sizeof(*p->nudge.patch));
 	p->verdict.of = take(block, cells);
 	p->verdict.copy = take(block, cells);
@@ -118,7 +120,6 @@ static int create_memory(struct people *p)
 int people_create(struct people **people, const struct people_settings *settings,
 		  struct fault *fault)
 {
-	const int fine = (settings->width + 1) / 2 * ((settings->height + 1) / 2);
 	struct people *p;
 
 	if (settings->width < PEOPLE_SIDE_MIN || settings->height < PEOPLE_SIDE_MIN)
@@ -133,10 +134,13 @@ int people_create(struct people **people, const struct people_settings *settings
 	p->settings.camera = p->settings.calibration = NULL;
 	p->settings.depth_camera = NULL;
 	p->camera = saved_camera(settings);
-	p->cells.side = fine <= FINE_CELLS ? 2 : 4;
-	p->cells.across = (settings->width + p->cells.side - 1) / p->cells.side;
-	p->cells.down = (settings->height + p->cells.side - 1) / p->cells.side;
-	p->cells.count = p->cells.across * p->cells.down;
+	for (int side = 2; side <= BASIS_TILE && (side == 2 || p->cells.count > CELLS_MOST);
+	     side *= 2) {
+		p->cells.side = side;
+		p->cells.across = (settings->width + side - 1) / side;
+		p->cells.down = (settings->height + side - 1) / side;
+		p->cells.count = p->cells.across * p->cells.down;
+	}
 	p->tiles_across = (settings->width + BASIS_TILE - 1) / BASIS_TILE;
 	p->tiles_down = (settings->height + BASIS_TILE - 1) / BASIS_TILE;
 	transfer_tables_fill(&p->tables, &settings->curve);

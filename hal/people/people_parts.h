@@ -19,7 +19,7 @@
 #define PERSONS_MAX 32
 #define DIM 0.002f    /* of white: one code of sRGB is an eighth of the light there */
 #define CLIPPED 0.97f /* of white: the camera's curve bends, and brighter cells teach nothing */
-#define PIXEL_LANES 4 /* a quarter of a cell, 4x4 at most: pixels computed side by side */
+#define PIXEL_LANES 4 /* pixels computed side by side: a quarter of a cell of 4x4 */
 
 /* Cells of a row that are watched. */
 struct span {
@@ -81,7 +81,7 @@ struct place {
 	float model_variance;  /* relative; of the prediction, where the light has just turned */
 	float *lessons;	       /* [across]: of a span */
 	float shared[3];       /* of the known cells where nobody is: expected / seen in the mean */
-	struct ratios *ratios; /* drift.c: [tiles] */
+	struct ratios *ratios; /* drift.c: [tiles down + 1][tiles across + 1] */
 	bool learn_now;
 };
 
@@ -114,12 +114,13 @@ struct verdict {
 	float *chi;		   /* deviation from the place, squared, in standard deviations */
 	float *weight[3];	   /* 1 / s^2 */
 	float *bright, *lit;	   /* seen, expected: sums of the channels */
+	float *ratio;		   /* of these */
 	float *evidence;	   /* for a person, -1..1 */
 	float *last;		   /* the opinion of the frame before */
 	float *opinion, *revised;  /* the same with the neighbours' weighed in; padded with -1 */
 	uint8_t *of;		   /* enum whose */
 	uint8_t *copy;		   /* before an edge is refined */
-	struct box differing, box; /* of cells that differ; of all people */
+	struct box differing, box; /* of cells that differ, and two more; of all people */
 };
 
 /* ---- who it is (groups.c, persons.c) ---- */

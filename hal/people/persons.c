@@ -2,9 +2,9 @@
 /*
  * Persons, who keep their order while they are followed. Each has a box in the picture that moves
  * on from frame to frame. A group belongs to the persons whose boxes it overlaps; a group that is
- * nobody's is new, and as many persons as its width has room for. In a group of several, each is
- * measured up to where the nearer of two ends; where two overlap, the nearer one is measured
- * and owns the cells of both boxes, and the other moves on as before.
+ * nobody's is new. In a group of several, each is measured up to where the nearer of two ends;
+ * where two overlap, the nearer one is measured and owns the cells of both boxes, and the other
+ * moves on as before.
  *
  * A person's order is that of the ground under his feet. Feet that are hidden, or cloth like the
  * floor, end a body too high: then the head, at the height that he had before, tells where he
@@ -34,6 +34,7 @@
 #define WIDER 1.3f     /* than he was: arms */
 #define HELD_ROWS 0.6f /* share of a frame in the foot's row: feet step */
 #define HELD_SPEED 0.3f
+#define HEAD 4	     /* so many times as high is what is below a head, or more */
 #define BOX_SHARE 10 /* a box overlaps a group that has this part of it */
 
 /* What is measured of a person in a frame. */
@@ -157,14 +158,16 @@ static float usual_width(const struct people *p, const struct body *body)
 /* ---- bodies in pieces ---- */
 
 /* Whether a group that cloth like the ground has detached from its feet has them in another: below
- * it, under half of the narrower one's width at least, and not farther than a body is high. */
+ * it, or as a head is beside a shoulder; under half of the narrower one's width at least, and not
+ * farther than a body is high. */
 static bool stands_on(const struct people *p, const struct group *g, const struct group *feet)
 {
 	const int left = g->left > feet->left ? g->left : feet->left;
 	const int right = g->right < feet->right ? g->right : feet->right;
 	const int wide = g->right - g->left, feet_wide = feet->right - feet->left;
 
-	return !feet->dropped && feet->top > g->bottom &&
+	return !feet->dropped &&
+	       (feet->top > g->bottom || feet->bottom - g->bottom > HEAD * (g->bottom - g->top)) &&
 	       2 * (right - left + 1) >= (wide < feet_wide ? wide : feet_wide) + 1 &&
 	       g->bottom > head_row(p, feet->left, feet->right, feet->bottom, 0);
 }
@@ -303,38 +306,21 @@ static void take_body(struct people *p, struct person *who, const struct body *b
 	}
 }
 
-static void begin_person(struct people *p, int group, const struct body *body)
+static void begin_person(struct people *p, int group)
 {
+	const struct group *g = &p->crowd.groups[group];
 	struct person *who = &p->crowd.person[p->crowd.persons];
 
-	if (p->crowd.persons == PERSONS_MAX || body->right < body->left)
+	if (p->crowd.persons == PERSONS_MAX)
 		return;
-	*who = (struct person){.x = 0.5f * (float)(body->left + body->right + 1),
-			       .half = 0.5f * (float)(body->right + 1 - body->left),
-			       .top = (float)body->top,
-			       .foot = (float)body->bottom + 1,
+	*who = (struct person){.x = 0.5f * (float)(g->left + g->right + 1),
+			       .half = 0.5f * (float)(g->right + 1 - g->left),
+			       .top = (float)g->top,
+			       .foot = (float)g->bottom + 1,
 			       .group = group};
 	who->began_x = who->x;
 	who->began_foot = who->foot;
 	p->crowd.persons++;
-}
-
-/* Cells that are nobody's are as many persons side by side as they are wide. */
-static void begin_persons(struct people *p, int group, const struct box *in)
-{
-	const struct body body = measure(p, group, in);
-	const float wide = (float)(body.right + 1 - body.left) / usual_width(p, &body);
-	const int count = wide < 2 ? 1 : wide > 8 ? 8 : (int)(wide + 0.5f);
-
-	for (int n = 0; n < count && body.right >= body.left; n++) {
-		const struct box columns = {
-			body.left + (body.right + 1 - body.left) * n / count,
-			body.left + (body.right + 1 - body.left) * (n + 1) / count - 1, in->top,
-			in->bottom};
-		const struct body part = measure(p, group, &columns);
-
-		begin_person(p, group, &part);
-	}
 }
 
 enum beside {
@@ -494,16 +480,12 @@ static void follow_nobody(struct people *p)
 static void meet_groups(struct people *p, struct body body[PERSONS_MAX])
 {
 	for (int n = 0; n < p->crowd.group_count; n++) {
-		const struct group *g = &p->crowd.groups[n];
-		const struct box whole = {g->left, g->right, g->top, g->bottom};
-		bool known = false;
+		bool known = p->crowd.groups[n].dropped;
 
-		if (g->dropped)
-			continue;
 		for (int m = 0; m < p->crowd.persons; m++)
 			known |= p->crowd.person[m].group == n;
 		if (!known)
-			begin_persons(p, n, &whole);
+			begin_person(p, n);
 	}
 	for (int n = 0; n < p->crowd.persons; n++) {
 		struct person *who = &p->crowd.person[n];

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What was learned, over a restart: header, covariances, coefficients of all cells, what is known.
- * Of large pictures only the first terms are kept, as many as SAVED_MOST has room for; then the
- * others, and the covariances, begin anew.
  */
 #include <errno.h>
 #include <math.h>
@@ -11,7 +9,7 @@
 
 #include "hal/people/people_parts.h"
 
-#define MAGIC "INLAYPL5"
+#define MAGIC "INLAYPL6"
 #define SAVED_MOST 20000000 /* bytes */
 #define SLICE 262144	    /* bytes that a call of people_save() copies */
 #define COEFFICIENT_MOST 1e9f
@@ -35,16 +33,6 @@ static size_t plane_bytes(const struct people *p)
 	return (size_t)p->cells.count * sizeof(float);
 }
 
-/* How many terms of each cell are kept; 0: the picture is too large for any. */
-static int saved_terms(const struct people *p)
-{
-	const size_t fixed = sizeof(struct saved_header) + sizeof(p->place.fit) +
-			     (size_t)p->cells.count;
-	const size_t fit = fixed < SAVED_MOST ? (SAVED_MOST - fixed) / (3 * plane_bytes(p)) : 0;
-
-	return fit < PLACE_TERMS ? (int)fit : PLACE_TERMS;
-}
-
 /* An array that is kept. */
 struct saved_part {
 	void *at;
@@ -54,7 +42,7 @@ struct saved_part {
 /* Parts lie one after the other behind the header; bytes 0: there is no such part. */
 static struct saved_part saved_part(const struct people *p, int n)
 {
-	const int planes = 3 * saved_terms(p);
+	const int planes = 3 * PLACE_TERMS;
 
 	if (n == 0)
 		return (struct saved_part){(void *)p->place.fit, sizeof(p->place.fit)};
@@ -95,11 +83,9 @@ size_t people_saved_bytes(const struct people *p)
 {
 	size_t bytes = sizeof(struct saved_header);
 
-	if (!saved_terms(p))
-		return 0;
 	for (int n = 0; saved_part(p, n).bytes; n++)
 		bytes += saved_part(p, n).bytes;
-	return bytes;
+	return bytes <= SAVED_MOST ? bytes : 0;
 }
 
 static struct saved_header header_of(const struct people *p)
@@ -108,7 +94,7 @@ static struct saved_header header_of(const struct people *p)
 				      .height = p->settings.height,
 				      .side = p->cells.side,
 				      .lights = p->settings.dome->count,
-				      .terms = saved_terms(p),
+				      .terms = PLACE_TERMS,
 				      .camera = p->camera,
 				      .made_of = saved_made_of(p)};
 
@@ -162,7 +148,7 @@ static int check_header(const struct people *p, const struct saved_header *heade
 	if (memcmp(header->magic, MAGIC, sizeof(header->magic)) != 0)
 		return fault_say(fault, -EBADMSG, "is not the picture of a place");
 	if (header->width != settings->width || header->height != settings->height ||
-	    header->side != p->cells.side || header->terms != saved_terms(p))
+	    header->side != p->cells.side || header->terms != PLACE_TERMS)
 		return fault_say(fault, -EBADMSG, "is of %dx%d pixels, expected %dx%d",
 				 header->width, header->height, settings->width, settings->height);
 	if (header->camera != p->camera)
@@ -199,7 +185,7 @@ static bool are_finite(const double *values, size_t count)
 static bool are_possible(const struct people *p, const struct saved_header *header,
 			 const uint8_t *body)
 {
-	const size_t values = (size_t)(3 * saved_terms(p)) * (size_t)p->cells.count;
+	const size_t values = 3 * PLACE_TERMS * (size_t)p->cells.count;
 	const uint8_t *planes = body + sizeof(p->place.fit),
 		      *known = planes + values * sizeof(float);
 	bool fine = are_in_range(header->gain, 3, GAIN_LEAST, GAIN_MOST) &&
@@ -217,20 +203,13 @@ static bool are_possible(const struct people *p, const struct saved_header *head
 
 static void take_parts(struct people *p, const uint8_t *body)
 {
-	const int terms = saved_terms(p);
-
 	place_forget(p);
 	for (int n = 0; saved_part(p, n).bytes; n++) {
 		const struct saved_part part = saved_part(p, n);
 
-		/* A covariance of all terms is not one of fewer. */
-		if (n > 0 || terms == PLACE_TERMS)
-			memcpy(part.at, body, part.bytes);
+		memcpy(part.at, body, part.bytes);
 		body += part.bytes;
 	}
-	for (int c = 0; c < 3; c++)
-		for (int k = terms; k < PLACE_TERMS; k++)
-			memset(p->place.coefficient[c][k], 0, plane_bytes(p));
 	place_count_unknown(p);
 }
 

@@ -65,6 +65,15 @@ static void sum_channels(float *const plane[3], int at, int count, float *restri
 		sum[x] = r[x] + g[x] + b[x];
 }
 
+static void divide_sums(struct people *p, int at, int count)
+{
+	const float *restrict bright = p->verdict.bright + at, *restrict lit = p->verdict.lit + at;
+	float *restrict ratio = p->verdict.ratio + at;
+
+	for (int x = 0; x < count; x++)
+		ratio[x] = bright[x] / (lit[x] + 1);
+}
+
 /* Also prepares what other cells will ask about these: weights, and brightness. */
 static void span_deviations(struct people *p, const struct span *span)
 {
@@ -83,6 +92,7 @@ static void span_deviations(struct people *p, const struct span *span)
 	}
 	sum_channels(p->cells.seen, at, count, p->verdict.bright + at);
 	sum_channels(p->place.expected, at, count, p->verdict.lit + at);
+	divide_sums(p, at, count);
 }
 
 static void grow_box(struct box *box, int left, int right, int y)
@@ -93,23 +103,22 @@ static void grow_box(struct box *box, int left, int right, int y)
 	box->bottom = y > box->bottom ? y : box->bottom;
 }
 
-/* Cells that differ are a shadow's until they are found to be a person's. */
+/* Cells that differ are a shadow's, which is 1, until they are found to be a person's. */
 static void mark_span(struct people *p, const struct span *span)
 {
 	const int at = span->y * p->cells.across + span->x;
-	const float *chi = p->verdict.chi + at;
-	const uint8_t *known = p->place.known + at;
-	uint8_t *whose = p->verdict.of + at;
-	int first = -1, last = -1;
+	const float *restrict chi = p->verdict.chi + at;
+	const uint8_t *restrict known = p->place.known + at;
+	uint8_t *restrict whose = p->verdict.of + at;
+	int first = 0, last = span->count - 1;
 
-	for (int x = 0; x < span->count; x++) {
-		whose[x] = known[x] && chi[x] > DIFFERS ? WHOSE_SHADOW : WHOSE_PLACE;
-		if (whose[x] == WHOSE_PLACE)
-			continue;
-		first = first < 0 ? x : first;
-		last = x;
-	}
-	if (first >= 0)
+	for (int x = 0; x < span->count; x++)
+		whose[x] = (uint8_t)((chi[x] > DIFFERS) & (known[x] != 0));
+	while (first <= last && !whose[first])
+		first++;
+	while (last > first && !whose[last])
+		last--;
+	if (first <= last)
 		grow_box(&p->verdict.differing, span->x + first, span->x + last, span->y);
 }
 
@@ -150,7 +159,7 @@ static void add_to_window(struct window *w, struct plane_sums *sums, const struc
 			  float u, float v, float own)
 {
 	const float seen = p->verdict.bright[at], place = p->verdict.lit[at];
-	const float ratio = seen / (place + 1);
+	const float ratio = p->verdict.ratio[at];
 
 	w->known++;
 	w->mean_seen += seen;
@@ -177,7 +186,7 @@ static void add_to_window(struct window *w, struct plane_sums *sums, const struc
 static void look_around(const struct people *p, int x, int y, struct window *w)
 {
 	const int middle = y * p->cells.across + x;
-	const float own = p->verdict.bright[middle] / (p->verdict.lit[middle] + 1);
+	const float own = p->verdict.ratio[middle];
 	struct plane_sums sums = {0};
 	float n;
 
@@ -383,7 +392,10 @@ static void decide(struct people *p, int y, int x, int end)
 
 static void form_opinions(struct people *p, const struct box *box)
 {
-	memcpy(p->verdict.last, p->verdict.opinion, (size_t)p->cells.count * sizeof(float));
+	float *before = p->verdict.last;
+
+	p->verdict.last = p->verdict.opinion;
+	p->verdict.opinion = before;
 	walk_box(p, box, gather_evidence);
 	walk_box(p, box, fill_evidence);
 	for (int at = 0; at < p->cells.count; at++)
@@ -399,16 +411,14 @@ static void form_opinions(struct people *p, const struct box *box)
 	walk_box(p, box, decide);
 }
 
-/* A box with two cells around it, as a person may be a little wider than what differs. */
-static struct box around(const struct people *p, const struct box *box)
+/* Two cells around a box, too, as a person may be a little wider than what differs. */
+static void widen(const struct people *p, struct box *box)
 {
-	const struct box grown = {
-		box->left > AROUND ? box->left - AROUND : 0,
-		box->right + AROUND < p->cells.across ? box->right + AROUND : p->cells.across - 1,
-		box->top > AROUND ? box->top - AROUND : 0,
-		box->bottom + AROUND < p->cells.down ? box->bottom + AROUND : p->cells.down - 1};
-
-	return grown;
+	grow_box(box, box->left > AROUND ? box->left - AROUND : 0,
+		 box->right + AROUND < p->cells.across ? box->right + AROUND : p->cells.across - 1,
+		 box->top > AROUND ? box->top - AROUND : 0);
+	grow_box(box, box->left, box->right,
+		 box->bottom + AROUND < p->cells.down ? box->bottom + AROUND : p->cells.down - 1);
 }
 
 void verdict_judge(struct people *p)
@@ -421,9 +431,8 @@ void verdict_judge(struct people *p)
 		mark_span(p, &p->cells.spans[s]);
 	}
 	if (p->verdict.differing.right >= 0) {
-		const struct box box = around(p, &p->verdict.differing);
-
-		form_opinions(p, &box);
+		widen(p, &p->verdict.differing);
+		form_opinions(p, &p->verdict.differing);
 	} else {
 		for (int at = 0; at < p->cells.count; at++)
 			p->verdict.opinion[at] = -1;

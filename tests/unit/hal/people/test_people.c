@@ -30,7 +30,8 @@ struct body {
 	double width, height;
 	double colour[3];
 	bool shadow; /* casts one to the right */
-	bool knees;  /* from 0.3 to 0.5 of the height the cloth looks like the floor */
+	bool knees;  /* from 0.3 to 0.5 of the height the cloth looks like the floor, */
+	bool neck;   /* and along a slanting line below the head */
 };
 
 struct place {
@@ -197,6 +198,13 @@ static void cast_shadow(struct place *p, const struct body *b)
 		}
 }
 
+/* u, v: across half of the body's width, and up its height. */
+static bool is_like_floor(const struct body *b, double u, double v)
+{
+	return (b->knees && v > 0.3 && v < 0.5) ||
+	       (b->neck && v > 0.81 + 0.15 * u && v < 0.92 + 0.15 * u);
+}
+
 static void draw_body(struct place *p, const struct body *b, int number)
 {
 	const double low[3] = {b->x, b->y, 0}, high[3] = {b->x, b->y, b->height};
@@ -218,7 +226,7 @@ static void draw_body(struct place *p, const struct body *b, int number)
 				continue;
 			cloth = 1 + 0.3 * texture(u, v, 6);
 			p->person[y][x] = (uint8_t)number;
-			for (int c = 0; c < 3 && !(b->knees && v > 0.3 && v < 0.5); c++)
+			for (int c = 0; c < 3 && !is_like_floor(b, u, v); c++)
 				p->light[y][x][c] =
 					(float)(b->colour[c] * (1 + p->lamp * 0.3) * cloth);
 		}
@@ -599,21 +607,31 @@ TEST("hidden ground follows its surroundings")
 	place_end(p);
 }
 
-TEST("a body keeps the order of its feet")
+static void cross(struct place *p, bool knees, bool neck)
 {
-	struct place *p = place_learned();
-
 	for (int n = 0; n < 12; n++) {
 		struct body b = walker(-0.2 + 0.03 * n, -0.7);
 		struct people_report seen;
 
-		b.knees = true;
+		b.knees = knees;
+		b.neck = neck;
+		b.height = neck ? 0.9 : b.height;
 		place_look(p, &b, 1);
 		seen = people_report(p->people);
 		expect_equal(seen.parts, 1, "frame %d", n);
 		expect_equal(seen.in_front, 1, "frame %d", n);
 	}
 	place_end(p);
+}
+
+TEST("a body keeps the order of its feet")
+{
+	cross(place_learned(), true, false);
+}
+
+TEST("a head beside a shoulder is of the same body")
+{
+	cross(place_learned(), false, true);
 }
 
 TEST("somebody cut by the lower edge is in front")
