@@ -99,13 +99,15 @@ static void keep_sample(struct mirror_pixel *p, const struct surface *s, struct 
 	p->count++;
 }
 
-void mirror_pixel_add(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
+bool mirror_pixel_add(struct mirror_pixel *p, const struct surface *s, struct v3 wo,
 		      const struct transport_apart *apart)
 {
 	for (int c = 0; c < 3; c++)
 		p->all[c] += (double)apart->light.c[c];
-	if (p->count < MIRROR_SAMPLES_MOST)
-		keep_sample(p, s, wo, apart);
+	if (p->count == MIRROR_SAMPLES_MOST)
+		return false;
+	keep_sample(p, s, wo, apart);
+	return true;
 }
 
 static double sample_weight(const struct mirror_sample *s)

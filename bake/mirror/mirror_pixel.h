@@ -41,8 +41,9 @@ struct mirror_pixel {
 
 void mirror_pixel_clear(struct mirror_pixel *pixel);
 
-/* Adds what a sample has mirrored from the surface towards wo. */
-void mirror_pixel_add(struct mirror_pixel *pixel, const struct surface *surface, struct v3 wo,
+/* Adds what a sample has mirrored from the surface towards wo. Returns whether it is one of those
+ * that are kept. */
+bool mirror_pixel_add(struct mirror_pixel *pixel, const struct surface *surface, struct v3 wo,
 		      const struct transport_apart *apart);
 
 /* Writes at most BASIS_MIRROR_MOST look-ups, but for their x and y, and returns their number. The

@@ -93,7 +93,8 @@ void tile_free(struct tile *tile)
 /* ---- samples ---- */
 
 /* Adds a sample that met a coat of low roughness. What that mirrors straight of the sky is kept
- * apart. Returns false, and adds nothing, where it has met something else. */
+ * apart, and is in the row as well until finish_mirror(), so that its noise counts. Returns false,
+ * and adds nothing, where it has met something else. */
 static bool tile_add_mirror(struct tile *tile, const struct tile_sample *s,
 			    const struct transport_rows *rows)
 {
@@ -104,8 +105,10 @@ static bool tile_add_mirror(struct tile *tile, const struct tile_sample *s,
 	    s->surface.bsdf.kind != MATERIAL_GLOSSY ||
 	    s->surface.bsdf.alpha > MATERIAL_MIRROR_ALPHA)
 		return false;
-	if (transport_add_apart(t, &s->surface, wo, rows))
-		mirror_pixel_add(&tile->mirror[s->at], &s->surface, wo, &t->apart);
+	if (transport_add_apart(t, &s->surface, wo, rows) &&
+	    mirror_pixel_add(&tile->mirror[s->at], &s->surface, wo, &t->apart))
+		for (int c = 0; c < 3; c++)
+			rows->direct[c * tile->cells->count + t->apart.cell] += t->apart.light.c[c];
 	return true;
 }
 
@@ -444,7 +447,7 @@ static void finish_places(struct tile *tile)
 	}
 }
 
-/* Lists the look-ups of a pixel, and returns to T what they do not have. */
+/* Lists the look-ups of a pixel, and leaves to T what they do not have. */
 static void finish_mirror(struct tile *tile, int at)
 {
 	const struct mirror_pixel *p = &tile->mirror[at];
@@ -464,7 +467,7 @@ static void finish_mirror(struct tile *tile, int at)
 	for (int k = 0; k < p->count; k++)
 		for (size_t c = 0; c < 3; c++)
 			row[c * lights + (size_t)p->sample[k].cell] +=
-				p->sample[k].rest * p->sample[k].light.c[c] * (float)scale[c];
+				(p->sample[k].rest * (float)scale[c] - 1) * p->sample[k].light.c[c];
 }
 
 static void tile_clear(struct tile *tile)
