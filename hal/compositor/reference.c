@@ -377,8 +377,10 @@ static void look_up(const struct reference_scene *s, int pose, int tile, struct 
 	for (size_t i = 0; s->settings->object && i < p->mirror_count; i++) {
 		const struct basis_mirror *m = &p->mirror[i];
 		const int at = m->y % BASIS_TILE * BASIS_TILE + m->x % BASIS_TILE;
-		const int level = m->level / BASIS_MIRROR_STEP;
-		const double next = m->level % BASIS_MIRROR_STEP / (double)BASIS_MIRROR_STEP;
+		const int least = s->mirror->least * BASIS_MIRROR_STEP;
+		const int steps = m->level > least ? m->level : least;
+		const int level = steps / BASIS_MIRROR_STEP;
+		const double next = steps % BASIS_MIRROR_STEP / (double)BASIS_MIRROR_STEP;
 
 		for (int c = 0; c < 3 && basis_tile_of(s->basis, m->x, m->y) == tile; c++) {
 			double light = (1 - next) * bilinear_at(s->mirror, level, m, c);

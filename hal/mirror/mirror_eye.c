@@ -8,12 +8,16 @@
 
 #include "hal/optics/sky_square.h"
 
+/* The first level that is filled has texels of up to so many pixels, at the middle of the lens. */
+#define TEXEL_PIXELS 1.5
 /* A texel is read at so many places a side that no pixel lies between them, within these. */
 #define TAPS_LEAST 2
 #define TAPS_MOST 4
 /* Steps, of half a pixel, towards the middle of the picture in search of a pixel that is all sky:
  * at the rim a pixel shows less. */
 #define RIM_STEPS 8
+
+#define FILL_ROWS 32 /* of texels that a thread fills at a time */
 
 /* ---- where a texel is in the picture ---- */
 
@@ -49,13 +53,13 @@ static uint32_t find_pixel(const struct mirror_eye *eye, const struct fisheye *l
 
 static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int texel, int side)
 {
-	const int x = texel % BASIS_MIRROR_SIDE, y = texel / BASIS_MIRROR_SIDE;
+	const int across = BASIS_MIRROR_SIDE >> eye->level;
+	const int x = texel % across, y = texel / across;
 	double dimmed = 0;
 
 	for (int k = 0; k < side * side; k++) {
-		const double place[2] = {(x + (k % side + 0.5) / side) / BASIS_MIRROR_SIDE,
-					 (y + (double)(k / side * 2 + 1) / (2 * side)) /
-						 BASIS_MIRROR_SIDE};
+		const double place[2] = {(x + (k % side + 0.5) / side) / across,
+					 (y + (double)(k / side * 2 + 1) / (2 * side)) / across};
 		double d[3], at[2];
 
 		sky_square_direction(place, d);
@@ -68,24 +72,30 @@ static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int t
 
 int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int width, int height)
 {
-	const double texel_rad = sqrt(2 * M_PI / MIRROR_TEXELS);
-	const double pixels = texel_rad * fmax(lens->focal_px[0], lens->focal_px[1]);
-	const int side = (int)fmin(fmax(ceil(pixels), TAPS_LEAST), TAPS_MOST);
+	double pixels = sqrt(2 * M_PI / MIRROR_TEXELS) * fmax(lens->focal_px[0], lens->focal_px[1]);
+	size_t texels = MIRROR_TEXELS;
+	int side;
 	const size_t count = (size_t)width * (size_t)height;
 
 	mirror_eye_free(eye);
+	for (; 2 * pixels <= TEXEL_PIXELS && BASIS_MIRROR_SIDE >> eye->level > FILL_ROWS;
+	     pixels *= 2) {
+		eye->level++;
+		texels /= 4;
+	}
+	side = (int)fmin(fmax(ceil(pixels), TAPS_LEAST), TAPS_MOST);
 	eye->width = width;
 	eye->height = height;
 	eye->taps = side * side;
-	eye->tap = malloc((size_t)MIRROR_TEXELS * (size_t)eye->taps * sizeof(*eye->tap));
-	eye->brighter = malloc(MIRROR_TEXELS * sizeof(*eye->brighter));
+	eye->tap = malloc(texels * (size_t)eye->taps * sizeof(*eye->tap));
+	eye->brighter = malloc(texels * sizeof(*eye->brighter));
 	eye->row = aligned_alloc(64, ((size_t)width * sizeof(*eye->row) + 63) / 64 * 64);
 	eye->light = calloc(count, sizeof(*eye->light));
 	if (!eye->tap || !eye->brighter || !eye->row || !eye->light) {
 		mirror_eye_free(eye);
 		return -ENOMEM;
 	}
-	for (int texel = 0; texel < MIRROR_TEXELS; texel++)
+	for (int texel = 0; texel < (int)texels; texel++)
 		fill_texel(eye, lens, texel, side);
 	return 0;
 }
@@ -135,8 +145,6 @@ int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture)
 	return 0;
 }
 
-#define FILL_ROWS 32 /* of texels that a thread fills at a time */
-
 /* A fill that threads share. */
 struct mirror_filling {
 	const struct mirror_eye *eye;
@@ -145,15 +153,21 @@ struct mirror_filling {
 	mirror_light column[3]; /* of the matrix */
 };
 
-/* Sums what a texel is read at: light, and in the last the number of clipped pixels. */
-static mirror_light read_codes(const struct mirror_eye *eye, const uint32_t *tap)
-{
-	int32_t sum[4] = {0, 0, 0, 0};
+typedef uint16_t pixel_codes __attribute__((vector_size(8)));
+typedef int32_t sum_of_codes __attribute__((vector_size(16)));
 
-	for (int k = 0; k < eye->taps; k++)
-		for (int c = 0; c < 4; c++)
-			sum[c] += eye->light[tap[k]][c];
-	return (mirror_light){(float)sum[0], (float)sum[1], (float)sum[2], (float)sum[3]} *
+/* Sums what a texel is read at: light, and in the last the number of clipped pixels. */
+static inline mirror_light read_codes(const struct mirror_eye *eye, const uint32_t *tap, int taps)
+{
+	sum_of_codes sum = {0, 0, 0, 0};
+
+	for (int k = 0; k < taps; k++) {
+		pixel_codes pixel;
+
+		memcpy(&pixel, eye->light[tap[k]], sizeof(pixel));
+		sum += __builtin_convertvector(pixel, sum_of_codes);
+	}
+	return __builtin_convertvector(sum, mirror_light) *
 	       (mirror_light){1.0F / 65535, 1.0F / 65535, 1.0F / 65535, 1};
 }
 
@@ -169,28 +183,56 @@ static mirror_light read_linear(const struct mirror_eye *eye, const uint32_t *ta
 	return light;
 }
 
+static mirror_light read_texel(const struct mirror_eye *eye, const uint32_t *tap)
+{
+	if (eye->is_linear)
+		return read_linear(eye, tap);
+	return eye->taps == TAPS_LEAST * TAPS_LEAST ? read_codes(eye, tap, TAPS_LEAST * TAPS_LEAST)
+						    : read_codes(eye, tap, eye->taps);
+}
+
+/* mirror_clamp() of each. */
+static inline mirror_light clamp_colours(mirror_light light)
+{
+	const sum_of_codes least = (sum_of_codes)light & (light > 0);
+	const sum_of_codes below = (mirror_light)least < MIRROR_MOST;
+	const mirror_light most = {MIRROR_MOST, MIRROR_MOST, MIRROR_MOST, MIRROR_MOST};
+
+	return (mirror_light)((least & below) | ((sum_of_codes)most & ~below));
+}
+
+/* The light of the dome at the middle of a texel. */
+static inline int cell_of(const struct mirror_filling *f, int texel)
+{
+	const int level = f->eye->level, across = BASIS_MIRROR_SIDE >> level;
+	const int x = (2 * (texel % across) + 1) << level >> 1;
+	const int y = (2 * (texel / across) + 1) << level >> 1;
+
+	return f->map->cell[y * BASIS_MIRROR_SIDE + x];
+}
+
 static void fill_rows(void *context, int item, int worker)
 {
 	const struct mirror_filling *f = context;
 	const struct mirror_eye *eye = f->eye;
-	const int end = (item + 1) * FILL_ROWS * BASIS_MIRROR_SIDE;
+	const int across = BASIS_MIRROR_SIDE >> eye->level;
 
 	(void)worker;
-	for (int at = item * FILL_ROWS * BASIS_MIRROR_SIDE; at < end; at++) {
+	for (int at = item * FILL_ROWS * across; at < (item + 1) * FILL_ROWS * across; at++) {
 		const uint32_t *tap = eye->tap + (size_t)at * (size_t)eye->taps;
-		const mirror_light seen = eye->is_linear ? read_linear(eye, tap)
-							 : read_codes(eye, tap);
+		const mirror_light seen = read_texel(eye, tap);
 		mirror_light light =
 			(f->column[0] * seen[0] + f->column[1] * seen[1] + f->column[2] * seen[2]) *
 			eye->brighter[at];
 
-		for (int c = 0; c < 3 && seen[3] > 0; c++)
-			light[c] = mirror_clamp(light[c]) +
-				   (float)f->colours->clipped[f->map->cell[at]][c] * seen[3] /
-					   (float)eye->taps;
-		for (int c = 0; c < 3; c++)
-			light[c] = mirror_clamp(light[c]);
-		f->map->texel[0][at] = light;
+		if (seen[3] > 0) {
+			const double *more = f->colours->clipped[cell_of(f, at)];
+
+			light = clamp_colours(light) +
+				(mirror_light){(float)more[0], (float)more[1], (float)more[2], 0} *
+					(seen[3] / (float)eye->taps);
+		}
+		f->map->texel[eye->level][at] = clamp_colours(light);
 	}
 }
 
@@ -201,6 +243,7 @@ void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *
 
 	for (int k = 0; k < 9; k++)
 		f.column[k % 3][k / 3] = (float)colours->matrix[k];
-	pool_run(pool, BASIS_MIRROR_SIDE / FILL_ROWS, fill_rows, &f);
+	map->least = eye->level;
+	pool_run(pool, (BASIS_MIRROR_SIDE >> eye->level) / FILL_ROWS, fill_rows, &f);
 	mirror_map_finish(map);
 }

@@ -11,9 +11,10 @@
 
 struct mirror_eye {
 	int width, height;    /* of the fisheye's picture; 0: none yet */
+	int level;	      /* of the map, that is read from the picture */
 	int taps;	      /* places in each texel at which the picture is read */
-	uint32_t *tap;	      /* [MIRROR_TEXELS][taps]: y * width + x */
-	float *brighter;      /* [MIRROR_TEXELS]: 1 / (the lens's falloff * taps) */
+	uint32_t *tap;	      /* [texels][taps]: y * width + x */
+	float *brighter;      /* [texels]: 1 / (the lens's falloff * taps) */
 	uint32_t *row;	      /* [width] */
 	uint16_t (*light)[4]; /* [height][width]: of the last picture; light[3]: 1 where it clips */
 	float *linear;	      /* [height][width][3]: a linear picture instead; NULL: none yet */

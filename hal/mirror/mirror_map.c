@@ -114,6 +114,7 @@ void mirror_map_free(struct mirror_map *map)
 
 void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const double more[3])
 {
+	map->least = 0;
 	for (int at = 0; at < MIRROR_TEXELS; at++)
 		for (int c = 0; c < 3; c++)
 			map->texel[0][at][c] =
@@ -123,7 +124,7 @@ void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const 
 
 void mirror_map_finish(struct mirror_map *map)
 {
-	for (int l = 1; l < BASIS_MIRROR_LEVELS; l++) {
+	for (int l = map->least + 1; l < BASIS_MIRROR_LEVELS; l++) {
 		const int side = side_of(l);
 
 		for (int at = 0; at < side * side; at++) {
@@ -171,8 +172,9 @@ static inline mirror_light look_level(const struct mirror_map *map, int level,
 
 mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mirror *m)
 {
-	const int level = m->level / BASIS_MIRROR_STEP;
-	const float next = (float)(m->level % BASIS_MIRROR_STEP) * (1.0F / BASIS_MIRROR_STEP);
+	const int least = map->least * BASIS_MIRROR_STEP;
+	const int steps = m->level > least ? m->level : least, level = steps / BASIS_MIRROR_STEP;
+	const float next = (float)(steps % BASIS_MIRROR_STEP) * (1.0F / BASIS_MIRROR_STEP);
 
 	if (next == 0) /* the last level, and the sharpest mirrors */
 		return look_level(map, level, m);

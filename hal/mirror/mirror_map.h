@@ -22,6 +22,7 @@ typedef float mirror_light __attribute__((vector_size(16)));
 
 struct mirror_map {
 	mirror_light *texel[BASIS_MIRROR_LEVELS]; /* [side][side], v by u */
+	int least;				  /* the first level that is filled */
 	/* Shares of a texel's four parts by solid angle: two of a row, two of the next; of all
 	 * levels but the first. */
 	mirror_light *share[BASIS_MIRROR_LEVELS];
@@ -36,7 +37,7 @@ void mirror_map_free(struct mirror_map *map); /* idempotent; zeroed is fine */
 /* Fills all levels with the colours of lights: each cell has one. more: added to all of them. */
 void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const double more[3]);
 
-/* Fills the levels above the first. */
+/* Fills the levels above map->least. */
 void mirror_map_finish(struct mirror_map *map);
 
 /* Looks up the light that a mirror sees. */
