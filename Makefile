@@ -374,7 +374,7 @@ $(eval $(call with_packages,near,test))
 near-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/near.sh
 
-## shine: a box on a polished floor against path-traced truth: the table (minutes)
+## shine: metal, and a box on a polished floor, against path-traced truth: the tables (half an hour)
 $(eval $(call with_packages,shine,test))
 shine-installed: all $(TEST_PROGRAMS)
 	$(Q)BUILD="$(BUILD)" tests/accuracy/shine.sh

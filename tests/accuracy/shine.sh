@@ -10,7 +10,7 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/accuracy/method.sh
 work=build/accuracy/shine
 log=$work/log.txt
-size=${1:-160x120} samples=${2:-256} what=${3:-both}
+what=${3:-both}
 
 # scene FLOOR: of the ground's materials, or a stand-in of the polished one
 scene() {
@@ -122,8 +122,10 @@ table_of_metal() {
 
 rm -rf "$work"
 mkdir -p "$work"
+size=${1:-96x72} samples=${2:-96}
 [ "$what" = floor ] || table_of_metal | tee "$work/metal.md"
 [ "$what" = metal ] && exit
+size=${1:-160x120} samples=${2:-256}
 cp bake/demo/box.obj "$work/box.obj"
 printf 'v -30 0 -30\nv 30 0 -30\nv 30 0 30\nv -30 0 30\nf 4 3 2 1\n' >"$work/plane.obj"
 floors="diffuse polished standin"
