@@ -201,16 +201,6 @@ static inline mirror_light clamp_colours(mirror_light light)
 	return (mirror_light)((least & below) | ((sum_of_codes)most & ~below));
 }
 
-/* The light of the dome at the middle of a texel. */
-static inline int cell_of(const struct mirror_filling *f, int texel)
-{
-	const int level = f->eye->level, across = BASIS_MIRROR_SIDE >> level;
-	const int x = (2 * (texel % across) + 1) << level >> 1;
-	const int y = (2 * (texel / across) + 1) << level >> 1;
-
-	return f->map->cell[y * BASIS_MIRROR_SIDE + x];
-}
-
 static void fill_rows(void *context, int item, int worker)
 {
 	const struct mirror_filling *f = context;
@@ -226,7 +216,8 @@ static void fill_rows(void *context, int item, int worker)
 			eye->brighter[at];
 
 		if (seen[3] > 0) {
-			const double *more = f->colours->clipped[cell_of(f, at)];
+			const double *more =
+				f->colours->clipped[mirror_cell(f->map, eye->level, at)];
 
 			light = clamp_colours(light) +
 				(mirror_light){(float)more[0], (float)more[1], (float)more[2], 0} *

@@ -112,13 +112,18 @@ void mirror_map_free(struct mirror_map *map)
 
 /* ---- filling ---- */
 
+/* Its texels have 1 to 2 degrees; cells are several times as wide. */
+#define LIGHTS_LEVEL 2
+
 void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const double more[3])
 {
-	map->least = 0;
-	for (int at = 0; at < MIRROR_TEXELS; at++)
+	map->least = LIGHTS_LEVEL;
+	for (int at = 0; at < MIRROR_TEXELS >> 2 * LIGHTS_LEVEL; at++) {
+		const double *of = radiance[mirror_cell(map, LIGHTS_LEVEL, at)];
+
 		for (int c = 0; c < 3; c++)
-			map->texel[0][at][c] =
-				mirror_clamp((float)(radiance[map->cell[at]][c] + more[c]));
+			map->texel[LIGHTS_LEVEL][at][c] = mirror_clamp((float)(of[c] + more[c]));
+	}
 	mirror_map_finish(map);
 }
 

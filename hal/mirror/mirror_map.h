@@ -43,6 +43,16 @@ void mirror_map_finish(struct mirror_map *map);
 /* Looks up the light that a mirror sees. */
 mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mirror *mirror);
 
+/* The light of the dome at the middle of a level's texel. */
+static inline int mirror_cell(const struct mirror_map *map, int level, int texel)
+{
+	const int across = BASIS_MIRROR_SIDE >> level;
+	const int x = (2 * (texel % across) + 1) << level >> 1;
+	const int y = (2 * (texel / across) + 1) << level >> 1;
+
+	return map->cell[y * BASIS_MIRROR_SIDE + x];
+}
+
 /* Brings light to what a texel may hold; what is no number becomes 0. */
 static inline float mirror_clamp(float light)
 {
