@@ -35,6 +35,7 @@ struct bench_frame {
 	struct bench_camera background, fisheye;
 	struct canvas canvas; /* the background read from its camera, for double precision */
 	struct light_sampler *sampler;
+	struct dome_placed *placed;
 	struct lamp_light *lamps;
 	float (*radiance)[3];
 	struct light_selection lights;
@@ -100,16 +101,14 @@ static int create_sampler(struct bench_frame *f, struct fault *fault)
 static int frame_fill(struct bench_frame *f, const struct canvas *background, struct fault *fault)
 {
 	const struct basis_info_chunk *info = &f->basis->info;
-	struct dome_placed *placed = NULL;
 	int err = lightings_dome(&f->dome, f->basis, fault);
 
-	if (!err && dome_placed_create(&placed, &f->dome) != -ENOMEM)
-		err = lamp_light_create(&f->lamps, &f->dome, placed, &bench_lamps);
-	dome_placed_destroy(placed);
 	if (err)
 		return err;
 	f->radiance = calloc(info->lights, sizeof(*f->radiance));
-	if (!f->radiance || !f->lamps || light_selection_create(&f->lights, f->basis) ||
+	if (!f->radiance || dome_placed_create(&f->placed, &f->dome) == -ENOMEM ||
+	    lamp_light_create(&f->lamps, &f->dome, f->placed, &bench_lamps) ||
+	    light_selection_create(&f->lights, f->basis) ||
 	    canvas_create(&f->canvas, background->width, background->height) ||
 	    camera_create(&f->background, (int)info->width, (int)info->height) ||
 	    camera_create(&f->fisheye, (int)info->width, (int)info->height))
@@ -145,6 +144,7 @@ void bench_frame_destroy(struct bench_frame *f)
 		return;
 	light_sampler_destroy(f->sampler);
 	lamp_light_destroy(f->lamps);
+	dome_placed_destroy(f->placed);
 	light_selection_free(&f->lights);
 	canvas_free(&f->canvas);
 	camera_free(&f->background);

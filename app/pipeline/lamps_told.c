@@ -17,7 +17,7 @@
 
 struct lamps_search {
 	const struct dome *dome;
-	const struct dome_placed *placed;
+	struct lamp_light *taken; /* of one spot */
 	struct lamp_finder finder;
 	float *picture; /* [SIDE_MAX * SIDE_MAX], reduced */
 	uint32_t *row;	/* [width]: of the frame */
@@ -28,16 +28,16 @@ struct lamps_search {
 int lamps_search_create(struct lamps_search **out, const struct dome *dome,
 			const struct dome_placed *placed)
 {
+	const struct lamps one = {.count = 1};
 	struct lamps_search *s = calloc(1, sizeof(*s));
 
 	*out = NULL;
 	if (!s)
 		return -ENOMEM;
 	s->dome = dome;
-	s->placed = placed;
 	s->picture = malloc(sizeof(*s->picture) * SIDE_MAX * SIDE_MAX);
 	s->radiance = calloc((size_t)dome->count, sizeof(*s->radiance));
-	if (!s->picture || !s->radiance) {
+	if (!s->picture || !s->radiance || lamp_light_create(&s->taken, dome, placed, &one)) {
 		lamps_search_destroy(s);
 		return -ENOMEM;
 	}
@@ -49,6 +49,7 @@ void lamps_search_destroy(struct lamps_search *s)
 {
 	if (!s)
 		return;
+	lamp_light_destroy(s->taken);
 	lamp_finder_free(&s->finder);
 	free(s->picture);
 	free(s->row);
@@ -135,27 +136,21 @@ static float mean_of(const float rgb[3])
 	return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }
 
-/* Takes what a spot gives a level ground out of the lights. -ENOMEM. */
-static int take_spot(struct lamps_search *s, const struct lamp_spot *spot, double *given)
+/* Takes what a spot gives a level ground out of the lights. */
+static double take_spot(struct lamps_search *s, const struct lamp_spot *spot)
 {
 	struct lamps lamps = {.count = 1, .lamp = {{.radius = sin(spot->radius)}}};
-	struct lamp_light *light;
 	double power[1][3];
-	int err;
 
 	memcpy(lamps.lamp[0].position, spot->dir, sizeof(spot->dir));
-	err = lamp_light_create(&light, s->dome, s->placed, &lamps);
-	if (err)
-		return err;
-	lamp_light_take(light, s->radiance, power);
-	lamp_light_destroy(light);
-	*given = (power[0][0] + power[0][1] + power[0][2]) / 3 * spot->dir[2];
-	return 0;
+	lamp_light_aim(s->taken, &lamps);
+	lamp_light_take(s->taken, s->radiance, power);
+	return (power[0][0] + power[0][1] + power[0][2]) / 3 * spot->dir[2];
 }
 
 /* Finds the strongest spot that is not named, by the light that the lights have around it. */
-static int weigh_spots(struct lamps_search *s, const struct lamps_light *light,
-		       const struct lamp_spot *spot, int spots, struct lamps_told *found)
+static void weigh_spots(struct lamps_search *s, const struct lamps_light *light,
+			const struct lamp_spot *spot, int spots, struct lamps_told *found)
 {
 	const double least = found->unnamed ? LAMPS_TOLD_UNTIL : LAMPS_TOLD_FROM;
 	double all = 0;
@@ -167,13 +162,10 @@ static int weigh_spots(struct lamps_search *s, const struct lamps_light *light,
 		all += (double)mean_of(light->radiance[i]) * s->dome->projected_sr[i];
 	for (int k = 0; all > 0 && k < spots; k++) {
 		double given;
-		int err;
 
 		if (!(spot[k].dir[2] > 0) || is_named(light->lamps, &spot[k]))
 			continue;
-		err = take_spot(s, &spot[k], &given);
-		if (err)
-			return err;
+		given = take_spot(s, &spot[k]);
 		if (given / all < least || given / all <= found->share)
 			continue;
 		found->unnamed = true;
@@ -182,7 +174,6 @@ static int weigh_spots(struct lamps_search *s, const struct lamps_light *light,
 		found->azimuth_deg += found->azimuth_deg < 0 ? 360 : 0;
 		found->height_deg = asin(spot[k].dir[2]) * (180 / M_PI);
 	}
-	return 0;
 }
 
 int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
@@ -204,5 +195,6 @@ int lamps_search_look(struct lamps_search *s, const struct lamps_light *light,
 				    !(lamp_light_seen(light->lamps, l, dir, &radius) &&
 				      lamp_shines(&picture, dir, APART + radius));
 	}
-	return weigh_spots(s, light, spot, spots, found);
+	weigh_spots(s, light, spot, spots, found);
+	return 0;
 }

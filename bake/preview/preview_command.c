@@ -185,11 +185,13 @@ static int hang_lamps(struct preview *p, const struct dome *dome, float (*radian
 
 	if (err != -ENOMEM)
 		err = lamp_light_create(&light, dome, placed, lamps);
+	if (!err) {
+		lamp_light_take(light, radiance, power);
+		lamp_light_destroy(light);
+	}
 	dome_placed_destroy(placed);
 	if (err)
 		return fault_say(fault, err, "%s: out of memory", p->settings->fisheye);
-	lamp_light_take(light, radiance, power);
-	lamp_light_destroy(light);
 	for (int l = 0; l < lamps->count; l++) {
 		const double *at = lamps->lamp[l].position;
 		double direction[3], angle;

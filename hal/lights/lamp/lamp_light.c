@@ -27,6 +27,8 @@ enum { DISC_POINTS = 64, TERMS = 3 };
  * the cells of a hexagonal net; this has some room. The surroundings are two rows of cells more. */
 #define SHARED 1.9
 #define AROUND 5.4
+/* So many tell their median well, and qsort() takes no memory for them. */
+#define AROUND_MOST 250
 
 struct lamp_cells {
 	int *cell; /* the lamp's, then those around it */
@@ -37,10 +39,12 @@ struct lamp_cells {
 };
 
 struct lamp_light {
+	const struct dome *dome; /* borrowed, as placed */
+	const struct dome_placed *placed;
 	int lamps;
-	double *solid_angle; /* [lights] */
 	struct lamp_cells cells[LAMPS_MAX];
-	float *sorted; /* [lights] */
+	int *owner; /* [lights]: the lamp that a cell belongs to; -1: none */
+	float sorted[AROUND_MOST];
 };
 
 /* How far a cell's node is from the disc of a lamp in a direction (unit), as a multiple of the
@@ -172,30 +176,31 @@ static void solve_terms(struct lamp_cells *cells)
 	}
 }
 
-static int list_cells(struct lamp_cells *cells, const struct dome *dome,
-		      const struct dome_placed *placed, const struct lamps *lamps, int lamp,
-		      const int *owner)
+static void list_cells(struct lamp_cells *cells, const struct dome *dome,
+		       const struct dome_placed *placed, const struct lamps *lamps, int lamp,
+		       const int *owner)
 {
-	const size_t n = (size_t)dome->count;
 	double direction[3], radius;
 
+	cells->own = cells->around = 0;
 	if (!lamp_light_seen(lamps, lamp, direction, &radius))
-		return 0;
-	cells->cell = calloc(n, sizeof(*cells->cell));
-	cells->share = calloc(n, sizeof(*cells->share));
-	cells->fitted = calloc(n, sizeof(*cells->fitted));
-	cells->excess = calloc(n, sizeof(*cells->excess));
-	if (!cells->cell || !cells->share || !cells->fitted || !cells->excess)
-		return -ENOMEM;
+		return;
 	for (int i = 0; i < dome->count; i++)
 		if (owner[i] == lamp)
 			cells->cell[cells->own++] = i;
+	memset(cells->share, 0, sizeof(*cells->share) * (size_t)cells->own);
 	add_shares(cells, dome, placed, direction, radius);
-	for (int i = 0; i < dome->count; i++)
+	for (int i = 0; i < dome->count && cells->around < AROUND_MOST; i++)
 		if (owner[i] < 0 && apart_from(dome, i, direction, radius) < AROUND)
 			cells->cell[cells->own + cells->around++] = i;
 	solve_terms(cells);
-	return 0;
+}
+
+void lamp_light_aim(struct lamp_light *light, const struct lamps *lamps)
+{
+	find_owners(light->dome, lamps, light->owner);
+	for (int l = 0; l < light->lamps; l++)
+		list_cells(&light->cells[l], light->dome, light->placed, lamps, l, light->owner);
 }
 
 int lamp_light_create(struct lamp_light **out, const struct dome *dome,
@@ -203,27 +208,32 @@ int lamp_light_create(struct lamp_light **out, const struct dome *dome,
 {
 	const size_t n = (size_t)dome->count;
 	struct lamp_light *light = calloc(1, sizeof(*light));
-	int *owner = calloc(n, sizeof(*owner)), ret = -ENOMEM;
+	bool whole;
 
 	*out = NULL;
-	if (light) {
-		light->lamps = lamps->count;
-		light->solid_angle = calloc(n, sizeof(*light->solid_angle));
-		light->sorted = calloc(n, sizeof(*light->sorted));
+	if (!light)
+		return -ENOMEM;
+	light->dome = dome;
+	light->placed = placed;
+	light->lamps = lamps->count;
+	light->owner = calloc(n, sizeof(*light->owner));
+	whole = light->owner;
+	for (int l = 0; l < lamps->count; l++) {
+		struct lamp_cells *cells = &light->cells[l];
+
+		cells->cell = calloc(n, sizeof(*cells->cell));
+		cells->share = calloc(n, sizeof(*cells->share));
+		cells->fitted = calloc(n, sizeof(*cells->fitted));
+		cells->excess = calloc(n, sizeof(*cells->excess));
+		whole = whole && cells->cell && cells->share && cells->fitted && cells->excess;
 	}
-	if (light && owner && light->solid_angle && light->sorted) {
-		memcpy(light->solid_angle, dome->solid_angle_sr, n * sizeof(*light->solid_angle));
-		find_owners(dome, lamps, owner);
-		ret = 0;
-	}
-	for (int l = 0; ret == 0 && l < lamps->count; l++)
-		ret = list_cells(&light->cells[l], dome, placed, lamps, l, owner);
-	free(owner);
-	if (ret < 0)
+	if (!whole) {
 		lamp_light_destroy(light);
-	else
-		*out = light;
-	return ret;
+		return -ENOMEM;
+	}
+	lamp_light_aim(light, lamps);
+	*out = light;
+	return 0;
 }
 
 void lamp_light_destroy(struct lamp_light *light)
@@ -236,8 +246,7 @@ void lamp_light_destroy(struct lamp_light *light)
 		free(light->cells[l].fitted);
 		free(light->cells[l].excess);
 	}
-	free(light->solid_angle);
-	free(light->sorted);
+	free(light->owner);
 	free(light);
 }
 
@@ -273,16 +282,16 @@ static double take_lamp(struct lamp_light *light, const struct lamp_cells *cells
 
 		cells->excess[k] = fmaxf(radiance[i][c] - around, 0);
 		for (int a = 0; a < TERMS; a++)
-			fit[a] += cells->fitted[k][a] * light->solid_angle[i] *
+			fit[a] += cells->fitted[k][a] * light->dome->solid_angle_sr[i] *
 				  (double)cells->excess[k];
 	}
 	for (int k = 0; k < cells->own; k++) {
 		const int i = cells->cell[k];
 		const double expected = MOST_OF_FIT * vec_dot(fit, cells->share[k]) /
-					light->solid_angle[i];
+					light->dome->solid_angle_sr[i];
 		const double taken = fmin(fmax(expected, 0), (double)cells->excess[k]);
 
-		power += light->solid_angle[i] * taken;
+		power += light->dome->solid_angle_sr[i] * taken;
 		radiance[i][c] -= (float)taken;
 	}
 	return power;

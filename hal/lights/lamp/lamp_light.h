@@ -24,10 +24,13 @@ bool lamp_light_seen(const struct lamps *lamps, int lamp, double direction[3], d
 
 struct lamp_light;
 
-/* placed NULL: a light is all that is in its cell. Neither it nor the dome is needed afterwards.
- * -ENOMEM. */
+/* placed NULL: a light is all that is in its cell. Both outlive it. -ENOMEM. */
 int lamp_light_create(struct lamp_light **light, const struct dome *dome,
 		      const struct dome_placed *placed, const struct lamps *lamps);
+
+/* Goes on with as many other lamps. Needs no memory. */
+void lamp_light_aim(struct lamp_light *light, const struct lamps *lamps);
+
 void lamp_light_destroy(struct lamp_light *light); /* NULL is harmless */
 
 /* radiance[lights]: changed as above. power[lamps]: P; 0 of a lamp below the fisheye's horizon. */
