@@ -35,8 +35,6 @@ static struct sampler_decode random_decode(struct chance *chance)
 	for (int i = 0; i < 256; i++) {
 		decode.value[i] = (int16_t)chance_int(chance, INT16_MIN, INT16_MAX);
 		decode.wide[i] = decode.value[i];
-		decode.low[i] = (uint8_t)(decode.value[i] & 255);
-		decode.high[i] = (uint8_t)(decode.value[i] >> 8 & 255);
 	}
 	decode.white = (uint8_t)(chance_int(chance, 0, 2) ? 255 : chance_int(chance, 1, 255));
 	return decode;
