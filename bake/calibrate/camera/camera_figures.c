@@ -285,13 +285,6 @@ static double object_disagreement(const struct camera_private *own)
 	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
 }
 
-double camera_axis_chance(const struct camera_private *own)
-{
-	const double sigma = fmax(own->fit.sigma, CAMERA_NOISE_LEAST);
-
-	return by_view_axis_chance(&own->fit.by_view, sigma * sigma, own->fit.freedom);
-}
-
 static void figures_of_points(struct finding *finding, const struct figure_errors *sum,
 			      double unit_mm)
 {
@@ -363,9 +356,6 @@ void camera_figures(struct camera_solution *solution)
 		finding_add(finding, "views_dispersion",
 			    "deviations by view over deviations by points, on average", "",
 			    own->fit.dispersion);
-		finding_add(finding, "axis_chance",
-			    "chance that the views disagree about the axis as much", "",
-			    camera_axis_chance(own));
 	}
 	finding_add(finding, "condition", "condition of the unknowns", "", own->fit.condition);
 	for (int i = 0; i < own->problem.count; i++)

@@ -117,8 +117,6 @@ bool camera_sees(const struct camera_private *own, const double world[3], double
  * it. */
 double camera_object_error(const struct camera_private *own, const double *covariance);
 
-/* by_view_axis_chance() of the solution. */
-double camera_axis_chance(const struct camera_private *own);
 
 /* Adds the figures to the finding: in px, in the scene and on the ground. */
 void camera_figures(struct camera_solution *solution);

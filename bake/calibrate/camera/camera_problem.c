@@ -300,32 +300,6 @@ static int problem_first(const void *context, int view)
 	return problem->first[view];
 }
 
-static const double *problem_place(const void *context, int group)
-{
-	const struct camera_problem *problem = context;
-
-	return problem->point[group].px;
-}
-
-static bool problem_normal(const void *context, const double *x, int view, double normal[3])
-{
-	const struct camera_problem *problem = context;
-	struct model_view turned;
-
-	model_turn(&turned, x + model_of_view(view));
-	mat_apply(turned.rotation, problem->shape[view].axes + 6, normal);
-	return problem_flat(problem, view);
-}
-
-static void problem_on_board(const void *context, int group, double at[2])
-{
-	const struct camera_problem *problem = context;
-	const int view = problem->point[group].view - problem->first_view;
-
-	for (int k = 0; k < 2; k++)
-		at[k] = vec_dot(problem->shape[view].axes + 3 * k, problem->place[group]);
-}
-
 int problem_descend(const struct camera_problem *problem, double *x, const bool *fixed,
 		    double loss_scale, struct least_squares_fit *fit, struct fault *fault)
 {
@@ -333,11 +307,7 @@ int problem_descend(const struct camera_problem *problem, double *x, const bool 
 	const struct by_view_layout layout = {.views = problem->views,
 					      .shared = MODEL_SHARED,
 					      .of_view = MODEL_OF_VIEW,
-					      .axis = MODEL_CENTRE_X,
-					      .first = problem_first,
-					      .place = problem_place,
-					      .normal = problem_normal,
-					      .on_board = problem_on_board};
+					      .first = problem_first};
 	struct least_squares_fit own;
 	char(*text)[PARAMETER_NAME_MAX] = calloc((size_t)n, sizeof(*text));
 	const char **name = calloc((size_t)n, sizeof(*name));

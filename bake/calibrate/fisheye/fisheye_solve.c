@@ -157,11 +157,6 @@ static int lens_first(const void *context, int view)
 	return view < seen->views ? seen->view[view].first : seen->count;
 }
 
-static const double *lens_place(const void *context, int group)
-{
-	return ((const struct lens_search *)context)->problem->seen->point[group].px;
-}
-
 /* Buffers of a search. */
 struct lens_scratch {
 	double *x, *scale;
@@ -228,9 +223,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 	const struct by_view_layout layout = {.views = solution->poses,
 					      .shared = OPTICS_COUNT,
 					      .of_view = LENS_POSE,
-					      .axis = OPTICS_CENTRE,
-					      .first = lens_first,
-					      .place = lens_place};
+					      .first = lens_first};
 	const struct least_squares least = {
 		.parameters = solution->parameters,
 		.residuals = 2 * lens_points(problem),
