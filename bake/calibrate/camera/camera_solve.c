@@ -287,48 +287,6 @@ static int try_other_tilt(struct camera_private *own, double *other)
 	return 0;
 }
 
-/* ---- halves ---- */
-
-/* Solves again with every second good point of each view. */
-static int solve_half(struct camera_private *own, int parity, bool *unused)
-{
-	const size_t n = (size_t)problem_unknowns(&own->problem);
-	struct camera_problem half = own->problem;
-	double *x = calloc(n, sizeof(*x));
-	int used = 0, wanted = 0, err;
-
-	if (!x)
-		return -ENOMEM;
-	for (int v = 0; v < half.views; v++)
-		for (int i = half.first[v]; i < half.first[v + 1]; i++) {
-			unused[i] = (i - half.first[v]) % 2 != parity || own->fit.weight[i] < 0.1;
-			used += !unused[i];
-		}
-	for (size_t k = 0; k < n; k++)
-		wanted += !own->fixed[k];
-	half.unused = unused;
-	memcpy(x, own->x, n * sizeof(*x));
-	err = 2 * used < wanted + 2 ? -ERANGE
-				    : problem_descend(&half, x, own->fixed, 0, NULL, NULL);
-	if (err) {
-		free(x);
-		return err == -ENOMEM ? err : 0;
-	}
-	own->half[parity] = x;
-	return 0;
-}
-
-static int solve_halves(struct camera_private *own)
-{
-	bool *unused = calloc((size_t)own->problem.count, sizeof(*unused));
-	int err = unused ? 0 : -ENOMEM;
-
-	for (int parity = 0; parity < 2 && !err; parity++)
-		err = solve_half(own, parity, unused);
-	free(unused);
-	return err;
-}
-
 /* ---- all of one lens model ---- */
 
 /* Solves from the first guess in x. */
@@ -473,7 +431,7 @@ static int choose_radial(struct camera_private *own)
 
 /* Guesses and solves, with one radial term or those that are given, then with as many as predict
  * best. */
-static int solve_all(struct camera_private *own)
+int camera_solve(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
 	struct camera_start start = {.known = known, .robust = own->task.robust};
@@ -496,14 +454,5 @@ static int solve_all(struct camera_private *own)
 		err = solve_guessed(own);
 	if (!err && finds_lens(own))
 		err = choose_radial(own);
-	return err;
-}
-
-int camera_solve(struct camera_private *own)
-{
-	int err = solve_all(own);
-
-	if (!err && !own->guess_error && !own->fit_error)
-		err = solve_halves(own);
 	return err;
 }

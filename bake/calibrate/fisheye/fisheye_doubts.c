@@ -166,11 +166,6 @@ void fisheye_doubt_circle(struct fisheye_result *result, double tolerance_px, co
 			&result->finding.verdict, remedy,
 			"the lens is known to %.2g px only (one standard deviation, at its worst in the image circle), not to %.2g",
 			errors.most_px, tolerance_px);
-	if (result->knowledge.halved && errors.halves_px > 6 * errors.most_px + tolerance_px)
-		verdict_doubt(
-			&result->finding.verdict, remedy,
-			"lenses from odd and from even points differ by %.2g px, far more than their residuals explain",
-			errors.halves_px);
 }
 
 void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *problem,

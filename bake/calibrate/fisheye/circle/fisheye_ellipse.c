@@ -103,33 +103,26 @@ int ellipse_search(const struct rim *rim, double ellipse[NUMBERS])
 	return best;
 }
 
-struct edges {
-	const struct rim *rim;
-	int first, step;
-};
-
 static bool ellipse_evaluate(void *context, const double *x, double *residual)
 {
-	const struct edges *edges = context;
+	const struct rim *rim = context;
 
 	if (!(x[AXES] > 1 && x[AXES + 1] > 1))
 		return false;
-	for (int n = edges->first, k = 0; n < edges->rim->count; n += edges->step, k++)
-		residual[k] = ellipse_distance(x, edges->rim->edge[n].px);
-
+	for (int n = 0; n < rim->count; n++)
+		residual[n] = ellipse_distance(x, rim->edge[n].px);
 	return true;
 }
 
-int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[NUMBERS],
-		struct least_squares_fit *found, struct fault *fault)
+static int ellipse_fit(const struct rim *rim, double ellipse[NUMBERS],
+		       struct least_squares_fit *found, struct fault *fault)
 {
 	static const double scale[NUMBERS] = {1, 1, 1, 1};
-	struct edges edges = {rim, first, step};
 	const struct least_squares problem = {
 		.parameters = NUMBERS,
-		.residuals = (rim->count - first + step - 1) / step,
+		.residuals = rim->count,
 		.evaluate = ellipse_evaluate,
-		.context = &edges,
+		.context = (void *)rim,
 		.scale = scale,
 		.loss_scale = LOSS_SCALE,
 		.group = 1,
@@ -165,7 +158,7 @@ static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], doubl
 		if (!ellipse_without(&part, rim, ellipse, k))
 			continue;
 		memcpy(moved[sectors], ellipse, sizeof(moved[sectors]));
-		err = ellipse_fit(&part, 0, 1, moved[sectors], &found, &ignored);
+		err = ellipse_fit(&part, moved[sectors], &found, &ignored);
 		least_squares_free(&found);
 		for (int i = 0; i < NUMBERS; i++)
 			mean[i] += moved[sectors][i];
@@ -186,7 +179,7 @@ static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], doubl
 int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_squares_fit *found,
 		  struct fault *fault)
 {
-	const int err = ellipse_fit(rim, 0, 1, ellipse, found, fault);
+	const int err = ellipse_fit(rim, ellipse, found, fault);
 	double covariance[NUMBERS * NUMBERS] = {0};
 
 	if (err)
