@@ -6,7 +6,7 @@
 
 #include "hal/image/image.h"
 
-/* As image_read_deep(). The first picture of a TIFF counts, and its orientation; its floats are
+/* As image_read_memory_deep(). The first picture of a TIFF counts, and its orientation; its floats are
  * linear light, also those of 16 bits. */
 int picture_file_read(const char *path, struct image *image, struct fault *fault);
 

@@ -351,11 +351,6 @@ const float *light_sampler_clipped(const struct light_sampler *s)
 	return s->clipped;
 }
 
-int light_sampler_unseen(const struct light_sampler *s)
-{
-	return s->placed ? s->table.unseen / DOME_PLACED_THIRDS : s->table.unseen;
-}
-
 void light_sampler_destroy(struct light_sampler *s)
 {
 	if (!s)
