@@ -10,7 +10,6 @@
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
-#define TRIAL_KAPPAS 10
 #define GUESS_POINTS 200 /* number of points that suffices to judge a guess */
 #define SAMPLES                                                                                    \
 	50 /* random samples of a robust guess: of 30 % outliers one is free of them with 98 % */
@@ -24,9 +23,8 @@ enum { COARSE = 15, FINE = 6 }; /* focal lengths tried */
 struct guesser {
 	const struct camera_problem *problem;
 	const struct camera_start *start;
-	double shared[MODEL_SHARED]; /* under trial */
-	int *chosen;		     /* [count]: indices of points, view after view */
-	int *chosen_first;	     /* [views + 1] */
+	int *chosen;	   /* [count]: indices of points, view after view */
+	int *chosen_first; /* [views + 1] */
 	/* These are of the chosen points; places are in units of their views' sizes. */
 	double (*place)[3], (*sensor)[2],
 		(*seen)[2];   /* sensor: without distortion; seen: in focal lengths */
@@ -68,12 +66,6 @@ static int guesser_create(struct guesser *g, const struct camera_problem *proble
 }
 
 /* ---- one guess ---- */
-
-/* Error below which a guess is good enough, px. */
-static double good_enough(const struct guesser *g)
-{
-	return 0.01 * g->problem->reach / g->problem->model.pixel[0];
-}
 
 /* Sum of the squared distances on the sensor from where a pose shows the chosen points; infinite
  * where one is behind the camera. */
@@ -127,9 +119,8 @@ static double find_poses(struct guesser *g, double focal, double *x)
 	return squares;
 }
 
-/* Computes a guess from the chosen points for one kappa1 (the known one, if it is known).
- * Returns 0; -ERANGE: the points do not determine one. */
-static int guess_from_chosen(struct guesser *g, double kappa, double *x)
+/* Computes a guess from the chosen points, by the kappas of the start. Returns 0; -ERANGE: the points do not determine one. */
+static int guess_from_chosen(struct guesser *g, double *x)
 {
 	const struct camera_start *start = g->start;
 	const struct camera_problem *problem = g->problem;
@@ -139,8 +130,6 @@ static int guess_from_chosen(struct guesser *g, double kappa, double *x)
 						8,   11,  16, 32,  64, 200, 1000};
 	double best = INFINITY, middle = 0;
 
-	memcpy(g->shared, start->shared, sizeof(g->shared));
-	g->shared[MODEL_KAPPA1] = kappa;
 	if (!start->known && g->chosen_first[problem->views] < FEWEST_POINTS)
 		return -ERANGE;
 	for (int c = 0; c < g->chosen_first[problem->views]; c++) {
@@ -150,11 +139,11 @@ static int guess_from_chosen(struct guesser *g, double kappa, double *x)
 			g->place[c][k] =
 				problem->place[i][k] /
 				problem->shape[problem->point[i].view - problem->first_view].size;
-		if (!model_straighten(&problem->model, g->shared, problem->point[i].px,
+		if (!model_straighten(&problem->model, start->shared, problem->point[i].px,
 				      g->sensor[c]))
 			return -ERANGE;
 	}
-	memcpy(g->trial, g->shared, sizeof(g->shared));
+	memcpy(g->trial, start->shared, sizeof(start->shared));
 	/* then between the best one and its neighbours, as an f that is far off may choose a
 	 * wrong tilt */
 	for (int k = 0; k < (start->known ? 1 : COARSE + FINE); k++) {
@@ -203,44 +192,15 @@ void camera_tilt(const struct camera_problem *problem, int view, const double *x
 	memcpy(tilted + MODEL_TRANSLATION, pose + MODEL_TRANSLATION, 3 * sizeof(*tilted));
 }
 
-/* Keeps the better of both tilts of a view, each after a descent of its pose. */
-static void choose_tilt(struct guesser *g, int view, double *x)
-{
-	bool shared_fixed[MODEL_GRADIENT] = {false};
-	const struct camera_problem one = problem_of_view(g->problem, view);
-	double best = INFINITY, kept[MODEL_OF_VIEW] = {0};
-
-	for (int k = 0; k < MODEL_SHARED; k++)
-		shared_fixed[k] = true;
-	for (int way = 0; way < 2; way++) {
-		double own[MODEL_GRADIENT], rms;
-
-		memcpy(own, x, MODEL_SHARED * sizeof(*own));
-		memcpy(own + MODEL_SHARED, x + model_of_view(view), MODEL_OF_VIEW * sizeof(*own));
-		if (way)
-			camera_tilt(g->problem, view, x, own + MODEL_SHARED);
-		if (problem_descend(&one, own, shared_fixed, g->start->robust ? CAMERA_LOSS : 0,
-				    NULL, NULL) == -EDOM)
-			continue;
-		rms = problem_rms(&one, own);
-		if (rms < best) {
-			best = rms;
-			memcpy(kept, own + MODEL_SHARED, sizeof(kept));
-		}
-	}
-	if (isfinite(best))
-		memcpy(x + model_of_view(view), kept, sizeof(kept));
-}
-
-/* Chooses every stride-th point of each view. */
-static void choose_every(struct guesser *g, int stride)
+/* Chooses all points of each view. */
+static void choose_every(struct guesser *g)
 {
 	const struct camera_problem *problem = g->problem;
 	int count = 0;
 
 	for (int v = 0; v < problem->views; v++) {
 		g->chosen_first[v] = count;
-		for (int i = problem->first[v]; i < problem->first[v + 1]; i += stride)
+		for (int i = problem->first[v]; i < problem->first[v + 1]; i++)
 			if (!problem->unused || !problem->unused[i])
 				g->chosen[count++] = i;
 	}
@@ -262,7 +222,7 @@ static void choose_some(struct guesser *g, unsigned long long *random)
 {
 	int count = 0;
 
-	choose_every(g, 1);
+	choose_every(g);
 	for (int v = 0; v < g->problem->views; v++) {
 		const int first = g->chosen_first[v], all = g->chosen_first[v + 1] - first;
 		const int take = all < SAMPLE_POINTS ? all : SAMPLE_POINTS;
@@ -310,82 +270,18 @@ static double median_error(struct guesser *g, const double *x)
 	return count ? g->error[count / 2] : INFINITY;
 }
 
-/* Returns a trial kappa1, which distorts the outermost point by a share of its radius. Below -4/27
- * that point has no image in the thesis's direction, which is cubic in the undistorted radius. */
-static double trial_kappa(const struct camera_problem *problem, int step)
-{
-	static const double of_reach[TRIAL_KAPPAS] = {0,     -0.05, 0.05,  -0.1, 0.12,
-						      -0.14, 0.3,   -0.25, 0.8,	 2};
-
-	return of_reach[step] / (problem->reach * problem->reach);
-}
-
-/* Tries steps of kappa1 with the chosen points until one is good enough; *best is the rms of the
- * best, infinite while there is none, and *kappa its kappa1. */
-static int try_steps(struct guesser *g, int from, int to, double *best, double *kappa, double *x)
-{
-	int err = -ERANGE;
-
-	for (int step = from; step < to && !(*best < good_enough(g)); step++) {
-		const double trial = g->start->known ? g->start->shared[MODEL_KAPPA1]
-						     : trial_kappa(g->problem, step);
-		double rms;
-
-		err = guess_from_chosen(g, trial, g->best);
-		if (err)
-			continue;
-		rms = problem_rms(g->problem, g->best);
-		if (isinf(*best) || rms < *best) {
-			*best = isfinite(rms) ? rms : 1e300;
-			*kappa = trial;
-			memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
-		}
-	}
-	return isfinite(*best) ? 0 : err;
-}
-
-/* Tries kappa1 = 0 (or the known one) with all points, then others with some of the points, and the
- * best of these with all points again. */
-static int try_kappas(struct guesser *g, double *x)
-{
-	double best = INFINITY, first, kappa = 0;
-	int err, more;
-
-	choose_every(g, 1);
-	err = try_steps(g, 0, 1, &best, &kappa, x);
-	if (err == -ENOMEM || g->start->known || best < good_enough(g))
-		return err;
-	first = best;
-	choose_every(g, 1 + g->problem->count / g->problem->views / GUESS_POINTS);
-	more = try_steps(g, 1, TRIAL_KAPPAS, &best, &kappa, x);
-	if (more == -ENOMEM || !(best < first))
-		return more == -ENOMEM ? more : err;
-	choose_every(g, 1);
-	more = guess_from_chosen(g, kappa, g->best);
-	if (!more && problem_rms(g->problem, g->best) < best)
-		memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
-	return more == -ENOMEM ? more : 0;
-}
-
-static int try_samples(struct guesser *g, double *x)
+/* Improves on a guess from all points, of which err tells whether there is one, by random samples:
+ * the least median error counts. */
+static int try_samples(struct guesser *g, int err, double *x)
 {
 	unsigned long long random = 1;
-	double best = INFINITY;
-	int err = try_kappas(g, x);
+	double best = err ? INFINITY : median_error(g, x);
 
-	if (err == -ENOMEM)
-		return err;
-	if (!err)
-		best = median_error(g, x);
 	for (int k = 0; k < SAMPLES; k++) {
 		double median;
-		int bad;
 
 		choose_some(g, &random);
-		bad = guess_from_chosen(g, g->start->shared[MODEL_KAPPA1], g->best);
-		if (bad == -ENOMEM)
-			return bad;
-		if (bad)
+		if (guess_from_chosen(g, g->best))
 			continue;
 		median = median_error(g, g->best);
 		if (median < best) {
@@ -404,11 +300,10 @@ int camera_guess(const struct camera_problem *problem, const struct camera_start
 
 	if (err)
 		return err;
-	err = start->robust ? try_samples(&g, x) : try_kappas(&g, x);
-	for (int v = 0; v < problem->views && !err; v++)
-		if (problem_flat(problem, v) && (problem->views > 1 || start->known) &&
-		    problem->first[v + 1] > problem->first[v])
-			choose_tilt(&g, v, x);
+	choose_every(&g);
+	err = guess_from_chosen(&g, x);
+	if (start->robust)
+		err = try_samples(&g, err, x);
 	guesser_free(&g);
 	return err;
 }
