@@ -119,7 +119,8 @@ static double find_poses(struct guesser *g, double focal, double *x)
 	return squares;
 }
 
-/* Computes a guess from the chosen points, by the kappas of the start. Returns 0; -ERANGE: the points do not determine one. */
+/* Computes a guess from the chosen points, by the kappas of the start. Returns 0; -ERANGE: the
+ * points do not determine one. */
 static int guess_from_chosen(struct guesser *g, double *x)
 {
 	const struct camera_start *start = g->start;

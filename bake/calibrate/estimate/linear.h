@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Small dense linear systems by singular values (LAPACK). Matrices are column-major, a[column][row];
- * the functions overwrite them.
+ * Small dense linear systems by singular values (LAPACK). Matrices are column-major,
+ * a[column][row]; the functions overwrite them.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H

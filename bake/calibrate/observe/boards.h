@@ -62,9 +62,10 @@ void board_point(const struct board *board, int k, double world[3]);
 
 /*
  * A chessboard whose numbers of corners are both odd or both even (not 9x6) looks the same after a
- * half turn. board_find() then assumes that its rows run to the right in the picture. That is enough
- * for a lens, but the world is off by a half turn if the board lies the other way round.
+ * half turn. board_find() then assumes that its rows run to the right in the picture. That is
+ * enough for a lens, but the world is off by a half turn if the board lies the other way round.
  */
+
 /* Whether the board is black at a place in its own axes; else paper. */
 bool board_ink(const struct board *board, double x_mm, double y_mm);
 
