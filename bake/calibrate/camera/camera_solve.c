@@ -347,7 +347,7 @@ static int choose_radial(struct camera_private *own)
 int camera_solve(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
-	struct camera_start start = {.known = known, .robust = own->task.robust};
+	struct camera_start start = {.known = known};
 	int err = 0;
 
 	own->other_tilt = INFINITY;
