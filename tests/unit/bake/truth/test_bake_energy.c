@@ -83,6 +83,25 @@ TEST("polished furnace")
 	check_furnace("polished", 0.01, 0.003);
 }
 
+/* What mirrors the sky live came out of T, and only that. */
+TEST("mirror furnace")
+{
+	static const char *const roughness[] = {"0", "0.1", "0.2"};
+
+	small_scene_write_sphere("ball.obj", 0.8, 32);
+	for (size_t k = 0; k < 3; k++) {
+		small_scene_write(
+			"furnace.ini",
+			VIEW "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+			     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+			     "up = z\nmaterial = metal\nstand = yes\n[material white]\n"
+			     "colour = 1 1 1\n[material metal]\nkind = glossy\ncolour = 0 0 0\n"
+			     "specular = 1 1 1\nroughness = %s\n",
+			roughness[k]);
+		check_furnace(roughness[k], 0.01, 0.003);
+	}
+}
+
 TEST("glass furnace")
 {
 	small_scene_write_sphere("ball.obj", 0.8, 32);
