@@ -77,8 +77,7 @@ static int read_lights(struct report_bake *bake, struct report_stage *stage,
 	return err ? fault_say(fault, err, "the lights cannot be read: %s", strerror(-err)) : 0;
 }
 
-static int make_radiance(struct report_bake *bake, struct report_stage *stage,
-			 struct fault *fault)
+static int make_radiance(struct report_bake *bake, struct report_stage *stage, struct fault *fault)
 {
 	struct dome dome;
 	int err = lightings_dome(&dome, &bake->basis, fault);

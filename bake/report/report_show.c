@@ -42,9 +42,10 @@ static void describe_use(struct report *r)
 		1e6 * used->ms.median / (double)(r->scope.objects + r->scope.shadows),
 		basis_mb(used), rms);
 	if (mirrored)
-		report_paragraph(r->page.body,
-				 "In %.0f %% of its pixels the object mirrors the fisheye's picture.",
-				 100.0 * (double)mirrored / (double)r->scope.objects);
+		report_paragraph(
+			r->page.body,
+			"In %.0f %% of its pixels the object mirrors the fisheye's picture.",
+			100.0 * (double)mirrored / (double)r->scope.objects);
 	report_paragraph(
 		r->page.body,
 		"Of that error %.2g levels are noise of %d samples a pixel. Noise falls with the "

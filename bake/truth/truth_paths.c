@@ -6,8 +6,8 @@
 
 /* ---- scattering ---- */
 
-/* Probability of sampling a glossy surface by its coat. A metal has nothing else: each sample of its
- * black base would be lost, and its picture noisy. */
+/* Probability of sampling a glossy surface by its coat. A metal has nothing else: each sample of
+ * its black base would be lost, and its picture noisy. */
 static float coat_chance(const struct bsdf *bsdf)
 {
 	return rgb_peak(bsdf->colour) > 0 ? 0.5f : 1;
