@@ -46,6 +46,7 @@ struct pipeline_mirror {
 	bool seen, due; /* a picture has been taken; the map has to be filled from it */
 	struct mirror_eye eye;
 	struct mirror_map map;
+	int limit[3]; /* poses and first level that the map is limited to */
 	float (*measured)[3]; /* [basis lights]: light of the picture taken, placed */
 	float *clipped;	      /* [basis lights]: its clipped shares, placed */
 	double (*more)[3];    /* [basis lights]: to add to clipped pixels; or lights */
