@@ -17,8 +17,8 @@ int pipeline_mirror_prepare(struct pipeline *p, struct fault *fault)
 	if (!m->on)
 		return 0;
 	m->limit[0] = -1;
-	m->measured = calloc(lights * EXPOSURES_PARTS, sizeof(*m->measured));
-	m->clipped = calloc(lights * EXPOSURES_PARTS, sizeof(*m->clipped));
+	m->measured = calloc(lights, sizeof(*m->measured));
+	m->clipped = calloc(lights, sizeof(*m->clipped));
 	m->more = calloc(lights, sizeof(*m->more));
 	if (!m->measured || !m->clipped || !m->more)
 		return fault_say(fault, -ENOMEM, "not enough memory for mirrors");
@@ -44,19 +44,18 @@ void pipeline_mirror_given(struct pipeline *p)
 int pipeline_mirror_take(struct pipeline *p, const struct frame_reader *frame,
 			 const struct image *linear)
 {
+	const size_t lights = p->basis->info.lights;
 	struct pipeline_mirror *m = &p->mirror;
-	int err = 0;
+	int err;
 
-	if (!m->on || p->light.exposure > 0)
+	if (!m->on || (linear && p->light.exposure > 0))
 		return 0;
-	if (linear)
-		err = mirror_eye_take_linear(&m->eye, linear);
-	else
-		mirror_eye_take(&m->eye, frame);
-	light_sampler_place(p->light.sampler, light_sampler_measured(p->light.sampler),
-			    m->measured);
-	light_sampler_place_shares(p->light.sampler, light_sampler_clipped(p->light.sampler),
-				   m->clipped);
+	err = linear ? mirror_eye_take_linear(&m->eye, linear)
+		     : mirror_eye_take(&m->eye, frame, p->light.exposure);
+	if (p->light.exposure > 0)
+		return err;
+	memcpy(m->measured, p->light.radiance, lights * sizeof(*m->measured));
+	memcpy(m->clipped, p->light.left, lights * sizeof(*m->clipped));
 	m->seen = m->due = !err;
 	return err;
 }
@@ -82,7 +81,7 @@ static void fill_colours(const struct pipeline_settings *settings, double colour
 	}
 }
 
-/* What the light has above the picture is what its clipped pixels lack. */
+/* What the light has above the pictures is what pixels lack that clip in all of them. */
 static void fill_clipped(const struct pipeline *p)
 {
 	const struct pipeline_mirror *m = &p->mirror;
@@ -114,7 +113,8 @@ void pipeline_mirror_show(struct pipeline *p)
 {
 	static const double none[3] = {0, 0, 0};
 	struct pipeline_mirror *m = &p->mirror;
-	struct mirror_colours colours = {.clipped = (const double(*)[3])m->more};
+	struct mirror_colours colours = {.ratio = p->settings.exposure,
+					 .clipped = (const double(*)[3])m->more};
 
 	if (!m->on)
 		return;

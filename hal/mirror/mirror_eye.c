@@ -88,8 +88,7 @@ int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int w
 	eye->taps = side * side;
 	eye->tap = malloc(texels * (size_t)eye->taps * sizeof(*eye->tap));
 	eye->brighter = malloc(texels * sizeof(*eye->brighter));
-	eye->code = calloc((size_t)width * (size_t)height, sizeof(*eye->code));
-	if (!eye->tap || !eye->brighter || !eye->code) {
+	if (!eye->tap || !eye->brighter) {
 		mirror_eye_free(eye);
 		return -ENOMEM;
 	}
@@ -102,23 +101,32 @@ void mirror_eye_free(struct mirror_eye *eye)
 {
 	free(eye->tap);
 	free(eye->brighter);
-	free(eye->code);
+	for (int k = 0; k < EXPOSURES_MAX; k++)
+		free(eye->code[k]);
 	free(eye->linear);
 	*eye = (struct mirror_eye){.width = 0};
 }
 
 /* ---- pictures ---- */
 
-void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame)
+int mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame, int exposure)
 {
+	const size_t width = (size_t)eye->width;
+	uint32_t **code = &eye->code[exposure];
+
+	if (!*code)
+		*code = malloc(width * (size_t)eye->height * sizeof(**code));
+	if (!*code)
+		return -ENOMEM;
 	eye->is_linear = false;
 	for (int y = 0; y < eye->height; y++) {
-		uint32_t *to = eye->code + (size_t)y * (size_t)eye->width;
+		uint32_t *to = *code + (size_t)y * width;
 		const uint32_t *row = frame_reader_row(frame, 0, y, eye->width, to);
 
 		if (row != to)
-			memcpy(to, row, (size_t)eye->width * sizeof(*to));
+			memcpy(to, row, width * sizeof(*to));
 	}
+	return 0;
 }
 
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture)
@@ -157,31 +165,44 @@ static void fill_light(struct mirror_filling *f)
 	}
 }
 
+/* Light of a pixel; the last is above 0 where it clips. */
+static inline mirror_light read_code(const struct mirror_filling *f, uint32_t code)
+{
+	return (f->light[0][code >> 16 & 255] + f->light[1][code >> 8 & 255]) +
+	       f->light[2][code & 255];
+}
+
 /* Sums what a texel is read at. */
 static inline mirror_light read_codes(const struct mirror_filling *f, const uint32_t *tap, int taps)
 {
 	mirror_light sum = {0, 0, 0, 0};
 
-	for (int k = 0; k < taps; k++) {
-		const uint32_t code = f->eye->code[tap[k]];
-
-		sum += (f->light[0][code >> 16 & 255] + f->light[1][code >> 8 & 255]) +
-		       f->light[2][code & 255];
-	}
+	for (int k = 0; k < taps; k++)
+		sum += read_code(f, f->eye->code[0][tap[k]]);
 	return sum;
 }
 
-static int count_clipped(const struct mirror_eye *eye, const uint32_t *tap)
+/* The same where pixels clip: of each, the longest exposure in which it does not, and at least what
+ * the first one has; in the last the number of those that clip in all. */
+static mirror_light read_clipped(const struct mirror_filling *f, const uint32_t *tap)
 {
-	int clipped = 0;
+	mirror_light sum = {0, 0, 0, 0};
 
-	for (int k = 0; k < eye->taps; k++) {
-		const uint32_t code = eye->code[tap[k]];
+	for (int k = 0; k < f->eye->taps; k++) {
+		const mirror_light first = read_code(f, f->eye->code[0][tap[k]]);
+		mirror_light light = first;
 
-		clipped += (code >> 16 & 255) == 255 || (code >> 8 & 255) == 255 ||
-			   (code & 255) == 255;
+		for (int n = 1; n < EXPOSURES_MAX && f->eye->code[n] && light[3] > 0; n++) {
+			const mirror_light own = read_code(f, f->eye->code[n][tap[k]]);
+
+			for (int c = 0; c < 3; c++)
+				light[c] = fmaxf(own[c] / (float)f->colours->ratio[n], first[c]);
+			light[3] = own[3];
+		}
+		light[3] = light[3] > 0;
+		sum += light;
 	}
-	return clipped;
+	return sum;
 }
 
 static mirror_light read_linear(const struct mirror_filling *f, const uint32_t *tap)
@@ -225,18 +246,18 @@ static void fill_row(const struct mirror_filling *f, int y)
 		const int at = y * (BASIS_MIRROR_SIDE >> eye->level) + x;
 		const uint32_t *tap = eye->tap + (size_t)at * (size_t)eye->taps;
 		const mirror_light seen = read_texel(f, tap);
-		mirror_light light = clamp_colours(seen * eye->brighter[at]);
+		mirror_light light = seen * eye->brighter[at];
 
-		if (seen[3] > 0 && !eye->is_linear) {
+		if (seen[3] > 0) {
 			const double *more =
 				f->colours->clipped[mirror_cell(f->map, eye->level, x, y)];
+			const mirror_light whole = read_clipped(f, tap);
 
-			light = clamp_colours(
-				light +
-				(mirror_light){(float)more[0], (float)more[1], (float)more[2], 0} *
-					((float)count_clipped(eye, tap) / (float)eye->taps));
+			light = whole * eye->brighter[at];
+			for (int c = 0; c < 3; c++)
+				light[c] += (float)more[c] * whole[3] / (float)eye->taps;
 		}
-		row[x] = light;
+		row[x] = clamp_colours(light);
 	}
 }
 

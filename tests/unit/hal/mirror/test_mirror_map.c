@@ -324,7 +324,7 @@ TEST("shows the picture where it is, and all of its light")
 	for (int code = 0; code < 256; code++)
 		light.decode[code] = transfer_decode(TRANSFER_SRGB, code / 255.0);
 	assert_int_equal(mirror_eye_prepare(&eye, &lens, SIDE, SIDE), 0);
-	mirror_eye_take(&eye, &reader);
+	assert_int_equal(mirror_eye_take(&eye, &reader, 0), 0);
 	light.clipped = (const double(*)[3])more;
 	mirror_eye_fill(&eye, &light, NULL, &sky.map);
 	for (int i = 0; i < sky.dome.count; i++)
