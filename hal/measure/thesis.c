@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "hal/base/log.h"
+
 struct thesis {
 	const struct basis *basis;
 	const struct basis_layer *layer;
@@ -231,6 +233,9 @@ int thesis_create(struct thesis **thesis, const struct basis *basis,
 	err = allocate_rows(t, fault);
 	if (err)
 		goto failed;
+	if (basis->poses[0].mirror_count || basis->poses[0].glass_count)
+		log_warning(
+			"the thesis's way has no glass and no mirrors: what they show is black in it (reflect = cells puts mirrors into the lights)");
 	err = thesis_quantise(t, pool);
 	if (err) {
 		fault_say(fault, err, "not enough memory for %d lights", t->lights);

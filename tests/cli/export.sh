@@ -153,6 +153,8 @@ check "one that is missing" pretend
 equal "is made alone" "oconv 1 pcomb 1 pfilt 2 rtrace 2" "$(sort asked | uniq -c | awk '{ print $2, $1 }' | xargs)"
 
 # ---- what does not go together ----
+"$bake" render --quiet --no-preview --samples 2 pane.scene -o pane.inlay || exit 1
+exits "glass in the thesis's format" 0 "no glass and no mirrors" pane.inlay --msi pane.msi
 exits "nothing to do" 2 "expected --msi OUT.msi, --radiance DIR or --blender DIR" bent.scene
 exits "two at once" 2 "one of --msi" bent.scene --radiance a --blender b
 exits "a size of a basis" 2 "not of --msi" bent.scene --msi no.msi --size 3x3
