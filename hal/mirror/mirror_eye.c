@@ -19,6 +19,10 @@
 
 #define FILL_ROWS 32 /* of texels that a thread fills at a time */
 
+/* Texels ahead of that which is filled whose pixels are fetched: their order is the sky's, which
+ * the processor does not foresee. */
+#define FETCH_AHEAD 24
+
 /* ---- where a texel is in the picture ---- */
 
 /* Whether the middle of a pixel is in the lens's field, and above the horizon. */
@@ -31,12 +35,16 @@ static bool is_sky(const struct fisheye *lens, const struct mirror_eye *eye, int
 	       fisheye_ray(lens, middle, d) && d[2] >= 0;
 }
 
+/* Finds the pixel that shows a direction, and the lens's falloff there; 1 beside its field. */
 static uint32_t find_pixel(const struct mirror_eye *eye, const struct fisheye *lens,
-			   const double d[3])
+			   const double d[3], double *falloff)
 {
 	double at[2], step[2], length;
 
-	if (!fisheye_project(lens, d, at))
+	*falloff = 1;
+	if (fisheye_project(lens, d, at))
+		*falloff = fisheye_falloff(lens, at);
+	else
 		memcpy(at, lens->centre_px, sizeof(at));
 	for (int k = 0; k < 2; k++)
 		step[k] = lens->centre_px[k] - at[k];
@@ -60,12 +68,12 @@ static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int t
 	for (int k = 0; k < side * side; k++) {
 		const double place[2] = {(x + (k % side + 0.5) / side) / across,
 					 (y + (double)(k / side * 2 + 1) / (2 * side)) / across};
-		double d[3], at[2];
+		double d[3], falloff;
 
 		sky_square_direction(place, d);
-		eye->tap[(size_t)texel * (size_t)(side * side) + (size_t)k] = find_pixel(eye, lens,
-											 d);
-		dimmed += fisheye_project(lens, d, at) ? fisheye_falloff(lens, at) : 1;
+		eye->tap[(size_t)texel * (size_t)(side * side) + (size_t)k] =
+			find_pixel(eye, lens, d, &falloff);
+		dimmed += falloff;
 	}
 	eye->brighter[texel] = (float)(1 / fmax(dimmed, 1e-3));
 }
@@ -86,7 +94,7 @@ int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int w
 	eye->width = width;
 	eye->height = height;
 	eye->taps = side * side;
-	eye->tap = malloc(texels * (size_t)eye->taps * sizeof(*eye->tap));
+	eye->tap = calloc((texels + FETCH_AHEAD) * (size_t)eye->taps, sizeof(*eye->tap));
 	eye->brighter = malloc(texels * sizeof(*eye->brighter));
 	if (!eye->tap || !eye->brighter) {
 		mirror_eye_free(eye);
@@ -220,10 +228,15 @@ static mirror_light read_linear(const struct mirror_filling *f, const uint32_t *
 
 static inline mirror_light read_texel(const struct mirror_filling *f, const uint32_t *tap)
 {
+	const int taps = f->eye->taps;
+	const uint32_t *code = f->eye->code[0], *ahead = tap + FETCH_AHEAD * taps;
+
 	if (f->eye->is_linear)
 		return read_linear(f, tap);
-	return f->eye->taps == TAPS_LEAST * TAPS_LEAST ? read_codes(f, tap, TAPS_LEAST * TAPS_LEAST)
-						       : read_codes(f, tap, f->eye->taps);
+	__builtin_prefetch(&code[ahead[0]]);
+	__builtin_prefetch(&code[ahead[taps / 2]]);
+	return taps == TAPS_LEAST * TAPS_LEAST ? read_codes(f, tap, TAPS_LEAST * TAPS_LEAST)
+					       : read_codes(f, tap, taps);
 }
 
 /* mirror_clamp() of each. */
