@@ -160,8 +160,6 @@ struct mirror_filling {
 	mirror_light light[3][256];
 };
 
-typedef int32_t sum_of_codes __attribute__((vector_size(16)));
-
 static void fill_light(struct mirror_filling *f)
 {
 	for (int k = 0; k < 9; k++)
@@ -239,16 +237,6 @@ static inline mirror_light read_texel(const struct mirror_filling *f, const uint
 					       : read_codes(f, tap, taps);
 }
 
-/* mirror_clamp() of each. */
-static inline mirror_light clamp_colours(mirror_light light)
-{
-	const sum_of_codes least = (sum_of_codes)light & (light > 0);
-	const sum_of_codes below = (mirror_light)least < MIRROR_MOST;
-	const mirror_light most = {MIRROR_MOST, MIRROR_MOST, MIRROR_MOST, MIRROR_MOST};
-
-	return (mirror_light)((least & below) | ((sum_of_codes)most & ~below));
-}
-
 static void fill_row(const struct mirror_filling *f, int y)
 {
 	const struct mirror_eye *eye = f->eye;
@@ -270,7 +258,7 @@ static void fill_row(const struct mirror_filling *f, int y)
 			for (int c = 0; c < 3; c++)
 				light[c] += (float)more[c] * whole[3] / (float)eye->taps;
 		}
-		row[x] = clamp_colours(light);
+		row[x] = mirror_clamp(light);
 	}
 }
 

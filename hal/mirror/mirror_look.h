@@ -31,20 +31,12 @@ int mirror_look_places(const struct basis_mirror *mirror, int least, struct mirr
 void mirror_look_aim(struct mirror_look *look, const struct basis_mirror *mirror, int least);
 
 typedef uint16_t mirror_codes __attribute__((vector_size(16)));
-typedef int32_t mirror_integers __attribute__((vector_size(16)));
 
-/* Four of eight codes as floats. */
-static inline mirror_light mirror_first(mirror_codes c)
+/* The first four codes as floats. */
+static inline mirror_light mirror_floats(mirror_codes c)
 {
 	return __builtin_convertvector(
 		(mirror_integers)__builtin_shufflevector(c, c ^ c, 0, 8, 1, 9, 2, 10, 3, 11),
-		mirror_light);
-}
-
-static inline mirror_light mirror_last(mirror_codes c)
-{
-	return __builtin_convertvector(
-		(mirror_integers)__builtin_shufflevector(c, c ^ c, 4, 12, 5, 13, 6, 14, 7, 15),
 		mirror_light);
 }
 
@@ -58,31 +50,32 @@ static inline mirror_light mirror_weigh(const mirror_light *texel, mirror_light 
 		below[1] * __builtin_shufflevector(w, w, 3, 3, 3, 3));
 }
 
+static inline const mirror_light *mirror_look_at(const struct mirror_map *map, uint32_t bytes)
+{
+	return (const mirror_light *)((const char *)map->texel + bytes);
+}
+
+/* Fetches what a look-up will read in its finer level: maps are larger than the nearest caches. */
+static inline void mirror_look_fetch(const struct mirror_map *map, const struct mirror_look *look)
+{
+	const mirror_light *texel = mirror_look_at(map, look->at[0]);
+
+	__builtin_prefetch(texel);
+	__builtin_prefetch(texel + MIRROR_STRIDE);
+}
+
 /* Returns throughput times light, 65535 * MIRROR_LOOK_ONE = 1. The last is of no use. */
 static inline mirror_light mirror_look_read(const struct mirror_map *map,
 					    const struct mirror_look *look)
 {
-	const char *texel = (const char *)map->texel;
 	mirror_codes upper, lower;
 
 	/* Loads of eight codes each: of four, the compiler makes many. */
 	memcpy(&upper, look->weight, sizeof(upper));
 	memcpy(&lower, look->weight + 4, sizeof(lower));
-	return (mirror_weigh((const mirror_light *)(texel + look->at[0]), mirror_first(upper)) +
-		mirror_weigh((const mirror_light *)(texel + look->at[1]), mirror_first(lower))) *
-	       mirror_last(lower);
-}
-
-/* Fetches what a look-up will read: maps are larger than the processor's nearest caches. */
-static inline void mirror_look_fetch(const struct mirror_map *map, const struct mirror_look *look)
-{
-	for (int k = 0; k < 2; k++) {
-		const mirror_light *texel =
-			(const mirror_light *)((const char *)map->texel + look->at[k]);
-
-		__builtin_prefetch(texel);
-		__builtin_prefetch(texel + MIRROR_STRIDE);
-	}
+	return (mirror_weigh(mirror_look_at(map, look->at[0]), mirror_floats(upper)) +
+		mirror_weigh(mirror_look_at(map, look->at[1]), mirror_floats(lower))) *
+	       mirror_floats(__builtin_shufflevector(lower, lower, 4, 5, 6, 7, 4, 5, 6, 7));
 }
 
 #endif

@@ -178,11 +178,13 @@ void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const 
 		const struct mirror_span span = mirror_spans(map, map->least)[y];
 		mirror_light *row = mirror_texels(map, map->least) + y * MIRROR_STRIDE;
 
-		for (int x = span.first; x < span.end; x++)
+		for (int x = span.first; x < span.end; x++) {
+			const double *light = radiance[mirror_cell(map, map->least, x, y)];
+
 			for (int c = 0; c < 3; c++)
-				row[x][c] = mirror_clamp(
-					(float)(radiance[mirror_cell(map, map->least, x, y)][c] +
-						more[c]));
+				row[x][c] = (float)(light[c] + more[c]);
+			row[x] = mirror_clamp(row[x]);
+		}
 	}
 	mirror_map_finish(map);
 }

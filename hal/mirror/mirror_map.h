@@ -25,6 +25,7 @@
 
 /* R, G, B; the last is 0. The processor adds all four at once. */
 typedef float mirror_light __attribute__((vector_size(16)));
+typedef int32_t mirror_integers __attribute__((vector_size(16)));
 
 /* Texels first..end - 1 of a row. */
 struct mirror_span {
@@ -86,10 +87,13 @@ static inline int mirror_cell(const struct mirror_map *map, int level, int x, in
 }
 
 /* Brings light to what a texel may hold; what is no number becomes 0. */
-static inline float mirror_clamp(float light)
+static inline mirror_light mirror_clamp(mirror_light light)
 {
-	light = light > 0 ? light : 0;
-	return light < MIRROR_MOST ? light : MIRROR_MOST;
+	const mirror_integers least = (mirror_integers)light & (light > 0);
+	const mirror_integers below = (mirror_light)least < MIRROR_MOST;
+	const mirror_light most = {MIRROR_MOST, MIRROR_MOST, MIRROR_MOST, MIRROR_MOST};
+
+	return (mirror_light)((least & below) | ((mirror_integers)most & ~below));
 }
 
 #endif
