@@ -46,7 +46,7 @@ struct pipeline_mirror {
 	bool seen, due; /* a picture has been taken; the map has to be filled from it */
 	struct mirror_eye eye;
 	struct mirror_map map;
-	int limit[3]; /* poses and first level that the map is limited to */
+	int limit[3];	      /* poses and first level that the map is limited to */
 	float (*measured)[3]; /* [basis lights]: light when the picture was taken */
 	float *clipped;	      /* [basis lights]: shares that clipped in all exposures then */
 	double (*more)[3];    /* [basis lights]: to add to clipped pixels; or lights */

@@ -42,8 +42,8 @@ void mirror_eye_free(struct mirror_eye *eye); /* idempotent; zeroed is fine */
 int mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame, int exposure);
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture);
 
-/* Fills the map from the first exposure's last picture, and what clips in it from shorter ones'. The
- * pool may be NULL. */
+/* Fills the map from the first exposure's last picture, and what clips in it from the shorter ones.
+ * The pool may be NULL. */
 void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
 		     struct pool *pool, struct mirror_map *map);
 
