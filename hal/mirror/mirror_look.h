@@ -72,7 +72,7 @@ static inline mirror_light mirror_look_read(const struct mirror_map *map,
 
 	/* Loads of eight codes each: of four, the compiler makes many. */
 	memcpy(&upper, look->weight, sizeof(upper));
-	memcpy(&lower, look->weight + 4, sizeof(lower));
+	memcpy(&lower, (const char *)look + offsetof(struct mirror_look, weight[4]), sizeof(lower));
 	return (mirror_weigh(mirror_look_at(map, look->at[0]), mirror_floats(upper)) +
 		mirror_weigh(mirror_look_at(map, look->at[1]), mirror_floats(lower))) *
 	       mirror_floats(__builtin_shufflevector(lower, lower, 4, 5, 6, 7, 4, 5, 6, 7));
