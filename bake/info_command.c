@@ -97,11 +97,7 @@ static void summary_add_pose(struct summary *s, const struct basis *basis,
 		s->covered += pose->coverage[i] > 0;
 	s->seen_through += (long)pose->glass_count;
 	s->look_ups += (long)pose->mirror_count;
-	for (size_t i = 0; i < pose->mirror_count; i++) {
-		const struct basis_mirror *m = &pose->mirror[i];
-
-		s->mirrored += !i || m->x != m[-1].x || m->y != m[-1].y;
-	}
+	s->mirrored += basis_pose_mirrored(pose);
 }
 
 /* Loads one pose after the other, so that only one is in memory at a time. */

@@ -109,6 +109,7 @@ HAL_SOURCES := \
 	hal/measure/unpacked.c \
 	hal/options/options.c \
 	hal/mirror/mirror_eye.c \
+	hal/mirror/mirror_look.c \
 	hal/mirror/mirror_map.c \
 	hal/optics/distortion.c \
 	hal/optics/dome.c \

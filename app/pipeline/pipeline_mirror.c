@@ -16,8 +16,9 @@ int pipeline_mirror_prepare(struct pipeline *p, struct fault *fault)
 		m->on |= p->basis->poses[pose].mirror_count > 0;
 	if (!m->on)
 		return 0;
-	m->measured = calloc(lights * EXPOSURES_PARTS, sizeof(*m->measured));
-	m->clipped = calloc(lights * EXPOSURES_PARTS, sizeof(*m->clipped));
+	m->limit[0] = -1;
+	m->measured = calloc(lights, sizeof(*m->measured));
+	m->clipped = calloc(lights, sizeof(*m->clipped));
 	m->more = calloc(lights, sizeof(*m->more));
 	if (!m->measured || !m->clipped || !m->more)
 		return fault_say(fault, -ENOMEM, "not enough memory for mirrors");
@@ -40,32 +41,21 @@ void pipeline_mirror_given(struct pipeline *p)
 	p->mirror.due = true;
 }
 
-static void fill_decode(const struct transfer_curve *curve, uint16_t decode[256])
-{
-	for (int code = 0; code < 256; code++)
-		decode[code] = (uint16_t)lrint(
-			65535 * fmin(fmax(transfer_curve_decode(curve, code / 255.0), 0), 1));
-}
-
 int pipeline_mirror_take(struct pipeline *p, const struct frame_reader *frame,
 			 const struct image *linear)
 {
+	const size_t lights = p->basis->info.lights;
 	struct pipeline_mirror *m = &p->mirror;
-	uint16_t decode[256];
-	int err = 0;
+	int err;
 
-	if (!m->on || p->light.exposure > 0)
+	if (!m->on || (linear && p->light.exposure > 0))
 		return 0;
-	if (linear) {
-		err = mirror_eye_take_linear(&m->eye, linear);
-	} else {
-		fill_decode(&p->settings.sampler.curve, decode);
-		mirror_eye_take(&m->eye, frame, decode);
-	}
-	light_sampler_place(p->light.sampler, light_sampler_measured(p->light.sampler),
-			    m->measured);
-	light_sampler_place_shares(p->light.sampler, light_sampler_clipped(p->light.sampler),
-				   m->clipped);
+	err = linear ? mirror_eye_take_linear(&m->eye, linear)
+		     : mirror_eye_take(&m->eye, frame, p->light.exposure);
+	if (p->light.exposure > 0)
+		return err;
+	memcpy(m->measured, p->light.radiance, lights * sizeof(*m->measured));
+	memcpy(m->clipped, p->light.left, lights * sizeof(*m->clipped));
 	m->seen = m->due = !err;
 	return err;
 }
@@ -91,7 +81,7 @@ static void fill_colours(const struct pipeline_settings *settings, double colour
 	}
 }
 
-/* What the light has above the picture is what its clipped pixels lack. */
+/* What the light has above the pictures is what pixels lack that clip in all of them. */
 static void fill_clipped(const struct pipeline *p)
 {
 	const struct pipeline_mirror *m = &p->mirror;
@@ -105,14 +95,30 @@ static void fill_clipped(const struct pipeline *p)
 							  : 0;
 }
 
+/* Fills no more of the map than what the poses in the picture look up. */
+static void limit_map(struct pipeline *p)
+{
+	struct pipeline_mirror *m = &p->mirror;
+	const int limit[3] = {p->choice.pose, p->choice.share > 0 ? p->choice.next : p->choice.pose,
+			      m->seen ? m->eye.level : MIRROR_LIGHTS_LEVEL};
+
+	if (memcmp(m->limit, limit, sizeof(limit)) == 0)
+		return;
+	memcpy(m->limit, limit, sizeof(limit));
+	mirror_map_limit(&m->map, limit[2], p->basis, limit, 1 + (limit[1] != limit[0]));
+	m->due = true;
+}
+
 void pipeline_mirror_show(struct pipeline *p)
 {
 	static const double none[3] = {0, 0, 0};
 	struct pipeline_mirror *m = &p->mirror;
-	struct mirror_colours colours = {.clipped = (const double(*)[3])m->more};
+	struct mirror_colours colours = {.ratio = p->settings.exposure,
+					 .clipped = (const double(*)[3])m->more};
 
 	if (!m->on)
 		return;
+	limit_map(p);
 	p->selection.mirror = &m->map;
 	for (int c = 0; c < 3; c++)
 		p->selection.mirror_gain[c] = 1;
@@ -127,6 +133,10 @@ void pipeline_mirror_show(struct pipeline *p)
 	}
 	if (!m->due)
 		return;
+	for (int code = 0; code < 256; code++)
+		colours.decode[code] = fmin(
+			fmax(transfer_curve_decode(&p->settings.sampler.curve, code / 255.0), 0),
+			1);
 	fill_colours(&p->settings, colours.matrix);
 	fill_clipped(p);
 	mirror_eye_fill(&m->eye, &colours, p->pool, &m->map);

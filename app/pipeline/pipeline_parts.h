@@ -46,8 +46,9 @@ struct pipeline_mirror {
 	bool seen, due; /* a picture has been taken; the map has to be filled from it */
 	struct mirror_eye eye;
 	struct mirror_map map;
-	float (*measured)[3]; /* [basis lights]: light of the picture taken, placed */
-	float *clipped;	      /* [basis lights]: its clipped shares, placed */
+	int limit[3];	      /* poses and first level that the map is limited to */
+	float (*measured)[3]; /* [basis lights]: light when the picture was taken */
+	float *clipped;	      /* [basis lights]: shares that clipped in all exposures then */
 	double (*more)[3];    /* [basis lights]: to add to clipped pixels; or lights */
 };
 
@@ -174,8 +175,7 @@ void pipeline_mirror_free(struct pipeline *pipeline); /* idempotent; zeroed is f
 /* Tells that lights were given, without a picture. */
 void pipeline_mirror_given(struct pipeline *pipeline);
 
-/* Takes the picture that the light was just measured in; one of both. Pictures of shorter exposures
- * are passed over. -ENOMEM. */
+/* Takes the picture that the light was just measured in; one of both. -ENOMEM. */
 int pipeline_mirror_take(struct pipeline *pipeline, const struct frame_reader *frame,
 			 const struct image *linear);
 

@@ -11,6 +11,7 @@
 
 #include "hal/compositor/compositor.h"
 #include "hal/measure/measure.h"
+#include "hal/mirror/mirror_eye.h"
 
 void report_bake_close(struct report_bake *bake)
 {
@@ -23,7 +24,29 @@ void report_bake_close(struct report_bake *bake)
 
 /* ---- light ---- */
 
-static int read_lights(struct report_bake *bake, const struct report_stage *stage,
+/* Fills what mirrors show; as no pixel of radiance clips, it is the same for all bakes. */
+static int fill_mirror(struct report_lighting *lighting, const struct basis *basis,
+		       const struct fisheye *lens, struct fault *fault)
+{
+	const struct mirror_colours colours = {.matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+	const struct image *picture = &lighting->fisheye;
+	struct mirror_eye eye = {.width = 0};
+	int err;
+
+	if (lighting->mirror.cell)
+		return 0;
+	err = mirror_map_create(&lighting->mirror, basis, fault);
+	if (!err)
+		err = mirror_eye_prepare(&eye, lens, picture->width, picture->height);
+	if (!err)
+		err = mirror_eye_take_linear(&eye, picture);
+	if (!err)
+		mirror_eye_fill(&eye, &colours, NULL, &lighting->mirror);
+	mirror_eye_free(&eye);
+	return err;
+}
+
+static int read_lights(struct report_bake *bake, struct report_stage *stage,
 		       const struct dome *dome, struct fault *fault)
 {
 	const struct light_sampler_settings settings = {
@@ -49,11 +72,12 @@ static int read_lights(struct report_bake *bake, const struct report_stage *stag
 		err = light_sampler_read_linear(sampler, &stage->lighting[k].fisheye,
 						to + (size_t)k * (size_t)lights);
 	light_sampler_destroy(sampler);
+	for (int k = 0; !err && bake->basis.poses[0].mirror_count && k < stage->lightings; k++)
+		err = fill_mirror(&stage->lighting[k], &bake->basis, &lens, fault);
 	return err ? fault_say(fault, err, "the lights cannot be read: %s", strerror(-err)) : 0;
 }
 
-static int make_radiance(struct report_bake *bake, const struct report_stage *stage,
-			 struct fault *fault)
+static int make_radiance(struct report_bake *bake, struct report_stage *stage, struct fault *fault)
 {
 	struct dome dome;
 	int err = lightings_dome(&dome, &bake->basis, fault);
@@ -88,6 +112,7 @@ static void make_precise(void *context, int k, int worker)
 				  sizeof(*bake->precise[k]));
 	p->err[k] = bake->precise[k] ? light_selection_create(&lights, &bake->basis) : -ENOMEM;
 	if (!p->err[k]) {
+		lights.mirror = &p->stage->lighting[k].mirror;
 		light_selection_choose(&lights, &bake->basis, 0, radiance, 0, THRESHOLD_DROP, 1);
 		p->err[k] = compositor_reference(&bake->basis, 0, &settings, &lights,
 						 &p->stage->lighting[k].background_picture,
@@ -110,7 +135,7 @@ static int make_pictures(struct report_bake *bake, const struct report_stage *st
 }
 
 int report_bake_make(struct report_bake *bake, struct scene *scene,
-		     const struct report_bake *reference, const struct report_stage *stage,
+		     const struct report_bake *reference, struct report_stage *stage,
 		     const char *folder, struct fault *fault)
 {
 	struct render_settings settings = bake->settings;

@@ -9,6 +9,7 @@
 #include "hal/frame/frame.h"
 #include "hal/frame/view.h"
 #include "hal/lights/sampler.h"
+#include "hal/mirror/mirror_map.h"
 #include "hal/optics/panorama.h"
 
 /* Panoramas are exposed so that white ground has this radiance in its brightest channel, as a
@@ -20,6 +21,7 @@ struct report_lighting {
 	struct image image;
 	struct panorama panorama; /* scaled to REPORT_WHITE */
 	struct image fisheye;	  /* linear radiance, upright, a square */
+	struct mirror_map mirror; /* the same as mirrors show it */
 	struct canvas background; /* 8 bits, sRGB */
 	struct picture background_picture;
 	struct canvas composite; /* by the setting in use */
@@ -71,7 +73,7 @@ struct report_bake {
  * keeps it. name and settings are set before. reference: a bake of the same lights with an exact
  * layer, for one without, which must outlive it. */
 int report_bake_make(struct report_bake *bake, struct scene *scene,
-		     const struct report_bake *reference, const struct report_stage *stage,
+		     const struct report_bake *reference, struct report_stage *stage,
 		     const char *folder, struct fault *fault);
 
 void report_bake_close(struct report_bake *bake); /* idempotent; zeroed is fine */

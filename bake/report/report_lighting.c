@@ -163,6 +163,7 @@ void report_lighting_close(struct report_lighting *l)
 	free(l->half[1]);
 	canvas_free(&l->composite);
 	canvas_free(&l->background);
+	mirror_map_free(&l->mirror);
 	image_free(&l->fisheye);
 	image_free(&l->image);
 	*l = (struct report_lighting){.truth = NULL};

@@ -24,6 +24,7 @@ static void describe_use(struct report *r)
 	const struct basis_info_chunk *info = &used->bake->basis.info;
 	const double noise = r->bake_noise * r->bake_noise;
 	const double rms = r->trial[0].truth.all.rms, other = rms * rms - noise;
+	const long mirrored = basis_pose_mirrored(&used->bake->basis.poses[0]);
 
 	report_paragraph(
 		r->page.body,
@@ -40,6 +41,11 @@ static void describe_use(struct report *r)
 		used->ms.median, used->ms.low, used->ms.high, info->width, info->height,
 		1e6 * used->ms.median / (double)(r->scope.objects + r->scope.shadows),
 		basis_mb(used), rms);
+	if (mirrored)
+		report_paragraph(
+			r->page.body,
+			"In %.0f %% of its pixels the object mirrors the fisheye's picture.",
+			100.0 * (double)mirrored / (double)r->scope.objects);
 	report_paragraph(
 		r->page.body,
 		"Of that error %.2g levels are noise of %d samples a pixel. Noise falls with the "

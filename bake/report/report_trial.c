@@ -55,6 +55,7 @@ static int runner_create(struct runner *r, struct report_trial *trial,
 		if (light_selection_create(lights, &r->basis))
 			return fault_say(fault, -ENOMEM, "not enough memory for lights");
 		lights->budget = trial->budget;
+		lights->mirror = &stage->lighting[k].mirror;
 		light_selection_choose(lights, &r->basis, 0,
 				       (const float(*)[3])(bake->radiance + (size_t)k * count),
 				       trial->threshold, trial->threshold_mode, 1);

@@ -3,16 +3,22 @@
 
 #define GLASS_MAX 32
 #define WEIGHT_SURE 0.1f
-#define COAT_CHANCE 0.5f /* probability of sampling a glossy surface by its coat */
 
 /* ---- scattering ---- */
+
+/* Probability of sampling a glossy surface by its coat. A metal has nothing else: each sample of
+ * its black base would be lost, and its picture noisy. */
+static float coat_chance(const struct bsdf *bsdf)
+{
+	return rgb_peak(bsdf->colour) > 0 ? 0.5f : 1;
+}
 
 /* Returns f cos(theta). density: that with which sample_bsdf() draws wi. */
 static struct rgb eval_bsdf(const struct surface *s, struct v3 wo, struct v3 wi, float *density)
 {
 	const float cos_o = v3_dot(s->normal, wo), cos_i = v3_dot(s->normal, wi);
 	struct rgb f, coat;
-	float coat_density;
+	float coat_density, chance;
 
 	*density = 0;
 	if (cos_i <= 0 || v3_dot(s->geometric, wi) <= 0)
@@ -22,13 +28,14 @@ static struct rgb eval_bsdf(const struct surface *s, struct v3 wo, struct v3 wi,
 	if (s->bsdf.kind != MATERIAL_GLOSSY)
 		return f;
 	coat = bsdf_coat(&s->bsdf, s->normal, wo, wi, &coat_density);
-	*density = (1 - COAT_CHANCE) * *density + COAT_CHANCE * coat_density;
+	chance = coat_chance(&s->bsdf);
+	*density = (1 - chance) * *density + chance * coat_density;
 	return rgb_add(f, coat);
 }
 
 static bool sample_bsdf(const struct surface *s, struct v3 wo, struct random *random, struct v3 *wi)
 {
-	if (s->bsdf.kind == MATERIAL_GLOSSY && random_next(random) < COAT_CHANCE) {
+	if (s->bsdf.kind == MATERIAL_GLOSSY && random_next(random) < coat_chance(&s->bsdf)) {
 		if (!bsdf_coat_sample(&s->bsdf, s->normal, wo, random, wi))
 			return false;
 	} else {

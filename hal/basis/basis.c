@@ -437,6 +437,18 @@ void basis_close(struct basis *basis)
 	memset(basis, 0, sizeof(*basis));
 }
 
+long basis_pose_mirrored(const struct basis_pose *pose)
+{
+	long pixels = 0;
+
+	for (size_t i = 0; i < pose->mirror_count; i++) {
+		const struct basis_mirror *m = &pose->mirror[i];
+
+		pixels += !i || m->x != m[-1].x || m->y != m[-1].y;
+	}
+	return pixels;
+}
+
 bool basis_is_preview(const struct basis *basis)
 {
 	return strstr(basis->provenance, "\n" BASIS_PREVIEW_LINE) != NULL;

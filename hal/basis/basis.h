@@ -105,6 +105,9 @@ bool basis_is_preview(const struct basis *basis);
 /* Name of a pose; "" where it has none. */
 const char *basis_pose_name(const struct basis *basis, int pose);
 
+/* Counts the pixels that mirror the fisheye's picture. */
+long basis_pose_mirrored(const struct basis_pose *pose);
+
 /* Returns the pose of that number or name; -EINVAL: there is none. */
 int basis_find_pose(const struct basis *basis, const char *text, struct fault *fault);
 

@@ -145,14 +145,6 @@ static int create_behind(struct compositor *c)
 	return 0;
 }
 
-static int create_lights_map(struct compositor *c, struct fault *fault)
-{
-	for (uint32_t p = 0; p < c->basis->info.poses; p++)
-		if (c->basis->poses[p].mirror_count)
-			return mirror_map_create(&c->lights_map, c->basis, fault);
-	return 0;
-}
-
 static int create_poses(struct compositor *c)
 {
 	int ret = 0;
@@ -225,8 +217,6 @@ int compositor_create(struct compositor **compositor, const struct basis *basis,
 	c->tiles = basis->tiles_across * basis->tiles_down;
 	c->settings = (struct compositor_settings){.gain = 1, .object = true};
 	ret = near_sky_create(&c->sky, basis, options->lamps, fault);
-	if (ret == 0)
-		ret = create_lights_map(c, fault);
 	if (ret < 0) {
 		compositor_destroy(c);
 		return ret;

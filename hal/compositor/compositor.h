@@ -110,7 +110,8 @@ int compositor_take_pose(struct compositor *compositor, int pose, struct fault *
 /*
  * Writes a BGRX picture of the basis's size; the background has the same size. out must not overlap
  * it; each pixel of out is written once and never read. Allocates nothing, unless the pose was not
- * in memory in the frame before (compositor_take_pose()). Divides the work among the pool's threads
+ * in memory in the frame before (compositor_take_pose()), or is the first that mirrors a sky
+ * without lights->mirror. Divides the work among the pool's threads
  * by the times of frames before. -EINVAL: another size, or pose out of range; -ENODATA: exact mode
  * without an exact layer; -ENOMEM, -EBADMSG: the pose cannot be loaded.
  */

@@ -78,8 +78,8 @@ struct compositor {
 	/* Copy of a background that is made piece by piece, where the object shows it:
 	 * [height][width] BGRX. NULL: no pose has glass. */
 	uint8_t *behind;
-	/* The lights as mirrors show them, for frames without a picture of the sky; empty: no pose
-	 * has mirrors. */
+	/* The lights as mirrors show them, for frames without a picture of the sky; empty: no frame
+	 * was without. */
 	struct mirror_map lights_map;
 	/* The current frame. */
 	struct shown shown;

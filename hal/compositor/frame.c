@@ -271,20 +271,28 @@ static void look_behind(struct compositor *c, const struct glass_plan *glass)
 	pool_run(c->pool, glass->source_count, make_behind, c);
 }
 
-/* Provides the sky that the object mirrors. */
-static void look_up(struct compositor *c, const struct mirror_plan *mirrors,
-		    const struct light_selection *lights)
+/* Provides the sky that the object mirrors. -ENOMEM. */
+static int look_up(struct compositor *c, struct mirror_plan *mirrors,
+		   const struct light_selection *lights)
 {
+	int ret;
+
 	c->shown.mirrors = mirrors->first ? mirrors : NULL;
 	if (!c->shown.mirrors)
-		return;
+		return 0;
 	for (int k = 0; k < 3; k++)
-		c->shown.factor[k] =
-			(float)(0x1p24 / 65535 * c->settings.gain * lights->mirror_gain[k]);
-	if (!lights->mirror)
+		c->shown.factor[k] = (float)(0x1p24 / 65535 / MIRROR_LOOK_ONE * c->settings.gain *
+					     lights->mirror_gain[k]);
+	if (!lights->mirror) {
+		ret = c->lights_map.cell ? 0 : mirror_map_create(&c->lights_map, c->basis, NULL);
+		if (ret < 0)
+			return ret;
 		mirror_map_fill(&c->lights_map, (const double(*)[3])lights->radiance,
 				lights->ambient);
+	}
 	c->shown.sky = lights->mirror ? lights->mirror : &c->lights_map;
+	mirror_plan_aim(mirrors, c->shown.sky);
+	return 0;
 }
 
 /* Makes the light vectors of the layer, and chooses columns. */
@@ -349,7 +357,9 @@ int compositor_run(struct compositor *c, int pose, const struct light_selection 
 	if (c->settings.object) {
 		begin_frame(c, lights);
 		look_behind(c, &c->poses[pose].glass);
-		look_up(c, &c->poses[pose].mirrors, lights);
+		ret = look_up(c, &c->poses[pose].mirrors, lights);
+		if (ret < 0)
+			return ret;
 	}
 	pool_run(c->pool, c->layer->division.runs, frame_run, c);
 	if (c->settings.object)

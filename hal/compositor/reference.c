@@ -352,7 +352,8 @@ static double texel_at(const struct mirror_map *map, int level, int x, int y, in
 {
 	const int side = BASIS_MIRROR_SIDE >> level;
 
-	return (double)map->texel[level][clamped_to(y, side) * side + clamped_to(x, side)][c];
+	return (double)mirror_texels(
+		map, level)[clamped_to(y, side) * MIRROR_STRIDE + clamped_to(x, side)][c];
 }
 
 static double bilinear_at(const struct mirror_map *map, int level, const struct basis_mirror *m,

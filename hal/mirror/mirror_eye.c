@@ -19,6 +19,10 @@
 
 #define FILL_ROWS 32 /* of texels that a thread fills at a time */
 
+/* Texels ahead of that which is filled whose pixels are fetched: their order is the sky's, which
+ * the processor does not foresee. */
+#define FETCH_AHEAD 24
+
 /* ---- where a texel is in the picture ---- */
 
 /* Whether the middle of a pixel is in the lens's field, and above the horizon. */
@@ -31,12 +35,16 @@ static bool is_sky(const struct fisheye *lens, const struct mirror_eye *eye, int
 	       fisheye_ray(lens, middle, d) && d[2] >= 0;
 }
 
+/* Finds the pixel that shows a direction, and the lens's falloff there; 1 beside its field. */
 static uint32_t find_pixel(const struct mirror_eye *eye, const struct fisheye *lens,
-			   const double d[3])
+			   const double d[3], double *falloff)
 {
 	double at[2], step[2], length;
 
-	if (!fisheye_project(lens, d, at))
+	*falloff = 1;
+	if (fisheye_project(lens, d, at))
+		*falloff = fisheye_falloff(lens, at);
+	else
 		memcpy(at, lens->centre_px, sizeof(at));
 	for (int k = 0; k < 2; k++)
 		step[k] = lens->centre_px[k] - at[k];
@@ -60,12 +68,12 @@ static void fill_texel(struct mirror_eye *eye, const struct fisheye *lens, int t
 	for (int k = 0; k < side * side; k++) {
 		const double place[2] = {(x + (k % side + 0.5) / side) / across,
 					 (y + (double)(k / side * 2 + 1) / (2 * side)) / across};
-		double d[3], at[2];
+		double d[3], falloff;
 
 		sky_square_direction(place, d);
-		eye->tap[(size_t)texel * (size_t)(side * side) + (size_t)k] = find_pixel(eye, lens,
-											 d);
-		dimmed += fisheye_project(lens, d, at) ? fisheye_falloff(lens, at) : 1;
+		eye->tap[(size_t)texel * (size_t)(side * side) + (size_t)k] =
+			find_pixel(eye, lens, d, &falloff);
+		dimmed += falloff;
 	}
 	eye->brighter[texel] = (float)(1 / fmax(dimmed, 1e-3));
 }
@@ -75,7 +83,6 @@ int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int w
 	double pixels = sqrt(2 * M_PI / MIRROR_TEXELS) * fmax(lens->focal_px[0], lens->focal_px[1]);
 	size_t texels = MIRROR_TEXELS;
 	int side;
-	const size_t count = (size_t)width * (size_t)height;
 
 	mirror_eye_free(eye);
 	for (; 2 * pixels <= TEXEL_PIXELS && BASIS_MIRROR_SIDE >> eye->level > FILL_ROWS;
@@ -87,11 +94,9 @@ int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int w
 	eye->width = width;
 	eye->height = height;
 	eye->taps = side * side;
-	eye->tap = malloc(texels * (size_t)eye->taps * sizeof(*eye->tap));
+	eye->tap = calloc((texels + FETCH_AHEAD) * (size_t)eye->taps, sizeof(*eye->tap));
 	eye->brighter = malloc(texels * sizeof(*eye->brighter));
-	eye->row = aligned_alloc(64, ((size_t)width * sizeof(*eye->row) + 63) / 64 * 64);
-	eye->light = calloc(count, sizeof(*eye->light));
-	if (!eye->tap || !eye->brighter || !eye->row || !eye->light) {
+	if (!eye->tap || !eye->brighter) {
 		mirror_eye_free(eye);
 		return -ENOMEM;
 	}
@@ -104,32 +109,32 @@ void mirror_eye_free(struct mirror_eye *eye)
 {
 	free(eye->tap);
 	free(eye->brighter);
-	free(eye->row);
-	free(eye->light);
+	for (int k = 0; k < EXPOSURES_MAX; k++)
+		free(eye->code[k]);
 	free(eye->linear);
 	*eye = (struct mirror_eye){.width = 0};
 }
 
 /* ---- pictures ---- */
 
-void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame,
-		     const uint16_t decode[256])
+int mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame, int exposure)
 {
-	uint16_t(*to)[4] = eye->light;
+	const size_t width = (size_t)eye->width;
+	uint32_t **code = &eye->code[exposure];
 
+	if (!*code)
+		*code = malloc(width * (size_t)eye->height * sizeof(**code));
+	if (!*code)
+		return -ENOMEM;
 	eye->is_linear = false;
 	for (int y = 0; y < eye->height; y++) {
-		const uint32_t *row = frame_reader_row(frame, 0, y, eye->width, eye->row);
+		uint32_t *to = *code + (size_t)y * width;
+		const uint32_t *row = frame_reader_row(frame, 0, y, eye->width, to);
 
-		for (int x = 0; x < eye->width; x++, to++) {
-			const uint32_t code[3] = {row[x] >> 16 & 255, row[x] >> 8 & 255,
-						  row[x] & 255};
-
-			for (int c = 0; c < 3; c++)
-				(*to)[c] = decode[code[c]];
-			(*to)[3] = code[0] == 255 || code[1] == 255 || code[2] == 255;
-		}
+		if (row != to)
+			memcpy(to, row, width * sizeof(*to));
 	}
+	return 0;
 }
 
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture)
@@ -151,80 +156,117 @@ struct mirror_filling {
 	const struct mirror_colours *colours;
 	struct mirror_map *map;
 	mirror_light column[3]; /* of the matrix */
+	/* Light of each code of R, G and B, by the matrix; the last is above 0 where it clips. */
+	mirror_light light[3][256];
 };
 
-typedef uint16_t pixel_codes __attribute__((vector_size(8)));
-typedef int32_t sum_of_codes __attribute__((vector_size(16)));
-
-/* Sums what a texel is read at: light, and in the last the number of clipped pixels. */
-static inline mirror_light read_codes(const struct mirror_eye *eye, const uint32_t *tap, int taps)
+static void fill_light(struct mirror_filling *f)
 {
-	sum_of_codes sum = {0, 0, 0, 0};
-
-	for (int k = 0; k < taps; k++) {
-		pixel_codes pixel;
-
-		memcpy(&pixel, eye->light[tap[k]], sizeof(pixel));
-		sum += __builtin_convertvector(pixel, sum_of_codes);
+	for (int k = 0; k < 9; k++)
+		f->column[k % 3][k / 3] = (float)f->colours->matrix[k];
+	for (int k = 0; k < 3 * 256; k++) {
+		f->light[k / 256][k % 256] = f->column[k / 256] *
+					     (float)f->colours->decode[k % 256];
+		f->light[k / 256][k % 256][3] = k % 256 == 255;
 	}
-	return __builtin_convertvector(sum, mirror_light) *
-	       (mirror_light){1.0F / 65535, 1.0F / 65535, 1.0F / 65535, 1};
 }
 
-static mirror_light read_linear(const struct mirror_eye *eye, const uint32_t *tap)
+/* Light of a pixel; the last is above 0 where it clips. */
+static inline mirror_light read_code(const struct mirror_filling *f, uint32_t code)
+{
+	return (f->light[0][code >> 16 & 255] + f->light[1][code >> 8 & 255]) +
+	       f->light[2][code & 255];
+}
+
+/* Sums what a texel is read at. */
+static inline mirror_light read_codes(const struct mirror_filling *f, const uint32_t *tap, int taps)
+{
+	mirror_light sum = {0, 0, 0, 0};
+
+	for (int k = 0; k < taps; k++)
+		sum += read_code(f, f->eye->code[0][tap[k]]);
+	return sum;
+}
+
+/* The same where pixels clip: of each, the longest exposure in which it does not, and at least what
+ * the first one has; in the last the number of those that clip in all. */
+static mirror_light read_clipped(const struct mirror_filling *f, const uint32_t *tap)
+{
+	mirror_light sum = {0, 0, 0, 0};
+
+	for (int k = 0; k < f->eye->taps; k++) {
+		const mirror_light first = read_code(f, f->eye->code[0][tap[k]]);
+		mirror_light light = first;
+
+		for (int n = 1; n < EXPOSURES_MAX && f->eye->code[n] && light[3] > 0; n++) {
+			const mirror_light own = read_code(f, f->eye->code[n][tap[k]]);
+
+			for (int c = 0; c < 3; c++)
+				light[c] = fmaxf(own[c] / (float)f->colours->ratio[n], first[c]);
+			light[3] = own[3];
+		}
+		light[3] = light[3] > 0;
+		sum += light;
+	}
+	return sum;
+}
+
+static mirror_light read_linear(const struct mirror_filling *f, const uint32_t *tap)
 {
 	mirror_light light = {0, 0, 0, 0};
 
-	for (int k = 0; k < eye->taps; k++) {
-		const float *pixel = eye->linear + 3 * (size_t)tap[k];
+	for (int k = 0; k < f->eye->taps; k++) {
+		const float *pixel = f->eye->linear + 3 * (size_t)tap[k];
 
-		light += (mirror_light){pixel[0], pixel[1], pixel[2], 0};
+		for (int c = 0; c < 3; c++)
+			light += f->column[c] * pixel[c];
 	}
 	return light;
 }
 
-static mirror_light read_texel(const struct mirror_eye *eye, const uint32_t *tap)
+static inline mirror_light read_texel(const struct mirror_filling *f, const uint32_t *tap)
 {
-	if (eye->is_linear)
-		return read_linear(eye, tap);
-	return eye->taps == TAPS_LEAST * TAPS_LEAST ? read_codes(eye, tap, TAPS_LEAST * TAPS_LEAST)
-						    : read_codes(eye, tap, eye->taps);
+	const int taps = f->eye->taps;
+	const uint32_t *code = f->eye->code[0], *ahead = tap + FETCH_AHEAD * taps;
+
+	if (f->eye->is_linear)
+		return read_linear(f, tap);
+	__builtin_prefetch(&code[ahead[0]]);
+	__builtin_prefetch(&code[ahead[taps / 2]]);
+	return taps == TAPS_LEAST * TAPS_LEAST ? read_codes(f, tap, TAPS_LEAST * TAPS_LEAST)
+					       : read_codes(f, tap, taps);
 }
 
-/* mirror_clamp() of each. */
-static inline mirror_light clamp_colours(mirror_light light)
+static void fill_row(const struct mirror_filling *f, int y)
 {
-	const sum_of_codes least = (sum_of_codes)light & (light > 0);
-	const sum_of_codes below = (mirror_light)least < MIRROR_MOST;
-	const mirror_light most = {MIRROR_MOST, MIRROR_MOST, MIRROR_MOST, MIRROR_MOST};
+	const struct mirror_eye *eye = f->eye;
+	const struct mirror_span span = mirror_spans(f->map, eye->level)[y];
+	mirror_light *row = mirror_texels(f->map, eye->level) + y * MIRROR_STRIDE;
 
-	return (mirror_light)((least & below) | ((sum_of_codes)most & ~below));
+	for (int x = span.first; x < span.end; x++) {
+		const int at = y * (BASIS_MIRROR_SIDE >> eye->level) + x;
+		const uint32_t *tap = eye->tap + (size_t)at * (size_t)eye->taps;
+		const mirror_light seen = read_texel(f, tap);
+		mirror_light light = seen * eye->brighter[at];
+
+		if (seen[3] > 0) {
+			const double *more =
+				f->colours->clipped[mirror_cell(f->map, eye->level, x, y)];
+			const mirror_light whole = read_clipped(f, tap);
+
+			light = whole * eye->brighter[at];
+			for (int c = 0; c < 3; c++)
+				light[c] += (float)more[c] * whole[3] / (float)eye->taps;
+		}
+		row[x] = mirror_clamp(light);
+	}
 }
 
 static void fill_rows(void *context, int item, int worker)
 {
-	const struct mirror_filling *f = context;
-	const struct mirror_eye *eye = f->eye;
-	const int across = BASIS_MIRROR_SIDE >> eye->level;
-
 	(void)worker;
-	for (int at = item * FILL_ROWS * across; at < (item + 1) * FILL_ROWS * across; at++) {
-		const uint32_t *tap = eye->tap + (size_t)at * (size_t)eye->taps;
-		const mirror_light seen = read_texel(eye, tap);
-		mirror_light light =
-			(f->column[0] * seen[0] + f->column[1] * seen[1] + f->column[2] * seen[2]) *
-			eye->brighter[at];
-
-		if (seen[3] > 0) {
-			const double *more =
-				f->colours->clipped[mirror_cell(f->map, eye->level, at)];
-
-			light = clamp_colours(light) +
-				(mirror_light){(float)more[0], (float)more[1], (float)more[2], 0} *
-					(seen[3] / (float)eye->taps);
-		}
-		f->map->texel[eye->level][at] = clamp_colours(light);
-	}
+	for (int y = item * FILL_ROWS; y < (item + 1) * FILL_ROWS; y++)
+		fill_row(context, y);
 }
 
 void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
@@ -232,8 +274,7 @@ void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *
 {
 	struct mirror_filling f = {.eye = eye, .colours = colours, .map = map};
 
-	for (int k = 0; k < 9; k++)
-		f.column[k % 3][k / 3] = (float)colours->matrix[k];
+	fill_light(&f);
 	map->least = eye->level;
 	pool_run(pool, (BASIS_MIRROR_SIDE >> eye->level) / FILL_ROWS, fill_rows, &f);
 	mirror_map_finish(map);

@@ -6,27 +6,30 @@
 #include "hal/base/pool.h"
 #include "hal/frame/frame_reader.h"
 #include "hal/image/image.h"
+#include "hal/lights/exposures.h"
 #include "hal/mirror/mirror_map.h"
 #include "hal/optics/fisheye.h"
 
 struct mirror_eye {
-	int width, height;    /* of the fisheye's picture; 0: none yet */
-	int level;	      /* of the map, that is read from the picture */
-	int taps;	      /* places in each texel at which the picture is read */
-	uint32_t *tap;	      /* [texels][taps]: y * width + x */
-	float *brighter;      /* [texels]: 1 / (the lens's falloff * taps) */
-	uint32_t *row;	      /* [width] */
-	uint16_t (*light)[4]; /* [height][width]: of the last picture; light[3]: 1 where it clips */
-	float *linear;	      /* [height][width][3]: a linear picture instead; NULL: none yet */
-	bool is_linear;	      /* the last picture is in linear */
+	int width, height; /* of the fisheye's picture; 0: none yet */
+	int level;	   /* of the map, that is read from the picture */
+	int taps;	   /* places in each texel at which the picture is read */
+	uint32_t *tap;	   /* [texels][taps]: y * width + x */
+	float *brighter;   /* [texels]: 1 / (the lens's falloff * taps) */
+	/* [height][width] each: the last picture of each exposure, BGRX; NULL: none yet */
+	uint32_t *code[EXPOSURES_MAX];
+	float *linear;	/* [height][width][3]: a linear picture instead; NULL: none yet */
+	bool is_linear; /* the last picture is in linear */
 };
 
 /* How code values become light. */
 struct mirror_colours {
-	uint16_t decode[256]; /* linear light of each code value, 65535 = 1 */
+	double decode[256]; /* linear light of each code value */
 	/* From the picture's colours to those of the background, gain included, row by row. */
 	double matrix[9];
-	/* [lights]: radiance to add to clipped pixels of each light, in those colours. */
+	const double *ratio; /* [EXPOSURES_MAX]: light of each exposure beside the first one's */
+	/* [lights]: radiance to add to pixels of each light that clip in all exposures, in those
+	 * colours. */
 	const double (*clipped)[3];
 };
 
@@ -34,13 +37,13 @@ struct mirror_colours {
 int mirror_eye_prepare(struct mirror_eye *eye, const struct fisheye *lens, int width, int height);
 void mirror_eye_free(struct mirror_eye *eye); /* idempotent; zeroed is fine */
 
-/* Takes a picture of that size, of code values or of linear radiance, which is then not needed. The
- * second may return -ENOMEM. */
-void mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame,
-		     const uint16_t decode[256]);
+/* Takes a picture of that size, of code values of an exposure or of linear radiance, which is then
+ * not needed. -ENOMEM. */
+int mirror_eye_take(struct mirror_eye *eye, const struct frame_reader *frame, int exposure);
 int mirror_eye_take_linear(struct mirror_eye *eye, const struct image *picture);
 
-/* Fills the map from the picture taken last; the pool may be NULL. */
+/* Fills the map from the first exposure's last picture, and what clips in it from the shorter ones.
+ * The pool may be NULL. */
 void mirror_eye_fill(const struct mirror_eye *eye, const struct mirror_colours *colours,
 		     struct pool *pool, struct mirror_map *map);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "hal/mirror/mirror_map.h"
+#include "hal/mirror/mirror_look.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -54,22 +54,18 @@ static int allocate(struct mirror_map *map, double **sr)
 {
 	size_t texels = 0;
 
-	for (int l = 0; l < BASIS_MIRROR_LEVELS; l++)
+	for (int l = 1; l < BASIS_MIRROR_LEVELS; l++)
 		texels += (size_t)side_of(l) * (size_t)side_of(l);
 	*sr = malloc(MIRROR_TEXELS * sizeof(**sr));
 	map->texel_sr = malloc(MIRROR_TEXELS * sizeof(*map->texel_sr));
 	map->cell = malloc(MIRROR_TEXELS * sizeof(*map->cell));
-	map->texel[0] = make_colours(texels);
-	map->share[1] = make_colours(texels - MIRROR_TEXELS);
-	if (!*sr || !map->texel_sr || !map->cell || !map->texel[0] || !map->share[1])
+	map->texel = make_colours((BASIS_MIRROR_SIDE + 1) * (size_t)MIRROR_STRIDE);
+	map->span = calloc(2 * BASIS_MIRROR_SIDE, sizeof(*map->span));
+	map->share[1] = make_colours(texels);
+	if (!*sr || !map->texel_sr || !map->cell || !map->texel || !map->span || !map->share[1])
 		return -ENOMEM;
-	for (int l = 1; l < BASIS_MIRROR_LEVELS; l++) {
-		const size_t before = (size_t)side_of(l - 1) * (size_t)side_of(l - 1);
-
-		map->texel[l] = map->texel[l - 1] + before;
-		if (l > 1)
-			map->share[l] = map->share[l - 1] + before;
-	}
+	for (int l = 2; l < BASIS_MIRROR_LEVELS; l++)
+		map->share[l] = map->share[l - 1] + (size_t)side_of(l - 1) * (size_t)side_of(l - 1);
 	return 0;
 }
 
@@ -92,6 +88,9 @@ int mirror_map_create(struct mirror_map *map, const struct basis *basis, struct 
 			sr[at] = map->texel_sr[at];
 		for (int l = 1; l < BASIS_MIRROR_LEVELS; l++)
 			fill_shares(map->share[l], sr, side_of(l));
+		for (int l = 0; l < BASIS_MIRROR_LEVELS; l++)
+			for (int y = 0; y < side_of(l); y++)
+				mirror_spans(map, l)[y].end = (uint16_t)side_of(l);
 	} else {
 		mirror_map_free(map);
 		fault_say(fault, ret, "not enough memory for mirrors");
@@ -103,85 +102,108 @@ int mirror_map_create(struct mirror_map *map, const struct basis *basis, struct 
 
 void mirror_map_free(struct mirror_map *map)
 {
-	free(map->texel[0]);
+	free(map->texel);
+	free(map->span);
 	free(map->share[1]);
 	free(map->texel_sr);
 	free(map->cell);
 	*map = (struct mirror_map){.cell = NULL};
 }
 
-/* ---- filling ---- */
+/* ---- what is filled ---- */
 
-/* Its texels have 1 to 2 degrees; cells are several times as wide. */
-#define LIGHTS_LEVEL 2
+static void widen_span(struct mirror_span *span, int first, int end)
+{
+	const bool none = span->first == span->end;
+
+	span->first = (uint16_t)(none || first < span->first ? first : span->first);
+	span->end = (uint16_t)(none || end > span->end ? end : span->end);
+}
+
+static void read_look(struct mirror_map *map, int least, const struct basis_mirror *m)
+{
+	struct mirror_place place[2];
+
+	mirror_look_places(m, least, place);
+	for (int k = 0; k < 2; k++) {
+		const struct mirror_place *p = &place[k];
+		struct mirror_span *span = mirror_spans(map, p->level) + p->y;
+
+		for (int y = 0; y <= (p->down > 0); y++)
+			widen_span(&span[y], p->x, p->x + 1 + (p->right > 0));
+	}
+}
+
+/* Whether a texel counts in the one that it is a part of. */
+static bool texel_weighs(const struct mirror_map *map, int level, int x, int y)
+{
+	const int whole = y / 2 * side_of(level + 1) + x / 2;
+
+	return map->share[level + 1][whole][y % 2 * 2 + x % 2] > 0;
+}
+
+/* Widens the spans of a level's parts, but for those without weight at the ends. */
+static void read_parts(struct mirror_map *map, int level)
+{
+	for (int y = 0; y < 2 * side_of(level); y++) {
+		const struct mirror_span *whole = &mirror_spans(map, level)[y / 2];
+		int first = 2 * whole->first, end = 2 * whole->end;
+
+		while (first < end && !texel_weighs(map, level - 1, first, y))
+			first++;
+		while (first < end && !texel_weighs(map, level - 1, end - 1, y))
+			end--;
+		if (first < end)
+			widen_span(&mirror_spans(map, level - 1)[y], first, end);
+	}
+}
+
+void mirror_map_limit(struct mirror_map *map, int least, const struct basis *basis, const int *pose,
+		      int poses)
+{
+	memset(map->span, 0, 2 * BASIS_MIRROR_SIDE * sizeof(*map->span));
+	for (int k = 0; k < poses; k++)
+		for (size_t i = 0; i < basis->poses[pose[k]].mirror_count; i++)
+			read_look(map, least, &basis->poses[pose[k]].mirror[i]);
+	for (int l = BASIS_MIRROR_LEVELS - 1; l > least; l--)
+		read_parts(map, l);
+}
+
+/* ---- filling ---- */
 
 void mirror_map_fill(struct mirror_map *map, const double (*radiance)[3], const double more[3])
 {
-	map->least = LIGHTS_LEVEL;
-	for (int at = 0; at < MIRROR_TEXELS >> 2 * LIGHTS_LEVEL; at++) {
-		const double *of = radiance[mirror_cell(map, LIGHTS_LEVEL, at)];
+	map->least = MIRROR_LIGHTS_LEVEL;
+	for (int y = 0; y < side_of(map->least); y++) {
+		const struct mirror_span span = mirror_spans(map, map->least)[y];
+		mirror_light *row = mirror_texels(map, map->least) + y * MIRROR_STRIDE;
 
-		for (int c = 0; c < 3; c++)
-			map->texel[LIGHTS_LEVEL][at][c] = mirror_clamp((float)(of[c] + more[c]));
+		for (int x = span.first; x < span.end; x++) {
+			const double *light = radiance[mirror_cell(map, map->least, x, y)];
+
+			for (int c = 0; c < 3; c++)
+				row[x][c] = (float)(light[c] + more[c]);
+			row[x] = mirror_clamp(row[x]);
+		}
 	}
 	mirror_map_finish(map);
 }
 
 void mirror_map_finish(struct mirror_map *map)
 {
-	for (int l = map->least + 1; l < BASIS_MIRROR_LEVELS; l++) {
-		const int side = side_of(l);
+	for (int l = map->least + 1; l < BASIS_MIRROR_LEVELS; l++)
+		for (int y = 0; y < side_of(l); y++) {
+			const struct mirror_span span = mirror_spans(map, l)[y];
+			const mirror_light *share = map->share[l] + y * side_of(l);
+			const mirror_light *part = mirror_texels(map, l - 1) +
+						   2 * y * MIRROR_STRIDE;
+			const mirror_light *below = part + MIRROR_STRIDE;
+			mirror_light *row = mirror_texels(map, l) + y * MIRROR_STRIDE;
 
-		for (int at = 0; at < side * side; at++) {
-			const mirror_light *part = map->texel[l - 1] +
-						   (size_t)4 * (size_t)(at / side * side) +
-						   2 * (at % side);
-			const mirror_light share = map->share[l][at];
-
-			map->texel[l][at] =
-				(part[0] * share[0] + part[1] * share[1]) +
-				(part[2 * side] * share[2] + part[2 * side + 1] * share[3]);
+			for (int x = span.first; x < span.end; x++)
+				row[x] = (part[2 * x] * share[x][0] +
+					  part[2 * x + 1] * share[x][1]) +
+					 (below[2 * x] * share[x][2] +
+					  below[2 * x + 1] * share[x][3]);
 		}
-	}
-}
-
-/* ---- looking ---- */
-
-/* The two texels of a row or column that a place lies between, and the share of the second. */
-struct between {
-	int first, second;
-	float share;
-};
-
-static inline struct between between_texels(uint32_t place, int level)
-{
-	/* in 1/2^16 texels */
-	const int at = (int)(place << (BASIS_MIRROR_BITS - level)) - 32768;
-	const int first = at >> 16, last = side_of(level) - 1;
-
-	return (struct between){first < 0 ? 0 : first, first < last ? first + 1 : last,
-				(float)(at & 65535) * 0x1p-16F};
-}
-
-static inline mirror_light look_level(const struct mirror_map *map, int level,
-				      const struct basis_mirror *m)
-{
-	const struct between u = between_texels(m->u, level), v = between_texels(m->v, level);
-	const mirror_light *upper = map->texel[level] + (v.first << (BASIS_MIRROR_BITS - level));
-	const mirror_light *lower = map->texel[level] + (v.second << (BASIS_MIRROR_BITS - level));
-	const mirror_light above = upper[u.first] * (1 - u.share) + upper[u.second] * u.share;
-	const mirror_light below = lower[u.first] * (1 - u.share) + lower[u.second] * u.share;
-
-	return above * (1 - v.share) + below * v.share;
-}
-
-mirror_light mirror_map_look(const struct mirror_map *map, const struct basis_mirror *m)
-{
-	const int least = map->least * BASIS_MIRROR_STEP;
-	const int steps = m->level > least ? m->level : least, level = steps / BASIS_MIRROR_STEP;
-	const float next = (float)(steps % BASIS_MIRROR_STEP) * (1.0F / BASIS_MIRROR_STEP);
-
-	if (next == 0) /* the last level, and the sharpest mirrors */
-		return look_level(map, level, m);
-	return look_level(map, level, m) * (1 - next) + look_level(map, level + 1, m) * next;
 }

@@ -53,11 +53,16 @@ truth() {
 
 # metal SHAPE ROUGHNESS cells|live
 metal() {
+	local camera="position = 0.9 -1.6 0.8
+		look_at = 0 0 0.2
+		field_deg = 40"
+
+	[ "$1" != horn ] || camera="position = -1.1 -0.9 1.1
+		look_at = 0 0 0.25
+		field_deg = 38"
 	cat <<-SCENE
 		[camera]
-		position = 0.9 -1.6 0.8
-		look_at = 0 0 0.2
-		field_deg = 40
+		$camera
 		[render]
 		bounces = 3
 		reflect = $3
@@ -88,33 +93,28 @@ psnr() {
 }
 
 table_of_metal() {
-	echo "| metal, roughness | museum, cells | live | studio, cells | live |"
-	echo "|---|---|---|---|---|"
-	for shape in ball pot; do
+	echo "| metal, roughness | museum, cells | live | sunset, cells | live | studio, cells | live |"
+	echo "|---|---|---|---|---|---|---|"
+	for shape in ball pot horn; do
 		python3 tests/accuracy/shine_mesh.py $shape "$work/$shape.obj"
-		for roughness in 0 0.1 0.3; do
-			metal $shape $roughness live >"$work/polished.scene"
+		for roughness in 0 0.1; do
+			for reflect in cells live; do
+				metal $shape $roughness $reflect >"$work/spot.scene"
+				bake 9:$reflect --size "$size" --samples 64 --quiet
+			done
+			cp "$work/spot.scene" "$work/polished.scene"
+			printf '| %s, %s |' $shape $roughness
 			while read -r name file exposure; do
-				case $name in museum | studio) ;; *) continue ;; esac
 				for seed in 1 2; do
 					truth "$name" "$file" "$exposure" --samples "$samples" --seed $seed \
 						--background-out "$work/$name-background.png" --fisheye-out "$work/$name-fisheye.pfm" \
 						-o "$work/$name-truth$seed.pfm"
 				done
-			done <<<"$panoramas"
-			for reflect in cells live; do
-				metal $shape $roughness $reflect >"$work/spot.scene"
-				bake 9 --size "$size" --samples 64 --quiet
-				for name in museum studio; do
-					composite "$name" 9 "$work/$name-$reflect.pfm"
-				done
-			done
-			printf '| %s, %s |' $shape $roughness
-			for name in museum studio; do
 				for reflect in cells live; do
+					composite "$name" 9:$reflect "$work/$name-$reflect.pfm"
 					psnr "$name" "$work/$name-$reflect.pfm" "$work/$name-truth"
 				done
-			done
+			done <<<"$panoramas"
 			echo
 		done
 	done
@@ -122,7 +122,7 @@ table_of_metal() {
 
 rm -rf "$work"
 mkdir -p "$work"
-size=${1:-96x72} samples=${2:-96}
+size=${1:-96x72} samples=${2:-576}
 [ "$what" = floor ] || table_of_metal | tee "$work/metal.md"
 [ "$what" = metal ] && exit
 size=${1:-160x120} samples=${2:-256}

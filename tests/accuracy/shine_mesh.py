@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Writes a mesh that shines in shine.sh: `ball`, or `pot`, a teapot of a turned body, spout and handle.
-    shine_mesh.py ball|pot FILE.obj
+"""Writes a mesh that shines in shine.sh: `ball`; `pot`, a teapot of a turned body, spout and handle; or `horn`, a bent
+tube that widens.
+    shine_mesh.py ball|pot|horn FILE.obj
 Y is up; the height is about 1.
 """
 import math
@@ -53,6 +54,10 @@ def add_tube(path, radius, across, down):
 if sys.argv[1] == "ball":
     add_turned(
         lambda v: (0.5 * math.sin(math.pi * (0.001 + 0.998 * v)), 0.5 - 0.5 * math.cos(math.pi * v)), 256, 128
+    )
+elif sys.argv[1] == "horn":
+    add_tube(
+        lambda v: (0.42 * math.cos(5 * v), 0.42 * math.sin(5 * v)), lambda v: 0.06 + 0.1 * v, 64, 192
     )
 else:
     add_turned(

@@ -26,10 +26,15 @@ equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' \
 	! -name '*.png' ! -name report.html)"
 
 # Other domes that it tries have no finer parts: 6 is no multiple of the frequencies of all of them.
-sed 's/^\[dome\].*/&\nfine = 0 40 1 6/' "$work/box.scene" >"$work/finer.scene"
+# The box is metal.
+sed -e 's/^\[dome\].*/&\nfine = 0 40 1 6/' -e 's/^file = box.obj/&\nmaterial = paint/' \
+	-e 's/^\[material paint\]/&\nkind = glossy\nroughness = 0/' "$work/box.scene" >"$work/finer.scene"
 check "report of a dome that is finer in parts" report "$work/finer.scene" -o "$work/finer"
 equal "which is in use" 1 "$(grep -c "^in use,$("$INLAY_BAKE" dome --frequency 2 --fine "0 40 1 6" --angles |
 	grep -c '^[0-9]'),2,fast," "$work/finer/settings.csv")"
+equal "the share that mirrors the fisheye's picture is said where there is one" "0 1" \
+	"$(grep -c "In [0-9]* % of its pixels the object mirrors" "$out/report.html") $(
+		grep -c "In [0-9]* % of its pixels the object mirrors" "$work/finer/report.html")"
 rm -rf "$work/finer"
 
 # Everything that is wrong about a report's folder; nothing is fine.

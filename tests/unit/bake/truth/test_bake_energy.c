@@ -83,6 +83,25 @@ TEST("polished furnace")
 	check_furnace("polished", 0.01, 0.003);
 }
 
+/* What mirrors the sky live came out of T, and only that. */
+TEST("mirror furnace")
+{
+	static const char *const roughness[] = {"0", "0.1", "0.2"};
+
+	small_scene_write_sphere("ball.obj", 0.8, 32);
+	for (size_t k = 0; k < 3; k++) {
+		small_scene_write(
+			"furnace.ini",
+			VIEW "[dome]\nfrequency = 4\n[render]\nsamples = 16\n"
+			     "[ground]\nmaterial = white\n[object ball]\nfile = ball.obj\n"
+			     "up = z\nmaterial = metal\nstand = yes\n[material white]\n"
+			     "colour = 1 1 1\n[material metal]\nkind = glossy\ncolour = 0 0 0\n"
+			     "specular = 1 1 1\nroughness = %s\n",
+			roughness[k]);
+		check_furnace(roughness[k], 0.01, 0.003);
+	}
+}
+
 TEST("glass furnace")
 {
 	small_scene_write_sphere("ball.obj", 0.8, 32);
@@ -444,6 +463,47 @@ static void make_cells(const struct panorama *panorama, const struct dome *dome,
 				image->f32[3 * (y * 1024 + x) + c] =
 					(float)(light[dome_cell_of(dome, d)] / panorama->scale);
 		}
+}
+
+/* In an even sky each sample of a mirror is the sky; a base that is black gets none of them. */
+TEST("truth of metal has no noise")
+{
+	const struct truth_settings settings = {
+		.samples = 4, .bounces = 2, .seed = 3, .threads = 2, .quiet = true};
+	struct image image, grey, out;
+	const struct panorama panorama = {.image = &image, .scale = 1};
+	struct fault fault = {.text = ""};
+	struct truth_report report;
+	struct scene *scene;
+	struct dome dome;
+	struct sky sky;
+	double light[64];
+	int strays = 0;
+
+	assert_int_equal(dome_create(&dome, 2, &fault), 0);
+	for (int i = 0; i < dome.count; i++)
+		light[i] = 0.5;
+	make_cells(&panorama, &dome, light, &image);
+	assert_int_equal(image_create_f32(&grey, 16, 16), 0);
+	small_scene_write_sphere("ball.obj", 1, 64);
+	small_scene_write("m.ini",
+			  "[camera]\nposition = 0 -1 8\nlook_at = 0 0 0\nfield_deg = 6\n"
+			  "width = 16\nheight = 16\n[object ball]\nfile = ball.obj\nup = z\n"
+			  "material = metal\n[material metal]\nkind = glossy\n"
+			  "colour = 0 0 0\nspecular = 1 1 1\nroughness = 0\n");
+	scene = small_scene_open("m.ini");
+	assert_int_equal(sky_create(&sky, &panorama, "made", &fault), 0);
+	assert_int_equal(truth_run(scene, &sky, &grey, &settings, &out, &report, &fault), 0);
+	for (int k = 0; k < 3 * 16 * 16; k++)
+		strays += fabs((double)out.f32[k] - 0.5) > 0.05;
+	print_message("# %d of 768 values are off\n", strays);
+	assert_true(strays < 40); /* microfacets in the far tail */
+	scene_close(scene);
+	sky_free(&sky);
+	image_free(&image);
+	image_free(&grey);
+	image_free(&out);
+	dome_free(&dome);
 }
 
 TEST("truth agrees")

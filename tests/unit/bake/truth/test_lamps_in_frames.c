@@ -7,6 +7,7 @@
 
 #include "hal/compositor/compositor.h"
 #include "hal/compositor/kernels/kernels.h"
+#include "hal/mirror/mirror_map.h"
 #include "hal/optics/dome_placed.h"
 #include "hal/optics/vec.h"
 #include "tests/support/bake/small_scene.h"
@@ -27,6 +28,13 @@ static const char *const scenes[] = {
 	SCENE "[standin wall]\nfile = wall.obj\nup = z\n",
 };
 
+/* A chrome ball, which shows the lamps' cells or what a map of the sky has. */
+#define BALL(reflect)                                                                              \
+	"[camera]\nposition = 0.5 -2.2 1.2\nlook_at = 0 0 0.2\nfield_deg = 24\nwidth = 52\n"       \
+	"height = 36\n[dome]\nfrequency = 4\n[render]\nsamples = 4\nreflect = " reflect            \
+	"\n[ground]\n[object ball]\nfile = ball.obj\nup = z\nstand = yes\nmaterial = chrome\n"     \
+	"[material chrome]\nkind = glossy\ncolour = 0 0 0\nspecular = 0.9 0.9 0.9\nroughness = 0\n"
+
 struct near_test {
 	struct basis basis;
 	struct lamps lamps;
@@ -40,6 +48,7 @@ static void near_begin(struct near_test *t, const char *scene)
 			  "v -.2 -.2 0\nv .2 -.2 0\nv .2 .2 0\nv -.2 .2 0\nv -.2 -.2 .5\n"
 			  "v .2 -.2 .5\nv .2 .2 .5\nv -.2 .2 .5\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\n"
 			  "f 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+	small_scene_write_sphere("ball.obj", 0.25, 24);
 	small_scene_write("wall.obj", "v -1 .5 0\nv 1 .5 0\nv 1 .5 1\nv -1 .5 1\nf 1 2 3 4\n");
 	small_scene_write("near.ini", "%s", scene);
 	memset(t, 0, sizeof(*t));
@@ -280,6 +289,52 @@ TEST("a lamp at a kilometre is light from afar")
 	expect_below(most, 2, "levels");
 	dome_placed_destroy(placed);
 	dome_free(&dome);
+	near_end(&t);
+}
+
+/* Level of the brightest pixel that does hardly anything but mirror the sky, which such_pixel[]
+ * tells of, in the light of the lamps alone. */
+static int brightest(struct near_test *t, const bool such_pixel[WIDTH * HEIGHT])
+{
+	int most = 0;
+
+	choose(t, 0);
+	switch_lamps(t, (const double[]){1.2, 0.4});
+	run(t, "auto", &t->lamps, COMPOSITOR_EXACT, NULL);
+	for (int p = 0; p < WIDTH * HEIGHT; p++)
+		if (such_pixel[p] && t->out[4 * p + 1] > most)
+			most = t->out[4 * p + 1];
+	return most;
+}
+
+/* The picture of the sky has a named lamp's light, so the lamp itself must not add it again. */
+TEST("a mirror shows a named lamp by the picture of the sky alone")
+{
+	static bool such_pixel[WIDTH * HEIGHT];
+	static int throughput[WIDTH * HEIGHT];
+	static struct near_test t;
+	struct fault fault = {.text = ""};
+	struct mirror_map dark;
+	int by_picture, by_cells;
+
+	near_begin(&t, BALL("live"));
+	for (size_t i = 0; i < t.basis.poses[0].mirror_count; i++) {
+		const struct basis_mirror *m = &t.basis.poses[0].mirror[i];
+		const int p = m->y * WIDTH + m->x;
+
+		throughput[p] += m->throughput[1];
+		such_pixel[p] = throughput[p] > 0.85 * 65535;
+	}
+	assert_int_equal(mirror_map_create(&dark, &t.basis, &fault), 0);
+	t.lights.mirror = &dark;
+	by_picture = brightest(&t, such_pixel);
+	mirror_map_free(&dark);
+	near_end(&t);
+	near_begin(&t, BALL("cells"));
+	by_cells = brightest(&t, such_pixel);
+	print_message("# level %d where the sky is dark, %d of cells\n", by_picture, by_cells);
+	expect_at_most(by_picture, 16, "level"); /* what is mirrored of the lit ground */
+	expect_above(by_cells, 200, "level by cells");
 	near_end(&t);
 }
 

@@ -88,9 +88,9 @@ static void fill_map(struct mirror_map *map, const struct basis *basis, double m
 	struct fault fault = {""};
 
 	assert_int_equal(mirror_map_create(map, basis, &fault), 0);
-	for (int at = 0; at < MIRROR_TEXELS; at++)
+	for (int at = 0; at < BASIS_MIRROR_SIDE * MIRROR_STRIDE; at++)
 		for (int c = 0; c < 3; c++)
-			map->texel[0][at][c] = (float)chance_real(chance, 0, most);
+			map->texel[at][c] = (float)chance_real(chance, 0, most);
 	mirror_map_finish(map);
 }
 

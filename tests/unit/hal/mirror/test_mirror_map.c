@@ -7,6 +7,7 @@
 
 #include "hal/lights/sampler.h"
 #include "hal/mirror/mirror_eye.h"
+#include "hal/mirror/mirror_look.h"
 #include "hal/optics/sky_square.h"
 #include "tests/support/chance.h"
 #include "tests/support/expect.h"
@@ -48,13 +49,22 @@ static void sky_close(struct sky *sky)
 	dome_free(&sky->dome);
 }
 
+static mirror_light looked_up(const struct mirror_map *map, const struct basis_mirror *m)
+{
+	struct mirror_look look;
+
+	mirror_look_aim(&look, m, map->least);
+	return mirror_look_read(map, &look);
+}
+
 static double looked(const struct mirror_map *map, double u, double v, int level, int c)
 {
 	const struct basis_mirror m = {.u = (uint16_t)lround(fmin(65536 * u, 65535)),
 				       .v = (uint16_t)lround(fmin(65536 * v, 65535)),
+				       .throughput = {65535, 65535, 65535},
 				       .level = (uint16_t)level};
 
-	return (double)mirror_map_look(map, &m)[c];
+	return (double)looked_up(map, &m)[c] / 65535 / MIRROR_LOOK_ONE;
 }
 
 TEST("an even sky is even everywhere")
@@ -74,11 +84,13 @@ TEST("an even sky is even everywhere")
 		const struct basis_mirror m = {
 			.u = (uint16_t)chance_int(&chance, 0, 65535),
 			.v = (uint16_t)chance_int(&chance, 0, 65535),
+			.throughput = {65535, 65535, 65535},
 			.level = (uint16_t)chance_int(&chance, 0, LEVEL_MOST)};
-		const mirror_light light = mirror_map_look(&sky.map, &m);
+		const mirror_light light = looked_up(&sky.map, &m);
 
 		for (int c = 0; c < 3; c++)
-			assert_true(fabs((double)light[c] / one[0][c] - 1) < 1e-6);
+			assert_true(fabs((double)light[c] / 65535 / MIRROR_LOOK_ONE / one[0][c] -
+					 1) < 1e-6);
 	}
 	free(radiance);
 	sky_close(&sky);
@@ -97,7 +109,7 @@ static double bilinear(const struct mirror_map *map, int level, double u, double
 
 		sum += (k % 2 ? x - floor(x) : 1 - x + floor(x)) *
 		       (k / 2 ? y - floor(y) : 1 - y + floor(y)) *
-		       (double)map->texel[level][j * side + i][c];
+		       (double)mirror_texels(map, level)[j * MIRROR_STRIDE + i][c];
 	}
 	return sum;
 }
@@ -109,9 +121,9 @@ TEST("looks up as in double precision")
 	struct sky sky;
 
 	sky_open(&sky);
-	for (int at = 0; at < MIRROR_TEXELS; at++)
+	for (int at = 0; at < BASIS_MIRROR_SIDE * MIRROR_STRIDE; at++)
 		for (int c = 0; c < 3; c++)
-			sky.map.texel[0][at][c] = (float)chance_real(&chance, 0, 1);
+			sky.map.texel[at][c] = (float)chance_real(&chance, 0, 1);
 	mirror_map_finish(&sky.map);
 	for (int k = 0; k < 20000; k++) {
 		const int level = (int)chance_int(&chance, 0, LEVEL_MOST), whole = level / 256;
@@ -125,7 +137,66 @@ TEST("looks up as in double precision")
 		most = fmax(most, fabs(looked(&sky.map, u, v, level, k % 3) - want));
 	}
 	print_message("# look-ups: off by %.2g at most\n", most);
-	assert_true(most < 1e-6);
+	assert_true(most < 8 * 0.5 / MIRROR_LOOK_ONE); /* eight weights are rounded */
+	sky_close(&sky);
+}
+
+/* A map that is limited to what a pose looks up shows it as a whole one does. */
+TEST("fills all that is looked up, and little else")
+{
+	enum { LOOKS = 20, TRIALS = 30 };
+	struct chance chance = chance_begin("limits");
+	static struct basis_mirror mirror[LOOKS];
+	const int number = 0;
+	struct basis_pose pose = {.mirror = mirror, .mirror_count = LOOKS};
+	struct sky sky, whole;
+
+	sky_open(&sky);
+	sky_open(&whole);
+	sky.basis.poses = &pose;
+	for (int trial = 0; trial < TRIALS; trial++) {
+		const int least = trial % 3, most = trial < TRIALS / 2 ? LEVEL_MOST : 256 * least;
+		int filled = 0;
+
+		for (int k = 0; k < LOOKS; k++) {
+			mirror[k] = (struct basis_mirror){
+				.u = (uint16_t)chance_int(&chance, 0, 65535),
+				.v = (uint16_t)chance_int(&chance, 0, 65535),
+				.throughput = {65535, 65535, 65535},
+				.level = (uint16_t)chance_int(&chance, 0, most)};
+		}
+		mirror_map_limit(&sky.map, least, &sky.basis, &number, 1);
+		sky.map.least = whole.map.least = least;
+		for (int y = 0; y < BASIS_MIRROR_SIDE >> least; y++)
+			for (int x = 0; x < BASIS_MIRROR_SIDE >> least; x++) {
+				const struct mirror_span span = mirror_spans(&sky.map, least)[y];
+				const size_t at = (size_t)(y * MIRROR_STRIDE + x);
+				const bool shown = x >= span.first && x < span.end;
+
+				mirror_texels(&whole.map, least)[at] += (float)chance_real(&chance,
+											   0, 1);
+				if (shown)
+					mirror_texels(&sky.map, least)[at] =
+						mirror_texels(&whole.map, least)[at];
+				filled += shown;
+			}
+		mirror_map_finish(&whole.map);
+		mirror_map_finish(&sky.map);
+		for (int k = 0; k < LOOKS; k++) {
+			const mirror_light a = looked_up(&whole.map, &mirror[k]);
+			const mirror_light b = looked_up(&sky.map, &mirror[k]);
+
+			assert_true(a[0] == b[0] && a[1] == b[1] && a[2] == b[2]);
+		}
+		/* Sharp mirrors have few rows, and look-ups of a row are far from each other. */
+		if (trial >= TRIALS / 2)
+			assert_true(filled <= 2 * LOOKS * (BASIS_MIRROR_SIDE >> least) / 4);
+	}
+	pose.mirror_count = 0;
+	mirror_map_limit(&sky.map, 1, &sky.basis, &number, 1);
+	for (int row = 0; row < 2 * BASIS_MIRROR_SIDE; row++)
+		assert_int_equal(sky.map.span[row].end, 0);
+	sky_close(&whole);
 	sky_close(&sky);
 }
 
@@ -134,9 +205,8 @@ TEST("the brightest light fits")
 	struct sky sky;
 
 	sky_open(&sky);
-	for (int at = 0; at < MIRROR_TEXELS; at++)
-		for (int c = 0; c < 3; c++)
-			sky.map.texel[0][at][c] = MIRROR_MOST;
+	for (int at = 0; at < BASIS_MIRROR_SIDE * MIRROR_STRIDE; at++)
+		sky.map.texel[at] = MIRROR_MOST + (mirror_light){0, 0, 0, 0};
 	mirror_map_finish(&sky.map);
 	for (int level = 0; level <= LEVEL_MOST; level += 128)
 		assert_true(fabs(looked(&sky.map, 0.3, 0.7, level, 1) / (double)MIRROR_MOST - 1) <
@@ -158,7 +228,8 @@ TEST("no level gains or loses light")
 		const double light = chance_real(&patch, 0, 1) *
 				     (chance_int(&patch, 0, 63) ? 1 : 100);
 
-		sky.map.texel[0][at][0] = (float)light;
+		sky.map.texel[at / BASIS_MIRROR_SIDE * MIRROR_STRIDE + at % BASIS_MIRROR_SIDE][0] =
+			(float)light;
 		all += sky.map.texel_sr[at] * light;
 		whole += sky.map.texel_sr[at];
 	}
@@ -186,7 +257,7 @@ static double green_at(const struct mirror_map *map, int at)
 	const int x = at % BASIS_MIRROR_SIDE >> map->least,
 		  y = at / BASIS_MIRROR_SIDE >> map->least;
 
-	return (double)map->texel[map->least][y * (BASIS_MIRROR_SIDE >> map->least) + x][1];
+	return (double)mirror_texels(map, map->least)[y * MIRROR_STRIDE + x][1];
 }
 
 #define SIDE 320
@@ -251,10 +322,9 @@ TEST("shows the picture where it is, and all of its light")
 		light_sampler_create(&sampler, &sky.dome, &lens, SIDE, SIDE, &settings, &fault), 0);
 	assert_int_equal(light_sampler_read(sampler, &view, radiance, NULL), 0);
 	for (int code = 0; code < 256; code++)
-		light.decode[code] =
-			(uint16_t)lrint(65535 * transfer_decode(TRANSFER_SRGB, code / 255.0));
+		light.decode[code] = transfer_decode(TRANSFER_SRGB, code / 255.0);
 	assert_int_equal(mirror_eye_prepare(&eye, &lens, SIDE, SIDE), 0);
-	mirror_eye_take(&eye, &reader, light.decode);
+	assert_int_equal(mirror_eye_take(&eye, &reader, 0), 0);
 	light.clipped = (const double(*)[3])more;
 	mirror_eye_fill(&eye, &light, NULL, &sky.map);
 	for (int i = 0; i < sky.dome.count; i++)
