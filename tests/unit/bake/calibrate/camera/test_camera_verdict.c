@@ -491,3 +491,35 @@ TEST("parallel is no matter for a known lens")
 	known_camera_see_board(&seen, &truth, 12, 9, 0.1, &chance);
 	test_verdict_expect(&seen, &task, "");
 }
+
+/* From afar a board looks the same tilted the other way: a pose that may be either is doubted. */
+TEST("other tilt from afar")
+{
+	struct chance chance = chance_begin("other tilt");
+	int wrong = 0;
+
+	for (int run = 0; run < 40; run++) {
+		struct camera_task task = camera_task_default();
+		struct observations seen = {0};
+		struct camera_solution solution;
+		struct tsai_camera truth;
+		double from[3], cosine = 0;
+		bool other;
+
+		chance_direction(&chance, 0.5, from);
+		for (int k = 0; k < 3; k++)
+			from[k] *= 8;
+		truth = known_camera(from, middle, -0.05, run & 1);
+		task.intrinsics = &truth;
+		known_camera_see_board(&seen, &truth, 9, 6, 0.2, &chance);
+		assert_int_equal(camera_calibrate(&seen, &task, &solution, NULL), 0);
+		for (int k = 0; k < 3; k++)
+			cosine += truth.rotation[3 * k + 2] * solution.camera.rotation[3 * k + 2];
+		other = cosine < cos(5 * M_PI / 180);
+		wrong += other;
+		expect_that(!other || !solution.finding.verdict.trusted, "run=%d", run);
+		camera_solution_free(&solution);
+		observations_free(&seen);
+	}
+	print_message("# %d of 40 are tilted the other way\n", wrong);
+}
