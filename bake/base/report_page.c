@@ -67,15 +67,15 @@ static int check_report_folder(const char *folder, struct fault *fault)
 			 folder);
 }
 
-static void page_path(const struct report_page *page, const char *name, const char *ending,
-		      char path[2 * PATH_MAX])
+void report_page_path(const struct report_page *page, const char *name, const char *ending,
+		      char path[REPORT_PATH_MAX])
 {
-	snprintf(path, 2 * PATH_MAX, "%s/%s%s", page->folder, name, ending);
+	snprintf(path, REPORT_PATH_MAX, "%s/%s%s", page->folder, name, ending);
 }
 
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault)
 {
-	char path[2 * PATH_MAX];
+	char path[REPORT_PATH_MAX];
 	FILE *mark;
 	int err;
 
@@ -93,7 +93,7 @@ int report_page_open(struct report_page *page, const char *folder, struct fault 
 		return fault_say(fault, err, "%s: %s", folder, strerror(-err));
 	}
 	/* a report that is cut off is known for one by the next */
-	page_path(page, REPORT_PAGE_NAME, "", path);
+	report_page_path(page, REPORT_PAGE_NAME, "", path);
 	mark = fopen(path, "w");
 	if (!mark)
 		err = fault_say(fault, -errno, "%s: %s", path, strerror(errno));
@@ -231,13 +231,13 @@ static void write_table(const struct table *t, FILE *to)
 static int write_csv(const struct report_page *page, const struct table *table, struct fault *fault)
 {
 	struct output out = {.stream = NULL};
-	char path[2 * PATH_MAX];
+	char path[REPORT_PATH_MAX];
 	int err;
 
 	if (table->err)
 		return fault_say(fault, table->err, "table %s: %s", table->name,
 				 strerror(-table->err));
-	page_path(page, table->name, ".csv", path);
+	report_page_path(page, table->name, ".csv", path);
 	err = output_open(&out, path, fault);
 	if (err)
 		return err;
@@ -257,23 +257,26 @@ int report_page_table(struct report_page *page, struct table *table, struct faul
 	return err;
 }
 
+void report_page_show(struct report_page *page, const char *name, const char *caption)
+{
+	fprintf(page->body, "<figure><img src=\"%s.png\" alt=\"", name);
+	report_write_escaped(page->body, caption);
+	fputs("\"><figcaption>", page->body);
+	report_write_escaped(page->body, caption);
+	fputs("</figcaption></figure>\n", page->body);
+}
+
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault)
 {
-	FILE *to = page->body;
-	char path[2 * PATH_MAX];
+	char path[REPORT_PATH_MAX];
 	int err;
 
-	page_path(page, name, ".png", path);
+	report_page_path(page, name, ".png", path);
 	err = image_write(path, picture, fault);
-	if (err)
-		return err;
-	fprintf(to, "<figure><img src=\"%s.png\" alt=\"", name);
-	report_write_escaped(to, caption);
-	fputs("\"><figcaption>", to);
-	report_write_escaped(to, caption);
-	fputs("</figcaption></figure>\n", to);
-	return 0;
+	if (!err)
+		report_page_show(page, name, caption);
+	return err;
 }
 
 /* ---- the whole ---- */
@@ -292,13 +295,13 @@ static const char style[] =
 static int write_page(struct report_page *page, const char *title, struct fault *fault)
 {
 	struct output out = {.stream = NULL};
-	char path[2 * PATH_MAX];
+	char path[REPORT_PATH_MAX];
 	int err;
 
 	/* a memory stream that has failed has no text */
 	if (fflush(page->body) || ferror(page->body))
 		return fault_say(fault, -ENOMEM, "not enough memory for the page");
-	page_path(page, REPORT_PAGE_NAME, "", path);
+	report_page_path(page, REPORT_PAGE_NAME, "", path);
 	err = output_open(&out, path, fault);
 	if (err)
 		return err;

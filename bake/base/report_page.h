@@ -14,6 +14,7 @@
 #include "hal/image/image.h"
 
 #define REPORT_PAGE_NAME "report.html"
+#define REPORT_PATH_MAX (2 * PATH_MAX)
 
 struct report_page {
 	char folder[PATH_MAX]; /* empty: no report is open */
@@ -35,6 +36,11 @@ void report_write_escaped(FILE *to, const char *text);
 int report_page_table(struct report_page *page, struct table *table, struct fault *fault);
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault);
+
+/* Where a file of the report is, and a picture there shown in the page. */
+void report_page_path(const struct report_page *page, const char *name, const char *ending,
+		      char path[REPORT_PATH_MAX]);
+void report_page_show(struct report_page *page, const char *name, const char *caption);
 
 /* Writes the page. The report is closed in any case, and removed after a failure. */
 int report_page_commit(struct report_page *page, const char *title, struct fault *fault);

@@ -15,31 +15,6 @@
 #define PALED 0.5	  /* opacity of white over a photograph */
 #define ARROW_MOST 4000.0 /* longest arrow, px: cairo's coordinates end at 2^23 */
 
-/* Copies a surface of CAIRO_FORMAT_RGB24 to a new 8-bit picture, which the caller frees.
- * -ENOMEM. */
-static int surface_to_image(cairo_surface_t *surface, struct image *image)
-{
-	const size_t stride = (size_t)cairo_image_surface_get_stride(surface);
-	const unsigned char *data;
-	const int ret = image_create_u8(image, cairo_image_surface_get_width(surface),
-					cairo_image_surface_get_height(surface));
-
-	if (ret < 0)
-		return ret;
-	cairo_surface_flush(surface);
-	data = cairo_image_surface_get_data(surface);
-	for (int y = 0; y < image->height; y++)
-		for (int x = 0; x < image->width; x++) {
-			const size_t at = (size_t)y * (size_t)image->width + (size_t)x;
-			uint32_t pixel;
-
-			memcpy(&pixel, data + (size_t)y * stride + (size_t)x * 4, sizeof(pixel));
-			for (int c = 0; c < 3; c++)
-				image->u8[3 * at + (size_t)c] = (uint8_t)(pixel >> (16 - 8 * c));
-		}
-	return 0;
-}
-
 /* Copies an 8-bit picture to a new surface of CAIRO_FORMAT_RGB24, which the caller destroys. NULL:
  * out of memory. */
 static cairo_surface_t *surface_of_image(const struct image *image)
@@ -114,14 +89,16 @@ void sheet_free(struct report_sheet *sheet)
 int sheet_show(struct report_sheet *sheet, struct report_page *page, const char *name,
 	       const char *caption, struct fault *fault)
 {
-	struct image image = {.width = 0};
-	int err = surface_to_image(sheet->surface, &image);
+	char path[REPORT_PATH_MAX];
+	cairo_status_t status;
+	int err = 0;
 
-	if (err)
-		fault_say(fault, err, "picture %s: %s", name, strerror(-err));
+	report_page_path(page, name, ".png", path);
+	status = cairo_surface_write_to_png(sheet->surface, path);
+	if (status)
+		err = fault_say(fault, -EIO, "%s: %s", path, cairo_status_to_string(status));
 	else
-		err = report_page_picture(page, name, &image, caption, fault);
-	image_free(&image);
+		report_page_show(page, name, caption);
 	sheet_free(sheet);
 	return err;
 }
