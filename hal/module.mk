@@ -152,13 +152,8 @@ $(addprefix $(BUILD)/hal/people/,cells.o drift.o gain.o place.o verdict.o): OWN_
 
 # Rows of video and light sampling; as above.
 ifeq ($(MACHINE),x86_64)
-HAL_SOURCES += hal/frame/frame_rows_avx2.c hal/frame/frame_rows_avx512.c hal/lights/sampler_avx2.c \
-	hal/lights/sampler_avx512.c
-$(BUILD)/hal/lights/sampler_avx2.o: OWN_FLAGS := -mavx2
-$(BUILD)/hal/lights/sampler_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl \
-	-mavx512vbmi -mavx512vnni -mbmi2
-$(BUILD)/hal/frame/frame_rows_avx2.o: OWN_FLAGS := -mavx2
-$(BUILD)/hal/frame/frame_rows_avx512.o: OWN_FLAGS := -mavx512f -mavx512bw -mavx512dq -mavx512vl
+HAL_SOURCES += hal/frame/frame_rows_avx2.c hal/lights/sampler_avx2.c
+$(BUILD)/hal/frame/frame_rows_avx2.o $(BUILD)/hal/lights/sampler_avx2.o: OWN_FLAGS := -mavx2
 else ifeq ($(MACHINE),aarch64)
 HAL_SOURCES += hal/frame/frame_rows_neon.c hal/lights/sampler_neon.c
 endif

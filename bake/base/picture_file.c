@@ -189,54 +189,6 @@ static int tiff_read_plain(TIFF *tiff, const struct tiff_kind *kind, struct imag
 	return err;
 }
 
-/* Puts pixels of some bytes where an orientation of TIFF says; array is replaced. -ENOMEM. */
-static int turn_pixels(void *array, size_t bytes, size_t width, size_t height, int turned)
-{
-	const bool aside = turned >= ORIENTATION_LEFTTOP;
-	const bool across = turned == 2 || turned == 3 || turned == 6 || turned == 7;
-	const bool down = turned == 3 || turned == 4 || turned == 7 || turned == 8;
-	const size_t wide = aside ? height : width, high = aside ? width : height;
-	char *from = *(char **)array, *to;
-
-	if (!from)
-		return 0;
-	to = malloc(wide * high * bytes);
-	if (!to)
-		return -ENOMEM;
-	for (size_t y = 0; y < height; y++)
-		for (size_t x = 0; x < width; x++) {
-			const size_t i = aside ? y : x, j = aside ? x : y;
-			const size_t at = (down ? high - 1 - j : j) * wide +
-					  (across ? wide - 1 - i : i);
-
-			memcpy(to + at * bytes, from + (y * width + x) * bytes, bytes);
-		}
-	free(from);
-	*(char **)array = to;
-	return 0;
-}
-
-static int picture_turn(struct image *image, int turned)
-{
-	const size_t width = (size_t)image->width, height = (size_t)image->height;
-	int err = 0;
-
-	if (turned <= ORIENTATION_TOPLEFT || turned > ORIENTATION_LEFTBOT)
-		return 0;
-	err = turn_pixels(&image->u8, 3, width, height, turned);
-	if (!err)
-		err = turn_pixels(&image->u16, 3 * sizeof(*image->u16), width, height, turned);
-	if (!err)
-		err = turn_pixels(&image->f32, 3 * sizeof(*image->f32), width, height, turned);
-	if (!err)
-		err = turn_pixels(&image->alpha, 1, width, height, turned);
-	if (turned >= ORIENTATION_LEFTTOP) {
-		image->width = (int)height;
-		image->height = (int)width;
-	}
-	return err;
-}
-
 static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct image *image,
 		       struct fault *fault)
 {
@@ -253,6 +205,11 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 
 	if (err)
 		return err;
+	if (kind.turned != ORIENTATION_TOPLEFT)
+		return fault_say(
+			fault, -EBADMSG,
+			"%s: a TIFF that is to be turned (its orientation is %d), expected one that is upright",
+			path, kind.turned);
 	if (!light && kind.format != SAMPLEFORMAT_UINT && kind.format != SAMPLEFORMAT_VOID)
 		return fault_say(
 			fault, -EBADMSG,
@@ -269,8 +226,6 @@ static int tiff_decode(TIFF *tiff, const char *path, uint64_t bytes, struct imag
 	if (!err)
 		err = light || deep ? tiff_read_rows(tiff, &kind, image, &why)
 				    : tiff_read_plain(tiff, &kind, image);
-	if (!err)
-		err = picture_turn(image, kind.turned);
 	if (err == -ENOMEM)
 		return fault_say(fault, err, "%s: not enough memory for the picture", path);
 	return why.text[0] ? fault_say(fault, err, "%s: %s", path, why.text) : err;
@@ -313,6 +268,11 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 
 	if (bytes > INT_MAX || !stbi_info_from_memory(data, (int)bytes, &width, &height, &channels))
 		return fault_say(fault, -EBADMSG, "%s: damaged: no BMP or TGA that is read", path);
+	/* the library minds only whether a TGA begins at the top */
+	if (bytes > 17 && data[0] != 'B' && data[17] & TGA_FROM_RIGHT)
+		return fault_say(fault, -EBADMSG,
+				 "%s: a TGA from the right to the left, expected one from the left",
+				 path);
 	err = check_size(path, width, abs(height), bytes, fault); /* below 0: from the top */
 	if (err)
 		return err;
@@ -322,9 +282,6 @@ static int stb_decode(const uint8_t *data, size_t bytes, const char *path, struc
 	err = image_create_u8(image, width, height);
 	if (!err)
 		err = image_take_rgba(image, rgba);
-	/* the library minds only whether a TGA begins at the top */
-	if (!err && bytes > 17 && data[0] != 'B' && data[17] & TGA_FROM_RIGHT)
-		err = picture_turn(image, ORIENTATION_TOPRIGHT);
 	stbi_image_free(rgba);
 	return err ? fault_say(fault, err, "%s: not enough memory for the picture", path) : 0;
 }

@@ -6,8 +6,8 @@
 
 #include "hal/image/image.h"
 
-/* As image_read_deep(). The first picture of a TIFF counts, and its orientation; its floats are
- * linear light, also those of 16 bits. */
+/* As image_read_memory_deep(). The first picture of a TIFF counts; its floats are linear light,
+ * also those of 16 bits. -EBADMSG also where a TIFF or TGA says that it is to be turned. */
 int picture_file_read(const char *path, struct image *image, struct fault *fault);
 
 /* Turns 16-bit code values, if the picture has them, into float ones: linear light of sRGB, or of

@@ -3,7 +3,6 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -11,10 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "hal/base/log.h"
 #include "hal/base/output.h"
-
-#define TEMPORARY ".part-XXXXXX"
 
 /* ---- folders ---- */
 
@@ -30,7 +26,8 @@ static bool is_report_file(const char *name)
 	return false;
 }
 
-static void remove_report_folder(const char *folder)
+/* Removes the files of a report, and the folder if nothing else is in it. */
+static void remove_report(const char *folder)
 {
 	DIR *dir = opendir(folder);
 	const struct dirent *entry;
@@ -41,8 +38,7 @@ static void remove_report_folder(const char *folder)
 		if (is_report_file(entry->d_name))
 			unlinkat(dirfd(dir), entry->d_name, 0);
 	closedir(dir);
-	if (rmdir(folder))
-		log_warning("%s is left: it holds files that are no report's", folder);
+	rmdir(folder);
 }
 
 /* 0 if the folder is missing, empty or an earlier report. */
@@ -71,47 +67,61 @@ static int check_report_folder(const char *folder, struct fault *fault)
 			 folder);
 }
 
+static void page_path(const struct report_page *page, const char *name, const char *ending,
+		      char path[2 * PATH_MAX])
+{
+	snprintf(path, 2 * PATH_MAX, "%s/%s%s", page->folder, name, ending);
+}
+
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault)
 {
-	size_t length = strlen(folder);
+	char path[2 * PATH_MAX];
+	FILE *mark;
 	int err;
 
 	*page = (struct report_page){.body = NULL};
-	while (length > 1 && folder[length - 1] == '/')
-		length--;
-	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
-	err = check_report_folder(page->folder, fault);
+	if (strlen(folder) >= sizeof(page->folder))
+		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
+	err = check_report_folder(folder, fault);
 	if (err)
 		return err;
-	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
-	    (int)sizeof(page->temporary)) {
-		page->temporary[0] = '\0';
-		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
-	}
-	if (!mkdtemp(page->temporary)) {
+	snprintf(page->folder, sizeof(page->folder), "%s", folder);
+	remove_report(folder);
+	if (mkdir(folder, 0777) && errno != EEXIST) {
 		err = -errno;
-		page->temporary[0] = '\0';
-		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
+		page->folder[0] = '\0';
+		return fault_say(fault, err, "%s: %s", folder, strerror(-err));
 	}
-	chmod(page->temporary, 0755);
+	/* a report that is cut off is known for one by the next */
+	page_path(page, REPORT_PAGE_NAME, "", path);
+	mark = fopen(path, "w");
+	if (!mark)
+		err = fault_say(fault, -errno, "%s: %s", path, strerror(errno));
+	else
+		fclose(mark);
 	page->body = open_memstream(&page->text, &page->bytes);
-	if (!page->body) {
+	if (!err && !page->body)
+		err = fault_say(fault, -ENOMEM, "not enough memory");
+	if (err)
 		report_page_abandon(page);
-		return fault_say(fault, -ENOMEM, "not enough memory");
-	}
-	return 0;
+	return err;
 }
 
-void report_page_abandon(struct report_page *page)
+static void page_close(struct report_page *page)
 {
 	if (page->body)
 		fclose(page->body);
 	page->body = NULL;
 	free(page->text);
 	page->text = NULL;
-	if (page->temporary[0])
-		remove_report_folder(page->temporary);
-	page->temporary[0] = '\0';
+	page->folder[0] = '\0';
+}
+
+void report_page_abandon(struct report_page *page)
+{
+	if (page->folder[0])
+		remove_report(page->folder);
+	page_close(page);
 }
 
 /* ---- parts ---- */
@@ -227,7 +237,7 @@ static int write_csv(const struct report_page *page, const struct table *table, 
 	if (table->err)
 		return fault_say(fault, table->err, "table %s: %s", table->name,
 				 strerror(-table->err));
-	snprintf(path, sizeof(path), "%s/%s.csv", page->temporary, table->name);
+	page_path(page, table->name, ".csv", path);
 	err = output_open(&out, path, fault);
 	if (err)
 		return err;
@@ -247,46 +257,22 @@ int report_page_table(struct report_page *page, struct table *table, struct faul
 	return err;
 }
 
-static void write_base64(FILE *to, FILE *from)
-{
-	static const char digit[] =
-		"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-	unsigned char in[3];
-	size_t got;
-
-	while ((got = fread(in, 1, 3, from)) > 0) {
-		const unsigned b = got > 1 ? in[1] : 0, c = got > 2 ? in[2] : 0;
-		const unsigned all = (unsigned)in[0] << 16 | b << 8 | c;
-
-		fputc(digit[all >> 18], to);
-		fputc(digit[all >> 12 & 63], to);
-		fputc(got > 1 ? digit[all >> 6 & 63] : '=', to);
-		fputc(got > 2 ? digit[all & 63] : '=', to);
-	}
-}
-
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault)
 {
-	FILE *to = page->body, *from;
+	FILE *to = page->body;
 	char path[2 * PATH_MAX];
 	int err;
 
-	snprintf(path, sizeof(path), "%s/%s.png", page->temporary, name);
+	page_path(page, name, ".png", path);
 	err = image_write(path, picture, fault);
 	if (err)
 		return err;
-	from = fopen(path, "rb");
-	if (!from)
-		return fault_say(fault, -errno, "%s: %s", path, strerror(errno));
-	fputs("<figure><img alt=\"", to);
+	fprintf(to, "<figure><img src=\"%s.png\" alt=\"", name);
 	report_write_escaped(to, caption);
-	fputs("\" src=\"data:image/png;base64,", to);
-	write_base64(to, from);
-	fclose(from);
 	fputs("\"><figcaption>", to);
 	report_write_escaped(to, caption);
-	fprintf(to, " <a href=\"%s.png\">%s.png</a></figcaption></figure>\n", name, name);
+	fputs("</figcaption></figure>\n", to);
 	return 0;
 }
 
@@ -312,7 +298,7 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	/* a memory stream that has failed has no text */
 	if (fflush(page->body) || ferror(page->body))
 		return fault_say(fault, -ENOMEM, "not enough memory for the page");
-	snprintf(path, sizeof(path), "%s/" REPORT_PAGE_NAME, page->temporary);
+	page_path(page, REPORT_PAGE_NAME, "", path);
 	err = output_open(&out, path, fault);
 	if (err)
 		return err;
@@ -329,30 +315,12 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	return err;
 }
 
-/* Renames the new folder to its place. An earlier report is exchanged with it atomically: its files
- * then have the temporary name, and report_page_abandon() removes them. */
-static int take_place(struct report_page *page)
-{
-	if (!rename(page->temporary, page->folder)) {
-		page->temporary[0] = '\0';
-		return 0;
-	}
-	if (errno != ENOTEMPTY && errno != EEXIST)
-		return -errno;
-	if (renameat2(AT_FDCWD, page->temporary, AT_FDCWD, page->folder, RENAME_EXCHANGE))
-		return -errno;
-	return 0;
-}
-
 int report_page_commit(struct report_page *page, const char *title, struct fault *fault)
 {
-	int err = write_page(page, title, fault);
+	const int err = write_page(page, title, fault);
 
-	if (!err) {
-		err = take_place(page);
-		if (err)
-			fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
-	}
-	report_page_abandon(page);
+	if (err)
+		report_page_abandon(page);
+	page_close(page);
 	return err;
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A report: a folder with one HTML page that embeds its pictures, and the tables, plots and
- * pictures as files. Everything is written to a temporary folder beside the one asked for, which
- * takes its place when the report is complete.
+ * A report: a folder with one HTML page, and its tables and pictures as files. The page is empty
+ * until the report is complete.
  */
 #ifndef INLAY_BAKE_BASE_REPORT_PAGE_H
 #define INLAY_BAKE_BASE_REPORT_PAGE_H
@@ -17,16 +16,14 @@
 #define REPORT_PAGE_NAME "report.html"
 
 struct report_page {
-	char folder[PATH_MAX]; /* as asked for */
-	/* where files are written until the commit; empty: no report is open */
-	char temporary[PATH_MAX];
+	char folder[PATH_MAX]; /* empty: no report is open */
 	FILE *body;
 	char *text; /* what is written to body */
 	size_t bytes;
 };
 
-/* Begins a report. -EEXIST: the folder holds files and no earlier report; or -errno of creating the
- * temporary folder. */
+/* Begins a report, in place of an earlier one. -EEXIST: the folder holds files and no earlier
+ * report; or -errno of creating it. */
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault);
 
 /* Write an HTML heading, paragraph or text. The text is escaped. */
@@ -34,14 +31,12 @@ void report_heading(FILE *to, const char *format, ...) __attribute__((format(pri
 void report_paragraph(FILE *to, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_write_escaped(FILE *to, const char *text);
 
-/* Write a table as CSV and free it, or a picture as PNG, and show it in the page; a picture is
- * embedded, so that the page can be sent alone. */
+/* Write a table as CSV and free it, or a picture as PNG, and show it in the page. */
 int report_page_table(struct report_page *page, struct table *table, struct fault *fault);
 int report_page_picture(struct report_page *page, const char *name, const struct image *picture,
 			const char *caption, struct fault *fault);
 
-/* Writes the page and moves the folder to its place; the files of an earlier report are removed.
- * The report is closed in any case. */
+/* Writes the page. The report is closed in any case, and removed after a failure. */
 int report_page_commit(struct report_page *page, const char *title, struct fault *fault);
 
 /* Removes what is not committed. Idempotent; zeroed is fine. */

@@ -11,7 +11,6 @@
 #include "hal/optics/vec.h"
 
 #define WORTH 0.0005 /* rad by which a part must lessen how far light is moved */
-#define TRIES 8	     /* steps that do not fit any more before the choice ends */
 #define MARGIN 0.5   /* radius of a part, in cells: light at a border needs both sides */
 
 struct sky_step {
@@ -20,9 +19,8 @@ struct sky_step {
 
 struct sky_choice {
 	const struct sky_need *need;
-	double (*moved)[SKY_LEVELS]; /* [cell]: of the need, less what the limit forbids */
-	int *level;		     /* [cell]: chosen */
-	struct sky_step *step;	     /* [cells * SKY_LEVELS]: the best first */
+	int *level;	       /* [cell]: chosen */
+	struct sky_step *step; /* [cells * SKY_LEVELS]: the best first */
 };
 
 /* Finds the cell and level that are worth the most for each light. Returns the cell; -1: none is
@@ -34,8 +32,8 @@ static int choice_best(const struct sky_choice *choice, int *level)
 
 	for (int i = 0; i < choice->need->level[0].count; i++)
 		for (int l = choice->level[i] + 1; l < choice->need->levels; l++) {
-			const double gain = choice->moved[i][choice->level[i]] -
-					    choice->moved[i][l];
+			const double gain = choice->need->moved[i][choice->level[i]] -
+					    choice->need->moved[i][l];
 			const double lights = ldexp(1, 2 * l) - ldexp(1, 2 * choice->level[i]);
 
 			if (gain < WORTH || gain / lights <= most)
@@ -124,25 +122,6 @@ static int choice_run(struct sky_parts *parts, struct sky_choice *choice, int mo
 	}
 	choice_take(choice, fits);
 	parts->limited = fits < steps;
-	/* Smaller steps may fit where a larger one does not. */
-	for (int failed = 0;
-	     fits < steps && failed < TRIES && (cell = choice_best(choice, &level)) >= 0;) {
-		const int before = choice->level[cell];
-
-		choice->level[cell] = level;
-		err = choice_count(parts, choice, &lights, fault);
-		if (err)
-			return err;
-		if (lights <= most) {
-			parts->lights = lights;
-			continue;
-		}
-		/* nothing is gained by dividing this cell as in that level or a finer */
-		failed++;
-		choice->level[cell] = before;
-		for (int l = level; l < choice->need->levels; l++)
-			choice->moved[cell][l] = choice->moved[cell][before];
-	}
 	list_parts(parts, choice);
 	return 0;
 }
@@ -160,16 +139,12 @@ int sky_parts_choose(struct sky_parts *parts, const struct sky_need *need, int m
 				 "a dome of frequency %d alone has %d lights, more than %d",
 				 need->level[0].frequency, parts->lights, most);
 	parts->part = calloc(cells, sizeof(*parts->part));
-	choice.moved = calloc(cells, sizeof(*choice.moved));
 	choice.level = calloc(cells, sizeof(*choice.level));
 	choice.step = calloc(cells * SKY_LEVELS, sizeof(*choice.step));
-	if (!parts->part || !choice.moved || !choice.level || !choice.step)
+	if (!parts->part || !choice.level || !choice.step)
 		err = fault_say(fault, -ENOMEM, "not enough memory for the sky");
-	if (!err) {
-		memcpy(choice.moved, need->moved, cells * sizeof(*choice.moved));
+	if (!err)
 		err = choice_run(parts, &choice, most, fault);
-	}
-	free(choice.moved);
 	free(choice.level);
 	free(choice.step);
 	if (err)

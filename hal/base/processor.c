@@ -28,8 +28,6 @@ unsigned processor_features(void)
 		features |= PROCESSOR_AVX512;
 		if (__builtin_cpu_supports("avx512vnni"))
 			features |= PROCESSOR_AVX512_VNNI;
-		if (__builtin_cpu_supports("avx512vbmi"))
-			features |= PROCESSOR_AVX512_VBMI;
 	}
 #elif defined(__aarch64__)
 	features |= PROCESSOR_NEON;
@@ -49,8 +47,8 @@ bool processor_features_named(const char *name, unsigned *features)
 		{"c", 0},
 		{"sse4.1", PROCESSOR_SSE41},
 		{"avx2", PROCESSOR_SSE41 | PROCESSOR_AVX2},
-		{"avx512-vnni", PROCESSOR_SSE41 | PROCESSOR_AVX2 | PROCESSOR_AVX512 |
-					PROCESSOR_AVX512_VNNI | PROCESSOR_AVX512_VBMI},
+		{"avx512-vnni",
+		 PROCESSOR_SSE41 | PROCESSOR_AVX2 | PROCESSOR_AVX512 | PROCESSOR_AVX512_VNNI},
 		{"neon", PROCESSOR_NEON},
 		{"neon-dotprod", PROCESSOR_NEON | PROCESSOR_DOTPROD},
 	};

@@ -16,9 +16,8 @@ enum processor_feature {
 	PROCESSOR_AVX2 = 1 << 1,
 	PROCESSOR_AVX512 = 1 << 2,	/* F, BW, DQ and VL */
 	PROCESSOR_AVX512_VNNI = 1 << 3, /* only together with PROCESSOR_AVX512 */
-	PROCESSOR_AVX512_VBMI = 1 << 4, /* only together with PROCESSOR_AVX512 */
-	PROCESSOR_NEON = 1 << 5,	/* every aarch64 has it */
-	PROCESSOR_DOTPROD = 1 << 6,
+	PROCESSOR_NEON = 1 << 4,	/* every aarch64 has it */
+	PROCESSOR_DOTPROD = 1 << 5,
 };
 
 /* Features that processor and system support: enum processor_feature, or'ed. */

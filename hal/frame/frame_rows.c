@@ -18,7 +18,6 @@ const struct frame_rows *const frame_rows_all[] = {
 	&frame_rows_c,
 #if defined(__x86_64__)
 	&frame_rows_avx2,
-	&frame_rows_avx512,
 #elif defined(__aarch64__)
 	&frame_rows_neon,
 #endif

@@ -41,7 +41,6 @@ const struct frame_rows *frame_rows_choose(void);
 
 extern const struct frame_rows frame_rows_c;
 extern const struct frame_rows frame_rows_avx2;
-extern const struct frame_rows frame_rows_avx512;
 extern const struct frame_rows frame_rows_neon;
 
 #endif

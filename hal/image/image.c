@@ -139,11 +139,6 @@ int image_read_sized(const char *path, int width, int height, const char *why, s
 	return image_read_file(source, image, fault);
 }
 
-int image_read_deep(const char *path, struct image *image, struct fault *fault)
-{
-	return image_read_file((struct image_source){.name = path, .deep = true}, image, fault);
-}
-
 static const struct image_codec *codec_for_writing(const char *path)
 {
 	const char *dot = strrchr(path, '.');

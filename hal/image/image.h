@@ -15,7 +15,7 @@
 #define IMAGE_SIDE_MAX 32768
 
 /* Three channels R, G, B, interleaved; row 0 at the top; no padding. Exactly one of u8, u16 and f32
- * is set; u16 by image_read_deep() alone. */
+ * is set; u16 by image_read_memory_deep() alone. */
 struct image {
 	int width, height;
 	uint8_t *u8;
@@ -63,9 +63,6 @@ int image_read(const char *path, struct image *image, struct fault *fault);
  * fault, like "as before". -EINVAL. */
 int image_read_sized(const char *path, int width, int height, const char *why, struct image *image,
 		     struct fault *fault);
-
-/* The same, but 16-bit PNG fills u16. */
-int image_read_deep(const char *path, struct image *image, struct fault *fault);
 
 /* Reads a file that is in memory; messages call it by name. */
 int image_read_memory(const uint8_t *data, size_t bytes, const char *name, struct image *image,

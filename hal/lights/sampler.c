@@ -59,8 +59,6 @@ static void set_decode(struct sampler_decode *decode, int code, double light)
 
 	decode->value[code] = (int16_t)(value - SAMPLER_VALUE_BIAS);
 	decode->wide[code] = decode->value[code];
-	decode->low[code] = (uint8_t)(decode->value[code] & 255);
-	decode->high[code] = (uint8_t)(decode->value[code] >> 8 & 255);
 }
 
 static void fill_decode(struct light_sampler *s, const struct transfer_curve *curve)
@@ -351,11 +349,6 @@ int light_sampler_read_linear(struct light_sampler *s, const struct image *pictu
 const float *light_sampler_clipped(const struct light_sampler *s)
 {
 	return s->clipped;
-}
-
-int light_sampler_unseen(const struct light_sampler *s)
-{
-	return s->placed ? s->table.unseen / DOME_PLACED_THIRDS : s->table.unseen;
 }
 
 void light_sampler_destroy(struct light_sampler *s)

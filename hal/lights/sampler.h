@@ -105,9 +105,6 @@ const float (*light_sampler_excess(const struct light_sampler *sampler))[3];
 /* The clipped shares, 0..1; exactly 0 in a light none of whose pixels was clipped. */
 const float *light_sampler_clipped(const struct light_sampler *sampler);
 
-/* Number of lights that the lens does not see; they are dark. */
-int light_sampler_unseen(const struct light_sampler *sampler);
-
 void light_sampler_destroy(struct light_sampler *sampler);
 
 #endif

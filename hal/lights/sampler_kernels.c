@@ -9,7 +9,6 @@ const struct sampler_kernels *const sampler_kernels_all[] = {
 	&sampler_kernels_c,
 #if defined(__x86_64__)
 	&sampler_kernels_avx2,
-	&sampler_kernels_avx512,
 #elif defined(__aarch64__)
 	&sampler_kernels_neon,
 #endif

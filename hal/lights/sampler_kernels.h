@@ -21,9 +21,8 @@ enum { SAMPLER_CHUNK = 16 };
 /* Linear light of each code value: round(65535 * linear) - 32768, in -32768..32767. */
 struct sampler_decode {
 	int16_t value[256];
-	int32_t wide[256];	     /* the same values, for gathers of 32 bits */
-	uint8_t low[256], high[256]; /* their low and high bytes, for lookups of bytes */
-	uint8_t white;		     /* lowest code that counts as clipped; at least 1 */
+	int32_t wide[256]; /* the same values, for gathers of 32 bits */
+	uint8_t white;	   /* lowest code that counts as clipped; at least 1 */
 };
 
 /* Most chunks of a span. Kernels split weights into 8 and 7 bits, so that the 32-bit sums of pairs
@@ -66,7 +65,6 @@ bool sampler_decode_c(const struct sampler_decode *table, const uint32_t *bgrx, 
 
 extern const struct sampler_kernels sampler_kernels_c;
 extern const struct sampler_kernels sampler_kernels_avx2;
-extern const struct sampler_kernels sampler_kernels_avx512;
 extern const struct sampler_kernels sampler_kernels_neon;
 
 #endif

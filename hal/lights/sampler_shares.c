@@ -8,12 +8,7 @@
 
 #include "hal/optics/vec.h"
 
-#define SUBPIXELS 8	/* sub-pixels per side, in pixels that straddle cells */
-#define EDGE_SLACK 1e-9 /* larger than all rounding of edges and of the field */
-/* What the lens says is smooth: it is asked at four of so many pixels. The cubic between them is
- * off by 26 times the fourth derivative, 1e-6 where a pixel turns the direction by this at most. */
-#define BLOCK 16
-#define SMOOTH_RAD 0.01
+#define SUBPIXELS 8 /* sub-pixels per side, in pixels that straddle cells */
 
 /* A pixel of the row that is being shared out: its weights in a light, or in each of its thirds. */
 struct row_share {
@@ -31,18 +26,12 @@ struct shares_builder {
 	const struct fisheye *lens;
 	int width, height;
 	int *corner_light; /* [height + 1][width + 1]: the cell at each pixel's upper left corner */
-	int *first_edge;   /* [lights + 1] */
-	double(*edge)
-		/* unit normals of the cells' edges, inwards; first_edge[i] is cell i's first */
-		[3];
 	struct dome_placed *placed; /* NULL: shares are of lights, else of thirds */
 	int parts;		    /* of a light: DOME_PLACED_THIRDS, or 1 */
 	int y, row_count, row_room;
-	struct row_share *row;	     /* [row_room]: from left to right */
-	int *column;		     /* [row_room]: their places, light by light */
-	struct row_light *of_light;  /* [lights]: 0 between rows */
-	struct fisheye_pixel *pixel; /* [width]: of the row; falloff 0: outside the field */
-	double turn;		     /* fisheye_turn_per_pixel() */
+	struct row_share *row;	    /* [row_room]: from left to right */
+	int *column;		    /* [row_room]: their places, light by light */
+	struct row_light *of_light; /* [lights]: 0 between rows */
 	struct sampler_shares shares;
 };
 
@@ -182,15 +171,6 @@ static bool corner_rays(const struct shares_builder *b, int x, int y, double cor
 	return true;
 }
 
-/* Whether a direction surely lies in a cell. */
-static bool is_inside(const struct shares_builder *b, int cell, const double dir[3])
-{
-	for (int k = b->first_edge[cell]; k < b->first_edge[cell + 1]; k++)
-		if (!(vec_dot(b->edge[k], dir) > EDGE_SLACK))
-			return false;
-	return true;
-}
-
 /* The lights of a pixel's sub-pixels, and how many each has. */
 struct subpixel_tally {
 	int kinds;
@@ -213,29 +193,9 @@ static void tally_add(struct subpixel_tally *tally, int cell)
 	tally->count[at]++;
 }
 
-/* Counts sub-pixel k of a row from left to right. Returns its place in the tally if the sub-pixel
- * surely lies in that cell, else -1. */
-static int tally_between(const struct shares_builder *b, struct subpixel_tally *tally,
-			 const double left[3], const double right[3], int k)
-{
-	const double s = (k + 0.5) / SUBPIXELS;
-	double dir[3];
-
-	for (int c = 0; c < 3; c++)
-		dir[c] = (1 - s) * left[c] + s * right[c];
-	for (int at = 0; at < tally->kinds; at++)
-		if (is_inside(b, tally->light[at], dir)) {
-			tally->count[at]++;
-			return at;
-		}
-	tally_add(tally, dome_cell_of(b->dome, dir));
-	return -1;
-}
-
 /* Counts sub-pixels by light. Inside a pixel it interpolates the direction bilinearly between the
  * corners (error 1e-3 pixels in a picture of 480 x 480), which is much cheaper than the lens; but
- * not at the rim, where a corner does not see the sky. Cells are convex: what lies between two
- * sub-pixels of a row in one cell does, too. */
+ * not at the rim, where a corner does not see the sky. */
 static void count_subpixels(const struct shares_builder *b, int x, int y,
 			    struct subpixel_tally *tally)
 {
@@ -243,181 +203,55 @@ static void count_subpixels(const struct shares_builder *b, int x, int y,
 	const bool whole = corner_rays(b, x, y, corner);
 
 	tally->kinds = 0;
-	for (int j = 0; j < SUBPIXELS; j++) {
-		const double t = (j + 0.5) / SUBPIXELS;
-		double left[3], right[3];
-		int first, last;
+	for (int k = 0; k < SUBPIXELS * SUBPIXELS; k++) {
+		const double s = (k % SUBPIXELS + 0.5) / SUBPIXELS,
+			     t = (k / SUBPIXELS + 0.5) / SUBPIXELS;
+		double dir[3];
 
-		for (int i = 0; !whole && i < SUBPIXELS; i++)
-			tally_add(tally, light_at(b, x + (i + 0.5) / SUBPIXELS, y + t));
-		if (!whole)
-			continue;
-		for (int c = 0; c < 3; c++) {
-			left[c] = (1 - t) * corner[0][c] + t * corner[2][c];
-			right[c] = (1 - t) * corner[1][c] + t * corner[3][c];
-		}
-		first = tally_between(b, tally, left, right, 0);
-		last = tally_between(b, tally, left, right, SUBPIXELS - 1);
-		if (first >= 0 && first == last)
-			tally->count[first] += SUBPIXELS - 2;
-		else
-			for (int i = 1; i < SUBPIXELS - 1; i++)
-				tally_between(b, tally, left, right, i);
+		for (int c = 0; c < 3 && whole; c++)
+			dir[c] = (1 - t) * ((1 - s) * corner[0][c] + s * corner[1][c]) +
+				 t * ((1 - s) * corner[2][c] + s * corner[3][c]);
+		tally_add(tally, whole ? dome_cell_of(b->dome, dir) : light_at(b, x + s, y + t));
 	}
 }
 
 /* Shares a pixel among cells. Cells are convex: if all four corners lie in one, the pixel does. */
 static int share_pixel(struct shares_builder *b, int x, int y)
 {
-	const struct fisheye_pixel *pixel = &b->pixel[x];
+	const double px[2] = {x + 0.5, y + 0.5};
+	struct fisheye_pixel pixel;
 	const int first = corner_light(b, x, y);
 	struct subpixel_tally tally;
 	int ret = 0;
 
-	if (pixel->falloff == 0 || !(pixel->dir[2] >= 0))
+	if (!fisheye_pixel_of(b->lens, px, &pixel) || !(pixel.dir[2] >= 0))
 		return 0;
 	if (first >= 0 && first == corner_light(b, x + 1, y) &&
 	    first == corner_light(b, x, y + 1) && first == corner_light(b, x + 1, y + 1))
-		return add_share(b, first, x, y, pixel->sr, pixel);
+		return add_share(b, first, x, y, pixel.sr, &pixel);
 	count_subpixels(b, x, y, &tally);
 	for (int k = 0; k < tally.kinds && ret == 0; k++)
 		ret = add_share(b, tally.light[k], x, y,
-				pixel->sr * tally.count[k] / (SUBPIXELS * SUBPIXELS), pixel);
+				pixel.sr * tally.count[k] / (SUBPIXELS * SUBPIXELS), &pixel);
 	return ret;
-}
-
-/* The planes through the edges of all cells. 0 or -ENOMEM. */
-static int find_edges(struct shares_builder *b)
-{
-	const int lights = b->dome->count;
-	double(*corner)[3];
-	int edges = 0, most = 0;
-
-	b->first_edge = calloc((size_t)lights + 1, sizeof(*b->first_edge));
-	if (!b->first_edge)
-		return -ENOMEM;
-	for (int i = 0; i < lights; i++) {
-		const int count = dome_cell_corners(b->dome, i, NULL, 0);
-
-		b->first_edge[i + 1] = b->first_edge[i] + count;
-		most = count > most ? count : most;
-	}
-	b->edge = calloc((size_t)b->first_edge[lights] + 1, sizeof(*b->edge));
-	corner = calloc((size_t)most + 1, sizeof(*corner));
-	for (int i = 0; b->edge && corner && i < lights; i++) {
-		const int count = dome_cell_corners(b->dome, i, corner, most);
-
-		for (int k = 0; k < count; k++, edges++) {
-			vec_cross(corner[k], corner[(k + 1) % count], b->edge[edges]);
-			vec_normalize(b->edge[edges]);
-		}
-	}
-	free(corner);
-	return edges == b->first_edge[lights] ? 0 : -ENOMEM;
-}
-
-/* How far, in pixels, all directions around one in a cell surely lie in the cell. */
-static double cell_reach_px(const struct shares_builder *b, int cell, const double dir[3])
-{
-	double nearest = 1;
-
-	for (int k = b->first_edge[cell]; k < b->first_edge[cell + 1]; k++)
-		nearest = fmin(nearest, vec_dot(b->edge[k], dir));
-	return (nearest - EDGE_SLACK) / b->turn;
-}
-
-static bool is_in_field(const struct shares_builder *b, double x, double y)
-{
-	const double *centre = b->lens->centre_px, *focal = b->lens->focal_px;
-	const double u = (x - centre[0]) / focal[0], v = (y - centre[1]) / focal[1];
-
-	return u * u + v * v < b->lens->rim * b->lens->rim * (1 - EDGE_SLACK);
-}
-
-/* Interpolates pixels of a block between four of them: a cubic in each of their numbers. */
-static void interpolate_block(struct fisheye_pixel *pixel)
-{
-	enum { NUMBERS = sizeof(*pixel) / sizeof(double), STEP = (BLOCK - 1) / 3 };
-	double number[BLOCK][NUMBERS];
-
-	for (int i = 0; i < BLOCK; i += STEP)
-		memcpy(number[i], &pixel[i], sizeof(number[i]));
-	for (int i = 0; i < BLOCK; i++) {
-		const double t = (double)i / STEP;
-		const double w[4] = {(1 - t) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2,
-				     t * (1 - t) * (t - 3) / 2, t * (t - 1) * (t - 2) / 6};
-
-		for (int n = 0; i % STEP && n < NUMBERS; n++)
-			number[i][n] = w[0] * number[0][n] + w[1] * number[STEP][n] +
-				       w[2] * number[2 * STEP][n] + w[3] * number[3 * STEP][n];
-		memcpy(&pixel[i], number[i], sizeof(*pixel));
-	}
-}
-
-static void look_at_row(struct shares_builder *b, int y)
-{
-	for (int x = 0, end; x < b->width; x = end) {
-		const bool smooth = b->turn <= SMOOTH_RAD && x + BLOCK <= b->width &&
-				    is_in_field(b, x + 0.5, y + 0.5) &&
-				    is_in_field(b, x + BLOCK - 0.5, y + 0.5);
-
-		end = x + BLOCK < b->width ? x + BLOCK : b->width;
-		for (int i = x; i < end; i += smooth ? (BLOCK - 1) / 3 : 1) {
-			const double px[2] = {i + 0.5, y + 0.5};
-
-			if (!fisheye_pixel_of(b->lens, px, &b->pixel[i]))
-				b->pixel[i].falloff = 0;
-		}
-		if (smooth)
-			interpolate_block(b->pixel + x);
-	}
-}
-
-/* The cells of a row of corners. Where a corner is far from its cell's edges, those beside it are
- * of the same cell. */
-static void find_corner_lights(struct shares_builder *b, int y)
-{
-	int *row = b->corner_light + (size_t)y * (b->width + 1);
-
-	for (int x = 0; x <= b->width; x++) {
-		const double px[2] = {x, y};
-		double dir[3], reach;
-		int last;
-
-		row[x] = fisheye_ray(b->lens, px, dir) ? dome_cell_of(b->dome, dir) : -1;
-		if (row[x] < 0)
-			continue;
-		reach = fmin(cell_reach_px(b, row[x], dir), b->width - x);
-		last = x + (reach > 0 ? (int)reach : 0);
-		if (last > x && is_in_field(b, last, y))
-			for (const int cell = row[x]; x < last; x++)
-				row[x + 1] = cell;
-	}
 }
 
 static int share_by_cell(struct shares_builder *b)
 {
-	const int err = find_edges(b);
-
-	b->turn = fisheye_turn_per_pixel(b->lens);
-	b->pixel = malloc((size_t)b->width * sizeof(*b->pixel));
-	if (err)
-		return err;
 	b->corner_light = calloc((size_t)(b->width + 1) * (b->height + 1),
 				 sizeof(*b->corner_light));
-	if (!b->corner_light || !b->pixel)
+	if (!b->corner_light)
 		return -ENOMEM;
 	for (int y = 0; y <= b->height; y++)
-		find_corner_lights(b, y);
-	for (int y = 0; y < b->height; y++) {
-		look_at_row(b, y);
+		for (int x = 0; x <= b->width; x++)
+			b->corner_light[(size_t)y * (b->width + 1) + x] = light_at(b, x, y);
+	for (int y = 0; y < b->height; y++)
 		for (int x = 0; x < b->width; x++) {
 			const int ret = share_pixel(b, x, y);
 
 			if (ret < 0)
 				return ret;
 		}
-	}
 	return 0;
 }
 
@@ -518,9 +352,6 @@ int sampler_shares_create(struct sampler_shares *shares, const struct dome *dome
 	if (ret == 0 && b.placed)
 		dome_placed_even(b.placed, b.shares.undimmed);
 	free(b.corner_light);
-	free(b.pixel);
-	free(b.first_edge);
-	free(b.edge);
 	free(b.row);
 	free(b.column);
 	free(b.of_light);

@@ -109,7 +109,6 @@ static int measure_lights(struct table_packer *p)
 		struct sampler_light *l = &p->table->light[i];
 
 		*l = (struct sampler_light){-1, -1, {0, 0}, 1};
-		p->table->unseen += m->count == 0;
 		if (!(m->largest > 0))
 			continue;
 		l->brighter = m->with / p->shares->undimmed[i];

@@ -53,7 +53,6 @@ struct sampler_table {
 	struct sampler_span *span;
 	struct sampler_segment *segment;
 	uint16_t *weight; /* 64-byte aligned */
-	int unseen;	  /* lights without pixels */
 };
 
 /* 0 or -ENOMEM; zeroed on failure. */

@@ -27,13 +27,6 @@ struct polygon {
 	double at[POLYGON_MAX][2];
 };
 
-/* Nodes sorted by grid cell of the map (dome_parts.h). */
-struct near_grid {
-	int side;
-	int *first; /* [side * side + 1] */
-	int *node;
-};
-
 /* Cuts off the part of the polygon where a x + b y + c < 0. Most lines cut nothing, and most
  * polygons have six corners of POLYGON_MAX: neither is copied whole. */
 static void polygon_cut(struct polygon *p, double a, double b, double c)
@@ -89,58 +82,15 @@ static void cut_by_node(struct polygon *p, const double node[3], const double ot
 	polygon_cut(p, vec_dot(away, e1), vec_dot(away, e2), 0.5 * vec_dot(away, away));
 }
 
-static int near_grid_create(struct near_grid *grid, const double (*node)[3], int count)
+/* Cuts by all nodes nearer than reach, in rad. */
+static void cut_by_near(struct polygon *p, const double (*node)[3], int count, int i, double reach,
+			const double e1[3], const double e2[3])
 {
-	const int side = (int)ceil(sqrt(count));
-	int *cell_of;
+	const double nearest = cos(fmin(reach, M_PI));
 
-	grid->side = side;
-	grid->first = calloc((size_t)side * side + 2, sizeof(*grid->first));
-	grid->node = calloc((size_t)count, sizeof(*grid->node));
-	cell_of = calloc((size_t)count, sizeof(*cell_of));
-	if (!grid->first || !grid->node || !cell_of) {
-		free(cell_of);
-		return -ENOMEM;
-	}
-	for (int i = 0; i < count; i++) {
-		double uv[2];
-
-		dome_map(node[i], uv);
-		cell_of[i] = dome_map_cell(uv[1], side) * side + dome_map_cell(uv[0], side);
-		grid->first[cell_of[i] + 2]++;
-	}
-	for (int i = 0; i < side * side; i++)
-		grid->first[i + 2] += grid->first[i + 1];
-	for (int i = 0; i < count; i++)
-		grid->node[grid->first[cell_of[i] + 1]++] = i;
-	free(cell_of);
-	return 0;
-}
-
-static void near_grid_free(struct near_grid *grid)
-{
-	free(grid->first);
-	free(grid->node);
-}
-
-/* Cuts by all nodes nearer than reach, in rad, and by some beyond, which is harmless. */
-static void cut_by_near(struct polygon *p, const struct near_grid *grid, const double (*node)[3],
-			int i, double reach, const double e1[3], const double e2[3])
-{
-	const double half = DOME_MAP_STRETCH * reach;
-	double uv[2];
-	int x0, x1, y0, y1;
-
-	dome_map(node[i], uv);
-	x0 = dome_map_cell(uv[0] - half, grid->side);
-	x1 = dome_map_cell(uv[0] + half, grid->side);
-	y0 = dome_map_cell(uv[1] - half, grid->side);
-	y1 = dome_map_cell(uv[1] + half, grid->side);
-	for (int y = y0; y <= y1; y++)
-		for (int k = grid->first[y * grid->side + x0];
-		     k < grid->first[y * grid->side + x1 + 1]; k++)
-			if (grid->node[k] != i)
-				cut_by_node(p, node[i], node[grid->node[k]], e1, e2);
+	for (int k = 0; k < count; k++)
+		if (k != i && vec_dot(node[i], node[k]) >= nearest)
+			cut_by_node(p, node[i], node[k], e1, e2);
 }
 
 /* Projects the corners back to the sphere and merges those that coincide. Returns their number. */
@@ -167,8 +117,8 @@ static int lift_corners(const struct polygon *p, const double node[3], const dou
 
 /* Finds the outline and radius of cell i; returns the number of corners. All nodes that can touch
  * the cell are nearer than twice its radius: the search widens until reach covers that. */
-static int find_cell(const struct near_grid *grid, const double (*node)[3], int i,
-		     double spacing_rad, double (*corner)[3], double *radius)
+static int find_cell(const double (*node)[3], int nodes, int i, double spacing_rad,
+		     double (*corner)[3], double *radius)
 {
 	double e1[3], e2[3];
 
@@ -182,7 +132,7 @@ static int find_cell(const struct near_grid *grid, const double (*node)[3], int 
 		p.count = 4;
 		memcpy(p.at, square, sizeof(square));
 		polygon_cut(&p, e1[2], e2[2], node[i][2]);
-		cut_by_near(&p, grid, node, i, reach, e1, e2);
+		cut_by_near(&p, node, nodes, i, reach, e1, e2);
 		count = lift_corners(&p, node[i], e1, e2, corner);
 		*radius = 0;
 		for (int k = 0; k < count; k++)
@@ -222,8 +172,7 @@ int dome_cells_create(struct dome_cells **out, const double (*node)[3], int coun
 		      double spacing_rad)
 {
 	struct dome_cells *cells = calloc(1, sizeof(*cells));
-	struct near_grid grid = {.side = 0};
-	int ret, room = 16 * count + POLYGON_MAX;
+	int ret = -ENOMEM, room = 16 * count + POLYGON_MAX;
 
 	if (!cells)
 		return -ENOMEM;
@@ -231,11 +180,8 @@ int dome_cells_create(struct dome_cells **out, const double (*node)[3], int coun
 	cells->radius = calloc((size_t)count, sizeof(*cells->radius));
 	cells->corner = calloc((size_t)room, sizeof(*cells->corner));
 	cells->cumulative_sr = calloc((size_t)room, sizeof(*cells->cumulative_sr));
-	ret = near_grid_create(&grid, node, count);
-	if (ret < 0 || !cells->first || !cells->radius || !cells->corner || !cells->cumulative_sr) {
-		ret = -ENOMEM;
+	if (!cells->first || !cells->radius || !cells->corner || !cells->cumulative_sr)
 		goto destroy;
-	}
 	for (int i = 0; i < count; i++) {
 		const int first = cells->first[i];
 
@@ -243,16 +189,14 @@ int dome_cells_create(struct dome_cells **out, const double (*node)[3], int coun
 			ret = -EINVAL;
 			goto destroy;
 		}
-		cells->first[i + 1] = first + find_cell(&grid, node, i, spacing_rad,
+		cells->first[i + 1] = first + find_cell(node, count, i, spacing_rad,
 							cells->corner + first, &cells->radius[i]);
 		measure_cell(cells, node[i], i);
 	}
-	near_grid_free(&grid);
 	*out = cells;
 	return 0;
 
 destroy:
-	near_grid_free(&grid);
 	dome_cells_destroy(cells);
 	return ret;
 }

@@ -313,7 +313,6 @@ static int solution_finish(struct camera_solution *solution)
 	mean_depth(own);
 	camera_figures(solution);
 	finding->uncertainty = camera_uncertainty;
-	finding->disagreement = own->half[0] && own->half[1] ? camera_disagreement : NULL;
 	finding->project = camera_project_view;
 	finding->context = own;
 	return 0;
@@ -397,8 +396,6 @@ void camera_solution_free(struct camera_solution *solution)
 		free(own->uncertainty.held_aspect);
 		free(own->uncertainty.covariance);
 		free(own->uncertainty.cautious);
-		free(own->half[0]);
-		free(own->half[1]);
 		free(own);
 	}
 	free(solution->view);

@@ -117,23 +117,6 @@ double camera_uncertainty(const void *context, const double px[2])
 		       : INFINITY;
 }
 
-double camera_disagreement(const void *context, const double px[2])
-{
-	const struct camera_private *own = context;
-	double place[3], seen[2][2];
-	struct model_view view;
-
-	turn_reference(own, own->x, &view);
-	if (!model_place(&own->problem.model, own->x, &view, px, own->depth, place))
-		return -1;
-	for (int h = 0; h < 2; h++) {
-		turn_reference(own, own->half[h], &view);
-		if (!model_see(&own->problem.model, own->half[h], &view, place, seen[h], NULL))
-			return -1;
-	}
-	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
-}
-
 bool camera_project_view(const void *context, int view, const double world[3], double px[2])
 {
 	const struct camera_private *own = context;
@@ -271,27 +254,6 @@ static double ground_error(const struct camera_private *own)
 	return camera_spread_length(on_ground) * own->task.unit_mm;
 }
 
-static double object_disagreement(const struct camera_private *own)
-{
-	double place[3], seen[2][2];
-	struct model_view view;
-
-	place_from_middle(own, own->object, place);
-	for (int h = 0; h < 2; h++) {
-		turn_reference(own, own->half[h], &view);
-		if (!model_see(&own->problem.model, own->half[h], &view, place, seen[h], NULL))
-			return -1;
-	}
-	return hypot(seen[0][0] - seen[1][0], seen[0][1] - seen[1][1]);
-}
-
-double camera_axis_chance(const struct camera_private *own)
-{
-	const double sigma = fmax(own->fit.sigma, CAMERA_NOISE_LEAST);
-
-	return by_view_axis_chance(&own->fit.by_view, sigma * sigma, own->fit.freedom);
-}
-
 static void figures_of_points(struct finding *finding, const struct figure_errors *sum,
 			      double unit_mm)
 {
@@ -336,10 +298,6 @@ void camera_figures(struct camera_solution *solution)
 	if (ground >= 0)
 		finding_add(finding, "ground_error_mm",
 			    "uncertainty on the ground under the object", "mm", ground);
-	if (own->half[0] && own->half[1] && object_disagreement(own) >= 0)
-		finding_add(finding, "object_disagreement_px",
-			    "odd and even points disagree at the object's place", "px",
-			    object_disagreement(own));
 	for (int k = 1; k <= MODEL_RADIAL; k++)
 		if (own->left_out[k] > 0) {
 			char key[32], label[96];
@@ -363,9 +321,6 @@ void camera_figures(struct camera_solution *solution)
 		finding_add(finding, "views_dispersion",
 			    "deviations by view over deviations by points, on average", "",
 			    own->fit.dispersion);
-		finding_add(finding, "axis_chance",
-			    "chance that the views disagree about the axis as much", "",
-			    camera_axis_chance(own));
 	}
 	finding_add(finding, "condition", "condition of the unknowns", "", own->fit.condition);
 	for (int i = 0; i < own->problem.count; i++)

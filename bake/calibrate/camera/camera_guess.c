@@ -6,15 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bake/calibrate/estimate/order.h"
 #include "bake/calibrate/estimate/rotation.h"
 #include "hal/optics/vec.h"
 
-#define TRIAL_KAPPAS 10
-#define GUESS_POINTS 200 /* number of points that suffices to judge a guess */
-#define SAMPLES                                                                                    \
-	50 /* random samples of a robust guess: of 30 % outliers one is free of them with 98 % */
-#define SAMPLE_POINTS 7 /* points of a view in a sample */
 /* Fewest points of all views for an unknown lens, and of a view for its pose. */
 #define FEWEST_POINTS 5
 #define FEWEST_OF_VIEW 4
@@ -24,44 +18,31 @@ enum { COARSE = 15, FINE = 6 }; /* focal lengths tried */
 struct guesser {
 	const struct camera_problem *problem;
 	const struct camera_start *start;
-	double shared[MODEL_SHARED]; /* under trial */
-	int *chosen;		     /* [count]: indices of points, view after view */
-	int *chosen_first;	     /* [views + 1] */
-	/* These are of the chosen points; places are in units of their views' sizes. */
+	/* [count]; places are in units of their views' sizes. */
 	double (*place)[3], (*sensor)[2],
-		(*seen)[2];   /* sensor: without distortion; seen: in focal lengths */
-	double *error;	      /* [count] */
-	double *best, *trial; /* [unknowns] */
+		(*seen)[2]; /* sensor: without distortion; seen: in focal lengths */
+	double *trial;	    /* [unknowns] */
 };
 
 static void guesser_free(struct guesser *g)
 {
-	free(g->chosen);
-	free(g->chosen_first);
 	free(g->place);
 	free(g->sensor);
 	free(g->seen);
-	free(g->error);
-	free(g->best);
 	free(g->trial);
 }
 
 static int guesser_create(struct guesser *g, const struct camera_problem *problem,
 			  const struct camera_start *start)
 {
-	const size_t n = (size_t)problem->count, views = (size_t)problem->views;
+	const size_t n = (size_t)problem->count;
 
 	*g = (struct guesser){.problem = problem, .start = start};
-	g->chosen = calloc(n, sizeof(*g->chosen));
-	g->chosen_first = calloc(views + 1, sizeof(*g->chosen_first));
 	g->place = calloc(n, sizeof(*g->place));
 	g->sensor = calloc(n, sizeof(*g->sensor));
 	g->seen = calloc(n, sizeof(*g->seen));
-	g->error = calloc(n, sizeof(*g->error));
-	g->best = calloc((size_t)problem_unknowns(problem), sizeof(*g->best));
 	g->trial = calloc((size_t)problem_unknowns(problem), sizeof(*g->trial));
-	if (g->chosen && g->chosen_first && g->place && g->sensor && g->seen && g->error &&
-	    g->best && g->trial)
+	if (g->place && g->sensor && g->seen && g->trial)
 		return 0;
 	guesser_free(g);
 	return -ENOMEM;
@@ -69,13 +50,7 @@ static int guesser_create(struct guesser *g, const struct camera_problem *proble
 
 /* ---- one guess ---- */
 
-/* Error below which a guess is good enough, px. */
-static double good_enough(const struct guesser *g)
-{
-	return 0.01 * g->problem->reach / g->problem->model.pixel[0];
-}
-
-/* Sum of the squared distances on the sensor from where a pose shows the chosen points; infinite
+/* Sum of the squared distances on the sensor from where a pose shows points; infinite
  * where one is behind the camera. */
 static double pose_squares(const struct guesser *g, int first, int end, double focal,
 			   const double *pose)
@@ -106,11 +81,11 @@ static double find_poses(struct guesser *g, double focal, double *x)
 	static const double nothing[MODEL_OF_VIEW] = {[MODEL_TRANSLATION + 2] = 1};
 	double squares = 0;
 
-	for (int c = 0; c < g->chosen_first[g->problem->views]; c++)
+	for (int c = 0; c < g->problem->count; c++)
 		for (int k = 0; k < 2; k++)
 			g->seen[c][k] = g->sensor[c][k] / focal;
 	for (int v = 0; v < g->problem->views && isfinite(squares); v++) {
-		const int first = g->chosen_first[v], count = g->chosen_first[v + 1] - first;
+		const int first = g->problem->first[v], count = g->problem->first[v + 1] - first;
 		double *pose = x + model_of_view(v);
 
 		memcpy(pose, nothing, sizeof(nothing));
@@ -127,9 +102,9 @@ static double find_poses(struct guesser *g, double focal, double *x)
 	return squares;
 }
 
-/* Computes a guess from the chosen points for one kappa1 (the known one, if it is known).
- * Returns 0; -ERANGE: the points do not determine one. */
-static int guess_from_chosen(struct guesser *g, double kappa, double *x)
+/* Computes a guess by the kappas of the start. Returns 0; -ERANGE: the points do not determine
+ * one. */
+static int guess_from_points(struct guesser *g, double *x)
 {
 	const struct camera_start *start = g->start;
 	const struct camera_problem *problem = g->problem;
@@ -139,22 +114,18 @@ static int guess_from_chosen(struct guesser *g, double kappa, double *x)
 						8,   11,  16, 32,  64, 200, 1000};
 	double best = INFINITY, middle = 0;
 
-	memcpy(g->shared, start->shared, sizeof(g->shared));
-	g->shared[MODEL_KAPPA1] = kappa;
-	if (!start->known && g->chosen_first[problem->views] < FEWEST_POINTS)
+	if (!start->known && problem->count < FEWEST_POINTS)
 		return -ERANGE;
-	for (int c = 0; c < g->chosen_first[problem->views]; c++) {
-		const int i = g->chosen[c];
+	for (int i = 0; i < problem->count; i++) {
+		const struct observation *point = &problem->point[i];
 
 		for (int k = 0; k < 3; k++)
-			g->place[c][k] =
-				problem->place[i][k] /
-				problem->shape[problem->point[i].view - problem->first_view].size;
-		if (!model_straighten(&problem->model, g->shared, problem->point[i].px,
-				      g->sensor[c]))
+			g->place[i][k] = problem->place[i][k] /
+					 problem->shape[point->view - problem->first_view].size;
+		if (!model_straighten(&problem->model, start->shared, point->px, g->sensor[i]))
 			return -ERANGE;
 	}
-	memcpy(g->trial, g->shared, sizeof(g->shared));
+	memcpy(g->trial, start->shared, sizeof(start->shared));
 	/* then between the best one and its neighbours, as an f that is far off may choose a
 	 * wrong tilt */
 	for (int k = 0; k < (start->known ? 1 : COARSE + FINE); k++) {
@@ -203,200 +174,6 @@ void camera_tilt(const struct camera_problem *problem, int view, const double *x
 	memcpy(tilted + MODEL_TRANSLATION, pose + MODEL_TRANSLATION, 3 * sizeof(*tilted));
 }
 
-/* Keeps the better of both tilts of a view, each after a descent of its pose. */
-static void choose_tilt(struct guesser *g, int view, double *x)
-{
-	bool shared_fixed[MODEL_GRADIENT] = {false};
-	const struct camera_problem one = problem_of_view(g->problem, view);
-	double best = INFINITY, kept[MODEL_OF_VIEW] = {0};
-
-	for (int k = 0; k < MODEL_SHARED; k++)
-		shared_fixed[k] = true;
-	for (int way = 0; way < 2; way++) {
-		double own[MODEL_GRADIENT], rms;
-
-		memcpy(own, x, MODEL_SHARED * sizeof(*own));
-		memcpy(own + MODEL_SHARED, x + model_of_view(view), MODEL_OF_VIEW * sizeof(*own));
-		if (way)
-			camera_tilt(g->problem, view, x, own + MODEL_SHARED);
-		if (problem_descend(&one, own, shared_fixed, g->start->robust ? CAMERA_LOSS : 0,
-				    NULL, NULL) == -EDOM)
-			continue;
-		rms = problem_rms(&one, own);
-		if (rms < best) {
-			best = rms;
-			memcpy(kept, own + MODEL_SHARED, sizeof(kept));
-		}
-	}
-	if (isfinite(best))
-		memcpy(x + model_of_view(view), kept, sizeof(kept));
-}
-
-/* Chooses every stride-th point of each view. */
-static void choose_every(struct guesser *g, int stride)
-{
-	const struct camera_problem *problem = g->problem;
-	int count = 0;
-
-	for (int v = 0; v < problem->views; v++) {
-		g->chosen_first[v] = count;
-		for (int i = problem->first[v]; i < problem->first[v + 1]; i += stride)
-			if (!problem->unused || !problem->unused[i])
-				g->chosen[count++] = i;
-	}
-	g->chosen_first[problem->views] = count;
-}
-
-/* splitmix64: the same samples every time. */
-static unsigned long long next_random(unsigned long long *state)
-{
-	unsigned long long z = *state += 0x9e3779b97f4a7c15;
-
-	z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9;
-	z = (z ^ (z >> 27)) * 0x94d049bb133111eb;
-	return z ^ (z >> 31);
-}
-
-/* Chooses SAMPLE_POINTS random points of each view. */
-static void choose_some(struct guesser *g, unsigned long long *random)
-{
-	int count = 0;
-
-	choose_every(g, 1);
-	for (int v = 0; v < g->problem->views; v++) {
-		const int first = g->chosen_first[v], all = g->chosen_first[v + 1] - first;
-		const int take = all < SAMPLE_POINTS ? all : SAMPLE_POINTS;
-
-		for (int k = 0; k < take; k++) {
-			const int other =
-				k + (int)(next_random(random) % (unsigned long long)(all - k));
-			const int swap = g->chosen[first + k];
-
-			g->chosen[first + k] = g->chosen[first + other];
-			g->chosen[first + other] = swap;
-		}
-		g->chosen_first[v] = count;
-		memmove(g->chosen + count, g->chosen + first, (size_t)take * sizeof(*g->chosen));
-		count += take;
-	}
-	g->chosen_first[g->problem->views] = count;
-}
-
-/* Returns the median distance between seen and projected points, over at most some hundred points;
- * points without an image count as infinite. */
-static double median_error(struct guesser *g, const double *x)
-{
-	const struct camera_problem *problem = g->problem;
-	const int stride = 1 + problem->count / GUESS_POINTS;
-	struct model_view turned;
-	int count = 0, view = -1;
-
-	for (int i = 0; i < problem->count; i += stride) {
-		const struct observation *point = &problem->point[i];
-		double px[2];
-
-		if (problem->unused && problem->unused[i])
-			continue;
-		if (point->view != view) {
-			view = point->view;
-			model_turn(&turned, x + model_of_view(view - problem->first_view));
-		}
-		g->error[count++] = model_see(&problem->model, x, &turned, problem->place[i], px,
-					      NULL)
-					    ? hypot(px[0] - point->px[0], px[1] - point->px[1])
-					    : INFINITY;
-	}
-	qsort(g->error, (size_t)count, sizeof(*g->error), order_doubles);
-	return count ? g->error[count / 2] : INFINITY;
-}
-
-/* Returns a trial kappa1, which distorts the outermost point by a share of its radius. Below -4/27
- * that point has no image in the thesis's direction, which is cubic in the undistorted radius. */
-static double trial_kappa(const struct camera_problem *problem, int step)
-{
-	static const double of_reach[TRIAL_KAPPAS] = {0,     -0.05, 0.05,  -0.1, 0.12,
-						      -0.14, 0.3,   -0.25, 0.8,	 2};
-
-	return of_reach[step] / (problem->reach * problem->reach);
-}
-
-/* Tries steps of kappa1 with the chosen points until one is good enough; *best is the rms of the
- * best, infinite while there is none, and *kappa its kappa1. */
-static int try_steps(struct guesser *g, int from, int to, double *best, double *kappa, double *x)
-{
-	int err = -ERANGE;
-
-	for (int step = from; step < to && !(*best < good_enough(g)); step++) {
-		const double trial = g->start->known ? g->start->shared[MODEL_KAPPA1]
-						     : trial_kappa(g->problem, step);
-		double rms;
-
-		err = guess_from_chosen(g, trial, g->best);
-		if (err)
-			continue;
-		rms = problem_rms(g->problem, g->best);
-		if (isinf(*best) || rms < *best) {
-			*best = isfinite(rms) ? rms : 1e300;
-			*kappa = trial;
-			memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
-		}
-	}
-	return isfinite(*best) ? 0 : err;
-}
-
-/* Tries kappa1 = 0 (or the known one) with all points, then others with some of the points, and the
- * best of these with all points again. */
-static int try_kappas(struct guesser *g, double *x)
-{
-	double best = INFINITY, first, kappa = 0;
-	int err, more;
-
-	choose_every(g, 1);
-	err = try_steps(g, 0, 1, &best, &kappa, x);
-	if (err == -ENOMEM || g->start->known || best < good_enough(g))
-		return err;
-	first = best;
-	choose_every(g, 1 + g->problem->count / g->problem->views / GUESS_POINTS);
-	more = try_steps(g, 1, TRIAL_KAPPAS, &best, &kappa, x);
-	if (more == -ENOMEM || !(best < first))
-		return more == -ENOMEM ? more : err;
-	choose_every(g, 1);
-	more = guess_from_chosen(g, kappa, g->best);
-	if (!more && problem_rms(g->problem, g->best) < best)
-		memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
-	return more == -ENOMEM ? more : 0;
-}
-
-static int try_samples(struct guesser *g, double *x)
-{
-	unsigned long long random = 1;
-	double best = INFINITY;
-	int err = try_kappas(g, x);
-
-	if (err == -ENOMEM)
-		return err;
-	if (!err)
-		best = median_error(g, x);
-	for (int k = 0; k < SAMPLES; k++) {
-		double median;
-		int bad;
-
-		choose_some(g, &random);
-		bad = guess_from_chosen(g, g->start->shared[MODEL_KAPPA1], g->best);
-		if (bad == -ENOMEM)
-			return bad;
-		if (bad)
-			continue;
-		median = median_error(g, g->best);
-		if (median < best) {
-			best = median;
-			err = 0;
-			memcpy(x, g->best, (size_t)problem_unknowns(g->problem) * sizeof(*x));
-		}
-	}
-	return err;
-}
-
 int camera_guess(const struct camera_problem *problem, const struct camera_start *start, double *x)
 {
 	struct guesser g;
@@ -404,11 +181,7 @@ int camera_guess(const struct camera_problem *problem, const struct camera_start
 
 	if (err)
 		return err;
-	err = start->robust ? try_samples(&g, x) : try_kappas(&g, x);
-	for (int v = 0; v < problem->views && !err; v++)
-		if (problem_flat(problem, v) && (problem->views > 1 || start->known) &&
-		    problem->first[v + 1] > problem->first[v])
-			choose_tilt(&g, v, x);
+	err = guess_from_points(&g, x);
 	guesser_free(&g);
 	return err;
 }

@@ -50,13 +50,12 @@ struct camera_private {
 	/* rms of the solution in which a lone plane is tilted the other way, which looks the same
 	 * from afar, px; infinite: none. */
 	double other_tilt;
-	double *half[2]; /* solutions of odd and even points, or NULL */
-	double depth;	 /* mean depth of the reference view's points */
+	double depth; /* mean depth of the reference view's points */
 	double object[3], radius;
 	struct camera_uncertainty uncertainty;
 };
 
-/* First guess and descents; fills x, fixed, fit, errors and halves. Returns 0 whatever is found;
+/* First guess and descents; fills x, fixed, fit and errors. Returns 0 whatever is found;
  * -ENOMEM. */
 int camera_solve(struct camera_private *own);
 
@@ -117,15 +116,11 @@ bool camera_sees(const struct camera_private *own, const double world[3], double
  * it. */
 double camera_object_error(const struct camera_private *own, const double *covariance);
 
-/* by_view_axis_chance() of the solution. */
-double camera_axis_chance(const struct camera_private *own);
-
 /* Adds the figures to the finding: in px, in the scene and on the ground. */
 void camera_figures(struct camera_solution *solution);
 
 /* Callbacks of struct finding; context is struct camera_private. */
 double camera_uncertainty(const void *context, const double px[2]);
-double camera_disagreement(const void *context, const double px[2]);
 bool camera_project_view(const void *context, int view, const double world[3], double px[2]);
 
 void camera_judge(struct camera_solution *solution);

@@ -35,36 +35,26 @@ static int find_axes(const double (*place)[3], int count, struct view_shape *sha
 {
 	const int rows = count > 3 ? count : 3;
 	double *a = calloc(3 * (size_t)rows, sizeof(*a));
-	double r[9], v[9], spread[3], squares = 0;
-	int order[3] = {0, 1, 2};
+	double v[9], spread[3], squares = 0;
+	int err;
 
 	if (!a)
 		return -ENOMEM;
 	for (int i = 0; i < count; i++)
 		for (int k = 0; k < 3; k++)
 			a[k * rows + i] = place[i][k];
-	linear_triangulate(a, rows, 3, 3, r);
+	err = linear_decompose(a, rows, 3, spread, v);
 	free(a);
-	linear_diagonalize(r, v, 3);
-	for (int k = 0; k < 3; k++) {
-		spread[k] = vec_length(r + 3 * k);
+	if (err)
+		return err;
+	for (int k = 0; k < 3; k++)
 		squares += spread[k] * spread[k];
-	}
-	for (int i = 0; i < 2; i++)
-		for (int j = i + 1; j < 3; j++)
-			if (spread[order[j]] > spread[order[i]]) {
-				const int swap = order[i];
-
-				order[i] = order[j];
-				order[j] = swap;
-			}
-	for (int i = 0; i < 2; i++)
-		memcpy(shape->axes + 3 * i, v + 3 * order[i], 3 * sizeof(*v));
+	memcpy(shape->axes, v, 6 * sizeof(*v));
 	vec_cross(shape->axes, shape->axes + 3, shape->axes + 6);
 	shape->size = squares > 0 ? sqrt(squares / count) : 1;
-	if (spread[order[0]] > 0) {
-		shape->across = spread[order[1]] / spread[order[0]];
-		shape->out = spread[order[2]] / spread[order[0]];
+	if (spread[0] > 0) {
+		shape->across = spread[1] / spread[0];
+		shape->out = spread[2] / spread[0];
 	}
 	return 0;
 }
@@ -300,32 +290,6 @@ static int problem_first(const void *context, int view)
 	return problem->first[view];
 }
 
-static const double *problem_place(const void *context, int group)
-{
-	const struct camera_problem *problem = context;
-
-	return problem->point[group].px;
-}
-
-static bool problem_normal(const void *context, const double *x, int view, double normal[3])
-{
-	const struct camera_problem *problem = context;
-	struct model_view turned;
-
-	model_turn(&turned, x + model_of_view(view));
-	mat_apply(turned.rotation, problem->shape[view].axes + 6, normal);
-	return problem_flat(problem, view);
-}
-
-static void problem_on_board(const void *context, int group, double at[2])
-{
-	const struct camera_problem *problem = context;
-	const int view = problem->point[group].view - problem->first_view;
-
-	for (int k = 0; k < 2; k++)
-		at[k] = vec_dot(problem->shape[view].axes + 3 * k, problem->place[group]);
-}
-
 int problem_descend(const struct camera_problem *problem, double *x, const bool *fixed,
 		    double loss_scale, struct least_squares_fit *fit, struct fault *fault)
 {
@@ -333,11 +297,7 @@ int problem_descend(const struct camera_problem *problem, double *x, const bool 
 	const struct by_view_layout layout = {.views = problem->views,
 					      .shared = MODEL_SHARED,
 					      .of_view = MODEL_OF_VIEW,
-					      .axis = MODEL_CENTRE_X,
-					      .first = problem_first,
-					      .place = problem_place,
-					      .normal = problem_normal,
-					      .on_board = problem_on_board};
+					      .first = problem_first};
 	struct least_squares_fit own;
 	char(*text)[PARAMETER_NAME_MAX] = calloc((size_t)n, sizeof(*text));
 	const char **name = calloc((size_t)n, sizeof(*name));

@@ -76,16 +76,11 @@ struct camera_start {
 	/* Given: centre and aspect always; focal (above 0) and kappa1 if known. */
 	double shared[MODEL_SHARED];
 	bool known; /* focal and kappa1 are given */
-	/* there may be outliers: take the guess with the least median error of many small
-	 * samples */
-	bool robust;
 };
 
 /*
  * Guesses all unknowns: tries some focal lengths, each with the poses that fit the views best
- * without distortion (camera_pose()), and keeps what fits best. Of the two tilts that a plane seen
- * from afar allows, the one that fits better is taken. kappa1 is tried in steps where 0 leaves more
- * than a hundredth of the picture's extent.
+ * (camera_pose()), and keeps what fits best. An unknown kappa1 stays as it is given.
  *
  * x[problem_unknowns()]. Returns 0; -ERANGE: no guess (too few points, on a line, or in no order
  * that a camera sees); -ENOMEM.

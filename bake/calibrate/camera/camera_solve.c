@@ -15,9 +15,6 @@
  * determine worse than the first guess is known. The same goes for s. */
 #define CENTRE_LOST 0.15
 #define CENTRE_FAR 0.3
-#define OTHER_CENTRE 0.05 /* of the diagonal: distance of other starts for the centre */
-#define BETTER_FIT 0.99
-#define FEW_POINTS 120
 #define ASPECT_LOST 0.05
 /* Gain of more radial terms, in variances, that noise alone makes once in a thousand times (chi
  * squared of two terms), and the least number of points to look for it. */
@@ -101,88 +98,6 @@ static bool centre_lost(const struct camera_private *own, const double *x)
 	return false;
 }
 
-/* Descends from the held solution with its centre moved in four directions, with few points. x
- * becomes the best fit. False: none fits these points better than x. */
-static bool try_neighbours(const struct camera_private *own, const struct camera_problem *few,
-			   const bool *held, double *other, double *x)
-{
-	const size_t bytes = (size_t)problem_unknowns(few) * sizeof(*x);
-	double least = BETTER_FIT * problem_rms(few, x);
-	bool found = false;
-
-	for (int way = 0; way < 4; way++) {
-		memcpy(other, own->x, bytes);
-		other[MODEL_CENTRE_X + way / 2] += (way % 2 ? OTHER_CENTRE : -OTHER_CENTRE) *
-						   own->diagonal;
-		if (problem_descend(few, other, held, 0, NULL, NULL) ||
-		    problem_descend(few, other, own->fixed, 0, NULL, NULL) ||
-		    !(problem_rms(few, other) < least))
-			continue;
-		least = problem_rms(few, other);
-		memcpy(x, other, bytes);
-		found = true;
-	}
-	return found;
-}
-
-/* Chooses the good points of a lone view, or every n-th of them. -ENOMEM. */
-static int choose_few(const struct camera_private *own, struct camera_problem *few, int first[2])
-{
-	const struct camera_problem *all = &own->problem;
-	struct observation *point = calloc((size_t)all->count, sizeof(*point));
-	int count = 0;
-
-	*few = *all;
-	few->place = calloc((size_t)all->count, sizeof(*few->place));
-	for (int i = 0; point && few->place && i < all->count; i += 1 + all->count / FEW_POINTS)
-		if (own->fit.weight[i] >= 0.1) {
-			point[count] = all->point[i];
-			memcpy(few->place[count++], all->place[i], sizeof(*few->place));
-		}
-	first[0] = 0;
-	first[1] = few->count = count;
-	few->first = first;
-	few->point = point;
-	return point && few->place ? 0 : -ENOMEM;
-}
-
-/* Escapes from wrong minima of a free centre, which a lone view has: solves some hundred points
- * from other starts and, where one of these fits them better, all points from there. */
-static int try_other_centres(struct camera_private *own, double *x)
-{
-	const size_t n = (size_t)problem_unknowns(&own->problem);
-	struct camera_problem few;
-	struct least_squares_fit found = own->fit;
-	bool *held = calloc(n, sizeof(*held));
-	double *other = calloc(n, sizeof(*other)), *best = calloc(n, sizeof(*best));
-	int first[2], err = choose_few(own, &few, first);
-
-	if (!held || !other || !best)
-		err = -ENOMEM;
-	if (!err) {
-		hold_shared(own, true, true, held);
-		memcpy(best, x, n * sizeof(*x));
-	}
-	if (!err && try_neighbours(own, &few, held, other, best)) {
-		own->fit = (struct least_squares_fit){0};
-		err = solver_descend(own, best, own->fixed);
-		if (!err && own->fit.sigma < found.sigma) {
-			memcpy(x, best, n * sizeof(*x));
-		} else {
-			least_squares_free(&own->fit);
-			own->fit = found;
-			found = (struct least_squares_fit){0};
-		}
-		least_squares_free(&found);
-	}
-	free((void *)few.point);
-	free(few.place);
-	free(held);
-	free(other);
-	free(best);
-	return err == -ENOMEM ? err : 0;
-}
-
 /* Descends with the axis and s held; with more radial terms after kappa1 alone. */
 static int solve_held(struct camera_private *own)
 {
@@ -224,8 +139,6 @@ static int solve_full(struct camera_private *own, double *tried)
 		if (aspect)
 			tried[MODEL_ASPECT] = own->guess.aspect;
 		err = solver_descend(own, tried, own->fixed);
-		if (!err && !centre && own->problem.views == 1)
-			err = try_other_centres(own, tried);
 		if (err == -ENOMEM || (centre && aspect))
 			break;
 		if (!centre && (err == -ERANGE || centre_lost(own, tried))) {
@@ -285,48 +198,6 @@ static int try_other_tilt(struct camera_private *own, double *other)
 		return own->fit_error == -ENOMEM ? -ENOMEM : 0;
 	}
 	return 0;
-}
-
-/* ---- halves ---- */
-
-/* Solves again with every second good point of each view. */
-static int solve_half(struct camera_private *own, int parity, bool *unused)
-{
-	const size_t n = (size_t)problem_unknowns(&own->problem);
-	struct camera_problem half = own->problem;
-	double *x = calloc(n, sizeof(*x));
-	int used = 0, wanted = 0, err;
-
-	if (!x)
-		return -ENOMEM;
-	for (int v = 0; v < half.views; v++)
-		for (int i = half.first[v]; i < half.first[v + 1]; i++) {
-			unused[i] = (i - half.first[v]) % 2 != parity || own->fit.weight[i] < 0.1;
-			used += !unused[i];
-		}
-	for (size_t k = 0; k < n; k++)
-		wanted += !own->fixed[k];
-	half.unused = unused;
-	memcpy(x, own->x, n * sizeof(*x));
-	err = 2 * used < wanted + 2 ? -ERANGE
-				    : problem_descend(&half, x, own->fixed, 0, NULL, NULL);
-	if (err) {
-		free(x);
-		return err == -ENOMEM ? err : 0;
-	}
-	own->half[parity] = x;
-	return 0;
-}
-
-static int solve_halves(struct camera_private *own)
-{
-	bool *unused = calloc((size_t)own->problem.count, sizeof(*unused));
-	int err = unused ? 0 : -ENOMEM;
-
-	for (int parity = 0; parity < 2 && !err; parity++)
-		err = solve_half(own, parity, unused);
-	free(unused);
-	return err;
 }
 
 /* ---- all of one lens model ---- */
@@ -473,10 +344,10 @@ static int choose_radial(struct camera_private *own)
 
 /* Guesses and solves, with one radial term or those that are given, then with as many as predict
  * best. */
-static int solve_all(struct camera_private *own)
+int camera_solve(struct camera_private *own)
 {
 	const struct tsai_camera *known = own->task.intrinsics;
-	struct camera_start start = {.known = known, .robust = own->task.robust};
+	struct camera_start start = {.known = known};
 	int err = 0;
 
 	own->other_tilt = INFINITY;
@@ -496,14 +367,5 @@ static int solve_all(struct camera_private *own)
 		err = solve_guessed(own);
 	if (!err && finds_lens(own))
 		err = choose_radial(own);
-	return err;
-}
-
-int camera_solve(struct camera_private *own)
-{
-	int err = solve_all(own);
-
-	if (!err && !own->guess_error && !own->fit_error)
-		err = solve_halves(own);
 	return err;
 }

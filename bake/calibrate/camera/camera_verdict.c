@@ -277,16 +277,6 @@ static void judge_radial(struct camera_solution *solution)
 	}
 }
 
-/* Doubts pictures whose axis moves from one to the other. */
-static void judge_axis(struct camera_solution *solution)
-{
-	const struct camera_private *own = solution->own;
-
-	if (camera_axis_chance(own) < BY_VIEW_LEVEL)
-		verdict_doubt(&solution->finding.verdict, BY_VIEW_REMEDY, BY_VIEW_REASON,
-			      own->seen->view[own->fit.by_view.odd].name);
-}
-
 /* Doubts a lens whose residuals have a pattern: its deviations assume noise. */
 static void judge_structure(struct camera_solution *solution)
 {
@@ -416,7 +406,6 @@ void camera_judge(struct camera_solution *solution)
 	judge_side(solution);
 	judge_fold(solution);
 	judge_radial(solution);
-	judge_axis(solution);
 	judge_structure(solution);
 	judge_focal(solution);
 	camera_judge_coverage(solution);

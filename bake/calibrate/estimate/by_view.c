@@ -8,8 +8,6 @@
 
 #include "bake/calibrate/estimate/linear.h"
 
-#define SMOOTH 12      /* both coordinates by 1, x, y, x^2, xy, y^2 */
-#define BENDS 3	       /* of a board: x^2, xy, y^2 */
 #define DEPENDENT 1e-6 /* length left of a unit column that others explain */
 #define LONE 1e-6      /* 1 - leverage of a view that alone tells a direction */
 
@@ -73,11 +71,9 @@ static double basis_add(struct basis *basis, const double *column, double *part)
 struct clearing {
 	const struct by_view_task *task;
 	/* [shared + 1][rows]: shared columns and residuals less what poses explain */
-	double *cleared, *unbent; /* unbent: less what bent boards explain, too */
-	int bends;		  /* columns */
+	double *cleared;
 	struct basis of_view, lens;
 	double *r; /* [shared][shared]: columns of R */
-	int axis;  /* its first column; -1: it is held */
 };
 
 static int first_row(const struct by_view_task *task, int view)
@@ -85,198 +81,66 @@ static int first_row(const struct by_view_task *task, int view)
 	return task->group * task->layout->first(task->context, view);
 }
 
-/* Squares of the residuals that the last column of the basis explains. */
-static double squares_of_last(const struct basis *basis, const double *residual)
-{
-	const double along = product(basis_at(basis, basis->count - 1), residual, basis->rows);
-
-	return along * along;
-}
-
-/* Fills a column with a smooth error of the picture around middle; only the span of all matters. */
-static void fill_smooth(const struct by_view_task *task, int first, int rows, int which,
-			const double middle[2], double *column)
-{
-	static const int power[SMOOTH / 2][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
-	const int *p = power[which / 2];
-
-	for (int i = 0; i < rows; i++) {
-		const double *px = task->layout->place(task->context, (first + i) / task->group);
-
-		column[i] = 0;
-		if (i % task->group == which % 2)
-			column[i] = pow(px[0] - middle[0], p[0]) * pow(px[1] - middle[1], p[1]);
-	}
-}
-
-/* Adds what the view's pose and axis leave of smooth errors: squares of the residuals along each,
- * and as degrees of freedom the squares of the errors' own lengths. */
-static void weigh_smooth(struct clearing *work, int first, const double *residual,
-			 struct by_view *found)
-{
-	const struct by_view_task *task = work->task;
-	const struct basis *known = &work->of_view;
-	struct basis smooth = {.column = basis_at(known, known->count), .rows = known->rows};
-	double middle[2] = {0, 0}, *column = basis_at(&smooth, SMOOTH);
-
-	for (int i = 0; i < known->rows; i += task->group)
-		for (int k = 0; k < 2; k++)
-			middle[k] += task->layout->place(task->context,
-							 (first + i) / task->group)[k] *
-				     task->group / known->rows;
-	for (int k = 0; k < SMOOTH; k++) {
-		fill_smooth(task, first, known->rows, k, middle, column);
-		if (!(basis_add(&smooth, column, NULL) > 0))
-			continue;
-		memcpy(column, basis_at(&smooth, smooth.count - 1),
-		       (size_t)known->rows * sizeof(*column));
-		basis_clear(known, column, NULL);
-		found->smooth_squares += pow(product(column, residual, known->rows), 2);
-		found->smooth_freedom += product(column, column, known->rows);
-	}
-}
-
-static void test_view(struct clearing *work, int view, int first, struct by_view *found,
-		      double *worst)
-{
-	struct basis *basis = &work->of_view;
-	const size_t rows = (size_t)work->task->rows;
-	const double *residual = work->cleared + (size_t)found->shared * rows + first;
-	double squares = 0;
-
-	for (int k = 0; k < 2; k++)
-		if (basis_add(basis, work->cleared + (size_t)(work->axis + k) * rows + first,
-			      NULL) > 0) {
-			squares += squares_of_last(basis, residual);
-			found->axis_freedom++;
-		}
-	found->axis_squares += squares;
-	if (squares > *worst) {
-		*worst = squares;
-		found->odd = view;
-	}
-	weigh_smooth(work, first, residual, found);
-}
-
-/* Subtracts what the basis explains from one view's rows of all shared columns and the
- * residuals. */
-static void clear_rows(const struct clearing *work, int first, int shared, double *columns)
-{
-	for (int k = 0; k <= shared; k++)
-		basis_clear(&work->of_view, columns + (size_t)k * (size_t)work->task->rows + first,
-			    NULL);
-}
-
-/* Fills unbent for a view, whose pose is the basis: its board may be bent along its normal. moved:
- * the columns of its translation. */
-static void unbend_view(struct clearing *work, int view, int first, const double *const moved[3],
-			int shared)
-{
-	const struct by_view_task *task = work->task;
-	struct basis *basis = &work->of_view;
-	const int pose = basis->count;
-	double *bend = basis_at(basis, pose + BENDS), normal[3];
-
-	for (int k = 0; k < BENDS && task->layout->normal &&
-			task->layout->normal(task->context, task->x, view, normal);
-	     k++) {
-		for (int i = 0; i < basis->rows; i++) {
-			double at[2];
-
-			task->layout->on_board(task->context, (first + i) / task->group, at);
-			bend[i] = at[k / 2] * at[(k + 1) / 2] *
-				  (normal[0] * moved[0][i] + normal[1] * moved[1][i] +
-				   normal[2] * moved[2][i]);
-		}
-		basis_add(basis, bend, NULL);
-	}
-	clear_rows(work, first, shared, work->unbent);
-	work->bends += basis->count - pose;
-	basis->count = pose;
-}
-
-/* Subtracts from all columns of one view what its own unknowns explain. */
-static void clear_view(struct clearing *work, int view, int *column, struct by_view *found,
-		       double *worst)
+/* Subtracts from the shared columns and the residuals of one view what its own unknowns explain. */
+static void clear_view(struct clearing *work, int view, int *column, struct by_view *found)
 {
 	const struct by_view_task *task = work->task;
 	const struct by_view_layout *layout = task->layout;
 	const int first = first_row(task, view),
 		  end = layout->shared + (view + 1) * layout->of_view;
 	const size_t rows = (size_t)task->rows;
-	const double *moved[3] = {NULL};
 	struct basis *basis = &work->of_view;
+	bool lone;
 
 	basis->rows = first_row(task, view + 1) - first;
 	basis->count = 0;
-	for (; *column < task->columns && task->parameter[*column] < end; ++*column) {
-		moved[0] = moved[1];
-		moved[1] = moved[2];
-		moved[2] = task->jacobian + (size_t)*column * rows + first;
-		if (basis->rows > layout->of_view)
-			basis_add(basis, moved[2], NULL);
+	lone = basis->rows <= layout->of_view;
+	for (; *column < task->columns && task->parameter[*column] < end; ++*column)
+		if (!lone)
+			basis_add(basis, task->jacobian + (size_t)*column * rows + first, NULL);
+	for (int k = 0; k <= found->shared; k++) {
+		double *cleared = work->cleared + (size_t)k * rows + first;
+
+		if (lone)
+			memset(cleared, 0, (size_t)basis->rows * sizeof(*cleared));
+		else
+			basis_clear(basis, cleared, NULL);
 	}
-	if (basis->rows <= layout->of_view) {
-		for (int k = 0; k <= found->shared; k++)
-			memset(work->cleared + (size_t)k * rows + first, 0,
-			       (size_t)basis->rows * sizeof(double));
-		return;
-	}
-	clear_rows(work, first, found->shared, work->cleared);
-	found->views++;
-	if (work->axis < 0)
-		return;
-	if (basis->rows > layout->of_view + BENDS)
-		unbend_view(work, view, first, moved, found->shared);
-	test_view(work, view, first, found, worst);
+	found->views += !lone;
 }
 
-/* Finds whether bent boards explain the residuals better than a moving axis does. */
-static void compare_bends(struct clearing *work, struct by_view *found)
-{
-	const int rows = work->task->rows, left = rows - work->task->columns;
-	const size_t last = (size_t)found->shared * (size_t)rows;
-	const double *by_axis = work->cleared + last;
-	double *by_bends = work->unbent + last;
-
-	for (int k = 0; k < found->shared; k++)
-		basis_add(&work->lens, work->unbent + (size_t)k * (size_t)rows, NULL);
-	basis_clear(&work->lens, by_bends, NULL);
-	work->lens.count = 0;
-	found->bent = product(by_bends, by_bends, rows) * (left - found->axis_freedom) <
-		      (product(by_axis, by_axis, rows) - found->axis_squares) *
-			      (left - work->bends);
-}
-
-/* Adds z' of one view to Z. room: [2 shared + 1][shared]. */
-static void add_pull(const struct clearing *work, int view, int shared, double *room, double *z)
+/* Adds z' of one view to Z. room: [2 shared + 2][shared]. -ENOMEM. */
+static int add_pull(const struct clearing *work, int view, int shared, double *room, double *z)
 {
 	const int first = first_row(work->task, view), end = first_row(work->task, view + 1);
 	const double *residual = work->cleared + (size_t)shared * (size_t)work->task->rows;
 	double *leverage = room, *v = room + shared * shared, *pull = v + shared * shared;
+	double *own = pull + shared;
+	int err;
 
 	for (int a = 0; a < shared; a++)
 		for (int b = 0; b < shared; b++)
 			leverage[a * shared + b] = product(basis_at(&work->lens, a) + first,
 							   basis_at(&work->lens, b) + first,
 							   end - first);
-	linear_diagonalize(leverage, v, shared);
+	err = linear_decompose(leverage, shared, shared, own, v);
+	if (err)
+		return err;
 	memset(pull, 0, (size_t)shared * sizeof(*pull));
 	for (int k = 0; k < shared; k++) {
 		const double *direction = v + k * shared;
-		const double own =
-			sqrt(product(leverage + k * shared, leverage + k * shared, shared));
 		double along = 0;
 
 		for (int a = 0; a < shared; a++)
 			along += direction[a] * product(basis_at(&work->lens, a) + first,
 							residual + first, end - first);
 		for (int a = 0; a < shared; a++)
-			pull[a] += direction[a] * along / sqrt(fmax(1 - own, LONE));
+			pull[a] += direction[a] * along / sqrt(fmax(1 - own[k], LONE));
 	}
 	for (int a = 0; a < shared; a++)
 		for (int b = 0; b < shared; b++)
 			z[a * shared + b] += pull[a] * pull[b];
+	return 0;
 }
 
 /* Shrinks Z towards its diagonal, and where there are no more views than unknowns the diagonal
@@ -309,11 +173,11 @@ static void shrink(struct by_view *found, double *z, const double *r)
 		}
 }
 
-/* Finds Q and R of the shared columns, then Z. */
-static void find_scatter(struct clearing *work, double *room, struct by_view *found)
+/* Finds Q and R of the shared columns, then Z. -ENOMEM. */
+static int find_scatter(struct clearing *work, double *room, struct by_view *found)
 {
 	const int shared = found->shared;
-	double *z = room + (2 * shared + 1) * shared;
+	double *z = room + (2 * shared + 2) * shared;
 
 	for (int k = 0; k < shared; k++) {
 		const double length =
@@ -322,30 +186,28 @@ static void find_scatter(struct clearing *work, double *room, struct by_view *fo
 
 		if (!(length > 0)) {
 			found->views = 0;
-			return;
+			return 0;
 		}
 		work->r[k * shared + k] = length;
 	}
-	for (int v = 0; v < work->task->layout->views; v++)
-		add_pull(work, v, shared, room, z);
+	for (int v = 0; v < work->task->layout->views; v++) {
+		const int err = add_pull(work, v, shared, room, z);
+
+		if (err)
+			return err;
+	}
 	shrink(found, z, work->r);
+	return 0;
 }
 
-/* Counts the shared columns and finds the axis among them; returns the longest view's rows. */
-static int survey(struct clearing *work, struct by_view *found)
+/* Counts the shared columns; returns the longest view's rows. */
+static int survey(const struct by_view_task *task, struct by_view *found)
 {
-	const struct by_view_task *task = work->task;
 	int longest = 0;
 
-	work->axis = -1;
-	for (;
-	     found->shared < task->columns && task->parameter[found->shared] < task->layout->shared;
-	     found->shared++)
-		if (task->parameter[found->shared] == task->layout->axis)
-			work->axis = found->shared;
-	if (work->axis >= 0 && (work->axis + 1 == found->shared ||
-				task->parameter[work->axis + 1] != task->layout->axis + 1))
-		work->axis = -1;
+	while (found->shared < task->columns &&
+	       task->parameter[found->shared] < task->layout->shared)
+		found->shared++;
 	for (int v = 0; v < task->layout->views; v++) {
 		const int rows = first_row(task, v + 1) - first_row(task, v);
 
@@ -358,41 +220,35 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 {
 	struct clearing work = {.task = task};
 	const size_t rows = (size_t)task->rows;
-	double *room, worst = 0;
+	double *room;
 	size_t longest, n;
 	int column, err = -ENOMEM;
 
 	*found = (struct by_view){.views = 0};
-	longest = (size_t)survey(&work, found);
+	longest = (size_t)survey(task, found);
 	n = (size_t)found->shared;
 	if (!n)
 		return 0;
 	work.cleared = malloc((n + 1) * rows * sizeof(double));
-	work.unbent = malloc((n + 1) * rows * sizeof(double));
 	work.of_view.column =
-		malloc((size_t)(task->layout->of_view + 3 + SMOOTH) * longest * sizeof(double));
+		malloc((size_t)(task->layout->of_view + 1) * longest * sizeof(double));
 	work.lens.column = malloc(n * rows * sizeof(double));
 	work.lens.rows = task->rows;
 	work.r = calloc(n * n, sizeof(double));
 	found->excess = calloc(n * n, sizeof(double));
-	room = calloc((3 * n + 1) * n, sizeof(double));
-	if (work.cleared && work.unbent && work.of_view.column && work.lens.column && work.r &&
-	    found->excess && room) {
+	room = calloc((3 * n + 2) * n, sizeof(double));
+	if (work.cleared && work.of_view.column && work.lens.column && work.r && found->excess &&
+	    room) {
 		err = 0;
 		memcpy(work.cleared, task->jacobian, n * rows * sizeof(double));
 		memcpy(work.cleared + n * rows, task->residual, rows * sizeof(double));
-		memcpy(work.unbent, work.cleared, (n + 1) * rows * sizeof(double));
 		column = found->shared;
 		for (int v = 0; v < task->layout->views; v++)
-			clear_view(&work, v, &column, found, &worst);
-		found->axis_freedom = found->axis_freedom > 2 ? found->axis_freedom - 2 : 0;
-		if (work.axis >= 0)
-			compare_bends(&work, found);
+			clear_view(&work, v, &column, found);
 		if (found->views > 1)
-			find_scatter(&work, room, found);
+			err = find_scatter(&work, room, found);
 	}
 	free(work.cleared);
-	free(work.unbent);
 	free(work.of_view.column);
 	free(work.lens.column);
 	free(work.r);
@@ -424,33 +280,4 @@ void by_view_spread(const struct by_view *found, double mean, const double *inve
 					by * inverse[b * columns + i] +
 					(i ? 0 : mean * inverse[a * columns + b]);
 		}
-}
-
-/* Survival function of the F distribution: that of the beta distribution, a finite sum because one
- * of its parameters is a whole number. */
-double by_view_chance(double squares, int freedom, double other_squares, double other_freedom)
-{
-	const double x = squares / (squares + other_squares), b = other_freedom / 2;
-	double term = b * log1p(-x), sum = 0; /* the logarithm of a term */
-
-	if (freedom < 2 || !(other_freedom > 0) || !(squares > 0))
-		return 1;
-	for (int i = 0; i < freedom / 2; i++) {
-		sum += exp(term);
-		term += log(x * (b + i) / (i + 1));
-	}
-	return fmin(sum, 1);
-}
-
-double by_view_axis_chance(const struct by_view *found, double variance, int freedom)
-{
-	const double noise = by_view_chance(found->axis_squares, found->axis_freedom,
-					    variance * freedom, freedom);
-
-	if (found->bent)
-		return 1;
-	if (found->smooth_freedom < 1) /* as few points as unknowns */
-		return noise;
-	return fmax(noise, by_view_chance(found->axis_squares, found->axis_freedom,
-					  found->smooth_squares, found->smooth_freedom));
 }

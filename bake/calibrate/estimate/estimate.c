@@ -50,19 +50,6 @@ double estimate_correlation(const struct estimate *estimate, int a, int b)
 	return both > 0 ? estimate->covariance[a * estimate->count + b] / both : 0;
 }
 
-double estimate_variance(const struct estimate *estimate, const double *gradient)
-{
-	const int n = estimate->count;
-	double variance = 0;
-
-	for (int a = 0; a < n; a++)
-		for (int b = 0; b < n; b++)
-			if (gradient[a] != 0 && gradient[b] != 0) /* 0 times infinity counts as 0 */
-				variance += gradient[a] * estimate->covariance[a * n + b] *
-					    gradient[b];
-	return variance < 0 ? 0 : variance; /* rounding */
-}
-
 void estimate_print(FILE *to, const char *before, const struct estimate *estimate, int index)
 {
 	const struct parameter *p = &estimate->parameter[index];

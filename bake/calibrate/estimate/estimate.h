@@ -49,11 +49,4 @@ void estimate_print(FILE *to, const char *before, const struct estimate *estimat
 /* Returns -1..1; 0 where one of them is fixed, NaN where one is not known at all. */
 double estimate_correlation(const struct estimate *estimate, int a, int b);
 
-/*
- * Returns the variance of a function of the parameters from its gradient[count] at the estimate:
- *     variance = g^T C g
- * Not finite where the function depends on a parameter that is not known at all.
- */
-double estimate_variance(const struct estimate *estimate, const double *gradient);
-
 #endif

@@ -43,13 +43,10 @@ struct finding {
 	 * outside of what the model sees.
 	 */
 	double (*uncertainty)(const void *context, const double px[2]);
-	/* Distance at px, in px, between the models fitted to the odd and to the even points; NULL:
-	 * too few points for two halves. */
-	double (*disagreement)(const void *context, const double px[2]);
 	/* Projects a point of the world of a view into its picture. False: it has no image. NULL:
 	 * not known. */
 	bool (*project)(const void *context, int view, const double world[3], double px[2]);
-	const void *context; /* first argument of all three; borrowed */
+	const void *context; /* first argument of both; borrowed */
 };
 
 /* Creates a finding with room for the points of seen, trusted so far. -ENOMEM. */

@@ -295,7 +295,6 @@ static int fit_compare_views(struct descent *work, struct least_squares_fit *fit
 					  .columns = work->columns,
 					  .group = problem->group,
 					  .parameter = work->parameter,
-					  .x = work->x,
 					  .jacobian = work->jacobian,
 					  .residual = work->residual};
 

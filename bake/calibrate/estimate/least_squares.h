@@ -29,17 +29,8 @@
  * then has as many of its own. */
 struct by_view_layout {
 	int views, shared, of_view;
-	int axis; /* the first of both parameters of the lens's axis */
 	/* Finds the group at which a view's residuals begin; of view `views`: their number. */
 	int (*first)(const void *context, int view);
-	/* Finds where a group of residuals is in the picture, px. */
-	const double *(*place)(const void *context, int group);
-	/* Finds the normal of a view's board, in the axes of its translation, which is its last
-	 * three unknowns, of one scale. False: the points do not lie in a plane. NULL: boards are
-	 * flat. */
-	bool (*normal)(const void *context, const double *x, int view, double normal[3]);
-	/* Finds where a group's point is on its board, in any unit. */
-	void (*on_board)(const void *context, int group, double at[2]);
 };
 
 struct by_view_task {
@@ -47,7 +38,6 @@ struct by_view_task {
 	const void *context; /* of its functions */
 	int rows, columns, group;
 	const int *parameter;	/* [columns]: rising */
-	const double *x;	/* all unknowns */
 	const double *jacobian; /* [columns][rows], weighted */
 	const double *residual; /* [rows], weighted */
 };
@@ -58,17 +48,6 @@ struct by_view {
 	int shared;	/* columns */
 	double mean;	/* m; sigma^2 where points are independent */
 	double *excess; /* [shared][shared]: R^T (shrunk Z - m I) R, for J = Q R */
-	/*
-	 * Squares that vanish if each view has an axis of its own, and what noise leaves of them:
-	 * 2 degrees of freedom for each view, less two. Of as smooth errors that no axis explains
-	 * (residuals of second order in the picture), squares and degrees of freedom.
-	 */
-	double axis_squares, smooth_squares;
-	int axis_freedom; /* 0: not known */
-	double smooth_freedom;
-	int odd; /* view that takes most of axis_squares */
-	/* a bend of each board leaves less, by degree of freedom, than an axis of each view */
-	bool bent;
 };
 
 /* Fills found. Returns 0; -ENOMEM. */
@@ -79,24 +58,6 @@ void by_view_free(struct by_view *found);
  * inverse[columns][columns] = (J^T J)^-1. */
 void by_view_spread(const struct by_view *found, double mean, const double *inverse, int columns,
 		    double *covariance);
-
-/*
- * Returns how often views would by chance disagree about the axis as much, if their errors are
- * noise of this variance (known with so many degrees of freedom) or as smooth as a bent board's,
- * whichever explains more. 1 where the axis was not found, or boards are rather bent. A chance
- * below BY_VIEW_LEVEL is a reason to doubt.
- */
-#define BY_VIEW_LEVEL 1e-3
-#define BY_VIEW_REASON                                                                             \
-	"the pictures do not agree on where the lens's axis is, %s the least, by more than noise " \
-	"explains (a bent board may be why)"
-#define BY_VIEW_REMEDY                                                                             \
-	"take all pictures with one camera at one zoom, its stabiliser and autofocus off"
-double by_view_axis_chance(const struct by_view *found, double variance, int freedom);
-
-/* Returns how often a ratio of two independent mean squares is at least as large by chance; the
- * first has an even number of degrees of freedom. */
-double by_view_chance(double squares, int freedom, double other_squares, double other_freedom);
 
 struct least_squares {
 	int parameters; /* length of x */

@@ -130,15 +130,6 @@ static void doubt_outliers(struct fisheye_result *result)
 			      count, f->seen->count, f->seen->point[first].name);
 }
 
-static void doubt_axis(struct fisheye_result *result, const struct least_squares_fit *fit)
-{
-	const double sigma = fmax(fit->sigma, NOISE_LEAST);
-
-	if (by_view_axis_chance(&fit->by_view, sigma * sigma, fit->freedom) < BY_VIEW_LEVEL)
-		verdict_doubt(&result->finding.verdict, BY_VIEW_REMEDY, BY_VIEW_REASON,
-			      result->finding.seen->view[fit->by_view.odd].name);
-}
-
 static void doubt_reach(struct fisheye_result *result, const struct fisheye_wanted *wanted)
 {
 	const bool known = wanted->model != FISHEYE_MODEL_AUTO &&
@@ -175,11 +166,6 @@ void fisheye_doubt_circle(struct fisheye_result *result, double tolerance_px, co
 			&result->finding.verdict, remedy,
 			"the lens is known to %.2g px only (one standard deviation, at its worst in the image circle), not to %.2g",
 			errors.most_px, tolerance_px);
-	if (result->knowledge.halved && errors.halves_px > 6 * errors.most_px + tolerance_px)
-		verdict_doubt(
-			&result->finding.verdict, remedy,
-			"lenses from odd and from even points differ by %.2g px, far more than their residuals explain",
-			errors.halves_px);
 }
 
 void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *problem,
@@ -201,7 +187,6 @@ void fisheye_doubt(struct fisheye_result *result, const struct lens_problem *pro
 			      "the board was seen in one place only");
 	doubt_model(result, trials, model);
 	doubt_outliers(result);
-	doubt_axis(result, &trials->solution[model].fit);
 	doubt_reach(result, wanted);
 	fisheye_doubt_circle(result, wanted->tolerance_px, BOARDS_EVERYWHERE);
 }

@@ -114,7 +114,7 @@ static int fill_estimate(struct estimate *estimate, const struct lens_problem *p
 	name_parameters(problem, solution, estimate->parameter);
 	memcpy(estimate->covariance, solution->fit.covariance, n * n * sizeof(double));
 	turns_to_degrees(solution, estimate->covariance);
-	estimate->residuals = 2 * lens_points(problem);
+	estimate->residuals = 2 * problem->seen->count;
 	estimate->freedom = solution->fit.freedom;
 	estimate->sigma = solution->fit.sigma;
 	return 0;
@@ -141,31 +141,6 @@ static void find_knowledge(struct lens_knowledge *knowledge, const struct lens_s
 			if (pose >= 0 || (a < OPTICS_COUNT && b < OPTICS_COUNT))
 				knowledge->covariance[a][b] =
 					solution->fit.covariance[at[a] * n + at[b]];
-}
-
-/* Fits lenses to odd and to even points; none where a half does not determine one. */
-static void find_halves(struct lens_knowledge *knowledge, const struct lens_problem *problem,
-			const struct lens_solution *solution, int pose)
-{
-	knowledge->halved = true;
-	for (int h = 0; h < 2 && knowledge->halved; h++) {
-		struct lens_problem half = *problem;
-		struct lens_solution own;
-		struct fault ignored;
-
-		half.step = 2;
-		half.first = 1 - h;
-		if (lens_solution_copy(&own, solution)) {
-			knowledge->halved = false;
-			return;
-		}
-		knowledge->halved = 2 * lens_points(&half) > own.parameters &&
-				    !lens_solve(&half, &own, &ignored);
-		knowledge->half[h].optics = own.optics;
-		memcpy(knowledge->half[h].rotation, world_rotation(&own, pose),
-		       sizeof(knowledge->half[h].rotation));
-		lens_solution_free(&own);
-	}
 }
 
 /* ---- the finding ---- */
@@ -229,16 +204,14 @@ void fisheye_result_settings(struct fisheye_result *result, double field_deg)
  */
 static void look_up(struct lens_knowledge *knowledge)
 {
-	double *rotations[3] = {knowledge->lens.rotation, knowledge->half[0].rotation,
-				knowledge->half[1].rotation};
+	double *rotation = knowledge->lens.rotation;
 
-	if (knowledge->lens.rotation[8] >= 0)
+	if (rotation[8] >= 0)
 		return;
-	for (int r = 0; r < 3; r++)
-		for (int i = 0; i < 3; i++) {
-			rotations[r][3 * i + 1] *= -1;
-			rotations[r][3 * i + 2] *= -1;
-		}
+	for (int i = 0; i < 3; i++) {
+		rotation[3 * i + 1] *= -1;
+		rotation[3 * i + 2] *= -1;
+	}
 }
 
 static int publish_lens(struct fisheye_result *result, const struct lens_problem *problem,
@@ -257,7 +230,6 @@ static int publish_lens(struct fisheye_result *result, const struct lens_problem
 	result->knowledge.width = finding->width;
 	result->knowledge.height = finding->height;
 	result->oriented = pose >= 0;
-	find_halves(&result->knowledge, problem, solution, pose);
 	if (pose >= 0)
 		look_up(&result->knowledge);
 	snprintf(finding->model, sizeof(finding->model), "%s", fisheye_model_names[model]);
@@ -300,7 +272,7 @@ static int find_lens(struct fisheye_result *result, const struct lens_problem *p
 int fisheye_find(struct fisheye_result *result, const struct observations *seen,
 		 const struct fisheye_wanted *wanted, struct fault *fault)
 {
-	const struct lens_problem problem = {.seen = seen, .step = 1};
+	const struct lens_problem problem = {.seen = seen};
 	struct lens_solution start = {.poses = 0};
 	int err;
 

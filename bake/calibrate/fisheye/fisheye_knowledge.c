@@ -57,22 +57,6 @@ double knowledge_uncertainty(const void *context, const double px[2])
 	return isfinite(variance) ? sqrt(fmax(variance, 0)) : INFINITY;
 }
 
-double knowledge_disagreement(const void *context, const double px[2])
-{
-	const struct lens_knowledge *knowledge = context;
-	double ray[3], world[3], camera[3], there[2][2];
-
-	if (!is_in_field(knowledge, px, ray))
-		return -1;
-	mat_apply_transposed(knowledge->lens.rotation, ray, world);
-	for (int h = 0; h < 2; h++) {
-		mat_apply(knowledge->half[h].rotation, world, camera);
-		if (!optics_project(&knowledge->half[h].optics, camera, there[h], NULL, NULL))
-			return INFINITY;
-	}
-	return hypot(there[0][0] - there[1][0], there[0][1] - there[1][1]);
-}
-
 static bool is_in_picture(const struct lens_knowledge *knowledge, const double px[2])
 {
 	return !knowledge->width || (px[0] >= 0 && px[1] >= 0 && px[0] <= knowledge->width &&
@@ -115,9 +99,6 @@ struct circle_errors knowledge_errors(const struct lens_knowledge *knowledge)
 		errors.mean_px += error;
 		errors.most_px = fmax(errors.most_px, error);
 		errors.most_deg = fmax(errors.most_deg, error * pixel_deg(knowledge, ray));
-		if (knowledge->halved)
-			errors.halves_px = fmax(errors.halves_px,
-						knowledge_disagreement(knowledge, px));
 		count++;
 	}
 	errors.mean_px /= count > 0 ? count : 1;
@@ -139,7 +120,6 @@ void knowledge_publish(const struct lens_knowledge *knowledge, struct finding *f
 
 	finding->context = knowledge;
 	finding->uncertainty = knowledge_uncertainty;
-	finding->disagreement = knowledge->halved ? knowledge_disagreement : NULL;
 	finding_add(finding, "circle_mean_px",
 		    "mean error over the image circle, one standard deviation", "px",
 		    errors.mean_px);
@@ -147,8 +127,4 @@ void knowledge_publish(const struct lens_knowledge *knowledge, struct finding *f
 		    "largest error over the image circle, one standard deviation", "px",
 		    errors.most_px);
 	finding_add(finding, "circle_most_deg", "the largest, on the sky", "deg", errors.most_deg);
-	if (knowledge->halved)
-		finding_add(finding, "halves_px",
-			    "largest distance between lenses from odd and even points", "px",
-			    errors.halves_px);
 }

@@ -20,22 +20,18 @@ struct lens_knowledge {
 	int width, height; /* size of the picture; 0: not known */
 	/* Covariance of the optics' numbers, then of turns about the camera's axes, rad. */
 	double covariance[KNOWLEDGE_COUNT][KNOWLEDGE_COUNT];
-	bool halved;
-	struct oriented_lens half[2]; /* fitted to odd and to even points */
 };
 
 /* Starts with a lens and its rotation. Everything else is 0. */
 void knowledge_begin(struct lens_knowledge *knowledge, const struct optics *optics,
 		     const double rotation[9]);
 
-/* Callbacks of struct finding; context is a struct lens_knowledge. */
+/* Callback of struct finding; context is a struct lens_knowledge. */
 double knowledge_uncertainty(const void *context, const double px[2]);
-double knowledge_disagreement(const void *context, const double px[2]);
 
 struct circle_errors {
 	double mean_px, most_px; /* standard deviation of the projection of a direction */
 	double most_deg;	 /* the largest, as an angle in the world */
-	double halves_px;	 /* largest disagreement of the halves; 0 without halves */
 };
 
 /* Computes the errors over the part of the image circle that lies in the picture. */

@@ -47,7 +47,7 @@ static double capped_squares(const struct lens_solution *solution, int residuals
 
 static void compare_squares(struct model_trials *trials, const struct lens_problem *problem)
 {
-	const int residuals = 2 * lens_points(problem);
+	const int residuals = 2 * problem->seen->count;
 	double least = INFINITY;
 
 	for (int m = 0; m < FISHEYE_MODEL_COUNT; m++)

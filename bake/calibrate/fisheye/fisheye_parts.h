@@ -33,8 +33,7 @@ struct lens_pose {
 
 struct lens_problem {
 	const struct observations *seen;
-	int step, first; /* uses points first, first + step...: 1 and 0 for all */
-	bool plain;	 /* plain squares, even if there are outliers */
+	bool plain; /* plain squares, even if there are outliers */
 };
 
 /* The first guess, and then the solution. */
@@ -49,8 +48,6 @@ struct lens_solution {
 };
 
 #define LENS_POSE 6 /* parameters of a pose */
-
-int lens_points(const struct lens_problem *problem);
 
 /* Allocates the poses. -ENOMEM. */
 int lens_solution_create(struct lens_solution *solution, const struct lens_problem *problem);

@@ -29,13 +29,6 @@ struct lens_search {
 	int parameters;
 };
 
-int lens_points(const struct lens_problem *problem)
-{
-	const int left = problem->seen->count - problem->first;
-
-	return left > 0 ? (left + problem->step - 1) / problem->step : 0;
-}
-
 int lens_solution_create(struct lens_solution *solution, const struct lens_problem *problem)
 {
 	*solution = (struct lens_solution){.poses = problem->seen->views};
@@ -83,18 +76,13 @@ static void take_parameters(struct lens_search *search, const double *x)
 	}
 }
 
-static const struct observation *point_of(const struct lens_problem *problem, int n)
-{
-	return &problem->seen->point[problem->first + n * problem->step];
-}
-
 static bool lens_evaluate(void *context, const double *x, double *residual)
 {
 	struct lens_search *search = context;
 
 	take_parameters(search, x);
-	for (int n = 0; n < lens_points(search->problem); n++) {
-		const struct observation *point = point_of(search->problem, n);
+	for (int n = 0; n < search->problem->seen->count; n++) {
+		const struct observation *point = &search->problem->seen->point[n];
 		const struct turned *t = &search->turned[point->view];
 		double c[3], px[2];
 
@@ -129,8 +117,8 @@ static void lens_differentiate(void *context, const double *x, double *jacobian)
 {
 	struct lens_search *search = context;
 	take_parameters(search, x);
-	for (int n = 0; n < lens_points(search->problem); n++) {
-		const struct observation *point = point_of(search->problem, n);
+	for (int n = 0; n < search->problem->seen->count; n++) {
+		const struct observation *point = &search->problem->seen->point[n];
 		const struct turned *t = &search->turned[point->view];
 		double by_number[OPTICS_COUNT][2], by_point[3][2], arm[3], c[3], px[2];
 
@@ -155,11 +143,6 @@ static int lens_first(const void *context, int view)
 	const struct observations *seen = ((const struct lens_search *)context)->problem->seen;
 
 	return view < seen->views ? seen->view[view].first : seen->count;
-}
-
-static const double *lens_place(const void *context, int group)
-{
-	return ((const struct lens_search *)context)->problem->seen->point[group].px;
 }
 
 /* Buffers of a search. */
@@ -228,12 +211,10 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 	const struct by_view_layout layout = {.views = solution->poses,
 					      .shared = OPTICS_COUNT,
 					      .of_view = LENS_POSE,
-					      .axis = OPTICS_CENTRE,
-					      .first = lens_first,
-					      .place = lens_place};
+					      .first = lens_first};
 	const struct least_squares least = {
 		.parameters = solution->parameters,
-		.residuals = 2 * lens_points(problem),
+		.residuals = 2 * problem->seen->count,
 		.evaluate = lens_evaluate,
 		.differentiate = lens_differentiate,
 		.context = &search,
@@ -241,7 +222,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 		.fixed = scratch->fixed,
 		.loss_scale = loss_scale,
 		.group = 2,
-		.layout = problem->step > 1 ? NULL : &layout,
+		.layout = &layout,
 	};
 	int err;
 
@@ -263,7 +244,7 @@ static int search_once(const struct lens_problem *problem, struct lens_solution 
 static double measure_errors(const struct lens_problem *problem,
 			     const struct lens_solution *solution, double *largest)
 {
-	const int count = lens_points(problem);
+	const int count = problem->seen->count;
 	double *length = calloc((size_t)count + 1, sizeof(*length)), middle;
 
 	*largest = 0;

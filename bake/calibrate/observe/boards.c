@@ -210,11 +210,6 @@ void board_point(const struct board *board, int k, double world[3])
 			   board->position[i];
 }
 
-bool board_ambiguous(const struct board *board)
-{
-	return board->kind == BOARD_CHESS && (board->columns + board->rows) % 2 == 0;
-}
-
 /* ---- what is printed ---- */
 
 /* 1: a white square is at the upper left; 0: a black one. Rows begin with either in turn. */

@@ -61,12 +61,10 @@ int board_points(const struct board *board); /* number of points */
 void board_point(const struct board *board, int k, double world[3]);
 
 /*
- * Whether the board looks the same after a half turn: chessboards whose numbers of corners are both
- * odd or both even (not 9x6). board_find() then assumes that its rows run to the right in the
- * picture. That is enough for a lens, but the world is off by a half turn if the board lies the
- * other way round.
+ * A chessboard whose numbers of corners are both odd or both even (not 9x6) looks the same after a
+ * half turn. board_find() then assumes that its rows run to the right in the picture. That is
+ * enough for a lens, but the world is off by a half turn if the board lies the other way round.
  */
-bool board_ambiguous(const struct board *board);
 
 /* Whether the board is black at a place in its own axes; else paper. */
 bool board_ink(const struct board *board, double x_mm, double y_mm);

@@ -74,7 +74,6 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 	table_column(&table, "y_px", "middle y", "px");
 	table_column(&table, "points", "points", NULL);
 	table_column(&table, "uncertainty_px", "uncertainty", "px");
-	table_column(&table, "halves_px", "odd against even points", "px");
 	for (int k = 0; k < PARTS * PARTS; k++) {
 		const double px[2] = {(k % PARTS + 0.5) * s->width / PARTS,
 				      (k / PARTS + 0.5) * s->height / PARTS};
@@ -83,15 +82,13 @@ int report_parts_of_picture(const struct shown *s, struct fault *fault)
 		table_number(&table, px[1]);
 		table_number(&table, points_in_part(s, k % PARTS, k / PARTS));
 		table_number(&table, value_at(s, s->finding->uncertainty, px));
-		table_number(&table, value_at(s, s->finding->disagreement, px));
 	}
 	report_heading(s->page->body, "How much is known in each part of the picture");
 	report_paragraph(
 		s->page->body,
 		"What lies outside of all points is extrapolated: hold the board where it "
 		"was not yet, into the corners above all. The uncertainty is one standard "
-		"deviation at the part's middle, which trusts the model; the difference of "
-		"models fitted to the odd and to the even points does not. What is empty is not known, or not seen by the model.");
+		"deviation at the part's middle. What is empty is not known, or not seen by the model.");
 	return report_page_table(s->page, &table, fault);
 }
 

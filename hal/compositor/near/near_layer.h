@@ -20,8 +20,9 @@ enum { NEAR_GRID = KERNEL_GRID };
 
 struct near_layer {
 	struct basis_layer layer;
-	/* near_sky_even() at the points of each tile: [tiles][channels][lamps][NEAR_GRID^2], row by
-	 * row. One channel where the ground is grey, or of one colour. */
+	/* Light on the ground, as a multiple of near_sky.ground, at the points of each tile:
+	 * [tiles][channels][lamps][NEAR_GRID^2], row by row. One channel where the ground is grey,
+	 * or of one colour. */
 	float *even;
 	int channels;
 	bool *ground; /* [tiles]: the tile shows ground, of which `even` is known */

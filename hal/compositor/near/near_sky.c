@@ -47,13 +47,6 @@ static void light_on_ground(const struct near_sky *sky, int lamp, const double p
 				    sky->basis->lights[share[n].light].solid_angle_sr;
 }
 
-void near_sky_even(const struct near_sky *sky, int lamp, const double place[3], double even[3])
-{
-	light_on_ground(sky, lamp, place, even);
-	for (int c = 0; c < 3; c++)
-		even[c] = sky->ground[lamp][c] > 0 ? even[c] / sky->ground[lamp][c] : 0;
-}
-
 int near_sky_create(struct near_sky **out, const struct basis *basis, const struct lamps *lamps,
 		    struct fault *fault)
 {

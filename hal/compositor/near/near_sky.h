@@ -94,7 +94,4 @@ bool near_sky_ground(const struct near_sky *sky, double x, double y, double plac
 bool near_sky_surface(const struct near_sky *sky, double x, double y, double distance,
 		      double place[3]);
 
-/* Light on the ground at a place, as a multiple of near_sky.ground. */
-void near_sky_even(const struct near_sky *sky, int lamp, const double place[3], double even[3]);
-
 #endif

@@ -104,26 +104,6 @@ static void fill_points(struct finding *finding, const double ellipse[NUMBERS],
 	finding->rms_px = sqrt(squares / (count > 0 ? count : 1));
 }
 
-static void rim_halve(struct lens_knowledge *knowledge, const struct rim *rim,
-		      const double ellipse[NUMBERS], const struct fisheye_curve *curve,
-		      double rim_rad)
-{
-	knowledge->halved = true;
-	for (int h = 0; h < 2; h++) {
-		struct least_squares_fit found = {.covariance = NULL};
-		struct fault ignored;
-		double own[NUMBERS];
-
-		memcpy(own, ellipse, sizeof(own));
-		if (ellipse_fit(rim, 1 - h, 2, own, &found, &ignored))
-			knowledge->halved = false;
-		knowledge->half[h].optics = optics_of(own, curve, rim_rad);
-		memcpy(knowledge->half[h].rotation, knowledge->lens.rotation,
-		       sizeof(knowledge->lens.rotation));
-		least_squares_free(&found);
-	}
-}
-
 /* ---- doubts ---- */
 
 static void doubt_rim(struct fisheye_result *result, const struct rim *rim,
@@ -176,7 +156,7 @@ static int rim_conclude(struct fisheye_result *result, const struct rim *rim,
 	struct lens_knowledge *knowledge = &result->knowledge;
 	struct least_squares_fit found = {.covariance = NULL};
 	const double rim_rad = rim_deg * (M_PI / 180);
-	int err = ellipse_known(rim, ellipse, &found, fault);
+	int err = ellipse_fit(rim, ellipse, &found, fault);
 
 	if (err && err != -ENOMEM) {
 		verdict_doubt(&finding->verdict, "take the picture under an even, bright sky",
@@ -195,7 +175,6 @@ static int rim_conclude(struct fisheye_result *result, const struct rim *rim,
 		knowledge->field_rad = fmin(wanted->field_deg, rim_deg) * (M_PI / 180);
 		knowledge->width = finding->width;
 		knowledge->height = finding->height;
-		rim_halve(knowledge, rim, ellipse, &curve, rim_rad);
 		snprintf(finding->model, sizeof(finding->model), "%s, from the image circle",
 			 fisheye_model_names[curve.model]);
 		fisheye_result_settings(result, fmin(wanted->field_deg, rim_deg));

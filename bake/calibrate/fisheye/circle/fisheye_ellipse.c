@@ -17,7 +17,6 @@
  * larger outwards or inwards than sideways. */
 #define TOGETHER_CENTRE_PX 0.01
 #define TOGETHER_AXES_PX 0.04 /* the largest error of a blurred picture in test_fisheye_circle.c */
-#define SECTORS 24	      /* errors are correlated within a sector */
 
 enum { CENTRE = ELLIPSE_CENTRE, AXES = ELLIPSE_AXES, NUMBERS = ELLIPSE_NUMBERS };
 
@@ -103,102 +102,36 @@ int ellipse_search(const struct rim *rim, double ellipse[NUMBERS])
 	return best;
 }
 
-struct edges {
-	const struct rim *rim;
-	int first, step;
-};
-
 static bool ellipse_evaluate(void *context, const double *x, double *residual)
 {
-	const struct edges *edges = context;
+	const struct rim *rim = context;
 
 	if (!(x[AXES] > 1 && x[AXES + 1] > 1))
 		return false;
-	for (int n = edges->first, k = 0; n < edges->rim->count; n += edges->step, k++)
-		residual[k] = ellipse_distance(x, edges->rim->edge[n].px);
-
+	for (int n = 0; n < rim->count; n++)
+		residual[n] = ellipse_distance(x, rim->edge[n].px);
 	return true;
 }
 
-int ellipse_fit(const struct rim *rim, int first, int step, double ellipse[NUMBERS],
-		struct least_squares_fit *found, struct fault *fault)
+int ellipse_fit(const struct rim *rim, double ellipse[NUMBERS], struct least_squares_fit *found,
+		struct fault *fault)
 {
 	static const double scale[NUMBERS] = {1, 1, 1, 1};
-	struct edges edges = {rim, first, step};
 	const struct least_squares problem = {
 		.parameters = NUMBERS,
-		.residuals = (rim->count - first + step - 1) / step,
+		.residuals = rim->count,
 		.evaluate = ellipse_evaluate,
-		.context = &edges,
+		.context = (void *)rim,
 		.scale = scale,
 		.loss_scale = LOSS_SCALE,
 		.group = 1,
 	};
 
-	return least_squares_solve(&problem, ellipse, found, fault);
-}
+	const int err = least_squares_solve(&problem, ellipse, found, fault);
 
-/* Copies the rim without one sector; returns how many edges that leaves out. */
-static int ellipse_without(struct rim *part, const struct rim *rim, const double ellipse[NUMBERS],
-			   int sector)
-{
-	part->count = 0;
-	for (int n = 0; n < rim->count; n++)
-		if ((int)(ellipse_turn(ellipse, rim->edge[n].px) * (SECTORS / (2 * M_PI))) %
-			    SECTORS !=
-		    sector)
-			part->edge[part->count++] = rim->edge[n];
-	return rim->count - part->count;
-}
-
-/* Jackknife: adds the covariance from leaving out one sector after the other. */
-static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], double *covariance)
-{
-	struct rim part = {.edge = calloc((size_t)rim->count, sizeof(*part.edge))};
-	double moved[SECTORS][NUMBERS], mean[NUMBERS] = {0};
-	int sectors = 0, err = part.edge ? 0 : -ENOMEM;
-
-	for (int k = 0; !err && k < SECTORS; k++) {
-		struct least_squares_fit found = {.covariance = NULL};
-		struct fault ignored;
-
-		if (!ellipse_without(&part, rim, ellipse, k))
-			continue;
-		memcpy(moved[sectors], ellipse, sizeof(moved[sectors]));
-		err = ellipse_fit(&part, 0, 1, moved[sectors], &found, &ignored);
-		least_squares_free(&found);
-		for (int i = 0; i < NUMBERS; i++)
-			mean[i] += moved[sectors][i];
-		sectors++;
-	}
-	free(part.edge);
-	if (err || sectors <= NUMBERS)
-		return err ? err : -ERANGE;
-	for (int k = 0; k < sectors; k++)
-		for (int i = 0; i < NUMBERS; i++)
-			for (int j = 0; j < NUMBERS; j++)
-				covariance[i * NUMBERS + j] += (moved[k][i] - mean[i] / sectors) *
-							       (moved[k][j] - mean[j] / sectors) *
-							       (sectors - 1) / sectors;
-	return 0;
-}
-
-int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_squares_fit *found,
-		  struct fault *fault)
-{
-	const int err = ellipse_fit(rim, 0, 1, ellipse, found, fault);
-	double covariance[NUMBERS * NUMBERS] = {0};
-
-	if (err)
-		return err;
-	/* With too few sectors, the covariance of single edges must do. */
-	if (leave_out(rim, ellipse, covariance) == -ENOMEM)
-		return fault_say(fault, -ENOMEM, "out of memory");
-	for (int k = 0; k < NUMBERS * NUMBERS; k++)
-		found->covariance[k] += covariance[k];
-	for (int i = 0; i < NUMBERS; i++)
+	for (int i = 0; i < NUMBERS && !err; i++)
 		found->covariance[i * NUMBERS + i] +=
 			i < AXES ? TOGETHER_CENTRE_PX * TOGETHER_CENTRE_PX
 				 : TOGETHER_AXES_PX * TOGETHER_AXES_PX;
-	return 0;
+	return err;
 }

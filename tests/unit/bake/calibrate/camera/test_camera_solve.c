@@ -788,10 +788,10 @@ TEST("few boards of squashed pixels")
 /* The error of each point against the uncertainty that is reported for its place. */
 TEST("uncertainty is honest")
 {
-	const double px[2] = {250, 300}, place[3] = {0.03, -0.02, 0.04};
+	const double place[3] = {0.03, -0.02, 0.04};
 	struct chance chance = chance_begin("camera uncertainty");
 	const int runs = 4 * runs_of_test();
-	double squares = 0, expected = 0, at_px = 0, halves = 0;
+	double squares = 0, expected = 0;
 
 	for (int run = 0; run < runs; run++) {
 		const struct tsai_camera truth = known_camera(eyes[0], middle, -0.08, run & 1);
@@ -811,14 +811,9 @@ TEST("uncertainty is honest")
 			figure++;
 		squares += pow(want[0] - got[0], 2) + pow(want[1] - got[1], 2);
 		expected += pow(solution.finding.figure[figure].value, 2);
-		at_px += solution.finding.uncertainty(solution.finding.context, px);
-		assert_non_null(solution.finding.disagreement);
-		halves += solution.finding.disagreement(solution.finding.context, px);
 		camera_solution_free(&solution);
 		observations_free(&seen);
 	}
 	/* only the longest axis is expected: two axes together have between it and sqrt 2 of it */
 	assert_true(squares > 0.85 * expected && squares < 2.2 * expected);
-	/* each half is worse by sqrt 2, and the difference of two halves by sqrt 2 again */
-	assert_true(halves > at_px && halves < 4 * at_px);
 }

@@ -29,8 +29,6 @@ static struct estimate some_estimate(void)
 
 TEST("estimate")
 {
-	static const double difference[4] = {1, -1, 0, 0}, held[4] = {0, 0, 5, 0},
-			    unknown[4] = {1, 0, 0, 1};
 	struct estimate e = some_estimate();
 
 	assert_int_equal(estimate_find(&e, "aspect"), 2);
@@ -41,13 +39,6 @@ TEST("estimate")
 	assert_true(estimate_correlation(&e, 1, 0) == estimate_correlation(&e, 0, 1));
 	assert_true(estimate_correlation(&e, 0, 2) == 0);
 	assert_true(isnan(estimate_correlation(&e, 0, 3)));
-	/* 4 + 9 - 2 * 5.4: with a positive correlation the difference is better known */
-	assert_true(fabs(estimate_variance(&e, difference) - 2.2) < 1e-14);
-	assert_true(estimate_variance(&e, held) == 0);
-	assert_false(isfinite(estimate_variance(&e, unknown)));
-	/* the variance is below 0 by rounding alone */
-	e.covariance[1] = e.covariance[4] = 6.5 + 1e-15;
-	assert_true(estimate_variance(&e, difference) >= 0);
 	estimate_free(&e);
 	estimate_free(&e);
 	assert_int_equal(estimate_create(&e, 0), 0);

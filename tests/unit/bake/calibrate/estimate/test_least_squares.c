@@ -292,14 +292,3 @@ TEST("refuses")
 	assert_int_equal(least_squares_solve(&problem, x, &fit, NULL), -EINVAL);
 	least_squares_free(&fit);
 }
-
-/* Quantiles of the F distribution, from tables. */
-TEST("chance of squares")
-{
-	assert_true(fabs(by_view_chance(4 * 3.47805, 4, 10, 10) - 0.05) < 1e-5);
-	assert_true(fabs(by_view_chance(10 * 2.34788, 10, 20, 20) - 0.05) < 1e-5);
-	assert_true(fabs(by_view_chance(24 * 2.11536, 24, 60, 60) - 0.01) < 1e-5);
-	assert_true(by_view_chance(0, 4, 1, 10) == 1);
-	/* powers that no double holds */
-	assert_true(fabs(by_view_chance(2000, 2000, 20000, 20000) - 0.5) < 0.02);
-}

@@ -111,12 +111,8 @@ TEST("points")
 	assert_place("charuco:8x6:30mm:22mm", 7, 0, -0.03);
 	board = parsed("charuco:8x6:30mm:22mm");
 	assert_int_equal(board_points(&board), 35);
-	assert_false(board_ambiguous(&board));
 	board = parsed("9x6:25mm");
 	assert_int_equal(board_points(&board), 54);
-	assert_false(board_ambiguous(&board));
-	board = parsed("9x7:25mm");
-	assert_true(board_ambiguous(&board));
 }
 
 /* ---- drawn ---- */
