@@ -12,7 +12,128 @@
 #include "bake/base/vec3.h"
 
 #define NONE UINT32_MAX
+#define FEW 32		   /* corners of a place: up to here all pairs of them are compared */
 #define CREASE_SLACK 1e-5f /* rounding error between triangles of one plane */
+
+/*
+ * Sums of unit normals around directions. Boxes around normals, halved again and again, let a box
+ * that lies wholly on one side of the bound count as one: n sums around n directions take about n
+ * log n where the normals lie on a line, as those of a cone do, and n^1.5 where they fill the
+ * sphere.
+ */
+
+struct weighted_normal {
+	struct v3 normal;
+	float weight;
+};
+
+struct normal_box {
+	struct v3 low, high, sum;
+	uint32_t from, to; /* normals in it */
+	uint32_t next;	   /* the box after all boxes in it */
+};
+
+#define LEAF 8
+
+static float axis_of(struct v3 v, int axis)
+{
+	return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+}
+
+static struct normal_box box_around(const struct weighted_normal *all, uint32_t from, uint32_t to)
+{
+	struct normal_box box = {.low = {INFINITY, INFINITY, INFINITY},
+				 .high = {-INFINITY, -INFINITY, -INFINITY},
+				 .from = from,
+				 .to = to};
+
+	for (uint32_t k = from; k < to; k++) {
+		const struct v3 n = all[k].normal;
+
+		box.low = v3_make(fminf(box.low.x, n.x), fminf(box.low.y, n.y),
+				  fminf(box.low.z, n.z));
+		box.high = v3_make(fmaxf(box.high.x, n.x), fmaxf(box.high.y, n.y),
+				   fmaxf(box.high.z, n.z));
+		box.sum = v3_mad(box.sum, all[k].weight, n);
+	}
+	return box;
+}
+
+/* Puts the normals of the lower half of a box before those of the upper half. Returns where these
+ * begin. */
+static uint32_t box_split(const struct normal_box *box, struct weighted_normal *all)
+{
+	const struct v3 size = v3_sub(box->high, box->low);
+	const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+	const float low = axis_of(box->low, axis), high = axis_of(box->high, axis);
+	const float half = low / 2 + high / 2 < high ? low / 2 + high / 2 : low;
+	uint32_t upper = box->from;
+
+	if (!(low < high))
+		return box->to;
+	for (uint32_t k = box->from; k < box->to; k++) {
+		const struct weighted_normal n = all[k];
+
+		if (axis_of(n.normal, axis) <= half) {
+			all[k] = all[upper];
+			all[upper++] = n;
+		}
+	}
+	return upper;
+}
+
+/* Adds the boxes of a range, a box before those in it. The depth is bounded: each axis can be
+ * halved as often as a float has values. */
+static uint32_t boxes_add(struct normal_box *boxes, uint32_t at, struct weighted_normal *all,
+			  uint32_t from, uint32_t to)
+{
+	uint32_t upper, next = at + 1;
+
+	boxes[at] = box_around(all, from, to);
+	upper = to - from > LEAF ? box_split(&boxes[at], all) : to;
+	if (upper > from && upper < to) {
+		next = boxes_add(boxes, next, all, from, upper);
+		next = boxes_add(boxes, next, all, upper, to);
+	}
+	return boxes[at].next = next;
+}
+
+/* boxes: room for 2 count - 1. Reorders the normals. Returns how many boxes there are. */
+static uint32_t normal_sums_begin(struct normal_box *boxes, struct weighted_normal *all,
+				  uint32_t count)
+{
+	return boxes_add(boxes, 0, all, 0, count);
+}
+
+/* Sum of weight * normal over those whose cosine to a direction is at least a bound. */
+static struct v3 normal_sums_around(const struct normal_box *boxes, uint32_t box_count,
+				    const struct weighted_normal *all, struct v3 d, float bound)
+{
+	struct v3 sum = {0, 0, 0};
+
+	for (uint32_t b = 0; b < box_count;) {
+		const struct normal_box *box = &boxes[b];
+		const struct v3 low = box->low, high = box->high;
+		const struct v3 near = v3_make(d.x > 0 ? high.x : low.x, d.y > 0 ? high.y : low.y,
+					       d.z > 0 ? high.z : low.z);
+		const struct v3 far = v3_make(d.x > 0 ? low.x : high.x, d.y > 0 ? low.y : high.y,
+					      d.z > 0 ? low.z : high.z);
+		const bool leaf = box->next == b + 1;
+
+		if (!(v3_dot(d, near) >= bound)) { /* also where a direction is none */
+			b = box->next;
+		} else if (v3_dot(d, far) >= bound) {
+			sum = v3_add(sum, box->sum);
+			b = box->next;
+		} else {
+			for (uint32_t k = box->from; k < box->to && leaf; k++)
+				if (v3_dot(d, all[k].normal) >= bound)
+					sum = v3_mad(sum, all[k].weight, all[k].normal);
+			b++;
+		}
+	}
+	return sum;
+}
 
 /* A vertex by its position, for sorting. */
 struct vertex_place {
@@ -135,8 +256,7 @@ static struct v3 normal_of_sum(struct v3 sum, struct v3 own)
 	return v3_length(sum) > CREASE_SLACK ? v3_unit(sum) : own;
 }
 
-/* Computes the normals of all corners of a place: each pair of them is compared. */
-static void smooth_place(struct smoother *s, const uint32_t *list, uint32_t count)
+static void smooth_few(struct smoother *s, const uint32_t *list, uint32_t count)
 {
 	for (uint32_t c = 0; c < count; c++) {
 		const struct v3 own = s->face[list[c] / 3];
@@ -150,6 +270,47 @@ static void smooth_place(struct smoother *s, const uint32_t *list, uint32_t coun
 		}
 		s->smooth[list[c]] = normal_of_sum(sum, own);
 	}
+}
+
+static int smooth_many(struct smoother *s, const uint32_t *list, uint32_t count)
+{
+	struct weighted_normal *all = malloc(count * sizeof(*all));
+	struct normal_box *boxes = malloc(2 * (size_t)count * sizeof(*boxes));
+	const int err = all && boxes ? 0 : -ENOMEM;
+	uint32_t box_count;
+
+	if (!err) {
+		for (uint32_t c = 0; c < count; c++)
+			all[c] = (struct weighted_normal){s->face[list[c] / 3], s->angle[list[c]]};
+		box_count = normal_sums_begin(boxes, all, count);
+		for (uint32_t c = 0; c < count; c++) {
+			const struct v3 own = s->face[list[c] / 3];
+			const struct v3 sum = normal_sums_around(boxes, box_count, all, own,
+								 s->cos_crease - CREASE_SLACK);
+
+			s->smooth[list[c]] = normal_of_sum(sum, own);
+		}
+	}
+	free(all);
+	free(boxes);
+	return err;
+}
+
+/* Computes the normals of all corners, place by place. */
+static int smooth_corners(struct smoother *s)
+{
+	int err = 0;
+
+	for (uint32_t p = 0; p < s->places && !err; p++) {
+		const uint32_t *list = s->list + s->first[p];
+		const uint32_t count = s->first[p + 1] - s->first[p];
+
+		if (count > FEW)
+			err = smooth_many(s, list, count);
+		else
+			smooth_few(s, list, count);
+	}
+	return err;
 }
 
 /* Returns the new vertex of an old one that has this normal, made when there is none. */
@@ -261,11 +422,10 @@ int mesh_smooth(struct mesh_part *part, double crease_deg)
 		measure_triangles(&s);
 		err = list_corners(&s);
 	}
-	if (!err) {
-		for (uint32_t p = 0; p < s.places; p++)
-			smooth_place(&s, s.list + s.first[p], s.first[p + 1] - s.first[p]);
+	if (!err)
+		err = smooth_corners(&s);
+	if (!err)
 		err = split_vertices(&s);
-	}
 	free(s.face);
 	free(s.angle);
 	free(s.at);

@@ -2,7 +2,7 @@
 /* Any bytes as an OBJ and, behind the first NUL, its library: read, or refused in a sentence.
  *
  * reaches: obj.c:obj_corner obj.c:obj_miss obj.c:obj_colour mtl.c:mtl_make mtl.c:map_take_option
- * ears.c:ears_cut_all mesh_normals.c:smooth_place text.c:text_append textures.c:textures_take
+ * ears.c:ears_cut_all mesh_normals.c:normal_sums_around text.c:text_append textures.c:textures_take
  * beside.c:append_any_case
  */
 #include <stdbool.h>

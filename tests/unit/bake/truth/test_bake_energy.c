@@ -446,8 +446,6 @@ TEST("standin hides")
 
 /* ---- the whole against another code path ---- */
 
-/* A panorama that is constant over each cell, so that cells approximate nothing: bake and truth
- * must agree to their noise. */
 /* Makes a panorama of light that is constant over each cell, so that cells approximate nothing. */
 static void make_cells(const struct panorama *panorama, const struct dome *dome,
 		       const double *light, struct image *image)
@@ -473,16 +471,14 @@ TEST("truth of metal has no noise")
 	struct image image, grey, out;
 	const struct panorama panorama = {.image = &image, .scale = 1};
 	struct fault fault = {.text = ""};
+	const double light[6] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
 	struct truth_report report;
 	struct scene *scene;
 	struct dome dome;
 	struct sky sky;
-	double light[64];
 	int strays = 0;
 
-	assert_int_equal(dome_create(&dome, 2, &fault), 0);
-	for (int i = 0; i < dome.count; i++)
-		light[i] = 0.5;
+	assert_int_equal(dome_create(&dome, 1, &fault), 0);
 	make_cells(&panorama, &dome, light, &image);
 	assert_int_equal(image_create_f32(&grey, 16, 16), 0);
 	small_scene_write_sphere("ball.obj", 1, 64);
@@ -496,7 +492,6 @@ TEST("truth of metal has no noise")
 	assert_int_equal(truth_run(scene, &sky, &grey, &settings, &out, &report, &fault), 0);
 	for (int k = 0; k < 3 * 16 * 16; k++)
 		strays += fabs((double)out.f32[k] - 0.5) > 0.05;
-	print_message("# %d of 768 values are off\n", strays);
 	assert_true(strays < 40); /* microfacets in the far tail */
 	scene_close(scene);
 	sky_free(&sky);
