@@ -156,7 +156,7 @@ static int rim_conclude(struct fisheye_result *result, const struct rim *rim,
 	struct lens_knowledge *knowledge = &result->knowledge;
 	struct least_squares_fit found = {.covariance = NULL};
 	const double rim_rad = rim_deg * (M_PI / 180);
-	int err = ellipse_fit(rim, ellipse, &found, fault);
+	int err = ellipse_known(rim, ellipse, &found, fault);
 
 	if (err && err != -ENOMEM) {
 		verdict_doubt(&finding->verdict, "take the picture under an even, bright sky",

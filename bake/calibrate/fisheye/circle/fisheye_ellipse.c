@@ -17,6 +17,7 @@
  * larger outwards or inwards than sideways. */
 #define TOGETHER_CENTRE_PX 0.01
 #define TOGETHER_AXES_PX 0.04 /* the largest error of a blurred picture in test_fisheye_circle.c */
+#define SECTORS 24	      /* errors are correlated within a sector */
 
 enum { CENTRE = ELLIPSE_CENTRE, AXES = ELLIPSE_AXES, NUMBERS = ELLIPSE_NUMBERS };
 
@@ -113,8 +114,8 @@ static bool ellipse_evaluate(void *context, const double *x, double *residual)
 	return true;
 }
 
-int ellipse_fit(const struct rim *rim, double ellipse[NUMBERS], struct least_squares_fit *found,
-		struct fault *fault)
+static int ellipse_fit(const struct rim *rim, double ellipse[NUMBERS],
+		       struct least_squares_fit *found, struct fault *fault)
 {
 	static const double scale[NUMBERS] = {1, 1, 1, 1};
 	const struct least_squares problem = {
@@ -127,11 +128,70 @@ int ellipse_fit(const struct rim *rim, double ellipse[NUMBERS], struct least_squ
 		.group = 1,
 	};
 
-	const int err = least_squares_solve(&problem, ellipse, found, fault);
+	return least_squares_solve(&problem, ellipse, found, fault);
+}
 
-	for (int i = 0; i < NUMBERS && !err; i++)
+/* Copies the rim without one sector; returns how many edges that leaves out. */
+static int ellipse_without(struct rim *part, const struct rim *rim, const double ellipse[NUMBERS],
+			   int sector)
+{
+	part->count = 0;
+	for (int n = 0; n < rim->count; n++)
+		if ((int)(ellipse_turn(ellipse, rim->edge[n].px) * (SECTORS / (2 * M_PI))) %
+			    SECTORS !=
+		    sector)
+			part->edge[part->count++] = rim->edge[n];
+	return rim->count - part->count;
+}
+
+/* Jackknife: adds the covariance from leaving out one sector after the other. */
+static int leave_out(const struct rim *rim, const double ellipse[NUMBERS], double *covariance)
+{
+	struct rim part = {.edge = calloc((size_t)rim->count, sizeof(*part.edge))};
+	double moved[SECTORS][NUMBERS], mean[NUMBERS] = {0};
+	int sectors = 0, err = part.edge ? 0 : -ENOMEM;
+
+	for (int k = 0; !err && k < SECTORS; k++) {
+		struct least_squares_fit found = {.covariance = NULL};
+		struct fault ignored;
+
+		if (!ellipse_without(&part, rim, ellipse, k))
+			continue;
+		memcpy(moved[sectors], ellipse, sizeof(moved[sectors]));
+		err = ellipse_fit(&part, moved[sectors], &found, &ignored);
+		least_squares_free(&found);
+		for (int i = 0; i < NUMBERS; i++)
+			mean[i] += moved[sectors][i];
+		sectors++;
+	}
+	free(part.edge);
+	if (err || sectors <= NUMBERS)
+		return err ? err : -ERANGE;
+	for (int k = 0; k < sectors; k++)
+		for (int i = 0; i < NUMBERS; i++)
+			for (int j = 0; j < NUMBERS; j++)
+				covariance[i * NUMBERS + j] += (moved[k][i] - mean[i] / sectors) *
+							       (moved[k][j] - mean[j] / sectors) *
+							       (sectors - 1) / sectors;
+	return 0;
+}
+
+int ellipse_known(const struct rim *rim, double ellipse[NUMBERS], struct least_squares_fit *found,
+		  struct fault *fault)
+{
+	const int err = ellipse_fit(rim, ellipse, found, fault);
+	double covariance[NUMBERS * NUMBERS] = {0};
+
+	if (err)
+		return err;
+	/* With too few sectors, the covariance of single edges must do. */
+	if (leave_out(rim, ellipse, covariance) == -ENOMEM)
+		return fault_say(fault, -ENOMEM, "out of memory");
+	for (int k = 0; k < NUMBERS * NUMBERS; k++)
+		found->covariance[k] += covariance[k];
+	for (int i = 0; i < NUMBERS; i++)
 		found->covariance[i * NUMBERS + i] +=
 			i < AXES ? TOGETHER_CENTRE_PX * TOGETHER_CENTRE_PX
 				 : TOGETHER_AXES_PX * TOGETHER_AXES_PX;
-	return err;
+	return 0;
 }

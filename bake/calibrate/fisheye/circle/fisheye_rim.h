@@ -50,9 +50,10 @@ double ellipse_turn(const double ellipse[ELLIPSE_NUMBERS], const double px[2]);
  * returns how many do. */
 int ellipse_search(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS]);
 
-/* Least-squares fit to the edges, from a first guess, with a covariance that has what is common to
- * all edges. Residuals are distances, px. Returns what least_squares_solve() returns. */
-int ellipse_fit(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS],
-		struct least_squares_fit *found, struct fault *fault);
+/* Least-squares fit to the edges, from a first guess, with a covariance that does not treat the
+ * errors of neighbouring edges as independent: their causes, a skyline or glare, extend along the
+ * rim. Residuals are distances, px. Returns what least_squares_solve() returns. */
+int ellipse_known(const struct rim *rim, double ellipse[ELLIPSE_NUMBERS],
+		  struct least_squares_fit *found, struct fault *fault);
 
 #endif
