@@ -35,26 +35,36 @@ static int find_axes(const double (*place)[3], int count, struct view_shape *sha
 {
 	const int rows = count > 3 ? count : 3;
 	double *a = calloc(3 * (size_t)rows, sizeof(*a));
-	double v[9], spread[3], squares = 0;
-	int err;
+	double r[9], v[9], spread[3], squares = 0;
+	int order[3] = {0, 1, 2};
 
 	if (!a)
 		return -ENOMEM;
 	for (int i = 0; i < count; i++)
 		for (int k = 0; k < 3; k++)
 			a[k * rows + i] = place[i][k];
-	err = linear_decompose(a, rows, 3, spread, v);
+	linear_triangulate(a, rows, 3, 3, r);
 	free(a);
-	if (err)
-		return err;
-	for (int k = 0; k < 3; k++)
+	linear_diagonalize(r, v, 3);
+	for (int k = 0; k < 3; k++) {
+		spread[k] = vec_length(r + 3 * k);
 		squares += spread[k] * spread[k];
-	memcpy(shape->axes, v, 6 * sizeof(*v));
+	}
+	for (int i = 0; i < 2; i++)
+		for (int j = i + 1; j < 3; j++)
+			if (spread[order[j]] > spread[order[i]]) {
+				const int swap = order[i];
+
+				order[i] = order[j];
+				order[j] = swap;
+			}
+	for (int i = 0; i < 2; i++)
+		memcpy(shape->axes + 3 * i, v + 3 * order[i], 3 * sizeof(*v));
 	vec_cross(shape->axes, shape->axes + 3, shape->axes + 6);
 	shape->size = squares > 0 ? sqrt(squares / count) : 1;
-	if (spread[0] > 0) {
-		shape->across = spread[1] / spread[0];
-		shape->out = spread[2] / spread[0];
+	if (spread[order[0]] > 0) {
+		shape->across = spread[order[1]] / spread[order[0]];
+		shape->out = spread[order[2]] / spread[order[0]];
 	}
 	return 0;
 }

@@ -109,38 +109,35 @@ static void clear_view(struct clearing *work, int view, int *column, struct by_v
 	found->views += !lone;
 }
 
-/* Adds z' of one view to Z. room: [2 shared + 2][shared]. -ENOMEM. */
-static int add_pull(const struct clearing *work, int view, int shared, double *room, double *z)
+/* Adds z' of one view to Z. room: [2 shared + 1][shared]. */
+static void add_pull(const struct clearing *work, int view, int shared, double *room, double *z)
 {
 	const int first = first_row(work->task, view), end = first_row(work->task, view + 1);
 	const double *residual = work->cleared + (size_t)shared * (size_t)work->task->rows;
 	double *leverage = room, *v = room + shared * shared, *pull = v + shared * shared;
-	double *own = pull + shared;
-	int err;
 
 	for (int a = 0; a < shared; a++)
 		for (int b = 0; b < shared; b++)
 			leverage[a * shared + b] = product(basis_at(&work->lens, a) + first,
 							   basis_at(&work->lens, b) + first,
 							   end - first);
-	err = linear_decompose(leverage, shared, shared, own, v);
-	if (err)
-		return err;
+	linear_diagonalize(leverage, v, shared);
 	memset(pull, 0, (size_t)shared * sizeof(*pull));
 	for (int k = 0; k < shared; k++) {
 		const double *direction = v + k * shared;
+		const double own =
+			sqrt(product(leverage + k * shared, leverage + k * shared, shared));
 		double along = 0;
 
 		for (int a = 0; a < shared; a++)
 			along += direction[a] * product(basis_at(&work->lens, a) + first,
 							residual + first, end - first);
 		for (int a = 0; a < shared; a++)
-			pull[a] += direction[a] * along / sqrt(fmax(1 - own[k], LONE));
+			pull[a] += direction[a] * along / sqrt(fmax(1 - own, LONE));
 	}
 	for (int a = 0; a < shared; a++)
 		for (int b = 0; b < shared; b++)
 			z[a * shared + b] += pull[a] * pull[b];
-	return 0;
 }
 
 /* Shrinks Z towards its diagonal, and where there are no more views than unknowns the diagonal
@@ -173,11 +170,11 @@ static void shrink(struct by_view *found, double *z, const double *r)
 		}
 }
 
-/* Finds Q and R of the shared columns, then Z. -ENOMEM. */
-static int find_scatter(struct clearing *work, double *room, struct by_view *found)
+/* Finds Q and R of the shared columns, then Z. */
+static void find_scatter(struct clearing *work, double *room, struct by_view *found)
 {
 	const int shared = found->shared;
-	double *z = room + (2 * shared + 2) * shared;
+	double *z = room + (2 * shared + 1) * shared;
 
 	for (int k = 0; k < shared; k++) {
 		const double length =
@@ -186,18 +183,13 @@ static int find_scatter(struct clearing *work, double *room, struct by_view *fou
 
 		if (!(length > 0)) {
 			found->views = 0;
-			return 0;
+			return;
 		}
 		work->r[k * shared + k] = length;
 	}
-	for (int v = 0; v < work->task->layout->views; v++) {
-		const int err = add_pull(work, v, shared, room, z);
-
-		if (err)
-			return err;
-	}
+	for (int v = 0; v < work->task->layout->views; v++)
+		add_pull(work, v, shared, room, z);
 	shrink(found, z, work->r);
-	return 0;
 }
 
 /* Counts the shared columns; returns the longest view's rows. */
@@ -236,7 +228,7 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 	work.lens.rows = task->rows;
 	work.r = calloc(n * n, sizeof(double));
 	found->excess = calloc(n * n, sizeof(double));
-	room = calloc((3 * n + 2) * n, sizeof(double));
+	room = calloc((3 * n + 1) * n, sizeof(double));
 	if (work.cleared && work.of_view.column && work.lens.column && work.r && found->excess &&
 	    room) {
 		err = 0;
@@ -246,7 +238,7 @@ int by_view_find(const struct by_view_task *task, struct by_view *found)
 		for (int v = 0; v < task->layout->views; v++)
 			clear_view(&work, v, &column, found);
 		if (found->views > 1)
-			err = find_scatter(&work, room, found);
+			find_scatter(&work, room, found);
 	}
 	free(work.cleared);
 	free(work.of_view.column);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Small dense linear systems by singular values (LAPACK). Matrices are column-major,
- * a[column][row]; the functions overwrite them.
+ * Small dense linear systems by QR and singular values. Matrices are column-major, a[column][row];
+ * the functions overwrite them.
  */
 #ifndef INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H
 #define INLAY_BAKE_CALIBRATE_ESTIMATE_LINEAR_H
@@ -9,10 +9,21 @@
 #define LINEAR_SMALL_MAX 12 /* most columns of linear_solve() and linear_null() */
 
 /*
- * Singular value decomposition of a[columns][rows], rows >= columns: singular[columns] falls,
- * v[columns][columns] receives the right vectors, one after the other. -ENOMEM.
+ * QR by Householder reflections: the first kept columns become triangular, the others are
+ * transformed too. r[columns][kept] receives the first kept rows of Q^T A. rows >= kept.
  */
-int linear_decompose(double *a, int rows, int columns, double *singular, double *v);
+void linear_triangulate(double *a, int rows, int columns, int kept, double *r);
+
+/*
+ * Singular value decomposition of r[n][n] by one-sided Jacobi rotations:
+ *     R V = U S
+ * r becomes U S, so the lengths of its columns are the singular values; v[n][n] becomes V.
+ */
+void linear_diagonalize(double *r, double *v, int n);
+
+/* Scales columns to unit length. length[columns] receives the old lengths, 1 for columns of
+ * zeros. */
+void linear_scale(double *a, int rows, int columns, double *length);
 
 /*
  * Linear least squares: x[columns] minimises |A x - b|, where b is the column of a after the last.
@@ -28,8 +39,9 @@ double linear_solve(double *a, int rows, int columns, double *x);
 double linear_null(double *a, int rows, int columns, double *x);
 
 /*
- * (J^T J)^-1 without forming J^T J, which would halve the digits: singular values of J, its columns
- * scaled to unit length.
+ * (J^T J)^-1 without forming J^T J, which would halve the digits: columns are scaled to unit
+ * length, then QR by Householder reflections, then singular values of R by one-sided Jacobi
+ * rotations.
  */
 
 struct covariance_task {
