@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -10,7 +11,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "hal/base/log.h"
 #include "hal/base/output.h"
+
+#define TEMPORARY ".part-XXXXXX"
 
 /* ---- folders ---- */
 
@@ -26,8 +30,7 @@ static bool is_report_file(const char *name)
 	return false;
 }
 
-/* Removes the files of a report, and the folder if nothing else is in it. */
-static void remove_report(const char *folder)
+static void remove_report_folder(const char *folder)
 {
 	DIR *dir = opendir(folder);
 	const struct dirent *entry;
@@ -38,7 +41,8 @@ static void remove_report(const char *folder)
 		if (is_report_file(entry->d_name))
 			unlinkat(dirfd(dir), entry->d_name, 0);
 	closedir(dir);
-	rmdir(folder);
+	if (rmdir(folder))
+		log_warning("%s is left: it holds files that are no report's", folder);
 }
 
 /* 0 if the folder is missing, empty or an earlier report. */
@@ -70,58 +74,50 @@ static int check_report_folder(const char *folder, struct fault *fault)
 void report_page_path(const struct report_page *page, const char *name, const char *ending,
 		      char path[REPORT_PATH_MAX])
 {
-	snprintf(path, REPORT_PATH_MAX, "%s/%s%s", page->folder, name, ending);
+	snprintf(path, REPORT_PATH_MAX, "%s/%s%s", page->temporary, name, ending);
 }
 
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault)
 {
-	char path[REPORT_PATH_MAX];
-	FILE *mark;
+	size_t length = strlen(folder);
 	int err;
 
 	*page = (struct report_page){.body = NULL};
-	if (strlen(folder) >= sizeof(page->folder))
-		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
-	err = check_report_folder(folder, fault);
+	while (length > 1 && folder[length - 1] == '/')
+		length--;
+	snprintf(page->folder, sizeof(page->folder), "%.*s", (int)length, folder);
+	err = check_report_folder(page->folder, fault);
 	if (err)
 		return err;
-	snprintf(page->folder, sizeof(page->folder), "%s", folder);
-	remove_report(folder);
-	if (mkdir(folder, 0777) && errno != EEXIST) {
-		err = -errno;
-		page->folder[0] = '\0';
-		return fault_say(fault, err, "%s: %s", folder, strerror(-err));
+	if (snprintf(page->temporary, sizeof(page->temporary), "%s" TEMPORARY, page->folder) >=
+	    (int)sizeof(page->temporary)) {
+		page->temporary[0] = '\0';
+		return fault_say(fault, -ENAMETOOLONG, "%s: the name is too long", folder);
 	}
-	/* a report that is cut off is known for one by the next */
-	report_page_path(page, REPORT_PAGE_NAME, "", path);
-	mark = fopen(path, "w");
-	if (!mark)
-		err = fault_say(fault, -errno, "%s: %s", path, strerror(errno));
-	else
-		fclose(mark);
+	if (!mkdtemp(page->temporary)) {
+		err = -errno;
+		page->temporary[0] = '\0';
+		return fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
+	}
+	chmod(page->temporary, 0755);
 	page->body = open_memstream(&page->text, &page->bytes);
-	if (!err && !page->body)
-		err = fault_say(fault, -ENOMEM, "not enough memory");
-	if (err)
+	if (!page->body) {
 		report_page_abandon(page);
-	return err;
+		return fault_say(fault, -ENOMEM, "not enough memory");
+	}
+	return 0;
 }
 
-static void page_close(struct report_page *page)
+void report_page_abandon(struct report_page *page)
 {
 	if (page->body)
 		fclose(page->body);
 	page->body = NULL;
 	free(page->text);
 	page->text = NULL;
-	page->folder[0] = '\0';
-}
-
-void report_page_abandon(struct report_page *page)
-{
-	if (page->folder[0])
-		remove_report(page->folder);
-	page_close(page);
+	if (page->temporary[0])
+		remove_report_folder(page->temporary);
+	page->temporary[0] = '\0';
 }
 
 /* ---- parts ---- */
@@ -318,12 +314,30 @@ static int write_page(struct report_page *page, const char *title, struct fault 
 	return err;
 }
 
+/* Renames the new folder to its place. An earlier report is exchanged with it atomically: its files
+ * then have the temporary name, and report_page_abandon() removes them. */
+static int take_place(struct report_page *page)
+{
+	if (!rename(page->temporary, page->folder)) {
+		page->temporary[0] = '\0';
+		return 0;
+	}
+	if (errno != ENOTEMPTY && errno != EEXIST)
+		return -errno;
+	if (renameat2(AT_FDCWD, page->temporary, AT_FDCWD, page->folder, RENAME_EXCHANGE))
+		return -errno;
+	return 0;
+}
+
 int report_page_commit(struct report_page *page, const char *title, struct fault *fault)
 {
-	const int err = write_page(page, title, fault);
+	int err = write_page(page, title, fault);
 
-	if (err)
-		report_page_abandon(page);
-	page_close(page);
+	if (!err) {
+		err = take_place(page);
+		if (err)
+			fault_say(fault, err, "%s: %s", page->folder, strerror(-err));
+	}
+	report_page_abandon(page);
 	return err;
 }

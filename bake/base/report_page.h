@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A report: a folder with one HTML page, and its tables and pictures as files. The page is empty
- * until the report is complete.
+ * A report: a folder with one HTML page, and its tables and pictures as files. Everything is
+ * written to a temporary folder beside the one asked for, which takes its place when the report is
+ * complete: a report that fails leaves an earlier one as it is.
  */
 #ifndef INLAY_BAKE_BASE_REPORT_PAGE_H
 #define INLAY_BAKE_BASE_REPORT_PAGE_H
@@ -17,14 +18,16 @@
 #define REPORT_PATH_MAX (2 * PATH_MAX)
 
 struct report_page {
-	char folder[PATH_MAX]; /* empty: no report is open */
+	char folder[PATH_MAX]; /* as asked for */
+	/* where files are written until the commit; empty: no report is open */
+	char temporary[PATH_MAX];
 	FILE *body;
 	char *text; /* what is written to body */
 	size_t bytes;
 };
 
-/* Begins a report, in place of an earlier one. -EEXIST: the folder holds files and no earlier
- * report; or -errno of creating it. */
+/* Begins a report. -EEXIST: the folder holds files and no earlier report; or -errno of creating the
+ * temporary folder. */
 int report_page_open(struct report_page *page, const char *folder, struct fault *fault);
 
 /* Write an HTML heading, paragraph or text. The text is escaped. */
@@ -42,7 +45,8 @@ void report_page_path(const struct report_page *page, const char *name, const ch
 		      char path[REPORT_PATH_MAX]);
 void report_page_show(struct report_page *page, const char *name, const char *caption);
 
-/* Writes the page. The report is closed in any case, and removed after a failure. */
+/* Writes the page and moves the folder to its place; the files of an earlier report are removed.
+ * The report is closed in any case. */
 int report_page_commit(struct report_page *page, const char *title, struct fault *fault);
 
 /* Removes what is not committed. Idempotent; zeroed is fine. */

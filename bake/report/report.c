@@ -150,7 +150,7 @@ static int make_bakes(struct report *r)
 	for (int k = 0; !err && k < r->bakes; k++) {
 		say_step(r, "bake %d of %d: %s", k + 1, r->bakes, r->bake[k].name);
 		err = report_bake_make(&r->bake[k], r->scene, &r->bake[0], &r->stage,
-				       r->page.folder, r->fault);
+				       r->page.temporary, r->fault);
 	}
 	return err;
 }

@@ -23,7 +23,7 @@ equal "each dome up to --frequency is tried" "1 2" "$(tail -n +2 "$out/settings.
 	sed 's/^"[^"]*"//' | cut -d, -f3 | sort -nu | xargs)"
 equal "a picture of each surrounding" 3 "$(find "$out" -name 'picture-*.png' | wc -l)"
 equal "nothing else is left" "" "$(find "$out" -type f ! -name '*.csv' \
-	! -name '*.png' ! -name report.html)"
+	! -name '*.png' ! -name report.html; find "$work" -maxdepth 1 -name 'report.part*')"
 
 # Other domes that it tries have no finer parts: 6 is no multiple of the frequencies of all of them.
 # The box is metal.

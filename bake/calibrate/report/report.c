@@ -73,7 +73,7 @@ int calibration_report_write(const char *folder, const struct finding *finding,
 		write_summary(&shown);
 		err = write_sections(&shown, fault);
 		if (!err)
-			err = report_json_write(&shown, page.folder, fault);
+			err = report_json_write(&shown, page.temporary, fault);
 		shown_free(&shown);
 	}
 	snprintf(title, sizeof(title), "Calibration of the %s", finding->what);

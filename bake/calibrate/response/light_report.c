@@ -25,7 +25,7 @@ static void begin_page(struct light_page *r, const char *folder, const char *wha
 	r->err = report_page_open(&r->page, folder, fault);
 	if (r->err)
 		return;
-	snprintf(path, sizeof(path), "%s/light.json", r->page.folder);
+	snprintf(path, sizeof(path), "%s/light.json", r->page.temporary);
 	r->file = fopen(path, "w");
 	if (!r->file) {
 		r->err = -errno;

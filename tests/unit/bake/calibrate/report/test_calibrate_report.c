@@ -450,6 +450,12 @@ TEST("refused")
 	assert_string_equal(fault.text,
 			    "board<0>&.png: a picture of 64 x 48, expected 8 bits and 640 x 480");
 	assert_int_equal(access(own_folder_path("none"), F_OK), -1);
+	/* an earlier report stays */
+	assert_int_equal(calibration_report_write(own_folder_path("kept"), &f, NULL, &fault), 0);
+	assert_int_equal(calibration_report_write(own_folder_path("kept"), &f, pictures, &fault),
+			 -EINVAL);
+	assert_int_equal(files("kept", "report.html"), 1);
+	take_away("kept");
 	assert_int_equal(mkdir(own_folder_path("full"), 0755), 0);
 	file = fopen(own_folder_path("full/letter.txt"), "w");
 	assert_non_null(file);
